@@ -1,0 +1,215 @@
+//! Stage 1: a robot description becomes a validated [`Model`].
+//!
+//! A `Model` that exists is correct: names are distinct Rust identifiers, the links form one tree whose parents stand
+//! before their children, axes have unit length, inertias are physical, limits are ordered, numbers are finite.
+//! Later stages need no checks.
+
+use crate::formula::Formula;
+
+/// A robot: one tree of links, its drives, force laws and named frames.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Model {
+    /// Name of the generated module; a Rust identifier in snake case.
+    pub name: String,
+    /// Free text of the author, one line per entry; shown escaped in documentation.
+    pub description: Vec<String>,
+    /// Gravitational acceleration in the base frame [m/s²].
+    pub gravity: [Formula; 3],
+    /// Free parameters, in the order of their description.
+    pub parameters: Vec<Parameter>,
+    /// All links; `links[0]` is the base, every parent stands before its children.
+    pub links: Vec<Link>,
+    /// Link indices of the moving joints, in the order of the coordinates: coordinate `i` moves `links[coordinates[i]]`.
+    pub coordinates: Vec<usize>,
+    /// The inputs u in their order.
+    pub drives: Vec<Drive>,
+    /// Named frames.
+    pub frames: Vec<Frame>,
+    /// What the description asks the generator to do.
+    pub options: Options,
+}
+
+/// A free parameter: a field of the generated `Parameters`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// A Rust identifier.
+    pub name: String,
+    /// The described value.
+    pub default: f64,
+    /// Unit as text, empty where unknown.
+    pub unit: String,
+    /// One line of meaning, may be empty.
+    pub description: String,
+}
+
+/// A link and the joint that carries it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Link {
+    /// Name in the description.
+    pub name: String,
+    /// The joint to the parent; `None` for the base alone.
+    pub joint: Option<Joint>,
+    /// Rigid bodies fixed to this link; lumped by the kinematics stage.
+    pub bodies: Vec<Body>,
+}
+
+/// A rigid body fixed to a link.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Body {
+    /// Name in the description.
+    pub name: String,
+    /// Mass [kg].
+    pub mass: Formula,
+    /// Centre of mass in the link's frame [m].
+    pub center_of_mass: [Formula; 3],
+    /// Inertia about the centre of mass, axes of the link's frame: xx, xy, xz, yy, yz, zz [kg m²].
+    pub inertia: [Formula; 6],
+}
+
+/// A joint between a parent link and the link that carries it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joint {
+    /// A Rust identifier; the coordinate's name.
+    pub name: String,
+    /// Index of the parent link.
+    pub parent: usize,
+    /// What motion it allows.
+    pub kind: JointKind,
+    /// Pose of the joint frame in the parent link's frame; the link's frame coincides with it at position 0.
+    pub origin: Pose,
+    /// Axis in the joint frame, unit length.
+    pub axis: [f64; 3],
+    /// Whether it moves, and as which coordinate.
+    pub motion: Motion,
+    /// Limits on position, speed and force.
+    pub limits: Limits,
+    /// Forces of springs and dampers on this joint as functions of y and v [N m or N]; they add to q.
+    pub springs: Vec<Formula>,
+    /// Friction torque τ(v) = Σ coefficient · basis, positive for positive velocity; it is subtracted from q.
+    pub friction: Vec<FrictionTerm>,
+}
+
+/// Type of a joint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum JointKind {
+    /// No motion.
+    Fixed,
+    /// Rotation about the axis.
+    Revolute,
+    /// Rotation about the axis without position limits.
+    Continuous,
+    /// Translation along the axis.
+    Prismatic,
+}
+
+/// Whether a joint is a coordinate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Motion {
+    /// A fixed joint.
+    Fixed,
+    /// Held at this position [rad or m].
+    Held(f64),
+    /// Coordinate with this index.
+    Coordinate(usize),
+}
+
+/// Limits of a joint; `None` where the description gives none.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Limits {
+    /// Lowest and highest position [rad or m].
+    pub position: Option<[f64; 2]>,
+    /// Highest speed [rad/s or m/s].
+    pub velocity: Option<f64>,
+    /// Nominal force at the joint [N m or N].
+    pub effort: Option<f64>,
+    /// Peak force at the joint [N m or N].
+    pub peak_effort: Option<f64>,
+}
+
+/// One term of a friction law, linear in its coefficient.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrictionTerm {
+    /// Factor; depends on parameters only.
+    pub coefficient: Formula,
+    /// Function of the joint's velocity `v` (and position `y` where described so).
+    pub basis: Formula,
+}
+
+/// A drive: one input, acting on one coordinate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drive {
+    /// A Rust identifier; the input's name.
+    pub name: String,
+    /// Coordinate that it moves; `None` where that joint is held: no input then, but its rotor stays on the carrier.
+    pub coordinate: Option<usize>,
+    /// Gear ratio i: motor angle over joint angle.
+    pub gear_ratio: Formula,
+    /// Axial inertia J_R of the rotor [kg m²].
+    pub rotor_inertia: Formula,
+    /// Link that carries the rotor.
+    pub carrier: usize,
+    /// Rotor axis in the carrier link's frame, unit length.
+    pub axis: [f64; 3],
+    /// How the rotor enters M.
+    pub coupling: RotorCoupling,
+    /// What the input is.
+    pub input: Input,
+    /// Limits of the input's torque at the motor [N m].
+    pub torque: MotorTorque,
+}
+
+/// Nominal and peak torque of a motor [N m], `None` where not described.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct MotorTorque {
+    /// What it bears continuously.
+    pub nominal: Option<f64>,
+    /// What it bears for a short time.
+    pub peak: Option<f64>,
+}
+
+/// How the rotor enters the equations of motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RotorCoupling {
+    /// A body carried by its link: diagonal i² J_R and the coupling terms.
+    Body,
+    /// Only i² J_R on the diagonal.
+    Diagonal,
+}
+
+/// What an input is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Input {
+    /// Motor torque [N m]; the input matrix holds the gear ratio.
+    Torque,
+    /// Motor current [A]; the input matrix holds gear ratio times motor constant K_M [N m/A].
+    Current(Formula),
+}
+
+/// A named frame fixed to a link.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frame {
+    /// A Rust identifier.
+    pub name: String,
+    /// Link that carries it.
+    pub link: usize,
+    /// Its pose in that link's frame.
+    pub pose: Pose,
+}
+
+/// Position and orientation of a frame in another one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pose {
+    /// Origin [m].
+    pub translation: [Formula; 3],
+    /// Rotation matrix, rows first; its columns are the frame's axes.
+    pub rotation: [[f64; 3]; 3],
+}
+
+/// What the description asks the generator to do.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Options {
+    /// Names of the functions to generate; empty means all.
+    pub functions: Vec<String>,
+    /// Replace exact `sign` by a smooth `tanh` of this slope in generated code.
+    pub smooth_sign: Option<f64>,
+}

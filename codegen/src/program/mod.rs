@@ -1,0 +1,93 @@
+//! Stage 4: a straight-line program, the last form before text.
+//!
+//! One instruction defines one value from earlier values, inputs, parameters or constants. What is decided here
+//! (names, order, signs, fused operations) is final: the emitter only prints.
+
+use crate::formula::Function;
+
+/// A straight-line program: the body of one generated function.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Program {
+    /// Input arrays in argument order.
+    pub inputs: Vec<InputArray>,
+    /// Instructions in execution order; instruction `k` defines value `k`.
+    pub instructions: Vec<Instruction>,
+    /// Results in their order.
+    pub outputs: Vec<Output>,
+}
+
+/// An input array of the function, `&[f64; len]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InputArray {
+    /// Argument name: `y`, `v`, `a`, `u`, …
+    pub name: String,
+    /// Number of entries.
+    pub len: usize,
+}
+
+/// Defines one value.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Instruction {
+    /// Name of the value: a Rust identifier, unique within the program.
+    pub name: String,
+    /// What is computed.
+    pub operation: Operation,
+}
+
+/// An operand: what an operation reads.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Operand {
+    /// Value of an earlier instruction.
+    Value(usize),
+    /// Entry of an input array: array, index.
+    Input(usize, usize),
+    /// A free parameter: index into `Model::parameters`.
+    Parameter(usize),
+    /// A finite number.
+    Constant(f64),
+}
+
+/// One operation; in f64 or f32 arithmetic, rounded once each.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Operation {
+    /// `a + b`
+    Add(Operand, Operand),
+    /// `a - b`
+    Subtract(Operand, Operand),
+    /// `a * b`
+    Multiply(Operand, Operand),
+    /// `a / b`
+    Divide(Operand, Operand),
+    /// `-a`
+    Negate(Operand),
+    /// `a * b + c`, rounded once (opt-in).
+    MultiplyAdd(Operand, Operand, Operand),
+    /// `sin a`, with `cos a` as [`Operation::CosineOf`] of this value: one call makes both.
+    SinCos(Operand),
+    /// The cosine that the [`Operation::SinCos`] at this index made.
+    CosineOf(usize),
+    /// `f(a)`
+    Call(Function, Operand),
+}
+
+/// One result of the program.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Output {
+    /// Name for documentation.
+    pub name: String,
+    /// Shape of the result.
+    pub shape: Shape,
+    /// Entries, rows first.
+    pub entries: Vec<Operand>,
+}
+
+/// Shape of a result.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shape {
+    /// `f64`
+    Scalar,
+    /// `[f64; n]`
+    Vector(usize),
+    /// `[[f64; columns]; rows]`
+    Matrix(usize, usize),
+}

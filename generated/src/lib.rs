@@ -1,0 +1,1 @@
+//! The robots of `models/` as generated Rust.

@@ -1,0 +1,1 @@
+//! Control and identification of generated robots.
