@@ -47,3 +47,17 @@ pub enum Function {
     /// −1, 0 or 1; exact in the value, derivative zero.
     Sign,
 }
+
+impl Formula {
+    /// Whether the formula calls a function.
+    pub fn calls(&self, function: Function) -> bool {
+        match self {
+            Self::Number(_) | Self::Parameter(_) | Self::Position | Self::Velocity => false,
+            Self::Negate(a) | Self::Power(a, _) => a.calls(function),
+            Self::Add(a, b) | Self::Subtract(a, b) | Self::Multiply(a, b) | Self::Divide(a, b) => {
+                a.calls(function) || b.calls(function)
+            }
+            Self::Call(called, a) => *called == function || a.calls(function),
+        }
+    }
+}

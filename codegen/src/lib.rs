@@ -2,5 +2,9 @@
 
 pub mod dynamics;
 pub mod formula;
+pub mod graph;
+pub mod kinematics;
 pub mod model;
 pub mod program;
+#[cfg(test)]
+mod testing;

@@ -1,3 +1,14 @@
 //! Stage 3: kinematics become the functions to emit, each with its program and what its documentation says.
 
+pub mod catalogue;
+pub mod composite;
+#[cfg(test)]
+mod counts;
+pub mod equations;
+pub mod factorization;
+pub mod forces;
+pub mod formulation;
+pub mod frame_motion;
 pub mod function;
+pub mod newton_euler;
+pub mod placement;

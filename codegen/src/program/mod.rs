@@ -5,6 +5,10 @@
 
 use crate::formula::Function;
 
+mod lower;
+
+pub use lower::{GraphOutput, lower};
+
 /// A straight-line program: the body of one generated function.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Program {

@@ -1,0 +1,546 @@
+//! The functions that can be generated: one row each, with what their documentation says.
+
+use super::equations::{Equations, Formulations, Matrix};
+use super::forces;
+use super::function::Function;
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::graph::{Graph, Scalar};
+use crate::kinematics::ScalarPose;
+use crate::model::{Frame, Model};
+use crate::program::{GraphOutput, InputArray, Shape, lower};
+
+/// An argument of a generated function.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Argument {
+    /// y
+    Coordinates,
+    /// ẏ
+    Velocities,
+    /// ÿ
+    Accelerations,
+    /// u
+    Inputs,
+}
+
+use Argument::{Accelerations, Coordinates, Inputs, Velocities};
+
+impl Argument {
+    fn name(self) -> &'static str {
+        match self {
+            Coordinates => "y",
+            Velocities => "v",
+            Accelerations => "a",
+            Inputs => "u",
+        }
+    }
+
+    fn meaning(self) -> &'static str {
+        match self {
+            Coordinates => "coordinates",
+            Velocities => "velocities ẏ",
+            Accelerations => "accelerations ÿ",
+            Inputs => "inputs",
+        }
+    }
+
+    fn length(self, model: &Model) -> usize {
+        match self {
+            Inputs => model
+                .drives
+                .iter()
+                .filter(|drive| drive.coordinate.is_some())
+                .count(),
+            Coordinates | Velocities | Accelerations => model.coordinates.len(),
+        }
+    }
+}
+
+/// Scalars of the arguments of a function.
+pub struct Arguments<'g> {
+    y: Vec<Scalar<'g>>,
+    v: Vec<Scalar<'g>>,
+    a: Vec<Scalar<'g>>,
+    u: Vec<Scalar<'g>>,
+}
+
+/// A result in the making.
+pub struct Value<'g> {
+    shape: Shape,
+    entries: Vec<Scalar<'g>>,
+}
+
+fn scalar(x: Scalar<'_>) -> Value<'_> {
+    Value {
+        shape: Shape::Scalar,
+        entries: vec![x],
+    }
+}
+
+fn vector(entries: Vec<Scalar<'_>>) -> Value<'_> {
+    Value {
+        shape: Shape::Vector(entries.len()),
+        entries,
+    }
+}
+
+fn matrix(rows: Matrix<'_>) -> Value<'_> {
+    let shape = Shape::Matrix(rows.len(), rows.first().map_or(0, Vec::len));
+    Value {
+        shape,
+        entries: rows.concat(),
+    }
+}
+
+/// How a quantity is built from the equations of motion.
+type Build = for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>) -> Vec<Value<'g>>;
+
+/// A row of the catalogue.
+pub struct Quantity {
+    /// Name of the generated function.
+    pub name: &'static str,
+    summary: &'static str,
+    equation: &'static str,
+    arguments: &'static [Argument],
+    /// Symbol and meaning of each result.
+    results: &'static [(&'static str, &'static str)],
+    notes: &'static [&'static str],
+    build: Build,
+}
+
+/// Every function but those of named frames, in the order of the generated module.
+pub const QUANTITIES: &[Quantity] = &[
+    Quantity {
+        name: "mass_matrix",
+        summary: "Mass matrix `M(y)`.",
+        equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
+        arguments: &[Coordinates],
+        results: &[("M", "symmetric, positive definite, both triangles filled")],
+        notes: &[
+            "Composite rigid bodies (Walker and Orin 1982; Featherstone 2008, ch. 6), rotors included.",
+        ],
+        build: |equations, arguments| vec![matrix(equations.mass_matrix(&arguments.y))],
+    },
+    Quantity {
+        name: "coriolis_forces",
+        summary: "Coriolis, centrifugal and gyroscopic forces `k(y, ẏ)`.",
+        equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
+        arguments: &[Coordinates, Velocities],
+        results: &[(
+            "k",
+            "on the left-hand side: without gravity, springs and friction",
+        )],
+        notes: &["Recursive Newton–Euler equations without gravity and accelerations."],
+        build: |equations, arguments| {
+            vec![vector(
+                equations.coriolis_forces(&arguments.y, &arguments.v),
+            )]
+        },
+    },
+    Quantity {
+        name: "gravity_forces",
+        summary: "Gravity's share of the applied forces.",
+        equation: "q = gravity_forces + spring_forces − friction_torques",
+        arguments: &[Coordinates],
+        results: &[(
+            "q_gravity",
+            "positive where gravity drives the joint forwards; −∂V/∂y",
+        )],
+        notes: &[],
+        build: |equations, arguments| vec![vector(equations.gravity_forces(&arguments.y))],
+    },
+    Quantity {
+        name: "spring_forces",
+        summary: "Springs' and dampers' share of the applied forces.",
+        equation: "q = gravity_forces + spring_forces − friction_torques",
+        arguments: &[Coordinates, Velocities],
+        results: &[(
+            "q_springs",
+            "positive where a spring drives the joint forwards",
+        )],
+        notes: &[],
+        build: |equations, arguments| {
+            vec![vector(equations.spring_forces(&arguments.y, &arguments.v))]
+        },
+    },
+    Quantity {
+        name: "friction_torques",
+        summary: "Joint friction `τ(ẏ)`.",
+        equation: "q = gravity_forces + spring_forces − friction_torques",
+        arguments: &[Velocities],
+        results: &[("τ", "positive for positive velocity, at the joint")],
+        notes: &[],
+        build: |equations, arguments| vec![vector(equations.friction_torques(&arguments.v))],
+    },
+    Quantity {
+        name: "applied_forces",
+        summary: "Applied forces `q(y, ẏ)`.",
+        equation: "q = gravity_forces + spring_forces − friction_torques",
+        arguments: &[Coordinates, Velocities],
+        results: &[("q", "on the right-hand side, without the inputs")],
+        notes: &[],
+        build: |equations, arguments| {
+            vec![vector(equations.applied_forces(&arguments.y, &arguments.v))]
+        },
+    },
+    Quantity {
+        name: "bias_forces",
+        summary: "Bias forces `k − q_gravity`.",
+        equation: "k − gravity_forces",
+        arguments: &[Coordinates, Velocities],
+        results: &[(
+            "b",
+            "what holds the accelerations at zero, without springs and friction",
+        )],
+        notes: &["Recursive Newton–Euler equations at ÿ = 0. Pinocchio calls this `nle`."],
+        build: |equations, arguments| {
+            vec![vector(equations.bias_forces(&arguments.y, &arguments.v))]
+        },
+    },
+    Quantity {
+        name: "input_matrix",
+        summary: "Input matrix `B`.",
+        equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
+        arguments: &[],
+        results: &[(
+            "B",
+            "gear ratios, times motor constants where inputs are currents",
+        )],
+        notes: &[],
+        build: |equations, _| {
+            vec![matrix(forces::input_matrix(
+                equations.graph,
+                equations.model,
+            ))]
+        },
+    },
+    Quantity {
+        name: "equations_of_motion",
+        summary: "Mass matrix, Coriolis forces and applied forces at once.",
+        equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
+        arguments: &[Coordinates, Velocities],
+        results: &[
+            ("M", "symmetric, positive definite, both triangles filled"),
+            ("k", "Coriolis, centrifugal and gyroscopic forces"),
+            ("q", "gravity, springs and friction"),
+        ],
+        notes: &["What the three have in common is computed once."],
+        build: |equations, arguments| {
+            let (y, v) = (&arguments.y, &arguments.v);
+            let k = equations.coriolis_forces(y, v);
+            vec![
+                matrix(equations.mass_matrix(y)),
+                vector(k),
+                vector(equations.applied_forces(y, v)),
+            ]
+        },
+    },
+    Quantity {
+        name: "inverse_dynamics",
+        summary: "Inverse dynamics: the joint forces of a motion.",
+        equation: "M(y) ÿ + k(y, ẏ) − q(y, ẏ)",
+        arguments: &[Coordinates, Velocities, Accelerations],
+        results: &[(
+            "B u",
+            "what the drives exert at the joints; u_ff = B⁻¹ times it",
+        )],
+        notes: &[
+            "Recursive Newton–Euler equations (Luh, Walker and Paul 1980) with base parameters.",
+        ],
+        build: |equations, arguments| {
+            vec![vector(equations.inverse_dynamics(
+                &arguments.y,
+                &arguments.v,
+                &arguments.a,
+            ))]
+        },
+    },
+    Quantity {
+        name: "forward_dynamics",
+        summary: "Forward dynamics: the accelerations that inputs cause.",
+        equation: "ÿ = M⁻¹ (q + B u − k)",
+        arguments: &[Coordinates, Velocities, Inputs],
+        results: &[("ÿ", "accelerations")],
+        notes: &["M = Lᵀ D L along the branches of the tree (Featherstone 2005)."],
+        build: |equations, arguments| {
+            vec![vector(equations.forward_dynamics(
+                &arguments.y,
+                &arguments.v,
+                &arguments.u,
+            ))]
+        },
+    },
+    Quantity {
+        name: "kinetic_energy",
+        summary: "Kinetic energy, rotors included.",
+        equation: "T = ½ ẏᵀ M ẏ",
+        arguments: &[Coordinates, Velocities],
+        results: &[("T", "energy [J]")],
+        notes: &[],
+        build: |equations, arguments| {
+            vec![scalar(equations.kinetic_energy(&arguments.y, &arguments.v))]
+        },
+    },
+    Quantity {
+        name: "potential_energy",
+        summary: "Potential energy of gravity.",
+        equation: "V = −g · Σ m c",
+        arguments: &[Coordinates],
+        results: &[(
+            "V",
+            "energy [J], zero with all masses at the origin of the base frame; springs not included",
+        )],
+        notes: &[],
+        build: |equations, arguments| vec![scalar(equations.potential_energy(&arguments.y))],
+    },
+];
+
+/// How a quantity of a named frame is built.
+type FrameBuild =
+    for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>, usize, &ScalarPose<'g>) -> Vec<Value<'g>>;
+
+/// A function of each named frame: `frame_<name>_<suffix>`.
+struct FrameQuantity {
+    suffix: &'static str,
+    summary: &'static str,
+    equation: &'static str,
+    arguments: &'static [Argument],
+    results: &'static [(&'static str, &'static str)],
+    build: FrameBuild,
+}
+
+const FRAME_QUANTITIES: &[FrameQuantity] = &[
+    FrameQuantity {
+        suffix: "pose",
+        summary: "Pose of the frame",
+        equation: "r_base = p + R r_frame",
+        arguments: &[Coordinates],
+        results: &[
+            ("p", "origin in the base frame [m]"),
+            ("R", "rotation matrix, columns are the frame's axes"),
+        ],
+        build: |equations, arguments, link, pose| {
+            let pose = equations.base_poses(&arguments.y).pose(link, pose);
+            let rows = (0..3)
+                .map(|row| pose.axes.iter().map(|axis| axis[row]).collect())
+                .collect();
+            vec![vector(pose.origin.0.to_vec()), matrix(rows)]
+        },
+    },
+    FrameQuantity {
+        suffix: "jacobian",
+        summary: "Jacobian of the frame",
+        equation: "(ṗ, ω) = J(y) ẏ",
+        arguments: &[Coordinates],
+        results: &[(
+            "J",
+            "rows: velocity of the origin, then angular velocity, in the axes of the base frame",
+        )],
+        build: |equations, arguments, link, pose| {
+            vec![matrix(
+                equations.base_poses(&arguments.y).jacobian(link, pose),
+            )]
+        },
+    },
+    FrameQuantity {
+        suffix: "jacobian_rate_times_velocity",
+        summary: "Acceleration of the frame at ÿ = 0",
+        equation: "(p̈, ω̇) = J(y) ÿ + J̇ ẏ",
+        arguments: &[Coordinates, Velocities],
+        results: &[(
+            "J̇ẏ",
+            "acceleration of the origin [m/s²], then angular acceleration [rad/s²], in the axes of the base frame",
+        )],
+        build: |equations, arguments, link, pose| {
+            let (y, v) = (&arguments.y, &arguments.v);
+            vec![vector(
+                equations.base_poses(y).jacobian_rate(link, pose, y, v),
+            )]
+        },
+    },
+];
+
+/// Names of all functions of a model, in the order of the generated module.
+pub fn names(model: &Model) -> Vec<String> {
+    let quantities = QUANTITIES.iter().map(|quantity| quantity.name.to_owned());
+    let frames = model
+        .frames
+        .iter()
+        .flat_map(|frame| FRAME_QUANTITIES.iter().map(|q| frame_name(frame, q)));
+    quantities.chain(frames).collect()
+}
+
+fn frame_name(frame: &Frame, quantity: &FrameQuantity) -> String {
+    format!("frame_{}_{}", frame.name, quantity.suffix)
+}
+
+/// Derives the selected functions of a model; an empty selection means all, `frames` all functions of named frames.
+///
+/// # Errors
+/// `unknown-function` for each name that the model does not have.
+pub fn derive(model: &Model, selection: &[String]) -> Result<Vec<Function>, Diagnostics> {
+    check_names(model, selection)?;
+    let is_selected = |name: &str| {
+        let frames =
+            name.starts_with("frame_") && selection.iter().any(|selected| selected == "frames");
+        selection.is_empty() || frames || selection.iter().any(|selected| selected == name)
+    };
+    let formulations = Formulations::search(model);
+    let mut functions = Vec::new();
+    for quantity in QUANTITIES
+        .iter()
+        .filter(|quantity| is_selected(quantity.name))
+    {
+        functions.push(derive_quantity(model, &formulations, quantity));
+    }
+    for frame in &model.frames {
+        for quantity in FRAME_QUANTITIES
+            .iter()
+            .filter(|quantity| is_selected(&frame_name(frame, quantity)))
+        {
+            functions.push(derive_frame(model, &formulations, frame, quantity));
+        }
+    }
+    Ok(functions)
+}
+
+fn check_names(model: &Model, selection: &[String]) -> Result<(), Diagnostics> {
+    let known = names(model);
+    let unknown = selection
+        .iter()
+        .filter(|name| *name != "frames" && !known.contains(name));
+    let problems: Vec<_> = unknown
+        .map(|name| {
+            Diagnostic::error("unknown-function", format!("there is no function `{name}`"))
+                .help(format!("choose from: {}, frames", known.join(", ")))
+        })
+        .collect();
+    if problems.is_empty() {
+        Ok(())
+    } else {
+        Err(problems.into_iter().collect())
+    }
+}
+
+fn derive_quantity(model: &Model, formulations: &Formulations, quantity: &Quantity) -> Function {
+    let mut notes: Vec<String> = quantity.notes.iter().map(|&note| note.to_owned()).collect();
+    if quantity.arguments.contains(&Velocities)
+        && quantity.name.ends_with("friction_torques")
+        && forces::has_jumps(model)
+    {
+        notes.push(
+            "`sign` is exact: it jumps at zero velocity, and its derivative is taken as zero."
+                .to_owned(),
+        );
+    }
+    assemble(
+        model,
+        formulations,
+        quantity.arguments,
+        quantity.results,
+        |equations, arguments| (quantity.build)(equations, arguments),
+    )
+    .named(
+        quantity.name.to_owned(),
+        quantity.summary.to_owned(),
+        quantity.equation,
+        notes,
+    )
+}
+
+fn derive_frame(
+    model: &Model,
+    formulations: &Formulations,
+    frame: &Frame,
+    quantity: &FrameQuantity,
+) -> Function {
+    let summary = format!("{} `{}`.", quantity.summary, frame.name);
+    assemble(
+        model,
+        formulations,
+        quantity.arguments,
+        quantity.results,
+        |equations, arguments| {
+            let pose = ScalarPose::new(equations.graph, &frame.pose);
+            (quantity.build)(equations, arguments, frame.link, &pose)
+        },
+    )
+    .named(
+        frame_name(frame, quantity),
+        summary,
+        quantity.equation,
+        Vec::new(),
+    )
+}
+
+/// Builds the graph of a function and lowers it.
+fn assemble(
+    model: &Model,
+    formulations: &Formulations,
+    arguments: &[Argument],
+    results: &[(&str, &str)],
+    build: impl for<'g> FnOnce(&Equations<'_, 'g>, &Arguments<'g>) -> Vec<Value<'g>>,
+) -> Function {
+    let graph = Graph::new();
+    let scalars = |argument: Argument| match arguments.iter().position(|&other| other == argument) {
+        Some(array) => (0..argument.length(model))
+            .map(|index| graph.input(array, index))
+            .collect(),
+        None => Vec::new(),
+    };
+    let values = build(
+        &Equations {
+            graph: &graph,
+            model,
+            formulations,
+        },
+        &Arguments {
+            y: scalars(Coordinates),
+            v: scalars(Velocities),
+            a: scalars(Accelerations),
+            u: scalars(Inputs),
+        },
+    );
+    let outputs: Vec<_> = values
+        .iter()
+        .zip(results)
+        .map(|(value, (symbol, _))| GraphOutput {
+            name: (*symbol).to_owned(),
+            shape: value.shape,
+            entries: value.entries.iter().map(|x| x.edge()).collect(),
+        })
+        .collect();
+    let inputs = arguments
+        .iter()
+        .map(|argument| InputArray {
+            name: argument.name().to_owned(),
+            len: argument.length(model),
+        })
+        .collect();
+    Function {
+        name: String::new(),
+        summary: String::new(),
+        equation: String::new(),
+        arguments: arguments
+            .iter()
+            .map(|argument| argument.meaning().to_owned())
+            .collect(),
+        results: results
+            .iter()
+            .map(|(_, meaning)| (*meaning).to_owned())
+            .collect(),
+        notes: Vec::new(),
+        program: lower(&graph, inputs, &outputs),
+    }
+}
+
+impl Function {
+    fn named(self, name: String, summary: String, equation: &str, notes: Vec<String>) -> Self {
+        Self {
+            name,
+            summary,
+            equation: equation.to_owned(),
+            notes,
+            ..self
+        }
+    }
+}

@@ -1,0 +1,263 @@
+//! Mass matrix by composite rigid bodies.
+//!
+//! Column j of M is what joint j needs to accelerate the composite body beyond it by 1, passed on to the joints before
+//! it (Walker and Orin 1982; Featherstone 2008, ch. 6), with moments of mass in place of spatial inertias.
+
+use super::formulation::{Formulation, RunLink};
+use super::placement::{Placement, place};
+use crate::graph::{Scalar, Vector3};
+use crate::kinematics::{JointAxis, MassMoments, Mechanism};
+
+/// Mass matrix `M(y)`, rows first, both triangles filled.
+pub fn mass_matrix<'g>(
+    mechanism: &Mechanism<'g>,
+    formulation: &Formulation,
+    y: &[Scalar<'g>],
+) -> Vec<Vec<Scalar<'g>>> {
+    let zero = mechanism.graph.constant(0.0);
+    let mut matrix = vec![vec![zero; mechanism.len()]; mechanism.len()];
+    if mechanism.is_empty() {
+        return matrix;
+    }
+    let placements = place(mechanism, formulation, y);
+    let composites = composites(mechanism, formulation, &placements);
+    for (index, composite) in composites.iter().enumerate() {
+        Column {
+            mechanism,
+            formulation,
+            placements: &placements,
+            index,
+        }
+        .fill(composite, &mut matrix);
+    }
+    add_rotors(mechanism, &placements, &mut matrix);
+    matrix
+}
+
+/// A body together with all that it carries.
+#[derive(Clone, Copy)]
+struct Composite<'g> {
+    /// Moments in the body's working frame.
+    moments: MassMoments<'g>,
+    /// Σ_xx + Σ_yy, which turning about z leaves alone.
+    polar: Scalar<'g>,
+}
+
+/// Each body together with all that it carries.
+fn composites<'g>(
+    mechanism: &Mechanism<'g>,
+    formulation: &Formulation,
+    placements: &[Placement<'g>],
+) -> Vec<Composite<'g>> {
+    let mut composites: Vec<Composite<'g>> = placements
+        .iter()
+        .map(|placement| Composite::of(placement.moments))
+        .collect();
+    for index in (0..mechanism.len()).rev() {
+        let (body, placement) = (&mechanism.bodies[index], &placements[index]);
+        let Some(parent) = body.parent else { continue };
+        let Composite { mut moments, polar } = composites[index];
+        moments = before_joint(moments.lifted(placement.extension), placement);
+        let arrived = moments.to_parent(&body.twist, placement.translation);
+        let keeps_polar =
+            body.twist.is_none() && formulation.bodies[index].source == RunLink::RunBase;
+        let sum = composites[parent].moments + arrived;
+        let arrived_polar = polar_after_shift(polar, &moments, placement.translation);
+        composites[parent] = match keeps_polar {
+            true => Composite {
+                moments: sum,
+                polar: composites[parent].polar + arrived_polar,
+            },
+            false => Composite::of(sum),
+        };
+    }
+    composites
+}
+
+impl<'g> Composite<'g> {
+    fn of(moments: MassMoments<'g>) -> Self {
+        Self {
+            moments,
+            polar: moments.second.xx + moments.second.yy,
+        }
+    }
+}
+
+/// Moments in the frame before the joint, in the parent's unit of length.
+fn before_joint<'g>(moments: MassMoments<'g>, placement: &Placement<'g>) -> MassMoments<'g> {
+    MassMoments {
+        mass: moments.mass * (placement.unit_ratio * placement.unit_ratio),
+        first: placement.before_joint_unit(moments.first),
+        second: placement
+            .turn
+            .map_or(moments.second, |turn| moments.second.turned(turn)),
+    }
+}
+
+/// `Σ_xx + Σ_yy` after a displacement by `p`.
+fn polar_after_shift<'g>(
+    polar: Scalar<'g>,
+    moments: &MassMoments<'g>,
+    p: Vector3<'g>,
+) -> Scalar<'g> {
+    let h = moments.first;
+    let quadratic = moments.mass * (p[0].squared() + p[1].squared());
+    polar + (h[0] * p[0] + h[1] * p[1]) * 2.0 + quadratic
+}
+
+/// A force and a moment on their way to the base.
+#[derive(Clone, Copy)]
+struct Wrench<'g> {
+    force: Vector3<'g>,
+    moment: Vector3<'g>,
+    /// Transverse moment that goes to the frame before the run directly.
+    transverse: Vector3<'g>,
+}
+
+/// One column of M.
+struct Column<'a, 'g> {
+    mechanism: &'a Mechanism<'g>,
+    formulation: &'a Formulation,
+    placements: &'a [Placement<'g>],
+    index: usize,
+}
+
+impl<'g> Column<'_, 'g> {
+    fn fill(&self, composite: &Composite<'g>, matrix: &mut [Vec<Scalar<'g>>]) {
+        let column = &self.mechanism.bodies[self.index];
+        let mut wrench = self.unit_acceleration(composite);
+        let mut index = self.index;
+        loop {
+            let row = &self.mechanism.bodies[index];
+            let entry = joint_force(row.axis, &wrench).signed(row.direction * column.direction);
+            matrix[row.coordinate][column.coordinate] = entry;
+            matrix[column.coordinate][row.coordinate] = entry;
+            let Some(parent) = row.parent else { break };
+            wrench = self.pass_on(index, wrench);
+            index = parent;
+        }
+    }
+
+    /// What accelerates the composite body by 1 along or about the joint's axis.
+    fn unit_acceleration(&self, composite: &Composite<'g>) -> Wrench<'g> {
+        let MassMoments {
+            mass,
+            first: h,
+            second: s,
+        } = composite.moments;
+        let zero = mass.constant(0.0);
+        let (force, moment) = match self.mechanism.bodies[self.index].axis {
+            JointAxis::Revolute => (
+                Vector3([-h[1], h[0], zero]),
+                Vector3([-s.xz, -s.yz, composite.polar]),
+            ),
+            JointAxis::Prismatic => (Vector3([zero, zero, mass]), Vector3([h[1], -h[0], zero])),
+        };
+        Wrench {
+            force,
+            moment,
+            transverse: Vector3::zero(zero),
+        }
+    }
+
+    fn pass_on(&self, index: usize, wrench: Wrench<'g>) -> Wrench<'g> {
+        let (body, placement) = (&self.mechanism.bodies[index], &self.placements[index]);
+        let zero = wrench.moment[0].constant(0.0);
+        let Wrench {
+            force,
+            mut moment,
+            mut transverse,
+        } = wrench;
+        let length = placement.extension;
+        moment = moment + Vector3([-(length * force[1]), length * force[0], zero]);
+        if self.formulation.bodies[index].sink == RunLink::RunBase && placement.run != index {
+            let across = Vector3([moment[0], moment[1], zero]);
+            transverse = transverse
+                + placement
+                    .turn_from_run
+                    .map_or(across, |turn| across.turned(turn));
+            moment = Vector3([zero, zero, moment[2]]);
+        }
+        let mut turned = placement.turn.map_or(moment, |turn| moment.turned(turn));
+        if placement.run == index {
+            turned = turned + transverse;
+            transverse = Vector3::zero(zero);
+        }
+        let force = body.twist.to_parent(placement.before_joint_unit(force));
+        Wrench {
+            force,
+            moment: body.twist.to_parent(turned) + placement.translation.cross(force),
+            transverse,
+        }
+    }
+}
+
+fn joint_force<'g>(axis: JointAxis, wrench: &Wrench<'g>) -> Scalar<'g> {
+    match axis {
+        JointAxis::Revolute => wrench.moment[2],
+        JointAxis::Prismatic => wrench.force[2],
+    }
+}
+
+/// Rotors: i² J_R on the diagonal, and i J_R times the carrier's share along the rotor's axis.
+fn add_rotors<'g>(
+    mechanism: &Mechanism<'g>,
+    placements: &[Placement<'g>],
+    matrix: &mut [Vec<Scalar<'g>>],
+) {
+    for rotor in &mechanism.rotors {
+        let column = rotor.coordinate;
+        let coupling = rotor.ratio * rotor.inertia;
+        matrix[column][column] = matrix[column][column] + rotor.ratio * coupling;
+        let Some(mut index) = rotor.carrier else {
+            continue;
+        };
+        let mut moment = placements[index]
+            .to_body
+            .map_or(rotor.axis, |ahead| rotor.axis.turned(ahead));
+        loop {
+            let body = &mechanism.bodies[index];
+            if body.axis == JointAxis::Revolute {
+                let row = body.coordinate;
+                let share = (coupling * moment[2]).signed(body.direction);
+                matrix[row][column] = matrix[row][column] + share;
+                // On the diagonal the carrier turns with the joint itself: both mixed terms fall there.
+                matrix[column][row] = if row == column {
+                    matrix[row][column] + share
+                } else {
+                    matrix[row][column]
+                };
+            }
+            let Some(parent) = body.parent else { break };
+            moment = placements[index].to_parent(&body.twist, moment);
+            index = parent;
+        }
+    }
+}
+
+/// First moment of all masses, the base's among them, in the base frame [kg m]. The mechanism is in metres.
+pub fn first_moment<'g>(
+    mechanism: &Mechanism<'g>,
+    formulation: &Formulation,
+    y: &[Scalar<'g>],
+) -> Vector3<'g> {
+    let placements = place(mechanism, formulation, y);
+    let mut moments: Vec<_> = placements
+        .iter()
+        .map(|p| (p.moments.mass, p.moments.first))
+        .collect();
+    let mut total = mechanism.base_moments.first;
+    for index in (0..mechanism.len()).rev() {
+        let (body, placement) = (&mechanism.bodies[index], &placements[index]);
+        let (mass, mut first) = moments[index];
+        first.0[2] = first[2] + mass * placement.extension;
+        let arrived = placement.to_parent(&body.twist, first) + placement.translation.scaled(mass);
+        match body.parent {
+            Some(parent) => {
+                moments[parent] = (moments[parent].0 + mass, moments[parent].1 + arrived)
+            }
+            None => total = total + arrived,
+        }
+    }
+    total
+}

@@ -1,0 +1,122 @@
+//! `M = Lᵀ D L` along the branches of the tree, and solutions with it.
+//!
+//! Eliminated from the leaves to the base, the factor keeps the zeros of M between branches (Featherstone 2005;
+//! 2008, section 6.5).
+
+use crate::graph::Scalar;
+use crate::kinematics::Mechanism;
+
+/// The factors of a mass matrix; rows and columns in the order of the bodies.
+#[derive(Debug, Clone)]
+pub struct Factorization<'g> {
+    /// Unit lower triangle L: `lower[i][j]` for each ancestor j of i.
+    lower: Vec<Vec<Option<Scalar<'g>>>>,
+    /// Reciprocals of D.
+    reciprocals: Vec<Scalar<'g>>,
+    /// Ancestors of each body, nearest first.
+    ancestors: Vec<Vec<usize>>,
+    /// Coordinate of each body.
+    coordinates: Vec<usize>,
+}
+
+impl<'g> Factorization<'g> {
+    /// Factorizes a mass matrix given by coordinates.
+    pub fn new(mechanism: &Mechanism<'g>, mass_matrix: &[Vec<Scalar<'g>>]) -> Self {
+        let coordinates: Vec<_> = mechanism
+            .bodies
+            .iter()
+            .map(|body| body.coordinate)
+            .collect();
+        let count = coordinates.len();
+        let couplings = couplings(mechanism, mass_matrix);
+        let mut work: Vec<Vec<Scalar<'g>>> = (0..count)
+            .map(|i| {
+                (0..count)
+                    .map(|j| mass_matrix[coordinates[i]][coordinates[j]])
+                    .collect()
+            })
+            .collect();
+        let mut lower = vec![vec![None; count]; count];
+        let mut reciprocals = Vec::with_capacity(count);
+        for k in (0..count).rev() {
+            let one = work[k][k].constant(1.0);
+            let reciprocal = one
+                .divided_by(work[k][k])
+                .named(|| format!("inverse_d_{}", mechanism.bodies[k].name));
+            reciprocals.push(reciprocal);
+            for &i in &couplings[k] {
+                let factor = work[k][i] * reciprocal;
+                for &j in couplings[k].iter().filter(|&&j| j <= i) {
+                    work[i][j] = work[i][j] - factor * work[k][j];
+                }
+                lower[k][i] = Some(factor);
+            }
+        }
+        reciprocals.reverse();
+        Self {
+            lower,
+            reciprocals,
+            ancestors: couplings,
+            coordinates,
+        }
+    }
+
+    /// The solution of `M x = right`, by coordinates.
+    pub fn solve(&self, right: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
+        let mut x: Vec<_> = self
+            .coordinates
+            .iter()
+            .map(|&coordinate| right[coordinate])
+            .collect();
+        for i in (0..x.len()).rev() {
+            for &j in &self.ancestors[i] {
+                if let Some(factor) = self.lower[i][j] {
+                    x[j] = x[j] - factor * x[i];
+                }
+            }
+        }
+        for (x, reciprocal) in x.iter_mut().zip(&self.reciprocals) {
+            *x = *x * *reciprocal;
+        }
+        for i in 0..x.len() {
+            for &j in &self.ancestors[i] {
+                if let Some(factor) = self.lower[i][j] {
+                    x[i] = x[i] - factor * x[j];
+                }
+            }
+        }
+        let mut solution = right.to_vec();
+        for (index, &coordinate) in self.coordinates.iter().enumerate() {
+            solution[coordinate] = x[index];
+        }
+        solution
+    }
+}
+
+/// Bodies before each body that M couples it with, nearest first. Beyond the ancestors these are only bodies that
+/// carry the rotor of another branch.
+fn couplings<'g>(mechanism: &Mechanism<'g>, mass_matrix: &[Vec<Scalar<'g>>]) -> Vec<Vec<usize>> {
+    let count = mechanism.len();
+    let entry = |i: usize, j: usize| {
+        mass_matrix[mechanism.bodies[i].coordinate][mechanism.bodies[j].coordinate]
+    };
+    let mut coupled: Vec<Vec<bool>> = (0..count)
+        .map(|i| {
+            (0..count)
+                .map(|j| j < i && !entry(i, j).is_zero())
+                .collect()
+        })
+        .collect();
+    for k in (0..count).rev() {
+        let before: Vec<_> = (0..k).filter(|&i| coupled[k][i]).collect();
+        for (position, &i) in before.iter().enumerate() {
+            for &j in &before[..position] {
+                coupled[i][j] = true;
+            }
+        }
+    }
+    coupled
+        .iter()
+        .map(|row| (0..count).rev().filter(|&j| row[j]).collect())
+        .collect()
+}

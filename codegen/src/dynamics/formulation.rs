@@ -1,0 +1,399 @@
+//! The ways in which the same equations can be written, and the search for the cheapest.
+
+use crate::graph::{Graph, Scalar};
+use crate::kinematics::{JointAxis, Mechanism, RegroupChoice};
+use crate::model::Model;
+
+/// How the acceleration of the points of a body is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AngularRoute {
+    /// From the angular acceleration ω̇: U = ω̇× + ω× ω×.
+    Acceleration,
+    /// From the points of the joint's axis: they belong to parent and child, so U z turns like a vector. Then only
+    /// ω, U z and the axial acceleration are carried along.
+    AxisPoints,
+}
+
+/// The frame in which a body's equations are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WorkingFrame {
+    /// Its own.
+    Body,
+    /// The joint's frame before its motion: the inertia turns instead of the velocities.
+    BeforeJoint,
+}
+
+/// Where quantities of a body in a run of parallel joints come from and go to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RunLink {
+    /// The parent.
+    Parent,
+    /// The base of the run, with the joint angles added before the sine.
+    RunBase,
+}
+
+/// The free rotation of a leaf's frame about its own axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LeafAlignment {
+    /// No angle offset.
+    NoOffset,
+    /// The first moment has no y component.
+    FirstMoment,
+    /// The second moment has no xy component.
+    SecondMoment,
+}
+
+/// The choices for one body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyChoices {
+    /// Route to U.
+    pub angular: AngularRoute,
+    /// Frame of the equations.
+    pub frame: WorkingFrame,
+    /// Where angular velocity and acceleration come from.
+    pub source: RunLink,
+    /// Where the transverse moment goes to.
+    pub sink: RunLink,
+    /// What the mass on the joint's axis is used for.
+    pub regroup: RegroupChoice,
+    /// Alignment of a leaf's frame.
+    pub leaf: LeafAlignment,
+    /// Unit of length of forces and accelerations [m].
+    pub length_unit: f64,
+}
+
+/// One formulation of the equations of motion.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Formulation {
+    /// Choices per body.
+    pub bodies: Vec<BodyChoices>,
+}
+
+impl Formulation {
+    /// The plain recursive form.
+    pub fn plain(count: usize) -> Self {
+        let choices = BodyChoices {
+            angular: AngularRoute::Acceleration,
+            frame: WorkingFrame::Body,
+            source: RunLink::Parent,
+            sink: RunLink::Parent,
+            regroup: RegroupChoice::Massless,
+            leaf: LeafAlignment::NoOffset,
+            length_unit: 1.0,
+        };
+        Self {
+            bodies: vec![choices; count],
+        }
+    }
+
+    /// The mechanism of a model, prepared for this formulation.
+    pub fn mechanism<'g>(&self, graph: &'g Graph, model: &Model) -> Mechanism<'g> {
+        let regroup: Vec<_> = self.bodies.iter().map(|body| body.regroup).collect();
+        let units: Vec<_> = self.bodies.iter().map(|body| body.length_unit).collect();
+        let mut mechanism = Mechanism::new(graph, model)
+            .regrouped(&regroup)
+            .in_length_units(&units);
+        for (index, choices) in self.bodies.iter().enumerate() {
+            match choices.leaf {
+                LeafAlignment::NoOffset => {}
+                LeafAlignment::FirstMoment => mechanism.align_first_moment(index),
+                LeafAlignment::SecondMoment => mechanism.align_second_moment(index),
+            }
+        }
+        mechanism
+    }
+
+    /// This formulation with another choice for one body.
+    fn with_body(&self, index: usize, choices: BodyChoices) -> Self {
+        let mut next = self.clone();
+        next.bodies[index] = choices;
+        next
+    }
+
+    /// This formulation with one unit of length for all bodies.
+    fn with_unit(&self, unit: f64) -> Self {
+        let mut next = self.clone();
+        next.bodies
+            .iter_mut()
+            .for_each(|body| body.length_unit = unit);
+        next
+    }
+
+    /// This formulation with each body's own length of this rank as its unit.
+    fn with_own_units(&self, space: &SearchSpace, rank: usize) -> Self {
+        let mut next = self.clone();
+        for (body, options) in next.bodies.iter_mut().zip(&space.bodies) {
+            body.length_unit = options
+                .own_lengths
+                .get(rank)
+                .copied()
+                .unwrap_or(body.length_unit);
+        }
+        next
+    }
+}
+
+/// What may be chosen for one mechanism.
+#[derive(Debug, Clone)]
+pub struct SearchSpace {
+    length_units: Vec<f64>,
+    bodies: Vec<BodyOptions>,
+}
+
+#[derive(Debug, Clone)]
+struct BodyOptions {
+    revolute: bool,
+    right_angle: bool,
+    in_run: bool,
+    before_joint: bool,
+    is_leaf: bool,
+    balances: bool,
+    parent: Option<usize>,
+    /// Lengths of the children's translations.
+    own_lengths: Vec<f64>,
+}
+
+impl BodyOptions {
+    fn alternatives(&self, now: BodyChoices) -> Vec<BodyChoices> {
+        let mut options = Vec::new();
+        if self.revolute {
+            let angular = match now.angular {
+                AngularRoute::Acceleration => AngularRoute::AxisPoints,
+                AngularRoute::AxisPoints => AngularRoute::Acceleration,
+            };
+            options.push(BodyChoices { angular, ..now });
+        }
+        if self.before_joint {
+            let frame = match now.frame {
+                WorkingFrame::Body => WorkingFrame::BeforeJoint,
+                WorkingFrame::BeforeJoint => WorkingFrame::Body,
+            };
+            options.push(BodyChoices { frame, ..now });
+        }
+        if self.in_run {
+            let other = |link| {
+                if link == RunLink::Parent {
+                    RunLink::RunBase
+                } else {
+                    RunLink::Parent
+                }
+            };
+            options.push(BodyChoices {
+                source: other(now.source),
+                ..now
+            });
+            options.push(BodyChoices {
+                sink: other(now.sink),
+                ..now
+            });
+            options.push(BodyChoices {
+                source: other(now.source),
+                sink: other(now.sink),
+                ..now
+            });
+        }
+        if self.balances {
+            let regroup = match now.regroup {
+                RegroupChoice::Massless => RegroupChoice::BalanceParent,
+                RegroupChoice::BalanceParent => RegroupChoice::Massless,
+            };
+            options.push(BodyChoices { regroup, ..now });
+        }
+        if self.is_leaf {
+            use LeafAlignment::{FirstMoment, NoOffset, SecondMoment};
+            let others = [NoOffset, FirstMoment, SecondMoment]
+                .into_iter()
+                .filter(|leaf| *leaf != now.leaf);
+            options.extend(others.map(|leaf| BodyChoices { leaf, ..now }));
+        }
+        options
+    }
+
+    /// Units of length that may pay in this body.
+    fn units(&self, formulation: &Formulation) -> Vec<f64> {
+        let parent = self
+            .parent
+            .map(|parent| formulation.bodies[parent].length_unit);
+        self.own_lengths.iter().copied().chain(parent).collect()
+    }
+}
+
+impl SearchSpace {
+    /// The space of a model.
+    pub fn new(model: &Model) -> Self {
+        let graph = Graph::new();
+        let mechanism = Mechanism::new(&graph, model);
+        let children = mechanism.children();
+        let parallel = |index: usize| {
+            let body = &mechanism.bodies[index];
+            body.axis == JointAxis::Revolute && body.twist.is_none()
+        };
+        let bodies = mechanism.bodies.iter().enumerate().map(|(index, body)| {
+            let revolute = body.axis == JointAxis::Revolute;
+            let parent_revolute = body
+                .parent
+                .is_some_and(|p| mechanism.bodies[p].axis == JointAxis::Revolute);
+            BodyOptions {
+                revolute,
+                right_angle: body.parent.is_some() && body.twist.alpha.1 == 0.0,
+                in_run: parallel(index) && parent_revolute,
+                before_joint: revolute && children[index].iter().all(|&child| parallel(child)),
+                is_leaf: revolute && children[index].is_empty(),
+                balances: revolute
+                    && body.parent.is_some()
+                    && body.translation[0].value().is_some_and(|px| px != 0.0),
+                parent: body.parent,
+                own_lengths: if all_revolute(&mechanism) {
+                    own_lengths(&mechanism, index, &children[index])
+                } else {
+                    Vec::new()
+                },
+            }
+        });
+        Self {
+            length_units: length_units(&mechanism),
+            bodies: bodies.collect(),
+        }
+    }
+}
+
+/// With prismatic joints forces are results, and their unit is not free.
+fn all_revolute(mechanism: &Mechanism<'_>) -> bool {
+    mechanism
+        .bodies
+        .iter()
+        .all(|body| body.axis == JointAxis::Revolute)
+}
+
+/// Lengths that would become 1 in a unit for the whole mechanism.
+fn length_units(mechanism: &Mechanism<'_>) -> Vec<f64> {
+    if !all_revolute(mechanism) {
+        return Vec::new();
+    }
+    let levers = mechanism
+        .bodies
+        .iter()
+        .filter(|body| body.parent.is_some())
+        .flat_map(|body| body.translation.0.into_iter().chain([body.lift]));
+    let mut units: Vec<f64> = levers
+        .chain(mechanism.gravity.0)
+        .filter_map(nonzero_length)
+        .collect();
+    units.sort_by(f64::total_cmp);
+    units.dedup();
+    // Every candidate costs an evaluation; long chains gain by the bodies' own lengths anyway.
+    units.truncate(16);
+    units
+}
+
+/// Lengths that would become 1 in a body's own unit.
+fn own_lengths(mechanism: &Mechanism<'_>, body: usize, children: &[usize]) -> Vec<f64> {
+    let levers = children
+        .iter()
+        .flat_map(|&child| mechanism.bodies[child].translation.0);
+    levers
+        .chain([mechanism.bodies[body].lift])
+        .filter_map(nonzero_length)
+        .collect()
+}
+
+fn nonzero_length(x: Scalar<'_>) -> Option<f64> {
+    x.value().map(f64::abs).filter(|length| *length > 0.0)
+}
+
+/// Formulations are compared by this many visited nodes at most, so that generating stays quick.
+const VISITED_NODES: usize = 600_000;
+
+/// Descends to a formulation that no single change makes cheaper.
+///
+/// `evaluate` gives the weight of a formulation and the number of nodes that it took. Deterministic: changes are
+/// tried in order and every improvement is kept.
+pub fn cheapest(
+    space: &SearchSpace,
+    evaluate: impl Fn(&Formulation) -> (u64, usize),
+) -> Formulation {
+    let plain = Formulation::plain(space.bodies.len());
+    let (weight, nodes) = evaluate(&plain);
+    let budget = (VISITED_NODES / nodes.max(1)).max(8);
+    let mut descent = Descent {
+        evaluate,
+        best: plain,
+        weight,
+        left: budget.min(600),
+    };
+    descent.attempt(|best| space.promising(best));
+    let mut before = u64::MAX;
+    while descent.weight < before && descent.left > 0 {
+        before = descent.weight;
+        descent.sweep(space);
+    }
+    descent.best
+}
+
+struct Descent<F> {
+    evaluate: F,
+    best: Formulation,
+    weight: u64,
+    left: usize,
+}
+
+impl<F: Fn(&Formulation) -> (u64, usize)> Descent<F> {
+    fn attempt(&mut self, change: impl FnOnce(&Formulation) -> Formulation) {
+        if self.left == 0 {
+            return;
+        }
+        let candidate = change(&self.best);
+        if candidate == self.best {
+            return;
+        }
+        self.left -= 1;
+        let (weight, _) = (self.evaluate)(&candidate);
+        if weight < self.weight {
+            (self.best, self.weight) = (candidate, weight);
+        }
+    }
+
+    fn sweep(&mut self, space: &SearchSpace) {
+        for &unit in &space.length_units {
+            self.attempt(|best| best.with_unit(unit));
+        }
+        for rank in 0..2 {
+            self.attempt(|best| best.with_own_units(space, rank));
+        }
+        for (index, options) in space.bodies.iter().enumerate() {
+            for choices in options.alternatives(self.best.bodies[index]) {
+                self.attempt(|best| best.with_body(index, choices));
+            }
+            for length_unit in options.units(&self.best) {
+                self.attempt(|best| {
+                    best.with_body(
+                        index,
+                        BodyChoices {
+                            length_unit,
+                            ..best.bodies[index]
+                        },
+                    )
+                });
+            }
+        }
+    }
+}
+
+impl SearchSpace {
+    /// What is cheapest for most bodies of most robots, as a start.
+    fn promising(&self, plain: &Formulation) -> Formulation {
+        let mut next = plain.clone();
+        for (body, options) in next.bodies.iter_mut().zip(&self.bodies) {
+            if options.revolute && options.right_angle {
+                body.angular = AngularRoute::AxisPoints;
+            }
+            if options.balances {
+                body.regroup = RegroupChoice::BalanceParent;
+            }
+            if options.is_leaf {
+                body.leaf = LeafAlignment::FirstMoment;
+            }
+        }
+        next
+    }
+}

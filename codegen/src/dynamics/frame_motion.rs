@@ -1,0 +1,169 @@
+//! Pose, Jacobian and acceleration of frames, in the axes of the base.
+
+use nalgebra::Matrix3;
+
+use super::formulation::Formulation;
+use super::newton_euler::{MotionInput, frame_acceleration};
+use super::placement::{Placement, place};
+use crate::graph::{Scalar, Vector3};
+use crate::kinematics::{JointAxis, Mechanism, ScalarPose, rotate};
+
+/// A pose over the graph: origin, and the frame's axes as columns.
+#[derive(Debug, Clone, Copy)]
+pub struct FramePose<'g> {
+    /// Origin in the base frame [m].
+    pub origin: Vector3<'g>,
+    /// Axes x, y, z in the base frame.
+    pub axes: [Vector3<'g>; 3],
+}
+
+/// The bodies of a mechanism, seen from the base.
+pub struct BasePoses<'g> {
+    mechanism: Mechanism<'g>,
+    bodies: Vec<FramePose<'g>>,
+}
+
+impl<'g> BasePoses<'g> {
+    /// At the coordinates `y`; the mechanism is in metres and its working frames are the bodies' own.
+    pub fn new(mechanism: Mechanism<'g>, y: &[Scalar<'g>]) -> Self {
+        let placements = place(&mechanism, &Formulation::plain(mechanism.len()), y);
+        let base = FramePose::base(mechanism.graph.constant(1.0));
+        let mut bodies: Vec<FramePose<'g>> = Vec::with_capacity(mechanism.len());
+        let mut before_run = bodies.clone();
+        for (index, body) in mechanism.bodies.iter().enumerate() {
+            let parent = body.parent.map_or(base, |parent| bodies[parent]);
+            let placement = &placements[index];
+            let run_start = match placement.run == index {
+                true => parent.twisted(&body.twist.matrix()),
+                false => before_run[placement.run],
+            };
+            before_run.push(run_start);
+            let mut pose = run_start.turned(placement);
+            pose.origin = parent.point(body.translation) + pose.axes[2].scaled(placement.extension);
+            bodies.push(pose.named(&body.name));
+        }
+        Self { mechanism, bodies }
+    }
+
+    /// Pose of a frame fixed to a link of the model.
+    pub fn pose(&self, link: usize, frame: &ScalarPose<'g>) -> FramePose<'g> {
+        let (body, pose) = self.in_body(link, frame);
+        let body = body.map_or(
+            FramePose::base(self.mechanism.graph.constant(1.0)),
+            |index| self.bodies[index],
+        );
+        let origin = body.point(pose.translation);
+        FramePose {
+            origin,
+            ..body.twisted(&pose.rotation)
+        }
+    }
+
+    /// Jacobian of a frame: linear rows first, columns by coordinate.
+    pub fn jacobian(&self, link: usize, frame: &ScalarPose<'g>) -> Vec<Vec<Scalar<'g>>> {
+        let origin = self.pose(link, frame).origin;
+        let zero = self.mechanism.graph.constant(0.0);
+        let mut rows = vec![vec![zero; self.mechanism.len()]; 6];
+        let mut next = self.in_body(link, frame).0;
+        while let Some(index) = next {
+            let body = &self.mechanism.bodies[index];
+            let axis = self.bodies[index].axes[2].map(|x| x.signed(body.direction));
+            let (linear, angular) = match body.axis {
+                JointAxis::Revolute => (axis.cross(origin - self.bodies[index].origin), axis),
+                JointAxis::Prismatic => (axis, Vector3::zero(zero)),
+            };
+            for k in 0..3 {
+                rows[k][body.coordinate] = linear[k];
+                rows[k + 3][body.coordinate] = angular[k];
+            }
+            next = body.parent;
+        }
+        rows
+    }
+
+    /// `J̇ ẏ`: acceleration of a frame at ÿ = 0, linear part first.
+    pub fn jacobian_rate(
+        &self,
+        link: usize,
+        frame: &ScalarPose<'g>,
+        y: &[Scalar<'g>],
+        v: &[Scalar<'g>],
+    ) -> Vec<Scalar<'g>> {
+        let zero = self.mechanism.graph.constant(0.0);
+        let (body, pose) = self.in_body(link, frame);
+        let Some(index) = body else {
+            return vec![zero; 6];
+        };
+        let still = vec![zero; v.len()];
+        let input = MotionInput { y, v, a: &still };
+        let (linear, angular) = frame_acceleration(&self.mechanism, input, index, pose.translation);
+        let base = &self.bodies[index];
+        base.direction(linear)
+            .0
+            .into_iter()
+            .chain(base.direction(angular).0)
+            .collect()
+    }
+
+    fn in_body(&self, link: usize, frame: &ScalarPose<'g>) -> (Option<usize>, ScalarPose<'g>) {
+        let (body, pose) = self.mechanism.links[link];
+        (body, pose.then(*frame))
+    }
+}
+
+impl<'g> FramePose<'g> {
+    fn base(one: Scalar<'g>) -> Self {
+        let zero = one.constant(0.0);
+        let axes = [[one, zero, zero], [zero, one, zero], [zero, zero, one]].map(Vector3);
+        Self {
+            origin: Vector3::zero(one),
+            axes,
+        }
+    }
+
+    /// The axes after a constant rotation.
+    fn twisted(&self, rotation: &Matrix3<f64>) -> Self {
+        let rows = [0, 1, 2].map(|row| {
+            rotate(
+                &rotation.transpose(),
+                Vector3([self.axes[0][row], self.axes[1][row], self.axes[2][row]]),
+            )
+        });
+        let axes = [0, 1, 2].map(|axis| Vector3([rows[0][axis], rows[1][axis], rows[2][axis]]));
+        Self {
+            origin: self.origin,
+            axes,
+        }
+    }
+
+    /// The axes after the turn from the frame before the run.
+    fn turned(&self, placement: &Placement<'g>) -> Self {
+        let Some((s, c)) = placement.turn_from_run else {
+            return *self;
+        };
+        let [x, y, z] = self.axes;
+        let axes = [x.scaled(c) + y.scaled(s), y.scaled(c) - x.scaled(s), z];
+        Self {
+            origin: self.origin,
+            axes,
+        }
+    }
+
+    /// A point of the frame in the base frame.
+    fn point(&self, p: Vector3<'g>) -> Vector3<'g> {
+        self.origin + self.direction(p)
+    }
+
+    /// A direction of the frame in the base frame.
+    fn direction(&self, v: Vector3<'g>) -> Vector3<'g> {
+        self.axes[0].scaled(v[0]) + self.axes[1].scaled(v[1]) + self.axes[2].scaled(v[2])
+    }
+
+    fn named(self, body: &str) -> Self {
+        for (axis, name) in self.axes.iter().zip(["x", "y", "z"]) {
+            axis.named(&format!("{name}_axis_{body}"));
+        }
+        self.origin.named(&format!("origin_{body}"));
+        self
+    }
+}

@@ -1,0 +1,413 @@
+//! Recursive Newton–Euler equations with moments of mass.
+//!
+//! With U = ω̇× + ω× ω× the points r of a body accelerate by a + U r. Hence, with the moments m, h, Σ of its mass,
+//!
+//! ```text
+//! F = m a + U h            n = h × a + vee(U Σ − Σ Uᵀ)
+//! ```
+//!
+//! (Luh, Walker and Paul 1980; Balafoutis and Patel 1989 for the second moments; Khalil and Dombre 2002, ch. 9, for
+//! the frames.)
+
+use super::formulation::{AngularRoute, BodyChoices, Formulation, RunLink};
+use super::placement::{Placement, place};
+use crate::graph::{Scalar, Symmetric3, Vector3};
+use crate::kinematics::{Body, JointAxis, Mechanism};
+
+/// A 3 × 3 matrix, rows first.
+type Matrix3<'g> = [[Scalar<'g>; 3]; 3];
+
+/// Motion of a body in its working frame.
+#[derive(Debug, Clone, Copy)]
+struct Motion<'g> {
+    /// Angular velocity ω.
+    omega: Vector3<'g>,
+    /// Components of the angular acceleration ω̇ that were needed for U.
+    angular: [Option<Scalar<'g>>; 3],
+    /// U = ω̇× + ω× ω×.
+    spread: Matrix3<'g>,
+    /// Acceleration of the origin, minus gravity.
+    acceleration: Vector3<'g>,
+}
+
+/// What the inverse dynamics are asked for.
+#[derive(Debug, Clone, Copy)]
+pub struct MotionInput<'a, 'g> {
+    /// Coordinates.
+    pub y: &'a [Scalar<'g>],
+    /// Velocities.
+    pub v: &'a [Scalar<'g>],
+    /// Accelerations.
+    pub a: &'a [Scalar<'g>],
+}
+
+/// Generalized forces `M ÿ + k − q_gravity` of bodies and rotors, by coordinate.
+pub fn inverse_dynamics<'g>(
+    mechanism: &Mechanism<'g>,
+    formulation: &Formulation,
+    input: MotionInput<'_, 'g>,
+) -> Vec<Scalar<'g>> {
+    let placements = place(mechanism, formulation, input.y);
+    let motions = motions(mechanism, formulation, &placements, input);
+    let mut forces: Vec<(Vector3<'g>, Vector3<'g>)> = motions
+        .iter()
+        .zip(&placements)
+        .map(|(motion, placement)| own_force(motion, placement))
+        .collect();
+    let mut generalized = vec![mechanism.graph.constant(0.0); mechanism.len()];
+    add_rotors(
+        mechanism,
+        &placements,
+        &motions,
+        input,
+        &mut forces,
+        &mut generalized,
+    );
+    gather(
+        mechanism,
+        formulation,
+        &placements,
+        forces,
+        &mut generalized,
+    );
+    generalized
+}
+
+/// Linear and angular acceleration of a point fixed to a body, in the body's own frame; without gravity. The mechanism
+/// is in metres.
+pub fn frame_acceleration<'g>(
+    mechanism: &Mechanism<'g>,
+    input: MotionInput<'_, 'g>,
+    body: usize,
+    point: Vector3<'g>,
+) -> (Vector3<'g>, Vector3<'g>) {
+    let formulation = Formulation::plain(mechanism.len());
+    let weightless = Mechanism {
+        gravity: Vector3::zero(mechanism.graph.constant(0.0)),
+        ..mechanism.clone()
+    };
+    let placements = place(&weightless, &formulation, input.y);
+    let motion = motions(&weightless, &formulation, &placements, input)[body];
+    (
+        motion.acceleration + times(&motion.spread, point),
+        motion.angular_acceleration(),
+    )
+}
+
+fn motions<'g>(
+    mechanism: &Mechanism<'g>,
+    formulation: &Formulation,
+    placements: &[Placement<'g>],
+    input: MotionInput<'_, 'g>,
+) -> Vec<Motion<'g>> {
+    let mut motions: Vec<Motion<'g>> = Vec::with_capacity(placements.len());
+    for (index, body) in mechanism.bodies.iter().enumerate() {
+        let base = Motion::at_rest(-mechanism.gravity_for(index));
+        let placement = &placements[index];
+        let parent = body.parent.map_or(base, |parent| motions[parent]);
+        let (rate, acceleration) = (
+            input.v[body.coordinate].signed(body.direction),
+            input.a[body.coordinate].signed(body.direction),
+        );
+        let carried = parent.acceleration + times(&parent.spread, placement.translation);
+        let carried = placement.to_child_unit(&body.twist, carried);
+        let mut motion = match body.axis {
+            JointAxis::Prismatic => extend(&parent, body, placement, carried, rate, acceleration),
+            JointAxis::Revolute => {
+                let run_parent = mechanism.bodies[placement.run]
+                    .parent
+                    .map_or(base, |p| motions[p]);
+                let joint = RevoluteStep {
+                    mechanism,
+                    placements,
+                    index,
+                    choices: formulation.bodies[index],
+                    parent: &parent,
+                    run_parent: &run_parent,
+                };
+                joint.turn(input, carried)
+            }
+        };
+        let u = &motion.spread;
+        let lift = Vector3([u[0][2], u[1][2], u[2][2]]).scaled(placement.extension);
+        motion.acceleration = motion.acceleration + lift;
+        motion.omega.named(&format!("omega_{}", body.name));
+        motion
+            .acceleration
+            .named(&format!("acceleration_{}", body.name));
+        motions.push(motion);
+    }
+    motions
+}
+
+impl<'g> Motion<'g> {
+    fn at_rest(acceleration: Vector3<'g>) -> Self {
+        let zero = acceleration[0].constant(0.0);
+        Self {
+            omega: Vector3::zero(zero),
+            angular: [Some(zero); 3],
+            spread: [[zero; 3]; 3],
+            acceleration,
+        }
+    }
+
+    /// Angular acceleration ω̇, where it is not known from the antisymmetric part of U.
+    fn angular_acceleration(&self) -> Vector3<'g> {
+        let (u, w) = (&self.spread, self.omega);
+        let from_spread = [
+            u[2][1] - w[1] * w[2],
+            u[0][2] - w[0] * w[2],
+            u[1][0] - w[0] * w[1],
+        ];
+        Vector3([0, 1, 2].map(|k| self.angular[k].unwrap_or(from_spread[k])))
+    }
+}
+
+/// One revolute joint on the way outwards.
+struct RevoluteStep<'a, 'g> {
+    mechanism: &'a Mechanism<'g>,
+    placements: &'a [Placement<'g>],
+    index: usize,
+    choices: BodyChoices,
+    parent: &'a Motion<'g>,
+    run_parent: &'a Motion<'g>,
+}
+
+impl<'g> RevoluteStep<'_, 'g> {
+    /// Motion of the body, given the acceleration of its origin.
+    fn turn(&self, input: MotionInput<'_, 'g>, origin: Vector3<'g>) -> Motion<'g> {
+        let (rate, acceleration) = self.rates(input);
+        let source = match self.choices.source {
+            RunLink::Parent => self.parent,
+            RunLink::RunBase => self.run_parent,
+        };
+        let carried = self.carry(source.omega);
+        let omega = carried + Vector3([rate.constant(0.0), rate.constant(0.0), rate]);
+        let (angular, spread) = match self.choices.angular {
+            AngularRoute::Acceleration => {
+                let mut angular = self.carry(source.angular_acceleration());
+                angular.0[0] = angular[0] + carried[1] * rate;
+                angular.0[1] = angular[1] - carried[0] * rate;
+                angular.0[2] = angular[2] + acceleration;
+                (angular.0.map(Some), spread_of(omega, angular))
+            }
+            AngularRoute::AxisPoints => {
+                let axis = self.source_twist().to_parent(unit_z(rate));
+                let points = self.carry(times(&source.spread, axis));
+                let axial = self.axial(source.angular_acceleration()) + acceleration;
+                (
+                    [None, None, Some(axial)],
+                    spread_from_axis(omega, points, axial),
+                )
+            }
+        };
+        Motion {
+            omega,
+            angular,
+            spread,
+            acceleration: origin,
+        }
+    }
+
+    /// Rate and acceleration of the turn relative to the source.
+    fn rates(&self, input: MotionInput<'_, 'g>) -> (Scalar<'g>, Scalar<'g>) {
+        let signed = |values: &[Scalar<'g>], k: usize| {
+            let body = &self.mechanism.bodies[k];
+            values[body.coordinate].signed(body.direction)
+        };
+        let mut chain = vec![self.index];
+        if self.choices.source == RunLink::RunBase {
+            let mut k = self.index;
+            while k != self.placements[self.index].run {
+                let Some(parent) = self.mechanism.bodies[k].parent else {
+                    break;
+                };
+                chain.push(parent);
+                k = parent;
+            }
+        }
+        let zero = self.mechanism.graph.constant(0.0);
+        let sum = |values: &[Scalar<'g>]| {
+            chain
+                .iter()
+                .rev()
+                .fold(zero, |sum, &k| sum + signed(values, k))
+        };
+        (sum(input.v), sum(input.a))
+    }
+
+    fn source_twist(&self) -> crate::kinematics::Twist {
+        let first = match self.choices.source {
+            RunLink::Parent => self.index,
+            RunLink::RunBase => self.placements[self.index].run,
+        };
+        self.mechanism.bodies[first].twist
+    }
+
+    /// A vector from the source's working frame to this one.
+    fn carry(&self, v: Vector3<'g>) -> Vector3<'g> {
+        let placement = &self.placements[self.index];
+        let turn = match self.choices.source {
+            RunLink::Parent => placement.turn,
+            RunLink::RunBase => placement.turn_from_run,
+        };
+        let v = self.source_twist().to_child(v);
+        turn.map_or(v, |turn| v.turned_back(turn))
+    }
+
+    /// The component of a vector of the source along this joint's axis.
+    fn axial(&self, v: Vector3<'g>) -> Scalar<'g> {
+        self.source_twist().to_child(v)[2]
+    }
+}
+
+/// One prismatic joint on the way outwards: `a + 2 ω × z ḋ + z d̈`.
+fn extend<'g>(
+    parent: &Motion<'g>,
+    body: &Body<'g>,
+    placement: &Placement<'g>,
+    carried: Vector3<'g>,
+    rate: Scalar<'g>,
+    acceleration: Scalar<'g>,
+) -> Motion<'g> {
+    let omega = placement.to_child(&body.twist, parent.omega);
+    let angular = placement.to_child(&body.twist, parent.angular_acceleration());
+    let spread = spread_of(omega, angular);
+    let twice = rate * 2.0;
+    let coriolis = Vector3([omega[1] * twice, -(omega[0] * twice), acceleration]);
+    Motion {
+        omega,
+        angular: angular.0.map(Some),
+        spread,
+        acceleration: carried + coriolis,
+    }
+}
+
+fn unit_z(any: Scalar<'_>) -> Vector3<'_> {
+    Vector3([any.constant(0.0), any.constant(0.0), any.constant(1.0)])
+}
+
+/// `matrix · v`
+fn times<'g>(matrix: &Matrix3<'g>, v: Vector3<'g>) -> Vector3<'g> {
+    Vector3(matrix.map(|row| Vector3(row).dot(v)))
+}
+
+/// `U = ω̇× + ω× ω×`
+fn spread_of<'g>(omega: Vector3<'g>, angular: Vector3<'g>) -> Matrix3<'g> {
+    let (w, e) = (omega, angular);
+    let (xx, yy, zz) = (w[0].squared(), w[1].squared(), w[2].squared());
+    let (xy, xz, yz) = (w[0] * w[1], w[0] * w[2], w[1] * w[2]);
+    [
+        [-(yy + zz), xy - e[2], xz + e[1]],
+        [xy + e[2], -(xx + zz), yz - e[0]],
+        [xz - e[1], yz + e[0], -(xx + yy)],
+    ]
+}
+
+/// U from ω, from U z, and from the angular acceleration about z.
+fn spread_from_axis<'g>(omega: Vector3<'g>, points: Vector3<'g>, axial: Scalar<'g>) -> Matrix3<'g> {
+    let w = omega;
+    let (xx, yy, zz) = (w[0].squared(), w[1].squared(), w[2].squared());
+    let xy = w[0] * w[1];
+    let twice = w[2] * 2.0;
+    [
+        [-(yy + zz), xy - axial, points[0]],
+        [xy + axial, -(xx + zz), points[1]],
+        [
+            w[0] * twice - points[0],
+            w[1] * twice - points[1],
+            points[2],
+        ],
+    ]
+}
+
+/// Force and moment about the origin that move a body's own mass.
+fn own_force<'g>(motion: &Motion<'g>, placement: &Placement<'g>) -> (Vector3<'g>, Vector3<'g>) {
+    let (moments, a) = (placement.moments, motion.acceleration);
+    let force = a.scaled(moments.mass) + times(&motion.spread, moments.first);
+    (
+        force,
+        moments.first.cross(a) + moment_of_second(&motion.spread, moments.second),
+    )
+}
+
+/// `vee(U Σ − Σ Uᵀ)`
+fn moment_of_second<'g>(u: &Matrix3<'g>, s: Symmetric3<'g>) -> Vector3<'g> {
+    Vector3([
+        u[2][0] * s.xy - u[1][0] * s.xz + (u[2][2] - u[1][1]) * s.yz + u[2][1] * s.yy
+            - u[1][2] * s.zz,
+        u[0][1] * s.yz - u[2][1] * s.xy + (u[0][0] - u[2][2]) * s.xz + u[0][2] * s.zz
+            - u[2][0] * s.xx,
+        u[1][2] * s.xz - u[0][2] * s.yz + (u[1][1] - u[0][0]) * s.xy + u[1][0] * s.xx
+            - u[0][1] * s.yy,
+    ])
+}
+
+/// Rotors: beyond what their axial inertia does in the carrier, the spin i ẏ gives the moment
+/// `i J_R (ÿ a + ẏ ω × a)` on the carrier and the force `i J_R (a · ω̇ + i ÿ)` on the joint.
+fn add_rotors<'g>(
+    mechanism: &Mechanism<'g>,
+    placements: &[Placement<'g>],
+    motions: &[Motion<'g>],
+    input: MotionInput<'_, 'g>,
+    forces: &mut [(Vector3<'g>, Vector3<'g>)],
+    generalized: &mut [Scalar<'g>],
+) {
+    for rotor in &mechanism.rotors {
+        let (rate, acceleration) = (input.v[rotor.coordinate], input.a[rotor.coordinate]);
+        let coupling = rotor.ratio * rotor.inertia;
+        let own = (rotor.ratio * coupling) * acceleration;
+        generalized[rotor.coordinate] = generalized[rotor.coordinate] + own;
+        let Some(carrier) = rotor.carrier else {
+            continue;
+        };
+        let axis = placements[carrier]
+            .to_body
+            .map_or(rotor.axis, |ahead| rotor.axis.turned(ahead));
+        let moment = axis.scaled(coupling * acceleration)
+            + motions[carrier].omega.cross(axis).scaled(coupling * rate);
+        forces[carrier].1 = forces[carrier].1 + moment;
+        let carried = coupling * axis.dot(motions[carrier].angular_acceleration());
+        generalized[rotor.coordinate] = generalized[rotor.coordinate] + carried;
+    }
+}
+
+/// From the leaves to the base: what a body needs, its parent passes on.
+fn gather<'g>(
+    mechanism: &Mechanism<'g>,
+    formulation: &Formulation,
+    placements: &[Placement<'g>],
+    mut forces: Vec<(Vector3<'g>, Vector3<'g>)>,
+    generalized: &mut [Scalar<'g>],
+) {
+    let zero = mechanism.graph.constant(0.0);
+    // Transverse moments that go to the frame before a run directly, without the bodies between.
+    let mut transverse = vec![Vector3::zero(zero); mechanism.len()];
+    for index in (0..mechanism.len()).rev() {
+        let (body, placement) = (&mechanism.bodies[index], &placements[index]);
+        let (force, mut moment) = forces[index];
+        force.named(&format!("force_{}", body.name));
+        moment.named(&format!("moment_{}", body.name));
+        let joint_force = match body.axis {
+            JointAxis::Revolute => moment[2],
+            JointAxis::Prismatic => force[2],
+        };
+        generalized[body.coordinate] =
+            generalized[body.coordinate] + joint_force.signed(body.direction);
+        let length = placement.extension;
+        moment = moment + Vector3([-(length * force[1]), length * force[0], zero]);
+        if formulation.bodies[index].sink == RunLink::RunBase && placement.run != index {
+            let across = Vector3([moment[0], moment[1], zero]);
+            let across = placement
+                .turn_from_run
+                .map_or(across, |turn| across.turned(turn));
+            transverse[placement.run] = transverse[placement.run] + across;
+            moment = Vector3([zero, zero, moment[2]]);
+        }
+        let Some(parent) = body.parent else { continue };
+        let force = body.twist.to_parent(placement.before_joint_unit(force));
+        let turned = placement.turn.map_or(moment, |turn| moment.turned(turn)) + transverse[index];
+        let moment = body.twist.to_parent(turned) + placement.translation.cross(force);
+        forces[parent] = (forces[parent].0 + force, forces[parent].1 + moment);
+    }
+}

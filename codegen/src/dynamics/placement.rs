@@ -1,0 +1,183 @@
+//! Working frames: where the equations of each body are written, and how they are reached from the parent's.
+
+use super::formulation::{Formulation, WorkingFrame};
+use crate::formula::Function;
+use crate::graph::{Scalar, Vector3};
+use crate::kinematics::{Angle, JointAxis, MassMoments, Mechanism, Twist};
+
+/// Sine and cosine of an angle.
+pub type Turn<'g> = (Scalar<'g>, Scalar<'g>);
+
+/// The working frame of one body.
+#[derive(Debug, Clone, Copy)]
+pub struct Placement<'g> {
+    /// Turn about z from the parent's working frame, after the twist; `None` where the frames coincide.
+    pub turn: Option<Turn<'g>>,
+    /// Origin in the parent's working frame [m].
+    pub translation: Vector3<'g>,
+    /// Displacement along z: constant for revolute joints, with the coordinate for prismatic ones.
+    pub extension: Scalar<'g>,
+    /// First body of the run of parallel revolute joints that this one belongs to.
+    pub run: usize,
+    /// Turn about z from the frame before the run's first joint.
+    pub turn_from_run: Option<Turn<'g>>,
+    /// Moments of mass in the working frame.
+    pub moments: MassMoments<'g>,
+    /// Turn about z from the working frame to the body's own frame.
+    pub to_body: Option<Turn<'g>>,
+    /// The parent's unit of length over this body's.
+    pub unit_ratio: f64,
+    /// Body whose own frame is parallel to the working frame; `None`: the frame before the run's first joint.
+    aligned: Option<usize>,
+}
+
+/// Places every body at the coordinates `y`.
+pub fn place<'g>(
+    mechanism: &Mechanism<'g>,
+    formulation: &Formulation,
+    y: &[Scalar<'g>],
+) -> Vec<Placement<'g>> {
+    let mut placements: Vec<Placement<'g>> = Vec::with_capacity(mechanism.len());
+    for index in 0..mechanism.len() {
+        placements.push(place_body(mechanism, formulation, y, &placements, index));
+    }
+    placements
+}
+
+fn place_body<'g>(
+    mechanism: &Mechanism<'g>,
+    formulation: &Formulation,
+    y: &[Scalar<'g>],
+    placed: &[Placement<'g>],
+    index: usize,
+) -> Placement<'g> {
+    let body = &mechanism.bodies[index];
+    let revolute = body.axis == JointAxis::Revolute;
+    let previous = body.parent.filter(|&p| {
+        revolute && body.twist.is_none() && mechanism.bodies[p].axis == JointAxis::Revolute
+    });
+    let before = previous.and_then(|p| placed[p].aligned);
+    let aligned = match formulation.bodies[index].frame {
+        WorkingFrame::BeforeJoint if revolute => before,
+        WorkingFrame::Body | WorkingFrame::BeforeJoint => Some(index),
+    };
+    let turn = |from, to| {
+        if revolute {
+            turn_between(mechanism, y, from, to, index)
+        } else {
+            None
+        }
+    };
+    let to_body = turn(aligned, Some(index));
+    let translation = match body.parent.and_then(|p| placed[p].to_body) {
+        Some(ahead) => body.translation.turned(ahead),
+        None => body.translation,
+    };
+    Placement {
+        turn: turn(before, aligned),
+        translation,
+        extension: if revolute {
+            body.lift
+        } else {
+            body.lift + y[body.coordinate].signed(body.direction)
+        },
+        run: previous.map_or(index, |p| placed[p].run),
+        turn_from_run: turn(None, aligned),
+        moments: to_body.map_or(body.moments, |ahead| body.moments.turned(ahead)),
+        to_body,
+        unit_ratio: body.unit_ratio,
+        aligned,
+    }
+}
+
+/// The turn between two frames of one run: from the own frame of body `from` to that of body `to`, `None` standing for
+/// the frame before the run. Angles are added before the sine.
+fn turn_between<'g>(
+    mechanism: &Mechanism<'g>,
+    y: &[Scalar<'g>],
+    from: Option<usize>,
+    to: Option<usize>,
+    member: usize,
+) -> Option<Turn<'g>> {
+    if from == to {
+        return None;
+    }
+    let chain = run_chain(mechanism, member);
+    let position = |end: Option<usize>| {
+        end.and_then(|body| chain.iter().position(|&k| k == body))
+            .map_or(0, |k| k + 1)
+    };
+    let joints = &chain[position(from)..position(to)];
+    let zero = mechanism.graph.constant(0.0);
+    let mut angle = zero;
+    let mut offset = Angle::default();
+    let mut name = String::new();
+    for &joint in joints {
+        let body = &mechanism.bodies[joint];
+        name = format!("{name}_{}", body.name);
+        angle = angle + y[body.coordinate].signed(body.direction);
+        offset = offset + body.offset;
+    }
+    let angle = angle.named(|| format!("angle{name}")) + zero.constant(offset.remainder);
+    let angle = angle.named(|| format!("angle{name}_offset"));
+    let sine = angle.call(Function::Sin).named(|| format!("sin{name}"));
+    let cosine = angle.call(Function::Cos).named(|| format!("cos{name}"));
+    Some(offset.advance((sine, cosine)))
+}
+
+/// The bodies of the run that ends with `member`, from its first body on.
+fn run_chain(mechanism: &Mechanism<'_>, member: usize) -> Vec<usize> {
+    let mut chain = vec![member];
+    let mut body = &mechanism.bodies[member];
+    while let Some(parent) = body
+        .parent
+        .filter(|_| body.twist.is_none() && body.axis == JointAxis::Revolute)
+    {
+        if mechanism.bodies[parent].axis != JointAxis::Revolute {
+            break;
+        }
+        chain.push(parent);
+        body = &mechanism.bodies[parent];
+    }
+    chain.reverse();
+    chain
+}
+
+impl<'g> Placement<'g> {
+    /// An angular velocity, angular acceleration or moment from the parent's working frame to this one.
+    pub fn to_child(&self, twist: &Twist, v: Vector3<'g>) -> Vector3<'g> {
+        let v = twist.to_child(v);
+        self.turn.map_or(v, |turn| v.turned_back(turn))
+    }
+
+    /// An angular velocity, angular acceleration or moment from this working frame to the parent's.
+    pub fn to_parent(&self, twist: &Twist, v: Vector3<'g>) -> Vector3<'g> {
+        twist.to_parent(self.turn.map_or(v, |turn| v.turned(turn)))
+    }
+
+    /// An acceleration from the parent's working frame and unit to this one's.
+    pub fn to_child_unit(&self, twist: &Twist, v: Vector3<'g>) -> Vector3<'g> {
+        self.scaled_turn(twist.to_child(v), |v, turn| v.turned_back(turn))
+    }
+
+    /// A force or first moment from this working frame and unit to the frame before the joint and the parent's unit.
+    pub fn before_joint_unit(&self, v: Vector3<'g>) -> Vector3<'g> {
+        self.scaled_turn(v, |v, turn| v.turned(turn))
+    }
+
+    /// Turns, with the change of unit inside the sine and cosine.
+    fn scaled_turn(
+        &self,
+        v: Vector3<'g>,
+        turn: impl Fn(Vector3<'g>, Turn<'g>) -> Vector3<'g>,
+    ) -> Vector3<'g> {
+        let ratio = v[0].constant(self.unit_ratio);
+        match self.turn {
+            Some((s, c)) => {
+                let turned = turn(v, (s * ratio, c * ratio));
+                Vector3([turned[0], turned[1], v[2] * ratio])
+            }
+            None => v.scaled(ratio),
+        }
+    }
+}

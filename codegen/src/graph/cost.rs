@@ -1,0 +1,45 @@
+//! What a set of results costs.
+
+use super::build::Graph;
+use super::node::{Edge, Node};
+use crate::formula::Function;
+
+/// Operations of a computation. A subtraction is an addition, a negation nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Cost {
+    /// Multiplications.
+    pub multiplications: u64,
+    /// Additions and subtractions.
+    pub additions: u64,
+    /// Divisions.
+    pub divisions: u64,
+    /// Sines and cosines, counted in pairs of the same angle.
+    pub angles: u64,
+    /// Other function calls.
+    pub calls: u64,
+}
+
+impl Cost {
+    /// Of all that the results need.
+    pub fn of(graph: &Graph, results: &[Edge]) -> Self {
+        let mut cost = Self::default();
+        let mut angles = std::collections::BTreeSet::new();
+        for node in graph.reachable(results) {
+            match graph.node(node) {
+                Node::Constant(_) | Node::Input(..) | Node::Parameter(_) => {}
+                Node::Sum(..) => cost.additions += 1,
+                Node::Product(..) => cost.multiplications += 1,
+                Node::Quotient(..) => cost.divisions += 1,
+                Node::Call(Function::Sin | Function::Cos, angle) => _ = angles.insert(angle),
+                Node::Call(..) => cost.calls += 1,
+            }
+        }
+        cost.angles = angles.len() as u64;
+        cost
+    }
+
+    /// One number to compare formulations by: roughly the instructions of a call.
+    pub fn weight(&self) -> u64 {
+        self.multiplications + self.additions + 8 * self.divisions + 20 * (self.angles + self.calls)
+    }
+}

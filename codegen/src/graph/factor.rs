@@ -1,0 +1,5 @@
+//! placeholder
+/// pass
+pub struct Pass;
+/// opt
+pub fn optimize() {}

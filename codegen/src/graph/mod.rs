@@ -1,0 +1,18 @@
+//! Expressions with sharing: hash-consed nodes, folded as they are built. There is no robot in here.
+//!
+//! A [`Graph`] owns the nodes; a [`Scalar`] is a signed reference to one, so that negation costs nothing and `a − b`
+//! shares its node with `b − a`. Nothing is ever expanded: a rule fires only where it removes operations.
+
+mod build;
+mod cost;
+mod factor;
+mod node;
+mod scalar;
+mod vector;
+
+pub use build::Graph;
+pub use cost::Cost;
+pub use factor::{Pass, optimize};
+pub use node::{Edge, Node};
+pub use scalar::Scalar;
+pub use vector::{Symmetric3, Vector3};

@@ -1,0 +1,68 @@
+//! Nodes and the signed edges between them.
+
+use crate::formula::Function;
+
+/// A signed reference to a node: the value of the node, or its negative.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Edge(u32);
+
+impl Edge {
+    /// The value of node `index`.
+    pub fn plus(index: usize) -> Self {
+        Self((index as u32) << 1)
+    }
+
+    /// Index of the node.
+    pub fn index(self) -> usize {
+        (self.0 >> 1) as usize
+    }
+
+    /// Whether the node's value is negated.
+    pub fn is_negative(self) -> bool {
+        self.0 & 1 == 1
+    }
+
+    /// The same node without the sign.
+    pub fn abs(self) -> Self {
+        Self(self.0 & !1)
+    }
+
+    /// The negative of this edge where `negate` holds.
+    pub fn negate_if(self, negate: bool) -> Self {
+        Self(self.0 ^ u32::from(negate))
+    }
+}
+
+/// A node. Operands stand before it in the graph.
+///
+/// Canonical: the operands of commutative operations are ordered by index; the first operand of a sum is positive;
+/// operands of products, quotients and odd or even functions are positive; constants are positive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Node {
+    /// The bits of a finite number ≥ 0.
+    Constant(u64),
+    /// Entry of an input array: array, index.
+    Input(u32, u32),
+    /// Free parameter: index into `Model::parameters`.
+    Parameter(u32),
+    /// `a + b`
+    Sum(Edge, Edge),
+    /// `a · b`
+    Product(Edge, Edge),
+    /// `a / b`
+    Quotient(Edge, Edge),
+    /// `f(a)`
+    Call(Function, Edge),
+}
+
+impl Node {
+    /// The operands.
+    pub fn operands(self) -> impl Iterator<Item = Edge> {
+        let (a, b) = match self {
+            Node::Constant(_) | Node::Input(..) | Node::Parameter(_) => (None, None),
+            Node::Sum(a, b) | Node::Product(a, b) | Node::Quotient(a, b) => (Some(a), Some(b)),
+            Node::Call(_, a) => (Some(a), None),
+        };
+        a.into_iter().chain(b)
+    }
+}

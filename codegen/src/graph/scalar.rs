@@ -1,0 +1,140 @@
+//! A scalar of a graph with the operators of arithmetic, so that algorithms read like their papers.
+
+use std::fmt;
+use std::ops::{Add, Mul, Neg, Sub};
+
+use super::build::Graph;
+use super::node::Edge;
+use crate::formula::Function;
+
+/// A signed reference to a node together with its graph.
+#[derive(Clone, Copy)]
+pub struct Scalar<'g> {
+    graph: &'g Graph,
+    edge: Edge,
+}
+
+impl<'g> Scalar<'g> {
+    pub(super) fn new(graph: &'g Graph, edge: Edge) -> Self {
+        Self { graph, edge }
+    }
+
+    /// The signed reference.
+    pub fn edge(self) -> Edge {
+        self.edge
+    }
+
+    /// The graph that owns the node.
+    pub fn graph(self) -> &'g Graph {
+        self.graph
+    }
+
+    /// A constant of the same graph.
+    pub fn constant(self, value: f64) -> Self {
+        self.graph.constant(value)
+    }
+
+    /// The value, where it is a constant.
+    pub fn value(self) -> Option<f64> {
+        self.graph.value(self.edge)
+    }
+
+    /// Whether it is the constant 0.
+    pub fn is_zero(self) -> bool {
+        self.value() == Some(0.0)
+    }
+
+    /// `f(self)`
+    pub fn call(self, function: Function) -> Self {
+        Self::new(self.graph, self.graph.call(function, self.edge))
+    }
+
+    /// `self / divisor`
+    pub fn divided_by(self, divisor: Self) -> Self {
+        Self::new(self.graph, self.graph.div(self.edge, divisor.edge))
+    }
+
+    /// `self · self`
+    pub fn squared(self) -> Self {
+        self * self
+    }
+
+    /// `self`, or its negative for a negative `direction`.
+    pub fn signed(self, direction: f64) -> Self {
+        if direction < 0.0 { -self } else { self }
+    }
+
+    /// Suggests a name for this value in generated text.
+    pub fn named(self, name: impl FnOnce() -> String) -> Self {
+        self.graph.label(self.edge, name);
+        self
+    }
+
+    /// A constant closer to zero than `tolerance` becomes 0.
+    pub fn cleaned(self, tolerance: f64) -> Self {
+        match self.value() {
+            Some(value) if value.abs() < tolerance => self.constant(0.0),
+            _ => self,
+        }
+    }
+}
+
+impl Add for Scalar<'_> {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self::new(self.graph, self.graph.add(self.edge, other.edge))
+    }
+}
+
+impl Sub for Scalar<'_> {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        self + (-other)
+    }
+}
+
+impl Neg for Scalar<'_> {
+    type Output = Self;
+    fn neg(self) -> Self {
+        let negated = if self.is_zero() {
+            self.edge
+        } else {
+            self.edge.negate_if(true)
+        };
+        Self::new(self.graph, negated)
+    }
+}
+
+impl Mul for Scalar<'_> {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        Self::new(self.graph, self.graph.mul(self.edge, other.edge))
+    }
+}
+
+impl Mul<f64> for Scalar<'_> {
+    type Output = Self;
+    fn mul(self, factor: f64) -> Self {
+        self * self.constant(factor)
+    }
+}
+
+impl PartialEq for Scalar<'_> {
+    fn eq(&self, other: &Self) -> bool {
+        self.edge == other.edge
+    }
+}
+
+impl fmt::Debug for Scalar<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.value() {
+            Some(value) => write!(f, "{value}"),
+            None => write!(
+                f,
+                "{}#{}",
+                if self.edge.is_negative() { "-" } else { "" },
+                self.edge.index()
+            ),
+        }
+    }
+}

@@ -1,0 +1,326 @@
+//! Link frames after the modified Denavit–Hartenberg convention, for trees.
+//!
+//! z lies on the joint's axis, x on the common normal to the axis of the main child, the origin where that normal
+//! meets z (Craig 1986; Khalil and Kleinfinger 1986). Other children of a branching body get a further angle γ.
+//! Freedom that this leaves (leaves of the tree, parallel and coincident axes) goes into zero offsets.
+
+use nalgebra::{Matrix3, Vector3 as Numeric3};
+
+use super::mechanism::{Angle, Body, JointAxis, Mechanism, Rotor, Twist};
+use super::pose::{ScalarPose, cleaned, lower, rotate};
+use super::tree::{DescribedBody, DescribedTree};
+use crate::graph::{Graph, Scalar, Vector3};
+use crate::model::{self, JointKind, Model, RotorCoupling};
+
+/// Axes whose cross product is shorter are parallel; constants that small are rounding.
+const PARALLEL: f64 = 1e-12;
+
+/// Lengths below this are rounding [m].
+const ROUNDING: f64 = 1e-14;
+
+/// A frame in the described frame of its body; `None` where the tree leaves it free.
+#[derive(Clone, Copy)]
+struct Draft<'g> {
+    z: Numeric3<f64>,
+    x: Option<Numeric3<f64>>,
+    origin: Option<Vector3<'g>>,
+}
+
+/// Chooses the frames and expresses everything in them.
+pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> Mechanism<'g> {
+    let directions = directions(model, tree);
+    let drafts = common_normals(graph, model, tree, &directions);
+    let mut placed: Vec<ScalarPose<'g>> = Vec::new();
+    let mut bodies = Vec::new();
+    for (index, described) in tree.bodies.iter().enumerate() {
+        let parent = described
+            .parent
+            .map_or(ScalarPose::identity(graph), |parent| placed[parent]);
+        let axis = joint_axis(model, described);
+        let frame = complete(&drafts[index], described, &parent, axis);
+        let relative = parent.inverse().then(described.pose).then(frame);
+        let (twist, angle) = decompose(&relative.rotation);
+        let z = twist.matrix().column(2).into_owned();
+        let lift = (0..3)
+            .fold(graph.constant(0.0), |sum, k| {
+                sum + relative.translation[k] * z[k]
+            })
+            .cleaned(ROUNDING);
+        let lateral = relative.translation - Vector3([0, 1, 2].map(|k| lift * z[k]));
+        bodies.push(Body {
+            name: joint(model, described).name.clone(),
+            coordinate: described.coordinate,
+            parent: described.parent,
+            axis,
+            direction: directions[index],
+            twist,
+            translation: lateral.map(|x| x.cleaned(ROUNDING)),
+            lift,
+            offset: angle,
+            moments: described.moments.moved(&frame.inverse()),
+            length_unit: 1.0,
+            unit_ratio: 1.0,
+        });
+        placed.push(frame);
+    }
+    let links = tree.links.iter().map(|&(body, pose)| match body {
+        Some(index) => (body, placed[index].inverse().then(pose)),
+        None => (body, pose),
+    });
+    let mut mechanism = Mechanism {
+        graph,
+        bodies,
+        gravity: Vector3(
+            model
+                .gravity
+                .each_ref()
+                .map(|formula| lower(graph, formula)),
+        ),
+        rotors: Vec::new(),
+        base_moments: tree.base_moments,
+        links: links.collect(),
+    };
+    add_rotors(model, &mut mechanism);
+    mechanism
+}
+
+fn joint<'m>(model: &'m Model, described: &DescribedBody<'_>) -> &'m model::Joint {
+    #[expect(clippy::expect_used, reason = "only links with a joint become bodies")]
+    model.links[described.link]
+        .joint
+        .as_ref()
+        .expect("a moving body has a joint")
+}
+
+fn joint_axis(model: &Model, described: &DescribedBody<'_>) -> JointAxis {
+    match joint(model, described).kind {
+        JointKind::Prismatic => JointAxis::Prismatic,
+        JointKind::Fixed | JointKind::Revolute | JointKind::Continuous => JointAxis::Revolute,
+    }
+}
+
+/// Axes that are antiparallel to their parent's are turned around, and so is the coordinate's sign.
+fn directions(model: &Model, tree: &DescribedTree<'_>) -> Vec<f64> {
+    let mut directions = vec![1.0; tree.bodies.len()];
+    for (index, described) in tree.bodies.iter().enumerate() {
+        let Some(parent) = described.parent else {
+            continue;
+        };
+        let z = described.pose.rotation * Numeric3::from(joint(model, described).axis);
+        let parent_z = Numeric3::from(joint(model, &tree.bodies[parent]).axis) * directions[parent];
+        if z.cross(&parent_z).norm() < PARALLEL && z.dot(&parent_z) < 0.0 {
+            directions[index] = -1.0;
+        }
+    }
+    directions
+}
+
+/// From the leaves to the root: axes and origins that the main child determines.
+fn common_normals<'g>(
+    graph: &'g Graph,
+    model: &Model,
+    tree: &DescribedTree<'g>,
+    directions: &[f64],
+) -> Vec<Draft<'g>> {
+    let main = main_children(tree);
+    let mut drafts: Vec<Draft<'g>> = tree
+        .bodies
+        .iter()
+        .zip(directions)
+        .map(|(body, direction)| Draft {
+            z: Numeric3::from(joint(model, body).axis) * *direction,
+            x: None,
+            origin: None,
+        })
+        .collect();
+    for index in (0..drafts.len()).rev() {
+        let Some(child) = main[index] else { continue };
+        let described = &tree.bodies[child];
+        let z = described.pose.rotation * drafts[child].z;
+        let point = match drafts[child].origin {
+            Some(origin) => described.pose.translation + rotate(&described.pose.rotation, origin),
+            None => described.pose.translation,
+        };
+        let (x, along) = normal_to_line(graph, drafts[index].z, point, z);
+        drafts[index].x = x;
+        if joint_axis(model, described) == JointAxis::Revolute {
+            let origin = along.map(|t| Vector3([0, 1, 2].map(|k| t * drafts[index].z[k])));
+            drafts[index].origin = origin.map(|origin| origin.map(|x| x.cleaned(ROUNDING)));
+        }
+    }
+    drafts
+}
+
+/// The child with the largest subtree, the first of equals.
+fn main_children(tree: &DescribedTree<'_>) -> Vec<Option<usize>> {
+    let mut sizes = vec![1; tree.bodies.len()];
+    let mut main: Vec<Option<usize>> = vec![None; tree.bodies.len()];
+    for (index, body) in tree.bodies.iter().enumerate().rev() {
+        let Some(parent) = body.parent else { continue };
+        sizes[parent] += sizes[index];
+        if main[parent].is_none_or(|other| sizes[index] >= sizes[other]) {
+            main[parent] = Some(index);
+        }
+    }
+    main
+}
+
+/// The common normal of the axis through 0 along `a` and the axis through `point` along `b`: its direction where it
+/// is determined, and where it meets the first axis.
+fn normal_to_line<'g>(
+    graph: &'g Graph,
+    a: Numeric3<f64>,
+    point: Vector3<'g>,
+    b: Numeric3<f64>,
+) -> (Option<Numeric3<f64>>, Option<Scalar<'g>>) {
+    let dot = |n: Numeric3<f64>| point[0] * n[0] + point[1] * n[1] + point[2] * n[2];
+    let normal = a.cross(&b);
+    if normal.norm() > PARALLEL {
+        let cosine = a.dot(&b);
+        let along = (dot(a) - dot(b) * cosine) * (1.0 / normal.norm_squared());
+        return (Some(tidy(normal)), Some(along));
+    }
+    let along = dot(a);
+    let across = point - Vector3([0, 1, 2].map(|k| along * a[k]));
+    let direction = across
+        .values()
+        .map(Numeric3::from)
+        .or_else(|| single_direction(graph, across));
+    (
+        direction.filter(|d| d.norm() > ROUNDING).map(tidy),
+        Some(along),
+    )
+}
+
+/// The direction of a vector with parameters in it, where only one component is not zero.
+fn single_direction(_graph: &Graph, v: Vector3<'_>) -> Option<Numeric3<f64>> {
+    let mut present = (0..3).filter(|&k| !v[k].cleaned(ROUNDING).is_zero());
+    let (axis, None) = (present.next()?, present.next()) else {
+        return None;
+    };
+    let mut direction = Numeric3::zeros();
+    direction[axis] = 1.0;
+    Some(direction)
+}
+
+/// Unit length, without the rounding of directions along an axis.
+fn tidy(v: Numeric3<f64>) -> Numeric3<f64> {
+    v.normalize()
+        .map(|x| if x.abs() < PARALLEL { 0.0 } else { x })
+        .normalize()
+}
+
+/// From the root to the leaves: fills what the draft left free so that offsets vanish.
+fn complete<'g>(
+    draft: &Draft<'g>,
+    described: &DescribedBody<'g>,
+    parent: &ScalarPose<'g>,
+    axis: JointAxis,
+) -> ScalarPose<'g> {
+    let to_parent = parent.rotation.transpose() * described.pose.rotation;
+    let x = draft.x.unwrap_or_else(|| {
+        let (twist, _) = decompose(&cleaned(to_parent * any_frame(draft.z)));
+        to_parent.transpose() * twist.matrix().column(0)
+    });
+    let x = (x - draft.z * x.dot(&draft.z)).normalize();
+    let rotation = cleaned(Matrix3::from_columns(&[x, draft.z.cross(&x), draft.z]));
+    let offset = parent.translation - described.pose.translation;
+    let in_body = rotate(&described.pose.rotation.transpose(), offset);
+    let translation = match axis {
+        JointAxis::Prismatic if described.parent.is_some() => in_body,
+        JointAxis::Prismatic => Vector3::zero(offset[0]),
+        JointAxis::Revolute => draft
+            .origin
+            .unwrap_or_else(|| on_axis(draft.z, in_body, described.parent.is_some())),
+    };
+    ScalarPose {
+        rotation,
+        translation: translation.map(|x| x.cleaned(ROUNDING)),
+    }
+}
+
+/// The foot of the parent's origin on the axis, so that no translation along the axis remains.
+fn on_axis<'g>(z: Numeric3<f64>, parent_origin: Vector3<'g>, has_parent: bool) -> Vector3<'g> {
+    if !has_parent {
+        return Vector3::zero(parent_origin[0]);
+    }
+    let along = parent_origin[0] * z[0] + parent_origin[1] * z[1] + parent_origin[2] * z[2];
+    Vector3([0, 1, 2].map(|k| along * z[k]))
+}
+
+/// A right-handed frame with this z axis.
+fn any_frame(z: Numeric3<f64>) -> Matrix3<f64> {
+    let helper = if z[0].abs() < 0.9 {
+        Numeric3::x()
+    } else {
+        Numeric3::y()
+    };
+    let x = (helper - z * helper.dot(&z)).normalize();
+    Matrix3::from_columns(&[x, z.cross(&x), z])
+}
+
+/// `R = R_z(γ) R_x(α) R_z(θ)` with γ = 0 where possible.
+fn decompose(rotation: &Matrix3<f64>) -> (Twist, Angle) {
+    let z = rotation.column(2);
+    let sine = z[0].hypot(z[1]);
+    let twist = if sine < PARALLEL {
+        Twist {
+            gamma: (0.0, 1.0),
+            alpha: (0.0, z[2].signum()),
+        }
+    } else if z[0].abs() < PARALLEL {
+        Twist {
+            gamma: (0.0, 1.0),
+            alpha: exact((-z[1], z[2])),
+        }
+    } else {
+        Twist {
+            gamma: exact((z[0] / sine, -z[1] / sine)),
+            alpha: exact((sine, z[2])),
+        }
+    };
+    let turn = twist.matrix().transpose() * rotation;
+    (twist, Angle::new(turn[(1, 0)].atan2(turn[(0, 0)])))
+}
+
+/// Sine and cosine of exactly unit length, with multiples of 90° exact.
+fn exact((sine, cosine): (f64, f64)) -> (f64, f64) {
+    if sine.abs() < PARALLEL {
+        (0.0, cosine.signum())
+    } else if cosine.abs() < PARALLEL {
+        (sine.signum(), 0.0)
+    } else {
+        let length = sine.hypot(cosine);
+        (sine / length, cosine / length)
+    }
+}
+
+/// Rotors: their axial inertia belongs to the carrier, what turns relative to it becomes a [`Rotor`].
+fn add_rotors(model: &Model, mechanism: &mut Mechanism<'_>) {
+    for drive in &model.drives {
+        let inertia = lower(mechanism.graph, &drive.rotor_inertia);
+        if inertia.is_zero() {
+            continue;
+        }
+        let (body, pose) = mechanism.links[drive.carrier];
+        let axis = rotate(
+            &pose.rotation,
+            Vector3(drive.axis.map(|x| mechanism.graph.constant(x))),
+        );
+        let carrier = body.filter(|_| drive.coupling == RotorCoupling::Body);
+        if let Some(index) = carrier {
+            let own = super::inertia::MassMoments::of_axial_inertia(inertia, axis);
+            mechanism.bodies[index].moments = mechanism.bodies[index].moments + own;
+        }
+        if let Some(coordinate) = drive.coordinate {
+            let ratio = lower(mechanism.graph, &drive.gear_ratio);
+            mechanism.rotors.push(Rotor {
+                coordinate,
+                carrier,
+                axis,
+                ratio,
+                inertia,
+            });
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! The moving bodies of a model in the frames of its description, with everything fixed or held lumped into them.
+
+use super::inertia::MassMoments;
+use super::pose::{ScalarPose, rotation_about};
+use crate::graph::{Graph, Vector3};
+use crate::model::{Joint, JointKind, Model, Motion};
+
+/// The tree of moving bodies as described.
+pub struct DescribedTree<'g> {
+    /// Bodies, parents first.
+    pub bodies: Vec<DescribedBody<'g>>,
+    /// For every link: the body that carries it (`None`: the base) and its pose in that body's frame.
+    pub links: Vec<(Option<usize>, ScalarPose<'g>)>,
+    /// Moments of what is fixed to the base, in the base frame.
+    pub base_moments: MassMoments<'g>,
+}
+
+/// A moving body as described.
+pub struct DescribedBody<'g> {
+    /// Link that its joint carries.
+    pub link: usize,
+    /// Coordinate that moves it.
+    pub coordinate: usize,
+    /// Parent body; `None` for the base.
+    pub parent: Option<usize>,
+    /// Pose of the joint's frame in the parent body's frame.
+    pub pose: ScalarPose<'g>,
+    /// Moments of its mass and of all that is fixed to it.
+    pub moments: MassMoments<'g>,
+}
+
+/// Collects the moving bodies of a model.
+pub fn moving_bodies<'g>(graph: &'g Graph, model: &Model) -> DescribedTree<'g> {
+    let mut tree = DescribedTree {
+        bodies: Vec::new(),
+        links: vec![(None, ScalarPose::identity(graph))],
+        base_moments: MassMoments::zero(graph),
+    };
+    for (link, joint) in model
+        .links
+        .iter()
+        .enumerate()
+        .filter_map(|(k, link)| Some((k, link.joint.as_ref()?)))
+    {
+        tree.attach(graph, link, joint);
+    }
+    for (link, &(body, pose)) in model.links.iter().zip(&tree.links) {
+        let moments = match body {
+            Some(index) => &mut tree.bodies[index].moments,
+            None => &mut tree.base_moments,
+        };
+        for described in &link.bodies {
+            *moments = *moments + MassMoments::of_body(graph, described).moved(&pose);
+        }
+    }
+    tree
+}
+
+impl<'g> DescribedTree<'g> {
+    fn attach(&mut self, graph: &'g Graph, link: usize, joint: &Joint) {
+        let (carrier, parent_pose) = self.links[joint.parent];
+        let pose = parent_pose.then(ScalarPose::new(graph, &joint.origin));
+        let position = match joint.motion {
+            Motion::Coordinate(coordinate) => {
+                let moments = MassMoments::zero(graph);
+                self.bodies.push(DescribedBody {
+                    link,
+                    coordinate,
+                    parent: carrier,
+                    pose,
+                    moments,
+                });
+                self.links
+                    .push((Some(self.bodies.len() - 1), ScalarPose::identity(graph)));
+                return;
+            }
+            Motion::Fixed => 0.0,
+            Motion::Held(position) => position,
+        };
+        self.links
+            .push((carrier, pose.then(displacement(graph, joint, position))));
+    }
+}
+
+/// What a joint at `position` does to its link.
+fn displacement<'g>(graph: &'g Graph, joint: &Joint, position: f64) -> ScalarPose<'g> {
+    let mut pose = ScalarPose::identity(graph);
+    match joint.kind {
+        JointKind::Fixed => {}
+        JointKind::Revolute | JointKind::Continuous => {
+            pose.rotation = rotation_about(joint.axis, position)
+        }
+        JointKind::Prismatic => {
+            pose.translation = Vector3(joint.axis.map(|x| graph.constant(x * position)))
+        }
+    }
+    pose
+}

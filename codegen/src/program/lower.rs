@@ -1,0 +1,211 @@
+//! From results in a graph to a straight-line program: order, signs and names.
+//!
+//! Afterwards every value is defined once, before its first use, under a unique name; nothing is computed that no
+//! result needs; negations stand only where neither a subtraction nor the sign of a product could take them.
+
+use std::collections::BTreeSet;
+
+use super::{InputArray, Instruction, Operand, Operation, Output, Program, Shape};
+use crate::formula::Function;
+use crate::graph::{Edge, Graph, Node};
+
+/// A result of a function: its name, shape and entries in the graph, rows first.
+#[derive(Debug, Clone)]
+pub struct GraphOutput {
+    /// Name for documentation.
+    pub name: String,
+    /// Shape of the result.
+    pub shape: Shape,
+    /// Entries.
+    pub entries: Vec<Edge>,
+}
+
+/// The program that computes the outputs.
+pub fn lower(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOutput]) -> Program {
+    let results: Vec<Edge> = outputs
+        .iter()
+        .flat_map(|output| output.entries.iter().copied())
+        .collect();
+    let mut lowering = Lowering::new(graph, &inputs, &results);
+    for edge in &results {
+        lowering.visit(*edge);
+    }
+    let outputs = outputs.iter().map(|output| Output {
+        name: output.name.clone(),
+        shape: output.shape,
+        entries: output
+            .entries
+            .iter()
+            .map(|&edge| lowering.signed(edge))
+            .collect(),
+    });
+    let outputs = outputs.collect();
+    Program {
+        inputs,
+        instructions: lowering.instructions,
+        outputs,
+    }
+}
+
+struct Lowering<'g> {
+    graph: &'g Graph,
+    instructions: Vec<Instruction>,
+    /// Value of each node, once computed.
+    values: Vec<Option<Operand>>,
+    /// Negated value of each node, where one was needed.
+    negatives: Vec<Option<Operand>>,
+    /// Angles of which both sine and cosine are needed.
+    paired: BTreeSet<Edge>,
+    /// Longest chain of operations below each node.
+    height: Vec<u32>,
+    names: BTreeSet<String>,
+}
+
+impl<'g> Lowering<'g> {
+    fn new(graph: &'g Graph, inputs: &[InputArray], results: &[Edge]) -> Self {
+        let reachable = graph.reachable(results);
+        let mut height = vec![0; graph.len()];
+        let (mut sines, mut cosines) = (BTreeSet::new(), BTreeSet::new());
+        for &edge in &reachable {
+            let node = graph.node(edge);
+            height[edge.index()] = node
+                .operands()
+                .map(|operand| height[operand.index()] + 1)
+                .max()
+                .unwrap_or(0);
+            match node {
+                Node::Call(Function::Sin, angle) => _ = sines.insert(angle),
+                Node::Call(Function::Cos, angle) => _ = cosines.insert(angle),
+                _ => {}
+            }
+        }
+        Self {
+            graph,
+            instructions: Vec::with_capacity(reachable.len()),
+            values: vec![None; graph.len()],
+            negatives: vec![None; graph.len()],
+            paired: sines.intersection(&cosines).copied().collect(),
+            height,
+            names: inputs
+                .iter()
+                .map(|input| input.name.clone())
+                .chain(["p".to_owned()])
+                .collect(),
+        }
+    }
+
+    /// Computes a node and what it needs, deepest operand first so that values stay short-lived.
+    fn visit(&mut self, root: Edge) {
+        let mut pending = vec![(root.abs(), false)];
+        while let Some((edge, ready)) = pending.pop() {
+            if self.values[edge.index()].is_some() {
+                continue;
+            }
+            let node = self.graph.node(edge);
+            if ready {
+                self.compute(edge, node);
+                continue;
+            }
+            pending.push((edge, true));
+            let mut operands: Vec<_> = node.operands().map(Edge::abs).collect();
+            operands.sort_by_key(|operand| self.height[operand.index()]);
+            pending.extend(operands.into_iter().map(|operand| (operand, false)));
+        }
+    }
+
+    fn compute(&mut self, edge: Edge, node: Node) {
+        let value = match node {
+            Node::Constant(bits) => Operand::Constant(f64::from_bits(bits)),
+            Node::Input(array, index) => Operand::Input(array as usize, index as usize),
+            Node::Parameter(index) => Operand::Parameter(index as usize),
+            Node::Call(function @ (Function::Sin | Function::Cos), angle)
+                if self.paired.contains(&angle) =>
+            {
+                return self.sine_and_cosine(edge, function, angle);
+            }
+            Node::Sum(a, b) if b.is_negative() => {
+                let operation = Operation::Subtract(self.signed(a), self.signed(b.abs()));
+                self.define(edge, operation)
+            }
+            Node::Sum(a, b) => {
+                let operation = Operation::Add(self.signed(a), self.signed(b));
+                self.define(edge, operation)
+            }
+            Node::Product(a, b) => {
+                let operation = Operation::Multiply(self.signed(a), self.signed(b));
+                self.define(edge, operation)
+            }
+            Node::Quotient(a, b) => {
+                let operation = Operation::Divide(self.signed(a), self.signed(b));
+                self.define(edge, operation)
+            }
+            Node::Call(function, a) => {
+                let operation = Operation::Call(function, self.signed(a));
+                self.define(edge, operation)
+            }
+        };
+        self.values[edge.index()] = Some(value);
+    }
+
+    fn sine_and_cosine(&mut self, edge: Edge, function: Function, angle: Edge) {
+        let other = match function {
+            Function::Sin => Function::Cos,
+            _ => Function::Sin,
+        };
+        let pair = self.graph.scalar(angle).call(other).edge();
+        let (sine, cosine) = if function == Function::Sin {
+            (edge, pair)
+        } else {
+            (pair, edge)
+        };
+        let value = self.define(
+            sine,
+            Operation::SinCos(self.values[angle.index()].unwrap_or(Operand::Constant(0.0))),
+        );
+        let index = self.instructions.len() - 1;
+        self.values[sine.index()] = Some(value);
+        self.values[cosine.index()] = Some(self.define(cosine, Operation::CosineOf(index)));
+    }
+
+    /// The operand for a signed reference; a negation is inserted where the sign has no other place.
+    fn signed(&mut self, edge: Edge) -> Operand {
+        #[expect(
+            clippy::expect_used,
+            reason = "operands are visited before their users"
+        )]
+        let value = self.values[edge.index()].expect("operands stand before their users");
+        if !edge.is_negative() {
+            return value;
+        }
+        if let Operand::Constant(constant) = value {
+            return Operand::Constant(-constant);
+        }
+        if let Some(negative) = self.negatives[edge.index()] {
+            return negative;
+        }
+        let name = self
+            .graph
+            .label_of(edge)
+            .map(|label| format!("minus_{label}"));
+        let negative = self.push(name, Operation::Negate(value));
+        self.negatives[edge.index()] = Some(negative);
+        negative
+    }
+
+    fn define(&mut self, edge: Edge, operation: Operation) -> Operand {
+        self.push(self.graph.label_of(edge), operation)
+    }
+
+    fn push(&mut self, label: Option<String>, operation: Operation) -> Operand {
+        let index = self.instructions.len();
+        let stem = label.unwrap_or_else(|| format!("t{index}"));
+        let mut name = stem.clone();
+        let mut copies = 1;
+        while !self.names.insert(name.clone()) {
+            copies += 1;
+            name = format!("{stem}_{copies}");
+        }
+        self.instructions.push(Instruction { name, operation });
+        Operand::Value(index)
+    }
+}
