@@ -241,7 +241,11 @@ struct Source {
 pub(crate) struct Report {
     sources: Vec<Source>,
     entries: Vec<Diagnostic>,
+    dropped: usize,
 }
+
+/// So many are kept: finding their places in very long lines takes time.
+const KEPT: usize = 1000;
 
 impl Report {
     /// Adds a text under the name that the user knows it by; its index goes into spans.
@@ -292,6 +296,10 @@ impl Report {
 
     /// Adds a finished diagnostic.
     pub fn push(&mut self, span: Option<Span>, mut entry: Diagnostic) -> &mut Self {
+        if self.entries.len() >= KEPT && entry.severity == Severity::Error {
+            self.dropped += 1;
+            return self;
+        }
         entry.location = span.and_then(|span| self.location(span)).or(entry.location);
         self.entries.push(entry);
         self
@@ -299,7 +307,7 @@ impl Report {
 
     /// Adds advice to the diagnostic added last.
     pub fn help(&mut self, help: impl Into<String>) {
-        if let Some(last) = self.entries.last_mut() {
+        if let Some(last) = self.entries.last_mut().filter(|_| self.dropped == 0) {
             last.help = Some(help.into());
         }
     }
@@ -312,7 +320,12 @@ impl Report {
     }
 
     /// Everything that was added.
-    pub fn finish(self) -> Diagnostics {
+    pub fn finish(mut self) -> Diagnostics {
+        if self.dropped > 0 {
+            let message = format!("{} more problems are not shown", self.dropped);
+            self.entries
+                .push(Diagnostic::error("too-many-problems", message));
+        }
         Diagnostics::new(self.entries)
     }
 

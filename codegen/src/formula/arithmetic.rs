@@ -66,7 +66,7 @@ impl Formula {
     }
 
     /// `a + b` with numbers added and zeros dropped.
-    pub fn add(a: Self, b: Self) -> Self {
+    pub fn sum(a: Self, b: Self) -> Self {
         match (&a, &b) {
             (Self::Number(x), Self::Number(y)) => Self::Number(x + y),
             (Self::Number(0.0), _) => b,
@@ -76,30 +76,30 @@ impl Formula {
     }
 
     /// `a - b` with numbers subtracted and zeros dropped.
-    pub fn subtract(a: Self, b: Self) -> Self {
+    pub fn difference(a: Self, b: Self) -> Self {
         match (&a, &b) {
             (Self::Number(x), Self::Number(y)) => Self::Number(x - y),
-            (Self::Number(0.0), _) => Self::negate(b),
+            (Self::Number(0.0), _) => Self::negation(b),
             (_, Self::Number(0.0)) => a,
             _ => Self::Subtract(Box::new(a), Box::new(b)),
         }
     }
 
     /// `a * b` with numbers multiplied, zeros and ones dropped.
-    pub fn multiply(a: Self, b: Self) -> Self {
+    pub fn product(a: Self, b: Self) -> Self {
         match (&a, &b) {
             (Self::Number(x), Self::Number(y)) => Self::Number(x * y),
             (Self::Number(0.0), _) | (_, Self::Number(0.0)) => Self::ZERO,
             (Self::Number(1.0), _) => b,
             (_, Self::Number(1.0)) => a,
-            (Self::Number(-1.0), _) => Self::negate(b),
-            (_, Self::Number(-1.0)) => Self::negate(a),
+            (Self::Number(-1.0), _) => Self::negation(b),
+            (_, Self::Number(-1.0)) => Self::negation(a),
             _ => Self::Multiply(Box::new(a), Box::new(b)),
         }
     }
 
     /// `a / b` with numbers divided and a divisor of 1 dropped.
-    pub fn divide(a: Self, b: Self) -> Self {
+    pub fn quotient(a: Self, b: Self) -> Self {
         match (&a, &b) {
             (Self::Number(x), Self::Number(y)) => Self::Number(x / y),
             (_, Self::Number(1.0)) => a,
@@ -108,7 +108,7 @@ impl Formula {
     }
 
     /// `-a`
-    pub fn negate(a: Self) -> Self {
+    pub fn negation(a: Self) -> Self {
         match a {
             Self::Number(value) => Self::Number(0.0 - value),
             Self::Negate(inner) => *inner,

@@ -4,6 +4,7 @@
 
 use super::{Formula, Function};
 use crate::diagnostic::nearest;
+use std::collections::BTreeMap;
 use std::ops::Range;
 use syn::spanned::Spanned;
 use syn::{BinOp, Expr, UnOp};
@@ -39,8 +40,8 @@ pub(crate) struct FormulaError {
 
 type Parsed = Result<Formula, FormulaError>;
 
-/// Reads a formula; `parameters` are the described names in the order of their indices.
-pub(crate) fn parse(text: &str, allowed: Allowed, parameters: &[String]) -> Parsed {
+/// Reads a formula; `parameters` gives the index of each described name.
+pub(crate) fn parse(text: &str, allowed: Allowed, parameters: &BTreeMap<String, usize>) -> Parsed {
     check_text(text)?;
     let tree: Expr = syn::parse_str(text).map_err(|wrong| {
         let range = whole_if_empty(wrong.span().byte_range(), text);
@@ -127,7 +128,7 @@ fn power_help(range: Range<usize>) -> FormulaError {
 struct Scope<'a> {
     text: &'a str,
     allowed: Allowed,
-    parameters: &'a [String],
+    parameters: &'a BTreeMap<String, usize>,
 }
 
 impl Scope<'_> {
@@ -138,7 +139,7 @@ impl Scope<'_> {
             Expr::Paren(inner) => self.convert(&inner.expr),
             Expr::Group(inner) => self.convert(&inner.expr),
             Expr::Unary(unary) if matches!(unary.op, UnOp::Neg(_)) => {
-                Ok(Formula::negate(self.convert(&unary.expr)?))
+                Ok(Formula::negation(self.convert(&unary.expr)?))
             }
             Expr::Binary(binary) => self.binary(binary),
             Expr::Call(call) => self.call(call),
@@ -187,8 +188,8 @@ impl Scope<'_> {
             "y" if motion => return Ok(Formula::Position),
             _ => {}
         }
-        match self.parameters.iter().position(|known| *known == name) {
-            Some(index) if self.allowed != Allowed::Constants => Ok(Formula::Parameter(index)),
+        match self.parameters.get(&name) {
+            Some(index) if self.allowed != Allowed::Constants => Ok(Formula::Parameter(*index)),
             Some(_) => Err(FormulaError {
                 help: Some(
                     "angles, axes, limits and held positions are fixed when code is generated"
@@ -210,14 +211,13 @@ impl Scope<'_> {
         } else {
             &["pi"]
         };
-        let parameters = match self.allowed {
-            Allowed::Constants => &[],
-            _ => self.parameters,
-        };
-        let known = own
-            .iter()
-            .copied()
-            .chain(parameters.iter().map(String::as_str));
+        let visible = self.allowed != Allowed::Constants;
+        let parameters = self
+            .parameters
+            .keys()
+            .map(String::as_str)
+            .filter(|_| visible);
+        let known = own.iter().copied().chain(parameters);
         let help = nearest(name, known);
         FormulaError {
             help,
@@ -235,10 +235,10 @@ impl Scope<'_> {
 
     fn binary(&self, binary: &syn::ExprBinary) -> Parsed {
         let combine = match binary.op {
-            BinOp::Add(_) => Formula::add,
-            BinOp::Sub(_) => Formula::subtract,
-            BinOp::Mul(_) => Formula::multiply,
-            BinOp::Div(_) => Formula::divide,
+            BinOp::Add(_) => Formula::sum,
+            BinOp::Sub(_) => Formula::difference,
+            BinOp::Mul(_) => Formula::product,
+            BinOp::Div(_) => Formula::quotient,
             _ => return Err(self.refuse(binary)),
         };
         Ok(combine(

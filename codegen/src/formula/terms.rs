@@ -14,7 +14,7 @@ impl Formula {
             let (coefficient, basis) = split(summand);
             (
                 if negative {
-                    Self::negate(coefficient)
+                    Self::negation(coefficient)
                 } else {
                     coefficient
                 },
@@ -48,15 +48,15 @@ fn split(formula: Formula) -> (Formula, Formula) {
         constant if !constant.depends_on_motion() => (constant, Formula::ONE),
         Formula::Negate(a) => {
             let (coefficient, basis) = split(*a);
-            (Formula::negate(coefficient), basis)
+            (Formula::negation(coefficient), basis)
         }
         Formula::Multiply(a, b) => {
             let ((c1, b1), (c2, b2)) = (split(*a), split(*b));
-            (Formula::multiply(c1, c2), Formula::multiply(b1, b2))
+            (Formula::product(c1, c2), Formula::product(b1, b2))
         }
         Formula::Divide(a, b) => {
             let ((c1, b1), (c2, b2)) = (split(*a), split(*b));
-            (Formula::divide(c1, c2), Formula::divide(b1, b2))
+            (Formula::quotient(c1, c2), Formula::quotient(b1, b2))
         }
         other => (Formula::ONE, other),
     }

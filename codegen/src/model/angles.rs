@@ -19,7 +19,7 @@ pub(super) struct Angles {
 
 impl Angles {
     /// Rotation of roll, pitch and yaw; `owner` names them in the note.
-    pub fn from_rpy(&mut self, rpy: &At<[f64; 3]>, owner: &str) -> Rotation {
+    pub fn rpy(&mut self, rpy: &At<[f64; 3]>, owner: &str) -> Rotation {
         let angles = rpy.value.map(|angle| self.snapped(angle));
         for angle in angles {
             self.remember(angle, rpy.span, owner);
@@ -31,7 +31,7 @@ impl Angles {
     }
 
     /// Rotation of a unit quaternion w, x, y, z.
-    pub fn from_quaternion(&self, quaternion: [f64; 4]) -> Rotation {
+    pub fn quaternion(&self, quaternion: [f64; 4]) -> Rotation {
         from_quaternion(quaternion, self.snap.unwrap_or(0.0))
     }
 

@@ -31,7 +31,7 @@ pub(super) struct RobotDescription {
     pub sort_joints: bool,
     /// Drive of joints that describe none.
     pub default_drive: DriveChoice,
-    pub options: Options,
+    pub options: Option<Options>,
 }
 
 impl Default for At<String> {
@@ -94,6 +94,14 @@ pub(super) struct JointDescription {
     pub drive: Option<At<DriveChoice>>,
     /// The joint that this one follows in a URDF.
     pub mimic: Option<Name>,
+}
+
+impl JointDescription {
+    /// What a new joint has where nothing is said: it is revolute and moves a link of its own name.
+    pub fn complete(&mut self) {
+        self.kind.get_or_insert(JointKind::Revolute);
+        self.child.get_or_insert_with(|| self.name.clone());
+    }
 }
 
 /// Limits with their places.

@@ -33,9 +33,9 @@ impl Pose {
         let [x, y, z] = &self.translation;
         let [a, b, c] = turned;
         [
-            Formula::add(x.clone(), a),
-            Formula::add(y.clone(), b),
-            Formula::add(z.clone(), c),
+            Formula::sum(x.clone(), a),
+            Formula::sum(y.clone(), b),
+            Formula::sum(z.clone(), c),
         ]
     }
 }
@@ -46,8 +46,8 @@ pub(super) fn rotate(rotation: &Rotation, point: &[Formula; 3]) -> [Formula; 3] 
         let terms = row
             .iter()
             .zip(point)
-            .map(|(r, p)| Formula::multiply(Formula::Number(*r), p.clone()));
-        terms.fold(Formula::ZERO, Formula::add)
+            .map(|(r, p)| Formula::product(Formula::Number(*r), p.clone()));
+        terms.fold(Formula::ZERO, Formula::sum)
     };
     [row(&rotation[0]), row(&rotation[1]), row(&rotation[2])]
 }
@@ -68,7 +68,7 @@ pub(super) fn rotate_inertia(rotation: &Rotation, inertia: &[Formula; 6]) -> [Fo
         for (k, row) in index.iter().enumerate() {
             for (l, at) in row.iter().enumerate() {
                 let factor = Formula::Number(rotation[i][k] * rotation[j][l]);
-                sum = Formula::add(sum, Formula::multiply(factor, inertia[*at].clone()));
+                sum = Formula::sum(sum, Formula::product(factor, inertia[*at].clone()));
             }
         }
         sum

@@ -1,10 +1,10 @@
 //! From files and texts to a [`Model`].
 
-use super::description::{JointDescription, RobotDescription};
+use super::description::{BodyDescription, JointDescription, Name, RobotDescription};
 use super::toml_values::Reader;
-use super::urdf::{self, UrdfOptions};
-use super::{Model, toml_file, validate};
-use crate::diagnostic::{At, Diagnostic, Diagnostics, Report, nearest};
+use super::{Model, toml_file, urdf, validate};
+use crate::diagnostic::{Diagnostic, Diagnostics, Report, Span, nearest};
+use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -33,7 +33,7 @@ pub struct Loaded {
     pub files: Vec<PathBuf>,
 }
 
-/// Reads a description, TOML or URDF by its content.
+/// Reads a description, TOML or URDF by its file name extension, else by its content.
 ///
 /// # Errors
 /// All problems of the description, or that a file cannot be read.
@@ -49,7 +49,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, Diagnostics> {
         files.push(path);
         Ok((name, text))
     };
-    let (model, notes) = match is_xml(&text) {
+    let (model, notes) = match is_xml(&name, &text) {
         true => from_urdf(&text, &name, options),
         false => from_toml(&text, &name, options, &mut load),
     }?;
@@ -60,22 +60,31 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, Diagnostics> {
     })
 }
 
-fn is_xml(text: &str) -> bool {
-    text.trim_start_matches('\u{feff}')
-        .trim_start()
-        .starts_with('<')
+fn is_xml(name: &str, text: &str) -> bool {
+    match Path::new(name).extension().and_then(|end| end.to_str()) {
+        Some("toml") => false,
+        Some("urdf" | "xml") => true,
+        _ => without_mark(text).trim_start().starts_with('<'),
+    }
 }
 
-fn read_file(path: &Path) -> Result<String, Diagnostic> {
+/// The text without the byte order mark that some editors put before it.
+fn without_mark(text: &str) -> &str {
+    text.strip_prefix('\u{feff}').unwrap_or(text)
+}
+
+fn read_file(path: &Path) -> Result<String, Diagnostics> {
+    let name = path.display().to_string();
     let unreadable = |why: String| {
-        Diagnostic::error(
+        Diagnostics::from(Diagnostic::error(
             "file-unreadable",
-            format!("cannot read {}: {why}", path.display()),
-        )
+            format!("cannot read {name}: {why}"),
+        ))
     };
     let file = std::fs::File::open(path).map_err(|why| unreadable(why.to_string()))?;
     let mut bytes = Vec::new();
-    file.take(LARGEST + 1)
+    let mut limited = file.take(LARGEST + 1);
+    limited
         .read_to_end(&mut bytes)
         .map_err(|why| unreadable(why.to_string()))?;
     if bytes.len() as u64 > LARGEST {
@@ -84,19 +93,26 @@ fn read_file(path: &Path) -> Result<String, Diagnostic> {
             LARGEST >> 20
         )));
     }
-    String::from_utf8(bytes).map_err(|why| {
-        let at = why.utf8_error().valid_up_to();
-        unreadable(format!("byte {at} is no UTF-8")).help("descriptions are UTF-8 text")
-    })
+    String::from_utf8(bytes).map_err(|why| not_utf8(&name, &why))
+}
+
+fn not_utf8(name: &str, why: &std::string::FromUtf8Error) -> Diagnostics {
+    let at = why.utf8_error().valid_up_to();
+    let mut report = Report::default();
+    let source = report.add_source(name, &String::from_utf8_lossy(why.as_bytes()));
+    let message = format!("byte {at} of the file is no UTF-8");
+    report.error(Span::new(source, at..at + 1), "not-utf-8", message);
+    report.help("descriptions are UTF-8 text");
+    report.finish()
 }
 
 /// Fetches a file that a description names: its name for diagnostics, and its text.
-pub type Load<'l> = dyn FnMut(&str) -> Result<(String, String), Diagnostic> + 'l;
+pub type Load<'l> = dyn FnMut(&str) -> Result<(String, String), Diagnostics> + 'l;
 
 /// Reads a TOML description.
 ///
-/// - `text`, `name`: the text and the name to show for it; the model's name where the text gives none
-/// - `load`: fetches the URDF that the description extends
+/// - `text`, `name`: the text and the name to show for it; its stem names the model where the text does not
+/// - `load`: fetches the URDF or TOML that the description extends
 ///
 /// # Errors
 /// All problems of the description.
@@ -107,7 +123,8 @@ pub fn from_toml(
     load: &mut Load<'_>,
 ) -> Result<(Model, Diagnostics), Diagnostics> {
     let mut reader = Reader::default();
-    let robot = read_toml(&mut reader, text, name, options, load);
+    reader.angles.snap = options.snap_angles;
+    let robot = read_toml(&mut reader, text, name, options, load, 0);
     finish(reader, robot, options)
 }
 
@@ -122,11 +139,7 @@ pub fn from_urdf(
 ) -> Result<(Model, Diagnostics), Diagnostics> {
     let mut reader = Reader::default();
     reader.angles.snap = options.snap_angles;
-    let read = UrdfOptions {
-        ignore_mimic: options.ignore_mimic,
-        no_friction: options.no_friction,
-    };
-    let robot = read_urdf(&mut reader, text, name, read);
+    let robot = read_urdf(&mut reader, text, name, options);
     finish(reader, robot, options)
 }
 
@@ -135,7 +148,10 @@ fn finish(
     robot: Option<RobotDescription>,
     options: &ReadOptions,
 ) -> Result<(Model, Diagnostics), Diagnostics> {
-    let mut model = robot.and_then(|robot| validate::model(&robot, &mut reader.report));
+    let mut model = robot.and_then(|mut robot| {
+        robot.parameters = std::mem::take(&mut reader.parameters);
+        validate::model(&robot, &mut reader.report)
+    });
     reader.angles.report(&mut reader.report);
     if let Some(model) = model.as_mut().filter(|_| options.no_friction) {
         let joints = model
@@ -153,29 +169,24 @@ fn finish(
 }
 
 fn stem(name: &str) -> &str {
-    Path::new(name)
-        .file_stem()
-        .and_then(|stem| stem.to_str())
-        .unwrap_or("robot")
+    let stem = Path::new(name).file_stem().and_then(|stem| stem.to_str());
+    stem.unwrap_or("robot")
 }
 
 fn read_urdf(
     reader: &mut Reader,
     text: &str,
     name: &str,
-    options: UrdfOptions,
+    options: &ReadOptions,
 ) -> Option<RobotDescription> {
-    let text = text.trim_start_matches('\u{feff}');
+    let text = without_mark(text);
     let source = reader.report.add_source(name, text);
-    urdf::description(
-        &mut reader.report,
-        &mut reader.angles,
-        text,
-        source,
-        stem(name),
-        options,
-    )
+    let Reader { report, angles, .. } = reader;
+    urdf::description(report, angles, text, source, stem(name), options)
 }
+
+/// A description may extend one that extends another; more than this is a circle.
+const DEEPEST: usize = 8;
 
 fn read_toml(
     reader: &mut Reader,
@@ -183,28 +194,50 @@ fn read_toml(
     name: &str,
     options: &ReadOptions,
     load: &mut Load<'_>,
+    depth: usize,
 ) -> Option<RobotDescription> {
+    let text = without_mark(text);
     let source = reader.report.add_source(name, text);
     let document = toml_file::parse(reader, text, source)?;
     let top = toml_file::open(reader, &document, source);
     let preamble = toml_file::preamble(reader, &top);
-    reader.angles.snap = options.snap_angles.or(preamble.snap_angles);
-    let Some(urdf) = preamble.urdf else {
-        return Some(toml_file::description(reader, &top, stem(name), false));
-    };
-    let read = UrdfOptions {
+    let options = ReadOptions {
         ignore_mimic: options.ignore_mimic || preamble.ignore_mimic,
         no_friction: options.no_friction || preamble.no_friction,
+        snap_angles: options.snap_angles.or(preamble.snap_angles),
     };
-    let base = match load(&urdf.value) {
-        Ok((name, text)) => read_urdf(reader, &text, &name, read),
-        Err(wrong) => {
-            reader.report.push(Some(urdf.span), wrong);
-            None
-        }
+    reader.angles.snap = reader.angles.snap.or(options.snap_angles);
+    let Some(file) = preamble.extends else {
+        return Some(toml_file::description(reader, &top, stem(name), false));
     };
+    let base = read_base(reader, &file, &options, load, depth + 1);
     let extension = toml_file::description(reader, &top, stem(name), true);
     base.map(|base| extend(base, extension, &mut reader.report))
+}
+
+fn read_base(
+    reader: &mut Reader,
+    file: &Name,
+    options: &ReadOptions,
+    load: &mut Load<'_>,
+    depth: usize,
+) -> Option<RobotDescription> {
+    if depth > DEEPEST {
+        let message = format!("descriptions extend each other more than {DEEPEST} times");
+        reader.report.error(file.span, "extends-too-deep", message);
+        return None;
+    }
+    match load(&file.value) {
+        Ok((name, text)) if is_xml(&name, &text) => read_urdf(reader, &text, &name, options),
+        Ok((name, text)) => read_toml(reader, &text, &name, options, load, depth),
+        Err(wrong) => {
+            for entry in wrong.into_entries() {
+                let here = entry.location.is_none().then_some(file.span);
+                reader.report.push(here, entry);
+            }
+            None
+        }
+    }
 }
 
 /// The base with everything that the extension says instead or besides.
@@ -213,83 +246,112 @@ fn extend(
     extension: RobotDescription,
     report: &mut Report,
 ) -> RobotDescription {
+    let joints = index(base.joints.iter().map(|joint| &joint.name));
     for joint in extension.joints {
-        extend_joint(&mut base, joint, report);
+        extend_joint(&mut base, &joints, joint, report);
     }
+    let bodies = index(base.bodies.iter().map(|body| &body.name));
     for body in extension.bodies {
-        match base
-            .bodies
-            .iter_mut()
-            .find(|known| known.name.value == body.name.value)
-        {
-            Some(known) => {
-                known.origin =
-                    body.origin
-                        .or(if body.center_of_mass.is_some() || body.inertia.is_some() {
-                            None
-                        } else {
-                            known.origin.take()
-                        });
-                known.mass = body.mass.or(known.mass.take());
-                known.center_of_mass = body.center_of_mass.or(known.center_of_mass.take());
-                known.inertia = body.inertia.or(known.inertia.take());
-                known.accept_unphysical |= body.accept_unphysical;
-            }
+        match bodies.get(&body.name.value) {
+            Some(known) => extend_body(&mut base.bodies[*known], body),
             None => base.bodies.push(body),
         }
     }
     if !extension.frames.is_empty() {
         base.frames = extension.frames;
     }
+    if !extension.description.is_empty() {
+        base.description = extension.description;
+    }
     RobotDescription {
         name: extension.name,
-        description: extension.description,
         gravity: extension.gravity.or(base.gravity),
-        parameters: extension.parameters,
         base: extension.base.or(base.base),
-        coordinates: extension.coordinates,
-        options: extension.options,
+        coordinates: extension.coordinates.or(base.coordinates),
+        options: extension.options.or(base.options),
         ..base
     }
 }
 
-fn extend_joint(base: &mut RobotDescription, joint: JointDescription, report: &mut Report) {
-    let Some(known) = base
-        .joints
-        .iter_mut()
-        .find(|known| known.name.value == joint.name.value)
-    else {
-        if joint.parent.is_some() && joint.child.is_some() {
-            base.links.extend(joint.child.clone());
-            base.joints.push(joint);
-            return;
+fn index<'n>(names: impl Iterator<Item = &'n Name>) -> BTreeMap<String, usize> {
+    names
+        .enumerate()
+        .map(|(at, name)| (name.value.clone(), at))
+        .collect()
+}
+
+/// Mass, centre and inertia replace each other one by one; a new centre or inertia counts in the link's own frame
+/// unless a new origin comes with it.
+fn extend_body(known: &mut BodyDescription, body: BodyDescription) {
+    let moved = body.center_of_mass.is_some() || body.inertia.is_some();
+    let kept = known.origin.take().filter(|_| !moved);
+    if moved && body.origin.is_none() {
+        // Both were described in the old frame: what is not replaced has to follow into the link's frame.
+        let unmoved = BodyDescription {
+            origin: kept.clone(),
+            ..known.clone()
+        };
+        known.center_of_mass = Some(unmoved.center_in_link());
+        if let Some(inertia) = &mut known.inertia {
+            inertia.value = unmoved.inertia_in_link();
         }
-        let message = format!("the base URDF has no joint `{}`", joint.name.value);
-        report.error(joint.name.span, "unknown-joint", message);
-        let known = nearest(
-            &joint.name.value,
-            base.joints.iter().map(|known| known.name.value.as_str()),
-        );
-        report.help(format!(
-            "{}; a new joint needs `parent` and `child`",
-            known.unwrap_or_default()
-        ));
-        return;
+    }
+    known.origin = body.origin.or(kept);
+    known.mass = body.mass.or(known.mass.take());
+    known.center_of_mass = body.center_of_mass.or(known.center_of_mass.take());
+    known.inertia = body.inertia.or(known.inertia.take());
+    known.accept_unphysical |= body.accept_unphysical;
+}
+
+fn extend_joint(
+    base: &mut RobotDescription,
+    known: &BTreeMap<String, usize>,
+    joint: JointDescription,
+    report: &mut Report,
+) {
+    let Some(at) = known.get(&joint.name.value) else {
+        return add_joint(base, known, joint, report);
     };
-    known.name = At::new(joint.name.value, joint.name.span);
+    let known = &mut base.joints[*at];
+    // Its diagnostics point at the extension from now on.
+    known.name = joint.name;
     known.kind = joint.kind.or(known.kind);
     known.parent = joint.parent.or(known.parent.take());
     known.child = joint.child.or(known.child.take());
-    known.link_frame = joint.link_frame.or(known.link_frame.take());
-    known.origin = joint.origin.or(known.origin.take());
+    if joint.origin.is_some() {
+        (known.origin, known.link_frame) = (joint.origin, joint.link_frame);
+    }
     known.axis = joint.axis.or(known.axis);
     known.held = joint.held.or(known.held);
     known.springs = joint.springs.or(known.springs.take());
     known.friction = joint.friction.or(known.friction.take());
     known.drive = joint.drive.or(known.drive.take());
-    let limits = joint.limits;
-    known.limits.position = limits.position.or(known.limits.position.take());
-    known.limits.velocity = limits.velocity.or(known.limits.velocity.take());
-    known.limits.effort = limits.effort.or(known.limits.effort.take());
-    known.limits.peak_effort = limits.peak_effort.or(known.limits.peak_effort.take());
+    let (limits, new) = (&mut known.limits, joint.limits);
+    limits.position = new.position.or(limits.position.take());
+    limits.velocity = new.velocity.or(limits.velocity.take());
+    limits.effort = new.effort.or(limits.effort.take());
+    limits.peak_effort = new.peak_effort.or(limits.peak_effort.take());
+}
+
+fn add_joint(
+    base: &mut RobotDescription,
+    known: &BTreeMap<String, usize>,
+    mut joint: JointDescription,
+    report: &mut Report,
+) {
+    if joint.parent.is_none() {
+        let message = format!("the base description has no joint `{}`", joint.name.value);
+        report.error(joint.name.span, "unknown-joint", message);
+        let near = nearest(&joint.name.value, known.keys().map(String::as_str));
+        report.help(format!(
+            "{}; a new joint needs `parent`",
+            near.unwrap_or_default()
+        ));
+        return;
+    }
+    joint.complete();
+    if !base.links.is_empty() {
+        base.links.extend(joint.child.clone());
+    }
+    base.joints.push(joint);
 }

@@ -14,10 +14,11 @@ use crate::diagnostic::{At, Span, nearest};
 use crate::formula::Formula;
 use toml::de::{DeTable, DeValue};
 
-const ROBOT: [&str; 14] = [
+const ROBOT: [&str; 15] = [
     "name",
     "description",
     "urdf",
+    "extends",
     "gravity",
     "coordinates",
     "base",
@@ -60,8 +61,8 @@ const DH: [&str; 4] = ["a", "alpha", "d", "theta"];
 /// What the top of the file says about reading the rest and its base.
 #[derive(Debug, Default)]
 pub(super) struct Preamble {
-    /// The URDF that this description extends.
-    pub urdf: Option<Name>,
+    /// The URDF or TOML that this description extends.
+    pub extends: Option<Name>,
     pub snap_angles: Option<f64>,
     pub ignore_mimic: bool,
     pub no_friction: bool,
@@ -112,13 +113,21 @@ pub(super) fn preamble(reader: &mut Reader, top: &Table<'_>) -> Preamble {
             .unwrap_or(false)
     };
     let (ignore_mimic, no_friction) = (flag("ignore_mimic"), flag("no_friction"));
-    let urdf = top.get("urdf").and_then(|item| reader.name(item));
+    let extends = ["urdf", "extends"].map(|key| top.get(key));
+    if let [Some(_), Some(second)] = &extends {
+        let message = "both `urdf` and `extends` name a base";
+        reader
+            .report
+            .error(second.key_span, "conflicting-keys", message);
+    }
+    let extends = extends.into_iter().flatten().next();
+    let extends = extends.and_then(|item| reader.name(item));
     let snap_angles = top
         .get("snap_angles")
         .and_then(|item| reader.positive(item))
         .map(|number| number.value);
     Preamble {
-        urdf,
+        extends,
         snap_angles,
         ignore_mimic,
         no_friction,
@@ -157,11 +166,8 @@ pub(super) fn description(
         coordinates: top
             .get("coordinates")
             .and_then(|item| names(reader, item, "a list of joint names")),
-        options: top
-            .get("generate")
-            .map(|item| read_options(reader, item))
-            .unwrap_or_default(),
-        parameters: std::mem::take(&mut reader.parameters),
+        options: top.get("generate").map(|item| read_options(reader, item)),
+        parameters: Vec::new(), // of all files together, in the reader
         joints,
         default_drive: DriveChoice::Passive,
         sort_joints: false,
@@ -431,8 +437,7 @@ fn chain(joint: &mut JointDescription, before: Option<&JointDescription>, base: 
     joint
         .parent
         .get_or_insert_with(|| previous.unwrap_or_else(first));
-    joint.child.get_or_insert_with(|| joint.name.clone());
-    joint.kind.get_or_insert(JointKind::Revolute);
+    joint.complete();
 }
 
 fn read_joint(reader: &mut Reader, table: &Table<'_>) -> Option<JointDescription> {

@@ -116,7 +116,7 @@ fn coulomb_bases(slope: Option<f64>) -> (Formula, Formula) {
         Some(slope) => {
             let smooth = Formula::call(
                 Function::Tanh,
-                Formula::multiply(Formula::Number(slope), Formula::Velocity),
+                Formula::product(Formula::Number(slope), Formula::Velocity),
             );
             (smooth.clone(), Formula::power(smooth, 2))
         }
@@ -129,9 +129,9 @@ fn asymmetric(
     odd: Formula,
     even: Formula,
 ) -> Vec<FrictionTerm> {
-    let half = |sum: Formula| Formula::divide(sum, Formula::Number(2.0));
-    let difference = half(Formula::subtract(positive.clone(), negative.clone()));
-    let mean = half(Formula::add(positive, negative));
+    let half = |sum: Formula| Formula::quotient(sum, Formula::Number(2.0));
+    let difference = half(Formula::difference(positive.clone(), negative.clone()));
+    let mean = half(Formula::sum(positive, negative));
     let terms = [(difference, odd), (mean, even)]
         .map(|(coefficient, basis)| FrictionTerm { coefficient, basis });
     terms
@@ -164,13 +164,13 @@ fn stribeck(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<Vec<Fric
         value("a5")?,
     ];
     let v = || Formula::Velocity;
-    let decay = Formula::negate(Formula::multiply(a5, Formula::call(Function::Abs, v())));
-    let steep = Formula::multiply(Formula::multiply(Formula::Number(3.0), a3.clone()), v());
-    let edge = Formula::multiply(
+    let decay = Formula::negation(Formula::product(a5, Formula::call(Function::Abs, v())));
+    let steep = Formula::product(Formula::product(Formula::Number(3.0), a3.clone()), v());
+    let edge = Formula::product(
         Formula::call(Function::Exp, decay),
         Formula::call(Function::Tanh, steep),
     );
-    let flat = Formula::call(Function::Tanh, Formula::multiply(a3, v()));
+    let flat = Formula::call(Function::Tanh, Formula::product(a3, v()));
     let terms = [(a1, v()), (a2, flat), (a4, edge)];
     Some(
         terms
@@ -235,10 +235,10 @@ fn spring(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<Formula> {
             .and_then(|item| reader.formula(item, owner))
             .unwrap_or(Formula::ZERO)
     };
-    let stretch = Formula::subtract(Formula::Position, value("rest"));
-    let elastic = Formula::multiply(value("stiffness"), stretch);
-    let damping = Formula::multiply(value("damping"), Formula::Velocity);
-    Some(Formula::subtract(Formula::negate(elastic), damping))
+    let stretch = Formula::difference(Formula::Position, value("rest"));
+    let elastic = Formula::product(value("stiffness"), stretch);
+    let damping = Formula::product(value("damping"), Formula::Velocity);
+    Some(Formula::difference(Formula::negation(elastic), damping))
 }
 
 const DRIVE: [&str; 8] = [

@@ -10,6 +10,7 @@ use super::table::{Item, Table};
 use crate::diagnostic::{At, Report, Span};
 use crate::formula::Formula;
 use crate::formula::parse::{Allowed, parse};
+use std::collections::BTreeMap;
 use toml::de::DeValue;
 
 /// What reading a TOML description collects.
@@ -20,7 +21,9 @@ pub(super) struct Reader {
     /// Free parameters so far.
     pub parameters: Vec<At<Parameter>>,
     /// Their names in formulas, which may differ from those of the generated fields.
-    pub parameter_names: Vec<String>,
+    pub parameter_names: BTreeMap<String, usize>,
+    /// Their indices by the names of the generated fields.
+    fields: BTreeMap<String, usize>,
 }
 
 /// Length of axes and quaternions may differ from 1 by this much (seven written digits).
@@ -172,18 +175,20 @@ impl Reader {
             self.report.help("letters, digits and underscores; no word of Rust, and none of y, v, a, u, p, pi, sin, …");
             return None;
         };
-        if let Some(other) = self
-            .parameters
-            .iter()
-            .find(|other| other.value.name == field)
-        {
+        let other = self
+            .fields
+            .get(&field)
+            .and_then(|other| self.parameters.get(*other));
+        if let Some(other) = other {
             let place = self.report.place(other.span);
             let message =
                 format!("two parameters are named `{field}`; the other one stands at {place}");
             self.report.error(name.span, "duplicate-name", message);
             return None;
         }
-        self.parameter_names.push(name.value);
+        let index = self.parameters.len();
+        self.fields.insert(field.clone(), index);
+        self.parameter_names.insert(name.value, index);
         self.parameters.push(At::new(
             Parameter {
                 name: field,
@@ -193,7 +198,7 @@ impl Reader {
             },
             name.span,
         ));
-        Some(Formula::Parameter(self.parameters.len() - 1))
+        Some(Formula::Parameter(index))
     }
 
     fn one_line(&mut self, table: &Table<'_>, key: &str) -> String {
@@ -292,7 +297,7 @@ impl Reader {
         let rotation = match (table.get("rpy"), table.get("quaternion")) {
             (Some(rpy), None) => self
                 .numbers::<3>(rpy)
-                .map(|angles| self.angles.from_rpy(&angles, owner)),
+                .map(|angles| self.angles.rpy(&angles, owner)),
             (None, Some(quaternion)) => self.quaternion(quaternion),
             (None, None) => None,
             (Some(_), Some(second)) => {
@@ -325,7 +330,7 @@ impl Reader {
         if (length - 1.0).abs() <= UNIT {
             return Some(
                 self.angles
-                    .from_quaternion([w, x, y, z].map(|part| part / length)),
+                    .quaternion([w, x, y, z].map(|part| part / length)),
             );
         }
         self.report.error(

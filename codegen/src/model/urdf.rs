@@ -9,20 +9,11 @@ use super::description::{
 };
 use super::pose::{IDENTITY, norm};
 use super::toml_values::join;
-use super::{FrictionTerm, JointKind, Pose};
+use super::{FrictionTerm, JointKind, Pose, ReadOptions};
 use crate::diagnostic::{At, Report, Span};
 use crate::formula::{Formula, Function};
 use roxmltree::{Attribute, Document, Node};
 use std::collections::BTreeMap;
-
-/// How to read the file.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct UrdfOptions {
-    /// Mimic joints become independent.
-    pub ignore_mimic: bool,
-    /// Damping and friction are left out.
-    pub no_friction: bool,
-}
 
 /// Reads a URDF; `None` where it is no XML or has no robot in it.
 pub(super) fn description(
@@ -31,7 +22,7 @@ pub(super) fn description(
     text: &str,
     source: usize,
     name: &str,
-    options: UrdfOptions,
+    options: &ReadOptions,
 ) -> Option<RobotDescription> {
     let document = match Document::parse(text) {
         Ok(document) => document,
@@ -58,7 +49,7 @@ pub(super) fn description(
         report,
         angles,
         source,
-        options,
+        options: *options,
         skipped: BTreeMap::new(),
         remarks: BTreeMap::new(),
     };
@@ -90,7 +81,7 @@ struct Reader<'r> {
     report: &'r mut Report,
     angles: &'r mut Angles,
     source: usize,
-    options: UrdfOptions,
+    options: ReadOptions,
     /// Skipped elements and attributes: first place and count.
     skipped: BTreeMap<String, (Span, usize)>,
     /// What was changed: code, then first place and the owners.
@@ -137,7 +128,9 @@ impl Reader<'_> {
             ..RobotDescription::default()
         };
         for node in robot.children().filter(Node::is_element) {
+            let namespace = node.tag_name().namespace().unwrap_or("");
             match node.tag_name().name() {
+                _ if namespace.contains("xacro") => self.not_expanded(node),
                 "link" => self.link(node, &mut result),
                 "joint" => result.joints.extend(self.joint(node)),
                 "transmission" => self.transmission(node),
@@ -146,6 +139,17 @@ impl Reader<'_> {
         }
         result.frames = massless_frames(&result);
         result
+    }
+
+    fn not_expanded(&mut self, node: XmlNode<'_>) {
+        let message = format!(
+            "<xacro:{}> is a macro, not a part of a robot",
+            node.tag_name().name()
+        );
+        self.report
+            .error(self.span(node), "xacro-not-expanded", message);
+        self.report
+            .help("expand the file first: `xacro robot.urdf.xacro > robot.urdf`");
     }
 
     /// A reduction or rotor in a transmission would change the dynamics; the drive is ideal all the same.
@@ -234,7 +238,7 @@ impl Reader<'_> {
         };
         let xyz = self.vector(node, "xyz").map_or([0.0; 3], |xyz| xyz.value);
         let rpy = self.vector(node, "rpy");
-        let rotation = rpy.map_or(IDENTITY, |rpy| self.angles.from_rpy(&rpy, owner));
+        let rotation = rpy.map_or(IDENTITY, |rpy| self.angles.rpy(&rpy, owner));
         Pose {
             translation: xyz.map(Formula::Number),
             rotation,
@@ -504,18 +508,7 @@ impl Reader<'_> {
     }
 
     fn finish(self) {
-        for (what, (span, count)) in self.skipped {
-            let times = if count == 1 {
-                "once".to_owned()
-            } else {
-                format!("{count} times")
-            };
-            self.report.note(
-                Some(span),
-                "skipped",
-                format!("{what} was skipped ({times}); it is not modelled"),
-            );
-        }
+        note_skipped(self.report, self.skipped);
         for (code, (span, owners)) in self.remarks {
             let text = match code {
                 "axis-normalized" => "axes were brought to length 1",
@@ -528,14 +521,57 @@ impl Reader<'_> {
                 .cloned()
                 .collect::<Vec<_>>()
                 .join(", ");
-            let more = if owners.len() > 6 {
-                format!(" and {} more", owners.len() - 6)
-            } else {
-                String::new()
+            let more = match owners.len() {
+                0..=6 => String::new(),
+                count => format!(" and {} more", count - 6),
             };
             self.report
                 .note(Some(span), code, format!("{text}: {list}{more}"));
         }
+    }
+}
+
+/// Elements that never enter the dynamics; they share one note.
+const HARMLESS: [&str; 7] = [
+    "<visual>",
+    "<collision>",
+    "<material>",
+    "<transmission>",
+    "<gazebo>",
+    "<safety_controller>",
+    "<calibration>",
+];
+
+fn note_skipped(report: &mut Report, skipped: BTreeMap<String, (Span, usize)>) {
+    let (harmless, unknown): (Vec<_>, Vec<_>) = skipped
+        .into_iter()
+        .partition(|(what, _)| HARMLESS.contains(&what.as_str()));
+    let first = harmless
+        .iter()
+        .map(|(_, (span, _))| *span)
+        .min_by_key(|span| span.start);
+    if let Some(span) = first {
+        let counts = harmless
+            .iter()
+            .map(|(what, (_, count))| format!("{count} {what}"));
+        let counts = counts.collect::<Vec<_>>().join(", ");
+        report.note(
+            Some(span),
+            "skipped",
+            format!("skipped: {counts}; they do not enter the dynamics"),
+        );
+    }
+    for (what, (span, count)) in unknown {
+        let times = if count == 1 {
+            "once".to_owned()
+        } else {
+            format!("{count} times")
+        };
+        report.note(
+            Some(span),
+            "unknown-tag",
+            format!("{what} is not known and was skipped ({times})"),
+        );
     }
 }
 

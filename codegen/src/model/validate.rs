@@ -433,7 +433,7 @@ impl Builder<'_, '_> {
             coordinates,
             drives,
             frames,
-            options: self.robot.options.clone(),
+            options: self.robot.options.clone().unwrap_or_default(),
         })
     }
 
