@@ -4,6 +4,10 @@
 //! parameter (`mass = "m1"`, `xyz = ["l1/2", 0, 0]`) and what force laws are (`a1*v + a2*tanh(a3*v)`). The
 //! dynamics turn it into nodes of the expression graph, where it is folded, shared and differentiated.
 
+mod arithmetic;
+pub(crate) mod parse;
+mod terms;
+
 /// A scalar expression over parameters and, in force laws, the joint's position `y` and velocity `v`.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Formula {

@@ -1,5 +1,6 @@
 //! Code generation for symbolic robot dynamics.
 
+pub mod diagnostic;
 pub mod dynamics;
 pub mod formula;
 pub mod graph;

@@ -4,6 +4,25 @@
 //! before their children, axes have unit length, inertias are physical, limits are ordered, numbers are finite.
 //! Later stages need no checks.
 
+mod angles;
+mod description;
+mod inertia;
+mod name;
+mod options;
+mod pose;
+mod read;
+mod regularity;
+mod table;
+mod toml_file;
+mod toml_forces;
+mod toml_values;
+mod tree;
+mod urdf;
+mod validate;
+
+pub use options::{FUNCTIONS, is_known_function};
+pub use read::{Load, Loaded, ReadOptions, from_toml, from_urdf, read};
+
 use crate::formula::Formula;
 
 /// A robot: one tree of links, its drives, force laws and named frames.

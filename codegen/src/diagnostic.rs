@@ -1,0 +1,425 @@
+//! What is wrong with a description, where, and what to do about it.
+//!
+//! Every stage either returns a correct value or [`Diagnostics`] with all problems it found. A [`Diagnostic`] carries
+//! its own copy of the offending source line, so that it can be shown wherever it ends up: terminal, build log, JSON.
+
+use std::fmt;
+
+/// How bad it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// The description cannot be used.
+    Error,
+    /// The description is used; something in it was skipped, changed or is worth knowing.
+    Note,
+}
+
+impl Severity {
+    /// `error` or `note`.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Error => "error",
+            Self::Note => "note",
+        }
+    }
+}
+
+/// One problem or remark.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Diagnostic {
+    /// Error or note.
+    pub severity: Severity,
+    /// Kind of the problem in kebab case; stable, for scripts.
+    pub code: &'static str,
+    /// What is wrong, with the offending numbers.
+    pub message: String,
+    /// Where; `None` for what has no place in a file.
+    pub location: Option<Location>,
+    /// What to do.
+    pub help: Option<String>,
+}
+
+/// A place in a source file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Location {
+    /// The file as the user named it.
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+    /// Marked characters on this line, at least 1.
+    pub length: usize,
+    /// The source line, without control characters; a window of it where the line is very long.
+    pub excerpt: String,
+    /// Marked column within `excerpt`, in characters from 0.
+    pub excerpt_column: usize,
+}
+
+impl Diagnostic {
+    /// An error without a place.
+    pub fn error(code: &'static str, message: impl Into<String>) -> Self {
+        Self {
+            severity: Severity::Error,
+            code,
+            message: message.into(),
+            location: None,
+            help: None,
+        }
+    }
+
+    /// A note without a place.
+    pub fn note(code: &'static str, message: impl Into<String>) -> Self {
+        Self {
+            severity: Severity::Note,
+            ..Self::error(code, message)
+        }
+    }
+
+    /// The same with a place.
+    pub fn at(mut self, location: Location) -> Self {
+        self.location = Some(location);
+        self
+    }
+
+    /// The same with advice.
+    pub fn help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+}
+
+impl fmt::Display for Diagnostic {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            out,
+            "{}[{}]: {}",
+            self.severity.as_str(),
+            self.code,
+            self.message
+        )?;
+        if let Some(at) = &self.location {
+            let number = at.line.to_string();
+            let margin = " ".repeat(number.len());
+            write!(out, "\n{margin}--> {}:{}:{}", at.file, at.line, at.column)?;
+            write!(out, "\n{margin} |\n{number} | {}", at.excerpt)?;
+            write!(
+                out,
+                "\n{margin} | {}{}",
+                " ".repeat(at.excerpt_column),
+                "^".repeat(at.length)
+            )?;
+        }
+        match &self.help {
+            Some(help) => write!(out, "\n  = help: {help}"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Diagnostics in the order of their places: file, line, column, code.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Diagnostics(Vec<Diagnostic>);
+
+/// So many are printed; a hostile file may have a million.
+const SHOWN: usize = 100;
+
+impl Diagnostics {
+    /// Sorted by place; what has none comes first. Repetitions are dropped.
+    pub fn new(mut entries: Vec<Diagnostic>) -> Self {
+        entries.sort_by(|a, b| key(a).cmp(&key(b)));
+        entries.dedup();
+        Self(entries)
+    }
+
+    /// The entries in order.
+    pub fn entries(&self) -> &[Diagnostic] {
+        &self.0
+    }
+
+    /// The entries in order, as a value.
+    pub fn into_entries(self) -> Vec<Diagnostic> {
+        self.0
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Whether any of them is an error.
+    pub fn has_errors(&self) -> bool {
+        self.error_count() > 0
+    }
+
+    /// How many of them are errors.
+    pub fn error_count(&self) -> usize {
+        self.0
+            .iter()
+            .filter(|entry| entry.severity == Severity::Error)
+            .count()
+    }
+}
+
+impl From<Diagnostic> for Diagnostics {
+    fn from(entry: Diagnostic) -> Self {
+        Self(vec![entry])
+    }
+}
+
+fn key(entry: &Diagnostic) -> (Option<(&str, usize, usize)>, Severity, &str, &str) {
+    let place = entry
+        .location
+        .as_ref()
+        .map(|at| (at.file.as_str(), at.line, at.column));
+    (place, entry.severity, entry.code, &entry.message)
+}
+
+impl fmt::Display for Diagnostics {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, entry) in self.0.iter().take(SHOWN).enumerate() {
+            let separator = if index == 0 { "" } else { "\n\n" };
+            write!(out, "{separator}{entry}")?;
+        }
+        match self.0.len().checked_sub(SHOWN) {
+            Some(more) if more > 0 => write!(out, "\n\n… and {more} more"),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl std::error::Error for Diagnostics {}
+
+/// A place inside a [`Sources`] collection: bytes `start..end` of one text.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Span {
+    /// Index of the text.
+    pub source: usize,
+    /// First byte.
+    pub start: usize,
+    /// One past the last byte.
+    pub end: usize,
+}
+
+impl Span {
+    /// Bytes `start..end` of the text with this index.
+    pub fn new(source: usize, range: std::ops::Range<usize>) -> Self {
+        Self {
+            source,
+            start: range.start,
+            end: range.end,
+        }
+    }
+}
+
+/// A value and where it stands.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct At<T> {
+    /// The value.
+    pub value: T,
+    /// Its place.
+    pub span: Span,
+}
+
+impl<T> At<T> {
+    /// A value with its place.
+    pub fn new(value: T, span: Span) -> Self {
+        Self { value, span }
+    }
+}
+
+/// One text that was read.
+#[derive(Debug)]
+struct Source {
+    name: String,
+    text: String,
+    line_starts: Vec<usize>,
+}
+
+/// The texts that were read and what was found in them so far.
+#[derive(Debug, Default)]
+pub(crate) struct Report {
+    sources: Vec<Source>,
+    entries: Vec<Diagnostic>,
+    dropped: usize,
+}
+
+/// So many are kept: finding their places in very long lines takes time.
+const KEPT: usize = 1000;
+
+impl Report {
+    /// Adds a text under the name that the user knows it by; its index goes into spans.
+    pub fn add_source(&mut self, name: &str, text: &str) -> usize {
+        let breaks = text
+            .bytes()
+            .enumerate()
+            .filter(|(_, byte)| *byte == b'\n')
+            .map(|(at, _)| at + 1);
+        let line_starts = std::iter::once(0).chain(breaks).collect();
+        self.sources.push(Source {
+            name: name.to_owned(),
+            text: text.to_owned(),
+            line_starts,
+        });
+        self.sources.len() - 1
+    }
+
+    /// The characters of a span.
+    pub fn text(&self, span: Span) -> &str {
+        self.sources
+            .get(span.source)
+            .and_then(|source| source.text.get(span.start..span.end))
+            .unwrap_or("")
+    }
+
+    /// Adds an error.
+    pub fn error(
+        &mut self,
+        span: Span,
+        code: &'static str,
+        message: impl Into<String>,
+    ) -> &mut Self {
+        let entry = Diagnostic::error(code, message);
+        self.push(Some(span), entry)
+    }
+
+    /// Adds a note.
+    pub fn note(
+        &mut self,
+        span: Option<Span>,
+        code: &'static str,
+        message: impl Into<String>,
+    ) -> &mut Self {
+        let entry = Diagnostic::note(code, message);
+        self.push(span, entry)
+    }
+
+    /// Adds a finished diagnostic.
+    pub fn push(&mut self, span: Option<Span>, mut entry: Diagnostic) -> &mut Self {
+        if self.entries.len() >= KEPT && entry.severity == Severity::Error {
+            self.dropped += 1;
+            return self;
+        }
+        entry.location = span.and_then(|span| self.location(span)).or(entry.location);
+        self.entries.push(entry);
+        self
+    }
+
+    /// Adds advice to the diagnostic added last.
+    pub fn help(&mut self, help: impl Into<String>) {
+        if let Some(last) = self.entries.last_mut().filter(|_| self.dropped == 0) {
+            last.help = Some(help.into());
+        }
+    }
+
+    /// Whether an error was added.
+    pub fn has_errors(&self) -> bool {
+        self.entries
+            .iter()
+            .any(|entry| entry.severity == Severity::Error)
+    }
+
+    /// Everything that was added.
+    pub fn finish(mut self) -> Diagnostics {
+        if self.dropped > 0 {
+            let message = format!("{} more problems are not shown", self.dropped);
+            self.entries
+                .push(Diagnostic::error("too-many-problems", message));
+        }
+        Diagnostics::new(self.entries)
+    }
+
+    /// `file:line:column` of a span, for messages that refer to a second place.
+    pub fn place(&self, span: Span) -> String {
+        self.location(span).map_or_else(String::new, |at| {
+            format!("{}:{}:{}", at.file, at.line, at.column)
+        })
+    }
+
+    fn location(&self, span: Span) -> Option<Location> {
+        let source = self.sources.get(span.source)?;
+        let start = floor_boundary(&source.text, span.start);
+        let line = source
+            .line_starts
+            .partition_point(|first| *first <= start)
+            .max(1);
+        let first = *source.line_starts.get(line - 1)?;
+        let rest = source.text.get(first..)?;
+        let text = rest.split('\n').next().unwrap_or("").trim_end_matches('\r');
+        let column = source
+            .text
+            .get(first..start)?
+            .chars()
+            .count()
+            .min(text.chars().count());
+        let end = floor_boundary(&source.text, span.end.max(start));
+        let marked = source
+            .text
+            .get(start..end)
+            .and_then(|marked| marked.split('\n').next())
+            .unwrap_or("");
+        let (excerpt, excerpt_column, length) =
+            excerpt(text, column, marked.trim_end().chars().count());
+        Some(Location {
+            file: source.name.clone(),
+            line,
+            column: column + 1,
+            length,
+            excerpt,
+            excerpt_column,
+        })
+    }
+}
+
+/// Longest part of a line that is shown.
+const WINDOW: usize = 120;
+
+/// The visible part of a line with the marked column in it, and how many characters can be marked.
+fn excerpt(line: &str, column: usize, marked: usize) -> (String, usize, usize) {
+    let skipped = if column + 20 > WINDOW { column - 20 } else { 0 };
+    let visible = line.chars().skip(skipped).take(WINDOW);
+    let excerpt: String = visible
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .collect();
+    let excerpt = excerpt.trim_end().to_owned();
+    let room = excerpt.chars().count().saturating_sub(column - skipped);
+    (excerpt, column - skipped, marked.min(room).max(1))
+}
+
+fn floor_boundary(text: &str, at: usize) -> usize {
+    let mut at = at.min(text.len());
+    while !text.is_char_boundary(at) {
+        at -= 1;
+    }
+    at
+}
+
+/// `did you mean …?` with the nearest of the known names, or the list of them where none is near.
+pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    let known: Vec<&str> = known.into_iter().collect();
+    let lower = name.chars().take(64).collect::<String>().to_lowercase();
+    let distance = |candidate: &str| strsim::damerau_levenshtein(&lower, &candidate.to_lowercase());
+    let best = known
+        .iter()
+        .take(1000)
+        .map(|candidate| (distance(candidate), *candidate))
+        .min_by_key(|(d, _)| *d)?;
+    if best.0 <= 1 + lower.chars().count() / 3 {
+        return Some(format!("did you mean `{}`?", best.1));
+    }
+    let list = |names: &[&str]| {
+        names
+            .iter()
+            .map(|name| format!("`{name}`"))
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    match known.len() {
+        0..=20 => Some(format!("known are {}", list(&known))),
+        more => Some(format!(
+            "known are {} and {} more",
+            list(&known[..12]),
+            more - 12
+        )),
+    }
+}

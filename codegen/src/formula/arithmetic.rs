@@ -1,0 +1,178 @@
+//! Building, folding and evaluating formulas.
+
+use super::{Formula, Function};
+
+impl Formula {
+    /// The number 0.
+    pub const ZERO: Self = Self::Number(0.0);
+    /// The number 1.
+    pub const ONE: Self = Self::Number(1.0);
+
+    /// The number, where the formula is one.
+    pub fn as_number(&self) -> Option<f64> {
+        match self {
+            Self::Number(value) => Some(*value),
+            _ => None,
+        }
+    }
+
+    /// Whether the formula is the number 0.
+    pub fn is_zero(&self) -> bool {
+        self.as_number() == Some(0.0)
+    }
+
+    /// Value of the formula.
+    ///
+    /// - `parameters`: values in the order of `Model::parameters`; an index beyond them gives NaN
+    /// - `position`, `velocity`: those of the joint that carries the force law
+    pub fn evaluate(&self, parameters: &[f64], position: f64, velocity: f64) -> f64 {
+        let value = |part: &Self| part.evaluate(parameters, position, velocity);
+        match self {
+            Self::Number(number) => *number,
+            Self::Parameter(index) => parameters.get(*index).copied().unwrap_or(f64::NAN),
+            Self::Position => position,
+            Self::Velocity => velocity,
+            Self::Negate(a) => -value(a),
+            Self::Add(a, b) => value(a) + value(b),
+            Self::Subtract(a, b) => value(a) - value(b),
+            Self::Multiply(a, b) => value(a) * value(b),
+            Self::Divide(a, b) => value(a) / value(b),
+            Self::Power(a, exponent) => power(value(a), *exponent),
+            Self::Call(function, a) => function.evaluate(value(a)),
+        }
+    }
+
+    /// Whether the formula holds a node for which `test` is true.
+    pub fn any(&self, test: &dyn Fn(&Self) -> bool) -> bool {
+        test(self)
+            || match self {
+                Self::Number(_) | Self::Parameter(_) | Self::Position | Self::Velocity => false,
+                Self::Negate(a) | Self::Power(a, _) | Self::Call(_, a) => a.any(test),
+                Self::Add(a, b)
+                | Self::Subtract(a, b)
+                | Self::Multiply(a, b)
+                | Self::Divide(a, b) => a.any(test) || b.any(test),
+            }
+    }
+
+    /// Whether the value depends on the joint's position or velocity.
+    pub fn depends_on_motion(&self) -> bool {
+        self.any(&|node| matches!(node, Self::Position | Self::Velocity))
+    }
+
+    /// Whether every number in the formula is finite.
+    pub fn is_finite(&self) -> bool {
+        !self.any(&|node| matches!(node, Self::Number(value) if !value.is_finite()))
+    }
+
+    /// `a + b` with numbers added and zeros dropped.
+    pub fn sum(a: Self, b: Self) -> Self {
+        match (&a, &b) {
+            (Self::Number(x), Self::Number(y)) => Self::Number(x + y),
+            (Self::Number(0.0), _) => b,
+            (_, Self::Number(0.0)) => a,
+            _ => Self::Add(Box::new(a), Box::new(b)),
+        }
+    }
+
+    /// `a - b` with numbers subtracted and zeros dropped.
+    pub fn difference(a: Self, b: Self) -> Self {
+        match (&a, &b) {
+            (Self::Number(x), Self::Number(y)) => Self::Number(x - y),
+            (Self::Number(0.0), _) => Self::negation(b),
+            (_, Self::Number(0.0)) => a,
+            _ => Self::Subtract(Box::new(a), Box::new(b)),
+        }
+    }
+
+    /// `a * b` with numbers multiplied, zeros and ones dropped.
+    pub fn product(a: Self, b: Self) -> Self {
+        match (&a, &b) {
+            (Self::Number(x), Self::Number(y)) => Self::Number(x * y),
+            (Self::Number(0.0), _) | (_, Self::Number(0.0)) => Self::ZERO,
+            (Self::Number(1.0), _) => b,
+            (_, Self::Number(1.0)) => a,
+            (Self::Number(-1.0), _) => Self::negation(b),
+            (_, Self::Number(-1.0)) => Self::negation(a),
+            _ => Self::Multiply(Box::new(a), Box::new(b)),
+        }
+    }
+
+    /// `a / b` with numbers divided and a divisor of 1 dropped.
+    pub fn quotient(a: Self, b: Self) -> Self {
+        match (&a, &b) {
+            (Self::Number(x), Self::Number(y)) => Self::Number(x / y),
+            (_, Self::Number(1.0)) => a,
+            _ => Self::Divide(Box::new(a), Box::new(b)),
+        }
+    }
+
+    /// `-a`
+    pub fn negation(a: Self) -> Self {
+        match a {
+            Self::Number(value) => Self::Number(0.0 - value),
+            Self::Negate(inner) => *inner,
+            other => Self::Negate(Box::new(other)),
+        }
+    }
+
+    /// `aⁿ`
+    pub fn power(a: Self, exponent: u32) -> Self {
+        match (a, exponent) {
+            (_, 0) => Self::ONE,
+            (a, 1) => a,
+            (Self::Number(value), _) => Self::Number(power(value, exponent)),
+            (a, _) => Self::Power(Box::new(a), exponent),
+        }
+    }
+
+    /// `f(a)`
+    pub fn call(function: Function, a: Self) -> Self {
+        match a {
+            Self::Number(value) => Self::Number(function.evaluate(value)),
+            other => Self::Call(function, Box::new(other)),
+        }
+    }
+}
+
+fn power(base: f64, exponent: u32) -> f64 {
+    (0..exponent).fold(1.0, |product, _| product * base)
+}
+
+impl Function {
+    /// All functions, in the order of their declaration.
+    pub const ALL: [Self; 6] = [
+        Self::Sin,
+        Self::Cos,
+        Self::Tanh,
+        Self::Exp,
+        Self::Abs,
+        Self::Sign,
+    ];
+
+    /// The name in formulas.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sin => "sin",
+            Self::Cos => "cos",
+            Self::Tanh => "tanh",
+            Self::Exp => "exp",
+            Self::Abs => "abs",
+            Self::Sign => "sign",
+        }
+    }
+
+    /// Value of the function; `sign` is 0 at 0, unlike [`f64::signum`].
+    pub fn evaluate(self, x: f64) -> f64 {
+        match self {
+            Self::Sin => x.sin(),
+            Self::Cos => x.cos(),
+            Self::Tanh => x.tanh(),
+            Self::Exp => x.exp(),
+            Self::Abs => x.abs(),
+            Self::Sign if x > 0.0 => 1.0,
+            Self::Sign if x < 0.0 => -1.0,
+            Self::Sign => x * 0.0,
+        }
+    }
+}

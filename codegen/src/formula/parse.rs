@@ -1,0 +1,322 @@
+//! Reading a formula from text, with syn.
+//!
+//! syn descends recursively, so length, nesting and runs of operators are bounded before it sees the text.
+
+use super::{Formula, Function};
+use crate::diagnostic::nearest;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use syn::spanned::Spanned;
+use syn::{BinOp, Expr, UnOp};
+
+/// Longest formula in bytes.
+const LONGEST: usize = 1000;
+/// Deepest nesting of brackets.
+const DEEPEST: usize = 24;
+/// Longest run of operators without an operand between them.
+const OPERATORS: usize = 4;
+/// Largest exponent.
+const LARGEST_EXPONENT: u32 = 16;
+
+/// What a formula may refer to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Allowed {
+    /// Numbers and `pi`.
+    Constants,
+    /// Parameters too.
+    Parameters,
+    /// Also `y` and `v` of the joint.
+    Motion,
+}
+
+/// Why a text is no formula; `range` counts bytes of the text.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct FormulaError {
+    pub code: &'static str,
+    pub message: String,
+    pub help: Option<String>,
+    pub range: Range<usize>,
+}
+
+type Parsed = Result<Formula, FormulaError>;
+
+/// Reads a formula; `parameters` gives the index of each described name.
+pub(crate) fn parse(text: &str, allowed: Allowed, parameters: &BTreeMap<String, usize>) -> Parsed {
+    check_text(text)?;
+    let tree: Expr = syn::parse_str(text).map_err(|wrong| {
+        let range = whole_if_empty(wrong.span().byte_range(), text);
+        error("formula-syntax", format!("not a formula: {wrong}"), range)
+    })?;
+    let scope = Scope {
+        text,
+        allowed,
+        parameters,
+    };
+    let formula = scope.convert(&tree)?;
+    match formula.is_finite() {
+        true => Ok(formula),
+        false => Err(error(
+            "number-not-finite",
+            format!("`{text}` divides by zero or overflows"),
+            0..text.len(),
+        )),
+    }
+}
+
+fn error(code: &'static str, message: impl Into<String>, range: Range<usize>) -> FormulaError {
+    FormulaError {
+        code,
+        message: message.into(),
+        help: None,
+        range,
+    }
+}
+
+/// syn reports what is missing at the end of the text as an empty or foreign range.
+fn whole_if_empty(range: Range<usize>, text: &str) -> Range<usize> {
+    match text.get(range.clone()) {
+        Some(part) if !part.is_empty() => range,
+        _ => 0..text.len(),
+    }
+}
+
+/// Bounds that keep syn's recursion shallow.
+fn check_text(text: &str) -> Result<(), FormulaError> {
+    let whole = || 0..text.len();
+    if text.len() > LONGEST {
+        let message = format!("a formula of {} bytes; {LONGEST} are the limit", text.len());
+        return Err(error("formula-too-long", message, whole()));
+    }
+    let (mut depth, mut run) = (0_usize, 0_usize);
+    for (at, c) in text.char_indices() {
+        let here = at..at + c.len_utf8();
+        match c {
+            '^' => return Err(power_help(here)),
+            '(' => (depth, run) = (depth + 1, 0),
+            ')' => (depth, run) = (depth.saturating_sub(1), 0),
+            '+' | '-' | '*' | '/' => run += 1,
+            ' ' | '\t' => {}
+            '.' | ',' | '_' => run = 0,
+            c if c.is_alphanumeric() => run = 0,
+            c => {
+                return Err(error(
+                    "formula-syntax",
+                    format!("{c:?} cannot stand in a formula"),
+                    here,
+                ));
+            }
+        }
+        if depth > DEEPEST || run > OPERATORS {
+            return Err(error(
+                "formula-too-deep",
+                "brackets or signs are nested too deeply",
+                here,
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn power_help(range: Range<usize>) -> FormulaError {
+    let help = Some("write `v.powi(2)` or `pow(v, 2)`".to_owned());
+    FormulaError {
+        help,
+        ..error("formula-power", "`^` is no operator here", range)
+    }
+}
+
+struct Scope<'a> {
+    text: &'a str,
+    allowed: Allowed,
+    parameters: &'a BTreeMap<String, usize>,
+}
+
+impl Scope<'_> {
+    fn convert(&self, tree: &Expr) -> Parsed {
+        match tree {
+            Expr::Lit(literal) => self.number(&literal.lit),
+            Expr::Path(path) => self.name(path),
+            Expr::Paren(inner) => self.convert(&inner.expr),
+            Expr::Group(inner) => self.convert(&inner.expr),
+            Expr::Unary(unary) if matches!(unary.op, UnOp::Neg(_)) => {
+                Ok(Formula::negation(self.convert(&unary.expr)?))
+            }
+            Expr::Binary(binary) => self.binary(binary),
+            Expr::Call(call) => self.call(call),
+            Expr::MethodCall(call) => self.method(call),
+            other => Err(self.refuse(other)),
+        }
+    }
+
+    fn refuse(&self, node: &impl Spanned) -> FormulaError {
+        let range = whole_if_empty(node.span().byte_range(), self.text);
+        let part = self.text.get(range.clone()).unwrap_or("").to_owned();
+        let known = Function::ALL.map(Function::name).join(", ");
+        let help = Some(format!(
+            "a formula has numbers, names, + - * /, brackets, {known} and pow(x, n)"
+        ));
+        FormulaError {
+            help,
+            ..error(
+                "formula-syntax",
+                format!("`{part}` cannot stand in a formula"),
+                range,
+            )
+        }
+    }
+
+    fn number(&self, literal: &syn::Lit) -> Parsed {
+        let (digits, suffix) = match literal {
+            syn::Lit::Int(value) => (value.base10_digits(), value.suffix()),
+            syn::Lit::Float(value) => (value.base10_digits(), value.suffix()),
+            other => return Err(self.refuse(other)),
+        };
+        match digits.parse::<f64>() {
+            Ok(value) if value.is_finite() && suffix.is_empty() => Ok(Formula::Number(value)),
+            _ => Err(self.refuse(literal)),
+        }
+    }
+
+    fn name(&self, path: &syn::ExprPath) -> Parsed {
+        let Some(name) = path.path.get_ident().map(ToString::to_string) else {
+            return Err(self.refuse(path));
+        };
+        let motion = self.allowed == Allowed::Motion;
+        match name.as_str() {
+            "pi" => return Ok(Formula::Number(std::f64::consts::PI)),
+            "v" if motion => return Ok(Formula::Velocity),
+            "y" if motion => return Ok(Formula::Position),
+            _ => {}
+        }
+        match self.parameters.get(&name) {
+            Some(index) if self.allowed != Allowed::Constants => Ok(Formula::Parameter(*index)),
+            Some(_) => Err(FormulaError {
+                help: Some(
+                    "angles, axes, limits and held positions are fixed when code is generated"
+                        .to_owned(),
+                ),
+                ..error(
+                    "parameter-not-allowed",
+                    format!("`{name}` is a free parameter"),
+                    self.range(path),
+                )
+            }),
+            None => Err(self.unknown(&name, path)),
+        }
+    }
+
+    fn unknown(&self, name: &str, node: &impl Spanned) -> FormulaError {
+        let own: &[&str] = if self.allowed == Allowed::Motion {
+            &["v", "y", "pi"]
+        } else {
+            &["pi"]
+        };
+        let visible = self.allowed != Allowed::Constants;
+        let parameters = self
+            .parameters
+            .keys()
+            .map(String::as_str)
+            .filter(|_| visible);
+        let known = own.iter().copied().chain(parameters);
+        let help = nearest(name, known);
+        FormulaError {
+            help,
+            ..error(
+                "unknown-name",
+                format!("unknown name `{name}`"),
+                self.range(node),
+            )
+        }
+    }
+
+    fn range(&self, node: &impl Spanned) -> Range<usize> {
+        whole_if_empty(node.span().byte_range(), self.text)
+    }
+
+    fn binary(&self, binary: &syn::ExprBinary) -> Parsed {
+        let combine = match binary.op {
+            BinOp::Add(_) => Formula::sum,
+            BinOp::Sub(_) => Formula::difference,
+            BinOp::Mul(_) => Formula::product,
+            BinOp::Div(_) => Formula::quotient,
+            _ => return Err(self.refuse(binary)),
+        };
+        Ok(combine(
+            self.convert(&binary.left)?,
+            self.convert(&binary.right)?,
+        ))
+    }
+
+    fn call(&self, call: &syn::ExprCall) -> Parsed {
+        let name = match &*call.func {
+            Expr::Path(path) => path.path.get_ident().map(ToString::to_string),
+            _ => None,
+        };
+        let Some(name) = name else {
+            return Err(self.refuse(call));
+        };
+        self.apply(&name, &call.func, &call.args.iter().collect::<Vec<_>>())
+    }
+
+    fn method(&self, call: &syn::ExprMethodCall) -> Parsed {
+        let arguments: Vec<&Expr> = std::iter::once(&*call.receiver).chain(&call.args).collect();
+        self.apply(&call.method.to_string(), &call.method, &arguments)
+    }
+
+    fn apply(&self, name: &str, place: &impl Spanned, arguments: &[&Expr]) -> Parsed {
+        match (name, arguments) {
+            ("pow" | "powi", [base, exponent]) => Ok(Formula::power(
+                self.convert(base)?,
+                self.exponent(exponent)?,
+            )),
+            (_, [argument]) => match Function::ALL.into_iter().find(|known| known.name() == name) {
+                Some(function) => Ok(Formula::call(function, self.convert(argument)?)),
+                None => Err(self.unknown_function(name, place)),
+            },
+            _ => Err(self.unknown_function(name, place)),
+        }
+    }
+
+    fn unknown_function(&self, name: &str, place: &impl Spanned) -> FormulaError {
+        let known = Function::ALL.map(Function::name).into_iter().chain(["pow"]);
+        let (message, help) = match name {
+            _ if name == "pow"
+                || name == "powi"
+                || Function::ALL.iter().any(|known| known.name() == name) =>
+            {
+                (
+                    format!("wrong number of arguments for `{name}`"),
+                    Some("sin(x), … take one, pow(x, n) two".to_owned()),
+                )
+            }
+            "signum" => (
+                "`signum` is not used here".to_owned(),
+                Some("write `sign(v)`; it is 0 at 0".to_owned()),
+            ),
+            _ => (format!("unknown function `{name}`"), nearest(name, known)),
+        };
+        FormulaError {
+            help,
+            ..error("unknown-function", message, self.range(place))
+        }
+    }
+
+    fn exponent(&self, tree: &Expr) -> Result<u32, FormulaError> {
+        match self.convert(tree)? {
+            Formula::Number(value)
+                if value.fract() == 0.0 && (0.0..=f64::from(LARGEST_EXPONENT)).contains(&value) =>
+            {
+                // Exact: an integer from 0 to 16.
+                Ok(value as u32)
+            }
+            _ => {
+                let message = format!("an exponent is a whole number from 0 to {LARGEST_EXPONENT}");
+                let help = Some("write a reciprocal as 1/pow(x, n)".to_owned());
+                Err(FormulaError {
+                    help,
+                    ..error("formula-exponent", message, self.range(tree))
+                })
+            }
+        }
+    }
+}

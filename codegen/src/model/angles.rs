@@ -1,0 +1,104 @@
+//! Angles that miss a multiple of 90° by a hair: noted, or snapped where asked for.
+
+use super::pose::{Rotation, from_quaternion, from_rpy, is_nearly_right, snapped};
+use crate::diagnostic::{At, Report, Span};
+
+/// Angles this close to a multiple of 90° [rad] are worth a note.
+const WORTH_A_NOTE: f64 = 1e-4;
+/// So many angles are listed.
+const LISTED: usize = 6;
+
+/// Makes rotations from described angles and remembers what snapping would gain.
+#[derive(Debug, Default)]
+pub(super) struct Angles {
+    /// Angles within this of a multiple of 90° are replaced by it [rad].
+    pub snap: Option<f64>,
+    near: Vec<(Span, String, f64)>,
+    gained: usize,
+}
+
+impl Angles {
+    /// Rotation of roll, pitch and yaw; `owner` names them in the note.
+    pub fn rpy(&mut self, rpy: &At<[f64; 3]>, owner: &str) -> Rotation {
+        let angles = rpy.value.map(|angle| self.snapped(angle));
+        for angle in angles {
+            self.remember(angle, rpy.span, owner);
+        }
+        let rotation = from_rpy(angles);
+        let exact = from_rpy(angles.map(|angle| snapped(angle, WORTH_A_NOTE)));
+        self.gained += trivial_entries(&exact).saturating_sub(trivial_entries(&rotation));
+        rotation
+    }
+
+    /// Rotation of a unit quaternion w, x, y, z.
+    pub fn quaternion(&self, quaternion: [f64; 4]) -> Rotation {
+        from_quaternion(quaternion, self.snap.unwrap_or(0.0))
+    }
+
+    /// A single angle (of a Denavit–Hartenberg row).
+    pub fn angle(&mut self, angle: &At<f64>, owner: &str) -> f64 {
+        let value = self.snapped(angle.value);
+        if self.remember(value, angle.span, owner) {
+            self.gained += 4;
+        }
+        value
+    }
+
+    fn snapped(&self, angle: f64) -> f64 {
+        self.snap
+            .map_or(angle, |tolerance| snapped(angle, tolerance))
+    }
+
+    fn remember(&mut self, angle: f64, span: Span, owner: &str) -> bool {
+        let near = is_nearly_right(angle, WORTH_A_NOTE);
+        if near {
+            self.near.push((span, owner.to_owned(), angle));
+        }
+        near
+    }
+
+    /// Adds the note, where there is something to say.
+    pub fn report(self, report: &mut Report) {
+        let Some((first, ..)) = self.near.first() else {
+            return;
+        };
+        let count = self.near.len();
+        let listed: Vec<String> = self
+            .near
+            .iter()
+            .take(LISTED)
+            .map(|(_, owner, angle)| list(owner, *angle))
+            .collect();
+        let more = if count > LISTED {
+            format!(" and {} more", count - LISTED)
+        } else {
+            String::new()
+        };
+        let message = format!(
+            "{count} angle{} within 1e-4 of a multiple of 90°, but not exactly there: {}{more}; snapping would make {} \
+             entries of rotation matrices exactly 0 or ±1, which cost no operations",
+            if count == 1 { " is" } else { "s are" },
+            listed.join(", "),
+            self.gained,
+        );
+        let help = "`--snap-angles 1e-4` or the key `snap_angles = 1e-4` does it";
+        report
+            .note(Some(*first), "nearly-right-angle", message)
+            .help(help);
+    }
+}
+
+fn list(owner: &str, angle: f64) -> String {
+    format!(
+        "{owner} {angle} (off by {:.1e})",
+        angle - snapped(angle, WORTH_A_NOTE)
+    )
+}
+
+fn trivial_entries(rotation: &Rotation) -> usize {
+    rotation
+        .iter()
+        .flatten()
+        .filter(|entry| entry.abs() == 1.0 || **entry == 0.0)
+        .count()
+}

@@ -1,0 +1,147 @@
+//! What a file says, before it is known to make sense: the common form of TOML and URDF descriptions.
+//!
+//! Names are texts as described, references between entries are by name, and every entry knows its place. A value
+//! that could not be read was reported and stands here as something harmless, so that it causes no second complaint.
+
+use super::pose::rotate_inertia;
+use super::{FrictionTerm, Input, JointKind, MotorTorque, Options, Parameter, Pose, RotorCoupling};
+use crate::diagnostic::{At, Span};
+use crate::formula::Formula;
+
+/// A name as described.
+pub(super) type Name = At<String>;
+
+/// A described robot.
+#[derive(Debug, Default)]
+pub(super) struct RobotDescription {
+    pub name: Name,
+    pub description: Vec<String>,
+    pub gravity: Option<[Formula; 3]>,
+    pub parameters: Vec<At<Parameter>>,
+    /// Name of the base link, where said.
+    pub base: Option<Name>,
+    /// Links that exist even where no joint names them.
+    pub links: Vec<Name>,
+    pub bodies: Vec<BodyDescription>,
+    pub joints: Vec<JointDescription>,
+    pub frames: Vec<FrameDescription>,
+    /// Joint names in the order of the coordinates, where said.
+    pub coordinates: Option<Vec<Name>>,
+    /// Children of a link in the order of their joints' names, as Pinocchio has them, not of their description.
+    pub sort_joints: bool,
+    /// Drive of joints that describe none.
+    pub default_drive: DriveChoice,
+    pub options: Option<Options>,
+}
+
+impl Default for At<String> {
+    fn default() -> Self {
+        Self::new(String::new(), Span::default())
+    }
+}
+
+/// A rigid body; `None` where not said.
+#[derive(Debug, Clone)]
+pub(super) struct BodyDescription {
+    pub name: Name,
+    pub link: Name,
+    /// Pose of the body's own frame in the link's described frame.
+    pub origin: Option<Pose>,
+    pub mass: Option<At<Formula>>,
+    pub center_of_mass: Option<[Formula; 3]>,
+    pub inertia: Option<At<[Formula; 6]>>,
+    pub accept_unphysical: bool,
+}
+
+impl BodyDescription {
+    /// Centre of mass in the link's described frame.
+    pub fn center_in_link(&self) -> [Formula; 3] {
+        let center = self.center_of_mass.clone().unwrap_or([Formula::ZERO; 3]);
+        match &self.origin {
+            Some(origin) => origin.point(&center),
+            None => center,
+        }
+    }
+
+    /// Inertia about the centre of mass in axes of the link's described frame.
+    pub fn inertia_in_link(&self) -> [Formula; 6] {
+        let inertia = self
+            .inertia
+            .clone()
+            .map_or([Formula::ZERO; 6], |inertia| inertia.value);
+        match &self.origin {
+            Some(origin) => rotate_inertia(&origin.rotation, &inertia),
+            None => inertia,
+        }
+    }
+}
+
+/// A joint; `None` where not said.
+#[derive(Debug, Clone)]
+pub(super) struct JointDescription {
+    pub name: Name,
+    pub kind: Option<JointKind>,
+    pub parent: Option<Name>,
+    pub child: Option<Name>,
+    pub origin: Option<Pose>,
+    /// Pose of the child link's described frame in the frame that moves with the joint (standard DH).
+    pub link_frame: Option<Pose>,
+    pub axis: Option<[f64; 3]>,
+    pub held: Option<f64>,
+    pub limits: LimitsDescription,
+    pub springs: Option<Vec<Formula>>,
+    pub friction: Option<Vec<FrictionTerm>>,
+    pub drive: Option<At<DriveChoice>>,
+    /// The joint that this one follows in a URDF.
+    pub mimic: Option<Name>,
+}
+
+impl JointDescription {
+    /// What a new joint has where nothing is said: it is revolute and moves a link of its own name.
+    pub fn complete(&mut self) {
+        self.kind.get_or_insert(JointKind::Revolute);
+        self.child.get_or_insert_with(|| self.name.clone());
+    }
+}
+
+/// Limits with their places.
+#[derive(Debug, Clone, Default)]
+pub(super) struct LimitsDescription {
+    pub position: Option<At<[f64; 2]>>,
+    pub velocity: Option<At<f64>>,
+    pub effort: Option<At<f64>>,
+    pub peak_effort: Option<At<f64>>,
+}
+
+/// How a joint is driven.
+#[derive(Debug, Clone, Default)]
+pub(super) enum DriveChoice {
+    /// Not at all.
+    #[default]
+    Passive,
+    /// By a torque at the joint, without rotor.
+    Ideal,
+    /// By a described motor.
+    Motor(Box<DriveDescription>),
+}
+
+/// A described motor.
+#[derive(Debug, Clone)]
+pub(super) struct DriveDescription {
+    pub name: Option<Name>,
+    pub gear_ratio: At<Formula>,
+    pub rotor_inertia: At<Formula>,
+    pub carrier: Option<Name>,
+    pub axis: Option<[f64; 3]>,
+    pub coupling: RotorCoupling,
+    pub input: Input,
+    pub torque: MotorTorque,
+}
+
+/// A named frame.
+#[derive(Debug, Clone)]
+pub(super) struct FrameDescription {
+    pub name: Name,
+    pub link: Name,
+    pub pose: Pose,
+}

@@ -1,0 +1,60 @@
+//! Is an inertia that of a real body?
+
+/// Relative room for rounding in published numbers.
+const ROUNDING: f64 = 1e-6;
+
+/// What is wrong with an inertia about the centre of mass.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Flaw {
+    /// A principal moment is negative: the three moments, ascending.
+    NotPositive([f64; 3]),
+    /// The largest principal moment exceeds the sum of the others.
+    Triangle([f64; 3]),
+}
+
+/// Checks the entries xx, xy, xz, yy, yz, zz.
+///
+/// Principal moments are sums of two of the non-negative second moments ∫x², ∫y², ∫z², hence none is negative and none
+/// exceeds the sum of the others. Limits are allowed: a point mass (all zero), a thin rod (one zero).
+pub(super) fn check(inertia: [f64; 6]) -> Option<Flaw> {
+    let moments = principal_moments(inertia);
+    let [low, middle, high] = moments;
+    let room = ROUNDING * high.abs();
+    if low < -room {
+        return Some(Flaw::NotPositive(moments));
+    }
+    (high > low + middle + room).then_some(Flaw::Triangle(moments))
+}
+
+/// Eigenvalues of a symmetric 3 × 3 matrix, ascending, by Jacobi rotations.
+///
+/// Golub and Van Loan, Matrix Computations, section 8.5.
+fn principal_moments([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> [f64; 3] {
+    let mut a = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+    for sweep in 0..60 {
+        let (p, q) = [(0, 1), (0, 2), (1, 2)][sweep % 3];
+        rotate_away(&mut a, p, q);
+    }
+    let mut moments = [a[0][0], a[1][1], a[2][2]];
+    moments.sort_by(f64::total_cmp);
+    moments
+}
+
+/// One rotation in the plane p, q that makes `a[p][q]` zero.
+fn rotate_away(a: &mut [[f64; 3]; 3], p: usize, q: usize) {
+    if a[p][q] == 0.0 {
+        return;
+    }
+    let ratio = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+    let t = ratio.signum() / (ratio.abs() + ratio.hypot(1.0));
+    let c = 1.0 / t.hypot(1.0);
+    let s = t * c;
+    for k in 0..3 {
+        let (x, y) = (a[k][p], a[k][q]);
+        (a[k][p], a[k][q]) = (c * x - s * y, s * x + c * y);
+    }
+    for k in 0..3 {
+        let (x, y) = (a[p][k], a[q][k]);
+        (a[p][k], a[q][k]) = (c * x - s * y, s * x + c * y);
+    }
+}

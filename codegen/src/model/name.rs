@@ -1,0 +1,78 @@
+//! Names from a description become Rust identifiers.
+
+/// Words that are no identifiers in any edition, strict and reserved.
+const KEYWORDS: [&str; 54] = [
+    "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "crate",
+    "do", "dyn", "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if", "impl",
+    "in", "let", "loop", "macro", "match", "mod", "move", "mut", "override", "priv", "pub", "ref",
+    "return", "self", "static", "struct", "super", "trait", "true", "try", "type", "typeof",
+    "union", "unsafe", "unsized", "use", "virtual", "where", "while", "yield", "raw", "safe",
+];
+
+/// Names that the generated module uses itself or that formulas give a meaning.
+const RESERVED: [&str; 16] = [
+    "y", "v", "a", "u", "p", "n", "m", "out", "pi", "sin", "cos", "tanh", "exp", "abs", "sign",
+    "pow",
+];
+
+/// Whether the name is a word of Rust.
+pub(super) fn is_keyword(name: &str) -> bool {
+    KEYWORDS.contains(&name)
+}
+
+/// Whether the generated module or formulas use the name.
+pub(super) fn is_reserved(name: &str) -> bool {
+    RESERVED.contains(&name)
+}
+
+/// The name in snake case of ASCII letters, digits and underscores; `None` where nothing usable remains.
+///
+/// `ShoulderPan` becomes `shoulder_pan`, `β` `beta`, `a-b` `a_b`, `2nd` `_2nd`, `type` `type_`.
+pub(super) fn identifier(name: &str) -> Option<String> {
+    let mut result = String::new();
+    let mut previous = ' ';
+    for c in name.chars().take(200) {
+        match (c, greek(c)) {
+            (_, Some(word)) => push_word(&mut result, word),
+            ('A'..='Z', _) if previous.is_ascii_lowercase() => {
+                push_word(&mut result, &c.to_lowercase().to_string())
+            }
+            (c, _) if c.is_ascii_alphanumeric() => result.push(c.to_ascii_lowercase()),
+            _ if !result.ends_with('_') || c == '_' => result.push('_'),
+            _ => {}
+        }
+        previous = c;
+    }
+    finish(result)
+}
+
+fn push_word(result: &mut String, word: &str) {
+    if !result.is_empty() && !result.ends_with('_') {
+        result.push('_');
+    }
+    result.push_str(word);
+}
+
+fn finish(mut result: String) -> Option<String> {
+    if !result.chars().any(|c| c.is_ascii_alphanumeric()) {
+        return None;
+    }
+    if result.starts_with(|c: char| c.is_ascii_digit()) {
+        result.insert(0, '_');
+    }
+    if is_keyword(&result) {
+        result.push('_');
+    }
+    Some(result)
+}
+
+fn greek(c: char) -> Option<&'static str> {
+    const NAMES: [&str; 25] = [
+        "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa",
+        "lambda", "mu", "nu", "xi", "omicron", "pi", "rho", "sigma", "sigma", "tau", "upsilon",
+        "phi", "chi", "psi", "omega",
+    ];
+    let lower = c.to_lowercase().next()?;
+    let index = u32::from(lower).checked_sub(u32::from('α'))?;
+    NAMES.get(usize::try_from(index).ok()?).copied()
+}

@@ -1,0 +1,204 @@
+//! Poses: rotations from angles, exact where the angle is a multiple of 90°, and their products.
+
+use super::Pose;
+use crate::formula::Formula;
+use std::f64::consts::FRAC_PI_2;
+
+/// A rotation matrix, rows first.
+pub(super) type Rotation = [[f64; 3]; 3];
+
+/// No rotation.
+pub(super) const IDENTITY: Rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+impl Pose {
+    /// The pose of a frame in itself.
+    pub fn identity() -> Self {
+        Self {
+            translation: [Formula::ZERO; 3],
+            rotation: IDENTITY,
+        }
+    }
+
+    /// `a_x_c = a_x_b · b_x_c`
+    pub fn then(&self, next: &Self) -> Self {
+        Self {
+            translation: self.point(&next.translation),
+            rotation: product(&self.rotation, &next.rotation),
+        }
+    }
+
+    /// A point of the inner frame, in coordinates of the outer one.
+    pub fn point(&self, point: &[Formula; 3]) -> [Formula; 3] {
+        let turned = rotate(&self.rotation, point);
+        let [x, y, z] = &self.translation;
+        let [a, b, c] = turned;
+        [
+            Formula::sum(x.clone(), a),
+            Formula::sum(y.clone(), b),
+            Formula::sum(z.clone(), c),
+        ]
+    }
+}
+
+/// `R p`
+pub(super) fn rotate(rotation: &Rotation, point: &[Formula; 3]) -> [Formula; 3] {
+    let row = |row: &[f64; 3]| {
+        let terms = row
+            .iter()
+            .zip(point)
+            .map(|(r, p)| Formula::product(Formula::Number(*r), p.clone()));
+        terms.fold(Formula::ZERO, Formula::sum)
+    };
+    [row(&rotation[0]), row(&rotation[1]), row(&rotation[2])]
+}
+
+/// `R a` for numbers.
+pub(super) fn rotate_numbers(rotation: &Rotation, a: &[f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| (0..3).map(|j| rotation[i][j] * a[j]).sum::<f64>() + 0.0)
+}
+
+/// `R I Rᵀ` for the entries xx, xy, xz, yy, yz, zz.
+pub(super) fn rotate_inertia(rotation: &Rotation, inertia: &[Formula; 6]) -> [Formula; 6] {
+    if *rotation == IDENTITY {
+        return inertia.clone();
+    }
+    let index = [[0, 1, 2], [1, 3, 4], [2, 4, 5]];
+    let entry = |i: usize, j: usize| {
+        let mut sum = Formula::ZERO;
+        for (k, row) in index.iter().enumerate() {
+            for (l, at) in row.iter().enumerate() {
+                let factor = Formula::Number(rotation[i][k] * rotation[j][l]);
+                sum = Formula::sum(sum, Formula::product(factor, inertia[*at].clone()));
+            }
+        }
+        sum
+    };
+    [
+        entry(0, 0),
+        entry(0, 1),
+        entry(0, 2),
+        entry(1, 1),
+        entry(1, 2),
+        entry(2, 2),
+    ]
+}
+
+/// `A B`
+pub(super) fn product(a: &Rotation, b: &Rotation) -> Rotation {
+    std::array::from_fn(|i| {
+        std::array::from_fn(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum::<f64>() + 0.0)
+    })
+}
+
+/// `R_z(yaw) R_y(pitch) R_x(roll)`, the convention of URDF.
+pub(super) fn from_rpy([roll, pitch, yaw]: [f64; 3]) -> Rotation {
+    product(&about_z(yaw), &product(&about_y(pitch), &about_x(roll)))
+}
+
+/// Rotation about x by an angle.
+pub(super) fn about_x(angle: f64) -> Rotation {
+    let (s, c) = sin_cos(angle);
+    [[1.0, 0.0, 0.0], [0.0, c, 0.0 - s], [0.0, s, c]]
+}
+
+fn about_y(angle: f64) -> Rotation {
+    let (s, c) = sin_cos(angle);
+    [[c, 0.0, s], [0.0, 1.0, 0.0], [0.0 - s, 0.0, c]]
+}
+
+/// Rotation about z by an angle.
+pub(super) fn about_z(angle: f64) -> Rotation {
+    let (s, c) = sin_cos(angle);
+    [[c, 0.0 - s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]
+}
+
+/// Sine and cosine; exactly 0 and ±1 where the angle is a multiple of 90° to within its rounding.
+fn sin_cos(angle: f64) -> (f64, f64) {
+    match right_angles(angle, 4.0 * f64::EPSILON * angle.abs().max(1.0)) {
+        Some(0) => (0.0, 1.0),
+        Some(1) => (1.0, 0.0),
+        Some(2) => (0.0, -1.0),
+        Some(_) => (-1.0, 0.0),
+        None => angle.sin_cos(),
+    }
+}
+
+/// The number of right angles modulo 4, where the angle is that within a tolerance.
+fn right_angles(angle: f64, tolerance: f64) -> Option<u8> {
+    let count = (angle / FRAC_PI_2).round();
+    // Beyond 1e6 turns the remainder is rounding noise; below it the cast is exact.
+    let near = count.abs() < 4e6 && (angle - count * FRAC_PI_2).abs() <= tolerance;
+    near.then_some(count.rem_euclid(4.0) as u8)
+}
+
+/// The angle, replaced by the nearest multiple of 90° where it is within a tolerance of it.
+pub(super) fn snapped(angle: f64, tolerance: f64) -> f64 {
+    match right_angles(angle, tolerance) {
+        Some(_) => (angle / FRAC_PI_2).round() * FRAC_PI_2,
+        None => angle,
+    }
+}
+
+/// Whether snapping within a tolerance would change the sine or cosine.
+pub(super) fn is_nearly_right(angle: f64, tolerance: f64) -> bool {
+    let (s, c) = sin_cos(angle);
+    right_angles(angle, tolerance).is_some() && s != 0.0 && c != 0.0
+}
+
+/// Rotation of a unit quaternion w + x i + y j + z k; entries within `tolerance` of 0 and ±1 become exact when all
+/// entries are.
+pub(super) fn from_quaternion([w, x, y, z]: [f64; 4], tolerance: f64) -> Rotation {
+    let rotation = [
+        [
+            1.0 - 2.0 * (y * y + z * z),
+            2.0 * (x * y - w * z),
+            2.0 * (x * z + w * y),
+        ],
+        [
+            2.0 * (x * y + w * z),
+            1.0 - 2.0 * (x * x + z * z),
+            2.0 * (y * z - w * x),
+        ],
+        [
+            2.0 * (x * z - w * y),
+            2.0 * (y * z + w * x),
+            1.0 - 2.0 * (x * x + y * y),
+        ],
+    ];
+    let tolerance = tolerance.max(8.0 * f64::EPSILON);
+    let near = |value: f64| (value - value.round()).abs() <= tolerance;
+    match rotation.iter().flatten().all(|value| near(*value)) {
+        true => rotation.map(|row| row.map(|value| value.round() + 0.0)),
+        false => rotation,
+    }
+}
+
+/// Standard Denavit–Hartenberg row: pose of frame i in the frame that turns with joint i.
+///
+/// `T_z(d) T_x(a) R_x(α)`; the joint itself is `R_z(θ)` before it (Denavit and Hartenberg, 1955).
+pub(super) fn standard_dh(d: Formula, a: Formula, alpha: f64) -> Pose {
+    Pose {
+        translation: [a, Formula::ZERO, d],
+        rotation: about_x(alpha),
+    }
+}
+
+/// Modified Denavit–Hartenberg row: pose of frame i in frame i − 1 at position 0.
+///
+/// `R_x(α) T_x(a) R_z(θ) T_z(d)` (Khalil and Kleinfinger, 1986; Craig, Introduction to Robotics, 1986)
+pub(super) fn modified_dh(d: Formula, a: Formula, alpha: f64, theta: f64) -> Pose {
+    let tilt = Pose {
+        translation: [a, Formula::ZERO, Formula::ZERO],
+        rotation: about_x(alpha),
+    };
+    let lift = Pose {
+        translation: [Formula::ZERO, Formula::ZERO, d],
+        rotation: about_z(theta),
+    };
+    tilt.then(&lift)
+}
+
+/// Length of a vector.
+pub(super) fn norm(a: &[f64; 3]) -> f64 {
+    a[0].hypot(a[1]).hypot(a[2])
+}

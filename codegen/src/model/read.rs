@@ -1,0 +1,357 @@
+//! From files and texts to a [`Model`].
+
+use super::description::{BodyDescription, JointDescription, Name, RobotDescription};
+use super::toml_values::Reader;
+use super::{Model, toml_file, urdf, validate};
+use crate::diagnostic::{Diagnostic, Diagnostics, Report, Span, nearest};
+use std::collections::BTreeMap;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// Larger files are refused [bytes].
+const LARGEST: u64 = 32 << 20;
+
+/// How to read a description; the description's own keys of the same names count too.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ReadOptions {
+    /// Mimic joints of a URDF become independent.
+    pub ignore_mimic: bool,
+    /// Angles within this of a multiple of 90° become that multiple [rad].
+    pub snap_angles: Option<f64>,
+    /// All friction is left out.
+    pub no_friction: bool,
+}
+
+/// A description that was read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Loaded {
+    /// The robot.
+    pub model: Model,
+    /// What was skipped or changed.
+    pub notes: Diagnostics,
+    /// Every file that was read, the description first.
+    pub files: Vec<PathBuf>,
+}
+
+/// Reads a description, TOML or URDF by its file name extension, else by its content.
+///
+/// # Errors
+/// All problems of the description, or that a file cannot be read.
+pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, Diagnostics> {
+    let text = read_file(path)?;
+    let name = path.display().to_string();
+    let mut files = vec![path.to_owned()];
+    let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+    let mut load = |relative: &str| {
+        let path = folder.join(relative);
+        let text = read_file(&path)?;
+        let name = path.display().to_string();
+        files.push(path);
+        Ok((name, text))
+    };
+    let (model, notes) = match is_xml(&name, &text) {
+        true => from_urdf(&text, &name, options),
+        false => from_toml(&text, &name, options, &mut load),
+    }?;
+    Ok(Loaded {
+        model,
+        notes,
+        files,
+    })
+}
+
+fn is_xml(name: &str, text: &str) -> bool {
+    match Path::new(name).extension().and_then(|end| end.to_str()) {
+        Some("toml") => false,
+        Some("urdf" | "xml") => true,
+        _ => without_mark(text).trim_start().starts_with('<'),
+    }
+}
+
+/// The text without the byte order mark that some editors put before it.
+fn without_mark(text: &str) -> &str {
+    text.strip_prefix('\u{feff}').unwrap_or(text)
+}
+
+fn read_file(path: &Path) -> Result<String, Diagnostics> {
+    let name = path.display().to_string();
+    let unreadable = |why: String| {
+        Diagnostics::from(Diagnostic::error(
+            "file-unreadable",
+            format!("cannot read {name}: {why}"),
+        ))
+    };
+    let file = std::fs::File::open(path).map_err(|why| unreadable(why.to_string()))?;
+    let mut bytes = Vec::new();
+    let mut limited = file.take(LARGEST + 1);
+    limited
+        .read_to_end(&mut bytes)
+        .map_err(|why| unreadable(why.to_string()))?;
+    if bytes.len() as u64 > LARGEST {
+        return Err(unreadable(format!(
+            "it is larger than {} MiB",
+            LARGEST >> 20
+        )));
+    }
+    String::from_utf8(bytes).map_err(|why| not_utf8(&name, &why))
+}
+
+fn not_utf8(name: &str, why: &std::string::FromUtf8Error) -> Diagnostics {
+    let at = why.utf8_error().valid_up_to();
+    let mut report = Report::default();
+    let source = report.add_source(name, &String::from_utf8_lossy(why.as_bytes()));
+    let message = format!("byte {at} of the file is no UTF-8");
+    report.error(Span::new(source, at..at + 1), "not-utf-8", message);
+    report.help("descriptions are UTF-8 text");
+    report.finish()
+}
+
+/// Fetches a file that a description names: its name for diagnostics, and its text.
+pub type Load<'l> = dyn FnMut(&str) -> Result<(String, String), Diagnostics> + 'l;
+
+/// Reads a TOML description.
+///
+/// - `text`, `name`: the text and the name to show for it; its stem names the model where the text does not
+/// - `load`: fetches the URDF or TOML that the description extends
+///
+/// # Errors
+/// All problems of the description.
+pub fn from_toml(
+    text: &str,
+    name: &str,
+    options: &ReadOptions,
+    load: &mut Load<'_>,
+) -> Result<(Model, Diagnostics), Diagnostics> {
+    let mut reader = Reader::default();
+    reader.angles.snap = options.snap_angles;
+    let robot = read_toml(&mut reader, text, name, options, load, 0);
+    finish(reader, robot, options)
+}
+
+/// Reads a URDF.
+///
+/// # Errors
+/// All problems of the description.
+pub fn from_urdf(
+    text: &str,
+    name: &str,
+    options: &ReadOptions,
+) -> Result<(Model, Diagnostics), Diagnostics> {
+    let mut reader = Reader::default();
+    reader.angles.snap = options.snap_angles;
+    let robot = read_urdf(&mut reader, text, name, options);
+    finish(reader, robot, options)
+}
+
+fn finish(
+    mut reader: Reader,
+    robot: Option<RobotDescription>,
+    options: &ReadOptions,
+) -> Result<(Model, Diagnostics), Diagnostics> {
+    let mut model = robot.and_then(|mut robot| {
+        robot.parameters = std::mem::take(&mut reader.parameters);
+        validate::model(&robot, &mut reader.report)
+    });
+    reader.angles.report(&mut reader.report);
+    if let Some(model) = model.as_mut().filter(|_| options.no_friction) {
+        let joints = model
+            .links
+            .iter_mut()
+            .filter_map(|link| link.joint.as_mut());
+        joints.for_each(|joint| joint.friction.clear());
+    }
+    let failed = reader.report.has_errors();
+    let diagnostics = reader.report.finish();
+    match model {
+        Some(model) if !failed => Ok((model, diagnostics)),
+        _ => Err(diagnostics),
+    }
+}
+
+fn stem(name: &str) -> &str {
+    let stem = Path::new(name).file_stem().and_then(|stem| stem.to_str());
+    stem.unwrap_or("robot")
+}
+
+fn read_urdf(
+    reader: &mut Reader,
+    text: &str,
+    name: &str,
+    options: &ReadOptions,
+) -> Option<RobotDescription> {
+    let text = without_mark(text);
+    let source = reader.report.add_source(name, text);
+    let Reader { report, angles, .. } = reader;
+    urdf::description(report, angles, text, source, stem(name), options)
+}
+
+/// A description may extend one that extends another; more than this is a circle.
+const DEEPEST: usize = 8;
+
+fn read_toml(
+    reader: &mut Reader,
+    text: &str,
+    name: &str,
+    options: &ReadOptions,
+    load: &mut Load<'_>,
+    depth: usize,
+) -> Option<RobotDescription> {
+    let text = without_mark(text);
+    let source = reader.report.add_source(name, text);
+    let document = toml_file::parse(reader, text, source)?;
+    let top = toml_file::open(reader, &document, source);
+    let preamble = toml_file::preamble(reader, &top);
+    let options = ReadOptions {
+        ignore_mimic: options.ignore_mimic || preamble.ignore_mimic,
+        no_friction: options.no_friction || preamble.no_friction,
+        snap_angles: options.snap_angles.or(preamble.snap_angles),
+    };
+    reader.angles.snap = reader.angles.snap.or(options.snap_angles);
+    let Some(file) = preamble.extends else {
+        return Some(toml_file::description(reader, &top, stem(name), false));
+    };
+    let base = read_base(reader, &file, &options, load, depth + 1);
+    let extension = toml_file::description(reader, &top, stem(name), true);
+    base.map(|base| extend(base, extension, &mut reader.report))
+}
+
+fn read_base(
+    reader: &mut Reader,
+    file: &Name,
+    options: &ReadOptions,
+    load: &mut Load<'_>,
+    depth: usize,
+) -> Option<RobotDescription> {
+    if depth > DEEPEST {
+        let message = format!("descriptions extend each other more than {DEEPEST} times");
+        reader.report.error(file.span, "extends-too-deep", message);
+        return None;
+    }
+    match load(&file.value) {
+        Ok((name, text)) if is_xml(&name, &text) => read_urdf(reader, &text, &name, options),
+        Ok((name, text)) => read_toml(reader, &text, &name, options, load, depth),
+        Err(wrong) => {
+            for entry in wrong.into_entries() {
+                let here = entry.location.is_none().then_some(file.span);
+                reader.report.push(here, entry);
+            }
+            None
+        }
+    }
+}
+
+/// The base with everything that the extension says instead or besides.
+fn extend(
+    mut base: RobotDescription,
+    extension: RobotDescription,
+    report: &mut Report,
+) -> RobotDescription {
+    let joints = index(base.joints.iter().map(|joint| &joint.name));
+    for joint in extension.joints {
+        extend_joint(&mut base, &joints, joint, report);
+    }
+    let bodies = index(base.bodies.iter().map(|body| &body.name));
+    for body in extension.bodies {
+        match bodies.get(&body.name.value) {
+            Some(known) => extend_body(&mut base.bodies[*known], body),
+            None => base.bodies.push(body),
+        }
+    }
+    if !extension.frames.is_empty() {
+        base.frames = extension.frames;
+    }
+    if !extension.description.is_empty() {
+        base.description = extension.description;
+    }
+    RobotDescription {
+        name: extension.name,
+        gravity: extension.gravity.or(base.gravity),
+        base: extension.base.or(base.base),
+        coordinates: extension.coordinates.or(base.coordinates),
+        options: extension.options.or(base.options),
+        ..base
+    }
+}
+
+fn index<'n>(names: impl Iterator<Item = &'n Name>) -> BTreeMap<String, usize> {
+    names
+        .enumerate()
+        .map(|(at, name)| (name.value.clone(), at))
+        .collect()
+}
+
+/// Mass, centre and inertia replace each other one by one; a new centre or inertia counts in the link's own frame
+/// unless a new origin comes with it.
+fn extend_body(known: &mut BodyDescription, body: BodyDescription) {
+    let moved = body.center_of_mass.is_some() || body.inertia.is_some();
+    let kept = known.origin.take().filter(|_| !moved);
+    if moved && body.origin.is_none() {
+        // Both were described in the old frame: what is not replaced has to follow into the link's frame.
+        let unmoved = BodyDescription {
+            origin: kept.clone(),
+            ..known.clone()
+        };
+        known.center_of_mass = Some(unmoved.center_in_link());
+        if let Some(inertia) = &mut known.inertia {
+            inertia.value = unmoved.inertia_in_link();
+        }
+    }
+    known.origin = body.origin.or(kept);
+    known.mass = body.mass.or(known.mass.take());
+    known.center_of_mass = body.center_of_mass.or(known.center_of_mass.take());
+    known.inertia = body.inertia.or(known.inertia.take());
+    known.accept_unphysical |= body.accept_unphysical;
+}
+
+fn extend_joint(
+    base: &mut RobotDescription,
+    known: &BTreeMap<String, usize>,
+    joint: JointDescription,
+    report: &mut Report,
+) {
+    let Some(at) = known.get(&joint.name.value) else {
+        return add_joint(base, known, joint, report);
+    };
+    let known = &mut base.joints[*at];
+    // Its diagnostics point at the extension from now on.
+    known.name = joint.name;
+    known.kind = joint.kind.or(known.kind);
+    known.parent = joint.parent.or(known.parent.take());
+    known.child = joint.child.or(known.child.take());
+    if joint.origin.is_some() {
+        (known.origin, known.link_frame) = (joint.origin, joint.link_frame);
+    }
+    known.axis = joint.axis.or(known.axis);
+    known.held = joint.held.or(known.held);
+    known.springs = joint.springs.or(known.springs.take());
+    known.friction = joint.friction.or(known.friction.take());
+    known.drive = joint.drive.or(known.drive.take());
+    let (limits, new) = (&mut known.limits, joint.limits);
+    limits.position = new.position.or(limits.position.take());
+    limits.velocity = new.velocity.or(limits.velocity.take());
+    limits.effort = new.effort.or(limits.effort.take());
+    limits.peak_effort = new.peak_effort.or(limits.peak_effort.take());
+}
+
+fn add_joint(
+    base: &mut RobotDescription,
+    known: &BTreeMap<String, usize>,
+    mut joint: JointDescription,
+    report: &mut Report,
+) {
+    if joint.parent.is_none() {
+        let message = format!("the base description has no joint `{}`", joint.name.value);
+        report.error(joint.name.span, "unknown-joint", message);
+        let near = nearest(&joint.name.value, known.keys().map(String::as_str));
+        report.help(format!(
+            "{}; a new joint needs `parent`",
+            near.unwrap_or_default()
+        ));
+        return;
+    }
+    joint.complete();
+    if !base.links.is_empty() {
+        base.links.extend(joint.child.clone());
+    }
+    base.joints.push(joint);
+}

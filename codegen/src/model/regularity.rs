@@ -1,0 +1,178 @@
+//! Is the mass matrix regular?
+//!
+//! The pivots of M in its factorization along the tree are what the articulated-body recursion divides by:
+//! `Dᵢ = Sᵢᵀ Iᵢᴬ Sᵢ` (Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 7). M is positive definite exactly where
+//! all of them are positive; here at one configuration in general position.
+
+use super::{Joint, JointKind, Link, Model, Motion, Pose};
+
+type Matrix = [[f64; 6]; 6];
+
+/// A pivot below this share of the composite inertia about the same axis is rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// Link indices whose joints have no inertia of their own to move, so that M would be singular.
+pub(super) fn singular_joints(model: &Model) -> Vec<usize> {
+    let defaults: Vec<f64> = model
+        .parameters
+        .iter()
+        .map(|parameter| parameter.default)
+        .collect();
+    let mut articulated: Vec<Matrix> = model
+        .links
+        .iter()
+        .map(|link| link_inertia(link, &defaults))
+        .collect();
+    let mut composite = articulated.clone();
+    let armature = armatures(model, &defaults);
+    let mut singular = Vec::new();
+    for (index, link) in model.links.iter().enumerate().rev() {
+        let Some(joint) = &link.joint else { continue };
+        let transform = child_from_parent(joint, index, &defaults);
+        let whole = composite[index];
+        let mut rest = articulated[index];
+        if matches!(joint.motion, Motion::Coordinate(_)) {
+            let axis = motion_axis(joint);
+            let pivot = quadratic(&rest, &axis) + armature[index];
+            if pivot <= ROUNDING * (quadratic(&whole, &axis) + armature[index]) {
+                singular.push(index);
+            } else {
+                project(&mut rest, &axis, pivot);
+            }
+        }
+        add(
+            &mut articulated[joint.parent],
+            &congruent(&rest, &transform),
+        );
+        add(&mut composite[joint.parent], &congruent(&whole, &transform));
+    }
+    singular.reverse();
+    singular
+}
+
+/// `i² J_R` of each link's joint.
+fn armatures(model: &Model, defaults: &[f64]) -> Vec<f64> {
+    let mut result = vec![0.0; model.links.len()];
+    for drive in &model.drives {
+        let link = drive
+            .coordinate
+            .and_then(|coordinate| model.coordinates.get(coordinate));
+        let ratio = drive.gear_ratio.evaluate(defaults, 0.0, 0.0);
+        if let Some(link) = link {
+            result[*link] += ratio * ratio * drive.rotor_inertia.evaluate(defaults, 0.0, 0.0);
+        }
+    }
+    result
+}
+
+/// Spatial inertia of a link about its frame's origin, rotation first.
+fn link_inertia(link: &Link, defaults: &[f64]) -> Matrix {
+    let mut sum = [[0.0; 6]; 6];
+    for body in &link.bodies {
+        let value = |formula: &crate::formula::Formula| formula.evaluate(defaults, 0.0, 0.0);
+        let m = value(&body.mass);
+        let [x, y, z] = [0, 1, 2].map(|k| value(&body.center_of_mass[k]));
+        let [xx, xy, xz, yy, yz, zz] = [0, 1, 2, 3, 4, 5].map(|k| value(&body.inertia[k]));
+        let (a, b, c) = (m * x, m * y, m * z);
+        let body = [
+            [xx + b * y + c * z, xy - a * y, xz - a * z, 0.0, -c, b],
+            [xy - a * y, yy + a * x + c * z, yz - b * z, c, 0.0, -a],
+            [xz - a * z, yz - b * z, zz + a * x + b * y, -b, a, 0.0],
+            [0.0, c, -b, m, 0.0, 0.0],
+            [-c, 0.0, a, 0.0, m, 0.0],
+            [b, -a, 0.0, 0.0, 0.0, m],
+        ];
+        add(&mut sum, &body);
+    }
+    sum
+}
+
+fn motion_axis(joint: &Joint) -> [f64; 6] {
+    let [x, y, z] = joint.axis;
+    match joint.kind {
+        JointKind::Prismatic => [0.0, 0.0, 0.0, x, y, z],
+        _ => [x, y, z, 0.0, 0.0, 0.0],
+    }
+}
+
+/// Motion transform from the parent link's frame to this link's frame.
+fn child_from_parent(joint: &Joint, index: usize, defaults: &[f64]) -> Matrix {
+    // An irrational stride keeps angles of different joints in general position.
+    let position = match joint.motion {
+        Motion::Fixed => 0.0,
+        Motion::Held(position) => position,
+        Motion::Coordinate(_) => 0.4 + (index as f64 * 0.618_033_988_75).fract(),
+    };
+    let (turn, shift) = match joint.kind {
+        JointKind::Fixed => (0.0, 0.0),
+        JointKind::Prismatic => (0.0, position),
+        JointKind::Revolute | JointKind::Continuous => (position, 0.0),
+    };
+    let Pose {
+        translation,
+        rotation,
+    } = &joint.origin;
+    let inner = about_axis(&joint.axis, turn);
+    let r: [f64; 3] = std::array::from_fn(|i| {
+        let along: f64 = (0..3).map(|k| rotation[i][k] * joint.axis[k]).sum();
+        translation[i].evaluate(defaults, 0.0, 0.0) + along * shift
+    });
+    motion_transform(&super::pose::product(rotation, &inner), &r)
+}
+
+/// `[Rᵀ 0; −Rᵀ [r]ₓ  Rᵀ]` for a frame at r with axes R.
+fn motion_transform(rotation: &[[f64; 3]; 3], r: &[f64; 3]) -> Matrix {
+    let cross = [[0.0, -r[2], r[1]], [r[2], 0.0, -r[0]], [-r[1], r[0], 0.0]];
+    let mut x = [[0.0; 6]; 6];
+    for i in 0..3 {
+        for j in 0..3 {
+            x[i][j] = rotation[j][i];
+            x[i + 3][j + 3] = rotation[j][i];
+            x[i + 3][j] = -(0..3).map(|k| rotation[k][i] * cross[k][j]).sum::<f64>();
+        }
+    }
+    x
+}
+
+/// Rotation about a unit axis: `cos I + sin [a]ₓ + (1 − cos) a aᵀ` (Rodrigues).
+fn about_axis(a: &[f64; 3], angle: f64) -> [[f64; 3]; 3] {
+    let (s, c) = angle.sin_cos();
+    let cross = [[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]];
+    std::array::from_fn(|i| {
+        std::array::from_fn(|j| {
+            (if i == j { c } else { 0.0 }) + s * cross[i][j] + (1.0 - c) * a[i] * a[j]
+        })
+    })
+}
+
+fn add(sum: &mut Matrix, other: &Matrix) {
+    for (row, from) in sum.iter_mut().zip(other) {
+        for (entry, from) in row.iter_mut().zip(from) {
+            *entry += from;
+        }
+    }
+}
+
+fn quadratic(matrix: &Matrix, a: &[f64; 6]) -> f64 {
+    (0..6)
+        .map(|i| (0..6).map(|j| a[i] * matrix[i][j] * a[j]).sum::<f64>())
+        .sum()
+}
+
+/// `I − I S Sᵀ I / D`
+fn project(matrix: &mut Matrix, axis: &[f64; 6], pivot: f64) {
+    let u: [f64; 6] = std::array::from_fn(|i| (0..6).map(|j| matrix[i][j] * axis[j]).sum());
+    for i in 0..6 {
+        for j in 0..6 {
+            matrix[i][j] -= u[i] * u[j] / pivot;
+        }
+    }
+}
+
+/// `Xᵀ I X`
+fn congruent(matrix: &Matrix, x: &Matrix) -> Matrix {
+    let right: Matrix = std::array::from_fn(|i| {
+        std::array::from_fn(|j| (0..6).map(|k| matrix[i][k] * x[k][j]).sum())
+    });
+    std::array::from_fn(|i| std::array::from_fn(|j| (0..6).map(|k| x[k][i] * right[k][j]).sum()))
+}

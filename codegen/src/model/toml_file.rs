@@ -1,0 +1,572 @@
+//! A TOML description as a [`RobotDescription`]; the format is documented in models/README.md.
+
+use super::description::{
+    BodyDescription, DriveChoice, FrameDescription, JointDescription, LimitsDescription, Name,
+    RobotDescription,
+};
+use super::options::{FUNCTIONS, is_known_function};
+use super::pose::{about_z, modified_dh, standard_dh};
+use super::table::{Item, Table};
+use super::toml_forces::{drive, friction, springs};
+use super::toml_values::Reader;
+use super::{JointKind, Options, Pose};
+use crate::diagnostic::{At, Span, nearest};
+use crate::formula::Formula;
+use toml::de::{DeTable, DeValue};
+
+const ROBOT: [&str; 15] = [
+    "name",
+    "description",
+    "urdf",
+    "extends",
+    "gravity",
+    "coordinates",
+    "base",
+    "snap_angles",
+    "ignore_mimic",
+    "no_friction",
+    "generate",
+    "parameters",
+    "bodies",
+    "joints",
+    "frames",
+];
+const BODY: [&str; 7] = [
+    "name",
+    "link",
+    "mass",
+    "center_of_mass",
+    "inertia",
+    "origin",
+    "accept_unphysical",
+];
+const JOINT: [&str; 13] = [
+    "name",
+    "type",
+    "parent",
+    "child",
+    "origin",
+    "dh",
+    "modified_dh",
+    "axis",
+    "held",
+    "limits",
+    "spring",
+    "friction",
+    "drive",
+];
+const LIMITS: [&str; 4] = ["position", "velocity", "effort", "peak_effort"];
+const DH: [&str; 4] = ["a", "alpha", "d", "theta"];
+
+/// What the top of the file says about reading the rest and its base.
+#[derive(Debug, Default)]
+pub(super) struct Preamble {
+    /// The URDF or TOML that this description extends.
+    pub extends: Option<Name>,
+    pub snap_angles: Option<f64>,
+    pub ignore_mimic: bool,
+    pub no_friction: bool,
+}
+
+/// Parses the text; syntax errors are reported all at once.
+pub(super) fn parse<'t>(
+    reader: &mut Reader,
+    text: &'t str,
+    source: usize,
+) -> Option<toml::Spanned<DeTable<'t>>> {
+    let (table, wrong) = DeTable::parse_recoverable(text);
+    let mut last_line = None;
+    for wrong in &wrong {
+        let span = Span::new(source, wrong.span().unwrap_or(0..0));
+        let line = text
+            .get(..span.start)
+            .map(|before| before.matches('\n').count());
+        // What follows on the same line is usually a consequence of the first error.
+        if line.is_none() || line != last_line {
+            reader.report.error(span, "toml-syntax", wrong.message());
+        }
+        last_line = line;
+    }
+    wrong.is_empty().then_some(table)
+}
+
+/// The checked top level.
+pub(super) fn open<'t>(
+    reader: &mut Reader,
+    table: &'t toml::Spanned<DeTable<'t>>,
+    source: usize,
+) -> Table<'t> {
+    Table::checked(
+        table.get_ref(),
+        Span::new(source, 0..0),
+        "a robot",
+        &ROBOT,
+        &mut reader.report,
+    )
+}
+
+/// Reads what steers the reading of the rest.
+pub(super) fn preamble(reader: &mut Reader, top: &Table<'_>) -> Preamble {
+    let mut flag = |key| {
+        top.get(key)
+            .and_then(|item| item.boolean(&mut reader.report))
+            .unwrap_or(false)
+    };
+    let (ignore_mimic, no_friction) = (flag("ignore_mimic"), flag("no_friction"));
+    let extends = ["urdf", "extends"].map(|key| top.get(key));
+    if let [Some(_), Some(second)] = &extends {
+        let message = "both `urdf` and `extends` name a base";
+        reader
+            .report
+            .error(second.key_span, "conflicting-keys", message);
+    }
+    let extends = extends.into_iter().flatten().next();
+    let extends = extends.and_then(|item| reader.name(item));
+    let snap_angles = top
+        .get("snap_angles")
+        .and_then(|item| reader.positive(item))
+        .map(|number| number.value);
+    Preamble {
+        extends,
+        snap_angles,
+        ignore_mimic,
+        no_friction,
+    }
+}
+
+/// Reads everything else; `extends` says whether it adds to a base.
+pub(super) fn description(
+    reader: &mut Reader,
+    top: &Table<'_>,
+    name: &str,
+    extends: bool,
+) -> RobotDescription {
+    if let Some(parameters) = top.get("parameters") {
+        read_parameters(reader, parameters);
+    }
+    let fallback = At::new(name.to_owned(), top.span);
+    let base = top.get("base").and_then(|item| reader.name(item));
+    let joints = read_joints(reader, top, base.as_ref(), extends);
+    RobotDescription {
+        name: top
+            .get("name")
+            .and_then(|item| reader.name(item))
+            .unwrap_or(fallback),
+        description: top
+            .get("description")
+            .and_then(|item| item.text(&mut reader.report))
+            .map(lines)
+            .unwrap_or_default(),
+        gravity: top
+            .get("gravity")
+            .and_then(|item| reader.formulas::<3>(item, "gravity")),
+        base,
+        bodies: read_bodies(reader, top, extends),
+        frames: read_frames(reader, top),
+        coordinates: top
+            .get("coordinates")
+            .and_then(|item| names(reader, item, "a list of joint names")),
+        options: top.get("generate").map(|item| read_options(reader, item)),
+        parameters: Vec::new(), // of all files together, in the reader
+        joints,
+        default_drive: DriveChoice::Passive,
+        sort_joints: false,
+        links: Vec::new(),
+    }
+}
+
+fn lines(text: &str) -> Vec<String> {
+    let clean = |line: &str| {
+        line.chars()
+            .map(|c| if c.is_control() { ' ' } else { c })
+            .collect::<String>()
+    };
+    let lines: Vec<String> = text
+        .trim()
+        .lines()
+        .map(|line| clean(line.trim_end()))
+        .collect();
+    lines
+}
+
+fn names(reader: &mut Reader, item: Item<'_>, what: &str) -> Option<Vec<Name>> {
+    let entries = item.array(what, &mut reader.report)?;
+    Some(
+        entries
+            .into_iter()
+            .filter_map(|entry| reader.name(entry))
+            .collect(),
+    )
+}
+
+fn read_parameters(reader: &mut Reader, item: Item<'_>) {
+    let DeValue::Table(table) = item.value else {
+        return item.expected("a table of parameters", &mut reader.report);
+    };
+    for item in Table::open(table, item.span, "parameters").items() {
+        read_parameter(reader, *item);
+    }
+}
+
+fn read_parameter(reader: &mut Reader, item: Item<'_>) {
+    let name = At::new(item.key.to_owned(), item.key_span);
+    if !item.value.is_table() {
+        let value = reader.number(item).map_or(1.0, |number| number.value);
+        reader.push_parameter(name, value, String::new(), String::new());
+        return;
+    }
+    let Some(table) = item.table(
+        "a parameter",
+        &["value", "unit", "description"],
+        &mut reader.report,
+    ) else {
+        return;
+    };
+    if table.get("value").is_none() {
+        reader.report.error(
+            item.span,
+            "missing-key",
+            format!("parameter `{}` has no `value`", item.key),
+        );
+    }
+    let value = table
+        .get("value")
+        .and_then(|value| reader.number(value))
+        .map_or(1.0, |number| number.value);
+    reader.add_parameter(name, value, &table);
+}
+
+fn read_options(reader: &mut Reader, item: Item<'_>) -> Options {
+    let Some(table) = item.table(
+        "what to generate",
+        &["functions", "smooth_sign"],
+        &mut reader.report,
+    ) else {
+        return Options::default();
+    };
+    let functions = table
+        .get("functions")
+        .and_then(|item| names(reader, item, "a list of function names"));
+    let functions = functions.unwrap_or_default();
+    for unknown in functions
+        .iter()
+        .filter(|name| !is_known_function(&name.value))
+    {
+        reader.report.error(
+            unknown.span,
+            "unknown-function",
+            format!("unknown function `{}`", unknown.value),
+        );
+        if let Some(help) = nearest(&unknown.value, FUNCTIONS) {
+            reader.report.help(help);
+        }
+    }
+    let smooth_sign = table
+        .get("smooth_sign")
+        .and_then(|item| reader.positive(item))
+        .map(|number| number.value);
+    Options {
+        functions: functions.into_iter().map(|name| name.value).collect(),
+        smooth_sign,
+    }
+}
+
+fn read_bodies(reader: &mut Reader, top: &Table<'_>, extends: bool) -> Vec<BodyDescription> {
+    let Some(item) = top.get("bodies") else {
+        return Vec::new();
+    };
+    let tables = item.tables("a body", &BODY, &mut reader.report);
+    tables
+        .iter()
+        .filter_map(|table| read_body(reader, table, extends))
+        .collect()
+}
+
+fn read_body(reader: &mut Reader, table: &Table<'_>, extends: bool) -> Option<BodyDescription> {
+    let link = table.get("link").and_then(|item| reader.name(item));
+    let name = table
+        .get("name")
+        .and_then(|item| reader.name(item))
+        .or_else(|| link.clone());
+    let Some(name) = name else {
+        reader
+            .report
+            .error(table.span, "missing-key", "a body needs `name` or `link`");
+        return None;
+    };
+    let owner = name.value.clone();
+    let mass = table
+        .get("mass")
+        .map(|item| (item, reader.formula(item, &owner)));
+    if mass.is_none() && !extends {
+        reader.report.error(
+            table.span,
+            "missing-key",
+            format!("body `{owner}` has no `mass`"),
+        );
+        reader
+            .report
+            .help("write `mass = 0` for a body that only has inertia");
+    }
+    let center_of_mass = table
+        .get("center_of_mass")
+        .and_then(|item| reader.formulas::<3>(item, &owner));
+    let inertia = table
+        .get("inertia")
+        .and_then(|item| Some(At::new(read_inertia(reader, item, &owner)?, item.span)));
+    let accepts = table
+        .get("accept_unphysical")
+        .and_then(|item| item.boolean(&mut reader.report));
+    Some(BodyDescription {
+        link: link.unwrap_or_else(|| name.clone()),
+        name,
+        origin: table
+            .get("origin")
+            .and_then(|item| reader.pose(item, &owner)),
+        mass: mass.map(|(item, value)| At::new(value.unwrap_or(Formula::ONE), item.span)),
+        center_of_mass,
+        inertia,
+        accept_unphysical: accepts.unwrap_or(false),
+    })
+}
+
+/// One moment for all axes, three principal ones, or a table of entries.
+fn read_inertia(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<[Formula; 6]> {
+    let zero = || Formula::ZERO;
+    match item.value {
+        DeValue::Array(_) => {
+            let [xx, yy, zz] = reader.formulas::<3>(item, owner)?;
+            Some([xx, zero(), zero(), yy, zero(), zz])
+        }
+        DeValue::Table(entries) if !entries.contains_key("free") => {
+            let keys = ["xx", "xy", "xz", "yy", "yz", "zz"];
+            let table = item.table("an inertia", &keys, &mut reader.report)?;
+            let owner = &format!("{owner}_inertia");
+            Some(keys.map(|key| {
+                table
+                    .get(key)
+                    .and_then(|item| reader.formula(item, owner))
+                    .unwrap_or_else(zero)
+            }))
+        }
+        _ => {
+            let moment = reader.formula(item, owner)?;
+            Some([
+                moment.clone(),
+                zero(),
+                zero(),
+                moment.clone(),
+                zero(),
+                moment,
+            ])
+        }
+    }
+}
+
+fn read_frames(reader: &mut Reader, top: &Table<'_>) -> Vec<FrameDescription> {
+    let Some(item) = top.get("frames") else {
+        return Vec::new();
+    };
+    let tables = item.tables("a frame", &["name", "link", "origin"], &mut reader.report);
+    tables
+        .iter()
+        .filter_map(|table| read_frame(reader, table))
+        .collect()
+}
+
+fn read_frame(reader: &mut Reader, table: &Table<'_>) -> Option<FrameDescription> {
+    let name = required_name(reader, table, "name");
+    let link = required_name(reader, table, "link");
+    let owner = name.as_ref().map_or("frame", |name| &name.value).to_owned();
+    let pose = table
+        .get("origin")
+        .and_then(|item| reader.pose(item, &owner))
+        .unwrap_or_else(Pose::identity);
+    Some(FrameDescription {
+        name: name?,
+        link: link?,
+        pose,
+    })
+}
+
+fn required_name(reader: &mut Reader, table: &Table<'_>, key: &'static str) -> Option<Name> {
+    let Some(item) = table.get(key) else {
+        reader.report.error(
+            table.span,
+            "missing-key",
+            format!("{} needs `{key}`", table.what),
+        );
+        return None;
+    };
+    reader.name(item)
+}
+
+fn read_joints(
+    reader: &mut Reader,
+    top: &Table<'_>,
+    base: Option<&Name>,
+    extends: bool,
+) -> Vec<JointDescription> {
+    let Some(item) = top.get("joints") else {
+        return Vec::new();
+    };
+    let tables = item.tables("a joint", &JOINT, &mut reader.report);
+    let mut joints: Vec<JointDescription> = Vec::new();
+    for table in &tables {
+        let Some(mut joint) = read_joint(reader, table) else {
+            continue;
+        };
+        if !extends {
+            chain(&mut joint, joints.last(), base);
+        }
+        joints.push(joint);
+    }
+    joints
+}
+
+/// The defaults of a chain: each joint moves a link of its own name, carried by the link of the joint before.
+fn chain(joint: &mut JointDescription, before: Option<&JointDescription>, base: Option<&Name>) {
+    let at = joint.name.span;
+    let previous = before
+        .and_then(|joint| joint.child.clone())
+        .map(|link| At::new(link.value, at));
+    let first = || {
+        base.cloned()
+            .unwrap_or_else(|| At::new("base".to_owned(), at))
+    };
+    joint
+        .parent
+        .get_or_insert_with(|| previous.unwrap_or_else(first));
+    joint.complete();
+}
+
+fn read_joint(reader: &mut Reader, table: &Table<'_>) -> Option<JointDescription> {
+    let name = required_name(reader, table, "name")?;
+    let owner = name.value.clone();
+    let (origin, link_frame) = placement(reader, table, &owner);
+    Some(JointDescription {
+        kind: table.get("type").and_then(|item| read_kind(reader, item)),
+        parent: table.get("parent").and_then(|item| reader.name(item)),
+        child: table.get("child").and_then(|item| reader.name(item)),
+        origin,
+        link_frame,
+        axis: table.get("axis").and_then(|item| reader.axis(item)),
+        held: table
+            .get("held")
+            .and_then(|item| reader.number(item))
+            .map(|number| number.value),
+        limits: table
+            .get("limits")
+            .and_then(|item| read_limits(reader, item))
+            .unwrap_or_default(),
+        springs: table
+            .get("spring")
+            .map(|item| springs(reader, item, &owner)),
+        friction: table
+            .get("friction")
+            .and_then(|item| friction(reader, item, &owner)),
+        drive: table
+            .get("drive")
+            .and_then(|item| drive(reader, item, &owner)),
+        mimic: None,
+        name,
+    })
+}
+
+fn read_kind(reader: &mut Reader, item: Item<'_>) -> Option<JointKind> {
+    match item.text(&mut reader.report)? {
+        "fixed" => Some(JointKind::Fixed),
+        "revolute" => Some(JointKind::Revolute),
+        "continuous" => Some(JointKind::Continuous),
+        "prismatic" => Some(JointKind::Prismatic),
+        other => {
+            reader.report.error(
+                item.span,
+                "joint-type",
+                format!("unsupported joint type {other:?}"),
+            );
+            reader
+                .report
+                .help("supported are \"fixed\", \"revolute\", \"continuous\" and \"prismatic\"");
+            None
+        }
+    }
+}
+
+/// Joint origin and, for standard DH rows, the described link frame behind the joint.
+fn placement(reader: &mut Reader, table: &Table<'_>, owner: &str) -> (Option<Pose>, Option<Pose>) {
+    let given: Vec<Item<'_>> = ["origin", "dh", "modified_dh"]
+        .iter()
+        .filter_map(|key| table.get(key))
+        .collect();
+    if let [first, second, ..] = given.as_slice() {
+        let message = format!("both `{}` and `{}` place the joint", first.key, second.key);
+        reader
+            .report
+            .error(second.key_span, "conflicting-keys", message);
+    }
+    if let (Some(row), Some(axis)) = (
+        given.iter().find(|item| item.key != "origin"),
+        table.get("axis"),
+    ) {
+        let message = format!(
+            "`axis` beside `{}`: the axis of a Denavit–Hartenberg row is z",
+            row.key
+        );
+        reader
+            .report
+            .error(axis.key_span, "conflicting-keys", message);
+    }
+    match given.first() {
+        Some(item) if item.key == "origin" => (reader.pose(*item, owner), None),
+        Some(item) => dh_row(reader, *item, owner).unwrap_or((None, None)),
+        None => (None, None),
+    }
+}
+
+fn dh_row(
+    reader: &mut Reader,
+    item: Item<'_>,
+    owner: &str,
+) -> Option<(Option<Pose>, Option<Pose>)> {
+    let table = item.table("a Denavit–Hartenberg row", &DH, &mut reader.report)?;
+    let mut length = |key| {
+        table
+            .get(key)
+            .and_then(|item| reader.formula(item, owner))
+            .unwrap_or(Formula::ZERO)
+    };
+    let (a, d) = (length("a"), length("d"));
+    let mut angle = |key| match table.get(key).and_then(|item| reader.number(item)) {
+        Some(angle) => reader.angles.angle(&angle, owner),
+        None => 0.0,
+    };
+    let (alpha, theta) = (angle("alpha"), angle("theta"));
+    if item.key == "modified_dh" {
+        return Some((Some(modified_dh(d, a, alpha, theta)), None));
+    }
+    let turned = Pose {
+        rotation: about_z(theta),
+        ..Pose::identity()
+    };
+    Some((Some(turned), Some(standard_dh(d, a, alpha))))
+}
+
+fn read_limits(reader: &mut Reader, item: Item<'_>) -> Option<LimitsDescription> {
+    let table = item.table("limits", &LIMITS, &mut reader.report)?;
+    let position = table
+        .get("position")
+        .and_then(|item| reader.numbers::<2>(item));
+    let mut positive = |key| table.get(key).and_then(|item| reader.positive(item));
+    let (velocity, effort, peak_effort) = (
+        positive("velocity"),
+        positive("effort"),
+        positive("peak_effort"),
+    );
+    Some(LimitsDescription {
+        position,
+        velocity,
+        effort,
+        peak_effort,
+    })
+}

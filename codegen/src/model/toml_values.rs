@@ -1,0 +1,352 @@
+//! Numbers, formulas, vectors and poses as TOML values.
+
+use super::Parameter;
+use super::Pose;
+use super::angles::Angles;
+use super::description::Name;
+use super::name::{identifier, is_keyword, is_reserved};
+use super::pose::{IDENTITY, norm};
+use super::table::{Item, Table};
+use crate::diagnostic::{At, Report, Span};
+use crate::formula::Formula;
+use crate::formula::parse::{Allowed, parse};
+use std::collections::BTreeMap;
+use toml::de::DeValue;
+
+/// What reading a TOML description collects.
+#[derive(Debug, Default)]
+pub(super) struct Reader {
+    pub report: Report,
+    pub angles: Angles,
+    /// Free parameters so far.
+    pub parameters: Vec<At<Parameter>>,
+    /// Their names in formulas, which may differ from those of the generated fields.
+    pub parameter_names: BTreeMap<String, usize>,
+    /// Their indices by the names of the generated fields.
+    fields: BTreeMap<String, usize>,
+}
+
+/// Length of axes and quaternions may differ from 1 by this much (seven written digits).
+const UNIT: f64 = 1e-6;
+
+impl Reader {
+    /// A number or a formula without parameters, finite.
+    pub fn number(&mut self, item: Item<'_>) -> Option<At<f64>> {
+        let formula = self.scalar(item, Allowed::Constants)?;
+        formula.as_number().map(|value| At::new(value, item.span))
+    }
+
+    /// A number that is greater than zero.
+    pub fn positive(&mut self, item: Item<'_>) -> Option<At<f64>> {
+        let number = self.number(item)?;
+        if number.value > 0.0 {
+            return Some(number);
+        }
+        let message = format!(
+            "`{}` must be greater than 0, not {}",
+            item.key, number.value
+        );
+        self.report.error(item.span, "not-positive", message);
+        None
+    }
+
+    /// A number, a formula over parameters, or `{ free = … }`, which makes a parameter named after owner and key.
+    pub fn formula(&mut self, item: Item<'_>, owner: &str) -> Option<Formula> {
+        match item.value {
+            DeValue::Table(_) => self.free_parameter(item, &format!("{owner}_{}", item.key)),
+            _ => self.scalar(item, Allowed::Parameters),
+        }
+    }
+
+    /// A force law over parameters, `y` and `v`.
+    pub fn force_law(&mut self, item: Item<'_>) -> Option<Formula> {
+        self.scalar(item, Allowed::Motion)
+    }
+
+    fn scalar(&mut self, item: Item<'_>, allowed: Allowed) -> Option<Formula> {
+        match item.value {
+            DeValue::Integer(_) | DeValue::Float(_) => self.literal(item).map(Formula::Number),
+            DeValue::String(text) => self.text_formula(text, item.span, allowed),
+            _ => {
+                item.expected("a number or a formula", &mut self.report);
+                None
+            }
+        }
+    }
+
+    fn literal(&mut self, item: Item<'_>) -> Option<f64> {
+        let value = match item.value {
+            DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix())
+                .ok()
+                .map(|n| n as f64),
+            DeValue::Float(float) => float.as_str().parse().ok(),
+            _ => None,
+        };
+        match value {
+            Some(value) if value.is_finite() => Some(value),
+            _ => {
+                let message = format!(
+                    "`{}` must be finite, not {}",
+                    item.key,
+                    self.report.text(item.span)
+                );
+                self.report.error(item.span, "number-not-finite", message);
+                None
+            }
+        }
+    }
+
+    fn text_formula(&mut self, text: &str, span: Span, allowed: Allowed) -> Option<Formula> {
+        match parse(text, allowed, &self.parameter_names) {
+            Ok(formula) => Some(formula),
+            Err(wrong) => {
+                // A plain string literal has its text one byte behind the quote; other forms are marked as a whole.
+                let plain = self
+                    .report
+                    .text(span)
+                    .get(1..)
+                    .is_some_and(|rest| rest.starts_with(text));
+                let start = span.start + 1;
+                let place = Span {
+                    start: start + wrong.range.start,
+                    end: start + wrong.range.end,
+                    ..span
+                };
+                self.report
+                    .error(if plain { place } else { span }, wrong.code, wrong.message);
+                if let Some(help) = wrong.help {
+                    self.report.help(help);
+                }
+                None
+            }
+        }
+    }
+
+    fn free_parameter(&mut self, item: Item<'_>, name: &str) -> Option<Formula> {
+        let table = item.table(
+            "a free value",
+            &["free", "name", "unit", "description"],
+            &mut self.report,
+        )?;
+        let Some(value) = table.get("free") else {
+            let message = format!("`{}` is a table without `free`", item.key);
+            self.report.error(item.span, "missing-key", message);
+            self.report.help(format!(
+                "write `{} = {{ free = 1.5 }}` for a value that stays free",
+                item.key
+            ));
+            return None;
+        };
+        let default = self.number(value)?;
+        let name = match table.get("name") {
+            Some(own) => At::new(own.text(&mut self.report)?.to_owned(), own.span),
+            None => At::new(identifier(name)?, item.span),
+        };
+        self.add_parameter(name, default.value, &table)
+    }
+
+    /// Adds a parameter after checking its name; `table` may hold its unit and description.
+    pub fn add_parameter(
+        &mut self,
+        name: Name,
+        default: f64,
+        table: &Table<'_>,
+    ) -> Option<Formula> {
+        let unit = self.one_line(table, "unit");
+        let description = self.one_line(table, "description");
+        self.push_parameter(name, default, unit, description)
+    }
+
+    /// Adds a parameter after checking its name.
+    pub fn push_parameter(
+        &mut self,
+        name: Name,
+        default: f64,
+        unit: String,
+        description: String,
+    ) -> Option<Formula> {
+        let text = &name.value;
+        let usable = text.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
+            && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+        let field = identifier(text).filter(|_| usable && !is_keyword(text) && !is_reserved(text));
+        let Some(field) = field else {
+            let message = format!("{text:?} cannot name a parameter");
+            self.report.error(name.span, "parameter-name", message);
+            self.report.help("letters, digits and underscores; no word of Rust, and none of y, v, a, u, p, pi, sin, …");
+            return None;
+        };
+        let other = self
+            .fields
+            .get(&field)
+            .and_then(|other| self.parameters.get(*other));
+        if let Some(other) = other {
+            let place = self.report.place(other.span);
+            let message =
+                format!("two parameters are named `{field}`; the other one stands at {place}");
+            self.report.error(name.span, "duplicate-name", message);
+            return None;
+        }
+        let index = self.parameters.len();
+        self.fields.insert(field.clone(), index);
+        self.parameter_names.insert(name.value, index);
+        self.parameters.push(At::new(
+            Parameter {
+                name: field,
+                default,
+                unit,
+                description,
+            },
+            name.span,
+        ));
+        Some(Formula::Parameter(index))
+    }
+
+    fn one_line(&mut self, table: &Table<'_>, key: &str) -> String {
+        let text = table
+            .get(key)
+            .and_then(|item| item.text(&mut self.report))
+            .unwrap_or("");
+        text.chars()
+            .map(|c| if c.is_control() { ' ' } else { c })
+            .collect()
+    }
+
+    /// A name: a text without control characters.
+    pub fn name(&mut self, item: Item<'_>) -> Option<Name> {
+        let text = item.text(&mut self.report)?;
+        if text.is_empty() || text.chars().any(char::is_control) {
+            let message = format!("`{}` must be one line of text, not {text:?}", item.key);
+            self.report.error(item.span, "unusable-name", message);
+            return None;
+        }
+        Some(At::new(text.to_owned(), item.span))
+    }
+
+    /// A list of `N` formulas.
+    pub fn formulas<const N: usize>(
+        &mut self,
+        item: Item<'_>,
+        owner: &str,
+    ) -> Option<[Formula; N]> {
+        let entries = self.entries::<N>(item)?;
+        let label = |index: usize| ["x", "y", "z"].get(index).copied().unwrap_or("");
+        let mut result = [Formula::ZERO; N];
+        for (index, entry) in entries.into_iter().enumerate() {
+            let value = match entry.value {
+                DeValue::Table(_) => {
+                    self.free_parameter(entry, &format!("{owner}_{}_{}", item.key, label(index)))
+                }
+                _ => self.scalar(entry, Allowed::Parameters),
+            };
+            result[index] = value.unwrap_or(Formula::ZERO);
+        }
+        Some(result)
+    }
+
+    /// A list of `N` numbers.
+    pub fn numbers<const N: usize>(&mut self, item: Item<'_>) -> Option<At<[f64; N]>> {
+        let entries = self.entries::<N>(item)?;
+        let numbers: Vec<Option<At<f64>>> = entries
+            .into_iter()
+            .map(|entry| self.number(entry))
+            .collect();
+        let mut result = [0.0; N];
+        for (into, number) in result.iter_mut().zip(numbers) {
+            *into = number?.value;
+        }
+        Some(At::new(result, item.span))
+    }
+
+    fn entries<'t, const N: usize>(&mut self, item: Item<'t>) -> Option<Vec<Item<'t>>> {
+        let what = format!("a list of {N} numbers");
+        let entries = item.array(&what, &mut self.report)?;
+        if entries.len() == N {
+            return Some(entries);
+        }
+        let message = format!("`{}` must be {what}, not {}", item.key, entries.len());
+        self.report.error(item.span, "wrong-length", message);
+        None
+    }
+
+    /// A unit vector.
+    pub fn axis(&mut self, item: Item<'_>) -> Option<[f64; 3]> {
+        let axis = self.numbers::<3>(item)?.value;
+        let length = norm(&axis);
+        if (length - 1.0).abs() <= UNIT {
+            return Some(axis.map(|x| x / length));
+        }
+        let message = format!(
+            "`{}` = [{}] has length {length}, not 1",
+            item.key,
+            join(&axis)
+        );
+        self.report.error(item.span, "axis-not-unit", message);
+        if length > 0.0 && length.is_finite() {
+            let unit = axis.map(|x| x / length);
+            self.report.help(format!("write [{}]", join(&unit)));
+        }
+        None
+    }
+
+    /// A pose: `{ xyz, rpy }` or `{ xyz, quaternion = { w, x, y, z } }`.
+    pub fn pose(&mut self, item: Item<'_>, owner: &str) -> Option<Pose> {
+        let table = item.table("a pose", &["xyz", "rpy", "quaternion"], &mut self.report)?;
+        let xyz = table
+            .get("xyz")
+            .and_then(|xyz| self.formulas::<3>(xyz, owner));
+        let rotation = match (table.get("rpy"), table.get("quaternion")) {
+            (Some(rpy), None) => self
+                .numbers::<3>(rpy)
+                .map(|angles| self.angles.rpy(&angles, owner)),
+            (None, Some(quaternion)) => self.quaternion(quaternion),
+            (None, None) => None,
+            (Some(_), Some(second)) => {
+                self.report.error(
+                    second.key_span,
+                    "conflicting-keys",
+                    "both `rpy` and `quaternion` are given",
+                );
+                self.report.help("keep one of them");
+                None
+            }
+        };
+        let translation = xyz.unwrap_or([Formula::ZERO; 3]);
+        Some(Pose {
+            translation,
+            rotation: rotation.unwrap_or(IDENTITY),
+        })
+    }
+
+    fn quaternion(&mut self, item: Item<'_>) -> Option<[[f64; 3]; 3]> {
+        let keys = ["w", "x", "y", "z"];
+        let table = item.table("a quaternion", &keys, &mut self.report)?;
+        let parts = keys.map(|key| {
+            table
+                .get(key)
+                .map_or(Some(0.0), |part| self.number(part).map(|n| n.value))
+        });
+        let [w, x, y, z] = [parts[0]?, parts[1]?, parts[2]?, parts[3]?];
+        let length = w.hypot(x).hypot(y.hypot(z));
+        if (length - 1.0).abs() <= UNIT {
+            return Some(
+                self.angles
+                    .quaternion([w, x, y, z].map(|part| part / length)),
+            );
+        }
+        self.report.error(
+            item.span,
+            "quaternion-not-unit",
+            format!("the quaternion has length {length}, not 1"),
+        );
+        None
+    }
+}
+
+/// Numbers as a description would write them.
+pub(super) fn join(numbers: &[f64]) -> String {
+    numbers
+        .iter()
+        .map(f64::to_string)
+        .collect::<Vec<_>>()
+        .join(", ")
+}
