@@ -3,6 +3,10 @@
 //! One instruction defines one value from earlier values, inputs, parameters or constants. What is decided here
 //! (names, order, signs, fused operations) is final: the emitter only prints.
 
+pub mod cost;
+pub mod display;
+pub mod interpret;
+
 use crate::formula::Function;
 
 /// A straight-line program: the body of one generated function.
