@@ -1,4 +1,5 @@
 //! The emitted text is what it should be, compiles without a warning, and computes what the interpreter computes.
+#![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
 
 mod common;
 

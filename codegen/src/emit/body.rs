@@ -3,10 +3,10 @@
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::quote;
 
-use super::flow::{Flow, operands};
 use super::literal::Scalar;
 use super::{Context, math, names};
 use crate::dynamics::function::Function;
+use crate::program::flow::{Flow, operands};
 use crate::program::{Operand, Operation, Output, Program, Shape};
 
 /// Prints the parts of one function's body.
@@ -96,7 +96,11 @@ impl<'a> Body<'a> {
 
     /// The right-hand side of an instruction; `None` for the cosine of a pair.
     pub(super) fn expression(&self, operation: Operation) -> Option<TokenStream> {
-        let binary = |a, b| (self.operand(a), self.operand(b));
+        // Two bare literals would leave the number type open for a method called on the value.
+        let binary = |a, b| match b {
+            Operand::Constant(_) => (self.receiver(a), self.operand(b)),
+            _ => (self.operand(a), self.operand(b)),
+        };
         Some(match operation {
             Operation::Add(a, b) => {
                 let (a, b) = binary(a, b);
@@ -137,7 +141,7 @@ impl<'a> Body<'a> {
 
     fn negated(&self, operand: Operand) -> TokenStream {
         match operand {
-            Operand::Constant(number) => self.scalar.literal(-number),
+            Operand::Constant(number) => self.scalar.receiver(-number),
             _ => {
                 let operand = self.operand(operand);
                 quote!(-#operand)

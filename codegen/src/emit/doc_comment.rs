@@ -67,7 +67,7 @@ impl DocComment {
 pub(super) fn markdown(text: &str) -> String {
     let text = visible(&text.replace('\n', " "));
     let parts: Vec<&str> = text.split('`').collect();
-    if parts.len() % 2 == 0 {
+    if parts.len().is_multiple_of(2) {
         return plain(&text);
     }
     let escaped = parts.iter().enumerate().map(|(i, part)| {

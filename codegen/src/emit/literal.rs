@@ -174,6 +174,7 @@ mod tests {
     }
 
     #[test]
+    #[allow(clippy::approx_constant, reason = "these are what is tested")]
     fn rounded_pi_resembles_pi() {
         assert!(resembles_constant(-3.14));
         assert!(resembles_constant(0.707_106_781_186_547_6));

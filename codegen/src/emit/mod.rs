@@ -8,7 +8,6 @@
 mod body;
 mod constants;
 mod doc_comment;
-mod flow;
 mod function;
 mod header;
 mod lints;
@@ -18,6 +17,7 @@ pub mod names;
 mod parameters;
 mod split;
 
+pub use header::FIRST_LINE;
 pub use literal::Scalar;
 pub use math::{Math, MathItem};
 
@@ -25,6 +25,11 @@ use proc_macro2::{Ident, TokenStream};
 
 use crate::dynamics::function::Function;
 use crate::model::Model;
+
+/// So many statements stay one function. Measured with rustc 1.95 at opt-level 3 on synthetic programs: 9 000
+/// statements need 0.9 s and 200 MB, 28 000 need 4 s and 490 MB, 68 000 need 16 s and 1.6 GB. Shorter parts bound the
+/// memory but exchange more values: parts of 8 000 made the code half as large again and saved no time.
+const LONGEST_FUNCTION: usize = 16_000;
 
 /// How a module is written.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,7 +40,7 @@ pub struct EmitOptions {
     pub math: Math,
     /// What makes the file again, for its header: a command without absolute paths.
     pub command: String,
-    /// Programs with more instructions than this are split into private functions of at most so many.
+    /// Programs with more statements than this are split into private functions of at most so many.
     pub longest_function: usize,
 }
 
@@ -45,7 +50,7 @@ impl Default for EmitOptions {
             scalar: Scalar::F64,
             math: Math::Std,
             command: "gelenk generate".to_owned(),
-            longest_function: 2000,
+            longest_function: LONGEST_FUNCTION,
         }
     }
 }

@@ -7,6 +7,8 @@ use std::collections::BTreeSet;
 
 use proc_macro2::{Ident, Span};
 
+use crate::program::letters;
+
 /// Words that are no identifiers in edition 2024, reserved ones included.
 const KEYWORDS: [&str; 53] = [
     "Self", "_", "abstract", "as", "async", "await", "become", "box", "break", "const", "continue",
@@ -16,52 +18,6 @@ const KEYWORDS: [&str; 53] = [
     "unsafe", "unsized", "use", "virtual", "where", "while", "yield",
 ];
 
-/// Greek letters by name: what a formula may call `ω` is `omega` in code.
-const GREEK: [(char, &str); 34] = [
-    ('α', "alpha"),
-    ('β', "beta"),
-    ('γ', "gamma"),
-    ('δ', "delta"),
-    ('ε', "epsilon"),
-    ('ζ', "zeta"),
-    ('η', "eta"),
-    ('θ', "theta"),
-    ('ι', "iota"),
-    ('κ', "kappa"),
-    ('λ', "lambda"),
-    ('μ', "mu"),
-    ('ν', "nu"),
-    ('ξ', "xi"),
-    ('ο', "omicron"),
-    ('π', "pi"),
-    ('ρ', "rho"),
-    ('σ', "sigma"),
-    ('τ', "tau"),
-    ('υ', "upsilon"),
-    ('φ', "phi"),
-    ('χ', "chi"),
-    ('ψ', "psi"),
-    ('ω', "omega"),
-    ('Γ', "Gamma"),
-    ('Δ', "Delta"),
-    ('Θ', "Theta"),
-    ('Λ', "Lambda"),
-    ('Ξ', "Xi"),
-    ('Π', "Pi"),
-    ('Σ', "Sigma"),
-    ('Φ', "Phi"),
-    ('Ψ', "Psi"),
-    ('Ω', "Omega"),
-];
-
-/// The letter of a Greek name, for display.
-pub fn greek_letter(name: &str) -> Option<char> {
-    GREEK
-        .iter()
-        .find(|(_, word)| *word == name)
-        .map(|&(letter, _)| letter)
-}
-
 /// The nearest ASCII identifier to `name`; `name` itself where it is one.
 pub(super) fn identifier(name: &str) -> Ident {
     Ident::new(&spelling(name), Span::call_site())
@@ -70,8 +26,8 @@ pub(super) fn identifier(name: &str) -> Ident {
 fn spelling(name: &str) -> String {
     let mut text = String::with_capacity(name.len());
     for letter in name.chars() {
-        match GREEK.iter().find(|(greek, _)| *greek == letter) {
-            Some((_, word)) => text.push_str(word),
+        match letters::greek_name(letter) {
+            Some(word) => text.push_str(word),
             None if letter.is_ascii_alphanumeric() => text.push(letter),
             None => text.push('_'),
         }

@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use super::flow::{Flow, operands};
+use crate::program::flow::{Flow, operands};
 use crate::program::{Operand, Program};
 
 /// A run of instructions and what it exchanges with the others.

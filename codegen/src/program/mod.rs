@@ -5,7 +5,9 @@
 
 pub mod cost;
 pub mod display;
+pub(crate) mod flow;
 pub mod interpret;
+pub(crate) mod letters;
 
 use crate::formula::Function;
 

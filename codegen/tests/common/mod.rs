@@ -1,5 +1,10 @@
 //! Hand-made models and programs, and a compiler to try their text.
 #![allow(dead_code, reason = "each test binary uses its part")]
+#![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
+#![allow(
+    clippy::approx_constant,
+    reason = "rounded numbers, as descriptions have them"
+)]
 
 use std::fs;
 use std::path::Path;
@@ -245,13 +250,18 @@ impl Random {
 
 /// A program like those of large robots: mostly recent values, now and then an old one, sums of products.
 pub fn synthetic(length: usize, seed: u64) -> Function {
+    synthetic_with(length, seed, 60)
+}
+
+/// As [`synthetic`]; values are read again within `window` instructions.
+pub fn synthetic_with(length: usize, seed: u64, window: usize) -> Function {
     let mut random = Random(seed);
     let mut instructions: Vec<Instruction> = vec![];
     let read = |random: &mut Random, len: usize| match random.below(10) {
         0 => Operand::Constant(random.number()),
         1 | 2 => Operand::Input(random.below(3), random.below(6)),
         3 if len > 0 => Operand::Value(random.below(len)),
-        _ if len > 0 => Operand::Value(len - 1 - random.below(len.min(60))),
+        _ if len > 0 => Operand::Value(len - 1 - random.below(len.min(window))),
         _ => Operand::Input(0, 0),
     };
     for i in 0..length {

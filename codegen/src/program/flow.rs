@@ -1,20 +1,20 @@
 //! Which values of a program are read, and where they are made.
 
-use crate::program::{Operand, Operation, Program};
+use super::{Operand, Operation, Program};
 
 /// Facts about the values of a program.
 #[derive(Debug)]
-pub(super) struct Flow {
+pub(crate) struct Flow {
     /// Whether a result depends on the value and reads it by name.
-    pub(super) is_read: Vec<bool>,
+    pub(crate) is_read: Vec<bool>,
     /// For a `SinCos`: the value that stands for its cosine, where that is read.
-    pub(super) cosine: Vec<Option<usize>>,
+    pub(crate) cosine: Vec<Option<usize>>,
     /// Index of the instruction whose statement makes the value: for a cosine that of its `SinCos`.
-    pub(super) made_at: Vec<usize>,
+    pub(crate) made_at: Vec<usize>,
 }
 
 impl Flow {
-    pub(super) fn new(program: &Program) -> Self {
+    pub(crate) fn new(program: &Program) -> Self {
         let len = program.instructions.len();
         let made_at = (0..len)
             .map(|index| match program.instructions[index].operation {
@@ -58,12 +58,12 @@ impl Flow {
     }
 
     /// Whether the statement of this instruction is needed.
-    pub(super) fn is_made(&self, index: usize) -> bool {
+    pub(crate) fn is_made(&self, index: usize) -> bool {
         self.is_read[index] || self.cosine[index].is_some()
     }
 
     /// The value that stands for `index`: a second cosine of a pair is the first one.
-    pub(super) fn canonical(&self, index: usize) -> usize {
+    pub(crate) fn canonical(&self, index: usize) -> usize {
         let pair = self.made_at[index];
         if pair == index {
             index
@@ -74,7 +74,7 @@ impl Flow {
 }
 
 /// What an operation reads; the pair of a `CosineOf` is none of it.
-pub(super) fn operands(operation: Operation) -> impl Iterator<Item = Operand> {
+pub(crate) fn operands(operation: Operation) -> impl Iterator<Item = Operand> {
     let operands = match operation {
         Operation::Add(a, b)
         | Operation::Subtract(a, b)
