@@ -1,5 +1,9 @@
 //! The emitted text is what it should be, compiles without a warning, and computes what the interpreter computes.
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
+#![allow(
+    clippy::approx_constant,
+    reason = "numbers that look like constants are what is tested"
+)]
 
 mod common;
 
