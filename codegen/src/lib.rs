@@ -1,11 +1,27 @@
 //! Code generation for symbolic robot dynamics.
+//!
+//! In a build script, one line for the common case:
+//!
+//! ```no_run
+//! // build.rs
+//! gelenk_codegen::build("robot.toml");
+//! ```
+//!
+//! and [`Builder`] for the rest.
 
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod diagnostic;
 pub mod dynamics;
+pub mod emit;
 pub mod formula;
 pub mod graph;
 pub mod kinematics;
 pub mod model;
+pub mod output;
+pub mod pipeline;
 pub mod program;
 #[cfg(test)]
 mod testing;
+
+pub use output::{Builder, build};

@@ -1,1 +1,5 @@
-fn main() {}
+//! The program `gelenk`: from a kinematic description to plain Rust.
+
+fn main() -> std::process::ExitCode {
+    gelenk_codegen::cli::run()
+}

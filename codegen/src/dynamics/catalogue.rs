@@ -417,7 +417,7 @@ fn check_names(model: &Model, selection: &[String]) -> Result<(), Diagnostics> {
     if problems.is_empty() {
         Ok(())
     } else {
-        Err(problems.into_iter().collect())
+        Err(Diagnostics::new(problems))
     }
 }
 

@@ -3,6 +3,12 @@
 //! One instruction defines one value from earlier values, inputs, parameters or constants. What is decided here
 //! (names, order, signs, fused operations) is final: the emitter only prints.
 
+pub mod cost;
+pub mod display;
+pub(crate) mod flow;
+pub mod interpret;
+pub(crate) mod letters;
+
 use crate::formula::Function;
 
 mod lower;

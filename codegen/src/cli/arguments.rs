@@ -1,0 +1,155 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::emit::Scalar;
+
+/// Robot dynamics as plain Rust: reads a kinematic description, derives the equations of motion, writes one module.
+#[derive(Debug, Parser)]
+#[command(name = "gelenk", version, max_term_width = 100, after_help = EXAMPLES)]
+pub(super) struct Arguments {
+    /// How results are printed
+    #[arg(long, value_enum, default_value_t = Format::Text, global = true)]
+    pub(super) format: Format,
+    #[command(subcommand)]
+    pub(super) command: Command,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  gelenk generate models/powercube.toml        writes generated/src/powercube.rs
+  gelenk generate arm.urdf --output src/arm.rs
+  gelenk generate                              everything in models/
+  gelenk check                                 is generated/ fresh?
+  gelenk inspect counts models/ur5.toml        operation counts of all functions
+
+Exit codes: 0 success, 1 the description is at fault or the output is stale, 2 wrong command line.";
+
+const GENERATE_EXAMPLES: &str = "\
+Examples:
+  gelenk generate models/powercube.toml
+  gelenk generate arm.urdf --output - --functions mass_matrix,bias_forces
+  gelenk generate arm.urdf --snap-angles 1e-4 --scalar f32 --output firmware/src/arm.rs";
+
+const INSPECT_EXAMPLES: &str = "\
+Examples:
+  gelenk inspect model arm.urdf
+  gelenk inspect counts models/ur5.toml --format json
+  gelenk inspect program models/powercube.toml --functions mass_matrix --latex";
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// Write the Rust module of a description, or of everything in models/
+    #[command(after_help = GENERATE_EXAMPLES)]
+    Generate(Generate),
+    /// Is the committed output fresh? Compares without writing
+    Check(Check),
+    /// Show the model, the operation counts, the program or the Rust text
+    #[command(after_help = INSPECT_EXAMPLES)]
+    Inspect(Inspect),
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Generate {
+    /// TOML or URDF; without it everything in models/ goes to generated/src/
+    pub(super) description: Option<PathBuf>,
+    /// Where the module goes; `-` is standard output. Default: generated/src/<NAME>.rs for a description in the
+    /// workspace's models/, else <NAME>.rs in this folder
+    #[arg(long, short, value_name = "FILE.rs", requires = "description")]
+    pub(super) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) choices: Choices,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Check {
+    /// TOML or URDF; without it everything in models/
+    pub(super) description: Option<PathBuf>,
+    /// The file to compare; by default where `generate` would write
+    #[arg(long, short, value_name = "FILE.rs", requires = "description")]
+    pub(super) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) choices: Choices,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Inspect {
+    /// What to show
+    #[arg(value_enum)]
+    pub(super) what: Stage,
+    /// TOML or URDF
+    pub(super) description: PathBuf,
+    /// As LaTeX (program only)
+    #[arg(long)]
+    pub(super) latex: bool,
+    /// Closed forms of M, k, q and B with symbolic parameters; needs the feature `symbolica`
+    #[arg(long)]
+    pub(super) closed_form: bool,
+    #[command(flatten)]
+    pub(super) choices: Choices,
+}
+
+/// Choices that change what is generated; the header of the file names them.
+#[derive(Debug, Args)]
+pub(super) struct Choices {
+    /// Functions to generate, separated by commas [default: those of the description, else all]
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub(super) functions: Vec<String>,
+    /// Number type of the module
+    #[arg(long, value_enum, default_value_t = ScalarName::F64)]
+    pub(super) scalar: ScalarName,
+    /// Take angles within so many radians of a multiple of 90° for it
+    #[arg(long, value_name = "RAD", value_parser = small_angle)]
+    pub(super) snap_angles: Option<f64>,
+    /// Leave out friction
+    #[arg(long)]
+    pub(super) no_friction: bool,
+    /// Make mimic joints independent coordinates
+    #[arg(long)]
+    pub(super) ignore_mimic: bool,
+}
+
+/// Format of what is printed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum Format {
+    Text,
+    Json,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum ScalarName {
+    F64,
+    F32,
+}
+
+impl From<ScalarName> for Scalar {
+    fn from(name: ScalarName) -> Self {
+        match name {
+            ScalarName::F64 => Self::F64,
+            ScalarName::F32 => Self::F32,
+        }
+    }
+}
+
+/// What `inspect` shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum Stage {
+    /// Links, joints, drives and parameters
+    Model,
+    /// Operation counts of each function
+    Counts,
+    /// The straight-line programs with their abbreviations
+    Program,
+    /// The Rust text
+    Source,
+}
+
+fn small_angle(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(angle) if (0.0..=0.1).contains(&angle) => Ok(angle),
+        Ok(_) => Err("must be from 0 to 0.1 rad".to_owned()),
+        Err(_) => Err("must be a number of radians, e.g. 1e-4".to_owned()),
+    }
+}

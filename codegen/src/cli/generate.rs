@@ -1,0 +1,407 @@
+//! `gelenk generate` and `gelenk check`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use serde_json::{Value, json};
+
+use super::Failure;
+use super::arguments::{Check, Choices, Format, Generate, ScalarName};
+use super::place::{Workspace, shown};
+use super::print;
+use super::progress::Progress;
+use crate::emit::EmitOptions;
+use crate::output::{self, Outcome};
+use crate::pipeline::{self, GenerateOptions, Generated};
+
+/// Writes one description's module, or all.
+pub(super) fn generate(arguments: &Generate, format: Format) -> Result<ExitCode, Failure> {
+    let workspace = Workspace::find();
+    let Some(description) = &arguments.description else {
+        return generate_all(
+            &workspace.ok_or_else(no_workspace)?,
+            &arguments.choices,
+            format,
+        );
+    };
+    let choices = &arguments.choices;
+    let command = command(
+        description,
+        choices,
+        arguments.output.as_deref(),
+        workspace.as_ref(),
+    );
+    let robot = derive(description, choices, command, format)?;
+    if arguments.output.as_deref() == Some(Path::new("-")) {
+        print::out(&robot.source.text)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let (path, is_ours) = place(
+        description,
+        &robot,
+        arguments.output.as_deref(),
+        workspace.as_ref(),
+    );
+    let outcome = output::write(&path, &robot.source.text)?;
+    if let (true, Some(workspace)) = (is_ours, &workspace) {
+        add_to_root(workspace, &robot.source.name)?;
+    }
+    match format {
+        Format::Json => print::json(&json!([result(&robot, &path, outcome)])),
+        Format::Text => {
+            print::out(&format!(
+                "{}\n{}",
+                line(&robot, &path, outcome),
+                print::counts_table(&robot.functions)
+            ))?;
+            Ok(ExitCode::SUCCESS)
+        }
+    }
+}
+
+/// Everything in models/. Nothing is written unless all descriptions are right.
+fn generate_all(
+    workspace: &Workspace,
+    choices: &Choices,
+    format: Format,
+) -> Result<ExitCode, Failure> {
+    let robots = derive_all(workspace, choices, format)?;
+    let (mut lines, mut results) = (String::new(), Vec::new());
+    for robot in &robots {
+        let path = workspace
+            .modules()
+            .join(format!("{}.rs", robot.source.name));
+        let outcome = output::write(&path, &robot.source.text)?;
+        lines.push_str(&format!("{}\n", line(robot, &path, outcome)));
+        results.push(result(robot, &path, outcome));
+    }
+    let names: Vec<String> = robots
+        .iter()
+        .map(|robot| robot.source.name.clone())
+        .collect();
+    output::write(
+        &workspace.modules().join("lib.rs"),
+        &output::root_text(&names),
+    )?;
+    for path in output::left_over(&workspace.modules(), &names)? {
+        std::fs::remove_file(&path)?;
+        lines.push_str(&format!(
+            "removed   {}: nothing in models/ describes it\n",
+            relative(&path)
+        ));
+    }
+    match format {
+        Format::Json => print::json(&Value::Array(results)),
+        Format::Text => print::out(&lines).map(|()| ExitCode::SUCCESS),
+    }
+}
+
+/// Compares one module, or all, with what would be written.
+pub(super) fn check(arguments: &Check, format: Format) -> Result<ExitCode, Failure> {
+    let workspace = Workspace::find();
+    let choices = &arguments.choices;
+    let stale = match (&arguments.description, &workspace) {
+        (Some(description), _) => {
+            let command = command(
+                description,
+                choices,
+                arguments.output.as_deref(),
+                workspace.as_ref(),
+            );
+            let robot = derive(description, choices, command.clone(), format)?;
+            let (path, _) = place(
+                description,
+                &robot,
+                arguments.output.as_deref(),
+                workspace.as_ref(),
+            );
+            if output::check(&path, &robot.source.text) {
+                vec![]
+            } else {
+                vec![(path, command)]
+            }
+        }
+        (None, Some(workspace)) => stale(workspace, choices, format)?,
+        (None, None) => return Err(no_workspace()),
+    };
+    report_stale(&stale, format)
+}
+
+fn stale(
+    workspace: &Workspace,
+    choices: &Choices,
+    format: Format,
+) -> Result<Vec<(PathBuf, String)>, Failure> {
+    let robots = derive_all(workspace, choices, format)?;
+    let names: Vec<String> = robots
+        .iter()
+        .map(|robot| robot.source.name.clone())
+        .collect();
+    let expected = robots.iter().map(|robot| {
+        (
+            format!("{}.rs", robot.source.name),
+            robot.source.text.clone(),
+        )
+    });
+    let expected = expected.chain([("lib.rs".to_owned(), output::root_text(&names))]);
+    let paths = expected.map(|(name, text)| (workspace.modules().join(name), text));
+    let mut stale: Vec<PathBuf> = paths
+        .filter(|(path, text)| !output::check(path, text))
+        .map(|(path, _)| path)
+        .collect();
+    stale.extend(output::left_over(&workspace.modules(), &names)?);
+    Ok(stale
+        .into_iter()
+        .map(|path| (path, "gelenk generate".to_owned()))
+        .collect())
+}
+
+fn report_stale(stale: &[(PathBuf, String)], format: Format) -> Result<ExitCode, Failure> {
+    let code = ExitCode::from(u8::from(!stale.is_empty()));
+    if format == Format::Json {
+        let files: Vec<String> = stale.iter().map(|(path, _)| relative(path)).collect();
+        let commands: Vec<&String> = stale.iter().map(|(_, command)| command).take(1).collect();
+        print::json(
+            &json!({ "fresh": stale.is_empty(), "stale": files, "command": commands.first() }),
+        )?;
+        return Ok(code);
+    }
+    let Some((_, command)) = stale.first() else {
+        print::out("fresh\n")?;
+        return Ok(code);
+    };
+    let files: String = stale
+        .iter()
+        .map(|(path, _)| format!("stale: {}\n", relative(path)))
+        .collect();
+    print::err(&format!("{files}run: {command}\n"));
+    Ok(code)
+}
+
+/// Derives all robots of the workspace; all problems of all descriptions are printed.
+fn derive_all(
+    workspace: &Workspace,
+    choices: &Choices,
+    format: Format,
+) -> Result<Vec<Generated>, Failure> {
+    let descriptions = workspace.descriptions()?;
+    let derived = descriptions.iter().map(|description| {
+        let command = command(description, choices, None, Some(workspace));
+        derive(
+            &PathBuf::from(relative(description)),
+            choices,
+            command,
+            format,
+        )
+    });
+    let results: Vec<Result<Generated, Failure>> = derived.collect();
+    let mut robots = results.into_iter().collect::<Result<Vec<_>, _>>()?;
+    robots.sort_by(|a, b| a.source.name.cmp(&b.source.name));
+    match robots
+        .windows(2)
+        .find(|pair| pair[0].source.name == pair[1].source.name)
+    {
+        Some(pair) => Err(Failure::Problem(format!(
+            "two descriptions name their robot `{}`: rename one",
+            pair[0].source.name
+        ))),
+        None => Ok(robots),
+    }
+}
+
+/// Runs the pipeline; notes go to standard error, diagnostics of a failure where the format says.
+pub(super) fn derive(
+    description: &Path,
+    choices: &Choices,
+    command: String,
+    format: Format,
+) -> Result<Generated, Failure> {
+    let progress = Progress::start(description.display().to_string());
+    let generated = pipeline::generate(description, &options(choices, command));
+    drop(progress);
+    match generated {
+        Ok(robot) => {
+            if format == Format::Text && !robot.notes.is_empty() {
+                print::err(&format!("{}\n\n", robot.notes));
+            }
+            Ok(robot)
+        }
+        Err(diagnostics) => {
+            match format {
+                Format::Json => drop(print::json(
+                    &json!({ "diagnostics": print::diagnostics(&diagnostics) }),
+                )?),
+                Format::Text => print::err(&format!("{diagnostics}\n")),
+            }
+            Err(Failure::Said)
+        }
+    }
+}
+
+fn options(choices: &Choices, command: String) -> GenerateOptions {
+    GenerateOptions {
+        functions: choices.functions.clone(),
+        snap_angles: choices.snap_angles,
+        no_friction: choices.no_friction,
+        ignore_mimic: choices.ignore_mimic,
+        emit: EmitOptions {
+            scalar: choices.scalar.into(),
+            command,
+            ..EmitOptions::default()
+        },
+    }
+}
+
+/// The command that makes the file again, from the workspace's root or the folder that relative paths begin at.
+fn command(
+    description: &Path,
+    choices: &Choices,
+    output: Option<&Path>,
+    workspace: Option<&Workspace>,
+) -> String {
+    let mut words = vec![
+        "gelenk generate".to_owned(),
+        quoted(&shown(description, workspace)),
+    ];
+    if let Some(output) = output.filter(|output| *output != Path::new("-") && !output.is_absolute())
+    {
+        words.push(format!("--output {}", quoted(&shown(output, None))));
+    }
+    if !choices.functions.is_empty() {
+        words.push(format!(
+            "--functions {}",
+            quoted(&choices.functions.join(","))
+        ));
+    }
+    if choices.scalar == ScalarName::F32 {
+        words.push("--scalar f32".to_owned());
+    }
+    if let Some(angle) = choices.snap_angles {
+        words.push(format!("--snap-angles {angle:?}"));
+    }
+    words.extend(choices.no_friction.then(|| "--no-friction".to_owned()));
+    words.extend(choices.ignore_mimic.then(|| "--ignore-mimic".to_owned()));
+    words.join(" ")
+}
+
+/// A word for the shell, in single quotes where it needs them.
+fn quoted(word: &str) -> String {
+    let is_plain = |letter: char| letter.is_alphanumeric() || "_-./,".contains(letter);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', r"'\''"))
+}
+
+/// Where the module goes, and whether that is the workspace's own crate.
+fn place(
+    description: &Path,
+    robot: &Generated,
+    output: Option<&Path>,
+    workspace: Option<&Workspace>,
+) -> (PathBuf, bool) {
+    let file = format!("{}.rs", robot.source.name);
+    match (output, workspace) {
+        (Some(output), _) => (output.to_owned(), false),
+        (None, Some(workspace)) if workspace.contains(description) => {
+            (workspace.modules().join(file), true)
+        }
+        (None, _) => (PathBuf::from(file), false),
+    }
+}
+
+/// Makes the module part of the crate `generated`, beside those that are there.
+fn add_to_root(workspace: &Workspace, name: &str) -> Result<(), Failure> {
+    let others = output::left_over(&workspace.modules(), &[])?;
+    let stems = others
+        .iter()
+        .filter_map(|path| path.file_stem()?.to_str().map(str::to_owned));
+    let names: Vec<String> = stems.chain([name.to_owned()]).collect();
+    output::write(
+        &workspace.modules().join("lib.rs"),
+        &output::root_text(&names),
+    )?;
+    Ok(())
+}
+
+fn line(robot: &Generated, path: &Path, outcome: Outcome) -> String {
+    let outcome = match outcome {
+        Outcome::Written => "wrote    ",
+        Outcome::Unchanged => "unchanged",
+    };
+    let (n, m) = (robot.model.coordinates.len(), inputs(robot));
+    let plural =
+        |count: usize, noun: &str| format!("{count} {noun}{}", if count == 1 { "" } else { "s" });
+    format!(
+        "{outcome} {}: {}, {}, {}, {} lines",
+        relative(path),
+        plural(n, "coordinate"),
+        plural(m, "input"),
+        plural(robot.functions.len(), "function"),
+        robot.source.text.lines().count(),
+    )
+}
+
+fn inputs(robot: &Generated) -> usize {
+    robot
+        .model
+        .drives
+        .iter()
+        .filter(|drive| drive.coordinate.is_some())
+        .count()
+}
+
+fn result(robot: &Generated, path: &Path, outcome: Outcome) -> Value {
+    json!({
+        "robot": robot.source.name,
+        "file": relative(path),
+        "written": outcome == Outcome::Written,
+        "coordinates": robot.model.coordinates.len(),
+        "inputs": inputs(robot),
+        "functions": print::counts(&robot.functions),
+        "notes": print::diagnostics(&robot.notes),
+    })
+}
+
+/// The path from the current folder where it lies below.
+fn relative(path: &Path) -> String {
+    let current = std::env::current_dir().unwrap_or_default();
+    path.strip_prefix(&current)
+        .unwrap_or(path)
+        .display()
+        .to_string()
+}
+
+fn no_workspace() -> Failure {
+    Failure::Usage(
+        "no description given, and no folder with models/ and generated/src/ at or above this one"
+            .to_owned(),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_makes_the_same_file_again() {
+        let choices = Choices {
+            functions: vec!["mass_matrix".into(), "bias_forces".into()],
+            scalar: ScalarName::F32,
+            snap_angles: Some(1e-4),
+            no_friction: true,
+            ignore_mimic: false,
+        };
+        let command = command(
+            Path::new("my robots/arm.urdf"),
+            &choices,
+            Some(Path::new("src/arm.rs")),
+            None,
+        );
+        assert_eq!(
+            command,
+            "gelenk generate 'my robots/arm.urdf' --output src/arm.rs --functions mass_matrix,bias_forces \
+             --scalar f32 --snap-angles 0.0001 --no-friction"
+        );
+    }
+}

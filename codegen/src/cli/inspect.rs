@@ -1,0 +1,193 @@
+//! `gelenk inspect`.
+
+use std::process::ExitCode;
+
+use serde_json::{Value, json};
+
+use super::Failure;
+use super::arguments::{Format, Inspect, Stage};
+use super::{generate, print};
+use crate::dynamics::function::Function;
+use crate::model::{JointKind, Model, Motion};
+use crate::pipeline::Generated;
+use crate::program::display::{self, Notation};
+
+/// Shows one stage of a description's way.
+pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, Failure> {
+    if arguments.closed_form {
+        return Err(closed_form());
+    }
+    if arguments.latex && arguments.what != Stage::Program {
+        return Err(Failure::Usage(
+            "--latex goes with `inspect program`".to_owned(),
+        ));
+    }
+    let command = "gelenk inspect source".to_owned();
+    let robot = generate::derive(&arguments.description, &arguments.choices, command, format)?;
+    match format {
+        Format::Json => print::json(&as_json(&robot, arguments)),
+        Format::Text => print::out(&as_text(&robot, arguments)).map(|()| ExitCode::SUCCESS),
+    }
+}
+
+/// Closed forms are Symbolica's work, which this build leaves out.
+fn closed_form() -> Failure {
+    Failure::Problem(
+        "closed forms need the feature `symbolica`, which is off in this build\n  \
+         = help: cargo run --release --features symbolica -- inspect program DESCRIPTION --closed-form\n  \
+         = help: Symbolica is source-available; commercial use needs a licence of your own\n  \
+         = help: without it, `gelenk inspect program DESCRIPTION` shows the equations with their abbreviations"
+            .to_owned(),
+    )
+}
+
+fn as_text(robot: &Generated, arguments: &Inspect) -> String {
+    let notation = notation(&robot.model);
+    match arguments.what {
+        Stage::Model => model_text(&robot.model),
+        Stage::Counts => print::counts_table(&robot.functions),
+        Stage::Source => robot.source.text.clone(),
+        Stage::Program => {
+            let show = if arguments.latex {
+                display::latex
+            } else {
+                display::text
+            };
+            let programs = robot
+                .functions
+                .iter()
+                .map(|function| titled(function, &show(&function.program, &notation)));
+            programs.collect::<Vec<_>>().join("\n")
+        }
+    }
+}
+
+fn notation(model: &Model) -> Notation {
+    Notation {
+        parameters: model
+            .parameters
+            .iter()
+            .map(|parameter| parameter.name.clone())
+            .collect(),
+    }
+}
+
+fn titled(function: &Function, program: &str) -> String {
+    format!("{}: {}\n{program}", function.name, function.equation)
+}
+
+fn as_json(robot: &Generated, arguments: &Inspect) -> Value {
+    let notation = notation(&robot.model);
+    match arguments.what {
+        Stage::Model => model_json(&robot.model),
+        Stage::Counts => print::counts(&robot.functions),
+        Stage::Source => json!({ "name": robot.source.name, "text": robot.source.text }),
+        Stage::Program => {
+            let show = if arguments.latex {
+                display::latex
+            } else {
+                display::text
+            };
+            let entry = |function: &Function| json!({ "function": function.name, "program": show(&function.program, &notation) });
+            robot.functions.iter().map(entry).collect()
+        }
+    }
+}
+
+fn model_text(model: &Model) -> String {
+    let mut text = format!("robot {}\n", model.name);
+    text.extend(model.description.iter().map(|line| format!("  {line}\n")));
+    text.push_str(&format!(
+        "\n{} links, {} coordinates, {} drives, {} frames, {} free parameters\n\n",
+        model.links.len(),
+        model.coordinates.len(),
+        model.drives.len(),
+        model.frames.len(),
+        model.parameters.len(),
+    ));
+    let head = ["link", "parent", "joint", "kind", "motion", "bodies"]
+        .map(str::to_owned)
+        .to_vec();
+    let rows = model.links.iter().map(|link| {
+        let parent = link
+            .joint
+            .as_ref()
+            .and_then(|joint| model.links.get(joint.parent));
+        vec![
+            link.name.clone(),
+            parent.map_or("", |parent| parent.name.as_str()).to_owned(),
+            link.joint
+                .as_ref()
+                .map_or("", |joint| joint.name.as_str())
+                .to_owned(),
+            link.joint
+                .as_ref()
+                .map_or("", |joint| kind(joint.kind))
+                .to_owned(),
+            link.joint
+                .as_ref()
+                .map_or(String::new(), |joint| motion(joint.motion)),
+            link.bodies.len().to_string(),
+        ]
+    });
+    text.push_str(&print::table(
+        &std::iter::once(head).chain(rows).collect::<Vec<_>>(),
+    ));
+    if !model.parameters.is_empty() {
+        let head = ["parameter", "value", "unit"].map(str::to_owned).to_vec();
+        let rows = model
+            .parameters
+            .iter()
+            .map(|p| vec![p.name.clone(), format!("{:?}", p.default), p.unit.clone()]);
+        text.push_str(&format!(
+            "\n{}",
+            print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())
+        ));
+    }
+    text
+}
+
+fn kind(kind: JointKind) -> &'static str {
+    match kind {
+        JointKind::Fixed => "fixed",
+        JointKind::Revolute => "revolute",
+        JointKind::Continuous => "continuous",
+        JointKind::Prismatic => "prismatic",
+    }
+}
+
+fn motion(motion: Motion) -> String {
+    match motion {
+        Motion::Fixed => "fixed".to_owned(),
+        Motion::Held(position) => format!("held at {position:?}"),
+        Motion::Coordinate(index) => format!("y{}", index + 1),
+    }
+}
+
+fn model_json(model: &Model) -> Value {
+    let link = |link: &crate::model::Link| {
+        json!({
+            "name": link.name,
+            "bodies": link.bodies.iter().map(|body| &body.name).collect::<Vec<_>>(),
+            "joint": link.joint.as_ref().map(|joint| json!({
+                "name": joint.name,
+                "parent": model.links.get(joint.parent).map(|parent| &parent.name),
+                "kind": kind(joint.kind),
+                "motion": motion(joint.motion),
+                "position_limits": joint.limits.position,
+                "velocity_limit": joint.limits.velocity,
+                "effort_limit": joint.limits.effort,
+            })),
+        })
+    };
+    json!({
+        "name": model.name,
+        "description": model.description,
+        "links": model.links.iter().map(link).collect::<Vec<_>>(),
+        "drives": model.drives.iter().map(|drive| &drive.name).collect::<Vec<_>>(),
+        "frames": model.frames.iter().map(|frame| &frame.name).collect::<Vec<_>>(),
+        "parameters": model.parameters.iter().map(|p| json!({
+            "name": p.name, "default": p.default, "unit": p.unit, "description": p.description,
+        })).collect::<Vec<_>>(),
+    })
+}

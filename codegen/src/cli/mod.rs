@@ -1,0 +1,57 @@
+//! The program `gelenk`.
+
+mod arguments;
+mod generate;
+mod inspect;
+mod place;
+mod print;
+mod progress;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use arguments::{Arguments, Command};
+
+/// Runs the program with the arguments of the process. Exit code 0 on success, 1 where the description (or a file) is
+/// at fault or the output is stale, 2 for a wrong command line.
+#[must_use]
+pub fn run() -> ExitCode {
+    let arguments = Arguments::parse();
+    let result = match &arguments.command {
+        Command::Generate(what) => generate::generate(what, arguments.format),
+        Command::Check(what) => generate::check(what, arguments.format),
+        Command::Inspect(what) => inspect::inspect(what, arguments.format),
+    };
+    match result {
+        Ok(code) => code,
+        Err(Failure::Said) => ExitCode::from(1),
+        Err(Failure::Usage(message)) => {
+            print::err(&format!(
+                "error: {message}\n\nFor more information, try '--help'.\n"
+            ));
+            ExitCode::from(2)
+        }
+        Err(Failure::Problem(message)) => {
+            print::err(&format!("error: {message}\n"));
+            ExitCode::from(1)
+        }
+    }
+}
+
+/// Why a command ends without success.
+#[derive(Debug)]
+enum Failure {
+    /// The description is at fault, and its diagnostics were printed.
+    Said,
+    /// A wrong command line.
+    Usage(String),
+    /// Anything else: a file that cannot be written.
+    Problem(String),
+}
+
+impl<E: std::error::Error> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Self::Problem(error.to_string())
+    }
+}

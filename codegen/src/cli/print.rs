@@ -1,0 +1,127 @@
+//! Results on standard output: tables, JSON.
+
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+use serde_json::{Value, json};
+
+use super::Failure;
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::dynamics::function::Function;
+use crate::program::cost::{self, Cost};
+
+/// Writes to standard output. A reader that went away (`gelenk … | head`) is no failure.
+pub(super) fn out(text: &str) -> Result<(), Failure> {
+    let mut stdout = io::stdout().lock();
+    match stdout
+        .write_all(text.as_bytes())
+        .and_then(|()| stdout.flush())
+    {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Failure::Problem(format!(
+            "cannot write to standard output: {error}"
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Writes JSON, indented, to standard output.
+pub(super) fn json(value: &Value) -> Result<ExitCode, Failure> {
+    out(&format!("{value:#}\n"))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Writes to standard error, where nobody may listen either.
+pub(super) fn err(text: &str) {
+    let _ = io::stderr().lock().write_all(text.as_bytes());
+}
+
+/// Diagnostics as JSON.
+pub(super) fn diagnostics(diagnostics: &Diagnostics) -> Value {
+    diagnostics.entries().iter().map(diagnostic).collect()
+}
+
+fn diagnostic(entry: &Diagnostic) -> Value {
+    json!({
+        "severity": entry.severity.as_str(),
+        "code": entry.code,
+        "message": entry.message,
+        "file": entry.location.as_ref().map(|at| &at.file),
+        "line": entry.location.as_ref().map(|at| at.line),
+        "column": entry.location.as_ref().map(|at| at.column),
+        "help": entry.help,
+    })
+}
+
+/// Operation counts of functions as a table.
+pub(super) fn counts_table(functions: &[Function]) -> String {
+    let head = [
+        "function",
+        "multiplications",
+        "additions",
+        "divisions",
+        "calls",
+    ]
+    .map(str::to_owned)
+    .to_vec();
+    let rows = functions.iter().map(|function| {
+        let cost = cost::count(&function.program);
+        let counts = [
+            cost.multiplications,
+            cost.additions,
+            cost.divisions,
+            cost.calls(),
+        ];
+        [function.name.clone()]
+            .into_iter()
+            .chain(counts.iter().map(ToString::to_string))
+            .collect()
+    });
+    table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())
+}
+
+/// Operation counts of functions as JSON.
+pub(super) fn counts(functions: &[Function]) -> Value {
+    let entry = |function: &Function| {
+        let Cost {
+            multiplications,
+            additions,
+            divisions,
+            sin_cos,
+            other_calls,
+            selections,
+        } = cost::count(&function.program);
+        json!({
+            "function": function.name,
+            "multiplications": multiplications,
+            "additions": additions,
+            "divisions": divisions,
+            "sin_cos": sin_cos,
+            "other_calls": other_calls,
+            "selections": selections,
+        })
+    };
+    functions.iter().map(entry).collect()
+}
+
+/// Rows of cells in columns: the first one to the left, numbers to the right.
+pub(super) fn table(rows: &[Vec<String>]) -> String {
+    let width = |column: usize| {
+        rows.iter()
+            .filter_map(|row| row.get(column))
+            .map(|cell| cell.chars().count())
+            .max()
+            .unwrap_or(0)
+    };
+    let line = |row: &Vec<String>| {
+        let cells = row.iter().enumerate().map(|(column, cell)| {
+            let space = " ".repeat(width(column) - cell.chars().count());
+            if column == 0 {
+                format!("{cell}{space}")
+            } else {
+                format!("{space}{cell}")
+            }
+        });
+        format!("  {}\n", cells.collect::<Vec<_>>().join("  ").trim_end())
+    };
+    rows.iter().map(line).collect()
+}

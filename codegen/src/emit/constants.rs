@@ -1,0 +1,310 @@
+//! Constants of a module: sizes, names, limits, drives.
+
+use proc_macro2::{Ident, TokenStream};
+use quote::{format_ident, quote};
+
+use super::doc_comment::DocComment;
+use super::{Context, lints};
+use crate::formula::{Formula, Function};
+use crate::model::{Drive, Input, Joint, JointKind, Model};
+
+/// Names of all constants that a module can have.
+pub(super) const NAMES: [&str; 17] = [
+    "N",
+    "M",
+    "JOINT_NAMES",
+    "JOINT_UNITS",
+    "INPUT_NAMES",
+    "INPUT_UNITS",
+    "INPUT_JOINTS",
+    "FRAME_NAMES",
+    "POSITION_LIMITS",
+    "VELOCITY_LIMITS",
+    "EFFORT_LIMITS",
+    "PEAK_EFFORT_LIMITS",
+    "INPUT_LIMITS",
+    "PEAK_INPUT_LIMITS",
+    "GEAR_RATIOS",
+    "ROTOR_INERTIAS",
+    "GRAVITY",
+];
+
+/// All constants, in the order in which a reader asks for them.
+pub(super) fn items(context: &Context<'_>) -> Vec<TokenStream> {
+    let model = context.model;
+    let joints: Vec<&Joint> = model
+        .coordinates
+        .iter()
+        .filter_map(|&link| model.links.get(link)?.joint.as_ref())
+        .collect();
+    let inputs: Vec<&Drive> = model
+        .drives
+        .iter()
+        .filter(|drive| drive.coordinate.is_some())
+        .collect();
+    let mut items = sizes(context);
+    items.extend(names(model, &joints, &inputs));
+    items.extend(joint_limits(context, &joints));
+    items.extend(drives(context, &inputs));
+    items.extend(gravity(context));
+    items
+}
+
+fn sizes(context: &Context<'_>) -> Vec<TokenStream> {
+    let n = proc_macro2::Literal::usize_unsuffixed(context.coordinates);
+    let m = proc_macro2::Literal::usize_unsuffixed(context.inputs);
+    vec![
+        quote! {
+            #[doc = " Number of coordinates."]
+            pub const N: usize = #n;
+        },
+        quote! {
+            #[doc = " Number of inputs."]
+            pub const M: usize = #m;
+        },
+    ]
+}
+
+fn names(model: &Model, joints: &[&Joint], inputs: &[&Drive]) -> Vec<TokenStream> {
+    let joint_names = joints.iter().map(|joint| joint.name.as_str());
+    let joint_units = joints.iter().map(|joint| {
+        if joint.kind == JointKind::Prismatic {
+            "m"
+        } else {
+            "rad"
+        }
+    });
+    let input_names = inputs.iter().map(|drive| drive.name.as_str());
+    let input_units = inputs.iter().map(|drive| input_unit(model, drive));
+    let input_joints = inputs
+        .iter()
+        .filter_map(|drive| drive.coordinate)
+        .map(proc_macro2::Literal::usize_unsuffixed);
+    let frame_names = model.frames.iter().map(|frame| frame.name.as_str());
+    let frame_count = proc_macro2::Literal::usize_unsuffixed(model.frames.len());
+    let mut items = vec![
+        quote! {
+            #[doc = " Names of the joints, in the order of the coordinates."]
+            pub const JOINT_NAMES: [&str; N] = [#(#joint_names),*];
+        },
+        quote! {
+            #[doc = " Units of the coordinates: `rad` or `m`."]
+            pub const JOINT_UNITS: [&str; N] = [#(#joint_units),*];
+        },
+        quote! {
+            #[doc = " Names of the inputs."]
+            pub const INPUT_NAMES: [&str; M] = [#(#input_names),*];
+        },
+        quote! {
+            #[doc = " Units of the inputs: `N m` or `N` for ideal drives and motor torques, `A` for motor currents."]
+            pub const INPUT_UNITS: [&str; M] = [#(#input_units),*];
+        },
+        quote! {
+            #[doc = " The coordinate that each input acts on."]
+            pub const INPUT_JOINTS: [usize; M] = [#(#input_joints),*];
+        },
+    ];
+    if !model.frames.is_empty() {
+        items.push(quote! {
+            #[doc = " Names of the frames."]
+            pub const FRAME_NAMES: [&str; #frame_count] = [#(#frame_names),*];
+        });
+    }
+    items
+}
+
+/// Unit of an input: that of a motor's torque or current; a drive without gear on a prismatic joint is a force.
+pub(super) fn input_unit(model: &Model, drive: &Drive) -> &'static str {
+    let joint = drive
+        .coordinate
+        .and_then(|coordinate| model.coordinates.get(coordinate))
+        .and_then(|&link| model.links.get(link)?.joint.as_ref());
+    let is_direct =
+        number(&drive.gear_ratio) == Some(1.0) && number(&drive.rotor_inertia) == Some(0.0);
+    match drive.input {
+        Input::Current(_) => "A",
+        Input::Torque
+            if is_direct && joint.is_some_and(|joint| joint.kind == JointKind::Prismatic) =>
+        {
+            "N"
+        }
+        Input::Torque => "N m",
+    }
+}
+
+fn joint_limits(context: &Context<'_>, joints: &[&Joint]) -> Vec<TokenStream> {
+    let scalar = context.options.scalar;
+    let ty = scalar.ty();
+    let position = joints.iter().map(|joint| {
+        joint
+            .limits
+            .position
+            .unwrap_or([f64::NEG_INFINITY, f64::INFINITY])
+    });
+    let position: Vec<[f64; 2]> = position.collect();
+    let rows = position.iter().map(|[low, high]| {
+        let (low, high) = (scalar.literal(*low), scalar.literal(*high));
+        quote!([#low, #high])
+    });
+    let allowed = lints::for_numbers(position.iter().flatten().copied());
+    let velocity = joints
+        .iter()
+        .map(|joint| joint.limits.velocity.unwrap_or(f64::INFINITY));
+    let effort = joints
+        .iter()
+        .map(|joint| joint.limits.effort.unwrap_or(f64::INFINITY));
+    let peak = joints.iter().map(|joint| {
+        joint
+            .limits
+            .peak_effort
+            .or(joint.limits.effort)
+            .unwrap_or(f64::INFINITY)
+    });
+    vec![
+        quote! {
+            #[doc = " Lowest and highest position of each joint (rad or m); infinite where not described."]
+            #allowed
+            pub const POSITION_LIMITS: [[#ty; 2]; N] = [#(#rows),*];
+        },
+        vector(
+            context,
+            "VELOCITY_LIMITS",
+            "Highest speed of each joint [rad/s or m/s]; infinite where not described.",
+            &format_ident!("N"),
+            velocity,
+        ),
+        vector(
+            context,
+            "EFFORT_LIMITS",
+            "Nominal force at each joint [N m or N]; infinite where not described.",
+            &format_ident!("N"),
+            effort,
+        ),
+        vector(
+            context,
+            "PEAK_EFFORT_LIMITS",
+            "Peak force at each joint [N m or N]; the nominal one where no peak is described.",
+            &format_ident!("N"),
+            peak,
+        ),
+    ]
+}
+
+/// Constants of the drives; those that depend on free parameters are left out.
+fn drives(context: &Context<'_>, inputs: &[&Drive]) -> Vec<TokenStream> {
+    let m = format_ident!("M");
+    let all = |value: &dyn Fn(&Drive) -> Option<f64>| {
+        inputs
+            .iter()
+            .map(|drive| value(drive))
+            .collect::<Option<Vec<f64>>>()
+    };
+    let nominal = |drive: &Drive| drive.torque.nominal.unwrap_or(f64::INFINITY);
+    let peak = |drive: &Drive| {
+        drive
+            .torque
+            .peak
+            .or(drive.torque.nominal)
+            .unwrap_or(f64::INFINITY)
+    };
+    let constants = [
+        (
+            "INPUT_LIMITS",
+            "Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite \
+             where not described. `EFFORT_LIMITS` at the joint holds beside it.",
+            all(&|drive| Some(nominal(drive) / torque_per_input(drive)?)),
+        ),
+        (
+            "PEAK_INPUT_LIMITS",
+            "Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the \
+             nominal one where no peak is described.",
+            all(&|drive| Some(peak(drive) / torque_per_input(drive)?)),
+        ),
+        (
+            "GEAR_RATIOS",
+            "Gear ratio of each drive: motor angle over joint angle.",
+            all(&|drive| number(&drive.gear_ratio)),
+        ),
+        (
+            "ROTOR_INERTIAS",
+            "Axial inertia of each rotor, on its own side of the gear [kg m²].",
+            all(&|drive| number(&drive.rotor_inertia)),
+        ),
+    ];
+    constants
+        .into_iter()
+        .filter_map(|(name, text, values)| {
+            Some(vector(context, name, text, &m, values?.into_iter()))
+        })
+        .collect()
+}
+
+/// Motor torque per unit of input: 1, or the magnitude of the motor constant.
+fn torque_per_input(drive: &Drive) -> Option<f64> {
+    match &drive.input {
+        Input::Torque => Some(1.0),
+        Input::Current(motor_constant) => number(motor_constant).map(f64::abs),
+    }
+}
+
+fn gravity(context: &Context<'_>) -> Option<TokenStream> {
+    let values: Option<Vec<f64>> = context.model.gravity.iter().map(number).collect();
+    let three = quote!(3);
+    Some(vector(
+        context,
+        "GRAVITY",
+        "Gravitational acceleration in the base frame [m/s²].",
+        &three,
+        values?.into_iter(),
+    ))
+}
+
+fn vector(
+    context: &Context<'_>,
+    name: &str,
+    text: &str,
+    len: &impl quote::ToTokens,
+    values: impl Iterator<Item = f64>,
+) -> TokenStream {
+    let scalar = context.options.scalar;
+    let name: Ident = format_ident!("{name}");
+    let (ty, documentation) = (scalar.ty(), DocComment::new(text).tokens());
+    let values: Vec<f64> = values.collect();
+    let allowed = lints::for_numbers(values.iter().copied());
+    let entries = values.iter().map(|&value| scalar.literal(value));
+    quote! {
+        #documentation
+        #allowed
+        pub const #name: [#ty; #len] = [#(#entries),*];
+    }
+}
+
+/// Value of a formula without parameters, position or velocity; `None` for others.
+fn number(formula: &Formula) -> Option<f64> {
+    let both = |a: &Formula, b: &Formula| Some((number(a)?, number(b)?));
+    Some(match formula {
+        Formula::Number(value) => *value,
+        Formula::Parameter(_) | Formula::Position | Formula::Velocity => return None,
+        Formula::Negate(a) => -number(a)?,
+        Formula::Add(a, b) => both(a, b).map(|(a, b)| a + b)?,
+        Formula::Subtract(a, b) => both(a, b).map(|(a, b)| a - b)?,
+        Formula::Multiply(a, b) => both(a, b).map(|(a, b)| a * b)?,
+        Formula::Divide(a, b) => both(a, b).map(|(a, b)| a / b)?,
+        Formula::Power(a, exponent) => {
+            (0..*exponent).try_fold(1.0, |power, _| Some(power * number(a)?))?
+        }
+        Formula::Call(function, a) => call(*function, number(a)?),
+    })
+}
+
+fn call(function: Function, x: f64) -> f64 {
+    match function {
+        Function::Sin => x.sin(),
+        Function::Cos => x.cos(),
+        Function::Tanh => x.tanh(),
+        Function::Exp => x.exp(),
+        Function::Abs => x.abs(),
+        Function::Sign if x == 0.0 => 0.0,
+        Function::Sign => x.signum(),
+    }
+}

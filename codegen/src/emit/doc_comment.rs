@@ -1,0 +1,203 @@
+//! Documentation of generated items: wrapped, and escaped so that no text of a description becomes markup or code.
+
+use proc_macro2::TokenStream;
+use quote::quote;
+
+/// Longest line of documentation text.
+const WIDTH: usize = 110;
+
+/// Lines of documentation in the making.
+#[derive(Debug, Default)]
+pub(super) struct DocComment {
+    lines: Vec<String>,
+}
+
+impl DocComment {
+    /// Documentation of one paragraph of Markdown.
+    pub(super) fn new(text: &str) -> Self {
+        let mut doc = Self::default();
+        doc.paragraph(text);
+        doc
+    }
+
+    /// Documentation of one paragraph that is escaped already.
+    pub(super) fn escaped(text: &str) -> Self {
+        Self {
+            lines: wrap(text, ""),
+        }
+    }
+
+    /// A paragraph of Markdown, apart from what stands above.
+    pub(super) fn paragraph(&mut self, text: &str) {
+        if text.trim().is_empty() {
+            return;
+        }
+        self.gap();
+        self.lines.extend(wrap(&markdown(text), ""));
+    }
+
+    /// A list item of Markdown. `gap` separates a list from what stands above.
+    pub(super) fn item(&mut self, text: &str) {
+        self.lines
+            .extend(wrap(&format!("- {}", markdown(text)), "  "));
+    }
+
+    /// An empty line, unless at the beginning.
+    pub(super) fn gap(&mut self) {
+        if self.lines.last().is_some_and(|line| !line.is_empty()) {
+            self.lines.push(String::new());
+        }
+    }
+
+    /// The attributes of the item.
+    pub(super) fn tokens(&self) -> TokenStream {
+        let lines = self.lines.iter().map(|line| {
+            if line.is_empty() {
+                String::new()
+            } else {
+                format!(" {line}")
+            }
+        });
+        quote!(#(#[doc = #lines])*)
+    }
+}
+
+/// Markdown by our own stages: spans in backticks stay, elsewhere tags and emphasis lose their meaning. Units in
+/// brackets get parentheses, since rustdoc would take brackets for links.
+pub(super) fn markdown(text: &str) -> String {
+    let text = visible(&text.replace('\n', " "));
+    let parts: Vec<&str> = text.split('`').collect();
+    if parts.len().is_multiple_of(2) {
+        return plain(&text);
+    }
+    let escaped = parts.iter().enumerate().map(|(i, part)| {
+        if i % 2 == 0 {
+            prose(part)
+        } else {
+            (*part).to_owned()
+        }
+    });
+    guard_start(escaped.collect::<Vec<_>>().join("`"))
+}
+
+/// Foreign text: no markup at all.
+pub(super) fn plain(text: &str) -> String {
+    guard_start(escape(&visible(&text.replace('\n', " "))))
+}
+
+/// Keeps a text from beginning a list by `-`, `+`, `=` or a number.
+fn guard_start(text: String) -> String {
+    let text = text.trim_start();
+    let digits = text.chars().take_while(char::is_ascii_digit).count();
+    if text.starts_with(['-', '+', '=']) || (digits > 0 && text[digits..].starts_with(['.', ')'])) {
+        return format!("{}\\{}", &text[..digits], &text[digits..]);
+    }
+    text.to_owned()
+}
+
+/// Code in backticks; a backtick inside becomes an apostrophe.
+pub(super) fn code(text: &str) -> String {
+    format!("`{}`", visible(&text.replace('\n', " ")).replace('`', "'"))
+}
+
+fn prose(text: &str) -> String {
+    escape(&text.replace('[', "(").replace(']', ")"))
+}
+
+fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for letter in text.replace("://", ":\\//").chars() {
+        if matches!(
+            letter,
+            '[' | ']' | '<' | '>' | '*' | '_' | '`' | '#' | '|' | '~' | '&'
+        ) {
+            escaped.push('\\');
+        }
+        escaped.push(letter);
+    }
+    escaped
+}
+
+/// Replaces control characters and invisible ones, among them those that reverse the direction of text (rustc refuses
+/// them), by their escapes.
+pub(super) fn visible(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    for letter in text.chars() {
+        if is_invisible(letter) {
+            shown.extend(letter.escape_unicode());
+        } else {
+            shown.push(letter);
+        }
+    }
+    shown
+}
+
+fn is_invisible(letter: char) -> bool {
+    letter.is_control()
+        || matches!(letter,
+            '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}'
+            | '\u{2060}'..='\u{206f}' | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}')
+}
+
+/// Breaks at spaces outside of backticks, and only before a word that cannot begin a list, a heading or a quote.
+fn wrap(text: &str, indent: &str) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    let mut in_code = false;
+    for word in text.split(' ').filter(|word| !word.is_empty()) {
+        let line = lines
+            .last_mut()
+            .map(|line| line.chars().count())
+            .unwrap_or_default();
+        let can_begin =
+            word.starts_with(|first: char| first.is_alphabetic() || first == '`' || first == '(');
+        if line > 0 && line + 1 + word.chars().count() > WIDTH && can_begin && !in_code {
+            lines.push(indent.to_owned());
+        } else if line > 0 {
+            lines.last_mut().into_iter().for_each(|line| line.push(' '));
+        }
+        lines
+            .last_mut()
+            .into_iter()
+            .for_each(|line| line.push_str(word));
+        in_code ^= word.matches('`').count() % 2 == 1;
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn foreign_text_loses_its_meaning() {
+        assert_eq!(
+            plain("a [link] <b> *x* `c`\r\u{202e}"),
+            "a \\[link\\] \\<b\\> \\*x\\* \\`c\\`\\u{d}\\u{202e}"
+        );
+        assert_eq!(
+            plain("see https://example.org"),
+            "see https:\\//example.org"
+        );
+        assert_eq!(
+            markdown("forces [N] on `M[0][1]`"),
+            "forces (N) on `M[0][1]`"
+        );
+        assert_eq!(markdown("one ` alone"), "one \\` alone");
+        assert_eq!(plain("- no list"), "\\- no list");
+        assert_eq!(plain("12. no list"), "12\\. no list");
+    }
+
+    #[test]
+    fn combining_marks_stay() {
+        assert_eq!(markdown("J̇ẏ"), "J̇ẏ");
+    }
+
+    #[test]
+    fn lines_break_where_no_list_can_begin() {
+        let text = format!("{} - minus 1. one word", "x".repeat(WIDTH - 2));
+        assert_eq!(wrap(&text, "").len(), 2);
+        assert!(wrap(&text, "")[1].starts_with("minus"));
+        let code = format!("{} `a b c`", "x".repeat(WIDTH - 2));
+        assert_eq!(wrap(&code, "  ")[1], "  `a b c`");
+    }
+}

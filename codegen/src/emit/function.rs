@@ -1,0 +1,420 @@
+//! A function: its documentation, its signature and its body, split where it is long.
+
+use proc_macro2::{Ident, Literal, TokenStream};
+use quote::{format_ident, quote};
+
+use super::body::Body;
+use super::doc_comment::{DocComment, code};
+use super::split::{self, Part};
+use super::{Context, lints};
+use crate::dynamics::function::Function;
+use crate::model::{JointKind, Model};
+use crate::program::{Operation, Shape, cost};
+
+/// Up to so many instructions a function is offered to inlining in other crates: a call costs as much as they do.
+const INLINE_UP_TO: usize = 40;
+
+/// The public function, then the private ones it is split into.
+pub(super) fn items(context: &Context<'_>, function: &Function, name: &Ident) -> Vec<TokenStream> {
+    let body = Body::new(context, function);
+    let parts = split::parts(body.program, &body.flow, context.options.longest_function);
+    let statements = if parts.len() == 1 {
+        plain_body(&body)
+    } else {
+        calls(context, &body, name, &parts)
+    };
+    let signature = Signature::new(context, &body, function);
+    let documentation = documentation(context, function, &body).tokens();
+    let allowed = [
+        lints::for_names(body.value_names().chain(&body.arguments).chain([name])),
+        lints::for_numbers(body.numbers()),
+        lints::for_result(&signature.dimensions),
+    ];
+    let allowed = allowed.iter().flatten();
+    let inline = (body.program.instructions.len() <= INLINE_UP_TO).then(|| quote!(#[inline]));
+    let unused = unused(context, &body, &parts);
+    let (arguments, result) = (&signature.arguments, &signature.result);
+    let mut items = vec![quote! {
+        #documentation
+        #inline
+        #[must_use]
+        #(#allowed)*
+        pub fn #name(#(#arguments),*) -> #result { #(let _ = #unused;)* #statements }
+    }];
+    if parts.len() > 1 {
+        items.extend(
+            parts
+                .iter()
+                .enumerate()
+                .map(|(i, part)| private(context, &body, name, i, part, &signature)),
+        );
+    }
+    items
+}
+
+/// All statements and the results.
+fn plain_body(body: &Body<'_>) -> TokenStream {
+    let mut statements: Vec<TokenStream> = (0..body.program.instructions.len())
+        .filter_map(|index| body.statement(index))
+        .collect();
+    if let Some(last) = returned_value(body)
+        && let Some(value) = body.expression(body.program.instructions[last].operation)
+    {
+        statements.pop();
+        return quote!(#(#statements)* #value);
+    }
+    let results = body.results();
+    quote!(#(#statements)* #results)
+}
+
+/// The last value, where it alone is the result: it needs no name (clippy's `let_and_return`).
+fn returned_value(body: &Body<'_>) -> Option<usize> {
+    let [output] = body.program.outputs.as_slice() else {
+        return None;
+    };
+    let (Shape::Scalar, [crate::program::Operand::Value(index)]) =
+        (output.shape, output.entries.as_slice())
+    else {
+        return None;
+    };
+    let last = (0..body.program.instructions.len())
+        .rev()
+        .find(|&index| body.flow.is_made(index))?;
+    let is_pair = matches!(
+        body.program.instructions[last].operation,
+        Operation::SinCos(_)
+    );
+    (last == *index && !is_pair).then_some(last)
+}
+
+/// The body of a split function: one call per part, and the results.
+fn calls(context: &Context<'_>, body: &Body<'_>, name: &Ident, parts: &[Part]) -> TokenStream {
+    let calls = parts.iter().enumerate().map(|(i, part)| {
+        let callee = part_name(name, i);
+        let inputs = part
+            .inputs
+            .iter()
+            .map(|&input| body.arguments[input].clone());
+        let takes = part.takes.iter().map(|&value| body.name(value));
+        let takes = (!part.takes.is_empty()).then(|| quote!([#(#takes),*]));
+        let parameters = (part.reads_parameters && context.has_parameters()).then(|| quote!(p));
+        let arguments = inputs
+            .map(|input| quote!(#input))
+            .chain(takes)
+            .chain(parameters);
+        let returns = part.returns.iter().map(|&value| body.name(value));
+        quote!(let [#(#returns),*] = #callee(#(#arguments),*);)
+    });
+    let results = body.results();
+    quote!(#(#calls)* #results)
+}
+
+fn part_name(name: &Ident, index: usize) -> Ident {
+    format_ident!("{}_part_{}", name, index + 1)
+}
+
+/// The private function of a part. Never inlined: that would undo the splitting.
+fn private(
+    context: &Context<'_>,
+    body: &Body<'_>,
+    name: &Ident,
+    index: usize,
+    part: &Part,
+    signature: &Signature,
+) -> TokenStream {
+    let callee = part_name(name, index);
+    let ty = context.options.scalar.ty();
+    let inputs = part
+        .inputs
+        .iter()
+        .map(|&input| signature.arguments[input].clone());
+    let takes = part.takes.iter().map(|&value| body.name(value));
+    let count = Literal::usize_unsuffixed(part.takes.len());
+    let takes = (!part.takes.is_empty()).then(|| quote!([#(#takes),*]: [#ty; #count]));
+    let parameters =
+        (part.reads_parameters && context.has_parameters()).then(|| quote!(p: &Parameters));
+    let arguments = inputs.chain(takes).chain(parameters);
+    let statements = part.range.clone().filter_map(|index| body.statement(index));
+    let returns = part.returns.iter().map(|&value| body.name(value));
+    let count = Literal::usize_unsuffixed(part.returns.len());
+    let documentation = DocComment::new(&format!(
+        "Part {} of `{name}`: values that later parts read.",
+        index + 1
+    ));
+    let documentation = documentation.tokens();
+    let allowed = [
+        lints::for_names(body.value_names().chain([name])),
+        lints::for_numbers(body.numbers()),
+    ];
+    let allowed = allowed.iter().flatten();
+    quote! {
+        #documentation
+        #[inline(never)]
+        #(#allowed)*
+        fn #callee(#(#arguments),*) -> [#ty; #count] { #(#statements)* [#(#returns),*] }
+    }
+}
+
+/// Arguments that the body never reads.
+fn unused(context: &Context<'_>, body: &Body<'_>, parts: &[Part]) -> Vec<TokenStream> {
+    use crate::program::Operand;
+    let results = || {
+        body.program
+            .outputs
+            .iter()
+            .flat_map(|output| &output.entries)
+    };
+    let reads_input = |array: usize| {
+        parts.iter().any(|part| part.inputs.contains(&array))
+            || results().any(|entry| matches!(entry, Operand::Input(read, _) if *read == array))
+    };
+    let reads_parameters = parts.iter().any(|part| part.reads_parameters)
+        || results().any(|entry| matches!(entry, Operand::Parameter(_)));
+    let inputs = body
+        .arguments
+        .iter()
+        .enumerate()
+        .filter(|&(array, _)| !reads_input(array));
+    let parameters = (context.has_parameters() && !reads_parameters).then(|| quote!(p));
+    inputs
+        .map(|(_, name)| quote!(#name))
+        .chain(parameters)
+        .collect()
+}
+
+/// Arguments and result of a function as text.
+struct Signature {
+    arguments: Vec<TokenStream>,
+    result: TokenStream,
+    /// How many dimensions each result has.
+    dimensions: Vec<usize>,
+}
+
+impl Signature {
+    fn new(context: &Context<'_>, body: &Body<'_>, function: &Function) -> Self {
+        let ty = context.options.scalar.ty();
+        let sizes = Sizes { context, function };
+        let inputs = body
+            .program
+            .inputs
+            .iter()
+            .zip(&body.arguments)
+            .map(|(input, name)| {
+                let len = sizes.input(&input.name, input.len).tokens();
+                quote!(#name: &[#ty; #len])
+            });
+        let parameters = context.has_parameters().then(|| quote!(p: &Parameters));
+        let results = body.program.outputs.iter().map(|output| {
+            let dimensions = sizes.result(&output.name, output.shape);
+            dimensions
+                .iter()
+                .rev()
+                .fold(ty.clone(), |entry, dimension| {
+                    let len = dimension.tokens();
+                    quote!([#entry; #len])
+                })
+        });
+        let result = match body.program.outputs.len() {
+            1 => quote!(#(#results)*),
+            _ => quote!((#(#results),*)),
+        };
+        Self {
+            arguments: inputs.chain(parameters).collect(),
+            result,
+            dimensions: body
+                .program
+                .outputs
+                .iter()
+                .map(|output| sizes.result(&output.name, output.shape).len())
+                .collect(),
+        }
+    }
+}
+
+/// A length in a signature: by name where it follows from the model, else as a number.
+#[derive(Clone, Copy)]
+enum Size {
+    N,
+    M,
+    Number(usize),
+}
+
+impl Size {
+    fn tokens(self) -> TokenStream {
+        match self {
+            Self::N => quote!(N),
+            Self::M => quote!(M),
+            Self::Number(number) => {
+                let number = Literal::usize_unsuffixed(number);
+                quote!(#number)
+            }
+        }
+    }
+
+    fn text(self) -> String {
+        match self {
+            Self::N => "N".to_owned(),
+            Self::M => "M".to_owned(),
+            Self::Number(number) => number.to_string(),
+        }
+    }
+}
+
+/// Chooses between `N`, `M` and numbers where several would be equal.
+struct Sizes<'a> {
+    context: &'a Context<'a>,
+    function: &'a Function,
+}
+
+impl Sizes<'_> {
+    fn input(&self, name: &str, len: usize) -> Size {
+        if name.starts_with('u') && len == self.context.inputs {
+            Size::M
+        } else {
+            self.coordinates(len)
+        }
+    }
+
+    /// Lengths of a result, rows first.
+    fn result(&self, name: &str, shape: Shape) -> Vec<Size> {
+        // A frame's vectors and rotation have 3 or 6 entries, whatever N is.
+        let in_space = self.function.name.starts_with("frame_");
+        match shape {
+            Shape::Scalar => vec![],
+            Shape::Vector(len) if in_space => vec![Size::Number(len)],
+            Shape::Vector(len) => vec![self.coordinates(len)],
+            Shape::Matrix(3, 3) if in_space => vec![Size::Number(3), Size::Number(3)],
+            Shape::Matrix(rows, columns) if in_space => {
+                vec![Size::Number(rows), self.coordinates(columns)]
+            }
+            Shape::Matrix(rows, columns)
+                if self.is_by_inputs(name) && columns == self.context.inputs =>
+            {
+                vec![self.coordinates(rows), Size::M]
+            }
+            Shape::Matrix(rows, columns) => vec![self.coordinates(rows), self.coordinates(columns)],
+        }
+    }
+
+    fn is_by_inputs(&self, name: &str) -> bool {
+        self.context.inputs != self.context.coordinates
+            || self.function.name == "input_matrix"
+            || matches!(name, "input_matrix" | "B" | "B_x")
+            || name.ends_with("_du")
+    }
+
+    fn coordinates(&self, len: usize) -> Size {
+        match len {
+            _ if len == self.context.coordinates => Size::N,
+            _ if len == self.context.inputs => Size::M,
+            _ => Size::Number(len),
+        }
+    }
+}
+
+/// Summary, equation, arguments, results, cost and notes.
+fn documentation(context: &Context<'_>, function: &Function, body: &Body<'_>) -> DocComment {
+    let mut doc = DocComment::new(&function.summary);
+    if !function.equation.trim().is_empty() {
+        doc.paragraph(&code(&function.equation));
+    }
+    doc.gap();
+    let sizes = Sizes { context, function };
+    for (i, (input, name)) in body.program.inputs.iter().zip(&body.arguments).enumerate() {
+        let meaning = function.arguments.get(i).map_or("", String::as_str);
+        let entries = entries(context.model, &input.name, input.len);
+        doc.item(&sentence(
+            &format!("`{name}: [{}]`", sizes.input(&input.name, input.len).text()),
+            meaning,
+            &entries,
+        ));
+    }
+    if context.has_parameters() {
+        doc.item("`p`: free parameters");
+    }
+    for (i, output) in body.program.outputs.iter().enumerate() {
+        let meaning = function.results.get(i).map_or("", String::as_str);
+        let shape: Vec<String> = sizes
+            .result(&output.name, output.shape)
+            .iter()
+            .map(|size| size.text())
+            .collect();
+        let shape = if shape.is_empty() {
+            String::new()
+        } else {
+            format!(": [{}]", shape.join(" × "))
+        };
+        doc.item(&sentence(
+            &format!("returns {}", code(&format!("{}{shape}", output.name))),
+            meaning,
+            "",
+        ));
+    }
+    doc.paragraph(&format!("Cost: {}.", cost::count(body.program)));
+    for note in &function.notes {
+        doc.paragraph(note);
+    }
+    doc
+}
+
+fn sentence(head: &str, meaning: &str, entries: &str) -> String {
+    let parts = [head, meaning, entries]
+        .into_iter()
+        .map(str::trim)
+        .filter(|part| !part.is_empty());
+    parts.collect::<Vec<_>>().join(": ")
+}
+
+/// The entries of a standard argument by the names of joints or inputs, with units.
+fn entries(model: &Model, name: &str, len: usize) -> String {
+    let order = match name {
+        "y" => 0,
+        "v" => 1,
+        "a" => 2,
+        "u" => return inputs(model, len),
+        _ => return String::new(),
+    };
+    if len != model.coordinates.len() {
+        return String::new();
+    }
+    let joints = model
+        .coordinates
+        .iter()
+        .filter_map(|&link| model.links.get(link)?.joint.as_ref());
+    let units = [["rad", "rad/s", "rad/s²"], ["m", "m/s", "m/s²"]];
+    list(joints.map(|joint| {
+        let row = usize::from(joint.kind == JointKind::Prismatic);
+        (joint.name.as_str(), units[row][order])
+    }))
+}
+
+fn inputs(model: &Model, len: usize) -> String {
+    let drives: Vec<_> = model
+        .drives
+        .iter()
+        .filter(|drive| drive.coordinate.is_some())
+        .collect();
+    if drives.len() != len {
+        return String::new();
+    }
+    list(drives.iter().map(|drive| {
+        (
+            drive.name.as_str(),
+            super::constants::input_unit(model, drive),
+        )
+    }))
+}
+
+/// `a, b [rad], c [m]`: neighbours with one unit share it.
+fn list<'a>(entries: impl Iterator<Item = (&'a str, &'a str)>) -> String {
+    let entries: Vec<_> = entries.collect();
+    let shown = entries.iter().enumerate().map(|(i, (name, unit))| {
+        let is_last_of_unit = entries.get(i + 1).is_none_or(|(_, next)| next != unit);
+        if is_last_of_unit {
+            format!("{} in {unit}", code(name))
+        } else {
+            code(name)
+        }
+    });
+    shown.collect::<Vec<_>>().join(", ")
+}

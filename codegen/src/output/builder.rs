@@ -1,0 +1,265 @@
+//! The door for build scripts.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use super::write::{WriteError, write};
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::emit::Scalar;
+use crate::pipeline::{self, GenerateOptions, Generated};
+
+/// Generates `$OUT_DIR/<name>.rs` from a description, for `build.rs`.
+///
+/// Where the description is at fault, all its problems are printed and the build script ends with exit code 1. Tells
+/// Cargo to watch every file that was read. The path is relative to the package.
+pub fn build(description: impl AsRef<Path>) {
+    Builder::new().description(description).generate();
+}
+
+/// As [`build`], with choices.
+///
+/// ```no_run
+/// gelenk_codegen::Builder::new()
+///     .description("arm.urdf")
+///     .functions(["inverse_dynamics", "mass_matrix"])
+///     .snap_angles(1e-4)
+///     .generate();
+/// ```
+#[derive(Debug, Clone, Default)]
+pub struct Builder {
+    descriptions: Vec<PathBuf>,
+    options: GenerateOptions,
+    folder: Option<PathBuf>,
+    hides_notes: bool,
+}
+
+/// Why a build script could not generate.
+#[derive(Debug)]
+pub enum BuildError {
+    /// No description was given.
+    NothingToDo,
+    /// Neither `OUT_DIR` nor [`Builder::output_folder`] says where to write.
+    NoFolder,
+    /// Descriptions at fault.
+    Descriptions(Vec<Diagnostics>),
+    /// A file that could not be written.
+    Write(WriteError),
+    /// Two descriptions with one name.
+    SameName(String),
+}
+
+impl fmt::Display for BuildError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NothingToDo => {
+                f.write_str("no description was given: call `description(\"robot.toml\")`")
+            }
+            Self::NoFolder => f.write_str(
+                "OUT_DIR is not set: call this from build.rs, or `output_folder` before",
+            ),
+            Self::Descriptions(all) => {
+                let texts: Vec<String> = all.iter().map(ToString::to_string).collect();
+                f.write_str(&texts.join("\n\n"))
+            }
+            Self::Write(error) => error.fmt(f),
+            Self::SameName(name) => {
+                write!(f, "two descriptions name their robot `{name}`: rename one")
+            }
+        }
+    }
+}
+
+impl std::error::Error for BuildError {}
+
+impl Builder {
+    /// Without descriptions yet.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a description, TOML or URDF; its path is relative to the package.
+    #[must_use]
+    pub fn description(mut self, path: impl AsRef<Path>) -> Self {
+        self.descriptions.push(path.as_ref().to_owned());
+        self
+    }
+
+    /// Generates these functions only.
+    #[must_use]
+    pub fn functions<S: Into<String>>(mut self, names: impl IntoIterator<Item = S>) -> Self {
+        self.options.functions = names.into_iter().map(Into::into).collect();
+        self
+    }
+
+    /// Number type of the modules.
+    #[must_use]
+    pub fn scalar(mut self, scalar: Scalar) -> Self {
+        self.options.emit.scalar = scalar;
+        self
+    }
+
+    /// Takes angles within so many radians of a multiple of 90° for it.
+    #[must_use]
+    pub fn snap_angles(mut self, radians: f64) -> Self {
+        self.options.snap_angles = Some(radians);
+        self
+    }
+
+    /// Leaves out friction.
+    #[must_use]
+    pub fn no_friction(mut self) -> Self {
+        self.options.no_friction = true;
+        self
+    }
+
+    /// Makes mimic joints independent coordinates.
+    #[must_use]
+    pub fn ignore_mimic(mut self) -> Self {
+        self.options.ignore_mimic = true;
+        self
+    }
+
+    /// Shows no notes about the descriptions; by default each becomes a warning of Cargo.
+    #[must_use]
+    pub fn hide_notes(mut self) -> Self {
+        self.hides_notes = true;
+        self
+    }
+
+    /// Writes into this folder instead of `$OUT_DIR`.
+    #[must_use]
+    pub fn output_folder(mut self, folder: impl AsRef<Path>) -> Self {
+        self.folder = Some(folder.as_ref().to_owned());
+        self
+    }
+
+    /// Generates all descriptions; prints what is wrong and ends the process with exit code 1 otherwise.
+    pub fn generate(self) {
+        if let Err(error) = self.try_generate() {
+            eprintln!("{error}");
+            std::process::exit(1);
+        }
+    }
+
+    /// Generates all descriptions and returns the files. Nothing is written unless all of them are right.
+    ///
+    /// # Errors
+    /// [`BuildError`], with the problems of all descriptions at once.
+    pub fn try_generate(mut self) -> Result<Vec<PathBuf>, BuildError> {
+        let folder = self
+            .folder
+            .clone()
+            .or_else(|| std::env::var_os("OUT_DIR").map(PathBuf::from));
+        let folder = folder.ok_or(BuildError::NoFolder)?;
+        self.options.emit.command = command();
+        let generated = self.derive_all()?;
+        refuse_same_names(&generated)?;
+        let mut paths = Vec::new();
+        for robot in &generated {
+            let path = folder.join(format!("{}.rs", robot.source.name));
+            write(&path, &robot.source.text).map_err(BuildError::Write)?;
+            paths.push(path);
+        }
+        Ok(paths)
+    }
+
+    fn derive_all(&self) -> Result<Vec<Generated>, BuildError> {
+        if self.descriptions.is_empty() {
+            return Err(BuildError::NothingToDo);
+        }
+        let (mut generated, mut problems) = (Vec::new(), Vec::new());
+        for description in &self.descriptions {
+            watch(description);
+            match pipeline::generate(description, &self.options) {
+                Ok(robot) => {
+                    robot
+                        .files
+                        .iter()
+                        .filter(|file| *file != description)
+                        .for_each(|file| watch(file));
+                    if !self.hides_notes {
+                        robot.notes.entries().iter().for_each(warn);
+                    }
+                    generated.push(robot);
+                }
+                Err(diagnostics) => problems.push(diagnostics),
+            }
+        }
+        if problems.is_empty() {
+            Ok(generated)
+        } else {
+            Err(BuildError::Descriptions(problems))
+        }
+    }
+}
+
+fn refuse_same_names(generated: &[Generated]) -> Result<(), BuildError> {
+    let mut names: Vec<&str> = generated
+        .iter()
+        .map(|robot| robot.source.name.as_str())
+        .collect();
+    names.sort_unstable();
+    match names.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => Err(BuildError::SameName(pair[0].to_owned())),
+        None => Ok(()),
+    }
+}
+
+/// What the header names: the package whose build script this is.
+fn command() -> String {
+    match std::env::var("CARGO_PKG_NAME") {
+        Ok(package) => format!("cargo build -p {package}"),
+        Err(_) => "cargo build".to_owned(),
+    }
+}
+
+fn watch(file: &Path) {
+    println!(
+        "cargo::rerun-if-changed={}",
+        one_line(&file.display().to_string())
+    );
+}
+
+/// Cargo's protocol has one line per message.
+fn warn(note: &Diagnostic) {
+    let place = note
+        .location
+        .as_ref()
+        .map(|at| format!("{}:{}:{}: ", at.file, at.line, at.column))
+        .unwrap_or_default();
+    println!(
+        "cargo::warning={}",
+        one_line(&format!("{place}{}", note.message))
+    );
+}
+
+fn one_line(text: &str) -> String {
+    text.replace(['\n', '\r'], " ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn says_what_is_missing() {
+        let folder = tempfile::tempdir().unwrap();
+        let builder = || Builder::new().output_folder(folder.path());
+        assert!(matches!(
+            builder().try_generate(),
+            Err(BuildError::NothingToDo)
+        ));
+        let error = builder()
+            .description("no.toml")
+            .description("none.urdf")
+            .try_generate()
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("no.toml") && error.contains("none.urdf"),
+            "{error}"
+        );
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+}

@@ -1,0 +1,79 @@
+//! All stages in order.
+
+use std::path::{Path, PathBuf};
+
+use crate::diagnostic::Diagnostics;
+use crate::dynamics::catalogue;
+use crate::dynamics::function::Function;
+use crate::emit::{self, EmitOptions, SourceFile};
+use crate::model::{self, Loaded, Model, ReadOptions};
+
+/// What the caller may ask for beyond the description.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct GenerateOptions {
+    /// Functions to generate; empty: what the description asks for, by default all.
+    pub functions: Vec<String>,
+    /// Angles within this many radians of a multiple of 90° are taken for it.
+    pub snap_angles: Option<f64>,
+    /// Leaves out friction.
+    pub no_friction: bool,
+    /// Makes mimic joints independent coordinates.
+    pub ignore_mimic: bool,
+    /// How the module is written.
+    pub emit: EmitOptions,
+}
+
+/// What became of a description.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Generated {
+    /// The robot.
+    pub model: Model,
+    /// Its functions.
+    pub functions: Vec<Function>,
+    /// The module.
+    pub source: SourceFile,
+    /// What is worth knowing about the description.
+    pub notes: Diagnostics,
+    /// All files that were read, the description first.
+    pub files: Vec<PathBuf>,
+}
+
+/// From a description to the text of a Rust module. Reads files, writes none.
+///
+/// # Errors
+/// All [`Diagnostics`] of the first stage that found the description at fault.
+pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generated, Diagnostics> {
+    let (model, notes, files) = read(description, options)?;
+    let functions = derive(&model, options)?;
+    let source = emit::module(&model, &functions, &options.emit);
+    Ok(Generated {
+        model,
+        functions,
+        source,
+        notes,
+        files,
+    })
+}
+
+/// Stage 1.
+fn read(
+    description: &Path,
+    options: &GenerateOptions,
+) -> Result<(Model, Diagnostics, Vec<PathBuf>), Diagnostics> {
+    let options = ReadOptions {
+        ignore_mimic: options.ignore_mimic,
+        snap_angles: options.snap_angles,
+        no_friction: options.no_friction,
+    };
+    let Loaded { model, notes, files } = model::read(description, &options)?;
+    Ok((model, notes, files))
+}
+
+/// Stages 2 to 4.
+fn derive(model: &Model, options: &GenerateOptions) -> Result<Vec<Function>, Diagnostics> {
+    let selection = match options.functions.is_empty() {
+        true => &model.options.functions,
+        false => &options.functions,
+    };
+    catalogue::derive(model, selection)
+}

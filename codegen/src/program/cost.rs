@@ -1,0 +1,135 @@
+//! What a program costs: its operations, counted as robotics papers count them.
+
+use core::fmt;
+
+use super::{Operation, Program};
+use crate::formula::Function;
+
+/// Operation counts of a program.
+///
+/// A subtraction is an addition; `x * x` and `2 * x` are one multiplication each; a fused multiply-add is one of both;
+/// a negation is nothing. Absolute value and sign stand apart: they are a bit mask and a comparison, no call.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Cost {
+    /// Multiplications.
+    pub multiplications: usize,
+    /// Additions and subtractions.
+    pub additions: usize,
+    /// Divisions.
+    pub divisions: usize,
+    /// Calls that make sine and cosine of one angle together.
+    pub sin_cos: usize,
+    /// Calls of other functions: a sine or a cosine alone, tanh, exp.
+    pub other_calls: usize,
+    /// Selections: absolute values and signs.
+    pub selections: usize,
+}
+
+impl Cost {
+    /// All function calls: `sin_cos` and the others.
+    #[must_use]
+    pub fn calls(&self) -> usize {
+        self.sin_cos + self.other_calls
+    }
+}
+
+impl fmt::Display for Cost {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let count = |n: usize, noun: &str| format!("{n} {noun}{}", if n == 1 { "" } else { "s" });
+        write!(
+            f,
+            "{}, {}, {}, {}",
+            count(self.multiplications, "multiplication"),
+            count(self.additions, "addition"),
+            count(self.divisions, "division"),
+            count(self.calls(), "function call"),
+        )?;
+        if self.sin_cos > 0 && self.other_calls > 0 {
+            write!(
+                f,
+                " ({} `sin_cos`, {} other)",
+                self.sin_cos, self.other_calls
+            )?;
+        } else if self.sin_cos > 0 {
+            f.write_str(" (`sin_cos`)")?;
+        }
+        if self.selections > 0 {
+            write!(f, ", {}", count(self.selections, "selection"))?;
+        }
+        Ok(())
+    }
+}
+
+/// Counts the operations of `program`, dead ones included.
+#[must_use]
+pub fn count(program: &Program) -> Cost {
+    let mut cost = Cost::default();
+    for instruction in &program.instructions {
+        match instruction.operation {
+            Operation::Add(..) | Operation::Subtract(..) => cost.additions += 1,
+            Operation::Multiply(..) => cost.multiplications += 1,
+            Operation::Divide(..) => cost.divisions += 1,
+            Operation::Negate(_) | Operation::CosineOf(_) => {}
+            Operation::MultiplyAdd(..) => {
+                cost.multiplications += 1;
+                cost.additions += 1;
+            }
+            Operation::SinCos(_) => cost.sin_cos += 1,
+            Operation::Call(Function::Abs | Function::Sign, _) => cost.selections += 1,
+            Operation::Call(..) => cost.other_calls += 1,
+        }
+    }
+    cost
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::program::{Instruction, Operand};
+
+    #[test]
+    fn counts_as_papers_do() {
+        let x = Operand::Input(0, 0);
+        let operations = [
+            Operation::SinCos(x),
+            Operation::CosineOf(0),
+            Operation::Multiply(x, x),
+            Operation::Multiply(Operand::Constant(2.0), x),
+            Operation::Subtract(x, Operand::Value(2)),
+            Operation::Add(x, x),
+            Operation::Negate(x),
+            Operation::MultiplyAdd(x, x, x),
+            Operation::Divide(x, x),
+            Operation::Call(Function::Tanh, x),
+            Operation::Call(Function::Sign, x),
+        ];
+        let instructions = operations.into_iter().enumerate();
+        let program = Program {
+            inputs: vec![],
+            instructions: instructions
+                .map(|(i, operation)| Instruction {
+                    name: format!("t{i}"),
+                    operation,
+                })
+                .collect(),
+            outputs: vec![],
+        };
+        let cost = count(&program);
+        assert_eq!(
+            cost,
+            Cost {
+                multiplications: 3,
+                additions: 3,
+                divisions: 1,
+                sin_cos: 1,
+                other_calls: 1,
+                selections: 1
+            }
+        );
+        assert_eq!(
+            cost.to_string(),
+            "3 multiplications, 3 additions, 1 division, 2 function calls (1 `sin_cos`, 1 other), \
+             1 selection"
+        );
+    }
+}

@@ -1,0 +1,329 @@
+//! A program with its abbreviations, for people: as text and as LaTeX.
+//!
+//! Each value stands on its own line as an equation; letters named in words become Greek, numbers at the end of a name
+//! become subscripts, and the inputs `y`, `v`, `a` are written y, ẏ, ÿ with indices from 1, as in papers.
+
+use super::flow::Flow;
+use super::letters::greek_letter;
+use super::{Operand, Operation, Output, Program, Shape};
+use crate::formula::Function;
+
+/// Names that a program refers to by number.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Notation {
+    /// Names of the free parameters.
+    pub parameters: Vec<String>,
+}
+
+/// The program as aligned lines of text.
+#[must_use]
+pub fn text(program: &Program, notation: &Notation) -> String {
+    let printer = Printer {
+        program,
+        notation,
+        style: Style::Text,
+    };
+    let equations = printer.equations();
+    let width = equations
+        .iter()
+        .map(|(name, _)| name.chars().count())
+        .max()
+        .unwrap_or(0);
+    let lines = equations
+        .iter()
+        .map(|(name, value)| format!("  {name}{} = {value}\n", space(width, name)));
+    let results = program
+        .outputs
+        .iter()
+        .map(|output| printer.text_result(output));
+    lines.chain(results).collect()
+}
+
+/// The program as an `align*` environment of LaTeX (amsmath).
+#[must_use]
+pub fn latex(program: &Program, notation: &Notation) -> String {
+    let printer = Printer {
+        program,
+        notation,
+        style: Style::Latex,
+    };
+    let equations = printer
+        .equations()
+        .into_iter()
+        .map(|(name, value)| format!("  {name} &= {value}"));
+    let results = program
+        .outputs
+        .iter()
+        .map(|output| printer.latex_result(output));
+    let lines: Vec<String> = equations.chain(results).collect();
+    format!(
+        "\\begin{{align*}}\n{}\n\\end{{align*}}\n",
+        lines.join(" \\\\\n")
+    )
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Style {
+    Text,
+    Latex,
+}
+
+struct Printer<'a> {
+    program: &'a Program,
+    notation: &'a Notation,
+    style: Style,
+}
+
+impl Printer<'_> {
+    /// Each value's name and what it is; a sine that only came with its cosine is left out.
+    fn equations(&self) -> Vec<(String, String)> {
+        let is_read = Flow::new(self.program).is_read;
+        let read = self
+            .program
+            .instructions
+            .iter()
+            .zip(is_read)
+            .filter(|(_, is_read)| *is_read);
+        read.map(|(i, _)| (self.letters(&i.name), self.expression(i.operation)))
+            .collect()
+    }
+
+    fn expression(&self, operation: Operation) -> String {
+        let latex = self.style == Style::Latex;
+        let (first, other) = (|a| self.operand(a, false), |b| self.operand(b, true));
+        match operation {
+            Operation::Add(a, b) => format!("{} + {}", first(a), other(b)),
+            Operation::Subtract(a, b) => format!("{} {} {}", first(a), self.minus(), other(b)),
+            Operation::Multiply(a, b) => self.product(first(a), &other(b)),
+            Operation::Divide(a, b) if latex => format!("\\frac{{{}}}{{{}}}", first(a), first(b)),
+            Operation::Divide(a, b) => format!("{} / {}", first(a), other(b)),
+            Operation::Negate(a) => format!("{}{}", self.minus(), other(a)),
+            Operation::MultiplyAdd(a, b, c) if latex => {
+                format!(
+                    "\\mathrm{{fma}}\\left({}, {}, {}\\right)",
+                    first(a),
+                    first(b),
+                    first(c)
+                )
+            }
+            Operation::MultiplyAdd(a, b, c) => {
+                format!("fma({}, {}, {})", first(a), first(b), first(c))
+            }
+            Operation::SinCos(a) => self.call(Function::Sin, a),
+            Operation::CosineOf(pair) => match self
+                .program
+                .instructions
+                .get(pair)
+                .map(|sine| sine.operation)
+            {
+                Some(Operation::SinCos(a)) => self.call(Function::Cos, a),
+                _ => "?".to_owned(),
+            },
+            Operation::Call(function, a) => self.call(function, a),
+        }
+    }
+
+    fn product(&self, a: String, b: &str) -> String {
+        match self.style {
+            Style::Text => format!("{a} · {b}"),
+            Style::Latex => format!("{a} \\, {b}"),
+        }
+    }
+
+    fn minus(&self) -> &'static str {
+        match self.style {
+            Style::Text => "−",
+            Style::Latex => "-",
+        }
+    }
+
+    fn call(&self, function: Function, argument: Operand) -> String {
+        let argument = self.operand(argument, false);
+        let name = match function {
+            Function::Sin => "sin",
+            Function::Cos => "cos",
+            Function::Tanh => "tanh",
+            Function::Exp => "exp",
+            Function::Sign => "sign",
+            Function::Abs => "abs",
+        };
+        match (self.style, function) {
+            (_, Function::Abs) => format!("|{argument}|"),
+            (Style::Text, _) => format!("{name}({argument})"),
+            (Style::Latex, Function::Sign) => {
+                format!("\\operatorname{{sign}}\\left({argument}\\right)")
+            }
+            (Style::Latex, _) => format!("\\{name}\\left({argument}\\right)"),
+        }
+    }
+
+    /// An operand; `guarded` puts a negative number in parentheses.
+    fn operand(&self, operand: Operand, guarded: bool) -> String {
+        match operand {
+            Operand::Value(index) => match self.program.instructions.get(index) {
+                Some(instruction) => self.letters(&instruction.name),
+                None => "?".to_owned(),
+            },
+            Operand::Input(array, index) => match self.program.inputs.get(array) {
+                Some(input) => self.indexed(&input.name, index + 1),
+                None => "?".to_owned(),
+            },
+            Operand::Parameter(index) => self
+                .notation
+                .parameters
+                .get(index)
+                .map_or_else(|| "?".to_owned(), |name| self.letters(name)),
+            Operand::Constant(number) if guarded && number.is_sign_negative() => {
+                format!("({})", self.number(number))
+            }
+            Operand::Constant(number) => self.number(number),
+        }
+    }
+
+    fn number(&self, number: f64) -> String {
+        let shortest = format!("{number:?}");
+        let shortest = shortest.strip_suffix(".0").unwrap_or(&shortest);
+        let Some((digits, exponent)) = shortest.split_once('e') else {
+            return shortest.replace('-', self.minus());
+        };
+        let digits = digits.replace('-', self.minus());
+        match self.style {
+            Style::Text => format!("{digits}·10{}", superscript(exponent)),
+            Style::Latex => format!("{digits} \\cdot 10^{{{exponent}}}"),
+        }
+    }
+
+    /// Entry of an input array, counted from 1.
+    fn indexed(&self, array: &str, index: usize) -> String {
+        let (text, latex) = match array {
+            "v" => ("ẏ", "\\dot{y}"),
+            "a" => ("ÿ", "\\ddot{y}"),
+            other => return self.letters(&format!("{other}_{index}")),
+        };
+        match self.style {
+            Style::Text => format!(
+                "{text}{}",
+                subscript(&index.to_string()).unwrap_or_default()
+            ),
+            Style::Latex => format!("{latex}_{{{index}}}"),
+        }
+    }
+
+    /// A name as letters: `beta_2` is β₂, `s12` is s₁₂.
+    fn letters(&self, name: &str) -> String {
+        let stem_end = name
+            .find(|c: char| c == '_' || c.is_ascii_digit())
+            .unwrap_or(name.len());
+        let (stem, index) = name.split_at(stem_end);
+        let index = index.trim_matches('_');
+        match self.style {
+            _ if stem.is_empty() => name.to_owned(),
+            Style::Text => match subscript(index) {
+                Some(index) => format!("{}{index}", greek(stem)),
+                None => name.to_owned(),
+            },
+            Style::Latex => latex_subscript(&latex_letter(stem), &index.replace('_', ",")),
+        }
+    }
+
+    fn rows(&self, output: &Output) -> Vec<Vec<String>> {
+        let entries: Vec<String> = output
+            .entries
+            .iter()
+            .map(|&entry| self.operand(entry, false))
+            .collect();
+        let columns = match output.shape {
+            Shape::Matrix(_, columns) => columns.max(1),
+            Shape::Scalar | Shape::Vector(_) => 1,
+        };
+        entries.chunks(columns).map(<[String]>::to_vec).collect()
+    }
+
+    fn text_result(&self, output: &Output) -> String {
+        let rows = self.rows(output);
+        let name = self.letters(&output.name);
+        if output.shape == Shape::Scalar {
+            return format!("\n  {name} = {}\n", rows.concat().concat());
+        }
+        let width = |column: usize| {
+            rows.iter()
+                .filter_map(|row| Some(row.get(column)?.chars().count()))
+                .max()
+                .unwrap_or(0)
+        };
+        let lines = rows.iter().enumerate().map(|(i, row)| {
+            let cells = row
+                .iter()
+                .enumerate()
+                .map(|(column, cell)| format!("{}{cell}", space(width(column), cell)));
+            let head = if i == 0 {
+                format!("{name} = ")
+            } else {
+                " ".repeat(name.chars().count() + 3)
+            };
+            format!("  {head}[ {} ]\n", cells.collect::<Vec<_>>().join("  "))
+        });
+        format!("\n{}", lines.collect::<String>())
+    }
+
+    fn latex_result(&self, output: &Output) -> String {
+        let rows = self.rows(output);
+        let name = self.letters(&output.name);
+        if output.shape == Shape::Scalar {
+            return format!("  {name} &= {}", rows.concat().concat());
+        }
+        let rows: Vec<String> = rows.iter().map(|row| row.join(" & ")).collect();
+        format!(
+            "  {name} &= \\begin{{bmatrix}} {} \\end{{bmatrix}}",
+            rows.join(" \\\\ ")
+        )
+    }
+}
+
+fn space(width: usize, text: &str) -> String {
+    " ".repeat(width.saturating_sub(text.chars().count()))
+}
+
+/// The letter of a Greek name; other words stay.
+fn greek(stem: &str) -> String {
+    greek_letter(stem).map_or_else(|| stem.to_owned(), String::from)
+}
+
+fn latex_letter(stem: &str) -> String {
+    match greek_letter(stem) {
+        // LaTeX has no command for the letter that looks like an o.
+        Some('ο') => "o".to_owned(),
+        Some(_) => format!("\\{stem}"),
+        None if stem.chars().count() == 1 => stem.to_owned(),
+        None => format!("\\mathrm{{{stem}}}"),
+    }
+}
+
+fn latex_subscript(stem: &str, index: &str) -> String {
+    let is_word = index.chars().filter(|c| c.is_alphabetic()).count() > 1;
+    match index {
+        "" => stem.to_owned(),
+        word if is_word => format!("{stem}_{{\\mathrm{{{word}}}}}"),
+        index => format!("{stem}_{{{index}}}"),
+    }
+}
+
+/// Digits as subscripts, `_` as a comma; `None` where a letter has no subscript.
+fn subscript(index: &str) -> Option<String> {
+    let letter = |c: char| match c {
+        '0'..='9' => char::from_u32(u32::from('₀') + (u32::from(c) - u32::from('0'))),
+        '_' => Some(','),
+        _ => None,
+    };
+    index.chars().map(letter).collect()
+}
+
+fn superscript(exponent: &str) -> String {
+    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let letter = |c: char| {
+        c.to_digit(10)
+            .and_then(|digit| DIGITS.get(digit as usize).copied())
+            .unwrap_or('⁻')
+    };
+    exponent.chars().map(letter).collect()
+}

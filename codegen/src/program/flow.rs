@@ -1,0 +1,90 @@
+//! Which values of a program are read, and where they are made.
+
+use super::{Operand, Operation, Program};
+
+/// Facts about the values of a program.
+#[derive(Debug)]
+pub(crate) struct Flow {
+    /// Whether a result depends on the value and reads it by name.
+    pub(crate) is_read: Vec<bool>,
+    /// For a `SinCos`: the value that stands for its cosine, where that is read.
+    pub(crate) cosine: Vec<Option<usize>>,
+    /// Index of the instruction whose statement makes the value: for a cosine that of its `SinCos`.
+    pub(crate) made_at: Vec<usize>,
+}
+
+impl Flow {
+    pub(crate) fn new(program: &Program) -> Self {
+        let len = program.instructions.len();
+        let made_at = (0..len)
+            .map(|index| match program.instructions[index].operation {
+                Operation::CosineOf(pair) => pair,
+                _ => index,
+            })
+            .collect();
+        let mut flow = Self {
+            is_read: vec![false; len],
+            cosine: vec![None; len],
+            made_at,
+        };
+        program
+            .outputs
+            .iter()
+            .flat_map(|output| &output.entries)
+            .for_each(|&entry| flow.read(entry));
+        for index in (0..len).rev() {
+            flow.visit(index, program.instructions[index].operation);
+        }
+        flow
+    }
+
+    fn visit(&mut self, index: usize, operation: Operation) {
+        if let Operation::CosineOf(pair) = operation {
+            // The first cosine of a pair names it; the pass runs backwards, so the first one comes last.
+            if self.is_read[index] && pair < self.cosine.len() {
+                self.cosine[pair] = Some(index);
+            }
+        } else if self.is_made(index) {
+            operands(operation).for_each(|operand| self.read(operand));
+        }
+    }
+
+    fn read(&mut self, operand: Operand) {
+        if let Operand::Value(index) = operand
+            && let Some(is_read) = self.is_read.get_mut(index)
+        {
+            *is_read = true;
+        }
+    }
+
+    /// Whether the statement of this instruction is needed.
+    pub(crate) fn is_made(&self, index: usize) -> bool {
+        self.is_read[index] || self.cosine[index].is_some()
+    }
+
+    /// The value that stands for `index`: a second cosine of a pair is the first one.
+    pub(crate) fn canonical(&self, index: usize) -> usize {
+        let pair = self.made_at[index];
+        if pair == index {
+            index
+        } else {
+            self.cosine.get(pair).copied().flatten().unwrap_or(index)
+        }
+    }
+}
+
+/// What an operation reads; the pair of a `CosineOf` is none of it.
+pub(crate) fn operands(operation: Operation) -> impl Iterator<Item = Operand> {
+    let operands = match operation {
+        Operation::Add(a, b)
+        | Operation::Subtract(a, b)
+        | Operation::Multiply(a, b)
+        | Operation::Divide(a, b) => [Some(a), Some(b), None],
+        Operation::MultiplyAdd(a, b, c) => [Some(a), Some(b), Some(c)],
+        Operation::Negate(a) | Operation::SinCos(a) | Operation::Call(_, a) => {
+            [Some(a), None, None]
+        }
+        Operation::CosineOf(_) => [None, None, None],
+    };
+    operands.into_iter().flatten()
+}

@@ -1,0 +1,182 @@
+//! Runs a program without a compiler: the oracle that the emitted code is compared with, bit for bit.
+//!
+//! Interpreter and compiled function do the same operations in the same order with the same [`Functions`]; each is
+//! rounded once, so that they agree in every bit. Only the sign and payload of a NaN are left open by IEEE 754.
+
+use core::fmt;
+
+use super::{Operand, Operation, Program};
+use crate::formula::Function;
+
+/// The functions of one argument that programs call.
+#[derive(Debug, Clone, Copy)]
+pub struct Functions {
+    /// Sine and cosine of an angle in radians.
+    pub sin_cos: fn(f64) -> (f64, f64),
+    /// Hyperbolic tangent.
+    pub tanh: fn(f64) -> f64,
+    /// Natural exponential.
+    pub exp: fn(f64) -> f64,
+}
+
+impl Functions {
+    /// The methods of std, as emitted with [`crate::emit::Math::Std`].
+    pub const STD: Self = Self {
+        sin_cos: f64::sin_cos,
+        tanh: f64::tanh,
+        exp: f64::exp,
+    };
+}
+
+/// Why a program could not be run.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum InterpretError {
+    /// The number of input arrays differs: expected, given.
+    InputCount(usize, usize),
+    /// An input array has the wrong length: its name, expected, given.
+    InputLength(String, usize, usize),
+    /// The operation at this instruction reads what does not exist: a later value, an entry or parameter out of range.
+    Operand(usize),
+}
+
+impl fmt::Display for InterpretError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::InputCount(expected, given) => write!(
+                f,
+                "the program takes {expected} input arrays, given {given}"
+            ),
+            Self::InputLength(name, expected, given) => {
+                write!(f, "input `{name}` has {expected} entries, given {given}")
+            }
+            Self::Operand(index) => {
+                write!(f, "instruction {index} reads a value that does not exist")
+            }
+        }
+    }
+}
+
+impl core::error::Error for InterpretError {}
+
+/// Evaluates `program`; each result is returned flat, rows first.
+///
+/// # Errors
+/// [`InterpretError`] where inputs do not fit the program or an operand does not exist.
+pub fn interpret(
+    program: &Program,
+    inputs: &[&[f64]],
+    parameters: &[f64],
+    functions: &Functions,
+) -> Result<Vec<Vec<f64>>, InterpretError> {
+    check_inputs(program, inputs)?;
+    let mut state = State {
+        inputs,
+        parameters,
+        values: Vec::with_capacity(program.instructions.len()),
+        cosines: vec![],
+    };
+    for (index, instruction) in program.instructions.iter().enumerate() {
+        let value = state
+            .evaluate(index, instruction.operation, functions)
+            .ok_or(InterpretError::Operand(index))?;
+        state.values.push(value);
+    }
+    let end = program.instructions.len();
+    let output = |entries: &[Operand]| {
+        entries
+            .iter()
+            .map(|&entry| state.read(entry))
+            .collect::<Option<Vec<f64>>>()
+    };
+    program
+        .outputs
+        .iter()
+        .map(|o| output(&o.entries).ok_or(InterpretError::Operand(end)))
+        .collect()
+}
+
+fn check_inputs(program: &Program, inputs: &[&[f64]]) -> Result<(), InterpretError> {
+    if program.inputs.len() != inputs.len() {
+        return Err(InterpretError::InputCount(
+            program.inputs.len(),
+            inputs.len(),
+        ));
+    }
+    match program
+        .inputs
+        .iter()
+        .zip(inputs)
+        .find(|(array, given)| array.len != given.len())
+    {
+        Some((array, given)) => Err(InterpretError::InputLength(
+            array.name.clone(),
+            array.len,
+            given.len(),
+        )),
+        None => Ok(()),
+    }
+}
+
+struct State<'a> {
+    inputs: &'a [&'a [f64]],
+    parameters: &'a [f64],
+    values: Vec<f64>,
+    /// Cosines made beside a sine: index of its `SinCos`, value; in ascending order.
+    cosines: Vec<(usize, f64)>,
+}
+
+impl State<'_> {
+    fn read(&self, operand: Operand) -> Option<f64> {
+        match operand {
+            Operand::Value(index) => self.values.get(index).copied(),
+            Operand::Input(array, index) => self.inputs.get(array)?.get(index).copied(),
+            Operand::Parameter(index) => self.parameters.get(index).copied(),
+            Operand::Constant(number) => Some(number),
+        }
+    }
+
+    fn evaluate(
+        &mut self,
+        index: usize,
+        operation: Operation,
+        functions: &Functions,
+    ) -> Option<f64> {
+        Some(match operation {
+            Operation::Add(a, b) => self.read(a)? + self.read(b)?,
+            Operation::Subtract(a, b) => self.read(a)? - self.read(b)?,
+            Operation::Multiply(a, b) => self.read(a)? * self.read(b)?,
+            Operation::Divide(a, b) => self.read(a)? / self.read(b)?,
+            Operation::Negate(a) => -self.read(a)?,
+            Operation::MultiplyAdd(a, b, c) => self.read(a)?.mul_add(self.read(b)?, self.read(c)?),
+            Operation::SinCos(a) => {
+                let (sine, cosine) = (functions.sin_cos)(self.read(a)?);
+                self.cosines.push((index, cosine));
+                sine
+            }
+            Operation::CosineOf(pair) => {
+                let place = self
+                    .cosines
+                    .binary_search_by_key(&pair, |&(index, _)| index)
+                    .ok()?;
+                self.cosines[place].1
+            }
+            Operation::Call(function, a) => call(function, self.read(a)?, functions),
+        })
+    }
+}
+
+fn call(function: Function, x: f64, functions: &Functions) -> f64 {
+    match function {
+        Function::Sin => (functions.sin_cos)(x).0,
+        Function::Cos => (functions.sin_cos)(x).1,
+        Function::Tanh => (functions.tanh)(x),
+        Function::Exp => (functions.exp)(x),
+        Function::Abs => x.abs(),
+        Function::Sign => sign(x),
+    }
+}
+
+/// −1, 0 or 1; 0 for both zeros, NaN for NaN. Emitted code holds the same lines.
+fn sign(x: f64) -> f64 {
+    if x == 0.0 { 0.0 } else { x.signum() }
+}

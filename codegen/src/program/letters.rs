@@ -1,0 +1,55 @@
+//! Greek letters and their names.
+
+/// Greek letters by name: what a formula may call `ω` is `omega` in code.
+const GREEK: [(char, &str); 34] = [
+    ('α', "alpha"),
+    ('β', "beta"),
+    ('γ', "gamma"),
+    ('δ', "delta"),
+    ('ε', "epsilon"),
+    ('ζ', "zeta"),
+    ('η', "eta"),
+    ('θ', "theta"),
+    ('ι', "iota"),
+    ('κ', "kappa"),
+    ('λ', "lambda"),
+    ('μ', "mu"),
+    ('ν', "nu"),
+    ('ξ', "xi"),
+    ('ο', "omicron"),
+    ('π', "pi"),
+    ('ρ', "rho"),
+    ('σ', "sigma"),
+    ('τ', "tau"),
+    ('υ', "upsilon"),
+    ('φ', "phi"),
+    ('χ', "chi"),
+    ('ψ', "psi"),
+    ('ω', "omega"),
+    ('Γ', "Gamma"),
+    ('Δ', "Delta"),
+    ('Θ', "Theta"),
+    ('Λ', "Lambda"),
+    ('Ξ', "Xi"),
+    ('Π', "Pi"),
+    ('Σ', "Sigma"),
+    ('Φ', "Phi"),
+    ('Ψ', "Psi"),
+    ('Ω', "Omega"),
+];
+
+/// The name of a Greek letter.
+pub(crate) fn greek_name(letter: char) -> Option<&'static str> {
+    GREEK
+        .iter()
+        .find(|(greek, _)| *greek == letter)
+        .map(|&(_, word)| word)
+}
+
+/// The Greek letter of a name.
+pub(crate) fn greek_letter(name: &str) -> Option<char> {
+    GREEK
+        .iter()
+        .find(|(_, word)| *word == name)
+        .map(|&(letter, _)| letter)
+}

@@ -1,0 +1,117 @@
+//! The program `gelenk` from outside: help, messages, exit codes.
+#![cfg(feature = "cli")]
+#![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn gelenk(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_gelenk"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap()
+}
+
+fn shown(output: &Output) -> String {
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    format!(
+        "exit {}\n--- stdout\n{}--- stderr\n{}",
+        output.status.code().unwrap(),
+        text(&output.stdout),
+        text(&output.stderr)
+    )
+}
+
+#[test]
+fn help_of_all_commands() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, arguments) in [
+        ("help", vec!["--help"]),
+        ("help_generate", vec!["generate", "--help"]),
+        ("help_check", vec!["check", "--help"]),
+        ("help_inspect", vec!["inspect", "--help"]),
+    ] {
+        insta::assert_snapshot!(name, shown(&gelenk(folder.path(), &arguments)));
+    }
+}
+
+#[test]
+fn wrong_command_lines_end_with_2() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, arguments) in [
+        ("unknown_command", vec!["generat"]),
+        (
+            "unknown_option",
+            vec!["generate", "arm.urdf", "--snap-angle", "1"],
+        ),
+        (
+            "large_angle",
+            vec!["generate", "arm.urdf", "--snap-angles", "1"],
+        ),
+        ("no_workspace", vec!["generate"]),
+        ("output_of_nothing", vec!["generate", "--output", "a.rs"]),
+        (
+            "latex_of_counts",
+            vec!["inspect", "counts", "arm.urdf", "--latex"],
+        ),
+    ] {
+        let output = gelenk(folder.path(), &arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        insta::assert_snapshot!(name, shown(&output));
+    }
+}
+
+#[test]
+fn a_missing_description_ends_with_1_and_writes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = gelenk(folder.path(), &["generate", "none.toml"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("none.toml"));
+    assert!(output.stdout.is_empty());
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn diagnostics_as_json() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = gelenk(
+        folder.path(),
+        &["generate", "none.toml", "--format", "json"],
+    );
+    assert_eq!(output.status.code(), Some(1));
+    let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(value["diagnostics"][0]["severity"], "error");
+}
+
+#[test]
+fn closed_forms_say_what_they_need() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = gelenk(
+        folder.path(),
+        &["inspect", "program", "arm.urdf", "--closed-form"],
+    );
+    insta::assert_snapshot!(shown(&output));
+}
+
+#[test]
+fn a_closed_pipe_is_no_panic() {
+    use std::io::Read;
+    use std::process::Stdio;
+    let mut child = Command::new(env!("CARGO_BIN_EXE_gelenk"))
+        .args(["generate", "none.toml", "--format", "json"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let mut stderr = String::new();
+    child
+        .stderr
+        .take()
+        .unwrap()
+        .read_to_string(&mut stderr)
+        .unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(1));
+    assert_eq!(stderr, "");
+}

@@ -1,0 +1,240 @@
+//! The emitted text is what it should be, compiles without a warning, and computes what the interpreter computes.
+#![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
+#![allow(
+    clippy::approx_constant,
+    reason = "numbers that look like constants are what is tested"
+)]
+
+mod common;
+
+use std::fs;
+use std::process::Command;
+
+use common::{chain, every_operation, mass_matrix, parameter, powercube, rustc, synthetic};
+use gelenk_codegen::dynamics::function::Function;
+use gelenk_codegen::emit::{self, EmitOptions, Scalar};
+use gelenk_codegen::model::{JointKind, Model};
+use gelenk_codegen::program::Operand;
+use gelenk_codegen::program::interpret::{Functions, interpret};
+
+const STRICT: &str = "#![deny(warnings, missing_docs, clippy::all, nonstandard_style, future_incompatible)]\n//! Test.\n";
+
+fn emit_with(
+    model: &Model,
+    functions: &[Function],
+    change: impl FnOnce(&mut EmitOptions),
+) -> String {
+    let command = format!("gelenk generate models/{}.toml", model.name);
+    let mut options = EmitOptions {
+        command,
+        ..EmitOptions::default()
+    };
+    change(&mut options);
+    emit::module(model, functions, &options).text
+}
+
+/// Compiles alone and through `include!` in a crate that denies all warnings; clippy too, where there is one.
+fn assert_compiles(name: &str, text: &str) {
+    let folder = tempfile::tempdir().unwrap();
+    rustc(
+        folder.path(),
+        name,
+        text,
+        &[
+            "--crate-type",
+            "lib",
+            "--emit",
+            "metadata",
+            "-D",
+            "warnings",
+        ],
+    )
+    .unwrap();
+    let outer = format!("{STRICT}/// Robot.\npub mod robot {{ include!(\"{name}.rs\"); }}\n");
+    let arguments = ["--crate-type", "lib", "--emit", "metadata"];
+    rustc(folder.path(), "outer", &outer, &arguments).unwrap();
+    match common::clippy(folder.path(), "outer", &outer, &arguments) {
+        Some(result) => result.unwrap(),
+        None => eprintln!("skipped: no clippy-driver"),
+    }
+}
+
+#[test]
+fn powercube_module() {
+    let text = emit_with(&powercube(), &[mass_matrix()], |_| {});
+    insta::assert_snapshot!(text);
+    assert_compiles("powercube", &text);
+}
+
+#[test]
+fn every_operation_in_both_scalars() {
+    let mut model = chain(
+        "pair",
+        &[("a", JointKind::Revolute), ("b", JointKind::Prismatic)],
+    );
+    model.parameters = vec![
+        parameter("m1", 2.5, "kg", "Mass of the first link."),
+        parameter("J_R", 3.1416, "", ""),
+    ];
+    let mut function = every_operation();
+    function.program.outputs[0].entries = vec![Operand::Value(17)];
+    for (scalar, name) in [(Scalar::F64, "f64"), (Scalar::F32, "f32")] {
+        let text = emit_with(&model, &[function.clone()], |options| {
+            options.scalar = scalar
+        });
+        insta::assert_snapshot!(name, text);
+        assert_compiles("pair", &text);
+    }
+}
+
+#[test]
+fn a_long_function_is_split() {
+    let text = emit_with(&powercube(), &[mass_matrix()], |options| {
+        options.longest_function = 2
+    });
+    insta::assert_snapshot!(text.split_once("/// Mass matrix").unwrap().1);
+    assert_compiles("powercube", &text);
+}
+
+/// Runs `function` of the module on all samples in one process; the results' bits, flat.
+fn run_compiled(text: &str, function: &str, samples: &[Vec<Vec<f64>>]) -> Vec<Vec<u64>> {
+    let folder = tempfile::tempdir().unwrap();
+    let mut main = String::from("mod robot { include!(\"robot.rs\"); }\nfn main() {\n");
+    for (i, sample) in samples.iter().enumerate() {
+        let arrays: Vec<String> = sample
+            .iter()
+            .map(|array| {
+                let entries: Vec<String> = array
+                    .iter()
+                    .map(|x| format!("f64::from_bits({})", x.to_bits()))
+                    .collect();
+                format!("&std::hint::black_box([{}])", entries.join(", "))
+            })
+            .collect();
+        main.push_str(&format!(
+            "    let r{i} = robot::{function}({});\n    print(&r{i});\n",
+            arrays.join(", ")
+        ));
+    }
+    main.push_str("}\nfn print<T>(value: &T) {\n    let n = size_of::<T>() / 8;\n");
+    main.push_str("    let bits = unsafe { core::slice::from_raw_parts((value as *const T).cast::<u64>(), n) };\n");
+    main.push_str("    println!(\"{bits:?}\");\n}\n");
+    fs::write(folder.path().join("robot.rs"), text).unwrap();
+    rustc(folder.path(), "main", &main, &["-O", "-A", "warnings"]).unwrap();
+    let output = Command::new(folder.path().join("main")).output().unwrap();
+    let lines = String::from_utf8(output.stdout).unwrap();
+    let parse = |line: &str| {
+        line.trim_matches(['[', ']'])
+            .split(", ")
+            .map(|bits| bits.parse().unwrap())
+            .collect::<Vec<u64>>()
+    };
+    lines.lines().map(parse).collect()
+}
+
+/// IEEE 754 leaves sign and payload of a NaN open; all other values must agree in every bit.
+fn assert_same_bits(interpreted: &[f64], compiled: &[u64]) {
+    assert_eq!(interpreted.len(), compiled.len());
+    for (&a, &b) in interpreted.iter().zip(compiled) {
+        assert!(
+            a.to_bits() == b || (a.is_nan() && f64::from_bits(b).is_nan()),
+            "{a:?} and {:?}",
+            f64::from_bits(b)
+        );
+    }
+}
+
+fn assert_interpreter_agrees(
+    model: &Model,
+    function: &Function,
+    longest: usize,
+    samples: &[Vec<Vec<f64>>],
+) {
+    let text = emit_with(model, std::slice::from_ref(function), |options| {
+        options.longest_function = longest
+    });
+    let compiled = run_compiled(&text, &function.name, samples);
+    assert_eq!(compiled.len(), samples.len());
+    for (sample, bits) in samples.iter().zip(compiled) {
+        let inputs: Vec<&[f64]> = sample.iter().map(Vec::as_slice).collect();
+        let results = interpret(&function.program, &inputs, &[], &Functions::STD).unwrap();
+        assert_same_bits(&results.concat(), &bits);
+    }
+}
+
+#[test]
+fn interpreter_and_compiled_code_agree_in_every_bit() {
+    let model = chain(
+        "pair",
+        &[("a", JointKind::Revolute), ("b", JointKind::Prismatic)],
+    );
+    let special = [0.0, -0.0, f64::NAN, f64::INFINITY, -1.5, 1e-310, 3.0, 1e300];
+    let samples: Vec<Vec<Vec<f64>>> = special
+        .iter()
+        .flat_map(|&a| {
+            special
+                .iter()
+                .map(move |&b| vec![vec![a, b], vec![0.0, 0.0]])
+        })
+        .collect();
+    assert_interpreter_agrees(&model, &every_operation(), usize::MAX, &samples);
+}
+
+#[test]
+fn a_split_function_keeps_every_bit() {
+    let joints = ["a", "b", "c", "d", "e", "f"].map(|name| (name, JointKind::Revolute));
+    let model = chain("six", &joints);
+    let mut random = common::Random(7);
+    let samples: Vec<Vec<Vec<f64>>> = (0..20)
+        .map(|_| {
+            (0..3)
+                .map(|_| (0..6).map(|_| random.number()).collect())
+                .collect()
+        })
+        .collect();
+    for (seed, longest) in [(1, usize::MAX), (1, 97), (2, 300)] {
+        assert_interpreter_agrees(&model, &synthetic(1500, seed), longest, &samples);
+    }
+}
+
+#[test]
+fn no_text_of_a_description_becomes_code() {
+    let evil =
+        "*/ \"; panic!(); /* } \\ \r\n\u{202e} [x] <b> ` #![feature(x)] 'ü' {} // https://e.org";
+    let mut model = chain(
+        "fn",
+        &[(evil, JointKind::Revolute), ("β", JointKind::Revolute)],
+    );
+    model.description = vec![evil.into(), "- list".into(), "1. list".into()];
+    model.parameters = vec![
+        parameter(evil, 1.0, evil, evil),
+        parameter("p", 1.0, "", "- a"),
+        parameter("p", 0.0, "", ""),
+    ];
+    let mut function = mass_matrix();
+    function.name = "a b".into();
+    function.summary = evil.into();
+    function.equation = evil.into();
+    function.arguments = vec![evil.into()];
+    function.results = vec![evil.into()];
+    function.notes = vec![evil.into()];
+    function.program.inputs[0].name = "p".into();
+    for (instruction, name) in function
+        .program
+        .instructions
+        .iter_mut()
+        .zip(["sin_cos", evil, "fn", "p", "M", "y"])
+    {
+        instruction.name = name.into();
+    }
+    function.program.outputs[0].name = evil.into();
+    let text = emit_with(&model, &[function], |options| options.command = evil.into());
+    insta::assert_snapshot!(text);
+    assert_compiles("evil", &text);
+}
+
+#[test]
+fn same_arguments_give_the_same_bytes() {
+    let emit = || emit_with(&powercube(), &[mass_matrix(), every_operation()], |_| {});
+    assert_eq!(emit(), emit());
+}
