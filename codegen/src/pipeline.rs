@@ -65,7 +65,11 @@ fn read(
         snap_angles: options.snap_angles,
         no_friction: options.no_friction,
     };
-    let Loaded { model, notes, files } = model::read(description, &options)?;
+    let Loaded {
+        model,
+        notes,
+        files,
+    } = model::read(description, &options)?;
     Ok((model, notes, files))
 }
 

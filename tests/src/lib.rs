@@ -1,1 +1,103 @@
-//! Tests that cross crates.
+//! What the tests that cross crates share: reference data and evaluation of derived functions.
+
+use std::path::{Path, PathBuf};
+
+use gelenk_codegen::dynamics::function::Function;
+use gelenk_codegen::model::Model;
+use gelenk_codegen::pipeline::{GenerateOptions, Generated, generate};
+use gelenk_codegen::program::interpret::{Functions, interpret};
+
+/// The root of the workspace.
+pub fn workspace() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .map(Path::to_owned)
+        .unwrap_or_default()
+}
+
+/// The folder of reference data: `GELENK_SHARED`, or `../shared` beside the workspace; `None`, with a printed note,
+/// where there is none.
+pub fn shared() -> Option<PathBuf> {
+    let folder = match std::env::var_os("GELENK_SHARED") {
+        Some(folder) => PathBuf::from(folder),
+        None => workspace().parent()?.join("shared"),
+    };
+    if folder.join("reference").is_dir() {
+        return Some(folder);
+    }
+    println!("skipped: no reference data at {}", folder.display());
+    None
+}
+
+/// A robot with its functions, evaluated by the interpreter.
+pub struct Robot {
+    /// The model.
+    pub model: Model,
+    functions: Vec<Function>,
+}
+
+impl Robot {
+    /// Derives all functions of a description.
+    pub fn derive(description: &Path, options: &GenerateOptions) -> Self {
+        let Generated {
+            model, functions, ..
+        } = generate(description, options).unwrap_or_else(|problems| panic!("{problems}"));
+        Self { model, functions }
+    }
+
+    /// Derives selected functions of a model.
+    pub fn of_model(model: Model, selection: &[&str]) -> Self {
+        let selection: Vec<String> = selection.iter().map(|name| (*name).to_owned()).collect();
+        let functions = gelenk_codegen::dynamics::catalogue::derive(&model, &selection)
+            .unwrap_or_else(|problems| panic!("{problems}"));
+        Self { model, functions }
+    }
+
+    /// Its functions.
+    pub fn functions(&self) -> &[Function] {
+        &self.functions
+    }
+
+    /// A function by name.
+    pub fn function(&self, name: &str) -> &Function {
+        let found = self.functions.iter().find(|function| function.name == name);
+        found.unwrap_or_else(|| panic!("no function {name}"))
+    }
+
+    /// The results of a function, each flattened rows first.
+    pub fn call(&self, name: &str, inputs: &[&[f64]]) -> Vec<Vec<f64>> {
+        let parameters: Vec<f64> = self
+            .model
+            .parameters
+            .iter()
+            .map(|parameter| parameter.default)
+            .collect();
+        interpret(
+            &self.function(name).program,
+            inputs,
+            &parameters,
+            &Functions::STD,
+        )
+        .unwrap_or_else(|problem| panic!("{name}: {problem}"))
+    }
+
+    /// The first result of a function.
+    pub fn first(&self, name: &str, inputs: &[&[f64]]) -> Vec<f64> {
+        self.call(name, inputs).swap_remove(0)
+    }
+}
+
+/// Largest difference between two arrays, relative to the largest entry of the second.
+pub fn relative_error(found: &[f64], expected: &[f64]) -> f64 {
+    assert_eq!(found.len(), expected.len(), "arrays differ in length");
+    let scale = expected
+        .iter()
+        .fold(0.0, |largest: f64, x| largest.max(x.abs()));
+    let difference = found.iter().zip(expected).map(|(a, b)| (a - b).abs());
+    // `max` would drop a NaN.
+    let worst = difference.fold(
+        0.0,
+        |largest: f64, x| if x <= largest { largest } else { x },
+    );
+    if scale == 0.0 { worst } else { worst / scale }
+}

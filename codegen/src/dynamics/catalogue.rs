@@ -287,7 +287,7 @@ pub const QUANTITIES: &[Quantity] = &[
         arguments: &[Coordinates],
         results: &[(
             "V",
-            "energy [J], zero with all masses at the origin of the base frame; springs not included",
+            "energy [J], of the moving bodies, zero with their masses at the height of the base frame; springs not included",
         )],
         notes: &[],
         build: |equations, arguments| vec![scalar(equations.potential_energy(&arguments.y))],

@@ -235,7 +235,7 @@ fn add_rotors<'g>(
     }
 }
 
-/// First moment of all masses, the base's among them, in the base frame [kg m]. The mechanism is in metres.
+/// First moment of all moving masses in the base frame [kg m]. The mechanism is in metres.
 pub fn first_moment<'g>(
     mechanism: &Mechanism<'g>,
     formulation: &Formulation,

@@ -232,7 +232,7 @@ impl<'g> Equations<'_, 'g> {
         dot(self.graph, &momentum, v) * 0.5
     }
 
-    /// `−g · Σ m c` over all bodies, the base among them.
+    /// `−g · Σ m c` over the moving bodies.
     pub fn potential_energy(&self, y: &[Scalar<'g>]) -> Scalar<'g> {
         let plain = Formulation::plain(self.model.coordinates.len());
         let choices = vec![RegroupChoice::Massless; plain.bodies.len()];

@@ -1,7 +1,7 @@
 //! The ways in which the same equations can be written, and the search for the cheapest.
 
 use crate::graph::{Graph, Scalar};
-use crate::kinematics::{JointAxis, Mechanism, RegroupChoice};
+use crate::kinematics::{JointAxis, Mechanism, RegroupChoice, SHORTEST_LEVER};
 use crate::model::Model;
 
 /// How the acceleration of the points of a body is found.
@@ -241,7 +241,9 @@ impl SearchSpace {
                 is_leaf: revolute && children[index].is_empty(),
                 balances: revolute
                     && body.parent.is_some()
-                    && body.translation[0].value().is_some_and(|px| px != 0.0),
+                    && body.translation[0]
+                        .value()
+                        .is_some_and(|px| px.abs() >= SHORTEST_LEVER),
                 parent: body.parent,
                 own_lengths: if all_revolute(&mechanism) {
                     own_lengths(&mechanism, index, &children[index])
@@ -298,7 +300,9 @@ fn own_lengths(mechanism: &Mechanism<'_>, body: usize, children: &[usize]) -> Ve
 }
 
 fn nonzero_length(x: Scalar<'_>) -> Option<f64> {
-    x.value().map(f64::abs).filter(|length| *length > 0.0)
+    x.value()
+        .map(f64::abs)
+        .filter(|length| *length >= SHORTEST_LEVER)
 }
 
 /// Formulations are compared by this many visited nodes at most, so that generating stays quick.

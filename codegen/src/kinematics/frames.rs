@@ -15,6 +15,10 @@ use crate::model::{self, JointKind, Model, RotorCoupling};
 /// Axes whose cross product is shorter are parallel; constants that small are rounding.
 const PARALLEL: f64 = 1e-12;
 
+/// Axes with a smaller sine between them have their common normal too far away: the moments of mass about a point
+/// there would lose digits (a vendor's 1.5708 for 90° puts it kilometres away).
+const NEARLY_PARALLEL: f64 = 1e-2;
+
 /// Lengths below this are rounding [m].
 const ROUNDING: f64 = 1e-14;
 
@@ -77,7 +81,7 @@ pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> 
                 .map(|formula| lower(graph, formula)),
         ),
         rotors: Vec::new(),
-        base_moments: tree.base_moments,
+        base_moments: super::inertia::MassMoments::zero(graph),
         links: links.collect(),
     };
     add_rotors(model, &mut mechanism);
@@ -175,7 +179,7 @@ fn normal_to_line<'g>(
 ) -> (Option<Numeric3<f64>>, Option<Scalar<'g>>) {
     let dot = |n: Numeric3<f64>| point[0] * n[0] + point[1] * n[1] + point[2] * n[2];
     let normal = a.cross(&b);
-    if normal.norm() > PARALLEL {
+    if normal.norm() > NEARLY_PARALLEL {
         let cosine = a.dot(&b);
         let along = (dot(a) - dot(b) * cosine) * (1.0 / normal.norm_squared());
         return (Some(tidy(normal)), Some(along));

@@ -241,6 +241,9 @@ fn second_only(moments: MassMoments<'_>) -> MassMoments<'_> {
     }
 }
 
+/// Balancing over a shorter lever [m] takes masses so large that digits are lost.
+pub const SHORTEST_LEVER: f64 = 1e-3;
+
 /// Shifts mass between a revolute joint's origin and its parent until the parent's h_x vanishes.
 fn balance_parent(bodies: &mut [Body<'_>], index: usize, parent: usize) {
     let translation = bodies[index].translation;
@@ -250,7 +253,7 @@ fn balance_parent(bodies: &mut [Body<'_>], index: usize, parent: usize) {
     ) else {
         return;
     };
-    if px == 0.0 || bodies[index].axis != JointAxis::Revolute {
+    if px.abs() < SHORTEST_LEVER || bodies[index].axis != JointAxis::Revolute {
         return;
     }
     let mass = translation[0].constant(-hx / px);

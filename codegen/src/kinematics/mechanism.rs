@@ -19,7 +19,7 @@ pub struct Mechanism<'g> {
     pub gravity: Vector3<'g>,
     /// Rotors that turn relative to the body that carries them.
     pub rotors: Vec<Rotor<'g>>,
-    /// Moments of the mass of the base and of all that is fixed to it, in the base frame.
+    /// Moments of moving mass that acts as if it were fixed to the base, in the base frame.
     pub base_moments: MassMoments<'g>,
     /// For every link of the model: the body that carries it (`None`: the base) and its pose in that body's frame.
     pub links: Vec<(Option<usize>, ScalarPose<'g>)>,

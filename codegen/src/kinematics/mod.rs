@@ -11,7 +11,7 @@ mod mechanism;
 mod pose;
 mod tree;
 
-pub use inertia::{MassMoments, RegroupChoice};
+pub use inertia::{MassMoments, RegroupChoice, SHORTEST_LEVER};
 pub use mechanism::{Angle, Body, JointAxis, Mechanism, Rotor, Twist};
 #[cfg(test)]
 pub use pose::exact_sin_cos;

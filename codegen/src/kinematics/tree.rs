@@ -11,8 +11,6 @@ pub struct DescribedTree<'g> {
     pub bodies: Vec<DescribedBody<'g>>,
     /// For every link: the body that carries it (`None`: the base) and its pose in that body's frame.
     pub links: Vec<(Option<usize>, ScalarPose<'g>)>,
-    /// Moments of what is fixed to the base, in the base frame.
-    pub base_moments: MassMoments<'g>,
 }
 
 /// A moving body as described.
@@ -34,7 +32,6 @@ pub fn moving_bodies<'g>(graph: &'g Graph, model: &Model) -> DescribedTree<'g> {
     let mut tree = DescribedTree {
         bodies: Vec::new(),
         links: vec![(None, ScalarPose::identity(graph))],
-        base_moments: MassMoments::zero(graph),
     };
     for (link, joint) in model
         .links
@@ -45,10 +42,9 @@ pub fn moving_bodies<'g>(graph: &'g Graph, model: &Model) -> DescribedTree<'g> {
         tree.attach(graph, link, joint);
     }
     for (link, &(body, pose)) in model.links.iter().zip(&tree.links) {
-        let moments = match body {
-            Some(index) => &mut tree.bodies[index].moments,
-            None => &mut tree.base_moments,
-        };
+        // What is fixed to the base never moves.
+        let Some(index) = body else { continue };
+        let moments = &mut tree.bodies[index].moments;
         for described in &link.bodies {
             *moments = *moments + MassMoments::of_body(graph, described).moved(&pose);
         }

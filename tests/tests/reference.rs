@@ -1,0 +1,302 @@
+//! Derived functions against values that nobody here computed: Pinocchio's and the published PowerCube model's.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use gelenk_codegen::pipeline::GenerateOptions;
+use gelenk_tests::{Robot, relative_error, shared, workspace};
+use serde_json::Value;
+
+/// Reads a reference file; `None` where the folder is absent.
+fn reference(name: &str) -> Option<Value> {
+    let path = shared()?.join("reference").join(name);
+    let text = std::fs::read_to_string(&path)
+        .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    Some(serde_json::from_str(&text).expect("reference files are JSON"))
+}
+
+/// All numbers below a value, in order: matrices rows first.
+fn numbers(value: &Value) -> Vec<f64> {
+    match value {
+        Value::Array(entries) => entries.iter().flat_map(numbers).collect(),
+        other => vec![other.as_f64().expect("a number")],
+    }
+}
+
+fn samples(reference: &Value) -> &[Value] {
+    reference["samples"].as_array().expect("samples")
+}
+
+/// One robot of the reference: its URDF as it is, the listed joints held, a frame at the last joint.
+fn reference_robot(name: &str, reference: &Value) -> Option<Robot> {
+    let urdf = shared()?
+        .join("reference/urdf")
+        .join(format!("{name}.urdf"));
+    let text = std::fs::read_to_string(&urdf).expect("the URDF of the reference");
+    let joint = reference["frame"].as_str().expect("frame");
+    let mut description = format!(
+        "name = \"{name}\"\nurdf = {:?}\nignore_mimic = true\n",
+        urdf.display().to_string()
+    );
+    for locked in reference["locked"].as_array().expect("locked") {
+        let _ = write!(description, "[[joints]]\nname = {locked}\nheld = 0\n");
+    }
+    let _ = write!(
+        description,
+        "[[frames]]\nname = \"last\"\nlink = {:?}\n",
+        child_link(&text, joint)
+    );
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("robot.toml");
+    std::fs::write(&path, description).expect("a file");
+    let options = GenerateOptions {
+        no_friction: true,
+        ..GenerateOptions::default()
+    };
+    Some(Robot::derive(&path, &options))
+}
+
+/// The link that a joint of a URDF moves.
+fn child_link(urdf: &str, joint: &str) -> String {
+    let from = urdf
+        .find(&format!("<joint name=\"{joint}\""))
+        .or_else(|| urdf.find(&format!("name=\"{joint}\"")));
+    let rest = &urdf[from.expect("the joint")..];
+    let child = &rest[rest.find("<child").expect("a child")..];
+    let name = &child[child.find("link=\"").expect("a link") + 6..];
+    name[..name.find('"').expect("a quote")].to_owned()
+}
+
+fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + b).collect()
+}
+
+fn negative(a: &[f64]) -> Vec<f64> {
+    a.iter().map(|a| -a).collect()
+}
+
+fn check(what: &str, found: &[f64], expected: &[f64], tolerance: f64) {
+    let error = relative_error(found, expected);
+
+    assert!(error <= tolerance, "{what}: relative error {error:e}");
+}
+
+fn agrees_with_pinocchio(name: &str) {
+    let Some(reference) = reference(&format!("{name}.json")) else {
+        return;
+    };
+    let Some(robot) = reference_robot(name, &reference) else {
+        return;
+    };
+    const TOLERANCE: f64 = 1e-9;
+    for sample in samples(&reference) {
+        let get = |key: &str| numbers(&sample[key]);
+        let (y, v, a, tau) = (get("y"), get("v"), get("a"), get("tau"));
+        let (c, g) = (get("c"), get("g"));
+        check(
+            "M",
+            &robot.first("mass_matrix", &[&y]),
+            &get("M"),
+            TOLERANCE,
+        );
+        check(
+            "c",
+            &robot.first("coriolis_forces", &[&y, &v]),
+            &c,
+            TOLERANCE,
+        );
+        check(
+            "g",
+            &robot.first("gravity_forces", &[&y]),
+            &negative(&g),
+            TOLERANCE,
+        );
+        check(
+            "q",
+            &robot.first("applied_forces", &[&y, &v]),
+            &negative(&g),
+            TOLERANCE,
+        );
+        check(
+            "nle",
+            &robot.first("bias_forces", &[&y, &v]),
+            &sum(&c, &g),
+            TOLERANCE,
+        );
+        check(
+            "id",
+            &robot.first("inverse_dynamics", &[&y, &v, &a]),
+            &get("id"),
+            TOLERANCE,
+        );
+        check(
+            "fd",
+            &robot.first("forward_dynamics", &[&y, &v, &tau]),
+            &get("fd"),
+            TOLERANCE,
+        );
+        check(
+            "kinetic",
+            &robot.first("kinetic_energy", &[&y, &v]),
+            &get("kinetic"),
+            TOLERANCE,
+        );
+        check(
+            "potential",
+            &robot.first("potential_energy", &[&y]),
+            &get("potential"),
+            TOLERANCE,
+        );
+        let all = robot.call("equations_of_motion", &[&y, &v]);
+        check("M of all", &all[0], &get("M"), TOLERANCE);
+        check("k of all", &all[1], &c, TOLERANCE);
+        check("q of all", &all[2], &negative(&g), TOLERANCE);
+        let pose = robot.call("frame_last_pose", &[&y]);
+        check("p", &pose[0], &get("p"), TOLERANCE);
+        check("R", &pose[1], &get("R"), TOLERANCE);
+        check(
+            "J",
+            &robot.first("frame_last_jacobian", &[&y]),
+            &get("J"),
+            TOLERANCE,
+        );
+    }
+}
+
+#[test]
+fn double_pendulum_agrees_with_pinocchio() {
+    agrees_with_pinocchio("double_pendulum");
+}
+
+#[test]
+fn ur5_agrees_with_pinocchio() {
+    agrees_with_pinocchio("ur5");
+}
+
+#[test]
+fn panda_agrees_with_pinocchio() {
+    agrees_with_pinocchio("panda");
+}
+
+#[test]
+fn baxter_agrees_with_pinocchio() {
+    agrees_with_pinocchio("baxter");
+}
+
+#[test]
+fn powercube_agrees_with_its_published_model() {
+    let Some(reference) = reference("powercube/dynamics.json") else {
+        return;
+    };
+    let robot = model("powercube");
+    const TOLERANCE: f64 = 1e-12;
+    for sample in samples(&reference) {
+        let get = |key: &str| numbers(&sample[key]);
+        let (y, v, u) = (get("y"), get("v"), get("u"));
+        let all = robot.call("equations_of_motion", &[&y, &v]);
+        check("M", &all[0], &get("M"), TOLERANCE);
+        check("k", &all[1], &get("k"), TOLERANCE);
+        check("q", &all[2], &get("q"), TOLERANCE);
+        check("B", &robot.first("input_matrix", &[]), &get("B"), TOLERANCE);
+        let acceleration = robot.first("forward_dynamics", &[&y, &v, &u]);
+        check(
+            "ẋ",
+            &[v.clone(), acceleration].concat(),
+            &get("xdot"),
+            TOLERANCE,
+        );
+    }
+}
+
+fn model(name: &str) -> Robot {
+    Robot::derive(
+        &workspace().join("models").join(format!("{name}.toml")),
+        &GenerateOptions::default(),
+    )
+}
+
+/// Puma 560 at qn (robotics-toolbox-python, tests/test_DHRobot.py, four decimals).
+#[test]
+fn puma560_agrees_with_its_published_tables() {
+    use std::f64::consts::{FRAC_PI_4, PI};
+    let robot = model("puma560");
+    let y = [0.0, FRAC_PI_4, PI, 0.0, FRAC_PI_4, 0.0];
+    let still = [0.0; 6];
+    let close = |found: &[f64], expected: &[f64], tolerance: f64| {
+        for (a, b) in found.iter().zip(expected) {
+            assert!((a - b).abs() <= tolerance, "{found:?} is not {expected:?}");
+        }
+    };
+    let rounding = 6e-5;
+    let gravity = robot.first("gravity_forces", &[&y]);
+    close(
+        &negative(&gravity),
+        &[0.0, 31.6399, 6.0351, 0.0, 0.0283, 0.0],
+        rounding,
+    );
+    let upper = [
+        (0, vec![3.6594, -0.4044, 0.1006, -0.0025, 0.0, 0.0]),
+        (1, vec![4.4137, 0.3509, 0.0, 0.0024, 0.0]),
+        (2, vec![0.9378, 0.0, 0.0015, 0.0]),
+        (3, vec![0.1925, 0.0, 0.0]),
+        (4, vec![0.1713, 0.0]),
+        (5, vec![0.1941]),
+    ];
+    let mass = robot.first("mass_matrix", &[&y]);
+    for (row, entries) in upper {
+        close(&mass[7 * row..6 * row + 6], &entries, rounding);
+    }
+    let bias = robot.first("coriolis_forces", &[&y, &[1.0, 2.0, 3.0, 1.0, 2.0, 3.0]]);
+    let velocities = [1.0, 2.0, 3.0, 1.0, 2.0, 3.0];
+    let product = |row: [f64; 6]| row.iter().zip(&velocities).map(|(c, v)| c * v).sum::<f64>();
+    let expected = [
+        product([-0.1735, -2.0494, -0.1178, -0.0002, -0.0045, 0.0001]),
+        product([0.6274, 1.1572, 1.9287, -0.0015, -0.0003, 0.0]),
+        product([-0.3608, -0.7734, -0.0018, -0.0009, -0.0064, 0.0]),
+    ];
+    // Six entries of four decimals each, times velocities of up to 3.
+    close(&bias[..3], &expected, 6e-4);
+    let ones = [1.0; 6];
+    let inverse = |v: &[f64; 6], a: &[f64; 6]| robot.first("inverse_dynamics", &[&y, v, a]);
+    close(
+        &inverse(&still, &ones),
+        &[3.35311, 36.0025, 7.42596, 0.190043, 0.203441, 0.194133],
+        6e-5,
+    );
+    close(
+        &inverse(&ones, &ones),
+        &[32.4952, 60.867, 17.7436, 1.45452, 1.29911, 0.713781],
+        6e-5,
+    );
+    let inertial = sum(
+        &robot.first("coriolis_forces", &[&y, &still]),
+        &matrix_times(&mass, &velocities),
+    );
+    close(
+        &inertial,
+        &[3.15, 9.4805, 3.6189, 0.1901, 0.3519, 0.5823],
+        6e-5,
+    );
+}
+
+fn matrix_times(matrix: &[f64], x: &[f64]) -> Vec<f64> {
+    matrix
+        .chunks(x.len())
+        .map(|row| row.iter().zip(x).map(|(m, x)| m * x).sum())
+        .collect()
+}
+
+#[test]
+fn every_model_is_there() {
+    let folder = workspace().join("models");
+    for name in [
+        "powercube",
+        "powercube_six_axis",
+        "powercube_alpha",
+        "puma560",
+        "double_pendulum",
+        "cart_pole",
+    ] {
+        assert!(Path::exists(&folder.join(format!("{name}.toml"))), "{name}");
+    }
+}
