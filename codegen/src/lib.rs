@@ -2,5 +2,6 @@
 
 pub mod dynamics;
 pub mod formula;
+pub mod math;
 pub mod model;
 pub mod program;
