@@ -2,12 +2,13 @@
 //
 // x = n π/2 + hi − low with |hi| ≤ π/4, π/2 in three parts (Cody and Waite, Software Manual for the Elementary
 // Functions, 1980, ch. 8); beyond 1e5 by the bits of 2/π (Payne and Hanek, SIGNUM Newsletter 18, 1983). Then minimax
-// polynomials (Remez exchange, minimax.py). Error at most 0.8 ulp for every finite x; NaN for NaN and ±∞; sin −0 = −0.
+// polynomials (Remez exchange, minimax.py). Error below 0.9 ulp for every finite x (0.80 seen); NaN for NaN and ±∞;
+// sin −0 = −0.
 
 /// Largest angle of the fast path: `n π/2` is exact in the first two parts up to here.
 const LARGEST_DIRECT_ANGLE: f64 = 1.0e5;
 
-/// `(sin x, cos x)` with an error of at most 0.8 ulp each.
+/// `(sin x, cos x)` with an error below 0.9 ulp each.
 #[inline(always)]
 pub fn sin_cos(x: f64) -> (f64, f64) {
     if x.abs() <= LARGEST_DIRECT_ANGLE {

