@@ -1,5 +1,6 @@
-// Sine and cosine for f32 (after sin_cos.rs), computed in f64 with shorter polynomials: as fast as sums of f32 parts,
-// and shorter. Error at most 0.51 ulp of f32 for every finite x; NaN for NaN and ±∞; sin −0 = −0.
+// Sine and cosine for f32 (after sin_cos.rs), computed in f64 with shorter polynomials: a reduction in f32 alone loses
+// the angle near multiples of π/2, and f32 polynomials after one in f64 miss 1 ulp and are no faster in lanes.
+// Error at most 0.51 ulp of f32 for every finite x; NaN for NaN and ±∞; sin −0 = −0.
 
 /// `(sin x, cos x)` with an error of at most 0.51 ulp each.
 #[inline(always)]

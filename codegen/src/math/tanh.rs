@@ -1,4 +1,4 @@
-// Hyperbolic tangent (after exp_reduced.rs), without branches, tables or fused operations: the same bits on every platform.
+// Hyperbolic tangent (after exp_reduced.rs), without branches, tables or fused operations.
 //
 // |x| < 0.625: x − x³ P(x²)/Q(x²), the eighth convergent of Lambert's continued fraction x/(1 + x²/(3 + x²/(5 + …)))
 // (Lambert 1761), whose coefficients are integers. Beyond: 1 − 2/(exp 2x + 1). Both share the division.
