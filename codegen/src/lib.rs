@@ -17,6 +17,7 @@ pub mod emit;
 pub mod formula;
 pub mod graph;
 pub mod kinematics;
+pub mod math;
 pub mod model;
 pub mod output;
 pub mod pipeline;
