@@ -1,4 +1,6 @@
 //! Every robot of models/ loads without complaints.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 use gelenk_codegen::model::{ReadOptions, read};
 use std::path::{Path, PathBuf};
 

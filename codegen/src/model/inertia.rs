@@ -12,6 +12,19 @@ pub(super) enum Flaw {
     Triangle([f64; 3]),
 }
 
+impl Flaw {
+    /// The principal moments, ascending.
+    pub fn moments(&self) -> [f64; 3] {
+        let (Self::NotPositive(moments) | Self::Triangle(moments)) = self;
+        *moments
+    }
+
+    /// Whether the triangle inequality is broken.
+    pub fn is_triangle(&self) -> bool {
+        matches!(self, Self::Triangle(_))
+    }
+}
+
 /// Checks the entries xx, xy, xz, yy, yz, zz.
 ///
 /// Principal moments are sums of two of the non-negative second moments ∫x², ∫y², ∫z², hence none is negative and none

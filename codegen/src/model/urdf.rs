@@ -300,7 +300,8 @@ impl Reader<'_> {
                     "supported are fixed, revolute, continuous and prismatic; write a floating or planar joint as a \
                      chain of prismatic and revolute joints, or fix it",
                 );
-                None
+                // Reported; taken as moving, so that it causes no second complaint.
+                Some(JointKind::Revolute)
             }
         }
     }
