@@ -71,3 +71,47 @@ fn rotate_away(a: &mut [[f64; 3]; 3], p: usize, q: usize) {
         (a[p][k], a[q][k]) = (c * x - s * y, s * x + c * y);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn principal_moments_do_not_depend_on_the_axes() {
+        // diag(1, 2, 2.5) turned by 0.3 about z, then by −0.8 about x.
+        let turn = super::super::pose::product(
+            &super::super::pose::about_x(-0.8),
+            &super::super::pose::about_z(0.3),
+        );
+        let d = [1.0, 2.0, 2.5];
+        let entry =
+            |i: usize, j: usize| (0..3).map(|k| turn[i][k] * d[k] * turn[j][k]).sum::<f64>();
+        let moments = principal_moments([
+            entry(0, 0),
+            entry(0, 1),
+            entry(0, 2),
+            entry(1, 1),
+            entry(1, 2),
+            entry(2, 2),
+        ]);
+        assert!(
+            moments.iter().zip(d).all(|(a, b)| (a - b).abs() < 1e-14),
+            "{moments:?}"
+        );
+    }
+
+    #[test]
+    fn limits_of_real_bodies_pass() {
+        assert_eq!(check([0.0; 6]), None);
+        assert_eq!(check([1.0, 0.0, 0.0, 1.0, 0.0, 0.0]), None);
+        assert_eq!(check([1.0, 0.0, 0.0, 1.0, 0.0, 2.0]), None);
+        assert!(matches!(
+            check([0.0, 0.0, 0.0, 0.0, 0.0, 1.0]),
+            Some(Flaw::Triangle(_))
+        ));
+        assert!(matches!(
+            check([1.0, 2.0, 0.0, 1.0, 0.0, 1.0]),
+            Some(Flaw::NotPositive(_))
+        ));
+    }
+}

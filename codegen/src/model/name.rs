@@ -83,3 +83,39 @@ fn greek(c: char) -> Option<&'static str> {
     let index = u32::from(lower).checked_sub(u32::from('α'))?;
     NAMES.get(usize::try_from(index).ok()?).copied()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_become_snake_case() {
+        let cases = [
+            ("ShoulderPan", "shoulder_pan"),
+            ("β", "beta"),
+            ("wrist-1", "wrist_1"),
+            ("2nd joint", "_2nd_joint"),
+            ("type", "type_"),
+            ("Self", "self_"),
+            ("K_M", "k_m"),
+            ("a*/b\"", "a_b_"),
+            ("__x__", "__x__"),
+        ];
+        for (name, expected) in cases {
+            assert_eq!(identifier(name).as_deref(), Some(expected));
+            assert!(syn::parse_str::<syn::Ident>(expected).is_ok());
+        }
+        assert_eq!(identifier("***"), None);
+        assert_eq!(identifier("漢字"), None);
+    }
+
+    #[test]
+    fn keywords_are_those_of_syn() {
+        for word in KEYWORDS
+            .iter()
+            .filter(|word| !["raw", "safe", "union", "gen"].contains(word))
+        {
+            assert!(syn::parse_str::<syn::Ident>(word).is_err(), "{word}");
+        }
+    }
+}

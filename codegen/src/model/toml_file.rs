@@ -124,14 +124,32 @@ pub(super) fn preamble(reader: &mut Reader, top: &Table<'_>) -> Preamble {
     let extends = extends.and_then(|item| reader.name(item));
     let snap_angles = top
         .get("snap_angles")
-        .and_then(|item| reader.positive(item))
-        .map(|number| number.value);
+        .and_then(|item| snap_tolerance(reader, item));
     Preamble {
         extends,
         snap_angles,
         ignore_mimic,
         no_friction,
     }
+}
+
+/// Beyond this, angles would be snapped that were meant as they are [rad].
+const WIDEST_SNAP: f64 = 0.1;
+
+fn snap_tolerance(reader: &mut Reader, item: Item<'_>) -> Option<f64> {
+    let tolerance = reader.positive(item)?;
+    if tolerance.value <= WIDEST_SNAP {
+        return Some(tolerance.value);
+    }
+    let message = format!(
+        "`snap_angles` is {}, more than {WIDEST_SNAP} rad",
+        tolerance.value
+    );
+    reader.report.error(item.span, "snap-too-wide", message);
+    reader
+        .report
+        .help("1e-4 corrects what was written with four digits or more");
+    None
 }
 
 /// Reads everything else; `extends` says whether it adds to a base.

@@ -83,7 +83,8 @@ impl Reader {
             _ => None,
         };
         match value {
-            Some(value) if value.is_finite() => Some(value),
+            // Adding 0 makes −0 a plain 0.
+            Some(value) if value.is_finite() => Some(value + 0.0),
             _ => {
                 let message = format!(
                     "`{}` must be finite, not {}",

@@ -484,7 +484,7 @@ impl Reader<'_> {
         let mut result = [0.0; N];
         let readable = numbers.len() == N && numbers.iter().all(Option::is_some);
         for (into, number) in result.iter_mut().zip(numbers.into_iter().flatten()) {
-            *into = number;
+            *into = number + 0.0; // −0 becomes 0
         }
         if !readable {
             let wanted = if N == 1 {

@@ -216,6 +216,14 @@ fn check_joint(joint: &JointDescription, report: &mut Report) {
     let name = &joint.name;
     if let Some(position) = &joint.limits.position {
         let [low, high] = position.value;
+        if joint.kind == Some(JointKind::Continuous) {
+            let message = format!(
+                "joint `{}` is continuous and has position limits",
+                name.value
+            );
+            report.error(position.span, "conflicting-keys", message);
+            report.help("a joint with position limits is \"revolute\"");
+        }
         if low > high {
             let message = format!(
                 "position limits of joint `{}` are reversed: {low} > {high}",
