@@ -231,6 +231,7 @@ mod tests {
     }
 
     #[test]
+    #[expect(clippy::approx_constant, reason = "what vendors write")]
     fn nearly_right_angles_stay_unless_snapped() {
         assert_ne!(about_x(1.5708)[1][1], 0.0);
         assert_eq!(about_x(snapped(1.5708, 1e-4))[1][1], 0.0);

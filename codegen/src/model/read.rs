@@ -16,7 +16,7 @@ const LARGEST: u64 = 32 << 20;
 pub struct ReadOptions {
     /// Mimic joints of a URDF become independent.
     pub ignore_mimic: bool,
-    /// Angles within this of a multiple of 90° become that multiple [rad].
+    /// Angles within this of a multiple of 90° become that multiple (rad).
     pub snap_angles: Option<f64>,
     /// All friction is left out.
     pub no_friction: bool,

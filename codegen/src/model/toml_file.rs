@@ -133,7 +133,7 @@ pub(super) fn preamble(reader: &mut Reader, top: &Table<'_>) -> Preamble {
     }
 }
 
-/// Beyond this, angles would be snapped that were meant as they are [rad].
+/// Beyond this, angles would be snapped that were meant as they are (rad).
 const WIDEST_SNAP: f64 = 0.1;
 
 fn snap_tolerance(reader: &mut Reader, item: Item<'_>) -> Option<f64> {

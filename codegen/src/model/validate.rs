@@ -17,7 +17,7 @@ use crate::diagnostic::{At, Report, nearest};
 use crate::formula::Formula;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Gravity where none is described [m/s²].
+/// Gravity where none is described (m/s²).
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
 /// Checks everything and builds the model; with errors in the report there is none.
