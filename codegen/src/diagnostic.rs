@@ -296,7 +296,7 @@ impl Report {
 
     /// Adds a finished diagnostic.
     pub fn push(&mut self, span: Option<Span>, mut entry: Diagnostic) -> &mut Self {
-        if self.entries.len() >= KEPT && entry.severity == Severity::Error {
+        if self.is_full() && entry.severity == Severity::Error {
             self.dropped += 1;
             return self;
         }
@@ -312,11 +312,23 @@ impl Report {
         }
     }
 
+    /// How many errors were added.
+    pub fn error_count(&self) -> usize {
+        let errors = self
+            .entries
+            .iter()
+            .filter(|entry| entry.severity == Severity::Error);
+        errors.count() + self.dropped
+    }
+
+    /// Whether further errors are only counted; looking for advice is in vain then.
+    pub fn is_full(&self) -> bool {
+        self.entries.len() >= KEPT
+    }
+
     /// Whether an error was added.
     pub fn has_errors(&self) -> bool {
-        self.entries
-            .iter()
-            .any(|entry| entry.severity == Severity::Error)
+        self.error_count() > 0
     }
 
     /// Everything that was added.

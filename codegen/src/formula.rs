@@ -15,9 +15,9 @@ pub enum Formula {
     Number(f64),
     /// A free parameter: index into `Model::parameters`.
     Parameter(usize),
-    /// The position `y` of the joint that carries the force law [rad or m].
+    /// The position `y` of the joint that carries the force law (rad or m).
     Position,
-    /// The velocity `v` of the joint that carries the force law [rad/s or m/s].
+    /// The velocity `v` of the joint that carries the force law (rad/s or m/s).
     Velocity,
     /// `-a`
     Negate(Box<Formula>),

@@ -15,6 +15,8 @@ const LONGEST: usize = 1000;
 const DEEPEST: usize = 24;
 /// Longest run of operators without an operand between them.
 const OPERATORS: usize = 4;
+/// Most operators; a sum of n terms nests n deep.
+const MOST_OPERATORS: usize = 200;
 /// Largest exponent.
 const LARGEST_EXPONENT: u32 = 16;
 
@@ -85,6 +87,11 @@ fn check_text(text: &str) -> Result<(), FormulaError> {
     let whole = || 0..text.len();
     if text.len() > LONGEST {
         let message = format!("a formula of {} bytes; {LONGEST} are the limit", text.len());
+        return Err(error("formula-too-long", message, whole()));
+    }
+    let operators = text.matches(['+', '-', '*', '/']).count();
+    if operators > MOST_OPERATORS {
+        let message = format!("a formula of {operators} operators; {MOST_OPERATORS} are the limit");
         return Err(error("formula-too-long", message, whole()));
     }
     let (mut depth, mut run) = (0_usize, 0_usize);
@@ -318,5 +325,86 @@ impl Scope<'_> {
                 })
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names() -> BTreeMap<String, usize> {
+        ["a1", "a2", "a3"]
+            .into_iter()
+            .enumerate()
+            .map(|(k, name)| (name.to_owned(), k))
+            .collect()
+    }
+
+    fn value(text: &str) -> f64 {
+        let formula = parse(text, Allowed::Motion, &names()).unwrap();
+        formula.evaluate(&[2.0, 3.0, 0.5], 0.25, -1.5)
+    }
+
+    #[test]
+    fn values_are_those_of_rust() {
+        let (a1, a2, a3, y, v) = (2.0_f64, 3.0_f64, 0.5_f64, 0.25_f64, -1.5_f64);
+        assert_eq!(value("a1*v + a2*tanh(a3*v)"), a1 * v + a2 * (a3 * v).tanh());
+        assert_eq!(value("-v.powi(2)"), -(v.powi(2)));
+        assert_eq!(value("a1 - y - v"), a1 - y - v);
+        assert_eq!(value("a1/y/v"), a1 / y / v);
+        assert_eq!(value("exp(-a3*abs(v))*sign(v)"), -(-a3 * v.abs()).exp());
+        assert_eq!(
+            value("-(y + 1)*cos(pi/3) + v.sin()"),
+            -(y + 1.0) * (std::f64::consts::PI / 3.0).cos() + v.sin()
+        );
+        assert_eq!(value("26.45*0.0254"), 26.45 * 0.0254);
+        assert_eq!(value("pow(v, 3) + v.powi(0)"), v.powi(3) + 1.0);
+    }
+
+    #[test]
+    fn constants_fold() {
+        let half_pi = parse("pi/2", Allowed::Constants, &names()).unwrap();
+        assert_eq!(half_pi, Formula::Number(std::f64::consts::FRAC_PI_2));
+        assert_eq!(
+            parse("0*v + 1*a1", Allowed::Motion, &names()).unwrap(),
+            Formula::Parameter(0)
+        );
+    }
+
+    #[test]
+    fn laws_split_into_linear_terms() {
+        let law = parse(
+            "-a1*v + 2*a2*tanh(a3*v)/4 - (3 - v*y)",
+            Allowed::Motion,
+            &names(),
+        )
+        .unwrap();
+        let terms = law.clone().linear_terms();
+        assert_eq!(terms.len(), 4);
+        assert!(
+            terms
+                .iter()
+                .all(|(coefficient, _)| !coefficient.depends_on_motion())
+        );
+        let p = [2.0, 3.0, 0.5];
+        let sum: f64 = terms
+            .iter()
+            .map(|(c, b)| c.evaluate(&p, 0.25, -1.5) * b.evaluate(&p, 0.25, -1.5))
+            .sum();
+        assert!((sum - law.evaluate(&p, 0.25, -1.5)).abs() < 1e-15);
+    }
+
+    #[test]
+    fn longest_and_deepest_formulas_fit_a_small_stack() {
+        let long = vec!["v"; MOST_OPERATORS + 1].join("+");
+        let deep = format!("{}v{}", "sin(-(-".repeat(12), "))".repeat(12));
+        let returns = "return ".repeat(140) + "v";
+        let small = std::thread::Builder::new().stack_size(512 << 10);
+        let thread = small.spawn(move || {
+            assert!(parse(&long, Allowed::Motion, &BTreeMap::new()).is_ok());
+            assert!(parse(&deep, Allowed::Motion, &BTreeMap::new()).is_ok());
+            assert!(parse(&returns, Allowed::Motion, &BTreeMap::new()).is_err());
+        });
+        thread.unwrap().join().unwrap();
     }
 }

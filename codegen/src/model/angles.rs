@@ -3,7 +3,7 @@
 use super::pose::{Rotation, from_quaternion, from_rpy, is_nearly_right, snapped};
 use crate::diagnostic::{At, Report, Span};
 
-/// Angles this close to a multiple of 90° [rad] are worth a note.
+/// Angles this close to a multiple of 90° (rad) are worth a note.
 const WORTH_A_NOTE: f64 = 1e-4;
 /// So many angles are listed.
 const LISTED: usize = 6;
@@ -11,7 +11,7 @@ const LISTED: usize = 6;
 /// Makes rotations from described angles and remembers what snapping would gain.
 #[derive(Debug, Default)]
 pub(super) struct Angles {
-    /// Angles within this of a multiple of 90° are replaced by it [rad].
+    /// Angles within this of a multiple of 90° are replaced by it (rad).
     pub snap: Option<f64>,
     near: Vec<(Span, String, f64)>,
     gained: usize,

@@ -12,6 +12,19 @@ pub(super) enum Flaw {
     Triangle([f64; 3]),
 }
 
+impl Flaw {
+    /// The principal moments, ascending.
+    pub fn moments(&self) -> [f64; 3] {
+        let (Self::NotPositive(moments) | Self::Triangle(moments)) = self;
+        *moments
+    }
+
+    /// Whether the triangle inequality is broken.
+    pub fn is_triangle(&self) -> bool {
+        matches!(self, Self::Triangle(_))
+    }
+}
+
 /// Checks the entries xx, xy, xz, yy, yz, zz.
 ///
 /// Principal moments are sums of two of the non-negative second moments ∫x², ∫y², ∫z², hence none is negative and none
@@ -56,5 +69,49 @@ fn rotate_away(a: &mut [[f64; 3]; 3], p: usize, q: usize) {
     for k in 0..3 {
         let (x, y) = (a[p][k], a[q][k]);
         (a[p][k], a[q][k]) = (c * x - s * y, s * x + c * y);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn principal_moments_do_not_depend_on_the_axes() {
+        // diag(1, 2, 2.5) turned by 0.3 about z, then by −0.8 about x.
+        let turn = super::super::pose::product(
+            &super::super::pose::about_x(-0.8),
+            &super::super::pose::about_z(0.3),
+        );
+        let d = [1.0, 2.0, 2.5];
+        let entry =
+            |i: usize, j: usize| (0..3).map(|k| turn[i][k] * d[k] * turn[j][k]).sum::<f64>();
+        let moments = principal_moments([
+            entry(0, 0),
+            entry(0, 1),
+            entry(0, 2),
+            entry(1, 1),
+            entry(1, 2),
+            entry(2, 2),
+        ]);
+        assert!(
+            moments.iter().zip(d).all(|(a, b)| (a - b).abs() < 1e-14),
+            "{moments:?}"
+        );
+    }
+
+    #[test]
+    fn limits_of_real_bodies_pass() {
+        assert_eq!(check([0.0; 6]), None);
+        assert_eq!(check([1.0, 0.0, 0.0, 1.0, 0.0, 0.0]), None);
+        assert_eq!(check([1.0, 0.0, 0.0, 1.0, 0.0, 2.0]), None);
+        assert!(matches!(
+            check([0.0, 0.0, 0.0, 0.0, 0.0, 1.0]),
+            Some(Flaw::Triangle(_))
+        ));
+        assert!(matches!(
+            check([1.0, 2.0, 0.0, 1.0, 0.0, 1.0]),
+            Some(Flaw::NotPositive(_))
+        ));
     }
 }

@@ -32,7 +32,7 @@ pub struct Model {
     pub name: String,
     /// Free text of the author, one line per entry; shown escaped in documentation.
     pub description: Vec<String>,
-    /// Gravitational acceleration in the base frame [m/s²].
+    /// Gravitational acceleration in the base frame (m/s²).
     pub gravity: [Formula; 3],
     /// Free parameters, in the order of their description.
     pub parameters: Vec<Parameter>,
@@ -77,11 +77,11 @@ pub struct Link {
 pub struct Body {
     /// Name in the description.
     pub name: String,
-    /// Mass [kg].
+    /// Mass (kg).
     pub mass: Formula,
-    /// Centre of mass in the link's frame [m].
+    /// Centre of mass in the link's frame (m).
     pub center_of_mass: [Formula; 3],
-    /// Inertia about the centre of mass, axes of the link's frame: xx, xy, xz, yy, yz, zz [kg m²].
+    /// Inertia about the centre of mass, axes of the link's frame: xx, xy, xz, yy, yz, zz (kg m²).
     pub inertia: [Formula; 6],
 }
 
@@ -102,7 +102,7 @@ pub struct Joint {
     pub motion: Motion,
     /// Limits on position, speed and force.
     pub limits: Limits,
-    /// Forces of springs and dampers on this joint as functions of y and v [N m or N]; they add to q.
+    /// Forces of springs and dampers on this joint as functions of y and v (N m or N); they add to q.
     pub springs: Vec<Formula>,
     /// Friction torque τ(v) = Σ coefficient · basis, positive for positive velocity; it is subtracted from q.
     pub friction: Vec<FrictionTerm>,
@@ -126,7 +126,7 @@ pub enum JointKind {
 pub enum Motion {
     /// A fixed joint.
     Fixed,
-    /// Held at this position [rad or m].
+    /// Held at this position (rad or m).
     Held(f64),
     /// Coordinate with this index.
     Coordinate(usize),
@@ -135,13 +135,13 @@ pub enum Motion {
 /// Limits of a joint; `None` where the description gives none.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Limits {
-    /// Lowest and highest position [rad or m].
+    /// Lowest and highest position (rad or m).
     pub position: Option<[f64; 2]>,
-    /// Highest speed [rad/s or m/s].
+    /// Highest speed (rad/s or m/s).
     pub velocity: Option<f64>,
-    /// Nominal force at the joint [N m or N].
+    /// Nominal force at the joint (N m or N).
     pub effort: Option<f64>,
-    /// Peak force at the joint [N m or N].
+    /// Peak force at the joint (N m or N).
     pub peak_effort: Option<f64>,
 }
 
@@ -163,7 +163,7 @@ pub struct Drive {
     pub coordinate: Option<usize>,
     /// Gear ratio i: motor angle over joint angle.
     pub gear_ratio: Formula,
-    /// Axial inertia J_R of the rotor [kg m²].
+    /// Axial inertia J_R of the rotor (kg m²).
     pub rotor_inertia: Formula,
     /// Link that carries the rotor.
     pub carrier: usize,
@@ -173,11 +173,11 @@ pub struct Drive {
     pub coupling: RotorCoupling,
     /// What the input is.
     pub input: Input,
-    /// Limits of the input's torque at the motor [N m].
+    /// Limits of the input's torque at the motor (N m).
     pub torque: MotorTorque,
 }
 
-/// Nominal and peak torque of a motor [N m], `None` where not described.
+/// Nominal and peak torque of a motor (N m), `None` where not described.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MotorTorque {
     /// What it bears continuously.
@@ -198,9 +198,9 @@ pub enum RotorCoupling {
 /// What an input is.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Input {
-    /// Motor torque [N m]; the input matrix holds the gear ratio.
+    /// Motor torque (N m); the input matrix holds the gear ratio.
     Torque,
-    /// Motor current [A]; the input matrix holds gear ratio times motor constant K_M [N m/A].
+    /// Motor current (A); the input matrix holds gear ratio times motor constant K_M (N m/A).
     Current(Formula),
 }
 
@@ -218,7 +218,7 @@ pub struct Frame {
 /// Position and orientation of a frame in another one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pose {
-    /// Origin [m].
+    /// Origin (m).
     pub translation: [Formula; 3],
     /// Rotation matrix, rows first; its columns are the frame's axes.
     pub rotation: [[f64; 3]; 3],

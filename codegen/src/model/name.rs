@@ -9,10 +9,12 @@ const KEYWORDS: [&str; 54] = [
     "union", "unsafe", "unsized", "use", "virtual", "where", "while", "yield", "raw", "safe",
 ];
 
-/// Names that the generated module uses itself or that formulas give a meaning.
-const RESERVED: [&str; 16] = [
-    "y", "v", "a", "u", "p", "n", "m", "out", "pi", "sin", "cos", "tanh", "exp", "abs", "sign",
-    "pow",
+/// Arguments of generated functions; no joint or drive is named like them.
+const ARGUMENTS: [&str; 6] = ["y", "v", "a", "u", "p", "out"];
+
+/// Names with a meaning of their own in formulas.
+const IN_FORMULAS: [&str; 11] = [
+    "y", "v", "pi", "sin", "cos", "tanh", "exp", "abs", "sign", "pow", "powi",
 ];
 
 /// Whether the name is a word of Rust.
@@ -20,9 +22,14 @@ pub(super) fn is_keyword(name: &str) -> bool {
     KEYWORDS.contains(&name)
 }
 
-/// Whether the generated module or formulas use the name.
-pub(super) fn is_reserved(name: &str) -> bool {
-    RESERVED.contains(&name)
+/// Whether generated functions have an argument of this name.
+pub(super) fn is_argument(name: &str) -> bool {
+    ARGUMENTS.contains(&name)
+}
+
+/// Whether the name means something else in formulas.
+pub(super) fn has_meaning(name: &str) -> bool {
+    IN_FORMULAS.contains(&name)
 }
 
 /// The name in snake case of ASCII letters, digits and underscores; `None` where nothing usable remains.
@@ -75,4 +82,40 @@ fn greek(c: char) -> Option<&'static str> {
     let lower = c.to_lowercase().next()?;
     let index = u32::from(lower).checked_sub(u32::from('α'))?;
     NAMES.get(usize::try_from(index).ok()?).copied()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_become_snake_case() {
+        let cases = [
+            ("ShoulderPan", "shoulder_pan"),
+            ("β", "beta"),
+            ("wrist-1", "wrist_1"),
+            ("2nd joint", "_2nd_joint"),
+            ("type", "type_"),
+            ("Self", "self_"),
+            ("K_M", "k_m"),
+            ("a*/b\"", "a_b_"),
+            ("__x__", "__x__"),
+        ];
+        for (name, expected) in cases {
+            assert_eq!(identifier(name).as_deref(), Some(expected));
+            assert!(syn::parse_str::<syn::Ident>(expected).is_ok());
+        }
+        assert_eq!(identifier("***"), None);
+        assert_eq!(identifier("漢字"), None);
+    }
+
+    #[test]
+    fn keywords_are_those_of_syn() {
+        for word in KEYWORDS
+            .iter()
+            .filter(|word| !["raw", "safe", "union", "gen"].contains(word))
+        {
+            assert!(syn::parse_str::<syn::Ident>(word).is_err(), "{word}");
+        }
+    }
 }

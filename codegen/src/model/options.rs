@@ -1,32 +1,24 @@
-//! Names of the functions that can be generated.
+//! Names of the functions that a description may ask for.
 
-/// All functions that `[generate] functions` may list. `frame_poses`, `frame_jacobians` and `frame_jacobian_rates`
-/// stand for those of every named frame.
-pub const FUNCTIONS: [&str; 21] = [
+/// What `[generate] functions` may list: the functions of every robot, and `frames` for all of those of named frames.
+pub const FUNCTIONS: [&str; 14] = [
     "mass_matrix",
     "coriolis_forces",
     "bias_forces",
-    "applied_forces",
     "gravity_forces",
     "spring_forces",
     "friction_torques",
+    "applied_forces",
     "input_matrix",
     "equations_of_motion",
     "inverse_dynamics",
     "forward_dynamics",
     "kinetic_energy",
     "potential_energy",
-    "frame_poses",
-    "frame_jacobians",
-    "frame_jacobian_rates",
-    "inverse_dynamics_derivatives",
-    "forward_dynamics_derivatives",
-    "linearize",
-    "regressor",
-    "friction_regressor",
+    "frames",
 ];
 
-/// Whether a description may ask for this function; those of single frames begin with `frame_`.
+/// Whether a description may ask for this function; single ones of named frames begin with `frame_`.
 pub fn is_known_function(name: &str) -> bool {
     FUNCTIONS.contains(&name) || name.starts_with("frame_")
 }

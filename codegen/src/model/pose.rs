@@ -202,3 +202,49 @@ pub(super) fn modified_dh(d: Formula, a: Formula, alpha: f64, theta: f64) -> Pos
 pub(super) fn norm(a: &[f64; 3]) -> f64 {
     a[0].hypot(a[1]).hypot(a[2])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn right_angles_are_exact() {
+        for (quarter, expected) in [
+            (1.0, [0.0, 1.0]),
+            (2.0, [-1.0, 0.0]),
+            (3.0, [0.0, -1.0]),
+            (-1.0, [0.0, -1.0]),
+        ] {
+            let [row, _, _] = about_z(quarter * FRAC_PI_2);
+            assert_eq!([row[0], -row[1]], expected, "{quarter}");
+        }
+        assert_eq!(
+            from_rpy([0.0, PI, 0.0]),
+            [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]
+        );
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        assert_eq!(
+            from_quaternion([half, half, 0.0, 0.0], 0.0),
+            about_x(FRAC_PI_2)
+        );
+    }
+
+    #[test]
+    #[expect(clippy::approx_constant, reason = "what vendors write")]
+    fn nearly_right_angles_stay_unless_snapped() {
+        assert_ne!(about_x(1.5708)[1][1], 0.0);
+        assert_eq!(about_x(snapped(1.5708, 1e-4))[1][1], 0.0);
+        assert_eq!(snapped(1.57, 1e-4), 1.57);
+        assert!(is_nearly_right(1.57079632679, 1e-4) && !is_nearly_right(FRAC_PI_2, 1e-4));
+        assert!(!is_nearly_right(0.0, 1e-4) && is_nearly_right(1e-6, 1e-4));
+    }
+
+    #[test]
+    fn rpy_turns_about_fixed_axes_in_this_order() {
+        // Roll by 90° takes y to z, then yaw by 90° leaves z.
+        let rotation = from_rpy([FRAC_PI_2, 0.0, FRAC_PI_2]);
+        assert_eq!(rotate_numbers(&rotation, &[0.0, 1.0, 0.0]), [0.0, 0.0, 1.0]);
+        assert_eq!(rotate_numbers(&rotation, &[1.0, 0.0, 0.0]), [0.0, 1.0, 0.0]);
+    }
+}

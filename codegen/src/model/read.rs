@@ -1,9 +1,9 @@
 //! From files and texts to a [`Model`].
 
-use super::description::{BodyDescription, JointDescription, Name, RobotDescription};
+use super::description::{BodyDescription, DriveChoice, JointDescription, Name, RobotDescription};
 use super::toml_values::Reader;
-use super::{Model, toml_file, urdf, validate};
-use crate::diagnostic::{Diagnostic, Diagnostics, Report, Span, nearest};
+use super::{JointKind, Model, toml_file, urdf, validate};
+use crate::diagnostic::{At, Diagnostic, Diagnostics, Report, Span, nearest};
 use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ const LARGEST: u64 = 32 << 20;
 pub struct ReadOptions {
     /// Mimic joints of a URDF become independent.
     pub ignore_mimic: bool,
-    /// Angles within this of a multiple of 90° become that multiple [rad].
+    /// Angles within this of a multiple of 90° become that multiple (rad).
     pub snap_angles: Option<f64>,
     /// All friction is left out.
     pub no_friction: bool,
@@ -350,6 +350,11 @@ fn add_joint(
         return;
     }
     joint.complete();
+    if joint.kind != Some(JointKind::Fixed) {
+        // The ideal drives of a URDF are those of its own joints.
+        let passive = At::new(DriveChoice::Passive, joint.name.span);
+        joint.drive.get_or_insert(passive);
+    }
     if !base.links.is_empty() {
         base.links.extend(joint.child.clone());
     }

@@ -61,6 +61,9 @@ impl<'t> Table<'t> {
                 "unknown-key",
                 format!("unknown key `{}` in {what}", item.key),
             );
+            if report.is_full() {
+                continue;
+            }
             if let Some(help) = nearest(item.key, keys.iter().copied()) {
                 report.help(help);
             }

@@ -124,14 +124,32 @@ pub(super) fn preamble(reader: &mut Reader, top: &Table<'_>) -> Preamble {
     let extends = extends.and_then(|item| reader.name(item));
     let snap_angles = top
         .get("snap_angles")
-        .and_then(|item| reader.positive(item))
-        .map(|number| number.value);
+        .and_then(|item| snap_tolerance(reader, item));
     Preamble {
         extends,
         snap_angles,
         ignore_mimic,
         no_friction,
     }
+}
+
+/// Beyond this, angles would be snapped that were meant as they are (rad).
+const WIDEST_SNAP: f64 = 0.1;
+
+fn snap_tolerance(reader: &mut Reader, item: Item<'_>) -> Option<f64> {
+    let tolerance = reader.positive(item)?;
+    if tolerance.value <= WIDEST_SNAP {
+        return Some(tolerance.value);
+    }
+    let message = format!(
+        "`snap_angles` is {}, more than {WIDEST_SNAP} rad",
+        tolerance.value
+    );
+    reader.report.error(item.span, "snap-too-wide", message);
+    reader
+        .report
+        .help("1e-4 corrects what was written with four digits or more");
+    None
 }
 
 /// Reads everything else; `extends` says whether it adds to a base.
@@ -161,7 +179,7 @@ pub(super) fn description(
             .get("gravity")
             .and_then(|item| reader.formulas::<3>(item, "gravity")),
         base,
-        bodies: read_bodies(reader, top, extends),
+        bodies: read_bodies(reader, top),
         frames: read_frames(reader, top),
         coordinates: top
             .get("coordinates")
@@ -271,18 +289,18 @@ fn read_options(reader: &mut Reader, item: Item<'_>) -> Options {
     }
 }
 
-fn read_bodies(reader: &mut Reader, top: &Table<'_>, extends: bool) -> Vec<BodyDescription> {
+fn read_bodies(reader: &mut Reader, top: &Table<'_>) -> Vec<BodyDescription> {
     let Some(item) = top.get("bodies") else {
         return Vec::new();
     };
     let tables = item.tables("a body", &BODY, &mut reader.report);
     tables
         .iter()
-        .filter_map(|table| read_body(reader, table, extends))
+        .filter_map(|table| read_body(reader, table))
         .collect()
 }
 
-fn read_body(reader: &mut Reader, table: &Table<'_>, extends: bool) -> Option<BodyDescription> {
+fn read_body(reader: &mut Reader, table: &Table<'_>) -> Option<BodyDescription> {
     let link = table.get("link").and_then(|item| reader.name(item));
     let name = table
         .get("name")
@@ -298,16 +316,6 @@ fn read_body(reader: &mut Reader, table: &Table<'_>, extends: bool) -> Option<Bo
     let mass = table
         .get("mass")
         .map(|item| (item, reader.formula(item, &owner)));
-    if mass.is_none() && !extends {
-        reader.report.error(
-            table.span,
-            "missing-key",
-            format!("body `{owner}` has no `mass`"),
-        );
-        reader
-            .report
-            .help("write `mass = 0` for a body that only has inertia");
-    }
     let center_of_mass = table
         .get("center_of_mass")
         .and_then(|item| reader.formulas::<3>(item, &owner));
@@ -488,7 +496,8 @@ fn read_kind(reader: &mut Reader, item: Item<'_>) -> Option<JointKind> {
             reader
                 .report
                 .help("supported are \"fixed\", \"revolute\", \"continuous\" and \"prismatic\"");
-            None
+            // Reported; taken as moving, so that it causes no second complaint.
+            Some(JointKind::Revolute)
         }
     }
 }

@@ -4,7 +4,7 @@ use super::Parameter;
 use super::Pose;
 use super::angles::Angles;
 use super::description::Name;
-use super::name::{identifier, is_keyword, is_reserved};
+use super::name::{has_meaning, identifier, is_keyword};
 use super::pose::{IDENTITY, norm};
 use super::table::{Item, Table};
 use crate::diagnostic::{At, Report, Span};
@@ -83,7 +83,8 @@ impl Reader {
             _ => None,
         };
         match value {
-            Some(value) if value.is_finite() => Some(value),
+            // Adding 0 makes −0 a plain 0.
+            Some(value) if value.is_finite() => Some(value + 0.0),
             _ => {
                 let message = format!(
                     "`{}` must be finite, not {}",
@@ -168,11 +169,13 @@ impl Reader {
         let text = &name.value;
         let usable = text.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
             && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-        let field = identifier(text).filter(|_| usable && !is_keyword(text) && !is_reserved(text));
+        let field = identifier(text).filter(|_| usable && !is_keyword(text) && !has_meaning(text));
         let Some(field) = field else {
             let message = format!("{text:?} cannot name a parameter");
             self.report.error(name.span, "parameter-name", message);
-            self.report.help("letters, digits and underscores; no word of Rust, and none of y, v, a, u, p, pi, sin, …");
+            self.report.help(
+                "letters, digits and underscores; no word of Rust, and none of y, v, pi, sin, …",
+            );
             return None;
         };
         let other = self

@@ -29,11 +29,13 @@ struct Graph<'d> {
 
 /// Orders the links; reports two roots, cycles and links with two joints, in which case there is no tree.
 pub(super) fn build(robot: &RobotDescription, report: &mut Report) -> Option<Tree> {
+    let before = report.error_count();
     let graph = Graph::new(robot, report);
     let root = graph.root(robot, report)?;
     let tree = graph.walk(root, &robot.joints);
     graph.report_cycles(&tree, robot, report);
-    (tree.links.len() == graph.names.len() && !report.has_errors()).then_some(tree)
+    let complete = tree.links.len() == graph.names.len() && report.error_count() == before;
+    complete.then_some(tree)
 }
 
 impl<'d> Graph<'d> {
@@ -136,11 +138,12 @@ impl<'d> Graph<'d> {
                 _ => Some(*root),
             },
             [] if self.names.is_empty() => {
-                report.error(
-                    robot.name.span,
-                    "no-moving-joint",
-                    "the description has no joints",
-                );
+                if !report.has_errors() {
+                    let message = "the description has no joints";
+                    report.error(robot.name.span, "no-moving-joint", message);
+                    report
+                        .help("a robot needs at least one [[joints]] entry, or <joint> in a URDF");
+                }
                 None
             }
             [] => {

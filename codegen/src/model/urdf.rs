@@ -300,7 +300,8 @@ impl Reader<'_> {
                     "supported are fixed, revolute, continuous and prismatic; write a floating or planar joint as a \
                      chain of prismatic and revolute joints, or fix it",
                 );
-                None
+                // Reported; taken as moving, so that it causes no second complaint.
+                Some(JointKind::Revolute)
             }
         }
     }
@@ -483,7 +484,7 @@ impl Reader<'_> {
         let mut result = [0.0; N];
         let readable = numbers.len() == N && numbers.iter().all(Option::is_some);
         for (into, number) in result.iter_mut().zip(numbers.into_iter().flatten()) {
-            *into = number;
+            *into = number + 0.0; // −0 becomes 0
         }
         if !readable {
             let wanted = if N == 1 {

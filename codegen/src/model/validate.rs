@@ -5,7 +5,7 @@ use super::description::{
     LimitsDescription, Name, RobotDescription,
 };
 use super::inertia::{self, Flaw};
-use super::name::{identifier, is_reserved};
+use super::name::{identifier, is_argument};
 use super::pose::{rotate_inertia, rotate_numbers};
 use super::regularity::singular_joints;
 use super::tree::{self, Tree};
@@ -15,9 +15,9 @@ use super::{
 };
 use crate::diagnostic::{At, Report, nearest};
 use crate::formula::Formula;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-/// Gravity where none is described [m/s²].
+/// Gravity where none is described (m/s²).
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
 /// Checks everything and builds the model; with errors in the report there is none.
@@ -48,18 +48,9 @@ pub(super) fn model(robot: &RobotDescription, report: &mut Report) -> Option<Mod
         tree,
         offsets: Vec::new(),
     };
-    let mut model = builder.build(name?)?;
-    model.name = drop_reserved(model.name);
+    let model = builder.build(name?)?;
     check_regularity(&model, robot, builder.report, &builder.tree);
     (!report.has_errors()).then_some(model)
-}
-
-fn drop_reserved(name: String) -> String {
-    if is_reserved(&name) {
-        format!("robot_{name}")
-    } else {
-        name
-    }
 }
 
 /// Identifiers and what had to be changed to get them.
@@ -97,9 +88,11 @@ impl Names {
         let mut result = Vec::new();
         for name in names {
             let Some(mut own) = self.identifier(name, report) else {
+                // Reported; the entry keeps its place in the list.
+                result.push(String::new());
                 continue;
             };
-            if let Some(prefix) = prefix.filter(|_| is_reserved(&own)) {
+            if let Some(prefix) = prefix.filter(|_| is_argument(&own)) {
                 own = format!("{prefix}_{own}");
                 self.changed.push(((*name).clone(), own.clone()));
             }
@@ -149,6 +142,7 @@ fn report_collision(
             second.value
         );
         report.error(second.span, "duplicate-name", message);
+        report.help("give each its own name");
         return;
     }
     let message = format!(
@@ -185,6 +179,15 @@ impl JointNames {
     fn new(robot: &RobotDescription, names: &mut Names, report: &mut Report) -> Self {
         let joints: Vec<&Name> = robot.joints.iter().map(|joint| &joint.name).collect();
         let joints = names.distinct(&joints, "joints", Some("joint"), report);
+        // Fixed joints do not appear in generated code.
+        let fixed = robot
+            .joints
+            .iter()
+            .filter(|joint| joint.kind == Some(JointKind::Fixed));
+        let fixed: BTreeSet<&str> = fixed.map(|joint| joint.name.value.as_str()).collect();
+        names
+            .changed
+            .retain(|(name, _)| !fixed.contains(name.value.as_str()));
         let frames: Vec<&Name> = robot.frames.iter().map(|frame| &frame.name).collect();
         let frames = names.distinct(&frames, "frames", None, report);
         let drive_name =
@@ -213,6 +216,14 @@ fn check_joint(joint: &JointDescription, report: &mut Report) {
     let name = &joint.name;
     if let Some(position) = &joint.limits.position {
         let [low, high] = position.value;
+        if joint.kind == Some(JointKind::Continuous) {
+            let message = format!(
+                "joint `{}` is continuous and has position limits",
+                name.value
+            );
+            report.error(position.span, "conflicting-keys", message);
+            report.help("a joint with position limits is \"revolute\"");
+        }
         if low > high {
             let message = format!(
                 "position limits of joint `{}` are reversed: {low} > {high}",
@@ -300,11 +311,9 @@ fn check_fixed(joint: &JointDescription, report: &mut Report) {
 fn check_body(body: &BodyDescription, defaults: &[f64], report: &mut Report) {
     let value = |formula: &Formula| formula.evaluate(defaults, 0.0, 0.0);
     let Some(mass) = &body.mass else {
-        report.error(
-            body.name.span,
-            "missing-key",
-            format!("body `{}` has no mass", body.name.value),
-        );
+        let message = format!("body `{}` has no `mass`", body.name.value);
+        report.error(body.name.span, "missing-key", message);
+        report.help("write `mass = 0` for a body that only has inertia");
         return;
     };
     let kilograms = value(&mass.value);
@@ -336,6 +345,11 @@ fn check_body(body: &BodyDescription, defaults: &[f64], report: &mut Report) {
     }
 }
 
+/// Six significant digits.
+fn short(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
+
 fn report_inertia(
     body: &BodyDescription,
     inertia: &At<[Formula; 6]>,
@@ -343,19 +357,19 @@ fn report_inertia(
     report: &mut Report,
 ) {
     let name = &body.name.value;
-    let (code, message) = match flaw {
-        Flaw::NotPositive([low, middle, high]) => (
-            "inertia-not-positive-definite",
-            format!(
-                "inertia of body `{name}` is not positive definite: principal moments {low:.6e}, {middle:.6e}, {high:.6e}"
-            ),
-        ),
-        Flaw::Triangle([low, middle, high]) => (
+    let (code, message) = match flaw.moments().map(short) {
+        [low, middle, high] if flaw.is_triangle() => (
             "inertia-triangle-inequality",
             format!(
-                "inertia of body `{name}` belongs to no real body: principal moments {low:.6e} + {middle:.6e} = {:.6e} \
-                 < {high:.6e}",
-                low + middle
+                "inertia of body `{name}` belongs to no real body: principal moments \
+                 {low} + {middle} < {high}"
+            ),
+        ),
+        [low, middle, high] => (
+            "inertia-not-positive-definite",
+            format!(
+                "inertia of body `{name}` is not positive definite: principal moments \
+                 {low}, {middle}, {high}"
             ),
         ),
     };
@@ -364,7 +378,10 @@ fn report_inertia(
         return;
     }
     report.error(inertia.span, code, message);
-    report.help("inertia counts about the centre of mass; `accept_unphysical = true` in a TOML body takes it as published");
+    report.help(
+        "inertia counts about the centre of mass; `accept_unphysical = true` in a TOML body takes \
+         it as published",
+    );
 }
 
 fn check_regularity(model: &Model, robot: &RobotDescription, report: &mut Report, tree: &Tree) {
@@ -375,12 +392,7 @@ fn check_regularity(model: &Model, robot: &RobotDescription, report: &mut Report
         let Some(joint) = tree.joints[link].and_then(|joint| robot.joints.get(joint)) else {
             continue;
         };
-        let leaf = !model.links.iter().any(|other| {
-            other
-                .joint
-                .as_ref()
-                .is_some_and(|joint| joint.parent == link)
-        });
+        let leaf = !carries_moving_joint(model, link);
         let code = if leaf {
             "massless-leaf"
         } else {
@@ -395,6 +407,22 @@ fn check_regularity(model: &Model, robot: &RobotDescription, report: &mut Report
             "give the links that move with it mass or inertia, give its drive a rotor inertia, or make the joint fixed",
         );
     }
+}
+
+/// Whether a moving joint stands on the link or on what is fixed to it.
+fn carries_moving_joint(model: &Model, link: usize) -> bool {
+    let mut beyond = vec![false; model.links.len()];
+    beyond[link] = true;
+    for (index, other) in model.links.iter().enumerate().skip(link + 1) {
+        let Some(joint) = other.joint.as_ref().filter(|joint| beyond[joint.parent]) else {
+            continue;
+        };
+        if matches!(joint.motion, Motion::Coordinate(_)) {
+            return true;
+        }
+        beyond[index] = true;
+    }
+    false
 }
 
 struct Builder<'d, 'r> {
@@ -480,6 +508,7 @@ impl Builder<'_, '_> {
             .iter()
             .map(|(joint, link)| (joints[*joint].name.value.as_str(), *link))
             .collect();
+        let before = self.report.error_count();
         report_duplicates(listed.iter(), "coordinates", self.report);
         let mut result = Vec::new();
         for name in listed {
@@ -505,7 +534,7 @@ impl Builder<'_, '_> {
             );
             self.report.help("list every moving joint, or hold it");
         }
-        (!self.report.has_errors()).then_some(result)
+        (self.report.error_count() == before).then_some(result)
     }
 
     fn links(&mut self, coordinates: &[usize]) -> Vec<Link> {

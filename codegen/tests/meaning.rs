@@ -1,0 +1,251 @@
+//! What descriptions mean: friction, springs, drives, bases, mimic joints, angles.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use gelenk_codegen::diagnostic::{Diagnostic, Diagnostics};
+use gelenk_codegen::model::{
+    Input, Joint, Model, Motion, ReadOptions, RotorCoupling, from_toml, from_urdf, read,
+};
+
+fn load(text: &str) -> (Model, Diagnostics) {
+    let base = &mut |file: &str| match file {
+        "gripper.urdf" => Ok((file.to_owned(), GRIPPER.to_owned())),
+        _ => Err(Diagnostic::error("file-unreadable", file).into()),
+    };
+    from_toml(text, "robot.toml", &ReadOptions::default(), base)
+        .unwrap_or_else(|wrong| panic!("{wrong}"))
+}
+
+fn one_joint(lines: &str) -> Model {
+    load(&format!(
+        "[[joints]]\nname = \"j\"\n{lines}\n[[bodies]]\nlink = \"j\"\nmass = 1\ninertia = 1\n"
+    ))
+    .0
+}
+
+fn joint(model: &Model, coordinate: usize) -> &Joint {
+    model.links[model.coordinates[coordinate]]
+        .joint
+        .as_ref()
+        .unwrap()
+}
+
+fn friction(model: &Model, v: f64) -> f64 {
+    let value = |formula: &gelenk_codegen::formula::Formula| formula.evaluate(&[], 0.0, v);
+    joint(model, 0)
+        .friction
+        .iter()
+        .map(|term| value(&term.coefficient) * value(&term.basis))
+        .sum()
+}
+
+#[test]
+fn friction_laws() {
+    let law = |text: &str| one_joint(&format!("friction = {text}"));
+    let viscous = law("{ viscous = 2 }");
+    assert_eq!(
+        [friction(&viscous, 1.5), friction(&viscous, -1.5)],
+        [3.0, -3.0]
+    );
+    let coulomb = law("{ coulomb = 0.5, viscous = 1 }");
+    assert_eq!(
+        [
+            friction(&coulomb, 2.0),
+            friction(&coulomb, 0.0),
+            friction(&coulomb, -2.0)
+        ],
+        [2.5, 0.0, -2.5]
+    );
+    let uneven = law("{ coulomb = { positive = 0.4, negative = -0.3 } }");
+    for (v, expected) in [(1e-9, 0.4), (0.0, 0.0), (-1e-9, -0.3)] {
+        assert!((friction(&uneven, v) - expected).abs() < 1e-16);
+    }
+    let smooth = law("{ coulomb = { positive = 0.4, negative = -0.3, slope = 50 } }");
+    assert!(
+        (friction(&smooth, 1.0) - 0.4).abs() < 1e-15
+            && (friction(&smooth, -1.0) + 0.3).abs() < 1e-15
+    );
+    assert_eq!(friction(&smooth, 0.0), 0.0);
+    let stribeck = law("{ stribeck = { a1 = 0.1, a2 = 0.3, a3 = 20, a4 = 0.2, a5 = 4 } }");
+    for v in [-0.7_f64, 0.02, 0.3] {
+        let expected =
+            0.1 * v + 0.3 * (20.0 * v).tanh() + 0.2 * (-4.0 * v.abs()).exp() * (60.0 * v).tanh();
+        assert!((friction(&stribeck, v) - expected).abs() < 1e-15);
+    }
+}
+
+#[test]
+fn springs_pull_back() {
+    let model = one_joint("spring = [{ stiffness = 10, rest = 0.5, damping = 2 }, \"-y\"]");
+    let force: f64 = joint(&model, 0)
+        .springs
+        .iter()
+        .map(|spring| spring.evaluate(&[], 0.7, 0.3))
+        .sum();
+    assert!((force - (-10.0 * (0.7 - 0.5) - 2.0 * 0.3 - 0.7)).abs() < 1e-15);
+}
+
+#[test]
+fn drives_of_moving_and_held_joints() {
+    let model = one_joint(
+        "drive = { gear_ratio = -50, motor_constant = { free = 0.05, unit = \"N m/A\" } }",
+    );
+    let drive = &model.drives[0];
+    assert_eq!(
+        (drive.coordinate, drive.carrier, drive.axis),
+        (Some(0), 0, [0.0, 0.0, 1.0])
+    );
+    assert!(matches!(drive.input, Input::Current(_)));
+    assert_eq!(drive.coupling, RotorCoupling::Body);
+    assert_eq!(
+        (
+            model.parameters[0].name.as_str(),
+            model.parameters[0].default
+        ),
+        ("j_motor_constant", 0.05)
+    );
+    let text = "[[joints]]\nname = \"a1\"\n[[joints]]\nname = \"b1\"\nheld = \"pi/2\"\n\
+                origin = { rpy = [\"pi/2\", 0, 0] }\ndrive = { rotor_inertia = 1 }\n\
+                [[bodies]]\nlink = \"b1\"\nmass = 1\ninertia = 1\n";
+    let (model, _) = load(text);
+    assert_eq!(model.coordinates, [1]);
+    assert_eq!(
+        model.links[2].joint.as_ref().unwrap().motion,
+        Motion::Held(std::f64::consts::FRAC_PI_2)
+    );
+    let drive = &model.drives[0];
+    assert_eq!(
+        (drive.coordinate, drive.carrier, drive.axis),
+        (None, 1, [0.0, -1.0, 0.0])
+    );
+}
+
+const GRIPPER: &str = r#"<robot name="gripper">
+  <link name="palm"/>
+  <link name="left"><inertial><mass value="1"/><origin xyz="0 0 0.1" rpy="1.5708 0 0"/>
+    <inertia ixx="1" ixy="0" ixz="0" iyy="1.5" iyz="0" izz="2"/></inertial></link>
+  <link name="right"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+  <link name="tip"/>
+  <joint name="b_left" type="prismatic"><parent link="palm"/><child link="left"/><axis xyz="0 2 0"/>
+    <limit lower="0" upper="0.04" effort="10" velocity="0.2"/><dynamics damping="0.3" friction="0.1"/></joint>
+  <joint name="a_right" type="prismatic"><parent link="palm"/><child link="right"/><axis xyz="0 1 0"/><mimic joint="b_left"/></joint>
+  <joint name="tip_joint" type="fixed"><parent link="left"/><child link="tip"/></joint>
+  <transmission name="t"><actuator name="m"><mechanicalReduction>50</mechanicalReduction></actuator></transmission>
+  <link_state/>
+</robot>"#;
+
+#[test]
+fn urdf_as_it_is() {
+    let mimic = from_urdf(GRIPPER, "gripper.urdf", &ReadOptions::default()).unwrap_err();
+    assert_eq!(
+        (
+            mimic.error_count(),
+            mimic
+                .entries()
+                .iter()
+                .any(|entry| entry.code == "mimic-joint")
+        ),
+        (1, true)
+    );
+    let options = ReadOptions {
+        ignore_mimic: true,
+        ..ReadOptions::default()
+    };
+    let (model, notes) = from_urdf(GRIPPER, "gripper.urdf", &options).unwrap();
+    assert_eq!(
+        [
+            joint(&model, 0).name.as_str(),
+            joint(&model, 1).name.as_str()
+        ],
+        ["a_right", "b_left"]
+    );
+    assert_eq!(joint(&model, 1).axis, [0.0, 1.0, 0.0]);
+    assert_eq!(joint(&model, 1).friction.len(), 2);
+    assert_eq!(joint(&model, 1).limits.position, Some([0.0, 0.04]));
+    assert_eq!(
+        model
+            .frames
+            .iter()
+            .map(|frame| frame.name.as_str())
+            .collect::<Vec<_>>(),
+        ["tip"]
+    );
+    assert_eq!(model.drives.len(), 2);
+    insta::assert_snapshot!(notes.to_string());
+}
+
+#[test]
+fn a_base_is_extended() {
+    let text = "urdf = \"gripper.urdf\"\n[[joints]]\nname = \"a_right\"\nheld = 0.01\n\
+                [[joints]]\nname = \"b_left\"\ndrive = { gear_ratio = 3 }\nlimits = { velocity = 0.5 }\n\
+                [[joints]]\nname = \"wrist\"\nparent = \"tip\"\naxis = [1, 0, 0]\n\
+                [[bodies]]\nname = \"left\"\nmass = { free = 2 }\n\
+                [[bodies]]\nlink = \"wrist\"\nmass = 1\ninertia = 1\n";
+    let (model, _) = load(text);
+    assert_eq!(model.name, "robot");
+    assert_eq!(
+        [
+            joint(&model, 0).name.as_str(),
+            joint(&model, 1).name.as_str()
+        ],
+        ["b_left", "wrist"]
+    );
+    let limits = joint(&model, 0).limits;
+    assert_eq!(
+        (limits.position, limits.velocity, limits.effort),
+        (Some([0.0, 0.04]), Some(0.5), Some(10.0))
+    );
+    assert_eq!(
+        model.drives.len(),
+        1,
+        "a new joint has no drive unless it says so"
+    );
+    let left = model.links.iter().find(|link| link.name == "left").unwrap();
+    assert_eq!(left.bodies[0].mass.evaluate(&[2.0], 0.0, 0.0), 2.0);
+    assert_eq!(left.bodies[0].center_of_mass[2].as_number(), Some(0.1));
+}
+
+#[test]
+fn snapping_makes_rotations_exact() {
+    let options = |snap_angles| ReadOptions {
+        snap_angles,
+        ignore_mimic: true,
+        ..ReadOptions::default()
+    };
+    let inertia = |options: &ReadOptions| {
+        let (model, _) = from_urdf(GRIPPER, "gripper.urdf", options).unwrap();
+        let left = model.links.iter().find(|link| link.name == "left").unwrap();
+        left.bodies[0]
+            .inertia
+            .clone()
+            .map(|entry| entry.as_number().unwrap())
+    };
+    assert_eq!(
+        inertia(&options(Some(1e-4))),
+        [1.0, 0.0, 0.0, 2.0, 0.0, 1.5]
+    );
+    assert_ne!(inertia(&options(None))[4], 0.0);
+}
+
+#[test]
+fn unreadable_files() {
+    let missing = read("no/such/file.toml".as_ref(), &ReadOptions::default()).unwrap_err();
+    assert!(
+        missing
+            .to_string()
+            .starts_with("error[file-unreadable]: cannot read no/such/file.toml"),
+        "{missing}"
+    );
+    let folder = std::env::temp_dir().join(format!("gelenk-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = folder.join("latin1.toml");
+    std::fs::write(&file, b"name = \"x\"\n# caf\xe9\n").unwrap();
+    let latin = read(&file, &ReadOptions::default()).unwrap_err();
+    let at = latin.entries()[0].location.clone().unwrap();
+    assert_eq!(
+        (latin.entries()[0].code, at.line, at.column),
+        ("not-utf-8", 2, 6)
+    );
+    assert!(read(&folder, &ReadOptions::default()).is_err());
+    std::fs::remove_dir_all(&folder).unwrap();
+}
