@@ -16,7 +16,7 @@ use gelenk_codegen::emit::{self, EmitOptions, Math, MathText, Scalar};
 use gelenk_codegen::formula::Function as Call;
 use gelenk_codegen::model::{JointKind, Model};
 use gelenk_codegen::program::interpret::{Functions, interpret};
-use gelenk_codegen::program::{Operand, Operation};
+use gelenk_codegen::program::{Operand, Operation, Output, Program, Shape};
 
 const STRICT: &str = "#![deny(warnings, missing_docs, clippy::all, nonstandard_style, future_incompatible)]\n//! Test.\n";
 
@@ -294,6 +294,73 @@ fn pasted_functions_are_called_by_both_engines() {
     let inputs: Vec<&[f64]> = sample.iter().map(Vec::as_slice).collect();
     let interpreted = interpret(&function.program, &inputs, &[], &functions).unwrap();
     assert_same_bits(&interpreted.concat(), &compiled[0]);
+}
+
+/// A function that returns zeros of these shapes.
+fn zeros(name: &str, inputs: &[(&str, usize)], results: &[(&str, Shape)]) -> Function {
+    let entries = |shape: Shape| match shape {
+        Shape::Scalar => 1,
+        Shape::Vector(len) => len,
+        Shape::Matrix(rows, columns) => rows * columns,
+    };
+    let output = |&(name, shape): &(&str, Shape)| Output {
+        name: name.into(),
+        shape,
+        entries: vec![Operand::Constant(0.0); entries(shape)],
+    };
+    Function {
+        name: name.into(),
+        summary: "Zeros.".into(),
+        equation: String::new(),
+        arguments: vec![],
+        results: vec![],
+        notes: vec![],
+        program: Program {
+            inputs: inputs
+                .iter()
+                .map(|(name, len)| common::input(name, *len))
+                .collect(),
+            instructions: vec![],
+            outputs: results.iter().map(output).collect(),
+        },
+    }
+}
+
+#[test]
+fn lengths_are_named_where_they_follow_from_the_model() {
+    let joints = ["a", "b", "c", "d", "e", "f"].map(|name| (name, JointKind::Revolute));
+    let square = |name| (name, Shape::Matrix(6, 6));
+    let state = [("y", 6), ("v", 6), ("u", 6)];
+    let blocks = [
+        square("da_dy"),
+        square("da_dv"),
+        square("da_du"),
+        ("affine", Shape::Vector(6)),
+    ];
+    let functions = [
+        zeros("linearize", &state, &blocks),
+        zeros("input_matrix", &state[..1], &[square("B")]),
+        zeros("kinetic_energy", &state[..2], &[("T", Shape::Scalar)]),
+        zeros(
+            "frame_tool_pose",
+            &state[..1],
+            &[("p", Shape::Vector(3)), ("R", Shape::Matrix(3, 3))],
+        ),
+        zeros("frame_tool_jacobian", &state[..1], &[square("J")]),
+        zeros(
+            "frame_tool_jacobian_rate",
+            &state[..2],
+            &[("a", Shape::Vector(6))],
+        ),
+    ];
+    let text = emit_with(&chain("six", &joints), &functions, |_| {});
+    let signatures: Vec<&str> = text
+        .split("pub fn ")
+        .skip(1)
+        .filter_map(|item| item.split(" {").next())
+        .collect();
+    insta::assert_snapshot!(signatures.join("\n"));
+    assert_compiles("six", &text);
 }
 
 #[test]
