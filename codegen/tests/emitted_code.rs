@@ -12,10 +12,11 @@ use std::process::Command;
 
 use common::{chain, every_operation, mass_matrix, parameter, powercube, rustc, synthetic};
 use gelenk_codegen::dynamics::function::Function;
-use gelenk_codegen::emit::{self, EmitOptions, Scalar};
+use gelenk_codegen::emit::{self, EmitOptions, Math, MathText, Scalar};
+use gelenk_codegen::formula::Function as Call;
 use gelenk_codegen::model::{JointKind, Model};
-use gelenk_codegen::program::Operand;
 use gelenk_codegen::program::interpret::{Functions, interpret};
+use gelenk_codegen::program::{Operand, Operation, Output, Program, Shape};
 
 const STRICT: &str = "#![deny(warnings, missing_docs, clippy::all, nonstandard_style, future_incompatible)]\n//! Test.\n";
 
@@ -231,6 +232,135 @@ fn no_text_of_a_description_becomes_code() {
     let text = emit_with(&model, &[function], |options| options.command = evil.into());
     insta::assert_snapshot!(text);
     assert_compiles("evil", &text);
+}
+
+/// Stand-ins that no std function equals, so that a call of the wrong one shows.
+const STAND_INS: &[MathText] = &[
+    MathText {
+        name: "half",
+        text: "/// Half.\nfn half(x: f64) -> f64 {\n    // A comment.\n    0.5 * x\n}",
+        requires: &[],
+    },
+    MathText {
+        name: "sin_cos",
+        text: "pub fn sin_cos(x: f64) -> (f64, f64) { (half(x), x - 1.5) }",
+        requires: &["half"],
+    },
+    MathText {
+        name: "tanh",
+        text: "pub fn tanh(x: f64) -> f64 { x + 3.0 }",
+        requires: &[],
+    },
+    MathText {
+        name: "exp",
+        text: "pub fn exp(x: f64) -> f64 { x * 7.0 }",
+        requires: &[],
+    },
+    MathText {
+        name: "tanh_f32",
+        text: "pub fn tanh_f32(x: f32) -> f32 { x }",
+        requires: &[],
+    },
+];
+
+#[test]
+fn pasted_functions_are_called_by_both_engines() {
+    let model = chain(
+        "pair",
+        &[("a", JointKind::Revolute), ("b", JointKind::Prismatic)],
+    );
+    let mut function = every_operation();
+    function.program.instructions[0].name = "math".into();
+    // Operands that no pass would leave: numbers alone.
+    function.program.instructions[8].operation = Operation::Negate(Operand::Constant(2.0));
+    function.program.instructions[9].operation =
+        Operation::Divide(Operand::Constant(-2.0), Operand::Constant(-3.0));
+    function.program.instructions[4].operation = Operation::Call(Call::Abs, Operand::Value(9));
+    function.program.instructions.swap(4, 8);
+    function.program.instructions.swap(5, 9);
+    function.program.instructions[8].operation = Operation::Call(Call::Abs, Operand::Value(5));
+    let text = emit_with(&model, &[function.clone()], |options| {
+        options.math = Math::Embedded(STAND_INS)
+    });
+    assert!(text.contains("        // A comment.") && !text.contains("tanh_f32"));
+    assert_compiles("pair", &text);
+    let sample = vec![vec![0.7, -1.3], vec![0.0, 0.0]];
+    let compiled = run_compiled(&text, "every_operation", std::slice::from_ref(&sample));
+    let functions = Functions {
+        sin_cos: |x| (0.5 * x, x - 1.5),
+        tanh: |x| x + 3.0,
+        exp: |x| x * 7.0,
+    };
+    let inputs: Vec<&[f64]> = sample.iter().map(Vec::as_slice).collect();
+    let interpreted = interpret(&function.program, &inputs, &[], &functions).unwrap();
+    assert_same_bits(&interpreted.concat(), &compiled[0]);
+}
+
+/// A function that returns zeros of these shapes.
+fn zeros(name: &str, inputs: &[(&str, usize)], results: &[(&str, Shape)]) -> Function {
+    let entries = |shape: Shape| match shape {
+        Shape::Scalar => 1,
+        Shape::Vector(len) => len,
+        Shape::Matrix(rows, columns) => rows * columns,
+    };
+    let output = |&(name, shape): &(&str, Shape)| Output {
+        name: name.into(),
+        shape,
+        entries: vec![Operand::Constant(0.0); entries(shape)],
+    };
+    Function {
+        name: name.into(),
+        summary: "Zeros.".into(),
+        equation: String::new(),
+        arguments: vec![],
+        results: vec![],
+        notes: vec![],
+        program: Program {
+            inputs: inputs
+                .iter()
+                .map(|(name, len)| common::input(name, *len))
+                .collect(),
+            instructions: vec![],
+            outputs: results.iter().map(output).collect(),
+        },
+    }
+}
+
+#[test]
+fn lengths_are_named_where_they_follow_from_the_model() {
+    let joints = ["a", "b", "c", "d", "e", "f"].map(|name| (name, JointKind::Revolute));
+    let square = |name| (name, Shape::Matrix(6, 6));
+    let state = [("y", 6), ("v", 6), ("u", 6)];
+    let blocks = [
+        square("da_dy"),
+        square("da_dv"),
+        square("da_du"),
+        ("affine", Shape::Vector(6)),
+    ];
+    let functions = [
+        zeros("linearize", &state, &blocks),
+        zeros("input_matrix", &state[..1], &[square("B")]),
+        zeros("kinetic_energy", &state[..2], &[("T", Shape::Scalar)]),
+        zeros(
+            "frame_tool_pose",
+            &state[..1],
+            &[("p", Shape::Vector(3)), ("R", Shape::Matrix(3, 3))],
+        ),
+        zeros("frame_tool_jacobian", &state[..1], &[square("J")]),
+        zeros(
+            "frame_tool_jacobian_rate",
+            &state[..2],
+            &[("a", Shape::Vector(6))],
+        ),
+    ];
+    let text = emit_with(&chain("six", &joints), &functions, |_| {});
+    let signatures: Vec<&str> = text
+        .split("pub fn ")
+        .skip(1)
+        .filter_map(|item| item.split(" {").next())
+        .collect();
+    insta::assert_snapshot!(signatures.join("\n"));
+    assert_compiles("six", &text);
 }
 
 #[test]

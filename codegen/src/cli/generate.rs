@@ -10,6 +10,7 @@ use super::arguments::{Check, Choices, Format, Generate, ScalarName};
 use super::place::{Workspace, shown};
 use super::print;
 use super::progress::Progress;
+use crate::diagnostic::Diagnostics;
 use crate::emit::EmitOptions;
 use crate::output::{self, Outcome};
 use crate::pipeline::{self, GenerateOptions, Generated};
@@ -31,7 +32,8 @@ pub(super) fn generate(arguments: &Generate, format: Format) -> Result<ExitCode,
         arguments.output.as_deref(),
         workspace.as_ref(),
     );
-    let robot = derive(description, choices, command, format)?;
+    let robot = derive(description, choices, command)?;
+    say_notes(&robot, format);
     if arguments.output.as_deref() == Some(Path::new("-")) {
         print::out(&robot.source.text)?;
         return Ok(ExitCode::SUCCESS);
@@ -42,6 +44,9 @@ pub(super) fn generate(arguments: &Generate, format: Format) -> Result<ExitCode,
         arguments.output.as_deref(),
         workspace.as_ref(),
     );
+    if is_ours {
+        refuse_root(&robot.source.name)?;
+    }
     let outcome = output::write(&path, &robot.source.text)?;
     if let (true, Some(workspace)) = (is_ours, &workspace) {
         add_to_root(workspace, &robot.source.name)?;
@@ -65,7 +70,8 @@ fn generate_all(
     choices: &Choices,
     format: Format,
 ) -> Result<ExitCode, Failure> {
-    let robots = derive_all(workspace, choices, format)?;
+    let robots = derive_all(workspace, choices)?;
+    robots.iter().for_each(|robot| say_notes(robot, format));
     let (mut lines, mut results) = (String::new(), Vec::new());
     for robot in &robots {
         let path = workspace
@@ -108,7 +114,7 @@ pub(super) fn check(arguments: &Check, format: Format) -> Result<ExitCode, Failu
                 arguments.output.as_deref(),
                 workspace.as_ref(),
             );
-            let robot = derive(description, choices, command.clone(), format)?;
+            let robot = derive(description, choices, command.clone())?;
             let (path, _) = place(
                 description,
                 &robot,
@@ -121,18 +127,14 @@ pub(super) fn check(arguments: &Check, format: Format) -> Result<ExitCode, Failu
                 vec![(path, command)]
             }
         }
-        (None, Some(workspace)) => stale(workspace, choices, format)?,
+        (None, Some(workspace)) => stale(workspace, choices)?,
         (None, None) => return Err(no_workspace()),
     };
     report_stale(&stale, format)
 }
 
-fn stale(
-    workspace: &Workspace,
-    choices: &Choices,
-    format: Format,
-) -> Result<Vec<(PathBuf, String)>, Failure> {
-    let robots = derive_all(workspace, choices, format)?;
+fn stale(workspace: &Workspace, choices: &Choices) -> Result<Vec<(PathBuf, String)>, Failure> {
+    let robots = derive_all(workspace, choices)?;
     let names: Vec<String> = robots
         .iter()
         .map(|robot| robot.source.name.clone())
@@ -178,63 +180,67 @@ fn report_stale(stale: &[(PathBuf, String)], format: Format) -> Result<ExitCode,
     Ok(code)
 }
 
-/// Derives all robots of the workspace; all problems of all descriptions are printed.
-fn derive_all(
-    workspace: &Workspace,
-    choices: &Choices,
-    format: Format,
-) -> Result<Vec<Generated>, Failure> {
-    let descriptions = workspace.descriptions()?;
-    let derived = descriptions.iter().map(|description| {
-        let command = command(description, choices, None, Some(workspace));
-        derive(
-            &PathBuf::from(relative(description)),
-            choices,
-            command,
-            format,
-        )
-    });
-    let results: Vec<Result<Generated, Failure>> = derived.collect();
-    let mut robots = results.into_iter().collect::<Result<Vec<_>, _>>()?;
+/// Derives all robots of the workspace; a failure holds the problems of all descriptions.
+fn derive_all(workspace: &Workspace, choices: &Choices) -> Result<Vec<Generated>, Failure> {
+    let (mut robots, mut problems) = (Vec::new(), Vec::new());
+    for description in workspace.descriptions()? {
+        let command = command(&description, choices, None, Some(workspace));
+        match derive_one(Path::new(&relative(&description)), choices, command) {
+            Ok(robot) => robots.push(robot),
+            Err(diagnostics) => problems.push(diagnostics),
+        }
+    }
+    if !problems.is_empty() {
+        return Err(Failure::Descriptions(problems));
+    }
     robots.sort_by(|a, b| a.source.name.cmp(&b.source.name));
-    match robots
-        .windows(2)
-        .find(|pair| pair[0].source.name == pair[1].source.name)
-    {
-        Some(pair) => Err(Failure::Problem(format!(
+    let names: Vec<&str> = robots
+        .iter()
+        .map(|robot| robot.source.name.as_str())
+        .collect();
+    if let Some(pair) = names.windows(2).find(|pair| pair[0] == pair[1]) {
+        return Err(Failure::Problem(format!(
             "two descriptions name their robot `{}`: rename one",
-            pair[0].source.name
-        ))),
-        None => Ok(robots),
+            pair[0]
+        )));
+    }
+    names.iter().try_for_each(|name| refuse_root(name))?;
+    Ok(robots)
+}
+
+/// The crate's root is no robot.
+fn refuse_root(name: &str) -> Result<(), Failure> {
+    match name {
+        "lib" => Err(Failure::Problem(
+            "`lib` is the root of the crate of robots: rename the robot".to_owned(),
+        )),
+        _ => Ok(()),
     }
 }
 
-/// Runs the pipeline; notes go to standard error, diagnostics of a failure where the format says.
+/// Runs the pipeline on one description.
 pub(super) fn derive(
     description: &Path,
     choices: &Choices,
     command: String,
-    format: Format,
 ) -> Result<Generated, Failure> {
-    let progress = Progress::start(description.display().to_string());
-    let generated = pipeline::generate(description, &options(choices, command));
-    drop(progress);
-    match generated {
-        Ok(robot) => {
-            if format == Format::Text && !robot.notes.is_empty() {
-                print::err(&format!("{}\n\n", robot.notes));
-            }
-            Ok(robot)
-        }
-        Err(diagnostics) => {
-            match format {
-                Format::Json => drop(print::json(
-                    &json!({ "diagnostics": print::diagnostics(&diagnostics) }),
-                )?),
-                Format::Text => print::err(&format!("{diagnostics}\n")),
-            }
-            Err(Failure::Said)
-        }
+    derive_one(description, choices, command)
+        .map_err(|diagnostics| Failure::Descriptions(vec![diagnostics]))
+}
+
+fn derive_one(
+    description: &Path,
+    choices: &Choices,
+    command: String,
+) -> Result<Generated, Diagnostics> {
+    let _progress = Progress::start(description.display().to_string());
+    pipeline::generate(description, &options(choices, command))
+}
+
+/// Notes go to standard error; in JSON they are part of the result.
+pub(super) fn say_notes(robot: &Generated, format: Format) {
+    if format == Format::Text && !robot.notes.is_empty() {
+        print::err(&format!("{}\n\n", robot.notes));
     }
 }
 
@@ -253,7 +259,7 @@ fn options(choices: &Choices, command: String) -> GenerateOptions {
 }
 
 /// The command that makes the file again, from the workspace's root or the folder that relative paths begin at.
-fn command(
+pub(super) fn command(
     description: &Path,
     choices: &Choices,
     output: Option<&Path>,

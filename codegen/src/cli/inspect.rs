@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use super::Failure;
 use super::arguments::{Format, Inspect, Stage};
+use super::place::Workspace;
 use super::{generate, print};
 use crate::dynamics::function::Function;
 use crate::model::{JointKind, Model, Motion};
@@ -22,8 +23,15 @@ pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, F
             "--latex goes with `inspect program`".to_owned(),
         ));
     }
-    let command = "gelenk inspect source".to_owned();
-    let robot = generate::derive(&arguments.description, &arguments.choices, command, format)?;
+    let workspace = Workspace::find();
+    let command = generate::command(
+        &arguments.description,
+        &arguments.choices,
+        None,
+        workspace.as_ref(),
+    );
+    let robot = generate::derive(&arguments.description, &arguments.choices, command)?;
+    generate::say_notes(&robot, format);
     match format {
         Format::Json => print::json(&as_json(&robot, arguments)),
         Format::Text => print::out(&as_text(&robot, arguments)).map(|()| ExitCode::SUCCESS),
@@ -73,7 +81,8 @@ fn notation(model: &Model) -> Notation {
 }
 
 fn titled(function: &Function, program: &str) -> String {
-    format!("{}: {}\n{program}", function.name, function.equation)
+    let title = format!("{}: {}", function.name, function.equation);
+    format!("{}\n{program}", title.trim_end_matches([':', ' ']))
 }
 
 fn as_json(robot: &Generated, arguments: &Inspect) -> Value {

@@ -13,6 +13,8 @@ use clap::Parser;
 
 use arguments::{Arguments, Command};
 
+use crate::diagnostic::Diagnostics;
+
 /// Runs the program with the arguments of the process. Exit code 0 on success, 1 where the description (or a file) is
 /// at fault or the output is stale, 2 for a wrong command line.
 #[must_use]
@@ -25,7 +27,10 @@ pub fn run() -> ExitCode {
     };
     match result {
         Ok(code) => code,
-        Err(Failure::Said) => ExitCode::from(1),
+        Err(Failure::Descriptions(all)) => {
+            print::problems(&all, arguments.format);
+            ExitCode::from(1)
+        }
         Err(Failure::Usage(message)) => {
             print::err(&format!(
                 "error: {message}\n\nFor more information, try '--help'.\n"
@@ -42,8 +47,8 @@ pub fn run() -> ExitCode {
 /// Why a command ends without success.
 #[derive(Debug)]
 enum Failure {
-    /// The description is at fault, and its diagnostics were printed.
-    Said,
+    /// Descriptions are at fault.
+    Descriptions(Vec<Diagnostics>),
     /// A wrong command line.
     Usage(String),
     /// Anything else: a file that cannot be written.

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use serde_json::{Value, json};
 
 use super::Failure;
+use super::arguments::Format;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::dynamics::function::Function;
 use crate::program::cost::{self, Cost};
@@ -33,6 +34,25 @@ pub(super) fn json(value: &Value) -> Result<ExitCode, Failure> {
 /// Writes to standard error, where nobody may listen either.
 pub(super) fn err(text: &str) {
     let _ = io::stderr().lock().write_all(text.as_bytes());
+}
+
+/// What is wrong with descriptions: text on standard error, JSON on standard output.
+pub(super) fn problems(all: &[Diagnostics], format: Format) {
+    match format {
+        Format::Text => {
+            let texts: Vec<String> = all.iter().map(ToString::to_string).collect();
+            err(&format!("{}\n", texts.join("\n\n")));
+        }
+        Format::Json => {
+            let entries: Value = all
+                .iter()
+                .flat_map(Diagnostics::entries)
+                .map(diagnostic)
+                .collect();
+            // Exit code 1 follows in any case.
+            let _ = out(&format!("{:#}\n", json!({ "diagnostics": entries })));
+        }
+    }
 }
 
 /// Diagnostics as JSON.
@@ -103,25 +123,51 @@ pub(super) fn counts(functions: &[Function]) -> Value {
     functions.iter().map(entry).collect()
 }
 
-/// Rows of cells in columns: the first one to the left, numbers to the right.
+/// Rows of cells in columns, below a head; columns of numbers to the right.
 pub(super) fn table(rows: &[Vec<String>]) -> String {
-    let width = |column: usize| {
-        rows.iter()
-            .filter_map(|row| row.get(column))
+    let column = |column: usize| rows.iter().filter_map(move |row| row.get(column));
+    let width = |index: usize| {
+        column(index)
             .map(|cell| cell.chars().count())
             .max()
             .unwrap_or(0)
     };
+    let is_number = |index: usize| {
+        column(index)
+            .skip(1)
+            .all(|cell| cell.parse::<f64>().is_ok())
+    };
     let line = |row: &Vec<String>| {
-        let cells = row.iter().enumerate().map(|(column, cell)| {
-            let space = " ".repeat(width(column) - cell.chars().count());
-            if column == 0 {
-                format!("{cell}{space}")
-            } else {
+        let cells = row.iter().enumerate().map(|(index, cell)| {
+            let space = " ".repeat(width(index) - cell.chars().count());
+            if is_number(index) {
                 format!("{space}{cell}")
+            } else {
+                format!("{cell}{space}")
             }
         });
         format!("  {}\n", cells.collect::<Vec<_>>().join("  ").trim_end())
     };
     rows.iter().map(line).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_stand_to_the_right() {
+        let rows = [
+            ["function", "kind", "calls"],
+            ["f", "ω", "12"],
+            ["long_name", "b", "3"],
+        ];
+        let rows: Vec<Vec<String>> = rows
+            .iter()
+            .map(|row| row.map(str::to_owned).to_vec())
+            .collect();
+        let expected =
+            "  function   kind  calls\n  f          ω        12\n  long_name  b         3\n";
+        assert_eq!(table(&rows), expected);
+    }
 }

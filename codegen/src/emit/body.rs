@@ -123,25 +123,28 @@ impl<'a> Body<'a> {
                 let (a, b, c) = (self.receiver(a), self.operand(b), self.operand(c));
                 quote!(#a.mul_add(#b, #c))
             }
-            Operation::SinCos(a) => {
-                math::call(self.context.options.math, "sin_cos", &self.receiver(a))
-            }
+            Operation::SinCos(a) => self.call("sin_cos", a),
             Operation::CosineOf(_) => return None,
             Operation::Call(crate::formula::Function::Sign, a) => {
                 let a = self.operand(a);
                 quote!(sign(#a))
             }
-            Operation::Call(function, a) => math::call(
-                self.context.options.math,
-                math::function_name(function),
-                &self.receiver(a),
-            ),
+            Operation::Call(function, a) => self.call(math::function_name(function), a),
         })
+    }
+
+    fn call(&self, name: &str, argument: Operand) -> TokenStream {
+        math::call(
+            self.context.options,
+            name,
+            &self.receiver(argument),
+            &self.operand(argument),
+        )
     }
 
     fn negated(&self, operand: Operand) -> TokenStream {
         match operand {
-            Operand::Constant(number) => self.scalar.receiver(-number),
+            Operand::Constant(number) => self.scalar.typed(-number),
             _ => {
                 let operand = self.operand(operand);
                 quote!(-#operand)

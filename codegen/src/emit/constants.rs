@@ -190,9 +190,16 @@ fn joint_limits(context: &Context<'_>, joints: &[&Joint]) -> Vec<TokenStream> {
     ]
 }
 
-/// Constants of the drives; those that depend on free parameters are left out.
+/// Constants of the drives. Gear ratios and rotor inertias that depend on free parameters are left out; limits of
+/// currents take the described motor constant.
 fn drives(context: &Context<'_>, inputs: &[&Drive]) -> Vec<TokenStream> {
     let m = format_ident!("M");
+    let described: Vec<f64> = context
+        .model
+        .parameters
+        .iter()
+        .map(|parameter| parameter.default)
+        .collect();
     let all = |value: &dyn Fn(&Drive) -> Option<f64>| {
         inputs
             .iter()
@@ -212,13 +219,13 @@ fn drives(context: &Context<'_>, inputs: &[&Drive]) -> Vec<TokenStream> {
             "INPUT_LIMITS",
             "Largest magnitude of each input that its motor bears continuously, in the unit of the input; infinite \
              where not described. `EFFORT_LIMITS` at the joint holds beside it.",
-            all(&|drive| Some(nominal(drive) / torque_per_input(drive)?)),
+            all(&|drive| Some(nominal(drive) / torque_per_input(drive, &described)?)),
         ),
         (
             "PEAK_INPUT_LIMITS",
             "Largest magnitude of each input that its motor bears for a short time, in the unit of the input; the \
              nominal one where no peak is described.",
-            all(&|drive| Some(peak(drive) / torque_per_input(drive)?)),
+            all(&|drive| Some(peak(drive) / torque_per_input(drive, &described)?)),
         ),
         (
             "GEAR_RATIOS",
@@ -240,10 +247,10 @@ fn drives(context: &Context<'_>, inputs: &[&Drive]) -> Vec<TokenStream> {
 }
 
 /// Motor torque per unit of input: 1, or the magnitude of the motor constant.
-fn torque_per_input(drive: &Drive) -> Option<f64> {
+fn torque_per_input(drive: &Drive, described: &[f64]) -> Option<f64> {
     match &drive.input {
         Input::Torque => Some(1.0),
-        Input::Current(motor_constant) => number(motor_constant).map(f64::abs),
+        Input::Current(motor_constant) => value(motor_constant, described).map(f64::abs),
     }
 }
 
@@ -281,19 +288,25 @@ fn vector(
 
 /// Value of a formula without parameters, position or velocity; `None` for others.
 fn number(formula: &Formula) -> Option<f64> {
-    let both = |a: &Formula, b: &Formula| Some((number(a)?, number(b)?));
+    value(formula, &[])
+}
+
+/// Value of a formula of parameters; `None` where it depends on others, on position or velocity.
+fn value(formula: &Formula, parameters: &[f64]) -> Option<f64> {
+    let both = |a: &Formula, b: &Formula| Some((value(a, parameters)?, value(b, parameters)?));
     Some(match formula {
-        Formula::Number(value) => *value,
-        Formula::Parameter(_) | Formula::Position | Formula::Velocity => return None,
-        Formula::Negate(a) => -number(a)?,
+        Formula::Number(number) => *number,
+        Formula::Parameter(index) => *parameters.get(*index)?,
+        Formula::Position | Formula::Velocity => return None,
+        Formula::Negate(a) => -value(a, parameters)?,
         Formula::Add(a, b) => both(a, b).map(|(a, b)| a + b)?,
         Formula::Subtract(a, b) => both(a, b).map(|(a, b)| a - b)?,
         Formula::Multiply(a, b) => both(a, b).map(|(a, b)| a * b)?,
         Formula::Divide(a, b) => both(a, b).map(|(a, b)| a / b)?,
         Formula::Power(a, exponent) => {
-            (0..*exponent).try_fold(1.0, |power, _| Some(power * number(a)?))?
+            (0..*exponent).try_fold(1.0, |power, _| Some(power * value(a, parameters)?))?
         }
-        Formula::Call(function, a) => call(*function, number(a)?),
+        Formula::Call(function, a) => call(*function, value(a, parameters)?),
     })
 }
 

@@ -38,12 +38,17 @@ impl Scalar {
 
     /// `number` as what a method is called on: in parentheses where negative, its type named.
     pub(super) fn receiver(self, number: f64) -> TokenStream {
-        let literal = self.signed(number, Suffix::Type);
+        let literal = self.typed(number);
         if number.is_sign_negative() {
             quote!((#literal))
         } else {
             literal
         }
+    }
+
+    /// `number` with its type named, where nothing else would fix it.
+    pub(super) fn typed(self, number: f64) -> TokenStream {
+        self.signed(number, Suffix::Type)
     }
 
     fn signed(self, number: f64, suffix: Suffix) -> TokenStream {

@@ -2,14 +2,15 @@
 
 use std::collections::BTreeSet;
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Ident, Span, TokenStream};
 use quote::quote;
 
 use super::EmitOptions;
 use super::literal::Scalar;
 use crate::dynamics::function::Function;
 use crate::formula::Function as Call;
-use crate::program::Operation;
+use crate::program::flow::Flow;
+use crate::program::{Operation, Program};
 
 /// Source of the functions that a module calls.
 ///
@@ -19,73 +20,125 @@ pub enum Math {
     /// Methods of std: `x.sin_cos()`.
     #[default]
     Std,
-    /// Our own functions, pasted into the module: `sin_cos(x)`. Only those that are called, and what they need.
-    Embedded(&'static [MathItem]),
+    /// Our own functions, pasted into the module: `math::sin_cos(x)`. Only what is called, and what that requires.
+    Embedded(&'static [MathText]),
 }
 
-/// A private function or constant to paste into a module.
+/// The text of one function, with its private helpers, to paste into a module.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct MathItem {
-    /// Its name. Programs call `sin_cos`, `sin`, `cos`, `tanh` and `exp`.
+pub struct MathText {
+    /// Its name: `sin_cos`, `tanh` and `exp` are called, with `_f32` behind for that type; others are required.
     pub name: &'static str,
-    /// Its text for f64.
-    pub f64_text: &'static str,
-    /// Its text for f32.
-    pub f32_text: &'static str,
-    /// Names of the items that it uses.
-    pub uses: &'static [&'static str],
+    /// Rust items; the called function is `pub`.
+    pub text: &'static str,
+    /// Names of what it calls itself.
+    pub requires: &'static [&'static str],
 }
 
-/// Names of the module's own functions, pasted ones included: nothing else may be named like them.
-pub(super) fn names(options: &EmitOptions) -> impl Iterator<Item = &'static str> {
-    let pasted = match options.math {
-        Math::Std => &[],
-        Math::Embedded(items) => items,
+/// Names of the module's own functions: nothing else may be named like them.
+pub(super) const RESERVED: [&str; 1] = ["sign"];
+
+/// A call of a function of one argument, which stands as `receiver` before a method and as `argument` in parentheses.
+pub(super) fn call(
+    options: &EmitOptions,
+    name: &str,
+    receiver: &TokenStream,
+    argument: &TokenStream,
+) -> TokenStream {
+    let ident = |name: &str| Ident::new(name, Span::call_site());
+    let Math::Embedded(texts) = options.math else {
+        let name = ident(name);
+        return quote!(#receiver.#name());
     };
-    ["sin_cos", "sin", "cos", "tanh", "exp", "sign"]
-        .into_iter()
-        .chain(pasted.iter().map(|item| item.name))
-}
-
-/// A call of a function of one argument.
-pub(super) fn call(math: Math, name: &str, receiver: &TokenStream) -> TokenStream {
-    let name = super::names::identifier(name);
-    match math {
-        Math::Embedded(items) if items.iter().any(|item| name == item.name) => {
-            quote!(#name(#receiver))
-        }
-        _ => quote!(#receiver.#name()),
+    let pasted = pasted_name(name, options.scalar);
+    if !texts.iter().any(|text| text.name == pasted) {
+        let name = ident(name);
+        return quote!(#receiver.#name());
+    }
+    let function = ident(&pasted);
+    match name {
+        "sin" => quote!(math::#function(#argument).0),
+        "cos" => quote!(math::#function(#argument).1),
+        _ => quote!(math::#function(#argument)),
     }
 }
 
-/// The functions that the module's programs call: those pasted in, and `sign`.
-pub(super) fn items(options: &EmitOptions, functions: &[Function]) -> Vec<TokenStream> {
+/// The pasted function behind a call: a sine or cosine alone is half of `sin_cos`.
+fn pasted_name(name: &str, scalar: Scalar) -> String {
+    let name = if matches!(name, "sin" | "cos") {
+        "sin_cos"
+    } else {
+        name
+    };
+    match scalar {
+        Scalar::F64 => name.to_owned(),
+        Scalar::F32 => format!("{name}_f32"),
+    }
+}
+
+/// The functions that the module's programs call: `sign`, and those pasted in.
+pub(super) fn text(options: &EmitOptions, functions: &[Function]) -> String {
     let called = called(functions);
-    let mut items = Vec::new();
-    if let Math::Embedded(pasted) = options.math {
-        items.extend(
-            needed(pasted, &called)
-                .into_iter()
-                .map(|item| item_tokens(item, options.scalar)),
-        );
-    }
+    let mut text = String::new();
     if called.contains("sign") {
-        items.push(sign(options.scalar));
+        super::push_items(&mut text, [sign(options.scalar)]);
     }
-    items
+    if let Math::Embedded(texts) = options.math {
+        let called = called
+            .iter()
+            .map(|name| pasted_name(name, options.scalar))
+            .collect();
+        text.push_str(&module(&needed(texts, called)));
+    }
+    text
 }
 
-fn called(functions: &[Function]) -> BTreeSet<&'static str> {
-    let instructions = functions
+/// A module of its own keeps the names of helpers apart from those of a robot. Its text stays as it is: the pretty
+/// printer would drop the comments.
+fn module(texts: &[&MathText]) -> String {
+    if texts.is_empty() {
+        return String::new();
+    }
+    let indented = |line: &str| {
+        if line.is_empty() {
+            "\n".to_owned()
+        } else {
+            format!("    {line}\n")
+        }
+    };
+    let texts: Vec<String> = texts
         .iter()
-        .flat_map(|function| &function.program.instructions);
-    instructions
-        .filter_map(|instruction| match instruction.operation {
-            Operation::SinCos(_) => Some("sin_cos"),
-            Operation::Call(function, _) => Some(function_name(function)),
-            _ => None,
-        })
+        .map(|text| text.text.trim().lines().map(indented).collect())
+        .collect();
+    format!(
+        "\n/// Elementary functions that give the same bits on every platform.\n\
+         #[allow(\n    clippy::approx_constant,\n    clippy::excessive_precision,\n    \
+         reason = \"coefficients and parts of π are not those constants\"\n)]\nmod math {{\n{}}}\n",
+        texts.join("\n")
+    )
+}
+
+/// Functions that the statements call; what nothing reads is no statement, and an unused function would be a warning.
+fn called(functions: &[Function]) -> BTreeSet<&'static str> {
+    functions
+        .iter()
+        .flat_map(|function| called_by(&function.program))
         .collect()
+}
+
+fn called_by(program: &Program) -> BTreeSet<&'static str> {
+    let flow = Flow::new(program);
+    let made = program
+        .instructions
+        .iter()
+        .enumerate()
+        .filter(|(index, _)| flow.is_made(*index));
+    made.filter_map(|(_, instruction)| match instruction.operation {
+        Operation::SinCos(_) => Some("sin_cos"),
+        Operation::Call(function, _) => Some(function_name(function)),
+        _ => None,
+    })
+    .collect()
 }
 
 pub(super) fn function_name(function: Call) -> &'static str {
@@ -99,33 +152,23 @@ pub(super) fn function_name(function: Call) -> &'static str {
     }
 }
 
-/// The pasted items reachable from `called`, in the order of `items`.
-fn needed(items: &'static [MathItem], called: &BTreeSet<&'static str>) -> Vec<&'static MathItem> {
-    let mut wanted = called.clone();
+/// The texts reachable from `wanted`, in the order of `texts`.
+fn needed(texts: &'static [MathText], mut wanted: BTreeSet<String>) -> Vec<&'static MathText> {
     loop {
-        let uses = items
-            .iter()
-            .filter(|item| wanted.contains(item.name))
-            .flat_map(|item| item.uses.iter().copied());
-        let more: BTreeSet<_> = uses.chain(wanted.iter().copied()).collect();
-        if more.len() == wanted.len() {
+        let reached = texts.iter().filter(|text| wanted.contains(text.name));
+        let more: BTreeSet<String> = reached
+            .flat_map(|text| text.requires)
+            .map(|&name| name.to_owned())
+            .collect();
+        if more.is_subset(&wanted) {
             break;
         }
-        wanted = more;
+        wanted.extend(more);
     }
-    items
+    texts
         .iter()
-        .filter(|item| wanted.contains(item.name))
+        .filter(|text| wanted.contains(text.name))
         .collect()
-}
-
-fn item_tokens(item: &MathItem, scalar: Scalar) -> TokenStream {
-    let text = match scalar {
-        Scalar::F64 => item.f64_text,
-        Scalar::F32 => item.f32_text,
-    };
-    text.parse()
-        .unwrap_or_else(|_| quote!(compile_error!("the pasted function is no Rust");))
 }
 
 /// `signum` of std is ±1 at ±0; the sign of a force law is 0 there.
@@ -144,34 +187,29 @@ fn sign(scalar: Scalar) -> TokenStream {
 mod tests {
     use super::*;
 
-    const ITEMS: &[MathItem] = &[
-        MathItem {
+    const TEXTS: &[MathText] = &[
+        MathText {
             name: "reduce",
-            f64_text: "",
-            f32_text: "",
-            uses: &[],
+            text: "",
+            requires: &[],
         },
-        MathItem {
+        MathText {
             name: "sin_cos",
-            f64_text: "",
-            f32_text: "",
-            uses: &["reduce"],
+            text: "",
+            requires: &["reduce"],
         },
-        MathItem {
+        MathText {
             name: "exp",
-            f64_text: "",
-            f32_text: "",
-            uses: &[],
+            text: "",
+            requires: &[],
         },
     ];
 
     #[test]
     fn only_what_is_needed_is_pasted() {
-        let names = |called: &[&'static str]| -> Vec<_> {
-            needed(ITEMS, &called.iter().copied().collect())
-                .iter()
-                .map(|item| item.name)
-                .collect()
+        let names = |called: &[&str]| -> Vec<_> {
+            let called = called.iter().map(|&name| name.to_owned()).collect();
+            needed(TEXTS, called).iter().map(|text| text.name).collect()
         };
         assert_eq!(names(&["sin_cos"]), ["reduce", "sin_cos"]);
         assert_eq!(names(&["exp"]), ["exp"]);

@@ -19,7 +19,7 @@ mod split;
 
 pub use header::FIRST_LINE;
 pub use literal::Scalar;
-pub use math::{Math, MathItem};
+pub use math::{Math, MathText};
 
 use proc_macro2::{Ident, TokenStream};
 
@@ -80,7 +80,7 @@ pub fn module(model: &Model, functions: &[Function], options: &EmitOptions) -> S
             function::items(&context, function, &context.functions[index]),
         );
     }
-    push_items(&mut text, math::items(options, functions));
+    text.push_str(&math::text(options, functions));
     SourceFile {
         name: context.name,
         text,
@@ -111,7 +111,8 @@ impl<'a> Context<'a> {
             .parameters
             .iter()
             .map(|parameter| parameter.name.as_str());
-        let mut reserved: Vec<String> = math::names(options).map(str::to_owned).collect();
+        let mut reserved: Vec<String> =
+            math::RESERVED.iter().map(|&name| name.to_owned()).collect();
         reserved.extend(constants::NAMES.iter().map(|&name| name.to_owned()));
         let functions = names::distinct(
             functions.iter().map(|function| function.name.as_str()),
