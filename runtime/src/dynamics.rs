@@ -75,7 +75,7 @@ pub trait Dynamics<const N: usize, const M: usize> {
         solve_positive_definite(mass, forces)
     }
 
-    /// Kinetic energy `½ ẏᵀ M ẏ` [J].
+    /// Kinetic energy `½ ẏᵀ M ẏ` in J.
     fn kinetic_energy(&self, y: &[f64; N], v: &[f64; N]) -> f64 {
         let mass = self.mass_matrix(y);
         let momentum: [f64; N] = core::array::from_fn(|i| product(&mass[i], v));

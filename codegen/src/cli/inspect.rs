@@ -143,17 +143,18 @@ fn model_text(model: &Model) -> String {
         &std::iter::once(head).chain(rows).collect::<Vec<_>>(),
     ));
     if !model.parameters.is_empty() {
-        let head = ["parameter", "value", "unit"].map(str::to_owned).to_vec();
-        let rows = model
-            .parameters
-            .iter()
-            .map(|p| vec![p.name.clone(), format!("{:?}", p.default), p.unit.clone()]);
-        text.push_str(&format!(
-            "\n{}",
-            print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())
-        ));
+        text.push_str(&format!("\n{}", parameters_text(model)));
     }
     text
+}
+
+fn parameters_text(model: &Model) -> String {
+    let head = ["parameter", "value", "unit"].map(str::to_owned).to_vec();
+    let rows = model
+        .parameters
+        .iter()
+        .map(|p| vec![p.name.clone(), format!("{:?}", p.default), p.unit.clone()]);
+    print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())
 }
 
 fn kind(kind: JointKind) -> &'static str {

@@ -133,61 +133,61 @@ pub(super) fn input_unit(model: &Model, drive: &Drive) -> &'static str {
 }
 
 fn joint_limits(context: &Context<'_>, joints: &[&Joint]) -> Vec<TokenStream> {
-    let scalar = context.options.scalar;
-    let ty = scalar.ty();
-    let position = joints.iter().map(|joint| {
-        joint
-            .limits
-            .position
-            .unwrap_or([f64::NEG_INFINITY, f64::INFINITY])
-    });
-    let position: Vec<[f64; 2]> = position.collect();
-    let rows = position.iter().map(|[low, high]| {
-        let (low, high) = (scalar.literal(*low), scalar.literal(*high));
-        quote!([#low, #high])
-    });
-    let allowed = lints::for_numbers(position.iter().flatten().copied());
-    let velocity = joints
+    let n = format_ident!("N");
+    let velocity = joints.iter().map(|joint| joint.limits.velocity);
+    let effort = joints.iter().map(|joint| joint.limits.effort);
+    let peak = joints
         .iter()
-        .map(|joint| joint.limits.velocity.unwrap_or(f64::INFINITY));
-    let effort = joints
-        .iter()
-        .map(|joint| joint.limits.effort.unwrap_or(f64::INFINITY));
-    let peak = joints.iter().map(|joint| {
-        joint
-            .limits
-            .peak_effort
-            .or(joint.limits.effort)
-            .unwrap_or(f64::INFINITY)
-    });
+        .map(|joint| joint.limits.peak_effort.or(joint.limits.effort));
+    let or_infinite = |limit: Option<f64>| limit.unwrap_or(f64::INFINITY);
+    let velocity_text = "Highest speed of each joint (rad/s or m/s); infinite where not described.";
+    let effort_text = "Nominal force at each joint (N m or N); infinite where not described.";
+    let peak_text =
+        "Peak force at each joint (N m or N); the nominal one where no peak is described.";
     vec![
-        quote! {
-            #[doc = " Lowest and highest position of each joint (rad or m); infinite where not described."]
-            #allowed
-            pub const POSITION_LIMITS: [[#ty; 2]; N] = [#(#rows),*];
-        },
+        position_limits(context, joints),
         vector(
             context,
             "VELOCITY_LIMITS",
-            "Highest speed of each joint [rad/s or m/s]; infinite where not described.",
-            &format_ident!("N"),
-            velocity,
+            velocity_text,
+            &n,
+            velocity.map(or_infinite),
         ),
         vector(
             context,
             "EFFORT_LIMITS",
-            "Nominal force at each joint [N m or N]; infinite where not described.",
-            &format_ident!("N"),
-            effort,
+            effort_text,
+            &n,
+            effort.map(or_infinite),
         ),
         vector(
             context,
             "PEAK_EFFORT_LIMITS",
-            "Peak force at each joint [N m or N]; the nominal one where no peak is described.",
-            &format_ident!("N"),
-            peak,
+            peak_text,
+            &n,
+            peak.map(or_infinite),
         ),
     ]
+}
+
+fn position_limits(context: &Context<'_>, joints: &[&Joint]) -> TokenStream {
+    let scalar = context.options.scalar;
+    let ty = scalar.ty();
+    let unlimited = [f64::NEG_INFINITY, f64::INFINITY];
+    let limits: Vec<[f64; 2]> = joints
+        .iter()
+        .map(|joint| joint.limits.position.unwrap_or(unlimited))
+        .collect();
+    let allowed = lints::for_numbers(limits.iter().flatten().copied());
+    let rows = limits.iter().map(|[low, high]| {
+        let (low, high) = (scalar.literal(*low), scalar.literal(*high));
+        quote!([#low, #high])
+    });
+    quote! {
+        #[doc = " Lowest and highest position of each joint (rad or m); infinite where not described."]
+        #allowed
+        pub const POSITION_LIMITS: [[#ty; 2]; N] = [#(#rows),*];
+    }
 }
 
 /// Constants of the drives. Gear ratios and rotor inertias that depend on free parameters are left out; limits of
