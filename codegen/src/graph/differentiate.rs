@@ -8,12 +8,18 @@ use crate::formula::Function;
 /// Derivatives of `results` by one input entry or parameter, on the same graph.
 ///
 /// `sign` is exact in the value and has the derivative zero; `|x|` has the derivative `sign x`.
-pub fn differentiate<'g>(graph: &'g Graph, results: &[Scalar<'g>], variable: Scalar<'g>) -> Vec<Scalar<'g>> {
+pub fn differentiate<'g>(
+    graph: &'g Graph,
+    results: &[Scalar<'g>],
+    variable: Scalar<'g>,
+) -> Vec<Scalar<'g>> {
     let edges: Vec<Edge> = results.iter().map(|x| x.edge()).collect();
     let zero = graph.constant(0.0);
     let mut derivatives = vec![zero; graph.len()];
     for edge in graph.reachable(&edges) {
-        let of = |operand: Edge| derivatives[operand.index()].signed(if operand.is_negative() { -1.0 } else { 1.0 });
+        let of = |operand: Edge| {
+            derivatives[operand.index()].signed(if operand.is_negative() { -1.0 } else { 1.0 })
+        };
         let value = |operand: Edge| graph.scalar(operand);
         let derivative = match graph.node(edge) {
             _ if edge == variable.edge() => graph.constant(1.0),
@@ -26,7 +32,12 @@ pub fn differentiate<'g>(graph: &'g Graph, results: &[Scalar<'g>], variable: Sca
         };
         derivatives[edge.index()] = derivative;
     }
-    results.iter().map(|x| derivatives[x.edge().index()].signed(if x.edge().is_negative() { -1.0 } else { 1.0 })).collect()
+    results
+        .iter()
+        .map(|x| {
+            derivatives[x.edge().index()].signed(if x.edge().is_negative() { -1.0 } else { 1.0 })
+        })
+        .collect()
 }
 
 /// `f'(x)`, with `f(x)` at hand.
