@@ -7,7 +7,7 @@ use super::forces;
 use super::formulation::{Formulation, SearchSpace, cheapest};
 use super::frame_motion::BasePoses;
 use super::newton_euler::{self, MotionInput};
-use crate::graph::{Cost, Edge, Graph, Scalar, Vector3, differentiate};
+use crate::graph::{Cost, Edge, Graph, Scalar, Vector3, differentiate, substitute};
 use crate::kinematics::{Mechanism, RegroupChoice};
 use crate::model::Model;
 
@@ -121,19 +121,7 @@ impl DerivativeRoute {
                 *pairs,
                 input,
             ),
-            Self::Forward => {
-                let forces = newton_euler::inverse_dynamics(
-                    &inverse.mechanism(graph, model),
-                    inverse,
-                    input,
-                );
-                ForceDerivatives {
-                    by_coordinates: jacobian(graph, &forces, input.y),
-                    by_velocities: jacobian(graph, &forces, input.v),
-                    mass_matrix: jacobian(graph, &forces, input.a),
-                    forces,
-                }
-            }
+            Self::Forward => differentiate_forwards(graph, model, inverse, input),
         }
     }
 
@@ -150,6 +138,37 @@ impl DerivativeRoute {
         }
     }
 }
+
+/// Inverse dynamics and its derivatives by their program, at accelerations that may themselves depend on the state.
+fn differentiate_forwards<'g>(
+    graph: &'g Graph,
+    model: &Model,
+    formulation: &Formulation,
+    input: MotionInput<'_, 'g>,
+) -> ForceDerivatives<'g> {
+    let MotionInput { y, v, a } = input;
+    let free: Vec<_> = (0..a.len())
+        .map(|k| graph.input(FREE_ACCELERATIONS, k))
+        .collect();
+    let mechanism = formulation.mechanism(graph, model);
+    let forces =
+        newton_euler::inverse_dynamics(&mechanism, formulation, MotionInput { y, v, a: &free });
+    let at = |matrix: Matrix<'g>| -> Matrix<'g> {
+        matrix
+            .iter()
+            .map(|row| substitute(graph, row, &free, a))
+            .collect()
+    };
+    ForceDerivatives {
+        by_coordinates: at(jacobian(graph, &forces, y)),
+        by_velocities: at(jacobian(graph, &forces, v)),
+        mass_matrix: at(jacobian(graph, &forces, &free)),
+        forces: substitute(graph, &forces, &free, a),
+    }
+}
+
+/// Input array that no function has: it stands for the accelerations while they are differentiated by.
+const FREE_ACCELERATIONS: usize = 1 << 20;
 
 /// `∂ results / ∂ variables`, row i = result i.
 pub fn jacobian<'g>(

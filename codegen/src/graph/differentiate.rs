@@ -51,3 +51,40 @@ fn outer<'g>(function: Function, x: Scalar<'g>, value: Scalar<'g>) -> Scalar<'g>
         Function::Sign => value.constant(0.0),
     }
 }
+
+/// `results` with `new` in place of the inputs `old`.
+pub fn substitute<'g>(
+    graph: &'g Graph,
+    results: &[Scalar<'g>],
+    old: &[Scalar<'g>],
+    new: &[Scalar<'g>],
+) -> Vec<Scalar<'g>> {
+    let edges: Vec<Edge> = results.iter().map(|x| x.edge()).collect();
+    let mut replaced: Vec<Option<Scalar<'g>>> = vec![None; graph.len()];
+    for (old, new) in old.iter().zip(new) {
+        replaced[old.edge().index()] = Some(*new);
+    }
+    for edge in graph.reachable(&edges) {
+        if replaced[edge.index()].is_some() {
+            continue;
+        }
+        let of = |operand: Edge| signed_value(graph, &replaced, operand);
+        let value = match graph.node(edge) {
+            Node::Constant(_) | Node::Input(..) | Node::Parameter(_) => graph.scalar(edge),
+            Node::Sum(a, b) => of(a) + of(b),
+            Node::Product(a, b) => of(a) * of(b),
+            Node::Quotient(a, b) => of(a).divided_by(of(b)),
+            Node::Call(function, a) => of(a).call(function),
+        };
+        replaced[edge.index()] = Some(value);
+    }
+    edges
+        .iter()
+        .map(|&edge| signed_value(graph, &replaced, edge))
+        .collect()
+}
+
+fn signed_value<'g>(graph: &'g Graph, replaced: &[Option<Scalar<'g>>], edge: Edge) -> Scalar<'g> {
+    let value = replaced[edge.index()].unwrap_or_else(|| graph.scalar(edge.abs()));
+    if edge.is_negative() { -value } else { value }
+}
