@@ -1,0 +1,246 @@
+//! Inner loops over blocks of samples: elementary functions and sums of products.
+//!
+//! Each loop is compiled for AVX-512, AVX2 and the base target and chosen at run time. Sums run in eight fixed
+//! lanes and multiplications are never fused, so all versions give the same bits.
+
+use multiversion::multiversion;
+
+/// Samples per block: eight columns of a block stay in the first-level cache.
+pub(crate) const BLOCK: usize = 256;
+
+const LANES: usize = 8;
+/// 1.5·2⁵²: adding and subtracting it rounds to an integer, and leaves that integer in the low bits.
+const ROUND: f64 = 6_755_399_441_055_744.0;
+const LN2_HIGH: f64 = 0.693_147_180_136_293_2;
+const LN2_LOW: f64 = 4.236_521_365_809_284e-10;
+
+/// Reciprocals of 2!, 3! … 14!: the Taylor series of eʳ − 1 − r on |r| ≤ ln 2 / 2 (remainder below 1e-19).
+const EXP_SERIES: [f64; 13] = [
+    1.0 / 2.0,
+    1.0 / 6.0,
+    1.0 / 24.0,
+    1.0 / 120.0,
+    1.0 / 720.0,
+    1.0 / 5_040.0,
+    1.0 / 40_320.0,
+    1.0 / 362_880.0,
+    1.0 / 3_628_800.0,
+    1.0 / 39_916_800.0,
+    1.0 / 479_001_600.0,
+    1.0 / 6_227_020_800.0,
+    1.0 / 87_178_291_200.0,
+];
+
+/// `x = k ln 2 + r`: returns `eʳ − 1` and `2ᵏ`, for −708 ≤ x ≤ 709 (arguments beyond are clamped).
+#[inline(always)]
+fn reduced_exponential(x: f64) -> (f64, f64) {
+    let x = if x < -708.0 { -708.0 } else { x };
+    let x = if x > 709.0 { 709.0 } else { x };
+    let k = (x * std::f64::consts::LOG2_E + ROUND) - ROUND;
+    let r = (x - k * LN2_HIGH) - k * LN2_LOW;
+    let mut s = EXP_SERIES[12];
+    for i in (0..12).rev() {
+        s = s * r + EXP_SERIES[i];
+    }
+    let scale = f64::from_bits((k + (ROUND + 1023.0)).to_bits() << 52);
+    (r + r * r * s, scale)
+}
+
+/// eˣ for x ≤ 709, clamped beyond; 0 below −708.
+#[inline(always)]
+pub(crate) fn exp(x: f64) -> f64 {
+    let (p, scale) = reduced_exponential(x);
+    if x < -708.0 { 0.0 } else { scale + scale * p }
+}
+
+/// tanh x from expm1(−2|x|), accurate to a few units in the last place also near zero.
+#[inline(always)]
+pub(crate) fn tanh(x: f64) -> f64 {
+    let (p, scale) = reduced_exponential(-2.0 * x.abs());
+    let e = scale * p + (scale - 1.0);
+    (-e / (2.0 + e)).copysign(x)
+}
+
+/// π in three parts, the first two with 31 bits: multiples below 2²¹ are exact.
+const PI_PARTS: [f64; 3] = [
+    3.141_592_653_468_251_2,
+    1.215_420_100_718_692e-10,
+    5.825_464_112_186_712e-20,
+];
+/// Beyond this magnitude the three-part reduction loses bits and the standard library is used.
+const LARGEST_REDUCED: f64 = 1.0e6;
+
+/// Reciprocals with signs of 3!, 5! … 23!: sin r on |r| ≤ π/2 (remainder below 1e-19).
+const SIN_SERIES: [f64; 11] = [
+    -1.0 / 6.0,
+    1.0 / 120.0,
+    -1.0 / 5_040.0,
+    1.0 / 362_880.0,
+    -1.0 / 39_916_800.0,
+    1.0 / 6_227_020_800.0,
+    -1.0 / 1_307_674_368_000.0,
+    1.0 / 355_687_428_096_000.0,
+    -1.0 / 121_645_100_408_832_000.0,
+    1.0 / 51_090_942_171_709_440_000.0,
+    -1.0 / 25_852_016_738_884_978_000_000.0,
+];
+
+/// sin x for |x| ≤ [`LARGEST_REDUCED`]; NaN stays NaN.
+#[inline(always)]
+fn sin_reduced(x: f64) -> f64 {
+    let k = (x * std::f64::consts::FRAC_1_PI + ROUND) - ROUND;
+    let r = ((x - k * PI_PARTS[0]) - k * PI_PARTS[1]) - k * PI_PARTS[2];
+    let z = r * r;
+    let mut s = SIN_SERIES[10];
+    for i in (0..10).rev() {
+        s = s * z + SIN_SERIES[i];
+    }
+    let odd = (k + ROUND).to_bits() << 63;
+    f64::from_bits((r + r * z * s).to_bits() ^ odd)
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2"))]
+pub(crate) fn exp_block(x: &[f64], out: &mut [f64]) {
+    for (o, &x) in out.iter_mut().zip(x) {
+        *o = exp(x);
+    }
+    if x.iter().any(|x| !(*x <= 709.0)) {
+        exp_outliers(x, out);
+    }
+}
+
+#[cold]
+fn exp_outliers(x: &[f64], out: &mut [f64]) {
+    for (o, &x) in out.iter_mut().zip(x) {
+        if !(x <= 709.0) {
+            *o = x.exp();
+        }
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2"))]
+pub(crate) fn tanh_block(x: &[f64], out: &mut [f64]) {
+    for (o, &x) in out.iter_mut().zip(x) {
+        *o = tanh(x);
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2"))]
+fn sin_block_reduced(x: &[f64], out: &mut [f64]) {
+    for (o, &x) in out.iter_mut().zip(x) {
+        *o = sin_reduced(x);
+    }
+}
+
+pub(crate) fn sin_block(x: &[f64], out: &mut [f64]) {
+    if x.iter().all(|x| x.abs() <= LARGEST_REDUCED) {
+        return sin_block_reduced(x, out);
+    }
+    for (o, x) in out.iter_mut().zip(x) {
+        *o = x.sin();
+    }
+}
+
+/// Adds the products of all pairs of columns over one block: `sums[j·q + k] += Σ aⱼ aₖ` for k ≤ j.
+///
+/// - `columns`: q slices of the same length, at most [`BLOCK`]
+/// - `sums`: q × q, row by row, lower triangle
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2"))]
+pub(crate) fn add_products(columns: &[&[f64]], sums: &mut [f64]) {
+    let q = columns.len();
+    for j in 0..q {
+        let mut k = 0;
+        while k + 4 <= j + 1 {
+            let d = four_dots(columns[j], [columns[k], columns[k + 1], columns[k + 2], columns[k + 3]]);
+            for (i, d) in d.into_iter().enumerate() {
+                sums[j * q + k + i] += d;
+            }
+            k += 4;
+        }
+        while k <= j {
+            sums[j * q + k] += four_dots(columns[j], [columns[k]])[0];
+            k += 1;
+        }
+    }
+}
+
+#[inline(always)]
+fn four_dots<const W: usize>(a: &[f64], b: [&[f64]; W]) -> [f64; W] {
+    let n = a.len();
+    let b = b.map(|b| &b[..n]);
+    let mut lanes = [[0.0; LANES]; W];
+    let mut i = 0;
+    while i + LANES <= n {
+        for w in 0..W {
+            for l in 0..LANES {
+                lanes[w][l] += a[i + l] * b[w][i + l];
+            }
+        }
+        i += LANES;
+    }
+    let mut sums = [0.0; W];
+    for w in 0..W {
+        let [p, q, r, s, t, u, v, x] = lanes[w];
+        sums[w] = ((p + q) + (r + s)) + ((t + u) + (v + x));
+        for i in i..n {
+            sums[w] += a[i] * b[w][i];
+        }
+    }
+    sums
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn largest_relative_error(f: fn(&[f64], &mut [f64]), exact: fn(f64) -> f64, range: f64) -> f64 {
+        let x: Vec<f64> = (0..20_001).map(|i| range * (i as f64 / 10_000.0 - 1.0)).collect();
+        let mut y = vec![0.0; x.len()];
+        f(&x, &mut y);
+        x.iter()
+            .zip(&y)
+            .map(|(&x, &y)| (y - exact(x)).abs() / exact(x).abs().max(1e-300))
+            .fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn elementary_functions_agree_with_the_standard_library() {
+        let ulp = f64::EPSILON;
+        assert!(largest_relative_error(exp_block, f64::exp, 700.0) < 3.0 * ulp);
+        assert!(largest_relative_error(exp_block, f64::exp, 1e-3) < 2.0 * ulp);
+        assert!(largest_relative_error(tanh_block, f64::tanh, 30.0) < 4.0 * ulp);
+        assert!(largest_relative_error(tanh_block, f64::tanh, 1e-9) < 4.0 * ulp);
+        assert!(largest_relative_error(sin_block, f64::sin, 3.0) < 4.0 * ulp);
+        let x = [123_456.789, -999_999.0, 1e9, 0.0];
+        let mut y = [0.0; 4];
+        sin_block(&x, &mut y);
+        for (x, y) in x.iter().zip(y) {
+            assert!((y - x.sin()).abs() < 4.0 * ulp);
+        }
+        sin_block(&[999_999.5], &mut y[..1]);
+        assert!((y[0] - 999_999.5_f64.sin()).abs() < 4.0 * ulp);
+    }
+
+    #[test]
+    fn special_values_pass_through() {
+        let x = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 710.0, -750.0, 709.5];
+        let mut y = [0.0; 6];
+        exp_block(&x, &mut y);
+        assert!(y[0].is_nan() && y[1] == f64::INFINITY && y[2] == 0.0 && y[3] == f64::INFINITY && y[4] == 0.0);
+        assert!((y[5] / 709.5_f64.exp() - 1.0).abs() < 1e-14);
+        tanh_block(&x, &mut y);
+        assert!(y[0].is_nan() && y[1] == 1.0 && y[2] == -1.0);
+        sin_block(&x, &mut y);
+        assert!(y[0].is_nan() && y[1].is_nan());
+    }
+
+    #[test]
+    fn products_of_whole_numbers_are_exact() {
+        let a: Vec<f64> = (0..251).map(f64::from).collect();
+        let b: Vec<f64> = a.iter().map(|a| 3.0 - a).collect();
+        let mut sums = [0.0; 36];
+        add_products(&[&a, &b, &a, &b, &a, &b], &mut sums);
+        let (aa, ab): (f64, f64) = (a.iter().map(|a| a * a).sum(), a.iter().zip(&b).map(|(a, b)| a * b).sum());
+        assert_eq!([sums[0], sums[6], sums[24], sums[30]], [aa, ab, aa, ab]);
+    }
+}
