@@ -79,6 +79,16 @@ pub enum IdentificationError {
         /// The accepted limit.
         limit: f64,
     },
+    /// A quantity that never changes where its change is needed.
+    #[error("{what} is constant ({value}) in all {samples} samples: nothing can be identified from it")]
+    Constant {
+        /// The quantity.
+        what: String,
+        /// Its value.
+        value: f64,
+        /// Number of samples.
+        samples: usize,
+    },
     /// A library column that is zero everywhere.
     #[error("the term {term} is zero in all {samples} samples: no coefficient can be found for it")]
     ZeroColumn {

@@ -189,6 +189,28 @@ fn four_dots<const W: usize>(a: &[f64], b: [&[f64]; W]) -> [f64; W] {
     sums
 }
 
+/// Columns ∂τ/∂a and residual of the Stribeck law over one block, see [`super::stribeck`].
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2"))]
+pub(crate) fn stribeck_block(v: &[f64], torque: &[f64], a: &[f64; 5], columns: &mut [[f64; BLOCK]; 6]) {
+    let n = v.len().min(torque.len()).min(BLOCK);
+    let [c1, c2, c3, c4, c5, residual] = columns;
+    for i in 0..n {
+        let (x, s) = (v[i], v[i].abs());
+        let e = exp(-2.0 * a[2] * s);
+        let e3 = e * e * e;
+        // Written with e instead of tanh: absolute errors of 1e-16 are enough for sums of squares.
+        let t = ((1.0 - e) / (1.0 + e)).copysign(x);
+        let u = ((1.0 - e3) / (1.0 + e3)).copysign(x);
+        let decay = exp(-a[4] * s);
+        c1[i] = x;
+        c2[i] = t;
+        c3[i] = a[1] * x * (1.0 - t * t) + 3.0 * a[3] * decay * x * (1.0 - u * u);
+        c4[i] = decay * u;
+        c5[i] = -a[3] * s * decay * u;
+        residual[i] = torque[i] - (a[0] * x + a[1] * t + a[3] * decay * u);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

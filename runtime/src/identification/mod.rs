@@ -16,6 +16,7 @@ pub mod least_squares;
 pub mod library;
 pub mod moments;
 pub mod random;
+pub mod stribeck;
 pub mod thresholding;
 
 pub use error::{IdentificationError, Result};

@@ -12,15 +12,17 @@ use nalgebra::{Matrix4, Vector4};
 pub struct KalmanSmoother {
     /// Standard deviation σ of the measurement noise, in the signal's unit.
     pub sigma: f64,
-    /// Spectral density q of the noise on the jerk's derivative [unit² s⁻⁷]; `None`: by maximum likelihood.
+    /// Spectral density q of the noise on the jerk's derivative [unit² s⁻⁷]; `None`: the least at which the rms of the
+    /// residual does not exceed σ (discrepancy principle).
     pub density: Option<f64>,
 }
 
-/// The likelihood is evaluated on at most this many samples from the middle of the signal.
-const LIKELIHOOD_SAMPLES: usize = 20_000;
+/// Longer signals are judged by this many windows of [`WINDOW`] samples, evenly spread.
+const WINDOWS: usize = 4;
+const WINDOW: usize = 5_000;
 
 impl KalmanSmoother {
-    /// q by maximum likelihood for noise σ.
+    /// q from the noise σ.
     pub fn from_noise(sigma: f64) -> Self {
         Self { sigma, density: None }
     }
@@ -46,7 +48,7 @@ impl KalmanSmoother {
                 require_setting("spectral density", q, q > 0.0, "it must be positive")?;
                 q / unit
             }
-            None => most_likely_ratio(times, signal, self.sigma, step),
+            None => ratio_by_discrepancy(times, signal, self.sigma, step)?,
         };
         let filter = Filter::new(times, signal, self.sigma, step, ratio);
         let states = filter.smooth()?;
@@ -64,27 +66,37 @@ impl KalmanSmoother {
     }
 }
 
-/// q/σ² per step: a coarse search over decades, then golden sections.
-fn most_likely_ratio(times: &[f64], signal: &[f64], sigma: f64, step: f64) -> f64 {
-    let m = times.len();
-    let count = m.min(LIKELIHOOD_SAMPLES);
-    let start = (m - count) / 2;
-    let (times, signal) = (&times[start..start + count], &signal[start..start + count]);
-    let cost = |exponent: f64| Filter::new(times, signal, sigma, step, 10f64.powf(exponent)).negative_log_likelihood();
-    let mut best = (-24.0, f64::INFINITY);
-    for exponent in -24..=8 {
-        let c = cost(f64::from(exponent));
-        if c < best.1 {
-            best = (f64::from(exponent), c);
+/// q/σ² per step, by bisection of its logarithm: the residual falls as q grows.
+fn ratio_by_discrepancy(times: &[f64], signal: &[f64], sigma: f64, step: f64) -> Result<f64> {
+    let excess = |exponent: f64| -> Result<f64> {
+        let (mut sum, mut count) = (0.0, 0);
+        for window in windows(times.len()) {
+            let filter = Filter::new(&times[window.clone()], &signal[window], sigma, step, 10f64.powf(exponent));
+            for (i, state) in filter.smooth()?.iter().enumerate() {
+                sum += (filter.measurement(i) - state[0]).powi(2);
+                count += 1;
+            }
         }
+        Ok(sum / f64::from(count) - 1.0)
+    };
+    // 1e-20: a smoothing window of some hundreds of samples; beyond it a double has no digits left.
+    let (mut low, mut high) = (-20.0, 8.0);
+    if excess(low)? <= 0.0 {
+        return Ok(10f64.powf(low));
     }
-    let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
-    let (mut a, mut b) = (best.0 - 1.0, best.0 + 1.0);
-    while b - a > 0.02 {
-        let (left, right) = (b - golden * (b - a), a + golden * (b - a));
-        if cost(left) < cost(right) { b = right } else { a = left }
+    while high - low > 0.05 {
+        let middle = 0.5 * (low + high);
+        if excess(middle)? <= 0.0 { high = middle } else { low = middle }
     }
-    10f64.powf((a + b) / 2.0)
+    Ok(10f64.powf(high))
+}
+
+fn windows(samples: usize) -> Vec<std::ops::Range<usize>> {
+    if samples <= WINDOWS * WINDOW {
+        return std::iter::once(0..samples).collect();
+    }
+    let spacing = (samples - WINDOW) / (WINDOWS - 1);
+    (0..WINDOWS).map(|k| k * spacing..k * spacing + WINDOW).collect()
 }
 
 /// Signal in units of σ, time in units of the mean step.
@@ -98,13 +110,12 @@ struct Filter<'a> {
     uniform: bool,
 }
 
-/// Gain, covariance after the update, and covariance after the prediction that led to it.
+/// Gain, covariance after the update, and covariance after the prediction before it.
 #[derive(Clone, Copy)]
 struct Step {
     gain: Vector4<f64>,
     filtered: Matrix4<f64>,
     predicted: Matrix4<f64>,
-    innovation_variance: f64,
 }
 
 impl<'a> Filter<'a> {
@@ -128,7 +139,7 @@ impl<'a> Filter<'a> {
     }
 
     /// Runs the filter, handing each step's state and covariances to `visit`.
-    fn run(&self, mut visit: impl FnMut(usize, &Step, &Vector4<f64>, f64)) {
+    fn run(&self, mut visit: impl FnMut(&Step, &Vector4<f64>)) {
         let mut x = Vector4::zeros();
         let mut step = update(self.prior());
         let (mut f, mut q) = transition(1.0, self.ratio);
@@ -145,28 +156,16 @@ impl<'a> Filter<'a> {
                     step = next;
                 }
             }
-            let innovation = self.measurement(i) - x[0];
-            x += step.gain * innovation;
-            visit(i, &step, &x, innovation);
+            x += step.gain * (self.measurement(i) - x[0]);
+            visit(&step, &x);
         }
-    }
-
-    /// Up to constants, with the innovations after the first eight, which the prior still governs.
-    fn negative_log_likelihood(&self) -> f64 {
-        let mut sum = 0.0;
-        self.run(|i, step, _, innovation| {
-            if i >= 8 {
-                sum += innovation * innovation / step.innovation_variance + step.innovation_variance.ln();
-            }
-        });
-        sum
     }
 
     fn smooth(&self) -> Result<Vec<Vector4<f64>>> {
         let mut states = Vec::with_capacity(self.signal.len());
         // Once the covariances stop changing, one entry stands for all later samples.
         let mut steps: Vec<Step> = Vec::new();
-        self.run(|_, step, x, _| {
+        self.run(|step, x| {
             states.push(*x);
             if !self.uniform || steps.last().is_none_or(|last| last.filtered != step.filtered) {
                 steps.push(*step);
@@ -205,7 +204,7 @@ fn update(predicted: Matrix4<f64>) -> Step {
         keep[(i, 0)] -= gain[i];
     }
     let filtered = keep * predicted * keep.transpose() + gain * gain.transpose();
-    Step { gain, filtered: (filtered + filtered.transpose()) * 0.5, predicted, innovation_variance: variance }
+    Step { gain, filtered: (filtered + filtered.transpose()) * 0.5, predicted }
 }
 
 /// `F = exp(A h)` and `Q = ∫ F(s) e₄ e₄ᵀ F(s)ᵀ ds · ratio`.

@@ -18,7 +18,7 @@ pub struct SavitzkyGolay {
 pub enum Window {
     /// Number of samples, odd, more than the degree.
     Samples(usize),
-    /// The widest window whose residual does not exceed what this noise σ explains.
+    /// The widest window whose rms residual does not exceed this noise σ (discrepancy principle).
     Noise(f64),
 }
 
@@ -60,15 +60,14 @@ impl SavitzkyGolay {
         let mut window = smallest;
         let mut best = None;
         while window <= largest {
-            let filter = Filter::new(times, window, self.degree)?;
-            // A fitted sample keeps the share h of its own noise: E r² = σ² (1 − h).
-            let explained = sigma * (1.0 - filter.leverage).max(0.0).sqrt();
-            let result = filter.apply(times, signal)?;
-            // 2 % for the scatter of the residual itself; a wider window's bias shows as a steep rise.
-            if result.residual > 1.02 * explained && best.is_some() {
+            let result = Filter::new(times, window, self.degree)?.apply(times, signal)?;
+            // The residual is not monotone in the window; far above the noise it does not come back.
+            if result.residual > 1.5 * sigma && best.is_some() {
                 break;
             }
-            best = Some(result);
+            if result.residual <= sigma || best.is_none() {
+                best = Some(result);
+            }
             window = (window + 2).max((window as f64 * 1.08) as usize | 1);
         }
         best.ok_or_else(|| IdentificationError::TooFewSamples {
@@ -85,7 +84,6 @@ struct Filter {
     degree: usize,
     uniform: bool,
     weights: [Vec<f64>; 3],
-    leverage: f64,
 }
 
 impl Filter {
@@ -96,7 +94,7 @@ impl Filter {
         let half = (window / 2) as f64;
         let ideal: Vec<f64> = (0..window).map(|i| (i as f64 - half) * step).collect();
         let weights = polynomial_weights(&ideal, 0.0, degree)?;
-        Ok(Self { window, degree, uniform, leverage: weights[0][window / 2], weights })
+        Ok(Self { window, degree, uniform, weights })
     }
 
     fn apply(&self, times: &[f64], signal: &[f64]) -> Result<Derivatives> {

@@ -5,7 +5,7 @@
 //! functional, the offset left free), k = 2 that of the second. Each iteration fixes the root in
 //! `(I + γ Δt Dᵀ W D) s = f`, `W = 1/√((D s)² + ε)`, a banded system: its cost is linear in the samples.
 
-use super::super::error::{Result, require_setting};
+use super::super::error::{IdentificationError, Result, require_setting};
 use super::banded::{Band, solve};
 use super::{Derivatives, check, require_noise, rms_difference};
 
@@ -16,8 +16,9 @@ pub struct TotalVariation {
     pub order: usize,
     /// Weight γ of the variation, or the noise from which it is found.
     pub regularization: Regularization,
-    /// Smoothing ε of the root, in (unit / s^(order+1))².
-    pub epsilon: f64,
+    /// Smoothing ε of the root, in (unit / s^(order+1))². Small values make that derivative jump; `None` takes the
+    /// mean square of that derivative in a quadratically smoothed signal, which suits smooth motions.
+    pub epsilon: Option<f64>,
     /// Limit of the iterations.
     pub iterations: usize,
     /// The iterations end when no sample of s moves by more than this share of the signal's range.
@@ -52,7 +53,7 @@ impl TotalVariation {
         Self {
             order: 1,
             regularization: Regularization::Weight(gamma),
-            epsilon: 1e-6,
+            epsilon: Some(1e-6),
             iterations: 20,
             tolerance: 1e-10,
         }
@@ -60,7 +61,7 @@ impl TotalVariation {
 
     /// γ from the noise σ of the signal ([`super::quantization_noise`]), variation of the acceleration.
     pub fn from_noise(sigma: f64) -> Self {
-        Self { order: 2, regularization: Regularization::Noise(sigma), ..Self::with_gamma(0.0) }
+        Self { order: 2, regularization: Regularization::Noise(sigma), epsilon: None, ..Self::with_gamma(0.0) }
     }
 
     /// Smoothed signal and derivatives at the sampling times.
@@ -100,7 +101,15 @@ impl TotalVariation {
     /// As [`Self::differentiate`].
     pub fn solve(&self, times: &[f64], signal: &[f64]) -> Result<TotalVariationResult> {
         require_setting("order", self.order as f64, matches!(self.order, 1 | 2), "it must be 1 or 2")?;
-        require_setting("ε", self.epsilon, self.epsilon > 0.0, "it must be positive")?;
+        if let Some(epsilon) = self.epsilon {
+            require_setting("ε", epsilon, epsilon > 0.0, "it must be positive")?;
+        } else if let Regularization::Weight(gamma) = self.regularization {
+            return Err(IdentificationError::Setting {
+                name: "γ".into(),
+                value: gamma,
+                requirement: "with γ by hand ε must be given too".into(),
+            });
+        }
         require_setting("iterations", self.iterations as f64, self.iterations > 0, "at least one is needed")?;
         check(times, signal, self.order + 3)?;
         match (self.regularization, self.order) {
@@ -115,9 +124,9 @@ impl TotalVariation {
             (Regularization::Noise(sigma), order) => {
                 require_noise(sigma)?;
                 Ok(if order == 1 {
-                    Problem::<3>::new(self, times, signal).by_discrepancy(sigma)
+                    Problem::<3>::new(self, times, signal).from_noise(sigma)
                 } else {
-                    Problem::<4>::new(self, times, signal).by_discrepancy(sigma)
+                    Problem::<4>::new(self, times, signal).from_noise(sigma)
                 })
             }
         }
@@ -134,6 +143,16 @@ struct Problem<'a, const W: usize> {
     step: f64,
     /// Coefficients of each divided difference; one entry if the sampling is uniform.
     differences: Vec<[f64; W]>,
+    root: Root,
+}
+
+/// The penalty of the divided difference d.
+#[derive(Clone, Copy)]
+enum Root {
+    /// `√(d² + ε)`
+    Smoothed(f64),
+    /// `½ d²`, for the scale of the signal.
+    Quadratic,
 }
 
 impl<'a, const W: usize> Problem<'a, W> {
@@ -148,7 +167,32 @@ impl<'a, const W: usize> Problem<'a, W> {
             times.windows(W).map(divided_difference).collect()
         };
         let mean = signal.iter().sum::<f64>() / m as f64;
-        Self { settings, times, signal, centred: signal.iter().map(|x| x - mean).collect(), mean, step, differences }
+        Self { settings, times, signal, centred: signal.iter().map(|x| x - mean).collect(), mean, step, differences, root: Root::Smoothed(settings.epsilon.unwrap_or(1.0)) }
+    }
+
+    fn from_noise(mut self, sigma: f64) -> TotalVariationResult {
+        if self.settings.epsilon.is_none() {
+            self.root = Root::Quadratic;
+            let smooth = self.by_discrepancy(sigma).signal;
+            let squares: f64 = (0..smooth.len() + 1 - W).map(|i| self.difference(i, &smooth).powi(2)).sum();
+            // The floor keeps a straight signal, whose difference is rounding error, regular.
+            let floor = (sigma / self.duration().powi(W as i32 - 1)).powi(2);
+            self.root = Root::Smoothed((squares / smooth.len() as f64).max(floor));
+        }
+        self.by_discrepancy(sigma)
+    }
+
+    fn duration(&self) -> f64 {
+        self.step * self.signal.len() as f64
+    }
+
+    fn difference(&self, i: usize, s: &[f64]) -> f64 {
+        let d = self.coefficients(i);
+        (0..W).map(|k| d[k] * s[i + k]).sum()
+    }
+
+    fn coefficients(&self, i: usize) -> [f64; W] {
+        self.differences[if self.differences.len() == 1 { 0 } else { i }]
     }
 
     fn minimize(&self, gamma: f64, start: Option<&[f64]>) -> TotalVariationResult {
@@ -176,11 +220,12 @@ impl<'a, const W: usize> Problem<'a, W> {
     fn assemble(&self, gamma: f64, s: &[f64], band: &mut Band<W>) {
         band.fill(std::array::from_fn(|k| if k == 0 { 1.0 } else { 0.0 }));
         let weight = gamma * self.step;
-        let uniform = self.differences.len() == 1;
         for i in 0..s.len() + 1 - W {
-            let d = self.differences[if uniform { 0 } else { i }];
-            let difference: f64 = (0..W).map(|k| d[k] * s[i + k]).sum();
-            let w = weight / (difference * difference + self.settings.epsilon).sqrt();
+            let d = self.coefficients(i);
+            let w = match self.root {
+                Root::Smoothed(epsilon) => weight / (self.difference(i, s).powi(2) + epsilon).sqrt(),
+                Root::Quadratic => weight,
+            };
             for row in 0..W {
                 for column in 0..=row {
                     band[i + row][row - column] += w * d[row] * d[column];
@@ -192,14 +237,18 @@ impl<'a, const W: usize> Problem<'a, W> {
     /// Bisection on ln γ: the residual grows with γ. A signal that no γ can move that far keeps the largest.
     fn by_discrepancy(&self, sigma: f64) -> TotalVariationResult {
         let residual = |result: &TotalVariationResult| rms_difference(&result.signal, self.signal);
-        let duration = self.step * self.signal.len() as f64;
-        let unit = sigma * self.step.powi(W as i32 - 2) * self.signal.len() as f64;
-        let (mut low, mut high) = (unit * 1e-9, unit.max(sigma * duration.powi(W as i32 - 1)) * 1e3);
+        // γ times the weight of one difference, relative to 1, from no smoothing to a window of the whole signal.
+        let typical = match self.root {
+            Root::Smoothed(epsilon) => epsilon.sqrt().max(sigma / self.duration().powi(W as i32 - 1)),
+            Root::Quadratic => 1.0,
+        };
+        let unit = |window: f64| window.powi(2 * W as i32 - 2) * typical / self.step;
+        let (mut low, mut high) = (1e-6 * unit(self.step), 1e3 * unit(self.duration()));
         let mut best = self.minimize(low, None);
         if residual(&best) > sigma {
             return best;
         }
-        for _ in 0..60 {
+        for _ in 0..80 {
             let gamma = (low * high).sqrt();
             let warm: Vec<f64> = best.signal.iter().map(|s| s - self.mean).collect();
             let result = self.minimize(gamma, Some(&warm));
@@ -208,7 +257,7 @@ impl<'a, const W: usize> Problem<'a, W> {
             } else {
                 high = gamma;
             }
-            if high / low < 1.02 {
+            if high / low < 1.05 {
                 break;
             }
         }
