@@ -67,7 +67,8 @@ impl Lasso {
             let c = if problem.nonnegative[j] { c[j].max(0.0) } else { c[j].abs() };
             if problem.weights[j] > 0.0 { c / (problem.samples * problem.weights[j]) } else { 0.0 }
         };
-        Ok((0..c.len()).map(bound).fold(0.0, f64::max))
+        // A few units in the last place more, so that rounding leaves no coefficient at this λ.
+        Ok((0..c.len()).map(bound).fold(0.0, f64::max) * (1.0 + 4.0 * f64::EPSILON))
     }
 
     /// `count` values from [`Self::largest_lambda`] down to `ratio` times it, evenly spaced in the logarithm.
@@ -248,7 +249,11 @@ impl Problem {
             let right = DVector::from_fn(self.b.len(), |j, _| {
                 self.b[j] - self.samples * lambda * self.weights[j] * state.w[j].signum()
             });
-            let Some(solution) = solve_scaled(&self.gram, &right, &active, 0.0) else { break };
+            let solution = match self.null_direction(&active) {
+                None => solve_scaled(&self.gram, &right, &active, 0.0),
+                Some(direction) => self.along_null_direction(&active, &direction, &state.w),
+            };
+            let Some(solution) = solution else { break };
             let (fraction, leaving) = self.largest_step(&active, &solution, &state.w);
             for (&j, x) in active.iter().zip(solution.iter()) {
                 state.w[j] += fraction * (x - state.w[j]);
@@ -257,6 +262,34 @@ impl Problem {
             state.w[leaving] = 0.0;
         }
         state.c = &self.b - &self.gram * &state.w;
+    }
+
+    /// A direction that changes no fitted value, where the active terms are collinear.
+    fn null_direction(&self, active: &[usize]) -> Option<DVector<f64>> {
+        let n = active.len();
+        let norm = |i: usize| self.gram[(active[i], active[i])].sqrt();
+        let scaled = DMatrix::from_fn(n, n, |i, j| self.gram[(active[i], active[j])] / (norm(i) * norm(j)));
+        // Cholesky's least pivot bounds the least eigenvalue from above and is much cheaper.
+        let regular = scaled.clone().cholesky().is_some_and(|f| f.l_dirty().diagonal().amin() > 1e-5);
+        if regular || n == 0 {
+            return None;
+        }
+        let eigen = scaled.symmetric_eigen();
+        let least = eigen.eigenvalues.imin();
+        if eigen.eigenvalues[least] > 1e-12 {
+            return None;
+        }
+        Some(DVector::from_fn(n, |i, _| eigen.eigenvectors[(i, least)] / norm(i)))
+    }
+
+    /// A far point along a null direction, downhill in the penalty, so that some coefficient reaches zero.
+    fn along_null_direction(&self, active: &[usize], direction: &DVector<f64>, w: &DVector<f64>) -> Option<DVector<f64>> {
+        let slope: f64 = (0..active.len()).map(|i| self.weights[active[i]] * w[active[i]].signum() * direction[i]).sum();
+        let sign = if slope > 0.0 { -1.0 } else { 1.0 };
+        let ratio = |i: usize| if sign * direction[i] * w[active[i]] < 0.0 { (w[active[i]] / direction[i]).abs() } else { f64::INFINITY };
+        let length = (0..active.len()).map(ratio).fold(f64::INFINITY, f64::min);
+        let far = |i: usize| w[active[i]] + sign * 2.0 * length * direction[i];
+        length.is_finite().then(|| DVector::from_fn(active.len(), |i, _| far(i)))
     }
 
     /// Share of the step to `solution` that keeps all signs, and the coefficient that ends it.
@@ -393,6 +426,25 @@ mod tests {
         let grid = lasso.lambda_grid(&moments, 0, 5, 0.05).unwrap();
         let path = lasso.path(&moments, 0, &grid).unwrap();
         assert!(path.gaps.iter().all(|g| *g <= 1e-9 * moments.energy(0)));
+    }
+
+    #[test]
+    fn equal_columns_share_a_coefficient() {
+        let one = vec![1.0; 40];
+        let y: Vec<f64> = (0..40).map(|i| 2.0 + f64::from(i % 3)).collect();
+        let x: Vec<f64> = (0..40).map(f64::from).collect();
+        let names: Vec<String> = ["1", "x", "sign"].map(String::from).to_vec();
+        let samples = Samples::from_columns(&names, vec![&one, &x, &one], vec![&y]).unwrap();
+        let lasso = Lasso { tolerance: 1e-12, ..Default::default() };
+        let twice = Moments::new(&samples).unwrap();
+        let samples = Samples::from_columns(&names[..2], vec![&one, &x], vec![&y]).unwrap();
+        let once = Moments::new(&samples).unwrap();
+        let grid = lasso.lambda_grid(&once, 0, 20, 1e-4).unwrap();
+        let (a, b) = (lasso.path(&twice, 0, &grid).unwrap(), lasso.path(&once, 0, &grid).unwrap());
+        for k in 0..20 {
+            let sum = a.coefficients[(0, k)] + a.coefficients[(2, k)];
+            assert!((sum - b.coefficients[(0, k)]).abs() < 1e-6, "{k}: {sum} {}", b.coefficients[(0, k)]);
+        }
     }
 
     #[test]

@@ -63,6 +63,8 @@ pub struct StribeckFit {
     pub condition: f64,
     /// Passes over all samples.
     pub iterations: usize,
+    /// Whether the iteration reached its tolerance; if not, a warning says so.
+    pub converged: bool,
     /// Doubts about the parameters, with numbers.
     pub warnings: Vec<String>,
 }
@@ -73,15 +75,15 @@ impl StribeckRegression {
     /// - `velocities`, `torques`: m samples [rad/s, N·m]; `weights`: m or none
     ///
     /// # Errors
-    /// Fewer than six samples, values that are not finite, constant velocity, or no convergence.
+    /// Fewer than six samples, values that are not finite, or constant velocity. Parameters that run away end with a warning.
     pub fn fit(&self, velocities: &[f64], torques: &[f64], weights: Option<&[f64]>) -> Result<StribeckFit> {
         self.check(velocities, torques, weights)?;
         let bins = Bins::new(velocities, torques, weights);
         let start = bins.best_start(self.starts.max(1))?;
         let data = Data { v: velocities, torque: torques };
-        let mut state = data.refine(start, weights, self)?;
+        let mut state = data.refine(start, weights, self);
         if let Robustness::Huber(k) = self.robustness {
-            state = data.reweighted(state, weights, k, self)?;
+            state = data.reweighted(state, weights, k, self);
         }
         Ok(summarize(&data, state))
     }
@@ -208,7 +210,7 @@ impl Bins {
     fn linear_part(&self, a3: f64, a5: f64) -> Option<([f64; 5], f64)> {
         let (mut h, mut g, mut energy) = (Matrix3::zeros(), Vector3::zeros(), 0.0);
         for ((v, torque), w) in self.v.iter().zip(&self.torque).zip(&self.root_weight) {
-            let row = w * Vector3::new(*v, (a3 * v).tanh(), (-a5 * v.abs()).exp() * (3.0 * a3 * v).tanh());
+            let row = Vector3::new(*v, (a3 * v).tanh(), (-a5 * v.abs()).exp() * (3.0 * a3 * v).tanh()) * *w;
             h += row * row.transpose();
             g += row * (w * torque);
             energy += (w * torque).powi(2);
@@ -296,6 +298,7 @@ struct Normal {
     h: SMatrix<f64, 5, 5>,
     g: SVector<f64, 5>,
     iterations: usize,
+    converged: bool,
 }
 
 impl Data<'_> {
@@ -323,12 +326,15 @@ impl Data<'_> {
             h: SMatrix::from_fn(|i, j| sums[i.max(j) * 6 + i.min(j)]),
             g: SVector::from_fn(|i, _| sums[30 + i]),
             iterations: 1,
+            converged: false,
         }
     }
 
     /// Levenberg–Marquardt on the 5 × 5 normal equations, damping in units of the diagonal.
-    fn refine(&self, start: [f64; 5], weights: Option<&[f64]>, settings: &StribeckRegression) -> Result<Normal> {
+    fn refine(&self, start: [f64; 5], weights: Option<&[f64]>, settings: &StribeckRegression) -> Normal {
         let mut best = self.normal(start, weights);
+        // What rounding in the residuals leaves of the cost where the law fits exactly.
+        let floor = 1e-28 * self.torque.iter().map(|t| t * t).sum::<f64>();
         // The start comes from the same data, binned: nearly undamped steps succeed at once.
         let mut damping = 1e-8;
         let mut passes = 1;
@@ -341,8 +347,11 @@ impl Data<'_> {
             let a: [f64; 5] = std::array::from_fn(|i| best.a[i] + step[i]);
             // Predicted decrease below the rounding of the cost: nothing is left to gain.
             let expected = step.dot(&best.g);
-            if expected <= settings.tolerance * best.cost || damping > 1e12 {
-                return Ok(Normal { iterations: passes, ..best });
+            if expected <= settings.tolerance * best.cost + floor {
+                return Normal { iterations: passes, converged: true, ..best };
+            }
+            if damping > 1e12 {
+                break;
             }
             let trial = if a[2] > 0.0 && a[4] > 0.0 { Some(self.normal(a, weights)) } else { None };
             passes += 1;
@@ -354,11 +363,7 @@ impl Data<'_> {
                 _ => damping *= 10.0,
             }
         }
-        Err(IdentificationError::NotConverged {
-            what: "the Stribeck regression".into(),
-            iterations: passes,
-            detail: format!("cost {:e}, parameters {:?}", best.cost, best.a),
-        })
+        Normal { iterations: passes, ..best }
     }
 
     fn residual(&self, i: usize, a: &[f64; 5]) -> f64 {
@@ -366,26 +371,26 @@ impl Data<'_> {
     }
 
     /// Iteratively reweighted least squares with the scale from the median absolute residual.
-    fn reweighted(&self, mut state: Normal, given: Option<&[f64]>, k: f64, settings: &StribeckRegression) -> Result<Normal> {
+    fn reweighted(&self, mut state: Normal, given: Option<&[f64]>, k: f64, settings: &StribeckRegression) -> Normal {
         let m = self.v.len();
         for _ in 0..50 {
             let residuals: Vec<f64> = (0..m).map(|i| self.residual(i, &state.a).abs()).collect();
             let mut sorted = residuals.clone();
             let scale = 1.4826 * *sorted.select_nth_unstable_by(m / 2, f64::total_cmp).1;
             if scale == 0.0 {
-                return Ok(state);
+                return state;
             }
             let weight = |i: usize| given.map_or(1.0, |w| w[i]) * (k * scale / residuals[i].max(k * scale));
             let weights: Vec<f64> = (0..m).map(weight).collect();
             let before = state;
-            state = self.refine(before.a, Some(&weights), settings)?;
+            state = self.refine(before.a, Some(&weights), settings);
             state.iterations += before.iterations;
             let moved = (0..5).map(|i| (state.a[i] - before.a[i]).abs() / (before.a[i].abs() + 1e-12));
             if moved.fold(0.0, f64::max) < 1e-7 {
                 break;
             }
         }
-        Ok(state)
+        state
     }
 }
 
@@ -430,6 +435,7 @@ fn summarize(data: &Data, state: Normal) -> StribeckFit {
         freedom,
         condition: if least > 0.0 { (largest / least).sqrt() } else { f64::INFINITY },
         iterations: state.iterations,
+        converged: state.converged,
         warnings: Vec::new(),
     };
     fit.warnings = warnings(&fit, data);
@@ -439,6 +445,9 @@ fn summarize(data: &Data, state: Normal) -> StribeckFit {
 fn warnings(fit: &StribeckFit, data: &Data) -> Vec<String> {
     let mut warnings = Vec::new();
     let a = &fit.parameters;
+    if !fit.converged {
+        warnings.push(format!("no convergence in {} passes: some parameters run away", fit.iterations));
+    }
     for i in 0..5 {
         match fit.standard_errors[i] {
             None => warnings.push(format!("{} is not identifiable: the data do not depend on it", NAMES[i])),
