@@ -253,13 +253,30 @@ impl Compiler<'_> {
         fault(self.text, message.into())
     }
 
-    /// Adds an operation, or finds the same one.
+    /// Adds an operation, or finds the same one; operations on constants are done here.
     fn push(&mut self, operation: Operation) -> usize {
+        let operation = self.folded(operation);
         if let Some(i) = self.operations.iter().position(|o| *o == operation) {
             return i;
         }
         self.operations.push(operation);
         self.operations.len() - 1
+    }
+
+    fn folded(&self, operation: Operation) -> Operation {
+        let constant = |a: usize| match self.operations[a] {
+            Operation::Constant(c) => Some([c]),
+            _ => None,
+        };
+        let mut out = [0.0];
+        match operation {
+            Operation::Unary(f, a) if let Some(a) = constant(a) => unary(f, &a, &mut out),
+            Operation::Binary(f, a, b) if let (Some(a), Some(b)) = (constant(a), constant(b)) => {
+                binary(f, &a, &b, &mut out);
+            }
+            _ => return operation,
+        }
+        Operation::Constant(out[0])
     }
 
     fn number(&mut self, tree: &Expr) -> Result<usize> {

@@ -167,22 +167,23 @@ pub(crate) fn add_products(columns: &[&[f64]], sums: &mut [f64]) {
 #[inline(always)]
 fn four_dots<const W: usize>(a: &[f64], b: [&[f64]; W]) -> [f64; W] {
     let n = a.len();
-    let b = b.map(|b| &b[..n]);
+    let (a_chunks, a_rest) = a.as_chunks::<LANES>();
+    let b_chunks = b.map(|b| &b[..n].as_chunks::<LANES>().0[..a_chunks.len()]);
     let mut lanes = [[0.0; LANES]; W];
-    let mut i = 0;
-    while i + LANES <= n {
+    for (i, a) in a_chunks.iter().enumerate() {
         for w in 0..W {
+            let b = &b_chunks[w][i];
             for l in 0..LANES {
-                lanes[w][l] += a[i + l] * b[w][i + l];
+                lanes[w][l] += a[l] * b[l];
             }
         }
-        i += LANES;
     }
+    let done = n - a_rest.len();
     let mut sums = [0.0; W];
     for w in 0..W {
         let [p, q, r, s, t, u, v, x] = lanes[w];
         sums[w] = ((p + q) + (r + s)) + ((t + u) + (v + x));
-        for i in i..n {
+        for i in done..n {
             sums[w] += a[i] * b[w][i];
         }
     }

@@ -4,7 +4,7 @@
 //! backward pass smooths. Inside, time counts in mean sampling steps, which keeps the covariances well scaled.
 
 use super::super::error::{IdentificationError, Result, require_setting};
-use super::{Derivatives, check, require_noise, rms_difference};
+use super::{Derivatives, check, judged_windows, require_noise, residual_bound, rms_difference};
 use nalgebra::{Matrix4, Vector4};
 
 /// Settings of the method.
@@ -16,10 +16,6 @@ pub struct KalmanSmoother {
     /// residual does not exceed σ (discrepancy principle).
     pub density: Option<f64>,
 }
-
-/// Longer signals are judged by this many windows of [`WINDOW`] samples, evenly spread.
-const WINDOWS: usize = 4;
-const WINDOW: usize = 5_000;
 
 impl KalmanSmoother {
     /// q from the noise σ.
@@ -69,15 +65,15 @@ impl KalmanSmoother {
 /// q/σ² per step, by bisection of its logarithm: the residual falls as q grows.
 fn ratio_by_discrepancy(times: &[f64], signal: &[f64], sigma: f64, step: f64) -> Result<f64> {
     let excess = |exponent: f64| -> Result<f64> {
-        let (mut sum, mut count) = (0.0, 0);
-        for window in windows(times.len()) {
+        let (mut sum, mut count) = (0.0, 0_usize);
+        for window in judged_windows(times.len()) {
             let filter = Filter::new(&times[window.clone()], &signal[window], sigma, step, 10f64.powf(exponent));
             for (i, state) in filter.smooth()?.iter().enumerate() {
                 sum += (filter.measurement(i) - state[0]).powi(2);
                 count += 1;
             }
         }
-        Ok(sum / f64::from(count) - 1.0)
+        Ok((sum / count as f64).sqrt() - residual_bound(1.0, count))
     };
     // 1e-20: a smoothing window of some hundreds of samples; beyond it a double has no digits left.
     let (mut low, mut high) = (-20.0, 8.0);
@@ -89,14 +85,6 @@ fn ratio_by_discrepancy(times: &[f64], signal: &[f64], sigma: f64, step: f64) ->
         if excess(middle)? <= 0.0 { high = middle } else { low = middle }
     }
     Ok(10f64.powf(high))
-}
-
-fn windows(samples: usize) -> Vec<std::ops::Range<usize>> {
-    if samples <= WINDOWS * WINDOW {
-        return std::iter::once(0..samples).collect();
-    }
-    let spacing = (samples - WINDOW) / (WINDOWS - 1);
-    (0..WINDOWS).map(|k| k * spacing..k * spacing + WINDOW).collect()
 }
 
 /// Signal in units of σ, time in units of the mean step.

@@ -1,8 +1,9 @@
 //! Savitzky–Golay differentiation: a least-squares polynomial around each sample (Savitzky and Golay 1964).
 
 use super::super::error::{IdentificationError, Result, require_setting};
-use super::{Derivatives, check, require_noise, rms_difference};
+use super::{Derivatives, check, judged_windows, require_noise, residual_bound, rms_difference};
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 
 /// Settings of the method.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,25 +57,28 @@ impl SavitzkyGolay {
 
     fn widest(&self, sigma: f64, times: &[f64], signal: &[f64]) -> Result<Derivatives> {
         let smallest = (self.degree + 2) | 1;
-        let largest = signal.len().min(2001);
-        let mut window = smallest;
-        let mut best = None;
+        let judged = judged_windows(signal.len());
+        let largest = judged.iter().map(|w| w.len()).min().unwrap_or(0).min(2001);
+        let (mut window, mut best) = (smallest, smallest);
         while window <= largest {
-            let result = Filter::new(times, window, self.degree)?.apply(times, signal)?;
+            let (mut squares, mut count) = (0.0, 0);
+            for rows in &judged {
+                let (times, signal) = (&times[rows.clone()], &signal[rows.clone()]);
+                let residual = Filter::new(times, window, self.degree)?.residual(times, signal)?;
+                squares += residual * residual * signal.len() as f64;
+                count += signal.len();
+            }
+            let residual = (squares / count as f64).sqrt();
             // The residual is not monotone in the window; far above the noise it does not come back.
-            if result.residual > 1.5 * sigma && best.is_some() {
+            if residual > 1.5 * sigma {
                 break;
             }
-            if result.residual <= sigma || best.is_none() {
-                best = Some(result);
+            if residual <= residual_bound(sigma, count) {
+                best = window;
             }
             window = (window + 2).max((window as f64 * 1.08) as usize | 1);
         }
-        best.ok_or_else(|| IdentificationError::TooFewSamples {
-            what: "the smallest Savitzky–Golay window".into(),
-            needed: smallest,
-            got: signal.len(),
-        })
+        Filter::new(times, best, self.degree)?.apply(times, signal)
     }
 }
 
@@ -98,28 +102,77 @@ impl Filter {
     }
 
     fn apply(&self, times: &[f64], signal: &[f64]) -> Result<Derivatives> {
-        let m = signal.len();
-        let mut out = [vec![0.0; m], vec![0.0; m], vec![0.0; m]];
-        for i in 0..m {
-            let start = i.saturating_sub(self.window / 2).min(m - self.window);
-            let values = &signal[start..start + self.window];
-            let centred = i == start + self.window / 2;
+        let out = self.filtered::<3>(times, signal)?;
+        let residual = rms_difference(&out[0], signal);
+        let [value, first, second] = out;
+        Ok(Derivatives { value, first, second, residual, parameter: self.window as f64 })
+    }
+
+    /// Root mean square of signal minus smoothed signal.
+    fn residual(&self, times: &[f64], signal: &[f64]) -> Result<f64> {
+        Ok(rms_difference(&self.filtered::<1>(times, signal)?[0], signal))
+    }
+
+    /// Value and the first K − 1 derivatives.
+    fn filtered<const K: usize>(&self, times: &[f64], signal: &[f64]) -> Result<[Vec<f64>; K]> {
+        let (m, half) = (signal.len(), self.window / 2);
+        let mut out: [Vec<f64>; K] = std::array::from_fn(|_| vec![0.0; m]);
+        self.fill_end(0, 0..half, times, signal, &mut out)?;
+        self.fill_end(m - self.window, m - half..m, times, signal, &mut out)?;
+        for i in half..m - half {
+            let rows = i - half..i + half + 1;
             let local;
-            let weights = if centred && self.uniform {
+            let weights = if self.uniform {
                 &self.weights
             } else {
-                local = polynomial_weights(&times[start..start + self.window], times[i], self.degree)?;
+                local = polynomial_weights(&times[rows.clone()], times[i], self.degree)?;
                 &local
             };
             // Relative to the sample itself: the weights of the derivatives sum to zero, and digits are kept.
             for (out, weights) in out.iter_mut().zip(weights) {
-                out[i] = weights.iter().zip(values).map(|(w, x)| w * (x - signal[i])).sum();
+                out[i] = weights.iter().zip(&signal[rows.clone()]).map(|(w, x)| w * (x - signal[i])).sum();
             }
             out[0][i] += signal[i];
         }
-        let [value, first, second] = out;
-        let residual = rms_difference(&value, signal);
-        Ok(Derivatives { value, first, second, residual, parameter: self.window as f64 })
+        Ok(out)
+    }
+
+    /// Samples `rows` near an end, from the one polynomial through the window that starts at `start`.
+    fn fill_end<const K: usize>(
+        &self,
+        start: usize,
+        rows: Range<usize>,
+        times: &[f64],
+        signal: &[f64],
+        out: &mut [Vec<f64>; K],
+    ) -> Result<()> {
+        let window = start..start + self.window;
+        let centre = times[start + self.window / 2];
+        let scale = (times[window.end - 1] - centre).max(centre - times[start]);
+        let matrix = DMatrix::from_fn(self.window, self.degree + 1, |i, j| {
+            ((times[start + i] - centre) / scale).powi(j as i32)
+        });
+        let mut right = DVector::from_fn(self.window, |i, _| signal[start + i]);
+        let qr = matrix.qr();
+        qr.q_tr_mul(&mut right);
+        let right = right.rows(0, self.degree + 1).into_owned();
+        let mut c = qr.r().solve_upper_triangular(&right).ok_or_else(|| singular(self.degree, self.window))?;
+        for out in out.iter_mut() {
+            for i in rows.clone() {
+                let x = (times[i] - centre) / scale;
+                out[i] = c.iter().rev().fold(0.0, |sum, c| sum * x + c);
+            }
+            c = DVector::from_fn(c.len() - 1, |k, _| c[k + 1] * (k + 1) as f64 / scale);
+        }
+        Ok(())
+    }
+}
+
+fn singular(degree: usize, window: usize) -> IdentificationError {
+    IdentificationError::NotConverged {
+        what: "the local polynomial".into(),
+        iterations: 0,
+        detail: format!("degree {degree} on {window} samples is singular"),
     }
 }
 
@@ -134,11 +187,7 @@ fn polynomial_weights(times: &[f64], centre: f64, degree: usize) -> Result<[Vec<
     for (k, weights) in weights.iter_mut().enumerate() {
         // Row k of R⁻¹ Qᵀ: solve Rᵀ z = eₖ, then Q z.
         let unit = DVector::from_fn(degree + 1, |i, _| if i == k { 1.0 } else { 0.0 });
-        let z = r.tr_solve_upper_triangular(&unit).ok_or_else(|| IdentificationError::NotConverged {
-            what: "the local polynomial".into(),
-            iterations: 0,
-            detail: format!("degree {degree} on {} samples is singular", times.len()),
-        })?;
+        let z = r.tr_solve_upper_triangular(&unit).ok_or_else(|| singular(degree, times.len()))?;
         *weights = (&q * z * factors[k]).as_slice().to_vec();
     }
     Ok(weights)
