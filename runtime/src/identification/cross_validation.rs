@@ -32,11 +32,27 @@ impl CrossValidation {
     /// # Errors
     /// Fewer than two folds, or as [`Lasso::path`].
     pub fn new(lasso: &Lasso, folds: &[Moments], target: usize, lambdas: &[f64]) -> Result<Self> {
-        require_setting("number of folds", folds.len() as f64, folds.len() >= 2, "at least two are needed")?;
-        require_setting("number of λ", lambdas.len() as f64, !lambdas.is_empty(), "at least one is needed")?;
+        require_setting(
+            "number of folds",
+            folds.len() as f64,
+            folds.len() >= 2,
+            "at least two are needed",
+        )?;
+        require_setting(
+            "number of λ",
+            lambdas.len() as f64,
+            !lambdas.is_empty(),
+            "at least one is needed",
+        )?;
         let mut errors = vec![Vec::with_capacity(folds.len()); lambdas.len()];
         for (k, held_out) in folds.iter().enumerate() {
-            let training = Moments::sum(folds.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, f)| f))?;
+            let training = Moments::sum(
+                folds
+                    .iter()
+                    .enumerate()
+                    .filter(|(i, _)| *i != k)
+                    .map(|(_, f)| f),
+            )?;
             let path = lasso.path(&training, target, lambdas)?;
             for (errors, coefficients) in errors.iter_mut().zip(path.coefficients.column_iter()) {
                 let residual = held_out.residual(target, &coefficients.into_owned());
@@ -44,15 +60,26 @@ impl CrossValidation {
             }
         }
         let mean_error: Vec<f64> = errors.iter().map(|e| mean(e)).collect();
-        let standard_error: Vec<f64> = errors.iter().map(|e| (variance(e) / e.len() as f64).sqrt()).collect();
-        let minimum = (0..lambdas.len()).min_by(|&i, &j| mean_error[i].total_cmp(&mean_error[j])).unwrap_or(0);
+        let standard_error: Vec<f64> = errors
+            .iter()
+            .map(|e| (variance(e) / e.len() as f64).sqrt())
+            .collect();
+        let minimum = (0..lambdas.len())
+            .min_by(|&i, &j| mean_error[i].total_cmp(&mean_error[j]))
+            .unwrap_or(0);
         let bound = mean_error[minimum] + standard_error[minimum];
         let one_standard_error = (0..lambdas.len())
             .filter(|&i| mean_error[i] <= bound)
             .max_by(|&i, &j| lambdas[i].total_cmp(&lambdas[j]))
             .unwrap_or(minimum);
         let path = lasso.path(&Moments::sum(folds)?, target, lambdas)?;
-        Ok(Self { path, mean_error, standard_error, minimum, one_standard_error })
+        Ok(Self {
+            path,
+            mean_error,
+            standard_error,
+            minimum,
+            one_standard_error,
+        })
     }
 
     /// Coefficients on the path at `index`, e.g. [`Self::minimum`].
@@ -91,7 +118,11 @@ pub struct ParetoPoint {
 ///
 /// # Errors
 /// As [`Reduced::fit`].
-pub fn pareto_front(reduced: &Reduced, target: usize, validation: &CrossValidation) -> Result<Vec<ParetoPoint>> {
+pub fn pareto_front(
+    reduced: &Reduced,
+    target: usize,
+    validation: &CrossValidation,
+) -> Result<Vec<ParetoPoint>> {
     let n = reduced.moments().samples() as f64;
     let mut points = Vec::with_capacity(validation.path.lambdas.len());
     for (k, &lambda) in validation.path.lambdas.iter().enumerate() {
@@ -143,8 +174,13 @@ mod tests {
 
     fn friction(m: usize, noise: f64) -> (Vec<f64>, Vec<f64>) {
         let mut random = SplitMix64::new(11);
-        let v: Vec<f64> = (0..m).map(|i| 1.2 * (0.0021 * i as f64).sin() + 0.4 * (0.013 * i as f64).sin()).collect();
-        let y = v.iter().map(|v| 3.0 * v + 0.8 * (10.0 * v).tanh() + noise * random.normal()).collect();
+        let v: Vec<f64> = (0..m)
+            .map(|i| 1.2 * (0.0021 * i as f64).sin() + 0.4 * (0.013 * i as f64).sin())
+            .collect();
+        let y = v
+            .iter()
+            .map(|v| 3.0 * v + 0.8 * (10.0 * v).tanh() + noise * random.normal())
+            .collect();
         (v, y)
     }
 
@@ -156,21 +192,29 @@ mod tests {
         let samples = Samples::from_library(&library, vec![&v], vec![&y]).unwrap();
         let folds = Moments::blocks(&samples, 5).unwrap();
         let lasso = Lasso::default();
-        let grid = lasso.lambda_grid(&Moments::sum(&folds).unwrap(), 0, 12, 1e-3).unwrap();
+        let grid = lasso
+            .lambda_grid(&Moments::sum(&folds).unwrap(), 0, 12, 1e-3)
+            .unwrap();
         let validation = CrossValidation::new(&lasso, &folds, 0, &grid).unwrap();
         // Fold 1 holds rows 201..402: 1003 = 3·201 + 2·200.
         let training = Moments::sum([0, 2, 3, 4].map(|k| &folds[k])).unwrap();
         let w = lasso.path(&training, 0, &grid).unwrap().coefficients;
         let mut direct = vec![0.0; 12];
         for (k, d) in direct.iter_mut().enumerate() {
-            *d = (201..402).map(|i| (y[i] - (theta.row(i) * w.column(k))[0]).powi(2)).sum::<f64>() / 201.0;
+            *d = (201..402)
+                .map(|i| (y[i] - (theta.row(i) * w.column(k))[0]).powi(2))
+                .sum::<f64>()
+                / 201.0;
         }
-        let by_sums: Vec<f64> = (0..12).map(|k| folds[1].residual(0, &w.column(k).into_owned()) / 201.0).collect();
+        let by_sums: Vec<f64> = (0..12)
+            .map(|k| folds[1].residual(0, &w.column(k).into_owned()) / 201.0)
+            .collect();
         for (a, b) in direct.iter().zip(&by_sums) {
             assert!((a - b).abs() < 1e-12 * a.max(1.0), "{a} {b}");
         }
         assert!(validation.one_standard_error <= validation.minimum);
-        let bound = validation.mean_error[validation.minimum] + validation.standard_error[validation.minimum];
+        let bound = validation.mean_error[validation.minimum]
+            + validation.standard_error[validation.minimum];
         assert!(validation.mean_error[validation.one_standard_error] <= bound);
     }
 
@@ -192,9 +236,15 @@ mod tests {
             assert!(point.refit_error <= point.lasso_error * (1.0 + 1e-9));
         }
         let fit = refit(&reduced, 0, &validation.path, validation.one_standard_error).unwrap();
-        assert!(fit.active.contains(&1) && fit.active.contains(&2), "{:?}", fit.active);
+        assert!(
+            fit.active.contains(&1) && fit.active.contains(&2),
+            "{:?}",
+            fit.active
+        );
         assert!((fit.coefficients[1] - 3.0).abs() < 0.02);
-        let empty = refit(&reduced, 0, &validation.path, 0).unwrap_err().to_string();
+        let empty = refit(&reduced, 0, &validation.path, 0)
+            .unwrap_err()
+            .to_string();
         assert!(empty.contains("removes every term"), "{empty}");
     }
 }

@@ -80,7 +80,9 @@ pub enum IdentificationError {
         limit: f64,
     },
     /// A quantity that never changes where its change is needed.
-    #[error("{what} is constant ({value}) in all {samples} samples: nothing can be identified from it")]
+    #[error(
+        "{what} is constant ({value}) in all {samples} samples: nothing can be identified from it"
+    )]
     Constant {
         /// The quantity.
         what: String,
@@ -110,7 +112,9 @@ pub enum IdentificationError {
         largest: f64,
     },
     /// Times that do not increase.
-    #[error("time does not increase at row {row} (counted from 0): {before} s is followed by {after} s; sort the rows or split the log into segments")]
+    #[error(
+        "time does not increase at row {row} (counted from 0): {before} s is followed by {after} s; sort the rows or split the log into segments"
+    )]
     Time {
         /// Row of the later sample.
         row: usize,

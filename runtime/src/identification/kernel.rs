@@ -151,7 +151,10 @@ pub(crate) fn add_products(columns: &[&[f64]], sums: &mut [f64]) {
     for j in 0..q {
         let mut k = 0;
         while k + 4 <= j + 1 {
-            let d = four_dots(columns[j], [columns[k], columns[k + 1], columns[k + 2], columns[k + 3]]);
+            let d = four_dots(
+                columns[j],
+                [columns[k], columns[k + 1], columns[k + 2], columns[k + 3]],
+            );
             for (i, d) in d.into_iter().enumerate() {
                 sums[j * q + k + i] += d;
             }
@@ -192,7 +195,12 @@ fn four_dots<const W: usize>(a: &[f64], b: [&[f64]; W]) -> [f64; W] {
 
 /// Columns ∂τ/∂a and residual of the Stribeck law over one block, see [`super::stribeck`].
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2"))]
-pub(crate) fn stribeck_block(v: &[f64], torque: &[f64], a: &[f64; 5], columns: &mut [[f64; BLOCK]; 6]) {
+pub(crate) fn stribeck_block(
+    v: &[f64],
+    torque: &[f64],
+    a: &[f64; 5],
+    columns: &mut [[f64; BLOCK]; 6],
+) {
     let n = v.len().min(torque.len()).min(BLOCK);
     let [c1, c2, c3, c4, c5, residual] = columns;
     for i in 0..n {
@@ -217,7 +225,9 @@ mod tests {
     use super::*;
 
     fn largest_relative_error(f: fn(&[f64], &mut [f64]), exact: fn(f64) -> f64, range: f64) -> f64 {
-        let x: Vec<f64> = (0..20_001).map(|i| range * (i as f64 / 10_000.0 - 1.0)).collect();
+        let x: Vec<f64> = (0..20_001)
+            .map(|i| range * (i as f64 / 10_000.0 - 1.0))
+            .collect();
         let mut y = vec![0.0; x.len()];
         f(&x, &mut y);
         x.iter()
@@ -246,10 +256,23 @@ mod tests {
 
     #[test]
     fn special_values_pass_through() {
-        let x = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 710.0, -750.0, 709.5];
+        let x = [
+            f64::NAN,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+            710.0,
+            -750.0,
+            709.5,
+        ];
         let mut y = [0.0; 6];
         exp_block(&x, &mut y);
-        assert!(y[0].is_nan() && y[1] == f64::INFINITY && y[2] == 0.0 && y[3] == f64::INFINITY && y[4] == 0.0);
+        assert!(
+            y[0].is_nan()
+                && y[1] == f64::INFINITY
+                && y[2] == 0.0
+                && y[3] == f64::INFINITY
+                && y[4] == 0.0
+        );
         assert!((y[5] / 709.5_f64.exp() - 1.0).abs() < 1e-14);
         tanh_block(&x, &mut y);
         assert!(y[0].is_nan() && y[1] == 1.0 && y[2] == -1.0);
@@ -263,7 +286,10 @@ mod tests {
         let b: Vec<f64> = a.iter().map(|a| 3.0 - a).collect();
         let mut sums = [0.0; 36];
         add_products(&[&a, &b, &a, &b, &a, &b], &mut sums);
-        let (aa, ab): (f64, f64) = (a.iter().map(|a| a * a).sum(), a.iter().zip(&b).map(|(a, b)| a * b).sum());
+        let (aa, ab): (f64, f64) = (
+            a.iter().map(|a| a * a).sum(),
+            a.iter().zip(&b).map(|(a, b)| a * b).sum(),
+        );
         assert_eq!([sums[0], sums[6], sums[24], sums[30]], [aa, ab, aa, ab]);
     }
 }

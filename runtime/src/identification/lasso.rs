@@ -64,8 +64,16 @@ impl Lasso {
         let start = problem.unpenalized_fit();
         let c = &problem.b - &problem.gram * start;
         let bound = |j: usize| {
-            let c = if problem.nonnegative[j] { c[j].max(0.0) } else { c[j].abs() };
-            if problem.weights[j] > 0.0 { c / (problem.samples * problem.weights[j]) } else { 0.0 }
+            let c = if problem.nonnegative[j] {
+                c[j].max(0.0)
+            } else {
+                c[j].abs()
+            };
+            if problem.weights[j] > 0.0 {
+                c / (problem.samples * problem.weights[j])
+            } else {
+                0.0
+            }
         };
         // A few units in the last place more, so that rounding leaves no coefficient at this λ.
         Ok((0..c.len()).map(bound).fold(0.0, f64::max) * (1.0 + 4.0 * f64::EPSILON))
@@ -75,9 +83,25 @@ impl Lasso {
     ///
     /// # Errors
     /// `ratio` outside (0, 1), no values, or as [`Self::largest_lambda`].
-    pub fn lambda_grid(&self, moments: &Moments, target: usize, count: usize, ratio: f64) -> Result<Vec<f64>> {
-        require_setting("ratio of λ", ratio, ratio > 0.0 && ratio < 1.0, "it must lie between 0 and 1")?;
-        require_setting("number of λ", count as f64, count >= 2, "at least two are needed")?;
+    pub fn lambda_grid(
+        &self,
+        moments: &Moments,
+        target: usize,
+        count: usize,
+        ratio: f64,
+    ) -> Result<Vec<f64>> {
+        require_setting(
+            "ratio of λ",
+            ratio,
+            ratio > 0.0 && ratio < 1.0,
+            "it must lie between 0 and 1",
+        )?;
+        require_setting(
+            "number of λ",
+            count as f64,
+            count >= 2,
+            "at least two are needed",
+        )?;
         let largest = self.largest_lambda(moments, target)?;
         let step = |i: usize| largest * ratio.powf(i as f64 / (count - 1) as f64);
         Ok((0..count).map(step).collect())
@@ -97,7 +121,12 @@ impl Lasso {
         };
         let mut state = State::new(&problem);
         for (column, &lambda) in lambdas.iter().enumerate() {
-            require_setting("λ", lambda, lambda >= 0.0, "it must be finite and not negative")?;
+            require_setting(
+                "λ",
+                lambda,
+                lambda >= 0.0,
+                "it must be finite and not negative",
+            )?;
             let (gap, sweeps) = problem.solve(lambda, &mut state, self)?;
             path.coefficients.set_column(column, &state.w);
             path.gaps.push(gap);
@@ -110,7 +139,12 @@ impl Lasso {
     ///
     /// # Errors
     /// [`IdentificationError::EverythingRemoved`] with the largest λ that keeps a term; else as [`Self::path`].
-    pub fn fit(&self, moments: &Moments, target: usize, lambda: f64) -> Result<(DVector<f64>, Vec<usize>)> {
+    pub fn fit(
+        &self,
+        moments: &Moments,
+        target: usize,
+        lambda: f64,
+    ) -> Result<(DVector<f64>, Vec<usize>)> {
         let path = self.path(moments, target, &[lambda])?;
         let coefficients = path.coefficients.column(0).into_owned();
         let active = active_terms(&coefficients);
@@ -127,7 +161,9 @@ impl Lasso {
 
 /// Indices of the coefficients that are not zero.
 pub fn active_terms(coefficients: &DVector<f64>) -> Vec<usize> {
-    (0..coefficients.len()).filter(|&i| coefficients[i] != 0.0).collect()
+    (0..coefficients.len())
+        .filter(|&i| coefficients[i] != 0.0)
+        .collect()
 }
 
 struct Problem {
@@ -147,7 +183,10 @@ struct State {
 
 impl State {
     fn new(problem: &Problem) -> Self {
-        Self { w: DVector::zeros(problem.b.len()), c: problem.b.clone() }
+        Self {
+            w: DVector::zeros(problem.b.len()),
+            c: problem.b.clone(),
+        }
     }
 }
 
@@ -156,7 +195,12 @@ impl Problem {
         if target >= moments.targets() {
             require_length("targets", target + 1, moments.targets())?;
         }
-        require_setting("tolerance", settings.tolerance, settings.tolerance > 0.0, "it must be positive")?;
+        require_setting(
+            "tolerance",
+            settings.tolerance,
+            settings.tolerance > 0.0,
+            "it must be positive",
+        )?;
         moments.require_no_zero_column()?;
         let (p, samples) = (moments.terms(), moments.samples() as f64);
         for &i in settings.unpenalized.iter().chain(&settings.nonnegative) {
@@ -166,7 +210,10 @@ impl Problem {
         }
         let energy = moments.energy(target);
         if energy == 0.0 {
-            return Err(IdentificationError::ZeroColumn { term: format!("target {target}"), samples: moments.samples() });
+            return Err(IdentificationError::ZeroColumn {
+                term: format!("target {target}"),
+                samples: moments.samples(),
+            });
         }
         let gram = moments.gram();
         let weight = |i: usize| match (settings.unpenalized.contains(&i), settings.standardize) {
@@ -185,7 +232,9 @@ impl Problem {
     }
 
     fn unpenalized_fit(&self) -> DVector<f64> {
-        let free: Vec<usize> = (0..self.b.len()).filter(|&i| self.weights[i] == 0.0).collect();
+        let free: Vec<usize> = (0..self.b.len())
+            .filter(|&i| self.weights[i] == 0.0)
+            .collect();
         let mut w = DVector::zeros(self.b.len());
         if let Some(small) = solve_scaled(&self.gram, &self.b, &free, 0.0) {
             for (&i, x) in free.iter().zip(small.iter()) {
@@ -268,9 +317,14 @@ impl Problem {
     fn null_direction(&self, active: &[usize]) -> Option<DVector<f64>> {
         let n = active.len();
         let norm = |i: usize| self.gram[(active[i], active[i])].sqrt();
-        let scaled = DMatrix::from_fn(n, n, |i, j| self.gram[(active[i], active[j])] / (norm(i) * norm(j)));
+        let scaled = DMatrix::from_fn(n, n, |i, j| {
+            self.gram[(active[i], active[j])] / (norm(i) * norm(j))
+        });
         // Cholesky's least pivot bounds the least eigenvalue from above and is much cheaper.
-        let regular = scaled.clone().cholesky().is_some_and(|f| f.l_dirty().diagonal().amin() > 1e-5);
+        let regular = scaled
+            .clone()
+            .cholesky()
+            .is_some_and(|f| f.l_dirty().diagonal().amin() > 1e-5);
         if regular || n == 0 {
             return None;
         }
@@ -279,21 +333,43 @@ impl Problem {
         if eigen.eigenvalues[least] > 1e-12 {
             return None;
         }
-        Some(DVector::from_fn(n, |i, _| eigen.eigenvectors[(i, least)] / norm(i)))
+        Some(DVector::from_fn(n, |i, _| {
+            eigen.eigenvectors[(i, least)] / norm(i)
+        }))
     }
 
     /// A far point along a null direction, downhill in the penalty, so that some coefficient reaches zero.
-    fn along_null_direction(&self, active: &[usize], direction: &DVector<f64>, w: &DVector<f64>) -> Option<DVector<f64>> {
-        let slope: f64 = (0..active.len()).map(|i| self.weights[active[i]] * w[active[i]].signum() * direction[i]).sum();
+    fn along_null_direction(
+        &self,
+        active: &[usize],
+        direction: &DVector<f64>,
+        w: &DVector<f64>,
+    ) -> Option<DVector<f64>> {
+        let slope: f64 = (0..active.len())
+            .map(|i| self.weights[active[i]] * w[active[i]].signum() * direction[i])
+            .sum();
         let sign = if slope > 0.0 { -1.0 } else { 1.0 };
-        let ratio = |i: usize| if sign * direction[i] * w[active[i]] < 0.0 { (w[active[i]] / direction[i]).abs() } else { f64::INFINITY };
+        let ratio = |i: usize| {
+            if sign * direction[i] * w[active[i]] < 0.0 {
+                (w[active[i]] / direction[i]).abs()
+            } else {
+                f64::INFINITY
+            }
+        };
         let length = (0..active.len()).map(ratio).fold(f64::INFINITY, f64::min);
         let far = |i: usize| w[active[i]] + sign * 2.0 * length * direction[i];
-        length.is_finite().then(|| DVector::from_fn(active.len(), |i, _| far(i)))
+        length
+            .is_finite()
+            .then(|| DVector::from_fn(active.len(), |i, _| far(i)))
     }
 
     /// Share of the step to `solution` that keeps all signs, and the coefficient that ends it.
-    fn largest_step(&self, active: &[usize], solution: &DVector<f64>, w: &DVector<f64>) -> (f64, Option<usize>) {
+    fn largest_step(
+        &self,
+        active: &[usize],
+        solution: &DVector<f64>,
+        w: &DVector<f64>,
+    ) -> (f64, Option<usize>) {
         let mut step = (1.0, None);
         for (&j, x) in active.iter().zip(solution.iter()) {
             let may_change_sign = self.weights[j] == 0.0 && !self.nonnegative[j];
@@ -314,15 +390,25 @@ impl Problem {
         let residual = (residual_target - state.c.dot(&state.w)).max(0.0);
         let mut scale = 1.0_f64;
         for j in 0..state.w.len() {
-            let c = if self.nonnegative[j] { state.c[j].max(0.0) } else { state.c[j].abs() };
+            let c = if self.nonnegative[j] {
+                state.c[j].max(0.0)
+            } else {
+                state.c[j].abs()
+            };
             let limit = self.samples * lambda * self.weights[j];
             if self.weights[j] > 0.0 && c > limit {
                 scale = scale.min(limit / c);
             }
         }
-        let penalty: f64 = state.w.iter().zip(&self.weights).map(|(w, o)| o * w.abs()).sum();
+        let penalty: f64 = state
+            .w
+            .iter()
+            .zip(&self.weights)
+            .map(|(w, o)| o * w.abs())
+            .sum();
         let primal = residual / (2.0 * self.samples) + lambda * penalty;
-        let dual = (2.0 * scale * residual_target - scale * scale * residual) / (2.0 * self.samples);
+        let dual =
+            (2.0 * scale * residual_target - scale * scale * residual) / (2.0 * self.samples);
         (primal - dual).max(0.0)
     }
 }
@@ -333,7 +419,9 @@ mod tests {
     use super::super::random::SplitMix64;
     use super::*;
     use clarabel::algebra::CscMatrix;
-    use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SupportedConeT};
+    use clarabel::solver::{
+        DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SupportedConeT,
+    };
 
     fn random_moments(seed: u64, m: usize, p: usize, correlated: bool) -> Moments {
         let mut random = SplitMix64::new(seed);
@@ -344,7 +432,13 @@ mod tests {
                 theta.column_mut(j).axpy(0.9, &previous, 0.4);
             }
         }
-        let truth = DVector::from_fn(p, |j, _| if j % 3 == 0 { 1.5 - j as f64 / 4.0 } else { 0.0 });
+        let truth = DVector::from_fn(p, |j, _| {
+            if j % 3 == 0 {
+                1.5 - j as f64 / 4.0
+            } else {
+                0.0
+            }
+        });
         let noise = DVector::from_fn(m, |_, _| 0.3 * random.normal());
         let y = &theta * truth + noise;
         let names: Vec<String> = (0..p).map(|j| format!("t{j}")).collect();
@@ -352,17 +446,44 @@ mod tests {
     }
 
     /// The same problem as a quadratic program in (w⁺, w⁻) ≥ 0, by an interior-point solver.
-    fn by_interior_points(moments: &Moments, lambda: f64, weights: &[f64], nonnegative: &[usize]) -> DVector<f64> {
+    fn by_interior_points(
+        moments: &Moments,
+        lambda: f64,
+        weights: &[f64],
+        nonnegative: &[usize],
+    ) -> DVector<f64> {
         let (p, n) = (moments.terms(), moments.samples() as f64);
         let (g, b) = (moments.gram() / n, moments.projection(0) / n);
         let sign = |i: usize| if i < p { 1.0 } else { -1.0 };
         let hessian: Vec<Vec<f64>> = (0..2 * p)
-            .map(|i| (0..2 * p).map(|j| if i <= j { sign(i) * sign(j) * g[(i % p, j % p)] } else { 0.0 }).collect())
+            .map(|i| {
+                (0..2 * p)
+                    .map(|j| {
+                        if i <= j {
+                            sign(i) * sign(j) * g[(i % p, j % p)]
+                        } else {
+                            0.0
+                        }
+                    })
+                    .collect()
+            })
             .collect();
-        let q: Vec<f64> = (0..2 * p).map(|i| lambda * weights[i % p] - sign(i) * b[i % p]).collect();
-        let mut rows: Vec<Vec<f64>> = (0..2 * p).map(|i| (0..2 * p).map(|j| if i == j { -1.0 } else { 0.0 }).collect()).collect();
+        let q: Vec<f64> = (0..2 * p)
+            .map(|i| lambda * weights[i % p] - sign(i) * b[i % p])
+            .collect();
+        let mut rows: Vec<Vec<f64>> = (0..2 * p)
+            .map(|i| {
+                (0..2 * p)
+                    .map(|j| if i == j { -1.0 } else { 0.0 })
+                    .collect()
+            })
+            .collect();
         for &j in nonnegative {
-            rows.push((0..2 * p).map(|k| if k == p + j { 1.0 } else { 0.0 }).collect());
+            rows.push(
+                (0..2 * p)
+                    .map(|k| if k == p + j { 1.0 } else { 0.0 })
+                    .collect(),
+            );
         }
         let zeros = vec![0.0; rows.len()];
         let cones: [SupportedConeT<f64>; 1] = [NonnegativeConeT(rows.len())];
@@ -373,8 +494,15 @@ mod tests {
             .tol_feas(1e-13)
             .build()
             .unwrap();
-        let mut solver =
-            DefaultSolver::new(&CscMatrix::from(&hessian), &q, &CscMatrix::from(&rows), &zeros, &cones, settings).unwrap();
+        let mut solver = DefaultSolver::new(
+            &CscMatrix::from(&hessian),
+            &q,
+            &CscMatrix::from(&rows),
+            &zeros,
+            &cones,
+            settings,
+        )
+        .unwrap();
         solver.solve();
         DVector::from_fn(p, |j, _| solver.solution.x[j] - solver.solution.x[p + j])
     }
@@ -386,7 +514,9 @@ mod tests {
         let m = 8;
         let theta = DMatrix::from_fn(m, 3, |i, j| if i >> j & 1 == 0 { 1.0 } else { -1.0 });
         let y = &theta * DVector::from_column_slice(&[2.0, -0.7, 0.3]);
-        let moments = Moments::new(&Samples::from_matrix(&names, &theta, vec![y.as_slice()]).unwrap()).unwrap();
+        let moments =
+            Moments::new(&Samples::from_matrix(&names, &theta, vec![y.as_slice()]).unwrap())
+                .unwrap();
         let lasso = Lasso::default();
         let path = lasso.path(&moments, 0, &[0.5]).unwrap();
         let expected = DVector::from_column_slice(&[1.5, -0.2, 0.0]);
@@ -406,14 +536,23 @@ mod tests {
                 ..Default::default()
             };
             let weights: Vec<f64> = (0..9)
-                .map(|j| if lasso.standardize { (moments.gram()[(j, j)] / 60.0).sqrt() } else { 1.0 })
+                .map(|j| {
+                    if lasso.standardize {
+                        (moments.gram()[(j, j)] / 60.0).sqrt()
+                    } else {
+                        1.0
+                    }
+                })
                 .collect();
             let grid = lasso.lambda_grid(&moments, 0, 8, 1e-3).unwrap();
             let path = lasso.path(&moments, 0, &grid).unwrap();
             for (k, &lambda) in grid.iter().enumerate() {
                 let reference = by_interior_points(&moments, lambda, &weights, &lasso.nonnegative);
                 let difference = (path.coefficients.column(k) - reference).amax();
-                assert!(difference < 2e-6, "seed {seed}, λ {lambda:e}: {difference:e}");
+                assert!(
+                    difference < 2e-6,
+                    "seed {seed}, λ {lambda:e}: {difference:e}"
+                );
             }
             assert!(path.coefficients.column(0).amax() < 1e-12);
         }
@@ -422,7 +561,10 @@ mod tests {
     #[test]
     fn more_terms_than_samples_still_have_a_solution() {
         let moments = random_moments(5, 12, 20, false);
-        let lasso = Lasso { tolerance: 1e-9, ..Default::default() };
+        let lasso = Lasso {
+            tolerance: 1e-9,
+            ..Default::default()
+        };
         let grid = lasso.lambda_grid(&moments, 0, 5, 0.05).unwrap();
         let path = lasso.path(&moments, 0, &grid).unwrap();
         assert!(path.gaps.iter().all(|g| *g <= 1e-9 * moments.energy(0)));
@@ -435,22 +577,35 @@ mod tests {
         let x: Vec<f64> = (0..40).map(f64::from).collect();
         let names: Vec<String> = ["1", "x", "sign"].map(String::from).to_vec();
         let samples = Samples::from_columns(&names, vec![&one, &x, &one], vec![&y]).unwrap();
-        let lasso = Lasso { tolerance: 1e-12, ..Default::default() };
+        let lasso = Lasso {
+            tolerance: 1e-12,
+            ..Default::default()
+        };
         let twice = Moments::new(&samples).unwrap();
         let samples = Samples::from_columns(&names[..2], vec![&one, &x], vec![&y]).unwrap();
         let once = Moments::new(&samples).unwrap();
         let grid = lasso.lambda_grid(&once, 0, 20, 1e-4).unwrap();
-        let (a, b) = (lasso.path(&twice, 0, &grid).unwrap(), lasso.path(&once, 0, &grid).unwrap());
+        let (a, b) = (
+            lasso.path(&twice, 0, &grid).unwrap(),
+            lasso.path(&once, 0, &grid).unwrap(),
+        );
         for k in 0..20 {
             let sum = a.coefficients[(0, k)] + a.coefficients[(2, k)];
-            assert!((sum - b.coefficients[(0, k)]).abs() < 1e-6, "{k}: {sum} {}", b.coefficients[(0, k)]);
+            assert!(
+                (sum - b.coefficients[(0, k)]).abs() < 1e-6,
+                "{k}: {sum} {}",
+                b.coefficients[(0, k)]
+            );
         }
     }
 
     #[test]
     fn unpenalized_terms_enter_first() {
         let moments = random_moments(2, 80, 6, false);
-        let lasso = Lasso { unpenalized: vec![1], ..Default::default() };
+        let lasso = Lasso {
+            unpenalized: vec![1],
+            ..Default::default()
+        };
         let largest = lasso.largest_lambda(&moments, 0).unwrap();
         let (coefficients, active) = lasso.fit(&moments, 0, 1.0001 * largest).unwrap();
         assert_eq!(active, [1]);
@@ -461,7 +616,15 @@ mod tests {
     #[test]
     fn a_lambda_that_removes_everything_is_an_error_with_the_bound() {
         let moments = random_moments(1, 50, 4, false);
-        let error = Lasso::default().fit(&moments, 0, 1e6).unwrap_err().to_string();
-        assert!(error.starts_with("lambda = 1e6 removes every term: the largest value that keeps one is"), "{error}");
+        let error = Lasso::default()
+            .fit(&moments, 0, 1e6)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.starts_with(
+                "lambda = 1e6 removes every term: the largest value that keeps one is"
+            ),
+            "{error}"
+        );
     }
 }

@@ -61,7 +61,12 @@ impl TotalVariation {
 
     /// γ from the noise σ of the signal ([`super::quantization_noise`]), variation of the acceleration.
     pub fn from_noise(sigma: f64) -> Self {
-        Self { order: 2, regularization: Regularization::Noise(sigma), epsilon: None, ..Self::with_gamma(0.0) }
+        Self {
+            order: 2,
+            regularization: Regularization::Noise(sigma),
+            epsilon: None,
+            ..Self::with_gamma(0.0)
+        }
     }
 
     /// Smoothed signal and derivatives at the sampling times.
@@ -72,8 +77,11 @@ impl TotalVariation {
         let result = self.solve(times, signal)?;
         let m = signal.len();
         let middle: Vec<f64> = times.windows(2).map(|t| 0.5 * (t[0] + t[1])).collect();
-        let slope: Vec<f64> =
-            (0..m - 2).map(|i| (result.derivative[i + 1] - result.derivative[i]) / (middle[i + 1] - middle[i])).collect();
+        let slope: Vec<f64> = (0..m - 2)
+            .map(|i| {
+                (result.derivative[i + 1] - result.derivative[i]) / (middle[i + 1] - middle[i])
+            })
+            .collect();
         let second = |i: usize| slope[i.clamp(1, m - 2) - 1];
         let first = |i: usize| {
             let nearest = i.min(m - 2);
@@ -100,7 +108,12 @@ impl TotalVariation {
     /// # Errors
     /// As [`Self::differentiate`].
     pub fn solve(&self, times: &[f64], signal: &[f64]) -> Result<TotalVariationResult> {
-        require_setting("order", self.order as f64, matches!(self.order, 1 | 2), "it must be 1 or 2")?;
+        require_setting(
+            "order",
+            self.order as f64,
+            matches!(self.order, 1 | 2),
+            "it must be 1 or 2",
+        )?;
         if let Some(epsilon) = self.epsilon {
             require_setting("ε", epsilon, epsilon > 0.0, "it must be positive")?;
         } else if let Regularization::Weight(gamma) = self.regularization {
@@ -110,7 +123,12 @@ impl TotalVariation {
                 requirement: "with γ by hand ε must be given too".into(),
             });
         }
-        require_setting("iterations", self.iterations as f64, self.iterations > 0, "at least one is needed")?;
+        require_setting(
+            "iterations",
+            self.iterations as f64,
+            self.iterations > 0,
+            "at least one is needed",
+        )?;
         check(times, signal, self.order + 3)?;
         match (self.regularization, self.order) {
             (Regularization::Weight(gamma), _) => {
@@ -159,7 +177,9 @@ impl<'a, const W: usize> Problem<'a, W> {
     fn new(settings: &'a TotalVariation, times: &'a [f64], signal: &'a [f64]) -> Self {
         let m = times.len();
         let step = (times[m - 1] - times[0]) / (m - 1) as f64;
-        let uniform = times.windows(2).all(|t| (t[1] - t[0] - step).abs() <= 1e-6 * step);
+        let uniform = times
+            .windows(2)
+            .all(|t| (t[1] - t[0] - step).abs() <= 1e-6 * step);
         let differences = if uniform {
             let ideal: Vec<f64> = (0..W).map(|i| i as f64 * step).collect();
             vec![divided_difference(&ideal)]
@@ -167,14 +187,25 @@ impl<'a, const W: usize> Problem<'a, W> {
             times.windows(W).map(divided_difference).collect()
         };
         let mean = signal.iter().sum::<f64>() / m as f64;
-        Self { settings, times, signal, centred: signal.iter().map(|x| x - mean).collect(), mean, step, differences, root: Root::Smoothed(settings.epsilon.unwrap_or(1.0)) }
+        Self {
+            settings,
+            times,
+            signal,
+            centred: signal.iter().map(|x| x - mean).collect(),
+            mean,
+            step,
+            differences,
+            root: Root::Smoothed(settings.epsilon.unwrap_or(1.0)),
+        }
     }
 
     fn from_noise(mut self, sigma: f64) -> TotalVariationResult {
         if self.settings.epsilon.is_none() {
             self.root = Root::Quadratic;
             let smooth = self.by_discrepancy(sigma).signal;
-            let squares: f64 = (0..smooth.len() + 1 - W).map(|i| self.difference(i, &smooth).powi(2)).sum();
+            let squares: f64 = (0..smooth.len() + 1 - W)
+                .map(|i| self.difference(i, &smooth).powi(2))
+                .sum();
             // The floor keeps a straight signal, whose difference is rounding error, regular.
             let floor = (sigma / self.duration().powi(W as i32 - 1)).powi(2);
             self.root = Root::Smoothed((squares / smooth.len() as f64).max(floor));
@@ -205,15 +236,26 @@ impl<'a, const W: usize> Problem<'a, W> {
             let before = std::mem::replace(&mut s, self.centred.clone());
             solve(&mut band, &mut s);
             iterations += 1;
-            let moved = s.iter().zip(&before).fold(0.0_f64, |a, (x, y)| a.max((x - y).abs()));
+            let moved = s
+                .iter()
+                .zip(&before)
+                .fold(0.0_f64, |a, (x, y)| a.max((x - y).abs()));
             if moved <= self.settings.tolerance * range {
                 break;
             }
         }
-        let derivative =
-            s.windows(2).zip(self.times.windows(2)).map(|(s, t)| (s[1] - s[0]) / (t[1] - t[0])).collect();
+        let derivative = s
+            .windows(2)
+            .zip(self.times.windows(2))
+            .map(|(s, t)| (s[1] - s[0]) / (t[1] - t[0]))
+            .collect();
         s.iter_mut().for_each(|s| *s += self.mean);
-        TotalVariationResult { signal: s, derivative, gamma, iterations }
+        TotalVariationResult {
+            signal: s,
+            derivative,
+            gamma,
+            iterations,
+        }
     }
 
     /// Lower band of `I + γ Δt Dᵀ W D`.
@@ -223,7 +265,9 @@ impl<'a, const W: usize> Problem<'a, W> {
         for i in 0..s.len() + 1 - W {
             let d = self.coefficients(i);
             let w = match self.root {
-                Root::Smoothed(epsilon) => weight / (self.difference(i, s).powi(2) + epsilon).sqrt(),
+                Root::Smoothed(epsilon) => {
+                    weight / (self.difference(i, s).powi(2) + epsilon).sqrt()
+                }
                 Root::Quadratic => weight,
             };
             for row in 0..W {
@@ -240,7 +284,9 @@ impl<'a, const W: usize> Problem<'a, W> {
         let sigma = residual_bound(sigma, self.signal.len());
         // γ times the weight of one difference, relative to 1, from no smoothing to a window of the whole signal.
         let typical = match self.root {
-            Root::Smoothed(epsilon) => epsilon.sqrt().max(sigma / self.duration().powi(W as i32 - 1)),
+            Root::Smoothed(epsilon) => epsilon
+                .sqrt()
+                .max(sigma / self.duration().powi(W as i32 - 1)),
             Root::Quadratic => 1.0,
         };
         let unit = |window: f64| window.powi(2 * W as i32 - 2) * typical / self.step;
@@ -270,7 +316,10 @@ impl<'a, const W: usize> Problem<'a, W> {
 fn divided_difference<const W: usize>(times: &[f64]) -> [f64; W] {
     let factorial: f64 = (1..W).map(|k| k as f64).product();
     std::array::from_fn(|i| {
-        let product: f64 = (0..W).filter(|&j| j != i).map(|j| times[i] - times[j]).product();
+        let product: f64 = (0..W)
+            .filter(|&j| j != i)
+            .map(|j| times[i] - times[j])
+            .product();
         factorial / product
     })
 }
@@ -282,8 +331,10 @@ mod tests {
 
     fn objective(s: &[f64], f: &[f64], gamma: f64, dt: f64) -> f64 {
         let fidelity: f64 = s.iter().zip(f).map(|(s, f)| (s - f).powi(2)).sum::<f64>() / 2.0;
-        let variation: f64 =
-            s.windows(3).map(|w| (((w[2] - 2.0 * w[1] + w[0]) / dt / dt).powi(2) + 1e-6).sqrt()).sum();
+        let variation: f64 = s
+            .windows(3)
+            .map(|w| (((w[2] - 2.0 * w[1] + w[0]) / dt / dt).powi(2) + 1e-6).sqrt())
+            .sum();
         fidelity + gamma * dt * variation
     }
 
@@ -292,36 +343,63 @@ mod tests {
         let mut random = SplitMix64::new(2);
         let dt = 0.01;
         let times: Vec<f64> = (0..300).map(|i| f64::from(i) * dt).collect();
-        let signal: Vec<f64> = times.iter().map(|t| (t - 1.5).abs() + 0.01 * random.normal()).collect();
+        let signal: Vec<f64> = times
+            .iter()
+            .map(|t| (t - 1.5).abs() + 0.01 * random.normal())
+            .collect();
         let gamma = 1e-3;
-        let settings = TotalVariation { iterations: 500, ..TotalVariation::with_gamma(gamma) };
+        let settings = TotalVariation {
+            iterations: 500,
+            ..TotalVariation::with_gamma(gamma)
+        };
         let result = settings.solve(&times, &signal).unwrap();
         let least = objective(&result.signal, &signal, gamma, dt);
         for _ in 0..200 {
             let size = 1e-6 * 10f64.powi(random.below(4) as i32);
-            let moved: Vec<f64> = result.signal.iter().map(|s| s + size * random.normal()).collect();
+            let moved: Vec<f64> = result
+                .signal
+                .iter()
+                .map(|s| s + size * random.normal())
+                .collect();
             assert!(objective(&moved, &signal, gamma, dt) >= least);
         }
         // A kink: the derivative is −1, then 1, and flat in between.
-        assert!((result.derivative[50] + 1.0).abs() < 0.05 && (result.derivative[250] - 1.0).abs() < 0.05);
+        assert!(
+            (result.derivative[50] + 1.0).abs() < 0.05
+                && (result.derivative[250] - 1.0).abs() < 0.05
+        );
     }
 
     #[test]
     fn the_discrepancy_principle_meets_the_noise() {
         let (times, signal, _) = super::super::tests::chirp(4);
         for order in [1, 2] {
-            let settings = TotalVariation { order, ..TotalVariation::from_noise(0.01) };
+            let settings = TotalVariation {
+                order,
+                ..TotalVariation::from_noise(0.01)
+            };
             let result = settings.differentiate(&times, &signal).unwrap();
-            assert!(result.residual <= residual_bound(0.01, 2000) && result.residual > 0.0098, "order {order}: {}", result.residual);
+            assert!(
+                result.residual <= residual_bound(0.01, 2000) && result.residual > 0.0098,
+                "order {order}: {}",
+                result.residual
+            );
         }
     }
 
     #[test]
     fn jittered_sampling_gives_the_same_derivative() {
         let mut random = SplitMix64::new(6);
-        let times: Vec<f64> = (0..1000).map(|i| 0.01 * (f64::from(i) + 0.4 * (random.uniform() - 0.5))).collect();
-        let signal: Vec<f64> = times.iter().map(|t| (2.0 * t).sin() + 1e-4 * random.normal()).collect();
-        let result = TotalVariation::from_noise(1e-4).differentiate(&times, &signal).unwrap();
+        let times: Vec<f64> = (0..1000)
+            .map(|i| 0.01 * (f64::from(i) + 0.4 * (random.uniform() - 0.5)))
+            .collect();
+        let signal: Vec<f64> = times
+            .iter()
+            .map(|t| (2.0 * t).sin() + 1e-4 * random.normal())
+            .collect();
+        let result = TotalVariation::from_noise(1e-4)
+            .differentiate(&times, &signal)
+            .unwrap();
         for i in 50..950 {
             assert!((result.first[i] - 2.0 * (2.0 * times[i]).cos()).abs() < 0.02);
             assert!((result.second[i] + 4.0 * (2.0 * times[i]).sin()).abs() < 0.5);
