@@ -7,6 +7,7 @@
 
 use super::error::{IdentificationError, Result, require_length};
 use super::kernel::{BLOCK, exp_block, sin_block, tanh_block};
+use multiversion::multiversion;
 use syn::{BinOp, Expr, Lit, UnOp};
 
 /// Whether an expression yields a number or a truth value.
@@ -458,6 +459,7 @@ pub(crate) fn sign(x: f64) -> f64 {
     }
 }
 
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2"))]
 fn unary(f: Unary, a: &[f64], out: &mut [f64]) {
     let map = |f: fn(f64) -> f64, out: &mut [f64]| {
         for (o, a) in out.iter_mut().zip(a) {
@@ -478,6 +480,7 @@ fn unary(f: Unary, a: &[f64], out: &mut [f64]) {
     }
 }
 
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2"))]
 fn binary(f: Binary, a: &[f64], b: &[f64], out: &mut [f64]) {
     #[inline(always)]
     fn map(a: &[f64], b: &[f64], out: &mut [f64], f: impl Fn(f64, f64) -> f64) {

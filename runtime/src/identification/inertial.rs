@@ -4,7 +4,9 @@
 //! the frame's origin. A body exists with these numbers if and only if its pseudo-inertia
 //! `[[Σ, m c], [m cᵀ, m]]`, `Σ = ½ tr(I) 1 − I`, is positive definite (Wensing, Kim, Slotine 2017).
 
-use super::error::{IdentificationError, Result, require_finite, require_length, require_samples, require_setting};
+use super::error::{
+    IdentificationError, Result, require_finite, require_length, require_samples, require_setting,
+};
 use super::least_squares::triangular_factor;
 use super::moments::Samples;
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
@@ -51,7 +53,12 @@ impl InertialRegression {
     ///
     /// # Errors
     /// Fewer equations than parameters, lengths that disagree, or values that are not finite.
-    pub fn new(names: &[String], regressor: &DMatrix<f64>, torques: &[f64], weights: Option<&[f64]>) -> Result<Self> {
+    pub fn new(
+        names: &[String],
+        regressor: &DMatrix<f64>,
+        torques: &[f64],
+        weights: Option<&[f64]>,
+    ) -> Result<Self> {
         let (rows, p) = regressor.shape();
         require_samples("the inertial regression", p, rows)?;
         require_length("torques", rows, torques.len())?;
@@ -80,19 +87,29 @@ impl InertialRegression {
     /// # Errors
     /// A tolerance outside (0, 1), or a regressor that vanishes.
     pub fn base_parameters(&self, tolerance: f64) -> Result<BaseParameters> {
-        require_setting("tolerance", tolerance, tolerance > 0.0 && tolerance < 1.0, "it must lie between 0 and 1")?;
+        require_setting(
+            "tolerance",
+            tolerance,
+            tolerance > 0.0 && tolerance < 1.0,
+            "it must lie between 0 and 1",
+        )?;
         let p = self.triangle.ncols();
         let order = pivoted_order(&self.triangle, tolerance);
         let (independent, dependent) = order;
         if independent.is_empty() {
-            return Err(IdentificationError::ZeroColumn { term: self.names.join(", "), samples: self.samples });
+            return Err(IdentificationError::ZeroColumn {
+                term: self.names.join(", "),
+                samples: self.samples,
+            });
         }
         let columns = self.triangle.select_columns(&independent);
         let svd = columns.clone().svd(false, false);
         let qr = columns.qr();
         let r = qr.r();
         let mut right = DMatrix::zeros(p, dependent.len() + 1);
-        right.view_mut((0, 0), (p, dependent.len())).copy_from(&self.triangle.select_columns(&dependent));
+        right
+            .view_mut((0, 0), (p, dependent.len()))
+            .copy_from(&self.triangle.select_columns(&dependent));
         right.set_column(dependent.len(), &self.right);
         qr.q_tr_mul(&mut right);
         let n = independent.len();
@@ -101,14 +118,20 @@ impl InertialRegression {
             condition: f64::INFINITY,
             limit: 1.0 / tolerance,
         };
-        let solved = r.solve_upper_triangular(&right.rows(0, n).into_owned()).ok_or_else(collinear)?;
-        let inverse = r.solve_upper_triangular(&DMatrix::identity(n, n)).ok_or_else(collinear)?;
+        let solved = r
+            .solve_upper_triangular(&right.rows(0, n).into_owned())
+            .ok_or_else(collinear)?;
+        let inverse = r
+            .solve_upper_triangular(&DMatrix::identity(n, n))
+            .ok_or_else(collinear)?;
         let rest = right.view((n, dependent.len()), (p - n, 1)).norm_squared() + self.unexplained;
         let variance = rest / (self.samples - n).max(1) as f64;
         Ok(BaseParameters {
             regrouping: solved.columns(0, dependent.len()).into_owned(),
             values: solved.column(dependent.len()).into_owned(),
-            standard_errors: DVector::from_fn(n, |i, _| (variance * inverse.row(i).norm_squared()).sqrt()),
+            standard_errors: DVector::from_fn(n, |i, _| {
+                (variance * inverse.row(i).norm_squared()).sqrt()
+            }),
             condition: svd.singular_values.max() / svd.singular_values.min(),
             variance,
             independent,
@@ -127,7 +150,12 @@ impl InertialRegression {
     pub fn consistent_estimate(&self, prior: &[f64], weight: f64) -> Result<Vec<f64>> {
         require_length("prior parameters", self.triangle.ncols(), prior.len())?;
         require_length("parameters, a multiple of ten", 0, prior.len() % PER_BODY)?;
-        require_setting("weight of the prior", weight, weight > 0.0, "it must be positive")?;
+        require_setting(
+            "weight of the prior",
+            weight,
+            weight > 0.0,
+            "it must be positive",
+        )?;
         let mut coordinates = Vec::with_capacity(prior.len());
         for (body, pi) in prior.chunks_exact(PER_BODY).enumerate() {
             coordinates.extend(log_cholesky(body, pi)?);
@@ -135,15 +163,25 @@ impl InertialRegression {
         let problem = ConsistentProblem {
             regression: self,
             prior: DVector::from_column_slice(prior),
-            scale: prior.chunks_exact(PER_BODY).flat_map(sizes).map(|s| weight.sqrt() / s).collect(),
+            scale: prior
+                .chunks_exact(PER_BODY)
+                .flat_map(sizes)
+                .map(|s| weight.sqrt() / s)
+                .collect(),
             coordinates: DVector::from_vec(coordinates),
         };
-        let (problem, report) = LevenbergMarquardt::new().with_patience(200).minimize(problem);
+        let (problem, report) = LevenbergMarquardt::new()
+            .with_patience(200)
+            .minimize(problem);
         if !report.termination.was_successful() {
             return Err(IdentificationError::NotConverged {
                 what: "the physically consistent estimate".into(),
                 iterations: report.number_of_evaluations,
-                detail: format!("{:?}, cost {:e}", report.termination, 2.0 * report.objective_function),
+                detail: format!(
+                    "{:?}, cost {:e}",
+                    report.termination,
+                    2.0 * report.objective_function
+                ),
             });
         }
         Ok(problem.parameters().as_slice().to_vec())
@@ -161,10 +199,17 @@ impl InertialRegression {
 fn pivoted_order(triangle: &DMatrix<f64>, tolerance: f64) -> (Vec<usize>, Vec<usize>) {
     let mut rest = triangle.clone();
     let largest = rest.column_iter().map(|c| c.norm()).fold(0.0, f64::max);
-    let (mut independent, mut open): (Vec<usize>, Vec<usize>) = (Vec::new(), (0..rest.ncols()).collect());
+    let (mut independent, mut open): (Vec<usize>, Vec<usize>) =
+        (Vec::new(), (0..rest.ncols()).collect());
     while !open.is_empty() {
         let norm = |j: usize| rest.column(j).norm();
-        let best = open.iter().copied().fold(open[0], |best, j| if norm(j) > norm(best) * (1.0 + 1e-9) { j } else { best });
+        let best = open.iter().copied().fold(open[0], |best, j| {
+            if norm(j) > norm(best) * (1.0 + 1e-9) {
+                j
+            } else {
+                best
+            }
+        });
         if norm(best) <= tolerance * largest {
             break;
         }
@@ -234,22 +279,55 @@ fn log_cholesky(body: usize, pi: &[f64]) -> Result<[f64; PER_BODY]> {
     let u = reversed(&factor.l());
     let scale = u[(3, 3)];
     let e = |r: usize, c: usize| u[(r, c)] / scale;
-    Ok([scale.ln(), e(0, 0).ln(), e(1, 1).ln(), e(2, 2).ln(), e(0, 1), e(0, 2), e(1, 2), e(0, 3), e(1, 3), e(2, 3)])
+    Ok([
+        scale.ln(),
+        e(0, 0).ln(),
+        e(1, 1).ln(),
+        e(2, 2).ln(),
+        e(0, 1),
+        e(0, 2),
+        e(1, 2),
+        e(0, 3),
+        e(1, 3),
+        e(2, 3),
+    ])
 }
 
 fn upper_factor(x: &[f64]) -> Matrix4<f64> {
     let u = Matrix4::new(
-        x[1].exp(), x[4], x[5], x[7],
-        0.0, x[2].exp(), x[6], x[8],
-        0.0, 0.0, x[3].exp(), x[9],
-        0.0, 0.0, 0.0, 1.0,
+        x[1].exp(),
+        x[4],
+        x[5],
+        x[7],
+        0.0,
+        x[2].exp(),
+        x[6],
+        x[8],
+        0.0,
+        0.0,
+        x[3].exp(),
+        x[9],
+        0.0,
+        0.0,
+        0.0,
+        1.0,
     );
     u * x[0].exp()
 }
 
 /// ∂U/∂xₖ.
 fn upper_factor_derivative(x: &[f64], k: usize) -> Matrix4<f64> {
-    const PLACES: [(usize, usize); 9] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2), (0, 3), (1, 3), (2, 3)];
+    const PLACES: [(usize, usize); 9] = [
+        (0, 0),
+        (1, 1),
+        (2, 2),
+        (0, 1),
+        (0, 2),
+        (1, 2),
+        (0, 3),
+        (1, 3),
+        (2, 3),
+    ];
     if k == 0 {
         return upper_factor(x);
     }
@@ -282,7 +360,12 @@ impl ConsistentProblem<'_> {
             let u = upper_factor(x);
             from_pseudo_inertia(&(u * u.transpose()))
         };
-        let all: Vec<f64> = self.coordinates.as_slice().chunks_exact(PER_BODY).flat_map(body).collect();
+        let all: Vec<f64> = self
+            .coordinates
+            .as_slice()
+            .chunks_exact(PER_BODY)
+            .flat_map(body)
+            .collect();
         DVector::from_vec(all)
     }
 
@@ -290,11 +373,19 @@ impl ConsistentProblem<'_> {
     fn parameter_jacobian(&self) -> DMatrix<f64> {
         let p = self.coordinates.len();
         let mut jacobian = DMatrix::zeros(p, p);
-        for (body, x) in self.coordinates.as_slice().chunks_exact(PER_BODY).enumerate() {
+        for (body, x) in self
+            .coordinates
+            .as_slice()
+            .chunks_exact(PER_BODY)
+            .enumerate()
+        {
             let u = upper_factor(x);
             for k in 0..PER_BODY {
                 let d = upper_factor_derivative(x, k) * u.transpose();
-                for (i, value) in from_pseudo_inertia(&(d + d.transpose())).into_iter().enumerate() {
+                for (i, value) in from_pseudo_inertia(&(d + d.transpose()))
+                    .into_iter()
+                    .enumerate()
+                {
                     jacobian[(body * PER_BODY + i, body * PER_BODY + k)] = value;
                 }
             }
@@ -319,16 +410,26 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for ConsistentProblem<'_> {
     fn residuals(&self) -> Option<OVector<f64, Dyn>> {
         let (pi, p) = (self.parameters(), self.coordinates.len());
         let data = &self.regression.triangle * &pi - &self.regression.right;
-        Some(DVector::from_fn(2 * p, |i, _| if i < p { data[i] } else { (pi[i - p] - self.prior[i - p]) * self.scale[i - p] }))
+        Some(DVector::from_fn(2 * p, |i, _| {
+            if i < p {
+                data[i]
+            } else {
+                (pi[i - p] - self.prior[i - p]) * self.scale[i - p]
+            }
+        }))
     }
 
     fn jacobian(&self) -> Option<OMatrix<f64, Dyn, Dyn>> {
         let p = self.coordinates.len();
         let inner = self.parameter_jacobian();
         let mut jacobian = DMatrix::zeros(2 * p, p);
-        jacobian.view_mut((0, 0), (p, p)).copy_from(&(&self.regression.triangle * &inner));
+        jacobian
+            .view_mut((0, 0), (p, p))
+            .copy_from(&(&self.regression.triangle * &inner));
         for i in 0..p {
-            jacobian.row_mut(p + i).copy_from(&(inner.row(i) * self.scale[i]));
+            jacobian
+                .row_mut(p + i)
+                .copy_from(&(inner.row(i) * self.scale[i]));
         }
         Some(jacobian)
     }
@@ -343,7 +444,12 @@ mod tests {
     fn body(random: &mut SplitMix64) -> [f64; PER_BODY] {
         let mut j = Matrix4::zeros();
         for _ in 0..12 {
-            let x = nalgebra::Vector4::new(0.1 * random.normal(), 0.2 * random.normal(), 0.1 * random.normal() + 0.1, 1.0);
+            let x = nalgebra::Vector4::new(
+                0.1 * random.normal(),
+                0.2 * random.normal(),
+                0.1 * random.normal() + 0.1,
+                1.0,
+            );
             j += x * x.transpose() * (0.1 + random.uniform());
         }
         from_pseudo_inertia(&j)
@@ -374,8 +480,15 @@ mod tests {
             assert!(is_physically_consistent(&pi));
         }
         // Triangle inequality broken: Izz > Ixx + Iyy.
-        assert!(!is_physically_consistent(&[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 2.5]));
-        assert!(log_cholesky(3, &[-1.0; 10]).unwrap_err().to_string().starts_with("prior mass of body 3 = -1 is not possible"));
+        assert!(!is_physically_consistent(&[
+            1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 2.5
+        ]));
+        assert!(
+            log_cholesky(3, &[-1.0; 10])
+                .unwrap_err()
+                .to_string()
+                .starts_with("prior mass of body 3 = -1 is not possible")
+        );
     }
 
     #[test]
@@ -406,18 +519,30 @@ mod tests {
     #[test]
     fn consistent_estimates_follow_the_data_and_stay_possible() {
         let mut random = SplitMix64::new(3);
-        let (truth, other) = ([body(&mut random), body(&mut random)].concat(), [body(&mut random), body(&mut random)].concat());
+        let (truth, other) = (
+            [body(&mut random), body(&mut random)].concat(),
+            [body(&mut random), body(&mut random)].concat(),
+        );
         // A regressor that shows 14 of the 20 directions, and noise that makes plain least squares impossible.
         let mixing = DMatrix::from_fn(14, 20, |_, _| random.normal());
         let w = DMatrix::from_fn(400, 14, |_, _| random.normal()) * mixing;
-        let torque: Vec<f64> = (&w * DVector::from_column_slice(&truth)).iter().map(|t| t + 0.05 * random.normal()).collect();
+        let torque: Vec<f64> = (&w * DVector::from_column_slice(&truth))
+            .iter()
+            .map(|t| t + 0.05 * random.normal())
+            .collect();
         let regression = InertialRegression::new(&names(20), &w, &torque, None).unwrap();
         let estimate = regression.consistent_estimate(&other, 1e-4).unwrap();
         for pi in estimate.chunks_exact(PER_BODY) {
             assert!(is_physically_consistent(pi.try_into().unwrap()));
         }
-        let (fitted, prior) = (regression.residual(&estimate).unwrap(), regression.residual(&other).unwrap());
-        assert!(fitted < 1.1 * 400.0 * 0.05 * 0.05 && fitted < 1e-2 * prior, "{fitted} {prior}");
+        let (fitted, prior) = (
+            regression.residual(&estimate).unwrap(),
+            regression.residual(&other).unwrap(),
+        );
+        assert!(
+            fitted < 1.1 * 400.0 * 0.05 * 0.05 && fitted < 1e-2 * prior,
+            "{fitted} {prior}"
+        );
         let again = regression.consistent_estimate(&estimate, 1e3).unwrap();
         for (a, b) in again.iter().zip(&estimate) {
             assert!((a - b).abs() < 1e-3);
@@ -427,11 +552,19 @@ mod tests {
     #[test]
     fn bad_input_has_messages() {
         let w = DMatrix::from_element(5, 10, 1.0);
-        let message = InertialRegression::new(&names(10), &w, &[0.0; 5], None).unwrap_err().to_string();
+        let message = InertialRegression::new(&names(10), &w, &[0.0; 5], None)
+            .unwrap_err()
+            .to_string();
         assert!(message.contains("needs at least 10 samples, there are 5"));
         let w = DMatrix::zeros(30, 10);
         let regression = InertialRegression::new(&names(10), &w, &[0.0; 30], None).unwrap();
-        assert!(regression.base_parameters(1e-9).unwrap_err().to_string().contains("is zero in all 30 samples"));
+        assert!(
+            regression
+                .base_parameters(1e-9)
+                .unwrap_err()
+                .to_string()
+                .contains("is zero in all 30 samples")
+        );
         assert!(regression.consistent_estimate(&[0.0; 10], 1.0).is_err());
     }
 }

@@ -104,7 +104,7 @@ pub(crate) fn exp_block(x: &[f64], out: &mut [f64]) {
     for (o, &x) in out.iter_mut().zip(x) {
         *o = exp(x);
     }
-    if x.iter().any(|x| !(*x <= 709.0)) {
+    if x.iter().any(|x| *x > 709.0) {
         exp_outliers(x, out);
     }
 }
@@ -112,7 +112,7 @@ pub(crate) fn exp_block(x: &[f64], out: &mut [f64]) {
 #[cold]
 fn exp_outliers(x: &[f64], out: &mut [f64]) {
     for (o, &x) in out.iter_mut().zip(x) {
-        if !(x <= 709.0) {
+        if x > 709.0 {
             *o = x.exp();
         }
     }

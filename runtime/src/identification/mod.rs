@@ -17,6 +17,7 @@ pub mod least_squares;
 pub mod library;
 pub mod log;
 pub mod moments;
+pub mod plot;
 pub mod random;
 pub mod recursive;
 pub mod result;

@@ -95,7 +95,7 @@ impl<const N: usize> RecursiveLeastSquares<N> {
         let error = y - theta.dot(&self.masked());
         let direction = self.covariance * theta;
         let denominator = self.settings.forgetting + theta.dot(&direction);
-        if !error.is_finite() || !(denominator > 0.0) || !denominator.is_finite() {
+        if !error.is_finite() || denominator <= 0.0 || !denominator.is_finite() {
             self.skipped += 1;
             return 0.0;
         }
@@ -104,8 +104,8 @@ impl<const N: usize> RecursiveLeastSquares<N> {
         self.coefficients += direction * (full_error / denominator);
         self.covariance -= direction * direction.transpose() / denominator;
         self.forget();
-        self.updates += 1;
-        if self.settings.threshold > 0.0 && self.updates % self.settings.period == 0 {
+        self.updates = self.updates.wrapping_add(1);
+        if self.settings.threshold > 0.0 && self.updates.is_multiple_of(self.settings.period) {
             self.remove_small();
         }
         error

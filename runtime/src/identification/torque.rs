@@ -39,7 +39,11 @@ pub fn friction_torques<const N: usize, const M: usize>(
 ) -> Result<[Vec<f64>; N]> {
     let m = motion.positions.first().map_or(0, |c| c.len());
     require_samples("the friction torque", 1, m)?;
-    let kinds = [("position", &motion.positions), ("velocity", &motion.velocities), ("acceleration", &motion.accelerations)];
+    let kinds = [
+        ("position", &motion.positions),
+        ("velocity", &motion.velocities),
+        ("acceleration", &motion.accelerations),
+    ];
     for (kind, columns) in kinds {
         for (joint, column) in columns.iter().enumerate() {
             require_column(&format!("{kind} of joint {joint}"), m, column)?;
@@ -51,7 +55,11 @@ pub fn friction_torques<const N: usize, const M: usize>(
     let mut torques: [Vec<f64>; N] = std::array::from_fn(|_| Vec::with_capacity(m));
     for i in 0..m {
         let y = motion.positions.map(|c| c[i]);
-        let rigid = model.rigid_forces(&y, &motion.velocities.map(|c| c[i]), &motion.accelerations.map(|c| c[i]));
+        let rigid = model.rigid_forces(
+            &y,
+            &motion.velocities.map(|c| c[i]),
+            &motion.accelerations.map(|c| c[i]),
+        );
         let drive = model.drive_forces(&y, &motion.inputs.map(|c| c[i]));
         for (joint, torque) in torques.iter_mut().enumerate() {
             torque.push(drive[joint] - rigid[joint]);
@@ -82,7 +90,10 @@ pub fn motor_constant(
     velocities: &[f64],
 ) -> Result<Solution> {
     if load.iter().all(|t| *t == 0.0) {
-        return Err(IdentificationError::ZeroColumn { term: "the known load".into(), samples: load.len() });
+        return Err(IdentificationError::ZeroColumn {
+            term: "the known load".into(),
+            samples: load.len(),
+        });
     }
     let drive: Vec<f64> = currents.iter().map(|i| gear_ratio * i).collect();
     let mut theta = library.matrix(&[velocities])?;
@@ -114,10 +125,16 @@ mod tests {
             let m11 = ROTOR * I * I + 2.0 * H * y[1].cos() + 0.956_037_516_856_5;
             let m12 = ROTOR * I + H * y[1].cos() + 0.660_889_906_856_5;
             let m22 = ROTOR * I * I + 0.660_889_906_856_5;
-            let k = [-H * y[1].sin() * (2.0 * v[0] * v[1] + v[1] * v[1]), H * v[0] * v[0] * y[1].sin()];
+            let k = [
+                -H * y[1].sin() * (2.0 * v[0] * v[1] + v[1] * v[1]),
+                H * v[0] * v[0] * y[1].sin(),
+            ];
             let second = 1.72641659 * G * (y[0] + y[1]).sin();
             let q = [1.626138 * G * y[0].sin() + second, second];
-            [m11 * a[0] + m12 * a[1] + k[0] - q[0], m12 * a[0] + m22 * a[1] + k[1] - q[1]]
+            [
+                m11 * a[0] + m12 * a[1] + k[0] - q[0],
+                m12 * a[0] + m22 * a[1] + k[1] - q[1],
+            ]
         }
 
         fn drive_forces(&self, _: &[f64; 2], u: &[f64; 2]) -> [f64; 2] {
@@ -131,13 +148,21 @@ mod tests {
         let t = |i: usize| 0.005 * i as f64;
         let wave = |a: f64, w: f64| -> [Vec<f64>; 3] {
             let of = |f: &dyn Fn(f64) -> f64| (0..m).map(|i| f(t(i))).collect::<Vec<f64>>();
-            [of(&|t| a * (w * t).sin()), of(&|t| a * w * (w * t).cos()), of(&|t| -a * w * w * (w * t).sin())]
+            [
+                of(&|t| a * (w * t).sin()),
+                of(&|t| a * w * (w * t).cos()),
+                of(&|t| -a * w * w * (w * t).sin()),
+            ]
         };
         let (b, g) = (wave(0.6, 1.1), wave(0.9, 1.7));
         let friction = |v: f64| 76.556 * v + 3.924 * (5.0 * v).tanh();
         let (mut u, mut load) = ([vec![], vec![]], vec![]);
         for i in 0..m {
-            let rigid = PowerCube.rigid_forces(&[b[0][i], g[0][i]], &[b[1][i], g[1][i]], &[b[2][i], g[2][i]]);
+            let rigid = PowerCube.rigid_forces(
+                &[b[0][i], g[0][i]],
+                &[b[1][i], g[1][i]],
+                &[b[2][i], g[2][i]],
+            );
             u[0].push((rigid[0] + friction(b[1][i])) / I);
             u[1].push((rigid[1] + friction(g[1][i])) / I);
             load.push(rigid[0]);
@@ -153,16 +178,40 @@ mod tests {
             assert!((torques[1][i] - friction(g[1][i])).abs() < 1e-10);
         }
         let mut random = SplitMix64::new(1);
-        let currents: Vec<f64> = u[0].iter().map(|u| u / 0.12 + 1e-3 * random.normal()).collect();
+        let currents: Vec<f64> = u[0]
+            .iter()
+            .map(|u| u / 0.12 + 1e-3 * random.normal())
+            .collect();
         let library = Library::new(&["v", "tanh(5*v)"], &["v"]).unwrap();
         let fit = motor_constant(&currents, I, &load, &library, &b[1]).unwrap();
-        assert!((fit.coefficients[0] - 0.12).abs() < 4.0 * fit.standard_errors[0].max(1e-5), "{}", fit.coefficients);
-        assert!((fit.coefficients[1] - 76.556).abs() < 0.1, "{}", fit.coefficients);
+        assert!(
+            (fit.coefficients[0] - 0.12).abs() < 4.0 * fit.standard_errors[0].max(1e-5),
+            "{}",
+            fit.coefficients
+        );
+        assert!(
+            (fit.coefficients[1] - 76.556).abs() < 0.1,
+            "{}",
+            fit.coefficients
+        );
         let nan = [f64::NAN; 4000];
-        let broken = Motion { velocities: [&b[1], &nan], ..motion };
-        let message = friction_torques(&PowerCube, &broken).unwrap_err().to_string();
-        assert!(message.starts_with("the velocity of joint 1 is not finite (NaN) at row 0"), "{message}");
+        let broken = Motion {
+            velocities: [&b[1], &nan],
+            ..motion
+        };
+        let message = friction_torques(&PowerCube, &broken)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            message.starts_with("the velocity of joint 1 is not finite (NaN) at row 0"),
+            "{message}"
+        );
         let zero = vec![0.0; m];
-        assert!(motor_constant(&currents, I, &zero, &library, &b[1]).unwrap_err().to_string().contains("the known load"));
+        assert!(
+            motor_constant(&currents, I, &zero, &library, &b[1])
+                .unwrap_err()
+                .to_string()
+                .contains("the known load")
+        );
     }
 }

@@ -142,9 +142,9 @@ impl TotalVariation {
             (Regularization::Noise(sigma), order) => {
                 require_noise(sigma)?;
                 Ok(if order == 1 {
-                    Problem::<3>::new(self, times, signal).from_noise(sigma)
+                    Problem::<3>::new(self, times, signal).explain_noise(sigma)
                 } else {
-                    Problem::<4>::new(self, times, signal).from_noise(sigma)
+                    Problem::<4>::new(self, times, signal).explain_noise(sigma)
                 })
             }
         }
@@ -199,7 +199,7 @@ impl<'a, const W: usize> Problem<'a, W> {
         }
     }
 
-    fn from_noise(mut self, sigma: f64) -> TotalVariationResult {
+    fn explain_noise(mut self, sigma: f64) -> TotalVariationResult {
         if self.settings.epsilon.is_none() {
             self.root = Root::Quadratic;
             let smooth = self.by_discrepancy(sigma).signal;

@@ -241,7 +241,7 @@ fn check_jumps(channel: &Channel, rows: Range<usize>, findings: &mut Findings) {
         });
     for i in 1..x.len() {
         let jump = x[i] - x[i - 1];
-        if !(jump.abs() > 20.0 * typical) {
+        if jump.is_nan() || jump.abs() <= 20.0 * typical {
             continue;
         }
         let stays = x
