@@ -199,7 +199,7 @@ mod tests {
         // Fold 1 holds rows 201..402: 1003 = 3·201 + 2·200.
         let training = Moments::sum([0, 2, 3, 4].map(|k| &folds[k])).unwrap();
         let w = lasso.path(&training, 0, &grid).unwrap().coefficients;
-        let mut direct = vec![0.0; 12];
+        let mut direct = [0.0; 12];
         for (k, d) in direct.iter_mut().enumerate() {
             *d = (201..402)
                 .map(|i| (y[i] - (theta.row(i) * w.column(k))[0]).powi(2))
