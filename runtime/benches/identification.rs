@@ -1,23 +1,26 @@
 //! The rows of the reference bench for identification, on the same synthetic data and one core.
 //!
-//! `cargo bench -p gelenk-runtime --bench identification [-- stlsq,lasso,fit,tv,scale]`. Data: samples at 1 kHz of
+//! `cargo bench -p gelenk-runtime --bench identification [-- stlsq,lasso,fit,tv,whole]`. Data: samples at 1 kHz of
 //! `v = 1.2 sin 2π 0.31 t + 0.7 sin(2π 0.83 t + 0.4) + 0.15 sin 2π 3.7 t`, Stribeck torque, noise 0.05 N·m from
 //! SplitMix64 seeded with 20240229. Times are medians.
 
 use gelenk_runtime::identification::cross_validation::CrossValidation;
 use gelenk_runtime::identification::differentiation::{
-    KalmanSmoother, SavitzkyGolay, TotalVariation,
+    KalmanSmoother, SavitzkyGolay, TotalVariation, quantization_noise,
 };
 use gelenk_runtime::identification::lasso::Lasso;
 use gelenk_runtime::identification::least_squares::Reduced;
 use gelenk_runtime::identification::library::Library;
+use gelenk_runtime::identification::log::{Log, LogSchema};
 use gelenk_runtime::identification::moments::{Moments, Samples};
 use gelenk_runtime::identification::random::SplitMix64;
 use gelenk_runtime::identification::stribeck::{StribeckRegression, stribeck_torque};
 use gelenk_runtime::identification::thresholding::Thresholding;
 use std::error::Error;
 use std::f64::consts::PI;
+use std::fmt::Write;
 use std::hint::black_box;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 type Outcome = Result<(), Box<dyn Error>>;
@@ -51,6 +54,9 @@ fn main() -> Outcome {
         if runs("tv") {
             differentiation(m)?;
         }
+    }
+    if runs("whole") {
+        whole(1_000_000)?;
     }
     Ok(())
 }
@@ -280,4 +286,94 @@ fn objective(u: &[f64], x: &[f64], gamma: f64, dt: f64) -> f64 {
         .map(|u| (((u[1] - u[0]) / dt).powi(2) + 1e-6).sqrt())
         .sum();
     gamma * dt * variation + 0.5 * r.iter().map(|r| (r - mean).powi(2)).sum::<f64>()
+}
+
+/// A log of six joints (time, positions, torques) to friction models: read, smooth, choose terms, cross-validate, fit.
+fn whole(m: usize) -> Outcome {
+    let mut text = String::from("t");
+    (1..=6).for_each(|j| text += &format!(",q{j}"));
+    (1..=6).for_each(|j| text += &format!(",u{j}"));
+    let mut random = SplitMix64::new(1);
+    for i in 0..m {
+        let t = 1e-3 * i as f64;
+        let _ = write!(text, "\n{t:.3}");
+        let wave = |j: i32| (0.6 + 0.13 * f64::from(j), 0.3 + 0.1 * f64::from(j));
+        for (a, w) in (0..6).map(wave) {
+            let _ = write!(
+                text,
+                ",{:.4}",
+                a * (w * t).sin() + 0.3 * (2.7 * w * t).sin()
+            );
+        }
+        for (a, w) in (0..6).map(wave) {
+            let v = a * w * (w * t).cos() + 0.81 * w * (2.7 * w * t).cos();
+            let _ = write!(
+                text,
+                ",{:.4}",
+                stribeck_torque(v, &TRUE) + 0.05 * random.normal()
+            );
+        }
+    }
+    let start = Instant::now();
+    let (log, findings) = Log::read(text.as_bytes(), "bench", &LogSchema::default())?;
+    let read = start.elapsed().as_secs_f64();
+    row(
+        "whole log",
+        m,
+        "gelenk, read and check",
+        read,
+        &format!("{} MB, {} findings", text.len() / 1_000_000, findings.len()),
+    );
+    let next = AtomicUsize::new(1);
+    let one = || -> gelenk_runtime::identification::Result<Vec<String>> {
+        let mut lines = Vec::new();
+        loop {
+            let joint = next.fetch_add(1, Ordering::Relaxed);
+            if joint > 6 {
+                return Ok(lines);
+            }
+            lines.push(joint_model(&log, joint)?);
+        }
+    };
+    let lines = std::thread::scope(|scope| {
+        let other = scope.spawn(one);
+        let mut lines = one()?;
+        lines.extend(other.join().unwrap_or(Ok(Vec::new()))?);
+        Ok::<_, Box<dyn Error>>(lines)
+    })?;
+    row(
+        "whole log",
+        m,
+        "gelenk, all, two threads",
+        start.elapsed().as_secs_f64(),
+        "",
+    );
+    lines.iter().for_each(|l| println!("  {l}"));
+    Ok(())
+}
+
+fn joint_model(log: &Log, joint: usize) -> gelenk_runtime::identification::Result<String> {
+    let position = log.channel(&format!("q{joint}"))?;
+    let torque = log.channel(&format!("u{joint}"))?;
+    let motion = KalmanSmoother::from_noise(quantization_noise(1e-4))
+        .differentiate(log.time()?, position)?;
+    let library = Library::friction()?;
+    let samples = Samples::from_library(&library, vec![&motion.first], vec![torque])?;
+    let reduced = Reduced::new(&samples)?;
+    let sparse = Thresholding {
+        threshold: 0.2,
+        ..Default::default()
+    }
+    .fit(&reduced, 0)?;
+    let lasso = Lasso::default();
+    let folds = Moments::blocks(&samples, 10)?;
+    let grid = lasso.lambda_grid(reduced.moments(), 0, 100, 1e-3)?;
+    let validation = CrossValidation::new(&lasso, &folds, 0, &grid)?;
+    let fit = StribeckRegression::default().fit(&motion.first, torque, None)?;
+    Ok(format!(
+        "q{joint}: STLS terms {:?}, LASSO one-standard-error λ {:.3e}, Stribeck {}",
+        sparse.active,
+        validation.path.lambdas[validation.one_standard_error],
+        list(fit.parameters)
+    ))
 }

@@ -117,7 +117,7 @@ impl Program {
         self.results.get(index).map(|r| r.1)
     }
 
-    /// Buffers for [`Self::block`], with the constants in place.
+    /// Buffers for [`Self::evaluate`], with the constants in place.
     pub fn workspace(&self) -> Workspace {
         let mut registers = vec![0.0; self.operations.len() * BLOCK];
         for (register, operation) in registers.chunks_exact_mut(BLOCK).zip(&self.operations) {
