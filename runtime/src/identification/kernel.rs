@@ -174,15 +174,19 @@ fn four_dots(a: &[f64], b: [&[f64]; 4]) -> [f64; 4] {
         add_product(&mut lanes[2], a, b2[i]);
         add_product(&mut lanes[3], a, b3[i]);
     }
-    std::array::from_fn(|w| {
-        let [p, q, r, s, t, u, v, x] = lanes[w];
-        let rest: f64 = a_rest
-            .iter()
-            .zip(&b[w][n - a_rest.len()..n])
-            .map(|(a, b)| a * b)
-            .sum();
-        ((p + q) + (r + s)) + ((t + u) + (v + x)) + rest
-    })
+    let mut sums = horizontal_sums(&lanes);
+    for w in 0..4 {
+        for (a, b) in a_rest.iter().zip(&b[w][n - a_rest.len()..n]) {
+            sums[w] += a * b;
+        }
+    }
+    sums
+}
+
+/// Not inlined: next to the loop above, this order of additions makes LLVM pair up lanes of different sums there.
+#[inline(never)]
+fn horizontal_sums(lanes: &[[f64; LANES]; 4]) -> [f64; 4] {
+    lanes.map(|[p, q, r, s, t, u, v, x]| ((p + q) + (r + s)) + ((t + u) + (v + x)))
 }
 
 #[inline(always)]
