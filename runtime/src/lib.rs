@@ -1,3 +1,4 @@
 //! Control and identification of generated robots.
 
 pub mod dynamics;
+pub mod identification;
