@@ -1,1 +1,3 @@
 //! Control and identification of generated robots.
+
+pub mod qp;
