@@ -1,3 +1,4 @@
 //! Control and identification of generated robots.
 
+pub mod lqr;
 pub mod qp;

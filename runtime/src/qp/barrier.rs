@@ -18,6 +18,12 @@ use super::lanes::{Lane, WIDTH, largest};
 /// Bounds that are closer to each other are treated as this far apart when the method starts.
 const MIN_WIDTH: f64 = 1e-6;
 
+const VIOLATION_SHARE: Lane = Lane::new([0.1; WIDTH]);
+
+/// Bounds that are closer (relative to their size if that exceeds 1), equal ones above all, are moved apart by this much: an interior-point method
+/// needs an interior. It stays below the violation that is allowed to hard bounds, and inputs are clipped to the true bounds in the end.
+const LEAST_WIDTH: f64 = 1e-9;
+
 /// One side of four bounds.
 #[derive(Debug, Clone, Copy)]
 struct Side {
@@ -417,6 +423,12 @@ impl Bounds {
     #[inline(always)]
     pub(super) fn set(&mut self, i: usize, lower: f64, upper: f64, penalty: Option<(f64, f64)>) {
         let (lane, i) = (i / WIDTH, i % WIDTH);
+        let least = LEAST_WIDTH * lower.abs().max(1.0);
+        let (lower, upper) = if upper - lower < least {
+            (lower - 0.5 * least, upper + 0.5 * least)
+        } else {
+            (lower, upper)
+        };
         for (side, bound) in [(0, lower), (1, upper)] {
             let finite = bound.is_finite();
             let s = &mut self.sides[lane][side];
@@ -509,6 +521,8 @@ impl Bounds {
                 both * (upper.bound - lower.bound) + (Lane::ONE - both) * (Lane::ONE + z[i].abs());
             let least = width.fast_max(Lane::splat(MIN_WIDTH)) * Lane::splat(share);
             let (below, above) = (z[i] - lower.bound, upper.bound - z[i]);
+            // Between bounds that are close to each other beside their violation, slacks by their distance alone would be far too small.
+            let least = least.fast_max(VIOLATION_SHARE * (-below.fast_min(above)));
             lower.start::<SOFT>(soft_lower, below, least, mu);
             upper.start::<SOFT>(soft_upper, above, least, mu);
         });

@@ -15,6 +15,9 @@ use super::status::QpStatus;
 
 /// Gap at the start, relative to the cost that keeping the bounds may add. Large: a start far inside takes fewer iterations than one near the boundary.
 const START_GAP: f64 = 100.0;
+/// The same for a warm start, relative to the cost, with slacks of at least [`WARM_SLACK`] of the distance between the bounds.
+const WARM_LEVEL: f64 = 1e-5;
+const WARM_SLACK: f64 = 1e-3;
 /// Slacks at the start are at least this share of the distance between the bounds.
 const START_SLACK: f64 = 0.1;
 /// Fraction of the step to the boundary that is taken far from the optimum, and close to it.
@@ -22,7 +25,7 @@ const BOUNDARY_FRACTIONS: [f64; 2] = [0.995, 1.0 - 1e-5];
 /// Largest barrier term of the Newton system, relative to the largest weight of the cost.
 const WEIGHT_CAP: f64 = 1e10;
 /// Penalty of a violated bound in a relaxed problem, relative to the largest gradient or weight of the cost.
-const RELAXATION: f64 = 1e4;
+const RELAXATION: f64 = 1e5;
 
 /// Where the first iterate comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,12 +70,29 @@ struct Run {
     best: (f64, State),
     /// Residual some iterations ago.
     checkpoint: f64,
+    /// Smallest merit so far, and iterations since it last fell.
+    progress: (f64, usize),
 }
 
 /// From this iteration on the best iterate is kept, and stalling is watched for; nearly all solves have ended by then.
 const LATE: usize = 12;
 /// Iterations between two looks at whether the residual still falls.
 const STALL_PERIOD: usize = 6;
+
+impl Run {
+    fn note(&mut self, merit: f64) {
+        self.progress = if merit < 0.9 * self.progress.0 {
+            (merit, 0)
+        } else {
+            (self.progress.0, self.progress.1 + 1)
+        };
+    }
+}
+
+/// Iterations without progress after which the second-order correction is left out, since with it the method can cycle (Cartis, *Some
+/// disadvantages of a Mehrotra-type primal-dual corrector interior point algorithm*, Appl. Numer. Math. 59, 2009), and the centring then taken.
+const PATIENCE: usize = 3;
+const SAFE_CENTRING: f64 = 0.3;
 
 impl<const NX: usize, const NU: usize> QpSolver<NX, NU> {
     /// Runs the method on the data in memory.
@@ -112,6 +132,7 @@ impl<const NX: usize, const NU: usize> QpSolver<NX, NU> {
                     feasible: true,
                 });
             }
+            run.note(merit);
             if iterations >= LATE || iterations == 0 {
                 self.keep_best(merit, &state, &mut run);
             }
@@ -126,7 +147,9 @@ impl<const NX: usize, const NU: usize> QpSolver<NX, NU> {
         }
         let state = run.best.1;
         self.iterate.copy_from(&self.best);
-        self.multipliers.clone_from_slice(&self.best_multipliers);
+        for (kept, best) in self.multipliers.iter_mut().zip(&self.best_multipliers) {
+            kept.copy_from(best);
+        }
         let feasible = state.residual <= self.settings.feasibility;
         Ok(Outcome {
             status: QpStatus::IterationLimit,
@@ -148,19 +171,26 @@ impl<const NX: usize, const NU: usize> QpSolver<NX, NU> {
     /// Slacks and multipliers for the first iterate.
     fn begin<const SOFT: bool>(&mut self, start: Start) -> Run {
         let count = self.input_bounds.count() + self.state_bounds.count();
-        let level = self.excess_energy();
+        let level = if start == Start::Warm {
+            WARM_LEVEL * self.cost().abs()
+        } else {
+            self.excess_energy()
+        };
         let cap = WEIGHT_CAP * self.riccati.largest_weight();
-        self.input_bounds.cap_weights(cap);
+        self.input_bounds.cap_weights(f64::INFINITY);
         self.state_bounds.cap_weights(cap);
         let mu = if level > 0.0 {
             START_GAP * level / count
         } else {
             1.0
         };
-        self.input_bounds
-            .start::<false>(&self.iterate.u, mu, START_SLACK);
-        self.state_bounds
-            .start::<SOFT>(&self.iterate.x, mu, START_SLACK);
+        let slack = if start == Start::Warm {
+            WARM_SLACK
+        } else {
+            START_SLACK
+        };
+        self.input_bounds.start::<false>(&self.iterate.u, mu, slack);
+        self.state_bounds.start::<SOFT>(&self.iterate.x, mu, slack);
         if start == Start::Warm {
             self.input_bounds.remember::<false>(&self.multipliers[0]);
             self.state_bounds.remember::<SOFT>(&self.multipliers[1]);
@@ -171,7 +201,16 @@ impl<const NX: usize, const NU: usize> QpSolver<NX, NU> {
             shrink: 1.0,
             best: (f64::INFINITY, State::default()),
             checkpoint: f64::INFINITY,
+            progress: (f64::INFINITY, 0),
         }
+    }
+
+    /// Cost of the iterate, without penalties.
+    fn cost(&mut self) -> f64 {
+        let (quadratic, linear) =
+            self.riccati
+                .gradient(&self.iterate, &self.linear, &mut self.gradient);
+        0.5 * quadratic + linear
     }
 
     /// What moving the iterate into its bounds, number by number, would cost if it were the optimum without them: the scale of the multipliers.
@@ -242,7 +281,7 @@ impl<const NX: usize, const NU: usize> QpSolver<NX, NU> {
 
     /// True if the residual of the bounds has ceased to fall, as it does where they cannot be kept.
     fn stalled(&self, iterations: usize, state: &State, run: &mut Run) -> bool {
-        if iterations < LATE || iterations % STALL_PERIOD != 0 {
+        if iterations < LATE || !iterations.is_multiple_of(STALL_PERIOD) {
             return false;
         }
         let stalled =
@@ -294,7 +333,12 @@ impl<const NX: usize, const NU: usize> QpSolver<NX, NU> {
         let length = 1.0 / inverse_step(&inputs, &states).max(1.0);
         let affine = (1.0 - length) * state.gap + length * length * (inputs.sum() + states.sum());
         let ratio = (affine / state.gap).clamp(0.0, 1.0);
-        (ratio * ratio * ratio * state.gap / run.count, length.sqrt())
+        let mu = state.gap / run.count;
+        if run.progress.1 >= PATIENCE {
+            (SAFE_CENTRING * mu, 0.0)
+        } else {
+            (ratio * ratio * ratio * mu, length.sqrt())
+        }
     }
 
     /// Solves again with exact penalties in place of all hard state bounds, after these have proved out of reach.

@@ -733,9 +733,24 @@ fn block<const R: usize, const C: usize>(
     }
 }
 
-/// Fills the blocks above the diagonal of a symmetric matrix of `NX` padded columns from those below.
+/// Makes a matrix of `NX` padded columns symmetric: blocks above the diagonal from those below, blocks on it by the mean with their transpose.
+/// Needed, not cosmetic: rounding leaves an antisymmetric part E, which the recursion would carry on as `AᵀEA`, by the open loop.
 #[inline(always)]
 fn mirror<const NX: usize>(p: &mut [Lane], n: usize) {
+    for rb in 0..n {
+        let width = (NX - rb * WIDTH).min(WIDTH);
+        let block: [Lane; WIDTH] = core::array::from_fn(|j| {
+            if j < width {
+                p[(rb * WIDTH + j) * n + rb]
+            } else {
+                Lane::ZERO
+            }
+        });
+        let transposed = Lane::transpose(block);
+        for j in 0..width {
+            p[(rb * WIDTH + j) * n + rb] = (block[j] + transposed[j]) * Lane::HALF;
+        }
+    }
     for rb in 1..n {
         for cb in 0..rb {
             let below = Lane::transpose(core::array::from_fn(|j| p[(cb * 4 + j) * n + rb]));

@@ -192,7 +192,7 @@ impl<const NX: usize, const NU: usize> QpSolver<NX, NU> {
             }
         });
         match outcome {
-            Ok(outcome) => self.finish(outcome),
+            Ok(outcome) => self.finish(problem, outcome),
             Err(NotPositive) => self.invalid(problem),
         }
     }
@@ -260,8 +260,13 @@ impl<const NX: usize, const NU: usize> QpSolver<NX, NU> {
     }
 
     /// Inputs into their bounds, states from the dynamics, residuals from both.
-    fn finish(&mut self, outcome: Outcome) -> QpReport {
-        self.input_bounds.clip(&mut self.iterate.u);
+    fn finish(&mut self, problem: &QpProblem<NX, NU>, outcome: Outcome) -> QpReport {
+        for (k, stage) in problem.stages.iter().enumerate() {
+            let u: [f64; NU] = self.iterate.input(k);
+            let clipped =
+                core::array::from_fn(|i| u[i].max(stage.input_lower[i]).min(stage.input_upper[i]));
+            self.iterate.set_input::<NU>(k, &clipped);
+        }
         self.riccati.roll_out(&mut self.iterate, &self.affine);
         let (quadratic, linear) =
             self.riccati

@@ -23,7 +23,7 @@ pub fn kind_of(seed: u64) -> Kind {
     Kind {
         horizon,
         spectral_radius,
-        state_bounds: seed % 3 != 0,
+        state_bounds: !seed.is_multiple_of(3),
         soft: seed % 4 == 1,
         rate: seed % 6 >= 4,
     }
