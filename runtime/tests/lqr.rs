@@ -1,5 +1,7 @@
 //! Regulators against published solutions, and the structure that every solution has.
 
+#![allow(clippy::unwrap_used, reason = "test code")]
+
 mod support;
 
 use gelenk_runtime::lqr::{Lqr, LqrError, TimeVaryingLqr};

@@ -1,5 +1,7 @@
 //! What the QP solver promises beyond the optimum: KKT conditions, infeasible and senseless problems, updates, warm starts, horizons.
 
+#![allow(clippy::unwrap_used, reason = "test code")]
+
 mod support;
 
 use gelenk_runtime::qp::{Penalty, QpError, QpProblem, QpSettings, QpSolver, QpStatus};

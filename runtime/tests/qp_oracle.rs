@@ -1,5 +1,7 @@
 //! The QP solver against Clarabel on 1000 random problems.
 
+#![allow(clippy::unwrap_used, reason = "test code")]
+
 mod support;
 
 use clarabel::solver::SolverStatus;
