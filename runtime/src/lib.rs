@@ -2,3 +2,5 @@
 
 pub mod dynamics;
 pub mod identification;
+pub mod lqr;
+pub mod qp;
