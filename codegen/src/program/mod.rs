@@ -11,6 +11,7 @@ pub(crate) mod letters;
 
 use crate::formula::Function;
 
+mod angles;
 mod lower;
 
 pub use lower::{GraphOutput, lower};
