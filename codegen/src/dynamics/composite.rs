@@ -30,21 +30,22 @@ pub fn mass_matrix<'g>(
         }
         .fill(composite, &mut matrix);
     }
-    add_rotors(mechanism, &placements, &mut matrix);
+    add_rotor_inertia(mechanism, &mut matrix);
+    add_rotor_coupling(mechanism, &placements, &mut matrix);
     matrix
 }
 
 /// A body together with all that it carries.
 #[derive(Clone, Copy)]
-struct Composite<'g> {
+pub(super) struct Composite<'g> {
     /// Moments in the body's working frame.
-    moments: MassMoments<'g>,
+    pub moments: MassMoments<'g>,
     /// Σ_xx + Σ_yy, which turning about z leaves alone.
-    polar: Scalar<'g>,
+    pub polar: Scalar<'g>,
 }
 
 /// Each body together with all that it carries.
-fn composites<'g>(
+pub(super) fn composites<'g>(
     mechanism: &Mechanism<'g>,
     formulation: &Formulation,
     placements: &[Placement<'g>],
@@ -81,10 +82,23 @@ impl<'g> Composite<'g> {
             polar: moments.second.xx + moments.second.yy,
         }
     }
+
+    /// `(tr Σ − Σ) v`: the inertia tensor about the origin times a vector.
+    pub fn inertia_times(&self, v: Vector3<'g>) -> Vector3<'g> {
+        let s = self.moments.second;
+        Vector3([
+            (s.yy + s.zz) * v[0] - s.xy * v[1] - s.xz * v[2],
+            (s.xx + s.zz) * v[1] - s.xy * v[0] - s.yz * v[2],
+            self.polar * v[2] - s.xz * v[0] - s.yz * v[1],
+        ])
+    }
 }
 
 /// Moments in the frame before the joint, in the parent's unit of length.
-fn before_joint<'g>(moments: MassMoments<'g>, placement: &Placement<'g>) -> MassMoments<'g> {
+pub(super) fn before_joint<'g>(
+    moments: MassMoments<'g>,
+    placement: &Placement<'g>,
+) -> MassMoments<'g> {
     MassMoments {
         mass: moments.mass * (placement.unit_ratio * placement.unit_ratio),
         first: placement.before_joint_unit(moments.first),
@@ -199,8 +213,16 @@ fn joint_force<'g>(axis: JointAxis, wrench: &Wrench<'g>) -> Scalar<'g> {
     }
 }
 
-/// Rotors: i² J_R on the diagonal, and i J_R times the carrier's share along the rotor's axis.
-fn add_rotors<'g>(
+/// Rotors: i² J_R on the diagonal.
+pub(super) fn add_rotor_inertia<'g>(mechanism: &Mechanism<'g>, matrix: &mut [Vec<Scalar<'g>>]) {
+    for rotor in &mechanism.rotors {
+        let entry = &mut matrix[rotor.coordinate][rotor.coordinate];
+        *entry = *entry + rotor.ratio * (rotor.ratio * rotor.inertia);
+    }
+}
+
+/// Rotors: i J_R times the carrier's share along the rotor's axis.
+fn add_rotor_coupling<'g>(
     mechanism: &Mechanism<'g>,
     placements: &[Placement<'g>],
     matrix: &mut [Vec<Scalar<'g>>],
@@ -208,7 +230,6 @@ fn add_rotors<'g>(
     for rotor in &mechanism.rotors {
         let column = rotor.coordinate;
         let coupling = rotor.ratio * rotor.inertia;
-        matrix[column][column] = matrix[column][column] + rotor.ratio * coupling;
         let Some(mut index) = rotor.carrier else {
             continue;
         };

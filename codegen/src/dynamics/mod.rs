@@ -4,6 +4,7 @@ pub mod catalogue;
 pub mod composite;
 #[cfg(test)]
 mod counts;
+pub mod derivatives;
 pub mod equations;
 pub mod factorization;
 pub mod forces;

@@ -19,15 +19,15 @@ type Matrix3<'g> = [[Scalar<'g>; 3]; 3];
 
 /// Motion of a body in its working frame.
 #[derive(Debug, Clone, Copy)]
-struct Motion<'g> {
+pub(super) struct Motion<'g> {
     /// Angular velocity ω.
-    omega: Vector3<'g>,
+    pub omega: Vector3<'g>,
     /// Components of the angular acceleration ω̇ that were needed for U.
     angular: [Option<Scalar<'g>>; 3],
     /// U = ω̇× + ω× ω×.
-    spread: Matrix3<'g>,
+    pub spread: Matrix3<'g>,
     /// Acceleration of the origin, minus gravity.
-    acceleration: Vector3<'g>,
+    pub acceleration: Vector3<'g>,
 }
 
 /// What the inverse dynamics are asked for.
@@ -41,15 +41,39 @@ pub struct MotionInput<'a, 'g> {
     pub a: &'a [Scalar<'g>],
 }
 
+/// A force and a moment about the origin.
+pub(super) type Wrench<'g> = (Vector3<'g>, Vector3<'g>);
+
+/// The inverse dynamics with what they were made from.
+pub(super) struct InverseDynamicsParts<'g> {
+    /// Working frames.
+    pub placements: Vec<Placement<'g>>,
+    /// Motion of each body.
+    pub motions: Vec<Motion<'g>>,
+    /// What moves each body and all beyond it.
+    pub wrenches: Vec<Wrench<'g>>,
+    /// Generalized forces by coordinate.
+    pub generalized: Vec<Scalar<'g>>,
+}
+
 /// Generalized forces `M ÿ + k − q_gravity` of bodies and rotors, by coordinate.
 pub fn inverse_dynamics<'g>(
     mechanism: &Mechanism<'g>,
     formulation: &Formulation,
     input: MotionInput<'_, 'g>,
 ) -> Vec<Scalar<'g>> {
+    inverse_dynamics_parts(mechanism, formulation, input).generalized
+}
+
+/// The inverse dynamics with what they were made from.
+pub(super) fn inverse_dynamics_parts<'g>(
+    mechanism: &Mechanism<'g>,
+    formulation: &Formulation,
+    input: MotionInput<'_, 'g>,
+) -> InverseDynamicsParts<'g> {
     let placements = place(mechanism, formulation, input.y);
     let motions = motions(mechanism, formulation, &placements, input);
-    let mut forces: Vec<(Vector3<'g>, Vector3<'g>)> = motions
+    let mut wrenches: Vec<Wrench<'g>> = motions
         .iter()
         .zip(&placements)
         .map(|(motion, placement)| own_force(motion, placement))
@@ -60,17 +84,22 @@ pub fn inverse_dynamics<'g>(
         &placements,
         &motions,
         input,
-        &mut forces,
+        &mut wrenches,
         &mut generalized,
     );
     gather(
         mechanism,
         formulation,
         &placements,
-        forces,
+        &mut wrenches,
         &mut generalized,
     );
-    generalized
+    InverseDynamicsParts {
+        placements,
+        motions,
+        wrenches,
+        generalized,
+    }
 }
 
 /// Linear and angular acceleration of a point fixed to a body, in the body's own frame; without gravity. The mechanism
@@ -377,7 +406,7 @@ fn gather<'g>(
     mechanism: &Mechanism<'g>,
     formulation: &Formulation,
     placements: &[Placement<'g>],
-    mut forces: Vec<(Vector3<'g>, Vector3<'g>)>,
+    forces: &mut [Wrench<'g>],
     generalized: &mut [Scalar<'g>],
 ) {
     let zero = mechanism.graph.constant(0.0);

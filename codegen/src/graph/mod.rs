@@ -5,14 +5,14 @@
 
 mod build;
 mod cost;
-mod factor;
+mod differentiate;
 mod node;
 mod scalar;
 mod vector;
 
 pub use build::Graph;
 pub use cost::Cost;
-pub use factor::{Pass, optimize};
+pub use differentiate::{differentiate, substitute};
 pub use node::{Edge, Node};
 pub use scalar::Scalar;
 pub use vector::{Symmetric3, Vector3};

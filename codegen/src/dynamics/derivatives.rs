@@ -1,0 +1,769 @@
+//! Analytic derivatives of the inverse dynamics, with composite bodies.
+//!
+//! A body that carries others is disturbed by an angular velocity δω, by β = δω̇ + ω × δω and by an acceleration δa of
+//! its origin. With r and ṙ relative to that origin, every point of the subtree then accelerates by
+//!
+//! ```text
+//! δr̈ = δa + β × r + 2 δω × ṙ
+//! ```
+//!
+//! and δω, β stay the same vectors in every body beyond. So the force and moment that follow need only the composite
+//! moments m, h = ∫ r dm, Σ = ∫ r rᵀ dm, 2 P = 2 ∫ ṙ dm and 2 K = 2 ∫ ṙ rᵀ dm:
+//!
+//! ```text
+//! δF = m δa + β × h + δω × 2P
+//! δn = h × δa + (tr Σ − Σ) β + (tr 2K − 2K) δω
+//! ```
+//!
+//! A revolute coordinate disturbs by δω = ω × z, β = U z, δa = a × z, its velocity by δω = z, β = 2 ω × z; a prismatic
+//! one by δa = U z and δa = 2 ω × z. The derivatives are those of Carpentier and Mansard (2018) and of Singh, Russell
+//! and Wensing (2022), written with classical accelerations, so that no linear velocity is needed.
+
+use super::composite::{Composite, add_rotor_inertia};
+use super::equations::Matrix;
+use super::formulation::Formulation;
+use super::newton_euler::{Motion, MotionInput, Wrench, inverse_dynamics_parts};
+use super::placement::Placement;
+use crate::graph::{Scalar, Symmetric3, Vector3};
+use crate::kinematics::{JointAxis, Mechanism};
+
+/// A 3 × 3 matrix, rows first.
+type Matrix3<'g> = [[Scalar<'g>; 3]; 3];
+
+/// Inverse dynamics of bodies and rotors with their derivatives.
+#[derive(Debug, Clone)]
+pub struct ForceDerivatives<'g> {
+    /// `M ÿ + k − q_gravity`
+    pub forces: Vec<Scalar<'g>>,
+    /// ∂/∂y, row i = force i.
+    pub by_coordinates: Matrix<'g>,
+    /// ∂/∂ẏ, row i = force i.
+    pub by_velocities: Matrix<'g>,
+    /// M
+    pub mass_matrix: Matrix<'g>,
+}
+
+/// Where the columns of the derivatives meet the joints that they couple with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PairFrame {
+    /// In the working frame of each joint, carried there link by link.
+    Links,
+    /// In the frame of the tree's first body: nothing is carried, but every product has all its components. All bodies
+    /// need the same unit of length.
+    Root,
+}
+
+/// Derives all of them in the working frames of a formulation.
+pub fn inverse_dynamics_derivatives<'g>(
+    mechanism: &Mechanism<'g>,
+    formulation: &Formulation,
+    pairs: PairFrame,
+    input: MotionInput<'_, 'g>,
+) -> ForceDerivatives<'g> {
+    // Wrenches are read at every body, so none may be led past it.
+    let formulation = &formulation.without_shortcuts();
+    let parts = inverse_dynamics_parts(mechanism, formulation, input);
+    let zeros = vec![vec![mechanism.graph.constant(0.0); mechanism.len()]; mechanism.len()];
+    let mut result = ForceDerivatives {
+        forces: parts.generalized,
+        by_coordinates: zeros.clone(),
+        by_velocities: zeros.clone(),
+        mass_matrix: zeros,
+    };
+    let tree = Tree {
+        mechanism,
+        placements: &parts.placements,
+        motions: &parts.motions,
+        levers: levers(mechanism, &parts.placements, &parts.motions, input),
+        base: Vec::new(),
+    };
+    let tree = match pairs {
+        PairFrame::Links => tree,
+        PairFrame::Root => Tree {
+            base: tree.base_bodies(),
+            ..tree
+        },
+    };
+    let flows = tree.flows(formulation, input);
+    for index in 0..mechanism.len() {
+        let column = tree.column(index, &flows[index], &parts.wrenches[index]);
+        tree.read_own(index, &column, &mut result);
+        tree.walk(
+            index,
+            mechanism.bodies[index].coordinate,
+            tree.depart(index, column),
+            &mut result,
+        );
+    }
+    add_rotor_inertia(mechanism, &mut result.mass_matrix);
+    for rotor in &mechanism.rotors {
+        let Some(carrier) = rotor
+            .carrier
+            .filter(|&carrier| !tree.passes(rotor.coordinate, carrier))
+        else {
+            continue;
+        };
+        let mut column = Column::zero(mechanism);
+        tree.add_rotor_coupling(carrier, rotor.coordinate, &mut column);
+        tree.read_off(carrier, rotor.coordinate, &column, &mut result);
+        tree.walk(carrier, rotor.coordinate, column, &mut result);
+    }
+    result
+}
+
+/// Composite moments that depend on velocities: 2P and 2K.
+#[derive(Clone, Copy)]
+struct Flow<'g> {
+    composite: Composite<'g>,
+    momentum: Vector3<'g>,
+    spin: Matrix3<'g>,
+}
+
+/// Levers of a joint and twice their velocities: along z in the body's frame, then across in the parent's.
+#[derive(Clone, Copy)]
+struct Lever<'g> {
+    along: Scalar<'g>,
+    along_velocity: Vector3<'g>,
+    across_velocity: Vector3<'g>,
+}
+
+fn levers<'g>(
+    mechanism: &Mechanism<'g>,
+    placements: &[Placement<'g>],
+    motions: &[Motion<'g>],
+    input: MotionInput<'_, 'g>,
+) -> Vec<Lever<'g>> {
+    let zero = mechanism.graph.constant(0.0);
+    let lever = |(index, body): (usize, &crate::kinematics::Body<'g>)| {
+        let rate = match body.axis {
+            JointAxis::Revolute => zero,
+            JointAxis::Prismatic => input.v[body.coordinate].signed(body.direction),
+        };
+        let twice = twice_across(motions[index].omega);
+        let along = placements[index].extension;
+        let mut along_velocity = twice.scaled(along);
+        along_velocity.0[2] = rate * 2.0;
+        let across_velocity = match body.parent {
+            Some(parent) => motions[parent]
+                .omega
+                .cross(placements[index].translation)
+                .map(|x| x * 2.0),
+            None => Vector3::zero(zero),
+        };
+        Lever {
+            along,
+            along_velocity,
+            across_velocity,
+        }
+    };
+    mechanism.bodies.iter().enumerate().map(lever).collect()
+}
+
+/// `2 ω × z`
+fn twice_across(omega: Vector3<'_>) -> Vector3<'_> {
+    Vector3([omega[1] * 2.0, -(omega[0] * 2.0), omega[2].constant(0.0)])
+}
+
+/// A column of the derivatives on its way to the base: three wrenches, and what the torque of the column's joint gains
+/// by disturbances of the body that it has arrived at.
+#[derive(Clone, Copy)]
+struct Column<'g> {
+    /// By the acceleration; also: torque of the joint by δa and β.
+    inertial: Wrench<'g>,
+    /// By the velocity.
+    damping: Wrench<'g>,
+    /// By the coordinate.
+    stiffness: Wrench<'g>,
+    /// Torque of the joint by δω.
+    by_omega: Vector3<'g>,
+}
+
+impl<'g> Column<'g> {
+    fn zero(mechanism: &Mechanism<'g>) -> Self {
+        let zero = Vector3::zero(mechanism.graph.constant(0.0));
+        Self {
+            inertial: (zero, zero),
+            damping: (zero, zero),
+            stiffness: (zero, zero),
+            by_omega: zero,
+        }
+    }
+}
+
+/// How a coordinate and its velocity disturb the body that it moves.
+#[derive(Clone, Copy)]
+struct Disturbance<'g> {
+    by_coordinate: Disturbed<'g>,
+    by_velocity: Disturbed<'g>,
+}
+
+#[derive(Clone, Copy)]
+struct Disturbed<'g> {
+    omega: Vector3<'g>,
+    beta: Vector3<'g>,
+    acceleration: Vector3<'g>,
+}
+
+impl<'g> Flow<'g> {
+    /// Force and moment about the origin that a disturbance of the body causes.
+    fn response(&self, disturbed: &Disturbed<'g>) -> Wrench<'g> {
+        let Disturbed {
+            omega,
+            beta,
+            acceleration,
+        } = *disturbed;
+        let moments = self.composite.moments;
+        let force = acceleration.scaled(moments.mass)
+            + beta.cross(moments.first)
+            + omega.cross(self.momentum);
+        let moment = moments.first.cross(acceleration)
+            + self.composite.inertia_times(beta)
+            + complement_times(&self.spin, omega);
+        (force, moment)
+    }
+}
+
+/// `(tr A − A) v`
+fn complement_times<'g>(a: &Matrix3<'g>, v: Vector3<'g>) -> Vector3<'g> {
+    Vector3([
+        (a[1][1] + a[2][2]) * v[0] - a[0][1] * v[1] - a[0][2] * v[2],
+        (a[0][0] + a[2][2]) * v[1] - a[1][0] * v[0] - a[1][2] * v[2],
+        (a[0][0] + a[1][1]) * v[2] - a[2][0] * v[0] - a[2][1] * v[1],
+    ])
+}
+
+/// The mechanism in motion.
+struct Tree<'a, 'g> {
+    mechanism: &'a Mechanism<'g>,
+    placements: &'a [Placement<'g>],
+    motions: &'a [Motion<'g>],
+    levers: Vec<Lever<'g>>,
+    /// Every body as seen from the base, where the pairs meet there.
+    base: Vec<BaseBody<'g>>,
+}
+
+/// A body as seen from the root of its tree: vectors in the axes of the root's working frame, moments and accelerations
+/// at its origin, velocities relative to the base.
+#[derive(Clone, Copy)]
+struct BaseBody<'g> {
+    axes: [Vector3<'g>; 3],
+    origin: Vector3<'g>,
+    twice_velocity: Vector3<'g>,
+    /// What a unit of the joint's velocity does to points at the base's origin: angular, then linear.
+    screw: (Vector3<'g>, Vector3<'g>),
+    disturbance: Disturbance<'g>,
+}
+
+impl<'g> BaseBody<'g> {
+    fn direction(&self, v: Vector3<'g>) -> Vector3<'g> {
+        self.axes[0].scaled(v[0]) + self.axes[1].scaled(v[1]) + self.axes[2].scaled(v[2])
+    }
+
+    /// A disturbance of the body, with the acceleration of the point at the base's origin.
+    fn disturbed(&self, local: &Disturbed<'g>) -> Disturbed<'g> {
+        let (omega, beta) = (self.direction(local.omega), self.direction(local.beta));
+        let at_origin = self.direction(local.acceleration)
+            - beta.cross(self.origin)
+            - omega.cross(self.twice_velocity);
+        Disturbed {
+            omega,
+            beta,
+            acceleration: at_origin,
+        }
+    }
+
+    fn wrench(&self, (force, moment): Wrench<'g>) -> Wrench<'g> {
+        let force = self.direction(force);
+        (force, self.direction(moment) + self.origin.cross(force))
+    }
+
+    fn column(&self, column: &Column<'g>) -> Column<'g> {
+        let inertial = self.wrench(column.inertial);
+        Column {
+            inertial,
+            damping: self.wrench(column.damping),
+            stiffness: self.wrench(column.stiffness),
+            by_omega: self.direction(column.by_omega) + self.twice_velocity.cross(inertial.0),
+        }
+    }
+}
+
+impl<'g> Tree<'_, 'g> {
+    /// Composite moments of every body in its working frame.
+    fn flows(&self, formulation: &Formulation, input: MotionInput<'_, 'g>) -> Vec<Flow<'g>> {
+        let composites = super::composite::composites(self.mechanism, formulation, self.placements);
+        let mut flows: Vec<Flow<'g>> = composites
+            .into_iter()
+            .enumerate()
+            .map(|(index, composite)| {
+                let moments = self.placements[index].moments;
+                let twice = self.motions[index].omega.map(|x| x * 2.0);
+                let momentum = twice.cross(moments.first);
+                Flow {
+                    composite,
+                    momentum,
+                    spin: spin_of(twice, moments.second),
+                }
+            })
+            .collect();
+        self.add_rotor_spin(&mut flows, input);
+        for index in (0..flows.len()).rev() {
+            if let Some(parent) = self.mechanism.bodies[index].parent {
+                let (momentum, spin) = self.pass_flow(index, &flows[index]);
+                flows[parent].momentum = flows[parent].momentum + momentum;
+                flows[parent].spin = add3(&flows[parent].spin, &spin);
+            }
+        }
+        flows
+    }
+
+    /// 2P and 2K of a subtree about the parent's origin.
+    fn pass_flow(&self, index: usize, flow: &Flow<'g>) -> (Vector3<'g>, Matrix3<'g>) {
+        let (body, placement, lever) = (
+            &self.mechanism.bodies[index],
+            &self.placements[index],
+            &self.levers[index],
+        );
+        let zero = lever.along.constant(0.0);
+        let moments = flow.composite.moments;
+        let along = Vector3([zero, zero, lever.along]);
+        let (momentum, spin) = shift_flow(
+            moments,
+            flow.momentum,
+            &flow.spin,
+            along,
+            lever.along_velocity,
+        );
+        let moments = super::composite::before_joint(moments.lifted(lever.along), placement);
+        let moments = moments.to_parent(&body.twist, Vector3::zero(zero));
+        let momentum = body.twist.to_parent(placement.before_joint_unit(momentum));
+        let spin = placement.turn.map_or(spin, |turn| turn_matrix(&spin, turn));
+        let spin = twist_matrix(&spin, &body.twist);
+        shift_flow(
+            moments,
+            momentum,
+            &spin,
+            placement.translation,
+            lever.across_velocity,
+        )
+    }
+
+    /// A rotor's spin i ẏ turns with its carrier: J_R i ẏ δω × a.
+    fn add_rotor_spin(&self, flows: &mut [Flow<'g>], input: MotionInput<'_, 'g>) {
+        for rotor in &self.mechanism.rotors {
+            let Some(carrier) = rotor.carrier else {
+                continue;
+            };
+            let spin = self
+                .rotor_axis(rotor, carrier)
+                .scaled(rotor.ratio * rotor.inertia * input.v[rotor.coordinate]);
+            flows[carrier].spin = add3(&flows[carrier].spin, &skew(spin));
+        }
+    }
+
+    fn rotor_axis(&self, rotor: &crate::kinematics::Rotor<'g>, carrier: usize) -> Vector3<'g> {
+        self.placements[carrier]
+            .to_body
+            .map_or(rotor.axis, |ahead| rotor.axis.turned(ahead))
+    }
+
+    /// What body `index` needs for a unit of its joint's acceleration, velocity and position.
+    fn column(&self, index: usize, flow: &Flow<'g>, wrench: &Wrench<'g>) -> Column<'g> {
+        let zero = wrench.0[0].constant(0.0);
+        let z = Vector3([zero, zero, zero.constant(1.0)]);
+        let disturbance = self.disturbance(index);
+        let unit = match self.mechanism.bodies[index].axis {
+            JointAxis::Revolute => Disturbed {
+                omega: Vector3::zero(zero),
+                beta: z,
+                acceleration: Vector3::zero(zero),
+            },
+            JointAxis::Prismatic => Disturbed {
+                omega: Vector3::zero(zero),
+                beta: Vector3::zero(zero),
+                acceleration: z,
+            },
+        };
+        let inertial = match self.mechanism.bodies[index].axis {
+            JointAxis::Revolute => {
+                let (force, mut moment) = flow.response(&unit);
+                moment.0[2] = flow.composite.polar;
+                (force, moment)
+            }
+            JointAxis::Prismatic => flow.response(&unit),
+        };
+        let mut stiffness = flow.response(&disturbance.by_coordinate);
+        let by_omega = match self.mechanism.bodies[index].axis {
+            JointAxis::Revolute => {
+                stiffness = (
+                    stiffness.0 + z.cross(wrench.0),
+                    stiffness.1 + z.cross(wrench.1),
+                );
+                let spin = &flow.spin;
+                Vector3([-spin[2][0], -spin[2][1], spin[0][0] + spin[1][1]])
+            }
+            JointAxis::Prismatic => {
+                stiffness.1 = stiffness.1 + z.cross(wrench.0);
+                flow.momentum.cross(z)
+            }
+        };
+        let sign = self.mechanism.bodies[index].direction;
+        let signed = |(force, moment): Wrench<'g>| {
+            (
+                force.map(|x| x.signed(sign)),
+                moment.map(|x| x.signed(sign)),
+            )
+        };
+        Column {
+            inertial: signed(inertial),
+            damping: signed(flow.response(&disturbance.by_velocity)),
+            stiffness: signed(stiffness),
+            by_omega: by_omega.map(|x| x.signed(sign)),
+        }
+    }
+
+    fn disturbance(&self, index: usize) -> Disturbance<'g> {
+        let motion = &self.motions[index];
+        let (w, u, a) = (motion.omega, &motion.spread, motion.acceleration);
+        let zero = w[0].constant(0.0);
+        let nothing = Vector3::zero(zero);
+        let axis_points = Vector3([u[0][2], u[1][2], u[2][2]]);
+        match self.mechanism.bodies[index].axis {
+            JointAxis::Revolute => Disturbance {
+                by_coordinate: Disturbed {
+                    omega: Vector3([w[1], -w[0], zero]),
+                    beta: axis_points,
+                    acceleration: Vector3([a[1], -a[0], zero]),
+                },
+                by_velocity: Disturbed {
+                    omega: Vector3([zero, zero, zero.constant(1.0)]),
+                    beta: twice_across(w),
+                    acceleration: nothing,
+                },
+            },
+            JointAxis::Prismatic => Disturbance {
+                by_coordinate: Disturbed {
+                    omega: nothing,
+                    beta: nothing,
+                    acceleration: axis_points,
+                },
+                by_velocity: Disturbed {
+                    omega: nothing,
+                    beta: nothing,
+                    acceleration: twice_across(w),
+                },
+            },
+        }
+    }
+
+    /// Every body as seen from the base.
+    fn base_bodies(&self) -> Vec<BaseBody<'g>> {
+        let mut bodies: Vec<BaseBody<'g>> = Vec::with_capacity(self.mechanism.len());
+        for (index, body) in self.mechanism.bodies.iter().enumerate() {
+            let (placement, lever) = (&self.placements[index], &self.levers[index]);
+            let zero = lever.along.constant(0.0);
+            let one = zero.constant(1.0);
+            let unit = [[one, zero, zero], [zero, one, zero], [zero, zero, one]].map(Vector3);
+            let (axes, origin, velocity) = match body.parent {
+                Some(parent) => {
+                    let parent = &bodies[parent];
+                    let origin = parent.origin + parent.direction(placement.translation);
+                    let velocity = parent.twice_velocity + parent.direction(lever.across_velocity);
+                    // Column k of R is what the twist makes of the unit vector k, turned afterwards.
+                    let [x, y, z] = unit.map(|axis| parent.direction(body.twist.to_parent(axis)));
+                    match placement.turn {
+                        Some((s, c)) => (
+                            [x.scaled(c) + y.scaled(s), y.scaled(c) - x.scaled(s), z],
+                            origin,
+                            velocity,
+                        ),
+                        None => ([x, y, z], origin, velocity),
+                    }
+                }
+                None => (
+                    unit,
+                    -Vector3([zero, zero, lever.along]),
+                    Vector3::zero(zero),
+                ),
+            };
+            let mut seen = BaseBody {
+                axes,
+                origin: origin + axes[2].scaled(lever.along),
+                twice_velocity: velocity,
+                screw: (axes[2], axes[2]),
+                disturbance: self.disturbance(index),
+            };
+            seen.twice_velocity = seen.twice_velocity + seen.direction(lever.along_velocity);
+            seen.screw = match body.axis {
+                JointAxis::Revolute => (axes[2], seen.origin.cross(axes[2])),
+                JointAxis::Prismatic => (Vector3::zero(zero), axes[2]),
+            };
+            let Disturbance {
+                by_coordinate,
+                by_velocity,
+            } = seen.disturbance;
+            seen.disturbance = Disturbance {
+                by_coordinate: seen.disturbed(&by_coordinate),
+                by_velocity: seen.disturbed(&by_velocity),
+            };
+            bodies.push(seen);
+        }
+        bodies
+    }
+
+    /// A column where it starts its way to the base.
+    fn depart(&self, index: usize, column: Column<'g>) -> Column<'g> {
+        self.base
+            .get(index)
+            .map_or(column, |body| body.column(&column))
+    }
+
+    /// Carries a column from a body to the base and reads off the entries at every joint that it passes.
+    fn walk(
+        &self,
+        start: usize,
+        coordinate: usize,
+        mut column: Column<'g>,
+        result: &mut ForceDerivatives<'g>,
+    ) {
+        let mut index = start;
+        while let Some(parent) = self.mechanism.bodies[index].parent {
+            if self.base.is_empty() {
+                column = self.pass_on(index, &column);
+            }
+            index = parent;
+            self.add_rotor_coupling(index, coordinate, &mut column);
+            self.read_off(index, coordinate, &column, result);
+        }
+    }
+
+    /// The entries of the column's own joint.
+    fn read_own(&self, index: usize, values: &Column<'g>, result: &mut ForceDerivatives<'g>) {
+        let own = self.mechanism.bodies[index].coordinate;
+        add(
+            &mut result.mass_matrix,
+            own,
+            own,
+            self.at_joint(index, values.inertial),
+        );
+        add(
+            &mut result.by_velocities,
+            own,
+            own,
+            self.at_joint(index, values.damping),
+        );
+        add(
+            &mut result.by_coordinates,
+            own,
+            own,
+            self.at_joint(index, values.stiffness),
+        );
+    }
+
+    /// What a wrench exerts on the joint of a body.
+    fn at_joint(&self, index: usize, wrench: Wrench<'g>) -> Scalar<'g> {
+        let body = &self.mechanism.bodies[index];
+        let entry = match body.axis {
+            JointAxis::Revolute => wrench.1[2],
+            JointAxis::Prismatic => wrench.0[2],
+        };
+        entry.signed(body.direction)
+    }
+
+    /// What a wrench on its way exerts on the joint of a body.
+    fn met_by(&self, index: usize, wrench: Wrench<'g>) -> Scalar<'g> {
+        match self.base.get(index) {
+            None => self.at_joint(index, wrench),
+            Some(body) => {
+                let (angular, linear) = body.screw;
+                let entry = angular.dot(wrench.1) + linear.dot(wrench.0);
+                entry.signed(self.mechanism.bodies[index].direction)
+            }
+        }
+    }
+
+    /// The entries that couple the column's joint with another one.
+    fn read_off(
+        &self,
+        index: usize,
+        column: usize,
+        values: &Column<'g>,
+        result: &mut ForceDerivatives<'g>,
+    ) {
+        let body = &self.mechanism.bodies[index];
+        let row = body.coordinate;
+        let inertial = self.met_by(index, values.inertial);
+        add(&mut result.mass_matrix, row, column, inertial);
+        add(&mut result.mass_matrix, column, row, inertial);
+        add(
+            &mut result.by_velocities,
+            row,
+            column,
+            self.met_by(index, values.damping),
+        );
+        add(
+            &mut result.by_coordinates,
+            row,
+            column,
+            self.met_by(index, values.stiffness),
+        );
+        let disturbance = self
+            .base
+            .get(index)
+            .map_or_else(|| self.disturbance(index), |body| body.disturbance);
+        let gain = |disturbed: Disturbed<'g>| {
+            let (force, moment) = values.inertial;
+            let by_motion = moment.dot(disturbed.beta) + force.dot(disturbed.acceleration);
+            (values.by_omega.dot(disturbed.omega) + by_motion).signed(body.direction)
+        };
+        add(
+            &mut result.by_coordinates,
+            column,
+            row,
+            gain(disturbance.by_coordinate),
+        );
+        add(
+            &mut result.by_velocities,
+            column,
+            row,
+            gain(disturbance.by_velocity),
+        );
+    }
+
+    /// Whether the path from a coordinate's joint to the base passes a body, after the joint itself.
+    fn passes(&self, coordinate: usize, body: usize) -> bool {
+        let own = self
+            .mechanism
+            .bodies
+            .iter()
+            .position(|other| other.coordinate == coordinate);
+        let mut next = own.and_then(|index| self.mechanism.bodies[index].parent);
+        while let Some(index) = next {
+            if index == body {
+                return true;
+            }
+            next = self.mechanism.bodies[index].parent;
+        }
+        false
+    }
+
+    fn add_rotor_coupling(&self, index: usize, coordinate: usize, column: &mut Column<'g>) {
+        let rotors = self
+            .mechanism
+            .rotors
+            .iter()
+            .filter(|r| r.carrier == Some(index) && r.coordinate == coordinate);
+        for rotor in rotors {
+            let axis = self
+                .rotor_axis(rotor, index)
+                .scaled(rotor.ratio * rotor.inertia);
+            let swept = self.motions[index].omega.cross(axis);
+            let (axis, swept) = match self.base.get(index) {
+                Some(body) => (body.direction(axis), body.direction(swept)),
+                None => (axis, swept),
+            };
+            column.inertial.1 = column.inertial.1 + axis;
+            column.damping.1 = column.damping.1 + swept;
+            column.by_omega = column.by_omega + swept;
+        }
+    }
+
+    fn pass_on(&self, index: usize, column: &Column<'g>) -> Column<'g> {
+        let (body, placement, lever) = (
+            &self.mechanism.bodies[index],
+            &self.placements[index],
+            &self.levers[index],
+        );
+        let zero = lever.along.constant(0.0);
+        let along = Vector3([zero, zero, lever.along]);
+        let force_to_parent =
+            |force: Vector3<'g>| body.twist.to_parent(placement.before_joint_unit(force));
+        let pass = |(force, moment): Wrench<'g>| {
+            let lifted = moment + along.cross(force);
+            let arrived = force_to_parent(force);
+            (
+                arrived,
+                placement.to_parent(&body.twist, lifted) + placement.translation.cross(arrived),
+            )
+        };
+        let force = column.inertial.0;
+        let lifted = column.by_omega + lever.along_velocity.cross(force);
+        let inertial = pass(column.inertial);
+        let by_omega =
+            placement.to_parent(&body.twist, lifted) + lever.across_velocity.cross(inertial.0);
+        Column {
+            inertial,
+            damping: pass(column.damping),
+            stiffness: pass(column.stiffness),
+            by_omega,
+        }
+    }
+}
+
+fn add<'g>(matrix: &mut Matrix<'g>, row: usize, column: usize, entry: Scalar<'g>) {
+    matrix[row][column] = matrix[row][column] + entry;
+}
+
+/// `ω× Σ`
+fn spin_of<'g>(omega: Vector3<'g>, second: Symmetric3<'g>) -> Matrix3<'g> {
+    let s = second;
+    let columns = [[s.xx, s.xy, s.xz], [s.xy, s.yy, s.yz], [s.xz, s.yz, s.zz]]
+        .map(|column| omega.cross(Vector3(column)));
+    std::array::from_fn(|row| std::array::from_fn(|column| columns[column][row]))
+}
+
+/// 2P and 2K about another point: with the lever r and twice its velocity v.
+fn shift_flow<'g>(
+    moments: crate::kinematics::MassMoments<'g>,
+    momentum: Vector3<'g>,
+    spin: &Matrix3<'g>,
+    lever: Vector3<'g>,
+    velocity: Vector3<'g>,
+) -> (Vector3<'g>, Matrix3<'g>) {
+    let moved = momentum + velocity.scaled(moments.mass);
+    let entry =
+        |i: usize, j: usize| spin[i][j] + (moved[i] * lever[j] + velocity[i] * moments.first[j]);
+    (
+        moved,
+        std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))),
+    )
+}
+
+/// `R_z(φ) A R_z(φ)ᵀ`
+fn turn_matrix<'g>(a: &Matrix3<'g>, (s, c): (Scalar<'g>, Scalar<'g>)) -> Matrix3<'g> {
+    let across = s * (a[0][0] - a[1][1]) + c * (a[0][1] + a[1][0]);
+    let moved = s * across;
+    let swung = c * across;
+    let column = Vector3([a[0][2], a[1][2], a[2][2]]).turned((s, c));
+    let row = Vector3([a[2][0], a[2][1], a[2][2]]).turned((s, c));
+    [
+        [a[0][0] - moved, swung - a[1][0], column[0]],
+        [swung - a[0][1], a[1][1] + moved, column[1]],
+        [row[0], row[1], a[2][2]],
+    ]
+}
+
+/// `R A Rᵀ` for a constant twist.
+fn twist_matrix<'g>(a: &Matrix3<'g>, twist: &crate::kinematics::Twist) -> Matrix3<'g> {
+    let columns: [Vector3<'g>; 3] =
+        std::array::from_fn(|j| twist.to_parent(Vector3([a[0][j], a[1][j], a[2][j]])));
+    std::array::from_fn(|i| {
+        twist
+            .to_parent(Vector3([columns[0][i], columns[1][i], columns[2][i]]))
+            .0
+    })
+}
+
+fn add3<'g>(a: &Matrix3<'g>, b: &Matrix3<'g>) -> Matrix3<'g> {
+    std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] + b[i][j]))
+}
+
+/// `v×`
+fn skew(v: Vector3<'_>) -> Matrix3<'_> {
+    let zero = v[0].constant(0.0);
+    [
+        [zero, -v[2], v[1]],
+        [v[2], zero, -v[0]],
+        [-v[1], v[0], zero],
+    ]
+}

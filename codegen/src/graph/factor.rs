@@ -1,5 +1,0 @@
-//! placeholder
-/// pass
-pub struct Pass;
-/// opt
-pub fn optimize() {}
