@@ -24,4 +24,4 @@ for robot in ur5 panda; do
   GELENK_MODULE="$work/$robot.rs" rustc --edition 2024 --crate-type cdylib -C opt-level=3 -C target-cpu=native -C panic=abort \
     -A unexpected_cfgs $has -o "$work/$robot.so" "$root/tests/bench/plugin.rs"
 done
-sh "$shared/bench/run.sh" dynamics "gelenk=$work/{robot}.so" "$@"
+sh "$shared/bench/run.sh" dynamics "${GELENK_NAME:-gelenk}=$work/{robot}.so" "$@"

@@ -152,8 +152,8 @@ impl<'a> Body<'a> {
             })
             .collect();
         let call = math::sin_cos_of(self.context, lanes, &angles);
-        let padding = (batch.len() < lanes).then(|| quote!(, ..));
-        quote!(let ([#(#sines),* #padding], [#(#cosines),* #padding]) = #call;)
+        let (sines, cosines) = (pattern(sines, lanes), pattern(cosines, lanes));
+        quote!(let (#sines, #cosines) = #call;)
     }
 
     /// The statement of an instruction; `None` where nothing reads its value, or another statement makes it.
@@ -168,16 +168,15 @@ impl<'a> Body<'a> {
             return Some(quote!(let #name = #value;));
         };
         let (sine, cosine) = self.sine_and_cosine(index);
+        let (sine, cosine) = (or_nothing(sine), or_nothing(cosine));
         Some(quote!(let (#sine, #cosine) = #value;))
     }
 
-    /// Patterns for what a `SinCos` makes.
-    fn sine_and_cosine(&self, index: usize) -> (TokenStream, TokenStream) {
-        let or_nothing =
-            |name: Option<&Ident>| name.map_or_else(|| quote!(_), |name| quote!(#name));
+    /// Names for what a `SinCos` makes, where it is read.
+    fn sine_and_cosine(&self, index: usize) -> (Option<&Ident>, Option<&Ident>) {
         (
-            or_nothing(self.flow.is_read[index].then(|| &self.names[index])),
-            or_nothing(self.flow.cosine[index].map(|cosine| &self.names[cosine])),
+            self.flow.is_read[index].then(|| &self.names[index]),
+            self.flow.cosine[index].map(|cosine| &self.names[cosine]),
         )
     }
 
@@ -285,4 +284,18 @@ impl<'a> Body<'a> {
             }
         }
     }
+}
+
+fn or_nothing(name: Option<&Ident>) -> TokenStream {
+    name.map_or_else(|| quote!(_), |name| quote!(#name))
+}
+
+/// An array pattern of `len` entries; what is not read at its end is not named.
+fn pattern(mut names: Vec<Option<&Ident>>, len: usize) -> TokenStream {
+    while names.last().is_some_and(Option::is_none) {
+        names.pop();
+    }
+    let rest = (names.len() < len).then(|| quote!(..));
+    let names = names.into_iter().map(or_nothing).chain(rest);
+    quote!([#(#names),*])
 }

@@ -8,8 +8,10 @@ use quote::quote;
 
 use super::Context;
 use super::literal::Scalar;
+use crate::dynamics::function::Function;
 use crate::formula::Function as Call;
 use crate::math::Kernel;
+use crate::program::Operation;
 
 /// Source of the functions that a module calls.
 ///
@@ -124,6 +126,25 @@ pub(super) fn text(context: &Context<'_>) -> String {
     }
     text.push_str(&module(&needed(&context.calls.kernels.borrow())));
     text
+}
+
+/// Where a processor has no fused multiply-add, `mul_add` is a library call as slow as thirty operations.
+pub(super) fn guard(functions: &[Function]) -> &'static str {
+    let is_fused = functions
+        .iter()
+        .flat_map(|function| &function.program.instructions)
+        .any(|instruction| matches!(instruction.operation, Operation::MultiplyAdd(..)));
+    match is_fused {
+        false => "",
+        true => {
+            r#"
+#[cfg(not(any(target_feature = "fma", target_arch = "aarch64")))]
+compile_error!(
+    "these functions hold fused multiply-adds: compile them with `-C target-feature=+fma`, or generate them without"
+);
+"#
+        }
+    }
 }
 
 /// A module of its own keeps the names of helpers apart from those of a robot. Its text stays as it is: the pretty

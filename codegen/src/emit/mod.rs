@@ -81,6 +81,7 @@ pub fn module(model: &Model, functions: &[Function], options: &EmitOptions) -> S
         );
     }
     text.push_str(&math::text(&context));
+    text.push_str(math::guard(functions));
     SourceFile {
         name: context.name,
         text,

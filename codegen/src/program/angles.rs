@@ -95,7 +95,7 @@ pub(super) fn reordered(program: Program, order: &[usize]) -> Program {
         let mut instruction = program.instructions[old].clone();
         instruction.operation = match instruction.operation {
             Operation::CosineOf(pair) => Operation::CosineOf(place[pair]),
-            operation => mapped(operation, moved),
+            operation => operation.map(moved),
         };
         instruction
     });
@@ -107,19 +107,5 @@ pub(super) fn reordered(program: Program, order: &[usize]) -> Program {
         instructions: instructions.collect(),
         outputs: outputs.collect(),
         inputs: program.inputs.clone(),
-    }
-}
-
-fn mapped(operation: Operation, moved: impl Fn(Operand) -> Operand) -> Operation {
-    match operation {
-        Operation::Add(a, b) => Operation::Add(moved(a), moved(b)),
-        Operation::Subtract(a, b) => Operation::Subtract(moved(a), moved(b)),
-        Operation::Multiply(a, b) => Operation::Multiply(moved(a), moved(b)),
-        Operation::Divide(a, b) => Operation::Divide(moved(a), moved(b)),
-        Operation::Negate(a) => Operation::Negate(moved(a)),
-        Operation::MultiplyAdd(a, b, c) => Operation::MultiplyAdd(moved(a), moved(b), moved(c)),
-        Operation::SinCos(a) => Operation::SinCos(moved(a)),
-        Operation::CosineOf(pair) => Operation::CosineOf(pair),
-        Operation::Call(function, a) => Operation::Call(function, moved(a)),
     }
 }
