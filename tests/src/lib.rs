@@ -76,7 +76,7 @@ impl Robot {
             &self.function(name).program,
             inputs,
             &parameters,
-            &Functions::STD,
+            &Functions::EMBEDDED,
         )
         .unwrap_or_else(|problem| panic!("{name}: {problem}"))
     }

@@ -109,6 +109,9 @@ pub(super) struct Choices {
     /// Make mimic joints independent coordinates
     #[arg(long)]
     pub(super) ignore_mimic: bool,
+    /// Contract products and sums to fused multiply-adds; the module then compiles only for processors that have them
+    #[arg(long)]
+    pub(super) fused_multiply_add: bool,
 }
 
 /// Format of what is printed.
