@@ -81,6 +81,45 @@ fn check(what: &str, found: &[f64], expected: &[f64], tolerance: f64) {
     assert!(error <= tolerance, "{what}: relative error {error:e}");
 }
 
+/// Jacobians of inverse and forward dynamics, and the linearization that follows from them.
+fn derivatives_agree(robot: &Robot, sample: &Value) {
+    const TOLERANCE: f64 = 1e-9;
+    let get = |key: &str| numbers(&sample[key]);
+    let (y, v, a, tau) = (get("y"), get("v"), get("a"), get("tau"));
+    let inverse = robot.call(
+        "inverse_dynamics_derivatives_and_mass_matrix",
+        &[&y, &v, &a],
+    );
+    for (found, key) in inverse.iter().zip(["id", "did_dy", "did_dv", "M"]) {
+        check(key, found, &get(key), TOLERANCE);
+    }
+    let inverse = robot.call("inverse_dynamics_derivatives", &[&y, &v, &a]);
+    for (found, key) in inverse.iter().zip(["id", "did_dy", "did_dv"]) {
+        check(key, found, &get(key), TOLERANCE);
+    }
+    let forward = robot.call("forward_dynamics_derivatives", &[&y, &v, &tau]);
+    for (found, key) in forward.iter().zip(["fd", "dfd_dy", "dfd_dv", "dfd_dtau"]) {
+        check(key, found, &get(key), TOLERANCE);
+    }
+    // The drives are ideal: u are the joint forces.
+    let linear = robot.call("linearize", &[&y, &v, &tau]);
+    for (found, key) in linear.iter().zip(["dfd_dy", "dfd_dv", "dfd_dtau"]) {
+        check(key, found, &get(key), TOLERANCE);
+    }
+    let products = [
+        (&linear[0], &y),
+        (&linear[1], &v),
+        (&linear[2], &tau),
+        (&linear[3], &vec![]),
+    ];
+    let mut total = products[3].0.clone();
+    for (matrix, x) in &products[..3] {
+        total = sum(&total, &matrix_times(matrix, x));
+    }
+    // Sums of products as large as the accelerations' derivatives times the state.
+    check("A x + B u + c", &total, &get("fd"), 1e-8);
+}
+
 fn agrees_with_pinocchio(name: &str) {
     let Some(reference) = reference(&format!("{name}.json")) else {
         return;
@@ -151,6 +190,7 @@ fn agrees_with_pinocchio(name: &str) {
         check("M of all", &all[0], &get("M"), TOLERANCE);
         check("k of all", &all[1], &c, TOLERANCE);
         check("q of all", &all[2], &negative(&g), TOLERANCE);
+        derivatives_agree(&robot, sample);
         let pose = robot.call("frame_last_pose", &[&y]);
         check("p", &pose[0], &get("p"), TOLERANCE);
         check("R", &pose[1], &get("R"), TOLERANCE);

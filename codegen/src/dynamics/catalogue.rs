@@ -3,6 +3,7 @@
 use super::equations::{Equations, Formulations, Matrix};
 use super::forces;
 use super::function::Function;
+use super::newton_euler::MotionInput;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::ScalarPose;
@@ -270,6 +271,119 @@ pub const QUANTITIES: &[Quantity] = &[
         },
     },
     Quantity {
+        name: "mass_matrix_and_bias_forces",
+        summary: "Mass matrix and bias forces at once.",
+        equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
+        arguments: &[Coordinates, Velocities],
+        results: &[
+            ("M", "symmetric, positive definite, both triangles filled"),
+            (
+                "b",
+                "k − gravity_forces: what holds the accelerations at zero, without springs and friction",
+            ),
+        ],
+        notes: &["What both have in common is computed once."],
+        build: |equations, arguments| {
+            let (y, v) = (&arguments.y, &arguments.v);
+            vec![
+                matrix(equations.mass_matrix(y)),
+                vector(equations.bias_forces(y, v)),
+            ]
+        },
+    },
+    Quantity {
+        name: "inverse_dynamics_derivatives",
+        summary: "Inverse dynamics with its Jacobians.",
+        equation: "δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ",
+        arguments: &[Coordinates, Velocities, Accelerations],
+        results: &[
+            ("B u", "the forces M ÿ + k − q, on the joint side"),
+            ("∂/∂y", "row i = force i"),
+            ("∂/∂ẏ", "row i = force i, friction included"),
+        ],
+        notes: DERIVATIVE_NOTES,
+        build: |equations, Arguments { y, v, a, .. }| {
+            let result = equations.inverse_dynamics_derivatives(MotionInput { y, v, a });
+            vec![
+                vector(result.forces),
+                matrix(result.by_coordinates),
+                matrix(result.by_velocities),
+            ]
+        },
+    },
+    Quantity {
+        name: "inverse_dynamics_derivatives_and_mass_matrix",
+        summary: "Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.",
+        equation: "δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ",
+        arguments: &[Coordinates, Velocities, Accelerations],
+        results: &[
+            ("B u", "the forces M ÿ + k − q, on the joint side"),
+            ("∂/∂y", "row i = force i"),
+            ("∂/∂ẏ", "row i = force i, friction included"),
+            ("M", "symmetric, positive definite, both triangles filled"),
+        ],
+        notes: DERIVATIVE_NOTES,
+        build: |equations, Arguments { y, v, a, .. }| {
+            let result = equations.inverse_dynamics_derivatives(MotionInput { y, v, a });
+            let jacobians = [
+                result.by_coordinates,
+                result.by_velocities,
+                result.mass_matrix,
+            ]
+            .map(matrix);
+            std::iter::once(vector(result.forces))
+                .chain(jacobians)
+                .collect()
+        },
+    },
+    Quantity {
+        name: "forward_dynamics_derivatives",
+        summary: "Forward dynamics with its Jacobians.",
+        equation: "∂ÿ = −M⁻¹ ∂(M ÿ + k − q), ∂ÿ/∂(B u) = M⁻¹",
+        arguments: &[Coordinates, Velocities, Inputs],
+        results: &[
+            ("ÿ", "accelerations"),
+            ("∂ÿ/∂y", "row i = acceleration i"),
+            ("∂ÿ/∂ẏ", "row i = acceleration i"),
+            ("M⁻¹", "symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B"),
+        ],
+        notes: DERIVATIVE_NOTES,
+        build: |equations, Arguments { y, v, u, .. }| {
+            let result = equations.forward_dynamics_derivatives(y, v, u);
+            let jacobians =
+                [result.by_coordinates, result.by_velocities, result.inverse].map(matrix);
+            std::iter::once(vector(result.accelerations))
+                .chain(jacobians)
+                .collect()
+        },
+    },
+    Quantity {
+        name: "linearize",
+        summary: "Linearization of the accelerations in continuous time.",
+        equation: "ÿ ≈ A_y y + A_v ẏ + B_x u + c; with x = (y, ẏ) the upper halves of A, B_x and c are [0 I], 0 and 0",
+        arguments: &[Coordinates, Velocities, Inputs],
+        results: &[
+            ("A_y", "∂ÿ/∂y, row i = acceleration i"),
+            ("A_v", "∂ÿ/∂ẏ, row i = acceleration i"),
+            ("B_x", "∂ÿ/∂u, row i = acceleration i"),
+            ("c", "affine remainder ÿ − A_y y − A_v ẏ − B_x u"),
+        ],
+        notes: DERIVATIVE_NOTES,
+        build: |equations, Arguments { y, v, u, .. }| {
+            let result = equations.linearize(y, v, u);
+            let jacobians = [
+                result.by_coordinates,
+                result.by_velocities,
+                result.by_inputs,
+            ]
+            .map(matrix);
+            jacobians
+                .into_iter()
+                .chain([vector(result.remainder)])
+                .collect()
+        },
+    },
+    Quantity {
         name: "kinetic_energy",
         summary: "Kinetic energy, rotors included.",
         equation: "T = ½ ẏᵀ M ẏ",
@@ -292,6 +406,10 @@ pub const QUANTITIES: &[Quantity] = &[
         notes: &[],
         build: |equations, arguments| vec![scalar(equations.potential_energy(&arguments.y))],
     },
+];
+
+const DERIVATIVE_NOTES: &[&str] = &[
+    "Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).",
 ];
 
 /// How a quantity of a named frame is built.
@@ -431,6 +549,9 @@ fn derive_quantity(model: &Model, formulations: &Formulations, quantity: &Quanti
             "`sign` is exact: it jumps at zero velocity, and its derivative is taken as zero."
                 .to_owned(),
         );
+    }
+    if quantity.notes == DERIVATIVE_NOTES {
+        notes.push(formulations.derivatives.description().to_owned());
     }
     assemble(
         model,

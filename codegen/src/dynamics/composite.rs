@@ -95,7 +95,10 @@ impl<'g> Composite<'g> {
 }
 
 /// Moments in the frame before the joint, in the parent's unit of length.
-pub(super) fn before_joint<'g>(moments: MassMoments<'g>, placement: &Placement<'g>) -> MassMoments<'g> {
+pub(super) fn before_joint<'g>(
+    moments: MassMoments<'g>,
+    placement: &Placement<'g>,
+) -> MassMoments<'g> {
     MassMoments {
         mass: moments.mass * (placement.unit_ratio * placement.unit_ratio),
         first: placement.before_joint_unit(moments.first),

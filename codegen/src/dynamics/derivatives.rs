@@ -43,12 +43,25 @@ pub struct ForceDerivatives<'g> {
     pub mass_matrix: Matrix<'g>,
 }
 
+/// Where the columns of the derivatives meet the joints that they couple with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PairFrame {
+    /// In the working frame of each joint, carried there link by link.
+    Links,
+    /// In the frame of the tree's first body: nothing is carried, but every product has all its components. All bodies
+    /// need the same unit of length.
+    Root,
+}
+
 /// Derives all of them in the working frames of a formulation.
 pub fn inverse_dynamics_derivatives<'g>(
     mechanism: &Mechanism<'g>,
     formulation: &Formulation,
+    pairs: PairFrame,
     input: MotionInput<'_, 'g>,
 ) -> ForceDerivatives<'g> {
+    // Wrenches are read at every body, so none may be led past it.
+    let formulation = &formulation.without_shortcuts();
     let parts = inverse_dynamics_parts(mechanism, formulation, input);
     let zeros = vec![vec![mechanism.graph.constant(0.0); mechanism.len()]; mechanism.len()];
     let mut result = ForceDerivatives {
@@ -62,18 +75,32 @@ pub fn inverse_dynamics_derivatives<'g>(
         placements: &parts.placements,
         motions: &parts.motions,
         levers: levers(mechanism, &parts.placements, &parts.motions, input),
+        base: Vec::new(),
+    };
+    let tree = match pairs {
+        PairFrame::Links => tree,
+        PairFrame::Root => Tree {
+            base: tree.base_bodies(),
+            ..tree
+        },
     };
     let flows = tree.flows(formulation, input);
     for index in 0..mechanism.len() {
         let column = tree.column(index, &flows[index], &parts.wrenches[index]);
         tree.read_own(index, &column, &mut result);
-        if mechanism.bodies[index].parent.is_some() {
-            tree.walk(index, mechanism.bodies[index].coordinate, column, &mut result);
-        }
+        tree.walk(
+            index,
+            mechanism.bodies[index].coordinate,
+            tree.depart(index, column),
+            &mut result,
+        );
     }
     add_rotor_inertia(mechanism, &mut result.mass_matrix);
     for rotor in &mechanism.rotors {
-        let Some(carrier) = rotor.carrier.filter(|&carrier| !tree.passes(rotor.coordinate, carrier)) else {
+        let Some(carrier) = rotor
+            .carrier
+            .filter(|&carrier| !tree.passes(rotor.coordinate, carrier))
+        else {
             continue;
         };
         let mut column = Column::zero(mechanism);
@@ -117,10 +144,17 @@ fn levers<'g>(
         let mut along_velocity = twice.scaled(along);
         along_velocity.0[2] = rate * 2.0;
         let across_velocity = match body.parent {
-            Some(parent) => motions[parent].omega.cross(placements[index].translation).map(|x| x * 2.0),
+            Some(parent) => motions[parent]
+                .omega
+                .cross(placements[index].translation)
+                .map(|x| x * 2.0),
             None => Vector3::zero(zero),
         };
-        Lever { along, along_velocity, across_velocity }
+        Lever {
+            along,
+            along_velocity,
+            across_velocity,
+        }
     };
     mechanism.bodies.iter().enumerate().map(lever).collect()
 }
@@ -147,11 +181,17 @@ struct Column<'g> {
 impl<'g> Column<'g> {
     fn zero(mechanism: &Mechanism<'g>) -> Self {
         let zero = Vector3::zero(mechanism.graph.constant(0.0));
-        Self { inertial: (zero, zero), damping: (zero, zero), stiffness: (zero, zero), by_omega: zero }
+        Self {
+            inertial: (zero, zero),
+            damping: (zero, zero),
+            stiffness: (zero, zero),
+            by_omega: zero,
+        }
     }
 }
 
 /// How a coordinate and its velocity disturb the body that it moves.
+#[derive(Clone, Copy)]
 struct Disturbance<'g> {
     by_coordinate: Disturbed<'g>,
     by_velocity: Disturbed<'g>,
@@ -167,7 +207,11 @@ struct Disturbed<'g> {
 impl<'g> Flow<'g> {
     /// Force and moment about the origin that a disturbance of the body causes.
     fn response(&self, disturbed: &Disturbed<'g>) -> Wrench<'g> {
-        let Disturbed { omega, beta, acceleration } = *disturbed;
+        let Disturbed {
+            omega,
+            beta,
+            acceleration,
+        } = *disturbed;
         let moments = self.composite.moments;
         let force = acceleration.scaled(moments.mass)
             + beta.cross(moments.first)
@@ -194,6 +238,54 @@ struct Tree<'a, 'g> {
     placements: &'a [Placement<'g>],
     motions: &'a [Motion<'g>],
     levers: Vec<Lever<'g>>,
+    /// Every body as seen from the base, where the pairs meet there.
+    base: Vec<BaseBody<'g>>,
+}
+
+/// A body as seen from the root of its tree: vectors in the axes of the root's working frame, moments and accelerations
+/// at its origin, velocities relative to the base.
+#[derive(Clone, Copy)]
+struct BaseBody<'g> {
+    axes: [Vector3<'g>; 3],
+    origin: Vector3<'g>,
+    twice_velocity: Vector3<'g>,
+    /// What a unit of the joint's velocity does to points at the base's origin: angular, then linear.
+    screw: (Vector3<'g>, Vector3<'g>),
+    disturbance: Disturbance<'g>,
+}
+
+impl<'g> BaseBody<'g> {
+    fn direction(&self, v: Vector3<'g>) -> Vector3<'g> {
+        self.axes[0].scaled(v[0]) + self.axes[1].scaled(v[1]) + self.axes[2].scaled(v[2])
+    }
+
+    /// A disturbance of the body, with the acceleration of the point at the base's origin.
+    fn disturbed(&self, local: &Disturbed<'g>) -> Disturbed<'g> {
+        let (omega, beta) = (self.direction(local.omega), self.direction(local.beta));
+        let at_origin = self.direction(local.acceleration)
+            - beta.cross(self.origin)
+            - omega.cross(self.twice_velocity);
+        Disturbed {
+            omega,
+            beta,
+            acceleration: at_origin,
+        }
+    }
+
+    fn wrench(&self, (force, moment): Wrench<'g>) -> Wrench<'g> {
+        let force = self.direction(force);
+        (force, self.direction(moment) + self.origin.cross(force))
+    }
+
+    fn column(&self, column: &Column<'g>) -> Column<'g> {
+        let inertial = self.wrench(column.inertial);
+        Column {
+            inertial,
+            damping: self.wrench(column.damping),
+            stiffness: self.wrench(column.stiffness),
+            by_omega: self.direction(column.by_omega) + self.twice_velocity.cross(inertial.0),
+        }
+    }
 }
 
 impl<'g> Tree<'_, 'g> {
@@ -207,7 +299,11 @@ impl<'g> Tree<'_, 'g> {
                 let moments = self.placements[index].moments;
                 let twice = self.motions[index].omega.map(|x| x * 2.0);
                 let momentum = twice.cross(moments.first);
-                Flow { composite, momentum, spin: spin_of(twice, moments.second) }
+                Flow {
+                    composite,
+                    momentum,
+                    spin: spin_of(twice, moments.second),
+                }
             })
             .collect();
         self.add_rotor_spin(&mut flows, input);
@@ -223,32 +319,52 @@ impl<'g> Tree<'_, 'g> {
 
     /// 2P and 2K of a subtree about the parent's origin.
     fn pass_flow(&self, index: usize, flow: &Flow<'g>) -> (Vector3<'g>, Matrix3<'g>) {
-        let (body, placement, lever) =
-            (&self.mechanism.bodies[index], &self.placements[index], &self.levers[index]);
+        let (body, placement, lever) = (
+            &self.mechanism.bodies[index],
+            &self.placements[index],
+            &self.levers[index],
+        );
         let zero = lever.along.constant(0.0);
         let moments = flow.composite.moments;
         let along = Vector3([zero, zero, lever.along]);
-        let (momentum, spin) =
-            shift_flow(moments, flow.momentum, &flow.spin, along, lever.along_velocity);
+        let (momentum, spin) = shift_flow(
+            moments,
+            flow.momentum,
+            &flow.spin,
+            along,
+            lever.along_velocity,
+        );
         let moments = super::composite::before_joint(moments.lifted(lever.along), placement);
         let moments = moments.to_parent(&body.twist, Vector3::zero(zero));
         let momentum = body.twist.to_parent(placement.before_joint_unit(momentum));
         let spin = placement.turn.map_or(spin, |turn| turn_matrix(&spin, turn));
         let spin = twist_matrix(&spin, &body.twist);
-        shift_flow(moments, momentum, &spin, placement.translation, lever.across_velocity)
+        shift_flow(
+            moments,
+            momentum,
+            &spin,
+            placement.translation,
+            lever.across_velocity,
+        )
     }
 
     /// A rotor's spin i ẏ turns with its carrier: J_R i ẏ δω × a.
     fn add_rotor_spin(&self, flows: &mut [Flow<'g>], input: MotionInput<'_, 'g>) {
         for rotor in &self.mechanism.rotors {
-            let Some(carrier) = rotor.carrier else { continue };
-            let spin = self.rotor_axis(rotor, carrier).scaled(rotor.ratio * rotor.inertia * input.v[rotor.coordinate]);
+            let Some(carrier) = rotor.carrier else {
+                continue;
+            };
+            let spin = self
+                .rotor_axis(rotor, carrier)
+                .scaled(rotor.ratio * rotor.inertia * input.v[rotor.coordinate]);
             flows[carrier].spin = add3(&flows[carrier].spin, &skew(spin));
         }
     }
 
     fn rotor_axis(&self, rotor: &crate::kinematics::Rotor<'g>, carrier: usize) -> Vector3<'g> {
-        self.placements[carrier].to_body.map_or(rotor.axis, |ahead| rotor.axis.turned(ahead))
+        self.placements[carrier]
+            .to_body
+            .map_or(rotor.axis, |ahead| rotor.axis.turned(ahead))
     }
 
     /// What body `index` needs for a unit of its joint's acceleration, velocity and position.
@@ -257,8 +373,16 @@ impl<'g> Tree<'_, 'g> {
         let z = Vector3([zero, zero, zero.constant(1.0)]);
         let disturbance = self.disturbance(index);
         let unit = match self.mechanism.bodies[index].axis {
-            JointAxis::Revolute => Disturbed { omega: Vector3::zero(zero), beta: z, acceleration: Vector3::zero(zero) },
-            JointAxis::Prismatic => Disturbed { omega: Vector3::zero(zero), beta: Vector3::zero(zero), acceleration: z },
+            JointAxis::Revolute => Disturbed {
+                omega: Vector3::zero(zero),
+                beta: z,
+                acceleration: Vector3::zero(zero),
+            },
+            JointAxis::Prismatic => Disturbed {
+                omega: Vector3::zero(zero),
+                beta: Vector3::zero(zero),
+                acceleration: z,
+            },
         };
         let inertial = match self.mechanism.bodies[index].axis {
             JointAxis::Revolute => {
@@ -271,7 +395,10 @@ impl<'g> Tree<'_, 'g> {
         let mut stiffness = flow.response(&disturbance.by_coordinate);
         let by_omega = match self.mechanism.bodies[index].axis {
             JointAxis::Revolute => {
-                stiffness = (stiffness.0 + z.cross(wrench.0), stiffness.1 + z.cross(wrench.1));
+                stiffness = (
+                    stiffness.0 + z.cross(wrench.0),
+                    stiffness.1 + z.cross(wrench.1),
+                );
                 let spin = &flow.spin;
                 Vector3([-spin[2][0], -spin[2][1], spin[0][0] + spin[1][1]])
             }
@@ -281,7 +408,12 @@ impl<'g> Tree<'_, 'g> {
             }
         };
         let sign = self.mechanism.bodies[index].direction;
-        let signed = |(force, moment): Wrench<'g>| (force.map(|x| x.signed(sign)), moment.map(|x| x.signed(sign)));
+        let signed = |(force, moment): Wrench<'g>| {
+            (
+                force.map(|x| x.signed(sign)),
+                moment.map(|x| x.signed(sign)),
+            )
+        };
         Column {
             inertial: signed(inertial),
             damping: signed(flow.response(&disturbance.by_velocity)),
@@ -310,17 +442,95 @@ impl<'g> Tree<'_, 'g> {
                 },
             },
             JointAxis::Prismatic => Disturbance {
-                by_coordinate: Disturbed { omega: nothing, beta: nothing, acceleration: axis_points },
-                by_velocity: Disturbed { omega: nothing, beta: nothing, acceleration: twice_across(w) },
+                by_coordinate: Disturbed {
+                    omega: nothing,
+                    beta: nothing,
+                    acceleration: axis_points,
+                },
+                by_velocity: Disturbed {
+                    omega: nothing,
+                    beta: nothing,
+                    acceleration: twice_across(w),
+                },
             },
         }
     }
 
+    /// Every body as seen from the base.
+    fn base_bodies(&self) -> Vec<BaseBody<'g>> {
+        let mut bodies: Vec<BaseBody<'g>> = Vec::with_capacity(self.mechanism.len());
+        for (index, body) in self.mechanism.bodies.iter().enumerate() {
+            let (placement, lever) = (&self.placements[index], &self.levers[index]);
+            let zero = lever.along.constant(0.0);
+            let one = zero.constant(1.0);
+            let unit = [[one, zero, zero], [zero, one, zero], [zero, zero, one]].map(Vector3);
+            let (axes, origin, velocity) = match body.parent {
+                Some(parent) => {
+                    let parent = &bodies[parent];
+                    let origin = parent.origin + parent.direction(placement.translation);
+                    let velocity = parent.twice_velocity + parent.direction(lever.across_velocity);
+                    // Column k of R is what the twist makes of the unit vector k, turned afterwards.
+                    let [x, y, z] = unit.map(|axis| parent.direction(body.twist.to_parent(axis)));
+                    match placement.turn {
+                        Some((s, c)) => (
+                            [x.scaled(c) + y.scaled(s), y.scaled(c) - x.scaled(s), z],
+                            origin,
+                            velocity,
+                        ),
+                        None => ([x, y, z], origin, velocity),
+                    }
+                }
+                None => (
+                    unit,
+                    -Vector3([zero, zero, lever.along]),
+                    Vector3::zero(zero),
+                ),
+            };
+            let mut seen = BaseBody {
+                axes,
+                origin: origin + axes[2].scaled(lever.along),
+                twice_velocity: velocity,
+                screw: (axes[2], axes[2]),
+                disturbance: self.disturbance(index),
+            };
+            seen.twice_velocity = seen.twice_velocity + seen.direction(lever.along_velocity);
+            seen.screw = match body.axis {
+                JointAxis::Revolute => (axes[2], seen.origin.cross(axes[2])),
+                JointAxis::Prismatic => (Vector3::zero(zero), axes[2]),
+            };
+            let Disturbance {
+                by_coordinate,
+                by_velocity,
+            } = seen.disturbance;
+            seen.disturbance = Disturbance {
+                by_coordinate: seen.disturbed(&by_coordinate),
+                by_velocity: seen.disturbed(&by_velocity),
+            };
+            bodies.push(seen);
+        }
+        bodies
+    }
+
+    /// A column where it starts its way to the base.
+    fn depart(&self, index: usize, column: Column<'g>) -> Column<'g> {
+        self.base
+            .get(index)
+            .map_or(column, |body| body.column(&column))
+    }
+
     /// Carries a column from a body to the base and reads off the entries at every joint that it passes.
-    fn walk(&self, start: usize, coordinate: usize, mut column: Column<'g>, result: &mut ForceDerivatives<'g>) {
+    fn walk(
+        &self,
+        start: usize,
+        coordinate: usize,
+        mut column: Column<'g>,
+        result: &mut ForceDerivatives<'g>,
+    ) {
         let mut index = start;
         while let Some(parent) = self.mechanism.bodies[index].parent {
-            column = self.pass_on(index, &column);
+            if self.base.is_empty() {
+                column = self.pass_on(index, &column);
+            }
             index = parent;
             self.add_rotor_coupling(index, coordinate, &mut column);
             self.read_off(index, coordinate, &column, result);
@@ -330,9 +540,24 @@ impl<'g> Tree<'_, 'g> {
     /// The entries of the column's own joint.
     fn read_own(&self, index: usize, values: &Column<'g>, result: &mut ForceDerivatives<'g>) {
         let own = self.mechanism.bodies[index].coordinate;
-        add(&mut result.mass_matrix, own, own, self.at_joint(index, values.inertial));
-        add(&mut result.by_velocities, own, own, self.at_joint(index, values.damping));
-        add(&mut result.by_coordinates, own, own, self.at_joint(index, values.stiffness));
+        add(
+            &mut result.mass_matrix,
+            own,
+            own,
+            self.at_joint(index, values.inertial),
+        );
+        add(
+            &mut result.by_velocities,
+            own,
+            own,
+            self.at_joint(index, values.damping),
+        );
+        add(
+            &mut result.by_coordinates,
+            own,
+            own,
+            self.at_joint(index, values.stiffness),
+        );
     }
 
     /// What a wrench exerts on the joint of a body.
@@ -345,28 +570,73 @@ impl<'g> Tree<'_, 'g> {
         entry.signed(body.direction)
     }
 
+    /// What a wrench on its way exerts on the joint of a body.
+    fn met_by(&self, index: usize, wrench: Wrench<'g>) -> Scalar<'g> {
+        match self.base.get(index) {
+            None => self.at_joint(index, wrench),
+            Some(body) => {
+                let (angular, linear) = body.screw;
+                let entry = angular.dot(wrench.1) + linear.dot(wrench.0);
+                entry.signed(self.mechanism.bodies[index].direction)
+            }
+        }
+    }
+
     /// The entries that couple the column's joint with another one.
-    fn read_off(&self, index: usize, column: usize, values: &Column<'g>, result: &mut ForceDerivatives<'g>) {
+    fn read_off(
+        &self,
+        index: usize,
+        column: usize,
+        values: &Column<'g>,
+        result: &mut ForceDerivatives<'g>,
+    ) {
         let body = &self.mechanism.bodies[index];
         let row = body.coordinate;
-        let inertial = self.at_joint(index, values.inertial);
+        let inertial = self.met_by(index, values.inertial);
         add(&mut result.mass_matrix, row, column, inertial);
         add(&mut result.mass_matrix, column, row, inertial);
-        add(&mut result.by_velocities, row, column, self.at_joint(index, values.damping));
-        add(&mut result.by_coordinates, row, column, self.at_joint(index, values.stiffness));
-        let disturbance = self.disturbance(index);
+        add(
+            &mut result.by_velocities,
+            row,
+            column,
+            self.met_by(index, values.damping),
+        );
+        add(
+            &mut result.by_coordinates,
+            row,
+            column,
+            self.met_by(index, values.stiffness),
+        );
+        let disturbance = self
+            .base
+            .get(index)
+            .map_or_else(|| self.disturbance(index), |body| body.disturbance);
         let gain = |disturbed: Disturbed<'g>| {
             let (force, moment) = values.inertial;
             let by_motion = moment.dot(disturbed.beta) + force.dot(disturbed.acceleration);
             (values.by_omega.dot(disturbed.omega) + by_motion).signed(body.direction)
         };
-        add(&mut result.by_coordinates, column, row, gain(disturbance.by_coordinate));
-        add(&mut result.by_velocities, column, row, gain(disturbance.by_velocity));
+        add(
+            &mut result.by_coordinates,
+            column,
+            row,
+            gain(disturbance.by_coordinate),
+        );
+        add(
+            &mut result.by_velocities,
+            column,
+            row,
+            gain(disturbance.by_velocity),
+        );
     }
 
     /// Whether the path from a coordinate's joint to the base passes a body, after the joint itself.
     fn passes(&self, coordinate: usize, body: usize) -> bool {
-        let own = self.mechanism.bodies.iter().position(|other| other.coordinate == coordinate);
+        let own = self
+            .mechanism
+            .bodies
+            .iter()
+            .position(|other| other.coordinate == coordinate);
         let mut next = own.and_then(|index| self.mechanism.bodies[index].parent);
         while let Some(index) = next {
             if index == body {
@@ -378,10 +648,20 @@ impl<'g> Tree<'_, 'g> {
     }
 
     fn add_rotor_coupling(&self, index: usize, coordinate: usize, column: &mut Column<'g>) {
-        let rotors = self.mechanism.rotors.iter().filter(|r| r.carrier == Some(index) && r.coordinate == coordinate);
+        let rotors = self
+            .mechanism
+            .rotors
+            .iter()
+            .filter(|r| r.carrier == Some(index) && r.coordinate == coordinate);
         for rotor in rotors {
-            let axis = self.rotor_axis(rotor, index).scaled(rotor.ratio * rotor.inertia);
+            let axis = self
+                .rotor_axis(rotor, index)
+                .scaled(rotor.ratio * rotor.inertia);
             let swept = self.motions[index].omega.cross(axis);
+            let (axis, swept) = match self.base.get(index) {
+                Some(body) => (body.direction(axis), body.direction(swept)),
+                None => (axis, swept),
+            };
             column.inertial.1 = column.inertial.1 + axis;
             column.damping.1 = column.damping.1 + swept;
             column.by_omega = column.by_omega + swept;
@@ -389,21 +669,34 @@ impl<'g> Tree<'_, 'g> {
     }
 
     fn pass_on(&self, index: usize, column: &Column<'g>) -> Column<'g> {
-        let (body, placement, lever) =
-            (&self.mechanism.bodies[index], &self.placements[index], &self.levers[index]);
+        let (body, placement, lever) = (
+            &self.mechanism.bodies[index],
+            &self.placements[index],
+            &self.levers[index],
+        );
         let zero = lever.along.constant(0.0);
         let along = Vector3([zero, zero, lever.along]);
-        let force_to_parent = |force: Vector3<'g>| body.twist.to_parent(placement.before_joint_unit(force));
+        let force_to_parent =
+            |force: Vector3<'g>| body.twist.to_parent(placement.before_joint_unit(force));
         let pass = |(force, moment): Wrench<'g>| {
             let lifted = moment + along.cross(force);
             let arrived = force_to_parent(force);
-            (arrived, placement.to_parent(&body.twist, lifted) + placement.translation.cross(arrived))
+            (
+                arrived,
+                placement.to_parent(&body.twist, lifted) + placement.translation.cross(arrived),
+            )
         };
         let force = column.inertial.0;
         let lifted = column.by_omega + lever.along_velocity.cross(force);
         let inertial = pass(column.inertial);
-        let by_omega = placement.to_parent(&body.twist, lifted) + lever.across_velocity.cross(inertial.0);
-        Column { inertial, damping: pass(column.damping), stiffness: pass(column.stiffness), by_omega }
+        let by_omega =
+            placement.to_parent(&body.twist, lifted) + lever.across_velocity.cross(inertial.0);
+        Column {
+            inertial,
+            damping: pass(column.damping),
+            stiffness: pass(column.stiffness),
+            by_omega,
+        }
     }
 }
 
@@ -414,7 +707,8 @@ fn add<'g>(matrix: &mut Matrix<'g>, row: usize, column: usize, entry: Scalar<'g>
 /// `ω× Σ`
 fn spin_of<'g>(omega: Vector3<'g>, second: Symmetric3<'g>) -> Matrix3<'g> {
     let s = second;
-    let columns = [[s.xx, s.xy, s.xz], [s.xy, s.yy, s.yz], [s.xz, s.yz, s.zz]].map(|column| omega.cross(Vector3(column)));
+    let columns = [[s.xx, s.xy, s.xz], [s.xy, s.yy, s.yz], [s.xz, s.yz, s.zz]]
+        .map(|column| omega.cross(Vector3(column)));
     std::array::from_fn(|row| std::array::from_fn(|column| columns[column][row]))
 }
 
@@ -427,8 +721,12 @@ fn shift_flow<'g>(
     velocity: Vector3<'g>,
 ) -> (Vector3<'g>, Matrix3<'g>) {
     let moved = momentum + velocity.scaled(moments.mass);
-    let entry = |i: usize, j: usize| spin[i][j] + (moved[i] * lever[j] + velocity[i] * moments.first[j]);
-    (moved, std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))))
+    let entry =
+        |i: usize, j: usize| spin[i][j] + (moved[i] * lever[j] + velocity[i] * moments.first[j]);
+    (
+        moved,
+        std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))),
+    )
 }
 
 /// `R_z(φ) A R_z(φ)ᵀ`
@@ -449,7 +747,11 @@ fn turn_matrix<'g>(a: &Matrix3<'g>, (s, c): (Scalar<'g>, Scalar<'g>)) -> Matrix3
 fn twist_matrix<'g>(a: &Matrix3<'g>, twist: &crate::kinematics::Twist) -> Matrix3<'g> {
     let columns: [Vector3<'g>; 3] =
         std::array::from_fn(|j| twist.to_parent(Vector3([a[0][j], a[1][j], a[2][j]])));
-    std::array::from_fn(|i| twist.to_parent(Vector3([columns[0][i], columns[1][i], columns[2][i]])).0)
+    std::array::from_fn(|i| {
+        twist
+            .to_parent(Vector3([columns[0][i], columns[1][i], columns[2][i]]))
+            .0
+    })
 }
 
 fn add3<'g>(a: &Matrix3<'g>, b: &Matrix3<'g>) -> Matrix3<'g> {
@@ -459,5 +761,9 @@ fn add3<'g>(a: &Matrix3<'g>, b: &Matrix3<'g>) -> Matrix3<'g> {
 /// `v×`
 fn skew(v: Vector3<'_>) -> Matrix3<'_> {
     let zero = v[0].constant(0.0);
-    [[zero, -v[2], v[1]], [v[2], zero, -v[0]], [-v[1], v[0], zero]]
+    [
+        [zero, -v[2], v[1]],
+        [v[2], zero, -v[0]],
+        [-v[1], v[0], zero],
+    ]
 }

@@ -1,12 +1,13 @@
 //! The equations of motion of one robot over a graph: every quantity once, from the cheapest formulation.
 
 use super::composite;
+use super::derivatives::{ForceDerivatives, PairFrame, inverse_dynamics_derivatives};
 use super::factorization::Factorization;
 use super::forces;
 use super::formulation::{Formulation, SearchSpace, cheapest};
 use super::frame_motion::BasePoses;
 use super::newton_euler::{self, MotionInput};
-use crate::graph::{Cost, Edge, Graph, Scalar, Vector3};
+use crate::graph::{Cost, Edge, Graph, Scalar, Vector3, differentiate, substitute};
 use crate::kinematics::{Mechanism, RegroupChoice};
 use crate::model::Model;
 
@@ -22,51 +23,240 @@ pub struct Formulations {
     pub bias_forces: Formulation,
     /// Of the mass matrix.
     pub mass_matrix: Formulation,
+    /// Of gravity alone.
+    pub gravity_forces: Formulation,
+    /// Of the derivatives of the inverse dynamics.
+    pub derivatives: DerivativeRoute,
+}
+
+/// How the inverse dynamics are differentiated.
+#[derive(Debug, Clone, PartialEq)]
+pub enum DerivativeRoute {
+    /// By the program of the inverse dynamics, forwards.
+    Forward,
+    /// By composite bodies.
+    Composite(Formulation, PairFrame),
 }
 
 impl Formulations {
     /// Searches for them.
     pub fn search(model: &Model) -> Self {
         let space = SearchSpace::new(model);
-        let recursive = |accelerated: bool| {
-            cheapest(&space, |formulation| {
-                weigh(model, |graph, y, v, a| {
-                    let still = vec![graph.constant(0.0); a.len()];
-                    let a = if accelerated { a } else { &still };
-                    let mechanism = formulation.mechanism(graph, model);
-                    newton_euler::inverse_dynamics(&mechanism, formulation, MotionInput { y, v, a })
-                })
-            })
-        };
+        let inverse_dynamics = cheapest(&space, |formulation| {
+            recursion(model, formulation, Moving::Accelerated)
+        });
+        let derivatives = Self::cheapest_derivatives(model, &space, &inverse_dynamics);
         Self {
-            inverse_dynamics: recursive(true),
-            bias_forces: recursive(false),
+            inverse_dynamics,
+            bias_forces: cheapest(&space, |formulation| {
+                recursion(model, formulation, Moving::Steadily)
+            }),
+            gravity_forces: cheapest(&space, |formulation| {
+                recursion(model, formulation, Moving::Not)
+            }),
             mass_matrix: cheapest(&space, |formulation| {
-                weigh(model, |graph, y, _, _| {
+                weigh(model, |graph, input| {
                     let mechanism = formulation.mechanism(graph, model);
-                    composite::mass_matrix(&mechanism, formulation, y).concat()
+                    composite::mass_matrix(&mechanism, formulation, input.y).concat()
                 })
             }),
+            derivatives,
+        }
+    }
+
+    fn cheapest_derivatives(
+        model: &Model,
+        space: &SearchSpace,
+        inverse: &Formulation,
+    ) -> DerivativeRoute {
+        let weight = |route: &DerivativeRoute| {
+            weigh(model, |graph, input| {
+                let result = route.derive(graph, model, inverse, input);
+                [
+                    result.forces,
+                    result.by_coordinates.concat(),
+                    result.by_velocities.concat(),
+                ]
+                .concat()
+            })
+        };
+        let composite = |formulation: &Formulation, pairs| {
+            DerivativeRoute::Composite(formulation.clone(), pairs)
+        };
+        let links = cheapest(space, |formulation| {
+            weight(&composite(formulation, PairFrame::Links))
+        });
+        let mut routes = vec![
+            composite(&links, PairFrame::Links),
+            composite(&inverse.massless(), PairFrame::Links),
+            composite(&inverse.massless().in_metres(), PairFrame::Root),
+        ];
+        if model.coordinates.len() <= LARGEST_FORWARD {
+            routes.push(DerivativeRoute::Forward);
+        }
+        let best = routes
+            .iter()
+            .enumerate()
+            .min_by_key(|(_, route)| weight(route).0)
+            .map_or(0, |(index, _)| index);
+        routes.swap_remove(best)
+    }
+}
+
+/// Forward differentiation of the program never paid beyond three joints.
+const LARGEST_FORWARD: usize = 4;
+
+impl DerivativeRoute {
+    fn derive<'g>(
+        &self,
+        graph: &'g Graph,
+        model: &Model,
+        inverse: &Formulation,
+        input: MotionInput<'_, 'g>,
+    ) -> ForceDerivatives<'g> {
+        match self {
+            Self::Composite(formulation, pairs) => inverse_dynamics_derivatives(
+                &formulation.mechanism(graph, model),
+                formulation,
+                *pairs,
+                input,
+            ),
+            Self::Forward => differentiate_forwards(graph, model, inverse, input),
+        }
+    }
+
+    /// What the documentation says about it.
+    pub fn description(&self) -> &'static str {
+        match self {
+            Self::Forward => "Forward differentiation of the inverse dynamics was cheapest.",
+            Self::Composite(_, PairFrame::Links) => {
+                "Composite bodies with pairs of joints in link frames were cheapest."
+            }
+            Self::Composite(_, PairFrame::Root) => {
+                "Composite bodies with pairs of joints in the frame of the first body were cheapest."
+            }
         }
     }
 }
 
+/// Inverse dynamics and its derivatives by their program, at accelerations that may themselves depend on the state.
+fn differentiate_forwards<'g>(
+    graph: &'g Graph,
+    model: &Model,
+    formulation: &Formulation,
+    input: MotionInput<'_, 'g>,
+) -> ForceDerivatives<'g> {
+    let MotionInput { y, v, a } = input;
+    let free: Vec<_> = (0..a.len())
+        .map(|k| graph.input(FREE_ACCELERATIONS, k))
+        .collect();
+    let mechanism = formulation.mechanism(graph, model);
+    let forces =
+        newton_euler::inverse_dynamics(&mechanism, formulation, MotionInput { y, v, a: &free });
+    let at = |matrix: Matrix<'g>| -> Matrix<'g> {
+        matrix
+            .iter()
+            .map(|row| substitute(graph, row, &free, a))
+            .collect()
+    };
+    ForceDerivatives {
+        by_coordinates: at(jacobian(graph, &forces, y)),
+        by_velocities: at(jacobian(graph, &forces, v)),
+        mass_matrix: at(jacobian(graph, &forces, &free)),
+        forces: substitute(graph, &forces, &free, a),
+    }
+}
+
+/// Input array that no function has: it stands for the accelerations while they are differentiated by.
+const FREE_ACCELERATIONS: usize = 1 << 20;
+
+/// `∂ results / ∂ variables`, row i = result i.
+pub fn jacobian<'g>(
+    graph: &'g Graph,
+    results: &[Scalar<'g>],
+    variables: &[Scalar<'g>],
+) -> Matrix<'g> {
+    let columns: Vec<_> = variables
+        .iter()
+        .map(|&variable| differentiate(graph, results, variable))
+        .collect();
+    (0..results.len())
+        .map(|row| columns.iter().map(|column| column[row]).collect())
+        .collect()
+}
+
+/// What moves when a recursion is weighed.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Moving {
+    /// Velocities and accelerations.
+    Accelerated,
+    /// Velocities.
+    Steadily,
+    /// Nothing.
+    Not,
+}
+
+/// Weight of the recursive equations.
+fn recursion(model: &Model, formulation: &Formulation, moving: Moving) -> (u64, usize) {
+    weigh(model, |graph, MotionInput { y, v, a }| {
+        let still = vec![graph.constant(0.0); y.len()];
+        let input = match moving {
+            Moving::Accelerated => MotionInput { y, v, a },
+            Moving::Steadily => MotionInput { y, v, a: &still },
+            Moving::Not => MotionInput {
+                y,
+                v: &still,
+                a: &still,
+            },
+        };
+        newton_euler::inverse_dynamics(&formulation.mechanism(graph, model), formulation, input)
+    })
+}
+
 /// Weight of a computation, and the nodes that it took.
-fn weigh<'g, F>(model: &Model, build: F) -> (u64, usize)
+fn weigh<F>(model: &Model, build: F) -> (u64, usize)
 where
-    F: for<'a> FnOnce(&'a Graph, &[Scalar<'a>], &[Scalar<'a>], &[Scalar<'a>]) -> Vec<Scalar<'a>>,
+    F: for<'a> FnOnce(&'a Graph, MotionInput<'_, 'a>) -> Vec<Scalar<'a>>,
 {
     let graph = Graph::new();
-    let arrays: [Vec<_>; 3] = [0, 1, 2].map(|array| {
+    let [y, v, a]: [Vec<_>; 3] = [0, 1, 2].map(|array| {
         (0..model.coordinates.len())
             .map(|k| graph.input(array, k))
             .collect()
     });
-    let results: Vec<Edge> = build(&graph, &arrays[0], &arrays[1], &arrays[2])
-        .iter()
-        .map(|x| x.edge())
-        .collect();
+    let input = MotionInput {
+        y: &y,
+        v: &v,
+        a: &a,
+    };
+    let results: Vec<Edge> = build(&graph, input).iter().map(|x| x.edge()).collect();
     (Cost::of(&graph, &results).weight(), graph.len())
+}
+
+/// Accelerations and their derivatives.
+#[derive(Debug, Clone)]
+pub struct AccelerationDerivatives<'g> {
+    /// ÿ
+    pub accelerations: Vec<Scalar<'g>>,
+    /// ∂ÿ/∂y
+    pub by_coordinates: Matrix<'g>,
+    /// ∂ÿ/∂ẏ
+    pub by_velocities: Matrix<'g>,
+    /// M⁻¹
+    pub inverse: Matrix<'g>,
+}
+
+/// `ÿ = A_y y + A_v ẏ + B_x u + c`
+#[derive(Debug, Clone)]
+pub struct AffineAccelerations<'g> {
+    /// A_y
+    pub by_coordinates: Matrix<'g>,
+    /// A_v
+    pub by_velocities: Matrix<'g>,
+    /// B_x
+    pub by_inputs: Matrix<'g>,
+    /// c
+    pub remainder: Vec<Scalar<'g>>,
 }
 
 /// The equations of motion of a model on one graph.
@@ -125,7 +315,7 @@ impl<'g> Equations<'_, 'g> {
     pub fn gravity_forces(&self, y: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let still = self.zeros();
         let held = self.recursive(
-            &self.formulations.bias_forces,
+            &self.formulations.gravity_forces,
             MotionInput {
                 y,
                 v: &still,
@@ -187,6 +377,101 @@ impl<'g> Equations<'_, 'g> {
             true,
         );
         subtract(&bodies, &self.joint_forces(y, v))
+    }
+
+    /// `M ÿ + k − q` with its derivatives by y and ẏ, and M.
+    pub fn inverse_dynamics_derivatives(&self, input: MotionInput<'_, 'g>) -> ForceDerivatives<'g> {
+        let Formulations {
+            derivatives,
+            inverse_dynamics,
+            ..
+        } = self.formulations;
+        let mut result = derivatives.derive(self.graph, self.model, inverse_dynamics, input);
+        let joint = self.joint_forces(input.y, input.v);
+        for (row, &force) in joint.iter().enumerate() {
+            // What acts on single joints has diagonal derivatives.
+            let by = |variable| differentiate(self.graph, &[force], variable)[0];
+            let (y, v) = (
+                &mut result.by_coordinates[row][row],
+                &mut result.by_velocities[row][row],
+            );
+            (*y, *v) = (*y - by(input.y[row]), *v - by(input.v[row]));
+        }
+        result.forces = subtract(&result.forces, &joint);
+        result
+    }
+
+    /// Accelerations with their derivatives by y, ẏ and the joint forces (M⁻¹).
+    pub fn forward_dynamics_derivatives(
+        &self,
+        y: &[Scalar<'g>],
+        v: &[Scalar<'g>],
+        u: &[Scalar<'g>],
+    ) -> AccelerationDerivatives<'g> {
+        let matrix = self.mass_matrix(y);
+        let factorization = Factorization::new(&Mechanism::new(self.graph, self.model), &matrix);
+        let driving: Vec<_> = self
+            .input_forces(u)
+            .into_iter()
+            .zip(self.joint_forces(y, v))
+            .map(|(a, b)| a + b)
+            .collect();
+        let accelerations = factorization.solve(&subtract(&driving, &self.bias_forces(y, v)));
+        let forces = self.inverse_dynamics_derivatives(MotionInput {
+            y,
+            v,
+            a: &accelerations,
+        });
+        let inverse = factorization.inverse(self.graph);
+        AccelerationDerivatives {
+            by_coordinates: factorization.solve_negative(&forces.by_coordinates),
+            by_velocities: factorization.solve_negative(&forces.by_velocities),
+            inverse,
+            accelerations,
+        }
+    }
+
+    /// `ÿ = A_y y + A_v ẏ + B_x u + c` at a state and input.
+    pub fn linearize(
+        &self,
+        y: &[Scalar<'g>],
+        v: &[Scalar<'g>],
+        u: &[Scalar<'g>],
+    ) -> AffineAccelerations<'g> {
+        let derivatives = self.forward_dynamics_derivatives(y, v, u);
+        let input_matrix = forces::input_matrix(self.graph, self.model);
+        let zero = self.graph.constant(0.0);
+        let by_inputs: Matrix<'g> = derivatives
+            .inverse
+            .iter()
+            .map(|row| {
+                (0..u.len())
+                    .map(|j| {
+                        row.iter()
+                            .zip(&input_matrix)
+                            .fold(zero, |sum, (&x, b)| sum + x * b[j])
+                    })
+                    .collect()
+            })
+            .collect();
+        let remainder = (0..y.len()).map(|i| {
+            let known = dot(self.graph, &derivatives.by_coordinates[i], y)
+                + dot(self.graph, &derivatives.by_velocities[i], v)
+                + dot(self.graph, &by_inputs[i], u);
+            derivatives.accelerations[i] - known
+        });
+        let remainder = remainder.collect();
+        let AccelerationDerivatives {
+            by_coordinates,
+            by_velocities,
+            ..
+        } = derivatives;
+        AffineAccelerations {
+            by_coordinates,
+            by_velocities,
+            by_inputs,
+            remainder,
+        }
     }
 
     /// `B u`

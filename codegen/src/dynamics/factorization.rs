@@ -3,7 +3,7 @@
 //! Eliminated from the leaves to the base, the factor keeps the zeros of M between branches (Featherstone 2005;
 //! 2008, section 6.5).
 
-use crate::graph::Scalar;
+use crate::graph::{Graph, Scalar};
 use crate::kinematics::Mechanism;
 
 /// The factors of a mass matrix; rows and columns in the order of the bodies.
@@ -59,6 +59,34 @@ impl<'g> Factorization<'g> {
             ancestors: couplings,
             coordinates,
         }
+    }
+
+    /// `M⁻¹`
+    pub fn inverse(&self, graph: &'g Graph) -> Vec<Vec<Scalar<'g>>> {
+        let count = self.coordinates.len();
+        let unit = |k: usize| {
+            (0..count)
+                .map(|i| graph.constant(if i == k { 1.0 } else { 0.0 }))
+                .collect::<Vec<_>>()
+        };
+        let mut inverse: Vec<Vec<Scalar<'g>>> = (0..count).map(|k| self.solve(&unit(k))).collect();
+        // Symmetric: one triangle serves both.
+        for i in 0..count {
+            for j in 0..i {
+                inverse[i][j] = inverse[j][i];
+            }
+        }
+        inverse
+    }
+
+    /// `−M⁻¹ right`
+    pub fn solve_negative(&self, right: &[Vec<Scalar<'g>>]) -> Vec<Vec<Scalar<'g>>> {
+        let columns: Vec<_> = (0..right.len())
+            .map(|j| self.solve(&right.iter().map(|row| -row[j]).collect::<Vec<_>>()))
+            .collect();
+        (0..right.len())
+            .map(|i| columns.iter().map(|column| column[i]).collect())
+            .collect()
     }
 
     /// The solution of `M x = right`, by coordinates.

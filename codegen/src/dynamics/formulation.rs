@@ -103,6 +103,29 @@ impl Formulation {
         mechanism
     }
 
+    /// This formulation with massless bodies.
+    pub fn massless(&self) -> Self {
+        let mut next = self.clone();
+        next.bodies
+            .iter_mut()
+            .for_each(|body| body.regroup = RegroupChoice::Massless);
+        next
+    }
+
+    /// This formulation with every moment passed on to the parent.
+    pub fn without_shortcuts(&self) -> Self {
+        let mut next = self.clone();
+        next.bodies
+            .iter_mut()
+            .for_each(|body| body.sink = RunLink::Parent);
+        next
+    }
+
+    /// This formulation in metres.
+    pub fn in_metres(&self) -> Self {
+        self.with_unit(1.0)
+    }
+
     /// This formulation with another choice for one body.
     fn with_body(&self, index: usize, choices: BodyChoices) -> Self {
         let mut next = self.clone();
@@ -120,7 +143,7 @@ impl Formulation {
     }
 
     /// This formulation with each body's own length of this rank as its unit.
-    fn with_own_units(&self, space: &SearchSpace, rank: usize) -> Self {
+    pub fn with_own_units(&self, space: &SearchSpace, rank: usize) -> Self {
         let mut next = self.clone();
         for (body, options) in next.bodies.iter_mut().zip(&space.bodies) {
             body.length_unit = options

@@ -73,12 +73,33 @@ pub(super) fn inverse_dynamics_parts<'g>(
 ) -> InverseDynamicsParts<'g> {
     let placements = place(mechanism, formulation, input.y);
     let motions = motions(mechanism, formulation, &placements, input);
-    let mut wrenches: Vec<Wrench<'g>> =
-        motions.iter().zip(&placements).map(|(motion, placement)| own_force(motion, placement)).collect();
+    let mut wrenches: Vec<Wrench<'g>> = motions
+        .iter()
+        .zip(&placements)
+        .map(|(motion, placement)| own_force(motion, placement))
+        .collect();
     let mut generalized = vec![mechanism.graph.constant(0.0); mechanism.len()];
-    add_rotors(mechanism, &placements, &motions, input, &mut wrenches, &mut generalized);
-    gather(mechanism, formulation, &placements, &mut wrenches, &mut generalized);
-    InverseDynamicsParts { placements, motions, wrenches, generalized }
+    add_rotors(
+        mechanism,
+        &placements,
+        &motions,
+        input,
+        &mut wrenches,
+        &mut generalized,
+    );
+    gather(
+        mechanism,
+        formulation,
+        &placements,
+        &mut wrenches,
+        &mut generalized,
+    );
+    InverseDynamicsParts {
+        placements,
+        motions,
+        wrenches,
+        generalized,
+    }
 }
 
 /// Linear and angular acceleration of a point fixed to a body, in the body's own frame; without gravity. The mechanism

@@ -12,7 +12,7 @@ mod vector;
 
 pub use build::Graph;
 pub use cost::Cost;
-pub use differentiate::differentiate;
+pub use differentiate::{differentiate, substitute};
 pub use node::{Edge, Node};
 pub use scalar::Scalar;
 pub use vector::{Symmetric3, Vector3};
