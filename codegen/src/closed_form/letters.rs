@@ -240,7 +240,7 @@ impl<'m> Letters<'m> {
             &mass.mass,
             "m",
             &index.to_string(),
-            &format!("mass that {name} moves first [kg]"),
+            &format!("mass of what {name} carries [kg]"),
         );
         let center = self.vector(
             &mass.center,
