@@ -7,6 +7,7 @@ use crate::dynamics::catalogue;
 use crate::dynamics::function::Function;
 use crate::emit::{self, EmitOptions, SourceFile};
 use crate::model::{self, Loaded, Model, ReadOptions};
+use crate::program::fuse_multiply_adds;
 
 /// What the caller may ask for beyond the description.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -19,6 +20,9 @@ pub struct GenerateOptions {
     pub no_friction: bool,
     /// Makes mimic joints independent coordinates.
     pub ignore_mimic: bool,
+    /// Contracts products and sums to fused multiply-adds, rounded once: faster where the processor has them, and
+    /// compiled only there.
+    pub fused_multiply_add: bool,
     /// How the module is written.
     pub emit: EmitOptions,
 }
@@ -79,5 +83,11 @@ fn derive(model: &Model, options: &GenerateOptions) -> Result<Vec<Function>, Dia
         true => &model.options.functions,
         false => &options.functions,
     };
-    catalogue::derive(model, selection)
+    let mut functions = catalogue::derive(model, selection)?;
+    if options.fused_multiply_add {
+        for function in &mut functions {
+            function.program = fuse_multiply_adds(&function.program);
+        }
+    }
+    Ok(functions)
 }

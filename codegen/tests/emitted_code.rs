@@ -12,8 +12,7 @@ use std::process::Command;
 
 use common::{chain, every_operation, mass_matrix, parameter, powercube, rustc, synthetic};
 use gelenk_codegen::dynamics::function::Function;
-use gelenk_codegen::emit::{self, EmitOptions, Math, MathText, Scalar};
-use gelenk_codegen::formula::Function as Call;
+use gelenk_codegen::emit::{self, EmitOptions, Math, Scalar};
 use gelenk_codegen::model::{JointKind, Model};
 use gelenk_codegen::program::interpret::{Functions, interpret};
 use gelenk_codegen::program::{Operand, Operation, Output, Program, Shape};
@@ -158,7 +157,7 @@ fn assert_interpreter_agrees(
     assert_eq!(compiled.len(), samples.len());
     for (sample, bits) in samples.iter().zip(compiled) {
         let inputs: Vec<&[f64]> = sample.iter().map(Vec::as_slice).collect();
-        let results = interpret(&function.program, &inputs, &[], &Functions::STD).unwrap();
+        let results = interpret(&function.program, &inputs, &[], &Functions::EMBEDDED).unwrap();
         assert_same_bits(&results.concat(), &bits);
     }
 }
@@ -234,66 +233,94 @@ fn no_text_of_a_description_becomes_code() {
     assert_compiles("evil", &text);
 }
 
-/// Stand-ins that no std function equals, so that a call of the wrong one shows.
-const STAND_INS: &[MathText] = &[
-    MathText {
-        name: "half",
-        text: "/// Half.\nfn half(x: f64) -> f64 {\n    // A comment.\n    0.5 * x\n}",
-        requires: &[],
-    },
-    MathText {
-        name: "sin_cos",
-        text: "pub fn sin_cos(x: f64) -> (f64, f64) { (half(x), x - 1.5) }",
-        requires: &["half"],
-    },
-    MathText {
-        name: "tanh",
-        text: "pub fn tanh(x: f64) -> f64 { x + 3.0 }",
-        requires: &[],
-    },
-    MathText {
-        name: "exp",
-        text: "pub fn exp(x: f64) -> f64 { x * 7.0 }",
-        requires: &[],
-    },
-    MathText {
-        name: "tanh_f32",
-        text: "pub fn tanh_f32(x: f32) -> f32 { x }",
-        requires: &[],
-    },
-];
-
 #[test]
-fn pasted_functions_are_called_by_both_engines() {
+fn functions_of_std_are_called_by_both_engines() {
     let model = chain(
         "pair",
         &[("a", JointKind::Revolute), ("b", JointKind::Prismatic)],
     );
-    let mut function = every_operation();
-    function.program.instructions[0].name = "math".into();
-    // Operands that no pass would leave: numbers alone.
-    function.program.instructions[8].operation = Operation::Negate(Operand::Constant(2.0));
-    function.program.instructions[9].operation =
-        Operation::Divide(Operand::Constant(-2.0), Operand::Constant(-3.0));
-    function.program.instructions[4].operation = Operation::Call(Call::Abs, Operand::Value(9));
-    function.program.instructions.swap(4, 8);
-    function.program.instructions.swap(5, 9);
-    function.program.instructions[8].operation = Operation::Call(Call::Abs, Operand::Value(5));
-    let text = emit_with(&model, &[function.clone()], |options| {
-        options.math = Math::Embedded(STAND_INS)
+    let function = every_operation();
+    let text = emit_with(&model, std::slice::from_ref(&function), |options| {
+        options.math = Math::Std
     });
-    assert!(text.contains("        // A comment.") && !text.contains("tanh_f32"));
+    assert!(!text.contains("mod math"));
     assert_compiles("pair", &text);
     let sample = vec![vec![0.7, -1.3], vec![0.0, 0.0]];
     let compiled = run_compiled(&text, "every_operation", std::slice::from_ref(&sample));
-    let functions = Functions {
-        sin_cos: |x| (0.5 * x, x - 1.5),
-        tanh: |x| x + 3.0,
-        exp: |x| x * 7.0,
-    };
     let inputs: Vec<&[f64]> = sample.iter().map(Vec::as_slice).collect();
-    let interpreted = interpret(&function.program, &inputs, &[], &functions).unwrap();
+    let interpreted = interpret(&function.program, &inputs, &[], &Functions::STD).unwrap();
     assert_same_bits(&interpreted.concat(), &compiled[0]);
+}
+
+/// Reads sine and cosine of `count` angles, in one call as far as possible.
+fn angles(count: usize) -> Function {
+    let mut instructions = vec![];
+    for i in 0..count {
+        let pair = Operation::SinCos(Operand::Input(0, i));
+        instructions.push(common::instruction(&format!("sin_{i}"), pair));
+        let cosine = Operation::CosineOf(2 * i);
+        instructions.push(common::instruction(&format!("cos_{i}"), cosine));
+    }
+    let mut function = zeros(
+        "angles",
+        &[("y", count)],
+        &[("r", Shape::Vector(2 * count))],
+    );
+    function.program.outputs[0].entries = (0..2 * count).map(Operand::Value).collect();
+    function.program.instructions = instructions;
+    function
+}
+
+#[test]
+fn several_angles_keep_every_bit() {
+    for count in [1, 2, 3, 5, 7, 9] {
+        let names: Vec<String> = (0..count).map(|i| format!("j{i}")).collect();
+        let joints: Vec<_> = names
+            .iter()
+            .map(|name| (name.as_str(), JointKind::Revolute))
+            .collect();
+        let mut random = common::Random(count as u64);
+        let mut samples: Vec<Vec<Vec<f64>>> = (0..20)
+            .map(|_| vec![(0..count).map(|_| 10.0 * random.number()).collect()])
+            .collect();
+        samples.push(vec![
+            (0..count)
+                .map(|i| if i == 0 { 1e22 } else { 0.5 })
+                .collect(),
+        ]);
+        samples.push(vec![vec![f64::NAN; count]]);
+        assert_interpreter_agrees(
+            &chain("many", &joints),
+            &angles(count),
+            usize::MAX,
+            &samples,
+        );
+    }
+}
+
+#[test]
+fn modules_need_no_std() {
+    let function = angles(7);
+    let names: Vec<String> = (0..7).map(|i| format!("j{i}")).collect();
+    let joints: Vec<_> = names
+        .iter()
+        .map(|name| (name.as_str(), JointKind::Revolute))
+        .collect();
+    for scalar in [Scalar::F64, Scalar::F32] {
+        let text = emit_with(
+            &chain("seven", &joints),
+            std::slice::from_ref(&function),
+            |options| options.scalar = scalar,
+        );
+        assert!(text.contains("math::sin_cos_8"));
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("seven.rs"), text).unwrap();
+        let outer = format!(
+            "#![no_std]\n{STRICT}/// Robot.\npub mod robot {{ include!(\"seven.rs\"); }}\n"
+        );
+        let arguments = ["--crate-type", "lib", "--emit", "metadata"];
+        rustc(folder.path(), "outer", &outer, &arguments).unwrap();
+    }
 }
 
 /// A function that returns zeros of these shapes.

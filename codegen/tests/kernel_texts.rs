@@ -5,11 +5,17 @@ use std::process::Command;
 use gelenk_codegen::math::Kernel;
 
 /// All but those that only others use.
-const ALL: [Kernel; 8] = [
+const ALL: [Kernel; 14] = [
     Kernel::SinCos,
     Kernel::SinCosArray,
     Kernel::SinCosF32,
     Kernel::SinCosArrayF32,
+    Kernel::SinCos2,
+    Kernel::SinCos4,
+    Kernel::SinCos8,
+    Kernel::SinCos2F32,
+    Kernel::SinCos4F32,
+    Kernel::SinCos8F32,
     Kernel::Exp,
     Kernel::ExpF32,
     Kernel::Tanh,

@@ -117,16 +117,20 @@ pub fn coriolis_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 /// - `y: [N]`: coordinates: `beta`, `gamma` in rad
 /// - returns `q_gravity: [N]`: positive where gravity drives the joint forwards; −∂V/∂y
 ///
-/// Cost: 2 multiplications, 2 additions, 0 divisions, 2 function calls.
+/// Cost: 6 multiplications, 2 additions, 0 divisions, 2 function calls (`sin_cos`).
 #[inline]
 #[must_use]
 pub fn gravity_forces(y: &[f64; N]) -> [f64; N] {
-    let angle_beta_gamma = y[0] + y[1];
-    let sin_beta_gamma = angle_beta_gamma.sin();
-    let moment_gamma_z = 16.9303632523235 * sin_beta_gamma;
-    let sin_beta = y[0].sin();
-    let t4 = 15.9469662177 * sin_beta;
-    let moment_beta_z = t4 + moment_gamma_z;
+    let (sin_beta, cos_beta) = y[0].sin_cos();
+    let acceleration_beta_y = sin_beta * 54.48138888888889;
+    let (sin_gamma, cos_gamma) = y[1].sin_cos();
+    let t5 = cos_gamma * acceleration_beta_y;
+    let acceleration_beta_x = cos_beta * 54.48138888888889;
+    let t7 = sin_gamma * acceleration_beta_x;
+    let acceleration_gamma_y = t7 + t5;
+    let moment_gamma_z = 0.31075498619999997 * acceleration_gamma_y;
+    let t10 = sin_beta * 15.9469662177;
+    let moment_beta_z = t10 + moment_gamma_z;
     [moment_beta_z, moment_gamma_z]
 }
 
@@ -200,50 +204,53 @@ pub fn friction_torques(v: &[f64; N]) -> [f64; N] {
 /// - `v: [N]`: velocities ẏ: `beta`, `gamma` in rad/s
 /// - returns `q: [N]`: on the right-hand side, without the inputs
 ///
-/// Cost: 17 multiplications, 11 additions, 0 divisions, 8 function calls, 1 selection.
-#[inline]
+/// Cost: 21 multiplications, 11 additions, 0 divisions, 8 function calls (2 `sin_cos`, 6 other), 1 selection.
 #[must_use]
 pub fn applied_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
-    let t0 = v[0] * 5.0;
-    let t1 = t0.tanh();
-    let t2 = t1 * 3.924;
-    let t3 = v[0] * 76.556;
-    let t4 = t3 + t2;
-    let t5 = v[0] * 10.0;
-    let t6 = t5.tanh();
-    let t7 = t6 * 10.838;
-    let t8 = t4 + t7;
-    let t9 = v[0] * 20.0;
-    let t10 = t9.tanh();
-    let t11 = t10 * 2.236;
-    let t12 = t8 + t11;
-    let angle_beta_gamma = y[0] + y[1];
-    let sin_beta_gamma = angle_beta_gamma.sin();
-    let moment_gamma_z = 16.9303632523235 * sin_beta_gamma;
-    let sin_beta = y[0].sin();
-    let t17 = 15.9469662177 * sin_beta;
-    let moment_beta_z = t17 + moment_gamma_z;
-    let t19 = t12 - moment_beta_z;
-    let t20 = v[1] * 5.0;
-    let t21 = t20.tanh();
-    let t22 = t21 * 0.368;
-    let t23 = v[1] * 56.231;
-    let t24 = t23 + t22;
-    let t25 = v[1] * 10.0;
-    let t26 = t25.tanh();
-    let t27 = 0.368 * t26;
-    let t28 = t24 + t27;
-    let t29 = v[1] * 100.0;
-    let t30 = t29.tanh();
-    let t31 = t30 * 8.342;
-    let t32 = t28 + t31;
-    let t33 = sign(v[1]);
-    let t34 = t33 * 0.492;
-    let t35 = t32 + t34;
-    let t36 = t35 - moment_gamma_z;
-    let t37 = -t19;
-    let t38 = -t36;
-    [t37, t38]
+    let (sin_beta, cos_beta) = y[0].sin_cos();
+    let acceleration_beta_y = sin_beta * 54.48138888888889;
+    let (sin_gamma, cos_gamma) = y[1].sin_cos();
+    let t5 = cos_gamma * acceleration_beta_y;
+    let acceleration_beta_x = cos_beta * 54.48138888888889;
+    let t7 = sin_gamma * acceleration_beta_x;
+    let acceleration_gamma_y = t7 + t5;
+    let moment_gamma_z = 0.31075498619999997 * acceleration_gamma_y;
+    let t10 = sin_beta * 15.9469662177;
+    let moment_beta_z = t10 + moment_gamma_z;
+    let t12 = v[0] * 5.0;
+    let t13 = t12.tanh();
+    let t14 = t13 * 3.924;
+    let t15 = v[0] * 76.556;
+    let t16 = t15 + t14;
+    let t17 = v[0] * 10.0;
+    let t18 = t17.tanh();
+    let t19 = t18 * 10.838;
+    let t20 = t16 + t19;
+    let t21 = v[0] * 20.0;
+    let t22 = t21.tanh();
+    let t23 = t22 * 2.236;
+    let t24 = t20 + t23;
+    let t25 = t24 - moment_beta_z;
+    let t26 = v[1] * 5.0;
+    let t27 = t26.tanh();
+    let t28 = t27 * 0.368;
+    let t29 = v[1] * 56.231;
+    let t30 = t29 + t28;
+    let t31 = v[1] * 10.0;
+    let t32 = t31.tanh();
+    let t33 = 0.368 * t32;
+    let t34 = t30 + t33;
+    let t35 = v[1] * 100.0;
+    let t36 = t35.tanh();
+    let t37 = t36 * 8.342;
+    let t38 = t34 + t37;
+    let t39 = sign(v[1]);
+    let t40 = t39 * 0.492;
+    let t41 = t38 + t40;
+    let t42 = t41 - moment_gamma_z;
+    let t43 = -t25;
+    let t44 = -t42;
+    [t43, t44]
 }
 
 /// Bias forces `k − q_gravity`.
@@ -305,7 +312,7 @@ pub fn input_matrix() -> [[f64; M]; N] {
 /// - returns `k: [N]`: Coriolis, centrifugal and gyroscopic forces
 /// - returns `q: [N]`: gravity, springs and friction
 ///
-/// Cost: 25 multiplications, 15 additions, 0 divisions, 9 function calls (1 `sin_cos`, 8 other), 1 selection.
+/// Cost: 29 multiplications, 15 additions, 0 divisions, 8 function calls (2 `sin_cos`, 6 other), 1 selection.
 ///
 /// What the three have in common is computed once.
 #[must_use]
@@ -326,46 +333,49 @@ pub fn equations_of_motion(
     let acceleration_gamma_y = sin_gamma * t10;
     let moment_gamma_z = 0.31075498619999997 * acceleration_gamma_y;
     let moment_beta_z = moment_gamma_z - force_beta_y;
-    let t14 = v[0] * 5.0;
-    let t15 = t14.tanh();
-    let t16 = t15 * 3.924;
-    let t17 = v[0] * 76.556;
-    let t18 = t17 + t16;
-    let t19 = v[0] * 10.0;
-    let t20 = t19.tanh();
-    let t21 = t20 * 10.838;
-    let t22 = t18 + t21;
-    let t23 = v[0] * 20.0;
-    let t24 = t23.tanh();
-    let t25 = t24 * 2.236;
-    let t26 = t22 + t25;
-    let angle_beta_gamma = y[0] + y[1];
-    let sin_beta_gamma = angle_beta_gamma.sin();
-    let moment_gamma_z_2 = sin_beta_gamma * 16.9303632523235;
-    let sin_beta = y[0].sin();
-    let t31 = sin_beta * 15.9469662177;
-    let moment_beta_z_2 = t31 + moment_gamma_z_2;
-    let t33 = t26 - moment_beta_z_2;
-    let t34 = v[1] * 5.0;
-    let t35 = t34.tanh();
-    let t36 = t35 * 0.368;
-    let t37 = v[1] * 56.231;
-    let t38 = t37 + t36;
-    let t39 = v[1] * 10.0;
-    let t40 = t39.tanh();
-    let t41 = 0.368 * t40;
-    let t42 = t38 + t41;
-    let t43 = v[1] * 100.0;
+    let (sin_beta, cos_beta) = y[0].sin_cos();
+    let acceleration_beta_y = sin_beta * 54.48138888888889;
+    let t17 = cos_gamma * acceleration_beta_y;
+    let acceleration_beta_x = cos_beta * 54.48138888888889;
+    let t19 = sin_gamma * acceleration_beta_x;
+    let acceleration_gamma_y_2 = t19 + t17;
+    let moment_gamma_z_2 = 0.31075498619999997 * acceleration_gamma_y_2;
+    let t22 = sin_beta * 15.9469662177;
+    let moment_beta_z_2 = t22 + moment_gamma_z_2;
+    let t24 = v[0] * 5.0;
+    let t25 = t24.tanh();
+    let t26 = t25 * 3.924;
+    let t27 = v[0] * 76.556;
+    let t28 = t27 + t26;
+    let t29 = v[0] * 10.0;
+    let t30 = t29.tanh();
+    let t31 = t30 * 10.838;
+    let t32 = t28 + t31;
+    let t33 = v[0] * 20.0;
+    let t34 = t33.tanh();
+    let t35 = t34 * 2.236;
+    let t36 = t32 + t35;
+    let t37 = t36 - moment_beta_z_2;
+    let t38 = v[1] * 5.0;
+    let t39 = t38.tanh();
+    let t40 = t39 * 0.368;
+    let t41 = v[1] * 56.231;
+    let t42 = t41 + t40;
+    let t43 = v[1] * 10.0;
     let t44 = t43.tanh();
-    let t45 = t44 * 8.342;
+    let t45 = 0.368 * t44;
     let t46 = t42 + t45;
-    let t47 = sign(v[1]);
-    let t48 = t47 * 0.492;
-    let t49 = t46 + t48;
-    let t50 = t49 - moment_gamma_z_2;
-    let t51 = -t33;
-    let t52 = -t50;
-    ([[t3, t5], [t5, 2.0261489768564998]], [moment_beta_z, moment_gamma_z], [t51, t52])
+    let t47 = v[1] * 100.0;
+    let t48 = t47.tanh();
+    let t49 = t48 * 8.342;
+    let t50 = t46 + t49;
+    let t51 = sign(v[1]);
+    let t52 = t51 * 0.492;
+    let t53 = t50 + t52;
+    let t54 = t53 - moment_gamma_z_2;
+    let t55 = -t37;
+    let t56 = -t54;
+    ([[t3, t5], [t5, 2.0261489768564998]], [moment_beta_z, moment_gamma_z], [t55, t56])
 }
 
 /// Inverse dynamics: the joint forces of a motion.
@@ -532,732 +542,6 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t66 = 0.4935471238405507 * t30;
     let t67 = t66 - t65;
     [t64, t67]
-}
-
-/// Mass matrix and bias forces at once.
-///
-/// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`
-///
-/// - `y: [N]`: coordinates: `beta`, `gamma` in rad
-/// - `v: [N]`: velocities ẏ: `beta`, `gamma` in rad/s
-/// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
-/// - returns `b: [N]`: k − gravity\_forces: what holds the accelerations at zero, without springs and friction
-///
-/// Cost: 12 multiplications, 7 additions, 0 divisions, 2 function calls (`sin_cos`).
-///
-/// What both have in common is computed once.
-#[inline]
-#[must_use]
-pub fn mass_matrix_and_bias_forces(
-    y: &[f64; N],
-    v: &[f64; N],
-) -> ([[f64; N]; N], [f64; N]) {
-    let (sin_gamma, cos_gamma) = y[1].sin_cos();
-    let t2 = cos_gamma * 0.6215099723999999;
-    let t3 = t2 + 2.3212965868565;
-    let t4 = cos_gamma * 0.31075498619999997;
-    let t5 = t4 + 0.6693697768564999;
-    let (sin_beta, cos_beta) = y[0].sin_cos();
-    let acceleration_beta_x = cos_beta * 54.48138888888889;
-    let t9 = v[0] * v[0];
-    let t10 = acceleration_beta_x - t9;
-    let t11 = sin_gamma * t10;
-    let acceleration_beta_y = sin_beta * 54.48138888888889;
-    let t13 = cos_gamma * acceleration_beta_y;
-    let acceleration_gamma_y = t11 + t13;
-    let moment_gamma_z = 0.31075498619999997 * acceleration_gamma_y;
-    let omega_gamma_z = v[0] + v[1];
-    let t17 = omega_gamma_z * omega_gamma_z;
-    let force_gamma_x = 0.31075498619999997 * t17;
-    let force_beta_y = sin_gamma * force_gamma_x;
-    let t20 = moment_gamma_z + force_beta_y;
-    let t21 = sin_beta * 15.9469662177;
-    let moment_beta_z = t21 + t20;
-    let minus_moment_beta_z = -moment_beta_z;
-    let minus_moment_gamma_z = -moment_gamma_z;
-    ([[t3, t5], [t5, 2.0261489768564998]], [minus_moment_beta_z, minus_moment_gamma_z])
-}
-
-/// Inverse dynamics with its Jacobians.
-///
-/// `δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ`
-///
-/// - `y: [N]`: coordinates: `beta`, `gamma` in rad
-/// - `v: [N]`: velocities ẏ: `beta`, `gamma` in rad/s
-/// - `a: [N]`: accelerations ÿ: `beta`, `gamma` in rad/s²
-/// - returns `B u: [N]`: the forces M ÿ + k − q, on the joint side
-/// - returns `∂/∂y: [N × N]`: row i = force i
-/// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
-///
-/// Cost: 59 multiplications, 42 additions, 0 divisions, 8 function calls (2 `sin_cos`, 6 other), 1 selection.
-///
-/// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
-///
-/// Forward differentiation of the inverse dynamics was cheapest.
-#[must_use]
-pub fn inverse_dynamics_derivatives(
-    y: &[f64; N],
-    v: &[f64; N],
-    a: &[f64; N],
-) -> ([f64; N], [[f64; N]; N], [[f64; N]; N]) {
-    let (sin_beta, cos_beta) = y[0].sin_cos();
-    let acceleration_beta_y = sin_beta * 54.48138888888889;
-    let t3 = a[0] - acceleration_beta_y;
-    let (sin_gamma, cos_gamma) = y[1].sin_cos();
-    let t6 = cos_gamma * t3;
-    let acceleration_beta_x = cos_beta * 54.48138888888889;
-    let t8 = v[0] * v[0];
-    let t9 = acceleration_beta_x - t8;
-    let t10 = sin_gamma * t9;
-    let t11 = t10 - t6;
-    let t12 = 0.31075498619999997 * t11;
-    let t13 = a[0] + a[1];
-    let t14 = 0.6608899068565 * t13;
-    let t15 = t12 - t14;
-    let omega_gamma_z = v[0] + v[1];
-    let t17 = omega_gamma_z * omega_gamma_z;
-    let force_gamma_x = 0.31075498619999997 * t17;
-    let t19 = sin_gamma * force_gamma_x;
-    let t20 = 0.31075498619999997 * t13;
-    let t21 = cos_gamma * t20;
-    let t22 = t19 - t21;
-    let t23 = t15 + t22;
-    let t24 = sin_beta * 15.9469662177;
-    let t25 = a[0] * 0.29514761000000006;
-    let t26 = t24 - t25;
-    let t27 = a[1] * 0.00847987;
-    let t28 = t26 - t27;
-    let t29 = t28 + t23;
-    let t30 = a[0] * 1.36525907;
-    let t31 = t30 - t29;
-    let t32 = v[0] * 5.0;
-    let t33 = t32.tanh();
-    let t34 = t33 * 3.924;
-    let t35 = v[0] * 76.556;
-    let t36 = t35 + t34;
-    let t37 = v[0] * 10.0;
-    let t38 = t37.tanh();
-    let t39 = t38 * 10.838;
-    let t40 = t36 + t39;
-    let t41 = v[0] * 20.0;
-    let t42 = t41.tanh();
-    let t43 = t42 * 2.236;
-    let t44 = t40 + t43;
-    let t45 = t31 + t44;
-    let t46 = a[0] * 0.00847987;
-    let t47 = a[1] * 1.36525907;
-    let t48 = t47 + t46;
-    let t49 = t15 - t48;
-    let t50 = v[1] * 5.0;
-    let t51 = t50.tanh();
-    let t52 = t51 * 0.368;
-    let t53 = v[1] * 56.231;
-    let t54 = t53 + t52;
-    let t55 = v[1] * 10.0;
-    let t56 = t55.tanh();
-    let t57 = 0.368 * t56;
-    let t58 = t54 + t57;
-    let t59 = v[1] * 100.0;
-    let t60 = t59.tanh();
-    let t61 = t60 * 8.342;
-    let t62 = t58 + t61;
-    let t63 = sign(v[1]);
-    let t64 = t63 * 0.492;
-    let t65 = t62 + t64;
-    let t66 = t49 - t65;
-    let t67 = cos_gamma * acceleration_beta_x;
-    let t68 = sin_gamma * acceleration_beta_y;
-    let t69 = t68 - t67;
-    let t70 = 0.31075498619999997 * t69;
-    let t71 = cos_beta * 15.9469662177;
-    let t72 = t71 - t70;
-    let t73 = sin_gamma * t3;
-    let t74 = cos_gamma * t9;
-    let t75 = t74 + t73;
-    let t76 = 0.31075498619999997 * t75;
-    let t77 = cos_gamma * force_gamma_x;
-    let t78 = sin_gamma * t20;
-    let t79 = t77 + t78;
-    let t80 = t79 + t76;
-    let t81 = t33 * t33;
-    let t82 = 1.0 - t81;
-    let t83 = t82 * 19.62;
-    let t84 = 76.556 + t83;
-    let t85 = t38 * t38;
-    let t86 = 1.0 - t85;
-    let t87 = t86 * 108.38;
-    let t88 = t84 + t87;
-    let t89 = t42 * t42;
-    let t90 = 1.0 - t89;
-    let t91 = t90 * 44.720000000000006;
-    let t92 = t88 + t91;
-    let t93 = omega_gamma_z * 0.6215099723999999;
-    let t94 = sin_gamma * t93;
-    let t95 = v[0] * 2.0;
-    let t96 = sin_gamma * t95;
-    let t97 = 0.31075498619999997 * t96;
-    let t98 = t97 - t94;
-    let t99 = t98 + t92;
-    let t100 = t51 * t51;
-    let t101 = 1.0 - t100;
-    let t102 = t101 * 1.8399999999999999;
-    let t103 = 56.231 + t102;
-    let t104 = t56 * t56;
-    let t105 = 1.0 - t104;
-    let t106 = t105 * 3.6799999999999997;
-    let t107 = t103 + t106;
-    let t108 = t60 * t60;
-    let t109 = 1.0 - t108;
-    let t110 = t109 * 834.2;
-    let t111 = t107 + t110;
-    let t112 = -t66;
-    let t113 = -t72;
-    let t114 = -t80;
-    let t115 = -t76;
-    let t116 = -t94;
-    ([t45, t112], [[t113, t114], [t70, t115]], [[t99, t116], [t97, t111]])
-}
-
-/// Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.
-///
-/// `δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ`
-///
-/// - `y: [N]`: coordinates: `beta`, `gamma` in rad
-/// - `v: [N]`: velocities ẏ: `beta`, `gamma` in rad/s
-/// - `a: [N]`: accelerations ÿ: `beta`, `gamma` in rad/s²
-/// - returns `B u: [N]`: the forces M ÿ + k − q, on the joint side
-/// - returns `∂/∂y: [N × N]`: row i = force i
-/// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
-/// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
-///
-/// Cost: 60 multiplications, 46 additions, 0 divisions, 8 function calls (2 `sin_cos`, 6 other), 1 selection.
-///
-/// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
-///
-/// Forward differentiation of the inverse dynamics was cheapest.
-#[must_use]
-#[allow(
-    clippy::type_complexity,
-    reason = "blocks of fixed size need no type of their own"
-)]
-pub fn inverse_dynamics_derivatives_and_mass_matrix(
-    y: &[f64; N],
-    v: &[f64; N],
-    a: &[f64; N],
-) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
-    let (sin_beta, cos_beta) = y[0].sin_cos();
-    let acceleration_beta_y = sin_beta * 54.48138888888889;
-    let t3 = a[0] - acceleration_beta_y;
-    let (sin_gamma, cos_gamma) = y[1].sin_cos();
-    let t6 = cos_gamma * t3;
-    let acceleration_beta_x = cos_beta * 54.48138888888889;
-    let t8 = v[0] * v[0];
-    let t9 = acceleration_beta_x - t8;
-    let t10 = sin_gamma * t9;
-    let t11 = t10 - t6;
-    let t12 = 0.31075498619999997 * t11;
-    let t13 = a[0] + a[1];
-    let t14 = 0.6608899068565 * t13;
-    let t15 = t12 - t14;
-    let omega_gamma_z = v[0] + v[1];
-    let t17 = omega_gamma_z * omega_gamma_z;
-    let force_gamma_x = 0.31075498619999997 * t17;
-    let t19 = sin_gamma * force_gamma_x;
-    let t20 = 0.31075498619999997 * t13;
-    let t21 = cos_gamma * t20;
-    let t22 = t19 - t21;
-    let t23 = t15 + t22;
-    let t24 = sin_beta * 15.9469662177;
-    let t25 = a[0] * 0.29514761000000006;
-    let t26 = t24 - t25;
-    let t27 = a[1] * 0.00847987;
-    let t28 = t26 - t27;
-    let t29 = t28 + t23;
-    let t30 = a[0] * 1.36525907;
-    let t31 = t30 - t29;
-    let t32 = v[0] * 5.0;
-    let t33 = t32.tanh();
-    let t34 = t33 * 3.924;
-    let t35 = v[0] * 76.556;
-    let t36 = t35 + t34;
-    let t37 = v[0] * 10.0;
-    let t38 = t37.tanh();
-    let t39 = t38 * 10.838;
-    let t40 = t36 + t39;
-    let t41 = v[0] * 20.0;
-    let t42 = t41.tanh();
-    let t43 = t42 * 2.236;
-    let t44 = t40 + t43;
-    let t45 = t31 + t44;
-    let t46 = a[0] * 0.00847987;
-    let t47 = a[1] * 1.36525907;
-    let t48 = t47 + t46;
-    let t49 = t15 - t48;
-    let t50 = v[1] * 5.0;
-    let t51 = t50.tanh();
-    let t52 = t51 * 0.368;
-    let t53 = v[1] * 56.231;
-    let t54 = t53 + t52;
-    let t55 = v[1] * 10.0;
-    let t56 = t55.tanh();
-    let t57 = 0.368 * t56;
-    let t58 = t54 + t57;
-    let t59 = v[1] * 100.0;
-    let t60 = t59.tanh();
-    let t61 = t60 * 8.342;
-    let t62 = t58 + t61;
-    let t63 = sign(v[1]);
-    let t64 = t63 * 0.492;
-    let t65 = t62 + t64;
-    let t66 = t49 - t65;
-    let t67 = cos_gamma * acceleration_beta_x;
-    let t68 = sin_gamma * acceleration_beta_y;
-    let t69 = t68 - t67;
-    let t70 = 0.31075498619999997 * t69;
-    let t71 = cos_beta * 15.9469662177;
-    let t72 = t71 - t70;
-    let t73 = sin_gamma * t3;
-    let t74 = cos_gamma * t9;
-    let t75 = t74 + t73;
-    let t76 = 0.31075498619999997 * t75;
-    let t77 = cos_gamma * force_gamma_x;
-    let t78 = sin_gamma * t20;
-    let t79 = t77 + t78;
-    let t80 = t79 + t76;
-    let t81 = t33 * t33;
-    let t82 = 1.0 - t81;
-    let t83 = t82 * 19.62;
-    let t84 = 76.556 + t83;
-    let t85 = t38 * t38;
-    let t86 = 1.0 - t85;
-    let t87 = t86 * 108.38;
-    let t88 = t84 + t87;
-    let t89 = t42 * t42;
-    let t90 = 1.0 - t89;
-    let t91 = t90 * 44.720000000000006;
-    let t92 = t88 + t91;
-    let t93 = omega_gamma_z * 0.6215099723999999;
-    let t94 = sin_gamma * t93;
-    let t95 = v[0] * 2.0;
-    let t96 = sin_gamma * t95;
-    let t97 = 0.31075498619999997 * t96;
-    let t98 = t97 - t94;
-    let t99 = t98 + t92;
-    let t100 = t51 * t51;
-    let t101 = 1.0 - t100;
-    let t102 = t101 * 1.8399999999999999;
-    let t103 = 56.231 + t102;
-    let t104 = t56 * t56;
-    let t105 = 1.0 - t104;
-    let t106 = t105 * 3.6799999999999997;
-    let t107 = t103 + t106;
-    let t108 = t60 * t60;
-    let t109 = 1.0 - t108;
-    let t110 = t109 * 834.2;
-    let t111 = t107 + t110;
-    let t112 = 0.31075498619999997 * cos_gamma;
-    let t113 = 0.6608899068565 + t112;
-    let t114 = t112 + t113;
-    let t115 = t114 + 1.6604066800000001;
-    let t116 = t112 + 0.6693697768564999;
-    let t117 = -t66;
-    let t118 = -t72;
-    let t119 = -t80;
-    let t120 = -t76;
-    let t121 = -t94;
-    (
-        [t45, t117],
-        [[t118, t119], [t70, t120]],
-        [[t99, t121], [t97, t111]],
-        [[t115, t116], [t116, 2.0261489768564998]],
-    )
-}
-
-/// Forward dynamics with its Jacobians.
-///
-/// `∂ÿ = −M⁻¹ ∂(M ÿ + k − q), ∂ÿ/∂(B u) = M⁻¹`
-///
-/// - `y: [N]`: coordinates: `beta`, `gamma` in rad
-/// - `v: [N]`: velocities ẏ: `beta`, `gamma` in rad/s
-/// - `u: [M]`: inputs: `beta`, `gamma` in N m
-/// - returns `ÿ: [N]`: accelerations
-/// - returns `∂ÿ/∂y: [N × N]`: row i = acceleration i
-/// - returns `∂ÿ/∂ẏ: [N × N]`: row i = acceleration i
-/// - returns `M⁻¹: [N × N]`: symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B
-///
-/// Cost: 80 multiplications, 51 additions, 1 division, 8 function calls (2 `sin_cos`, 6 other), 1 selection.
-///
-/// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
-///
-/// Forward differentiation of the inverse dynamics was cheapest.
-#[must_use]
-#[allow(
-    clippy::type_complexity,
-    reason = "blocks of fixed size need no type of their own"
-)]
-pub fn forward_dynamics_derivatives(
-    y: &[f64; N],
-    v: &[f64; N],
-    u: &[f64; M],
-) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
-    let t0 = v[1] * 5.0;
-    let t1 = t0.tanh();
-    let t2 = t1 * 0.368;
-    let t3 = v[1] * 56.231;
-    let t4 = t3 + t2;
-    let t5 = v[1] * 10.0;
-    let t6 = t5.tanh();
-    let t7 = 0.368 * t6;
-    let t8 = t4 + t7;
-    let t9 = v[1] * 100.0;
-    let t10 = t9.tanh();
-    let t11 = t10 * 8.342;
-    let t12 = t8 + t11;
-    let t13 = sign(v[1]);
-    let t14 = t13 * 0.492;
-    let t15 = t12 + t14;
-    let t16 = u[1] * 161.0;
-    let t17 = t16 - t15;
-    let (sin_beta, cos_beta) = y[0].sin_cos();
-    let acceleration_beta_x = cos_beta * 54.48138888888889;
-    let t21 = v[0] * v[0];
-    let t22 = acceleration_beta_x - t21;
-    let (sin_gamma, cos_gamma) = y[1].sin_cos();
-    let t25 = sin_gamma * t22;
-    let acceleration_beta_y = sin_beta * 54.48138888888889;
-    let t27 = cos_gamma * acceleration_beta_y;
-    let acceleration_gamma_y = t25 + t27;
-    let moment_gamma_z = 0.31075498619999997 * acceleration_gamma_y;
-    let t30 = t17 + moment_gamma_z;
-    let t31 = cos_gamma * 0.31075498619999997;
-    let t32 = t31 + 0.6693697768564999;
-    let t33 = t32 * 0.4935471238405507;
-    let t34 = t33 * t30;
-    let omega_gamma_z = v[0] + v[1];
-    let t36 = omega_gamma_z * omega_gamma_z;
-    let force_gamma_x = 0.31075498619999997 * t36;
-    let force_beta_y = sin_gamma * force_gamma_x;
-    let t39 = moment_gamma_z + force_beta_y;
-    let t40 = sin_beta * 15.9469662177;
-    let moment_beta_z = t40 + t39;
-    let t42 = v[0] * 5.0;
-    let t43 = t42.tanh();
-    let t44 = t43 * 3.924;
-    let t45 = v[0] * 76.556;
-    let t46 = t45 + t44;
-    let t47 = v[0] * 10.0;
-    let t48 = t47.tanh();
-    let t49 = t48 * 10.838;
-    let t50 = t46 + t49;
-    let t51 = v[0] * 20.0;
-    let t52 = t51.tanh();
-    let t53 = t52 * 2.236;
-    let t54 = t50 + t53;
-    let t55 = u[0] * 161.0;
-    let t56 = t55 - t54;
-    let t57 = t56 + moment_beta_z;
-    let t58 = t57 - t34;
-    let t59 = t32 * t33;
-    let t60 = cos_gamma * 0.6215099723999999;
-    let t61 = t60 + 2.3212965868565;
-    let t62 = t61 - t59;
-    let inverse_d_beta = 1.0 / t62;
-    let t64 = inverse_d_beta * t58;
-    let t65 = t33 * t64;
-    let t66 = 0.4935471238405507 * t30;
-    let t67 = t66 - t65;
-    let t68 = cos_gamma * acceleration_beta_x;
-    let t69 = sin_gamma * acceleration_beta_y;
-    let t70 = t69 - t68;
-    let t71 = 0.31075498619999997 * t70;
-    let t72 = t33 * t71;
-    let t73 = cos_beta * 15.9469662177;
-    let t74 = t73 - t71;
-    let t75 = t74 + t72;
-    let t76 = inverse_d_beta * t75;
-    let t77 = t64 + t67;
-    let t78 = 0.31075498619999997 * t77;
-    let t79 = sin_gamma * t78;
-    let t80 = cos_gamma * force_gamma_x;
-    let t81 = t80 + t79;
-    let t82 = acceleration_beta_y - t64;
-    let t83 = sin_gamma * t82;
-    let t84 = cos_gamma * t22;
-    let t85 = t84 - t83;
-    let t86 = 0.31075498619999997 * t85;
-    let t87 = t81 + t86;
-    let t88 = t33 * t86;
-    let t89 = t87 - t88;
-    let t90 = inverse_d_beta * t89;
-    let t91 = t33 * t76;
-    let t92 = t70 * 0.15337222965812;
-    let t93 = t92 + t91;
-    let t94 = t33 * t90;
-    let t95 = t85 * 0.15337222965812;
-    let t96 = t95 - t94;
-    let t97 = t43 * t43;
-    let t98 = 1.0 - t97;
-    let t99 = t98 * 19.62;
-    let t100 = 76.556 + t99;
-    let t101 = t48 * t48;
-    let t102 = 1.0 - t101;
-    let t103 = t102 * 108.38;
-    let t104 = t100 + t103;
-    let t105 = t52 * t52;
-    let t106 = 1.0 - t105;
-    let t107 = t106 * 44.720000000000006;
-    let t108 = t104 + t107;
-    let t109 = v[0] * 2.0;
-    let t110 = sin_gamma * t109;
-    let t111 = 0.31075498619999997 * t110;
-    let t112 = 0.6215099723999999 * omega_gamma_z;
-    let t113 = sin_gamma * t112;
-    let t114 = t113 - t111;
-    let t115 = t114 - t108;
-    let t116 = t33 * t111;
-    let t117 = t115 + t116;
-    let t118 = inverse_d_beta * t117;
-    let t119 = t1 * t1;
-    let t120 = 1.0 - t119;
-    let t121 = t120 * 1.8399999999999999;
-    let t122 = 56.231 + t121;
-    let t123 = t6 * t6;
-    let t124 = 1.0 - t123;
-    let t125 = t124 * 3.6799999999999997;
-    let t126 = t122 + t125;
-    let t127 = t10 * t10;
-    let t128 = 1.0 - t127;
-    let t129 = t128 * 834.2;
-    let t130 = t126 + t129;
-    let t131 = t33 * t130;
-    let t132 = t113 + t131;
-    let t133 = inverse_d_beta * t132;
-    let t134 = t33 * t118;
-    let t135 = t110 * 0.15337222965812;
-    let t136 = t135 + t134;
-    let t137 = t33 * t133;
-    let t138 = 0.4935471238405507 * t130;
-    let t139 = t138 + t137;
-    let t140 = t33 * inverse_d_beta;
-    let t141 = t33 * t140;
-    let t142 = 0.4935471238405507 + t141;
-    let t143 = -t93;
-    let t144 = -t136;
-    let t145 = -t139;
-    let t146 = -t140;
-    (
-        [t64, t67],
-        [[t76, t90], [t143, t96]],
-        [[t118, t133], [t144, t145]],
-        [[inverse_d_beta, t146], [t146, t142]],
-    )
-}
-
-/// Linearization of the accelerations in continuous time.
-///
-/// `ÿ ≈ A_y y + A_v ẏ + B_x u + c; with x = (y, ẏ) the upper halves of A, B_x and c are [0 I], 0 and 0`
-///
-/// - `y: [N]`: coordinates: `beta`, `gamma` in rad
-/// - `v: [N]`: velocities ẏ: `beta`, `gamma` in rad/s
-/// - `u: [M]`: inputs: `beta`, `gamma` in N m
-/// - returns `A_y: [N × N]`: ∂ÿ/∂y, row i = acceleration i
-/// - returns `A_v: [N × N]`: ∂ÿ/∂ẏ, row i = acceleration i
-/// - returns `B_x: [N × M]`: ∂ÿ/∂u, row i = acceleration i
-/// - returns `c: [N]`: affine remainder ÿ − A\_y y − A\_v ẏ − B\_x u
-///
-/// Cost: 95 multiplications, 63 additions, 1 division, 8 function calls (2 `sin_cos`, 6 other), 1 selection.
-///
-/// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
-///
-/// Forward differentiation of the inverse dynamics was cheapest.
-#[must_use]
-#[allow(
-    clippy::type_complexity,
-    reason = "blocks of fixed size need no type of their own"
-)]
-pub fn linearize(
-    y: &[f64; N],
-    v: &[f64; N],
-    u: &[f64; M],
-) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
-    let (sin_beta, cos_beta) = y[0].sin_cos();
-    let acceleration_beta_x = cos_beta * 54.48138888888889;
-    let (sin_gamma, cos_gamma) = y[1].sin_cos();
-    let t5 = cos_gamma * acceleration_beta_x;
-    let acceleration_beta_y = sin_beta * 54.48138888888889;
-    let t7 = sin_gamma * acceleration_beta_y;
-    let t8 = t7 - t5;
-    let t9 = 0.31075498619999997 * t8;
-    let t10 = cos_gamma * 0.31075498619999997;
-    let t11 = t10 + 0.6693697768564999;
-    let t12 = t11 * 0.4935471238405507;
-    let t13 = t12 * t9;
-    let t14 = cos_beta * 15.9469662177;
-    let t15 = t14 - t9;
-    let t16 = t15 + t13;
-    let t17 = t11 * t12;
-    let t18 = cos_gamma * 0.6215099723999999;
-    let t19 = t18 + 2.3212965868565;
-    let t20 = t19 - t17;
-    let inverse_d_beta = 1.0 / t20;
-    let t22 = inverse_d_beta * t16;
-    let t23 = v[1] * 5.0;
-    let t24 = t23.tanh();
-    let t25 = t24 * 0.368;
-    let t26 = v[1] * 56.231;
-    let t27 = t26 + t25;
-    let t28 = v[1] * 10.0;
-    let t29 = t28.tanh();
-    let t30 = 0.368 * t29;
-    let t31 = t27 + t30;
-    let t32 = v[1] * 100.0;
-    let t33 = t32.tanh();
-    let t34 = t33 * 8.342;
-    let t35 = t31 + t34;
-    let t36 = sign(v[1]);
-    let t37 = t36 * 0.492;
-    let t38 = t35 + t37;
-    let t39 = u[1] * 161.0;
-    let t40 = t39 - t38;
-    let t41 = v[0] * v[0];
-    let t42 = acceleration_beta_x - t41;
-    let t43 = sin_gamma * t42;
-    let t44 = cos_gamma * acceleration_beta_y;
-    let acceleration_gamma_y = t43 + t44;
-    let moment_gamma_z = 0.31075498619999997 * acceleration_gamma_y;
-    let t47 = t40 + moment_gamma_z;
-    let t48 = t12 * t47;
-    let omega_gamma_z = v[0] + v[1];
-    let t50 = omega_gamma_z * omega_gamma_z;
-    let force_gamma_x = 0.31075498619999997 * t50;
-    let force_beta_y = sin_gamma * force_gamma_x;
-    let t53 = moment_gamma_z + force_beta_y;
-    let t54 = sin_beta * 15.9469662177;
-    let moment_beta_z = t54 + t53;
-    let t56 = v[0] * 5.0;
-    let t57 = t56.tanh();
-    let t58 = t57 * 3.924;
-    let t59 = v[0] * 76.556;
-    let t60 = t59 + t58;
-    let t61 = v[0] * 10.0;
-    let t62 = t61.tanh();
-    let t63 = t62 * 10.838;
-    let t64 = t60 + t63;
-    let t65 = v[0] * 20.0;
-    let t66 = t65.tanh();
-    let t67 = t66 * 2.236;
-    let t68 = t64 + t67;
-    let t69 = u[0] * 161.0;
-    let t70 = t69 - t68;
-    let t71 = t70 + moment_beta_z;
-    let t72 = t71 - t48;
-    let t73 = inverse_d_beta * t72;
-    let t74 = t12 * t73;
-    let t75 = 0.4935471238405507 * t47;
-    let t76 = t75 - t74;
-    let t77 = t73 + t76;
-    let t78 = 0.31075498619999997 * t77;
-    let t79 = sin_gamma * t78;
-    let t80 = cos_gamma * force_gamma_x;
-    let t81 = t80 + t79;
-    let t82 = acceleration_beta_y - t73;
-    let t83 = sin_gamma * t82;
-    let t84 = cos_gamma * t42;
-    let t85 = t84 - t83;
-    let t86 = 0.31075498619999997 * t85;
-    let t87 = t81 + t86;
-    let t88 = t12 * t86;
-    let t89 = t87 - t88;
-    let t90 = inverse_d_beta * t89;
-    let t91 = t12 * t22;
-    let t92 = t8 * 0.15337222965812;
-    let t93 = t92 + t91;
-    let t94 = t12 * t90;
-    let t95 = t85 * 0.15337222965812;
-    let t96 = t95 - t94;
-    let t97 = t57 * t57;
-    let t98 = 1.0 - t97;
-    let t99 = t98 * 19.62;
-    let t100 = 76.556 + t99;
-    let t101 = t62 * t62;
-    let t102 = 1.0 - t101;
-    let t103 = t102 * 108.38;
-    let t104 = t100 + t103;
-    let t105 = t66 * t66;
-    let t106 = 1.0 - t105;
-    let t107 = t106 * 44.720000000000006;
-    let t108 = t104 + t107;
-    let t109 = v[0] * 2.0;
-    let t110 = sin_gamma * t109;
-    let t111 = 0.31075498619999997 * t110;
-    let t112 = 0.6215099723999999 * omega_gamma_z;
-    let t113 = sin_gamma * t112;
-    let t114 = t113 - t111;
-    let t115 = t114 - t108;
-    let t116 = t12 * t111;
-    let t117 = t115 + t116;
-    let t118 = inverse_d_beta * t117;
-    let t119 = t24 * t24;
-    let t120 = 1.0 - t119;
-    let t121 = t120 * 1.8399999999999999;
-    let t122 = 56.231 + t121;
-    let t123 = t29 * t29;
-    let t124 = 1.0 - t123;
-    let t125 = t124 * 3.6799999999999997;
-    let t126 = t122 + t125;
-    let t127 = t33 * t33;
-    let t128 = 1.0 - t127;
-    let t129 = t128 * 834.2;
-    let t130 = t126 + t129;
-    let t131 = t12 * t130;
-    let t132 = t113 + t131;
-    let t133 = inverse_d_beta * t132;
-    let t134 = t12 * t118;
-    let t135 = t110 * 0.15337222965812;
-    let t136 = t135 + t134;
-    let t137 = t12 * t133;
-    let t138 = 0.4935471238405507 * t130;
-    let t139 = t138 + t137;
-    let t140 = 161.0 * inverse_d_beta;
-    let t141 = t12 * inverse_d_beta;
-    let t142 = 161.0 * t141;
-    let t143 = t12 * t141;
-    let t144 = 0.4935471238405507 + t143;
-    let t145 = 161.0 * t144;
-    let t146 = y[1] * t90;
-    let t147 = y[0] * t22;
-    let t148 = t147 + t146;
-    let t149 = v[1] * t133;
-    let t150 = v[0] * t118;
-    let t151 = t150 + t149;
-    let t152 = t148 + t151;
-    let t153 = u[1] * t142;
-    let t154 = u[0] * t140;
-    let t155 = t154 - t153;
-    let t156 = t152 + t155;
-    let t157 = t73 - t156;
-    let t158 = y[1] * t96;
-    let t159 = y[0] * t93;
-    let t160 = t159 - t158;
-    let t161 = v[1] * t139;
-    let t162 = v[0] * t136;
-    let t163 = t162 + t161;
-    let t164 = t160 + t163;
-    let t165 = u[1] * t145;
-    let t166 = u[0] * t142;
-    let t167 = t166 - t165;
-    let t168 = t164 + t167;
-    let t169 = t76 + t168;
-    let t170 = -t93;
-    let t171 = -t136;
-    let t172 = -t139;
-    let t173 = -t142;
-    (
-        [[t22, t90], [t170, t96]],
-        [[t118, t133], [t171, t172]],
-        [[t140, t173], [t173, t145]],
-        [t157, t169],
-    )
 }
 
 /// Kinetic energy, rotors included.

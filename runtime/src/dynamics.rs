@@ -4,7 +4,7 @@
 //! Generated files have no dependencies, so they cannot implement a trait themselves. [`dynamics!`](crate::dynamics!)
 //! does it for them; every method then is a call of the generated function, nothing else.
 
-/// Equations of motion `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B(y) u` of a robot with `N` coordinates and `M` inputs, with
+/// Equations of motion `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` of a robot with `N` coordinates and `M` inputs, with
 /// `q = gravity + springs − friction`.
 ///
 /// Arrays are indexed by coordinate or input in the order of the module's `JOINT_NAMES` and `INPUT_NAMES`, matrices rows
@@ -31,8 +31,8 @@ pub trait Dynamics<const N: usize, const M: usize> {
     /// Joint friction `τ(ẏ)`, positive for positive velocity; q holds −τ.
     fn friction_torques(&self, v: &[f64; N]) -> [f64; N];
 
-    /// Input matrix `B(y)`; holds the gear ratios.
-    fn input_matrix(&self, y: &[f64; N]) -> [[f64; M]; N];
+    /// Input matrix `B`, constant; holds the gear ratios.
+    fn input_matrix(&self) -> [[f64; M]; N];
 
     /// Applied forces `q(y, ẏ) = gravity + springs − τ`.
     fn applied_forces(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N] {
@@ -69,7 +69,7 @@ pub trait Dynamics<const N: usize, const M: usize> {
     /// Accelerations `ÿ = M⁻¹ (q + B u − k)`; NaN where M is not positive definite.
     fn forward_dynamics(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
         let (mass, coriolis, applied) = self.equations_of_motion(y, v);
-        let input_matrix = self.input_matrix(y);
+        let input_matrix = self.input_matrix();
         let forces =
             core::array::from_fn(|i| applied[i] + product(&input_matrix[i], u) - coriolis[i]);
         solve_positive_definite(mass, forces)
@@ -182,8 +182,13 @@ fn solve_positive_definite<const N: usize>(mut a: [[f64; N]; N], mut b: [f64; N]
 
 /// Makes a type of a generated module that implements [`Dynamics`](crate::dynamics::Dynamics).
 ///
-/// ```ignore
+/// ```
+/// use gelenk_runtime::dynamics::Dynamics;
+///
 /// gelenk_runtime::dynamics!(pub struct PowerCube = gelenk_generated::powercube);
+///
+/// // Upright and at rest, gravity drives neither joint.
+/// assert_eq!(PowerCube.gravity_forces(&[0.0, 0.0]), [0.0, 0.0]);
 /// ```
 ///
 /// With the module's derivatives the type also is [`Differentiable`](crate::dynamics::Differentiable):
@@ -194,15 +199,22 @@ fn solve_positive_definite<const N: usize>(mut a: [[f64; N]; N], mut b: [f64; N]
 ///
 /// A module with free parameters is wrapped with them; the type then has a field `parameters`, and `Default`:
 ///
-/// ```ignore
-/// gelenk_runtime::dynamics!(pub struct Arm { parameters } = arm);
+/// ```
+/// use gelenk_runtime::dynamics::Dynamics;
+///
+/// gelenk_runtime::dynamics!(pub struct Pendulum { parameters } = gelenk_generated::double_pendulum);
+///
+/// let mut heavier = Pendulum::default();
+/// heavier.parameters.m2 *= 2.0;
+/// let effort = |pendulum: &Pendulum| pendulum.gravity_forces(&[0.3, 0.2])[1].abs();
+/// assert!(effort(&heavier) > effort(&Pendulum::default()));
 /// ```
 ///
 /// A module that was generated with some of the functions names them; those that the trait cannot compute from others
 /// must be among them:
 ///
-/// ```ignore
-/// gelenk_runtime::dynamics!(pub struct Small = small: Dynamics [
+/// ```
+/// gelenk_runtime::dynamics!(pub struct CartPole = gelenk_generated::cart_pole: Dynamics [
 ///     mass_matrix, coriolis_forces, gravity_forces, spring_forces, friction_torques, input_matrix
 /// ]);
 /// ```
@@ -280,7 +292,7 @@ macro_rules! dynamics {
         $crate::dynamics!(@define friction_torques, $module, $p, (v: N), vector);
     };
     (@method input_matrix, $module:tt, $p:tt) => {
-        $crate::dynamics!(@define input_matrix, $module, $p, (y: N), input_matrix);
+        $crate::dynamics!(@define input_matrix, $module, $p, (), input_matrix);
     };
     (@method applied_forces, $module:tt, $p:tt) => {
         $crate::dynamics!(@define applied_forces, $module, $p, (y: N, v: N), vector);
@@ -358,7 +370,7 @@ macro_rules! dynamics {
 /// Includes a module that the build script generated: `include_model!(pub mod arm)` reads `$OUT_DIR/arm.rs`.
 ///
 /// ```ignore
-/// // build.rs: gelenk_codegen::build("arm.toml");
+/// // Needs a build script: gelenk_codegen::build("arm.toml");
 /// gelenk_runtime::include_model!(
 ///     /// The arm on the bench.
 ///     pub mod arm
@@ -408,7 +420,7 @@ mod tests {
         pub fn friction_torques(v: &[f64; N]) -> [f64; N] {
             [0.5 * v[0], 0.0]
         }
-        pub fn input_matrix(_: &[f64; N]) -> [[f64; M]; N] {
+        pub fn input_matrix() -> [[f64; M]; N] {
             [[1.0], [0.0]]
         }
     }
@@ -463,8 +475,8 @@ mod tests {
         pub fn friction_torques(v: &[f64; N], p: &Parameters) -> [f64; N] {
             [p.friction * v[0], 0.0]
         }
-        pub fn input_matrix(y: &[f64; N], _: &Parameters) -> [[f64; M]; N] {
-            super::cart_pole::input_matrix(y)
+        pub fn input_matrix(_: &Parameters) -> [[f64; M]; N] {
+            super::cart_pole::input_matrix()
         }
         pub fn inverse_dynamics_derivatives(
             _: &[f64; N],

@@ -20,7 +20,7 @@ use gelenk_codegen::pipeline::{GenerateOptions, Generated, generate};
 use gelenk_codegen::program::interpret::{Functions, interpret};
 
 /// The functions that emitted modules call.
-pub const FUNCTIONS: Functions = Functions::STD;
+pub const FUNCTIONS: Functions = Functions::EMBEDDED;
 
 /// The root of the workspace.
 pub fn workspace() -> PathBuf {

@@ -250,6 +250,7 @@ fn options(choices: &Choices, command: String) -> GenerateOptions {
         snap_angles: choices.snap_angles,
         no_friction: choices.no_friction,
         ignore_mimic: choices.ignore_mimic,
+        fused_multiply_add: choices.fused_multiply_add,
         emit: EmitOptions {
             scalar: choices.scalar.into(),
             command,
@@ -287,6 +288,11 @@ pub(super) fn command(
     }
     words.extend(choices.no_friction.then(|| "--no-friction".to_owned()));
     words.extend(choices.ignore_mimic.then(|| "--ignore-mimic".to_owned()));
+    words.extend(
+        choices
+            .fused_multiply_add
+            .then(|| "--fused-multiply-add".to_owned()),
+    );
     words.join(" ")
 }
 
@@ -397,6 +403,7 @@ mod tests {
             snap_angles: Some(1e-4),
             no_friction: true,
             ignore_mimic: false,
+            fused_multiply_add: false,
         };
         let command = command(
             Path::new("my robots/arm.urdf"),

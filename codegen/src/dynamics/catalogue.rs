@@ -502,7 +502,7 @@ pub fn derive(model: &Model, selection: &[String]) -> Result<Vec<Function>, Diag
             name.starts_with("frame_") && selection.iter().any(|selected| selected == "frames");
         selection.is_empty() || frames || selection.iter().any(|selected| selected == name)
     };
-    let formulations = Formulations::search(model);
+    let formulations = Formulations::new(model);
     let mut functions = Vec::new();
     for quantity in QUANTITIES
         .iter()
@@ -539,7 +539,11 @@ fn check_names(model: &Model, selection: &[String]) -> Result<(), Diagnostics> {
     }
 }
 
-fn derive_quantity(model: &Model, formulations: &Formulations, quantity: &Quantity) -> Function {
+fn derive_quantity(
+    model: &Model,
+    formulations: &Formulations<'_>,
+    quantity: &Quantity,
+) -> Function {
     let mut notes: Vec<String> = quantity.notes.iter().map(|&note| note.to_owned()).collect();
     if quantity.arguments.contains(&Velocities)
         && quantity.name.ends_with("friction_torques")
@@ -551,7 +555,7 @@ fn derive_quantity(model: &Model, formulations: &Formulations, quantity: &Quanti
         );
     }
     if quantity.notes == DERIVATIVE_NOTES {
-        notes.push(formulations.derivatives.description().to_owned());
+        notes.push(formulations.derivatives().description().to_owned());
     }
     assemble(
         model,
@@ -570,7 +574,7 @@ fn derive_quantity(model: &Model, formulations: &Formulations, quantity: &Quanti
 
 fn derive_frame(
     model: &Model,
-    formulations: &Formulations,
+    formulations: &Formulations<'_>,
     frame: &Frame,
     quantity: &FrameQuantity,
 ) -> Function {
@@ -596,7 +600,7 @@ fn derive_frame(
 /// Builds the graph of a function and lowers it.
 fn assemble(
     model: &Model,
-    formulations: &Formulations,
+    formulations: &Formulations<'_>,
     arguments: &[Argument],
     results: &[(&str, &str)],
     build: impl for<'g> FnOnce(&Equations<'_, 'g>, &Arguments<'g>) -> Vec<Value<'g>>,

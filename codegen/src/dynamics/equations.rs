@@ -1,5 +1,7 @@
 //! The equations of motion of one robot over a graph: every quantity once, from the cheapest formulation.
 
+use std::cell::OnceCell;
+
 use super::composite;
 use super::derivatives::{ForceDerivatives, PairFrame, inverse_dynamics_derivatives};
 use super::factorization::Factorization;
@@ -14,19 +16,16 @@ use crate::model::Model;
 /// A matrix over the graph, rows first.
 pub type Matrix<'g> = Vec<Vec<Scalar<'g>>>;
 
-/// The cheapest formulations of a model, found once and used by every function.
-#[derive(Debug, Clone)]
-pub struct Formulations {
-    /// Of the inverse dynamics.
-    pub inverse_dynamics: Formulation,
-    /// Of the bias forces: without accelerations.
-    pub bias_forces: Formulation,
-    /// Of the mass matrix.
-    pub mass_matrix: Formulation,
-    /// Of gravity alone.
-    pub gravity_forces: Formulation,
-    /// Of the derivatives of the inverse dynamics.
-    pub derivatives: DerivativeRoute,
+/// The cheapest formulations of a model, each searched for when it is first needed.
+#[derive(Debug)]
+pub struct Formulations<'m> {
+    model: &'m Model,
+    space: SearchSpace,
+    inverse_dynamics: OnceCell<Formulation>,
+    bias_forces: OnceCell<Formulation>,
+    gravity_forces: OnceCell<Formulation>,
+    mass_matrix: OnceCell<Formulation>,
+    derivatives: OnceCell<DerivativeRoute>,
 }
 
 /// How the inverse dynamics are differentiated.
@@ -38,37 +37,63 @@ pub enum DerivativeRoute {
     Composite(Formulation, PairFrame),
 }
 
-impl Formulations {
-    /// Searches for them.
-    pub fn search(model: &Model) -> Self {
-        let space = SearchSpace::new(model);
-        let inverse_dynamics = cheapest(&space, |formulation| {
-            recursion(model, formulation, Moving::Accelerated)
-        });
-        let derivatives = Self::cheapest_derivatives(model, &space, &inverse_dynamics);
+impl<'m> Formulations<'m> {
+    /// Of a model; nothing is searched for yet.
+    pub fn new(model: &'m Model) -> Self {
         Self {
-            inverse_dynamics,
-            bias_forces: cheapest(&space, |formulation| {
-                recursion(model, formulation, Moving::Steadily)
-            }),
-            gravity_forces: cheapest(&space, |formulation| {
-                recursion(model, formulation, Moving::Not)
-            }),
-            mass_matrix: cheapest(&space, |formulation| {
-                weigh(model, |graph, input| {
-                    let mechanism = formulation.mechanism(graph, model);
-                    composite::mass_matrix(&mechanism, formulation, input.y).concat()
-                })
-            }),
-            derivatives,
+            model,
+            space: SearchSpace::new(model),
+            inverse_dynamics: OnceCell::new(),
+            bias_forces: OnceCell::new(),
+            gravity_forces: OnceCell::new(),
+            mass_matrix: OnceCell::new(),
+            derivatives: OnceCell::new(),
         }
     }
 
-    fn cheapest_derivatives(
-        model: &Model,
-        space: &SearchSpace,
-        inverse: &Formulation,
-    ) -> DerivativeRoute {
+    /// Of the inverse dynamics.
+    pub fn inverse_dynamics(&self) -> &Formulation {
+        self.inverse_dynamics
+            .get_or_init(|| self.recursive(Moving::Accelerated))
+    }
+
+    /// Of the bias forces: without accelerations.
+    pub fn bias_forces(&self) -> &Formulation {
+        self.bias_forces
+            .get_or_init(|| self.recursive(Moving::Steadily))
+    }
+
+    /// Of gravity alone.
+    pub fn gravity_forces(&self) -> &Formulation {
+        self.gravity_forces
+            .get_or_init(|| self.recursive(Moving::Not))
+    }
+
+    fn recursive(&self, moving: Moving) -> Formulation {
+        cheapest(&self.space, |formulation| {
+            recursion(self.model, formulation, moving)
+        })
+    }
+
+    /// Of the mass matrix.
+    pub fn mass_matrix(&self) -> &Formulation {
+        self.mass_matrix.get_or_init(|| {
+            cheapest(&self.space, |formulation| {
+                weigh(self.model, |graph, input| {
+                    let mechanism = formulation.mechanism(graph, self.model);
+                    composite::mass_matrix(&mechanism, formulation, input.y).concat()
+                })
+            })
+        })
+    }
+
+    /// Of the derivatives of the inverse dynamics.
+    pub fn derivatives(&self) -> &DerivativeRoute {
+        self.derivatives.get_or_init(|| self.cheapest_derivatives())
+    }
+
+    fn cheapest_derivatives(&self) -> DerivativeRoute {
+        let (model, inverse) = (self.model, self.inverse_dynamics());
         let weight = |route: &DerivativeRoute| {
             weigh(model, |graph, input| {
                 let result = route.derive(graph, model, inverse, input);
@@ -83,14 +108,16 @@ impl Formulations {
         let composite = |formulation: &Formulation, pairs| {
             DerivativeRoute::Composite(formulation.clone(), pairs)
         };
-        let links = cheapest(space, |formulation| {
-            weight(&composite(formulation, PairFrame::Links))
-        });
         let mut routes = vec![
-            composite(&links, PairFrame::Links),
             composite(&inverse.massless(), PairFrame::Links),
             composite(&inverse.massless().in_metres(), PairFrame::Root),
         ];
+        if model.coordinates.len() <= LARGEST_SEARCHED {
+            let links = cheapest(&self.space, |formulation| {
+                weight(&composite(formulation, PairFrame::Links))
+            });
+            routes.push(composite(&links, PairFrame::Links));
+        }
         if model.coordinates.len() <= LARGEST_FORWARD {
             routes.push(DerivativeRoute::Forward);
         }
@@ -102,6 +129,10 @@ impl Formulations {
         routes.swap_remove(best)
     }
 }
+
+/// Beyond so many joints a search among the derivatives takes longer than it saves: the formulation of the inverse
+/// dynamics serves them as well.
+const LARGEST_SEARCHED: usize = 12;
 
 /// Forward differentiation of the program never paid beyond three joints.
 const LARGEST_FORWARD: usize = 4;
@@ -267,7 +298,7 @@ pub struct Equations<'a, 'g> {
     /// The model.
     pub model: &'a Model,
     /// How each quantity is derived.
-    pub formulations: &'a Formulations,
+    pub formulations: &'a Formulations<'a>,
 }
 
 impl<'g> Equations<'_, 'g> {
@@ -290,7 +321,7 @@ impl<'g> Equations<'_, 'g> {
 
     /// `M(y)`
     pub fn mass_matrix(&self, y: &[Scalar<'g>]) -> Matrix<'g> {
-        let formulation = &self.formulations.mass_matrix;
+        let formulation = self.formulations.mass_matrix();
         composite::mass_matrix(
             &formulation.mechanism(self.graph, self.model),
             formulation,
@@ -301,7 +332,7 @@ impl<'g> Equations<'_, 'g> {
     /// `k(y, ẏ)`
     pub fn coriolis_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         self.recursive(
-            &self.formulations.bias_forces,
+            self.formulations.bias_forces(),
             MotionInput {
                 y,
                 v,
@@ -315,7 +346,7 @@ impl<'g> Equations<'_, 'g> {
     pub fn gravity_forces(&self, y: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let still = self.zeros();
         let held = self.recursive(
-            &self.formulations.gravity_forces,
+            self.formulations.gravity_forces(),
             MotionInput {
                 y,
                 v: &still,
@@ -329,7 +360,7 @@ impl<'g> Equations<'_, 'g> {
     /// `k − q_gravity`
     pub fn bias_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         self.recursive(
-            &self.formulations.bias_forces,
+            self.formulations.bias_forces(),
             MotionInput {
                 y,
                 v,
@@ -372,7 +403,7 @@ impl<'g> Equations<'_, 'g> {
         a: &[Scalar<'g>],
     ) -> Vec<Scalar<'g>> {
         let bodies = self.recursive(
-            &self.formulations.inverse_dynamics,
+            self.formulations.inverse_dynamics(),
             MotionInput { y, v, a },
             true,
         );
@@ -381,11 +412,10 @@ impl<'g> Equations<'_, 'g> {
 
     /// `M ÿ + k − q` with its derivatives by y and ẏ, and M.
     pub fn inverse_dynamics_derivatives(&self, input: MotionInput<'_, 'g>) -> ForceDerivatives<'g> {
-        let Formulations {
-            derivatives,
-            inverse_dynamics,
-            ..
-        } = self.formulations;
+        let (derivatives, inverse_dynamics) = (
+            self.formulations.derivatives(),
+            self.formulations.inverse_dynamics(),
+        );
         let mut result = derivatives.derive(self.graph, self.model, inverse_dynamics, input);
         let joint = self.joint_forces(input.y, input.v);
         for (row, &force) in joint.iter().enumerate() {
@@ -504,7 +534,7 @@ impl<'g> Equations<'_, 'g> {
 
     /// `½ ẏᵀ M ẏ`, as the work of what accelerates by ẏ from rest.
     pub fn kinetic_energy(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Scalar<'g> {
-        let formulation = &self.formulations.inverse_dynamics;
+        let formulation = self.formulations.inverse_dynamics();
         let momentum = self.recursive(
             formulation,
             MotionInput {

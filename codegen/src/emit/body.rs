@@ -1,9 +1,12 @@
 //! The statements of a function: one `let` per instruction.
 
+use std::ops::Range;
+
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::quote;
 
 use super::literal::Scalar;
+use super::math::Math;
 use super::{Context, math, names};
 use crate::dynamics::function::Function;
 use crate::program::flow::{Flow, operands};
@@ -76,8 +79,85 @@ impl<'a> Body<'a> {
         })
     }
 
+    /// The statements of a run of instructions.
+    pub(super) fn statements(&self, range: Range<usize>) -> Vec<TokenStream> {
+        let made: Vec<usize> = range.filter(|&index| self.flow.is_made(index)).collect();
+        let mut statements = Vec::with_capacity(made.len());
+        let mut rest = made.as_slice();
+        while let Some((&first, others)) = rest.split_first() {
+            let (angles, after) = rest.split_at(self.leading_angles(rest));
+            if angles.len() > 1 {
+                statements.extend(self.angles(angles));
+                rest = after;
+            } else {
+                statements.extend(self.statement(first));
+                rest = others;
+            }
+        }
+        statements
+    }
+
+    /// How many of the first instructions make sine and cosine of angles that are known before all of them.
+    fn leading_angles(&self, instructions: &[usize]) -> usize {
+        let start = instructions.first().copied().unwrap_or(0);
+        let is_early = |&&index: &&usize| match self.program.instructions[index].operation {
+            Operation::SinCos(Operand::Value(angle)) => self.flow.made_at[angle] < start,
+            Operation::SinCos(_) => true,
+            Operation::CosineOf(_) => true,
+            _ => false,
+        };
+        match self.context.options.math {
+            Math::Embedded => instructions.iter().take_while(is_early).count(),
+            Math::Std => 0,
+        }
+    }
+
+    /// One call for up to eight angles: they become lanes, and angles in registers avoid the way through memory.
+    /// Seven angles took 22 ns as one padded call of eight, 31 ns as calls of 4, 2 and 1, 54 ns one by one (AVX2).
+    fn angles(&self, instructions: &[usize]) -> Vec<TokenStream> {
+        let mut rest: Vec<usize> = instructions.to_vec();
+        rest.retain(|&index| {
+            matches!(
+                self.program.instructions[index].operation,
+                Operation::SinCos(_)
+            )
+        });
+        let mut statements = Vec::new();
+        while !rest.is_empty() {
+            let lanes = match rest.len() {
+                1 => 1,
+                2 => 2,
+                3..=6 => 4,
+                _ => 8,
+            };
+            let batch: Vec<usize> = rest.drain(..lanes.min(rest.len())).collect();
+            match batch.as_slice() {
+                [angle] => statements.extend(self.statement(*angle)),
+                batch => statements.push(self.batch(batch, lanes)),
+            }
+        }
+        statements
+    }
+
+    fn batch(&self, batch: &[usize], lanes: usize) -> TokenStream {
+        let (sines, cosines): (Vec<_>, Vec<_>) = batch
+            .iter()
+            .map(|&index| self.sine_and_cosine(index))
+            .unzip();
+        let angles: Vec<TokenStream> = batch
+            .iter()
+            .filter_map(|&index| match self.program.instructions[index].operation {
+                Operation::SinCos(angle) => Some(self.operand(angle)),
+                _ => None,
+            })
+            .collect();
+        let call = math::sin_cos_of(self.context, lanes, &angles);
+        let (sines, cosines) = (pattern(sines, lanes), pattern(cosines, lanes));
+        quote!(let (#sines, #cosines) = #call;)
+    }
+
     /// The statement of an instruction; `None` where nothing reads its value, or another statement makes it.
-    pub(super) fn statement(&self, index: usize) -> Option<TokenStream> {
+    fn statement(&self, index: usize) -> Option<TokenStream> {
         if !self.flow.is_made(index) {
             return None;
         }
@@ -87,11 +167,17 @@ impl<'a> Body<'a> {
             let name = &self.names[index];
             return Some(quote!(let #name = #value;));
         };
-        let or_nothing =
-            |name: Option<&Ident>| name.map_or_else(|| quote!(_), |name| quote!(#name));
-        let sine = or_nothing(self.flow.is_read[index].then(|| &self.names[index]));
-        let cosine = or_nothing(self.flow.cosine[index].map(|cosine| &self.names[cosine]));
+        let (sine, cosine) = self.sine_and_cosine(index);
+        let (sine, cosine) = (or_nothing(sine), or_nothing(cosine));
         Some(quote!(let (#sine, #cosine) = #value;))
+    }
+
+    /// Names for what a `SinCos` makes, where it is read.
+    fn sine_and_cosine(&self, index: usize) -> (Option<&Ident>, Option<&Ident>) {
+        (
+            self.flow.is_read[index].then(|| &self.names[index]),
+            self.flow.cosine[index].map(|cosine| &self.names[cosine]),
+        )
     }
 
     /// The right-hand side of an instruction; `None` for the cosine of a pair.
@@ -123,23 +209,14 @@ impl<'a> Body<'a> {
                 let (a, b, c) = (self.receiver(a), self.operand(b), self.operand(c));
                 quote!(#a.mul_add(#b, #c))
             }
-            Operation::SinCos(a) => self.call("sin_cos", a),
-            Operation::CosineOf(_) => return None,
-            Operation::Call(crate::formula::Function::Sign, a) => {
-                let a = self.operand(a);
-                quote!(sign(#a))
+            Operation::SinCos(a) => {
+                math::sin_cos(self.context, &self.receiver(a), &self.operand(a))
             }
-            Operation::Call(function, a) => self.call(math::function_name(function), a),
+            Operation::CosineOf(_) => return None,
+            Operation::Call(function, a) => {
+                math::call(self.context, function, &self.receiver(a), &self.operand(a))
+            }
         })
-    }
-
-    fn call(&self, name: &str, argument: Operand) -> TokenStream {
-        math::call(
-            self.context.options,
-            name,
-            &self.receiver(argument),
-            &self.operand(argument),
-        )
     }
 
     fn negated(&self, operand: Operand) -> TokenStream {
@@ -207,4 +284,18 @@ impl<'a> Body<'a> {
             }
         }
     }
+}
+
+fn or_nothing(name: Option<&Ident>) -> TokenStream {
+    name.map_or_else(|| quote!(_), |name| quote!(#name))
+}
+
+/// An array pattern of `len` entries; what is not read at its end is not named.
+fn pattern(mut names: Vec<Option<&Ident>>, len: usize) -> TokenStream {
+    while names.last().is_some_and(Option::is_none) {
+        names.pop();
+    }
+    let rest = (names.len() < len).then(|| quote!(..));
+    let names = names.into_iter().map(or_nothing).chain(rest);
+    quote!([#(#names),*])
 }

@@ -54,9 +54,7 @@ pub(super) fn items(context: &Context<'_>, function: &Function, name: &Ident) ->
 
 /// All statements and the results.
 fn plain_body(body: &Body<'_>) -> TokenStream {
-    let mut statements: Vec<TokenStream> = (0..body.program.instructions.len())
-        .filter_map(|index| body.statement(index))
-        .collect();
+    let mut statements = body.statements(0..body.program.instructions.len());
     if let Some(last) = returned_value(body)
         && let Some(value) = body.expression(body.program.instructions[last].operation)
     {
@@ -134,7 +132,7 @@ fn private(
     let parameters =
         (part.reads_parameters && context.has_parameters()).then(|| quote!(p: &Parameters));
     let arguments = inputs.chain(takes).chain(parameters);
-    let statements = part.range.clone().filter_map(|index| body.statement(index));
+    let statements = body.statements(part.range.clone());
     let returns = part.returns.iter().map(|&value| body.name(value));
     let count = Literal::usize_unsuffixed(part.returns.len());
     let documentation = DocComment::new(&format!(

@@ -1,102 +1,156 @@
 //! Where generated code takes sine, cosine, tanh and exp from: the one place that knows.
 
+use std::cell::{Cell, RefCell};
 use std::collections::BTreeSet;
 
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::quote;
 
-use super::EmitOptions;
+use super::Context;
 use super::literal::Scalar;
 use crate::dynamics::function::Function;
 use crate::formula::Function as Call;
-use crate::program::flow::Flow;
-use crate::program::{Operation, Program};
+use crate::math::Kernel;
+use crate::program::Operation;
 
 /// Source of the functions that a module calls.
 ///
 /// The interpreter must run with the same ones ([`crate::program::interpret::Functions`]), else the bits differ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Math {
-    /// Methods of std: `x.sin_cos()`.
-    #[default]
-    Std,
     /// Our own functions, pasted into the module: `math::sin_cos(x)`. Only what is called, and what that requires.
-    Embedded(&'static [MathText]),
-}
-
-/// The text of one function, with its private helpers, to paste into a module.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct MathText {
-    /// Its name: `sin_cos`, `tanh` and `exp` are called, with `_f32` behind for that type; others are required.
-    pub name: &'static str,
-    /// Rust items; the called function is `pub`.
-    pub text: &'static str,
-    /// Names of what it calls itself.
-    pub requires: &'static [&'static str],
+    /// They need neither std nor libm and give the same bits everywhere.
+    #[default]
+    Embedded,
+    /// Methods of std: `x.sin_cos()`.
+    Std,
 }
 
 /// Names of the module's own functions: nothing else may be named like them.
 pub(super) const RESERVED: [&str; 1] = ["sign"];
 
+/// What the functions printed so far call.
+#[derive(Debug, Default)]
+pub(super) struct Calls {
+    kernels: RefCell<BTreeSet<Kernel>>,
+    sign: Cell<bool>,
+}
+
 /// A call of a function of one argument, which stands as `receiver` before a method and as `argument` in parentheses.
 pub(super) fn call(
-    options: &EmitOptions,
-    name: &str,
+    context: &Context<'_>,
+    function: Call,
     receiver: &TokenStream,
     argument: &TokenStream,
 ) -> TokenStream {
-    let ident = |name: &str| Ident::new(name, Span::call_site());
-    let Math::Embedded(texts) = options.math else {
-        let name = ident(name);
-        return quote!(#receiver.#name());
-    };
-    let pasted = pasted_name(name, options.scalar);
-    if !texts.iter().any(|text| text.name == pasted) {
-        let name = ident(name);
-        return quote!(#receiver.#name());
+    if function == Call::Sign {
+        context.calls.sign.set(true);
+        return quote!(sign(#argument));
     }
-    let function = ident(&pasted);
-    match name {
-        "sin" => quote!(math::#function(#argument).0),
-        "cos" => quote!(math::#function(#argument).1),
-        _ => quote!(math::#function(#argument)),
-    }
-}
-
-/// The pasted function behind a call: a sine or cosine alone is half of `sin_cos`.
-fn pasted_name(name: &str, scalar: Scalar) -> String {
-    let name = if matches!(name, "sin" | "cos") {
-        "sin_cos"
-    } else {
-        name
-    };
-    match scalar {
-        Scalar::F64 => name.to_owned(),
-        Scalar::F32 => format!("{name}_f32"),
+    let is_own = context.options.math == Math::Embedded && function != Call::Abs;
+    match function {
+        Call::Sin if is_own => {
+            let pair = sin_cos(context, receiver, argument);
+            quote!(#pair.0)
+        }
+        Call::Cos if is_own => {
+            let pair = sin_cos(context, receiver, argument);
+            quote!(#pair.1)
+        }
+        Call::Tanh if is_own => own(context, [Kernel::Tanh, Kernel::TanhF32], argument),
+        Call::Exp if is_own => own(context, [Kernel::Exp, Kernel::ExpF32], argument),
+        _ => {
+            let method = method(function);
+            quote!(#receiver.#method())
+        }
     }
 }
 
-/// The functions that the module's programs call: `sign`, and those pasted in.
-pub(super) fn text(options: &EmitOptions, functions: &[Function]) -> String {
-    let called = called(functions);
+/// Sine and cosine of one angle.
+pub(super) fn sin_cos(
+    context: &Context<'_>,
+    receiver: &TokenStream,
+    argument: &TokenStream,
+) -> TokenStream {
+    match context.options.math {
+        Math::Embedded => own(context, [Kernel::SinCos, Kernel::SinCosF32], argument),
+        Math::Std => quote!(#receiver.sin_cos()),
+    }
+}
+
+/// Sines and cosines of several angles, padded to `lanes`: 2, 4 or 8.
+pub(super) fn sin_cos_of(
+    context: &Context<'_>,
+    lanes: usize,
+    angles: &[TokenStream],
+) -> TokenStream {
+    let kernels = match lanes {
+        2 => [Kernel::SinCos2, Kernel::SinCos2F32],
+        4 => [Kernel::SinCos4, Kernel::SinCos4F32],
+        _ => [Kernel::SinCos8, Kernel::SinCos8F32],
+    };
+    let zero = context.options.scalar.literal(0.0);
+    let padding = std::iter::repeat_n(&zero, lanes.saturating_sub(angles.len()));
+    let arguments = angles.iter().chain(padding);
+    own(context, kernels, &quote!(#(#arguments),*))
+}
+
+/// A call of a pasted function; of its text for f64 and for f32.
+fn own(context: &Context<'_>, kernels: [Kernel; 2], arguments: &TokenStream) -> TokenStream {
+    let kernel = match context.options.scalar {
+        Scalar::F64 => kernels[0],
+        Scalar::F32 => kernels[1],
+    };
+    context.calls.kernels.borrow_mut().insert(kernel);
+    let name = Ident::new(kernel.name(), Span::call_site());
+    quote!(math::#name(#arguments))
+}
+
+fn method(function: Call) -> Ident {
+    let name = match function {
+        Call::Sin => "sin",
+        Call::Cos => "cos",
+        Call::Tanh => "tanh",
+        Call::Exp => "exp",
+        Call::Abs => "abs",
+        Call::Sign => "signum",
+    };
+    Ident::new(name, Span::call_site())
+}
+
+/// The functions that were called: `sign`, and those pasted in.
+pub(super) fn text(context: &Context<'_>) -> String {
     let mut text = String::new();
-    if called.contains("sign") {
-        super::push_items(&mut text, [sign(options.scalar)]);
+    if context.calls.sign.get() {
+        super::push_items(&mut text, [sign(context.options.scalar)]);
     }
-    if let Math::Embedded(texts) = options.math {
-        let called = called
-            .iter()
-            .map(|name| pasted_name(name, options.scalar))
-            .collect();
-        text.push_str(&module(&needed(texts, called)));
-    }
+    text.push_str(&module(&needed(&context.calls.kernels.borrow())));
     text
+}
+
+/// Where a processor has no fused multiply-add, `mul_add` is a library call as slow as thirty operations.
+pub(super) fn guard(functions: &[Function]) -> &'static str {
+    let is_fused = functions
+        .iter()
+        .flat_map(|function| &function.program.instructions)
+        .any(|instruction| matches!(instruction.operation, Operation::MultiplyAdd(..)));
+    match is_fused {
+        false => "",
+        true => {
+            r#"
+#[cfg(not(any(target_feature = "fma", target_arch = "aarch64")))]
+compile_error!(
+    "these functions hold fused multiply-adds: compile them with `-C target-feature=+fma`, or generate them without"
+);
+"#
+        }
+    }
 }
 
 /// A module of its own keeps the names of helpers apart from those of a robot. Its text stays as it is: the pretty
 /// printer would drop the comments.
-fn module(texts: &[&MathText]) -> String {
-    if texts.is_empty() {
+fn module(kernels: &BTreeSet<Kernel>) -> String {
+    if kernels.is_empty() {
         return String::new();
     }
     let indented = |line: &str| {
@@ -106,9 +160,9 @@ fn module(texts: &[&MathText]) -> String {
             format!("    {line}\n")
         }
     };
-    let texts: Vec<String> = texts
+    let texts: Vec<String> = kernels
         .iter()
-        .map(|text| text.text.trim().lines().map(indented).collect())
+        .map(|kernel| kernel.source().trim().lines().map(indented).collect())
         .collect();
     format!(
         "\n/// Elementary functions that give the same bits on every platform.\n\
@@ -118,57 +172,15 @@ fn module(texts: &[&MathText]) -> String {
     )
 }
 
-/// Functions that the statements call; what nothing reads is no statement, and an unused function would be a warning.
-fn called(functions: &[Function]) -> BTreeSet<&'static str> {
-    functions
-        .iter()
-        .flat_map(|function| called_by(&function.program))
-        .collect()
-}
-
-fn called_by(program: &Program) -> BTreeSet<&'static str> {
-    let flow = Flow::new(program);
-    let made = program
-        .instructions
-        .iter()
-        .enumerate()
-        .filter(|(index, _)| flow.is_made(*index));
-    made.filter_map(|(_, instruction)| match instruction.operation {
-        Operation::SinCos(_) => Some("sin_cos"),
-        Operation::Call(function, _) => Some(function_name(function)),
-        _ => None,
-    })
-    .collect()
-}
-
-pub(super) fn function_name(function: Call) -> &'static str {
-    match function {
-        Call::Sin => "sin",
-        Call::Cos => "cos",
-        Call::Tanh => "tanh",
-        Call::Exp => "exp",
-        Call::Abs => "abs",
-        Call::Sign => "sign",
+/// The called functions and those that they call, these first.
+fn needed(called: &BTreeSet<Kernel>) -> BTreeSet<Kernel> {
+    let mut needed = BTreeSet::new();
+    for &kernel in called {
+        needed.extend(std::iter::successors(Some(kernel), |kernel| {
+            kernel.requires()
+        }));
     }
-}
-
-/// The texts reachable from `wanted`, in the order of `texts`.
-fn needed(texts: &'static [MathText], mut wanted: BTreeSet<String>) -> Vec<&'static MathText> {
-    loop {
-        let reached = texts.iter().filter(|text| wanted.contains(text.name));
-        let more: BTreeSet<String> = reached
-            .flat_map(|text| text.requires)
-            .map(|&name| name.to_owned())
-            .collect();
-        if more.is_subset(&wanted) {
-            break;
-        }
-        wanted.extend(more);
-    }
-    texts
-        .iter()
-        .filter(|text| wanted.contains(text.name))
-        .collect()
+    needed
 }
 
 /// `signum` of std is ±1 at ±0; the sign of a force law is 0 there.
@@ -187,32 +199,17 @@ fn sign(scalar: Scalar) -> TokenStream {
 mod tests {
     use super::*;
 
-    const TEXTS: &[MathText] = &[
-        MathText {
-            name: "reduce",
-            text: "",
-            requires: &[],
-        },
-        MathText {
-            name: "sin_cos",
-            text: "",
-            requires: &["reduce"],
-        },
-        MathText {
-            name: "exp",
-            text: "",
-            requires: &[],
-        },
-    ];
-
     #[test]
-    fn only_what_is_needed_is_pasted() {
-        let names = |called: &[&str]| -> Vec<_> {
-            let called = called.iter().map(|&name| name.to_owned()).collect();
-            needed(TEXTS, called).iter().map(|text| text.name).collect()
+    fn only_what_is_needed_is_pasted_in_the_order_of_the_calls() {
+        let names = |called: &[Kernel]| -> Vec<_> {
+            let called = called.iter().copied().collect();
+            needed(&called).iter().map(|kernel| kernel.name()).collect()
         };
-        assert_eq!(names(&["sin_cos"]), ["reduce", "sin_cos"]);
-        assert_eq!(names(&["exp"]), ["exp"]);
+        assert_eq!(
+            names(&[Kernel::SinCos4]),
+            ["sin_cos", "sin_cos_array", "sin_cos_4"]
+        );
+        assert_eq!(names(&[Kernel::TanhF32]), ["exp_direct_f32", "tanh_f32"]);
         assert!(names(&[]).is_empty());
     }
 }

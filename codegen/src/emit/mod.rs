@@ -19,7 +19,7 @@ mod split;
 
 pub use header::FIRST_LINE;
 pub use literal::Scalar;
-pub use math::{Math, MathText};
+pub use math::Math;
 
 use proc_macro2::{Ident, TokenStream};
 
@@ -49,7 +49,7 @@ impl Default for EmitOptions {
     fn default() -> Self {
         Self {
             scalar: Scalar::F64,
-            math: Math::Std,
+            math: Math::Embedded,
             command: "gelenk generate".to_owned(),
             longest_function: LONGEST_FUNCTION,
         }
@@ -81,7 +81,8 @@ pub fn module(model: &Model, functions: &[Function], options: &EmitOptions) -> S
             function::items(&context, function, &context.functions[index]),
         );
     }
-    text.push_str(&math::text(options, functions));
+    text.push_str(&math::text(&context));
+    text.push_str(math::guard(functions));
     SourceFile {
         name: context.name,
         text,
@@ -102,6 +103,8 @@ struct Context<'a> {
     parameters: Vec<Ident>,
     /// Names of the functions.
     functions: Vec<Ident>,
+    /// Elementary functions that were called so far.
+    calls: math::Calls,
     /// Names that no argument or value inside a function may take: a constant's would be a pattern, not a variable.
     reserved: Vec<String>,
 }
@@ -132,6 +135,7 @@ impl<'a> Context<'a> {
                 .count(),
             parameters: names::distinct(parameter_names, &[]),
             functions,
+            calls: math::Calls::default(),
             reserved,
         }
     }

@@ -9,6 +9,7 @@ use rustc_hash::FxBuildHasher;
 use super::node::{Edge, Node};
 use super::scalar::Scalar;
 use crate::formula::Function;
+use crate::math;
 
 /// A growing set of nodes. Equal nodes exist once; operands stand before their users.
 #[derive(Debug, Default)]
@@ -240,13 +241,13 @@ impl Graph {
     }
 }
 
-/// The value of a function; `sign 0 = 0`.
+/// The value of a function; `sign 0 = 0`. Not by std: its bits differ between platforms, and constants reach the text.
 pub(crate) fn evaluate(function: Function, x: f64) -> f64 {
     match function {
-        Function::Sin => x.sin(),
-        Function::Cos => x.cos(),
-        Function::Tanh => x.tanh(),
-        Function::Exp => x.exp(),
+        Function::Sin => math::sin_cos(x).0,
+        Function::Cos => math::sin_cos(x).1,
+        Function::Tanh => math::tanh(x),
+        Function::Exp => math::exp(x),
         Function::Abs => x.abs(),
         Function::Sign if x == 0.0 => 0.0,
         Function::Sign => x.signum(),

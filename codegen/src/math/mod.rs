@@ -6,8 +6,14 @@
 
 include!("sin_cos.rs");
 include!("sin_cos_array.rs");
+include!("sin_cos_2.rs");
+include!("sin_cos_4.rs");
+include!("sin_cos_8.rs");
 include!("sin_cos_f32.rs");
 include!("sin_cos_array_f32.rs");
+include!("sin_cos_2_f32.rs");
+include!("sin_cos_4_f32.rs");
+include!("sin_cos_8_f32.rs");
 include!("exp_reduced.rs");
 include!("exp.rs");
 include!("exp_direct_f32.rs");
@@ -22,10 +28,22 @@ pub enum Kernel {
     SinCos,
     /// [`sin_cos_array`]
     SinCosArray,
+    /// [`sin_cos_2`]
+    SinCos2,
+    /// [`sin_cos_4`]
+    SinCos4,
+    /// [`sin_cos_8`]
+    SinCos8,
     /// [`sin_cos_f32`]
     SinCosF32,
     /// [`sin_cos_array_f32`]
     SinCosArrayF32,
+    /// [`sin_cos_2_f32`]
+    SinCos2F32,
+    /// [`sin_cos_4_f32`]
+    SinCos4F32,
+    /// [`sin_cos_8_f32`]
+    SinCos8F32,
     /// What [`exp`] and [`tanh`] share.
     ExpReduced,
     /// [`exp`]
@@ -41,13 +59,41 @@ pub enum Kernel {
 }
 
 impl Kernel {
+    /// Name of the function.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SinCos => "sin_cos",
+            Self::SinCosArray => "sin_cos_array",
+            Self::SinCos2 => "sin_cos_2",
+            Self::SinCos4 => "sin_cos_4",
+            Self::SinCos8 => "sin_cos_8",
+            Self::SinCosF32 => "sin_cos_f32",
+            Self::SinCosArrayF32 => "sin_cos_array_f32",
+            Self::SinCos2F32 => "sin_cos_2_f32",
+            Self::SinCos4F32 => "sin_cos_4_f32",
+            Self::SinCos8F32 => "sin_cos_8_f32",
+            Self::ExpReduced => "exp_reduced",
+            Self::Exp => "exp",
+            Self::ExpDirectF32 => "exp_direct_f32",
+            Self::ExpF32 => "exp_f32",
+            Self::Tanh => "tanh",
+            Self::TanhF32 => "tanh_f32",
+        }
+    }
+
     /// Text of the Rust items, to be pasted into a module after those of [`Kernel::requires`].
     pub fn source(self) -> &'static str {
         match self {
             Self::SinCos => include_str!("sin_cos.rs"),
             Self::SinCosArray => include_str!("sin_cos_array.rs"),
+            Self::SinCos2 => include_str!("sin_cos_2.rs"),
+            Self::SinCos4 => include_str!("sin_cos_4.rs"),
+            Self::SinCos8 => include_str!("sin_cos_8.rs"),
             Self::SinCosF32 => include_str!("sin_cos_f32.rs"),
             Self::SinCosArrayF32 => include_str!("sin_cos_array_f32.rs"),
+            Self::SinCos2F32 => include_str!("sin_cos_2_f32.rs"),
+            Self::SinCos4F32 => include_str!("sin_cos_4_f32.rs"),
+            Self::SinCos8F32 => include_str!("sin_cos_8_f32.rs"),
             Self::ExpReduced => include_str!("exp_reduced.rs"),
             Self::Exp => include_str!("exp.rs"),
             Self::ExpDirectF32 => include_str!("exp_direct_f32.rs"),
@@ -61,6 +107,8 @@ impl Kernel {
     pub fn requires(self) -> Option<Self> {
         match self {
             Self::SinCosArray | Self::SinCosF32 => Some(Self::SinCos),
+            Self::SinCos2 | Self::SinCos4 | Self::SinCos8 => Some(Self::SinCosArray),
+            Self::SinCos2F32 | Self::SinCos4F32 | Self::SinCos8F32 => Some(Self::SinCosArrayF32),
             Self::SinCosArrayF32 => Some(Self::SinCosF32),
             Self::Exp | Self::Tanh => Some(Self::ExpReduced),
             Self::ExpF32 | Self::TanhF32 => Some(Self::ExpDirectF32),

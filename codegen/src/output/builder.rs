@@ -120,6 +120,13 @@ impl Builder {
         self
     }
 
+    /// Contracts products and sums to fused multiply-adds; the modules then compile only for processors that have them.
+    #[must_use]
+    pub fn fused_multiply_add(mut self) -> Self {
+        self.options.fused_multiply_add = true;
+        self
+    }
+
     /// Shows no notes about the descriptions; by default each becomes a warning of Cargo.
     #[must_use]
     pub fn hide_notes(mut self) -> Self {

@@ -51,7 +51,8 @@ pub fn root_text(modules: &[String]) -> String {
     let mut text = String::from(
         "//! The robots of `models/` as generated Rust: plain functions on fixed-size arrays.\n\
          //!\n\
-         //! `gelenk generate` writes this crate; `gelenk check` tells whether it is fresh.\n",
+         //! `gelenk generate` writes this crate; `gelenk check` tells whether it is fresh.\n\
+         #![no_std]\n",
     );
     for name in names {
         // Each file keeps the layout of the generator, which no rustfmt version changes.

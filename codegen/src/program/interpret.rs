@@ -7,6 +7,7 @@ use core::fmt;
 
 use super::{Operand, Operation, Program};
 use crate::formula::Function;
+use crate::math;
 
 /// The functions of one argument that programs call.
 #[derive(Debug, Clone, Copy)]
@@ -20,6 +21,13 @@ pub struct Functions {
 }
 
 impl Functions {
+    /// Our own, the same on every platform, as emitted by default.
+    pub const EMBEDDED: Self = Self {
+        sin_cos: math::sin_cos,
+        tanh: math::tanh,
+        exp: math::exp,
+    };
+
     /// The methods of std, as emitted with [`crate::emit::Math::Std`].
     pub const STD: Self = Self {
         sin_cos: f64::sin_cos,

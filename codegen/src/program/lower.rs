@@ -1,10 +1,12 @@
 //! From results in a graph to a straight-line program: order, signs and names.
 //!
 //! Afterwards every value is defined once, before its first use, under a unique name; nothing is computed that no
-//! result needs; negations stand only where neither a subtraction nor the sign of a product could take them.
+//! result needs; negations stand only where neither a subtraction nor the sign of a product could take them; sines and
+//! cosines are made together.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
+use super::angles::angles_first;
 use super::{InputArray, Instruction, Operand, Operation, Output, Program, Shape};
 use crate::formula::Function;
 use crate::graph::{Edge, Graph, Node};
@@ -26,7 +28,7 @@ pub fn lower(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOutput]) ->
         .iter()
         .flat_map(|output| output.entries.iter().copied())
         .collect();
-    let mut lowering = Lowering::new(graph, &inputs, &results);
+    let mut lowering = Lowering::new(graph, &results);
     for edge in &results {
         lowering.visit(*edge);
     }
@@ -40,10 +42,31 @@ pub fn lower(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOutput]) ->
             .collect(),
     });
     let outputs = outputs.collect();
-    Program {
+    let mut program = angles_first(Program {
         inputs,
         instructions: lowering.instructions,
         outputs,
+    });
+    give_names(&mut program);
+    program
+}
+
+/// Makes names unique; values without a label are numbered.
+fn give_names(program: &mut Program) {
+    let inputs = program.inputs.iter().map(|input| input.name.clone());
+    let mut taken: BTreeSet<String> = inputs.chain(["p".to_owned()]).collect();
+    for (index, instruction) in program.instructions.iter_mut().enumerate() {
+        let stem = match instruction.name.as_str() {
+            "" => format!("t{index}"),
+            label => label.to_owned(),
+        };
+        let mut name = stem.clone();
+        let mut copies = 1;
+        while !taken.insert(name.clone()) {
+            copies += 1;
+            name = format!("{stem}_{copies}");
+        }
+        instruction.name = name;
     }
 }
 
@@ -54,18 +77,17 @@ struct Lowering<'g> {
     values: Vec<Option<Operand>>,
     /// Negated value of each node, where one was needed.
     negatives: Vec<Option<Operand>>,
-    /// Angles of which both sine and cosine are needed.
-    paired: BTreeSet<Edge>,
+    /// The needed sine and cosine of each angle.
+    angles: BTreeMap<Edge, [Option<Edge>; 2]>,
     /// Longest chain of operations below each node.
     height: Vec<u32>,
-    names: BTreeSet<String>,
 }
 
 impl<'g> Lowering<'g> {
-    fn new(graph: &'g Graph, inputs: &[InputArray], results: &[Edge]) -> Self {
+    fn new(graph: &'g Graph, results: &[Edge]) -> Self {
         let reachable = graph.reachable(results);
         let mut height = vec![0; graph.len()];
-        let (mut sines, mut cosines) = (BTreeSet::new(), BTreeSet::new());
+        let mut angles: BTreeMap<Edge, [Option<Edge>; 2]> = BTreeMap::new();
         for &edge in &reachable {
             let node = graph.node(edge);
             height[edge.index()] = node
@@ -74,8 +96,12 @@ impl<'g> Lowering<'g> {
                 .max()
                 .unwrap_or(0);
             match node {
-                Node::Call(Function::Sin, angle) => _ = sines.insert(angle),
-                Node::Call(Function::Cos, angle) => _ = cosines.insert(angle),
+                Node::Call(Function::Sin, angle) => {
+                    angles.entry(angle).or_default()[0] = Some(edge)
+                }
+                Node::Call(Function::Cos, angle) => {
+                    angles.entry(angle).or_default()[1] = Some(edge)
+                }
                 _ => {}
             }
         }
@@ -84,13 +110,8 @@ impl<'g> Lowering<'g> {
             instructions: Vec::with_capacity(reachable.len()),
             values: vec![None; graph.len()],
             negatives: vec![None; graph.len()],
-            paired: sines.intersection(&cosines).copied().collect(),
+            angles,
             height,
-            names: inputs
-                .iter()
-                .map(|input| input.name.clone())
-                .chain(["p".to_owned()])
-                .collect(),
         }
     }
 
@@ -118,10 +139,8 @@ impl<'g> Lowering<'g> {
             Node::Constant(bits) => Operand::Constant(f64::from_bits(bits)),
             Node::Input(array, index) => Operand::Input(array as usize, index as usize),
             Node::Parameter(index) => Operand::Parameter(index as usize),
-            Node::Call(function @ (Function::Sin | Function::Cos), angle)
-                if self.paired.contains(&angle) =>
-            {
-                return self.sine_and_cosine(edge, function, angle);
+            Node::Call(Function::Sin | Function::Cos, angle) => {
+                return self.sine_and_cosine(angle);
             }
             Node::Sum(a, b) if b.is_negative() => {
                 let operation = Operation::Subtract(self.signed(a), self.signed(b.abs()));
@@ -147,24 +166,20 @@ impl<'g> Lowering<'g> {
         self.values[edge.index()] = Some(value);
     }
 
-    fn sine_and_cosine(&mut self, edge: Edge, function: Function, angle: Edge) {
-        let other = match function {
-            Function::Sin => Function::Cos,
-            _ => Function::Sin,
-        };
-        let pair = self.graph.scalar(angle).call(other).edge();
-        let (sine, cosine) = if function == Function::Sin {
-            (edge, pair)
-        } else {
-            (pair, edge)
-        };
-        let value = self.define(
-            sine,
-            Operation::SinCos(self.values[angle.index()].unwrap_or(Operand::Constant(0.0))),
-        );
-        let index = self.instructions.len() - 1;
-        self.values[sine.index()] = Some(value);
-        self.values[cosine.index()] = Some(self.define(cosine, Operation::CosineOf(index)));
+    /// Our function makes both at the price of one, so that there is no call for one alone.
+    fn sine_and_cosine(&mut self, angle: Edge) {
+        let operand = self.signed(angle);
+        let pair = self.instructions.len();
+        let [sine, cosine] = self.angles.get(&angle).copied().unwrap_or_default();
+        let label = sine.and_then(|sine| self.graph.label_of(sine));
+        let value = self.push(label, Operation::SinCos(operand));
+        if let Some(sine) = sine {
+            self.values[sine.index()] = Some(value);
+        }
+        if let Some(cosine) = cosine {
+            let value = self.define(cosine, Operation::CosineOf(pair));
+            self.values[cosine.index()] = Some(value);
+        }
     }
 
     /// The operand for a signed reference; a negation is inserted where the sign has no other place.
@@ -196,16 +211,13 @@ impl<'g> Lowering<'g> {
         self.push(self.graph.label_of(edge), operation)
     }
 
+    /// Appends an instruction; its name is the label so far.
     fn push(&mut self, label: Option<String>, operation: Operation) -> Operand {
         let index = self.instructions.len();
-        let stem = label.unwrap_or_else(|| format!("t{index}"));
-        let mut name = stem.clone();
-        let mut copies = 1;
-        while !self.names.insert(name.clone()) {
-            copies += 1;
-            name = format!("{stem}_{copies}");
-        }
-        self.instructions.push(Instruction { name, operation });
+        self.instructions.push(Instruction {
+            name: label.unwrap_or_default(),
+            operation,
+        });
         Operand::Value(index)
     }
 }

@@ -11,8 +11,11 @@ pub(crate) mod letters;
 
 use crate::formula::Function;
 
+mod angles;
+mod fuse;
 mod lower;
 
+pub use fuse::fuse_multiply_adds;
 pub use lower::{GraphOutput, lower};
 
 /// A straight-line program: the body of one generated function.
@@ -78,6 +81,23 @@ pub enum Operation {
     CosineOf(usize),
     /// `f(a)`
     Call(Function, Operand),
+}
+
+impl Operation {
+    /// The same operation on other operands; the pair of a `CosineOf` stays.
+    pub(crate) fn map(self, mut change: impl FnMut(Operand) -> Operand) -> Self {
+        match self {
+            Self::Add(a, b) => Self::Add(change(a), change(b)),
+            Self::Subtract(a, b) => Self::Subtract(change(a), change(b)),
+            Self::Multiply(a, b) => Self::Multiply(change(a), change(b)),
+            Self::Divide(a, b) => Self::Divide(change(a), change(b)),
+            Self::Negate(a) => Self::Negate(change(a)),
+            Self::MultiplyAdd(a, b, c) => Self::MultiplyAdd(change(a), change(b), change(c)),
+            Self::SinCos(a) => Self::SinCos(change(a)),
+            Self::CosineOf(pair) => Self::CosineOf(pair),
+            Self::Call(function, a) => Self::Call(function, change(a)),
+        }
+    }
 }
 
 /// One result of the program.

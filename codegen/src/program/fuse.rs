@@ -1,0 +1,281 @@
+//! Contraction of products and sums into fused multiply-adds, on request: fewer instructions, other bits.
+//!
+//! Decided here, not by a compiler, so that interpreter and compiled function still agree bit for bit. Each fused
+//! operation saves one rounding: a result differs from the unfused one by roundings of the replaced products alone.
+
+use std::collections::BTreeSet;
+
+use super::flow::operands;
+use super::{Instruction, Operand, Operation, Output, Program};
+
+/// Replaces each product all of whose readers are sums and differences by `a · b + c` in these, rounded once.
+///
+/// Of two products in one sum the one that is known later is fused, which shortens the longest chain. A product that
+/// is read elsewhere too stays: fusing it would not save its multiplication.
+#[must_use]
+pub fn fuse_multiply_adds(program: &Program) -> Program {
+    let fused = choose(program);
+    let mut rewriting = Rewriting {
+        places: vec![Operand::Constant(0.0); program.instructions.len()],
+        instructions: Vec::with_capacity(program.instructions.len()),
+        negatives: Vec::new(),
+        negative_inputs: Vec::new(),
+        names: program
+            .instructions
+            .iter()
+            .map(|instruction| instruction.name.clone())
+            .chain(program.inputs.iter().map(|input| input.name.clone()))
+            .collect(),
+    };
+    let is_product = products_of(&fused, program.instructions.len());
+    for (index, instruction) in program.instructions.iter().enumerate() {
+        if is_product[index] {
+            continue;
+        }
+        rewriting.rewrite(program, index, instruction, fused[index]);
+    }
+    let outputs = program.outputs.iter().map(|output| Output {
+        entries: output
+            .entries
+            .iter()
+            .map(|&entry| rewriting.place(entry))
+            .collect(),
+        ..output.clone()
+    });
+    Program {
+        inputs: program.inputs.clone(),
+        outputs: outputs.collect(),
+        instructions: rewriting.instructions,
+    }
+}
+
+/// For each sum: the product that becomes part of it.
+fn choose(program: &Program) -> Vec<Option<usize>> {
+    let count = program.instructions.len();
+    let mut readers: Vec<Vec<usize>> = vec![Vec::new(); count];
+    for (index, instruction) in program.instructions.iter().enumerate() {
+        for operand in operands(instruction.operation) {
+            if let Operand::Value(value) = operand {
+                readers[value].push(index);
+            }
+        }
+    }
+    let results: BTreeSet<usize> = program
+        .outputs
+        .iter()
+        .flat_map(|output| &output.entries)
+        .filter_map(|entry| match entry {
+            Operand::Value(value) => Some(*value),
+            _ => None,
+        })
+        .collect();
+    let depths = depths(program);
+    let is_multiply = |index: &usize| {
+        matches!(
+            program.instructions[*index].operation,
+            Operation::Multiply(..)
+        )
+    };
+    let mut products: Vec<usize> = (0..count).filter(is_multiply).collect();
+    products.sort_by_key(|&product| (std::cmp::Reverse(depths[product]), product));
+    let mut fused: Vec<Option<usize>> = vec![None; count];
+    for product in products {
+        let is_fusible = |&reader: &usize| {
+            let sum = program.instructions[reader].operation;
+            // `x · y + x · y` has no place for both.
+            let is_sum = matches!(sum, Operation::Add(a, b) | Operation::Subtract(a, b) if a != b);
+            is_sum && fused[reader].is_none()
+        };
+        if !results.contains(&product) && readers[product].iter().all(is_fusible) {
+            for &reader in &readers[product] {
+                fused[reader] = Some(product);
+            }
+        }
+    }
+    fused
+}
+
+/// Longest chain of operations below each value.
+fn depths(program: &Program) -> Vec<usize> {
+    let mut depths: Vec<usize> = Vec::with_capacity(program.instructions.len());
+    for instruction in &program.instructions {
+        let below = operands(instruction.operation).map(|operand| match operand {
+            Operand::Value(value) => depths[value],
+            _ => 0,
+        });
+        let below = match instruction.operation {
+            Operation::CosineOf(pair) => depths[pair],
+            _ => below.max().unwrap_or(0) + 1,
+        };
+        depths.push(below);
+    }
+    depths
+}
+
+fn products_of(fused: &[Option<usize>], count: usize) -> Vec<bool> {
+    let mut is_product = vec![false; count];
+    for &product in fused.iter().flatten() {
+        is_product[product] = true;
+    }
+    is_product
+}
+
+struct Rewriting {
+    /// The operand that each old value became.
+    places: Vec<Operand>,
+    instructions: Vec<Instruction>,
+    /// Negative of each new value, where one was needed.
+    negatives: Vec<Option<Operand>>,
+    /// Negatives of inputs and parameters.
+    negative_inputs: Vec<(Operand, Operand)>,
+    names: BTreeSet<String>,
+}
+
+impl Rewriting {
+    fn place(&self, operand: Operand) -> Operand {
+        match operand {
+            Operand::Value(value) => self.places[value],
+            other => other,
+        }
+    }
+
+    fn rewrite(
+        &mut self,
+        program: &Program,
+        index: usize,
+        instruction: &Instruction,
+        product: Option<usize>,
+    ) {
+        let product = product.map(|product| (product, program.instructions[product].operation));
+        let operation = match (product, instruction.operation) {
+            (Some((product, Operation::Multiply(a, b))), Operation::Add(x, y)) => {
+                let addend = if x == Operand::Value(product) { y } else { x };
+                Operation::MultiplyAdd(self.place(a), self.place(b), self.place(addend))
+            }
+            (Some((product, Operation::Multiply(a, b))), Operation::Subtract(x, y)) => {
+                let (a, b) = (self.place(a), self.place(b));
+                if x == Operand::Value(product) {
+                    let addend = self.place(y);
+                    Operation::MultiplyAdd(a, b, self.negative(addend))
+                } else {
+                    Operation::MultiplyAdd(self.negative(a), b, self.place(x))
+                }
+            }
+            (_, Operation::CosineOf(pair)) => match self.places[pair] {
+                Operand::Value(pair) => Operation::CosineOf(pair),
+                _ => instruction.operation,
+            },
+            (_, operation) => operation.map(|operand| self.place(operand)),
+        };
+        self.places[index] = self.push(instruction.name.clone(), operation);
+    }
+
+    /// A negation costs nothing beside a fused operation: processors have all four signs.
+    fn negative(&mut self, operand: Operand) -> Operand {
+        let stem = match operand {
+            Operand::Constant(number) => return Operand::Constant(-number),
+            Operand::Value(value) => match self.instructions[value].operation {
+                Operation::Negate(positive) => return positive,
+                _ => format!("minus_{}", self.instructions[value].name),
+            },
+            Operand::Input(array, entry) => format!("minus_{array}_{entry}"),
+            Operand::Parameter(index) => format!("minus_p_{index}"),
+        };
+        if let Some(negative) = self.known_negative(operand) {
+            return negative;
+        }
+        let mut name = stem.clone();
+        let mut copies = 1;
+        while !self.names.insert(name.clone()) {
+            copies += 1;
+            name = format!("{stem}_{copies}");
+        }
+        let negative = self.push(name, Operation::Negate(operand));
+        match operand {
+            Operand::Value(value) => self.negatives[value] = Some(negative),
+            _ => self.negative_inputs.push((operand, negative)),
+        }
+        negative
+    }
+
+    fn known_negative(&self, operand: Operand) -> Option<Operand> {
+        match operand {
+            Operand::Value(value) => self.negatives[value],
+            _ => {
+                let mut known = self.negative_inputs.iter();
+                known
+                    .find(|(positive, _)| *positive == operand)
+                    .map(|(_, negative)| *negative)
+            }
+        }
+    }
+
+    fn push(&mut self, name: String, operation: Operation) -> Operand {
+        self.instructions.push(Instruction { name, operation });
+        self.negatives.push(None);
+        Operand::Value(self.instructions.len() - 1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::program::cost::count;
+    use crate::program::interpret::{Functions, interpret};
+    use crate::program::{InputArray, Shape};
+
+    /// `r = (x y + z, x − y z, x y z − x)` with `x y` read twice.
+    fn program() -> Program {
+        let input = |index| Operand::Input(0, index);
+        let (x, y, z, value) = (input(0), input(1), input(2), Operand::Value);
+        let operations = [
+            Operation::Multiply(x, y),
+            Operation::Add(z, value(0)),
+            Operation::Multiply(y, z),
+            Operation::Subtract(x, value(2)),
+            Operation::Multiply(value(0), z),
+            Operation::Subtract(value(4), x),
+        ];
+        Program {
+            inputs: vec![InputArray {
+                name: "y".into(),
+                len: 3,
+            }],
+            instructions: operations
+                .into_iter()
+                .enumerate()
+                .map(|(i, operation)| Instruction {
+                    name: format!("t{i}"),
+                    operation,
+                })
+                .collect(),
+            outputs: vec![Output {
+                name: "r".into(),
+                shape: Shape::Vector(3),
+                entries: vec![value(1), value(3), value(5)],
+            }],
+        }
+    }
+
+    #[test]
+    fn products_that_only_sums_read_are_fused() {
+        let fused = fuse_multiply_adds(&program());
+        let multiplied = |program: &Program| {
+            let is_multiply = |i: &&Instruction| matches!(i.operation, Operation::Multiply(..));
+            program.instructions.iter().filter(is_multiply).count()
+        };
+        // x y stays, since x y z reads it too.
+        assert_eq!((multiplied(&program()), multiplied(&fused)), (3, 1));
+        assert_eq!(count(&fused).additions, 3);
+    }
+
+    #[test]
+    fn fused_results_are_the_rounded_exact_ones() {
+        let x = [1.0 + f64::EPSILON, 1.0 - f64::EPSILON, 3.0];
+        let fused = fuse_multiply_adds(&program());
+        let result = interpret(&fused, &[&x], &[], &Functions::EMBEDDED).unwrap();
+        assert_eq!(result[0][1], (-x[1]).mul_add(x[2], x[0]));
+        assert_eq!(result[0][2], (x[0] * x[1]).mul_add(x[2], -x[0]));
+        assert_eq!(result[0][0], x[0] * x[1] + x[2]);
+    }
+}

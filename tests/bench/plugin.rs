@@ -1,0 +1,106 @@
+//! A generated module behind the C interface of the comparison of rigid-body libraries: one shared object per robot.
+//!
+//! `dynamics.sh` compiles it, with the module's path in `GELENK_MODULE` and one `--cfg` for each function that may be
+//! missing. Matrices leave column by column; of symmetric ones both triangles.
+
+#[allow(dead_code, reason = "the comparison calls some of the functions")]
+mod robot {
+    include!(env!("GELENK_MODULE"));
+}
+
+use robot::N;
+
+type Vector = [f64; N];
+type Matrix = [[f64; N]; N];
+
+/// The number of coordinates; −1 for a model file of another robot, whose first number is its count of joints.
+///
+/// # Safety
+/// `path` is a C string.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rbd_init(path: *const std::ffi::c_char) -> i32 {
+    // SAFETY: as this function demands.
+    let path = unsafe { std::ffi::CStr::from_ptr(path) };
+    let text = path.to_str().ok().and_then(|path| std::fs::read_to_string(path).ok());
+    let count = text.and_then(|text| text.split_whitespace().next()?.parse::<usize>().ok());
+    if count == Some(N) { N as i32 } else { -1 }
+}
+
+/// Writes the columns of a matrix.
+#[inline(always)]
+fn write(to: &mut Matrix, matrix: &Matrix) {
+    for (i, row) in matrix.iter().enumerate() {
+        for (j, entry) in row.iter().enumerate() {
+            to[j][i] = *entry;
+        }
+    }
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn rbd_rnea(y: &Vector, v: &Vector, a: &Vector, forces: &mut Vector) {
+    *forces = robot::inverse_dynamics(y, v, a);
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn rbd_bias(y: &Vector, v: &Vector, forces: &mut Vector) {
+    *forces = robot::bias_forces(y, v);
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn rbd_crba(y: &Vector, mass: &mut Matrix) {
+    *mass = robot::mass_matrix(y);
+}
+
+#[cfg(has_mass_matrix_and_bias_forces)]
+#[unsafe(no_mangle)]
+pub extern "C" fn rbd_mk(y: &Vector, v: &Vector, mass: &mut Matrix, forces: &mut Vector) {
+    (*mass, *forces) = robot::mass_matrix_and_bias_forces(y, v);
+}
+
+/// Without friction and springs q is gravity alone.
+#[cfg(not(has_mass_matrix_and_bias_forces))]
+#[unsafe(no_mangle)]
+pub extern "C" fn rbd_mk(y: &Vector, v: &Vector, mass: &mut Matrix, forces: &mut Vector) {
+    let (matrix, coriolis, applied) = robot::equations_of_motion(y, v);
+    *mass = matrix;
+    for i in 0..N {
+        forces[i] = coriolis[i] - applied[i];
+    }
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn rbd_fd(y: &Vector, v: &Vector, u: &Vector, accelerations: &mut Vector) {
+    *accelerations = robot::forward_dynamics(y, v, u);
+}
+
+#[cfg(has_inverse_dynamics_derivatives_and_mass_matrix)]
+#[unsafe(no_mangle)]
+pub extern "C" fn rbd_rnea_der(
+    y: &Vector,
+    v: &Vector,
+    a: &Vector,
+    by_coordinates: &mut Matrix,
+    by_velocities: &mut Matrix,
+    mass: &mut Matrix,
+) {
+    let (_, dy, dv, matrix) = robot::inverse_dynamics_derivatives_and_mass_matrix(y, v, a);
+    write(by_coordinates, &dy);
+    write(by_velocities, &dv);
+    *mass = matrix;
+}
+
+#[cfg(has_forward_dynamics_derivatives)]
+#[unsafe(no_mangle)]
+pub extern "C" fn rbd_fd_der(
+    y: &Vector,
+    v: &Vector,
+    u: &Vector,
+    by_coordinates: &mut Matrix,
+    by_velocities: &mut Matrix,
+    by_inputs: &mut Matrix,
+) {
+    let (_, dy, dv, du) = robot::forward_dynamics_derivatives(y, v, u);
+    write(by_coordinates, &dy);
+    write(by_velocities, &dv);
+    *by_inputs = du;
+}
