@@ -130,6 +130,15 @@ impl<'g> Mechanism<'g> {
     }
 }
 
+impl<'g> Body<'g> {
+    /// Origin in the parent's frame, at coordinate 0 where the joint is prismatic. With γ in the twist the lift along
+    /// the axis has a component along the parent's x.
+    pub fn origin_in_parent(&self) -> Vector3<'g> {
+        let zero = self.lift.constant(0.0);
+        self.translation + self.twist.to_parent(Vector3([zero, zero, self.lift]))
+    }
+}
+
 impl Twist {
     /// No rotation.
     pub const NONE: Self = Self {
