@@ -1230,6 +1230,663 @@ pub fn linearize(
     )
 }
 
+/// Mass matrix and bias forces at once.
+///
+/// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`
+///
+/// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
+/// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
+/// - `p`: free parameters
+/// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
+/// - returns `b: [N]`: k − gravity\_forces: what holds the accelerations at zero, without springs and friction
+///
+/// Cost: 31 multiplications, 12 additions, 0 divisions, 2 function calls (`sin_cos`).
+///
+/// What both have in common is computed once.
+#[must_use]
+pub fn mass_matrix_and_bias_forces(
+    y: &[f64; N],
+    v: &[f64; N],
+    p: &Parameters,
+) -> ([[f64; N]; N], [f64; N]) {
+    let ([sin_shoulder, sin_elbow], [cos_shoulder, cos_elbow]) = math::sin_cos_2(
+        y[0],
+        y[1],
+    );
+    let t4 = 0.5 * p.l2;
+    let t5 = p.m2 * t4;
+    let t6 = t5 * cos_elbow;
+    let t7 = p.l1 * t6;
+    let t8 = 2.0 * t7;
+    let t9 = t4 * t4;
+    let t10 = p.m2 * t9;
+    let t11 = p.l2 * p.l2;
+    let t12 = p.m2 * t11;
+    let t13 = 0.08333333333333333 * t12;
+    let t14 = t13 + t10;
+    let t15 = t14 + t8;
+    let t16 = p.l1 * 0.5;
+    let t17 = t16 * t16;
+    let t18 = p.m1 * t17;
+    let t19 = p.l1 * p.l1;
+    let t20 = p.m1 * t19;
+    let t21 = t20 * 0.08333333333333333;
+    let t22 = t21 + t18;
+    let t23 = t19 * p.m2;
+    let t24 = t22 + t23;
+    let t25 = t24 + t15;
+    let t26 = t14 + t7;
+    let t27 = v[0] * v[0];
+    let t28 = p.l1 * t27;
+    let acceleration_shoulder_x = 9.81 * cos_shoulder;
+    let t30 = acceleration_shoulder_x + t28;
+    let t31 = sin_elbow * t30;
+    let acceleration_shoulder_y = 9.81 * sin_shoulder;
+    let t33 = cos_elbow * acceleration_shoulder_y;
+    let acceleration_elbow_y = t31 + t33;
+    let moment_elbow_z = t5 * acceleration_elbow_y;
+    let omega_elbow_z = v[0] + v[1];
+    let t37 = omega_elbow_z * omega_elbow_z;
+    let force_elbow_x = t5 * t37;
+    let force_shoulder_y = sin_elbow * force_elbow_x;
+    let t40 = p.l1 * force_shoulder_y;
+    let t41 = moment_elbow_z - t40;
+    let t42 = p.m1 * t16;
+    let t43 = p.l1 * p.m2;
+    let t44 = t42 + t43;
+    let t45 = t44 * acceleration_shoulder_y;
+    let moment_shoulder_z = t45 + t41;
+    ([[t25, t26], [t26, t14]], [moment_shoulder_z, moment_elbow_z])
+}
+
+/// Inverse dynamics with its Jacobians.
+///
+/// `δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ`
+///
+/// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
+/// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
+/// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
+/// - `p`: free parameters
+/// - returns `B u: [N]`: the forces M ÿ + k − q, on the joint side
+/// - returns `∂/∂y: [N × N]`: row i = force i
+/// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
+///
+/// Cost: 53 multiplications, 23 additions, 0 divisions, 2 function calls (`sin_cos`).
+///
+/// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
+///
+/// Forward differentiation of the inverse dynamics was cheapest.
+#[must_use]
+pub fn inverse_dynamics_derivatives(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    p: &Parameters,
+) -> ([f64; N], [[f64; N]; N], [[f64; N]; N]) {
+    let ([sin_shoulder, sin_elbow], [cos_shoulder, cos_elbow]) = math::sin_cos_2(
+        y[0],
+        y[1],
+    );
+    let acceleration_shoulder_y = 9.81 * sin_shoulder;
+    let t5 = a[0] * p.l1;
+    let t6 = acceleration_shoulder_y + t5;
+    let t7 = cos_elbow * t6;
+    let t8 = v[0] * v[0];
+    let t9 = p.l1 * t8;
+    let acceleration_shoulder_x = 9.81 * cos_shoulder;
+    let t11 = acceleration_shoulder_x + t9;
+    let t12 = sin_elbow * t11;
+    let t13 = t12 + t7;
+    let t14 = 0.5 * p.l2;
+    let t15 = p.m2 * t14;
+    let t16 = t15 * t13;
+    let t17 = t14 * t14;
+    let t18 = p.m2 * t17;
+    let t19 = p.l2 * p.l2;
+    let t20 = p.m2 * t19;
+    let t21 = 0.08333333333333333 * t20;
+    let t22 = t21 + t18;
+    let t23 = a[0] + a[1];
+    let t24 = t22 * t23;
+    let t25 = t16 + t24;
+    let t26 = t15 * t23;
+    let t27 = cos_elbow * t26;
+    let omega_elbow_z = v[0] + v[1];
+    let t29 = omega_elbow_z * omega_elbow_z;
+    let force_elbow_x = t15 * t29;
+    let t31 = sin_elbow * force_elbow_x;
+    let t32 = t31 - t27;
+    let t33 = p.l1 * t32;
+    let t34 = t25 - t33;
+    let t35 = p.l1 * 0.5;
+    let t36 = t35 * t35;
+    let t37 = p.m1 * t36;
+    let t38 = p.l1 * p.l1;
+    let t39 = p.m1 * t38;
+    let t40 = t39 * 0.08333333333333333;
+    let t41 = t40 + t37;
+    let t42 = t38 * p.m2;
+    let t43 = t41 + t42;
+    let t44 = a[0] * t43;
+    let t45 = p.m1 * t35;
+    let t46 = p.l1 * p.m2;
+    let t47 = t45 + t46;
+    let t48 = t47 * acceleration_shoulder_y;
+    let t49 = t48 + t44;
+    let t50 = t49 + t34;
+    let t51 = v[0] * 0.05;
+    let t52 = t50 + t51;
+    let t53 = v[1] * 0.05;
+    let t54 = t25 + t53;
+    let t55 = cos_elbow * acceleration_shoulder_x;
+    let t56 = sin_elbow * acceleration_shoulder_y;
+    let t57 = t56 - t55;
+    let t58 = t15 * t57;
+    let t59 = t47 * acceleration_shoulder_x;
+    let t60 = t59 - t58;
+    let t61 = sin_elbow * t26;
+    let t62 = cos_elbow * force_elbow_x;
+    let t63 = t62 + t61;
+    let t64 = p.l1 * t63;
+    let t65 = sin_elbow * t6;
+    let t66 = cos_elbow * t11;
+    let t67 = t66 - t65;
+    let t68 = t15 * t67;
+    let t69 = t68 - t64;
+    let t70 = 2.0 * omega_elbow_z;
+    let t71 = t15 * t70;
+    let t72 = sin_elbow * t71;
+    let t73 = p.l1 * t72;
+    let t74 = v[0] * 2.0;
+    let t75 = p.l1 * t74;
+    let t76 = sin_elbow * t75;
+    let t77 = t15 * t76;
+    let t78 = t77 - t73;
+    let t79 = t78 + 0.05;
+    let t80 = -t58;
+    let t81 = -t73;
+    ([t52, t54], [[t60, t69], [t80, t68]], [[t79, t81], [t77, 0.05]])
+}
+
+/// Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.
+///
+/// `δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ`
+///
+/// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
+/// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
+/// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
+/// - `p`: free parameters
+/// - returns `B u: [N]`: the forces M ÿ + k − q, on the joint side
+/// - returns `∂/∂y: [N × N]`: row i = force i
+/// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
+/// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
+///
+/// Cost: 57 multiplications, 27 additions, 0 divisions, 2 function calls (`sin_cos`).
+///
+/// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
+///
+/// Forward differentiation of the inverse dynamics was cheapest.
+#[must_use]
+#[allow(
+    clippy::type_complexity,
+    reason = "blocks of fixed size need no type of their own"
+)]
+pub fn inverse_dynamics_derivatives_and_mass_matrix(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    p: &Parameters,
+) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
+    let ([sin_shoulder, sin_elbow], [cos_shoulder, cos_elbow]) = math::sin_cos_2(
+        y[0],
+        y[1],
+    );
+    let acceleration_shoulder_y = 9.81 * sin_shoulder;
+    let t5 = a[0] * p.l1;
+    let t6 = acceleration_shoulder_y + t5;
+    let t7 = cos_elbow * t6;
+    let t8 = v[0] * v[0];
+    let t9 = p.l1 * t8;
+    let acceleration_shoulder_x = 9.81 * cos_shoulder;
+    let t11 = acceleration_shoulder_x + t9;
+    let t12 = sin_elbow * t11;
+    let t13 = t12 + t7;
+    let t14 = 0.5 * p.l2;
+    let t15 = p.m2 * t14;
+    let t16 = t15 * t13;
+    let t17 = t14 * t14;
+    let t18 = p.m2 * t17;
+    let t19 = p.l2 * p.l2;
+    let t20 = p.m2 * t19;
+    let t21 = 0.08333333333333333 * t20;
+    let t22 = t21 + t18;
+    let t23 = a[0] + a[1];
+    let t24 = t22 * t23;
+    let t25 = t16 + t24;
+    let t26 = t15 * t23;
+    let t27 = cos_elbow * t26;
+    let omega_elbow_z = v[0] + v[1];
+    let t29 = omega_elbow_z * omega_elbow_z;
+    let force_elbow_x = t15 * t29;
+    let t31 = sin_elbow * force_elbow_x;
+    let t32 = t31 - t27;
+    let t33 = p.l1 * t32;
+    let t34 = t25 - t33;
+    let t35 = p.l1 * 0.5;
+    let t36 = t35 * t35;
+    let t37 = p.m1 * t36;
+    let t38 = p.l1 * p.l1;
+    let t39 = p.m1 * t38;
+    let t40 = t39 * 0.08333333333333333;
+    let t41 = t40 + t37;
+    let t42 = t38 * p.m2;
+    let t43 = t41 + t42;
+    let t44 = a[0] * t43;
+    let t45 = p.m1 * t35;
+    let t46 = p.l1 * p.m2;
+    let t47 = t45 + t46;
+    let t48 = t47 * acceleration_shoulder_y;
+    let t49 = t48 + t44;
+    let t50 = t49 + t34;
+    let t51 = v[0] * 0.05;
+    let t52 = t50 + t51;
+    let t53 = v[1] * 0.05;
+    let t54 = t25 + t53;
+    let t55 = cos_elbow * acceleration_shoulder_x;
+    let t56 = sin_elbow * acceleration_shoulder_y;
+    let t57 = t56 - t55;
+    let t58 = t15 * t57;
+    let t59 = t47 * acceleration_shoulder_x;
+    let t60 = t59 - t58;
+    let t61 = sin_elbow * t26;
+    let t62 = cos_elbow * force_elbow_x;
+    let t63 = t62 + t61;
+    let t64 = p.l1 * t63;
+    let t65 = sin_elbow * t6;
+    let t66 = cos_elbow * t11;
+    let t67 = t66 - t65;
+    let t68 = t15 * t67;
+    let t69 = t68 - t64;
+    let t70 = 2.0 * omega_elbow_z;
+    let t71 = t15 * t70;
+    let t72 = sin_elbow * t71;
+    let t73 = p.l1 * t72;
+    let t74 = v[0] * 2.0;
+    let t75 = p.l1 * t74;
+    let t76 = sin_elbow * t75;
+    let t77 = t15 * t76;
+    let t78 = t77 - t73;
+    let t79 = t78 + 0.05;
+    let t80 = p.l1 * cos_elbow;
+    let t81 = t15 * t80;
+    let t82 = t22 + t81;
+    let t83 = t15 * cos_elbow;
+    let t84 = p.l1 * t83;
+    let t85 = t82 + t84;
+    let t86 = t43 + t85;
+    let t87 = t22 + t84;
+    let t88 = -t58;
+    let t89 = -t73;
+    (
+        [t52, t54],
+        [[t60, t69], [t88, t68]],
+        [[t79, t89], [t77, 0.05]],
+        [[t86, t87], [t82, t22]],
+    )
+}
+
+/// Forward dynamics with its Jacobians.
+///
+/// `∂ÿ = −M⁻¹ ∂(M ÿ + k − q), ∂ÿ/∂(B u) = M⁻¹`
+///
+/// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
+/// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
+/// - `u: [M]`: inputs: `shoulder`, `elbow` in N m
+/// - `p`: free parameters
+/// - returns `ÿ: [N]`: accelerations
+/// - returns `∂ÿ/∂y: [N × N]`: row i = acceleration i
+/// - returns `∂ÿ/∂ẏ: [N × N]`: row i = acceleration i
+/// - returns `M⁻¹: [N × N]`: symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B
+///
+/// Cost: 77 multiplications, 37 additions, 2 divisions, 2 function calls (`sin_cos`).
+///
+/// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
+///
+/// Forward differentiation of the inverse dynamics was cheapest.
+#[must_use]
+#[allow(
+    clippy::type_complexity,
+    reason = "blocks of fixed size need no type of their own"
+)]
+pub fn forward_dynamics_derivatives(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    p: &Parameters,
+) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
+    let ([sin_shoulder, sin_elbow], [cos_shoulder, cos_elbow]) = math::sin_cos_2(
+        y[0],
+        y[1],
+    );
+    let t4 = v[0] * v[0];
+    let t5 = p.l1 * t4;
+    let acceleration_shoulder_x = 9.81 * cos_shoulder;
+    let t7 = acceleration_shoulder_x + t5;
+    let t8 = sin_elbow * t7;
+    let acceleration_shoulder_y = 9.81 * sin_shoulder;
+    let t10 = cos_elbow * acceleration_shoulder_y;
+    let acceleration_elbow_y = t8 + t10;
+    let t12 = 0.5 * p.l2;
+    let t13 = p.m2 * t12;
+    let moment_elbow_z = t13 * acceleration_elbow_y;
+    let omega_elbow_z = v[0] + v[1];
+    let t16 = omega_elbow_z * omega_elbow_z;
+    let force_elbow_x = t13 * t16;
+    let force_shoulder_y = sin_elbow * force_elbow_x;
+    let t19 = p.l1 * force_shoulder_y;
+    let t20 = moment_elbow_z - t19;
+    let t21 = p.l1 * 0.5;
+    let t22 = p.m1 * t21;
+    let t23 = p.l1 * p.m2;
+    let t24 = t22 + t23;
+    let t25 = t24 * acceleration_shoulder_y;
+    let moment_shoulder_z = t25 + t20;
+    let t27 = v[0] * 0.05;
+    let t28 = u[0] - t27;
+    let t29 = t28 - moment_shoulder_z;
+    let t30 = v[1] * 0.05;
+    let t31 = u[1] - t30;
+    let t32 = t31 - moment_elbow_z;
+    let t33 = t12 * t12;
+    let t34 = p.m2 * t33;
+    let t35 = p.l2 * p.l2;
+    let t36 = p.m2 * t35;
+    let t37 = 0.08333333333333333 * t36;
+    let t38 = t37 + t34;
+    let inverse_d_elbow = 1.0 / t38;
+    let t40 = t13 * cos_elbow;
+    let t41 = p.l1 * t40;
+    let t42 = t38 + t41;
+    let t43 = t42 * inverse_d_elbow;
+    let t44 = t43 * t32;
+    let t45 = t29 - t44;
+    let t46 = t42 * t43;
+    let t47 = 2.0 * t41;
+    let t48 = t38 + t47;
+    let t49 = t21 * t21;
+    let t50 = p.m1 * t49;
+    let t51 = p.l1 * p.l1;
+    let t52 = p.m1 * t51;
+    let t53 = t52 * 0.08333333333333333;
+    let t54 = t53 + t50;
+    let t55 = t51 * p.m2;
+    let t56 = t54 + t55;
+    let t57 = t56 + t48;
+    let t58 = t57 - t46;
+    let inverse_d_shoulder = 1.0 / t58;
+    let t60 = inverse_d_shoulder * t45;
+    let t61 = t43 * t60;
+    let t62 = inverse_d_elbow * t32;
+    let t63 = t62 - t61;
+    let t64 = cos_elbow * acceleration_shoulder_x;
+    let t65 = sin_elbow * acceleration_shoulder_y;
+    let t66 = t65 - t64;
+    let t67 = t13 * t66;
+    let t68 = t43 * t67;
+    let t69 = t24 * acceleration_shoulder_x;
+    let t70 = t69 - t67;
+    let t71 = t70 + t68;
+    let t72 = inverse_d_shoulder * t71;
+    let t73 = t60 + t63;
+    let t74 = t13 * t73;
+    let t75 = sin_elbow * t74;
+    let t76 = cos_elbow * force_elbow_x;
+    let t77 = t76 + t75;
+    let t78 = p.l1 * t77;
+    let t79 = p.l1 * t60;
+    let t80 = acceleration_shoulder_y + t79;
+    let t81 = sin_elbow * t80;
+    let t82 = cos_elbow * t7;
+    let t83 = t82 - t81;
+    let t84 = t13 * t83;
+    let t85 = t84 - t78;
+    let t86 = t43 * t84;
+    let t87 = t85 - t86;
+    let t88 = inverse_d_shoulder * t87;
+    let t89 = t43 * t72;
+    let t90 = inverse_d_elbow * t67;
+    let t91 = t90 + t89;
+    let t92 = t43 * t88;
+    let t93 = inverse_d_elbow * t84;
+    let t94 = t93 - t92;
+    let t95 = v[0] * 2.0;
+    let t96 = p.l1 * t95;
+    let t97 = sin_elbow * t96;
+    let t98 = t13 * t97;
+    let t99 = t43 * t98;
+    let t100 = 2.0 * omega_elbow_z;
+    let t101 = t13 * t100;
+    let t102 = sin_elbow * t101;
+    let t103 = p.l1 * t102;
+    let t104 = t98 - t103;
+    let t105 = 0.05 + t104;
+    let t106 = t105 - t99;
+    let t107 = inverse_d_shoulder * t106;
+    let t108 = t43 * 0.05;
+    let t109 = t103 + t108;
+    let t110 = inverse_d_shoulder * t109;
+    let t111 = t43 * t107;
+    let t112 = inverse_d_elbow * t98;
+    let t113 = t112 - t111;
+    let t114 = t43 * t110;
+    let t115 = inverse_d_elbow * 0.05;
+    let t116 = t115 + t114;
+    let t117 = t43 * inverse_d_shoulder;
+    let t118 = t43 * t117;
+    let t119 = inverse_d_elbow + t118;
+    let t120 = -t72;
+    let t121 = -t88;
+    let t122 = -t94;
+    let t123 = -t107;
+    let t124 = -t113;
+    let t125 = -t116;
+    let t126 = -t117;
+    (
+        [t60, t63],
+        [[t120, t121], [t91, t122]],
+        [[t123, t110], [t124, t125]],
+        [[inverse_d_shoulder, t126], [t126, t119]],
+    )
+}
+
+/// Linearization of the accelerations in continuous time.
+///
+/// `ÿ ≈ A_y y + A_v ẏ + B_x u + c; with x = (y, ẏ) the upper halves of A, B_x and c are [0 I], 0 and 0`
+///
+/// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
+/// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
+/// - `u: [M]`: inputs: `shoulder`, `elbow` in N m
+/// - `p`: free parameters
+/// - returns `A_y: [N × N]`: ∂ÿ/∂y, row i = acceleration i
+/// - returns `A_v: [N × N]`: ∂ÿ/∂ẏ, row i = acceleration i
+/// - returns `B_x: [N × M]`: ∂ÿ/∂u, row i = acceleration i
+/// - returns `c: [N]`: affine remainder ÿ − A\_y y − A\_v ẏ − B\_x u
+///
+/// Cost: 89 multiplications, 49 additions, 2 divisions, 2 function calls (`sin_cos`).
+///
+/// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
+///
+/// Forward differentiation of the inverse dynamics was cheapest.
+#[must_use]
+#[allow(
+    clippy::type_complexity,
+    reason = "blocks of fixed size need no type of their own"
+)]
+pub fn linearize(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    p: &Parameters,
+) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
+    let ([sin_shoulder, sin_elbow], [cos_shoulder, cos_elbow]) = math::sin_cos_2(
+        y[0],
+        y[1],
+    );
+    let t4 = 0.5 * p.l2;
+    let t5 = t4 * t4;
+    let t6 = p.m2 * t5;
+    let t7 = p.l2 * p.l2;
+    let t8 = p.m2 * t7;
+    let t9 = 0.08333333333333333 * t8;
+    let t10 = t9 + t6;
+    let inverse_d_elbow = 1.0 / t10;
+    let t12 = p.m2 * t4;
+    let t13 = t12 * cos_elbow;
+    let t14 = p.l1 * t13;
+    let t15 = t10 + t14;
+    let t16 = t15 * inverse_d_elbow;
+    let t17 = t15 * t16;
+    let t18 = 2.0 * t14;
+    let t19 = t10 + t18;
+    let t20 = p.l1 * 0.5;
+    let t21 = t20 * t20;
+    let t22 = p.m1 * t21;
+    let t23 = p.l1 * p.l1;
+    let t24 = p.m1 * t23;
+    let t25 = t24 * 0.08333333333333333;
+    let t26 = t25 + t22;
+    let t27 = t23 * p.m2;
+    let t28 = t26 + t27;
+    let t29 = t28 + t19;
+    let t30 = t29 - t17;
+    let inverse_d_shoulder = 1.0 / t30;
+    let acceleration_shoulder_x = 9.81 * cos_shoulder;
+    let t33 = cos_elbow * acceleration_shoulder_x;
+    let acceleration_shoulder_y = 9.81 * sin_shoulder;
+    let t35 = sin_elbow * acceleration_shoulder_y;
+    let t36 = t35 - t33;
+    let t37 = t12 * t36;
+    let t38 = t16 * t37;
+    let t39 = p.m1 * t20;
+    let t40 = p.l1 * p.m2;
+    let t41 = t39 + t40;
+    let t42 = t41 * acceleration_shoulder_x;
+    let t43 = t42 - t37;
+    let t44 = t43 + t38;
+    let t45 = inverse_d_shoulder * t44;
+    let t46 = v[0] * v[0];
+    let t47 = p.l1 * t46;
+    let t48 = acceleration_shoulder_x + t47;
+    let t49 = sin_elbow * t48;
+    let t50 = cos_elbow * acceleration_shoulder_y;
+    let acceleration_elbow_y = t49 + t50;
+    let moment_elbow_z = t12 * acceleration_elbow_y;
+    let omega_elbow_z = v[0] + v[1];
+    let t54 = omega_elbow_z * omega_elbow_z;
+    let force_elbow_x = t12 * t54;
+    let force_shoulder_y = sin_elbow * force_elbow_x;
+    let t57 = p.l1 * force_shoulder_y;
+    let t58 = moment_elbow_z - t57;
+    let t59 = t41 * acceleration_shoulder_y;
+    let moment_shoulder_z = t59 + t58;
+    let t61 = v[0] * 0.05;
+    let t62 = u[0] - t61;
+    let t63 = t62 - moment_shoulder_z;
+    let t64 = v[1] * 0.05;
+    let t65 = u[1] - t64;
+    let t66 = t65 - moment_elbow_z;
+    let t67 = t16 * t66;
+    let t68 = t63 - t67;
+    let t69 = inverse_d_shoulder * t68;
+    let t70 = t16 * t69;
+    let t71 = inverse_d_elbow * t66;
+    let t72 = t71 - t70;
+    let t73 = t69 + t72;
+    let t74 = t12 * t73;
+    let t75 = sin_elbow * t74;
+    let t76 = cos_elbow * force_elbow_x;
+    let t77 = t76 + t75;
+    let t78 = p.l1 * t77;
+    let t79 = p.l1 * t69;
+    let t80 = acceleration_shoulder_y + t79;
+    let t81 = sin_elbow * t80;
+    let t82 = cos_elbow * t48;
+    let t83 = t82 - t81;
+    let t84 = t12 * t83;
+    let t85 = t84 - t78;
+    let t86 = t16 * t84;
+    let t87 = t85 - t86;
+    let t88 = inverse_d_shoulder * t87;
+    let t89 = t16 * t45;
+    let t90 = inverse_d_elbow * t37;
+    let t91 = t90 + t89;
+    let t92 = t16 * t88;
+    let t93 = inverse_d_elbow * t84;
+    let t94 = t93 - t92;
+    let t95 = v[0] * 2.0;
+    let t96 = p.l1 * t95;
+    let t97 = sin_elbow * t96;
+    let t98 = t12 * t97;
+    let t99 = t16 * t98;
+    let t100 = 2.0 * omega_elbow_z;
+    let t101 = t12 * t100;
+    let t102 = sin_elbow * t101;
+    let t103 = p.l1 * t102;
+    let t104 = t98 - t103;
+    let t105 = 0.05 + t104;
+    let t106 = t105 - t99;
+    let t107 = inverse_d_shoulder * t106;
+    let t108 = t16 * 0.05;
+    let t109 = t103 + t108;
+    let t110 = inverse_d_shoulder * t109;
+    let t111 = t16 * t107;
+    let t112 = inverse_d_elbow * t98;
+    let t113 = t112 - t111;
+    let t114 = t16 * t110;
+    let t115 = inverse_d_elbow * 0.05;
+    let t116 = t115 + t114;
+    let t117 = t16 * inverse_d_shoulder;
+    let t118 = t16 * t117;
+    let t119 = inverse_d_elbow + t118;
+    let t120 = y[1] * t88;
+    let t121 = y[0] * t45;
+    let t122 = t121 + t120;
+    let t123 = v[1] * t110;
+    let t124 = v[0] * t107;
+    let t125 = t124 - t123;
+    let t126 = t122 + t125;
+    let t127 = u[1] * t117;
+    let t128 = u[0] * inverse_d_shoulder;
+    let t129 = t128 - t127;
+    let t130 = t126 - t129;
+    let t131 = t69 + t130;
+    let t132 = y[1] * t94;
+    let t133 = y[0] * t91;
+    let t134 = t133 - t132;
+    let t135 = v[1] * t116;
+    let t136 = v[0] * t113;
+    let t137 = t136 + t135;
+    let t138 = t134 - t137;
+    let t139 = u[1] * t119;
+    let t140 = u[0] * t117;
+    let t141 = t140 - t139;
+    let t142 = t138 - t141;
+    let t143 = t72 - t142;
+    let t144 = -t45;
+    let t145 = -t88;
+    let t146 = -t94;
+    let t147 = -t107;
+    let t148 = -t113;
+    let t149 = -t116;
+    let t150 = -t117;
+    (
+        [[t144, t145], [t91, t146]],
+        [[t147, t110], [t148, t149]],
+        [[inverse_d_shoulder, t150], [t150, t119]],
+        [t131, t143],
+    )
+}
+
 /// Kinetic energy, rotors included.
 ///
 /// `T = ½ ẏᵀ M ẏ`

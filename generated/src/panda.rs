@@ -20492,6 +20492,20878 @@ pub fn linearize(
     )
 }
 
+/// Mass matrix and bias forces at once.
+///
+/// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`
+///
+/// - `y: [N]`: coordinates: `panda_joint1`, `panda_joint2`, `panda_joint3`, `panda_joint4`, `panda_joint5`,
+///   `panda_joint6`, `panda_joint7` in rad
+/// - `v: [N]`: velocities ẏ: `panda_joint1`, `panda_joint2`, `panda_joint3`, `panda_joint4`, `panda_joint5`,
+///   `panda_joint6`, `panda_joint7` in rad/s
+/// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
+/// - returns `b: [N]`: k − gravity\_forces: what holds the accelerations at zero, without springs and friction
+///
+/// Cost: 409 multiplications, 392 additions, 0 divisions, 6 function calls (`sin_cos`).
+///
+/// What both have in common is computed once.
+#[must_use]
+pub fn mass_matrix_and_bias_forces(
+    y: &[f64; N],
+    v: &[f64; N],
+) -> ([[f64; N]; N], [f64; N]) {
+    let angle_panda_joint7_offset = y[6] + 0.6689225306301613;
+    let (
+        [sin_panda_joint2,
+        sin_panda_joint3,
+        sin_panda_joint4,
+        sin_panda_joint5,
+        ],
+        [cos_panda_joint2,
+        cos_panda_joint3,
+        cos_panda_joint4,
+        cos_panda_joint5,
+        ],
+    ) = math::sin_cos_4(y[1], y[2], y[3], y[4]);
+    let ([sin_panda_joint6, sin_panda_joint7], [cos_panda_joint6, cos_panda_joint7]) = math::sin_cos_2(
+        y[5],
+        angle_panda_joint7_offset,
+    );
+    let t13 = cos_panda_joint7 * 0.002174847060296272;
+    let t14 = sin_panda_joint7 * 0.0013205141364616554;
+    let t15 = t14 - t13;
+    let t16 = sin_panda_joint7 * t15;
+    let t17 = 0.0026818189154496457 + t16;
+    let t18 = cos_panda_joint7 * 0.0005773870536849037;
+    let t19 = t17 + t18;
+    let t20 = t19 - 0.007412167175072339;
+    let t21 = sin_panda_joint6 * t20;
+    let t22 = 0.0003863308944437675 * sin_panda_joint7;
+    let t23 = 0.001535882372017312 * cos_panda_joint7;
+    let t24 = t23 - t22;
+    let t25 = 0.014748570382675316 + t24;
+    let t26 = 2.0 * t25;
+    let t27 = cos_panda_joint6 * t26;
+    let t28 = t21 - t27;
+    let t29 = sin_panda_joint6 * t28;
+    let t30 = t19 + 0.021522255370587554;
+    let t31 = t30 - t29;
+    let t32 = 0.0014511560650267133 + t31;
+    let t33 = t16 - 0.014047520880232544;
+    let t34 = t32 + t33;
+    let t35 = sin_panda_joint5 * t34;
+    let t36 = cos_panda_joint7 * t15;
+    let t37 = 0.001087423530148136 + t36;
+    let t38 = sin_panda_joint7 * 0.00028869352684245185;
+    let t39 = t37 - t38;
+    let t40 = 0.00010375891721868492 - t39;
+    let t41 = cos_panda_joint6 * t40;
+    let t42 = 0.0003863308944437675 * cos_panda_joint7;
+    let t43 = 0.001535882372017312 * sin_panda_joint7;
+    let t44 = t43 + t42;
+    let t45 = 9.3569097314605e-5 + t44;
+    let t46 = sin_panda_joint6 * t45;
+    let t47 = t41 + t46;
+    let t48 = 0.0015152444733270301 - t47;
+    let t49 = 2.0 * t48;
+    let t50 = cos_panda_joint5 * t49;
+    let t51 = t35 + t50;
+    let t52 = sin_panda_joint5 * t51;
+    let t53 = t32 - t52;
+    let t54 = 0.0002706501814147986 * cos_panda_joint7;
+    let t55 = t54 + 0.0191274230973375;
+    let t56 = cos_panda_joint6 * t55;
+    let t57 = 0.014338888209442503 * sin_panda_joint6;
+    let t58 = t56 + t57;
+    let t59 = 0.001208932934385 - t58;
+    let t60 = cos_panda_joint5 * t59;
+    let t61 = 0.0002706501814147986 * sin_panda_joint7;
+    let t62 = 0.0055993270925625 - t61;
+    let t63 = sin_panda_joint5 * t62;
+    let t64 = t60 + t63;
+    let t65 = 2.0 * t64;
+    let t66 = t53 + t65;
+    let t67 = t66 + 0.051020136156815506;
+    let t68 = 0.028934422545659894 + t29;
+    let t69 = sin_panda_joint6 * t55;
+    let t70 = 0.014338888209442503 * cos_panda_joint6;
+    let t71 = t69 - t70;
+    let t72 = t71 * 9.309090909090909;
+    let t73 = t68 + t72;
+    let t74 = t73 + 0.6972920750309719;
+    let t75 = t67 - t74;
+    let t76 = sin_panda_joint4 * t75;
+    let t77 = cos_panda_joint6 * t28;
+    let t78 = t25 + t77;
+    let t79 = 0.004600245517563105 + t78;
+    let t80 = 4.654545454545454 * t59;
+    let t81 = t79 - t80;
+    let t82 = cos_panda_joint5 * t81;
+    let t83 = sin_panda_joint6 * t40;
+    let t84 = cos_panda_joint6 * t45;
+    let t85 = t83 - t84;
+    let t86 = 0.0021640520520981297 + t85;
+    let t87 = 4.654545454545454 * t62;
+    let t88 = t86 - t87;
+    let t89 = sin_panda_joint5 * t88;
+    let t90 = t82 + t89;
+    let t91 = t71 + 0.21226762546560002;
+    let t92 = t91 - t90;
+    let t93 = 0.04942675278013915 - t92;
+    let t94 = 2.0 * t93;
+    let t95 = cos_panda_joint4 * t94;
+    let t96 = t76 + t95;
+    let t97 = sin_panda_joint4 * t96;
+    let t98 = t67 - t97;
+    let t99 = 0.045604372658625006 + t64;
+    let t100 = cos_panda_joint4 * t99;
+    let t101 = t71 + 0.16603319317224752;
+    let t102 = sin_panda_joint4 * t101;
+    let t103 = t100 + t102;
+    let t104 = 2.0 * t103;
+    let t105 = t98 - t104;
+    let t106 = t105 + 0.06160242102652771;
+    let t107 = t33 - t52;
+    let t108 = 0.022178148964878235 - t107;
+    let t109 = t106 - t108;
+    let t110 = sin_panda_joint3 * t109;
+    let t111 = cos_panda_joint5 * t51;
+    let t112 = t48 - t111;
+    let t113 = sin_panda_joint5 * t59;
+    let t114 = cos_panda_joint5 * t62;
+    let t115 = t113 - t114;
+    let t116 = t115 - t112;
+    let t117 = 0.0039053550262761003 + t116;
+    let t118 = cos_panda_joint4 * t117;
+    let t119 = sin_panda_joint5 * t81;
+    let t120 = cos_panda_joint5 * t88;
+    let t121 = t119 - t120;
+    let t122 = 0.0016444875773692705 - t121;
+    let t123 = sin_panda_joint4 * t122;
+    let t124 = t118 + t123;
+    let t125 = t115 - t124;
+    let t126 = 0.00012191242095074308 - t125;
+    let t127 = 2.0 * t126;
+    let t128 = cos_panda_joint3 * t127;
+    let t129 = t110 + t128;
+    let t130 = sin_panda_joint3 * t129;
+    let t131 = t106 - t130;
+    let t132 = 0.02307788249493181 + t131;
+    let t133 = t74 + t97;
+    let t134 = sin_panda_joint4 * t99;
+    let t135 = cos_panda_joint4 * t101;
+    let t136 = t134 - t135;
+    let t137 = t136 * 7.66060606060606;
+    let t138 = t133 - t137;
+    let t139 = t138 + 1.032162061231881;
+    let t140 = t132 - t139;
+    let t141 = sin_panda_joint2 * t140;
+    let t142 = cos_panda_joint4 * t96;
+    let t143 = t93 - t142;
+    let t144 = t136 + t143;
+    let t145 = 0.005487648106562256 - t144;
+    let t146 = 0.06161578168944001 - t103;
+    let t147 = 3.83030303030303 * t146;
+    let t148 = t145 + t147;
+    let t149 = cos_panda_joint3 * t148;
+    let t150 = sin_panda_joint4 * t117;
+    let t151 = cos_panda_joint4 * t122;
+    let t152 = t150 - t151;
+    let t153 = 0.004377257121839584 + t152;
+    let t154 = 0.002328735327435001 - t115;
+    let t155 = 3.83030303030303 * t154;
+    let t156 = t153 + t155;
+    let t157 = sin_panda_joint3 * t156;
+    let t158 = t149 - t157;
+    let t159 = 0.00398335888393552 - t158;
+    let t160 = 2.0 * t159;
+    let t161 = cos_panda_joint2 * t160;
+    let t162 = t141 + t161;
+    let t163 = sin_panda_joint2 * t162;
+    let t164 = t132 - t163;
+    let t165 = 0.006253137926937475 + t164;
+    let t166 = t108 + t130;
+    let t167 = 0.008006428067536939 + t166;
+    let t168 = t165 + t167;
+    let t169 = cos_panda_joint3 * t129;
+    let t170 = t126 - t169;
+    let t171 = 0.01026110182100817 + t170;
+    let t172 = sin_panda_joint2 * t171;
+    let t173 = sin_panda_joint3 * t148;
+    let t174 = cos_panda_joint3 * t156;
+    let t175 = t173 + t174;
+    let t176 = 0.0007689361029464 + t175;
+    let t177 = cos_panda_joint2 * t176;
+    let t178 = t172 + t177;
+    let t179 = sin_panda_joint2 * t158;
+    let t180 = t106 + t108;
+    let t181 = cos_panda_joint2 * t180;
+    let t182 = t179 + t181;
+    let t183 = t67 + t74;
+    let t184 = t183 - t103;
+    let t185 = 3.83030303030303 * t136;
+    let t186 = t185 - t184;
+    let t187 = sin_panda_joint3 * t186;
+    let t188 = cos_panda_joint3 * t124;
+    let t189 = t188 - t187;
+    let t190 = sin_panda_joint2 * t189;
+    let t191 = cos_panda_joint2 * t152;
+    let t192 = t190 - t191;
+    let t193 = cos_panda_joint4 * t90;
+    let t194 = t32 - t33;
+    let t195 = t194 + t64;
+    let t196 = sin_panda_joint4 * t195;
+    let t197 = t193 + t196;
+    let t198 = 3.83030303030303 * t64;
+    let t199 = t197 - t198;
+    let t200 = cos_panda_joint3 * t199;
+    let t201 = sin_panda_joint4 * t115;
+    let t202 = t121 + t201;
+    let t203 = cos_panda_joint4 * t115;
+    let t204 = 3.83030303030303 * t203;
+    let t205 = t202 - t204;
+    let t206 = sin_panda_joint3 * t205;
+    let t207 = t200 - t206;
+    let t208 = sin_panda_joint2 * t207;
+    let t209 = sin_panda_joint4 * t90;
+    let t210 = cos_panda_joint4 * t195;
+    let t211 = t209 - t210;
+    let t212 = t64 + t211;
+    let t213 = cos_panda_joint2 * t212;
+    let t214 = t208 - t213;
+    let t215 = sin_panda_joint5 * t47;
+    let t216 = t19 + 0.050456677916247444;
+    let t217 = 4.654545454545454 * t71;
+    let t218 = t216 + t217;
+    let t219 = cos_panda_joint5 * t218;
+    let t220 = t215 + t219;
+    let t221 = t58 - t220;
+    let t222 = cos_panda_joint5 * t71;
+    let t223 = sin_panda_joint4 * t222;
+    let t224 = cos_panda_joint4 * t58;
+    let t225 = t223 - t224;
+    let t226 = t221 + t225;
+    let t227 = cos_panda_joint4 * t222;
+    let t228 = sin_panda_joint4 * t58;
+    let t229 = t227 + t228;
+    let t230 = 3.83030303030303 * t229;
+    let t231 = t226 - t230;
+    let t232 = sin_panda_joint3 * t231;
+    let t233 = cos_panda_joint5 * t47;
+    let t234 = sin_panda_joint5 * t218;
+    let t235 = t233 - t234;
+    let t236 = cos_panda_joint4 * t235;
+    let t237 = sin_panda_joint5 * t71;
+    let t238 = t85 - t237;
+    let t239 = sin_panda_joint4 * t238;
+    let t240 = t236 - t239;
+    let t241 = 3.83030303030303 * t237;
+    let t242 = t240 - t241;
+    let t243 = cos_panda_joint3 * t242;
+    let t244 = t243 + t232;
+    let t245 = sin_panda_joint2 * t244;
+    let t246 = sin_panda_joint4 * t235;
+    let t247 = cos_panda_joint4 * t238;
+    let t248 = t246 + t247;
+    let t249 = t237 + t248;
+    let t250 = cos_panda_joint2 * t249;
+    let t251 = t245 - t250;
+    let t252 = cos_panda_joint7 * 0.00028869352684245185;
+    let t253 = 0.006684151967360947 + t252;
+    let t254 = sin_panda_joint6 * t253;
+    let t255 = cos_panda_joint6 * t24;
+    let t256 = t255 - t254;
+    let t257 = cos_panda_joint7 * 0.0012597535716761534;
+    let t258 = t256 - t257;
+    let t259 = sin_panda_joint5 * t258;
+    let t260 = cos_panda_joint6 * t61;
+    let t261 = 4.654545454545454 * t260;
+    let t262 = t44 - t261;
+    let t263 = cos_panda_joint5 * t262;
+    let t264 = t259 - t263;
+    let t265 = sin_panda_joint6 * t61;
+    let t266 = t265 + t264;
+    let t267 = cos_panda_joint5 * t260;
+    let t268 = sin_panda_joint5 * t54;
+    let t269 = t267 - t268;
+    let t270 = sin_panda_joint4 * t269;
+    let t271 = cos_panda_joint4 * t265;
+    let t272 = t270 + t271;
+    let t273 = t266 - t272;
+    let t274 = cos_panda_joint4 * t269;
+    let t275 = sin_panda_joint4 * t265;
+    let t276 = t274 - t275;
+    let t277 = 3.83030303030303 * t276;
+    let t278 = t273 + t277;
+    let t279 = sin_panda_joint3 * t278;
+    let t280 = cos_panda_joint5 * t258;
+    let t281 = sin_panda_joint5 * t262;
+    let t282 = t280 + t281;
+    let t283 = cos_panda_joint4 * t282;
+    let t284 = sin_panda_joint5 * t260;
+    let t285 = cos_panda_joint5 * t54;
+    let t286 = t284 + t285;
+    let t287 = cos_panda_joint6 * t253;
+    let t288 = sin_panda_joint6 * t24;
+    let t289 = t288 + t287;
+    let t290 = t289 - t286;
+    let t291 = sin_panda_joint4 * t290;
+    let t292 = t283 - t291;
+    let t293 = 3.83030303030303 * t286;
+    let t294 = t292 - t293;
+    let t295 = cos_panda_joint3 * t294;
+    let t296 = t295 - t279;
+    let t297 = sin_panda_joint2 * t296;
+    let t298 = sin_panda_joint4 * t282;
+    let t299 = cos_panda_joint4 * t290;
+    let t300 = t298 + t299;
+    let t301 = t286 + t300;
+    let t302 = cos_panda_joint2 * t301;
+    let t303 = t297 - t302;
+    let t304 = t132 + t139;
+    let t305 = cos_panda_joint3 * t186;
+    let t306 = sin_panda_joint3 * t124;
+    let t307 = t306 + t305;
+    let t308 = sin_panda_joint3 * t199;
+    let t309 = cos_panda_joint3 * t205;
+    let t310 = t308 + t309;
+    let t311 = cos_panda_joint3 * t231;
+    let t312 = sin_panda_joint3 * t242;
+    let t313 = t312 - t311;
+    let t314 = cos_panda_joint3 * t278;
+    let t315 = sin_panda_joint3 * t294;
+    let t316 = t315 + t314;
+    let omega_panda_joint2_x = v[0] * sin_panda_joint2;
+    let t318 = sin_panda_joint3 * omega_panda_joint2_x;
+    let t319 = v[1] * cos_panda_joint3;
+    let omega_panda_joint3_y = t318 + t319;
+    let t321 = v[2] * omega_panda_joint3_y;
+    let omega_panda_joint2_y = v[0] * cos_panda_joint2;
+    let t323 = v[1] * omega_panda_joint2_y;
+    let t324 = cos_panda_joint3 * t323;
+    let t325 = t324 - t321;
+    let omega_panda_joint3_z = v[2] + omega_panda_joint2_y;
+    let t327 = omega_panda_joint3_y * omega_panda_joint3_z;
+    let t328 = t325 - t327;
+    let t329 = cos_panda_joint4 * t328;
+    let t330 = cos_panda_joint3 * omega_panda_joint2_x;
+    let t331 = v[1] * sin_panda_joint3;
+    let omega_panda_joint3_x = t330 - t331;
+    let t333 = omega_panda_joint3_x * omega_panda_joint3_y;
+    let t334 = v[1] * omega_panda_joint2_x;
+    let t335 = t334 - t333;
+    let t336 = sin_panda_joint4 * t335;
+    let t337 = t336 + t329;
+    let omega_panda_joint4_z = v[3] - omega_panda_joint3_y;
+    let t339 = 2.0 * omega_panda_joint4_z;
+    let t340 = sin_panda_joint4 * omega_panda_joint3_x;
+    let t341 = cos_panda_joint4 * omega_panda_joint3_z;
+    let omega_panda_joint4_y = t340 + t341;
+    let t343 = omega_panda_joint4_y * t339;
+    let t344 = t337 - t343;
+    let t345 = cos_panda_joint5 * t344;
+    let t346 = cos_panda_joint4 * omega_panda_joint3_x;
+    let t347 = sin_panda_joint4 * omega_panda_joint3_z;
+    let omega_panda_joint4_x = t346 - t347;
+    let t349 = omega_panda_joint4_x * omega_panda_joint4_y;
+    let t350 = v[2] * omega_panda_joint3_x;
+    let t351 = sin_panda_joint3 * t323;
+    let t352 = t351 + t350;
+    let t353 = t352 - t349;
+    let t354 = sin_panda_joint5 * t353;
+    let t355 = t354 - t345;
+    let omega_panda_joint5_z = v[4] + omega_panda_joint4_y;
+    let t357 = 2.0 * omega_panda_joint5_z;
+    let t358 = sin_panda_joint5 * omega_panda_joint4_x;
+    let t359 = cos_panda_joint5 * omega_panda_joint4_z;
+    let omega_panda_joint5_y = t358 - t359;
+    let t361 = omega_panda_joint5_y * t357;
+    let t362 = t355 + t361;
+    let t363 = cos_panda_joint6 * t362;
+    let t364 = sin_panda_joint4 * t328;
+    let t365 = cos_panda_joint4 * t335;
+    let t366 = t365 - t364;
+    let t367 = omega_panda_joint4_x * omega_panda_joint4_z;
+    let t368 = t366 - t367;
+    let t369 = cos_panda_joint5 * omega_panda_joint4_x;
+    let t370 = sin_panda_joint5 * omega_panda_joint4_z;
+    let omega_panda_joint5_x = t369 + t370;
+    let t372 = omega_panda_joint5_x * omega_panda_joint5_y;
+    let t373 = t368 - t372;
+    let t374 = sin_panda_joint6 * t373;
+    let t375 = t374 - t363;
+    let omega_panda_joint6_z = v[5] - omega_panda_joint5_y;
+    let t377 = 2.0 * omega_panda_joint6_z;
+    let t378 = sin_panda_joint6 * omega_panda_joint5_x;
+    let t379 = cos_panda_joint6 * omega_panda_joint5_z;
+    let omega_panda_joint6_y = t378 + t379;
+    let t381 = omega_panda_joint6_y * t377;
+    let t382 = t375 - t381;
+    let t383 = t24 * t382;
+    let t384 = sin_panda_joint5 * t344;
+    let t385 = cos_panda_joint5 * t353;
+    let t386 = t385 + t384;
+    let t387 = omega_panda_joint5_x * omega_panda_joint5_z;
+    let t388 = t386 + t387;
+    let t389 = cos_panda_joint6 * omega_panda_joint5_x;
+    let t390 = sin_panda_joint6 * omega_panda_joint5_z;
+    let omega_panda_joint6_x = t389 - t390;
+    let t392 = omega_panda_joint6_x * omega_panda_joint6_y;
+    let t393 = t388 - t392;
+    let t394 = t44 * t393;
+    let t395 = t383 + t394;
+    let omega_panda_joint7_z = v[6] - omega_panda_joint6_y;
+    let t397 = omega_panda_joint7_z * omega_panda_joint7_z;
+    let t398 = omega_panda_joint6_x * omega_panda_joint6_x;
+    let t399 = t398 + t397;
+    let t400 = omega_panda_joint6_z * omega_panda_joint6_z;
+    let t401 = t400 + t397;
+    let t402 = t401 - t399;
+    let t403 = t37 * t402;
+    let t404 = t395 - t403;
+    let t405 = sin_panda_joint6 * t362;
+    let t406 = cos_panda_joint6 * t373;
+    let t407 = t406 + t405;
+    let t408 = omega_panda_joint6_x * omega_panda_joint6_z;
+    let t409 = t407 - t408;
+    let t410 = t408 - t409;
+    let t411 = t17 * t410;
+    let t412 = t404 - t411;
+    let t413 = t408 + t409;
+    let t414 = 0.004002333051911301 - t16;
+    let t415 = t414 * t413;
+    let t416 = t412 + t415;
+    let t417 = omega_panda_joint3_x * omega_panda_joint3_z;
+    let t418 = t352 - t417;
+    let t419 = 3.83030303030303 * t418;
+    let acceleration_panda_joint2_x = sin_panda_joint2 * 118.9090909090909;
+    let t421 = cos_panda_joint3 * acceleration_panda_joint2_x;
+    let acceleration_panda_joint3_x = t421 - t419;
+    let t423 = omega_panda_joint3_y * omega_panda_joint3_y;
+    let t424 = omega_panda_joint3_z * omega_panda_joint3_z;
+    let t425 = t423 + t424;
+    let t426 = t425 + acceleration_panda_joint3_x;
+    let t427 = cos_panda_joint4 * t426;
+    let t428 = omega_panda_joint3_x * omega_panda_joint3_x;
+    let t429 = t428 + t423;
+    let t430 = 3.83030303030303 * t429;
+    let acceleration_panda_joint2_y = cos_panda_joint2 * 118.9090909090909;
+    let acceleration_panda_joint3_z = acceleration_panda_joint2_y - t430;
+    let t433 = t352 + t417;
+    let t434 = t433 - acceleration_panda_joint3_z;
+    let t435 = sin_panda_joint4 * t434;
+    let acceleration_panda_joint4_x = t427 + t435;
+    let t437 = omega_panda_joint4_y * omega_panda_joint4_y;
+    let t438 = omega_panda_joint4_z * omega_panda_joint4_z;
+    let t439 = t437 + t438;
+    let t440 = acceleration_panda_joint4_x - t439;
+    let t441 = cos_panda_joint5 * t440;
+    let t442 = omega_panda_joint4_x * t339;
+    let t443 = t366 - t442;
+    let t444 = t325 + t327;
+    let t445 = 3.83030303030303 * t444;
+    let t446 = sin_panda_joint3 * acceleration_panda_joint2_x;
+    let acceleration_panda_joint3_y = t446 + t445;
+    let t448 = t334 + t333;
+    let acceleration_panda_joint4_z = t448 - acceleration_panda_joint3_y;
+    let t450 = acceleration_panda_joint4_z - t443;
+    let t451 = sin_panda_joint5 * t450;
+    let t452 = t441 + t451;
+    let t453 = 4.654545454545454 * t386;
+    let acceleration_panda_joint5_x = t452 - t453;
+    let t455 = cos_panda_joint6 * acceleration_panda_joint5_x;
+    let t456 = sin_panda_joint4 * t426;
+    let t457 = cos_panda_joint4 * t434;
+    let acceleration_panda_joint4_y = t456 - t457;
+    let t459 = t352 + t349;
+    let t460 = acceleration_panda_joint4_y + t459;
+    let t461 = omega_panda_joint4_x * omega_panda_joint4_x;
+    let t462 = t461 + t438;
+    let t463 = 4.654545454545454 * t462;
+    let acceleration_panda_joint5_z = t460 - t463;
+    let t465 = sin_panda_joint6 * acceleration_panda_joint5_z;
+    let acceleration_panda_joint6_x = t455 - t465;
+    let t467 = omega_panda_joint6_y * omega_panda_joint6_y;
+    let t468 = t467 + t400;
+    let t469 = 1.0666666666666667 * t468;
+    let acceleration_panda_joint7_x = acceleration_panda_joint6_x + t469;
+    let t471 = t61 * acceleration_panda_joint7_x;
+    let t472 = omega_panda_joint6_x * t377;
+    let t473 = t407 - t472;
+    let t474 = 1.0666666666666667 * t473;
+    let t475 = sin_panda_joint5 * t440;
+    let t476 = cos_panda_joint5 * t450;
+    let t477 = t475 - t476;
+    let t478 = 4.654545454545454 * t355;
+    let acceleration_panda_joint5_y = t477 - t478;
+    let acceleration_panda_joint7_y = acceleration_panda_joint5_y - t474;
+    let t481 = t54 * acceleration_panda_joint7_y;
+    let t482 = t481 - t471;
+    let moment_panda_joint7_z = t482 - t416;
+    let t484 = t54 * t410;
+    let t485 = t61 * t399;
+    let t486 = t484 + t485;
+    let t487 = 0.017931959153753906 * acceleration_panda_joint7_y;
+    let force_panda_joint7_y = t487 + t486;
+    let t489 = 1.0666666666666667 * force_panda_joint7_y;
+    let t490 = moment_panda_joint7_z + t489;
+    let t491 = 0.014748570382675316 * t382;
+    let t492 = 9.3569097314605e-5 * t393;
+    let t493 = t492 + t491;
+    let t494 = omega_panda_joint5_x * omega_panda_joint5_x;
+    let t495 = omega_panda_joint5_z * omega_panda_joint5_z;
+    let t496 = t494 + t495;
+    let t497 = t496 - t468;
+    let t498 = 0.00010375891721868492 * t497;
+    let t499 = t493 - t498;
+    let t500 = 0.0011196707334275545 * t473;
+    let t501 = t499 + t500;
+    let moment_panda_joint6_y = t501 - t490;
+    let t503 = sin_panda_joint6 * moment_panda_joint6_y;
+    let t504 = t24 * t410;
+    let t505 = 2.0 * omega_panda_joint7_z;
+    let t506 = omega_panda_joint6_x * t505;
+    let t507 = t393 - t506;
+    let t508 = t37 * t507;
+    let t509 = t508 - t504;
+    let t510 = t398 + t400;
+    let t511 = t510 - t399;
+    let t512 = t44 * t511;
+    let t513 = t509 + t512;
+    let t514 = omega_panda_joint6_z * t505;
+    let t515 = t382 - t514;
+    let t516 = t414 * t515;
+    let t517 = t513 + t516;
+    let t518 = sin_panda_joint6 * acceleration_panda_joint5_x;
+    let t519 = cos_panda_joint6 * acceleration_panda_joint5_z;
+    let acceleration_panda_joint6_y = t518 + t519;
+    let t521 = t388 + t392;
+    let t522 = 1.0666666666666667 * t521;
+    let acceleration_panda_joint7_z = acceleration_panda_joint6_y - t522;
+    let t524 = t61 * acceleration_panda_joint7_z;
+    let moment_panda_joint7_x = t524 + t517;
+    let t526 = 0.014748570382675316 * t473;
+    let t527 = 0.00010375891721868492 * t521;
+    let t528 = t526 - t527;
+    let t529 = t496 - t510;
+    let t530 = 9.3569097314605e-5 * t529;
+    let t531 = t528 - t530;
+    let t532 = 0.028934422545659894 * t382;
+    let t533 = t531 + t532;
+    let t534 = 0.014338888209442503 * acceleration_panda_joint5_y;
+    let t535 = t534 - t533;
+    let moment_panda_joint6_x = t535 - moment_panda_joint7_x;
+    let t537 = cos_panda_joint6 * moment_panda_joint6_x;
+    let t538 = t537 + t503;
+    let t539 = omega_panda_joint5_x * t357;
+    let t540 = t386 + t539;
+    let t541 = 0.0015152444733270301 * t540;
+    let t542 = t368 + t372;
+    let t543 = 0.004600245517563105 * t542;
+    let t544 = t541 - t543;
+    let t545 = t462 - t496;
+    let t546 = 0.0021640520520981297 * t545;
+    let t547 = t544 - t546;
+    let t548 = 0.010045187828321242 * t362;
+    let t549 = t547 - t548;
+    let t550 = 0.0055993270925625 * acceleration_panda_joint5_z;
+    let t551 = t550 - t549;
+    let moment_panda_joint5_x = t551 + t538;
+    let t553 = 0.014338888209442503 * t382;
+    let force_panda_joint6_z = t553 - force_panda_joint7_y;
+    let t555 = 0.027672413504871096 * acceleration_panda_joint5_y;
+    let t556 = 0.001208932934385 * t542;
+    let t557 = 0.0055993270925625 * t496;
+    let t558 = t556 - t557;
+    let t559 = t555 + t558;
+    let force_panda_joint5_y = t559 - force_panda_joint6_z;
+    let t561 = 4.654545454545454 * force_panda_joint5_y;
+    let t562 = moment_panda_joint5_x - t561;
+    let t563 = sin_panda_joint5 * t562;
+    let t564 = 0.017931959153753906 * acceleration_panda_joint7_z;
+    let t565 = t61 * t515;
+    let t566 = t54 * t507;
+    let t567 = t566 - t565;
+    let force_panda_joint7_z = t564 - t567;
+    let t569 = 0.014338888209442503 * t510;
+    let force_panda_joint6_y = t569 + force_panda_joint7_z;
+    let t571 = sin_panda_joint6 * force_panda_joint6_y;
+    let t572 = 0.017931959153753906 * acceleration_panda_joint7_x;
+    let t573 = t61 * t413;
+    let t574 = t54 * t401;
+    let t575 = t574 + t573;
+    let force_panda_joint7_x = t572 + t575;
+    let t577 = 0.014338888209442503 * t393;
+    let force_panda_joint6_x = t577 + force_panda_joint7_x;
+    let t579 = cos_panda_joint6 * force_panda_joint6_x;
+    let t580 = t579 + t571;
+    let t581 = 0.027672413504871096 * acceleration_panda_joint5_x;
+    let t582 = 0.0055993270925625 * t373;
+    let t583 = omega_panda_joint5_y * omega_panda_joint5_y;
+    let t584 = t583 + t495;
+    let t585 = 0.001208932934385 * t584;
+    let t586 = t585 + t582;
+    let t587 = t581 - t586;
+    let force_panda_joint5_x = t587 + t580;
+    let t589 = 4.654545454545454 * force_panda_joint5_x;
+    let t590 = 1.0666666666666667 * force_panda_joint7_z;
+    let t591 = t37 * t515;
+    let t592 = t44 * t413;
+    let t593 = t592 + t591;
+    let t594 = t510 - t401;
+    let t595 = t24 * t594;
+    let t596 = t593 - t595;
+    let t597 = t17 * t507;
+    let t598 = t596 + t597;
+    let t599 = t54 * acceleration_panda_joint7_z;
+    let moment_panda_joint7_y = t599 - t598;
+    let t601 = moment_panda_joint7_y + t590;
+    let t602 = 9.3569097314605e-5 * t407;
+    let t603 = 0.00010375891721868492 * t375;
+    let t604 = t603 - t602;
+    let t605 = t468 - t510;
+    let t606 = 0.014748570382675316 * t605;
+    let t607 = t604 - t606;
+    let t608 = 0.0011196707334275545 * t521;
+    let t609 = t607 - t608;
+    let t610 = 0.028934422545659894 * t393;
+    let t611 = t609 - t610;
+    let t612 = 0.014338888209442503 * acceleration_panda_joint6_x;
+    let t613 = t612 - t611;
+    let moment_panda_joint6_z = t613 - t601;
+    let t615 = 0.0015152444733270301 * t362;
+    let t616 = 0.0021640520520981297 * t373;
+    let t617 = t616 + t615;
+    let t618 = t462 - t584;
+    let t619 = 0.004600245517563105 * t618;
+    let t620 = t617 - t619;
+    let t621 = 0.0014511560650267133 * t540;
+    let t622 = t620 - t621;
+    let t623 = 0.001208932934385 * acceleration_panda_joint5_z;
+    let t624 = t623 - t622;
+    let moment_panda_joint5_y = t624 + moment_panda_joint6_z;
+    let t626 = moment_panda_joint5_y - t589;
+    let t627 = cos_panda_joint5 * t626;
+    let t628 = t563 + t627;
+    let t629 = cos_panda_joint6 * force_panda_joint6_y;
+    let t630 = sin_panda_joint6 * force_panda_joint6_x;
+    let t631 = t630 - t629;
+    let t632 = 0.0055993270925625 * t362;
+    let t633 = 0.001208932934385 * t540;
+    let t634 = t633 + t632;
+    let t635 = 0.027672413504871096 * acceleration_panda_joint5_z;
+    let t636 = t635 + t634;
+    let force_panda_joint5_z = t636 - t631;
+    let t638 = force_panda_joint5_z + t628;
+    let t639 = 0.0016444875773692705 * t366;
+    let t640 = 0.0039053550262761003 * t337;
+    let t641 = t640 - t639;
+    let t642 = t439 - t462;
+    let t643 = 0.04942675278013915 * t642;
+    let t644 = t641 - t643;
+    let t645 = 0.0054157634981905 * t459;
+    let t646 = t644 + t645;
+    let t647 = 0.2907172362270936 * t353;
+    let t648 = t646 - t647;
+    let t649 = 0.04623443229335249 * acceleration_panda_joint4_x;
+    let t650 = t649 + t648;
+    let moment_panda_joint4_z = t650 + t638;
+    let t652 = cos_panda_joint5 * force_panda_joint5_x;
+    let t653 = sin_panda_joint5 * force_panda_joint5_y;
+    let t654 = t652 + t653;
+    let t655 = 0.016011409030815008 * acceleration_panda_joint4_x;
+    let t656 = 0.04623443229335249 * t353;
+    let t657 = t655 + t656;
+    let force_panda_joint4_x = t657 + t654;
+    let t659 = sin_panda_joint4 * force_panda_joint4_x;
+    let t660 = 0.016011409030815008 * acceleration_panda_joint4_y;
+    let t661 = 0.04623443229335249 * t462;
+    let t662 = t660 + t661;
+    let force_panda_joint4_y = t662 + force_panda_joint5_z;
+    let t664 = cos_panda_joint4 * force_panda_joint4_y;
+    let t665 = t659 - t664;
+    let t666 = moment_panda_joint4_z + t665;
+    let t667 = 0.00012191242095074308 * t328;
+    let t668 = 0.004377257121839584 * t335;
+    let t669 = t668 + t667;
+    let t670 = t425 - t429;
+    let t671 = 0.005487648106562256 * t670;
+    let t672 = t669 - t671;
+    let t673 = 1.3360662912305366e-5 * t433;
+    let t674 = t672 - t673;
+    let moment_panda_joint3_y = t674 + t666;
+    let t676 = cos_panda_joint4 * force_panda_joint4_x;
+    let t677 = sin_panda_joint4 * force_panda_joint4_y;
+    let t678 = t676 + t677;
+    let t679 = 0.002328735327435001 * t335;
+    let force_panda_joint3_x = t679 - t678;
+    let t681 = 3.83030303030303 * force_panda_joint3_x;
+    let t682 = moment_panda_joint3_y + t681;
+    let t683 = sin_panda_joint3 * t682;
+    let t684 = cos_panda_joint5 * t562;
+    let t685 = sin_panda_joint5 * t626;
+    let t686 = t684 - t685;
+    let t687 = 0.04942675278013915 * t443;
+    let t688 = 0.0039053550262761003 * t459;
+    let t689 = t687 - t688;
+    let t690 = t428 + t424;
+    let t691 = t690 - t462;
+    let t692 = 0.0016444875773692705 * t691;
+    let t693 = t689 - t692;
+    let t694 = 0.2907172362270936 * t344;
+    let t695 = t693 + t694;
+    let t696 = 0.04623443229335249 * acceleration_panda_joint4_z;
+    let t697 = t696 - t695;
+    let moment_panda_joint4_x = t697 - t686;
+    let t699 = cos_panda_joint4 * moment_panda_joint4_x;
+    let t700 = sin_panda_joint5 * force_panda_joint5_x;
+    let t701 = cos_panda_joint5 * force_panda_joint5_y;
+    let t702 = t700 - t701;
+    let t703 = cos_panda_joint6 * moment_panda_joint6_y;
+    let t704 = sin_panda_joint6 * moment_panda_joint6_x;
+    let t705 = t704 - t703;
+    let t706 = 0.0055993270925625 * acceleration_panda_joint5_x;
+    let t707 = 0.001208932934385 * acceleration_panda_joint5_y;
+    let t708 = t707 - t706;
+    let t709 = 0.0021640520520981297 * t386;
+    let t710 = 0.004600245517563105 * t355;
+    let t711 = t710 - t709;
+    let t712 = t584 - t496;
+    let t713 = 0.0015152444733270301 * t712;
+    let t714 = t711 - t713;
+    let t715 = 0.0014511560650267133 * t542;
+    let t716 = t714 + t715;
+    let t717 = 0.010045187828321242 * t373;
+    let t718 = t716 + t717;
+    let t719 = t708 + t718;
+    let moment_panda_joint5_z = t719 - t705;
+    let t721 = moment_panda_joint5_z - t702;
+    let t722 = 0.04942675278013915 * t344;
+    let t723 = 0.0016444875773692705 * t353;
+    let t724 = t723 + t722;
+    let t725 = t690 - t439;
+    let t726 = 0.0039053550262761003 * t725;
+    let t727 = t724 - t726;
+    let t728 = 0.0054157634981905 * t443;
+    let t729 = t727 - t728;
+    let moment_panda_joint4_y = t729 - t721;
+    let t731 = sin_panda_joint4 * moment_panda_joint4_y;
+    let t732 = t699 + t731;
+    let t733 = 0.00012191242095074308 * t433;
+    let t734 = 0.005487648106562256 * t448;
+    let t735 = t733 - t734;
+    let t736 = t690 - t429;
+    let t737 = 0.004377257121839584 * t736;
+    let t738 = t735 - t737;
+    let t739 = 0.022178148964878235 * t328;
+    let t740 = t738 + t739;
+    let t741 = 0.002328735327435001 * acceleration_panda_joint3_z;
+    let t742 = t741 - t740;
+    let moment_panda_joint3_x = t742 - t732;
+    let t744 = 0.04623443229335249 * t344;
+    let t745 = 0.016011409030815008 * acceleration_panda_joint4_z;
+    let t746 = t745 + t744;
+    let force_panda_joint4_z = t746 + t702;
+    let t748 = 0.002328735327435001 * t690;
+    let force_panda_joint3_y = t748 + force_panda_joint4_z;
+    let t750 = 3.83030303030303 * force_panda_joint3_y;
+    let t751 = moment_panda_joint3_x + t750;
+    let t752 = cos_panda_joint3 * t751;
+    let t753 = t752 - t683;
+    let t754 = omega_panda_joint2_y * omega_panda_joint2_y;
+    let t755 = omega_panda_joint2_x * omega_panda_joint2_x;
+    let t756 = t755 + t754;
+    let t757 = v[1] * v[1];
+    let t758 = t755 + t757;
+    let t759 = t758 - t756;
+    let t760 = 0.0007689361029464 * t759;
+    let t761 = omega_panda_joint2_x * omega_panda_joint2_y;
+    let t762 = 0.01026110182100817 * t761;
+    let t763 = t334 * 0.00796671776787104;
+    let t764 = t763 - t762;
+    let t765 = t764 + t760;
+    let t766 = t323 * 0.2563665845006481;
+    let t767 = t765 + t766;
+    let moment_panda_joint2_x = t767 - t753;
+    let t769 = sin_panda_joint2 * moment_panda_joint2_x;
+    let t770 = sin_panda_joint4 * moment_panda_joint4_x;
+    let t771 = cos_panda_joint4 * moment_panda_joint4_y;
+    let t772 = t770 - t771;
+    let t773 = force_panda_joint4_z + t772;
+    let t774 = 0.004377257121839584 * t418;
+    let t775 = 0.005487648106562256 * t444;
+    let t776 = t775 - t774;
+    let t777 = t425 - t690;
+    let t778 = 0.00012191242095074308 * t777;
+    let t779 = t776 + t778;
+    let t780 = 1.3360662912305366e-5 * t448;
+    let t781 = t779 + t780;
+    let t782 = 0.022178148964878235 * t335;
+    let t783 = t781 - t782;
+    let t784 = 0.002328735327435001 * acceleration_panda_joint3_x;
+    let t785 = t784 + t783;
+    let moment_panda_joint3_z = t785 - t773;
+    let t787 = t754 + t757;
+    let t788 = t787 - t756;
+    let t789 = 0.01026110182100817 * t788;
+    let t790 = t323 * 0.00796671776787104;
+    let t791 = 0.0007689361029464 * t761;
+    let t792 = t791 - t790;
+    let t793 = t792 - t789;
+    let t794 = t334 * 0.04615576498986362;
+    let t795 = t793 - t794;
+    let moment_panda_joint2_y = t795 + moment_panda_joint3_z;
+    let t797 = cos_panda_joint2 * moment_panda_joint2_y;
+    let moment_panda_joint1_z = t769 + t797;
+    let t799 = cos_panda_joint3 * t682;
+    let t800 = sin_panda_joint3 * t751;
+    let t801 = t800 + t799;
+    let t802 = t787 - t758;
+    let t803 = 0.00398335888393552 * t802;
+    let t804 = 0.02307788249493181 * t761;
+    let t805 = t803 + t804;
+    let t806 = 0.12818329225032404 * t761;
+    let t807 = t805 - t806;
+    let t808 = sin_panda_joint2 * 4.746153896127808;
+    let t809 = cos_panda_joint2 * 0.01993386669246;
+    let t810 = t809 - t808;
+    let t811 = t810 + t807;
+    let moment_panda_joint2_z = t811 + t801;
+    let t813 = -t178;
+    let t814 = -t192;
+    let t815 = -t175;
+    let t816 = -t310;
+    let t817 = -t313;
+    let t818 = -t316;
+    let t819 = -t212;
+    let t820 = -t249;
+    let t821 = -t301;
+    let t822 = -t221;
+    let t823 = -t85;
+    let t824 = -t289;
+    let t825 = -t44;
+    let minus_moment_panda_joint4_z = -moment_panda_joint4_z;
+    let minus_moment_panda_joint5_z = -moment_panda_joint5_z;
+    let minus_moment_panda_joint6_z = -moment_panda_joint6_z;
+    let minus_moment_panda_joint7_z = -moment_panda_joint7_z;
+    (
+        [
+            [t168, t813, t182, t814, t214, t251, t303],
+            [t813, t304, t815, t307, t816, t817, t818],
+            [t182, t815, t180, t152, t819, t820, t821],
+            [t814, t307, t152, t183, t121, t822, t266],
+            [t214, t816, t819, t121, t194, t823, t824],
+            [t251, t817, t820, t822, t823, t216, t825],
+            [t303, t818, t821, t266, t824, t825, 0.006684151967360947],
+        ],
+        [
+            moment_panda_joint1_z,
+            moment_panda_joint2_z,
+            moment_panda_joint3_z,
+            minus_moment_panda_joint4_z,
+            minus_moment_panda_joint5_z,
+            minus_moment_panda_joint6_z,
+            minus_moment_panda_joint7_z,
+        ],
+    )
+}
+
+/// Inverse dynamics with its Jacobians.
+///
+/// `δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ`
+///
+/// - `y: [N]`: coordinates: `panda_joint1`, `panda_joint2`, `panda_joint3`, `panda_joint4`, `panda_joint5`,
+///   `panda_joint6`, `panda_joint7` in rad
+/// - `v: [N]`: velocities ẏ: `panda_joint1`, `panda_joint2`, `panda_joint3`, `panda_joint4`, `panda_joint5`,
+///   `panda_joint6`, `panda_joint7` in rad/s
+/// - `a: [N]`: accelerations ÿ: `panda_joint1`, `panda_joint2`, `panda_joint3`, `panda_joint4`, `panda_joint5`,
+///   `panda_joint6`, `panda_joint7` in rad/s²
+/// - returns `B u: [N]`: the forces M ÿ + k − q, on the joint side
+/// - returns `∂/∂y: [N × N]`: row i = force i
+/// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
+///
+/// Cost: 1278 multiplications, 1202 additions, 0 divisions, 6 function calls (`sin_cos`).
+///
+/// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
+///
+/// Composite bodies with pairs of joints in link frames were cheapest.
+#[must_use]
+pub fn inverse_dynamics_derivatives(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+) -> ([f64; N], [[f64; N]; N], [[f64; N]; N]) {
+    let [sin_panda_joint2, cos_panda_joint2, sin_panda_joint3, cos_panda_joint3,
+    sin_panda_joint4, cos_panda_joint4, sin_panda_joint5, cos_panda_joint5,
+    sin_panda_joint6, cos_panda_joint6, cos_panda_joint7, omega_panda_joint2_y, t16,
+    omega_panda_joint2_x, t23, t25, omega_panda_joint3_y, omega_panda_joint3_x, t37, t42,
+    t44, omega_panda_joint4_y, t53, omega_panda_joint4_x, t63, omega_panda_joint5_y, t74,
+    omega_panda_joint5_x, t84, omega_panda_joint6_x, t97, t101, t102,
+    omega_panda_joint6_y, t110, t114, t122, t138, acceleration_panda_joint2_x,
+    acceleration_panda_joint3_x, t154, acceleration_panda_joint2_y,
+    acceleration_panda_joint4_x, t165, acceleration_panda_joint3_y, t175,
+    acceleration_panda_joint5_x, t179, acceleration_panda_joint4_y, t188, t190, t196,
+    acceleration_panda_joint5_y, t206, t219, t418, t486, t535, t555, t557, t559, t561,
+    t563, t565, t566, t567, t568, t571, t573, t579, t588, t589, t594, t596, t599, t609,
+    t610, t613, t617, t618, t619, t626, t633, t645, t651, t656, t659, t661, t662, t664,
+    t670, t677, t685, t688, t692, t700, t721, t749, t759, t760, t766, t768, t769, t784,
+    t787, t795, t797, t801, t807, t808, t809, t819, t860, t863, t869, t871, t888, t892,
+    t900, t907, t917, t919, t923, t930, t942, t944, t946, t947, t964, t969, t970, t973,
+    t975, t991, t995, t996, t998, t1000, t1008, t1014, t1016, t1022, t1023, t1027, t1028,
+    t1034, t1046, t1057, t1062, t1064, t1074, t1076, t1078, t1088, t1095, t1101, t1109,
+    t1114, t1138, t1161, t1171, t1173, t1178, t1184, t1194, t1228, t1256, t1258, t1263,
+    t1269, t1285, t1312, t1336, t1346, t1358, t1360, t1366, t1371, t1381, t1421, t1430,
+    t1438, t1458, t1473, t1475, t1493, t1501, t1530, t1545, t1565, t1580, t1582, t1583,
+    t1588, t1596, t1614, t1617, t1620, t1623, t1626, t1629, t1630, t1632, t1642, t1645,
+    t1647, t1650, t1652, t1654, t1657, t1662, t1676, t1686, t1687, t1690, t1692, t1694,
+    ] = inverse_dynamics_derivatives_part_1(y, v, a);
+    let [t1766, t1776, t1873, t2045, t2058, t2071, t2114, t2237, t2308, t2310, t2338,
+    t2358, t2375, t2384, t2387, t2390, t2393, t2406, t2407, t2410, t2432, t2436, t2441,
+    t2444, t2459, t2464, t2474, t2478, t2486, t2490, t2492, t2493, t2494, t2495, t2496,
+    t2497, t2498, t2499, t2500, t2501, t2502, t2503, t2504, t2505, t2506, t2507, t2508,
+    t2509, t2510, t2511, t2512, t2513, t2514, t2515, t2516, t2517, t2518, t2519, t2520,
+    t2521, t2522, t2523, t2524, t2525, t2526, t2527, t2528, t2529, t2530, t2531, t2532,
+    t2533, t2534, t2535, t2536, t2537, t2538, t2539, t2540] = inverse_dynamics_derivatives_part_2(
+        v,
+        [
+            sin_panda_joint2,
+            cos_panda_joint2,
+            sin_panda_joint3,
+            cos_panda_joint3,
+            sin_panda_joint4,
+            cos_panda_joint4,
+            sin_panda_joint5,
+            cos_panda_joint5,
+            sin_panda_joint6,
+            cos_panda_joint6,
+            cos_panda_joint7,
+            omega_panda_joint2_y,
+            t16,
+            omega_panda_joint2_x,
+            t23,
+            t25,
+            omega_panda_joint3_y,
+            omega_panda_joint3_x,
+            t37,
+            t42,
+            t44,
+            omega_panda_joint4_y,
+            t53,
+            omega_panda_joint4_x,
+            t63,
+            omega_panda_joint5_y,
+            t74,
+            omega_panda_joint5_x,
+            t84,
+            omega_panda_joint6_x,
+            t97,
+            t101,
+            t102,
+            omega_panda_joint6_y,
+            t110,
+            t114,
+            t122,
+            t138,
+            acceleration_panda_joint2_x,
+            acceleration_panda_joint3_x,
+            t154,
+            acceleration_panda_joint2_y,
+            acceleration_panda_joint4_x,
+            t165,
+            acceleration_panda_joint3_y,
+            t175,
+            acceleration_panda_joint5_x,
+            t179,
+            acceleration_panda_joint4_y,
+            t188,
+            t190,
+            t196,
+            acceleration_panda_joint5_y,
+            t206,
+            t219,
+            t418,
+            t486,
+            t559,
+            t561,
+            t565,
+            t566,
+            t567,
+            t568,
+            t571,
+            t573,
+            t579,
+            t588,
+            t589,
+            t594,
+            t596,
+            t599,
+            t609,
+            t610,
+            t613,
+            t617,
+            t618,
+            t619,
+            t626,
+            t633,
+            t645,
+            t651,
+            t656,
+            t659,
+            t661,
+            t662,
+            t664,
+            t670,
+            t677,
+            t685,
+            t688,
+            t692,
+            t700,
+            t721,
+            t749,
+            t759,
+            t760,
+            t766,
+            t768,
+            t769,
+            t784,
+            t787,
+            t795,
+            t797,
+            t801,
+            t807,
+            t808,
+            t809,
+            t819,
+            t860,
+            t863,
+            t869,
+            t871,
+            t888,
+            t892,
+            t900,
+            t907,
+            t917,
+            t919,
+            t923,
+            t930,
+            t942,
+            t944,
+            t946,
+            t947,
+            t964,
+            t969,
+            t970,
+            t973,
+            t975,
+            t991,
+            t995,
+            t996,
+            t998,
+            t1000,
+            t1008,
+            t1014,
+            t1016,
+            t1022,
+            t1023,
+            t1027,
+            t1028,
+            t1034,
+            t1046,
+            t1057,
+            t1062,
+            t1064,
+            t1074,
+            t1076,
+            t1078,
+            t1088,
+            t1095,
+            t1101,
+            t1114,
+            t1138,
+            t1161,
+            t1173,
+            t1178,
+            t1184,
+            t1194,
+            t1228,
+            t1256,
+            t1258,
+            t1263,
+            t1269,
+            t1285,
+            t1336,
+            t1346,
+            t1366,
+            t1371,
+            t1381,
+            t1421,
+            t1458,
+            t1473,
+            t1493,
+            t1530,
+            t1545,
+            t1565,
+            t1583,
+            t1588,
+            t1596,
+            t1614,
+            t1623,
+            t1626,
+            t1629,
+            t1630,
+            t1632,
+            t1645,
+            t1647,
+            t1650,
+            t1652,
+            t1654,
+            t1657,
+            t1662,
+            t1676,
+            t1687,
+            t1690,
+            t1692,
+            t1694,
+        ],
+    );
+    (
+        [t535, t555, t557, t2492, t2493, t563, t2494],
+        [
+            [0.0, t1109, t2495, t2496, t1360, t1475, t1582],
+            [0.0, t2497, t1617, t1620, t2498, t2499, t2500],
+            [0.0, t1642, t1171, t2501, t1358, t2502, t1580],
+            [0.0, t2503, t1686, t2504, t1312, t1438, t2505],
+            [0.0, t2506, t1766, t1776, t2507, t2508, t2509],
+            [0.0, t1873, t2510, t2511, t2512, t1430, t2513],
+            [0.0, t2514, t2045, t2058, t2071, t2515, t1501],
+        ],
+        [
+            [t2516, t2114, t2517, t2518, t2519, t2310, t2375],
+            [t2520, t2384, t2387, t2390, t2393, t2521, t2522],
+            [t2523, t2406, t2407, t2524, t2237, t2308, t2525],
+            [t2410, t2526, t2527, t2528, t2529, t2530, t2338],
+            [t2531, t2432, t2436, t2532, t2441, t2533, t2358],
+            [t2444, t2534, t2535, t2459, t2536, t2464, t2537],
+            [t2538, t2474, t2478, t2539, t2486, t2490, t2540],
+        ],
+    )
+}
+
+/// Part 1 of `inverse_dynamics_derivatives`: values that later parts read.
+#[inline(never)]
+fn inverse_dynamics_derivatives_part_1(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+) -> [f64; 217] {
+    let angle_panda_joint7_offset = y[6] + 0.6689225306301614;
+    let (
+        [sin_panda_joint2,
+        sin_panda_joint3,
+        sin_panda_joint4,
+        sin_panda_joint5,
+        ],
+        [cos_panda_joint2,
+        cos_panda_joint3,
+        cos_panda_joint4,
+        cos_panda_joint5,
+        ],
+    ) = math::sin_cos_4(y[1], y[2], y[3], y[4]);
+    let ([sin_panda_joint6, sin_panda_joint7], [cos_panda_joint6, cos_panda_joint7]) = math::sin_cos_2(
+        y[5],
+        angle_panda_joint7_offset,
+    );
+    let omega_panda_joint2_y = v[0] * cos_panda_joint2;
+    let t14 = v[1] * 2.0;
+    let t15 = omega_panda_joint2_y * t14;
+    let t16 = a[0] * sin_panda_joint2;
+    let t17 = t16 + t15;
+    let t18 = cos_panda_joint3 * t17;
+    let omega_panda_joint2_x = v[0] * sin_panda_joint2;
+    let t20 = omega_panda_joint2_x * omega_panda_joint2_y;
+    let t21 = a[1] - t20;
+    let t22 = sin_panda_joint3 * t21;
+    let t23 = t22 - t18;
+    let omega_panda_joint3_z = v[2] + omega_panda_joint2_y;
+    let t25 = 2.0 * omega_panda_joint3_z;
+    let t26 = sin_panda_joint3 * omega_panda_joint2_x;
+    let t27 = v[1] * cos_panda_joint3;
+    let omega_panda_joint3_y = t26 + t27;
+    let t29 = omega_panda_joint3_y * t25;
+    let t30 = t23 + t29;
+    let t31 = cos_panda_joint4 * t30;
+    let t32 = cos_panda_joint3 * omega_panda_joint2_x;
+    let t33 = v[1] * sin_panda_joint3;
+    let omega_panda_joint3_x = t32 - t33;
+    let t35 = omega_panda_joint3_x * omega_panda_joint3_y;
+    let t36 = v[1] * omega_panda_joint2_x;
+    let t37 = a[0] * cos_panda_joint2;
+    let t38 = t37 - t36;
+    let t39 = a[2] + t38;
+    let t40 = t39 + t35;
+    let t41 = sin_panda_joint4 * t40;
+    let t42 = t41 + t31;
+    let omega_panda_joint4_z = v[3] - omega_panda_joint3_y;
+    let t44 = 2.0 * omega_panda_joint4_z;
+    let t45 = sin_panda_joint4 * omega_panda_joint3_x;
+    let t46 = cos_panda_joint4 * omega_panda_joint3_z;
+    let omega_panda_joint4_y = t45 + t46;
+    let t48 = omega_panda_joint4_y * t44;
+    let t49 = t42 + t48;
+    let t50 = cos_panda_joint5 * t49;
+    let t51 = sin_panda_joint3 * t17;
+    let t52 = cos_panda_joint3 * t21;
+    let t53 = t52 + t51;
+    let t54 = omega_panda_joint3_x * omega_panda_joint3_z;
+    let t55 = t53 + t54;
+    let t56 = a[3] - t55;
+    let t57 = cos_panda_joint4 * omega_panda_joint3_x;
+    let t58 = sin_panda_joint4 * omega_panda_joint3_z;
+    let omega_panda_joint4_x = t57 - t58;
+    let t60 = omega_panda_joint4_x * omega_panda_joint4_y;
+    let t61 = t56 + t60;
+    let t62 = sin_panda_joint5 * t61;
+    let t63 = t62 - t50;
+    let omega_panda_joint5_z = v[4] + omega_panda_joint4_y;
+    let t65 = 2.0 * omega_panda_joint5_z;
+    let t66 = sin_panda_joint5 * omega_panda_joint4_x;
+    let t67 = cos_panda_joint5 * omega_panda_joint4_z;
+    let omega_panda_joint5_y = t66 - t67;
+    let t69 = omega_panda_joint5_y * t65;
+    let t70 = t63 - t69;
+    let t71 = sin_panda_joint6 * t70;
+    let t72 = sin_panda_joint4 * t30;
+    let t73 = cos_panda_joint4 * t40;
+    let t74 = t73 - t72;
+    let t75 = omega_panda_joint4_x * omega_panda_joint4_z;
+    let t76 = t74 + t75;
+    let t77 = a[4] + t76;
+    let t78 = cos_panda_joint5 * omega_panda_joint4_x;
+    let t79 = sin_panda_joint5 * omega_panda_joint4_z;
+    let omega_panda_joint5_x = t78 + t79;
+    let t81 = omega_panda_joint5_x * omega_panda_joint5_y;
+    let t82 = t77 + t81;
+    let t83 = cos_panda_joint6 * t82;
+    let t84 = t83 + t71;
+    let t85 = cos_panda_joint6 * omega_panda_joint5_x;
+    let t86 = sin_panda_joint6 * omega_panda_joint5_z;
+    let omega_panda_joint6_x = t85 - t86;
+    let omega_panda_joint6_z = v[5] - omega_panda_joint5_y;
+    let t89 = omega_panda_joint6_x * omega_panda_joint6_z;
+    let t90 = t84 + t89;
+    let t91 = a[6] - t90;
+    let t92 = t89 - t91;
+    let t93 = cos_panda_joint7 * 0.0021748470602962725;
+    let t94 = sin_panda_joint7 * 0.0013205141364616554;
+    let t95 = t94 - t93;
+    let t96 = sin_panda_joint7 * t95;
+    let t97 = 0.0026818189154496457 + t96;
+    let t98 = t97 * t92;
+    let t99 = cos_panda_joint6 * t70;
+    let t100 = sin_panda_joint6 * t82;
+    let t101 = t100 - t99;
+    let t102 = 2.0 * omega_panda_joint6_z;
+    let t103 = sin_panda_joint6 * omega_panda_joint5_x;
+    let t104 = cos_panda_joint6 * omega_panda_joint5_z;
+    let omega_panda_joint6_y = t103 + t104;
+    let t106 = omega_panda_joint6_y * t102;
+    let t107 = t101 + t106;
+    let t108 = 0.00038633089444376715 * sin_panda_joint7;
+    let t109 = 0.001535882372017312 * cos_panda_joint7;
+    let t110 = t109 - t108;
+    let t111 = t110 * t107;
+    let t112 = sin_panda_joint5 * t49;
+    let t113 = cos_panda_joint5 * t61;
+    let t114 = t113 + t112;
+    let t115 = omega_panda_joint5_x * omega_panda_joint5_z;
+    let t116 = t114 - t115;
+    let t117 = a[5] + t116;
+    let t118 = omega_panda_joint6_x * omega_panda_joint6_y;
+    let t119 = t117 + t118;
+    let t120 = 0.00038633089444376715 * cos_panda_joint7;
+    let t121 = 0.001535882372017312 * sin_panda_joint7;
+    let t122 = t121 + t120;
+    let t123 = t122 * t119;
+    let t124 = t111 + t123;
+    let omega_panda_joint7_z = v[6] - omega_panda_joint6_y;
+    let t126 = omega_panda_joint7_z * omega_panda_joint7_z;
+    let t127 = omega_panda_joint6_x * omega_panda_joint6_x;
+    let t128 = t127 + t126;
+    let t129 = omega_panda_joint6_z * omega_panda_joint6_z;
+    let t130 = t129 + t126;
+    let t131 = t130 - t128;
+    let t132 = cos_panda_joint7 * t95;
+    let t133 = 0.0010874235301481362 + t132;
+    let t134 = t133 * t131;
+    let t135 = t124 + t134;
+    let t136 = t135 + t98;
+    let t137 = t89 + t91;
+    let t138 = 0.004002333051911301 - t96;
+    let t139 = t138 * t137;
+    let t140 = t136 - t139;
+    let t141 = 3.83030303030303 * t53;
+    let acceleration_panda_joint2_x = sin_panda_joint2 * 118.9090909090909;
+    let t143 = cos_panda_joint3 * acceleration_panda_joint2_x;
+    let acceleration_panda_joint3_x = t143 - t141;
+    let t145 = omega_panda_joint3_y * omega_panda_joint3_y;
+    let t146 = omega_panda_joint3_z * omega_panda_joint3_z;
+    let t147 = t145 + t146;
+    let t148 = t147 + acceleration_panda_joint3_x;
+    let t149 = cos_panda_joint4 * t148;
+    let t150 = omega_panda_joint3_x * t25;
+    let t151 = t53 + t150;
+    let t152 = omega_panda_joint2_x * omega_panda_joint2_x;
+    let t153 = v[1] * v[1];
+    let t154 = t152 + t153;
+    let t155 = 3.83030303030303 * t154;
+    let acceleration_panda_joint2_y = cos_panda_joint2 * 118.9090909090909;
+    let acceleration_panda_joint3_z = acceleration_panda_joint2_y - t155;
+    let t158 = t151 - acceleration_panda_joint3_z;
+    let t159 = sin_panda_joint4 * t158;
+    let acceleration_panda_joint4_x = t149 + t159;
+    let t161 = omega_panda_joint4_y * omega_panda_joint4_y;
+    let t162 = omega_panda_joint4_z * omega_panda_joint4_z;
+    let t163 = t161 + t162;
+    let t164 = acceleration_panda_joint4_x - t163;
+    let t165 = cos_panda_joint5 * 0.21484375;
+    let t166 = t164 * t165;
+    let t167 = omega_panda_joint4_x * t44;
+    let t168 = t74 + t167;
+    let t169 = 3.83030303030303 * t23;
+    let t170 = sin_panda_joint3 * acceleration_panda_joint2_x;
+    let acceleration_panda_joint3_y = t170 - t169;
+    let t172 = t39 - t35;
+    let acceleration_panda_joint4_z = t172 + acceleration_panda_joint3_y;
+    let t174 = acceleration_panda_joint4_z - t168;
+    let t175 = sin_panda_joint5 * 0.21484375;
+    let t176 = t174 * t175;
+    let t177 = t166 - t176;
+    let acceleration_panda_joint5_x = t177 + t114;
+    let t179 = cos_panda_joint6 * 4.363636363636364;
+    let t180 = acceleration_panda_joint5_x * t179;
+    let t181 = sin_panda_joint4 * t148;
+    let t182 = cos_panda_joint4 * t158;
+    let acceleration_panda_joint4_y = t181 - t182;
+    let t184 = t56 - t60;
+    let t185 = acceleration_panda_joint4_y - t184;
+    let t186 = t185 * 0.21484375;
+    let t187 = omega_panda_joint4_x * omega_panda_joint4_x;
+    let t188 = t187 + t162;
+    let acceleration_panda_joint5_z = t188 - t186;
+    let t190 = sin_panda_joint6 * 4.363636363636364;
+    let t191 = acceleration_panda_joint5_z * t190;
+    let acceleration_panda_joint6_x = t180 + t191;
+    let t193 = omega_panda_joint6_y * omega_panda_joint6_y;
+    let t194 = t193 + t129;
+    let acceleration_panda_joint7_x = acceleration_panda_joint6_x + t194;
+    let t196 = 0.0002886935268424518 * sin_panda_joint7;
+    let t197 = t196 * acceleration_panda_joint7_x;
+    let t198 = omega_panda_joint6_x * t102;
+    let t199 = t84 + t198;
+    let t200 = t164 * t175;
+    let t201 = t174 * t165;
+    let t202 = t200 + t201;
+    let acceleration_panda_joint5_y = t202 + t63;
+    let acceleration_panda_joint6_z = acceleration_panda_joint5_y * 4.363636363636364;
+    let acceleration_panda_joint7_y = acceleration_panda_joint6_z + t199;
+    let t206 = 0.0002886935268424518 * cos_panda_joint7;
+    let t207 = t206 * acceleration_panda_joint7_y;
+    let t208 = t207 - t197;
+    let moment_panda_joint7_z = t208 + t140;
+    let t210 = t206 * t92;
+    let t211 = t196 * t128;
+    let force_panda_joint7_y = t210 + t211;
+    let t213 = force_panda_joint7_y + moment_panda_joint7_z;
+    let t214 = 0.014748570382675316 * t107;
+    let t215 = 9.3569097314605e-5 * t119;
+    let t216 = t215 + t214;
+    let t217 = omega_panda_joint5_x * omega_panda_joint5_x;
+    let t218 = omega_panda_joint5_z * omega_panda_joint5_z;
+    let t219 = t217 + t218;
+    let t220 = t219 - t194;
+    let t221 = 0.00010375891721868492 * t220;
+    let t222 = t216 + t221;
+    let t223 = 0.02152225537058755 * t199;
+    let t224 = t222 + t223;
+    let t225 = acceleration_panda_joint5_y * 0.08902946023488;
+    let t226 = t225 + t224;
+    let moment_panda_joint6_y = t226 + t213;
+    let t228 = sin_panda_joint6 * moment_panda_joint6_y;
+    let t229 = t110 * t92;
+    let t230 = 2.0 * omega_panda_joint7_z;
+    let t231 = omega_panda_joint6_x * t230;
+    let t232 = t119 + t231;
+    let t233 = t133 * t232;
+    let t234 = t233 + t229;
+    let t235 = t127 + t129;
+    let t236 = t235 - t128;
+    let t237 = t122 * t236;
+    let t238 = t234 - t237;
+    let t239 = omega_panda_joint6_z * t230;
+    let t240 = t107 + t239;
+    let t241 = t138 * t240;
+    let t242 = t238 + t241;
+    let t243 = acceleration_panda_joint5_x * t190;
+    let t244 = acceleration_panda_joint5_z * t179;
+    let acceleration_panda_joint6_y = t243 - t244;
+    let t246 = t117 - t118;
+    let acceleration_panda_joint7_z = acceleration_panda_joint6_y + t246;
+    let t248 = t196 * acceleration_panda_joint7_z;
+    let moment_panda_joint7_x = t248 - t242;
+    let t250 = 0.014748570382675316 * t199;
+    let t251 = 0.00010375891721868492 * t246;
+    let t252 = t250 - t251;
+    let t253 = t219 - t235;
+    let t254 = 9.3569097314605e-5 * t253;
+    let t255 = t252 + t254;
+    let t256 = 0.028934422545659894 * t107;
+    let t257 = t255 + t256;
+    let t258 = acceleration_panda_joint5_y * 0.06674100693849601;
+    let t259 = t258 + t257;
+    let moment_panda_joint6_x = t259 - moment_panda_joint7_x;
+    let t261 = cos_panda_joint6 * moment_panda_joint6_x;
+    let t262 = t261 - t228;
+    let t263 = omega_panda_joint5_x * t65;
+    let t264 = t114 - t263;
+    let t265 = 0.0015152444733270301 * t264;
+    let t266 = t77 - t81;
+    let t267 = 0.004600245517563105 * t266;
+    let t268 = t265 - t267;
+    let t269 = t188 - t219;
+    let t270 = 0.0021640520520981297 * t269;
+    let t271 = t268 + t270;
+    let t272 = 0.010045187828321242 * t70;
+    let t273 = t271 - t272;
+    let t274 = 0.0260623224672 * acceleration_panda_joint5_z;
+    let t275 = t274 - t273;
+    let moment_panda_joint5_x = t275 - t262;
+    let t277 = 0.015294814090072 * t107;
+    let t278 = 0.020402584637159996 * t199;
+    let t279 = t278 + t277;
+    let force_panda_joint6_z = t279 + force_panda_joint7_y;
+    let t281 = 4.363636363636364 * force_panda_joint6_z;
+    let t282 = 0.005627033294592 * t266;
+    let t283 = 0.0260623224672 * t219;
+    let t284 = t282 + t283;
+    let force_panda_joint5_y = t284 - t281;
+    let t286 = force_panda_joint5_y - moment_panda_joint5_x;
+    let t287 = sin_panda_joint5 * t286;
+    let t288 = t122 * t137;
+    let t289 = t133 * t240;
+    let t290 = t288 - t289;
+    let t291 = t235 - t130;
+    let t292 = t110 * t291;
+    let t293 = t290 - t292;
+    let t294 = t97 * t232;
+    let t295 = t293 - t294;
+    let t296 = t206 * acceleration_panda_joint7_z;
+    let moment_panda_joint7_y = t296 - t295;
+    let t298 = t196 * t240;
+    let t299 = t206 * t232;
+    let force_panda_joint7_z = t299 - t298;
+    let t301 = force_panda_joint7_z + moment_panda_joint7_y;
+    let t302 = 9.3569097314605e-5 * t84;
+    let t303 = 0.00010375891721868492 * t101;
+    let t304 = t303 - t302;
+    let t305 = t194 - t235;
+    let t306 = 0.014748570382675316 * t305;
+    let t307 = t304 + t306;
+    let t308 = 0.02152225537058755 * t246;
+    let t309 = t307 - t308;
+    let t310 = 0.028934422545659894 * t119;
+    let t311 = t309 - t310;
+    let t312 = 0.015294814090072 * acceleration_panda_joint6_x;
+    let t313 = 0.020402584637159996 * acceleration_panda_joint6_y;
+    let t314 = t313 - t312;
+    let t315 = t314 - t311;
+    let moment_panda_joint6_z = t315 + t301;
+    let t317 = 0.0015152444733270301 * t70;
+    let t318 = 0.0021640520520981297 * t82;
+    let t319 = t318 + t317;
+    let t320 = omega_panda_joint5_y * omega_panda_joint5_y;
+    let t321 = t320 + t218;
+    let t322 = t188 - t321;
+    let t323 = 0.004600245517563105 * t322;
+    let t324 = t319 + t323;
+    let t325 = 0.0014511560650267133 * t264;
+    let t326 = t324 - t325;
+    let t327 = 0.005627033294592 * acceleration_panda_joint5_z;
+    let t328 = t327 - t326;
+    let moment_panda_joint5_y = t328 + moment_panda_joint6_z;
+    let t330 = t196 * t137;
+    let t331 = t206 * t130;
+    let force_panda_joint7_x = t331 + t330;
+    let t333 = 0.015294814090072 * t119;
+    let t334 = 0.020402584637159996 * t194;
+    let t335 = t334 - t333;
+    let force_panda_joint6_x = t335 + force_panda_joint7_x;
+    let t337 = t179 * force_panda_joint6_x;
+    let t338 = 0.020402584637159996 * t246;
+    let t339 = 0.015294814090072 * t235;
+    let t340 = t338 + t339;
+    let force_panda_joint6_y = t340 + force_panda_joint7_z;
+    let t342 = t190 * force_panda_joint6_y;
+    let t343 = t337 + t342;
+    let t344 = 0.0260623224672 * t82;
+    let t345 = 0.005627033294592 * t321;
+    let t346 = t345 - t344;
+    let force_panda_joint5_x = t346 - t343;
+    let t348 = force_panda_joint5_x - moment_panda_joint5_y;
+    let t349 = cos_panda_joint5 * t348;
+    let t350 = t287 + t349;
+    let t351 = t190 * force_panda_joint6_x;
+    let t352 = t179 * force_panda_joint6_y;
+    let t353 = t351 - t352;
+    let t354 = 0.0260623224672 * t70;
+    let t355 = 0.005627033294592 * t264;
+    let t356 = t355 + t354;
+    let force_panda_joint5_z = t356 + t353;
+    let t358 = 0.21484375 * force_panda_joint5_z;
+    let t359 = t358 - t350;
+    let t360 = 0.0016444875773692705 * t74;
+    let t361 = 0.0039053550262761003 * t42;
+    let t362 = t361 - t360;
+    let t363 = t163 - t188;
+    let t364 = 0.16284087268546088 * t363;
+    let t365 = t362 - t364;
+    let t366 = 0.05102013615681551 * t184;
+    let t367 = t365 + t366;
+    let t368 = 0.6972920750309719 * t61;
+    let t369 = t367 + t368;
+    let t370 = 0.16603319317224752 * acceleration_panda_joint4_x;
+    let t371 = 0.04560437265862501 * acceleration_panda_joint4_y;
+    let t372 = t371 - t370;
+    let t373 = t372 - t369;
+    let moment_panda_joint4_z = t373 - t359;
+    let t375 = t165 * force_panda_joint5_x;
+    let t376 = t175 * force_panda_joint5_y;
+    let t377 = t375 + t376;
+    let t378 = 0.16603319317224752 * t61;
+    let t379 = 0.04560437265862501 * t163;
+    let t380 = t379 - t378;
+    let force_panda_joint4_x = t380 + t377;
+    let t382 = sin_panda_joint4 * force_panda_joint4_x;
+    let t383 = 0.04560437265862501 * t184;
+    let t384 = 0.16603319317224752 * t188;
+    let t385 = t383 + t384;
+    let force_panda_joint4_y = t385 + t358;
+    let t387 = cos_panda_joint4 * force_panda_joint4_y;
+    let t388 = t382 - t387;
+    let t389 = moment_panda_joint4_z - t388;
+    let t390 = 0.00012191242095074308 * t30;
+    let t391 = 0.004377257121839584 * t40;
+    let t392 = t391 + t390;
+    let t393 = t154 - t147;
+    let t394 = 0.005487648106562256 * t393;
+    let t395 = t392 - t394;
+    let t396 = 0.0616024210265277 * t151;
+    let t397 = t395 - t396;
+    let t398 = 0.06161578168944001 * acceleration_panda_joint3_z;
+    let t399 = t398 + t397;
+    let moment_panda_joint3_y = t399 - t389;
+    let t401 = cos_panda_joint4 * force_panda_joint4_x;
+    let t402 = sin_panda_joint4 * force_panda_joint4_y;
+    let t403 = t401 + t402;
+    let t404 = 0.002328735327435001 * t40;
+    let t405 = 0.06161578168944001 * t147;
+    let t406 = t405 + t404;
+    let force_panda_joint3_x = t406 - t403;
+    let t408 = 3.83030303030303 * force_panda_joint3_x;
+    let t409 = moment_panda_joint3_y + t408;
+    let t410 = sin_panda_joint3 * t409;
+    let t411 = cos_panda_joint5 * t286;
+    let t412 = sin_panda_joint5 * t348;
+    let t413 = t411 - t412;
+    let t414 = 0.16284087268546088 * t168;
+    let t415 = 0.0039053550262761003 * t184;
+    let t416 = t414 + t415;
+    let t417 = omega_panda_joint3_x * omega_panda_joint3_x;
+    let t418 = t417 + t146;
+    let t419 = t418 - t188;
+    let t420 = 0.0016444875773692705 * t419;
+    let t421 = t416 - t420;
+    let t422 = 0.6972920750309719 * t49;
+    let t423 = t421 + t422;
+    let t424 = 0.16603319317224752 * acceleration_panda_joint4_z;
+    let t425 = t424 - t423;
+    let moment_panda_joint4_x = t425 - t413;
+    let t427 = cos_panda_joint4 * moment_panda_joint4_x;
+    let t428 = cos_panda_joint6 * moment_panda_joint6_y;
+    let t429 = sin_panda_joint6 * moment_panda_joint6_x;
+    let t430 = t429 + t428;
+    let t431 = 0.0021640520520981297 * t114;
+    let t432 = 0.004600245517563105 * t63;
+    let t433 = t432 - t431;
+    let t434 = t321 - t219;
+    let t435 = 0.0015152444733270301 * t434;
+    let t436 = t433 + t435;
+    let t437 = 0.0014511560650267133 * t266;
+    let t438 = t436 + t437;
+    let t439 = 0.010045187828321242 * t82;
+    let t440 = t438 + t439;
+    let t441 = 0.0260623224672 * acceleration_panda_joint5_x;
+    let t442 = 0.005627033294592 * acceleration_panda_joint5_y;
+    let t443 = t442 - t441;
+    let t444 = t443 - t440;
+    let moment_panda_joint5_z = t444 - t430;
+    let t446 = t175 * force_panda_joint5_x;
+    let t447 = t165 * force_panda_joint5_y;
+    let t448 = t446 - t447;
+    let t449 = moment_panda_joint5_z + t448;
+    let t450 = 0.16284087268546088 * t49;
+    let t451 = 0.0016444875773692705 * t61;
+    let t452 = t451 - t450;
+    let t453 = t418 - t163;
+    let t454 = 0.0039053550262761003 * t453;
+    let t455 = t452 + t454;
+    let t456 = 0.05102013615681551 * t168;
+    let t457 = t455 - t456;
+    let t458 = 0.04560437265862501 * acceleration_panda_joint4_z;
+    let t459 = t458 + t457;
+    let moment_panda_joint4_y = t459 + t449;
+    let t461 = sin_panda_joint4 * moment_panda_joint4_y;
+    let t462 = t427 - t461;
+    let t463 = 0.00012191242095074308 * t151;
+    let t464 = 0.005487648106562256 * t172;
+    let t465 = t463 + t464;
+    let t466 = t154 - t418;
+    let t467 = 0.004377257121839584 * t466;
+    let t468 = t465 + t467;
+    let t469 = 0.022178148964878235 * t30;
+    let t470 = t468 - t469;
+    let t471 = 0.002328735327435001 * acceleration_panda_joint3_z;
+    let t472 = t471 - t470;
+    let moment_panda_joint3_x = t472 - t462;
+    let t474 = 0.16603319317224752 * t49;
+    let t475 = 0.04560437265862501 * t168;
+    let t476 = t475 + t474;
+    let force_panda_joint4_z = t476 - t448;
+    let t478 = 0.002328735327435001 * t418;
+    let t479 = 0.06161578168944001 * t172;
+    let t480 = t479 - t478;
+    let force_panda_joint3_y = t480 - force_panda_joint4_z;
+    let t482 = 3.83030303030303 * force_panda_joint3_y;
+    let t483 = moment_panda_joint3_x - t482;
+    let t484 = cos_panda_joint3 * t483;
+    let t485 = t484 + t410;
+    let t486 = v[0] * v[0];
+    let t487 = t486 - t154;
+    let t488 = 0.0007689361029464 * t487;
+    let t489 = a[1] + t20;
+    let t490 = 0.01026110182100817 * t489;
+    let t491 = omega_panda_joint2_x * t14;
+    let t492 = t37 - t491;
+    let t493 = 0.00398335888393552 * t492;
+    let t494 = t493 + t490;
+    let t495 = t494 + t488;
+    let t496 = 1.032162061231881 * t17;
+    let t497 = t495 - t496;
+    let moment_panda_joint2_x = t497 + t485;
+    let t499 = sin_panda_joint2 * moment_panda_joint2_x;
+    let t500 = sin_panda_joint4 * moment_panda_joint4_x;
+    let t501 = cos_panda_joint4 * moment_panda_joint4_y;
+    let t502 = t500 + t501;
+    let t503 = force_panda_joint4_z + t502;
+    let t504 = t147 - t418;
+    let t505 = 0.00012191242095074308 * t504;
+    let t506 = 0.004377257121839584 * t53;
+    let t507 = 0.005487648106562256 * t23;
+    let t508 = t507 + t506;
+    let t509 = t508 - t505;
+    let t510 = 0.0616024210265277 * t172;
+    let t511 = t509 - t510;
+    let t512 = 0.022178148964878235 * t40;
+    let t513 = t511 - t512;
+    let t514 = 0.002328735327435001 * acceleration_panda_joint3_x;
+    let t515 = 0.06161578168944001 * acceleration_panda_joint3_y;
+    let t516 = t515 + t514;
+    let t517 = t516 - t513;
+    let moment_panda_joint3_z = t517 - t503;
+    let t519 = omega_panda_joint2_y * omega_panda_joint2_y;
+    let t520 = t519 + t153;
+    let t521 = t486 - t520;
+    let t522 = 0.01026110182100817 * t521;
+    let t523 = 0.00398335888393552 * t17;
+    let t524 = 0.0007689361029464 * t21;
+    let t525 = t524 + t523;
+    let t526 = t525 - t522;
+    let t527 = 0.02307788249493181 * t492;
+    let t528 = t526 - t527;
+    let moment_panda_joint2_y = t528 - moment_panda_joint3_z;
+    let t530 = cos_panda_joint2 * moment_panda_joint2_y;
+    let t531 = t499 + t530;
+    let t532 = a[0] * 0.014259565994474414;
+    let moment_panda_joint1_z = t532 - t531;
+    let t534 = v[0] * 0.003;
+    let t535 = moment_panda_joint1_z + t534;
+    let t536 = cos_panda_joint3 * t409;
+    let t537 = sin_panda_joint3 * t483;
+    let t538 = t537 - t536;
+    let t539 = t520 - t154;
+    let t540 = 0.00398335888393552 * t539;
+    let t541 = 0.0007689361029464 * t37;
+    let t542 = 0.01026110182100817 * t16;
+    let t543 = t542 + t541;
+    let t544 = t543 - t540;
+    let t545 = 0.02307788249493181 * t489;
+    let t546 = t544 - t545;
+    let t547 = 1.032162061231881 * t21;
+    let t548 = t546 - t547;
+    let t549 = sin_panda_joint2 * 32.80954542685273;
+    let t550 = cos_panda_joint2 * 0.01993386669246;
+    let t551 = t550 - t549;
+    let t552 = t551 - t548;
+    let moment_panda_joint2_z = t552 + t538;
+    let t554 = v[1] * 0.003;
+    let t555 = moment_panda_joint2_z + t554;
+    let t556 = v[2] * 0.003;
+    let t557 = moment_panda_joint3_z + t556;
+    let t558 = v[3] * 0.003;
+    let t559 = moment_panda_joint4_z - t558;
+    let t560 = v[4] * 0.003;
+    let t561 = moment_panda_joint5_z - t560;
+    let t562 = v[5] * 0.003;
+    let t563 = moment_panda_joint6_z + t562;
+    let t564 = v[6] * 0.003;
+    let t565 = moment_panda_joint7_z - t564;
+    let t566 = 2.0 * omega_panda_joint6_x;
+    let t567 = t196 * t566;
+    let t568 = t206 * t102;
+    let t569 = t567 + t568;
+    let t570 = t568 + t569;
+    let t571 = t133 * t566;
+    let t572 = t97 * t102;
+    let t573 = t571 - t572;
+    let t574 = t573 - t570;
+    let t575 = omega_panda_joint6_x * 0.00020751783443736984;
+    let t576 = omega_panda_joint6_z * 0.0430445107411751;
+    let t577 = t576 + t575;
+    let t578 = t577 - t574;
+    let t579 = t122 * t230;
+    let t580 = omega_panda_joint6_y * 0.00018713819462921;
+    let t581 = omega_panda_joint6_z * 0.05786884509131979;
+    let t582 = t580 + t581;
+    let t583 = t582 - t579;
+    let t584 = t583 - t578;
+    let t585 = cos_panda_joint6 * t584;
+    let t586 = t133 * t230;
+    let t587 = t110 * t102;
+    let t588 = t587 + t586;
+    let t589 = t196 * t230;
+    let t590 = t589 - t588;
+    let t591 = omega_panda_joint6_y * 0.00020751783443736984;
+    let t592 = omega_panda_joint6_z * 0.02949714076535063;
+    let t593 = t591 + t592;
+    let t594 = t593 - t590;
+    let t595 = t122 * t566;
+    let t596 = t587 + t595;
+    let t597 = omega_panda_joint6_x * 0.00018713819462921;
+    let t598 = t592 + t597;
+    let t599 = t598 + t596;
+    let t600 = t594 + t599;
+    let t601 = sin_panda_joint6 * t600;
+    let t602 = t601 - t585;
+    let t603 = sin_panda_joint6 * t602;
+    let t604 = t594 - t603;
+    let t605 = omega_panda_joint5_y * 0.00920049103512621;
+    let t606 = omega_panda_joint5_z * 0.0030304889466540603;
+    let t607 = t605 - t606;
+    let t608 = t607 + t604;
+    let t609 = 2.0 * omega_panda_joint5_y;
+    let t610 = 0.020402584637159996 + t206;
+    let t611 = t179 * t610;
+    let t612 = sin_panda_joint6 * 0.06674100693849601;
+    let t613 = t611 + t612;
+    let t614 = 0.005627033294592 - t613;
+    let t615 = t609 * t614;
+    let t616 = t608 - t615;
+    let t617 = t586 - t595;
+    let t618 = 2.0 * omega_panda_joint6_y;
+    let t619 = t196 * t618;
+    let t620 = t617 + t619;
+    let t621 = t591 - t597;
+    let t622 = t621 + t620;
+    let t623 = omega_panda_joint5_x * 0.004328104104196259;
+    let t624 = t606 - t623;
+    let t625 = t624 - t622;
+    let t626 = 2.0 * omega_panda_joint5_x;
+    let t627 = sin_panda_joint7 * 0.0012597535716761534;
+    let t628 = 0.0260623224672 - t627;
+    let t629 = t626 * t628;
+    let t630 = t625 + t629;
+    let t631 = t616 - t630;
+    let t632 = sin_panda_joint5 * t631;
+    let t633 = t206 * t230;
+    let t634 = t206 * t618;
+    let t635 = t633 - t634;
+    let t636 = t97 * t230;
+    let t637 = t110 * t566;
+    let t638 = t636 + t637;
+    let t639 = t638 + t635;
+    let t640 = omega_panda_joint6_y * 0.0430445107411751;
+    let t641 = omega_panda_joint6_x * 0.02949714076535063;
+    let t642 = t641 - t640;
+    let t643 = t642 + t639;
+    let t644 = cos_panda_joint6 * t643;
+    let t645 = t110 * t230;
+    let t646 = omega_panda_joint6_y * 0.02949714076535063;
+    let t647 = omega_panda_joint6_x * 0.05786884509131979;
+    let t648 = t647 - t646;
+    let t649 = t648 + t645;
+    let t650 = sin_panda_joint6 * t649;
+    let t651 = t644 + t650;
+    let t652 = omega_panda_joint5_x * 0.00920049103512621;
+    let t653 = omega_panda_joint5_z * 0.0029023121300534266;
+    let t654 = t653 + t652;
+    let t655 = t654 - t651;
+    let t656 = t626 * t614;
+    let t657 = t655 - t656;
+    let t658 = t138 * t566;
+    let t659 = t133 * t102;
+    let t660 = t658 - t659;
+    let t661 = t196 * t102;
+    let t662 = t660 + t661;
+    let t663 = omega_panda_joint6_z * 0.00020751783443736984;
+    let t664 = t663 + t662;
+    let t665 = sin_panda_joint6 * t664;
+    let t666 = t138 * t230;
+    let t667 = t122 * t102;
+    let t668 = t667 - t666;
+    let t669 = omega_panda_joint6_z * 0.00018713819462921;
+    let t670 = t669 + t668;
+    let t671 = cos_panda_joint6 * t670;
+    let t672 = t671 - t665;
+    let t673 = omega_panda_joint5_y * 0.004328104104196259;
+    let t674 = omega_panda_joint5_z * 0.020090375656642484;
+    let t675 = t673 + t674;
+    let t676 = t675 + t672;
+    let t677 = t609 * t628;
+    let t678 = t676 - t677;
+    let t679 = t678 - t657;
+    let t680 = cos_panda_joint5 * t679;
+    let t681 = t632 - t680;
+    let t682 = sin_panda_joint5 * t681;
+    let t683 = t616 - t682;
+    let t684 = omega_panda_joint6_z * 0.04080516927431999;
+    let t685 = t684 + t569;
+    let t686 = t190 * t685;
+    let t687 = omega_panda_joint6_z * 0.030589628180144;
+    let t688 = t687 - t589;
+    let t689 = t179 * t688;
+    let t690 = t689 - t686;
+    let t691 = omega_panda_joint5_z * 0.0521246449344;
+    let t692 = t691 - t690;
+    let t693 = t165 * t692;
+    let t694 = omega_panda_joint6_y * 0.04080516927431999;
+    let t695 = omega_panda_joint6_x * 0.030589628180144;
+    let t696 = t695 - t694;
+    let t697 = t696 + t633;
+    let t698 = 4.363636363636364 * t697;
+    let t699 = omega_panda_joint5_z * 0.011254066589184;
+    let t700 = t699 + t698;
+    let t701 = t175 * t700;
+    let t702 = t693 - t701;
+    let t703 = t702 + t683;
+    let t704 = omega_panda_joint4_y * 0.007810710052552201;
+    let t705 = omega_panda_joint4_z * 0.32568174537092176;
+    let t706 = t704 - t705;
+    let t707 = t706 - t703;
+    let t708 = t599 - t603;
+    let t709 = t605 - t623;
+    let t710 = t709 + t708;
+    let t711 = t179 * t685;
+    let t712 = t190 * t688;
+    let t713 = t712 + t711;
+    let t714 = omega_panda_joint5_y * 0.011254066589184;
+    let t715 = omega_panda_joint5_x * 0.0521246449344;
+    let t716 = t715 - t714;
+    let t717 = t716 - t713;
+    let t718 = t717 + t710;
+    let t719 = t190 * t610;
+    let t720 = cos_panda_joint6 * 0.06674100693849601;
+    let t721 = t719 - t720;
+    let t722 = 0.21484375 * t721;
+    let t723 = t44 * t722;
+    let t724 = t718 + t723;
+    let t725 = omega_panda_joint4_x * 0.003288975154738541;
+    let t726 = t705 - t725;
+    let t727 = t726 + t724;
+    let t728 = t707 - t727;
+    let t729 = sin_panda_joint4 * t728;
+    let t730 = cos_panda_joint6 * t602;
+    let t731 = t583 + t730;
+    let t732 = omega_panda_joint5_y * 0.0029023121300534266;
+    let t733 = omega_panda_joint5_x * 0.0030304889466540603;
+    let t734 = t733 + t732;
+    let t735 = t734 - t731;
+    let t736 = cos_panda_joint5 * t735;
+    let t737 = cos_panda_joint6 * t664;
+    let t738 = sin_panda_joint6 * t670;
+    let t739 = t738 + t737;
+    let t740 = omega_panda_joint5_y * 0.0030304889466540603;
+    let t741 = omega_panda_joint5_x * 0.020090375656642484;
+    let t742 = t741 + t740;
+    let t743 = t742 + t739;
+    let t744 = sin_panda_joint5 * t743;
+    let t745 = t736 - t744;
+    let t746 = 0.21484375 * t717;
+    let t747 = t165 * t614;
+    let t748 = t175 * t628;
+    let t749 = t747 + t748;
+    let t750 = t44 * t749;
+    let t751 = t746 + t750;
+    let t752 = t745 - t751;
+    let t753 = omega_panda_joint4_x * 0.007810710052552201;
+    let t754 = omega_panda_joint4_z * 0.10204027231363103;
+    let t755 = t754 - t753;
+    let t756 = t755 - t752;
+    let t757 = t578 - t730;
+    let t758 = omega_panda_joint5_z * 0.004328104104196259;
+    let t759 = t758 - t757;
+    let t760 = t609 * t721;
+    let t761 = t692 - t760;
+    let t762 = t759 - t761;
+    let t763 = cos_panda_joint5 * t762;
+    let t764 = sin_panda_joint6 * t643;
+    let t765 = cos_panda_joint6 * t649;
+    let t766 = t764 - t765;
+    let t767 = omega_panda_joint5_z * 0.00920049103512621;
+    let t768 = t767 - t766;
+    let t769 = t626 * t721;
+    let t770 = t700 - t769;
+    let t771 = t768 - t770;
+    let t772 = sin_panda_joint5 * t771;
+    let t773 = t763 - t772;
+    let t774 = omega_panda_joint4_y * 0.003288975154738541;
+    let t775 = omega_panda_joint4_z * 1.3945841500619438;
+    let t776 = t774 - t775;
+    let t777 = t776 + t773;
+    let t778 = t777 + t756;
+    let t779 = cos_panda_joint4 * t778;
+    let t780 = t729 - t779;
+    let t781 = sin_panda_joint4 * t780;
+    let t782 = t707 - t781;
+    let t783 = omega_panda_joint4_z * 0.33206638634449503;
+    let t784 = t783 + t702;
+    let t785 = cos_panda_joint4 * t784;
+    let t786 = omega_panda_joint4_z * 0.09120874531725003;
+    let t787 = t786 + t746;
+    let t788 = sin_panda_joint4 * t787;
+    let t789 = t785 - t788;
+    let t790 = t789 + t782;
+    let t791 = omega_panda_joint3_y * 0.010975296213124512;
+    let t792 = omega_panda_joint3_z * 0.00024382484190148615;
+    let t793 = t791 - t792;
+    let t794 = t793 - t790;
+    let t795 = 0.04560437265862501 + t749;
+    let t796 = cos_panda_joint4 * t795;
+    let t797 = 0.16603319317224752 + t722;
+    let t798 = sin_panda_joint4 * t797;
+    let t799 = t796 + t798;
+    let t800 = 0.06161578168944001 - t799;
+    let t801 = omega_panda_joint3_y * 7.66060606060606;
+    let t802 = t801 * t800;
+    let t803 = t794 + t802;
+    let t804 = t630 + t682;
+    let t805 = t175 * t614;
+    let t806 = t165 * t628;
+    let t807 = t805 - t806;
+    let t808 = 2.0 * omega_panda_joint4_y;
+    let t809 = t808 * t807;
+    let t810 = t804 + t809;
+    let t811 = t704 - t725;
+    let t812 = t811 + t810;
+    let t813 = t25 * t807;
+    let t814 = t812 - t813;
+    let t815 = omega_panda_joint3_x * 0.008754514243679169;
+    let t816 = t792 + t815;
+    let t817 = t816 + t814;
+    let t818 = 0.002328735327435001 - t807;
+    let t819 = omega_panda_joint3_x * 7.66060606060606;
+    let t820 = t819 * t818;
+    let t821 = t817 + t820;
+    let t822 = t803 - t821;
+    let t823 = sin_panda_joint3 * t822;
+    let t824 = cos_panda_joint5 * t681;
+    let t825 = t678 + t824;
+    let t826 = t175 * t692;
+    let t827 = t165 * t700;
+    let t828 = t826 + t827;
+    let t829 = t808 * t749;
+    let t830 = t828 + t829;
+    let t831 = t825 + t830;
+    let t832 = omega_panda_joint4_y * 0.10204027231363103;
+    let t833 = omega_panda_joint4_x * 0.32568174537092176;
+    let t834 = t833 - t832;
+    let t835 = t834 - t831;
+    let t836 = cos_panda_joint4 * t835;
+    let t837 = sin_panda_joint5 * t762;
+    let t838 = cos_panda_joint5 * t771;
+    let t839 = t837 + t838;
+    let t840 = t808 * t722;
+    let t841 = t839 - t840;
+    let t842 = omega_panda_joint4_y * 0.32568174537092176;
+    let t843 = omega_panda_joint4_x * 1.3945841500619438;
+    let t844 = t843 - t842;
+    let t845 = t844 + t841;
+    let t846 = sin_panda_joint4 * t845;
+    let t847 = t836 + t846;
+    let t848 = omega_panda_joint4_y * 0.09120874531725003;
+    let t849 = omega_panda_joint4_x * 0.33206638634449503;
+    let t850 = t849 - t848;
+    let t851 = t850 - t828;
+    let t852 = t25 * t799;
+    let t853 = t851 - t852;
+    let t854 = t847 - t853;
+    let t855 = omega_panda_joint3_x * 0.010975296213124512;
+    let t856 = omega_panda_joint3_z * 0.1232048420530554;
+    let t857 = t856 + t855;
+    let t858 = t857 - t854;
+    let t859 = t819 * t800;
+    let t860 = t858 + t859;
+    let t861 = t657 - t824;
+    let t862 = omega_panda_joint4_z * 0.003288975154738541;
+    let t863 = t862 - t861;
+    let t864 = cos_panda_joint4 * t863;
+    let t865 = sin_panda_joint5 * t735;
+    let t866 = cos_panda_joint5 * t743;
+    let t867 = t865 + t866;
+    let t868 = t44 * t807;
+    let t869 = t867 - t868;
+    let t870 = omega_panda_joint4_z * 0.007810710052552201;
+    let t871 = t870 - t869;
+    let t872 = sin_panda_joint4 * t871;
+    let t873 = t864 - t872;
+    let t874 = omega_panda_joint3_y * 0.008754514243679169;
+    let t875 = omega_panda_joint3_z * 0.04435629792975647;
+    let t876 = t874 - t875;
+    let t877 = t876 + t873;
+    let t878 = t801 * t818;
+    let t879 = t877 + t878;
+    let t880 = t879 + t860;
+    let t881 = cos_panda_joint3 * t880;
+    let t882 = t823 + t881;
+    let t883 = sin_panda_joint3 * t882;
+    let t884 = t821 + t883;
+    let t885 = omega_panda_joint2_x * 0.0015378722058928;
+    let t886 = omega_panda_joint2_y * 0.02052220364201634;
+    let t887 = t886 - t885;
+    let t888 = t887 - t884;
+    let t889 = t803 - t883;
+    let t890 = v[1] * 0.00796671776787104;
+    let t891 = t886 - t890;
+    let t892 = t891 + t889;
+    let t893 = t892 - t888;
+    let t894 = omega_panda_joint2_x * t893;
+    let t895 = cos_panda_joint4 * t780;
+    let t896 = t777 + t895;
+    let t897 = sin_panda_joint4 * t784;
+    let t898 = cos_panda_joint4 * t787;
+    let t899 = t897 + t898;
+    let t900 = 2.0 * omega_panda_joint3_y;
+    let t901 = t900 * t799;
+    let t902 = t899 - t901;
+    let t903 = t896 + t902;
+    let t904 = omega_panda_joint3_y * 0.1232048420530554;
+    let t905 = omega_panda_joint3_x * 0.00024382484190148615;
+    let t906 = t905 + t904;
+    let t907 = t906 + t903;
+    let t908 = cos_panda_joint3 * t907;
+    let t909 = sin_panda_joint4 * t863;
+    let t910 = cos_panda_joint4 * t871;
+    let t911 = t909 + t910;
+    let t912 = t900 * t807;
+    let t913 = t911 + t912;
+    let t914 = omega_panda_joint3_y * 0.00024382484190148615;
+    let t915 = omega_panda_joint3_x * 0.04435629792975647;
+    let t916 = t915 + t914;
+    let t917 = t916 - t913;
+    let t918 = sin_panda_joint3 * t917;
+    let t919 = t908 - t918;
+    let t920 = omega_panda_joint2_x * 0.02052220364201634;
+    let t921 = v[1] * 0.04615576498986362;
+    let t922 = t921 - t920;
+    let t923 = t922 + t919;
+    let t924 = omega_panda_joint2_y * t923;
+    let t925 = t894 + t924;
+    let t926 = cos_panda_joint7 * 0.0005773870536849036;
+    let t927 = t97 + t926;
+    let t928 = t927 - 0.007412167175072343;
+    let t929 = sin_panda_joint6 * t928;
+    let t930 = 0.014748570382675316 + t110;
+    let t931 = 2.0 * t930;
+    let t932 = cos_panda_joint6 * t931;
+    let t933 = t929 - t932;
+    let t934 = sin_panda_joint6 * t933;
+    let t935 = 0.02152225537058755 + t927;
+    let t936 = t935 - t934;
+    let t937 = 0.0014511560650267133 + t936;
+    let t938 = t96 - 0.014047520880232544;
+    let t939 = t937 + t938;
+    let t940 = sin_panda_joint5 * t939;
+    let t941 = t196 - t133;
+    let t942 = 0.00010375891721868492 + t941;
+    let t943 = cos_panda_joint6 * t942;
+    let t944 = 9.3569097314605e-5 + t122;
+    let t945 = sin_panda_joint6 * t944;
+    let t946 = t943 + t945;
+    let t947 = 0.0015152444733270301 - t946;
+    let t948 = 2.0 * t947;
+    let t949 = cos_panda_joint5 * t948;
+    let t950 = t940 + t949;
+    let t951 = sin_panda_joint5 * t950;
+    let t952 = t937 - t951;
+    let t953 = 2.0 * t749;
+    let t954 = t952 + t953;
+    let t955 = 0.05102013615681551 + t954;
+    let t956 = 0.028934422545659894 + t934;
+    let t957 = 2.0 * t721;
+    let t958 = t956 + t957;
+    let t959 = 0.6972920750309719 + t958;
+    let t960 = t955 - t959;
+    let t961 = sin_panda_joint4 * t960;
+    let t962 = cos_panda_joint6 * t933;
+    let t963 = t930 + t962;
+    let t964 = 0.004600245517563105 + t963;
+    let t965 = t614 - t964;
+    let t966 = cos_panda_joint5 * t965;
+    let t967 = sin_panda_joint6 * t942;
+    let t968 = cos_panda_joint6 * t944;
+    let t969 = t967 - t968;
+    let t970 = 0.0021640520520981297 + t969;
+    let t971 = t628 - t970;
+    let t972 = sin_panda_joint5 * t971;
+    let t973 = t966 + t972;
+    let t974 = t722 + t973;
+    let t975 = 0.16284087268546088 + t974;
+    let t976 = 2.0 * t975;
+    let t977 = cos_panda_joint4 * t976;
+    let t978 = t961 - t977;
+    let t979 = sin_panda_joint4 * t978;
+    let t980 = t955 - t979;
+    let t981 = 2.0 * t799;
+    let t982 = t980 - t981;
+    let t983 = 0.0616024210265277 + t982;
+    let t984 = t938 - t951;
+    let t985 = 0.022178148964878235 - t984;
+    let t986 = t983 - t985;
+    let t987 = sin_panda_joint3 * t986;
+    let t988 = cos_panda_joint5 * t950;
+    let t989 = t947 - t988;
+    let t990 = t807 - t989;
+    let t991 = 0.0039053550262761003 + t990;
+    let t992 = cos_panda_joint4 * t991;
+    let t993 = sin_panda_joint5 * t965;
+    let t994 = cos_panda_joint5 * t971;
+    let t995 = t993 - t994;
+    let t996 = 0.0016444875773692705 + t995;
+    let t997 = sin_panda_joint4 * t996;
+    let t998 = t992 + t997;
+    let t999 = t807 - t998;
+    let t1000 = 0.00012191242095074308 - t999;
+    let t1001 = 2.0 * t1000;
+    let t1002 = cos_panda_joint3 * t1001;
+    let t1003 = t987 + t1002;
+    let t1004 = sin_panda_joint3 * t1003;
+    let t1005 = t983 - t1004;
+    let t1006 = 0.02307788249493181 + t1005;
+    let t1007 = t985 + t1004;
+    let t1008 = t1007 + t1006;
+    let t1009 = t16 * t1008;
+    let t1010 = cos_panda_joint4 * t978;
+    let t1011 = t975 + t1010;
+    let t1012 = sin_panda_joint4 * t795;
+    let t1013 = cos_panda_joint4 * t797;
+    let t1014 = t1012 - t1013;
+    let t1015 = t1014 - t1011;
+    let t1016 = 0.005487648106562256 - t1015;
+    let t1017 = 3.83030303030303 * t800;
+    let t1018 = t1016 + t1017;
+    let t1019 = cos_panda_joint3 * t1018;
+    let t1020 = sin_panda_joint4 * t991;
+    let t1021 = cos_panda_joint4 * t996;
+    let t1022 = t1020 - t1021;
+    let t1023 = 0.004377257121839584 + t1022;
+    let t1024 = 3.83030303030303 * t818;
+    let t1025 = t1023 + t1024;
+    let t1026 = sin_panda_joint3 * t1025;
+    let t1027 = t1019 - t1026;
+    let t1028 = 0.00398335888393552 - t1027;
+    let t1029 = t37 * t1028;
+    let t1030 = t1009 + t1029;
+    let t1031 = sin_panda_joint3 * t1018;
+    let t1032 = cos_panda_joint3 * t1025;
+    let t1033 = t1031 + t1032;
+    let t1034 = 0.0007689361029464 + t1033;
+    let t1035 = t486 * t1034;
+    let t1036 = t1030 - t1035;
+    let t1037 = sin_panda_joint3 * t800;
+    let t1038 = cos_panda_joint3 * t818;
+    let t1039 = t1037 + t1038;
+    let t1040 = acceleration_panda_joint2_y * t1039;
+    let t1041 = t1040 - t1036;
+    let t1042 = t1041 - t925;
+    let t1043 = moment_panda_joint2_x - t1042;
+    let t1044 = cos_panda_joint2 * t1043;
+    let t1045 = t727 + t781;
+    let t1046 = t900 * t1014;
+    let t1047 = t1045 - t1046;
+    let t1048 = t791 + t815;
+    let t1049 = t1048 + t1047;
+    let t1050 = omega_panda_joint3_y * 0.12323156337888003;
+    let t1051 = omega_panda_joint3_x * 0.004657470654870002;
+    let t1052 = t1051 + t1050;
+    let t1053 = t1052 + t899;
+    let t1054 = 3.83030303030303 * t1053;
+    let t1055 = t1049 + t1054;
+    let t1056 = t890 - t885;
+    let t1057 = t1056 - t1055;
+    let t1058 = t1057 - t888;
+    let t1059 = omega_panda_joint2_y * t1058;
+    let t1060 = t756 + t895;
+    let t1061 = omega_panda_joint3_z * 0.008754514243679169;
+    let t1062 = t1061 + t1060;
+    let t1063 = omega_panda_joint3_z * 0.004657470654870002;
+    let t1064 = t1063 + t789;
+    let t1065 = 3.83030303030303 * t1064;
+    let t1066 = t801 * t1014;
+    let t1067 = t1065 + t1066;
+    let t1068 = t1062 + t1067;
+    let t1069 = cos_panda_joint3 * t1068;
+    let t1070 = sin_panda_joint4 * t835;
+    let t1071 = cos_panda_joint4 * t845;
+    let t1072 = t1070 - t1071;
+    let t1073 = t25 * t1014;
+    let t1074 = t1072 + t1073;
+    let t1075 = omega_panda_joint3_z * 0.010975296213124512;
+    let t1076 = t1075 - t1074;
+    let t1077 = omega_panda_joint3_z * 0.12323156337888003;
+    let t1078 = t1077 + t851;
+    let t1079 = 3.83030303030303 * t1078;
+    let t1080 = t819 * t1014;
+    let t1081 = t1079 - t1080;
+    let t1082 = t1076 + t1081;
+    let t1083 = sin_panda_joint3 * t1082;
+    let t1084 = t1069 + t1083;
+    let t1085 = omega_panda_joint2_y * 0.0015378722058928;
+    let t1086 = v[1] * 2.064324122463762;
+    let t1087 = t1085 - t1086;
+    let t1088 = t1087 + t1084;
+    let t1089 = omega_panda_joint2_x * t1088;
+    let t1090 = t1059 + t1089;
+    let t1091 = t959 + t979;
+    let t1092 = 7.66060606060606 * t1014;
+    let t1093 = t1091 - t1092;
+    let t1094 = 1.032162061231881 + t1093;
+    let t1095 = t1007 + t1094;
+    let t1096 = t37 * t1095;
+    let t1097 = t16 * t1028;
+    let t1098 = t1096 + t1097;
+    let t1099 = cos_panda_joint3 * t1003;
+    let t1100 = t1000 - t1099;
+    let t1101 = 0.01026110182100817 + t1100;
+    let t1102 = t486 * t1101;
+    let t1103 = t1098 + t1102;
+    let t1104 = acceleration_panda_joint2_x * t1039;
+    let t1105 = t1104 + t1103;
+    let t1106 = t1105 + t1090;
+    let t1107 = moment_panda_joint2_y + t1106;
+    let t1108 = sin_panda_joint2 * t1107;
+    let t1109 = t1108 - t1044;
+    let t1110 = t794 - t1049;
+    let t1111 = omega_panda_joint3_x * t1110;
+    let t1112 = omega_panda_joint3_y * t858;
+    let t1113 = t1111 - t1112;
+    let t1114 = t1091 + t983;
+    let t1115 = t23 * t1114;
+    let t1116 = t53 * t1000;
+    let t1117 = t1115 + t1116;
+    let t1118 = t154 * t1023;
+    let t1119 = t1117 - t1118;
+    let t1120 = acceleration_panda_joint3_y * t1014;
+    let t1121 = t1120 + t1119;
+    let t1122 = t1121 - t1113;
+    let t1123 = moment_panda_joint3_x - t1122;
+    let t1124 = omega_panda_joint3_x * t1053;
+    let t1125 = t23 * t1014;
+    let t1126 = t154 * t818;
+    let t1127 = t1125 + t1126;
+    let t1128 = t1127 - t1124;
+    let t1129 = force_panda_joint3_y - t1128;
+    let t1130 = 3.83030303030303 * t1129;
+    let t1131 = t1123 - t1130;
+    let t1132 = sin_panda_joint3 * t1131;
+    let t1133 = t817 - t1049;
+    let t1134 = omega_panda_joint3_y * t1133;
+    let t1135 = omega_panda_joint3_x * t877;
+    let t1136 = t1134 - t1135;
+    let t1137 = t154 * t1016;
+    let t1138 = t1091 + t985;
+    let t1139 = t53 * t1138;
+    let t1140 = t23 * t1000;
+    let t1141 = t1139 + t1140;
+    let t1142 = t1141 + t1137;
+    let t1143 = acceleration_panda_joint3_x * t1014;
+    let t1144 = t1143 + t1142;
+    let t1145 = t1144 + t1136;
+    let t1146 = moment_panda_joint3_y + t1145;
+    let t1147 = omega_panda_joint3_y * t1053;
+    let t1148 = t154 * t800;
+    let t1149 = t53 * t1014;
+    let t1150 = t1148 - t1149;
+    let t1151 = t1150 - t1147;
+    let t1152 = force_panda_joint3_x + t1151;
+    let t1153 = 3.83030303030303 * t1152;
+    let t1154 = t1146 + t1153;
+    let t1155 = cos_panda_joint3 * t1154;
+    let t1156 = t1155 - t1132;
+    let t1157 = sin_panda_joint2 * t1156;
+    let t1158 = omega_panda_joint3_y * t907;
+    let t1159 = omega_panda_joint3_x * t917;
+    let t1160 = t1158 + t1159;
+    let t1161 = t983 + t985;
+    let t1162 = t154 * t1161;
+    let t1163 = t53 * t1016;
+    let t1164 = t1162 + t1163;
+    let t1165 = t23 * t1023;
+    let t1166 = t1164 - t1165;
+    let t1167 = acceleration_panda_joint3_x * t800;
+    let t1168 = acceleration_panda_joint3_y * t818;
+    let t1169 = t1167 - t1168;
+    let t1170 = t1169 - t1166;
+    let t1171 = t1170 + t1160;
+    let t1172 = cos_panda_joint2 * t1171;
+    let t1173 = t1157 - t1172;
+    let t1174 = t707 - t812;
+    let t1175 = omega_panda_joint4_x * t1174;
+    let t1176 = omega_panda_joint4_y * t756;
+    let t1177 = t1175 + t1176;
+    let t1178 = t984 - t955;
+    let t1179 = t42 * t1178;
+    let t1180 = t74 * t975;
+    let t1181 = t1179 + t1180;
+    let t1182 = t418 * t996;
+    let t1183 = t1181 + t1182;
+    let t1184 = acceleration_panda_joint4_y * t807;
+    let t1185 = t1184 + t1183;
+    let t1186 = t1185 - t1177;
+    let t1187 = moment_panda_joint4_x - t1186;
+    let t1188 = sin_panda_joint4 * t1187;
+    let t1189 = t727 - t812;
+    let t1190 = omega_panda_joint4_y * t1189;
+    let t1191 = omega_panda_joint4_x * t777;
+    let t1192 = t1190 + t1191;
+    let t1193 = t418 * t991;
+    let t1194 = t984 - t959;
+    let t1195 = t74 * t1194;
+    let t1196 = t42 * t975;
+    let t1197 = t1195 + t1196;
+    let t1198 = t1197 + t1193;
+    let t1199 = acceleration_panda_joint4_x * t807;
+    let t1200 = t1199 + t1198;
+    let t1201 = t1200 + t1192;
+    let t1202 = moment_panda_joint4_y - t1201;
+    let t1203 = cos_panda_joint4 * t1202;
+    let t1204 = t1203 + t1188;
+    let t1205 = omega_panda_joint4_x * t784;
+    let t1206 = omega_panda_joint4_y * t787;
+    let t1207 = t1206 - t1205;
+    let t1208 = t42 * t795;
+    let t1209 = t74 * t797;
+    let t1210 = t1209 - t1208;
+    let t1211 = t1210 - t1207;
+    let t1212 = 3.83030303030303 * t1211;
+    let t1213 = t1204 + t1212;
+    let t1214 = cos_panda_joint3 * t1213;
+    let t1215 = omega_panda_joint4_y * t835;
+    let t1216 = omega_panda_joint4_x * t845;
+    let t1217 = t1215 - t1216;
+    let t1218 = t955 + t959;
+    let t1219 = t418 * t1218;
+    let t1220 = t74 * t991;
+    let t1221 = t1219 - t1220;
+    let t1222 = t42 * t996;
+    let t1223 = t1221 - t1222;
+    let t1224 = acceleration_panda_joint4_y * t797;
+    let t1225 = acceleration_panda_joint4_x * t795;
+    let t1226 = t1225 + t1224;
+    let t1227 = t1226 + t1223;
+    let t1228 = t1227 + t1217;
+    let t1229 = omega_panda_joint4_y * t851;
+    let t1230 = t418 * t795;
+    let t1231 = t74 * t807;
+    let t1232 = t1230 - t1231;
+    let t1233 = t1232 + t1229;
+    let t1234 = force_panda_joint4_x + t1233;
+    let t1235 = cos_panda_joint4 * t1234;
+    let t1236 = omega_panda_joint4_x * t851;
+    let t1237 = t42 * t807;
+    let t1238 = t418 * t797;
+    let t1239 = t1237 - t1238;
+    let t1240 = t1239 + t1236;
+    let t1241 = force_panda_joint4_y - t1240;
+    let t1242 = sin_panda_joint4 * t1241;
+    let t1243 = t1242 + t1235;
+    let t1244 = t1228 - t1243;
+    let t1245 = sin_panda_joint4 * t1234;
+    let t1246 = cos_panda_joint4 * t1241;
+    let t1247 = t1246 - t1245;
+    let t1248 = 3.83030303030303 * t1247;
+    let t1249 = t1244 + t1248;
+    let t1250 = sin_panda_joint3 * t1249;
+    let t1251 = t1214 - t1250;
+    let t1252 = sin_panda_joint2 * t1251;
+    let t1253 = cos_panda_joint4 * t1187;
+    let t1254 = sin_panda_joint4 * t1202;
+    let t1255 = t1254 - t1253;
+    let t1256 = t1211 - t1255;
+    let t1257 = cos_panda_joint2 * t1256;
+    let t1258 = t1252 + t1257;
+    let t1259 = t608 - t710;
+    let t1260 = omega_panda_joint5_x * t1259;
+    let t1261 = omega_panda_joint5_y * t655;
+    let t1262 = t1260 - t1261;
+    let t1263 = t956 + t937;
+    let t1264 = t63 * t1263;
+    let t1265 = t114 * t947;
+    let t1266 = t1264 + t1265;
+    let t1267 = t188 * t970;
+    let t1268 = t1266 - t1267;
+    let t1269 = acceleration_panda_joint5_y * t721;
+    let t1270 = t1269 + t1268;
+    let t1271 = t1270 + t1262;
+    let t1272 = moment_panda_joint5_x - t1271;
+    let t1273 = omega_panda_joint5_x * t717;
+    let t1274 = t63 * t721;
+    let t1275 = t188 * t628;
+    let t1276 = t1274 + t1275;
+    let t1277 = t1276 - t1273;
+    let t1278 = force_panda_joint5_y + t1277;
+    let t1279 = t1278 - t1272;
+    let t1280 = cos_panda_joint5 * t1279;
+    let t1281 = t625 - t710;
+    let t1282 = omega_panda_joint5_y * t1281;
+    let t1283 = omega_panda_joint5_x * t676;
+    let t1284 = t1282 + t1283;
+    let t1285 = t956 - t938;
+    let t1286 = t114 * t1285;
+    let t1287 = t63 * t947;
+    let t1288 = t1286 + t1287;
+    let t1289 = t188 * t964;
+    let t1290 = t1288 - t1289;
+    let t1291 = acceleration_panda_joint5_x * t721;
+    let t1292 = t1291 + t1290;
+    let t1293 = t1292 - t1284;
+    let t1294 = moment_panda_joint5_y - t1293;
+    let t1295 = omega_panda_joint5_y * t717;
+    let t1296 = t114 * t721;
+    let t1297 = t188 * t614;
+    let t1298 = t1297 + t1296;
+    let t1299 = t1298 + t1295;
+    let t1300 = force_panda_joint5_x + t1299;
+    let t1301 = t1300 - t1294;
+    let t1302 = sin_panda_joint5 * t1301;
+    let t1303 = t1302 - t1280;
+    let t1304 = omega_panda_joint5_x * t692;
+    let t1305 = omega_panda_joint5_y * t700;
+    let t1306 = t1305 - t1304;
+    let t1307 = t63 * t614;
+    let t1308 = t114 * t628;
+    let t1309 = t1308 - t1307;
+    let t1310 = t1309 + t1306;
+    let t1311 = 0.21484375 * t1310;
+    let t1312 = t1311 + t1303;
+    let t1313 = t175 * t1300;
+    let t1314 = t165 * t1278;
+    let t1315 = t1314 - t1313;
+    let t1316 = sin_panda_joint4 * t1315;
+    let t1317 = cos_panda_joint4 * t1311;
+    let t1318 = t1316 - t1317;
+    let t1319 = t1312 + t1318;
+    let t1320 = cos_panda_joint4 * t1315;
+    let t1321 = sin_panda_joint4 * t1311;
+    let t1322 = t1320 + t1321;
+    let t1323 = 3.83030303030303 * t1322;
+    let t1324 = t1319 - t1323;
+    let t1325 = sin_panda_joint3 * t1324;
+    let t1326 = sin_panda_joint5 * t1279;
+    let t1327 = cos_panda_joint5 * t1301;
+    let t1328 = t1327 + t1326;
+    let t1329 = cos_panda_joint4 * t1328;
+    let t1330 = t165 * t1300;
+    let t1331 = t175 * t1278;
+    let t1332 = t1331 + t1330;
+    let t1333 = omega_panda_joint5_y * t735;
+    let t1334 = omega_panda_joint5_x * t743;
+    let t1335 = t1333 + t1334;
+    let t1336 = t937 - t938;
+    let t1337 = t188 * t1336;
+    let t1338 = t114 * t964;
+    let t1339 = t1337 - t1338;
+    let t1340 = t63 * t970;
+    let t1341 = t1339 - t1340;
+    let t1342 = acceleration_panda_joint5_y * t628;
+    let t1343 = acceleration_panda_joint5_x * t614;
+    let t1344 = t1343 + t1342;
+    let t1345 = t1344 + t1341;
+    let t1346 = t1345 - t1335;
+    let t1347 = t1346 + t1332;
+    let t1348 = sin_panda_joint4 * t1347;
+    let t1349 = t1329 - t1348;
+    let t1350 = 3.83030303030303 * t1332;
+    let t1351 = t1349 + t1350;
+    let t1352 = cos_panda_joint3 * t1351;
+    let t1353 = t1352 - t1325;
+    let t1354 = sin_panda_joint2 * t1353;
+    let t1355 = sin_panda_joint4 * t1328;
+    let t1356 = cos_panda_joint4 * t1347;
+    let t1357 = t1355 + t1356;
+    let t1358 = t1332 - t1357;
+    let t1359 = cos_panda_joint2 * t1358;
+    let t1360 = t1354 + t1359;
+    let t1361 = t594 - t622;
+    let t1362 = omega_panda_joint6_x * t1361;
+    let t1363 = omega_panda_joint6_y * t578;
+    let t1364 = t1362 - t1363;
+    let t1365 = t84 * t930;
+    let t1366 = t138 + t935;
+    let t1367 = t101 * t1366;
+    let t1368 = t1367 - t1365;
+    let t1369 = t219 * t944;
+    let t1370 = t1368 + t1369;
+    let t1371 = t196 * acceleration_panda_joint6_y;
+    let t1372 = t1371 - t1370;
+    let t1373 = t1372 + t1364;
+    let t1374 = moment_panda_joint6_x + t1373;
+    let t1375 = sin_panda_joint6 * t1374;
+    let t1376 = t599 + t622;
+    let t1377 = omega_panda_joint6_y * t1376;
+    let t1378 = omega_panda_joint6_x * t583;
+    let t1379 = t1377 - t1378;
+    let t1380 = t101 * t930;
+    let t1381 = t96 - 0.03293675559757119;
+    let t1382 = t84 * t1381;
+    let t1383 = t1382 + t1380;
+    let t1384 = t219 * t942;
+    let t1385 = t1383 - t1384;
+    let t1386 = t196 * acceleration_panda_joint6_x;
+    let t1387 = t1386 + t1385;
+    let t1388 = t1387 + t1379;
+    let t1389 = moment_panda_joint6_y + t1388;
+    let t1390 = cos_panda_joint6 * t1389;
+    let t1391 = t1390 + t1375;
+    let t1392 = t101 * t610;
+    let t1393 = 0.015294814090072 * t84;
+    let t1394 = t1393 - t1392;
+    let t1395 = omega_panda_joint6_x * t688;
+    let t1396 = omega_panda_joint6_y * t685;
+    let t1397 = t1396 - t1395;
+    let t1398 = t1394 - t1397;
+    let t1399 = 4.363636363636364 * t1398;
+    let t1400 = t1399 + t1391;
+    let t1401 = sin_panda_joint5 * t1400;
+    let t1402 = t196 * t84;
+    let t1403 = t219 * t610;
+    let t1404 = t1403 + t1402;
+    let t1405 = omega_panda_joint6_y * t697;
+    let t1406 = t1404 + t1405;
+    let t1407 = force_panda_joint6_x + t1406;
+    let t1408 = t190 * t1407;
+    let t1409 = t196 * t101;
+    let t1410 = 0.015294814090072 * t219;
+    let t1411 = t1409 + t1410;
+    let t1412 = omega_panda_joint6_x * t697;
+    let t1413 = t1411 - t1412;
+    let t1414 = force_panda_joint6_y + t1413;
+    let t1415 = t179 * t1414;
+    let t1416 = t1415 - t1408;
+    let t1417 = 0.015294814090072 * acceleration_panda_joint6_y;
+    let t1418 = acceleration_panda_joint6_x * t610;
+    let t1419 = t1418 + t1417;
+    let t1420 = t84 * t942;
+    let t1421 = 0.050456677916247444 + t927;
+    let t1422 = t219 * t1421;
+    let t1423 = t1422 + t1420;
+    let t1424 = t101 * t944;
+    let t1425 = t1423 + t1424;
+    let t1426 = t1419 - t1425;
+    let t1427 = omega_panda_joint6_y * t643;
+    let t1428 = omega_panda_joint6_x * t649;
+    let t1429 = t1427 - t1428;
+    let t1430 = t1426 - t1429;
+    let t1431 = t1430 + t1416;
+    let t1432 = cos_panda_joint5 * t1431;
+    let t1433 = t1401 + t1432;
+    let t1434 = t179 * t1407;
+    let t1435 = t190 * t1414;
+    let t1436 = t1435 + t1434;
+    let t1437 = 0.21484375 * t1436;
+    let t1438 = t1437 + t1433;
+    let t1439 = t165 * t1416;
+    let t1440 = t175 * t1399;
+    let t1441 = t1439 + t1440;
+    let t1442 = sin_panda_joint4 * t1441;
+    let t1443 = cos_panda_joint4 * t1437;
+    let t1444 = t1442 + t1443;
+    let t1445 = t1438 - t1444;
+    let t1446 = cos_panda_joint4 * t1441;
+    let t1447 = sin_panda_joint4 * t1437;
+    let t1448 = t1446 - t1447;
+    let t1449 = 3.83030303030303 * t1448;
+    let t1450 = t1445 + t1449;
+    let t1451 = sin_panda_joint3 * t1450;
+    let t1452 = cos_panda_joint5 * t1400;
+    let t1453 = sin_panda_joint5 * t1431;
+    let t1454 = t1452 - t1453;
+    let t1455 = cos_panda_joint4 * t1454;
+    let t1456 = cos_panda_joint6 * t1374;
+    let t1457 = sin_panda_joint6 * t1389;
+    let t1458 = t1457 - t1456;
+    let t1459 = t175 * t1416;
+    let t1460 = t165 * t1399;
+    let t1461 = t1459 - t1460;
+    let t1462 = t1458 - t1461;
+    let t1463 = sin_panda_joint4 * t1462;
+    let t1464 = t1455 - t1463;
+    let t1465 = 3.83030303030303 * t1461;
+    let t1466 = t1464 - t1465;
+    let t1467 = cos_panda_joint3 * t1466;
+    let t1468 = t1467 - t1451;
+    let t1469 = sin_panda_joint2 * t1468;
+    let t1470 = sin_panda_joint4 * t1454;
+    let t1471 = cos_panda_joint4 * t1462;
+    let t1472 = t1470 + t1471;
+    let t1473 = t1461 + t1472;
+    let t1474 = cos_panda_joint2 * t1473;
+    let t1475 = t1469 - t1474;
+    let t1476 = t133 * t107;
+    let t1477 = t138 * t119;
+    let t1478 = t1477 - t1476;
+    let t1479 = t110 * t235;
+    let t1480 = t1478 + t1479;
+    let t1481 = t617 + t596;
+    let t1482 = omega_panda_joint6_z * t1481;
+    let t1483 = omega_panda_joint6_x * t668;
+    let t1484 = t1482 + t1483;
+    let t1485 = t1480 - t1484;
+    let t1486 = moment_panda_joint7_y - t1485;
+    let t1487 = cos_panda_joint6 * t1486;
+    let t1488 = t206 * acceleration_panda_joint7_x;
+    let t1489 = t196 * acceleration_panda_joint7_y;
+    let t1490 = t1488 + t1489;
+    let t1491 = t122 * t107;
+    let t1492 = t110 * t119;
+    let t1493 = t97 + t138;
+    let t1494 = t235 * t1493;
+    let t1495 = t1494 + t1492;
+    let t1496 = t1495 - t1491;
+    let t1497 = t1490 - t1496;
+    let t1498 = omega_panda_joint6_x * t660;
+    let t1499 = omega_panda_joint6_z * t573;
+    let t1500 = t1499 - t1498;
+    let t1501 = t1497 - t1500;
+    let t1502 = omega_panda_joint6_z * t569;
+    let t1503 = t206 * t235;
+    let t1504 = t1503 - t1502;
+    let t1505 = force_panda_joint7_x + t1504;
+    let t1506 = t1501 - t1505;
+    let t1507 = sin_panda_joint6 * t1506;
+    let t1508 = t1487 - t1507;
+    let t1509 = 4.363636363636364 * t1505;
+    let t1510 = t1509 + t1508;
+    let t1511 = sin_panda_joint5 * t1510;
+    let t1512 = t97 * t107;
+    let t1513 = t133 * t119;
+    let t1514 = t1512 - t1513;
+    let t1515 = t122 * t235;
+    let t1516 = t1514 - t1515;
+    let t1517 = t588 - t596;
+    let t1518 = omega_panda_joint6_x * t1517;
+    let t1519 = omega_panda_joint6_z * t638;
+    let t1520 = t1518 - t1519;
+    let t1521 = t1516 - t1520;
+    let t1522 = moment_panda_joint7_x + t1521;
+    let t1523 = t206 * t107;
+    let t1524 = t196 * t119;
+    let t1525 = t1524 + t1523;
+    let t1526 = omega_panda_joint6_x * t589;
+    let t1527 = omega_panda_joint6_z * t633;
+    let t1528 = t1527 + t1526;
+    let t1529 = t1525 + t1528;
+    let t1530 = t1529 + t1522;
+    let t1531 = omega_panda_joint6_x * t569;
+    let t1532 = t196 * t235;
+    let t1533 = t1532 - t1531;
+    let t1534 = force_panda_joint7_y + t1533;
+    let t1535 = t179 * t1534;
+    let t1536 = t190 * t1529;
+    let t1537 = t1535 + t1536;
+    let t1538 = t1530 + t1537;
+    let t1539 = cos_panda_joint5 * t1538;
+    let t1540 = t1511 - t1539;
+    let t1541 = t190 * t1534;
+    let t1542 = t179 * t1529;
+    let t1543 = t1541 - t1542;
+    let t1544 = 0.21484375 * t1543;
+    let t1545 = t1544 - t1540;
+    let t1546 = t165 * t1537;
+    let t1547 = t175 * t1509;
+    let t1548 = t1546 - t1547;
+    let t1549 = sin_panda_joint4 * t1548;
+    let t1550 = cos_panda_joint4 * t1544;
+    let t1551 = t1549 + t1550;
+    let t1552 = t1545 - t1551;
+    let t1553 = cos_panda_joint4 * t1548;
+    let t1554 = sin_panda_joint4 * t1544;
+    let t1555 = t1553 - t1554;
+    let t1556 = 3.83030303030303 * t1555;
+    let t1557 = t1552 + t1556;
+    let t1558 = sin_panda_joint3 * t1557;
+    let t1559 = cos_panda_joint5 * t1510;
+    let t1560 = sin_panda_joint5 * t1538;
+    let t1561 = t1559 + t1560;
+    let t1562 = cos_panda_joint4 * t1561;
+    let t1563 = sin_panda_joint6 * t1486;
+    let t1564 = cos_panda_joint6 * t1506;
+    let t1565 = t1563 + t1564;
+    let t1566 = t175 * t1537;
+    let t1567 = t165 * t1509;
+    let t1568 = t1566 + t1567;
+    let t1569 = t1565 + t1568;
+    let t1570 = sin_panda_joint4 * t1569;
+    let t1571 = t1562 - t1570;
+    let t1572 = 3.83030303030303 * t1568;
+    let t1573 = t1571 + t1572;
+    let t1574 = cos_panda_joint3 * t1573;
+    let t1575 = t1574 + t1558;
+    let t1576 = sin_panda_joint2 * t1575;
+    let t1577 = sin_panda_joint4 * t1561;
+    let t1578 = cos_panda_joint4 * t1569;
+    let t1579 = t1577 + t1578;
+    let t1580 = t1568 - t1579;
+    let t1581 = cos_panda_joint2 * t1580;
+    let t1582 = t1576 + t1581;
+    let t1583 = cos_panda_joint3 * t882;
+    let t1584 = t879 - t1583;
+    let t1585 = omega_panda_joint2_y * 0.04615576498986362;
+    let t1586 = omega_panda_joint2_x * 0.00796671776787104;
+    let t1587 = t1586 - t1585;
+    let t1588 = t1587 + t1584;
+    let t1589 = omega_panda_joint2_y * t1588;
+    let t1590 = sin_panda_joint3 * t1068;
+    let t1591 = cos_panda_joint3 * t1082;
+    let t1592 = t1590 - t1591;
+    let t1593 = omega_panda_joint2_y * 0.00796671776787104;
+    let t1594 = omega_panda_joint2_x * 2.064324122463762;
+    let t1595 = t1594 - t1593;
+    let t1596 = t1595 - t1592;
+    let t1597 = omega_panda_joint2_x * t1596;
+    let t1598 = t1589 - t1597;
+    let t1599 = t1006 + t1094;
+    let t1600 = t486 * t1599;
+    let t1601 = t37 * t1101;
+    let t1602 = t1600 + t1601;
+    let t1603 = t16 * t1034;
+    let t1604 = t1602 - t1603;
+    let t1605 = cos_panda_joint3 * t800;
+    let t1606 = sin_panda_joint3 * t818;
+    let t1607 = t1605 - t1606;
+    let t1608 = 0.000167639551695 - t1607;
+    let t1609 = acceleration_panda_joint2_x * t1608;
+    let t1610 = 0.27592125358974007 - t1014;
+    let t1611 = acceleration_panda_joint2_y * t1610;
+    let t1612 = t1609 + t1611;
+    let t1613 = t1612 + t1604;
+    let t1614 = t1613 + t1598;
+    let t1615 = cos_panda_joint3 * t1131;
+    let t1616 = sin_panda_joint3 * t1154;
+    let t1617 = t1616 + t1615;
+    let t1618 = sin_panda_joint3 * t1213;
+    let t1619 = cos_panda_joint3 * t1249;
+    let t1620 = t1618 + t1619;
+    let t1621 = cos_panda_joint3 * t1324;
+    let t1622 = sin_panda_joint3 * t1351;
+    let t1623 = t1622 + t1621;
+    let t1624 = cos_panda_joint3 * t1450;
+    let t1625 = sin_panda_joint3 * t1466;
+    let t1626 = t1625 + t1624;
+    let t1627 = cos_panda_joint3 * t1557;
+    let t1628 = sin_panda_joint3 * t1573;
+    let t1629 = t1628 - t1627;
+    let t1630 = t794 + t817;
+    let t1631 = t802 + t820;
+    let t1632 = t1630 + t1631;
+    let t1633 = omega_panda_joint2_x * t1632;
+    let t1634 = omega_panda_joint2_y * t919;
+    let t1635 = t1634 + t1633;
+    let t1636 = t37 * t1027;
+    let t1637 = t16 * t1161;
+    let t1638 = t1636 - t1637;
+    let t1639 = t486 * t1033;
+    let t1640 = t1638 + t1639;
+    let t1641 = t1040 + t1640;
+    let t1642 = t1641 - t1635;
+    let t1643 = t847 + t852;
+    let t1644 = t819 * t799;
+    let t1645 = t1643 + t1644;
+    let t1646 = cos_panda_joint3 * t1645;
+    let t1647 = t707 + t727;
+    let t1648 = t1046 - t1647;
+    let t1649 = t801 * t799;
+    let t1650 = t1648 - t1649;
+    let t1651 = sin_panda_joint3 * t1650;
+    let t1652 = t1646 - t1651;
+    let t1653 = omega_panda_joint2_y * t1652;
+    let t1654 = t1074 + t1080;
+    let t1655 = omega_panda_joint2_x * t1654;
+    let t1656 = t1653 + t1655;
+    let t1657 = t1218 - t799;
+    let t1658 = 3.83030303030303 * t1014;
+    let t1659 = t1658 - t1657;
+    let t1660 = sin_panda_joint3 * t1659;
+    let t1661 = cos_panda_joint3 * t998;
+    let t1662 = t1661 - t1660;
+    let t1663 = t37 * t1662;
+    let t1664 = t16 * t1022;
+    let t1665 = t1663 + t1664;
+    let t1666 = cos_panda_joint3 * t1659;
+    let t1667 = sin_panda_joint3 * t998;
+    let t1668 = t1667 + t1666;
+    let t1669 = t486 * t1668;
+    let t1670 = t1665 + t1669;
+    let t1671 = cos_panda_joint3 * t1014;
+    let t1672 = acceleration_panda_joint2_y * t1671;
+    let t1673 = acceleration_panda_joint2_x * t799;
+    let t1674 = t1672 - t1673;
+    let t1675 = t1670 + t1674;
+    let t1676 = t1675 - t1656;
+    let t1677 = omega_panda_joint3_y * t1643;
+    let t1678 = omega_panda_joint3_x * t1648;
+    let t1679 = t1677 + t1678;
+    let t1680 = t23 * t1657;
+    let t1681 = t53 * t998;
+    let t1682 = t1681 + t1680;
+    let t1683 = t154 * t1022;
+    let t1684 = t1682 - t1683;
+    let t1685 = t1120 + t1684;
+    let t1686 = t1685 - t1679;
+    let t1687 = t608 + t625;
+    let t1688 = t615 - t629;
+    let t1689 = t1687 - t1688;
+    let t1690 = t809 + t1689;
+    let t1691 = sin_panda_joint4 * t1690;
+    let t1692 = t745 - t750;
+    let t1693 = cos_panda_joint4 * t1692;
+    let t1694 = t1693 - t1691;
+    [
+        sin_panda_joint2,
+        cos_panda_joint2,
+        sin_panda_joint3,
+        cos_panda_joint3,
+        sin_panda_joint4,
+        cos_panda_joint4,
+        sin_panda_joint5,
+        cos_panda_joint5,
+        sin_panda_joint6,
+        cos_panda_joint6,
+        cos_panda_joint7,
+        omega_panda_joint2_y,
+        t16,
+        omega_panda_joint2_x,
+        t23,
+        t25,
+        omega_panda_joint3_y,
+        omega_panda_joint3_x,
+        t37,
+        t42,
+        t44,
+        omega_panda_joint4_y,
+        t53,
+        omega_panda_joint4_x,
+        t63,
+        omega_panda_joint5_y,
+        t74,
+        omega_panda_joint5_x,
+        t84,
+        omega_panda_joint6_x,
+        t97,
+        t101,
+        t102,
+        omega_panda_joint6_y,
+        t110,
+        t114,
+        t122,
+        t138,
+        acceleration_panda_joint2_x,
+        acceleration_panda_joint3_x,
+        t154,
+        acceleration_panda_joint2_y,
+        acceleration_panda_joint4_x,
+        t165,
+        acceleration_panda_joint3_y,
+        t175,
+        acceleration_panda_joint5_x,
+        t179,
+        acceleration_panda_joint4_y,
+        t188,
+        t190,
+        t196,
+        acceleration_panda_joint5_y,
+        t206,
+        t219,
+        t418,
+        t486,
+        t535,
+        t555,
+        t557,
+        t559,
+        t561,
+        t563,
+        t565,
+        t566,
+        t567,
+        t568,
+        t571,
+        t573,
+        t579,
+        t588,
+        t589,
+        t594,
+        t596,
+        t599,
+        t609,
+        t610,
+        t613,
+        t617,
+        t618,
+        t619,
+        t626,
+        t633,
+        t645,
+        t651,
+        t656,
+        t659,
+        t661,
+        t662,
+        t664,
+        t670,
+        t677,
+        t685,
+        t688,
+        t692,
+        t700,
+        t721,
+        t749,
+        t759,
+        t760,
+        t766,
+        t768,
+        t769,
+        t784,
+        t787,
+        t795,
+        t797,
+        t801,
+        t807,
+        t808,
+        t809,
+        t819,
+        t860,
+        t863,
+        t869,
+        t871,
+        t888,
+        t892,
+        t900,
+        t907,
+        t917,
+        t919,
+        t923,
+        t930,
+        t942,
+        t944,
+        t946,
+        t947,
+        t964,
+        t969,
+        t970,
+        t973,
+        t975,
+        t991,
+        t995,
+        t996,
+        t998,
+        t1000,
+        t1008,
+        t1014,
+        t1016,
+        t1022,
+        t1023,
+        t1027,
+        t1028,
+        t1034,
+        t1046,
+        t1057,
+        t1062,
+        t1064,
+        t1074,
+        t1076,
+        t1078,
+        t1088,
+        t1095,
+        t1101,
+        t1109,
+        t1114,
+        t1138,
+        t1161,
+        t1171,
+        t1173,
+        t1178,
+        t1184,
+        t1194,
+        t1228,
+        t1256,
+        t1258,
+        t1263,
+        t1269,
+        t1285,
+        t1312,
+        t1336,
+        t1346,
+        t1358,
+        t1360,
+        t1366,
+        t1371,
+        t1381,
+        t1421,
+        t1430,
+        t1438,
+        t1458,
+        t1473,
+        t1475,
+        t1493,
+        t1501,
+        t1530,
+        t1545,
+        t1565,
+        t1580,
+        t1582,
+        t1583,
+        t1588,
+        t1596,
+        t1614,
+        t1617,
+        t1620,
+        t1623,
+        t1626,
+        t1629,
+        t1630,
+        t1632,
+        t1642,
+        t1645,
+        t1647,
+        t1650,
+        t1652,
+        t1654,
+        t1657,
+        t1662,
+        t1676,
+        t1686,
+        t1687,
+        t1690,
+        t1692,
+        t1694,
+    ]
+}
+
+/// Part 2 of `inverse_dynamics_derivatives`: values that later parts read.
+#[inline(never)]
+fn inverse_dynamics_derivatives_part_2(
+    v: &[f64; N],
+    [sin_panda_joint2,
+    cos_panda_joint2,
+    sin_panda_joint3,
+    cos_panda_joint3,
+    sin_panda_joint4,
+    cos_panda_joint4,
+    sin_panda_joint5,
+    cos_panda_joint5,
+    sin_panda_joint6,
+    cos_panda_joint6,
+    cos_panda_joint7,
+    omega_panda_joint2_y,
+    t16,
+    omega_panda_joint2_x,
+    t23,
+    t25,
+    omega_panda_joint3_y,
+    omega_panda_joint3_x,
+    t37,
+    t42,
+    t44,
+    omega_panda_joint4_y,
+    t53,
+    omega_panda_joint4_x,
+    t63,
+    omega_panda_joint5_y,
+    t74,
+    omega_panda_joint5_x,
+    t84,
+    omega_panda_joint6_x,
+    t97,
+    t101,
+    t102,
+    omega_panda_joint6_y,
+    t110,
+    t114,
+    t122,
+    t138,
+    acceleration_panda_joint2_x,
+    acceleration_panda_joint3_x,
+    t154,
+    acceleration_panda_joint2_y,
+    acceleration_panda_joint4_x,
+    t165,
+    acceleration_panda_joint3_y,
+    t175,
+    acceleration_panda_joint5_x,
+    t179,
+    acceleration_panda_joint4_y,
+    t188,
+    t190,
+    t196,
+    acceleration_panda_joint5_y,
+    t206,
+    t219,
+    t418,
+    t486,
+    t559,
+    t561,
+    t565,
+    t566,
+    t567,
+    t568,
+    t571,
+    t573,
+    t579,
+    t588,
+    t589,
+    t594,
+    t596,
+    t599,
+    t609,
+    t610,
+    t613,
+    t617,
+    t618,
+    t619,
+    t626,
+    t633,
+    t645,
+    t651,
+    t656,
+    t659,
+    t661,
+    t662,
+    t664,
+    t670,
+    t677,
+    t685,
+    t688,
+    t692,
+    t700,
+    t721,
+    t749,
+    t759,
+    t760,
+    t766,
+    t768,
+    t769,
+    t784,
+    t787,
+    t795,
+    t797,
+    t801,
+    t807,
+    t808,
+    t809,
+    t819,
+    t860,
+    t863,
+    t869,
+    t871,
+    t888,
+    t892,
+    t900,
+    t907,
+    t917,
+    t919,
+    t923,
+    t930,
+    t942,
+    t944,
+    t946,
+    t947,
+    t964,
+    t969,
+    t970,
+    t973,
+    t975,
+    t991,
+    t995,
+    t996,
+    t998,
+    t1000,
+    t1008,
+    t1014,
+    t1016,
+    t1022,
+    t1023,
+    t1027,
+    t1028,
+    t1034,
+    t1046,
+    t1057,
+    t1062,
+    t1064,
+    t1074,
+    t1076,
+    t1078,
+    t1088,
+    t1095,
+    t1101,
+    t1114,
+    t1138,
+    t1161,
+    t1173,
+    t1178,
+    t1184,
+    t1194,
+    t1228,
+    t1256,
+    t1258,
+    t1263,
+    t1269,
+    t1285,
+    t1336,
+    t1346,
+    t1366,
+    t1371,
+    t1381,
+    t1421,
+    t1458,
+    t1473,
+    t1493,
+    t1530,
+    t1545,
+    t1565,
+    t1583,
+    t1588,
+    t1596,
+    t1614,
+    t1623,
+    t1626,
+    t1629,
+    t1630,
+    t1632,
+    t1645,
+    t1647,
+    t1650,
+    t1652,
+    t1654,
+    t1657,
+    t1662,
+    t1676,
+    t1687,
+    t1690,
+    t1692,
+    t1694,
+    ]: [f64; 198],
+) -> [f64; 79] {
+    let t1695 = sin_panda_joint4 * t807;
+    let t1696 = t25 * t1695;
+    let t1697 = t900 * t749;
+    let t1698 = t1696 - t1697;
+    let t1699 = t1694 + t1698;
+    let t1700 = t819 * t1695;
+    let t1701 = t1699 + t1700;
+    let t1702 = cos_panda_joint3 * t1701;
+    let t1703 = cos_panda_joint4 * t807;
+    let t1704 = t900 * t1703;
+    let t1705 = t869 - t1704;
+    let t1706 = t801 * t1695;
+    let t1707 = t1705 - t1706;
+    let t1708 = sin_panda_joint3 * t1707;
+    let t1709 = t1702 - t1708;
+    let t1710 = omega_panda_joint2_y * t1709;
+    let t1711 = cos_panda_joint4 * t1690;
+    let t1712 = sin_panda_joint4 * t1692;
+    let t1713 = t1712 + t1711;
+    let t1714 = t25 * t1703;
+    let t1715 = t1713 - t1714;
+    let t1716 = t819 * t1703;
+    let t1717 = t801 * t749;
+    let t1718 = t1717 + t1716;
+    let t1719 = t1715 - t1718;
+    let t1720 = omega_panda_joint2_x * t1719;
+    let t1721 = t1710 + t1720;
+    let t1722 = cos_panda_joint4 * t973;
+    let t1723 = t1336 + t749;
+    let t1724 = sin_panda_joint4 * t1723;
+    let t1725 = t1722 - t1724;
+    let t1726 = 3.83030303030303 * t749;
+    let t1727 = t1725 + t1726;
+    let t1728 = cos_panda_joint3 * t1727;
+    let t1729 = t995 - t1695;
+    let t1730 = 3.83030303030303 * t1703;
+    let t1731 = t1729 + t1730;
+    let t1732 = sin_panda_joint3 * t1731;
+    let t1733 = t1728 - t1732;
+    let t1734 = t37 * t1733;
+    let t1735 = sin_panda_joint4 * t973;
+    let t1736 = cos_panda_joint4 * t1723;
+    let t1737 = t1735 + t1736;
+    let t1738 = t749 - t1737;
+    let t1739 = t16 * t1738;
+    let t1740 = t1734 - t1739;
+    let t1741 = sin_panda_joint3 * t1727;
+    let t1742 = cos_panda_joint3 * t1731;
+    let t1743 = t1741 + t1742;
+    let t1744 = t486 * t1743;
+    let t1745 = t1740 + t1744;
+    let t1746 = cos_panda_joint3 * t1703;
+    let t1747 = sin_panda_joint3 * t749;
+    let t1748 = t1746 + t1747;
+    let t1749 = acceleration_panda_joint2_y * t1748;
+    let t1750 = acceleration_panda_joint2_x * t1695;
+    let t1751 = t1749 + t1750;
+    let t1752 = t1745 + t1751;
+    let t1753 = t1752 + t1721;
+    let t1754 = omega_panda_joint3_y * t1699;
+    let t1755 = omega_panda_joint3_x * t1705;
+    let t1756 = t1754 + t1755;
+    let t1757 = t154 * t1738;
+    let t1758 = t53 * t1725;
+    let t1759 = t23 * t1729;
+    let t1760 = t1758 - t1759;
+    let t1761 = t1760 + t1757;
+    let t1762 = acceleration_panda_joint3_y * t1703;
+    let t1763 = acceleration_panda_joint3_x * t749;
+    let t1764 = t1762 - t1763;
+    let t1765 = t1761 + t1764;
+    let t1766 = t1765 + t1756;
+    let t1767 = omega_panda_joint4_x * t1690;
+    let t1768 = omega_panda_joint4_y * t1692;
+    let t1769 = t1768 + t1767;
+    let t1770 = t74 * t973;
+    let t1771 = t42 * t1723;
+    let t1772 = t1770 - t1771;
+    let t1773 = t418 * t995;
+    let t1774 = t1772 + t1773;
+    let t1775 = t1184 + t1774;
+    let t1776 = t1775 + t1769;
+    let t1777 = t626 * t613;
+    let t1778 = t651 - t1777;
+    let t1779 = cos_panda_joint5 * t1778;
+    let t1780 = t594 - t599;
+    let t1781 = t609 * t613;
+    let t1782 = t1780 + t1781;
+    let t1783 = sin_panda_joint5 * t1782;
+    let t1784 = t1779 - t1783;
+    let t1785 = 0.21484375 * t613;
+    let t1786 = t808 * t1785;
+    let t1787 = t175 * t721;
+    let t1788 = t44 * t1787;
+    let t1789 = t1788 + t1786;
+    let t1790 = t1784 + t1789;
+    let t1791 = cos_panda_joint4 * t1790;
+    let t1792 = t766 - t769;
+    let t1793 = t165 * t721;
+    let t1794 = t808 * t1793;
+    let t1795 = t1792 + t1794;
+    let t1796 = sin_panda_joint4 * t1795;
+    let t1797 = t1791 - t1796;
+    let t1798 = cos_panda_joint4 * t1785;
+    let t1799 = sin_panda_joint4 * t1793;
+    let t1800 = t1799 - t1798;
+    let t1801 = t25 * t1800;
+    let t1802 = t900 * t1787;
+    let t1803 = t1801 + t1802;
+    let t1804 = t1797 + t1803;
+    let t1805 = t819 * t1800;
+    let t1806 = t1804 + t1805;
+    let t1807 = cos_panda_joint3 * t1806;
+    let t1808 = sin_panda_joint5 * t1778;
+    let t1809 = cos_panda_joint5 * t1782;
+    let t1810 = t1808 + t1809;
+    let t1811 = t44 * t1793;
+    let t1812 = t1810 - t1811;
+    let t1813 = sin_panda_joint4 * t1785;
+    let t1814 = cos_panda_joint4 * t1793;
+    let t1815 = t1814 + t1813;
+    let t1816 = t900 * t1815;
+    let t1817 = t1812 - t1816;
+    let t1818 = t801 * t1800;
+    let t1819 = t1817 - t1818;
+    let t1820 = sin_panda_joint3 * t1819;
+    let t1821 = t1807 - t1820;
+    let t1822 = omega_panda_joint2_y * t1821;
+    let t1823 = sin_panda_joint4 * t1790;
+    let t1824 = cos_panda_joint4 * t1795;
+    let t1825 = t1823 + t1824;
+    let t1826 = t25 * t1815;
+    let t1827 = t1825 - t1826;
+    let t1828 = t819 * t1815;
+    let t1829 = t801 * t1787;
+    let t1830 = t1829 - t1828;
+    let t1831 = t1827 + t1830;
+    let t1832 = omega_panda_joint2_x * t1831;
+    let t1833 = t1822 + t1832;
+    let t1834 = sin_panda_joint5 * t946;
+    let t1835 = t1421 + t721;
+    let t1836 = cos_panda_joint5 * t1835;
+    let t1837 = t1834 + t1836;
+    let t1838 = t1785 - t1837;
+    let t1839 = t1838 + t1800;
+    let t1840 = 3.83030303030303 * t1815;
+    let t1841 = t1839 - t1840;
+    let t1842 = sin_panda_joint3 * t1841;
+    let t1843 = cos_panda_joint5 * t946;
+    let t1844 = sin_panda_joint5 * t1835;
+    let t1845 = t1843 - t1844;
+    let t1846 = cos_panda_joint4 * t1845;
+    let t1847 = t969 - t1787;
+    let t1848 = sin_panda_joint4 * t1847;
+    let t1849 = t1846 - t1848;
+    let t1850 = 3.83030303030303 * t1787;
+    let t1851 = t1849 - t1850;
+    let t1852 = cos_panda_joint3 * t1851;
+    let t1853 = t1852 + t1842;
+    let t1854 = t37 * t1853;
+    let t1855 = sin_panda_joint4 * t1845;
+    let t1856 = cos_panda_joint4 * t1847;
+    let t1857 = t1855 + t1856;
+    let t1858 = t1787 + t1857;
+    let t1859 = t16 * t1858;
+    let t1860 = t1854 + t1859;
+    let t1861 = cos_panda_joint3 * t1841;
+    let t1862 = sin_panda_joint3 * t1851;
+    let t1863 = t1862 - t1861;
+    let t1864 = t486 * t1863;
+    let t1865 = t1860 + t1864;
+    let t1866 = cos_panda_joint3 * t1815;
+    let t1867 = sin_panda_joint3 * t1787;
+    let t1868 = t1866 - t1867;
+    let t1869 = acceleration_panda_joint2_y * t1868;
+    let t1870 = acceleration_panda_joint2_x * t1800;
+    let t1871 = t1869 + t1870;
+    let t1872 = t1865 + t1871;
+    let t1873 = t1872 + t1833;
+    let t1874 = omega_panda_joint3_y * t1804;
+    let t1875 = omega_panda_joint3_x * t1817;
+    let t1876 = t1874 + t1875;
+    let t1877 = t154 * t1858;
+    let t1878 = t23 * t1839;
+    let t1879 = t53 * t1849;
+    let t1880 = t1879 + t1878;
+    let t1881 = t1880 - t1877;
+    let t1882 = acceleration_panda_joint3_y * t1815;
+    let t1883 = acceleration_panda_joint3_x * t1787;
+    let t1884 = t1882 + t1883;
+    let t1885 = t1881 + t1884;
+    let t1886 = t1885 + t1876;
+    let t1887 = omega_panda_joint4_y * t1790;
+    let t1888 = omega_panda_joint4_x * t1795;
+    let t1889 = t1887 + t1888;
+    let t1890 = t418 * t1838;
+    let t1891 = t74 * t1845;
+    let t1892 = t42 * t1847;
+    let t1893 = t1891 - t1892;
+    let t1894 = t1893 - t1890;
+    let t1895 = acceleration_panda_joint4_x * t1785;
+    let t1896 = acceleration_panda_joint4_y * t1793;
+    let t1897 = t1896 - t1895;
+    let t1898 = t1894 + t1897;
+    let t1899 = t1898 + t1889;
+    let t1900 = omega_panda_joint5_y * t651;
+    let t1901 = omega_panda_joint5_x * t1780;
+    let t1902 = t1900 + t1901;
+    let t1903 = t63 * t1421;
+    let t1904 = t114 * t946;
+    let t1905 = t1904 - t1903;
+    let t1906 = t188 * t969;
+    let t1907 = t1905 + t1906;
+    let t1908 = t1269 - t1907;
+    let t1909 = t1908 + t1902;
+    let t1910 = t588 - t617;
+    let t1911 = t619 - t1910;
+    let t1912 = sin_panda_joint6 * t1911;
+    let t1913 = t568 - t573;
+    let t1914 = cos_panda_joint6 * t1913;
+    let t1915 = t1914 - t1912;
+    let t1916 = t196 * t190;
+    let t1917 = t626 * t1916;
+    let t1918 = t1915 - t1917;
+    let t1919 = cos_panda_joint5 * t1918;
+    let t1920 = t609 * t1916;
+    let t1921 = t662 - t1920;
+    let t1922 = sin_panda_joint5 * t1921;
+    let t1923 = t1919 + t1922;
+    let t1924 = 0.21484375 * t1916;
+    let t1925 = t808 * t1924;
+    let t1926 = t196 * t179;
+    let t1927 = t175 * t1926;
+    let t1928 = cos_panda_joint7 * 0.0012597535716761534;
+    let t1929 = t165 * t1928;
+    let t1930 = t1927 + t1929;
+    let t1931 = t44 * t1930;
+    let t1932 = t1931 - t1925;
+    let t1933 = t1923 - t1932;
+    let t1934 = cos_panda_joint4 * t1933;
+    let t1935 = cos_panda_joint6 * t1911;
+    let t1936 = sin_panda_joint6 * t1913;
+    let t1937 = t1936 + t1935;
+    let t1938 = t626 * t1926;
+    let t1939 = t609 * t1928;
+    let t1940 = t1939 - t1938;
+    let t1941 = t1937 - t1940;
+    let t1942 = t165 * t1926;
+    let t1943 = t175 * t1928;
+    let t1944 = t1942 - t1943;
+    let t1945 = t808 * t1944;
+    let t1946 = t1941 - t1945;
+    let t1947 = sin_panda_joint4 * t1946;
+    let t1948 = t1934 - t1947;
+    let t1949 = sin_panda_joint4 * t1944;
+    let t1950 = cos_panda_joint4 * t1924;
+    let t1951 = t1949 + t1950;
+    let t1952 = t25 * t1951;
+    let t1953 = t900 * t1930;
+    let t1954 = t1952 + t1953;
+    let t1955 = t1948 - t1954;
+    let t1956 = t819 * t1951;
+    let t1957 = t1955 - t1956;
+    let t1958 = cos_panda_joint3 * t1957;
+    let t1959 = sin_panda_joint5 * t1918;
+    let t1960 = cos_panda_joint5 * t1921;
+    let t1961 = t1959 - t1960;
+    let t1962 = t44 * t1944;
+    let t1963 = t1961 + t1962;
+    let t1964 = cos_panda_joint4 * t1944;
+    let t1965 = sin_panda_joint4 * t1924;
+    let t1966 = t1964 - t1965;
+    let t1967 = t900 * t1966;
+    let t1968 = t1963 + t1967;
+    let t1969 = t801 * t1951;
+    let t1970 = t1968 + t1969;
+    let t1971 = sin_panda_joint3 * t1970;
+    let t1972 = t1958 - t1971;
+    let t1973 = omega_panda_joint2_y * t1972;
+    let t1974 = sin_panda_joint4 * t1933;
+    let t1975 = cos_panda_joint4 * t1946;
+    let t1976 = t1974 + t1975;
+    let t1977 = t25 * t1966;
+    let t1978 = t1976 + t1977;
+    let t1979 = t819 * t1966;
+    let t1980 = t801 * t1930;
+    let t1981 = t1980 - t1979;
+    let t1982 = t1978 - t1981;
+    let t1983 = omega_panda_joint2_x * t1982;
+    let t1984 = t1973 + t1983;
+    let t1985 = t206 + t1493;
+    let t1986 = sin_panda_joint6 * t1985;
+    let t1987 = cos_panda_joint6 * t110;
+    let t1988 = t1987 - t1986;
+    let t1989 = t1928 - t1988;
+    let t1990 = sin_panda_joint5 * t1989;
+    let t1991 = t122 - t1926;
+    let t1992 = cos_panda_joint5 * t1991;
+    let t1993 = t1990 + t1992;
+    let t1994 = t1924 - t1993;
+    let t1995 = t1994 - t1951;
+    let t1996 = 3.83030303030303 * t1966;
+    let t1997 = t1995 + t1996;
+    let t1998 = sin_panda_joint3 * t1997;
+    let t1999 = cos_panda_joint5 * t1989;
+    let t2000 = sin_panda_joint5 * t1991;
+    let t2001 = t1999 - t2000;
+    let t2002 = cos_panda_joint4 * t2001;
+    let t2003 = cos_panda_joint6 * t1985;
+    let t2004 = sin_panda_joint6 * t110;
+    let t2005 = t2004 + t2003;
+    let t2006 = t2005 - t1930;
+    let t2007 = sin_panda_joint4 * t2006;
+    let t2008 = t2002 + t2007;
+    let t2009 = 3.83030303030303 * t1930;
+    let t2010 = t2008 + t2009;
+    let t2011 = cos_panda_joint3 * t2010;
+    let t2012 = t2011 + t1998;
+    let t2013 = t37 * t2012;
+    let t2014 = sin_panda_joint4 * t2001;
+    let t2015 = cos_panda_joint4 * t2006;
+    let t2016 = t2014 - t2015;
+    let t2017 = t1930 - t2016;
+    let t2018 = t16 * t2017;
+    let t2019 = t2013 - t2018;
+    let t2020 = cos_panda_joint3 * t1997;
+    let t2021 = sin_panda_joint3 * t2010;
+    let t2022 = t2021 - t2020;
+    let t2023 = t486 * t2022;
+    let t2024 = t2019 + t2023;
+    let t2025 = cos_panda_joint3 * t1966;
+    let t2026 = sin_panda_joint3 * t1930;
+    let t2027 = t2025 - t2026;
+    let t2028 = acceleration_panda_joint2_y * t2027;
+    let t2029 = acceleration_panda_joint2_x * t1951;
+    let t2030 = t2028 + t2029;
+    let t2031 = t2024 - t2030;
+    let t2032 = t2031 + t1984;
+    let t2033 = omega_panda_joint3_y * t1955;
+    let t2034 = omega_panda_joint3_x * t1968;
+    let t2035 = t2033 + t2034;
+    let t2036 = t154 * t2017;
+    let t2037 = t23 * t1995;
+    let t2038 = t53 * t2008;
+    let t2039 = t2038 + t2037;
+    let t2040 = t2039 + t2036;
+    let t2041 = acceleration_panda_joint3_x * t1930;
+    let t2042 = acceleration_panda_joint3_y * t1966;
+    let t2043 = t2042 + t2041;
+    let t2044 = t2040 - t2043;
+    let t2045 = t2044 + t2035;
+    let t2046 = omega_panda_joint4_y * t1933;
+    let t2047 = omega_panda_joint4_x * t1946;
+    let t2048 = t2046 + t2047;
+    let t2049 = t418 * t1994;
+    let t2050 = t74 * t2001;
+    let t2051 = t42 * t2006;
+    let t2052 = t2050 + t2051;
+    let t2053 = t2052 - t2049;
+    let t2054 = acceleration_panda_joint4_x * t1924;
+    let t2055 = acceleration_panda_joint4_y * t1944;
+    let t2056 = t2055 + t2054;
+    let t2057 = t2053 - t2056;
+    let t2058 = t2057 + t2048;
+    let t2059 = omega_panda_joint5_y * t1915;
+    let t2060 = omega_panda_joint5_x * t662;
+    let t2061 = t2059 - t2060;
+    let t2062 = acceleration_panda_joint5_x * t1928;
+    let t2063 = acceleration_panda_joint5_y * t1926;
+    let t2064 = t2063 + t2062;
+    let t2065 = t122 * t63;
+    let t2066 = t114 * t1988;
+    let t2067 = t2066 + t2065;
+    let t2068 = t188 * t2005;
+    let t2069 = t2067 + t2068;
+    let t2070 = t2069 - t2064;
+    let t2071 = t2070 + t2061;
+    let t2072 = t101 * t1985;
+    let t2073 = t110 * t84;
+    let t2074 = t2073 - t2072;
+    let t2075 = t122 * t219;
+    let t2076 = t2074 - t2075;
+    let t2077 = t1371 + t2076;
+    let t2078 = omega_panda_joint6_x * t1911;
+    let t2079 = omega_panda_joint6_y * t1913;
+    let t2080 = t2079 + t2078;
+    let t2081 = t2077 - t2080;
+    let t2082 = t892 - t1057;
+    let t2083 = sin_panda_joint2 * t2082;
+    let t2084 = t1088 + t923;
+    let t2085 = cos_panda_joint2 * t2084;
+    let t2086 = t2083 + t2085;
+    let t2087 = sin_panda_joint2 * t2086;
+    let t2088 = t892 - t2087;
+    let t2089 = v[0] * 0.00035816594888099995;
+    let t2090 = t2089 - t2088;
+    let t2091 = t2089 - t888;
+    let t2092 = t2090 - t2091;
+    let t2093 = t2092 - 0.003;
+    let t2094 = t860 - t1583;
+    let t2095 = v[1] * 0.0015378722058928;
+    let t2096 = t2095 - t2094;
+    let t2097 = 2.0 * omega_panda_joint2_y;
+    let t2098 = t2097 * t1095;
+    let t2099 = 2.0 * omega_panda_joint2_x;
+    let t2100 = t2099 * t1028;
+    let t2101 = t2098 + t2100;
+    let t2102 = t2096 + t2101;
+    let t2103 = sin_panda_joint2 * t2102;
+    let t2104 = sin_panda_joint3 * t907;
+    let t2105 = cos_panda_joint3 * t917;
+    let t2106 = t2104 + t2105;
+    let t2107 = v[1] * 0.02052220364201634;
+    let t2108 = t2107 - t2106;
+    let t2109 = t2099 * t1008;
+    let t2110 = t2097 * t1028;
+    let t2111 = t2109 + t2110;
+    let t2112 = t2108 + t2111;
+    let t2113 = cos_panda_joint2 * t2112;
+    let t2114 = t2103 - t2113;
+    let t2115 = t900 * t1138;
+    let t2116 = 2.0 * omega_panda_joint3_x;
+    let t2117 = t2116 * t1000;
+    let t2118 = t2115 - t2117;
+    let t2119 = t1062 + t2118;
+    let t2120 = t1046 - t1064;
+    let t2121 = 3.83030303030303 * t2120;
+    let t2122 = t2119 - t2121;
+    let t2123 = cos_panda_joint3 * t2122;
+    let t2124 = t2116 * t1114;
+    let t2125 = t900 * t1000;
+    let t2126 = t2124 - t2125;
+    let t2127 = t1076 - t2126;
+    let t2128 = t2116 * t1014;
+    let t2129 = t1078 + t2128;
+    let t2130 = 3.83030303030303 * t2129;
+    let t2131 = t2127 + t2130;
+    let t2132 = sin_panda_joint3 * t2131;
+    let t2133 = t2123 + t2132;
+    let t2134 = sin_panda_joint2 * t2133;
+    let t2135 = t900 * t1016;
+    let t2136 = t2116 * t1023;
+    let t2137 = t2135 + t2136;
+    let t2138 = t1630 - t2137;
+    let t2139 = cos_panda_joint2 * t2138;
+    let t2140 = t2134 - t2139;
+    let t2141 = t808 * t991;
+    let t2142 = 2.0 * omega_panda_joint4_x;
+    let t2143 = t2142 * t996;
+    let t2144 = t2141 - t2143;
+    let t2145 = t1647 - t2144;
+    let t2146 = t809 + t784;
+    let t2147 = cos_panda_joint4 * t2146;
+    let t2148 = t2142 * t807;
+    let t2149 = t787 + t2148;
+    let t2150 = sin_panda_joint4 * t2149;
+    let t2151 = t2150 - t2147;
+    let t2152 = t2145 - t2151;
+    let t2153 = sin_panda_joint4 * t2146;
+    let t2154 = cos_panda_joint4 * t2149;
+    let t2155 = t2154 + t2153;
+    let t2156 = 3.83030303030303 * t2155;
+    let t2157 = t2152 + t2156;
+    let t2158 = sin_panda_joint3 * t2157;
+    let t2159 = t808 * t1194;
+    let t2160 = t2142 * t975;
+    let t2161 = t2159 - t2160;
+    let t2162 = t863 - t2161;
+    let t2163 = cos_panda_joint4 * t2162;
+    let t2164 = t2142 * t1178;
+    let t2165 = t808 * t975;
+    let t2166 = t2164 - t2165;
+    let t2167 = t871 - t2166;
+    let t2168 = sin_panda_joint4 * t2167;
+    let t2169 = t2163 - t2168;
+    let t2170 = t2142 * t795;
+    let t2171 = t808 * t797;
+    let t2172 = t2171 + t2170;
+    let t2173 = 3.83030303030303 * t2172;
+    let t2174 = t2169 + t2173;
+    let t2175 = cos_panda_joint3 * t2174;
+    let t2176 = t2175 - t2158;
+    let t2177 = sin_panda_joint2 * t2176;
+    let t2178 = sin_panda_joint4 * t2162;
+    let t2179 = cos_panda_joint4 * t2167;
+    let t2180 = t2178 + t2179;
+    let t2181 = t2172 - t2180;
+    let t2182 = cos_panda_joint2 * t2181;
+    let t2183 = t2177 + t2182;
+    let t2184 = t609 * t1285;
+    let t2185 = t626 * t947;
+    let t2186 = t2184 - t2185;
+    let t2187 = t759 - t2186;
+    let t2188 = t692 + t760;
+    let t2189 = t2188 - t2187;
+    let t2190 = sin_panda_joint5 * t2189;
+    let t2191 = t626 * t1263;
+    let t2192 = t609 * t947;
+    let t2193 = t2191 - t2192;
+    let t2194 = t768 - t2193;
+    let t2195 = t700 + t769;
+    let t2196 = t2195 - t2194;
+    let t2197 = cos_panda_joint5 * t2196;
+    let t2198 = t2190 + t2197;
+    let t2199 = t677 + t656;
+    let t2200 = 0.21484375 * t2199;
+    let t2201 = t2200 + t2198;
+    let t2202 = t175 * t2188;
+    let t2203 = t165 * t2195;
+    let t2204 = t2203 + t2202;
+    let t2205 = sin_panda_joint4 * t2204;
+    let t2206 = cos_panda_joint4 * t2200;
+    let t2207 = t2205 + t2206;
+    let t2208 = t2201 - t2207;
+    let t2209 = cos_panda_joint4 * t2204;
+    let t2210 = sin_panda_joint4 * t2200;
+    let t2211 = t2209 - t2210;
+    let t2212 = 3.83030303030303 * t2211;
+    let t2213 = t2208 + t2212;
+    let t2214 = sin_panda_joint3 * t2213;
+    let t2215 = cos_panda_joint5 * t2189;
+    let t2216 = sin_panda_joint5 * t2196;
+    let t2217 = t2215 - t2216;
+    let t2218 = cos_panda_joint4 * t2217;
+    let t2219 = t609 * t964;
+    let t2220 = t626 * t970;
+    let t2221 = t2219 - t2220;
+    let t2222 = t1687 - t2221;
+    let t2223 = t165 * t2188;
+    let t2224 = t175 * t2195;
+    let t2225 = t2224 - t2223;
+    let t2226 = t2222 - t2225;
+    let t2227 = sin_panda_joint4 * t2226;
+    let t2228 = t2218 - t2227;
+    let t2229 = 3.83030303030303 * t2225;
+    let t2230 = t2228 - t2229;
+    let t2231 = cos_panda_joint3 * t2230;
+    let t2232 = t2231 - t2214;
+    let t2233 = sin_panda_joint2 * t2232;
+    let t2234 = sin_panda_joint4 * t2217;
+    let t2235 = cos_panda_joint4 * t2226;
+    let t2236 = t2234 + t2235;
+    let t2237 = t2225 + t2236;
+    let t2238 = cos_panda_joint2 * t2237;
+    let t2239 = t2233 - t2238;
+    let t2240 = t566 * t944;
+    let t2241 = t618 * t942;
+    let t2242 = t2241 - t2240;
+    let t2243 = t1780 - t2242;
+    let t2244 = t619 - t688;
+    let t2245 = t190 * t2244;
+    let t2246 = t567 - t685;
+    let t2247 = t179 * t2246;
+    let t2248 = t2247 + t2245;
+    let t2249 = t2243 - t2248;
+    let t2250 = cos_panda_joint5 * t2249;
+    let t2251 = t618 * t930;
+    let t2252 = t566 * t1366;
+    let t2253 = t2252 + t2251;
+    let t2254 = t664 - t2253;
+    let t2255 = sin_panda_joint6 * t2254;
+    let t2256 = t566 * t930;
+    let t2257 = t618 * t1381;
+    let t2258 = t2257 - t2256;
+    let t2259 = t670 + t2258;
+    let t2260 = cos_panda_joint6 * t2259;
+    let t2261 = t2260 - t2255;
+    let t2262 = t566 * t610;
+    let t2263 = omega_panda_joint6_y * 0.030589628180144;
+    let t2264 = t2263 + t2262;
+    let t2265 = 4.363636363636364 * t2264;
+    let t2266 = t2265 + t2261;
+    let t2267 = sin_panda_joint5 * t2266;
+    let t2268 = t2267 + t2250;
+    let t2269 = t179 * t2244;
+    let t2270 = t190 * t2246;
+    let t2271 = t2270 - t2269;
+    let t2272 = 0.21484375 * t2271;
+    let t2273 = t2272 - t2268;
+    let t2274 = t165 * t2248;
+    let t2275 = t175 * t2265;
+    let t2276 = t2274 - t2275;
+    let t2277 = sin_panda_joint4 * t2276;
+    let t2278 = cos_panda_joint4 * t2272;
+    let t2279 = t2277 + t2278;
+    let t2280 = t2273 - t2279;
+    let t2281 = cos_panda_joint4 * t2276;
+    let t2282 = sin_panda_joint4 * t2272;
+    let t2283 = t2281 - t2282;
+    let t2284 = 3.83030303030303 * t2283;
+    let t2285 = t2280 + t2284;
+    let t2286 = sin_panda_joint3 * t2285;
+    let t2287 = sin_panda_joint5 * t2249;
+    let t2288 = cos_panda_joint5 * t2266;
+    let t2289 = t2288 - t2287;
+    let t2290 = cos_panda_joint4 * t2289;
+    let t2291 = t175 * t2248;
+    let t2292 = t165 * t2265;
+    let t2293 = t2291 + t2292;
+    let t2294 = cos_panda_joint6 * t2254;
+    let t2295 = sin_panda_joint6 * t2259;
+    let t2296 = t2295 + t2294;
+    let t2297 = t2296 + t2293;
+    let t2298 = sin_panda_joint4 * t2297;
+    let t2299 = t2290 - t2298;
+    let t2300 = 3.83030303030303 * t2293;
+    let t2301 = t2299 + t2300;
+    let t2302 = cos_panda_joint3 * t2301;
+    let t2303 = t2302 + t2286;
+    let t2304 = sin_panda_joint2 * t2303;
+    let t2305 = sin_panda_joint4 * t2289;
+    let t2306 = cos_panda_joint4 * t2297;
+    let t2307 = t2305 + t2306;
+    let t2308 = t2293 - t2307;
+    let t2309 = cos_panda_joint2 * t2308;
+    let t2310 = t2304 + t2309;
+    let t2311 = t596 - t1910;
+    let t2312 = t589 + t2311;
+    let t2313 = sin_panda_joint6 * t2312;
+    let t2314 = t138 * t102;
+    let t2315 = t571 + t2314;
+    let t2316 = t579 + t2315;
+    let t2317 = cos_panda_joint6 * t2316;
+    let t2318 = t2317 - t2313;
+    let t2319 = 4.363636363636364 * t589;
+    let t2320 = t2319 - t2318;
+    let t2321 = sin_panda_joint5 * t2320;
+    let t2322 = t206 * t566;
+    let t2323 = t661 - t2322;
+    let t2324 = t190 * t2323;
+    let t2325 = t179 * t633;
+    let t2326 = t2325 - t2324;
+    let t2327 = t97 * t566;
+    let t2328 = t659 + t2327;
+    let t2329 = t645 - t2328;
+    let t2330 = t2323 + t2329;
+    let t2331 = t2330 - t2326;
+    let t2332 = cos_panda_joint5 * t2331;
+    let t2333 = t2321 - t2332;
+    let t2334 = t179 * t2323;
+    let t2335 = t190 * t633;
+    let t2336 = t2335 + t2334;
+    let t2337 = 0.21484375 * t2336;
+    let t2338 = t2337 + t2333;
+    let t2339 = t165 * t2326;
+    let t2340 = t175 * t2319;
+    let t2341 = t2339 + t2340;
+    let t2342 = sin_panda_joint4 * t2341;
+    let t2343 = cos_panda_joint4 * t2337;
+    let t2344 = t2342 + t2343;
+    let t2345 = t2338 - t2344;
+    let t2346 = cos_panda_joint4 * t2341;
+    let t2347 = sin_panda_joint4 * t2337;
+    let t2348 = t2346 - t2347;
+    let t2349 = 3.83030303030303 * t2348;
+    let t2350 = t2345 + t2349;
+    let t2351 = sin_panda_joint3 * t2350;
+    let t2352 = cos_panda_joint5 * t2320;
+    let t2353 = sin_panda_joint5 * t2331;
+    let t2354 = t2352 + t2353;
+    let t2355 = cos_panda_joint4 * t2354;
+    let t2356 = cos_panda_joint6 * t2312;
+    let t2357 = sin_panda_joint6 * t2316;
+    let t2358 = t2357 + t2356;
+    let t2359 = t175 * t2326;
+    let t2360 = t165 * t2319;
+    let t2361 = t2359 - t2360;
+    let t2362 = t2358 + t2361;
+    let t2363 = sin_panda_joint4 * t2362;
+    let t2364 = t2355 + t2363;
+    let t2365 = 3.83030303030303 * t2361;
+    let t2366 = t2364 - t2365;
+    let t2367 = cos_panda_joint3 * t2366;
+    let t2368 = t2367 - t2351;
+    let t2369 = sin_panda_joint2 * t2368;
+    let t2370 = sin_panda_joint4 * t2354;
+    let t2371 = cos_panda_joint4 * t2362;
+    let t2372 = t2370 - t2371;
+    let t2373 = t2361 + t2372;
+    let t2374 = cos_panda_joint2 * t2373;
+    let t2375 = t2369 - t2374;
+    let t2376 = sin_panda_joint2 * t1588;
+    let t2377 = cos_panda_joint2 * t1596;
+    let t2378 = t2376 + t2377;
+    let t2379 = t892 + t1057;
+    let t2380 = t2097 * t1101;
+    let t2381 = t2099 * t1034;
+    let t2382 = t2380 - t2381;
+    let t2383 = t2379 - t2382;
+    let t2384 = t2383 + 0.003;
+    let t2385 = sin_panda_joint3 * t2122;
+    let t2386 = cos_panda_joint3 * t2131;
+    let t2387 = t2385 - t2386;
+    let t2388 = cos_panda_joint3 * t2157;
+    let t2389 = sin_panda_joint3 * t2174;
+    let t2390 = t2389 + t2388;
+    let t2391 = cos_panda_joint3 * t2213;
+    let t2392 = sin_panda_joint3 * t2230;
+    let t2393 = t2392 + t2391;
+    let t2394 = cos_panda_joint3 * t2285;
+    let t2395 = sin_panda_joint3 * t2301;
+    let t2396 = t2395 - t2394;
+    let t2397 = cos_panda_joint3 * t2350;
+    let t2398 = sin_panda_joint3 * t2366;
+    let t2399 = t2398 + t2397;
+    let t2400 = cos_panda_joint2 * t1632;
+    let t2401 = sin_panda_joint2 * t919;
+    let t2402 = t2401 - t2400;
+    let t2403 = t2097 * t1027;
+    let t2404 = t2099 * t1161;
+    let t2405 = t2403 - t2404;
+    let t2406 = t2106 + t2405;
+    let t2407 = t2138 + 0.003;
+    let t2408 = sin_panda_joint2 * t1652;
+    let t2409 = cos_panda_joint2 * t1654;
+    let t2410 = t2408 - t2409;
+    let t2411 = sin_panda_joint3 * t1645;
+    let t2412 = cos_panda_joint3 * t1650;
+    let t2413 = t2411 + t2412;
+    let t2414 = t2097 * t1662;
+    let t2415 = t2099 * t1022;
+    let t2416 = t2414 + t2415;
+    let t2417 = t2413 + t2416;
+    let t2418 = t2116 * t1657;
+    let t2419 = t900 * t998;
+    let t2420 = t2419 - t2418;
+    let t2421 = t1074 - t2420;
+    let t2422 = t2145 - 0.003;
+    let t2423 = sin_panda_joint2 * t1709;
+    let t2424 = cos_panda_joint2 * t1719;
+    let t2425 = t2423 - t2424;
+    let t2426 = sin_panda_joint3 * t1701;
+    let t2427 = cos_panda_joint3 * t1707;
+    let t2428 = t2426 + t2427;
+    let t2429 = t2097 * t1733;
+    let t2430 = t2099 * t1738;
+    let t2431 = t2429 - t2430;
+    let t2432 = t2428 - t2431;
+    let t2433 = t900 * t1725;
+    let t2434 = t2116 * t1729;
+    let t2435 = t2433 + t2434;
+    let t2436 = t1715 + t2435;
+    let t2437 = t808 * t973;
+    let t2438 = t2142 * t1723;
+    let t2439 = t2437 + t2438;
+    let t2440 = t869 - t2439;
+    let t2441 = t2222 + 0.003;
+    let t2442 = sin_panda_joint2 * t1821;
+    let t2443 = cos_panda_joint2 * t1831;
+    let t2444 = t2442 - t2443;
+    let t2445 = sin_panda_joint3 * t1806;
+    let t2446 = cos_panda_joint3 * t1819;
+    let t2447 = t2445 + t2446;
+    let t2448 = t2097 * t1853;
+    let t2449 = t2099 * t1858;
+    let t2450 = t2448 + t2449;
+    let t2451 = t2447 - t2450;
+    let t2452 = t2116 * t1839;
+    let t2453 = t900 * t1849;
+    let t2454 = t2453 - t2452;
+    let t2455 = t1827 + t2454;
+    let t2456 = t808 * t1845;
+    let t2457 = t2142 * t1847;
+    let t2458 = t2456 + t2457;
+    let t2459 = t1812 - t2458;
+    let t2460 = t609 * t946;
+    let t2461 = t626 * t1421;
+    let t2462 = t2460 + t2461;
+    let t2463 = t766 + t2462;
+    let t2464 = t2243 + 0.003;
+    let t2465 = sin_panda_joint2 * t1972;
+    let t2466 = cos_panda_joint2 * t1982;
+    let t2467 = t2465 - t2466;
+    let t2468 = sin_panda_joint3 * t1957;
+    let t2469 = cos_panda_joint3 * t1970;
+    let t2470 = t2468 + t2469;
+    let t2471 = t2097 * t2012;
+    let t2472 = t2099 * t2017;
+    let t2473 = t2471 - t2472;
+    let t2474 = t2470 - t2473;
+    let t2475 = t2116 * t1995;
+    let t2476 = t900 * t2008;
+    let t2477 = t2476 - t2475;
+    let t2478 = t1978 + t2477;
+    let t2479 = t808 * t2001;
+    let t2480 = t2142 * t2006;
+    let t2481 = t2479 - t2480;
+    let t2482 = t1963 - t2481;
+    let t2483 = t609 * t1988;
+    let t2484 = t122 * t626;
+    let t2485 = t2483 - t2484;
+    let t2486 = t1937 - t2485;
+    let t2487 = t566 * t1985;
+    let t2488 = t110 * t618;
+    let t2489 = t2488 + t2487;
+    let t2490 = t662 - t2489;
+    let t2491 = t2311 - 0.003;
+    let t2492 = -t559;
+    let t2493 = -t561;
+    let t2494 = -t565;
+    let t2495 = -t1173;
+    let t2496 = -t1258;
+    let t2497 = -t1614;
+    let t2498 = -t1623;
+    let t2499 = -t1626;
+    let t2500 = -t1629;
+    let t2501 = -t1256;
+    let t2502 = -t1473;
+    let t2503 = -t1676;
+    let t2504 = -t1228;
+    let t2505 = -t1545;
+    let t2506 = -t1753;
+    let t2507 = -t1346;
+    let t2508 = -t1458;
+    let t2509 = -t1565;
+    let t2510 = -t1886;
+    let t2511 = -t1899;
+    let t2512 = -t1909;
+    let t2513 = -t1530;
+    let t2514 = -t2032;
+    let t2515 = -t2081;
+    let t2516 = -t2093;
+    let t2517 = -t2140;
+    let t2518 = -t2183;
+    let t2519 = -t2239;
+    let t2520 = -t2378;
+    let t2521 = -t2396;
+    let t2522 = -t2399;
+    let t2523 = -t2402;
+    let t2524 = -t2181;
+    let t2525 = -t2373;
+    let t2526 = -t2417;
+    let t2527 = -t2421;
+    let t2528 = -t2422;
+    let t2529 = -t2201;
+    let t2530 = -t2273;
+    let t2531 = -t2425;
+    let t2532 = -t2440;
+    let t2533 = -t2296;
+    let t2534 = -t2451;
+    let t2535 = -t2455;
+    let t2536 = -t2463;
+    let t2537 = -t2330;
+    let t2538 = -t2467;
+    let t2539 = -t2482;
+    let t2540 = -t2491;
+    [
+        t1766,
+        t1776,
+        t1873,
+        t2045,
+        t2058,
+        t2071,
+        t2114,
+        t2237,
+        t2308,
+        t2310,
+        t2338,
+        t2358,
+        t2375,
+        t2384,
+        t2387,
+        t2390,
+        t2393,
+        t2406,
+        t2407,
+        t2410,
+        t2432,
+        t2436,
+        t2441,
+        t2444,
+        t2459,
+        t2464,
+        t2474,
+        t2478,
+        t2486,
+        t2490,
+        t2492,
+        t2493,
+        t2494,
+        t2495,
+        t2496,
+        t2497,
+        t2498,
+        t2499,
+        t2500,
+        t2501,
+        t2502,
+        t2503,
+        t2504,
+        t2505,
+        t2506,
+        t2507,
+        t2508,
+        t2509,
+        t2510,
+        t2511,
+        t2512,
+        t2513,
+        t2514,
+        t2515,
+        t2516,
+        t2517,
+        t2518,
+        t2519,
+        t2520,
+        t2521,
+        t2522,
+        t2523,
+        t2524,
+        t2525,
+        t2526,
+        t2527,
+        t2528,
+        t2529,
+        t2530,
+        t2531,
+        t2532,
+        t2533,
+        t2534,
+        t2535,
+        t2536,
+        t2537,
+        t2538,
+        t2539,
+        t2540,
+    ]
+}
+
+/// Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.
+///
+/// `δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ`
+///
+/// - `y: [N]`: coordinates: `panda_joint1`, `panda_joint2`, `panda_joint3`, `panda_joint4`, `panda_joint5`,
+///   `panda_joint6`, `panda_joint7` in rad
+/// - `v: [N]`: velocities ẏ: `panda_joint1`, `panda_joint2`, `panda_joint3`, `panda_joint4`, `panda_joint5`,
+///   `panda_joint6`, `panda_joint7` in rad/s
+/// - `a: [N]`: accelerations ÿ: `panda_joint1`, `panda_joint2`, `panda_joint3`, `panda_joint4`, `panda_joint5`,
+///   `panda_joint6`, `panda_joint7` in rad/s²
+/// - returns `B u: [N]`: the forces M ÿ + k − q, on the joint side
+/// - returns `∂/∂y: [N × N]`: row i = force i
+/// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
+/// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
+///
+/// Cost: 1294 multiplications, 1214 additions, 0 divisions, 6 function calls (`sin_cos`).
+///
+/// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
+///
+/// Composite bodies with pairs of joints in link frames were cheapest.
+#[must_use]
+#[allow(
+    clippy::type_complexity,
+    reason = "blocks of fixed size need no type of their own"
+)]
+pub fn inverse_dynamics_derivatives_and_mass_matrix(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
+    let [sin_panda_joint2, cos_panda_joint2, sin_panda_joint3, cos_panda_joint3,
+    sin_panda_joint4, cos_panda_joint4, sin_panda_joint5, cos_panda_joint5,
+    sin_panda_joint6, cos_panda_joint6, cos_panda_joint7, omega_panda_joint2_y, t16,
+    omega_panda_joint2_x, t23, t25, omega_panda_joint3_y, omega_panda_joint3_x, t37, t42,
+    t44, omega_panda_joint4_y, t53, omega_panda_joint4_x, t63, omega_panda_joint5_y, t74,
+    omega_panda_joint5_x, t84, omega_panda_joint6_x, t97, t101, t102,
+    omega_panda_joint6_y, t110, t114, t122, t138, acceleration_panda_joint2_x,
+    acceleration_panda_joint3_x, t154, acceleration_panda_joint2_y,
+    acceleration_panda_joint4_x, t165, acceleration_panda_joint3_y, t175,
+    acceleration_panda_joint5_x, t179, acceleration_panda_joint4_y, t188, t190, t196,
+    acceleration_panda_joint5_y, t206, t219, t418, t486, t535, t555, t557, t559, t561,
+    t563, t565, t566, t567, t568, t571, t573, t579, t588, t589, t594, t596, t599, t608,
+    t609, t610, t613, t615, t617, t618, t619, t625, t626, t629, t633, t645, t651, t656,
+    t659, t661, t662, t664, t670, t677, t685, t688, t692, t700, t707, t721, t727, t745,
+    t749, t750, t759, t760, t766, t768, t769, t784, t787, t795, t797, t799, t801, t807,
+    t808, t809, t819, t860, t863, t869, t871, t888, t892, t900, t907, t917, t919, t923,
+    t930, t942, t944, t946, t947, t964, t969, t970, t973, t975, t991, t995, t996, t998,
+    t1000, t1006, t1007, t1008, t1014, t1016, t1022, t1023, t1027, t1028, t1033, t1034,
+    t1046, t1057, t1062, t1064, t1074, t1076, t1078, t1080, t1088, t1094, t1095, t1101,
+    t1109, t1114, t1120, t1138, t1161, t1171, t1173, t1178, t1184, t1194, t1218, t1228,
+    t1256, t1258, t1263, t1269, t1285, t1312, t1336, t1346, t1358, t1360, t1366, t1371,
+    t1381, t1421, t1430, t1438, t1458, t1473, t1475, t1493, t1501, t1530, t1545, t1565,
+    t1580, t1582, t1583, t1588, t1596, t1599, t1614, t1617, t1620, t1623, t1626, t1629,
+    t1630, t1632, t1642, t1643] = inverse_dynamics_derivatives_and_mass_matrix_part_1(
+        y,
+        v,
+        a,
+    );
+    let [t1668, t1686, t1743, t1766, t1776, t1873, t1994, t2022, t2045, t2058, t2071,
+    t2114, t2237, t2308, t2310, t2338, t2358, t2375, t2384, t2387, t2390, t2393, t2406,
+    t2407, t2410, t2432, t2436, t2441, t2444, t2459, t2464, t2474, t2478, t2486, t2490,
+    t2501, t2507, t2516, t2520, t2521, t2522, t2523, t2524, t2525, t2526, t2527, t2528,
+    t2529, t2530, t2531, t2532, t2533, t2534, t2535, t2536, t2537, t2538, t2539, t2540,
+    t2541, t2542, t2543, t2544, t2545, t2546, t2547, t2548, t2549, t2550, t2551, t2552,
+    t2553, t2554, t2555, t2556, t2557, t2558, t2559, t2560, t2561, t2562, t2563, t2564,
+    t2565, t2566, t2567, t2568, t2569, t2570, t2571, t2572, t2573, t2574, t2575, t2576,
+    t2577, t2578, t2579, t2580, t2581, t2582] = inverse_dynamics_derivatives_and_mass_matrix_part_2(
+        v,
+        [
+            sin_panda_joint2,
+            cos_panda_joint2,
+            sin_panda_joint3,
+            cos_panda_joint3,
+            sin_panda_joint4,
+            cos_panda_joint4,
+            sin_panda_joint5,
+            cos_panda_joint5,
+            sin_panda_joint6,
+            cos_panda_joint6,
+            cos_panda_joint7,
+            omega_panda_joint2_y,
+            t16,
+            omega_panda_joint2_x,
+            t23,
+            t25,
+            omega_panda_joint3_y,
+            omega_panda_joint3_x,
+            t37,
+            t42,
+            t44,
+            omega_panda_joint4_y,
+            t53,
+            omega_panda_joint4_x,
+            t63,
+            omega_panda_joint5_y,
+            t74,
+            omega_panda_joint5_x,
+            t84,
+            omega_panda_joint6_x,
+            t97,
+            t101,
+            t102,
+            omega_panda_joint6_y,
+            t110,
+            t114,
+            t122,
+            t138,
+            acceleration_panda_joint2_x,
+            acceleration_panda_joint3_x,
+            t154,
+            acceleration_panda_joint2_y,
+            acceleration_panda_joint4_x,
+            t165,
+            acceleration_panda_joint3_y,
+            t175,
+            acceleration_panda_joint5_x,
+            t179,
+            acceleration_panda_joint4_y,
+            t188,
+            t190,
+            t196,
+            acceleration_panda_joint5_y,
+            t206,
+            t219,
+            t418,
+            t486,
+            t559,
+            t561,
+            t565,
+            t566,
+            t567,
+            t568,
+            t571,
+            t573,
+            t579,
+            t588,
+            t589,
+            t594,
+            t596,
+            t599,
+            t608,
+            t609,
+            t610,
+            t613,
+            t615,
+            t617,
+            t618,
+            t619,
+            t625,
+            t626,
+            t629,
+            t633,
+            t645,
+            t651,
+            t656,
+            t659,
+            t661,
+            t662,
+            t664,
+            t670,
+            t677,
+            t685,
+            t688,
+            t692,
+            t700,
+            t707,
+            t721,
+            t727,
+            t745,
+            t749,
+            t750,
+            t759,
+            t760,
+            t766,
+            t768,
+            t769,
+            t784,
+            t787,
+            t795,
+            t797,
+            t799,
+            t801,
+            t807,
+            t808,
+            t809,
+            t819,
+            t860,
+            t863,
+            t869,
+            t871,
+            t888,
+            t892,
+            t900,
+            t907,
+            t917,
+            t919,
+            t923,
+            t930,
+            t942,
+            t944,
+            t946,
+            t947,
+            t964,
+            t969,
+            t970,
+            t973,
+            t975,
+            t991,
+            t995,
+            t996,
+            t998,
+            t1000,
+            t1006,
+            t1007,
+            t1008,
+            t1014,
+            t1016,
+            t1022,
+            t1023,
+            t1027,
+            t1028,
+            t1033,
+            t1034,
+            t1046,
+            t1057,
+            t1062,
+            t1064,
+            t1074,
+            t1076,
+            t1078,
+            t1080,
+            t1088,
+            t1094,
+            t1095,
+            t1101,
+            t1114,
+            t1120,
+            t1138,
+            t1161,
+            t1173,
+            t1178,
+            t1184,
+            t1194,
+            t1218,
+            t1228,
+            t1256,
+            t1258,
+            t1263,
+            t1269,
+            t1285,
+            t1336,
+            t1346,
+            t1366,
+            t1371,
+            t1381,
+            t1421,
+            t1458,
+            t1473,
+            t1493,
+            t1530,
+            t1545,
+            t1565,
+            t1583,
+            t1588,
+            t1596,
+            t1614,
+            t1623,
+            t1626,
+            t1629,
+            t1630,
+            t1632,
+            t1643,
+        ],
+    );
+    (
+        [t535, t555, t557, t2520, t2521, t563, t2522],
+        [
+            [0.0, t1109, t2523, t2524, t1360, t1475, t1582],
+            [0.0, t2525, t1617, t1620, t2526, t2527, t2528],
+            [0.0, t1642, t1171, t2529, t1358, t2530, t1580],
+            [0.0, t2531, t1686, t2532, t1312, t1438, t2533],
+            [0.0, t2534, t1766, t1776, t2535, t2536, t2537],
+            [0.0, t1873, t2538, t2539, t2540, t1430, t2541],
+            [0.0, t2542, t2045, t2058, t2071, t2543, t1501],
+        ],
+        [
+            [t2544, t2114, t2545, t2546, t2547, t2310, t2375],
+            [t2548, t2384, t2387, t2390, t2393, t2549, t2550],
+            [t2551, t2406, t2407, t2552, t2237, t2308, t2553],
+            [t2410, t2554, t2555, t2556, t2557, t2558, t2338],
+            [t2559, t2432, t2436, t2560, t2441, t2561, t2358],
+            [t2444, t2562, t2563, t2459, t2564, t2464, t2565],
+            [t2566, t2474, t2478, t2567, t2486, t2490, t2568],
+        ],
+        [
+            [t2501, t2569, t2507, t2570, t2571, t2516, t2572],
+            [t2569, t1599, t2573, t1668, t1743, t2574, t2022],
+            [t2507, t2573, t1161, t1022, t2575, t2576, t2577],
+            [t2570, t1668, t1022, t1218, t2578, t2579, t1994],
+            [t2571, t1743, t2575, t2578, t1336, t2580, t2581],
+            [t2516, t2574, t2576, t2579, t2580, t1421, t2582],
+            [t2572, t2022, t2577, t1994, t2581, t2582, t1493],
+        ],
+    )
+}
+
+/// Part 1 of `inverse_dynamics_derivatives_and_mass_matrix`: values that later parts read.
+#[inline(never)]
+fn inverse_dynamics_derivatives_and_mass_matrix_part_1(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+) -> [f64; 222] {
+    let angle_panda_joint7_offset = y[6] + 0.6689225306301614;
+    let (
+        [sin_panda_joint2,
+        sin_panda_joint3,
+        sin_panda_joint4,
+        sin_panda_joint5,
+        ],
+        [cos_panda_joint2,
+        cos_panda_joint3,
+        cos_panda_joint4,
+        cos_panda_joint5,
+        ],
+    ) = math::sin_cos_4(y[1], y[2], y[3], y[4]);
+    let ([sin_panda_joint6, sin_panda_joint7], [cos_panda_joint6, cos_panda_joint7]) = math::sin_cos_2(
+        y[5],
+        angle_panda_joint7_offset,
+    );
+    let omega_panda_joint2_y = v[0] * cos_panda_joint2;
+    let t14 = v[1] * 2.0;
+    let t15 = omega_panda_joint2_y * t14;
+    let t16 = a[0] * sin_panda_joint2;
+    let t17 = t16 + t15;
+    let t18 = cos_panda_joint3 * t17;
+    let omega_panda_joint2_x = v[0] * sin_panda_joint2;
+    let t20 = omega_panda_joint2_x * omega_panda_joint2_y;
+    let t21 = a[1] - t20;
+    let t22 = sin_panda_joint3 * t21;
+    let t23 = t22 - t18;
+    let omega_panda_joint3_z = v[2] + omega_panda_joint2_y;
+    let t25 = 2.0 * omega_panda_joint3_z;
+    let t26 = sin_panda_joint3 * omega_panda_joint2_x;
+    let t27 = v[1] * cos_panda_joint3;
+    let omega_panda_joint3_y = t26 + t27;
+    let t29 = omega_panda_joint3_y * t25;
+    let t30 = t23 + t29;
+    let t31 = cos_panda_joint4 * t30;
+    let t32 = cos_panda_joint3 * omega_panda_joint2_x;
+    let t33 = v[1] * sin_panda_joint3;
+    let omega_panda_joint3_x = t32 - t33;
+    let t35 = omega_panda_joint3_x * omega_panda_joint3_y;
+    let t36 = v[1] * omega_panda_joint2_x;
+    let t37 = a[0] * cos_panda_joint2;
+    let t38 = t37 - t36;
+    let t39 = a[2] + t38;
+    let t40 = t39 + t35;
+    let t41 = sin_panda_joint4 * t40;
+    let t42 = t41 + t31;
+    let omega_panda_joint4_z = v[3] - omega_panda_joint3_y;
+    let t44 = 2.0 * omega_panda_joint4_z;
+    let t45 = sin_panda_joint4 * omega_panda_joint3_x;
+    let t46 = cos_panda_joint4 * omega_panda_joint3_z;
+    let omega_panda_joint4_y = t45 + t46;
+    let t48 = omega_panda_joint4_y * t44;
+    let t49 = t42 + t48;
+    let t50 = cos_panda_joint5 * t49;
+    let t51 = sin_panda_joint3 * t17;
+    let t52 = cos_panda_joint3 * t21;
+    let t53 = t52 + t51;
+    let t54 = omega_panda_joint3_x * omega_panda_joint3_z;
+    let t55 = t53 + t54;
+    let t56 = a[3] - t55;
+    let t57 = cos_panda_joint4 * omega_panda_joint3_x;
+    let t58 = sin_panda_joint4 * omega_panda_joint3_z;
+    let omega_panda_joint4_x = t57 - t58;
+    let t60 = omega_panda_joint4_x * omega_panda_joint4_y;
+    let t61 = t56 + t60;
+    let t62 = sin_panda_joint5 * t61;
+    let t63 = t62 - t50;
+    let omega_panda_joint5_z = v[4] + omega_panda_joint4_y;
+    let t65 = 2.0 * omega_panda_joint5_z;
+    let t66 = sin_panda_joint5 * omega_panda_joint4_x;
+    let t67 = cos_panda_joint5 * omega_panda_joint4_z;
+    let omega_panda_joint5_y = t66 - t67;
+    let t69 = omega_panda_joint5_y * t65;
+    let t70 = t63 - t69;
+    let t71 = sin_panda_joint6 * t70;
+    let t72 = sin_panda_joint4 * t30;
+    let t73 = cos_panda_joint4 * t40;
+    let t74 = t73 - t72;
+    let t75 = omega_panda_joint4_x * omega_panda_joint4_z;
+    let t76 = t74 + t75;
+    let t77 = a[4] + t76;
+    let t78 = cos_panda_joint5 * omega_panda_joint4_x;
+    let t79 = sin_panda_joint5 * omega_panda_joint4_z;
+    let omega_panda_joint5_x = t78 + t79;
+    let t81 = omega_panda_joint5_x * omega_panda_joint5_y;
+    let t82 = t77 + t81;
+    let t83 = cos_panda_joint6 * t82;
+    let t84 = t83 + t71;
+    let t85 = cos_panda_joint6 * omega_panda_joint5_x;
+    let t86 = sin_panda_joint6 * omega_panda_joint5_z;
+    let omega_panda_joint6_x = t85 - t86;
+    let omega_panda_joint6_z = v[5] - omega_panda_joint5_y;
+    let t89 = omega_panda_joint6_x * omega_panda_joint6_z;
+    let t90 = t84 + t89;
+    let t91 = a[6] - t90;
+    let t92 = t89 - t91;
+    let t93 = cos_panda_joint7 * 0.0021748470602962725;
+    let t94 = sin_panda_joint7 * 0.0013205141364616554;
+    let t95 = t94 - t93;
+    let t96 = sin_panda_joint7 * t95;
+    let t97 = 0.0026818189154496457 + t96;
+    let t98 = t97 * t92;
+    let t99 = cos_panda_joint6 * t70;
+    let t100 = sin_panda_joint6 * t82;
+    let t101 = t100 - t99;
+    let t102 = 2.0 * omega_panda_joint6_z;
+    let t103 = sin_panda_joint6 * omega_panda_joint5_x;
+    let t104 = cos_panda_joint6 * omega_panda_joint5_z;
+    let omega_panda_joint6_y = t103 + t104;
+    let t106 = omega_panda_joint6_y * t102;
+    let t107 = t101 + t106;
+    let t108 = 0.00038633089444376715 * sin_panda_joint7;
+    let t109 = 0.001535882372017312 * cos_panda_joint7;
+    let t110 = t109 - t108;
+    let t111 = t110 * t107;
+    let t112 = sin_panda_joint5 * t49;
+    let t113 = cos_panda_joint5 * t61;
+    let t114 = t113 + t112;
+    let t115 = omega_panda_joint5_x * omega_panda_joint5_z;
+    let t116 = t114 - t115;
+    let t117 = a[5] + t116;
+    let t118 = omega_panda_joint6_x * omega_panda_joint6_y;
+    let t119 = t117 + t118;
+    let t120 = 0.00038633089444376715 * cos_panda_joint7;
+    let t121 = 0.001535882372017312 * sin_panda_joint7;
+    let t122 = t121 + t120;
+    let t123 = t122 * t119;
+    let t124 = t111 + t123;
+    let omega_panda_joint7_z = v[6] - omega_panda_joint6_y;
+    let t126 = omega_panda_joint7_z * omega_panda_joint7_z;
+    let t127 = omega_panda_joint6_x * omega_panda_joint6_x;
+    let t128 = t127 + t126;
+    let t129 = omega_panda_joint6_z * omega_panda_joint6_z;
+    let t130 = t129 + t126;
+    let t131 = t130 - t128;
+    let t132 = cos_panda_joint7 * t95;
+    let t133 = 0.0010874235301481362 + t132;
+    let t134 = t133 * t131;
+    let t135 = t124 + t134;
+    let t136 = t135 + t98;
+    let t137 = t89 + t91;
+    let t138 = 0.004002333051911301 - t96;
+    let t139 = t138 * t137;
+    let t140 = t136 - t139;
+    let t141 = 3.83030303030303 * t53;
+    let acceleration_panda_joint2_x = sin_panda_joint2 * 118.9090909090909;
+    let t143 = cos_panda_joint3 * acceleration_panda_joint2_x;
+    let acceleration_panda_joint3_x = t143 - t141;
+    let t145 = omega_panda_joint3_y * omega_panda_joint3_y;
+    let t146 = omega_panda_joint3_z * omega_panda_joint3_z;
+    let t147 = t145 + t146;
+    let t148 = t147 + acceleration_panda_joint3_x;
+    let t149 = cos_panda_joint4 * t148;
+    let t150 = omega_panda_joint3_x * t25;
+    let t151 = t53 + t150;
+    let t152 = omega_panda_joint2_x * omega_panda_joint2_x;
+    let t153 = v[1] * v[1];
+    let t154 = t152 + t153;
+    let t155 = 3.83030303030303 * t154;
+    let acceleration_panda_joint2_y = cos_panda_joint2 * 118.9090909090909;
+    let acceleration_panda_joint3_z = acceleration_panda_joint2_y - t155;
+    let t158 = t151 - acceleration_panda_joint3_z;
+    let t159 = sin_panda_joint4 * t158;
+    let acceleration_panda_joint4_x = t149 + t159;
+    let t161 = omega_panda_joint4_y * omega_panda_joint4_y;
+    let t162 = omega_panda_joint4_z * omega_panda_joint4_z;
+    let t163 = t161 + t162;
+    let t164 = acceleration_panda_joint4_x - t163;
+    let t165 = cos_panda_joint5 * 0.21484375;
+    let t166 = t164 * t165;
+    let t167 = omega_panda_joint4_x * t44;
+    let t168 = t74 + t167;
+    let t169 = 3.83030303030303 * t23;
+    let t170 = sin_panda_joint3 * acceleration_panda_joint2_x;
+    let acceleration_panda_joint3_y = t170 - t169;
+    let t172 = t39 - t35;
+    let acceleration_panda_joint4_z = t172 + acceleration_panda_joint3_y;
+    let t174 = acceleration_panda_joint4_z - t168;
+    let t175 = sin_panda_joint5 * 0.21484375;
+    let t176 = t174 * t175;
+    let t177 = t166 - t176;
+    let acceleration_panda_joint5_x = t177 + t114;
+    let t179 = cos_panda_joint6 * 4.363636363636364;
+    let t180 = acceleration_panda_joint5_x * t179;
+    let t181 = sin_panda_joint4 * t148;
+    let t182 = cos_panda_joint4 * t158;
+    let acceleration_panda_joint4_y = t181 - t182;
+    let t184 = t56 - t60;
+    let t185 = acceleration_panda_joint4_y - t184;
+    let t186 = t185 * 0.21484375;
+    let t187 = omega_panda_joint4_x * omega_panda_joint4_x;
+    let t188 = t187 + t162;
+    let acceleration_panda_joint5_z = t188 - t186;
+    let t190 = sin_panda_joint6 * 4.363636363636364;
+    let t191 = acceleration_panda_joint5_z * t190;
+    let acceleration_panda_joint6_x = t180 + t191;
+    let t193 = omega_panda_joint6_y * omega_panda_joint6_y;
+    let t194 = t193 + t129;
+    let acceleration_panda_joint7_x = acceleration_panda_joint6_x + t194;
+    let t196 = 0.0002886935268424518 * sin_panda_joint7;
+    let t197 = t196 * acceleration_panda_joint7_x;
+    let t198 = omega_panda_joint6_x * t102;
+    let t199 = t84 + t198;
+    let t200 = t164 * t175;
+    let t201 = t174 * t165;
+    let t202 = t200 + t201;
+    let acceleration_panda_joint5_y = t202 + t63;
+    let acceleration_panda_joint6_z = acceleration_panda_joint5_y * 4.363636363636364;
+    let acceleration_panda_joint7_y = acceleration_panda_joint6_z + t199;
+    let t206 = 0.0002886935268424518 * cos_panda_joint7;
+    let t207 = t206 * acceleration_panda_joint7_y;
+    let t208 = t207 - t197;
+    let moment_panda_joint7_z = t208 + t140;
+    let t210 = t206 * t92;
+    let t211 = t196 * t128;
+    let force_panda_joint7_y = t210 + t211;
+    let t213 = force_panda_joint7_y + moment_panda_joint7_z;
+    let t214 = 0.014748570382675316 * t107;
+    let t215 = 9.3569097314605e-5 * t119;
+    let t216 = t215 + t214;
+    let t217 = omega_panda_joint5_x * omega_panda_joint5_x;
+    let t218 = omega_panda_joint5_z * omega_panda_joint5_z;
+    let t219 = t217 + t218;
+    let t220 = t219 - t194;
+    let t221 = 0.00010375891721868492 * t220;
+    let t222 = t216 + t221;
+    let t223 = 0.02152225537058755 * t199;
+    let t224 = t222 + t223;
+    let t225 = acceleration_panda_joint5_y * 0.08902946023488;
+    let t226 = t225 + t224;
+    let moment_panda_joint6_y = t226 + t213;
+    let t228 = sin_panda_joint6 * moment_panda_joint6_y;
+    let t229 = t110 * t92;
+    let t230 = 2.0 * omega_panda_joint7_z;
+    let t231 = omega_panda_joint6_x * t230;
+    let t232 = t119 + t231;
+    let t233 = t133 * t232;
+    let t234 = t233 + t229;
+    let t235 = t127 + t129;
+    let t236 = t235 - t128;
+    let t237 = t122 * t236;
+    let t238 = t234 - t237;
+    let t239 = omega_panda_joint6_z * t230;
+    let t240 = t107 + t239;
+    let t241 = t138 * t240;
+    let t242 = t238 + t241;
+    let t243 = acceleration_panda_joint5_x * t190;
+    let t244 = acceleration_panda_joint5_z * t179;
+    let acceleration_panda_joint6_y = t243 - t244;
+    let t246 = t117 - t118;
+    let acceleration_panda_joint7_z = acceleration_panda_joint6_y + t246;
+    let t248 = t196 * acceleration_panda_joint7_z;
+    let moment_panda_joint7_x = t248 - t242;
+    let t250 = 0.014748570382675316 * t199;
+    let t251 = 0.00010375891721868492 * t246;
+    let t252 = t250 - t251;
+    let t253 = t219 - t235;
+    let t254 = 9.3569097314605e-5 * t253;
+    let t255 = t252 + t254;
+    let t256 = 0.028934422545659894 * t107;
+    let t257 = t255 + t256;
+    let t258 = acceleration_panda_joint5_y * 0.06674100693849601;
+    let t259 = t258 + t257;
+    let moment_panda_joint6_x = t259 - moment_panda_joint7_x;
+    let t261 = cos_panda_joint6 * moment_panda_joint6_x;
+    let t262 = t261 - t228;
+    let t263 = omega_panda_joint5_x * t65;
+    let t264 = t114 - t263;
+    let t265 = 0.0015152444733270301 * t264;
+    let t266 = t77 - t81;
+    let t267 = 0.004600245517563105 * t266;
+    let t268 = t265 - t267;
+    let t269 = t188 - t219;
+    let t270 = 0.0021640520520981297 * t269;
+    let t271 = t268 + t270;
+    let t272 = 0.010045187828321242 * t70;
+    let t273 = t271 - t272;
+    let t274 = 0.0260623224672 * acceleration_panda_joint5_z;
+    let t275 = t274 - t273;
+    let moment_panda_joint5_x = t275 - t262;
+    let t277 = 0.015294814090072 * t107;
+    let t278 = 0.020402584637159996 * t199;
+    let t279 = t278 + t277;
+    let force_panda_joint6_z = t279 + force_panda_joint7_y;
+    let t281 = 4.363636363636364 * force_panda_joint6_z;
+    let t282 = 0.005627033294592 * t266;
+    let t283 = 0.0260623224672 * t219;
+    let t284 = t282 + t283;
+    let force_panda_joint5_y = t284 - t281;
+    let t286 = force_panda_joint5_y - moment_panda_joint5_x;
+    let t287 = sin_panda_joint5 * t286;
+    let t288 = t122 * t137;
+    let t289 = t133 * t240;
+    let t290 = t288 - t289;
+    let t291 = t235 - t130;
+    let t292 = t110 * t291;
+    let t293 = t290 - t292;
+    let t294 = t97 * t232;
+    let t295 = t293 - t294;
+    let t296 = t206 * acceleration_panda_joint7_z;
+    let moment_panda_joint7_y = t296 - t295;
+    let t298 = t196 * t240;
+    let t299 = t206 * t232;
+    let force_panda_joint7_z = t299 - t298;
+    let t301 = force_panda_joint7_z + moment_panda_joint7_y;
+    let t302 = 9.3569097314605e-5 * t84;
+    let t303 = 0.00010375891721868492 * t101;
+    let t304 = t303 - t302;
+    let t305 = t194 - t235;
+    let t306 = 0.014748570382675316 * t305;
+    let t307 = t304 + t306;
+    let t308 = 0.02152225537058755 * t246;
+    let t309 = t307 - t308;
+    let t310 = 0.028934422545659894 * t119;
+    let t311 = t309 - t310;
+    let t312 = 0.015294814090072 * acceleration_panda_joint6_x;
+    let t313 = 0.020402584637159996 * acceleration_panda_joint6_y;
+    let t314 = t313 - t312;
+    let t315 = t314 - t311;
+    let moment_panda_joint6_z = t315 + t301;
+    let t317 = 0.0015152444733270301 * t70;
+    let t318 = 0.0021640520520981297 * t82;
+    let t319 = t318 + t317;
+    let t320 = omega_panda_joint5_y * omega_panda_joint5_y;
+    let t321 = t320 + t218;
+    let t322 = t188 - t321;
+    let t323 = 0.004600245517563105 * t322;
+    let t324 = t319 + t323;
+    let t325 = 0.0014511560650267133 * t264;
+    let t326 = t324 - t325;
+    let t327 = 0.005627033294592 * acceleration_panda_joint5_z;
+    let t328 = t327 - t326;
+    let moment_panda_joint5_y = t328 + moment_panda_joint6_z;
+    let t330 = t196 * t137;
+    let t331 = t206 * t130;
+    let force_panda_joint7_x = t331 + t330;
+    let t333 = 0.015294814090072 * t119;
+    let t334 = 0.020402584637159996 * t194;
+    let t335 = t334 - t333;
+    let force_panda_joint6_x = t335 + force_panda_joint7_x;
+    let t337 = t179 * force_panda_joint6_x;
+    let t338 = 0.020402584637159996 * t246;
+    let t339 = 0.015294814090072 * t235;
+    let t340 = t338 + t339;
+    let force_panda_joint6_y = t340 + force_panda_joint7_z;
+    let t342 = t190 * force_panda_joint6_y;
+    let t343 = t337 + t342;
+    let t344 = 0.0260623224672 * t82;
+    let t345 = 0.005627033294592 * t321;
+    let t346 = t345 - t344;
+    let force_panda_joint5_x = t346 - t343;
+    let t348 = force_panda_joint5_x - moment_panda_joint5_y;
+    let t349 = cos_panda_joint5 * t348;
+    let t350 = t287 + t349;
+    let t351 = t190 * force_panda_joint6_x;
+    let t352 = t179 * force_panda_joint6_y;
+    let t353 = t351 - t352;
+    let t354 = 0.0260623224672 * t70;
+    let t355 = 0.005627033294592 * t264;
+    let t356 = t355 + t354;
+    let force_panda_joint5_z = t356 + t353;
+    let t358 = 0.21484375 * force_panda_joint5_z;
+    let t359 = t358 - t350;
+    let t360 = 0.0016444875773692705 * t74;
+    let t361 = 0.0039053550262761003 * t42;
+    let t362 = t361 - t360;
+    let t363 = t163 - t188;
+    let t364 = 0.16284087268546088 * t363;
+    let t365 = t362 - t364;
+    let t366 = 0.05102013615681551 * t184;
+    let t367 = t365 + t366;
+    let t368 = 0.6972920750309719 * t61;
+    let t369 = t367 + t368;
+    let t370 = 0.16603319317224752 * acceleration_panda_joint4_x;
+    let t371 = 0.04560437265862501 * acceleration_panda_joint4_y;
+    let t372 = t371 - t370;
+    let t373 = t372 - t369;
+    let moment_panda_joint4_z = t373 - t359;
+    let t375 = t165 * force_panda_joint5_x;
+    let t376 = t175 * force_panda_joint5_y;
+    let t377 = t375 + t376;
+    let t378 = 0.16603319317224752 * t61;
+    let t379 = 0.04560437265862501 * t163;
+    let t380 = t379 - t378;
+    let force_panda_joint4_x = t380 + t377;
+    let t382 = sin_panda_joint4 * force_panda_joint4_x;
+    let t383 = 0.04560437265862501 * t184;
+    let t384 = 0.16603319317224752 * t188;
+    let t385 = t383 + t384;
+    let force_panda_joint4_y = t385 + t358;
+    let t387 = cos_panda_joint4 * force_panda_joint4_y;
+    let t388 = t382 - t387;
+    let t389 = moment_panda_joint4_z - t388;
+    let t390 = 0.00012191242095074308 * t30;
+    let t391 = 0.004377257121839584 * t40;
+    let t392 = t391 + t390;
+    let t393 = t154 - t147;
+    let t394 = 0.005487648106562256 * t393;
+    let t395 = t392 - t394;
+    let t396 = 0.0616024210265277 * t151;
+    let t397 = t395 - t396;
+    let t398 = 0.06161578168944001 * acceleration_panda_joint3_z;
+    let t399 = t398 + t397;
+    let moment_panda_joint3_y = t399 - t389;
+    let t401 = cos_panda_joint4 * force_panda_joint4_x;
+    let t402 = sin_panda_joint4 * force_panda_joint4_y;
+    let t403 = t401 + t402;
+    let t404 = 0.002328735327435001 * t40;
+    let t405 = 0.06161578168944001 * t147;
+    let t406 = t405 + t404;
+    let force_panda_joint3_x = t406 - t403;
+    let t408 = 3.83030303030303 * force_panda_joint3_x;
+    let t409 = moment_panda_joint3_y + t408;
+    let t410 = sin_panda_joint3 * t409;
+    let t411 = cos_panda_joint5 * t286;
+    let t412 = sin_panda_joint5 * t348;
+    let t413 = t411 - t412;
+    let t414 = 0.16284087268546088 * t168;
+    let t415 = 0.0039053550262761003 * t184;
+    let t416 = t414 + t415;
+    let t417 = omega_panda_joint3_x * omega_panda_joint3_x;
+    let t418 = t417 + t146;
+    let t419 = t418 - t188;
+    let t420 = 0.0016444875773692705 * t419;
+    let t421 = t416 - t420;
+    let t422 = 0.6972920750309719 * t49;
+    let t423 = t421 + t422;
+    let t424 = 0.16603319317224752 * acceleration_panda_joint4_z;
+    let t425 = t424 - t423;
+    let moment_panda_joint4_x = t425 - t413;
+    let t427 = cos_panda_joint4 * moment_panda_joint4_x;
+    let t428 = cos_panda_joint6 * moment_panda_joint6_y;
+    let t429 = sin_panda_joint6 * moment_panda_joint6_x;
+    let t430 = t429 + t428;
+    let t431 = 0.0021640520520981297 * t114;
+    let t432 = 0.004600245517563105 * t63;
+    let t433 = t432 - t431;
+    let t434 = t321 - t219;
+    let t435 = 0.0015152444733270301 * t434;
+    let t436 = t433 + t435;
+    let t437 = 0.0014511560650267133 * t266;
+    let t438 = t436 + t437;
+    let t439 = 0.010045187828321242 * t82;
+    let t440 = t438 + t439;
+    let t441 = 0.0260623224672 * acceleration_panda_joint5_x;
+    let t442 = 0.005627033294592 * acceleration_panda_joint5_y;
+    let t443 = t442 - t441;
+    let t444 = t443 - t440;
+    let moment_panda_joint5_z = t444 - t430;
+    let t446 = t175 * force_panda_joint5_x;
+    let t447 = t165 * force_panda_joint5_y;
+    let t448 = t446 - t447;
+    let t449 = moment_panda_joint5_z + t448;
+    let t450 = 0.16284087268546088 * t49;
+    let t451 = 0.0016444875773692705 * t61;
+    let t452 = t451 - t450;
+    let t453 = t418 - t163;
+    let t454 = 0.0039053550262761003 * t453;
+    let t455 = t452 + t454;
+    let t456 = 0.05102013615681551 * t168;
+    let t457 = t455 - t456;
+    let t458 = 0.04560437265862501 * acceleration_panda_joint4_z;
+    let t459 = t458 + t457;
+    let moment_panda_joint4_y = t459 + t449;
+    let t461 = sin_panda_joint4 * moment_panda_joint4_y;
+    let t462 = t427 - t461;
+    let t463 = 0.00012191242095074308 * t151;
+    let t464 = 0.005487648106562256 * t172;
+    let t465 = t463 + t464;
+    let t466 = t154 - t418;
+    let t467 = 0.004377257121839584 * t466;
+    let t468 = t465 + t467;
+    let t469 = 0.022178148964878235 * t30;
+    let t470 = t468 - t469;
+    let t471 = 0.002328735327435001 * acceleration_panda_joint3_z;
+    let t472 = t471 - t470;
+    let moment_panda_joint3_x = t472 - t462;
+    let t474 = 0.16603319317224752 * t49;
+    let t475 = 0.04560437265862501 * t168;
+    let t476 = t475 + t474;
+    let force_panda_joint4_z = t476 - t448;
+    let t478 = 0.002328735327435001 * t418;
+    let t479 = 0.06161578168944001 * t172;
+    let t480 = t479 - t478;
+    let force_panda_joint3_y = t480 - force_panda_joint4_z;
+    let t482 = 3.83030303030303 * force_panda_joint3_y;
+    let t483 = moment_panda_joint3_x - t482;
+    let t484 = cos_panda_joint3 * t483;
+    let t485 = t484 + t410;
+    let t486 = v[0] * v[0];
+    let t487 = t486 - t154;
+    let t488 = 0.0007689361029464 * t487;
+    let t489 = a[1] + t20;
+    let t490 = 0.01026110182100817 * t489;
+    let t491 = omega_panda_joint2_x * t14;
+    let t492 = t37 - t491;
+    let t493 = 0.00398335888393552 * t492;
+    let t494 = t493 + t490;
+    let t495 = t494 + t488;
+    let t496 = 1.032162061231881 * t17;
+    let t497 = t495 - t496;
+    let moment_panda_joint2_x = t497 + t485;
+    let t499 = sin_panda_joint2 * moment_panda_joint2_x;
+    let t500 = sin_panda_joint4 * moment_panda_joint4_x;
+    let t501 = cos_panda_joint4 * moment_panda_joint4_y;
+    let t502 = t500 + t501;
+    let t503 = force_panda_joint4_z + t502;
+    let t504 = t147 - t418;
+    let t505 = 0.00012191242095074308 * t504;
+    let t506 = 0.004377257121839584 * t53;
+    let t507 = 0.005487648106562256 * t23;
+    let t508 = t507 + t506;
+    let t509 = t508 - t505;
+    let t510 = 0.0616024210265277 * t172;
+    let t511 = t509 - t510;
+    let t512 = 0.022178148964878235 * t40;
+    let t513 = t511 - t512;
+    let t514 = 0.002328735327435001 * acceleration_panda_joint3_x;
+    let t515 = 0.06161578168944001 * acceleration_panda_joint3_y;
+    let t516 = t515 + t514;
+    let t517 = t516 - t513;
+    let moment_panda_joint3_z = t517 - t503;
+    let t519 = omega_panda_joint2_y * omega_panda_joint2_y;
+    let t520 = t519 + t153;
+    let t521 = t486 - t520;
+    let t522 = 0.01026110182100817 * t521;
+    let t523 = 0.00398335888393552 * t17;
+    let t524 = 0.0007689361029464 * t21;
+    let t525 = t524 + t523;
+    let t526 = t525 - t522;
+    let t527 = 0.02307788249493181 * t492;
+    let t528 = t526 - t527;
+    let moment_panda_joint2_y = t528 - moment_panda_joint3_z;
+    let t530 = cos_panda_joint2 * moment_panda_joint2_y;
+    let t531 = t499 + t530;
+    let t532 = a[0] * 0.014259565994474414;
+    let moment_panda_joint1_z = t532 - t531;
+    let t534 = v[0] * 0.003;
+    let t535 = moment_panda_joint1_z + t534;
+    let t536 = cos_panda_joint3 * t409;
+    let t537 = sin_panda_joint3 * t483;
+    let t538 = t537 - t536;
+    let t539 = t520 - t154;
+    let t540 = 0.00398335888393552 * t539;
+    let t541 = 0.0007689361029464 * t37;
+    let t542 = 0.01026110182100817 * t16;
+    let t543 = t542 + t541;
+    let t544 = t543 - t540;
+    let t545 = 0.02307788249493181 * t489;
+    let t546 = t544 - t545;
+    let t547 = 1.032162061231881 * t21;
+    let t548 = t546 - t547;
+    let t549 = sin_panda_joint2 * 32.80954542685273;
+    let t550 = cos_panda_joint2 * 0.01993386669246;
+    let t551 = t550 - t549;
+    let t552 = t551 - t548;
+    let moment_panda_joint2_z = t552 + t538;
+    let t554 = v[1] * 0.003;
+    let t555 = moment_panda_joint2_z + t554;
+    let t556 = v[2] * 0.003;
+    let t557 = moment_panda_joint3_z + t556;
+    let t558 = v[3] * 0.003;
+    let t559 = moment_panda_joint4_z - t558;
+    let t560 = v[4] * 0.003;
+    let t561 = moment_panda_joint5_z - t560;
+    let t562 = v[5] * 0.003;
+    let t563 = moment_panda_joint6_z + t562;
+    let t564 = v[6] * 0.003;
+    let t565 = moment_panda_joint7_z - t564;
+    let t566 = 2.0 * omega_panda_joint6_x;
+    let t567 = t196 * t566;
+    let t568 = t206 * t102;
+    let t569 = t567 + t568;
+    let t570 = t568 + t569;
+    let t571 = t133 * t566;
+    let t572 = t97 * t102;
+    let t573 = t571 - t572;
+    let t574 = t573 - t570;
+    let t575 = omega_panda_joint6_x * 0.00020751783443736984;
+    let t576 = omega_panda_joint6_z * 0.0430445107411751;
+    let t577 = t576 + t575;
+    let t578 = t577 - t574;
+    let t579 = t122 * t230;
+    let t580 = omega_panda_joint6_y * 0.00018713819462921;
+    let t581 = omega_panda_joint6_z * 0.05786884509131979;
+    let t582 = t580 + t581;
+    let t583 = t582 - t579;
+    let t584 = t583 - t578;
+    let t585 = cos_panda_joint6 * t584;
+    let t586 = t133 * t230;
+    let t587 = t110 * t102;
+    let t588 = t587 + t586;
+    let t589 = t196 * t230;
+    let t590 = t589 - t588;
+    let t591 = omega_panda_joint6_y * 0.00020751783443736984;
+    let t592 = omega_panda_joint6_z * 0.02949714076535063;
+    let t593 = t591 + t592;
+    let t594 = t593 - t590;
+    let t595 = t122 * t566;
+    let t596 = t587 + t595;
+    let t597 = omega_panda_joint6_x * 0.00018713819462921;
+    let t598 = t592 + t597;
+    let t599 = t598 + t596;
+    let t600 = t594 + t599;
+    let t601 = sin_panda_joint6 * t600;
+    let t602 = t601 - t585;
+    let t603 = sin_panda_joint6 * t602;
+    let t604 = t594 - t603;
+    let t605 = omega_panda_joint5_y * 0.00920049103512621;
+    let t606 = omega_panda_joint5_z * 0.0030304889466540603;
+    let t607 = t605 - t606;
+    let t608 = t607 + t604;
+    let t609 = 2.0 * omega_panda_joint5_y;
+    let t610 = 0.020402584637159996 + t206;
+    let t611 = t179 * t610;
+    let t612 = sin_panda_joint6 * 0.06674100693849601;
+    let t613 = t611 + t612;
+    let t614 = 0.005627033294592 - t613;
+    let t615 = t609 * t614;
+    let t616 = t608 - t615;
+    let t617 = t586 - t595;
+    let t618 = 2.0 * omega_panda_joint6_y;
+    let t619 = t196 * t618;
+    let t620 = t617 + t619;
+    let t621 = t591 - t597;
+    let t622 = t621 + t620;
+    let t623 = omega_panda_joint5_x * 0.004328104104196259;
+    let t624 = t606 - t623;
+    let t625 = t624 - t622;
+    let t626 = 2.0 * omega_panda_joint5_x;
+    let t627 = sin_panda_joint7 * 0.0012597535716761534;
+    let t628 = 0.0260623224672 - t627;
+    let t629 = t626 * t628;
+    let t630 = t625 + t629;
+    let t631 = t616 - t630;
+    let t632 = sin_panda_joint5 * t631;
+    let t633 = t206 * t230;
+    let t634 = t206 * t618;
+    let t635 = t633 - t634;
+    let t636 = t97 * t230;
+    let t637 = t110 * t566;
+    let t638 = t636 + t637;
+    let t639 = t638 + t635;
+    let t640 = omega_panda_joint6_y * 0.0430445107411751;
+    let t641 = omega_panda_joint6_x * 0.02949714076535063;
+    let t642 = t641 - t640;
+    let t643 = t642 + t639;
+    let t644 = cos_panda_joint6 * t643;
+    let t645 = t110 * t230;
+    let t646 = omega_panda_joint6_y * 0.02949714076535063;
+    let t647 = omega_panda_joint6_x * 0.05786884509131979;
+    let t648 = t647 - t646;
+    let t649 = t648 + t645;
+    let t650 = sin_panda_joint6 * t649;
+    let t651 = t644 + t650;
+    let t652 = omega_panda_joint5_x * 0.00920049103512621;
+    let t653 = omega_panda_joint5_z * 0.0029023121300534266;
+    let t654 = t653 + t652;
+    let t655 = t654 - t651;
+    let t656 = t626 * t614;
+    let t657 = t655 - t656;
+    let t658 = t138 * t566;
+    let t659 = t133 * t102;
+    let t660 = t658 - t659;
+    let t661 = t196 * t102;
+    let t662 = t660 + t661;
+    let t663 = omega_panda_joint6_z * 0.00020751783443736984;
+    let t664 = t663 + t662;
+    let t665 = sin_panda_joint6 * t664;
+    let t666 = t138 * t230;
+    let t667 = t122 * t102;
+    let t668 = t667 - t666;
+    let t669 = omega_panda_joint6_z * 0.00018713819462921;
+    let t670 = t669 + t668;
+    let t671 = cos_panda_joint6 * t670;
+    let t672 = t671 - t665;
+    let t673 = omega_panda_joint5_y * 0.004328104104196259;
+    let t674 = omega_panda_joint5_z * 0.020090375656642484;
+    let t675 = t673 + t674;
+    let t676 = t675 + t672;
+    let t677 = t609 * t628;
+    let t678 = t676 - t677;
+    let t679 = t678 - t657;
+    let t680 = cos_panda_joint5 * t679;
+    let t681 = t632 - t680;
+    let t682 = sin_panda_joint5 * t681;
+    let t683 = t616 - t682;
+    let t684 = omega_panda_joint6_z * 0.04080516927431999;
+    let t685 = t684 + t569;
+    let t686 = t190 * t685;
+    let t687 = omega_panda_joint6_z * 0.030589628180144;
+    let t688 = t687 - t589;
+    let t689 = t179 * t688;
+    let t690 = t689 - t686;
+    let t691 = omega_panda_joint5_z * 0.0521246449344;
+    let t692 = t691 - t690;
+    let t693 = t165 * t692;
+    let t694 = omega_panda_joint6_y * 0.04080516927431999;
+    let t695 = omega_panda_joint6_x * 0.030589628180144;
+    let t696 = t695 - t694;
+    let t697 = t696 + t633;
+    let t698 = 4.363636363636364 * t697;
+    let t699 = omega_panda_joint5_z * 0.011254066589184;
+    let t700 = t699 + t698;
+    let t701 = t175 * t700;
+    let t702 = t693 - t701;
+    let t703 = t702 + t683;
+    let t704 = omega_panda_joint4_y * 0.007810710052552201;
+    let t705 = omega_panda_joint4_z * 0.32568174537092176;
+    let t706 = t704 - t705;
+    let t707 = t706 - t703;
+    let t708 = t599 - t603;
+    let t709 = t605 - t623;
+    let t710 = t709 + t708;
+    let t711 = t179 * t685;
+    let t712 = t190 * t688;
+    let t713 = t712 + t711;
+    let t714 = omega_panda_joint5_y * 0.011254066589184;
+    let t715 = omega_panda_joint5_x * 0.0521246449344;
+    let t716 = t715 - t714;
+    let t717 = t716 - t713;
+    let t718 = t717 + t710;
+    let t719 = t190 * t610;
+    let t720 = cos_panda_joint6 * 0.06674100693849601;
+    let t721 = t719 - t720;
+    let t722 = 0.21484375 * t721;
+    let t723 = t44 * t722;
+    let t724 = t718 + t723;
+    let t725 = omega_panda_joint4_x * 0.003288975154738541;
+    let t726 = t705 - t725;
+    let t727 = t726 + t724;
+    let t728 = t707 - t727;
+    let t729 = sin_panda_joint4 * t728;
+    let t730 = cos_panda_joint6 * t602;
+    let t731 = t583 + t730;
+    let t732 = omega_panda_joint5_y * 0.0029023121300534266;
+    let t733 = omega_panda_joint5_x * 0.0030304889466540603;
+    let t734 = t733 + t732;
+    let t735 = t734 - t731;
+    let t736 = cos_panda_joint5 * t735;
+    let t737 = cos_panda_joint6 * t664;
+    let t738 = sin_panda_joint6 * t670;
+    let t739 = t738 + t737;
+    let t740 = omega_panda_joint5_y * 0.0030304889466540603;
+    let t741 = omega_panda_joint5_x * 0.020090375656642484;
+    let t742 = t741 + t740;
+    let t743 = t742 + t739;
+    let t744 = sin_panda_joint5 * t743;
+    let t745 = t736 - t744;
+    let t746 = 0.21484375 * t717;
+    let t747 = t165 * t614;
+    let t748 = t175 * t628;
+    let t749 = t747 + t748;
+    let t750 = t44 * t749;
+    let t751 = t746 + t750;
+    let t752 = t745 - t751;
+    let t753 = omega_panda_joint4_x * 0.007810710052552201;
+    let t754 = omega_panda_joint4_z * 0.10204027231363103;
+    let t755 = t754 - t753;
+    let t756 = t755 - t752;
+    let t757 = t578 - t730;
+    let t758 = omega_panda_joint5_z * 0.004328104104196259;
+    let t759 = t758 - t757;
+    let t760 = t609 * t721;
+    let t761 = t692 - t760;
+    let t762 = t759 - t761;
+    let t763 = cos_panda_joint5 * t762;
+    let t764 = sin_panda_joint6 * t643;
+    let t765 = cos_panda_joint6 * t649;
+    let t766 = t764 - t765;
+    let t767 = omega_panda_joint5_z * 0.00920049103512621;
+    let t768 = t767 - t766;
+    let t769 = t626 * t721;
+    let t770 = t700 - t769;
+    let t771 = t768 - t770;
+    let t772 = sin_panda_joint5 * t771;
+    let t773 = t763 - t772;
+    let t774 = omega_panda_joint4_y * 0.003288975154738541;
+    let t775 = omega_panda_joint4_z * 1.3945841500619438;
+    let t776 = t774 - t775;
+    let t777 = t776 + t773;
+    let t778 = t777 + t756;
+    let t779 = cos_panda_joint4 * t778;
+    let t780 = t729 - t779;
+    let t781 = sin_panda_joint4 * t780;
+    let t782 = t707 - t781;
+    let t783 = omega_panda_joint4_z * 0.33206638634449503;
+    let t784 = t783 + t702;
+    let t785 = cos_panda_joint4 * t784;
+    let t786 = omega_panda_joint4_z * 0.09120874531725003;
+    let t787 = t786 + t746;
+    let t788 = sin_panda_joint4 * t787;
+    let t789 = t785 - t788;
+    let t790 = t789 + t782;
+    let t791 = omega_panda_joint3_y * 0.010975296213124512;
+    let t792 = omega_panda_joint3_z * 0.00024382484190148615;
+    let t793 = t791 - t792;
+    let t794 = t793 - t790;
+    let t795 = 0.04560437265862501 + t749;
+    let t796 = cos_panda_joint4 * t795;
+    let t797 = 0.16603319317224752 + t722;
+    let t798 = sin_panda_joint4 * t797;
+    let t799 = t796 + t798;
+    let t800 = 0.06161578168944001 - t799;
+    let t801 = omega_panda_joint3_y * 7.66060606060606;
+    let t802 = t801 * t800;
+    let t803 = t794 + t802;
+    let t804 = t630 + t682;
+    let t805 = t175 * t614;
+    let t806 = t165 * t628;
+    let t807 = t805 - t806;
+    let t808 = 2.0 * omega_panda_joint4_y;
+    let t809 = t808 * t807;
+    let t810 = t804 + t809;
+    let t811 = t704 - t725;
+    let t812 = t811 + t810;
+    let t813 = t25 * t807;
+    let t814 = t812 - t813;
+    let t815 = omega_panda_joint3_x * 0.008754514243679169;
+    let t816 = t792 + t815;
+    let t817 = t816 + t814;
+    let t818 = 0.002328735327435001 - t807;
+    let t819 = omega_panda_joint3_x * 7.66060606060606;
+    let t820 = t819 * t818;
+    let t821 = t817 + t820;
+    let t822 = t803 - t821;
+    let t823 = sin_panda_joint3 * t822;
+    let t824 = cos_panda_joint5 * t681;
+    let t825 = t678 + t824;
+    let t826 = t175 * t692;
+    let t827 = t165 * t700;
+    let t828 = t826 + t827;
+    let t829 = t808 * t749;
+    let t830 = t828 + t829;
+    let t831 = t825 + t830;
+    let t832 = omega_panda_joint4_y * 0.10204027231363103;
+    let t833 = omega_panda_joint4_x * 0.32568174537092176;
+    let t834 = t833 - t832;
+    let t835 = t834 - t831;
+    let t836 = cos_panda_joint4 * t835;
+    let t837 = sin_panda_joint5 * t762;
+    let t838 = cos_panda_joint5 * t771;
+    let t839 = t837 + t838;
+    let t840 = t808 * t722;
+    let t841 = t839 - t840;
+    let t842 = omega_panda_joint4_y * 0.32568174537092176;
+    let t843 = omega_panda_joint4_x * 1.3945841500619438;
+    let t844 = t843 - t842;
+    let t845 = t844 + t841;
+    let t846 = sin_panda_joint4 * t845;
+    let t847 = t836 + t846;
+    let t848 = omega_panda_joint4_y * 0.09120874531725003;
+    let t849 = omega_panda_joint4_x * 0.33206638634449503;
+    let t850 = t849 - t848;
+    let t851 = t850 - t828;
+    let t852 = t25 * t799;
+    let t853 = t851 - t852;
+    let t854 = t847 - t853;
+    let t855 = omega_panda_joint3_x * 0.010975296213124512;
+    let t856 = omega_panda_joint3_z * 0.1232048420530554;
+    let t857 = t856 + t855;
+    let t858 = t857 - t854;
+    let t859 = t819 * t800;
+    let t860 = t858 + t859;
+    let t861 = t657 - t824;
+    let t862 = omega_panda_joint4_z * 0.003288975154738541;
+    let t863 = t862 - t861;
+    let t864 = cos_panda_joint4 * t863;
+    let t865 = sin_panda_joint5 * t735;
+    let t866 = cos_panda_joint5 * t743;
+    let t867 = t865 + t866;
+    let t868 = t44 * t807;
+    let t869 = t867 - t868;
+    let t870 = omega_panda_joint4_z * 0.007810710052552201;
+    let t871 = t870 - t869;
+    let t872 = sin_panda_joint4 * t871;
+    let t873 = t864 - t872;
+    let t874 = omega_panda_joint3_y * 0.008754514243679169;
+    let t875 = omega_panda_joint3_z * 0.04435629792975647;
+    let t876 = t874 - t875;
+    let t877 = t876 + t873;
+    let t878 = t801 * t818;
+    let t879 = t877 + t878;
+    let t880 = t879 + t860;
+    let t881 = cos_panda_joint3 * t880;
+    let t882 = t823 + t881;
+    let t883 = sin_panda_joint3 * t882;
+    let t884 = t821 + t883;
+    let t885 = omega_panda_joint2_x * 0.0015378722058928;
+    let t886 = omega_panda_joint2_y * 0.02052220364201634;
+    let t887 = t886 - t885;
+    let t888 = t887 - t884;
+    let t889 = t803 - t883;
+    let t890 = v[1] * 0.00796671776787104;
+    let t891 = t886 - t890;
+    let t892 = t891 + t889;
+    let t893 = t892 - t888;
+    let t894 = omega_panda_joint2_x * t893;
+    let t895 = cos_panda_joint4 * t780;
+    let t896 = t777 + t895;
+    let t897 = sin_panda_joint4 * t784;
+    let t898 = cos_panda_joint4 * t787;
+    let t899 = t897 + t898;
+    let t900 = 2.0 * omega_panda_joint3_y;
+    let t901 = t900 * t799;
+    let t902 = t899 - t901;
+    let t903 = t896 + t902;
+    let t904 = omega_panda_joint3_y * 0.1232048420530554;
+    let t905 = omega_panda_joint3_x * 0.00024382484190148615;
+    let t906 = t905 + t904;
+    let t907 = t906 + t903;
+    let t908 = cos_panda_joint3 * t907;
+    let t909 = sin_panda_joint4 * t863;
+    let t910 = cos_panda_joint4 * t871;
+    let t911 = t909 + t910;
+    let t912 = t900 * t807;
+    let t913 = t911 + t912;
+    let t914 = omega_panda_joint3_y * 0.00024382484190148615;
+    let t915 = omega_panda_joint3_x * 0.04435629792975647;
+    let t916 = t915 + t914;
+    let t917 = t916 - t913;
+    let t918 = sin_panda_joint3 * t917;
+    let t919 = t908 - t918;
+    let t920 = omega_panda_joint2_x * 0.02052220364201634;
+    let t921 = v[1] * 0.04615576498986362;
+    let t922 = t921 - t920;
+    let t923 = t922 + t919;
+    let t924 = omega_panda_joint2_y * t923;
+    let t925 = t894 + t924;
+    let t926 = cos_panda_joint7 * 0.0005773870536849036;
+    let t927 = t97 + t926;
+    let t928 = t927 - 0.007412167175072343;
+    let t929 = sin_panda_joint6 * t928;
+    let t930 = 0.014748570382675316 + t110;
+    let t931 = 2.0 * t930;
+    let t932 = cos_panda_joint6 * t931;
+    let t933 = t929 - t932;
+    let t934 = sin_panda_joint6 * t933;
+    let t935 = 0.02152225537058755 + t927;
+    let t936 = t935 - t934;
+    let t937 = 0.0014511560650267133 + t936;
+    let t938 = t96 - 0.014047520880232544;
+    let t939 = t937 + t938;
+    let t940 = sin_panda_joint5 * t939;
+    let t941 = t196 - t133;
+    let t942 = 0.00010375891721868492 + t941;
+    let t943 = cos_panda_joint6 * t942;
+    let t944 = 9.3569097314605e-5 + t122;
+    let t945 = sin_panda_joint6 * t944;
+    let t946 = t943 + t945;
+    let t947 = 0.0015152444733270301 - t946;
+    let t948 = 2.0 * t947;
+    let t949 = cos_panda_joint5 * t948;
+    let t950 = t940 + t949;
+    let t951 = sin_panda_joint5 * t950;
+    let t952 = t937 - t951;
+    let t953 = 2.0 * t749;
+    let t954 = t952 + t953;
+    let t955 = 0.05102013615681551 + t954;
+    let t956 = 0.028934422545659894 + t934;
+    let t957 = 2.0 * t721;
+    let t958 = t956 + t957;
+    let t959 = 0.6972920750309719 + t958;
+    let t960 = t955 - t959;
+    let t961 = sin_panda_joint4 * t960;
+    let t962 = cos_panda_joint6 * t933;
+    let t963 = t930 + t962;
+    let t964 = 0.004600245517563105 + t963;
+    let t965 = t614 - t964;
+    let t966 = cos_panda_joint5 * t965;
+    let t967 = sin_panda_joint6 * t942;
+    let t968 = cos_panda_joint6 * t944;
+    let t969 = t967 - t968;
+    let t970 = 0.0021640520520981297 + t969;
+    let t971 = t628 - t970;
+    let t972 = sin_panda_joint5 * t971;
+    let t973 = t966 + t972;
+    let t974 = t722 + t973;
+    let t975 = 0.16284087268546088 + t974;
+    let t976 = 2.0 * t975;
+    let t977 = cos_panda_joint4 * t976;
+    let t978 = t961 - t977;
+    let t979 = sin_panda_joint4 * t978;
+    let t980 = t955 - t979;
+    let t981 = 2.0 * t799;
+    let t982 = t980 - t981;
+    let t983 = 0.0616024210265277 + t982;
+    let t984 = t938 - t951;
+    let t985 = 0.022178148964878235 - t984;
+    let t986 = t983 - t985;
+    let t987 = sin_panda_joint3 * t986;
+    let t988 = cos_panda_joint5 * t950;
+    let t989 = t947 - t988;
+    let t990 = t807 - t989;
+    let t991 = 0.0039053550262761003 + t990;
+    let t992 = cos_panda_joint4 * t991;
+    let t993 = sin_panda_joint5 * t965;
+    let t994 = cos_panda_joint5 * t971;
+    let t995 = t993 - t994;
+    let t996 = 0.0016444875773692705 + t995;
+    let t997 = sin_panda_joint4 * t996;
+    let t998 = t992 + t997;
+    let t999 = t807 - t998;
+    let t1000 = 0.00012191242095074308 - t999;
+    let t1001 = 2.0 * t1000;
+    let t1002 = cos_panda_joint3 * t1001;
+    let t1003 = t987 + t1002;
+    let t1004 = sin_panda_joint3 * t1003;
+    let t1005 = t983 - t1004;
+    let t1006 = 0.02307788249493181 + t1005;
+    let t1007 = t985 + t1004;
+    let t1008 = t1007 + t1006;
+    let t1009 = t16 * t1008;
+    let t1010 = cos_panda_joint4 * t978;
+    let t1011 = t975 + t1010;
+    let t1012 = sin_panda_joint4 * t795;
+    let t1013 = cos_panda_joint4 * t797;
+    let t1014 = t1012 - t1013;
+    let t1015 = t1014 - t1011;
+    let t1016 = 0.005487648106562256 - t1015;
+    let t1017 = 3.83030303030303 * t800;
+    let t1018 = t1016 + t1017;
+    let t1019 = cos_panda_joint3 * t1018;
+    let t1020 = sin_panda_joint4 * t991;
+    let t1021 = cos_panda_joint4 * t996;
+    let t1022 = t1020 - t1021;
+    let t1023 = 0.004377257121839584 + t1022;
+    let t1024 = 3.83030303030303 * t818;
+    let t1025 = t1023 + t1024;
+    let t1026 = sin_panda_joint3 * t1025;
+    let t1027 = t1019 - t1026;
+    let t1028 = 0.00398335888393552 - t1027;
+    let t1029 = t37 * t1028;
+    let t1030 = t1009 + t1029;
+    let t1031 = sin_panda_joint3 * t1018;
+    let t1032 = cos_panda_joint3 * t1025;
+    let t1033 = t1031 + t1032;
+    let t1034 = 0.0007689361029464 + t1033;
+    let t1035 = t486 * t1034;
+    let t1036 = t1030 - t1035;
+    let t1037 = sin_panda_joint3 * t800;
+    let t1038 = cos_panda_joint3 * t818;
+    let t1039 = t1037 + t1038;
+    let t1040 = acceleration_panda_joint2_y * t1039;
+    let t1041 = t1040 - t1036;
+    let t1042 = t1041 - t925;
+    let t1043 = moment_panda_joint2_x - t1042;
+    let t1044 = cos_panda_joint2 * t1043;
+    let t1045 = t727 + t781;
+    let t1046 = t900 * t1014;
+    let t1047 = t1045 - t1046;
+    let t1048 = t791 + t815;
+    let t1049 = t1048 + t1047;
+    let t1050 = omega_panda_joint3_y * 0.12323156337888003;
+    let t1051 = omega_panda_joint3_x * 0.004657470654870002;
+    let t1052 = t1051 + t1050;
+    let t1053 = t1052 + t899;
+    let t1054 = 3.83030303030303 * t1053;
+    let t1055 = t1049 + t1054;
+    let t1056 = t890 - t885;
+    let t1057 = t1056 - t1055;
+    let t1058 = t1057 - t888;
+    let t1059 = omega_panda_joint2_y * t1058;
+    let t1060 = t756 + t895;
+    let t1061 = omega_panda_joint3_z * 0.008754514243679169;
+    let t1062 = t1061 + t1060;
+    let t1063 = omega_panda_joint3_z * 0.004657470654870002;
+    let t1064 = t1063 + t789;
+    let t1065 = 3.83030303030303 * t1064;
+    let t1066 = t801 * t1014;
+    let t1067 = t1065 + t1066;
+    let t1068 = t1062 + t1067;
+    let t1069 = cos_panda_joint3 * t1068;
+    let t1070 = sin_panda_joint4 * t835;
+    let t1071 = cos_panda_joint4 * t845;
+    let t1072 = t1070 - t1071;
+    let t1073 = t25 * t1014;
+    let t1074 = t1072 + t1073;
+    let t1075 = omega_panda_joint3_z * 0.010975296213124512;
+    let t1076 = t1075 - t1074;
+    let t1077 = omega_panda_joint3_z * 0.12323156337888003;
+    let t1078 = t1077 + t851;
+    let t1079 = 3.83030303030303 * t1078;
+    let t1080 = t819 * t1014;
+    let t1081 = t1079 - t1080;
+    let t1082 = t1076 + t1081;
+    let t1083 = sin_panda_joint3 * t1082;
+    let t1084 = t1069 + t1083;
+    let t1085 = omega_panda_joint2_y * 0.0015378722058928;
+    let t1086 = v[1] * 2.064324122463762;
+    let t1087 = t1085 - t1086;
+    let t1088 = t1087 + t1084;
+    let t1089 = omega_panda_joint2_x * t1088;
+    let t1090 = t1059 + t1089;
+    let t1091 = t959 + t979;
+    let t1092 = 7.66060606060606 * t1014;
+    let t1093 = t1091 - t1092;
+    let t1094 = 1.032162061231881 + t1093;
+    let t1095 = t1007 + t1094;
+    let t1096 = t37 * t1095;
+    let t1097 = t16 * t1028;
+    let t1098 = t1096 + t1097;
+    let t1099 = cos_panda_joint3 * t1003;
+    let t1100 = t1000 - t1099;
+    let t1101 = 0.01026110182100817 + t1100;
+    let t1102 = t486 * t1101;
+    let t1103 = t1098 + t1102;
+    let t1104 = acceleration_panda_joint2_x * t1039;
+    let t1105 = t1104 + t1103;
+    let t1106 = t1105 + t1090;
+    let t1107 = moment_panda_joint2_y + t1106;
+    let t1108 = sin_panda_joint2 * t1107;
+    let t1109 = t1108 - t1044;
+    let t1110 = t794 - t1049;
+    let t1111 = omega_panda_joint3_x * t1110;
+    let t1112 = omega_panda_joint3_y * t858;
+    let t1113 = t1111 - t1112;
+    let t1114 = t1091 + t983;
+    let t1115 = t23 * t1114;
+    let t1116 = t53 * t1000;
+    let t1117 = t1115 + t1116;
+    let t1118 = t154 * t1023;
+    let t1119 = t1117 - t1118;
+    let t1120 = acceleration_panda_joint3_y * t1014;
+    let t1121 = t1120 + t1119;
+    let t1122 = t1121 - t1113;
+    let t1123 = moment_panda_joint3_x - t1122;
+    let t1124 = omega_panda_joint3_x * t1053;
+    let t1125 = t23 * t1014;
+    let t1126 = t154 * t818;
+    let t1127 = t1125 + t1126;
+    let t1128 = t1127 - t1124;
+    let t1129 = force_panda_joint3_y - t1128;
+    let t1130 = 3.83030303030303 * t1129;
+    let t1131 = t1123 - t1130;
+    let t1132 = sin_panda_joint3 * t1131;
+    let t1133 = t817 - t1049;
+    let t1134 = omega_panda_joint3_y * t1133;
+    let t1135 = omega_panda_joint3_x * t877;
+    let t1136 = t1134 - t1135;
+    let t1137 = t154 * t1016;
+    let t1138 = t1091 + t985;
+    let t1139 = t53 * t1138;
+    let t1140 = t23 * t1000;
+    let t1141 = t1139 + t1140;
+    let t1142 = t1141 + t1137;
+    let t1143 = acceleration_panda_joint3_x * t1014;
+    let t1144 = t1143 + t1142;
+    let t1145 = t1144 + t1136;
+    let t1146 = moment_panda_joint3_y + t1145;
+    let t1147 = omega_panda_joint3_y * t1053;
+    let t1148 = t154 * t800;
+    let t1149 = t53 * t1014;
+    let t1150 = t1148 - t1149;
+    let t1151 = t1150 - t1147;
+    let t1152 = force_panda_joint3_x + t1151;
+    let t1153 = 3.83030303030303 * t1152;
+    let t1154 = t1146 + t1153;
+    let t1155 = cos_panda_joint3 * t1154;
+    let t1156 = t1155 - t1132;
+    let t1157 = sin_panda_joint2 * t1156;
+    let t1158 = omega_panda_joint3_y * t907;
+    let t1159 = omega_panda_joint3_x * t917;
+    let t1160 = t1158 + t1159;
+    let t1161 = t983 + t985;
+    let t1162 = t154 * t1161;
+    let t1163 = t53 * t1016;
+    let t1164 = t1162 + t1163;
+    let t1165 = t23 * t1023;
+    let t1166 = t1164 - t1165;
+    let t1167 = acceleration_panda_joint3_x * t800;
+    let t1168 = acceleration_panda_joint3_y * t818;
+    let t1169 = t1167 - t1168;
+    let t1170 = t1169 - t1166;
+    let t1171 = t1170 + t1160;
+    let t1172 = cos_panda_joint2 * t1171;
+    let t1173 = t1157 - t1172;
+    let t1174 = t707 - t812;
+    let t1175 = omega_panda_joint4_x * t1174;
+    let t1176 = omega_panda_joint4_y * t756;
+    let t1177 = t1175 + t1176;
+    let t1178 = t984 - t955;
+    let t1179 = t42 * t1178;
+    let t1180 = t74 * t975;
+    let t1181 = t1179 + t1180;
+    let t1182 = t418 * t996;
+    let t1183 = t1181 + t1182;
+    let t1184 = acceleration_panda_joint4_y * t807;
+    let t1185 = t1184 + t1183;
+    let t1186 = t1185 - t1177;
+    let t1187 = moment_panda_joint4_x - t1186;
+    let t1188 = sin_panda_joint4 * t1187;
+    let t1189 = t727 - t812;
+    let t1190 = omega_panda_joint4_y * t1189;
+    let t1191 = omega_panda_joint4_x * t777;
+    let t1192 = t1190 + t1191;
+    let t1193 = t418 * t991;
+    let t1194 = t984 - t959;
+    let t1195 = t74 * t1194;
+    let t1196 = t42 * t975;
+    let t1197 = t1195 + t1196;
+    let t1198 = t1197 + t1193;
+    let t1199 = acceleration_panda_joint4_x * t807;
+    let t1200 = t1199 + t1198;
+    let t1201 = t1200 + t1192;
+    let t1202 = moment_panda_joint4_y - t1201;
+    let t1203 = cos_panda_joint4 * t1202;
+    let t1204 = t1203 + t1188;
+    let t1205 = omega_panda_joint4_x * t784;
+    let t1206 = omega_panda_joint4_y * t787;
+    let t1207 = t1206 - t1205;
+    let t1208 = t42 * t795;
+    let t1209 = t74 * t797;
+    let t1210 = t1209 - t1208;
+    let t1211 = t1210 - t1207;
+    let t1212 = 3.83030303030303 * t1211;
+    let t1213 = t1204 + t1212;
+    let t1214 = cos_panda_joint3 * t1213;
+    let t1215 = omega_panda_joint4_y * t835;
+    let t1216 = omega_panda_joint4_x * t845;
+    let t1217 = t1215 - t1216;
+    let t1218 = t955 + t959;
+    let t1219 = t418 * t1218;
+    let t1220 = t74 * t991;
+    let t1221 = t1219 - t1220;
+    let t1222 = t42 * t996;
+    let t1223 = t1221 - t1222;
+    let t1224 = acceleration_panda_joint4_y * t797;
+    let t1225 = acceleration_panda_joint4_x * t795;
+    let t1226 = t1225 + t1224;
+    let t1227 = t1226 + t1223;
+    let t1228 = t1227 + t1217;
+    let t1229 = omega_panda_joint4_y * t851;
+    let t1230 = t418 * t795;
+    let t1231 = t74 * t807;
+    let t1232 = t1230 - t1231;
+    let t1233 = t1232 + t1229;
+    let t1234 = force_panda_joint4_x + t1233;
+    let t1235 = cos_panda_joint4 * t1234;
+    let t1236 = omega_panda_joint4_x * t851;
+    let t1237 = t42 * t807;
+    let t1238 = t418 * t797;
+    let t1239 = t1237 - t1238;
+    let t1240 = t1239 + t1236;
+    let t1241 = force_panda_joint4_y - t1240;
+    let t1242 = sin_panda_joint4 * t1241;
+    let t1243 = t1242 + t1235;
+    let t1244 = t1228 - t1243;
+    let t1245 = sin_panda_joint4 * t1234;
+    let t1246 = cos_panda_joint4 * t1241;
+    let t1247 = t1246 - t1245;
+    let t1248 = 3.83030303030303 * t1247;
+    let t1249 = t1244 + t1248;
+    let t1250 = sin_panda_joint3 * t1249;
+    let t1251 = t1214 - t1250;
+    let t1252 = sin_panda_joint2 * t1251;
+    let t1253 = cos_panda_joint4 * t1187;
+    let t1254 = sin_panda_joint4 * t1202;
+    let t1255 = t1254 - t1253;
+    let t1256 = t1211 - t1255;
+    let t1257 = cos_panda_joint2 * t1256;
+    let t1258 = t1252 + t1257;
+    let t1259 = t608 - t710;
+    let t1260 = omega_panda_joint5_x * t1259;
+    let t1261 = omega_panda_joint5_y * t655;
+    let t1262 = t1260 - t1261;
+    let t1263 = t956 + t937;
+    let t1264 = t63 * t1263;
+    let t1265 = t114 * t947;
+    let t1266 = t1264 + t1265;
+    let t1267 = t188 * t970;
+    let t1268 = t1266 - t1267;
+    let t1269 = acceleration_panda_joint5_y * t721;
+    let t1270 = t1269 + t1268;
+    let t1271 = t1270 + t1262;
+    let t1272 = moment_panda_joint5_x - t1271;
+    let t1273 = omega_panda_joint5_x * t717;
+    let t1274 = t63 * t721;
+    let t1275 = t188 * t628;
+    let t1276 = t1274 + t1275;
+    let t1277 = t1276 - t1273;
+    let t1278 = force_panda_joint5_y + t1277;
+    let t1279 = t1278 - t1272;
+    let t1280 = cos_panda_joint5 * t1279;
+    let t1281 = t625 - t710;
+    let t1282 = omega_panda_joint5_y * t1281;
+    let t1283 = omega_panda_joint5_x * t676;
+    let t1284 = t1282 + t1283;
+    let t1285 = t956 - t938;
+    let t1286 = t114 * t1285;
+    let t1287 = t63 * t947;
+    let t1288 = t1286 + t1287;
+    let t1289 = t188 * t964;
+    let t1290 = t1288 - t1289;
+    let t1291 = acceleration_panda_joint5_x * t721;
+    let t1292 = t1291 + t1290;
+    let t1293 = t1292 - t1284;
+    let t1294 = moment_panda_joint5_y - t1293;
+    let t1295 = omega_panda_joint5_y * t717;
+    let t1296 = t114 * t721;
+    let t1297 = t188 * t614;
+    let t1298 = t1297 + t1296;
+    let t1299 = t1298 + t1295;
+    let t1300 = force_panda_joint5_x + t1299;
+    let t1301 = t1300 - t1294;
+    let t1302 = sin_panda_joint5 * t1301;
+    let t1303 = t1302 - t1280;
+    let t1304 = omega_panda_joint5_x * t692;
+    let t1305 = omega_panda_joint5_y * t700;
+    let t1306 = t1305 - t1304;
+    let t1307 = t63 * t614;
+    let t1308 = t114 * t628;
+    let t1309 = t1308 - t1307;
+    let t1310 = t1309 + t1306;
+    let t1311 = 0.21484375 * t1310;
+    let t1312 = t1311 + t1303;
+    let t1313 = t175 * t1300;
+    let t1314 = t165 * t1278;
+    let t1315 = t1314 - t1313;
+    let t1316 = sin_panda_joint4 * t1315;
+    let t1317 = cos_panda_joint4 * t1311;
+    let t1318 = t1316 - t1317;
+    let t1319 = t1312 + t1318;
+    let t1320 = cos_panda_joint4 * t1315;
+    let t1321 = sin_panda_joint4 * t1311;
+    let t1322 = t1320 + t1321;
+    let t1323 = 3.83030303030303 * t1322;
+    let t1324 = t1319 - t1323;
+    let t1325 = sin_panda_joint3 * t1324;
+    let t1326 = sin_panda_joint5 * t1279;
+    let t1327 = cos_panda_joint5 * t1301;
+    let t1328 = t1327 + t1326;
+    let t1329 = cos_panda_joint4 * t1328;
+    let t1330 = t165 * t1300;
+    let t1331 = t175 * t1278;
+    let t1332 = t1331 + t1330;
+    let t1333 = omega_panda_joint5_y * t735;
+    let t1334 = omega_panda_joint5_x * t743;
+    let t1335 = t1333 + t1334;
+    let t1336 = t937 - t938;
+    let t1337 = t188 * t1336;
+    let t1338 = t114 * t964;
+    let t1339 = t1337 - t1338;
+    let t1340 = t63 * t970;
+    let t1341 = t1339 - t1340;
+    let t1342 = acceleration_panda_joint5_y * t628;
+    let t1343 = acceleration_panda_joint5_x * t614;
+    let t1344 = t1343 + t1342;
+    let t1345 = t1344 + t1341;
+    let t1346 = t1345 - t1335;
+    let t1347 = t1346 + t1332;
+    let t1348 = sin_panda_joint4 * t1347;
+    let t1349 = t1329 - t1348;
+    let t1350 = 3.83030303030303 * t1332;
+    let t1351 = t1349 + t1350;
+    let t1352 = cos_panda_joint3 * t1351;
+    let t1353 = t1352 - t1325;
+    let t1354 = sin_panda_joint2 * t1353;
+    let t1355 = sin_panda_joint4 * t1328;
+    let t1356 = cos_panda_joint4 * t1347;
+    let t1357 = t1355 + t1356;
+    let t1358 = t1332 - t1357;
+    let t1359 = cos_panda_joint2 * t1358;
+    let t1360 = t1354 + t1359;
+    let t1361 = t594 - t622;
+    let t1362 = omega_panda_joint6_x * t1361;
+    let t1363 = omega_panda_joint6_y * t578;
+    let t1364 = t1362 - t1363;
+    let t1365 = t84 * t930;
+    let t1366 = t138 + t935;
+    let t1367 = t101 * t1366;
+    let t1368 = t1367 - t1365;
+    let t1369 = t219 * t944;
+    let t1370 = t1368 + t1369;
+    let t1371 = t196 * acceleration_panda_joint6_y;
+    let t1372 = t1371 - t1370;
+    let t1373 = t1372 + t1364;
+    let t1374 = moment_panda_joint6_x + t1373;
+    let t1375 = sin_panda_joint6 * t1374;
+    let t1376 = t599 + t622;
+    let t1377 = omega_panda_joint6_y * t1376;
+    let t1378 = omega_panda_joint6_x * t583;
+    let t1379 = t1377 - t1378;
+    let t1380 = t101 * t930;
+    let t1381 = t96 - 0.03293675559757119;
+    let t1382 = t84 * t1381;
+    let t1383 = t1382 + t1380;
+    let t1384 = t219 * t942;
+    let t1385 = t1383 - t1384;
+    let t1386 = t196 * acceleration_panda_joint6_x;
+    let t1387 = t1386 + t1385;
+    let t1388 = t1387 + t1379;
+    let t1389 = moment_panda_joint6_y + t1388;
+    let t1390 = cos_panda_joint6 * t1389;
+    let t1391 = t1390 + t1375;
+    let t1392 = t101 * t610;
+    let t1393 = 0.015294814090072 * t84;
+    let t1394 = t1393 - t1392;
+    let t1395 = omega_panda_joint6_x * t688;
+    let t1396 = omega_panda_joint6_y * t685;
+    let t1397 = t1396 - t1395;
+    let t1398 = t1394 - t1397;
+    let t1399 = 4.363636363636364 * t1398;
+    let t1400 = t1399 + t1391;
+    let t1401 = sin_panda_joint5 * t1400;
+    let t1402 = t196 * t84;
+    let t1403 = t219 * t610;
+    let t1404 = t1403 + t1402;
+    let t1405 = omega_panda_joint6_y * t697;
+    let t1406 = t1404 + t1405;
+    let t1407 = force_panda_joint6_x + t1406;
+    let t1408 = t190 * t1407;
+    let t1409 = t196 * t101;
+    let t1410 = 0.015294814090072 * t219;
+    let t1411 = t1409 + t1410;
+    let t1412 = omega_panda_joint6_x * t697;
+    let t1413 = t1411 - t1412;
+    let t1414 = force_panda_joint6_y + t1413;
+    let t1415 = t179 * t1414;
+    let t1416 = t1415 - t1408;
+    let t1417 = 0.015294814090072 * acceleration_panda_joint6_y;
+    let t1418 = acceleration_panda_joint6_x * t610;
+    let t1419 = t1418 + t1417;
+    let t1420 = t84 * t942;
+    let t1421 = 0.050456677916247444 + t927;
+    let t1422 = t219 * t1421;
+    let t1423 = t1422 + t1420;
+    let t1424 = t101 * t944;
+    let t1425 = t1423 + t1424;
+    let t1426 = t1419 - t1425;
+    let t1427 = omega_panda_joint6_y * t643;
+    let t1428 = omega_panda_joint6_x * t649;
+    let t1429 = t1427 - t1428;
+    let t1430 = t1426 - t1429;
+    let t1431 = t1430 + t1416;
+    let t1432 = cos_panda_joint5 * t1431;
+    let t1433 = t1401 + t1432;
+    let t1434 = t179 * t1407;
+    let t1435 = t190 * t1414;
+    let t1436 = t1435 + t1434;
+    let t1437 = 0.21484375 * t1436;
+    let t1438 = t1437 + t1433;
+    let t1439 = t165 * t1416;
+    let t1440 = t175 * t1399;
+    let t1441 = t1439 + t1440;
+    let t1442 = sin_panda_joint4 * t1441;
+    let t1443 = cos_panda_joint4 * t1437;
+    let t1444 = t1442 + t1443;
+    let t1445 = t1438 - t1444;
+    let t1446 = cos_panda_joint4 * t1441;
+    let t1447 = sin_panda_joint4 * t1437;
+    let t1448 = t1446 - t1447;
+    let t1449 = 3.83030303030303 * t1448;
+    let t1450 = t1445 + t1449;
+    let t1451 = sin_panda_joint3 * t1450;
+    let t1452 = cos_panda_joint5 * t1400;
+    let t1453 = sin_panda_joint5 * t1431;
+    let t1454 = t1452 - t1453;
+    let t1455 = cos_panda_joint4 * t1454;
+    let t1456 = cos_panda_joint6 * t1374;
+    let t1457 = sin_panda_joint6 * t1389;
+    let t1458 = t1457 - t1456;
+    let t1459 = t175 * t1416;
+    let t1460 = t165 * t1399;
+    let t1461 = t1459 - t1460;
+    let t1462 = t1458 - t1461;
+    let t1463 = sin_panda_joint4 * t1462;
+    let t1464 = t1455 - t1463;
+    let t1465 = 3.83030303030303 * t1461;
+    let t1466 = t1464 - t1465;
+    let t1467 = cos_panda_joint3 * t1466;
+    let t1468 = t1467 - t1451;
+    let t1469 = sin_panda_joint2 * t1468;
+    let t1470 = sin_panda_joint4 * t1454;
+    let t1471 = cos_panda_joint4 * t1462;
+    let t1472 = t1470 + t1471;
+    let t1473 = t1461 + t1472;
+    let t1474 = cos_panda_joint2 * t1473;
+    let t1475 = t1469 - t1474;
+    let t1476 = t133 * t107;
+    let t1477 = t138 * t119;
+    let t1478 = t1477 - t1476;
+    let t1479 = t110 * t235;
+    let t1480 = t1478 + t1479;
+    let t1481 = t617 + t596;
+    let t1482 = omega_panda_joint6_z * t1481;
+    let t1483 = omega_panda_joint6_x * t668;
+    let t1484 = t1482 + t1483;
+    let t1485 = t1480 - t1484;
+    let t1486 = moment_panda_joint7_y - t1485;
+    let t1487 = cos_panda_joint6 * t1486;
+    let t1488 = t206 * acceleration_panda_joint7_x;
+    let t1489 = t196 * acceleration_panda_joint7_y;
+    let t1490 = t1488 + t1489;
+    let t1491 = t122 * t107;
+    let t1492 = t110 * t119;
+    let t1493 = t97 + t138;
+    let t1494 = t235 * t1493;
+    let t1495 = t1494 + t1492;
+    let t1496 = t1495 - t1491;
+    let t1497 = t1490 - t1496;
+    let t1498 = omega_panda_joint6_x * t660;
+    let t1499 = omega_panda_joint6_z * t573;
+    let t1500 = t1499 - t1498;
+    let t1501 = t1497 - t1500;
+    let t1502 = omega_panda_joint6_z * t569;
+    let t1503 = t206 * t235;
+    let t1504 = t1503 - t1502;
+    let t1505 = force_panda_joint7_x + t1504;
+    let t1506 = t1501 - t1505;
+    let t1507 = sin_panda_joint6 * t1506;
+    let t1508 = t1487 - t1507;
+    let t1509 = 4.363636363636364 * t1505;
+    let t1510 = t1509 + t1508;
+    let t1511 = sin_panda_joint5 * t1510;
+    let t1512 = t97 * t107;
+    let t1513 = t133 * t119;
+    let t1514 = t1512 - t1513;
+    let t1515 = t122 * t235;
+    let t1516 = t1514 - t1515;
+    let t1517 = t588 - t596;
+    let t1518 = omega_panda_joint6_x * t1517;
+    let t1519 = omega_panda_joint6_z * t638;
+    let t1520 = t1518 - t1519;
+    let t1521 = t1516 - t1520;
+    let t1522 = moment_panda_joint7_x + t1521;
+    let t1523 = t206 * t107;
+    let t1524 = t196 * t119;
+    let t1525 = t1524 + t1523;
+    let t1526 = omega_panda_joint6_x * t589;
+    let t1527 = omega_panda_joint6_z * t633;
+    let t1528 = t1527 + t1526;
+    let t1529 = t1525 + t1528;
+    let t1530 = t1529 + t1522;
+    let t1531 = omega_panda_joint6_x * t569;
+    let t1532 = t196 * t235;
+    let t1533 = t1532 - t1531;
+    let t1534 = force_panda_joint7_y + t1533;
+    let t1535 = t179 * t1534;
+    let t1536 = t190 * t1529;
+    let t1537 = t1535 + t1536;
+    let t1538 = t1530 + t1537;
+    let t1539 = cos_panda_joint5 * t1538;
+    let t1540 = t1511 - t1539;
+    let t1541 = t190 * t1534;
+    let t1542 = t179 * t1529;
+    let t1543 = t1541 - t1542;
+    let t1544 = 0.21484375 * t1543;
+    let t1545 = t1544 - t1540;
+    let t1546 = t165 * t1537;
+    let t1547 = t175 * t1509;
+    let t1548 = t1546 - t1547;
+    let t1549 = sin_panda_joint4 * t1548;
+    let t1550 = cos_panda_joint4 * t1544;
+    let t1551 = t1549 + t1550;
+    let t1552 = t1545 - t1551;
+    let t1553 = cos_panda_joint4 * t1548;
+    let t1554 = sin_panda_joint4 * t1544;
+    let t1555 = t1553 - t1554;
+    let t1556 = 3.83030303030303 * t1555;
+    let t1557 = t1552 + t1556;
+    let t1558 = sin_panda_joint3 * t1557;
+    let t1559 = cos_panda_joint5 * t1510;
+    let t1560 = sin_panda_joint5 * t1538;
+    let t1561 = t1559 + t1560;
+    let t1562 = cos_panda_joint4 * t1561;
+    let t1563 = sin_panda_joint6 * t1486;
+    let t1564 = cos_panda_joint6 * t1506;
+    let t1565 = t1563 + t1564;
+    let t1566 = t175 * t1537;
+    let t1567 = t165 * t1509;
+    let t1568 = t1566 + t1567;
+    let t1569 = t1565 + t1568;
+    let t1570 = sin_panda_joint4 * t1569;
+    let t1571 = t1562 - t1570;
+    let t1572 = 3.83030303030303 * t1568;
+    let t1573 = t1571 + t1572;
+    let t1574 = cos_panda_joint3 * t1573;
+    let t1575 = t1574 + t1558;
+    let t1576 = sin_panda_joint2 * t1575;
+    let t1577 = sin_panda_joint4 * t1561;
+    let t1578 = cos_panda_joint4 * t1569;
+    let t1579 = t1577 + t1578;
+    let t1580 = t1568 - t1579;
+    let t1581 = cos_panda_joint2 * t1580;
+    let t1582 = t1576 + t1581;
+    let t1583 = cos_panda_joint3 * t882;
+    let t1584 = t879 - t1583;
+    let t1585 = omega_panda_joint2_y * 0.04615576498986362;
+    let t1586 = omega_panda_joint2_x * 0.00796671776787104;
+    let t1587 = t1586 - t1585;
+    let t1588 = t1587 + t1584;
+    let t1589 = omega_panda_joint2_y * t1588;
+    let t1590 = sin_panda_joint3 * t1068;
+    let t1591 = cos_panda_joint3 * t1082;
+    let t1592 = t1590 - t1591;
+    let t1593 = omega_panda_joint2_y * 0.00796671776787104;
+    let t1594 = omega_panda_joint2_x * 2.064324122463762;
+    let t1595 = t1594 - t1593;
+    let t1596 = t1595 - t1592;
+    let t1597 = omega_panda_joint2_x * t1596;
+    let t1598 = t1589 - t1597;
+    let t1599 = t1006 + t1094;
+    let t1600 = t486 * t1599;
+    let t1601 = t37 * t1101;
+    let t1602 = t1600 + t1601;
+    let t1603 = t16 * t1034;
+    let t1604 = t1602 - t1603;
+    let t1605 = cos_panda_joint3 * t800;
+    let t1606 = sin_panda_joint3 * t818;
+    let t1607 = t1605 - t1606;
+    let t1608 = 0.000167639551695 - t1607;
+    let t1609 = acceleration_panda_joint2_x * t1608;
+    let t1610 = 0.27592125358974007 - t1014;
+    let t1611 = acceleration_panda_joint2_y * t1610;
+    let t1612 = t1609 + t1611;
+    let t1613 = t1612 + t1604;
+    let t1614 = t1613 + t1598;
+    let t1615 = cos_panda_joint3 * t1131;
+    let t1616 = sin_panda_joint3 * t1154;
+    let t1617 = t1616 + t1615;
+    let t1618 = sin_panda_joint3 * t1213;
+    let t1619 = cos_panda_joint3 * t1249;
+    let t1620 = t1618 + t1619;
+    let t1621 = cos_panda_joint3 * t1324;
+    let t1622 = sin_panda_joint3 * t1351;
+    let t1623 = t1622 + t1621;
+    let t1624 = cos_panda_joint3 * t1450;
+    let t1625 = sin_panda_joint3 * t1466;
+    let t1626 = t1625 + t1624;
+    let t1627 = cos_panda_joint3 * t1557;
+    let t1628 = sin_panda_joint3 * t1573;
+    let t1629 = t1628 - t1627;
+    let t1630 = t794 + t817;
+    let t1631 = t802 + t820;
+    let t1632 = t1630 + t1631;
+    let t1633 = omega_panda_joint2_x * t1632;
+    let t1634 = omega_panda_joint2_y * t919;
+    let t1635 = t1634 + t1633;
+    let t1636 = t37 * t1027;
+    let t1637 = t16 * t1161;
+    let t1638 = t1636 - t1637;
+    let t1639 = t486 * t1033;
+    let t1640 = t1638 + t1639;
+    let t1641 = t1040 + t1640;
+    let t1642 = t1641 - t1635;
+    let t1643 = t847 + t852;
+    [
+        sin_panda_joint2,
+        cos_panda_joint2,
+        sin_panda_joint3,
+        cos_panda_joint3,
+        sin_panda_joint4,
+        cos_panda_joint4,
+        sin_panda_joint5,
+        cos_panda_joint5,
+        sin_panda_joint6,
+        cos_panda_joint6,
+        cos_panda_joint7,
+        omega_panda_joint2_y,
+        t16,
+        omega_panda_joint2_x,
+        t23,
+        t25,
+        omega_panda_joint3_y,
+        omega_panda_joint3_x,
+        t37,
+        t42,
+        t44,
+        omega_panda_joint4_y,
+        t53,
+        omega_panda_joint4_x,
+        t63,
+        omega_panda_joint5_y,
+        t74,
+        omega_panda_joint5_x,
+        t84,
+        omega_panda_joint6_x,
+        t97,
+        t101,
+        t102,
+        omega_panda_joint6_y,
+        t110,
+        t114,
+        t122,
+        t138,
+        acceleration_panda_joint2_x,
+        acceleration_panda_joint3_x,
+        t154,
+        acceleration_panda_joint2_y,
+        acceleration_panda_joint4_x,
+        t165,
+        acceleration_panda_joint3_y,
+        t175,
+        acceleration_panda_joint5_x,
+        t179,
+        acceleration_panda_joint4_y,
+        t188,
+        t190,
+        t196,
+        acceleration_panda_joint5_y,
+        t206,
+        t219,
+        t418,
+        t486,
+        t535,
+        t555,
+        t557,
+        t559,
+        t561,
+        t563,
+        t565,
+        t566,
+        t567,
+        t568,
+        t571,
+        t573,
+        t579,
+        t588,
+        t589,
+        t594,
+        t596,
+        t599,
+        t608,
+        t609,
+        t610,
+        t613,
+        t615,
+        t617,
+        t618,
+        t619,
+        t625,
+        t626,
+        t629,
+        t633,
+        t645,
+        t651,
+        t656,
+        t659,
+        t661,
+        t662,
+        t664,
+        t670,
+        t677,
+        t685,
+        t688,
+        t692,
+        t700,
+        t707,
+        t721,
+        t727,
+        t745,
+        t749,
+        t750,
+        t759,
+        t760,
+        t766,
+        t768,
+        t769,
+        t784,
+        t787,
+        t795,
+        t797,
+        t799,
+        t801,
+        t807,
+        t808,
+        t809,
+        t819,
+        t860,
+        t863,
+        t869,
+        t871,
+        t888,
+        t892,
+        t900,
+        t907,
+        t917,
+        t919,
+        t923,
+        t930,
+        t942,
+        t944,
+        t946,
+        t947,
+        t964,
+        t969,
+        t970,
+        t973,
+        t975,
+        t991,
+        t995,
+        t996,
+        t998,
+        t1000,
+        t1006,
+        t1007,
+        t1008,
+        t1014,
+        t1016,
+        t1022,
+        t1023,
+        t1027,
+        t1028,
+        t1033,
+        t1034,
+        t1046,
+        t1057,
+        t1062,
+        t1064,
+        t1074,
+        t1076,
+        t1078,
+        t1080,
+        t1088,
+        t1094,
+        t1095,
+        t1101,
+        t1109,
+        t1114,
+        t1120,
+        t1138,
+        t1161,
+        t1171,
+        t1173,
+        t1178,
+        t1184,
+        t1194,
+        t1218,
+        t1228,
+        t1256,
+        t1258,
+        t1263,
+        t1269,
+        t1285,
+        t1312,
+        t1336,
+        t1346,
+        t1358,
+        t1360,
+        t1366,
+        t1371,
+        t1381,
+        t1421,
+        t1430,
+        t1438,
+        t1458,
+        t1473,
+        t1475,
+        t1493,
+        t1501,
+        t1530,
+        t1545,
+        t1565,
+        t1580,
+        t1582,
+        t1583,
+        t1588,
+        t1596,
+        t1599,
+        t1614,
+        t1617,
+        t1620,
+        t1623,
+        t1626,
+        t1629,
+        t1630,
+        t1632,
+        t1642,
+        t1643,
+    ]
+}
+
+/// Part 2 of `inverse_dynamics_derivatives_and_mass_matrix`: values that later parts read.
+#[inline(never)]
+fn inverse_dynamics_derivatives_and_mass_matrix_part_2(
+    v: &[f64; N],
+    [sin_panda_joint2,
+    cos_panda_joint2,
+    sin_panda_joint3,
+    cos_panda_joint3,
+    sin_panda_joint4,
+    cos_panda_joint4,
+    sin_panda_joint5,
+    cos_panda_joint5,
+    sin_panda_joint6,
+    cos_panda_joint6,
+    cos_panda_joint7,
+    omega_panda_joint2_y,
+    t16,
+    omega_panda_joint2_x,
+    t23,
+    t25,
+    omega_panda_joint3_y,
+    omega_panda_joint3_x,
+    t37,
+    t42,
+    t44,
+    omega_panda_joint4_y,
+    t53,
+    omega_panda_joint4_x,
+    t63,
+    omega_panda_joint5_y,
+    t74,
+    omega_panda_joint5_x,
+    t84,
+    omega_panda_joint6_x,
+    t97,
+    t101,
+    t102,
+    omega_panda_joint6_y,
+    t110,
+    t114,
+    t122,
+    t138,
+    acceleration_panda_joint2_x,
+    acceleration_panda_joint3_x,
+    t154,
+    acceleration_panda_joint2_y,
+    acceleration_panda_joint4_x,
+    t165,
+    acceleration_panda_joint3_y,
+    t175,
+    acceleration_panda_joint5_x,
+    t179,
+    acceleration_panda_joint4_y,
+    t188,
+    t190,
+    t196,
+    acceleration_panda_joint5_y,
+    t206,
+    t219,
+    t418,
+    t486,
+    t559,
+    t561,
+    t565,
+    t566,
+    t567,
+    t568,
+    t571,
+    t573,
+    t579,
+    t588,
+    t589,
+    t594,
+    t596,
+    t599,
+    t608,
+    t609,
+    t610,
+    t613,
+    t615,
+    t617,
+    t618,
+    t619,
+    t625,
+    t626,
+    t629,
+    t633,
+    t645,
+    t651,
+    t656,
+    t659,
+    t661,
+    t662,
+    t664,
+    t670,
+    t677,
+    t685,
+    t688,
+    t692,
+    t700,
+    t707,
+    t721,
+    t727,
+    t745,
+    t749,
+    t750,
+    t759,
+    t760,
+    t766,
+    t768,
+    t769,
+    t784,
+    t787,
+    t795,
+    t797,
+    t799,
+    t801,
+    t807,
+    t808,
+    t809,
+    t819,
+    t860,
+    t863,
+    t869,
+    t871,
+    t888,
+    t892,
+    t900,
+    t907,
+    t917,
+    t919,
+    t923,
+    t930,
+    t942,
+    t944,
+    t946,
+    t947,
+    t964,
+    t969,
+    t970,
+    t973,
+    t975,
+    t991,
+    t995,
+    t996,
+    t998,
+    t1000,
+    t1006,
+    t1007,
+    t1008,
+    t1014,
+    t1016,
+    t1022,
+    t1023,
+    t1027,
+    t1028,
+    t1033,
+    t1034,
+    t1046,
+    t1057,
+    t1062,
+    t1064,
+    t1074,
+    t1076,
+    t1078,
+    t1080,
+    t1088,
+    t1094,
+    t1095,
+    t1101,
+    t1114,
+    t1120,
+    t1138,
+    t1161,
+    t1173,
+    t1178,
+    t1184,
+    t1194,
+    t1218,
+    t1228,
+    t1256,
+    t1258,
+    t1263,
+    t1269,
+    t1285,
+    t1336,
+    t1346,
+    t1366,
+    t1371,
+    t1381,
+    t1421,
+    t1458,
+    t1473,
+    t1493,
+    t1530,
+    t1545,
+    t1565,
+    t1583,
+    t1588,
+    t1596,
+    t1614,
+    t1623,
+    t1626,
+    t1629,
+    t1630,
+    t1632,
+    t1643,
+    ]: [f64; 203],
+) -> [f64; 101] {
+    let t1644 = t819 * t799;
+    let t1645 = t1643 + t1644;
+    let t1646 = cos_panda_joint3 * t1645;
+    let t1647 = t707 + t727;
+    let t1648 = t1046 - t1647;
+    let t1649 = t801 * t799;
+    let t1650 = t1648 - t1649;
+    let t1651 = sin_panda_joint3 * t1650;
+    let t1652 = t1646 - t1651;
+    let t1653 = omega_panda_joint2_y * t1652;
+    let t1654 = t1074 + t1080;
+    let t1655 = omega_panda_joint2_x * t1654;
+    let t1656 = t1653 + t1655;
+    let t1657 = t1218 - t799;
+    let t1658 = 3.83030303030303 * t1014;
+    let t1659 = t1658 - t1657;
+    let t1660 = sin_panda_joint3 * t1659;
+    let t1661 = cos_panda_joint3 * t998;
+    let t1662 = t1661 - t1660;
+    let t1663 = t37 * t1662;
+    let t1664 = t16 * t1022;
+    let t1665 = t1663 + t1664;
+    let t1666 = cos_panda_joint3 * t1659;
+    let t1667 = sin_panda_joint3 * t998;
+    let t1668 = t1667 + t1666;
+    let t1669 = t486 * t1668;
+    let t1670 = t1665 + t1669;
+    let t1671 = cos_panda_joint3 * t1014;
+    let t1672 = acceleration_panda_joint2_y * t1671;
+    let t1673 = acceleration_panda_joint2_x * t799;
+    let t1674 = t1672 - t1673;
+    let t1675 = t1670 + t1674;
+    let t1676 = t1675 - t1656;
+    let t1677 = omega_panda_joint3_y * t1643;
+    let t1678 = omega_panda_joint3_x * t1648;
+    let t1679 = t1677 + t1678;
+    let t1680 = t23 * t1657;
+    let t1681 = t53 * t998;
+    let t1682 = t1681 + t1680;
+    let t1683 = t154 * t1022;
+    let t1684 = t1682 - t1683;
+    let t1685 = t1120 + t1684;
+    let t1686 = t1685 - t1679;
+    let t1687 = t608 + t625;
+    let t1688 = t615 - t629;
+    let t1689 = t1687 - t1688;
+    let t1690 = t809 + t1689;
+    let t1691 = sin_panda_joint4 * t1690;
+    let t1692 = t745 - t750;
+    let t1693 = cos_panda_joint4 * t1692;
+    let t1694 = t1693 - t1691;
+    let t1695 = sin_panda_joint4 * t807;
+    let t1696 = t25 * t1695;
+    let t1697 = t900 * t749;
+    let t1698 = t1696 - t1697;
+    let t1699 = t1694 + t1698;
+    let t1700 = t819 * t1695;
+    let t1701 = t1699 + t1700;
+    let t1702 = cos_panda_joint3 * t1701;
+    let t1703 = cos_panda_joint4 * t807;
+    let t1704 = t900 * t1703;
+    let t1705 = t869 - t1704;
+    let t1706 = t801 * t1695;
+    let t1707 = t1705 - t1706;
+    let t1708 = sin_panda_joint3 * t1707;
+    let t1709 = t1702 - t1708;
+    let t1710 = omega_panda_joint2_y * t1709;
+    let t1711 = cos_panda_joint4 * t1690;
+    let t1712 = sin_panda_joint4 * t1692;
+    let t1713 = t1712 + t1711;
+    let t1714 = t25 * t1703;
+    let t1715 = t1713 - t1714;
+    let t1716 = t819 * t1703;
+    let t1717 = t801 * t749;
+    let t1718 = t1717 + t1716;
+    let t1719 = t1715 - t1718;
+    let t1720 = omega_panda_joint2_x * t1719;
+    let t1721 = t1710 + t1720;
+    let t1722 = cos_panda_joint4 * t973;
+    let t1723 = t1336 + t749;
+    let t1724 = sin_panda_joint4 * t1723;
+    let t1725 = t1722 - t1724;
+    let t1726 = 3.83030303030303 * t749;
+    let t1727 = t1725 + t1726;
+    let t1728 = cos_panda_joint3 * t1727;
+    let t1729 = t995 - t1695;
+    let t1730 = 3.83030303030303 * t1703;
+    let t1731 = t1729 + t1730;
+    let t1732 = sin_panda_joint3 * t1731;
+    let t1733 = t1728 - t1732;
+    let t1734 = t37 * t1733;
+    let t1735 = sin_panda_joint4 * t973;
+    let t1736 = cos_panda_joint4 * t1723;
+    let t1737 = t1735 + t1736;
+    let t1738 = t749 - t1737;
+    let t1739 = t16 * t1738;
+    let t1740 = t1734 - t1739;
+    let t1741 = sin_panda_joint3 * t1727;
+    let t1742 = cos_panda_joint3 * t1731;
+    let t1743 = t1741 + t1742;
+    let t1744 = t486 * t1743;
+    let t1745 = t1740 + t1744;
+    let t1746 = cos_panda_joint3 * t1703;
+    let t1747 = sin_panda_joint3 * t749;
+    let t1748 = t1746 + t1747;
+    let t1749 = acceleration_panda_joint2_y * t1748;
+    let t1750 = acceleration_panda_joint2_x * t1695;
+    let t1751 = t1749 + t1750;
+    let t1752 = t1745 + t1751;
+    let t1753 = t1752 + t1721;
+    let t1754 = omega_panda_joint3_y * t1699;
+    let t1755 = omega_panda_joint3_x * t1705;
+    let t1756 = t1754 + t1755;
+    let t1757 = t154 * t1738;
+    let t1758 = t53 * t1725;
+    let t1759 = t23 * t1729;
+    let t1760 = t1758 - t1759;
+    let t1761 = t1760 + t1757;
+    let t1762 = acceleration_panda_joint3_y * t1703;
+    let t1763 = acceleration_panda_joint3_x * t749;
+    let t1764 = t1762 - t1763;
+    let t1765 = t1761 + t1764;
+    let t1766 = t1765 + t1756;
+    let t1767 = omega_panda_joint4_x * t1690;
+    let t1768 = omega_panda_joint4_y * t1692;
+    let t1769 = t1768 + t1767;
+    let t1770 = t74 * t973;
+    let t1771 = t42 * t1723;
+    let t1772 = t1770 - t1771;
+    let t1773 = t418 * t995;
+    let t1774 = t1772 + t1773;
+    let t1775 = t1184 + t1774;
+    let t1776 = t1775 + t1769;
+    let t1777 = t626 * t613;
+    let t1778 = t651 - t1777;
+    let t1779 = cos_panda_joint5 * t1778;
+    let t1780 = t594 - t599;
+    let t1781 = t609 * t613;
+    let t1782 = t1780 + t1781;
+    let t1783 = sin_panda_joint5 * t1782;
+    let t1784 = t1779 - t1783;
+    let t1785 = 0.21484375 * t613;
+    let t1786 = t808 * t1785;
+    let t1787 = t175 * t721;
+    let t1788 = t44 * t1787;
+    let t1789 = t1788 + t1786;
+    let t1790 = t1784 + t1789;
+    let t1791 = cos_panda_joint4 * t1790;
+    let t1792 = t766 - t769;
+    let t1793 = t165 * t721;
+    let t1794 = t808 * t1793;
+    let t1795 = t1792 + t1794;
+    let t1796 = sin_panda_joint4 * t1795;
+    let t1797 = t1791 - t1796;
+    let t1798 = cos_panda_joint4 * t1785;
+    let t1799 = sin_panda_joint4 * t1793;
+    let t1800 = t1799 - t1798;
+    let t1801 = t25 * t1800;
+    let t1802 = t900 * t1787;
+    let t1803 = t1801 + t1802;
+    let t1804 = t1797 + t1803;
+    let t1805 = t819 * t1800;
+    let t1806 = t1804 + t1805;
+    let t1807 = cos_panda_joint3 * t1806;
+    let t1808 = sin_panda_joint5 * t1778;
+    let t1809 = cos_panda_joint5 * t1782;
+    let t1810 = t1808 + t1809;
+    let t1811 = t44 * t1793;
+    let t1812 = t1810 - t1811;
+    let t1813 = sin_panda_joint4 * t1785;
+    let t1814 = cos_panda_joint4 * t1793;
+    let t1815 = t1814 + t1813;
+    let t1816 = t900 * t1815;
+    let t1817 = t1812 - t1816;
+    let t1818 = t801 * t1800;
+    let t1819 = t1817 - t1818;
+    let t1820 = sin_panda_joint3 * t1819;
+    let t1821 = t1807 - t1820;
+    let t1822 = omega_panda_joint2_y * t1821;
+    let t1823 = sin_panda_joint4 * t1790;
+    let t1824 = cos_panda_joint4 * t1795;
+    let t1825 = t1823 + t1824;
+    let t1826 = t25 * t1815;
+    let t1827 = t1825 - t1826;
+    let t1828 = t819 * t1815;
+    let t1829 = t801 * t1787;
+    let t1830 = t1829 - t1828;
+    let t1831 = t1827 + t1830;
+    let t1832 = omega_panda_joint2_x * t1831;
+    let t1833 = t1822 + t1832;
+    let t1834 = sin_panda_joint5 * t946;
+    let t1835 = t1421 + t721;
+    let t1836 = cos_panda_joint5 * t1835;
+    let t1837 = t1834 + t1836;
+    let t1838 = t1785 - t1837;
+    let t1839 = t1838 + t1800;
+    let t1840 = 3.83030303030303 * t1815;
+    let t1841 = t1839 - t1840;
+    let t1842 = sin_panda_joint3 * t1841;
+    let t1843 = cos_panda_joint5 * t946;
+    let t1844 = sin_panda_joint5 * t1835;
+    let t1845 = t1843 - t1844;
+    let t1846 = cos_panda_joint4 * t1845;
+    let t1847 = t969 - t1787;
+    let t1848 = sin_panda_joint4 * t1847;
+    let t1849 = t1846 - t1848;
+    let t1850 = 3.83030303030303 * t1787;
+    let t1851 = t1849 - t1850;
+    let t1852 = cos_panda_joint3 * t1851;
+    let t1853 = t1852 + t1842;
+    let t1854 = t37 * t1853;
+    let t1855 = sin_panda_joint4 * t1845;
+    let t1856 = cos_panda_joint4 * t1847;
+    let t1857 = t1855 + t1856;
+    let t1858 = t1787 + t1857;
+    let t1859 = t16 * t1858;
+    let t1860 = t1854 + t1859;
+    let t1861 = cos_panda_joint3 * t1841;
+    let t1862 = sin_panda_joint3 * t1851;
+    let t1863 = t1862 - t1861;
+    let t1864 = t486 * t1863;
+    let t1865 = t1860 + t1864;
+    let t1866 = cos_panda_joint3 * t1815;
+    let t1867 = sin_panda_joint3 * t1787;
+    let t1868 = t1866 - t1867;
+    let t1869 = acceleration_panda_joint2_y * t1868;
+    let t1870 = acceleration_panda_joint2_x * t1800;
+    let t1871 = t1869 + t1870;
+    let t1872 = t1865 + t1871;
+    let t1873 = t1872 + t1833;
+    let t1874 = omega_panda_joint3_y * t1804;
+    let t1875 = omega_panda_joint3_x * t1817;
+    let t1876 = t1874 + t1875;
+    let t1877 = t154 * t1858;
+    let t1878 = t23 * t1839;
+    let t1879 = t53 * t1849;
+    let t1880 = t1879 + t1878;
+    let t1881 = t1880 - t1877;
+    let t1882 = acceleration_panda_joint3_y * t1815;
+    let t1883 = acceleration_panda_joint3_x * t1787;
+    let t1884 = t1882 + t1883;
+    let t1885 = t1881 + t1884;
+    let t1886 = t1885 + t1876;
+    let t1887 = omega_panda_joint4_y * t1790;
+    let t1888 = omega_panda_joint4_x * t1795;
+    let t1889 = t1887 + t1888;
+    let t1890 = t418 * t1838;
+    let t1891 = t74 * t1845;
+    let t1892 = t42 * t1847;
+    let t1893 = t1891 - t1892;
+    let t1894 = t1893 - t1890;
+    let t1895 = acceleration_panda_joint4_x * t1785;
+    let t1896 = acceleration_panda_joint4_y * t1793;
+    let t1897 = t1896 - t1895;
+    let t1898 = t1894 + t1897;
+    let t1899 = t1898 + t1889;
+    let t1900 = omega_panda_joint5_y * t651;
+    let t1901 = omega_panda_joint5_x * t1780;
+    let t1902 = t1900 + t1901;
+    let t1903 = t63 * t1421;
+    let t1904 = t114 * t946;
+    let t1905 = t1904 - t1903;
+    let t1906 = t188 * t969;
+    let t1907 = t1905 + t1906;
+    let t1908 = t1269 - t1907;
+    let t1909 = t1908 + t1902;
+    let t1910 = t588 - t617;
+    let t1911 = t619 - t1910;
+    let t1912 = sin_panda_joint6 * t1911;
+    let t1913 = t568 - t573;
+    let t1914 = cos_panda_joint6 * t1913;
+    let t1915 = t1914 - t1912;
+    let t1916 = t196 * t190;
+    let t1917 = t626 * t1916;
+    let t1918 = t1915 - t1917;
+    let t1919 = cos_panda_joint5 * t1918;
+    let t1920 = t609 * t1916;
+    let t1921 = t662 - t1920;
+    let t1922 = sin_panda_joint5 * t1921;
+    let t1923 = t1919 + t1922;
+    let t1924 = 0.21484375 * t1916;
+    let t1925 = t808 * t1924;
+    let t1926 = t196 * t179;
+    let t1927 = t175 * t1926;
+    let t1928 = cos_panda_joint7 * 0.0012597535716761534;
+    let t1929 = t165 * t1928;
+    let t1930 = t1927 + t1929;
+    let t1931 = t44 * t1930;
+    let t1932 = t1931 - t1925;
+    let t1933 = t1923 - t1932;
+    let t1934 = cos_panda_joint4 * t1933;
+    let t1935 = cos_panda_joint6 * t1911;
+    let t1936 = sin_panda_joint6 * t1913;
+    let t1937 = t1936 + t1935;
+    let t1938 = t626 * t1926;
+    let t1939 = t609 * t1928;
+    let t1940 = t1939 - t1938;
+    let t1941 = t1937 - t1940;
+    let t1942 = t165 * t1926;
+    let t1943 = t175 * t1928;
+    let t1944 = t1942 - t1943;
+    let t1945 = t808 * t1944;
+    let t1946 = t1941 - t1945;
+    let t1947 = sin_panda_joint4 * t1946;
+    let t1948 = t1934 - t1947;
+    let t1949 = sin_panda_joint4 * t1944;
+    let t1950 = cos_panda_joint4 * t1924;
+    let t1951 = t1949 + t1950;
+    let t1952 = t25 * t1951;
+    let t1953 = t900 * t1930;
+    let t1954 = t1952 + t1953;
+    let t1955 = t1948 - t1954;
+    let t1956 = t819 * t1951;
+    let t1957 = t1955 - t1956;
+    let t1958 = cos_panda_joint3 * t1957;
+    let t1959 = sin_panda_joint5 * t1918;
+    let t1960 = cos_panda_joint5 * t1921;
+    let t1961 = t1959 - t1960;
+    let t1962 = t44 * t1944;
+    let t1963 = t1961 + t1962;
+    let t1964 = cos_panda_joint4 * t1944;
+    let t1965 = sin_panda_joint4 * t1924;
+    let t1966 = t1964 - t1965;
+    let t1967 = t900 * t1966;
+    let t1968 = t1963 + t1967;
+    let t1969 = t801 * t1951;
+    let t1970 = t1968 + t1969;
+    let t1971 = sin_panda_joint3 * t1970;
+    let t1972 = t1958 - t1971;
+    let t1973 = omega_panda_joint2_y * t1972;
+    let t1974 = sin_panda_joint4 * t1933;
+    let t1975 = cos_panda_joint4 * t1946;
+    let t1976 = t1974 + t1975;
+    let t1977 = t25 * t1966;
+    let t1978 = t1976 + t1977;
+    let t1979 = t819 * t1966;
+    let t1980 = t801 * t1930;
+    let t1981 = t1980 - t1979;
+    let t1982 = t1978 - t1981;
+    let t1983 = omega_panda_joint2_x * t1982;
+    let t1984 = t1973 + t1983;
+    let t1985 = t206 + t1493;
+    let t1986 = sin_panda_joint6 * t1985;
+    let t1987 = cos_panda_joint6 * t110;
+    let t1988 = t1987 - t1986;
+    let t1989 = t1928 - t1988;
+    let t1990 = sin_panda_joint5 * t1989;
+    let t1991 = t122 - t1926;
+    let t1992 = cos_panda_joint5 * t1991;
+    let t1993 = t1990 + t1992;
+    let t1994 = t1924 - t1993;
+    let t1995 = t1994 - t1951;
+    let t1996 = 3.83030303030303 * t1966;
+    let t1997 = t1995 + t1996;
+    let t1998 = sin_panda_joint3 * t1997;
+    let t1999 = cos_panda_joint5 * t1989;
+    let t2000 = sin_panda_joint5 * t1991;
+    let t2001 = t1999 - t2000;
+    let t2002 = cos_panda_joint4 * t2001;
+    let t2003 = cos_panda_joint6 * t1985;
+    let t2004 = sin_panda_joint6 * t110;
+    let t2005 = t2004 + t2003;
+    let t2006 = t2005 - t1930;
+    let t2007 = sin_panda_joint4 * t2006;
+    let t2008 = t2002 + t2007;
+    let t2009 = 3.83030303030303 * t1930;
+    let t2010 = t2008 + t2009;
+    let t2011 = cos_panda_joint3 * t2010;
+    let t2012 = t2011 + t1998;
+    let t2013 = t37 * t2012;
+    let t2014 = sin_panda_joint4 * t2001;
+    let t2015 = cos_panda_joint4 * t2006;
+    let t2016 = t2014 - t2015;
+    let t2017 = t1930 - t2016;
+    let t2018 = t16 * t2017;
+    let t2019 = t2013 - t2018;
+    let t2020 = cos_panda_joint3 * t1997;
+    let t2021 = sin_panda_joint3 * t2010;
+    let t2022 = t2021 - t2020;
+    let t2023 = t486 * t2022;
+    let t2024 = t2019 + t2023;
+    let t2025 = cos_panda_joint3 * t1966;
+    let t2026 = sin_panda_joint3 * t1930;
+    let t2027 = t2025 - t2026;
+    let t2028 = acceleration_panda_joint2_y * t2027;
+    let t2029 = acceleration_panda_joint2_x * t1951;
+    let t2030 = t2028 + t2029;
+    let t2031 = t2024 - t2030;
+    let t2032 = t2031 + t1984;
+    let t2033 = omega_panda_joint3_y * t1955;
+    let t2034 = omega_panda_joint3_x * t1968;
+    let t2035 = t2033 + t2034;
+    let t2036 = t154 * t2017;
+    let t2037 = t23 * t1995;
+    let t2038 = t53 * t2008;
+    let t2039 = t2038 + t2037;
+    let t2040 = t2039 + t2036;
+    let t2041 = acceleration_panda_joint3_x * t1930;
+    let t2042 = acceleration_panda_joint3_y * t1966;
+    let t2043 = t2042 + t2041;
+    let t2044 = t2040 - t2043;
+    let t2045 = t2044 + t2035;
+    let t2046 = omega_panda_joint4_y * t1933;
+    let t2047 = omega_panda_joint4_x * t1946;
+    let t2048 = t2046 + t2047;
+    let t2049 = t418 * t1994;
+    let t2050 = t74 * t2001;
+    let t2051 = t42 * t2006;
+    let t2052 = t2050 + t2051;
+    let t2053 = t2052 - t2049;
+    let t2054 = acceleration_panda_joint4_x * t1924;
+    let t2055 = acceleration_panda_joint4_y * t1944;
+    let t2056 = t2055 + t2054;
+    let t2057 = t2053 - t2056;
+    let t2058 = t2057 + t2048;
+    let t2059 = omega_panda_joint5_y * t1915;
+    let t2060 = omega_panda_joint5_x * t662;
+    let t2061 = t2059 - t2060;
+    let t2062 = acceleration_panda_joint5_x * t1928;
+    let t2063 = acceleration_panda_joint5_y * t1926;
+    let t2064 = t2063 + t2062;
+    let t2065 = t122 * t63;
+    let t2066 = t114 * t1988;
+    let t2067 = t2066 + t2065;
+    let t2068 = t188 * t2005;
+    let t2069 = t2067 + t2068;
+    let t2070 = t2069 - t2064;
+    let t2071 = t2070 + t2061;
+    let t2072 = t101 * t1985;
+    let t2073 = t110 * t84;
+    let t2074 = t2073 - t2072;
+    let t2075 = t122 * t219;
+    let t2076 = t2074 - t2075;
+    let t2077 = t1371 + t2076;
+    let t2078 = omega_panda_joint6_x * t1911;
+    let t2079 = omega_panda_joint6_y * t1913;
+    let t2080 = t2079 + t2078;
+    let t2081 = t2077 - t2080;
+    let t2082 = t892 - t1057;
+    let t2083 = sin_panda_joint2 * t2082;
+    let t2084 = t1088 + t923;
+    let t2085 = cos_panda_joint2 * t2084;
+    let t2086 = t2083 + t2085;
+    let t2087 = sin_panda_joint2 * t2086;
+    let t2088 = t892 - t2087;
+    let t2089 = v[0] * 0.00035816594888099995;
+    let t2090 = t2089 - t2088;
+    let t2091 = t2089 - t888;
+    let t2092 = t2090 - t2091;
+    let t2093 = t2092 - 0.003;
+    let t2094 = t860 - t1583;
+    let t2095 = v[1] * 0.0015378722058928;
+    let t2096 = t2095 - t2094;
+    let t2097 = 2.0 * omega_panda_joint2_y;
+    let t2098 = t2097 * t1095;
+    let t2099 = 2.0 * omega_panda_joint2_x;
+    let t2100 = t2099 * t1028;
+    let t2101 = t2098 + t2100;
+    let t2102 = t2096 + t2101;
+    let t2103 = sin_panda_joint2 * t2102;
+    let t2104 = sin_panda_joint3 * t907;
+    let t2105 = cos_panda_joint3 * t917;
+    let t2106 = t2104 + t2105;
+    let t2107 = v[1] * 0.02052220364201634;
+    let t2108 = t2107 - t2106;
+    let t2109 = t2099 * t1008;
+    let t2110 = t2097 * t1028;
+    let t2111 = t2109 + t2110;
+    let t2112 = t2108 + t2111;
+    let t2113 = cos_panda_joint2 * t2112;
+    let t2114 = t2103 - t2113;
+    let t2115 = t900 * t1138;
+    let t2116 = 2.0 * omega_panda_joint3_x;
+    let t2117 = t2116 * t1000;
+    let t2118 = t2115 - t2117;
+    let t2119 = t1062 + t2118;
+    let t2120 = t1046 - t1064;
+    let t2121 = 3.83030303030303 * t2120;
+    let t2122 = t2119 - t2121;
+    let t2123 = cos_panda_joint3 * t2122;
+    let t2124 = t2116 * t1114;
+    let t2125 = t900 * t1000;
+    let t2126 = t2124 - t2125;
+    let t2127 = t1076 - t2126;
+    let t2128 = t2116 * t1014;
+    let t2129 = t1078 + t2128;
+    let t2130 = 3.83030303030303 * t2129;
+    let t2131 = t2127 + t2130;
+    let t2132 = sin_panda_joint3 * t2131;
+    let t2133 = t2123 + t2132;
+    let t2134 = sin_panda_joint2 * t2133;
+    let t2135 = t900 * t1016;
+    let t2136 = t2116 * t1023;
+    let t2137 = t2135 + t2136;
+    let t2138 = t1630 - t2137;
+    let t2139 = cos_panda_joint2 * t2138;
+    let t2140 = t2134 - t2139;
+    let t2141 = t808 * t991;
+    let t2142 = 2.0 * omega_panda_joint4_x;
+    let t2143 = t2142 * t996;
+    let t2144 = t2141 - t2143;
+    let t2145 = t1647 - t2144;
+    let t2146 = t809 + t784;
+    let t2147 = cos_panda_joint4 * t2146;
+    let t2148 = t2142 * t807;
+    let t2149 = t787 + t2148;
+    let t2150 = sin_panda_joint4 * t2149;
+    let t2151 = t2150 - t2147;
+    let t2152 = t2145 - t2151;
+    let t2153 = sin_panda_joint4 * t2146;
+    let t2154 = cos_panda_joint4 * t2149;
+    let t2155 = t2154 + t2153;
+    let t2156 = 3.83030303030303 * t2155;
+    let t2157 = t2152 + t2156;
+    let t2158 = sin_panda_joint3 * t2157;
+    let t2159 = t808 * t1194;
+    let t2160 = t2142 * t975;
+    let t2161 = t2159 - t2160;
+    let t2162 = t863 - t2161;
+    let t2163 = cos_panda_joint4 * t2162;
+    let t2164 = t2142 * t1178;
+    let t2165 = t808 * t975;
+    let t2166 = t2164 - t2165;
+    let t2167 = t871 - t2166;
+    let t2168 = sin_panda_joint4 * t2167;
+    let t2169 = t2163 - t2168;
+    let t2170 = t2142 * t795;
+    let t2171 = t808 * t797;
+    let t2172 = t2171 + t2170;
+    let t2173 = 3.83030303030303 * t2172;
+    let t2174 = t2169 + t2173;
+    let t2175 = cos_panda_joint3 * t2174;
+    let t2176 = t2175 - t2158;
+    let t2177 = sin_panda_joint2 * t2176;
+    let t2178 = sin_panda_joint4 * t2162;
+    let t2179 = cos_panda_joint4 * t2167;
+    let t2180 = t2178 + t2179;
+    let t2181 = t2172 - t2180;
+    let t2182 = cos_panda_joint2 * t2181;
+    let t2183 = t2177 + t2182;
+    let t2184 = t609 * t1285;
+    let t2185 = t626 * t947;
+    let t2186 = t2184 - t2185;
+    let t2187 = t759 - t2186;
+    let t2188 = t692 + t760;
+    let t2189 = t2188 - t2187;
+    let t2190 = sin_panda_joint5 * t2189;
+    let t2191 = t626 * t1263;
+    let t2192 = t609 * t947;
+    let t2193 = t2191 - t2192;
+    let t2194 = t768 - t2193;
+    let t2195 = t700 + t769;
+    let t2196 = t2195 - t2194;
+    let t2197 = cos_panda_joint5 * t2196;
+    let t2198 = t2190 + t2197;
+    let t2199 = t677 + t656;
+    let t2200 = 0.21484375 * t2199;
+    let t2201 = t2200 + t2198;
+    let t2202 = t175 * t2188;
+    let t2203 = t165 * t2195;
+    let t2204 = t2203 + t2202;
+    let t2205 = sin_panda_joint4 * t2204;
+    let t2206 = cos_panda_joint4 * t2200;
+    let t2207 = t2205 + t2206;
+    let t2208 = t2201 - t2207;
+    let t2209 = cos_panda_joint4 * t2204;
+    let t2210 = sin_panda_joint4 * t2200;
+    let t2211 = t2209 - t2210;
+    let t2212 = 3.83030303030303 * t2211;
+    let t2213 = t2208 + t2212;
+    let t2214 = sin_panda_joint3 * t2213;
+    let t2215 = cos_panda_joint5 * t2189;
+    let t2216 = sin_panda_joint5 * t2196;
+    let t2217 = t2215 - t2216;
+    let t2218 = cos_panda_joint4 * t2217;
+    let t2219 = t609 * t964;
+    let t2220 = t626 * t970;
+    let t2221 = t2219 - t2220;
+    let t2222 = t1687 - t2221;
+    let t2223 = t165 * t2188;
+    let t2224 = t175 * t2195;
+    let t2225 = t2224 - t2223;
+    let t2226 = t2222 - t2225;
+    let t2227 = sin_panda_joint4 * t2226;
+    let t2228 = t2218 - t2227;
+    let t2229 = 3.83030303030303 * t2225;
+    let t2230 = t2228 - t2229;
+    let t2231 = cos_panda_joint3 * t2230;
+    let t2232 = t2231 - t2214;
+    let t2233 = sin_panda_joint2 * t2232;
+    let t2234 = sin_panda_joint4 * t2217;
+    let t2235 = cos_panda_joint4 * t2226;
+    let t2236 = t2234 + t2235;
+    let t2237 = t2225 + t2236;
+    let t2238 = cos_panda_joint2 * t2237;
+    let t2239 = t2233 - t2238;
+    let t2240 = t566 * t944;
+    let t2241 = t618 * t942;
+    let t2242 = t2241 - t2240;
+    let t2243 = t1780 - t2242;
+    let t2244 = t619 - t688;
+    let t2245 = t190 * t2244;
+    let t2246 = t567 - t685;
+    let t2247 = t179 * t2246;
+    let t2248 = t2247 + t2245;
+    let t2249 = t2243 - t2248;
+    let t2250 = cos_panda_joint5 * t2249;
+    let t2251 = t618 * t930;
+    let t2252 = t566 * t1366;
+    let t2253 = t2252 + t2251;
+    let t2254 = t664 - t2253;
+    let t2255 = sin_panda_joint6 * t2254;
+    let t2256 = t566 * t930;
+    let t2257 = t618 * t1381;
+    let t2258 = t2257 - t2256;
+    let t2259 = t670 + t2258;
+    let t2260 = cos_panda_joint6 * t2259;
+    let t2261 = t2260 - t2255;
+    let t2262 = t566 * t610;
+    let t2263 = omega_panda_joint6_y * 0.030589628180144;
+    let t2264 = t2263 + t2262;
+    let t2265 = 4.363636363636364 * t2264;
+    let t2266 = t2265 + t2261;
+    let t2267 = sin_panda_joint5 * t2266;
+    let t2268 = t2267 + t2250;
+    let t2269 = t179 * t2244;
+    let t2270 = t190 * t2246;
+    let t2271 = t2270 - t2269;
+    let t2272 = 0.21484375 * t2271;
+    let t2273 = t2272 - t2268;
+    let t2274 = t165 * t2248;
+    let t2275 = t175 * t2265;
+    let t2276 = t2274 - t2275;
+    let t2277 = sin_panda_joint4 * t2276;
+    let t2278 = cos_panda_joint4 * t2272;
+    let t2279 = t2277 + t2278;
+    let t2280 = t2273 - t2279;
+    let t2281 = cos_panda_joint4 * t2276;
+    let t2282 = sin_panda_joint4 * t2272;
+    let t2283 = t2281 - t2282;
+    let t2284 = 3.83030303030303 * t2283;
+    let t2285 = t2280 + t2284;
+    let t2286 = sin_panda_joint3 * t2285;
+    let t2287 = sin_panda_joint5 * t2249;
+    let t2288 = cos_panda_joint5 * t2266;
+    let t2289 = t2288 - t2287;
+    let t2290 = cos_panda_joint4 * t2289;
+    let t2291 = t175 * t2248;
+    let t2292 = t165 * t2265;
+    let t2293 = t2291 + t2292;
+    let t2294 = cos_panda_joint6 * t2254;
+    let t2295 = sin_panda_joint6 * t2259;
+    let t2296 = t2295 + t2294;
+    let t2297 = t2296 + t2293;
+    let t2298 = sin_panda_joint4 * t2297;
+    let t2299 = t2290 - t2298;
+    let t2300 = 3.83030303030303 * t2293;
+    let t2301 = t2299 + t2300;
+    let t2302 = cos_panda_joint3 * t2301;
+    let t2303 = t2302 + t2286;
+    let t2304 = sin_panda_joint2 * t2303;
+    let t2305 = sin_panda_joint4 * t2289;
+    let t2306 = cos_panda_joint4 * t2297;
+    let t2307 = t2305 + t2306;
+    let t2308 = t2293 - t2307;
+    let t2309 = cos_panda_joint2 * t2308;
+    let t2310 = t2304 + t2309;
+    let t2311 = t596 - t1910;
+    let t2312 = t589 + t2311;
+    let t2313 = sin_panda_joint6 * t2312;
+    let t2314 = t138 * t102;
+    let t2315 = t571 + t2314;
+    let t2316 = t579 + t2315;
+    let t2317 = cos_panda_joint6 * t2316;
+    let t2318 = t2317 - t2313;
+    let t2319 = 4.363636363636364 * t589;
+    let t2320 = t2319 - t2318;
+    let t2321 = sin_panda_joint5 * t2320;
+    let t2322 = t206 * t566;
+    let t2323 = t661 - t2322;
+    let t2324 = t190 * t2323;
+    let t2325 = t179 * t633;
+    let t2326 = t2325 - t2324;
+    let t2327 = t97 * t566;
+    let t2328 = t659 + t2327;
+    let t2329 = t645 - t2328;
+    let t2330 = t2323 + t2329;
+    let t2331 = t2330 - t2326;
+    let t2332 = cos_panda_joint5 * t2331;
+    let t2333 = t2321 - t2332;
+    let t2334 = t179 * t2323;
+    let t2335 = t190 * t633;
+    let t2336 = t2335 + t2334;
+    let t2337 = 0.21484375 * t2336;
+    let t2338 = t2337 + t2333;
+    let t2339 = t165 * t2326;
+    let t2340 = t175 * t2319;
+    let t2341 = t2339 + t2340;
+    let t2342 = sin_panda_joint4 * t2341;
+    let t2343 = cos_panda_joint4 * t2337;
+    let t2344 = t2342 + t2343;
+    let t2345 = t2338 - t2344;
+    let t2346 = cos_panda_joint4 * t2341;
+    let t2347 = sin_panda_joint4 * t2337;
+    let t2348 = t2346 - t2347;
+    let t2349 = 3.83030303030303 * t2348;
+    let t2350 = t2345 + t2349;
+    let t2351 = sin_panda_joint3 * t2350;
+    let t2352 = cos_panda_joint5 * t2320;
+    let t2353 = sin_panda_joint5 * t2331;
+    let t2354 = t2352 + t2353;
+    let t2355 = cos_panda_joint4 * t2354;
+    let t2356 = cos_panda_joint6 * t2312;
+    let t2357 = sin_panda_joint6 * t2316;
+    let t2358 = t2357 + t2356;
+    let t2359 = t175 * t2326;
+    let t2360 = t165 * t2319;
+    let t2361 = t2359 - t2360;
+    let t2362 = t2358 + t2361;
+    let t2363 = sin_panda_joint4 * t2362;
+    let t2364 = t2355 + t2363;
+    let t2365 = 3.83030303030303 * t2361;
+    let t2366 = t2364 - t2365;
+    let t2367 = cos_panda_joint3 * t2366;
+    let t2368 = t2367 - t2351;
+    let t2369 = sin_panda_joint2 * t2368;
+    let t2370 = sin_panda_joint4 * t2354;
+    let t2371 = cos_panda_joint4 * t2362;
+    let t2372 = t2370 - t2371;
+    let t2373 = t2361 + t2372;
+    let t2374 = cos_panda_joint2 * t2373;
+    let t2375 = t2369 - t2374;
+    let t2376 = sin_panda_joint2 * t1588;
+    let t2377 = cos_panda_joint2 * t1596;
+    let t2378 = t2376 + t2377;
+    let t2379 = t892 + t1057;
+    let t2380 = t2097 * t1101;
+    let t2381 = t2099 * t1034;
+    let t2382 = t2380 - t2381;
+    let t2383 = t2379 - t2382;
+    let t2384 = t2383 + 0.003;
+    let t2385 = sin_panda_joint3 * t2122;
+    let t2386 = cos_panda_joint3 * t2131;
+    let t2387 = t2385 - t2386;
+    let t2388 = cos_panda_joint3 * t2157;
+    let t2389 = sin_panda_joint3 * t2174;
+    let t2390 = t2389 + t2388;
+    let t2391 = cos_panda_joint3 * t2213;
+    let t2392 = sin_panda_joint3 * t2230;
+    let t2393 = t2392 + t2391;
+    let t2394 = cos_panda_joint3 * t2285;
+    let t2395 = sin_panda_joint3 * t2301;
+    let t2396 = t2395 - t2394;
+    let t2397 = cos_panda_joint3 * t2350;
+    let t2398 = sin_panda_joint3 * t2366;
+    let t2399 = t2398 + t2397;
+    let t2400 = cos_panda_joint2 * t1632;
+    let t2401 = sin_panda_joint2 * t919;
+    let t2402 = t2401 - t2400;
+    let t2403 = t2097 * t1027;
+    let t2404 = t2099 * t1161;
+    let t2405 = t2403 - t2404;
+    let t2406 = t2106 + t2405;
+    let t2407 = t2138 + 0.003;
+    let t2408 = sin_panda_joint2 * t1652;
+    let t2409 = cos_panda_joint2 * t1654;
+    let t2410 = t2408 - t2409;
+    let t2411 = sin_panda_joint3 * t1645;
+    let t2412 = cos_panda_joint3 * t1650;
+    let t2413 = t2411 + t2412;
+    let t2414 = t2097 * t1662;
+    let t2415 = t2099 * t1022;
+    let t2416 = t2414 + t2415;
+    let t2417 = t2413 + t2416;
+    let t2418 = t2116 * t1657;
+    let t2419 = t900 * t998;
+    let t2420 = t2419 - t2418;
+    let t2421 = t1074 - t2420;
+    let t2422 = t2145 - 0.003;
+    let t2423 = sin_panda_joint2 * t1709;
+    let t2424 = cos_panda_joint2 * t1719;
+    let t2425 = t2423 - t2424;
+    let t2426 = sin_panda_joint3 * t1701;
+    let t2427 = cos_panda_joint3 * t1707;
+    let t2428 = t2426 + t2427;
+    let t2429 = t2097 * t1733;
+    let t2430 = t2099 * t1738;
+    let t2431 = t2429 - t2430;
+    let t2432 = t2428 - t2431;
+    let t2433 = t900 * t1725;
+    let t2434 = t2116 * t1729;
+    let t2435 = t2433 + t2434;
+    let t2436 = t1715 + t2435;
+    let t2437 = t808 * t973;
+    let t2438 = t2142 * t1723;
+    let t2439 = t2437 + t2438;
+    let t2440 = t869 - t2439;
+    let t2441 = t2222 + 0.003;
+    let t2442 = sin_panda_joint2 * t1821;
+    let t2443 = cos_panda_joint2 * t1831;
+    let t2444 = t2442 - t2443;
+    let t2445 = sin_panda_joint3 * t1806;
+    let t2446 = cos_panda_joint3 * t1819;
+    let t2447 = t2445 + t2446;
+    let t2448 = t2097 * t1853;
+    let t2449 = t2099 * t1858;
+    let t2450 = t2448 + t2449;
+    let t2451 = t2447 - t2450;
+    let t2452 = t2116 * t1839;
+    let t2453 = t900 * t1849;
+    let t2454 = t2453 - t2452;
+    let t2455 = t1827 + t2454;
+    let t2456 = t808 * t1845;
+    let t2457 = t2142 * t1847;
+    let t2458 = t2456 + t2457;
+    let t2459 = t1812 - t2458;
+    let t2460 = t609 * t946;
+    let t2461 = t626 * t1421;
+    let t2462 = t2460 + t2461;
+    let t2463 = t766 + t2462;
+    let t2464 = t2243 + 0.003;
+    let t2465 = sin_panda_joint2 * t1972;
+    let t2466 = cos_panda_joint2 * t1982;
+    let t2467 = t2465 - t2466;
+    let t2468 = sin_panda_joint3 * t1957;
+    let t2469 = cos_panda_joint3 * t1970;
+    let t2470 = t2468 + t2469;
+    let t2471 = t2097 * t2012;
+    let t2472 = t2099 * t2017;
+    let t2473 = t2471 - t2472;
+    let t2474 = t2470 - t2473;
+    let t2475 = t2116 * t1995;
+    let t2476 = t900 * t2008;
+    let t2477 = t2476 - t2475;
+    let t2478 = t1978 + t2477;
+    let t2479 = t808 * t2001;
+    let t2480 = t2142 * t2006;
+    let t2481 = t2479 - t2480;
+    let t2482 = t1963 - t2481;
+    let t2483 = t609 * t1988;
+    let t2484 = t122 * t626;
+    let t2485 = t2483 - t2484;
+    let t2486 = t1937 - t2485;
+    let t2487 = t566 * t1985;
+    let t2488 = t110 * t618;
+    let t2489 = t2488 + t2487;
+    let t2490 = t662 - t2489;
+    let t2491 = t2311 - 0.003;
+    let t2492 = t1006 - t1094;
+    let t2493 = sin_panda_joint2 * t2492;
+    let t2494 = 2.0 * t1028;
+    let t2495 = cos_panda_joint2 * t2494;
+    let t2496 = t2493 + t2495;
+    let t2497 = sin_panda_joint2 * t2496;
+    let t2498 = t1006 - t2497;
+    let t2499 = 0.006253137926937475 + t2498;
+    let t2500 = 0.008006428067536939 + t1007;
+    let t2501 = t2499 + t2500;
+    let t2502 = sin_panda_joint2 * t1101;
+    let t2503 = cos_panda_joint2 * t1034;
+    let t2504 = t2502 + t2503;
+    let t2505 = sin_panda_joint2 * t1027;
+    let t2506 = cos_panda_joint2 * t1161;
+    let t2507 = t2505 + t2506;
+    let t2508 = sin_panda_joint2 * t1662;
+    let t2509 = cos_panda_joint2 * t1022;
+    let t2510 = t2508 - t2509;
+    let t2511 = sin_panda_joint2 * t1733;
+    let t2512 = cos_panda_joint2 * t1738;
+    let t2513 = t2511 + t2512;
+    let t2514 = sin_panda_joint2 * t1853;
+    let t2515 = cos_panda_joint2 * t1858;
+    let t2516 = t2514 - t2515;
+    let t2517 = sin_panda_joint2 * t2012;
+    let t2518 = cos_panda_joint2 * t2017;
+    let t2519 = t2517 + t2518;
+    let t2520 = -t559;
+    let t2521 = -t561;
+    let t2522 = -t565;
+    let t2523 = -t1173;
+    let t2524 = -t1258;
+    let t2525 = -t1614;
+    let t2526 = -t1623;
+    let t2527 = -t1626;
+    let t2528 = -t1629;
+    let t2529 = -t1256;
+    let t2530 = -t1473;
+    let t2531 = -t1676;
+    let t2532 = -t1228;
+    let t2533 = -t1545;
+    let t2534 = -t1753;
+    let t2535 = -t1346;
+    let t2536 = -t1458;
+    let t2537 = -t1565;
+    let t2538 = -t1886;
+    let t2539 = -t1899;
+    let t2540 = -t1909;
+    let t2541 = -t1530;
+    let t2542 = -t2032;
+    let t2543 = -t2081;
+    let t2544 = -t2093;
+    let t2545 = -t2140;
+    let t2546 = -t2183;
+    let t2547 = -t2239;
+    let t2548 = -t2378;
+    let t2549 = -t2396;
+    let t2550 = -t2399;
+    let t2551 = -t2402;
+    let t2552 = -t2181;
+    let t2553 = -t2373;
+    let t2554 = -t2417;
+    let t2555 = -t2421;
+    let t2556 = -t2422;
+    let t2557 = -t2201;
+    let t2558 = -t2273;
+    let t2559 = -t2425;
+    let t2560 = -t2440;
+    let t2561 = -t2296;
+    let t2562 = -t2451;
+    let t2563 = -t2455;
+    let t2564 = -t2463;
+    let t2565 = -t2330;
+    let t2566 = -t2467;
+    let t2567 = -t2482;
+    let t2568 = -t2491;
+    let t2569 = -t2504;
+    let t2570 = -t2510;
+    let t2571 = -t2513;
+    let t2572 = -t2519;
+    let t2573 = -t1033;
+    let t2574 = -t1863;
+    let t2575 = -t1738;
+    let t2576 = -t1858;
+    let t2577 = -t2017;
+    let t2578 = -t995;
+    let t2579 = -t1838;
+    let t2580 = -t969;
+    let t2581 = -t2005;
+    let t2582 = -t122;
+    [
+        t1668,
+        t1686,
+        t1743,
+        t1766,
+        t1776,
+        t1873,
+        t1994,
+        t2022,
+        t2045,
+        t2058,
+        t2071,
+        t2114,
+        t2237,
+        t2308,
+        t2310,
+        t2338,
+        t2358,
+        t2375,
+        t2384,
+        t2387,
+        t2390,
+        t2393,
+        t2406,
+        t2407,
+        t2410,
+        t2432,
+        t2436,
+        t2441,
+        t2444,
+        t2459,
+        t2464,
+        t2474,
+        t2478,
+        t2486,
+        t2490,
+        t2501,
+        t2507,
+        t2516,
+        t2520,
+        t2521,
+        t2522,
+        t2523,
+        t2524,
+        t2525,
+        t2526,
+        t2527,
+        t2528,
+        t2529,
+        t2530,
+        t2531,
+        t2532,
+        t2533,
+        t2534,
+        t2535,
+        t2536,
+        t2537,
+        t2538,
+        t2539,
+        t2540,
+        t2541,
+        t2542,
+        t2543,
+        t2544,
+        t2545,
+        t2546,
+        t2547,
+        t2548,
+        t2549,
+        t2550,
+        t2551,
+        t2552,
+        t2553,
+        t2554,
+        t2555,
+        t2556,
+        t2557,
+        t2558,
+        t2559,
+        t2560,
+        t2561,
+        t2562,
+        t2563,
+        t2564,
+        t2565,
+        t2566,
+        t2567,
+        t2568,
+        t2569,
+        t2570,
+        t2571,
+        t2572,
+        t2573,
+        t2574,
+        t2575,
+        t2576,
+        t2577,
+        t2578,
+        t2579,
+        t2580,
+        t2581,
+        t2582,
+    ]
+}
+
+/// Forward dynamics with its Jacobians.
+///
+/// `∂ÿ = −M⁻¹ ∂(M ÿ + k − q), ∂ÿ/∂(B u) = M⁻¹`
+///
+/// - `y: [N]`: coordinates: `panda_joint1`, `panda_joint2`, `panda_joint3`, `panda_joint4`, `panda_joint5`,
+///   `panda_joint6`, `panda_joint7` in rad
+/// - `v: [N]`: velocities ẏ: `panda_joint1`, `panda_joint2`, `panda_joint3`, `panda_joint4`, `panda_joint5`,
+///   `panda_joint6`, `panda_joint7` in rad/s
+/// - `u: [M]`: inputs: `panda_joint1`, `panda_joint2`, `panda_joint3`, `panda_joint4`, `panda_joint5`,
+///   `panda_joint6`, `panda_joint7` in N m
+/// - returns `ÿ: [N]`: accelerations
+/// - returns `∂ÿ/∂y: [N × N]`: row i = acceleration i
+/// - returns `∂ÿ/∂ẏ: [N × N]`: row i = acceleration i
+/// - returns `M⁻¹: [N × N]`: symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B
+///
+/// Cost: 2570 multiplications, 2357 additions, 6 divisions, 7 function calls (`sin_cos`).
+///
+/// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
+///
+/// Composite bodies with pairs of joints in link frames were cheapest.
+#[must_use]
+#[allow(
+    clippy::type_complexity,
+    reason = "blocks of fixed size need no type of their own"
+)]
+pub fn forward_dynamics_derivatives(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
+    let [sin_panda_joint2, cos_panda_joint2, sin_panda_joint3, cos_panda_joint3,
+    sin_panda_joint4, cos_panda_joint4, sin_panda_joint5, cos_panda_joint5,
+    sin_panda_joint6, cos_panda_joint6, sin_panda_joint7_2, cos_panda_joint7_2,
+    omega_panda_joint2_x, omega_panda_joint3_y, omega_panda_joint2_y,
+    omega_panda_joint3_z, omega_panda_joint3_x, t32, t33, omega_panda_joint4_z, t38,
+    omega_panda_joint4_y, t42, omega_panda_joint4_x, t48, omega_panda_joint5_z,
+    omega_panda_joint5_y, t60, t66, omega_panda_joint5_x, t71, omega_panda_joint6_z, t76,
+    omega_panda_joint6_y, t80, t89, omega_panda_joint6_x, t94, t104, t106, t107, t118,
+    t129, acceleration_panda_joint2_x, t133, t137, acceleration_panda_joint2_y, t151,
+    t154, t158, t174, t180, t185, t210, t212, t219, t220, t224, t225, t228, t244, t253,
+    t260, t298, t308, t320, t333, t356, t404, t406, t427, t440, t462, t472, t475, t492,
+    t501, t571, t577, inverse_d_panda_joint6, t641, t647, t652, inverse_d_panda_joint5,
+    t719, t725, t730, t737, inverse_d_panda_joint4, t797, t803, t808, t815, t824,
+    inverse_d_panda_joint3, t877, t900, t908, t918, t930, t944, inverse_d_panda_joint2,
+    t990, inverse_d_panda_joint1, t1018, t1021, t1026, t1033, t1042, t1053, t1066] = forward_dynamics_derivatives_part_1(
+        y,
+        v,
+        u,
+    );
+    let [t1112, t1119, t1122, t1127, t1130, t1134, t1139, t1149, t1163,
+    acceleration_panda_joint7_y_2, t1169, t1178, t1184, acceleration_panda_joint7_x_2,
+    t1188, force_panda_joint7_y_2, moment_panda_joint7_x_2, moment_panda_joint7_y_2,
+    force_panda_joint7_x_2, t1453, t1465, t1467, t1469, t1470, t1476, t1500, t1506,
+    t1509, t1512, t1518, t1520, t1522, t1524, t1536, t1538, t1543, t1545, t1546, t1551,
+    t1552, t1565, t1567, t1575, t1581, t1589, t1590, t1592, t1594, t1596, t1602, t1611,
+    t1612, t1619, t1632, t1635, t1636, t1637, t1644, t1649, t1654, t1661, t1672, t1675,
+    t1676, t1677, t1678, t1680, t1684, t1686, t1693, t1701, t1704, t1708, t1716, t1768,
+    t1769, t1775, t1777, t1778, t1793, t1796, t1808, t1809, t1859, t1862, t1868, t1870,
+    t1887, t1891, t1899, t1906, t1916, t1918, t1922, t1959, t1964, t1970, t1981, t1986,
+    t1988, t1998, t2000, t2002, t2012, t2019, t2020, t2023, t2030, t2038, t2041, t2055,
+    t2064, t2068, t2083, t2103, t2117, t2123, t2127, t2129, t2135, t2139, t2142, t2147,
+    t2150, t2153, t2156, t2167, t2176, t2180, t2198, t2218, t2224, t2228, t2230, t2236,
+    t2240, t2244, t2251, t2254, t2258, t2263, t2268, t2283, t2296, t2301, t2303, t2309,
+    t2313, t2318, t2326, t2331, t2346, t2348, t2351, t2353, t2355, t2361, t2368, t2375,
+    t2377, t2385, t2408, t2413, t2421, t2429, t2432, t2434, t2457, t2508, t2525, t2544,
+    t2562, t2572, t2587, t2590, t2592, t2607, t2687, t2704, t2720, t2728, t2738, t2753,
+    t2756, t2758, t2780, t2870, t2884, t2890, t2898, t2908, t2923, t2926, t2928, t2943,
+    t3015, t3031, t3038, t3050, t3054, t3060, t3062, t3066] = forward_dynamics_derivatives_part_2(
+        v,
+        [
+            sin_panda_joint2,
+            cos_panda_joint2,
+            sin_panda_joint3,
+            cos_panda_joint3,
+            sin_panda_joint4,
+            cos_panda_joint4,
+            sin_panda_joint5,
+            cos_panda_joint5,
+            sin_panda_joint6,
+            cos_panda_joint6,
+            sin_panda_joint7_2,
+            cos_panda_joint7_2,
+            omega_panda_joint2_x,
+            omega_panda_joint3_y,
+            omega_panda_joint2_y,
+            omega_panda_joint3_z,
+            omega_panda_joint3_x,
+            t32,
+            t33,
+            omega_panda_joint4_z,
+            t38,
+            omega_panda_joint4_y,
+            t42,
+            omega_panda_joint4_x,
+            t48,
+            omega_panda_joint5_z,
+            omega_panda_joint5_y,
+            t60,
+            t66,
+            omega_panda_joint5_x,
+            t71,
+            omega_panda_joint6_z,
+            t76,
+            omega_panda_joint6_y,
+            t80,
+            t89,
+            omega_panda_joint6_x,
+            t94,
+            t104,
+            t106,
+            t107,
+            t118,
+            t129,
+            acceleration_panda_joint2_x,
+            t133,
+            t137,
+            acceleration_panda_joint2_y,
+            t151,
+            t154,
+            t158,
+            t174,
+            t180,
+            t185,
+            t210,
+            t212,
+            t219,
+            t220,
+            t224,
+            t225,
+            t228,
+            t244,
+            t253,
+            t260,
+            t298,
+            t308,
+            t320,
+            t333,
+            t356,
+            t404,
+            t406,
+            t427,
+            t440,
+            t462,
+            t472,
+            t475,
+            t492,
+            t501,
+            t571,
+            t577,
+            t641,
+            t647,
+            t652,
+            t719,
+            t725,
+            t730,
+            t737,
+            t797,
+            t803,
+            t808,
+            t815,
+            t824,
+            t877,
+            t900,
+            t908,
+            t918,
+            t930,
+            t944,
+            t990,
+            inverse_d_panda_joint1,
+            t1018,
+            t1021,
+            t1026,
+            t1033,
+            t1042,
+            t1053,
+            t1066,
+        ],
+    );
+    let [t3251, t3257, t3260, t3263, t3266, t3281, t3286, t3303, t3317, t3331, t3338,
+    t3347, t3356, t3425, t3447, t3458, t3471, t3484, t3800, t3902, t4013, t4250, t4265,
+    t4268, t4273, t4288, t4303, t4317, t4324, t4338, t4345, t4361, t4388, t4406, t4437,
+    t4448, t4470, t4492, t4505, t4544, t4584, t4587, t4599, t4608, t4619, t4621, t4624,
+    t4636, t4645, t4656, t4666, t4678, t4687, t4698, t4719, t4782, t4791, t4802, t4857,
+    t4868, t4946, t4947, t4948, t4949, t4950, t4951, t4952, t4953, t4954, t4955, t4956,
+    t4957, t4958, t4959, t4960, t4961, t4962, t4963, t4964, t4965, t4966, t4967, t4968,
+    t4969, t4970, t4971, t4972, t4973, t4974, t4975, t4976, t4977, t4978, t4979, t4980,
+    t4981, t4982, t4983, t4984, t4985, t4986, t4987, t4988, t4989, t4990, t4991, t4992,
+    t4993, t4994, t4995, t4996, t4997, t4998, t4999, t5000, t5001] = forward_dynamics_derivatives_part_3(
+        v,
+        [
+            sin_panda_joint2,
+            cos_panda_joint2,
+            sin_panda_joint3,
+            cos_panda_joint3,
+            sin_panda_joint4,
+            cos_panda_joint4,
+            sin_panda_joint5,
+            cos_panda_joint5,
+            sin_panda_joint6,
+            cos_panda_joint6,
+            omega_panda_joint2_x,
+            omega_panda_joint2_y,
+            omega_panda_joint3_x,
+            omega_panda_joint4_x,
+            omega_panda_joint6_z,
+            t76,
+            omega_panda_joint6_y,
+            omega_panda_joint6_x,
+            t224,
+            t571,
+            t577,
+            inverse_d_panda_joint6,
+            t641,
+            t647,
+            t652,
+            inverse_d_panda_joint5,
+            t719,
+            t725,
+            t730,
+            t737,
+            inverse_d_panda_joint4,
+            t797,
+            t803,
+            t808,
+            t815,
+            t824,
+            inverse_d_panda_joint3,
+            t877,
+            t900,
+            t908,
+            t918,
+            t930,
+            t944,
+            inverse_d_panda_joint2,
+            t990,
+            inverse_d_panda_joint1,
+            t1112,
+            t1119,
+            t1122,
+            t1127,
+            t1130,
+            t1134,
+            t1139,
+            t1149,
+            t1163,
+            acceleration_panda_joint7_y_2,
+            t1169,
+            t1178,
+            t1184,
+            acceleration_panda_joint7_x_2,
+            t1188,
+            force_panda_joint7_y_2,
+            moment_panda_joint7_x_2,
+            moment_panda_joint7_y_2,
+            force_panda_joint7_x_2,
+            t1453,
+            t1465,
+            t1467,
+            t1469,
+            t1470,
+            t1476,
+            t1500,
+            t1506,
+            t1509,
+            t1512,
+            t1518,
+            t1520,
+            t1522,
+            t1524,
+            t1536,
+            t1538,
+            t1543,
+            t1545,
+            t1546,
+            t1551,
+            t1552,
+            t1565,
+            t1567,
+            t1575,
+            t1581,
+            t1589,
+            t1590,
+            t1592,
+            t1594,
+            t1596,
+            t1602,
+            t1611,
+            t1612,
+            t1619,
+            t1632,
+            t1635,
+            t1636,
+            t1637,
+            t1644,
+            t1649,
+            t1654,
+            t1661,
+            t1672,
+            t1675,
+            t1676,
+            t1677,
+            t1678,
+            t1680,
+            t1684,
+            t1686,
+            t1693,
+            t1701,
+            t1704,
+            t1708,
+            t1716,
+            t1768,
+            t1769,
+            t1775,
+            t1777,
+            t1778,
+            t1793,
+            t1796,
+            t1808,
+            t1809,
+            t1859,
+            t1862,
+            t1868,
+            t1870,
+            t1887,
+            t1891,
+            t1899,
+            t1906,
+            t1916,
+            t1918,
+            t1922,
+            t1959,
+            t1964,
+            t1970,
+            t1981,
+            t1986,
+            t1988,
+            t1998,
+            t2000,
+            t2002,
+            t2012,
+            t2019,
+            t2020,
+            t2023,
+            t2030,
+            t2038,
+            t2041,
+            t2055,
+            t2064,
+            t2068,
+            t2083,
+            t2103,
+            t2117,
+            t2123,
+            t2127,
+            t2129,
+            t2135,
+            t2139,
+            t2142,
+            t2147,
+            t2150,
+            t2153,
+            t2156,
+            t2167,
+            t2176,
+            t2180,
+            t2198,
+            t2218,
+            t2224,
+            t2228,
+            t2230,
+            t2236,
+            t2240,
+            t2244,
+            t2251,
+            t2254,
+            t2258,
+            t2263,
+            t2268,
+            t2283,
+            t2296,
+            t2301,
+            t2303,
+            t2309,
+            t2313,
+            t2318,
+            t2326,
+            t2331,
+            t2346,
+            t2348,
+            t2351,
+            t2353,
+            t2355,
+            t2361,
+            t2368,
+            t2375,
+            t2377,
+            t2385,
+            t2408,
+            t2413,
+            t2421,
+            t2429,
+            t2432,
+            t2434,
+            t2457,
+            t2508,
+            t2525,
+            t2544,
+            t2562,
+            t2572,
+            t2587,
+            t2590,
+            t2592,
+            t2607,
+            t2687,
+            t2704,
+            t2720,
+            t2728,
+            t2738,
+            t2753,
+            t2756,
+            t2758,
+            t2780,
+            t2870,
+            t2884,
+            t2890,
+            t2898,
+            t2908,
+            t2923,
+            t2926,
+            t2928,
+            t2943,
+            t3015,
+            t3031,
+            t3038,
+            t3050,
+            t3054,
+            t3060,
+            t3062,
+            t3066,
+        ],
+    );
+    (
+        [t1018, t1021, t1026, t1033, t1042, t1053, t1066],
+        [
+            [0.0, t2432, t2590, t4947, t4948, t4949, t4950],
+            [0.0, t3251, t4951, t3257, t3260, t3263, t3266],
+            [0.0, t4952, t4953, t3281, t3286, t4954, t4955],
+            [0.0, t3303, t4956, t3317, t4957, t3331, t3338],
+            [0.0, t3347, t3356, t4958, t4959, t4960, t4961],
+            [0.0, t4962, t4963, t3425, t4964, t3447, t3458],
+            [0.0, t3471, t3484, t4965, t4966, t4967, t4968],
+        ],
+        [
+            [t4969, t4970, t3800, t3902, t4013, t4971, t4972],
+            [t4250, t4973, t4974, t4975, t4976, t4265, t4268],
+            [t4273, t4977, t4978, t4288, t4979, t4980, t4303],
+            [t4981, t4317, t4324, t4982, t4338, t4345, t4983],
+            [t4361, t4984, t4985, t4388, t4986, t4406, t4987],
+            [t4988, t4437, t4448, t4989, t4470, t4990, t4492],
+            [t4505, t4991, t4992, t4544, t4993, t4994, t4995],
+        ],
+        [
+            [inverse_d_panda_joint1, t4584, t4587, t4996, t4599, t4608, t4619],
+            [t4584, t4621, t4624, t4997, t4636, t4645, t4656],
+            [t4587, t4624, t4666, t4998, t4678, t4687, t4698],
+            [t4996, t4997, t4998, t4719, t4999, t5000, t5001],
+            [t4599, t4636, t4678, t4999, t4782, t4791, t4802],
+            [t4608, t4645, t4687, t5000, t4791, t4857, t4868],
+            [t4619, t4656, t4698, t5001, t4802, t4868, t4946],
+        ],
+    )
+}
+
+/// Part 1 of `forward_dynamics_derivatives`: values that later parts read.
+#[inline(never)]
+fn forward_dynamics_derivatives_part_1(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+) -> [f64; 111] {
+    let angle_panda_joint7_offset = y[6] + 0.6689225306301613;
+    let angle_panda_joint7_offset_2 = y[6] + 0.6689225306301614;
+    let (
+        [sin_panda_joint2,
+        sin_panda_joint3,
+        sin_panda_joint4,
+        sin_panda_joint5,
+        sin_panda_joint6,
+        sin_panda_joint7,
+        sin_panda_joint7_2,
+        ..,
+        ],
+        [cos_panda_joint2,
+        cos_panda_joint3,
+        cos_panda_joint4,
+        cos_panda_joint5,
+        cos_panda_joint6,
+        cos_panda_joint7,
+        cos_panda_joint7_2,
+        ..,
+        ],
+    ) = math::sin_cos_8(
+        y[1],
+        y[2],
+        y[3],
+        y[4],
+        y[5],
+        angle_panda_joint7_offset,
+        angle_panda_joint7_offset_2,
+        0.0,
+    );
+    let omega_panda_joint2_x = v[0] * sin_panda_joint2;
+    let t17 = sin_panda_joint3 * omega_panda_joint2_x;
+    let t18 = v[1] * cos_panda_joint3;
+    let omega_panda_joint3_y = t17 + t18;
+    let t20 = v[2] * omega_panda_joint3_y;
+    let omega_panda_joint2_y = v[0] * cos_panda_joint2;
+    let t22 = v[1] * omega_panda_joint2_y;
+    let t23 = cos_panda_joint3 * t22;
+    let t24 = t23 - t20;
+    let omega_panda_joint3_z = v[2] + omega_panda_joint2_y;
+    let t26 = omega_panda_joint3_y * omega_panda_joint3_z;
+    let t27 = t24 - t26;
+    let t28 = cos_panda_joint4 * t27;
+    let t29 = cos_panda_joint3 * omega_panda_joint2_x;
+    let t30 = v[1] * sin_panda_joint3;
+    let omega_panda_joint3_x = t29 - t30;
+    let t32 = omega_panda_joint3_x * omega_panda_joint3_y;
+    let t33 = v[1] * omega_panda_joint2_x;
+    let t34 = t33 - t32;
+    let t35 = sin_panda_joint4 * t34;
+    let t36 = t35 + t28;
+    let omega_panda_joint4_z = v[3] - omega_panda_joint3_y;
+    let t38 = 2.0 * omega_panda_joint4_z;
+    let t39 = sin_panda_joint4 * omega_panda_joint3_x;
+    let t40 = cos_panda_joint4 * omega_panda_joint3_z;
+    let omega_panda_joint4_y = t39 + t40;
+    let t42 = omega_panda_joint4_y * t38;
+    let t43 = t36 - t42;
+    let t44 = cos_panda_joint5 * t43;
+    let t45 = cos_panda_joint4 * omega_panda_joint3_x;
+    let t46 = sin_panda_joint4 * omega_panda_joint3_z;
+    let omega_panda_joint4_x = t45 - t46;
+    let t48 = omega_panda_joint4_x * omega_panda_joint4_y;
+    let t49 = v[2] * omega_panda_joint3_x;
+    let t50 = sin_panda_joint3 * t22;
+    let t51 = t50 + t49;
+    let t52 = t51 - t48;
+    let t53 = sin_panda_joint5 * t52;
+    let t54 = t53 - t44;
+    let omega_panda_joint5_z = v[4] + omega_panda_joint4_y;
+    let t56 = 2.0 * omega_panda_joint5_z;
+    let t57 = sin_panda_joint5 * omega_panda_joint4_x;
+    let t58 = cos_panda_joint5 * omega_panda_joint4_z;
+    let omega_panda_joint5_y = t57 - t58;
+    let t60 = omega_panda_joint5_y * t56;
+    let t61 = t54 + t60;
+    let t62 = cos_panda_joint6 * t61;
+    let t63 = sin_panda_joint4 * t27;
+    let t64 = cos_panda_joint4 * t34;
+    let t65 = t64 - t63;
+    let t66 = omega_panda_joint4_x * omega_panda_joint4_z;
+    let t67 = t65 - t66;
+    let t68 = cos_panda_joint5 * omega_panda_joint4_x;
+    let t69 = sin_panda_joint5 * omega_panda_joint4_z;
+    let omega_panda_joint5_x = t68 + t69;
+    let t71 = omega_panda_joint5_x * omega_panda_joint5_y;
+    let t72 = t67 - t71;
+    let t73 = sin_panda_joint6 * t72;
+    let t74 = t73 - t62;
+    let omega_panda_joint6_z = v[5] - omega_panda_joint5_y;
+    let t76 = 2.0 * omega_panda_joint6_z;
+    let t77 = sin_panda_joint6 * omega_panda_joint5_x;
+    let t78 = cos_panda_joint6 * omega_panda_joint5_z;
+    let omega_panda_joint6_y = t77 + t78;
+    let t80 = omega_panda_joint6_y * t76;
+    let t81 = t74 - t80;
+    let t82 = 0.0003863308944437675 * sin_panda_joint7;
+    let t83 = 0.001535882372017312 * cos_panda_joint7;
+    let t84 = t83 - t82;
+    let t85 = t84 * t81;
+    let t86 = sin_panda_joint5 * t43;
+    let t87 = cos_panda_joint5 * t52;
+    let t88 = t87 + t86;
+    let t89 = omega_panda_joint5_x * omega_panda_joint5_z;
+    let t90 = t88 + t89;
+    let t91 = cos_panda_joint6 * omega_panda_joint5_x;
+    let t92 = sin_panda_joint6 * omega_panda_joint5_z;
+    let omega_panda_joint6_x = t91 - t92;
+    let t94 = omega_panda_joint6_x * omega_panda_joint6_y;
+    let t95 = t90 - t94;
+    let t96 = 0.0003863308944437675 * cos_panda_joint7;
+    let t97 = 0.001535882372017312 * sin_panda_joint7;
+    let t98 = t97 + t96;
+    let t99 = t98 * t95;
+    let t100 = t85 + t99;
+    let omega_panda_joint7_z = v[6] - omega_panda_joint6_y;
+    let t102 = omega_panda_joint7_z * omega_panda_joint7_z;
+    let t103 = omega_panda_joint6_x * omega_panda_joint6_x;
+    let t104 = t103 + t102;
+    let t105 = omega_panda_joint6_z * omega_panda_joint6_z;
+    let t106 = t105 + t102;
+    let t107 = t106 - t104;
+    let t108 = cos_panda_joint7 * 0.002174847060296272;
+    let t109 = sin_panda_joint7 * 0.0013205141364616554;
+    let t110 = t109 - t108;
+    let t111 = cos_panda_joint7 * t110;
+    let t112 = 0.001087423530148136 + t111;
+    let t113 = t112 * t107;
+    let t114 = t100 - t113;
+    let t115 = sin_panda_joint6 * t61;
+    let t116 = cos_panda_joint6 * t72;
+    let t117 = t116 + t115;
+    let t118 = omega_panda_joint6_x * omega_panda_joint6_z;
+    let t119 = t117 - t118;
+    let t120 = t118 - t119;
+    let t121 = sin_panda_joint7 * t110;
+    let t122 = 0.0026818189154496457 + t121;
+    let t123 = t122 * t120;
+    let t124 = t114 - t123;
+    let t125 = t118 + t119;
+    let t126 = 0.004002333051911301 - t121;
+    let t127 = t126 * t125;
+    let t128 = t124 + t127;
+    let t129 = omega_panda_joint3_x * omega_panda_joint3_z;
+    let t130 = t51 - t129;
+    let t131 = 3.83030303030303 * t130;
+    let acceleration_panda_joint2_x = sin_panda_joint2 * 118.9090909090909;
+    let t133 = cos_panda_joint3 * acceleration_panda_joint2_x;
+    let acceleration_panda_joint3_x = t133 - t131;
+    let t135 = omega_panda_joint3_y * omega_panda_joint3_y;
+    let t136 = omega_panda_joint3_z * omega_panda_joint3_z;
+    let t137 = t135 + t136;
+    let t138 = t137 + acceleration_panda_joint3_x;
+    let t139 = cos_panda_joint4 * t138;
+    let t140 = omega_panda_joint3_x * omega_panda_joint3_x;
+    let t141 = t140 + t135;
+    let t142 = 3.83030303030303 * t141;
+    let acceleration_panda_joint2_y = cos_panda_joint2 * 118.9090909090909;
+    let acceleration_panda_joint3_z = acceleration_panda_joint2_y - t142;
+    let t145 = t51 + t129;
+    let t146 = t145 - acceleration_panda_joint3_z;
+    let t147 = sin_panda_joint4 * t146;
+    let acceleration_panda_joint4_x = t139 + t147;
+    let t149 = omega_panda_joint4_y * omega_panda_joint4_y;
+    let t150 = omega_panda_joint4_z * omega_panda_joint4_z;
+    let t151 = t149 + t150;
+    let t152 = acceleration_panda_joint4_x - t151;
+    let t153 = cos_panda_joint5 * t152;
+    let t154 = omega_panda_joint4_x * t38;
+    let t155 = t65 - t154;
+    let t156 = t24 + t26;
+    let t157 = 3.83030303030303 * t156;
+    let t158 = sin_panda_joint3 * acceleration_panda_joint2_x;
+    let acceleration_panda_joint3_y = t158 + t157;
+    let t160 = t33 + t32;
+    let acceleration_panda_joint4_z = t160 - acceleration_panda_joint3_y;
+    let t162 = acceleration_panda_joint4_z - t155;
+    let t163 = sin_panda_joint5 * t162;
+    let t164 = t153 + t163;
+    let t165 = 4.654545454545454 * t88;
+    let acceleration_panda_joint5_x = t164 - t165;
+    let t167 = cos_panda_joint6 * acceleration_panda_joint5_x;
+    let t168 = sin_panda_joint4 * t138;
+    let t169 = cos_panda_joint4 * t146;
+    let acceleration_panda_joint4_y = t168 - t169;
+    let t171 = t51 + t48;
+    let t172 = acceleration_panda_joint4_y + t171;
+    let t173 = omega_panda_joint4_x * omega_panda_joint4_x;
+    let t174 = t173 + t150;
+    let t175 = 4.654545454545454 * t174;
+    let acceleration_panda_joint5_z = t172 - t175;
+    let t177 = sin_panda_joint6 * acceleration_panda_joint5_z;
+    let acceleration_panda_joint6_x = t167 - t177;
+    let t179 = omega_panda_joint6_y * omega_panda_joint6_y;
+    let t180 = t179 + t105;
+    let t181 = 1.0666666666666667 * t180;
+    let acceleration_panda_joint7_x = acceleration_panda_joint6_x + t181;
+    let t183 = 0.0002706501814147986 * sin_panda_joint7;
+    let t184 = t183 * acceleration_panda_joint7_x;
+    let t185 = omega_panda_joint6_x * t76;
+    let t186 = t117 - t185;
+    let t187 = 1.0666666666666667 * t186;
+    let t188 = sin_panda_joint5 * t152;
+    let t189 = cos_panda_joint5 * t162;
+    let t190 = t188 - t189;
+    let t191 = 4.654545454545454 * t54;
+    let acceleration_panda_joint5_y = t190 - t191;
+    let acceleration_panda_joint7_y = acceleration_panda_joint5_y - t187;
+    let t194 = 0.0002706501814147986 * cos_panda_joint7;
+    let t195 = t194 * acceleration_panda_joint7_y;
+    let t196 = t195 - t184;
+    let moment_panda_joint7_z = t196 - t128;
+    let t198 = t194 * t120;
+    let t199 = t183 * t104;
+    let t200 = t198 + t199;
+    let t201 = 0.017931959153753906 * acceleration_panda_joint7_y;
+    let force_panda_joint7_y = t201 + t200;
+    let t203 = 1.0666666666666667 * force_panda_joint7_y;
+    let t204 = moment_panda_joint7_z + t203;
+    let t205 = 0.014748570382675316 * t81;
+    let t206 = 9.3569097314605e-5 * t95;
+    let t207 = t206 + t205;
+    let t208 = omega_panda_joint5_x * omega_panda_joint5_x;
+    let t209 = omega_panda_joint5_z * omega_panda_joint5_z;
+    let t210 = t208 + t209;
+    let t211 = t210 - t180;
+    let t212 = 0.00010375891721868492 * t211;
+    let t213 = t207 - t212;
+    let t214 = 0.0011196707334275545 * t186;
+    let t215 = t213 + t214;
+    let moment_panda_joint6_y = t215 - t204;
+    let t217 = sin_panda_joint6 * moment_panda_joint6_y;
+    let t218 = t84 * t120;
+    let t219 = 2.0 * omega_panda_joint7_z;
+    let t220 = omega_panda_joint6_x * t219;
+    let t221 = t95 - t220;
+    let t222 = t112 * t221;
+    let t223 = t222 - t218;
+    let t224 = t103 + t105;
+    let t225 = t224 - t104;
+    let t226 = t98 * t225;
+    let t227 = t223 + t226;
+    let t228 = omega_panda_joint6_z * t219;
+    let t229 = t81 - t228;
+    let t230 = t126 * t229;
+    let t231 = t227 + t230;
+    let t232 = sin_panda_joint6 * acceleration_panda_joint5_x;
+    let t233 = cos_panda_joint6 * acceleration_panda_joint5_z;
+    let acceleration_panda_joint6_y = t232 + t233;
+    let t235 = t90 + t94;
+    let t236 = 1.0666666666666667 * t235;
+    let acceleration_panda_joint7_z = acceleration_panda_joint6_y - t236;
+    let t238 = t183 * acceleration_panda_joint7_z;
+    let moment_panda_joint7_x = t238 + t231;
+    let t240 = 0.014748570382675316 * t186;
+    let t241 = 0.00010375891721868492 * t235;
+    let t242 = t240 - t241;
+    let t243 = t210 - t224;
+    let t244 = 9.3569097314605e-5 * t243;
+    let t245 = t242 - t244;
+    let t246 = 0.028934422545659894 * t81;
+    let t247 = t245 + t246;
+    let t248 = 0.014338888209442503 * acceleration_panda_joint5_y;
+    let t249 = t248 - t247;
+    let moment_panda_joint6_x = t249 - moment_panda_joint7_x;
+    let t251 = cos_panda_joint6 * moment_panda_joint6_x;
+    let t252 = t251 + t217;
+    let t253 = omega_panda_joint5_x * t56;
+    let t254 = t88 + t253;
+    let t255 = 0.0015152444733270301 * t254;
+    let t256 = t67 + t71;
+    let t257 = 0.004600245517563105 * t256;
+    let t258 = t255 - t257;
+    let t259 = t174 - t210;
+    let t260 = 0.0021640520520981297 * t259;
+    let t261 = t258 - t260;
+    let t262 = 0.010045187828321242 * t61;
+    let t263 = t261 - t262;
+    let t264 = 0.0055993270925625 * acceleration_panda_joint5_z;
+    let t265 = t264 - t263;
+    let moment_panda_joint5_x = t265 + t252;
+    let t267 = 0.014338888209442503 * t81;
+    let force_panda_joint6_z = t267 - force_panda_joint7_y;
+    let t269 = 0.027672413504871096 * acceleration_panda_joint5_y;
+    let t270 = 0.001208932934385 * t256;
+    let t271 = 0.0055993270925625 * t210;
+    let t272 = t270 - t271;
+    let t273 = t269 + t272;
+    let force_panda_joint5_y = t273 - force_panda_joint6_z;
+    let t275 = 4.654545454545454 * force_panda_joint5_y;
+    let t276 = moment_panda_joint5_x - t275;
+    let t277 = sin_panda_joint5 * t276;
+    let t278 = 0.017931959153753906 * acceleration_panda_joint7_z;
+    let t279 = t183 * t229;
+    let t280 = t194 * t221;
+    let t281 = t280 - t279;
+    let force_panda_joint7_z = t278 - t281;
+    let t283 = 0.014338888209442503 * t224;
+    let force_panda_joint6_y = t283 + force_panda_joint7_z;
+    let t285 = sin_panda_joint6 * force_panda_joint6_y;
+    let t286 = 0.017931959153753906 * acceleration_panda_joint7_x;
+    let t287 = t183 * t125;
+    let t288 = t194 * t106;
+    let t289 = t288 + t287;
+    let force_panda_joint7_x = t286 + t289;
+    let t291 = 0.014338888209442503 * t95;
+    let force_panda_joint6_x = t291 + force_panda_joint7_x;
+    let t293 = cos_panda_joint6 * force_panda_joint6_x;
+    let t294 = t293 + t285;
+    let t295 = 0.027672413504871096 * acceleration_panda_joint5_x;
+    let t296 = 0.0055993270925625 * t72;
+    let t297 = omega_panda_joint5_y * omega_panda_joint5_y;
+    let t298 = t297 + t209;
+    let t299 = 0.001208932934385 * t298;
+    let t300 = t299 + t296;
+    let t301 = t295 - t300;
+    let force_panda_joint5_x = t301 + t294;
+    let t303 = 4.654545454545454 * force_panda_joint5_x;
+    let t304 = 1.0666666666666667 * force_panda_joint7_z;
+    let t305 = t112 * t229;
+    let t306 = t98 * t125;
+    let t307 = t306 + t305;
+    let t308 = t224 - t106;
+    let t309 = t84 * t308;
+    let t310 = t307 - t309;
+    let t311 = t122 * t221;
+    let t312 = t310 + t311;
+    let t313 = t194 * acceleration_panda_joint7_z;
+    let moment_panda_joint7_y = t313 - t312;
+    let t315 = moment_panda_joint7_y + t304;
+    let t316 = 9.3569097314605e-5 * t117;
+    let t317 = 0.00010375891721868492 * t74;
+    let t318 = t317 - t316;
+    let t319 = t180 - t224;
+    let t320 = 0.014748570382675316 * t319;
+    let t321 = t318 - t320;
+    let t322 = 0.0011196707334275545 * t235;
+    let t323 = t321 - t322;
+    let t324 = 0.028934422545659894 * t95;
+    let t325 = t323 - t324;
+    let t326 = 0.014338888209442503 * acceleration_panda_joint6_x;
+    let t327 = t326 - t325;
+    let moment_panda_joint6_z = t327 - t315;
+    let t329 = 0.0015152444733270301 * t61;
+    let t330 = 0.0021640520520981297 * t72;
+    let t331 = t330 + t329;
+    let t332 = t174 - t298;
+    let t333 = 0.004600245517563105 * t332;
+    let t334 = t331 - t333;
+    let t335 = 0.0014511560650267133 * t254;
+    let t336 = t334 - t335;
+    let t337 = 0.001208932934385 * acceleration_panda_joint5_z;
+    let t338 = t337 - t336;
+    let moment_panda_joint5_y = t338 + moment_panda_joint6_z;
+    let t340 = moment_panda_joint5_y - t303;
+    let t341 = cos_panda_joint5 * t340;
+    let t342 = t277 + t341;
+    let t343 = cos_panda_joint6 * force_panda_joint6_y;
+    let t344 = sin_panda_joint6 * force_panda_joint6_x;
+    let t345 = t344 - t343;
+    let t346 = 0.0055993270925625 * t61;
+    let t347 = 0.001208932934385 * t254;
+    let t348 = t347 + t346;
+    let t349 = 0.027672413504871096 * acceleration_panda_joint5_z;
+    let t350 = t349 + t348;
+    let force_panda_joint5_z = t350 - t345;
+    let t352 = force_panda_joint5_z + t342;
+    let t353 = 0.0016444875773692705 * t65;
+    let t354 = 0.0039053550262761003 * t36;
+    let t355 = t354 - t353;
+    let t356 = t151 - t174;
+    let t357 = 0.04942675278013915 * t356;
+    let t358 = t355 - t357;
+    let t359 = 0.0054157634981905 * t171;
+    let t360 = t358 + t359;
+    let t361 = 0.2907172362270936 * t52;
+    let t362 = t360 - t361;
+    let t363 = 0.04623443229335249 * acceleration_panda_joint4_x;
+    let t364 = t363 + t362;
+    let moment_panda_joint4_z = t364 + t352;
+    let t366 = cos_panda_joint5 * force_panda_joint5_x;
+    let t367 = sin_panda_joint5 * force_panda_joint5_y;
+    let t368 = t366 + t367;
+    let t369 = 0.016011409030815008 * acceleration_panda_joint4_x;
+    let t370 = 0.04623443229335249 * t52;
+    let t371 = t369 + t370;
+    let force_panda_joint4_x = t371 + t368;
+    let t373 = sin_panda_joint4 * force_panda_joint4_x;
+    let t374 = 0.016011409030815008 * acceleration_panda_joint4_y;
+    let t375 = 0.04623443229335249 * t174;
+    let t376 = t374 + t375;
+    let force_panda_joint4_y = t376 + force_panda_joint5_z;
+    let t378 = cos_panda_joint4 * force_panda_joint4_y;
+    let t379 = t373 - t378;
+    let t380 = moment_panda_joint4_z + t379;
+    let t381 = 0.00012191242095074308 * t27;
+    let t382 = 0.004377257121839584 * t34;
+    let t383 = t382 + t381;
+    let t384 = t137 - t141;
+    let t385 = 0.005487648106562256 * t384;
+    let t386 = t383 - t385;
+    let t387 = 1.3360662912305366e-5 * t145;
+    let t388 = t386 - t387;
+    let moment_panda_joint3_y = t388 + t380;
+    let t390 = cos_panda_joint4 * force_panda_joint4_x;
+    let t391 = sin_panda_joint4 * force_panda_joint4_y;
+    let t392 = t390 + t391;
+    let t393 = 0.002328735327435001 * t34;
+    let force_panda_joint3_x = t393 - t392;
+    let t395 = 3.83030303030303 * force_panda_joint3_x;
+    let t396 = moment_panda_joint3_y + t395;
+    let t397 = sin_panda_joint3 * t396;
+    let t398 = cos_panda_joint5 * t276;
+    let t399 = sin_panda_joint5 * t340;
+    let t400 = t398 - t399;
+    let t401 = 0.04942675278013915 * t155;
+    let t402 = 0.0039053550262761003 * t171;
+    let t403 = t401 - t402;
+    let t404 = t140 + t136;
+    let t405 = t404 - t174;
+    let t406 = 0.0016444875773692705 * t405;
+    let t407 = t403 - t406;
+    let t408 = 0.2907172362270936 * t43;
+    let t409 = t407 + t408;
+    let t410 = 0.04623443229335249 * acceleration_panda_joint4_z;
+    let t411 = t410 - t409;
+    let moment_panda_joint4_x = t411 - t400;
+    let t413 = cos_panda_joint4 * moment_panda_joint4_x;
+    let t414 = sin_panda_joint5 * force_panda_joint5_x;
+    let t415 = cos_panda_joint5 * force_panda_joint5_y;
+    let t416 = t414 - t415;
+    let t417 = cos_panda_joint6 * moment_panda_joint6_y;
+    let t418 = sin_panda_joint6 * moment_panda_joint6_x;
+    let t419 = t418 - t417;
+    let t420 = 0.0055993270925625 * acceleration_panda_joint5_x;
+    let t421 = 0.001208932934385 * acceleration_panda_joint5_y;
+    let t422 = t421 - t420;
+    let t423 = 0.0021640520520981297 * t88;
+    let t424 = 0.004600245517563105 * t54;
+    let t425 = t424 - t423;
+    let t426 = t298 - t210;
+    let t427 = 0.0015152444733270301 * t426;
+    let t428 = t425 - t427;
+    let t429 = 0.0014511560650267133 * t256;
+    let t430 = t428 + t429;
+    let t431 = 0.010045187828321242 * t72;
+    let t432 = t430 + t431;
+    let t433 = t422 + t432;
+    let moment_panda_joint5_z = t433 - t419;
+    let t435 = moment_panda_joint5_z - t416;
+    let t436 = 0.04942675278013915 * t43;
+    let t437 = 0.0016444875773692705 * t52;
+    let t438 = t437 + t436;
+    let t439 = t404 - t151;
+    let t440 = 0.0039053550262761003 * t439;
+    let t441 = t438 - t440;
+    let t442 = 0.0054157634981905 * t155;
+    let t443 = t441 - t442;
+    let moment_panda_joint4_y = t443 - t435;
+    let t445 = sin_panda_joint4 * moment_panda_joint4_y;
+    let t446 = t413 + t445;
+    let t447 = 0.00012191242095074308 * t145;
+    let t448 = 0.005487648106562256 * t160;
+    let t449 = t447 - t448;
+    let t450 = t404 - t141;
+    let t451 = 0.004377257121839584 * t450;
+    let t452 = t449 - t451;
+    let t453 = 0.022178148964878235 * t27;
+    let t454 = t452 + t453;
+    let t455 = 0.002328735327435001 * acceleration_panda_joint3_z;
+    let t456 = t455 - t454;
+    let moment_panda_joint3_x = t456 - t446;
+    let t458 = 0.04623443229335249 * t43;
+    let t459 = 0.016011409030815008 * acceleration_panda_joint4_z;
+    let t460 = t459 + t458;
+    let force_panda_joint4_z = t460 + t416;
+    let t462 = 0.002328735327435001 * t404;
+    let force_panda_joint3_y = t462 + force_panda_joint4_z;
+    let t464 = 3.83030303030303 * force_panda_joint3_y;
+    let t465 = moment_panda_joint3_x + t464;
+    let t466 = cos_panda_joint3 * t465;
+    let t467 = t466 - t397;
+    let t468 = omega_panda_joint2_y * omega_panda_joint2_y;
+    let t469 = omega_panda_joint2_x * omega_panda_joint2_x;
+    let t470 = t469 + t468;
+    let t471 = v[1] * v[1];
+    let t472 = t469 + t471;
+    let t473 = t472 - t470;
+    let t474 = 0.0007689361029464 * t473;
+    let t475 = omega_panda_joint2_x * omega_panda_joint2_y;
+    let t476 = 0.01026110182100817 * t475;
+    let t477 = t33 * 0.00796671776787104;
+    let t478 = t477 - t476;
+    let t479 = t478 + t474;
+    let t480 = t22 * 0.2563665845006481;
+    let t481 = t479 + t480;
+    let moment_panda_joint2_x = t481 - t467;
+    let t483 = sin_panda_joint2 * moment_panda_joint2_x;
+    let t484 = sin_panda_joint4 * moment_panda_joint4_x;
+    let t485 = cos_panda_joint4 * moment_panda_joint4_y;
+    let t486 = t484 - t485;
+    let t487 = force_panda_joint4_z + t486;
+    let t488 = 0.004377257121839584 * t130;
+    let t489 = 0.005487648106562256 * t156;
+    let t490 = t489 - t488;
+    let t491 = t137 - t404;
+    let t492 = 0.00012191242095074308 * t491;
+    let t493 = t490 + t492;
+    let t494 = 1.3360662912305366e-5 * t160;
+    let t495 = t493 + t494;
+    let t496 = 0.022178148964878235 * t34;
+    let t497 = t495 - t496;
+    let t498 = 0.002328735327435001 * acceleration_panda_joint3_x;
+    let t499 = t498 + t497;
+    let moment_panda_joint3_z = t499 - t487;
+    let t501 = t468 + t471;
+    let t502 = t501 - t470;
+    let t503 = 0.01026110182100817 * t502;
+    let t504 = t22 * 0.00796671776787104;
+    let t505 = 0.0007689361029464 * t475;
+    let t506 = t505 - t504;
+    let t507 = t506 - t503;
+    let t508 = t33 * 0.04615576498986362;
+    let t509 = t507 - t508;
+    let moment_panda_joint2_y = t509 + moment_panda_joint3_z;
+    let t511 = cos_panda_joint2 * moment_panda_joint2_y;
+    let moment_panda_joint1_z = t483 + t511;
+    let t513 = v[0] * 0.003;
+    let t514 = u[0] - t513;
+    let t515 = t514 - moment_panda_joint1_z;
+    let t516 = v[6] * 0.003;
+    let t517 = u[6] - t516;
+    let t518 = t517 + moment_panda_joint7_z;
+    let t519 = cos_panda_joint7 * 0.00028869352684245185;
+    let t520 = 0.006684151967360947 + t519;
+    let t521 = sin_panda_joint6 * t520;
+    let t522 = cos_panda_joint6 * t84;
+    let t523 = t522 - t521;
+    let t524 = cos_panda_joint7 * 0.0012597535716761534;
+    let t525 = t523 - t524;
+    let t526 = sin_panda_joint5 * t525;
+    let t527 = cos_panda_joint6 * t183;
+    let t528 = 4.654545454545454 * t527;
+    let t529 = t98 - t528;
+    let t530 = cos_panda_joint5 * t529;
+    let t531 = t526 - t530;
+    let t532 = sin_panda_joint6 * t183;
+    let t533 = t532 + t531;
+    let t534 = cos_panda_joint5 * t527;
+    let t535 = sin_panda_joint5 * t194;
+    let t536 = t534 - t535;
+    let t537 = sin_panda_joint4 * t536;
+    let t538 = cos_panda_joint4 * t532;
+    let t539 = t537 + t538;
+    let t540 = t533 - t539;
+    let t541 = cos_panda_joint4 * t536;
+    let t542 = sin_panda_joint4 * t532;
+    let t543 = t541 - t542;
+    let t544 = 3.83030303030303 * t543;
+    let t545 = t540 + t544;
+    let t546 = sin_panda_joint3 * t545;
+    let t547 = cos_panda_joint5 * t525;
+    let t548 = sin_panda_joint5 * t529;
+    let t549 = t547 + t548;
+    let t550 = cos_panda_joint4 * t549;
+    let t551 = sin_panda_joint5 * t527;
+    let t552 = cos_panda_joint5 * t194;
+    let t553 = t551 + t552;
+    let t554 = cos_panda_joint6 * t520;
+    let t555 = sin_panda_joint6 * t84;
+    let t556 = t555 + t554;
+    let t557 = t556 - t553;
+    let t558 = sin_panda_joint4 * t557;
+    let t559 = t550 - t558;
+    let t560 = 3.83030303030303 * t553;
+    let t561 = t559 - t560;
+    let t562 = cos_panda_joint3 * t561;
+    let t563 = t562 - t546;
+    let t564 = sin_panda_joint2 * t563;
+    let t565 = sin_panda_joint4 * t549;
+    let t566 = cos_panda_joint4 * t557;
+    let t567 = t565 + t566;
+    let t568 = t553 + t567;
+    let t569 = cos_panda_joint2 * t568;
+    let t570 = t564 - t569;
+    let t571 = t570 * 149.60760989322964;
+    let t572 = t571 * t518;
+    let t573 = t515 - t572;
+    let t574 = v[5] * 0.003;
+    let t575 = u[5] - t574;
+    let t576 = t575 + moment_panda_joint6_z;
+    let t577 = t98 * 149.60760989322964;
+    let t578 = t577 * t518;
+    let t579 = t576 + t578;
+    let t580 = sin_panda_joint7 * 0.00028869352684245185;
+    let t581 = t112 - t580;
+    let t582 = 0.00010375891721868492 - t581;
+    let t583 = cos_panda_joint6 * t582;
+    let t584 = 9.3569097314605e-5 + t98;
+    let t585 = sin_panda_joint6 * t584;
+    let t586 = t583 + t585;
+    let t587 = sin_panda_joint5 * t586;
+    let t588 = cos_panda_joint7 * 0.0005773870536849037;
+    let t589 = t122 + t588;
+    let t590 = t589 + 0.050456677916247444;
+    let t591 = t194 + 0.0191274230973375;
+    let t592 = sin_panda_joint6 * t591;
+    let t593 = 0.014338888209442503 * cos_panda_joint6;
+    let t594 = t592 - t593;
+    let t595 = 4.654545454545454 * t594;
+    let t596 = t590 + t595;
+    let t597 = cos_panda_joint5 * t596;
+    let t598 = t587 + t597;
+    let t599 = cos_panda_joint6 * t591;
+    let t600 = 0.014338888209442503 * sin_panda_joint6;
+    let t601 = t599 + t600;
+    let t602 = t601 - t598;
+    let t603 = cos_panda_joint5 * t594;
+    let t604 = sin_panda_joint4 * t603;
+    let t605 = cos_panda_joint4 * t601;
+    let t606 = t604 - t605;
+    let t607 = t602 + t606;
+    let t608 = cos_panda_joint4 * t603;
+    let t609 = sin_panda_joint4 * t601;
+    let t610 = t608 + t609;
+    let t611 = 3.83030303030303 * t610;
+    let t612 = t607 - t611;
+    let t613 = sin_panda_joint3 * t612;
+    let t614 = cos_panda_joint5 * t586;
+    let t615 = sin_panda_joint5 * t596;
+    let t616 = t614 - t615;
+    let t617 = cos_panda_joint4 * t616;
+    let t618 = sin_panda_joint6 * t582;
+    let t619 = cos_panda_joint6 * t584;
+    let t620 = t618 - t619;
+    let t621 = sin_panda_joint5 * t594;
+    let t622 = t620 - t621;
+    let t623 = sin_panda_joint4 * t622;
+    let t624 = t617 - t623;
+    let t625 = 3.83030303030303 * t621;
+    let t626 = t624 - t625;
+    let t627 = cos_panda_joint3 * t626;
+    let t628 = t627 + t613;
+    let t629 = sin_panda_joint2 * t628;
+    let t630 = sin_panda_joint4 * t616;
+    let t631 = cos_panda_joint4 * t622;
+    let t632 = t630 + t631;
+    let t633 = t621 + t632;
+    let t634 = cos_panda_joint2 * t633;
+    let t635 = t629 - t634;
+    let t636 = t570 * t577;
+    let t637 = t635 + t636;
+    let t638 = t98 * t577;
+    let t639 = t590 - t638;
+    let inverse_d_panda_joint6 = 1.0 / t639;
+    let t641 = t637 * inverse_d_panda_joint6;
+    let t642 = t641 * t579;
+    let t643 = t573 - t642;
+    let t644 = v[4] * 0.003;
+    let t645 = u[4] - t644;
+    let t646 = t645 + moment_panda_joint5_z;
+    let t647 = t556 * 149.60760989322964;
+    let t648 = t647 * t518;
+    let t649 = t646 + t648;
+    let t650 = t556 * t577;
+    let t651 = t620 + t650;
+    let t652 = t651 * inverse_d_panda_joint6;
+    let t653 = t652 * t579;
+    let t654 = t649 + t653;
+    let t655 = t589 - 0.007412167175072339;
+    let t656 = sin_panda_joint6 * t655;
+    let t657 = 0.014748570382675316 + t84;
+    let t658 = 2.0 * t657;
+    let t659 = cos_panda_joint6 * t658;
+    let t660 = t656 - t659;
+    let t661 = cos_panda_joint6 * t660;
+    let t662 = t657 + t661;
+    let t663 = 0.004600245517563105 + t662;
+    let t664 = 0.001208932934385 - t601;
+    let t665 = 4.654545454545454 * t664;
+    let t666 = t663 - t665;
+    let t667 = cos_panda_joint5 * t666;
+    let t668 = 0.0021640520520981297 + t620;
+    let t669 = 0.0055993270925625 - t183;
+    let t670 = 4.654545454545454 * t669;
+    let t671 = t668 - t670;
+    let t672 = sin_panda_joint5 * t671;
+    let t673 = t667 + t672;
+    let t674 = cos_panda_joint4 * t673;
+    let t675 = sin_panda_joint6 * t660;
+    let t676 = t589 + 0.021522255370587554;
+    let t677 = t676 - t675;
+    let t678 = 0.0014511560650267133 + t677;
+    let t679 = t121 - 0.014047520880232544;
+    let t680 = t678 - t679;
+    let t681 = cos_panda_joint5 * t664;
+    let t682 = sin_panda_joint5 * t669;
+    let t683 = t681 + t682;
+    let t684 = t680 + t683;
+    let t685 = sin_panda_joint4 * t684;
+    let t686 = t674 + t685;
+    let t687 = 3.83030303030303 * t683;
+    let t688 = t686 - t687;
+    let t689 = cos_panda_joint3 * t688;
+    let t690 = sin_panda_joint5 * t666;
+    let t691 = cos_panda_joint5 * t671;
+    let t692 = t690 - t691;
+    let t693 = sin_panda_joint5 * t664;
+    let t694 = cos_panda_joint5 * t669;
+    let t695 = t693 - t694;
+    let t696 = sin_panda_joint4 * t695;
+    let t697 = t692 + t696;
+    let t698 = cos_panda_joint4 * t695;
+    let t699 = 3.83030303030303 * t698;
+    let t700 = t697 - t699;
+    let t701 = sin_panda_joint3 * t700;
+    let t702 = t689 - t701;
+    let t703 = sin_panda_joint2 * t702;
+    let t704 = sin_panda_joint4 * t673;
+    let t705 = cos_panda_joint4 * t684;
+    let t706 = t704 - t705;
+    let t707 = t683 + t706;
+    let t708 = cos_panda_joint2 * t707;
+    let t709 = t703 - t708;
+    let t710 = t570 * t647;
+    let t711 = t709 + t710;
+    let t712 = t637 * t652;
+    let t713 = t711 + t712;
+    let t714 = t556 * t647;
+    let t715 = t680 - t714;
+    let t716 = t651 * t652;
+    let t717 = t715 - t716;
+    let inverse_d_panda_joint5 = 1.0 / t717;
+    let t719 = t713 * inverse_d_panda_joint5;
+    let t720 = t719 * t654;
+    let t721 = t643 - t720;
+    let t722 = v[3] * 0.003;
+    let t723 = u[3] - t722;
+    let t724 = t723 + moment_panda_joint4_z;
+    let t725 = t533 * 149.60760989322964;
+    let t726 = t725 * t518;
+    let t727 = t724 - t726;
+    let t728 = t533 * t577;
+    let t729 = t602 - t728;
+    let t730 = t729 * inverse_d_panda_joint6;
+    let t731 = t730 * t579;
+    let t732 = t727 + t731;
+    let t733 = t533 * t647;
+    let t734 = t692 + t733;
+    let t735 = t729 * t652;
+    let t736 = t734 - t735;
+    let t737 = t736 * inverse_d_panda_joint5;
+    let t738 = t737 * t654;
+    let t739 = t732 - t738;
+    let t740 = t678 + t679;
+    let t741 = sin_panda_joint5 * t740;
+    let t742 = 0.0015152444733270301 - t586;
+    let t743 = 2.0 * t742;
+    let t744 = cos_panda_joint5 * t743;
+    let t745 = t741 + t744;
+    let t746 = sin_panda_joint5 * t745;
+    let t747 = t678 - t746;
+    let t748 = 2.0 * t683;
+    let t749 = t747 + t748;
+    let t750 = t749 + 0.051020136156815506;
+    let t751 = 0.028934422545659894 + t675;
+    let t752 = t594 * 9.309090909090909;
+    let t753 = t751 + t752;
+    let t754 = t753 + 0.6972920750309719;
+    let t755 = t750 + t754;
+    let t756 = 0.045604372658625006 + t683;
+    let t757 = cos_panda_joint4 * t756;
+    let t758 = t594 + 0.16603319317224752;
+    let t759 = sin_panda_joint4 * t758;
+    let t760 = t757 + t759;
+    let t761 = t755 - t760;
+    let t762 = sin_panda_joint4 * t756;
+    let t763 = cos_panda_joint4 * t758;
+    let t764 = t762 - t763;
+    let t765 = 3.83030303030303 * t764;
+    let t766 = t765 - t761;
+    let t767 = sin_panda_joint3 * t766;
+    let t768 = cos_panda_joint5 * t745;
+    let t769 = t742 - t768;
+    let t770 = t695 - t769;
+    let t771 = 0.0039053550262761003 + t770;
+    let t772 = cos_panda_joint4 * t771;
+    let t773 = 0.0016444875773692705 - t692;
+    let t774 = sin_panda_joint4 * t773;
+    let t775 = t772 + t774;
+    let t776 = cos_panda_joint3 * t775;
+    let t777 = t776 - t767;
+    let t778 = sin_panda_joint2 * t777;
+    let t779 = sin_panda_joint4 * t771;
+    let t780 = cos_panda_joint4 * t773;
+    let t781 = t779 - t780;
+    let t782 = cos_panda_joint2 * t781;
+    let t783 = t778 - t782;
+    let t784 = t570 * t725;
+    let t785 = t783 + t784;
+    let t786 = t637 * t730;
+    let t787 = t785 - t786;
+    let t788 = t713 * t737;
+    let t789 = t787 + t788;
+    let t790 = t533 * t725;
+    let t791 = t755 - t790;
+    let t792 = t729 * t730;
+    let t793 = t791 - t792;
+    let t794 = t736 * t737;
+    let t795 = t793 - t794;
+    let inverse_d_panda_joint4 = 1.0 / t795;
+    let t797 = t789 * inverse_d_panda_joint4;
+    let t798 = t797 * t739;
+    let t799 = t721 + t798;
+    let t800 = v[2] * 0.003;
+    let t801 = u[2] - t800;
+    let t802 = t801 - moment_panda_joint3_z;
+    let t803 = t568 * 149.60760989322964;
+    let t804 = t803 * t518;
+    let t805 = t802 + t804;
+    let t806 = t568 * t577;
+    let t807 = t633 + t806;
+    let t808 = t807 * inverse_d_panda_joint6;
+    let t809 = t808 * t579;
+    let t810 = t805 + t809;
+    let t811 = t568 * t647;
+    let t812 = t707 + t811;
+    let t813 = t807 * t652;
+    let t814 = t812 + t813;
+    let t815 = t814 * inverse_d_panda_joint5;
+    let t816 = t815 * t654;
+    let t817 = t810 + t816;
+    let t818 = t568 * t725;
+    let t819 = t781 + t818;
+    let t820 = t807 * t730;
+    let t821 = t819 - t820;
+    let t822 = t814 * t737;
+    let t823 = t821 + t822;
+    let t824 = t823 * inverse_d_panda_joint4;
+    let t825 = t824 * t739;
+    let t826 = t817 - t825;
+    let t827 = t750 - t754;
+    let t828 = sin_panda_joint4 * t827;
+    let t829 = t594 + 0.21226762546560002;
+    let t830 = t829 - t673;
+    let t831 = 0.04942675278013915 - t830;
+    let t832 = 2.0 * t831;
+    let t833 = cos_panda_joint4 * t832;
+    let t834 = t828 + t833;
+    let t835 = cos_panda_joint4 * t834;
+    let t836 = t831 - t835;
+    let t837 = t764 + t836;
+    let t838 = 0.005487648106562256 - t837;
+    let t839 = 0.06161578168944001 - t760;
+    let t840 = 3.83030303030303 * t839;
+    let t841 = t838 + t840;
+    let t842 = cos_panda_joint3 * t841;
+    let t843 = 0.004377257121839584 + t781;
+    let t844 = 0.002328735327435001 - t695;
+    let t845 = 3.83030303030303 * t844;
+    let t846 = t843 + t845;
+    let t847 = sin_panda_joint3 * t846;
+    let t848 = t842 - t847;
+    let t849 = sin_panda_joint2 * t848;
+    let t850 = sin_panda_joint4 * t834;
+    let t851 = t750 - t850;
+    let t852 = 2.0 * t760;
+    let t853 = t851 - t852;
+    let t854 = t853 + 0.06160242102652771;
+    let t855 = t679 - t746;
+    let t856 = 0.022178148964878235 - t855;
+    let t857 = t854 + t856;
+    let t858 = cos_panda_joint2 * t857;
+    let t859 = t849 + t858;
+    let t860 = t570 * t803;
+    let t861 = t859 + t860;
+    let t862 = t637 * t808;
+    let t863 = t861 + t862;
+    let t864 = t713 * t815;
+    let t865 = t863 + t864;
+    let t866 = t789 * t824;
+    let t867 = t865 + t866;
+    let t868 = t568 * t803;
+    let t869 = t857 - t868;
+    let t870 = t807 * t808;
+    let t871 = t869 - t870;
+    let t872 = t814 * t815;
+    let t873 = t871 - t872;
+    let t874 = t823 * t824;
+    let t875 = t873 - t874;
+    let inverse_d_panda_joint3 = 1.0 / t875;
+    let t877 = t867 * inverse_d_panda_joint3;
+    let t878 = t877 * t826;
+    let t879 = t799 - t878;
+    let t880 = cos_panda_joint3 * t396;
+    let t881 = sin_panda_joint3 * t465;
+    let t882 = t881 + t880;
+    let t883 = t501 - t472;
+    let t884 = 0.00398335888393552 * t883;
+    let t885 = 0.02307788249493181 * t475;
+    let t886 = t884 + t885;
+    let t887 = 0.12818329225032404 * t475;
+    let t888 = t886 - t887;
+    let t889 = sin_panda_joint2 * 4.746153896127808;
+    let t890 = cos_panda_joint2 * 0.01993386669246;
+    let t891 = t890 - t889;
+    let t892 = t891 + t888;
+    let moment_panda_joint2_z = t892 + t882;
+    let t894 = v[1] * 0.003;
+    let t895 = u[1] - t894;
+    let t896 = t895 - moment_panda_joint2_z;
+    let t897 = cos_panda_joint3 * t545;
+    let t898 = sin_panda_joint3 * t561;
+    let t899 = t898 + t897;
+    let t900 = t899 * 149.60760989322964;
+    let t901 = t900 * t518;
+    let t902 = t896 + t901;
+    let t903 = cos_panda_joint3 * t612;
+    let t904 = sin_panda_joint3 * t626;
+    let t905 = t904 - t903;
+    let t906 = t899 * t577;
+    let t907 = t905 + t906;
+    let t908 = t907 * inverse_d_panda_joint6;
+    let t909 = t908 * t579;
+    let t910 = t902 + t909;
+    let t911 = sin_panda_joint3 * t688;
+    let t912 = cos_panda_joint3 * t700;
+    let t913 = t911 + t912;
+    let t914 = t899 * t647;
+    let t915 = t913 + t914;
+    let t916 = t907 * t652;
+    let t917 = t915 + t916;
+    let t918 = t917 * inverse_d_panda_joint5;
+    let t919 = t918 * t654;
+    let t920 = t910 + t919;
+    let t921 = cos_panda_joint3 * t766;
+    let t922 = sin_panda_joint3 * t775;
+    let t923 = t922 + t921;
+    let t924 = t899 * t725;
+    let t925 = t923 + t924;
+    let t926 = t907 * t730;
+    let t927 = t925 - t926;
+    let t928 = t917 * t737;
+    let t929 = t927 + t928;
+    let t930 = t929 * inverse_d_panda_joint4;
+    let t931 = t930 * t739;
+    let t932 = t920 - t931;
+    let t933 = sin_panda_joint3 * t841;
+    let t934 = cos_panda_joint3 * t846;
+    let t935 = t933 + t934;
+    let t936 = t899 * t803;
+    let t937 = t935 + t936;
+    let t938 = t907 * t808;
+    let t939 = t937 + t938;
+    let t940 = t917 * t815;
+    let t941 = t939 + t940;
+    let t942 = t929 * t824;
+    let t943 = t941 + t942;
+    let t944 = t943 * inverse_d_panda_joint3;
+    let t945 = t944 * t826;
+    let t946 = t932 + t945;
+    let t947 = t854 - t856;
+    let t948 = sin_panda_joint3 * t947;
+    let t949 = t695 - t775;
+    let t950 = 0.00012191242095074308 - t949;
+    let t951 = 2.0 * t950;
+    let t952 = cos_panda_joint3 * t951;
+    let t953 = t948 + t952;
+    let t954 = sin_panda_joint3 * t953;
+    let t955 = t854 - t954;
+    let t956 = 0.02307788249493181 + t955;
+    let t957 = t754 + t850;
+    let t958 = t764 * 7.66060606060606;
+    let t959 = t957 - t958;
+    let t960 = t959 + 1.032162061231881;
+    let t961 = t956 + t960;
+    let t962 = t899 * t900;
+    let t963 = t961 - t962;
+    let t964 = t907 * t908;
+    let t965 = t963 - t964;
+    let t966 = t917 * t918;
+    let t967 = t965 - t966;
+    let t968 = t929 * t930;
+    let t969 = t967 - t968;
+    let t970 = t943 * t944;
+    let t971 = t969 - t970;
+    let inverse_d_panda_joint2 = 1.0 / t971;
+    let t973 = cos_panda_joint3 * t953;
+    let t974 = t950 - t973;
+    let t975 = 0.01026110182100817 + t974;
+    let t976 = sin_panda_joint2 * t975;
+    let t977 = 0.0007689361029464 + t935;
+    let t978 = cos_panda_joint2 * t977;
+    let t979 = t976 + t978;
+    let t980 = t570 * t900;
+    let t981 = t979 - t980;
+    let t982 = t637 * t908;
+    let t983 = t981 - t982;
+    let t984 = t713 * t918;
+    let t985 = t983 - t984;
+    let t986 = t789 * t930;
+    let t987 = t985 - t986;
+    let t988 = t867 * t944;
+    let t989 = t987 - t988;
+    let t990 = t989 * inverse_d_panda_joint2;
+    let t991 = t990 * t946;
+    let t992 = t879 + t991;
+    let t993 = t956 - t960;
+    let t994 = sin_panda_joint2 * t993;
+    let t995 = 0.00398335888393552 - t848;
+    let t996 = 2.0 * t995;
+    let t997 = cos_panda_joint2 * t996;
+    let t998 = t994 + t997;
+    let t999 = sin_panda_joint2 * t998;
+    let t1000 = t956 - t999;
+    let t1001 = 0.006253137926937475 + t1000;
+    let t1002 = t856 + t954;
+    let t1003 = 0.008006428067536939 + t1002;
+    let t1004 = t1001 + t1003;
+    let t1005 = t570 * t571;
+    let t1006 = t1004 - t1005;
+    let t1007 = t637 * t641;
+    let t1008 = t1006 - t1007;
+    let t1009 = t713 * t719;
+    let t1010 = t1008 - t1009;
+    let t1011 = t789 * t797;
+    let t1012 = t1010 - t1011;
+    let t1013 = t867 * t877;
+    let t1014 = t1012 - t1013;
+    let t1015 = t989 * t990;
+    let t1016 = t1014 - t1015;
+    let inverse_d_panda_joint1 = 1.0 / t1016;
+    let t1018 = inverse_d_panda_joint1 * t992;
+    let t1019 = t990 * t1018;
+    let t1020 = inverse_d_panda_joint2 * t946;
+    let t1021 = t1020 + t1019;
+    let t1022 = t944 * t1021;
+    let t1023 = inverse_d_panda_joint3 * t826;
+    let t1024 = t1023 + t1022;
+    let t1025 = t877 * t1018;
+    let t1026 = t1024 - t1025;
+    let t1027 = t824 * t1026;
+    let t1028 = inverse_d_panda_joint4 * t739;
+    let t1029 = t1028 - t1027;
+    let t1030 = t930 * t1021;
+    let t1031 = t1029 - t1030;
+    let t1032 = t797 * t1018;
+    let t1033 = t1031 + t1032;
+    let t1034 = t737 * t1033;
+    let t1035 = inverse_d_panda_joint5 * t654;
+    let t1036 = t1035 - t1034;
+    let t1037 = t815 * t1026;
+    let t1038 = t1036 + t1037;
+    let t1039 = t918 * t1021;
+    let t1040 = t1038 + t1039;
+    let t1041 = t719 * t1018;
+    let t1042 = t1040 - t1041;
+    let t1043 = t652 * t1042;
+    let t1044 = inverse_d_panda_joint6 * t579;
+    let t1045 = t1044 + t1043;
+    let t1046 = t730 * t1033;
+    let t1047 = t1045 + t1046;
+    let t1048 = t808 * t1026;
+    let t1049 = t1047 + t1048;
+    let t1050 = t908 * t1021;
+    let t1051 = t1049 + t1050;
+    let t1052 = t641 * t1018;
+    let t1053 = t1051 - t1052;
+    let t1054 = t577 * t1053;
+    let t1055 = 149.60760989322964 * t518;
+    let t1056 = t1055 + t1054;
+    let t1057 = t647 * t1042;
+    let t1058 = t1056 + t1057;
+    let t1059 = t725 * t1033;
+    let t1060 = t1058 - t1059;
+    let t1061 = t803 * t1026;
+    let t1062 = t1060 + t1061;
+    let t1063 = t900 * t1021;
+    let t1064 = t1062 + t1063;
+    let t1065 = t571 * t1018;
+    let t1066 = t1064 - t1065;
+    [
+        sin_panda_joint2,
+        cos_panda_joint2,
+        sin_panda_joint3,
+        cos_panda_joint3,
+        sin_panda_joint4,
+        cos_panda_joint4,
+        sin_panda_joint5,
+        cos_panda_joint5,
+        sin_panda_joint6,
+        cos_panda_joint6,
+        sin_panda_joint7_2,
+        cos_panda_joint7_2,
+        omega_panda_joint2_x,
+        omega_panda_joint3_y,
+        omega_panda_joint2_y,
+        omega_panda_joint3_z,
+        omega_panda_joint3_x,
+        t32,
+        t33,
+        omega_panda_joint4_z,
+        t38,
+        omega_panda_joint4_y,
+        t42,
+        omega_panda_joint4_x,
+        t48,
+        omega_panda_joint5_z,
+        omega_panda_joint5_y,
+        t60,
+        t66,
+        omega_panda_joint5_x,
+        t71,
+        omega_panda_joint6_z,
+        t76,
+        omega_panda_joint6_y,
+        t80,
+        t89,
+        omega_panda_joint6_x,
+        t94,
+        t104,
+        t106,
+        t107,
+        t118,
+        t129,
+        acceleration_panda_joint2_x,
+        t133,
+        t137,
+        acceleration_panda_joint2_y,
+        t151,
+        t154,
+        t158,
+        t174,
+        t180,
+        t185,
+        t210,
+        t212,
+        t219,
+        t220,
+        t224,
+        t225,
+        t228,
+        t244,
+        t253,
+        t260,
+        t298,
+        t308,
+        t320,
+        t333,
+        t356,
+        t404,
+        t406,
+        t427,
+        t440,
+        t462,
+        t472,
+        t475,
+        t492,
+        t501,
+        t571,
+        t577,
+        inverse_d_panda_joint6,
+        t641,
+        t647,
+        t652,
+        inverse_d_panda_joint5,
+        t719,
+        t725,
+        t730,
+        t737,
+        inverse_d_panda_joint4,
+        t797,
+        t803,
+        t808,
+        t815,
+        t824,
+        inverse_d_panda_joint3,
+        t877,
+        t900,
+        t908,
+        t918,
+        t930,
+        t944,
+        inverse_d_panda_joint2,
+        t990,
+        inverse_d_panda_joint1,
+        t1018,
+        t1021,
+        t1026,
+        t1033,
+        t1042,
+        t1053,
+        t1066,
+    ]
+}
+
+/// Part 2 of `forward_dynamics_derivatives`: values that later parts read.
+#[inline(never)]
+fn forward_dynamics_derivatives_part_2(
+    v: &[f64; N],
+    [sin_panda_joint2,
+    cos_panda_joint2,
+    sin_panda_joint3,
+    cos_panda_joint3,
+    sin_panda_joint4,
+    cos_panda_joint4,
+    sin_panda_joint5,
+    cos_panda_joint5,
+    sin_panda_joint6,
+    cos_panda_joint6,
+    sin_panda_joint7_2,
+    cos_panda_joint7_2,
+    omega_panda_joint2_x,
+    omega_panda_joint3_y,
+    omega_panda_joint2_y,
+    omega_panda_joint3_z,
+    omega_panda_joint3_x,
+    t32,
+    t33,
+    omega_panda_joint4_z,
+    t38,
+    omega_panda_joint4_y,
+    t42,
+    omega_panda_joint4_x,
+    t48,
+    omega_panda_joint5_z,
+    omega_panda_joint5_y,
+    t60,
+    t66,
+    omega_panda_joint5_x,
+    t71,
+    omega_panda_joint6_z,
+    t76,
+    omega_panda_joint6_y,
+    t80,
+    t89,
+    omega_panda_joint6_x,
+    t94,
+    t104,
+    t106,
+    t107,
+    t118,
+    t129,
+    acceleration_panda_joint2_x,
+    t133,
+    t137,
+    acceleration_panda_joint2_y,
+    t151,
+    t154,
+    t158,
+    t174,
+    t180,
+    t185,
+    t210,
+    t212,
+    t219,
+    t220,
+    t224,
+    t225,
+    t228,
+    t244,
+    t253,
+    t260,
+    t298,
+    t308,
+    t320,
+    t333,
+    t356,
+    t404,
+    t406,
+    t427,
+    t440,
+    t462,
+    t472,
+    t475,
+    t492,
+    t501,
+    t571,
+    t577,
+    t641,
+    t647,
+    t652,
+    t719,
+    t725,
+    t730,
+    t737,
+    t797,
+    t803,
+    t808,
+    t815,
+    t824,
+    t877,
+    t900,
+    t908,
+    t918,
+    t930,
+    t944,
+    t990,
+    inverse_d_panda_joint1,
+    t1018,
+    t1021,
+    t1026,
+    t1033,
+    t1042,
+    t1053,
+    t1066,
+    ]: [f64; 106],
+) -> [f64; 203] {
+    let t1067 = cos_panda_joint2 * t1018;
+    let t1068 = t33 - t1067;
+    let t1069 = t1026 - t1068;
+    let t1070 = t32 + t1069;
+    let t1071 = cos_panda_joint4 * t1070;
+    let t1072 = t475 - t1021;
+    let t1073 = sin_panda_joint3 * t1072;
+    let t1074 = sin_panda_joint2 * t1018;
+    let t1075 = v[1] * 2.0;
+    let t1076 = omega_panda_joint2_y * t1075;
+    let t1077 = t1074 + t1076;
+    let t1078 = cos_panda_joint3 * t1077;
+    let t1079 = t1073 + t1078;
+    let t1080 = 2.0 * omega_panda_joint3_z;
+    let t1081 = omega_panda_joint3_y * t1080;
+    let t1082 = t1079 - t1081;
+    let t1083 = sin_panda_joint4 * t1082;
+    let t1084 = t1071 + t1083;
+    let t1085 = t66 + t1084;
+    let t1086 = t1042 + t1085;
+    let t1087 = t71 + t1086;
+    let t1088 = cos_panda_joint6 * t1087;
+    let t1089 = cos_panda_joint3 * t1072;
+    let t1090 = sin_panda_joint3 * t1077;
+    let t1091 = t1089 - t1090;
+    let t1092 = t129 - t1091;
+    let t1093 = t1033 - t1092;
+    let t1094 = t48 + t1093;
+    let t1095 = sin_panda_joint5 * t1094;
+    let t1096 = sin_panda_joint4 * t1070;
+    let t1097 = cos_panda_joint4 * t1082;
+    let t1098 = t1096 - t1097;
+    let t1099 = t42 + t1098;
+    let t1100 = cos_panda_joint5 * t1099;
+    let t1101 = t1095 - t1100;
+    let t1102 = t60 - t1101;
+    let t1103 = sin_panda_joint6 * t1102;
+    let t1104 = t1088 - t1103;
+    let t1105 = t118 + t1104;
+    let t1106 = t1066 - t1105;
+    let t1107 = t118 - t1106;
+    let t1108 = cos_panda_joint7_2 * 0.0021748470602962725;
+    let t1109 = 0.0013205141364616554 * sin_panda_joint7_2;
+    let t1110 = t1109 - t1108;
+    let t1111 = sin_panda_joint7_2 * t1110;
+    let t1112 = 0.0026818189154496457 + t1111;
+    let t1113 = t1112 * t1107;
+    let t1114 = cos_panda_joint5 * t1094;
+    let t1115 = sin_panda_joint5 * t1099;
+    let t1116 = t1114 + t1115;
+    let t1117 = t89 - t1116;
+    let t1118 = t1053 - t1117;
+    let t1119 = t94 + t1118;
+    let t1120 = 0.00038633089444376715 * cos_panda_joint7_2;
+    let t1121 = 0.001535882372017312 * sin_panda_joint7_2;
+    let t1122 = t1121 + t1120;
+    let t1123 = t1122 * t1119;
+    let t1124 = sin_panda_joint6 * t1087;
+    let t1125 = cos_panda_joint6 * t1102;
+    let t1126 = t1124 + t1125;
+    let t1127 = t80 + t1126;
+    let t1128 = 0.00038633089444376715 * sin_panda_joint7_2;
+    let t1129 = 0.001535882372017312 * cos_panda_joint7_2;
+    let t1130 = t1129 - t1128;
+    let t1131 = t1130 * t1127;
+    let t1132 = t1131 + t1123;
+    let t1133 = cos_panda_joint7_2 * t1110;
+    let t1134 = 0.0010874235301481362 + t1133;
+    let t1135 = t107 * t1134;
+    let t1136 = t1132 + t1135;
+    let t1137 = t1136 + t1113;
+    let t1138 = t118 + t1106;
+    let t1139 = 0.004002333051911301 - t1111;
+    let t1140 = t1139 * t1138;
+    let t1141 = t1137 - t1140;
+    let t1142 = t185 + t1104;
+    let t1143 = t154 + t1084;
+    let t1144 = 3.83030303030303 * t1079;
+    let acceleration_panda_joint3_y_2 = t158 + t1144;
+    let t1146 = t32 - t1069;
+    let acceleration_panda_joint4_z_2 = t1146 - acceleration_panda_joint3_y_2;
+    let t1148 = acceleration_panda_joint4_z_2 + t1143;
+    let t1149 = cos_panda_joint5 * 0.21484375;
+    let t1150 = t1148 * t1149;
+    let t1151 = 3.83030303030303 * t1091;
+    let acceleration_panda_joint3_x_2 = t133 + t1151;
+    let t1153 = t137 + acceleration_panda_joint3_x_2;
+    let t1154 = cos_panda_joint4 * t1153;
+    let t1155 = omega_panda_joint3_x * t1080;
+    let t1156 = t1091 - t1155;
+    let t1157 = 3.83030303030303 * t472;
+    let acceleration_panda_joint3_z_2 = acceleration_panda_joint2_y - t1157;
+    let t1159 = t1156 + acceleration_panda_joint3_z_2;
+    let t1160 = sin_panda_joint4 * t1159;
+    let acceleration_panda_joint4_x_2 = t1154 - t1160;
+    let t1162 = t151 - acceleration_panda_joint4_x_2;
+    let t1163 = sin_panda_joint5 * 0.21484375;
+    let t1164 = t1162 * t1163;
+    let t1165 = t1164 + t1150;
+    let acceleration_panda_joint5_y_2 = t1165 - t1101;
+    let acceleration_panda_joint6_z = acceleration_panda_joint5_y_2 * 4.363636363636364;
+    let acceleration_panda_joint7_y_2 = acceleration_panda_joint6_z - t1142;
+    let t1169 = 0.0002886935268424518 * cos_panda_joint7_2;
+    let t1170 = t1169 * acceleration_panda_joint7_y_2;
+    let t1171 = t48 - t1093;
+    let t1172 = sin_panda_joint4 * t1153;
+    let t1173 = cos_panda_joint4 * t1159;
+    let acceleration_panda_joint4_y_2 = t1172 + t1173;
+    let t1175 = acceleration_panda_joint4_y_2 + t1171;
+    let t1176 = t1175 * 0.21484375;
+    let acceleration_panda_joint5_z_2 = t174 - t1176;
+    let t1178 = sin_panda_joint6 * 4.363636363636364;
+    let t1179 = acceleration_panda_joint5_z_2 * t1178;
+    let t1180 = t1148 * t1163;
+    let t1181 = t1162 * t1149;
+    let t1182 = t1181 - t1180;
+    let acceleration_panda_joint5_x_2 = t1182 - t1116;
+    let t1184 = cos_panda_joint6 * 4.363636363636364;
+    let t1185 = acceleration_panda_joint5_x_2 * t1184;
+    let acceleration_panda_joint6_x_2 = t1185 - t1179;
+    let acceleration_panda_joint7_x_2 = t180 - acceleration_panda_joint6_x_2;
+    let t1188 = 0.0002886935268424518 * sin_panda_joint7_2;
+    let t1189 = t1188 * acceleration_panda_joint7_x_2;
+    let t1190 = t1170 + t1189;
+    let moment_panda_joint7_z_2 = t1190 - t1141;
+    let t1192 = t1169 * t1107;
+    let t1193 = t104 * t1188;
+    let force_panda_joint7_y_2 = t1192 + t1193;
+    let t1195 = force_panda_joint7_y_2 - moment_panda_joint7_z_2;
+    let t1196 = 9.3569097314605e-5 * t1119;
+    let t1197 = 0.014748570382675316 * t1127;
+    let t1198 = t1196 + t1197;
+    let t1199 = t212 + t1198;
+    let t1200 = 0.02152225537058755 * t1142;
+    let t1201 = t1199 + t1200;
+    let t1202 = acceleration_panda_joint5_y_2 * 0.08902946023488;
+    let t1203 = t1202 - t1201;
+    let moment_panda_joint6_y_2 = t1203 - t1195;
+    let t1205 = sin_panda_joint6 * moment_panda_joint6_y_2;
+    let t1206 = t1130 * t1107;
+    let t1207 = t220 + t1119;
+    let t1208 = t1134 * t1207;
+    let t1209 = t1208 + t1206;
+    let t1210 = t225 * t1122;
+    let t1211 = t1209 - t1210;
+    let t1212 = t228 + t1127;
+    let t1213 = t1139 * t1212;
+    let t1214 = t1211 + t1213;
+    let t1215 = t94 - t1118;
+    let t1216 = acceleration_panda_joint5_z_2 * t1184;
+    let t1217 = acceleration_panda_joint5_x_2 * t1178;
+    let acceleration_panda_joint6_y_2 = t1217 + t1216;
+    let acceleration_panda_joint7_z_2 = acceleration_panda_joint6_y_2 + t1215;
+    let t1220 = t1188 * acceleration_panda_joint7_z_2;
+    let moment_panda_joint7_x_2 = t1220 + t1214;
+    let t1222 = 0.00010375891721868492 * t1215;
+    let t1223 = 0.014748570382675316 * t1142;
+    let t1224 = t1223 + t1222;
+    let t1225 = t244 + t1224;
+    let t1226 = 0.028934422545659894 * t1127;
+    let t1227 = t1225 + t1226;
+    let t1228 = acceleration_panda_joint5_y_2 * 0.06674100693849601;
+    let t1229 = t1228 - t1227;
+    let moment_panda_joint6_x_2 = t1229 - moment_panda_joint7_x_2;
+    let t1231 = cos_panda_joint6 * moment_panda_joint6_x_2;
+    let t1232 = t1231 - t1205;
+    let t1233 = t71 - t1086;
+    let t1234 = 0.004600245517563105 * t1233;
+    let t1235 = t253 - t1116;
+    let t1236 = 0.0015152444733270301 * t1235;
+    let t1237 = t1236 - t1234;
+    let t1238 = t260 - t1237;
+    let t1239 = 0.010045187828321242 * t1102;
+    let t1240 = t1238 + t1239;
+    let t1241 = 0.0260623224672 * acceleration_panda_joint5_z_2;
+    let t1242 = t1241 - t1240;
+    let moment_panda_joint5_x_2 = t1242 + t1232;
+    let t1244 = 0.015294814090072 * t1127;
+    let t1245 = 0.020402584637159996 * t1142;
+    let t1246 = t1245 + t1244;
+    let force_panda_joint6_z_2 = t1246 + force_panda_joint7_y_2;
+    let t1248 = 4.363636363636364 * force_panda_joint6_z_2;
+    let t1249 = 0.005627033294592 * t1233;
+    let t1250 = t210 * 0.0260623224672;
+    let t1251 = t1249 - t1250;
+    let force_panda_joint5_y_2 = t1251 + t1248;
+    let t1253 = force_panda_joint5_y_2 + moment_panda_joint5_x_2;
+    let t1254 = sin_panda_joint5 * t1253;
+    let t1255 = t1122 * t1138;
+    let t1256 = t1134 * t1212;
+    let t1257 = t1255 - t1256;
+    let t1258 = t308 * t1130;
+    let t1259 = t1257 - t1258;
+    let t1260 = t1112 * t1207;
+    let t1261 = t1259 - t1260;
+    let t1262 = t1169 * acceleration_panda_joint7_z_2;
+    let moment_panda_joint7_y_2 = t1262 + t1261;
+    let t1264 = t1169 * t1207;
+    let t1265 = t1188 * t1212;
+    let force_panda_joint7_z_2 = t1264 - t1265;
+    let t1267 = force_panda_joint7_z_2 - moment_panda_joint7_y_2;
+    let t1268 = 0.02152225537058755 * t1215;
+    let t1269 = 9.3569097314605e-5 * t1104;
+    let t1270 = 0.00010375891721868492 * t1126;
+    let t1271 = t1270 - t1269;
+    let t1272 = t320 + t1271;
+    let t1273 = t1272 + t1268;
+    let t1274 = 0.028934422545659894 * t1119;
+    let t1275 = t1273 - t1274;
+    let t1276 = 0.015294814090072 * acceleration_panda_joint6_x_2;
+    let t1277 = 0.020402584637159996 * acceleration_panda_joint6_y_2;
+    let t1278 = t1277 - t1276;
+    let t1279 = t1278 + t1275;
+    let moment_panda_joint6_z_2 = t1279 - t1267;
+    let t1281 = 0.0021640520520981297 * t1087;
+    let t1282 = 0.0015152444733270301 * t1102;
+    let t1283 = t1281 - t1282;
+    let t1284 = t333 + t1283;
+    let t1285 = 0.0014511560650267133 * t1235;
+    let t1286 = t1284 + t1285;
+    let t1287 = 0.005627033294592 * acceleration_panda_joint5_z_2;
+    let t1288 = t1287 - t1286;
+    let moment_panda_joint5_y_2 = t1288 - moment_panda_joint6_z_2;
+    let t1290 = t1188 * t1138;
+    let t1291 = t106 * t1169;
+    let force_panda_joint7_x_2 = t1291 + t1290;
+    let t1293 = 0.015294814090072 * t1119;
+    let t1294 = 0.020402584637159996 * t180;
+    let t1295 = t1294 - t1293;
+    let force_panda_joint6_x_2 = t1295 + force_panda_joint7_x_2;
+    let t1297 = t1184 * force_panda_joint6_x_2;
+    let t1298 = 0.020402584637159996 * t1215;
+    let t1299 = t224 * 0.015294814090072;
+    let t1300 = t1298 - t1299;
+    let force_panda_joint6_y_2 = t1300 - force_panda_joint7_z_2;
+    let t1302 = t1178 * force_panda_joint6_y_2;
+    let t1303 = t1297 - t1302;
+    let t1304 = 0.0260623224672 * t1087;
+    let t1305 = t298 * 0.005627033294592;
+    let t1306 = t1305 - t1304;
+    let force_panda_joint5_x_2 = t1306 - t1303;
+    let t1308 = force_panda_joint5_x_2 - moment_panda_joint5_y_2;
+    let t1309 = cos_panda_joint5 * t1308;
+    let t1310 = t1254 - t1309;
+    let t1311 = t1178 * force_panda_joint6_x_2;
+    let t1312 = t1184 * force_panda_joint6_y_2;
+    let t1313 = t1311 + t1312;
+    let t1314 = 0.0260623224672 * t1102;
+    let t1315 = 0.005627033294592 * t1235;
+    let t1316 = t1315 + t1314;
+    let force_panda_joint5_z_2 = t1316 - t1313;
+    let t1318 = 0.21484375 * force_panda_joint5_z_2;
+    let t1319 = t1318 - t1310;
+    let t1320 = 0.05102013615681551 * t1171;
+    let t1321 = 0.0016444875773692705 * t1084;
+    let t1322 = 0.0039053550262761003 * t1098;
+    let t1323 = t1322 - t1321;
+    let t1324 = t356 * 0.16284087268546088;
+    let t1325 = t1323 - t1324;
+    let t1326 = t1325 - t1320;
+    let t1327 = 0.6972920750309719 * t1094;
+    let t1328 = t1326 + t1327;
+    let t1329 = 0.16603319317224752 * acceleration_panda_joint4_x_2;
+    let t1330 = 0.04560437265862501 * acceleration_panda_joint4_y_2;
+    let t1331 = t1330 - t1329;
+    let t1332 = t1331 - t1328;
+    let moment_panda_joint4_z_2 = t1332 + t1319;
+    let t1334 = t1149 * force_panda_joint5_x_2;
+    let t1335 = t1163 * force_panda_joint5_y_2;
+    let t1336 = t1334 - t1335;
+    let t1337 = 0.16603319317224752 * t1094;
+    let t1338 = t151 * 0.04560437265862501;
+    let t1339 = t1338 - t1337;
+    let force_panda_joint4_x_2 = t1339 + t1336;
+    let t1341 = sin_panda_joint4 * force_panda_joint4_x_2;
+    let t1342 = 0.04560437265862501 * t1171;
+    let t1343 = 0.16603319317224752 * t174;
+    let t1344 = t1342 - t1343;
+    let force_panda_joint4_y_2 = t1344 + t1318;
+    let t1346 = cos_panda_joint4 * force_panda_joint4_y_2;
+    let t1347 = t1341 + t1346;
+    let t1348 = moment_panda_joint4_z_2 - t1347;
+    let t1349 = 0.004377257121839584 * t1070;
+    let t1350 = 0.00012191242095074308 * t1082;
+    let t1351 = t1349 - t1350;
+    let t1352 = t472 - t137;
+    let t1353 = 0.005487648106562256 * t1352;
+    let t1354 = t1351 - t1353;
+    let t1355 = 0.0616024210265277 * t1156;
+    let t1356 = t1354 + t1355;
+    let t1357 = 0.06161578168944001 * acceleration_panda_joint3_z_2;
+    let t1358 = t1357 + t1356;
+    let moment_panda_joint3_y_2 = t1358 - t1348;
+    let t1360 = cos_panda_joint4 * force_panda_joint4_x_2;
+    let t1361 = sin_panda_joint4 * force_panda_joint4_y_2;
+    let t1362 = t1360 - t1361;
+    let t1363 = 0.002328735327435001 * t1070;
+    let t1364 = 0.06161578168944001 * t137;
+    let t1365 = t1364 + t1363;
+    let force_panda_joint3_x_2 = t1365 - t1362;
+    let t1367 = 3.83030303030303 * force_panda_joint3_x_2;
+    let t1368 = moment_panda_joint3_y_2 + t1367;
+    let t1369 = sin_panda_joint3 * t1368;
+    let t1370 = cos_panda_joint5 * t1253;
+    let t1371 = sin_panda_joint5 * t1308;
+    let t1372 = t1370 + t1371;
+    let t1373 = 0.0039053550262761003 * t1171;
+    let t1374 = 0.16284087268546088 * t1143;
+    let t1375 = t1374 - t1373;
+    let t1376 = t406 - t1375;
+    let t1377 = 0.6972920750309719 * t1099;
+    let t1378 = t1376 - t1377;
+    let t1379 = 0.16603319317224752 * acceleration_panda_joint4_z_2;
+    let t1380 = t1379 - t1378;
+    let moment_panda_joint4_x_2 = t1380 - t1372;
+    let t1382 = cos_panda_joint4 * moment_panda_joint4_x_2;
+    let t1383 = cos_panda_joint6 * moment_panda_joint6_y_2;
+    let t1384 = sin_panda_joint6 * moment_panda_joint6_x_2;
+    let t1385 = t1384 + t1383;
+    let t1386 = 0.0014511560650267133 * t1233;
+    let t1387 = 0.0021640520520981297 * t1116;
+    let t1388 = 0.004600245517563105 * t1101;
+    let t1389 = t1388 - t1387;
+    let t1390 = t427 + t1389;
+    let t1391 = t1390 - t1386;
+    let t1392 = 0.010045187828321242 * t1087;
+    let t1393 = t1391 + t1392;
+    let t1394 = 0.0260623224672 * acceleration_panda_joint5_x_2;
+    let t1395 = 0.005627033294592 * acceleration_panda_joint5_y_2;
+    let t1396 = t1395 - t1394;
+    let t1397 = t1396 + t1393;
+    let moment_panda_joint5_z_2 = t1397 - t1385;
+    let t1399 = t1163 * force_panda_joint5_x_2;
+    let t1400 = t1149 * force_panda_joint5_y_2;
+    let t1401 = t1399 + t1400;
+    let t1402 = moment_panda_joint5_z_2 - t1401;
+    let t1403 = 0.0016444875773692705 * t1094;
+    let t1404 = 0.16284087268546088 * t1099;
+    let t1405 = t1403 - t1404;
+    let t1406 = t440 + t1405;
+    let t1407 = 0.05102013615681551 * t1143;
+    let t1408 = t1406 - t1407;
+    let t1409 = 0.04560437265862501 * acceleration_panda_joint4_z_2;
+    let t1410 = t1409 - t1408;
+    let moment_panda_joint4_y_2 = t1410 + t1402;
+    let t1412 = sin_panda_joint4 * moment_panda_joint4_y_2;
+    let t1413 = t1382 - t1412;
+    let t1414 = 0.005487648106562256 * t1146;
+    let t1415 = 0.00012191242095074308 * t1156;
+    let t1416 = t1415 + t1414;
+    let t1417 = t472 - t404;
+    let t1418 = 0.004377257121839584 * t1417;
+    let t1419 = t1416 - t1418;
+    let t1420 = 0.022178148964878235 * t1082;
+    let t1421 = t1419 - t1420;
+    let t1422 = 0.002328735327435001 * acceleration_panda_joint3_z_2;
+    let t1423 = t1422 + t1421;
+    let moment_panda_joint3_x_2 = t1423 + t1413;
+    let t1425 = 0.16603319317224752 * t1099;
+    let t1426 = 0.04560437265862501 * t1143;
+    let t1427 = t1426 + t1425;
+    let force_panda_joint4_z_2 = t1427 - t1401;
+    let t1429 = 0.06161578168944001 * t1146;
+    let t1430 = t462 + t1429;
+    let force_panda_joint3_y_2 = t1430 + force_panda_joint4_z_2;
+    let t1432 = 3.83030303030303 * force_panda_joint3_y_2;
+    let t1433 = moment_panda_joint3_x_2 + t1432;
+    let t1434 = cos_panda_joint3 * t1433;
+    let t1435 = t1434 + t1369;
+    let t1436 = t475 + t1021;
+    let t1437 = 0.01026110182100817 * t1436;
+    let t1438 = omega_panda_joint2_x * t1075;
+    let t1439 = t1067 - t1438;
+    let t1440 = 0.00398335888393552 * t1439;
+    let t1441 = t1440 + t1437;
+    let t1442 = v[0] * v[0];
+    let t1443 = t1442 - t472;
+    let t1444 = 0.0007689361029464 * t1443;
+    let t1445 = t1441 + t1444;
+    let t1446 = 1.032162061231881 * t1077;
+    let t1447 = t1445 - t1446;
+    let moment_panda_joint2_x_2 = t1447 + t1435;
+    let t1449 = cos_panda_joint7_2 * 0.0005773870536849036;
+    let t1450 = t1112 + t1449;
+    let t1451 = t1450 - 0.007412167175072343;
+    let t1452 = sin_panda_joint6 * t1451;
+    let t1453 = 0.014748570382675316 + t1130;
+    let t1454 = 2.0 * t1453;
+    let t1455 = cos_panda_joint6 * t1454;
+    let t1456 = t1452 - t1455;
+    let t1457 = sin_panda_joint6 * t1456;
+    let t1458 = 0.02152225537058755 + t1450;
+    let t1459 = t1458 - t1457;
+    let t1460 = 0.0014511560650267133 + t1459;
+    let t1461 = 0.014047520880232544 - t1111;
+    let t1462 = t1460 - t1461;
+    let t1463 = sin_panda_joint5 * t1462;
+    let t1464 = t1188 - t1134;
+    let t1465 = 0.00010375891721868492 + t1464;
+    let t1466 = cos_panda_joint6 * t1465;
+    let t1467 = 9.3569097314605e-5 + t1122;
+    let t1468 = sin_panda_joint6 * t1467;
+    let t1469 = t1466 + t1468;
+    let t1470 = 0.0015152444733270301 - t1469;
+    let t1471 = 2.0 * t1470;
+    let t1472 = cos_panda_joint5 * t1471;
+    let t1473 = t1463 + t1472;
+    let t1474 = sin_panda_joint5 * t1473;
+    let t1475 = t1460 - t1474;
+    let t1476 = 0.020402584637159996 + t1169;
+    let t1477 = t1184 * t1476;
+    let t1478 = sin_panda_joint6 * 0.06674100693849601;
+    let t1479 = t1477 + t1478;
+    let t1480 = 0.005627033294592 - t1479;
+    let t1481 = t1149 * t1480;
+    let t1482 = 0.0012597535716761534 * sin_panda_joint7_2;
+    let t1483 = 0.0260623224672 - t1482;
+    let t1484 = t1163 * t1483;
+    let t1485 = t1481 + t1484;
+    let t1486 = 2.0 * t1485;
+    let t1487 = t1475 + t1486;
+    let t1488 = 0.05102013615681551 + t1487;
+    let t1489 = 0.028934422545659894 + t1457;
+    let t1490 = t1178 * t1476;
+    let t1491 = cos_panda_joint6 * 0.06674100693849601;
+    let t1492 = t1490 - t1491;
+    let t1493 = 2.0 * t1492;
+    let t1494 = t1489 + t1493;
+    let t1495 = 0.6972920750309719 + t1494;
+    let t1496 = t1488 - t1495;
+    let t1497 = sin_panda_joint4 * t1496;
+    let t1498 = cos_panda_joint6 * t1456;
+    let t1499 = t1453 + t1498;
+    let t1500 = 0.004600245517563105 + t1499;
+    let t1501 = t1480 - t1500;
+    let t1502 = cos_panda_joint5 * t1501;
+    let t1503 = sin_panda_joint6 * t1465;
+    let t1504 = cos_panda_joint6 * t1467;
+    let t1505 = t1503 - t1504;
+    let t1506 = 0.0021640520520981297 + t1505;
+    let t1507 = t1483 - t1506;
+    let t1508 = sin_panda_joint5 * t1507;
+    let t1509 = t1502 + t1508;
+    let t1510 = 0.21484375 * t1492;
+    let t1511 = t1510 + t1509;
+    let t1512 = 0.16284087268546088 + t1511;
+    let t1513 = 2.0 * t1512;
+    let t1514 = cos_panda_joint4 * t1513;
+    let t1515 = t1497 - t1514;
+    let t1516 = cos_panda_joint4 * t1515;
+    let t1517 = t1512 + t1516;
+    let t1518 = 0.04560437265862501 + t1485;
+    let t1519 = sin_panda_joint4 * t1518;
+    let t1520 = 0.16603319317224752 + t1510;
+    let t1521 = cos_panda_joint4 * t1520;
+    let t1522 = t1519 - t1521;
+    let t1523 = t1522 - t1517;
+    let t1524 = 0.005487648106562256 - t1523;
+    let t1525 = cos_panda_joint4 * t1518;
+    let t1526 = sin_panda_joint4 * t1520;
+    let t1527 = t1525 + t1526;
+    let t1528 = 0.06161578168944001 - t1527;
+    let t1529 = 3.83030303030303 * t1528;
+    let t1530 = t1524 + t1529;
+    let t1531 = cos_panda_joint3 * t1530;
+    let t1532 = cos_panda_joint5 * t1473;
+    let t1533 = t1470 - t1532;
+    let t1534 = t1163 * t1480;
+    let t1535 = t1149 * t1483;
+    let t1536 = t1534 - t1535;
+    let t1537 = t1536 - t1533;
+    let t1538 = 0.0039053550262761003 + t1537;
+    let t1539 = sin_panda_joint4 * t1538;
+    let t1540 = sin_panda_joint5 * t1501;
+    let t1541 = cos_panda_joint5 * t1507;
+    let t1542 = t1540 - t1541;
+    let t1543 = 0.0016444875773692705 + t1542;
+    let t1544 = cos_panda_joint4 * t1543;
+    let t1545 = t1539 - t1544;
+    let t1546 = 0.004377257121839584 + t1545;
+    let t1547 = 0.002328735327435001 - t1536;
+    let t1548 = 3.83030303030303 * t1547;
+    let t1549 = t1546 + t1548;
+    let t1550 = sin_panda_joint3 * t1549;
+    let t1551 = t1531 - t1550;
+    let t1552 = 0.00398335888393552 - t1551;
+    let t1553 = t1067 * t1552;
+    let t1554 = sin_panda_joint4 * t1515;
+    let t1555 = t1488 - t1554;
+    let t1556 = 2.0 * t1527;
+    let t1557 = t1555 - t1556;
+    let t1558 = 0.0616024210265277 + t1557;
+    let t1559 = t1461 + t1474;
+    let t1560 = 0.022178148964878235 + t1559;
+    let t1561 = t1558 - t1560;
+    let t1562 = sin_panda_joint3 * t1561;
+    let t1563 = cos_panda_joint4 * t1538;
+    let t1564 = sin_panda_joint4 * t1543;
+    let t1565 = t1563 + t1564;
+    let t1566 = t1536 - t1565;
+    let t1567 = 0.00012191242095074308 - t1566;
+    let t1568 = 2.0 * t1567;
+    let t1569 = cos_panda_joint3 * t1568;
+    let t1570 = t1562 + t1569;
+    let t1571 = sin_panda_joint3 * t1570;
+    let t1572 = t1558 - t1571;
+    let t1573 = 0.02307788249493181 + t1572;
+    let t1574 = t1560 + t1571;
+    let t1575 = t1574 + t1573;
+    let t1576 = t1074 * t1575;
+    let t1577 = t1576 + t1553;
+    let t1578 = sin_panda_joint3 * t1530;
+    let t1579 = cos_panda_joint3 * t1549;
+    let t1580 = t1578 + t1579;
+    let t1581 = 0.0007689361029464 + t1580;
+    let t1582 = t1442 * t1581;
+    let t1583 = t1577 - t1582;
+    let t1584 = sin_panda_joint3 * t1528;
+    let t1585 = cos_panda_joint3 * t1547;
+    let t1586 = t1584 + t1585;
+    let t1587 = acceleration_panda_joint2_y * t1586;
+    let t1588 = t1587 - t1583;
+    let t1589 = 2.0 * omega_panda_joint6_x;
+    let t1590 = t1188 * t1589;
+    let t1591 = t76 * t1169;
+    let t1592 = t1590 + t1591;
+    let t1593 = t1591 + t1592;
+    let t1594 = t1134 * t1589;
+    let t1595 = t76 * t1112;
+    let t1596 = t1594 - t1595;
+    let t1597 = t1596 - t1593;
+    let t1598 = omega_panda_joint6_x * 0.00020751783443736984;
+    let t1599 = omega_panda_joint6_z * 0.0430445107411751;
+    let t1600 = t1599 + t1598;
+    let t1601 = t1600 - t1597;
+    let t1602 = t219 * t1122;
+    let t1603 = omega_panda_joint6_y * 0.00018713819462921;
+    let t1604 = omega_panda_joint6_z * 0.05786884509131979;
+    let t1605 = t1603 + t1604;
+    let t1606 = t1605 - t1602;
+    let t1607 = t1606 - t1601;
+    let t1608 = cos_panda_joint6 * t1607;
+    let t1609 = t219 * t1134;
+    let t1610 = t76 * t1130;
+    let t1611 = t1610 + t1609;
+    let t1612 = t219 * t1188;
+    let t1613 = t1612 - t1611;
+    let t1614 = omega_panda_joint6_y * 0.00020751783443736984;
+    let t1615 = omega_panda_joint6_z * 0.02949714076535063;
+    let t1616 = t1614 + t1615;
+    let t1617 = t1616 - t1613;
+    let t1618 = t1122 * t1589;
+    let t1619 = t1610 + t1618;
+    let t1620 = omega_panda_joint6_x * 0.00018713819462921;
+    let t1621 = t1615 + t1620;
+    let t1622 = t1621 + t1619;
+    let t1623 = t1617 + t1622;
+    let t1624 = sin_panda_joint6 * t1623;
+    let t1625 = t1624 - t1608;
+    let t1626 = sin_panda_joint6 * t1625;
+    let t1627 = t1617 - t1626;
+    let t1628 = omega_panda_joint5_y * 0.00920049103512621;
+    let t1629 = omega_panda_joint5_z * 0.0030304889466540603;
+    let t1630 = t1628 - t1629;
+    let t1631 = t1630 + t1627;
+    let t1632 = 2.0 * omega_panda_joint5_y;
+    let t1633 = t1632 * t1480;
+    let t1634 = t1631 - t1633;
+    let t1635 = t1609 - t1618;
+    let t1636 = 2.0 * omega_panda_joint6_y;
+    let t1637 = t1188 * t1636;
+    let t1638 = t1635 + t1637;
+    let t1639 = t1614 - t1620;
+    let t1640 = t1639 + t1638;
+    let t1641 = omega_panda_joint5_x * 0.004328104104196259;
+    let t1642 = t1629 - t1641;
+    let t1643 = t1642 - t1640;
+    let t1644 = 2.0 * omega_panda_joint5_x;
+    let t1645 = t1644 * t1483;
+    let t1646 = t1643 + t1645;
+    let t1647 = t1634 - t1646;
+    let t1648 = sin_panda_joint5 * t1647;
+    let t1649 = t219 * t1169;
+    let t1650 = t1169 * t1636;
+    let t1651 = t1649 - t1650;
+    let t1652 = t219 * t1112;
+    let t1653 = t1130 * t1589;
+    let t1654 = t1652 + t1653;
+    let t1655 = t1654 + t1651;
+    let t1656 = omega_panda_joint6_y * 0.0430445107411751;
+    let t1657 = omega_panda_joint6_x * 0.02949714076535063;
+    let t1658 = t1657 - t1656;
+    let t1659 = t1658 + t1655;
+    let t1660 = cos_panda_joint6 * t1659;
+    let t1661 = t219 * t1130;
+    let t1662 = omega_panda_joint6_y * 0.02949714076535063;
+    let t1663 = omega_panda_joint6_x * 0.05786884509131979;
+    let t1664 = t1663 - t1662;
+    let t1665 = t1664 + t1661;
+    let t1666 = sin_panda_joint6 * t1665;
+    let t1667 = t1660 + t1666;
+    let t1668 = omega_panda_joint5_x * 0.00920049103512621;
+    let t1669 = omega_panda_joint5_z * 0.0029023121300534266;
+    let t1670 = t1669 + t1668;
+    let t1671 = t1670 - t1667;
+    let t1672 = t1644 * t1480;
+    let t1673 = t1671 - t1672;
+    let t1674 = t1139 * t1589;
+    let t1675 = t76 * t1134;
+    let t1676 = t1674 - t1675;
+    let t1677 = t76 * t1188;
+    let t1678 = t1676 + t1677;
+    let t1679 = omega_panda_joint6_z * 0.00020751783443736984;
+    let t1680 = t1679 + t1678;
+    let t1681 = sin_panda_joint6 * t1680;
+    let t1682 = t219 * t1139;
+    let t1683 = t76 * t1122;
+    let t1684 = t1683 - t1682;
+    let t1685 = omega_panda_joint6_z * 0.00018713819462921;
+    let t1686 = t1685 + t1684;
+    let t1687 = cos_panda_joint6 * t1686;
+    let t1688 = t1687 - t1681;
+    let t1689 = omega_panda_joint5_y * 0.004328104104196259;
+    let t1690 = omega_panda_joint5_z * 0.020090375656642484;
+    let t1691 = t1689 + t1690;
+    let t1692 = t1691 + t1688;
+    let t1693 = t1632 * t1483;
+    let t1694 = t1692 - t1693;
+    let t1695 = t1694 - t1673;
+    let t1696 = cos_panda_joint5 * t1695;
+    let t1697 = t1648 - t1696;
+    let t1698 = sin_panda_joint5 * t1697;
+    let t1699 = t1634 - t1698;
+    let t1700 = omega_panda_joint6_z * 0.04080516927431999;
+    let t1701 = t1700 + t1592;
+    let t1702 = t1178 * t1701;
+    let t1703 = omega_panda_joint6_z * 0.030589628180144;
+    let t1704 = t1703 - t1612;
+    let t1705 = t1184 * t1704;
+    let t1706 = t1705 - t1702;
+    let t1707 = omega_panda_joint5_z * 0.0521246449344;
+    let t1708 = t1707 - t1706;
+    let t1709 = t1149 * t1708;
+    let t1710 = omega_panda_joint6_y * 0.04080516927431999;
+    let t1711 = omega_panda_joint6_x * 0.030589628180144;
+    let t1712 = t1711 - t1710;
+    let t1713 = t1712 + t1649;
+    let t1714 = 4.363636363636364 * t1713;
+    let t1715 = omega_panda_joint5_z * 0.011254066589184;
+    let t1716 = t1715 + t1714;
+    let t1717 = t1163 * t1716;
+    let t1718 = t1709 - t1717;
+    let t1719 = t1718 + t1699;
+    let t1720 = omega_panda_joint4_y * 0.007810710052552201;
+    let t1721 = omega_panda_joint4_z * 0.32568174537092176;
+    let t1722 = t1720 - t1721;
+    let t1723 = t1722 - t1719;
+    let t1724 = t1622 - t1626;
+    let t1725 = t1628 - t1641;
+    let t1726 = t1725 + t1724;
+    let t1727 = t1184 * t1701;
+    let t1728 = t1178 * t1704;
+    let t1729 = t1728 + t1727;
+    let t1730 = omega_panda_joint5_y * 0.011254066589184;
+    let t1731 = omega_panda_joint5_x * 0.0521246449344;
+    let t1732 = t1731 - t1730;
+    let t1733 = t1732 - t1729;
+    let t1734 = t1733 + t1726;
+    let t1735 = t38 * t1510;
+    let t1736 = t1734 + t1735;
+    let t1737 = omega_panda_joint4_x * 0.003288975154738541;
+    let t1738 = t1721 - t1737;
+    let t1739 = t1738 + t1736;
+    let t1740 = t1723 - t1739;
+    let t1741 = sin_panda_joint4 * t1740;
+    let t1742 = cos_panda_joint6 * t1625;
+    let t1743 = t1606 + t1742;
+    let t1744 = omega_panda_joint5_y * 0.0029023121300534266;
+    let t1745 = omega_panda_joint5_x * 0.0030304889466540603;
+    let t1746 = t1745 + t1744;
+    let t1747 = t1746 - t1743;
+    let t1748 = cos_panda_joint5 * t1747;
+    let t1749 = cos_panda_joint6 * t1680;
+    let t1750 = sin_panda_joint6 * t1686;
+    let t1751 = t1750 + t1749;
+    let t1752 = omega_panda_joint5_y * 0.0030304889466540603;
+    let t1753 = omega_panda_joint5_x * 0.020090375656642484;
+    let t1754 = t1753 + t1752;
+    let t1755 = t1754 + t1751;
+    let t1756 = sin_panda_joint5 * t1755;
+    let t1757 = t1748 - t1756;
+    let t1758 = 0.21484375 * t1733;
+    let t1759 = t38 * t1485;
+    let t1760 = t1758 + t1759;
+    let t1761 = t1757 - t1760;
+    let t1762 = omega_panda_joint4_x * 0.007810710052552201;
+    let t1763 = omega_panda_joint4_z * 0.10204027231363103;
+    let t1764 = t1763 - t1762;
+    let t1765 = t1764 - t1761;
+    let t1766 = t1601 - t1742;
+    let t1767 = omega_panda_joint5_z * 0.004328104104196259;
+    let t1768 = t1767 - t1766;
+    let t1769 = t1632 * t1492;
+    let t1770 = t1708 - t1769;
+    let t1771 = t1768 - t1770;
+    let t1772 = cos_panda_joint5 * t1771;
+    let t1773 = sin_panda_joint6 * t1659;
+    let t1774 = cos_panda_joint6 * t1665;
+    let t1775 = t1773 - t1774;
+    let t1776 = omega_panda_joint5_z * 0.00920049103512621;
+    let t1777 = t1776 - t1775;
+    let t1778 = t1644 * t1492;
+    let t1779 = t1716 - t1778;
+    let t1780 = t1777 - t1779;
+    let t1781 = sin_panda_joint5 * t1780;
+    let t1782 = t1772 - t1781;
+    let t1783 = omega_panda_joint4_y * 0.003288975154738541;
+    let t1784 = omega_panda_joint4_z * 1.3945841500619438;
+    let t1785 = t1783 - t1784;
+    let t1786 = t1785 + t1782;
+    let t1787 = t1786 + t1765;
+    let t1788 = cos_panda_joint4 * t1787;
+    let t1789 = t1741 - t1788;
+    let t1790 = sin_panda_joint4 * t1789;
+    let t1791 = t1723 - t1790;
+    let t1792 = omega_panda_joint4_z * 0.33206638634449503;
+    let t1793 = t1792 + t1718;
+    let t1794 = cos_panda_joint4 * t1793;
+    let t1795 = omega_panda_joint4_z * 0.09120874531725003;
+    let t1796 = t1795 + t1758;
+    let t1797 = sin_panda_joint4 * t1796;
+    let t1798 = t1794 - t1797;
+    let t1799 = t1798 + t1791;
+    let t1800 = omega_panda_joint3_y * 0.010975296213124512;
+    let t1801 = omega_panda_joint3_z * 0.00024382484190148615;
+    let t1802 = t1800 - t1801;
+    let t1803 = t1802 - t1799;
+    let t1804 = 7.66060606060606 * omega_panda_joint3_y;
+    let t1805 = t1804 * t1528;
+    let t1806 = t1803 + t1805;
+    let t1807 = t1646 + t1698;
+    let t1808 = 2.0 * omega_panda_joint4_y;
+    let t1809 = t1808 * t1536;
+    let t1810 = t1807 + t1809;
+    let t1811 = t1720 - t1737;
+    let t1812 = t1811 + t1810;
+    let t1813 = t1080 * t1536;
+    let t1814 = t1812 - t1813;
+    let t1815 = omega_panda_joint3_x * 0.008754514243679169;
+    let t1816 = t1801 + t1815;
+    let t1817 = t1816 + t1814;
+    let t1818 = 7.66060606060606 * omega_panda_joint3_x;
+    let t1819 = t1818 * t1547;
+    let t1820 = t1817 + t1819;
+    let t1821 = t1806 - t1820;
+    let t1822 = sin_panda_joint3 * t1821;
+    let t1823 = cos_panda_joint5 * t1697;
+    let t1824 = t1694 + t1823;
+    let t1825 = t1163 * t1708;
+    let t1826 = t1149 * t1716;
+    let t1827 = t1825 + t1826;
+    let t1828 = t1808 * t1485;
+    let t1829 = t1827 + t1828;
+    let t1830 = t1824 + t1829;
+    let t1831 = omega_panda_joint4_y * 0.10204027231363103;
+    let t1832 = omega_panda_joint4_x * 0.32568174537092176;
+    let t1833 = t1832 - t1831;
+    let t1834 = t1833 - t1830;
+    let t1835 = cos_panda_joint4 * t1834;
+    let t1836 = sin_panda_joint5 * t1771;
+    let t1837 = cos_panda_joint5 * t1780;
+    let t1838 = t1836 + t1837;
+    let t1839 = t1808 * t1510;
+    let t1840 = t1838 - t1839;
+    let t1841 = omega_panda_joint4_y * 0.32568174537092176;
+    let t1842 = omega_panda_joint4_x * 1.3945841500619438;
+    let t1843 = t1842 - t1841;
+    let t1844 = t1843 + t1840;
+    let t1845 = sin_panda_joint4 * t1844;
+    let t1846 = t1835 + t1845;
+    let t1847 = omega_panda_joint4_y * 0.09120874531725003;
+    let t1848 = omega_panda_joint4_x * 0.33206638634449503;
+    let t1849 = t1848 - t1847;
+    let t1850 = t1849 - t1827;
+    let t1851 = t1080 * t1527;
+    let t1852 = t1850 - t1851;
+    let t1853 = t1846 - t1852;
+    let t1854 = omega_panda_joint3_x * 0.010975296213124512;
+    let t1855 = omega_panda_joint3_z * 0.1232048420530554;
+    let t1856 = t1855 + t1854;
+    let t1857 = t1856 - t1853;
+    let t1858 = t1818 * t1528;
+    let t1859 = t1857 + t1858;
+    let t1860 = t1673 - t1823;
+    let t1861 = omega_panda_joint4_z * 0.003288975154738541;
+    let t1862 = t1861 - t1860;
+    let t1863 = cos_panda_joint4 * t1862;
+    let t1864 = sin_panda_joint5 * t1747;
+    let t1865 = cos_panda_joint5 * t1755;
+    let t1866 = t1864 + t1865;
+    let t1867 = t38 * t1536;
+    let t1868 = t1866 - t1867;
+    let t1869 = omega_panda_joint4_z * 0.007810710052552201;
+    let t1870 = t1869 - t1868;
+    let t1871 = sin_panda_joint4 * t1870;
+    let t1872 = t1863 - t1871;
+    let t1873 = omega_panda_joint3_y * 0.008754514243679169;
+    let t1874 = omega_panda_joint3_z * 0.04435629792975647;
+    let t1875 = t1873 - t1874;
+    let t1876 = t1875 + t1872;
+    let t1877 = t1804 * t1547;
+    let t1878 = t1876 + t1877;
+    let t1879 = t1878 + t1859;
+    let t1880 = cos_panda_joint3 * t1879;
+    let t1881 = t1822 + t1880;
+    let t1882 = sin_panda_joint3 * t1881;
+    let t1883 = t1820 + t1882;
+    let t1884 = omega_panda_joint2_x * 0.0015378722058928;
+    let t1885 = omega_panda_joint2_y * 0.02052220364201634;
+    let t1886 = t1885 - t1884;
+    let t1887 = t1886 - t1883;
+    let t1888 = t1806 - t1882;
+    let t1889 = v[1] * 0.00796671776787104;
+    let t1890 = t1885 - t1889;
+    let t1891 = t1890 + t1888;
+    let t1892 = t1891 - t1887;
+    let t1893 = omega_panda_joint2_x * t1892;
+    let t1894 = cos_panda_joint4 * t1789;
+    let t1895 = t1786 + t1894;
+    let t1896 = sin_panda_joint4 * t1793;
+    let t1897 = cos_panda_joint4 * t1796;
+    let t1898 = t1896 + t1897;
+    let t1899 = 2.0 * omega_panda_joint3_y;
+    let t1900 = t1899 * t1527;
+    let t1901 = t1898 - t1900;
+    let t1902 = t1895 + t1901;
+    let t1903 = omega_panda_joint3_y * 0.1232048420530554;
+    let t1904 = omega_panda_joint3_x * 0.00024382484190148615;
+    let t1905 = t1904 + t1903;
+    let t1906 = t1905 + t1902;
+    let t1907 = cos_panda_joint3 * t1906;
+    let t1908 = sin_panda_joint4 * t1862;
+    let t1909 = cos_panda_joint4 * t1870;
+    let t1910 = t1908 + t1909;
+    let t1911 = t1899 * t1536;
+    let t1912 = t1910 + t1911;
+    let t1913 = omega_panda_joint3_y * 0.00024382484190148615;
+    let t1914 = omega_panda_joint3_x * 0.04435629792975647;
+    let t1915 = t1914 + t1913;
+    let t1916 = t1915 - t1912;
+    let t1917 = sin_panda_joint3 * t1916;
+    let t1918 = t1907 - t1917;
+    let t1919 = omega_panda_joint2_x * 0.02052220364201634;
+    let t1920 = v[1] * 0.04615576498986362;
+    let t1921 = t1920 - t1919;
+    let t1922 = t1921 + t1918;
+    let t1923 = omega_panda_joint2_y * t1922;
+    let t1924 = t1893 + t1923;
+    let t1925 = t1588 - t1924;
+    let t1926 = moment_panda_joint2_x_2 - t1925;
+    let t1927 = cos_panda_joint2 * t1926;
+    let t1928 = sin_panda_joint4 * moment_panda_joint4_x_2;
+    let t1929 = cos_panda_joint4 * moment_panda_joint4_y_2;
+    let t1930 = t1928 + t1929;
+    let t1931 = force_panda_joint4_z_2 - t1930;
+    let t1932 = 0.0616024210265277 * t1146;
+    let t1933 = 0.004377257121839584 * t1091;
+    let t1934 = 0.005487648106562256 * t1079;
+    let t1935 = t1934 + t1933;
+    let t1936 = t492 + t1935;
+    let t1937 = t1936 - t1932;
+    let t1938 = 0.022178148964878235 * t1070;
+    let t1939 = t1937 + t1938;
+    let t1940 = 0.002328735327435001 * acceleration_panda_joint3_x_2;
+    let t1941 = 0.06161578168944001 * acceleration_panda_joint3_y_2;
+    let t1942 = t1941 + t1940;
+    let t1943 = t1942 + t1939;
+    let moment_panda_joint3_z_2 = t1943 - t1931;
+    let t1945 = 0.0007689361029464 * t1072;
+    let t1946 = 0.00398335888393552 * t1077;
+    let t1947 = t1945 - t1946;
+    let t1948 = t1442 - t501;
+    let t1949 = 0.01026110182100817 * t1948;
+    let t1950 = t1947 + t1949;
+    let t1951 = 0.02307788249493181 * t1439;
+    let t1952 = t1950 + t1951;
+    let moment_panda_joint2_y_2 = t1952 + moment_panda_joint3_z_2;
+    let t1954 = t1074 * t1552;
+    let t1955 = t1495 + t1554;
+    let t1956 = 7.66060606060606 * t1522;
+    let t1957 = t1955 - t1956;
+    let t1958 = 1.032162061231881 + t1957;
+    let t1959 = t1574 + t1958;
+    let t1960 = t1067 * t1959;
+    let t1961 = t1960 + t1954;
+    let t1962 = cos_panda_joint3 * t1570;
+    let t1963 = t1567 - t1962;
+    let t1964 = 0.01026110182100817 + t1963;
+    let t1965 = t1442 * t1964;
+    let t1966 = t1961 + t1965;
+    let t1967 = acceleration_panda_joint2_x * t1586;
+    let t1968 = t1967 + t1966;
+    let t1969 = t1739 + t1790;
+    let t1970 = t1899 * t1522;
+    let t1971 = t1969 - t1970;
+    let t1972 = t1800 + t1815;
+    let t1973 = t1972 + t1971;
+    let t1974 = omega_panda_joint3_y * 0.12323156337888003;
+    let t1975 = omega_panda_joint3_x * 0.004657470654870002;
+    let t1976 = t1975 + t1974;
+    let t1977 = t1976 + t1898;
+    let t1978 = 3.83030303030303 * t1977;
+    let t1979 = t1973 + t1978;
+    let t1980 = t1889 - t1884;
+    let t1981 = t1980 - t1979;
+    let t1982 = t1981 - t1887;
+    let t1983 = omega_panda_joint2_y * t1982;
+    let t1984 = t1765 + t1894;
+    let t1985 = omega_panda_joint3_z * 0.008754514243679169;
+    let t1986 = t1985 + t1984;
+    let t1987 = omega_panda_joint3_z * 0.004657470654870002;
+    let t1988 = t1987 + t1798;
+    let t1989 = 3.83030303030303 * t1988;
+    let t1990 = t1804 * t1522;
+    let t1991 = t1989 + t1990;
+    let t1992 = t1986 + t1991;
+    let t1993 = cos_panda_joint3 * t1992;
+    let t1994 = sin_panda_joint4 * t1834;
+    let t1995 = cos_panda_joint4 * t1844;
+    let t1996 = t1994 - t1995;
+    let t1997 = t1080 * t1522;
+    let t1998 = t1996 + t1997;
+    let t1999 = omega_panda_joint3_z * 0.010975296213124512;
+    let t2000 = t1999 - t1998;
+    let t2001 = omega_panda_joint3_z * 0.12323156337888003;
+    let t2002 = t2001 + t1850;
+    let t2003 = 3.83030303030303 * t2002;
+    let t2004 = t1818 * t1522;
+    let t2005 = t2003 - t2004;
+    let t2006 = t2000 + t2005;
+    let t2007 = sin_panda_joint3 * t2006;
+    let t2008 = t1993 + t2007;
+    let t2009 = omega_panda_joint2_y * 0.0015378722058928;
+    let t2010 = v[1] * 2.064324122463762;
+    let t2011 = t2009 - t2010;
+    let t2012 = t2011 + t2008;
+    let t2013 = omega_panda_joint2_x * t2012;
+    let t2014 = t1983 + t2013;
+    let t2015 = t1968 + t2014;
+    let t2016 = moment_panda_joint2_y_2 - t2015;
+    let t2017 = sin_panda_joint2 * t2016;
+    let t2018 = t2017 + t1927;
+    let t2019 = t1112 + t1139;
+    let t2020 = t1169 + t2019;
+    let t2021 = sin_panda_joint6 * t2020;
+    let t2022 = cos_panda_joint6 * t1130;
+    let t2023 = t2022 - t2021;
+    let t2024 = 0.0012597535716761534 * cos_panda_joint7_2;
+    let t2025 = t2024 - t2023;
+    let t2026 = cos_panda_joint5 * t2025;
+    let t2027 = t1188 * t1184;
+    let t2028 = t1122 - t2027;
+    let t2029 = sin_panda_joint5 * t2028;
+    let t2030 = t2026 - t2029;
+    let t2031 = sin_panda_joint4 * t2030;
+    let t2032 = cos_panda_joint6 * t2020;
+    let t2033 = sin_panda_joint6 * t1130;
+    let t2034 = t2033 + t2032;
+    let t2035 = t1163 * t2027;
+    let t2036 = t1149 * t2024;
+    let t2037 = t2035 + t2036;
+    let t2038 = t2034 - t2037;
+    let t2039 = cos_panda_joint4 * t2038;
+    let t2040 = t2031 - t2039;
+    let t2041 = t2037 - t2040;
+    let t2042 = t1074 * t2041;
+    let t2043 = sin_panda_joint5 * t2025;
+    let t2044 = cos_panda_joint5 * t2028;
+    let t2045 = t2043 + t2044;
+    let t2046 = t1188 * t1178;
+    let t2047 = 0.21484375 * t2046;
+    let t2048 = t2047 - t2045;
+    let t2049 = t1149 * t2027;
+    let t2050 = t1163 * t2024;
+    let t2051 = t2049 - t2050;
+    let t2052 = sin_panda_joint4 * t2051;
+    let t2053 = cos_panda_joint4 * t2047;
+    let t2054 = t2052 + t2053;
+    let t2055 = t2048 - t2054;
+    let t2056 = cos_panda_joint4 * t2051;
+    let t2057 = sin_panda_joint4 * t2047;
+    let t2058 = t2056 - t2057;
+    let t2059 = 3.83030303030303 * t2058;
+    let t2060 = t2055 + t2059;
+    let t2061 = sin_panda_joint3 * t2060;
+    let t2062 = cos_panda_joint4 * t2030;
+    let t2063 = sin_panda_joint4 * t2038;
+    let t2064 = t2062 + t2063;
+    let t2065 = 3.83030303030303 * t2037;
+    let t2066 = t2064 + t2065;
+    let t2067 = cos_panda_joint3 * t2066;
+    let t2068 = t2067 + t2061;
+    let t2069 = t1067 * t2068;
+    let t2070 = t2069 - t2042;
+    let t2071 = cos_panda_joint3 * t2060;
+    let t2072 = sin_panda_joint3 * t2066;
+    let t2073 = t2072 - t2071;
+    let t2074 = t1442 * t2073;
+    let t2075 = t2070 + t2074;
+    let t2076 = cos_panda_joint3 * t2058;
+    let t2077 = sin_panda_joint3 * t2037;
+    let t2078 = t2076 - t2077;
+    let t2079 = acceleration_panda_joint2_y * t2078;
+    let t2080 = acceleration_panda_joint2_x * t2054;
+    let t2081 = t2079 + t2080;
+    let t2082 = t2075 - t2081;
+    let t2083 = t1611 - t1635;
+    let t2084 = t1637 - t2083;
+    let t2085 = sin_panda_joint6 * t2084;
+    let t2086 = t1591 - t1596;
+    let t2087 = cos_panda_joint6 * t2086;
+    let t2088 = t2087 - t2085;
+    let t2089 = t1644 * t2046;
+    let t2090 = t2088 - t2089;
+    let t2091 = cos_panda_joint5 * t2090;
+    let t2092 = t1632 * t2046;
+    let t2093 = t1678 - t2092;
+    let t2094 = sin_panda_joint5 * t2093;
+    let t2095 = t2091 + t2094;
+    let t2096 = t1808 * t2047;
+    let t2097 = t38 * t2037;
+    let t2098 = t2097 - t2096;
+    let t2099 = t2095 - t2098;
+    let t2100 = cos_panda_joint4 * t2099;
+    let t2101 = cos_panda_joint6 * t2084;
+    let t2102 = sin_panda_joint6 * t2086;
+    let t2103 = t2102 + t2101;
+    let t2104 = t1644 * t2027;
+    let t2105 = t1632 * t2024;
+    let t2106 = t2105 - t2104;
+    let t2107 = t2103 - t2106;
+    let t2108 = t1808 * t2051;
+    let t2109 = t2107 - t2108;
+    let t2110 = sin_panda_joint4 * t2109;
+    let t2111 = t2100 - t2110;
+    let t2112 = t1080 * t2054;
+    let t2113 = t1899 * t2037;
+    let t2114 = t2112 + t2113;
+    let t2115 = t2111 - t2114;
+    let t2116 = t1818 * t2054;
+    let t2117 = t2115 - t2116;
+    let t2118 = cos_panda_joint3 * t2117;
+    let t2119 = sin_panda_joint5 * t2090;
+    let t2120 = cos_panda_joint5 * t2093;
+    let t2121 = t2119 - t2120;
+    let t2122 = t38 * t2051;
+    let t2123 = t2121 + t2122;
+    let t2124 = t1899 * t2058;
+    let t2125 = t2123 + t2124;
+    let t2126 = t1804 * t2054;
+    let t2127 = t2125 + t2126;
+    let t2128 = sin_panda_joint3 * t2127;
+    let t2129 = t2118 - t2128;
+    let t2130 = omega_panda_joint2_y * t2129;
+    let t2131 = sin_panda_joint4 * t2099;
+    let t2132 = cos_panda_joint4 * t2109;
+    let t2133 = t2131 + t2132;
+    let t2134 = t1080 * t2058;
+    let t2135 = t2133 + t2134;
+    let t2136 = t1818 * t2058;
+    let t2137 = t1804 * t2037;
+    let t2138 = t2137 - t2136;
+    let t2139 = t2135 - t2138;
+    let t2140 = omega_panda_joint2_x * t2139;
+    let t2141 = t2130 + t2140;
+    let t2142 = t2082 + t2141;
+    let t2143 = t571 * t2142;
+    let t2144 = t2018 - t2143;
+    let t2145 = t577 * t2142;
+    let t2146 = cos_panda_joint5 * t1469;
+    let t2147 = 0.050456677916247444 + t1450;
+    let t2148 = t2147 + t1492;
+    let t2149 = sin_panda_joint5 * t2148;
+    let t2150 = t2146 - t2149;
+    let t2151 = sin_panda_joint4 * t2150;
+    let t2152 = t1163 * t1492;
+    let t2153 = t1505 - t2152;
+    let t2154 = cos_panda_joint4 * t2153;
+    let t2155 = t2151 + t2154;
+    let t2156 = t2152 + t2155;
+    let t2157 = t1074 * t2156;
+    let t2158 = sin_panda_joint5 * t1469;
+    let t2159 = cos_panda_joint5 * t2148;
+    let t2160 = t2158 + t2159;
+    let t2161 = 0.21484375 * t1479;
+    let t2162 = t2161 - t2160;
+    let t2163 = cos_panda_joint4 * t2161;
+    let t2164 = t1149 * t1492;
+    let t2165 = sin_panda_joint4 * t2164;
+    let t2166 = t2165 - t2163;
+    let t2167 = t2162 + t2166;
+    let t2168 = sin_panda_joint4 * t2161;
+    let t2169 = cos_panda_joint4 * t2164;
+    let t2170 = t2169 + t2168;
+    let t2171 = 3.83030303030303 * t2170;
+    let t2172 = t2167 - t2171;
+    let t2173 = sin_panda_joint3 * t2172;
+    let t2174 = cos_panda_joint4 * t2150;
+    let t2175 = sin_panda_joint4 * t2153;
+    let t2176 = t2174 - t2175;
+    let t2177 = 3.83030303030303 * t2152;
+    let t2178 = t2176 - t2177;
+    let t2179 = cos_panda_joint3 * t2178;
+    let t2180 = t2179 + t2173;
+    let t2181 = t1067 * t2180;
+    let t2182 = t2181 + t2157;
+    let t2183 = cos_panda_joint3 * t2172;
+    let t2184 = sin_panda_joint3 * t2178;
+    let t2185 = t2184 - t2183;
+    let t2186 = t1442 * t2185;
+    let t2187 = t2182 + t2186;
+    let t2188 = cos_panda_joint3 * t2170;
+    let t2189 = sin_panda_joint3 * t2152;
+    let t2190 = t2188 - t2189;
+    let t2191 = acceleration_panda_joint2_y * t2190;
+    let t2192 = acceleration_panda_joint2_x * t2166;
+    let t2193 = t2191 + t2192;
+    let t2194 = t2187 + t2193;
+    let t2195 = t1644 * t1479;
+    let t2196 = t1667 - t2195;
+    let t2197 = cos_panda_joint5 * t2196;
+    let t2198 = t1617 - t1622;
+    let t2199 = t1632 * t1479;
+    let t2200 = t2198 + t2199;
+    let t2201 = sin_panda_joint5 * t2200;
+    let t2202 = t2197 - t2201;
+    let t2203 = t1808 * t2161;
+    let t2204 = t38 * t2152;
+    let t2205 = t2204 + t2203;
+    let t2206 = t2202 + t2205;
+    let t2207 = cos_panda_joint4 * t2206;
+    let t2208 = t1775 - t1778;
+    let t2209 = t1808 * t2164;
+    let t2210 = t2208 + t2209;
+    let t2211 = sin_panda_joint4 * t2210;
+    let t2212 = t2207 - t2211;
+    let t2213 = t1080 * t2166;
+    let t2214 = t1899 * t2152;
+    let t2215 = t2213 + t2214;
+    let t2216 = t2212 + t2215;
+    let t2217 = t1818 * t2166;
+    let t2218 = t2216 + t2217;
+    let t2219 = cos_panda_joint3 * t2218;
+    let t2220 = sin_panda_joint5 * t2196;
+    let t2221 = cos_panda_joint5 * t2200;
+    let t2222 = t2220 + t2221;
+    let t2223 = t38 * t2164;
+    let t2224 = t2222 - t2223;
+    let t2225 = t1899 * t2170;
+    let t2226 = t2224 - t2225;
+    let t2227 = t1804 * t2166;
+    let t2228 = t2226 - t2227;
+    let t2229 = sin_panda_joint3 * t2228;
+    let t2230 = t2219 - t2229;
+    let t2231 = omega_panda_joint2_y * t2230;
+    let t2232 = sin_panda_joint4 * t2206;
+    let t2233 = cos_panda_joint4 * t2210;
+    let t2234 = t2232 + t2233;
+    let t2235 = t1080 * t2170;
+    let t2236 = t2234 - t2235;
+    let t2237 = t1818 * t2170;
+    let t2238 = t1804 * t2152;
+    let t2239 = t2238 - t2237;
+    let t2240 = t2236 + t2239;
+    let t2241 = omega_panda_joint2_x * t2240;
+    let t2242 = t2231 + t2241;
+    let t2243 = t2194 + t2242;
+    let t2244 = t2243 - t2145;
+    let t2245 = t641 * t2244;
+    let t2246 = t2144 + t2245;
+    let t2247 = t652 * t2244;
+    let t2248 = t647 * t2142;
+    let t2249 = sin_panda_joint4 * t1509;
+    let t2250 = t1460 + t1461;
+    let t2251 = t2250 + t1485;
+    let t2252 = cos_panda_joint4 * t2251;
+    let t2253 = t2249 + t2252;
+    let t2254 = t1485 - t2253;
+    let t2255 = t1074 * t2254;
+    let t2256 = cos_panda_joint4 * t1509;
+    let t2257 = sin_panda_joint4 * t2251;
+    let t2258 = t2256 - t2257;
+    let t2259 = 3.83030303030303 * t1485;
+    let t2260 = t2258 + t2259;
+    let t2261 = cos_panda_joint3 * t2260;
+    let t2262 = sin_panda_joint4 * t1536;
+    let t2263 = t1542 - t2262;
+    let t2264 = cos_panda_joint4 * t1536;
+    let t2265 = 3.83030303030303 * t2264;
+    let t2266 = t2263 + t2265;
+    let t2267 = sin_panda_joint3 * t2266;
+    let t2268 = t2261 - t2267;
+    let t2269 = t1067 * t2268;
+    let t2270 = t2269 - t2255;
+    let t2271 = sin_panda_joint3 * t2260;
+    let t2272 = cos_panda_joint3 * t2266;
+    let t2273 = t2271 + t2272;
+    let t2274 = t1442 * t2273;
+    let t2275 = t2270 + t2274;
+    let t2276 = cos_panda_joint3 * t2264;
+    let t2277 = sin_panda_joint3 * t1485;
+    let t2278 = t2276 + t2277;
+    let t2279 = acceleration_panda_joint2_y * t2278;
+    let t2280 = acceleration_panda_joint2_x * t2262;
+    let t2281 = t2279 + t2280;
+    let t2282 = t2275 + t2281;
+    let t2283 = t1631 + t1643;
+    let t2284 = t1633 - t1645;
+    let t2285 = t2283 - t2284;
+    let t2286 = t1809 + t2285;
+    let t2287 = sin_panda_joint4 * t2286;
+    let t2288 = t1757 - t1759;
+    let t2289 = cos_panda_joint4 * t2288;
+    let t2290 = t2289 - t2287;
+    let t2291 = t1080 * t2262;
+    let t2292 = t1899 * t1485;
+    let t2293 = t2291 - t2292;
+    let t2294 = t2290 + t2293;
+    let t2295 = t1818 * t2262;
+    let t2296 = t2294 + t2295;
+    let t2297 = cos_panda_joint3 * t2296;
+    let t2298 = t1899 * t2264;
+    let t2299 = t1868 - t2298;
+    let t2300 = t1804 * t2262;
+    let t2301 = t2299 - t2300;
+    let t2302 = sin_panda_joint3 * t2301;
+    let t2303 = t2297 - t2302;
+    let t2304 = omega_panda_joint2_y * t2303;
+    let t2305 = cos_panda_joint4 * t2286;
+    let t2306 = sin_panda_joint4 * t2288;
+    let t2307 = t2306 + t2305;
+    let t2308 = t1080 * t2264;
+    let t2309 = t2307 - t2308;
+    let t2310 = t1818 * t2264;
+    let t2311 = t1804 * t1485;
+    let t2312 = t2311 + t2310;
+    let t2313 = t2309 - t2312;
+    let t2314 = omega_panda_joint2_x * t2313;
+    let t2315 = t2304 + t2314;
+    let t2316 = t2282 + t2315;
+    let t2317 = t2316 + t2248;
+    let t2318 = t2317 - t2247;
+    let t2319 = t719 * t2318;
+    let t2320 = t2246 - t2319;
+    let t2321 = t737 * t2318;
+    let t2322 = t730 * t2244;
+    let t2323 = t725 * t2142;
+    let t2324 = t1074 * t1545;
+    let t2325 = t1488 + t1495;
+    let t2326 = t2325 - t1527;
+    let t2327 = 3.83030303030303 * t1522;
+    let t2328 = t2327 - t2326;
+    let t2329 = sin_panda_joint3 * t2328;
+    let t2330 = cos_panda_joint3 * t1565;
+    let t2331 = t2330 - t2329;
+    let t2332 = t1067 * t2331;
+    let t2333 = t2332 + t2324;
+    let t2334 = cos_panda_joint3 * t2328;
+    let t2335 = sin_panda_joint3 * t1565;
+    let t2336 = t2335 + t2334;
+    let t2337 = t1442 * t2336;
+    let t2338 = t2333 + t2337;
+    let t2339 = cos_panda_joint3 * t1522;
+    let t2340 = acceleration_panda_joint2_y * t2339;
+    let t2341 = acceleration_panda_joint2_x * t1527;
+    let t2342 = t2340 - t2341;
+    let t2343 = t2338 + t2342;
+    let t2344 = t1846 + t1851;
+    let t2345 = t1818 * t1527;
+    let t2346 = t2344 + t2345;
+    let t2347 = cos_panda_joint3 * t2346;
+    let t2348 = t1723 + t1739;
+    let t2349 = t1970 - t2348;
+    let t2350 = t1804 * t1527;
+    let t2351 = t2349 - t2350;
+    let t2352 = sin_panda_joint3 * t2351;
+    let t2353 = t2347 - t2352;
+    let t2354 = omega_panda_joint2_y * t2353;
+    let t2355 = t1998 + t2004;
+    let t2356 = omega_panda_joint2_x * t2355;
+    let t2357 = t2354 + t2356;
+    let t2358 = t2343 - t2357;
+    let t2359 = t2358 - t2323;
+    let t2360 = t2359 - t2322;
+    let t2361 = t2360 - t2321;
+    let t2362 = t797 * t2361;
+    let t2363 = t2320 + t2362;
+    let t2364 = t824 * t2361;
+    let t2365 = t815 * t2318;
+    let t2366 = t808 * t2244;
+    let t2367 = t803 * t2142;
+    let t2368 = t1558 + t1560;
+    let t2369 = t1074 * t2368;
+    let t2370 = t1067 * t1551;
+    let t2371 = t2370 - t2369;
+    let t2372 = t1442 * t1580;
+    let t2373 = t2371 + t2372;
+    let t2374 = t1587 + t2373;
+    let t2375 = t1803 + t1817;
+    let t2376 = t1805 + t1819;
+    let t2377 = t2375 + t2376;
+    let t2378 = omega_panda_joint2_x * t2377;
+    let t2379 = omega_panda_joint2_y * t1918;
+    let t2380 = t2379 + t2378;
+    let t2381 = t2374 - t2380;
+    let t2382 = t2381 - t2367;
+    let t2383 = t2382 + t2366;
+    let t2384 = t2383 - t2365;
+    let t2385 = t2384 + t2364;
+    let t2386 = t877 * t2385;
+    let t2387 = t2363 + t2386;
+    let t2388 = t944 * t2385;
+    let t2389 = t930 * t2361;
+    let t2390 = t918 * t2318;
+    let t2391 = t908 * t2244;
+    let t2392 = t900 * t2142;
+    let t2393 = t1067 * t1964;
+    let t2394 = t1573 + t1958;
+    let t2395 = t1442 * t2394;
+    let t2396 = t2395 + t2393;
+    let t2397 = t1074 * t1581;
+    let t2398 = t2396 - t2397;
+    let t2399 = cos_panda_joint3 * t1528;
+    let t2400 = sin_panda_joint3 * t1547;
+    let t2401 = t2399 - t2400;
+    let t2402 = 0.000167639551695 - t2401;
+    let t2403 = acceleration_panda_joint2_x * t2402;
+    let t2404 = 0.27592125358974007 - t1522;
+    let t2405 = acceleration_panda_joint2_y * t2404;
+    let t2406 = t2403 + t2405;
+    let t2407 = t2406 + t2398;
+    let t2408 = cos_panda_joint3 * t1881;
+    let t2409 = t1878 - t2408;
+    let t2410 = omega_panda_joint2_y * 0.04615576498986362;
+    let t2411 = omega_panda_joint2_x * 0.00796671776787104;
+    let t2412 = t2411 - t2410;
+    let t2413 = t2412 + t2409;
+    let t2414 = omega_panda_joint2_y * t2413;
+    let t2415 = sin_panda_joint3 * t1992;
+    let t2416 = cos_panda_joint3 * t2006;
+    let t2417 = t2415 - t2416;
+    let t2418 = omega_panda_joint2_y * 0.00796671776787104;
+    let t2419 = omega_panda_joint2_x * 2.064324122463762;
+    let t2420 = t2419 - t2418;
+    let t2421 = t2420 - t2417;
+    let t2422 = omega_panda_joint2_x * t2421;
+    let t2423 = t2414 - t2422;
+    let t2424 = t2407 + t2423;
+    let t2425 = t2424 + t2392;
+    let t2426 = t2425 - t2391;
+    let t2427 = t2426 + t2390;
+    let t2428 = t2427 - t2389;
+    let t2429 = t2428 - t2388;
+    let t2430 = t990 * t2429;
+    let t2431 = t2387 + t2430;
+    let t2432 = inverse_d_panda_joint1 * t2431;
+    let t2433 = t1091 * t1567;
+    let t2434 = t1955 + t1558;
+    let t2435 = t1079 * t2434;
+    let t2436 = t2435 + t2433;
+    let t2437 = t472 * t1546;
+    let t2438 = t2436 + t2437;
+    let t2439 = acceleration_panda_joint3_y_2 * t1522;
+    let t2440 = t2439 - t2438;
+    let t2441 = t1803 - t1973;
+    let t2442 = omega_panda_joint3_x * t2441;
+    let t2443 = omega_panda_joint3_y * t1857;
+    let t2444 = t2442 - t2443;
+    let t2445 = t2440 - t2444;
+    let t2446 = moment_panda_joint3_x_2 - t2445;
+    let t2447 = t1079 * t1522;
+    let t2448 = t472 * t1547;
+    let t2449 = t2447 - t2448;
+    let t2450 = omega_panda_joint3_x * t1977;
+    let t2451 = t2449 + t2450;
+    let t2452 = force_panda_joint3_y_2 - t2451;
+    let t2453 = 3.83030303030303 * t2452;
+    let t2454 = t2446 + t2453;
+    let t2455 = sin_panda_joint3 * t2454;
+    let t2456 = t1079 * t1567;
+    let t2457 = t1955 + t1560;
+    let t2458 = t1091 * t2457;
+    let t2459 = t2458 + t2456;
+    let t2460 = t472 * t1524;
+    let t2461 = t2459 - t2460;
+    let t2462 = acceleration_panda_joint3_x_2 * t1522;
+    let t2463 = t2462 - t2461;
+    let t2464 = t1817 - t1973;
+    let t2465 = omega_panda_joint3_y * t2464;
+    let t2466 = omega_panda_joint3_x * t1876;
+    let t2467 = t2465 - t2466;
+    let t2468 = t2463 + t2467;
+    let t2469 = moment_panda_joint3_y_2 + t2468;
+    let t2470 = t1091 * t1522;
+    let t2471 = t472 * t1528;
+    let t2472 = t2471 + t2470;
+    let t2473 = omega_panda_joint3_y * t1977;
+    let t2474 = t2472 - t2473;
+    let t2475 = force_panda_joint3_x_2 + t2474;
+    let t2476 = 3.83030303030303 * t2475;
+    let t2477 = t2469 + t2476;
+    let t2478 = cos_panda_joint3 * t2477;
+    let t2479 = t2478 - t2455;
+    let t2480 = sin_panda_joint2 * t2479;
+    let t2481 = acceleration_panda_joint3_y_2 * t1547;
+    let t2482 = acceleration_panda_joint3_x_2 * t1528;
+    let t2483 = t2482 - t2481;
+    let t2484 = t1091 * t1524;
+    let t2485 = t472 * t2368;
+    let t2486 = t2485 - t2484;
+    let t2487 = t1079 * t1546;
+    let t2488 = t2486 + t2487;
+    let t2489 = t2483 - t2488;
+    let t2490 = omega_panda_joint3_y * t1906;
+    let t2491 = omega_panda_joint3_x * t1916;
+    let t2492 = t2490 + t2491;
+    let t2493 = t2489 + t2492;
+    let t2494 = cos_panda_joint2 * t2493;
+    let t2495 = t2480 - t2494;
+    let t2496 = acceleration_panda_joint3_x_2 * t2037;
+    let t2497 = acceleration_panda_joint3_y_2 * t2058;
+    let t2498 = t2497 + t2496;
+    let t2499 = t1079 * t2055;
+    let t2500 = t1091 * t2064;
+    let t2501 = t2500 + t2499;
+    let t2502 = t472 * t2041;
+    let t2503 = t2501 - t2502;
+    let t2504 = t2503 + t2498;
+    let t2505 = omega_panda_joint3_y * t2115;
+    let t2506 = omega_panda_joint3_x * t2125;
+    let t2507 = t2505 + t2506;
+    let t2508 = t2504 - t2507;
+    let t2509 = t571 * t2508;
+    let t2510 = t2495 - t2509;
+    let t2511 = t577 * t2508;
+    let t2512 = acceleration_panda_joint3_x_2 * t2152;
+    let t2513 = acceleration_panda_joint3_y_2 * t2170;
+    let t2514 = t2513 + t2512;
+    let t2515 = t1079 * t2167;
+    let t2516 = t1091 * t2176;
+    let t2517 = t2516 + t2515;
+    let t2518 = t472 * t2156;
+    let t2519 = t2517 + t2518;
+    let t2520 = t2519 - t2514;
+    let t2521 = omega_panda_joint3_y * t2216;
+    let t2522 = omega_panda_joint3_x * t2226;
+    let t2523 = t2521 + t2522;
+    let t2524 = t2520 - t2523;
+    let t2525 = t2524 - t2511;
+    let t2526 = t641 * t2525;
+    let t2527 = t2510 + t2526;
+    let t2528 = t652 * t2525;
+    let t2529 = t647 * t2508;
+    let t2530 = acceleration_panda_joint3_x_2 * t1485;
+    let t2531 = acceleration_panda_joint3_y_2 * t2264;
+    let t2532 = t2531 - t2530;
+    let t2533 = t1079 * t2263;
+    let t2534 = t1091 * t2258;
+    let t2535 = t2534 - t2533;
+    let t2536 = t472 * t2254;
+    let t2537 = t2535 - t2536;
+    let t2538 = t2537 - t2532;
+    let t2539 = omega_panda_joint3_y * t2294;
+    let t2540 = omega_panda_joint3_x * t2299;
+    let t2541 = t2539 + t2540;
+    let t2542 = t2538 - t2541;
+    let t2543 = t2542 + t2529;
+    let t2544 = t2543 - t2528;
+    let t2545 = t719 * t2544;
+    let t2546 = t2527 - t2545;
+    let t2547 = t737 * t2544;
+    let t2548 = t730 * t2525;
+    let t2549 = t725 * t2508;
+    let t2550 = t1079 * t2326;
+    let t2551 = t1091 * t1565;
+    let t2552 = t2551 + t2550;
+    let t2553 = t472 * t1545;
+    let t2554 = t2552 + t2553;
+    let t2555 = t2439 - t2554;
+    let t2556 = omega_panda_joint3_y * t2344;
+    let t2557 = omega_panda_joint3_x * t2349;
+    let t2558 = t2556 + t2557;
+    let t2559 = t2555 - t2558;
+    let t2560 = t2559 + t2549;
+    let t2561 = t2560 + t2548;
+    let t2562 = t2561 + t2547;
+    let t2563 = t797 * t2562;
+    let t2564 = t2546 - t2563;
+    let t2565 = t824 * t2562;
+    let t2566 = t815 * t2544;
+    let t2567 = t808 * t2525;
+    let t2568 = t803 * t2508;
+    let t2569 = t2493 - t2568;
+    let t2570 = t2569 + t2567;
+    let t2571 = t2570 - t2566;
+    let t2572 = t2571 - t2565;
+    let t2573 = t877 * t2572;
+    let t2574 = t2564 + t2573;
+    let t2575 = cos_panda_joint3 * t2454;
+    let t2576 = sin_panda_joint3 * t2477;
+    let t2577 = t2576 + t2575;
+    let t2578 = t900 * t2508;
+    let t2579 = t2577 - t2578;
+    let t2580 = t908 * t2525;
+    let t2581 = t2579 + t2580;
+    let t2582 = t918 * t2544;
+    let t2583 = t2581 - t2582;
+    let t2584 = t930 * t2562;
+    let t2585 = t2583 - t2584;
+    let t2586 = t944 * t2572;
+    let t2587 = t2585 + t2586;
+    let t2588 = t990 * t2587;
+    let t2589 = t2574 - t2588;
+    let t2590 = inverse_d_panda_joint1 * t2589;
+    let t2591 = t1084 * t1512;
+    let t2592 = t1559 + t1488;
+    let t2593 = t1098 * t2592;
+    let t2594 = t2593 - t2591;
+    let t2595 = t404 * t1543;
+    let t2596 = t2594 - t2595;
+    let t2597 = acceleration_panda_joint4_y_2 * t1536;
+    let t2598 = t2597 - t2596;
+    let t2599 = t1723 - t1812;
+    let t2600 = omega_panda_joint4_x * t2599;
+    let t2601 = omega_panda_joint4_y * t1765;
+    let t2602 = t2600 + t2601;
+    let t2603 = t2598 - t2602;
+    let t2604 = moment_panda_joint4_x_2 + t2603;
+    let t2605 = sin_panda_joint4 * t2604;
+    let t2606 = t1098 * t1512;
+    let t2607 = t1559 + t1495;
+    let t2608 = t1084 * t2607;
+    let t2609 = t2608 - t2606;
+    let t2610 = t404 * t1538;
+    let t2611 = t2609 - t2610;
+    let t2612 = acceleration_panda_joint4_x_2 * t1536;
+    let t2613 = t2612 - t2611;
+    let t2614 = t1739 - t1812;
+    let t2615 = omega_panda_joint4_y * t2614;
+    let t2616 = omega_panda_joint4_x * t1786;
+    let t2617 = t2615 + t2616;
+    let t2618 = t2613 + t2617;
+    let t2619 = moment_panda_joint4_y_2 + t2618;
+    let t2620 = cos_panda_joint4 * t2619;
+    let t2621 = t2620 + t2605;
+    let t2622 = t1098 * t1518;
+    let t2623 = t1084 * t1520;
+    let t2624 = t2623 - t2622;
+    let t2625 = omega_panda_joint4_x * t1793;
+    let t2626 = omega_panda_joint4_y * t1796;
+    let t2627 = t2626 - t2625;
+    let t2628 = t2624 - t2627;
+    let t2629 = 3.83030303030303 * t2628;
+    let t2630 = t2621 - t2629;
+    let t2631 = cos_panda_joint3 * t2630;
+    let t2632 = t1084 * t1536;
+    let t2633 = t404 * t1518;
+    let t2634 = t2633 - t2632;
+    let t2635 = omega_panda_joint4_y * t1850;
+    let t2636 = t2634 + t2635;
+    let t2637 = force_panda_joint4_x_2 + t2636;
+    let t2638 = sin_panda_joint4 * t2637;
+    let t2639 = t1098 * t1536;
+    let t2640 = t404 * t1520;
+    let t2641 = t2639 - t2640;
+    let t2642 = omega_panda_joint4_x * t1850;
+    let t2643 = t2641 + t2642;
+    let t2644 = force_panda_joint4_y_2 + t2643;
+    let t2645 = cos_panda_joint4 * t2644;
+    let t2646 = t2645 + t2638;
+    let t2647 = 3.83030303030303 * t2646;
+    let t2648 = cos_panda_joint4 * t2637;
+    let t2649 = sin_panda_joint4 * t2644;
+    let t2650 = t2649 - t2648;
+    let t2651 = t1084 * t1538;
+    let t2652 = t404 * t2325;
+    let t2653 = t2652 - t2651;
+    let t2654 = t1098 * t1543;
+    let t2655 = t2653 - t2654;
+    let t2656 = acceleration_panda_joint4_y_2 * t1520;
+    let t2657 = acceleration_panda_joint4_x_2 * t1518;
+    let t2658 = t2657 + t2656;
+    let t2659 = t2658 + t2655;
+    let t2660 = omega_panda_joint4_y * t1834;
+    let t2661 = omega_panda_joint4_x * t1844;
+    let t2662 = t2660 - t2661;
+    let t2663 = t2659 + t2662;
+    let t2664 = t2663 + t2650;
+    let t2665 = t2664 - t2647;
+    let t2666 = sin_panda_joint3 * t2665;
+    let t2667 = t2631 + t2666;
+    let t2668 = sin_panda_joint2 * t2667;
+    let t2669 = cos_panda_joint4 * t2604;
+    let t2670 = sin_panda_joint4 * t2619;
+    let t2671 = t2670 - t2669;
+    let t2672 = t2628 + t2671;
+    let t2673 = cos_panda_joint2 * t2672;
+    let t2674 = t2668 - t2673;
+    let t2675 = acceleration_panda_joint4_x_2 * t2047;
+    let t2676 = acceleration_panda_joint4_y_2 * t2051;
+    let t2677 = t2676 + t2675;
+    let t2678 = t1098 * t2038;
+    let t2679 = t1084 * t2030;
+    let t2680 = t2679 + t2678;
+    let t2681 = t404 * t2048;
+    let t2682 = t2680 - t2681;
+    let t2683 = t2682 - t2677;
+    let t2684 = omega_panda_joint4_y * t2099;
+    let t2685 = omega_panda_joint4_x * t2109;
+    let t2686 = t2684 + t2685;
+    let t2687 = t2683 + t2686;
+    let t2688 = t571 * t2687;
+    let t2689 = t2674 - t2688;
+    let t2690 = t577 * t2687;
+    let t2691 = acceleration_panda_joint4_x_2 * t2161;
+    let t2692 = acceleration_panda_joint4_y_2 * t2164;
+    let t2693 = t2692 - t2691;
+    let t2694 = t1098 * t2153;
+    let t2695 = t1084 * t2150;
+    let t2696 = t2695 - t2694;
+    let t2697 = t404 * t2162;
+    let t2698 = t2696 - t2697;
+    let t2699 = t2698 + t2693;
+    let t2700 = omega_panda_joint4_y * t2206;
+    let t2701 = omega_panda_joint4_x * t2210;
+    let t2702 = t2700 + t2701;
+    let t2703 = t2699 + t2702;
+    let t2704 = t2703 - t2690;
+    let t2705 = t641 * t2704;
+    let t2706 = t2689 + t2705;
+    let t2707 = t652 * t2704;
+    let t2708 = t647 * t2687;
+    let t2709 = t1098 * t2251;
+    let t2710 = t1084 * t1509;
+    let t2711 = t2710 - t2709;
+    let t2712 = t404 * t1542;
+    let t2713 = t2711 + t2712;
+    let t2714 = t2597 + t2713;
+    let t2715 = omega_panda_joint4_x * t2286;
+    let t2716 = omega_panda_joint4_y * t2288;
+    let t2717 = t2716 + t2715;
+    let t2718 = t2714 + t2717;
+    let t2719 = t2718 + t2708;
+    let t2720 = t2719 - t2707;
+    let t2721 = t719 * t2720;
+    let t2722 = t2706 - t2721;
+    let t2723 = t737 * t2720;
+    let t2724 = t730 * t2704;
+    let t2725 = t725 * t2687;
+    let t2726 = t2663 + t2725;
+    let t2727 = t2726 + t2724;
+    let t2728 = t2727 + t2723;
+    let t2729 = t797 * t2728;
+    let t2730 = t2722 - t2729;
+    let t2731 = t803 * t2687;
+    let t2732 = t2672 - t2731;
+    let t2733 = t808 * t2704;
+    let t2734 = t2732 + t2733;
+    let t2735 = t815 * t2720;
+    let t2736 = t2734 - t2735;
+    let t2737 = t824 * t2728;
+    let t2738 = t2736 - t2737;
+    let t2739 = t877 * t2738;
+    let t2740 = t2730 + t2739;
+    let t2741 = sin_panda_joint3 * t2630;
+    let t2742 = cos_panda_joint3 * t2665;
+    let t2743 = t2741 - t2742;
+    let t2744 = t900 * t2687;
+    let t2745 = t2743 - t2744;
+    let t2746 = t908 * t2704;
+    let t2747 = t2745 + t2746;
+    let t2748 = t918 * t2720;
+    let t2749 = t2747 - t2748;
+    let t2750 = t930 * t2728;
+    let t2751 = t2749 - t2750;
+    let t2752 = t944 * t2738;
+    let t2753 = t2751 + t2752;
+    let t2754 = t990 * t2753;
+    let t2755 = t2740 - t2754;
+    let t2756 = inverse_d_panda_joint1 * t2755;
+    let t2757 = t1116 * t1470;
+    let t2758 = t1489 + t1460;
+    let t2759 = t1101 * t2758;
+    let t2760 = t2759 + t2757;
+    let t2761 = t174 * t1506;
+    let t2762 = t2760 - t2761;
+    let t2763 = acceleration_panda_joint5_y_2 * t1492;
+    let t2764 = t2763 - t2762;
+    let t2765 = t1631 - t1726;
+    let t2766 = omega_panda_joint5_x * t2765;
+    let t2767 = omega_panda_joint5_y * t1671;
+    let t2768 = t2766 - t2767;
+    let t2769 = t2764 - t2768;
+    let t2770 = moment_panda_joint5_x_2 + t2769;
+    let t2771 = t1101 * t1492;
+    let t2772 = t174 * t1483;
+    let t2773 = t2771 + t2772;
+    let t2774 = omega_panda_joint5_x * t1733;
+    let t2775 = t2773 - t2774;
+    let t2776 = force_panda_joint5_y_2 - t2775;
+    let t2777 = t2776 + t2770;
+    let t2778 = cos_panda_joint5 * t2777;
+    let t2779 = t1101 * t1470;
+    let t2780 = t1489 + t1461;
+    let t2781 = t1116 * t2780;
+    let t2782 = t2781 + t2779;
+    let t2783 = t174 * t1500;
+    let t2784 = t2782 - t2783;
+    let t2785 = acceleration_panda_joint5_x_2 * t1492;
+    let t2786 = t2785 - t2784;
+    let t2787 = t1643 - t1726;
+    let t2788 = omega_panda_joint5_y * t2787;
+    let t2789 = omega_panda_joint5_x * t1692;
+    let t2790 = t2788 + t2789;
+    let t2791 = t2786 + t2790;
+    let t2792 = moment_panda_joint5_y_2 + t2791;
+    let t2793 = t1116 * t1492;
+    let t2794 = t174 * t1480;
+    let t2795 = t2794 + t2793;
+    let t2796 = omega_panda_joint5_y * t1733;
+    let t2797 = t2795 + t2796;
+    let t2798 = force_panda_joint5_x_2 + t2797;
+    let t2799 = t2798 - t2792;
+    let t2800 = sin_panda_joint5 * t2799;
+    let t2801 = t2800 + t2778;
+    let t2802 = t1101 * t1480;
+    let t2803 = t1116 * t1483;
+    let t2804 = t2803 - t2802;
+    let t2805 = omega_panda_joint5_x * t1708;
+    let t2806 = omega_panda_joint5_y * t1716;
+    let t2807 = t2806 - t2805;
+    let t2808 = t2804 + t2807;
+    let t2809 = 0.21484375 * t2808;
+    let t2810 = t2809 + t2801;
+    let t2811 = t1163 * t2798;
+    let t2812 = t1149 * t2776;
+    let t2813 = t2812 + t2811;
+    let t2814 = sin_panda_joint4 * t2813;
+    let t2815 = cos_panda_joint4 * t2809;
+    let t2816 = t2814 + t2815;
+    let t2817 = t2810 - t2816;
+    let t2818 = cos_panda_joint4 * t2813;
+    let t2819 = sin_panda_joint4 * t2809;
+    let t2820 = t2818 - t2819;
+    let t2821 = 3.83030303030303 * t2820;
+    let t2822 = t2817 + t2821;
+    let t2823 = sin_panda_joint3 * t2822;
+    let t2824 = sin_panda_joint5 * t2777;
+    let t2825 = cos_panda_joint5 * t2799;
+    let t2826 = t2825 - t2824;
+    let t2827 = cos_panda_joint4 * t2826;
+    let t2828 = t1149 * t2798;
+    let t2829 = t1163 * t2776;
+    let t2830 = t2829 - t2828;
+    let t2831 = t1116 * t1500;
+    let t2832 = t174 * t2250;
+    let t2833 = t2832 - t2831;
+    let t2834 = t1101 * t1506;
+    let t2835 = t2833 - t2834;
+    let t2836 = acceleration_panda_joint5_y_2 * t1483;
+    let t2837 = acceleration_panda_joint5_x_2 * t1480;
+    let t2838 = t2837 + t2836;
+    let t2839 = t2838 - t2835;
+    let t2840 = omega_panda_joint5_y * t1747;
+    let t2841 = omega_panda_joint5_x * t1755;
+    let t2842 = t2840 + t2841;
+    let t2843 = t2839 + t2842;
+    let t2844 = t2843 + t2830;
+    let t2845 = sin_panda_joint4 * t2844;
+    let t2846 = t2827 + t2845;
+    let t2847 = 3.83030303030303 * t2830;
+    let t2848 = t2846 - t2847;
+    let t2849 = cos_panda_joint3 * t2848;
+    let t2850 = t2849 - t2823;
+    let t2851 = sin_panda_joint2 * t2850;
+    let t2852 = sin_panda_joint4 * t2826;
+    let t2853 = cos_panda_joint4 * t2844;
+    let t2854 = t2852 - t2853;
+    let t2855 = t2830 + t2854;
+    let t2856 = cos_panda_joint2 * t2855;
+    let t2857 = t2851 - t2856;
+    let t2858 = acceleration_panda_joint5_x_2 * t2024;
+    let t2859 = acceleration_panda_joint5_y_2 * t2027;
+    let t2860 = t2859 + t2858;
+    let t2861 = t1122 * t1101;
+    let t2862 = t1116 * t2023;
+    let t2863 = t2862 + t2861;
+    let t2864 = t174 * t2034;
+    let t2865 = t2863 + t2864;
+    let t2866 = t2865 + t2860;
+    let t2867 = omega_panda_joint5_y * t2088;
+    let t2868 = omega_panda_joint5_x * t1678;
+    let t2869 = t2867 - t2868;
+    let t2870 = t2866 + t2869;
+    let t2871 = t571 * t2870;
+    let t2872 = t2857 - t2871;
+    let t2873 = t577 * t2870;
+    let t2874 = t1101 * t2147;
+    let t2875 = t1116 * t1469;
+    let t2876 = t2875 - t2874;
+    let t2877 = t174 * t1505;
+    let t2878 = t2876 + t2877;
+    let t2879 = t2763 + t2878;
+    let t2880 = omega_panda_joint5_y * t1667;
+    let t2881 = omega_panda_joint5_x * t2198;
+    let t2882 = t2880 + t2881;
+    let t2883 = t2879 - t2882;
+    let t2884 = t2883 + t2873;
+    let t2885 = t641 * t2884;
+    let t2886 = t2872 - t2885;
+    let t2887 = t652 * t2884;
+    let t2888 = t647 * t2870;
+    let t2889 = t2843 + t2888;
+    let t2890 = t2889 + t2887;
+    let t2891 = t719 * t2890;
+    let t2892 = t2886 - t2891;
+    let t2893 = t725 * t2870;
+    let t2894 = t2810 - t2893;
+    let t2895 = t730 * t2884;
+    let t2896 = t2894 + t2895;
+    let t2897 = t737 * t2890;
+    let t2898 = t2896 - t2897;
+    let t2899 = t797 * t2898;
+    let t2900 = t2892 + t2899;
+    let t2901 = t803 * t2870;
+    let t2902 = t2855 - t2901;
+    let t2903 = t808 * t2884;
+    let t2904 = t2902 - t2903;
+    let t2905 = t815 * t2890;
+    let t2906 = t2904 - t2905;
+    let t2907 = t824 * t2898;
+    let t2908 = t2906 + t2907;
+    let t2909 = t877 * t2908;
+    let t2910 = t2900 + t2909;
+    let t2911 = cos_panda_joint3 * t2822;
+    let t2912 = sin_panda_joint3 * t2848;
+    let t2913 = t2912 + t2911;
+    let t2914 = t900 * t2870;
+    let t2915 = t2913 - t2914;
+    let t2916 = t908 * t2884;
+    let t2917 = t2915 - t2916;
+    let t2918 = t918 * t2890;
+    let t2919 = t2917 - t2918;
+    let t2920 = t930 * t2898;
+    let t2921 = t2919 + t2920;
+    let t2922 = t944 * t2908;
+    let t2923 = t2921 + t2922;
+    let t2924 = t990 * t2923;
+    let t2925 = t2910 - t2924;
+    let t2926 = inverse_d_panda_joint1 * t2925;
+    let t2927 = t1104 * t1453;
+    let t2928 = t1139 + t1458;
+    let t2929 = t1126 * t2928;
+    let t2930 = t2929 - t2927;
+    let t2931 = t210 * t1467;
+    let t2932 = t2930 + t2931;
+    let t2933 = t1188 * acceleration_panda_joint6_y_2;
+    let t2934 = t2933 + t2932;
+    let t2935 = t1617 - t1640;
+    let t2936 = omega_panda_joint6_x * t2935;
+    let t2937 = omega_panda_joint6_y * t1601;
+    let t2938 = t2936 - t2937;
+    let t2939 = t2934 - t2938;
+    let t2940 = moment_panda_joint6_x_2 + t2939;
+    let t2941 = sin_panda_joint6 * t2940;
+    let t2942 = t1126 * t1453;
+    let t2943 = t1111 - 0.03293675559757119;
+    let t2944 = t1104 * t2943;
+    let t2945 = t2944 + t2942;
+    let t2946 = t210 * t1465;
+    let t2947 = t2945 - t2946;
+    let t2948 = t1188 * acceleration_panda_joint6_x_2;
+    let t2949 = t2948 - t2947;
+    let t2950 = t1622 + t1640;
+    let t2951 = omega_panda_joint6_y * t2950;
+    let t2952 = omega_panda_joint6_x * t1606;
+    let t2953 = t2951 - t2952;
+    let t2954 = t2949 - t2953;
+    let t2955 = moment_panda_joint6_y_2 + t2954;
+    let t2956 = cos_panda_joint6 * t2955;
+    let t2957 = t2956 + t2941;
+    let t2958 = t1126 * t1476;
+    let t2959 = 0.015294814090072 * t1104;
+    let t2960 = t2959 - t2958;
+    let t2961 = omega_panda_joint6_x * t1704;
+    let t2962 = omega_panda_joint6_y * t1701;
+    let t2963 = t2962 - t2961;
+    let t2964 = t2960 - t2963;
+    let t2965 = 4.363636363636364 * t2964;
+    let t2966 = t2965 - t2957;
+    let t2967 = sin_panda_joint5 * t2966;
+    let t2968 = t1188 * t1104;
+    let t2969 = t210 * t1476;
+    let t2970 = t2969 + t2968;
+    let t2971 = omega_panda_joint6_y * t1713;
+    let t2972 = t2970 + t2971;
+    let t2973 = force_panda_joint6_x_2 + t2972;
+    let t2974 = t1178 * t2973;
+    let t2975 = t1188 * t1126;
+    let t2976 = t210 * 0.015294814090072;
+    let t2977 = t2975 + t2976;
+    let t2978 = omega_panda_joint6_x * t1713;
+    let t2979 = t2977 - t2978;
+    let t2980 = force_panda_joint6_y_2 - t2979;
+    let t2981 = t1184 * t2980;
+    let t2982 = t2981 + t2974;
+    let t2983 = t1104 * t1465;
+    let t2984 = t210 * t2147;
+    let t2985 = t2984 + t2983;
+    let t2986 = t1126 * t1467;
+    let t2987 = t2985 + t2986;
+    let t2988 = 0.015294814090072 * acceleration_panda_joint6_y_2;
+    let t2989 = acceleration_panda_joint6_x_2 * t1476;
+    let t2990 = t2989 + t2988;
+    let t2991 = t2990 + t2987;
+    let t2992 = omega_panda_joint6_y * t1659;
+    let t2993 = omega_panda_joint6_x * t1665;
+    let t2994 = t2992 - t2993;
+    let t2995 = t2991 + t2994;
+    let t2996 = t2995 + t2982;
+    let t2997 = cos_panda_joint5 * t2996;
+    let t2998 = t2967 - t2997;
+    let t2999 = t1184 * t2973;
+    let t3000 = t1178 * t2980;
+    let t3001 = t3000 - t2999;
+    let t3002 = 0.21484375 * t3001;
+    let t3003 = t3002 - t2998;
+    let t3004 = t1149 * t2982;
+    let t3005 = t1163 * t2965;
+    let t3006 = t3004 - t3005;
+    let t3007 = sin_panda_joint4 * t3006;
+    let t3008 = cos_panda_joint4 * t3002;
+    let t3009 = t3007 + t3008;
+    let t3010 = t3003 - t3009;
+    let t3011 = cos_panda_joint4 * t3006;
+    let t3012 = sin_panda_joint4 * t3002;
+    let t3013 = t3011 - t3012;
+    let t3014 = 3.83030303030303 * t3013;
+    let t3015 = t3010 + t3014;
+    let t3016 = sin_panda_joint3 * t3015;
+    let t3017 = cos_panda_joint5 * t2966;
+    let t3018 = sin_panda_joint5 * t2996;
+    let t3019 = t3017 + t3018;
+    let t3020 = cos_panda_joint4 * t3019;
+    let t3021 = cos_panda_joint6 * t2940;
+    let t3022 = sin_panda_joint6 * t2955;
+    let t3023 = t3022 - t3021;
+    let t3024 = t1163 * t2982;
+    let t3025 = t1149 * t2965;
+    let t3026 = t3024 + t3025;
+    let t3027 = t3023 - t3026;
+    let t3028 = sin_panda_joint4 * t3027;
+    let t3029 = t3020 + t3028;
+    let t3030 = 3.83030303030303 * t3026;
+    let t3031 = t3029 + t3030;
+    let t3032 = cos_panda_joint3 * t3031;
+    let t3033 = t3032 + t3016;
+    let t3034 = sin_panda_joint2 * t3033;
+    let t3035 = sin_panda_joint4 * t3019;
+    let t3036 = cos_panda_joint4 * t3027;
+    let t3037 = t3035 - t3036;
+    let t3038 = t3026 - t3037;
+    let t3039 = cos_panda_joint2 * t3038;
+    let t3040 = t3034 + t3039;
+    let t3041 = t1126 * t2020;
+    let t3042 = t1130 * t1104;
+    let t3043 = t3042 - t3041;
+    let t3044 = t210 * t1122;
+    let t3045 = t3043 - t3044;
+    let t3046 = t2933 - t3045;
+    let t3047 = omega_panda_joint6_x * t2084;
+    let t3048 = omega_panda_joint6_y * t2086;
+    let t3049 = t3048 + t3047;
+    let t3050 = t3046 + t3049;
+    let t3051 = t571 * t3050;
+    let t3052 = t3040 - t3051;
+    let t3053 = t577 * t3050;
+    let t3054 = t2995 - t3053;
+    let t3055 = t641 * t3054;
+    let t3056 = t3052 + t3055;
+    let t3057 = t647 * t3050;
+    let t3058 = t3023 + t3057;
+    let t3059 = t652 * t3054;
+    let t3060 = t3058 - t3059;
+    let t3061 = t719 * t3060;
+    let t3062 = t3056 - t3061;
+    let t3063 = t725 * t3050;
+    let t3064 = t3003 + t3063;
+    let t3065 = t730 * t3054;
+    let t3066 = t3064 + t3065;
+    [
+        t1112,
+        t1119,
+        t1122,
+        t1127,
+        t1130,
+        t1134,
+        t1139,
+        t1149,
+        t1163,
+        acceleration_panda_joint7_y_2,
+        t1169,
+        t1178,
+        t1184,
+        acceleration_panda_joint7_x_2,
+        t1188,
+        force_panda_joint7_y_2,
+        moment_panda_joint7_x_2,
+        moment_panda_joint7_y_2,
+        force_panda_joint7_x_2,
+        t1453,
+        t1465,
+        t1467,
+        t1469,
+        t1470,
+        t1476,
+        t1500,
+        t1506,
+        t1509,
+        t1512,
+        t1518,
+        t1520,
+        t1522,
+        t1524,
+        t1536,
+        t1538,
+        t1543,
+        t1545,
+        t1546,
+        t1551,
+        t1552,
+        t1565,
+        t1567,
+        t1575,
+        t1581,
+        t1589,
+        t1590,
+        t1592,
+        t1594,
+        t1596,
+        t1602,
+        t1611,
+        t1612,
+        t1619,
+        t1632,
+        t1635,
+        t1636,
+        t1637,
+        t1644,
+        t1649,
+        t1654,
+        t1661,
+        t1672,
+        t1675,
+        t1676,
+        t1677,
+        t1678,
+        t1680,
+        t1684,
+        t1686,
+        t1693,
+        t1701,
+        t1704,
+        t1708,
+        t1716,
+        t1768,
+        t1769,
+        t1775,
+        t1777,
+        t1778,
+        t1793,
+        t1796,
+        t1808,
+        t1809,
+        t1859,
+        t1862,
+        t1868,
+        t1870,
+        t1887,
+        t1891,
+        t1899,
+        t1906,
+        t1916,
+        t1918,
+        t1922,
+        t1959,
+        t1964,
+        t1970,
+        t1981,
+        t1986,
+        t1988,
+        t1998,
+        t2000,
+        t2002,
+        t2012,
+        t2019,
+        t2020,
+        t2023,
+        t2030,
+        t2038,
+        t2041,
+        t2055,
+        t2064,
+        t2068,
+        t2083,
+        t2103,
+        t2117,
+        t2123,
+        t2127,
+        t2129,
+        t2135,
+        t2139,
+        t2142,
+        t2147,
+        t2150,
+        t2153,
+        t2156,
+        t2167,
+        t2176,
+        t2180,
+        t2198,
+        t2218,
+        t2224,
+        t2228,
+        t2230,
+        t2236,
+        t2240,
+        t2244,
+        t2251,
+        t2254,
+        t2258,
+        t2263,
+        t2268,
+        t2283,
+        t2296,
+        t2301,
+        t2303,
+        t2309,
+        t2313,
+        t2318,
+        t2326,
+        t2331,
+        t2346,
+        t2348,
+        t2351,
+        t2353,
+        t2355,
+        t2361,
+        t2368,
+        t2375,
+        t2377,
+        t2385,
+        t2408,
+        t2413,
+        t2421,
+        t2429,
+        t2432,
+        t2434,
+        t2457,
+        t2508,
+        t2525,
+        t2544,
+        t2562,
+        t2572,
+        t2587,
+        t2590,
+        t2592,
+        t2607,
+        t2687,
+        t2704,
+        t2720,
+        t2728,
+        t2738,
+        t2753,
+        t2756,
+        t2758,
+        t2780,
+        t2870,
+        t2884,
+        t2890,
+        t2898,
+        t2908,
+        t2923,
+        t2926,
+        t2928,
+        t2943,
+        t3015,
+        t3031,
+        t3038,
+        t3050,
+        t3054,
+        t3060,
+        t3062,
+        t3066,
+    ]
+}
+
+/// Part 3 of `forward_dynamics_derivatives`: values that later parts read.
+#[inline(never)]
+fn forward_dynamics_derivatives_part_3(
+    v: &[f64; N],
+    [sin_panda_joint2,
+    cos_panda_joint2,
+    sin_panda_joint3,
+    cos_panda_joint3,
+    sin_panda_joint4,
+    cos_panda_joint4,
+    sin_panda_joint5,
+    cos_panda_joint5,
+    sin_panda_joint6,
+    cos_panda_joint6,
+    omega_panda_joint2_x,
+    omega_panda_joint2_y,
+    omega_panda_joint3_x,
+    omega_panda_joint4_x,
+    omega_panda_joint6_z,
+    t76,
+    omega_panda_joint6_y,
+    omega_panda_joint6_x,
+    t224,
+    t571,
+    t577,
+    inverse_d_panda_joint6,
+    t641,
+    t647,
+    t652,
+    inverse_d_panda_joint5,
+    t719,
+    t725,
+    t730,
+    t737,
+    inverse_d_panda_joint4,
+    t797,
+    t803,
+    t808,
+    t815,
+    t824,
+    inverse_d_panda_joint3,
+    t877,
+    t900,
+    t908,
+    t918,
+    t930,
+    t944,
+    inverse_d_panda_joint2,
+    t990,
+    inverse_d_panda_joint1,
+    t1112,
+    t1119,
+    t1122,
+    t1127,
+    t1130,
+    t1134,
+    t1139,
+    t1149,
+    t1163,
+    acceleration_panda_joint7_y_2,
+    t1169,
+    t1178,
+    t1184,
+    acceleration_panda_joint7_x_2,
+    t1188,
+    force_panda_joint7_y_2,
+    moment_panda_joint7_x_2,
+    moment_panda_joint7_y_2,
+    force_panda_joint7_x_2,
+    t1453,
+    t1465,
+    t1467,
+    t1469,
+    t1470,
+    t1476,
+    t1500,
+    t1506,
+    t1509,
+    t1512,
+    t1518,
+    t1520,
+    t1522,
+    t1524,
+    t1536,
+    t1538,
+    t1543,
+    t1545,
+    t1546,
+    t1551,
+    t1552,
+    t1565,
+    t1567,
+    t1575,
+    t1581,
+    t1589,
+    t1590,
+    t1592,
+    t1594,
+    t1596,
+    t1602,
+    t1611,
+    t1612,
+    t1619,
+    t1632,
+    t1635,
+    t1636,
+    t1637,
+    t1644,
+    t1649,
+    t1654,
+    t1661,
+    t1672,
+    t1675,
+    t1676,
+    t1677,
+    t1678,
+    t1680,
+    t1684,
+    t1686,
+    t1693,
+    t1701,
+    t1704,
+    t1708,
+    t1716,
+    t1768,
+    t1769,
+    t1775,
+    t1777,
+    t1778,
+    t1793,
+    t1796,
+    t1808,
+    t1809,
+    t1859,
+    t1862,
+    t1868,
+    t1870,
+    t1887,
+    t1891,
+    t1899,
+    t1906,
+    t1916,
+    t1918,
+    t1922,
+    t1959,
+    t1964,
+    t1970,
+    t1981,
+    t1986,
+    t1988,
+    t1998,
+    t2000,
+    t2002,
+    t2012,
+    t2019,
+    t2020,
+    t2023,
+    t2030,
+    t2038,
+    t2041,
+    t2055,
+    t2064,
+    t2068,
+    t2083,
+    t2103,
+    t2117,
+    t2123,
+    t2127,
+    t2129,
+    t2135,
+    t2139,
+    t2142,
+    t2147,
+    t2150,
+    t2153,
+    t2156,
+    t2167,
+    t2176,
+    t2180,
+    t2198,
+    t2218,
+    t2224,
+    t2228,
+    t2230,
+    t2236,
+    t2240,
+    t2244,
+    t2251,
+    t2254,
+    t2258,
+    t2263,
+    t2268,
+    t2283,
+    t2296,
+    t2301,
+    t2303,
+    t2309,
+    t2313,
+    t2318,
+    t2326,
+    t2331,
+    t2346,
+    t2348,
+    t2351,
+    t2353,
+    t2355,
+    t2361,
+    t2368,
+    t2375,
+    t2377,
+    t2385,
+    t2408,
+    t2413,
+    t2421,
+    t2429,
+    t2432,
+    t2434,
+    t2457,
+    t2508,
+    t2525,
+    t2544,
+    t2562,
+    t2572,
+    t2587,
+    t2590,
+    t2592,
+    t2607,
+    t2687,
+    t2704,
+    t2720,
+    t2728,
+    t2738,
+    t2753,
+    t2756,
+    t2758,
+    t2780,
+    t2870,
+    t2884,
+    t2890,
+    t2898,
+    t2908,
+    t2923,
+    t2926,
+    t2928,
+    t2943,
+    t3015,
+    t3031,
+    t3038,
+    t3050,
+    t3054,
+    t3060,
+    t3062,
+    t3066,
+    ]: [f64; 249],
+) -> [f64; 116] {
+    let t3067 = t737 * t3060;
+    let t3068 = t3066 + t3067;
+    let t3069 = t797 * t3068;
+    let t3070 = t3062 - t3069;
+    let t3071 = t803 * t3050;
+    let t3072 = t3038 + t3071;
+    let t3073 = t808 * t3054;
+    let t3074 = t3072 - t3073;
+    let t3075 = t815 * t3060;
+    let t3076 = t3074 + t3075;
+    let t3077 = t824 * t3068;
+    let t3078 = t3076 + t3077;
+    let t3079 = t877 * t3078;
+    let t3080 = t3070 - t3079;
+    let t3081 = cos_panda_joint3 * t3015;
+    let t3082 = sin_panda_joint3 * t3031;
+    let t3083 = t3082 - t3081;
+    let t3084 = t900 * t3050;
+    let t3085 = t3083 - t3084;
+    let t3086 = t908 * t3054;
+    let t3087 = t3085 + t3086;
+    let t3088 = t918 * t3060;
+    let t3089 = t3087 - t3088;
+    let t3090 = t930 * t3068;
+    let t3091 = t3089 - t3090;
+    let t3092 = t944 * t3078;
+    let t3093 = t3091 - t3092;
+    let t3094 = t990 * t3093;
+    let t3095 = t3080 - t3094;
+    let t3096 = inverse_d_panda_joint1 * t3095;
+    let t3097 = t1139 * t1119;
+    let t3098 = t1134 * t1127;
+    let t3099 = t3097 - t3098;
+    let t3100 = t224 * t1130;
+    let t3101 = t3099 + t3100;
+    let t3102 = t1635 + t1619;
+    let t3103 = omega_panda_joint6_z * t3102;
+    let t3104 = omega_panda_joint6_x * t1684;
+    let t3105 = t3103 + t3104;
+    let t3106 = t3101 - t3105;
+    let t3107 = moment_panda_joint7_y_2 + t3106;
+    let t3108 = cos_panda_joint6 * t3107;
+    let t3109 = omega_panda_joint6_z * t1592;
+    let t3110 = t224 * t1169;
+    let t3111 = t3110 - t3109;
+    let t3112 = force_panda_joint7_x_2 + t3111;
+    let t3113 = t1130 * t1119;
+    let t3114 = t224 * t2019;
+    let t3115 = t3114 + t3113;
+    let t3116 = t1122 * t1127;
+    let t3117 = t3115 - t3116;
+    let t3118 = t1188 * acceleration_panda_joint7_y_2;
+    let t3119 = t1169 * acceleration_panda_joint7_x_2;
+    let t3120 = t3119 - t3118;
+    let t3121 = t3120 - t3117;
+    let t3122 = omega_panda_joint6_x * t1676;
+    let t3123 = omega_panda_joint6_z * t1596;
+    let t3124 = t3123 - t3122;
+    let t3125 = t3121 - t3124;
+    let t3126 = t3125 - t3112;
+    let t3127 = sin_panda_joint6 * t3126;
+    let t3128 = t3108 + t3127;
+    let t3129 = 4.363636363636364 * t3112;
+    let t3130 = t3129 - t3128;
+    let t3131 = sin_panda_joint5 * t3130;
+    let t3132 = t1134 * t1119;
+    let t3133 = t1112 * t1127;
+    let t3134 = t3133 - t3132;
+    let t3135 = t224 * t1122;
+    let t3136 = t3134 - t3135;
+    let t3137 = t1611 - t1619;
+    let t3138 = omega_panda_joint6_x * t3137;
+    let t3139 = omega_panda_joint6_z * t1654;
+    let t3140 = t3138 - t3139;
+    let t3141 = t3136 - t3140;
+    let t3142 = moment_panda_joint7_x_2 - t3141;
+    let t3143 = t1188 * t1119;
+    let t3144 = t1169 * t1127;
+    let t3145 = t3143 + t3144;
+    let t3146 = omega_panda_joint6_x * t1612;
+    let t3147 = omega_panda_joint6_z * t1649;
+    let t3148 = t3147 + t3146;
+    let t3149 = t3145 + t3148;
+    let t3150 = t3149 - t3142;
+    let t3151 = omega_panda_joint6_x * t1592;
+    let t3152 = t224 * t1188;
+    let t3153 = t3152 - t3151;
+    let t3154 = force_panda_joint7_y_2 + t3153;
+    let t3155 = t1184 * t3154;
+    let t3156 = t1178 * t3149;
+    let t3157 = t3155 + t3156;
+    let t3158 = t3150 + t3157;
+    let t3159 = cos_panda_joint5 * t3158;
+    let t3160 = t3131 - t3159;
+    let t3161 = t1178 * t3154;
+    let t3162 = t1184 * t3149;
+    let t3163 = t3161 - t3162;
+    let t3164 = 0.21484375 * t3163;
+    let t3165 = t3164 - t3160;
+    let t3166 = t1149 * t3157;
+    let t3167 = t1163 * t3129;
+    let t3168 = t3166 - t3167;
+    let t3169 = sin_panda_joint4 * t3168;
+    let t3170 = cos_panda_joint4 * t3164;
+    let t3171 = t3169 + t3170;
+    let t3172 = t3165 - t3171;
+    let t3173 = cos_panda_joint4 * t3168;
+    let t3174 = sin_panda_joint4 * t3164;
+    let t3175 = t3173 - t3174;
+    let t3176 = 3.83030303030303 * t3175;
+    let t3177 = t3172 + t3176;
+    let t3178 = sin_panda_joint3 * t3177;
+    let t3179 = cos_panda_joint5 * t3130;
+    let t3180 = sin_panda_joint5 * t3158;
+    let t3181 = t3179 + t3180;
+    let t3182 = cos_panda_joint4 * t3181;
+    let t3183 = sin_panda_joint6 * t3107;
+    let t3184 = cos_panda_joint6 * t3126;
+    let t3185 = t3183 - t3184;
+    let t3186 = t1163 * t3157;
+    let t3187 = t1149 * t3129;
+    let t3188 = t3186 + t3187;
+    let t3189 = t3185 - t3188;
+    let t3190 = sin_panda_joint4 * t3189;
+    let t3191 = t3182 + t3190;
+    let t3192 = 3.83030303030303 * t3188;
+    let t3193 = t3191 + t3192;
+    let t3194 = cos_panda_joint3 * t3193;
+    let t3195 = t3194 + t3178;
+    let t3196 = sin_panda_joint2 * t3195;
+    let t3197 = sin_panda_joint4 * t3181;
+    let t3198 = cos_panda_joint4 * t3189;
+    let t3199 = t3197 - t3198;
+    let t3200 = t3188 - t3199;
+    let t3201 = cos_panda_joint2 * t3200;
+    let t3202 = t3196 + t3201;
+    let t3203 = t571 * t3125;
+    let t3204 = t3202 - t3203;
+    let t3205 = t577 * t3125;
+    let t3206 = t3150 - t3205;
+    let t3207 = t641 * t3206;
+    let t3208 = t3204 + t3207;
+    let t3209 = t652 * t3206;
+    let t3210 = t647 * t3125;
+    let t3211 = t3185 + t3210;
+    let t3212 = t3211 - t3209;
+    let t3213 = t719 * t3212;
+    let t3214 = t3208 - t3213;
+    let t3215 = t725 * t3125;
+    let t3216 = t3165 + t3215;
+    let t3217 = t730 * t3206;
+    let t3218 = t3216 + t3217;
+    let t3219 = t737 * t3212;
+    let t3220 = t3218 + t3219;
+    let t3221 = t797 * t3220;
+    let t3222 = t3214 - t3221;
+    let t3223 = t803 * t3125;
+    let t3224 = t3200 + t3223;
+    let t3225 = t808 * t3206;
+    let t3226 = t3224 - t3225;
+    let t3227 = t815 * t3212;
+    let t3228 = t3226 + t3227;
+    let t3229 = t824 * t3220;
+    let t3230 = t3228 + t3229;
+    let t3231 = t877 * t3230;
+    let t3232 = t3222 - t3231;
+    let t3233 = cos_panda_joint3 * t3177;
+    let t3234 = sin_panda_joint3 * t3193;
+    let t3235 = t3234 - t3233;
+    let t3236 = t900 * t3125;
+    let t3237 = t3235 - t3236;
+    let t3238 = t908 * t3206;
+    let t3239 = t3237 + t3238;
+    let t3240 = t918 * t3212;
+    let t3241 = t3239 - t3240;
+    let t3242 = t930 * t3220;
+    let t3243 = t3241 - t3242;
+    let t3244 = t944 * t3230;
+    let t3245 = t3243 - t3244;
+    let t3246 = t990 * t3245;
+    let t3247 = t3232 - t3246;
+    let t3248 = inverse_d_panda_joint1 * t3247;
+    let t3249 = t990 * t2432;
+    let t3250 = inverse_d_panda_joint2 * t2429;
+    let t3251 = t3250 + t3249;
+    let t3252 = t990 * t2590;
+    let t3253 = inverse_d_panda_joint2 * t2587;
+    let t3254 = t3253 - t3252;
+    let t3255 = t990 * t2756;
+    let t3256 = inverse_d_panda_joint2 * t2753;
+    let t3257 = t3256 - t3255;
+    let t3258 = t990 * t2926;
+    let t3259 = inverse_d_panda_joint2 * t2923;
+    let t3260 = t3259 - t3258;
+    let t3261 = t990 * t3096;
+    let t3262 = inverse_d_panda_joint2 * t3093;
+    let t3263 = t3262 - t3261;
+    let t3264 = t990 * t3248;
+    let t3265 = inverse_d_panda_joint2 * t3245;
+    let t3266 = t3265 - t3264;
+    let t3267 = t944 * t3251;
+    let t3268 = inverse_d_panda_joint3 * t2385;
+    let t3269 = t3268 - t3267;
+    let t3270 = t877 * t2432;
+    let t3271 = t3269 + t3270;
+    let t3272 = t944 * t3254;
+    let t3273 = inverse_d_panda_joint3 * t2572;
+    let t3274 = t3273 + t3272;
+    let t3275 = t877 * t2590;
+    let t3276 = t3274 + t3275;
+    let t3277 = t944 * t3257;
+    let t3278 = inverse_d_panda_joint3 * t2738;
+    let t3279 = t3278 + t3277;
+    let t3280 = t877 * t2756;
+    let t3281 = t3279 + t3280;
+    let t3282 = t944 * t3260;
+    let t3283 = inverse_d_panda_joint3 * t2908;
+    let t3284 = t3283 + t3282;
+    let t3285 = t877 * t2926;
+    let t3286 = t3284 + t3285;
+    let t3287 = t944 * t3263;
+    let t3288 = inverse_d_panda_joint3 * t3078;
+    let t3289 = t3288 - t3287;
+    let t3290 = t877 * t3096;
+    let t3291 = t3289 - t3290;
+    let t3292 = t944 * t3266;
+    let t3293 = inverse_d_panda_joint3 * t3230;
+    let t3294 = t3293 - t3292;
+    let t3295 = t877 * t3248;
+    let t3296 = t3294 - t3295;
+    let t3297 = t824 * t3271;
+    let t3298 = inverse_d_panda_joint4 * t2361;
+    let t3299 = t3298 + t3297;
+    let t3300 = t930 * t3251;
+    let t3301 = t3299 - t3300;
+    let t3302 = t797 * t2432;
+    let t3303 = t3301 + t3302;
+    let t3304 = t824 * t3276;
+    let t3305 = inverse_d_panda_joint4 * t2562;
+    let t3306 = t3305 - t3304;
+    let t3307 = t930 * t3254;
+    let t3308 = t3306 - t3307;
+    let t3309 = t797 * t2590;
+    let t3310 = t3308 - t3309;
+    let t3311 = t824 * t3281;
+    let t3312 = inverse_d_panda_joint4 * t2728;
+    let t3313 = t3312 - t3311;
+    let t3314 = t930 * t3257;
+    let t3315 = t3313 - t3314;
+    let t3316 = t797 * t2756;
+    let t3317 = t3315 - t3316;
+    let t3318 = t824 * t3286;
+    let t3319 = inverse_d_panda_joint4 * t2898;
+    let t3320 = t3319 + t3318;
+    let t3321 = t930 * t3260;
+    let t3322 = t3320 + t3321;
+    let t3323 = t797 * t2926;
+    let t3324 = t3322 + t3323;
+    let t3325 = t824 * t3291;
+    let t3326 = inverse_d_panda_joint4 * t3068;
+    let t3327 = t3326 + t3325;
+    let t3328 = t930 * t3263;
+    let t3329 = t3327 - t3328;
+    let t3330 = t797 * t3096;
+    let t3331 = t3329 - t3330;
+    let t3332 = t824 * t3296;
+    let t3333 = inverse_d_panda_joint4 * t3220;
+    let t3334 = t3333 + t3332;
+    let t3335 = t930 * t3266;
+    let t3336 = t3334 - t3335;
+    let t3337 = t797 * t3248;
+    let t3338 = t3336 - t3337;
+    let t3339 = t737 * t3303;
+    let t3340 = inverse_d_panda_joint5 * t2318;
+    let t3341 = t3340 - t3339;
+    let t3342 = t815 * t3271;
+    let t3343 = t3341 - t3342;
+    let t3344 = t918 * t3251;
+    let t3345 = t3343 + t3344;
+    let t3346 = t719 * t2432;
+    let t3347 = t3345 - t3346;
+    let t3348 = t737 * t3310;
+    let t3349 = inverse_d_panda_joint5 * t2544;
+    let t3350 = t3349 + t3348;
+    let t3351 = t815 * t3276;
+    let t3352 = t3350 - t3351;
+    let t3353 = t918 * t3254;
+    let t3354 = t3352 - t3353;
+    let t3355 = t719 * t2590;
+    let t3356 = t3354 - t3355;
+    let t3357 = t737 * t3317;
+    let t3358 = inverse_d_panda_joint5 * t2720;
+    let t3359 = t3358 + t3357;
+    let t3360 = t815 * t3281;
+    let t3361 = t3359 - t3360;
+    let t3362 = t918 * t3257;
+    let t3363 = t3361 - t3362;
+    let t3364 = t719 * t2756;
+    let t3365 = t3363 - t3364;
+    let t3366 = t737 * t3324;
+    let t3367 = inverse_d_panda_joint5 * t2890;
+    let t3368 = t3367 - t3366;
+    let t3369 = t815 * t3286;
+    let t3370 = t3368 - t3369;
+    let t3371 = t918 * t3260;
+    let t3372 = t3370 - t3371;
+    let t3373 = t719 * t2926;
+    let t3374 = t3372 - t3373;
+    let t3375 = t737 * t3331;
+    let t3376 = inverse_d_panda_joint5 * t3060;
+    let t3377 = t3376 + t3375;
+    let t3378 = t815 * t3291;
+    let t3379 = t3377 + t3378;
+    let t3380 = t918 * t3263;
+    let t3381 = t3379 - t3380;
+    let t3382 = t719 * t3096;
+    let t3383 = t3381 - t3382;
+    let t3384 = t737 * t3338;
+    let t3385 = inverse_d_panda_joint5 * t3212;
+    let t3386 = t3385 + t3384;
+    let t3387 = t815 * t3296;
+    let t3388 = t3386 + t3387;
+    let t3389 = t918 * t3266;
+    let t3390 = t3388 - t3389;
+    let t3391 = t719 * t3248;
+    let t3392 = t3390 - t3391;
+    let t3393 = t652 * t3347;
+    let t3394 = inverse_d_panda_joint6 * t2244;
+    let t3395 = t3394 - t3393;
+    let t3396 = t730 * t3303;
+    let t3397 = t3395 - t3396;
+    let t3398 = t808 * t3271;
+    let t3399 = t3397 + t3398;
+    let t3400 = t908 * t3251;
+    let t3401 = t3399 - t3400;
+    let t3402 = t641 * t2432;
+    let t3403 = t3401 + t3402;
+    let t3404 = t652 * t3356;
+    let t3405 = inverse_d_panda_joint6 * t2525;
+    let t3406 = t3405 - t3404;
+    let t3407 = t730 * t3310;
+    let t3408 = t3406 + t3407;
+    let t3409 = t808 * t3276;
+    let t3410 = t3408 + t3409;
+    let t3411 = t908 * t3254;
+    let t3412 = t3410 + t3411;
+    let t3413 = t641 * t2590;
+    let t3414 = t3412 + t3413;
+    let t3415 = t652 * t3365;
+    let t3416 = inverse_d_panda_joint6 * t2704;
+    let t3417 = t3416 - t3415;
+    let t3418 = t730 * t3317;
+    let t3419 = t3417 + t3418;
+    let t3420 = t808 * t3281;
+    let t3421 = t3419 + t3420;
+    let t3422 = t908 * t3257;
+    let t3423 = t3421 + t3422;
+    let t3424 = t641 * t2756;
+    let t3425 = t3423 + t3424;
+    let t3426 = t652 * t3374;
+    let t3427 = inverse_d_panda_joint6 * t2884;
+    let t3428 = t3427 + t3426;
+    let t3429 = t730 * t3324;
+    let t3430 = t3428 + t3429;
+    let t3431 = t808 * t3286;
+    let t3432 = t3430 - t3431;
+    let t3433 = t908 * t3260;
+    let t3434 = t3432 - t3433;
+    let t3435 = t641 * t2926;
+    let t3436 = t3434 - t3435;
+    let t3437 = t652 * t3383;
+    let t3438 = inverse_d_panda_joint6 * t3054;
+    let t3439 = t3438 - t3437;
+    let t3440 = t730 * t3331;
+    let t3441 = t3439 + t3440;
+    let t3442 = t808 * t3291;
+    let t3443 = t3441 - t3442;
+    let t3444 = t908 * t3263;
+    let t3445 = t3443 + t3444;
+    let t3446 = t641 * t3096;
+    let t3447 = t3445 + t3446;
+    let t3448 = t652 * t3392;
+    let t3449 = inverse_d_panda_joint6 * t3206;
+    let t3450 = t3449 - t3448;
+    let t3451 = t730 * t3338;
+    let t3452 = t3450 + t3451;
+    let t3453 = t808 * t3296;
+    let t3454 = t3452 - t3453;
+    let t3455 = t908 * t3266;
+    let t3456 = t3454 + t3455;
+    let t3457 = t641 * t3248;
+    let t3458 = t3456 + t3457;
+    let t3459 = t577 * t3403;
+    let t3460 = 149.60760989322964 * t2142;
+    let t3461 = t3460 - t3459;
+    let t3462 = t647 * t3347;
+    let t3463 = t3461 + t3462;
+    let t3464 = t725 * t3303;
+    let t3465 = t3463 - t3464;
+    let t3466 = t803 * t3271;
+    let t3467 = t3465 - t3466;
+    let t3468 = t900 * t3251;
+    let t3469 = t3467 + t3468;
+    let t3470 = t571 * t2432;
+    let t3471 = t3469 - t3470;
+    let t3472 = t577 * t3414;
+    let t3473 = 149.60760989322964 * t2508;
+    let t3474 = t3473 - t3472;
+    let t3475 = t647 * t3356;
+    let t3476 = t3474 + t3475;
+    let t3477 = t725 * t3310;
+    let t3478 = t3476 + t3477;
+    let t3479 = t803 * t3276;
+    let t3480 = t3478 - t3479;
+    let t3481 = t900 * t3254;
+    let t3482 = t3480 - t3481;
+    let t3483 = t571 * t2590;
+    let t3484 = t3482 - t3483;
+    let t3485 = t577 * t3425;
+    let t3486 = 149.60760989322964 * t2687;
+    let t3487 = t3486 - t3485;
+    let t3488 = t647 * t3365;
+    let t3489 = t3487 + t3488;
+    let t3490 = t725 * t3317;
+    let t3491 = t3489 + t3490;
+    let t3492 = t803 * t3281;
+    let t3493 = t3491 - t3492;
+    let t3494 = t900 * t3257;
+    let t3495 = t3493 - t3494;
+    let t3496 = t571 * t2756;
+    let t3497 = t3495 - t3496;
+    let t3498 = t577 * t3436;
+    let t3499 = 149.60760989322964 * t2870;
+    let t3500 = t3499 + t3498;
+    let t3501 = t647 * t3374;
+    let t3502 = t3500 + t3501;
+    let t3503 = t725 * t3324;
+    let t3504 = t3502 - t3503;
+    let t3505 = t803 * t3286;
+    let t3506 = t3504 - t3505;
+    let t3507 = t900 * t3260;
+    let t3508 = t3506 - t3507;
+    let t3509 = t571 * t2926;
+    let t3510 = t3508 - t3509;
+    let t3511 = t577 * t3447;
+    let t3512 = 149.60760989322964 * t3050;
+    let t3513 = t3512 - t3511;
+    let t3514 = t647 * t3383;
+    let t3515 = t3513 + t3514;
+    let t3516 = t725 * t3331;
+    let t3517 = t3515 + t3516;
+    let t3518 = t803 * t3291;
+    let t3519 = t3517 + t3518;
+    let t3520 = t900 * t3263;
+    let t3521 = t3519 - t3520;
+    let t3522 = t571 * t3096;
+    let t3523 = t3521 - t3522;
+    let t3524 = t577 * t3458;
+    let t3525 = 149.60760989322964 * t3125;
+    let t3526 = t3525 - t3524;
+    let t3527 = t647 * t3392;
+    let t3528 = t3526 + t3527;
+    let t3529 = t725 * t3338;
+    let t3530 = t3528 + t3529;
+    let t3531 = t803 * t3296;
+    let t3532 = t3530 + t3531;
+    let t3533 = t900 * t3266;
+    let t3534 = t3532 - t3533;
+    let t3535 = t571 * t3248;
+    let t3536 = t3534 - t3535;
+    let t3537 = t1891 - t1981;
+    let t3538 = sin_panda_joint2 * t3537;
+    let t3539 = t2012 + t1922;
+    let t3540 = cos_panda_joint2 * t3539;
+    let t3541 = t3538 + t3540;
+    let t3542 = sin_panda_joint2 * t3541;
+    let t3543 = t1891 - t3542;
+    let t3544 = v[0] * 0.00035816594888099995;
+    let t3545 = t3544 - t3543;
+    let t3546 = t3544 - t1887;
+    let t3547 = t3545 - t3546;
+    let t3548 = 0.003 - t3547;
+    let t3549 = sin_panda_joint2 * t2129;
+    let t3550 = cos_panda_joint2 * t2139;
+    let t3551 = t3549 - t3550;
+    let t3552 = t571 * t3551;
+    let t3553 = t3548 + t3552;
+    let t3554 = t577 * t3551;
+    let t3555 = sin_panda_joint2 * t2230;
+    let t3556 = cos_panda_joint2 * t2240;
+    let t3557 = t3555 - t3556;
+    let t3558 = t3557 - t3554;
+    let t3559 = t641 * t3558;
+    let t3560 = t3553 - t3559;
+    let t3561 = sin_panda_joint2 * t2303;
+    let t3562 = cos_panda_joint2 * t2313;
+    let t3563 = t3561 - t3562;
+    let t3564 = t647 * t3551;
+    let t3565 = t3563 + t3564;
+    let t3566 = t652 * t3558;
+    let t3567 = t3565 - t3566;
+    let t3568 = t719 * t3567;
+    let t3569 = t3560 + t3568;
+    let t3570 = sin_panda_joint2 * t2353;
+    let t3571 = cos_panda_joint2 * t2355;
+    let t3572 = t3570 - t3571;
+    let t3573 = t725 * t3551;
+    let t3574 = t3572 + t3573;
+    let t3575 = t730 * t3558;
+    let t3576 = t3574 + t3575;
+    let t3577 = t737 * t3567;
+    let t3578 = t3576 + t3577;
+    let t3579 = t797 * t3578;
+    let t3580 = t3569 + t3579;
+    let t3581 = cos_panda_joint2 * t2377;
+    let t3582 = sin_panda_joint2 * t1918;
+    let t3583 = t3582 - t3581;
+    let t3584 = t803 * t3551;
+    let t3585 = t3583 + t3584;
+    let t3586 = t808 * t3558;
+    let t3587 = t3585 - t3586;
+    let t3588 = t815 * t3567;
+    let t3589 = t3587 + t3588;
+    let t3590 = t824 * t3578;
+    let t3591 = t3589 + t3590;
+    let t3592 = t877 * t3591;
+    let t3593 = t3580 + t3592;
+    let t3594 = sin_panda_joint2 * t2413;
+    let t3595 = cos_panda_joint2 * t2421;
+    let t3596 = t3594 + t3595;
+    let t3597 = t900 * t3551;
+    let t3598 = t3596 + t3597;
+    let t3599 = t908 * t3558;
+    let t3600 = t3598 - t3599;
+    let t3601 = t918 * t3567;
+    let t3602 = t3600 + t3601;
+    let t3603 = t930 * t3578;
+    let t3604 = t3602 + t3603;
+    let t3605 = t944 * t3591;
+    let t3606 = t3604 + t3605;
+    let t3607 = t990 * t3606;
+    let t3608 = t3593 - t3607;
+    let t3609 = inverse_d_panda_joint1 * t3608;
+    let t3610 = t1891 + t1981;
+    let t3611 = 2.0 * omega_panda_joint2_y;
+    let t3612 = t3611 * t1964;
+    let t3613 = 2.0 * omega_panda_joint2_x;
+    let t3614 = t3613 * t1581;
+    let t3615 = t3612 - t3614;
+    let t3616 = t3610 - t3615;
+    let t3617 = 0.003 + t3616;
+    let t3618 = sin_panda_joint3 * t2117;
+    let t3619 = cos_panda_joint3 * t2127;
+    let t3620 = t3618 + t3619;
+    let t3621 = t3611 * t2068;
+    let t3622 = t3613 * t2041;
+    let t3623 = t3621 - t3622;
+    let t3624 = t3620 - t3623;
+    let t3625 = t900 * t3624;
+    let t3626 = t3617 + t3625;
+    let t3627 = t577 * t3624;
+    let t3628 = sin_panda_joint3 * t2218;
+    let t3629 = cos_panda_joint3 * t2228;
+    let t3630 = t3628 + t3629;
+    let t3631 = t3611 * t2180;
+    let t3632 = t3613 * t2156;
+    let t3633 = t3631 + t3632;
+    let t3634 = t3630 - t3633;
+    let t3635 = t3634 - t3627;
+    let t3636 = t908 * t3635;
+    let t3637 = t3626 - t3636;
+    let t3638 = sin_panda_joint3 * t2296;
+    let t3639 = cos_panda_joint3 * t2301;
+    let t3640 = t3638 + t3639;
+    let t3641 = t3611 * t2268;
+    let t3642 = t3613 * t2254;
+    let t3643 = t3641 - t3642;
+    let t3644 = t3640 - t3643;
+    let t3645 = t647 * t3624;
+    let t3646 = t3644 + t3645;
+    let t3647 = t652 * t3635;
+    let t3648 = t3646 - t3647;
+    let t3649 = t918 * t3648;
+    let t3650 = t3637 + t3649;
+    let t3651 = sin_panda_joint3 * t2346;
+    let t3652 = cos_panda_joint3 * t2351;
+    let t3653 = t3651 + t3652;
+    let t3654 = t3611 * t2331;
+    let t3655 = t3613 * t1545;
+    let t3656 = t3654 + t3655;
+    let t3657 = t3653 + t3656;
+    let t3658 = t725 * t3624;
+    let t3659 = t3657 + t3658;
+    let t3660 = t730 * t3635;
+    let t3661 = t3659 + t3660;
+    let t3662 = t737 * t3648;
+    let t3663 = t3661 + t3662;
+    let t3664 = t930 * t3663;
+    let t3665 = t3650 + t3664;
+    let t3666 = sin_panda_joint3 * t1906;
+    let t3667 = cos_panda_joint3 * t1916;
+    let t3668 = t3666 + t3667;
+    let t3669 = t3611 * t1551;
+    let t3670 = t3613 * t2368;
+    let t3671 = t3669 - t3670;
+    let t3672 = t3668 + t3671;
+    let t3673 = t803 * t3624;
+    let t3674 = t3672 + t3673;
+    let t3675 = t808 * t3635;
+    let t3676 = t3674 - t3675;
+    let t3677 = t815 * t3648;
+    let t3678 = t3676 + t3677;
+    let t3679 = t824 * t3663;
+    let t3680 = t3678 + t3679;
+    let t3681 = t944 * t3680;
+    let t3682 = t3665 + t3681;
+    let t3683 = t990 * t3682;
+    let t3684 = t1859 - t2408;
+    let t3685 = v[1] * 0.0015378722058928;
+    let t3686 = t3685 - t3684;
+    let t3687 = t3611 * t1959;
+    let t3688 = t3613 * t1552;
+    let t3689 = t3687 + t3688;
+    let t3690 = t3686 + t3689;
+    let t3691 = sin_panda_joint2 * t3690;
+    let t3692 = v[1] * 0.02052220364201634;
+    let t3693 = t3692 - t3668;
+    let t3694 = t3613 * t1575;
+    let t3695 = t3611 * t1552;
+    let t3696 = t3694 + t3695;
+    let t3697 = t3693 + t3696;
+    let t3698 = cos_panda_joint2 * t3697;
+    let t3699 = t3691 - t3698;
+    let t3700 = t571 * t3624;
+    let t3701 = t3699 - t3700;
+    let t3702 = t641 * t3635;
+    let t3703 = t3701 + t3702;
+    let t3704 = t719 * t3648;
+    let t3705 = t3703 - t3704;
+    let t3706 = t797 * t3663;
+    let t3707 = t3705 - t3706;
+    let t3708 = t877 * t3680;
+    let t3709 = t3707 - t3708;
+    let t3710 = t3709 + t3683;
+    let t3711 = inverse_d_panda_joint1 * t3710;
+    let t3712 = t1899 * t1524;
+    let t3713 = 2.0 * omega_panda_joint3_x;
+    let t3714 = t3713 * t1546;
+    let t3715 = t3712 + t3714;
+    let t3716 = t2375 - t3715;
+    let t3717 = 0.003 + t3716;
+    let t3718 = t3713 * t2055;
+    let t3719 = t1899 * t2064;
+    let t3720 = t3719 - t3718;
+    let t3721 = t2135 + t3720;
+    let t3722 = t803 * t3721;
+    let t3723 = t3717 + t3722;
+    let t3724 = t577 * t3721;
+    let t3725 = t3713 * t2167;
+    let t3726 = t1899 * t2176;
+    let t3727 = t3726 - t3725;
+    let t3728 = t2236 + t3727;
+    let t3729 = t3728 - t3724;
+    let t3730 = t808 * t3729;
+    let t3731 = t3723 - t3730;
+    let t3732 = t1899 * t2258;
+    let t3733 = t3713 * t2263;
+    let t3734 = t3732 + t3733;
+    let t3735 = t2309 + t3734;
+    let t3736 = t647 * t3721;
+    let t3737 = t3735 + t3736;
+    let t3738 = t652 * t3729;
+    let t3739 = t3737 - t3738;
+    let t3740 = t815 * t3739;
+    let t3741 = t3731 + t3740;
+    let t3742 = t3713 * t2326;
+    let t3743 = t1899 * t1565;
+    let t3744 = t3743 - t3742;
+    let t3745 = t1998 - t3744;
+    let t3746 = t725 * t3721;
+    let t3747 = t3745 + t3746;
+    let t3748 = t730 * t3729;
+    let t3749 = t3747 + t3748;
+    let t3750 = t737 * t3739;
+    let t3751 = t3749 + t3750;
+    let t3752 = t824 * t3751;
+    let t3753 = t3741 + t3752;
+    let t3754 = t944 * t3753;
+    let t3755 = t1899 * t2457;
+    let t3756 = t3713 * t1567;
+    let t3757 = t3755 - t3756;
+    let t3758 = t1986 + t3757;
+    let t3759 = t1970 - t1988;
+    let t3760 = 3.83030303030303 * t3759;
+    let t3761 = t3758 - t3760;
+    let t3762 = sin_panda_joint3 * t3761;
+    let t3763 = t3713 * t2434;
+    let t3764 = t1899 * t1567;
+    let t3765 = t3763 - t3764;
+    let t3766 = t2000 - t3765;
+    let t3767 = t3713 * t1522;
+    let t3768 = t2002 + t3767;
+    let t3769 = 3.83030303030303 * t3768;
+    let t3770 = t3766 + t3769;
+    let t3771 = cos_panda_joint3 * t3770;
+    let t3772 = t3762 - t3771;
+    let t3773 = t900 * t3721;
+    let t3774 = t3772 + t3773;
+    let t3775 = t908 * t3729;
+    let t3776 = t3774 - t3775;
+    let t3777 = t918 * t3739;
+    let t3778 = t3776 + t3777;
+    let t3779 = t930 * t3751;
+    let t3780 = t3778 + t3779;
+    let t3781 = t3780 + t3754;
+    let t3782 = t990 * t3781;
+    let t3783 = cos_panda_joint3 * t3761;
+    let t3784 = sin_panda_joint3 * t3770;
+    let t3785 = t3783 + t3784;
+    let t3786 = sin_panda_joint2 * t3785;
+    let t3787 = cos_panda_joint2 * t3716;
+    let t3788 = t3786 - t3787;
+    let t3789 = t571 * t3721;
+    let t3790 = t3788 + t3789;
+    let t3791 = t641 * t3729;
+    let t3792 = t3790 - t3791;
+    let t3793 = t719 * t3739;
+    let t3794 = t3792 + t3793;
+    let t3795 = t797 * t3751;
+    let t3796 = t3794 + t3795;
+    let t3797 = t877 * t3753;
+    let t3798 = t3796 + t3797;
+    let t3799 = t3798 - t3782;
+    let t3800 = inverse_d_panda_joint1 * t3799;
+    let t3801 = t1808 * t1538;
+    let t3802 = 2.0 * omega_panda_joint4_x;
+    let t3803 = t3802 * t1543;
+    let t3804 = t3801 - t3803;
+    let t3805 = t2348 - t3804;
+    let t3806 = t1809 + t1793;
+    let t3807 = cos_panda_joint4 * t3806;
+    let t3808 = t3802 * t1536;
+    let t3809 = t1796 + t3808;
+    let t3810 = sin_panda_joint4 * t3809;
+    let t3811 = t3810 - t3807;
+    let t3812 = t3805 - t3811;
+    let t3813 = sin_panda_joint4 * t3806;
+    let t3814 = cos_panda_joint4 * t3809;
+    let t3815 = t3814 + t3813;
+    let t3816 = 3.83030303030303 * t3815;
+    let t3817 = t3812 + t3816;
+    let t3818 = sin_panda_joint3 * t3817;
+    let t3819 = t1808 * t2607;
+    let t3820 = t3802 * t1512;
+    let t3821 = t3819 + t3820;
+    let t3822 = t1862 + t3821;
+    let t3823 = cos_panda_joint4 * t3822;
+    let t3824 = t3802 * t2592;
+    let t3825 = t1808 * t1512;
+    let t3826 = t3824 + t3825;
+    let t3827 = t1870 + t3826;
+    let t3828 = sin_panda_joint4 * t3827;
+    let t3829 = t3823 - t3828;
+    let t3830 = t3802 * t1518;
+    let t3831 = t1808 * t1520;
+    let t3832 = t3831 + t3830;
+    let t3833 = 3.83030303030303 * t3832;
+    let t3834 = t3829 + t3833;
+    let t3835 = cos_panda_joint3 * t3834;
+    let t3836 = t3835 - t3818;
+    let t3837 = sin_panda_joint2 * t3836;
+    let t3838 = sin_panda_joint4 * t3822;
+    let t3839 = cos_panda_joint4 * t3827;
+    let t3840 = t3838 + t3839;
+    let t3841 = t3832 - t3840;
+    let t3842 = cos_panda_joint2 * t3841;
+    let t3843 = t3837 + t3842;
+    let t3844 = t1808 * t2030;
+    let t3845 = t3802 * t2038;
+    let t3846 = t3844 - t3845;
+    let t3847 = t2123 - t3846;
+    let t3848 = t571 * t3847;
+    let t3849 = t3843 - t3848;
+    let t3850 = t577 * t3847;
+    let t3851 = t1808 * t2150;
+    let t3852 = t3802 * t2153;
+    let t3853 = t3851 + t3852;
+    let t3854 = t2224 - t3853;
+    let t3855 = t3854 - t3850;
+    let t3856 = t641 * t3855;
+    let t3857 = t3849 + t3856;
+    let t3858 = t1808 * t1509;
+    let t3859 = t3802 * t2251;
+    let t3860 = t3858 + t3859;
+    let t3861 = t1868 - t3860;
+    let t3862 = t647 * t3847;
+    let t3863 = t3861 + t3862;
+    let t3864 = t652 * t3855;
+    let t3865 = t3863 - t3864;
+    let t3866 = t719 * t3865;
+    let t3867 = t3857 - t3866;
+    let t3868 = 0.003 - t3805;
+    let t3869 = t725 * t3847;
+    let t3870 = t3868 + t3869;
+    let t3871 = t730 * t3855;
+    let t3872 = t3870 + t3871;
+    let t3873 = t737 * t3865;
+    let t3874 = t3872 + t3873;
+    let t3875 = t797 * t3874;
+    let t3876 = t3867 - t3875;
+    let t3877 = t824 * t3874;
+    let t3878 = t803 * t3847;
+    let t3879 = t3841 + t3878;
+    let t3880 = t808 * t3855;
+    let t3881 = t3879 - t3880;
+    let t3882 = t815 * t3865;
+    let t3883 = t3881 + t3882;
+    let t3884 = t3883 + t3877;
+    let t3885 = t877 * t3884;
+    let t3886 = t3876 - t3885;
+    let t3887 = cos_panda_joint3 * t3817;
+    let t3888 = sin_panda_joint3 * t3834;
+    let t3889 = t3888 + t3887;
+    let t3890 = t900 * t3847;
+    let t3891 = t3889 - t3890;
+    let t3892 = t908 * t3855;
+    let t3893 = t3891 + t3892;
+    let t3894 = t918 * t3865;
+    let t3895 = t3893 - t3894;
+    let t3896 = t930 * t3874;
+    let t3897 = t3895 - t3896;
+    let t3898 = t944 * t3884;
+    let t3899 = t3897 - t3898;
+    let t3900 = t990 * t3899;
+    let t3901 = t3886 - t3900;
+    let t3902 = inverse_d_panda_joint1 * t3901;
+    let t3903 = t1632 * t2780;
+    let t3904 = t1644 * t1470;
+    let t3905 = t3903 - t3904;
+    let t3906 = t1768 - t3905;
+    let t3907 = t1708 + t1769;
+    let t3908 = t3907 - t3906;
+    let t3909 = cos_panda_joint5 * t3908;
+    let t3910 = t1644 * t2758;
+    let t3911 = t1632 * t1470;
+    let t3912 = t3910 - t3911;
+    let t3913 = t1777 - t3912;
+    let t3914 = t1716 + t1778;
+    let t3915 = t3914 - t3913;
+    let t3916 = sin_panda_joint5 * t3915;
+    let t3917 = t3909 - t3916;
+    let t3918 = sin_panda_joint4 * t3917;
+    let t3919 = t1632 * t1500;
+    let t3920 = t1644 * t1506;
+    let t3921 = t3919 - t3920;
+    let t3922 = t2283 - t3921;
+    let t3923 = t1149 * t3907;
+    let t3924 = t1163 * t3914;
+    let t3925 = t3924 - t3923;
+    let t3926 = t3922 - t3925;
+    let t3927 = cos_panda_joint4 * t3926;
+    let t3928 = t3918 + t3927;
+    let t3929 = t3925 + t3928;
+    let t3930 = t1632 * t2023;
+    let t3931 = t1122 * t1644;
+    let t3932 = t3930 - t3931;
+    let t3933 = t2103 - t3932;
+    let t3934 = t803 * t3933;
+    let t3935 = t3929 + t3934;
+    let t3936 = t577 * t3933;
+    let t3937 = t1632 * t1469;
+    let t3938 = t1644 * t2147;
+    let t3939 = t3937 + t3938;
+    let t3940 = t1775 + t3939;
+    let t3941 = t3940 - t3936;
+    let t3942 = t808 * t3941;
+    let t3943 = t3935 - t3942;
+    let t3944 = 0.003 + t3922;
+    let t3945 = t647 * t3933;
+    let t3946 = t3944 + t3945;
+    let t3947 = t652 * t3941;
+    let t3948 = t3946 - t3947;
+    let t3949 = t815 * t3948;
+    let t3950 = t3943 + t3949;
+    let t3951 = sin_panda_joint5 * t3908;
+    let t3952 = cos_panda_joint5 * t3915;
+    let t3953 = t3951 + t3952;
+    let t3954 = t1693 + t1672;
+    let t3955 = 0.21484375 * t3954;
+    let t3956 = t3955 + t3953;
+    let t3957 = t725 * t3933;
+    let t3958 = t3956 + t3957;
+    let t3959 = t730 * t3941;
+    let t3960 = t3958 + t3959;
+    let t3961 = t737 * t3948;
+    let t3962 = t3960 + t3961;
+    let t3963 = t824 * t3962;
+    let t3964 = t3950 + t3963;
+    let t3965 = t944 * t3964;
+    let t3966 = t1163 * t3907;
+    let t3967 = t1149 * t3914;
+    let t3968 = t3967 + t3966;
+    let t3969 = sin_panda_joint4 * t3968;
+    let t3970 = cos_panda_joint4 * t3955;
+    let t3971 = t3969 + t3970;
+    let t3972 = t3956 - t3971;
+    let t3973 = cos_panda_joint4 * t3968;
+    let t3974 = sin_panda_joint4 * t3955;
+    let t3975 = t3973 - t3974;
+    let t3976 = 3.83030303030303 * t3975;
+    let t3977 = t3972 + t3976;
+    let t3978 = cos_panda_joint3 * t3977;
+    let t3979 = cos_panda_joint4 * t3917;
+    let t3980 = sin_panda_joint4 * t3926;
+    let t3981 = t3979 - t3980;
+    let t3982 = 3.83030303030303 * t3925;
+    let t3983 = t3981 - t3982;
+    let t3984 = sin_panda_joint3 * t3983;
+    let t3985 = t3984 + t3978;
+    let t3986 = t900 * t3933;
+    let t3987 = t3985 + t3986;
+    let t3988 = t908 * t3941;
+    let t3989 = t3987 - t3988;
+    let t3990 = t918 * t3948;
+    let t3991 = t3989 + t3990;
+    let t3992 = t930 * t3962;
+    let t3993 = t3991 + t3992;
+    let t3994 = t3993 + t3965;
+    let t3995 = t990 * t3994;
+    let t3996 = t877 * t3964;
+    let t3997 = sin_panda_joint3 * t3977;
+    let t3998 = cos_panda_joint3 * t3983;
+    let t3999 = t3998 - t3997;
+    let t4000 = sin_panda_joint2 * t3999;
+    let t4001 = cos_panda_joint2 * t3929;
+    let t4002 = t4000 - t4001;
+    let t4003 = t571 * t3933;
+    let t4004 = t4002 + t4003;
+    let t4005 = t641 * t3941;
+    let t4006 = t4004 - t4005;
+    let t4007 = t719 * t3948;
+    let t4008 = t4006 + t4007;
+    let t4009 = t797 * t3962;
+    let t4010 = t4008 + t4009;
+    let t4011 = t4010 + t3996;
+    let t4012 = t4011 - t3995;
+    let t4013 = inverse_d_panda_joint1 * t4012;
+    let t4014 = t1589 * t1467;
+    let t4015 = t1636 * t1465;
+    let t4016 = t4015 - t4014;
+    let t4017 = t2198 - t4016;
+    let t4018 = t1637 - t1704;
+    let t4019 = t1178 * t4018;
+    let t4020 = t1590 - t1701;
+    let t4021 = t1184 * t4020;
+    let t4022 = t4021 + t4019;
+    let t4023 = t4017 - t4022;
+    let t4024 = cos_panda_joint5 * t4023;
+    let t4025 = t1636 * t1453;
+    let t4026 = t1589 * t2928;
+    let t4027 = t4026 + t4025;
+    let t4028 = t1680 - t4027;
+    let t4029 = sin_panda_joint6 * t4028;
+    let t4030 = t1589 * t1453;
+    let t4031 = t1636 * t2943;
+    let t4032 = t4031 - t4030;
+    let t4033 = t1686 + t4032;
+    let t4034 = cos_panda_joint6 * t4033;
+    let t4035 = t4034 - t4029;
+    let t4036 = t1589 * t1476;
+    let t4037 = omega_panda_joint6_y * 0.030589628180144;
+    let t4038 = t4037 + t4036;
+    let t4039 = 4.363636363636364 * t4038;
+    let t4040 = t4039 + t4035;
+    let t4041 = sin_panda_joint5 * t4040;
+    let t4042 = t4041 + t4024;
+    let t4043 = t1184 * t4018;
+    let t4044 = t1178 * t4020;
+    let t4045 = t4044 - t4043;
+    let t4046 = 0.21484375 * t4045;
+    let t4047 = t4046 - t4042;
+    let t4048 = t1589 * t2020;
+    let t4049 = t1130 * t1636;
+    let t4050 = t4049 + t4048;
+    let t4051 = t1678 - t4050;
+    let t4052 = t725 * t4051;
+    let t4053 = t4047 + t4052;
+    let t4054 = 0.003 + t4017;
+    let t4055 = t577 * t4051;
+    let t4056 = t4054 + t4055;
+    let t4057 = t730 * t4056;
+    let t4058 = t4053 - t4057;
+    let t4059 = t652 * t4056;
+    let t4060 = cos_panda_joint6 * t4028;
+    let t4061 = sin_panda_joint6 * t4033;
+    let t4062 = t4061 + t4060;
+    let t4063 = t647 * t4051;
+    let t4064 = t4062 - t4063;
+    let t4065 = t4064 - t4059;
+    let t4066 = t737 * t4065;
+    let t4067 = t4058 - t4066;
+    let t4068 = t824 * t4067;
+    let t4069 = sin_panda_joint5 * t4023;
+    let t4070 = cos_panda_joint5 * t4040;
+    let t4071 = t4070 - t4069;
+    let t4072 = sin_panda_joint4 * t4071;
+    let t4073 = t1163 * t4022;
+    let t4074 = t1149 * t4039;
+    let t4075 = t4073 + t4074;
+    let t4076 = t4062 + t4075;
+    let t4077 = cos_panda_joint4 * t4076;
+    let t4078 = t4072 + t4077;
+    let t4079 = t4075 - t4078;
+    let t4080 = t803 * t4051;
+    let t4081 = t4079 + t4080;
+    let t4082 = t808 * t4056;
+    let t4083 = t4081 + t4082;
+    let t4084 = t815 * t4065;
+    let t4085 = t4083 - t4084;
+    let t4086 = t4085 + t4068;
+    let t4087 = t944 * t4086;
+    let t4088 = t930 * t4067;
+    let t4089 = t1149 * t4022;
+    let t4090 = t1163 * t4039;
+    let t4091 = t4089 - t4090;
+    let t4092 = sin_panda_joint4 * t4091;
+    let t4093 = cos_panda_joint4 * t4046;
+    let t4094 = t4092 + t4093;
+    let t4095 = t4047 - t4094;
+    let t4096 = cos_panda_joint4 * t4091;
+    let t4097 = sin_panda_joint4 * t4046;
+    let t4098 = t4096 - t4097;
+    let t4099 = 3.83030303030303 * t4098;
+    let t4100 = t4095 + t4099;
+    let t4101 = cos_panda_joint3 * t4100;
+    let t4102 = cos_panda_joint4 * t4071;
+    let t4103 = sin_panda_joint4 * t4076;
+    let t4104 = t4102 - t4103;
+    let t4105 = 3.83030303030303 * t4075;
+    let t4106 = t4104 + t4105;
+    let t4107 = sin_panda_joint3 * t4106;
+    let t4108 = t4107 - t4101;
+    let t4109 = t900 * t4051;
+    let t4110 = t4108 - t4109;
+    let t4111 = t908 * t4056;
+    let t4112 = t4110 - t4111;
+    let t4113 = t918 * t4065;
+    let t4114 = t4112 + t4113;
+    let t4115 = t4114 - t4088;
+    let t4116 = t4115 - t4087;
+    let t4117 = t990 * t4116;
+    let t4118 = t877 * t4086;
+    let t4119 = t797 * t4067;
+    let t4120 = sin_panda_joint3 * t4100;
+    let t4121 = cos_panda_joint3 * t4106;
+    let t4122 = t4121 + t4120;
+    let t4123 = sin_panda_joint2 * t4122;
+    let t4124 = cos_panda_joint2 * t4079;
+    let t4125 = t4123 + t4124;
+    let t4126 = t571 * t4051;
+    let t4127 = t4125 - t4126;
+    let t4128 = t641 * t4056;
+    let t4129 = t4127 - t4128;
+    let t4130 = t719 * t4065;
+    let t4131 = t4129 + t4130;
+    let t4132 = t4131 - t4119;
+    let t4133 = t4132 - t4118;
+    let t4134 = t4133 - t4117;
+    let t4135 = inverse_d_panda_joint1 * t4134;
+    let t4136 = t1619 - t2083;
+    let t4137 = t1612 + t4136;
+    let t4138 = sin_panda_joint6 * t4137;
+    let t4139 = t76 * t1139;
+    let t4140 = t1594 + t4139;
+    let t4141 = t1602 + t4140;
+    let t4142 = cos_panda_joint6 * t4141;
+    let t4143 = t4142 - t4138;
+    let t4144 = 4.363636363636364 * t1612;
+    let t4145 = t4144 - t4143;
+    let t4146 = cos_panda_joint5 * t4145;
+    let t4147 = t1169 * t1589;
+    let t4148 = t1677 - t4147;
+    let t4149 = t1178 * t4148;
+    let t4150 = t1184 * t1649;
+    let t4151 = t4150 - t4149;
+    let t4152 = t1112 * t1589;
+    let t4153 = t1675 + t4152;
+    let t4154 = t1661 - t4153;
+    let t4155 = t4148 + t4154;
+    let t4156 = t4155 - t4151;
+    let t4157 = sin_panda_joint5 * t4156;
+    let t4158 = t4146 + t4157;
+    let t4159 = sin_panda_joint4 * t4158;
+    let t4160 = cos_panda_joint6 * t4137;
+    let t4161 = sin_panda_joint6 * t4141;
+    let t4162 = t4161 + t4160;
+    let t4163 = t1163 * t4151;
+    let t4164 = t1149 * t4144;
+    let t4165 = t4163 - t4164;
+    let t4166 = t4162 + t4165;
+    let t4167 = cos_panda_joint4 * t4166;
+    let t4168 = t4159 - t4167;
+    let t4169 = t4165 + t4168;
+    let t4170 = 0.003 - t4136;
+    let t4171 = t803 * t4170;
+    let t4172 = t4169 - t4171;
+    let t4173 = t577 * t4170;
+    let t4174 = t4155 - t4173;
+    let t4175 = t808 * t4174;
+    let t4176 = t4172 + t4175;
+    let t4177 = t652 * t4174;
+    let t4178 = t647 * t4170;
+    let t4179 = t4162 + t4178;
+    let t4180 = t4179 - t4177;
+    let t4181 = t815 * t4180;
+    let t4182 = t4176 - t4181;
+    let t4183 = sin_panda_joint5 * t4145;
+    let t4184 = cos_panda_joint5 * t4156;
+    let t4185 = t4183 - t4184;
+    let t4186 = t1184 * t4148;
+    let t4187 = t1178 * t1649;
+    let t4188 = t4187 + t4186;
+    let t4189 = 0.21484375 * t4188;
+    let t4190 = t4189 + t4185;
+    let t4191 = t725 * t4170;
+    let t4192 = t4190 - t4191;
+    let t4193 = t730 * t4174;
+    let t4194 = t4192 - t4193;
+    let t4195 = t737 * t4180;
+    let t4196 = t4194 - t4195;
+    let t4197 = t824 * t4196;
+    let t4198 = t4182 + t4197;
+    let t4199 = t944 * t4198;
+    let t4200 = t930 * t4196;
+    let t4201 = t1149 * t4151;
+    let t4202 = t1163 * t4144;
+    let t4203 = t4201 + t4202;
+    let t4204 = sin_panda_joint4 * t4203;
+    let t4205 = cos_panda_joint4 * t4189;
+    let t4206 = t4204 + t4205;
+    let t4207 = t4190 - t4206;
+    let t4208 = cos_panda_joint4 * t4203;
+    let t4209 = sin_panda_joint4 * t4189;
+    let t4210 = t4208 - t4209;
+    let t4211 = 3.83030303030303 * t4210;
+    let t4212 = t4207 + t4211;
+    let t4213 = cos_panda_joint3 * t4212;
+    let t4214 = cos_panda_joint4 * t4158;
+    let t4215 = sin_panda_joint4 * t4166;
+    let t4216 = t4214 + t4215;
+    let t4217 = 3.83030303030303 * t4165;
+    let t4218 = t4216 - t4217;
+    let t4219 = sin_panda_joint3 * t4218;
+    let t4220 = t4219 + t4213;
+    let t4221 = t900 * t4170;
+    let t4222 = t4220 - t4221;
+    let t4223 = t908 * t4174;
+    let t4224 = t4222 + t4223;
+    let t4225 = t918 * t4180;
+    let t4226 = t4224 - t4225;
+    let t4227 = t4226 + t4200;
+    let t4228 = t4227 + t4199;
+    let t4229 = t990 * t4228;
+    let t4230 = t877 * t4198;
+    let t4231 = t797 * t4196;
+    let t4232 = sin_panda_joint3 * t4212;
+    let t4233 = cos_panda_joint3 * t4218;
+    let t4234 = t4233 - t4232;
+    let t4235 = sin_panda_joint2 * t4234;
+    let t4236 = cos_panda_joint2 * t4169;
+    let t4237 = t4235 - t4236;
+    let t4238 = t571 * t4170;
+    let t4239 = t4237 - t4238;
+    let t4240 = t641 * t4174;
+    let t4241 = t4239 + t4240;
+    let t4242 = t719 * t4180;
+    let t4243 = t4241 - t4242;
+    let t4244 = t4243 + t4231;
+    let t4245 = t4244 + t4230;
+    let t4246 = t4245 - t4229;
+    let t4247 = inverse_d_panda_joint1 * t4246;
+    let t4248 = t990 * t3609;
+    let t4249 = inverse_d_panda_joint2 * t3606;
+    let t4250 = t4249 - t4248;
+    let t4251 = t990 * t3711;
+    let t4252 = inverse_d_panda_joint2 * t3682;
+    let t4253 = t4252 + t4251;
+    let t4254 = t990 * t3800;
+    let t4255 = inverse_d_panda_joint2 * t3781;
+    let t4256 = t4255 - t4254;
+    let t4257 = t990 * t3902;
+    let t4258 = inverse_d_panda_joint2 * t3899;
+    let t4259 = t4258 - t4257;
+    let t4260 = t990 * t4013;
+    let t4261 = inverse_d_panda_joint2 * t3994;
+    let t4262 = t4261 - t4260;
+    let t4263 = t990 * t4135;
+    let t4264 = inverse_d_panda_joint2 * t4116;
+    let t4265 = t4264 - t4263;
+    let t4266 = t990 * t4247;
+    let t4267 = inverse_d_panda_joint2 * t4228;
+    let t4268 = t4267 - t4266;
+    let t4269 = t944 * t4250;
+    let t4270 = inverse_d_panda_joint3 * t3591;
+    let t4271 = t4270 + t4269;
+    let t4272 = t877 * t3609;
+    let t4273 = t4271 + t4272;
+    let t4274 = t944 * t4253;
+    let t4275 = inverse_d_panda_joint3 * t3680;
+    let t4276 = t4275 + t4274;
+    let t4277 = t877 * t3711;
+    let t4278 = t4276 - t4277;
+    let t4279 = t944 * t4256;
+    let t4280 = inverse_d_panda_joint3 * t3753;
+    let t4281 = t4280 + t4279;
+    let t4282 = t877 * t3800;
+    let t4283 = t4281 + t4282;
+    let t4284 = t944 * t4259;
+    let t4285 = inverse_d_panda_joint3 * t3884;
+    let t4286 = t4285 - t4284;
+    let t4287 = t877 * t3902;
+    let t4288 = t4286 - t4287;
+    let t4289 = t944 * t4262;
+    let t4290 = inverse_d_panda_joint3 * t3964;
+    let t4291 = t4290 + t4289;
+    let t4292 = t877 * t4013;
+    let t4293 = t4291 + t4292;
+    let t4294 = t944 * t4265;
+    let t4295 = inverse_d_panda_joint3 * t4086;
+    let t4296 = t4295 - t4294;
+    let t4297 = t877 * t4135;
+    let t4298 = t4296 - t4297;
+    let t4299 = t944 * t4268;
+    let t4300 = inverse_d_panda_joint3 * t4198;
+    let t4301 = t4300 + t4299;
+    let t4302 = t877 * t4247;
+    let t4303 = t4301 + t4302;
+    let t4304 = t824 * t4273;
+    let t4305 = inverse_d_panda_joint4 * t3578;
+    let t4306 = t4305 + t4304;
+    let t4307 = t930 * t4250;
+    let t4308 = t4306 + t4307;
+    let t4309 = t797 * t3609;
+    let t4310 = t4308 + t4309;
+    let t4311 = t824 * t4278;
+    let t4312 = inverse_d_panda_joint4 * t3663;
+    let t4313 = t4312 + t4311;
+    let t4314 = t930 * t4253;
+    let t4315 = t4313 + t4314;
+    let t4316 = t797 * t3711;
+    let t4317 = t4315 - t4316;
+    let t4318 = t824 * t4283;
+    let t4319 = inverse_d_panda_joint4 * t3751;
+    let t4320 = t4319 + t4318;
+    let t4321 = t930 * t4256;
+    let t4322 = t4320 + t4321;
+    let t4323 = t797 * t3800;
+    let t4324 = t4322 + t4323;
+    let t4325 = t824 * t4288;
+    let t4326 = inverse_d_panda_joint4 * t3874;
+    let t4327 = t4326 + t4325;
+    let t4328 = t930 * t4259;
+    let t4329 = t4327 - t4328;
+    let t4330 = t797 * t3902;
+    let t4331 = t4329 - t4330;
+    let t4332 = t824 * t4293;
+    let t4333 = inverse_d_panda_joint4 * t3962;
+    let t4334 = t4333 + t4332;
+    let t4335 = t930 * t4262;
+    let t4336 = t4334 + t4335;
+    let t4337 = t797 * t4013;
+    let t4338 = t4336 + t4337;
+    let t4339 = t824 * t4298;
+    let t4340 = inverse_d_panda_joint4 * t4067;
+    let t4341 = t4340 + t4339;
+    let t4342 = t930 * t4265;
+    let t4343 = t4341 - t4342;
+    let t4344 = t797 * t4135;
+    let t4345 = t4343 - t4344;
+    let t4346 = t824 * t4303;
+    let t4347 = inverse_d_panda_joint4 * t4196;
+    let t4348 = t4347 + t4346;
+    let t4349 = t930 * t4268;
+    let t4350 = t4348 + t4349;
+    let t4351 = t797 * t4247;
+    let t4352 = t4350 + t4351;
+    let t4353 = t737 * t4310;
+    let t4354 = inverse_d_panda_joint5 * t3567;
+    let t4355 = t4354 + t4353;
+    let t4356 = t815 * t4273;
+    let t4357 = t4355 + t4356;
+    let t4358 = t918 * t4250;
+    let t4359 = t4357 + t4358;
+    let t4360 = t719 * t3609;
+    let t4361 = t4359 + t4360;
+    let t4362 = t737 * t4317;
+    let t4363 = inverse_d_panda_joint5 * t3648;
+    let t4364 = t4363 + t4362;
+    let t4365 = t815 * t4278;
+    let t4366 = t4364 + t4365;
+    let t4367 = t918 * t4253;
+    let t4368 = t4366 + t4367;
+    let t4369 = t719 * t3711;
+    let t4370 = t4368 - t4369;
+    let t4371 = t737 * t4324;
+    let t4372 = inverse_d_panda_joint5 * t3739;
+    let t4373 = t4372 + t4371;
+    let t4374 = t815 * t4283;
+    let t4375 = t4373 + t4374;
+    let t4376 = t918 * t4256;
+    let t4377 = t4375 + t4376;
+    let t4378 = t719 * t3800;
+    let t4379 = t4377 + t4378;
+    let t4380 = t737 * t4331;
+    let t4381 = inverse_d_panda_joint5 * t3865;
+    let t4382 = t4381 + t4380;
+    let t4383 = t815 * t4288;
+    let t4384 = t4382 + t4383;
+    let t4385 = t918 * t4259;
+    let t4386 = t4384 - t4385;
+    let t4387 = t719 * t3902;
+    let t4388 = t4386 - t4387;
+    let t4389 = t737 * t4338;
+    let t4390 = inverse_d_panda_joint5 * t3948;
+    let t4391 = t4390 + t4389;
+    let t4392 = t815 * t4293;
+    let t4393 = t4391 + t4392;
+    let t4394 = t918 * t4262;
+    let t4395 = t4393 + t4394;
+    let t4396 = t719 * t4013;
+    let t4397 = t4395 + t4396;
+    let t4398 = t737 * t4345;
+    let t4399 = inverse_d_panda_joint5 * t4065;
+    let t4400 = t4399 - t4398;
+    let t4401 = t815 * t4298;
+    let t4402 = t4400 - t4401;
+    let t4403 = t918 * t4265;
+    let t4404 = t4402 + t4403;
+    let t4405 = t719 * t4135;
+    let t4406 = t4404 + t4405;
+    let t4407 = t737 * t4352;
+    let t4408 = inverse_d_panda_joint5 * t4180;
+    let t4409 = t4408 - t4407;
+    let t4410 = t815 * t4303;
+    let t4411 = t4409 - t4410;
+    let t4412 = t918 * t4268;
+    let t4413 = t4411 - t4412;
+    let t4414 = t719 * t4247;
+    let t4415 = t4413 - t4414;
+    let t4416 = t652 * t4361;
+    let t4417 = inverse_d_panda_joint6 * t3558;
+    let t4418 = t4417 - t4416;
+    let t4419 = t730 * t4310;
+    let t4420 = t4418 + t4419;
+    let t4421 = t808 * t4273;
+    let t4422 = t4420 - t4421;
+    let t4423 = t908 * t4250;
+    let t4424 = t4422 - t4423;
+    let t4425 = t641 * t3609;
+    let t4426 = t4424 - t4425;
+    let t4427 = t652 * t4370;
+    let t4428 = inverse_d_panda_joint6 * t3635;
+    let t4429 = t4428 - t4427;
+    let t4430 = t730 * t4317;
+    let t4431 = t4429 + t4430;
+    let t4432 = t808 * t4278;
+    let t4433 = t4431 - t4432;
+    let t4434 = t908 * t4253;
+    let t4435 = t4433 - t4434;
+    let t4436 = t641 * t3711;
+    let t4437 = t4435 + t4436;
+    let t4438 = t652 * t4379;
+    let t4439 = inverse_d_panda_joint6 * t3729;
+    let t4440 = t4439 - t4438;
+    let t4441 = t730 * t4324;
+    let t4442 = t4440 + t4441;
+    let t4443 = t808 * t4283;
+    let t4444 = t4442 - t4443;
+    let t4445 = t908 * t4256;
+    let t4446 = t4444 - t4445;
+    let t4447 = t641 * t3800;
+    let t4448 = t4446 - t4447;
+    let t4449 = t652 * t4388;
+    let t4450 = inverse_d_panda_joint6 * t3855;
+    let t4451 = t4450 - t4449;
+    let t4452 = t730 * t4331;
+    let t4453 = t4451 + t4452;
+    let t4454 = t808 * t4288;
+    let t4455 = t4453 - t4454;
+    let t4456 = t908 * t4259;
+    let t4457 = t4455 + t4456;
+    let t4458 = t641 * t3902;
+    let t4459 = t4457 + t4458;
+    let t4460 = t652 * t4397;
+    let t4461 = inverse_d_panda_joint6 * t3941;
+    let t4462 = t4461 - t4460;
+    let t4463 = t730 * t4338;
+    let t4464 = t4462 + t4463;
+    let t4465 = t808 * t4293;
+    let t4466 = t4464 - t4465;
+    let t4467 = t908 * t4262;
+    let t4468 = t4466 - t4467;
+    let t4469 = t641 * t4013;
+    let t4470 = t4468 - t4469;
+    let t4471 = t652 * t4406;
+    let t4472 = inverse_d_panda_joint6 * t4056;
+    let t4473 = t4472 - t4471;
+    let t4474 = t730 * t4345;
+    let t4475 = t4473 - t4474;
+    let t4476 = t808 * t4298;
+    let t4477 = t4475 + t4476;
+    let t4478 = t908 * t4265;
+    let t4479 = t4477 - t4478;
+    let t4480 = t641 * t4135;
+    let t4481 = t4479 - t4480;
+    let t4482 = t652 * t4415;
+    let t4483 = inverse_d_panda_joint6 * t4174;
+    let t4484 = t4483 - t4482;
+    let t4485 = t730 * t4352;
+    let t4486 = t4484 - t4485;
+    let t4487 = t808 * t4303;
+    let t4488 = t4486 + t4487;
+    let t4489 = t908 * t4268;
+    let t4490 = t4488 + t4489;
+    let t4491 = t641 * t4247;
+    let t4492 = t4490 + t4491;
+    let t4493 = t577 * t4426;
+    let t4494 = 149.60760989322964 * t3551;
+    let t4495 = t4494 - t4493;
+    let t4496 = t647 * t4361;
+    let t4497 = t4495 + t4496;
+    let t4498 = t725 * t4310;
+    let t4499 = t4497 + t4498;
+    let t4500 = t803 * t4273;
+    let t4501 = t4499 + t4500;
+    let t4502 = t900 * t4250;
+    let t4503 = t4501 + t4502;
+    let t4504 = t571 * t3609;
+    let t4505 = t4503 + t4504;
+    let t4506 = t577 * t4437;
+    let t4507 = 149.60760989322964 * t3624;
+    let t4508 = t4507 - t4506;
+    let t4509 = t647 * t4370;
+    let t4510 = t4508 + t4509;
+    let t4511 = t725 * t4317;
+    let t4512 = t4510 + t4511;
+    let t4513 = t803 * t4278;
+    let t4514 = t4512 + t4513;
+    let t4515 = t900 * t4253;
+    let t4516 = t4514 + t4515;
+    let t4517 = t571 * t3711;
+    let t4518 = t4516 - t4517;
+    let t4519 = t577 * t4448;
+    let t4520 = 149.60760989322964 * t3721;
+    let t4521 = t4520 - t4519;
+    let t4522 = t647 * t4379;
+    let t4523 = t4521 + t4522;
+    let t4524 = t725 * t4324;
+    let t4525 = t4523 + t4524;
+    let t4526 = t803 * t4283;
+    let t4527 = t4525 + t4526;
+    let t4528 = t900 * t4256;
+    let t4529 = t4527 + t4528;
+    let t4530 = t571 * t3800;
+    let t4531 = t4529 + t4530;
+    let t4532 = t577 * t4459;
+    let t4533 = 149.60760989322964 * t3847;
+    let t4534 = t4533 - t4532;
+    let t4535 = t647 * t4388;
+    let t4536 = t4534 + t4535;
+    let t4537 = t725 * t4331;
+    let t4538 = t4536 + t4537;
+    let t4539 = t803 * t4288;
+    let t4540 = t4538 + t4539;
+    let t4541 = t900 * t4259;
+    let t4542 = t4540 - t4541;
+    let t4543 = t571 * t3902;
+    let t4544 = t4542 - t4543;
+    let t4545 = t577 * t4470;
+    let t4546 = 149.60760989322964 * t3933;
+    let t4547 = t4546 - t4545;
+    let t4548 = t647 * t4397;
+    let t4549 = t4547 + t4548;
+    let t4550 = t725 * t4338;
+    let t4551 = t4549 + t4550;
+    let t4552 = t803 * t4293;
+    let t4553 = t4551 + t4552;
+    let t4554 = t900 * t4262;
+    let t4555 = t4553 + t4554;
+    let t4556 = t571 * t4013;
+    let t4557 = t4555 + t4556;
+    let t4558 = t577 * t4481;
+    let t4559 = 149.60760989322964 * t4051;
+    let t4560 = t4559 + t4558;
+    let t4561 = t647 * t4406;
+    let t4562 = t4560 - t4561;
+    let t4563 = t725 * t4345;
+    let t4564 = t4562 + t4563;
+    let t4565 = t803 * t4298;
+    let t4566 = t4564 + t4565;
+    let t4567 = t900 * t4265;
+    let t4568 = t4566 - t4567;
+    let t4569 = t571 * t4135;
+    let t4570 = t4568 - t4569;
+    let t4571 = t577 * t4492;
+    let t4572 = 149.60760989322964 * t4170;
+    let t4573 = t4572 - t4571;
+    let t4574 = t647 * t4415;
+    let t4575 = t4573 + t4574;
+    let t4576 = t725 * t4352;
+    let t4577 = t4575 - t4576;
+    let t4578 = t803 * t4303;
+    let t4579 = t4577 - t4578;
+    let t4580 = t900 * t4268;
+    let t4581 = t4579 - t4580;
+    let t4582 = t571 * t4247;
+    let t4583 = t4581 - t4582;
+    let t4584 = t990 * inverse_d_panda_joint1;
+    let t4585 = t944 * t4584;
+    let t4586 = t877 * inverse_d_panda_joint1;
+    let t4587 = t4585 - t4586;
+    let t4588 = t824 * t4587;
+    let t4589 = t930 * t4584;
+    let t4590 = t4588 + t4589;
+    let t4591 = t797 * inverse_d_panda_joint1;
+    let t4592 = t4590 - t4591;
+    let t4593 = t737 * t4592;
+    let t4594 = t815 * t4587;
+    let t4595 = t4593 + t4594;
+    let t4596 = t918 * t4584;
+    let t4597 = t4595 + t4596;
+    let t4598 = t719 * inverse_d_panda_joint1;
+    let t4599 = t4597 - t4598;
+    let t4600 = t652 * t4599;
+    let t4601 = t730 * t4592;
+    let t4602 = t4600 - t4601;
+    let t4603 = t808 * t4587;
+    let t4604 = t4602 + t4603;
+    let t4605 = t908 * t4584;
+    let t4606 = t4604 + t4605;
+    let t4607 = t641 * inverse_d_panda_joint1;
+    let t4608 = t4606 - t4607;
+    let t4609 = t577 * t4608;
+    let t4610 = t647 * t4599;
+    let t4611 = t4609 + t4610;
+    let t4612 = t725 * t4592;
+    let t4613 = t4611 + t4612;
+    let t4614 = t803 * t4587;
+    let t4615 = t4613 + t4614;
+    let t4616 = t900 * t4584;
+    let t4617 = t4615 + t4616;
+    let t4618 = t571 * inverse_d_panda_joint1;
+    let t4619 = t4617 - t4618;
+    let t4620 = t990 * t4584;
+    let t4621 = inverse_d_panda_joint2 + t4620;
+    let t4622 = t944 * t4621;
+    let t4623 = t877 * t4584;
+    let t4624 = t4622 - t4623;
+    let t4625 = t824 * t4624;
+    let t4626 = t930 * t4621;
+    let t4627 = t4625 + t4626;
+    let t4628 = t797 * t4584;
+    let t4629 = t4627 - t4628;
+    let t4630 = t737 * t4629;
+    let t4631 = t815 * t4624;
+    let t4632 = t4630 + t4631;
+    let t4633 = t918 * t4621;
+    let t4634 = t4632 + t4633;
+    let t4635 = t719 * t4584;
+    let t4636 = t4634 - t4635;
+    let t4637 = t652 * t4636;
+    let t4638 = t730 * t4629;
+    let t4639 = t4637 - t4638;
+    let t4640 = t808 * t4624;
+    let t4641 = t4639 + t4640;
+    let t4642 = t908 * t4621;
+    let t4643 = t4641 + t4642;
+    let t4644 = t641 * t4584;
+    let t4645 = t4643 - t4644;
+    let t4646 = t577 * t4645;
+    let t4647 = t647 * t4636;
+    let t4648 = t4646 + t4647;
+    let t4649 = t725 * t4629;
+    let t4650 = t4648 + t4649;
+    let t4651 = t803 * t4624;
+    let t4652 = t4650 + t4651;
+    let t4653 = t900 * t4621;
+    let t4654 = t4652 + t4653;
+    let t4655 = t571 * t4584;
+    let t4656 = t4654 - t4655;
+    let t4657 = t944 * t990;
+    let t4658 = t877 - t4657;
+    let t4659 = inverse_d_panda_joint1 * t4658;
+    let t4660 = t990 * t4659;
+    let t4661 = t944 * inverse_d_panda_joint2;
+    let t4662 = t4661 - t4660;
+    let t4663 = t944 * t4662;
+    let t4664 = inverse_d_panda_joint3 + t4663;
+    let t4665 = t877 * t4659;
+    let t4666 = t4664 + t4665;
+    let t4667 = t824 * t4666;
+    let t4668 = t930 * t4662;
+    let t4669 = t4667 + t4668;
+    let t4670 = t797 * t4659;
+    let t4671 = t4669 + t4670;
+    let t4672 = t737 * t4671;
+    let t4673 = t815 * t4666;
+    let t4674 = t4672 + t4673;
+    let t4675 = t918 * t4662;
+    let t4676 = t4674 + t4675;
+    let t4677 = t719 * t4659;
+    let t4678 = t4676 + t4677;
+    let t4679 = t652 * t4678;
+    let t4680 = t730 * t4671;
+    let t4681 = t4679 - t4680;
+    let t4682 = t808 * t4666;
+    let t4683 = t4681 + t4682;
+    let t4684 = t908 * t4662;
+    let t4685 = t4683 + t4684;
+    let t4686 = t641 * t4659;
+    let t4687 = t4685 + t4686;
+    let t4688 = t577 * t4687;
+    let t4689 = t647 * t4678;
+    let t4690 = t4688 + t4689;
+    let t4691 = t725 * t4671;
+    let t4692 = t4690 + t4691;
+    let t4693 = t803 * t4666;
+    let t4694 = t4692 + t4693;
+    let t4695 = t900 * t4662;
+    let t4696 = t4694 + t4695;
+    let t4697 = t571 * t4659;
+    let t4698 = t4696 + t4697;
+    let t4699 = t824 * t944;
+    let t4700 = t930 + t4699;
+    let t4701 = t990 * t4700;
+    let t4702 = t824 * t877;
+    let t4703 = t797 + t4702;
+    let t4704 = t4703 - t4701;
+    let t4705 = inverse_d_panda_joint1 * t4704;
+    let t4706 = t990 * t4705;
+    let t4707 = inverse_d_panda_joint2 * t4700;
+    let t4708 = t4707 - t4706;
+    let t4709 = t944 * t4708;
+    let t4710 = t824 * inverse_d_panda_joint3;
+    let t4711 = t4710 + t4709;
+    let t4712 = t877 * t4705;
+    let t4713 = t4711 + t4712;
+    let t4714 = t824 * t4713;
+    let t4715 = inverse_d_panda_joint4 + t4714;
+    let t4716 = t930 * t4708;
+    let t4717 = t4715 + t4716;
+    let t4718 = t797 * t4705;
+    let t4719 = t4717 + t4718;
+    let t4720 = t737 * t4719;
+    let t4721 = t815 * t4713;
+    let t4722 = t4720 + t4721;
+    let t4723 = t918 * t4708;
+    let t4724 = t4722 + t4723;
+    let t4725 = t719 * t4705;
+    let t4726 = t4724 + t4725;
+    let t4727 = t652 * t4726;
+    let t4728 = t730 * t4719;
+    let t4729 = t4727 - t4728;
+    let t4730 = t808 * t4713;
+    let t4731 = t4729 + t4730;
+    let t4732 = t908 * t4708;
+    let t4733 = t4731 + t4732;
+    let t4734 = t641 * t4705;
+    let t4735 = t4733 + t4734;
+    let t4736 = t577 * t4735;
+    let t4737 = t647 * t4726;
+    let t4738 = t4736 + t4737;
+    let t4739 = t725 * t4719;
+    let t4740 = t4738 + t4739;
+    let t4741 = t803 * t4713;
+    let t4742 = t4740 + t4741;
+    let t4743 = t900 * t4708;
+    let t4744 = t4742 + t4743;
+    let t4745 = t571 * t4705;
+    let t4746 = t4744 + t4745;
+    let t4747 = t737 * t824;
+    let t4748 = t815 + t4747;
+    let t4749 = t944 * t4748;
+    let t4750 = t737 * t930;
+    let t4751 = t918 + t4750;
+    let t4752 = t4751 + t4749;
+    let t4753 = t990 * t4752;
+    let t4754 = t877 * t4748;
+    let t4755 = t737 * t797;
+    let t4756 = t719 + t4755;
+    let t4757 = t4756 + t4754;
+    let t4758 = t4757 - t4753;
+    let t4759 = inverse_d_panda_joint1 * t4758;
+    let t4760 = t990 * t4759;
+    let t4761 = inverse_d_panda_joint2 * t4752;
+    let t4762 = t4761 - t4760;
+    let t4763 = t944 * t4762;
+    let t4764 = inverse_d_panda_joint3 * t4748;
+    let t4765 = t4764 + t4763;
+    let t4766 = t877 * t4759;
+    let t4767 = t4765 + t4766;
+    let t4768 = t824 * t4767;
+    let t4769 = t737 * inverse_d_panda_joint4;
+    let t4770 = t4769 + t4768;
+    let t4771 = t930 * t4762;
+    let t4772 = t4770 + t4771;
+    let t4773 = t797 * t4759;
+    let t4774 = t4772 + t4773;
+    let t4775 = t737 * t4774;
+    let t4776 = inverse_d_panda_joint5 + t4775;
+    let t4777 = t815 * t4767;
+    let t4778 = t4776 + t4777;
+    let t4779 = t918 * t4762;
+    let t4780 = t4778 + t4779;
+    let t4781 = t719 * t4759;
+    let t4782 = t4780 + t4781;
+    let t4783 = t652 * t4782;
+    let t4784 = t730 * t4774;
+    let t4785 = t4783 - t4784;
+    let t4786 = t808 * t4767;
+    let t4787 = t4785 + t4786;
+    let t4788 = t908 * t4762;
+    let t4789 = t4787 + t4788;
+    let t4790 = t641 * t4759;
+    let t4791 = t4789 + t4790;
+    let t4792 = t577 * t4791;
+    let t4793 = t647 * t4782;
+    let t4794 = t4792 + t4793;
+    let t4795 = t725 * t4774;
+    let t4796 = t4794 + t4795;
+    let t4797 = t803 * t4767;
+    let t4798 = t4796 + t4797;
+    let t4799 = t900 * t4762;
+    let t4800 = t4798 + t4799;
+    let t4801 = t571 * t4759;
+    let t4802 = t4800 + t4801;
+    let t4803 = t652 * t737;
+    let t4804 = t730 - t4803;
+    let t4805 = t824 * t4804;
+    let t4806 = t652 * t815;
+    let t4807 = t808 + t4806;
+    let t4808 = t4807 - t4805;
+    let t4809 = t944 * t4808;
+    let t4810 = t930 * t4804;
+    let t4811 = t652 * t918;
+    let t4812 = t908 + t4811;
+    let t4813 = t4812 - t4810;
+    let t4814 = t4813 + t4809;
+    let t4815 = t990 * t4814;
+    let t4816 = t877 * t4808;
+    let t4817 = t797 * t4804;
+    let t4818 = t652 * t719;
+    let t4819 = t641 + t4818;
+    let t4820 = t4819 - t4817;
+    let t4821 = t4820 + t4816;
+    let t4822 = t4821 - t4815;
+    let t4823 = inverse_d_panda_joint1 * t4822;
+    let t4824 = t990 * t4823;
+    let t4825 = inverse_d_panda_joint2 * t4814;
+    let t4826 = t4825 - t4824;
+    let t4827 = t944 * t4826;
+    let t4828 = inverse_d_panda_joint3 * t4808;
+    let t4829 = t4828 + t4827;
+    let t4830 = t877 * t4823;
+    let t4831 = t4829 + t4830;
+    let t4832 = t824 * t4831;
+    let t4833 = inverse_d_panda_joint4 * t4804;
+    let t4834 = t4833 - t4832;
+    let t4835 = t930 * t4826;
+    let t4836 = t4834 - t4835;
+    let t4837 = t797 * t4823;
+    let t4838 = t4836 - t4837;
+    let t4839 = t737 * t4838;
+    let t4840 = t652 * inverse_d_panda_joint5;
+    let t4841 = t4840 - t4839;
+    let t4842 = t815 * t4831;
+    let t4843 = t4841 + t4842;
+    let t4844 = t918 * t4826;
+    let t4845 = t4843 + t4844;
+    let t4846 = t719 * t4823;
+    let t4847 = t4845 + t4846;
+    let t4848 = t652 * t4847;
+    let t4849 = inverse_d_panda_joint6 + t4848;
+    let t4850 = t730 * t4838;
+    let t4851 = t4849 + t4850;
+    let t4852 = t808 * t4831;
+    let t4853 = t4851 + t4852;
+    let t4854 = t908 * t4826;
+    let t4855 = t4853 + t4854;
+    let t4856 = t641 * t4823;
+    let t4857 = t4855 + t4856;
+    let t4858 = t577 * t4857;
+    let t4859 = t647 * t4847;
+    let t4860 = t4858 + t4859;
+    let t4861 = t725 * t4838;
+    let t4862 = t4860 - t4861;
+    let t4863 = t803 * t4831;
+    let t4864 = t4862 + t4863;
+    let t4865 = t900 * t4826;
+    let t4866 = t4864 + t4865;
+    let t4867 = t571 * t4823;
+    let t4868 = t4866 + t4867;
+    let t4869 = t577 * t652;
+    let t4870 = t647 + t4869;
+    let t4871 = t737 * t4870;
+    let t4872 = t577 * t730;
+    let t4873 = t725 - t4872;
+    let t4874 = t4873 + t4871;
+    let t4875 = t824 * t4874;
+    let t4876 = t815 * t4870;
+    let t4877 = t577 * t808;
+    let t4878 = t803 + t4877;
+    let t4879 = t4878 + t4876;
+    let t4880 = t4879 + t4875;
+    let t4881 = t944 * t4880;
+    let t4882 = t930 * t4874;
+    let t4883 = t918 * t4870;
+    let t4884 = t577 * t908;
+    let t4885 = t900 + t4884;
+    let t4886 = t4885 + t4883;
+    let t4887 = t4886 + t4882;
+    let t4888 = t4887 + t4881;
+    let t4889 = t990 * t4888;
+    let t4890 = t877 * t4880;
+    let t4891 = t797 * t4874;
+    let t4892 = t719 * t4870;
+    let t4893 = t577 * t641;
+    let t4894 = t571 + t4893;
+    let t4895 = t4894 + t4892;
+    let t4896 = t4895 + t4891;
+    let t4897 = t4896 + t4890;
+    let t4898 = t4897 - t4889;
+    let t4899 = inverse_d_panda_joint1 * t4898;
+    let t4900 = t990 * t4899;
+    let t4901 = inverse_d_panda_joint2 * t4888;
+    let t4902 = t4901 - t4900;
+    let t4903 = t944 * t4902;
+    let t4904 = inverse_d_panda_joint3 * t4880;
+    let t4905 = t4904 + t4903;
+    let t4906 = t877 * t4899;
+    let t4907 = t4905 + t4906;
+    let t4908 = t824 * t4907;
+    let t4909 = inverse_d_panda_joint4 * t4874;
+    let t4910 = t4909 + t4908;
+    let t4911 = t930 * t4902;
+    let t4912 = t4910 + t4911;
+    let t4913 = t797 * t4899;
+    let t4914 = t4912 + t4913;
+    let t4915 = t737 * t4914;
+    let t4916 = inverse_d_panda_joint5 * t4870;
+    let t4917 = t4916 + t4915;
+    let t4918 = t815 * t4907;
+    let t4919 = t4917 + t4918;
+    let t4920 = t918 * t4902;
+    let t4921 = t4919 + t4920;
+    let t4922 = t719 * t4899;
+    let t4923 = t4921 + t4922;
+    let t4924 = t652 * t4923;
+    let t4925 = t577 * inverse_d_panda_joint6;
+    let t4926 = t4925 + t4924;
+    let t4927 = t730 * t4914;
+    let t4928 = t4926 - t4927;
+    let t4929 = t808 * t4907;
+    let t4930 = t4928 + t4929;
+    let t4931 = t908 * t4902;
+    let t4932 = t4930 + t4931;
+    let t4933 = t641 * t4899;
+    let t4934 = t4932 + t4933;
+    let t4935 = t577 * t4934;
+    let t4936 = 149.60760989322964 + t4935;
+    let t4937 = t647 * t4923;
+    let t4938 = t4936 + t4937;
+    let t4939 = t725 * t4914;
+    let t4940 = t4938 + t4939;
+    let t4941 = t803 * t4907;
+    let t4942 = t4940 + t4941;
+    let t4943 = t900 * t4902;
+    let t4944 = t4942 + t4943;
+    let t4945 = t571 * t4899;
+    let t4946 = t4944 + t4945;
+    let t4947 = -t2756;
+    let t4948 = -t2926;
+    let t4949 = -t3096;
+    let t4950 = -t3248;
+    let t4951 = -t3254;
+    let t4952 = -t3271;
+    let t4953 = -t3276;
+    let t4954 = -t3291;
+    let t4955 = -t3296;
+    let t4956 = -t3310;
+    let t4957 = -t3324;
+    let t4958 = -t3365;
+    let t4959 = -t3374;
+    let t4960 = -t3383;
+    let t4961 = -t3392;
+    let t4962 = -t3403;
+    let t4963 = -t3414;
+    let t4964 = -t3436;
+    let t4965 = -t3497;
+    let t4966 = -t3510;
+    let t4967 = -t3523;
+    let t4968 = -t3536;
+    let t4969 = -t3609;
+    let t4970 = -t3711;
+    let t4971 = -t4135;
+    let t4972 = -t4247;
+    let t4973 = -t4253;
+    let t4974 = -t4256;
+    let t4975 = -t4259;
+    let t4976 = -t4262;
+    let t4977 = -t4278;
+    let t4978 = -t4283;
+    let t4979 = -t4293;
+    let t4980 = -t4298;
+    let t4981 = -t4310;
+    let t4982 = -t4331;
+    let t4983 = -t4352;
+    let t4984 = -t4370;
+    let t4985 = -t4379;
+    let t4986 = -t4397;
+    let t4987 = -t4415;
+    let t4988 = -t4426;
+    let t4989 = -t4459;
+    let t4990 = -t4481;
+    let t4991 = -t4518;
+    let t4992 = -t4531;
+    let t4993 = -t4557;
+    let t4994 = -t4570;
+    let t4995 = -t4583;
+    let t4996 = -t4592;
+    let t4997 = -t4629;
+    let t4998 = -t4671;
+    let t4999 = -t4726;
+    let t5000 = -t4735;
+    let t5001 = -t4746;
+    [
+        t3251,
+        t3257,
+        t3260,
+        t3263,
+        t3266,
+        t3281,
+        t3286,
+        t3303,
+        t3317,
+        t3331,
+        t3338,
+        t3347,
+        t3356,
+        t3425,
+        t3447,
+        t3458,
+        t3471,
+        t3484,
+        t3800,
+        t3902,
+        t4013,
+        t4250,
+        t4265,
+        t4268,
+        t4273,
+        t4288,
+        t4303,
+        t4317,
+        t4324,
+        t4338,
+        t4345,
+        t4361,
+        t4388,
+        t4406,
+        t4437,
+        t4448,
+        t4470,
+        t4492,
+        t4505,
+        t4544,
+        t4584,
+        t4587,
+        t4599,
+        t4608,
+        t4619,
+        t4621,
+        t4624,
+        t4636,
+        t4645,
+        t4656,
+        t4666,
+        t4678,
+        t4687,
+        t4698,
+        t4719,
+        t4782,
+        t4791,
+        t4802,
+        t4857,
+        t4868,
+        t4946,
+        t4947,
+        t4948,
+        t4949,
+        t4950,
+        t4951,
+        t4952,
+        t4953,
+        t4954,
+        t4955,
+        t4956,
+        t4957,
+        t4958,
+        t4959,
+        t4960,
+        t4961,
+        t4962,
+        t4963,
+        t4964,
+        t4965,
+        t4966,
+        t4967,
+        t4968,
+        t4969,
+        t4970,
+        t4971,
+        t4972,
+        t4973,
+        t4974,
+        t4975,
+        t4976,
+        t4977,
+        t4978,
+        t4979,
+        t4980,
+        t4981,
+        t4982,
+        t4983,
+        t4984,
+        t4985,
+        t4986,
+        t4987,
+        t4988,
+        t4989,
+        t4990,
+        t4991,
+        t4992,
+        t4993,
+        t4994,
+        t4995,
+        t4996,
+        t4997,
+        t4998,
+        t4999,
+        t5000,
+        t5001,
+    ]
+}
+
+/// Linearization of the accelerations in continuous time.
+///
+/// `ÿ ≈ A_y y + A_v ẏ + B_x u + c; with x = (y, ẏ) the upper halves of A, B_x and c are [0 I], 0 and 0`
+///
+/// - `y: [N]`: coordinates: `panda_joint1`, `panda_joint2`, `panda_joint3`, `panda_joint4`, `panda_joint5`,
+///   `panda_joint6`, `panda_joint7` in rad
+/// - `v: [N]`: velocities ẏ: `panda_joint1`, `panda_joint2`, `panda_joint3`, `panda_joint4`, `panda_joint5`,
+///   `panda_joint6`, `panda_joint7` in rad/s
+/// - `u: [M]`: inputs: `panda_joint1`, `panda_joint2`, `panda_joint3`, `panda_joint4`, `panda_joint5`,
+///   `panda_joint6`, `panda_joint7` in N m
+/// - returns `A_y: [N × N]`: ∂ÿ/∂y, row i = acceleration i
+/// - returns `A_v: [N × N]`: ∂ÿ/∂ẏ, row i = acceleration i
+/// - returns `B_x: [N × M]`: ∂ÿ/∂u, row i = acceleration i
+/// - returns `c: [N]`: affine remainder ÿ − A\_y y − A\_v ẏ − B\_x u
+///
+/// Cost: 2710 multiplications, 2497 additions, 6 divisions, 7 function calls (`sin_cos`).
+///
+/// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
+///
+/// Composite bodies with pairs of joints in link frames were cheapest.
+#[must_use]
+#[allow(
+    clippy::type_complexity,
+    reason = "blocks of fixed size need no type of their own"
+)]
+pub fn linearize(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
+    let [sin_panda_joint2, cos_panda_joint2, sin_panda_joint3, cos_panda_joint3,
+    sin_panda_joint4, cos_panda_joint4, sin_panda_joint5, cos_panda_joint5,
+    sin_panda_joint6, cos_panda_joint6, sin_panda_joint7_2, cos_panda_joint7_2,
+    omega_panda_joint2_x, omega_panda_joint3_y, omega_panda_joint2_y,
+    omega_panda_joint3_z, omega_panda_joint3_x, t32, t33, omega_panda_joint4_z, t38,
+    omega_panda_joint4_y, t42, omega_panda_joint4_x, t48, omega_panda_joint5_z,
+    omega_panda_joint5_y, t60, t66, omega_panda_joint5_x, t71, omega_panda_joint6_z, t76,
+    omega_panda_joint6_y, t80, t89, omega_panda_joint6_x, t94, t104, t106, t107, t118,
+    t129, acceleration_panda_joint2_x, t133, t137, acceleration_panda_joint2_y, t151,
+    t154, t158, t174, t180, t185, t210, t212, t219, t220, t224, t225, t228, t244, t253,
+    t260, t298, t308, t320, t333, t356, t404, t406, t427, t440, t462, t472, t475, t492,
+    t501, t571, t577, inverse_d_panda_joint6, t641, t647, t652, inverse_d_panda_joint5,
+    t719, t725, t730, t737, inverse_d_panda_joint4, t797, t803, t808, t815, t824,
+    inverse_d_panda_joint3, t877, t900, t908, t918, t930, t944, inverse_d_panda_joint2,
+    t990, inverse_d_panda_joint1, t1018, t1021, t1026, t1033, t1042, t1053, t1066] = linearize_part_1(
+        y,
+        v,
+        u,
+    );
+    let [t1112, t1119, t1122, t1127, t1130, t1134, t1139, t1149, t1163,
+    acceleration_panda_joint7_y_2, t1169, t1178, t1184, acceleration_panda_joint7_x_2,
+    t1188, force_panda_joint7_y_2, moment_panda_joint7_x_2, moment_panda_joint7_y_2,
+    force_panda_joint7_x_2, t1453, t1465, t1467, t1469, t1470, t1476, t1500, t1506,
+    t1509, t1512, t1518, t1520, t1522, t1524, t1536, t1538, t1543, t1545, t1546, t1551,
+    t1552, t1565, t1567, t1575, t1581, t1589, t1590, t1592, t1594, t1596, t1602, t1611,
+    t1612, t1619, t1632, t1635, t1636, t1637, t1644, t1649, t1654, t1661, t1672, t1675,
+    t1676, t1677, t1678, t1680, t1684, t1686, t1693, t1701, t1704, t1708, t1716, t1768,
+    t1769, t1775, t1777, t1778, t1793, t1796, t1808, t1809, t1859, t1862, t1868, t1870,
+    t1887, t1891, t1899, t1906, t1916, t1918, t1922, t1959, t1964, t1970, t1981, t1986,
+    t1988, t1998, t2000, t2002, t2012, t2019, t2020, t2023, t2030, t2038, t2041, t2055,
+    t2064, t2068, t2083, t2103, t2117, t2123, t2127, t2129, t2135, t2139, t2142, t2147,
+    t2150, t2153, t2156, t2167, t2176, t2180, t2198, t2218, t2224, t2228, t2230, t2236,
+    t2240, t2244, t2251, t2254, t2258, t2263, t2268, t2283, t2296, t2301, t2303, t2309,
+    t2313, t2318, t2326, t2331, t2346, t2348, t2351, t2353, t2355, t2361, t2368, t2375,
+    t2377, t2385, t2408, t2413, t2421, t2429, t2432, t2434, t2457, t2508, t2525, t2544,
+    t2562, t2572, t2587, t2590, t2592, t2607, t2687, t2704, t2720, t2728, t2738, t2753,
+    t2756, t2758, t2780, t2870, t2884, t2890, t2898, t2908, t2923, t2926, t2928, t2943,
+    t3015, t3031, t3038, t3050, t3054, t3060, t3062, t3066] = linearize_part_2(
+        v,
+        [
+            sin_panda_joint2,
+            cos_panda_joint2,
+            sin_panda_joint3,
+            cos_panda_joint3,
+            sin_panda_joint4,
+            cos_panda_joint4,
+            sin_panda_joint5,
+            cos_panda_joint5,
+            sin_panda_joint6,
+            cos_panda_joint6,
+            sin_panda_joint7_2,
+            cos_panda_joint7_2,
+            omega_panda_joint2_x,
+            omega_panda_joint3_y,
+            omega_panda_joint2_y,
+            omega_panda_joint3_z,
+            omega_panda_joint3_x,
+            t32,
+            t33,
+            omega_panda_joint4_z,
+            t38,
+            omega_panda_joint4_y,
+            t42,
+            omega_panda_joint4_x,
+            t48,
+            omega_panda_joint5_z,
+            omega_panda_joint5_y,
+            t60,
+            t66,
+            omega_panda_joint5_x,
+            t71,
+            omega_panda_joint6_z,
+            t76,
+            omega_panda_joint6_y,
+            t80,
+            t89,
+            omega_panda_joint6_x,
+            t94,
+            t104,
+            t106,
+            t107,
+            t118,
+            t129,
+            acceleration_panda_joint2_x,
+            t133,
+            t137,
+            acceleration_panda_joint2_y,
+            t151,
+            t154,
+            t158,
+            t174,
+            t180,
+            t185,
+            t210,
+            t212,
+            t219,
+            t220,
+            t224,
+            t225,
+            t228,
+            t244,
+            t253,
+            t260,
+            t298,
+            t308,
+            t320,
+            t333,
+            t356,
+            t404,
+            t406,
+            t427,
+            t440,
+            t462,
+            t472,
+            t475,
+            t492,
+            t501,
+            t571,
+            t577,
+            t641,
+            t647,
+            t652,
+            t719,
+            t725,
+            t730,
+            t737,
+            t797,
+            t803,
+            t808,
+            t815,
+            t824,
+            t877,
+            t900,
+            t908,
+            t918,
+            t930,
+            t944,
+            t990,
+            inverse_d_panda_joint1,
+            t1018,
+            t1021,
+            t1026,
+            t1033,
+            t1042,
+            t1053,
+            t1066,
+        ],
+    );
+    let [t3096, t3248, t3251, t3254, t3257, t3260, t3263, t3266, t3271, t3276, t3281,
+    t3286, t3291, t3296, t3303, t3310, t3317, t3324, t3331, t3338, t3347, t3356, t3365,
+    t3374, t3383, t3392, t3403, t3414, t3425, t3436, t3447, t3458, t3471, t3484, t3497,
+    t3510, t3523, t3536, t3609, t3711, t3800, t3902, t4013, t4135, t4247, t4250, t4253,
+    t4256, t4259, t4262, t4265, t4268, t4273, t4278, t4283, t4288, t4293, t4298, t4303,
+    t4310, t4317, t4324, t4331, t4338, t4345, t4352, t4361, t4370, t4379, t4388, t4397,
+    t4406, t4415, t4426, t4437, t4448, t4459, t4470, t4481, t4492, t4505, t4518, t4531,
+    t4544, t4557, t4570, t4583] = linearize_part_3(
+        v,
+        [
+            sin_panda_joint2,
+            cos_panda_joint2,
+            sin_panda_joint3,
+            cos_panda_joint3,
+            sin_panda_joint4,
+            cos_panda_joint4,
+            sin_panda_joint5,
+            cos_panda_joint5,
+            sin_panda_joint6,
+            cos_panda_joint6,
+            omega_panda_joint2_x,
+            omega_panda_joint2_y,
+            omega_panda_joint3_x,
+            omega_panda_joint4_x,
+            omega_panda_joint6_z,
+            t76,
+            omega_panda_joint6_y,
+            omega_panda_joint6_x,
+            t224,
+            t571,
+            t577,
+            inverse_d_panda_joint6,
+            t641,
+            t647,
+            t652,
+            inverse_d_panda_joint5,
+            t719,
+            t725,
+            t730,
+            t737,
+            inverse_d_panda_joint4,
+            t797,
+            t803,
+            t808,
+            t815,
+            t824,
+            inverse_d_panda_joint3,
+            t877,
+            t900,
+            t908,
+            t918,
+            t930,
+            t944,
+            inverse_d_panda_joint2,
+            t990,
+            inverse_d_panda_joint1,
+            t1112,
+            t1119,
+            t1122,
+            t1127,
+            t1130,
+            t1134,
+            t1139,
+            t1149,
+            t1163,
+            acceleration_panda_joint7_y_2,
+            t1169,
+            t1178,
+            t1184,
+            acceleration_panda_joint7_x_2,
+            t1188,
+            force_panda_joint7_y_2,
+            moment_panda_joint7_x_2,
+            moment_panda_joint7_y_2,
+            force_panda_joint7_x_2,
+            t1453,
+            t1465,
+            t1467,
+            t1469,
+            t1470,
+            t1476,
+            t1500,
+            t1506,
+            t1509,
+            t1512,
+            t1518,
+            t1520,
+            t1522,
+            t1524,
+            t1536,
+            t1538,
+            t1543,
+            t1545,
+            t1546,
+            t1551,
+            t1552,
+            t1565,
+            t1567,
+            t1575,
+            t1581,
+            t1589,
+            t1590,
+            t1592,
+            t1594,
+            t1596,
+            t1602,
+            t1611,
+            t1612,
+            t1619,
+            t1632,
+            t1635,
+            t1636,
+            t1637,
+            t1644,
+            t1649,
+            t1654,
+            t1661,
+            t1672,
+            t1675,
+            t1676,
+            t1677,
+            t1678,
+            t1680,
+            t1684,
+            t1686,
+            t1693,
+            t1701,
+            t1704,
+            t1708,
+            t1716,
+            t1768,
+            t1769,
+            t1775,
+            t1777,
+            t1778,
+            t1793,
+            t1796,
+            t1808,
+            t1809,
+            t1859,
+            t1862,
+            t1868,
+            t1870,
+            t1887,
+            t1891,
+            t1899,
+            t1906,
+            t1916,
+            t1918,
+            t1922,
+            t1959,
+            t1964,
+            t1970,
+            t1981,
+            t1986,
+            t1988,
+            t1998,
+            t2000,
+            t2002,
+            t2012,
+            t2019,
+            t2020,
+            t2023,
+            t2030,
+            t2038,
+            t2041,
+            t2055,
+            t2064,
+            t2068,
+            t2083,
+            t2103,
+            t2117,
+            t2123,
+            t2127,
+            t2129,
+            t2135,
+            t2139,
+            t2142,
+            t2147,
+            t2150,
+            t2153,
+            t2156,
+            t2167,
+            t2176,
+            t2180,
+            t2198,
+            t2218,
+            t2224,
+            t2228,
+            t2230,
+            t2236,
+            t2240,
+            t2244,
+            t2251,
+            t2254,
+            t2258,
+            t2263,
+            t2268,
+            t2283,
+            t2296,
+            t2301,
+            t2303,
+            t2309,
+            t2313,
+            t2318,
+            t2326,
+            t2331,
+            t2346,
+            t2348,
+            t2351,
+            t2353,
+            t2355,
+            t2361,
+            t2368,
+            t2375,
+            t2377,
+            t2385,
+            t2408,
+            t2413,
+            t2421,
+            t2429,
+            t2432,
+            t2434,
+            t2457,
+            t2508,
+            t2525,
+            t2544,
+            t2562,
+            t2572,
+            t2587,
+            t2590,
+            t2592,
+            t2607,
+            t2687,
+            t2704,
+            t2720,
+            t2728,
+            t2738,
+            t2753,
+            t2756,
+            t2758,
+            t2780,
+            t2870,
+            t2884,
+            t2890,
+            t2898,
+            t2908,
+            t2923,
+            t2926,
+            t2928,
+            t2943,
+            t3015,
+            t3031,
+            t3038,
+            t3050,
+            t3054,
+            t3060,
+            t3062,
+            t3066,
+        ],
+    );
+    let [t4584, t4587, t4599, t4608, t4619, t4621, t4624, t4636, t4645, t4656, t4666,
+    t4678, t4687, t4698, t4719, t4782, t4791, t4802, t4857, t4868, t4946, t4986, t5026,
+    t5066, t5106, t5146, t5186, t5226, t5227, t5228, t5229, t5230, t5231, t5232, t5233,
+    t5234, t5235, t5236, t5237, t5238, t5239, t5240, t5241, t5242, t5243, t5244, t5245,
+    t5246, t5247, t5248, t5249, t5250, t5251, t5252, t5253, t5254, t5255, t5256, t5257,
+    t5258, t5259, t5260, t5261, t5262, t5263, t5264, t5265, t5266, t5267, t5268, t5269,
+    t5270, t5271, t5272, t5273, t5274, t5275, t5276, t5277, t5278, t5279, t5280, t5281,
+    ] = linearize_part_4(
+        y,
+        v,
+        u,
+        [
+            t571,
+            t577,
+            inverse_d_panda_joint6,
+            t641,
+            t647,
+            t652,
+            inverse_d_panda_joint5,
+            t719,
+            t725,
+            t730,
+            t737,
+            inverse_d_panda_joint4,
+            t797,
+            t803,
+            t808,
+            t815,
+            t824,
+            inverse_d_panda_joint3,
+            t877,
+            t900,
+            t908,
+            t918,
+            t930,
+            t944,
+            inverse_d_panda_joint2,
+            t990,
+            inverse_d_panda_joint1,
+            t1018,
+            t1021,
+            t1026,
+            t1033,
+            t1042,
+            t1053,
+            t1066,
+            t2432,
+            t2590,
+            t2756,
+            t2926,
+            t3096,
+            t3248,
+            t3251,
+            t3254,
+            t3257,
+            t3260,
+            t3263,
+            t3266,
+            t3271,
+            t3276,
+            t3281,
+            t3286,
+            t3291,
+            t3296,
+            t3303,
+            t3310,
+            t3317,
+            t3324,
+            t3331,
+            t3338,
+            t3347,
+            t3356,
+            t3365,
+            t3374,
+            t3383,
+            t3392,
+            t3403,
+            t3414,
+            t3425,
+            t3436,
+            t3447,
+            t3458,
+            t3471,
+            t3484,
+            t3497,
+            t3510,
+            t3523,
+            t3536,
+            t3609,
+            t3711,
+            t3800,
+            t3902,
+            t4013,
+            t4135,
+            t4247,
+            t4250,
+            t4253,
+            t4256,
+            t4259,
+            t4262,
+            t4265,
+            t4268,
+            t4273,
+            t4278,
+            t4283,
+            t4288,
+            t4293,
+            t4298,
+            t4303,
+            t4310,
+            t4317,
+            t4324,
+            t4331,
+            t4338,
+            t4345,
+            t4352,
+            t4361,
+            t4370,
+            t4379,
+            t4388,
+            t4397,
+            t4406,
+            t4415,
+            t4426,
+            t4437,
+            t4448,
+            t4459,
+            t4470,
+            t4481,
+            t4492,
+            t4505,
+            t4518,
+            t4531,
+            t4544,
+            t4557,
+            t4570,
+            t4583,
+        ],
+    );
+    (
+        [
+            [0.0, t2432, t2590, t5227, t5228, t5229, t5230],
+            [0.0, t3251, t5231, t3257, t3260, t3263, t3266],
+            [0.0, t5232, t5233, t3281, t3286, t5234, t5235],
+            [0.0, t3303, t5236, t3317, t5237, t3331, t3338],
+            [0.0, t3347, t3356, t5238, t5239, t5240, t5241],
+            [0.0, t5242, t5243, t3425, t5244, t3447, t3458],
+            [0.0, t3471, t3484, t5245, t5246, t5247, t5248],
+        ],
+        [
+            [t5249, t5250, t3800, t3902, t4013, t5251, t5252],
+            [t4250, t5253, t5254, t5255, t5256, t4265, t4268],
+            [t4273, t5257, t5258, t4288, t5259, t5260, t4303],
+            [t5261, t4317, t4324, t5262, t4338, t4345, t5263],
+            [t4361, t5264, t5265, t4388, t5266, t4406, t5267],
+            [t5268, t4437, t4448, t5269, t4470, t5270, t4492],
+            [t4505, t5271, t5272, t4544, t5273, t5274, t5275],
+        ],
+        [
+            [inverse_d_panda_joint1, t4584, t4587, t5276, t4599, t4608, t4619],
+            [t4584, t4621, t4624, t5277, t4636, t4645, t4656],
+            [t4587, t4624, t4666, t5278, t4678, t4687, t4698],
+            [t5276, t5277, t5278, t4719, t5279, t5280, t5281],
+            [t4599, t4636, t4678, t5279, t4782, t4791, t4802],
+            [t4608, t4645, t4687, t5280, t4791, t4857, t4868],
+            [t4619, t4656, t4698, t5281, t4802, t4868, t4946],
+        ],
+        [t4986, t5026, t5066, t5106, t5146, t5186, t5226],
+    )
+}
+
+/// Part 1 of `linearize`: values that later parts read.
+#[inline(never)]
+fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 111] {
+    let angle_panda_joint7_offset = y[6] + 0.6689225306301613;
+    let angle_panda_joint7_offset_2 = y[6] + 0.6689225306301614;
+    let (
+        [sin_panda_joint2,
+        sin_panda_joint3,
+        sin_panda_joint4,
+        sin_panda_joint5,
+        sin_panda_joint6,
+        sin_panda_joint7,
+        sin_panda_joint7_2,
+        ..,
+        ],
+        [cos_panda_joint2,
+        cos_panda_joint3,
+        cos_panda_joint4,
+        cos_panda_joint5,
+        cos_panda_joint6,
+        cos_panda_joint7,
+        cos_panda_joint7_2,
+        ..,
+        ],
+    ) = math::sin_cos_8(
+        y[1],
+        y[2],
+        y[3],
+        y[4],
+        y[5],
+        angle_panda_joint7_offset,
+        angle_panda_joint7_offset_2,
+        0.0,
+    );
+    let omega_panda_joint2_x = v[0] * sin_panda_joint2;
+    let t17 = sin_panda_joint3 * omega_panda_joint2_x;
+    let t18 = v[1] * cos_panda_joint3;
+    let omega_panda_joint3_y = t17 + t18;
+    let t20 = v[2] * omega_panda_joint3_y;
+    let omega_panda_joint2_y = v[0] * cos_panda_joint2;
+    let t22 = v[1] * omega_panda_joint2_y;
+    let t23 = cos_panda_joint3 * t22;
+    let t24 = t23 - t20;
+    let omega_panda_joint3_z = v[2] + omega_panda_joint2_y;
+    let t26 = omega_panda_joint3_y * omega_panda_joint3_z;
+    let t27 = t24 - t26;
+    let t28 = cos_panda_joint4 * t27;
+    let t29 = cos_panda_joint3 * omega_panda_joint2_x;
+    let t30 = v[1] * sin_panda_joint3;
+    let omega_panda_joint3_x = t29 - t30;
+    let t32 = omega_panda_joint3_x * omega_panda_joint3_y;
+    let t33 = v[1] * omega_panda_joint2_x;
+    let t34 = t33 - t32;
+    let t35 = sin_panda_joint4 * t34;
+    let t36 = t35 + t28;
+    let omega_panda_joint4_z = v[3] - omega_panda_joint3_y;
+    let t38 = 2.0 * omega_panda_joint4_z;
+    let t39 = sin_panda_joint4 * omega_panda_joint3_x;
+    let t40 = cos_panda_joint4 * omega_panda_joint3_z;
+    let omega_panda_joint4_y = t39 + t40;
+    let t42 = omega_panda_joint4_y * t38;
+    let t43 = t36 - t42;
+    let t44 = cos_panda_joint5 * t43;
+    let t45 = cos_panda_joint4 * omega_panda_joint3_x;
+    let t46 = sin_panda_joint4 * omega_panda_joint3_z;
+    let omega_panda_joint4_x = t45 - t46;
+    let t48 = omega_panda_joint4_x * omega_panda_joint4_y;
+    let t49 = v[2] * omega_panda_joint3_x;
+    let t50 = sin_panda_joint3 * t22;
+    let t51 = t50 + t49;
+    let t52 = t51 - t48;
+    let t53 = sin_panda_joint5 * t52;
+    let t54 = t53 - t44;
+    let omega_panda_joint5_z = v[4] + omega_panda_joint4_y;
+    let t56 = 2.0 * omega_panda_joint5_z;
+    let t57 = sin_panda_joint5 * omega_panda_joint4_x;
+    let t58 = cos_panda_joint5 * omega_panda_joint4_z;
+    let omega_panda_joint5_y = t57 - t58;
+    let t60 = omega_panda_joint5_y * t56;
+    let t61 = t54 + t60;
+    let t62 = cos_panda_joint6 * t61;
+    let t63 = sin_panda_joint4 * t27;
+    let t64 = cos_panda_joint4 * t34;
+    let t65 = t64 - t63;
+    let t66 = omega_panda_joint4_x * omega_panda_joint4_z;
+    let t67 = t65 - t66;
+    let t68 = cos_panda_joint5 * omega_panda_joint4_x;
+    let t69 = sin_panda_joint5 * omega_panda_joint4_z;
+    let omega_panda_joint5_x = t68 + t69;
+    let t71 = omega_panda_joint5_x * omega_panda_joint5_y;
+    let t72 = t67 - t71;
+    let t73 = sin_panda_joint6 * t72;
+    let t74 = t73 - t62;
+    let omega_panda_joint6_z = v[5] - omega_panda_joint5_y;
+    let t76 = 2.0 * omega_panda_joint6_z;
+    let t77 = sin_panda_joint6 * omega_panda_joint5_x;
+    let t78 = cos_panda_joint6 * omega_panda_joint5_z;
+    let omega_panda_joint6_y = t77 + t78;
+    let t80 = omega_panda_joint6_y * t76;
+    let t81 = t74 - t80;
+    let t82 = 0.0003863308944437675 * sin_panda_joint7;
+    let t83 = 0.001535882372017312 * cos_panda_joint7;
+    let t84 = t83 - t82;
+    let t85 = t84 * t81;
+    let t86 = sin_panda_joint5 * t43;
+    let t87 = cos_panda_joint5 * t52;
+    let t88 = t87 + t86;
+    let t89 = omega_panda_joint5_x * omega_panda_joint5_z;
+    let t90 = t88 + t89;
+    let t91 = cos_panda_joint6 * omega_panda_joint5_x;
+    let t92 = sin_panda_joint6 * omega_panda_joint5_z;
+    let omega_panda_joint6_x = t91 - t92;
+    let t94 = omega_panda_joint6_x * omega_panda_joint6_y;
+    let t95 = t90 - t94;
+    let t96 = 0.0003863308944437675 * cos_panda_joint7;
+    let t97 = 0.001535882372017312 * sin_panda_joint7;
+    let t98 = t97 + t96;
+    let t99 = t98 * t95;
+    let t100 = t85 + t99;
+    let omega_panda_joint7_z = v[6] - omega_panda_joint6_y;
+    let t102 = omega_panda_joint7_z * omega_panda_joint7_z;
+    let t103 = omega_panda_joint6_x * omega_panda_joint6_x;
+    let t104 = t103 + t102;
+    let t105 = omega_panda_joint6_z * omega_panda_joint6_z;
+    let t106 = t105 + t102;
+    let t107 = t106 - t104;
+    let t108 = cos_panda_joint7 * 0.002174847060296272;
+    let t109 = sin_panda_joint7 * 0.0013205141364616554;
+    let t110 = t109 - t108;
+    let t111 = cos_panda_joint7 * t110;
+    let t112 = 0.001087423530148136 + t111;
+    let t113 = t112 * t107;
+    let t114 = t100 - t113;
+    let t115 = sin_panda_joint6 * t61;
+    let t116 = cos_panda_joint6 * t72;
+    let t117 = t116 + t115;
+    let t118 = omega_panda_joint6_x * omega_panda_joint6_z;
+    let t119 = t117 - t118;
+    let t120 = t118 - t119;
+    let t121 = sin_panda_joint7 * t110;
+    let t122 = 0.0026818189154496457 + t121;
+    let t123 = t122 * t120;
+    let t124 = t114 - t123;
+    let t125 = t118 + t119;
+    let t126 = 0.004002333051911301 - t121;
+    let t127 = t126 * t125;
+    let t128 = t124 + t127;
+    let t129 = omega_panda_joint3_x * omega_panda_joint3_z;
+    let t130 = t51 - t129;
+    let t131 = 3.83030303030303 * t130;
+    let acceleration_panda_joint2_x = sin_panda_joint2 * 118.9090909090909;
+    let t133 = cos_panda_joint3 * acceleration_panda_joint2_x;
+    let acceleration_panda_joint3_x = t133 - t131;
+    let t135 = omega_panda_joint3_y * omega_panda_joint3_y;
+    let t136 = omega_panda_joint3_z * omega_panda_joint3_z;
+    let t137 = t135 + t136;
+    let t138 = t137 + acceleration_panda_joint3_x;
+    let t139 = cos_panda_joint4 * t138;
+    let t140 = omega_panda_joint3_x * omega_panda_joint3_x;
+    let t141 = t140 + t135;
+    let t142 = 3.83030303030303 * t141;
+    let acceleration_panda_joint2_y = cos_panda_joint2 * 118.9090909090909;
+    let acceleration_panda_joint3_z = acceleration_panda_joint2_y - t142;
+    let t145 = t51 + t129;
+    let t146 = t145 - acceleration_panda_joint3_z;
+    let t147 = sin_panda_joint4 * t146;
+    let acceleration_panda_joint4_x = t139 + t147;
+    let t149 = omega_panda_joint4_y * omega_panda_joint4_y;
+    let t150 = omega_panda_joint4_z * omega_panda_joint4_z;
+    let t151 = t149 + t150;
+    let t152 = acceleration_panda_joint4_x - t151;
+    let t153 = cos_panda_joint5 * t152;
+    let t154 = omega_panda_joint4_x * t38;
+    let t155 = t65 - t154;
+    let t156 = t24 + t26;
+    let t157 = 3.83030303030303 * t156;
+    let t158 = sin_panda_joint3 * acceleration_panda_joint2_x;
+    let acceleration_panda_joint3_y = t158 + t157;
+    let t160 = t33 + t32;
+    let acceleration_panda_joint4_z = t160 - acceleration_panda_joint3_y;
+    let t162 = acceleration_panda_joint4_z - t155;
+    let t163 = sin_panda_joint5 * t162;
+    let t164 = t153 + t163;
+    let t165 = 4.654545454545454 * t88;
+    let acceleration_panda_joint5_x = t164 - t165;
+    let t167 = cos_panda_joint6 * acceleration_panda_joint5_x;
+    let t168 = sin_panda_joint4 * t138;
+    let t169 = cos_panda_joint4 * t146;
+    let acceleration_panda_joint4_y = t168 - t169;
+    let t171 = t51 + t48;
+    let t172 = acceleration_panda_joint4_y + t171;
+    let t173 = omega_panda_joint4_x * omega_panda_joint4_x;
+    let t174 = t173 + t150;
+    let t175 = 4.654545454545454 * t174;
+    let acceleration_panda_joint5_z = t172 - t175;
+    let t177 = sin_panda_joint6 * acceleration_panda_joint5_z;
+    let acceleration_panda_joint6_x = t167 - t177;
+    let t179 = omega_panda_joint6_y * omega_panda_joint6_y;
+    let t180 = t179 + t105;
+    let t181 = 1.0666666666666667 * t180;
+    let acceleration_panda_joint7_x = acceleration_panda_joint6_x + t181;
+    let t183 = 0.0002706501814147986 * sin_panda_joint7;
+    let t184 = t183 * acceleration_panda_joint7_x;
+    let t185 = omega_panda_joint6_x * t76;
+    let t186 = t117 - t185;
+    let t187 = 1.0666666666666667 * t186;
+    let t188 = sin_panda_joint5 * t152;
+    let t189 = cos_panda_joint5 * t162;
+    let t190 = t188 - t189;
+    let t191 = 4.654545454545454 * t54;
+    let acceleration_panda_joint5_y = t190 - t191;
+    let acceleration_panda_joint7_y = acceleration_panda_joint5_y - t187;
+    let t194 = 0.0002706501814147986 * cos_panda_joint7;
+    let t195 = t194 * acceleration_panda_joint7_y;
+    let t196 = t195 - t184;
+    let moment_panda_joint7_z = t196 - t128;
+    let t198 = t194 * t120;
+    let t199 = t183 * t104;
+    let t200 = t198 + t199;
+    let t201 = 0.017931959153753906 * acceleration_panda_joint7_y;
+    let force_panda_joint7_y = t201 + t200;
+    let t203 = 1.0666666666666667 * force_panda_joint7_y;
+    let t204 = moment_panda_joint7_z + t203;
+    let t205 = 0.014748570382675316 * t81;
+    let t206 = 9.3569097314605e-5 * t95;
+    let t207 = t206 + t205;
+    let t208 = omega_panda_joint5_x * omega_panda_joint5_x;
+    let t209 = omega_panda_joint5_z * omega_panda_joint5_z;
+    let t210 = t208 + t209;
+    let t211 = t210 - t180;
+    let t212 = 0.00010375891721868492 * t211;
+    let t213 = t207 - t212;
+    let t214 = 0.0011196707334275545 * t186;
+    let t215 = t213 + t214;
+    let moment_panda_joint6_y = t215 - t204;
+    let t217 = sin_panda_joint6 * moment_panda_joint6_y;
+    let t218 = t84 * t120;
+    let t219 = 2.0 * omega_panda_joint7_z;
+    let t220 = omega_panda_joint6_x * t219;
+    let t221 = t95 - t220;
+    let t222 = t112 * t221;
+    let t223 = t222 - t218;
+    let t224 = t103 + t105;
+    let t225 = t224 - t104;
+    let t226 = t98 * t225;
+    let t227 = t223 + t226;
+    let t228 = omega_panda_joint6_z * t219;
+    let t229 = t81 - t228;
+    let t230 = t126 * t229;
+    let t231 = t227 + t230;
+    let t232 = sin_panda_joint6 * acceleration_panda_joint5_x;
+    let t233 = cos_panda_joint6 * acceleration_panda_joint5_z;
+    let acceleration_panda_joint6_y = t232 + t233;
+    let t235 = t90 + t94;
+    let t236 = 1.0666666666666667 * t235;
+    let acceleration_panda_joint7_z = acceleration_panda_joint6_y - t236;
+    let t238 = t183 * acceleration_panda_joint7_z;
+    let moment_panda_joint7_x = t238 + t231;
+    let t240 = 0.014748570382675316 * t186;
+    let t241 = 0.00010375891721868492 * t235;
+    let t242 = t240 - t241;
+    let t243 = t210 - t224;
+    let t244 = 9.3569097314605e-5 * t243;
+    let t245 = t242 - t244;
+    let t246 = 0.028934422545659894 * t81;
+    let t247 = t245 + t246;
+    let t248 = 0.014338888209442503 * acceleration_panda_joint5_y;
+    let t249 = t248 - t247;
+    let moment_panda_joint6_x = t249 - moment_panda_joint7_x;
+    let t251 = cos_panda_joint6 * moment_panda_joint6_x;
+    let t252 = t251 + t217;
+    let t253 = omega_panda_joint5_x * t56;
+    let t254 = t88 + t253;
+    let t255 = 0.0015152444733270301 * t254;
+    let t256 = t67 + t71;
+    let t257 = 0.004600245517563105 * t256;
+    let t258 = t255 - t257;
+    let t259 = t174 - t210;
+    let t260 = 0.0021640520520981297 * t259;
+    let t261 = t258 - t260;
+    let t262 = 0.010045187828321242 * t61;
+    let t263 = t261 - t262;
+    let t264 = 0.0055993270925625 * acceleration_panda_joint5_z;
+    let t265 = t264 - t263;
+    let moment_panda_joint5_x = t265 + t252;
+    let t267 = 0.014338888209442503 * t81;
+    let force_panda_joint6_z = t267 - force_panda_joint7_y;
+    let t269 = 0.027672413504871096 * acceleration_panda_joint5_y;
+    let t270 = 0.001208932934385 * t256;
+    let t271 = 0.0055993270925625 * t210;
+    let t272 = t270 - t271;
+    let t273 = t269 + t272;
+    let force_panda_joint5_y = t273 - force_panda_joint6_z;
+    let t275 = 4.654545454545454 * force_panda_joint5_y;
+    let t276 = moment_panda_joint5_x - t275;
+    let t277 = sin_panda_joint5 * t276;
+    let t278 = 0.017931959153753906 * acceleration_panda_joint7_z;
+    let t279 = t183 * t229;
+    let t280 = t194 * t221;
+    let t281 = t280 - t279;
+    let force_panda_joint7_z = t278 - t281;
+    let t283 = 0.014338888209442503 * t224;
+    let force_panda_joint6_y = t283 + force_panda_joint7_z;
+    let t285 = sin_panda_joint6 * force_panda_joint6_y;
+    let t286 = 0.017931959153753906 * acceleration_panda_joint7_x;
+    let t287 = t183 * t125;
+    let t288 = t194 * t106;
+    let t289 = t288 + t287;
+    let force_panda_joint7_x = t286 + t289;
+    let t291 = 0.014338888209442503 * t95;
+    let force_panda_joint6_x = t291 + force_panda_joint7_x;
+    let t293 = cos_panda_joint6 * force_panda_joint6_x;
+    let t294 = t293 + t285;
+    let t295 = 0.027672413504871096 * acceleration_panda_joint5_x;
+    let t296 = 0.0055993270925625 * t72;
+    let t297 = omega_panda_joint5_y * omega_panda_joint5_y;
+    let t298 = t297 + t209;
+    let t299 = 0.001208932934385 * t298;
+    let t300 = t299 + t296;
+    let t301 = t295 - t300;
+    let force_panda_joint5_x = t301 + t294;
+    let t303 = 4.654545454545454 * force_panda_joint5_x;
+    let t304 = 1.0666666666666667 * force_panda_joint7_z;
+    let t305 = t112 * t229;
+    let t306 = t98 * t125;
+    let t307 = t306 + t305;
+    let t308 = t224 - t106;
+    let t309 = t84 * t308;
+    let t310 = t307 - t309;
+    let t311 = t122 * t221;
+    let t312 = t310 + t311;
+    let t313 = t194 * acceleration_panda_joint7_z;
+    let moment_panda_joint7_y = t313 - t312;
+    let t315 = moment_panda_joint7_y + t304;
+    let t316 = 9.3569097314605e-5 * t117;
+    let t317 = 0.00010375891721868492 * t74;
+    let t318 = t317 - t316;
+    let t319 = t180 - t224;
+    let t320 = 0.014748570382675316 * t319;
+    let t321 = t318 - t320;
+    let t322 = 0.0011196707334275545 * t235;
+    let t323 = t321 - t322;
+    let t324 = 0.028934422545659894 * t95;
+    let t325 = t323 - t324;
+    let t326 = 0.014338888209442503 * acceleration_panda_joint6_x;
+    let t327 = t326 - t325;
+    let moment_panda_joint6_z = t327 - t315;
+    let t329 = 0.0015152444733270301 * t61;
+    let t330 = 0.0021640520520981297 * t72;
+    let t331 = t330 + t329;
+    let t332 = t174 - t298;
+    let t333 = 0.004600245517563105 * t332;
+    let t334 = t331 - t333;
+    let t335 = 0.0014511560650267133 * t254;
+    let t336 = t334 - t335;
+    let t337 = 0.001208932934385 * acceleration_panda_joint5_z;
+    let t338 = t337 - t336;
+    let moment_panda_joint5_y = t338 + moment_panda_joint6_z;
+    let t340 = moment_panda_joint5_y - t303;
+    let t341 = cos_panda_joint5 * t340;
+    let t342 = t277 + t341;
+    let t343 = cos_panda_joint6 * force_panda_joint6_y;
+    let t344 = sin_panda_joint6 * force_panda_joint6_x;
+    let t345 = t344 - t343;
+    let t346 = 0.0055993270925625 * t61;
+    let t347 = 0.001208932934385 * t254;
+    let t348 = t347 + t346;
+    let t349 = 0.027672413504871096 * acceleration_panda_joint5_z;
+    let t350 = t349 + t348;
+    let force_panda_joint5_z = t350 - t345;
+    let t352 = force_panda_joint5_z + t342;
+    let t353 = 0.0016444875773692705 * t65;
+    let t354 = 0.0039053550262761003 * t36;
+    let t355 = t354 - t353;
+    let t356 = t151 - t174;
+    let t357 = 0.04942675278013915 * t356;
+    let t358 = t355 - t357;
+    let t359 = 0.0054157634981905 * t171;
+    let t360 = t358 + t359;
+    let t361 = 0.2907172362270936 * t52;
+    let t362 = t360 - t361;
+    let t363 = 0.04623443229335249 * acceleration_panda_joint4_x;
+    let t364 = t363 + t362;
+    let moment_panda_joint4_z = t364 + t352;
+    let t366 = cos_panda_joint5 * force_panda_joint5_x;
+    let t367 = sin_panda_joint5 * force_panda_joint5_y;
+    let t368 = t366 + t367;
+    let t369 = 0.016011409030815008 * acceleration_panda_joint4_x;
+    let t370 = 0.04623443229335249 * t52;
+    let t371 = t369 + t370;
+    let force_panda_joint4_x = t371 + t368;
+    let t373 = sin_panda_joint4 * force_panda_joint4_x;
+    let t374 = 0.016011409030815008 * acceleration_panda_joint4_y;
+    let t375 = 0.04623443229335249 * t174;
+    let t376 = t374 + t375;
+    let force_panda_joint4_y = t376 + force_panda_joint5_z;
+    let t378 = cos_panda_joint4 * force_panda_joint4_y;
+    let t379 = t373 - t378;
+    let t380 = moment_panda_joint4_z + t379;
+    let t381 = 0.00012191242095074308 * t27;
+    let t382 = 0.004377257121839584 * t34;
+    let t383 = t382 + t381;
+    let t384 = t137 - t141;
+    let t385 = 0.005487648106562256 * t384;
+    let t386 = t383 - t385;
+    let t387 = 1.3360662912305366e-5 * t145;
+    let t388 = t386 - t387;
+    let moment_panda_joint3_y = t388 + t380;
+    let t390 = cos_panda_joint4 * force_panda_joint4_x;
+    let t391 = sin_panda_joint4 * force_panda_joint4_y;
+    let t392 = t390 + t391;
+    let t393 = 0.002328735327435001 * t34;
+    let force_panda_joint3_x = t393 - t392;
+    let t395 = 3.83030303030303 * force_panda_joint3_x;
+    let t396 = moment_panda_joint3_y + t395;
+    let t397 = sin_panda_joint3 * t396;
+    let t398 = cos_panda_joint5 * t276;
+    let t399 = sin_panda_joint5 * t340;
+    let t400 = t398 - t399;
+    let t401 = 0.04942675278013915 * t155;
+    let t402 = 0.0039053550262761003 * t171;
+    let t403 = t401 - t402;
+    let t404 = t140 + t136;
+    let t405 = t404 - t174;
+    let t406 = 0.0016444875773692705 * t405;
+    let t407 = t403 - t406;
+    let t408 = 0.2907172362270936 * t43;
+    let t409 = t407 + t408;
+    let t410 = 0.04623443229335249 * acceleration_panda_joint4_z;
+    let t411 = t410 - t409;
+    let moment_panda_joint4_x = t411 - t400;
+    let t413 = cos_panda_joint4 * moment_panda_joint4_x;
+    let t414 = sin_panda_joint5 * force_panda_joint5_x;
+    let t415 = cos_panda_joint5 * force_panda_joint5_y;
+    let t416 = t414 - t415;
+    let t417 = cos_panda_joint6 * moment_panda_joint6_y;
+    let t418 = sin_panda_joint6 * moment_panda_joint6_x;
+    let t419 = t418 - t417;
+    let t420 = 0.0055993270925625 * acceleration_panda_joint5_x;
+    let t421 = 0.001208932934385 * acceleration_panda_joint5_y;
+    let t422 = t421 - t420;
+    let t423 = 0.0021640520520981297 * t88;
+    let t424 = 0.004600245517563105 * t54;
+    let t425 = t424 - t423;
+    let t426 = t298 - t210;
+    let t427 = 0.0015152444733270301 * t426;
+    let t428 = t425 - t427;
+    let t429 = 0.0014511560650267133 * t256;
+    let t430 = t428 + t429;
+    let t431 = 0.010045187828321242 * t72;
+    let t432 = t430 + t431;
+    let t433 = t422 + t432;
+    let moment_panda_joint5_z = t433 - t419;
+    let t435 = moment_panda_joint5_z - t416;
+    let t436 = 0.04942675278013915 * t43;
+    let t437 = 0.0016444875773692705 * t52;
+    let t438 = t437 + t436;
+    let t439 = t404 - t151;
+    let t440 = 0.0039053550262761003 * t439;
+    let t441 = t438 - t440;
+    let t442 = 0.0054157634981905 * t155;
+    let t443 = t441 - t442;
+    let moment_panda_joint4_y = t443 - t435;
+    let t445 = sin_panda_joint4 * moment_panda_joint4_y;
+    let t446 = t413 + t445;
+    let t447 = 0.00012191242095074308 * t145;
+    let t448 = 0.005487648106562256 * t160;
+    let t449 = t447 - t448;
+    let t450 = t404 - t141;
+    let t451 = 0.004377257121839584 * t450;
+    let t452 = t449 - t451;
+    let t453 = 0.022178148964878235 * t27;
+    let t454 = t452 + t453;
+    let t455 = 0.002328735327435001 * acceleration_panda_joint3_z;
+    let t456 = t455 - t454;
+    let moment_panda_joint3_x = t456 - t446;
+    let t458 = 0.04623443229335249 * t43;
+    let t459 = 0.016011409030815008 * acceleration_panda_joint4_z;
+    let t460 = t459 + t458;
+    let force_panda_joint4_z = t460 + t416;
+    let t462 = 0.002328735327435001 * t404;
+    let force_panda_joint3_y = t462 + force_panda_joint4_z;
+    let t464 = 3.83030303030303 * force_panda_joint3_y;
+    let t465 = moment_panda_joint3_x + t464;
+    let t466 = cos_panda_joint3 * t465;
+    let t467 = t466 - t397;
+    let t468 = omega_panda_joint2_y * omega_panda_joint2_y;
+    let t469 = omega_panda_joint2_x * omega_panda_joint2_x;
+    let t470 = t469 + t468;
+    let t471 = v[1] * v[1];
+    let t472 = t469 + t471;
+    let t473 = t472 - t470;
+    let t474 = 0.0007689361029464 * t473;
+    let t475 = omega_panda_joint2_x * omega_panda_joint2_y;
+    let t476 = 0.01026110182100817 * t475;
+    let t477 = t33 * 0.00796671776787104;
+    let t478 = t477 - t476;
+    let t479 = t478 + t474;
+    let t480 = t22 * 0.2563665845006481;
+    let t481 = t479 + t480;
+    let moment_panda_joint2_x = t481 - t467;
+    let t483 = sin_panda_joint2 * moment_panda_joint2_x;
+    let t484 = sin_panda_joint4 * moment_panda_joint4_x;
+    let t485 = cos_panda_joint4 * moment_panda_joint4_y;
+    let t486 = t484 - t485;
+    let t487 = force_panda_joint4_z + t486;
+    let t488 = 0.004377257121839584 * t130;
+    let t489 = 0.005487648106562256 * t156;
+    let t490 = t489 - t488;
+    let t491 = t137 - t404;
+    let t492 = 0.00012191242095074308 * t491;
+    let t493 = t490 + t492;
+    let t494 = 1.3360662912305366e-5 * t160;
+    let t495 = t493 + t494;
+    let t496 = 0.022178148964878235 * t34;
+    let t497 = t495 - t496;
+    let t498 = 0.002328735327435001 * acceleration_panda_joint3_x;
+    let t499 = t498 + t497;
+    let moment_panda_joint3_z = t499 - t487;
+    let t501 = t468 + t471;
+    let t502 = t501 - t470;
+    let t503 = 0.01026110182100817 * t502;
+    let t504 = t22 * 0.00796671776787104;
+    let t505 = 0.0007689361029464 * t475;
+    let t506 = t505 - t504;
+    let t507 = t506 - t503;
+    let t508 = t33 * 0.04615576498986362;
+    let t509 = t507 - t508;
+    let moment_panda_joint2_y = t509 + moment_panda_joint3_z;
+    let t511 = cos_panda_joint2 * moment_panda_joint2_y;
+    let moment_panda_joint1_z = t483 + t511;
+    let t513 = v[0] * 0.003;
+    let t514 = u[0] - t513;
+    let t515 = t514 - moment_panda_joint1_z;
+    let t516 = v[6] * 0.003;
+    let t517 = u[6] - t516;
+    let t518 = t517 + moment_panda_joint7_z;
+    let t519 = cos_panda_joint7 * 0.00028869352684245185;
+    let t520 = 0.006684151967360947 + t519;
+    let t521 = sin_panda_joint6 * t520;
+    let t522 = cos_panda_joint6 * t84;
+    let t523 = t522 - t521;
+    let t524 = cos_panda_joint7 * 0.0012597535716761534;
+    let t525 = t523 - t524;
+    let t526 = sin_panda_joint5 * t525;
+    let t527 = cos_panda_joint6 * t183;
+    let t528 = 4.654545454545454 * t527;
+    let t529 = t98 - t528;
+    let t530 = cos_panda_joint5 * t529;
+    let t531 = t526 - t530;
+    let t532 = sin_panda_joint6 * t183;
+    let t533 = t532 + t531;
+    let t534 = cos_panda_joint5 * t527;
+    let t535 = sin_panda_joint5 * t194;
+    let t536 = t534 - t535;
+    let t537 = sin_panda_joint4 * t536;
+    let t538 = cos_panda_joint4 * t532;
+    let t539 = t537 + t538;
+    let t540 = t533 - t539;
+    let t541 = cos_panda_joint4 * t536;
+    let t542 = sin_panda_joint4 * t532;
+    let t543 = t541 - t542;
+    let t544 = 3.83030303030303 * t543;
+    let t545 = t540 + t544;
+    let t546 = sin_panda_joint3 * t545;
+    let t547 = cos_panda_joint5 * t525;
+    let t548 = sin_panda_joint5 * t529;
+    let t549 = t547 + t548;
+    let t550 = cos_panda_joint4 * t549;
+    let t551 = sin_panda_joint5 * t527;
+    let t552 = cos_panda_joint5 * t194;
+    let t553 = t551 + t552;
+    let t554 = cos_panda_joint6 * t520;
+    let t555 = sin_panda_joint6 * t84;
+    let t556 = t555 + t554;
+    let t557 = t556 - t553;
+    let t558 = sin_panda_joint4 * t557;
+    let t559 = t550 - t558;
+    let t560 = 3.83030303030303 * t553;
+    let t561 = t559 - t560;
+    let t562 = cos_panda_joint3 * t561;
+    let t563 = t562 - t546;
+    let t564 = sin_panda_joint2 * t563;
+    let t565 = sin_panda_joint4 * t549;
+    let t566 = cos_panda_joint4 * t557;
+    let t567 = t565 + t566;
+    let t568 = t553 + t567;
+    let t569 = cos_panda_joint2 * t568;
+    let t570 = t564 - t569;
+    let t571 = t570 * 149.60760989322964;
+    let t572 = t571 * t518;
+    let t573 = t515 - t572;
+    let t574 = v[5] * 0.003;
+    let t575 = u[5] - t574;
+    let t576 = t575 + moment_panda_joint6_z;
+    let t577 = t98 * 149.60760989322964;
+    let t578 = t577 * t518;
+    let t579 = t576 + t578;
+    let t580 = sin_panda_joint7 * 0.00028869352684245185;
+    let t581 = t112 - t580;
+    let t582 = 0.00010375891721868492 - t581;
+    let t583 = cos_panda_joint6 * t582;
+    let t584 = 9.3569097314605e-5 + t98;
+    let t585 = sin_panda_joint6 * t584;
+    let t586 = t583 + t585;
+    let t587 = sin_panda_joint5 * t586;
+    let t588 = cos_panda_joint7 * 0.0005773870536849037;
+    let t589 = t122 + t588;
+    let t590 = t589 + 0.050456677916247444;
+    let t591 = t194 + 0.0191274230973375;
+    let t592 = sin_panda_joint6 * t591;
+    let t593 = 0.014338888209442503 * cos_panda_joint6;
+    let t594 = t592 - t593;
+    let t595 = 4.654545454545454 * t594;
+    let t596 = t590 + t595;
+    let t597 = cos_panda_joint5 * t596;
+    let t598 = t587 + t597;
+    let t599 = cos_panda_joint6 * t591;
+    let t600 = 0.014338888209442503 * sin_panda_joint6;
+    let t601 = t599 + t600;
+    let t602 = t601 - t598;
+    let t603 = cos_panda_joint5 * t594;
+    let t604 = sin_panda_joint4 * t603;
+    let t605 = cos_panda_joint4 * t601;
+    let t606 = t604 - t605;
+    let t607 = t602 + t606;
+    let t608 = cos_panda_joint4 * t603;
+    let t609 = sin_panda_joint4 * t601;
+    let t610 = t608 + t609;
+    let t611 = 3.83030303030303 * t610;
+    let t612 = t607 - t611;
+    let t613 = sin_panda_joint3 * t612;
+    let t614 = cos_panda_joint5 * t586;
+    let t615 = sin_panda_joint5 * t596;
+    let t616 = t614 - t615;
+    let t617 = cos_panda_joint4 * t616;
+    let t618 = sin_panda_joint6 * t582;
+    let t619 = cos_panda_joint6 * t584;
+    let t620 = t618 - t619;
+    let t621 = sin_panda_joint5 * t594;
+    let t622 = t620 - t621;
+    let t623 = sin_panda_joint4 * t622;
+    let t624 = t617 - t623;
+    let t625 = 3.83030303030303 * t621;
+    let t626 = t624 - t625;
+    let t627 = cos_panda_joint3 * t626;
+    let t628 = t627 + t613;
+    let t629 = sin_panda_joint2 * t628;
+    let t630 = sin_panda_joint4 * t616;
+    let t631 = cos_panda_joint4 * t622;
+    let t632 = t630 + t631;
+    let t633 = t621 + t632;
+    let t634 = cos_panda_joint2 * t633;
+    let t635 = t629 - t634;
+    let t636 = t570 * t577;
+    let t637 = t635 + t636;
+    let t638 = t98 * t577;
+    let t639 = t590 - t638;
+    let inverse_d_panda_joint6 = 1.0 / t639;
+    let t641 = t637 * inverse_d_panda_joint6;
+    let t642 = t641 * t579;
+    let t643 = t573 - t642;
+    let t644 = v[4] * 0.003;
+    let t645 = u[4] - t644;
+    let t646 = t645 + moment_panda_joint5_z;
+    let t647 = t556 * 149.60760989322964;
+    let t648 = t647 * t518;
+    let t649 = t646 + t648;
+    let t650 = t556 * t577;
+    let t651 = t620 + t650;
+    let t652 = t651 * inverse_d_panda_joint6;
+    let t653 = t652 * t579;
+    let t654 = t649 + t653;
+    let t655 = t589 - 0.007412167175072339;
+    let t656 = sin_panda_joint6 * t655;
+    let t657 = 0.014748570382675316 + t84;
+    let t658 = 2.0 * t657;
+    let t659 = cos_panda_joint6 * t658;
+    let t660 = t656 - t659;
+    let t661 = cos_panda_joint6 * t660;
+    let t662 = t657 + t661;
+    let t663 = 0.004600245517563105 + t662;
+    let t664 = 0.001208932934385 - t601;
+    let t665 = 4.654545454545454 * t664;
+    let t666 = t663 - t665;
+    let t667 = cos_panda_joint5 * t666;
+    let t668 = 0.0021640520520981297 + t620;
+    let t669 = 0.0055993270925625 - t183;
+    let t670 = 4.654545454545454 * t669;
+    let t671 = t668 - t670;
+    let t672 = sin_panda_joint5 * t671;
+    let t673 = t667 + t672;
+    let t674 = cos_panda_joint4 * t673;
+    let t675 = sin_panda_joint6 * t660;
+    let t676 = t589 + 0.021522255370587554;
+    let t677 = t676 - t675;
+    let t678 = 0.0014511560650267133 + t677;
+    let t679 = t121 - 0.014047520880232544;
+    let t680 = t678 - t679;
+    let t681 = cos_panda_joint5 * t664;
+    let t682 = sin_panda_joint5 * t669;
+    let t683 = t681 + t682;
+    let t684 = t680 + t683;
+    let t685 = sin_panda_joint4 * t684;
+    let t686 = t674 + t685;
+    let t687 = 3.83030303030303 * t683;
+    let t688 = t686 - t687;
+    let t689 = cos_panda_joint3 * t688;
+    let t690 = sin_panda_joint5 * t666;
+    let t691 = cos_panda_joint5 * t671;
+    let t692 = t690 - t691;
+    let t693 = sin_panda_joint5 * t664;
+    let t694 = cos_panda_joint5 * t669;
+    let t695 = t693 - t694;
+    let t696 = sin_panda_joint4 * t695;
+    let t697 = t692 + t696;
+    let t698 = cos_panda_joint4 * t695;
+    let t699 = 3.83030303030303 * t698;
+    let t700 = t697 - t699;
+    let t701 = sin_panda_joint3 * t700;
+    let t702 = t689 - t701;
+    let t703 = sin_panda_joint2 * t702;
+    let t704 = sin_panda_joint4 * t673;
+    let t705 = cos_panda_joint4 * t684;
+    let t706 = t704 - t705;
+    let t707 = t683 + t706;
+    let t708 = cos_panda_joint2 * t707;
+    let t709 = t703 - t708;
+    let t710 = t570 * t647;
+    let t711 = t709 + t710;
+    let t712 = t637 * t652;
+    let t713 = t711 + t712;
+    let t714 = t556 * t647;
+    let t715 = t680 - t714;
+    let t716 = t651 * t652;
+    let t717 = t715 - t716;
+    let inverse_d_panda_joint5 = 1.0 / t717;
+    let t719 = t713 * inverse_d_panda_joint5;
+    let t720 = t719 * t654;
+    let t721 = t643 - t720;
+    let t722 = v[3] * 0.003;
+    let t723 = u[3] - t722;
+    let t724 = t723 + moment_panda_joint4_z;
+    let t725 = t533 * 149.60760989322964;
+    let t726 = t725 * t518;
+    let t727 = t724 - t726;
+    let t728 = t533 * t577;
+    let t729 = t602 - t728;
+    let t730 = t729 * inverse_d_panda_joint6;
+    let t731 = t730 * t579;
+    let t732 = t727 + t731;
+    let t733 = t533 * t647;
+    let t734 = t692 + t733;
+    let t735 = t729 * t652;
+    let t736 = t734 - t735;
+    let t737 = t736 * inverse_d_panda_joint5;
+    let t738 = t737 * t654;
+    let t739 = t732 - t738;
+    let t740 = t678 + t679;
+    let t741 = sin_panda_joint5 * t740;
+    let t742 = 0.0015152444733270301 - t586;
+    let t743 = 2.0 * t742;
+    let t744 = cos_panda_joint5 * t743;
+    let t745 = t741 + t744;
+    let t746 = sin_panda_joint5 * t745;
+    let t747 = t678 - t746;
+    let t748 = 2.0 * t683;
+    let t749 = t747 + t748;
+    let t750 = t749 + 0.051020136156815506;
+    let t751 = 0.028934422545659894 + t675;
+    let t752 = t594 * 9.309090909090909;
+    let t753 = t751 + t752;
+    let t754 = t753 + 0.6972920750309719;
+    let t755 = t750 + t754;
+    let t756 = 0.045604372658625006 + t683;
+    let t757 = cos_panda_joint4 * t756;
+    let t758 = t594 + 0.16603319317224752;
+    let t759 = sin_panda_joint4 * t758;
+    let t760 = t757 + t759;
+    let t761 = t755 - t760;
+    let t762 = sin_panda_joint4 * t756;
+    let t763 = cos_panda_joint4 * t758;
+    let t764 = t762 - t763;
+    let t765 = 3.83030303030303 * t764;
+    let t766 = t765 - t761;
+    let t767 = sin_panda_joint3 * t766;
+    let t768 = cos_panda_joint5 * t745;
+    let t769 = t742 - t768;
+    let t770 = t695 - t769;
+    let t771 = 0.0039053550262761003 + t770;
+    let t772 = cos_panda_joint4 * t771;
+    let t773 = 0.0016444875773692705 - t692;
+    let t774 = sin_panda_joint4 * t773;
+    let t775 = t772 + t774;
+    let t776 = cos_panda_joint3 * t775;
+    let t777 = t776 - t767;
+    let t778 = sin_panda_joint2 * t777;
+    let t779 = sin_panda_joint4 * t771;
+    let t780 = cos_panda_joint4 * t773;
+    let t781 = t779 - t780;
+    let t782 = cos_panda_joint2 * t781;
+    let t783 = t778 - t782;
+    let t784 = t570 * t725;
+    let t785 = t783 + t784;
+    let t786 = t637 * t730;
+    let t787 = t785 - t786;
+    let t788 = t713 * t737;
+    let t789 = t787 + t788;
+    let t790 = t533 * t725;
+    let t791 = t755 - t790;
+    let t792 = t729 * t730;
+    let t793 = t791 - t792;
+    let t794 = t736 * t737;
+    let t795 = t793 - t794;
+    let inverse_d_panda_joint4 = 1.0 / t795;
+    let t797 = t789 * inverse_d_panda_joint4;
+    let t798 = t797 * t739;
+    let t799 = t721 + t798;
+    let t800 = v[2] * 0.003;
+    let t801 = u[2] - t800;
+    let t802 = t801 - moment_panda_joint3_z;
+    let t803 = t568 * 149.60760989322964;
+    let t804 = t803 * t518;
+    let t805 = t802 + t804;
+    let t806 = t568 * t577;
+    let t807 = t633 + t806;
+    let t808 = t807 * inverse_d_panda_joint6;
+    let t809 = t808 * t579;
+    let t810 = t805 + t809;
+    let t811 = t568 * t647;
+    let t812 = t707 + t811;
+    let t813 = t807 * t652;
+    let t814 = t812 + t813;
+    let t815 = t814 * inverse_d_panda_joint5;
+    let t816 = t815 * t654;
+    let t817 = t810 + t816;
+    let t818 = t568 * t725;
+    let t819 = t781 + t818;
+    let t820 = t807 * t730;
+    let t821 = t819 - t820;
+    let t822 = t814 * t737;
+    let t823 = t821 + t822;
+    let t824 = t823 * inverse_d_panda_joint4;
+    let t825 = t824 * t739;
+    let t826 = t817 - t825;
+    let t827 = t750 - t754;
+    let t828 = sin_panda_joint4 * t827;
+    let t829 = t594 + 0.21226762546560002;
+    let t830 = t829 - t673;
+    let t831 = 0.04942675278013915 - t830;
+    let t832 = 2.0 * t831;
+    let t833 = cos_panda_joint4 * t832;
+    let t834 = t828 + t833;
+    let t835 = cos_panda_joint4 * t834;
+    let t836 = t831 - t835;
+    let t837 = t764 + t836;
+    let t838 = 0.005487648106562256 - t837;
+    let t839 = 0.06161578168944001 - t760;
+    let t840 = 3.83030303030303 * t839;
+    let t841 = t838 + t840;
+    let t842 = cos_panda_joint3 * t841;
+    let t843 = 0.004377257121839584 + t781;
+    let t844 = 0.002328735327435001 - t695;
+    let t845 = 3.83030303030303 * t844;
+    let t846 = t843 + t845;
+    let t847 = sin_panda_joint3 * t846;
+    let t848 = t842 - t847;
+    let t849 = sin_panda_joint2 * t848;
+    let t850 = sin_panda_joint4 * t834;
+    let t851 = t750 - t850;
+    let t852 = 2.0 * t760;
+    let t853 = t851 - t852;
+    let t854 = t853 + 0.06160242102652771;
+    let t855 = t679 - t746;
+    let t856 = 0.022178148964878235 - t855;
+    let t857 = t854 + t856;
+    let t858 = cos_panda_joint2 * t857;
+    let t859 = t849 + t858;
+    let t860 = t570 * t803;
+    let t861 = t859 + t860;
+    let t862 = t637 * t808;
+    let t863 = t861 + t862;
+    let t864 = t713 * t815;
+    let t865 = t863 + t864;
+    let t866 = t789 * t824;
+    let t867 = t865 + t866;
+    let t868 = t568 * t803;
+    let t869 = t857 - t868;
+    let t870 = t807 * t808;
+    let t871 = t869 - t870;
+    let t872 = t814 * t815;
+    let t873 = t871 - t872;
+    let t874 = t823 * t824;
+    let t875 = t873 - t874;
+    let inverse_d_panda_joint3 = 1.0 / t875;
+    let t877 = t867 * inverse_d_panda_joint3;
+    let t878 = t877 * t826;
+    let t879 = t799 - t878;
+    let t880 = cos_panda_joint3 * t396;
+    let t881 = sin_panda_joint3 * t465;
+    let t882 = t881 + t880;
+    let t883 = t501 - t472;
+    let t884 = 0.00398335888393552 * t883;
+    let t885 = 0.02307788249493181 * t475;
+    let t886 = t884 + t885;
+    let t887 = 0.12818329225032404 * t475;
+    let t888 = t886 - t887;
+    let t889 = sin_panda_joint2 * 4.746153896127808;
+    let t890 = cos_panda_joint2 * 0.01993386669246;
+    let t891 = t890 - t889;
+    let t892 = t891 + t888;
+    let moment_panda_joint2_z = t892 + t882;
+    let t894 = v[1] * 0.003;
+    let t895 = u[1] - t894;
+    let t896 = t895 - moment_panda_joint2_z;
+    let t897 = cos_panda_joint3 * t545;
+    let t898 = sin_panda_joint3 * t561;
+    let t899 = t898 + t897;
+    let t900 = t899 * 149.60760989322964;
+    let t901 = t900 * t518;
+    let t902 = t896 + t901;
+    let t903 = cos_panda_joint3 * t612;
+    let t904 = sin_panda_joint3 * t626;
+    let t905 = t904 - t903;
+    let t906 = t899 * t577;
+    let t907 = t905 + t906;
+    let t908 = t907 * inverse_d_panda_joint6;
+    let t909 = t908 * t579;
+    let t910 = t902 + t909;
+    let t911 = sin_panda_joint3 * t688;
+    let t912 = cos_panda_joint3 * t700;
+    let t913 = t911 + t912;
+    let t914 = t899 * t647;
+    let t915 = t913 + t914;
+    let t916 = t907 * t652;
+    let t917 = t915 + t916;
+    let t918 = t917 * inverse_d_panda_joint5;
+    let t919 = t918 * t654;
+    let t920 = t910 + t919;
+    let t921 = cos_panda_joint3 * t766;
+    let t922 = sin_panda_joint3 * t775;
+    let t923 = t922 + t921;
+    let t924 = t899 * t725;
+    let t925 = t923 + t924;
+    let t926 = t907 * t730;
+    let t927 = t925 - t926;
+    let t928 = t917 * t737;
+    let t929 = t927 + t928;
+    let t930 = t929 * inverse_d_panda_joint4;
+    let t931 = t930 * t739;
+    let t932 = t920 - t931;
+    let t933 = sin_panda_joint3 * t841;
+    let t934 = cos_panda_joint3 * t846;
+    let t935 = t933 + t934;
+    let t936 = t899 * t803;
+    let t937 = t935 + t936;
+    let t938 = t907 * t808;
+    let t939 = t937 + t938;
+    let t940 = t917 * t815;
+    let t941 = t939 + t940;
+    let t942 = t929 * t824;
+    let t943 = t941 + t942;
+    let t944 = t943 * inverse_d_panda_joint3;
+    let t945 = t944 * t826;
+    let t946 = t932 + t945;
+    let t947 = t854 - t856;
+    let t948 = sin_panda_joint3 * t947;
+    let t949 = t695 - t775;
+    let t950 = 0.00012191242095074308 - t949;
+    let t951 = 2.0 * t950;
+    let t952 = cos_panda_joint3 * t951;
+    let t953 = t948 + t952;
+    let t954 = sin_panda_joint3 * t953;
+    let t955 = t854 - t954;
+    let t956 = 0.02307788249493181 + t955;
+    let t957 = t754 + t850;
+    let t958 = t764 * 7.66060606060606;
+    let t959 = t957 - t958;
+    let t960 = t959 + 1.032162061231881;
+    let t961 = t956 + t960;
+    let t962 = t899 * t900;
+    let t963 = t961 - t962;
+    let t964 = t907 * t908;
+    let t965 = t963 - t964;
+    let t966 = t917 * t918;
+    let t967 = t965 - t966;
+    let t968 = t929 * t930;
+    let t969 = t967 - t968;
+    let t970 = t943 * t944;
+    let t971 = t969 - t970;
+    let inverse_d_panda_joint2 = 1.0 / t971;
+    let t973 = cos_panda_joint3 * t953;
+    let t974 = t950 - t973;
+    let t975 = 0.01026110182100817 + t974;
+    let t976 = sin_panda_joint2 * t975;
+    let t977 = 0.0007689361029464 + t935;
+    let t978 = cos_panda_joint2 * t977;
+    let t979 = t976 + t978;
+    let t980 = t570 * t900;
+    let t981 = t979 - t980;
+    let t982 = t637 * t908;
+    let t983 = t981 - t982;
+    let t984 = t713 * t918;
+    let t985 = t983 - t984;
+    let t986 = t789 * t930;
+    let t987 = t985 - t986;
+    let t988 = t867 * t944;
+    let t989 = t987 - t988;
+    let t990 = t989 * inverse_d_panda_joint2;
+    let t991 = t990 * t946;
+    let t992 = t879 + t991;
+    let t993 = t956 - t960;
+    let t994 = sin_panda_joint2 * t993;
+    let t995 = 0.00398335888393552 - t848;
+    let t996 = 2.0 * t995;
+    let t997 = cos_panda_joint2 * t996;
+    let t998 = t994 + t997;
+    let t999 = sin_panda_joint2 * t998;
+    let t1000 = t956 - t999;
+    let t1001 = 0.006253137926937475 + t1000;
+    let t1002 = t856 + t954;
+    let t1003 = 0.008006428067536939 + t1002;
+    let t1004 = t1001 + t1003;
+    let t1005 = t570 * t571;
+    let t1006 = t1004 - t1005;
+    let t1007 = t637 * t641;
+    let t1008 = t1006 - t1007;
+    let t1009 = t713 * t719;
+    let t1010 = t1008 - t1009;
+    let t1011 = t789 * t797;
+    let t1012 = t1010 - t1011;
+    let t1013 = t867 * t877;
+    let t1014 = t1012 - t1013;
+    let t1015 = t989 * t990;
+    let t1016 = t1014 - t1015;
+    let inverse_d_panda_joint1 = 1.0 / t1016;
+    let t1018 = inverse_d_panda_joint1 * t992;
+    let t1019 = t990 * t1018;
+    let t1020 = inverse_d_panda_joint2 * t946;
+    let t1021 = t1020 + t1019;
+    let t1022 = t944 * t1021;
+    let t1023 = inverse_d_panda_joint3 * t826;
+    let t1024 = t1023 + t1022;
+    let t1025 = t877 * t1018;
+    let t1026 = t1024 - t1025;
+    let t1027 = t824 * t1026;
+    let t1028 = inverse_d_panda_joint4 * t739;
+    let t1029 = t1028 - t1027;
+    let t1030 = t930 * t1021;
+    let t1031 = t1029 - t1030;
+    let t1032 = t797 * t1018;
+    let t1033 = t1031 + t1032;
+    let t1034 = t737 * t1033;
+    let t1035 = inverse_d_panda_joint5 * t654;
+    let t1036 = t1035 - t1034;
+    let t1037 = t815 * t1026;
+    let t1038 = t1036 + t1037;
+    let t1039 = t918 * t1021;
+    let t1040 = t1038 + t1039;
+    let t1041 = t719 * t1018;
+    let t1042 = t1040 - t1041;
+    let t1043 = t652 * t1042;
+    let t1044 = inverse_d_panda_joint6 * t579;
+    let t1045 = t1044 + t1043;
+    let t1046 = t730 * t1033;
+    let t1047 = t1045 + t1046;
+    let t1048 = t808 * t1026;
+    let t1049 = t1047 + t1048;
+    let t1050 = t908 * t1021;
+    let t1051 = t1049 + t1050;
+    let t1052 = t641 * t1018;
+    let t1053 = t1051 - t1052;
+    let t1054 = t577 * t1053;
+    let t1055 = 149.60760989322964 * t518;
+    let t1056 = t1055 + t1054;
+    let t1057 = t647 * t1042;
+    let t1058 = t1056 + t1057;
+    let t1059 = t725 * t1033;
+    let t1060 = t1058 - t1059;
+    let t1061 = t803 * t1026;
+    let t1062 = t1060 + t1061;
+    let t1063 = t900 * t1021;
+    let t1064 = t1062 + t1063;
+    let t1065 = t571 * t1018;
+    let t1066 = t1064 - t1065;
+    [
+        sin_panda_joint2,
+        cos_panda_joint2,
+        sin_panda_joint3,
+        cos_panda_joint3,
+        sin_panda_joint4,
+        cos_panda_joint4,
+        sin_panda_joint5,
+        cos_panda_joint5,
+        sin_panda_joint6,
+        cos_panda_joint6,
+        sin_panda_joint7_2,
+        cos_panda_joint7_2,
+        omega_panda_joint2_x,
+        omega_panda_joint3_y,
+        omega_panda_joint2_y,
+        omega_panda_joint3_z,
+        omega_panda_joint3_x,
+        t32,
+        t33,
+        omega_panda_joint4_z,
+        t38,
+        omega_panda_joint4_y,
+        t42,
+        omega_panda_joint4_x,
+        t48,
+        omega_panda_joint5_z,
+        omega_panda_joint5_y,
+        t60,
+        t66,
+        omega_panda_joint5_x,
+        t71,
+        omega_panda_joint6_z,
+        t76,
+        omega_panda_joint6_y,
+        t80,
+        t89,
+        omega_panda_joint6_x,
+        t94,
+        t104,
+        t106,
+        t107,
+        t118,
+        t129,
+        acceleration_panda_joint2_x,
+        t133,
+        t137,
+        acceleration_panda_joint2_y,
+        t151,
+        t154,
+        t158,
+        t174,
+        t180,
+        t185,
+        t210,
+        t212,
+        t219,
+        t220,
+        t224,
+        t225,
+        t228,
+        t244,
+        t253,
+        t260,
+        t298,
+        t308,
+        t320,
+        t333,
+        t356,
+        t404,
+        t406,
+        t427,
+        t440,
+        t462,
+        t472,
+        t475,
+        t492,
+        t501,
+        t571,
+        t577,
+        inverse_d_panda_joint6,
+        t641,
+        t647,
+        t652,
+        inverse_d_panda_joint5,
+        t719,
+        t725,
+        t730,
+        t737,
+        inverse_d_panda_joint4,
+        t797,
+        t803,
+        t808,
+        t815,
+        t824,
+        inverse_d_panda_joint3,
+        t877,
+        t900,
+        t908,
+        t918,
+        t930,
+        t944,
+        inverse_d_panda_joint2,
+        t990,
+        inverse_d_panda_joint1,
+        t1018,
+        t1021,
+        t1026,
+        t1033,
+        t1042,
+        t1053,
+        t1066,
+    ]
+}
+
+/// Part 2 of `linearize`: values that later parts read.
+#[inline(never)]
+fn linearize_part_2(
+    v: &[f64; N],
+    [sin_panda_joint2,
+    cos_panda_joint2,
+    sin_panda_joint3,
+    cos_panda_joint3,
+    sin_panda_joint4,
+    cos_panda_joint4,
+    sin_panda_joint5,
+    cos_panda_joint5,
+    sin_panda_joint6,
+    cos_panda_joint6,
+    sin_panda_joint7_2,
+    cos_panda_joint7_2,
+    omega_panda_joint2_x,
+    omega_panda_joint3_y,
+    omega_panda_joint2_y,
+    omega_panda_joint3_z,
+    omega_panda_joint3_x,
+    t32,
+    t33,
+    omega_panda_joint4_z,
+    t38,
+    omega_panda_joint4_y,
+    t42,
+    omega_panda_joint4_x,
+    t48,
+    omega_panda_joint5_z,
+    omega_panda_joint5_y,
+    t60,
+    t66,
+    omega_panda_joint5_x,
+    t71,
+    omega_panda_joint6_z,
+    t76,
+    omega_panda_joint6_y,
+    t80,
+    t89,
+    omega_panda_joint6_x,
+    t94,
+    t104,
+    t106,
+    t107,
+    t118,
+    t129,
+    acceleration_panda_joint2_x,
+    t133,
+    t137,
+    acceleration_panda_joint2_y,
+    t151,
+    t154,
+    t158,
+    t174,
+    t180,
+    t185,
+    t210,
+    t212,
+    t219,
+    t220,
+    t224,
+    t225,
+    t228,
+    t244,
+    t253,
+    t260,
+    t298,
+    t308,
+    t320,
+    t333,
+    t356,
+    t404,
+    t406,
+    t427,
+    t440,
+    t462,
+    t472,
+    t475,
+    t492,
+    t501,
+    t571,
+    t577,
+    t641,
+    t647,
+    t652,
+    t719,
+    t725,
+    t730,
+    t737,
+    t797,
+    t803,
+    t808,
+    t815,
+    t824,
+    t877,
+    t900,
+    t908,
+    t918,
+    t930,
+    t944,
+    t990,
+    inverse_d_panda_joint1,
+    t1018,
+    t1021,
+    t1026,
+    t1033,
+    t1042,
+    t1053,
+    t1066,
+    ]: [f64; 106],
+) -> [f64; 203] {
+    let t1067 = cos_panda_joint2 * t1018;
+    let t1068 = t33 - t1067;
+    let t1069 = t1026 - t1068;
+    let t1070 = t32 + t1069;
+    let t1071 = cos_panda_joint4 * t1070;
+    let t1072 = t475 - t1021;
+    let t1073 = sin_panda_joint3 * t1072;
+    let t1074 = sin_panda_joint2 * t1018;
+    let t1075 = v[1] * 2.0;
+    let t1076 = omega_panda_joint2_y * t1075;
+    let t1077 = t1074 + t1076;
+    let t1078 = cos_panda_joint3 * t1077;
+    let t1079 = t1073 + t1078;
+    let t1080 = 2.0 * omega_panda_joint3_z;
+    let t1081 = omega_panda_joint3_y * t1080;
+    let t1082 = t1079 - t1081;
+    let t1083 = sin_panda_joint4 * t1082;
+    let t1084 = t1071 + t1083;
+    let t1085 = t66 + t1084;
+    let t1086 = t1042 + t1085;
+    let t1087 = t71 + t1086;
+    let t1088 = cos_panda_joint6 * t1087;
+    let t1089 = cos_panda_joint3 * t1072;
+    let t1090 = sin_panda_joint3 * t1077;
+    let t1091 = t1089 - t1090;
+    let t1092 = t129 - t1091;
+    let t1093 = t1033 - t1092;
+    let t1094 = t48 + t1093;
+    let t1095 = sin_panda_joint5 * t1094;
+    let t1096 = sin_panda_joint4 * t1070;
+    let t1097 = cos_panda_joint4 * t1082;
+    let t1098 = t1096 - t1097;
+    let t1099 = t42 + t1098;
+    let t1100 = cos_panda_joint5 * t1099;
+    let t1101 = t1095 - t1100;
+    let t1102 = t60 - t1101;
+    let t1103 = sin_panda_joint6 * t1102;
+    let t1104 = t1088 - t1103;
+    let t1105 = t118 + t1104;
+    let t1106 = t1066 - t1105;
+    let t1107 = t118 - t1106;
+    let t1108 = cos_panda_joint7_2 * 0.0021748470602962725;
+    let t1109 = 0.0013205141364616554 * sin_panda_joint7_2;
+    let t1110 = t1109 - t1108;
+    let t1111 = sin_panda_joint7_2 * t1110;
+    let t1112 = 0.0026818189154496457 + t1111;
+    let t1113 = t1112 * t1107;
+    let t1114 = cos_panda_joint5 * t1094;
+    let t1115 = sin_panda_joint5 * t1099;
+    let t1116 = t1114 + t1115;
+    let t1117 = t89 - t1116;
+    let t1118 = t1053 - t1117;
+    let t1119 = t94 + t1118;
+    let t1120 = 0.00038633089444376715 * cos_panda_joint7_2;
+    let t1121 = 0.001535882372017312 * sin_panda_joint7_2;
+    let t1122 = t1121 + t1120;
+    let t1123 = t1122 * t1119;
+    let t1124 = sin_panda_joint6 * t1087;
+    let t1125 = cos_panda_joint6 * t1102;
+    let t1126 = t1124 + t1125;
+    let t1127 = t80 + t1126;
+    let t1128 = 0.00038633089444376715 * sin_panda_joint7_2;
+    let t1129 = 0.001535882372017312 * cos_panda_joint7_2;
+    let t1130 = t1129 - t1128;
+    let t1131 = t1130 * t1127;
+    let t1132 = t1131 + t1123;
+    let t1133 = cos_panda_joint7_2 * t1110;
+    let t1134 = 0.0010874235301481362 + t1133;
+    let t1135 = t107 * t1134;
+    let t1136 = t1132 + t1135;
+    let t1137 = t1136 + t1113;
+    let t1138 = t118 + t1106;
+    let t1139 = 0.004002333051911301 - t1111;
+    let t1140 = t1139 * t1138;
+    let t1141 = t1137 - t1140;
+    let t1142 = t185 + t1104;
+    let t1143 = t154 + t1084;
+    let t1144 = 3.83030303030303 * t1079;
+    let acceleration_panda_joint3_y_2 = t158 + t1144;
+    let t1146 = t32 - t1069;
+    let acceleration_panda_joint4_z_2 = t1146 - acceleration_panda_joint3_y_2;
+    let t1148 = acceleration_panda_joint4_z_2 + t1143;
+    let t1149 = cos_panda_joint5 * 0.21484375;
+    let t1150 = t1148 * t1149;
+    let t1151 = 3.83030303030303 * t1091;
+    let acceleration_panda_joint3_x_2 = t133 + t1151;
+    let t1153 = t137 + acceleration_panda_joint3_x_2;
+    let t1154 = cos_panda_joint4 * t1153;
+    let t1155 = omega_panda_joint3_x * t1080;
+    let t1156 = t1091 - t1155;
+    let t1157 = 3.83030303030303 * t472;
+    let acceleration_panda_joint3_z_2 = acceleration_panda_joint2_y - t1157;
+    let t1159 = t1156 + acceleration_panda_joint3_z_2;
+    let t1160 = sin_panda_joint4 * t1159;
+    let acceleration_panda_joint4_x_2 = t1154 - t1160;
+    let t1162 = t151 - acceleration_panda_joint4_x_2;
+    let t1163 = sin_panda_joint5 * 0.21484375;
+    let t1164 = t1162 * t1163;
+    let t1165 = t1164 + t1150;
+    let acceleration_panda_joint5_y_2 = t1165 - t1101;
+    let acceleration_panda_joint6_z = acceleration_panda_joint5_y_2 * 4.363636363636364;
+    let acceleration_panda_joint7_y_2 = acceleration_panda_joint6_z - t1142;
+    let t1169 = 0.0002886935268424518 * cos_panda_joint7_2;
+    let t1170 = t1169 * acceleration_panda_joint7_y_2;
+    let t1171 = t48 - t1093;
+    let t1172 = sin_panda_joint4 * t1153;
+    let t1173 = cos_panda_joint4 * t1159;
+    let acceleration_panda_joint4_y_2 = t1172 + t1173;
+    let t1175 = acceleration_panda_joint4_y_2 + t1171;
+    let t1176 = t1175 * 0.21484375;
+    let acceleration_panda_joint5_z_2 = t174 - t1176;
+    let t1178 = sin_panda_joint6 * 4.363636363636364;
+    let t1179 = acceleration_panda_joint5_z_2 * t1178;
+    let t1180 = t1148 * t1163;
+    let t1181 = t1162 * t1149;
+    let t1182 = t1181 - t1180;
+    let acceleration_panda_joint5_x_2 = t1182 - t1116;
+    let t1184 = cos_panda_joint6 * 4.363636363636364;
+    let t1185 = acceleration_panda_joint5_x_2 * t1184;
+    let acceleration_panda_joint6_x_2 = t1185 - t1179;
+    let acceleration_panda_joint7_x_2 = t180 - acceleration_panda_joint6_x_2;
+    let t1188 = 0.0002886935268424518 * sin_panda_joint7_2;
+    let t1189 = t1188 * acceleration_panda_joint7_x_2;
+    let t1190 = t1170 + t1189;
+    let moment_panda_joint7_z_2 = t1190 - t1141;
+    let t1192 = t1169 * t1107;
+    let t1193 = t104 * t1188;
+    let force_panda_joint7_y_2 = t1192 + t1193;
+    let t1195 = force_panda_joint7_y_2 - moment_panda_joint7_z_2;
+    let t1196 = 9.3569097314605e-5 * t1119;
+    let t1197 = 0.014748570382675316 * t1127;
+    let t1198 = t1196 + t1197;
+    let t1199 = t212 + t1198;
+    let t1200 = 0.02152225537058755 * t1142;
+    let t1201 = t1199 + t1200;
+    let t1202 = acceleration_panda_joint5_y_2 * 0.08902946023488;
+    let t1203 = t1202 - t1201;
+    let moment_panda_joint6_y_2 = t1203 - t1195;
+    let t1205 = sin_panda_joint6 * moment_panda_joint6_y_2;
+    let t1206 = t1130 * t1107;
+    let t1207 = t220 + t1119;
+    let t1208 = t1134 * t1207;
+    let t1209 = t1208 + t1206;
+    let t1210 = t225 * t1122;
+    let t1211 = t1209 - t1210;
+    let t1212 = t228 + t1127;
+    let t1213 = t1139 * t1212;
+    let t1214 = t1211 + t1213;
+    let t1215 = t94 - t1118;
+    let t1216 = acceleration_panda_joint5_z_2 * t1184;
+    let t1217 = acceleration_panda_joint5_x_2 * t1178;
+    let acceleration_panda_joint6_y_2 = t1217 + t1216;
+    let acceleration_panda_joint7_z_2 = acceleration_panda_joint6_y_2 + t1215;
+    let t1220 = t1188 * acceleration_panda_joint7_z_2;
+    let moment_panda_joint7_x_2 = t1220 + t1214;
+    let t1222 = 0.00010375891721868492 * t1215;
+    let t1223 = 0.014748570382675316 * t1142;
+    let t1224 = t1223 + t1222;
+    let t1225 = t244 + t1224;
+    let t1226 = 0.028934422545659894 * t1127;
+    let t1227 = t1225 + t1226;
+    let t1228 = acceleration_panda_joint5_y_2 * 0.06674100693849601;
+    let t1229 = t1228 - t1227;
+    let moment_panda_joint6_x_2 = t1229 - moment_panda_joint7_x_2;
+    let t1231 = cos_panda_joint6 * moment_panda_joint6_x_2;
+    let t1232 = t1231 - t1205;
+    let t1233 = t71 - t1086;
+    let t1234 = 0.004600245517563105 * t1233;
+    let t1235 = t253 - t1116;
+    let t1236 = 0.0015152444733270301 * t1235;
+    let t1237 = t1236 - t1234;
+    let t1238 = t260 - t1237;
+    let t1239 = 0.010045187828321242 * t1102;
+    let t1240 = t1238 + t1239;
+    let t1241 = 0.0260623224672 * acceleration_panda_joint5_z_2;
+    let t1242 = t1241 - t1240;
+    let moment_panda_joint5_x_2 = t1242 + t1232;
+    let t1244 = 0.015294814090072 * t1127;
+    let t1245 = 0.020402584637159996 * t1142;
+    let t1246 = t1245 + t1244;
+    let force_panda_joint6_z_2 = t1246 + force_panda_joint7_y_2;
+    let t1248 = 4.363636363636364 * force_panda_joint6_z_2;
+    let t1249 = 0.005627033294592 * t1233;
+    let t1250 = t210 * 0.0260623224672;
+    let t1251 = t1249 - t1250;
+    let force_panda_joint5_y_2 = t1251 + t1248;
+    let t1253 = force_panda_joint5_y_2 + moment_panda_joint5_x_2;
+    let t1254 = sin_panda_joint5 * t1253;
+    let t1255 = t1122 * t1138;
+    let t1256 = t1134 * t1212;
+    let t1257 = t1255 - t1256;
+    let t1258 = t308 * t1130;
+    let t1259 = t1257 - t1258;
+    let t1260 = t1112 * t1207;
+    let t1261 = t1259 - t1260;
+    let t1262 = t1169 * acceleration_panda_joint7_z_2;
+    let moment_panda_joint7_y_2 = t1262 + t1261;
+    let t1264 = t1169 * t1207;
+    let t1265 = t1188 * t1212;
+    let force_panda_joint7_z_2 = t1264 - t1265;
+    let t1267 = force_panda_joint7_z_2 - moment_panda_joint7_y_2;
+    let t1268 = 0.02152225537058755 * t1215;
+    let t1269 = 9.3569097314605e-5 * t1104;
+    let t1270 = 0.00010375891721868492 * t1126;
+    let t1271 = t1270 - t1269;
+    let t1272 = t320 + t1271;
+    let t1273 = t1272 + t1268;
+    let t1274 = 0.028934422545659894 * t1119;
+    let t1275 = t1273 - t1274;
+    let t1276 = 0.015294814090072 * acceleration_panda_joint6_x_2;
+    let t1277 = 0.020402584637159996 * acceleration_panda_joint6_y_2;
+    let t1278 = t1277 - t1276;
+    let t1279 = t1278 + t1275;
+    let moment_panda_joint6_z_2 = t1279 - t1267;
+    let t1281 = 0.0021640520520981297 * t1087;
+    let t1282 = 0.0015152444733270301 * t1102;
+    let t1283 = t1281 - t1282;
+    let t1284 = t333 + t1283;
+    let t1285 = 0.0014511560650267133 * t1235;
+    let t1286 = t1284 + t1285;
+    let t1287 = 0.005627033294592 * acceleration_panda_joint5_z_2;
+    let t1288 = t1287 - t1286;
+    let moment_panda_joint5_y_2 = t1288 - moment_panda_joint6_z_2;
+    let t1290 = t1188 * t1138;
+    let t1291 = t106 * t1169;
+    let force_panda_joint7_x_2 = t1291 + t1290;
+    let t1293 = 0.015294814090072 * t1119;
+    let t1294 = 0.020402584637159996 * t180;
+    let t1295 = t1294 - t1293;
+    let force_panda_joint6_x_2 = t1295 + force_panda_joint7_x_2;
+    let t1297 = t1184 * force_panda_joint6_x_2;
+    let t1298 = 0.020402584637159996 * t1215;
+    let t1299 = t224 * 0.015294814090072;
+    let t1300 = t1298 - t1299;
+    let force_panda_joint6_y_2 = t1300 - force_panda_joint7_z_2;
+    let t1302 = t1178 * force_panda_joint6_y_2;
+    let t1303 = t1297 - t1302;
+    let t1304 = 0.0260623224672 * t1087;
+    let t1305 = t298 * 0.005627033294592;
+    let t1306 = t1305 - t1304;
+    let force_panda_joint5_x_2 = t1306 - t1303;
+    let t1308 = force_panda_joint5_x_2 - moment_panda_joint5_y_2;
+    let t1309 = cos_panda_joint5 * t1308;
+    let t1310 = t1254 - t1309;
+    let t1311 = t1178 * force_panda_joint6_x_2;
+    let t1312 = t1184 * force_panda_joint6_y_2;
+    let t1313 = t1311 + t1312;
+    let t1314 = 0.0260623224672 * t1102;
+    let t1315 = 0.005627033294592 * t1235;
+    let t1316 = t1315 + t1314;
+    let force_panda_joint5_z_2 = t1316 - t1313;
+    let t1318 = 0.21484375 * force_panda_joint5_z_2;
+    let t1319 = t1318 - t1310;
+    let t1320 = 0.05102013615681551 * t1171;
+    let t1321 = 0.0016444875773692705 * t1084;
+    let t1322 = 0.0039053550262761003 * t1098;
+    let t1323 = t1322 - t1321;
+    let t1324 = t356 * 0.16284087268546088;
+    let t1325 = t1323 - t1324;
+    let t1326 = t1325 - t1320;
+    let t1327 = 0.6972920750309719 * t1094;
+    let t1328 = t1326 + t1327;
+    let t1329 = 0.16603319317224752 * acceleration_panda_joint4_x_2;
+    let t1330 = 0.04560437265862501 * acceleration_panda_joint4_y_2;
+    let t1331 = t1330 - t1329;
+    let t1332 = t1331 - t1328;
+    let moment_panda_joint4_z_2 = t1332 + t1319;
+    let t1334 = t1149 * force_panda_joint5_x_2;
+    let t1335 = t1163 * force_panda_joint5_y_2;
+    let t1336 = t1334 - t1335;
+    let t1337 = 0.16603319317224752 * t1094;
+    let t1338 = t151 * 0.04560437265862501;
+    let t1339 = t1338 - t1337;
+    let force_panda_joint4_x_2 = t1339 + t1336;
+    let t1341 = sin_panda_joint4 * force_panda_joint4_x_2;
+    let t1342 = 0.04560437265862501 * t1171;
+    let t1343 = 0.16603319317224752 * t174;
+    let t1344 = t1342 - t1343;
+    let force_panda_joint4_y_2 = t1344 + t1318;
+    let t1346 = cos_panda_joint4 * force_panda_joint4_y_2;
+    let t1347 = t1341 + t1346;
+    let t1348 = moment_panda_joint4_z_2 - t1347;
+    let t1349 = 0.004377257121839584 * t1070;
+    let t1350 = 0.00012191242095074308 * t1082;
+    let t1351 = t1349 - t1350;
+    let t1352 = t472 - t137;
+    let t1353 = 0.005487648106562256 * t1352;
+    let t1354 = t1351 - t1353;
+    let t1355 = 0.0616024210265277 * t1156;
+    let t1356 = t1354 + t1355;
+    let t1357 = 0.06161578168944001 * acceleration_panda_joint3_z_2;
+    let t1358 = t1357 + t1356;
+    let moment_panda_joint3_y_2 = t1358 - t1348;
+    let t1360 = cos_panda_joint4 * force_panda_joint4_x_2;
+    let t1361 = sin_panda_joint4 * force_panda_joint4_y_2;
+    let t1362 = t1360 - t1361;
+    let t1363 = 0.002328735327435001 * t1070;
+    let t1364 = 0.06161578168944001 * t137;
+    let t1365 = t1364 + t1363;
+    let force_panda_joint3_x_2 = t1365 - t1362;
+    let t1367 = 3.83030303030303 * force_panda_joint3_x_2;
+    let t1368 = moment_panda_joint3_y_2 + t1367;
+    let t1369 = sin_panda_joint3 * t1368;
+    let t1370 = cos_panda_joint5 * t1253;
+    let t1371 = sin_panda_joint5 * t1308;
+    let t1372 = t1370 + t1371;
+    let t1373 = 0.0039053550262761003 * t1171;
+    let t1374 = 0.16284087268546088 * t1143;
+    let t1375 = t1374 - t1373;
+    let t1376 = t406 - t1375;
+    let t1377 = 0.6972920750309719 * t1099;
+    let t1378 = t1376 - t1377;
+    let t1379 = 0.16603319317224752 * acceleration_panda_joint4_z_2;
+    let t1380 = t1379 - t1378;
+    let moment_panda_joint4_x_2 = t1380 - t1372;
+    let t1382 = cos_panda_joint4 * moment_panda_joint4_x_2;
+    let t1383 = cos_panda_joint6 * moment_panda_joint6_y_2;
+    let t1384 = sin_panda_joint6 * moment_panda_joint6_x_2;
+    let t1385 = t1384 + t1383;
+    let t1386 = 0.0014511560650267133 * t1233;
+    let t1387 = 0.0021640520520981297 * t1116;
+    let t1388 = 0.004600245517563105 * t1101;
+    let t1389 = t1388 - t1387;
+    let t1390 = t427 + t1389;
+    let t1391 = t1390 - t1386;
+    let t1392 = 0.010045187828321242 * t1087;
+    let t1393 = t1391 + t1392;
+    let t1394 = 0.0260623224672 * acceleration_panda_joint5_x_2;
+    let t1395 = 0.005627033294592 * acceleration_panda_joint5_y_2;
+    let t1396 = t1395 - t1394;
+    let t1397 = t1396 + t1393;
+    let moment_panda_joint5_z_2 = t1397 - t1385;
+    let t1399 = t1163 * force_panda_joint5_x_2;
+    let t1400 = t1149 * force_panda_joint5_y_2;
+    let t1401 = t1399 + t1400;
+    let t1402 = moment_panda_joint5_z_2 - t1401;
+    let t1403 = 0.0016444875773692705 * t1094;
+    let t1404 = 0.16284087268546088 * t1099;
+    let t1405 = t1403 - t1404;
+    let t1406 = t440 + t1405;
+    let t1407 = 0.05102013615681551 * t1143;
+    let t1408 = t1406 - t1407;
+    let t1409 = 0.04560437265862501 * acceleration_panda_joint4_z_2;
+    let t1410 = t1409 - t1408;
+    let moment_panda_joint4_y_2 = t1410 + t1402;
+    let t1412 = sin_panda_joint4 * moment_panda_joint4_y_2;
+    let t1413 = t1382 - t1412;
+    let t1414 = 0.005487648106562256 * t1146;
+    let t1415 = 0.00012191242095074308 * t1156;
+    let t1416 = t1415 + t1414;
+    let t1417 = t472 - t404;
+    let t1418 = 0.004377257121839584 * t1417;
+    let t1419 = t1416 - t1418;
+    let t1420 = 0.022178148964878235 * t1082;
+    let t1421 = t1419 - t1420;
+    let t1422 = 0.002328735327435001 * acceleration_panda_joint3_z_2;
+    let t1423 = t1422 + t1421;
+    let moment_panda_joint3_x_2 = t1423 + t1413;
+    let t1425 = 0.16603319317224752 * t1099;
+    let t1426 = 0.04560437265862501 * t1143;
+    let t1427 = t1426 + t1425;
+    let force_panda_joint4_z_2 = t1427 - t1401;
+    let t1429 = 0.06161578168944001 * t1146;
+    let t1430 = t462 + t1429;
+    let force_panda_joint3_y_2 = t1430 + force_panda_joint4_z_2;
+    let t1432 = 3.83030303030303 * force_panda_joint3_y_2;
+    let t1433 = moment_panda_joint3_x_2 + t1432;
+    let t1434 = cos_panda_joint3 * t1433;
+    let t1435 = t1434 + t1369;
+    let t1436 = t475 + t1021;
+    let t1437 = 0.01026110182100817 * t1436;
+    let t1438 = omega_panda_joint2_x * t1075;
+    let t1439 = t1067 - t1438;
+    let t1440 = 0.00398335888393552 * t1439;
+    let t1441 = t1440 + t1437;
+    let t1442 = v[0] * v[0];
+    let t1443 = t1442 - t472;
+    let t1444 = 0.0007689361029464 * t1443;
+    let t1445 = t1441 + t1444;
+    let t1446 = 1.032162061231881 * t1077;
+    let t1447 = t1445 - t1446;
+    let moment_panda_joint2_x_2 = t1447 + t1435;
+    let t1449 = cos_panda_joint7_2 * 0.0005773870536849036;
+    let t1450 = t1112 + t1449;
+    let t1451 = t1450 - 0.007412167175072343;
+    let t1452 = sin_panda_joint6 * t1451;
+    let t1453 = 0.014748570382675316 + t1130;
+    let t1454 = 2.0 * t1453;
+    let t1455 = cos_panda_joint6 * t1454;
+    let t1456 = t1452 - t1455;
+    let t1457 = sin_panda_joint6 * t1456;
+    let t1458 = 0.02152225537058755 + t1450;
+    let t1459 = t1458 - t1457;
+    let t1460 = 0.0014511560650267133 + t1459;
+    let t1461 = 0.014047520880232544 - t1111;
+    let t1462 = t1460 - t1461;
+    let t1463 = sin_panda_joint5 * t1462;
+    let t1464 = t1188 - t1134;
+    let t1465 = 0.00010375891721868492 + t1464;
+    let t1466 = cos_panda_joint6 * t1465;
+    let t1467 = 9.3569097314605e-5 + t1122;
+    let t1468 = sin_panda_joint6 * t1467;
+    let t1469 = t1466 + t1468;
+    let t1470 = 0.0015152444733270301 - t1469;
+    let t1471 = 2.0 * t1470;
+    let t1472 = cos_panda_joint5 * t1471;
+    let t1473 = t1463 + t1472;
+    let t1474 = sin_panda_joint5 * t1473;
+    let t1475 = t1460 - t1474;
+    let t1476 = 0.020402584637159996 + t1169;
+    let t1477 = t1184 * t1476;
+    let t1478 = sin_panda_joint6 * 0.06674100693849601;
+    let t1479 = t1477 + t1478;
+    let t1480 = 0.005627033294592 - t1479;
+    let t1481 = t1149 * t1480;
+    let t1482 = 0.0012597535716761534 * sin_panda_joint7_2;
+    let t1483 = 0.0260623224672 - t1482;
+    let t1484 = t1163 * t1483;
+    let t1485 = t1481 + t1484;
+    let t1486 = 2.0 * t1485;
+    let t1487 = t1475 + t1486;
+    let t1488 = 0.05102013615681551 + t1487;
+    let t1489 = 0.028934422545659894 + t1457;
+    let t1490 = t1178 * t1476;
+    let t1491 = cos_panda_joint6 * 0.06674100693849601;
+    let t1492 = t1490 - t1491;
+    let t1493 = 2.0 * t1492;
+    let t1494 = t1489 + t1493;
+    let t1495 = 0.6972920750309719 + t1494;
+    let t1496 = t1488 - t1495;
+    let t1497 = sin_panda_joint4 * t1496;
+    let t1498 = cos_panda_joint6 * t1456;
+    let t1499 = t1453 + t1498;
+    let t1500 = 0.004600245517563105 + t1499;
+    let t1501 = t1480 - t1500;
+    let t1502 = cos_panda_joint5 * t1501;
+    let t1503 = sin_panda_joint6 * t1465;
+    let t1504 = cos_panda_joint6 * t1467;
+    let t1505 = t1503 - t1504;
+    let t1506 = 0.0021640520520981297 + t1505;
+    let t1507 = t1483 - t1506;
+    let t1508 = sin_panda_joint5 * t1507;
+    let t1509 = t1502 + t1508;
+    let t1510 = 0.21484375 * t1492;
+    let t1511 = t1510 + t1509;
+    let t1512 = 0.16284087268546088 + t1511;
+    let t1513 = 2.0 * t1512;
+    let t1514 = cos_panda_joint4 * t1513;
+    let t1515 = t1497 - t1514;
+    let t1516 = cos_panda_joint4 * t1515;
+    let t1517 = t1512 + t1516;
+    let t1518 = 0.04560437265862501 + t1485;
+    let t1519 = sin_panda_joint4 * t1518;
+    let t1520 = 0.16603319317224752 + t1510;
+    let t1521 = cos_panda_joint4 * t1520;
+    let t1522 = t1519 - t1521;
+    let t1523 = t1522 - t1517;
+    let t1524 = 0.005487648106562256 - t1523;
+    let t1525 = cos_panda_joint4 * t1518;
+    let t1526 = sin_panda_joint4 * t1520;
+    let t1527 = t1525 + t1526;
+    let t1528 = 0.06161578168944001 - t1527;
+    let t1529 = 3.83030303030303 * t1528;
+    let t1530 = t1524 + t1529;
+    let t1531 = cos_panda_joint3 * t1530;
+    let t1532 = cos_panda_joint5 * t1473;
+    let t1533 = t1470 - t1532;
+    let t1534 = t1163 * t1480;
+    let t1535 = t1149 * t1483;
+    let t1536 = t1534 - t1535;
+    let t1537 = t1536 - t1533;
+    let t1538 = 0.0039053550262761003 + t1537;
+    let t1539 = sin_panda_joint4 * t1538;
+    let t1540 = sin_panda_joint5 * t1501;
+    let t1541 = cos_panda_joint5 * t1507;
+    let t1542 = t1540 - t1541;
+    let t1543 = 0.0016444875773692705 + t1542;
+    let t1544 = cos_panda_joint4 * t1543;
+    let t1545 = t1539 - t1544;
+    let t1546 = 0.004377257121839584 + t1545;
+    let t1547 = 0.002328735327435001 - t1536;
+    let t1548 = 3.83030303030303 * t1547;
+    let t1549 = t1546 + t1548;
+    let t1550 = sin_panda_joint3 * t1549;
+    let t1551 = t1531 - t1550;
+    let t1552 = 0.00398335888393552 - t1551;
+    let t1553 = t1067 * t1552;
+    let t1554 = sin_panda_joint4 * t1515;
+    let t1555 = t1488 - t1554;
+    let t1556 = 2.0 * t1527;
+    let t1557 = t1555 - t1556;
+    let t1558 = 0.0616024210265277 + t1557;
+    let t1559 = t1461 + t1474;
+    let t1560 = 0.022178148964878235 + t1559;
+    let t1561 = t1558 - t1560;
+    let t1562 = sin_panda_joint3 * t1561;
+    let t1563 = cos_panda_joint4 * t1538;
+    let t1564 = sin_panda_joint4 * t1543;
+    let t1565 = t1563 + t1564;
+    let t1566 = t1536 - t1565;
+    let t1567 = 0.00012191242095074308 - t1566;
+    let t1568 = 2.0 * t1567;
+    let t1569 = cos_panda_joint3 * t1568;
+    let t1570 = t1562 + t1569;
+    let t1571 = sin_panda_joint3 * t1570;
+    let t1572 = t1558 - t1571;
+    let t1573 = 0.02307788249493181 + t1572;
+    let t1574 = t1560 + t1571;
+    let t1575 = t1574 + t1573;
+    let t1576 = t1074 * t1575;
+    let t1577 = t1576 + t1553;
+    let t1578 = sin_panda_joint3 * t1530;
+    let t1579 = cos_panda_joint3 * t1549;
+    let t1580 = t1578 + t1579;
+    let t1581 = 0.0007689361029464 + t1580;
+    let t1582 = t1442 * t1581;
+    let t1583 = t1577 - t1582;
+    let t1584 = sin_panda_joint3 * t1528;
+    let t1585 = cos_panda_joint3 * t1547;
+    let t1586 = t1584 + t1585;
+    let t1587 = acceleration_panda_joint2_y * t1586;
+    let t1588 = t1587 - t1583;
+    let t1589 = 2.0 * omega_panda_joint6_x;
+    let t1590 = t1188 * t1589;
+    let t1591 = t76 * t1169;
+    let t1592 = t1590 + t1591;
+    let t1593 = t1591 + t1592;
+    let t1594 = t1134 * t1589;
+    let t1595 = t76 * t1112;
+    let t1596 = t1594 - t1595;
+    let t1597 = t1596 - t1593;
+    let t1598 = omega_panda_joint6_x * 0.00020751783443736984;
+    let t1599 = omega_panda_joint6_z * 0.0430445107411751;
+    let t1600 = t1599 + t1598;
+    let t1601 = t1600 - t1597;
+    let t1602 = t219 * t1122;
+    let t1603 = omega_panda_joint6_y * 0.00018713819462921;
+    let t1604 = omega_panda_joint6_z * 0.05786884509131979;
+    let t1605 = t1603 + t1604;
+    let t1606 = t1605 - t1602;
+    let t1607 = t1606 - t1601;
+    let t1608 = cos_panda_joint6 * t1607;
+    let t1609 = t219 * t1134;
+    let t1610 = t76 * t1130;
+    let t1611 = t1610 + t1609;
+    let t1612 = t219 * t1188;
+    let t1613 = t1612 - t1611;
+    let t1614 = omega_panda_joint6_y * 0.00020751783443736984;
+    let t1615 = omega_panda_joint6_z * 0.02949714076535063;
+    let t1616 = t1614 + t1615;
+    let t1617 = t1616 - t1613;
+    let t1618 = t1122 * t1589;
+    let t1619 = t1610 + t1618;
+    let t1620 = omega_panda_joint6_x * 0.00018713819462921;
+    let t1621 = t1615 + t1620;
+    let t1622 = t1621 + t1619;
+    let t1623 = t1617 + t1622;
+    let t1624 = sin_panda_joint6 * t1623;
+    let t1625 = t1624 - t1608;
+    let t1626 = sin_panda_joint6 * t1625;
+    let t1627 = t1617 - t1626;
+    let t1628 = omega_panda_joint5_y * 0.00920049103512621;
+    let t1629 = omega_panda_joint5_z * 0.0030304889466540603;
+    let t1630 = t1628 - t1629;
+    let t1631 = t1630 + t1627;
+    let t1632 = 2.0 * omega_panda_joint5_y;
+    let t1633 = t1632 * t1480;
+    let t1634 = t1631 - t1633;
+    let t1635 = t1609 - t1618;
+    let t1636 = 2.0 * omega_panda_joint6_y;
+    let t1637 = t1188 * t1636;
+    let t1638 = t1635 + t1637;
+    let t1639 = t1614 - t1620;
+    let t1640 = t1639 + t1638;
+    let t1641 = omega_panda_joint5_x * 0.004328104104196259;
+    let t1642 = t1629 - t1641;
+    let t1643 = t1642 - t1640;
+    let t1644 = 2.0 * omega_panda_joint5_x;
+    let t1645 = t1644 * t1483;
+    let t1646 = t1643 + t1645;
+    let t1647 = t1634 - t1646;
+    let t1648 = sin_panda_joint5 * t1647;
+    let t1649 = t219 * t1169;
+    let t1650 = t1169 * t1636;
+    let t1651 = t1649 - t1650;
+    let t1652 = t219 * t1112;
+    let t1653 = t1130 * t1589;
+    let t1654 = t1652 + t1653;
+    let t1655 = t1654 + t1651;
+    let t1656 = omega_panda_joint6_y * 0.0430445107411751;
+    let t1657 = omega_panda_joint6_x * 0.02949714076535063;
+    let t1658 = t1657 - t1656;
+    let t1659 = t1658 + t1655;
+    let t1660 = cos_panda_joint6 * t1659;
+    let t1661 = t219 * t1130;
+    let t1662 = omega_panda_joint6_y * 0.02949714076535063;
+    let t1663 = omega_panda_joint6_x * 0.05786884509131979;
+    let t1664 = t1663 - t1662;
+    let t1665 = t1664 + t1661;
+    let t1666 = sin_panda_joint6 * t1665;
+    let t1667 = t1660 + t1666;
+    let t1668 = omega_panda_joint5_x * 0.00920049103512621;
+    let t1669 = omega_panda_joint5_z * 0.0029023121300534266;
+    let t1670 = t1669 + t1668;
+    let t1671 = t1670 - t1667;
+    let t1672 = t1644 * t1480;
+    let t1673 = t1671 - t1672;
+    let t1674 = t1139 * t1589;
+    let t1675 = t76 * t1134;
+    let t1676 = t1674 - t1675;
+    let t1677 = t76 * t1188;
+    let t1678 = t1676 + t1677;
+    let t1679 = omega_panda_joint6_z * 0.00020751783443736984;
+    let t1680 = t1679 + t1678;
+    let t1681 = sin_panda_joint6 * t1680;
+    let t1682 = t219 * t1139;
+    let t1683 = t76 * t1122;
+    let t1684 = t1683 - t1682;
+    let t1685 = omega_panda_joint6_z * 0.00018713819462921;
+    let t1686 = t1685 + t1684;
+    let t1687 = cos_panda_joint6 * t1686;
+    let t1688 = t1687 - t1681;
+    let t1689 = omega_panda_joint5_y * 0.004328104104196259;
+    let t1690 = omega_panda_joint5_z * 0.020090375656642484;
+    let t1691 = t1689 + t1690;
+    let t1692 = t1691 + t1688;
+    let t1693 = t1632 * t1483;
+    let t1694 = t1692 - t1693;
+    let t1695 = t1694 - t1673;
+    let t1696 = cos_panda_joint5 * t1695;
+    let t1697 = t1648 - t1696;
+    let t1698 = sin_panda_joint5 * t1697;
+    let t1699 = t1634 - t1698;
+    let t1700 = omega_panda_joint6_z * 0.04080516927431999;
+    let t1701 = t1700 + t1592;
+    let t1702 = t1178 * t1701;
+    let t1703 = omega_panda_joint6_z * 0.030589628180144;
+    let t1704 = t1703 - t1612;
+    let t1705 = t1184 * t1704;
+    let t1706 = t1705 - t1702;
+    let t1707 = omega_panda_joint5_z * 0.0521246449344;
+    let t1708 = t1707 - t1706;
+    let t1709 = t1149 * t1708;
+    let t1710 = omega_panda_joint6_y * 0.04080516927431999;
+    let t1711 = omega_panda_joint6_x * 0.030589628180144;
+    let t1712 = t1711 - t1710;
+    let t1713 = t1712 + t1649;
+    let t1714 = 4.363636363636364 * t1713;
+    let t1715 = omega_panda_joint5_z * 0.011254066589184;
+    let t1716 = t1715 + t1714;
+    let t1717 = t1163 * t1716;
+    let t1718 = t1709 - t1717;
+    let t1719 = t1718 + t1699;
+    let t1720 = omega_panda_joint4_y * 0.007810710052552201;
+    let t1721 = omega_panda_joint4_z * 0.32568174537092176;
+    let t1722 = t1720 - t1721;
+    let t1723 = t1722 - t1719;
+    let t1724 = t1622 - t1626;
+    let t1725 = t1628 - t1641;
+    let t1726 = t1725 + t1724;
+    let t1727 = t1184 * t1701;
+    let t1728 = t1178 * t1704;
+    let t1729 = t1728 + t1727;
+    let t1730 = omega_panda_joint5_y * 0.011254066589184;
+    let t1731 = omega_panda_joint5_x * 0.0521246449344;
+    let t1732 = t1731 - t1730;
+    let t1733 = t1732 - t1729;
+    let t1734 = t1733 + t1726;
+    let t1735 = t38 * t1510;
+    let t1736 = t1734 + t1735;
+    let t1737 = omega_panda_joint4_x * 0.003288975154738541;
+    let t1738 = t1721 - t1737;
+    let t1739 = t1738 + t1736;
+    let t1740 = t1723 - t1739;
+    let t1741 = sin_panda_joint4 * t1740;
+    let t1742 = cos_panda_joint6 * t1625;
+    let t1743 = t1606 + t1742;
+    let t1744 = omega_panda_joint5_y * 0.0029023121300534266;
+    let t1745 = omega_panda_joint5_x * 0.0030304889466540603;
+    let t1746 = t1745 + t1744;
+    let t1747 = t1746 - t1743;
+    let t1748 = cos_panda_joint5 * t1747;
+    let t1749 = cos_panda_joint6 * t1680;
+    let t1750 = sin_panda_joint6 * t1686;
+    let t1751 = t1750 + t1749;
+    let t1752 = omega_panda_joint5_y * 0.0030304889466540603;
+    let t1753 = omega_panda_joint5_x * 0.020090375656642484;
+    let t1754 = t1753 + t1752;
+    let t1755 = t1754 + t1751;
+    let t1756 = sin_panda_joint5 * t1755;
+    let t1757 = t1748 - t1756;
+    let t1758 = 0.21484375 * t1733;
+    let t1759 = t38 * t1485;
+    let t1760 = t1758 + t1759;
+    let t1761 = t1757 - t1760;
+    let t1762 = omega_panda_joint4_x * 0.007810710052552201;
+    let t1763 = omega_panda_joint4_z * 0.10204027231363103;
+    let t1764 = t1763 - t1762;
+    let t1765 = t1764 - t1761;
+    let t1766 = t1601 - t1742;
+    let t1767 = omega_panda_joint5_z * 0.004328104104196259;
+    let t1768 = t1767 - t1766;
+    let t1769 = t1632 * t1492;
+    let t1770 = t1708 - t1769;
+    let t1771 = t1768 - t1770;
+    let t1772 = cos_panda_joint5 * t1771;
+    let t1773 = sin_panda_joint6 * t1659;
+    let t1774 = cos_panda_joint6 * t1665;
+    let t1775 = t1773 - t1774;
+    let t1776 = omega_panda_joint5_z * 0.00920049103512621;
+    let t1777 = t1776 - t1775;
+    let t1778 = t1644 * t1492;
+    let t1779 = t1716 - t1778;
+    let t1780 = t1777 - t1779;
+    let t1781 = sin_panda_joint5 * t1780;
+    let t1782 = t1772 - t1781;
+    let t1783 = omega_panda_joint4_y * 0.003288975154738541;
+    let t1784 = omega_panda_joint4_z * 1.3945841500619438;
+    let t1785 = t1783 - t1784;
+    let t1786 = t1785 + t1782;
+    let t1787 = t1786 + t1765;
+    let t1788 = cos_panda_joint4 * t1787;
+    let t1789 = t1741 - t1788;
+    let t1790 = sin_panda_joint4 * t1789;
+    let t1791 = t1723 - t1790;
+    let t1792 = omega_panda_joint4_z * 0.33206638634449503;
+    let t1793 = t1792 + t1718;
+    let t1794 = cos_panda_joint4 * t1793;
+    let t1795 = omega_panda_joint4_z * 0.09120874531725003;
+    let t1796 = t1795 + t1758;
+    let t1797 = sin_panda_joint4 * t1796;
+    let t1798 = t1794 - t1797;
+    let t1799 = t1798 + t1791;
+    let t1800 = omega_panda_joint3_y * 0.010975296213124512;
+    let t1801 = omega_panda_joint3_z * 0.00024382484190148615;
+    let t1802 = t1800 - t1801;
+    let t1803 = t1802 - t1799;
+    let t1804 = 7.66060606060606 * omega_panda_joint3_y;
+    let t1805 = t1804 * t1528;
+    let t1806 = t1803 + t1805;
+    let t1807 = t1646 + t1698;
+    let t1808 = 2.0 * omega_panda_joint4_y;
+    let t1809 = t1808 * t1536;
+    let t1810 = t1807 + t1809;
+    let t1811 = t1720 - t1737;
+    let t1812 = t1811 + t1810;
+    let t1813 = t1080 * t1536;
+    let t1814 = t1812 - t1813;
+    let t1815 = omega_panda_joint3_x * 0.008754514243679169;
+    let t1816 = t1801 + t1815;
+    let t1817 = t1816 + t1814;
+    let t1818 = 7.66060606060606 * omega_panda_joint3_x;
+    let t1819 = t1818 * t1547;
+    let t1820 = t1817 + t1819;
+    let t1821 = t1806 - t1820;
+    let t1822 = sin_panda_joint3 * t1821;
+    let t1823 = cos_panda_joint5 * t1697;
+    let t1824 = t1694 + t1823;
+    let t1825 = t1163 * t1708;
+    let t1826 = t1149 * t1716;
+    let t1827 = t1825 + t1826;
+    let t1828 = t1808 * t1485;
+    let t1829 = t1827 + t1828;
+    let t1830 = t1824 + t1829;
+    let t1831 = omega_panda_joint4_y * 0.10204027231363103;
+    let t1832 = omega_panda_joint4_x * 0.32568174537092176;
+    let t1833 = t1832 - t1831;
+    let t1834 = t1833 - t1830;
+    let t1835 = cos_panda_joint4 * t1834;
+    let t1836 = sin_panda_joint5 * t1771;
+    let t1837 = cos_panda_joint5 * t1780;
+    let t1838 = t1836 + t1837;
+    let t1839 = t1808 * t1510;
+    let t1840 = t1838 - t1839;
+    let t1841 = omega_panda_joint4_y * 0.32568174537092176;
+    let t1842 = omega_panda_joint4_x * 1.3945841500619438;
+    let t1843 = t1842 - t1841;
+    let t1844 = t1843 + t1840;
+    let t1845 = sin_panda_joint4 * t1844;
+    let t1846 = t1835 + t1845;
+    let t1847 = omega_panda_joint4_y * 0.09120874531725003;
+    let t1848 = omega_panda_joint4_x * 0.33206638634449503;
+    let t1849 = t1848 - t1847;
+    let t1850 = t1849 - t1827;
+    let t1851 = t1080 * t1527;
+    let t1852 = t1850 - t1851;
+    let t1853 = t1846 - t1852;
+    let t1854 = omega_panda_joint3_x * 0.010975296213124512;
+    let t1855 = omega_panda_joint3_z * 0.1232048420530554;
+    let t1856 = t1855 + t1854;
+    let t1857 = t1856 - t1853;
+    let t1858 = t1818 * t1528;
+    let t1859 = t1857 + t1858;
+    let t1860 = t1673 - t1823;
+    let t1861 = omega_panda_joint4_z * 0.003288975154738541;
+    let t1862 = t1861 - t1860;
+    let t1863 = cos_panda_joint4 * t1862;
+    let t1864 = sin_panda_joint5 * t1747;
+    let t1865 = cos_panda_joint5 * t1755;
+    let t1866 = t1864 + t1865;
+    let t1867 = t38 * t1536;
+    let t1868 = t1866 - t1867;
+    let t1869 = omega_panda_joint4_z * 0.007810710052552201;
+    let t1870 = t1869 - t1868;
+    let t1871 = sin_panda_joint4 * t1870;
+    let t1872 = t1863 - t1871;
+    let t1873 = omega_panda_joint3_y * 0.008754514243679169;
+    let t1874 = omega_panda_joint3_z * 0.04435629792975647;
+    let t1875 = t1873 - t1874;
+    let t1876 = t1875 + t1872;
+    let t1877 = t1804 * t1547;
+    let t1878 = t1876 + t1877;
+    let t1879 = t1878 + t1859;
+    let t1880 = cos_panda_joint3 * t1879;
+    let t1881 = t1822 + t1880;
+    let t1882 = sin_panda_joint3 * t1881;
+    let t1883 = t1820 + t1882;
+    let t1884 = omega_panda_joint2_x * 0.0015378722058928;
+    let t1885 = omega_panda_joint2_y * 0.02052220364201634;
+    let t1886 = t1885 - t1884;
+    let t1887 = t1886 - t1883;
+    let t1888 = t1806 - t1882;
+    let t1889 = v[1] * 0.00796671776787104;
+    let t1890 = t1885 - t1889;
+    let t1891 = t1890 + t1888;
+    let t1892 = t1891 - t1887;
+    let t1893 = omega_panda_joint2_x * t1892;
+    let t1894 = cos_panda_joint4 * t1789;
+    let t1895 = t1786 + t1894;
+    let t1896 = sin_panda_joint4 * t1793;
+    let t1897 = cos_panda_joint4 * t1796;
+    let t1898 = t1896 + t1897;
+    let t1899 = 2.0 * omega_panda_joint3_y;
+    let t1900 = t1899 * t1527;
+    let t1901 = t1898 - t1900;
+    let t1902 = t1895 + t1901;
+    let t1903 = omega_panda_joint3_y * 0.1232048420530554;
+    let t1904 = omega_panda_joint3_x * 0.00024382484190148615;
+    let t1905 = t1904 + t1903;
+    let t1906 = t1905 + t1902;
+    let t1907 = cos_panda_joint3 * t1906;
+    let t1908 = sin_panda_joint4 * t1862;
+    let t1909 = cos_panda_joint4 * t1870;
+    let t1910 = t1908 + t1909;
+    let t1911 = t1899 * t1536;
+    let t1912 = t1910 + t1911;
+    let t1913 = omega_panda_joint3_y * 0.00024382484190148615;
+    let t1914 = omega_panda_joint3_x * 0.04435629792975647;
+    let t1915 = t1914 + t1913;
+    let t1916 = t1915 - t1912;
+    let t1917 = sin_panda_joint3 * t1916;
+    let t1918 = t1907 - t1917;
+    let t1919 = omega_panda_joint2_x * 0.02052220364201634;
+    let t1920 = v[1] * 0.04615576498986362;
+    let t1921 = t1920 - t1919;
+    let t1922 = t1921 + t1918;
+    let t1923 = omega_panda_joint2_y * t1922;
+    let t1924 = t1893 + t1923;
+    let t1925 = t1588 - t1924;
+    let t1926 = moment_panda_joint2_x_2 - t1925;
+    let t1927 = cos_panda_joint2 * t1926;
+    let t1928 = sin_panda_joint4 * moment_panda_joint4_x_2;
+    let t1929 = cos_panda_joint4 * moment_panda_joint4_y_2;
+    let t1930 = t1928 + t1929;
+    let t1931 = force_panda_joint4_z_2 - t1930;
+    let t1932 = 0.0616024210265277 * t1146;
+    let t1933 = 0.004377257121839584 * t1091;
+    let t1934 = 0.005487648106562256 * t1079;
+    let t1935 = t1934 + t1933;
+    let t1936 = t492 + t1935;
+    let t1937 = t1936 - t1932;
+    let t1938 = 0.022178148964878235 * t1070;
+    let t1939 = t1937 + t1938;
+    let t1940 = 0.002328735327435001 * acceleration_panda_joint3_x_2;
+    let t1941 = 0.06161578168944001 * acceleration_panda_joint3_y_2;
+    let t1942 = t1941 + t1940;
+    let t1943 = t1942 + t1939;
+    let moment_panda_joint3_z_2 = t1943 - t1931;
+    let t1945 = 0.0007689361029464 * t1072;
+    let t1946 = 0.00398335888393552 * t1077;
+    let t1947 = t1945 - t1946;
+    let t1948 = t1442 - t501;
+    let t1949 = 0.01026110182100817 * t1948;
+    let t1950 = t1947 + t1949;
+    let t1951 = 0.02307788249493181 * t1439;
+    let t1952 = t1950 + t1951;
+    let moment_panda_joint2_y_2 = t1952 + moment_panda_joint3_z_2;
+    let t1954 = t1074 * t1552;
+    let t1955 = t1495 + t1554;
+    let t1956 = 7.66060606060606 * t1522;
+    let t1957 = t1955 - t1956;
+    let t1958 = 1.032162061231881 + t1957;
+    let t1959 = t1574 + t1958;
+    let t1960 = t1067 * t1959;
+    let t1961 = t1960 + t1954;
+    let t1962 = cos_panda_joint3 * t1570;
+    let t1963 = t1567 - t1962;
+    let t1964 = 0.01026110182100817 + t1963;
+    let t1965 = t1442 * t1964;
+    let t1966 = t1961 + t1965;
+    let t1967 = acceleration_panda_joint2_x * t1586;
+    let t1968 = t1967 + t1966;
+    let t1969 = t1739 + t1790;
+    let t1970 = t1899 * t1522;
+    let t1971 = t1969 - t1970;
+    let t1972 = t1800 + t1815;
+    let t1973 = t1972 + t1971;
+    let t1974 = omega_panda_joint3_y * 0.12323156337888003;
+    let t1975 = omega_panda_joint3_x * 0.004657470654870002;
+    let t1976 = t1975 + t1974;
+    let t1977 = t1976 + t1898;
+    let t1978 = 3.83030303030303 * t1977;
+    let t1979 = t1973 + t1978;
+    let t1980 = t1889 - t1884;
+    let t1981 = t1980 - t1979;
+    let t1982 = t1981 - t1887;
+    let t1983 = omega_panda_joint2_y * t1982;
+    let t1984 = t1765 + t1894;
+    let t1985 = omega_panda_joint3_z * 0.008754514243679169;
+    let t1986 = t1985 + t1984;
+    let t1987 = omega_panda_joint3_z * 0.004657470654870002;
+    let t1988 = t1987 + t1798;
+    let t1989 = 3.83030303030303 * t1988;
+    let t1990 = t1804 * t1522;
+    let t1991 = t1989 + t1990;
+    let t1992 = t1986 + t1991;
+    let t1993 = cos_panda_joint3 * t1992;
+    let t1994 = sin_panda_joint4 * t1834;
+    let t1995 = cos_panda_joint4 * t1844;
+    let t1996 = t1994 - t1995;
+    let t1997 = t1080 * t1522;
+    let t1998 = t1996 + t1997;
+    let t1999 = omega_panda_joint3_z * 0.010975296213124512;
+    let t2000 = t1999 - t1998;
+    let t2001 = omega_panda_joint3_z * 0.12323156337888003;
+    let t2002 = t2001 + t1850;
+    let t2003 = 3.83030303030303 * t2002;
+    let t2004 = t1818 * t1522;
+    let t2005 = t2003 - t2004;
+    let t2006 = t2000 + t2005;
+    let t2007 = sin_panda_joint3 * t2006;
+    let t2008 = t1993 + t2007;
+    let t2009 = omega_panda_joint2_y * 0.0015378722058928;
+    let t2010 = v[1] * 2.064324122463762;
+    let t2011 = t2009 - t2010;
+    let t2012 = t2011 + t2008;
+    let t2013 = omega_panda_joint2_x * t2012;
+    let t2014 = t1983 + t2013;
+    let t2015 = t1968 + t2014;
+    let t2016 = moment_panda_joint2_y_2 - t2015;
+    let t2017 = sin_panda_joint2 * t2016;
+    let t2018 = t2017 + t1927;
+    let t2019 = t1112 + t1139;
+    let t2020 = t1169 + t2019;
+    let t2021 = sin_panda_joint6 * t2020;
+    let t2022 = cos_panda_joint6 * t1130;
+    let t2023 = t2022 - t2021;
+    let t2024 = 0.0012597535716761534 * cos_panda_joint7_2;
+    let t2025 = t2024 - t2023;
+    let t2026 = cos_panda_joint5 * t2025;
+    let t2027 = t1188 * t1184;
+    let t2028 = t1122 - t2027;
+    let t2029 = sin_panda_joint5 * t2028;
+    let t2030 = t2026 - t2029;
+    let t2031 = sin_panda_joint4 * t2030;
+    let t2032 = cos_panda_joint6 * t2020;
+    let t2033 = sin_panda_joint6 * t1130;
+    let t2034 = t2033 + t2032;
+    let t2035 = t1163 * t2027;
+    let t2036 = t1149 * t2024;
+    let t2037 = t2035 + t2036;
+    let t2038 = t2034 - t2037;
+    let t2039 = cos_panda_joint4 * t2038;
+    let t2040 = t2031 - t2039;
+    let t2041 = t2037 - t2040;
+    let t2042 = t1074 * t2041;
+    let t2043 = sin_panda_joint5 * t2025;
+    let t2044 = cos_panda_joint5 * t2028;
+    let t2045 = t2043 + t2044;
+    let t2046 = t1188 * t1178;
+    let t2047 = 0.21484375 * t2046;
+    let t2048 = t2047 - t2045;
+    let t2049 = t1149 * t2027;
+    let t2050 = t1163 * t2024;
+    let t2051 = t2049 - t2050;
+    let t2052 = sin_panda_joint4 * t2051;
+    let t2053 = cos_panda_joint4 * t2047;
+    let t2054 = t2052 + t2053;
+    let t2055 = t2048 - t2054;
+    let t2056 = cos_panda_joint4 * t2051;
+    let t2057 = sin_panda_joint4 * t2047;
+    let t2058 = t2056 - t2057;
+    let t2059 = 3.83030303030303 * t2058;
+    let t2060 = t2055 + t2059;
+    let t2061 = sin_panda_joint3 * t2060;
+    let t2062 = cos_panda_joint4 * t2030;
+    let t2063 = sin_panda_joint4 * t2038;
+    let t2064 = t2062 + t2063;
+    let t2065 = 3.83030303030303 * t2037;
+    let t2066 = t2064 + t2065;
+    let t2067 = cos_panda_joint3 * t2066;
+    let t2068 = t2067 + t2061;
+    let t2069 = t1067 * t2068;
+    let t2070 = t2069 - t2042;
+    let t2071 = cos_panda_joint3 * t2060;
+    let t2072 = sin_panda_joint3 * t2066;
+    let t2073 = t2072 - t2071;
+    let t2074 = t1442 * t2073;
+    let t2075 = t2070 + t2074;
+    let t2076 = cos_panda_joint3 * t2058;
+    let t2077 = sin_panda_joint3 * t2037;
+    let t2078 = t2076 - t2077;
+    let t2079 = acceleration_panda_joint2_y * t2078;
+    let t2080 = acceleration_panda_joint2_x * t2054;
+    let t2081 = t2079 + t2080;
+    let t2082 = t2075 - t2081;
+    let t2083 = t1611 - t1635;
+    let t2084 = t1637 - t2083;
+    let t2085 = sin_panda_joint6 * t2084;
+    let t2086 = t1591 - t1596;
+    let t2087 = cos_panda_joint6 * t2086;
+    let t2088 = t2087 - t2085;
+    let t2089 = t1644 * t2046;
+    let t2090 = t2088 - t2089;
+    let t2091 = cos_panda_joint5 * t2090;
+    let t2092 = t1632 * t2046;
+    let t2093 = t1678 - t2092;
+    let t2094 = sin_panda_joint5 * t2093;
+    let t2095 = t2091 + t2094;
+    let t2096 = t1808 * t2047;
+    let t2097 = t38 * t2037;
+    let t2098 = t2097 - t2096;
+    let t2099 = t2095 - t2098;
+    let t2100 = cos_panda_joint4 * t2099;
+    let t2101 = cos_panda_joint6 * t2084;
+    let t2102 = sin_panda_joint6 * t2086;
+    let t2103 = t2102 + t2101;
+    let t2104 = t1644 * t2027;
+    let t2105 = t1632 * t2024;
+    let t2106 = t2105 - t2104;
+    let t2107 = t2103 - t2106;
+    let t2108 = t1808 * t2051;
+    let t2109 = t2107 - t2108;
+    let t2110 = sin_panda_joint4 * t2109;
+    let t2111 = t2100 - t2110;
+    let t2112 = t1080 * t2054;
+    let t2113 = t1899 * t2037;
+    let t2114 = t2112 + t2113;
+    let t2115 = t2111 - t2114;
+    let t2116 = t1818 * t2054;
+    let t2117 = t2115 - t2116;
+    let t2118 = cos_panda_joint3 * t2117;
+    let t2119 = sin_panda_joint5 * t2090;
+    let t2120 = cos_panda_joint5 * t2093;
+    let t2121 = t2119 - t2120;
+    let t2122 = t38 * t2051;
+    let t2123 = t2121 + t2122;
+    let t2124 = t1899 * t2058;
+    let t2125 = t2123 + t2124;
+    let t2126 = t1804 * t2054;
+    let t2127 = t2125 + t2126;
+    let t2128 = sin_panda_joint3 * t2127;
+    let t2129 = t2118 - t2128;
+    let t2130 = omega_panda_joint2_y * t2129;
+    let t2131 = sin_panda_joint4 * t2099;
+    let t2132 = cos_panda_joint4 * t2109;
+    let t2133 = t2131 + t2132;
+    let t2134 = t1080 * t2058;
+    let t2135 = t2133 + t2134;
+    let t2136 = t1818 * t2058;
+    let t2137 = t1804 * t2037;
+    let t2138 = t2137 - t2136;
+    let t2139 = t2135 - t2138;
+    let t2140 = omega_panda_joint2_x * t2139;
+    let t2141 = t2130 + t2140;
+    let t2142 = t2082 + t2141;
+    let t2143 = t571 * t2142;
+    let t2144 = t2018 - t2143;
+    let t2145 = t577 * t2142;
+    let t2146 = cos_panda_joint5 * t1469;
+    let t2147 = 0.050456677916247444 + t1450;
+    let t2148 = t2147 + t1492;
+    let t2149 = sin_panda_joint5 * t2148;
+    let t2150 = t2146 - t2149;
+    let t2151 = sin_panda_joint4 * t2150;
+    let t2152 = t1163 * t1492;
+    let t2153 = t1505 - t2152;
+    let t2154 = cos_panda_joint4 * t2153;
+    let t2155 = t2151 + t2154;
+    let t2156 = t2152 + t2155;
+    let t2157 = t1074 * t2156;
+    let t2158 = sin_panda_joint5 * t1469;
+    let t2159 = cos_panda_joint5 * t2148;
+    let t2160 = t2158 + t2159;
+    let t2161 = 0.21484375 * t1479;
+    let t2162 = t2161 - t2160;
+    let t2163 = cos_panda_joint4 * t2161;
+    let t2164 = t1149 * t1492;
+    let t2165 = sin_panda_joint4 * t2164;
+    let t2166 = t2165 - t2163;
+    let t2167 = t2162 + t2166;
+    let t2168 = sin_panda_joint4 * t2161;
+    let t2169 = cos_panda_joint4 * t2164;
+    let t2170 = t2169 + t2168;
+    let t2171 = 3.83030303030303 * t2170;
+    let t2172 = t2167 - t2171;
+    let t2173 = sin_panda_joint3 * t2172;
+    let t2174 = cos_panda_joint4 * t2150;
+    let t2175 = sin_panda_joint4 * t2153;
+    let t2176 = t2174 - t2175;
+    let t2177 = 3.83030303030303 * t2152;
+    let t2178 = t2176 - t2177;
+    let t2179 = cos_panda_joint3 * t2178;
+    let t2180 = t2179 + t2173;
+    let t2181 = t1067 * t2180;
+    let t2182 = t2181 + t2157;
+    let t2183 = cos_panda_joint3 * t2172;
+    let t2184 = sin_panda_joint3 * t2178;
+    let t2185 = t2184 - t2183;
+    let t2186 = t1442 * t2185;
+    let t2187 = t2182 + t2186;
+    let t2188 = cos_panda_joint3 * t2170;
+    let t2189 = sin_panda_joint3 * t2152;
+    let t2190 = t2188 - t2189;
+    let t2191 = acceleration_panda_joint2_y * t2190;
+    let t2192 = acceleration_panda_joint2_x * t2166;
+    let t2193 = t2191 + t2192;
+    let t2194 = t2187 + t2193;
+    let t2195 = t1644 * t1479;
+    let t2196 = t1667 - t2195;
+    let t2197 = cos_panda_joint5 * t2196;
+    let t2198 = t1617 - t1622;
+    let t2199 = t1632 * t1479;
+    let t2200 = t2198 + t2199;
+    let t2201 = sin_panda_joint5 * t2200;
+    let t2202 = t2197 - t2201;
+    let t2203 = t1808 * t2161;
+    let t2204 = t38 * t2152;
+    let t2205 = t2204 + t2203;
+    let t2206 = t2202 + t2205;
+    let t2207 = cos_panda_joint4 * t2206;
+    let t2208 = t1775 - t1778;
+    let t2209 = t1808 * t2164;
+    let t2210 = t2208 + t2209;
+    let t2211 = sin_panda_joint4 * t2210;
+    let t2212 = t2207 - t2211;
+    let t2213 = t1080 * t2166;
+    let t2214 = t1899 * t2152;
+    let t2215 = t2213 + t2214;
+    let t2216 = t2212 + t2215;
+    let t2217 = t1818 * t2166;
+    let t2218 = t2216 + t2217;
+    let t2219 = cos_panda_joint3 * t2218;
+    let t2220 = sin_panda_joint5 * t2196;
+    let t2221 = cos_panda_joint5 * t2200;
+    let t2222 = t2220 + t2221;
+    let t2223 = t38 * t2164;
+    let t2224 = t2222 - t2223;
+    let t2225 = t1899 * t2170;
+    let t2226 = t2224 - t2225;
+    let t2227 = t1804 * t2166;
+    let t2228 = t2226 - t2227;
+    let t2229 = sin_panda_joint3 * t2228;
+    let t2230 = t2219 - t2229;
+    let t2231 = omega_panda_joint2_y * t2230;
+    let t2232 = sin_panda_joint4 * t2206;
+    let t2233 = cos_panda_joint4 * t2210;
+    let t2234 = t2232 + t2233;
+    let t2235 = t1080 * t2170;
+    let t2236 = t2234 - t2235;
+    let t2237 = t1818 * t2170;
+    let t2238 = t1804 * t2152;
+    let t2239 = t2238 - t2237;
+    let t2240 = t2236 + t2239;
+    let t2241 = omega_panda_joint2_x * t2240;
+    let t2242 = t2231 + t2241;
+    let t2243 = t2194 + t2242;
+    let t2244 = t2243 - t2145;
+    let t2245 = t641 * t2244;
+    let t2246 = t2144 + t2245;
+    let t2247 = t652 * t2244;
+    let t2248 = t647 * t2142;
+    let t2249 = sin_panda_joint4 * t1509;
+    let t2250 = t1460 + t1461;
+    let t2251 = t2250 + t1485;
+    let t2252 = cos_panda_joint4 * t2251;
+    let t2253 = t2249 + t2252;
+    let t2254 = t1485 - t2253;
+    let t2255 = t1074 * t2254;
+    let t2256 = cos_panda_joint4 * t1509;
+    let t2257 = sin_panda_joint4 * t2251;
+    let t2258 = t2256 - t2257;
+    let t2259 = 3.83030303030303 * t1485;
+    let t2260 = t2258 + t2259;
+    let t2261 = cos_panda_joint3 * t2260;
+    let t2262 = sin_panda_joint4 * t1536;
+    let t2263 = t1542 - t2262;
+    let t2264 = cos_panda_joint4 * t1536;
+    let t2265 = 3.83030303030303 * t2264;
+    let t2266 = t2263 + t2265;
+    let t2267 = sin_panda_joint3 * t2266;
+    let t2268 = t2261 - t2267;
+    let t2269 = t1067 * t2268;
+    let t2270 = t2269 - t2255;
+    let t2271 = sin_panda_joint3 * t2260;
+    let t2272 = cos_panda_joint3 * t2266;
+    let t2273 = t2271 + t2272;
+    let t2274 = t1442 * t2273;
+    let t2275 = t2270 + t2274;
+    let t2276 = cos_panda_joint3 * t2264;
+    let t2277 = sin_panda_joint3 * t1485;
+    let t2278 = t2276 + t2277;
+    let t2279 = acceleration_panda_joint2_y * t2278;
+    let t2280 = acceleration_panda_joint2_x * t2262;
+    let t2281 = t2279 + t2280;
+    let t2282 = t2275 + t2281;
+    let t2283 = t1631 + t1643;
+    let t2284 = t1633 - t1645;
+    let t2285 = t2283 - t2284;
+    let t2286 = t1809 + t2285;
+    let t2287 = sin_panda_joint4 * t2286;
+    let t2288 = t1757 - t1759;
+    let t2289 = cos_panda_joint4 * t2288;
+    let t2290 = t2289 - t2287;
+    let t2291 = t1080 * t2262;
+    let t2292 = t1899 * t1485;
+    let t2293 = t2291 - t2292;
+    let t2294 = t2290 + t2293;
+    let t2295 = t1818 * t2262;
+    let t2296 = t2294 + t2295;
+    let t2297 = cos_panda_joint3 * t2296;
+    let t2298 = t1899 * t2264;
+    let t2299 = t1868 - t2298;
+    let t2300 = t1804 * t2262;
+    let t2301 = t2299 - t2300;
+    let t2302 = sin_panda_joint3 * t2301;
+    let t2303 = t2297 - t2302;
+    let t2304 = omega_panda_joint2_y * t2303;
+    let t2305 = cos_panda_joint4 * t2286;
+    let t2306 = sin_panda_joint4 * t2288;
+    let t2307 = t2306 + t2305;
+    let t2308 = t1080 * t2264;
+    let t2309 = t2307 - t2308;
+    let t2310 = t1818 * t2264;
+    let t2311 = t1804 * t1485;
+    let t2312 = t2311 + t2310;
+    let t2313 = t2309 - t2312;
+    let t2314 = omega_panda_joint2_x * t2313;
+    let t2315 = t2304 + t2314;
+    let t2316 = t2282 + t2315;
+    let t2317 = t2316 + t2248;
+    let t2318 = t2317 - t2247;
+    let t2319 = t719 * t2318;
+    let t2320 = t2246 - t2319;
+    let t2321 = t737 * t2318;
+    let t2322 = t730 * t2244;
+    let t2323 = t725 * t2142;
+    let t2324 = t1074 * t1545;
+    let t2325 = t1488 + t1495;
+    let t2326 = t2325 - t1527;
+    let t2327 = 3.83030303030303 * t1522;
+    let t2328 = t2327 - t2326;
+    let t2329 = sin_panda_joint3 * t2328;
+    let t2330 = cos_panda_joint3 * t1565;
+    let t2331 = t2330 - t2329;
+    let t2332 = t1067 * t2331;
+    let t2333 = t2332 + t2324;
+    let t2334 = cos_panda_joint3 * t2328;
+    let t2335 = sin_panda_joint3 * t1565;
+    let t2336 = t2335 + t2334;
+    let t2337 = t1442 * t2336;
+    let t2338 = t2333 + t2337;
+    let t2339 = cos_panda_joint3 * t1522;
+    let t2340 = acceleration_panda_joint2_y * t2339;
+    let t2341 = acceleration_panda_joint2_x * t1527;
+    let t2342 = t2340 - t2341;
+    let t2343 = t2338 + t2342;
+    let t2344 = t1846 + t1851;
+    let t2345 = t1818 * t1527;
+    let t2346 = t2344 + t2345;
+    let t2347 = cos_panda_joint3 * t2346;
+    let t2348 = t1723 + t1739;
+    let t2349 = t1970 - t2348;
+    let t2350 = t1804 * t1527;
+    let t2351 = t2349 - t2350;
+    let t2352 = sin_panda_joint3 * t2351;
+    let t2353 = t2347 - t2352;
+    let t2354 = omega_panda_joint2_y * t2353;
+    let t2355 = t1998 + t2004;
+    let t2356 = omega_panda_joint2_x * t2355;
+    let t2357 = t2354 + t2356;
+    let t2358 = t2343 - t2357;
+    let t2359 = t2358 - t2323;
+    let t2360 = t2359 - t2322;
+    let t2361 = t2360 - t2321;
+    let t2362 = t797 * t2361;
+    let t2363 = t2320 + t2362;
+    let t2364 = t824 * t2361;
+    let t2365 = t815 * t2318;
+    let t2366 = t808 * t2244;
+    let t2367 = t803 * t2142;
+    let t2368 = t1558 + t1560;
+    let t2369 = t1074 * t2368;
+    let t2370 = t1067 * t1551;
+    let t2371 = t2370 - t2369;
+    let t2372 = t1442 * t1580;
+    let t2373 = t2371 + t2372;
+    let t2374 = t1587 + t2373;
+    let t2375 = t1803 + t1817;
+    let t2376 = t1805 + t1819;
+    let t2377 = t2375 + t2376;
+    let t2378 = omega_panda_joint2_x * t2377;
+    let t2379 = omega_panda_joint2_y * t1918;
+    let t2380 = t2379 + t2378;
+    let t2381 = t2374 - t2380;
+    let t2382 = t2381 - t2367;
+    let t2383 = t2382 + t2366;
+    let t2384 = t2383 - t2365;
+    let t2385 = t2384 + t2364;
+    let t2386 = t877 * t2385;
+    let t2387 = t2363 + t2386;
+    let t2388 = t944 * t2385;
+    let t2389 = t930 * t2361;
+    let t2390 = t918 * t2318;
+    let t2391 = t908 * t2244;
+    let t2392 = t900 * t2142;
+    let t2393 = t1067 * t1964;
+    let t2394 = t1573 + t1958;
+    let t2395 = t1442 * t2394;
+    let t2396 = t2395 + t2393;
+    let t2397 = t1074 * t1581;
+    let t2398 = t2396 - t2397;
+    let t2399 = cos_panda_joint3 * t1528;
+    let t2400 = sin_panda_joint3 * t1547;
+    let t2401 = t2399 - t2400;
+    let t2402 = 0.000167639551695 - t2401;
+    let t2403 = acceleration_panda_joint2_x * t2402;
+    let t2404 = 0.27592125358974007 - t1522;
+    let t2405 = acceleration_panda_joint2_y * t2404;
+    let t2406 = t2403 + t2405;
+    let t2407 = t2406 + t2398;
+    let t2408 = cos_panda_joint3 * t1881;
+    let t2409 = t1878 - t2408;
+    let t2410 = omega_panda_joint2_y * 0.04615576498986362;
+    let t2411 = omega_panda_joint2_x * 0.00796671776787104;
+    let t2412 = t2411 - t2410;
+    let t2413 = t2412 + t2409;
+    let t2414 = omega_panda_joint2_y * t2413;
+    let t2415 = sin_panda_joint3 * t1992;
+    let t2416 = cos_panda_joint3 * t2006;
+    let t2417 = t2415 - t2416;
+    let t2418 = omega_panda_joint2_y * 0.00796671776787104;
+    let t2419 = omega_panda_joint2_x * 2.064324122463762;
+    let t2420 = t2419 - t2418;
+    let t2421 = t2420 - t2417;
+    let t2422 = omega_panda_joint2_x * t2421;
+    let t2423 = t2414 - t2422;
+    let t2424 = t2407 + t2423;
+    let t2425 = t2424 + t2392;
+    let t2426 = t2425 - t2391;
+    let t2427 = t2426 + t2390;
+    let t2428 = t2427 - t2389;
+    let t2429 = t2428 - t2388;
+    let t2430 = t990 * t2429;
+    let t2431 = t2387 + t2430;
+    let t2432 = inverse_d_panda_joint1 * t2431;
+    let t2433 = t1091 * t1567;
+    let t2434 = t1955 + t1558;
+    let t2435 = t1079 * t2434;
+    let t2436 = t2435 + t2433;
+    let t2437 = t472 * t1546;
+    let t2438 = t2436 + t2437;
+    let t2439 = acceleration_panda_joint3_y_2 * t1522;
+    let t2440 = t2439 - t2438;
+    let t2441 = t1803 - t1973;
+    let t2442 = omega_panda_joint3_x * t2441;
+    let t2443 = omega_panda_joint3_y * t1857;
+    let t2444 = t2442 - t2443;
+    let t2445 = t2440 - t2444;
+    let t2446 = moment_panda_joint3_x_2 - t2445;
+    let t2447 = t1079 * t1522;
+    let t2448 = t472 * t1547;
+    let t2449 = t2447 - t2448;
+    let t2450 = omega_panda_joint3_x * t1977;
+    let t2451 = t2449 + t2450;
+    let t2452 = force_panda_joint3_y_2 - t2451;
+    let t2453 = 3.83030303030303 * t2452;
+    let t2454 = t2446 + t2453;
+    let t2455 = sin_panda_joint3 * t2454;
+    let t2456 = t1079 * t1567;
+    let t2457 = t1955 + t1560;
+    let t2458 = t1091 * t2457;
+    let t2459 = t2458 + t2456;
+    let t2460 = t472 * t1524;
+    let t2461 = t2459 - t2460;
+    let t2462 = acceleration_panda_joint3_x_2 * t1522;
+    let t2463 = t2462 - t2461;
+    let t2464 = t1817 - t1973;
+    let t2465 = omega_panda_joint3_y * t2464;
+    let t2466 = omega_panda_joint3_x * t1876;
+    let t2467 = t2465 - t2466;
+    let t2468 = t2463 + t2467;
+    let t2469 = moment_panda_joint3_y_2 + t2468;
+    let t2470 = t1091 * t1522;
+    let t2471 = t472 * t1528;
+    let t2472 = t2471 + t2470;
+    let t2473 = omega_panda_joint3_y * t1977;
+    let t2474 = t2472 - t2473;
+    let t2475 = force_panda_joint3_x_2 + t2474;
+    let t2476 = 3.83030303030303 * t2475;
+    let t2477 = t2469 + t2476;
+    let t2478 = cos_panda_joint3 * t2477;
+    let t2479 = t2478 - t2455;
+    let t2480 = sin_panda_joint2 * t2479;
+    let t2481 = acceleration_panda_joint3_y_2 * t1547;
+    let t2482 = acceleration_panda_joint3_x_2 * t1528;
+    let t2483 = t2482 - t2481;
+    let t2484 = t1091 * t1524;
+    let t2485 = t472 * t2368;
+    let t2486 = t2485 - t2484;
+    let t2487 = t1079 * t1546;
+    let t2488 = t2486 + t2487;
+    let t2489 = t2483 - t2488;
+    let t2490 = omega_panda_joint3_y * t1906;
+    let t2491 = omega_panda_joint3_x * t1916;
+    let t2492 = t2490 + t2491;
+    let t2493 = t2489 + t2492;
+    let t2494 = cos_panda_joint2 * t2493;
+    let t2495 = t2480 - t2494;
+    let t2496 = acceleration_panda_joint3_x_2 * t2037;
+    let t2497 = acceleration_panda_joint3_y_2 * t2058;
+    let t2498 = t2497 + t2496;
+    let t2499 = t1079 * t2055;
+    let t2500 = t1091 * t2064;
+    let t2501 = t2500 + t2499;
+    let t2502 = t472 * t2041;
+    let t2503 = t2501 - t2502;
+    let t2504 = t2503 + t2498;
+    let t2505 = omega_panda_joint3_y * t2115;
+    let t2506 = omega_panda_joint3_x * t2125;
+    let t2507 = t2505 + t2506;
+    let t2508 = t2504 - t2507;
+    let t2509 = t571 * t2508;
+    let t2510 = t2495 - t2509;
+    let t2511 = t577 * t2508;
+    let t2512 = acceleration_panda_joint3_x_2 * t2152;
+    let t2513 = acceleration_panda_joint3_y_2 * t2170;
+    let t2514 = t2513 + t2512;
+    let t2515 = t1079 * t2167;
+    let t2516 = t1091 * t2176;
+    let t2517 = t2516 + t2515;
+    let t2518 = t472 * t2156;
+    let t2519 = t2517 + t2518;
+    let t2520 = t2519 - t2514;
+    let t2521 = omega_panda_joint3_y * t2216;
+    let t2522 = omega_panda_joint3_x * t2226;
+    let t2523 = t2521 + t2522;
+    let t2524 = t2520 - t2523;
+    let t2525 = t2524 - t2511;
+    let t2526 = t641 * t2525;
+    let t2527 = t2510 + t2526;
+    let t2528 = t652 * t2525;
+    let t2529 = t647 * t2508;
+    let t2530 = acceleration_panda_joint3_x_2 * t1485;
+    let t2531 = acceleration_panda_joint3_y_2 * t2264;
+    let t2532 = t2531 - t2530;
+    let t2533 = t1079 * t2263;
+    let t2534 = t1091 * t2258;
+    let t2535 = t2534 - t2533;
+    let t2536 = t472 * t2254;
+    let t2537 = t2535 - t2536;
+    let t2538 = t2537 - t2532;
+    let t2539 = omega_panda_joint3_y * t2294;
+    let t2540 = omega_panda_joint3_x * t2299;
+    let t2541 = t2539 + t2540;
+    let t2542 = t2538 - t2541;
+    let t2543 = t2542 + t2529;
+    let t2544 = t2543 - t2528;
+    let t2545 = t719 * t2544;
+    let t2546 = t2527 - t2545;
+    let t2547 = t737 * t2544;
+    let t2548 = t730 * t2525;
+    let t2549 = t725 * t2508;
+    let t2550 = t1079 * t2326;
+    let t2551 = t1091 * t1565;
+    let t2552 = t2551 + t2550;
+    let t2553 = t472 * t1545;
+    let t2554 = t2552 + t2553;
+    let t2555 = t2439 - t2554;
+    let t2556 = omega_panda_joint3_y * t2344;
+    let t2557 = omega_panda_joint3_x * t2349;
+    let t2558 = t2556 + t2557;
+    let t2559 = t2555 - t2558;
+    let t2560 = t2559 + t2549;
+    let t2561 = t2560 + t2548;
+    let t2562 = t2561 + t2547;
+    let t2563 = t797 * t2562;
+    let t2564 = t2546 - t2563;
+    let t2565 = t824 * t2562;
+    let t2566 = t815 * t2544;
+    let t2567 = t808 * t2525;
+    let t2568 = t803 * t2508;
+    let t2569 = t2493 - t2568;
+    let t2570 = t2569 + t2567;
+    let t2571 = t2570 - t2566;
+    let t2572 = t2571 - t2565;
+    let t2573 = t877 * t2572;
+    let t2574 = t2564 + t2573;
+    let t2575 = cos_panda_joint3 * t2454;
+    let t2576 = sin_panda_joint3 * t2477;
+    let t2577 = t2576 + t2575;
+    let t2578 = t900 * t2508;
+    let t2579 = t2577 - t2578;
+    let t2580 = t908 * t2525;
+    let t2581 = t2579 + t2580;
+    let t2582 = t918 * t2544;
+    let t2583 = t2581 - t2582;
+    let t2584 = t930 * t2562;
+    let t2585 = t2583 - t2584;
+    let t2586 = t944 * t2572;
+    let t2587 = t2585 + t2586;
+    let t2588 = t990 * t2587;
+    let t2589 = t2574 - t2588;
+    let t2590 = inverse_d_panda_joint1 * t2589;
+    let t2591 = t1084 * t1512;
+    let t2592 = t1559 + t1488;
+    let t2593 = t1098 * t2592;
+    let t2594 = t2593 - t2591;
+    let t2595 = t404 * t1543;
+    let t2596 = t2594 - t2595;
+    let t2597 = acceleration_panda_joint4_y_2 * t1536;
+    let t2598 = t2597 - t2596;
+    let t2599 = t1723 - t1812;
+    let t2600 = omega_panda_joint4_x * t2599;
+    let t2601 = omega_panda_joint4_y * t1765;
+    let t2602 = t2600 + t2601;
+    let t2603 = t2598 - t2602;
+    let t2604 = moment_panda_joint4_x_2 + t2603;
+    let t2605 = sin_panda_joint4 * t2604;
+    let t2606 = t1098 * t1512;
+    let t2607 = t1559 + t1495;
+    let t2608 = t1084 * t2607;
+    let t2609 = t2608 - t2606;
+    let t2610 = t404 * t1538;
+    let t2611 = t2609 - t2610;
+    let t2612 = acceleration_panda_joint4_x_2 * t1536;
+    let t2613 = t2612 - t2611;
+    let t2614 = t1739 - t1812;
+    let t2615 = omega_panda_joint4_y * t2614;
+    let t2616 = omega_panda_joint4_x * t1786;
+    let t2617 = t2615 + t2616;
+    let t2618 = t2613 + t2617;
+    let t2619 = moment_panda_joint4_y_2 + t2618;
+    let t2620 = cos_panda_joint4 * t2619;
+    let t2621 = t2620 + t2605;
+    let t2622 = t1098 * t1518;
+    let t2623 = t1084 * t1520;
+    let t2624 = t2623 - t2622;
+    let t2625 = omega_panda_joint4_x * t1793;
+    let t2626 = omega_panda_joint4_y * t1796;
+    let t2627 = t2626 - t2625;
+    let t2628 = t2624 - t2627;
+    let t2629 = 3.83030303030303 * t2628;
+    let t2630 = t2621 - t2629;
+    let t2631 = cos_panda_joint3 * t2630;
+    let t2632 = t1084 * t1536;
+    let t2633 = t404 * t1518;
+    let t2634 = t2633 - t2632;
+    let t2635 = omega_panda_joint4_y * t1850;
+    let t2636 = t2634 + t2635;
+    let t2637 = force_panda_joint4_x_2 + t2636;
+    let t2638 = sin_panda_joint4 * t2637;
+    let t2639 = t1098 * t1536;
+    let t2640 = t404 * t1520;
+    let t2641 = t2639 - t2640;
+    let t2642 = omega_panda_joint4_x * t1850;
+    let t2643 = t2641 + t2642;
+    let t2644 = force_panda_joint4_y_2 + t2643;
+    let t2645 = cos_panda_joint4 * t2644;
+    let t2646 = t2645 + t2638;
+    let t2647 = 3.83030303030303 * t2646;
+    let t2648 = cos_panda_joint4 * t2637;
+    let t2649 = sin_panda_joint4 * t2644;
+    let t2650 = t2649 - t2648;
+    let t2651 = t1084 * t1538;
+    let t2652 = t404 * t2325;
+    let t2653 = t2652 - t2651;
+    let t2654 = t1098 * t1543;
+    let t2655 = t2653 - t2654;
+    let t2656 = acceleration_panda_joint4_y_2 * t1520;
+    let t2657 = acceleration_panda_joint4_x_2 * t1518;
+    let t2658 = t2657 + t2656;
+    let t2659 = t2658 + t2655;
+    let t2660 = omega_panda_joint4_y * t1834;
+    let t2661 = omega_panda_joint4_x * t1844;
+    let t2662 = t2660 - t2661;
+    let t2663 = t2659 + t2662;
+    let t2664 = t2663 + t2650;
+    let t2665 = t2664 - t2647;
+    let t2666 = sin_panda_joint3 * t2665;
+    let t2667 = t2631 + t2666;
+    let t2668 = sin_panda_joint2 * t2667;
+    let t2669 = cos_panda_joint4 * t2604;
+    let t2670 = sin_panda_joint4 * t2619;
+    let t2671 = t2670 - t2669;
+    let t2672 = t2628 + t2671;
+    let t2673 = cos_panda_joint2 * t2672;
+    let t2674 = t2668 - t2673;
+    let t2675 = acceleration_panda_joint4_x_2 * t2047;
+    let t2676 = acceleration_panda_joint4_y_2 * t2051;
+    let t2677 = t2676 + t2675;
+    let t2678 = t1098 * t2038;
+    let t2679 = t1084 * t2030;
+    let t2680 = t2679 + t2678;
+    let t2681 = t404 * t2048;
+    let t2682 = t2680 - t2681;
+    let t2683 = t2682 - t2677;
+    let t2684 = omega_panda_joint4_y * t2099;
+    let t2685 = omega_panda_joint4_x * t2109;
+    let t2686 = t2684 + t2685;
+    let t2687 = t2683 + t2686;
+    let t2688 = t571 * t2687;
+    let t2689 = t2674 - t2688;
+    let t2690 = t577 * t2687;
+    let t2691 = acceleration_panda_joint4_x_2 * t2161;
+    let t2692 = acceleration_panda_joint4_y_2 * t2164;
+    let t2693 = t2692 - t2691;
+    let t2694 = t1098 * t2153;
+    let t2695 = t1084 * t2150;
+    let t2696 = t2695 - t2694;
+    let t2697 = t404 * t2162;
+    let t2698 = t2696 - t2697;
+    let t2699 = t2698 + t2693;
+    let t2700 = omega_panda_joint4_y * t2206;
+    let t2701 = omega_panda_joint4_x * t2210;
+    let t2702 = t2700 + t2701;
+    let t2703 = t2699 + t2702;
+    let t2704 = t2703 - t2690;
+    let t2705 = t641 * t2704;
+    let t2706 = t2689 + t2705;
+    let t2707 = t652 * t2704;
+    let t2708 = t647 * t2687;
+    let t2709 = t1098 * t2251;
+    let t2710 = t1084 * t1509;
+    let t2711 = t2710 - t2709;
+    let t2712 = t404 * t1542;
+    let t2713 = t2711 + t2712;
+    let t2714 = t2597 + t2713;
+    let t2715 = omega_panda_joint4_x * t2286;
+    let t2716 = omega_panda_joint4_y * t2288;
+    let t2717 = t2716 + t2715;
+    let t2718 = t2714 + t2717;
+    let t2719 = t2718 + t2708;
+    let t2720 = t2719 - t2707;
+    let t2721 = t719 * t2720;
+    let t2722 = t2706 - t2721;
+    let t2723 = t737 * t2720;
+    let t2724 = t730 * t2704;
+    let t2725 = t725 * t2687;
+    let t2726 = t2663 + t2725;
+    let t2727 = t2726 + t2724;
+    let t2728 = t2727 + t2723;
+    let t2729 = t797 * t2728;
+    let t2730 = t2722 - t2729;
+    let t2731 = t803 * t2687;
+    let t2732 = t2672 - t2731;
+    let t2733 = t808 * t2704;
+    let t2734 = t2732 + t2733;
+    let t2735 = t815 * t2720;
+    let t2736 = t2734 - t2735;
+    let t2737 = t824 * t2728;
+    let t2738 = t2736 - t2737;
+    let t2739 = t877 * t2738;
+    let t2740 = t2730 + t2739;
+    let t2741 = sin_panda_joint3 * t2630;
+    let t2742 = cos_panda_joint3 * t2665;
+    let t2743 = t2741 - t2742;
+    let t2744 = t900 * t2687;
+    let t2745 = t2743 - t2744;
+    let t2746 = t908 * t2704;
+    let t2747 = t2745 + t2746;
+    let t2748 = t918 * t2720;
+    let t2749 = t2747 - t2748;
+    let t2750 = t930 * t2728;
+    let t2751 = t2749 - t2750;
+    let t2752 = t944 * t2738;
+    let t2753 = t2751 + t2752;
+    let t2754 = t990 * t2753;
+    let t2755 = t2740 - t2754;
+    let t2756 = inverse_d_panda_joint1 * t2755;
+    let t2757 = t1116 * t1470;
+    let t2758 = t1489 + t1460;
+    let t2759 = t1101 * t2758;
+    let t2760 = t2759 + t2757;
+    let t2761 = t174 * t1506;
+    let t2762 = t2760 - t2761;
+    let t2763 = acceleration_panda_joint5_y_2 * t1492;
+    let t2764 = t2763 - t2762;
+    let t2765 = t1631 - t1726;
+    let t2766 = omega_panda_joint5_x * t2765;
+    let t2767 = omega_panda_joint5_y * t1671;
+    let t2768 = t2766 - t2767;
+    let t2769 = t2764 - t2768;
+    let t2770 = moment_panda_joint5_x_2 + t2769;
+    let t2771 = t1101 * t1492;
+    let t2772 = t174 * t1483;
+    let t2773 = t2771 + t2772;
+    let t2774 = omega_panda_joint5_x * t1733;
+    let t2775 = t2773 - t2774;
+    let t2776 = force_panda_joint5_y_2 - t2775;
+    let t2777 = t2776 + t2770;
+    let t2778 = cos_panda_joint5 * t2777;
+    let t2779 = t1101 * t1470;
+    let t2780 = t1489 + t1461;
+    let t2781 = t1116 * t2780;
+    let t2782 = t2781 + t2779;
+    let t2783 = t174 * t1500;
+    let t2784 = t2782 - t2783;
+    let t2785 = acceleration_panda_joint5_x_2 * t1492;
+    let t2786 = t2785 - t2784;
+    let t2787 = t1643 - t1726;
+    let t2788 = omega_panda_joint5_y * t2787;
+    let t2789 = omega_panda_joint5_x * t1692;
+    let t2790 = t2788 + t2789;
+    let t2791 = t2786 + t2790;
+    let t2792 = moment_panda_joint5_y_2 + t2791;
+    let t2793 = t1116 * t1492;
+    let t2794 = t174 * t1480;
+    let t2795 = t2794 + t2793;
+    let t2796 = omega_panda_joint5_y * t1733;
+    let t2797 = t2795 + t2796;
+    let t2798 = force_panda_joint5_x_2 + t2797;
+    let t2799 = t2798 - t2792;
+    let t2800 = sin_panda_joint5 * t2799;
+    let t2801 = t2800 + t2778;
+    let t2802 = t1101 * t1480;
+    let t2803 = t1116 * t1483;
+    let t2804 = t2803 - t2802;
+    let t2805 = omega_panda_joint5_x * t1708;
+    let t2806 = omega_panda_joint5_y * t1716;
+    let t2807 = t2806 - t2805;
+    let t2808 = t2804 + t2807;
+    let t2809 = 0.21484375 * t2808;
+    let t2810 = t2809 + t2801;
+    let t2811 = t1163 * t2798;
+    let t2812 = t1149 * t2776;
+    let t2813 = t2812 + t2811;
+    let t2814 = sin_panda_joint4 * t2813;
+    let t2815 = cos_panda_joint4 * t2809;
+    let t2816 = t2814 + t2815;
+    let t2817 = t2810 - t2816;
+    let t2818 = cos_panda_joint4 * t2813;
+    let t2819 = sin_panda_joint4 * t2809;
+    let t2820 = t2818 - t2819;
+    let t2821 = 3.83030303030303 * t2820;
+    let t2822 = t2817 + t2821;
+    let t2823 = sin_panda_joint3 * t2822;
+    let t2824 = sin_panda_joint5 * t2777;
+    let t2825 = cos_panda_joint5 * t2799;
+    let t2826 = t2825 - t2824;
+    let t2827 = cos_panda_joint4 * t2826;
+    let t2828 = t1149 * t2798;
+    let t2829 = t1163 * t2776;
+    let t2830 = t2829 - t2828;
+    let t2831 = t1116 * t1500;
+    let t2832 = t174 * t2250;
+    let t2833 = t2832 - t2831;
+    let t2834 = t1101 * t1506;
+    let t2835 = t2833 - t2834;
+    let t2836 = acceleration_panda_joint5_y_2 * t1483;
+    let t2837 = acceleration_panda_joint5_x_2 * t1480;
+    let t2838 = t2837 + t2836;
+    let t2839 = t2838 - t2835;
+    let t2840 = omega_panda_joint5_y * t1747;
+    let t2841 = omega_panda_joint5_x * t1755;
+    let t2842 = t2840 + t2841;
+    let t2843 = t2839 + t2842;
+    let t2844 = t2843 + t2830;
+    let t2845 = sin_panda_joint4 * t2844;
+    let t2846 = t2827 + t2845;
+    let t2847 = 3.83030303030303 * t2830;
+    let t2848 = t2846 - t2847;
+    let t2849 = cos_panda_joint3 * t2848;
+    let t2850 = t2849 - t2823;
+    let t2851 = sin_panda_joint2 * t2850;
+    let t2852 = sin_panda_joint4 * t2826;
+    let t2853 = cos_panda_joint4 * t2844;
+    let t2854 = t2852 - t2853;
+    let t2855 = t2830 + t2854;
+    let t2856 = cos_panda_joint2 * t2855;
+    let t2857 = t2851 - t2856;
+    let t2858 = acceleration_panda_joint5_x_2 * t2024;
+    let t2859 = acceleration_panda_joint5_y_2 * t2027;
+    let t2860 = t2859 + t2858;
+    let t2861 = t1122 * t1101;
+    let t2862 = t1116 * t2023;
+    let t2863 = t2862 + t2861;
+    let t2864 = t174 * t2034;
+    let t2865 = t2863 + t2864;
+    let t2866 = t2865 + t2860;
+    let t2867 = omega_panda_joint5_y * t2088;
+    let t2868 = omega_panda_joint5_x * t1678;
+    let t2869 = t2867 - t2868;
+    let t2870 = t2866 + t2869;
+    let t2871 = t571 * t2870;
+    let t2872 = t2857 - t2871;
+    let t2873 = t577 * t2870;
+    let t2874 = t1101 * t2147;
+    let t2875 = t1116 * t1469;
+    let t2876 = t2875 - t2874;
+    let t2877 = t174 * t1505;
+    let t2878 = t2876 + t2877;
+    let t2879 = t2763 + t2878;
+    let t2880 = omega_panda_joint5_y * t1667;
+    let t2881 = omega_panda_joint5_x * t2198;
+    let t2882 = t2880 + t2881;
+    let t2883 = t2879 - t2882;
+    let t2884 = t2883 + t2873;
+    let t2885 = t641 * t2884;
+    let t2886 = t2872 - t2885;
+    let t2887 = t652 * t2884;
+    let t2888 = t647 * t2870;
+    let t2889 = t2843 + t2888;
+    let t2890 = t2889 + t2887;
+    let t2891 = t719 * t2890;
+    let t2892 = t2886 - t2891;
+    let t2893 = t725 * t2870;
+    let t2894 = t2810 - t2893;
+    let t2895 = t730 * t2884;
+    let t2896 = t2894 + t2895;
+    let t2897 = t737 * t2890;
+    let t2898 = t2896 - t2897;
+    let t2899 = t797 * t2898;
+    let t2900 = t2892 + t2899;
+    let t2901 = t803 * t2870;
+    let t2902 = t2855 - t2901;
+    let t2903 = t808 * t2884;
+    let t2904 = t2902 - t2903;
+    let t2905 = t815 * t2890;
+    let t2906 = t2904 - t2905;
+    let t2907 = t824 * t2898;
+    let t2908 = t2906 + t2907;
+    let t2909 = t877 * t2908;
+    let t2910 = t2900 + t2909;
+    let t2911 = cos_panda_joint3 * t2822;
+    let t2912 = sin_panda_joint3 * t2848;
+    let t2913 = t2912 + t2911;
+    let t2914 = t900 * t2870;
+    let t2915 = t2913 - t2914;
+    let t2916 = t908 * t2884;
+    let t2917 = t2915 - t2916;
+    let t2918 = t918 * t2890;
+    let t2919 = t2917 - t2918;
+    let t2920 = t930 * t2898;
+    let t2921 = t2919 + t2920;
+    let t2922 = t944 * t2908;
+    let t2923 = t2921 + t2922;
+    let t2924 = t990 * t2923;
+    let t2925 = t2910 - t2924;
+    let t2926 = inverse_d_panda_joint1 * t2925;
+    let t2927 = t1104 * t1453;
+    let t2928 = t1139 + t1458;
+    let t2929 = t1126 * t2928;
+    let t2930 = t2929 - t2927;
+    let t2931 = t210 * t1467;
+    let t2932 = t2930 + t2931;
+    let t2933 = t1188 * acceleration_panda_joint6_y_2;
+    let t2934 = t2933 + t2932;
+    let t2935 = t1617 - t1640;
+    let t2936 = omega_panda_joint6_x * t2935;
+    let t2937 = omega_panda_joint6_y * t1601;
+    let t2938 = t2936 - t2937;
+    let t2939 = t2934 - t2938;
+    let t2940 = moment_panda_joint6_x_2 + t2939;
+    let t2941 = sin_panda_joint6 * t2940;
+    let t2942 = t1126 * t1453;
+    let t2943 = t1111 - 0.03293675559757119;
+    let t2944 = t1104 * t2943;
+    let t2945 = t2944 + t2942;
+    let t2946 = t210 * t1465;
+    let t2947 = t2945 - t2946;
+    let t2948 = t1188 * acceleration_panda_joint6_x_2;
+    let t2949 = t2948 - t2947;
+    let t2950 = t1622 + t1640;
+    let t2951 = omega_panda_joint6_y * t2950;
+    let t2952 = omega_panda_joint6_x * t1606;
+    let t2953 = t2951 - t2952;
+    let t2954 = t2949 - t2953;
+    let t2955 = moment_panda_joint6_y_2 + t2954;
+    let t2956 = cos_panda_joint6 * t2955;
+    let t2957 = t2956 + t2941;
+    let t2958 = t1126 * t1476;
+    let t2959 = 0.015294814090072 * t1104;
+    let t2960 = t2959 - t2958;
+    let t2961 = omega_panda_joint6_x * t1704;
+    let t2962 = omega_panda_joint6_y * t1701;
+    let t2963 = t2962 - t2961;
+    let t2964 = t2960 - t2963;
+    let t2965 = 4.363636363636364 * t2964;
+    let t2966 = t2965 - t2957;
+    let t2967 = sin_panda_joint5 * t2966;
+    let t2968 = t1188 * t1104;
+    let t2969 = t210 * t1476;
+    let t2970 = t2969 + t2968;
+    let t2971 = omega_panda_joint6_y * t1713;
+    let t2972 = t2970 + t2971;
+    let t2973 = force_panda_joint6_x_2 + t2972;
+    let t2974 = t1178 * t2973;
+    let t2975 = t1188 * t1126;
+    let t2976 = t210 * 0.015294814090072;
+    let t2977 = t2975 + t2976;
+    let t2978 = omega_panda_joint6_x * t1713;
+    let t2979 = t2977 - t2978;
+    let t2980 = force_panda_joint6_y_2 - t2979;
+    let t2981 = t1184 * t2980;
+    let t2982 = t2981 + t2974;
+    let t2983 = t1104 * t1465;
+    let t2984 = t210 * t2147;
+    let t2985 = t2984 + t2983;
+    let t2986 = t1126 * t1467;
+    let t2987 = t2985 + t2986;
+    let t2988 = 0.015294814090072 * acceleration_panda_joint6_y_2;
+    let t2989 = acceleration_panda_joint6_x_2 * t1476;
+    let t2990 = t2989 + t2988;
+    let t2991 = t2990 + t2987;
+    let t2992 = omega_panda_joint6_y * t1659;
+    let t2993 = omega_panda_joint6_x * t1665;
+    let t2994 = t2992 - t2993;
+    let t2995 = t2991 + t2994;
+    let t2996 = t2995 + t2982;
+    let t2997 = cos_panda_joint5 * t2996;
+    let t2998 = t2967 - t2997;
+    let t2999 = t1184 * t2973;
+    let t3000 = t1178 * t2980;
+    let t3001 = t3000 - t2999;
+    let t3002 = 0.21484375 * t3001;
+    let t3003 = t3002 - t2998;
+    let t3004 = t1149 * t2982;
+    let t3005 = t1163 * t2965;
+    let t3006 = t3004 - t3005;
+    let t3007 = sin_panda_joint4 * t3006;
+    let t3008 = cos_panda_joint4 * t3002;
+    let t3009 = t3007 + t3008;
+    let t3010 = t3003 - t3009;
+    let t3011 = cos_panda_joint4 * t3006;
+    let t3012 = sin_panda_joint4 * t3002;
+    let t3013 = t3011 - t3012;
+    let t3014 = 3.83030303030303 * t3013;
+    let t3015 = t3010 + t3014;
+    let t3016 = sin_panda_joint3 * t3015;
+    let t3017 = cos_panda_joint5 * t2966;
+    let t3018 = sin_panda_joint5 * t2996;
+    let t3019 = t3017 + t3018;
+    let t3020 = cos_panda_joint4 * t3019;
+    let t3021 = cos_panda_joint6 * t2940;
+    let t3022 = sin_panda_joint6 * t2955;
+    let t3023 = t3022 - t3021;
+    let t3024 = t1163 * t2982;
+    let t3025 = t1149 * t2965;
+    let t3026 = t3024 + t3025;
+    let t3027 = t3023 - t3026;
+    let t3028 = sin_panda_joint4 * t3027;
+    let t3029 = t3020 + t3028;
+    let t3030 = 3.83030303030303 * t3026;
+    let t3031 = t3029 + t3030;
+    let t3032 = cos_panda_joint3 * t3031;
+    let t3033 = t3032 + t3016;
+    let t3034 = sin_panda_joint2 * t3033;
+    let t3035 = sin_panda_joint4 * t3019;
+    let t3036 = cos_panda_joint4 * t3027;
+    let t3037 = t3035 - t3036;
+    let t3038 = t3026 - t3037;
+    let t3039 = cos_panda_joint2 * t3038;
+    let t3040 = t3034 + t3039;
+    let t3041 = t1126 * t2020;
+    let t3042 = t1130 * t1104;
+    let t3043 = t3042 - t3041;
+    let t3044 = t210 * t1122;
+    let t3045 = t3043 - t3044;
+    let t3046 = t2933 - t3045;
+    let t3047 = omega_panda_joint6_x * t2084;
+    let t3048 = omega_panda_joint6_y * t2086;
+    let t3049 = t3048 + t3047;
+    let t3050 = t3046 + t3049;
+    let t3051 = t571 * t3050;
+    let t3052 = t3040 - t3051;
+    let t3053 = t577 * t3050;
+    let t3054 = t2995 - t3053;
+    let t3055 = t641 * t3054;
+    let t3056 = t3052 + t3055;
+    let t3057 = t647 * t3050;
+    let t3058 = t3023 + t3057;
+    let t3059 = t652 * t3054;
+    let t3060 = t3058 - t3059;
+    let t3061 = t719 * t3060;
+    let t3062 = t3056 - t3061;
+    let t3063 = t725 * t3050;
+    let t3064 = t3003 + t3063;
+    let t3065 = t730 * t3054;
+    let t3066 = t3064 + t3065;
+    [
+        t1112,
+        t1119,
+        t1122,
+        t1127,
+        t1130,
+        t1134,
+        t1139,
+        t1149,
+        t1163,
+        acceleration_panda_joint7_y_2,
+        t1169,
+        t1178,
+        t1184,
+        acceleration_panda_joint7_x_2,
+        t1188,
+        force_panda_joint7_y_2,
+        moment_panda_joint7_x_2,
+        moment_panda_joint7_y_2,
+        force_panda_joint7_x_2,
+        t1453,
+        t1465,
+        t1467,
+        t1469,
+        t1470,
+        t1476,
+        t1500,
+        t1506,
+        t1509,
+        t1512,
+        t1518,
+        t1520,
+        t1522,
+        t1524,
+        t1536,
+        t1538,
+        t1543,
+        t1545,
+        t1546,
+        t1551,
+        t1552,
+        t1565,
+        t1567,
+        t1575,
+        t1581,
+        t1589,
+        t1590,
+        t1592,
+        t1594,
+        t1596,
+        t1602,
+        t1611,
+        t1612,
+        t1619,
+        t1632,
+        t1635,
+        t1636,
+        t1637,
+        t1644,
+        t1649,
+        t1654,
+        t1661,
+        t1672,
+        t1675,
+        t1676,
+        t1677,
+        t1678,
+        t1680,
+        t1684,
+        t1686,
+        t1693,
+        t1701,
+        t1704,
+        t1708,
+        t1716,
+        t1768,
+        t1769,
+        t1775,
+        t1777,
+        t1778,
+        t1793,
+        t1796,
+        t1808,
+        t1809,
+        t1859,
+        t1862,
+        t1868,
+        t1870,
+        t1887,
+        t1891,
+        t1899,
+        t1906,
+        t1916,
+        t1918,
+        t1922,
+        t1959,
+        t1964,
+        t1970,
+        t1981,
+        t1986,
+        t1988,
+        t1998,
+        t2000,
+        t2002,
+        t2012,
+        t2019,
+        t2020,
+        t2023,
+        t2030,
+        t2038,
+        t2041,
+        t2055,
+        t2064,
+        t2068,
+        t2083,
+        t2103,
+        t2117,
+        t2123,
+        t2127,
+        t2129,
+        t2135,
+        t2139,
+        t2142,
+        t2147,
+        t2150,
+        t2153,
+        t2156,
+        t2167,
+        t2176,
+        t2180,
+        t2198,
+        t2218,
+        t2224,
+        t2228,
+        t2230,
+        t2236,
+        t2240,
+        t2244,
+        t2251,
+        t2254,
+        t2258,
+        t2263,
+        t2268,
+        t2283,
+        t2296,
+        t2301,
+        t2303,
+        t2309,
+        t2313,
+        t2318,
+        t2326,
+        t2331,
+        t2346,
+        t2348,
+        t2351,
+        t2353,
+        t2355,
+        t2361,
+        t2368,
+        t2375,
+        t2377,
+        t2385,
+        t2408,
+        t2413,
+        t2421,
+        t2429,
+        t2432,
+        t2434,
+        t2457,
+        t2508,
+        t2525,
+        t2544,
+        t2562,
+        t2572,
+        t2587,
+        t2590,
+        t2592,
+        t2607,
+        t2687,
+        t2704,
+        t2720,
+        t2728,
+        t2738,
+        t2753,
+        t2756,
+        t2758,
+        t2780,
+        t2870,
+        t2884,
+        t2890,
+        t2898,
+        t2908,
+        t2923,
+        t2926,
+        t2928,
+        t2943,
+        t3015,
+        t3031,
+        t3038,
+        t3050,
+        t3054,
+        t3060,
+        t3062,
+        t3066,
+    ]
+}
+
+/// Part 3 of `linearize`: values that later parts read.
+#[inline(never)]
+fn linearize_part_3(
+    v: &[f64; N],
+    [sin_panda_joint2,
+    cos_panda_joint2,
+    sin_panda_joint3,
+    cos_panda_joint3,
+    sin_panda_joint4,
+    cos_panda_joint4,
+    sin_panda_joint5,
+    cos_panda_joint5,
+    sin_panda_joint6,
+    cos_panda_joint6,
+    omega_panda_joint2_x,
+    omega_panda_joint2_y,
+    omega_panda_joint3_x,
+    omega_panda_joint4_x,
+    omega_panda_joint6_z,
+    t76,
+    omega_panda_joint6_y,
+    omega_panda_joint6_x,
+    t224,
+    t571,
+    t577,
+    inverse_d_panda_joint6,
+    t641,
+    t647,
+    t652,
+    inverse_d_panda_joint5,
+    t719,
+    t725,
+    t730,
+    t737,
+    inverse_d_panda_joint4,
+    t797,
+    t803,
+    t808,
+    t815,
+    t824,
+    inverse_d_panda_joint3,
+    t877,
+    t900,
+    t908,
+    t918,
+    t930,
+    t944,
+    inverse_d_panda_joint2,
+    t990,
+    inverse_d_panda_joint1,
+    t1112,
+    t1119,
+    t1122,
+    t1127,
+    t1130,
+    t1134,
+    t1139,
+    t1149,
+    t1163,
+    acceleration_panda_joint7_y_2,
+    t1169,
+    t1178,
+    t1184,
+    acceleration_panda_joint7_x_2,
+    t1188,
+    force_panda_joint7_y_2,
+    moment_panda_joint7_x_2,
+    moment_panda_joint7_y_2,
+    force_panda_joint7_x_2,
+    t1453,
+    t1465,
+    t1467,
+    t1469,
+    t1470,
+    t1476,
+    t1500,
+    t1506,
+    t1509,
+    t1512,
+    t1518,
+    t1520,
+    t1522,
+    t1524,
+    t1536,
+    t1538,
+    t1543,
+    t1545,
+    t1546,
+    t1551,
+    t1552,
+    t1565,
+    t1567,
+    t1575,
+    t1581,
+    t1589,
+    t1590,
+    t1592,
+    t1594,
+    t1596,
+    t1602,
+    t1611,
+    t1612,
+    t1619,
+    t1632,
+    t1635,
+    t1636,
+    t1637,
+    t1644,
+    t1649,
+    t1654,
+    t1661,
+    t1672,
+    t1675,
+    t1676,
+    t1677,
+    t1678,
+    t1680,
+    t1684,
+    t1686,
+    t1693,
+    t1701,
+    t1704,
+    t1708,
+    t1716,
+    t1768,
+    t1769,
+    t1775,
+    t1777,
+    t1778,
+    t1793,
+    t1796,
+    t1808,
+    t1809,
+    t1859,
+    t1862,
+    t1868,
+    t1870,
+    t1887,
+    t1891,
+    t1899,
+    t1906,
+    t1916,
+    t1918,
+    t1922,
+    t1959,
+    t1964,
+    t1970,
+    t1981,
+    t1986,
+    t1988,
+    t1998,
+    t2000,
+    t2002,
+    t2012,
+    t2019,
+    t2020,
+    t2023,
+    t2030,
+    t2038,
+    t2041,
+    t2055,
+    t2064,
+    t2068,
+    t2083,
+    t2103,
+    t2117,
+    t2123,
+    t2127,
+    t2129,
+    t2135,
+    t2139,
+    t2142,
+    t2147,
+    t2150,
+    t2153,
+    t2156,
+    t2167,
+    t2176,
+    t2180,
+    t2198,
+    t2218,
+    t2224,
+    t2228,
+    t2230,
+    t2236,
+    t2240,
+    t2244,
+    t2251,
+    t2254,
+    t2258,
+    t2263,
+    t2268,
+    t2283,
+    t2296,
+    t2301,
+    t2303,
+    t2309,
+    t2313,
+    t2318,
+    t2326,
+    t2331,
+    t2346,
+    t2348,
+    t2351,
+    t2353,
+    t2355,
+    t2361,
+    t2368,
+    t2375,
+    t2377,
+    t2385,
+    t2408,
+    t2413,
+    t2421,
+    t2429,
+    t2432,
+    t2434,
+    t2457,
+    t2508,
+    t2525,
+    t2544,
+    t2562,
+    t2572,
+    t2587,
+    t2590,
+    t2592,
+    t2607,
+    t2687,
+    t2704,
+    t2720,
+    t2728,
+    t2738,
+    t2753,
+    t2756,
+    t2758,
+    t2780,
+    t2870,
+    t2884,
+    t2890,
+    t2898,
+    t2908,
+    t2923,
+    t2926,
+    t2928,
+    t2943,
+    t3015,
+    t3031,
+    t3038,
+    t3050,
+    t3054,
+    t3060,
+    t3062,
+    t3066,
+    ]: [f64; 249],
+) -> [f64; 87] {
+    let t3067 = t737 * t3060;
+    let t3068 = t3066 + t3067;
+    let t3069 = t797 * t3068;
+    let t3070 = t3062 - t3069;
+    let t3071 = t803 * t3050;
+    let t3072 = t3038 + t3071;
+    let t3073 = t808 * t3054;
+    let t3074 = t3072 - t3073;
+    let t3075 = t815 * t3060;
+    let t3076 = t3074 + t3075;
+    let t3077 = t824 * t3068;
+    let t3078 = t3076 + t3077;
+    let t3079 = t877 * t3078;
+    let t3080 = t3070 - t3079;
+    let t3081 = cos_panda_joint3 * t3015;
+    let t3082 = sin_panda_joint3 * t3031;
+    let t3083 = t3082 - t3081;
+    let t3084 = t900 * t3050;
+    let t3085 = t3083 - t3084;
+    let t3086 = t908 * t3054;
+    let t3087 = t3085 + t3086;
+    let t3088 = t918 * t3060;
+    let t3089 = t3087 - t3088;
+    let t3090 = t930 * t3068;
+    let t3091 = t3089 - t3090;
+    let t3092 = t944 * t3078;
+    let t3093 = t3091 - t3092;
+    let t3094 = t990 * t3093;
+    let t3095 = t3080 - t3094;
+    let t3096 = inverse_d_panda_joint1 * t3095;
+    let t3097 = t1139 * t1119;
+    let t3098 = t1134 * t1127;
+    let t3099 = t3097 - t3098;
+    let t3100 = t224 * t1130;
+    let t3101 = t3099 + t3100;
+    let t3102 = t1635 + t1619;
+    let t3103 = omega_panda_joint6_z * t3102;
+    let t3104 = omega_panda_joint6_x * t1684;
+    let t3105 = t3103 + t3104;
+    let t3106 = t3101 - t3105;
+    let t3107 = moment_panda_joint7_y_2 + t3106;
+    let t3108 = cos_panda_joint6 * t3107;
+    let t3109 = omega_panda_joint6_z * t1592;
+    let t3110 = t224 * t1169;
+    let t3111 = t3110 - t3109;
+    let t3112 = force_panda_joint7_x_2 + t3111;
+    let t3113 = t1130 * t1119;
+    let t3114 = t224 * t2019;
+    let t3115 = t3114 + t3113;
+    let t3116 = t1122 * t1127;
+    let t3117 = t3115 - t3116;
+    let t3118 = t1188 * acceleration_panda_joint7_y_2;
+    let t3119 = t1169 * acceleration_panda_joint7_x_2;
+    let t3120 = t3119 - t3118;
+    let t3121 = t3120 - t3117;
+    let t3122 = omega_panda_joint6_x * t1676;
+    let t3123 = omega_panda_joint6_z * t1596;
+    let t3124 = t3123 - t3122;
+    let t3125 = t3121 - t3124;
+    let t3126 = t3125 - t3112;
+    let t3127 = sin_panda_joint6 * t3126;
+    let t3128 = t3108 + t3127;
+    let t3129 = 4.363636363636364 * t3112;
+    let t3130 = t3129 - t3128;
+    let t3131 = sin_panda_joint5 * t3130;
+    let t3132 = t1134 * t1119;
+    let t3133 = t1112 * t1127;
+    let t3134 = t3133 - t3132;
+    let t3135 = t224 * t1122;
+    let t3136 = t3134 - t3135;
+    let t3137 = t1611 - t1619;
+    let t3138 = omega_panda_joint6_x * t3137;
+    let t3139 = omega_panda_joint6_z * t1654;
+    let t3140 = t3138 - t3139;
+    let t3141 = t3136 - t3140;
+    let t3142 = moment_panda_joint7_x_2 - t3141;
+    let t3143 = t1188 * t1119;
+    let t3144 = t1169 * t1127;
+    let t3145 = t3143 + t3144;
+    let t3146 = omega_panda_joint6_x * t1612;
+    let t3147 = omega_panda_joint6_z * t1649;
+    let t3148 = t3147 + t3146;
+    let t3149 = t3145 + t3148;
+    let t3150 = t3149 - t3142;
+    let t3151 = omega_panda_joint6_x * t1592;
+    let t3152 = t224 * t1188;
+    let t3153 = t3152 - t3151;
+    let t3154 = force_panda_joint7_y_2 + t3153;
+    let t3155 = t1184 * t3154;
+    let t3156 = t1178 * t3149;
+    let t3157 = t3155 + t3156;
+    let t3158 = t3150 + t3157;
+    let t3159 = cos_panda_joint5 * t3158;
+    let t3160 = t3131 - t3159;
+    let t3161 = t1178 * t3154;
+    let t3162 = t1184 * t3149;
+    let t3163 = t3161 - t3162;
+    let t3164 = 0.21484375 * t3163;
+    let t3165 = t3164 - t3160;
+    let t3166 = t1149 * t3157;
+    let t3167 = t1163 * t3129;
+    let t3168 = t3166 - t3167;
+    let t3169 = sin_panda_joint4 * t3168;
+    let t3170 = cos_panda_joint4 * t3164;
+    let t3171 = t3169 + t3170;
+    let t3172 = t3165 - t3171;
+    let t3173 = cos_panda_joint4 * t3168;
+    let t3174 = sin_panda_joint4 * t3164;
+    let t3175 = t3173 - t3174;
+    let t3176 = 3.83030303030303 * t3175;
+    let t3177 = t3172 + t3176;
+    let t3178 = sin_panda_joint3 * t3177;
+    let t3179 = cos_panda_joint5 * t3130;
+    let t3180 = sin_panda_joint5 * t3158;
+    let t3181 = t3179 + t3180;
+    let t3182 = cos_panda_joint4 * t3181;
+    let t3183 = sin_panda_joint6 * t3107;
+    let t3184 = cos_panda_joint6 * t3126;
+    let t3185 = t3183 - t3184;
+    let t3186 = t1163 * t3157;
+    let t3187 = t1149 * t3129;
+    let t3188 = t3186 + t3187;
+    let t3189 = t3185 - t3188;
+    let t3190 = sin_panda_joint4 * t3189;
+    let t3191 = t3182 + t3190;
+    let t3192 = 3.83030303030303 * t3188;
+    let t3193 = t3191 + t3192;
+    let t3194 = cos_panda_joint3 * t3193;
+    let t3195 = t3194 + t3178;
+    let t3196 = sin_panda_joint2 * t3195;
+    let t3197 = sin_panda_joint4 * t3181;
+    let t3198 = cos_panda_joint4 * t3189;
+    let t3199 = t3197 - t3198;
+    let t3200 = t3188 - t3199;
+    let t3201 = cos_panda_joint2 * t3200;
+    let t3202 = t3196 + t3201;
+    let t3203 = t571 * t3125;
+    let t3204 = t3202 - t3203;
+    let t3205 = t577 * t3125;
+    let t3206 = t3150 - t3205;
+    let t3207 = t641 * t3206;
+    let t3208 = t3204 + t3207;
+    let t3209 = t652 * t3206;
+    let t3210 = t647 * t3125;
+    let t3211 = t3185 + t3210;
+    let t3212 = t3211 - t3209;
+    let t3213 = t719 * t3212;
+    let t3214 = t3208 - t3213;
+    let t3215 = t725 * t3125;
+    let t3216 = t3165 + t3215;
+    let t3217 = t730 * t3206;
+    let t3218 = t3216 + t3217;
+    let t3219 = t737 * t3212;
+    let t3220 = t3218 + t3219;
+    let t3221 = t797 * t3220;
+    let t3222 = t3214 - t3221;
+    let t3223 = t803 * t3125;
+    let t3224 = t3200 + t3223;
+    let t3225 = t808 * t3206;
+    let t3226 = t3224 - t3225;
+    let t3227 = t815 * t3212;
+    let t3228 = t3226 + t3227;
+    let t3229 = t824 * t3220;
+    let t3230 = t3228 + t3229;
+    let t3231 = t877 * t3230;
+    let t3232 = t3222 - t3231;
+    let t3233 = cos_panda_joint3 * t3177;
+    let t3234 = sin_panda_joint3 * t3193;
+    let t3235 = t3234 - t3233;
+    let t3236 = t900 * t3125;
+    let t3237 = t3235 - t3236;
+    let t3238 = t908 * t3206;
+    let t3239 = t3237 + t3238;
+    let t3240 = t918 * t3212;
+    let t3241 = t3239 - t3240;
+    let t3242 = t930 * t3220;
+    let t3243 = t3241 - t3242;
+    let t3244 = t944 * t3230;
+    let t3245 = t3243 - t3244;
+    let t3246 = t990 * t3245;
+    let t3247 = t3232 - t3246;
+    let t3248 = inverse_d_panda_joint1 * t3247;
+    let t3249 = t990 * t2432;
+    let t3250 = inverse_d_panda_joint2 * t2429;
+    let t3251 = t3250 + t3249;
+    let t3252 = t990 * t2590;
+    let t3253 = inverse_d_panda_joint2 * t2587;
+    let t3254 = t3253 - t3252;
+    let t3255 = t990 * t2756;
+    let t3256 = inverse_d_panda_joint2 * t2753;
+    let t3257 = t3256 - t3255;
+    let t3258 = t990 * t2926;
+    let t3259 = inverse_d_panda_joint2 * t2923;
+    let t3260 = t3259 - t3258;
+    let t3261 = t990 * t3096;
+    let t3262 = inverse_d_panda_joint2 * t3093;
+    let t3263 = t3262 - t3261;
+    let t3264 = t990 * t3248;
+    let t3265 = inverse_d_panda_joint2 * t3245;
+    let t3266 = t3265 - t3264;
+    let t3267 = t944 * t3251;
+    let t3268 = inverse_d_panda_joint3 * t2385;
+    let t3269 = t3268 - t3267;
+    let t3270 = t877 * t2432;
+    let t3271 = t3269 + t3270;
+    let t3272 = t944 * t3254;
+    let t3273 = inverse_d_panda_joint3 * t2572;
+    let t3274 = t3273 + t3272;
+    let t3275 = t877 * t2590;
+    let t3276 = t3274 + t3275;
+    let t3277 = t944 * t3257;
+    let t3278 = inverse_d_panda_joint3 * t2738;
+    let t3279 = t3278 + t3277;
+    let t3280 = t877 * t2756;
+    let t3281 = t3279 + t3280;
+    let t3282 = t944 * t3260;
+    let t3283 = inverse_d_panda_joint3 * t2908;
+    let t3284 = t3283 + t3282;
+    let t3285 = t877 * t2926;
+    let t3286 = t3284 + t3285;
+    let t3287 = t944 * t3263;
+    let t3288 = inverse_d_panda_joint3 * t3078;
+    let t3289 = t3288 - t3287;
+    let t3290 = t877 * t3096;
+    let t3291 = t3289 - t3290;
+    let t3292 = t944 * t3266;
+    let t3293 = inverse_d_panda_joint3 * t3230;
+    let t3294 = t3293 - t3292;
+    let t3295 = t877 * t3248;
+    let t3296 = t3294 - t3295;
+    let t3297 = t824 * t3271;
+    let t3298 = inverse_d_panda_joint4 * t2361;
+    let t3299 = t3298 + t3297;
+    let t3300 = t930 * t3251;
+    let t3301 = t3299 - t3300;
+    let t3302 = t797 * t2432;
+    let t3303 = t3301 + t3302;
+    let t3304 = t824 * t3276;
+    let t3305 = inverse_d_panda_joint4 * t2562;
+    let t3306 = t3305 - t3304;
+    let t3307 = t930 * t3254;
+    let t3308 = t3306 - t3307;
+    let t3309 = t797 * t2590;
+    let t3310 = t3308 - t3309;
+    let t3311 = t824 * t3281;
+    let t3312 = inverse_d_panda_joint4 * t2728;
+    let t3313 = t3312 - t3311;
+    let t3314 = t930 * t3257;
+    let t3315 = t3313 - t3314;
+    let t3316 = t797 * t2756;
+    let t3317 = t3315 - t3316;
+    let t3318 = t824 * t3286;
+    let t3319 = inverse_d_panda_joint4 * t2898;
+    let t3320 = t3319 + t3318;
+    let t3321 = t930 * t3260;
+    let t3322 = t3320 + t3321;
+    let t3323 = t797 * t2926;
+    let t3324 = t3322 + t3323;
+    let t3325 = t824 * t3291;
+    let t3326 = inverse_d_panda_joint4 * t3068;
+    let t3327 = t3326 + t3325;
+    let t3328 = t930 * t3263;
+    let t3329 = t3327 - t3328;
+    let t3330 = t797 * t3096;
+    let t3331 = t3329 - t3330;
+    let t3332 = t824 * t3296;
+    let t3333 = inverse_d_panda_joint4 * t3220;
+    let t3334 = t3333 + t3332;
+    let t3335 = t930 * t3266;
+    let t3336 = t3334 - t3335;
+    let t3337 = t797 * t3248;
+    let t3338 = t3336 - t3337;
+    let t3339 = t737 * t3303;
+    let t3340 = inverse_d_panda_joint5 * t2318;
+    let t3341 = t3340 - t3339;
+    let t3342 = t815 * t3271;
+    let t3343 = t3341 - t3342;
+    let t3344 = t918 * t3251;
+    let t3345 = t3343 + t3344;
+    let t3346 = t719 * t2432;
+    let t3347 = t3345 - t3346;
+    let t3348 = t737 * t3310;
+    let t3349 = inverse_d_panda_joint5 * t2544;
+    let t3350 = t3349 + t3348;
+    let t3351 = t815 * t3276;
+    let t3352 = t3350 - t3351;
+    let t3353 = t918 * t3254;
+    let t3354 = t3352 - t3353;
+    let t3355 = t719 * t2590;
+    let t3356 = t3354 - t3355;
+    let t3357 = t737 * t3317;
+    let t3358 = inverse_d_panda_joint5 * t2720;
+    let t3359 = t3358 + t3357;
+    let t3360 = t815 * t3281;
+    let t3361 = t3359 - t3360;
+    let t3362 = t918 * t3257;
+    let t3363 = t3361 - t3362;
+    let t3364 = t719 * t2756;
+    let t3365 = t3363 - t3364;
+    let t3366 = t737 * t3324;
+    let t3367 = inverse_d_panda_joint5 * t2890;
+    let t3368 = t3367 - t3366;
+    let t3369 = t815 * t3286;
+    let t3370 = t3368 - t3369;
+    let t3371 = t918 * t3260;
+    let t3372 = t3370 - t3371;
+    let t3373 = t719 * t2926;
+    let t3374 = t3372 - t3373;
+    let t3375 = t737 * t3331;
+    let t3376 = inverse_d_panda_joint5 * t3060;
+    let t3377 = t3376 + t3375;
+    let t3378 = t815 * t3291;
+    let t3379 = t3377 + t3378;
+    let t3380 = t918 * t3263;
+    let t3381 = t3379 - t3380;
+    let t3382 = t719 * t3096;
+    let t3383 = t3381 - t3382;
+    let t3384 = t737 * t3338;
+    let t3385 = inverse_d_panda_joint5 * t3212;
+    let t3386 = t3385 + t3384;
+    let t3387 = t815 * t3296;
+    let t3388 = t3386 + t3387;
+    let t3389 = t918 * t3266;
+    let t3390 = t3388 - t3389;
+    let t3391 = t719 * t3248;
+    let t3392 = t3390 - t3391;
+    let t3393 = t652 * t3347;
+    let t3394 = inverse_d_panda_joint6 * t2244;
+    let t3395 = t3394 - t3393;
+    let t3396 = t730 * t3303;
+    let t3397 = t3395 - t3396;
+    let t3398 = t808 * t3271;
+    let t3399 = t3397 + t3398;
+    let t3400 = t908 * t3251;
+    let t3401 = t3399 - t3400;
+    let t3402 = t641 * t2432;
+    let t3403 = t3401 + t3402;
+    let t3404 = t652 * t3356;
+    let t3405 = inverse_d_panda_joint6 * t2525;
+    let t3406 = t3405 - t3404;
+    let t3407 = t730 * t3310;
+    let t3408 = t3406 + t3407;
+    let t3409 = t808 * t3276;
+    let t3410 = t3408 + t3409;
+    let t3411 = t908 * t3254;
+    let t3412 = t3410 + t3411;
+    let t3413 = t641 * t2590;
+    let t3414 = t3412 + t3413;
+    let t3415 = t652 * t3365;
+    let t3416 = inverse_d_panda_joint6 * t2704;
+    let t3417 = t3416 - t3415;
+    let t3418 = t730 * t3317;
+    let t3419 = t3417 + t3418;
+    let t3420 = t808 * t3281;
+    let t3421 = t3419 + t3420;
+    let t3422 = t908 * t3257;
+    let t3423 = t3421 + t3422;
+    let t3424 = t641 * t2756;
+    let t3425 = t3423 + t3424;
+    let t3426 = t652 * t3374;
+    let t3427 = inverse_d_panda_joint6 * t2884;
+    let t3428 = t3427 + t3426;
+    let t3429 = t730 * t3324;
+    let t3430 = t3428 + t3429;
+    let t3431 = t808 * t3286;
+    let t3432 = t3430 - t3431;
+    let t3433 = t908 * t3260;
+    let t3434 = t3432 - t3433;
+    let t3435 = t641 * t2926;
+    let t3436 = t3434 - t3435;
+    let t3437 = t652 * t3383;
+    let t3438 = inverse_d_panda_joint6 * t3054;
+    let t3439 = t3438 - t3437;
+    let t3440 = t730 * t3331;
+    let t3441 = t3439 + t3440;
+    let t3442 = t808 * t3291;
+    let t3443 = t3441 - t3442;
+    let t3444 = t908 * t3263;
+    let t3445 = t3443 + t3444;
+    let t3446 = t641 * t3096;
+    let t3447 = t3445 + t3446;
+    let t3448 = t652 * t3392;
+    let t3449 = inverse_d_panda_joint6 * t3206;
+    let t3450 = t3449 - t3448;
+    let t3451 = t730 * t3338;
+    let t3452 = t3450 + t3451;
+    let t3453 = t808 * t3296;
+    let t3454 = t3452 - t3453;
+    let t3455 = t908 * t3266;
+    let t3456 = t3454 + t3455;
+    let t3457 = t641 * t3248;
+    let t3458 = t3456 + t3457;
+    let t3459 = t577 * t3403;
+    let t3460 = 149.60760989322964 * t2142;
+    let t3461 = t3460 - t3459;
+    let t3462 = t647 * t3347;
+    let t3463 = t3461 + t3462;
+    let t3464 = t725 * t3303;
+    let t3465 = t3463 - t3464;
+    let t3466 = t803 * t3271;
+    let t3467 = t3465 - t3466;
+    let t3468 = t900 * t3251;
+    let t3469 = t3467 + t3468;
+    let t3470 = t571 * t2432;
+    let t3471 = t3469 - t3470;
+    let t3472 = t577 * t3414;
+    let t3473 = 149.60760989322964 * t2508;
+    let t3474 = t3473 - t3472;
+    let t3475 = t647 * t3356;
+    let t3476 = t3474 + t3475;
+    let t3477 = t725 * t3310;
+    let t3478 = t3476 + t3477;
+    let t3479 = t803 * t3276;
+    let t3480 = t3478 - t3479;
+    let t3481 = t900 * t3254;
+    let t3482 = t3480 - t3481;
+    let t3483 = t571 * t2590;
+    let t3484 = t3482 - t3483;
+    let t3485 = t577 * t3425;
+    let t3486 = 149.60760989322964 * t2687;
+    let t3487 = t3486 - t3485;
+    let t3488 = t647 * t3365;
+    let t3489 = t3487 + t3488;
+    let t3490 = t725 * t3317;
+    let t3491 = t3489 + t3490;
+    let t3492 = t803 * t3281;
+    let t3493 = t3491 - t3492;
+    let t3494 = t900 * t3257;
+    let t3495 = t3493 - t3494;
+    let t3496 = t571 * t2756;
+    let t3497 = t3495 - t3496;
+    let t3498 = t577 * t3436;
+    let t3499 = 149.60760989322964 * t2870;
+    let t3500 = t3499 + t3498;
+    let t3501 = t647 * t3374;
+    let t3502 = t3500 + t3501;
+    let t3503 = t725 * t3324;
+    let t3504 = t3502 - t3503;
+    let t3505 = t803 * t3286;
+    let t3506 = t3504 - t3505;
+    let t3507 = t900 * t3260;
+    let t3508 = t3506 - t3507;
+    let t3509 = t571 * t2926;
+    let t3510 = t3508 - t3509;
+    let t3511 = t577 * t3447;
+    let t3512 = 149.60760989322964 * t3050;
+    let t3513 = t3512 - t3511;
+    let t3514 = t647 * t3383;
+    let t3515 = t3513 + t3514;
+    let t3516 = t725 * t3331;
+    let t3517 = t3515 + t3516;
+    let t3518 = t803 * t3291;
+    let t3519 = t3517 + t3518;
+    let t3520 = t900 * t3263;
+    let t3521 = t3519 - t3520;
+    let t3522 = t571 * t3096;
+    let t3523 = t3521 - t3522;
+    let t3524 = t577 * t3458;
+    let t3525 = 149.60760989322964 * t3125;
+    let t3526 = t3525 - t3524;
+    let t3527 = t647 * t3392;
+    let t3528 = t3526 + t3527;
+    let t3529 = t725 * t3338;
+    let t3530 = t3528 + t3529;
+    let t3531 = t803 * t3296;
+    let t3532 = t3530 + t3531;
+    let t3533 = t900 * t3266;
+    let t3534 = t3532 - t3533;
+    let t3535 = t571 * t3248;
+    let t3536 = t3534 - t3535;
+    let t3537 = t1891 - t1981;
+    let t3538 = sin_panda_joint2 * t3537;
+    let t3539 = t2012 + t1922;
+    let t3540 = cos_panda_joint2 * t3539;
+    let t3541 = t3538 + t3540;
+    let t3542 = sin_panda_joint2 * t3541;
+    let t3543 = t1891 - t3542;
+    let t3544 = v[0] * 0.00035816594888099995;
+    let t3545 = t3544 - t3543;
+    let t3546 = t3544 - t1887;
+    let t3547 = t3545 - t3546;
+    let t3548 = 0.003 - t3547;
+    let t3549 = sin_panda_joint2 * t2129;
+    let t3550 = cos_panda_joint2 * t2139;
+    let t3551 = t3549 - t3550;
+    let t3552 = t571 * t3551;
+    let t3553 = t3548 + t3552;
+    let t3554 = t577 * t3551;
+    let t3555 = sin_panda_joint2 * t2230;
+    let t3556 = cos_panda_joint2 * t2240;
+    let t3557 = t3555 - t3556;
+    let t3558 = t3557 - t3554;
+    let t3559 = t641 * t3558;
+    let t3560 = t3553 - t3559;
+    let t3561 = sin_panda_joint2 * t2303;
+    let t3562 = cos_panda_joint2 * t2313;
+    let t3563 = t3561 - t3562;
+    let t3564 = t647 * t3551;
+    let t3565 = t3563 + t3564;
+    let t3566 = t652 * t3558;
+    let t3567 = t3565 - t3566;
+    let t3568 = t719 * t3567;
+    let t3569 = t3560 + t3568;
+    let t3570 = sin_panda_joint2 * t2353;
+    let t3571 = cos_panda_joint2 * t2355;
+    let t3572 = t3570 - t3571;
+    let t3573 = t725 * t3551;
+    let t3574 = t3572 + t3573;
+    let t3575 = t730 * t3558;
+    let t3576 = t3574 + t3575;
+    let t3577 = t737 * t3567;
+    let t3578 = t3576 + t3577;
+    let t3579 = t797 * t3578;
+    let t3580 = t3569 + t3579;
+    let t3581 = cos_panda_joint2 * t2377;
+    let t3582 = sin_panda_joint2 * t1918;
+    let t3583 = t3582 - t3581;
+    let t3584 = t803 * t3551;
+    let t3585 = t3583 + t3584;
+    let t3586 = t808 * t3558;
+    let t3587 = t3585 - t3586;
+    let t3588 = t815 * t3567;
+    let t3589 = t3587 + t3588;
+    let t3590 = t824 * t3578;
+    let t3591 = t3589 + t3590;
+    let t3592 = t877 * t3591;
+    let t3593 = t3580 + t3592;
+    let t3594 = sin_panda_joint2 * t2413;
+    let t3595 = cos_panda_joint2 * t2421;
+    let t3596 = t3594 + t3595;
+    let t3597 = t900 * t3551;
+    let t3598 = t3596 + t3597;
+    let t3599 = t908 * t3558;
+    let t3600 = t3598 - t3599;
+    let t3601 = t918 * t3567;
+    let t3602 = t3600 + t3601;
+    let t3603 = t930 * t3578;
+    let t3604 = t3602 + t3603;
+    let t3605 = t944 * t3591;
+    let t3606 = t3604 + t3605;
+    let t3607 = t990 * t3606;
+    let t3608 = t3593 - t3607;
+    let t3609 = inverse_d_panda_joint1 * t3608;
+    let t3610 = t1891 + t1981;
+    let t3611 = 2.0 * omega_panda_joint2_y;
+    let t3612 = t3611 * t1964;
+    let t3613 = 2.0 * omega_panda_joint2_x;
+    let t3614 = t3613 * t1581;
+    let t3615 = t3612 - t3614;
+    let t3616 = t3610 - t3615;
+    let t3617 = 0.003 + t3616;
+    let t3618 = sin_panda_joint3 * t2117;
+    let t3619 = cos_panda_joint3 * t2127;
+    let t3620 = t3618 + t3619;
+    let t3621 = t3611 * t2068;
+    let t3622 = t3613 * t2041;
+    let t3623 = t3621 - t3622;
+    let t3624 = t3620 - t3623;
+    let t3625 = t900 * t3624;
+    let t3626 = t3617 + t3625;
+    let t3627 = t577 * t3624;
+    let t3628 = sin_panda_joint3 * t2218;
+    let t3629 = cos_panda_joint3 * t2228;
+    let t3630 = t3628 + t3629;
+    let t3631 = t3611 * t2180;
+    let t3632 = t3613 * t2156;
+    let t3633 = t3631 + t3632;
+    let t3634 = t3630 - t3633;
+    let t3635 = t3634 - t3627;
+    let t3636 = t908 * t3635;
+    let t3637 = t3626 - t3636;
+    let t3638 = sin_panda_joint3 * t2296;
+    let t3639 = cos_panda_joint3 * t2301;
+    let t3640 = t3638 + t3639;
+    let t3641 = t3611 * t2268;
+    let t3642 = t3613 * t2254;
+    let t3643 = t3641 - t3642;
+    let t3644 = t3640 - t3643;
+    let t3645 = t647 * t3624;
+    let t3646 = t3644 + t3645;
+    let t3647 = t652 * t3635;
+    let t3648 = t3646 - t3647;
+    let t3649 = t918 * t3648;
+    let t3650 = t3637 + t3649;
+    let t3651 = sin_panda_joint3 * t2346;
+    let t3652 = cos_panda_joint3 * t2351;
+    let t3653 = t3651 + t3652;
+    let t3654 = t3611 * t2331;
+    let t3655 = t3613 * t1545;
+    let t3656 = t3654 + t3655;
+    let t3657 = t3653 + t3656;
+    let t3658 = t725 * t3624;
+    let t3659 = t3657 + t3658;
+    let t3660 = t730 * t3635;
+    let t3661 = t3659 + t3660;
+    let t3662 = t737 * t3648;
+    let t3663 = t3661 + t3662;
+    let t3664 = t930 * t3663;
+    let t3665 = t3650 + t3664;
+    let t3666 = sin_panda_joint3 * t1906;
+    let t3667 = cos_panda_joint3 * t1916;
+    let t3668 = t3666 + t3667;
+    let t3669 = t3611 * t1551;
+    let t3670 = t3613 * t2368;
+    let t3671 = t3669 - t3670;
+    let t3672 = t3668 + t3671;
+    let t3673 = t803 * t3624;
+    let t3674 = t3672 + t3673;
+    let t3675 = t808 * t3635;
+    let t3676 = t3674 - t3675;
+    let t3677 = t815 * t3648;
+    let t3678 = t3676 + t3677;
+    let t3679 = t824 * t3663;
+    let t3680 = t3678 + t3679;
+    let t3681 = t944 * t3680;
+    let t3682 = t3665 + t3681;
+    let t3683 = t990 * t3682;
+    let t3684 = t1859 - t2408;
+    let t3685 = v[1] * 0.0015378722058928;
+    let t3686 = t3685 - t3684;
+    let t3687 = t3611 * t1959;
+    let t3688 = t3613 * t1552;
+    let t3689 = t3687 + t3688;
+    let t3690 = t3686 + t3689;
+    let t3691 = sin_panda_joint2 * t3690;
+    let t3692 = v[1] * 0.02052220364201634;
+    let t3693 = t3692 - t3668;
+    let t3694 = t3613 * t1575;
+    let t3695 = t3611 * t1552;
+    let t3696 = t3694 + t3695;
+    let t3697 = t3693 + t3696;
+    let t3698 = cos_panda_joint2 * t3697;
+    let t3699 = t3691 - t3698;
+    let t3700 = t571 * t3624;
+    let t3701 = t3699 - t3700;
+    let t3702 = t641 * t3635;
+    let t3703 = t3701 + t3702;
+    let t3704 = t719 * t3648;
+    let t3705 = t3703 - t3704;
+    let t3706 = t797 * t3663;
+    let t3707 = t3705 - t3706;
+    let t3708 = t877 * t3680;
+    let t3709 = t3707 - t3708;
+    let t3710 = t3709 + t3683;
+    let t3711 = inverse_d_panda_joint1 * t3710;
+    let t3712 = t1899 * t1524;
+    let t3713 = 2.0 * omega_panda_joint3_x;
+    let t3714 = t3713 * t1546;
+    let t3715 = t3712 + t3714;
+    let t3716 = t2375 - t3715;
+    let t3717 = 0.003 + t3716;
+    let t3718 = t3713 * t2055;
+    let t3719 = t1899 * t2064;
+    let t3720 = t3719 - t3718;
+    let t3721 = t2135 + t3720;
+    let t3722 = t803 * t3721;
+    let t3723 = t3717 + t3722;
+    let t3724 = t577 * t3721;
+    let t3725 = t3713 * t2167;
+    let t3726 = t1899 * t2176;
+    let t3727 = t3726 - t3725;
+    let t3728 = t2236 + t3727;
+    let t3729 = t3728 - t3724;
+    let t3730 = t808 * t3729;
+    let t3731 = t3723 - t3730;
+    let t3732 = t1899 * t2258;
+    let t3733 = t3713 * t2263;
+    let t3734 = t3732 + t3733;
+    let t3735 = t2309 + t3734;
+    let t3736 = t647 * t3721;
+    let t3737 = t3735 + t3736;
+    let t3738 = t652 * t3729;
+    let t3739 = t3737 - t3738;
+    let t3740 = t815 * t3739;
+    let t3741 = t3731 + t3740;
+    let t3742 = t3713 * t2326;
+    let t3743 = t1899 * t1565;
+    let t3744 = t3743 - t3742;
+    let t3745 = t1998 - t3744;
+    let t3746 = t725 * t3721;
+    let t3747 = t3745 + t3746;
+    let t3748 = t730 * t3729;
+    let t3749 = t3747 + t3748;
+    let t3750 = t737 * t3739;
+    let t3751 = t3749 + t3750;
+    let t3752 = t824 * t3751;
+    let t3753 = t3741 + t3752;
+    let t3754 = t944 * t3753;
+    let t3755 = t1899 * t2457;
+    let t3756 = t3713 * t1567;
+    let t3757 = t3755 - t3756;
+    let t3758 = t1986 + t3757;
+    let t3759 = t1970 - t1988;
+    let t3760 = 3.83030303030303 * t3759;
+    let t3761 = t3758 - t3760;
+    let t3762 = sin_panda_joint3 * t3761;
+    let t3763 = t3713 * t2434;
+    let t3764 = t1899 * t1567;
+    let t3765 = t3763 - t3764;
+    let t3766 = t2000 - t3765;
+    let t3767 = t3713 * t1522;
+    let t3768 = t2002 + t3767;
+    let t3769 = 3.83030303030303 * t3768;
+    let t3770 = t3766 + t3769;
+    let t3771 = cos_panda_joint3 * t3770;
+    let t3772 = t3762 - t3771;
+    let t3773 = t900 * t3721;
+    let t3774 = t3772 + t3773;
+    let t3775 = t908 * t3729;
+    let t3776 = t3774 - t3775;
+    let t3777 = t918 * t3739;
+    let t3778 = t3776 + t3777;
+    let t3779 = t930 * t3751;
+    let t3780 = t3778 + t3779;
+    let t3781 = t3780 + t3754;
+    let t3782 = t990 * t3781;
+    let t3783 = cos_panda_joint3 * t3761;
+    let t3784 = sin_panda_joint3 * t3770;
+    let t3785 = t3783 + t3784;
+    let t3786 = sin_panda_joint2 * t3785;
+    let t3787 = cos_panda_joint2 * t3716;
+    let t3788 = t3786 - t3787;
+    let t3789 = t571 * t3721;
+    let t3790 = t3788 + t3789;
+    let t3791 = t641 * t3729;
+    let t3792 = t3790 - t3791;
+    let t3793 = t719 * t3739;
+    let t3794 = t3792 + t3793;
+    let t3795 = t797 * t3751;
+    let t3796 = t3794 + t3795;
+    let t3797 = t877 * t3753;
+    let t3798 = t3796 + t3797;
+    let t3799 = t3798 - t3782;
+    let t3800 = inverse_d_panda_joint1 * t3799;
+    let t3801 = t1808 * t1538;
+    let t3802 = 2.0 * omega_panda_joint4_x;
+    let t3803 = t3802 * t1543;
+    let t3804 = t3801 - t3803;
+    let t3805 = t2348 - t3804;
+    let t3806 = t1809 + t1793;
+    let t3807 = cos_panda_joint4 * t3806;
+    let t3808 = t3802 * t1536;
+    let t3809 = t1796 + t3808;
+    let t3810 = sin_panda_joint4 * t3809;
+    let t3811 = t3810 - t3807;
+    let t3812 = t3805 - t3811;
+    let t3813 = sin_panda_joint4 * t3806;
+    let t3814 = cos_panda_joint4 * t3809;
+    let t3815 = t3814 + t3813;
+    let t3816 = 3.83030303030303 * t3815;
+    let t3817 = t3812 + t3816;
+    let t3818 = sin_panda_joint3 * t3817;
+    let t3819 = t1808 * t2607;
+    let t3820 = t3802 * t1512;
+    let t3821 = t3819 + t3820;
+    let t3822 = t1862 + t3821;
+    let t3823 = cos_panda_joint4 * t3822;
+    let t3824 = t3802 * t2592;
+    let t3825 = t1808 * t1512;
+    let t3826 = t3824 + t3825;
+    let t3827 = t1870 + t3826;
+    let t3828 = sin_panda_joint4 * t3827;
+    let t3829 = t3823 - t3828;
+    let t3830 = t3802 * t1518;
+    let t3831 = t1808 * t1520;
+    let t3832 = t3831 + t3830;
+    let t3833 = 3.83030303030303 * t3832;
+    let t3834 = t3829 + t3833;
+    let t3835 = cos_panda_joint3 * t3834;
+    let t3836 = t3835 - t3818;
+    let t3837 = sin_panda_joint2 * t3836;
+    let t3838 = sin_panda_joint4 * t3822;
+    let t3839 = cos_panda_joint4 * t3827;
+    let t3840 = t3838 + t3839;
+    let t3841 = t3832 - t3840;
+    let t3842 = cos_panda_joint2 * t3841;
+    let t3843 = t3837 + t3842;
+    let t3844 = t1808 * t2030;
+    let t3845 = t3802 * t2038;
+    let t3846 = t3844 - t3845;
+    let t3847 = t2123 - t3846;
+    let t3848 = t571 * t3847;
+    let t3849 = t3843 - t3848;
+    let t3850 = t577 * t3847;
+    let t3851 = t1808 * t2150;
+    let t3852 = t3802 * t2153;
+    let t3853 = t3851 + t3852;
+    let t3854 = t2224 - t3853;
+    let t3855 = t3854 - t3850;
+    let t3856 = t641 * t3855;
+    let t3857 = t3849 + t3856;
+    let t3858 = t1808 * t1509;
+    let t3859 = t3802 * t2251;
+    let t3860 = t3858 + t3859;
+    let t3861 = t1868 - t3860;
+    let t3862 = t647 * t3847;
+    let t3863 = t3861 + t3862;
+    let t3864 = t652 * t3855;
+    let t3865 = t3863 - t3864;
+    let t3866 = t719 * t3865;
+    let t3867 = t3857 - t3866;
+    let t3868 = 0.003 - t3805;
+    let t3869 = t725 * t3847;
+    let t3870 = t3868 + t3869;
+    let t3871 = t730 * t3855;
+    let t3872 = t3870 + t3871;
+    let t3873 = t737 * t3865;
+    let t3874 = t3872 + t3873;
+    let t3875 = t797 * t3874;
+    let t3876 = t3867 - t3875;
+    let t3877 = t824 * t3874;
+    let t3878 = t803 * t3847;
+    let t3879 = t3841 + t3878;
+    let t3880 = t808 * t3855;
+    let t3881 = t3879 - t3880;
+    let t3882 = t815 * t3865;
+    let t3883 = t3881 + t3882;
+    let t3884 = t3883 + t3877;
+    let t3885 = t877 * t3884;
+    let t3886 = t3876 - t3885;
+    let t3887 = cos_panda_joint3 * t3817;
+    let t3888 = sin_panda_joint3 * t3834;
+    let t3889 = t3888 + t3887;
+    let t3890 = t900 * t3847;
+    let t3891 = t3889 - t3890;
+    let t3892 = t908 * t3855;
+    let t3893 = t3891 + t3892;
+    let t3894 = t918 * t3865;
+    let t3895 = t3893 - t3894;
+    let t3896 = t930 * t3874;
+    let t3897 = t3895 - t3896;
+    let t3898 = t944 * t3884;
+    let t3899 = t3897 - t3898;
+    let t3900 = t990 * t3899;
+    let t3901 = t3886 - t3900;
+    let t3902 = inverse_d_panda_joint1 * t3901;
+    let t3903 = t1632 * t2780;
+    let t3904 = t1644 * t1470;
+    let t3905 = t3903 - t3904;
+    let t3906 = t1768 - t3905;
+    let t3907 = t1708 + t1769;
+    let t3908 = t3907 - t3906;
+    let t3909 = cos_panda_joint5 * t3908;
+    let t3910 = t1644 * t2758;
+    let t3911 = t1632 * t1470;
+    let t3912 = t3910 - t3911;
+    let t3913 = t1777 - t3912;
+    let t3914 = t1716 + t1778;
+    let t3915 = t3914 - t3913;
+    let t3916 = sin_panda_joint5 * t3915;
+    let t3917 = t3909 - t3916;
+    let t3918 = sin_panda_joint4 * t3917;
+    let t3919 = t1632 * t1500;
+    let t3920 = t1644 * t1506;
+    let t3921 = t3919 - t3920;
+    let t3922 = t2283 - t3921;
+    let t3923 = t1149 * t3907;
+    let t3924 = t1163 * t3914;
+    let t3925 = t3924 - t3923;
+    let t3926 = t3922 - t3925;
+    let t3927 = cos_panda_joint4 * t3926;
+    let t3928 = t3918 + t3927;
+    let t3929 = t3925 + t3928;
+    let t3930 = t1632 * t2023;
+    let t3931 = t1122 * t1644;
+    let t3932 = t3930 - t3931;
+    let t3933 = t2103 - t3932;
+    let t3934 = t803 * t3933;
+    let t3935 = t3929 + t3934;
+    let t3936 = t577 * t3933;
+    let t3937 = t1632 * t1469;
+    let t3938 = t1644 * t2147;
+    let t3939 = t3937 + t3938;
+    let t3940 = t1775 + t3939;
+    let t3941 = t3940 - t3936;
+    let t3942 = t808 * t3941;
+    let t3943 = t3935 - t3942;
+    let t3944 = 0.003 + t3922;
+    let t3945 = t647 * t3933;
+    let t3946 = t3944 + t3945;
+    let t3947 = t652 * t3941;
+    let t3948 = t3946 - t3947;
+    let t3949 = t815 * t3948;
+    let t3950 = t3943 + t3949;
+    let t3951 = sin_panda_joint5 * t3908;
+    let t3952 = cos_panda_joint5 * t3915;
+    let t3953 = t3951 + t3952;
+    let t3954 = t1693 + t1672;
+    let t3955 = 0.21484375 * t3954;
+    let t3956 = t3955 + t3953;
+    let t3957 = t725 * t3933;
+    let t3958 = t3956 + t3957;
+    let t3959 = t730 * t3941;
+    let t3960 = t3958 + t3959;
+    let t3961 = t737 * t3948;
+    let t3962 = t3960 + t3961;
+    let t3963 = t824 * t3962;
+    let t3964 = t3950 + t3963;
+    let t3965 = t944 * t3964;
+    let t3966 = t1163 * t3907;
+    let t3967 = t1149 * t3914;
+    let t3968 = t3967 + t3966;
+    let t3969 = sin_panda_joint4 * t3968;
+    let t3970 = cos_panda_joint4 * t3955;
+    let t3971 = t3969 + t3970;
+    let t3972 = t3956 - t3971;
+    let t3973 = cos_panda_joint4 * t3968;
+    let t3974 = sin_panda_joint4 * t3955;
+    let t3975 = t3973 - t3974;
+    let t3976 = 3.83030303030303 * t3975;
+    let t3977 = t3972 + t3976;
+    let t3978 = cos_panda_joint3 * t3977;
+    let t3979 = cos_panda_joint4 * t3917;
+    let t3980 = sin_panda_joint4 * t3926;
+    let t3981 = t3979 - t3980;
+    let t3982 = 3.83030303030303 * t3925;
+    let t3983 = t3981 - t3982;
+    let t3984 = sin_panda_joint3 * t3983;
+    let t3985 = t3984 + t3978;
+    let t3986 = t900 * t3933;
+    let t3987 = t3985 + t3986;
+    let t3988 = t908 * t3941;
+    let t3989 = t3987 - t3988;
+    let t3990 = t918 * t3948;
+    let t3991 = t3989 + t3990;
+    let t3992 = t930 * t3962;
+    let t3993 = t3991 + t3992;
+    let t3994 = t3993 + t3965;
+    let t3995 = t990 * t3994;
+    let t3996 = t877 * t3964;
+    let t3997 = sin_panda_joint3 * t3977;
+    let t3998 = cos_panda_joint3 * t3983;
+    let t3999 = t3998 - t3997;
+    let t4000 = sin_panda_joint2 * t3999;
+    let t4001 = cos_panda_joint2 * t3929;
+    let t4002 = t4000 - t4001;
+    let t4003 = t571 * t3933;
+    let t4004 = t4002 + t4003;
+    let t4005 = t641 * t3941;
+    let t4006 = t4004 - t4005;
+    let t4007 = t719 * t3948;
+    let t4008 = t4006 + t4007;
+    let t4009 = t797 * t3962;
+    let t4010 = t4008 + t4009;
+    let t4011 = t4010 + t3996;
+    let t4012 = t4011 - t3995;
+    let t4013 = inverse_d_panda_joint1 * t4012;
+    let t4014 = t1589 * t1467;
+    let t4015 = t1636 * t1465;
+    let t4016 = t4015 - t4014;
+    let t4017 = t2198 - t4016;
+    let t4018 = t1637 - t1704;
+    let t4019 = t1178 * t4018;
+    let t4020 = t1590 - t1701;
+    let t4021 = t1184 * t4020;
+    let t4022 = t4021 + t4019;
+    let t4023 = t4017 - t4022;
+    let t4024 = cos_panda_joint5 * t4023;
+    let t4025 = t1636 * t1453;
+    let t4026 = t1589 * t2928;
+    let t4027 = t4026 + t4025;
+    let t4028 = t1680 - t4027;
+    let t4029 = sin_panda_joint6 * t4028;
+    let t4030 = t1589 * t1453;
+    let t4031 = t1636 * t2943;
+    let t4032 = t4031 - t4030;
+    let t4033 = t1686 + t4032;
+    let t4034 = cos_panda_joint6 * t4033;
+    let t4035 = t4034 - t4029;
+    let t4036 = t1589 * t1476;
+    let t4037 = omega_panda_joint6_y * 0.030589628180144;
+    let t4038 = t4037 + t4036;
+    let t4039 = 4.363636363636364 * t4038;
+    let t4040 = t4039 + t4035;
+    let t4041 = sin_panda_joint5 * t4040;
+    let t4042 = t4041 + t4024;
+    let t4043 = t1184 * t4018;
+    let t4044 = t1178 * t4020;
+    let t4045 = t4044 - t4043;
+    let t4046 = 0.21484375 * t4045;
+    let t4047 = t4046 - t4042;
+    let t4048 = t1589 * t2020;
+    let t4049 = t1130 * t1636;
+    let t4050 = t4049 + t4048;
+    let t4051 = t1678 - t4050;
+    let t4052 = t725 * t4051;
+    let t4053 = t4047 + t4052;
+    let t4054 = 0.003 + t4017;
+    let t4055 = t577 * t4051;
+    let t4056 = t4054 + t4055;
+    let t4057 = t730 * t4056;
+    let t4058 = t4053 - t4057;
+    let t4059 = t652 * t4056;
+    let t4060 = cos_panda_joint6 * t4028;
+    let t4061 = sin_panda_joint6 * t4033;
+    let t4062 = t4061 + t4060;
+    let t4063 = t647 * t4051;
+    let t4064 = t4062 - t4063;
+    let t4065 = t4064 - t4059;
+    let t4066 = t737 * t4065;
+    let t4067 = t4058 - t4066;
+    let t4068 = t824 * t4067;
+    let t4069 = sin_panda_joint5 * t4023;
+    let t4070 = cos_panda_joint5 * t4040;
+    let t4071 = t4070 - t4069;
+    let t4072 = sin_panda_joint4 * t4071;
+    let t4073 = t1163 * t4022;
+    let t4074 = t1149 * t4039;
+    let t4075 = t4073 + t4074;
+    let t4076 = t4062 + t4075;
+    let t4077 = cos_panda_joint4 * t4076;
+    let t4078 = t4072 + t4077;
+    let t4079 = t4075 - t4078;
+    let t4080 = t803 * t4051;
+    let t4081 = t4079 + t4080;
+    let t4082 = t808 * t4056;
+    let t4083 = t4081 + t4082;
+    let t4084 = t815 * t4065;
+    let t4085 = t4083 - t4084;
+    let t4086 = t4085 + t4068;
+    let t4087 = t944 * t4086;
+    let t4088 = t930 * t4067;
+    let t4089 = t1149 * t4022;
+    let t4090 = t1163 * t4039;
+    let t4091 = t4089 - t4090;
+    let t4092 = sin_panda_joint4 * t4091;
+    let t4093 = cos_panda_joint4 * t4046;
+    let t4094 = t4092 + t4093;
+    let t4095 = t4047 - t4094;
+    let t4096 = cos_panda_joint4 * t4091;
+    let t4097 = sin_panda_joint4 * t4046;
+    let t4098 = t4096 - t4097;
+    let t4099 = 3.83030303030303 * t4098;
+    let t4100 = t4095 + t4099;
+    let t4101 = cos_panda_joint3 * t4100;
+    let t4102 = cos_panda_joint4 * t4071;
+    let t4103 = sin_panda_joint4 * t4076;
+    let t4104 = t4102 - t4103;
+    let t4105 = 3.83030303030303 * t4075;
+    let t4106 = t4104 + t4105;
+    let t4107 = sin_panda_joint3 * t4106;
+    let t4108 = t4107 - t4101;
+    let t4109 = t900 * t4051;
+    let t4110 = t4108 - t4109;
+    let t4111 = t908 * t4056;
+    let t4112 = t4110 - t4111;
+    let t4113 = t918 * t4065;
+    let t4114 = t4112 + t4113;
+    let t4115 = t4114 - t4088;
+    let t4116 = t4115 - t4087;
+    let t4117 = t990 * t4116;
+    let t4118 = t877 * t4086;
+    let t4119 = t797 * t4067;
+    let t4120 = sin_panda_joint3 * t4100;
+    let t4121 = cos_panda_joint3 * t4106;
+    let t4122 = t4121 + t4120;
+    let t4123 = sin_panda_joint2 * t4122;
+    let t4124 = cos_panda_joint2 * t4079;
+    let t4125 = t4123 + t4124;
+    let t4126 = t571 * t4051;
+    let t4127 = t4125 - t4126;
+    let t4128 = t641 * t4056;
+    let t4129 = t4127 - t4128;
+    let t4130 = t719 * t4065;
+    let t4131 = t4129 + t4130;
+    let t4132 = t4131 - t4119;
+    let t4133 = t4132 - t4118;
+    let t4134 = t4133 - t4117;
+    let t4135 = inverse_d_panda_joint1 * t4134;
+    let t4136 = t1619 - t2083;
+    let t4137 = t1612 + t4136;
+    let t4138 = sin_panda_joint6 * t4137;
+    let t4139 = t76 * t1139;
+    let t4140 = t1594 + t4139;
+    let t4141 = t1602 + t4140;
+    let t4142 = cos_panda_joint6 * t4141;
+    let t4143 = t4142 - t4138;
+    let t4144 = 4.363636363636364 * t1612;
+    let t4145 = t4144 - t4143;
+    let t4146 = cos_panda_joint5 * t4145;
+    let t4147 = t1169 * t1589;
+    let t4148 = t1677 - t4147;
+    let t4149 = t1178 * t4148;
+    let t4150 = t1184 * t1649;
+    let t4151 = t4150 - t4149;
+    let t4152 = t1112 * t1589;
+    let t4153 = t1675 + t4152;
+    let t4154 = t1661 - t4153;
+    let t4155 = t4148 + t4154;
+    let t4156 = t4155 - t4151;
+    let t4157 = sin_panda_joint5 * t4156;
+    let t4158 = t4146 + t4157;
+    let t4159 = sin_panda_joint4 * t4158;
+    let t4160 = cos_panda_joint6 * t4137;
+    let t4161 = sin_panda_joint6 * t4141;
+    let t4162 = t4161 + t4160;
+    let t4163 = t1163 * t4151;
+    let t4164 = t1149 * t4144;
+    let t4165 = t4163 - t4164;
+    let t4166 = t4162 + t4165;
+    let t4167 = cos_panda_joint4 * t4166;
+    let t4168 = t4159 - t4167;
+    let t4169 = t4165 + t4168;
+    let t4170 = 0.003 - t4136;
+    let t4171 = t803 * t4170;
+    let t4172 = t4169 - t4171;
+    let t4173 = t577 * t4170;
+    let t4174 = t4155 - t4173;
+    let t4175 = t808 * t4174;
+    let t4176 = t4172 + t4175;
+    let t4177 = t652 * t4174;
+    let t4178 = t647 * t4170;
+    let t4179 = t4162 + t4178;
+    let t4180 = t4179 - t4177;
+    let t4181 = t815 * t4180;
+    let t4182 = t4176 - t4181;
+    let t4183 = sin_panda_joint5 * t4145;
+    let t4184 = cos_panda_joint5 * t4156;
+    let t4185 = t4183 - t4184;
+    let t4186 = t1184 * t4148;
+    let t4187 = t1178 * t1649;
+    let t4188 = t4187 + t4186;
+    let t4189 = 0.21484375 * t4188;
+    let t4190 = t4189 + t4185;
+    let t4191 = t725 * t4170;
+    let t4192 = t4190 - t4191;
+    let t4193 = t730 * t4174;
+    let t4194 = t4192 - t4193;
+    let t4195 = t737 * t4180;
+    let t4196 = t4194 - t4195;
+    let t4197 = t824 * t4196;
+    let t4198 = t4182 + t4197;
+    let t4199 = t944 * t4198;
+    let t4200 = t930 * t4196;
+    let t4201 = t1149 * t4151;
+    let t4202 = t1163 * t4144;
+    let t4203 = t4201 + t4202;
+    let t4204 = sin_panda_joint4 * t4203;
+    let t4205 = cos_panda_joint4 * t4189;
+    let t4206 = t4204 + t4205;
+    let t4207 = t4190 - t4206;
+    let t4208 = cos_panda_joint4 * t4203;
+    let t4209 = sin_panda_joint4 * t4189;
+    let t4210 = t4208 - t4209;
+    let t4211 = 3.83030303030303 * t4210;
+    let t4212 = t4207 + t4211;
+    let t4213 = cos_panda_joint3 * t4212;
+    let t4214 = cos_panda_joint4 * t4158;
+    let t4215 = sin_panda_joint4 * t4166;
+    let t4216 = t4214 + t4215;
+    let t4217 = 3.83030303030303 * t4165;
+    let t4218 = t4216 - t4217;
+    let t4219 = sin_panda_joint3 * t4218;
+    let t4220 = t4219 + t4213;
+    let t4221 = t900 * t4170;
+    let t4222 = t4220 - t4221;
+    let t4223 = t908 * t4174;
+    let t4224 = t4222 + t4223;
+    let t4225 = t918 * t4180;
+    let t4226 = t4224 - t4225;
+    let t4227 = t4226 + t4200;
+    let t4228 = t4227 + t4199;
+    let t4229 = t990 * t4228;
+    let t4230 = t877 * t4198;
+    let t4231 = t797 * t4196;
+    let t4232 = sin_panda_joint3 * t4212;
+    let t4233 = cos_panda_joint3 * t4218;
+    let t4234 = t4233 - t4232;
+    let t4235 = sin_panda_joint2 * t4234;
+    let t4236 = cos_panda_joint2 * t4169;
+    let t4237 = t4235 - t4236;
+    let t4238 = t571 * t4170;
+    let t4239 = t4237 - t4238;
+    let t4240 = t641 * t4174;
+    let t4241 = t4239 + t4240;
+    let t4242 = t719 * t4180;
+    let t4243 = t4241 - t4242;
+    let t4244 = t4243 + t4231;
+    let t4245 = t4244 + t4230;
+    let t4246 = t4245 - t4229;
+    let t4247 = inverse_d_panda_joint1 * t4246;
+    let t4248 = t990 * t3609;
+    let t4249 = inverse_d_panda_joint2 * t3606;
+    let t4250 = t4249 - t4248;
+    let t4251 = t990 * t3711;
+    let t4252 = inverse_d_panda_joint2 * t3682;
+    let t4253 = t4252 + t4251;
+    let t4254 = t990 * t3800;
+    let t4255 = inverse_d_panda_joint2 * t3781;
+    let t4256 = t4255 - t4254;
+    let t4257 = t990 * t3902;
+    let t4258 = inverse_d_panda_joint2 * t3899;
+    let t4259 = t4258 - t4257;
+    let t4260 = t990 * t4013;
+    let t4261 = inverse_d_panda_joint2 * t3994;
+    let t4262 = t4261 - t4260;
+    let t4263 = t990 * t4135;
+    let t4264 = inverse_d_panda_joint2 * t4116;
+    let t4265 = t4264 - t4263;
+    let t4266 = t990 * t4247;
+    let t4267 = inverse_d_panda_joint2 * t4228;
+    let t4268 = t4267 - t4266;
+    let t4269 = t944 * t4250;
+    let t4270 = inverse_d_panda_joint3 * t3591;
+    let t4271 = t4270 + t4269;
+    let t4272 = t877 * t3609;
+    let t4273 = t4271 + t4272;
+    let t4274 = t944 * t4253;
+    let t4275 = inverse_d_panda_joint3 * t3680;
+    let t4276 = t4275 + t4274;
+    let t4277 = t877 * t3711;
+    let t4278 = t4276 - t4277;
+    let t4279 = t944 * t4256;
+    let t4280 = inverse_d_panda_joint3 * t3753;
+    let t4281 = t4280 + t4279;
+    let t4282 = t877 * t3800;
+    let t4283 = t4281 + t4282;
+    let t4284 = t944 * t4259;
+    let t4285 = inverse_d_panda_joint3 * t3884;
+    let t4286 = t4285 - t4284;
+    let t4287 = t877 * t3902;
+    let t4288 = t4286 - t4287;
+    let t4289 = t944 * t4262;
+    let t4290 = inverse_d_panda_joint3 * t3964;
+    let t4291 = t4290 + t4289;
+    let t4292 = t877 * t4013;
+    let t4293 = t4291 + t4292;
+    let t4294 = t944 * t4265;
+    let t4295 = inverse_d_panda_joint3 * t4086;
+    let t4296 = t4295 - t4294;
+    let t4297 = t877 * t4135;
+    let t4298 = t4296 - t4297;
+    let t4299 = t944 * t4268;
+    let t4300 = inverse_d_panda_joint3 * t4198;
+    let t4301 = t4300 + t4299;
+    let t4302 = t877 * t4247;
+    let t4303 = t4301 + t4302;
+    let t4304 = t824 * t4273;
+    let t4305 = inverse_d_panda_joint4 * t3578;
+    let t4306 = t4305 + t4304;
+    let t4307 = t930 * t4250;
+    let t4308 = t4306 + t4307;
+    let t4309 = t797 * t3609;
+    let t4310 = t4308 + t4309;
+    let t4311 = t824 * t4278;
+    let t4312 = inverse_d_panda_joint4 * t3663;
+    let t4313 = t4312 + t4311;
+    let t4314 = t930 * t4253;
+    let t4315 = t4313 + t4314;
+    let t4316 = t797 * t3711;
+    let t4317 = t4315 - t4316;
+    let t4318 = t824 * t4283;
+    let t4319 = inverse_d_panda_joint4 * t3751;
+    let t4320 = t4319 + t4318;
+    let t4321 = t930 * t4256;
+    let t4322 = t4320 + t4321;
+    let t4323 = t797 * t3800;
+    let t4324 = t4322 + t4323;
+    let t4325 = t824 * t4288;
+    let t4326 = inverse_d_panda_joint4 * t3874;
+    let t4327 = t4326 + t4325;
+    let t4328 = t930 * t4259;
+    let t4329 = t4327 - t4328;
+    let t4330 = t797 * t3902;
+    let t4331 = t4329 - t4330;
+    let t4332 = t824 * t4293;
+    let t4333 = inverse_d_panda_joint4 * t3962;
+    let t4334 = t4333 + t4332;
+    let t4335 = t930 * t4262;
+    let t4336 = t4334 + t4335;
+    let t4337 = t797 * t4013;
+    let t4338 = t4336 + t4337;
+    let t4339 = t824 * t4298;
+    let t4340 = inverse_d_panda_joint4 * t4067;
+    let t4341 = t4340 + t4339;
+    let t4342 = t930 * t4265;
+    let t4343 = t4341 - t4342;
+    let t4344 = t797 * t4135;
+    let t4345 = t4343 - t4344;
+    let t4346 = t824 * t4303;
+    let t4347 = inverse_d_panda_joint4 * t4196;
+    let t4348 = t4347 + t4346;
+    let t4349 = t930 * t4268;
+    let t4350 = t4348 + t4349;
+    let t4351 = t797 * t4247;
+    let t4352 = t4350 + t4351;
+    let t4353 = t737 * t4310;
+    let t4354 = inverse_d_panda_joint5 * t3567;
+    let t4355 = t4354 + t4353;
+    let t4356 = t815 * t4273;
+    let t4357 = t4355 + t4356;
+    let t4358 = t918 * t4250;
+    let t4359 = t4357 + t4358;
+    let t4360 = t719 * t3609;
+    let t4361 = t4359 + t4360;
+    let t4362 = t737 * t4317;
+    let t4363 = inverse_d_panda_joint5 * t3648;
+    let t4364 = t4363 + t4362;
+    let t4365 = t815 * t4278;
+    let t4366 = t4364 + t4365;
+    let t4367 = t918 * t4253;
+    let t4368 = t4366 + t4367;
+    let t4369 = t719 * t3711;
+    let t4370 = t4368 - t4369;
+    let t4371 = t737 * t4324;
+    let t4372 = inverse_d_panda_joint5 * t3739;
+    let t4373 = t4372 + t4371;
+    let t4374 = t815 * t4283;
+    let t4375 = t4373 + t4374;
+    let t4376 = t918 * t4256;
+    let t4377 = t4375 + t4376;
+    let t4378 = t719 * t3800;
+    let t4379 = t4377 + t4378;
+    let t4380 = t737 * t4331;
+    let t4381 = inverse_d_panda_joint5 * t3865;
+    let t4382 = t4381 + t4380;
+    let t4383 = t815 * t4288;
+    let t4384 = t4382 + t4383;
+    let t4385 = t918 * t4259;
+    let t4386 = t4384 - t4385;
+    let t4387 = t719 * t3902;
+    let t4388 = t4386 - t4387;
+    let t4389 = t737 * t4338;
+    let t4390 = inverse_d_panda_joint5 * t3948;
+    let t4391 = t4390 + t4389;
+    let t4392 = t815 * t4293;
+    let t4393 = t4391 + t4392;
+    let t4394 = t918 * t4262;
+    let t4395 = t4393 + t4394;
+    let t4396 = t719 * t4013;
+    let t4397 = t4395 + t4396;
+    let t4398 = t737 * t4345;
+    let t4399 = inverse_d_panda_joint5 * t4065;
+    let t4400 = t4399 - t4398;
+    let t4401 = t815 * t4298;
+    let t4402 = t4400 - t4401;
+    let t4403 = t918 * t4265;
+    let t4404 = t4402 + t4403;
+    let t4405 = t719 * t4135;
+    let t4406 = t4404 + t4405;
+    let t4407 = t737 * t4352;
+    let t4408 = inverse_d_panda_joint5 * t4180;
+    let t4409 = t4408 - t4407;
+    let t4410 = t815 * t4303;
+    let t4411 = t4409 - t4410;
+    let t4412 = t918 * t4268;
+    let t4413 = t4411 - t4412;
+    let t4414 = t719 * t4247;
+    let t4415 = t4413 - t4414;
+    let t4416 = t652 * t4361;
+    let t4417 = inverse_d_panda_joint6 * t3558;
+    let t4418 = t4417 - t4416;
+    let t4419 = t730 * t4310;
+    let t4420 = t4418 + t4419;
+    let t4421 = t808 * t4273;
+    let t4422 = t4420 - t4421;
+    let t4423 = t908 * t4250;
+    let t4424 = t4422 - t4423;
+    let t4425 = t641 * t3609;
+    let t4426 = t4424 - t4425;
+    let t4427 = t652 * t4370;
+    let t4428 = inverse_d_panda_joint6 * t3635;
+    let t4429 = t4428 - t4427;
+    let t4430 = t730 * t4317;
+    let t4431 = t4429 + t4430;
+    let t4432 = t808 * t4278;
+    let t4433 = t4431 - t4432;
+    let t4434 = t908 * t4253;
+    let t4435 = t4433 - t4434;
+    let t4436 = t641 * t3711;
+    let t4437 = t4435 + t4436;
+    let t4438 = t652 * t4379;
+    let t4439 = inverse_d_panda_joint6 * t3729;
+    let t4440 = t4439 - t4438;
+    let t4441 = t730 * t4324;
+    let t4442 = t4440 + t4441;
+    let t4443 = t808 * t4283;
+    let t4444 = t4442 - t4443;
+    let t4445 = t908 * t4256;
+    let t4446 = t4444 - t4445;
+    let t4447 = t641 * t3800;
+    let t4448 = t4446 - t4447;
+    let t4449 = t652 * t4388;
+    let t4450 = inverse_d_panda_joint6 * t3855;
+    let t4451 = t4450 - t4449;
+    let t4452 = t730 * t4331;
+    let t4453 = t4451 + t4452;
+    let t4454 = t808 * t4288;
+    let t4455 = t4453 - t4454;
+    let t4456 = t908 * t4259;
+    let t4457 = t4455 + t4456;
+    let t4458 = t641 * t3902;
+    let t4459 = t4457 + t4458;
+    let t4460 = t652 * t4397;
+    let t4461 = inverse_d_panda_joint6 * t3941;
+    let t4462 = t4461 - t4460;
+    let t4463 = t730 * t4338;
+    let t4464 = t4462 + t4463;
+    let t4465 = t808 * t4293;
+    let t4466 = t4464 - t4465;
+    let t4467 = t908 * t4262;
+    let t4468 = t4466 - t4467;
+    let t4469 = t641 * t4013;
+    let t4470 = t4468 - t4469;
+    let t4471 = t652 * t4406;
+    let t4472 = inverse_d_panda_joint6 * t4056;
+    let t4473 = t4472 - t4471;
+    let t4474 = t730 * t4345;
+    let t4475 = t4473 - t4474;
+    let t4476 = t808 * t4298;
+    let t4477 = t4475 + t4476;
+    let t4478 = t908 * t4265;
+    let t4479 = t4477 - t4478;
+    let t4480 = t641 * t4135;
+    let t4481 = t4479 - t4480;
+    let t4482 = t652 * t4415;
+    let t4483 = inverse_d_panda_joint6 * t4174;
+    let t4484 = t4483 - t4482;
+    let t4485 = t730 * t4352;
+    let t4486 = t4484 - t4485;
+    let t4487 = t808 * t4303;
+    let t4488 = t4486 + t4487;
+    let t4489 = t908 * t4268;
+    let t4490 = t4488 + t4489;
+    let t4491 = t641 * t4247;
+    let t4492 = t4490 + t4491;
+    let t4493 = t577 * t4426;
+    let t4494 = 149.60760989322964 * t3551;
+    let t4495 = t4494 - t4493;
+    let t4496 = t647 * t4361;
+    let t4497 = t4495 + t4496;
+    let t4498 = t725 * t4310;
+    let t4499 = t4497 + t4498;
+    let t4500 = t803 * t4273;
+    let t4501 = t4499 + t4500;
+    let t4502 = t900 * t4250;
+    let t4503 = t4501 + t4502;
+    let t4504 = t571 * t3609;
+    let t4505 = t4503 + t4504;
+    let t4506 = t577 * t4437;
+    let t4507 = 149.60760989322964 * t3624;
+    let t4508 = t4507 - t4506;
+    let t4509 = t647 * t4370;
+    let t4510 = t4508 + t4509;
+    let t4511 = t725 * t4317;
+    let t4512 = t4510 + t4511;
+    let t4513 = t803 * t4278;
+    let t4514 = t4512 + t4513;
+    let t4515 = t900 * t4253;
+    let t4516 = t4514 + t4515;
+    let t4517 = t571 * t3711;
+    let t4518 = t4516 - t4517;
+    let t4519 = t577 * t4448;
+    let t4520 = 149.60760989322964 * t3721;
+    let t4521 = t4520 - t4519;
+    let t4522 = t647 * t4379;
+    let t4523 = t4521 + t4522;
+    let t4524 = t725 * t4324;
+    let t4525 = t4523 + t4524;
+    let t4526 = t803 * t4283;
+    let t4527 = t4525 + t4526;
+    let t4528 = t900 * t4256;
+    let t4529 = t4527 + t4528;
+    let t4530 = t571 * t3800;
+    let t4531 = t4529 + t4530;
+    let t4532 = t577 * t4459;
+    let t4533 = 149.60760989322964 * t3847;
+    let t4534 = t4533 - t4532;
+    let t4535 = t647 * t4388;
+    let t4536 = t4534 + t4535;
+    let t4537 = t725 * t4331;
+    let t4538 = t4536 + t4537;
+    let t4539 = t803 * t4288;
+    let t4540 = t4538 + t4539;
+    let t4541 = t900 * t4259;
+    let t4542 = t4540 - t4541;
+    let t4543 = t571 * t3902;
+    let t4544 = t4542 - t4543;
+    let t4545 = t577 * t4470;
+    let t4546 = 149.60760989322964 * t3933;
+    let t4547 = t4546 - t4545;
+    let t4548 = t647 * t4397;
+    let t4549 = t4547 + t4548;
+    let t4550 = t725 * t4338;
+    let t4551 = t4549 + t4550;
+    let t4552 = t803 * t4293;
+    let t4553 = t4551 + t4552;
+    let t4554 = t900 * t4262;
+    let t4555 = t4553 + t4554;
+    let t4556 = t571 * t4013;
+    let t4557 = t4555 + t4556;
+    let t4558 = t577 * t4481;
+    let t4559 = 149.60760989322964 * t4051;
+    let t4560 = t4559 + t4558;
+    let t4561 = t647 * t4406;
+    let t4562 = t4560 - t4561;
+    let t4563 = t725 * t4345;
+    let t4564 = t4562 + t4563;
+    let t4565 = t803 * t4298;
+    let t4566 = t4564 + t4565;
+    let t4567 = t900 * t4265;
+    let t4568 = t4566 - t4567;
+    let t4569 = t571 * t4135;
+    let t4570 = t4568 - t4569;
+    let t4571 = t577 * t4492;
+    let t4572 = 149.60760989322964 * t4170;
+    let t4573 = t4572 - t4571;
+    let t4574 = t647 * t4415;
+    let t4575 = t4573 + t4574;
+    let t4576 = t725 * t4352;
+    let t4577 = t4575 - t4576;
+    let t4578 = t803 * t4303;
+    let t4579 = t4577 - t4578;
+    let t4580 = t900 * t4268;
+    let t4581 = t4579 - t4580;
+    let t4582 = t571 * t4247;
+    let t4583 = t4581 - t4582;
+    [
+        t3096,
+        t3248,
+        t3251,
+        t3254,
+        t3257,
+        t3260,
+        t3263,
+        t3266,
+        t3271,
+        t3276,
+        t3281,
+        t3286,
+        t3291,
+        t3296,
+        t3303,
+        t3310,
+        t3317,
+        t3324,
+        t3331,
+        t3338,
+        t3347,
+        t3356,
+        t3365,
+        t3374,
+        t3383,
+        t3392,
+        t3403,
+        t3414,
+        t3425,
+        t3436,
+        t3447,
+        t3458,
+        t3471,
+        t3484,
+        t3497,
+        t3510,
+        t3523,
+        t3536,
+        t3609,
+        t3711,
+        t3800,
+        t3902,
+        t4013,
+        t4135,
+        t4247,
+        t4250,
+        t4253,
+        t4256,
+        t4259,
+        t4262,
+        t4265,
+        t4268,
+        t4273,
+        t4278,
+        t4283,
+        t4288,
+        t4293,
+        t4298,
+        t4303,
+        t4310,
+        t4317,
+        t4324,
+        t4331,
+        t4338,
+        t4345,
+        t4352,
+        t4361,
+        t4370,
+        t4379,
+        t4388,
+        t4397,
+        t4406,
+        t4415,
+        t4426,
+        t4437,
+        t4448,
+        t4459,
+        t4470,
+        t4481,
+        t4492,
+        t4505,
+        t4518,
+        t4531,
+        t4544,
+        t4557,
+        t4570,
+        t4583,
+    ]
+}
+
+/// Part 4 of `linearize`: values that later parts read.
+#[inline(never)]
+fn linearize_part_4(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    [t571,
+    t577,
+    inverse_d_panda_joint6,
+    t641,
+    t647,
+    t652,
+    inverse_d_panda_joint5,
+    t719,
+    t725,
+    t730,
+    t737,
+    inverse_d_panda_joint4,
+    t797,
+    t803,
+    t808,
+    t815,
+    t824,
+    inverse_d_panda_joint3,
+    t877,
+    t900,
+    t908,
+    t918,
+    t930,
+    t944,
+    inverse_d_panda_joint2,
+    t990,
+    inverse_d_panda_joint1,
+    t1018,
+    t1021,
+    t1026,
+    t1033,
+    t1042,
+    t1053,
+    t1066,
+    t2432,
+    t2590,
+    t2756,
+    t2926,
+    t3096,
+    t3248,
+    t3251,
+    t3254,
+    t3257,
+    t3260,
+    t3263,
+    t3266,
+    t3271,
+    t3276,
+    t3281,
+    t3286,
+    t3291,
+    t3296,
+    t3303,
+    t3310,
+    t3317,
+    t3324,
+    t3331,
+    t3338,
+    t3347,
+    t3356,
+    t3365,
+    t3374,
+    t3383,
+    t3392,
+    t3403,
+    t3414,
+    t3425,
+    t3436,
+    t3447,
+    t3458,
+    t3471,
+    t3484,
+    t3497,
+    t3510,
+    t3523,
+    t3536,
+    t3609,
+    t3711,
+    t3800,
+    t3902,
+    t4013,
+    t4135,
+    t4247,
+    t4250,
+    t4253,
+    t4256,
+    t4259,
+    t4262,
+    t4265,
+    t4268,
+    t4273,
+    t4278,
+    t4283,
+    t4288,
+    t4293,
+    t4298,
+    t4303,
+    t4310,
+    t4317,
+    t4324,
+    t4331,
+    t4338,
+    t4345,
+    t4352,
+    t4361,
+    t4370,
+    t4379,
+    t4388,
+    t4397,
+    t4406,
+    t4415,
+    t4426,
+    t4437,
+    t4448,
+    t4459,
+    t4470,
+    t4481,
+    t4492,
+    t4505,
+    t4518,
+    t4531,
+    t4544,
+    t4557,
+    t4570,
+    t4583,
+    ]: [f64; 125],
+) -> [f64; 83] {
+    let t4584 = t990 * inverse_d_panda_joint1;
+    let t4585 = t944 * t4584;
+    let t4586 = t877 * inverse_d_panda_joint1;
+    let t4587 = t4585 - t4586;
+    let t4588 = t824 * t4587;
+    let t4589 = t930 * t4584;
+    let t4590 = t4588 + t4589;
+    let t4591 = t797 * inverse_d_panda_joint1;
+    let t4592 = t4590 - t4591;
+    let t4593 = t737 * t4592;
+    let t4594 = t815 * t4587;
+    let t4595 = t4593 + t4594;
+    let t4596 = t918 * t4584;
+    let t4597 = t4595 + t4596;
+    let t4598 = t719 * inverse_d_panda_joint1;
+    let t4599 = t4597 - t4598;
+    let t4600 = t652 * t4599;
+    let t4601 = t730 * t4592;
+    let t4602 = t4600 - t4601;
+    let t4603 = t808 * t4587;
+    let t4604 = t4602 + t4603;
+    let t4605 = t908 * t4584;
+    let t4606 = t4604 + t4605;
+    let t4607 = t641 * inverse_d_panda_joint1;
+    let t4608 = t4606 - t4607;
+    let t4609 = t577 * t4608;
+    let t4610 = t647 * t4599;
+    let t4611 = t4609 + t4610;
+    let t4612 = t725 * t4592;
+    let t4613 = t4611 + t4612;
+    let t4614 = t803 * t4587;
+    let t4615 = t4613 + t4614;
+    let t4616 = t900 * t4584;
+    let t4617 = t4615 + t4616;
+    let t4618 = t571 * inverse_d_panda_joint1;
+    let t4619 = t4617 - t4618;
+    let t4620 = t990 * t4584;
+    let t4621 = inverse_d_panda_joint2 + t4620;
+    let t4622 = t944 * t4621;
+    let t4623 = t877 * t4584;
+    let t4624 = t4622 - t4623;
+    let t4625 = t824 * t4624;
+    let t4626 = t930 * t4621;
+    let t4627 = t4625 + t4626;
+    let t4628 = t797 * t4584;
+    let t4629 = t4627 - t4628;
+    let t4630 = t737 * t4629;
+    let t4631 = t815 * t4624;
+    let t4632 = t4630 + t4631;
+    let t4633 = t918 * t4621;
+    let t4634 = t4632 + t4633;
+    let t4635 = t719 * t4584;
+    let t4636 = t4634 - t4635;
+    let t4637 = t652 * t4636;
+    let t4638 = t730 * t4629;
+    let t4639 = t4637 - t4638;
+    let t4640 = t808 * t4624;
+    let t4641 = t4639 + t4640;
+    let t4642 = t908 * t4621;
+    let t4643 = t4641 + t4642;
+    let t4644 = t641 * t4584;
+    let t4645 = t4643 - t4644;
+    let t4646 = t577 * t4645;
+    let t4647 = t647 * t4636;
+    let t4648 = t4646 + t4647;
+    let t4649 = t725 * t4629;
+    let t4650 = t4648 + t4649;
+    let t4651 = t803 * t4624;
+    let t4652 = t4650 + t4651;
+    let t4653 = t900 * t4621;
+    let t4654 = t4652 + t4653;
+    let t4655 = t571 * t4584;
+    let t4656 = t4654 - t4655;
+    let t4657 = t944 * t990;
+    let t4658 = t877 - t4657;
+    let t4659 = inverse_d_panda_joint1 * t4658;
+    let t4660 = t990 * t4659;
+    let t4661 = t944 * inverse_d_panda_joint2;
+    let t4662 = t4661 - t4660;
+    let t4663 = t944 * t4662;
+    let t4664 = inverse_d_panda_joint3 + t4663;
+    let t4665 = t877 * t4659;
+    let t4666 = t4664 + t4665;
+    let t4667 = t824 * t4666;
+    let t4668 = t930 * t4662;
+    let t4669 = t4667 + t4668;
+    let t4670 = t797 * t4659;
+    let t4671 = t4669 + t4670;
+    let t4672 = t737 * t4671;
+    let t4673 = t815 * t4666;
+    let t4674 = t4672 + t4673;
+    let t4675 = t918 * t4662;
+    let t4676 = t4674 + t4675;
+    let t4677 = t719 * t4659;
+    let t4678 = t4676 + t4677;
+    let t4679 = t652 * t4678;
+    let t4680 = t730 * t4671;
+    let t4681 = t4679 - t4680;
+    let t4682 = t808 * t4666;
+    let t4683 = t4681 + t4682;
+    let t4684 = t908 * t4662;
+    let t4685 = t4683 + t4684;
+    let t4686 = t641 * t4659;
+    let t4687 = t4685 + t4686;
+    let t4688 = t577 * t4687;
+    let t4689 = t647 * t4678;
+    let t4690 = t4688 + t4689;
+    let t4691 = t725 * t4671;
+    let t4692 = t4690 + t4691;
+    let t4693 = t803 * t4666;
+    let t4694 = t4692 + t4693;
+    let t4695 = t900 * t4662;
+    let t4696 = t4694 + t4695;
+    let t4697 = t571 * t4659;
+    let t4698 = t4696 + t4697;
+    let t4699 = t824 * t944;
+    let t4700 = t930 + t4699;
+    let t4701 = t990 * t4700;
+    let t4702 = t824 * t877;
+    let t4703 = t797 + t4702;
+    let t4704 = t4703 - t4701;
+    let t4705 = inverse_d_panda_joint1 * t4704;
+    let t4706 = t990 * t4705;
+    let t4707 = inverse_d_panda_joint2 * t4700;
+    let t4708 = t4707 - t4706;
+    let t4709 = t944 * t4708;
+    let t4710 = t824 * inverse_d_panda_joint3;
+    let t4711 = t4710 + t4709;
+    let t4712 = t877 * t4705;
+    let t4713 = t4711 + t4712;
+    let t4714 = t824 * t4713;
+    let t4715 = inverse_d_panda_joint4 + t4714;
+    let t4716 = t930 * t4708;
+    let t4717 = t4715 + t4716;
+    let t4718 = t797 * t4705;
+    let t4719 = t4717 + t4718;
+    let t4720 = t737 * t4719;
+    let t4721 = t815 * t4713;
+    let t4722 = t4720 + t4721;
+    let t4723 = t918 * t4708;
+    let t4724 = t4722 + t4723;
+    let t4725 = t719 * t4705;
+    let t4726 = t4724 + t4725;
+    let t4727 = t652 * t4726;
+    let t4728 = t730 * t4719;
+    let t4729 = t4727 - t4728;
+    let t4730 = t808 * t4713;
+    let t4731 = t4729 + t4730;
+    let t4732 = t908 * t4708;
+    let t4733 = t4731 + t4732;
+    let t4734 = t641 * t4705;
+    let t4735 = t4733 + t4734;
+    let t4736 = t577 * t4735;
+    let t4737 = t647 * t4726;
+    let t4738 = t4736 + t4737;
+    let t4739 = t725 * t4719;
+    let t4740 = t4738 + t4739;
+    let t4741 = t803 * t4713;
+    let t4742 = t4740 + t4741;
+    let t4743 = t900 * t4708;
+    let t4744 = t4742 + t4743;
+    let t4745 = t571 * t4705;
+    let t4746 = t4744 + t4745;
+    let t4747 = t737 * t824;
+    let t4748 = t815 + t4747;
+    let t4749 = t944 * t4748;
+    let t4750 = t737 * t930;
+    let t4751 = t918 + t4750;
+    let t4752 = t4751 + t4749;
+    let t4753 = t990 * t4752;
+    let t4754 = t877 * t4748;
+    let t4755 = t737 * t797;
+    let t4756 = t719 + t4755;
+    let t4757 = t4756 + t4754;
+    let t4758 = t4757 - t4753;
+    let t4759 = inverse_d_panda_joint1 * t4758;
+    let t4760 = t990 * t4759;
+    let t4761 = inverse_d_panda_joint2 * t4752;
+    let t4762 = t4761 - t4760;
+    let t4763 = t944 * t4762;
+    let t4764 = inverse_d_panda_joint3 * t4748;
+    let t4765 = t4764 + t4763;
+    let t4766 = t877 * t4759;
+    let t4767 = t4765 + t4766;
+    let t4768 = t824 * t4767;
+    let t4769 = t737 * inverse_d_panda_joint4;
+    let t4770 = t4769 + t4768;
+    let t4771 = t930 * t4762;
+    let t4772 = t4770 + t4771;
+    let t4773 = t797 * t4759;
+    let t4774 = t4772 + t4773;
+    let t4775 = t737 * t4774;
+    let t4776 = inverse_d_panda_joint5 + t4775;
+    let t4777 = t815 * t4767;
+    let t4778 = t4776 + t4777;
+    let t4779 = t918 * t4762;
+    let t4780 = t4778 + t4779;
+    let t4781 = t719 * t4759;
+    let t4782 = t4780 + t4781;
+    let t4783 = t652 * t4782;
+    let t4784 = t730 * t4774;
+    let t4785 = t4783 - t4784;
+    let t4786 = t808 * t4767;
+    let t4787 = t4785 + t4786;
+    let t4788 = t908 * t4762;
+    let t4789 = t4787 + t4788;
+    let t4790 = t641 * t4759;
+    let t4791 = t4789 + t4790;
+    let t4792 = t577 * t4791;
+    let t4793 = t647 * t4782;
+    let t4794 = t4792 + t4793;
+    let t4795 = t725 * t4774;
+    let t4796 = t4794 + t4795;
+    let t4797 = t803 * t4767;
+    let t4798 = t4796 + t4797;
+    let t4799 = t900 * t4762;
+    let t4800 = t4798 + t4799;
+    let t4801 = t571 * t4759;
+    let t4802 = t4800 + t4801;
+    let t4803 = t652 * t737;
+    let t4804 = t730 - t4803;
+    let t4805 = t824 * t4804;
+    let t4806 = t652 * t815;
+    let t4807 = t808 + t4806;
+    let t4808 = t4807 - t4805;
+    let t4809 = t944 * t4808;
+    let t4810 = t930 * t4804;
+    let t4811 = t652 * t918;
+    let t4812 = t908 + t4811;
+    let t4813 = t4812 - t4810;
+    let t4814 = t4813 + t4809;
+    let t4815 = t990 * t4814;
+    let t4816 = t877 * t4808;
+    let t4817 = t797 * t4804;
+    let t4818 = t652 * t719;
+    let t4819 = t641 + t4818;
+    let t4820 = t4819 - t4817;
+    let t4821 = t4820 + t4816;
+    let t4822 = t4821 - t4815;
+    let t4823 = inverse_d_panda_joint1 * t4822;
+    let t4824 = t990 * t4823;
+    let t4825 = inverse_d_panda_joint2 * t4814;
+    let t4826 = t4825 - t4824;
+    let t4827 = t944 * t4826;
+    let t4828 = inverse_d_panda_joint3 * t4808;
+    let t4829 = t4828 + t4827;
+    let t4830 = t877 * t4823;
+    let t4831 = t4829 + t4830;
+    let t4832 = t824 * t4831;
+    let t4833 = inverse_d_panda_joint4 * t4804;
+    let t4834 = t4833 - t4832;
+    let t4835 = t930 * t4826;
+    let t4836 = t4834 - t4835;
+    let t4837 = t797 * t4823;
+    let t4838 = t4836 - t4837;
+    let t4839 = t737 * t4838;
+    let t4840 = t652 * inverse_d_panda_joint5;
+    let t4841 = t4840 - t4839;
+    let t4842 = t815 * t4831;
+    let t4843 = t4841 + t4842;
+    let t4844 = t918 * t4826;
+    let t4845 = t4843 + t4844;
+    let t4846 = t719 * t4823;
+    let t4847 = t4845 + t4846;
+    let t4848 = t652 * t4847;
+    let t4849 = inverse_d_panda_joint6 + t4848;
+    let t4850 = t730 * t4838;
+    let t4851 = t4849 + t4850;
+    let t4852 = t808 * t4831;
+    let t4853 = t4851 + t4852;
+    let t4854 = t908 * t4826;
+    let t4855 = t4853 + t4854;
+    let t4856 = t641 * t4823;
+    let t4857 = t4855 + t4856;
+    let t4858 = t577 * t4857;
+    let t4859 = t647 * t4847;
+    let t4860 = t4858 + t4859;
+    let t4861 = t725 * t4838;
+    let t4862 = t4860 - t4861;
+    let t4863 = t803 * t4831;
+    let t4864 = t4862 + t4863;
+    let t4865 = t900 * t4826;
+    let t4866 = t4864 + t4865;
+    let t4867 = t571 * t4823;
+    let t4868 = t4866 + t4867;
+    let t4869 = t577 * t652;
+    let t4870 = t647 + t4869;
+    let t4871 = t737 * t4870;
+    let t4872 = t577 * t730;
+    let t4873 = t725 - t4872;
+    let t4874 = t4873 + t4871;
+    let t4875 = t824 * t4874;
+    let t4876 = t815 * t4870;
+    let t4877 = t577 * t808;
+    let t4878 = t803 + t4877;
+    let t4879 = t4878 + t4876;
+    let t4880 = t4879 + t4875;
+    let t4881 = t944 * t4880;
+    let t4882 = t930 * t4874;
+    let t4883 = t918 * t4870;
+    let t4884 = t577 * t908;
+    let t4885 = t900 + t4884;
+    let t4886 = t4885 + t4883;
+    let t4887 = t4886 + t4882;
+    let t4888 = t4887 + t4881;
+    let t4889 = t990 * t4888;
+    let t4890 = t877 * t4880;
+    let t4891 = t797 * t4874;
+    let t4892 = t719 * t4870;
+    let t4893 = t577 * t641;
+    let t4894 = t571 + t4893;
+    let t4895 = t4894 + t4892;
+    let t4896 = t4895 + t4891;
+    let t4897 = t4896 + t4890;
+    let t4898 = t4897 - t4889;
+    let t4899 = inverse_d_panda_joint1 * t4898;
+    let t4900 = t990 * t4899;
+    let t4901 = inverse_d_panda_joint2 * t4888;
+    let t4902 = t4901 - t4900;
+    let t4903 = t944 * t4902;
+    let t4904 = inverse_d_panda_joint3 * t4880;
+    let t4905 = t4904 + t4903;
+    let t4906 = t877 * t4899;
+    let t4907 = t4905 + t4906;
+    let t4908 = t824 * t4907;
+    let t4909 = inverse_d_panda_joint4 * t4874;
+    let t4910 = t4909 + t4908;
+    let t4911 = t930 * t4902;
+    let t4912 = t4910 + t4911;
+    let t4913 = t797 * t4899;
+    let t4914 = t4912 + t4913;
+    let t4915 = t737 * t4914;
+    let t4916 = inverse_d_panda_joint5 * t4870;
+    let t4917 = t4916 + t4915;
+    let t4918 = t815 * t4907;
+    let t4919 = t4917 + t4918;
+    let t4920 = t918 * t4902;
+    let t4921 = t4919 + t4920;
+    let t4922 = t719 * t4899;
+    let t4923 = t4921 + t4922;
+    let t4924 = t652 * t4923;
+    let t4925 = t577 * inverse_d_panda_joint6;
+    let t4926 = t4925 + t4924;
+    let t4927 = t730 * t4914;
+    let t4928 = t4926 - t4927;
+    let t4929 = t808 * t4907;
+    let t4930 = t4928 + t4929;
+    let t4931 = t908 * t4902;
+    let t4932 = t4930 + t4931;
+    let t4933 = t641 * t4899;
+    let t4934 = t4932 + t4933;
+    let t4935 = t577 * t4934;
+    let t4936 = 149.60760989322964 + t4935;
+    let t4937 = t647 * t4923;
+    let t4938 = t4936 + t4937;
+    let t4939 = t725 * t4914;
+    let t4940 = t4938 + t4939;
+    let t4941 = t803 * t4907;
+    let t4942 = t4940 + t4941;
+    let t4943 = t900 * t4902;
+    let t4944 = t4942 + t4943;
+    let t4945 = t571 * t4899;
+    let t4946 = t4944 + t4945;
+    let t4947 = y[1] * t2432;
+    let t4948 = y[2] * t2590;
+    let t4949 = t4947 + t4948;
+    let t4950 = y[3] * t2756;
+    let t4951 = t4949 - t4950;
+    let t4952 = y[4] * t2926;
+    let t4953 = t4951 - t4952;
+    let t4954 = y[5] * t3096;
+    let t4955 = t4953 - t4954;
+    let t4956 = y[6] * t3248;
+    let t4957 = t4955 - t4956;
+    let t4958 = v[0] * t3609;
+    let t4959 = v[1] * t3711;
+    let t4960 = t4958 + t4959;
+    let t4961 = v[2] * t3800;
+    let t4962 = t4960 - t4961;
+    let t4963 = v[3] * t3902;
+    let t4964 = t4962 - t4963;
+    let t4965 = v[4] * t4013;
+    let t4966 = t4964 - t4965;
+    let t4967 = v[5] * t4135;
+    let t4968 = t4966 + t4967;
+    let t4969 = v[6] * t4247;
+    let t4970 = t4968 + t4969;
+    let t4971 = t4957 - t4970;
+    let t4972 = u[6] * t4619;
+    let t4973 = u[5] * t4608;
+    let t4974 = u[4] * t4599;
+    let t4975 = u[3] * t4592;
+    let t4976 = u[2] * t4587;
+    let t4977 = u[1] * t4584;
+    let t4978 = u[0] * inverse_d_panda_joint1;
+    let t4979 = t4978 + t4977;
+    let t4980 = t4979 + t4976;
+    let t4981 = t4980 - t4975;
+    let t4982 = t4981 + t4974;
+    let t4983 = t4982 + t4973;
+    let t4984 = t4983 + t4972;
+    let t4985 = t4971 + t4984;
+    let t4986 = t1018 - t4985;
+    let t4987 = y[1] * t3251;
+    let t4988 = y[2] * t3254;
+    let t4989 = t4987 - t4988;
+    let t4990 = y[3] * t3257;
+    let t4991 = t4989 + t4990;
+    let t4992 = y[4] * t3260;
+    let t4993 = t4991 + t4992;
+    let t4994 = y[5] * t3263;
+    let t4995 = t4993 + t4994;
+    let t4996 = y[6] * t3266;
+    let t4997 = t4995 + t4996;
+    let t4998 = v[0] * t4250;
+    let t4999 = v[1] * t4253;
+    let t5000 = t4998 - t4999;
+    let t5001 = v[2] * t4256;
+    let t5002 = t5000 - t5001;
+    let t5003 = v[3] * t4259;
+    let t5004 = t5002 - t5003;
+    let t5005 = v[4] * t4262;
+    let t5006 = t5004 - t5005;
+    let t5007 = v[5] * t4265;
+    let t5008 = t5006 + t5007;
+    let t5009 = v[6] * t4268;
+    let t5010 = t5008 + t5009;
+    let t5011 = t4997 + t5010;
+    let t5012 = u[6] * t4656;
+    let t5013 = u[5] * t4645;
+    let t5014 = u[4] * t4636;
+    let t5015 = u[3] * t4629;
+    let t5016 = u[2] * t4624;
+    let t5017 = u[1] * t4621;
+    let t5018 = u[0] * t4584;
+    let t5019 = t5018 + t5017;
+    let t5020 = t5019 + t5016;
+    let t5021 = t5020 - t5015;
+    let t5022 = t5021 + t5014;
+    let t5023 = t5022 + t5013;
+    let t5024 = t5023 + t5012;
+    let t5025 = t5011 + t5024;
+    let t5026 = t1021 - t5025;
+    let t5027 = y[1] * t3271;
+    let t5028 = y[2] * t3276;
+    let t5029 = t5027 + t5028;
+    let t5030 = y[3] * t3281;
+    let t5031 = t5029 - t5030;
+    let t5032 = y[4] * t3286;
+    let t5033 = t5031 - t5032;
+    let t5034 = y[5] * t3291;
+    let t5035 = t5033 + t5034;
+    let t5036 = y[6] * t3296;
+    let t5037 = t5035 + t5036;
+    let t5038 = v[0] * t4273;
+    let t5039 = v[1] * t4278;
+    let t5040 = t5038 - t5039;
+    let t5041 = v[2] * t4283;
+    let t5042 = t5040 - t5041;
+    let t5043 = v[3] * t4288;
+    let t5044 = t5042 + t5043;
+    let t5045 = v[4] * t4293;
+    let t5046 = t5044 - t5045;
+    let t5047 = v[5] * t4298;
+    let t5048 = t5046 - t5047;
+    let t5049 = v[6] * t4303;
+    let t5050 = t5048 + t5049;
+    let t5051 = t5037 - t5050;
+    let t5052 = u[6] * t4698;
+    let t5053 = u[5] * t4687;
+    let t5054 = u[4] * t4678;
+    let t5055 = u[3] * t4671;
+    let t5056 = u[2] * t4666;
+    let t5057 = u[1] * t4624;
+    let t5058 = u[0] * t4587;
+    let t5059 = t5058 + t5057;
+    let t5060 = t5059 + t5056;
+    let t5061 = t5060 - t5055;
+    let t5062 = t5061 + t5054;
+    let t5063 = t5062 + t5053;
+    let t5064 = t5063 + t5052;
+    let t5065 = t5051 - t5064;
+    let t5066 = t1026 + t5065;
+    let t5067 = y[1] * t3303;
+    let t5068 = y[2] * t3310;
+    let t5069 = t5067 - t5068;
+    let t5070 = y[3] * t3317;
+    let t5071 = t5069 + t5070;
+    let t5072 = y[4] * t3324;
+    let t5073 = t5071 - t5072;
+    let t5074 = y[5] * t3331;
+    let t5075 = t5073 + t5074;
+    let t5076 = y[6] * t3338;
+    let t5077 = t5075 + t5076;
+    let t5078 = v[0] * t4310;
+    let t5079 = v[1] * t4317;
+    let t5080 = t5078 - t5079;
+    let t5081 = v[2] * t4324;
+    let t5082 = t5080 - t5081;
+    let t5083 = v[3] * t4331;
+    let t5084 = t5082 + t5083;
+    let t5085 = v[4] * t4338;
+    let t5086 = t5084 - t5085;
+    let t5087 = v[5] * t4345;
+    let t5088 = t5086 - t5087;
+    let t5089 = v[6] * t4352;
+    let t5090 = t5088 + t5089;
+    let t5091 = t5077 - t5090;
+    let t5092 = u[6] * t4746;
+    let t5093 = u[5] * t4735;
+    let t5094 = u[4] * t4726;
+    let t5095 = u[3] * t4719;
+    let t5096 = u[2] * t4671;
+    let t5097 = u[1] * t4629;
+    let t5098 = u[0] * t4592;
+    let t5099 = t5098 + t5097;
+    let t5100 = t5099 + t5096;
+    let t5101 = t5100 - t5095;
+    let t5102 = t5101 + t5094;
+    let t5103 = t5102 + t5093;
+    let t5104 = t5103 + t5092;
+    let t5105 = t5091 - t5104;
+    let t5106 = t1033 - t5105;
+    let t5107 = y[1] * t3347;
+    let t5108 = y[2] * t3356;
+    let t5109 = t5107 + t5108;
+    let t5110 = y[3] * t3365;
+    let t5111 = t5109 - t5110;
+    let t5112 = y[4] * t3374;
+    let t5113 = t5111 - t5112;
+    let t5114 = y[5] * t3383;
+    let t5115 = t5113 - t5114;
+    let t5116 = y[6] * t3392;
+    let t5117 = t5115 - t5116;
+    let t5118 = v[0] * t4361;
+    let t5119 = v[1] * t4370;
+    let t5120 = t5118 - t5119;
+    let t5121 = v[2] * t4379;
+    let t5122 = t5120 - t5121;
+    let t5123 = v[3] * t4388;
+    let t5124 = t5122 + t5123;
+    let t5125 = v[4] * t4397;
+    let t5126 = t5124 - t5125;
+    let t5127 = v[5] * t4406;
+    let t5128 = t5126 + t5127;
+    let t5129 = v[6] * t4415;
+    let t5130 = t5128 - t5129;
+    let t5131 = t5117 + t5130;
+    let t5132 = u[6] * t4802;
+    let t5133 = u[5] * t4791;
+    let t5134 = u[4] * t4782;
+    let t5135 = u[3] * t4726;
+    let t5136 = u[2] * t4678;
+    let t5137 = u[1] * t4636;
+    let t5138 = u[0] * t4599;
+    let t5139 = t5138 + t5137;
+    let t5140 = t5139 + t5136;
+    let t5141 = t5140 - t5135;
+    let t5142 = t5141 + t5134;
+    let t5143 = t5142 + t5133;
+    let t5144 = t5143 + t5132;
+    let t5145 = t5131 + t5144;
+    let t5146 = t1042 - t5145;
+    let t5147 = y[1] * t3403;
+    let t5148 = y[2] * t3414;
+    let t5149 = t5147 + t5148;
+    let t5150 = y[3] * t3425;
+    let t5151 = t5149 - t5150;
+    let t5152 = y[4] * t3436;
+    let t5153 = t5151 + t5152;
+    let t5154 = y[5] * t3447;
+    let t5155 = t5153 - t5154;
+    let t5156 = y[6] * t3458;
+    let t5157 = t5155 - t5156;
+    let t5158 = v[0] * t4426;
+    let t5159 = v[1] * t4437;
+    let t5160 = t5158 - t5159;
+    let t5161 = v[2] * t4448;
+    let t5162 = t5160 - t5161;
+    let t5163 = v[3] * t4459;
+    let t5164 = t5162 + t5163;
+    let t5165 = v[4] * t4470;
+    let t5166 = t5164 - t5165;
+    let t5167 = v[5] * t4481;
+    let t5168 = t5166 + t5167;
+    let t5169 = v[6] * t4492;
+    let t5170 = t5168 - t5169;
+    let t5171 = t5157 + t5170;
+    let t5172 = u[6] * t4868;
+    let t5173 = u[5] * t4857;
+    let t5174 = u[4] * t4791;
+    let t5175 = u[3] * t4735;
+    let t5176 = u[2] * t4687;
+    let t5177 = u[1] * t4645;
+    let t5178 = u[0] * t4608;
+    let t5179 = t5178 + t5177;
+    let t5180 = t5179 + t5176;
+    let t5181 = t5180 - t5175;
+    let t5182 = t5181 + t5174;
+    let t5183 = t5182 + t5173;
+    let t5184 = t5183 + t5172;
+    let t5185 = t5171 - t5184;
+    let t5186 = t1053 + t5185;
+    let t5187 = y[1] * t3471;
+    let t5188 = y[2] * t3484;
+    let t5189 = t5187 + t5188;
+    let t5190 = y[3] * t3497;
+    let t5191 = t5189 - t5190;
+    let t5192 = y[4] * t3510;
+    let t5193 = t5191 - t5192;
+    let t5194 = y[5] * t3523;
+    let t5195 = t5193 - t5194;
+    let t5196 = y[6] * t3536;
+    let t5197 = t5195 - t5196;
+    let t5198 = v[0] * t4505;
+    let t5199 = v[1] * t4518;
+    let t5200 = t5198 - t5199;
+    let t5201 = v[2] * t4531;
+    let t5202 = t5200 - t5201;
+    let t5203 = v[3] * t4544;
+    let t5204 = t5202 + t5203;
+    let t5205 = v[4] * t4557;
+    let t5206 = t5204 - t5205;
+    let t5207 = v[5] * t4570;
+    let t5208 = t5206 - t5207;
+    let t5209 = v[6] * t4583;
+    let t5210 = t5208 - t5209;
+    let t5211 = t5197 + t5210;
+    let t5212 = u[6] * t4946;
+    let t5213 = u[5] * t4868;
+    let t5214 = u[4] * t4802;
+    let t5215 = u[3] * t4746;
+    let t5216 = u[2] * t4698;
+    let t5217 = u[1] * t4656;
+    let t5218 = u[0] * t4619;
+    let t5219 = t5218 + t5217;
+    let t5220 = t5219 + t5216;
+    let t5221 = t5220 - t5215;
+    let t5222 = t5221 + t5214;
+    let t5223 = t5222 + t5213;
+    let t5224 = t5223 + t5212;
+    let t5225 = t5211 + t5224;
+    let t5226 = t1066 - t5225;
+    let t5227 = -t2756;
+    let t5228 = -t2926;
+    let t5229 = -t3096;
+    let t5230 = -t3248;
+    let t5231 = -t3254;
+    let t5232 = -t3271;
+    let t5233 = -t3276;
+    let t5234 = -t3291;
+    let t5235 = -t3296;
+    let t5236 = -t3310;
+    let t5237 = -t3324;
+    let t5238 = -t3365;
+    let t5239 = -t3374;
+    let t5240 = -t3383;
+    let t5241 = -t3392;
+    let t5242 = -t3403;
+    let t5243 = -t3414;
+    let t5244 = -t3436;
+    let t5245 = -t3497;
+    let t5246 = -t3510;
+    let t5247 = -t3523;
+    let t5248 = -t3536;
+    let t5249 = -t3609;
+    let t5250 = -t3711;
+    let t5251 = -t4135;
+    let t5252 = -t4247;
+    let t5253 = -t4253;
+    let t5254 = -t4256;
+    let t5255 = -t4259;
+    let t5256 = -t4262;
+    let t5257 = -t4278;
+    let t5258 = -t4283;
+    let t5259 = -t4293;
+    let t5260 = -t4298;
+    let t5261 = -t4310;
+    let t5262 = -t4331;
+    let t5263 = -t4352;
+    let t5264 = -t4370;
+    let t5265 = -t4379;
+    let t5266 = -t4397;
+    let t5267 = -t4415;
+    let t5268 = -t4426;
+    let t5269 = -t4459;
+    let t5270 = -t4481;
+    let t5271 = -t4518;
+    let t5272 = -t4531;
+    let t5273 = -t4557;
+    let t5274 = -t4570;
+    let t5275 = -t4583;
+    let t5276 = -t4592;
+    let t5277 = -t4629;
+    let t5278 = -t4671;
+    let t5279 = -t4726;
+    let t5280 = -t4735;
+    let t5281 = -t4746;
+    [
+        t4584,
+        t4587,
+        t4599,
+        t4608,
+        t4619,
+        t4621,
+        t4624,
+        t4636,
+        t4645,
+        t4656,
+        t4666,
+        t4678,
+        t4687,
+        t4698,
+        t4719,
+        t4782,
+        t4791,
+        t4802,
+        t4857,
+        t4868,
+        t4946,
+        t4986,
+        t5026,
+        t5066,
+        t5106,
+        t5146,
+        t5186,
+        t5226,
+        t5227,
+        t5228,
+        t5229,
+        t5230,
+        t5231,
+        t5232,
+        t5233,
+        t5234,
+        t5235,
+        t5236,
+        t5237,
+        t5238,
+        t5239,
+        t5240,
+        t5241,
+        t5242,
+        t5243,
+        t5244,
+        t5245,
+        t5246,
+        t5247,
+        t5248,
+        t5249,
+        t5250,
+        t5251,
+        t5252,
+        t5253,
+        t5254,
+        t5255,
+        t5256,
+        t5257,
+        t5258,
+        t5259,
+        t5260,
+        t5261,
+        t5262,
+        t5263,
+        t5264,
+        t5265,
+        t5266,
+        t5267,
+        t5268,
+        t5269,
+        t5270,
+        t5271,
+        t5272,
+        t5273,
+        t5274,
+        t5275,
+        t5276,
+        t5277,
+        t5278,
+        t5279,
+        t5280,
+        t5281,
+    ]
+}
+
 /// Kinetic energy, rotors included.
 ///
 /// `T = ½ ẏᵀ M ẏ`

@@ -1,13 +1,20 @@
 //! What the tests that cross crates share: reference data, random robots, an independent derivation of their equations,
 //! and evaluation of derived functions.
 
+pub mod compiler;
 pub mod dual;
+pub mod flat;
+pub mod generated;
+pub mod literature;
 pub mod oracle;
 pub mod random_model;
+pub mod single;
+pub mod table;
 
 use std::path::{Path, PathBuf};
 
 use gelenk_codegen::dynamics::function::Function;
+use gelenk_codegen::emit::{EmitOptions, Scalar};
 use gelenk_codegen::model::Model;
 use gelenk_codegen::pipeline::{GenerateOptions, Generated, generate};
 use gelenk_codegen::program::interpret::{Functions, interpret};
@@ -35,6 +42,34 @@ pub fn shared() -> Option<PathBuf> {
     }
     println!("skipped: no reference data at {}", folder.display());
     None
+}
+
+/// Descriptions of all robots, by name.
+pub fn descriptions() -> Vec<PathBuf> {
+    let folder = workspace().join("models");
+    let entries = std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("models/: {error}"));
+    let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
+    let is_description = |path: &PathBuf| {
+        let extension = path.extension().and_then(|extension| extension.to_str());
+        matches!(extension, Some("toml" | "urdf"))
+    };
+    let mut paths: Vec<PathBuf> = paths.filter(is_description).collect();
+    paths.sort();
+    paths
+}
+
+/// A robot of models/ with all its functions and its module, as `gelenk generate` without arguments makes it.
+pub fn generate_model(description: &Path, scalar: Scalar) -> Generated {
+    let file = description.file_name().unwrap_or_default();
+    let options = GenerateOptions {
+        emit: EmitOptions {
+            scalar,
+            command: format!("gelenk generate models/{}", file.to_string_lossy()),
+            ..EmitOptions::default()
+        },
+        ..GenerateOptions::default()
+    };
+    generate(description, &options).unwrap_or_else(|problems| panic!("{problems}"))
 }
 
 /// A robot with its functions, evaluated by the interpreter.

@@ -4,6 +4,8 @@
 //! Tolerances are relative to the size of what is summed, see [`Scales`]: rounding errors of a recursion over 12 joints
 //! are some hundred units of 1.1e-16 of it.
 
+use std::sync::LazyLock;
+
 use fastrand::Rng;
 use gelenk_codegen::dynamics::function::Function;
 use gelenk_codegen::model::{Input, Model};
@@ -121,11 +123,33 @@ impl Case<'_> {
     }
 }
 
+/// What is checked here.
+const FUNCTIONS: [&str; 13] = [
+    "mass_matrix",
+    "coriolis_forces",
+    "gravity_forces",
+    "spring_forces",
+    "friction_torques",
+    "applied_forces",
+    "bias_forces",
+    "input_matrix",
+    "equations_of_motion",
+    "inverse_dynamics",
+    "forward_dynamics",
+    "kinetic_energy",
+    "potential_energy",
+];
+
+/// All random robots with their seeds, derived once for all tests.
+static ROBOTS: LazyLock<Vec<(u64, Robot)>> = LazyLock::new(|| {
+    let selection = [&FUNCTIONS[..], &["frames"]].concat();
+    let robot = |seed| Robot::of_model(random_model(seed, LONGEST), &selection);
+    SEEDS.map(|seed| (seed, robot(seed))).collect()
+});
+
 /// Runs a check on all random robots, in several states.
-fn on_all(selection: &[&str], check: impl Fn(&Case)) {
-    for seed in SEEDS {
-        let model = random_model(seed, LONGEST);
-        let robot = Robot::of_model(model, selection);
+fn on_all(check: impl Fn(&Case)) {
+    for &(seed, ref robot) in ROBOTS.iter() {
         let mut rng = Rng::with_seed(seed ^ 0x5eed);
         for _ in 0..STATES {
             let state = random_sample(&mut rng, &robot.model);
@@ -135,7 +159,7 @@ fn on_all(selection: &[&str], check: impl Fn(&Case)) {
             };
             check(&Case {
                 seed,
-                robot: &robot,
+                robot,
                 state: &state,
                 scales: Scales::of(&oracle, &state),
                 oracle,
@@ -170,7 +194,7 @@ fn path(y: &[f64], rate: &[f64]) -> Vec<Dual64> {
 
 #[test]
 fn mass_matrix_is_that_of_the_kinetic_energy() {
-    on_all(&["mass_matrix", "kinetic_energy"], |case| {
+    on_all(|case| {
         let (y, v) = (&case.state.y, &case.state.v);
         let mass = case.call("mass_matrix", &[y]);
         let expected = case.oracle.mass_matrix(y);
@@ -190,13 +214,7 @@ fn mass_matrix_is_that_of_the_kinetic_energy() {
 
 #[test]
 fn forces_are_those_of_lagrange() {
-    let selection = [
-        "coriolis_forces",
-        "gravity_forces",
-        "bias_forces",
-        "inverse_dynamics",
-    ];
-    on_all(&selection, |case| {
+    on_all(|case| {
         let (y, v, a) = (&case.state.y, &case.state.v, &case.state.a);
         let (oracle, scales) = (&case.oracle, &case.scales);
         let still = vec![0.0; y.len()];
@@ -224,13 +242,7 @@ fn forces_are_those_of_lagrange() {
 /// Each part of q and its sign: gravity drives, a stretched spring pulls back, friction brakes.
 #[test]
 fn applied_forces_are_the_sum_of_their_parts() {
-    let selection = [
-        "gravity_forces",
-        "spring_forces",
-        "friction_torques",
-        "applied_forces",
-    ];
-    on_all(&selection, |case| {
+    on_all(|case| {
         let (y, v, oracle) = (&case.state.y, &case.state.v, &case.oracle);
         let size = case.scales.gravity + case.scales.other;
         let springs = case.call("spring_forces", &[y, v]);
@@ -245,7 +257,7 @@ fn applied_forces_are_the_sum_of_their_parts() {
 
 #[test]
 fn mass_matrix_has_the_columns_of_inverse_dynamics() {
-    on_all(&["mass_matrix", "inverse_dynamics"], |case| {
+    on_all(|case| {
         let (y, v, n) = (&case.state.y, &case.state.v, case.state.y.len());
         let mass = case.call("mass_matrix", &[y]);
         let bias = case.call("inverse_dynamics", &[y, v, &vec![0.0; n]]);
@@ -260,13 +272,7 @@ fn mass_matrix_has_the_columns_of_inverse_dynamics() {
 
 #[test]
 fn equations_of_motion_are_their_parts() {
-    let selection = [
-        "equations_of_motion",
-        "mass_matrix",
-        "coriolis_forces",
-        "applied_forces",
-    ];
-    on_all(&selection, |case| {
+    on_all(|case| {
         let (y, v, scales) = (&case.state.y, &case.state.v, &case.scales);
         let all = case.call_all("equations_of_motion", &[y, v]);
         case.close("M", &all[0], &case.call("mass_matrix", &[y]), scales.mass);
@@ -284,13 +290,7 @@ fn equations_of_motion_are_their_parts() {
 /// Residual and error: the latter grows with the condition number of M.
 #[test]
 fn forward_dynamics_inverts_inverse_dynamics() {
-    let selection = [
-        "inverse_dynamics",
-        "forward_dynamics",
-        "input_matrix",
-        "mass_matrix",
-    ];
-    on_all(&selection, |case| {
+    on_all(|case| {
         let Sample { y, v, a, u, .. } = case.state;
         let input_matrix = case.call("input_matrix", &[]);
         let inputs = if u.is_empty() {
@@ -327,14 +327,7 @@ fn forward_dynamics_inverts_inverse_dynamics() {
 /// `d(T + V)/dt = ẏᵀ (B u + springs − τ)` on the motion that the inputs cause.
 #[test]
 fn power_balance() {
-    let selection = [
-        "kinetic_energy",
-        "potential_energy",
-        "forward_dynamics",
-        "spring_forces",
-        "friction_torques",
-    ];
-    on_all(&selection, |case| {
+    on_all(|case| {
         let Sample { y, v, u, .. } = case.state;
         let accelerations = case.call("forward_dynamics", &[y, v, u]);
         let (y_path, v_path) = (path(y, v), path(v, &accelerations));
@@ -353,7 +346,7 @@ fn power_balance() {
 /// `ẏᵀ (½ Ṁ ẏ − k) = 0`: what Ṁ − 2C being skew-symmetric says of k.
 #[test]
 fn coriolis_forces_do_no_work_beyond_the_mass_matrix() {
-    on_all(&["mass_matrix", "coriolis_forces"], |case| {
+    on_all(|case| {
         let (y, v) = (&case.state.y, &case.state.v);
         let rate = case.rate("mass_matrix", &[&path(y, v)]);
         let k = case.call("coriolis_forces", &[y, v]);
@@ -366,7 +359,7 @@ fn coriolis_forces_do_no_work_beyond_the_mass_matrix() {
 
 #[test]
 fn gravity_forces_are_the_slope_of_the_potential_energy() {
-    on_all(&["gravity_forces", "potential_energy"], |case| {
+    on_all(|case| {
         let y = &case.state.y;
         let slope = |j: usize| {
             let direction: Vec<f64> = (0..y.len()).map(|i| f64::from(u8::from(i == j))).collect();
@@ -385,7 +378,7 @@ fn gravity_forces_are_the_slope_of_the_potential_energy() {
 
 #[test]
 fn frames_are_where_the_links_carry_them() {
-    on_all(&["frames"], |case| {
+    on_all(|case| {
         let (y, v, oracle) = (&case.state.y, &case.state.v, &case.oracle);
         // Each joint lies at most 0.9 m from the one before it or slides by π m.
         let reach = 4.0 * oracle.model.links.len() as f64;

@@ -264,7 +264,7 @@ impl SearchSpace {
                 is_leaf: revolute && children[index].is_empty(),
                 balances: revolute
                     && body.parent.is_some()
-                    && body.translation[0]
+                    && body.origin_in_parent()[0]
                         .value()
                         .is_some_and(|px| px.abs() >= SHORTEST_LEVER),
                 parent: body.parent,

@@ -26,10 +26,11 @@ use proc_macro2::{Ident, TokenStream};
 use crate::dynamics::function::Function;
 use crate::model::Model;
 
-/// So many statements stay one function. Measured with rustc 1.95 at opt-level 3 on synthetic programs: 9 000
-/// statements need 0.9 s and 200 MB, 28 000 need 4 s and 490 MB, 68 000 need 16 s and 1.6 GB. Shorter parts bound the
-/// memory but exchange more values: parts of 8 000 made the code half as large again and saved no time.
-const LONGEST_FUNCTION: usize = 16_000;
+/// So many statements stay one function. With debug information, as in Cargo's dev profile, rustc 1.95 nests one scope
+/// for each `let`, and LLVM recurses over them: 2 800 statements compile, 3 200 overflow the 2 MB of its thread's stack and
+/// end rustc. Without it, at opt-level 3, 9 000 statements need 0.9 s and 200 MB, 28 000 need 4 s and 490 MB; there longer
+/// functions would do, since parts exchange values.
+const LONGEST_FUNCTION: usize = 2_000;
 
 /// How a module is written.
 #[derive(Debug, Clone, PartialEq)]

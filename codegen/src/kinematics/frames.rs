@@ -146,7 +146,10 @@ fn common_normals<'g>(
             None => described.pose.translation,
         };
         let (x, along) = normal_to_line(graph, drafts[index].z, point, z);
-        drafts[index].x = x;
+        // A prismatic joint has no angle about its axis: its x follows from the parent, and the child's twist has a γ.
+        if joint_axis(model, &tree.bodies[index]) == JointAxis::Revolute {
+            drafts[index].x = x;
+        }
         if joint_axis(model, described) == JointAxis::Revolute {
             let origin = along.map(|t| Vector3([0, 1, 2].map(|k| t * drafts[index].z[k])));
             drafts[index].origin = origin.map(|origin| origin.map(|x| x.cleaned(ROUNDING)));

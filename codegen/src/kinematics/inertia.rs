@@ -254,21 +254,23 @@ pub const SHORTEST_LEVER: f64 = 1e-3;
 
 /// Shifts mass between a revolute joint's origin and its parent until the parent's h_x vanishes.
 fn balance_parent(bodies: &mut [Body<'_>], index: usize, parent: usize) {
-    let translation = bodies[index].translation;
-    let (Some(hx), Some(px)) = (
-        bodies[parent].moments.first[0].value(),
-        translation[0].value(),
-    ) else {
+    let origin = bodies[index].origin_in_parent();
+    let (Some(hx), Some(px)) = (bodies[parent].moments.first[0].value(), origin[0].value()) else {
         return;
     };
     if px.abs() < SHORTEST_LEVER || bodies[index].axis != JointAxis::Revolute {
         return;
     }
-    let mass = translation[0].constant(-hx / px);
+    let mass = origin[0].constant(-hx / px);
     let mut point = MassMoments::zero(mass.graph());
     point.mass = mass;
     bodies[index].moments.mass = bodies[index].moments.mass - mass;
-    let Body { twist, lift, .. } = bodies[index];
+    let Body {
+        twist,
+        translation,
+        lift,
+        ..
+    } = bodies[index];
     bodies[parent].moments =
         bodies[parent].moments + point.lifted(lift).to_parent(&twist, translation);
     bodies[parent].moments.first.0[0] = mass.constant(0.0);

@@ -3,7 +3,7 @@
 use nalgebra::Matrix3;
 
 use super::inertia::{MassMoments, RegroupChoice, regroup};
-use super::pose::ScalarPose;
+use super::pose::{ScalarPose, rotation_about};
 use super::{frames, tree};
 use crate::graph::{Graph, Scalar, Vector3};
 use crate::model::Model;
@@ -127,6 +127,15 @@ impl<'g> Mechanism<'g> {
             }
         }
         children
+    }
+}
+
+impl<'g> Body<'g> {
+    /// Origin in the parent's frame, at coordinate 0 where the joint is prismatic. With γ in the twist the lift along
+    /// the axis has a component along the parent's x.
+    pub fn origin_in_parent(&self) -> Vector3<'g> {
+        let zero = self.lift.constant(0.0);
+        self.translation + self.twist.to_parent(Vector3([zero, zero, self.lift]))
     }
 }
 
@@ -259,13 +268,27 @@ impl<'g> Mechanism<'g> {
         }
     }
 
+    /// Turns the frame of a leaf about its axis; all that is given in it turns the other way.
     fn turn_leaf(&mut self, index: usize, angle: f64) {
         let body = &mut self.bodies[index];
         let (sine, cosine) = angle.sin_cos();
+        let back = (self.graph.constant(-sine), self.graph.constant(cosine));
         body.offset = body.offset + Angle::new(angle);
-        body.moments = body
-            .moments
-            .turned((self.graph.constant(-sine), self.graph.constant(cosine)));
+        body.moments = body.moments.turned(back);
+        for rotor in &mut self.rotors {
+            if rotor.carrier == Some(index) {
+                rotor.axis = rotor.axis.turned(back);
+            }
+        }
+        let back = ScalarPose {
+            rotation: rotation_about([0.0, 0.0, 1.0], -angle),
+            translation: Vector3::zero(self.graph.constant(0.0)),
+        };
+        for (body, pose) in &mut self.links {
+            if *body == Some(index) {
+                *pose = back.then(*pose);
+            }
+        }
     }
 }
 

@@ -1,0 +1,31 @@
+//! Lists the functions of `generated/` for the tests that call all of them.
+
+use std::path::Path;
+use std::{env, fs};
+
+#[path = "src/table.rs"]
+mod table;
+
+fn main() {
+    let folder = Path::new("../generated/src");
+    println!("cargo::rerun-if-changed=../generated/src");
+    println!("cargo::rerun-if-changed=src/table.rs");
+    let entries = fs::read_dir(folder).expect("generated/src");
+    let mut names: Vec<String> = entries
+        .filter_map(|entry| {
+            let path = entry.expect("an entry").path();
+            let name = path.file_stem()?.to_str()?.to_owned();
+            (path.extension()? == "rs" && name != "lib").then_some(name)
+        })
+        .collect();
+    names.sort();
+    let mut text = String::from("/// Every function of every generated robot.\n");
+    text.push_str("pub const ROBOTS: &[Robot] = &[\n");
+    for name in &names {
+        let source = fs::read_to_string(folder.join(format!("{name}.rs"))).expect("a module");
+        text.push_str(&table::entry(name, &format!("gelenk_generated::{name}"), &source));
+    }
+    text.push_str("];\n");
+    let out = env::var_os("OUT_DIR").expect("Cargo sets OUT_DIR");
+    fs::write(Path::new(&out).join("table.rs"), text).expect("the table");
+}

@@ -1,0 +1,95 @@
+//! Generated functions behind one signature, so that tests can call them by name.
+//!
+//! This file is also pasted beside modules that a test compiles by itself: it uses `core` and `std` alone.
+
+/// A generated function: input arrays and values of the free parameters in, all results out, rows first.
+pub type Call = fn(&[Vec<f64>], &[f64]) -> Vec<f64>;
+
+/// Name and functions of a robot; each function with its name.
+pub type Robot = (&'static str, &'static [(&'static str, Call)]);
+
+/// A number type of generated code.
+pub trait Scalar: Copy {
+    /// Rounded from f64.
+    fn from_f64(x: f64) -> Self;
+    /// Exact in f64.
+    fn to_f64(self) -> f64;
+}
+
+impl Scalar for f64 {
+    fn from_f64(x: f64) -> Self {
+        x
+    }
+    fn to_f64(self) -> f64 {
+        self
+    }
+}
+
+impl Scalar for f32 {
+    fn from_f64(x: f64) -> Self {
+        x as Self
+    }
+    fn to_f64(self) -> f64 {
+        Self::into(self)
+    }
+}
+
+/// An argument of `N` entries.
+///
+/// # Panics
+/// Where the slice is shorter.
+pub fn array<T: Scalar, const N: usize>(x: &[f64]) -> [T; N] {
+    assert_eq!(x.len(), N, "entries of an argument");
+    core::array::from_fn(|i| T::from_f64(x[i]))
+}
+
+/// A value of a free parameter.
+pub fn number<T: Scalar>(x: f64) -> T {
+    T::from_f64(x)
+}
+
+/// A result: a number, arrays of results, or a tuple of them.
+pub trait Flat {
+    /// Appends all numbers in their order.
+    fn flatten(&self, into: &mut Vec<f64>);
+}
+
+macro_rules! flat_numbers {
+    ($($number:ty),*) => {$(
+        impl Flat for $number {
+            fn flatten(&self, into: &mut Vec<f64>) {
+                into.push(self.to_f64());
+            }
+        }
+    )*};
+}
+flat_numbers!(f64, f32);
+
+impl<T: Flat, const N: usize> Flat for [T; N] {
+    fn flatten(&self, into: &mut Vec<f64>) {
+        self.iter().for_each(|entry| entry.flatten(into));
+    }
+}
+
+macro_rules! flat_tuples {
+    ($(($($entry:ident $index:tt),*))*) => {$(
+        impl<$($entry: Flat),*> Flat for ($($entry,)*) {
+            fn flatten(&self, into: &mut Vec<f64>) {
+                $(self.$index.flatten(into);)*
+            }
+        }
+    )*};
+}
+flat_tuples! {
+    (A 0, B 1)
+    (A 0, B 1, C 2)
+    (A 0, B 1, C 2, D 3)
+    (A 0, B 1, C 2, D 3, E 4)
+}
+
+/// All numbers of a result.
+pub fn flat(result: &impl Flat) -> Vec<f64> {
+    let mut numbers = Vec::new();
+    result.flatten(&mut numbers);
+    numbers
+}

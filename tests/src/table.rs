@@ -1,0 +1,68 @@
+//! A table of the public functions of generated modules, as Rust text: read from the modules themselves, so that no
+//! function is forgotten.
+
+use std::fmt::Write;
+
+/// The table's entry of one module: a [`Robot`](crate::flat::Robot), with names of `flat` in scope.
+///
+/// - `name`: of the module
+/// - `path`: path to it, e.g. `gelenk_generated::ur5`
+/// - `text`: its source
+///
+/// # Panics
+/// Where the source is no Rust.
+pub fn entry(name: &str, path: &str, text: &str) -> String {
+    let file = syn::parse_file(text).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let mut entry = format!("({name:?}, &[\n");
+    let parameters = parameters(&file);
+    for item in &file.items {
+        let syn::Item::Fn(function) = item else {
+            continue;
+        };
+        if matches!(function.vis, syn::Visibility::Public(_)) {
+            let call = call(path, function, &parameters);
+            let _ = writeln!(
+                entry,
+                "    ({:?}, |x: &[Vec<f64>], p: &[f64]| {{ let _ = (x, p); {call} }}),",
+                function.sig.ident.to_string()
+            );
+        }
+    }
+    entry + "]),\n"
+}
+
+/// Fields of `Parameters`, in order.
+fn parameters(file: &syn::File) -> Vec<String> {
+    let structs = file.items.iter().filter_map(|item| match item {
+        syn::Item::Struct(item) if item.ident == "Parameters" => Some(item),
+        _ => None,
+    });
+    let fields = structs.flat_map(|item| item.fields.iter());
+    fields
+        .filter_map(|field| field.ident.as_ref())
+        .map(ToString::to_string)
+        .collect()
+}
+
+/// The call of a function with arguments from `x` and parameters from `p`.
+fn call(path: &str, function: &syn::ItemFn, parameters: &[String]) -> String {
+    let types = function.sig.inputs.iter().filter_map(|input| match input {
+        syn::FnArg::Typed(argument) => Some(&*argument.ty),
+        _ => None,
+    });
+    let arguments: Vec<String> = types
+        .enumerate()
+        .map(|(index, ty)| match ty {
+            syn::Type::Reference(to) if matches!(*to.elem, syn::Type::Path(_)) => {
+                let fields = parameters.iter().enumerate();
+                let fields: Vec<String> = fields
+                    .map(|(index, field)| format!("{field}: number(p[{index}])"))
+                    .collect();
+                format!("&{path}::Parameters {{ {} }}", fields.join(", "))
+            }
+            _ => format!("&array(&x[{index}])"),
+        })
+        .collect();
+    let name = &function.sig.ident;
+    format!("flat(&{path}::{name}({}))", arguments.join(", "))
+}

@@ -1,0 +1,80 @@
+//! A package outside the workspace whose build script generates its robots: what its author sees when a description is
+//! at fault, and that mending it is enough.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use gelenk_tests::workspace;
+
+/// Copies the sample package to a folder of its own.
+fn copy_sample(to: &Path) {
+    let sample = workspace().join("tests/build_script_sample");
+    fs::create_dir(to.join("src")).expect("a folder");
+    for file in ["build.rs", "crane.toml", "pendulum.urdf", "src/main.rs"] {
+        fs::copy(sample.join(file), to.join(file)).expect(file);
+    }
+    let path = |name: &str| workspace().join(name).display().to_string();
+    let manifest = format!(
+        "[workspace]\n[package]\nname = \"outside\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\
+         [dependencies]\ngelenk-runtime = {{ path = {:?} }}\n\
+         [build-dependencies]\ngelenk-codegen = {{ path = {:?}, default-features = false }}\n",
+        path("runtime"),
+        path("codegen"),
+    );
+    fs::write(to.join("Cargo.toml"), manifest).expect("the manifest");
+    // The same versions as here: they are at hand without a network.
+    fs::copy(workspace().join("Cargo.lock"), to.join("Cargo.lock")).expect("the lock file");
+}
+
+/// The folder that this test was compiled into, so that dependencies are not compiled again.
+fn target() -> PathBuf {
+    let program = std::env::current_exe().expect("this program");
+    program.ancestors().nth(3).expect("target/debug/deps").to_owned()
+}
+
+fn cargo(folder: &Path, command: &str) -> Output {
+    Command::new(env!("CARGO"))
+        .args([command, "--offline", "--quiet"])
+        .env("CARGO_TARGET_DIR", target())
+        .env("CARGO_TERM_COLOR", "never")
+        .current_dir(folder)
+        .output()
+        .expect("cargo starts")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+#[test]
+fn a_faulty_description_is_a_readable_build_error() {
+    let folder = tempfile::tempdir().expect("a folder");
+    copy_sample(folder.path());
+    let crane = folder.path().join("crane.toml");
+    let right = fs::read_to_string(&crane).expect("the description");
+    let wrong = right
+        .replace("mass = 4\n", "mass = -4\n")
+        .replace("gear_ratio", "gear_ration");
+    fs::write(&crane, &wrong).expect("the description");
+    let output = cargo(folder.path(), "build");
+    let message = text(&output.stderr);
+    assert!(!output.status.success());
+    for expected in [
+        "crane.toml:8:11",
+        "did you mean `gear_ratio`",
+        "crane.toml:23:8",
+        "-4",
+    ] {
+        assert!(message.contains(expected), "no {expected:?} in:\n{message}");
+    }
+    assert!(!message.contains("panicked"), "{message}");
+
+    // Cargo watches the description: mending it is enough.
+    fs::write(&crane, &right).expect("the description");
+    let output = cargo(folder.path(), "run");
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let printed = text(&output.stdout);
+    // −9.81 (4 · 0.6 + 2 · 1.2)
+    assert!(printed.contains("crane: -47.0880 N·m"), "{printed}");
+}

@@ -1,0 +1,120 @@
+//! Operation counts of the emitted programs: bars for the geometries that the literature counts, and a snapshot of all
+//! robots.
+//!
+//! A subtraction is an addition, a negation nothing; sines and cosines stand apart, sums of angles count.
+
+use std::fmt::Write as _;
+
+use gelenk_codegen::emit::Scalar;
+use gelenk_codegen::formula::Formula;
+use gelenk_codegen::model::{Model, ReadOptions, read};
+use gelenk_codegen::program::cost::count;
+use gelenk_tests::literature::{GENERAL, PLANAR, PUMA, RX90, chain, right_angles};
+use gelenk_tests::{Robot, descriptions, generate_model, workspace};
+
+const DOWN: [f64; 3] = [0.0, 0.0, -9.81];
+
+/// In the plane of two parallel vertical axes gravity must lie across them.
+const ACROSS: [f64; 3] = [0.0, -9.81, 0.0];
+
+/// Multiplications and additions of a function.
+fn operations(robot: &Robot, name: &str) -> (usize, usize) {
+    let cost = count(&robot.function(name).program);
+    assert_eq!(cost.divisions, 0, "{name} divides");
+    (cost.multiplications, cost.additions)
+}
+
+/// Fails where a function needs more than its bar; prints what it needs.
+fn assert_within(what: &str, model: Model, bars: &[(&str, usize, usize)]) {
+    let names: Vec<&str> = bars.iter().map(|(name, ..)| *name).collect();
+    let robot = Robot::of_model(model, &names);
+    let mut above = String::new();
+    for &(name, multiplications, additions) in bars {
+        let found = operations(&robot, name);
+        let line = format!("{what} {name}: {}/{}, bar {multiplications}/{additions}", found.0, found.1);
+        println!("{line}");
+        if found.0 > multiplications || found.1 > additions {
+            let _ = writeln!(above, "{line}");
+        }
+    }
+    assert!(above.is_empty(), "above the bar:\n{above}");
+}
+
+#[test]
+fn planar_arm() {
+    let bars = [("mass_matrix", 3, 3), ("bias_forces", 17, 9), ("inverse_dynamics", 23, 15)];
+    assert_within("planar 2R", chain(&PLANAR, ACROSS), &bars);
+}
+
+#[test]
+fn rx90() {
+    let bars = [
+        ("mass_matrix", 114, 102),
+        ("bias_forces", 233, 202),
+        ("inverse_dynamics", 241, 223),
+    ];
+    assert_within("RX-90", chain(&RX90, DOWN), &bars);
+}
+
+#[test]
+fn puma560_geometry() {
+    let bars = [
+        ("mass_matrix", 156, 133),
+        ("bias_forces", 254, 222),
+        ("inverse_dynamics", 268, 247),
+    ];
+    assert_within("Puma 560", chain(&PUMA, DOWN), &bars);
+    let robot = Robot::of_model(chain(&PUMA, DOWN), &["mass_matrix", "bias_forces"]);
+    let (mass, bias) = (operations(&robot, "mass_matrix"), operations(&robot, "bias_forces"));
+    assert!(mass.0 + bias.0 <= 410 && mass.1 + bias.1 <= 355, "{mass:?} {bias:?}");
+}
+
+#[test]
+fn general_arm() {
+    assert_within("general 6R", chain(&GENERAL, DOWN), &[("inverse_dynamics", 407, 342)]);
+}
+
+#[test]
+fn thirty_joints() {
+    let bars = [("inverse_dynamics", 1757, 1663), ("mass_matrix", 4756, 3755)];
+    assert_within("30 joints", chain(&right_angles(30), DOWN), &bars);
+}
+
+/// Armstrong's masses and diagonal inertias, without rotors and friction, as SymPyBotics counts them: 193/164.
+#[test]
+fn puma560_with_diagonal_inertias() {
+    let path = workspace().join("models/puma560.toml");
+    let mut model = read(&path, &ReadOptions::default()).expect("the model").model;
+    for drive in &mut model.drives {
+        drive.rotor_inertia = Formula::Number(0.0);
+    }
+    for joint in model.links.iter_mut().filter_map(|link| link.joint.as_mut()) {
+        joint.friction.clear();
+    }
+    assert_within("Puma 560 (Armstrong)", model, &[("inverse_dynamics", 192, 163)]);
+}
+
+/// M, k and q of the published arm without friction: by hand 8 multiplications and 7 additions, with sin y1, sin y2,
+/// cos y2 and sin(y1 + y2).
+#[test]
+fn powercube() {
+    let path = workspace().join("models/powercube.toml");
+    let mut model = read(&path, &ReadOptions::default()).expect("the model").model;
+    for joint in model.links.iter_mut().filter_map(|link| link.joint.as_mut()) {
+        joint.friction.clear();
+    }
+    assert_within("PowerCube", model, &[("equations_of_motion", 10, 8)]);
+}
+
+#[test]
+fn all_robots() {
+    let mut table = String::new();
+    for path in descriptions() {
+        let robot = generate_model(&path, Scalar::F64);
+        let _ = writeln!(table, "# {}", robot.source.name);
+        for function in &robot.functions {
+            let _ = writeln!(table, "{}: {}", function.name, count(&function.program));
+        }
+    }
+    insta::assert_snapshot!(table);
+}

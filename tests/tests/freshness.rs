@@ -1,0 +1,36 @@
+//! generated/ holds what the generator writes now.
+
+use gelenk_codegen::emit::Scalar;
+use gelenk_codegen::output::{is_generated, root_text};
+use gelenk_tests::{descriptions, generate_model, workspace};
+
+/// What to run where this fails.
+const COMMAND: &str = "cargo run --release -- generate";
+
+#[test]
+fn committed_modules_are_fresh() {
+    let folder = workspace().join("generated/src");
+    let mut names = Vec::new();
+    let mut stale = Vec::new();
+    for description in descriptions() {
+        let robot = generate_model(&description, Scalar::F64);
+        let file = format!("{}.rs", robot.source.name);
+        if std::fs::read_to_string(folder.join(&file)).ok().as_ref() != Some(&robot.source.text) {
+            stale.push(file);
+        }
+        names.push(robot.source.name);
+    }
+    let root = std::fs::read_to_string(folder.join("lib.rs")).expect("generated/src/lib.rs");
+    if root != root_text(&names) {
+        stale.push("lib.rs".to_owned());
+    }
+    let files = std::fs::read_dir(&folder).expect("generated/src");
+    for path in files.map(|file| file.expect("a file").path()) {
+        let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+        let is_known = stem.is_some_and(|stem| stem == "lib" || names.contains(&stem));
+        if !is_known && is_generated(&path) {
+            stale.push(format!("{} (nothing describes it)", path.display()));
+        }
+    }
+    assert!(stale.is_empty(), "stale in generated/src: {stale:?}\nrun: {COMMAND}");
+}
