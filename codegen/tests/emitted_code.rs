@@ -391,6 +391,46 @@ fn lengths_are_named_where_they_follow_from_the_model() {
 }
 
 #[test]
+fn fused_operations_refuse_processors_without_them() {
+    let model = chain(
+        "pair",
+        &[("a", JointKind::Revolute), ("b", JointKind::Prismatic)],
+    );
+    let text = emit_with(&model, &[every_operation()], |_| {});
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = [
+        "--crate-type",
+        "lib",
+        "--emit",
+        "metadata",
+        "-Ctarget-feature=-fma",
+    ];
+    let error = rustc(folder.path(), "pair", &text, &arguments);
+    if cfg!(target_arch = "x86_64") {
+        assert!(error.unwrap_err().contains("target-feature=+fma"));
+    }
+}
+
+#[test]
+fn large_results_are_written_in_place() {
+    let joints = ["a", "b", "c", "d", "e", "f"].map(|name| (name, JointKind::Revolute));
+    let mut function = synthetic(60, 3);
+    function.program.outputs[0].entries[7] = Operand::Constant(2.5);
+    function.program.outputs[0].entries[8] = Operand::Input(1, 2);
+    let model = chain("six", &joints);
+    let text = emit_with(&model, std::slice::from_ref(&function), |_| {});
+    assert!(text.contains("pub fn synthetic_into(") && text.contains("r[1][1] = 2.5;"));
+    assert_compiles("six", &text);
+    let mut random = common::Random(9);
+    let mut arrays = || {
+        (0..3)
+            .map(|_| (0..6).map(|_| random.number()).collect())
+            .collect()
+    };
+    assert_interpreter_agrees(&model, &function, usize::MAX, &[arrays()]);
+}
+
+#[test]
 fn same_arguments_give_the_same_bytes() {
     let emit = || emit_with(&powercube(), &[mass_matrix(), every_operation()], |_| {});
     assert_eq!(emit(), emit());

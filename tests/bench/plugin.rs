@@ -48,13 +48,13 @@ pub extern "C" fn rbd_bias(y: &Vector, v: &Vector, forces: &mut Vector) {
 
 #[unsafe(no_mangle)]
 pub extern "C" fn rbd_crba(y: &Vector, mass: &mut Matrix) {
-    *mass = robot::mass_matrix(y);
+    robot::mass_matrix_into(y, mass);
 }
 
 #[cfg(has_mass_matrix_and_bias_forces)]
 #[unsafe(no_mangle)]
 pub extern "C" fn rbd_mk(y: &Vector, v: &Vector, mass: &mut Matrix, forces: &mut Vector) {
-    (*mass, *forces) = robot::mass_matrix_and_bias_forces(y, v);
+    robot::mass_matrix_and_bias_forces_into(y, v, mass, forces);
 }
 
 /// Without friction and springs q is gravity alone.
@@ -83,10 +83,10 @@ pub extern "C" fn rbd_rnea_der(
     by_velocities: &mut Matrix,
     mass: &mut Matrix,
 ) {
-    let (_, dy, dv, matrix) = robot::inverse_dynamics_derivatives_and_mass_matrix(y, v, a);
+    let (mut forces, mut dy, mut dv) = ([0.0; N], [[0.0; N]; N], [[0.0; N]; N]);
+    robot::inverse_dynamics_derivatives_and_mass_matrix_into(y, v, a, &mut forces, &mut dy, &mut dv, mass);
     write(by_coordinates, &dy);
     write(by_velocities, &dv);
-    *mass = matrix;
 }
 
 #[cfg(has_forward_dynamics_derivatives)]
@@ -99,8 +99,8 @@ pub extern "C" fn rbd_fd_der(
     by_velocities: &mut Matrix,
     by_inputs: &mut Matrix,
 ) {
-    let (_, dy, dv, du) = robot::forward_dynamics_derivatives(y, v, u);
+    let (mut accelerations, mut dy, mut dv) = ([0.0; N], [[0.0; N]; N], [[0.0; N]; N]);
+    robot::forward_dynamics_derivatives_into(y, v, u, &mut accelerations, &mut dy, &mut dv, by_inputs);
     write(by_coordinates, &dy);
     write(by_velocities, &dv);
-    *by_inputs = du;
 }

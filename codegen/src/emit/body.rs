@@ -7,7 +7,7 @@ use quote::quote;
 
 use super::literal::Scalar;
 use super::math::Math;
-use super::{Context, math, names};
+use super::{Context, into, math, names};
 use crate::dynamics::function::Function;
 use crate::program::flow::{Flow, operands};
 use crate::program::{Operand, Operation, Output, Program, Shape};
@@ -20,8 +20,12 @@ pub(super) struct Body<'a> {
     pub(super) flow: Flow,
     /// Names of the input arrays.
     pub(super) arguments: Vec<Ident>,
+    /// Names of the results, where they are written in place.
+    pub(super) results: Vec<Ident>,
     /// Name of each value.
     names: Vec<Ident>,
+    /// Whether each value is an entry of a result that is written in place.
+    entries: Vec<bool>,
 }
 
 impl<'a> Body<'a> {
@@ -34,17 +38,31 @@ impl<'a> Body<'a> {
             &taken,
         );
         taken.extend(arguments.iter().map(ToString::to_string));
+        let results = match into::is_large(program) {
+            true => into::result_names(program, &taken),
+            false => vec![],
+        };
+        taken.extend(results.iter().map(ToString::to_string));
         let values = program
             .instructions
             .iter()
             .map(|instruction| instruction.name.as_str());
         let names = names::distinct(values, &taken);
+        let flow = Flow::new(program);
+        let mut entries = vec![false; program.instructions.len()];
+        for entry in program.outputs.iter().flat_map(|output| &output.entries) {
+            if let (Operand::Value(value), false) = (entry, results.is_empty()) {
+                entries[flow.canonical(*value)] = true;
+            }
+        }
         Self {
             context,
             scalar: context.options.scalar,
             program,
-            flow: Flow::new(program),
+            flow,
+            entries,
             arguments,
+            results,
             names,
         }
     }
@@ -79,6 +97,11 @@ impl<'a> Body<'a> {
         })
     }
 
+    /// From now on statements do not store into the results.
+    pub(super) fn stop_storing(&mut self) {
+        self.entries.clear();
+    }
+
     /// The statements of a run of instructions.
     pub(super) fn statements(&self, range: Range<usize>) -> Vec<TokenStream> {
         let made: Vec<usize> = range.filter(|&index| self.flow.is_made(index)).collect();
@@ -88,13 +111,23 @@ impl<'a> Body<'a> {
             let (angles, after) = rest.split_at(self.leading_angles(rest));
             if angles.len() > 1 {
                 statements.extend(self.angles(angles));
+                statements.extend(angles.iter().flat_map(|&angle| self.stores(angle)));
                 rest = after;
             } else {
                 statements.extend(self.statement(first));
+                statements.extend(self.stores(first));
                 rest = others;
             }
         }
         statements
+    }
+
+    /// What the results take from a new value, where they are written in place.
+    fn stores(&self, index: usize) -> Vec<TokenStream> {
+        match self.entries.get(index) {
+            Some(true) => into::stores(self, |made| made == Some(index)),
+            _ => vec![],
+        }
     }
 
     /// How many of the first instructions make sine and cosine of angles that are known before all of them.
@@ -257,7 +290,7 @@ impl<'a> Body<'a> {
     }
 
     /// The results as one expression: a value, or a tuple of several.
-    pub(super) fn results(&self) -> TokenStream {
+    pub(super) fn returned(&self) -> TokenStream {
         let outputs = self
             .program
             .outputs

@@ -10,6 +10,7 @@ mod constants;
 mod doc_comment;
 mod function;
 mod header;
+mod into;
 mod lints;
 mod literal;
 mod math;
