@@ -99,37 +99,37 @@ impl Default for Parameters {
 /// - `p`: free parameters
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
 ///
-/// Cost: 17 multiplications, 6 additions, 0 divisions, 1 function call.
+/// Cost: 17 multiplications, 6 additions, 0 divisions, 1 function call (`sin_cos`).
 ///
 /// Composite rigid bodies (Walker and Orin 1982; Featherstone 2008, ch. 6), rotors included.
 #[inline]
 #[must_use]
 pub fn mass_matrix(y: &[f64; N], p: &Parameters) -> [[f64; N]; N] {
-    let t0 = 0.5 * p.l2;
-    let t1 = p.m2 * t0;
-    let cos_elbow = y[1].cos();
-    let t3 = t1 * cos_elbow;
-    let t4 = p.l1 * t3;
-    let t5 = 2.0 * t4;
-    let t6 = t0 * t0;
-    let t7 = p.m2 * t6;
-    let t8 = p.l2 * p.l2;
-    let t9 = p.m2 * t8;
-    let t10 = 0.08333333333333333 * t9;
-    let t11 = t10 + t7;
-    let t12 = t11 + t5;
-    let t13 = p.l1 * 0.5;
-    let t14 = t13 * t13;
-    let t15 = p.m1 * t14;
-    let t16 = p.l1 * p.l1;
-    let t17 = p.m1 * t16;
-    let t18 = t17 * 0.08333333333333333;
-    let t19 = t18 + t15;
-    let t20 = t16 * p.m2;
-    let t21 = t19 + t20;
-    let t22 = t21 + t12;
-    let t23 = t11 + t4;
-    [[t22, t23], [t23, t11]]
+    let (_, cos_elbow) = math::sin_cos(y[1]);
+    let t2 = 0.5 * p.l2;
+    let t3 = p.m2 * t2;
+    let t4 = t3 * cos_elbow;
+    let t5 = p.l1 * t4;
+    let t6 = 2.0 * t5;
+    let t7 = t2 * t2;
+    let t8 = p.m2 * t7;
+    let t9 = p.l2 * p.l2;
+    let t10 = p.m2 * t9;
+    let t11 = 0.08333333333333333 * t10;
+    let t12 = t11 + t8;
+    let t13 = t12 + t6;
+    let t14 = p.l1 * 0.5;
+    let t15 = t14 * t14;
+    let t16 = p.m1 * t15;
+    let t17 = p.l1 * p.l1;
+    let t18 = p.m1 * t17;
+    let t19 = t18 * 0.08333333333333333;
+    let t20 = t19 + t16;
+    let t21 = t17 * p.m2;
+    let t22 = t20 + t21;
+    let t23 = t22 + t13;
+    let t24 = t12 + t5;
+    [[t23, t24], [t24, t12]]
 }
 
 /// Coriolis, centrifugal and gyroscopic forces `k(y, ẏ)`.
@@ -141,24 +141,24 @@ pub fn mass_matrix(y: &[f64; N], p: &Parameters) -> [[f64; N]; N] {
 /// - `p`: free parameters
 /// - returns `k: [N]`: on the left-hand side: without gravity, springs and friction
 ///
-/// Cost: 10 multiplications, 2 additions, 0 divisions, 1 function call.
+/// Cost: 10 multiplications, 2 additions, 0 divisions, 1 function call (`sin_cos`).
 ///
 /// Recursive Newton–Euler equations without gravity and accelerations.
 #[inline]
 #[must_use]
 pub fn coriolis_forces(y: &[f64; N], v: &[f64; N], p: &Parameters) -> [f64; N] {
+    let (sin_elbow, _) = math::sin_cos(y[1]);
     let omega_elbow_z = v[0] + v[1];
-    let t1 = omega_elbow_z * omega_elbow_z;
-    let t2 = 0.5 * p.l2;
-    let t3 = p.m2 * t2;
-    let force_elbow_x = t3 * t1;
-    let sin_elbow = y[1].sin();
+    let t2 = omega_elbow_z * omega_elbow_z;
+    let t3 = 0.5 * p.l2;
+    let t4 = p.m2 * t3;
+    let force_elbow_x = t4 * t2;
     let force_shoulder_y = sin_elbow * force_elbow_x;
     let t7 = p.l1 * force_shoulder_y;
     let t8 = v[0] * v[0];
     let t9 = p.l1 * t8;
     let acceleration_elbow_y = sin_elbow * t9;
-    let moment_elbow_z = t3 * acceleration_elbow_y;
+    let moment_elbow_z = t4 * acceleration_elbow_y;
     let moment_shoulder_z = moment_elbow_z - t7;
     [moment_shoulder_z, moment_elbow_z]
 }
@@ -171,26 +171,26 @@ pub fn coriolis_forces(y: &[f64; N], v: &[f64; N], p: &Parameters) -> [f64; N] {
 /// - `p`: free parameters
 /// - returns `q_gravity: [N]`: positive where gravity drives the joint forwards; −∂V/∂y
 ///
-/// Cost: 11 multiplications, 3 additions, 0 divisions, 2 function calls (`sin_cos`).
+/// Cost: 9 multiplications, 3 additions, 0 divisions, 2 function calls (`sin_cos`).
 #[inline]
 #[must_use]
 pub fn gravity_forces(y: &[f64; N], p: &Parameters) -> [f64; N] {
-    let (sin_shoulder, cos_shoulder) = y[0].sin_cos();
-    let acceleration_shoulder_y = 9.81 * sin_shoulder;
-    let (sin_elbow, cos_elbow) = y[1].sin_cos();
-    let t5 = cos_elbow * acceleration_shoulder_y;
-    let acceleration_shoulder_x = 9.81 * cos_shoulder;
-    let t7 = sin_elbow * acceleration_shoulder_x;
-    let acceleration_elbow_y = t7 + t5;
-    let t9 = 0.5 * p.l2;
-    let t10 = p.m2 * t9;
-    let moment_elbow_z = t10 * acceleration_elbow_y;
-    let t12 = p.l1 * 0.5;
-    let t13 = p.m1 * t12;
-    let t14 = p.l1 * p.m2;
-    let t15 = t13 + t14;
-    let t16 = t15 * acceleration_shoulder_y;
-    let moment_shoulder_z = t16 + moment_elbow_z;
+    let angle_shoulder_elbow = y[0] + y[1];
+    let ([sin_shoulder, sin_shoulder_elbow], [_, _]) = math::sin_cos_2(
+        y[0],
+        angle_shoulder_elbow,
+    );
+    let t3 = p.l1 * 0.5;
+    let t4 = p.m1 * t3;
+    let t5 = p.l1 * p.m2;
+    let t6 = t4 + t5;
+    let t7 = t6 * sin_shoulder;
+    let t8 = 9.81 * t7;
+    let acceleration_elbow_y = 9.81 * sin_shoulder_elbow;
+    let t10 = 0.5 * p.l2;
+    let t11 = p.m2 * t10;
+    let moment_elbow_z = t11 * acceleration_elbow_y;
+    let moment_shoulder_z = t8 + moment_elbow_z;
     let minus_moment_shoulder_z = -moment_shoulder_z;
     let minus_moment_elbow_z = -moment_elbow_z;
     [minus_moment_shoulder_z, minus_moment_elbow_z]
@@ -242,33 +242,33 @@ pub fn friction_torques(v: &[f64; N], p: &Parameters) -> [f64; N] {
 /// - `p`: free parameters
 /// - returns `q: [N]`: on the right-hand side, without the inputs
 ///
-/// Cost: 13 multiplications, 5 additions, 0 divisions, 2 function calls (`sin_cos`).
+/// Cost: 11 multiplications, 5 additions, 0 divisions, 2 function calls (`sin_cos`).
 #[inline]
 #[must_use]
 pub fn applied_forces(y: &[f64; N], v: &[f64; N], p: &Parameters) -> [f64; N] {
-    let (sin_shoulder, cos_shoulder) = y[0].sin_cos();
-    let acceleration_shoulder_y = 9.81 * sin_shoulder;
-    let (sin_elbow, cos_elbow) = y[1].sin_cos();
-    let t5 = cos_elbow * acceleration_shoulder_y;
-    let acceleration_shoulder_x = 9.81 * cos_shoulder;
-    let t7 = sin_elbow * acceleration_shoulder_x;
-    let acceleration_elbow_y = t7 + t5;
-    let t9 = 0.5 * p.l2;
-    let t10 = p.m2 * t9;
-    let moment_elbow_z = t10 * acceleration_elbow_y;
-    let t12 = p.l1 * 0.5;
-    let t13 = p.m1 * t12;
-    let t14 = p.l1 * p.m2;
-    let t15 = t13 + t14;
-    let t16 = t15 * acceleration_shoulder_y;
-    let moment_shoulder_z = t16 + moment_elbow_z;
-    let t18 = v[0] * 0.05;
-    let t19 = t18 + moment_shoulder_z;
-    let t20 = v[1] * 0.05;
-    let t21 = t20 + moment_elbow_z;
-    let t22 = -t19;
-    let t23 = -t21;
-    [t22, t23]
+    let angle_shoulder_elbow = y[0] + y[1];
+    let ([sin_shoulder, sin_shoulder_elbow], [_, _]) = math::sin_cos_2(
+        y[0],
+        angle_shoulder_elbow,
+    );
+    let t3 = p.l1 * 0.5;
+    let t4 = p.m1 * t3;
+    let t5 = p.l1 * p.m2;
+    let t6 = t4 + t5;
+    let t7 = t6 * sin_shoulder;
+    let t8 = 9.81 * t7;
+    let acceleration_elbow_y = 9.81 * sin_shoulder_elbow;
+    let t10 = 0.5 * p.l2;
+    let t11 = p.m2 * t10;
+    let moment_elbow_z = t11 * acceleration_elbow_y;
+    let moment_shoulder_z = t8 + moment_elbow_z;
+    let t14 = v[0] * 0.05;
+    let t15 = t14 + moment_shoulder_z;
+    let t16 = v[1] * 0.05;
+    let t17 = t16 + moment_elbow_z;
+    let t18 = -t15;
+    let t19 = -t17;
+    [t18, t19]
 }
 
 /// Bias forces `k − q_gravity`.
@@ -286,13 +286,15 @@ pub fn applied_forces(y: &[f64; N], v: &[f64; N], p: &Parameters) -> [f64; N] {
 #[inline]
 #[must_use]
 pub fn bias_forces(y: &[f64; N], v: &[f64; N], p: &Parameters) -> [f64; N] {
-    let t0 = v[0] * v[0];
-    let t1 = p.l1 * t0;
-    let (sin_shoulder, cos_shoulder) = y[0].sin_cos();
+    let ([sin_shoulder, sin_elbow], [cos_shoulder, cos_elbow]) = math::sin_cos_2(
+        y[0],
+        y[1],
+    );
+    let t4 = v[0] * v[0];
+    let t5 = p.l1 * t4;
     let acceleration_shoulder_x = 9.81 * cos_shoulder;
-    let t5 = acceleration_shoulder_x + t1;
-    let (sin_elbow, cos_elbow) = y[1].sin_cos();
-    let t8 = sin_elbow * t5;
+    let t7 = acceleration_shoulder_x + t5;
+    let t8 = sin_elbow * t7;
     let acceleration_shoulder_y = 9.81 * sin_shoulder;
     let t10 = cos_elbow * acceleration_shoulder_y;
     let acceleration_elbow_y = t8 + t10;
@@ -340,7 +342,7 @@ pub fn input_matrix(p: &Parameters) -> [[f64; M]; N] {
 /// - returns `k: [N]`: Coriolis, centrifugal and gyroscopic forces
 /// - returns `q: [N]`: gravity, springs and friction
 ///
-/// Cost: 35 multiplications, 13 additions, 0 divisions, 2 function calls (`sin_cos`).
+/// Cost: 33 multiplications, 13 additions, 0 divisions, 3 function calls (`sin_cos`).
 ///
 /// What the three have in common is computed once.
 #[must_use]
@@ -349,59 +351,61 @@ pub fn equations_of_motion(
     v: &[f64; N],
     p: &Parameters,
 ) -> ([[f64; N]; N], [f64; N], [f64; N]) {
-    let t0 = 0.5 * p.l2;
-    let t1 = p.m2 * t0;
-    let (sin_elbow, cos_elbow) = y[1].sin_cos();
-    let t4 = t1 * cos_elbow;
-    let t5 = p.l1 * t4;
-    let t6 = 2.0 * t5;
-    let t7 = t0 * t0;
-    let t8 = p.m2 * t7;
-    let t9 = p.l2 * p.l2;
-    let t10 = p.m2 * t9;
-    let t11 = 0.08333333333333333 * t10;
-    let t12 = t11 + t8;
-    let t13 = t12 + t6;
-    let t14 = p.l1 * 0.5;
-    let t15 = t14 * t14;
-    let t16 = p.m1 * t15;
-    let t17 = p.l1 * p.l1;
-    let t18 = p.m1 * t17;
-    let t19 = t18 * 0.08333333333333333;
-    let t20 = t19 + t16;
-    let t21 = t17 * p.m2;
-    let t22 = t20 + t21;
-    let t23 = t22 + t13;
-    let t24 = t12 + t5;
+    let angle_shoulder_elbow = y[0] + y[1];
+    let ([sin_shoulder, sin_elbow, sin_shoulder_elbow, ..], [_, cos_elbow, _, ..]) = math::sin_cos_4(
+        y[0],
+        y[1],
+        angle_shoulder_elbow,
+        0.0,
+    );
+    let t5 = 0.5 * p.l2;
+    let t6 = p.m2 * t5;
+    let t7 = t6 * cos_elbow;
+    let t8 = p.l1 * t7;
+    let t9 = 2.0 * t8;
+    let t10 = t5 * t5;
+    let t11 = p.m2 * t10;
+    let t12 = p.l2 * p.l2;
+    let t13 = p.m2 * t12;
+    let t14 = 0.08333333333333333 * t13;
+    let t15 = t14 + t11;
+    let t16 = t15 + t9;
+    let t17 = p.l1 * 0.5;
+    let t18 = t17 * t17;
+    let t19 = p.m1 * t18;
+    let t20 = p.l1 * p.l1;
+    let t21 = p.m1 * t20;
+    let t22 = t21 * 0.08333333333333333;
+    let t23 = t22 + t19;
+    let t24 = t20 * p.m2;
+    let t25 = t23 + t24;
+    let t26 = t25 + t16;
+    let t27 = t15 + t8;
     let omega_elbow_z = v[0] + v[1];
-    let t26 = omega_elbow_z * omega_elbow_z;
-    let force_elbow_x = t1 * t26;
+    let t29 = omega_elbow_z * omega_elbow_z;
+    let force_elbow_x = t6 * t29;
     let force_shoulder_y = sin_elbow * force_elbow_x;
-    let t29 = p.l1 * force_shoulder_y;
-    let t30 = v[0] * v[0];
-    let t31 = p.l1 * t30;
-    let acceleration_elbow_y = sin_elbow * t31;
-    let moment_elbow_z = t1 * acceleration_elbow_y;
-    let moment_shoulder_z = moment_elbow_z - t29;
-    let (sin_shoulder, cos_shoulder) = y[0].sin_cos();
-    let acceleration_shoulder_y = 9.81 * sin_shoulder;
-    let t38 = cos_elbow * acceleration_shoulder_y;
-    let acceleration_shoulder_x = 9.81 * cos_shoulder;
-    let t40 = sin_elbow * acceleration_shoulder_x;
-    let acceleration_elbow_y_2 = t40 + t38;
-    let moment_elbow_z_2 = t1 * acceleration_elbow_y_2;
-    let t43 = p.m1 * t14;
-    let t44 = p.l1 * p.m2;
-    let t45 = t43 + t44;
-    let t46 = t45 * acceleration_shoulder_y;
-    let moment_shoulder_z_2 = t46 + moment_elbow_z_2;
-    let t48 = v[0] * 0.05;
-    let t49 = t48 + moment_shoulder_z_2;
-    let t50 = v[1] * 0.05;
-    let t51 = t50 + moment_elbow_z_2;
-    let t52 = -t49;
-    let t53 = -t51;
-    ([[t23, t24], [t24, t12]], [moment_shoulder_z, moment_elbow_z], [t52, t53])
+    let t32 = p.l1 * force_shoulder_y;
+    let t33 = v[0] * v[0];
+    let t34 = p.l1 * t33;
+    let acceleration_elbow_y = sin_elbow * t34;
+    let moment_elbow_z = t6 * acceleration_elbow_y;
+    let moment_shoulder_z = moment_elbow_z - t32;
+    let t38 = p.m1 * t17;
+    let t39 = p.l1 * p.m2;
+    let t40 = t38 + t39;
+    let t41 = t40 * sin_shoulder;
+    let t42 = 9.81 * t41;
+    let acceleration_elbow_y_2 = 9.81 * sin_shoulder_elbow;
+    let moment_elbow_z_2 = t6 * acceleration_elbow_y_2;
+    let moment_shoulder_z_2 = t42 + moment_elbow_z_2;
+    let t46 = v[0] * 0.05;
+    let t47 = t46 + moment_shoulder_z_2;
+    let t48 = v[1] * 0.05;
+    let t49 = t48 + moment_elbow_z_2;
+    let t50 = -t47;
+    let t51 = -t49;
+    ([[t26, t27], [t27, t15]], [moment_shoulder_z, moment_elbow_z], [t50, t51])
 }
 
 /// Inverse dynamics: the joint forces of a motion.
@@ -424,12 +428,14 @@ pub fn inverse_dynamics(
     a: &[f64; N],
     p: &Parameters,
 ) -> [f64; N] {
-    let (sin_shoulder, cos_shoulder) = y[0].sin_cos();
+    let ([sin_shoulder, sin_elbow], [cos_shoulder, cos_elbow]) = math::sin_cos_2(
+        y[0],
+        y[1],
+    );
     let acceleration_shoulder_y = 9.81 * sin_shoulder;
-    let t3 = a[0] * p.l1;
-    let t4 = acceleration_shoulder_y + t3;
-    let (sin_elbow, cos_elbow) = y[1].sin_cos();
-    let t7 = cos_elbow * t4;
+    let t5 = a[0] * p.l1;
+    let t6 = acceleration_shoulder_y + t5;
+    let t7 = cos_elbow * t6;
     let t8 = v[0] * v[0];
     let t9 = p.l1 * t8;
     let acceleration_shoulder_x = 9.81 * cos_shoulder;
@@ -500,13 +506,15 @@ pub fn forward_dynamics(
     u: &[f64; M],
     p: &Parameters,
 ) -> [f64; N] {
-    let t0 = v[0] * v[0];
-    let t1 = p.l1 * t0;
-    let (sin_shoulder, cos_shoulder) = y[0].sin_cos();
+    let ([sin_shoulder, sin_elbow], [cos_shoulder, cos_elbow]) = math::sin_cos_2(
+        y[0],
+        y[1],
+    );
+    let t4 = v[0] * v[0];
+    let t5 = p.l1 * t4;
     let acceleration_shoulder_x = 9.81 * cos_shoulder;
-    let t5 = acceleration_shoulder_x + t1;
-    let (sin_elbow, cos_elbow) = y[1].sin_cos();
-    let t8 = sin_elbow * t5;
+    let t7 = acceleration_shoulder_x + t5;
+    let t8 = sin_elbow * t7;
     let acceleration_shoulder_y = 9.81 * sin_shoulder;
     let t10 = cos_elbow * acceleration_shoulder_y;
     let acceleration_elbow_y = t8 + t10;
@@ -565,6 +573,663 @@ pub fn forward_dynamics(
     [t60, t63]
 }
 
+/// Mass matrix and bias forces at once.
+///
+/// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`
+///
+/// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
+/// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
+/// - `p`: free parameters
+/// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
+/// - returns `b: [N]`: k − gravity\_forces: what holds the accelerations at zero, without springs and friction
+///
+/// Cost: 31 multiplications, 12 additions, 0 divisions, 2 function calls (`sin_cos`).
+///
+/// What both have in common is computed once.
+#[must_use]
+pub fn mass_matrix_and_bias_forces(
+    y: &[f64; N],
+    v: &[f64; N],
+    p: &Parameters,
+) -> ([[f64; N]; N], [f64; N]) {
+    let ([sin_shoulder, sin_elbow], [cos_shoulder, cos_elbow]) = math::sin_cos_2(
+        y[0],
+        y[1],
+    );
+    let t4 = 0.5 * p.l2;
+    let t5 = p.m2 * t4;
+    let t6 = t5 * cos_elbow;
+    let t7 = p.l1 * t6;
+    let t8 = 2.0 * t7;
+    let t9 = t4 * t4;
+    let t10 = p.m2 * t9;
+    let t11 = p.l2 * p.l2;
+    let t12 = p.m2 * t11;
+    let t13 = 0.08333333333333333 * t12;
+    let t14 = t13 + t10;
+    let t15 = t14 + t8;
+    let t16 = p.l1 * 0.5;
+    let t17 = t16 * t16;
+    let t18 = p.m1 * t17;
+    let t19 = p.l1 * p.l1;
+    let t20 = p.m1 * t19;
+    let t21 = t20 * 0.08333333333333333;
+    let t22 = t21 + t18;
+    let t23 = t19 * p.m2;
+    let t24 = t22 + t23;
+    let t25 = t24 + t15;
+    let t26 = t14 + t7;
+    let t27 = v[0] * v[0];
+    let t28 = p.l1 * t27;
+    let acceleration_shoulder_x = 9.81 * cos_shoulder;
+    let t30 = acceleration_shoulder_x + t28;
+    let t31 = sin_elbow * t30;
+    let acceleration_shoulder_y = 9.81 * sin_shoulder;
+    let t33 = cos_elbow * acceleration_shoulder_y;
+    let acceleration_elbow_y = t31 + t33;
+    let moment_elbow_z = t5 * acceleration_elbow_y;
+    let omega_elbow_z = v[0] + v[1];
+    let t37 = omega_elbow_z * omega_elbow_z;
+    let force_elbow_x = t5 * t37;
+    let force_shoulder_y = sin_elbow * force_elbow_x;
+    let t40 = p.l1 * force_shoulder_y;
+    let t41 = moment_elbow_z - t40;
+    let t42 = p.m1 * t16;
+    let t43 = p.l1 * p.m2;
+    let t44 = t42 + t43;
+    let t45 = t44 * acceleration_shoulder_y;
+    let moment_shoulder_z = t45 + t41;
+    ([[t25, t26], [t26, t14]], [moment_shoulder_z, moment_elbow_z])
+}
+
+/// Inverse dynamics with its Jacobians.
+///
+/// `δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ`
+///
+/// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
+/// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
+/// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
+/// - `p`: free parameters
+/// - returns `B u: [N]`: the forces M ÿ + k − q, on the joint side
+/// - returns `∂/∂y: [N × N]`: row i = force i
+/// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
+///
+/// Cost: 53 multiplications, 23 additions, 0 divisions, 2 function calls (`sin_cos`).
+///
+/// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
+///
+/// Forward differentiation of the inverse dynamics was cheapest.
+#[must_use]
+pub fn inverse_dynamics_derivatives(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    p: &Parameters,
+) -> ([f64; N], [[f64; N]; N], [[f64; N]; N]) {
+    let ([sin_shoulder, sin_elbow], [cos_shoulder, cos_elbow]) = math::sin_cos_2(
+        y[0],
+        y[1],
+    );
+    let acceleration_shoulder_y = 9.81 * sin_shoulder;
+    let t5 = a[0] * p.l1;
+    let t6 = acceleration_shoulder_y + t5;
+    let t7 = cos_elbow * t6;
+    let t8 = v[0] * v[0];
+    let t9 = p.l1 * t8;
+    let acceleration_shoulder_x = 9.81 * cos_shoulder;
+    let t11 = acceleration_shoulder_x + t9;
+    let t12 = sin_elbow * t11;
+    let t13 = t12 + t7;
+    let t14 = 0.5 * p.l2;
+    let t15 = p.m2 * t14;
+    let t16 = t15 * t13;
+    let t17 = t14 * t14;
+    let t18 = p.m2 * t17;
+    let t19 = p.l2 * p.l2;
+    let t20 = p.m2 * t19;
+    let t21 = 0.08333333333333333 * t20;
+    let t22 = t21 + t18;
+    let t23 = a[0] + a[1];
+    let t24 = t22 * t23;
+    let t25 = t16 + t24;
+    let t26 = t15 * t23;
+    let t27 = cos_elbow * t26;
+    let omega_elbow_z = v[0] + v[1];
+    let t29 = omega_elbow_z * omega_elbow_z;
+    let force_elbow_x = t15 * t29;
+    let t31 = sin_elbow * force_elbow_x;
+    let t32 = t31 - t27;
+    let t33 = p.l1 * t32;
+    let t34 = t25 - t33;
+    let t35 = p.l1 * 0.5;
+    let t36 = t35 * t35;
+    let t37 = p.m1 * t36;
+    let t38 = p.l1 * p.l1;
+    let t39 = p.m1 * t38;
+    let t40 = t39 * 0.08333333333333333;
+    let t41 = t40 + t37;
+    let t42 = t38 * p.m2;
+    let t43 = t41 + t42;
+    let t44 = a[0] * t43;
+    let t45 = p.m1 * t35;
+    let t46 = p.l1 * p.m2;
+    let t47 = t45 + t46;
+    let t48 = t47 * acceleration_shoulder_y;
+    let t49 = t48 + t44;
+    let t50 = t49 + t34;
+    let t51 = v[0] * 0.05;
+    let t52 = t50 + t51;
+    let t53 = v[1] * 0.05;
+    let t54 = t25 + t53;
+    let t55 = cos_elbow * acceleration_shoulder_x;
+    let t56 = sin_elbow * acceleration_shoulder_y;
+    let t57 = t56 - t55;
+    let t58 = t15 * t57;
+    let t59 = t47 * acceleration_shoulder_x;
+    let t60 = t59 - t58;
+    let t61 = sin_elbow * t26;
+    let t62 = cos_elbow * force_elbow_x;
+    let t63 = t62 + t61;
+    let t64 = p.l1 * t63;
+    let t65 = sin_elbow * t6;
+    let t66 = cos_elbow * t11;
+    let t67 = t66 - t65;
+    let t68 = t15 * t67;
+    let t69 = t68 - t64;
+    let t70 = 2.0 * omega_elbow_z;
+    let t71 = t15 * t70;
+    let t72 = sin_elbow * t71;
+    let t73 = p.l1 * t72;
+    let t74 = v[0] * 2.0;
+    let t75 = p.l1 * t74;
+    let t76 = sin_elbow * t75;
+    let t77 = t15 * t76;
+    let t78 = t77 - t73;
+    let t79 = t78 + 0.05;
+    let t80 = -t58;
+    let t81 = -t73;
+    ([t52, t54], [[t60, t69], [t80, t68]], [[t79, t81], [t77, 0.05]])
+}
+
+/// Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.
+///
+/// `δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ`
+///
+/// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
+/// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
+/// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
+/// - `p`: free parameters
+/// - returns `B u: [N]`: the forces M ÿ + k − q, on the joint side
+/// - returns `∂/∂y: [N × N]`: row i = force i
+/// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
+/// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
+///
+/// Cost: 57 multiplications, 27 additions, 0 divisions, 2 function calls (`sin_cos`).
+///
+/// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
+///
+/// Forward differentiation of the inverse dynamics was cheapest.
+#[must_use]
+#[allow(
+    clippy::type_complexity,
+    reason = "blocks of fixed size need no type of their own"
+)]
+pub fn inverse_dynamics_derivatives_and_mass_matrix(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    p: &Parameters,
+) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
+    let ([sin_shoulder, sin_elbow], [cos_shoulder, cos_elbow]) = math::sin_cos_2(
+        y[0],
+        y[1],
+    );
+    let acceleration_shoulder_y = 9.81 * sin_shoulder;
+    let t5 = a[0] * p.l1;
+    let t6 = acceleration_shoulder_y + t5;
+    let t7 = cos_elbow * t6;
+    let t8 = v[0] * v[0];
+    let t9 = p.l1 * t8;
+    let acceleration_shoulder_x = 9.81 * cos_shoulder;
+    let t11 = acceleration_shoulder_x + t9;
+    let t12 = sin_elbow * t11;
+    let t13 = t12 + t7;
+    let t14 = 0.5 * p.l2;
+    let t15 = p.m2 * t14;
+    let t16 = t15 * t13;
+    let t17 = t14 * t14;
+    let t18 = p.m2 * t17;
+    let t19 = p.l2 * p.l2;
+    let t20 = p.m2 * t19;
+    let t21 = 0.08333333333333333 * t20;
+    let t22 = t21 + t18;
+    let t23 = a[0] + a[1];
+    let t24 = t22 * t23;
+    let t25 = t16 + t24;
+    let t26 = t15 * t23;
+    let t27 = cos_elbow * t26;
+    let omega_elbow_z = v[0] + v[1];
+    let t29 = omega_elbow_z * omega_elbow_z;
+    let force_elbow_x = t15 * t29;
+    let t31 = sin_elbow * force_elbow_x;
+    let t32 = t31 - t27;
+    let t33 = p.l1 * t32;
+    let t34 = t25 - t33;
+    let t35 = p.l1 * 0.5;
+    let t36 = t35 * t35;
+    let t37 = p.m1 * t36;
+    let t38 = p.l1 * p.l1;
+    let t39 = p.m1 * t38;
+    let t40 = t39 * 0.08333333333333333;
+    let t41 = t40 + t37;
+    let t42 = t38 * p.m2;
+    let t43 = t41 + t42;
+    let t44 = a[0] * t43;
+    let t45 = p.m1 * t35;
+    let t46 = p.l1 * p.m2;
+    let t47 = t45 + t46;
+    let t48 = t47 * acceleration_shoulder_y;
+    let t49 = t48 + t44;
+    let t50 = t49 + t34;
+    let t51 = v[0] * 0.05;
+    let t52 = t50 + t51;
+    let t53 = v[1] * 0.05;
+    let t54 = t25 + t53;
+    let t55 = cos_elbow * acceleration_shoulder_x;
+    let t56 = sin_elbow * acceleration_shoulder_y;
+    let t57 = t56 - t55;
+    let t58 = t15 * t57;
+    let t59 = t47 * acceleration_shoulder_x;
+    let t60 = t59 - t58;
+    let t61 = sin_elbow * t26;
+    let t62 = cos_elbow * force_elbow_x;
+    let t63 = t62 + t61;
+    let t64 = p.l1 * t63;
+    let t65 = sin_elbow * t6;
+    let t66 = cos_elbow * t11;
+    let t67 = t66 - t65;
+    let t68 = t15 * t67;
+    let t69 = t68 - t64;
+    let t70 = 2.0 * omega_elbow_z;
+    let t71 = t15 * t70;
+    let t72 = sin_elbow * t71;
+    let t73 = p.l1 * t72;
+    let t74 = v[0] * 2.0;
+    let t75 = p.l1 * t74;
+    let t76 = sin_elbow * t75;
+    let t77 = t15 * t76;
+    let t78 = t77 - t73;
+    let t79 = t78 + 0.05;
+    let t80 = p.l1 * cos_elbow;
+    let t81 = t15 * t80;
+    let t82 = t22 + t81;
+    let t83 = t15 * cos_elbow;
+    let t84 = p.l1 * t83;
+    let t85 = t82 + t84;
+    let t86 = t43 + t85;
+    let t87 = t22 + t84;
+    let t88 = -t58;
+    let t89 = -t73;
+    (
+        [t52, t54],
+        [[t60, t69], [t88, t68]],
+        [[t79, t89], [t77, 0.05]],
+        [[t86, t87], [t82, t22]],
+    )
+}
+
+/// Forward dynamics with its Jacobians.
+///
+/// `∂ÿ = −M⁻¹ ∂(M ÿ + k − q), ∂ÿ/∂(B u) = M⁻¹`
+///
+/// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
+/// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
+/// - `u: [M]`: inputs: `shoulder`, `elbow` in N m
+/// - `p`: free parameters
+/// - returns `ÿ: [N]`: accelerations
+/// - returns `∂ÿ/∂y: [N × N]`: row i = acceleration i
+/// - returns `∂ÿ/∂ẏ: [N × N]`: row i = acceleration i
+/// - returns `M⁻¹: [N × N]`: symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B
+///
+/// Cost: 77 multiplications, 37 additions, 2 divisions, 2 function calls (`sin_cos`).
+///
+/// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
+///
+/// Forward differentiation of the inverse dynamics was cheapest.
+#[must_use]
+#[allow(
+    clippy::type_complexity,
+    reason = "blocks of fixed size need no type of their own"
+)]
+pub fn forward_dynamics_derivatives(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    p: &Parameters,
+) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
+    let ([sin_shoulder, sin_elbow], [cos_shoulder, cos_elbow]) = math::sin_cos_2(
+        y[0],
+        y[1],
+    );
+    let t4 = v[0] * v[0];
+    let t5 = p.l1 * t4;
+    let acceleration_shoulder_x = 9.81 * cos_shoulder;
+    let t7 = acceleration_shoulder_x + t5;
+    let t8 = sin_elbow * t7;
+    let acceleration_shoulder_y = 9.81 * sin_shoulder;
+    let t10 = cos_elbow * acceleration_shoulder_y;
+    let acceleration_elbow_y = t8 + t10;
+    let t12 = 0.5 * p.l2;
+    let t13 = p.m2 * t12;
+    let moment_elbow_z = t13 * acceleration_elbow_y;
+    let omega_elbow_z = v[0] + v[1];
+    let t16 = omega_elbow_z * omega_elbow_z;
+    let force_elbow_x = t13 * t16;
+    let force_shoulder_y = sin_elbow * force_elbow_x;
+    let t19 = p.l1 * force_shoulder_y;
+    let t20 = moment_elbow_z - t19;
+    let t21 = p.l1 * 0.5;
+    let t22 = p.m1 * t21;
+    let t23 = p.l1 * p.m2;
+    let t24 = t22 + t23;
+    let t25 = t24 * acceleration_shoulder_y;
+    let moment_shoulder_z = t25 + t20;
+    let t27 = v[0] * 0.05;
+    let t28 = u[0] - t27;
+    let t29 = t28 - moment_shoulder_z;
+    let t30 = v[1] * 0.05;
+    let t31 = u[1] - t30;
+    let t32 = t31 - moment_elbow_z;
+    let t33 = t12 * t12;
+    let t34 = p.m2 * t33;
+    let t35 = p.l2 * p.l2;
+    let t36 = p.m2 * t35;
+    let t37 = 0.08333333333333333 * t36;
+    let t38 = t37 + t34;
+    let inverse_d_elbow = 1.0 / t38;
+    let t40 = t13 * cos_elbow;
+    let t41 = p.l1 * t40;
+    let t42 = t38 + t41;
+    let t43 = t42 * inverse_d_elbow;
+    let t44 = t43 * t32;
+    let t45 = t29 - t44;
+    let t46 = t42 * t43;
+    let t47 = 2.0 * t41;
+    let t48 = t38 + t47;
+    let t49 = t21 * t21;
+    let t50 = p.m1 * t49;
+    let t51 = p.l1 * p.l1;
+    let t52 = p.m1 * t51;
+    let t53 = t52 * 0.08333333333333333;
+    let t54 = t53 + t50;
+    let t55 = t51 * p.m2;
+    let t56 = t54 + t55;
+    let t57 = t56 + t48;
+    let t58 = t57 - t46;
+    let inverse_d_shoulder = 1.0 / t58;
+    let t60 = inverse_d_shoulder * t45;
+    let t61 = t43 * t60;
+    let t62 = inverse_d_elbow * t32;
+    let t63 = t62 - t61;
+    let t64 = cos_elbow * acceleration_shoulder_x;
+    let t65 = sin_elbow * acceleration_shoulder_y;
+    let t66 = t65 - t64;
+    let t67 = t13 * t66;
+    let t68 = t43 * t67;
+    let t69 = t24 * acceleration_shoulder_x;
+    let t70 = t69 - t67;
+    let t71 = t70 + t68;
+    let t72 = inverse_d_shoulder * t71;
+    let t73 = t60 + t63;
+    let t74 = t13 * t73;
+    let t75 = sin_elbow * t74;
+    let t76 = cos_elbow * force_elbow_x;
+    let t77 = t76 + t75;
+    let t78 = p.l1 * t77;
+    let t79 = p.l1 * t60;
+    let t80 = acceleration_shoulder_y + t79;
+    let t81 = sin_elbow * t80;
+    let t82 = cos_elbow * t7;
+    let t83 = t82 - t81;
+    let t84 = t13 * t83;
+    let t85 = t84 - t78;
+    let t86 = t43 * t84;
+    let t87 = t85 - t86;
+    let t88 = inverse_d_shoulder * t87;
+    let t89 = t43 * t72;
+    let t90 = inverse_d_elbow * t67;
+    let t91 = t90 + t89;
+    let t92 = t43 * t88;
+    let t93 = inverse_d_elbow * t84;
+    let t94 = t93 - t92;
+    let t95 = v[0] * 2.0;
+    let t96 = p.l1 * t95;
+    let t97 = sin_elbow * t96;
+    let t98 = t13 * t97;
+    let t99 = t43 * t98;
+    let t100 = 2.0 * omega_elbow_z;
+    let t101 = t13 * t100;
+    let t102 = sin_elbow * t101;
+    let t103 = p.l1 * t102;
+    let t104 = t98 - t103;
+    let t105 = 0.05 + t104;
+    let t106 = t105 - t99;
+    let t107 = inverse_d_shoulder * t106;
+    let t108 = t43 * 0.05;
+    let t109 = t103 + t108;
+    let t110 = inverse_d_shoulder * t109;
+    let t111 = t43 * t107;
+    let t112 = inverse_d_elbow * t98;
+    let t113 = t112 - t111;
+    let t114 = t43 * t110;
+    let t115 = inverse_d_elbow * 0.05;
+    let t116 = t115 + t114;
+    let t117 = t43 * inverse_d_shoulder;
+    let t118 = t43 * t117;
+    let t119 = inverse_d_elbow + t118;
+    let t120 = -t72;
+    let t121 = -t88;
+    let t122 = -t94;
+    let t123 = -t107;
+    let t124 = -t113;
+    let t125 = -t116;
+    let t126 = -t117;
+    (
+        [t60, t63],
+        [[t120, t121], [t91, t122]],
+        [[t123, t110], [t124, t125]],
+        [[inverse_d_shoulder, t126], [t126, t119]],
+    )
+}
+
+/// Linearization of the accelerations in continuous time.
+///
+/// `ÿ ≈ A_y y + A_v ẏ + B_x u + c; with x = (y, ẏ) the upper halves of A, B_x and c are [0 I], 0 and 0`
+///
+/// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
+/// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
+/// - `u: [M]`: inputs: `shoulder`, `elbow` in N m
+/// - `p`: free parameters
+/// - returns `A_y: [N × N]`: ∂ÿ/∂y, row i = acceleration i
+/// - returns `A_v: [N × N]`: ∂ÿ/∂ẏ, row i = acceleration i
+/// - returns `B_x: [N × M]`: ∂ÿ/∂u, row i = acceleration i
+/// - returns `c: [N]`: affine remainder ÿ − A\_y y − A\_v ẏ − B\_x u
+///
+/// Cost: 89 multiplications, 49 additions, 2 divisions, 2 function calls (`sin_cos`).
+///
+/// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
+///
+/// Forward differentiation of the inverse dynamics was cheapest.
+#[must_use]
+#[allow(
+    clippy::type_complexity,
+    reason = "blocks of fixed size need no type of their own"
+)]
+pub fn linearize(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    p: &Parameters,
+) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
+    let ([sin_shoulder, sin_elbow], [cos_shoulder, cos_elbow]) = math::sin_cos_2(
+        y[0],
+        y[1],
+    );
+    let t4 = 0.5 * p.l2;
+    let t5 = t4 * t4;
+    let t6 = p.m2 * t5;
+    let t7 = p.l2 * p.l2;
+    let t8 = p.m2 * t7;
+    let t9 = 0.08333333333333333 * t8;
+    let t10 = t9 + t6;
+    let inverse_d_elbow = 1.0 / t10;
+    let t12 = p.m2 * t4;
+    let t13 = t12 * cos_elbow;
+    let t14 = p.l1 * t13;
+    let t15 = t10 + t14;
+    let t16 = t15 * inverse_d_elbow;
+    let t17 = t15 * t16;
+    let t18 = 2.0 * t14;
+    let t19 = t10 + t18;
+    let t20 = p.l1 * 0.5;
+    let t21 = t20 * t20;
+    let t22 = p.m1 * t21;
+    let t23 = p.l1 * p.l1;
+    let t24 = p.m1 * t23;
+    let t25 = t24 * 0.08333333333333333;
+    let t26 = t25 + t22;
+    let t27 = t23 * p.m2;
+    let t28 = t26 + t27;
+    let t29 = t28 + t19;
+    let t30 = t29 - t17;
+    let inverse_d_shoulder = 1.0 / t30;
+    let acceleration_shoulder_x = 9.81 * cos_shoulder;
+    let t33 = cos_elbow * acceleration_shoulder_x;
+    let acceleration_shoulder_y = 9.81 * sin_shoulder;
+    let t35 = sin_elbow * acceleration_shoulder_y;
+    let t36 = t35 - t33;
+    let t37 = t12 * t36;
+    let t38 = t16 * t37;
+    let t39 = p.m1 * t20;
+    let t40 = p.l1 * p.m2;
+    let t41 = t39 + t40;
+    let t42 = t41 * acceleration_shoulder_x;
+    let t43 = t42 - t37;
+    let t44 = t43 + t38;
+    let t45 = inverse_d_shoulder * t44;
+    let t46 = v[0] * v[0];
+    let t47 = p.l1 * t46;
+    let t48 = acceleration_shoulder_x + t47;
+    let t49 = sin_elbow * t48;
+    let t50 = cos_elbow * acceleration_shoulder_y;
+    let acceleration_elbow_y = t49 + t50;
+    let moment_elbow_z = t12 * acceleration_elbow_y;
+    let omega_elbow_z = v[0] + v[1];
+    let t54 = omega_elbow_z * omega_elbow_z;
+    let force_elbow_x = t12 * t54;
+    let force_shoulder_y = sin_elbow * force_elbow_x;
+    let t57 = p.l1 * force_shoulder_y;
+    let t58 = moment_elbow_z - t57;
+    let t59 = t41 * acceleration_shoulder_y;
+    let moment_shoulder_z = t59 + t58;
+    let t61 = v[0] * 0.05;
+    let t62 = u[0] - t61;
+    let t63 = t62 - moment_shoulder_z;
+    let t64 = v[1] * 0.05;
+    let t65 = u[1] - t64;
+    let t66 = t65 - moment_elbow_z;
+    let t67 = t16 * t66;
+    let t68 = t63 - t67;
+    let t69 = inverse_d_shoulder * t68;
+    let t70 = t16 * t69;
+    let t71 = inverse_d_elbow * t66;
+    let t72 = t71 - t70;
+    let t73 = t69 + t72;
+    let t74 = t12 * t73;
+    let t75 = sin_elbow * t74;
+    let t76 = cos_elbow * force_elbow_x;
+    let t77 = t76 + t75;
+    let t78 = p.l1 * t77;
+    let t79 = p.l1 * t69;
+    let t80 = acceleration_shoulder_y + t79;
+    let t81 = sin_elbow * t80;
+    let t82 = cos_elbow * t48;
+    let t83 = t82 - t81;
+    let t84 = t12 * t83;
+    let t85 = t84 - t78;
+    let t86 = t16 * t84;
+    let t87 = t85 - t86;
+    let t88 = inverse_d_shoulder * t87;
+    let t89 = t16 * t45;
+    let t90 = inverse_d_elbow * t37;
+    let t91 = t90 + t89;
+    let t92 = t16 * t88;
+    let t93 = inverse_d_elbow * t84;
+    let t94 = t93 - t92;
+    let t95 = v[0] * 2.0;
+    let t96 = p.l1 * t95;
+    let t97 = sin_elbow * t96;
+    let t98 = t12 * t97;
+    let t99 = t16 * t98;
+    let t100 = 2.0 * omega_elbow_z;
+    let t101 = t12 * t100;
+    let t102 = sin_elbow * t101;
+    let t103 = p.l1 * t102;
+    let t104 = t98 - t103;
+    let t105 = 0.05 + t104;
+    let t106 = t105 - t99;
+    let t107 = inverse_d_shoulder * t106;
+    let t108 = t16 * 0.05;
+    let t109 = t103 + t108;
+    let t110 = inverse_d_shoulder * t109;
+    let t111 = t16 * t107;
+    let t112 = inverse_d_elbow * t98;
+    let t113 = t112 - t111;
+    let t114 = t16 * t110;
+    let t115 = inverse_d_elbow * 0.05;
+    let t116 = t115 + t114;
+    let t117 = t16 * inverse_d_shoulder;
+    let t118 = t16 * t117;
+    let t119 = inverse_d_elbow + t118;
+    let t120 = y[1] * t88;
+    let t121 = y[0] * t45;
+    let t122 = t121 + t120;
+    let t123 = v[1] * t110;
+    let t124 = v[0] * t107;
+    let t125 = t124 - t123;
+    let t126 = t122 + t125;
+    let t127 = u[1] * t117;
+    let t128 = u[0] * inverse_d_shoulder;
+    let t129 = t128 - t127;
+    let t130 = t126 - t129;
+    let t131 = t69 + t130;
+    let t132 = y[1] * t94;
+    let t133 = y[0] * t91;
+    let t134 = t133 - t132;
+    let t135 = v[1] * t116;
+    let t136 = v[0] * t113;
+    let t137 = t136 + t135;
+    let t138 = t134 - t137;
+    let t139 = u[1] * t119;
+    let t140 = u[0] * t117;
+    let t141 = t140 - t139;
+    let t142 = t138 - t141;
+    let t143 = t72 - t142;
+    let t144 = -t45;
+    let t145 = -t88;
+    let t146 = -t94;
+    let t147 = -t107;
+    let t148 = -t113;
+    let t149 = -t116;
+    let t150 = -t117;
+    (
+        [[t144, t145], [t91, t146]],
+        [[t147, t110], [t148, t149]],
+        [[inverse_d_shoulder, t150], [t150, t119]],
+        [t131, t143],
+    )
+}
+
 /// Kinetic energy, rotors included.
 ///
 /// `T = ½ ẏᵀ M ẏ`
@@ -574,44 +1239,44 @@ pub fn forward_dynamics(
 /// - `p`: free parameters
 /// - returns `T`: energy (J)
 ///
-/// Cost: 25 multiplications, 8 additions, 0 divisions, 1 function call.
+/// Cost: 25 multiplications, 8 additions, 0 divisions, 1 function call (`sin_cos`).
 #[inline]
 #[must_use]
 pub fn kinetic_energy(y: &[f64; N], v: &[f64; N], p: &Parameters) -> f64 {
-    let t0 = 0.5 * p.l2;
-    let t1 = t0 * t0;
-    let t2 = p.m2 * t1;
-    let t3 = p.l2 * p.l2;
+    let (_, cos_elbow) = math::sin_cos(y[1]);
+    let t2 = 0.5 * p.l2;
+    let t3 = t2 * t2;
     let t4 = p.m2 * t3;
-    let t5 = 0.08333333333333333 * t4;
-    let t6 = t5 + t2;
-    let t7 = v[0] + v[1];
-    let t8 = t6 * t7;
-    let t9 = v[0] * p.l1;
-    let cos_elbow = y[1].cos();
-    let acceleration_elbow_y = cos_elbow * t9;
-    let t12 = p.m2 * t0;
-    let t13 = t12 * acceleration_elbow_y;
-    let moment_elbow_z = t13 + t8;
-    let force_elbow_y = t12 * t7;
-    let t16 = cos_elbow * force_elbow_y;
-    let t17 = p.l1 * t16;
-    let t18 = moment_elbow_z + t17;
-    let t19 = p.l1 * 0.5;
-    let t20 = t19 * t19;
-    let t21 = p.m1 * t20;
-    let t22 = p.l1 * p.l1;
-    let t23 = p.m1 * t22;
-    let t24 = t23 * 0.08333333333333333;
-    let t25 = t24 + t21;
-    let t26 = t22 * p.m2;
-    let t27 = t25 + t26;
-    let t28 = v[0] * t27;
-    let moment_shoulder_z = t28 + t18;
-    let t30 = v[0] * moment_shoulder_z;
-    let t31 = v[1] * moment_elbow_z;
-    let t32 = t30 + t31;
-    0.5 * t32
+    let t5 = p.l2 * p.l2;
+    let t6 = p.m2 * t5;
+    let t7 = 0.08333333333333333 * t6;
+    let t8 = t7 + t4;
+    let t9 = v[0] + v[1];
+    let t10 = t8 * t9;
+    let t11 = v[0] * p.l1;
+    let acceleration_elbow_y = cos_elbow * t11;
+    let t13 = p.m2 * t2;
+    let t14 = t13 * acceleration_elbow_y;
+    let moment_elbow_z = t14 + t10;
+    let force_elbow_y = t13 * t9;
+    let t17 = cos_elbow * force_elbow_y;
+    let t18 = p.l1 * t17;
+    let t19 = moment_elbow_z + t18;
+    let t20 = p.l1 * 0.5;
+    let t21 = t20 * t20;
+    let t22 = p.m1 * t21;
+    let t23 = p.l1 * p.l1;
+    let t24 = p.m1 * t23;
+    let t25 = t24 * 0.08333333333333333;
+    let t26 = t25 + t22;
+    let t27 = t23 * p.m2;
+    let t28 = t26 + t27;
+    let t29 = v[0] * t28;
+    let moment_shoulder_z = t29 + t19;
+    let t31 = v[0] * moment_shoulder_z;
+    let t32 = v[1] * moment_elbow_z;
+    let t33 = t31 + t32;
+    0.5 * t33
 }
 
 /// Potential energy of gravity.
@@ -627,18 +1292,20 @@ pub fn kinetic_energy(y: &[f64; N], v: &[f64; N], p: &Parameters) -> f64 {
 #[inline]
 #[must_use]
 pub fn potential_energy(y: &[f64; N], p: &Parameters) -> f64 {
-    let t0 = 0.5 * p.l2;
-    let t1 = p.m2 * t0;
-    let (sin_elbow, cos_elbow) = y[1].sin_cos();
-    let t4 = t1 * cos_elbow;
-    let t5 = p.l1 * 0.5;
-    let t6 = p.m1 * t5;
-    let t7 = p.l1 * p.m2;
-    let t8 = t6 + t7;
-    let t9 = t8 + t4;
-    let (sin_shoulder, cos_shoulder) = y[0].sin_cos();
-    let t12 = cos_shoulder * t9;
-    let t13 = t1 * sin_elbow;
+    let ([sin_shoulder, sin_elbow], [cos_shoulder, cos_elbow]) = math::sin_cos_2(
+        y[0],
+        y[1],
+    );
+    let t4 = 0.5 * p.l2;
+    let t5 = p.m2 * t4;
+    let t6 = t5 * cos_elbow;
+    let t7 = p.l1 * 0.5;
+    let t8 = p.m1 * t7;
+    let t9 = p.l1 * p.m2;
+    let t10 = t8 + t9;
+    let t11 = t10 + t6;
+    let t12 = cos_shoulder * t11;
+    let t13 = t5 * sin_elbow;
     let t14 = sin_shoulder * t13;
     let t15 = t12 - t14;
     let t16 = 9.81 * t15;
@@ -659,11 +1326,13 @@ pub fn potential_energy(y: &[f64; N], p: &Parameters) -> f64 {
 #[must_use]
 pub fn frame_tip_pose(y: &[f64; N], p: &Parameters) -> ([f64; 3], [[f64; 3]; 3]) {
     let angle_shoulder_elbow = y[0] + y[1];
-    let (sin_shoulder_elbow, cos_shoulder_elbow) = angle_shoulder_elbow.sin_cos();
-    let t3 = p.l2 * sin_shoulder_elbow;
-    let (sin_shoulder, cos_shoulder) = y[0].sin_cos();
+    let ([sin_shoulder, sin_shoulder_elbow], [cos_shoulder, cos_shoulder_elbow]) = math::sin_cos_2(
+        y[0],
+        angle_shoulder_elbow,
+    );
+    let t5 = p.l2 * sin_shoulder_elbow;
     let origin_elbow_x = p.l1 * sin_shoulder;
-    let t7 = origin_elbow_x + t3;
+    let t7 = origin_elbow_x + t5;
     let t8 = p.l2 * cos_shoulder_elbow;
     let origin_elbow_z = p.l1 * cos_shoulder;
     let t10 = origin_elbow_z + t8;
@@ -693,11 +1362,13 @@ pub fn frame_tip_pose(y: &[f64; N], p: &Parameters) -> ([f64; 3], [[f64; 3]; 3])
 #[must_use]
 pub fn frame_tip_jacobian(y: &[f64; N], p: &Parameters) -> [[f64; N]; 6] {
     let angle_shoulder_elbow = y[0] + y[1];
-    let (sin_shoulder_elbow, cos_shoulder_elbow) = angle_shoulder_elbow.sin_cos();
-    let t3 = p.l2 * cos_shoulder_elbow;
-    let (sin_shoulder, cos_shoulder) = y[0].sin_cos();
+    let ([sin_shoulder, sin_shoulder_elbow], [cos_shoulder, cos_shoulder_elbow]) = math::sin_cos_2(
+        y[0],
+        angle_shoulder_elbow,
+    );
+    let t5 = p.l2 * cos_shoulder_elbow;
     let origin_elbow_z = p.l1 * cos_shoulder;
-    let t7 = origin_elbow_z + t3;
+    let t7 = origin_elbow_z + t5;
     let t8 = origin_elbow_z - t7;
     let t9 = p.l2 * sin_shoulder_elbow;
     let origin_elbow_x = p.l1 * sin_shoulder;
@@ -726,22 +1397,203 @@ pub fn frame_tip_jacobian_rate_times_velocity(
     v: &[f64; N],
     p: &Parameters,
 ) -> [f64; 6] {
-    let omega_elbow_z = v[0] + v[1];
-    let t1 = omega_elbow_z * omega_elbow_z;
-    let t2 = p.l2 * t1;
-    let t3 = v[0] * v[0];
-    let t4 = p.l1 * t3;
-    let (sin_elbow, cos_elbow) = y[1].sin_cos();
-    let acceleration_elbow_x = cos_elbow * t4;
-    let t8 = acceleration_elbow_x + t2;
     let angle_shoulder_elbow = y[0] + y[1];
-    let (sin_shoulder_elbow, cos_shoulder_elbow) = angle_shoulder_elbow.sin_cos();
-    let t12 = sin_shoulder_elbow * t8;
-    let acceleration_elbow_y = sin_elbow * t4;
+    let ([sin_elbow, sin_shoulder_elbow], [cos_elbow, cos_shoulder_elbow]) = math::sin_cos_2(
+        y[1],
+        angle_shoulder_elbow,
+    );
+    let omega_elbow_z = v[0] + v[1];
+    let t6 = omega_elbow_z * omega_elbow_z;
+    let t7 = p.l2 * t6;
+    let t8 = v[0] * v[0];
+    let t9 = p.l1 * t8;
+    let acceleration_elbow_x = cos_elbow * t9;
+    let t11 = acceleration_elbow_x + t7;
+    let t12 = sin_shoulder_elbow * t11;
+    let acceleration_elbow_y = sin_elbow * t9;
     let t14 = cos_shoulder_elbow * acceleration_elbow_y;
     let t15 = t12 - t14;
-    let t16 = cos_shoulder_elbow * t8;
+    let t16 = cos_shoulder_elbow * t11;
     let t17 = sin_shoulder_elbow * acceleration_elbow_y;
     let t18 = t16 + t17;
     [t15, 0.0, t18, 0.0, 0.0, 0.0]
+}
+
+/// Elementary functions that give the same bits on every platform.
+#[allow(
+    clippy::approx_constant,
+    clippy::excessive_precision,
+    reason = "coefficients and parts of π are not those constants"
+)]
+mod math {
+    // Sine and cosine in one pass, without branches below 1e5, tables or fused operations: the same bits on every platform.
+    //
+    // x = n π/2 + hi − low with |hi| ≤ π/4, π/2 in three parts (Cody and Waite, Software Manual for the Elementary
+    // Functions, 1980, ch. 8); beyond 1e5 by the bits of 2/π (Payne and Hanek, SIGNUM Newsletter 18, 1983). Then minimax
+    // polynomials (Remez exchange, minimax.py). Error below 0.9 ulp for every finite x (0.80 seen); NaN for NaN and ±∞;
+    // sin −0 = −0.
+
+    /// Largest angle of the fast path: `n π/2` is exact in the first two parts up to here.
+    const LARGEST_DIRECT_ANGLE: f64 = 1.0e5;
+
+    /// `(sin x, cos x)` with an error below 0.9 ulp each.
+    #[inline(always)]
+    pub fn sin_cos(x: f64) -> (f64, f64) {
+        if x.abs() <= LARGEST_DIRECT_ANGLE {
+            sin_cos_direct(x)
+        } else {
+            sin_cos_large(x)
+        }
+    }
+
+    /// `|x| ≤ 1e5`. The first difference is exact, the second one keeps its rounding error (Fast2Sum).
+    #[inline(always)]
+    fn sin_cos_direct(x: f64) -> (f64, f64) {
+        const HALF_PI: [f64; 3] = [
+            1.5707963267923333,
+            2.5633441515839558e-12,
+            1.0562999066987428e-23,
+        ];
+        const TWO_OVER_PI: f64 = core::f64::consts::FRAC_2_PI;
+        const TO_INTEGER: f64 = 6755399441055744.0; // 1.5 · 2^52: the sum's last bits are the nearest integer
+        let shifted = x * TWO_OVER_PI + TO_INTEGER;
+        let n = shifted - TO_INTEGER;
+        let first = x - n * HALF_PI[0];
+        let second = n * HALF_PI[1];
+        let hi = first - second;
+        let low = n * HALF_PI[2] - ((first - hi) - second);
+        sin_cos_quarter(hi, low, shifted.to_bits())
+    }
+
+    /// Sine and cosine of `hi − low + quadrant π/2`, where `|hi| ≤ π/4` and `low` is of the size of its rounding error.
+    #[inline(always)]
+    fn sin_cos_quarter(hi: f64, low: f64, quadrant: u64) -> (f64, f64) {
+        let z = hi * hi;
+        let z2 = z * z;
+        let z4 = z2 * z2;
+        let p = (0.16666666666666632 + z * -0.00833333333332249)
+            + (z2 * (0.00019841269829857792 + z * -2.7557313706995275e-6)
+                + z4 * (2.5050760238992093e-8 + z * -1.5896908978047454e-10));
+        let q = (0.0416666666666666 + z * -0.0013888888888874474)
+            + (z2 * (2.4801587289671523e-5 + z * -2.755731440102192e-7)
+                + z4 * (2.08757292794275e-9 + z * -1.1359934120766979e-11));
+        let half = 0.5 * z;
+        let w = 1.0 - half;
+        let sin = hi - (hi * z * p + low * w);
+        let cos = w + (((1.0 - w) - half) + (z2 * q + hi * low));
+        in_quadrant(sin, cos, quadrant)
+    }
+
+    /// Sine and cosine of an angle turned by `quadrant` quarters, from those of the angle; the last two bits count.
+    #[inline(always)]
+    fn in_quadrant(sin: f64, cos: f64, quadrant: u64) -> (f64, f64) {
+        let exchange = (sin.to_bits() ^ cos.to_bits()) & (quadrant & 1).wrapping_neg();
+        let sin_sign = (quadrant & 2) << 62;
+        let cos_sign = (quadrant.wrapping_add(1) & 2) << 62;
+        (
+            f64::from_bits(sin.to_bits() ^ exchange ^ sin_sign),
+            f64::from_bits(cos.to_bits() ^ exchange ^ cos_sign),
+        )
+    }
+
+    /// `|x| > 1e5`, or not a number: `x · 2/π` modulo 4 from the bits of 2/π that matter, in integers.
+    #[cold]
+    #[inline(never)]
+    fn sin_cos_large(x: f64) -> (f64, f64) {
+        // One zero word, then the first 1216 bits of 2/π.
+        const TWO_OVER_PI: [u64; 20] = [
+            0x0000000000000000,
+            0xa2f9836e4e441529,
+            0xfc2757d1f534ddc0,
+            0xdb6295993c439041,
+            0xfe5163abdebbc561,
+            0xb7246e3a424dd2e0,
+            0x06492eea09d1921c,
+            0xfe1deb1cb129a73e,
+            0xe88235f52ebb4484,
+            0xe99c7026b45f7e41,
+            0x3991d639835339f4,
+            0x9c845f8bbdf9283b,
+            0x1ff897ffde05980f,
+            0xef2f118b5a0a6d1f,
+            0x6d367ecf27cb09b7,
+            0x4f463f669e5fea2d,
+            0x7527bac7ebe5f17b,
+            0x3d0739f78a5292ea,
+            0x6bfb5fb11f8d5d08,
+            0x56033046fc7b6bab,
+        ];
+        const HALF_PI: u128 = 0xc90fdaa22168c235; // times 2^-63
+        if !x.is_finite() {
+            return (f64::NAN, f64::NAN);
+        }
+        // |x| = mantissa · 2^exponent; bits of 2/π before `start` give multiples of 4.
+        let exponent = (x.abs().to_bits() >> 52).wrapping_sub(1075);
+        let mantissa = u128::from(x.to_bits() & ((1 << 52) - 1) | 1 << 52);
+        let start = exponent.wrapping_add(62);
+        let word = |k: u64| {
+            TWO_OVER_PI
+                .get((start / 64 + k) as usize)
+                .copied()
+                .unwrap_or(0)
+        };
+        let bits = |k: u64| (u128::from(word(k)) << 64 | u128::from(word(k + 1))) << (start % 64) >> 64;
+        let low = mantissa * bits(2);
+        let middle = mantissa * bits(1) + (low >> 64);
+        let high = mantissa.wrapping_mul(bits(0)).wrapping_add(middle >> 64);
+        // x · 2/π = (turns modulo 4) / 2^126: two bits of quadrant, then the fraction, taken to [−1/2, 1/2).
+        let turns = high << 64 | middle & u128::from(u64::MAX);
+        let quadrant = ((turns >> 126) + (turns >> 125 & 1)) as u64;
+        let fraction = (turns << 2) as i128;
+        let zeros = fraction.unsigned_abs().leading_zeros();
+        let angle = (fraction.unsigned_abs().wrapping_shl(zeros) >> 64) * HALF_PI;
+        let scale = f64::from_bits(u64::from(896 - zeros) << 52); // 2^(−127 − zeros)
+        let hi = angle as f64;
+        let low = (hi as u128).wrapping_sub(angle) as i128 as f64;
+        let sign = if fraction < 0 { -scale } else { scale };
+        let (sin, cos) = sin_cos_quarter(hi * sign, low * sign, quadrant);
+        (if x < 0.0 { -sin } else { sin }, cos)
+    }
+
+    // Sine and cosine of several angles at once (after sin_cos.rs): the loop has no branch, so it becomes SIMD code.
+
+    /// `(sin xᵢ, cos xᵢ)`, the same bits as [`sin_cos`] of each.
+    #[inline(always)]
+    pub fn sin_cos_array<const L: usize>(x: [f64; L]) -> ([f64; L], [f64; L]) {
+        let (mut sin, mut cos, mut all_direct) = ([0.0; L], [0.0; L], true);
+        for i in 0..L {
+            (sin[i], cos[i]) = sin_cos_direct(x[i]);
+            all_direct &= x[i].abs() <= LARGEST_DIRECT_ANGLE;
+        }
+        if all_direct {
+            (sin, cos)
+        } else {
+            sin_cos_array_large(x)
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn sin_cos_array_large<const L: usize>(x: [f64; L]) -> ([f64; L], [f64; L]) {
+        let pairs = x.map(sin_cos);
+        (pairs.map(|pair| pair.0), pairs.map(|pair| pair.1))
+    }
+
+    // Sine and cosine of 2 angles that arrive in registers (after sin_cos_array.rs).
+    // Never inlined: among scalar code the compiler would undo the lanes.
+
+    /// Sines and cosines of 2 angles, the same bits as [`sin_cos`] of each.
+    #[inline(never)]
+    pub fn sin_cos_2(a: f64, b: f64) -> ([f64; 2], [f64; 2]) {
+        sin_cos_array([a, b])
+    }
+
+    // Sine and cosine of 4 angles that arrive in registers (after sin_cos_array.rs).
+    // Never inlined: among scalar code the compiler would undo the lanes.
+
+    /// Sines and cosines of 4 angles, the same bits as [`sin_cos`] of each.
+    #[inline(never)]
+    pub fn sin_cos_4(a: f64, b: f64, c: f64, d: f64) -> ([f64; 4], [f64; 4]) {
+        sin_cos_array([a, b, c, d])
+    }
 }

@@ -1,6 +1,7 @@
 //! The robots of `models/` as generated Rust: plain functions on fixed-size arrays.
 //!
 //! `gelenk generate` writes this crate; `gelenk check` tells whether it is fresh.
+#![no_std]
 
 /// The robot `cart_pole`.
 #[rustfmt::skip]

@@ -109,6 +109,9 @@ pub(super) struct Choices {
     /// Make mimic joints independent coordinates
     #[arg(long)]
     pub(super) ignore_mimic: bool,
+    /// Functions that are also written over eight states at once, separated by commas
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub(super) lanes: Vec<String>,
     /// Contract products and sums to fused multiply-adds; the module then compiles only for processors that have them
     #[arg(long)]
     pub(super) fused_multiply_add: bool,

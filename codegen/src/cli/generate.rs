@@ -254,6 +254,7 @@ fn options(choices: &Choices, command: String) -> GenerateOptions {
         emit: EmitOptions {
             scalar: choices.scalar.into(),
             command,
+            lanes: choices.lanes.clone(),
             ..EmitOptions::default()
         },
     }
@@ -279,6 +280,9 @@ pub(super) fn command(
             "--functions {}",
             quoted(&choices.functions.join(","))
         ));
+    }
+    if !choices.lanes.is_empty() {
+        words.push(format!("--lanes {}", quoted(&choices.lanes.join(","))));
     }
     if choices.scalar == ScalarName::F32 {
         words.push("--scalar f32".to_owned());
@@ -403,6 +407,7 @@ mod tests {
             snap_angles: Some(1e-4),
             no_friction: true,
             ignore_mimic: false,
+            lanes: vec![],
             fused_multiply_add: false,
         };
         let command = command(

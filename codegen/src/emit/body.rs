@@ -104,7 +104,17 @@ impl<'a> Body<'a> {
 
     /// The statements of a run of instructions.
     pub(super) fn statements(&self, range: Range<usize>) -> Vec<TokenStream> {
-        let made: Vec<usize> = range.filter(|&index| self.flow.is_made(index)).collect();
+        self.statements_among(range, |_| true)
+    }
+
+    /// Those statements of a run whose instructions are wanted.
+    pub(super) fn statements_among(
+        &self,
+        mut range: Range<usize>,
+        is_wanted: impl Fn(usize) -> bool,
+    ) -> Vec<TokenStream> {
+        let is_made = |index: &usize| self.flow.is_made(*index) && is_wanted(*index);
+        let made: Vec<usize> = range.by_ref().filter(is_made).collect();
         let mut statements = Vec::with_capacity(made.len());
         let mut rest = made.as_slice();
         while let Some((&first, others)) = rest.split_first() {
@@ -281,6 +291,43 @@ impl<'a> Body<'a> {
         }
     }
 
+    /// An operand where inputs are arrays of lanes.
+    pub(super) fn operand_in_lane(&self, operand: Operand) -> TokenStream {
+        let value = self.operand(operand);
+        match operand {
+            Operand::Input(..) => quote!(#value.0[lane]),
+            _ => value,
+        }
+    }
+
+    /// Statements of sums, differences and the like where inputs are arrays of lanes.
+    pub(super) fn statements_in_lane(
+        &self,
+        instructions: impl Iterator<Item = usize>,
+    ) -> Vec<TokenStream> {
+        let made = instructions.filter_map(|index| {
+            let lane = |operand| self.operand_in_lane(operand);
+            let value = match self.program.instructions[index].operation {
+                Operation::Add(a, b) => binary(lane(a), quote!(+), lane(b)),
+                Operation::Subtract(a, b) => binary(lane(a), quote!(-), lane(b)),
+                Operation::Multiply(a, b) => binary(lane(a), quote!(*), lane(b)),
+                Operation::Divide(a, b) => binary(lane(a), quote!(/), lane(b)),
+                Operation::Negate(a) => {
+                    let a = lane(a);
+                    quote!(-#a)
+                }
+                Operation::MultiplyAdd(a, b, c) => {
+                    let (a, b, c) = (lane(a), lane(b), lane(c));
+                    quote!(#a.mul_add(#b, #c))
+                }
+                _ => return None,
+            };
+            let name = &self.names[index];
+            Some(quote!(let #name = #value;))
+        });
+        made.collect()
+    }
+
     /// An operand that a method is called on.
     fn receiver(&self, operand: Operand) -> TokenStream {
         match operand {
@@ -317,6 +364,10 @@ impl<'a> Body<'a> {
             }
         }
     }
+}
+
+fn binary(a: TokenStream, operator: TokenStream, b: TokenStream) -> TokenStream {
+    quote!(#a #operator #b)
 }
 
 fn or_nothing(name: Option<&Ident>) -> TokenStream {

@@ -6,7 +6,7 @@ use quote::{format_ident, quote};
 use super::body::Body;
 use super::doc_comment::{DocComment, code};
 use super::split::{self, Part};
-use super::{Context, into, lints};
+use super::{Context, into, lanes, lints};
 use crate::dynamics::function::Function;
 use crate::model::{JointKind, Model};
 use crate::program::{Operation, Shape, cost};
@@ -22,7 +22,12 @@ pub(super) fn items(context: &Context<'_>, function: &Function, name: &Ident) ->
         body.stop_storing();
     }
     let signature = Signature::new(context, &body, function);
+    let lanes = match parts.len() == 1 && context.options.lanes.contains(&function.name) {
+        true => lanes::Split::new(context, &body),
+        false => None,
+    };
     let statements = match (parts.len(), body.results.is_empty()) {
+        _ if let Some(split) = &lanes => lanes::scalar_statements(context, &body, name, split),
         (1, true) => plain_body(&body),
         (1, false) => storing_body(&body),
         _ => calls(context, &body, name, &parts),
@@ -45,6 +50,9 @@ pub(super) fn items(context: &Context<'_>, function: &Function, name: &Ident) ->
             into::item(&body, name, &signature, &statements),
         ]
     };
+    if let Some(split) = &lanes {
+        items.extend(lanes::items(context, &body, name, &signature, split));
+    }
     if parts.len() > 1 {
         items.extend(
             parts
@@ -226,11 +234,15 @@ fn unused(context: &Context<'_>, body: &Body<'_>, parts: &[Part]) -> Vec<TokenSt
 /// Arguments and result of a function as text.
 pub(super) struct Signature {
     pub(super) arguments: Vec<TokenStream>,
-    result: TokenStream,
+    pub(super) result: TokenStream,
+    /// Length of each input array.
+    pub(super) lengths: Vec<TokenStream>,
+    /// Lengths of each result, rows first.
+    pub(super) shapes: Vec<Vec<TokenStream>>,
     /// Type of each result.
     pub(super) results: Vec<TokenStream>,
     /// How many dimensions each result has.
-    dimensions: Vec<usize>,
+    pub(super) dimensions: Vec<usize>,
 }
 
 impl Signature {
@@ -264,6 +276,19 @@ impl Signature {
         };
         Self {
             arguments: inputs.chain(parameters).collect(),
+            lengths: body
+                .program
+                .inputs
+                .iter()
+                .map(|input| sizes.input(&input.name, input.len).tokens())
+                .collect(),
+            shapes: body
+                .program
+                .outputs
+                .iter()
+                .map(|output| sizes.result(&output.name, output.shape))
+                .map(|sizes| sizes.into_iter().map(Size::tokens).collect())
+                .collect(),
             result,
             results,
             dimensions: body

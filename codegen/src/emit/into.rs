@@ -85,7 +85,7 @@ pub(super) fn item(
 ) -> TokenStream {
     let into = into_name(name);
     let documentation = DocComment::new(&format!(
-        "[`{name}`] with its results written in place; nothing of what stood there is read."
+        "`{name}` with its results written in place; nothing of what stood there is read."
     ));
     let documentation = documentation.tokens();
     let arguments = &signature.arguments;
@@ -135,6 +135,22 @@ pub(super) fn returning(context: &Context<'_>, body: &Body<'_>, name: &Ident) ->
         #(let mut #results = #zeros;)*
         #into(#(#arguments,)* #parameters #(&mut #results),*);
         #value
+    }
+}
+
+/// Zeros of a shape.
+pub(super) fn zeros(shape: Shape, zero: &TokenStream) -> TokenStream {
+    let literal = Literal::usize_unsuffixed;
+    match shape {
+        Shape::Scalar => zero.clone(),
+        Shape::Vector(len) => {
+            let len = literal(len);
+            quote!([#zero; #len])
+        }
+        Shape::Matrix(rows, columns) => {
+            let (rows, columns) = (literal(rows), literal(columns));
+            quote!([[#zero; #columns]; #rows])
+        }
     }
 }
 
