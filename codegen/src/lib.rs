@@ -11,6 +11,8 @@
 
 #[cfg(feature = "cli")]
 pub mod cli;
+#[cfg(feature = "symbolica")]
+pub mod closed_form;
 pub mod diagnostic;
 pub mod dynamics;
 pub mod emit;

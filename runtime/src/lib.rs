@@ -1,3 +1,6 @@
 //! Control and identification of generated robots.
 
 pub mod dynamics;
+pub mod identification;
+pub mod lqr;
+pub mod qp;

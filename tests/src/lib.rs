@@ -1,4 +1,9 @@
-//! What the tests that cross crates share: reference data and evaluation of derived functions.
+//! What the tests that cross crates share: reference data, random robots, an independent derivation of their equations,
+//! and evaluation of derived functions.
+
+pub mod dual;
+pub mod oracle;
+pub mod random_model;
 
 use std::path::{Path, PathBuf};
 
@@ -6,6 +11,9 @@ use gelenk_codegen::dynamics::function::Function;
 use gelenk_codegen::model::Model;
 use gelenk_codegen::pipeline::{GenerateOptions, Generated, generate};
 use gelenk_codegen::program::interpret::{Functions, interpret};
+
+/// The functions that emitted modules call.
+pub const FUNCTIONS: Functions = Functions::EMBEDDED;
 
 /// The root of the workspace.
 pub fn workspace() -> PathBuf {
@@ -72,13 +80,14 @@ impl Robot {
             .iter()
             .map(|parameter| parameter.default)
             .collect();
-        interpret(
-            &self.function(name).program,
-            inputs,
-            &parameters,
-            &Functions::EMBEDDED,
-        )
-        .unwrap_or_else(|problem| panic!("{name}: {problem}"))
+        self.call_with(name, inputs, &parameters)
+    }
+
+    /// As [`Self::call`], with values of the free parameters.
+    pub fn call_with(&self, name: &str, inputs: &[&[f64]], parameters: &[f64]) -> Vec<Vec<f64>> {
+        let program = &self.function(name).program;
+        interpret(program, inputs, parameters, &FUNCTIONS)
+            .unwrap_or_else(|problem| panic!("{name}: {problem}"))
     }
 
     /// The first result of a function.

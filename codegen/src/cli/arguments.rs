@@ -37,7 +37,8 @@ const INSPECT_EXAMPLES: &str = "\
 Examples:
   gelenk inspect model arm.urdf
   gelenk inspect counts models/ur5.toml --format json
-  gelenk inspect program models/powercube.toml --functions mass_matrix --latex";
+  gelenk inspect program models/powercube.toml --functions mass_matrix --latex
+  gelenk inspect --closed-form models/powercube.toml";
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
@@ -75,18 +76,23 @@ pub(super) struct Check {
 }
 
 #[derive(Debug, Args)]
+#[command(allow_missing_positional = true)]
 pub(super) struct Inspect {
-    /// What to show
-    #[arg(value_enum)]
-    pub(super) what: Stage,
+    /// What to show; not needed with --closed-form
+    #[arg(value_enum, required_unless_present = "closed_form")]
+    pub(super) what: Option<Stage>,
     /// TOML or URDF
     pub(super) description: PathBuf,
-    /// As LaTeX (program only)
+    /// As LaTeX (program and closed forms only)
     #[arg(long)]
     pub(super) latex: bool,
-    /// Closed forms of M, k, q and B with symbolic parameters; needs the feature `symbolica`
-    #[arg(long)]
+    /// Closed forms of M, k, q and B with symbolic parameters, for up to three joints; needs a build with the feature
+    /// `symbolica`, and for commercial use a licence of Symbolica
+    #[arg(long, conflicts_with_all = ["what", "functions", "scalar"])]
     pub(super) closed_form: bool,
+    /// Write the closed forms to this file instead of standard output
+    #[arg(long, short, value_name = "FILE", requires = "closed_form")]
+    pub(super) output: Option<PathBuf>,
     #[command(flatten)]
     pub(super) choices: Choices,
 }

@@ -15,12 +15,12 @@ use crate::program::display::{self, Notation};
 
 /// Shows one stage of a description's way.
 pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, Failure> {
-    if arguments.closed_form {
-        return Err(closed_form());
-    }
-    if arguments.latex && arguments.what != Stage::Program {
+    let Some(what) = arguments.what else {
+        return closed_form(arguments, format);
+    };
+    if arguments.latex && what != Stage::Program {
         return Err(Failure::Usage(
-            "--latex goes with `inspect program`".to_owned(),
+            "--latex goes with `inspect program` or --closed-form".to_owned(),
         ));
     }
     let workspace = Workspace::find();
@@ -33,34 +33,38 @@ pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, F
     let robot = generate::derive(&arguments.description, &arguments.choices, command)?;
     generate::say_notes(&robot, format);
     match format {
-        Format::Json => print::json(&as_json(&robot, arguments)),
-        Format::Text => print::out(&as_text(&robot, arguments)).map(|()| ExitCode::SUCCESS),
+        Format::Json => print::json(&as_json(&robot, what, arguments.latex)),
+        Format::Text => {
+            print::out(&as_text(&robot, what, arguments.latex)).map(|()| ExitCode::SUCCESS)
+        }
     }
 }
 
-/// Closed forms are Symbolica's work, which this build leaves out.
-fn closed_form() -> Failure {
-    Failure::Problem(
-        "closed forms need the feature `symbolica`, which is off in this build\n  \
-         = help: cargo run --release --features symbolica -- inspect program DESCRIPTION --closed-form\n  \
-         = help: Symbolica is source-available; commercial use needs a licence of your own\n  \
-         = help: without it, `gelenk inspect program DESCRIPTION` shows the equations with their abbreviations"
-            .to_owned(),
-    )
+#[cfg(feature = "symbolica")]
+fn closed_form(arguments: &Inspect, format: Format) -> Result<ExitCode, Failure> {
+    super::closed_form::inspect(arguments, format)
 }
 
-fn as_text(robot: &Generated, arguments: &Inspect) -> String {
+/// Closed forms are Symbolica's work, which this build leaves out.
+#[cfg(not(feature = "symbolica"))]
+fn closed_form(_: &Inspect, _: Format) -> Result<ExitCode, Failure> {
+    Err(Failure::Usage(
+        "closed forms need a build of gelenk with `--features symbolica`, which is off in this one. Symbolica is \
+         source-available: commercial use needs a licence of your own, from https://symbolica.io\n  \
+         = help: cargo run --release --features symbolica -- inspect --closed-form DESCRIPTION\n  \
+         = help: without it, `gelenk inspect program DESCRIPTION` shows the equations with their abbreviations"
+            .to_owned(),
+    ))
+}
+
+fn as_text(robot: &Generated, what: Stage, latex: bool) -> String {
     let notation = notation(&robot.model);
-    match arguments.what {
+    match what {
         Stage::Model => model_text(&robot.model),
         Stage::Counts => print::counts_table(&robot.functions),
         Stage::Source => robot.source.text.clone(),
         Stage::Program => {
-            let show = if arguments.latex {
-                display::latex
-            } else {
-                display::text
-            };
+            let show = if latex { display::latex } else { display::text };
             let programs = robot
                 .functions
                 .iter()
@@ -85,18 +89,14 @@ fn titled(function: &Function, program: &str) -> String {
     format!("{}\n{program}", title.trim_end_matches([':', ' ']))
 }
 
-fn as_json(robot: &Generated, arguments: &Inspect) -> Value {
+fn as_json(robot: &Generated, what: Stage, latex: bool) -> Value {
     let notation = notation(&robot.model);
-    match arguments.what {
+    match what {
         Stage::Model => model_json(&robot.model),
         Stage::Counts => print::counts(&robot.functions),
         Stage::Source => json!({ "name": robot.source.name, "text": robot.source.text }),
         Stage::Program => {
-            let show = if arguments.latex {
-                display::latex
-            } else {
-                display::text
-            };
+            let show = if latex { display::latex } else { display::text };
             let entry = |function: &Function| json!({ "function": function.name, "program": show(&function.program, &notation) });
             robot.functions.iter().map(entry).collect()
         }

@@ -1,6 +1,8 @@
 //! The program `gelenk`.
 
 mod arguments;
+#[cfg(feature = "symbolica")]
+mod closed_form;
 mod generate;
 mod inspect;
 mod place;

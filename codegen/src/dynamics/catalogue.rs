@@ -284,11 +284,8 @@ pub const QUANTITIES: &[Quantity] = &[
         ],
         notes: &["What both have in common is computed once."],
         build: |equations, arguments| {
-            let (y, v) = (&arguments.y, &arguments.v);
-            vec![
-                matrix(equations.mass_matrix(y)),
-                vector(equations.bias_forces(y, v)),
-            ]
+            let (mass, bias) = equations.mass_matrix_and_bias(&arguments.y, &arguments.v);
+            vec![matrix(mass), vector(bias)]
         },
     },
     Quantity {
@@ -502,7 +499,7 @@ pub fn derive(model: &Model, selection: &[String]) -> Result<Vec<Function>, Diag
             name.starts_with("frame_") && selection.iter().any(|selected| selected == "frames");
         selection.is_empty() || frames || selection.iter().any(|selected| selected == name)
     };
-    let formulations = Formulations::search(model);
+    let formulations = Formulations::new(model);
     let mut functions = Vec::new();
     for quantity in QUANTITIES
         .iter()
@@ -539,7 +536,11 @@ fn check_names(model: &Model, selection: &[String]) -> Result<(), Diagnostics> {
     }
 }
 
-fn derive_quantity(model: &Model, formulations: &Formulations, quantity: &Quantity) -> Function {
+fn derive_quantity(
+    model: &Model,
+    formulations: &Formulations<'_>,
+    quantity: &Quantity,
+) -> Function {
     let mut notes: Vec<String> = quantity.notes.iter().map(|&note| note.to_owned()).collect();
     if quantity.arguments.contains(&Velocities)
         && quantity.name.ends_with("friction_torques")
@@ -551,7 +552,7 @@ fn derive_quantity(model: &Model, formulations: &Formulations, quantity: &Quanti
         );
     }
     if quantity.notes == DERIVATIVE_NOTES {
-        notes.push(formulations.derivatives.description().to_owned());
+        notes.push(formulations.derivatives().description().to_owned());
     }
     assemble(
         model,
@@ -570,7 +571,7 @@ fn derive_quantity(model: &Model, formulations: &Formulations, quantity: &Quanti
 
 fn derive_frame(
     model: &Model,
-    formulations: &Formulations,
+    formulations: &Formulations<'_>,
     frame: &Frame,
     quantity: &FrameQuantity,
 ) -> Function {
@@ -596,7 +597,7 @@ fn derive_frame(
 /// Builds the graph of a function and lowers it.
 fn assemble(
     model: &Model,
-    formulations: &Formulations,
+    formulations: &Formulations<'_>,
     arguments: &[Argument],
     results: &[(&str, &str)],
     build: impl for<'g> FnOnce(&Equations<'_, 'g>, &Arguments<'g>) -> Vec<Value<'g>>,

@@ -1,5 +1,7 @@
 //! The equations of motion of one robot over a graph: every quantity once, from the cheapest formulation.
 
+use std::cell::OnceCell;
+
 use super::composite;
 use super::derivatives::{ForceDerivatives, PairFrame, inverse_dynamics_derivatives};
 use super::factorization::Factorization;
@@ -14,19 +16,18 @@ use crate::model::Model;
 /// A matrix over the graph, rows first.
 pub type Matrix<'g> = Vec<Vec<Scalar<'g>>>;
 
-/// The cheapest formulations of a model, found once and used by every function.
-#[derive(Debug, Clone)]
-pub struct Formulations {
-    /// Of the inverse dynamics.
-    pub inverse_dynamics: Formulation,
-    /// Of the bias forces: without accelerations.
-    pub bias_forces: Formulation,
-    /// Of the mass matrix.
-    pub mass_matrix: Formulation,
-    /// Of gravity alone.
-    pub gravity_forces: Formulation,
-    /// Of the derivatives of the inverse dynamics.
-    pub derivatives: DerivativeRoute,
+/// The cheapest formulations of a model, each searched for when it is first needed.
+#[derive(Debug)]
+pub struct Formulations<'m> {
+    model: &'m Model,
+    space: SearchSpace,
+    inverse_dynamics: OnceCell<Formulation>,
+    bias_forces: OnceCell<Formulation>,
+    gravity_forces: OnceCell<Formulation>,
+    mass_matrix: OnceCell<Formulation>,
+    derivatives: OnceCell<DerivativeRoute>,
+    mass_and_bias: OnceCell<(Formulation, Formulation)>,
+    beside_derivatives: OnceCell<(Formulation, Formulation)>,
 }
 
 /// How the inverse dynamics are differentiated.
@@ -38,37 +39,126 @@ pub enum DerivativeRoute {
     Composite(Formulation, PairFrame),
 }
 
-impl Formulations {
-    /// Searches for them.
-    pub fn search(model: &Model) -> Self {
-        let space = SearchSpace::new(model);
-        let inverse_dynamics = cheapest(&space, |formulation| {
-            recursion(model, formulation, Moving::Accelerated)
-        });
-        let derivatives = Self::cheapest_derivatives(model, &space, &inverse_dynamics);
+impl<'m> Formulations<'m> {
+    /// Of a model; nothing is searched for yet.
+    pub fn new(model: &'m Model) -> Self {
         Self {
-            inverse_dynamics,
-            bias_forces: cheapest(&space, |formulation| {
-                recursion(model, formulation, Moving::Steadily)
-            }),
-            gravity_forces: cheapest(&space, |formulation| {
-                recursion(model, formulation, Moving::Not)
-            }),
-            mass_matrix: cheapest(&space, |formulation| {
-                weigh(model, |graph, input| {
-                    let mechanism = formulation.mechanism(graph, model);
-                    composite::mass_matrix(&mechanism, formulation, input.y).concat()
-                })
-            }),
-            derivatives,
+            model,
+            space: SearchSpace::new(model),
+            inverse_dynamics: OnceCell::new(),
+            bias_forces: OnceCell::new(),
+            gravity_forces: OnceCell::new(),
+            mass_matrix: OnceCell::new(),
+            derivatives: OnceCell::new(),
+            mass_and_bias: OnceCell::new(),
+            beside_derivatives: OnceCell::new(),
         }
     }
 
-    fn cheapest_derivatives(
-        model: &Model,
-        space: &SearchSpace,
-        inverse: &Formulation,
-    ) -> DerivativeRoute {
+    /// Of the inverse dynamics.
+    pub fn inverse_dynamics(&self) -> &Formulation {
+        self.inverse_dynamics
+            .get_or_init(|| self.recursive(Moving::Accelerated))
+    }
+
+    /// Of the bias forces: without accelerations.
+    pub fn bias_forces(&self) -> &Formulation {
+        self.bias_forces
+            .get_or_init(|| self.recursive(Moving::Steadily))
+    }
+
+    /// Of gravity alone.
+    pub fn gravity_forces(&self) -> &Formulation {
+        self.gravity_forces
+            .get_or_init(|| self.recursive(Moving::Not))
+    }
+
+    fn recursive(&self, moving: Moving) -> Formulation {
+        cheapest(&self.space, |formulation| {
+            recursion(self.model, formulation, moving)
+        })
+    }
+
+    /// Of the mass matrix.
+    pub fn mass_matrix(&self) -> &Formulation {
+        self.mass_matrix.get_or_init(|| {
+            cheapest(&self.space, |formulation| {
+                weigh(self.model, |graph, input| {
+                    let mechanism = formulation.mechanism(graph, self.model);
+                    composite::mass_matrix(&mechanism, formulation, input.y).concat()
+                })
+            })
+        })
+    }
+
+    /// Of M and the bias forces where both are needed: what they share is computed once.
+    pub fn mass_and_bias(&self) -> &(Formulation, Formulation) {
+        self.mass_and_bias.get_or_init(|| {
+            self.cheapest_pair(&[self.mass_matrix(), self.bias_forces()], |_, _| Vec::new())
+        })
+    }
+
+    /// Of M and the bias forces beside the derivatives of the inverse dynamics.
+    pub fn mass_and_bias_beside_derivatives(&self) -> &(Formulation, Formulation) {
+        self.beside_derivatives.get_or_init(|| {
+            let mut candidates = vec![self.mass_matrix(), self.bias_forces()];
+            if let DerivativeRoute::Composite(formulation, _) = self.derivatives() {
+                candidates.push(formulation);
+            }
+            if self.model.coordinates.len() > LARGEST_SEARCHED {
+                return (self.mass_matrix().clone(), self.bias_forces().clone());
+            }
+            self.cheapest_pair(&candidates, |graph, input| {
+                let result =
+                    self.derivatives()
+                        .derive(graph, self.model, self.inverse_dynamics(), input);
+                [
+                    result.by_coordinates.concat(),
+                    result.by_velocities.concat(),
+                ]
+                .concat()
+            })
+        })
+    }
+
+    /// The pair of formulations of M and the bias forces that costs least beside other results.
+    fn cheapest_pair(
+        &self,
+        candidates: &[&Formulation],
+        beside: impl for<'g> Fn(&'g Graph, MotionInput<'_, 'g>) -> Vec<Scalar<'g>>,
+    ) -> (Formulation, Formulation) {
+        let weight = |mass: &Formulation, bias: &Formulation| {
+            let (weight, _) = weigh(self.model, |graph, input| {
+                let still = vec![graph.constant(0.0); input.y.len()];
+                let matrix =
+                    composite::mass_matrix(&mass.mechanism(graph, self.model), mass, input.y);
+                let steady = MotionInput { a: &still, ..input };
+                let forces = newton_euler::inverse_dynamics(
+                    &bias.mechanism(graph, self.model),
+                    bias,
+                    steady,
+                );
+                [matrix.concat(), forces, beside(graph, input)].concat()
+            });
+            weight
+        };
+        let pairs = candidates
+            .iter()
+            .flat_map(|mass| candidates.iter().map(move |bias| (*mass, *bias)));
+        let best = pairs.min_by_key(|(mass, bias)| weight(mass, bias));
+        best.map_or_else(
+            || (self.mass_matrix().clone(), self.bias_forces().clone()),
+            |(mass, bias)| (mass.clone(), bias.clone()),
+        )
+    }
+
+    /// Of the derivatives of the inverse dynamics.
+    pub fn derivatives(&self) -> &DerivativeRoute {
+        self.derivatives.get_or_init(|| self.cheapest_derivatives())
+    }
+
+    fn cheapest_derivatives(&self) -> DerivativeRoute {
+        let (model, inverse) = (self.model, self.inverse_dynamics());
         let weight = |route: &DerivativeRoute| {
             weigh(model, |graph, input| {
                 let result = route.derive(graph, model, inverse, input);
@@ -83,14 +173,16 @@ impl Formulations {
         let composite = |formulation: &Formulation, pairs| {
             DerivativeRoute::Composite(formulation.clone(), pairs)
         };
-        let links = cheapest(space, |formulation| {
-            weight(&composite(formulation, PairFrame::Links))
-        });
         let mut routes = vec![
-            composite(&links, PairFrame::Links),
             composite(&inverse.massless(), PairFrame::Links),
             composite(&inverse.massless().in_metres(), PairFrame::Root),
         ];
+        if model.coordinates.len() <= LARGEST_SEARCHED {
+            let links = cheapest(&self.space, |formulation| {
+                weight(&composite(formulation, PairFrame::Links))
+            });
+            routes.push(composite(&links, PairFrame::Links));
+        }
         if model.coordinates.len() <= LARGEST_FORWARD {
             routes.push(DerivativeRoute::Forward);
         }
@@ -102,6 +194,10 @@ impl Formulations {
         routes.swap_remove(best)
     }
 }
+
+/// Beyond so many joints a search among the derivatives takes longer than it saves: the formulation of the inverse
+/// dynamics serves them as well.
+const LARGEST_SEARCHED: usize = 12;
 
 /// Forward differentiation of the program never paid beyond three joints.
 const LARGEST_FORWARD: usize = 4;
@@ -267,7 +363,7 @@ pub struct Equations<'a, 'g> {
     /// The model.
     pub model: &'a Model,
     /// How each quantity is derived.
-    pub formulations: &'a Formulations,
+    pub formulations: &'a Formulations<'a>,
 }
 
 impl<'g> Equations<'_, 'g> {
@@ -290,7 +386,10 @@ impl<'g> Equations<'_, 'g> {
 
     /// `M(y)`
     pub fn mass_matrix(&self, y: &[Scalar<'g>]) -> Matrix<'g> {
-        let formulation = &self.formulations.mass_matrix;
+        self.mass_matrix_by(self.formulations.mass_matrix(), y)
+    }
+
+    fn mass_matrix_by(&self, formulation: &Formulation, y: &[Scalar<'g>]) -> Matrix<'g> {
         composite::mass_matrix(
             &formulation.mechanism(self.graph, self.model),
             formulation,
@@ -298,10 +397,37 @@ impl<'g> Equations<'_, 'g> {
         )
     }
 
+    /// `M(y)` and `k − q_gravity` in the formulations that cost least together.
+    pub fn mass_matrix_and_bias(
+        &self,
+        y: &[Scalar<'g>],
+        v: &[Scalar<'g>],
+    ) -> (Matrix<'g>, Vec<Scalar<'g>>) {
+        let (mass, bias) = self.formulations.mass_and_bias();
+        (self.mass_matrix_by(mass, y), self.bias_by(bias, y, v))
+    }
+
+    fn bias_by(
+        &self,
+        formulation: &Formulation,
+        y: &[Scalar<'g>],
+        v: &[Scalar<'g>],
+    ) -> Vec<Scalar<'g>> {
+        self.recursive(
+            formulation,
+            MotionInput {
+                y,
+                v,
+                a: &self.zeros(),
+            },
+            true,
+        )
+    }
+
     /// `k(y, ẏ)`
     pub fn coriolis_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         self.recursive(
-            &self.formulations.bias_forces,
+            self.formulations.bias_forces(),
             MotionInput {
                 y,
                 v,
@@ -315,7 +441,7 @@ impl<'g> Equations<'_, 'g> {
     pub fn gravity_forces(&self, y: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let still = self.zeros();
         let held = self.recursive(
-            &self.formulations.gravity_forces,
+            self.formulations.gravity_forces(),
             MotionInput {
                 y,
                 v: &still,
@@ -329,7 +455,7 @@ impl<'g> Equations<'_, 'g> {
     /// `k − q_gravity`
     pub fn bias_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         self.recursive(
-            &self.formulations.bias_forces,
+            self.formulations.bias_forces(),
             MotionInput {
                 y,
                 v,
@@ -372,7 +498,7 @@ impl<'g> Equations<'_, 'g> {
         a: &[Scalar<'g>],
     ) -> Vec<Scalar<'g>> {
         let bodies = self.recursive(
-            &self.formulations.inverse_dynamics,
+            self.formulations.inverse_dynamics(),
             MotionInput { y, v, a },
             true,
         );
@@ -381,11 +507,10 @@ impl<'g> Equations<'_, 'g> {
 
     /// `M ÿ + k − q` with its derivatives by y and ẏ, and M.
     pub fn inverse_dynamics_derivatives(&self, input: MotionInput<'_, 'g>) -> ForceDerivatives<'g> {
-        let Formulations {
-            derivatives,
-            inverse_dynamics,
-            ..
-        } = self.formulations;
+        let (derivatives, inverse_dynamics) = (
+            self.formulations.derivatives(),
+            self.formulations.inverse_dynamics(),
+        );
         let mut result = derivatives.derive(self.graph, self.model, inverse_dynamics, input);
         let joint = self.joint_forces(input.y, input.v);
         for (row, &force) in joint.iter().enumerate() {
@@ -408,24 +533,23 @@ impl<'g> Equations<'_, 'g> {
         v: &[Scalar<'g>],
         u: &[Scalar<'g>],
     ) -> AccelerationDerivatives<'g> {
-        let matrix = self.mass_matrix(y);
-        let factorization = Factorization::new(&Mechanism::new(self.graph, self.model), &matrix);
-        let driving: Vec<_> = self
-            .input_forces(u)
-            .into_iter()
-            .zip(self.joint_forces(y, v))
-            .map(|(a, b)| a + b)
+        let (mass, bias) = self.formulations.mass_and_bias_beside_derivatives();
+        let matrix = self.mass_matrix_by(mass, y);
+        let inverse = Factorization::new(&Mechanism::new(self.graph, self.model), &matrix)
+            .inverse(self.graph);
+        let accelerating = subtract(&self.driving_forces(y, v, u), &self.bias_by(bias, y, v));
+        let accelerations: Vec<_> = inverse
+            .iter()
+            .map(|row| dot(self.graph, row, &accelerating))
             .collect();
-        let accelerations = factorization.solve(&subtract(&driving, &self.bias_forces(y, v)));
         let forces = self.inverse_dynamics_derivatives(MotionInput {
             y,
             v,
             a: &accelerations,
         });
-        let inverse = factorization.inverse(self.graph);
         AccelerationDerivatives {
-            by_coordinates: factorization.solve_negative(&forces.by_coordinates),
-            by_velocities: factorization.solve_negative(&forces.by_velocities),
+            by_coordinates: negative_product(self.graph, &inverse, &forces.by_coordinates),
+            by_velocities: negative_product(self.graph, &inverse, &forces.by_velocities),
             inverse,
             accelerations,
         }
@@ -491,20 +615,29 @@ impl<'g> Equations<'_, 'g> {
         v: &[Scalar<'g>],
         u: &[Scalar<'g>],
     ) -> Vec<Scalar<'g>> {
-        let matrix = self.mass_matrix(y);
+        let (matrix, bias) = self.mass_matrix_and_bias(y, v);
         let mechanism = Mechanism::new(self.graph, self.model);
-        let driving = self
-            .input_forces(u)
+        Factorization::new(&mechanism, &matrix)
+            .solve(&subtract(&self.driving_forces(y, v, u), &bias))
+    }
+
+    /// `B u`, springs and friction.
+    fn driving_forces(
+        &self,
+        y: &[Scalar<'g>],
+        v: &[Scalar<'g>],
+        u: &[Scalar<'g>],
+    ) -> Vec<Scalar<'g>> {
+        self.input_forces(u)
             .into_iter()
             .zip(self.joint_forces(y, v))
-            .map(|(a, b)| a + b);
-        let driving: Vec<_> = driving.collect();
-        Factorization::new(&mechanism, &matrix).solve(&subtract(&driving, &self.bias_forces(y, v)))
+            .map(|(a, b)| a + b)
+            .collect()
     }
 
     /// `½ ẏᵀ M ẏ`, as the work of what accelerates by ẏ from rest.
     pub fn kinetic_energy(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Scalar<'g> {
-        let formulation = &self.formulations.inverse_dynamics;
+        let formulation = self.formulations.inverse_dynamics();
         let momentum = self.recursive(
             formulation,
             MotionInput {
@@ -531,6 +664,20 @@ impl<'g> Equations<'_, 'g> {
     pub fn base_poses(&self, y: &[Scalar<'g>]) -> BasePoses<'g> {
         BasePoses::new(Mechanism::new(self.graph, self.model), y)
     }
+}
+
+/// `−a b`
+fn negative_product<'g>(graph: &'g Graph, a: &Matrix<'g>, b: &Matrix<'g>) -> Matrix<'g> {
+    let column = |j: usize| b.iter().map(|row| -row[j]).collect::<Vec<_>>();
+    let columns: Vec<_> = (0..b.len()).map(column).collect();
+    a.iter()
+        .map(|row| {
+            columns
+                .iter()
+                .map(|column| dot(graph, row, column))
+                .collect()
+        })
+        .collect()
 }
 
 /// `a − b`

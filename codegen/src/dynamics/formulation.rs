@@ -341,7 +341,7 @@ pub fn cheapest(
 ) -> Formulation {
     let plain = Formulation::plain(space.bodies.len());
     let (weight, nodes) = evaluate(&plain);
-    let budget = (VISITED_NODES / nodes.max(1)).max(8);
+    let budget = (VISITED_NODES / nodes.max(1)).max(4);
     let mut descent = Descent {
         evaluate,
         best: plain,

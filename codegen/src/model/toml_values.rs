@@ -268,6 +268,11 @@ impl Reader {
         }
         let message = format!("`{}` must be {what}, not {}", item.key, entries.len());
         self.report.error(item.span, "wrong-length", message);
+        if item.key == "inertia" {
+            self.report.help(
+                "write one moment for all axes, the principal moments [xx, yy, zz], or { xx = …, yy = …, zz = …, xy = …, xz = …, yz = … }",
+            );
+        }
         None
     }
 

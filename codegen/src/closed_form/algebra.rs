@@ -1,0 +1,195 @@
+//! The few operations of Symbolica that the derivation needs, on vectors and matrices.
+//!
+//! Sines and cosines are written with phases `E = e^{iα}`: `cos α = (E + E⁻¹)/2`, `sin α = (E − E⁻¹)/2i`. In them every
+//! trigonometric identity is plain arithmetic, so that expanding is already the simplification: equal expressions become
+//! the same Fourier sum.
+
+use symbolica::atom::{Atom, AtomCore, Symbol};
+use symbolica::symbol;
+
+use super::lock::Instance;
+use crate::formula::Formula;
+
+/// A vector.
+pub(super) type Vector = [Atom; 3];
+
+/// A rotation matrix, rows first.
+pub(super) type Matrix = [[Atom; 3]; 3];
+
+/// Largest number of variables of each kind.
+const VARIABLES: usize = 1000;
+
+/// The variables of a derivation, by kind and number. They exist while the instance is ours.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Variables<'i> {
+    _instance: &'i Instance,
+}
+
+/// A kind of variable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Constant of the model.
+    Constant,
+    /// Phase of an angle.
+    Phase,
+    /// Sliding coordinate.
+    Coordinate,
+    /// Velocity.
+    Velocity,
+}
+
+impl Kind {
+    const ALL: [Self; 4] = [
+        Self::Constant,
+        Self::Phase,
+        Self::Coordinate,
+        Self::Velocity,
+    ];
+
+    fn prefix(self) -> &'static str {
+        match self {
+            Self::Constant => "c",
+            Self::Phase => "e",
+            Self::Coordinate => "y",
+            Self::Velocity => "v",
+        }
+    }
+}
+
+impl<'i> Variables<'i> {
+    pub fn new(instance: &'i Instance) -> Self {
+        Self {
+            _instance: instance,
+        }
+    }
+
+    pub fn symbol(self, kind: Kind, index: usize) -> Symbol {
+        symbol!(format!("gelenk::{}{index}", kind.prefix()))
+    }
+
+    pub fn atom(self, kind: Kind, index: usize) -> Atom {
+        Atom::var(self.symbol(kind, index))
+    }
+
+    /// What a variable is.
+    pub fn recognize(self, symbol: Symbol) -> Option<(Kind, usize)> {
+        let name = symbol.get_stripped_name();
+        let kind = Kind::ALL
+            .into_iter()
+            .find(|kind| name.starts_with(kind.prefix()))?;
+        let index = name
+            .get(1..)?
+            .parse()
+            .ok()
+            .filter(|&index| index < VARIABLES)?;
+        Some((kind, index))
+    }
+
+    /// `e^{iα}` to a whole power.
+    fn phase(self, index: usize, exponent: i64) -> Atom {
+        self.atom(Kind::Phase, index).pow(Atom::num(exponent))
+    }
+
+    pub fn cosine(self, index: usize) -> Atom {
+        (self.phase(index, 1) + self.phase(index, -1)) * Atom::num((1, 2))
+    }
+
+    pub fn sine(self, index: usize) -> Atom {
+        (self.phase(index, -1) - self.phase(index, 1)) * Atom::num((1, 2)) * Atom::i()
+    }
+
+    /// `∂f/∂y` for an angle: `i E ∂f/∂E`.
+    pub fn by_angle(self, f: &Atom, index: usize) -> Atom {
+        let slope = f.derivative(self.symbol(Kind::Phase, index));
+        (slope * self.phase(index, 1) * Atom::i()).expand()
+    }
+
+    /// `∂f/∂y` for a sliding coordinate.
+    pub fn by_position(self, f: &Atom, index: usize) -> Atom {
+        f.derivative(self.symbol(Kind::Coordinate, index)).expand()
+    }
+
+    /// `∂f/∂ẏ`
+    pub fn by_velocity(self, f: &Atom, index: usize) -> Atom {
+        f.derivative(self.symbol(Kind::Velocity, index)).expand()
+    }
+
+    /// A formula of constants whose divisors are products; see [`super::quantities`].
+    pub fn formula(self, formula: &Formula) -> Atom {
+        let go = |part: &Formula| self.formula(part);
+        match formula {
+            Formula::Number(value) => number(*value),
+            Formula::Parameter(index) => self.atom(Kind::Constant, *index),
+            Formula::Negate(a) => -go(a),
+            Formula::Add(a, b) => go(a) + go(b),
+            Formula::Subtract(a, b) => go(a) - go(b),
+            Formula::Multiply(a, b) => go(a) * go(b),
+            Formula::Divide(a, b) => go(a) / go(b),
+            Formula::Power(a, exponent) => go(a).pow(Atom::num(i64::from(*exponent))),
+            // The caller gives these a letter of their own; none is left here.
+            Formula::Position | Formula::Velocity | Formula::Call(..) => zero(),
+        }
+    }
+}
+
+pub(super) fn zero() -> Atom {
+    Atom::num(0)
+}
+
+/// The decimal number that the description shows, exactly.
+pub(super) fn number(value: f64) -> Atom {
+    let shown = format!("{value:e}");
+    let (mantissa, exponent) = shown.split_once('e').unwrap_or((&shown, "0"));
+    let decimals = mantissa
+        .split_once('.')
+        .map_or(0, |(_, digits)| digits.len() as i64);
+    // At most 17 digits and a sign: an i64; the exponent of an f64 has three.
+    let digits: i64 = mantissa.replace('.', "").parse().unwrap_or(0);
+    let exponent = exponent.parse::<i64>().unwrap_or(0) - decimals;
+    Atom::num(digits) * Atom::num(10).pow(Atom::num(exponent))
+}
+
+/// `a · b`
+pub(super) fn dot(a: &Vector, b: &Vector) -> Atom {
+    let sum = (0..3).fold(zero(), |sum, k| sum + &a[k] * &b[k]);
+    sum.expand()
+}
+
+/// `R v`
+pub(super) fn rotate(r: &Matrix, v: &Vector) -> Vector {
+    std::array::from_fn(|i| dot(&r[i], v))
+}
+
+/// `A B`
+pub(super) fn product(a: &Matrix, b: &Matrix) -> Matrix {
+    let b = transpose(b);
+    std::array::from_fn(|i| std::array::from_fn(|j| dot(&a[i], &b[j])))
+}
+
+/// `Rᵀ`
+pub(super) fn transpose(r: &Matrix) -> Matrix {
+    std::array::from_fn(|i| std::array::from_fn(|j| r[j][i].clone()))
+}
+
+/// `a + b`
+pub(super) fn sum(a: &Vector, b: &Vector) -> Vector {
+    std::array::from_fn(|k| (&a[k] + &b[k]).expand())
+}
+
+/// Rotation about x (0), y (1) or z (2) by an angle with this sine and cosine.
+pub(super) fn rotation(axis: usize, sine: &Atom, cosine: &Atom) -> Matrix {
+    let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+    std::array::from_fn(|i| {
+        std::array::from_fn(|j| match (i, j) {
+            _ if i == axis || j == axis => Atom::num(i64::from(i == j)),
+            _ if i == j => cosine.clone(),
+            (i, j) if (i, j) == (last, next) => sine.clone(),
+            _ => -sine,
+        })
+    })
+}
+
+/// `1`
+pub(super) fn identity() -> Matrix {
+    std::array::from_fn(|i| std::array::from_fn(|j| Atom::num(i64::from(i == j))))
+}

@@ -1,0 +1,286 @@
+//! The moving bodies of a model in the frames of its description.
+//!
+//! What is fixed or held is lumped into the body that carries it: numbers into one mass, centre and inertia, whatever
+//! holds parameters stays a mass of its own. Independent of the kinematics stage, which the result is compared with.
+
+use crate::formula::Formula;
+use crate::model::{Body, Joint, JointKind, Model, Motion, Pose, RotorCoupling};
+
+type Matrix = [[f64; 3]; 3];
+
+/// Smaller than this beside the largest entry is rounding of what is meant to be 0.
+const ROUNDING: f64 = 1e-12;
+
+/// A moving body.
+#[derive(Debug, Clone)]
+pub(super) struct MovingBody {
+    /// Coordinate that moves it.
+    pub coordinate: usize,
+    /// Body that carries its joint; `None` for the base.
+    pub parent: Option<usize>,
+    /// Joint frame in the parent's frame.
+    pub pose: Pose,
+    /// Axis in the joint frame, unit length.
+    pub axis: [f64; 3],
+    /// Whether it slides.
+    pub is_prismatic: bool,
+    /// Its masses, in its own frame.
+    pub masses: Vec<Mass>,
+}
+
+/// A rigid mass in a body's frame.
+#[derive(Debug, Clone)]
+pub(super) struct Mass {
+    /// Mass [kg].
+    pub mass: Formula,
+    /// Centre of mass [m].
+    pub center: [Formula; 3],
+    /// About the centre: xx, xy, xz, yy, yz, zz [kg m²].
+    pub inertia: [Formula; 6],
+}
+
+/// A rotor that turns relative to its carrier, or stands still on it.
+#[derive(Debug, Clone)]
+pub(super) struct Rotor {
+    /// Drive that it belongs to.
+    pub drive: usize,
+    /// Body that carries it and its axis in that body's frame; `None` where its carrier's motion does not count.
+    pub carrier: Option<(usize, [f64; 3])>,
+    /// Coordinate that turns it.
+    pub coordinate: Option<usize>,
+}
+
+/// Moving bodies, parents first, and the rotors.
+#[derive(Debug, Clone)]
+pub(super) struct Bodies {
+    pub bodies: Vec<MovingBody>,
+    pub rotors: Vec<Rotor>,
+}
+
+impl Bodies {
+    /// Collects what moves.
+    pub fn new(model: &Model) -> Self {
+        let (mut bodies, places) = moving(model);
+        let mut rotors = Vec::new();
+        for (index, drive) in model.drives.iter().enumerate() {
+            let (body, pose) = &places[drive.carrier];
+            let axis = cleaned(turned(&pose.rotation, drive.axis));
+            let carrier = body.filter(|_| drive.coupling == RotorCoupling::Body);
+            match (carrier, drive.coordinate, drive.rotor_inertia.as_number()) {
+                (_, _, Some(0.0)) | (None, None, _) => {}
+                // A rotor that stands still relative to its carrier is part of it.
+                (Some(body), None, Some(inertia)) => {
+                    bodies[body].masses.push(still_rotor(inertia, axis));
+                }
+                (carrier, coordinate, _) => rotors.push(Rotor {
+                    drive: index,
+                    carrier: carrier.map(|body| (body, axis)),
+                    coordinate,
+                }),
+            }
+        }
+        for body in &mut bodies {
+            body.masses = lumped(std::mem::take(&mut body.masses));
+        }
+        Self { bodies, rotors }
+    }
+}
+
+/// The bodies with all their masses, and for every link its body and pose therein.
+fn moving(model: &Model) -> (Vec<MovingBody>, Vec<(Option<usize>, Pose)>) {
+    let (mut bodies, mut places) = (Vec::new(), Vec::<(Option<usize>, Pose)>::new());
+    for link in &model.links {
+        let place = match &link.joint {
+            None => (None, Pose::identity()),
+            Some(joint) => attached(joint, &places, &mut bodies),
+        };
+        if let Some(body) = place.0 {
+            let masses = link.bodies.iter().map(|body| in_frame(body, &place.1));
+            bodies[body].masses.extend(masses);
+        }
+        places.push(place);
+    }
+    (bodies, places)
+}
+
+fn attached(
+    joint: &Joint,
+    places: &[(Option<usize>, Pose)],
+    bodies: &mut Vec<MovingBody>,
+) -> (Option<usize>, Pose) {
+    let (parent, parent_pose) = &places[joint.parent];
+    let pose = tidy(parent_pose.then(&joint.origin));
+    let position = match joint.motion {
+        Motion::Coordinate(coordinate) => {
+            bodies.push(MovingBody {
+                coordinate,
+                parent: *parent,
+                pose,
+                axis: cleaned(joint.axis),
+                is_prismatic: joint.kind == JointKind::Prismatic,
+                masses: Vec::new(),
+            });
+            return (Some(bodies.len() - 1), Pose::identity());
+        }
+        Motion::Fixed => 0.0,
+        Motion::Held(position) => position,
+    };
+    (*parent, tidy(pose.then(&displacement(joint, position))))
+}
+
+/// What a joint at `position` does to its link.
+fn displacement(joint: &Joint, position: f64) -> Pose {
+    let mut pose = Pose::identity();
+    match joint.kind {
+        JointKind::Fixed => {}
+        JointKind::Prismatic => {
+            pose.translation = joint.axis.map(|x| Formula::Number(x * position));
+        }
+        JointKind::Revolute | JointKind::Continuous => {
+            pose.rotation = about(joint.axis, position);
+        }
+    }
+    pose
+}
+
+/// `R = 1 + sin φ [a]ₓ + (1 − cos φ) [a]ₓ²` (Rodrigues).
+fn about([x, y, z]: [f64; 3], angle: f64) -> Matrix {
+    let cross = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]];
+    let (sine, versine) = (angle.sin(), 1.0 - angle.cos());
+    std::array::from_fn(|i| {
+        std::array::from_fn(|j| {
+            let square: f64 = (0..3).map(|k| cross[i][k] * cross[k][j]).sum();
+            f64::from(u8::from(i == j)) + sine * cross[i][j] + versine * square
+        })
+    })
+}
+
+fn turned(rotation: &Matrix, v: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| (0..3).map(|j| rotation[i][j] * v[j]).sum())
+}
+
+/// Entries that are meant to be 0 or ±1 become that.
+fn cleaned(v: [f64; 3]) -> [f64; 3] {
+    v.map(|x| {
+        if (x - x.round()).abs() < ROUNDING {
+            x.round() + 0.0
+        } else {
+            x
+        }
+    })
+}
+
+/// Rotations and translations without the rounding of products.
+fn tidy(mut pose: Pose) -> Pose {
+    pose.rotation = pose.rotation.map(cleaned);
+    let numbers = pose.translation.each_ref().map(Formula::as_number);
+    let largest = numbers
+        .iter()
+        .flatten()
+        .fold(0.0, |m: f64, x| m.max(x.abs()));
+    for (entry, number) in pose.translation.iter_mut().zip(numbers) {
+        if number.is_some_and(|x| x.abs() < ROUNDING * largest) {
+            *entry = Formula::ZERO;
+        }
+    }
+    pose
+}
+
+fn in_frame(body: &Body, pose: &Pose) -> Mass {
+    Mass {
+        mass: body.mass.clone(),
+        center: pose.point(&body.center_of_mass),
+        inertia: turned_inertia(&pose.rotation, &body.inertia),
+    }
+}
+
+/// Place of the entry i, j in xx, xy, xz, yy, yz, zz.
+pub(super) const ENTRY: [[usize; 3]; 3] = [[0, 1, 2], [1, 3, 4], [2, 4, 5]];
+
+/// Row and column of each of the six entries.
+pub(super) const PLACES: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
+
+/// `R I Rᵀ`
+fn turned_inertia(r: &Matrix, inertia: &[Formula; 6]) -> [Formula; 6] {
+    PLACES.map(|(i, j)| {
+        let mut sum = Formula::ZERO;
+        for k in 0..3 {
+            for l in 0..3 {
+                let factor = Formula::Number(r[i][k] * r[j][l]);
+                let part = Formula::product(factor, inertia[ENTRY[k][l]].clone());
+                sum = Formula::sum(sum, part);
+            }
+        }
+        sum
+    })
+}
+
+fn still_rotor(inertia: f64, axis: [f64; 3]) -> Mass {
+    Mass {
+        mass: Formula::ZERO,
+        center: [Formula::ZERO; 3],
+        inertia: PLACES.map(|(i, j)| Formula::Number(inertia * axis[i] * axis[j])),
+    }
+}
+
+/// A mass of numbers alone.
+struct NumericMass {
+    mass: f64,
+    center: [f64; 3],
+    inertia: [f64; 6],
+}
+
+impl NumericMass {
+    fn new(mass: &Mass) -> Option<Self> {
+        let [x, y, z] = mass.center.each_ref().map(Formula::as_number);
+        let mut inertia = [0.0; 6];
+        for (entry, formula) in inertia.iter_mut().zip(&mass.inertia) {
+            *entry = formula.as_number()?;
+        }
+        Some(Self {
+            mass: mass.mass.as_number()?,
+            center: [x?, y?, z?],
+            inertia,
+        })
+    }
+}
+
+/// All numeric masses as one, before those with parameters.
+fn lumped(masses: Vec<Mass>) -> Vec<Mass> {
+    let (numeric, others): (Vec<_>, Vec<_>) = masses
+        .into_iter()
+        .partition(|mass| NumericMass::new(mass).is_some());
+    let numeric: Vec<NumericMass> = numeric.iter().filter_map(NumericMass::new).collect();
+    let mut all: Vec<Mass> = Vec::new();
+    all.extend((!numeric.is_empty()).then(|| lump(&numeric)));
+    all.extend(others);
+    all
+}
+
+/// `m = Σ mᵢ, c = Σ mᵢ cᵢ / m, I = Σ Iᵢ + mᵢ (|dᵢ|² 1 − dᵢ dᵢᵀ), dᵢ = cᵢ − c`
+fn lump(masses: &[NumericMass]) -> Mass {
+    let total: f64 = masses.iter().map(|part| part.mass).sum();
+    let center: [f64; 3] = std::array::from_fn(|i| {
+        let first: f64 = masses.iter().map(|part| part.mass * part.center[i]).sum();
+        if total > 0.0 { first / total } else { 0.0 }
+    });
+    let inertia = PLACES.map(|(i, j)| {
+        let about = |part: &NumericMass| {
+            let d: [f64; 3] = std::array::from_fn(|k| part.center[k] - center[k]);
+            let square: f64 = d.iter().map(|x| x * x).sum();
+            let steiner = f64::from(u8::from(i == j)) * square - d[i] * d[j];
+            part.inertia[ENTRY[i][j]] + part.mass * steiner
+        };
+        masses.iter().map(about).sum::<f64>()
+    });
+    Mass {
+        mass: Formula::Number(total),
+        center: without_rounding(center).map(Formula::Number),
+        inertia: without_rounding(inertia).map(Formula::Number),
+    }
+}
+
+fn without_rounding<const K: usize>(entries: [f64; K]) -> [f64; K] {
+    let largest = entries.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    entries.map(|x| if x.abs() < ROUNDING * largest { 0.0 } else { x })
+}

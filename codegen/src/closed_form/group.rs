@@ -1,0 +1,156 @@
+//! Constants that act as one get one letter; what shares its factors is bracketed.
+
+use std::collections::BTreeMap;
+
+use symbolica::domains::rational::Rational;
+
+use super::fourier::Part;
+use super::symbols::Symbol;
+use super::terms::{Factor, Monomial, Number, Sum, Term, Wave};
+use crate::formula::Formula;
+
+/// A product of constants with exponents.
+type Factors = Vec<(Factor, i32)>;
+
+/// A sum of products of masses, lengths and inertias.
+type Polynomial = Vec<(Factors, Rational)>;
+
+/// Products of at most so many letters stay as they are.
+const SHORT: i32 = 2;
+
+/// The lumped constants found so far.
+#[derive(Debug, Default)]
+pub(super) struct Constants {
+    found: Vec<Polynomial>,
+}
+
+impl Constants {
+    /// Brackets the summands of one entry.
+    ///
+    /// - `basis`: function that all summands are multiplied with
+    pub fn group(
+        &mut self,
+        parts: &[Part],
+        symbols: &[Symbol],
+        basis: Option<&(Formula, usize)>,
+    ) -> Sum {
+        let mut hidden: BTreeMap<(Wave, Factors, Factors), Polynomial> = BTreeMap::new();
+        for part in parts {
+            let (visible, lumped) = part.constants.iter().partition(
+                |(factor, _)| matches!(factor, Factor::Symbol(k) if symbols[*k].is_visible),
+            );
+            let key = (part.wave.clone(), visible, part.motion.clone());
+            let summand = (lumped, part.number.clone());
+            hidden.entry(key).or_default().push(summand);
+        }
+        let mut bracketed: BTreeMap<(Wave, Factors), Polynomial> = BTreeMap::new();
+        for ((wave, visible, motion), polynomial) in hidden {
+            let (number, mut factors) = self.letter(polynomial);
+            factors.extend(visible);
+            let inner = bracketed.entry((wave, factors)).or_default();
+            inner.push((motion, number));
+        }
+        let term = |((wave, factors), inner): ((Wave, Factors), Polynomial)| {
+            let content = content(&inner);
+            Term {
+                outer: monomial(&content, factors),
+                wave,
+                inner: inner
+                    .into_iter()
+                    .map(|(motion, number)| monomial(&(&number / &content), motion))
+                    .collect(),
+                basis: basis.cloned(),
+            }
+        };
+        bracketed.into_iter().map(term).collect()
+    }
+
+    /// The definitions of the constants.
+    pub fn definitions(self) -> Vec<Vec<Monomial>> {
+        let definition = |polynomial: Polynomial| {
+            let summands = polynomial.into_iter();
+            summands
+                .map(|(factors, number)| monomial(&number, factors))
+                .collect()
+        };
+        self.found.into_iter().map(definition).collect()
+    }
+
+    /// A polynomial as number times letters.
+    fn letter(&mut self, mut polynomial: Polynomial) -> (Rational, Factors) {
+        polynomial.sort_by(|a, b| a.0.cmp(&b.0));
+        if let [(factors, number)] = polynomial.as_slice()
+            && factors
+                .iter()
+                .map(|(_, exponent)| exponent.abs())
+                .sum::<i32>()
+                <= SHORT
+        {
+            return (number.clone(), factors.clone());
+        }
+        let known = self
+            .found
+            .iter()
+            .enumerate()
+            .find_map(|(index, known)| ratio(&polynomial, known).map(|ratio| (ratio, index)));
+        let (number, index) = known.unwrap_or_else(|| {
+            let content = content(&polynomial);
+            let scaled = polynomial.into_iter();
+            self.found.push(
+                scaled
+                    .map(|(factors, number)| (factors, &number / &content))
+                    .collect(),
+            );
+            (content, self.found.len() - 1)
+        });
+        (number, vec![(Factor::Constant(index), 1)])
+    }
+}
+
+/// `a / b`, where it is a number.
+fn ratio(a: &Polynomial, b: &Polynomial) -> Option<Rational> {
+    let first = &a.first()?.1 / &b.first()?.1;
+    let pairs = a.iter().zip(b);
+    let is_multiple = a.len() == b.len()
+        && pairs
+            .into_iter()
+            .all(|((factors, x), (others, y))| factors == others && *x == &first * y);
+    is_multiple.then_some(first)
+}
+
+/// The common number of a sum: what is left has short numbers, the first of them positive.
+fn content(polynomial: &Polynomial) -> Rational {
+    let Some((_, first)) = polynomial.first() else {
+        return Rational::from(1);
+    };
+    let (mut numerator, mut denominator) = (first.numerator(), first.denominator());
+    for (_, number) in polynomial {
+        numerator = numerator.gcd(&number.numerator());
+        denominator = denominator.gcd(&number.denominator());
+    }
+    let size = Rational::from((numerator, denominator));
+    if first.is_negative() == size.is_negative() {
+        size
+    } else {
+        -size
+    }
+}
+
+fn monomial(number: &Rational, factors: Factors) -> Monomial {
+    Monomial {
+        number: shown(number),
+        factors,
+    }
+}
+
+/// Fractions of numbers up to so many stay fractions.
+const SHORT_FRACTION: i64 = 1000;
+
+fn shown(number: &Rational) -> Number {
+    let part = |text: String| text.parse::<i64>().ok();
+    let fraction = part(number.numerator().to_string()).zip(part(number.denominator().to_string()));
+    Number {
+        value: number.to_f64(),
+        fraction: fraction.filter(|(n, d)| n.abs() <= SHORT_FRACTION && *d <= SHORT_FRACTION),
+    }
+}

@@ -1,0 +1,388 @@
+//! Letters for the numbers of a description: m₂, c₂, I₂, l₂, i₂, J₂, g, as a textbook would choose them.
+//!
+//! The index is the number of the coordinate that moves the body. A vector with one entry that is not zero is one letter;
+//! one with several has its axis in the index (c₂x, c₂z). Zero stays zero, and quarter turns stay what they are.
+
+use std::f64::consts::FRAC_PI_2;
+
+use symbolica::atom::Atom;
+
+use super::algebra::{self, Kind, Matrix, Variables, Vector};
+use super::bodies::{Mass, MovingBody, PLACES};
+use super::symbols::{Symbol, Symbols};
+use crate::formula::Formula;
+use crate::model::{Input, Model};
+
+/// Angles closer than this to a quarter turn are meant to be one.
+const QUARTER_ROUNDING: f64 = 1e-12;
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Gives every constant its letter, once.
+pub(super) struct Letters<'m> {
+    variables: Variables<'m>,
+    model: &'m Model,
+    pub symbols: Symbols,
+    /// Angles that do not move; phase `n + k` belongs to `angles[k]`.
+    pub angles: Vec<Symbol>,
+    /// Gear ratio of each drive.
+    ratios: Vec<Atom>,
+}
+
+impl<'m> Letters<'m> {
+    pub fn new(variables: Variables<'m>, model: &'m Model) -> Self {
+        let mut letters = Self {
+            variables,
+            model,
+            symbols: Symbols::new(model),
+            angles: Vec::new(),
+            ratios: Vec::new(),
+        };
+        for index in 0..model.drives.len() {
+            let ratio = letters.ratio(index);
+            letters.ratios.push(ratio);
+        }
+        letters
+    }
+
+    /// A formula with a letter for each number that stands alone.
+    fn constant(&mut self, formula: &Formula, stem: &str, index: &str, meaning: &str) -> Atom {
+        match formula.as_number() {
+            Some(0.0) => algebra::zero(),
+            Some(_) => {
+                let place = self
+                    .symbols
+                    .add(stem, index, formula.clone(), meaning.to_owned());
+                self.variables.atom(Kind::Constant, place)
+            }
+            None => {
+                let polynomial = self.polynomial(formula);
+                self.variables.formula(&polynomial)
+            }
+        }
+    }
+
+    /// As [`Letters::constant`], shown wherever it acts.
+    fn visible(&mut self, formula: &Formula, stem: &str, index: &str, meaning: &str) -> Atom {
+        let before = self.symbols.entries.len();
+        let atom = self.constant(formula, stem, index, meaning);
+        for symbol in &mut self.symbols.entries[before..] {
+            symbol.is_visible = true;
+        }
+        self.show(formula);
+        atom
+    }
+
+    /// The parameters of a formula are shown wherever they act.
+    fn show(&mut self, formula: &Formula) {
+        for index in 0..self.model.parameters.len() {
+            if formula.any(&|part| *part == Formula::Parameter(index)) {
+                self.symbols.entries[index].is_visible = true;
+            }
+        }
+    }
+
+    /// Calls of functions and divisors that are sums get a letter of their own.
+    fn polynomial(&mut self, formula: &Formula) -> Formula {
+        let mut go = |part: &Formula| Box::new(self.polynomial(part));
+        match formula {
+            Formula::Negate(a) => Formula::Negate(go(a)),
+            Formula::Add(a, b) => Formula::Add(go(a), go(b)),
+            Formula::Subtract(a, b) => Formula::Subtract(go(a), go(b)),
+            Formula::Multiply(a, b) => Formula::Multiply(go(a), go(b)),
+            Formula::Power(a, exponent) => Formula::Power(go(a), *exponent),
+            Formula::Divide(a, b) if is_product(b) => Formula::Divide(go(a), go(b)),
+            Formula::Divide(a, b) => {
+                let a = go(a);
+                Formula::Divide(a, Box::new(self.whole(b)))
+            }
+            Formula::Call(..) => self.whole(formula),
+            Formula::Number(_) | Formula::Parameter(_) | Formula::Position | Formula::Velocity => {
+                formula.clone()
+            }
+        }
+    }
+
+    /// One letter for a formula.
+    fn whole(&mut self, formula: &Formula) -> Formula {
+        let known = self
+            .symbols
+            .entries
+            .iter()
+            .position(|symbol| symbol.value == *formula);
+        let place = known.unwrap_or_else(|| {
+            let count = self
+                .symbols
+                .entries
+                .iter()
+                .filter(|s| s.stem == "f")
+                .count();
+            let index = (count + 1).to_string();
+            self.symbols
+                .add("f", &index, formula.clone(), String::new())
+        });
+        Formula::Parameter(place)
+    }
+
+    fn vector(
+        &mut self,
+        entries: &[Formula; 3],
+        stem: &str,
+        index: usize,
+        meaning: &str,
+    ) -> Vector {
+        let is_single = entries.iter().filter(|entry| !entry.is_zero()).count() == 1;
+        std::array::from_fn(|k| {
+            let axis = if is_single { "" } else { AXES[k] };
+            self.constant(&entries[k], stem, &format!("{}{axis}", index + 1), meaning)
+        })
+    }
+
+    /// Gravitational acceleration g₀; downwards along one axis it is −g.
+    pub fn gravity(&mut self, gravity: &[Formula; 3]) -> Vector {
+        const MEANING: &str = "gravitational acceleration [m/s²]";
+        let is_single = gravity.iter().filter(|entry| !entry.is_zero()).count() == 1;
+        std::array::from_fn(|k| {
+            let axis = if is_single { "" } else { AXES[k] };
+            match gravity[k].as_number() {
+                Some(value) if value < 0.0 => {
+                    -self.visible(&Formula::Number(-value), "g", axis, MEANING)
+                }
+                _ => self.visible(&gravity[k], "g", axis, MEANING),
+            }
+        })
+    }
+
+    /// Rotation and translation of the joint's frame in its parent's.
+    pub fn origin(&mut self, body: &MovingBody) -> (Matrix, Vector) {
+        let name = self.joint_name(body.coordinate);
+        let meaning = format!("origin of {name} in its parent's frame [m]");
+        let translation = self.vector(&body.pose.translation, "l", body.coordinate, &meaning);
+        let [roll, pitch, yaw] = roll_pitch_yaw(&body.pose.rotation);
+        let mut turn = algebra::identity();
+        for (axis, angle, stem) in [(2, yaw, "psi"), (1, pitch, "theta"), (0, roll, "phi")] {
+            let meaning = format!("origin of {name}: rotation about {} [rad]", AXES[axis]);
+            let (sine, cosine) = self.angle(angle, stem, body.coordinate, &meaning);
+            turn = algebra::product(&turn, &algebra::rotation(axis, &sine, &cosine));
+        }
+        (turn, translation)
+    }
+
+    /// `A` with `A e_z` = the joint's axis.
+    pub fn align_axis(&mut self, body: &MovingBody) -> Matrix {
+        let meaning = format!("axis of {} [rad]", self.joint_name(body.coordinate));
+        self.align(body.axis, ["alpha", "beta"], body.coordinate, &meaning)
+    }
+
+    /// A rotor's axis in its carrier's frame.
+    pub fn rotor_axis(&mut self, drive: usize, axis: [f64; 3]) -> Vector {
+        let meaning = format!("rotor axis of {} [rad]", self.model.drives[drive].name);
+        let index = self.model.drives[drive].coordinate.unwrap_or(drive);
+        let align = self.align(axis, ["mu", "nu"], index, &meaning);
+        align.map(|[_, _, z]| z)
+    }
+
+    /// `R_z(azimuth) R_y(polar)` turns z into the axis.
+    fn align(
+        &mut self,
+        [x, y, z]: [f64; 3],
+        stems: [&str; 2],
+        index: usize,
+        meaning: &str,
+    ) -> Matrix {
+        let (azimuth, polar) = (y.atan2(x), x.hypot(y).atan2(z));
+        let (sine, cosine) = self.angle(azimuth, stems[0], index, &format!("azimuth, {meaning}"));
+        let turn = algebra::rotation(2, &sine, &cosine);
+        let (sine, cosine) = self.angle(polar, stems[1], index, &format!("polar angle, {meaning}"));
+        algebra::product(&turn, &algebra::rotation(1, &sine, &cosine))
+    }
+
+    /// Sine and cosine of an angle that does not move. Equal and opposite angles share their letter.
+    fn angle(&mut self, value: f64, stem: &str, index: usize, meaning: &str) -> (Atom, Atom) {
+        let quarters = (value / FRAC_PI_2).round();
+        if (value - quarters * FRAC_PI_2).abs() < QUARTER_ROUNDING {
+            let (sine, cosine) =
+                [(0, 1), (1, 0), (0, -1), (-1, 0)][quarters.rem_euclid(4.0) as usize];
+            return (Atom::num(sine), Atom::num(cosine));
+        }
+        let is_close = |known: &Symbol, value: f64| {
+            let other = known.value.as_number().unwrap_or(f64::NAN);
+            (other - value).abs() < QUARTER_ROUNDING
+        };
+        let known = |value: f64| self.angles.iter().position(|known| is_close(known, value));
+        let (place, is_opposite) = match (known(value), known(-value)) {
+            (Some(place), _) => (place, false),
+            (None, Some(place)) => (place, true),
+            (None, None) => {
+                self.angles.push(Symbol {
+                    stem: stem.to_owned(),
+                    index: (index + 1).to_string(),
+                    value: Formula::Number(value),
+                    meaning: meaning.to_owned(),
+                    is_visible: true,
+                });
+                (self.angles.len() - 1, false)
+            }
+        };
+        let phase = self.model.coordinates.len() + place;
+        let sine = self.variables.sine(phase);
+        (
+            if is_opposite { -sine } else { sine },
+            self.variables.cosine(phase),
+        )
+    }
+
+    /// Mass, centre and inertia about it.
+    pub fn mass(&mut self, coordinate: usize, mass: &Mass) -> (Atom, Vector, [Atom; 6]) {
+        let name = self.joint_name(coordinate);
+        let index = coordinate + 1;
+        let m = self.constant(
+            &mass.mass,
+            "m",
+            &index.to_string(),
+            &format!("mass of what {name} carries [kg]"),
+        );
+        let center = self.vector(
+            &mass.center,
+            "c",
+            coordinate,
+            &format!("its centre in the frame of {name} [m]"),
+        );
+        let mut entry = |k: usize| {
+            let (i, j) = PLACES[k];
+            let index = format!("{index}{}{}", AXES[i], AXES[j]);
+            self.constant(
+                &mass.inertia[k],
+                "I",
+                &index,
+                "its inertia about the centre [kg m²]",
+            )
+        };
+        let inertia = [entry(0), entry(1), entry(2), entry(3), entry(4), entry(5)];
+        (m, center, inertia)
+    }
+
+    /// Axial inertia and gear ratio of a drive's rotor.
+    pub fn rotor(&mut self, drive: usize) -> (Atom, Atom) {
+        let model = self.model;
+        let meaning = format!(
+            "axial inertia of the rotor of {} [kg m²]",
+            model.drives[drive].name
+        );
+        let index = self.drive_index(drive);
+        let inertia = self.visible(&model.drives[drive].rotor_inertia, "J", &index, &meaning);
+        (inertia, self.ratios[drive].clone())
+    }
+
+    /// `B`: gear ratio, times the motor constant where the input is a current.
+    pub fn input_matrix(&mut self) -> Vec<Vec<Atom>> {
+        let model = self.model;
+        let drives: Vec<_> = model
+            .drives
+            .iter()
+            .enumerate()
+            .filter(|(_, drive)| drive.coordinate.is_some())
+            .collect();
+        let mut matrix = vec![vec![algebra::zero(); drives.len()]; model.coordinates.len()];
+        for (column, (index, drive)) in drives.iter().enumerate() {
+            let mut entry = self.ratios[*index].clone();
+            if let Input::Current(constant) = &drive.input {
+                let meaning = format!("motor constant of {} [N m/A]", drive.name);
+                entry *= self.visible(constant, "K", &self.drive_index(*index), &meaning);
+            }
+            if let Some(row) = drive.coordinate {
+                matrix[row][column] = entry;
+            }
+        }
+        matrix
+    }
+
+    /// Coefficients and bases of springs (positive) and friction (negative) by coordinate.
+    pub fn joint_forces(&mut self) -> Vec<Vec<(Atom, Formula)>> {
+        let model = self.model;
+        let joints = model.coordinates.iter().enumerate();
+        joints
+            .map(|(coordinate, &link)| match &model.links[link].joint {
+                Some(joint) => self.forces_of(coordinate, joint),
+                None => Vec::new(),
+            })
+            .collect()
+    }
+
+    fn forces_of(
+        &mut self,
+        coordinate: usize,
+        joint: &crate::model::Joint,
+    ) -> Vec<(Atom, Formula)> {
+        let springs = joint
+            .springs
+            .iter()
+            .cloned()
+            .flat_map(Formula::linear_terms);
+        let springs: Vec<_> = springs.collect();
+        let mut forces = Vec::new();
+        for (number, (coefficient, basis)) in springs.into_iter().enumerate() {
+            let index = format!("{}{}", coordinate + 1, part(number));
+            let meaning = format!("spring or damper of {}", joint.name);
+            forces.push((self.visible(&coefficient, "s", &index, &meaning), basis));
+        }
+        for (number, term) in joint.friction.iter().enumerate() {
+            let index = format!("{}{}", coordinate + 1, part(number));
+            let meaning = format!("friction of {}", joint.name);
+            let coefficient = self.visible(&term.coefficient, "d", &index, &meaning);
+            forces.push((-coefficient, term.basis.clone()));
+        }
+        forces
+    }
+
+    fn ratio(&mut self, drive: usize) -> Atom {
+        let model = self.model;
+        let ratio = &model.drives[drive].gear_ratio;
+        match ratio.as_number() {
+            Some(value) if value.abs() == 1.0 => algebra::number(value),
+            _ => {
+                let meaning = format!("gear ratio of {}", model.drives[drive].name);
+                self.visible(ratio, "i", &self.drive_index(drive), &meaning)
+            }
+        }
+    }
+
+    /// Number of the coordinate that a drive moves; that of a held joint has the drive's name.
+    fn drive_index(&self, drive: usize) -> String {
+        let drive = &self.model.drives[drive];
+        match drive.coordinate {
+            Some(coordinate) => (coordinate + 1).to_string(),
+            None => format!("_{}", drive.name),
+        }
+    }
+
+    fn joint_name(&self, coordinate: usize) -> String {
+        let link = self.model.coordinates.get(coordinate);
+        let joint = link.and_then(|&link| self.model.links[link].joint.as_ref());
+        joint.map_or_else(String::new, |joint| joint.name.clone())
+    }
+}
+
+/// a, b, c, … for the parts of a law.
+fn part(number: usize) -> char {
+    char::from(b'a' + (number % 26) as u8)
+}
+
+fn is_product(formula: &Formula) -> bool {
+    match formula {
+        Formula::Number(_) | Formula::Parameter(_) => true,
+        Formula::Negate(a) | Formula::Power(a, _) => is_product(a),
+        Formula::Multiply(a, b) | Formula::Divide(a, b) => is_product(a) && is_product(b),
+        _ => false,
+    }
+}
+
+/// The angles of `R_z(yaw) R_y(pitch) R_x(roll)`; where pitch is ±90°, roll is 0.
+fn roll_pitch_yaw(r: &[[f64; 3]; 3]) -> [f64; 3] {
+    let level = r[0][0].hypot(r[1][0]);
+    let pitch = (-r[2][0]).atan2(level);
+    if level < QUARTER_ROUNDING {
+        return [0.0, pitch, (-r[0][1]).atan2(r[1][1])];
+    }
+    [r[2][1].atan2(r[2][2]), pitch, r[1][0].atan2(r[0][0])]
+}

@@ -1,0 +1,144 @@
+//! One instance at a time: an advisory lock on a file that all users of the machine share.
+//!
+//! Without a key Symbolica allows one instance per machine; a second one ends its own process, where no error handling
+//! helps. Whoever goes through this lock never starts the second. It knows nothing of instances that do not: other
+//! programs with Symbolica, or a process with another folder for temporary files.
+
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+use crate::diagnostic::{Diagnostic, Diagnostics};
+
+/// So long [`Instance::acquire`] waits for another one to end.
+pub const PATIENCE: Duration = Duration::from_secs(120);
+
+/// Pause between two tries.
+const PAUSE: Duration = Duration::from_millis(100);
+
+/// The lock of this process: kept until it ends, because what has used Symbolica remains an instance of it.
+static LOCK: OnceLock<File> = OnceLock::new();
+
+/// Whose turn it is within this process.
+static TURN: Mutex<()> = Mutex::new(());
+
+/// The right to use Symbolica, on this thread, until dropped. Other processes have to wait for the end of this one; the
+/// operating system gives the lock back, however the process ends.
+#[derive(Debug)]
+pub struct Instance {
+    _turn: MutexGuard<'static, ()>,
+}
+
+impl Instance {
+    /// Waits up to [`PATIENCE`] for the machine's one instance; `on_wait` is told once that there is something to wait for.
+    ///
+    /// # Errors
+    /// `symbolica-busy` where another process keeps the lock, `symbolica-lock` where the file cannot be locked at all.
+    pub fn acquire(on_wait: &mut dyn FnMut(&Path)) -> Result<Self, Diagnostics> {
+        // The mutex guards no data that a panic could have left half-made.
+        let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+        if LOCK.get().is_none() {
+            let file = locked(&lock_file(), PATIENCE, on_wait)?;
+            // Nobody else sets it: it is our turn.
+            let _ = LOCK.set(file);
+        }
+        Ok(Self { _turn: turn })
+    }
+}
+
+/// The file at `path`, locked.
+fn locked(
+    path: &Path,
+    patience: Duration,
+    on_wait: &mut dyn FnMut(&Path),
+) -> Result<File, Diagnostics> {
+    let file = open(path).map_err(|error| problem(unusable(path, &error)))?;
+    let mut waited = Duration::ZERO;
+    loop {
+        match file.try_lock() {
+            Ok(()) => return Ok(file),
+            Err(TryLockError::Error(error)) => return Err(problem(unusable(path, &error))),
+            Err(TryLockError::WouldBlock) if waited >= patience => {
+                return Err(problem(busy(path, patience)));
+            }
+            Err(TryLockError::WouldBlock) => {
+                if waited.is_zero() {
+                    on_wait(path);
+                }
+                thread::sleep(PAUSE);
+                waited += PAUSE;
+            }
+        }
+    }
+}
+
+/// The file that is locked; it is empty and stays.
+pub fn lock_file() -> PathBuf {
+    std::env::temp_dir().join("gelenk-symbolica.lock")
+}
+
+/// Reading is enough to lock, so that a file made by another user will do.
+fn open(path: &Path) -> io::Result<File> {
+    match File::open(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
+            let made = OpenOptions::new().append(true).create(true).open(path);
+            made.or_else(|_| File::open(path))
+        }
+        opened => opened,
+    }
+}
+
+fn problem(diagnostic: Diagnostic) -> Diagnostics {
+    Diagnostics::new(vec![diagnostic])
+}
+
+fn busy(path: &Path, patience: Duration) -> Diagnostic {
+    Diagnostic::error(
+        "symbolica-busy",
+        format!(
+            "another process has been using Symbolica for over {} s; without a key only one may at a time",
+            patience.as_secs()
+        ),
+    )
+    .help(format!(
+        "wait for it to end, or look for who has `{}` open",
+        path.display()
+    ))
+}
+
+fn unusable(path: &Path, error: &io::Error) -> Diagnostic {
+    Diagnostic::error(
+        "symbolica-lock",
+        format!("cannot lock `{}`: {error}", path.display()),
+    )
+    .help("set TMPDIR to a folder on a local disk in which files can be made and locked")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_second_waits_says_so_once_and_fails() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("lock");
+        let first = locked(&path, Duration::ZERO, &mut |_| panic!("free")).unwrap();
+        let mut told = 0;
+        let patience = Duration::from_millis(250);
+        let refused = locked(&path, patience, &mut |_| told += 1).unwrap_err();
+        assert_eq!((refused.entries()[0].code, told), ("symbolica-busy", 1));
+        drop(first);
+        assert!(locked(&path, Duration::ZERO, &mut |_| ()).is_ok());
+    }
+
+    #[test]
+    fn a_folder_that_is_not_there_is_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("none").join("lock");
+        let refused = locked(&path, Duration::ZERO, &mut |_| ()).unwrap_err();
+        assert_eq!(refused.entries()[0].code, "symbolica-lock");
+    }
+}

@@ -1,0 +1,367 @@
+//! Constant-jerk Kalman smoother (Rauch, Tung, Striebel 1965): white noise drives the jerk's derivative.
+//!
+//! State (x, ẋ, ẍ, x⃛), `x⃜ = w` with spectral density q, measured x with variance σ². The forward pass filters, the
+//! backward pass smooths. Inside, time counts in mean sampling steps, which keeps the covariances well scaled.
+
+use super::super::error::{IdentificationError, Result, require_setting};
+use super::{Derivatives, check, judged_windows, require_noise, residual_bound, rms_difference};
+use nalgebra::{Matrix4, Vector4};
+
+/// Settings of the method.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KalmanSmoother {
+    /// Standard deviation σ of the measurement noise, in the signal's unit.
+    pub sigma: f64,
+    /// Spectral density q of the noise on the jerk's derivative [unit² s⁻⁷]; `None`: the least at which the rms of the
+    /// residual does not exceed σ (discrepancy principle).
+    pub density: Option<f64>,
+}
+
+impl KalmanSmoother {
+    /// q from the noise σ.
+    pub fn from_noise(sigma: f64) -> Self {
+        Self {
+            sigma,
+            density: None,
+        }
+    }
+
+    /// q by hand.
+    pub fn with_density(sigma: f64, density: f64) -> Self {
+        Self {
+            sigma,
+            density: Some(density),
+        }
+    }
+
+    /// Smoothed signal and derivatives at the sampling times.
+    ///
+    /// # Errors
+    /// Fewer than eight samples, values that are not finite, times that do not increase, settings out of range.
+    pub fn differentiate(&self, times: &[f64], signal: &[f64]) -> Result<Derivatives> {
+        require_noise(self.sigma)?;
+        check(times, signal, 8)?;
+        let m = times.len();
+        let step = (times[m - 1] - times[0]) / (m - 1) as f64;
+        // Density per σ² and step: unit² s⁻⁷ · step⁷ / σ².
+        let unit = self.sigma * self.sigma / step.powi(7);
+        let ratio = match self.density {
+            Some(q) => {
+                require_setting("spectral density", q, q > 0.0, "it must be positive")?;
+                q / unit
+            }
+            None => ratio_by_discrepancy(times, signal, self.sigma, step)?,
+        };
+        let filter = Filter::new(times, signal, self.sigma, step, ratio);
+        let states = filter.smooth()?;
+        let scaled = |k: usize| -> Vec<f64> {
+            states
+                .iter()
+                .map(|s| s[k] * self.sigma / step.powi(k as i32))
+                .collect()
+        };
+        let value: Vec<f64> = scaled(0).iter().map(|x| x + filter.offset).collect();
+        Ok(Derivatives {
+            first: scaled(1),
+            second: scaled(2),
+            residual: rms_difference(&value, signal),
+            value,
+            parameter: ratio * unit,
+        })
+    }
+}
+
+/// q/σ² per step, by bisection of its logarithm: the residual falls as q grows.
+fn ratio_by_discrepancy(times: &[f64], signal: &[f64], sigma: f64, step: f64) -> Result<f64> {
+    let excess = |exponent: f64| -> Result<f64> {
+        let (mut sum, mut count) = (0.0, 0_usize);
+        for window in judged_windows(times.len()) {
+            let filter = Filter::new(
+                &times[window.clone()],
+                &signal[window],
+                sigma,
+                step,
+                10f64.powf(exponent),
+            );
+            for (i, state) in filter.smooth()?.iter().enumerate() {
+                sum += (filter.measurement(i) - state[0]).powi(2);
+                count += 1;
+            }
+        }
+        Ok((sum / count as f64).sqrt() - residual_bound(1.0, count))
+    };
+    // 1e-20: a smoothing window of some hundreds of samples; beyond it a double has no digits left.
+    let (mut low, mut high) = (-20.0, 8.0);
+    if excess(low)? <= 0.0 {
+        return Ok(10f64.powf(low));
+    }
+    while high - low > 0.05 {
+        let middle = 0.5 * (low + high);
+        if excess(middle)? <= 0.0 {
+            high = middle
+        } else {
+            low = middle
+        }
+    }
+    Ok(10f64.powf(high))
+}
+
+/// Signal in units of σ, time in units of the mean step.
+struct Filter<'a> {
+    times: &'a [f64],
+    signal: &'a [f64],
+    sigma: f64,
+    step: f64,
+    ratio: f64,
+    offset: f64,
+    uniform: bool,
+}
+
+/// Gain, covariance after the update, and covariance after the prediction before it.
+#[derive(Clone, Copy)]
+struct Step {
+    gain: Vector4<f64>,
+    filtered: Matrix4<f64>,
+    predicted: Matrix4<f64>,
+}
+
+impl<'a> Filter<'a> {
+    fn new(times: &'a [f64], signal: &'a [f64], sigma: f64, step: f64, ratio: f64) -> Self {
+        let uniform = times
+            .windows(2)
+            .all(|t| (t[1] - t[0] - step).abs() <= 1e-6 * step);
+        Self {
+            times,
+            signal,
+            sigma,
+            step,
+            ratio,
+            offset: signal[0],
+            uniform,
+        }
+    }
+
+    fn measurement(&self, i: usize) -> f64 {
+        (self.signal[i] - self.offset) / self.sigma
+    }
+
+    fn interval(&self, i: usize) -> f64 {
+        if self.uniform {
+            1.0
+        } else {
+            (self.times[i] - self.times[i - 1]) / self.step
+        }
+    }
+
+    /// Wide prior: no derivative per step exceeds the signal's range.
+    fn prior(&self) -> Matrix4<f64> {
+        let range = (0..self.signal.len())
+            .map(|i| self.measurement(i).abs())
+            .fold(1.0, f64::max);
+        Matrix4::from_diagonal_element(range * range)
+    }
+
+    /// Runs the filter, handing each step's state and covariances to `visit`.
+    fn run(&self, mut visit: impl FnMut(&Step, &Vector4<f64>)) {
+        let mut x = Vector4::zeros();
+        let mut step = update(self.prior());
+        let (mut f, mut q) = transition(1.0, self.ratio);
+        let mut steady = false;
+        for i in 0..self.signal.len() {
+            if i > 0 {
+                if !self.uniform {
+                    (f, q) = transition(self.interval(i), self.ratio);
+                }
+                x = f * x;
+                if !steady {
+                    let next = update(f * step.filtered * f.transpose() + q);
+                    steady = self.uniform && unchanged(&step.filtered, &next.filtered);
+                    step = next;
+                }
+            }
+            x += step.gain * (self.measurement(i) - x[0]);
+            visit(&step, &x);
+        }
+    }
+
+    fn smooth(&self) -> Result<Vec<Vector4<f64>>> {
+        let mut states = Vec::with_capacity(self.signal.len());
+        // Once the covariances stop changing, one entry stands for all later samples.
+        let mut steps: Vec<Step> = Vec::new();
+        self.run(|step, x| {
+            states.push(*x);
+            if !self.uniform
+                || steps
+                    .last()
+                    .is_none_or(|last| last.filtered != step.filtered)
+            {
+                steps.push(*step);
+            }
+        });
+        let mut gain = Matrix4::<f64>::zeros();
+        let mut known = usize::MAX;
+        let (mut f, _) = transition(1.0, self.ratio);
+        for i in (0..states.len() - 1).rev() {
+            let (now, next) = (i.min(steps.len() - 1), (i + 1).min(steps.len() - 1));
+            if !self.uniform {
+                (f, _) = transition(self.interval(i + 1), self.ratio);
+            }
+            if known != now || !self.uniform {
+                gain = smoother_gain(&steps[now].filtered, &f, &steps[next].predicted)?;
+                // The first steady sample still differs from its successor by rounding only.
+                known = now;
+            }
+            let correction = gain * (states[i + 1] - f * states[i]);
+            states[i] += correction;
+        }
+        Ok(states)
+    }
+}
+
+fn unchanged(a: &Matrix4<f64>, b: &Matrix4<f64>) -> bool {
+    (0..4).all(|i| {
+        (0..4).all(|j| (a[(i, j)] - b[(i, j)]).abs() <= 1e-12 * (b[(i, i)] * b[(j, j)]).sqrt())
+    })
+}
+
+/// Measurement update with unit variance, in Joseph's form, which keeps the covariance positive.
+fn update(predicted: Matrix4<f64>) -> Step {
+    let variance = predicted[(0, 0)] + 1.0;
+    let gain = predicted.column(0) / variance;
+    let mut keep = Matrix4::<f64>::identity();
+    for i in 0..4 {
+        keep[(i, 0)] -= gain[i];
+    }
+    let filtered = keep * predicted * keep.transpose() + gain * gain.transpose();
+    Step {
+        gain,
+        filtered: (filtered + filtered.transpose()) * 0.5,
+        predicted,
+    }
+}
+
+/// `F = exp(A h)` and `Q = ∫ F(s) e₄ e₄ᵀ F(s)ᵀ ds · ratio`.
+fn transition(h: f64, ratio: f64) -> (Matrix4<f64>, Matrix4<f64>) {
+    const FACTORIAL: [f64; 4] = [1.0, 1.0, 2.0, 6.0];
+    let f = Matrix4::from_fn(|i, j| {
+        if j >= i {
+            h.powi((j - i) as i32) / FACTORIAL[j - i]
+        } else {
+            0.0
+        }
+    });
+    let q = Matrix4::from_fn(|i, j| {
+        let power = 7 - i - j;
+        ratio * h.powi(power as i32) / (power as f64 * FACTORIAL[3 - i] * FACTORIAL[3 - j])
+    });
+    (f, q)
+}
+
+/// `P Fᵀ (P⁻)⁻¹`, the inverse by Cholesky on the scaled matrix.
+fn smoother_gain(
+    filtered: &Matrix4<f64>,
+    f: &Matrix4<f64>,
+    predicted: &Matrix4<f64>,
+) -> Result<Matrix4<f64>> {
+    let d = predicted.diagonal().map(|p| 1.0 / p.sqrt());
+    let scale = Matrix4::from_diagonal(&d);
+    let scaled = scale * predicted * scale;
+    let factor = scaled
+        .cholesky()
+        .ok_or_else(|| IdentificationError::NotConverged {
+            what: "the Kalman smoother".into(),
+            iterations: 0,
+            detail: "the predicted covariance is not positive definite; raise the spectral density"
+                .into(),
+        })?;
+    let right = scale * f * filtered;
+    Ok((scale * factor.solve(&right)).transpose())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::random::SplitMix64;
+    use super::*;
+    use nalgebra::{DMatrix, DVector};
+
+    /// The smoother's optimality, as one dense weighted least-squares problem over all states.
+    fn by_dense_least_squares(filter: &Filter) -> Vec<f64> {
+        let m = filter.signal.len();
+        let mut information = DMatrix::<f64>::zeros(4 * m, 4 * m);
+        let mut right = DVector::<f64>::zeros(4 * m);
+        let prior = filter.prior().try_inverse().unwrap();
+        for (i, j) in (0..4).flat_map(|i| (0..4).map(move |j| (i, j))) {
+            information[(i, j)] += prior[(i, j)];
+        }
+        for i in 0..m {
+            information[(4 * i, 4 * i)] += 1.0;
+            right[4 * i] += filter.measurement(i);
+            if i > 0 {
+                let (f, q) = transition(filter.interval(i), filter.ratio);
+                let w = q.try_inverse().unwrap();
+                let mut c = DMatrix::zeros(4, 8);
+                c.view_mut((0, 0), (4, 4)).copy_from(&-f);
+                c.view_mut((0, 4), (4, 4)).fill_with_identity();
+                let add = c.transpose() * w * &c;
+                let mut block = information.view_mut((4 * (i - 1), 4 * (i - 1)), (8, 8));
+                block += add;
+            }
+        }
+        information
+            .cholesky()
+            .unwrap()
+            .solve(&right)
+            .as_slice()
+            .to_vec()
+    }
+
+    #[test]
+    fn agrees_with_dense_least_squares() {
+        for jitter in [0.0, 0.3] {
+            let mut random = SplitMix64::new(9);
+            let times: Vec<f64> = (0..40)
+                .map(|i| 0.1 * (f64::from(i) + jitter * random.uniform()))
+                .collect();
+            let signal: Vec<f64> = times
+                .iter()
+                .map(|t| t.sin() + 0.1 * random.normal())
+                .collect();
+            let step = (times[39] - times[0]) / 39.0;
+            let filter = Filter::new(&times, &signal, 0.1, step, 1e-2);
+            let smoothed = filter.smooth().unwrap();
+            let dense = by_dense_least_squares(&filter);
+            for (i, s) in smoothed.iter().enumerate() {
+                for k in 0..4 {
+                    assert!(
+                        (s[k] - dense[4 * i + k]).abs() < 1e-6,
+                        "{i} {k}: {} {}",
+                        s[k],
+                        dense[4 * i + k]
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_steady_gain_changes_nothing() {
+        let mut random = SplitMix64::new(10);
+        let times: Vec<f64> = (0..3000).map(|i| 0.01 * f64::from(i)).collect();
+        // The same times, but not equal enough for the shortcut.
+        let uneven: Vec<f64> = times
+            .iter()
+            .enumerate()
+            .map(|(i, t)| t + 1e-7 * ((i % 2) as f64))
+            .collect();
+        let signal: Vec<f64> = times
+            .iter()
+            .map(|t| (3.0 * t).sin() + 0.01 * random.normal())
+            .collect();
+        let settings = KalmanSmoother::with_density(0.01, 1e4);
+        let fast = settings.differentiate(&times, &signal).unwrap();
+        let slow = settings.differentiate(&uneven, &signal).unwrap();
+        for i in 0..3000 {
+            assert!((fast.first[i] - slow.first[i]).abs() < 1e-3);
+        }
+    }
+}

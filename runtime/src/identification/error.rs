@@ -1,0 +1,232 @@
+//! What can be wrong with data or settings, each with the numbers that show it.
+
+use thiserror::Error;
+
+/// Why an identification step has no result. Every message names the quantity, its value and what to do.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum IdentificationError {
+    /// No samples at all.
+    #[error("{what} is empty: there is nothing to identify from")]
+    Empty {
+        /// The quantity.
+        what: String,
+    },
+    /// NaN or an infinity where a number is needed.
+    #[error(
+        "{what} is not finite ({value}) at row {row} (counted from 0), {count} such values of {samples}: deselect these rows or repair the log"
+    )]
+    NotFinite {
+        /// Column or channel.
+        what: String,
+        /// First row with such a value, from 0.
+        row: usize,
+        /// The value there.
+        value: f64,
+        /// How many rows hold such a value.
+        count: usize,
+        /// Number of rows looked at.
+        samples: usize,
+    },
+    /// Finite samples whose squares overflow.
+    #[error(
+        "{what} has values up to {largest:e}, whose squares overflow: scale it to sensible units"
+    )]
+    Overflow {
+        /// Column or channel.
+        what: String,
+        /// Largest magnitude.
+        largest: f64,
+    },
+    /// Fewer samples than the method needs.
+    #[error("{what} needs at least {needed} samples, there are {got}")]
+    TooFewSamples {
+        /// The method.
+        what: String,
+        /// Smallest number that works.
+        needed: usize,
+        /// Number at hand.
+        got: usize,
+    },
+    /// Lengths that should agree do not.
+    #[error("{what}: {expected} expected, {got} given")]
+    Shape {
+        /// What is compared.
+        what: String,
+        /// Expected size.
+        expected: usize,
+        /// Given size.
+        got: usize,
+    },
+    /// A setting outside its range.
+    #[error("{name} = {value} is not possible: {requirement}")]
+    Setting {
+        /// Name of the setting.
+        name: String,
+        /// Its value.
+        value: f64,
+        /// What holds for it.
+        requirement: String,
+    },
+    /// Library columns that are (nearly) linearly dependent.
+    #[error(
+        "the terms {} are collinear on these data: condition number {condition:.3e} of the scaled library exceeds {limit:.0e}; remove one of them or excite the joint more", .terms.join(", ")
+    )]
+    Collinear {
+        /// Terms that take part in the dependency.
+        terms: Vec<String>,
+        /// Condition number of the library with columns scaled to unit length.
+        condition: f64,
+        /// The accepted limit.
+        limit: f64,
+    },
+    /// A quantity that never changes where its change is needed.
+    #[error(
+        "{what} is constant ({value}) in all {samples} samples: nothing can be identified from it"
+    )]
+    Constant {
+        /// The quantity.
+        what: String,
+        /// Its value.
+        value: f64,
+        /// Number of samples.
+        samples: usize,
+    },
+    /// A library column that is zero everywhere.
+    #[error("the term {term} is zero in all {samples} samples: no coefficient can be found for it")]
+    ZeroColumn {
+        /// The term.
+        term: String,
+        /// Number of samples.
+        samples: usize,
+    },
+    /// A threshold or λ that leaves no term.
+    #[error(
+        "{what} = {value:e} removes every term: the largest value that keeps one is {largest:e}"
+    )]
+    EverythingRemoved {
+        /// "threshold" or "lambda".
+        what: String,
+        /// Its value.
+        value: f64,
+        /// Bound below which at least one term stays.
+        largest: f64,
+    },
+    /// Times that do not increase.
+    #[error(
+        "time does not increase at row {row} (counted from 0): {before} s is followed by {after} s; sort the rows or split the log into segments"
+    )]
+    Time {
+        /// Row of the later sample.
+        row: usize,
+        /// Time before.
+        before: f64,
+        /// Time at the row.
+        after: f64,
+    },
+    /// Text that is no valid expression.
+    #[error("expression `{text}`: {message}")]
+    Expression {
+        /// The text.
+        text: String,
+        /// What is wrong and what is possible.
+        message: String,
+    },
+    /// A channel that the log does not have.
+    #[error("there is no channel `{name}`; known are {}", .known.join(", "))]
+    UnknownChannel {
+        /// The name asked for.
+        name: String,
+        /// Names of the channels.
+        known: Vec<String>,
+    },
+    /// A selection that keeps nothing.
+    #[error("the selection `{selection}` keeps none of {samples} rows")]
+    NothingSelected {
+        /// The expression.
+        selection: String,
+        /// Rows looked at.
+        samples: usize,
+    },
+    /// A file that cannot be read or understood.
+    #[error("{place}: {message}")]
+    File {
+        /// Path and position.
+        place: String,
+        /// What is wrong.
+        message: String,
+    },
+    /// An iteration that did not reach its tolerance.
+    #[error("{what} did not converge in {iterations} iterations: {detail}")]
+    NotConverged {
+        /// The method.
+        what: String,
+        /// Iterations done.
+        iterations: usize,
+        /// The numbers at the end.
+        detail: String,
+    },
+}
+
+/// Result of an identification step.
+pub type Result<T> = std::result::Result<T, IdentificationError>;
+
+/// Fails with row and count if a value of `values` is NaN or infinite.
+///
+/// # Errors
+/// [`IdentificationError::NotFinite`]
+pub fn require_finite(what: &str, values: &[f64]) -> Result<()> {
+    let Some(row) = values.iter().position(|x| !x.is_finite()) else {
+        return Ok(());
+    };
+    Err(IdentificationError::NotFinite {
+        what: what.into(),
+        row,
+        value: values[row],
+        count: values.iter().filter(|x| !x.is_finite()).count(),
+        samples: values.len(),
+    })
+}
+
+/// Fails unless `value` is finite and satisfies `holds`; `requirement` says so in words.
+pub(crate) fn require_setting(
+    name: &str,
+    value: f64,
+    holds: bool,
+    requirement: &str,
+) -> Result<()> {
+    if value.is_finite() && holds {
+        return Ok(());
+    }
+    Err(IdentificationError::Setting {
+        name: name.into(),
+        value,
+        requirement: requirement.into(),
+    })
+}
+
+/// Fails unless `got == expected`.
+pub(crate) fn require_length(what: &str, expected: usize, got: usize) -> Result<()> {
+    if expected == got {
+        return Ok(());
+    }
+    Err(IdentificationError::Shape {
+        what: what.into(),
+        expected,
+        got,
+    })
+}
+
+/// Fails if there are fewer than `needed` samples.
+pub(crate) fn require_samples(what: &str, needed: usize, got: usize) -> Result<()> {
+    if got == 0 {
+        return Err(IdentificationError::Empty { what: what.into() });
+    }
+    if got < needed {
+        return Err(IdentificationError::TooFewSamples {
+            what: what.into(),
+            needed,
+            got,
+        });
+    }
+    Ok(())
+}

@@ -1,0 +1,143 @@
+//! The library Θ: terms as declared in a description, evaluated on channels.
+
+use super::error::{IdentificationError, Result, require_length};
+use super::expression::{Kind, Program, Workspace};
+use nalgebra::DMatrix;
+
+/// Candidate terms `θᵢ`, each an expression over named channels (`v`, `y`, a load torque, states and inputs).
+#[derive(Debug, Clone)]
+pub struct Library {
+    terms: Vec<String>,
+    channels: Vec<String>,
+    program: Program,
+}
+
+impl Library {
+    /// Compiles `terms` over `channels`.
+    ///
+    /// # Errors
+    /// No term, a term twice, a term that is no number, or a fault in its text.
+    pub fn new<S: AsRef<str>, C: AsRef<str>>(terms: &[S], channels: &[C]) -> Result<Self> {
+        let terms: Vec<String> = terms.iter().map(|t| t.as_ref().to_string()).collect();
+        let channels: Vec<String> = channels.iter().map(|t| t.as_ref().to_string()).collect();
+        if terms.is_empty() {
+            return Err(IdentificationError::Empty {
+                what: "the library of terms".into(),
+            });
+        }
+        let program = Program::new(&terms, &channels)?;
+        for (i, term) in terms.iter().enumerate() {
+            let fault = |message: &str| IdentificationError::Expression {
+                text: term.clone(),
+                message: message.into(),
+            };
+            if program.kind(i) != Some(Kind::Number) {
+                return Err(fault("a library term must be a number, not a truth value"));
+            }
+            if terms[..i].contains(term) {
+                return Err(fault("this term stands twice in the library"));
+            }
+        }
+        Ok(Self {
+            terms,
+            channels,
+            program,
+        })
+    }
+
+    /// The friction library of the reference robot: `[1, v, sign v, tanh 5v, tanh 10v, tanh 20v, tanh 100v]`.
+    ///
+    /// # Errors
+    /// None in practice; the signature is that of [`Self::new`].
+    pub fn friction() -> Result<Self> {
+        Self::new(
+            &[
+                "1",
+                "v",
+                "sign(v)",
+                "tanh(5*v)",
+                "tanh(10*v)",
+                "tanh(20*v)",
+                "tanh(100*v)",
+            ],
+            &["v"],
+        )
+    }
+
+    /// All monomials of `channels` up to `degree`, constant first, e.g. `1, x, y, x*x, x*y, y*y`.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn polynomial<C: AsRef<str>>(channels: &[C], degree: usize) -> Result<Self> {
+        let mut terms = vec!["1".to_string()];
+        let mut last: Vec<(String, usize)> = vec![(String::new(), 0)];
+        for _ in 0..degree {
+            let mut next = Vec::new();
+            for (text, first) in &last {
+                for (i, channel) in channels.iter().enumerate().skip(*first) {
+                    let joint = if text.is_empty() { "" } else { "*" };
+                    next.push((format!("{text}{joint}{}", channel.as_ref()), i));
+                }
+            }
+            terms.extend(next.iter().map(|(text, _)| text.clone()));
+            last = next;
+        }
+        Self::new(&terms, channels)
+    }
+
+    /// Texts of the terms.
+    pub fn terms(&self) -> &[String] {
+        &self.terms
+    }
+
+    /// Names of the channels.
+    pub fn channels(&self) -> &[String] {
+        &self.channels
+    }
+
+    /// Number of terms p.
+    pub fn len(&self) -> usize {
+        self.terms.len()
+    }
+
+    /// Never true: a library has at least one term.
+    pub fn is_empty(&self) -> bool {
+        self.terms.is_empty()
+    }
+
+    pub(crate) fn program(&self) -> &Program {
+        &self.program
+    }
+
+    /// Buffers for [`Self::row`].
+    pub fn workspace(&self) -> Workspace {
+        self.program.workspace()
+    }
+
+    /// One row of Θ, without allocation.
+    ///
+    /// # Errors
+    /// Wrong lengths.
+    pub fn row(&self, channels: &[f64], workspace: &mut Workspace, out: &mut [f64]) -> Result<()> {
+        self.program.evaluate(channels, workspace, out)
+    }
+
+    /// The matrix Θ `[samples × terms]`.
+    ///
+    /// # Errors
+    /// Wrong number or lengths of the channels.
+    pub fn matrix(&self, channels: &[&[f64]]) -> Result<DMatrix<f64>> {
+        require_length(
+            "channels of the library",
+            self.channels.len(),
+            channels.len(),
+        )?;
+        let columns = self.program.evaluate_columns(channels)?;
+        let m = columns[0].len();
+        Ok(DMatrix::from_iterator(
+            m,
+            columns.len(),
+            columns.into_iter().flatten(),
+        ))
+    }
+}

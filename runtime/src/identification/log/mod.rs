@@ -1,0 +1,183 @@
+//! Logs of a real or simulated robot: channels read from CSV, with everything suspicious reported by row.
+//!
+//! Nothing is repaired silently: a value that cannot be read is NaN and reported; gaps, jitter, wraps and mixed units
+//! are [`Finding`]s, and the caller decides (select rows, [`Log::unwrap_counter`], split).
+
+mod check;
+mod read;
+mod schema;
+
+pub use check::{Finding, FindingKind, check};
+pub use schema::{ChannelSchema, LogSchema, Quantity};
+
+use super::error::{IdentificationError, Result, require_setting};
+use super::expression::select;
+use std::ops::Range;
+
+/// One column of a log, in SI units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel {
+    /// Name in expressions, an identifier.
+    pub name: String,
+    /// What it measures.
+    pub quantity: Quantity,
+    /// Unit of the values after conversion, e.g. `rad/s`.
+    pub unit: String,
+    /// Joint it belongs to, by the number in the schema or in the name.
+    pub joint: Option<usize>,
+    /// Samples; NaN where the file has no number.
+    pub values: Vec<f64>,
+}
+
+/// Channels of equal length, and where they came from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Log {
+    channels: Vec<Channel>,
+    segments: Vec<Range<usize>>,
+    hash: String,
+    source: String,
+}
+
+impl Log {
+    /// All channels, in the order of the file or schema.
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// Names of the channels, as expressions need them.
+    pub fn names(&self) -> Vec<String> {
+        self.channels.iter().map(|c| c.name.clone()).collect()
+    }
+
+    /// Samples of all channels, as expressions need them.
+    pub fn columns(&self) -> Vec<&[f64]> {
+        self.channels.iter().map(|c| c.values.as_slice()).collect()
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.channels.first().map_or(0, |c| c.values.len())
+    }
+
+    /// Rows between changes of the segment channel; one range if there is none.
+    pub fn segments(&self) -> &[Range<usize>] {
+        &self.segments
+    }
+
+    /// SHA-256 of the file's bytes, in hexadecimal.
+    pub fn hash(&self) -> &str {
+        &self.hash
+    }
+
+    /// Where the log came from, for messages.
+    pub fn source(&self) -> &str {
+        &self.source
+    }
+
+    /// Samples of one channel.
+    ///
+    /// # Errors
+    /// [`IdentificationError::UnknownChannel`]
+    pub fn channel(&self, name: &str) -> Result<&[f64]> {
+        self.channels
+            .iter()
+            .find(|c| c.name == name)
+            .map(|c| c.values.as_slice())
+            .ok_or_else(|| IdentificationError::UnknownChannel {
+                name: name.into(),
+                known: self.names(),
+            })
+    }
+
+    /// The time channel.
+    ///
+    /// # Errors
+    /// [`IdentificationError::UnknownChannel`] if the log has none.
+    pub fn time(&self) -> Result<&[f64]> {
+        let channel = self.channels.iter().find(|c| c.quantity == Quantity::Time);
+        channel
+            .map(|c| c.values.as_slice())
+            .ok_or_else(|| IdentificationError::UnknownChannel {
+                name: "time".into(),
+                known: self.names(),
+            })
+    }
+
+    /// Rows where the expression is true, see [`select`].
+    ///
+    /// # Errors
+    /// As [`select`].
+    pub fn select(&self, expression: &str) -> Result<Vec<usize>> {
+        select(expression, &self.names(), &self.columns())
+    }
+
+    /// Adds a computed channel, e.g. a differentiated velocity.
+    ///
+    /// # Errors
+    /// A name that exists, or a wrong length.
+    pub fn add(&mut self, channel: Channel) -> Result<()> {
+        super::error::require_length(
+            &format!("samples of channel {}", channel.name),
+            self.rows(),
+            channel.values.len(),
+        )?;
+        if self.channels.iter().any(|c| c.name == channel.name) {
+            return Err(IdentificationError::Expression {
+                text: channel.name,
+                message: "this channel exists already".into(),
+            });
+        }
+        self.channels.push(channel);
+        Ok(())
+    }
+
+    /// Undoes counter overflows: a step of more than half a period is taken as the shorter way around.
+    ///
+    /// # Errors
+    /// Unknown channel, or a period that is not positive.
+    pub fn unwrap_counter(&mut self, name: &str, period: f64) -> Result<()> {
+        require_setting(
+            "period of the counter",
+            period,
+            period > 0.0,
+            "it must be positive",
+        )?;
+        self.channel(name)?;
+        let segments = self.segments.clone();
+        for channel in self.channels.iter_mut().filter(|c| c.name == name) {
+            for rows in &segments {
+                unwrap(&mut channel.values[rows.clone()], period);
+            }
+        }
+        Ok(())
+    }
+}
+
+fn unwrap(values: &mut [f64], period: f64) {
+    let (mut turns, mut last) = (0.0, f64::NAN);
+    for value in values {
+        let raw = *value;
+        if last.is_finite() && raw.is_finite() {
+            turns -= ((raw - last) / period).round();
+        }
+        if raw.is_finite() {
+            last = raw;
+        }
+        *value = raw + turns * period;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counters_unwrap_over_missing_values() {
+        let mut values: Vec<f64> = (0..100).map(|i| f64::from(i * 7 % 256)).collect();
+        values[37] = f64::NAN;
+        unwrap(&mut values, 256.0);
+        for (i, v) in values.iter().enumerate().filter(|(i, _)| *i != 37) {
+            assert_eq!(*v, 7.0 * i as f64);
+        }
+    }
+}

@@ -1,0 +1,324 @@
+//! Which column of a CSV file is which channel, in which unit.
+
+use super::super::error::{IdentificationError, Result};
+use serde::Deserialize;
+
+/// What a channel measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Quantity {
+    /// Time.
+    Time,
+    /// Joint position.
+    Position,
+    /// Joint velocity.
+    Velocity,
+    /// Joint acceleration.
+    Acceleration,
+    /// Torque or force.
+    Torque,
+    /// Motor current; `u = K_M i`.
+    Current,
+    /// A number that is constant within a run; times may restart where it changes.
+    Segment,
+    /// Anything else.
+    Other,
+}
+
+/// One `[[channel]]` of the mapping.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ChannelSchema {
+    /// Name in expressions.
+    pub name: String,
+    /// Header of the column; the name if absent.
+    pub column: Option<String>,
+    /// What it measures; guessed from the name if absent.
+    pub quantity: Option<Quantity>,
+    /// Unit in the file; SI if absent.
+    pub unit: Option<String>,
+    /// Joint number.
+    pub joint: Option<usize>,
+    /// Factor before the unit is converted, e.g. radians per count.
+    pub scale: Option<f64>,
+    /// Number added after scaling, in the file's unit.
+    pub offset: Option<f64>,
+}
+
+/// Mapping of columns to channels.
+///
+/// ```toml
+/// [[channel]]
+/// name = "beta"
+/// column = "pos_2"
+/// quantity = "position"
+/// unit = "deg"
+/// joint = 2
+/// ```
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LogSchema {
+    /// Channels to read; empty: every column, named by its header (`q1` or `q1 [deg]`).
+    #[serde(default, rename = "channel")]
+    pub channels: Vec<ChannelSchema>,
+    /// Field separator; a comma if absent.
+    pub separator: Option<char>,
+}
+
+impl LogSchema {
+    /// Reads the mapping from TOML.
+    ///
+    /// # Errors
+    /// [`IdentificationError::File`] with line and column.
+    pub fn from_toml(text: &str) -> Result<Self> {
+        toml::from_str(text).map_err(|e| IdentificationError::File {
+            place: "column mapping".into(),
+            message: e.to_string(),
+        })
+    }
+
+    /// The mapping for a file with these headers.
+    pub(super) fn resolve(&self, headers: &[String]) -> Result<Vec<Column>> {
+        if self.channels.is_empty() {
+            return headers
+                .iter()
+                .enumerate()
+                .map(|(i, h)| Column::from_header(i, h))
+                .collect();
+        }
+        self.channels
+            .iter()
+            .map(|c| Column::from_schema(c, headers))
+            .collect()
+    }
+}
+
+/// A resolved column.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Column {
+    pub index: usize,
+    pub name: String,
+    pub quantity: Quantity,
+    pub unit: String,
+    pub joint: Option<usize>,
+    pub factor: f64,
+    pub offset: f64,
+}
+
+impl Column {
+    fn from_header(index: usize, header: &str) -> Result<Self> {
+        let (name, unit) = match header.split_once('[') {
+            Some((name, unit)) => (name.trim(), unit.trim_end().trim_end_matches(']')),
+            None => (header.trim(), ""),
+        };
+        let name = identifier(name, index);
+        let quantity = guess(&name);
+        Self::new(index, name, quantity, unit, None, 1.0, 0.0)
+    }
+
+    fn from_schema(schema: &ChannelSchema, headers: &[String]) -> Result<Self> {
+        let header = schema.column.as_ref().unwrap_or(&schema.name);
+        let index = headers.iter().position(|h| h == header);
+        let index = index.ok_or_else(|| IdentificationError::UnknownChannel {
+            name: header.clone(),
+            known: headers.to_vec(),
+        })?;
+        if identifier(&schema.name, index) != schema.name {
+            return Err(IdentificationError::Expression {
+                text: schema.name.clone(),
+                message: "a channel's name must be an identifier: letters, digits and _".into(),
+            });
+        }
+        let quantity = schema.quantity.unwrap_or_else(|| guess(&schema.name));
+        let unit = schema.unit.as_deref().unwrap_or("");
+        let (scale, offset) = (schema.scale.unwrap_or(1.0), schema.offset.unwrap_or(0.0));
+        Self::new(
+            index,
+            schema.name.clone(),
+            quantity,
+            unit,
+            schema.joint,
+            scale,
+            offset,
+        )
+    }
+
+    fn new(
+        index: usize,
+        name: String,
+        quantity: Quantity,
+        unit: &str,
+        joint: Option<usize>,
+        scale: f64,
+        offset: f64,
+    ) -> Result<Self> {
+        let digits: String = name
+            .chars()
+            .rev()
+            .take_while(char::is_ascii_digit)
+            .collect();
+        let joint = joint.or_else(|| digits.chars().rev().collect::<String>().parse().ok());
+        let (factor, si) = match unit {
+            "" => (1.0, default_unit(quantity)),
+            _ => conversion(unit).ok_or_else(|| IdentificationError::Expression {
+                text: unit.into(),
+                message: format!(
+                    "unknown unit of channel {name}; known are {}",
+                    known_units()
+                ),
+            })?,
+        };
+        Ok(Self {
+            index,
+            name,
+            quantity,
+            unit: si.into(),
+            joint,
+            factor: factor * scale,
+            offset: offset * factor,
+        })
+    }
+}
+
+/// A header as an identifier: other characters become `_`.
+fn identifier(text: &str, index: usize) -> String {
+    let mut name: String = text
+        .chars()
+        .map(|c| {
+            if c.is_ascii_alphanumeric() || c == '_' {
+                c
+            } else {
+                '_'
+            }
+        })
+        .collect();
+    if name.is_empty() {
+        name = format!("column_{index}");
+    }
+    if name.starts_with(|c: char| c.is_ascii_digit()) {
+        name.insert(0, '_');
+    }
+    name
+}
+
+fn guess(name: &str) -> Quantity {
+    let stem = name
+        .trim_end_matches(|c: char| c.is_ascii_digit())
+        .trim_end_matches('_')
+        .to_ascii_lowercase();
+    match stem.as_str() {
+        "t" | "time" => Quantity::Time,
+        "q" | "y" | "pos" | "position" | "phi" => Quantity::Position,
+        "dq" | "v" | "vel" | "velocity" | "qd" => Quantity::Velocity,
+        "ddq" | "a" | "acc" | "acceleration" | "qdd" => Quantity::Acceleration,
+        "u" | "tau" | "torque" => Quantity::Torque,
+        "i" | "current" => Quantity::Current,
+        "run" | "segment" => Quantity::Segment,
+        _ => Quantity::Other,
+    }
+}
+
+fn default_unit(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Time => "s",
+        Quantity::Position => "rad",
+        Quantity::Velocity => "rad/s",
+        Quantity::Acceleration => "rad/s^2",
+        Quantity::Torque => "N*m",
+        Quantity::Current => "A",
+        Quantity::Segment | Quantity::Other => "1",
+    }
+}
+
+const DEGREE: f64 = std::f64::consts::PI / 180.0;
+const UNITS: [(&str, f64, &str); 25] = [
+    ("s", 1.0, "s"),
+    ("ms", 1e-3, "s"),
+    ("us", 1e-6, "s"),
+    ("ns", 1e-9, "s"),
+    ("rad", 1.0, "rad"),
+    ("mrad", 1e-3, "rad"),
+    ("deg", DEGREE, "rad"),
+    ("rad/s", 1.0, "rad/s"),
+    ("deg/s", DEGREE, "rad/s"),
+    ("rpm", std::f64::consts::PI / 30.0, "rad/s"),
+    ("rad/s^2", 1.0, "rad/s^2"),
+    ("deg/s^2", DEGREE, "rad/s^2"),
+    ("m", 1.0, "m"),
+    ("mm", 1e-3, "m"),
+    ("m/s", 1.0, "m/s"),
+    ("mm/s", 1e-3, "m/s"),
+    ("m/s^2", 1.0, "m/s^2"),
+    ("N*m", 1.0, "N*m"),
+    ("Nm", 1.0, "N*m"),
+    ("mNm", 1e-3, "N*m"),
+    ("N", 1.0, "N"),
+    ("A", 1.0, "A"),
+    ("mA", 1e-3, "A"),
+    ("count", 1.0, "count"),
+    ("1", 1.0, "1"),
+];
+
+fn conversion(unit: &str) -> Option<(f64, &'static str)> {
+    UNITS.iter().find(|u| u.0 == unit).map(|u| (u.1, u.2))
+}
+
+fn known_units() -> String {
+    UNITS.map(|u| u.0).join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn headers_become_channels() {
+        let headers = ["run", "t [ms]", "q1 [deg]", "dq1", "motor load"].map(String::from);
+        let columns = LogSchema::default().resolve(&headers).unwrap();
+        assert_eq!(
+            columns.iter().map(|c| c.name.as_str()).collect::<Vec<_>>(),
+            ["run", "t", "q1", "dq1", "motor_load"]
+        );
+        assert_eq!(
+            (columns[1].quantity, columns[1].factor),
+            (Quantity::Time, 1e-3)
+        );
+        assert_eq!(
+            (
+                columns[2].quantity,
+                columns[2].joint,
+                columns[2].unit.as_str()
+            ),
+            (Quantity::Position, Some(1), "rad")
+        );
+        assert!((columns[2].factor - 0.017_453_292_519_943_295).abs() < 1e-18);
+        assert_eq!(columns[4].quantity, Quantity::Other);
+    }
+
+    #[test]
+    fn faults_in_the_mapping_are_explained() {
+        let schema = LogSchema::from_toml(
+            "[[channel]]\nname = \"beta\"\ncolumn = \"pos\"\nunit = \"grad\"\n",
+        )
+        .unwrap();
+        let message = schema
+            .resolve(&["pos".to_string()])
+            .unwrap_err()
+            .to_string();
+        assert!(
+            message.starts_with("expression `grad`: unknown unit of channel beta; known are s, ms")
+        );
+        let message = schema
+            .resolve(&["time".to_string()])
+            .unwrap_err()
+            .to_string();
+        assert_eq!(message, "there is no channel `pos`; known are time");
+        let message = LogSchema::from_toml("[[channel]]\nname = \"b\"\nunti = 1\n")
+            .unwrap_err()
+            .to_string();
+        assert!(
+            message.contains("line 3") && message.contains("unti"),
+            "{message}"
+        );
+    }
+}

@@ -1,0 +1,29 @@
+//! Identification: from logs to friction models that the generator reads.
+//!
+//! Order of work: a log is read and checked ([`log`]), velocities and accelerations are differentiated
+//! ([`differentiation`]), rows are selected by expressions ([`expression`]), a library of terms is evaluated and
+//! reduced to moments in one pass ([`library`], [`moments`]), and sparse or nonlinear models are fitted to them.
+
+pub mod constrained;
+pub mod cross_validation;
+pub mod differentiation;
+pub mod ensemble;
+pub mod error;
+pub mod expression;
+pub mod inertial;
+mod kernel;
+pub mod lasso;
+pub mod least_squares;
+pub mod library;
+pub mod log;
+pub mod moments;
+pub mod plot;
+pub mod random;
+pub mod recursive;
+pub mod result;
+pub mod sparse_dynamics;
+pub mod stribeck;
+pub mod thresholding;
+pub mod torque;
+
+pub use error::{IdentificationError, Result};

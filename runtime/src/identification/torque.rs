@@ -1,0 +1,217 @@
+//! Friction torque from a motion and the generated model, and the motor constant from a known load.
+
+use super::error::{IdentificationError, Result, require_finite, require_length, require_samples};
+use super::least_squares::{Reduced, Solution};
+use super::library::Library;
+use super::moments::Samples;
+
+/// A recorded motion: one column of samples per joint and input.
+#[derive(Debug, Clone)]
+pub struct Motion<'a, const N: usize, const M: usize> {
+    /// y [rad or m].
+    pub positions: [&'a [f64]; N],
+    /// ẏ.
+    pub velocities: [&'a [f64]; N],
+    /// ÿ.
+    pub accelerations: [&'a [f64]; N],
+    /// u, motor torques [N·m].
+    pub inputs: [&'a [f64]; M],
+}
+
+/// What friction identification needs of a model.
+///
+/// For a generated module: `rigid_forces` is `inverse_dynamics(y, v, a) − friction_torques(v)`, and `drive_forces` is
+/// `input_matrix · u`.
+pub trait FrictionlessDynamics<const N: usize, const M: usize> {
+    /// `M(y) ÿ + k(y, ẏ) − q_s(y, ẏ)`, on the joint side, without friction.
+    fn rigid_forces(&self, y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N];
+    /// `B(y) u`.
+    fn drive_forces(&self, y: &[f64; N], u: &[f64; M]) -> [f64; N];
+}
+
+/// Friction torque `τ = q_s + B u − M ÿ − k`, one column per joint.
+///
+/// # Errors
+/// Columns of different length, no samples, or values that are not finite.
+pub fn friction_torques<const N: usize, const M: usize>(
+    model: &impl FrictionlessDynamics<N, M>,
+    motion: &Motion<N, M>,
+) -> Result<[Vec<f64>; N]> {
+    let m = motion.positions.first().map_or(0, |c| c.len());
+    require_samples("the friction torque", 1, m)?;
+    let kinds = [
+        ("position", &motion.positions),
+        ("velocity", &motion.velocities),
+        ("acceleration", &motion.accelerations),
+    ];
+    for (kind, columns) in kinds {
+        for (joint, column) in columns.iter().enumerate() {
+            require_column(&format!("{kind} of joint {joint}"), m, column)?;
+        }
+    }
+    for (k, column) in motion.inputs.iter().enumerate() {
+        require_column(&format!("input {k}"), m, column)?;
+    }
+    let mut torques: [Vec<f64>; N] = std::array::from_fn(|_| Vec::with_capacity(m));
+    for i in 0..m {
+        let y = motion.positions.map(|c| c[i]);
+        let rigid = model.rigid_forces(
+            &y,
+            &motion.velocities.map(|c| c[i]),
+            &motion.accelerations.map(|c| c[i]),
+        );
+        let drive = model.drive_forces(&y, &motion.inputs.map(|c| c[i]));
+        for (joint, torque) in torques.iter_mut().enumerate() {
+            torque.push(drive[joint] - rigid[joint]);
+        }
+    }
+    Ok(torques)
+}
+
+fn require_column(what: &str, samples: usize, column: &[f64]) -> Result<()> {
+    require_length(&format!("samples of the {what}"), samples, column.len())?;
+    require_finite(&format!("the {what}"), column)
+}
+
+/// Motor constant K_M [N·m/A] and friction from a motion with known load.
+///
+/// `gear_ratio · K_M · i = τ_load + Θ(v) ξ`, solved for K_M and ξ together.
+///
+/// - `load`: joint torque that the motion needs without friction, `M ÿ + k − q_s` [N·m]
+/// - returns the solution with K_M as coefficient 0 and ξ after it
+///
+/// # Errors
+/// As least squares; in particular a load proportional to the friction (no gravity, one speed) is collinear.
+pub fn motor_constant(
+    currents: &[f64],
+    gear_ratio: f64,
+    load: &[f64],
+    library: &Library,
+    velocities: &[f64],
+) -> Result<Solution> {
+    if load.iter().all(|t| *t == 0.0) {
+        return Err(IdentificationError::ZeroColumn {
+            term: "the known load".into(),
+            samples: load.len(),
+        });
+    }
+    let drive: Vec<f64> = currents.iter().map(|i| gear_ratio * i).collect();
+    let mut theta = library.matrix(&[velocities])?;
+    theta.neg_mut();
+    let mut names = vec!["K_M".to_string()];
+    names.extend_from_slice(library.terms());
+    let mut columns: Vec<&[f64]> = vec![&drive];
+    columns.extend(theta.as_slice().chunks_exact(theta.nrows().max(1)));
+    let samples = Samples::from_columns(&names, columns, vec![load])?;
+    let all: Vec<usize> = (0..names.len()).collect();
+    Reduced::new(&samples)?.fit(0, &all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::random::SplitMix64;
+    use super::*;
+
+    /// The published reduced PowerCube without friction.
+    struct PowerCube;
+
+    const I: f64 = 161.0;
+    const ROTOR: f64 = 5.267e-5;
+    const H: f64 = 0.310_754_986_2;
+    const G: f64 = 9.80665;
+
+    impl FrictionlessDynamics<2, 2> for PowerCube {
+        fn rigid_forces(&self, y: &[f64; 2], v: &[f64; 2], a: &[f64; 2]) -> [f64; 2] {
+            let m11 = ROTOR * I * I + 2.0 * H * y[1].cos() + 0.956_037_516_856_5;
+            let m12 = ROTOR * I + H * y[1].cos() + 0.660_889_906_856_5;
+            let m22 = ROTOR * I * I + 0.660_889_906_856_5;
+            let k = [
+                -H * y[1].sin() * (2.0 * v[0] * v[1] + v[1] * v[1]),
+                H * v[0] * v[0] * y[1].sin(),
+            ];
+            let second = 1.72641659 * G * (y[0] + y[1]).sin();
+            let q = [1.626138 * G * y[0].sin() + second, second];
+            [
+                m11 * a[0] + m12 * a[1] + k[0] - q[0],
+                m12 * a[0] + m22 * a[1] + k[1] - q[1],
+            ]
+        }
+
+        fn drive_forces(&self, _: &[f64; 2], u: &[f64; 2]) -> [f64; 2] {
+            u.map(|u| I * u)
+        }
+    }
+
+    #[test]
+    fn friction_and_motor_constant_come_back_from_a_simulated_motion() {
+        let m = 4000;
+        let t = |i: usize| 0.005 * i as f64;
+        let wave = |a: f64, w: f64| -> [Vec<f64>; 3] {
+            let of = |f: &dyn Fn(f64) -> f64| (0..m).map(|i| f(t(i))).collect::<Vec<f64>>();
+            [
+                of(&|t| a * (w * t).sin()),
+                of(&|t| a * w * (w * t).cos()),
+                of(&|t| -a * w * w * (w * t).sin()),
+            ]
+        };
+        let (b, g) = (wave(0.6, 1.1), wave(0.9, 1.7));
+        let friction = |v: f64| 76.556 * v + 3.924 * (5.0 * v).tanh();
+        let (mut u, mut load) = ([vec![], vec![]], vec![]);
+        for i in 0..m {
+            let rigid = PowerCube.rigid_forces(
+                &[b[0][i], g[0][i]],
+                &[b[1][i], g[1][i]],
+                &[b[2][i], g[2][i]],
+            );
+            u[0].push((rigid[0] + friction(b[1][i])) / I);
+            u[1].push((rigid[1] + friction(g[1][i])) / I);
+            load.push(rigid[0]);
+        }
+        let motion = Motion {
+            positions: [&b[0], &g[0]],
+            velocities: [&b[1], &g[1]],
+            accelerations: [&b[2], &g[2]],
+            inputs: [&u[0], &u[1]],
+        };
+        let torques = friction_torques(&PowerCube, &motion).unwrap();
+        for i in 0..m {
+            assert!((torques[1][i] - friction(g[1][i])).abs() < 1e-10);
+        }
+        let mut random = SplitMix64::new(1);
+        let currents: Vec<f64> = u[0]
+            .iter()
+            .map(|u| u / 0.12 + 1e-3 * random.normal())
+            .collect();
+        let library = Library::new(&["v", "tanh(5*v)"], &["v"]).unwrap();
+        let fit = motor_constant(&currents, I, &load, &library, &b[1]).unwrap();
+        assert!(
+            (fit.coefficients[0] - 0.12).abs() < 4.0 * fit.standard_errors[0].max(1e-5),
+            "{}",
+            fit.coefficients
+        );
+        assert!(
+            (fit.coefficients[1] - 76.556).abs() < 0.1,
+            "{}",
+            fit.coefficients
+        );
+        let nan = [f64::NAN; 4000];
+        let broken = Motion {
+            velocities: [&b[1], &nan],
+            ..motion
+        };
+        let message = friction_torques(&PowerCube, &broken)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            message.starts_with("the velocity of joint 1 is not finite (NaN) at row 0"),
+            "{message}"
+        );
+        let zero = vec![0.0; m];
+        assert!(
+            motor_constant(&currents, I, &zero, &library, &b[1])
+                .unwrap_err()
+                .to_string()
+                .contains("the known load")
+        );
+    }
+}

@@ -1,0 +1,593 @@
+//! The bounds inside the interior-point method: slacks, multipliers and their Newton steps, four at a time.
+//!
+//! A bound `ς (z − b) + t ≥ 0` (ς = +1 lower, −1 upper; `t` the softening, absent for a hard bound) is written with the slack `s > 0`,
+//! `ς (z − b) + t − s = −r`, and the multiplier `λ > 0`. A soft bound costs `w₁ t + ½ w₂ t²`, `t ≥ 0`, whose own multiplier is
+//! `ν = w₁ + w₂ t − λ > 0`. Eliminating `ds`, `dt`, `dν` from the Newton system leaves a diagonal term in z:
+//!
+//! ```text
+//!     s dλ + λ ds = −rc₁ = −(s λ − τ + c₁)       t dν + ν dt = −rc₂ = −(t ν − τ + c₂)       τ = σμ, c: second-order correction
+//!     ς dz + dt + r = ds       dν = w₂ dt − dλ       D = ν + w₂ t (1 if hard)       Δ = D s + t λ (t = 0 if hard)
+//!     λ + dλ = λ (t (λ + ν) − D r)/Δ + (D (τ − c₁) − λ (τ − c₂))/Δ − W ς dz       W = λ D/Δ
+//! ```
+//!
+//! Source: Wright, *Primal-Dual Interior-Point Methods*, SIAM 1997, chapters 1 and 10; the elimination of soft bounds as in
+//! Frison, Diehl, *HPIPM*, IFAC 2020, section 3.
+
+use super::lanes::{Lane, WIDTH, largest};
+
+/// Bounds that are closer to each other are treated as this far apart when the method starts.
+const MIN_WIDTH: f64 = 1e-6;
+
+const VIOLATION_SHARE: Lane = Lane::new([0.1; WIDTH]);
+
+/// Bounds that are closer (relative to their size if that exceeds 1), equal ones above all, are moved apart by this much: an interior-point method
+/// needs an interior. It stays below the violation that is allowed to hard bounds, and inputs are clipped to the true bounds in the end.
+const LEAST_WIDTH: f64 = 1e-9;
+
+/// One side of four bounds.
+#[derive(Debug, Clone, Copy)]
+struct Side {
+    /// Bound, and 1 where it is finite, 0 elsewhere (the bound is then stored as 0, slack and multiplier stay 1).
+    bound: Lane,
+    active: Lane,
+    slack: Lane,
+    multiplier: Lane,
+    /// Primal residual `r`.
+    residual: Lane,
+    /// `W`, `1/s`, `1/λ` of the present iterate.
+    weight: Lane,
+    inverse_slack: Lane,
+    inverse_multiplier: Lane,
+    /// `1/s̃` and `s̃ − s`: the slack of the Newton system, `s̃ = max(s, λ/W_max)`, see [`Bounds::cap_weights`].
+    inverse_damped: Lane,
+    excess: Lane,
+    /// Steps; after the predictor the affine ones.
+    ds: Lane,
+    dl: Lane,
+}
+
+/// What a soft bound has beyond a hard one.
+#[derive(Debug, Clone, Copy)]
+struct Softening {
+    /// 1 where the bound is soft, 0 where it is hard.
+    active: Lane,
+    /// 1 where the bound is hard but softened by [`Bounds::soften`].
+    relaxed: Lane,
+    w1: Lane,
+    w2: Lane,
+    t: Lane,
+    nu: Lane,
+    /// `D` and `1/Δ`.
+    d: Lane,
+    inverse_delta: Lane,
+    inverse_t: Lane,
+    inverse_nu: Lane,
+    dt: Lane,
+    dnu: Lane,
+}
+
+/// Sums and maxima over the bounds, gathered by the passes below.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Tally {
+    sum: Lane,
+    max: Lane,
+}
+
+impl Tally {
+    pub(super) fn new() -> Self {
+        Self {
+            sum: Lane::ZERO,
+            max: Lane::ZERO,
+        }
+    }
+    #[inline(always)]
+    pub(super) fn sum(&self) -> f64 {
+        self.sum.reduce_add()
+    }
+    #[inline(always)]
+    pub(super) fn max(&self) -> f64 {
+        largest(self.max)
+    }
+}
+
+impl Default for Side {
+    /// An inert bound: slack and multiplier 1 keep the arithmetic finite.
+    fn default() -> Self {
+        let (zero, one) = (Lane::ZERO, Lane::ONE);
+        Self {
+            bound: zero,
+            active: zero,
+            slack: one,
+            multiplier: one,
+            residual: zero,
+            weight: zero,
+            inverse_slack: one,
+            inverse_multiplier: one,
+            inverse_damped: one,
+            excess: zero,
+            ds: zero,
+            dl: zero,
+        }
+    }
+}
+
+impl Default for Softening {
+    /// A hard bound: t and ν of 1 keep the arithmetic finite.
+    fn default() -> Self {
+        let (zero, one) = (Lane::ZERO, Lane::ONE);
+        Self {
+            active: zero,
+            relaxed: zero,
+            w1: zero,
+            w2: zero,
+            t: one,
+            nu: one,
+            d: one,
+            inverse_delta: one,
+            inverse_t: one,
+            inverse_nu: one,
+            dt: zero,
+            dnu: zero,
+        }
+    }
+}
+
+/// The arithmetic of one side; `SOFT` tells whether `soft` counts, `UPPER` which side it is.
+impl Side {
+    #[inline(always)]
+    fn signed<const UPPER: bool>(v: Lane) -> Lane {
+        if UPPER { -v } else { v }
+    }
+
+    /// Inverses, weight and residual at the iterate. Returns `λ + dλ` of the affine step at `dz = 0`.
+    #[inline(always)]
+    fn linearize<const UPPER: bool, const SOFT: bool>(
+        &mut self,
+        soft: &mut Softening,
+        z: Lane,
+        cap: [Lane; 2],
+        tally: &mut Tally,
+    ) -> Lane {
+        let (s, l) = (self.slack, self.multiplier);
+        let product = s * l;
+        let inverse = Lane::ONE / product;
+        self.inverse_slack = l * inverse;
+        self.inverse_multiplier = s * inverse;
+        self.inverse_damped = self
+            .inverse_slack
+            .fast_min(cap[0] * self.inverse_multiplier);
+        self.excess = (l * cap[1] - s).fast_max(Lane::ZERO);
+        tally.sum = product.mul_add(self.active, tally.sum);
+        let gap = Self::signed::<UPPER>(z - self.bound) - s;
+        if SOFT {
+            soft.linearize(s + self.excess, l, tally);
+            self.residual = self.active * soft.t.mul_add(soft.active, gap);
+            self.weight = self.active * l * soft.d * soft.inverse_delta;
+        } else {
+            self.residual = self.active * gap;
+            self.weight = self.active * l * self.inverse_damped;
+        }
+        tally.max = tally.max.fast_max(self.residual.abs());
+        self.base::<SOFT>(soft)
+    }
+
+    /// `λ + dλ` of the affine step at `dz = 0`.
+    #[inline(always)]
+    fn base<const SOFT: bool>(&self, soft: &Softening) -> Lane {
+        if SOFT {
+            let (l, t) = (self.multiplier, soft.active * soft.t);
+            return self.active
+                * l
+                * soft.inverse_delta
+                * (t * (l + soft.nu) + soft.d * (self.excess - self.residual));
+        }
+        self.weight * (self.excess - self.residual)
+    }
+
+    /// Steps for a step `dz` of the variable, where `s dλ + λ ds = −rc₁` and `t dν + ν dt = −rc₂`. Each is written so that small numbers come
+    /// from products of small numbers, not from differences of large ones: ν is tiny where a soft bound is violated.
+    #[inline(always)]
+    fn steps<const UPPER: bool, const SOFT: bool>(
+        &mut self,
+        soft: &mut Softening,
+        dz: Lane,
+        rc1: Lane,
+        rc2: Lane,
+    ) {
+        let (s, l) = (self.slack + self.excess, self.multiplier);
+        let rho = self.active * (Self::signed::<UPPER>(dz) + self.residual);
+        let pull = l.mul_add(rho, rc1);
+        if SOFT {
+            let (t, rc2) = (soft.active * soft.t, soft.active * rc2);
+            let inverse = self.active * soft.inverse_delta;
+            self.dl = (l * rc2 - soft.d * pull) * inverse;
+            self.ds = (s * (soft.d * rho - rc2) - t * rc1) * inverse;
+            soft.dt = -(rc2 * s + t * pull) * inverse;
+            soft.dnu = soft.active * (soft.nu * pull - rc2 * soft.w2.mul_add(s, l)) * inverse;
+        } else {
+            self.dl = -(self.active * pull * self.inverse_damped);
+            self.ds = rho;
+        }
+    }
+
+    /// Largest `−ds/s`, `−dλ/λ`, `−dt/t`, `−dν/ν`: the inverse of the step to the boundary.
+    #[inline(always)]
+    fn inverse_step<const SOFT: bool>(&self, soft: &Softening, max: Lane) -> Lane {
+        let max = max
+            .fast_max(-(self.ds * self.inverse_slack))
+            .fast_max(-(self.dl * self.inverse_multiplier));
+        if SOFT {
+            max.fast_max(-(soft.dt * soft.inverse_t))
+                .fast_max(-(soft.dnu * soft.inverse_nu))
+        } else {
+            max
+        }
+    }
+
+    #[inline(always)]
+    fn predictor<const UPPER: bool, const SOFT: bool>(
+        &mut self,
+        soft: &mut Softening,
+        dz: Lane,
+        tally: &mut Tally,
+    ) {
+        self.steps::<UPPER, SOFT>(soft, dz, self.slack * self.multiplier, soft.t * soft.nu);
+        tally.max = self.inverse_step::<SOFT>(soft, tally.max);
+        tally.sum = self.ds.mul_add(self.dl, tally.sum);
+        if SOFT {
+            tally.sum = soft.dt.mul_add(soft.dnu, tally.sum);
+        }
+    }
+
+    /// `λ + dλ` at `dz = 0` with centring and second-order correction.
+    #[inline(always)]
+    fn centred<const SOFT: bool>(&self, soft: &Softening, target: Lane, correction: Lane) -> Lane {
+        let lift = target - correction * self.ds * self.dl;
+        if SOFT {
+            let soft_lift = soft.active * (target - correction * soft.dt * soft.dnu);
+            let lift = soft.d * lift - self.multiplier * soft_lift;
+            return self.base::<SOFT>(soft) + self.active * soft.inverse_delta * lift;
+        }
+        self.base::<SOFT>(soft) + self.active * self.inverse_damped * lift
+    }
+
+    #[inline(always)]
+    fn corrector<const UPPER: bool, const SOFT: bool>(
+        &mut self,
+        soft: &mut Softening,
+        dz: Lane,
+        target: [Lane; 2],
+        tally: &mut Tally,
+    ) {
+        let [target, correction] = target;
+        let rc1 = self.slack * self.multiplier - target + correction * self.ds * self.dl;
+        let rc2 = soft.t * soft.nu - target + correction * soft.dt * soft.dnu;
+        self.steps::<UPPER, SOFT>(soft, dz, rc1, rc2);
+        tally.max = self.inverse_step::<SOFT>(soft, tally.max);
+    }
+
+    #[inline(always)]
+    fn start<const SOFT: bool>(&mut self, soft: &mut Softening, gap: Lane, least: Lane, mu: Lane) {
+        let inert = Lane::ONE - self.active;
+        let mut slack = gap.fast_max(least);
+        let mut multiplier = mu / slack;
+        if SOFT {
+            let hard = Lane::ONE - soft.active;
+            soft.t = soft.active * (least - gap).fast_max(least) + hard;
+            slack = soft.active * (gap + soft.t) + hard * slack;
+            multiplier = mu / slack;
+            multiplier =
+                soft.active * multiplier.fast_min(Lane::splat(0.5) * soft.w1) + hard * multiplier;
+            soft.nu = soft.active * (soft.w1 + soft.w2 * soft.t - multiplier) + hard;
+        }
+        self.slack = self.active * slack + inert;
+        self.multiplier = self.active * multiplier + inert;
+    }
+
+    #[inline(always)]
+    fn advance<const SOFT: bool>(&mut self, soft: &mut Softening, length: Lane) {
+        self.slack = self.ds.mul_add(length, self.slack);
+        self.multiplier = self.dl.mul_add(length, self.multiplier);
+        if SOFT {
+            soft.t = soft.dt.mul_add(length, soft.t);
+            soft.nu = soft.dnu.mul_add(length, soft.nu);
+        }
+    }
+}
+
+impl Softening {
+    /// Inverses at the iterate.
+    #[inline(always)]
+    fn linearize(&mut self, s: Lane, l: Lane, tally: &mut Tally) {
+        let product = self.t * self.nu;
+        let inverse = Lane::ONE / product;
+        self.inverse_t = self.nu * inverse;
+        self.inverse_nu = self.t * inverse;
+        tally.sum = product.mul_add(self.active, tally.sum);
+        self.d = self.active * self.w2.mul_add(self.t, self.nu) + (Lane::ONE - self.active);
+        self.inverse_delta = Lane::ONE / (self.d * s + self.active * self.t * l);
+    }
+}
+
+/// All bounds of one kind of variable (inputs, or states), and the passes of an interior-point iteration over them.
+#[derive(Debug, Clone)]
+pub(super) struct Bounds {
+    sides: Vec<[Side; 2]>,
+    soft: Vec<[Softening; 2]>,
+    /// `W_max` and its inverse.
+    cap: [Lane; 2],
+}
+
+impl Bounds {
+    pub(super) fn new(lanes: usize) -> Self {
+        Self {
+            sides: vec![Default::default(); lanes],
+            soft: vec![Default::default(); lanes],
+            cap: [Lane::ONE; 2],
+        }
+    }
+
+    #[inline(always)]
+    fn each<const SOFT: bool>(
+        &mut self,
+        mut pass: impl FnMut(usize, &mut [Side; 2], &mut [Softening; 2]),
+    ) {
+        let mut unused = [Softening::default(); 2];
+        for (i, sides) in self.sides.iter_mut().enumerate() {
+            pass(i, sides, if SOFT { &mut self.soft[i] } else { &mut unused });
+        }
+    }
+
+    /// Largest diagonal term of the Newton system. Beyond it, digits of the weights would be lost beside it (`R` beside `BᵀWB`); a step that takes
+    /// the slack for `λ/W_max` instead is still a Newton step to second order, since `dλ` vanishes at the optimum.
+    pub(super) fn cap_weights(&mut self, cap: f64) {
+        self.cap = [Lane::splat(cap), Lane::splat(1.0 / cap)];
+    }
+
+    /// First pass: `weight` becomes the diagonal barrier term, `rhs` the gradient of the affine step. Returns `Σ sλ` and `max |r|`.
+    #[inline(always)]
+    pub(super) fn linearize<const SOFT: bool>(
+        &mut self,
+        z: &[Lane],
+        gradient: &[Lane],
+        weight: &mut [Lane],
+        rhs: &mut [Lane],
+    ) -> Tally {
+        let mut tally = Tally::new();
+        let cap = self.cap;
+        self.each::<SOFT>(|i, [lower, upper], [soft_lower, soft_upper]| {
+            let from_below = lower.linearize::<false, SOFT>(soft_lower, z[i], cap, &mut tally);
+            let pull =
+                from_below - upper.linearize::<true, SOFT>(soft_upper, z[i], cap, &mut tally);
+            weight[i] = lower.weight + upper.weight;
+            rhs[i] = gradient[i] - pull;
+        });
+        tally
+    }
+
+    /// Second pass: affine steps. Returns `Σ ds dλ` and the inverse step to the boundary.
+    #[inline(always)]
+    pub(super) fn predictor<const SOFT: bool>(&mut self, dz: &[Lane]) -> Tally {
+        let mut tally = Tally::new();
+        self.each::<SOFT>(|i, [lower, upper], [soft_lower, soft_upper]| {
+            lower.predictor::<false, SOFT>(soft_lower, dz[i], &mut tally);
+            upper.predictor::<true, SOFT>(soft_upper, dz[i], &mut tally);
+        });
+        tally
+    }
+
+    /// Third pass: `rhs` becomes the gradient of the centred and corrected step.
+    #[inline(always)]
+    pub(super) fn centre<const SOFT: bool>(
+        &mut self,
+        gradient: &[Lane],
+        target: f64,
+        correction: f64,
+        rhs: &mut [Lane],
+    ) {
+        let (target, correction) = (Lane::splat(target), Lane::splat(correction));
+        self.each::<SOFT>(|i, [lower, upper], [soft_lower, soft_upper]| {
+            rhs[i] = gradient[i] - lower.centred::<SOFT>(soft_lower, target, correction)
+                + upper.centred::<SOFT>(soft_upper, target, correction);
+        });
+    }
+
+    /// Fourth pass: the steps proper. Returns the inverse step to the boundary.
+    #[inline(always)]
+    pub(super) fn corrector<const SOFT: bool>(
+        &mut self,
+        dz: &[Lane],
+        target: f64,
+        correction: f64,
+    ) -> Tally {
+        let mut tally = Tally::new();
+        let target = [Lane::splat(target), Lane::splat(correction)];
+        self.each::<SOFT>(|i, [lower, upper], [soft_lower, soft_upper]| {
+            lower.corrector::<false, SOFT>(soft_lower, dz[i], target, &mut tally);
+            upper.corrector::<true, SOFT>(soft_upper, dz[i], target, &mut tally);
+        });
+        tally
+    }
+
+    /// Fifth pass: the step is taken.
+    #[inline(always)]
+    pub(super) fn advance<const SOFT: bool>(&mut self, length: f64) {
+        let length = Lane::splat(length);
+        self.each::<SOFT>(|_, [lower, upper], [soft_lower, soft_upper]| {
+            lower.advance::<SOFT>(soft_lower, length);
+            upper.advance::<SOFT>(soft_upper, length);
+        });
+    }
+
+    /// Bounds of number `i` of the padded variables, made inert where infinite, and the penalty weights `(w₁, w₂)` if it is soft.
+    #[inline(always)]
+    pub(super) fn set(&mut self, i: usize, lower: f64, upper: f64, penalty: Option<(f64, f64)>) {
+        let (lane, i) = (i / WIDTH, i % WIDTH);
+        let least = LEAST_WIDTH * lower.abs().max(1.0);
+        let (lower, upper) = if upper - lower < least {
+            (lower - 0.5 * least, upper + 0.5 * least)
+        } else {
+            (lower, upper)
+        };
+        for (side, bound) in [(0, lower), (1, upper)] {
+            let finite = bound.is_finite();
+            let s = &mut self.sides[lane][side];
+            s.bound.as_mut_array()[i] = if finite { bound } else { 0.0 };
+            s.active.as_mut_array()[i] = f64::from(u8::from(finite));
+            if let Some((w1, w2)) = penalty {
+                let soft = &mut self.soft[lane][side];
+                soft.active.as_mut_array()[i] = f64::from(u8::from(finite));
+                soft.w1.as_mut_array()[i] = w1;
+                soft.w2.as_mut_array()[i] = w2;
+            }
+        }
+    }
+
+    /// Forgets all softening, before the bounds of a new problem are set.
+    pub(super) fn harden(&mut self) {
+        self.soft.fill([Softening::default(); 2]);
+    }
+
+    /// Gives every bound that is still hard the penalty `linear · v`.
+    pub(super) fn soften(&mut self, linear: f64) {
+        for (sides, soft) in self.sides.iter().zip(&mut self.soft) {
+            for (side, soft) in sides.iter().zip(soft) {
+                let hard = side.active * (Lane::ONE - soft.active);
+                soft.w1 = (Lane::ONE - hard) * soft.w1 + hard * Lane::splat(linear);
+                soft.active = side.active;
+                soft.relaxed = hard;
+            }
+        }
+    }
+
+    /// Number of complementarity pairs.
+    pub(super) fn count(&self) -> f64 {
+        let sides = self.sides.iter().flatten().map(|s| s.active);
+        let soft = self.soft.iter().flatten().map(|s| s.active);
+        sides
+            .chain(soft)
+            .fold(Lane::ZERO, |sum, a| sum + a)
+            .reduce_add()
+    }
+
+    /// Largest violation of a bound by `z`, of the hard bounds alone if `hard`; 0 if all are kept.
+    #[inline(always)]
+    pub(super) fn violation(&self, z: &[Lane], hard: bool) -> f64 {
+        let mut max = Lane::ZERO;
+        for (i, ([lower, upper], z)) in self.sides.iter().zip(z).enumerate() {
+            let mut excess = [
+                lower.active * (lower.bound - *z),
+                upper.active * (*z - upper.bound),
+            ];
+            if hard {
+                excess = core::array::from_fn(|side| {
+                    (Lane::ONE - self.soft[i][side].active + self.soft[i][side].relaxed)
+                        * excess[side]
+                });
+            }
+            max = max.fast_max(excess[0]).fast_max(excess[1]);
+        }
+        largest(max)
+    }
+
+    /// Projects `z` onto the bounds. Exact: what is returned equals a bound or the number given.
+    #[inline(always)]
+    pub(super) fn clip(&self, z: &mut [Lane]) {
+        for ([lower, upper], z) in self.sides.iter().zip(z) {
+            *z = lower.active * z.fast_max(lower.bound) + (Lane::ONE - lower.active) * *z;
+            *z = upper.active * z.fast_min(upper.bound) + (Lane::ONE - upper.active) * *z;
+        }
+    }
+
+    /// Cost of the violation of soft bounds by `z`.
+    pub(super) fn penalty(&self, z: &[Lane]) -> f64 {
+        let mut sum = Lane::ZERO;
+        for (([lower, upper], soft), z) in self.sides.iter().zip(&self.soft).zip(z) {
+            for (soft, excess) in soft.iter().zip([lower.bound - *z, *z - upper.bound]) {
+                let v = (soft.active - soft.relaxed) * excess.fast_max(Lane::ZERO);
+                sum += v * (soft.w1 + soft.w2 * v * Lane::splat(0.5));
+            }
+        }
+        sum.reduce_add()
+    }
+
+    /// The point to start from: slacks as the variables `z` have them but at least `share` of the distance between the bounds (of 1 + |z| for a
+    /// one-sided bound), multipliers `μ/s`, soft bounds primal feasible.
+    pub(super) fn start<const SOFT: bool>(&mut self, z: &[Lane], mu: f64, share: f64) {
+        let mu = Lane::splat(mu);
+        self.each::<SOFT>(|i, [lower, upper], [soft_lower, soft_upper]| {
+            let both = lower.active * upper.active;
+            let width =
+                both * (upper.bound - lower.bound) + (Lane::ONE - both) * (Lane::ONE + z[i].abs());
+            let least = width.fast_max(Lane::splat(MIN_WIDTH)) * Lane::splat(share);
+            let (below, above) = (z[i] - lower.bound, upper.bound - z[i]);
+            // Between bounds that are close to each other beside their violation, slacks by their distance alone would be far too small.
+            let least = least.fast_max(VIOLATION_SHARE * (-below.fast_min(above)));
+            lower.start::<SOFT>(soft_lower, below, least, mu);
+            upper.start::<SOFT>(soft_upper, above, least, mu);
+        });
+    }
+
+    /// Raises the multipliers of a start to what they were at the last solution.
+    pub(super) fn remember<const SOFT: bool>(&mut self, last: &Multipliers) {
+        self.each::<SOFT>(|i, sides, softs| {
+            for ((bound, soft), kept) in sides.iter_mut().zip(softs).zip(last.0[i]) {
+                let mut multiplier = bound.multiplier.fast_max(kept);
+                if SOFT {
+                    let hard = Lane::ONE - soft.active;
+                    multiplier = soft.active * multiplier.fast_min(Lane::splat(0.9) * soft.w1)
+                        + hard * multiplier;
+                    soft.nu = soft.active * (soft.w1 + soft.w2 * soft.t - multiplier) + hard;
+                }
+                bound.multiplier = bound.active * multiplier + (Lane::ONE - bound.active);
+            }
+        });
+    }
+
+    /// Multipliers of all bounds, zero for inert ones.
+    pub(super) fn multipliers(&self, out: &mut Multipliers) {
+        for (out, sides) in out.0.iter_mut().zip(&self.sides) {
+            *out = core::array::from_fn(|side| sides[side].active * sides[side].multiplier);
+        }
+    }
+}
+
+/// Multipliers of the lower and upper bounds.
+#[derive(Debug, Clone)]
+pub(super) struct Multipliers(Vec<[Lane; 2]>);
+
+impl Multipliers {
+    pub(super) fn new(lanes: usize) -> Self {
+        Self(vec![[Lane::ZERO; 2]; lanes])
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.0.fill([Lane::ZERO; 2]);
+    }
+
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        self.0.copy_from_slice(&other.0);
+    }
+
+    /// Subtracts the forces of the bounds, `λ_lower − λ_upper`, from a gradient.
+    pub(super) fn subtract_from(&self, gradient: &mut [Lane]) {
+        for (g, [lower, upper]) in gradient.iter_mut().zip(&self.0) {
+            *g += *upper - *lower;
+        }
+    }
+
+    /// Multipliers `[lower, upper]` of number `i` of the padded variables.
+    pub(super) fn get(&self, i: usize) -> [f64; 2] {
+        self.0[i / WIDTH].map(|lane| lane.as_array()[i % WIDTH])
+    }
+
+    /// Moves stage `k + 1` to stage `k`, `stride` numbers each; the last stage stays.
+    pub(super) fn shift(&mut self, stride: usize, count: usize) {
+        for i in 0..count.saturating_sub(stride) {
+            let next = self.get(i + stride);
+            for side in 0..2 {
+                self.0[i / WIDTH][side].as_mut_array()[i % WIDTH] = next[side];
+            }
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! The optimal-control QP, as plain data.
+
+/// Penalty of a soft bound: `linear · v + ½ quadratic · v²` for a violation `v ≥ 0`.
+///
+/// The linear term makes it exact: if it exceeds the multiplier that the hard bound would have, the bound is kept as if it were hard
+/// (Fletcher, *Practical Methods of Optimization*, 1987, section 14.3; Kerrigan, Maciejowski, *Soft constraints and exact penalty functions in
+/// model predictive control*, UKACC 2000).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Penalty {
+    /// Cost per unit of violation, > 0.
+    pub linear: f64,
+    /// Cost per squared unit of violation, ≥ 0.
+    pub quadratic: f64,
+}
+
+/// One stage `k`: dynamics `x_{k+1} = A x_k + B u_k + c`, and cost and bounds of `u_k` and `x_{k+1}`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct QpStage<const NX: usize, const NU: usize> {
+    /// `A_k`, rows first.
+    pub state_matrix: [[f64; NX]; NX],
+    /// `B_k`, rows first.
+    pub input_matrix: [[f64; NU]; NX],
+    /// `c_k`.
+    pub affine: [f64; NX],
+    /// Linear cost `r_k` of `u_k`.
+    pub input_gradient: [f64; NU],
+    /// Linear cost `q_{k+1}` of `x_{k+1}`.
+    pub state_gradient: [f64; NX],
+    /// Lower bounds of `u_k`, always hard; −∞ where there is none.
+    pub input_lower: [f64; NU],
+    /// Upper bounds of `u_k`, always hard; +∞ where there is none.
+    pub input_upper: [f64; NU],
+    /// Lower bounds of `x_{k+1}`, hard or soft by [`QpProblem::state_penalty`]; −∞ where there is none.
+    pub state_lower: [f64; NX],
+    /// Upper bounds of `x_{k+1}`, hard or soft by [`QpProblem::state_penalty`]; +∞ where there is none.
+    pub state_upper: [f64; NX],
+}
+
+/// The optimal-control QP over a horizon of `N` stages, `NX` states and `NU` inputs.
+///
+/// ```text
+///     min  Σ_{k=0}^{N−1} ½ u_kᵀ R u_k + r_kᵀ u_k + ½ (u_k − u_{k−1})ᵀ W (u_k − u_{k−1})
+///        + Σ_{k=1}^{N} ½ x_kᵀ Q_k x_k + q_kᵀ x_k      Q_k = Q for k < N, Q_N = P
+///     s.t. x_{k+1} = A_k x_k + B_k u_k + c_k,  x_0 given,  u_min ≤ u_k ≤ u_max,  x_min ≤ x_k ≤ x_max (hard or soft)
+/// ```
+///
+/// The constant weights must be symmetric, Q and P positive semidefinite, R positive definite on what BᵀPB leaves free.
+#[derive(Debug, Clone, PartialEq)]
+pub struct QpProblem<const NX: usize, const NU: usize> {
+    /// `x_0`.
+    pub initial_state: [f64; NX],
+    /// `Q`, of x_1 … x_{N−1}.
+    pub state_weight: [[f64; NX]; NX],
+    /// `R`, of u_0 … u_{N−1}.
+    pub input_weight: [[f64; NU]; NU],
+    /// `P`, of x_N.
+    pub terminal_weight: [[f64; NX]; NX],
+    /// `W`, of the changes u_k − u_{k−1}; zero where they cost nothing. With torques as inputs this is the torque-rate weight, times T².
+    pub input_rate_weight: [[f64; NU]; NU],
+    /// `u_{−1}`, the input before the horizon; counts only with a rate weight.
+    pub previous_input: [f64; NU],
+    /// Penalty of each state's bounds; `None` makes them hard.
+    pub state_penalty: [Option<Penalty>; NX],
+    /// Stages 0 … N−1.
+    pub stages: Vec<QpStage<NX, NU>>,
+}
+
+impl<const NX: usize, const NU: usize> Default for QpStage<NX, NU> {
+    /// No dynamics, no linear cost, no bounds.
+    fn default() -> Self {
+        Self {
+            state_matrix: [[0.0; NX]; NX],
+            input_matrix: [[0.0; NU]; NX],
+            affine: [0.0; NX],
+            input_gradient: [0.0; NU],
+            state_gradient: [0.0; NX],
+            input_lower: [f64::NEG_INFINITY; NU],
+            input_upper: [f64::INFINITY; NU],
+            state_lower: [f64::NEG_INFINITY; NX],
+            state_upper: [f64::INFINITY; NX],
+        }
+    }
+}
+
+impl<const NX: usize, const NU: usize> QpStage<NX, NU> {
+    fn is_valid(&self) -> bool {
+        let matrices = self
+            .state_matrix
+            .iter()
+            .flatten()
+            .chain(self.input_matrix.iter().flatten());
+        let vectors = self
+            .affine
+            .iter()
+            .chain(&self.input_gradient)
+            .chain(&self.state_gradient);
+        finite(matrices.chain(vectors))
+            & ordered(&self.input_lower, &self.input_upper)
+            & ordered(&self.state_lower, &self.state_upper)
+    }
+}
+
+/// True if no number is infinite or NaN; without a branch per number, since it runs over all data of every solve.
+#[inline(always)]
+fn finite<'a>(numbers: impl Iterator<Item = &'a f64>) -> bool {
+    numbers.fold(true, |ok, v| ok & v.is_finite())
+}
+
+/// True if `lower ≤ upper` everywhere, and neither is infinite inwards.
+#[inline(always)]
+fn ordered(lower: &[f64], upper: &[f64]) -> bool {
+    lower.iter().zip(upper).fold(true, |ok, (l, h)| {
+        ok & (l <= h) & (*l < f64::INFINITY) & (*h > f64::NEG_INFINITY)
+    })
+}
+
+impl<const NX: usize, const NU: usize> QpProblem<NX, NU> {
+    /// True if all numbers are finite (bounds may be infinite outwards), bounds ordered, penalties positive.
+    pub(super) fn is_valid(&self) -> bool {
+        let weights = self
+            .state_weight
+            .iter()
+            .chain(&self.terminal_weight)
+            .flatten();
+        let input_weights = self
+            .input_weight
+            .iter()
+            .chain(&self.input_rate_weight)
+            .flatten();
+        let penalties = self.state_penalty.iter().flatten();
+        finite(
+            weights
+                .chain(input_weights)
+                .chain(&self.initial_state)
+                .chain(&self.previous_input),
+        ) && penalties.fold(true, |ok, p| {
+            ok & (p.linear > 0.0) & (p.quadratic >= 0.0) & finite([p.linear, p.quadratic].iter())
+        }) && self.stages.iter().all(QpStage::is_valid)
+    }
+
+    /// A problem over `horizon` stages without dynamics, cost or bounds, to be filled in.
+    pub fn new(horizon: usize) -> Self {
+        Self {
+            initial_state: [0.0; NX],
+            state_weight: [[0.0; NX]; NX],
+            input_weight: [[0.0; NU]; NU],
+            terminal_weight: [[0.0; NX]; NX],
+            input_rate_weight: [[0.0; NU]; NU],
+            previous_input: [0.0; NU],
+            state_penalty: [None; NX],
+            stages: vec![QpStage::default(); horizon],
+        }
+    }
+}

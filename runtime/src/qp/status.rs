@@ -1,0 +1,85 @@
+//! What a solve reports, and how it is told to behave.
+
+use std::fmt;
+
+/// How a solve ended. The best iterate is available in every case.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum QpStatus {
+    /// The optimum, to the tolerances of [`QpSettings`].
+    Solved,
+    /// The hard state bounds cannot be kept (or no point that keeps them was found within the cap): the inputs returned minimize the violation
+    /// by an exact penalty and keep their own bounds.
+    Relaxed,
+    /// The cap on iterations was reached; the inputs keep their bounds, the KKT residuals tell how far they are from the optimum.
+    IterationLimit,
+    /// The data are not a convex QP with finite numbers and ordered bounds, or the arithmetic broke down: the inputs returned are those
+    /// nearest zero within their bounds.
+    Invalid,
+}
+
+/// Residuals of the Karush–Kuhn–Tucker conditions at the iterate returned, largest absolute values. The multipliers are positive
+/// throughout, so dual feasibility has no residual.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KktResiduals {
+    /// Stationarity: the gradient of the Lagrangian with respect to the inputs, the costates eliminated by their own recursion.
+    pub stationarity: f64,
+    /// Violation of the hard bounds by the inputs and by the states rolled out through the dynamics.
+    pub primal: f64,
+    /// Duality gap `Σ sλ`, in units of the cost.
+    pub gap: f64,
+}
+
+/// Result of one solve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct QpReport {
+    /// How it ended.
+    pub status: QpStatus,
+    /// Interior-point iterations, each one factorization; 0 if the unconstrained optimum keeps all bounds.
+    pub iterations: usize,
+    /// Cost of the iterate returned, penalties of soft bounds included, the constant cost of x_0 not.
+    pub cost: f64,
+    /// Residuals at the iterate returned.
+    pub residuals: KktResiduals,
+}
+
+/// Tolerances and caps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct QpSettings {
+    /// Duality gap relative to the cost at which the iteration stops.
+    pub tolerance: f64,
+    /// Largest violation of a hard bound, in units of the variable.
+    pub feasibility: f64,
+    /// Cap on interior-point iterations; the relaxed problem that follows an infeasible one has the same cap once more.
+    pub max_iterations: usize,
+}
+
+impl Default for QpSettings {
+    /// Tolerance 1e-8, feasibility 1e-10, at most 50 iterations.
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-8,
+            feasibility: 1e-10,
+            max_iterations: 50,
+        }
+    }
+}
+
+/// A solver cannot be constructed with these sizes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum QpError {
+    /// The horizon must be 1..=100.
+    Horizon(usize),
+    /// `NX` must be 1..=32 and `NU` 1..=32.
+    Size,
+}
+
+impl fmt::Display for QpError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Horizon(n) => write!(f, "a horizon of {n} stages; choose 1 to 100"),
+            Self::Size => write!(f, "a QP needs 1 to 32 states and 1 to 32 inputs"),
+        }
+    }
+}
+
+impl std::error::Error for QpError {}

@@ -1,0 +1,67 @@
+//! Inputs and states over the horizon, as lanes.
+
+use super::lanes::{Lane, flat, flat_mut, lanes, zeros};
+
+/// Numbers for u_0 … u_{N−1}, contiguous without padding between stages, and for x_1 … x_N, each stage padded to whole lanes.
+#[derive(Debug, Clone)]
+pub(crate) struct Trajectory {
+    pub(crate) u: Vec<Lane>,
+    pub(crate) x: Vec<Lane>,
+}
+
+impl Trajectory {
+    pub(crate) fn new(horizon: usize, nx: usize, nu: usize) -> Self {
+        Self {
+            u: zeros(lanes(horizon * nu)),
+            x: zeros(horizon * lanes(nx)),
+        }
+    }
+
+    /// Takes the numbers of another trajectory of the same shape.
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        self.u.copy_from_slice(&other.u);
+        self.x.copy_from_slice(&other.x);
+    }
+
+    /// Sets all numbers to zero.
+    pub(super) fn clear(&mut self) {
+        self.u.fill(Lane::ZERO);
+        self.x.fill(Lane::ZERO);
+    }
+
+    /// `self += length · step`.
+    #[inline(always)]
+    pub(super) fn advance(&mut self, step: &Self, length: f64) {
+        let length = Lane::splat(length);
+        for (z, d) in self.u.iter_mut().zip(&step.u) {
+            *z = d.mul_add(length, *z);
+        }
+        for (z, d) in self.x.iter_mut().zip(&step.x) {
+            *z = d.mul_add(length, *z);
+        }
+    }
+
+    /// `u_k`.
+    #[inline(always)]
+    pub(super) fn input<const NU: usize>(&self, k: usize) -> [f64; NU] {
+        core::array::from_fn(|i| flat(&self.u)[k * NU + i])
+    }
+
+    /// `x_{k+1}`.
+    #[inline(always)]
+    pub(super) fn state<const NX: usize>(&self, k: usize) -> [f64; NX] {
+        let x = lanes(NX);
+        core::array::from_fn(|i| flat(&self.x[k * x..][..x])[i])
+    }
+
+    #[inline(always)]
+    pub(super) fn set_input<const NU: usize>(&mut self, k: usize, value: &[f64; NU]) {
+        flat_mut(&mut self.u)[k * NU..][..NU].copy_from_slice(value);
+    }
+
+    #[inline(always)]
+    pub(super) fn set_state<const NX: usize>(&mut self, k: usize, value: &[f64; NX]) {
+        let x = lanes(NX);
+        flat_mut(&mut self.x[k * x..][..x])[..NX].copy_from_slice(value);
+    }
+}

@@ -1,0 +1,218 @@
+//! Regulators against published solutions, and the structure that every solution has.
+
+#![allow(clippy::unwrap_used, reason = "test code")]
+
+mod support;
+
+use gelenk_runtime::lqr::{Lqr, LqrError, TimeVaryingLqr};
+use gelenk_runtime::qp::{QpProblem, QpSettings, QpSolver, QpStatus};
+use nalgebra::{DMatrix, SymmetricEigen};
+use support::random_qp::Random;
+
+fn m<const R: usize, const C: usize>(rows: &[[f64; C]; R]) -> DMatrix<f64> {
+    DMatrix::from_fn(R, C, |i, j| rows[i][j])
+}
+
+fn residual<const NX: usize, const NU: usize>(
+    a: &[[f64; NX]; NX],
+    b: &[[f64; NU]; NX],
+    q: &[[f64; NX]; NX],
+    r: &[[f64; NU]; NU],
+    p: &[[f64; NX]; NX],
+) -> f64 {
+    let (a, b, q, r, p) = (m(a), m(b), m(q), m(r), m(p));
+    let h = r + b.transpose() * &p * &b;
+    let coupling = b.transpose() * &p * &a;
+    let next =
+        q + a.transpose() * &p * &a - coupling.transpose() * h.try_inverse().unwrap() * &coupling;
+    (next - &p).amax() / p.amax()
+}
+
+/// Benner, Laub, Mehrmann, *A collection of benchmark examples for the numerical solution of algebraic Riccati equations II: discrete-time case*
+/// (TU Chemnitz SPC 95-23), example 1.1 with its exact solution: A = [4 3; −9/2 −7/2], B = [1; −1], R = 1, Q = [9 6; 6 4],
+/// P = ½(1 + √5) Q.
+#[test]
+fn benchmark_example_1_1() {
+    let q = [[9.0, 6.0], [6.0, 4.0]];
+    let lqr = Lqr::new(&[[4.0, 3.0], [-4.5, -3.5]], &[[1.0], [-1.0]], &q, &[[1.0]]).unwrap();
+    let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
+    for i in 0..2 {
+        for j in 0..2 {
+            assert!(
+                (lqr.cost_to_go[i][j] - golden * q[i][j]).abs() < 1e-10,
+                "{:?}",
+                lqr.cost_to_go
+            );
+        }
+    }
+}
+
+/// The scalar equation `p² b² + p (r − a² r − q b²) − q r = 0`, solved by the quadratic formula (Anderson, Moore 1990, chapter 2).
+#[test]
+fn the_scalar_equation() {
+    for (a, b, q, r) in [
+        (1.0, 1.0, 1.0, 1.0),
+        (2.0, 0.5, 3.0, 0.1),
+        (0.3, 1.0, 1.0, 5.0),
+        (-1.5, 2.0, 0.01, 1.0),
+    ] {
+        let (square, linear, constant): (f64, f64, f64) =
+            (b * b, r - a * a * r - q * b * b, -q * r);
+        let p = (-linear + (linear * linear - 4.0 * square * constant).sqrt()) / (2.0 * square);
+        let lqr = Lqr::new(&[[a]], &[[b]], &[[q]], &[[r]])
+            .unwrap_or_else(|e| panic!("{a} {b} {q} {r}: {e}"));
+        assert!(
+            (lqr.cost_to_go[0][0] - p).abs() < 1e-9 * p,
+            "{a} {b}: {} against {p}",
+            lqr.cost_to_go[0][0]
+        );
+        assert!((lqr.gain[0][0] + a * b * p / (r + b * b * p)).abs() < 1e-9);
+    }
+}
+
+fn structure<const NX: usize, const NU: usize>(seed: u64) {
+    let mut random = Random::new(seed);
+    let mut a = random.matrix::<NX, NX>();
+    let radius = m(&a)
+        .complex_eigenvalues()
+        .iter()
+        .map(|e| e.norm())
+        .fold(0.0, f64::max);
+    let wanted = [0.5, 0.99, 1.0, 1.2, 2.0][(seed % 5) as usize];
+    a.iter_mut().flatten().for_each(|v| *v *= wanted / radius);
+    let (b, q, r) = (
+        random.matrix::<NX, NU>(),
+        random.positive::<NX>(0.01),
+        random.positive::<NU>(0.01),
+    );
+    let lqr = Lqr::new(&a, &b, &q, &r).unwrap_or_else(|e| panic!("seed {seed}: {e}"));
+    let p = &lqr.cost_to_go;
+    for i in 0..NX {
+        for j in 0..NX {
+            assert!((p[i][j] - p[j][i]).abs() <= 1e-10 * m(p).amax(), "P = Pᵀ");
+        }
+    }
+    assert!(
+        SymmetricEigen::new(m(p)).eigenvalues.min() > 0.0,
+        "P > 0 for Q > 0"
+    );
+    assert!(
+        residual(&a, &b, &q, &r, p) < 1e-8,
+        "seed {seed}: {}",
+        residual(&a, &b, &q, &r, p)
+    );
+    let closed = m(&a) + m(&b) * m(&lqr.gain);
+    assert!(
+        closed.complex_eigenvalues().iter().all(|e| e.norm() < 1.0),
+        "A + B K stable"
+    );
+    // The limit of the finite horizon, from any terminal weight.
+    let mut long = TimeVaryingLqr::<NX, NU>::new(100).unwrap();
+    for k in 0..100 {
+        long.set_stage(k, &a, &b);
+    }
+    long.solve(&q, &r, p).unwrap();
+    for (i, row) in long.gain(0).iter().enumerate() {
+        for (j, k) in row.iter().enumerate() {
+            assert!(
+                (k - lqr.gain[i][j]).abs() < 1e-7 * m(&lqr.gain).amax().max(1.0),
+                "seed {seed}"
+            );
+        }
+    }
+}
+
+#[test]
+fn every_solution_has_its_structure() {
+    for seed in 0..100 {
+        structure::<1, 1>(seed);
+        structure::<3, 2>(seed);
+        structure::<4, 2>(seed);
+        structure::<6, 3>(seed);
+    }
+}
+
+#[test]
+fn the_time_varying_limit_is_the_infinite_horizon() {
+    let (a, b) = ([[1.0, 0.1], [0.05, 1.0]], [[0.005], [0.1]]);
+    let (q, r) = ([[1.0, 0.0], [0.0, 0.1]], [[0.01]]);
+    let lqr = Lqr::new(&a, &b, &q, &r).unwrap();
+    let mut last = f64::INFINITY;
+    for horizon in [5, 20, 100] {
+        let mut finite = TimeVaryingLqr::<2, 1>::new(horizon).unwrap();
+        for k in 0..horizon {
+            finite.set_stage(k, &a, &b);
+        }
+        finite.solve(&q, &r, &q).unwrap();
+        let gap = (finite.cost_to_go()[0][0] - lqr.cost_to_go[0][0]).abs();
+        assert!(gap < last);
+        last = gap;
+    }
+    assert!(last < 1e-9);
+}
+
+/// With P as terminal weight the QP without active bounds is the regulator.
+#[test]
+fn equals_the_qp_without_active_bounds() {
+    for seed in 0..20 {
+        let mut random = Random::new(seed);
+        let (a, b) = (random.matrix::<4, 4>(), random.matrix::<4, 2>());
+        let (q, r) = (random.positive::<4>(0.1), random.positive::<2>(0.1));
+        let lqr = Lqr::new(&a, &b, &q, &r).unwrap();
+        let mut problem = QpProblem::<4, 2>::new(15);
+        (
+            problem.state_weight,
+            problem.input_weight,
+            problem.terminal_weight,
+        ) = (q, r, lqr.cost_to_go);
+        problem.initial_state = random.vector();
+        for stage in &mut problem.stages {
+            (stage.state_matrix, stage.input_matrix) = (a, b);
+        }
+        let mut solver = QpSolver::new(15, QpSettings::default()).unwrap();
+        assert_eq!(solver.solve(&problem).status, QpStatus::Solved);
+        let mut x = problem.initial_state;
+        for k in 0..15 {
+            let u = lqr.input(&x);
+            for i in 0..2 {
+                assert!(
+                    (solver.input(k)[i] - u[i]).abs() < 1e-8,
+                    "seed {seed}, stage {k}"
+                );
+            }
+            x = solver.state(k + 1);
+        }
+    }
+}
+
+#[test]
+fn systems_without_a_regulator_are_refused() {
+    let (q, r) = ([[1.0, 0.0], [0.0, 1.0]], [[1.0]]);
+    let unreachable = Lqr::new(&[[1.2, 0.0], [0.0, 0.5]], &[[0.0], [1.0]], &q, &r);
+    assert!(
+        matches!(unreachable, Err(LqrError::NotStabilizable(_))),
+        "{unreachable:?}"
+    );
+    let marginal = Lqr::new(
+        &[[1.0, 0.0], [0.0, 0.5]],
+        &[[1.0], [1.0]],
+        &[[0.0, 0.0], [0.0, 1.0]],
+        &r,
+    );
+    assert!(
+        matches!(marginal, Err(LqrError::NotStabilizable(_))),
+        "{marginal:?}"
+    );
+    let invisible = Lqr::new(&[[1.5]], &[[1.0]], &[[0.0]], &[[1.0]]);
+    assert!(
+        matches!(invisible, Err(LqrError::NotStabilizable(_))),
+        "{invisible:?}"
+    );
+    let negative = Lqr::new(&[[0.5, 0.0], [0.0, 0.5]], &[[0.0], [1.0]], &q, &[[-1.0]]);
+    assert_eq!(negative, Err(LqrError::NotPositive));
+    let nan = Lqr::new(&[[f64::NAN, 0.0], [0.0, 0.5]], &[[0.0], [1.0]], &q, &r);
+    assert_eq!(nan, Err(LqrError::NotFinite));
+    assert_eq!(TimeVaryingLqr::<2, 1>::new(0).err(), Some(LqrError::Size));
+    let stable_but_unreachable = Lqr::new(&[[0.9, 0.0], [0.0, 0.5]], &[[0.0], [1.0]], &q, &r);
+    assert!(stable_but_unreachable.is_ok());
+}

@@ -1,0 +1,398 @@
+//! What the QP solver promises beyond the optimum: KKT conditions, infeasible and senseless problems, updates, warm starts, horizons.
+
+#![allow(clippy::unwrap_used, reason = "test code")]
+
+mod support;
+
+use gelenk_runtime::qp::{Penalty, QpError, QpProblem, QpSettings, QpSolver, QpStatus};
+use support::{oracle, random_qp};
+
+const SETTINGS: QpSettings = QpSettings {
+    tolerance: 1e-10,
+    feasibility: 1e-10,
+    max_iterations: 50,
+};
+
+fn problem(seed: u64) -> QpProblem<4, 2> {
+    random_qp::random_qp(
+        seed,
+        random_qp::Kind {
+            horizon: 10,
+            ..random_qp::kind_of(seed)
+        },
+    )
+}
+
+fn times<const R: usize, const C: usize>(m: &[[f64; C]; R], v: &[f64; C]) -> [f64; R] {
+    m.map(|row| row.iter().zip(v).map(|(a, b)| a * b).sum())
+}
+
+/// Bit patterns of all inputs, states and multipliers.
+fn bits<const NX: usize, const NU: usize>(solver: &QpSolver<NX, NU>) -> Vec<u64> {
+    let mut all = vec![];
+    for k in 0..solver.horizon() {
+        all.extend(solver.input(k));
+        all.extend(solver.state(k + 1));
+        all.extend(solver.input_multipliers(k).as_flattened());
+        all.extend(solver.state_multipliers(k + 1).as_flattened());
+    }
+    all.into_iter().map(f64::to_bits).collect()
+}
+
+/// Multipliers `λ ≥ 0` times slacks, and violations, of one bound, hard or soft.
+fn complementarity(
+    z: f64,
+    lower: f64,
+    upper: f64,
+    multipliers: [f64; 2],
+    penalty: Option<Penalty>,
+) -> f64 {
+    let mut worst = 0.0_f64;
+    for (slack, multiplier) in [(z - lower, multipliers[0]), (upper - z, multipliers[1])] {
+        assert!(multiplier >= 0.0);
+        if slack.is_infinite() {
+            assert_eq!(multiplier, 0.0);
+            continue;
+        }
+        let violation = (-slack).max(0.0);
+        match penalty {
+            None => worst = worst.max(violation).max(multiplier * slack.abs()),
+            // λ ≤ w₁ + w₂ v, with equality where v > 0.
+            Some(p) => {
+                let limit = p.linear + p.quadratic * violation;
+                worst = worst
+                    .max(multiplier - limit)
+                    .max(violation * (limit - multiplier))
+                    .max(multiplier * slack.max(0.0));
+            }
+        }
+    }
+    worst
+}
+
+/// Largest residual of the KKT conditions, from the problem's own data and nothing of the solver's.
+fn kkt<const NX: usize, const NU: usize>(p: &QpProblem<NX, NU>, solver: &QpSolver<NX, NU>) -> f64 {
+    let n = p.stages.len();
+    let mut worst = 0.0_f64;
+    let mut costate = [0.0; NX];
+    for k in (0..n).rev() {
+        let stage = &p.stages[k];
+        let (u, x) = (solver.input(k), solver.state(k + 1));
+        let last = if k == 0 {
+            p.initial_state
+        } else {
+            solver.state(k)
+        };
+        let (ax, bu) = (
+            times(&stage.state_matrix, &last),
+            times(&stage.input_matrix, &u),
+        );
+        let weight = if k + 1 == n {
+            &p.terminal_weight
+        } else {
+            &p.state_weight
+        };
+        let qx = times(weight, &x);
+        let forces = solver.state_multipliers(k + 1);
+        let next = costate;
+        for i in 0..NX {
+            worst = worst.max((ax[i] + bu[i] + stage.affine[i] - x[i]).abs());
+            worst = worst.max(complementarity(
+                x[i],
+                stage.state_lower[i],
+                stage.state_upper[i],
+                forces[i],
+                p.state_penalty[i],
+            ));
+            let pull: f64 = if k + 1 < n {
+                (0..NX)
+                    .map(|j| p.stages[k + 1].state_matrix[j][i] * next[j])
+                    .sum()
+            } else {
+                0.0
+            };
+            costate[i] = qx[i] + stage.state_gradient[i] - forces[i][0] + forces[i][1] + pull;
+        }
+        let before = if k == 0 {
+            p.previous_input
+        } else {
+            solver.input(k - 1)
+        };
+        let after = if k + 1 < n { solver.input(k + 1) } else { u };
+        let bend: [f64; NU] = core::array::from_fn(|i| 2.0 * u[i] - before[i] - after[i]);
+        let bend = if k + 1 < n {
+            bend
+        } else {
+            core::array::from_fn(|i| u[i] - before[i])
+        };
+        let (ru, wu) = (
+            times(&p.input_weight, &u),
+            times(&p.input_rate_weight, &bend),
+        );
+        for (i, force) in solver.input_multipliers(k).into_iter().enumerate() {
+            let pull: f64 = (0..NX).map(|j| stage.input_matrix[j][i] * costate[j]).sum();
+            worst = worst
+                .max((ru[i] + wu[i] + stage.input_gradient[i] - force[0] + force[1] + pull).abs());
+            worst = worst.max(complementarity(
+                u[i],
+                stage.input_lower[i],
+                stage.input_upper[i],
+                force,
+                None,
+            ));
+        }
+    }
+    worst
+}
+
+#[test]
+fn kkt_conditions_hold() {
+    for seed in 0..200 {
+        let problem = problem(seed);
+        let mut solver = QpSolver::new(10, SETTINGS).unwrap();
+        let report = solver.solve(&problem);
+        assert_eq!(report.status, QpStatus::Solved);
+        let scale = report.cost.abs().max(1.0);
+        let residual = kkt(&problem, &solver);
+        assert!(
+            residual < 1e-7 * scale,
+            "seed {seed}: {residual:e} {report:?}"
+        );
+        assert!(
+            report.residuals.stationarity < 1e-7 * scale,
+            "seed {seed}: {report:?}"
+        );
+    }
+}
+
+#[test]
+fn inputs_never_leave_their_bounds() {
+    for seed in 0..200 {
+        let problem = problem(seed);
+        for max_iterations in [0, 1, 3, 50] {
+            let mut solver = QpSolver::new(
+                10,
+                QpSettings {
+                    max_iterations,
+                    ..SETTINGS
+                },
+            )
+            .unwrap();
+            let report = solver.solve(&problem);
+            assert!(report.iterations <= 2 * max_iterations);
+            for (k, stage) in problem.stages.iter().enumerate() {
+                for (i, u) in solver.input(k).into_iter().enumerate() {
+                    assert!(
+                        stage.input_lower[i] <= u && u <= stage.input_upper[i],
+                        "seed {seed}, cap {max_iterations}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// A hard state bound out of reach: the violation is as small as Clarabel finds it can be, in bounded time.
+#[test]
+fn an_infeasible_state_bound_gives_the_least_violation() {
+    for seed in 0..60 {
+        let kind = random_qp::Kind {
+            horizon: 10,
+            spectral_radius: 0.9,
+            state_bounds: false,
+            soft: false,
+            rate: seed % 2 == 0,
+        };
+        let mut problem = random_qp::random_qp::<4, 2>(seed, kind);
+        for stage in &mut problem.stages {
+            stage.state_lower[0] = 3.0;
+            stage.state_upper[1] = -2.0;
+            // Bounded on both sides, so that no input is large enough for its own cost to count beside the violation.
+            stage.input_upper = stage.input_lower.map(|lower| lower + 0.4);
+        }
+        let mut solver = QpSolver::new(10, SETTINGS).unwrap();
+        let report = solver.solve(&problem);
+        assert_eq!(report.status, QpStatus::Relaxed, "seed {seed}: {report:?}");
+        assert!(report.iterations <= 100 && report.residuals.primal > 0.1);
+        let mut least = problem.clone();
+        least.state_penalty = [Some(Penalty {
+            linear: 1e6,
+            quadratic: 0.0,
+        }); 4];
+        let truth = oracle::solve(&least, 1e-10);
+        let total = |state: &dyn Fn(usize) -> [f64; 4]| -> f64 {
+            (0..10)
+                .map(|k| (3.0 - state(k)[0]).max(0.0) + (state(k)[1] + 2.0).max(0.0))
+                .sum()
+        };
+        let (ours, theirs) = (total(&|k| solver.state(k + 1)), total(&|k| truth.states[k]));
+        assert!(
+            ours <= theirs * (1.0 + 1e-4),
+            "seed {seed}: violation {ours} against {theirs}"
+        );
+    }
+}
+
+/// An initial state outside its bounds is no obstacle where the input can bring the next state back.
+#[test]
+fn an_exact_penalty_keeps_a_soft_bound_that_can_be_kept() {
+    for seed in 0..50 {
+        let kind = random_qp::Kind {
+            horizon: 8,
+            spectral_radius: 0.9,
+            state_bounds: true,
+            soft: false,
+            rate: false,
+        };
+        let hard = random_qp::random_qp::<4, 2>(seed, kind);
+        let mut soft = hard.clone();
+        soft.state_penalty = [Some(Penalty {
+            linear: 1e5,
+            quadratic: 0.0,
+        }); 4];
+        let mut solvers = [0, 1].map(|_| QpSolver::new(8, SETTINGS).unwrap());
+        assert_eq!(solvers[0].solve(&hard).status, QpStatus::Solved);
+        assert_eq!(solvers[1].solve(&soft).status, QpStatus::Solved);
+        for k in 0..8 {
+            for (a, b) in solvers[0].input(k).into_iter().zip(solvers[1].input(k)) {
+                assert!((a - b).abs() < 1e-5, "seed {seed}, stage {k}: {a} and {b}");
+            }
+        }
+    }
+}
+
+#[test]
+fn updated_data_equal_a_fresh_solve_bit_for_bit() {
+    let mut used = QpSolver::new(10, SETTINGS).unwrap();
+    for seed in 0..100 {
+        let mut problem = problem(seed);
+        if seed % 10 == 3 {
+            problem.stages[4].state_lower = [40.0; 4];
+        }
+        if seed % 10 == 7 {
+            problem.stages[4].affine[0] = f64::INFINITY;
+        }
+        let mut fresh = QpSolver::new(10, SETTINGS).unwrap();
+        let (a, b) = (used.solve(&problem), fresh.solve(&problem));
+        assert_eq!(format!("{a:?}"), format!("{b:?}"));
+        assert_eq!(bits(&used), bits(&fresh), "seed {seed}");
+        used.solve_warm(&problem);
+        used.shift();
+    }
+}
+
+#[test]
+fn a_warm_start_reaches_the_same_optimum() {
+    let (mut cold, mut warm) = (0, 0);
+    for seed in 0..200 {
+        let mut problem = problem(seed);
+        let mut solver = QpSolver::new(10, SETTINGS).unwrap();
+        solver.solve(&problem);
+        for x in &mut problem.initial_state {
+            *x += 1e-4;
+        }
+        let mut fresh = QpSolver::new(10, SETTINGS).unwrap();
+        let (a, b) = (solver.solve_warm(&problem), fresh.solve(&problem));
+        if b.status != QpStatus::Solved {
+            continue;
+        }
+        assert_eq!(a.status, QpStatus::Solved, "seed {seed}");
+        warm += a.iterations;
+        cold += b.iterations;
+        for k in 0..10 {
+            for (a, b) in solver.input(k).into_iter().zip(fresh.input(k)) {
+                assert!((a - b).abs() < 1e-4, "seed {seed}, stage {k}: {a} and {b}");
+            }
+        }
+    }
+    println!("iterations: {cold} cold, {warm} warm");
+    assert!(warm < cold);
+}
+
+#[test]
+fn without_active_bounds_one_factorization_is_enough() {
+    let mut problem = problem(0);
+    for stage in &mut problem.stages {
+        stage.input_lower = [-1e6; 2];
+        stage.input_upper = [1e6; 2];
+        stage.state_lower = [f64::NEG_INFINITY; 4];
+        stage.state_upper = [f64::INFINITY; 4];
+    }
+    let mut solver = QpSolver::new(10, SETTINGS).unwrap();
+    let report = solver.solve(&problem);
+    assert_eq!((report.status, report.iterations), (QpStatus::Solved, 0));
+    assert!(kkt(&problem, &solver) < 1e-9);
+}
+
+#[test]
+fn senseless_data_are_refused_with_a_usable_input() {
+    let spoil: [fn(&mut QpProblem<4, 2>); 7] = [
+        |p| p.initial_state[1] = f64::NAN,
+        |p| p.stages[3].state_matrix[0][0] = f64::INFINITY,
+        |p| p.stages[3].state_lower[0] = f64::NAN,
+        |p| p.stages[2].input_lower = [0.75; 2],
+        |p| p.input_weight = [[-100.0, 0.0], [0.0, -100.0]],
+        |p| {
+            p.state_penalty[0] = Some(Penalty {
+                linear: -1.0,
+                quadratic: 0.0,
+            })
+        },
+        |p| p.stages.truncate(5),
+    ];
+    for (i, spoil) in spoil.into_iter().enumerate() {
+        let mut problem = problem(0);
+        for stage in &mut problem.stages {
+            (stage.input_lower, stage.input_upper) = ([0.25; 2], [0.5; 2]);
+        }
+        spoil(&mut problem);
+        let mut solver = QpSolver::new(10, SETTINGS).unwrap();
+        assert_eq!(solver.solve(&problem).status, QpStatus::Invalid, "case {i}");
+        assert_eq!(solver.input(0), [0.25; 2], "case {i}");
+    }
+}
+
+#[test]
+fn fixed_inputs_are_allowed() {
+    let mut problem = problem(3);
+    for stage in &mut problem.stages {
+        stage.input_lower[0] = 0.1;
+        stage.input_upper[0] = 0.1;
+        stage.state_lower = [f64::NEG_INFINITY; 4];
+        stage.state_upper = [f64::INFINITY; 4];
+    }
+    let mut solver = QpSolver::new(10, SETTINGS).unwrap();
+    let report = solver.solve(&problem);
+    assert_eq!(report.status, QpStatus::Solved, "{report:?}");
+    assert!((0..10).all(|k| solver.input(k)[0] == 0.1));
+}
+
+#[test]
+fn horizons_from_one_to_a_hundred() {
+    for horizon in [1, 2, 50, 100] {
+        let kind = random_qp::Kind {
+            horizon,
+            spectral_radius: 0.95,
+            state_bounds: true,
+            soft: false,
+            rate: false,
+        };
+        let mut solver = QpSolver::<4, 2>::new(horizon, SETTINGS).unwrap();
+        assert_eq!(
+            solver.solve(&random_qp::random_qp(1, kind)).status,
+            QpStatus::Solved
+        );
+    }
+    assert_eq!(
+        QpSolver::<4, 2>::new(0, SETTINGS).err(),
+        Some(QpError::Horizon(0))
+    );
+    assert_eq!(
+        QpSolver::<4, 2>::new(101, SETTINGS).err(),
+        Some(QpError::Horizon(101))
+    );
+    assert_eq!(
+        QpSolver::<33, 2>::new(10, SETTINGS).err(),
+        Some(QpError::Size)
+    );
+}

@@ -1,0 +1,377 @@
+//! The equations of motion of a model as a textbook has them, to check the derived ones against.
+//!
+//! Energies are summed over the bodies in the base frame, and Lagrange's equations are formed with dual numbers
+//! (Fike and Alonso 2011): no recursion over forces, no Denavit–Hartenberg frames, no lumping, no expression graph. Only
+//! the [`Model`] is shared with the generator.
+
+use gelenk_codegen::formula::{Formula, Function};
+use gelenk_codegen::model::{Drive, Frame, Joint, JointKind, Model, Motion, Pose, RotorCoupling};
+use num_dual::{Dual64, DualNum, HyperDual64};
+
+/// Numbers that carry derivatives, or plain ones.
+pub trait Number: DualNum<Primitive = f64> + Copy {}
+impl<T: DualNum<Primitive = f64> + Copy> Number for T {}
+
+/// A vector in the base frame.
+pub type Vector<T> = [T; 3];
+
+/// Rows first.
+pub type Matrix<T> = [[T; 3]; 3];
+
+/// Where a link is and how it moves, all in axes of the base.
+#[derive(Debug, Clone, Copy)]
+pub struct LinkState<T> {
+    /// Origin [m].
+    pub origin: Vector<T>,
+    /// Columns are the link's axes.
+    pub rotation: Matrix<T>,
+    /// Velocity of the origin [m/s].
+    pub velocity: Vector<T>,
+    /// Angular velocity [rad/s].
+    pub spin: Vector<T>,
+    /// Whether any coordinate moves it.
+    pub moves: bool,
+}
+
+/// A model with values for its free parameters.
+#[derive(Debug, Clone, Copy)]
+pub struct Oracle<'m> {
+    /// The robot.
+    pub model: &'m Model,
+    /// Values of its parameters.
+    pub parameters: &'m [f64],
+}
+
+impl Oracle<'_> {
+    fn number(&self, formula: &Formula) -> f64 {
+        value(formula, self.parameters, 0.0, 0.0)
+    }
+
+    fn vector(&self, formulas: &[Formula; 3]) -> [f64; 3] {
+        formulas.each_ref().map(|formula| self.number(formula))
+    }
+
+    /// State of every link.
+    pub fn links<T: Number>(&self, y: &[T], v: &[T]) -> Vec<LinkState<T>> {
+        let zero = constant([0.0; 3]);
+        let mut states: Vec<LinkState<T>> = Vec::new();
+        for link in &self.model.links {
+            let state = match &link.joint {
+                None => LinkState {
+                    origin: zero,
+                    rotation: constant_matrix(IDENTITY),
+                    velocity: zero,
+                    spin: zero,
+                    moves: false,
+                },
+                Some(joint) => self.carried(&states[joint.parent], joint, y, v),
+            };
+            states.push(state);
+        }
+        states
+    }
+
+    /// State of the link behind a joint.
+    fn carried<T: Number>(
+        &self,
+        parent: &LinkState<T>,
+        joint: &Joint,
+        y: &[T],
+        v: &[T],
+    ) -> LinkState<T> {
+        let (position, speed, moves) = match joint.motion {
+            Motion::Fixed => (T::from(0.0), T::from(0.0), parent.moves),
+            Motion::Held(position) => (T::from(position), T::from(0.0), parent.moves),
+            Motion::Coordinate(index) => (y[index], v[index], true),
+        };
+        let (arm, rotation) = self.placed(parent, &joint.origin);
+        let axis = times(&rotation, &constant(joint.axis));
+        let mut state = LinkState {
+            origin: add(&parent.origin, &arm),
+            rotation,
+            velocity: parent.velocity,
+            spin: parent.spin,
+            moves,
+        };
+        match joint.kind {
+            JointKind::Fixed => {}
+            JointKind::Revolute | JointKind::Continuous => {
+                state.rotation = product(&rotation, &turn(joint.axis, position));
+                state.spin = add(&parent.spin, &scale(&axis, speed));
+            }
+            JointKind::Prismatic => {
+                state.origin = add(&state.origin, &scale(&axis, position));
+                state.velocity = add(&state.velocity, &scale(&axis, speed));
+            }
+        }
+        let lever = subtract(&state.origin, &parent.origin);
+        state.velocity = add(&state.velocity, &cross(&parent.spin, &lever));
+        state
+    }
+
+    /// A pose in a link: translation in axes of the base, rotation to the base.
+    fn placed<T: Number>(&self, link: &LinkState<T>, pose: &Pose) -> (Vector<T>, Matrix<T>) {
+        let translation = constant(self.vector(&pose.translation));
+        (
+            times(&link.rotation, &translation),
+            product(&link.rotation, &constant_matrix(pose.rotation)),
+        )
+    }
+
+    /// `T = Σ ½ m vᵀv + ½ ωᵀ I ω`, and for each rotor `½ J_R (a·ω_carrier + i ẏ)²`.
+    pub fn kinetic_energy<T: Number>(&self, y: &[T], v: &[T]) -> T {
+        let states = self.links(y, v);
+        let mut energy = T::from(0.0);
+        for (link, state) in self.model.links.iter().zip(&states) {
+            for body in &link.bodies {
+                let center = times(
+                    &state.rotation,
+                    &constant(self.vector(&body.center_of_mass)),
+                );
+                let velocity = add(&state.velocity, &cross(&state.spin, &center));
+                let spin = times(&transposed(&state.rotation), &state.spin);
+                let inertia = body.inertia.each_ref().map(|entry| self.number(entry));
+                energy += dot(&velocity, &velocity) * (0.5 * self.number(&body.mass));
+                energy += dot(&spin, &times(&symmetric(inertia), &spin)) * 0.5;
+            }
+        }
+        for drive in &self.model.drives {
+            energy += self.rotor_energy(drive, &states[drive.carrier], v);
+        }
+        energy
+    }
+
+    fn rotor_energy<T: Number>(&self, drive: &Drive, carrier: &LinkState<T>, v: &[T]) -> T {
+        let own = drive.coordinate.map_or(T::from(0.0), |index| {
+            v[index] * self.number(&drive.gear_ratio)
+        });
+        let axis = times(&carrier.rotation, &constant(drive.axis));
+        let spin = match drive.coupling {
+            RotorCoupling::Body => dot(&axis, &carrier.spin) + own,
+            RotorCoupling::Diagonal => own,
+        };
+        spin * spin * (0.5 * self.number(&drive.rotor_inertia))
+    }
+
+    /// `V = −Σ m g·c` over the bodies that move.
+    pub fn potential_energy<T: Number>(&self, y: &[T]) -> T {
+        let still = vec![T::from(0.0); y.len()];
+        let gravity = constant(self.vector(&self.model.gravity));
+        let mut energy = T::from(0.0);
+        for (link, state) in self.model.links.iter().zip(self.links(y, &still)) {
+            for body in link.bodies.iter().filter(|_| state.moves) {
+                let center = times(
+                    &state.rotation,
+                    &constant(self.vector(&body.center_of_mass)),
+                );
+                let height = dot(&gravity, &add(&state.origin, &center));
+                energy -= height * self.number(&body.mass);
+            }
+        }
+        energy
+    }
+
+    /// `d/dt ∂T/∂ẏ − ∂T/∂y`, that is M ÿ + k.
+    pub fn inertial_forces(&self, y: &[f64], v: &[f64], a: &[f64]) -> Vec<f64> {
+        let force = |j: usize| {
+            let along_y: Vec<_> = (0..y.len())
+                .map(|i| HyperDual64::new(y[i], 0.0, v[i], 0.0))
+                .collect();
+            let along_v: Vec<_> = (0..y.len())
+                .map(|i| HyperDual64::new(v[i], unit(i, j), a[i], 0.0))
+                .collect();
+            let constant: Vec<_> = v.iter().map(|&v| Dual64::from(v)).collect();
+            self.kinetic_energy(&along_y, &along_v).eps1eps2
+                - self.kinetic_energy(&seeded(y, j), &constant).eps
+        };
+        (0..y.len()).map(force).collect()
+    }
+
+    /// `−∂V/∂y`
+    pub fn gravity_forces(&self, y: &[f64]) -> Vec<f64> {
+        (0..y.len())
+            .map(|j| -self.potential_energy(&seeded(y, j)).eps)
+            .collect()
+    }
+
+    /// `∂²T/∂ẏ∂ẏ`, rows first.
+    pub fn mass_matrix(&self, y: &[f64]) -> Vec<f64> {
+        let position: Vec<_> = y.iter().map(|&y| HyperDual64::from(y)).collect();
+        let n = y.len();
+        let entry = |i: usize, j: usize| {
+            let v: Vec<_> = (0..n)
+                .map(|k| HyperDual64::new(0.0, unit(k, i), unit(k, j), 0.0))
+                .collect();
+            self.kinetic_energy(&position, &v).eps1eps2
+        };
+        (0..n * n).map(|at| entry(at / n, at % n)).collect()
+    }
+
+    /// Forces of springs and dampers.
+    pub fn spring_forces(&self, y: &[f64], v: &[f64]) -> Vec<f64> {
+        let force = |(i, joint): (usize, &Joint)| {
+            let laws = joint.springs.iter();
+            laws.map(|law| value(law, self.parameters, y[i], v[i]))
+                .sum()
+        };
+        self.joints().enumerate().map(force).collect()
+    }
+
+    /// `τ = Σ coefficient · basis`
+    pub fn friction_torques(&self, v: &[f64]) -> Vec<f64> {
+        let torque = |(i, joint): (usize, &Joint)| {
+            let terms = joint.friction.iter();
+            terms
+                .map(|term| {
+                    self.number(&term.coefficient) * value(&term.basis, self.parameters, 0.0, v[i])
+                })
+                .sum()
+        };
+        self.joints().enumerate().map(torque).collect()
+    }
+
+    /// The joint of each coordinate.
+    fn joints(&self) -> impl Iterator<Item = &Joint> {
+        let links = self.model.coordinates.iter();
+        links.filter_map(|&link| self.model.links[link].joint.as_ref())
+    }
+
+    /// Origin and rotation of a named frame.
+    pub fn frame<T: Number>(&self, frame: &Frame, y: &[T]) -> (Vector<T>, Matrix<T>) {
+        let still = vec![T::from(0.0); y.len()];
+        let link = self.links(y, &still)[frame.link];
+        let (arm, rotation) = self.placed(&link, &frame.pose);
+        (add(&link.origin, &arm), rotation)
+    }
+
+    /// Column `j` of a frame's Jacobian: `∂p/∂y`, then the vector of `∂R/∂y Rᵀ`.
+    pub fn jacobian_column(&self, frame: &Frame, y: &[f64], j: usize) -> [f64; 6] {
+        let (origin, rotation) = self.frame(frame, &seeded(y, j));
+        let rate = rotation.map(|row| row.map(|x| x.eps));
+        let turned = product(&rate, &transposed(&rotation.map(|row| row.map(|x| x.re))));
+        stacked(origin.map(|x| x.eps), axial(&turned))
+    }
+
+    /// `J̇ẏ`: acceleration of the frame on `y + ẏ t`.
+    pub fn jacobian_rate_times_velocity(&self, frame: &Frame, y: &[f64], v: &[f64]) -> [f64; 6] {
+        let path: Vec<_> = (0..y.len())
+            .map(|i| HyperDual64::new(y[i], v[i], v[i], 0.0))
+            .collect();
+        let (origin, rotation) = self.frame(frame, &path);
+        // Ω = Ṙ Rᵀ, Ω̇ = R̈ Rᵀ + Ṙ Ṙᵀ; the second part is symmetric.
+        let second = rotation.map(|row| row.map(|x| x.eps1eps2));
+        let turned = product(&second, &transposed(&rotation.map(|row| row.map(|x| x.re))));
+        stacked(origin.map(|x| x.eps1eps2), axial(&turned))
+    }
+}
+
+/// Value of a formula.
+pub fn value(formula: &Formula, parameters: &[f64], y: f64, v: f64) -> f64 {
+    let of = |formula: &Formula| value(formula, parameters, y, v);
+    match formula {
+        Formula::Number(number) => *number,
+        Formula::Parameter(index) => parameters[*index],
+        Formula::Position => y,
+        Formula::Velocity => v,
+        Formula::Negate(a) => -of(a),
+        Formula::Add(a, b) => of(a) + of(b),
+        Formula::Subtract(a, b) => of(a) - of(b),
+        Formula::Multiply(a, b) => of(a) * of(b),
+        Formula::Divide(a, b) => of(a) / of(b),
+        Formula::Power(a, n) => (0..*n).map(|_| of(a)).product(),
+        Formula::Call(function, a) => {
+            let x = of(a);
+            match function {
+                Function::Sin => x.sin(),
+                Function::Cos => x.cos(),
+                Function::Tanh => x.tanh(),
+                Function::Exp => x.exp(),
+                Function::Abs => x.abs(),
+                Function::Sign if x == 0.0 => 0.0,
+                Function::Sign => x.signum(),
+            }
+        }
+    }
+}
+
+const IDENTITY: Matrix<f64> = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+fn unit(i: usize, j: usize) -> f64 {
+    f64::from(u8::from(i == j))
+}
+
+/// `y` with the derivative by its entry `j`.
+fn seeded(y: &[f64], j: usize) -> Vec<Dual64> {
+    (0..y.len())
+        .map(|i| Dual64::new(y[i], unit(i, j)))
+        .collect()
+}
+
+fn stacked(a: [f64; 3], b: [f64; 3]) -> [f64; 6] {
+    [a[0], a[1], a[2], b[0], b[1], b[2]]
+}
+
+/// The vector of the antisymmetric part.
+fn axial(a: &Matrix<f64>) -> [f64; 3] {
+    [(2, 1), (0, 2), (1, 0)].map(|(i, j)| 0.5 * (a[i][j] - a[j][i]))
+}
+
+fn constant<T: Number>(a: [f64; 3]) -> Vector<T> {
+    a.map(T::from)
+}
+
+fn constant_matrix<T: Number>(a: Matrix<f64>) -> Matrix<T> {
+    a.map(constant)
+}
+
+fn symmetric<T: Number>([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Matrix<T> {
+    constant_matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+}
+
+fn add<T: Number>(a: &Vector<T>, b: &Vector<T>) -> Vector<T> {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+fn subtract<T: Number>(a: &Vector<T>, b: &Vector<T>) -> Vector<T> {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn scale<T: Number>(a: &Vector<T>, factor: T) -> Vector<T> {
+    a.map(|a| a * factor)
+}
+
+fn dot<T: Number>(a: &Vector<T>, b: &Vector<T>) -> T {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross<T: Number>(a: &Vector<T>, b: &Vector<T>) -> Vector<T> {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+fn times<T: Number>(a: &Matrix<T>, b: &Vector<T>) -> Vector<T> {
+    a.each_ref().map(|row| dot(row, b))
+}
+
+fn transposed<T: Number>(a: &Matrix<T>) -> Matrix<T> {
+    [0, 1, 2].map(|i| [a[0][i], a[1][i], a[2][i]])
+}
+
+fn product<T: Number>(a: &Matrix<T>, b: &Matrix<T>) -> Matrix<T> {
+    let columns = transposed(b);
+    a.each_ref()
+        .map(|row| columns.each_ref().map(|column| dot(row, column)))
+}
+
+/// Rotation about a unit axis (Rodrigues 1840): `1 + sin θ [a] + (1 − cos θ) [a]²`.
+fn turn<T: Number>(axis: [f64; 3], angle: T) -> Matrix<T> {
+    let [x, y, z] = axis;
+    let hat = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]];
+    let square = product(&hat, &hat);
+    let (sine, cosine) = angle.sin_cos();
+    [0, 1, 2]
+        .map(|i| [0, 1, 2].map(|j| sine * hat[i][j] + (-cosine + 1.0) * square[i][j] + unit(i, j)))
+}

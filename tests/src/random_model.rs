@@ -1,0 +1,433 @@
+//! Random robots: trees of every kind of joint, placement, body, rotor and force law that a model can hold.
+
+use std::f64::consts::PI;
+
+use fastrand::Rng;
+use gelenk_codegen::formula::{Formula, Function};
+use gelenk_codegen::model::{
+    Body, Drive, Frame, FrictionTerm, Input, Joint, JointKind, Limits, Link, Model, Motion,
+    MotorTorque, Options, Parameter, Pose, RotorCoupling,
+};
+use nalgebra::DMatrix;
+
+use crate::oracle::Oracle;
+
+/// Condition number of M up to which a random robot is taken: beyond it forward dynamics says little.
+pub const WORST_CONDITION: f64 = 1e7;
+
+/// A state to evaluate a robot in, and values of its parameters.
+#[derive(Debug, Clone)]
+pub struct Sample {
+    /// Coordinates.
+    pub y: Vec<f64>,
+    /// Velocities.
+    pub v: Vec<f64>,
+    /// Accelerations.
+    pub a: Vec<f64>,
+    /// Inputs.
+    pub u: Vec<f64>,
+    /// Free parameters.
+    pub parameters: Vec<f64>,
+}
+
+/// A robot with up to `longest` coordinates; the same for the same seed.
+pub fn random_model(seed: u64, longest: usize) -> Model {
+    let mut rng = Rng::with_seed(seed);
+    let mut model = tree(&mut rng, longest);
+    if condition(&mut rng, &model) > WORST_CONDITION {
+        // Massless or point-like links left M singular.
+        for link in model.links.iter_mut().filter(|link| moves(link)) {
+            link.bodies.push(rigid_body(&mut rng, "core"));
+        }
+    }
+    model
+}
+
+/// The worst condition number of M in a few states; infinite where it is not positive definite.
+fn condition(rng: &mut Rng, model: &Model) -> f64 {
+    let worst = |worst: f64, x: f64| worst.max(x);
+    (0..3)
+        .map(|_| {
+            let sample = random_sample(rng, model);
+            let oracle = Oracle {
+                model,
+                parameters: &sample.parameters,
+            };
+            condition_of(&oracle.mass_matrix(&sample.y))
+        })
+        .fold(0.0, worst)
+}
+
+/// Condition number of a symmetric matrix, rows first; infinite where it is not positive definite.
+pub fn condition_of(matrix: &[f64]) -> f64 {
+    let n = matrix.len().isqrt();
+    let values = DMatrix::from_row_slice(n, n, matrix).symmetric_eigenvalues();
+    let (low, high) = (values.min(), values.max());
+    if low > 0.0 { high / low } else { f64::INFINITY }
+}
+
+/// A state within a turn, velocities of a few rad/s, parameters near their defaults.
+pub fn random_sample(rng: &mut Rng, model: &Model) -> Sample {
+    let n = model.coordinates.len();
+    let inputs = model
+        .drives
+        .iter()
+        .filter(|drive| drive.coordinate.is_some());
+    let m = inputs.count();
+    let mut array = |len: usize, size: f64| (0..len).map(|_| within(rng, size)).collect();
+    let (y, v, a, u) = (array(n, PI), array(n, 2.0), array(n, 3.0), array(m, 5.0));
+    let parameters = model.parameters.iter();
+    let parameters = parameters
+        .map(|parameter| parameter.default * (1.0 + within(rng, 0.3)))
+        .collect();
+    Sample {
+        y,
+        v,
+        a,
+        u,
+        parameters,
+    }
+}
+
+fn moves(link: &Link) -> bool {
+    let motion = link.joint.as_ref().map(|joint| joint.motion);
+    matches!(motion, Some(Motion::Coordinate(_)))
+}
+
+fn chance(rng: &mut Rng, probability: f64) -> bool {
+    rng.f64() < probability
+}
+
+/// Between −size and size.
+fn within(rng: &mut Rng, size: f64) -> f64 {
+    size * (2.0 * rng.f64() - 1.0)
+}
+
+fn number(x: f64) -> Formula {
+    Formula::Number(x)
+}
+
+fn product(a: Formula, b: Formula) -> Formula {
+    Formula::Multiply(Box::new(a), Box::new(b))
+}
+
+fn tree(rng: &mut Rng, longest: usize) -> Model {
+    let count = rng.usize(1..=longest);
+    let parameters = parameters(rng);
+    let mut links = vec![Link {
+        name: "base".into(),
+        joint: None,
+        bodies: vec![],
+    }];
+    let mut moving = Vec::new();
+    while moving.len() < count {
+        let index = links.len();
+        let motion = match rng.f64() {
+            x if x < 0.1 => Motion::Fixed,
+            x if x < 0.2 => Motion::Held(within(rng, PI)),
+            _ => {
+                moving.push(index);
+                // Numbered below.
+                Motion::Coordinate(0)
+            }
+        };
+        links.push(link(rng, index, motion, !parameters.is_empty()));
+    }
+    if chance(rng, 0.3) {
+        rng.shuffle(&mut moving);
+    }
+    for (coordinate, &link) in moving.iter().enumerate() {
+        if let Some(joint) = &mut links[link].joint {
+            joint.motion = Motion::Coordinate(coordinate);
+        }
+    }
+    let drives = drives(rng, &links);
+    let frames = 0..rng.usize(1..=2);
+    let frames = frames.map(|k| frame(rng, k, links.len())).collect();
+    Model {
+        name: "random".into(),
+        description: vec![],
+        gravity: gravity(rng).map(Formula::Number),
+        parameters,
+        frames,
+        coordinates: moving,
+        links,
+        drives,
+        options: Options::default(),
+    }
+}
+
+fn gravity(rng: &mut Rng) -> [f64; 3] {
+    match rng.u8(0..4) {
+        0 => [0.0; 3],
+        1 => [0.0, 0.0, -9.81],
+        2 => [0.0, -9.81, 0.0],
+        _ => [within(rng, 9.0), within(rng, 9.0), within(rng, 9.0)],
+    }
+}
+
+/// None, or a scale of masses and a scale of lengths.
+fn parameters(rng: &mut Rng) -> Vec<Parameter> {
+    if chance(rng, 0.7) {
+        return vec![];
+    }
+    let parameter = |name: &str, default: f64| Parameter {
+        name: name.into(),
+        default,
+        unit: String::new(),
+        description: String::new(),
+    };
+    vec![parameter("weight", 1.2), parameter("length", 0.8)]
+}
+
+fn link(rng: &mut Rng, index: usize, motion: Motion, free: bool) -> Link {
+    let kind = match (motion, rng.u8(0..10)) {
+        (Motion::Fixed, _) => JointKind::Fixed,
+        (_, 0..=6) => JointKind::Revolute,
+        (_, 7) => JointKind::Continuous,
+        _ => JointKind::Prismatic,
+    };
+    let parent = if chance(rng, 0.75) {
+        index - 1
+    } else {
+        rng.usize(0..index)
+    };
+    let joint = Joint {
+        name: format!("j{index}"),
+        parent,
+        kind,
+        origin: pose(rng, free),
+        axis: axis(rng),
+        motion,
+        limits: Limits::default(),
+        springs: springs(rng),
+        friction: friction(rng, free),
+    };
+    Link {
+        name: format!("link{index}"),
+        joint: Some(joint),
+        bodies: bodies(rng, free),
+    }
+}
+
+fn pose(rng: &mut Rng, free: bool) -> Pose {
+    let translation = match rng.u8(0..4) {
+        0 => [0.0; 3],
+        1 => scaled(principal(rng), within(rng, 0.5)),
+        _ => [within(rng, 0.5), within(rng, 0.5), within(rng, 0.5)],
+    };
+    let mut translation = translation.map(number);
+    if free && chance(rng, 0.3) {
+        let [x, y, z] = translation;
+        translation = [product(Formula::Parameter(1), x), y, z];
+    }
+    Pose {
+        translation,
+        rotation: rotation(rng),
+    }
+}
+
+fn principal(rng: &mut Rng) -> [f64; 3] {
+    let mut axis = [0.0; 3];
+    axis[rng.usize(0..3)] = if rng.bool() { 1.0 } else { -1.0 };
+    axis
+}
+
+fn axis(rng: &mut Rng) -> [f64; 3] {
+    if chance(rng, 0.6) {
+        principal(rng)
+    } else {
+        direction(rng)
+    }
+}
+
+fn direction(rng: &mut Rng) -> [f64; 3] {
+    loop {
+        let a = [within(rng, 1.0), within(rng, 1.0), within(rng, 1.0)];
+        let length = a[0].hypot(a[1]).hypot(a[2]);
+        if (0.1..1.0).contains(&length) {
+            return scaled(a, 1.0 / length);
+        }
+    }
+}
+
+fn scaled(a: [f64; 3], factor: f64) -> [f64; 3] {
+    a.map(|x| x * factor)
+}
+
+/// None, quarter turns, or any.
+fn rotation(rng: &mut Rng) -> [[f64; 3]; 3] {
+    let x = principal(rng);
+    match rng.u8(0..3) {
+        0 => [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        1 => loop {
+            let y = principal(rng);
+            let z = cross(x, y);
+            if z != [0.0; 3] {
+                return [x, y, z];
+            }
+        },
+        _ => {
+            let x = direction(rng);
+            let other = cross(x, direction(rng));
+            let length = other[0].hypot(other[1]).hypot(other[2]);
+            let y = scaled(other, 1.0 / length);
+            [x, y, cross(x, y)]
+        }
+    }
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+fn bodies(rng: &mut Rng, free: bool) -> Vec<Body> {
+    let mut bodies = match rng.u8(0..10) {
+        0 => vec![],
+        1..=2 => vec![point_mass(rng, "point")],
+        3..=4 => vec![rigid_body(rng, "body"), point_mass(rng, "point")],
+        _ => vec![rigid_body(rng, "body")],
+    };
+    if free && chance(rng, 0.4) {
+        for body in &mut bodies {
+            body.mass = product(Formula::Parameter(0), body.mass.clone());
+        }
+    }
+    bodies
+}
+
+fn point_mass(rng: &mut Rng, name: &str) -> Body {
+    Body {
+        name: name.into(),
+        mass: number(0.2 + 2.0 * rng.f64()),
+        center_of_mass: [within(rng, 0.3), within(rng, 0.3), within(rng, 0.3)].map(number),
+        inertia: [0.0; 6].map(number),
+    }
+}
+
+/// Inertia from principal second moments in random axes, so that it is that of a real body.
+fn rigid_body(rng: &mut Rng, name: &str) -> Body {
+    let axes = rotation(rng);
+    let second = [0, 1, 2].map(|_| 0.002 + 0.05 * rng.f64());
+    let trace: f64 = second.iter().sum();
+    let entry = |i: usize, j: usize| {
+        let moment: f64 = (0..3).map(|k| axes[k][i] * second[k] * axes[k][j]).sum();
+        number(if i == j { trace - moment } else { -moment })
+    };
+    Body {
+        inertia: [
+            entry(0, 0),
+            entry(0, 1),
+            entry(0, 2),
+            entry(1, 1),
+            entry(1, 2),
+            entry(2, 2),
+        ],
+        ..point_mass(rng, name)
+    }
+}
+
+/// `−s (y − r) − d v`, or a cubic one.
+fn springs(rng: &mut Rng) -> Vec<Formula> {
+    let linear = |rng: &mut Rng| {
+        let stretch = Formula::Subtract(Box::new(Formula::Position), Box::new(number(rng.f64())));
+        let damping = product(number(rng.f64()), Formula::Velocity);
+        let pull = product(number(-20.0 * rng.f64()), stretch);
+        Formula::Subtract(Box::new(pull), Box::new(damping))
+    };
+    match rng.u8(0..6) {
+        0 => vec![linear(rng)],
+        1 => vec![
+            linear(rng),
+            product(number(-3.0), Formula::Power(Box::new(Formula::Position), 3)),
+        ],
+        _ => vec![],
+    }
+}
+
+/// Viscous, smooth and exact Coulomb terms.
+fn friction(rng: &mut Rng, free: bool) -> Vec<FrictionTerm> {
+    let call = |function, slope: f64| {
+        Formula::Call(
+            function,
+            Box::new(product(number(slope), Formula::Velocity)),
+        )
+    };
+    let mut terms = Vec::new();
+    for basis in [
+        Formula::Velocity,
+        call(Function::Tanh, 10.0),
+        call(Function::Sign, 1.0),
+    ] {
+        if chance(rng, 0.3) {
+            let size = number(0.1 + rng.f64());
+            let coefficient = if free {
+                product(Formula::Parameter(0), size)
+            } else {
+                size
+            };
+            terms.push(FrictionTerm { coefficient, basis });
+        }
+    }
+    terms
+}
+
+fn drives(rng: &mut Rng, links: &[Link]) -> Vec<Drive> {
+    let mut drives = Vec::new();
+    for link in &links[1..] {
+        let Some(joint) = &link.joint else { continue };
+        let coordinate = match joint.motion {
+            Motion::Coordinate(index) => Some(index),
+            Motion::Held(_) => None,
+            Motion::Fixed => continue,
+        };
+        if chance(rng, 0.8) {
+            drives.push(drive(rng, joint, coordinate, links.len()));
+        }
+    }
+    drives
+}
+
+fn drive(rng: &mut Rng, joint: &Joint, coordinate: Option<usize>, links: usize) -> Drive {
+    let has_rotor = chance(rng, 0.6);
+    let sign = if chance(rng, 0.2) { -1.0 } else { 1.0 };
+    Drive {
+        name: format!("{}_drive", joint.name),
+        coordinate,
+        gear_ratio: number(sign * (1.0 + 60.0 * rng.f64())),
+        rotor_inertia: number(if has_rotor { 1e-3 * rng.f64() } else { 0.0 }),
+        carrier: match rng.u8(0..4) {
+            0 => 0,
+            1 => rng.usize(0..links),
+            _ => joint.parent,
+        },
+        axis: axis(rng),
+        coupling: if chance(rng, 0.75) {
+            RotorCoupling::Body
+        } else {
+            RotorCoupling::Diagonal
+        },
+        input: if chance(rng, 0.7) {
+            Input::Torque
+        } else {
+            Input::Current(number(0.05))
+        },
+        torque: MotorTorque::default(),
+    }
+}
+
+fn frame(rng: &mut Rng, index: usize, links: usize) -> Frame {
+    Frame {
+        name: format!("f{index}"),
+        link: if index == 0 {
+            links - 1
+        } else {
+            rng.usize(0..links)
+        },
+        pose: pose(rng, false),
+    }
+}
