@@ -176,7 +176,7 @@ pub fn coriolis_forces(y: &[f64; N], v: &[f64; N], p: &Parameters) -> [f64; N] {
 #[must_use]
 pub fn gravity_forces(y: &[f64; N], p: &Parameters) -> [f64; N] {
     let angle_shoulder_elbow = y[0] + y[1];
-    let ([sin_shoulder, sin_shoulder_elbow], [_, _]) = math::sin_cos_2(
+    let ([sin_shoulder, sin_shoulder_elbow], [..]) = math::sin_cos_2(
         y[0],
         angle_shoulder_elbow,
     );
@@ -247,7 +247,7 @@ pub fn friction_torques(v: &[f64; N], p: &Parameters) -> [f64; N] {
 #[must_use]
 pub fn applied_forces(y: &[f64; N], v: &[f64; N], p: &Parameters) -> [f64; N] {
     let angle_shoulder_elbow = y[0] + y[1];
-    let ([sin_shoulder, sin_shoulder_elbow], [_, _]) = math::sin_cos_2(
+    let ([sin_shoulder, sin_shoulder_elbow], [..]) = math::sin_cos_2(
         y[0],
         angle_shoulder_elbow,
     );
@@ -352,7 +352,7 @@ pub fn equations_of_motion(
     p: &Parameters,
 ) -> ([[f64; N]; N], [f64; N], [f64; N]) {
     let angle_shoulder_elbow = y[0] + y[1];
-    let ([sin_shoulder, sin_elbow, sin_shoulder_elbow, ..], [_, cos_elbow, _, ..]) = math::sin_cos_4(
+    let ([sin_shoulder, sin_elbow, sin_shoulder_elbow, ..], [_, cos_elbow, ..]) = math::sin_cos_4(
         y[0],
         y[1],
         angle_shoulder_elbow,
@@ -535,10 +535,10 @@ pub fn forward_dynamics(
     let moment_shoulder_z = t25 + t20;
     let t27 = v[0] * 0.05;
     let t28 = u[0] - t27;
-    let t29 = t28 - moment_shoulder_z;
+    let t29 = moment_shoulder_z - t28;
     let t30 = v[1] * 0.05;
     let t31 = u[1] - t30;
-    let t32 = t31 - moment_elbow_z;
+    let t32 = moment_elbow_z - t31;
     let t33 = t12 * t12;
     let t34 = p.m2 * t33;
     let t35 = p.l2 * p.l2;
@@ -570,7 +570,9 @@ pub fn forward_dynamics(
     let t61 = t43 * t60;
     let t62 = inverse_d_elbow * t32;
     let t63 = t62 - t61;
-    [t60, t63]
+    let t64 = -t60;
+    let t65 = -t63;
+    [t64, t65]
 }
 
 /// Mass matrix and bias forces at once.
@@ -911,134 +913,133 @@ pub fn forward_dynamics_derivatives(
         y[0],
         y[1],
     );
-    let t4 = v[0] * v[0];
-    let t5 = p.l1 * t4;
-    let acceleration_shoulder_x = 9.81 * cos_shoulder;
-    let t7 = acceleration_shoulder_x + t5;
-    let t8 = sin_elbow * t7;
-    let acceleration_shoulder_y = 9.81 * sin_shoulder;
-    let t10 = cos_elbow * acceleration_shoulder_y;
-    let acceleration_elbow_y = t8 + t10;
-    let t12 = 0.5 * p.l2;
-    let t13 = p.m2 * t12;
-    let moment_elbow_z = t13 * acceleration_elbow_y;
-    let omega_elbow_z = v[0] + v[1];
-    let t16 = omega_elbow_z * omega_elbow_z;
-    let force_elbow_x = t13 * t16;
-    let force_shoulder_y = sin_elbow * force_elbow_x;
-    let t19 = p.l1 * force_shoulder_y;
-    let t20 = moment_elbow_z - t19;
-    let t21 = p.l1 * 0.5;
+    let t4 = 0.5 * p.l2;
+    let t5 = t4 * t4;
+    let t6 = p.m2 * t5;
+    let t7 = p.l2 * p.l2;
+    let t8 = p.m2 * t7;
+    let t9 = 0.08333333333333333 * t8;
+    let t10 = t9 + t6;
+    let inverse_d_elbow = 1.0 / t10;
+    let t12 = p.m2 * t4;
+    let t13 = t12 * cos_elbow;
+    let t14 = p.l1 * t13;
+    let t15 = t10 + t14;
+    let t16 = t15 * inverse_d_elbow;
+    let t17 = t15 * t16;
+    let t18 = 2.0 * t14;
+    let t19 = t10 + t18;
+    let t20 = p.l1 * 0.5;
+    let t21 = t20 * t20;
     let t22 = p.m1 * t21;
-    let t23 = p.l1 * p.m2;
-    let t24 = t22 + t23;
-    let t25 = t24 * acceleration_shoulder_y;
-    let moment_shoulder_z = t25 + t20;
-    let t27 = v[0] * 0.05;
-    let t28 = u[0] - t27;
-    let t29 = t28 - moment_shoulder_z;
-    let t30 = v[1] * 0.05;
-    let t31 = u[1] - t30;
-    let t32 = t31 - moment_elbow_z;
-    let t33 = t12 * t12;
-    let t34 = p.m2 * t33;
-    let t35 = p.l2 * p.l2;
-    let t36 = p.m2 * t35;
-    let t37 = 0.08333333333333333 * t36;
-    let t38 = t37 + t34;
-    let inverse_d_elbow = 1.0 / t38;
-    let t40 = t13 * cos_elbow;
-    let t41 = p.l1 * t40;
-    let t42 = t38 + t41;
-    let t43 = t42 * inverse_d_elbow;
-    let t44 = t43 * t32;
-    let t45 = t29 - t44;
-    let t46 = t42 * t43;
-    let t47 = 2.0 * t41;
-    let t48 = t38 + t47;
-    let t49 = t21 * t21;
-    let t50 = p.m1 * t49;
-    let t51 = p.l1 * p.l1;
-    let t52 = p.m1 * t51;
-    let t53 = t52 * 0.08333333333333333;
-    let t54 = t53 + t50;
-    let t55 = t51 * p.m2;
-    let t56 = t54 + t55;
-    let t57 = t56 + t48;
-    let t58 = t57 - t46;
-    let inverse_d_shoulder = 1.0 / t58;
-    let t60 = inverse_d_shoulder * t45;
-    let t61 = t43 * t60;
-    let t62 = inverse_d_elbow * t32;
-    let t63 = t62 - t61;
-    let t64 = cos_elbow * acceleration_shoulder_x;
-    let t65 = sin_elbow * acceleration_shoulder_y;
+    let t23 = p.l1 * p.l1;
+    let t24 = p.m1 * t23;
+    let t25 = t24 * 0.08333333333333333;
+    let t26 = t25 + t22;
+    let t27 = t23 * p.m2;
+    let t28 = t26 + t27;
+    let t29 = t28 + t19;
+    let t30 = t29 - t17;
+    let inverse_d_shoulder = 1.0 / t30;
+    let t32 = t16 * inverse_d_shoulder;
+    let t33 = v[0] * v[0];
+    let t34 = p.l1 * t33;
+    let acceleration_shoulder_x = 9.81 * cos_shoulder;
+    let t36 = acceleration_shoulder_x + t34;
+    let t37 = sin_elbow * t36;
+    let acceleration_shoulder_y = 9.81 * sin_shoulder;
+    let t39 = cos_elbow * acceleration_shoulder_y;
+    let acceleration_elbow_y = t37 + t39;
+    let moment_elbow_z = t12 * acceleration_elbow_y;
+    let t42 = v[1] * 0.05;
+    let t43 = u[1] - t42;
+    let t44 = t43 - moment_elbow_z;
+    let t45 = t32 * t44;
+    let omega_elbow_z = v[0] + v[1];
+    let t47 = omega_elbow_z * omega_elbow_z;
+    let force_elbow_x = t12 * t47;
+    let force_shoulder_y = sin_elbow * force_elbow_x;
+    let t50 = p.l1 * force_shoulder_y;
+    let t51 = moment_elbow_z - t50;
+    let t52 = p.m1 * t20;
+    let t53 = p.l1 * p.m2;
+    let t54 = t52 + t53;
+    let t55 = t54 * acceleration_shoulder_y;
+    let moment_shoulder_z = t55 + t51;
+    let t57 = v[0] * 0.05;
+    let t58 = u[0] - t57;
+    let t59 = t58 - moment_shoulder_z;
+    let t60 = inverse_d_shoulder * t59;
+    let t61 = t60 - t45;
+    let t62 = t16 * t32;
+    let t63 = inverse_d_elbow + t62;
+    let t64 = t63 * t44;
+    let t65 = t32 * t59;
     let t66 = t65 - t64;
-    let t67 = t13 * t66;
-    let t68 = t43 * t67;
-    let t69 = t24 * acceleration_shoulder_x;
-    let t70 = t69 - t67;
-    let t71 = t70 + t68;
-    let t72 = inverse_d_shoulder * t71;
-    let t73 = t60 + t63;
-    let t74 = t13 * t73;
-    let t75 = sin_elbow * t74;
-    let t76 = cos_elbow * force_elbow_x;
-    let t77 = t76 + t75;
-    let t78 = p.l1 * t77;
-    let t79 = p.l1 * t60;
-    let t80 = acceleration_shoulder_y + t79;
-    let t81 = sin_elbow * t80;
-    let t82 = cos_elbow * t7;
-    let t83 = t82 - t81;
-    let t84 = t13 * t83;
-    let t85 = t84 - t78;
-    let t86 = t43 * t84;
-    let t87 = t85 - t86;
-    let t88 = inverse_d_shoulder * t87;
-    let t89 = t43 * t72;
-    let t90 = inverse_d_elbow * t67;
-    let t91 = t90 + t89;
-    let t92 = t43 * t88;
-    let t93 = inverse_d_elbow * t84;
-    let t94 = t93 - t92;
-    let t95 = v[0] * 2.0;
-    let t96 = p.l1 * t95;
-    let t97 = sin_elbow * t96;
-    let t98 = t13 * t97;
-    let t99 = t43 * t98;
-    let t100 = 2.0 * omega_elbow_z;
-    let t101 = t13 * t100;
-    let t102 = sin_elbow * t101;
-    let t103 = p.l1 * t102;
-    let t104 = t98 - t103;
-    let t105 = 0.05 + t104;
-    let t106 = t105 - t99;
-    let t107 = inverse_d_shoulder * t106;
-    let t108 = t43 * 0.05;
-    let t109 = t103 + t108;
-    let t110 = inverse_d_shoulder * t109;
-    let t111 = t43 * t107;
-    let t112 = inverse_d_elbow * t98;
-    let t113 = t112 - t111;
-    let t114 = t43 * t110;
-    let t115 = inverse_d_elbow * 0.05;
-    let t116 = t115 + t114;
-    let t117 = t43 * inverse_d_shoulder;
-    let t118 = t43 * t117;
-    let t119 = inverse_d_elbow + t118;
-    let t120 = -t72;
-    let t121 = -t88;
-    let t122 = -t94;
-    let t123 = -t107;
-    let t124 = -t113;
-    let t125 = -t116;
-    let t126 = -t117;
+    let t67 = cos_elbow * acceleration_shoulder_x;
+    let t68 = sin_elbow * acceleration_shoulder_y;
+    let t69 = t68 - t67;
+    let t70 = t12 * t69;
+    let t71 = t32 * t70;
+    let t72 = t54 * acceleration_shoulder_x;
+    let t73 = t72 - t70;
+    let t74 = inverse_d_shoulder * t73;
+    let t75 = t74 + t71;
+    let t76 = t61 - t66;
+    let t77 = t12 * t76;
+    let t78 = sin_elbow * t77;
+    let t79 = cos_elbow * force_elbow_x;
+    let t80 = t79 + t78;
+    let t81 = p.l1 * t80;
+    let t82 = p.l1 * t61;
+    let t83 = acceleration_shoulder_y + t82;
+    let t84 = sin_elbow * t83;
+    let t85 = cos_elbow * t36;
+    let t86 = t85 - t84;
+    let t87 = t12 * t86;
+    let t88 = t87 - t81;
+    let t89 = inverse_d_shoulder * t88;
+    let t90 = t32 * t87;
+    let t91 = t89 - t90;
+    let t92 = t63 * t70;
+    let t93 = t32 * t73;
+    let t94 = t93 + t92;
+    let t95 = t32 * t88;
+    let t96 = t63 * t87;
+    let t97 = t95 - t96;
+    let t98 = v[0] * 2.0;
+    let t99 = p.l1 * t98;
+    let t100 = sin_elbow * t99;
+    let t101 = t12 * t100;
+    let t102 = t32 * t101;
+    let t103 = 2.0 * omega_elbow_z;
+    let t104 = t12 * t103;
+    let t105 = sin_elbow * t104;
+    let t106 = p.l1 * t105;
+    let t107 = t101 - t106;
+    let t108 = 0.05 + t107;
+    let t109 = inverse_d_shoulder * t108;
+    let t110 = t109 - t102;
+    let t111 = t32 * 0.05;
+    let t112 = inverse_d_shoulder * t106;
+    let t113 = t112 + t111;
+    let t114 = t63 * t101;
+    let t115 = t32 * t108;
+    let t116 = t115 - t114;
+    let t117 = t63 * 0.05;
+    let t118 = t32 * t106;
+    let t119 = t118 + t117;
+    let t120 = -t66;
+    let t121 = -t75;
+    let t122 = -t91;
+    let t123 = -t110;
+    let t124 = -t119;
+    let t125 = -t32;
     (
-        [t60, t63],
-        [[t120, t121], [t91, t122]],
-        [[t123, t110], [t124, t125]],
-        [[inverse_d_shoulder, t126], [t126, t119]],
+        [t61, t120],
+        [[t121, t122], [t94, t97]],
+        [[t123, t113], [t116, t124]],
+        [[inverse_d_shoulder, t125], [t125, t63]],
     )
 }
 
@@ -1103,130 +1104,129 @@ pub fn linearize(
     let t29 = t28 + t19;
     let t30 = t29 - t17;
     let inverse_d_shoulder = 1.0 / t30;
+    let t32 = t16 * inverse_d_shoulder;
     let acceleration_shoulder_x = 9.81 * cos_shoulder;
-    let t33 = cos_elbow * acceleration_shoulder_x;
+    let t34 = cos_elbow * acceleration_shoulder_x;
     let acceleration_shoulder_y = 9.81 * sin_shoulder;
-    let t35 = sin_elbow * acceleration_shoulder_y;
-    let t36 = t35 - t33;
-    let t37 = t12 * t36;
-    let t38 = t16 * t37;
-    let t39 = p.m1 * t20;
-    let t40 = p.l1 * p.m2;
-    let t41 = t39 + t40;
-    let t42 = t41 * acceleration_shoulder_x;
-    let t43 = t42 - t37;
-    let t44 = t43 + t38;
+    let t36 = sin_elbow * acceleration_shoulder_y;
+    let t37 = t36 - t34;
+    let t38 = t12 * t37;
+    let t39 = t32 * t38;
+    let t40 = p.m1 * t20;
+    let t41 = p.l1 * p.m2;
+    let t42 = t40 + t41;
+    let t43 = t42 * acceleration_shoulder_x;
+    let t44 = t43 - t38;
     let t45 = inverse_d_shoulder * t44;
-    let t46 = v[0] * v[0];
-    let t47 = p.l1 * t46;
-    let t48 = acceleration_shoulder_x + t47;
-    let t49 = sin_elbow * t48;
-    let t50 = cos_elbow * acceleration_shoulder_y;
-    let acceleration_elbow_y = t49 + t50;
+    let t46 = t45 + t39;
+    let t47 = t16 * t32;
+    let t48 = inverse_d_elbow + t47;
+    let t49 = v[0] * v[0];
+    let t50 = p.l1 * t49;
+    let t51 = acceleration_shoulder_x + t50;
+    let t52 = sin_elbow * t51;
+    let t53 = cos_elbow * acceleration_shoulder_y;
+    let acceleration_elbow_y = t52 + t53;
     let moment_elbow_z = t12 * acceleration_elbow_y;
+    let t56 = v[1] * 0.05;
+    let t57 = u[1] - t56;
+    let t58 = t57 - moment_elbow_z;
+    let t59 = t48 * t58;
     let omega_elbow_z = v[0] + v[1];
-    let t54 = omega_elbow_z * omega_elbow_z;
-    let force_elbow_x = t12 * t54;
+    let t61 = omega_elbow_z * omega_elbow_z;
+    let force_elbow_x = t12 * t61;
     let force_shoulder_y = sin_elbow * force_elbow_x;
-    let t57 = p.l1 * force_shoulder_y;
-    let t58 = moment_elbow_z - t57;
-    let t59 = t41 * acceleration_shoulder_y;
-    let moment_shoulder_z = t59 + t58;
-    let t61 = v[0] * 0.05;
-    let t62 = u[0] - t61;
-    let t63 = t62 - moment_shoulder_z;
-    let t64 = v[1] * 0.05;
-    let t65 = u[1] - t64;
-    let t66 = t65 - moment_elbow_z;
-    let t67 = t16 * t66;
-    let t68 = t63 - t67;
-    let t69 = inverse_d_shoulder * t68;
-    let t70 = t16 * t69;
-    let t71 = inverse_d_elbow * t66;
-    let t72 = t71 - t70;
-    let t73 = t69 + t72;
-    let t74 = t12 * t73;
-    let t75 = sin_elbow * t74;
-    let t76 = cos_elbow * force_elbow_x;
-    let t77 = t76 + t75;
-    let t78 = p.l1 * t77;
-    let t79 = p.l1 * t69;
-    let t80 = acceleration_shoulder_y + t79;
-    let t81 = sin_elbow * t80;
-    let t82 = cos_elbow * t48;
-    let t83 = t82 - t81;
-    let t84 = t12 * t83;
-    let t85 = t84 - t78;
-    let t86 = t16 * t84;
-    let t87 = t85 - t86;
-    let t88 = inverse_d_shoulder * t87;
-    let t89 = t16 * t45;
-    let t90 = inverse_d_elbow * t37;
-    let t91 = t90 + t89;
-    let t92 = t16 * t88;
-    let t93 = inverse_d_elbow * t84;
-    let t94 = t93 - t92;
-    let t95 = v[0] * 2.0;
-    let t96 = p.l1 * t95;
-    let t97 = sin_elbow * t96;
-    let t98 = t12 * t97;
-    let t99 = t16 * t98;
-    let t100 = 2.0 * omega_elbow_z;
+    let t64 = p.l1 * force_shoulder_y;
+    let t65 = moment_elbow_z - t64;
+    let t66 = t42 * acceleration_shoulder_y;
+    let moment_shoulder_z = t66 + t65;
+    let t68 = v[0] * 0.05;
+    let t69 = u[0] - t68;
+    let t70 = t69 - moment_shoulder_z;
+    let t71 = t32 * t70;
+    let t72 = t71 - t59;
+    let t73 = t32 * t58;
+    let t74 = inverse_d_shoulder * t70;
+    let t75 = t74 - t73;
+    let t76 = t75 - t72;
+    let t77 = t12 * t76;
+    let t78 = sin_elbow * t77;
+    let t79 = cos_elbow * force_elbow_x;
+    let t80 = t79 + t78;
+    let t81 = p.l1 * t80;
+    let t82 = p.l1 * t75;
+    let t83 = acceleration_shoulder_y + t82;
+    let t84 = sin_elbow * t83;
+    let t85 = cos_elbow * t51;
+    let t86 = t85 - t84;
+    let t87 = t12 * t86;
+    let t88 = t87 - t81;
+    let t89 = inverse_d_shoulder * t88;
+    let t90 = t32 * t87;
+    let t91 = t89 - t90;
+    let t92 = t48 * t38;
+    let t93 = t32 * t44;
+    let t94 = t93 + t92;
+    let t95 = t32 * t88;
+    let t96 = t48 * t87;
+    let t97 = t95 - t96;
+    let t98 = v[0] * 2.0;
+    let t99 = p.l1 * t98;
+    let t100 = sin_elbow * t99;
     let t101 = t12 * t100;
-    let t102 = sin_elbow * t101;
-    let t103 = p.l1 * t102;
-    let t104 = t98 - t103;
-    let t105 = 0.05 + t104;
-    let t106 = t105 - t99;
-    let t107 = inverse_d_shoulder * t106;
-    let t108 = t16 * 0.05;
-    let t109 = t103 + t108;
-    let t110 = inverse_d_shoulder * t109;
-    let t111 = t16 * t107;
-    let t112 = inverse_d_elbow * t98;
-    let t113 = t112 - t111;
-    let t114 = t16 * t110;
-    let t115 = inverse_d_elbow * 0.05;
-    let t116 = t115 + t114;
-    let t117 = t16 * inverse_d_shoulder;
-    let t118 = t16 * t117;
-    let t119 = inverse_d_elbow + t118;
-    let t120 = y[1] * t88;
-    let t121 = y[0] * t45;
+    let t102 = t32 * t101;
+    let t103 = 2.0 * omega_elbow_z;
+    let t104 = t12 * t103;
+    let t105 = sin_elbow * t104;
+    let t106 = p.l1 * t105;
+    let t107 = t101 - t106;
+    let t108 = 0.05 + t107;
+    let t109 = inverse_d_shoulder * t108;
+    let t110 = t109 - t102;
+    let t111 = t32 * 0.05;
+    let t112 = inverse_d_shoulder * t106;
+    let t113 = t112 + t111;
+    let t114 = t48 * t101;
+    let t115 = t32 * t108;
+    let t116 = t115 - t114;
+    let t117 = t48 * 0.05;
+    let t118 = t32 * t106;
+    let t119 = t118 + t117;
+    let t120 = y[1] * t91;
+    let t121 = y[0] * t46;
     let t122 = t121 + t120;
-    let t123 = v[1] * t110;
-    let t124 = v[0] * t107;
+    let t123 = v[1] * t113;
+    let t124 = v[0] * t110;
     let t125 = t124 - t123;
     let t126 = t122 + t125;
-    let t127 = u[1] * t117;
+    let t127 = u[1] * t32;
     let t128 = u[0] * inverse_d_shoulder;
     let t129 = t128 - t127;
     let t130 = t126 - t129;
-    let t131 = t69 + t130;
-    let t132 = y[1] * t94;
-    let t133 = y[0] * t91;
-    let t134 = t133 - t132;
-    let t135 = v[1] * t116;
-    let t136 = v[0] * t113;
-    let t137 = t136 + t135;
-    let t138 = t134 - t137;
-    let t139 = u[1] * t119;
-    let t140 = u[0] * t117;
+    let t131 = t75 + t130;
+    let t132 = y[1] * t97;
+    let t133 = y[0] * t94;
+    let t134 = t133 + t132;
+    let t135 = v[1] * t119;
+    let t136 = v[0] * t116;
+    let t137 = t136 - t135;
+    let t138 = t134 + t137;
+    let t139 = u[1] * t48;
+    let t140 = u[0] * t32;
     let t141 = t140 - t139;
     let t142 = t138 - t141;
-    let t143 = t72 - t142;
-    let t144 = -t45;
-    let t145 = -t88;
-    let t146 = -t94;
-    let t147 = -t107;
-    let t148 = -t113;
-    let t149 = -t116;
-    let t150 = -t117;
+    let t143 = t72 + t142;
+    let t144 = -t46;
+    let t145 = -t91;
+    let t146 = -t110;
+    let t147 = -t119;
+    let t148 = -t32;
+    let t149 = -t143;
     (
-        [[t144, t145], [t91, t146]],
-        [[t147, t110], [t148, t149]],
-        [[inverse_d_shoulder, t150], [t150, t119]],
-        [t131, t143],
+        [[t144, t145], [t94, t97]],
+        [[t146, t113], [t116, t147]],
+        [[inverse_d_shoulder, t148], [t148, t48]],
+        [t131, t149],
     )
 }
 

@@ -30,7 +30,9 @@ fn time(states: usize, mut calls: impl FnMut()) -> f64 {
 fn numbers() -> impl FnMut() -> f64 {
     let mut state = 7_u64;
     move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5) * 6.0
     }
 }
@@ -53,7 +55,11 @@ fn report(name: &str, scalar: f64, forms: [Option<f64>; 3]) {
 fn inverse_dynamics(inputs: &[[Many; 3]]) {
     let scalar: Vec<[Vector; 3]> = inputs
         .iter()
-        .flat_map(|[y, v, a]| (0..8).map(|i| [lane(y, i), lane(v, i), lane(a, i)]).collect::<Vec<_>>())
+        .flat_map(|[y, v, a]| {
+            (0..8)
+                .map(|i| [lane(y, i), lane(v, i), lane(a, i)])
+                .collect::<Vec<_>>()
+        })
         .collect();
     let one = time(scalar.len(), || {
         for [y, v, a] in black_box(&scalar) {
@@ -66,7 +72,10 @@ fn inverse_dynamics(inputs: &[[Many; 3]]) {
         for i in 0..8 {
             let [y, v, a] = &scalar[8 * k + i];
             let bits = |x: Vector| x.map(f64::to_bits);
-            assert_eq!(bits(robot::inverse_dynamics(y, v, a)), bits(lane(&forces, i)));
+            assert_eq!(
+                bits(robot::inverse_dynamics(y, v, a)),
+                bits(lane(&forces, i))
+            );
         }
     }
     type Form = unsafe fn(&Many, &Many, &Many, &mut Many);
@@ -81,14 +90,19 @@ fn inverse_dynamics(inputs: &[[Many; 3]]) {
     };
     let baseline = Some(run(robot::inverse_dynamics_lanes));
     let avx2 = is_x86_feature_detected!("avx2").then(|| run(robot::inverse_dynamics_lanes_avx2));
-    let avx512 = is_x86_feature_detected!("avx512dq").then(|| run(robot::inverse_dynamics_lanes_avx512));
+    let avx512 =
+        is_x86_feature_detected!("avx512dq").then(|| run(robot::inverse_dynamics_lanes_avx512));
     report("inverse_dynamics", one, [baseline, avx2, avx512]);
 }
 
 fn linearize(inputs: &[[Many; 3]]) {
     let scalar: Vec<[Vector; 3]> = inputs
         .iter()
-        .flat_map(|[y, v, a]| (0..8).map(|i| [lane(y, i), lane(v, i), lane(a, i)]).collect::<Vec<_>>())
+        .flat_map(|[y, v, a]| {
+            (0..8)
+                .map(|i| [lane(y, i), lane(v, i), lane(a, i)])
+                .collect::<Vec<_>>()
+        })
         .collect();
     let mut blocks: [Matrix; 3] = [[[0.0; N]; N]; 3];
     let mut affine = [0.0; N];
@@ -112,10 +126,21 @@ fn linearize(inputs: &[[Many; 3]]) {
                     assert_eq!(lane(row, i).map(f64::to_bits), expected.map(f64::to_bits));
                 }
             }
-            assert_eq!(lane(&rest, i).map(f64::to_bits), expected.3.map(f64::to_bits));
+            assert_eq!(
+                lane(&rest, i).map(f64::to_bits),
+                expected.3.map(f64::to_bits)
+            );
         }
     }
-    type Form = unsafe fn(&Many, &Many, &Many, &mut ManyMatrices, &mut ManyMatrices, &mut ManyMatrices, &mut Many);
+    type Form = unsafe fn(
+        &Many,
+        &Many,
+        &Many,
+        &mut ManyMatrices,
+        &mut ManyMatrices,
+        &mut ManyMatrices,
+        &mut Many,
+    );
     let mut run = |form: Form| {
         time(scalar.len(), || {
             for [y, v, u] in black_box(inputs) {

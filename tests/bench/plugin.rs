@@ -1,7 +1,7 @@
 //! A generated module behind the C interface of the comparison of rigid-body libraries: one shared object per robot.
 //!
 //! `dynamics.sh` compiles it, with the module's path in `GELENK_MODULE` and one `--cfg` for each function that may be
-//! missing. Matrices leave column by column; of symmetric ones both triangles.
+//! missing. Matrices leave column by column.
 
 #[allow(dead_code, reason = "the comparison calls some of the functions")]
 mod robot {
@@ -21,17 +21,20 @@ type Matrix = [[f64; N]; N];
 pub unsafe extern "C" fn rbd_init(path: *const std::ffi::c_char) -> i32 {
     // SAFETY: as this function demands.
     let path = unsafe { std::ffi::CStr::from_ptr(path) };
-    let text = path.to_str().ok().and_then(|path| std::fs::read_to_string(path).ok());
+    let text = path
+        .to_str()
+        .ok()
+        .and_then(|path| std::fs::read_to_string(path).ok());
     let count = text.and_then(|text| text.split_whitespace().next()?.parse::<usize>().ok());
     if count == Some(N) { N as i32 } else { -1 }
 }
 
-/// Writes the columns of a matrix.
+/// Exchanges rows and columns.
 #[inline(always)]
-fn write(to: &mut Matrix, matrix: &Matrix) {
-    for (i, row) in matrix.iter().enumerate() {
-        for (j, entry) in row.iter().enumerate() {
-            to[j][i] = *entry;
+fn transpose(matrix: &mut Matrix) {
+    for i in 0..N {
+        for j in 0..i {
+            (matrix[i][j], matrix[j][i]) = (matrix[j][i], matrix[i][j]);
         }
     }
 }
@@ -83,10 +86,18 @@ pub extern "C" fn rbd_rnea_der(
     by_velocities: &mut Matrix,
     mass: &mut Matrix,
 ) {
-    let (mut forces, mut dy, mut dv) = ([0.0; N], [[0.0; N]; N], [[0.0; N]; N]);
-    robot::inverse_dynamics_derivatives_and_mass_matrix_into(y, v, a, &mut forces, &mut dy, &mut dv, mass);
-    write(by_coordinates, &dy);
-    write(by_velocities, &dv);
+    let mut forces = [0.0; N];
+    robot::inverse_dynamics_derivatives_and_mass_matrix_into(
+        y,
+        v,
+        a,
+        &mut forces,
+        by_coordinates,
+        by_velocities,
+        mass,
+    );
+    transpose(by_coordinates);
+    transpose(by_velocities);
 }
 
 #[cfg(has_forward_dynamics_derivatives)]
@@ -99,8 +110,16 @@ pub extern "C" fn rbd_fd_der(
     by_velocities: &mut Matrix,
     by_inputs: &mut Matrix,
 ) {
-    let (mut accelerations, mut dy, mut dv) = ([0.0; N], [[0.0; N]; N], [[0.0; N]; N]);
-    robot::forward_dynamics_derivatives_into(y, v, u, &mut accelerations, &mut dy, &mut dv, by_inputs);
-    write(by_coordinates, &dy);
-    write(by_velocities, &dv);
+    let mut accelerations = [0.0; N];
+    robot::forward_dynamics_derivatives_into(
+        y,
+        v,
+        u,
+        &mut accelerations,
+        by_coordinates,
+        by_velocities,
+        by_inputs,
+    );
+    transpose(by_coordinates);
+    transpose(by_velocities);
 }

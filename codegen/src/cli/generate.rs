@@ -57,7 +57,7 @@ pub(super) fn generate(arguments: &Generate, format: Format) -> Result<ExitCode,
             print::out(&format!(
                 "{}\n{}",
                 line(&robot, &path, outcome),
-                print::counts_table(&robot.functions)
+                print::counts_table(&robot.functions, &[])
             ))?;
             Ok(ExitCode::SUCCESS)
         }
@@ -374,7 +374,7 @@ fn result(robot: &Generated, path: &Path, outcome: Outcome) -> Value {
         "written": outcome == Outcome::Written,
         "coordinates": robot.model.coordinates.len(),
         "inputs": inputs(robot),
-        "functions": print::counts(&robot.functions),
+        "functions": print::counts(&robot.functions, &[]),
         "notes": print::diagnostics(&robot.notes),
     })
 }

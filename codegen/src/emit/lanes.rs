@@ -477,6 +477,12 @@ impl<'a> Form<'a> {
             ))
         ));
         documentation.paragraph("Nothing that stood in the results is read.");
+        if features.is_some() {
+            documentation.heading("Safety");
+            documentation.paragraph(
+                "The processor must have these instructions: `is_x86_feature_detected!` tells.",
+            );
+        }
         let documentation = documentation.tokens();
         let allowed = lints::for_arguments(self.arguments.len());
         let features = features.map(|features| {
