@@ -59,7 +59,7 @@ pub fn chain(rows: &[Row], gravity: [f64; 3]) -> Model {
 
 /// `count` joints with twists of ±90°.
 pub fn right_angles(count: usize) -> Vec<Row> {
-    let sign = |k: usize| if k % 2 == 0 { 90.0 } else { -90.0 };
+    let sign = |k: usize| if k.is_multiple_of(2) { 90.0 } else { -90.0 };
     (0..count)
         .map(|k| {
             if k == 0 {

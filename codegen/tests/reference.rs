@@ -389,18 +389,20 @@ fn dh_rows_and_origins_describe_the_same_arm() {
         )
     };
     let rows = joint("a1", "modified_dh = { d = 0.3 }", "")
-        + &joint(
+        + joint(
             "a2",
             "modified_dh = { alpha = \"-pi/2\", a = 0.1, theta = 0.4 }",
             "",
-        );
+        )
+        .as_str();
     let places = joint("a1", "", "origin = { xyz = [0, 0, 0.3] }")
         // Turned by −90° about x, then by 0.4 about the new z.
-        + &joint(
+        + joint(
             "a2",
             "",
             "origin = { xyz = [0.1, 0, 0], quaternion = { w = 0.6930117232058354, x = -0.6930117232058354, y = 0.1404804310189812, z = 0.1404804310189812 } }",
-        );
+        )
+        .as_str();
     let load = |text: &str| {
         let none = &mut |_: &str| unreachable!();
         from_toml(text, "arm.toml", &ReadOptions::default(), none)

@@ -140,11 +140,6 @@ fn small_robots_read_well() {
         let text = display::text(&forms(&model), &defaults(&model));
         insta::assert_snapshot!(format!("{name}_text"), text);
     }
-    let model = described(SLANTED);
-    insta::assert_snapshot!(
-        "slanted_text",
-        display::text(&forms(&model), &defaults(&model))
-    );
 }
 
 /// M, k, q of Nicodemus et al. 2022 as design.md prints them, friction included.

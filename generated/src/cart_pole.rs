@@ -109,12 +109,13 @@ pub fn coriolis_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 /// - `y: [N]`: coordinates: `cart` in m, `pole` in rad
 /// - returns `q_gravity: [N]`: positive where gravity drives the joint forwards; −∂V/∂y
 ///
-/// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
+/// Cost: 1 multiplication, 0 additions, 0 divisions, 1 function call (`sin_cos`).
 #[inline]
 #[must_use]
 pub fn gravity_forces(y: &[f64; N]) -> [f64; N] {
-    let _ = y;
-    [0.0, 0.0]
+    let (sin_pole, _) = math::sin_cos(y[1]);
+    let moment_pole_z = sin_pole * 0.49050000000000005;
+    [0.0, moment_pole_z]
 }
 
 /// Springs' and dampers' share of the applied forces.
@@ -158,16 +159,18 @@ pub fn friction_torques(v: &[f64; N]) -> [f64; N] {
 /// - `v: [N]`: velocities ẏ: `cart` in m/s, `pole` in rad/s
 /// - returns `q: [N]`: on the right-hand side, without the inputs
 ///
-/// Cost: 2 multiplications, 0 additions, 0 divisions, 0 function calls.
+/// Cost: 3 multiplications, 1 addition, 0 divisions, 1 function call (`sin_cos`).
 #[inline]
 #[must_use]
 pub fn applied_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
-    let _ = y;
-    let t0 = v[0] * 0.1;
-    let t1 = v[1] * 0.002;
-    let t2 = -t0;
-    let t3 = -t1;
-    [t2, t3]
+    let (sin_pole, _) = math::sin_cos(y[1]);
+    let t1 = v[0] * 0.1;
+    let moment_pole_z = sin_pole * 0.49050000000000005;
+    let t3 = v[1] * 0.002;
+    let t4 = t3 - moment_pole_z;
+    let t5 = -t1;
+    let t6 = -t4;
+    [t5, t6]
 }
 
 /// Bias forces `k − q_gravity`.
@@ -178,7 +181,7 @@ pub fn applied_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 /// - `v: [N]`: velocities ẏ: `cart` in m/s, `pole` in rad/s
 /// - returns `b: [N]`: what holds the accelerations at zero, without springs and friction
 ///
-/// Cost: 3 multiplications, 0 additions, 0 divisions, 1 function call (`sin_cos`).
+/// Cost: 4 multiplications, 0 additions, 0 divisions, 1 function call (`sin_cos`).
 ///
 /// Recursive Newton–Euler equations at ÿ = 0. Pinocchio calls this `nle`.
 #[inline]
@@ -188,8 +191,10 @@ pub fn bias_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
     let t1 = v[1] * v[1];
     let force_pole_x = 0.05 * t1;
     let force_cart_z = sin_pole * force_pole_x;
+    let moment_pole_z = sin_pole * 0.49050000000000005;
     let minus_force_cart_z = -force_cart_z;
-    [minus_force_cart_z, 0.0]
+    let minus_moment_pole_z = -moment_pole_z;
+    [minus_force_cart_z, minus_moment_pole_z]
 }
 
 /// Input matrix `B`.
@@ -215,7 +220,7 @@ pub fn input_matrix() -> [[f64; M]; N] {
 /// - returns `k: [N]`: Coriolis, centrifugal and gyroscopic forces
 /// - returns `q: [N]`: gravity, springs and friction
 ///
-/// Cost: 6 multiplications, 0 additions, 0 divisions, 1 function call (`sin_cos`).
+/// Cost: 7 multiplications, 1 addition, 0 divisions, 1 function call (`sin_cos`).
 ///
 /// What the three have in common is computed once.
 #[inline]
@@ -230,11 +235,13 @@ pub fn equations_of_motion(
     let force_pole_x = 0.05 * t3;
     let force_cart_z = sin_pole * force_pole_x;
     let t6 = v[0] * 0.1;
-    let t7 = v[1] * 0.002;
+    let moment_pole_z = sin_pole * 0.49050000000000005;
+    let t8 = v[1] * 0.002;
+    let t9 = t8 - moment_pole_z;
     let minus_force_cart_z = -force_cart_z;
-    let t9 = -t6;
-    let t10 = -t7;
-    ([[1.1, t2], [t2, 0.03333333333333333]], [minus_force_cart_z, 0.0], [t9, t10])
+    let t11 = -t6;
+    let t12 = -t9;
+    ([[1.1, t2], [t2, 0.03333333333333333]], [minus_force_cart_z, 0.0], [t11, t12])
 }
 
 /// Inverse dynamics: the joint forces of a motion.
@@ -246,7 +253,7 @@ pub fn equations_of_motion(
 /// - `a: [N]`: accelerations ÿ: `cart` in m/s², `pole` in rad/s²
 /// - returns `B u: [N]`: what the drives exert at the joints; u\_ff = B⁻¹ times it
 ///
-/// Cost: 11 multiplications, 5 additions, 0 divisions, 1 function call (`sin_cos`).
+/// Cost: 12 multiplications, 6 additions, 0 divisions, 1 function call (`sin_cos`).
 ///
 /// Recursive Newton–Euler equations (Luh, Walker and Paul 1980) with base parameters.
 #[inline]
@@ -263,13 +270,16 @@ pub fn inverse_dynamics(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
     let force_cart_z = t8 - t7;
     let t10 = v[0] * 0.1;
     let t11 = force_cart_z + t10;
-    let acceleration_pole_y = a[0] * cos_pole;
-    let t13 = 0.05 * acceleration_pole_y;
-    let t14 = a[1] * 0.03333333333333333;
-    let moment_pole_z = t13 + t14;
-    let t16 = v[1] * 0.002;
-    let t17 = moment_pole_z + t16;
-    [t11, t17]
+    let t12 = a[0] * cos_pole;
+    let t13 = 9.81 * sin_pole;
+    let acceleration_pole_y = t13 - t12;
+    let t15 = 0.05 * acceleration_pole_y;
+    let t16 = a[1] * 0.03333333333333333;
+    let moment_pole_z = t15 - t16;
+    let t18 = v[1] * 0.002;
+    let t19 = moment_pole_z - t18;
+    let t20 = -t19;
+    [t11, t20]
 }
 
 /// Forward dynamics: the accelerations that inputs cause.
@@ -281,33 +291,34 @@ pub fn inverse_dynamics(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
 /// - `u: [M]`: inputs: `cart` in N
 /// - returns `ÿ: [N]`: accelerations
 ///
-/// Cost: 12 multiplications, 5 additions, 1 division, 1 function call (`sin_cos`).
+/// Cost: 13 multiplications, 6 additions, 1 division, 1 function call (`sin_cos`).
 ///
 /// M = Lᵀ D L along the branches of the tree (Featherstone 2005).
 #[inline]
 #[must_use]
 pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let (sin_pole, cos_pole) = math::sin_cos(y[1]);
-    let t2 = v[1] * v[1];
-    let force_pole_x = 0.05 * t2;
+    let moment_pole_z = sin_pole * 0.49050000000000005;
+    let t3 = v[1] * 0.002;
+    let t4 = moment_pole_z - t3;
+    let t5 = cos_pole * 1.5;
+    let t6 = t5 * t4;
+    let t7 = v[1] * v[1];
+    let force_pole_x = 0.05 * t7;
     let force_cart_z = sin_pole * force_pole_x;
-    let t5 = v[0] * 0.1;
-    let t6 = u[0] - t5;
-    let t7 = t6 + force_cart_z;
-    let t8 = cos_pole * 1.5;
-    let t9 = v[1] * 0.002;
-    let t10 = t9 * t8;
-    let t11 = t7 + t10;
-    let t12 = 0.05 * cos_pole;
-    let t13 = t12 * t8;
-    let t14 = 1.1 - t13;
-    let inverse_d_cart = 1.0 / t14;
-    let t16 = inverse_d_cart * t11;
-    let t17 = t8 * t16;
-    let t18 = v[1] * 0.06;
-    let t19 = t18 + t17;
-    let t20 = -t19;
-    [t16, t20]
+    let t10 = v[0] * 0.1;
+    let t11 = u[0] - t10;
+    let t12 = force_cart_z + t11;
+    let t13 = t12 - t6;
+    let t14 = 0.05 * cos_pole;
+    let t15 = t14 * t5;
+    let t16 = 1.1 - t15;
+    let inverse_d_cart = 1.0 / t16;
+    let t18 = inverse_d_cart * t13;
+    let t19 = t5 * t18;
+    let t20 = 30.0 * t4;
+    let t21 = t20 - t19;
+    [t18, t21]
 }
 
 /// Mass matrix and bias forces at once.
@@ -319,7 +330,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
 /// - returns `b: [N]`: k − gravity\_forces: what holds the accelerations at zero, without springs and friction
 ///
-/// Cost: 4 multiplications, 0 additions, 0 divisions, 1 function call (`sin_cos`).
+/// Cost: 5 multiplications, 0 additions, 0 divisions, 1 function call (`sin_cos`).
 ///
 /// What both have in common is computed once.
 #[inline]
@@ -333,8 +344,10 @@ pub fn mass_matrix_and_bias_forces(
     let t3 = v[1] * v[1];
     let force_pole_x = 0.05 * t3;
     let force_cart_z = sin_pole * force_pole_x;
+    let moment_pole_z = sin_pole * 0.49050000000000005;
     let minus_force_cart_z = -force_cart_z;
-    ([[1.1, t2], [t2, 0.03333333333333333]], [minus_force_cart_z, 0.0])
+    let minus_moment_pole_z = -moment_pole_z;
+    ([[1.1, t2], [t2, 0.03333333333333333]], [minus_force_cart_z, minus_moment_pole_z])
 }
 
 /// Inverse dynamics with its Jacobians.
@@ -348,7 +361,7 @@ pub fn mass_matrix_and_bias_forces(
 /// - returns `∂/∂y: [N × N]`: row i = force i
 /// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
 ///
-/// Cost: 17 multiplications, 6 additions, 0 divisions, 1 function call (`sin_cos`).
+/// Cost: 19 multiplications, 8 additions, 0 divisions, 1 function call (`sin_cos`).
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
@@ -371,23 +384,28 @@ pub fn inverse_dynamics_derivatives(
     let force_cart_z = t8 - t7;
     let t10 = v[0] * 0.1;
     let t11 = force_cart_z + t10;
-    let acceleration_pole_y = a[0] * cos_pole;
-    let t13 = 0.05 * acceleration_pole_y;
-    let t14 = a[1] * 0.03333333333333333;
-    let moment_pole_z = t13 + t14;
-    let t16 = v[1] * 0.002;
-    let t17 = moment_pole_z + t16;
-    let t18 = cos_pole * force_pole_x;
-    let t19 = sin_pole * force_pole_y;
-    let force_cart_x = t18 + t19;
-    let acceleration_pole_x = a[0] * sin_pole;
-    let t22 = 0.05 * acceleration_pole_x;
-    let t23 = v[1] * 0.1;
-    let t24 = sin_pole * t23;
-    let minus_force_cart_x = -force_cart_x;
-    let t26 = -t22;
-    let t27 = -t24;
-    ([t11, t17], [[0.0, minus_force_cart_x], [0.0, t26]], [[0.1, t27], [0.0, 0.002]])
+    let t12 = a[0] * cos_pole;
+    let t13 = 9.81 * sin_pole;
+    let acceleration_pole_y = t13 - t12;
+    let t15 = 0.05 * acceleration_pole_y;
+    let t16 = a[1] * 0.03333333333333333;
+    let moment_pole_z = t15 - t16;
+    let t18 = v[1] * 0.002;
+    let t19 = moment_pole_z - t18;
+    let t20 = cos_pole * force_pole_x;
+    let t21 = sin_pole * force_pole_y;
+    let t22 = t20 + t21;
+    let t23 = a[0] * sin_pole;
+    let t24 = 9.81 * cos_pole;
+    let acceleration_pole_x = t24 + t23;
+    let t26 = 0.05 * acceleration_pole_x;
+    let t27 = v[1] * 0.1;
+    let t28 = sin_pole * t27;
+    let t29 = -t19;
+    let t30 = -t22;
+    let t31 = -t26;
+    let t32 = -t28;
+    ([t11, t29], [[0.0, t30], [0.0, t31]], [[0.1, t32], [0.0, 0.002]])
 }
 
 /// Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.
@@ -402,7 +420,7 @@ pub fn inverse_dynamics_derivatives(
 /// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
 ///
-/// Cost: 18 multiplications, 6 additions, 0 divisions, 1 function call (`sin_cos`).
+/// Cost: 20 multiplications, 8 additions, 0 divisions, 1 function call (`sin_cos`).
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
@@ -429,28 +447,33 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let force_cart_z = t8 - t7;
     let t10 = v[0] * 0.1;
     let t11 = force_cart_z + t10;
-    let acceleration_pole_y = a[0] * cos_pole;
-    let t13 = 0.05 * acceleration_pole_y;
-    let t14 = a[1] * 0.03333333333333333;
-    let moment_pole_z = t13 + t14;
-    let t16 = v[1] * 0.002;
-    let t17 = moment_pole_z + t16;
-    let t18 = cos_pole * force_pole_x;
-    let t19 = sin_pole * force_pole_y;
-    let force_cart_x = t18 + t19;
-    let acceleration_pole_x = a[0] * sin_pole;
-    let t22 = 0.05 * acceleration_pole_x;
-    let t23 = v[1] * 0.1;
-    let t24 = sin_pole * t23;
-    let t25 = 0.05 * cos_pole;
-    let minus_force_cart_x = -force_cart_x;
-    let t27 = -t22;
-    let t28 = -t24;
+    let t12 = a[0] * cos_pole;
+    let t13 = 9.81 * sin_pole;
+    let acceleration_pole_y = t13 - t12;
+    let t15 = 0.05 * acceleration_pole_y;
+    let t16 = a[1] * 0.03333333333333333;
+    let moment_pole_z = t15 - t16;
+    let t18 = v[1] * 0.002;
+    let t19 = moment_pole_z - t18;
+    let t20 = cos_pole * force_pole_x;
+    let t21 = sin_pole * force_pole_y;
+    let t22 = t20 + t21;
+    let t23 = a[0] * sin_pole;
+    let t24 = 9.81 * cos_pole;
+    let acceleration_pole_x = t24 + t23;
+    let t26 = 0.05 * acceleration_pole_x;
+    let t27 = v[1] * 0.1;
+    let t28 = sin_pole * t27;
+    let t29 = 0.05 * cos_pole;
+    let t30 = -t19;
+    let t31 = -t22;
+    let t32 = -t26;
+    let t33 = -t28;
     (
-        [t11, t17],
-        [[0.0, minus_force_cart_x], [0.0, t27]],
-        [[0.1, t28], [0.0, 0.002]],
-        [[1.1, t25], [t25, 0.03333333333333333]],
+        [t11, t30],
+        [[0.0, t31], [0.0, t32]],
+        [[0.1, t33], [0.0, 0.002]],
+        [[1.1, t29], [t29, 0.03333333333333333]],
     )
 }
 
@@ -466,7 +489,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
 /// - returns `∂ÿ/∂ẏ: [N × N]`: row i = acceleration i
 /// - returns `M⁻¹: [N × N]`: symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B
 ///
-/// Cost: 30 multiplications, 11 additions, 1 division, 1 function call (`sin_cos`).
+/// Cost: 33 multiplications, 13 additions, 1 division, 1 function call (`sin_cos`).
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
@@ -482,57 +505,63 @@ pub fn forward_dynamics_derivatives(
     u: &[f64; M],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
     let (sin_pole, cos_pole) = math::sin_cos(y[1]);
-    let t2 = v[1] * v[1];
-    let force_pole_x = 0.05 * t2;
-    let force_cart_z = sin_pole * force_pole_x;
-    let t5 = v[0] * 0.1;
-    let t6 = u[0] - t5;
-    let t7 = t6 + force_cart_z;
-    let t8 = cos_pole * 1.5;
+    let t2 = cos_pole * 1.5;
+    let t3 = 0.05 * cos_pole;
+    let t4 = t3 * t2;
+    let t5 = 1.1 - t4;
+    let inverse_d_cart = 1.0 / t5;
+    let t7 = t2 * inverse_d_cart;
+    let moment_pole_z = sin_pole * 0.49050000000000005;
     let t9 = v[1] * 0.002;
-    let t10 = t8 * t9;
-    let t11 = t7 + t10;
-    let t12 = 0.05 * cos_pole;
-    let t13 = t12 * t8;
-    let t14 = 1.1 - t13;
-    let inverse_d_cart = 1.0 / t14;
-    let acceleration_cart_z = inverse_d_cart * t11;
-    let t17 = t8 * acceleration_cart_z;
-    let t18 = v[1] * 0.06;
-    let t19 = t18 + t17;
-    let force_pole_y = 0.05 * t19;
-    let t21 = sin_pole * force_pole_y;
-    let force_cart_x = cos_pole * force_pole_x;
-    let force_cart_x_2 = force_cart_x - t21;
-    let acceleration_pole_x = sin_pole * acceleration_cart_z;
-    let t25 = 0.05 * acceleration_pole_x;
-    let t26 = t8 * t25;
-    let t27 = force_cart_x_2 - t26;
-    let t28 = inverse_d_cart * t27;
-    let t29 = t8 * t28;
-    let t30 = 1.5 * acceleration_pole_x;
-    let t31 = t30 - t29;
-    let t32 = 0.1 * inverse_d_cart;
-    let t33 = cos_pole * 0.003;
-    let t34 = v[1] * 0.1;
-    let t35 = sin_pole * t34;
-    let t36 = t35 + t33;
-    let t37 = inverse_d_cart * t36;
-    let t38 = t8 * t32;
-    let t39 = t8 * t37;
-    let t40 = 0.06 + t39;
-    let t41 = t8 * inverse_d_cart;
-    let t42 = t8 * t41;
-    let t43 = 30.0 + t42;
-    let t44 = -t19;
-    let t45 = -t32;
-    let t46 = -t40;
-    let t47 = -t41;
+    let t10 = t9 - moment_pole_z;
+    let t11 = t7 * t10;
+    let t12 = v[1] * v[1];
+    let force_pole_x = 0.05 * t12;
+    let force_cart_z = sin_pole * force_pole_x;
+    let t15 = v[0] * 0.1;
+    let t16 = u[0] - t15;
+    let t17 = t16 + force_cart_z;
+    let t18 = inverse_d_cart * t17;
+    let acceleration_cart_z = t18 + t11;
+    let t20 = t2 * t7;
+    let t21 = 30.0 + t20;
+    let t22 = t21 * t10;
+    let t23 = t7 * t17;
+    let t24 = t23 + t22;
+    let force_pole_y = 0.05 * t24;
+    let t26 = sin_pole * force_pole_y;
+    let t27 = cos_pole * force_pole_x;
+    let t28 = t27 - t26;
+    let t29 = inverse_d_cart * t28;
+    let t30 = sin_pole * acceleration_cart_z;
+    let acceleration_pole_x = 9.81 * cos_pole;
+    let acceleration_pole_x_2 = acceleration_pole_x + t30;
+    let t33 = 0.05 * acceleration_pole_x_2;
+    let t34 = t7 * t33;
+    let t35 = t29 - t34;
+    let t36 = t7 * t28;
+    let t37 = t21 * t33;
+    let t38 = t36 - t37;
+    let t39 = 0.1 * inverse_d_cart;
+    let t40 = t7 * 0.002;
+    let t41 = v[1] * 0.1;
+    let t42 = sin_pole * t41;
+    let t43 = inverse_d_cart * t42;
+    let t44 = t43 + t40;
+    let t45 = 0.1 * t7;
+    let t46 = t21 * 0.002;
+    let t47 = t7 * t42;
+    let t48 = t47 + t46;
+    let t49 = -t24;
+    let t50 = -t38;
+    let t51 = -t39;
+    let t52 = -t48;
+    let t53 = -t7;
     (
-        [acceleration_cart_z, t44],
-        [[0.0, t28], [0.0, t31]],
-        [[t45, t37], [t38, t46]],
-        [[inverse_d_cart, t47], [t47, t43]],
+        [acceleration_cart_z, t49],
+        [[0.0, t35], [0.0, t50]],
+        [[t51, t44], [t45, t52]],
+        [[inverse_d_cart, t53], [t53, t21]],
     )
 }
 
@@ -548,7 +577,7 @@ pub fn forward_dynamics_derivatives(
 /// - returns `B_x: [N × M]`: ∂ÿ/∂u, row i = acceleration i
 /// - returns `c: [N]`: affine remainder ÿ − A\_y y − A\_v ẏ − B\_x u
 ///
-/// Cost: 37 multiplications, 18 additions, 1 division, 1 function call (`sin_cos`).
+/// Cost: 41 multiplications, 21 additions, 1 division, 1 function call (`sin_cos`).
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
@@ -564,71 +593,79 @@ pub fn linearize(
     u: &[f64; M],
 ) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
     let (sin_pole, cos_pole) = math::sin_cos(y[1]);
-    let t2 = v[1] * v[1];
-    let force_pole_x = 0.05 * t2;
+    let t2 = cos_pole * 1.5;
+    let t3 = 0.05 * cos_pole;
+    let t4 = t3 * t2;
+    let t5 = 1.1 - t4;
+    let inverse_d_cart = 1.0 / t5;
+    let t7 = t2 * inverse_d_cart;
+    let t8 = t2 * t7;
+    let t9 = 30.0 + t8;
+    let moment_pole_z = sin_pole * 0.49050000000000005;
+    let t11 = v[1] * 0.002;
+    let t12 = t11 - moment_pole_z;
+    let t13 = t9 * t12;
+    let t14 = v[1] * v[1];
+    let force_pole_x = 0.05 * t14;
     let force_cart_z = sin_pole * force_pole_x;
-    let t5 = v[0] * 0.1;
-    let t6 = u[0] - t5;
-    let t7 = t6 + force_cart_z;
-    let t8 = cos_pole * 1.5;
-    let t9 = v[1] * 0.002;
-    let t10 = t8 * t9;
-    let t11 = t7 + t10;
-    let t12 = 0.05 * cos_pole;
-    let t13 = t12 * t8;
-    let t14 = 1.1 - t13;
-    let inverse_d_cart = 1.0 / t14;
-    let acceleration_cart_z = inverse_d_cart * t11;
-    let t17 = t8 * acceleration_cart_z;
-    let t18 = v[1] * 0.06;
-    let t19 = t18 + t17;
-    let force_pole_y = 0.05 * t19;
-    let t21 = sin_pole * force_pole_y;
-    let force_cart_x = cos_pole * force_pole_x;
-    let force_cart_x_2 = force_cart_x - t21;
-    let acceleration_pole_x = sin_pole * acceleration_cart_z;
-    let t25 = 0.05 * acceleration_pole_x;
-    let t26 = t8 * t25;
-    let t27 = force_cart_x_2 - t26;
-    let t28 = inverse_d_cart * t27;
-    let t29 = t8 * t28;
-    let t30 = 1.5 * acceleration_pole_x;
-    let t31 = t30 - t29;
-    let t32 = 0.1 * inverse_d_cart;
-    let t33 = cos_pole * 0.003;
-    let t34 = v[1] * 0.1;
-    let t35 = sin_pole * t34;
-    let t36 = t35 + t33;
-    let t37 = inverse_d_cart * t36;
-    let t38 = t8 * t32;
-    let t39 = t8 * t37;
-    let t40 = 0.06 + t39;
-    let t41 = t8 * inverse_d_cart;
-    let t42 = y[1] * t28;
-    let t43 = v[1] * t37;
-    let t44 = v[0] * t32;
-    let t45 = t44 - t43;
-    let t46 = t42 - t45;
-    let t47 = u[0] * inverse_d_cart;
-    let t48 = t46 + t47;
-    let t49 = acceleration_cart_z - t48;
-    let t50 = y[1] * t31;
-    let t51 = v[1] * t40;
-    let t52 = v[0] * t38;
-    let t53 = t52 - t51;
-    let t54 = t50 + t53;
-    let t55 = u[0] * t41;
-    let t56 = t54 - t55;
-    let t57 = t19 + t56;
-    let t58 = -t32;
-    let t59 = -t40;
-    let t60 = -t41;
-    let t61 = -t57;
+    let t17 = v[0] * 0.1;
+    let t18 = u[0] - t17;
+    let t19 = t18 + force_cart_z;
+    let t20 = t7 * t19;
+    let t21 = t20 + t13;
+    let force_pole_y = 0.05 * t21;
+    let t23 = sin_pole * force_pole_y;
+    let t24 = cos_pole * force_pole_x;
+    let t25 = t24 - t23;
+    let t26 = inverse_d_cart * t25;
+    let t27 = t7 * t12;
+    let t28 = inverse_d_cart * t19;
+    let acceleration_cart_z = t28 + t27;
+    let t30 = sin_pole * acceleration_cart_z;
+    let acceleration_pole_x = 9.81 * cos_pole;
+    let acceleration_pole_x_2 = acceleration_pole_x + t30;
+    let t33 = 0.05 * acceleration_pole_x_2;
+    let t34 = t7 * t33;
+    let t35 = t26 - t34;
+    let t36 = t7 * t25;
+    let t37 = t9 * t33;
+    let t38 = t36 - t37;
+    let t39 = 0.1 * inverse_d_cart;
+    let t40 = t7 * 0.002;
+    let t41 = v[1] * 0.1;
+    let t42 = sin_pole * t41;
+    let t43 = inverse_d_cart * t42;
+    let t44 = t43 + t40;
+    let t45 = 0.1 * t7;
+    let t46 = t9 * 0.002;
+    let t47 = t7 * t42;
+    let t48 = t47 + t46;
+    let t49 = y[1] * t35;
+    let t50 = v[1] * t44;
+    let t51 = v[0] * t39;
+    let t52 = t51 - t50;
+    let t53 = t49 - t52;
+    let t54 = u[0] * inverse_d_cart;
+    let t55 = t53 + t54;
+    let t56 = acceleration_cart_z - t55;
+    let t57 = y[1] * t38;
+    let t58 = v[1] * t48;
+    let t59 = v[0] * t45;
+    let t60 = t59 - t58;
+    let t61 = t57 - t60;
+    let t62 = u[0] * t7;
+    let t63 = t61 + t62;
+    let t64 = t21 - t63;
+    let t65 = -t38;
+    let t66 = -t39;
+    let t67 = -t48;
+    let t68 = -t7;
+    let t69 = -t64;
     (
-        [[0.0, t28], [0.0, t31]],
-        [[t58, t37], [t38, t59]],
-        [[inverse_d_cart], [t60]],
-        [t49, t61],
+        [[0.0, t35], [0.0, t65]],
+        [[t66, t44], [t45, t67]],
+        [[inverse_d_cart], [t68]],
+        [t56, t69],
     )
 }
 
@@ -667,12 +704,12 @@ pub fn kinetic_energy(y: &[f64; N], v: &[f64; N]) -> f64 {
 /// - returns `V`: energy (J), of the moving bodies, zero with their masses at the height of the base frame;
 ///   springs not included
 ///
-/// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
+/// Cost: 1 multiplication, 0 additions, 0 divisions, 1 function call (`sin_cos`).
 #[inline]
 #[must_use]
 pub fn potential_energy(y: &[f64; N]) -> f64 {
-    let _ = y;
-    0.0
+    let (_, cos_pole) = math::sin_cos(y[1]);
+    cos_pole * 0.49050000000000005
 }
 
 /// Pose of the frame `tip`.
@@ -691,8 +728,8 @@ pub fn frame_tip_pose(y: &[f64; N]) -> ([f64; 3], [[f64; 3]; 3]) {
     let t2 = y[0] + sin_pole;
     let minus_sin_pole = -sin_pole;
     (
-        [t2, cos_pole, 0.0],
-        [[cos_pole, 0.0, sin_pole], [minus_sin_pole, 0.0, cos_pole], [0.0, -1.0, 0.0]],
+        [t2, 0.0, cos_pole],
+        [[cos_pole, 0.0, sin_pole], [0.0, 1.0, 0.0], [minus_sin_pole, 0.0, cos_pole]],
     )
 }
 
@@ -710,7 +747,7 @@ pub fn frame_tip_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let (sin_pole, cos_pole) = math::sin_cos(y[1]);
     let t2 = y[0] + sin_pole;
     let t3 = y[0] - t2;
-    [[1.0, cos_pole], [0.0, t3], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0], [0.0, -1.0]]
+    [[1.0, cos_pole], [0.0, 0.0], [0.0, t3], [0.0, 0.0], [0.0, 1.0], [0.0, 0.0]]
 }
 
 /// Acceleration of the frame at ÿ = 0 `tip`.
@@ -732,7 +769,7 @@ pub fn frame_tip_jacobian_rate_times_velocity(y: &[f64; N], v: &[f64; N]) -> [f6
     let t4 = cos_pole * t2;
     let t5 = -t3;
     let t6 = -t4;
-    [t5, t6, 0.0, 0.0, 0.0, 0.0]
+    [t5, 0.0, t6, 0.0, 0.0, 0.0]
 }
 
 /// Elementary functions that give the same bits on every platform.

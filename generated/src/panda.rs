@@ -3999,10 +3999,10 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let moment_panda_joint1_z = t480 + t508;
     let t510 = v[0] * 0.003;
     let t511 = u[0] - t510;
-    let t512 = t511 - moment_panda_joint1_z;
+    let t512 = moment_panda_joint1_z - t511;
     let t513 = v[6] * 0.003;
     let t514 = u[6] - t513;
-    let t515 = t514 + moment_panda_joint7_z;
+    let t515 = moment_panda_joint7_z + t514;
     let t516 = cos_panda_joint7 * 0.00028869352684245185;
     let t517 = 0.006684151967360947 + t516;
     let t518 = sin_panda_joint6 * t517;
@@ -4057,10 +4057,10 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t567 = t561 - t566;
     let t568 = t567 * 149.60760989322964;
     let t569 = t568 * t515;
-    let t570 = t512 - t569;
+    let t570 = t512 + t569;
     let t571 = v[5] * 0.003;
     let t572 = u[5] - t571;
-    let t573 = t572 + moment_panda_joint6_z;
+    let t573 = moment_panda_joint6_z + t572;
     let t574 = t95 * 149.60760989322964;
     let t575 = t574 * t515;
     let t576 = t573 + t575;
@@ -4127,10 +4127,10 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let inverse_d_panda_joint6 = 1.0 / t636;
     let t638 = t634 * inverse_d_panda_joint6;
     let t639 = t638 * t576;
-    let t640 = t570 - t639;
+    let t640 = t570 + t639;
     let t641 = v[4] * 0.003;
     let t642 = u[4] - t641;
-    let t643 = t642 + moment_panda_joint5_z;
+    let t643 = moment_panda_joint5_z + t642;
     let t644 = t553 * 149.60760989322964;
     let t645 = t644 * t515;
     let t646 = t643 + t645;
@@ -4205,10 +4205,10 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let inverse_d_panda_joint5 = 1.0 / t714;
     let t716 = t710 * inverse_d_panda_joint5;
     let t717 = t716 * t651;
-    let t718 = t640 - t717;
+    let t718 = t640 + t717;
     let t719 = v[3] * 0.003;
     let t720 = u[3] - t719;
-    let t721 = t720 + moment_panda_joint4_z;
+    let t721 = moment_panda_joint4_z + t720;
     let t722 = t530 * 149.60760989322964;
     let t723 = t722 * t515;
     let t724 = t721 - t723;
@@ -4283,25 +4283,25 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let inverse_d_panda_joint4 = 1.0 / t792;
     let t794 = t786 * inverse_d_panda_joint4;
     let t795 = t794 * t736;
-    let t796 = t718 + t795;
+    let t796 = t718 - t795;
     let t797 = v[2] * 0.003;
     let t798 = u[2] - t797;
-    let t799 = t798 - moment_panda_joint3_z;
+    let t799 = moment_panda_joint3_z - t798;
     let t800 = t565 * 149.60760989322964;
     let t801 = t800 * t515;
-    let t802 = t799 + t801;
+    let t802 = t799 - t801;
     let t803 = t565 * t574;
     let t804 = t630 + t803;
     let t805 = t804 * inverse_d_panda_joint6;
     let t806 = t805 * t576;
-    let t807 = t802 + t806;
+    let t807 = t802 - t806;
     let t808 = t565 * t644;
     let t809 = t704 + t808;
     let t810 = t804 * t649;
     let t811 = t809 + t810;
     let t812 = t811 * inverse_d_panda_joint5;
     let t813 = t812 * t651;
-    let t814 = t807 + t813;
+    let t814 = t807 - t813;
     let t815 = t565 * t722;
     let t816 = t778 + t815;
     let t817 = t804 * t727;
@@ -4310,7 +4310,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t820 = t818 + t819;
     let t821 = t820 * inverse_d_panda_joint4;
     let t822 = t821 * t736;
-    let t823 = t814 - t822;
+    let t823 = t814 + t822;
     let t824 = t747 - t751;
     let t825 = sin_panda_joint4 * t824;
     let t826 = t591 + 0.21226762546560002;
@@ -4380,13 +4380,13 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let moment_panda_joint2_z = t889 + t879;
     let t891 = v[1] * 0.003;
     let t892 = u[1] - t891;
-    let t893 = t892 - moment_panda_joint2_z;
+    let t893 = moment_panda_joint2_z - t892;
     let t894 = cos_panda_joint3 * t542;
     let t895 = sin_panda_joint3 * t558;
     let t896 = t895 + t894;
     let t897 = t896 * 149.60760989322964;
     let t898 = t897 * t515;
-    let t899 = t893 + t898;
+    let t899 = t893 - t898;
     let t900 = cos_panda_joint3 * t609;
     let t901 = sin_panda_joint3 * t623;
     let t902 = t901 - t900;
@@ -4394,7 +4394,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t904 = t902 + t903;
     let t905 = t904 * inverse_d_panda_joint6;
     let t906 = t905 * t576;
-    let t907 = t899 + t906;
+    let t907 = t899 - t906;
     let t908 = sin_panda_joint3 * t685;
     let t909 = cos_panda_joint3 * t697;
     let t910 = t908 + t909;
@@ -4404,7 +4404,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t914 = t912 + t913;
     let t915 = t914 * inverse_d_panda_joint5;
     let t916 = t915 * t651;
-    let t917 = t907 + t916;
+    let t917 = t907 - t916;
     let t918 = cos_panda_joint3 * t763;
     let t919 = sin_panda_joint3 * t772;
     let t920 = t919 + t918;
@@ -4416,7 +4416,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t926 = t924 + t925;
     let t927 = t926 * inverse_d_panda_joint4;
     let t928 = t927 * t736;
-    let t929 = t917 - t928;
+    let t929 = t917 + t928;
     let t930 = sin_panda_joint3 * t838;
     let t931 = cos_panda_joint3 * t843;
     let t932 = t930 + t931;
@@ -4513,31 +4513,31 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t1023 = t1021 - t1022;
     let t1024 = t821 * t1023;
     let t1025 = inverse_d_panda_joint4 * t736;
-    let t1026 = t1025 - t1024;
+    let t1026 = t1025 + t1024;
     let t1027 = t927 * t1018;
-    let t1028 = t1026 - t1027;
+    let t1028 = t1026 + t1027;
     let t1029 = t794 * t1015;
-    let t1030 = t1028 + t1029;
+    let t1030 = t1028 - t1029;
     let t1031 = t734 * t1030;
     let t1032 = inverse_d_panda_joint5 * t651;
     let t1033 = t1032 - t1031;
     let t1034 = t812 * t1023;
-    let t1035 = t1033 + t1034;
+    let t1035 = t1033 - t1034;
     let t1036 = t915 * t1018;
-    let t1037 = t1035 + t1036;
+    let t1037 = t1035 - t1036;
     let t1038 = t716 * t1015;
-    let t1039 = t1037 - t1038;
+    let t1039 = t1037 + t1038;
     let t1040 = t649 * t1039;
     let t1041 = inverse_d_panda_joint6 * t576;
     let t1042 = t1041 + t1040;
     let t1043 = t727 * t1030;
     let t1044 = t1042 + t1043;
     let t1045 = t805 * t1023;
-    let t1046 = t1044 + t1045;
+    let t1046 = t1044 - t1045;
     let t1047 = t905 * t1018;
-    let t1048 = t1046 + t1047;
+    let t1048 = t1046 - t1047;
     let t1049 = t638 * t1015;
-    let t1050 = t1048 - t1049;
+    let t1050 = t1048 + t1049;
     let t1051 = t574 * t1050;
     let t1052 = 149.60760989322964 * t515;
     let t1053 = t1052 + t1051;
@@ -4546,12 +4546,15 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t1056 = t722 * t1030;
     let t1057 = t1055 - t1056;
     let t1058 = t800 * t1023;
-    let t1059 = t1057 + t1058;
+    let t1059 = t1057 - t1058;
     let t1060 = t897 * t1018;
-    let t1061 = t1059 + t1060;
+    let t1061 = t1059 - t1060;
     let t1062 = t568 * t1015;
-    let t1063 = t1061 - t1062;
-    [t1015, t1018, t1023, t1030, t1039, t1050, t1063]
+    let t1063 = t1061 + t1062;
+    let t1064 = -t1015;
+    let t1065 = -t1018;
+    let t1066 = -t1023;
+    [t1064, t1065, t1066, t1030, t1039, t1050, t1063]
 }
 
 /// Mass matrix and bias forces at once.
@@ -12225,7 +12228,7 @@ fn inverse_dynamics_derivatives_and_mass_matrix_part_2(
 /// - returns `∂ÿ/∂ẏ: [N × N]`: row i = acceleration i
 /// - returns `M⁻¹: [N × N]`: symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B
 ///
-/// Cost: 2570 multiplications, 2357 additions, 6 divisions, 7 function calls (`sin_cos`).
+/// Cost: 2410 multiplications, 2213 additions, 7 divisions, 6 function calls (`sin_cos`).
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
@@ -12242,42 +12245,50 @@ pub fn forward_dynamics_derivatives(
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
     let [sin_panda_joint2, cos_panda_joint2, sin_panda_joint3, cos_panda_joint3,
     sin_panda_joint4, cos_panda_joint4, sin_panda_joint5, cos_panda_joint5,
-    sin_panda_joint6, cos_panda_joint6, sin_panda_joint7_2, cos_panda_joint7_2,
-    omega_panda_joint2_x, omega_panda_joint3_y, omega_panda_joint2_y,
-    omega_panda_joint3_z, omega_panda_joint3_x, t32, t33, omega_panda_joint4_z, t38,
-    omega_panda_joint4_y, t42, omega_panda_joint4_x, t48, omega_panda_joint5_z,
-    omega_panda_joint5_y, t60, t66, omega_panda_joint5_x, t71, omega_panda_joint6_z, t76,
-    omega_panda_joint6_y, t80, t89, omega_panda_joint6_x, t94, t104, t106, t107, t118,
-    t129, acceleration_panda_joint2_x, t133, t137, acceleration_panda_joint2_y, t151,
-    t154, t158, t174, t180, t185, t210, t212, t219, t220, t224, t225, t228, t244, t253,
-    t260, t298, t308, t320, t333, t356, t404, t406, t427, t440, t462, t472, t475, t492,
-    t501, t571, t577, inverse_d_panda_joint6, t641, t647, t652, inverse_d_panda_joint5,
-    t719, t725, t730, t737, inverse_d_panda_joint4, t797, t803, t808, t815, t824,
-    inverse_d_panda_joint3, t877, t900, t908, t918, t930, t944, inverse_d_panda_joint2,
-    t990, inverse_d_panda_joint1, t1018, t1021, t1026, t1033, t1042, t1053, t1066] = forward_dynamics_derivatives_part_1(
+    sin_panda_joint6, cos_panda_joint6, t16, t17, t24, t25, t30, t32, t33, t37, t38, t40,
+    t44, t45, t47, t48, t54, t55, t56, t59, t60, t61, t64, t65, t67, t70, t71, t72, t75,
+    t78, t83, t88, t89, t92, t93, t95, t101, t103, t105, t108, t109, t110, t117, t119,
+    t123, t124, t126, t128, t134, t135, t138, t141, t147, t148, t154, t155, t156, t160,
+    t161, t168, t171, t172, t173, t176, t177, t180, t184, t185, t186, t189, t192, t193,
+    t196, t202, t206, t209, t210, t212, t216, t221, t231, t235, t236, t238, t240, t241,
+    t244, t250, t252, t253, t255, t259, t264, t275, t276, t278, t282, t283, t284, t288,
+    t293, t312, t313, t318, t348, t387, t390, t397, t404, t414, t426, t441, t443,
+    inverse_d_panda_joint1, t460, t463, t468, t475, t484, t495, omega_panda_joint2_y,
+    omega_panda_joint3_z, t498, omega_panda_joint2_x, omega_panda_joint3_y,
+    omega_panda_joint3_x, omega_panda_joint4_z, t521, omega_panda_joint4_y,
+    omega_panda_joint4_x, omega_panda_joint5_z, omega_panda_joint5_y,
+    omega_panda_joint5_x, omega_panda_joint6_z, t561, omega_panda_joint6_y,
+    omega_panda_joint6_x, acceleration_panda_joint2_x, t611, acceleration_panda_joint2_y,
+    t644, t667, t673, t720, t869, t902, t998, t1011, t1030, t1032, t1035, t1040, t1047,
+    t1056, t1067, t1080, t1090, t1095, t1102, t1111, t1122, t1135, t1156, t1163, t1172,
+    t1183, t1196, t1232, t1241, t1252, t1265, t1320, t1331, t1344, t1422, t1435, t1436,
+    t1438, t1439, t1441, t1444, t1447, t1449, t1454, t1459, t1464, t1469, t1476, t1477,
+    t1481, t1484, acceleration_panda_joint3_x_2, acceleration_panda_joint4_x_2,
+    acceleration_panda_joint3_y_2, t1505, acceleration_panda_joint5_x_2,
+    acceleration_panda_joint4_y_2, acceleration_panda_joint6_x_2,
+    acceleration_panda_joint7_x_2, acceleration_panda_joint5_y_2,
+    acceleration_panda_joint7_y_2, force_panda_joint7_y_2, moment_panda_joint6_y_2,
+    acceleration_panda_joint6_y_2, moment_panda_joint7_x_2, moment_panda_joint6_x_2,
+    moment_panda_joint5_x_2, force_panda_joint5_y_2, moment_panda_joint7_y_2,
+    moment_panda_joint5_y_2, force_panda_joint7_x_2, force_panda_joint6_x_2,
+    force_panda_joint6_y_2, force_panda_joint5_x_2, force_panda_joint4_x_2,
+    force_panda_joint4_y_2, moment_panda_joint3_y_2, force_panda_joint3_x_2,
+    moment_panda_joint4_x_2, moment_panda_joint4_y_2, moment_panda_joint3_x_2,
+    force_panda_joint4_z_2, force_panda_joint3_y_2, t1761, moment_panda_joint2_x_2] = forward_dynamics_derivatives_part_1(
         y,
         v,
         u,
     );
-    let [t1112, t1119, t1122, t1127, t1130, t1134, t1139, t1149, t1163,
-    acceleration_panda_joint7_y_2, t1169, t1178, t1184, acceleration_panda_joint7_x_2,
-    t1188, force_panda_joint7_y_2, moment_panda_joint7_x_2, moment_panda_joint7_y_2,
-    force_panda_joint7_x_2, t1453, t1465, t1467, t1469, t1470, t1476, t1500, t1506,
-    t1509, t1512, t1518, t1520, t1522, t1524, t1536, t1538, t1543, t1545, t1546, t1551,
-    t1552, t1565, t1567, t1575, t1581, t1589, t1590, t1592, t1594, t1596, t1602, t1611,
-    t1612, t1619, t1632, t1635, t1636, t1637, t1644, t1649, t1654, t1661, t1672, t1675,
-    t1676, t1677, t1678, t1680, t1684, t1686, t1693, t1701, t1704, t1708, t1716, t1768,
-    t1769, t1775, t1777, t1778, t1793, t1796, t1808, t1809, t1859, t1862, t1868, t1870,
-    t1887, t1891, t1899, t1906, t1916, t1918, t1922, t1959, t1964, t1970, t1981, t1986,
-    t1988, t1998, t2000, t2002, t2012, t2019, t2020, t2023, t2030, t2038, t2041, t2055,
-    t2064, t2068, t2083, t2103, t2117, t2123, t2127, t2129, t2135, t2139, t2142, t2147,
-    t2150, t2153, t2156, t2167, t2176, t2180, t2198, t2218, t2224, t2228, t2230, t2236,
-    t2240, t2244, t2251, t2254, t2258, t2263, t2268, t2283, t2296, t2301, t2303, t2309,
-    t2313, t2318, t2326, t2331, t2346, t2348, t2351, t2353, t2355, t2361, t2368, t2375,
-    t2377, t2385, t2408, t2413, t2421, t2429, t2432, t2434, t2457, t2508, t2525, t2544,
-    t2562, t2572, t2587, t2590, t2592, t2607, t2687, t2704, t2720, t2728, t2738, t2753,
-    t2756, t2758, t2780, t2870, t2884, t2890, t2898, t2908, t2923, t2926, t2928, t2943,
-    t3015, t3031, t3038, t3050, t3054, t3060, t3062, t3066] = forward_dynamics_derivatives_part_2(
+    let [t1779, t1780, t1784, t1792, t1802, t1809, t1822, t1826, t1827, t1834, t1839,
+    t1851, t1862, t1865, t1867, t1868, t1870, t1876, t1883, t1891, t1894, t1898, t1906,
+    t1958, t1959, t1965, t1967, t1968, t1983, t1986, t1998, t1999, t2052, t2058, t2060,
+    t2263, t2288, t2339, t2365, t2399, t2419, t2439, t2460, t2588, t2590, t2605, t2724,
+    t2727, t2749, t2864, t2866, t2881, t3004, t3126, t3139, t3152, t3165, t3178, t3191,
+    t3204, t3217, t3230, t3243, t3256, t3269, t3282, t3295, t3308, t3321, t3334, t3347,
+    t3360, t3373, t3386, t3399, t3412, t3425, t3438, t3451, t3464, t3477, t3490, t3503,
+    t3516, t3529, t3542, t3555, t3568, t3581, t3594, t3597, t3601, t3605, t3618, t3622,
+    t3627, t3632, t3637, t3646, t3654, t3662, t3670, t3678, t3685, t3702, t3709, t3714,
+    t3715, t3719, t3724, t3729, t3735, t3754, t3761, t3767] = forward_dynamics_derivatives_part_2(
         v,
         [
             sin_panda_joint2,
@@ -12290,395 +12301,431 @@ pub fn forward_dynamics_derivatives(
             cos_panda_joint5,
             sin_panda_joint6,
             cos_panda_joint6,
-            sin_panda_joint7_2,
-            cos_panda_joint7_2,
-            omega_panda_joint2_x,
-            omega_panda_joint3_y,
-            omega_panda_joint2_y,
-            omega_panda_joint3_z,
-            omega_panda_joint3_x,
+            t16,
+            t17,
+            t24,
+            t25,
+            t30,
             t32,
             t33,
-            omega_panda_joint4_z,
+            t37,
             t38,
-            omega_panda_joint4_y,
-            t42,
-            omega_panda_joint4_x,
+            t40,
+            t44,
+            t45,
+            t47,
             t48,
-            omega_panda_joint5_z,
-            omega_panda_joint5_y,
+            t54,
+            t55,
+            t56,
+            t59,
             t60,
-            t66,
-            omega_panda_joint5_x,
+            t61,
+            t64,
+            t65,
+            t67,
+            t70,
             t71,
-            omega_panda_joint6_z,
-            t76,
-            omega_panda_joint6_y,
-            t80,
+            t72,
+            t75,
+            t78,
+            t83,
+            t88,
             t89,
-            omega_panda_joint6_x,
-            t94,
-            t104,
-            t106,
-            t107,
-            t118,
-            t129,
-            acceleration_panda_joint2_x,
-            t133,
-            t137,
-            acceleration_panda_joint2_y,
-            t151,
+            t92,
+            t93,
+            t95,
+            t101,
+            t103,
+            t105,
+            t108,
+            t109,
+            t110,
+            t117,
+            t119,
+            t123,
+            t124,
+            t126,
+            t128,
+            t134,
+            t135,
+            t138,
+            t141,
+            t147,
+            t148,
             t154,
-            t158,
-            t174,
+            t155,
+            t156,
+            t160,
+            t161,
+            t168,
+            t171,
+            t172,
+            t173,
+            t176,
+            t177,
             t180,
+            t184,
             t185,
+            t186,
+            t189,
+            t192,
+            t193,
+            t196,
+            t202,
+            t206,
+            t209,
             t210,
             t212,
-            t219,
-            t220,
-            t224,
-            t225,
-            t228,
+            t216,
+            t221,
+            t231,
+            t235,
+            t236,
+            t238,
+            t240,
+            t241,
             t244,
+            t250,
+            t252,
             t253,
-            t260,
-            t298,
-            t308,
-            t320,
-            t333,
-            t356,
+            t255,
+            t259,
+            t264,
+            t275,
+            t276,
+            t278,
+            t282,
+            t283,
+            t284,
+            t288,
+            t293,
+            t312,
+            t313,
+            t318,
+            t348,
+            t387,
+            t390,
+            t397,
             t404,
-            t406,
-            t427,
-            t440,
-            t462,
-            t472,
-            t475,
-            t492,
-            t501,
-            t571,
-            t577,
-            t641,
-            t647,
-            t652,
-            t719,
-            t725,
-            t730,
-            t737,
-            t797,
-            t803,
-            t808,
-            t815,
-            t824,
-            t877,
-            t900,
-            t908,
-            t918,
-            t930,
-            t944,
-            t990,
+            t414,
+            t426,
+            t441,
+            t443,
             inverse_d_panda_joint1,
-            t1018,
-            t1021,
-            t1026,
-            t1033,
-            t1042,
-            t1053,
-            t1066,
-        ],
-    );
-    let [t3251, t3257, t3260, t3263, t3266, t3281, t3286, t3303, t3317, t3331, t3338,
-    t3347, t3356, t3425, t3447, t3458, t3471, t3484, t3800, t3902, t4013, t4250, t4265,
-    t4268, t4273, t4288, t4303, t4317, t4324, t4338, t4345, t4361, t4388, t4406, t4437,
-    t4448, t4470, t4492, t4505, t4544, t4584, t4587, t4599, t4608, t4619, t4621, t4624,
-    t4636, t4645, t4656, t4666, t4678, t4687, t4698, t4719, t4782, t4791, t4802, t4857,
-    t4868, t4946, t4947, t4948, t4949, t4950, t4951, t4952, t4953, t4954, t4955, t4956,
-    t4957, t4958, t4959, t4960, t4961, t4962, t4963, t4964, t4965, t4966, t4967, t4968,
-    t4969, t4970, t4971, t4972, t4973, t4974, t4975, t4976, t4977, t4978, t4979, t4980,
-    t4981, t4982, t4983, t4984, t4985, t4986, t4987, t4988, t4989, t4990, t4991, t4992,
-    t4993, t4994, t4995, t4996, t4997, t4998, t4999, t5000, t5001] = forward_dynamics_derivatives_part_3(
-        v,
-        [
-            sin_panda_joint2,
-            cos_panda_joint2,
-            sin_panda_joint3,
-            cos_panda_joint3,
-            sin_panda_joint4,
-            cos_panda_joint4,
-            sin_panda_joint5,
-            cos_panda_joint5,
-            sin_panda_joint6,
-            cos_panda_joint6,
-            omega_panda_joint2_x,
+            t460,
+            t463,
+            t468,
+            t475,
+            t484,
+            t495,
             omega_panda_joint2_y,
+            omega_panda_joint3_z,
+            t498,
+            omega_panda_joint2_x,
+            omega_panda_joint3_y,
             omega_panda_joint3_x,
+            omega_panda_joint4_z,
+            t521,
+            omega_panda_joint4_y,
             omega_panda_joint4_x,
+            omega_panda_joint5_z,
+            omega_panda_joint5_y,
+            omega_panda_joint5_x,
             omega_panda_joint6_z,
-            t76,
+            t561,
             omega_panda_joint6_y,
             omega_panda_joint6_x,
-            t224,
-            t571,
-            t577,
-            inverse_d_panda_joint6,
-            t641,
-            t647,
-            t652,
-            inverse_d_panda_joint5,
-            t719,
-            t725,
-            t730,
-            t737,
-            inverse_d_panda_joint4,
-            t797,
-            t803,
-            t808,
-            t815,
-            t824,
-            inverse_d_panda_joint3,
-            t877,
-            t900,
-            t908,
-            t918,
-            t930,
-            t944,
-            inverse_d_panda_joint2,
-            t990,
-            inverse_d_panda_joint1,
-            t1112,
-            t1119,
+            acceleration_panda_joint2_x,
+            t611,
+            acceleration_panda_joint2_y,
+            t644,
+            t667,
+            t673,
+            t720,
+            t869,
+            t902,
+            t998,
+            t1011,
+            t1032,
+            t1035,
+            t1040,
+            t1047,
+            t1056,
+            t1067,
+            t1090,
+            t1095,
+            t1102,
+            t1111,
             t1122,
-            t1127,
-            t1130,
-            t1134,
-            t1139,
-            t1149,
+            t1156,
             t1163,
-            acceleration_panda_joint7_y_2,
-            t1169,
-            t1178,
-            t1184,
-            acceleration_panda_joint7_x_2,
-            t1188,
-            force_panda_joint7_y_2,
-            moment_panda_joint7_x_2,
-            moment_panda_joint7_y_2,
-            force_panda_joint7_x_2,
-            t1453,
-            t1465,
-            t1467,
+            t1172,
+            t1183,
+            t1232,
+            t1241,
+            t1252,
+            t1320,
+            t1331,
+            t1422,
+            t1436,
+            t1438,
+            t1439,
+            t1441,
+            t1444,
+            t1447,
+            t1449,
+            t1454,
+            t1459,
+            t1464,
             t1469,
-            t1470,
             t1476,
-            t1500,
-            t1506,
-            t1509,
-            t1512,
-            t1518,
-            t1520,
-            t1522,
-            t1524,
-            t1536,
-            t1538,
-            t1543,
-            t1545,
-            t1546,
-            t1551,
-            t1552,
-            t1565,
-            t1567,
-            t1575,
-            t1581,
-            t1589,
-            t1590,
-            t1592,
-            t1594,
-            t1596,
-            t1602,
-            t1611,
-            t1612,
-            t1619,
-            t1632,
-            t1635,
-            t1636,
-            t1637,
-            t1644,
-            t1649,
-            t1654,
-            t1661,
-            t1672,
-            t1675,
-            t1676,
-            t1677,
-            t1678,
-            t1680,
-            t1684,
-            t1686,
-            t1693,
-            t1701,
-            t1704,
-            t1708,
-            t1716,
-            t1768,
-            t1769,
-            t1775,
-            t1777,
-            t1778,
-            t1793,
-            t1796,
-            t1808,
-            t1809,
-            t1859,
-            t1862,
-            t1868,
-            t1870,
-            t1887,
-            t1891,
-            t1899,
-            t1906,
-            t1916,
-            t1918,
-            t1922,
-            t1959,
-            t1964,
-            t1970,
-            t1981,
-            t1986,
-            t1988,
-            t1998,
-            t2000,
-            t2002,
-            t2012,
-            t2019,
-            t2020,
-            t2023,
-            t2030,
-            t2038,
-            t2041,
-            t2055,
-            t2064,
-            t2068,
-            t2083,
-            t2103,
-            t2117,
-            t2123,
-            t2127,
-            t2129,
-            t2135,
-            t2139,
-            t2142,
-            t2147,
-            t2150,
-            t2153,
-            t2156,
-            t2167,
-            t2176,
-            t2180,
-            t2198,
-            t2218,
-            t2224,
-            t2228,
-            t2230,
-            t2236,
-            t2240,
-            t2244,
-            t2251,
-            t2254,
-            t2258,
-            t2263,
-            t2268,
-            t2283,
-            t2296,
-            t2301,
-            t2303,
-            t2309,
-            t2313,
-            t2318,
-            t2326,
-            t2331,
-            t2346,
-            t2348,
-            t2351,
-            t2353,
-            t2355,
-            t2361,
-            t2368,
-            t2375,
-            t2377,
-            t2385,
-            t2408,
-            t2413,
-            t2421,
-            t2429,
-            t2432,
-            t2434,
-            t2457,
-            t2508,
-            t2525,
-            t2544,
-            t2562,
-            t2572,
-            t2587,
-            t2590,
-            t2592,
-            t2607,
-            t2687,
-            t2704,
-            t2720,
-            t2728,
-            t2738,
-            t2753,
-            t2756,
-            t2758,
-            t2780,
-            t2870,
-            t2884,
-            t2890,
-            t2898,
-            t2908,
-            t2923,
-            t2926,
-            t2928,
-            t2943,
-            t3015,
-            t3031,
-            t3038,
-            t3050,
-            t3054,
-            t3060,
-            t3062,
-            t3066,
+            t1477,
+            t1481,
+            t1484,
+            acceleration_panda_joint3_x_2,
+            acceleration_panda_joint4_x_2,
+            acceleration_panda_joint3_y_2,
+            t1505,
+            acceleration_panda_joint5_x_2,
+            acceleration_panda_joint4_y_2,
+            acceleration_panda_joint6_x_2,
+            acceleration_panda_joint7_x_2,
+            acceleration_panda_joint5_y_2,
+            acceleration_panda_joint7_y_2,
+            force_panda_joint7_y_2,
+            moment_panda_joint6_y_2,
+            acceleration_panda_joint6_y_2,
+            moment_panda_joint7_x_2,
+            moment_panda_joint6_x_2,
+            moment_panda_joint5_x_2,
+            force_panda_joint5_y_2,
+            moment_panda_joint7_y_2,
+            moment_panda_joint5_y_2,
+            force_panda_joint7_x_2,
+            force_panda_joint6_x_2,
+            force_panda_joint6_y_2,
+            force_panda_joint5_x_2,
+            force_panda_joint4_x_2,
+            force_panda_joint4_y_2,
+            moment_panda_joint3_y_2,
+            force_panda_joint3_x_2,
+            moment_panda_joint4_x_2,
+            moment_panda_joint4_y_2,
+            moment_panda_joint3_x_2,
+            force_panda_joint4_z_2,
+            force_panda_joint3_y_2,
+            t1761,
+            moment_panda_joint2_x_2,
         ],
     );
+    let [t3768, t3840, t3921, t4134, t4147, t4160, t4225, t4238, t4251, t4290, t4303,
+    t4355, t4368, t4381, t4394, t4446, t4459, t4472, t4485, t4537, t4550, t4563, t4576,
+    t4628, t4641, t4642, t4643, t4644, t4645, t4646, t4647, t4648, t4649, t4650, t4651,
+    t4652, t4653, t4654, t4655, t4656, t4657, t4658, t4659, t4660, t4661, t4662, t4663,
+    t4664, t4665, t4666, t4667, t4668, t4669, t4670, t4671, t4672, t4673, t4674, t4675,
+    t4676, t4677, t4678, t4679, t4680, t4681, t4682, t4683, t4684, t4685, t4686, t4687,
+    t4688, t4689, t4690, t4691, t4692, t4693, t4694, t4695, t4696, t4697, t4698, t4699,
+    t4700, t4701] = forward_dynamics_derivatives_part_3([
+        sin_panda_joint2,
+        cos_panda_joint2,
+        sin_panda_joint3,
+        cos_panda_joint3,
+        sin_panda_joint4,
+        cos_panda_joint4,
+        sin_panda_joint5,
+        cos_panda_joint5,
+        sin_panda_joint6,
+        cos_panda_joint6,
+        t17,
+        t24,
+        t25,
+        t40,
+        t44,
+        t45,
+        t47,
+        t48,
+        t54,
+        t55,
+        t56,
+        t61,
+        t65,
+        t72,
+        t83,
+        t89,
+        t92,
+        t95,
+        t101,
+        t103,
+        t117,
+        t119,
+        t124,
+        t171,
+        t173,
+        t176,
+        t202,
+        t210,
+        t231,
+        t250,
+        t253,
+        t276,
+        inverse_d_panda_joint1,
+        t460,
+        t463,
+        t468,
+        t475,
+        t484,
+        t495,
+        omega_panda_joint4_x,
+        t561,
+        omega_panda_joint6_y,
+        t1032,
+        t1035,
+        t1040,
+        t1047,
+        t1056,
+        t1067,
+        t1090,
+        t1095,
+        t1102,
+        t1111,
+        t1122,
+        t1156,
+        t1163,
+        t1172,
+        t1183,
+        t1196,
+        t1232,
+        t1241,
+        t1252,
+        t1265,
+        t1320,
+        t1331,
+        t1344,
+        t1422,
+        t1435,
+        t1779,
+        t1780,
+        t1784,
+        t1792,
+        t1802,
+        t1809,
+        t1822,
+        t1826,
+        t1827,
+        t1834,
+        t1839,
+        t1851,
+        t1862,
+        t1865,
+        t1867,
+        t1868,
+        t1870,
+        t1876,
+        t1883,
+        t1891,
+        t1894,
+        t1898,
+        t1906,
+        t1958,
+        t1959,
+        t1965,
+        t1967,
+        t1968,
+        t1983,
+        t1986,
+        t1998,
+        t1999,
+        t2052,
+        t2058,
+        t2060,
+        t2263,
+        t2288,
+        t2339,
+        t2365,
+        t2399,
+        t2419,
+        t2439,
+        t2590,
+        t2605,
+        t2724,
+        t2727,
+        t2749,
+        t2864,
+        t2866,
+        t2881,
+        t3004,
+        t3126,
+        t3165,
+        t3178,
+        t3191,
+        t3204,
+        t3243,
+        t3256,
+        t3269,
+        t3282,
+        t3295,
+        t3308,
+        t3373,
+        t3386,
+        t3451,
+        t3464,
+        t3529,
+        t3542,
+        t3597,
+        t3601,
+        t3605,
+        t3618,
+        t3622,
+        t3627,
+        t3632,
+        t3637,
+        t3646,
+        t3654,
+        t3662,
+        t3670,
+        t3678,
+        t3685,
+        t3702,
+        t3709,
+        t3714,
+        t3715,
+        t3719,
+        t3724,
+        t3729,
+        t3735,
+        t3754,
+        t3761,
+        t3767,
+    ]);
     (
-        [t1018, t1021, t1026, t1033, t1042, t1053, t1066],
+        [t1030, t1080, t1135, t4642, t4643, t4644, t4645],
         [
-            [0.0, t2432, t2590, t4947, t4948, t4949, t4950],
-            [0.0, t3251, t4951, t3257, t3260, t3263, t3266],
-            [0.0, t4952, t4953, t3281, t3286, t4954, t4955],
-            [0.0, t3303, t4956, t3317, t4957, t3331, t3338],
-            [0.0, t3347, t3356, t4958, t4959, t4960, t4961],
-            [0.0, t4962, t4963, t3425, t4964, t3447, t3458],
-            [0.0, t3471, t3484, t4965, t4966, t4967, t4968],
+            [0.0, t2460, t2588, t4646, t4647, t4648, t4649],
+            [0.0, t3139, t3152, t4650, t4651, t4652, t4653],
+            [0.0, t3217, t3230, t4654, t4655, t4656, t4657],
+            [0.0, t4658, t4659, t3321, t3334, t3347, t3360],
+            [0.0, t4660, t4661, t3399, t3412, t3425, t3438],
+            [0.0, t4662, t4663, t3477, t3490, t3503, t3516],
+            [0.0, t4664, t4665, t3555, t3568, t3581, t3594],
         ],
         [
-            [t4969, t4970, t3800, t3902, t4013, t4971, t4972],
-            [t4250, t4973, t4974, t4975, t4976, t4265, t4268],
-            [t4273, t4977, t4978, t4288, t4979, t4980, t4303],
-            [t4981, t4317, t4324, t4982, t4338, t4345, t4983],
-            [t4361, t4984, t4985, t4388, t4986, t4406, t4987],
-            [t4988, t4437, t4448, t4989, t4470, t4990, t4492],
-            [t4505, t4991, t4992, t4544, t4993, t4994, t4995],
+            [t4666, t4667, t3768, t3840, t3921, t4668, t4669],
+            [t4670, t4671, t4134, t4147, t4160, t4672, t4673],
+            [t4674, t4675, t4225, t4238, t4251, t4676, t4677],
+            [t4290, t4303, t4678, t4679, t4680, t4355, t4368],
+            [t4381, t4394, t4681, t4682, t4683, t4446, t4459],
+            [t4472, t4485, t4684, t4685, t4686, t4537, t4550],
+            [t4563, t4576, t4687, t4688, t4689, t4628, t4641],
         ],
         [
-            [inverse_d_panda_joint1, t4584, t4587, t4996, t4599, t4608, t4619],
-            [t4584, t4621, t4624, t4997, t4636, t4645, t4656],
-            [t4587, t4624, t4666, t4998, t4678, t4687, t4698],
-            [t4996, t4997, t4998, t4719, t4999, t5000, t5001],
-            [t4599, t4636, t4678, t4999, t4782, t4791, t4802],
-            [t4608, t4645, t4687, t5000, t4791, t4857, t4868],
-            [t4619, t4656, t4698, t5001, t4802, t4868, t4946],
+            [inverse_d_panda_joint1, t460, t463, t4690, t4691, t4692, t4693],
+            [t460, t1032, t1035, t4694, t4695, t4696, t4697],
+            [t463, t1035, t1090, t4698, t4699, t4700, t4701],
+            [t4690, t4694, t4698, t1156, t1163, t1172, t1183],
+            [t4691, t4695, t4699, t1163, t1232, t1241, t1252],
+            [t4692, t4696, t4700, t1172, t1241, t1320, t1331],
+            [t4693, t4697, t4701, t1183, t1252, t1331, t1422],
         ],
     )
 }
@@ -12689,1089 +12736,1780 @@ fn forward_dynamics_derivatives_part_1(
     y: &[f64; N],
     v: &[f64; N],
     u: &[f64; M],
-) -> [f64; 111] {
-    let angle_panda_joint7_offset = y[6] + 0.6689225306301613;
-    let angle_panda_joint7_offset_2 = y[6] + 0.6689225306301614;
+) -> [f64; 233] {
+    let angle_panda_joint7_offset = y[6] + 0.6689225306301614;
     let (
         [sin_panda_joint2,
         sin_panda_joint3,
         sin_panda_joint4,
         sin_panda_joint5,
-        sin_panda_joint6,
-        sin_panda_joint7,
-        sin_panda_joint7_2,
-        ..,
         ],
         [cos_panda_joint2,
         cos_panda_joint3,
         cos_panda_joint4,
         cos_panda_joint5,
-        cos_panda_joint6,
-        cos_panda_joint7,
-        cos_panda_joint7_2,
-        ..,
         ],
-    ) = math::sin_cos_8(
-        y[1],
-        y[2],
-        y[3],
-        y[4],
+    ) = math::sin_cos_4(y[1], y[2], y[3], y[4]);
+    let ([sin_panda_joint6, sin_panda_joint7], [cos_panda_joint6, cos_panda_joint7]) = math::sin_cos_2(
         y[5],
         angle_panda_joint7_offset,
-        angle_panda_joint7_offset_2,
-        0.0,
     );
-    let omega_panda_joint2_x = v[0] * sin_panda_joint2;
-    let t17 = sin_panda_joint3 * omega_panda_joint2_x;
-    let t18 = v[1] * cos_panda_joint3;
-    let omega_panda_joint3_y = t17 + t18;
-    let t20 = v[2] * omega_panda_joint3_y;
-    let omega_panda_joint2_y = v[0] * cos_panda_joint2;
-    let t22 = v[1] * omega_panda_joint2_y;
-    let t23 = cos_panda_joint3 * t22;
-    let t24 = t23 - t20;
-    let omega_panda_joint3_z = v[2] + omega_panda_joint2_y;
-    let t26 = omega_panda_joint3_y * omega_panda_joint3_z;
-    let t27 = t24 - t26;
-    let t28 = cos_panda_joint4 * t27;
-    let t29 = cos_panda_joint3 * omega_panda_joint2_x;
-    let t30 = v[1] * sin_panda_joint3;
-    let omega_panda_joint3_x = t29 - t30;
-    let t32 = omega_panda_joint3_x * omega_panda_joint3_y;
-    let t33 = v[1] * omega_panda_joint2_x;
-    let t34 = t33 - t32;
-    let t35 = sin_panda_joint4 * t34;
-    let t36 = t35 + t28;
-    let omega_panda_joint4_z = v[3] - omega_panda_joint3_y;
-    let t38 = 2.0 * omega_panda_joint4_z;
-    let t39 = sin_panda_joint4 * omega_panda_joint3_x;
-    let t40 = cos_panda_joint4 * omega_panda_joint3_z;
-    let omega_panda_joint4_y = t39 + t40;
-    let t42 = omega_panda_joint4_y * t38;
-    let t43 = t36 - t42;
-    let t44 = cos_panda_joint5 * t43;
-    let t45 = cos_panda_joint4 * omega_panda_joint3_x;
-    let t46 = sin_panda_joint4 * omega_panda_joint3_z;
-    let omega_panda_joint4_x = t45 - t46;
-    let t48 = omega_panda_joint4_x * omega_panda_joint4_y;
-    let t49 = v[2] * omega_panda_joint3_x;
-    let t50 = sin_panda_joint3 * t22;
-    let t51 = t50 + t49;
-    let t52 = t51 - t48;
-    let t53 = sin_panda_joint5 * t52;
-    let t54 = t53 - t44;
-    let omega_panda_joint5_z = v[4] + omega_panda_joint4_y;
-    let t56 = 2.0 * omega_panda_joint5_z;
-    let t57 = sin_panda_joint5 * omega_panda_joint4_x;
-    let t58 = cos_panda_joint5 * omega_panda_joint4_z;
-    let omega_panda_joint5_y = t57 - t58;
-    let t60 = omega_panda_joint5_y * t56;
-    let t61 = t54 + t60;
-    let t62 = cos_panda_joint6 * t61;
-    let t63 = sin_panda_joint4 * t27;
-    let t64 = cos_panda_joint4 * t34;
-    let t65 = t64 - t63;
-    let t66 = omega_panda_joint4_x * omega_panda_joint4_z;
-    let t67 = t65 - t66;
-    let t68 = cos_panda_joint5 * omega_panda_joint4_x;
-    let t69 = sin_panda_joint5 * omega_panda_joint4_z;
-    let omega_panda_joint5_x = t68 + t69;
-    let t71 = omega_panda_joint5_x * omega_panda_joint5_y;
-    let t72 = t67 - t71;
-    let t73 = sin_panda_joint6 * t72;
-    let t74 = t73 - t62;
-    let omega_panda_joint6_z = v[5] - omega_panda_joint5_y;
-    let t76 = 2.0 * omega_panda_joint6_z;
-    let t77 = sin_panda_joint6 * omega_panda_joint5_x;
-    let t78 = cos_panda_joint6 * omega_panda_joint5_z;
-    let omega_panda_joint6_y = t77 + t78;
-    let t80 = omega_panda_joint6_y * t76;
-    let t81 = t74 - t80;
-    let t82 = 0.0003863308944437675 * sin_panda_joint7;
-    let t83 = 0.001535882372017312 * cos_panda_joint7;
-    let t84 = t83 - t82;
-    let t85 = t84 * t81;
-    let t86 = sin_panda_joint5 * t43;
-    let t87 = cos_panda_joint5 * t52;
-    let t88 = t87 + t86;
-    let t89 = omega_panda_joint5_x * omega_panda_joint5_z;
-    let t90 = t88 + t89;
-    let t91 = cos_panda_joint6 * omega_panda_joint5_x;
-    let t92 = sin_panda_joint6 * omega_panda_joint5_z;
-    let omega_panda_joint6_x = t91 - t92;
-    let t94 = omega_panda_joint6_x * omega_panda_joint6_y;
-    let t95 = t90 - t94;
-    let t96 = 0.0003863308944437675 * cos_panda_joint7;
-    let t97 = 0.001535882372017312 * sin_panda_joint7;
-    let t98 = t97 + t96;
-    let t99 = t98 * t95;
-    let t100 = t85 + t99;
-    let omega_panda_joint7_z = v[6] - omega_panda_joint6_y;
-    let t102 = omega_panda_joint7_z * omega_panda_joint7_z;
-    let t103 = omega_panda_joint6_x * omega_panda_joint6_x;
-    let t104 = t103 + t102;
-    let t105 = omega_panda_joint6_z * omega_panda_joint6_z;
-    let t106 = t105 + t102;
-    let t107 = t106 - t104;
-    let t108 = cos_panda_joint7 * 0.002174847060296272;
-    let t109 = sin_panda_joint7 * 0.0013205141364616554;
-    let t110 = t109 - t108;
-    let t111 = cos_panda_joint7 * t110;
-    let t112 = 0.001087423530148136 + t111;
-    let t113 = t112 * t107;
-    let t114 = t100 - t113;
-    let t115 = sin_panda_joint6 * t61;
-    let t116 = cos_panda_joint6 * t72;
-    let t117 = t116 + t115;
-    let t118 = omega_panda_joint6_x * omega_panda_joint6_z;
-    let t119 = t117 - t118;
-    let t120 = t118 - t119;
-    let t121 = sin_panda_joint7 * t110;
-    let t122 = 0.0026818189154496457 + t121;
-    let t123 = t122 * t120;
-    let t124 = t114 - t123;
-    let t125 = t118 + t119;
-    let t126 = 0.004002333051911301 - t121;
-    let t127 = t126 * t125;
-    let t128 = t124 + t127;
-    let t129 = omega_panda_joint3_x * omega_panda_joint3_z;
-    let t130 = t51 - t129;
-    let t131 = 3.83030303030303 * t130;
-    let acceleration_panda_joint2_x = sin_panda_joint2 * 118.9090909090909;
-    let t133 = cos_panda_joint3 * acceleration_panda_joint2_x;
-    let acceleration_panda_joint3_x = t133 - t131;
-    let t135 = omega_panda_joint3_y * omega_panda_joint3_y;
-    let t136 = omega_panda_joint3_z * omega_panda_joint3_z;
-    let t137 = t135 + t136;
-    let t138 = t137 + acceleration_panda_joint3_x;
-    let t139 = cos_panda_joint4 * t138;
-    let t140 = omega_panda_joint3_x * omega_panda_joint3_x;
-    let t141 = t140 + t135;
-    let t142 = 3.83030303030303 * t141;
-    let acceleration_panda_joint2_y = cos_panda_joint2 * 118.9090909090909;
-    let acceleration_panda_joint3_z = acceleration_panda_joint2_y - t142;
-    let t145 = t51 + t129;
-    let t146 = t145 - acceleration_panda_joint3_z;
-    let t147 = sin_panda_joint4 * t146;
-    let acceleration_panda_joint4_x = t139 + t147;
-    let t149 = omega_panda_joint4_y * omega_panda_joint4_y;
-    let t150 = omega_panda_joint4_z * omega_panda_joint4_z;
-    let t151 = t149 + t150;
-    let t152 = acceleration_panda_joint4_x - t151;
-    let t153 = cos_panda_joint5 * t152;
-    let t154 = omega_panda_joint4_x * t38;
-    let t155 = t65 - t154;
-    let t156 = t24 + t26;
+    let t13 = cos_panda_joint7 * 0.0021748470602962725;
+    let t14 = sin_panda_joint7 * 0.0013205141364616554;
+    let t15 = t14 - t13;
+    let t16 = sin_panda_joint7 * t15;
+    let t17 = 0.0026818189154496457 + t16;
+    let t18 = cos_panda_joint7 * 0.0005773870536849036;
+    let t19 = t17 + t18;
+    let t20 = t19 - 0.007412167175072343;
+    let t21 = sin_panda_joint6 * t20;
+    let t22 = 0.00038633089444376715 * sin_panda_joint7;
+    let t23 = 0.001535882372017312 * cos_panda_joint7;
+    let t24 = t23 - t22;
+    let t25 = 0.014748570382675316 + t24;
+    let t26 = 2.0 * t25;
+    let t27 = cos_panda_joint6 * t26;
+    let t28 = t21 - t27;
+    let t29 = sin_panda_joint6 * t28;
+    let t30 = 0.02152225537058755 + t19;
+    let t31 = t30 - t29;
+    let t32 = 0.0014511560650267133 + t31;
+    let t33 = t16 - 0.014047520880232544;
+    let t34 = t32 + t33;
+    let t35 = sin_panda_joint5 * t34;
+    let t36 = cos_panda_joint7 * t15;
+    let t37 = 0.0010874235301481362 + t36;
+    let t38 = 0.0002886935268424518 * sin_panda_joint7;
+    let t39 = t38 - t37;
+    let t40 = 0.00010375891721868492 + t39;
+    let t41 = cos_panda_joint6 * t40;
+    let t42 = 0.00038633089444376715 * cos_panda_joint7;
+    let t43 = 0.001535882372017312 * sin_panda_joint7;
+    let t44 = t43 + t42;
+    let t45 = 9.3569097314605e-5 + t44;
+    let t46 = sin_panda_joint6 * t45;
+    let t47 = t41 + t46;
+    let t48 = 0.0015152444733270301 - t47;
+    let t49 = 2.0 * t48;
+    let t50 = cos_panda_joint5 * t49;
+    let t51 = t35 + t50;
+    let t52 = sin_panda_joint5 * t51;
+    let t53 = t32 - t52;
+    let t54 = 0.0002886935268424518 * cos_panda_joint7;
+    let t55 = 0.020402584637159996 + t54;
+    let t56 = cos_panda_joint6 * 4.363636363636364;
+    let t57 = t55 * t56;
+    let t58 = sin_panda_joint6 * 0.06674100693849601;
+    let t59 = t57 + t58;
+    let t60 = 0.005627033294592 - t59;
+    let t61 = cos_panda_joint5 * 0.21484375;
+    let t62 = t60 * t61;
+    let t63 = sin_panda_joint7 * 0.0012597535716761534;
+    let t64 = 0.0260623224672 - t63;
+    let t65 = sin_panda_joint5 * 0.21484375;
+    let t66 = t64 * t65;
+    let t67 = t62 + t66;
+    let t68 = 2.0 * t67;
+    let t69 = t53 + t68;
+    let t70 = 0.05102013615681551 + t69;
+    let t71 = 0.028934422545659894 + t29;
+    let t72 = sin_panda_joint6 * 4.363636363636364;
+    let t73 = t55 * t72;
+    let t74 = cos_panda_joint6 * 0.06674100693849601;
+    let t75 = t73 - t74;
+    let t76 = 2.0 * t75;
+    let t77 = t71 + t76;
+    let t78 = 0.6972920750309719 + t77;
+    let t79 = t70 - t78;
+    let t80 = sin_panda_joint4 * t79;
+    let t81 = cos_panda_joint6 * t28;
+    let t82 = t25 + t81;
+    let t83 = 0.004600245517563105 + t82;
+    let t84 = t60 - t83;
+    let t85 = cos_panda_joint5 * t84;
+    let t86 = sin_panda_joint6 * t40;
+    let t87 = cos_panda_joint6 * t45;
+    let t88 = t86 - t87;
+    let t89 = 0.0021640520520981297 + t88;
+    let t90 = t64 - t89;
+    let t91 = sin_panda_joint5 * t90;
+    let t92 = t85 + t91;
+    let t93 = t75 * 0.21484375;
+    let t94 = t93 + t92;
+    let t95 = 0.16284087268546088 + t94;
+    let t96 = 2.0 * t95;
+    let t97 = cos_panda_joint4 * t96;
+    let t98 = t80 - t97;
+    let t99 = sin_panda_joint4 * t98;
+    let t100 = t70 - t99;
+    let t101 = 0.04560437265862501 + t67;
+    let t102 = cos_panda_joint4 * t101;
+    let t103 = 0.16603319317224752 + t93;
+    let t104 = sin_panda_joint4 * t103;
+    let t105 = t102 + t104;
+    let t106 = 2.0 * t105;
+    let t107 = t100 - t106;
+    let t108 = 0.0616024210265277 + t107;
+    let t109 = t33 - t52;
+    let t110 = 0.022178148964878235 - t109;
+    let t111 = t108 - t110;
+    let t112 = sin_panda_joint3 * t111;
+    let t113 = cos_panda_joint5 * t51;
+    let t114 = t48 - t113;
+    let t115 = t60 * t65;
+    let t116 = t64 * t61;
+    let t117 = t115 - t116;
+    let t118 = t117 - t114;
+    let t119 = 0.0039053550262761003 + t118;
+    let t120 = cos_panda_joint4 * t119;
+    let t121 = sin_panda_joint5 * t84;
+    let t122 = cos_panda_joint5 * t90;
+    let t123 = t121 - t122;
+    let t124 = 0.0016444875773692705 + t123;
+    let t125 = sin_panda_joint4 * t124;
+    let t126 = t120 + t125;
+    let t127 = t117 - t126;
+    let t128 = 0.00012191242095074308 - t127;
+    let t129 = 2.0 * t128;
+    let t130 = cos_panda_joint3 * t129;
+    let t131 = t112 + t130;
+    let t132 = sin_panda_joint3 * t131;
+    let t133 = t108 - t132;
+    let t134 = 0.02307788249493181 + t133;
+    let t135 = t78 + t99;
+    let t136 = sin_panda_joint4 * t101;
+    let t137 = cos_panda_joint4 * t103;
+    let t138 = t136 - t137;
+    let t139 = t138 * 7.66060606060606;
+    let t140 = t135 - t139;
+    let t141 = 1.032162061231881 + t140;
+    let t142 = t134 - t141;
+    let t143 = sin_panda_joint2 * t142;
+    let t144 = cos_panda_joint4 * t98;
+    let t145 = t95 + t144;
+    let t146 = t138 - t145;
+    let t147 = 0.005487648106562256 - t146;
+    let t148 = 0.06161578168944001 - t105;
+    let t149 = 3.83030303030303 * t148;
+    let t150 = t147 + t149;
+    let t151 = cos_panda_joint3 * t150;
+    let t152 = sin_panda_joint4 * t119;
+    let t153 = cos_panda_joint4 * t124;
+    let t154 = t152 - t153;
+    let t155 = 0.004377257121839584 + t154;
+    let t156 = 0.002328735327435001 - t117;
     let t157 = 3.83030303030303 * t156;
-    let t158 = sin_panda_joint3 * acceleration_panda_joint2_x;
-    let acceleration_panda_joint3_y = t158 + t157;
-    let t160 = t33 + t32;
-    let acceleration_panda_joint4_z = t160 - acceleration_panda_joint3_y;
-    let t162 = acceleration_panda_joint4_z - t155;
-    let t163 = sin_panda_joint5 * t162;
-    let t164 = t153 + t163;
-    let t165 = 4.654545454545454 * t88;
-    let acceleration_panda_joint5_x = t164 - t165;
-    let t167 = cos_panda_joint6 * acceleration_panda_joint5_x;
-    let t168 = sin_panda_joint4 * t138;
-    let t169 = cos_panda_joint4 * t146;
-    let acceleration_panda_joint4_y = t168 - t169;
-    let t171 = t51 + t48;
-    let t172 = acceleration_panda_joint4_y + t171;
-    let t173 = omega_panda_joint4_x * omega_panda_joint4_x;
-    let t174 = t173 + t150;
-    let t175 = 4.654545454545454 * t174;
-    let acceleration_panda_joint5_z = t172 - t175;
-    let t177 = sin_panda_joint6 * acceleration_panda_joint5_z;
-    let acceleration_panda_joint6_x = t167 - t177;
-    let t179 = omega_panda_joint6_y * omega_panda_joint6_y;
-    let t180 = t179 + t105;
-    let t181 = 1.0666666666666667 * t180;
-    let acceleration_panda_joint7_x = acceleration_panda_joint6_x + t181;
-    let t183 = 0.0002706501814147986 * sin_panda_joint7;
-    let t184 = t183 * acceleration_panda_joint7_x;
-    let t185 = omega_panda_joint6_x * t76;
-    let t186 = t117 - t185;
-    let t187 = 1.0666666666666667 * t186;
-    let t188 = sin_panda_joint5 * t152;
-    let t189 = cos_panda_joint5 * t162;
-    let t190 = t188 - t189;
-    let t191 = 4.654545454545454 * t54;
-    let acceleration_panda_joint5_y = t190 - t191;
-    let acceleration_panda_joint7_y = acceleration_panda_joint5_y - t187;
-    let t194 = 0.0002706501814147986 * cos_panda_joint7;
-    let t195 = t194 * acceleration_panda_joint7_y;
-    let t196 = t195 - t184;
-    let moment_panda_joint7_z = t196 - t128;
-    let t198 = t194 * t120;
-    let t199 = t183 * t104;
-    let t200 = t198 + t199;
-    let t201 = 0.017931959153753906 * acceleration_panda_joint7_y;
-    let force_panda_joint7_y = t201 + t200;
-    let t203 = 1.0666666666666667 * force_panda_joint7_y;
-    let t204 = moment_panda_joint7_z + t203;
-    let t205 = 0.014748570382675316 * t81;
-    let t206 = 9.3569097314605e-5 * t95;
-    let t207 = t206 + t205;
-    let t208 = omega_panda_joint5_x * omega_panda_joint5_x;
-    let t209 = omega_panda_joint5_z * omega_panda_joint5_z;
-    let t210 = t208 + t209;
-    let t211 = t210 - t180;
-    let t212 = 0.00010375891721868492 * t211;
-    let t213 = t207 - t212;
-    let t214 = 0.0011196707334275545 * t186;
-    let t215 = t213 + t214;
-    let moment_panda_joint6_y = t215 - t204;
-    let t217 = sin_panda_joint6 * moment_panda_joint6_y;
-    let t218 = t84 * t120;
-    let t219 = 2.0 * omega_panda_joint7_z;
-    let t220 = omega_panda_joint6_x * t219;
-    let t221 = t95 - t220;
-    let t222 = t112 * t221;
-    let t223 = t222 - t218;
-    let t224 = t103 + t105;
-    let t225 = t224 - t104;
-    let t226 = t98 * t225;
-    let t227 = t223 + t226;
-    let t228 = omega_panda_joint6_z * t219;
-    let t229 = t81 - t228;
-    let t230 = t126 * t229;
-    let t231 = t227 + t230;
-    let t232 = sin_panda_joint6 * acceleration_panda_joint5_x;
-    let t233 = cos_panda_joint6 * acceleration_panda_joint5_z;
-    let acceleration_panda_joint6_y = t232 + t233;
-    let t235 = t90 + t94;
-    let t236 = 1.0666666666666667 * t235;
-    let acceleration_panda_joint7_z = acceleration_panda_joint6_y - t236;
-    let t238 = t183 * acceleration_panda_joint7_z;
-    let moment_panda_joint7_x = t238 + t231;
-    let t240 = 0.014748570382675316 * t186;
-    let t241 = 0.00010375891721868492 * t235;
-    let t242 = t240 - t241;
-    let t243 = t210 - t224;
-    let t244 = 9.3569097314605e-5 * t243;
-    let t245 = t242 - t244;
-    let t246 = 0.028934422545659894 * t81;
-    let t247 = t245 + t246;
-    let t248 = 0.014338888209442503 * acceleration_panda_joint5_y;
-    let t249 = t248 - t247;
-    let moment_panda_joint6_x = t249 - moment_panda_joint7_x;
-    let t251 = cos_panda_joint6 * moment_panda_joint6_x;
-    let t252 = t251 + t217;
-    let t253 = omega_panda_joint5_x * t56;
-    let t254 = t88 + t253;
-    let t255 = 0.0015152444733270301 * t254;
-    let t256 = t67 + t71;
-    let t257 = 0.004600245517563105 * t256;
-    let t258 = t255 - t257;
-    let t259 = t174 - t210;
-    let t260 = 0.0021640520520981297 * t259;
-    let t261 = t258 - t260;
-    let t262 = 0.010045187828321242 * t61;
-    let t263 = t261 - t262;
-    let t264 = 0.0055993270925625 * acceleration_panda_joint5_z;
-    let t265 = t264 - t263;
-    let moment_panda_joint5_x = t265 + t252;
-    let t267 = 0.014338888209442503 * t81;
-    let force_panda_joint6_z = t267 - force_panda_joint7_y;
-    let t269 = 0.027672413504871096 * acceleration_panda_joint5_y;
-    let t270 = 0.001208932934385 * t256;
-    let t271 = 0.0055993270925625 * t210;
-    let t272 = t270 - t271;
-    let t273 = t269 + t272;
-    let force_panda_joint5_y = t273 - force_panda_joint6_z;
-    let t275 = 4.654545454545454 * force_panda_joint5_y;
-    let t276 = moment_panda_joint5_x - t275;
-    let t277 = sin_panda_joint5 * t276;
-    let t278 = 0.017931959153753906 * acceleration_panda_joint7_z;
-    let t279 = t183 * t229;
-    let t280 = t194 * t221;
-    let t281 = t280 - t279;
-    let force_panda_joint7_z = t278 - t281;
-    let t283 = 0.014338888209442503 * t224;
-    let force_panda_joint6_y = t283 + force_panda_joint7_z;
-    let t285 = sin_panda_joint6 * force_panda_joint6_y;
-    let t286 = 0.017931959153753906 * acceleration_panda_joint7_x;
-    let t287 = t183 * t125;
-    let t288 = t194 * t106;
-    let t289 = t288 + t287;
-    let force_panda_joint7_x = t286 + t289;
-    let t291 = 0.014338888209442503 * t95;
-    let force_panda_joint6_x = t291 + force_panda_joint7_x;
-    let t293 = cos_panda_joint6 * force_panda_joint6_x;
-    let t294 = t293 + t285;
-    let t295 = 0.027672413504871096 * acceleration_panda_joint5_x;
-    let t296 = 0.0055993270925625 * t72;
-    let t297 = omega_panda_joint5_y * omega_panda_joint5_y;
-    let t298 = t297 + t209;
-    let t299 = 0.001208932934385 * t298;
-    let t300 = t299 + t296;
-    let t301 = t295 - t300;
-    let force_panda_joint5_x = t301 + t294;
-    let t303 = 4.654545454545454 * force_panda_joint5_x;
-    let t304 = 1.0666666666666667 * force_panda_joint7_z;
-    let t305 = t112 * t229;
-    let t306 = t98 * t125;
-    let t307 = t306 + t305;
-    let t308 = t224 - t106;
-    let t309 = t84 * t308;
-    let t310 = t307 - t309;
-    let t311 = t122 * t221;
-    let t312 = t310 + t311;
-    let t313 = t194 * acceleration_panda_joint7_z;
-    let moment_panda_joint7_y = t313 - t312;
-    let t315 = moment_panda_joint7_y + t304;
-    let t316 = 9.3569097314605e-5 * t117;
-    let t317 = 0.00010375891721868492 * t74;
+    let t158 = t155 + t157;
+    let t159 = sin_panda_joint3 * t158;
+    let t160 = t151 - t159;
+    let t161 = 0.00398335888393552 - t160;
+    let t162 = 2.0 * t161;
+    let t163 = cos_panda_joint2 * t162;
+    let t164 = t143 + t163;
+    let t165 = sin_panda_joint2 * t164;
+    let t166 = t134 - t165;
+    let t167 = 0.006253137926937475 + t166;
+    let t168 = t110 + t132;
+    let t169 = 0.008006428067536939 + t168;
+    let t170 = t167 + t169;
+    let t171 = 0.004002333051911301 - t16;
+    let t172 = t17 + t171;
+    let t173 = t54 + t172;
+    let t174 = sin_panda_joint6 * t173;
+    let t175 = cos_panda_joint6 * t24;
+    let t176 = t175 - t174;
+    let t177 = cos_panda_joint7 * 0.0012597535716761534;
+    let t178 = t176 - t177;
+    let t179 = sin_panda_joint5 * t178;
+    let t180 = t38 * t56;
+    let t181 = t44 - t180;
+    let t182 = cos_panda_joint5 * t181;
+    let t183 = t179 - t182;
+    let t184 = t38 * t72;
+    let t185 = 0.21484375 * t184;
+    let t186 = t183 + t185;
+    let t187 = t61 * t180;
+    let t188 = t65 * t177;
+    let t189 = t187 - t188;
+    let t190 = sin_panda_joint4 * t189;
+    let t191 = cos_panda_joint4 * t185;
+    let t192 = t190 + t191;
+    let t193 = t186 - t192;
+    let t194 = cos_panda_joint4 * t189;
+    let t195 = sin_panda_joint4 * t185;
+    let t196 = t194 - t195;
+    let t197 = 3.83030303030303 * t196;
+    let t198 = t193 + t197;
+    let t199 = sin_panda_joint3 * t198;
+    let t200 = cos_panda_joint5 * t178;
+    let t201 = sin_panda_joint5 * t181;
+    let t202 = t200 + t201;
+    let t203 = cos_panda_joint4 * t202;
+    let t204 = cos_panda_joint6 * t173;
+    let t205 = sin_panda_joint6 * t24;
+    let t206 = t205 + t204;
+    let t207 = t65 * t180;
+    let t208 = t61 * t177;
+    let t209 = t207 + t208;
+    let t210 = t206 - t209;
+    let t211 = sin_panda_joint4 * t210;
+    let t212 = t203 - t211;
+    let t213 = 3.83030303030303 * t209;
+    let t214 = t212 - t213;
+    let t215 = cos_panda_joint3 * t214;
+    let t216 = t215 - t199;
+    let t217 = sin_panda_joint2 * t216;
+    let t218 = sin_panda_joint4 * t202;
+    let t219 = cos_panda_joint4 * t210;
+    let t220 = t218 + t219;
+    let t221 = t209 + t220;
+    let t222 = cos_panda_joint2 * t221;
+    let t223 = t217 - t222;
+    let inverse_d_panda_joint7 = 1.0 / t172;
+    let t225 = t223 * inverse_d_panda_joint7;
+    let t226 = t223 * t225;
+    let t227 = t170 - t226;
+    let t228 = t44 * inverse_d_panda_joint7;
+    let t229 = t223 * t228;
+    let t230 = sin_panda_joint5 * t47;
+    let t231 = 0.050456677916247444 + t19;
+    let t232 = t231 + t75;
+    let t233 = cos_panda_joint5 * t232;
+    let t234 = t230 + t233;
+    let t235 = t59 * 0.21484375;
+    let t236 = t234 - t235;
+    let t237 = cos_panda_joint4 * t235;
+    let t238 = t75 * t61;
+    let t239 = sin_panda_joint4 * t238;
+    let t240 = t239 - t237;
+    let t241 = t236 - t240;
+    let t242 = sin_panda_joint4 * t235;
+    let t243 = cos_panda_joint4 * t238;
+    let t244 = t243 + t242;
+    let t245 = 3.83030303030303 * t244;
+    let t246 = t241 + t245;
+    let t247 = sin_panda_joint3 * t246;
+    let t248 = cos_panda_joint5 * t47;
+    let t249 = sin_panda_joint5 * t232;
+    let t250 = t248 - t249;
+    let t251 = cos_panda_joint4 * t250;
+    let t252 = t75 * t65;
+    let t253 = t88 - t252;
+    let t254 = sin_panda_joint4 * t253;
+    let t255 = t251 - t254;
+    let t256 = 3.83030303030303 * t252;
+    let t257 = t255 - t256;
+    let t258 = cos_panda_joint3 * t257;
+    let t259 = t258 - t247;
+    let t260 = sin_panda_joint2 * t259;
+    let t261 = sin_panda_joint4 * t250;
+    let t262 = cos_panda_joint4 * t253;
+    let t263 = t261 + t262;
+    let t264 = t252 + t263;
+    let t265 = cos_panda_joint2 * t264;
+    let t266 = t260 - t265;
+    let t267 = t266 + t229;
+    let t268 = t44 * t228;
+    let t269 = t231 - t268;
+    let inverse_d_panda_joint6 = 1.0 / t269;
+    let t271 = t267 * inverse_d_panda_joint6;
+    let t272 = t267 * t271;
+    let t273 = t227 - t272;
+    let t274 = cos_panda_joint4 * t92;
+    let t275 = t32 - t33;
+    let t276 = t275 + t67;
+    let t277 = sin_panda_joint4 * t276;
+    let t278 = t274 - t277;
+    let t279 = 3.83030303030303 * t67;
+    let t280 = t278 + t279;
+    let t281 = cos_panda_joint3 * t280;
+    let t282 = sin_panda_joint4 * t117;
+    let t283 = t123 - t282;
+    let t284 = cos_panda_joint4 * t117;
+    let t285 = 3.83030303030303 * t284;
+    let t286 = t283 + t285;
+    let t287 = sin_panda_joint3 * t286;
+    let t288 = t281 - t287;
+    let t289 = sin_panda_joint2 * t288;
+    let t290 = sin_panda_joint4 * t92;
+    let t291 = cos_panda_joint4 * t276;
+    let t292 = t290 + t291;
+    let t293 = t67 - t292;
+    let t294 = cos_panda_joint2 * t293;
+    let t295 = t289 + t294;
+    let t296 = t206 * inverse_d_panda_joint7;
+    let t297 = t223 * t296;
+    let t298 = t295 - t297;
+    let t299 = t206 * t228;
+    let t300 = t88 + t299;
+    let t301 = t300 * inverse_d_panda_joint6;
+    let t302 = t267 * t301;
+    let t303 = t298 - t302;
+    let t304 = t206 * t296;
+    let t305 = t275 - t304;
+    let t306 = t300 * t301;
+    let t307 = t305 - t306;
+    let inverse_d_panda_joint5 = 1.0 / t307;
+    let t309 = t303 * inverse_d_panda_joint5;
+    let t310 = t303 * t309;
+    let t311 = t273 - t310;
+    let t312 = t70 + t78;
+    let t313 = t312 - t105;
+    let t314 = 3.83030303030303 * t138;
+    let t315 = t314 - t313;
+    let t316 = sin_panda_joint3 * t315;
+    let t317 = cos_panda_joint3 * t126;
     let t318 = t317 - t316;
-    let t319 = t180 - t224;
-    let t320 = 0.014748570382675316 * t319;
-    let t321 = t318 - t320;
-    let t322 = 0.0011196707334275545 * t235;
-    let t323 = t321 - t322;
-    let t324 = 0.028934422545659894 * t95;
-    let t325 = t323 - t324;
-    let t326 = 0.014338888209442503 * acceleration_panda_joint6_x;
-    let t327 = t326 - t325;
-    let moment_panda_joint6_z = t327 - t315;
-    let t329 = 0.0015152444733270301 * t61;
-    let t330 = 0.0021640520520981297 * t72;
-    let t331 = t330 + t329;
-    let t332 = t174 - t298;
-    let t333 = 0.004600245517563105 * t332;
-    let t334 = t331 - t333;
-    let t335 = 0.0014511560650267133 * t254;
-    let t336 = t334 - t335;
-    let t337 = 0.001208932934385 * acceleration_panda_joint5_z;
-    let t338 = t337 - t336;
-    let moment_panda_joint5_y = t338 + moment_panda_joint6_z;
-    let t340 = moment_panda_joint5_y - t303;
-    let t341 = cos_panda_joint5 * t340;
-    let t342 = t277 + t341;
-    let t343 = cos_panda_joint6 * force_panda_joint6_y;
-    let t344 = sin_panda_joint6 * force_panda_joint6_x;
-    let t345 = t344 - t343;
-    let t346 = 0.0055993270925625 * t61;
-    let t347 = 0.001208932934385 * t254;
-    let t348 = t347 + t346;
-    let t349 = 0.027672413504871096 * acceleration_panda_joint5_z;
-    let t350 = t349 + t348;
-    let force_panda_joint5_z = t350 - t345;
-    let t352 = force_panda_joint5_z + t342;
-    let t353 = 0.0016444875773692705 * t65;
-    let t354 = 0.0039053550262761003 * t36;
-    let t355 = t354 - t353;
-    let t356 = t151 - t174;
-    let t357 = 0.04942675278013915 * t356;
-    let t358 = t355 - t357;
-    let t359 = 0.0054157634981905 * t171;
-    let t360 = t358 + t359;
-    let t361 = 0.2907172362270936 * t52;
-    let t362 = t360 - t361;
-    let t363 = 0.04623443229335249 * acceleration_panda_joint4_x;
-    let t364 = t363 + t362;
-    let moment_panda_joint4_z = t364 + t352;
-    let t366 = cos_panda_joint5 * force_panda_joint5_x;
-    let t367 = sin_panda_joint5 * force_panda_joint5_y;
-    let t368 = t366 + t367;
-    let t369 = 0.016011409030815008 * acceleration_panda_joint4_x;
-    let t370 = 0.04623443229335249 * t52;
-    let t371 = t369 + t370;
-    let force_panda_joint4_x = t371 + t368;
-    let t373 = sin_panda_joint4 * force_panda_joint4_x;
-    let t374 = 0.016011409030815008 * acceleration_panda_joint4_y;
-    let t375 = 0.04623443229335249 * t174;
-    let t376 = t374 + t375;
-    let force_panda_joint4_y = t376 + force_panda_joint5_z;
-    let t378 = cos_panda_joint4 * force_panda_joint4_y;
-    let t379 = t373 - t378;
-    let t380 = moment_panda_joint4_z + t379;
-    let t381 = 0.00012191242095074308 * t27;
-    let t382 = 0.004377257121839584 * t34;
-    let t383 = t382 + t381;
-    let t384 = t137 - t141;
-    let t385 = 0.005487648106562256 * t384;
-    let t386 = t383 - t385;
-    let t387 = 1.3360662912305366e-5 * t145;
-    let t388 = t386 - t387;
-    let moment_panda_joint3_y = t388 + t380;
-    let t390 = cos_panda_joint4 * force_panda_joint4_x;
-    let t391 = sin_panda_joint4 * force_panda_joint4_y;
-    let t392 = t390 + t391;
-    let t393 = 0.002328735327435001 * t34;
-    let force_panda_joint3_x = t393 - t392;
-    let t395 = 3.83030303030303 * force_panda_joint3_x;
-    let t396 = moment_panda_joint3_y + t395;
-    let t397 = sin_panda_joint3 * t396;
-    let t398 = cos_panda_joint5 * t276;
-    let t399 = sin_panda_joint5 * t340;
-    let t400 = t398 - t399;
-    let t401 = 0.04942675278013915 * t155;
-    let t402 = 0.0039053550262761003 * t171;
-    let t403 = t401 - t402;
-    let t404 = t140 + t136;
-    let t405 = t404 - t174;
-    let t406 = 0.0016444875773692705 * t405;
-    let t407 = t403 - t406;
-    let t408 = 0.2907172362270936 * t43;
-    let t409 = t407 + t408;
-    let t410 = 0.04623443229335249 * acceleration_panda_joint4_z;
-    let t411 = t410 - t409;
-    let moment_panda_joint4_x = t411 - t400;
-    let t413 = cos_panda_joint4 * moment_panda_joint4_x;
-    let t414 = sin_panda_joint5 * force_panda_joint5_x;
-    let t415 = cos_panda_joint5 * force_panda_joint5_y;
-    let t416 = t414 - t415;
-    let t417 = cos_panda_joint6 * moment_panda_joint6_y;
-    let t418 = sin_panda_joint6 * moment_panda_joint6_x;
-    let t419 = t418 - t417;
-    let t420 = 0.0055993270925625 * acceleration_panda_joint5_x;
-    let t421 = 0.001208932934385 * acceleration_panda_joint5_y;
-    let t422 = t421 - t420;
-    let t423 = 0.0021640520520981297 * t88;
-    let t424 = 0.004600245517563105 * t54;
-    let t425 = t424 - t423;
-    let t426 = t298 - t210;
-    let t427 = 0.0015152444733270301 * t426;
-    let t428 = t425 - t427;
-    let t429 = 0.0014511560650267133 * t256;
+    let t319 = sin_panda_joint2 * t318;
+    let t320 = cos_panda_joint2 * t154;
+    let t321 = t319 - t320;
+    let t322 = t186 * inverse_d_panda_joint7;
+    let t323 = t223 * t322;
+    let t324 = t321 + t323;
+    let t325 = t186 * t228;
+    let t326 = t236 + t325;
+    let t327 = t326 * inverse_d_panda_joint6;
+    let t328 = t267 * t327;
+    let t329 = t324 + t328;
+    let t330 = t326 * t301;
+    let t331 = t186 * t296;
+    let t332 = t123 - t331;
+    let t333 = t332 - t330;
+    let t334 = t333 * inverse_d_panda_joint5;
+    let t335 = t303 * t334;
+    let t336 = t329 + t335;
+    let t337 = t186 * t322;
+    let t338 = t312 - t337;
+    let t339 = t326 * t327;
+    let t340 = t338 - t339;
+    let t341 = t333 * t334;
+    let t342 = t340 - t341;
+    let inverse_d_panda_joint4 = 1.0 / t342;
+    let t344 = t336 * inverse_d_panda_joint4;
+    let t345 = t336 * t344;
+    let t346 = t311 - t345;
+    let t347 = sin_panda_joint2 * t160;
+    let t348 = t108 + t110;
+    let t349 = cos_panda_joint2 * t348;
+    let t350 = t347 + t349;
+    let t351 = t221 * inverse_d_panda_joint7;
+    let t352 = t223 * t351;
+    let t353 = t350 + t352;
+    let t354 = t221 * t228;
+    let t355 = t264 + t354;
+    let t356 = t355 * inverse_d_panda_joint6;
+    let t357 = t267 * t356;
+    let t358 = t353 + t357;
+    let t359 = t221 * t296;
+    let t360 = t293 + t359;
+    let t361 = t355 * t301;
+    let t362 = t360 + t361;
+    let t363 = t362 * inverse_d_panda_joint5;
+    let t364 = t303 * t363;
+    let t365 = t358 - t364;
+    let t366 = t221 * t322;
+    let t367 = t154 + t366;
+    let t368 = t355 * t327;
+    let t369 = t367 + t368;
+    let t370 = t362 * t334;
+    let t371 = t369 - t370;
+    let t372 = t371 * inverse_d_panda_joint4;
+    let t373 = t336 * t372;
+    let t374 = t365 + t373;
+    let t375 = t221 * t351;
+    let t376 = t348 - t375;
+    let t377 = t355 * t356;
+    let t378 = t376 - t377;
+    let t379 = t362 * t363;
+    let t380 = t378 - t379;
+    let t381 = t371 * t372;
+    let t382 = t380 - t381;
+    let inverse_d_panda_joint3 = 1.0 / t382;
+    let t384 = t374 * inverse_d_panda_joint3;
+    let t385 = t374 * t384;
+    let t386 = t346 - t385;
+    let t387 = t134 + t141;
+    let t388 = cos_panda_joint3 * t198;
+    let t389 = sin_panda_joint3 * t214;
+    let t390 = t389 + t388;
+    let t391 = t390 * inverse_d_panda_joint7;
+    let t392 = t390 * t391;
+    let t393 = t387 - t392;
+    let t394 = t390 * t228;
+    let t395 = cos_panda_joint3 * t246;
+    let t396 = sin_panda_joint3 * t257;
+    let t397 = t396 + t395;
+    let t398 = t397 + t394;
+    let t399 = t398 * inverse_d_panda_joint6;
+    let t400 = t398 * t399;
+    let t401 = t393 - t400;
+    let t402 = sin_panda_joint3 * t280;
+    let t403 = cos_panda_joint3 * t286;
+    let t404 = t402 + t403;
+    let t405 = t390 * t296;
+    let t406 = t404 - t405;
+    let t407 = t398 * t301;
+    let t408 = t406 - t407;
+    let t409 = t408 * inverse_d_panda_joint5;
+    let t410 = t408 * t409;
+    let t411 = t401 - t410;
+    let t412 = cos_panda_joint3 * t315;
+    let t413 = sin_panda_joint3 * t126;
+    let t414 = t413 + t412;
+    let t415 = t390 * t322;
+    let t416 = t414 + t415;
+    let t417 = t398 * t327;
+    let t418 = t416 + t417;
+    let t419 = t408 * t334;
+    let t420 = t418 + t419;
+    let t421 = t420 * inverse_d_panda_joint4;
+    let t422 = t420 * t421;
+    let t423 = t411 - t422;
+    let t424 = sin_panda_joint3 * t150;
+    let t425 = cos_panda_joint3 * t158;
+    let t426 = t424 + t425;
+    let t427 = t390 * t351;
+    let t428 = t426 + t427;
+    let t429 = t398 * t356;
     let t430 = t428 + t429;
-    let t431 = 0.010045187828321242 * t72;
-    let t432 = t430 + t431;
-    let t433 = t422 + t432;
-    let moment_panda_joint5_z = t433 - t419;
-    let t435 = moment_panda_joint5_z - t416;
-    let t436 = 0.04942675278013915 * t43;
-    let t437 = 0.0016444875773692705 * t52;
-    let t438 = t437 + t436;
-    let t439 = t404 - t151;
-    let t440 = 0.0039053550262761003 * t439;
-    let t441 = t438 - t440;
-    let t442 = 0.0054157634981905 * t155;
-    let t443 = t441 - t442;
-    let moment_panda_joint4_y = t443 - t435;
-    let t445 = sin_panda_joint4 * moment_panda_joint4_y;
-    let t446 = t413 + t445;
-    let t447 = 0.00012191242095074308 * t145;
-    let t448 = 0.005487648106562256 * t160;
+    let t431 = t408 * t363;
+    let t432 = t430 - t431;
+    let t433 = t420 * t372;
+    let t434 = t432 + t433;
+    let t435 = t434 * inverse_d_panda_joint3;
+    let t436 = t434 * t435;
+    let t437 = t423 - t436;
+    let inverse_d_panda_joint2 = 1.0 / t437;
+    let t439 = cos_panda_joint3 * t131;
+    let t440 = t128 - t439;
+    let t441 = 0.01026110182100817 + t440;
+    let t442 = sin_panda_joint2 * t441;
+    let t443 = 0.0007689361029464 + t426;
+    let t444 = cos_panda_joint2 * t443;
+    let t445 = t442 + t444;
+    let t446 = t223 * t391;
+    let t447 = t445 - t446;
+    let t448 = t267 * t399;
     let t449 = t447 - t448;
-    let t450 = t404 - t141;
-    let t451 = 0.004377257121839584 * t450;
-    let t452 = t449 - t451;
-    let t453 = 0.022178148964878235 * t27;
-    let t454 = t452 + t453;
-    let t455 = 0.002328735327435001 * acceleration_panda_joint3_z;
-    let t456 = t455 - t454;
-    let moment_panda_joint3_x = t456 - t446;
-    let t458 = 0.04623443229335249 * t43;
-    let t459 = 0.016011409030815008 * acceleration_panda_joint4_z;
-    let t460 = t459 + t458;
-    let force_panda_joint4_z = t460 + t416;
-    let t462 = 0.002328735327435001 * t404;
-    let force_panda_joint3_y = t462 + force_panda_joint4_z;
-    let t464 = 3.83030303030303 * force_panda_joint3_y;
-    let t465 = moment_panda_joint3_x + t464;
-    let t466 = cos_panda_joint3 * t465;
-    let t467 = t466 - t397;
-    let t468 = omega_panda_joint2_y * omega_panda_joint2_y;
-    let t469 = omega_panda_joint2_x * omega_panda_joint2_x;
-    let t470 = t469 + t468;
-    let t471 = v[1] * v[1];
-    let t472 = t469 + t471;
-    let t473 = t472 - t470;
-    let t474 = 0.0007689361029464 * t473;
-    let t475 = omega_panda_joint2_x * omega_panda_joint2_y;
-    let t476 = 0.01026110182100817 * t475;
-    let t477 = t33 * 0.00796671776787104;
-    let t478 = t477 - t476;
-    let t479 = t478 + t474;
-    let t480 = t22 * 0.2563665845006481;
-    let t481 = t479 + t480;
-    let moment_panda_joint2_x = t481 - t467;
-    let t483 = sin_panda_joint2 * moment_panda_joint2_x;
-    let t484 = sin_panda_joint4 * moment_panda_joint4_x;
-    let t485 = cos_panda_joint4 * moment_panda_joint4_y;
-    let t486 = t484 - t485;
-    let t487 = force_panda_joint4_z + t486;
-    let t488 = 0.004377257121839584 * t130;
-    let t489 = 0.005487648106562256 * t156;
-    let t490 = t489 - t488;
-    let t491 = t137 - t404;
-    let t492 = 0.00012191242095074308 * t491;
-    let t493 = t490 + t492;
-    let t494 = 1.3360662912305366e-5 * t160;
+    let t450 = t303 * t409;
+    let t451 = t449 - t450;
+    let t452 = t336 * t421;
+    let t453 = t451 - t452;
+    let t454 = t374 * t435;
+    let t455 = t453 - t454;
+    let t456 = t455 * inverse_d_panda_joint2;
+    let t457 = t455 * t456;
+    let t458 = t386 - t457;
+    let inverse_d_panda_joint1 = 1.0 / t458;
+    let t460 = t456 * inverse_d_panda_joint1;
+    let t461 = t435 * t460;
+    let t462 = t384 * inverse_d_panda_joint1;
+    let t463 = t461 - t462;
+    let t464 = t372 * t463;
+    let t465 = t421 * t460;
+    let t466 = t464 + t465;
+    let t467 = t344 * inverse_d_panda_joint1;
+    let t468 = t466 - t467;
+    let t469 = t334 * t468;
+    let t470 = t363 * t463;
+    let t471 = t469 - t470;
+    let t472 = t409 * t460;
+    let t473 = t471 + t472;
+    let t474 = t309 * inverse_d_panda_joint1;
+    let t475 = t473 - t474;
+    let t476 = t301 * t475;
+    let t477 = t327 * t468;
+    let t478 = t476 - t477;
+    let t479 = t356 * t463;
+    let t480 = t478 - t479;
+    let t481 = t399 * t460;
+    let t482 = t480 - t481;
+    let t483 = t271 * inverse_d_panda_joint1;
+    let t484 = t482 + t483;
+    let t485 = t228 * t484;
+    let t486 = t296 * t475;
+    let t487 = t485 + t486;
+    let t488 = t322 * t468;
+    let t489 = t487 - t488;
+    let t490 = t351 * t463;
+    let t491 = t489 - t490;
+    let t492 = t391 * t460;
+    let t493 = t491 - t492;
+    let t494 = t225 * inverse_d_panda_joint1;
     let t495 = t493 + t494;
-    let t496 = 0.022178148964878235 * t34;
-    let t497 = t495 - t496;
-    let t498 = 0.002328735327435001 * acceleration_panda_joint3_x;
-    let t499 = t498 + t497;
-    let moment_panda_joint3_z = t499 - t487;
-    let t501 = t468 + t471;
-    let t502 = t501 - t470;
-    let t503 = 0.01026110182100817 * t502;
-    let t504 = t22 * 0.00796671776787104;
-    let t505 = 0.0007689361029464 * t475;
-    let t506 = t505 - t504;
-    let t507 = t506 - t503;
-    let t508 = t33 * 0.04615576498986362;
-    let t509 = t507 - t508;
-    let moment_panda_joint2_y = t509 + moment_panda_joint3_z;
-    let t511 = cos_panda_joint2 * moment_panda_joint2_y;
-    let moment_panda_joint1_z = t483 + t511;
-    let t513 = v[0] * 0.003;
-    let t514 = u[0] - t513;
-    let t515 = t514 - moment_panda_joint1_z;
-    let t516 = v[6] * 0.003;
-    let t517 = u[6] - t516;
-    let t518 = t517 + moment_panda_joint7_z;
-    let t519 = cos_panda_joint7 * 0.00028869352684245185;
-    let t520 = 0.006684151967360947 + t519;
-    let t521 = sin_panda_joint6 * t520;
-    let t522 = cos_panda_joint6 * t84;
-    let t523 = t522 - t521;
-    let t524 = cos_panda_joint7 * 0.0012597535716761534;
-    let t525 = t523 - t524;
-    let t526 = sin_panda_joint5 * t525;
-    let t527 = cos_panda_joint6 * t183;
-    let t528 = 4.654545454545454 * t527;
-    let t529 = t98 - t528;
-    let t530 = cos_panda_joint5 * t529;
-    let t531 = t526 - t530;
-    let t532 = sin_panda_joint6 * t183;
-    let t533 = t532 + t531;
-    let t534 = cos_panda_joint5 * t527;
-    let t535 = sin_panda_joint5 * t194;
-    let t536 = t534 - t535;
-    let t537 = sin_panda_joint4 * t536;
-    let t538 = cos_panda_joint4 * t532;
-    let t539 = t537 + t538;
-    let t540 = t533 - t539;
-    let t541 = cos_panda_joint4 * t536;
-    let t542 = sin_panda_joint4 * t532;
-    let t543 = t541 - t542;
-    let t544 = 3.83030303030303 * t543;
-    let t545 = t540 + t544;
-    let t546 = sin_panda_joint3 * t545;
-    let t547 = cos_panda_joint5 * t525;
-    let t548 = sin_panda_joint5 * t529;
-    let t549 = t547 + t548;
-    let t550 = cos_panda_joint4 * t549;
-    let t551 = sin_panda_joint5 * t527;
-    let t552 = cos_panda_joint5 * t194;
-    let t553 = t551 + t552;
-    let t554 = cos_panda_joint6 * t520;
-    let t555 = sin_panda_joint6 * t84;
-    let t556 = t555 + t554;
-    let t557 = t556 - t553;
-    let t558 = sin_panda_joint4 * t557;
-    let t559 = t550 - t558;
-    let t560 = 3.83030303030303 * t553;
-    let t561 = t559 - t560;
-    let t562 = cos_panda_joint3 * t561;
-    let t563 = t562 - t546;
-    let t564 = sin_panda_joint2 * t563;
-    let t565 = sin_panda_joint4 * t549;
-    let t566 = cos_panda_joint4 * t557;
-    let t567 = t565 + t566;
-    let t568 = t553 + t567;
-    let t569 = cos_panda_joint2 * t568;
-    let t570 = t564 - t569;
-    let t571 = t570 * 149.60760989322964;
-    let t572 = t571 * t518;
-    let t573 = t515 - t572;
-    let t574 = v[5] * 0.003;
-    let t575 = u[5] - t574;
-    let t576 = t575 + moment_panda_joint6_z;
-    let t577 = t98 * 149.60760989322964;
-    let t578 = t577 * t518;
-    let t579 = t576 + t578;
-    let t580 = sin_panda_joint7 * 0.00028869352684245185;
-    let t581 = t112 - t580;
-    let t582 = 0.00010375891721868492 - t581;
-    let t583 = cos_panda_joint6 * t582;
-    let t584 = 9.3569097314605e-5 + t98;
-    let t585 = sin_panda_joint6 * t584;
-    let t586 = t583 + t585;
-    let t587 = sin_panda_joint5 * t586;
-    let t588 = cos_panda_joint7 * 0.0005773870536849037;
-    let t589 = t122 + t588;
-    let t590 = t589 + 0.050456677916247444;
-    let t591 = t194 + 0.0191274230973375;
-    let t592 = sin_panda_joint6 * t591;
-    let t593 = 0.014338888209442503 * cos_panda_joint6;
+    let omega_panda_joint2_y = v[0] * cos_panda_joint2;
+    let omega_panda_joint3_z = v[2] + omega_panda_joint2_y;
+    let t498 = 2.0 * omega_panda_joint3_z;
+    let omega_panda_joint2_x = v[0] * sin_panda_joint2;
+    let t500 = sin_panda_joint3 * omega_panda_joint2_x;
+    let t501 = v[1] * cos_panda_joint3;
+    let omega_panda_joint3_y = t500 + t501;
+    let t503 = omega_panda_joint3_y * t498;
+    let t504 = v[1] * 2.0;
+    let t505 = omega_panda_joint2_y * t504;
+    let t506 = cos_panda_joint3 * t505;
+    let t507 = omega_panda_joint2_x * omega_panda_joint2_y;
+    let t508 = sin_panda_joint3 * t507;
+    let t509 = t508 + t506;
+    let t510 = t509 - t503;
+    let t511 = cos_panda_joint4 * t510;
+    let t512 = cos_panda_joint3 * omega_panda_joint2_x;
+    let t513 = v[1] * sin_panda_joint3;
+    let omega_panda_joint3_x = t512 - t513;
+    let t515 = omega_panda_joint3_x * omega_panda_joint3_y;
+    let t516 = v[1] * omega_panda_joint2_x;
+    let t517 = t516 - t515;
+    let t518 = sin_panda_joint4 * t517;
+    let t519 = t518 + t511;
+    let omega_panda_joint4_z = v[3] - omega_panda_joint3_y;
+    let t521 = 2.0 * omega_panda_joint4_z;
+    let t522 = sin_panda_joint4 * omega_panda_joint3_x;
+    let t523 = cos_panda_joint4 * omega_panda_joint3_z;
+    let omega_panda_joint4_y = t522 + t523;
+    let t525 = omega_panda_joint4_y * t521;
+    let t526 = t519 - t525;
+    let t527 = cos_panda_joint5 * t526;
+    let t528 = cos_panda_joint4 * omega_panda_joint3_x;
+    let t529 = sin_panda_joint4 * omega_panda_joint3_z;
+    let omega_panda_joint4_x = t528 - t529;
+    let t531 = omega_panda_joint4_x * omega_panda_joint4_y;
+    let t532 = omega_panda_joint3_x * omega_panda_joint3_z;
+    let t533 = sin_panda_joint3 * t505;
+    let t534 = cos_panda_joint3 * t507;
+    let t535 = t534 - t533;
+    let t536 = t535 - t532;
+    let t537 = t536 + t531;
+    let t538 = sin_panda_joint5 * t537;
+    let t539 = t538 + t527;
+    let omega_panda_joint5_z = v[4] + omega_panda_joint4_y;
+    let t541 = 2.0 * omega_panda_joint5_z;
+    let t542 = sin_panda_joint5 * omega_panda_joint4_x;
+    let t543 = cos_panda_joint5 * omega_panda_joint4_z;
+    let omega_panda_joint5_y = t542 - t543;
+    let t545 = omega_panda_joint5_y * t541;
+    let t546 = t539 - t545;
+    let t547 = cos_panda_joint6 * t546;
+    let t548 = cos_panda_joint5 * omega_panda_joint4_x;
+    let t549 = sin_panda_joint5 * omega_panda_joint4_z;
+    let omega_panda_joint5_x = t548 + t549;
+    let t551 = omega_panda_joint5_x * omega_panda_joint5_y;
+    let t552 = sin_panda_joint4 * t510;
+    let t553 = cos_panda_joint4 * t517;
+    let t554 = t553 - t552;
+    let t555 = omega_panda_joint4_x * omega_panda_joint4_z;
+    let t556 = t554 - t555;
+    let t557 = t556 - t551;
+    let t558 = sin_panda_joint6 * t557;
+    let t559 = t558 + t547;
+    let omega_panda_joint6_z = v[5] - omega_panda_joint5_y;
+    let t561 = 2.0 * omega_panda_joint6_z;
+    let t562 = sin_panda_joint6 * omega_panda_joint5_x;
+    let t563 = cos_panda_joint6 * omega_panda_joint5_z;
+    let omega_panda_joint6_y = t562 + t563;
+    let t565 = omega_panda_joint6_y * t561;
+    let t566 = t559 - t565;
+    let t567 = t24 * t566;
+    let t568 = sin_panda_joint5 * t526;
+    let t569 = cos_panda_joint5 * t537;
+    let t570 = t569 - t568;
+    let t571 = omega_panda_joint5_x * omega_panda_joint5_z;
+    let t572 = t570 - t571;
+    let t573 = cos_panda_joint6 * omega_panda_joint5_x;
+    let t574 = sin_panda_joint6 * omega_panda_joint5_z;
+    let omega_panda_joint6_x = t573 - t574;
+    let t576 = omega_panda_joint6_x * omega_panda_joint6_y;
+    let t577 = t572 + t576;
+    let t578 = t44 * t577;
+    let t579 = t567 - t578;
+    let omega_panda_joint7_z = v[6] - omega_panda_joint6_y;
+    let t581 = omega_panda_joint7_z * omega_panda_joint7_z;
+    let t582 = omega_panda_joint6_x * omega_panda_joint6_x;
+    let t583 = t582 + t581;
+    let t584 = omega_panda_joint6_z * omega_panda_joint6_z;
+    let t585 = t584 + t581;
+    let t586 = t585 - t583;
+    let t587 = t37 * t586;
+    let t588 = t579 - t587;
+    let t589 = sin_panda_joint6 * t546;
+    let t590 = cos_panda_joint6 * t557;
+    let t591 = t590 - t589;
+    let t592 = omega_panda_joint6_x * omega_panda_joint6_z;
+    let t593 = t591 - t592;
     let t594 = t592 - t593;
-    let t595 = 4.654545454545454 * t594;
-    let t596 = t590 + t595;
-    let t597 = cos_panda_joint5 * t596;
-    let t598 = t587 + t597;
-    let t599 = cos_panda_joint6 * t591;
-    let t600 = 0.014338888209442503 * sin_panda_joint6;
-    let t601 = t599 + t600;
-    let t602 = t601 - t598;
-    let t603 = cos_panda_joint5 * t594;
-    let t604 = sin_panda_joint4 * t603;
-    let t605 = cos_panda_joint4 * t601;
-    let t606 = t604 - t605;
-    let t607 = t602 + t606;
-    let t608 = cos_panda_joint4 * t603;
-    let t609 = sin_panda_joint4 * t601;
-    let t610 = t608 + t609;
-    let t611 = 3.83030303030303 * t610;
-    let t612 = t607 - t611;
-    let t613 = sin_panda_joint3 * t612;
-    let t614 = cos_panda_joint5 * t586;
-    let t615 = sin_panda_joint5 * t596;
-    let t616 = t614 - t615;
-    let t617 = cos_panda_joint4 * t616;
-    let t618 = sin_panda_joint6 * t582;
-    let t619 = cos_panda_joint6 * t584;
-    let t620 = t618 - t619;
-    let t621 = sin_panda_joint5 * t594;
-    let t622 = t620 - t621;
-    let t623 = sin_panda_joint4 * t622;
-    let t624 = t617 - t623;
-    let t625 = 3.83030303030303 * t621;
-    let t626 = t624 - t625;
-    let t627 = cos_panda_joint3 * t626;
-    let t628 = t627 + t613;
-    let t629 = sin_panda_joint2 * t628;
-    let t630 = sin_panda_joint4 * t616;
-    let t631 = cos_panda_joint4 * t622;
-    let t632 = t630 + t631;
-    let t633 = t621 + t632;
-    let t634 = cos_panda_joint2 * t633;
-    let t635 = t629 - t634;
-    let t636 = t570 * t577;
-    let t637 = t635 + t636;
-    let t638 = t98 * t577;
-    let t639 = t590 - t638;
-    let inverse_d_panda_joint6 = 1.0 / t639;
-    let t641 = t637 * inverse_d_panda_joint6;
-    let t642 = t641 * t579;
-    let t643 = t573 - t642;
-    let t644 = v[4] * 0.003;
-    let t645 = u[4] - t644;
-    let t646 = t645 + moment_panda_joint5_z;
-    let t647 = t556 * 149.60760989322964;
-    let t648 = t647 * t518;
-    let t649 = t646 + t648;
-    let t650 = t556 * t577;
-    let t651 = t620 + t650;
-    let t652 = t651 * inverse_d_panda_joint6;
-    let t653 = t652 * t579;
-    let t654 = t649 + t653;
-    let t655 = t589 - 0.007412167175072339;
-    let t656 = sin_panda_joint6 * t655;
-    let t657 = 0.014748570382675316 + t84;
-    let t658 = 2.0 * t657;
-    let t659 = cos_panda_joint6 * t658;
-    let t660 = t656 - t659;
-    let t661 = cos_panda_joint6 * t660;
-    let t662 = t657 + t661;
-    let t663 = 0.004600245517563105 + t662;
-    let t664 = 0.001208932934385 - t601;
-    let t665 = 4.654545454545454 * t664;
-    let t666 = t663 - t665;
-    let t667 = cos_panda_joint5 * t666;
-    let t668 = 0.0021640520520981297 + t620;
-    let t669 = 0.0055993270925625 - t183;
-    let t670 = 4.654545454545454 * t669;
-    let t671 = t668 - t670;
-    let t672 = sin_panda_joint5 * t671;
-    let t673 = t667 + t672;
-    let t674 = cos_panda_joint4 * t673;
-    let t675 = sin_panda_joint6 * t660;
-    let t676 = t589 + 0.021522255370587554;
-    let t677 = t676 - t675;
-    let t678 = 0.0014511560650267133 + t677;
-    let t679 = t121 - 0.014047520880232544;
-    let t680 = t678 - t679;
-    let t681 = cos_panda_joint5 * t664;
-    let t682 = sin_panda_joint5 * t669;
-    let t683 = t681 + t682;
-    let t684 = t680 + t683;
-    let t685 = sin_panda_joint4 * t684;
-    let t686 = t674 + t685;
-    let t687 = 3.83030303030303 * t683;
-    let t688 = t686 - t687;
-    let t689 = cos_panda_joint3 * t688;
-    let t690 = sin_panda_joint5 * t666;
-    let t691 = cos_panda_joint5 * t671;
-    let t692 = t690 - t691;
-    let t693 = sin_panda_joint5 * t664;
-    let t694 = cos_panda_joint5 * t669;
-    let t695 = t693 - t694;
-    let t696 = sin_panda_joint4 * t695;
-    let t697 = t692 + t696;
-    let t698 = cos_panda_joint4 * t695;
-    let t699 = 3.83030303030303 * t698;
-    let t700 = t697 - t699;
-    let t701 = sin_panda_joint3 * t700;
-    let t702 = t689 - t701;
-    let t703 = sin_panda_joint2 * t702;
-    let t704 = sin_panda_joint4 * t673;
-    let t705 = cos_panda_joint4 * t684;
-    let t706 = t704 - t705;
-    let t707 = t683 + t706;
-    let t708 = cos_panda_joint2 * t707;
-    let t709 = t703 - t708;
-    let t710 = t570 * t647;
-    let t711 = t709 + t710;
-    let t712 = t637 * t652;
-    let t713 = t711 + t712;
-    let t714 = t556 * t647;
-    let t715 = t680 - t714;
-    let t716 = t651 * t652;
-    let t717 = t715 - t716;
-    let inverse_d_panda_joint5 = 1.0 / t717;
-    let t719 = t713 * inverse_d_panda_joint5;
-    let t720 = t719 * t654;
-    let t721 = t643 - t720;
-    let t722 = v[3] * 0.003;
-    let t723 = u[3] - t722;
-    let t724 = t723 + moment_panda_joint4_z;
-    let t725 = t533 * 149.60760989322964;
-    let t726 = t725 * t518;
-    let t727 = t724 - t726;
-    let t728 = t533 * t577;
-    let t729 = t602 - t728;
-    let t730 = t729 * inverse_d_panda_joint6;
-    let t731 = t730 * t579;
-    let t732 = t727 + t731;
-    let t733 = t533 * t647;
-    let t734 = t692 + t733;
-    let t735 = t729 * t652;
-    let t736 = t734 - t735;
-    let t737 = t736 * inverse_d_panda_joint5;
-    let t738 = t737 * t654;
-    let t739 = t732 - t738;
-    let t740 = t678 + t679;
-    let t741 = sin_panda_joint5 * t740;
-    let t742 = 0.0015152444733270301 - t586;
-    let t743 = 2.0 * t742;
-    let t744 = cos_panda_joint5 * t743;
-    let t745 = t741 + t744;
-    let t746 = sin_panda_joint5 * t745;
-    let t747 = t678 - t746;
-    let t748 = 2.0 * t683;
-    let t749 = t747 + t748;
-    let t750 = t749 + 0.051020136156815506;
-    let t751 = 0.028934422545659894 + t675;
-    let t752 = t594 * 9.309090909090909;
-    let t753 = t751 + t752;
-    let t754 = t753 + 0.6972920750309719;
-    let t755 = t750 + t754;
-    let t756 = 0.045604372658625006 + t683;
-    let t757 = cos_panda_joint4 * t756;
-    let t758 = t594 + 0.16603319317224752;
-    let t759 = sin_panda_joint4 * t758;
-    let t760 = t757 + t759;
-    let t761 = t755 - t760;
-    let t762 = sin_panda_joint4 * t756;
-    let t763 = cos_panda_joint4 * t758;
-    let t764 = t762 - t763;
-    let t765 = 3.83030303030303 * t764;
-    let t766 = t765 - t761;
-    let t767 = sin_panda_joint3 * t766;
-    let t768 = cos_panda_joint5 * t745;
-    let t769 = t742 - t768;
-    let t770 = t695 - t769;
-    let t771 = 0.0039053550262761003 + t770;
-    let t772 = cos_panda_joint4 * t771;
-    let t773 = 0.0016444875773692705 - t692;
-    let t774 = sin_panda_joint4 * t773;
-    let t775 = t772 + t774;
-    let t776 = cos_panda_joint3 * t775;
-    let t777 = t776 - t767;
-    let t778 = sin_panda_joint2 * t777;
-    let t779 = sin_panda_joint4 * t771;
-    let t780 = cos_panda_joint4 * t773;
-    let t781 = t779 - t780;
-    let t782 = cos_panda_joint2 * t781;
-    let t783 = t778 - t782;
-    let t784 = t570 * t725;
-    let t785 = t783 + t784;
-    let t786 = t637 * t730;
+    let t595 = t17 * t594;
+    let t596 = t588 - t595;
+    let t597 = t592 + t593;
+    let t598 = t171 * t597;
+    let t599 = t596 + t598;
+    let t600 = 3.83030303030303 * t535;
+    let acceleration_panda_joint2_x = sin_panda_joint2 * 118.9090909090909;
+    let t602 = cos_panda_joint3 * acceleration_panda_joint2_x;
+    let acceleration_panda_joint3_x = t602 + t600;
+    let t604 = omega_panda_joint3_y * omega_panda_joint3_y;
+    let t605 = omega_panda_joint3_z * omega_panda_joint3_z;
+    let t606 = t604 + t605;
+    let t607 = t606 + acceleration_panda_joint3_x;
+    let t608 = cos_panda_joint4 * t607;
+    let t609 = omega_panda_joint2_x * omega_panda_joint2_x;
+    let t610 = v[1] * v[1];
+    let t611 = t609 + t610;
+    let t612 = 3.83030303030303 * t611;
+    let acceleration_panda_joint2_y = cos_panda_joint2 * 118.9090909090909;
+    let acceleration_panda_joint3_z = acceleration_panda_joint2_y - t612;
+    let t615 = omega_panda_joint3_x * t498;
+    let t616 = t535 - t615;
+    let t617 = t616 + acceleration_panda_joint3_z;
+    let t618 = sin_panda_joint4 * t617;
+    let acceleration_panda_joint4_x = t608 - t618;
+    let t620 = omega_panda_joint4_y * omega_panda_joint4_y;
+    let t621 = omega_panda_joint4_z * omega_panda_joint4_z;
+    let t622 = t620 + t621;
+    let t623 = acceleration_panda_joint4_x - t622;
+    let t624 = t61 * t623;
+    let t625 = omega_panda_joint4_x * t521;
+    let t626 = t554 - t625;
+    let t627 = 3.83030303030303 * t509;
+    let t628 = sin_panda_joint3 * acceleration_panda_joint2_x;
+    let acceleration_panda_joint3_y = t628 + t627;
+    let t630 = t516 + t515;
+    let acceleration_panda_joint4_z = t630 - acceleration_panda_joint3_y;
+    let t632 = acceleration_panda_joint4_z - t626;
+    let t633 = t65 * t632;
+    let t634 = t624 + t633;
+    let acceleration_panda_joint5_x = t634 + t570;
+    let t636 = t56 * acceleration_panda_joint5_x;
+    let t637 = sin_panda_joint4 * t607;
+    let t638 = cos_panda_joint4 * t617;
+    let acceleration_panda_joint4_y = t637 + t638;
+    let t640 = t536 - t531;
+    let t641 = acceleration_panda_joint4_y - t640;
+    let t642 = 0.21484375 * t641;
+    let t643 = omega_panda_joint4_x * omega_panda_joint4_x;
+    let t644 = t643 + t621;
+    let acceleration_panda_joint5_z = t644 - t642;
+    let t646 = t72 * acceleration_panda_joint5_z;
+    let acceleration_panda_joint6_x = t636 + t646;
+    let t648 = omega_panda_joint6_y * omega_panda_joint6_y;
+    let t649 = t648 + t584;
+    let acceleration_panda_joint7_x = acceleration_panda_joint6_x + t649;
+    let t651 = t38 * acceleration_panda_joint7_x;
+    let t652 = omega_panda_joint6_x * t561;
+    let t653 = t591 - t652;
+    let t654 = t65 * t623;
+    let t655 = t61 * t632;
+    let t656 = t654 - t655;
+    let acceleration_panda_joint5_y = t656 + t539;
+    let acceleration_panda_joint6_z = 4.363636363636364 * acceleration_panda_joint5_y;
+    let acceleration_panda_joint7_y = acceleration_panda_joint6_z - t653;
+    let t660 = t54 * acceleration_panda_joint7_y;
+    let t661 = t660 - t651;
+    let moment_panda_joint7_z = t661 - t599;
+    let t663 = v[6] * 0.003;
+    let t664 = u[6] - t663;
+    let t665 = t664 + moment_panda_joint7_z;
+    let t666 = t495 * t665;
+    let t667 = 2.0 * omega_panda_joint7_z;
+    let t668 = omega_panda_joint6_z * t667;
+    let t669 = t566 - t668;
+    let t670 = t37 * t669;
+    let t671 = t44 * t597;
+    let t672 = t671 + t670;
+    let t673 = t582 + t584;
+    let t674 = t673 - t585;
+    let t675 = t24 * t674;
+    let t676 = t672 - t675;
+    let t677 = omega_panda_joint6_x * t667;
+    let t678 = t577 + t677;
+    let t679 = t17 * t678;
+    let t680 = t676 - t679;
+    let t681 = t72 * acceleration_panda_joint5_x;
+    let t682 = t56 * acceleration_panda_joint5_z;
+    let acceleration_panda_joint6_y = t681 - t682;
+    let t684 = t572 - t576;
+    let acceleration_panda_joint7_z = acceleration_panda_joint6_y + t684;
+    let t686 = t54 * acceleration_panda_joint7_z;
+    let moment_panda_joint7_y = t686 - t680;
+    let t688 = t38 * t669;
+    let t689 = t54 * t678;
+    let force_panda_joint7_z = t689 + t688;
+    let t691 = force_panda_joint7_z + moment_panda_joint7_y;
+    let t692 = 9.3569097314605e-5 * t591;
+    let t693 = 0.00010375891721868492 * t559;
+    let t694 = t693 - t692;
+    let t695 = t649 - t673;
+    let t696 = 0.014748570382675316 * t695;
+    let t697 = t694 - t696;
+    let t698 = 0.02152225537058755 * t684;
+    let t699 = t697 + t698;
+    let t700 = 0.028934422545659894 * t577;
+    let t701 = t699 + t700;
+    let t702 = 0.015294814090072 * acceleration_panda_joint6_x;
+    let t703 = 0.020402584637159996 * acceleration_panda_joint6_y;
+    let t704 = t703 - t702;
+    let t705 = t704 + t701;
+    let moment_panda_joint6_z = t705 + t691;
+    let t707 = v[5] * 0.003;
+    let t708 = u[5] - t707;
+    let t709 = t708 - moment_panda_joint6_z;
+    let t710 = t484 * t709;
+    let t711 = t54 * t594;
+    let t712 = t38 * t583;
+    let force_panda_joint7_y = t711 + t712;
+    let t714 = force_panda_joint7_y + moment_panda_joint7_z;
+    let t715 = 0.014748570382675316 * t566;
+    let t716 = 9.3569097314605e-5 * t577;
+    let t717 = t716 - t715;
+    let t718 = omega_panda_joint5_x * omega_panda_joint5_x;
+    let t719 = omega_panda_joint5_z * omega_panda_joint5_z;
+    let t720 = t718 + t719;
+    let t721 = t720 - t649;
+    let t722 = 0.00010375891721868492 * t721;
+    let t723 = t717 + t722;
+    let t724 = 0.02152225537058755 * t653;
+    let t725 = t723 - t724;
+    let t726 = acceleration_panda_joint5_y * 0.08902946023488;
+    let t727 = t726 + t725;
+    let moment_panda_joint6_y = t727 + t714;
+    let t729 = cos_panda_joint6 * moment_panda_joint6_y;
+    let t730 = t24 * t594;
+    let t731 = t37 * t678;
+    let t732 = t731 + t730;
+    let t733 = t673 - t583;
+    let t734 = t44 * t733;
+    let t735 = t732 - t734;
+    let t736 = t171 * t669;
+    let t737 = t735 - t736;
+    let t738 = t38 * acceleration_panda_joint7_z;
+    let moment_panda_joint7_x = t738 - t737;
+    let t740 = 0.014748570382675316 * t653;
+    let t741 = 0.00010375891721868492 * t684;
+    let t742 = t740 + t741;
+    let t743 = t720 - t673;
+    let t744 = 9.3569097314605e-5 * t743;
+    let t745 = t742 - t744;
+    let t746 = 0.028934422545659894 * t566;
+    let t747 = t745 + t746;
+    let t748 = 0.06674100693849601 * acceleration_panda_joint5_y;
+    let t749 = t748 - t747;
+    let moment_panda_joint6_x = t749 - moment_panda_joint7_x;
+    let t751 = sin_panda_joint6 * moment_panda_joint6_x;
+    let t752 = t751 + t729;
+    let t753 = 0.0021640520520981297 * t570;
+    let t754 = 0.004600245517563105 * t539;
+    let t755 = t754 - t753;
+    let t756 = omega_panda_joint5_y * omega_panda_joint5_y;
+    let t757 = t756 + t719;
+    let t758 = t757 - t720;
+    let t759 = 0.0015152444733270301 * t758;
+    let t760 = t755 + t759;
+    let t761 = t556 + t551;
+    let t762 = 0.0014511560650267133 * t761;
+    let t763 = t760 - t762;
+    let t764 = 0.010045187828321242 * t557;
+    let t765 = t763 - t764;
+    let t766 = 0.0260623224672 * acceleration_panda_joint5_x;
+    let t767 = 0.005627033294592 * acceleration_panda_joint5_y;
+    let t768 = t767 - t766;
+    let t769 = t768 - t765;
+    let moment_panda_joint5_z = t769 - t752;
+    let t771 = v[4] * 0.003;
+    let t772 = u[4] - t771;
+    let t773 = t772 + moment_panda_joint5_z;
+    let t774 = t475 * t773;
+    let t775 = sin_panda_joint6 * moment_panda_joint6_y;
+    let t776 = cos_panda_joint6 * moment_panda_joint6_x;
+    let t777 = t776 - t775;
+    let t778 = omega_panda_joint5_x * t541;
+    let t779 = t570 - t778;
+    let t780 = 0.0015152444733270301 * t779;
+    let t781 = 0.004600245517563105 * t761;
+    let t782 = t780 + t781;
+    let t783 = t644 - t720;
+    let t784 = 0.0021640520520981297 * t783;
+    let t785 = t782 + t784;
+    let t786 = 0.010045187828321242 * t546;
     let t787 = t785 - t786;
-    let t788 = t713 * t737;
-    let t789 = t787 + t788;
-    let t790 = t533 * t725;
-    let t791 = t755 - t790;
-    let t792 = t729 * t730;
-    let t793 = t791 - t792;
-    let t794 = t736 * t737;
-    let t795 = t793 - t794;
-    let inverse_d_panda_joint4 = 1.0 / t795;
-    let t797 = t789 * inverse_d_panda_joint4;
-    let t798 = t797 * t739;
-    let t799 = t721 + t798;
-    let t800 = v[2] * 0.003;
-    let t801 = u[2] - t800;
-    let t802 = t801 - moment_panda_joint3_z;
-    let t803 = t568 * 149.60760989322964;
-    let t804 = t803 * t518;
-    let t805 = t802 + t804;
-    let t806 = t568 * t577;
-    let t807 = t633 + t806;
-    let t808 = t807 * inverse_d_panda_joint6;
-    let t809 = t808 * t579;
-    let t810 = t805 + t809;
-    let t811 = t568 * t647;
-    let t812 = t707 + t811;
-    let t813 = t807 * t652;
-    let t814 = t812 + t813;
-    let t815 = t814 * inverse_d_panda_joint5;
-    let t816 = t815 * t654;
-    let t817 = t810 + t816;
-    let t818 = t568 * t725;
-    let t819 = t781 + t818;
-    let t820 = t807 * t730;
-    let t821 = t819 - t820;
-    let t822 = t814 * t737;
-    let t823 = t821 + t822;
-    let t824 = t823 * inverse_d_panda_joint4;
-    let t825 = t824 * t739;
-    let t826 = t817 - t825;
-    let t827 = t750 - t754;
-    let t828 = sin_panda_joint4 * t827;
-    let t829 = t594 + 0.21226762546560002;
-    let t830 = t829 - t673;
-    let t831 = 0.04942675278013915 - t830;
-    let t832 = 2.0 * t831;
-    let t833 = cos_panda_joint4 * t832;
-    let t834 = t828 + t833;
-    let t835 = cos_panda_joint4 * t834;
-    let t836 = t831 - t835;
-    let t837 = t764 + t836;
-    let t838 = 0.005487648106562256 - t837;
-    let t839 = 0.06161578168944001 - t760;
-    let t840 = 3.83030303030303 * t839;
-    let t841 = t838 + t840;
-    let t842 = cos_panda_joint3 * t841;
-    let t843 = 0.004377257121839584 + t781;
-    let t844 = 0.002328735327435001 - t695;
-    let t845 = 3.83030303030303 * t844;
-    let t846 = t843 + t845;
-    let t847 = sin_panda_joint3 * t846;
-    let t848 = t842 - t847;
-    let t849 = sin_panda_joint2 * t848;
-    let t850 = sin_panda_joint4 * t834;
-    let t851 = t750 - t850;
-    let t852 = 2.0 * t760;
-    let t853 = t851 - t852;
-    let t854 = t853 + 0.06160242102652771;
-    let t855 = t679 - t746;
-    let t856 = 0.022178148964878235 - t855;
-    let t857 = t854 + t856;
-    let t858 = cos_panda_joint2 * t857;
-    let t859 = t849 + t858;
-    let t860 = t570 * t803;
-    let t861 = t859 + t860;
-    let t862 = t637 * t808;
-    let t863 = t861 + t862;
-    let t864 = t713 * t815;
-    let t865 = t863 + t864;
-    let t866 = t789 * t824;
-    let t867 = t865 + t866;
-    let t868 = t568 * t803;
-    let t869 = t857 - t868;
-    let t870 = t807 * t808;
-    let t871 = t869 - t870;
-    let t872 = t814 * t815;
-    let t873 = t871 - t872;
-    let t874 = t823 * t824;
-    let t875 = t873 - t874;
-    let inverse_d_panda_joint3 = 1.0 / t875;
-    let t877 = t867 * inverse_d_panda_joint3;
-    let t878 = t877 * t826;
-    let t879 = t799 - t878;
-    let t880 = cos_panda_joint3 * t396;
-    let t881 = sin_panda_joint3 * t465;
-    let t882 = t881 + t880;
-    let t883 = t501 - t472;
-    let t884 = 0.00398335888393552 * t883;
-    let t885 = 0.02307788249493181 * t475;
-    let t886 = t884 + t885;
-    let t887 = 0.12818329225032404 * t475;
-    let t888 = t886 - t887;
-    let t889 = sin_panda_joint2 * 4.746153896127808;
-    let t890 = cos_panda_joint2 * 0.01993386669246;
-    let t891 = t890 - t889;
-    let t892 = t891 + t888;
-    let moment_panda_joint2_z = t892 + t882;
-    let t894 = v[1] * 0.003;
-    let t895 = u[1] - t894;
-    let t896 = t895 - moment_panda_joint2_z;
-    let t897 = cos_panda_joint3 * t545;
-    let t898 = sin_panda_joint3 * t561;
-    let t899 = t898 + t897;
-    let t900 = t899 * 149.60760989322964;
-    let t901 = t900 * t518;
-    let t902 = t896 + t901;
-    let t903 = cos_panda_joint3 * t612;
-    let t904 = sin_panda_joint3 * t626;
-    let t905 = t904 - t903;
-    let t906 = t899 * t577;
-    let t907 = t905 + t906;
-    let t908 = t907 * inverse_d_panda_joint6;
-    let t909 = t908 * t579;
-    let t910 = t902 + t909;
-    let t911 = sin_panda_joint3 * t688;
-    let t912 = cos_panda_joint3 * t700;
-    let t913 = t911 + t912;
-    let t914 = t899 * t647;
-    let t915 = t913 + t914;
-    let t916 = t907 * t652;
-    let t917 = t915 + t916;
-    let t918 = t917 * inverse_d_panda_joint5;
-    let t919 = t918 * t654;
-    let t920 = t910 + t919;
-    let t921 = cos_panda_joint3 * t766;
-    let t922 = sin_panda_joint3 * t775;
-    let t923 = t922 + t921;
-    let t924 = t899 * t725;
-    let t925 = t923 + t924;
-    let t926 = t907 * t730;
-    let t927 = t925 - t926;
-    let t928 = t917 * t737;
-    let t929 = t927 + t928;
-    let t930 = t929 * inverse_d_panda_joint4;
-    let t931 = t930 * t739;
-    let t932 = t920 - t931;
-    let t933 = sin_panda_joint3 * t841;
-    let t934 = cos_panda_joint3 * t846;
-    let t935 = t933 + t934;
-    let t936 = t899 * t803;
-    let t937 = t935 + t936;
-    let t938 = t907 * t808;
-    let t939 = t937 + t938;
-    let t940 = t917 * t815;
-    let t941 = t939 + t940;
-    let t942 = t929 * t824;
-    let t943 = t941 + t942;
-    let t944 = t943 * inverse_d_panda_joint3;
-    let t945 = t944 * t826;
-    let t946 = t932 + t945;
-    let t947 = t854 - t856;
-    let t948 = sin_panda_joint3 * t947;
-    let t949 = t695 - t775;
-    let t950 = 0.00012191242095074308 - t949;
-    let t951 = 2.0 * t950;
-    let t952 = cos_panda_joint3 * t951;
-    let t953 = t948 + t952;
-    let t954 = sin_panda_joint3 * t953;
-    let t955 = t854 - t954;
-    let t956 = 0.02307788249493181 + t955;
-    let t957 = t754 + t850;
-    let t958 = t764 * 7.66060606060606;
-    let t959 = t957 - t958;
-    let t960 = t959 + 1.032162061231881;
-    let t961 = t956 + t960;
-    let t962 = t899 * t900;
-    let t963 = t961 - t962;
-    let t964 = t907 * t908;
-    let t965 = t963 - t964;
-    let t966 = t917 * t918;
-    let t967 = t965 - t966;
-    let t968 = t929 * t930;
-    let t969 = t967 - t968;
-    let t970 = t943 * t944;
-    let t971 = t969 - t970;
-    let inverse_d_panda_joint2 = 1.0 / t971;
-    let t973 = cos_panda_joint3 * t953;
-    let t974 = t950 - t973;
-    let t975 = 0.01026110182100817 + t974;
-    let t976 = sin_panda_joint2 * t975;
-    let t977 = 0.0007689361029464 + t935;
-    let t978 = cos_panda_joint2 * t977;
-    let t979 = t976 + t978;
-    let t980 = t570 * t900;
-    let t981 = t979 - t980;
-    let t982 = t637 * t908;
-    let t983 = t981 - t982;
-    let t984 = t713 * t918;
+    let t788 = 0.0260623224672 * acceleration_panda_joint5_z;
+    let t789 = t788 - t787;
+    let moment_panda_joint5_x = t789 - t777;
+    let t791 = 0.015294814090072 * t566;
+    let t792 = 0.020402584637159996 * t653;
+    let t793 = t792 + t791;
+    let force_panda_joint6_z = t793 - force_panda_joint7_y;
+    let t795 = 4.363636363636364 * force_panda_joint6_z;
+    let t796 = 0.0260623224672 * t720;
+    let t797 = 0.005627033294592 * t761;
+    let t798 = t797 - t796;
+    let force_panda_joint5_y = t798 - t795;
+    let t800 = force_panda_joint5_y + moment_panda_joint5_x;
+    let t801 = sin_panda_joint5 * t800;
+    let t802 = 0.0015152444733270301 * t546;
+    let t803 = 0.0021640520520981297 * t557;
+    let t804 = t803 - t802;
+    let t805 = t644 - t757;
+    let t806 = 0.004600245517563105 * t805;
+    let t807 = t804 - t806;
+    let t808 = 0.0014511560650267133 * t779;
+    let t809 = t807 + t808;
+    let t810 = 0.005627033294592 * acceleration_panda_joint5_z;
+    let t811 = t810 + t809;
+    let moment_panda_joint5_y = t811 + moment_panda_joint6_z;
+    let t813 = 0.020402584637159996 * t684;
+    let t814 = 0.015294814090072 * t673;
+    let t815 = t813 + t814;
+    let force_panda_joint6_y = t815 + force_panda_joint7_z;
+    let t817 = t72 * force_panda_joint6_y;
+    let t818 = t38 * t597;
+    let t819 = t54 * t585;
+    let force_panda_joint7_x = t819 + t818;
+    let t821 = 0.015294814090072 * t577;
+    let t822 = 0.020402584637159996 * t649;
+    let t823 = t822 - t821;
+    let force_panda_joint6_x = t823 + force_panda_joint7_x;
+    let t825 = t56 * force_panda_joint6_x;
+    let t826 = t825 + t817;
+    let t827 = 0.0260623224672 * t557;
+    let t828 = 0.005627033294592 * t757;
+    let t829 = t828 + t827;
+    let force_panda_joint5_x = t829 - t826;
+    let t831 = force_panda_joint5_x - moment_panda_joint5_y;
+    let t832 = cos_panda_joint5 * t831;
+    let t833 = t801 - t832;
+    let t834 = t56 * force_panda_joint6_y;
+    let t835 = t72 * force_panda_joint6_x;
+    let t836 = t835 - t834;
+    let t837 = 0.0260623224672 * t546;
+    let t838 = 0.005627033294592 * t779;
+    let t839 = t838 + t837;
+    let force_panda_joint5_z = t839 + t836;
+    let t841 = 0.21484375 * force_panda_joint5_z;
+    let t842 = t841 + t833;
+    let t843 = t622 - t644;
+    let t844 = 0.16284087268546088 * t843;
+    let t845 = 0.0016444875773692705 * t554;
+    let t846 = 0.0039053550262761003 * t519;
+    let t847 = t846 - t845;
+    let t848 = t847 + t844;
+    let t849 = 0.05102013615681551 * t640;
+    let t850 = t848 - t849;
+    let t851 = 0.6972920750309719 * t537;
+    let t852 = t850 - t851;
+    let t853 = 0.16603319317224752 * acceleration_panda_joint4_x;
+    let t854 = 0.04560437265862501 * acceleration_panda_joint4_y;
+    let t855 = t854 - t853;
+    let t856 = t855 + t852;
+    let moment_panda_joint4_z = t856 - t842;
+    let t858 = v[3] * 0.003;
+    let t859 = u[3] - t858;
+    let t860 = t859 + moment_panda_joint4_z;
+    let t861 = t468 * t860;
+    let t862 = cos_panda_joint5 * t800;
+    let t863 = sin_panda_joint5 * t831;
+    let t864 = t862 + t863;
+    let t865 = 0.16284087268546088 * t626;
+    let t866 = 0.0039053550262761003 * t640;
+    let t867 = t865 - t866;
+    let t868 = omega_panda_joint3_x * omega_panda_joint3_x;
+    let t869 = t868 + t605;
+    let t870 = t869 - t644;
+    let t871 = 0.0016444875773692705 * t870;
+    let t872 = t867 + t871;
+    let t873 = 0.6972920750309719 * t526;
+    let t874 = t872 + t873;
+    let t875 = 0.16603319317224752 * acceleration_panda_joint4_z;
+    let t876 = t875 - t874;
+    let moment_panda_joint4_x = t876 - t864;
+    let t878 = sin_panda_joint4 * moment_panda_joint4_x;
+    let t879 = t65 * force_panda_joint5_x;
+    let t880 = t61 * force_panda_joint5_y;
+    let t881 = t879 + t880;
+    let t882 = moment_panda_joint5_z + t881;
+    let t883 = 0.16284087268546088 * t526;
+    let t884 = 0.0016444875773692705 * t537;
+    let t885 = t884 + t883;
+    let t886 = t869 - t622;
+    let t887 = 0.0039053550262761003 * t886;
+    let t888 = t885 + t887;
+    let t889 = 0.05102013615681551 * t626;
+    let t890 = t888 + t889;
+    let t891 = 0.04560437265862501 * acceleration_panda_joint4_z;
+    let t892 = t891 - t890;
+    let moment_panda_joint4_y = t892 - t882;
+    let t894 = cos_panda_joint4 * moment_panda_joint4_y;
+    let t895 = t878 + t894;
+    let t896 = 0.16603319317224752 * t526;
+    let t897 = 0.04560437265862501 * t626;
+    let t898 = t897 + t896;
+    let force_panda_joint4_z = t898 + t881;
+    let t900 = force_panda_joint4_z + t895;
+    let t901 = t606 - t869;
+    let t902 = 0.00012191242095074308 * t901;
+    let t903 = 0.004377257121839584 * t535;
+    let t904 = 0.005487648106562256 * t509;
+    let t905 = t904 + t903;
+    let t906 = t905 + t902;
+    let t907 = 0.0616024210265277 * t630;
+    let t908 = t906 - t907;
+    let t909 = 0.022178148964878235 * t517;
+    let t910 = t908 - t909;
+    let t911 = 0.002328735327435001 * acceleration_panda_joint3_x;
+    let t912 = 0.06161578168944001 * acceleration_panda_joint3_y;
+    let t913 = t912 + t911;
+    let t914 = t913 + t910;
+    let moment_panda_joint3_z = t914 + t900;
+    let t916 = v[2] * 0.003;
+    let t917 = u[2] - t916;
+    let t918 = t917 - moment_panda_joint3_z;
+    let t919 = t463 * t918;
+    let t920 = t61 * force_panda_joint5_x;
+    let t921 = t65 * force_panda_joint5_y;
+    let t922 = t920 - t921;
+    let t923 = 0.16603319317224752 * t537;
+    let t924 = 0.04560437265862501 * t622;
+    let t925 = t924 - t923;
+    let force_panda_joint4_x = t925 + t922;
+    let t927 = sin_panda_joint4 * force_panda_joint4_x;
+    let t928 = 0.16603319317224752 * t644;
+    let t929 = 0.04560437265862501 * t640;
+    let t930 = t929 + t928;
+    let force_panda_joint4_y = t930 + t841;
+    let t932 = cos_panda_joint4 * force_panda_joint4_y;
+    let t933 = t927 - t932;
+    let t934 = moment_panda_joint4_z - t933;
+    let t935 = t611 - t606;
+    let t936 = 0.005487648106562256 * t935;
+    let t937 = 0.00012191242095074308 * t510;
+    let t938 = 0.004377257121839584 * t517;
+    let t939 = t938 + t937;
+    let t940 = t939 + t936;
+    let t941 = 0.0616024210265277 * t616;
+    let t942 = t940 - t941;
+    let t943 = 0.06161578168944001 * acceleration_panda_joint3_z;
+    let t944 = t943 - t942;
+    let moment_panda_joint3_y = t944 - t934;
+    let t946 = cos_panda_joint4 * force_panda_joint4_x;
+    let t947 = sin_panda_joint4 * force_panda_joint4_y;
+    let t948 = t946 + t947;
+    let t949 = 0.002328735327435001 * t517;
+    let t950 = 0.06161578168944001 * t606;
+    let t951 = t950 - t949;
+    let force_panda_joint3_x = t951 - t948;
+    let t953 = 3.83030303030303 * force_panda_joint3_x;
+    let t954 = moment_panda_joint3_y + t953;
+    let t955 = cos_panda_joint3 * t954;
+    let t956 = cos_panda_joint4 * moment_panda_joint4_x;
+    let t957 = sin_panda_joint4 * moment_panda_joint4_y;
+    let t958 = t956 - t957;
+    let t959 = t611 - t869;
+    let t960 = 0.004377257121839584 * t959;
+    let t961 = 0.005487648106562256 * t630;
+    let t962 = 0.00012191242095074308 * t616;
+    let t963 = t962 + t961;
+    let t964 = t963 - t960;
+    let t965 = 0.022178148964878235 * t510;
+    let t966 = t964 - t965;
+    let t967 = 0.002328735327435001 * acceleration_panda_joint3_z;
+    let t968 = t967 + t966;
+    let moment_panda_joint3_x = t968 + t958;
+    let t970 = 0.002328735327435001 * t869;
+    let t971 = 0.06161578168944001 * t630;
+    let t972 = t971 + t970;
+    let force_panda_joint3_y = t972 - force_panda_joint4_z;
+    let t974 = 3.83030303030303 * force_panda_joint3_y;
+    let t975 = moment_panda_joint3_x + t974;
+    let t976 = sin_panda_joint3 * t975;
+    let t977 = t976 - t955;
+    let t978 = omega_panda_joint2_y * omega_panda_joint2_y;
+    let t979 = t978 + t610;
+    let t980 = t979 - t611;
+    let t981 = 0.00398335888393552 * t980;
+    let t982 = 0.02307788249493181 * t507;
+    let t983 = t981 + t982;
+    let t984 = 1.032162061231881 * t507;
     let t985 = t983 - t984;
-    let t986 = t789 * t930;
-    let t987 = t985 - t986;
-    let t988 = t867 * t944;
-    let t989 = t987 - t988;
-    let t990 = t989 * inverse_d_panda_joint2;
-    let t991 = t990 * t946;
-    let t992 = t879 + t991;
-    let t993 = t956 - t960;
-    let t994 = sin_panda_joint2 * t993;
-    let t995 = 0.00398335888393552 - t848;
-    let t996 = 2.0 * t995;
-    let t997 = cos_panda_joint2 * t996;
-    let t998 = t994 + t997;
-    let t999 = sin_panda_joint2 * t998;
-    let t1000 = t956 - t999;
-    let t1001 = 0.006253137926937475 + t1000;
-    let t1002 = t856 + t954;
-    let t1003 = 0.008006428067536939 + t1002;
-    let t1004 = t1001 + t1003;
-    let t1005 = t570 * t571;
-    let t1006 = t1004 - t1005;
-    let t1007 = t637 * t641;
-    let t1008 = t1006 - t1007;
-    let t1009 = t713 * t719;
-    let t1010 = t1008 - t1009;
-    let t1011 = t789 * t797;
-    let t1012 = t1010 - t1011;
-    let t1013 = t867 * t877;
-    let t1014 = t1012 - t1013;
-    let t1015 = t989 * t990;
-    let t1016 = t1014 - t1015;
-    let inverse_d_panda_joint1 = 1.0 / t1016;
-    let t1018 = inverse_d_panda_joint1 * t992;
-    let t1019 = t990 * t1018;
-    let t1020 = inverse_d_panda_joint2 * t946;
-    let t1021 = t1020 + t1019;
-    let t1022 = t944 * t1021;
-    let t1023 = inverse_d_panda_joint3 * t826;
-    let t1024 = t1023 + t1022;
-    let t1025 = t877 * t1018;
-    let t1026 = t1024 - t1025;
-    let t1027 = t824 * t1026;
-    let t1028 = inverse_d_panda_joint4 * t739;
-    let t1029 = t1028 - t1027;
-    let t1030 = t930 * t1021;
-    let t1031 = t1029 - t1030;
-    let t1032 = t797 * t1018;
-    let t1033 = t1031 + t1032;
-    let t1034 = t737 * t1033;
-    let t1035 = inverse_d_panda_joint5 * t654;
-    let t1036 = t1035 - t1034;
-    let t1037 = t815 * t1026;
+    let t986 = sin_panda_joint2 * 32.80954542685273;
+    let t987 = cos_panda_joint2 * 0.01993386669246;
+    let t988 = t987 - t986;
+    let t989 = t988 + t985;
+    let moment_panda_joint2_z = t989 + t977;
+    let t991 = v[1] * 0.003;
+    let t992 = u[1] - t991;
+    let t993 = t992 - moment_panda_joint2_z;
+    let t994 = t460 * t993;
+    let t995 = sin_panda_joint3 * t954;
+    let t996 = cos_panda_joint3 * t975;
+    let t997 = t996 + t995;
+    let t998 = v[0] * v[0];
+    let t999 = t998 - t611;
+    let t1000 = 0.0007689361029464 * t999;
+    let t1001 = 0.01026110182100817 * t507;
+    let t1002 = omega_panda_joint2_x * t504;
+    let t1003 = 0.00398335888393552 * t1002;
+    let t1004 = t1003 - t1001;
+    let t1005 = t1004 - t1000;
+    let t1006 = 1.032162061231881 * t505;
+    let t1007 = t1005 + t1006;
+    let moment_panda_joint2_x = t1007 - t997;
+    let t1009 = sin_panda_joint2 * moment_panda_joint2_x;
+    let t1010 = t998 - t979;
+    let t1011 = 0.01026110182100817 * t1010;
+    let t1012 = 0.00398335888393552 * t505;
+    let t1013 = 0.0007689361029464 * t507;
+    let t1014 = t1013 - t1012;
+    let t1015 = t1014 + t1011;
+    let t1016 = 0.02307788249493181 * t1002;
+    let t1017 = t1015 - t1016;
+    let moment_panda_joint2_y = t1017 + moment_panda_joint3_z;
+    let t1019 = cos_panda_joint2 * moment_panda_joint2_y;
+    let moment_panda_joint1_z = t1009 + t1019;
+    let t1021 = v[0] * 0.003;
+    let t1022 = u[0] - t1021;
+    let t1023 = t1022 - moment_panda_joint1_z;
+    let t1024 = inverse_d_panda_joint1 * t1023;
+    let t1025 = t1024 + t994;
+    let t1026 = t1025 + t919;
+    let t1027 = t1026 - t861;
+    let t1028 = t1027 - t774;
+    let t1029 = t1028 - t710;
+    let t1030 = t1029 - t666;
+    let t1031 = t456 * t460;
+    let t1032 = inverse_d_panda_joint2 + t1031;
+    let t1033 = t435 * t1032;
+    let t1034 = t384 * t460;
+    let t1035 = t1033 - t1034;
+    let t1036 = t372 * t1035;
+    let t1037 = t421 * t1032;
     let t1038 = t1036 + t1037;
-    let t1039 = t918 * t1021;
-    let t1040 = t1038 + t1039;
-    let t1041 = t719 * t1018;
-    let t1042 = t1040 - t1041;
-    let t1043 = t652 * t1042;
-    let t1044 = inverse_d_panda_joint6 * t579;
-    let t1045 = t1044 + t1043;
-    let t1046 = t730 * t1033;
-    let t1047 = t1045 + t1046;
-    let t1048 = t808 * t1026;
-    let t1049 = t1047 + t1048;
-    let t1050 = t908 * t1021;
-    let t1051 = t1049 + t1050;
-    let t1052 = t641 * t1018;
-    let t1053 = t1051 - t1052;
-    let t1054 = t577 * t1053;
-    let t1055 = 149.60760989322964 * t518;
-    let t1056 = t1055 + t1054;
-    let t1057 = t647 * t1042;
-    let t1058 = t1056 + t1057;
-    let t1059 = t725 * t1033;
-    let t1060 = t1058 - t1059;
-    let t1061 = t803 * t1026;
-    let t1062 = t1060 + t1061;
-    let t1063 = t900 * t1021;
-    let t1064 = t1062 + t1063;
-    let t1065 = t571 * t1018;
-    let t1066 = t1064 - t1065;
+    let t1039 = t344 * t460;
+    let t1040 = t1038 - t1039;
+    let t1041 = t334 * t1040;
+    let t1042 = t363 * t1035;
+    let t1043 = t1041 - t1042;
+    let t1044 = t409 * t1032;
+    let t1045 = t1043 + t1044;
+    let t1046 = t309 * t460;
+    let t1047 = t1045 - t1046;
+    let t1048 = t301 * t1047;
+    let t1049 = t327 * t1040;
+    let t1050 = t1048 - t1049;
+    let t1051 = t356 * t1035;
+    let t1052 = t1050 - t1051;
+    let t1053 = t399 * t1032;
+    let t1054 = t1052 - t1053;
+    let t1055 = t271 * t460;
+    let t1056 = t1054 + t1055;
+    let t1057 = t228 * t1056;
+    let t1058 = t296 * t1047;
+    let t1059 = t1057 + t1058;
+    let t1060 = t322 * t1040;
+    let t1061 = t1059 - t1060;
+    let t1062 = t351 * t1035;
+    let t1063 = t1061 - t1062;
+    let t1064 = t391 * t1032;
+    let t1065 = t1063 - t1064;
+    let t1066 = t225 * t460;
+    let t1067 = t1065 + t1066;
+    let t1068 = t1067 * t665;
+    let t1069 = t1056 * t709;
+    let t1070 = t1047 * t773;
+    let t1071 = t1040 * t860;
+    let t1072 = t1035 * t918;
+    let t1073 = t1032 * t993;
+    let t1074 = t460 * t1023;
+    let t1075 = t1074 + t1073;
+    let t1076 = t1075 + t1072;
+    let t1077 = t1076 - t1071;
+    let t1078 = t1077 - t1070;
+    let t1079 = t1078 - t1069;
+    let t1080 = t1079 - t1068;
+    let t1081 = t435 * t456;
+    let t1082 = t384 - t1081;
+    let t1083 = inverse_d_panda_joint1 * t1082;
+    let t1084 = t456 * t1083;
+    let t1085 = t435 * inverse_d_panda_joint2;
+    let t1086 = t1085 - t1084;
+    let t1087 = t435 * t1086;
+    let t1088 = inverse_d_panda_joint3 + t1087;
+    let t1089 = t384 * t1083;
+    let t1090 = t1088 + t1089;
+    let t1091 = t372 * t1090;
+    let t1092 = t421 * t1086;
+    let t1093 = t1091 + t1092;
+    let t1094 = t344 * t1083;
+    let t1095 = t1093 + t1094;
+    let t1096 = t334 * t1095;
+    let t1097 = t363 * t1090;
+    let t1098 = t1096 - t1097;
+    let t1099 = t409 * t1086;
+    let t1100 = t1098 + t1099;
+    let t1101 = t309 * t1083;
+    let t1102 = t1100 + t1101;
+    let t1103 = t301 * t1102;
+    let t1104 = t327 * t1095;
+    let t1105 = t1103 - t1104;
+    let t1106 = t356 * t1090;
+    let t1107 = t1105 - t1106;
+    let t1108 = t399 * t1086;
+    let t1109 = t1107 - t1108;
+    let t1110 = t271 * t1083;
+    let t1111 = t1109 - t1110;
+    let t1112 = t228 * t1111;
+    let t1113 = t296 * t1102;
+    let t1114 = t1112 + t1113;
+    let t1115 = t322 * t1095;
+    let t1116 = t1114 - t1115;
+    let t1117 = t351 * t1090;
+    let t1118 = t1116 - t1117;
+    let t1119 = t391 * t1086;
+    let t1120 = t1118 - t1119;
+    let t1121 = t225 * t1083;
+    let t1122 = t1120 - t1121;
+    let t1123 = t1122 * t665;
+    let t1124 = t1111 * t709;
+    let t1125 = t1102 * t773;
+    let t1126 = t1095 * t860;
+    let t1127 = t1090 * t918;
+    let t1128 = t1035 * t993;
+    let t1129 = t463 * t1023;
+    let t1130 = t1129 + t1128;
+    let t1131 = t1130 + t1127;
+    let t1132 = t1131 - t1126;
+    let t1133 = t1132 - t1125;
+    let t1134 = t1133 - t1124;
+    let t1135 = t1134 - t1123;
+    let t1136 = t372 * t435;
+    let t1137 = t421 + t1136;
+    let t1138 = t456 * t1137;
+    let t1139 = t372 * t384;
+    let t1140 = t344 + t1139;
+    let t1141 = t1140 - t1138;
+    let t1142 = inverse_d_panda_joint1 * t1141;
+    let t1143 = t456 * t1142;
+    let t1144 = inverse_d_panda_joint2 * t1137;
+    let t1145 = t1144 - t1143;
+    let t1146 = t435 * t1145;
+    let t1147 = t372 * inverse_d_panda_joint3;
+    let t1148 = t1147 + t1146;
+    let t1149 = t384 * t1142;
+    let t1150 = t1148 + t1149;
+    let t1151 = t372 * t1150;
+    let t1152 = inverse_d_panda_joint4 + t1151;
+    let t1153 = t421 * t1145;
+    let t1154 = t1152 + t1153;
+    let t1155 = t344 * t1142;
+    let t1156 = t1154 + t1155;
+    let t1157 = t334 * t1156;
+    let t1158 = t363 * t1150;
+    let t1159 = t1157 - t1158;
+    let t1160 = t409 * t1145;
+    let t1161 = t1159 + t1160;
+    let t1162 = t309 * t1142;
+    let t1163 = t1161 + t1162;
+    let t1164 = t301 * t1163;
+    let t1165 = t327 * t1156;
+    let t1166 = t1164 - t1165;
+    let t1167 = t356 * t1150;
+    let t1168 = t1166 - t1167;
+    let t1169 = t399 * t1145;
+    let t1170 = t1168 - t1169;
+    let t1171 = t271 * t1142;
+    let t1172 = t1170 - t1171;
+    let t1173 = t228 * t1172;
+    let t1174 = t296 * t1163;
+    let t1175 = t1173 + t1174;
+    let t1176 = t322 * t1156;
+    let t1177 = t1175 - t1176;
+    let t1178 = t351 * t1150;
+    let t1179 = t1177 - t1178;
+    let t1180 = t391 * t1145;
+    let t1181 = t1179 - t1180;
+    let t1182 = t225 * t1142;
+    let t1183 = t1181 - t1182;
+    let t1184 = t1183 * t665;
+    let t1185 = t1172 * t709;
+    let t1186 = t1163 * t773;
+    let t1187 = t1156 * t860;
+    let t1188 = t1095 * t918;
+    let t1189 = t1040 * t993;
+    let t1190 = t468 * t1023;
+    let t1191 = t1190 + t1189;
+    let t1192 = t1191 + t1188;
+    let t1193 = t1192 - t1187;
+    let t1194 = t1193 - t1186;
+    let t1195 = t1194 - t1185;
+    let t1196 = t1195 - t1184;
+    let t1197 = t334 * t372;
+    let t1198 = t363 - t1197;
+    let t1199 = t435 * t1198;
+    let t1200 = t334 * t421;
+    let t1201 = t409 + t1200;
+    let t1202 = t1201 - t1199;
+    let t1203 = t456 * t1202;
+    let t1204 = t384 * t1198;
+    let t1205 = t334 * t344;
+    let t1206 = t309 + t1205;
+    let t1207 = t1206 - t1204;
+    let t1208 = t1207 - t1203;
+    let t1209 = inverse_d_panda_joint1 * t1208;
+    let t1210 = t456 * t1209;
+    let t1211 = inverse_d_panda_joint2 * t1202;
+    let t1212 = t1211 - t1210;
+    let t1213 = t435 * t1212;
+    let t1214 = inverse_d_panda_joint3 * t1198;
+    let t1215 = t1214 - t1213;
+    let t1216 = t384 * t1209;
+    let t1217 = t1215 - t1216;
+    let t1218 = t372 * t1217;
+    let t1219 = t334 * inverse_d_panda_joint4;
+    let t1220 = t1219 - t1218;
+    let t1221 = t421 * t1212;
+    let t1222 = t1220 + t1221;
+    let t1223 = t344 * t1209;
+    let t1224 = t1222 + t1223;
+    let t1225 = t334 * t1224;
+    let t1226 = inverse_d_panda_joint5 + t1225;
+    let t1227 = t363 * t1217;
+    let t1228 = t1226 + t1227;
+    let t1229 = t409 * t1212;
+    let t1230 = t1228 + t1229;
+    let t1231 = t309 * t1209;
+    let t1232 = t1230 + t1231;
+    let t1233 = t301 * t1232;
+    let t1234 = t327 * t1224;
+    let t1235 = t1233 - t1234;
+    let t1236 = t356 * t1217;
+    let t1237 = t1235 + t1236;
+    let t1238 = t399 * t1212;
+    let t1239 = t1237 - t1238;
+    let t1240 = t271 * t1209;
+    let t1241 = t1239 - t1240;
+    let t1242 = t228 * t1241;
+    let t1243 = t296 * t1232;
+    let t1244 = t1242 + t1243;
+    let t1245 = t322 * t1224;
+    let t1246 = t1244 - t1245;
+    let t1247 = t351 * t1217;
+    let t1248 = t1246 + t1247;
+    let t1249 = t391 * t1212;
+    let t1250 = t1248 - t1249;
+    let t1251 = t225 * t1209;
+    let t1252 = t1250 - t1251;
+    let t1253 = t1252 * t665;
+    let t1254 = t1241 * t709;
+    let t1255 = t1232 * t773;
+    let t1256 = t1163 * t860;
+    let t1257 = t1102 * t918;
+    let t1258 = t1047 * t993;
+    let t1259 = t475 * t1023;
+    let t1260 = t1259 + t1258;
+    let t1261 = t1260 + t1257;
+    let t1262 = t1261 - t1256;
+    let t1263 = t1262 - t1255;
+    let t1264 = t1263 - t1254;
+    let t1265 = t1264 - t1253;
+    let t1266 = t301 * t334;
+    let t1267 = t327 - t1266;
+    let t1268 = t372 * t1267;
+    let t1269 = t301 * t363;
+    let t1270 = t356 + t1269;
+    let t1271 = t1270 + t1268;
+    let t1272 = t435 * t1271;
+    let t1273 = t421 * t1267;
+    let t1274 = t301 * t409;
+    let t1275 = t399 - t1274;
+    let t1276 = t1275 + t1273;
+    let t1277 = t1276 + t1272;
+    let t1278 = t456 * t1277;
+    let t1279 = t384 * t1271;
+    let t1280 = t344 * t1267;
+    let t1281 = t301 * t309;
+    let t1282 = t271 - t1281;
+    let t1283 = t1282 + t1280;
+    let t1284 = t1283 + t1279;
+    let t1285 = t1284 - t1278;
+    let t1286 = inverse_d_panda_joint1 * t1285;
+    let t1287 = t456 * t1286;
+    let t1288 = inverse_d_panda_joint2 * t1277;
+    let t1289 = t1288 - t1287;
+    let t1290 = t435 * t1289;
+    let t1291 = inverse_d_panda_joint3 * t1271;
+    let t1292 = t1291 + t1290;
+    let t1293 = t384 * t1286;
+    let t1294 = t1292 + t1293;
+    let t1295 = t372 * t1294;
+    let t1296 = inverse_d_panda_joint4 * t1267;
+    let t1297 = t1296 + t1295;
+    let t1298 = t421 * t1289;
+    let t1299 = t1297 + t1298;
+    let t1300 = t344 * t1286;
+    let t1301 = t1299 + t1300;
+    let t1302 = t334 * t1301;
+    let t1303 = t301 * inverse_d_panda_joint5;
+    let t1304 = t1303 - t1302;
+    let t1305 = t363 * t1294;
+    let t1306 = t1304 + t1305;
+    let t1307 = t409 * t1289;
+    let t1308 = t1306 - t1307;
+    let t1309 = t309 * t1286;
+    let t1310 = t1308 - t1309;
+    let t1311 = t301 * t1310;
+    let t1312 = inverse_d_panda_joint6 + t1311;
+    let t1313 = t327 * t1301;
+    let t1314 = t1312 + t1313;
+    let t1315 = t356 * t1294;
+    let t1316 = t1314 + t1315;
+    let t1317 = t399 * t1289;
+    let t1318 = t1316 + t1317;
+    let t1319 = t271 * t1286;
+    let t1320 = t1318 + t1319;
+    let t1321 = t228 * t1320;
+    let t1322 = t296 * t1310;
+    let t1323 = t1321 + t1322;
+    let t1324 = t322 * t1301;
+    let t1325 = t1323 + t1324;
+    let t1326 = t351 * t1294;
+    let t1327 = t1325 + t1326;
+    let t1328 = t391 * t1289;
+    let t1329 = t1327 + t1328;
+    let t1330 = t225 * t1286;
+    let t1331 = t1329 + t1330;
+    let t1332 = t1331 * t665;
+    let t1333 = t1320 * t709;
+    let t1334 = t1241 * t773;
+    let t1335 = t1172 * t860;
+    let t1336 = t1111 * t918;
+    let t1337 = t1056 * t993;
+    let t1338 = t484 * t1023;
+    let t1339 = t1338 + t1337;
+    let t1340 = t1339 + t1336;
+    let t1341 = t1340 - t1335;
+    let t1342 = t1341 - t1334;
+    let t1343 = t1342 - t1333;
+    let t1344 = t1343 - t1332;
+    let t1345 = t228 * t301;
+    let t1346 = t296 + t1345;
+    let t1347 = t334 * t1346;
+    let t1348 = t228 * t327;
+    let t1349 = t322 + t1348;
+    let t1350 = t1349 - t1347;
+    let t1351 = t372 * t1350;
+    let t1352 = t363 * t1346;
+    let t1353 = t228 * t356;
+    let t1354 = t351 + t1353;
+    let t1355 = t1354 + t1352;
+    let t1356 = t1355 + t1351;
+    let t1357 = t435 * t1356;
+    let t1358 = t421 * t1350;
+    let t1359 = t409 * t1346;
+    let t1360 = t228 * t399;
+    let t1361 = t391 + t1360;
+    let t1362 = t1361 - t1359;
+    let t1363 = t1362 + t1358;
+    let t1364 = t1363 + t1357;
+    let t1365 = t456 * t1364;
+    let t1366 = t384 * t1356;
+    let t1367 = t344 * t1350;
+    let t1368 = t309 * t1346;
+    let t1369 = t228 * t271;
+    let t1370 = t225 + t1369;
+    let t1371 = t1370 - t1368;
+    let t1372 = t1371 + t1367;
+    let t1373 = t1372 + t1366;
+    let t1374 = t1373 - t1365;
+    let t1375 = inverse_d_panda_joint1 * t1374;
+    let t1376 = t456 * t1375;
+    let t1377 = inverse_d_panda_joint2 * t1364;
+    let t1378 = t1377 - t1376;
+    let t1379 = t435 * t1378;
+    let t1380 = inverse_d_panda_joint3 * t1356;
+    let t1381 = t1380 + t1379;
+    let t1382 = t384 * t1375;
+    let t1383 = t1381 + t1382;
+    let t1384 = t372 * t1383;
+    let t1385 = inverse_d_panda_joint4 * t1350;
+    let t1386 = t1385 + t1384;
+    let t1387 = t421 * t1378;
+    let t1388 = t1386 + t1387;
+    let t1389 = t344 * t1375;
+    let t1390 = t1388 + t1389;
+    let t1391 = t334 * t1390;
+    let t1392 = inverse_d_panda_joint5 * t1346;
+    let t1393 = t1392 - t1391;
+    let t1394 = t363 * t1383;
+    let t1395 = t1393 + t1394;
+    let t1396 = t409 * t1378;
+    let t1397 = t1395 - t1396;
+    let t1398 = t309 * t1375;
+    let t1399 = t1397 - t1398;
+    let t1400 = t301 * t1399;
+    let t1401 = t228 * inverse_d_panda_joint6;
+    let t1402 = t1401 + t1400;
+    let t1403 = t327 * t1390;
+    let t1404 = t1402 + t1403;
+    let t1405 = t356 * t1383;
+    let t1406 = t1404 + t1405;
+    let t1407 = t399 * t1378;
+    let t1408 = t1406 + t1407;
+    let t1409 = t271 * t1375;
+    let t1410 = t1408 + t1409;
+    let t1411 = t228 * t1410;
+    let t1412 = inverse_d_panda_joint7 + t1411;
+    let t1413 = t296 * t1399;
+    let t1414 = t1412 + t1413;
+    let t1415 = t322 * t1390;
+    let t1416 = t1414 + t1415;
+    let t1417 = t351 * t1383;
+    let t1418 = t1416 + t1417;
+    let t1419 = t391 * t1378;
+    let t1420 = t1418 + t1419;
+    let t1421 = t225 * t1375;
+    let t1422 = t1420 + t1421;
+    let t1423 = t1422 * t665;
+    let t1424 = t1331 * t709;
+    let t1425 = t1252 * t773;
+    let t1426 = t1183 * t860;
+    let t1427 = t1122 * t918;
+    let t1428 = t1067 * t993;
+    let t1429 = t495 * t1023;
+    let t1430 = t1429 + t1428;
+    let t1431 = t1430 + t1427;
+    let t1432 = t1431 - t1426;
+    let t1433 = t1432 - t1425;
+    let t1434 = t1433 - t1424;
+    let t1435 = t1434 - t1423;
+    let t1436 = t507 - t1080;
+    let t1437 = sin_panda_joint3 * t1436;
+    let t1438 = sin_panda_joint2 * t1030;
+    let t1439 = t505 + t1438;
+    let t1440 = cos_panda_joint3 * t1439;
+    let t1441 = t1437 + t1440;
+    let t1442 = t503 - t1441;
+    let t1443 = cos_panda_joint4 * t1442;
+    let t1444 = cos_panda_joint2 * t1030;
+    let t1445 = t516 - t1444;
+    let t1446 = t1135 - t1445;
+    let t1447 = t515 + t1446;
+    let t1448 = sin_panda_joint4 * t1447;
+    let t1449 = t1448 + t1443;
+    let t1450 = t525 + t1449;
+    let t1451 = cos_panda_joint5 * t1450;
+    let t1452 = cos_panda_joint3 * t1436;
+    let t1453 = sin_panda_joint3 * t1439;
+    let t1454 = t1452 - t1453;
+    let t1455 = t532 - t1454;
+    let t1456 = t1196 + t1455;
+    let t1457 = t531 - t1456;
+    let t1458 = sin_panda_joint5 * t1457;
+    let t1459 = t1458 - t1451;
+    let t1460 = t545 - t1459;
+    let t1461 = sin_panda_joint6 * t1460;
+    let t1462 = sin_panda_joint4 * t1442;
+    let t1463 = cos_panda_joint4 * t1447;
+    let t1464 = t1463 - t1462;
+    let t1465 = t555 + t1464;
+    let t1466 = t1265 - t1465;
+    let t1467 = t551 - t1466;
+    let t1468 = cos_panda_joint6 * t1467;
+    let t1469 = t1468 - t1461;
+    let t1470 = t592 + t1469;
+    let t1471 = t1435 + t1470;
+    let t1472 = t592 + t1471;
+    let t1473 = t17 * t1472;
+    let t1474 = cos_panda_joint6 * t1460;
+    let t1475 = sin_panda_joint6 * t1467;
+    let t1476 = t1475 + t1474;
+    let t1477 = t565 + t1476;
+    let t1478 = t24 * t1477;
+    let t1479 = sin_panda_joint5 * t1450;
+    let t1480 = cos_panda_joint5 * t1457;
+    let t1481 = t1480 + t1479;
+    let t1482 = t571 - t1481;
+    let t1483 = t1344 + t1482;
+    let t1484 = t576 - t1483;
+    let t1485 = t44 * t1484;
+    let t1486 = t1478 + t1485;
+    let t1487 = t587 + t1486;
+    let t1488 = t1487 + t1473;
+    let t1489 = t592 - t1471;
+    let t1490 = t171 * t1489;
+    let t1491 = t1488 - t1490;
+    let t1492 = 3.83030303030303 * t1454;
+    let acceleration_panda_joint3_x_2 = t602 + t1492;
+    let t1494 = t606 + acceleration_panda_joint3_x_2;
+    let t1495 = cos_panda_joint4 * t1494;
+    let t1496 = t615 - t1454;
+    let t1497 = acceleration_panda_joint3_z - t1496;
+    let t1498 = sin_panda_joint4 * t1497;
+    let acceleration_panda_joint4_x_2 = t1495 - t1498;
+    let t1500 = t622 - acceleration_panda_joint4_x_2;
+    let t1501 = t61 * t1500;
+    let t1502 = t625 + t1464;
+    let t1503 = 3.83030303030303 * t1441;
+    let acceleration_panda_joint3_y_2 = t628 + t1503;
+    let t1505 = t515 - t1446;
+    let acceleration_panda_joint4_z_2 = t1505 - acceleration_panda_joint3_y_2;
+    let t1507 = acceleration_panda_joint4_z_2 + t1502;
+    let t1508 = t65 * t1507;
+    let t1509 = t1501 - t1508;
+    let acceleration_panda_joint5_x_2 = t1509 - t1481;
+    let t1511 = t56 * acceleration_panda_joint5_x_2;
+    let t1512 = sin_panda_joint4 * t1494;
+    let t1513 = cos_panda_joint4 * t1497;
+    let acceleration_panda_joint4_y_2 = t1512 + t1513;
+    let t1515 = t531 + t1456;
+    let t1516 = acceleration_panda_joint4_y_2 + t1515;
+    let t1517 = 0.21484375 * t1516;
+    let acceleration_panda_joint5_z_2 = t644 - t1517;
+    let t1519 = t72 * acceleration_panda_joint5_z_2;
+    let acceleration_panda_joint6_x_2 = t1511 - t1519;
+    let acceleration_panda_joint7_x_2 = t649 - acceleration_panda_joint6_x_2;
+    let t1522 = t38 * acceleration_panda_joint7_x_2;
+    let t1523 = t652 + t1469;
+    let t1524 = t65 * t1500;
+    let t1525 = t61 * t1507;
+    let t1526 = t1524 + t1525;
+    let acceleration_panda_joint5_y_2 = t1526 - t1459;
+    let acceleration_panda_joint6_z_2 = 4.363636363636364
+        * acceleration_panda_joint5_y_2;
+    let acceleration_panda_joint7_y_2 = acceleration_panda_joint6_z_2 - t1523;
+    let t1530 = t54 * acceleration_panda_joint7_y_2;
+    let t1531 = t1530 + t1522;
+    let moment_panda_joint7_z_2 = t1531 - t1491;
+    let t1533 = t54 * t1472;
+    let force_panda_joint7_y_2 = t712 + t1533;
+    let t1535 = force_panda_joint7_y_2 - moment_panda_joint7_z_2;
+    let t1536 = 0.014748570382675316 * t1477;
+    let t1537 = 9.3569097314605e-5 * t1484;
+    let t1538 = t1537 + t1536;
+    let t1539 = t722 + t1538;
+    let t1540 = 0.02152225537058755 * t1523;
+    let t1541 = t1539 + t1540;
+    let t1542 = 0.08902946023488 * acceleration_panda_joint5_y_2;
+    let t1543 = t1542 - t1541;
+    let moment_panda_joint6_y_2 = t1543 - t1535;
+    let t1545 = sin_panda_joint6 * moment_panda_joint6_y_2;
+    let t1546 = t24 * t1472;
+    let t1547 = t677 + t1484;
+    let t1548 = t37 * t1547;
+    let t1549 = t1548 + t1546;
+    let t1550 = t734 - t1549;
+    let t1551 = t668 + t1477;
+    let t1552 = t171 * t1551;
+    let t1553 = t1550 - t1552;
+    let t1554 = t72 * acceleration_panda_joint5_x_2;
+    let t1555 = t56 * acceleration_panda_joint5_z_2;
+    let acceleration_panda_joint6_y_2 = t1554 + t1555;
+    let t1557 = t576 + t1483;
+    let acceleration_panda_joint7_z_2 = acceleration_panda_joint6_y_2 + t1557;
+    let t1559 = t38 * acceleration_panda_joint7_z_2;
+    let moment_panda_joint7_x_2 = t1559 - t1553;
+    let t1561 = 0.014748570382675316 * t1523;
+    let t1562 = 0.00010375891721868492 * t1557;
+    let t1563 = t1561 + t1562;
+    let t1564 = t744 + t1563;
+    let t1565 = 0.028934422545659894 * t1477;
+    let t1566 = t1564 + t1565;
+    let t1567 = 0.06674100693849601 * acceleration_panda_joint5_y_2;
+    let t1568 = t1567 - t1566;
+    let moment_panda_joint6_x_2 = t1568 - moment_panda_joint7_x_2;
+    let t1570 = cos_panda_joint6 * moment_panda_joint6_x_2;
+    let t1571 = t1570 - t1545;
+    let t1572 = t778 - t1481;
+    let t1573 = 0.0015152444733270301 * t1572;
+    let t1574 = t551 + t1466;
+    let t1575 = 0.004600245517563105 * t1574;
+    let t1576 = t1573 - t1575;
+    let t1577 = t784 - t1576;
+    let t1578 = 0.010045187828321242 * t1460;
+    let t1579 = t1577 + t1578;
+    let t1580 = 0.0260623224672 * acceleration_panda_joint5_z_2;
+    let t1581 = t1580 - t1579;
+    let moment_panda_joint5_x_2 = t1581 + t1571;
+    let t1583 = 0.015294814090072 * t1477;
+    let t1584 = 0.020402584637159996 * t1523;
+    let t1585 = t1584 + t1583;
+    let force_panda_joint6_z_2 = t1585 + force_panda_joint7_y_2;
+    let t1587 = 4.363636363636364 * force_panda_joint6_z_2;
+    let t1588 = 0.005627033294592 * t1574;
+    let t1589 = t796 - t1588;
+    let force_panda_joint5_y_2 = t1589 - t1587;
+    let t1591 = force_panda_joint5_y_2 - moment_panda_joint5_x_2;
+    let t1592 = sin_panda_joint5 * t1591;
+    let t1593 = t44 * t1489;
+    let t1594 = t37 * t1551;
+    let t1595 = t1593 - t1594;
+    let t1596 = t675 - t1595;
+    let t1597 = t17 * t1547;
+    let t1598 = t1596 + t1597;
+    let t1599 = t54 * acceleration_panda_joint7_z_2;
+    let moment_panda_joint7_y_2 = t1599 - t1598;
+    let t1601 = t38 * t1551;
+    let t1602 = t54 * t1547;
+    let force_panda_joint7_z_2 = t1602 - t1601;
+    let t1604 = force_panda_joint7_z_2 - moment_panda_joint7_y_2;
+    let t1605 = 9.3569097314605e-5 * t1469;
+    let t1606 = 0.00010375891721868492 * t1476;
+    let t1607 = t1606 - t1605;
+    let t1608 = t696 + t1607;
+    let t1609 = 0.02152225537058755 * t1557;
+    let t1610 = t1608 + t1609;
+    let t1611 = 0.028934422545659894 * t1484;
+    let t1612 = t1610 - t1611;
+    let t1613 = 0.015294814090072 * acceleration_panda_joint6_x_2;
+    let t1614 = 0.020402584637159996 * acceleration_panda_joint6_y_2;
+    let t1615 = t1614 - t1613;
+    let t1616 = t1615 + t1612;
+    let moment_panda_joint6_z_2 = t1616 - t1604;
+    let t1618 = 0.0015152444733270301 * t1460;
+    let t1619 = 0.0021640520520981297 * t1467;
+    let t1620 = t1619 - t1618;
+    let t1621 = t806 + t1620;
+    let t1622 = 0.0014511560650267133 * t1572;
+    let t1623 = t1621 + t1622;
+    let t1624 = 0.005627033294592 * acceleration_panda_joint5_z_2;
+    let t1625 = t1624 - t1623;
+    let moment_panda_joint5_y_2 = t1625 - moment_panda_joint6_z_2;
+    let t1627 = t38 * t1489;
+    let force_panda_joint7_x_2 = t819 + t1627;
+    let t1629 = 0.015294814090072 * t1484;
+    let t1630 = t822 - t1629;
+    let force_panda_joint6_x_2 = t1630 + force_panda_joint7_x_2;
+    let t1632 = t56 * force_panda_joint6_x_2;
+    let t1633 = 0.020402584637159996 * t1557;
+    let t1634 = t814 - t1633;
+    let force_panda_joint6_y_2 = t1634 + force_panda_joint7_z_2;
+    let t1636 = t72 * force_panda_joint6_y_2;
+    let t1637 = t1632 + t1636;
+    let t1638 = 0.0260623224672 * t1467;
+    let t1639 = t828 - t1638;
+    let force_panda_joint5_x_2 = t1639 - t1637;
+    let t1641 = force_panda_joint5_x_2 - moment_panda_joint5_y_2;
+    let t1642 = cos_panda_joint5 * t1641;
+    let t1643 = t1592 + t1642;
+    let t1644 = t72 * force_panda_joint6_x_2;
+    let t1645 = t56 * force_panda_joint6_y_2;
+    let t1646 = t1644 - t1645;
+    let t1647 = 0.0260623224672 * t1460;
+    let t1648 = 0.005627033294592 * t1572;
+    let t1649 = t1648 + t1647;
+    let force_panda_joint5_z_2 = t1649 - t1646;
+    let t1651 = 0.21484375 * force_panda_joint5_z_2;
+    let t1652 = t1651 + t1643;
+    let t1653 = 0.0016444875773692705 * t1464;
+    let t1654 = 0.0039053550262761003 * t1449;
+    let t1655 = t1654 - t1653;
+    let t1656 = t844 - t1655;
+    let t1657 = 0.05102013615681551 * t1515;
+    let t1658 = t1656 + t1657;
+    let t1659 = 0.6972920750309719 * t1457;
+    let t1660 = t1658 - t1659;
+    let t1661 = 0.16603319317224752 * acceleration_panda_joint4_x_2;
+    let t1662 = 0.04560437265862501 * acceleration_panda_joint4_y_2;
+    let t1663 = t1662 - t1661;
+    let t1664 = t1663 + t1660;
+    let moment_panda_joint4_z_2 = t1664 + t1652;
+    let t1666 = t61 * force_panda_joint5_x_2;
+    let t1667 = t65 * force_panda_joint5_y_2;
+    let t1668 = t1666 + t1667;
+    let t1669 = 0.16603319317224752 * t1457;
+    let t1670 = t924 - t1669;
+    let force_panda_joint4_x_2 = t1670 + t1668;
+    let t1672 = sin_panda_joint4 * force_panda_joint4_x_2;
+    let t1673 = 0.04560437265862501 * t1515;
+    let t1674 = t928 - t1673;
+    let force_panda_joint4_y_2 = t1674 - t1651;
+    let t1676 = cos_panda_joint4 * force_panda_joint4_y_2;
+    let t1677 = t1672 - t1676;
+    let t1678 = moment_panda_joint4_z_2 - t1677;
+    let t1679 = 0.00012191242095074308 * t1442;
+    let t1680 = 0.004377257121839584 * t1447;
+    let t1681 = t1680 + t1679;
+    let t1682 = t936 - t1681;
+    let t1683 = 0.0616024210265277 * t1496;
+    let t1684 = t1682 + t1683;
+    let t1685 = t943 - t1684;
+    let moment_panda_joint3_y_2 = t1685 - t1678;
+    let t1687 = cos_panda_joint4 * force_panda_joint4_x_2;
+    let t1688 = sin_panda_joint4 * force_panda_joint4_y_2;
+    let t1689 = t1687 + t1688;
+    let t1690 = 0.002328735327435001 * t1447;
+    let t1691 = t950 + t1690;
+    let force_panda_joint3_x_2 = t1691 - t1689;
+    let t1693 = 3.83030303030303 * force_panda_joint3_x_2;
+    let t1694 = moment_panda_joint3_y_2 + t1693;
+    let t1695 = sin_panda_joint3 * t1694;
+    let t1696 = cos_panda_joint5 * t1591;
+    let t1697 = sin_panda_joint5 * t1641;
+    let t1698 = t1696 - t1697;
+    let t1699 = 0.16284087268546088 * t1502;
+    let t1700 = 0.0039053550262761003 * t1515;
+    let t1701 = t1699 - t1700;
+    let t1702 = t871 - t1701;
+    let t1703 = 0.6972920750309719 * t1450;
+    let t1704 = t1702 - t1703;
+    let t1705 = 0.16603319317224752 * acceleration_panda_joint4_z_2;
+    let t1706 = t1705 - t1704;
+    let moment_panda_joint4_x_2 = t1706 + t1698;
+    let t1708 = cos_panda_joint4 * moment_panda_joint4_x_2;
+    let t1709 = cos_panda_joint6 * moment_panda_joint6_y_2;
+    let t1710 = sin_panda_joint6 * moment_panda_joint6_x_2;
+    let t1711 = t1710 + t1709;
+    let t1712 = 0.0021640520520981297 * t1481;
+    let t1713 = 0.004600245517563105 * t1459;
+    let t1714 = t1713 - t1712;
+    let t1715 = t759 + t1714;
+    let t1716 = 0.0014511560650267133 * t1574;
+    let t1717 = t1715 - t1716;
+    let t1718 = 0.010045187828321242 * t1467;
+    let t1719 = t1717 + t1718;
+    let t1720 = 0.0260623224672 * acceleration_panda_joint5_x_2;
+    let t1721 = 0.005627033294592 * acceleration_panda_joint5_y_2;
+    let t1722 = t1721 - t1720;
+    let t1723 = t1722 + t1719;
+    let moment_panda_joint5_z_2 = t1723 - t1711;
+    let t1725 = t65 * force_panda_joint5_x_2;
+    let t1726 = t61 * force_panda_joint5_y_2;
+    let t1727 = t1725 - t1726;
+    let t1728 = moment_panda_joint5_z_2 - t1727;
+    let t1729 = 0.16284087268546088 * t1450;
+    let t1730 = 0.0016444875773692705 * t1457;
+    let t1731 = t1730 - t1729;
+    let t1732 = t887 + t1731;
+    let t1733 = 0.05102013615681551 * t1502;
+    let t1734 = t1732 - t1733;
+    let t1735 = 0.04560437265862501 * acceleration_panda_joint4_z_2;
+    let t1736 = t1735 - t1734;
+    let moment_panda_joint4_y_2 = t1736 + t1728;
+    let t1738 = sin_panda_joint4 * moment_panda_joint4_y_2;
+    let t1739 = t1708 - t1738;
+    let t1740 = 0.00012191242095074308 * t1496;
+    let t1741 = 0.005487648106562256 * t1505;
+    let t1742 = t1740 - t1741;
+    let t1743 = t960 + t1742;
+    let t1744 = 0.022178148964878235 * t1442;
+    let t1745 = t1743 - t1744;
+    let t1746 = t967 - t1745;
+    let moment_panda_joint3_x_2 = t1746 + t1739;
+    let t1748 = 0.16603319317224752 * t1450;
+    let t1749 = 0.04560437265862501 * t1502;
+    let t1750 = t1749 + t1748;
+    let force_panda_joint4_z_2 = t1750 - t1727;
+    let t1752 = 0.06161578168944001 * t1505;
+    let t1753 = t970 + t1752;
+    let force_panda_joint3_y_2 = t1753 + force_panda_joint4_z_2;
+    let t1755 = 3.83030303030303 * force_panda_joint3_y_2;
+    let t1756 = moment_panda_joint3_x_2 + t1755;
+    let t1757 = cos_panda_joint3 * t1756;
+    let t1758 = t1757 + t1695;
+    let t1759 = t507 + t1080;
+    let t1760 = 0.01026110182100817 * t1759;
+    let t1761 = t1002 - t1444;
+    let t1762 = 0.00398335888393552 * t1761;
+    let t1763 = t1762 - t1760;
+    let t1764 = t1000 - t1763;
+    let t1765 = 1.032162061231881 * t1439;
+    let t1766 = t1764 - t1765;
+    let moment_panda_joint2_x_2 = t1766 + t1758;
     [
         sin_panda_joint2,
         cos_panda_joint2,
@@ -13783,107 +14521,229 @@ fn forward_dynamics_derivatives_part_1(
         cos_panda_joint5,
         sin_panda_joint6,
         cos_panda_joint6,
-        sin_panda_joint7_2,
-        cos_panda_joint7_2,
-        omega_panda_joint2_x,
-        omega_panda_joint3_y,
-        omega_panda_joint2_y,
-        omega_panda_joint3_z,
-        omega_panda_joint3_x,
+        t16,
+        t17,
+        t24,
+        t25,
+        t30,
         t32,
         t33,
-        omega_panda_joint4_z,
+        t37,
         t38,
-        omega_panda_joint4_y,
-        t42,
-        omega_panda_joint4_x,
+        t40,
+        t44,
+        t45,
+        t47,
         t48,
-        omega_panda_joint5_z,
-        omega_panda_joint5_y,
+        t54,
+        t55,
+        t56,
+        t59,
         t60,
-        t66,
-        omega_panda_joint5_x,
+        t61,
+        t64,
+        t65,
+        t67,
+        t70,
         t71,
-        omega_panda_joint6_z,
-        t76,
-        omega_panda_joint6_y,
-        t80,
+        t72,
+        t75,
+        t78,
+        t83,
+        t88,
         t89,
-        omega_panda_joint6_x,
-        t94,
-        t104,
-        t106,
-        t107,
-        t118,
-        t129,
-        acceleration_panda_joint2_x,
-        t133,
-        t137,
-        acceleration_panda_joint2_y,
-        t151,
+        t92,
+        t93,
+        t95,
+        t101,
+        t103,
+        t105,
+        t108,
+        t109,
+        t110,
+        t117,
+        t119,
+        t123,
+        t124,
+        t126,
+        t128,
+        t134,
+        t135,
+        t138,
+        t141,
+        t147,
+        t148,
         t154,
-        t158,
-        t174,
+        t155,
+        t156,
+        t160,
+        t161,
+        t168,
+        t171,
+        t172,
+        t173,
+        t176,
+        t177,
         t180,
+        t184,
         t185,
+        t186,
+        t189,
+        t192,
+        t193,
+        t196,
+        t202,
+        t206,
+        t209,
         t210,
         t212,
-        t219,
-        t220,
-        t224,
-        t225,
-        t228,
+        t216,
+        t221,
+        t231,
+        t235,
+        t236,
+        t238,
+        t240,
+        t241,
         t244,
+        t250,
+        t252,
         t253,
-        t260,
-        t298,
-        t308,
-        t320,
-        t333,
-        t356,
+        t255,
+        t259,
+        t264,
+        t275,
+        t276,
+        t278,
+        t282,
+        t283,
+        t284,
+        t288,
+        t293,
+        t312,
+        t313,
+        t318,
+        t348,
+        t387,
+        t390,
+        t397,
         t404,
-        t406,
-        t427,
-        t440,
-        t462,
-        t472,
-        t475,
-        t492,
-        t501,
-        t571,
-        t577,
-        inverse_d_panda_joint6,
-        t641,
-        t647,
-        t652,
-        inverse_d_panda_joint5,
-        t719,
-        t725,
-        t730,
-        t737,
-        inverse_d_panda_joint4,
-        t797,
-        t803,
-        t808,
-        t815,
-        t824,
-        inverse_d_panda_joint3,
-        t877,
-        t900,
-        t908,
-        t918,
-        t930,
-        t944,
-        inverse_d_panda_joint2,
-        t990,
+        t414,
+        t426,
+        t441,
+        t443,
         inverse_d_panda_joint1,
-        t1018,
-        t1021,
-        t1026,
-        t1033,
-        t1042,
-        t1053,
-        t1066,
+        t460,
+        t463,
+        t468,
+        t475,
+        t484,
+        t495,
+        omega_panda_joint2_y,
+        omega_panda_joint3_z,
+        t498,
+        omega_panda_joint2_x,
+        omega_panda_joint3_y,
+        omega_panda_joint3_x,
+        omega_panda_joint4_z,
+        t521,
+        omega_panda_joint4_y,
+        omega_panda_joint4_x,
+        omega_panda_joint5_z,
+        omega_panda_joint5_y,
+        omega_panda_joint5_x,
+        omega_panda_joint6_z,
+        t561,
+        omega_panda_joint6_y,
+        omega_panda_joint6_x,
+        acceleration_panda_joint2_x,
+        t611,
+        acceleration_panda_joint2_y,
+        t644,
+        t667,
+        t673,
+        t720,
+        t869,
+        t902,
+        t998,
+        t1011,
+        t1030,
+        t1032,
+        t1035,
+        t1040,
+        t1047,
+        t1056,
+        t1067,
+        t1080,
+        t1090,
+        t1095,
+        t1102,
+        t1111,
+        t1122,
+        t1135,
+        t1156,
+        t1163,
+        t1172,
+        t1183,
+        t1196,
+        t1232,
+        t1241,
+        t1252,
+        t1265,
+        t1320,
+        t1331,
+        t1344,
+        t1422,
+        t1435,
+        t1436,
+        t1438,
+        t1439,
+        t1441,
+        t1444,
+        t1447,
+        t1449,
+        t1454,
+        t1459,
+        t1464,
+        t1469,
+        t1476,
+        t1477,
+        t1481,
+        t1484,
+        acceleration_panda_joint3_x_2,
+        acceleration_panda_joint4_x_2,
+        acceleration_panda_joint3_y_2,
+        t1505,
+        acceleration_panda_joint5_x_2,
+        acceleration_panda_joint4_y_2,
+        acceleration_panda_joint6_x_2,
+        acceleration_panda_joint7_x_2,
+        acceleration_panda_joint5_y_2,
+        acceleration_panda_joint7_y_2,
+        force_panda_joint7_y_2,
+        moment_panda_joint6_y_2,
+        acceleration_panda_joint6_y_2,
+        moment_panda_joint7_x_2,
+        moment_panda_joint6_x_2,
+        moment_panda_joint5_x_2,
+        force_panda_joint5_y_2,
+        moment_panda_joint7_y_2,
+        moment_panda_joint5_y_2,
+        force_panda_joint7_x_2,
+        force_panda_joint6_x_2,
+        force_panda_joint6_y_2,
+        force_panda_joint5_x_2,
+        force_panda_joint4_x_2,
+        force_panda_joint4_y_2,
+        moment_panda_joint3_y_2,
+        force_panda_joint3_x_2,
+        moment_panda_joint4_x_2,
+        moment_panda_joint4_y_2,
+        moment_panda_joint3_x_2,
+        force_panda_joint4_z_2,
+        force_panda_joint3_y_2,
+        t1761,
+        moment_panda_joint2_x_2,
     ]
 }
 
@@ -13901,2314 +14761,6101 @@ fn forward_dynamics_derivatives_part_2(
     cos_panda_joint5,
     sin_panda_joint6,
     cos_panda_joint6,
-    sin_panda_joint7_2,
-    cos_panda_joint7_2,
-    omega_panda_joint2_x,
-    omega_panda_joint3_y,
-    omega_panda_joint2_y,
-    omega_panda_joint3_z,
-    omega_panda_joint3_x,
+    t16,
+    t17,
+    t24,
+    t25,
+    t30,
     t32,
     t33,
-    omega_panda_joint4_z,
+    t37,
     t38,
-    omega_panda_joint4_y,
-    t42,
-    omega_panda_joint4_x,
+    t40,
+    t44,
+    t45,
+    t47,
     t48,
-    omega_panda_joint5_z,
-    omega_panda_joint5_y,
+    t54,
+    t55,
+    t56,
+    t59,
     t60,
-    t66,
-    omega_panda_joint5_x,
+    t61,
+    t64,
+    t65,
+    t67,
+    t70,
     t71,
-    omega_panda_joint6_z,
-    t76,
-    omega_panda_joint6_y,
-    t80,
+    t72,
+    t75,
+    t78,
+    t83,
+    t88,
     t89,
-    omega_panda_joint6_x,
-    t94,
-    t104,
-    t106,
-    t107,
-    t118,
-    t129,
-    acceleration_panda_joint2_x,
-    t133,
-    t137,
-    acceleration_panda_joint2_y,
-    t151,
+    t92,
+    t93,
+    t95,
+    t101,
+    t103,
+    t105,
+    t108,
+    t109,
+    t110,
+    t117,
+    t119,
+    t123,
+    t124,
+    t126,
+    t128,
+    t134,
+    t135,
+    t138,
+    t141,
+    t147,
+    t148,
     t154,
-    t158,
-    t174,
+    t155,
+    t156,
+    t160,
+    t161,
+    t168,
+    t171,
+    t172,
+    t173,
+    t176,
+    t177,
     t180,
+    t184,
     t185,
+    t186,
+    t189,
+    t192,
+    t193,
+    t196,
+    t202,
+    t206,
+    t209,
     t210,
     t212,
-    t219,
-    t220,
-    t224,
-    t225,
-    t228,
+    t216,
+    t221,
+    t231,
+    t235,
+    t236,
+    t238,
+    t240,
+    t241,
     t244,
+    t250,
+    t252,
     t253,
-    t260,
-    t298,
-    t308,
-    t320,
-    t333,
-    t356,
+    t255,
+    t259,
+    t264,
+    t275,
+    t276,
+    t278,
+    t282,
+    t283,
+    t284,
+    t288,
+    t293,
+    t312,
+    t313,
+    t318,
+    t348,
+    t387,
+    t390,
+    t397,
     t404,
-    t406,
-    t427,
-    t440,
-    t462,
-    t472,
-    t475,
-    t492,
-    t501,
-    t571,
-    t577,
-    t641,
-    t647,
-    t652,
-    t719,
-    t725,
-    t730,
-    t737,
-    t797,
-    t803,
-    t808,
-    t815,
-    t824,
-    t877,
-    t900,
-    t908,
-    t918,
-    t930,
-    t944,
-    t990,
+    t414,
+    t426,
+    t441,
+    t443,
     inverse_d_panda_joint1,
-    t1018,
-    t1021,
-    t1026,
-    t1033,
-    t1042,
-    t1053,
-    t1066,
-    ]: [f64; 106],
-) -> [f64; 203] {
-    let t1067 = cos_panda_joint2 * t1018;
-    let t1068 = t33 - t1067;
-    let t1069 = t1026 - t1068;
-    let t1070 = t32 + t1069;
-    let t1071 = cos_panda_joint4 * t1070;
-    let t1072 = t475 - t1021;
-    let t1073 = sin_panda_joint3 * t1072;
-    let t1074 = sin_panda_joint2 * t1018;
-    let t1075 = v[1] * 2.0;
-    let t1076 = omega_panda_joint2_y * t1075;
-    let t1077 = t1074 + t1076;
-    let t1078 = cos_panda_joint3 * t1077;
-    let t1079 = t1073 + t1078;
-    let t1080 = 2.0 * omega_panda_joint3_z;
-    let t1081 = omega_panda_joint3_y * t1080;
-    let t1082 = t1079 - t1081;
-    let t1083 = sin_panda_joint4 * t1082;
-    let t1084 = t1071 + t1083;
-    let t1085 = t66 + t1084;
-    let t1086 = t1042 + t1085;
-    let t1087 = t71 + t1086;
-    let t1088 = cos_panda_joint6 * t1087;
-    let t1089 = cos_panda_joint3 * t1072;
-    let t1090 = sin_panda_joint3 * t1077;
-    let t1091 = t1089 - t1090;
-    let t1092 = t129 - t1091;
-    let t1093 = t1033 - t1092;
-    let t1094 = t48 + t1093;
-    let t1095 = sin_panda_joint5 * t1094;
-    let t1096 = sin_panda_joint4 * t1070;
-    let t1097 = cos_panda_joint4 * t1082;
-    let t1098 = t1096 - t1097;
-    let t1099 = t42 + t1098;
-    let t1100 = cos_panda_joint5 * t1099;
-    let t1101 = t1095 - t1100;
-    let t1102 = t60 - t1101;
-    let t1103 = sin_panda_joint6 * t1102;
-    let t1104 = t1088 - t1103;
-    let t1105 = t118 + t1104;
-    let t1106 = t1066 - t1105;
-    let t1107 = t118 - t1106;
-    let t1108 = cos_panda_joint7_2 * 0.0021748470602962725;
-    let t1109 = 0.0013205141364616554 * sin_panda_joint7_2;
-    let t1110 = t1109 - t1108;
-    let t1111 = sin_panda_joint7_2 * t1110;
-    let t1112 = 0.0026818189154496457 + t1111;
-    let t1113 = t1112 * t1107;
-    let t1114 = cos_panda_joint5 * t1094;
-    let t1115 = sin_panda_joint5 * t1099;
-    let t1116 = t1114 + t1115;
-    let t1117 = t89 - t1116;
-    let t1118 = t1053 - t1117;
-    let t1119 = t94 + t1118;
-    let t1120 = 0.00038633089444376715 * cos_panda_joint7_2;
-    let t1121 = 0.001535882372017312 * sin_panda_joint7_2;
-    let t1122 = t1121 + t1120;
-    let t1123 = t1122 * t1119;
-    let t1124 = sin_panda_joint6 * t1087;
-    let t1125 = cos_panda_joint6 * t1102;
-    let t1126 = t1124 + t1125;
-    let t1127 = t80 + t1126;
-    let t1128 = 0.00038633089444376715 * sin_panda_joint7_2;
-    let t1129 = 0.001535882372017312 * cos_panda_joint7_2;
-    let t1130 = t1129 - t1128;
-    let t1131 = t1130 * t1127;
-    let t1132 = t1131 + t1123;
-    let t1133 = cos_panda_joint7_2 * t1110;
-    let t1134 = 0.0010874235301481362 + t1133;
-    let t1135 = t107 * t1134;
-    let t1136 = t1132 + t1135;
-    let t1137 = t1136 + t1113;
-    let t1138 = t118 + t1106;
-    let t1139 = 0.004002333051911301 - t1111;
-    let t1140 = t1139 * t1138;
-    let t1141 = t1137 - t1140;
-    let t1142 = t185 + t1104;
-    let t1143 = t154 + t1084;
-    let t1144 = 3.83030303030303 * t1079;
-    let acceleration_panda_joint3_y_2 = t158 + t1144;
-    let t1146 = t32 - t1069;
-    let acceleration_panda_joint4_z_2 = t1146 - acceleration_panda_joint3_y_2;
-    let t1148 = acceleration_panda_joint4_z_2 + t1143;
-    let t1149 = cos_panda_joint5 * 0.21484375;
-    let t1150 = t1148 * t1149;
-    let t1151 = 3.83030303030303 * t1091;
-    let acceleration_panda_joint3_x_2 = t133 + t1151;
-    let t1153 = t137 + acceleration_panda_joint3_x_2;
-    let t1154 = cos_panda_joint4 * t1153;
-    let t1155 = omega_panda_joint3_x * t1080;
-    let t1156 = t1091 - t1155;
-    let t1157 = 3.83030303030303 * t472;
-    let acceleration_panda_joint3_z_2 = acceleration_panda_joint2_y - t1157;
-    let t1159 = t1156 + acceleration_panda_joint3_z_2;
-    let t1160 = sin_panda_joint4 * t1159;
-    let acceleration_panda_joint4_x_2 = t1154 - t1160;
-    let t1162 = t151 - acceleration_panda_joint4_x_2;
-    let t1163 = sin_panda_joint5 * 0.21484375;
-    let t1164 = t1162 * t1163;
-    let t1165 = t1164 + t1150;
-    let acceleration_panda_joint5_y_2 = t1165 - t1101;
-    let acceleration_panda_joint6_z = acceleration_panda_joint5_y_2 * 4.363636363636364;
-    let acceleration_panda_joint7_y_2 = acceleration_panda_joint6_z - t1142;
-    let t1169 = 0.0002886935268424518 * cos_panda_joint7_2;
-    let t1170 = t1169 * acceleration_panda_joint7_y_2;
-    let t1171 = t48 - t1093;
-    let t1172 = sin_panda_joint4 * t1153;
-    let t1173 = cos_panda_joint4 * t1159;
-    let acceleration_panda_joint4_y_2 = t1172 + t1173;
-    let t1175 = acceleration_panda_joint4_y_2 + t1171;
-    let t1176 = t1175 * 0.21484375;
-    let acceleration_panda_joint5_z_2 = t174 - t1176;
-    let t1178 = sin_panda_joint6 * 4.363636363636364;
-    let t1179 = acceleration_panda_joint5_z_2 * t1178;
-    let t1180 = t1148 * t1163;
-    let t1181 = t1162 * t1149;
-    let t1182 = t1181 - t1180;
-    let acceleration_panda_joint5_x_2 = t1182 - t1116;
-    let t1184 = cos_panda_joint6 * 4.363636363636364;
-    let t1185 = acceleration_panda_joint5_x_2 * t1184;
-    let acceleration_panda_joint6_x_2 = t1185 - t1179;
-    let acceleration_panda_joint7_x_2 = t180 - acceleration_panda_joint6_x_2;
-    let t1188 = 0.0002886935268424518 * sin_panda_joint7_2;
-    let t1189 = t1188 * acceleration_panda_joint7_x_2;
-    let t1190 = t1170 + t1189;
-    let moment_panda_joint7_z_2 = t1190 - t1141;
-    let t1192 = t1169 * t1107;
-    let t1193 = t104 * t1188;
-    let force_panda_joint7_y_2 = t1192 + t1193;
-    let t1195 = force_panda_joint7_y_2 - moment_panda_joint7_z_2;
-    let t1196 = 9.3569097314605e-5 * t1119;
-    let t1197 = 0.014748570382675316 * t1127;
-    let t1198 = t1196 + t1197;
-    let t1199 = t212 + t1198;
-    let t1200 = 0.02152225537058755 * t1142;
-    let t1201 = t1199 + t1200;
-    let t1202 = acceleration_panda_joint5_y_2 * 0.08902946023488;
-    let t1203 = t1202 - t1201;
-    let moment_panda_joint6_y_2 = t1203 - t1195;
-    let t1205 = sin_panda_joint6 * moment_panda_joint6_y_2;
-    let t1206 = t1130 * t1107;
-    let t1207 = t220 + t1119;
-    let t1208 = t1134 * t1207;
-    let t1209 = t1208 + t1206;
-    let t1210 = t225 * t1122;
-    let t1211 = t1209 - t1210;
-    let t1212 = t228 + t1127;
-    let t1213 = t1139 * t1212;
-    let t1214 = t1211 + t1213;
-    let t1215 = t94 - t1118;
-    let t1216 = acceleration_panda_joint5_z_2 * t1184;
-    let t1217 = acceleration_panda_joint5_x_2 * t1178;
-    let acceleration_panda_joint6_y_2 = t1217 + t1216;
-    let acceleration_panda_joint7_z_2 = acceleration_panda_joint6_y_2 + t1215;
-    let t1220 = t1188 * acceleration_panda_joint7_z_2;
-    let moment_panda_joint7_x_2 = t1220 + t1214;
-    let t1222 = 0.00010375891721868492 * t1215;
-    let t1223 = 0.014748570382675316 * t1142;
-    let t1224 = t1223 + t1222;
-    let t1225 = t244 + t1224;
-    let t1226 = 0.028934422545659894 * t1127;
-    let t1227 = t1225 + t1226;
-    let t1228 = acceleration_panda_joint5_y_2 * 0.06674100693849601;
-    let t1229 = t1228 - t1227;
-    let moment_panda_joint6_x_2 = t1229 - moment_panda_joint7_x_2;
-    let t1231 = cos_panda_joint6 * moment_panda_joint6_x_2;
-    let t1232 = t1231 - t1205;
-    let t1233 = t71 - t1086;
-    let t1234 = 0.004600245517563105 * t1233;
-    let t1235 = t253 - t1116;
-    let t1236 = 0.0015152444733270301 * t1235;
-    let t1237 = t1236 - t1234;
-    let t1238 = t260 - t1237;
-    let t1239 = 0.010045187828321242 * t1102;
-    let t1240 = t1238 + t1239;
-    let t1241 = 0.0260623224672 * acceleration_panda_joint5_z_2;
-    let t1242 = t1241 - t1240;
-    let moment_panda_joint5_x_2 = t1242 + t1232;
-    let t1244 = 0.015294814090072 * t1127;
-    let t1245 = 0.020402584637159996 * t1142;
-    let t1246 = t1245 + t1244;
-    let force_panda_joint6_z_2 = t1246 + force_panda_joint7_y_2;
-    let t1248 = 4.363636363636364 * force_panda_joint6_z_2;
-    let t1249 = 0.005627033294592 * t1233;
-    let t1250 = t210 * 0.0260623224672;
-    let t1251 = t1249 - t1250;
-    let force_panda_joint5_y_2 = t1251 + t1248;
-    let t1253 = force_panda_joint5_y_2 + moment_panda_joint5_x_2;
-    let t1254 = sin_panda_joint5 * t1253;
-    let t1255 = t1122 * t1138;
-    let t1256 = t1134 * t1212;
-    let t1257 = t1255 - t1256;
-    let t1258 = t308 * t1130;
-    let t1259 = t1257 - t1258;
-    let t1260 = t1112 * t1207;
-    let t1261 = t1259 - t1260;
-    let t1262 = t1169 * acceleration_panda_joint7_z_2;
-    let moment_panda_joint7_y_2 = t1262 + t1261;
-    let t1264 = t1169 * t1207;
-    let t1265 = t1188 * t1212;
-    let force_panda_joint7_z_2 = t1264 - t1265;
-    let t1267 = force_panda_joint7_z_2 - moment_panda_joint7_y_2;
-    let t1268 = 0.02152225537058755 * t1215;
-    let t1269 = 9.3569097314605e-5 * t1104;
-    let t1270 = 0.00010375891721868492 * t1126;
-    let t1271 = t1270 - t1269;
-    let t1272 = t320 + t1271;
-    let t1273 = t1272 + t1268;
-    let t1274 = 0.028934422545659894 * t1119;
-    let t1275 = t1273 - t1274;
-    let t1276 = 0.015294814090072 * acceleration_panda_joint6_x_2;
-    let t1277 = 0.020402584637159996 * acceleration_panda_joint6_y_2;
-    let t1278 = t1277 - t1276;
-    let t1279 = t1278 + t1275;
-    let moment_panda_joint6_z_2 = t1279 - t1267;
-    let t1281 = 0.0021640520520981297 * t1087;
-    let t1282 = 0.0015152444733270301 * t1102;
-    let t1283 = t1281 - t1282;
-    let t1284 = t333 + t1283;
-    let t1285 = 0.0014511560650267133 * t1235;
-    let t1286 = t1284 + t1285;
-    let t1287 = 0.005627033294592 * acceleration_panda_joint5_z_2;
-    let t1288 = t1287 - t1286;
-    let moment_panda_joint5_y_2 = t1288 - moment_panda_joint6_z_2;
-    let t1290 = t1188 * t1138;
-    let t1291 = t106 * t1169;
-    let force_panda_joint7_x_2 = t1291 + t1290;
-    let t1293 = 0.015294814090072 * t1119;
-    let t1294 = 0.020402584637159996 * t180;
-    let t1295 = t1294 - t1293;
-    let force_panda_joint6_x_2 = t1295 + force_panda_joint7_x_2;
-    let t1297 = t1184 * force_panda_joint6_x_2;
-    let t1298 = 0.020402584637159996 * t1215;
-    let t1299 = t224 * 0.015294814090072;
-    let t1300 = t1298 - t1299;
-    let force_panda_joint6_y_2 = t1300 - force_panda_joint7_z_2;
-    let t1302 = t1178 * force_panda_joint6_y_2;
-    let t1303 = t1297 - t1302;
-    let t1304 = 0.0260623224672 * t1087;
-    let t1305 = t298 * 0.005627033294592;
-    let t1306 = t1305 - t1304;
-    let force_panda_joint5_x_2 = t1306 - t1303;
-    let t1308 = force_panda_joint5_x_2 - moment_panda_joint5_y_2;
-    let t1309 = cos_panda_joint5 * t1308;
-    let t1310 = t1254 - t1309;
-    let t1311 = t1178 * force_panda_joint6_x_2;
-    let t1312 = t1184 * force_panda_joint6_y_2;
-    let t1313 = t1311 + t1312;
-    let t1314 = 0.0260623224672 * t1102;
-    let t1315 = 0.005627033294592 * t1235;
-    let t1316 = t1315 + t1314;
-    let force_panda_joint5_z_2 = t1316 - t1313;
-    let t1318 = 0.21484375 * force_panda_joint5_z_2;
-    let t1319 = t1318 - t1310;
-    let t1320 = 0.05102013615681551 * t1171;
-    let t1321 = 0.0016444875773692705 * t1084;
-    let t1322 = 0.0039053550262761003 * t1098;
-    let t1323 = t1322 - t1321;
-    let t1324 = t356 * 0.16284087268546088;
-    let t1325 = t1323 - t1324;
-    let t1326 = t1325 - t1320;
-    let t1327 = 0.6972920750309719 * t1094;
-    let t1328 = t1326 + t1327;
-    let t1329 = 0.16603319317224752 * acceleration_panda_joint4_x_2;
-    let t1330 = 0.04560437265862501 * acceleration_panda_joint4_y_2;
-    let t1331 = t1330 - t1329;
-    let t1332 = t1331 - t1328;
-    let moment_panda_joint4_z_2 = t1332 + t1319;
-    let t1334 = t1149 * force_panda_joint5_x_2;
-    let t1335 = t1163 * force_panda_joint5_y_2;
-    let t1336 = t1334 - t1335;
-    let t1337 = 0.16603319317224752 * t1094;
-    let t1338 = t151 * 0.04560437265862501;
-    let t1339 = t1338 - t1337;
-    let force_panda_joint4_x_2 = t1339 + t1336;
-    let t1341 = sin_panda_joint4 * force_panda_joint4_x_2;
-    let t1342 = 0.04560437265862501 * t1171;
-    let t1343 = 0.16603319317224752 * t174;
-    let t1344 = t1342 - t1343;
-    let force_panda_joint4_y_2 = t1344 + t1318;
-    let t1346 = cos_panda_joint4 * force_panda_joint4_y_2;
-    let t1347 = t1341 + t1346;
-    let t1348 = moment_panda_joint4_z_2 - t1347;
-    let t1349 = 0.004377257121839584 * t1070;
-    let t1350 = 0.00012191242095074308 * t1082;
-    let t1351 = t1349 - t1350;
-    let t1352 = t472 - t137;
-    let t1353 = 0.005487648106562256 * t1352;
-    let t1354 = t1351 - t1353;
-    let t1355 = 0.0616024210265277 * t1156;
-    let t1356 = t1354 + t1355;
-    let t1357 = 0.06161578168944001 * acceleration_panda_joint3_z_2;
-    let t1358 = t1357 + t1356;
-    let moment_panda_joint3_y_2 = t1358 - t1348;
-    let t1360 = cos_panda_joint4 * force_panda_joint4_x_2;
-    let t1361 = sin_panda_joint4 * force_panda_joint4_y_2;
-    let t1362 = t1360 - t1361;
-    let t1363 = 0.002328735327435001 * t1070;
-    let t1364 = 0.06161578168944001 * t137;
-    let t1365 = t1364 + t1363;
-    let force_panda_joint3_x_2 = t1365 - t1362;
-    let t1367 = 3.83030303030303 * force_panda_joint3_x_2;
-    let t1368 = moment_panda_joint3_y_2 + t1367;
-    let t1369 = sin_panda_joint3 * t1368;
-    let t1370 = cos_panda_joint5 * t1253;
-    let t1371 = sin_panda_joint5 * t1308;
-    let t1372 = t1370 + t1371;
-    let t1373 = 0.0039053550262761003 * t1171;
-    let t1374 = 0.16284087268546088 * t1143;
-    let t1375 = t1374 - t1373;
-    let t1376 = t406 - t1375;
-    let t1377 = 0.6972920750309719 * t1099;
-    let t1378 = t1376 - t1377;
-    let t1379 = 0.16603319317224752 * acceleration_panda_joint4_z_2;
-    let t1380 = t1379 - t1378;
-    let moment_panda_joint4_x_2 = t1380 - t1372;
-    let t1382 = cos_panda_joint4 * moment_panda_joint4_x_2;
-    let t1383 = cos_panda_joint6 * moment_panda_joint6_y_2;
-    let t1384 = sin_panda_joint6 * moment_panda_joint6_x_2;
-    let t1385 = t1384 + t1383;
-    let t1386 = 0.0014511560650267133 * t1233;
-    let t1387 = 0.0021640520520981297 * t1116;
-    let t1388 = 0.004600245517563105 * t1101;
-    let t1389 = t1388 - t1387;
-    let t1390 = t427 + t1389;
-    let t1391 = t1390 - t1386;
-    let t1392 = 0.010045187828321242 * t1087;
-    let t1393 = t1391 + t1392;
-    let t1394 = 0.0260623224672 * acceleration_panda_joint5_x_2;
-    let t1395 = 0.005627033294592 * acceleration_panda_joint5_y_2;
-    let t1396 = t1395 - t1394;
-    let t1397 = t1396 + t1393;
-    let moment_panda_joint5_z_2 = t1397 - t1385;
-    let t1399 = t1163 * force_panda_joint5_x_2;
-    let t1400 = t1149 * force_panda_joint5_y_2;
-    let t1401 = t1399 + t1400;
-    let t1402 = moment_panda_joint5_z_2 - t1401;
-    let t1403 = 0.0016444875773692705 * t1094;
-    let t1404 = 0.16284087268546088 * t1099;
-    let t1405 = t1403 - t1404;
-    let t1406 = t440 + t1405;
-    let t1407 = 0.05102013615681551 * t1143;
-    let t1408 = t1406 - t1407;
-    let t1409 = 0.04560437265862501 * acceleration_panda_joint4_z_2;
-    let t1410 = t1409 - t1408;
-    let moment_panda_joint4_y_2 = t1410 + t1402;
-    let t1412 = sin_panda_joint4 * moment_panda_joint4_y_2;
-    let t1413 = t1382 - t1412;
-    let t1414 = 0.005487648106562256 * t1146;
-    let t1415 = 0.00012191242095074308 * t1156;
-    let t1416 = t1415 + t1414;
-    let t1417 = t472 - t404;
-    let t1418 = 0.004377257121839584 * t1417;
-    let t1419 = t1416 - t1418;
-    let t1420 = 0.022178148964878235 * t1082;
-    let t1421 = t1419 - t1420;
-    let t1422 = 0.002328735327435001 * acceleration_panda_joint3_z_2;
-    let t1423 = t1422 + t1421;
-    let moment_panda_joint3_x_2 = t1423 + t1413;
-    let t1425 = 0.16603319317224752 * t1099;
-    let t1426 = 0.04560437265862501 * t1143;
-    let t1427 = t1426 + t1425;
-    let force_panda_joint4_z_2 = t1427 - t1401;
-    let t1429 = 0.06161578168944001 * t1146;
-    let t1430 = t462 + t1429;
-    let force_panda_joint3_y_2 = t1430 + force_panda_joint4_z_2;
-    let t1432 = 3.83030303030303 * force_panda_joint3_y_2;
-    let t1433 = moment_panda_joint3_x_2 + t1432;
-    let t1434 = cos_panda_joint3 * t1433;
-    let t1435 = t1434 + t1369;
-    let t1436 = t475 + t1021;
-    let t1437 = 0.01026110182100817 * t1436;
-    let t1438 = omega_panda_joint2_x * t1075;
-    let t1439 = t1067 - t1438;
-    let t1440 = 0.00398335888393552 * t1439;
-    let t1441 = t1440 + t1437;
-    let t1442 = v[0] * v[0];
-    let t1443 = t1442 - t472;
-    let t1444 = 0.0007689361029464 * t1443;
-    let t1445 = t1441 + t1444;
-    let t1446 = 1.032162061231881 * t1077;
-    let t1447 = t1445 - t1446;
-    let moment_panda_joint2_x_2 = t1447 + t1435;
-    let t1449 = cos_panda_joint7_2 * 0.0005773870536849036;
-    let t1450 = t1112 + t1449;
-    let t1451 = t1450 - 0.007412167175072343;
-    let t1452 = sin_panda_joint6 * t1451;
-    let t1453 = 0.014748570382675316 + t1130;
-    let t1454 = 2.0 * t1453;
-    let t1455 = cos_panda_joint6 * t1454;
-    let t1456 = t1452 - t1455;
-    let t1457 = sin_panda_joint6 * t1456;
-    let t1458 = 0.02152225537058755 + t1450;
-    let t1459 = t1458 - t1457;
-    let t1460 = 0.0014511560650267133 + t1459;
-    let t1461 = 0.014047520880232544 - t1111;
-    let t1462 = t1460 - t1461;
-    let t1463 = sin_panda_joint5 * t1462;
-    let t1464 = t1188 - t1134;
-    let t1465 = 0.00010375891721868492 + t1464;
-    let t1466 = cos_panda_joint6 * t1465;
-    let t1467 = 9.3569097314605e-5 + t1122;
-    let t1468 = sin_panda_joint6 * t1467;
-    let t1469 = t1466 + t1468;
-    let t1470 = 0.0015152444733270301 - t1469;
-    let t1471 = 2.0 * t1470;
-    let t1472 = cos_panda_joint5 * t1471;
-    let t1473 = t1463 + t1472;
-    let t1474 = sin_panda_joint5 * t1473;
-    let t1475 = t1460 - t1474;
-    let t1476 = 0.020402584637159996 + t1169;
-    let t1477 = t1184 * t1476;
-    let t1478 = sin_panda_joint6 * 0.06674100693849601;
-    let t1479 = t1477 + t1478;
-    let t1480 = 0.005627033294592 - t1479;
-    let t1481 = t1149 * t1480;
-    let t1482 = 0.0012597535716761534 * sin_panda_joint7_2;
-    let t1483 = 0.0260623224672 - t1482;
-    let t1484 = t1163 * t1483;
-    let t1485 = t1481 + t1484;
-    let t1486 = 2.0 * t1485;
-    let t1487 = t1475 + t1486;
-    let t1488 = 0.05102013615681551 + t1487;
-    let t1489 = 0.028934422545659894 + t1457;
-    let t1490 = t1178 * t1476;
-    let t1491 = cos_panda_joint6 * 0.06674100693849601;
-    let t1492 = t1490 - t1491;
-    let t1493 = 2.0 * t1492;
-    let t1494 = t1489 + t1493;
-    let t1495 = 0.6972920750309719 + t1494;
-    let t1496 = t1488 - t1495;
-    let t1497 = sin_panda_joint4 * t1496;
-    let t1498 = cos_panda_joint6 * t1456;
-    let t1499 = t1453 + t1498;
-    let t1500 = 0.004600245517563105 + t1499;
-    let t1501 = t1480 - t1500;
-    let t1502 = cos_panda_joint5 * t1501;
-    let t1503 = sin_panda_joint6 * t1465;
-    let t1504 = cos_panda_joint6 * t1467;
-    let t1505 = t1503 - t1504;
-    let t1506 = 0.0021640520520981297 + t1505;
-    let t1507 = t1483 - t1506;
-    let t1508 = sin_panda_joint5 * t1507;
-    let t1509 = t1502 + t1508;
-    let t1510 = 0.21484375 * t1492;
-    let t1511 = t1510 + t1509;
-    let t1512 = 0.16284087268546088 + t1511;
-    let t1513 = 2.0 * t1512;
-    let t1514 = cos_panda_joint4 * t1513;
-    let t1515 = t1497 - t1514;
-    let t1516 = cos_panda_joint4 * t1515;
-    let t1517 = t1512 + t1516;
-    let t1518 = 0.04560437265862501 + t1485;
-    let t1519 = sin_panda_joint4 * t1518;
-    let t1520 = 0.16603319317224752 + t1510;
-    let t1521 = cos_panda_joint4 * t1520;
-    let t1522 = t1519 - t1521;
-    let t1523 = t1522 - t1517;
-    let t1524 = 0.005487648106562256 - t1523;
-    let t1525 = cos_panda_joint4 * t1518;
-    let t1526 = sin_panda_joint4 * t1520;
-    let t1527 = t1525 + t1526;
-    let t1528 = 0.06161578168944001 - t1527;
-    let t1529 = 3.83030303030303 * t1528;
-    let t1530 = t1524 + t1529;
-    let t1531 = cos_panda_joint3 * t1530;
-    let t1532 = cos_panda_joint5 * t1473;
-    let t1533 = t1470 - t1532;
-    let t1534 = t1163 * t1480;
-    let t1535 = t1149 * t1483;
-    let t1536 = t1534 - t1535;
-    let t1537 = t1536 - t1533;
-    let t1538 = 0.0039053550262761003 + t1537;
-    let t1539 = sin_panda_joint4 * t1538;
-    let t1540 = sin_panda_joint5 * t1501;
-    let t1541 = cos_panda_joint5 * t1507;
-    let t1542 = t1540 - t1541;
-    let t1543 = 0.0016444875773692705 + t1542;
-    let t1544 = cos_panda_joint4 * t1543;
-    let t1545 = t1539 - t1544;
-    let t1546 = 0.004377257121839584 + t1545;
-    let t1547 = 0.002328735327435001 - t1536;
-    let t1548 = 3.83030303030303 * t1547;
-    let t1549 = t1546 + t1548;
-    let t1550 = sin_panda_joint3 * t1549;
-    let t1551 = t1531 - t1550;
-    let t1552 = 0.00398335888393552 - t1551;
-    let t1553 = t1067 * t1552;
-    let t1554 = sin_panda_joint4 * t1515;
-    let t1555 = t1488 - t1554;
-    let t1556 = 2.0 * t1527;
-    let t1557 = t1555 - t1556;
-    let t1558 = 0.0616024210265277 + t1557;
-    let t1559 = t1461 + t1474;
-    let t1560 = 0.022178148964878235 + t1559;
-    let t1561 = t1558 - t1560;
-    let t1562 = sin_panda_joint3 * t1561;
-    let t1563 = cos_panda_joint4 * t1538;
-    let t1564 = sin_panda_joint4 * t1543;
-    let t1565 = t1563 + t1564;
-    let t1566 = t1536 - t1565;
-    let t1567 = 0.00012191242095074308 - t1566;
-    let t1568 = 2.0 * t1567;
-    let t1569 = cos_panda_joint3 * t1568;
-    let t1570 = t1562 + t1569;
-    let t1571 = sin_panda_joint3 * t1570;
-    let t1572 = t1558 - t1571;
-    let t1573 = 0.02307788249493181 + t1572;
-    let t1574 = t1560 + t1571;
-    let t1575 = t1574 + t1573;
-    let t1576 = t1074 * t1575;
-    let t1577 = t1576 + t1553;
-    let t1578 = sin_panda_joint3 * t1530;
-    let t1579 = cos_panda_joint3 * t1549;
-    let t1580 = t1578 + t1579;
-    let t1581 = 0.0007689361029464 + t1580;
-    let t1582 = t1442 * t1581;
-    let t1583 = t1577 - t1582;
-    let t1584 = sin_panda_joint3 * t1528;
-    let t1585 = cos_panda_joint3 * t1547;
-    let t1586 = t1584 + t1585;
-    let t1587 = acceleration_panda_joint2_y * t1586;
-    let t1588 = t1587 - t1583;
-    let t1589 = 2.0 * omega_panda_joint6_x;
-    let t1590 = t1188 * t1589;
-    let t1591 = t76 * t1169;
-    let t1592 = t1590 + t1591;
-    let t1593 = t1591 + t1592;
-    let t1594 = t1134 * t1589;
-    let t1595 = t76 * t1112;
-    let t1596 = t1594 - t1595;
-    let t1597 = t1596 - t1593;
-    let t1598 = omega_panda_joint6_x * 0.00020751783443736984;
-    let t1599 = omega_panda_joint6_z * 0.0430445107411751;
-    let t1600 = t1599 + t1598;
-    let t1601 = t1600 - t1597;
-    let t1602 = t219 * t1122;
-    let t1603 = omega_panda_joint6_y * 0.00018713819462921;
-    let t1604 = omega_panda_joint6_z * 0.05786884509131979;
-    let t1605 = t1603 + t1604;
-    let t1606 = t1605 - t1602;
-    let t1607 = t1606 - t1601;
-    let t1608 = cos_panda_joint6 * t1607;
-    let t1609 = t219 * t1134;
-    let t1610 = t76 * t1130;
-    let t1611 = t1610 + t1609;
-    let t1612 = t219 * t1188;
-    let t1613 = t1612 - t1611;
-    let t1614 = omega_panda_joint6_y * 0.00020751783443736984;
-    let t1615 = omega_panda_joint6_z * 0.02949714076535063;
-    let t1616 = t1614 + t1615;
-    let t1617 = t1616 - t1613;
-    let t1618 = t1122 * t1589;
-    let t1619 = t1610 + t1618;
-    let t1620 = omega_panda_joint6_x * 0.00018713819462921;
-    let t1621 = t1615 + t1620;
-    let t1622 = t1621 + t1619;
-    let t1623 = t1617 + t1622;
-    let t1624 = sin_panda_joint6 * t1623;
-    let t1625 = t1624 - t1608;
-    let t1626 = sin_panda_joint6 * t1625;
-    let t1627 = t1617 - t1626;
-    let t1628 = omega_panda_joint5_y * 0.00920049103512621;
-    let t1629 = omega_panda_joint5_z * 0.0030304889466540603;
-    let t1630 = t1628 - t1629;
-    let t1631 = t1630 + t1627;
-    let t1632 = 2.0 * omega_panda_joint5_y;
-    let t1633 = t1632 * t1480;
-    let t1634 = t1631 - t1633;
-    let t1635 = t1609 - t1618;
-    let t1636 = 2.0 * omega_panda_joint6_y;
-    let t1637 = t1188 * t1636;
-    let t1638 = t1635 + t1637;
-    let t1639 = t1614 - t1620;
-    let t1640 = t1639 + t1638;
-    let t1641 = omega_panda_joint5_x * 0.004328104104196259;
-    let t1642 = t1629 - t1641;
-    let t1643 = t1642 - t1640;
-    let t1644 = 2.0 * omega_panda_joint5_x;
-    let t1645 = t1644 * t1483;
-    let t1646 = t1643 + t1645;
-    let t1647 = t1634 - t1646;
-    let t1648 = sin_panda_joint5 * t1647;
-    let t1649 = t219 * t1169;
-    let t1650 = t1169 * t1636;
-    let t1651 = t1649 - t1650;
-    let t1652 = t219 * t1112;
-    let t1653 = t1130 * t1589;
-    let t1654 = t1652 + t1653;
-    let t1655 = t1654 + t1651;
-    let t1656 = omega_panda_joint6_y * 0.0430445107411751;
-    let t1657 = omega_panda_joint6_x * 0.02949714076535063;
-    let t1658 = t1657 - t1656;
-    let t1659 = t1658 + t1655;
-    let t1660 = cos_panda_joint6 * t1659;
-    let t1661 = t219 * t1130;
-    let t1662 = omega_panda_joint6_y * 0.02949714076535063;
-    let t1663 = omega_panda_joint6_x * 0.05786884509131979;
-    let t1664 = t1663 - t1662;
-    let t1665 = t1664 + t1661;
-    let t1666 = sin_panda_joint6 * t1665;
-    let t1667 = t1660 + t1666;
-    let t1668 = omega_panda_joint5_x * 0.00920049103512621;
-    let t1669 = omega_panda_joint5_z * 0.0029023121300534266;
-    let t1670 = t1669 + t1668;
-    let t1671 = t1670 - t1667;
-    let t1672 = t1644 * t1480;
-    let t1673 = t1671 - t1672;
-    let t1674 = t1139 * t1589;
-    let t1675 = t76 * t1134;
-    let t1676 = t1674 - t1675;
-    let t1677 = t76 * t1188;
-    let t1678 = t1676 + t1677;
-    let t1679 = omega_panda_joint6_z * 0.00020751783443736984;
-    let t1680 = t1679 + t1678;
-    let t1681 = sin_panda_joint6 * t1680;
-    let t1682 = t219 * t1139;
-    let t1683 = t76 * t1122;
-    let t1684 = t1683 - t1682;
-    let t1685 = omega_panda_joint6_z * 0.00018713819462921;
-    let t1686 = t1685 + t1684;
-    let t1687 = cos_panda_joint6 * t1686;
-    let t1688 = t1687 - t1681;
-    let t1689 = omega_panda_joint5_y * 0.004328104104196259;
-    let t1690 = omega_panda_joint5_z * 0.020090375656642484;
-    let t1691 = t1689 + t1690;
-    let t1692 = t1691 + t1688;
-    let t1693 = t1632 * t1483;
-    let t1694 = t1692 - t1693;
-    let t1695 = t1694 - t1673;
-    let t1696 = cos_panda_joint5 * t1695;
-    let t1697 = t1648 - t1696;
-    let t1698 = sin_panda_joint5 * t1697;
-    let t1699 = t1634 - t1698;
-    let t1700 = omega_panda_joint6_z * 0.04080516927431999;
-    let t1701 = t1700 + t1592;
-    let t1702 = t1178 * t1701;
-    let t1703 = omega_panda_joint6_z * 0.030589628180144;
-    let t1704 = t1703 - t1612;
-    let t1705 = t1184 * t1704;
-    let t1706 = t1705 - t1702;
-    let t1707 = omega_panda_joint5_z * 0.0521246449344;
-    let t1708 = t1707 - t1706;
-    let t1709 = t1149 * t1708;
-    let t1710 = omega_panda_joint6_y * 0.04080516927431999;
-    let t1711 = omega_panda_joint6_x * 0.030589628180144;
-    let t1712 = t1711 - t1710;
-    let t1713 = t1712 + t1649;
-    let t1714 = 4.363636363636364 * t1713;
-    let t1715 = omega_panda_joint5_z * 0.011254066589184;
-    let t1716 = t1715 + t1714;
-    let t1717 = t1163 * t1716;
-    let t1718 = t1709 - t1717;
-    let t1719 = t1718 + t1699;
-    let t1720 = omega_panda_joint4_y * 0.007810710052552201;
-    let t1721 = omega_panda_joint4_z * 0.32568174537092176;
-    let t1722 = t1720 - t1721;
-    let t1723 = t1722 - t1719;
-    let t1724 = t1622 - t1626;
-    let t1725 = t1628 - t1641;
-    let t1726 = t1725 + t1724;
-    let t1727 = t1184 * t1701;
-    let t1728 = t1178 * t1704;
-    let t1729 = t1728 + t1727;
-    let t1730 = omega_panda_joint5_y * 0.011254066589184;
-    let t1731 = omega_panda_joint5_x * 0.0521246449344;
-    let t1732 = t1731 - t1730;
-    let t1733 = t1732 - t1729;
-    let t1734 = t1733 + t1726;
-    let t1735 = t38 * t1510;
-    let t1736 = t1734 + t1735;
-    let t1737 = omega_panda_joint4_x * 0.003288975154738541;
-    let t1738 = t1721 - t1737;
-    let t1739 = t1738 + t1736;
-    let t1740 = t1723 - t1739;
-    let t1741 = sin_panda_joint4 * t1740;
-    let t1742 = cos_panda_joint6 * t1625;
-    let t1743 = t1606 + t1742;
-    let t1744 = omega_panda_joint5_y * 0.0029023121300534266;
-    let t1745 = omega_panda_joint5_x * 0.0030304889466540603;
-    let t1746 = t1745 + t1744;
-    let t1747 = t1746 - t1743;
-    let t1748 = cos_panda_joint5 * t1747;
-    let t1749 = cos_panda_joint6 * t1680;
-    let t1750 = sin_panda_joint6 * t1686;
-    let t1751 = t1750 + t1749;
-    let t1752 = omega_panda_joint5_y * 0.0030304889466540603;
-    let t1753 = omega_panda_joint5_x * 0.020090375656642484;
-    let t1754 = t1753 + t1752;
-    let t1755 = t1754 + t1751;
-    let t1756 = sin_panda_joint5 * t1755;
-    let t1757 = t1748 - t1756;
-    let t1758 = 0.21484375 * t1733;
-    let t1759 = t38 * t1485;
-    let t1760 = t1758 + t1759;
-    let t1761 = t1757 - t1760;
-    let t1762 = omega_panda_joint4_x * 0.007810710052552201;
-    let t1763 = omega_panda_joint4_z * 0.10204027231363103;
-    let t1764 = t1763 - t1762;
-    let t1765 = t1764 - t1761;
-    let t1766 = t1601 - t1742;
-    let t1767 = omega_panda_joint5_z * 0.004328104104196259;
-    let t1768 = t1767 - t1766;
-    let t1769 = t1632 * t1492;
-    let t1770 = t1708 - t1769;
-    let t1771 = t1768 - t1770;
-    let t1772 = cos_panda_joint5 * t1771;
-    let t1773 = sin_panda_joint6 * t1659;
-    let t1774 = cos_panda_joint6 * t1665;
-    let t1775 = t1773 - t1774;
-    let t1776 = omega_panda_joint5_z * 0.00920049103512621;
-    let t1777 = t1776 - t1775;
-    let t1778 = t1644 * t1492;
-    let t1779 = t1716 - t1778;
-    let t1780 = t1777 - t1779;
-    let t1781 = sin_panda_joint5 * t1780;
-    let t1782 = t1772 - t1781;
-    let t1783 = omega_panda_joint4_y * 0.003288975154738541;
-    let t1784 = omega_panda_joint4_z * 1.3945841500619438;
-    let t1785 = t1783 - t1784;
-    let t1786 = t1785 + t1782;
-    let t1787 = t1786 + t1765;
-    let t1788 = cos_panda_joint4 * t1787;
-    let t1789 = t1741 - t1788;
-    let t1790 = sin_panda_joint4 * t1789;
-    let t1791 = t1723 - t1790;
-    let t1792 = omega_panda_joint4_z * 0.33206638634449503;
-    let t1793 = t1792 + t1718;
-    let t1794 = cos_panda_joint4 * t1793;
-    let t1795 = omega_panda_joint4_z * 0.09120874531725003;
-    let t1796 = t1795 + t1758;
-    let t1797 = sin_panda_joint4 * t1796;
-    let t1798 = t1794 - t1797;
-    let t1799 = t1798 + t1791;
-    let t1800 = omega_panda_joint3_y * 0.010975296213124512;
-    let t1801 = omega_panda_joint3_z * 0.00024382484190148615;
-    let t1802 = t1800 - t1801;
-    let t1803 = t1802 - t1799;
-    let t1804 = 7.66060606060606 * omega_panda_joint3_y;
-    let t1805 = t1804 * t1528;
-    let t1806 = t1803 + t1805;
-    let t1807 = t1646 + t1698;
-    let t1808 = 2.0 * omega_panda_joint4_y;
-    let t1809 = t1808 * t1536;
-    let t1810 = t1807 + t1809;
-    let t1811 = t1720 - t1737;
-    let t1812 = t1811 + t1810;
-    let t1813 = t1080 * t1536;
-    let t1814 = t1812 - t1813;
-    let t1815 = omega_panda_joint3_x * 0.008754514243679169;
-    let t1816 = t1801 + t1815;
-    let t1817 = t1816 + t1814;
-    let t1818 = 7.66060606060606 * omega_panda_joint3_x;
-    let t1819 = t1818 * t1547;
-    let t1820 = t1817 + t1819;
-    let t1821 = t1806 - t1820;
-    let t1822 = sin_panda_joint3 * t1821;
-    let t1823 = cos_panda_joint5 * t1697;
-    let t1824 = t1694 + t1823;
-    let t1825 = t1163 * t1708;
-    let t1826 = t1149 * t1716;
-    let t1827 = t1825 + t1826;
-    let t1828 = t1808 * t1485;
-    let t1829 = t1827 + t1828;
-    let t1830 = t1824 + t1829;
-    let t1831 = omega_panda_joint4_y * 0.10204027231363103;
-    let t1832 = omega_panda_joint4_x * 0.32568174537092176;
-    let t1833 = t1832 - t1831;
-    let t1834 = t1833 - t1830;
-    let t1835 = cos_panda_joint4 * t1834;
-    let t1836 = sin_panda_joint5 * t1771;
-    let t1837 = cos_panda_joint5 * t1780;
-    let t1838 = t1836 + t1837;
-    let t1839 = t1808 * t1510;
-    let t1840 = t1838 - t1839;
-    let t1841 = omega_panda_joint4_y * 0.32568174537092176;
-    let t1842 = omega_panda_joint4_x * 1.3945841500619438;
-    let t1843 = t1842 - t1841;
-    let t1844 = t1843 + t1840;
-    let t1845 = sin_panda_joint4 * t1844;
-    let t1846 = t1835 + t1845;
-    let t1847 = omega_panda_joint4_y * 0.09120874531725003;
-    let t1848 = omega_panda_joint4_x * 0.33206638634449503;
-    let t1849 = t1848 - t1847;
-    let t1850 = t1849 - t1827;
-    let t1851 = t1080 * t1527;
-    let t1852 = t1850 - t1851;
-    let t1853 = t1846 - t1852;
-    let t1854 = omega_panda_joint3_x * 0.010975296213124512;
-    let t1855 = omega_panda_joint3_z * 0.1232048420530554;
-    let t1856 = t1855 + t1854;
-    let t1857 = t1856 - t1853;
-    let t1858 = t1818 * t1528;
-    let t1859 = t1857 + t1858;
-    let t1860 = t1673 - t1823;
-    let t1861 = omega_panda_joint4_z * 0.003288975154738541;
-    let t1862 = t1861 - t1860;
-    let t1863 = cos_panda_joint4 * t1862;
-    let t1864 = sin_panda_joint5 * t1747;
-    let t1865 = cos_panda_joint5 * t1755;
-    let t1866 = t1864 + t1865;
-    let t1867 = t38 * t1536;
-    let t1868 = t1866 - t1867;
-    let t1869 = omega_panda_joint4_z * 0.007810710052552201;
-    let t1870 = t1869 - t1868;
-    let t1871 = sin_panda_joint4 * t1870;
-    let t1872 = t1863 - t1871;
-    let t1873 = omega_panda_joint3_y * 0.008754514243679169;
-    let t1874 = omega_panda_joint3_z * 0.04435629792975647;
-    let t1875 = t1873 - t1874;
-    let t1876 = t1875 + t1872;
-    let t1877 = t1804 * t1547;
-    let t1878 = t1876 + t1877;
-    let t1879 = t1878 + t1859;
-    let t1880 = cos_panda_joint3 * t1879;
-    let t1881 = t1822 + t1880;
-    let t1882 = sin_panda_joint3 * t1881;
-    let t1883 = t1820 + t1882;
-    let t1884 = omega_panda_joint2_x * 0.0015378722058928;
-    let t1885 = omega_panda_joint2_y * 0.02052220364201634;
-    let t1886 = t1885 - t1884;
-    let t1887 = t1886 - t1883;
-    let t1888 = t1806 - t1882;
-    let t1889 = v[1] * 0.00796671776787104;
-    let t1890 = t1885 - t1889;
-    let t1891 = t1890 + t1888;
-    let t1892 = t1891 - t1887;
-    let t1893 = omega_panda_joint2_x * t1892;
-    let t1894 = cos_panda_joint4 * t1789;
-    let t1895 = t1786 + t1894;
-    let t1896 = sin_panda_joint4 * t1793;
-    let t1897 = cos_panda_joint4 * t1796;
-    let t1898 = t1896 + t1897;
-    let t1899 = 2.0 * omega_panda_joint3_y;
-    let t1900 = t1899 * t1527;
-    let t1901 = t1898 - t1900;
-    let t1902 = t1895 + t1901;
-    let t1903 = omega_panda_joint3_y * 0.1232048420530554;
-    let t1904 = omega_panda_joint3_x * 0.00024382484190148615;
-    let t1905 = t1904 + t1903;
-    let t1906 = t1905 + t1902;
-    let t1907 = cos_panda_joint3 * t1906;
-    let t1908 = sin_panda_joint4 * t1862;
-    let t1909 = cos_panda_joint4 * t1870;
-    let t1910 = t1908 + t1909;
-    let t1911 = t1899 * t1536;
-    let t1912 = t1910 + t1911;
-    let t1913 = omega_panda_joint3_y * 0.00024382484190148615;
-    let t1914 = omega_panda_joint3_x * 0.04435629792975647;
-    let t1915 = t1914 + t1913;
-    let t1916 = t1915 - t1912;
-    let t1917 = sin_panda_joint3 * t1916;
-    let t1918 = t1907 - t1917;
-    let t1919 = omega_panda_joint2_x * 0.02052220364201634;
-    let t1920 = v[1] * 0.04615576498986362;
-    let t1921 = t1920 - t1919;
-    let t1922 = t1921 + t1918;
-    let t1923 = omega_panda_joint2_y * t1922;
-    let t1924 = t1893 + t1923;
-    let t1925 = t1588 - t1924;
-    let t1926 = moment_panda_joint2_x_2 - t1925;
-    let t1927 = cos_panda_joint2 * t1926;
-    let t1928 = sin_panda_joint4 * moment_panda_joint4_x_2;
-    let t1929 = cos_panda_joint4 * moment_panda_joint4_y_2;
-    let t1930 = t1928 + t1929;
-    let t1931 = force_panda_joint4_z_2 - t1930;
-    let t1932 = 0.0616024210265277 * t1146;
-    let t1933 = 0.004377257121839584 * t1091;
-    let t1934 = 0.005487648106562256 * t1079;
-    let t1935 = t1934 + t1933;
-    let t1936 = t492 + t1935;
-    let t1937 = t1936 - t1932;
-    let t1938 = 0.022178148964878235 * t1070;
-    let t1939 = t1937 + t1938;
-    let t1940 = 0.002328735327435001 * acceleration_panda_joint3_x_2;
-    let t1941 = 0.06161578168944001 * acceleration_panda_joint3_y_2;
-    let t1942 = t1941 + t1940;
-    let t1943 = t1942 + t1939;
-    let moment_panda_joint3_z_2 = t1943 - t1931;
-    let t1945 = 0.0007689361029464 * t1072;
-    let t1946 = 0.00398335888393552 * t1077;
-    let t1947 = t1945 - t1946;
-    let t1948 = t1442 - t501;
-    let t1949 = 0.01026110182100817 * t1948;
-    let t1950 = t1947 + t1949;
-    let t1951 = 0.02307788249493181 * t1439;
-    let t1952 = t1950 + t1951;
-    let moment_panda_joint2_y_2 = t1952 + moment_panda_joint3_z_2;
-    let t1954 = t1074 * t1552;
-    let t1955 = t1495 + t1554;
-    let t1956 = 7.66060606060606 * t1522;
-    let t1957 = t1955 - t1956;
-    let t1958 = 1.032162061231881 + t1957;
-    let t1959 = t1574 + t1958;
-    let t1960 = t1067 * t1959;
-    let t1961 = t1960 + t1954;
-    let t1962 = cos_panda_joint3 * t1570;
-    let t1963 = t1567 - t1962;
-    let t1964 = 0.01026110182100817 + t1963;
-    let t1965 = t1442 * t1964;
-    let t1966 = t1961 + t1965;
-    let t1967 = acceleration_panda_joint2_x * t1586;
-    let t1968 = t1967 + t1966;
-    let t1969 = t1739 + t1790;
-    let t1970 = t1899 * t1522;
-    let t1971 = t1969 - t1970;
-    let t1972 = t1800 + t1815;
-    let t1973 = t1972 + t1971;
-    let t1974 = omega_panda_joint3_y * 0.12323156337888003;
-    let t1975 = omega_panda_joint3_x * 0.004657470654870002;
-    let t1976 = t1975 + t1974;
-    let t1977 = t1976 + t1898;
-    let t1978 = 3.83030303030303 * t1977;
-    let t1979 = t1973 + t1978;
-    let t1980 = t1889 - t1884;
-    let t1981 = t1980 - t1979;
-    let t1982 = t1981 - t1887;
-    let t1983 = omega_panda_joint2_y * t1982;
-    let t1984 = t1765 + t1894;
-    let t1985 = omega_panda_joint3_z * 0.008754514243679169;
-    let t1986 = t1985 + t1984;
-    let t1987 = omega_panda_joint3_z * 0.004657470654870002;
-    let t1988 = t1987 + t1798;
-    let t1989 = 3.83030303030303 * t1988;
-    let t1990 = t1804 * t1522;
-    let t1991 = t1989 + t1990;
-    let t1992 = t1986 + t1991;
-    let t1993 = cos_panda_joint3 * t1992;
-    let t1994 = sin_panda_joint4 * t1834;
-    let t1995 = cos_panda_joint4 * t1844;
-    let t1996 = t1994 - t1995;
-    let t1997 = t1080 * t1522;
-    let t1998 = t1996 + t1997;
-    let t1999 = omega_panda_joint3_z * 0.010975296213124512;
-    let t2000 = t1999 - t1998;
-    let t2001 = omega_panda_joint3_z * 0.12323156337888003;
-    let t2002 = t2001 + t1850;
-    let t2003 = 3.83030303030303 * t2002;
-    let t2004 = t1818 * t1522;
-    let t2005 = t2003 - t2004;
-    let t2006 = t2000 + t2005;
-    let t2007 = sin_panda_joint3 * t2006;
-    let t2008 = t1993 + t2007;
-    let t2009 = omega_panda_joint2_y * 0.0015378722058928;
-    let t2010 = v[1] * 2.064324122463762;
-    let t2011 = t2009 - t2010;
-    let t2012 = t2011 + t2008;
-    let t2013 = omega_panda_joint2_x * t2012;
-    let t2014 = t1983 + t2013;
-    let t2015 = t1968 + t2014;
-    let t2016 = moment_panda_joint2_y_2 - t2015;
-    let t2017 = sin_panda_joint2 * t2016;
-    let t2018 = t2017 + t1927;
-    let t2019 = t1112 + t1139;
-    let t2020 = t1169 + t2019;
-    let t2021 = sin_panda_joint6 * t2020;
-    let t2022 = cos_panda_joint6 * t1130;
+    t460,
+    t463,
+    t468,
+    t475,
+    t484,
+    t495,
+    omega_panda_joint2_y,
+    omega_panda_joint3_z,
+    t498,
+    omega_panda_joint2_x,
+    omega_panda_joint3_y,
+    omega_panda_joint3_x,
+    omega_panda_joint4_z,
+    t521,
+    omega_panda_joint4_y,
+    omega_panda_joint4_x,
+    omega_panda_joint5_z,
+    omega_panda_joint5_y,
+    omega_panda_joint5_x,
+    omega_panda_joint6_z,
+    t561,
+    omega_panda_joint6_y,
+    omega_panda_joint6_x,
+    acceleration_panda_joint2_x,
+    t611,
+    acceleration_panda_joint2_y,
+    t644,
+    t667,
+    t673,
+    t720,
+    t869,
+    t902,
+    t998,
+    t1011,
+    t1032,
+    t1035,
+    t1040,
+    t1047,
+    t1056,
+    t1067,
+    t1090,
+    t1095,
+    t1102,
+    t1111,
+    t1122,
+    t1156,
+    t1163,
+    t1172,
+    t1183,
+    t1232,
+    t1241,
+    t1252,
+    t1320,
+    t1331,
+    t1422,
+    t1436,
+    t1438,
+    t1439,
+    t1441,
+    t1444,
+    t1447,
+    t1449,
+    t1454,
+    t1459,
+    t1464,
+    t1469,
+    t1476,
+    t1477,
+    t1481,
+    t1484,
+    acceleration_panda_joint3_x_2,
+    acceleration_panda_joint4_x_2,
+    acceleration_panda_joint3_y_2,
+    t1505,
+    acceleration_panda_joint5_x_2,
+    acceleration_panda_joint4_y_2,
+    acceleration_panda_joint6_x_2,
+    acceleration_panda_joint7_x_2,
+    acceleration_panda_joint5_y_2,
+    acceleration_panda_joint7_y_2,
+    force_panda_joint7_y_2,
+    moment_panda_joint6_y_2,
+    acceleration_panda_joint6_y_2,
+    moment_panda_joint7_x_2,
+    moment_panda_joint6_x_2,
+    moment_panda_joint5_x_2,
+    force_panda_joint5_y_2,
+    moment_panda_joint7_y_2,
+    moment_panda_joint5_y_2,
+    force_panda_joint7_x_2,
+    force_panda_joint6_x_2,
+    force_panda_joint6_y_2,
+    force_panda_joint5_x_2,
+    force_panda_joint4_x_2,
+    force_panda_joint4_y_2,
+    moment_panda_joint3_y_2,
+    force_panda_joint3_x_2,
+    moment_panda_joint4_x_2,
+    moment_panda_joint4_y_2,
+    moment_panda_joint3_x_2,
+    force_panda_joint4_z_2,
+    force_panda_joint3_y_2,
+    t1761,
+    moment_panda_joint2_x_2,
+    ]: [f64; 226],
+) -> [f64; 115] {
+    let t1768 = t161 * t1444;
+    let t1769 = t168 + t134;
+    let t1770 = t1438 * t1769;
+    let t1771 = t1770 + t1768;
+    let t1772 = t443 * t998;
+    let t1773 = t1771 - t1772;
+    let t1774 = sin_panda_joint3 * t148;
+    let t1775 = cos_panda_joint3 * t156;
+    let t1776 = t1774 + t1775;
+    let t1777 = t1776 * acceleration_panda_joint2_y;
+    let t1778 = t1777 - t1773;
+    let t1779 = 2.0 * omega_panda_joint6_x;
+    let t1780 = t38 * t1779;
+    let t1781 = t54 * t561;
+    let t1782 = t1780 + t1781;
+    let t1783 = t1781 + t1782;
+    let t1784 = t37 * t1779;
+    let t1785 = t17 * t561;
+    let t1786 = t1784 - t1785;
+    let t1787 = t1786 - t1783;
+    let t1788 = omega_panda_joint6_x * 0.00020751783443736984;
+    let t1789 = omega_panda_joint6_z * 0.0430445107411751;
+    let t1790 = t1789 + t1788;
+    let t1791 = t1790 - t1787;
+    let t1792 = t44 * t667;
+    let t1793 = omega_panda_joint6_y * 0.00018713819462921;
+    let t1794 = omega_panda_joint6_z * 0.05786884509131979;
+    let t1795 = t1793 + t1794;
+    let t1796 = t1795 - t1792;
+    let t1797 = t1796 - t1791;
+    let t1798 = cos_panda_joint6 * t1797;
+    let t1799 = t37 * t667;
+    let t1800 = t24 * t561;
+    let t1801 = t1800 + t1799;
+    let t1802 = t38 * t667;
+    let t1803 = t1802 - t1801;
+    let t1804 = omega_panda_joint6_y * 0.00020751783443736984;
+    let t1805 = omega_panda_joint6_z * 0.02949714076535063;
+    let t1806 = t1804 + t1805;
+    let t1807 = t1806 - t1803;
+    let t1808 = t44 * t1779;
+    let t1809 = t1800 + t1808;
+    let t1810 = omega_panda_joint6_x * 0.00018713819462921;
+    let t1811 = t1805 + t1810;
+    let t1812 = t1811 + t1809;
+    let t1813 = t1807 + t1812;
+    let t1814 = sin_panda_joint6 * t1813;
+    let t1815 = t1814 - t1798;
+    let t1816 = sin_panda_joint6 * t1815;
+    let t1817 = t1807 - t1816;
+    let t1818 = omega_panda_joint5_y * 0.00920049103512621;
+    let t1819 = omega_panda_joint5_z * 0.0030304889466540603;
+    let t1820 = t1818 - t1819;
+    let t1821 = t1820 + t1817;
+    let t1822 = 2.0 * omega_panda_joint5_y;
+    let t1823 = t60 * t1822;
+    let t1824 = t1821 - t1823;
+    let t1825 = t1799 - t1808;
+    let t1826 = 2.0 * omega_panda_joint6_y;
+    let t1827 = t38 * t1826;
+    let t1828 = t1825 + t1827;
+    let t1829 = t1804 - t1810;
+    let t1830 = t1829 + t1828;
+    let t1831 = omega_panda_joint5_x * 0.004328104104196259;
+    let t1832 = t1819 - t1831;
+    let t1833 = t1832 - t1830;
+    let t1834 = 2.0 * omega_panda_joint5_x;
+    let t1835 = t64 * t1834;
+    let t1836 = t1833 + t1835;
+    let t1837 = t1824 - t1836;
+    let t1838 = sin_panda_joint5 * t1837;
+    let t1839 = t54 * t667;
+    let t1840 = t54 * t1826;
+    let t1841 = t1839 - t1840;
+    let t1842 = t17 * t667;
+    let t1843 = t24 * t1779;
+    let t1844 = t1842 + t1843;
+    let t1845 = t1844 + t1841;
+    let t1846 = omega_panda_joint6_y * 0.0430445107411751;
+    let t1847 = omega_panda_joint6_x * 0.02949714076535063;
+    let t1848 = t1847 - t1846;
+    let t1849 = t1848 + t1845;
+    let t1850 = cos_panda_joint6 * t1849;
+    let t1851 = t24 * t667;
+    let t1852 = omega_panda_joint6_y * 0.02949714076535063;
+    let t1853 = omega_panda_joint6_x * 0.05786884509131979;
+    let t1854 = t1853 - t1852;
+    let t1855 = t1854 + t1851;
+    let t1856 = sin_panda_joint6 * t1855;
+    let t1857 = t1850 + t1856;
+    let t1858 = omega_panda_joint5_x * 0.00920049103512621;
+    let t1859 = omega_panda_joint5_z * 0.0029023121300534266;
+    let t1860 = t1859 + t1858;
+    let t1861 = t1860 - t1857;
+    let t1862 = t60 * t1834;
+    let t1863 = t1861 - t1862;
+    let t1864 = t171 * t1779;
+    let t1865 = t37 * t561;
+    let t1866 = t1864 - t1865;
+    let t1867 = t38 * t561;
+    let t1868 = t1866 + t1867;
+    let t1869 = omega_panda_joint6_z * 0.00020751783443736984;
+    let t1870 = t1869 + t1868;
+    let t1871 = sin_panda_joint6 * t1870;
+    let t1872 = t171 * t667;
+    let t1873 = t44 * t561;
+    let t1874 = t1873 - t1872;
+    let t1875 = omega_panda_joint6_z * 0.00018713819462921;
+    let t1876 = t1875 + t1874;
+    let t1877 = cos_panda_joint6 * t1876;
+    let t1878 = t1877 - t1871;
+    let t1879 = omega_panda_joint5_y * 0.004328104104196259;
+    let t1880 = omega_panda_joint5_z * 0.020090375656642484;
+    let t1881 = t1879 + t1880;
+    let t1882 = t1881 + t1878;
+    let t1883 = t64 * t1822;
+    let t1884 = t1882 - t1883;
+    let t1885 = t1884 - t1863;
+    let t1886 = cos_panda_joint5 * t1885;
+    let t1887 = t1838 - t1886;
+    let t1888 = sin_panda_joint5 * t1887;
+    let t1889 = t1824 - t1888;
+    let t1890 = omega_panda_joint6_z * 0.04080516927431999;
+    let t1891 = t1890 + t1782;
+    let t1892 = t72 * t1891;
+    let t1893 = omega_panda_joint6_z * 0.030589628180144;
+    let t1894 = t1893 - t1802;
+    let t1895 = t56 * t1894;
+    let t1896 = t1895 - t1892;
+    let t1897 = omega_panda_joint5_z * 0.0521246449344;
+    let t1898 = t1897 - t1896;
+    let t1899 = t61 * t1898;
+    let t1900 = omega_panda_joint6_y * 0.04080516927431999;
+    let t1901 = omega_panda_joint6_x * 0.030589628180144;
+    let t1902 = t1901 - t1900;
+    let t1903 = t1902 + t1839;
+    let t1904 = 4.363636363636364 * t1903;
+    let t1905 = omega_panda_joint5_z * 0.011254066589184;
+    let t1906 = t1905 + t1904;
+    let t1907 = t65 * t1906;
+    let t1908 = t1899 - t1907;
+    let t1909 = t1908 + t1889;
+    let t1910 = omega_panda_joint4_y * 0.007810710052552201;
+    let t1911 = omega_panda_joint4_z * 0.32568174537092176;
+    let t1912 = t1910 - t1911;
+    let t1913 = t1912 - t1909;
+    let t1914 = t1812 - t1816;
+    let t1915 = t1818 - t1831;
+    let t1916 = t1915 + t1914;
+    let t1917 = t56 * t1891;
+    let t1918 = t72 * t1894;
+    let t1919 = t1918 + t1917;
+    let t1920 = omega_panda_joint5_y * 0.011254066589184;
+    let t1921 = omega_panda_joint5_x * 0.0521246449344;
+    let t1922 = t1921 - t1920;
+    let t1923 = t1922 - t1919;
+    let t1924 = t1923 + t1916;
+    let t1925 = t93 * t521;
+    let t1926 = t1924 + t1925;
+    let t1927 = omega_panda_joint4_x * 0.003288975154738541;
+    let t1928 = t1911 - t1927;
+    let t1929 = t1928 + t1926;
+    let t1930 = t1913 - t1929;
+    let t1931 = sin_panda_joint4 * t1930;
+    let t1932 = cos_panda_joint6 * t1815;
+    let t1933 = t1796 + t1932;
+    let t1934 = omega_panda_joint5_y * 0.0029023121300534266;
+    let t1935 = omega_panda_joint5_x * 0.0030304889466540603;
+    let t1936 = t1935 + t1934;
+    let t1937 = t1936 - t1933;
+    let t1938 = cos_panda_joint5 * t1937;
+    let t1939 = cos_panda_joint6 * t1870;
+    let t1940 = sin_panda_joint6 * t1876;
+    let t1941 = t1940 + t1939;
+    let t1942 = omega_panda_joint5_y * 0.0030304889466540603;
+    let t1943 = omega_panda_joint5_x * 0.020090375656642484;
+    let t1944 = t1943 + t1942;
+    let t1945 = t1944 + t1941;
+    let t1946 = sin_panda_joint5 * t1945;
+    let t1947 = t1938 - t1946;
+    let t1948 = 0.21484375 * t1923;
+    let t1949 = t67 * t521;
+    let t1950 = t1948 + t1949;
+    let t1951 = t1947 - t1950;
+    let t1952 = omega_panda_joint4_x * 0.007810710052552201;
+    let t1953 = omega_panda_joint4_z * 0.10204027231363103;
+    let t1954 = t1953 - t1952;
+    let t1955 = t1954 - t1951;
+    let t1956 = t1791 - t1932;
+    let t1957 = omega_panda_joint5_z * 0.004328104104196259;
+    let t1958 = t1957 - t1956;
+    let t1959 = t75 * t1822;
+    let t1960 = t1898 - t1959;
+    let t1961 = t1958 - t1960;
+    let t1962 = cos_panda_joint5 * t1961;
+    let t1963 = sin_panda_joint6 * t1849;
+    let t1964 = cos_panda_joint6 * t1855;
+    let t1965 = t1963 - t1964;
+    let t1966 = omega_panda_joint5_z * 0.00920049103512621;
+    let t1967 = t1966 - t1965;
+    let t1968 = t75 * t1834;
+    let t1969 = t1906 - t1968;
+    let t1970 = t1967 - t1969;
+    let t1971 = sin_panda_joint5 * t1970;
+    let t1972 = t1962 - t1971;
+    let t1973 = omega_panda_joint4_y * 0.003288975154738541;
+    let t1974 = omega_panda_joint4_z * 1.3945841500619438;
+    let t1975 = t1973 - t1974;
+    let t1976 = t1975 + t1972;
+    let t1977 = t1976 + t1955;
+    let t1978 = cos_panda_joint4 * t1977;
+    let t1979 = t1931 - t1978;
+    let t1980 = sin_panda_joint4 * t1979;
+    let t1981 = t1913 - t1980;
+    let t1982 = omega_panda_joint4_z * 0.33206638634449503;
+    let t1983 = t1982 + t1908;
+    let t1984 = cos_panda_joint4 * t1983;
+    let t1985 = omega_panda_joint4_z * 0.09120874531725003;
+    let t1986 = t1985 + t1948;
+    let t1987 = sin_panda_joint4 * t1986;
+    let t1988 = t1984 - t1987;
+    let t1989 = t1988 + t1981;
+    let t1990 = omega_panda_joint3_y * 0.010975296213124512;
+    let t1991 = omega_panda_joint3_z * 0.00024382484190148615;
+    let t1992 = t1990 - t1991;
+    let t1993 = t1992 - t1989;
+    let t1994 = 7.66060606060606 * omega_panda_joint3_y;
+    let t1995 = t148 * t1994;
+    let t1996 = t1993 + t1995;
+    let t1997 = t1836 + t1888;
+    let t1998 = 2.0 * omega_panda_joint4_y;
+    let t1999 = t117 * t1998;
+    let t2000 = t1997 + t1999;
+    let t2001 = t1910 - t1927;
+    let t2002 = t2001 + t2000;
+    let t2003 = t117 * t498;
+    let t2004 = t2002 - t2003;
+    let t2005 = omega_panda_joint3_x * 0.008754514243679169;
+    let t2006 = t1991 + t2005;
+    let t2007 = t2006 + t2004;
+    let t2008 = 7.66060606060606 * omega_panda_joint3_x;
+    let t2009 = t156 * t2008;
+    let t2010 = t2007 + t2009;
+    let t2011 = t1996 - t2010;
+    let t2012 = sin_panda_joint3 * t2011;
+    let t2013 = cos_panda_joint5 * t1887;
+    let t2014 = t1884 + t2013;
+    let t2015 = t65 * t1898;
+    let t2016 = t61 * t1906;
+    let t2017 = t2015 + t2016;
+    let t2018 = t67 * t1998;
+    let t2019 = t2017 + t2018;
+    let t2020 = t2014 + t2019;
+    let t2021 = omega_panda_joint4_y * 0.10204027231363103;
+    let t2022 = omega_panda_joint4_x * 0.32568174537092176;
     let t2023 = t2022 - t2021;
-    let t2024 = 0.0012597535716761534 * cos_panda_joint7_2;
-    let t2025 = t2024 - t2023;
-    let t2026 = cos_panda_joint5 * t2025;
-    let t2027 = t1188 * t1184;
-    let t2028 = t1122 - t2027;
-    let t2029 = sin_panda_joint5 * t2028;
-    let t2030 = t2026 - t2029;
-    let t2031 = sin_panda_joint4 * t2030;
-    let t2032 = cos_panda_joint6 * t2020;
-    let t2033 = sin_panda_joint6 * t1130;
-    let t2034 = t2033 + t2032;
-    let t2035 = t1163 * t2027;
-    let t2036 = t1149 * t2024;
-    let t2037 = t2035 + t2036;
-    let t2038 = t2034 - t2037;
-    let t2039 = cos_panda_joint4 * t2038;
-    let t2040 = t2031 - t2039;
-    let t2041 = t2037 - t2040;
-    let t2042 = t1074 * t2041;
-    let t2043 = sin_panda_joint5 * t2025;
-    let t2044 = cos_panda_joint5 * t2028;
-    let t2045 = t2043 + t2044;
-    let t2046 = t1188 * t1178;
-    let t2047 = 0.21484375 * t2046;
-    let t2048 = t2047 - t2045;
-    let t2049 = t1149 * t2027;
-    let t2050 = t1163 * t2024;
-    let t2051 = t2049 - t2050;
-    let t2052 = sin_panda_joint4 * t2051;
-    let t2053 = cos_panda_joint4 * t2047;
-    let t2054 = t2052 + t2053;
-    let t2055 = t2048 - t2054;
-    let t2056 = cos_panda_joint4 * t2051;
-    let t2057 = sin_panda_joint4 * t2047;
+    let t2024 = t2023 - t2020;
+    let t2025 = cos_panda_joint4 * t2024;
+    let t2026 = sin_panda_joint5 * t1961;
+    let t2027 = cos_panda_joint5 * t1970;
+    let t2028 = t2026 + t2027;
+    let t2029 = t93 * t1998;
+    let t2030 = t2028 - t2029;
+    let t2031 = omega_panda_joint4_y * 0.32568174537092176;
+    let t2032 = omega_panda_joint4_x * 1.3945841500619438;
+    let t2033 = t2032 - t2031;
+    let t2034 = t2033 + t2030;
+    let t2035 = sin_panda_joint4 * t2034;
+    let t2036 = t2025 + t2035;
+    let t2037 = omega_panda_joint4_y * 0.09120874531725003;
+    let t2038 = omega_panda_joint4_x * 0.33206638634449503;
+    let t2039 = t2038 - t2037;
+    let t2040 = t2039 - t2017;
+    let t2041 = t105 * t498;
+    let t2042 = t2040 - t2041;
+    let t2043 = t2036 - t2042;
+    let t2044 = omega_panda_joint3_x * 0.010975296213124512;
+    let t2045 = omega_panda_joint3_z * 0.1232048420530554;
+    let t2046 = t2045 + t2044;
+    let t2047 = t2046 - t2043;
+    let t2048 = t148 * t2008;
+    let t2049 = t2047 + t2048;
+    let t2050 = t1863 - t2013;
+    let t2051 = omega_panda_joint4_z * 0.003288975154738541;
+    let t2052 = t2051 - t2050;
+    let t2053 = cos_panda_joint4 * t2052;
+    let t2054 = sin_panda_joint5 * t1937;
+    let t2055 = cos_panda_joint5 * t1945;
+    let t2056 = t2054 + t2055;
+    let t2057 = t117 * t521;
     let t2058 = t2056 - t2057;
-    let t2059 = 3.83030303030303 * t2058;
-    let t2060 = t2055 + t2059;
-    let t2061 = sin_panda_joint3 * t2060;
-    let t2062 = cos_panda_joint4 * t2030;
-    let t2063 = sin_panda_joint4 * t2038;
-    let t2064 = t2062 + t2063;
-    let t2065 = 3.83030303030303 * t2037;
-    let t2066 = t2064 + t2065;
-    let t2067 = cos_panda_joint3 * t2066;
-    let t2068 = t2067 + t2061;
-    let t2069 = t1067 * t2068;
-    let t2070 = t2069 - t2042;
-    let t2071 = cos_panda_joint3 * t2060;
-    let t2072 = sin_panda_joint3 * t2066;
-    let t2073 = t2072 - t2071;
-    let t2074 = t1442 * t2073;
-    let t2075 = t2070 + t2074;
-    let t2076 = cos_panda_joint3 * t2058;
-    let t2077 = sin_panda_joint3 * t2037;
-    let t2078 = t2076 - t2077;
-    let t2079 = acceleration_panda_joint2_y * t2078;
-    let t2080 = acceleration_panda_joint2_x * t2054;
-    let t2081 = t2079 + t2080;
-    let t2082 = t2075 - t2081;
-    let t2083 = t1611 - t1635;
-    let t2084 = t1637 - t2083;
-    let t2085 = sin_panda_joint6 * t2084;
-    let t2086 = t1591 - t1596;
-    let t2087 = cos_panda_joint6 * t2086;
-    let t2088 = t2087 - t2085;
-    let t2089 = t1644 * t2046;
-    let t2090 = t2088 - t2089;
-    let t2091 = cos_panda_joint5 * t2090;
-    let t2092 = t1632 * t2046;
-    let t2093 = t1678 - t2092;
-    let t2094 = sin_panda_joint5 * t2093;
-    let t2095 = t2091 + t2094;
-    let t2096 = t1808 * t2047;
-    let t2097 = t38 * t2037;
-    let t2098 = t2097 - t2096;
-    let t2099 = t2095 - t2098;
-    let t2100 = cos_panda_joint4 * t2099;
-    let t2101 = cos_panda_joint6 * t2084;
-    let t2102 = sin_panda_joint6 * t2086;
-    let t2103 = t2102 + t2101;
-    let t2104 = t1644 * t2027;
-    let t2105 = t1632 * t2024;
-    let t2106 = t2105 - t2104;
-    let t2107 = t2103 - t2106;
-    let t2108 = t1808 * t2051;
-    let t2109 = t2107 - t2108;
-    let t2110 = sin_panda_joint4 * t2109;
-    let t2111 = t2100 - t2110;
-    let t2112 = t1080 * t2054;
-    let t2113 = t1899 * t2037;
-    let t2114 = t2112 + t2113;
-    let t2115 = t2111 - t2114;
-    let t2116 = t1818 * t2054;
-    let t2117 = t2115 - t2116;
-    let t2118 = cos_panda_joint3 * t2117;
-    let t2119 = sin_panda_joint5 * t2090;
-    let t2120 = cos_panda_joint5 * t2093;
-    let t2121 = t2119 - t2120;
-    let t2122 = t38 * t2051;
-    let t2123 = t2121 + t2122;
-    let t2124 = t1899 * t2058;
-    let t2125 = t2123 + t2124;
-    let t2126 = t1804 * t2054;
-    let t2127 = t2125 + t2126;
-    let t2128 = sin_panda_joint3 * t2127;
-    let t2129 = t2118 - t2128;
-    let t2130 = omega_panda_joint2_y * t2129;
-    let t2131 = sin_panda_joint4 * t2099;
-    let t2132 = cos_panda_joint4 * t2109;
-    let t2133 = t2131 + t2132;
-    let t2134 = t1080 * t2058;
-    let t2135 = t2133 + t2134;
-    let t2136 = t1818 * t2058;
-    let t2137 = t1804 * t2037;
-    let t2138 = t2137 - t2136;
-    let t2139 = t2135 - t2138;
-    let t2140 = omega_panda_joint2_x * t2139;
-    let t2141 = t2130 + t2140;
-    let t2142 = t2082 + t2141;
-    let t2143 = t571 * t2142;
-    let t2144 = t2018 - t2143;
-    let t2145 = t577 * t2142;
-    let t2146 = cos_panda_joint5 * t1469;
-    let t2147 = 0.050456677916247444 + t1450;
-    let t2148 = t2147 + t1492;
-    let t2149 = sin_panda_joint5 * t2148;
-    let t2150 = t2146 - t2149;
-    let t2151 = sin_panda_joint4 * t2150;
-    let t2152 = t1163 * t1492;
-    let t2153 = t1505 - t2152;
-    let t2154 = cos_panda_joint4 * t2153;
-    let t2155 = t2151 + t2154;
-    let t2156 = t2152 + t2155;
-    let t2157 = t1074 * t2156;
-    let t2158 = sin_panda_joint5 * t1469;
-    let t2159 = cos_panda_joint5 * t2148;
-    let t2160 = t2158 + t2159;
-    let t2161 = 0.21484375 * t1479;
+    let t2059 = omega_panda_joint4_z * 0.007810710052552201;
+    let t2060 = t2059 - t2058;
+    let t2061 = sin_panda_joint4 * t2060;
+    let t2062 = t2053 - t2061;
+    let t2063 = omega_panda_joint3_y * 0.008754514243679169;
+    let t2064 = omega_panda_joint3_z * 0.04435629792975647;
+    let t2065 = t2063 - t2064;
+    let t2066 = t2065 + t2062;
+    let t2067 = t156 * t1994;
+    let t2068 = t2066 + t2067;
+    let t2069 = t2068 + t2049;
+    let t2070 = cos_panda_joint3 * t2069;
+    let t2071 = t2012 + t2070;
+    let t2072 = sin_panda_joint3 * t2071;
+    let t2073 = t2010 + t2072;
+    let t2074 = omega_panda_joint2_x * 0.0015378722058928;
+    let t2075 = omega_panda_joint2_y * 0.02052220364201634;
+    let t2076 = t2075 - t2074;
+    let t2077 = t2076 - t2073;
+    let t2078 = t1996 - t2072;
+    let t2079 = v[1] * 0.00796671776787104;
+    let t2080 = t2075 - t2079;
+    let t2081 = t2080 + t2078;
+    let t2082 = t2081 - t2077;
+    let t2083 = omega_panda_joint2_x * t2082;
+    let t2084 = cos_panda_joint4 * t1979;
+    let t2085 = t1976 + t2084;
+    let t2086 = sin_panda_joint4 * t1983;
+    let t2087 = cos_panda_joint4 * t1986;
+    let t2088 = t2086 + t2087;
+    let t2089 = 2.0 * omega_panda_joint3_y;
+    let t2090 = t105 * t2089;
+    let t2091 = t2088 - t2090;
+    let t2092 = t2085 + t2091;
+    let t2093 = omega_panda_joint3_y * 0.1232048420530554;
+    let t2094 = omega_panda_joint3_x * 0.00024382484190148615;
+    let t2095 = t2094 + t2093;
+    let t2096 = t2095 + t2092;
+    let t2097 = cos_panda_joint3 * t2096;
+    let t2098 = sin_panda_joint4 * t2052;
+    let t2099 = cos_panda_joint4 * t2060;
+    let t2100 = t2098 + t2099;
+    let t2101 = t117 * t2089;
+    let t2102 = t2100 + t2101;
+    let t2103 = omega_panda_joint3_y * 0.00024382484190148615;
+    let t2104 = omega_panda_joint3_x * 0.04435629792975647;
+    let t2105 = t2104 + t2103;
+    let t2106 = t2105 - t2102;
+    let t2107 = sin_panda_joint3 * t2106;
+    let t2108 = t2097 - t2107;
+    let t2109 = omega_panda_joint2_x * 0.02052220364201634;
+    let t2110 = v[1] * 0.04615576498986362;
+    let t2111 = t2110 - t2109;
+    let t2112 = t2111 + t2108;
+    let t2113 = omega_panda_joint2_y * t2112;
+    let t2114 = t2083 + t2113;
+    let t2115 = t1778 - t2114;
+    let t2116 = moment_panda_joint2_x_2 - t2115;
+    let t2117 = cos_panda_joint2 * t2116;
+    let t2118 = sin_panda_joint4 * moment_panda_joint4_x_2;
+    let t2119 = cos_panda_joint4 * moment_panda_joint4_y_2;
+    let t2120 = t2118 + t2119;
+    let t2121 = force_panda_joint4_z_2 - t2120;
+    let t2122 = 0.004377257121839584 * t1454;
+    let t2123 = 0.005487648106562256 * t1441;
+    let t2124 = t2123 + t2122;
+    let t2125 = t902 + t2124;
+    let t2126 = 0.0616024210265277 * t1505;
+    let t2127 = t2125 - t2126;
+    let t2128 = 0.022178148964878235 * t1447;
+    let t2129 = t2127 + t2128;
+    let t2130 = 0.002328735327435001 * acceleration_panda_joint3_x_2;
+    let t2131 = 0.06161578168944001 * acceleration_panda_joint3_y_2;
+    let t2132 = t2131 + t2130;
+    let t2133 = t2132 + t2129;
+    let moment_panda_joint3_z_2 = t2133 - t2121;
+    let t2135 = 0.0007689361029464 * t1436;
+    let t2136 = 0.00398335888393552 * t1439;
+    let t2137 = t2135 - t2136;
+    let t2138 = t1011 + t2137;
+    let t2139 = 0.02307788249493181 * t1761;
+    let t2140 = t2138 - t2139;
+    let moment_panda_joint2_y_2 = t2140 + moment_panda_joint3_z_2;
+    let t2142 = t161 * t1438;
+    let t2143 = t168 + t141;
+    let t2144 = t1444 * t2143;
+    let t2145 = t2144 + t2142;
+    let t2146 = t441 * t998;
+    let t2147 = t2145 + t2146;
+    let t2148 = t1776 * acceleration_panda_joint2_x;
+    let t2149 = t2148 + t2147;
+    let t2150 = t1929 + t1980;
+    let t2151 = t138 * t2089;
+    let t2152 = t2150 - t2151;
+    let t2153 = t1990 + t2005;
+    let t2154 = t2153 + t2152;
+    let t2155 = omega_panda_joint3_y * 0.12323156337888003;
+    let t2156 = omega_panda_joint3_x * 0.004657470654870002;
+    let t2157 = t2156 + t2155;
+    let t2158 = t2157 + t2088;
+    let t2159 = 3.83030303030303 * t2158;
+    let t2160 = t2154 + t2159;
+    let t2161 = t2079 - t2074;
     let t2162 = t2161 - t2160;
-    let t2163 = cos_panda_joint4 * t2161;
-    let t2164 = t1149 * t1492;
-    let t2165 = sin_panda_joint4 * t2164;
-    let t2166 = t2165 - t2163;
-    let t2167 = t2162 + t2166;
-    let t2168 = sin_panda_joint4 * t2161;
-    let t2169 = cos_panda_joint4 * t2164;
-    let t2170 = t2169 + t2168;
-    let t2171 = 3.83030303030303 * t2170;
-    let t2172 = t2167 - t2171;
-    let t2173 = sin_panda_joint3 * t2172;
-    let t2174 = cos_panda_joint4 * t2150;
-    let t2175 = sin_panda_joint4 * t2153;
-    let t2176 = t2174 - t2175;
-    let t2177 = 3.83030303030303 * t2152;
-    let t2178 = t2176 - t2177;
-    let t2179 = cos_panda_joint3 * t2178;
-    let t2180 = t2179 + t2173;
-    let t2181 = t1067 * t2180;
-    let t2182 = t2181 + t2157;
-    let t2183 = cos_panda_joint3 * t2172;
-    let t2184 = sin_panda_joint3 * t2178;
-    let t2185 = t2184 - t2183;
-    let t2186 = t1442 * t2185;
-    let t2187 = t2182 + t2186;
-    let t2188 = cos_panda_joint3 * t2170;
-    let t2189 = sin_panda_joint3 * t2152;
-    let t2190 = t2188 - t2189;
-    let t2191 = acceleration_panda_joint2_y * t2190;
-    let t2192 = acceleration_panda_joint2_x * t2166;
-    let t2193 = t2191 + t2192;
-    let t2194 = t2187 + t2193;
-    let t2195 = t1644 * t1479;
-    let t2196 = t1667 - t2195;
-    let t2197 = cos_panda_joint5 * t2196;
-    let t2198 = t1617 - t1622;
-    let t2199 = t1632 * t1479;
-    let t2200 = t2198 + t2199;
-    let t2201 = sin_panda_joint5 * t2200;
-    let t2202 = t2197 - t2201;
-    let t2203 = t1808 * t2161;
-    let t2204 = t38 * t2152;
-    let t2205 = t2204 + t2203;
-    let t2206 = t2202 + t2205;
-    let t2207 = cos_panda_joint4 * t2206;
-    let t2208 = t1775 - t1778;
-    let t2209 = t1808 * t2164;
-    let t2210 = t2208 + t2209;
-    let t2211 = sin_panda_joint4 * t2210;
-    let t2212 = t2207 - t2211;
-    let t2213 = t1080 * t2166;
-    let t2214 = t1899 * t2152;
-    let t2215 = t2213 + t2214;
-    let t2216 = t2212 + t2215;
-    let t2217 = t1818 * t2166;
-    let t2218 = t2216 + t2217;
-    let t2219 = cos_panda_joint3 * t2218;
-    let t2220 = sin_panda_joint5 * t2196;
-    let t2221 = cos_panda_joint5 * t2200;
-    let t2222 = t2220 + t2221;
-    let t2223 = t38 * t2164;
+    let t2163 = t2162 - t2077;
+    let t2164 = omega_panda_joint2_y * t2163;
+    let t2165 = t1955 + t2084;
+    let t2166 = omega_panda_joint3_z * 0.008754514243679169;
+    let t2167 = t2166 + t2165;
+    let t2168 = omega_panda_joint3_z * 0.004657470654870002;
+    let t2169 = t2168 + t1988;
+    let t2170 = 3.83030303030303 * t2169;
+    let t2171 = t138 * t1994;
+    let t2172 = t2170 + t2171;
+    let t2173 = t2167 + t2172;
+    let t2174 = cos_panda_joint3 * t2173;
+    let t2175 = sin_panda_joint4 * t2024;
+    let t2176 = cos_panda_joint4 * t2034;
+    let t2177 = t2175 - t2176;
+    let t2178 = t138 * t498;
+    let t2179 = t2177 + t2178;
+    let t2180 = omega_panda_joint3_z * 0.010975296213124512;
+    let t2181 = t2180 - t2179;
+    let t2182 = omega_panda_joint3_z * 0.12323156337888003;
+    let t2183 = t2182 + t2040;
+    let t2184 = 3.83030303030303 * t2183;
+    let t2185 = t138 * t2008;
+    let t2186 = t2184 - t2185;
+    let t2187 = t2181 + t2186;
+    let t2188 = sin_panda_joint3 * t2187;
+    let t2189 = t2174 + t2188;
+    let t2190 = omega_panda_joint2_y * 0.0015378722058928;
+    let t2191 = v[1] * 2.064324122463762;
+    let t2192 = t2190 - t2191;
+    let t2193 = t2192 + t2189;
+    let t2194 = omega_panda_joint2_x * t2193;
+    let t2195 = t2164 + t2194;
+    let t2196 = t2149 + t2195;
+    let t2197 = moment_panda_joint2_y_2 - t2196;
+    let t2198 = sin_panda_joint2 * t2197;
+    let t2199 = t2198 + t2117;
+    let t2200 = inverse_d_panda_joint1 * t2199;
+    let t2201 = t441 * t1444;
+    let t2202 = t387 * t998;
+    let t2203 = t2202 + t2201;
+    let t2204 = t443 * t1438;
+    let t2205 = t2203 - t2204;
+    let t2206 = cos_panda_joint3 * t148;
+    let t2207 = sin_panda_joint3 * t156;
+    let t2208 = t2206 - t2207;
+    let t2209 = 0.000167639551695 - t2208;
+    let t2210 = t2209 * acceleration_panda_joint2_x;
+    let t2211 = 0.27592125358974007 - t138;
+    let t2212 = t2211 * acceleration_panda_joint2_y;
+    let t2213 = t2210 + t2212;
+    let t2214 = t2213 + t2205;
+    let t2215 = cos_panda_joint3 * t2071;
+    let t2216 = t2068 - t2215;
+    let t2217 = omega_panda_joint2_y * 0.04615576498986362;
+    let t2218 = omega_panda_joint2_x * 0.00796671776787104;
+    let t2219 = t2218 - t2217;
+    let t2220 = t2219 + t2216;
+    let t2221 = omega_panda_joint2_y * t2220;
+    let t2222 = sin_panda_joint3 * t2173;
+    let t2223 = cos_panda_joint3 * t2187;
     let t2224 = t2222 - t2223;
-    let t2225 = t1899 * t2170;
-    let t2226 = t2224 - t2225;
-    let t2227 = t1804 * t2166;
-    let t2228 = t2226 - t2227;
-    let t2229 = sin_panda_joint3 * t2228;
-    let t2230 = t2219 - t2229;
-    let t2231 = omega_panda_joint2_y * t2230;
-    let t2232 = sin_panda_joint4 * t2206;
-    let t2233 = cos_panda_joint4 * t2210;
-    let t2234 = t2232 + t2233;
-    let t2235 = t1080 * t2170;
-    let t2236 = t2234 - t2235;
-    let t2237 = t1818 * t2170;
-    let t2238 = t1804 * t2152;
-    let t2239 = t2238 - t2237;
-    let t2240 = t2236 + t2239;
-    let t2241 = omega_panda_joint2_x * t2240;
-    let t2242 = t2231 + t2241;
-    let t2243 = t2194 + t2242;
-    let t2244 = t2243 - t2145;
-    let t2245 = t641 * t2244;
-    let t2246 = t2144 + t2245;
-    let t2247 = t652 * t2244;
-    let t2248 = t647 * t2142;
-    let t2249 = sin_panda_joint4 * t1509;
-    let t2250 = t1460 + t1461;
-    let t2251 = t2250 + t1485;
-    let t2252 = cos_panda_joint4 * t2251;
-    let t2253 = t2249 + t2252;
-    let t2254 = t1485 - t2253;
-    let t2255 = t1074 * t2254;
-    let t2256 = cos_panda_joint4 * t1509;
-    let t2257 = sin_panda_joint4 * t2251;
-    let t2258 = t2256 - t2257;
-    let t2259 = 3.83030303030303 * t1485;
-    let t2260 = t2258 + t2259;
-    let t2261 = cos_panda_joint3 * t2260;
-    let t2262 = sin_panda_joint4 * t1536;
-    let t2263 = t1542 - t2262;
-    let t2264 = cos_panda_joint4 * t1536;
-    let t2265 = 3.83030303030303 * t2264;
-    let t2266 = t2263 + t2265;
+    let t2225 = omega_panda_joint2_y * 0.00796671776787104;
+    let t2226 = omega_panda_joint2_x * 2.064324122463762;
+    let t2227 = t2226 - t2225;
+    let t2228 = t2227 - t2224;
+    let t2229 = omega_panda_joint2_x * t2228;
+    let t2230 = t2221 - t2229;
+    let t2231 = t2214 + t2230;
+    let t2232 = t460 * t2231;
+    let t2233 = t2200 + t2232;
+    let t2234 = t348 * t1438;
+    let t2235 = t160 * t1444;
+    let t2236 = t2235 - t2234;
+    let t2237 = t426 * t998;
+    let t2238 = t2236 + t2237;
+    let t2239 = t1777 + t2238;
+    let t2240 = t1993 + t2007;
+    let t2241 = t1995 + t2009;
+    let t2242 = t2240 + t2241;
+    let t2243 = omega_panda_joint2_x * t2242;
+    let t2244 = omega_panda_joint2_y * t2108;
+    let t2245 = t2244 + t2243;
+    let t2246 = t2239 - t2245;
+    let t2247 = t463 * t2246;
+    let t2248 = t2233 - t2247;
+    let t2249 = t154 * t1438;
+    let t2250 = t318 * t1444;
+    let t2251 = t2250 + t2249;
+    let t2252 = t414 * t998;
+    let t2253 = t2251 + t2252;
+    let t2254 = cos_panda_joint3 * t138;
+    let t2255 = t2254 * acceleration_panda_joint2_y;
+    let t2256 = t105 * acceleration_panda_joint2_x;
+    let t2257 = t2255 - t2256;
+    let t2258 = t2253 + t2257;
+    let t2259 = t2036 + t2041;
+    let t2260 = t105 * t2008;
+    let t2261 = t2259 + t2260;
+    let t2262 = cos_panda_joint3 * t2261;
+    let t2263 = t1913 + t1929;
+    let t2264 = t2151 - t2263;
+    let t2265 = t105 * t1994;
+    let t2266 = t2264 - t2265;
     let t2267 = sin_panda_joint3 * t2266;
-    let t2268 = t2261 - t2267;
-    let t2269 = t1067 * t2268;
-    let t2270 = t2269 - t2255;
-    let t2271 = sin_panda_joint3 * t2260;
-    let t2272 = cos_panda_joint3 * t2266;
-    let t2273 = t2271 + t2272;
-    let t2274 = t1442 * t2273;
-    let t2275 = t2270 + t2274;
-    let t2276 = cos_panda_joint3 * t2264;
-    let t2277 = sin_panda_joint3 * t1485;
-    let t2278 = t2276 + t2277;
-    let t2279 = acceleration_panda_joint2_y * t2278;
-    let t2280 = acceleration_panda_joint2_x * t2262;
-    let t2281 = t2279 + t2280;
-    let t2282 = t2275 + t2281;
-    let t2283 = t1631 + t1643;
-    let t2284 = t1633 - t1645;
-    let t2285 = t2283 - t2284;
-    let t2286 = t1809 + t2285;
-    let t2287 = sin_panda_joint4 * t2286;
-    let t2288 = t1757 - t1759;
-    let t2289 = cos_panda_joint4 * t2288;
-    let t2290 = t2289 - t2287;
-    let t2291 = t1080 * t2262;
-    let t2292 = t1899 * t1485;
-    let t2293 = t2291 - t2292;
-    let t2294 = t2290 + t2293;
-    let t2295 = t1818 * t2262;
-    let t2296 = t2294 + t2295;
-    let t2297 = cos_panda_joint3 * t2296;
-    let t2298 = t1899 * t2264;
-    let t2299 = t1868 - t2298;
-    let t2300 = t1804 * t2262;
-    let t2301 = t2299 - t2300;
-    let t2302 = sin_panda_joint3 * t2301;
-    let t2303 = t2297 - t2302;
-    let t2304 = omega_panda_joint2_y * t2303;
-    let t2305 = cos_panda_joint4 * t2286;
-    let t2306 = sin_panda_joint4 * t2288;
-    let t2307 = t2306 + t2305;
-    let t2308 = t1080 * t2264;
-    let t2309 = t2307 - t2308;
-    let t2310 = t1818 * t2264;
-    let t2311 = t1804 * t1485;
+    let t2268 = t2262 - t2267;
+    let t2269 = omega_panda_joint2_y * t2268;
+    let t2270 = t2179 + t2185;
+    let t2271 = omega_panda_joint2_x * t2270;
+    let t2272 = t2269 + t2271;
+    let t2273 = t2258 - t2272;
+    let t2274 = t468 * t2273;
+    let t2275 = t2248 - t2274;
+    let t2276 = t293 * t1438;
+    let t2277 = t288 * t1444;
+    let t2278 = t2277 - t2276;
+    let t2279 = t404 * t998;
+    let t2280 = t2278 + t2279;
+    let t2281 = cos_panda_joint3 * t284;
+    let t2282 = sin_panda_joint3 * t67;
+    let t2283 = t2281 + t2282;
+    let t2284 = t2283 * acceleration_panda_joint2_y;
+    let t2285 = t282 * acceleration_panda_joint2_x;
+    let t2286 = t2284 + t2285;
+    let t2287 = t2280 + t2286;
+    let t2288 = t1821 + t1833;
+    let t2289 = t1823 - t1835;
+    let t2290 = t2288 - t2289;
+    let t2291 = t1999 + t2290;
+    let t2292 = sin_panda_joint4 * t2291;
+    let t2293 = t1947 - t1949;
+    let t2294 = cos_panda_joint4 * t2293;
+    let t2295 = t2294 - t2292;
+    let t2296 = t282 * t498;
+    let t2297 = t67 * t2089;
+    let t2298 = t2296 - t2297;
+    let t2299 = t2295 + t2298;
+    let t2300 = t282 * t2008;
+    let t2301 = t2299 + t2300;
+    let t2302 = cos_panda_joint3 * t2301;
+    let t2303 = t284 * t2089;
+    let t2304 = t2058 - t2303;
+    let t2305 = t282 * t1994;
+    let t2306 = t2304 - t2305;
+    let t2307 = sin_panda_joint3 * t2306;
+    let t2308 = t2302 - t2307;
+    let t2309 = omega_panda_joint2_y * t2308;
+    let t2310 = cos_panda_joint4 * t2291;
+    let t2311 = sin_panda_joint4 * t2293;
     let t2312 = t2311 + t2310;
-    let t2313 = t2309 - t2312;
-    let t2314 = omega_panda_joint2_x * t2313;
-    let t2315 = t2304 + t2314;
-    let t2316 = t2282 + t2315;
-    let t2317 = t2316 + t2248;
-    let t2318 = t2317 - t2247;
-    let t2319 = t719 * t2318;
-    let t2320 = t2246 - t2319;
-    let t2321 = t737 * t2318;
-    let t2322 = t730 * t2244;
-    let t2323 = t725 * t2142;
-    let t2324 = t1074 * t1545;
-    let t2325 = t1488 + t1495;
-    let t2326 = t2325 - t1527;
-    let t2327 = 3.83030303030303 * t1522;
-    let t2328 = t2327 - t2326;
-    let t2329 = sin_panda_joint3 * t2328;
-    let t2330 = cos_panda_joint3 * t1565;
-    let t2331 = t2330 - t2329;
-    let t2332 = t1067 * t2331;
-    let t2333 = t2332 + t2324;
-    let t2334 = cos_panda_joint3 * t2328;
-    let t2335 = sin_panda_joint3 * t1565;
-    let t2336 = t2335 + t2334;
-    let t2337 = t1442 * t2336;
-    let t2338 = t2333 + t2337;
-    let t2339 = cos_panda_joint3 * t1522;
-    let t2340 = acceleration_panda_joint2_y * t2339;
-    let t2341 = acceleration_panda_joint2_x * t1527;
-    let t2342 = t2340 - t2341;
-    let t2343 = t2338 + t2342;
-    let t2344 = t1846 + t1851;
-    let t2345 = t1818 * t1527;
-    let t2346 = t2344 + t2345;
-    let t2347 = cos_panda_joint3 * t2346;
-    let t2348 = t1723 + t1739;
-    let t2349 = t1970 - t2348;
-    let t2350 = t1804 * t1527;
-    let t2351 = t2349 - t2350;
-    let t2352 = sin_panda_joint3 * t2351;
-    let t2353 = t2347 - t2352;
-    let t2354 = omega_panda_joint2_y * t2353;
-    let t2355 = t1998 + t2004;
-    let t2356 = omega_panda_joint2_x * t2355;
-    let t2357 = t2354 + t2356;
-    let t2358 = t2343 - t2357;
-    let t2359 = t2358 - t2323;
-    let t2360 = t2359 - t2322;
-    let t2361 = t2360 - t2321;
-    let t2362 = t797 * t2361;
-    let t2363 = t2320 + t2362;
-    let t2364 = t824 * t2361;
-    let t2365 = t815 * t2318;
-    let t2366 = t808 * t2244;
-    let t2367 = t803 * t2142;
-    let t2368 = t1558 + t1560;
-    let t2369 = t1074 * t2368;
-    let t2370 = t1067 * t1551;
-    let t2371 = t2370 - t2369;
-    let t2372 = t1442 * t1580;
-    let t2373 = t2371 + t2372;
-    let t2374 = t1587 + t2373;
-    let t2375 = t1803 + t1817;
-    let t2376 = t1805 + t1819;
-    let t2377 = t2375 + t2376;
-    let t2378 = omega_panda_joint2_x * t2377;
-    let t2379 = omega_panda_joint2_y * t1918;
-    let t2380 = t2379 + t2378;
-    let t2381 = t2374 - t2380;
-    let t2382 = t2381 - t2367;
-    let t2383 = t2382 + t2366;
-    let t2384 = t2383 - t2365;
-    let t2385 = t2384 + t2364;
-    let t2386 = t877 * t2385;
-    let t2387 = t2363 + t2386;
-    let t2388 = t944 * t2385;
-    let t2389 = t930 * t2361;
-    let t2390 = t918 * t2318;
-    let t2391 = t908 * t2244;
-    let t2392 = t900 * t2142;
-    let t2393 = t1067 * t1964;
-    let t2394 = t1573 + t1958;
-    let t2395 = t1442 * t2394;
-    let t2396 = t2395 + t2393;
-    let t2397 = t1074 * t1581;
-    let t2398 = t2396 - t2397;
-    let t2399 = cos_panda_joint3 * t1528;
-    let t2400 = sin_panda_joint3 * t1547;
-    let t2401 = t2399 - t2400;
-    let t2402 = 0.000167639551695 - t2401;
-    let t2403 = acceleration_panda_joint2_x * t2402;
-    let t2404 = 0.27592125358974007 - t1522;
-    let t2405 = acceleration_panda_joint2_y * t2404;
-    let t2406 = t2403 + t2405;
-    let t2407 = t2406 + t2398;
-    let t2408 = cos_panda_joint3 * t1881;
-    let t2409 = t1878 - t2408;
-    let t2410 = omega_panda_joint2_y * 0.04615576498986362;
-    let t2411 = omega_panda_joint2_x * 0.00796671776787104;
-    let t2412 = t2411 - t2410;
-    let t2413 = t2412 + t2409;
-    let t2414 = omega_panda_joint2_y * t2413;
-    let t2415 = sin_panda_joint3 * t1992;
-    let t2416 = cos_panda_joint3 * t2006;
-    let t2417 = t2415 - t2416;
-    let t2418 = omega_panda_joint2_y * 0.00796671776787104;
-    let t2419 = omega_panda_joint2_x * 2.064324122463762;
-    let t2420 = t2419 - t2418;
-    let t2421 = t2420 - t2417;
-    let t2422 = omega_panda_joint2_x * t2421;
-    let t2423 = t2414 - t2422;
-    let t2424 = t2407 + t2423;
-    let t2425 = t2424 + t2392;
-    let t2426 = t2425 - t2391;
-    let t2427 = t2426 + t2390;
-    let t2428 = t2427 - t2389;
-    let t2429 = t2428 - t2388;
-    let t2430 = t990 * t2429;
-    let t2431 = t2387 + t2430;
-    let t2432 = inverse_d_panda_joint1 * t2431;
-    let t2433 = t1091 * t1567;
-    let t2434 = t1955 + t1558;
-    let t2435 = t1079 * t2434;
-    let t2436 = t2435 + t2433;
-    let t2437 = t472 * t1546;
-    let t2438 = t2436 + t2437;
-    let t2439 = acceleration_panda_joint3_y_2 * t1522;
-    let t2440 = t2439 - t2438;
-    let t2441 = t1803 - t1973;
-    let t2442 = omega_panda_joint3_x * t2441;
-    let t2443 = omega_panda_joint3_y * t1857;
-    let t2444 = t2442 - t2443;
-    let t2445 = t2440 - t2444;
-    let t2446 = moment_panda_joint3_x_2 - t2445;
-    let t2447 = t1079 * t1522;
-    let t2448 = t472 * t1547;
-    let t2449 = t2447 - t2448;
-    let t2450 = omega_panda_joint3_x * t1977;
+    let t2313 = t284 * t498;
+    let t2314 = t2312 - t2313;
+    let t2315 = t284 * t2008;
+    let t2316 = t67 * t1994;
+    let t2317 = t2316 + t2315;
+    let t2318 = t2314 - t2317;
+    let t2319 = omega_panda_joint2_x * t2318;
+    let t2320 = t2309 + t2319;
+    let t2321 = t2287 + t2320;
+    let t2322 = t475 * t2321;
+    let t2323 = t2275 - t2322;
+    let t2324 = t264 * t1438;
+    let t2325 = t259 * t1444;
+    let t2326 = t2325 + t2324;
+    let t2327 = t397 * t998;
+    let t2328 = t2326 + t2327;
+    let t2329 = cos_panda_joint3 * t244;
+    let t2330 = sin_panda_joint3 * t252;
+    let t2331 = t2329 - t2330;
+    let t2332 = t2331 * acceleration_panda_joint2_y;
+    let t2333 = t240 * acceleration_panda_joint2_x;
+    let t2334 = t2332 + t2333;
+    let t2335 = t2328 + t2334;
+    let t2336 = t59 * t1834;
+    let t2337 = t1857 - t2336;
+    let t2338 = cos_panda_joint5 * t2337;
+    let t2339 = t1807 - t1812;
+    let t2340 = t59 * t1822;
+    let t2341 = t2339 + t2340;
+    let t2342 = sin_panda_joint5 * t2341;
+    let t2343 = t2338 - t2342;
+    let t2344 = t235 * t1998;
+    let t2345 = t252 * t521;
+    let t2346 = t2345 + t2344;
+    let t2347 = t2343 + t2346;
+    let t2348 = cos_panda_joint4 * t2347;
+    let t2349 = t1965 - t1968;
+    let t2350 = t238 * t1998;
+    let t2351 = t2349 + t2350;
+    let t2352 = sin_panda_joint4 * t2351;
+    let t2353 = t2348 - t2352;
+    let t2354 = t240 * t498;
+    let t2355 = t252 * t2089;
+    let t2356 = t2354 + t2355;
+    let t2357 = t2353 + t2356;
+    let t2358 = t240 * t2008;
+    let t2359 = t2357 + t2358;
+    let t2360 = cos_panda_joint3 * t2359;
+    let t2361 = sin_panda_joint5 * t2337;
+    let t2362 = cos_panda_joint5 * t2341;
+    let t2363 = t2361 + t2362;
+    let t2364 = t238 * t521;
+    let t2365 = t2363 - t2364;
+    let t2366 = t244 * t2089;
+    let t2367 = t2365 - t2366;
+    let t2368 = t240 * t1994;
+    let t2369 = t2367 - t2368;
+    let t2370 = sin_panda_joint3 * t2369;
+    let t2371 = t2360 - t2370;
+    let t2372 = omega_panda_joint2_y * t2371;
+    let t2373 = sin_panda_joint4 * t2347;
+    let t2374 = cos_panda_joint4 * t2351;
+    let t2375 = t2373 + t2374;
+    let t2376 = t244 * t498;
+    let t2377 = t2375 - t2376;
+    let t2378 = t244 * t2008;
+    let t2379 = t252 * t1994;
+    let t2380 = t2379 - t2378;
+    let t2381 = t2377 + t2380;
+    let t2382 = omega_panda_joint2_x * t2381;
+    let t2383 = t2372 + t2382;
+    let t2384 = t2335 + t2383;
+    let t2385 = t484 * t2384;
+    let t2386 = t2323 + t2385;
+    let t2387 = t221 * t1438;
+    let t2388 = t216 * t1444;
+    let t2389 = t2388 + t2387;
+    let t2390 = t390 * t998;
+    let t2391 = t2389 + t2390;
+    let t2392 = cos_panda_joint3 * t196;
+    let t2393 = sin_panda_joint3 * t209;
+    let t2394 = t2392 - t2393;
+    let t2395 = t2394 * acceleration_panda_joint2_y;
+    let t2396 = t192 * acceleration_panda_joint2_x;
+    let t2397 = t2395 + t2396;
+    let t2398 = t2391 + t2397;
+    let t2399 = t1801 - t1825;
+    let t2400 = t1827 - t2399;
+    let t2401 = sin_panda_joint6 * t2400;
+    let t2402 = t1781 - t1786;
+    let t2403 = cos_panda_joint6 * t2402;
+    let t2404 = t2403 - t2401;
+    let t2405 = t184 * t1834;
+    let t2406 = t2404 - t2405;
+    let t2407 = cos_panda_joint5 * t2406;
+    let t2408 = t184 * t1822;
+    let t2409 = t1868 - t2408;
+    let t2410 = sin_panda_joint5 * t2409;
+    let t2411 = t2407 + t2410;
+    let t2412 = t185 * t1998;
+    let t2413 = t209 * t521;
+    let t2414 = t2413 - t2412;
+    let t2415 = t2411 - t2414;
+    let t2416 = cos_panda_joint4 * t2415;
+    let t2417 = cos_panda_joint6 * t2400;
+    let t2418 = sin_panda_joint6 * t2402;
+    let t2419 = t2418 + t2417;
+    let t2420 = t180 * t1834;
+    let t2421 = t177 * t1822;
+    let t2422 = t2421 - t2420;
+    let t2423 = t2419 - t2422;
+    let t2424 = t189 * t1998;
+    let t2425 = t2423 - t2424;
+    let t2426 = sin_panda_joint4 * t2425;
+    let t2427 = t2416 - t2426;
+    let t2428 = t192 * t498;
+    let t2429 = t209 * t2089;
+    let t2430 = t2428 + t2429;
+    let t2431 = t2427 - t2430;
+    let t2432 = t192 * t2008;
+    let t2433 = t2431 - t2432;
+    let t2434 = cos_panda_joint3 * t2433;
+    let t2435 = sin_panda_joint5 * t2406;
+    let t2436 = cos_panda_joint5 * t2409;
+    let t2437 = t2435 - t2436;
+    let t2438 = t189 * t521;
+    let t2439 = t2437 + t2438;
+    let t2440 = t196 * t2089;
+    let t2441 = t2439 + t2440;
+    let t2442 = t192 * t1994;
+    let t2443 = t2441 + t2442;
+    let t2444 = sin_panda_joint3 * t2443;
+    let t2445 = t2434 - t2444;
+    let t2446 = omega_panda_joint2_y * t2445;
+    let t2447 = sin_panda_joint4 * t2415;
+    let t2448 = cos_panda_joint4 * t2425;
+    let t2449 = t2447 + t2448;
+    let t2450 = t196 * t498;
     let t2451 = t2449 + t2450;
-    let t2452 = force_panda_joint3_y_2 - t2451;
-    let t2453 = 3.83030303030303 * t2452;
-    let t2454 = t2446 + t2453;
-    let t2455 = sin_panda_joint3 * t2454;
-    let t2456 = t1079 * t1567;
-    let t2457 = t1955 + t1560;
-    let t2458 = t1091 * t2457;
-    let t2459 = t2458 + t2456;
-    let t2460 = t472 * t1524;
-    let t2461 = t2459 - t2460;
-    let t2462 = acceleration_panda_joint3_x_2 * t1522;
-    let t2463 = t2462 - t2461;
-    let t2464 = t1817 - t1973;
-    let t2465 = omega_panda_joint3_y * t2464;
-    let t2466 = omega_panda_joint3_x * t1876;
-    let t2467 = t2465 - t2466;
-    let t2468 = t2463 + t2467;
-    let t2469 = moment_panda_joint3_y_2 + t2468;
-    let t2470 = t1091 * t1522;
-    let t2471 = t472 * t1528;
-    let t2472 = t2471 + t2470;
-    let t2473 = omega_panda_joint3_y * t1977;
-    let t2474 = t2472 - t2473;
-    let t2475 = force_panda_joint3_x_2 + t2474;
-    let t2476 = 3.83030303030303 * t2475;
-    let t2477 = t2469 + t2476;
-    let t2478 = cos_panda_joint3 * t2477;
-    let t2479 = t2478 - t2455;
-    let t2480 = sin_panda_joint2 * t2479;
-    let t2481 = acceleration_panda_joint3_y_2 * t1547;
-    let t2482 = acceleration_panda_joint3_x_2 * t1528;
-    let t2483 = t2482 - t2481;
-    let t2484 = t1091 * t1524;
-    let t2485 = t472 * t2368;
-    let t2486 = t2485 - t2484;
-    let t2487 = t1079 * t1546;
-    let t2488 = t2486 + t2487;
-    let t2489 = t2483 - t2488;
-    let t2490 = omega_panda_joint3_y * t1906;
-    let t2491 = omega_panda_joint3_x * t1916;
-    let t2492 = t2490 + t2491;
-    let t2493 = t2489 + t2492;
-    let t2494 = cos_panda_joint2 * t2493;
-    let t2495 = t2480 - t2494;
-    let t2496 = acceleration_panda_joint3_x_2 * t2037;
-    let t2497 = acceleration_panda_joint3_y_2 * t2058;
-    let t2498 = t2497 + t2496;
-    let t2499 = t1079 * t2055;
-    let t2500 = t1091 * t2064;
-    let t2501 = t2500 + t2499;
-    let t2502 = t472 * t2041;
-    let t2503 = t2501 - t2502;
-    let t2504 = t2503 + t2498;
-    let t2505 = omega_panda_joint3_y * t2115;
-    let t2506 = omega_panda_joint3_x * t2125;
-    let t2507 = t2505 + t2506;
-    let t2508 = t2504 - t2507;
-    let t2509 = t571 * t2508;
-    let t2510 = t2495 - t2509;
-    let t2511 = t577 * t2508;
-    let t2512 = acceleration_panda_joint3_x_2 * t2152;
-    let t2513 = acceleration_panda_joint3_y_2 * t2170;
-    let t2514 = t2513 + t2512;
-    let t2515 = t1079 * t2167;
-    let t2516 = t1091 * t2176;
-    let t2517 = t2516 + t2515;
-    let t2518 = t472 * t2156;
-    let t2519 = t2517 + t2518;
-    let t2520 = t2519 - t2514;
-    let t2521 = omega_panda_joint3_y * t2216;
-    let t2522 = omega_panda_joint3_x * t2226;
-    let t2523 = t2521 + t2522;
-    let t2524 = t2520 - t2523;
-    let t2525 = t2524 - t2511;
-    let t2526 = t641 * t2525;
-    let t2527 = t2510 + t2526;
-    let t2528 = t652 * t2525;
-    let t2529 = t647 * t2508;
-    let t2530 = acceleration_panda_joint3_x_2 * t1485;
-    let t2531 = acceleration_panda_joint3_y_2 * t2264;
-    let t2532 = t2531 - t2530;
-    let t2533 = t1079 * t2263;
-    let t2534 = t1091 * t2258;
-    let t2535 = t2534 - t2533;
-    let t2536 = t472 * t2254;
-    let t2537 = t2535 - t2536;
-    let t2538 = t2537 - t2532;
-    let t2539 = omega_panda_joint3_y * t2294;
-    let t2540 = omega_panda_joint3_x * t2299;
-    let t2541 = t2539 + t2540;
-    let t2542 = t2538 - t2541;
-    let t2543 = t2542 + t2529;
-    let t2544 = t2543 - t2528;
-    let t2545 = t719 * t2544;
-    let t2546 = t2527 - t2545;
-    let t2547 = t737 * t2544;
-    let t2548 = t730 * t2525;
-    let t2549 = t725 * t2508;
-    let t2550 = t1079 * t2326;
-    let t2551 = t1091 * t1565;
-    let t2552 = t2551 + t2550;
-    let t2553 = t472 * t1545;
-    let t2554 = t2552 + t2553;
-    let t2555 = t2439 - t2554;
-    let t2556 = omega_panda_joint3_y * t2344;
-    let t2557 = omega_panda_joint3_x * t2349;
-    let t2558 = t2556 + t2557;
-    let t2559 = t2555 - t2558;
-    let t2560 = t2559 + t2549;
-    let t2561 = t2560 + t2548;
-    let t2562 = t2561 + t2547;
-    let t2563 = t797 * t2562;
-    let t2564 = t2546 - t2563;
-    let t2565 = t824 * t2562;
-    let t2566 = t815 * t2544;
-    let t2567 = t808 * t2525;
-    let t2568 = t803 * t2508;
-    let t2569 = t2493 - t2568;
-    let t2570 = t2569 + t2567;
-    let t2571 = t2570 - t2566;
-    let t2572 = t2571 - t2565;
-    let t2573 = t877 * t2572;
-    let t2574 = t2564 + t2573;
-    let t2575 = cos_panda_joint3 * t2454;
-    let t2576 = sin_panda_joint3 * t2477;
-    let t2577 = t2576 + t2575;
-    let t2578 = t900 * t2508;
-    let t2579 = t2577 - t2578;
-    let t2580 = t908 * t2525;
+    let t2452 = t196 * t2008;
+    let t2453 = t209 * t1994;
+    let t2454 = t2453 - t2452;
+    let t2455 = t2451 - t2454;
+    let t2456 = omega_panda_joint2_x * t2455;
+    let t2457 = t2446 + t2456;
+    let t2458 = t2398 - t2457;
+    let t2459 = t495 * t2458;
+    let t2460 = t2386 + t2459;
+    let t2461 = t128 * t1454;
+    let t2462 = t135 + t108;
+    let t2463 = t1441 * t2462;
+    let t2464 = t2463 + t2461;
+    let t2465 = t155 * t611;
+    let t2466 = t2464 + t2465;
+    let t2467 = t138 * acceleration_panda_joint3_y_2;
+    let t2468 = t2467 - t2466;
+    let t2469 = t1993 - t2154;
+    let t2470 = omega_panda_joint3_x * t2469;
+    let t2471 = omega_panda_joint3_y * t2047;
+    let t2472 = t2470 - t2471;
+    let t2473 = t2468 - t2472;
+    let t2474 = moment_panda_joint3_x_2 - t2473;
+    let t2475 = t138 * t1441;
+    let t2476 = t156 * t611;
+    let t2477 = t2475 - t2476;
+    let t2478 = omega_panda_joint3_x * t2158;
+    let t2479 = t2477 + t2478;
+    let t2480 = force_panda_joint3_y_2 - t2479;
+    let t2481 = 3.83030303030303 * t2480;
+    let t2482 = t2474 + t2481;
+    let t2483 = sin_panda_joint3 * t2482;
+    let t2484 = t128 * t1441;
+    let t2485 = t135 + t110;
+    let t2486 = t1454 * t2485;
+    let t2487 = t2486 + t2484;
+    let t2488 = t147 * t611;
+    let t2489 = t2487 - t2488;
+    let t2490 = t138 * acceleration_panda_joint3_x_2;
+    let t2491 = t2490 - t2489;
+    let t2492 = t2007 - t2154;
+    let t2493 = omega_panda_joint3_y * t2492;
+    let t2494 = omega_panda_joint3_x * t2066;
+    let t2495 = t2493 - t2494;
+    let t2496 = t2491 + t2495;
+    let t2497 = moment_panda_joint3_y_2 + t2496;
+    let t2498 = t138 * t1454;
+    let t2499 = t148 * t611;
+    let t2500 = t2499 + t2498;
+    let t2501 = omega_panda_joint3_y * t2158;
+    let t2502 = t2500 - t2501;
+    let t2503 = force_panda_joint3_x_2 + t2502;
+    let t2504 = 3.83030303030303 * t2503;
+    let t2505 = t2497 + t2504;
+    let t2506 = cos_panda_joint3 * t2505;
+    let t2507 = t2506 - t2483;
+    let t2508 = sin_panda_joint2 * t2507;
+    let t2509 = t156 * acceleration_panda_joint3_y_2;
+    let t2510 = t148 * acceleration_panda_joint3_x_2;
+    let t2511 = t2510 - t2509;
+    let t2512 = t147 * t1454;
+    let t2513 = t348 * t611;
+    let t2514 = t2513 - t2512;
+    let t2515 = t155 * t1441;
+    let t2516 = t2514 + t2515;
+    let t2517 = t2511 - t2516;
+    let t2518 = omega_panda_joint3_y * t2096;
+    let t2519 = omega_panda_joint3_x * t2106;
+    let t2520 = t2518 + t2519;
+    let t2521 = t2517 + t2520;
+    let t2522 = cos_panda_joint2 * t2521;
+    let t2523 = t2508 - t2522;
+    let t2524 = inverse_d_panda_joint1 * t2523;
+    let t2525 = cos_panda_joint3 * t2482;
+    let t2526 = sin_panda_joint3 * t2505;
+    let t2527 = t2526 + t2525;
+    let t2528 = t460 * t2527;
+    let t2529 = t2524 - t2528;
+    let t2530 = t463 * t2521;
+    let t2531 = t2529 - t2530;
+    let t2532 = t313 * t1441;
+    let t2533 = t126 * t1454;
+    let t2534 = t2533 + t2532;
+    let t2535 = t154 * t611;
+    let t2536 = t2534 + t2535;
+    let t2537 = t2467 - t2536;
+    let t2538 = omega_panda_joint3_y * t2259;
+    let t2539 = omega_panda_joint3_x * t2264;
+    let t2540 = t2538 + t2539;
+    let t2541 = t2537 - t2540;
+    let t2542 = t468 * t2541;
+    let t2543 = t2531 + t2542;
+    let t2544 = t67 * acceleration_panda_joint3_x_2;
+    let t2545 = t284 * acceleration_panda_joint3_y_2;
+    let t2546 = t2545 - t2544;
+    let t2547 = t283 * t1441;
+    let t2548 = t278 * t1454;
+    let t2549 = t2548 - t2547;
+    let t2550 = t293 * t611;
+    let t2551 = t2549 - t2550;
+    let t2552 = t2551 - t2546;
+    let t2553 = omega_panda_joint3_y * t2299;
+    let t2554 = omega_panda_joint3_x * t2304;
+    let t2555 = t2553 + t2554;
+    let t2556 = t2552 - t2555;
+    let t2557 = t475 * t2556;
+    let t2558 = t2543 - t2557;
+    let t2559 = t252 * acceleration_panda_joint3_x_2;
+    let t2560 = t244 * acceleration_panda_joint3_y_2;
+    let t2561 = t2560 + t2559;
+    let t2562 = t241 * t1441;
+    let t2563 = t255 * t1454;
+    let t2564 = t2563 - t2562;
+    let t2565 = t264 * t611;
+    let t2566 = t2564 + t2565;
+    let t2567 = t2566 - t2561;
+    let t2568 = omega_panda_joint3_y * t2357;
+    let t2569 = omega_panda_joint3_x * t2367;
+    let t2570 = t2568 + t2569;
+    let t2571 = t2567 - t2570;
+    let t2572 = t484 * t2571;
+    let t2573 = t2558 + t2572;
+    let t2574 = t209 * acceleration_panda_joint3_x_2;
+    let t2575 = t196 * acceleration_panda_joint3_y_2;
+    let t2576 = t2575 + t2574;
+    let t2577 = t193 * t1441;
+    let t2578 = t212 * t1454;
+    let t2579 = t2578 - t2577;
+    let t2580 = t221 * t611;
     let t2581 = t2579 + t2580;
-    let t2582 = t918 * t2544;
-    let t2583 = t2581 - t2582;
-    let t2584 = t930 * t2562;
-    let t2585 = t2583 - t2584;
-    let t2586 = t944 * t2572;
-    let t2587 = t2585 + t2586;
-    let t2588 = t990 * t2587;
-    let t2589 = t2574 - t2588;
-    let t2590 = inverse_d_panda_joint1 * t2589;
-    let t2591 = t1084 * t1512;
-    let t2592 = t1559 + t1488;
-    let t2593 = t1098 * t2592;
-    let t2594 = t2593 - t2591;
-    let t2595 = t404 * t1543;
-    let t2596 = t2594 - t2595;
-    let t2597 = acceleration_panda_joint4_y_2 * t1536;
-    let t2598 = t2597 - t2596;
-    let t2599 = t1723 - t1812;
-    let t2600 = omega_panda_joint4_x * t2599;
-    let t2601 = omega_panda_joint4_y * t1765;
-    let t2602 = t2600 + t2601;
-    let t2603 = t2598 - t2602;
-    let t2604 = moment_panda_joint4_x_2 + t2603;
-    let t2605 = sin_panda_joint4 * t2604;
-    let t2606 = t1098 * t1512;
-    let t2607 = t1559 + t1495;
-    let t2608 = t1084 * t2607;
-    let t2609 = t2608 - t2606;
-    let t2610 = t404 * t1538;
-    let t2611 = t2609 - t2610;
-    let t2612 = acceleration_panda_joint4_x_2 * t1536;
-    let t2613 = t2612 - t2611;
-    let t2614 = t1739 - t1812;
-    let t2615 = omega_panda_joint4_y * t2614;
-    let t2616 = omega_panda_joint4_x * t1786;
-    let t2617 = t2615 + t2616;
-    let t2618 = t2613 + t2617;
-    let t2619 = moment_panda_joint4_y_2 + t2618;
-    let t2620 = cos_panda_joint4 * t2619;
-    let t2621 = t2620 + t2605;
-    let t2622 = t1098 * t1518;
-    let t2623 = t1084 * t1520;
-    let t2624 = t2623 - t2622;
-    let t2625 = omega_panda_joint4_x * t1793;
-    let t2626 = omega_panda_joint4_y * t1796;
-    let t2627 = t2626 - t2625;
-    let t2628 = t2624 - t2627;
-    let t2629 = 3.83030303030303 * t2628;
-    let t2630 = t2621 - t2629;
-    let t2631 = cos_panda_joint3 * t2630;
-    let t2632 = t1084 * t1536;
-    let t2633 = t404 * t1518;
-    let t2634 = t2633 - t2632;
-    let t2635 = omega_panda_joint4_y * t1850;
-    let t2636 = t2634 + t2635;
-    let t2637 = force_panda_joint4_x_2 + t2636;
-    let t2638 = sin_panda_joint4 * t2637;
-    let t2639 = t1098 * t1536;
-    let t2640 = t404 * t1520;
-    let t2641 = t2639 - t2640;
-    let t2642 = omega_panda_joint4_x * t1850;
-    let t2643 = t2641 + t2642;
-    let t2644 = force_panda_joint4_y_2 + t2643;
-    let t2645 = cos_panda_joint4 * t2644;
-    let t2646 = t2645 + t2638;
-    let t2647 = 3.83030303030303 * t2646;
-    let t2648 = cos_panda_joint4 * t2637;
-    let t2649 = sin_panda_joint4 * t2644;
-    let t2650 = t2649 - t2648;
-    let t2651 = t1084 * t1538;
-    let t2652 = t404 * t2325;
-    let t2653 = t2652 - t2651;
-    let t2654 = t1098 * t1543;
-    let t2655 = t2653 - t2654;
-    let t2656 = acceleration_panda_joint4_y_2 * t1520;
-    let t2657 = acceleration_panda_joint4_x_2 * t1518;
-    let t2658 = t2657 + t2656;
-    let t2659 = t2658 + t2655;
-    let t2660 = omega_panda_joint4_y * t1834;
-    let t2661 = omega_panda_joint4_x * t1844;
-    let t2662 = t2660 - t2661;
-    let t2663 = t2659 + t2662;
-    let t2664 = t2663 + t2650;
-    let t2665 = t2664 - t2647;
-    let t2666 = sin_panda_joint3 * t2665;
-    let t2667 = t2631 + t2666;
-    let t2668 = sin_panda_joint2 * t2667;
-    let t2669 = cos_panda_joint4 * t2604;
-    let t2670 = sin_panda_joint4 * t2619;
-    let t2671 = t2670 - t2669;
-    let t2672 = t2628 + t2671;
-    let t2673 = cos_panda_joint2 * t2672;
-    let t2674 = t2668 - t2673;
-    let t2675 = acceleration_panda_joint4_x_2 * t2047;
-    let t2676 = acceleration_panda_joint4_y_2 * t2051;
-    let t2677 = t2676 + t2675;
-    let t2678 = t1098 * t2038;
-    let t2679 = t1084 * t2030;
-    let t2680 = t2679 + t2678;
-    let t2681 = t404 * t2048;
-    let t2682 = t2680 - t2681;
-    let t2683 = t2682 - t2677;
-    let t2684 = omega_panda_joint4_y * t2099;
-    let t2685 = omega_panda_joint4_x * t2109;
-    let t2686 = t2684 + t2685;
-    let t2687 = t2683 + t2686;
-    let t2688 = t571 * t2687;
-    let t2689 = t2674 - t2688;
-    let t2690 = t577 * t2687;
-    let t2691 = acceleration_panda_joint4_x_2 * t2161;
-    let t2692 = acceleration_panda_joint4_y_2 * t2164;
-    let t2693 = t2692 - t2691;
-    let t2694 = t1098 * t2153;
-    let t2695 = t1084 * t2150;
-    let t2696 = t2695 - t2694;
-    let t2697 = t404 * t2162;
-    let t2698 = t2696 - t2697;
-    let t2699 = t2698 + t2693;
-    let t2700 = omega_panda_joint4_y * t2206;
-    let t2701 = omega_panda_joint4_x * t2210;
+    let t2582 = t2581 - t2576;
+    let t2583 = omega_panda_joint3_y * t2431;
+    let t2584 = omega_panda_joint3_x * t2441;
+    let t2585 = t2583 + t2584;
+    let t2586 = t2582 + t2585;
+    let t2587 = t495 * t2586;
+    let t2588 = t2573 + t2587;
+    let t2589 = t95 * t1464;
+    let t2590 = t109 - t70;
+    let t2591 = t1449 * t2590;
+    let t2592 = t2591 + t2589;
+    let t2593 = t124 * t869;
+    let t2594 = t2592 + t2593;
+    let t2595 = t117 * acceleration_panda_joint4_y_2;
+    let t2596 = t2595 + t2594;
+    let t2597 = t1913 - t2002;
+    let t2598 = omega_panda_joint4_x * t2597;
+    let t2599 = omega_panda_joint4_y * t1955;
+    let t2600 = t2598 + t2599;
+    let t2601 = t2596 - t2600;
+    let t2602 = moment_panda_joint4_x_2 + t2601;
+    let t2603 = sin_panda_joint4 * t2602;
+    let t2604 = t95 * t1449;
+    let t2605 = t109 - t78;
+    let t2606 = t1464 * t2605;
+    let t2607 = t2606 + t2604;
+    let t2608 = t119 * t869;
+    let t2609 = t2607 + t2608;
+    let t2610 = t117 * acceleration_panda_joint4_x_2;
+    let t2611 = t2610 + t2609;
+    let t2612 = t1929 - t2002;
+    let t2613 = omega_panda_joint4_y * t2612;
+    let t2614 = omega_panda_joint4_x * t1976;
+    let t2615 = t2613 + t2614;
+    let t2616 = t2611 + t2615;
+    let t2617 = moment_panda_joint4_y_2 + t2616;
+    let t2618 = cos_panda_joint4 * t2617;
+    let t2619 = t2618 + t2603;
+    let t2620 = t101 * t1449;
+    let t2621 = t103 * t1464;
+    let t2622 = t2621 - t2620;
+    let t2623 = omega_panda_joint4_x * t1983;
+    let t2624 = omega_panda_joint4_y * t1986;
+    let t2625 = t2624 - t2623;
+    let t2626 = t2622 - t2625;
+    let t2627 = 3.83030303030303 * t2626;
+    let t2628 = t2619 - t2627;
+    let t2629 = cos_panda_joint3 * t2628;
+    let t2630 = t117 * t1464;
+    let t2631 = t101 * t869;
+    let t2632 = t2631 - t2630;
+    let t2633 = omega_panda_joint4_y * t2040;
+    let t2634 = t2632 + t2633;
+    let t2635 = force_panda_joint4_x_2 + t2634;
+    let t2636 = sin_panda_joint4 * t2635;
+    let t2637 = t117 * t1449;
+    let t2638 = t103 * t869;
+    let t2639 = t2637 - t2638;
+    let t2640 = omega_panda_joint4_x * t2040;
+    let t2641 = t2639 + t2640;
+    let t2642 = force_panda_joint4_y_2 - t2641;
+    let t2643 = cos_panda_joint4 * t2642;
+    let t2644 = t2643 - t2636;
+    let t2645 = 3.83030303030303 * t2644;
+    let t2646 = cos_panda_joint4 * t2635;
+    let t2647 = sin_panda_joint4 * t2642;
+    let t2648 = t2647 + t2646;
+    let t2649 = t103 * acceleration_panda_joint4_y_2;
+    let t2650 = t101 * acceleration_panda_joint4_x_2;
+    let t2651 = t2650 + t2649;
+    let t2652 = t119 * t1464;
+    let t2653 = t312 * t869;
+    let t2654 = t2653 - t2652;
+    let t2655 = t124 * t1449;
+    let t2656 = t2654 - t2655;
+    let t2657 = t2651 + t2656;
+    let t2658 = omega_panda_joint4_y * t2024;
+    let t2659 = omega_panda_joint4_x * t2034;
+    let t2660 = t2658 - t2659;
+    let t2661 = t2657 + t2660;
+    let t2662 = t2661 - t2648;
+    let t2663 = t2662 + t2645;
+    let t2664 = sin_panda_joint3 * t2663;
+    let t2665 = t2629 + t2664;
+    let t2666 = sin_panda_joint2 * t2665;
+    let t2667 = cos_panda_joint4 * t2602;
+    let t2668 = sin_panda_joint4 * t2617;
+    let t2669 = t2668 - t2667;
+    let t2670 = t2626 + t2669;
+    let t2671 = cos_panda_joint2 * t2670;
+    let t2672 = t2666 - t2671;
+    let t2673 = inverse_d_panda_joint1 * t2672;
+    let t2674 = sin_panda_joint3 * t2628;
+    let t2675 = cos_panda_joint3 * t2663;
+    let t2676 = t2674 - t2675;
+    let t2677 = t460 * t2676;
+    let t2678 = t2673 - t2677;
+    let t2679 = t463 * t2670;
+    let t2680 = t2678 - t2679;
+    let t2681 = t468 * t2661;
+    let t2682 = t2680 + t2681;
+    let t2683 = t276 * t1449;
+    let t2684 = t92 * t1464;
+    let t2685 = t2684 - t2683;
+    let t2686 = t123 * t869;
+    let t2687 = t2685 + t2686;
+    let t2688 = t2595 + t2687;
+    let t2689 = omega_panda_joint4_x * t2291;
+    let t2690 = omega_panda_joint4_y * t2293;
+    let t2691 = t2690 + t2689;
+    let t2692 = t2688 + t2691;
+    let t2693 = t475 * t2692;
+    let t2694 = t2682 - t2693;
+    let t2695 = t235 * acceleration_panda_joint4_x_2;
+    let t2696 = t238 * acceleration_panda_joint4_y_2;
+    let t2697 = t2696 - t2695;
+    let t2698 = t253 * t1449;
+    let t2699 = t250 * t1464;
+    let t2700 = t2699 - t2698;
+    let t2701 = t236 * t869;
     let t2702 = t2700 + t2701;
-    let t2703 = t2699 + t2702;
-    let t2704 = t2703 - t2690;
-    let t2705 = t641 * t2704;
-    let t2706 = t2689 + t2705;
-    let t2707 = t652 * t2704;
-    let t2708 = t647 * t2687;
-    let t2709 = t1098 * t2251;
-    let t2710 = t1084 * t1509;
-    let t2711 = t2710 - t2709;
-    let t2712 = t404 * t1542;
-    let t2713 = t2711 + t2712;
-    let t2714 = t2597 + t2713;
-    let t2715 = omega_panda_joint4_x * t2286;
-    let t2716 = omega_panda_joint4_y * t2288;
-    let t2717 = t2716 + t2715;
-    let t2718 = t2714 + t2717;
-    let t2719 = t2718 + t2708;
-    let t2720 = t2719 - t2707;
-    let t2721 = t719 * t2720;
-    let t2722 = t2706 - t2721;
-    let t2723 = t737 * t2720;
-    let t2724 = t730 * t2704;
-    let t2725 = t725 * t2687;
-    let t2726 = t2663 + t2725;
-    let t2727 = t2726 + t2724;
-    let t2728 = t2727 + t2723;
-    let t2729 = t797 * t2728;
-    let t2730 = t2722 - t2729;
-    let t2731 = t803 * t2687;
-    let t2732 = t2672 - t2731;
-    let t2733 = t808 * t2704;
-    let t2734 = t2732 + t2733;
-    let t2735 = t815 * t2720;
+    let t2703 = t2702 + t2697;
+    let t2704 = omega_panda_joint4_y * t2347;
+    let t2705 = omega_panda_joint4_x * t2351;
+    let t2706 = t2704 + t2705;
+    let t2707 = t2703 + t2706;
+    let t2708 = t484 * t2707;
+    let t2709 = t2694 + t2708;
+    let t2710 = t185 * acceleration_panda_joint4_x_2;
+    let t2711 = t189 * acceleration_panda_joint4_y_2;
+    let t2712 = t2711 + t2710;
+    let t2713 = t210 * t1449;
+    let t2714 = t202 * t1464;
+    let t2715 = t2714 - t2713;
+    let t2716 = t186 * t869;
+    let t2717 = t2715 + t2716;
+    let t2718 = t2717 + t2712;
+    let t2719 = omega_panda_joint4_y * t2415;
+    let t2720 = omega_panda_joint4_x * t2425;
+    let t2721 = t2719 + t2720;
+    let t2722 = t2718 - t2721;
+    let t2723 = t495 * t2722;
+    let t2724 = t2709 + t2723;
+    let t2725 = t75 * acceleration_panda_joint5_y_2;
+    let t2726 = t48 * t1481;
+    let t2727 = t71 + t32;
+    let t2728 = t1459 * t2727;
+    let t2729 = t2728 + t2726;
+    let t2730 = t89 * t644;
+    let t2731 = t2729 - t2730;
+    let t2732 = t2725 - t2731;
+    let t2733 = t1821 - t1916;
+    let t2734 = omega_panda_joint5_x * t2733;
+    let t2735 = omega_panda_joint5_y * t1861;
     let t2736 = t2734 - t2735;
-    let t2737 = t824 * t2728;
-    let t2738 = t2736 - t2737;
-    let t2739 = t877 * t2738;
-    let t2740 = t2730 + t2739;
-    let t2741 = sin_panda_joint3 * t2630;
-    let t2742 = cos_panda_joint3 * t2665;
+    let t2737 = t2732 - t2736;
+    let t2738 = moment_panda_joint5_x_2 + t2737;
+    let t2739 = t75 * t1459;
+    let t2740 = t64 * t644;
+    let t2741 = t2739 + t2740;
+    let t2742 = omega_panda_joint5_x * t1923;
     let t2743 = t2741 - t2742;
-    let t2744 = t900 * t2687;
-    let t2745 = t2743 - t2744;
-    let t2746 = t908 * t2704;
-    let t2747 = t2745 + t2746;
-    let t2748 = t918 * t2720;
-    let t2749 = t2747 - t2748;
-    let t2750 = t930 * t2728;
-    let t2751 = t2749 - t2750;
-    let t2752 = t944 * t2738;
-    let t2753 = t2751 + t2752;
-    let t2754 = t990 * t2753;
-    let t2755 = t2740 - t2754;
-    let t2756 = inverse_d_panda_joint1 * t2755;
-    let t2757 = t1116 * t1470;
-    let t2758 = t1489 + t1460;
-    let t2759 = t1101 * t2758;
-    let t2760 = t2759 + t2757;
-    let t2761 = t174 * t1506;
-    let t2762 = t2760 - t2761;
-    let t2763 = acceleration_panda_joint5_y_2 * t1492;
-    let t2764 = t2763 - t2762;
-    let t2765 = t1631 - t1726;
-    let t2766 = omega_panda_joint5_x * t2765;
-    let t2767 = omega_panda_joint5_y * t1671;
-    let t2768 = t2766 - t2767;
-    let t2769 = t2764 - t2768;
-    let t2770 = moment_panda_joint5_x_2 + t2769;
-    let t2771 = t1101 * t1492;
-    let t2772 = t174 * t1483;
-    let t2773 = t2771 + t2772;
-    let t2774 = omega_panda_joint5_x * t1733;
-    let t2775 = t2773 - t2774;
-    let t2776 = force_panda_joint5_y_2 - t2775;
-    let t2777 = t2776 + t2770;
-    let t2778 = cos_panda_joint5 * t2777;
-    let t2779 = t1101 * t1470;
-    let t2780 = t1489 + t1461;
-    let t2781 = t1116 * t2780;
-    let t2782 = t2781 + t2779;
-    let t2783 = t174 * t1500;
+    let t2744 = force_panda_joint5_y_2 + t2743;
+    let t2745 = t2744 - t2738;
+    let t2746 = cos_panda_joint5 * t2745;
+    let t2747 = t75 * acceleration_panda_joint5_x_2;
+    let t2748 = t48 * t1459;
+    let t2749 = t71 - t33;
+    let t2750 = t1481 * t2749;
+    let t2751 = t2750 + t2748;
+    let t2752 = t83 * t644;
+    let t2753 = t2751 - t2752;
+    let t2754 = t2747 - t2753;
+    let t2755 = t1833 - t1916;
+    let t2756 = omega_panda_joint5_y * t2755;
+    let t2757 = omega_panda_joint5_x * t1882;
+    let t2758 = t2756 + t2757;
+    let t2759 = t2754 + t2758;
+    let t2760 = moment_panda_joint5_y_2 + t2759;
+    let t2761 = t75 * t1481;
+    let t2762 = t60 * t644;
+    let t2763 = t2762 + t2761;
+    let t2764 = omega_panda_joint5_y * t1923;
+    let t2765 = t2763 + t2764;
+    let t2766 = force_panda_joint5_x_2 + t2765;
+    let t2767 = t2766 - t2760;
+    let t2768 = sin_panda_joint5 * t2767;
+    let t2769 = t2768 - t2746;
+    let t2770 = t60 * t1459;
+    let t2771 = t64 * t1481;
+    let t2772 = t2771 - t2770;
+    let t2773 = omega_panda_joint5_x * t1898;
+    let t2774 = omega_panda_joint5_y * t1906;
+    let t2775 = t2774 - t2773;
+    let t2776 = t2772 + t2775;
+    let t2777 = 0.21484375 * t2776;
+    let t2778 = t2777 + t2769;
+    let t2779 = t65 * t2766;
+    let t2780 = t61 * t2744;
+    let t2781 = t2780 - t2779;
+    let t2782 = sin_panda_joint4 * t2781;
+    let t2783 = cos_panda_joint4 * t2777;
     let t2784 = t2782 - t2783;
-    let t2785 = acceleration_panda_joint5_x_2 * t1492;
-    let t2786 = t2785 - t2784;
-    let t2787 = t1643 - t1726;
-    let t2788 = omega_panda_joint5_y * t2787;
-    let t2789 = omega_panda_joint5_x * t1692;
-    let t2790 = t2788 + t2789;
-    let t2791 = t2786 + t2790;
-    let t2792 = moment_panda_joint5_y_2 + t2791;
-    let t2793 = t1116 * t1492;
-    let t2794 = t174 * t1480;
-    let t2795 = t2794 + t2793;
-    let t2796 = omega_panda_joint5_y * t1733;
-    let t2797 = t2795 + t2796;
-    let t2798 = force_panda_joint5_x_2 + t2797;
-    let t2799 = t2798 - t2792;
-    let t2800 = sin_panda_joint5 * t2799;
-    let t2801 = t2800 + t2778;
-    let t2802 = t1101 * t1480;
-    let t2803 = t1116 * t1483;
+    let t2785 = t2778 + t2784;
+    let t2786 = cos_panda_joint4 * t2781;
+    let t2787 = sin_panda_joint4 * t2777;
+    let t2788 = t2786 + t2787;
+    let t2789 = 3.83030303030303 * t2788;
+    let t2790 = t2785 - t2789;
+    let t2791 = sin_panda_joint3 * t2790;
+    let t2792 = sin_panda_joint5 * t2745;
+    let t2793 = cos_panda_joint5 * t2767;
+    let t2794 = t2793 + t2792;
+    let t2795 = cos_panda_joint4 * t2794;
+    let t2796 = t61 * t2766;
+    let t2797 = t65 * t2744;
+    let t2798 = t2797 + t2796;
+    let t2799 = t64 * acceleration_panda_joint5_y_2;
+    let t2800 = t60 * acceleration_panda_joint5_x_2;
+    let t2801 = t2800 + t2799;
+    let t2802 = t83 * t1481;
+    let t2803 = t275 * t644;
     let t2804 = t2803 - t2802;
-    let t2805 = omega_panda_joint5_x * t1708;
-    let t2806 = omega_panda_joint5_y * t1716;
-    let t2807 = t2806 - t2805;
-    let t2808 = t2804 + t2807;
-    let t2809 = 0.21484375 * t2808;
-    let t2810 = t2809 + t2801;
-    let t2811 = t1163 * t2798;
-    let t2812 = t1149 * t2776;
-    let t2813 = t2812 + t2811;
-    let t2814 = sin_panda_joint4 * t2813;
-    let t2815 = cos_panda_joint4 * t2809;
+    let t2805 = t89 * t1459;
+    let t2806 = t2804 - t2805;
+    let t2807 = t2801 - t2806;
+    let t2808 = omega_panda_joint5_y * t1937;
+    let t2809 = omega_panda_joint5_x * t1945;
+    let t2810 = t2808 + t2809;
+    let t2811 = t2807 + t2810;
+    let t2812 = t2811 - t2798;
+    let t2813 = sin_panda_joint4 * t2812;
+    let t2814 = t2795 + t2813;
+    let t2815 = 3.83030303030303 * t2798;
     let t2816 = t2814 + t2815;
-    let t2817 = t2810 - t2816;
-    let t2818 = cos_panda_joint4 * t2813;
-    let t2819 = sin_panda_joint4 * t2809;
-    let t2820 = t2818 - t2819;
-    let t2821 = 3.83030303030303 * t2820;
-    let t2822 = t2817 + t2821;
-    let t2823 = sin_panda_joint3 * t2822;
-    let t2824 = sin_panda_joint5 * t2777;
-    let t2825 = cos_panda_joint5 * t2799;
-    let t2826 = t2825 - t2824;
-    let t2827 = cos_panda_joint4 * t2826;
-    let t2828 = t1149 * t2798;
-    let t2829 = t1163 * t2776;
-    let t2830 = t2829 - t2828;
-    let t2831 = t1116 * t1500;
-    let t2832 = t174 * t2250;
-    let t2833 = t2832 - t2831;
-    let t2834 = t1101 * t1506;
+    let t2817 = cos_panda_joint3 * t2816;
+    let t2818 = t2817 - t2791;
+    let t2819 = sin_panda_joint2 * t2818;
+    let t2820 = sin_panda_joint4 * t2794;
+    let t2821 = cos_panda_joint4 * t2812;
+    let t2822 = t2820 - t2821;
+    let t2823 = t2798 - t2822;
+    let t2824 = cos_panda_joint2 * t2823;
+    let t2825 = t2819 + t2824;
+    let t2826 = inverse_d_panda_joint1 * t2825;
+    let t2827 = cos_panda_joint3 * t2790;
+    let t2828 = sin_panda_joint3 * t2816;
+    let t2829 = t2828 + t2827;
+    let t2830 = t460 * t2829;
+    let t2831 = t2826 - t2830;
+    let t2832 = t463 * t2823;
+    let t2833 = t2831 + t2832;
+    let t2834 = t468 * t2778;
     let t2835 = t2833 - t2834;
-    let t2836 = acceleration_panda_joint5_y_2 * t1483;
-    let t2837 = acceleration_panda_joint5_x_2 * t1480;
-    let t2838 = t2837 + t2836;
-    let t2839 = t2838 - t2835;
-    let t2840 = omega_panda_joint5_y * t1747;
-    let t2841 = omega_panda_joint5_x * t1755;
+    let t2836 = t475 * t2811;
+    let t2837 = t2835 - t2836;
+    let t2838 = t231 * t1459;
+    let t2839 = t47 * t1481;
+    let t2840 = t2839 - t2838;
+    let t2841 = t88 * t644;
     let t2842 = t2840 + t2841;
-    let t2843 = t2839 + t2842;
-    let t2844 = t2843 + t2830;
-    let t2845 = sin_panda_joint4 * t2844;
-    let t2846 = t2827 + t2845;
-    let t2847 = 3.83030303030303 * t2830;
-    let t2848 = t2846 - t2847;
-    let t2849 = cos_panda_joint3 * t2848;
-    let t2850 = t2849 - t2823;
-    let t2851 = sin_panda_joint2 * t2850;
-    let t2852 = sin_panda_joint4 * t2826;
-    let t2853 = cos_panda_joint4 * t2844;
-    let t2854 = t2852 - t2853;
-    let t2855 = t2830 + t2854;
-    let t2856 = cos_panda_joint2 * t2855;
-    let t2857 = t2851 - t2856;
-    let t2858 = acceleration_panda_joint5_x_2 * t2024;
-    let t2859 = acceleration_panda_joint5_y_2 * t2027;
-    let t2860 = t2859 + t2858;
-    let t2861 = t1122 * t1101;
-    let t2862 = t1116 * t2023;
-    let t2863 = t2862 + t2861;
-    let t2864 = t174 * t2034;
-    let t2865 = t2863 + t2864;
-    let t2866 = t2865 + t2860;
-    let t2867 = omega_panda_joint5_y * t2088;
-    let t2868 = omega_panda_joint5_x * t1678;
-    let t2869 = t2867 - t2868;
-    let t2870 = t2866 + t2869;
-    let t2871 = t571 * t2870;
-    let t2872 = t2857 - t2871;
-    let t2873 = t577 * t2870;
-    let t2874 = t1101 * t2147;
-    let t2875 = t1116 * t1469;
-    let t2876 = t2875 - t2874;
-    let t2877 = t174 * t1505;
-    let t2878 = t2876 + t2877;
-    let t2879 = t2763 + t2878;
-    let t2880 = omega_panda_joint5_y * t1667;
-    let t2881 = omega_panda_joint5_x * t2198;
-    let t2882 = t2880 + t2881;
-    let t2883 = t2879 - t2882;
-    let t2884 = t2883 + t2873;
-    let t2885 = t641 * t2884;
-    let t2886 = t2872 - t2885;
-    let t2887 = t652 * t2884;
-    let t2888 = t647 * t2870;
-    let t2889 = t2843 + t2888;
-    let t2890 = t2889 + t2887;
-    let t2891 = t719 * t2890;
-    let t2892 = t2886 - t2891;
-    let t2893 = t725 * t2870;
-    let t2894 = t2810 - t2893;
-    let t2895 = t730 * t2884;
-    let t2896 = t2894 + t2895;
-    let t2897 = t737 * t2890;
-    let t2898 = t2896 - t2897;
-    let t2899 = t797 * t2898;
-    let t2900 = t2892 + t2899;
-    let t2901 = t803 * t2870;
-    let t2902 = t2855 - t2901;
-    let t2903 = t808 * t2884;
-    let t2904 = t2902 - t2903;
-    let t2905 = t815 * t2890;
-    let t2906 = t2904 - t2905;
-    let t2907 = t824 * t2898;
-    let t2908 = t2906 + t2907;
-    let t2909 = t877 * t2908;
-    let t2910 = t2900 + t2909;
-    let t2911 = cos_panda_joint3 * t2822;
-    let t2912 = sin_panda_joint3 * t2848;
-    let t2913 = t2912 + t2911;
-    let t2914 = t900 * t2870;
-    let t2915 = t2913 - t2914;
-    let t2916 = t908 * t2884;
+    let t2843 = t2725 + t2842;
+    let t2844 = omega_panda_joint5_y * t1857;
+    let t2845 = omega_panda_joint5_x * t2339;
+    let t2846 = t2844 + t2845;
+    let t2847 = t2843 - t2846;
+    let t2848 = t484 * t2847;
+    let t2849 = t2837 - t2848;
+    let t2850 = t177 * acceleration_panda_joint5_x_2;
+    let t2851 = t180 * acceleration_panda_joint5_y_2;
+    let t2852 = t2851 + t2850;
+    let t2853 = t44 * t1459;
+    let t2854 = t176 * t1481;
+    let t2855 = t2854 + t2853;
+    let t2856 = t206 * t644;
+    let t2857 = t2855 + t2856;
+    let t2858 = t2857 + t2852;
+    let t2859 = omega_panda_joint5_y * t2404;
+    let t2860 = omega_panda_joint5_x * t1868;
+    let t2861 = t2859 - t2860;
+    let t2862 = t2858 + t2861;
+    let t2863 = t495 * t2862;
+    let t2864 = t2849 - t2863;
+    let t2865 = t25 * t1469;
+    let t2866 = t171 + t30;
+    let t2867 = t1476 * t2866;
+    let t2868 = t2867 - t2865;
+    let t2869 = t45 * t720;
+    let t2870 = t2868 + t2869;
+    let t2871 = t38 * acceleration_panda_joint6_y_2;
+    let t2872 = t2871 + t2870;
+    let t2873 = t1807 - t1830;
+    let t2874 = omega_panda_joint6_x * t2873;
+    let t2875 = omega_panda_joint6_y * t1791;
+    let t2876 = t2874 - t2875;
+    let t2877 = t2872 - t2876;
+    let t2878 = moment_panda_joint6_x_2 + t2877;
+    let t2879 = sin_panda_joint6 * t2878;
+    let t2880 = t25 * t1476;
+    let t2881 = t16 - 0.03293675559757119;
+    let t2882 = t1469 * t2881;
+    let t2883 = t2882 + t2880;
+    let t2884 = t40 * t720;
+    let t2885 = t2883 - t2884;
+    let t2886 = t38 * acceleration_panda_joint6_x_2;
+    let t2887 = t2886 - t2885;
+    let t2888 = t1812 + t1830;
+    let t2889 = omega_panda_joint6_y * t2888;
+    let t2890 = omega_panda_joint6_x * t1796;
+    let t2891 = t2889 - t2890;
+    let t2892 = t2887 - t2891;
+    let t2893 = moment_panda_joint6_y_2 + t2892;
+    let t2894 = cos_panda_joint6 * t2893;
+    let t2895 = t2894 + t2879;
+    let t2896 = t55 * t1476;
+    let t2897 = 0.015294814090072 * t1469;
+    let t2898 = t2897 - t2896;
+    let t2899 = omega_panda_joint6_x * t1894;
+    let t2900 = omega_panda_joint6_y * t1891;
+    let t2901 = t2900 - t2899;
+    let t2902 = t2898 - t2901;
+    let t2903 = 4.363636363636364 * t2902;
+    let t2904 = t2903 - t2895;
+    let t2905 = sin_panda_joint5 * t2904;
+    let t2906 = t38 * t1469;
+    let t2907 = t55 * t720;
+    let t2908 = t2907 + t2906;
+    let t2909 = omega_panda_joint6_y * t1903;
+    let t2910 = t2908 + t2909;
+    let t2911 = force_panda_joint6_x_2 + t2910;
+    let t2912 = t72 * t2911;
+    let t2913 = t38 * t1476;
+    let t2914 = 0.015294814090072 * t720;
+    let t2915 = t2913 + t2914;
+    let t2916 = omega_panda_joint6_x * t1903;
     let t2917 = t2915 - t2916;
-    let t2918 = t918 * t2890;
-    let t2919 = t2917 - t2918;
-    let t2920 = t930 * t2898;
-    let t2921 = t2919 + t2920;
-    let t2922 = t944 * t2908;
-    let t2923 = t2921 + t2922;
-    let t2924 = t990 * t2923;
-    let t2925 = t2910 - t2924;
-    let t2926 = inverse_d_panda_joint1 * t2925;
-    let t2927 = t1104 * t1453;
-    let t2928 = t1139 + t1458;
-    let t2929 = t1126 * t2928;
-    let t2930 = t2929 - t2927;
-    let t2931 = t210 * t1467;
-    let t2932 = t2930 + t2931;
-    let t2933 = t1188 * acceleration_panda_joint6_y_2;
-    let t2934 = t2933 + t2932;
-    let t2935 = t1617 - t1640;
-    let t2936 = omega_panda_joint6_x * t2935;
-    let t2937 = omega_panda_joint6_y * t1601;
-    let t2938 = t2936 - t2937;
-    let t2939 = t2934 - t2938;
-    let t2940 = moment_panda_joint6_x_2 + t2939;
-    let t2941 = sin_panda_joint6 * t2940;
-    let t2942 = t1126 * t1453;
-    let t2943 = t1111 - 0.03293675559757119;
-    let t2944 = t1104 * t2943;
-    let t2945 = t2944 + t2942;
-    let t2946 = t210 * t1465;
-    let t2947 = t2945 - t2946;
-    let t2948 = t1188 * acceleration_panda_joint6_x_2;
-    let t2949 = t2948 - t2947;
-    let t2950 = t1622 + t1640;
-    let t2951 = omega_panda_joint6_y * t2950;
-    let t2952 = omega_panda_joint6_x * t1606;
-    let t2953 = t2951 - t2952;
-    let t2954 = t2949 - t2953;
-    let t2955 = moment_panda_joint6_y_2 + t2954;
-    let t2956 = cos_panda_joint6 * t2955;
-    let t2957 = t2956 + t2941;
-    let t2958 = t1126 * t1476;
-    let t2959 = 0.015294814090072 * t1104;
-    let t2960 = t2959 - t2958;
-    let t2961 = omega_panda_joint6_x * t1704;
-    let t2962 = omega_panda_joint6_y * t1701;
-    let t2963 = t2962 - t2961;
-    let t2964 = t2960 - t2963;
-    let t2965 = 4.363636363636364 * t2964;
-    let t2966 = t2965 - t2957;
-    let t2967 = sin_panda_joint5 * t2966;
-    let t2968 = t1188 * t1104;
-    let t2969 = t210 * t1476;
-    let t2970 = t2969 + t2968;
-    let t2971 = omega_panda_joint6_y * t1713;
-    let t2972 = t2970 + t2971;
-    let t2973 = force_panda_joint6_x_2 + t2972;
-    let t2974 = t1178 * t2973;
-    let t2975 = t1188 * t1126;
-    let t2976 = t210 * 0.015294814090072;
-    let t2977 = t2975 + t2976;
-    let t2978 = omega_panda_joint6_x * t1713;
-    let t2979 = t2977 - t2978;
-    let t2980 = force_panda_joint6_y_2 - t2979;
-    let t2981 = t1184 * t2980;
-    let t2982 = t2981 + t2974;
-    let t2983 = t1104 * t1465;
-    let t2984 = t210 * t2147;
-    let t2985 = t2984 + t2983;
-    let t2986 = t1126 * t1467;
-    let t2987 = t2985 + t2986;
-    let t2988 = 0.015294814090072 * acceleration_panda_joint6_y_2;
-    let t2989 = acceleration_panda_joint6_x_2 * t1476;
-    let t2990 = t2989 + t2988;
-    let t2991 = t2990 + t2987;
-    let t2992 = omega_panda_joint6_y * t1659;
-    let t2993 = omega_panda_joint6_x * t1665;
-    let t2994 = t2992 - t2993;
-    let t2995 = t2991 + t2994;
-    let t2996 = t2995 + t2982;
-    let t2997 = cos_panda_joint5 * t2996;
-    let t2998 = t2967 - t2997;
-    let t2999 = t1184 * t2973;
-    let t3000 = t1178 * t2980;
-    let t3001 = t3000 - t2999;
-    let t3002 = 0.21484375 * t3001;
-    let t3003 = t3002 - t2998;
-    let t3004 = t1149 * t2982;
-    let t3005 = t1163 * t2965;
-    let t3006 = t3004 - t3005;
-    let t3007 = sin_panda_joint4 * t3006;
-    let t3008 = cos_panda_joint4 * t3002;
+    let t2918 = force_panda_joint6_y_2 + t2917;
+    let t2919 = t56 * t2918;
+    let t2920 = t2919 - t2912;
+    let t2921 = 0.015294814090072 * acceleration_panda_joint6_y_2;
+    let t2922 = t55 * acceleration_panda_joint6_x_2;
+    let t2923 = t2922 + t2921;
+    let t2924 = t40 * t1469;
+    let t2925 = t231 * t720;
+    let t2926 = t2925 + t2924;
+    let t2927 = t45 * t1476;
+    let t2928 = t2926 + t2927;
+    let t2929 = t2923 + t2928;
+    let t2930 = omega_panda_joint6_y * t1849;
+    let t2931 = omega_panda_joint6_x * t1855;
+    let t2932 = t2930 - t2931;
+    let t2933 = t2929 + t2932;
+    let t2934 = t2933 - t2920;
+    let t2935 = cos_panda_joint5 * t2934;
+    let t2936 = t2905 - t2935;
+    let t2937 = t56 * t2911;
+    let t2938 = t72 * t2918;
+    let t2939 = t2938 + t2937;
+    let t2940 = 0.21484375 * t2939;
+    let t2941 = t2940 + t2936;
+    let t2942 = t61 * t2920;
+    let t2943 = t65 * t2903;
+    let t2944 = t2942 + t2943;
+    let t2945 = sin_panda_joint4 * t2944;
+    let t2946 = cos_panda_joint4 * t2940;
+    let t2947 = t2945 + t2946;
+    let t2948 = t2941 - t2947;
+    let t2949 = cos_panda_joint4 * t2944;
+    let t2950 = sin_panda_joint4 * t2940;
+    let t2951 = t2949 - t2950;
+    let t2952 = 3.83030303030303 * t2951;
+    let t2953 = t2948 + t2952;
+    let t2954 = sin_panda_joint3 * t2953;
+    let t2955 = cos_panda_joint5 * t2904;
+    let t2956 = sin_panda_joint5 * t2934;
+    let t2957 = t2955 + t2956;
+    let t2958 = cos_panda_joint4 * t2957;
+    let t2959 = cos_panda_joint6 * t2878;
+    let t2960 = sin_panda_joint6 * t2893;
+    let t2961 = t2960 - t2959;
+    let t2962 = t65 * t2920;
+    let t2963 = t61 * t2903;
+    let t2964 = t2962 - t2963;
+    let t2965 = t2961 + t2964;
+    let t2966 = sin_panda_joint4 * t2965;
+    let t2967 = t2958 + t2966;
+    let t2968 = 3.83030303030303 * t2964;
+    let t2969 = t2967 - t2968;
+    let t2970 = cos_panda_joint3 * t2969;
+    let t2971 = t2970 - t2954;
+    let t2972 = sin_panda_joint2 * t2971;
+    let t2973 = sin_panda_joint4 * t2957;
+    let t2974 = cos_panda_joint4 * t2965;
+    let t2975 = t2973 - t2974;
+    let t2976 = t2964 + t2975;
+    let t2977 = cos_panda_joint2 * t2976;
+    let t2978 = t2972 - t2977;
+    let t2979 = inverse_d_panda_joint1 * t2978;
+    let t2980 = cos_panda_joint3 * t2953;
+    let t2981 = sin_panda_joint3 * t2969;
+    let t2982 = t2981 + t2980;
+    let t2983 = t460 * t2982;
+    let t2984 = t2979 - t2983;
+    let t2985 = t463 * t2976;
+    let t2986 = t2984 - t2985;
+    let t2987 = t468 * t2941;
+    let t2988 = t2986 - t2987;
+    let t2989 = t475 * t2961;
+    let t2990 = t2988 - t2989;
+    let t2991 = t484 * t2933;
+    let t2992 = t2990 + t2991;
+    let t2993 = t173 * t1476;
+    let t2994 = t24 * t1469;
+    let t2995 = t2994 - t2993;
+    let t2996 = t44 * t720;
+    let t2997 = t2995 - t2996;
+    let t2998 = t2871 - t2997;
+    let t2999 = omega_panda_joint6_x * t2400;
+    let t3000 = omega_panda_joint6_y * t2402;
+    let t3001 = t3000 + t2999;
+    let t3002 = t2998 + t3001;
+    let t3003 = t495 * t3002;
+    let t3004 = t2992 - t3003;
+    let t3005 = t37 * t1477;
+    let t3006 = t171 * t1484;
+    let t3007 = t3006 - t3005;
+    let t3008 = t24 * t673;
     let t3009 = t3007 + t3008;
-    let t3010 = t3003 - t3009;
-    let t3011 = cos_panda_joint4 * t3006;
-    let t3012 = sin_panda_joint4 * t3002;
-    let t3013 = t3011 - t3012;
-    let t3014 = 3.83030303030303 * t3013;
-    let t3015 = t3010 + t3014;
-    let t3016 = sin_panda_joint3 * t3015;
-    let t3017 = cos_panda_joint5 * t2966;
-    let t3018 = sin_panda_joint5 * t2996;
-    let t3019 = t3017 + t3018;
-    let t3020 = cos_panda_joint4 * t3019;
-    let t3021 = cos_panda_joint6 * t2940;
-    let t3022 = sin_panda_joint6 * t2955;
-    let t3023 = t3022 - t3021;
-    let t3024 = t1163 * t2982;
-    let t3025 = t1149 * t2965;
-    let t3026 = t3024 + t3025;
-    let t3027 = t3023 - t3026;
-    let t3028 = sin_panda_joint4 * t3027;
-    let t3029 = t3020 + t3028;
-    let t3030 = 3.83030303030303 * t3026;
-    let t3031 = t3029 + t3030;
-    let t3032 = cos_panda_joint3 * t3031;
-    let t3033 = t3032 + t3016;
-    let t3034 = sin_panda_joint2 * t3033;
-    let t3035 = sin_panda_joint4 * t3019;
-    let t3036 = cos_panda_joint4 * t3027;
-    let t3037 = t3035 - t3036;
-    let t3038 = t3026 - t3037;
-    let t3039 = cos_panda_joint2 * t3038;
-    let t3040 = t3034 + t3039;
-    let t3041 = t1126 * t2020;
-    let t3042 = t1130 * t1104;
-    let t3043 = t3042 - t3041;
-    let t3044 = t210 * t1122;
-    let t3045 = t3043 - t3044;
-    let t3046 = t2933 - t3045;
-    let t3047 = omega_panda_joint6_x * t2084;
-    let t3048 = omega_panda_joint6_y * t2086;
-    let t3049 = t3048 + t3047;
-    let t3050 = t3046 + t3049;
-    let t3051 = t571 * t3050;
-    let t3052 = t3040 - t3051;
-    let t3053 = t577 * t3050;
-    let t3054 = t2995 - t3053;
-    let t3055 = t641 * t3054;
-    let t3056 = t3052 + t3055;
-    let t3057 = t647 * t3050;
-    let t3058 = t3023 + t3057;
-    let t3059 = t652 * t3054;
-    let t3060 = t3058 - t3059;
-    let t3061 = t719 * t3060;
-    let t3062 = t3056 - t3061;
-    let t3063 = t725 * t3050;
-    let t3064 = t3003 + t3063;
-    let t3065 = t730 * t3054;
-    let t3066 = t3064 + t3065;
+    let t3010 = t1825 + t1809;
+    let t3011 = omega_panda_joint6_z * t3010;
+    let t3012 = omega_panda_joint6_x * t1874;
+    let t3013 = t3011 + t3012;
+    let t3014 = t3009 - t3013;
+    let t3015 = moment_panda_joint7_y_2 + t3014;
+    let t3016 = cos_panda_joint6 * t3015;
+    let t3017 = t54 * acceleration_panda_joint7_x_2;
+    let t3018 = t38 * acceleration_panda_joint7_y_2;
+    let t3019 = t3017 - t3018;
+    let t3020 = t44 * t1477;
+    let t3021 = t24 * t1484;
+    let t3022 = t172 * t673;
+    let t3023 = t3022 + t3021;
+    let t3024 = t3023 - t3020;
+    let t3025 = t3019 - t3024;
+    let t3026 = omega_panda_joint6_x * t1866;
+    let t3027 = omega_panda_joint6_z * t1786;
+    let t3028 = t3027 - t3026;
+    let t3029 = t3025 - t3028;
+    let t3030 = omega_panda_joint6_z * t1782;
+    let t3031 = t54 * t673;
+    let t3032 = t3031 - t3030;
+    let t3033 = force_panda_joint7_x_2 + t3032;
+    let t3034 = t3029 - t3033;
+    let t3035 = sin_panda_joint6 * t3034;
+    let t3036 = t3016 + t3035;
+    let t3037 = 4.363636363636364 * t3033;
+    let t3038 = t3037 - t3036;
+    let t3039 = sin_panda_joint5 * t3038;
+    let t3040 = t17 * t1477;
+    let t3041 = t37 * t1484;
+    let t3042 = t3040 - t3041;
+    let t3043 = t44 * t673;
+    let t3044 = t3042 - t3043;
+    let t3045 = t1801 - t1809;
+    let t3046 = omega_panda_joint6_x * t3045;
+    let t3047 = omega_panda_joint6_z * t1844;
+    let t3048 = t3046 - t3047;
+    let t3049 = t3044 - t3048;
+    let t3050 = moment_panda_joint7_x_2 - t3049;
+    let t3051 = t54 * t1477;
+    let t3052 = t38 * t1484;
+    let t3053 = t3052 + t3051;
+    let t3054 = omega_panda_joint6_x * t1802;
+    let t3055 = omega_panda_joint6_z * t1839;
+    let t3056 = t3055 + t3054;
+    let t3057 = t3053 + t3056;
+    let t3058 = t3057 - t3050;
+    let t3059 = omega_panda_joint6_x * t1782;
+    let t3060 = t38 * t673;
+    let t3061 = t3060 - t3059;
+    let t3062 = force_panda_joint7_y_2 + t3061;
+    let t3063 = t56 * t3062;
+    let t3064 = t72 * t3057;
+    let t3065 = t3063 + t3064;
+    let t3066 = t3058 + t3065;
+    let t3067 = cos_panda_joint5 * t3066;
+    let t3068 = t3039 - t3067;
+    let t3069 = t72 * t3062;
+    let t3070 = t56 * t3057;
+    let t3071 = t3069 - t3070;
+    let t3072 = 0.21484375 * t3071;
+    let t3073 = t3072 - t3068;
+    let t3074 = t61 * t3065;
+    let t3075 = t65 * t3037;
+    let t3076 = t3074 - t3075;
+    let t3077 = sin_panda_joint4 * t3076;
+    let t3078 = cos_panda_joint4 * t3072;
+    let t3079 = t3077 + t3078;
+    let t3080 = t3073 - t3079;
+    let t3081 = cos_panda_joint4 * t3076;
+    let t3082 = sin_panda_joint4 * t3072;
+    let t3083 = t3081 - t3082;
+    let t3084 = 3.83030303030303 * t3083;
+    let t3085 = t3080 + t3084;
+    let t3086 = sin_panda_joint3 * t3085;
+    let t3087 = cos_panda_joint5 * t3038;
+    let t3088 = sin_panda_joint5 * t3066;
+    let t3089 = t3087 + t3088;
+    let t3090 = cos_panda_joint4 * t3089;
+    let t3091 = sin_panda_joint6 * t3015;
+    let t3092 = cos_panda_joint6 * t3034;
+    let t3093 = t3091 - t3092;
+    let t3094 = t65 * t3065;
+    let t3095 = t61 * t3037;
+    let t3096 = t3094 + t3095;
+    let t3097 = t3093 - t3096;
+    let t3098 = sin_panda_joint4 * t3097;
+    let t3099 = t3090 + t3098;
+    let t3100 = 3.83030303030303 * t3096;
+    let t3101 = t3099 + t3100;
+    let t3102 = cos_panda_joint3 * t3101;
+    let t3103 = t3102 + t3086;
+    let t3104 = sin_panda_joint2 * t3103;
+    let t3105 = sin_panda_joint4 * t3089;
+    let t3106 = cos_panda_joint4 * t3097;
+    let t3107 = t3105 - t3106;
+    let t3108 = t3096 - t3107;
+    let t3109 = cos_panda_joint2 * t3108;
+    let t3110 = t3104 + t3109;
+    let t3111 = inverse_d_panda_joint1 * t3110;
+    let t3112 = cos_panda_joint3 * t3085;
+    let t3113 = sin_panda_joint3 * t3101;
+    let t3114 = t3113 - t3112;
+    let t3115 = t460 * t3114;
+    let t3116 = t3111 - t3115;
+    let t3117 = t463 * t3108;
+    let t3118 = t3116 + t3117;
+    let t3119 = t468 * t3073;
+    let t3120 = t3118 + t3119;
+    let t3121 = t475 * t3093;
+    let t3122 = t3120 - t3121;
+    let t3123 = t484 * t3058;
+    let t3124 = t3122 + t3123;
+    let t3125 = t495 * t3029;
+    let t3126 = t3124 - t3125;
+    let t3127 = t460 * t2199;
+    let t3128 = t1032 * t2231;
+    let t3129 = t3127 + t3128;
+    let t3130 = t1035 * t2246;
+    let t3131 = t3129 - t3130;
+    let t3132 = t1040 * t2273;
+    let t3133 = t3131 - t3132;
+    let t3134 = t1047 * t2321;
+    let t3135 = t3133 - t3134;
+    let t3136 = t1056 * t2384;
+    let t3137 = t3135 + t3136;
+    let t3138 = t1067 * t2458;
+    let t3139 = t3137 + t3138;
+    let t3140 = t460 * t2523;
+    let t3141 = t1032 * t2527;
+    let t3142 = t3140 - t3141;
+    let t3143 = t1035 * t2521;
+    let t3144 = t3142 - t3143;
+    let t3145 = t1040 * t2541;
+    let t3146 = t3144 + t3145;
+    let t3147 = t1047 * t2556;
+    let t3148 = t3146 - t3147;
+    let t3149 = t1056 * t2571;
+    let t3150 = t3148 + t3149;
+    let t3151 = t1067 * t2586;
+    let t3152 = t3150 + t3151;
+    let t3153 = t460 * t2672;
+    let t3154 = t1032 * t2676;
+    let t3155 = t3153 - t3154;
+    let t3156 = t1035 * t2670;
+    let t3157 = t3155 - t3156;
+    let t3158 = t1040 * t2661;
+    let t3159 = t3157 + t3158;
+    let t3160 = t1047 * t2692;
+    let t3161 = t3159 - t3160;
+    let t3162 = t1056 * t2707;
+    let t3163 = t3161 + t3162;
+    let t3164 = t1067 * t2722;
+    let t3165 = t3163 + t3164;
+    let t3166 = t460 * t2825;
+    let t3167 = t1032 * t2829;
+    let t3168 = t3166 - t3167;
+    let t3169 = t1035 * t2823;
+    let t3170 = t3168 + t3169;
+    let t3171 = t1040 * t2778;
+    let t3172 = t3170 - t3171;
+    let t3173 = t1047 * t2811;
+    let t3174 = t3172 - t3173;
+    let t3175 = t1056 * t2847;
+    let t3176 = t3174 - t3175;
+    let t3177 = t1067 * t2862;
+    let t3178 = t3176 - t3177;
+    let t3179 = t460 * t2978;
+    let t3180 = t1032 * t2982;
+    let t3181 = t3179 - t3180;
+    let t3182 = t1035 * t2976;
+    let t3183 = t3181 - t3182;
+    let t3184 = t1040 * t2941;
+    let t3185 = t3183 - t3184;
+    let t3186 = t1047 * t2961;
+    let t3187 = t3185 - t3186;
+    let t3188 = t1056 * t2933;
+    let t3189 = t3187 + t3188;
+    let t3190 = t1067 * t3002;
+    let t3191 = t3189 - t3190;
+    let t3192 = t460 * t3110;
+    let t3193 = t1032 * t3114;
+    let t3194 = t3192 - t3193;
+    let t3195 = t1035 * t3108;
+    let t3196 = t3194 + t3195;
+    let t3197 = t1040 * t3073;
+    let t3198 = t3196 + t3197;
+    let t3199 = t1047 * t3093;
+    let t3200 = t3198 - t3199;
+    let t3201 = t1056 * t3058;
+    let t3202 = t3200 + t3201;
+    let t3203 = t1067 * t3029;
+    let t3204 = t3202 - t3203;
+    let t3205 = t463 * t2199;
+    let t3206 = t1035 * t2231;
+    let t3207 = t3205 + t3206;
+    let t3208 = t1090 * t2246;
+    let t3209 = t3207 - t3208;
+    let t3210 = t1095 * t2273;
+    let t3211 = t3209 - t3210;
+    let t3212 = t1102 * t2321;
+    let t3213 = t3211 - t3212;
+    let t3214 = t1111 * t2384;
+    let t3215 = t3213 + t3214;
+    let t3216 = t1122 * t2458;
+    let t3217 = t3215 + t3216;
+    let t3218 = t463 * t2523;
+    let t3219 = t1035 * t2527;
+    let t3220 = t3218 - t3219;
+    let t3221 = t1090 * t2521;
+    let t3222 = t3220 - t3221;
+    let t3223 = t1095 * t2541;
+    let t3224 = t3222 + t3223;
+    let t3225 = t1102 * t2556;
+    let t3226 = t3224 - t3225;
+    let t3227 = t1111 * t2571;
+    let t3228 = t3226 + t3227;
+    let t3229 = t1122 * t2586;
+    let t3230 = t3228 + t3229;
+    let t3231 = t463 * t2672;
+    let t3232 = t1035 * t2676;
+    let t3233 = t3231 - t3232;
+    let t3234 = t1090 * t2670;
+    let t3235 = t3233 - t3234;
+    let t3236 = t1095 * t2661;
+    let t3237 = t3235 + t3236;
+    let t3238 = t1102 * t2692;
+    let t3239 = t3237 - t3238;
+    let t3240 = t1111 * t2707;
+    let t3241 = t3239 + t3240;
+    let t3242 = t1122 * t2722;
+    let t3243 = t3241 + t3242;
+    let t3244 = t463 * t2825;
+    let t3245 = t1035 * t2829;
+    let t3246 = t3244 - t3245;
+    let t3247 = t1090 * t2823;
+    let t3248 = t3246 + t3247;
+    let t3249 = t1095 * t2778;
+    let t3250 = t3248 - t3249;
+    let t3251 = t1102 * t2811;
+    let t3252 = t3250 - t3251;
+    let t3253 = t1111 * t2847;
+    let t3254 = t3252 - t3253;
+    let t3255 = t1122 * t2862;
+    let t3256 = t3254 - t3255;
+    let t3257 = t463 * t2978;
+    let t3258 = t1035 * t2982;
+    let t3259 = t3257 - t3258;
+    let t3260 = t1090 * t2976;
+    let t3261 = t3259 - t3260;
+    let t3262 = t1095 * t2941;
+    let t3263 = t3261 - t3262;
+    let t3264 = t1102 * t2961;
+    let t3265 = t3263 - t3264;
+    let t3266 = t1111 * t2933;
+    let t3267 = t3265 + t3266;
+    let t3268 = t1122 * t3002;
+    let t3269 = t3267 - t3268;
+    let t3270 = t463 * t3110;
+    let t3271 = t1035 * t3114;
+    let t3272 = t3270 - t3271;
+    let t3273 = t1090 * t3108;
+    let t3274 = t3272 + t3273;
+    let t3275 = t1095 * t3073;
+    let t3276 = t3274 + t3275;
+    let t3277 = t1102 * t3093;
+    let t3278 = t3276 - t3277;
+    let t3279 = t1111 * t3058;
+    let t3280 = t3278 + t3279;
+    let t3281 = t1122 * t3029;
+    let t3282 = t3280 - t3281;
+    let t3283 = t468 * t2199;
+    let t3284 = t1040 * t2231;
+    let t3285 = t3283 + t3284;
+    let t3286 = t1095 * t2246;
+    let t3287 = t3285 - t3286;
+    let t3288 = t1156 * t2273;
+    let t3289 = t3287 - t3288;
+    let t3290 = t1163 * t2321;
+    let t3291 = t3289 - t3290;
+    let t3292 = t1172 * t2384;
+    let t3293 = t3291 + t3292;
+    let t3294 = t1183 * t2458;
+    let t3295 = t3293 + t3294;
+    let t3296 = t468 * t2523;
+    let t3297 = t1040 * t2527;
+    let t3298 = t3296 - t3297;
+    let t3299 = t1095 * t2521;
+    let t3300 = t3298 - t3299;
+    let t3301 = t1156 * t2541;
+    let t3302 = t3300 + t3301;
+    let t3303 = t1163 * t2556;
+    let t3304 = t3302 - t3303;
+    let t3305 = t1172 * t2571;
+    let t3306 = t3304 + t3305;
+    let t3307 = t1183 * t2586;
+    let t3308 = t3306 + t3307;
+    let t3309 = t468 * t2672;
+    let t3310 = t1040 * t2676;
+    let t3311 = t3309 - t3310;
+    let t3312 = t1095 * t2670;
+    let t3313 = t3311 - t3312;
+    let t3314 = t1156 * t2661;
+    let t3315 = t3313 + t3314;
+    let t3316 = t1163 * t2692;
+    let t3317 = t3315 - t3316;
+    let t3318 = t1172 * t2707;
+    let t3319 = t3317 + t3318;
+    let t3320 = t1183 * t2722;
+    let t3321 = t3319 + t3320;
+    let t3322 = t468 * t2825;
+    let t3323 = t1040 * t2829;
+    let t3324 = t3322 - t3323;
+    let t3325 = t1095 * t2823;
+    let t3326 = t3324 + t3325;
+    let t3327 = t1156 * t2778;
+    let t3328 = t3326 - t3327;
+    let t3329 = t1163 * t2811;
+    let t3330 = t3328 - t3329;
+    let t3331 = t1172 * t2847;
+    let t3332 = t3330 - t3331;
+    let t3333 = t1183 * t2862;
+    let t3334 = t3332 - t3333;
+    let t3335 = t468 * t2978;
+    let t3336 = t1040 * t2982;
+    let t3337 = t3335 - t3336;
+    let t3338 = t1095 * t2976;
+    let t3339 = t3337 - t3338;
+    let t3340 = t1156 * t2941;
+    let t3341 = t3339 - t3340;
+    let t3342 = t1163 * t2961;
+    let t3343 = t3341 - t3342;
+    let t3344 = t1172 * t2933;
+    let t3345 = t3343 + t3344;
+    let t3346 = t1183 * t3002;
+    let t3347 = t3345 - t3346;
+    let t3348 = t468 * t3110;
+    let t3349 = t1040 * t3114;
+    let t3350 = t3348 - t3349;
+    let t3351 = t1095 * t3108;
+    let t3352 = t3350 + t3351;
+    let t3353 = t1156 * t3073;
+    let t3354 = t3352 + t3353;
+    let t3355 = t1163 * t3093;
+    let t3356 = t3354 - t3355;
+    let t3357 = t1172 * t3058;
+    let t3358 = t3356 + t3357;
+    let t3359 = t1183 * t3029;
+    let t3360 = t3358 - t3359;
+    let t3361 = t475 * t2199;
+    let t3362 = t1047 * t2231;
+    let t3363 = t3361 + t3362;
+    let t3364 = t1102 * t2246;
+    let t3365 = t3363 - t3364;
+    let t3366 = t1163 * t2273;
+    let t3367 = t3365 - t3366;
+    let t3368 = t1232 * t2321;
+    let t3369 = t3367 - t3368;
+    let t3370 = t1241 * t2384;
+    let t3371 = t3369 + t3370;
+    let t3372 = t1252 * t2458;
+    let t3373 = t3371 + t3372;
+    let t3374 = t475 * t2523;
+    let t3375 = t1047 * t2527;
+    let t3376 = t3374 - t3375;
+    let t3377 = t1102 * t2521;
+    let t3378 = t3376 - t3377;
+    let t3379 = t1163 * t2541;
+    let t3380 = t3378 + t3379;
+    let t3381 = t1232 * t2556;
+    let t3382 = t3380 - t3381;
+    let t3383 = t1241 * t2571;
+    let t3384 = t3382 + t3383;
+    let t3385 = t1252 * t2586;
+    let t3386 = t3384 + t3385;
+    let t3387 = t475 * t2672;
+    let t3388 = t1047 * t2676;
+    let t3389 = t3387 - t3388;
+    let t3390 = t1102 * t2670;
+    let t3391 = t3389 - t3390;
+    let t3392 = t1163 * t2661;
+    let t3393 = t3391 + t3392;
+    let t3394 = t1232 * t2692;
+    let t3395 = t3393 - t3394;
+    let t3396 = t1241 * t2707;
+    let t3397 = t3395 + t3396;
+    let t3398 = t1252 * t2722;
+    let t3399 = t3397 + t3398;
+    let t3400 = t475 * t2825;
+    let t3401 = t1047 * t2829;
+    let t3402 = t3400 - t3401;
+    let t3403 = t1102 * t2823;
+    let t3404 = t3402 + t3403;
+    let t3405 = t1163 * t2778;
+    let t3406 = t3404 - t3405;
+    let t3407 = t1232 * t2811;
+    let t3408 = t3406 - t3407;
+    let t3409 = t1241 * t2847;
+    let t3410 = t3408 - t3409;
+    let t3411 = t1252 * t2862;
+    let t3412 = t3410 - t3411;
+    let t3413 = t475 * t2978;
+    let t3414 = t1047 * t2982;
+    let t3415 = t3413 - t3414;
+    let t3416 = t1102 * t2976;
+    let t3417 = t3415 - t3416;
+    let t3418 = t1163 * t2941;
+    let t3419 = t3417 - t3418;
+    let t3420 = t1232 * t2961;
+    let t3421 = t3419 - t3420;
+    let t3422 = t1241 * t2933;
+    let t3423 = t3421 + t3422;
+    let t3424 = t1252 * t3002;
+    let t3425 = t3423 - t3424;
+    let t3426 = t475 * t3110;
+    let t3427 = t1047 * t3114;
+    let t3428 = t3426 - t3427;
+    let t3429 = t1102 * t3108;
+    let t3430 = t3428 + t3429;
+    let t3431 = t1163 * t3073;
+    let t3432 = t3430 + t3431;
+    let t3433 = t1232 * t3093;
+    let t3434 = t3432 - t3433;
+    let t3435 = t1241 * t3058;
+    let t3436 = t3434 + t3435;
+    let t3437 = t1252 * t3029;
+    let t3438 = t3436 - t3437;
+    let t3439 = t484 * t2199;
+    let t3440 = t1056 * t2231;
+    let t3441 = t3439 + t3440;
+    let t3442 = t1111 * t2246;
+    let t3443 = t3441 - t3442;
+    let t3444 = t1172 * t2273;
+    let t3445 = t3443 - t3444;
+    let t3446 = t1241 * t2321;
+    let t3447 = t3445 - t3446;
+    let t3448 = t1320 * t2384;
+    let t3449 = t3447 + t3448;
+    let t3450 = t1331 * t2458;
+    let t3451 = t3449 + t3450;
+    let t3452 = t484 * t2523;
+    let t3453 = t1056 * t2527;
+    let t3454 = t3452 - t3453;
+    let t3455 = t1111 * t2521;
+    let t3456 = t3454 - t3455;
+    let t3457 = t1172 * t2541;
+    let t3458 = t3456 + t3457;
+    let t3459 = t1241 * t2556;
+    let t3460 = t3458 - t3459;
+    let t3461 = t1320 * t2571;
+    let t3462 = t3460 + t3461;
+    let t3463 = t1331 * t2586;
+    let t3464 = t3462 + t3463;
+    let t3465 = t484 * t2672;
+    let t3466 = t1056 * t2676;
+    let t3467 = t3465 - t3466;
+    let t3468 = t1111 * t2670;
+    let t3469 = t3467 - t3468;
+    let t3470 = t1172 * t2661;
+    let t3471 = t3469 + t3470;
+    let t3472 = t1241 * t2692;
+    let t3473 = t3471 - t3472;
+    let t3474 = t1320 * t2707;
+    let t3475 = t3473 + t3474;
+    let t3476 = t1331 * t2722;
+    let t3477 = t3475 + t3476;
+    let t3478 = t484 * t2825;
+    let t3479 = t1056 * t2829;
+    let t3480 = t3478 - t3479;
+    let t3481 = t1111 * t2823;
+    let t3482 = t3480 + t3481;
+    let t3483 = t1172 * t2778;
+    let t3484 = t3482 - t3483;
+    let t3485 = t1241 * t2811;
+    let t3486 = t3484 - t3485;
+    let t3487 = t1320 * t2847;
+    let t3488 = t3486 - t3487;
+    let t3489 = t1331 * t2862;
+    let t3490 = t3488 - t3489;
+    let t3491 = t484 * t2978;
+    let t3492 = t1056 * t2982;
+    let t3493 = t3491 - t3492;
+    let t3494 = t1111 * t2976;
+    let t3495 = t3493 - t3494;
+    let t3496 = t1172 * t2941;
+    let t3497 = t3495 - t3496;
+    let t3498 = t1241 * t2961;
+    let t3499 = t3497 - t3498;
+    let t3500 = t1320 * t2933;
+    let t3501 = t3499 + t3500;
+    let t3502 = t1331 * t3002;
+    let t3503 = t3501 - t3502;
+    let t3504 = t484 * t3110;
+    let t3505 = t1056 * t3114;
+    let t3506 = t3504 - t3505;
+    let t3507 = t1111 * t3108;
+    let t3508 = t3506 + t3507;
+    let t3509 = t1172 * t3073;
+    let t3510 = t3508 + t3509;
+    let t3511 = t1241 * t3093;
+    let t3512 = t3510 - t3511;
+    let t3513 = t1320 * t3058;
+    let t3514 = t3512 + t3513;
+    let t3515 = t1331 * t3029;
+    let t3516 = t3514 - t3515;
+    let t3517 = t495 * t2199;
+    let t3518 = t1067 * t2231;
+    let t3519 = t3517 + t3518;
+    let t3520 = t1122 * t2246;
+    let t3521 = t3519 - t3520;
+    let t3522 = t1183 * t2273;
+    let t3523 = t3521 - t3522;
+    let t3524 = t1252 * t2321;
+    let t3525 = t3523 - t3524;
+    let t3526 = t1331 * t2384;
+    let t3527 = t3525 + t3526;
+    let t3528 = t1422 * t2458;
+    let t3529 = t3527 + t3528;
+    let t3530 = t495 * t2523;
+    let t3531 = t1067 * t2527;
+    let t3532 = t3530 - t3531;
+    let t3533 = t1122 * t2521;
+    let t3534 = t3532 - t3533;
+    let t3535 = t1183 * t2541;
+    let t3536 = t3534 + t3535;
+    let t3537 = t1252 * t2556;
+    let t3538 = t3536 - t3537;
+    let t3539 = t1331 * t2571;
+    let t3540 = t3538 + t3539;
+    let t3541 = t1422 * t2586;
+    let t3542 = t3540 + t3541;
+    let t3543 = t495 * t2672;
+    let t3544 = t1067 * t2676;
+    let t3545 = t3543 - t3544;
+    let t3546 = t1122 * t2670;
+    let t3547 = t3545 - t3546;
+    let t3548 = t1183 * t2661;
+    let t3549 = t3547 + t3548;
+    let t3550 = t1252 * t2692;
+    let t3551 = t3549 - t3550;
+    let t3552 = t1331 * t2707;
+    let t3553 = t3551 + t3552;
+    let t3554 = t1422 * t2722;
+    let t3555 = t3553 + t3554;
+    let t3556 = t495 * t2825;
+    let t3557 = t1067 * t2829;
+    let t3558 = t3556 - t3557;
+    let t3559 = t1122 * t2823;
+    let t3560 = t3558 + t3559;
+    let t3561 = t1183 * t2778;
+    let t3562 = t3560 - t3561;
+    let t3563 = t1252 * t2811;
+    let t3564 = t3562 - t3563;
+    let t3565 = t1331 * t2847;
+    let t3566 = t3564 - t3565;
+    let t3567 = t1422 * t2862;
+    let t3568 = t3566 - t3567;
+    let t3569 = t495 * t2978;
+    let t3570 = t1067 * t2982;
+    let t3571 = t3569 - t3570;
+    let t3572 = t1122 * t2976;
+    let t3573 = t3571 - t3572;
+    let t3574 = t1183 * t2941;
+    let t3575 = t3573 - t3574;
+    let t3576 = t1252 * t2961;
+    let t3577 = t3575 - t3576;
+    let t3578 = t1331 * t2933;
+    let t3579 = t3577 + t3578;
+    let t3580 = t1422 * t3002;
+    let t3581 = t3579 - t3580;
+    let t3582 = t495 * t3110;
+    let t3583 = t1067 * t3114;
+    let t3584 = t3582 - t3583;
+    let t3585 = t1122 * t3108;
+    let t3586 = t3584 + t3585;
+    let t3587 = t1183 * t3073;
+    let t3588 = t3586 + t3587;
+    let t3589 = t1252 * t3093;
+    let t3590 = t3588 - t3589;
+    let t3591 = t1331 * t3058;
+    let t3592 = t3590 + t3591;
+    let t3593 = t1422 * t3029;
+    let t3594 = t3592 - t3593;
+    let t3595 = sin_panda_joint2 * t2445;
+    let t3596 = cos_panda_joint2 * t2455;
+    let t3597 = t3595 - t3596;
+    let t3598 = t495 * t3597;
+    let t3599 = sin_panda_joint2 * t2371;
+    let t3600 = cos_panda_joint2 * t2381;
+    let t3601 = t3599 - t3600;
+    let t3602 = t484 * t3601;
+    let t3603 = sin_panda_joint2 * t2308;
+    let t3604 = cos_panda_joint2 * t2318;
+    let t3605 = t3603 - t3604;
+    let t3606 = t475 * t3605;
+    let t3607 = t2081 - t2162;
+    let t3608 = sin_panda_joint2 * t3607;
+    let t3609 = t2193 + t2112;
+    let t3610 = cos_panda_joint2 * t3609;
+    let t3611 = t3608 + t3610;
+    let t3612 = sin_panda_joint2 * t3611;
+    let t3613 = t2081 - t3612;
+    let t3614 = v[0] * 0.00035816594888099995;
+    let t3615 = t3614 - t3613;
+    let t3616 = t3614 - t2077;
+    let t3617 = t3615 - t3616;
+    let t3618 = 0.003 - t3617;
+    let t3619 = inverse_d_panda_joint1 * t3618;
+    let t3620 = sin_panda_joint2 * t2220;
+    let t3621 = cos_panda_joint2 * t2228;
+    let t3622 = t3620 + t3621;
+    let t3623 = t460 * t3622;
+    let t3624 = t3619 - t3623;
+    let t3625 = cos_panda_joint2 * t2242;
+    let t3626 = sin_panda_joint2 * t2108;
+    let t3627 = t3626 - t3625;
+    let t3628 = t463 * t3627;
+    let t3629 = t3624 - t3628;
+    let t3630 = sin_panda_joint2 * t2268;
+    let t3631 = cos_panda_joint2 * t2270;
+    let t3632 = t3630 - t3631;
+    let t3633 = t468 * t3632;
+    let t3634 = t3629 - t3633;
+    let t3635 = t3634 + t3606;
+    let t3636 = t3635 - t3602;
+    let t3637 = t3636 + t3598;
+    let t3638 = sin_panda_joint3 * t2433;
+    let t3639 = cos_panda_joint3 * t2443;
+    let t3640 = t3638 + t3639;
+    let t3641 = 2.0 * omega_panda_joint2_y;
+    let t3642 = t216 * t3641;
+    let t3643 = 2.0 * omega_panda_joint2_x;
+    let t3644 = t221 * t3643;
+    let t3645 = t3642 + t3644;
+    let t3646 = t3640 + t3645;
+    let t3647 = t495 * t3646;
+    let t3648 = sin_panda_joint3 * t2359;
+    let t3649 = cos_panda_joint3 * t2369;
+    let t3650 = t3648 + t3649;
+    let t3651 = t259 * t3641;
+    let t3652 = t264 * t3643;
+    let t3653 = t3651 + t3652;
+    let t3654 = t3650 - t3653;
+    let t3655 = t484 * t3654;
+    let t3656 = sin_panda_joint3 * t2301;
+    let t3657 = cos_panda_joint3 * t2306;
+    let t3658 = t3656 + t3657;
+    let t3659 = t288 * t3641;
+    let t3660 = t293 * t3643;
+    let t3661 = t3659 - t3660;
+    let t3662 = t3658 - t3661;
+    let t3663 = t475 * t3662;
+    let t3664 = sin_panda_joint3 * t2261;
+    let t3665 = cos_panda_joint3 * t2266;
+    let t3666 = t3664 + t3665;
+    let t3667 = t318 * t3641;
+    let t3668 = t154 * t3643;
+    let t3669 = t3667 + t3668;
+    let t3670 = t3666 + t3669;
+    let t3671 = t468 * t3670;
+    let t3672 = sin_panda_joint3 * t2096;
+    let t3673 = cos_panda_joint3 * t2106;
+    let t3674 = t3672 + t3673;
+    let t3675 = t160 * t3641;
+    let t3676 = t348 * t3643;
+    let t3677 = t3675 - t3676;
+    let t3678 = t3674 + t3677;
+    let t3679 = t463 * t3678;
+    let t3680 = t2081 + t2162;
+    let t3681 = t441 * t3641;
+    let t3682 = t443 * t3643;
+    let t3683 = t3681 - t3682;
+    let t3684 = t3680 - t3683;
+    let t3685 = 0.003 + t3684;
+    let t3686 = t460 * t3685;
+    let t3687 = t2049 - t2215;
+    let t3688 = v[1] * 0.0015378722058928;
+    let t3689 = t3688 - t3687;
+    let t3690 = t3641 * t2143;
+    let t3691 = t161 * t3643;
+    let t3692 = t3690 + t3691;
+    let t3693 = t3689 + t3692;
+    let t3694 = sin_panda_joint2 * t3693;
+    let t3695 = v[1] * 0.02052220364201634;
+    let t3696 = t3695 - t3674;
+    let t3697 = t3643 * t1769;
+    let t3698 = t161 * t3641;
+    let t3699 = t3697 + t3698;
+    let t3700 = t3696 + t3699;
+    let t3701 = cos_panda_joint2 * t3700;
+    let t3702 = t3694 - t3701;
+    let t3703 = inverse_d_panda_joint1 * t3702;
+    let t3704 = t3703 + t3686;
+    let t3705 = t3704 + t3679;
+    let t3706 = t3705 + t3671;
+    let t3707 = t3706 - t3663;
+    let t3708 = t3707 + t3655;
+    let t3709 = t3708 - t3647;
+    let t3710 = 2.0 * omega_panda_joint3_x;
+    let t3711 = t193 * t3710;
+    let t3712 = t212 * t2089;
+    let t3713 = t3712 + t3711;
+    let t3714 = t2451 - t3713;
+    let t3715 = t495 * t3714;
+    let t3716 = t241 * t3710;
+    let t3717 = t255 * t2089;
+    let t3718 = t3717 + t3716;
+    let t3719 = t2377 + t3718;
+    let t3720 = t484 * t3719;
+    let t3721 = t278 * t2089;
+    let t3722 = t283 * t3710;
+    let t3723 = t3721 + t3722;
+    let t3724 = t2314 + t3723;
+    let t3725 = t475 * t3724;
+    let t3726 = t313 * t3710;
+    let t3727 = t126 * t2089;
+    let t3728 = t3727 - t3726;
+    let t3729 = t2179 - t3728;
+    let t3730 = t468 * t3729;
+    let t3731 = t147 * t2089;
+    let t3732 = t155 * t3710;
+    let t3733 = t3731 + t3732;
+    let t3734 = t2240 - t3733;
+    let t3735 = 0.003 + t3734;
+    let t3736 = t463 * t3735;
+    let t3737 = t2089 * t2485;
+    let t3738 = t128 * t3710;
+    let t3739 = t3737 - t3738;
+    let t3740 = t2167 + t3739;
+    let t3741 = t2151 - t2169;
+    let t3742 = 3.83030303030303 * t3741;
+    let t3743 = t3740 - t3742;
+    let t3744 = sin_panda_joint3 * t3743;
+    let t3745 = t3710 * t2462;
+    let t3746 = t128 * t2089;
+    let t3747 = t3745 - t3746;
+    let t3748 = t2181 - t3747;
+    let t3749 = t138 * t3710;
+    let t3750 = t2183 + t3749;
+    let t3751 = 3.83030303030303 * t3750;
+    let t3752 = t3748 + t3751;
+    let t3753 = cos_panda_joint3 * t3752;
+    let t3754 = t3744 - t3753;
+    let t3755 = t460 * t3754;
+    let t3756 = cos_panda_joint3 * t3743;
+    let t3757 = sin_panda_joint3 * t3752;
+    let t3758 = t3756 + t3757;
+    let t3759 = sin_panda_joint2 * t3758;
+    let t3760 = cos_panda_joint2 * t3734;
+    let t3761 = t3759 - t3760;
+    let t3762 = inverse_d_panda_joint1 * t3761;
+    let t3763 = t3762 - t3755;
+    let t3764 = t3763 - t3736;
+    let t3765 = t3764 - t3730;
+    let t3766 = t3765 + t3725;
+    let t3767 = t3766 - t3720;
     [
-        t1112,
-        t1119,
-        t1122,
-        t1127,
-        t1130,
-        t1134,
-        t1139,
-        t1149,
-        t1163,
-        acceleration_panda_joint7_y_2,
-        t1169,
-        t1178,
-        t1184,
-        acceleration_panda_joint7_x_2,
-        t1188,
-        force_panda_joint7_y_2,
-        moment_panda_joint7_x_2,
-        moment_panda_joint7_y_2,
-        force_panda_joint7_x_2,
-        t1453,
-        t1465,
-        t1467,
-        t1469,
-        t1470,
-        t1476,
-        t1500,
-        t1506,
-        t1509,
-        t1512,
-        t1518,
-        t1520,
-        t1522,
-        t1524,
-        t1536,
-        t1538,
-        t1543,
-        t1545,
-        t1546,
-        t1551,
-        t1552,
-        t1565,
-        t1567,
-        t1575,
-        t1581,
-        t1589,
-        t1590,
-        t1592,
-        t1594,
-        t1596,
-        t1602,
-        t1611,
-        t1612,
-        t1619,
-        t1632,
-        t1635,
-        t1636,
-        t1637,
-        t1644,
-        t1649,
-        t1654,
-        t1661,
-        t1672,
-        t1675,
-        t1676,
-        t1677,
-        t1678,
-        t1680,
-        t1684,
-        t1686,
-        t1693,
-        t1701,
-        t1704,
-        t1708,
-        t1716,
-        t1768,
-        t1769,
-        t1775,
-        t1777,
-        t1778,
-        t1793,
-        t1796,
-        t1808,
+        t1779,
+        t1780,
+        t1784,
+        t1792,
+        t1802,
         t1809,
-        t1859,
+        t1822,
+        t1826,
+        t1827,
+        t1834,
+        t1839,
+        t1851,
         t1862,
+        t1865,
+        t1867,
         t1868,
         t1870,
-        t1887,
+        t1876,
+        t1883,
         t1891,
-        t1899,
+        t1894,
+        t1898,
         t1906,
-        t1916,
-        t1918,
-        t1922,
+        t1958,
         t1959,
-        t1964,
-        t1970,
-        t1981,
+        t1965,
+        t1967,
+        t1968,
+        t1983,
         t1986,
-        t1988,
         t1998,
-        t2000,
-        t2002,
-        t2012,
-        t2019,
-        t2020,
-        t2023,
-        t2030,
-        t2038,
-        t2041,
-        t2055,
-        t2064,
-        t2068,
-        t2083,
-        t2103,
-        t2117,
-        t2123,
-        t2127,
-        t2129,
-        t2135,
-        t2139,
-        t2142,
-        t2147,
-        t2150,
-        t2153,
-        t2156,
-        t2167,
-        t2176,
-        t2180,
-        t2198,
-        t2218,
-        t2224,
-        t2228,
-        t2230,
-        t2236,
-        t2240,
-        t2244,
-        t2251,
-        t2254,
-        t2258,
+        t1999,
+        t2052,
+        t2058,
+        t2060,
         t2263,
-        t2268,
-        t2283,
-        t2296,
-        t2301,
-        t2303,
-        t2309,
-        t2313,
-        t2318,
-        t2326,
-        t2331,
-        t2346,
-        t2348,
-        t2351,
-        t2353,
-        t2355,
-        t2361,
-        t2368,
-        t2375,
-        t2377,
-        t2385,
-        t2408,
-        t2413,
-        t2421,
-        t2429,
-        t2432,
-        t2434,
-        t2457,
-        t2508,
-        t2525,
-        t2544,
-        t2562,
-        t2572,
-        t2587,
+        t2288,
+        t2339,
+        t2365,
+        t2399,
+        t2419,
+        t2439,
+        t2460,
+        t2588,
         t2590,
-        t2592,
-        t2607,
-        t2687,
-        t2704,
-        t2720,
-        t2728,
-        t2738,
-        t2753,
-        t2756,
-        t2758,
-        t2780,
-        t2870,
-        t2884,
-        t2890,
-        t2898,
-        t2908,
-        t2923,
-        t2926,
-        t2928,
-        t2943,
-        t3015,
-        t3031,
-        t3038,
-        t3050,
-        t3054,
-        t3060,
-        t3062,
-        t3066,
+        t2605,
+        t2724,
+        t2727,
+        t2749,
+        t2864,
+        t2866,
+        t2881,
+        t3004,
+        t3126,
+        t3139,
+        t3152,
+        t3165,
+        t3178,
+        t3191,
+        t3204,
+        t3217,
+        t3230,
+        t3243,
+        t3256,
+        t3269,
+        t3282,
+        t3295,
+        t3308,
+        t3321,
+        t3334,
+        t3347,
+        t3360,
+        t3373,
+        t3386,
+        t3399,
+        t3412,
+        t3425,
+        t3438,
+        t3451,
+        t3464,
+        t3477,
+        t3490,
+        t3503,
+        t3516,
+        t3529,
+        t3542,
+        t3555,
+        t3568,
+        t3581,
+        t3594,
+        t3597,
+        t3601,
+        t3605,
+        t3618,
+        t3622,
+        t3627,
+        t3632,
+        t3637,
+        t3646,
+        t3654,
+        t3662,
+        t3670,
+        t3678,
+        t3685,
+        t3702,
+        t3709,
+        t3714,
+        t3715,
+        t3719,
+        t3724,
+        t3729,
+        t3735,
+        t3754,
+        t3761,
+        t3767,
     ]
 }
 
 /// Part 3 of `forward_dynamics_derivatives`: values that later parts read.
 #[inline(never)]
 fn forward_dynamics_derivatives_part_3(
+    [sin_panda_joint2,
+    cos_panda_joint2,
+    sin_panda_joint3,
+    cos_panda_joint3,
+    sin_panda_joint4,
+    cos_panda_joint4,
+    sin_panda_joint5,
+    cos_panda_joint5,
+    sin_panda_joint6,
+    cos_panda_joint6,
+    t17,
+    t24,
+    t25,
+    t40,
+    t44,
+    t45,
+    t47,
+    t48,
+    t54,
+    t55,
+    t56,
+    t61,
+    t65,
+    t72,
+    t83,
+    t89,
+    t92,
+    t95,
+    t101,
+    t103,
+    t117,
+    t119,
+    t124,
+    t171,
+    t173,
+    t176,
+    t202,
+    t210,
+    t231,
+    t250,
+    t253,
+    t276,
+    inverse_d_panda_joint1,
+    t460,
+    t463,
+    t468,
+    t475,
+    t484,
+    t495,
+    omega_panda_joint4_x,
+    t561,
+    omega_panda_joint6_y,
+    t1032,
+    t1035,
+    t1040,
+    t1047,
+    t1056,
+    t1067,
+    t1090,
+    t1095,
+    t1102,
+    t1111,
+    t1122,
+    t1156,
+    t1163,
+    t1172,
+    t1183,
+    t1196,
+    t1232,
+    t1241,
+    t1252,
+    t1265,
+    t1320,
+    t1331,
+    t1344,
+    t1422,
+    t1435,
+    t1779,
+    t1780,
+    t1784,
+    t1792,
+    t1802,
+    t1809,
+    t1822,
+    t1826,
+    t1827,
+    t1834,
+    t1839,
+    t1851,
+    t1862,
+    t1865,
+    t1867,
+    t1868,
+    t1870,
+    t1876,
+    t1883,
+    t1891,
+    t1894,
+    t1898,
+    t1906,
+    t1958,
+    t1959,
+    t1965,
+    t1967,
+    t1968,
+    t1983,
+    t1986,
+    t1998,
+    t1999,
+    t2052,
+    t2058,
+    t2060,
+    t2263,
+    t2288,
+    t2339,
+    t2365,
+    t2399,
+    t2419,
+    t2439,
+    t2590,
+    t2605,
+    t2724,
+    t2727,
+    t2749,
+    t2864,
+    t2866,
+    t2881,
+    t3004,
+    t3126,
+    t3165,
+    t3178,
+    t3191,
+    t3204,
+    t3243,
+    t3256,
+    t3269,
+    t3282,
+    t3295,
+    t3308,
+    t3373,
+    t3386,
+    t3451,
+    t3464,
+    t3529,
+    t3542,
+    t3597,
+    t3601,
+    t3605,
+    t3618,
+    t3622,
+    t3627,
+    t3632,
+    t3637,
+    t3646,
+    t3654,
+    t3662,
+    t3670,
+    t3678,
+    t3685,
+    t3702,
+    t3709,
+    t3714,
+    t3715,
+    t3719,
+    t3724,
+    t3729,
+    t3735,
+    t3754,
+    t3761,
+    t3767,
+    ]: [f64; 170],
+) -> [f64; 85] {
+    let t3768 = t3767 + t3715;
+    let t3769 = t202 * t1998;
+    let t3770 = 2.0 * omega_panda_joint4_x;
+    let t3771 = t210 * t3770;
+    let t3772 = t3769 + t3771;
+    let t3773 = t2439 + t3772;
+    let t3774 = t495 * t3773;
+    let t3775 = t250 * t1998;
+    let t3776 = t253 * t3770;
+    let t3777 = t3775 + t3776;
+    let t3778 = t2365 - t3777;
+    let t3779 = t484 * t3778;
+    let t3780 = t92 * t1998;
+    let t3781 = t276 * t3770;
+    let t3782 = t3780 + t3781;
+    let t3783 = t2058 - t3782;
+    let t3784 = t475 * t3783;
+    let t3785 = t119 * t1998;
+    let t3786 = t124 * t3770;
+    let t3787 = t3785 - t3786;
+    let t3788 = t2263 - t3787;
+    let t3789 = 0.003 - t3788;
+    let t3790 = t468 * t3789;
+    let t3791 = t1998 * t2605;
+    let t3792 = t95 * t3770;
+    let t3793 = t3791 - t3792;
+    let t3794 = t2052 - t3793;
+    let t3795 = sin_panda_joint4 * t3794;
+    let t3796 = t3770 * t2590;
+    let t3797 = t95 * t1998;
+    let t3798 = t3796 - t3797;
+    let t3799 = t2060 - t3798;
+    let t3800 = cos_panda_joint4 * t3799;
+    let t3801 = t3795 + t3800;
+    let t3802 = t101 * t3770;
+    let t3803 = t103 * t1998;
+    let t3804 = t3803 + t3802;
+    let t3805 = t3804 - t3801;
+    let t3806 = t463 * t3805;
+    let t3807 = t1999 + t1983;
+    let t3808 = cos_panda_joint4 * t3807;
+    let t3809 = t117 * t3770;
+    let t3810 = t1986 + t3809;
+    let t3811 = sin_panda_joint4 * t3810;
+    let t3812 = t3811 - t3808;
+    let t3813 = t3788 - t3812;
+    let t3814 = sin_panda_joint4 * t3807;
+    let t3815 = cos_panda_joint4 * t3810;
+    let t3816 = t3815 + t3814;
+    let t3817 = 3.83030303030303 * t3816;
+    let t3818 = t3813 + t3817;
+    let t3819 = cos_panda_joint3 * t3818;
+    let t3820 = cos_panda_joint4 * t3794;
+    let t3821 = sin_panda_joint4 * t3799;
+    let t3822 = t3820 - t3821;
+    let t3823 = 3.83030303030303 * t3804;
+    let t3824 = t3822 + t3823;
+    let t3825 = sin_panda_joint3 * t3824;
+    let t3826 = t3825 + t3819;
+    let t3827 = t460 * t3826;
+    let t3828 = sin_panda_joint3 * t3818;
+    let t3829 = cos_panda_joint3 * t3824;
+    let t3830 = t3829 - t3828;
+    let t3831 = sin_panda_joint2 * t3830;
+    let t3832 = cos_panda_joint2 * t3805;
+    let t3833 = t3831 + t3832;
+    let t3834 = inverse_d_panda_joint1 * t3833;
+    let t3835 = t3834 - t3827;
+    let t3836 = t3835 + t3806;
+    let t3837 = t3836 + t3790;
+    let t3838 = t3837 - t3784;
+    let t3839 = t3838 + t3779;
+    let t3840 = t3839 - t3774;
+    let t3841 = t176 * t1822;
+    let t3842 = t44 * t1834;
+    let t3843 = t3841 - t3842;
+    let t3844 = t2419 - t3843;
+    let t3845 = t495 * t3844;
+    let t3846 = t47 * t1822;
+    let t3847 = t231 * t1834;
+    let t3848 = t3846 + t3847;
+    let t3849 = t1965 + t3848;
+    let t3850 = t484 * t3849;
+    let t3851 = t83 * t1822;
+    let t3852 = t89 * t1834;
+    let t3853 = t3851 - t3852;
+    let t3854 = t2288 - t3853;
+    let t3855 = 0.003 + t3854;
+    let t3856 = t475 * t3855;
+    let t3857 = t1822 * t2749;
+    let t3858 = t48 * t1834;
+    let t3859 = t3857 - t3858;
+    let t3860 = t1958 - t3859;
+    let t3861 = t1898 + t1959;
+    let t3862 = t3861 - t3860;
+    let t3863 = sin_panda_joint5 * t3862;
+    let t3864 = t1834 * t2727;
+    let t3865 = t48 * t1822;
+    let t3866 = t3864 - t3865;
+    let t3867 = t1967 - t3866;
+    let t3868 = t1906 + t1968;
+    let t3869 = t3868 - t3867;
+    let t3870 = cos_panda_joint5 * t3869;
+    let t3871 = t3863 + t3870;
+    let t3872 = t1883 + t1862;
+    let t3873 = 0.21484375 * t3872;
+    let t3874 = t3873 + t3871;
+    let t3875 = t468 * t3874;
+    let t3876 = cos_panda_joint5 * t3862;
+    let t3877 = sin_panda_joint5 * t3869;
+    let t3878 = t3876 - t3877;
+    let t3879 = sin_panda_joint4 * t3878;
+    let t3880 = t61 * t3861;
+    let t3881 = t65 * t3868;
+    let t3882 = t3881 - t3880;
+    let t3883 = t3854 - t3882;
+    let t3884 = cos_panda_joint4 * t3883;
+    let t3885 = t3879 + t3884;
+    let t3886 = t3882 + t3885;
+    let t3887 = t463 * t3886;
+    let t3888 = t65 * t3861;
+    let t3889 = t61 * t3868;
+    let t3890 = t3889 + t3888;
+    let t3891 = sin_panda_joint4 * t3890;
+    let t3892 = cos_panda_joint4 * t3873;
+    let t3893 = t3891 + t3892;
+    let t3894 = t3874 - t3893;
+    let t3895 = cos_panda_joint4 * t3890;
+    let t3896 = sin_panda_joint4 * t3873;
+    let t3897 = t3895 - t3896;
+    let t3898 = 3.83030303030303 * t3897;
+    let t3899 = t3894 + t3898;
+    let t3900 = cos_panda_joint3 * t3899;
+    let t3901 = cos_panda_joint4 * t3878;
+    let t3902 = sin_panda_joint4 * t3883;
+    let t3903 = t3901 - t3902;
+    let t3904 = 3.83030303030303 * t3882;
+    let t3905 = t3903 - t3904;
+    let t3906 = sin_panda_joint3 * t3905;
+    let t3907 = t3906 + t3900;
+    let t3908 = t460 * t3907;
+    let t3909 = sin_panda_joint3 * t3899;
+    let t3910 = cos_panda_joint3 * t3905;
+    let t3911 = t3910 - t3909;
+    let t3912 = sin_panda_joint2 * t3911;
+    let t3913 = cos_panda_joint2 * t3886;
+    let t3914 = t3912 - t3913;
+    let t3915 = inverse_d_panda_joint1 * t3914;
+    let t3916 = t3915 - t3908;
+    let t3917 = t3916 - t3887;
+    let t3918 = t3917 - t3875;
+    let t3919 = t3918 + t3856;
+    let t3920 = t3919 - t3850;
+    let t3921 = t3920 + t3845;
+    let t3922 = t173 * t1779;
+    let t3923 = t24 * t1826;
+    let t3924 = t3923 + t3922;
+    let t3925 = t1868 - t3924;
+    let t3926 = t495 * t3925;
+    let t3927 = t45 * t1779;
+    let t3928 = t40 * t1826;
+    let t3929 = t3928 - t3927;
+    let t3930 = t2339 - t3929;
+    let t3931 = 0.003 + t3930;
+    let t3932 = t484 * t3931;
+    let t3933 = t25 * t1826;
+    let t3934 = t1779 * t2866;
+    let t3935 = t3934 + t3933;
+    let t3936 = t1870 - t3935;
+    let t3937 = cos_panda_joint6 * t3936;
+    let t3938 = t25 * t1779;
+    let t3939 = t1826 * t2881;
+    let t3940 = t3939 - t3938;
+    let t3941 = t1876 + t3940;
+    let t3942 = sin_panda_joint6 * t3941;
+    let t3943 = t3942 + t3937;
+    let t3944 = t475 * t3943;
+    let t3945 = t1827 - t1894;
+    let t3946 = t72 * t3945;
+    let t3947 = t1780 - t1891;
+    let t3948 = t56 * t3947;
+    let t3949 = t3948 + t3946;
+    let t3950 = t3930 - t3949;
+    let t3951 = cos_panda_joint5 * t3950;
+    let t3952 = sin_panda_joint6 * t3936;
+    let t3953 = cos_panda_joint6 * t3941;
+    let t3954 = t3953 - t3952;
+    let t3955 = t55 * t1779;
+    let t3956 = omega_panda_joint6_y * 0.030589628180144;
+    let t3957 = t3956 + t3955;
+    let t3958 = 4.363636363636364 * t3957;
+    let t3959 = t3958 + t3954;
+    let t3960 = sin_panda_joint5 * t3959;
+    let t3961 = t3960 + t3951;
+    let t3962 = t56 * t3945;
+    let t3963 = t72 * t3947;
+    let t3964 = t3963 - t3962;
+    let t3965 = 0.21484375 * t3964;
+    let t3966 = t3965 - t3961;
+    let t3967 = t468 * t3966;
+    let t3968 = sin_panda_joint5 * t3950;
+    let t3969 = cos_panda_joint5 * t3959;
+    let t3970 = t3969 - t3968;
+    let t3971 = sin_panda_joint4 * t3970;
+    let t3972 = t65 * t3949;
+    let t3973 = t61 * t3958;
+    let t3974 = t3972 + t3973;
+    let t3975 = t3943 + t3974;
+    let t3976 = cos_panda_joint4 * t3975;
+    let t3977 = t3971 + t3976;
+    let t3978 = t3974 - t3977;
+    let t3979 = t463 * t3978;
+    let t3980 = t61 * t3949;
+    let t3981 = t65 * t3958;
+    let t3982 = t3980 - t3981;
+    let t3983 = sin_panda_joint4 * t3982;
+    let t3984 = cos_panda_joint4 * t3965;
+    let t3985 = t3983 + t3984;
+    let t3986 = t3966 - t3985;
+    let t3987 = cos_panda_joint4 * t3982;
+    let t3988 = sin_panda_joint4 * t3965;
+    let t3989 = t3987 - t3988;
+    let t3990 = 3.83030303030303 * t3989;
+    let t3991 = t3986 + t3990;
+    let t3992 = cos_panda_joint3 * t3991;
+    let t3993 = cos_panda_joint4 * t3970;
+    let t3994 = sin_panda_joint4 * t3975;
+    let t3995 = t3993 - t3994;
+    let t3996 = 3.83030303030303 * t3974;
+    let t3997 = t3995 + t3996;
+    let t3998 = sin_panda_joint3 * t3997;
+    let t3999 = t3998 - t3992;
+    let t4000 = t460 * t3999;
+    let t4001 = sin_panda_joint3 * t3991;
+    let t4002 = cos_panda_joint3 * t3997;
+    let t4003 = t4002 + t4001;
+    let t4004 = sin_panda_joint2 * t4003;
+    let t4005 = cos_panda_joint2 * t3978;
+    let t4006 = t4004 + t4005;
+    let t4007 = inverse_d_panda_joint1 * t4006;
+    let t4008 = t4007 - t4000;
+    let t4009 = t4008 + t3979;
+    let t4010 = t4009 + t3967;
+    let t4011 = t4010 + t3944;
+    let t4012 = t4011 - t3932;
+    let t4013 = t4012 - t3926;
+    let t4014 = t1809 - t2399;
+    let t4015 = 0.003 - t4014;
+    let t4016 = t495 * t4015;
+    let t4017 = t17 * t1779;
+    let t4018 = t1865 + t4017;
+    let t4019 = t1851 - t4018;
+    let t4020 = t54 * t1779;
+    let t4021 = t1867 - t4020;
+    let t4022 = t4021 + t4019;
+    let t4023 = t484 * t4022;
+    let t4024 = t1802 + t4014;
+    let t4025 = cos_panda_joint6 * t4024;
+    let t4026 = t171 * t561;
+    let t4027 = t1784 + t4026;
+    let t4028 = t1792 + t4027;
+    let t4029 = sin_panda_joint6 * t4028;
+    let t4030 = t4029 + t4025;
+    let t4031 = t475 * t4030;
+    let t4032 = sin_panda_joint6 * t4024;
+    let t4033 = cos_panda_joint6 * t4028;
+    let t4034 = t4033 - t4032;
+    let t4035 = 4.363636363636364 * t1802;
+    let t4036 = t4035 - t4034;
+    let t4037 = sin_panda_joint5 * t4036;
+    let t4038 = t72 * t4021;
+    let t4039 = t56 * t1839;
+    let t4040 = t4039 - t4038;
+    let t4041 = t4022 - t4040;
+    let t4042 = cos_panda_joint5 * t4041;
+    let t4043 = t4037 - t4042;
+    let t4044 = t56 * t4021;
+    let t4045 = t72 * t1839;
+    let t4046 = t4045 + t4044;
+    let t4047 = 0.21484375 * t4046;
+    let t4048 = t4047 + t4043;
+    let t4049 = t468 * t4048;
+    let t4050 = cos_panda_joint5 * t4036;
+    let t4051 = sin_panda_joint5 * t4041;
+    let t4052 = t4050 + t4051;
+    let t4053 = sin_panda_joint4 * t4052;
+    let t4054 = t65 * t4040;
+    let t4055 = t61 * t4035;
+    let t4056 = t4054 - t4055;
+    let t4057 = t4030 + t4056;
+    let t4058 = cos_panda_joint4 * t4057;
+    let t4059 = t4053 - t4058;
+    let t4060 = t4056 + t4059;
+    let t4061 = t463 * t4060;
+    let t4062 = t61 * t4040;
+    let t4063 = t65 * t4035;
+    let t4064 = t4062 + t4063;
+    let t4065 = sin_panda_joint4 * t4064;
+    let t4066 = cos_panda_joint4 * t4047;
+    let t4067 = t4065 + t4066;
+    let t4068 = t4048 - t4067;
+    let t4069 = cos_panda_joint4 * t4064;
+    let t4070 = sin_panda_joint4 * t4047;
+    let t4071 = t4069 - t4070;
+    let t4072 = 3.83030303030303 * t4071;
+    let t4073 = t4068 + t4072;
+    let t4074 = cos_panda_joint3 * t4073;
+    let t4075 = cos_panda_joint4 * t4052;
+    let t4076 = sin_panda_joint4 * t4057;
+    let t4077 = t4075 + t4076;
+    let t4078 = 3.83030303030303 * t4056;
+    let t4079 = t4077 - t4078;
+    let t4080 = sin_panda_joint3 * t4079;
+    let t4081 = t4080 + t4074;
+    let t4082 = t460 * t4081;
+    let t4083 = sin_panda_joint3 * t4073;
+    let t4084 = cos_panda_joint3 * t4079;
+    let t4085 = t4084 - t4083;
+    let t4086 = sin_panda_joint2 * t4085;
+    let t4087 = cos_panda_joint2 * t4060;
+    let t4088 = t4086 - t4087;
+    let t4089 = inverse_d_panda_joint1 * t4088;
+    let t4090 = t4089 - t4082;
+    let t4091 = t4090 - t4061;
+    let t4092 = t4091 - t4049;
+    let t4093 = t4092 - t4031;
+    let t4094 = t4093 + t4023;
+    let t4095 = t4094 - t4016;
+    let t4096 = t1067 * t3597;
+    let t4097 = t1056 * t3601;
+    let t4098 = t1047 * t3605;
+    let t4099 = t1040 * t3632;
+    let t4100 = t460 * t3618;
+    let t4101 = t1032 * t3622;
+    let t4102 = t4100 - t4101;
+    let t4103 = t1035 * t3627;
+    let t4104 = t4102 - t4103;
+    let t4105 = t4104 - t4099;
+    let t4106 = t4105 + t4098;
+    let t4107 = t4106 - t4097;
+    let t4108 = t4107 + t4096;
+    let t4109 = t1067 * t3646;
+    let t4110 = t1056 * t3654;
+    let t4111 = t1047 * t3662;
+    let t4112 = t1040 * t3670;
+    let t4113 = t1035 * t3678;
+    let t4114 = t1032 * t3685;
+    let t4115 = t460 * t3702;
+    let t4116 = t4115 + t4114;
+    let t4117 = t4116 + t4113;
+    let t4118 = t4117 + t4112;
+    let t4119 = t4118 - t4111;
+    let t4120 = t4119 + t4110;
+    let t4121 = t4120 - t4109;
+    let t4122 = t1067 * t3714;
+    let t4123 = t1056 * t3719;
+    let t4124 = t1047 * t3724;
+    let t4125 = t1040 * t3729;
+    let t4126 = t1035 * t3735;
+    let t4127 = t1032 * t3754;
+    let t4128 = t460 * t3761;
+    let t4129 = t4128 - t4127;
+    let t4130 = t4129 - t4126;
+    let t4131 = t4130 - t4125;
+    let t4132 = t4131 + t4124;
+    let t4133 = t4132 - t4123;
+    let t4134 = t4133 + t4122;
+    let t4135 = t1067 * t3773;
+    let t4136 = t1056 * t3778;
+    let t4137 = t1047 * t3783;
+    let t4138 = t1040 * t3789;
+    let t4139 = t1035 * t3805;
+    let t4140 = t1032 * t3826;
+    let t4141 = t460 * t3833;
+    let t4142 = t4141 - t4140;
+    let t4143 = t4142 + t4139;
+    let t4144 = t4143 + t4138;
+    let t4145 = t4144 - t4137;
+    let t4146 = t4145 + t4136;
+    let t4147 = t4146 - t4135;
+    let t4148 = t1067 * t3844;
+    let t4149 = t1056 * t3849;
+    let t4150 = t1047 * t3855;
+    let t4151 = t1040 * t3874;
+    let t4152 = t1035 * t3886;
+    let t4153 = t1032 * t3907;
+    let t4154 = t460 * t3914;
+    let t4155 = t4154 - t4153;
+    let t4156 = t4155 - t4152;
+    let t4157 = t4156 - t4151;
+    let t4158 = t4157 + t4150;
+    let t4159 = t4158 - t4149;
+    let t4160 = t4159 + t4148;
+    let t4161 = t1067 * t3925;
+    let t4162 = t1056 * t3931;
+    let t4163 = t1047 * t3943;
+    let t4164 = t1040 * t3966;
+    let t4165 = t1035 * t3978;
+    let t4166 = t1032 * t3999;
+    let t4167 = t460 * t4006;
+    let t4168 = t4167 - t4166;
+    let t4169 = t4168 + t4165;
+    let t4170 = t4169 + t4164;
+    let t4171 = t4170 + t4163;
+    let t4172 = t4171 - t4162;
+    let t4173 = t4172 - t4161;
+    let t4174 = t1067 * t4015;
+    let t4175 = t1056 * t4022;
+    let t4176 = t1047 * t4030;
+    let t4177 = t1040 * t4048;
+    let t4178 = t1035 * t4060;
+    let t4179 = t1032 * t4081;
+    let t4180 = t460 * t4088;
+    let t4181 = t4180 - t4179;
+    let t4182 = t4181 - t4178;
+    let t4183 = t4182 - t4177;
+    let t4184 = t4183 - t4176;
+    let t4185 = t4184 + t4175;
+    let t4186 = t4185 - t4174;
+    let t4187 = t1122 * t3597;
+    let t4188 = t1111 * t3601;
+    let t4189 = t1102 * t3605;
+    let t4190 = t1095 * t3632;
+    let t4191 = t1090 * t3627;
+    let t4192 = t1035 * t3622;
+    let t4193 = t463 * t3618;
+    let t4194 = t4193 - t4192;
+    let t4195 = t4194 - t4191;
+    let t4196 = t4195 - t4190;
+    let t4197 = t4196 + t4189;
+    let t4198 = t4197 - t4188;
+    let t4199 = t4198 + t4187;
+    let t4200 = t1122 * t3646;
+    let t4201 = t1111 * t3654;
+    let t4202 = t1102 * t3662;
+    let t4203 = t1095 * t3670;
+    let t4204 = t1090 * t3678;
+    let t4205 = t1035 * t3685;
+    let t4206 = t463 * t3702;
+    let t4207 = t4206 + t4205;
+    let t4208 = t4207 + t4204;
+    let t4209 = t4208 + t4203;
+    let t4210 = t4209 - t4202;
+    let t4211 = t4210 + t4201;
+    let t4212 = t4211 - t4200;
+    let t4213 = t1122 * t3714;
+    let t4214 = t1111 * t3719;
+    let t4215 = t1102 * t3724;
+    let t4216 = t1095 * t3729;
+    let t4217 = t1090 * t3735;
+    let t4218 = t1035 * t3754;
+    let t4219 = t463 * t3761;
+    let t4220 = t4219 - t4218;
+    let t4221 = t4220 - t4217;
+    let t4222 = t4221 - t4216;
+    let t4223 = t4222 + t4215;
+    let t4224 = t4223 - t4214;
+    let t4225 = t4224 + t4213;
+    let t4226 = t1122 * t3773;
+    let t4227 = t1111 * t3778;
+    let t4228 = t1102 * t3783;
+    let t4229 = t1095 * t3789;
+    let t4230 = t1090 * t3805;
+    let t4231 = t1035 * t3826;
+    let t4232 = t463 * t3833;
+    let t4233 = t4232 - t4231;
+    let t4234 = t4233 + t4230;
+    let t4235 = t4234 + t4229;
+    let t4236 = t4235 - t4228;
+    let t4237 = t4236 + t4227;
+    let t4238 = t4237 - t4226;
+    let t4239 = t1122 * t3844;
+    let t4240 = t1111 * t3849;
+    let t4241 = t1102 * t3855;
+    let t4242 = t1095 * t3874;
+    let t4243 = t1090 * t3886;
+    let t4244 = t1035 * t3907;
+    let t4245 = t463 * t3914;
+    let t4246 = t4245 - t4244;
+    let t4247 = t4246 - t4243;
+    let t4248 = t4247 - t4242;
+    let t4249 = t4248 + t4241;
+    let t4250 = t4249 - t4240;
+    let t4251 = t4250 + t4239;
+    let t4252 = t1122 * t3925;
+    let t4253 = t1111 * t3931;
+    let t4254 = t1102 * t3943;
+    let t4255 = t1095 * t3966;
+    let t4256 = t1090 * t3978;
+    let t4257 = t1035 * t3999;
+    let t4258 = t463 * t4006;
+    let t4259 = t4258 - t4257;
+    let t4260 = t4259 + t4256;
+    let t4261 = t4260 + t4255;
+    let t4262 = t4261 + t4254;
+    let t4263 = t4262 - t4253;
+    let t4264 = t4263 - t4252;
+    let t4265 = t1122 * t4015;
+    let t4266 = t1111 * t4022;
+    let t4267 = t1102 * t4030;
+    let t4268 = t1095 * t4048;
+    let t4269 = t1090 * t4060;
+    let t4270 = t1035 * t4081;
+    let t4271 = t463 * t4088;
+    let t4272 = t4271 - t4270;
+    let t4273 = t4272 - t4269;
+    let t4274 = t4273 - t4268;
+    let t4275 = t4274 - t4267;
+    let t4276 = t4275 + t4266;
+    let t4277 = t4276 - t4265;
+    let t4278 = t1183 * t3597;
+    let t4279 = t1172 * t3601;
+    let t4280 = t1163 * t3605;
+    let t4281 = t1156 * t3632;
+    let t4282 = t1095 * t3627;
+    let t4283 = t1040 * t3622;
+    let t4284 = t468 * t3618;
+    let t4285 = t4284 - t4283;
+    let t4286 = t4285 - t4282;
+    let t4287 = t4286 - t4281;
+    let t4288 = t4287 + t4280;
+    let t4289 = t4288 - t4279;
+    let t4290 = t4289 + t4278;
+    let t4291 = t1183 * t3646;
+    let t4292 = t1172 * t3654;
+    let t4293 = t1163 * t3662;
+    let t4294 = t1156 * t3670;
+    let t4295 = t1095 * t3678;
+    let t4296 = t1040 * t3685;
+    let t4297 = t468 * t3702;
+    let t4298 = t4297 + t4296;
+    let t4299 = t4298 + t4295;
+    let t4300 = t4299 + t4294;
+    let t4301 = t4300 - t4293;
+    let t4302 = t4301 + t4292;
+    let t4303 = t4302 - t4291;
+    let t4304 = t1183 * t3714;
+    let t4305 = t1172 * t3719;
+    let t4306 = t1163 * t3724;
+    let t4307 = t1156 * t3729;
+    let t4308 = t1095 * t3735;
+    let t4309 = t1040 * t3754;
+    let t4310 = t468 * t3761;
+    let t4311 = t4310 - t4309;
+    let t4312 = t4311 - t4308;
+    let t4313 = t4312 - t4307;
+    let t4314 = t4313 + t4306;
+    let t4315 = t4314 - t4305;
+    let t4316 = t4315 + t4304;
+    let t4317 = t1183 * t3773;
+    let t4318 = t1172 * t3778;
+    let t4319 = t1163 * t3783;
+    let t4320 = t1156 * t3789;
+    let t4321 = t1095 * t3805;
+    let t4322 = t1040 * t3826;
+    let t4323 = t468 * t3833;
+    let t4324 = t4323 - t4322;
+    let t4325 = t4324 + t4321;
+    let t4326 = t4325 + t4320;
+    let t4327 = t4326 - t4319;
+    let t4328 = t4327 + t4318;
+    let t4329 = t4328 - t4317;
+    let t4330 = t1183 * t3844;
+    let t4331 = t1172 * t3849;
+    let t4332 = t1163 * t3855;
+    let t4333 = t1156 * t3874;
+    let t4334 = t1095 * t3886;
+    let t4335 = t1040 * t3907;
+    let t4336 = t468 * t3914;
+    let t4337 = t4336 - t4335;
+    let t4338 = t4337 - t4334;
+    let t4339 = t4338 - t4333;
+    let t4340 = t4339 + t4332;
+    let t4341 = t4340 - t4331;
+    let t4342 = t4341 + t4330;
+    let t4343 = t1183 * t3925;
+    let t4344 = t1172 * t3931;
+    let t4345 = t1163 * t3943;
+    let t4346 = t1156 * t3966;
+    let t4347 = t1095 * t3978;
+    let t4348 = t1040 * t3999;
+    let t4349 = t468 * t4006;
+    let t4350 = t4349 - t4348;
+    let t4351 = t4350 + t4347;
+    let t4352 = t4351 + t4346;
+    let t4353 = t4352 + t4345;
+    let t4354 = t4353 - t4344;
+    let t4355 = t4354 - t4343;
+    let t4356 = t1183 * t4015;
+    let t4357 = t1172 * t4022;
+    let t4358 = t1163 * t4030;
+    let t4359 = t1156 * t4048;
+    let t4360 = t1095 * t4060;
+    let t4361 = t1040 * t4081;
+    let t4362 = t468 * t4088;
+    let t4363 = t4362 - t4361;
+    let t4364 = t4363 - t4360;
+    let t4365 = t4364 - t4359;
+    let t4366 = t4365 - t4358;
+    let t4367 = t4366 + t4357;
+    let t4368 = t4367 - t4356;
+    let t4369 = t1252 * t3597;
+    let t4370 = t1241 * t3601;
+    let t4371 = t1232 * t3605;
+    let t4372 = t1163 * t3632;
+    let t4373 = t1102 * t3627;
+    let t4374 = t1047 * t3622;
+    let t4375 = t475 * t3618;
+    let t4376 = t4375 - t4374;
+    let t4377 = t4376 - t4373;
+    let t4378 = t4377 - t4372;
+    let t4379 = t4378 + t4371;
+    let t4380 = t4379 - t4370;
+    let t4381 = t4380 + t4369;
+    let t4382 = t1252 * t3646;
+    let t4383 = t1241 * t3654;
+    let t4384 = t1232 * t3662;
+    let t4385 = t1163 * t3670;
+    let t4386 = t1102 * t3678;
+    let t4387 = t1047 * t3685;
+    let t4388 = t475 * t3702;
+    let t4389 = t4388 + t4387;
+    let t4390 = t4389 + t4386;
+    let t4391 = t4390 + t4385;
+    let t4392 = t4391 - t4384;
+    let t4393 = t4392 + t4383;
+    let t4394 = t4393 - t4382;
+    let t4395 = t1252 * t3714;
+    let t4396 = t1241 * t3719;
+    let t4397 = t1232 * t3724;
+    let t4398 = t1163 * t3729;
+    let t4399 = t1102 * t3735;
+    let t4400 = t1047 * t3754;
+    let t4401 = t475 * t3761;
+    let t4402 = t4401 - t4400;
+    let t4403 = t4402 - t4399;
+    let t4404 = t4403 - t4398;
+    let t4405 = t4404 + t4397;
+    let t4406 = t4405 - t4396;
+    let t4407 = t4406 + t4395;
+    let t4408 = t1252 * t3773;
+    let t4409 = t1241 * t3778;
+    let t4410 = t1232 * t3783;
+    let t4411 = t1163 * t3789;
+    let t4412 = t1102 * t3805;
+    let t4413 = t1047 * t3826;
+    let t4414 = t475 * t3833;
+    let t4415 = t4414 - t4413;
+    let t4416 = t4415 + t4412;
+    let t4417 = t4416 + t4411;
+    let t4418 = t4417 - t4410;
+    let t4419 = t4418 + t4409;
+    let t4420 = t4419 - t4408;
+    let t4421 = t1252 * t3844;
+    let t4422 = t1241 * t3849;
+    let t4423 = t1232 * t3855;
+    let t4424 = t1163 * t3874;
+    let t4425 = t1102 * t3886;
+    let t4426 = t1047 * t3907;
+    let t4427 = t475 * t3914;
+    let t4428 = t4427 - t4426;
+    let t4429 = t4428 - t4425;
+    let t4430 = t4429 - t4424;
+    let t4431 = t4430 + t4423;
+    let t4432 = t4431 - t4422;
+    let t4433 = t4432 + t4421;
+    let t4434 = t1252 * t3925;
+    let t4435 = t1241 * t3931;
+    let t4436 = t1232 * t3943;
+    let t4437 = t1163 * t3966;
+    let t4438 = t1102 * t3978;
+    let t4439 = t1047 * t3999;
+    let t4440 = t475 * t4006;
+    let t4441 = t4440 - t4439;
+    let t4442 = t4441 + t4438;
+    let t4443 = t4442 + t4437;
+    let t4444 = t4443 + t4436;
+    let t4445 = t4444 - t4435;
+    let t4446 = t4445 - t4434;
+    let t4447 = t1252 * t4015;
+    let t4448 = t1241 * t4022;
+    let t4449 = t1232 * t4030;
+    let t4450 = t1163 * t4048;
+    let t4451 = t1102 * t4060;
+    let t4452 = t1047 * t4081;
+    let t4453 = t475 * t4088;
+    let t4454 = t4453 - t4452;
+    let t4455 = t4454 - t4451;
+    let t4456 = t4455 - t4450;
+    let t4457 = t4456 - t4449;
+    let t4458 = t4457 + t4448;
+    let t4459 = t4458 - t4447;
+    let t4460 = t1331 * t3597;
+    let t4461 = t1320 * t3601;
+    let t4462 = t1241 * t3605;
+    let t4463 = t1172 * t3632;
+    let t4464 = t1111 * t3627;
+    let t4465 = t1056 * t3622;
+    let t4466 = t484 * t3618;
+    let t4467 = t4466 - t4465;
+    let t4468 = t4467 - t4464;
+    let t4469 = t4468 - t4463;
+    let t4470 = t4469 + t4462;
+    let t4471 = t4470 - t4461;
+    let t4472 = t4471 + t4460;
+    let t4473 = t1331 * t3646;
+    let t4474 = t1320 * t3654;
+    let t4475 = t1241 * t3662;
+    let t4476 = t1172 * t3670;
+    let t4477 = t1111 * t3678;
+    let t4478 = t1056 * t3685;
+    let t4479 = t484 * t3702;
+    let t4480 = t4479 + t4478;
+    let t4481 = t4480 + t4477;
+    let t4482 = t4481 + t4476;
+    let t4483 = t4482 - t4475;
+    let t4484 = t4483 + t4474;
+    let t4485 = t4484 - t4473;
+    let t4486 = t1331 * t3714;
+    let t4487 = t1320 * t3719;
+    let t4488 = t1241 * t3724;
+    let t4489 = t1172 * t3729;
+    let t4490 = t1111 * t3735;
+    let t4491 = t1056 * t3754;
+    let t4492 = t484 * t3761;
+    let t4493 = t4492 - t4491;
+    let t4494 = t4493 - t4490;
+    let t4495 = t4494 - t4489;
+    let t4496 = t4495 + t4488;
+    let t4497 = t4496 - t4487;
+    let t4498 = t4497 + t4486;
+    let t4499 = t1331 * t3773;
+    let t4500 = t1320 * t3778;
+    let t4501 = t1241 * t3783;
+    let t4502 = t1172 * t3789;
+    let t4503 = t1111 * t3805;
+    let t4504 = t1056 * t3826;
+    let t4505 = t484 * t3833;
+    let t4506 = t4505 - t4504;
+    let t4507 = t4506 + t4503;
+    let t4508 = t4507 + t4502;
+    let t4509 = t4508 - t4501;
+    let t4510 = t4509 + t4500;
+    let t4511 = t4510 - t4499;
+    let t4512 = t1331 * t3844;
+    let t4513 = t1320 * t3849;
+    let t4514 = t1241 * t3855;
+    let t4515 = t1172 * t3874;
+    let t4516 = t1111 * t3886;
+    let t4517 = t1056 * t3907;
+    let t4518 = t484 * t3914;
+    let t4519 = t4518 - t4517;
+    let t4520 = t4519 - t4516;
+    let t4521 = t4520 - t4515;
+    let t4522 = t4521 + t4514;
+    let t4523 = t4522 - t4513;
+    let t4524 = t4523 + t4512;
+    let t4525 = t1331 * t3925;
+    let t4526 = t1320 * t3931;
+    let t4527 = t1241 * t3943;
+    let t4528 = t1172 * t3966;
+    let t4529 = t1111 * t3978;
+    let t4530 = t1056 * t3999;
+    let t4531 = t484 * t4006;
+    let t4532 = t4531 - t4530;
+    let t4533 = t4532 + t4529;
+    let t4534 = t4533 + t4528;
+    let t4535 = t4534 + t4527;
+    let t4536 = t4535 - t4526;
+    let t4537 = t4536 - t4525;
+    let t4538 = t1331 * t4015;
+    let t4539 = t1320 * t4022;
+    let t4540 = t1241 * t4030;
+    let t4541 = t1172 * t4048;
+    let t4542 = t1111 * t4060;
+    let t4543 = t1056 * t4081;
+    let t4544 = t484 * t4088;
+    let t4545 = t4544 - t4543;
+    let t4546 = t4545 - t4542;
+    let t4547 = t4546 - t4541;
+    let t4548 = t4547 - t4540;
+    let t4549 = t4548 + t4539;
+    let t4550 = t4549 - t4538;
+    let t4551 = t1422 * t3597;
+    let t4552 = t1331 * t3601;
+    let t4553 = t1252 * t3605;
+    let t4554 = t1183 * t3632;
+    let t4555 = t1122 * t3627;
+    let t4556 = t1067 * t3622;
+    let t4557 = t495 * t3618;
+    let t4558 = t4557 - t4556;
+    let t4559 = t4558 - t4555;
+    let t4560 = t4559 - t4554;
+    let t4561 = t4560 + t4553;
+    let t4562 = t4561 - t4552;
+    let t4563 = t4562 + t4551;
+    let t4564 = t1422 * t3646;
+    let t4565 = t1331 * t3654;
+    let t4566 = t1252 * t3662;
+    let t4567 = t1183 * t3670;
+    let t4568 = t1122 * t3678;
+    let t4569 = t1067 * t3685;
+    let t4570 = t495 * t3702;
+    let t4571 = t4570 + t4569;
+    let t4572 = t4571 + t4568;
+    let t4573 = t4572 + t4567;
+    let t4574 = t4573 - t4566;
+    let t4575 = t4574 + t4565;
+    let t4576 = t4575 - t4564;
+    let t4577 = t1422 * t3714;
+    let t4578 = t1331 * t3719;
+    let t4579 = t1252 * t3724;
+    let t4580 = t1183 * t3729;
+    let t4581 = t1122 * t3735;
+    let t4582 = t1067 * t3754;
+    let t4583 = t495 * t3761;
+    let t4584 = t4583 - t4582;
+    let t4585 = t4584 - t4581;
+    let t4586 = t4585 - t4580;
+    let t4587 = t4586 + t4579;
+    let t4588 = t4587 - t4578;
+    let t4589 = t4588 + t4577;
+    let t4590 = t1422 * t3773;
+    let t4591 = t1331 * t3778;
+    let t4592 = t1252 * t3783;
+    let t4593 = t1183 * t3789;
+    let t4594 = t1122 * t3805;
+    let t4595 = t1067 * t3826;
+    let t4596 = t495 * t3833;
+    let t4597 = t4596 - t4595;
+    let t4598 = t4597 + t4594;
+    let t4599 = t4598 + t4593;
+    let t4600 = t4599 - t4592;
+    let t4601 = t4600 + t4591;
+    let t4602 = t4601 - t4590;
+    let t4603 = t1422 * t3844;
+    let t4604 = t1331 * t3849;
+    let t4605 = t1252 * t3855;
+    let t4606 = t1183 * t3874;
+    let t4607 = t1122 * t3886;
+    let t4608 = t1067 * t3907;
+    let t4609 = t495 * t3914;
+    let t4610 = t4609 - t4608;
+    let t4611 = t4610 - t4607;
+    let t4612 = t4611 - t4606;
+    let t4613 = t4612 + t4605;
+    let t4614 = t4613 - t4604;
+    let t4615 = t4614 + t4603;
+    let t4616 = t1422 * t3925;
+    let t4617 = t1331 * t3931;
+    let t4618 = t1252 * t3943;
+    let t4619 = t1183 * t3966;
+    let t4620 = t1122 * t3978;
+    let t4621 = t1067 * t3999;
+    let t4622 = t495 * t4006;
+    let t4623 = t4622 - t4621;
+    let t4624 = t4623 + t4620;
+    let t4625 = t4624 + t4619;
+    let t4626 = t4625 + t4618;
+    let t4627 = t4626 - t4617;
+    let t4628 = t4627 - t4616;
+    let t4629 = t1422 * t4015;
+    let t4630 = t1331 * t4022;
+    let t4631 = t1252 * t4030;
+    let t4632 = t1183 * t4048;
+    let t4633 = t1122 * t4060;
+    let t4634 = t1067 * t4081;
+    let t4635 = t495 * t4088;
+    let t4636 = t4635 - t4634;
+    let t4637 = t4636 - t4633;
+    let t4638 = t4637 - t4632;
+    let t4639 = t4638 - t4631;
+    let t4640 = t4639 + t4630;
+    let t4641 = t4640 - t4629;
+    let t4642 = -t1196;
+    let t4643 = -t1265;
+    let t4644 = -t1344;
+    let t4645 = -t1435;
+    let t4646 = -t2724;
+    let t4647 = -t2864;
+    let t4648 = -t3004;
+    let t4649 = -t3126;
+    let t4650 = -t3165;
+    let t4651 = -t3178;
+    let t4652 = -t3191;
+    let t4653 = -t3204;
+    let t4654 = -t3243;
+    let t4655 = -t3256;
+    let t4656 = -t3269;
+    let t4657 = -t3282;
+    let t4658 = -t3295;
+    let t4659 = -t3308;
+    let t4660 = -t3373;
+    let t4661 = -t3386;
+    let t4662 = -t3451;
+    let t4663 = -t3464;
+    let t4664 = -t3529;
+    let t4665 = -t3542;
+    let t4666 = -t3637;
+    let t4667 = -t3709;
+    let t4668 = -t4013;
+    let t4669 = -t4095;
+    let t4670 = -t4108;
+    let t4671 = -t4121;
+    let t4672 = -t4173;
+    let t4673 = -t4186;
+    let t4674 = -t4199;
+    let t4675 = -t4212;
+    let t4676 = -t4264;
+    let t4677 = -t4277;
+    let t4678 = -t4316;
+    let t4679 = -t4329;
+    let t4680 = -t4342;
+    let t4681 = -t4407;
+    let t4682 = -t4420;
+    let t4683 = -t4433;
+    let t4684 = -t4498;
+    let t4685 = -t4511;
+    let t4686 = -t4524;
+    let t4687 = -t4589;
+    let t4688 = -t4602;
+    let t4689 = -t4615;
+    let t4690 = -t468;
+    let t4691 = -t475;
+    let t4692 = -t484;
+    let t4693 = -t495;
+    let t4694 = -t1040;
+    let t4695 = -t1047;
+    let t4696 = -t1056;
+    let t4697 = -t1067;
+    let t4698 = -t1095;
+    let t4699 = -t1102;
+    let t4700 = -t1111;
+    let t4701 = -t1122;
+    [
+        t3768,
+        t3840,
+        t3921,
+        t4134,
+        t4147,
+        t4160,
+        t4225,
+        t4238,
+        t4251,
+        t4290,
+        t4303,
+        t4355,
+        t4368,
+        t4381,
+        t4394,
+        t4446,
+        t4459,
+        t4472,
+        t4485,
+        t4537,
+        t4550,
+        t4563,
+        t4576,
+        t4628,
+        t4641,
+        t4642,
+        t4643,
+        t4644,
+        t4645,
+        t4646,
+        t4647,
+        t4648,
+        t4649,
+        t4650,
+        t4651,
+        t4652,
+        t4653,
+        t4654,
+        t4655,
+        t4656,
+        t4657,
+        t4658,
+        t4659,
+        t4660,
+        t4661,
+        t4662,
+        t4663,
+        t4664,
+        t4665,
+        t4666,
+        t4667,
+        t4668,
+        t4669,
+        t4670,
+        t4671,
+        t4672,
+        t4673,
+        t4674,
+        t4675,
+        t4676,
+        t4677,
+        t4678,
+        t4679,
+        t4680,
+        t4681,
+        t4682,
+        t4683,
+        t4684,
+        t4685,
+        t4686,
+        t4687,
+        t4688,
+        t4689,
+        t4690,
+        t4691,
+        t4692,
+        t4693,
+        t4694,
+        t4695,
+        t4696,
+        t4697,
+        t4698,
+        t4699,
+        t4700,
+        t4701,
+    ]
+}
+
+/// Linearization of the accelerations in continuous time.
+///
+/// `ÿ ≈ A_y y + A_v ẏ + B_x u + c; with x = (y, ẏ) the upper halves of A, B_x and c are [0 I], 0 and 0`
+///
+/// - `y: [N]`: coordinates: `panda_joint1`, `panda_joint2`, `panda_joint3`, `panda_joint4`, `panda_joint5`,
+///   `panda_joint6`, `panda_joint7` in rad
+/// - `v: [N]`: velocities ẏ: `panda_joint1`, `panda_joint2`, `panda_joint3`, `panda_joint4`, `panda_joint5`,
+///   `panda_joint6`, `panda_joint7` in rad/s
+/// - `u: [M]`: inputs: `panda_joint1`, `panda_joint2`, `panda_joint3`, `panda_joint4`, `panda_joint5`,
+///   `panda_joint6`, `panda_joint7` in N m
+/// - returns `A_y: [N × N]`: ∂ÿ/∂y, row i = acceleration i
+/// - returns `A_v: [N × N]`: ∂ÿ/∂ẏ, row i = acceleration i
+/// - returns `B_x: [N × M]`: ∂ÿ/∂u, row i = acceleration i
+/// - returns `c: [N]`: affine remainder ÿ − A\_y y − A\_v ẏ − B\_x u
+///
+/// Cost: 2550 multiplications, 2353 additions, 7 divisions, 6 function calls (`sin_cos`).
+///
+/// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
+///
+/// Composite bodies with pairs of joints in link frames were cheapest.
+#[must_use]
+#[allow(
+    clippy::type_complexity,
+    reason = "blocks of fixed size need no type of their own"
+)]
+pub fn linearize(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
+    let [sin_panda_joint2, cos_panda_joint2, sin_panda_joint3, cos_panda_joint3,
+    sin_panda_joint4, cos_panda_joint4, sin_panda_joint5, cos_panda_joint5,
+    sin_panda_joint6, cos_panda_joint6, t16, t17, t24, t25, t30, t32, t33, t37, t38, t40,
+    t44, t45, t47, t48, t54, t55, t56, t59, t60, t61, t64, t65, t67, t70, t71, t72, t75,
+    t78, t83, t88, t89, t92, t93, t95, t101, t103, t105, t108, t109, t110, t117, t119,
+    t123, t124, t126, t128, t134, t135, t138, t141, t147, t148, t154, t155, t156, t160,
+    t161, t168, t171, t172, t173, t176, t177, t180, t184, t185, t186, t189, t192, t193,
+    t196, t202, t206, t209, t210, t212, t216, t221, t231, t235, t236, t238, t240, t241,
+    t244, t250, t252, t253, t255, t259, t264, t275, t276, t278, t282, t283, t284, t288,
+    t293, t312, t313, t318, t348, t387, t390, t397, t404, t414, t426, t441, t443,
+    inverse_d_panda_joint1, t460, t462, t465, t470, t477, t486, t497,
+    omega_panda_joint2_y, omega_panda_joint3_z, t500, omega_panda_joint2_x,
+    omega_panda_joint3_y, omega_panda_joint3_x, omega_panda_joint4_z, t523,
+    omega_panda_joint4_y, omega_panda_joint4_x, omega_panda_joint5_z,
+    omega_panda_joint5_y, omega_panda_joint5_x, omega_panda_joint6_z, t563,
+    omega_panda_joint6_y, omega_panda_joint6_x, acceleration_panda_joint2_x, t613,
+    acceleration_panda_joint2_y, t646, t669, t675, t722, t871, t904, t1000, t1013, t1032,
+    t1033, t1037, t1042, t1049, t1058, t1069, t1082, t1083, t1084, t1086, t1098, t1103,
+    t1110, t1119, t1130, t1143, t1144, t1147, t1149, t1154, t1176, t1183, t1192, t1203,
+    t1216, t1220, t1225, t1262, t1271, t1282, t1295, t1299, t1378, t1434, t1445, t1457,
+    t1463, t1464, t1468, t1482, t1484, acceleration_panda_joint3_x_2,
+    acceleration_panda_joint4_x_2, acceleration_panda_joint3_y_2, t1505,
+    acceleration_panda_joint5_x_2, acceleration_panda_joint4_y_2,
+    acceleration_panda_joint6_x_2, acceleration_panda_joint7_x_2,
+    acceleration_panda_joint5_y_2, acceleration_panda_joint7_y_2, force_panda_joint7_y_2,
+    moment_panda_joint6_y_2, acceleration_panda_joint6_y_2, moment_panda_joint7_x_2,
+    moment_panda_joint6_x_2, moment_panda_joint5_x_2, force_panda_joint5_y_2,
+    moment_panda_joint7_y_2, moment_panda_joint5_y_2, force_panda_joint7_x_2,
+    force_panda_joint6_x_2, force_panda_joint6_y_2, force_panda_joint5_x_2,
+    force_panda_joint4_x_2, force_panda_joint4_y_2, moment_panda_joint3_y_2,
+    force_panda_joint3_x_2, moment_panda_joint4_x_2, moment_panda_joint4_y_2,
+    moment_panda_joint3_x_2, force_panda_joint4_z_2, force_panda_joint3_y_2, t1761,
+    moment_panda_joint2_x_2] = linearize_part_1(y, v, u);
+    let [t1779, t1780, t1784, t1792, t1802, t1809, t1822, t1826, t1827, t1834, t1839,
+    t1851, t1862, t1865, t1867, t1868, t1870, t1876, t1883, t1891, t1894, t1898, t1906,
+    t1958, t1959, t1965, t1967, t1968, t1983, t1986, t1998, t1999, t2052, t2058, t2060,
+    t2263, t2288, t2339, t2365, t2399, t2419, t2439, t2460, t2588, t2590, t2605, t2724,
+    t2727, t2749, t2864, t2866, t2881, t3004, t3126, t3139, t3152, t3165, t3178, t3191,
+    t3204, t3217, t3230, t3243, t3256, t3269, t3282, t3295, t3308, t3321, t3334, t3347,
+    t3360, t3373, t3386, t3399, t3412, t3425, t3438, t3451, t3464, t3477, t3490, t3503,
+    t3516, t3529, t3542, t3555, t3568, t3581, t3594, t3597, t3601, t3605, t3618, t3622,
+    t3627, t3632, t3637, t3646, t3654, t3662, t3670, t3678, t3685, t3702, t3709, t3714,
+    t3715, t3719, t3724, t3729, t3735, t3754, t3761, t3767] = linearize_part_2(
+        v,
+        [
+            sin_panda_joint2,
+            cos_panda_joint2,
+            sin_panda_joint3,
+            cos_panda_joint3,
+            sin_panda_joint4,
+            cos_panda_joint4,
+            sin_panda_joint5,
+            cos_panda_joint5,
+            sin_panda_joint6,
+            cos_panda_joint6,
+            t16,
+            t17,
+            t24,
+            t25,
+            t30,
+            t32,
+            t33,
+            t37,
+            t38,
+            t40,
+            t44,
+            t45,
+            t47,
+            t48,
+            t54,
+            t55,
+            t56,
+            t59,
+            t60,
+            t61,
+            t64,
+            t65,
+            t67,
+            t70,
+            t71,
+            t72,
+            t75,
+            t78,
+            t83,
+            t88,
+            t89,
+            t92,
+            t93,
+            t95,
+            t101,
+            t103,
+            t105,
+            t108,
+            t109,
+            t110,
+            t117,
+            t119,
+            t123,
+            t124,
+            t126,
+            t128,
+            t134,
+            t135,
+            t138,
+            t141,
+            t147,
+            t148,
+            t154,
+            t155,
+            t156,
+            t160,
+            t161,
+            t168,
+            t171,
+            t172,
+            t173,
+            t176,
+            t177,
+            t180,
+            t184,
+            t185,
+            t186,
+            t189,
+            t192,
+            t193,
+            t196,
+            t202,
+            t206,
+            t209,
+            t210,
+            t212,
+            t216,
+            t221,
+            t231,
+            t235,
+            t236,
+            t238,
+            t240,
+            t241,
+            t244,
+            t250,
+            t252,
+            t253,
+            t255,
+            t259,
+            t264,
+            t275,
+            t276,
+            t278,
+            t282,
+            t283,
+            t284,
+            t288,
+            t293,
+            t312,
+            t313,
+            t318,
+            t348,
+            t387,
+            t390,
+            t397,
+            t404,
+            t414,
+            t426,
+            t441,
+            t443,
+            inverse_d_panda_joint1,
+            t460,
+            t462,
+            t465,
+            t470,
+            t477,
+            t486,
+            t497,
+            omega_panda_joint2_y,
+            omega_panda_joint3_z,
+            t500,
+            omega_panda_joint2_x,
+            omega_panda_joint3_y,
+            omega_panda_joint3_x,
+            omega_panda_joint4_z,
+            t523,
+            omega_panda_joint4_y,
+            omega_panda_joint4_x,
+            omega_panda_joint5_z,
+            omega_panda_joint5_y,
+            omega_panda_joint5_x,
+            omega_panda_joint6_z,
+            t563,
+            omega_panda_joint6_y,
+            omega_panda_joint6_x,
+            acceleration_panda_joint2_x,
+            t613,
+            acceleration_panda_joint2_y,
+            t646,
+            t669,
+            t675,
+            t722,
+            t871,
+            t904,
+            t1000,
+            t1013,
+            t1033,
+            t1037,
+            t1042,
+            t1049,
+            t1058,
+            t1069,
+            t1083,
+            t1084,
+            t1086,
+            t1098,
+            t1103,
+            t1110,
+            t1119,
+            t1130,
+            t1144,
+            t1147,
+            t1149,
+            t1154,
+            t1176,
+            t1183,
+            t1192,
+            t1203,
+            t1220,
+            t1225,
+            t1262,
+            t1271,
+            t1282,
+            t1299,
+            t1378,
+            t1434,
+            t1445,
+            t1463,
+            t1464,
+            t1468,
+            t1484,
+            acceleration_panda_joint3_x_2,
+            acceleration_panda_joint4_x_2,
+            acceleration_panda_joint3_y_2,
+            t1505,
+            acceleration_panda_joint5_x_2,
+            acceleration_panda_joint4_y_2,
+            acceleration_panda_joint6_x_2,
+            acceleration_panda_joint7_x_2,
+            acceleration_panda_joint5_y_2,
+            acceleration_panda_joint7_y_2,
+            force_panda_joint7_y_2,
+            moment_panda_joint6_y_2,
+            acceleration_panda_joint6_y_2,
+            moment_panda_joint7_x_2,
+            moment_panda_joint6_x_2,
+            moment_panda_joint5_x_2,
+            force_panda_joint5_y_2,
+            moment_panda_joint7_y_2,
+            moment_panda_joint5_y_2,
+            force_panda_joint7_x_2,
+            force_panda_joint6_x_2,
+            force_panda_joint6_y_2,
+            force_panda_joint5_x_2,
+            force_panda_joint4_x_2,
+            force_panda_joint4_y_2,
+            moment_panda_joint3_y_2,
+            force_panda_joint3_x_2,
+            moment_panda_joint4_x_2,
+            moment_panda_joint4_y_2,
+            moment_panda_joint3_x_2,
+            force_panda_joint4_z_2,
+            force_panda_joint3_y_2,
+            t1761,
+            moment_panda_joint2_x_2,
+        ],
+    );
+    let [t3768, t3840, t3921, t4134, t4147, t4160, t4225, t4238, t4251, t4290, t4303,
+    t4355, t4368, t4381, t4394, t4446, t4459, t4472, t4485, t4537, t4550, t4563, t4576,
+    t4628, t4641, t4681, t4721, t4761, t4922, t4923, t4924, t4925, t4926, t4927, t4928,
+    t4929, t4930, t4931, t4932, t4933, t4934, t4935, t4936, t4937, t4938, t4939, t4940,
+    t4941, t4942, t4943, t4944, t4945, t4946, t4947, t4948, t4949, t4950, t4951, t4952,
+    t4953, t4954, t4955, t4956, t4957, t4958, t4959, t4960, t4961, t4962, t4963, t4964,
+    t4965, t4966, t4967, t4968, t4969, t4970, t4971, t4972, t4973, t4974, t4975, t4976,
+    t4977, t4978, t4979, t4980, t4981] = linearize_part_3(
+        y,
+        v,
+        u,
+        [
+            sin_panda_joint2,
+            cos_panda_joint2,
+            sin_panda_joint3,
+            cos_panda_joint3,
+            sin_panda_joint4,
+            cos_panda_joint4,
+            sin_panda_joint5,
+            cos_panda_joint5,
+            sin_panda_joint6,
+            cos_panda_joint6,
+            t17,
+            t24,
+            t25,
+            t40,
+            t44,
+            t45,
+            t47,
+            t48,
+            t54,
+            t55,
+            t56,
+            t61,
+            t65,
+            t72,
+            t83,
+            t89,
+            t92,
+            t95,
+            t101,
+            t103,
+            t117,
+            t119,
+            t124,
+            t171,
+            t173,
+            t176,
+            t202,
+            t210,
+            t231,
+            t250,
+            t253,
+            t276,
+            inverse_d_panda_joint1,
+            t460,
+            t462,
+            t465,
+            t470,
+            t477,
+            t486,
+            t497,
+            omega_panda_joint4_x,
+            t563,
+            omega_panda_joint6_y,
+            t1032,
+            t1037,
+            t1042,
+            t1049,
+            t1058,
+            t1069,
+            t1082,
+            t1098,
+            t1103,
+            t1110,
+            t1119,
+            t1130,
+            t1143,
+            t1176,
+            t1183,
+            t1192,
+            t1203,
+            t1216,
+            t1262,
+            t1271,
+            t1282,
+            t1295,
+            t1378,
+            t1434,
+            t1445,
+            t1457,
+            t1482,
+            t1779,
+            t1780,
+            t1784,
+            t1792,
+            t1802,
+            t1809,
+            t1822,
+            t1826,
+            t1827,
+            t1834,
+            t1839,
+            t1851,
+            t1862,
+            t1865,
+            t1867,
+            t1868,
+            t1870,
+            t1876,
+            t1883,
+            t1891,
+            t1894,
+            t1898,
+            t1906,
+            t1958,
+            t1959,
+            t1965,
+            t1967,
+            t1968,
+            t1983,
+            t1986,
+            t1998,
+            t1999,
+            t2052,
+            t2058,
+            t2060,
+            t2263,
+            t2288,
+            t2339,
+            t2365,
+            t2399,
+            t2419,
+            t2439,
+            t2460,
+            t2588,
+            t2590,
+            t2605,
+            t2724,
+            t2727,
+            t2749,
+            t2864,
+            t2866,
+            t2881,
+            t3004,
+            t3126,
+            t3139,
+            t3152,
+            t3165,
+            t3178,
+            t3191,
+            t3204,
+            t3217,
+            t3230,
+            t3243,
+            t3256,
+            t3269,
+            t3282,
+            t3295,
+            t3308,
+            t3321,
+            t3334,
+            t3347,
+            t3360,
+            t3373,
+            t3386,
+            t3399,
+            t3412,
+            t3425,
+            t3438,
+            t3451,
+            t3464,
+            t3477,
+            t3490,
+            t3503,
+            t3516,
+            t3529,
+            t3542,
+            t3555,
+            t3568,
+            t3581,
+            t3594,
+            t3597,
+            t3601,
+            t3605,
+            t3618,
+            t3622,
+            t3627,
+            t3632,
+            t3637,
+            t3646,
+            t3654,
+            t3662,
+            t3670,
+            t3678,
+            t3685,
+            t3702,
+            t3709,
+            t3714,
+            t3715,
+            t3719,
+            t3724,
+            t3729,
+            t3735,
+            t3754,
+            t3761,
+            t3767,
+        ],
+    );
+    (
+        [
+            [0.0, t2460, t2588, t4922, t4923, t4924, t4925],
+            [0.0, t3139, t3152, t4926, t4927, t4928, t4929],
+            [0.0, t3217, t3230, t4930, t4931, t4932, t4933],
+            [0.0, t4934, t4935, t3321, t3334, t3347, t3360],
+            [0.0, t4936, t4937, t3399, t3412, t3425, t3438],
+            [0.0, t4938, t4939, t3477, t3490, t3503, t3516],
+            [0.0, t4940, t4941, t3555, t3568, t3581, t3594],
+        ],
+        [
+            [t4942, t4943, t3768, t3840, t3921, t4944, t4945],
+            [t4946, t4947, t4134, t4147, t4160, t4948, t4949],
+            [t4950, t4951, t4225, t4238, t4251, t4952, t4953],
+            [t4290, t4303, t4954, t4955, t4956, t4355, t4368],
+            [t4381, t4394, t4957, t4958, t4959, t4446, t4459],
+            [t4472, t4485, t4960, t4961, t4962, t4537, t4550],
+            [t4563, t4576, t4963, t4964, t4965, t4628, t4641],
+        ],
+        [
+            [inverse_d_panda_joint1, t460, t1037, t4966, t4967, t4968, t4969],
+            [t460, t462, t465, t4970, t4971, t4972, t4973],
+            [t1037, t465, t1098, t4974, t4975, t4976, t4977],
+            [t4966, t4970, t4974, t1176, t1183, t1192, t1203],
+            [t4967, t4971, t4975, t1183, t1262, t1271, t1282],
+            [t4968, t4972, t4976, t1192, t1271, t1434, t1445],
+            [t4969, t4973, t4977, t1203, t1282, t1445, t1378],
+        ],
+        [t4681, t4721, t4761, t4978, t4979, t4980, t4981],
+    )
+}
+
+/// Part 1 of `linearize`: values that later parts read.
+#[inline(never)]
+fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 233] {
+    let angle_panda_joint7_offset = y[6] + 0.6689225306301614;
+    let (
+        [sin_panda_joint2,
+        sin_panda_joint3,
+        sin_panda_joint4,
+        sin_panda_joint5,
+        ],
+        [cos_panda_joint2,
+        cos_panda_joint3,
+        cos_panda_joint4,
+        cos_panda_joint5,
+        ],
+    ) = math::sin_cos_4(y[1], y[2], y[3], y[4]);
+    let ([sin_panda_joint6, sin_panda_joint7], [cos_panda_joint6, cos_panda_joint7]) = math::sin_cos_2(
+        y[5],
+        angle_panda_joint7_offset,
+    );
+    let t13 = cos_panda_joint7 * 0.0021748470602962725;
+    let t14 = sin_panda_joint7 * 0.0013205141364616554;
+    let t15 = t14 - t13;
+    let t16 = sin_panda_joint7 * t15;
+    let t17 = 0.0026818189154496457 + t16;
+    let t18 = cos_panda_joint7 * 0.0005773870536849036;
+    let t19 = t17 + t18;
+    let t20 = t19 - 0.007412167175072343;
+    let t21 = sin_panda_joint6 * t20;
+    let t22 = 0.00038633089444376715 * sin_panda_joint7;
+    let t23 = 0.001535882372017312 * cos_panda_joint7;
+    let t24 = t23 - t22;
+    let t25 = 0.014748570382675316 + t24;
+    let t26 = 2.0 * t25;
+    let t27 = cos_panda_joint6 * t26;
+    let t28 = t21 - t27;
+    let t29 = sin_panda_joint6 * t28;
+    let t30 = 0.02152225537058755 + t19;
+    let t31 = t30 - t29;
+    let t32 = 0.0014511560650267133 + t31;
+    let t33 = t16 - 0.014047520880232544;
+    let t34 = t32 + t33;
+    let t35 = sin_panda_joint5 * t34;
+    let t36 = cos_panda_joint7 * t15;
+    let t37 = 0.0010874235301481362 + t36;
+    let t38 = 0.0002886935268424518 * sin_panda_joint7;
+    let t39 = t38 - t37;
+    let t40 = 0.00010375891721868492 + t39;
+    let t41 = cos_panda_joint6 * t40;
+    let t42 = 0.00038633089444376715 * cos_panda_joint7;
+    let t43 = 0.001535882372017312 * sin_panda_joint7;
+    let t44 = t43 + t42;
+    let t45 = 9.3569097314605e-5 + t44;
+    let t46 = sin_panda_joint6 * t45;
+    let t47 = t41 + t46;
+    let t48 = 0.0015152444733270301 - t47;
+    let t49 = 2.0 * t48;
+    let t50 = cos_panda_joint5 * t49;
+    let t51 = t35 + t50;
+    let t52 = sin_panda_joint5 * t51;
+    let t53 = t32 - t52;
+    let t54 = 0.0002886935268424518 * cos_panda_joint7;
+    let t55 = 0.020402584637159996 + t54;
+    let t56 = cos_panda_joint6 * 4.363636363636364;
+    let t57 = t55 * t56;
+    let t58 = sin_panda_joint6 * 0.06674100693849601;
+    let t59 = t57 + t58;
+    let t60 = 0.005627033294592 - t59;
+    let t61 = cos_panda_joint5 * 0.21484375;
+    let t62 = t60 * t61;
+    let t63 = sin_panda_joint7 * 0.0012597535716761534;
+    let t64 = 0.0260623224672 - t63;
+    let t65 = sin_panda_joint5 * 0.21484375;
+    let t66 = t64 * t65;
+    let t67 = t62 + t66;
+    let t68 = 2.0 * t67;
+    let t69 = t53 + t68;
+    let t70 = 0.05102013615681551 + t69;
+    let t71 = 0.028934422545659894 + t29;
+    let t72 = sin_panda_joint6 * 4.363636363636364;
+    let t73 = t55 * t72;
+    let t74 = cos_panda_joint6 * 0.06674100693849601;
+    let t75 = t73 - t74;
+    let t76 = 2.0 * t75;
+    let t77 = t71 + t76;
+    let t78 = 0.6972920750309719 + t77;
+    let t79 = t70 - t78;
+    let t80 = sin_panda_joint4 * t79;
+    let t81 = cos_panda_joint6 * t28;
+    let t82 = t25 + t81;
+    let t83 = 0.004600245517563105 + t82;
+    let t84 = t60 - t83;
+    let t85 = cos_panda_joint5 * t84;
+    let t86 = sin_panda_joint6 * t40;
+    let t87 = cos_panda_joint6 * t45;
+    let t88 = t86 - t87;
+    let t89 = 0.0021640520520981297 + t88;
+    let t90 = t64 - t89;
+    let t91 = sin_panda_joint5 * t90;
+    let t92 = t85 + t91;
+    let t93 = t75 * 0.21484375;
+    let t94 = t93 + t92;
+    let t95 = 0.16284087268546088 + t94;
+    let t96 = 2.0 * t95;
+    let t97 = cos_panda_joint4 * t96;
+    let t98 = t80 - t97;
+    let t99 = sin_panda_joint4 * t98;
+    let t100 = t70 - t99;
+    let t101 = 0.04560437265862501 + t67;
+    let t102 = cos_panda_joint4 * t101;
+    let t103 = 0.16603319317224752 + t93;
+    let t104 = sin_panda_joint4 * t103;
+    let t105 = t102 + t104;
+    let t106 = 2.0 * t105;
+    let t107 = t100 - t106;
+    let t108 = 0.0616024210265277 + t107;
+    let t109 = t33 - t52;
+    let t110 = 0.022178148964878235 - t109;
+    let t111 = t108 - t110;
+    let t112 = sin_panda_joint3 * t111;
+    let t113 = cos_panda_joint5 * t51;
+    let t114 = t48 - t113;
+    let t115 = t60 * t65;
+    let t116 = t64 * t61;
+    let t117 = t115 - t116;
+    let t118 = t117 - t114;
+    let t119 = 0.0039053550262761003 + t118;
+    let t120 = cos_panda_joint4 * t119;
+    let t121 = sin_panda_joint5 * t84;
+    let t122 = cos_panda_joint5 * t90;
+    let t123 = t121 - t122;
+    let t124 = 0.0016444875773692705 + t123;
+    let t125 = sin_panda_joint4 * t124;
+    let t126 = t120 + t125;
+    let t127 = t117 - t126;
+    let t128 = 0.00012191242095074308 - t127;
+    let t129 = 2.0 * t128;
+    let t130 = cos_panda_joint3 * t129;
+    let t131 = t112 + t130;
+    let t132 = sin_panda_joint3 * t131;
+    let t133 = t108 - t132;
+    let t134 = 0.02307788249493181 + t133;
+    let t135 = t78 + t99;
+    let t136 = sin_panda_joint4 * t101;
+    let t137 = cos_panda_joint4 * t103;
+    let t138 = t136 - t137;
+    let t139 = t138 * 7.66060606060606;
+    let t140 = t135 - t139;
+    let t141 = 1.032162061231881 + t140;
+    let t142 = t134 - t141;
+    let t143 = sin_panda_joint2 * t142;
+    let t144 = cos_panda_joint4 * t98;
+    let t145 = t95 + t144;
+    let t146 = t138 - t145;
+    let t147 = 0.005487648106562256 - t146;
+    let t148 = 0.06161578168944001 - t105;
+    let t149 = 3.83030303030303 * t148;
+    let t150 = t147 + t149;
+    let t151 = cos_panda_joint3 * t150;
+    let t152 = sin_panda_joint4 * t119;
+    let t153 = cos_panda_joint4 * t124;
+    let t154 = t152 - t153;
+    let t155 = 0.004377257121839584 + t154;
+    let t156 = 0.002328735327435001 - t117;
+    let t157 = 3.83030303030303 * t156;
+    let t158 = t155 + t157;
+    let t159 = sin_panda_joint3 * t158;
+    let t160 = t151 - t159;
+    let t161 = 0.00398335888393552 - t160;
+    let t162 = 2.0 * t161;
+    let t163 = cos_panda_joint2 * t162;
+    let t164 = t143 + t163;
+    let t165 = sin_panda_joint2 * t164;
+    let t166 = t134 - t165;
+    let t167 = 0.006253137926937475 + t166;
+    let t168 = t110 + t132;
+    let t169 = 0.008006428067536939 + t168;
+    let t170 = t167 + t169;
+    let t171 = 0.004002333051911301 - t16;
+    let t172 = t17 + t171;
+    let t173 = t54 + t172;
+    let t174 = sin_panda_joint6 * t173;
+    let t175 = cos_panda_joint6 * t24;
+    let t176 = t175 - t174;
+    let t177 = cos_panda_joint7 * 0.0012597535716761534;
+    let t178 = t176 - t177;
+    let t179 = sin_panda_joint5 * t178;
+    let t180 = t38 * t56;
+    let t181 = t44 - t180;
+    let t182 = cos_panda_joint5 * t181;
+    let t183 = t179 - t182;
+    let t184 = t38 * t72;
+    let t185 = 0.21484375 * t184;
+    let t186 = t183 + t185;
+    let t187 = t61 * t180;
+    let t188 = t65 * t177;
+    let t189 = t187 - t188;
+    let t190 = sin_panda_joint4 * t189;
+    let t191 = cos_panda_joint4 * t185;
+    let t192 = t190 + t191;
+    let t193 = t186 - t192;
+    let t194 = cos_panda_joint4 * t189;
+    let t195 = sin_panda_joint4 * t185;
+    let t196 = t194 - t195;
+    let t197 = 3.83030303030303 * t196;
+    let t198 = t193 + t197;
+    let t199 = sin_panda_joint3 * t198;
+    let t200 = cos_panda_joint5 * t178;
+    let t201 = sin_panda_joint5 * t181;
+    let t202 = t200 + t201;
+    let t203 = cos_panda_joint4 * t202;
+    let t204 = cos_panda_joint6 * t173;
+    let t205 = sin_panda_joint6 * t24;
+    let t206 = t205 + t204;
+    let t207 = t65 * t180;
+    let t208 = t61 * t177;
+    let t209 = t207 + t208;
+    let t210 = t206 - t209;
+    let t211 = sin_panda_joint4 * t210;
+    let t212 = t203 - t211;
+    let t213 = 3.83030303030303 * t209;
+    let t214 = t212 - t213;
+    let t215 = cos_panda_joint3 * t214;
+    let t216 = t215 - t199;
+    let t217 = sin_panda_joint2 * t216;
+    let t218 = sin_panda_joint4 * t202;
+    let t219 = cos_panda_joint4 * t210;
+    let t220 = t218 + t219;
+    let t221 = t209 + t220;
+    let t222 = cos_panda_joint2 * t221;
+    let t223 = t217 - t222;
+    let inverse_d_panda_joint7 = 1.0 / t172;
+    let t225 = t223 * inverse_d_panda_joint7;
+    let t226 = t223 * t225;
+    let t227 = t170 - t226;
+    let t228 = t44 * inverse_d_panda_joint7;
+    let t229 = t223 * t228;
+    let t230 = sin_panda_joint5 * t47;
+    let t231 = 0.050456677916247444 + t19;
+    let t232 = t231 + t75;
+    let t233 = cos_panda_joint5 * t232;
+    let t234 = t230 + t233;
+    let t235 = t59 * 0.21484375;
+    let t236 = t234 - t235;
+    let t237 = cos_panda_joint4 * t235;
+    let t238 = t75 * t61;
+    let t239 = sin_panda_joint4 * t238;
+    let t240 = t239 - t237;
+    let t241 = t236 - t240;
+    let t242 = sin_panda_joint4 * t235;
+    let t243 = cos_panda_joint4 * t238;
+    let t244 = t243 + t242;
+    let t245 = 3.83030303030303 * t244;
+    let t246 = t241 + t245;
+    let t247 = sin_panda_joint3 * t246;
+    let t248 = cos_panda_joint5 * t47;
+    let t249 = sin_panda_joint5 * t232;
+    let t250 = t248 - t249;
+    let t251 = cos_panda_joint4 * t250;
+    let t252 = t75 * t65;
+    let t253 = t88 - t252;
+    let t254 = sin_panda_joint4 * t253;
+    let t255 = t251 - t254;
+    let t256 = 3.83030303030303 * t252;
+    let t257 = t255 - t256;
+    let t258 = cos_panda_joint3 * t257;
+    let t259 = t258 - t247;
+    let t260 = sin_panda_joint2 * t259;
+    let t261 = sin_panda_joint4 * t250;
+    let t262 = cos_panda_joint4 * t253;
+    let t263 = t261 + t262;
+    let t264 = t252 + t263;
+    let t265 = cos_panda_joint2 * t264;
+    let t266 = t260 - t265;
+    let t267 = t266 + t229;
+    let t268 = t44 * t228;
+    let t269 = t231 - t268;
+    let inverse_d_panda_joint6 = 1.0 / t269;
+    let t271 = t267 * inverse_d_panda_joint6;
+    let t272 = t267 * t271;
+    let t273 = t227 - t272;
+    let t274 = cos_panda_joint4 * t92;
+    let t275 = t32 - t33;
+    let t276 = t275 + t67;
+    let t277 = sin_panda_joint4 * t276;
+    let t278 = t274 - t277;
+    let t279 = 3.83030303030303 * t67;
+    let t280 = t278 + t279;
+    let t281 = cos_panda_joint3 * t280;
+    let t282 = sin_panda_joint4 * t117;
+    let t283 = t123 - t282;
+    let t284 = cos_panda_joint4 * t117;
+    let t285 = 3.83030303030303 * t284;
+    let t286 = t283 + t285;
+    let t287 = sin_panda_joint3 * t286;
+    let t288 = t281 - t287;
+    let t289 = sin_panda_joint2 * t288;
+    let t290 = sin_panda_joint4 * t92;
+    let t291 = cos_panda_joint4 * t276;
+    let t292 = t290 + t291;
+    let t293 = t67 - t292;
+    let t294 = cos_panda_joint2 * t293;
+    let t295 = t289 + t294;
+    let t296 = t206 * inverse_d_panda_joint7;
+    let t297 = t223 * t296;
+    let t298 = t295 - t297;
+    let t299 = t206 * t228;
+    let t300 = t88 + t299;
+    let t301 = t300 * inverse_d_panda_joint6;
+    let t302 = t267 * t301;
+    let t303 = t298 - t302;
+    let t304 = t206 * t296;
+    let t305 = t275 - t304;
+    let t306 = t300 * t301;
+    let t307 = t305 - t306;
+    let inverse_d_panda_joint5 = 1.0 / t307;
+    let t309 = t303 * inverse_d_panda_joint5;
+    let t310 = t303 * t309;
+    let t311 = t273 - t310;
+    let t312 = t70 + t78;
+    let t313 = t312 - t105;
+    let t314 = 3.83030303030303 * t138;
+    let t315 = t314 - t313;
+    let t316 = sin_panda_joint3 * t315;
+    let t317 = cos_panda_joint3 * t126;
+    let t318 = t317 - t316;
+    let t319 = sin_panda_joint2 * t318;
+    let t320 = cos_panda_joint2 * t154;
+    let t321 = t319 - t320;
+    let t322 = t186 * inverse_d_panda_joint7;
+    let t323 = t223 * t322;
+    let t324 = t321 + t323;
+    let t325 = t186 * t228;
+    let t326 = t236 + t325;
+    let t327 = t326 * inverse_d_panda_joint6;
+    let t328 = t267 * t327;
+    let t329 = t324 + t328;
+    let t330 = t326 * t301;
+    let t331 = t186 * t296;
+    let t332 = t123 - t331;
+    let t333 = t332 - t330;
+    let t334 = t333 * inverse_d_panda_joint5;
+    let t335 = t303 * t334;
+    let t336 = t329 + t335;
+    let t337 = t186 * t322;
+    let t338 = t312 - t337;
+    let t339 = t326 * t327;
+    let t340 = t338 - t339;
+    let t341 = t333 * t334;
+    let t342 = t340 - t341;
+    let inverse_d_panda_joint4 = 1.0 / t342;
+    let t344 = t336 * inverse_d_panda_joint4;
+    let t345 = t336 * t344;
+    let t346 = t311 - t345;
+    let t347 = sin_panda_joint2 * t160;
+    let t348 = t108 + t110;
+    let t349 = cos_panda_joint2 * t348;
+    let t350 = t347 + t349;
+    let t351 = t221 * inverse_d_panda_joint7;
+    let t352 = t223 * t351;
+    let t353 = t350 + t352;
+    let t354 = t221 * t228;
+    let t355 = t264 + t354;
+    let t356 = t355 * inverse_d_panda_joint6;
+    let t357 = t267 * t356;
+    let t358 = t353 + t357;
+    let t359 = t221 * t296;
+    let t360 = t293 + t359;
+    let t361 = t355 * t301;
+    let t362 = t360 + t361;
+    let t363 = t362 * inverse_d_panda_joint5;
+    let t364 = t303 * t363;
+    let t365 = t358 - t364;
+    let t366 = t221 * t322;
+    let t367 = t154 + t366;
+    let t368 = t355 * t327;
+    let t369 = t367 + t368;
+    let t370 = t362 * t334;
+    let t371 = t369 - t370;
+    let t372 = t371 * inverse_d_panda_joint4;
+    let t373 = t336 * t372;
+    let t374 = t365 + t373;
+    let t375 = t221 * t351;
+    let t376 = t348 - t375;
+    let t377 = t355 * t356;
+    let t378 = t376 - t377;
+    let t379 = t362 * t363;
+    let t380 = t378 - t379;
+    let t381 = t371 * t372;
+    let t382 = t380 - t381;
+    let inverse_d_panda_joint3 = 1.0 / t382;
+    let t384 = t374 * inverse_d_panda_joint3;
+    let t385 = t374 * t384;
+    let t386 = t346 - t385;
+    let t387 = t134 + t141;
+    let t388 = cos_panda_joint3 * t198;
+    let t389 = sin_panda_joint3 * t214;
+    let t390 = t389 + t388;
+    let t391 = t390 * inverse_d_panda_joint7;
+    let t392 = t390 * t391;
+    let t393 = t387 - t392;
+    let t394 = t390 * t228;
+    let t395 = cos_panda_joint3 * t246;
+    let t396 = sin_panda_joint3 * t257;
+    let t397 = t396 + t395;
+    let t398 = t397 + t394;
+    let t399 = t398 * inverse_d_panda_joint6;
+    let t400 = t398 * t399;
+    let t401 = t393 - t400;
+    let t402 = sin_panda_joint3 * t280;
+    let t403 = cos_panda_joint3 * t286;
+    let t404 = t402 + t403;
+    let t405 = t390 * t296;
+    let t406 = t404 - t405;
+    let t407 = t398 * t301;
+    let t408 = t406 - t407;
+    let t409 = t408 * inverse_d_panda_joint5;
+    let t410 = t408 * t409;
+    let t411 = t401 - t410;
+    let t412 = cos_panda_joint3 * t315;
+    let t413 = sin_panda_joint3 * t126;
+    let t414 = t413 + t412;
+    let t415 = t390 * t322;
+    let t416 = t414 + t415;
+    let t417 = t398 * t327;
+    let t418 = t416 + t417;
+    let t419 = t408 * t334;
+    let t420 = t418 + t419;
+    let t421 = t420 * inverse_d_panda_joint4;
+    let t422 = t420 * t421;
+    let t423 = t411 - t422;
+    let t424 = sin_panda_joint3 * t150;
+    let t425 = cos_panda_joint3 * t158;
+    let t426 = t424 + t425;
+    let t427 = t390 * t351;
+    let t428 = t426 + t427;
+    let t429 = t398 * t356;
+    let t430 = t428 + t429;
+    let t431 = t408 * t363;
+    let t432 = t430 - t431;
+    let t433 = t420 * t372;
+    let t434 = t432 + t433;
+    let t435 = t434 * inverse_d_panda_joint3;
+    let t436 = t434 * t435;
+    let t437 = t423 - t436;
+    let inverse_d_panda_joint2 = 1.0 / t437;
+    let t439 = cos_panda_joint3 * t131;
+    let t440 = t128 - t439;
+    let t441 = 0.01026110182100817 + t440;
+    let t442 = sin_panda_joint2 * t441;
+    let t443 = 0.0007689361029464 + t426;
+    let t444 = cos_panda_joint2 * t443;
+    let t445 = t442 + t444;
+    let t446 = t223 * t391;
+    let t447 = t445 - t446;
+    let t448 = t267 * t399;
+    let t449 = t447 - t448;
+    let t450 = t303 * t409;
+    let t451 = t449 - t450;
+    let t452 = t336 * t421;
+    let t453 = t451 - t452;
+    let t454 = t374 * t435;
+    let t455 = t453 - t454;
+    let t456 = t455 * inverse_d_panda_joint2;
+    let t457 = t455 * t456;
+    let t458 = t386 - t457;
+    let inverse_d_panda_joint1 = 1.0 / t458;
+    let t460 = t456 * inverse_d_panda_joint1;
+    let t461 = t456 * t460;
+    let t462 = inverse_d_panda_joint2 + t461;
+    let t463 = t435 * t462;
+    let t464 = t384 * t460;
+    let t465 = t463 - t464;
+    let t466 = t372 * t465;
+    let t467 = t421 * t462;
+    let t468 = t466 + t467;
+    let t469 = t344 * t460;
+    let t470 = t468 - t469;
+    let t471 = t334 * t470;
+    let t472 = t363 * t465;
+    let t473 = t471 - t472;
+    let t474 = t409 * t462;
+    let t475 = t473 + t474;
+    let t476 = t309 * t460;
+    let t477 = t475 - t476;
+    let t478 = t301 * t477;
+    let t479 = t327 * t470;
+    let t480 = t478 - t479;
+    let t481 = t356 * t465;
+    let t482 = t480 - t481;
+    let t483 = t399 * t462;
+    let t484 = t482 - t483;
+    let t485 = t271 * t460;
+    let t486 = t484 + t485;
+    let t487 = t228 * t486;
+    let t488 = t296 * t477;
+    let t489 = t487 + t488;
+    let t490 = t322 * t470;
+    let t491 = t489 - t490;
+    let t492 = t351 * t465;
+    let t493 = t491 - t492;
+    let t494 = t391 * t462;
+    let t495 = t493 - t494;
+    let t496 = t225 * t460;
+    let t497 = t495 + t496;
+    let omega_panda_joint2_y = v[0] * cos_panda_joint2;
+    let omega_panda_joint3_z = v[2] + omega_panda_joint2_y;
+    let t500 = 2.0 * omega_panda_joint3_z;
+    let omega_panda_joint2_x = v[0] * sin_panda_joint2;
+    let t502 = sin_panda_joint3 * omega_panda_joint2_x;
+    let t503 = v[1] * cos_panda_joint3;
+    let omega_panda_joint3_y = t502 + t503;
+    let t505 = omega_panda_joint3_y * t500;
+    let t506 = v[1] * 2.0;
+    let t507 = omega_panda_joint2_y * t506;
+    let t508 = cos_panda_joint3 * t507;
+    let t509 = omega_panda_joint2_x * omega_panda_joint2_y;
+    let t510 = sin_panda_joint3 * t509;
+    let t511 = t510 + t508;
+    let t512 = t511 - t505;
+    let t513 = cos_panda_joint4 * t512;
+    let t514 = cos_panda_joint3 * omega_panda_joint2_x;
+    let t515 = v[1] * sin_panda_joint3;
+    let omega_panda_joint3_x = t514 - t515;
+    let t517 = omega_panda_joint3_x * omega_panda_joint3_y;
+    let t518 = v[1] * omega_panda_joint2_x;
+    let t519 = t518 - t517;
+    let t520 = sin_panda_joint4 * t519;
+    let t521 = t520 + t513;
+    let omega_panda_joint4_z = v[3] - omega_panda_joint3_y;
+    let t523 = 2.0 * omega_panda_joint4_z;
+    let t524 = sin_panda_joint4 * omega_panda_joint3_x;
+    let t525 = cos_panda_joint4 * omega_panda_joint3_z;
+    let omega_panda_joint4_y = t524 + t525;
+    let t527 = omega_panda_joint4_y * t523;
+    let t528 = t521 - t527;
+    let t529 = cos_panda_joint5 * t528;
+    let t530 = cos_panda_joint4 * omega_panda_joint3_x;
+    let t531 = sin_panda_joint4 * omega_panda_joint3_z;
+    let omega_panda_joint4_x = t530 - t531;
+    let t533 = omega_panda_joint4_x * omega_panda_joint4_y;
+    let t534 = omega_panda_joint3_x * omega_panda_joint3_z;
+    let t535 = sin_panda_joint3 * t507;
+    let t536 = cos_panda_joint3 * t509;
+    let t537 = t536 - t535;
+    let t538 = t537 - t534;
+    let t539 = t538 + t533;
+    let t540 = sin_panda_joint5 * t539;
+    let t541 = t540 + t529;
+    let omega_panda_joint5_z = v[4] + omega_panda_joint4_y;
+    let t543 = 2.0 * omega_panda_joint5_z;
+    let t544 = sin_panda_joint5 * omega_panda_joint4_x;
+    let t545 = cos_panda_joint5 * omega_panda_joint4_z;
+    let omega_panda_joint5_y = t544 - t545;
+    let t547 = omega_panda_joint5_y * t543;
+    let t548 = t541 - t547;
+    let t549 = cos_panda_joint6 * t548;
+    let t550 = cos_panda_joint5 * omega_panda_joint4_x;
+    let t551 = sin_panda_joint5 * omega_panda_joint4_z;
+    let omega_panda_joint5_x = t550 + t551;
+    let t553 = omega_panda_joint5_x * omega_panda_joint5_y;
+    let t554 = sin_panda_joint4 * t512;
+    let t555 = cos_panda_joint4 * t519;
+    let t556 = t555 - t554;
+    let t557 = omega_panda_joint4_x * omega_panda_joint4_z;
+    let t558 = t556 - t557;
+    let t559 = t558 - t553;
+    let t560 = sin_panda_joint6 * t559;
+    let t561 = t560 + t549;
+    let omega_panda_joint6_z = v[5] - omega_panda_joint5_y;
+    let t563 = 2.0 * omega_panda_joint6_z;
+    let t564 = sin_panda_joint6 * omega_panda_joint5_x;
+    let t565 = cos_panda_joint6 * omega_panda_joint5_z;
+    let omega_panda_joint6_y = t564 + t565;
+    let t567 = omega_panda_joint6_y * t563;
+    let t568 = t561 - t567;
+    let t569 = t24 * t568;
+    let t570 = sin_panda_joint5 * t528;
+    let t571 = cos_panda_joint5 * t539;
+    let t572 = t571 - t570;
+    let t573 = omega_panda_joint5_x * omega_panda_joint5_z;
+    let t574 = t572 - t573;
+    let t575 = cos_panda_joint6 * omega_panda_joint5_x;
+    let t576 = sin_panda_joint6 * omega_panda_joint5_z;
+    let omega_panda_joint6_x = t575 - t576;
+    let t578 = omega_panda_joint6_x * omega_panda_joint6_y;
+    let t579 = t574 + t578;
+    let t580 = t44 * t579;
+    let t581 = t569 - t580;
+    let omega_panda_joint7_z = v[6] - omega_panda_joint6_y;
+    let t583 = omega_panda_joint7_z * omega_panda_joint7_z;
+    let t584 = omega_panda_joint6_x * omega_panda_joint6_x;
+    let t585 = t584 + t583;
+    let t586 = omega_panda_joint6_z * omega_panda_joint6_z;
+    let t587 = t586 + t583;
+    let t588 = t587 - t585;
+    let t589 = t37 * t588;
+    let t590 = t581 - t589;
+    let t591 = sin_panda_joint6 * t548;
+    let t592 = cos_panda_joint6 * t559;
+    let t593 = t592 - t591;
+    let t594 = omega_panda_joint6_x * omega_panda_joint6_z;
+    let t595 = t593 - t594;
+    let t596 = t594 - t595;
+    let t597 = t17 * t596;
+    let t598 = t590 - t597;
+    let t599 = t594 + t595;
+    let t600 = t171 * t599;
+    let t601 = t598 + t600;
+    let t602 = 3.83030303030303 * t537;
+    let acceleration_panda_joint2_x = sin_panda_joint2 * 118.9090909090909;
+    let t604 = cos_panda_joint3 * acceleration_panda_joint2_x;
+    let acceleration_panda_joint3_x = t604 + t602;
+    let t606 = omega_panda_joint3_y * omega_panda_joint3_y;
+    let t607 = omega_panda_joint3_z * omega_panda_joint3_z;
+    let t608 = t606 + t607;
+    let t609 = t608 + acceleration_panda_joint3_x;
+    let t610 = cos_panda_joint4 * t609;
+    let t611 = omega_panda_joint2_x * omega_panda_joint2_x;
+    let t612 = v[1] * v[1];
+    let t613 = t611 + t612;
+    let t614 = 3.83030303030303 * t613;
+    let acceleration_panda_joint2_y = cos_panda_joint2 * 118.9090909090909;
+    let acceleration_panda_joint3_z = acceleration_panda_joint2_y - t614;
+    let t617 = omega_panda_joint3_x * t500;
+    let t618 = t537 - t617;
+    let t619 = t618 + acceleration_panda_joint3_z;
+    let t620 = sin_panda_joint4 * t619;
+    let acceleration_panda_joint4_x = t610 - t620;
+    let t622 = omega_panda_joint4_y * omega_panda_joint4_y;
+    let t623 = omega_panda_joint4_z * omega_panda_joint4_z;
+    let t624 = t622 + t623;
+    let t625 = acceleration_panda_joint4_x - t624;
+    let t626 = t61 * t625;
+    let t627 = omega_panda_joint4_x * t523;
+    let t628 = t556 - t627;
+    let t629 = 3.83030303030303 * t511;
+    let t630 = sin_panda_joint3 * acceleration_panda_joint2_x;
+    let acceleration_panda_joint3_y = t630 + t629;
+    let t632 = t518 + t517;
+    let acceleration_panda_joint4_z = t632 - acceleration_panda_joint3_y;
+    let t634 = acceleration_panda_joint4_z - t628;
+    let t635 = t65 * t634;
+    let t636 = t626 + t635;
+    let acceleration_panda_joint5_x = t636 + t572;
+    let t638 = t56 * acceleration_panda_joint5_x;
+    let t639 = sin_panda_joint4 * t609;
+    let t640 = cos_panda_joint4 * t619;
+    let acceleration_panda_joint4_y = t639 + t640;
+    let t642 = t538 - t533;
+    let t643 = acceleration_panda_joint4_y - t642;
+    let t644 = 0.21484375 * t643;
+    let t645 = omega_panda_joint4_x * omega_panda_joint4_x;
+    let t646 = t645 + t623;
+    let acceleration_panda_joint5_z = t646 - t644;
+    let t648 = t72 * acceleration_panda_joint5_z;
+    let acceleration_panda_joint6_x = t638 + t648;
+    let t650 = omega_panda_joint6_y * omega_panda_joint6_y;
+    let t651 = t650 + t586;
+    let acceleration_panda_joint7_x = acceleration_panda_joint6_x + t651;
+    let t653 = t38 * acceleration_panda_joint7_x;
+    let t654 = omega_panda_joint6_x * t563;
+    let t655 = t593 - t654;
+    let t656 = t65 * t625;
+    let t657 = t61 * t634;
+    let t658 = t656 - t657;
+    let acceleration_panda_joint5_y = t658 + t541;
+    let acceleration_panda_joint6_z = 4.363636363636364 * acceleration_panda_joint5_y;
+    let acceleration_panda_joint7_y = acceleration_panda_joint6_z - t655;
+    let t662 = t54 * acceleration_panda_joint7_y;
+    let t663 = t662 - t653;
+    let moment_panda_joint7_z = t663 - t601;
+    let t665 = v[6] * 0.003;
+    let t666 = u[6] - t665;
+    let t667 = t666 + moment_panda_joint7_z;
+    let t668 = t497 * t667;
+    let t669 = 2.0 * omega_panda_joint7_z;
+    let t670 = omega_panda_joint6_z * t669;
+    let t671 = t568 - t670;
+    let t672 = t37 * t671;
+    let t673 = t44 * t599;
+    let t674 = t673 + t672;
+    let t675 = t584 + t586;
+    let t676 = t675 - t587;
+    let t677 = t24 * t676;
+    let t678 = t674 - t677;
+    let t679 = omega_panda_joint6_x * t669;
+    let t680 = t579 + t679;
+    let t681 = t17 * t680;
+    let t682 = t678 - t681;
+    let t683 = t72 * acceleration_panda_joint5_x;
+    let t684 = t56 * acceleration_panda_joint5_z;
+    let acceleration_panda_joint6_y = t683 - t684;
+    let t686 = t574 - t578;
+    let acceleration_panda_joint7_z = acceleration_panda_joint6_y + t686;
+    let t688 = t54 * acceleration_panda_joint7_z;
+    let moment_panda_joint7_y = t688 - t682;
+    let t690 = t38 * t671;
+    let t691 = t54 * t680;
+    let force_panda_joint7_z = t691 + t690;
+    let t693 = force_panda_joint7_z + moment_panda_joint7_y;
+    let t694 = 9.3569097314605e-5 * t593;
+    let t695 = 0.00010375891721868492 * t561;
+    let t696 = t695 - t694;
+    let t697 = t651 - t675;
+    let t698 = 0.014748570382675316 * t697;
+    let t699 = t696 - t698;
+    let t700 = 0.02152225537058755 * t686;
+    let t701 = t699 + t700;
+    let t702 = 0.028934422545659894 * t579;
+    let t703 = t701 + t702;
+    let t704 = 0.015294814090072 * acceleration_panda_joint6_x;
+    let t705 = 0.020402584637159996 * acceleration_panda_joint6_y;
+    let t706 = t705 - t704;
+    let t707 = t706 + t703;
+    let moment_panda_joint6_z = t707 + t693;
+    let t709 = v[5] * 0.003;
+    let t710 = u[5] - t709;
+    let t711 = t710 - moment_panda_joint6_z;
+    let t712 = t486 * t711;
+    let t713 = t54 * t596;
+    let t714 = t38 * t585;
+    let force_panda_joint7_y = t713 + t714;
+    let t716 = force_panda_joint7_y + moment_panda_joint7_z;
+    let t717 = 0.014748570382675316 * t568;
+    let t718 = 9.3569097314605e-5 * t579;
+    let t719 = t718 - t717;
+    let t720 = omega_panda_joint5_x * omega_panda_joint5_x;
+    let t721 = omega_panda_joint5_z * omega_panda_joint5_z;
+    let t722 = t720 + t721;
+    let t723 = t722 - t651;
+    let t724 = 0.00010375891721868492 * t723;
+    let t725 = t719 + t724;
+    let t726 = 0.02152225537058755 * t655;
+    let t727 = t725 - t726;
+    let t728 = acceleration_panda_joint5_y * 0.08902946023488;
+    let t729 = t728 + t727;
+    let moment_panda_joint6_y = t729 + t716;
+    let t731 = cos_panda_joint6 * moment_panda_joint6_y;
+    let t732 = t24 * t596;
+    let t733 = t37 * t680;
+    let t734 = t733 + t732;
+    let t735 = t675 - t585;
+    let t736 = t44 * t735;
+    let t737 = t734 - t736;
+    let t738 = t171 * t671;
+    let t739 = t737 - t738;
+    let t740 = t38 * acceleration_panda_joint7_z;
+    let moment_panda_joint7_x = t740 - t739;
+    let t742 = 0.014748570382675316 * t655;
+    let t743 = 0.00010375891721868492 * t686;
+    let t744 = t742 + t743;
+    let t745 = t722 - t675;
+    let t746 = 9.3569097314605e-5 * t745;
+    let t747 = t744 - t746;
+    let t748 = 0.028934422545659894 * t568;
+    let t749 = t747 + t748;
+    let t750 = 0.06674100693849601 * acceleration_panda_joint5_y;
+    let t751 = t750 - t749;
+    let moment_panda_joint6_x = t751 - moment_panda_joint7_x;
+    let t753 = sin_panda_joint6 * moment_panda_joint6_x;
+    let t754 = t753 + t731;
+    let t755 = 0.0021640520520981297 * t572;
+    let t756 = 0.004600245517563105 * t541;
+    let t757 = t756 - t755;
+    let t758 = omega_panda_joint5_y * omega_panda_joint5_y;
+    let t759 = t758 + t721;
+    let t760 = t759 - t722;
+    let t761 = 0.0015152444733270301 * t760;
+    let t762 = t757 + t761;
+    let t763 = t558 + t553;
+    let t764 = 0.0014511560650267133 * t763;
+    let t765 = t762 - t764;
+    let t766 = 0.010045187828321242 * t559;
+    let t767 = t765 - t766;
+    let t768 = 0.0260623224672 * acceleration_panda_joint5_x;
+    let t769 = 0.005627033294592 * acceleration_panda_joint5_y;
+    let t770 = t769 - t768;
+    let t771 = t770 - t767;
+    let moment_panda_joint5_z = t771 - t754;
+    let t773 = v[4] * 0.003;
+    let t774 = u[4] - t773;
+    let t775 = t774 + moment_panda_joint5_z;
+    let t776 = t477 * t775;
+    let t777 = sin_panda_joint6 * moment_panda_joint6_y;
+    let t778 = cos_panda_joint6 * moment_panda_joint6_x;
+    let t779 = t778 - t777;
+    let t780 = omega_panda_joint5_x * t543;
+    let t781 = t572 - t780;
+    let t782 = 0.0015152444733270301 * t781;
+    let t783 = 0.004600245517563105 * t763;
+    let t784 = t782 + t783;
+    let t785 = t646 - t722;
+    let t786 = 0.0021640520520981297 * t785;
+    let t787 = t784 + t786;
+    let t788 = 0.010045187828321242 * t548;
+    let t789 = t787 - t788;
+    let t790 = 0.0260623224672 * acceleration_panda_joint5_z;
+    let t791 = t790 - t789;
+    let moment_panda_joint5_x = t791 - t779;
+    let t793 = 0.015294814090072 * t568;
+    let t794 = 0.020402584637159996 * t655;
+    let t795 = t794 + t793;
+    let force_panda_joint6_z = t795 - force_panda_joint7_y;
+    let t797 = 4.363636363636364 * force_panda_joint6_z;
+    let t798 = 0.0260623224672 * t722;
+    let t799 = 0.005627033294592 * t763;
+    let t800 = t799 - t798;
+    let force_panda_joint5_y = t800 - t797;
+    let t802 = force_panda_joint5_y + moment_panda_joint5_x;
+    let t803 = sin_panda_joint5 * t802;
+    let t804 = 0.0015152444733270301 * t548;
+    let t805 = 0.0021640520520981297 * t559;
+    let t806 = t805 - t804;
+    let t807 = t646 - t759;
+    let t808 = 0.004600245517563105 * t807;
+    let t809 = t806 - t808;
+    let t810 = 0.0014511560650267133 * t781;
+    let t811 = t809 + t810;
+    let t812 = 0.005627033294592 * acceleration_panda_joint5_z;
+    let t813 = t812 + t811;
+    let moment_panda_joint5_y = t813 + moment_panda_joint6_z;
+    let t815 = 0.020402584637159996 * t686;
+    let t816 = 0.015294814090072 * t675;
+    let t817 = t815 + t816;
+    let force_panda_joint6_y = t817 + force_panda_joint7_z;
+    let t819 = t72 * force_panda_joint6_y;
+    let t820 = t38 * t599;
+    let t821 = t54 * t587;
+    let force_panda_joint7_x = t821 + t820;
+    let t823 = 0.015294814090072 * t579;
+    let t824 = 0.020402584637159996 * t651;
+    let t825 = t824 - t823;
+    let force_panda_joint6_x = t825 + force_panda_joint7_x;
+    let t827 = t56 * force_panda_joint6_x;
+    let t828 = t827 + t819;
+    let t829 = 0.0260623224672 * t559;
+    let t830 = 0.005627033294592 * t759;
+    let t831 = t830 + t829;
+    let force_panda_joint5_x = t831 - t828;
+    let t833 = force_panda_joint5_x - moment_panda_joint5_y;
+    let t834 = cos_panda_joint5 * t833;
+    let t835 = t803 - t834;
+    let t836 = t56 * force_panda_joint6_y;
+    let t837 = t72 * force_panda_joint6_x;
+    let t838 = t837 - t836;
+    let t839 = 0.0260623224672 * t548;
+    let t840 = 0.005627033294592 * t781;
+    let t841 = t840 + t839;
+    let force_panda_joint5_z = t841 + t838;
+    let t843 = 0.21484375 * force_panda_joint5_z;
+    let t844 = t843 + t835;
+    let t845 = t624 - t646;
+    let t846 = 0.16284087268546088 * t845;
+    let t847 = 0.0016444875773692705 * t556;
+    let t848 = 0.0039053550262761003 * t521;
+    let t849 = t848 - t847;
+    let t850 = t849 + t846;
+    let t851 = 0.05102013615681551 * t642;
+    let t852 = t850 - t851;
+    let t853 = 0.6972920750309719 * t539;
+    let t854 = t852 - t853;
+    let t855 = 0.16603319317224752 * acceleration_panda_joint4_x;
+    let t856 = 0.04560437265862501 * acceleration_panda_joint4_y;
+    let t857 = t856 - t855;
+    let t858 = t857 + t854;
+    let moment_panda_joint4_z = t858 - t844;
+    let t860 = v[3] * 0.003;
+    let t861 = u[3] - t860;
+    let t862 = t861 + moment_panda_joint4_z;
+    let t863 = t470 * t862;
+    let t864 = cos_panda_joint5 * t802;
+    let t865 = sin_panda_joint5 * t833;
+    let t866 = t864 + t865;
+    let t867 = 0.16284087268546088 * t628;
+    let t868 = 0.0039053550262761003 * t642;
+    let t869 = t867 - t868;
+    let t870 = omega_panda_joint3_x * omega_panda_joint3_x;
+    let t871 = t870 + t607;
+    let t872 = t871 - t646;
+    let t873 = 0.0016444875773692705 * t872;
+    let t874 = t869 + t873;
+    let t875 = 0.6972920750309719 * t528;
+    let t876 = t874 + t875;
+    let t877 = 0.16603319317224752 * acceleration_panda_joint4_z;
+    let t878 = t877 - t876;
+    let moment_panda_joint4_x = t878 - t866;
+    let t880 = sin_panda_joint4 * moment_panda_joint4_x;
+    let t881 = t65 * force_panda_joint5_x;
+    let t882 = t61 * force_panda_joint5_y;
+    let t883 = t881 + t882;
+    let t884 = moment_panda_joint5_z + t883;
+    let t885 = 0.16284087268546088 * t528;
+    let t886 = 0.0016444875773692705 * t539;
+    let t887 = t886 + t885;
+    let t888 = t871 - t624;
+    let t889 = 0.0039053550262761003 * t888;
+    let t890 = t887 + t889;
+    let t891 = 0.05102013615681551 * t628;
+    let t892 = t890 + t891;
+    let t893 = 0.04560437265862501 * acceleration_panda_joint4_z;
+    let t894 = t893 - t892;
+    let moment_panda_joint4_y = t894 - t884;
+    let t896 = cos_panda_joint4 * moment_panda_joint4_y;
+    let t897 = t880 + t896;
+    let t898 = 0.16603319317224752 * t528;
+    let t899 = 0.04560437265862501 * t628;
+    let t900 = t899 + t898;
+    let force_panda_joint4_z = t900 + t883;
+    let t902 = force_panda_joint4_z + t897;
+    let t903 = t608 - t871;
+    let t904 = 0.00012191242095074308 * t903;
+    let t905 = 0.004377257121839584 * t537;
+    let t906 = 0.005487648106562256 * t511;
+    let t907 = t906 + t905;
+    let t908 = t907 + t904;
+    let t909 = 0.0616024210265277 * t632;
+    let t910 = t908 - t909;
+    let t911 = 0.022178148964878235 * t519;
+    let t912 = t910 - t911;
+    let t913 = 0.002328735327435001 * acceleration_panda_joint3_x;
+    let t914 = 0.06161578168944001 * acceleration_panda_joint3_y;
+    let t915 = t914 + t913;
+    let t916 = t915 + t912;
+    let moment_panda_joint3_z = t916 + t902;
+    let t918 = v[2] * 0.003;
+    let t919 = u[2] - t918;
+    let t920 = t919 - moment_panda_joint3_z;
+    let t921 = t465 * t920;
+    let t922 = t61 * force_panda_joint5_x;
+    let t923 = t65 * force_panda_joint5_y;
+    let t924 = t922 - t923;
+    let t925 = 0.16603319317224752 * t539;
+    let t926 = 0.04560437265862501 * t624;
+    let t927 = t926 - t925;
+    let force_panda_joint4_x = t927 + t924;
+    let t929 = sin_panda_joint4 * force_panda_joint4_x;
+    let t930 = 0.16603319317224752 * t646;
+    let t931 = 0.04560437265862501 * t642;
+    let t932 = t931 + t930;
+    let force_panda_joint4_y = t932 + t843;
+    let t934 = cos_panda_joint4 * force_panda_joint4_y;
+    let t935 = t929 - t934;
+    let t936 = moment_panda_joint4_z - t935;
+    let t937 = t613 - t608;
+    let t938 = 0.005487648106562256 * t937;
+    let t939 = 0.00012191242095074308 * t512;
+    let t940 = 0.004377257121839584 * t519;
+    let t941 = t940 + t939;
+    let t942 = t941 + t938;
+    let t943 = 0.0616024210265277 * t618;
+    let t944 = t942 - t943;
+    let t945 = 0.06161578168944001 * acceleration_panda_joint3_z;
+    let t946 = t945 - t944;
+    let moment_panda_joint3_y = t946 - t936;
+    let t948 = cos_panda_joint4 * force_panda_joint4_x;
+    let t949 = sin_panda_joint4 * force_panda_joint4_y;
+    let t950 = t948 + t949;
+    let t951 = 0.002328735327435001 * t519;
+    let t952 = 0.06161578168944001 * t608;
+    let t953 = t952 - t951;
+    let force_panda_joint3_x = t953 - t950;
+    let t955 = 3.83030303030303 * force_panda_joint3_x;
+    let t956 = moment_panda_joint3_y + t955;
+    let t957 = cos_panda_joint3 * t956;
+    let t958 = cos_panda_joint4 * moment_panda_joint4_x;
+    let t959 = sin_panda_joint4 * moment_panda_joint4_y;
+    let t960 = t958 - t959;
+    let t961 = t613 - t871;
+    let t962 = 0.004377257121839584 * t961;
+    let t963 = 0.005487648106562256 * t632;
+    let t964 = 0.00012191242095074308 * t618;
+    let t965 = t964 + t963;
+    let t966 = t965 - t962;
+    let t967 = 0.022178148964878235 * t512;
+    let t968 = t966 - t967;
+    let t969 = 0.002328735327435001 * acceleration_panda_joint3_z;
+    let t970 = t969 + t968;
+    let moment_panda_joint3_x = t970 + t960;
+    let t972 = 0.002328735327435001 * t871;
+    let t973 = 0.06161578168944001 * t632;
+    let t974 = t973 + t972;
+    let force_panda_joint3_y = t974 - force_panda_joint4_z;
+    let t976 = 3.83030303030303 * force_panda_joint3_y;
+    let t977 = moment_panda_joint3_x + t976;
+    let t978 = sin_panda_joint3 * t977;
+    let t979 = t978 - t957;
+    let t980 = omega_panda_joint2_y * omega_panda_joint2_y;
+    let t981 = t980 + t612;
+    let t982 = t981 - t613;
+    let t983 = 0.00398335888393552 * t982;
+    let t984 = 0.02307788249493181 * t509;
+    let t985 = t983 + t984;
+    let t986 = 1.032162061231881 * t509;
+    let t987 = t985 - t986;
+    let t988 = sin_panda_joint2 * 32.80954542685273;
+    let t989 = cos_panda_joint2 * 0.01993386669246;
+    let t990 = t989 - t988;
+    let t991 = t990 + t987;
+    let moment_panda_joint2_z = t991 + t979;
+    let t993 = v[1] * 0.003;
+    let t994 = u[1] - t993;
+    let t995 = t994 - moment_panda_joint2_z;
+    let t996 = t462 * t995;
+    let t997 = sin_panda_joint3 * t956;
+    let t998 = cos_panda_joint3 * t977;
+    let t999 = t998 + t997;
+    let t1000 = v[0] * v[0];
+    let t1001 = t1000 - t613;
+    let t1002 = 0.0007689361029464 * t1001;
+    let t1003 = 0.01026110182100817 * t509;
+    let t1004 = omega_panda_joint2_x * t506;
+    let t1005 = 0.00398335888393552 * t1004;
+    let t1006 = t1005 - t1003;
+    let t1007 = t1006 - t1002;
+    let t1008 = 1.032162061231881 * t507;
+    let t1009 = t1007 + t1008;
+    let moment_panda_joint2_x = t1009 - t999;
+    let t1011 = sin_panda_joint2 * moment_panda_joint2_x;
+    let t1012 = t1000 - t981;
+    let t1013 = 0.01026110182100817 * t1012;
+    let t1014 = 0.00398335888393552 * t507;
+    let t1015 = 0.0007689361029464 * t509;
+    let t1016 = t1015 - t1014;
+    let t1017 = t1016 + t1013;
+    let t1018 = 0.02307788249493181 * t1004;
+    let t1019 = t1017 - t1018;
+    let moment_panda_joint2_y = t1019 + moment_panda_joint3_z;
+    let t1021 = cos_panda_joint2 * moment_panda_joint2_y;
+    let moment_panda_joint1_z = t1011 + t1021;
+    let t1023 = v[0] * 0.003;
+    let t1024 = u[0] - t1023;
+    let t1025 = t1024 - moment_panda_joint1_z;
+    let t1026 = t460 * t1025;
+    let t1027 = t1026 + t996;
+    let t1028 = t1027 + t921;
+    let t1029 = t1028 - t863;
+    let t1030 = t1029 - t776;
+    let t1031 = t1030 - t712;
+    let t1032 = t1031 - t668;
+    let t1033 = t509 - t1032;
+    let t1034 = sin_panda_joint3 * t1033;
+    let t1035 = t435 * t460;
+    let t1036 = t384 * inverse_d_panda_joint1;
+    let t1037 = t1035 - t1036;
+    let t1038 = t372 * t1037;
+    let t1039 = t421 * t460;
+    let t1040 = t1038 + t1039;
+    let t1041 = t344 * inverse_d_panda_joint1;
+    let t1042 = t1040 - t1041;
+    let t1043 = t334 * t1042;
+    let t1044 = t363 * t1037;
+    let t1045 = t1043 - t1044;
+    let t1046 = t409 * t460;
+    let t1047 = t1045 + t1046;
+    let t1048 = t309 * inverse_d_panda_joint1;
+    let t1049 = t1047 - t1048;
+    let t1050 = t301 * t1049;
+    let t1051 = t327 * t1042;
+    let t1052 = t1050 - t1051;
+    let t1053 = t356 * t1037;
+    let t1054 = t1052 - t1053;
+    let t1055 = t399 * t460;
+    let t1056 = t1054 - t1055;
+    let t1057 = t271 * inverse_d_panda_joint1;
+    let t1058 = t1056 + t1057;
+    let t1059 = t228 * t1058;
+    let t1060 = t296 * t1049;
+    let t1061 = t1059 + t1060;
+    let t1062 = t322 * t1042;
+    let t1063 = t1061 - t1062;
+    let t1064 = t351 * t1037;
+    let t1065 = t1063 - t1064;
+    let t1066 = t391 * t460;
+    let t1067 = t1065 - t1066;
+    let t1068 = t225 * inverse_d_panda_joint1;
+    let t1069 = t1067 + t1068;
+    let t1070 = t1069 * t667;
+    let t1071 = t1058 * t711;
+    let t1072 = t1049 * t775;
+    let t1073 = t1042 * t862;
+    let t1074 = t1037 * t920;
+    let t1075 = t460 * t995;
+    let t1076 = inverse_d_panda_joint1 * t1025;
+    let t1077 = t1076 + t1075;
+    let t1078 = t1077 + t1074;
+    let t1079 = t1078 - t1073;
+    let t1080 = t1079 - t1072;
+    let t1081 = t1080 - t1071;
+    let t1082 = t1081 - t1070;
+    let t1083 = sin_panda_joint2 * t1082;
+    let t1084 = t507 + t1083;
+    let t1085 = cos_panda_joint3 * t1084;
+    let t1086 = t1034 + t1085;
+    let t1087 = t505 - t1086;
+    let t1088 = cos_panda_joint4 * t1087;
+    let t1089 = t435 * t456;
+    let t1090 = t384 - t1089;
+    let t1091 = inverse_d_panda_joint1 * t1090;
+    let t1092 = t456 * t1091;
+    let t1093 = t435 * inverse_d_panda_joint2;
+    let t1094 = t1093 - t1092;
+    let t1095 = t435 * t1094;
+    let t1096 = inverse_d_panda_joint3 + t1095;
+    let t1097 = t384 * t1091;
+    let t1098 = t1096 + t1097;
+    let t1099 = t372 * t1098;
+    let t1100 = t421 * t1094;
+    let t1101 = t1099 + t1100;
+    let t1102 = t344 * t1091;
+    let t1103 = t1101 + t1102;
+    let t1104 = t334 * t1103;
+    let t1105 = t363 * t1098;
+    let t1106 = t1104 - t1105;
+    let t1107 = t409 * t1094;
+    let t1108 = t1106 + t1107;
+    let t1109 = t309 * t1091;
+    let t1110 = t1108 + t1109;
+    let t1111 = t301 * t1110;
+    let t1112 = t327 * t1103;
+    let t1113 = t1111 - t1112;
+    let t1114 = t356 * t1098;
+    let t1115 = t1113 - t1114;
+    let t1116 = t399 * t1094;
+    let t1117 = t1115 - t1116;
+    let t1118 = t271 * t1091;
+    let t1119 = t1117 - t1118;
+    let t1120 = t228 * t1119;
+    let t1121 = t296 * t1110;
+    let t1122 = t1120 + t1121;
+    let t1123 = t322 * t1103;
+    let t1124 = t1122 - t1123;
+    let t1125 = t351 * t1098;
+    let t1126 = t1124 - t1125;
+    let t1127 = t391 * t1094;
+    let t1128 = t1126 - t1127;
+    let t1129 = t225 * t1091;
+    let t1130 = t1128 - t1129;
+    let t1131 = t1130 * t667;
+    let t1132 = t1119 * t711;
+    let t1133 = t1110 * t775;
+    let t1134 = t1103 * t862;
+    let t1135 = t1098 * t920;
+    let t1136 = t465 * t995;
+    let t1137 = t1037 * t1025;
+    let t1138 = t1137 + t1136;
+    let t1139 = t1138 + t1135;
+    let t1140 = t1139 - t1134;
+    let t1141 = t1140 - t1133;
+    let t1142 = t1141 - t1132;
+    let t1143 = t1142 - t1131;
+    let t1144 = cos_panda_joint2 * t1082;
+    let t1145 = t518 - t1144;
+    let t1146 = t1143 - t1145;
+    let t1147 = t517 + t1146;
+    let t1148 = sin_panda_joint4 * t1147;
+    let t1149 = t1148 + t1088;
+    let t1150 = t527 + t1149;
+    let t1151 = cos_panda_joint5 * t1150;
+    let t1152 = cos_panda_joint3 * t1033;
+    let t1153 = sin_panda_joint3 * t1084;
+    let t1154 = t1152 - t1153;
+    let t1155 = t534 - t1154;
+    let t1156 = t372 * t435;
+    let t1157 = t421 + t1156;
+    let t1158 = t456 * t1157;
+    let t1159 = t372 * t384;
+    let t1160 = t344 + t1159;
+    let t1161 = t1160 - t1158;
+    let t1162 = inverse_d_panda_joint1 * t1161;
+    let t1163 = t456 * t1162;
+    let t1164 = inverse_d_panda_joint2 * t1157;
+    let t1165 = t1164 - t1163;
+    let t1166 = t435 * t1165;
+    let t1167 = t372 * inverse_d_panda_joint3;
+    let t1168 = t1167 + t1166;
+    let t1169 = t384 * t1162;
+    let t1170 = t1168 + t1169;
+    let t1171 = t372 * t1170;
+    let t1172 = inverse_d_panda_joint4 + t1171;
+    let t1173 = t421 * t1165;
+    let t1174 = t1172 + t1173;
+    let t1175 = t344 * t1162;
+    let t1176 = t1174 + t1175;
+    let t1177 = t334 * t1176;
+    let t1178 = t363 * t1170;
+    let t1179 = t1177 - t1178;
+    let t1180 = t409 * t1165;
+    let t1181 = t1179 + t1180;
+    let t1182 = t309 * t1162;
+    let t1183 = t1181 + t1182;
+    let t1184 = t301 * t1183;
+    let t1185 = t327 * t1176;
+    let t1186 = t1184 - t1185;
+    let t1187 = t356 * t1170;
+    let t1188 = t1186 - t1187;
+    let t1189 = t399 * t1165;
+    let t1190 = t1188 - t1189;
+    let t1191 = t271 * t1162;
+    let t1192 = t1190 - t1191;
+    let t1193 = t228 * t1192;
+    let t1194 = t296 * t1183;
+    let t1195 = t1193 + t1194;
+    let t1196 = t322 * t1176;
+    let t1197 = t1195 - t1196;
+    let t1198 = t351 * t1170;
+    let t1199 = t1197 - t1198;
+    let t1200 = t391 * t1165;
+    let t1201 = t1199 - t1200;
+    let t1202 = t225 * t1162;
+    let t1203 = t1201 - t1202;
+    let t1204 = t1203 * t667;
+    let t1205 = t1192 * t711;
+    let t1206 = t1183 * t775;
+    let t1207 = t1176 * t862;
+    let t1208 = t1103 * t920;
+    let t1209 = t470 * t995;
+    let t1210 = t1042 * t1025;
+    let t1211 = t1210 + t1209;
+    let t1212 = t1211 + t1208;
+    let t1213 = t1212 - t1207;
+    let t1214 = t1213 - t1206;
+    let t1215 = t1214 - t1205;
+    let t1216 = t1215 - t1204;
+    let t1217 = t1216 + t1155;
+    let t1218 = t533 - t1217;
+    let t1219 = sin_panda_joint5 * t1218;
+    let t1220 = t1219 - t1151;
+    let t1221 = t547 - t1220;
+    let t1222 = sin_panda_joint6 * t1221;
+    let t1223 = sin_panda_joint4 * t1087;
+    let t1224 = cos_panda_joint4 * t1147;
+    let t1225 = t1224 - t1223;
+    let t1226 = t557 + t1225;
+    let t1227 = t334 * t372;
+    let t1228 = t363 - t1227;
+    let t1229 = t435 * t1228;
+    let t1230 = t334 * t421;
+    let t1231 = t409 + t1230;
+    let t1232 = t1231 - t1229;
+    let t1233 = t456 * t1232;
+    let t1234 = t384 * t1228;
+    let t1235 = t334 * t344;
+    let t1236 = t309 + t1235;
+    let t1237 = t1236 - t1234;
+    let t1238 = t1237 - t1233;
+    let t1239 = inverse_d_panda_joint1 * t1238;
+    let t1240 = t456 * t1239;
+    let t1241 = inverse_d_panda_joint2 * t1232;
+    let t1242 = t1241 - t1240;
+    let t1243 = t435 * t1242;
+    let t1244 = inverse_d_panda_joint3 * t1228;
+    let t1245 = t1244 - t1243;
+    let t1246 = t384 * t1239;
+    let t1247 = t1245 - t1246;
+    let t1248 = t372 * t1247;
+    let t1249 = t334 * inverse_d_panda_joint4;
+    let t1250 = t1249 - t1248;
+    let t1251 = t421 * t1242;
+    let t1252 = t1250 + t1251;
+    let t1253 = t344 * t1239;
+    let t1254 = t1252 + t1253;
+    let t1255 = t334 * t1254;
+    let t1256 = inverse_d_panda_joint5 + t1255;
+    let t1257 = t363 * t1247;
+    let t1258 = t1256 + t1257;
+    let t1259 = t409 * t1242;
+    let t1260 = t1258 + t1259;
+    let t1261 = t309 * t1239;
+    let t1262 = t1260 + t1261;
+    let t1263 = t301 * t1262;
+    let t1264 = t327 * t1254;
+    let t1265 = t1263 - t1264;
+    let t1266 = t356 * t1247;
+    let t1267 = t1265 + t1266;
+    let t1268 = t399 * t1242;
+    let t1269 = t1267 - t1268;
+    let t1270 = t271 * t1239;
+    let t1271 = t1269 - t1270;
+    let t1272 = t228 * t1271;
+    let t1273 = t296 * t1262;
+    let t1274 = t1272 + t1273;
+    let t1275 = t322 * t1254;
+    let t1276 = t1274 - t1275;
+    let t1277 = t351 * t1247;
+    let t1278 = t1276 + t1277;
+    let t1279 = t391 * t1242;
+    let t1280 = t1278 - t1279;
+    let t1281 = t225 * t1239;
+    let t1282 = t1280 - t1281;
+    let t1283 = t1282 * t667;
+    let t1284 = t1271 * t711;
+    let t1285 = t1262 * t775;
+    let t1286 = t1183 * t862;
+    let t1287 = t1110 * t920;
+    let t1288 = t477 * t995;
+    let t1289 = t1049 * t1025;
+    let t1290 = t1289 + t1288;
+    let t1291 = t1290 + t1287;
+    let t1292 = t1291 - t1286;
+    let t1293 = t1292 - t1285;
+    let t1294 = t1293 - t1284;
+    let t1295 = t1294 - t1283;
+    let t1296 = t1295 - t1226;
+    let t1297 = t553 - t1296;
+    let t1298 = cos_panda_joint6 * t1297;
+    let t1299 = t1298 - t1222;
+    let t1300 = t594 + t1299;
+    let t1301 = t228 * t301;
+    let t1302 = t296 + t1301;
+    let t1303 = t334 * t1302;
+    let t1304 = t228 * t327;
+    let t1305 = t322 + t1304;
+    let t1306 = t1305 - t1303;
+    let t1307 = t372 * t1306;
+    let t1308 = t363 * t1302;
+    let t1309 = t228 * t356;
+    let t1310 = t351 + t1309;
+    let t1311 = t1310 + t1308;
+    let t1312 = t1311 + t1307;
+    let t1313 = t435 * t1312;
+    let t1314 = t421 * t1306;
+    let t1315 = t409 * t1302;
+    let t1316 = t228 * t399;
+    let t1317 = t391 + t1316;
+    let t1318 = t1317 - t1315;
+    let t1319 = t1318 + t1314;
+    let t1320 = t1319 + t1313;
+    let t1321 = t456 * t1320;
+    let t1322 = t384 * t1312;
+    let t1323 = t344 * t1306;
+    let t1324 = t309 * t1302;
+    let t1325 = t228 * t271;
+    let t1326 = t225 + t1325;
+    let t1327 = t1326 - t1324;
+    let t1328 = t1327 + t1323;
+    let t1329 = t1328 + t1322;
+    let t1330 = t1329 - t1321;
+    let t1331 = inverse_d_panda_joint1 * t1330;
+    let t1332 = t456 * t1331;
+    let t1333 = inverse_d_panda_joint2 * t1320;
+    let t1334 = t1333 - t1332;
+    let t1335 = t435 * t1334;
+    let t1336 = inverse_d_panda_joint3 * t1312;
+    let t1337 = t1336 + t1335;
+    let t1338 = t384 * t1331;
+    let t1339 = t1337 + t1338;
+    let t1340 = t372 * t1339;
+    let t1341 = inverse_d_panda_joint4 * t1306;
+    let t1342 = t1341 + t1340;
+    let t1343 = t421 * t1334;
+    let t1344 = t1342 + t1343;
+    let t1345 = t344 * t1331;
+    let t1346 = t1344 + t1345;
+    let t1347 = t334 * t1346;
+    let t1348 = inverse_d_panda_joint5 * t1302;
+    let t1349 = t1348 - t1347;
+    let t1350 = t363 * t1339;
+    let t1351 = t1349 + t1350;
+    let t1352 = t409 * t1334;
+    let t1353 = t1351 - t1352;
+    let t1354 = t309 * t1331;
+    let t1355 = t1353 - t1354;
+    let t1356 = t301 * t1355;
+    let t1357 = t228 * inverse_d_panda_joint6;
+    let t1358 = t1357 + t1356;
+    let t1359 = t327 * t1346;
+    let t1360 = t1358 + t1359;
+    let t1361 = t356 * t1339;
+    let t1362 = t1360 + t1361;
+    let t1363 = t399 * t1334;
+    let t1364 = t1362 + t1363;
+    let t1365 = t271 * t1331;
+    let t1366 = t1364 + t1365;
+    let t1367 = t228 * t1366;
+    let t1368 = inverse_d_panda_joint7 + t1367;
+    let t1369 = t296 * t1355;
+    let t1370 = t1368 + t1369;
+    let t1371 = t322 * t1346;
+    let t1372 = t1370 + t1371;
+    let t1373 = t351 * t1339;
+    let t1374 = t1372 + t1373;
+    let t1375 = t391 * t1334;
+    let t1376 = t1374 + t1375;
+    let t1377 = t225 * t1331;
+    let t1378 = t1376 + t1377;
+    let t1379 = t1378 * t667;
+    let t1380 = t301 * t334;
+    let t1381 = t327 - t1380;
+    let t1382 = t372 * t1381;
+    let t1383 = t301 * t363;
+    let t1384 = t356 + t1383;
+    let t1385 = t1384 + t1382;
+    let t1386 = t435 * t1385;
+    let t1387 = t421 * t1381;
+    let t1388 = t301 * t409;
+    let t1389 = t399 - t1388;
+    let t1390 = t1389 + t1387;
+    let t1391 = t1390 + t1386;
+    let t1392 = t456 * t1391;
+    let t1393 = t384 * t1385;
+    let t1394 = t344 * t1381;
+    let t1395 = t301 * t309;
+    let t1396 = t271 - t1395;
+    let t1397 = t1396 + t1394;
+    let t1398 = t1397 + t1393;
+    let t1399 = t1398 - t1392;
+    let t1400 = inverse_d_panda_joint1 * t1399;
+    let t1401 = t456 * t1400;
+    let t1402 = inverse_d_panda_joint2 * t1391;
+    let t1403 = t1402 - t1401;
+    let t1404 = t435 * t1403;
+    let t1405 = inverse_d_panda_joint3 * t1385;
+    let t1406 = t1405 + t1404;
+    let t1407 = t384 * t1400;
+    let t1408 = t1406 + t1407;
+    let t1409 = t372 * t1408;
+    let t1410 = inverse_d_panda_joint4 * t1381;
+    let t1411 = t1410 + t1409;
+    let t1412 = t421 * t1403;
+    let t1413 = t1411 + t1412;
+    let t1414 = t344 * t1400;
+    let t1415 = t1413 + t1414;
+    let t1416 = t334 * t1415;
+    let t1417 = t301 * inverse_d_panda_joint5;
+    let t1418 = t1417 - t1416;
+    let t1419 = t363 * t1408;
+    let t1420 = t1418 + t1419;
+    let t1421 = t409 * t1403;
+    let t1422 = t1420 - t1421;
+    let t1423 = t309 * t1400;
+    let t1424 = t1422 - t1423;
+    let t1425 = t301 * t1424;
+    let t1426 = inverse_d_panda_joint6 + t1425;
+    let t1427 = t327 * t1415;
+    let t1428 = t1426 + t1427;
+    let t1429 = t356 * t1408;
+    let t1430 = t1428 + t1429;
+    let t1431 = t399 * t1403;
+    let t1432 = t1430 + t1431;
+    let t1433 = t271 * t1400;
+    let t1434 = t1432 + t1433;
+    let t1435 = t228 * t1434;
+    let t1436 = t296 * t1424;
+    let t1437 = t1435 + t1436;
+    let t1438 = t322 * t1415;
+    let t1439 = t1437 + t1438;
+    let t1440 = t351 * t1408;
+    let t1441 = t1439 + t1440;
+    let t1442 = t391 * t1403;
+    let t1443 = t1441 + t1442;
+    let t1444 = t225 * t1400;
+    let t1445 = t1443 + t1444;
+    let t1446 = t1445 * t711;
+    let t1447 = t1282 * t775;
+    let t1448 = t1203 * t862;
+    let t1449 = t1130 * t920;
+    let t1450 = t497 * t995;
+    let t1451 = t1069 * t1025;
+    let t1452 = t1451 + t1450;
+    let t1453 = t1452 + t1449;
+    let t1454 = t1453 - t1448;
+    let t1455 = t1454 - t1447;
+    let t1456 = t1455 - t1446;
+    let t1457 = t1456 - t1379;
+    let t1458 = t1457 + t1300;
+    let t1459 = t594 + t1458;
+    let t1460 = t17 * t1459;
+    let t1461 = cos_panda_joint6 * t1221;
+    let t1462 = sin_panda_joint6 * t1297;
+    let t1463 = t1462 + t1461;
+    let t1464 = t567 + t1463;
+    let t1465 = t24 * t1464;
+    let t1466 = sin_panda_joint5 * t1150;
+    let t1467 = cos_panda_joint5 * t1218;
+    let t1468 = t1467 + t1466;
+    let t1469 = t573 - t1468;
+    let t1470 = t1445 * t667;
+    let t1471 = t1434 * t711;
+    let t1472 = t1271 * t775;
+    let t1473 = t1192 * t862;
+    let t1474 = t1119 * t920;
+    let t1475 = t486 * t995;
+    let t1476 = t1058 * t1025;
+    let t1477 = t1476 + t1475;
+    let t1478 = t1477 + t1474;
+    let t1479 = t1478 - t1473;
+    let t1480 = t1479 - t1472;
+    let t1481 = t1480 - t1471;
+    let t1482 = t1481 - t1470;
+    let t1483 = t1482 + t1469;
+    let t1484 = t578 - t1483;
+    let t1485 = t44 * t1484;
+    let t1486 = t1465 + t1485;
+    let t1487 = t589 + t1486;
+    let t1488 = t1487 + t1460;
+    let t1489 = t594 - t1458;
+    let t1490 = t171 * t1489;
+    let t1491 = t1488 - t1490;
+    let t1492 = 3.83030303030303 * t1154;
+    let acceleration_panda_joint3_x_2 = t604 + t1492;
+    let t1494 = t608 + acceleration_panda_joint3_x_2;
+    let t1495 = cos_panda_joint4 * t1494;
+    let t1496 = t617 - t1154;
+    let t1497 = acceleration_panda_joint3_z - t1496;
+    let t1498 = sin_panda_joint4 * t1497;
+    let acceleration_panda_joint4_x_2 = t1495 - t1498;
+    let t1500 = t624 - acceleration_panda_joint4_x_2;
+    let t1501 = t61 * t1500;
+    let t1502 = t627 + t1225;
+    let t1503 = 3.83030303030303 * t1086;
+    let acceleration_panda_joint3_y_2 = t630 + t1503;
+    let t1505 = t517 - t1146;
+    let acceleration_panda_joint4_z_2 = t1505 - acceleration_panda_joint3_y_2;
+    let t1507 = acceleration_panda_joint4_z_2 + t1502;
+    let t1508 = t65 * t1507;
+    let t1509 = t1501 - t1508;
+    let acceleration_panda_joint5_x_2 = t1509 - t1468;
+    let t1511 = t56 * acceleration_panda_joint5_x_2;
+    let t1512 = sin_panda_joint4 * t1494;
+    let t1513 = cos_panda_joint4 * t1497;
+    let acceleration_panda_joint4_y_2 = t1512 + t1513;
+    let t1515 = t533 + t1217;
+    let t1516 = acceleration_panda_joint4_y_2 + t1515;
+    let t1517 = 0.21484375 * t1516;
+    let acceleration_panda_joint5_z_2 = t646 - t1517;
+    let t1519 = t72 * acceleration_panda_joint5_z_2;
+    let acceleration_panda_joint6_x_2 = t1511 - t1519;
+    let acceleration_panda_joint7_x_2 = t651 - acceleration_panda_joint6_x_2;
+    let t1522 = t38 * acceleration_panda_joint7_x_2;
+    let t1523 = t654 + t1299;
+    let t1524 = t65 * t1500;
+    let t1525 = t61 * t1507;
+    let t1526 = t1524 + t1525;
+    let acceleration_panda_joint5_y_2 = t1526 - t1220;
+    let acceleration_panda_joint6_z_2 = 4.363636363636364
+        * acceleration_panda_joint5_y_2;
+    let acceleration_panda_joint7_y_2 = acceleration_panda_joint6_z_2 - t1523;
+    let t1530 = t54 * acceleration_panda_joint7_y_2;
+    let t1531 = t1530 + t1522;
+    let moment_panda_joint7_z_2 = t1531 - t1491;
+    let t1533 = t54 * t1459;
+    let force_panda_joint7_y_2 = t714 + t1533;
+    let t1535 = force_panda_joint7_y_2 - moment_panda_joint7_z_2;
+    let t1536 = 0.014748570382675316 * t1464;
+    let t1537 = 9.3569097314605e-5 * t1484;
+    let t1538 = t1537 + t1536;
+    let t1539 = t724 + t1538;
+    let t1540 = 0.02152225537058755 * t1523;
+    let t1541 = t1539 + t1540;
+    let t1542 = 0.08902946023488 * acceleration_panda_joint5_y_2;
+    let t1543 = t1542 - t1541;
+    let moment_panda_joint6_y_2 = t1543 - t1535;
+    let t1545 = sin_panda_joint6 * moment_panda_joint6_y_2;
+    let t1546 = t24 * t1459;
+    let t1547 = t679 + t1484;
+    let t1548 = t37 * t1547;
+    let t1549 = t1548 + t1546;
+    let t1550 = t736 - t1549;
+    let t1551 = t670 + t1464;
+    let t1552 = t171 * t1551;
+    let t1553 = t1550 - t1552;
+    let t1554 = t72 * acceleration_panda_joint5_x_2;
+    let t1555 = t56 * acceleration_panda_joint5_z_2;
+    let acceleration_panda_joint6_y_2 = t1554 + t1555;
+    let t1557 = t578 + t1483;
+    let acceleration_panda_joint7_z_2 = acceleration_panda_joint6_y_2 + t1557;
+    let t1559 = t38 * acceleration_panda_joint7_z_2;
+    let moment_panda_joint7_x_2 = t1559 - t1553;
+    let t1561 = 0.014748570382675316 * t1523;
+    let t1562 = 0.00010375891721868492 * t1557;
+    let t1563 = t1561 + t1562;
+    let t1564 = t746 + t1563;
+    let t1565 = 0.028934422545659894 * t1464;
+    let t1566 = t1564 + t1565;
+    let t1567 = 0.06674100693849601 * acceleration_panda_joint5_y_2;
+    let t1568 = t1567 - t1566;
+    let moment_panda_joint6_x_2 = t1568 - moment_panda_joint7_x_2;
+    let t1570 = cos_panda_joint6 * moment_panda_joint6_x_2;
+    let t1571 = t1570 - t1545;
+    let t1572 = t780 - t1468;
+    let t1573 = 0.0015152444733270301 * t1572;
+    let t1574 = t553 + t1296;
+    let t1575 = 0.004600245517563105 * t1574;
+    let t1576 = t1573 - t1575;
+    let t1577 = t786 - t1576;
+    let t1578 = 0.010045187828321242 * t1221;
+    let t1579 = t1577 + t1578;
+    let t1580 = 0.0260623224672 * acceleration_panda_joint5_z_2;
+    let t1581 = t1580 - t1579;
+    let moment_panda_joint5_x_2 = t1581 + t1571;
+    let t1583 = 0.015294814090072 * t1464;
+    let t1584 = 0.020402584637159996 * t1523;
+    let t1585 = t1584 + t1583;
+    let force_panda_joint6_z_2 = t1585 + force_panda_joint7_y_2;
+    let t1587 = 4.363636363636364 * force_panda_joint6_z_2;
+    let t1588 = 0.005627033294592 * t1574;
+    let t1589 = t798 - t1588;
+    let force_panda_joint5_y_2 = t1589 - t1587;
+    let t1591 = force_panda_joint5_y_2 - moment_panda_joint5_x_2;
+    let t1592 = sin_panda_joint5 * t1591;
+    let t1593 = t44 * t1489;
+    let t1594 = t37 * t1551;
+    let t1595 = t1593 - t1594;
+    let t1596 = t677 - t1595;
+    let t1597 = t17 * t1547;
+    let t1598 = t1596 + t1597;
+    let t1599 = t54 * acceleration_panda_joint7_z_2;
+    let moment_panda_joint7_y_2 = t1599 - t1598;
+    let t1601 = t38 * t1551;
+    let t1602 = t54 * t1547;
+    let force_panda_joint7_z_2 = t1602 - t1601;
+    let t1604 = force_panda_joint7_z_2 - moment_panda_joint7_y_2;
+    let t1605 = 9.3569097314605e-5 * t1299;
+    let t1606 = 0.00010375891721868492 * t1463;
+    let t1607 = t1606 - t1605;
+    let t1608 = t698 + t1607;
+    let t1609 = 0.02152225537058755 * t1557;
+    let t1610 = t1608 + t1609;
+    let t1611 = 0.028934422545659894 * t1484;
+    let t1612 = t1610 - t1611;
+    let t1613 = 0.015294814090072 * acceleration_panda_joint6_x_2;
+    let t1614 = 0.020402584637159996 * acceleration_panda_joint6_y_2;
+    let t1615 = t1614 - t1613;
+    let t1616 = t1615 + t1612;
+    let moment_panda_joint6_z_2 = t1616 - t1604;
+    let t1618 = 0.0015152444733270301 * t1221;
+    let t1619 = 0.0021640520520981297 * t1297;
+    let t1620 = t1619 - t1618;
+    let t1621 = t808 + t1620;
+    let t1622 = 0.0014511560650267133 * t1572;
+    let t1623 = t1621 + t1622;
+    let t1624 = 0.005627033294592 * acceleration_panda_joint5_z_2;
+    let t1625 = t1624 - t1623;
+    let moment_panda_joint5_y_2 = t1625 - moment_panda_joint6_z_2;
+    let t1627 = t38 * t1489;
+    let force_panda_joint7_x_2 = t821 + t1627;
+    let t1629 = 0.015294814090072 * t1484;
+    let t1630 = t824 - t1629;
+    let force_panda_joint6_x_2 = t1630 + force_panda_joint7_x_2;
+    let t1632 = t56 * force_panda_joint6_x_2;
+    let t1633 = 0.020402584637159996 * t1557;
+    let t1634 = t816 - t1633;
+    let force_panda_joint6_y_2 = t1634 + force_panda_joint7_z_2;
+    let t1636 = t72 * force_panda_joint6_y_2;
+    let t1637 = t1632 + t1636;
+    let t1638 = 0.0260623224672 * t1297;
+    let t1639 = t830 - t1638;
+    let force_panda_joint5_x_2 = t1639 - t1637;
+    let t1641 = force_panda_joint5_x_2 - moment_panda_joint5_y_2;
+    let t1642 = cos_panda_joint5 * t1641;
+    let t1643 = t1592 + t1642;
+    let t1644 = t72 * force_panda_joint6_x_2;
+    let t1645 = t56 * force_panda_joint6_y_2;
+    let t1646 = t1644 - t1645;
+    let t1647 = 0.0260623224672 * t1221;
+    let t1648 = 0.005627033294592 * t1572;
+    let t1649 = t1648 + t1647;
+    let force_panda_joint5_z_2 = t1649 - t1646;
+    let t1651 = 0.21484375 * force_panda_joint5_z_2;
+    let t1652 = t1651 + t1643;
+    let t1653 = 0.0016444875773692705 * t1225;
+    let t1654 = 0.0039053550262761003 * t1149;
+    let t1655 = t1654 - t1653;
+    let t1656 = t846 - t1655;
+    let t1657 = 0.05102013615681551 * t1515;
+    let t1658 = t1656 + t1657;
+    let t1659 = 0.6972920750309719 * t1218;
+    let t1660 = t1658 - t1659;
+    let t1661 = 0.16603319317224752 * acceleration_panda_joint4_x_2;
+    let t1662 = 0.04560437265862501 * acceleration_panda_joint4_y_2;
+    let t1663 = t1662 - t1661;
+    let t1664 = t1663 + t1660;
+    let moment_panda_joint4_z_2 = t1664 + t1652;
+    let t1666 = t61 * force_panda_joint5_x_2;
+    let t1667 = t65 * force_panda_joint5_y_2;
+    let t1668 = t1666 + t1667;
+    let t1669 = 0.16603319317224752 * t1218;
+    let t1670 = t926 - t1669;
+    let force_panda_joint4_x_2 = t1670 + t1668;
+    let t1672 = sin_panda_joint4 * force_panda_joint4_x_2;
+    let t1673 = 0.04560437265862501 * t1515;
+    let t1674 = t930 - t1673;
+    let force_panda_joint4_y_2 = t1674 - t1651;
+    let t1676 = cos_panda_joint4 * force_panda_joint4_y_2;
+    let t1677 = t1672 - t1676;
+    let t1678 = moment_panda_joint4_z_2 - t1677;
+    let t1679 = 0.00012191242095074308 * t1087;
+    let t1680 = 0.004377257121839584 * t1147;
+    let t1681 = t1680 + t1679;
+    let t1682 = t938 - t1681;
+    let t1683 = 0.0616024210265277 * t1496;
+    let t1684 = t1682 + t1683;
+    let t1685 = t945 - t1684;
+    let moment_panda_joint3_y_2 = t1685 - t1678;
+    let t1687 = cos_panda_joint4 * force_panda_joint4_x_2;
+    let t1688 = sin_panda_joint4 * force_panda_joint4_y_2;
+    let t1689 = t1687 + t1688;
+    let t1690 = 0.002328735327435001 * t1147;
+    let t1691 = t952 + t1690;
+    let force_panda_joint3_x_2 = t1691 - t1689;
+    let t1693 = 3.83030303030303 * force_panda_joint3_x_2;
+    let t1694 = moment_panda_joint3_y_2 + t1693;
+    let t1695 = sin_panda_joint3 * t1694;
+    let t1696 = cos_panda_joint5 * t1591;
+    let t1697 = sin_panda_joint5 * t1641;
+    let t1698 = t1696 - t1697;
+    let t1699 = 0.16284087268546088 * t1502;
+    let t1700 = 0.0039053550262761003 * t1515;
+    let t1701 = t1699 - t1700;
+    let t1702 = t873 - t1701;
+    let t1703 = 0.6972920750309719 * t1150;
+    let t1704 = t1702 - t1703;
+    let t1705 = 0.16603319317224752 * acceleration_panda_joint4_z_2;
+    let t1706 = t1705 - t1704;
+    let moment_panda_joint4_x_2 = t1706 + t1698;
+    let t1708 = cos_panda_joint4 * moment_panda_joint4_x_2;
+    let t1709 = cos_panda_joint6 * moment_panda_joint6_y_2;
+    let t1710 = sin_panda_joint6 * moment_panda_joint6_x_2;
+    let t1711 = t1710 + t1709;
+    let t1712 = 0.0021640520520981297 * t1468;
+    let t1713 = 0.004600245517563105 * t1220;
+    let t1714 = t1713 - t1712;
+    let t1715 = t761 + t1714;
+    let t1716 = 0.0014511560650267133 * t1574;
+    let t1717 = t1715 - t1716;
+    let t1718 = 0.010045187828321242 * t1297;
+    let t1719 = t1717 + t1718;
+    let t1720 = 0.0260623224672 * acceleration_panda_joint5_x_2;
+    let t1721 = 0.005627033294592 * acceleration_panda_joint5_y_2;
+    let t1722 = t1721 - t1720;
+    let t1723 = t1722 + t1719;
+    let moment_panda_joint5_z_2 = t1723 - t1711;
+    let t1725 = t65 * force_panda_joint5_x_2;
+    let t1726 = t61 * force_panda_joint5_y_2;
+    let t1727 = t1725 - t1726;
+    let t1728 = moment_panda_joint5_z_2 - t1727;
+    let t1729 = 0.16284087268546088 * t1150;
+    let t1730 = 0.0016444875773692705 * t1218;
+    let t1731 = t1730 - t1729;
+    let t1732 = t889 + t1731;
+    let t1733 = 0.05102013615681551 * t1502;
+    let t1734 = t1732 - t1733;
+    let t1735 = 0.04560437265862501 * acceleration_panda_joint4_z_2;
+    let t1736 = t1735 - t1734;
+    let moment_panda_joint4_y_2 = t1736 + t1728;
+    let t1738 = sin_panda_joint4 * moment_panda_joint4_y_2;
+    let t1739 = t1708 - t1738;
+    let t1740 = 0.00012191242095074308 * t1496;
+    let t1741 = 0.005487648106562256 * t1505;
+    let t1742 = t1740 - t1741;
+    let t1743 = t962 + t1742;
+    let t1744 = 0.022178148964878235 * t1087;
+    let t1745 = t1743 - t1744;
+    let t1746 = t969 - t1745;
+    let moment_panda_joint3_x_2 = t1746 + t1739;
+    let t1748 = 0.16603319317224752 * t1150;
+    let t1749 = 0.04560437265862501 * t1502;
+    let t1750 = t1749 + t1748;
+    let force_panda_joint4_z_2 = t1750 - t1727;
+    let t1752 = 0.06161578168944001 * t1505;
+    let t1753 = t972 + t1752;
+    let force_panda_joint3_y_2 = t1753 + force_panda_joint4_z_2;
+    let t1755 = 3.83030303030303 * force_panda_joint3_y_2;
+    let t1756 = moment_panda_joint3_x_2 + t1755;
+    let t1757 = cos_panda_joint3 * t1756;
+    let t1758 = t1757 + t1695;
+    let t1759 = t509 + t1032;
+    let t1760 = 0.01026110182100817 * t1759;
+    let t1761 = t1004 - t1144;
+    let t1762 = 0.00398335888393552 * t1761;
+    let t1763 = t1762 - t1760;
+    let t1764 = t1002 - t1763;
+    let t1765 = 1.032162061231881 * t1084;
+    let t1766 = t1764 - t1765;
+    let moment_panda_joint2_x_2 = t1766 + t1758;
+    [
+        sin_panda_joint2,
+        cos_panda_joint2,
+        sin_panda_joint3,
+        cos_panda_joint3,
+        sin_panda_joint4,
+        cos_panda_joint4,
+        sin_panda_joint5,
+        cos_panda_joint5,
+        sin_panda_joint6,
+        cos_panda_joint6,
+        t16,
+        t17,
+        t24,
+        t25,
+        t30,
+        t32,
+        t33,
+        t37,
+        t38,
+        t40,
+        t44,
+        t45,
+        t47,
+        t48,
+        t54,
+        t55,
+        t56,
+        t59,
+        t60,
+        t61,
+        t64,
+        t65,
+        t67,
+        t70,
+        t71,
+        t72,
+        t75,
+        t78,
+        t83,
+        t88,
+        t89,
+        t92,
+        t93,
+        t95,
+        t101,
+        t103,
+        t105,
+        t108,
+        t109,
+        t110,
+        t117,
+        t119,
+        t123,
+        t124,
+        t126,
+        t128,
+        t134,
+        t135,
+        t138,
+        t141,
+        t147,
+        t148,
+        t154,
+        t155,
+        t156,
+        t160,
+        t161,
+        t168,
+        t171,
+        t172,
+        t173,
+        t176,
+        t177,
+        t180,
+        t184,
+        t185,
+        t186,
+        t189,
+        t192,
+        t193,
+        t196,
+        t202,
+        t206,
+        t209,
+        t210,
+        t212,
+        t216,
+        t221,
+        t231,
+        t235,
+        t236,
+        t238,
+        t240,
+        t241,
+        t244,
+        t250,
+        t252,
+        t253,
+        t255,
+        t259,
+        t264,
+        t275,
+        t276,
+        t278,
+        t282,
+        t283,
+        t284,
+        t288,
+        t293,
+        t312,
+        t313,
+        t318,
+        t348,
+        t387,
+        t390,
+        t397,
+        t404,
+        t414,
+        t426,
+        t441,
+        t443,
+        inverse_d_panda_joint1,
+        t460,
+        t462,
+        t465,
+        t470,
+        t477,
+        t486,
+        t497,
+        omega_panda_joint2_y,
+        omega_panda_joint3_z,
+        t500,
+        omega_panda_joint2_x,
+        omega_panda_joint3_y,
+        omega_panda_joint3_x,
+        omega_panda_joint4_z,
+        t523,
+        omega_panda_joint4_y,
+        omega_panda_joint4_x,
+        omega_panda_joint5_z,
+        omega_panda_joint5_y,
+        omega_panda_joint5_x,
+        omega_panda_joint6_z,
+        t563,
+        omega_panda_joint6_y,
+        omega_panda_joint6_x,
+        acceleration_panda_joint2_x,
+        t613,
+        acceleration_panda_joint2_y,
+        t646,
+        t669,
+        t675,
+        t722,
+        t871,
+        t904,
+        t1000,
+        t1013,
+        t1032,
+        t1033,
+        t1037,
+        t1042,
+        t1049,
+        t1058,
+        t1069,
+        t1082,
+        t1083,
+        t1084,
+        t1086,
+        t1098,
+        t1103,
+        t1110,
+        t1119,
+        t1130,
+        t1143,
+        t1144,
+        t1147,
+        t1149,
+        t1154,
+        t1176,
+        t1183,
+        t1192,
+        t1203,
+        t1216,
+        t1220,
+        t1225,
+        t1262,
+        t1271,
+        t1282,
+        t1295,
+        t1299,
+        t1378,
+        t1434,
+        t1445,
+        t1457,
+        t1463,
+        t1464,
+        t1468,
+        t1482,
+        t1484,
+        acceleration_panda_joint3_x_2,
+        acceleration_panda_joint4_x_2,
+        acceleration_panda_joint3_y_2,
+        t1505,
+        acceleration_panda_joint5_x_2,
+        acceleration_panda_joint4_y_2,
+        acceleration_panda_joint6_x_2,
+        acceleration_panda_joint7_x_2,
+        acceleration_panda_joint5_y_2,
+        acceleration_panda_joint7_y_2,
+        force_panda_joint7_y_2,
+        moment_panda_joint6_y_2,
+        acceleration_panda_joint6_y_2,
+        moment_panda_joint7_x_2,
+        moment_panda_joint6_x_2,
+        moment_panda_joint5_x_2,
+        force_panda_joint5_y_2,
+        moment_panda_joint7_y_2,
+        moment_panda_joint5_y_2,
+        force_panda_joint7_x_2,
+        force_panda_joint6_x_2,
+        force_panda_joint6_y_2,
+        force_panda_joint5_x_2,
+        force_panda_joint4_x_2,
+        force_panda_joint4_y_2,
+        moment_panda_joint3_y_2,
+        force_panda_joint3_x_2,
+        moment_panda_joint4_x_2,
+        moment_panda_joint4_y_2,
+        moment_panda_joint3_x_2,
+        force_panda_joint4_z_2,
+        force_panda_joint3_y_2,
+        t1761,
+        moment_panda_joint2_x_2,
+    ]
+}
+
+/// Part 2 of `linearize`: values that later parts read.
+#[inline(never)]
+fn linearize_part_2(
     v: &[f64; N],
     [sin_panda_joint2,
     cos_panda_joint2,
@@ -16220,2243 +20867,3813 @@ fn forward_dynamics_derivatives_part_3(
     cos_panda_joint5,
     sin_panda_joint6,
     cos_panda_joint6,
-    omega_panda_joint2_x,
+    t16,
+    t17,
+    t24,
+    t25,
+    t30,
+    t32,
+    t33,
+    t37,
+    t38,
+    t40,
+    t44,
+    t45,
+    t47,
+    t48,
+    t54,
+    t55,
+    t56,
+    t59,
+    t60,
+    t61,
+    t64,
+    t65,
+    t67,
+    t70,
+    t71,
+    t72,
+    t75,
+    t78,
+    t83,
+    t88,
+    t89,
+    t92,
+    t93,
+    t95,
+    t101,
+    t103,
+    t105,
+    t108,
+    t109,
+    t110,
+    t117,
+    t119,
+    t123,
+    t124,
+    t126,
+    t128,
+    t134,
+    t135,
+    t138,
+    t141,
+    t147,
+    t148,
+    t154,
+    t155,
+    t156,
+    t160,
+    t161,
+    t168,
+    t171,
+    t172,
+    t173,
+    t176,
+    t177,
+    t180,
+    t184,
+    t185,
+    t186,
+    t189,
+    t192,
+    t193,
+    t196,
+    t202,
+    t206,
+    t209,
+    t210,
+    t212,
+    t216,
+    t221,
+    t231,
+    t235,
+    t236,
+    t238,
+    t240,
+    t241,
+    t244,
+    t250,
+    t252,
+    t253,
+    t255,
+    t259,
+    t264,
+    t275,
+    t276,
+    t278,
+    t282,
+    t283,
+    t284,
+    t288,
+    t293,
+    t312,
+    t313,
+    t318,
+    t348,
+    t387,
+    t390,
+    t397,
+    t404,
+    t414,
+    t426,
+    t441,
+    t443,
+    inverse_d_panda_joint1,
+    t460,
+    t462,
+    t465,
+    t470,
+    t477,
+    t486,
+    t497,
     omega_panda_joint2_y,
+    omega_panda_joint3_z,
+    t500,
+    omega_panda_joint2_x,
+    omega_panda_joint3_y,
     omega_panda_joint3_x,
+    omega_panda_joint4_z,
+    t523,
+    omega_panda_joint4_y,
     omega_panda_joint4_x,
+    omega_panda_joint5_z,
+    omega_panda_joint5_y,
+    omega_panda_joint5_x,
     omega_panda_joint6_z,
-    t76,
+    t563,
     omega_panda_joint6_y,
     omega_panda_joint6_x,
-    t224,
-    t571,
-    t577,
-    inverse_d_panda_joint6,
-    t641,
-    t647,
-    t652,
-    inverse_d_panda_joint5,
-    t719,
-    t725,
-    t730,
-    t737,
-    inverse_d_panda_joint4,
-    t797,
-    t803,
-    t808,
-    t815,
-    t824,
-    inverse_d_panda_joint3,
-    t877,
-    t900,
-    t908,
-    t918,
-    t930,
-    t944,
-    inverse_d_panda_joint2,
-    t990,
-    inverse_d_panda_joint1,
-    t1112,
+    acceleration_panda_joint2_x,
+    t613,
+    acceleration_panda_joint2_y,
+    t646,
+    t669,
+    t675,
+    t722,
+    t871,
+    t904,
+    t1000,
+    t1013,
+    t1033,
+    t1037,
+    t1042,
+    t1049,
+    t1058,
+    t1069,
+    t1083,
+    t1084,
+    t1086,
+    t1098,
+    t1103,
+    t1110,
     t1119,
-    t1122,
-    t1127,
     t1130,
-    t1134,
-    t1139,
+    t1144,
+    t1147,
     t1149,
-    t1163,
-    acceleration_panda_joint7_y_2,
-    t1169,
-    t1178,
-    t1184,
+    t1154,
+    t1176,
+    t1183,
+    t1192,
+    t1203,
+    t1220,
+    t1225,
+    t1262,
+    t1271,
+    t1282,
+    t1299,
+    t1378,
+    t1434,
+    t1445,
+    t1463,
+    t1464,
+    t1468,
+    t1484,
+    acceleration_panda_joint3_x_2,
+    acceleration_panda_joint4_x_2,
+    acceleration_panda_joint3_y_2,
+    t1505,
+    acceleration_panda_joint5_x_2,
+    acceleration_panda_joint4_y_2,
+    acceleration_panda_joint6_x_2,
     acceleration_panda_joint7_x_2,
-    t1188,
+    acceleration_panda_joint5_y_2,
+    acceleration_panda_joint7_y_2,
     force_panda_joint7_y_2,
+    moment_panda_joint6_y_2,
+    acceleration_panda_joint6_y_2,
     moment_panda_joint7_x_2,
+    moment_panda_joint6_x_2,
+    moment_panda_joint5_x_2,
+    force_panda_joint5_y_2,
     moment_panda_joint7_y_2,
+    moment_panda_joint5_y_2,
     force_panda_joint7_x_2,
-    t1453,
-    t1465,
-    t1467,
-    t1469,
-    t1470,
-    t1476,
-    t1500,
-    t1506,
-    t1509,
-    t1512,
-    t1518,
-    t1520,
-    t1522,
-    t1524,
-    t1536,
-    t1538,
-    t1543,
-    t1545,
-    t1546,
-    t1551,
-    t1552,
-    t1565,
-    t1567,
-    t1575,
-    t1581,
-    t1589,
-    t1590,
-    t1592,
-    t1594,
-    t1596,
-    t1602,
-    t1611,
-    t1612,
-    t1619,
-    t1632,
-    t1635,
-    t1636,
-    t1637,
-    t1644,
-    t1649,
-    t1654,
-    t1661,
-    t1672,
-    t1675,
-    t1676,
-    t1677,
-    t1678,
-    t1680,
-    t1684,
-    t1686,
-    t1693,
-    t1701,
-    t1704,
-    t1708,
-    t1716,
-    t1768,
-    t1769,
-    t1775,
-    t1777,
-    t1778,
-    t1793,
-    t1796,
-    t1808,
+    force_panda_joint6_x_2,
+    force_panda_joint6_y_2,
+    force_panda_joint5_x_2,
+    force_panda_joint4_x_2,
+    force_panda_joint4_y_2,
+    moment_panda_joint3_y_2,
+    force_panda_joint3_x_2,
+    moment_panda_joint4_x_2,
+    moment_panda_joint4_y_2,
+    moment_panda_joint3_x_2,
+    force_panda_joint4_z_2,
+    force_panda_joint3_y_2,
+    t1761,
+    moment_panda_joint2_x_2,
+    ]: [f64; 226],
+) -> [f64; 115] {
+    let t1768 = t161 * t1144;
+    let t1769 = t168 + t134;
+    let t1770 = t1083 * t1769;
+    let t1771 = t1770 + t1768;
+    let t1772 = t443 * t1000;
+    let t1773 = t1771 - t1772;
+    let t1774 = sin_panda_joint3 * t148;
+    let t1775 = cos_panda_joint3 * t156;
+    let t1776 = t1774 + t1775;
+    let t1777 = t1776 * acceleration_panda_joint2_y;
+    let t1778 = t1777 - t1773;
+    let t1779 = 2.0 * omega_panda_joint6_x;
+    let t1780 = t38 * t1779;
+    let t1781 = t54 * t563;
+    let t1782 = t1780 + t1781;
+    let t1783 = t1781 + t1782;
+    let t1784 = t37 * t1779;
+    let t1785 = t17 * t563;
+    let t1786 = t1784 - t1785;
+    let t1787 = t1786 - t1783;
+    let t1788 = omega_panda_joint6_x * 0.00020751783443736984;
+    let t1789 = omega_panda_joint6_z * 0.0430445107411751;
+    let t1790 = t1789 + t1788;
+    let t1791 = t1790 - t1787;
+    let t1792 = t44 * t669;
+    let t1793 = omega_panda_joint6_y * 0.00018713819462921;
+    let t1794 = omega_panda_joint6_z * 0.05786884509131979;
+    let t1795 = t1793 + t1794;
+    let t1796 = t1795 - t1792;
+    let t1797 = t1796 - t1791;
+    let t1798 = cos_panda_joint6 * t1797;
+    let t1799 = t37 * t669;
+    let t1800 = t24 * t563;
+    let t1801 = t1800 + t1799;
+    let t1802 = t38 * t669;
+    let t1803 = t1802 - t1801;
+    let t1804 = omega_panda_joint6_y * 0.00020751783443736984;
+    let t1805 = omega_panda_joint6_z * 0.02949714076535063;
+    let t1806 = t1804 + t1805;
+    let t1807 = t1806 - t1803;
+    let t1808 = t44 * t1779;
+    let t1809 = t1800 + t1808;
+    let t1810 = omega_panda_joint6_x * 0.00018713819462921;
+    let t1811 = t1805 + t1810;
+    let t1812 = t1811 + t1809;
+    let t1813 = t1807 + t1812;
+    let t1814 = sin_panda_joint6 * t1813;
+    let t1815 = t1814 - t1798;
+    let t1816 = sin_panda_joint6 * t1815;
+    let t1817 = t1807 - t1816;
+    let t1818 = omega_panda_joint5_y * 0.00920049103512621;
+    let t1819 = omega_panda_joint5_z * 0.0030304889466540603;
+    let t1820 = t1818 - t1819;
+    let t1821 = t1820 + t1817;
+    let t1822 = 2.0 * omega_panda_joint5_y;
+    let t1823 = t60 * t1822;
+    let t1824 = t1821 - t1823;
+    let t1825 = t1799 - t1808;
+    let t1826 = 2.0 * omega_panda_joint6_y;
+    let t1827 = t38 * t1826;
+    let t1828 = t1825 + t1827;
+    let t1829 = t1804 - t1810;
+    let t1830 = t1829 + t1828;
+    let t1831 = omega_panda_joint5_x * 0.004328104104196259;
+    let t1832 = t1819 - t1831;
+    let t1833 = t1832 - t1830;
+    let t1834 = 2.0 * omega_panda_joint5_x;
+    let t1835 = t64 * t1834;
+    let t1836 = t1833 + t1835;
+    let t1837 = t1824 - t1836;
+    let t1838 = sin_panda_joint5 * t1837;
+    let t1839 = t54 * t669;
+    let t1840 = t54 * t1826;
+    let t1841 = t1839 - t1840;
+    let t1842 = t17 * t669;
+    let t1843 = t24 * t1779;
+    let t1844 = t1842 + t1843;
+    let t1845 = t1844 + t1841;
+    let t1846 = omega_panda_joint6_y * 0.0430445107411751;
+    let t1847 = omega_panda_joint6_x * 0.02949714076535063;
+    let t1848 = t1847 - t1846;
+    let t1849 = t1848 + t1845;
+    let t1850 = cos_panda_joint6 * t1849;
+    let t1851 = t24 * t669;
+    let t1852 = omega_panda_joint6_y * 0.02949714076535063;
+    let t1853 = omega_panda_joint6_x * 0.05786884509131979;
+    let t1854 = t1853 - t1852;
+    let t1855 = t1854 + t1851;
+    let t1856 = sin_panda_joint6 * t1855;
+    let t1857 = t1850 + t1856;
+    let t1858 = omega_panda_joint5_x * 0.00920049103512621;
+    let t1859 = omega_panda_joint5_z * 0.0029023121300534266;
+    let t1860 = t1859 + t1858;
+    let t1861 = t1860 - t1857;
+    let t1862 = t60 * t1834;
+    let t1863 = t1861 - t1862;
+    let t1864 = t171 * t1779;
+    let t1865 = t37 * t563;
+    let t1866 = t1864 - t1865;
+    let t1867 = t38 * t563;
+    let t1868 = t1866 + t1867;
+    let t1869 = omega_panda_joint6_z * 0.00020751783443736984;
+    let t1870 = t1869 + t1868;
+    let t1871 = sin_panda_joint6 * t1870;
+    let t1872 = t171 * t669;
+    let t1873 = t44 * t563;
+    let t1874 = t1873 - t1872;
+    let t1875 = omega_panda_joint6_z * 0.00018713819462921;
+    let t1876 = t1875 + t1874;
+    let t1877 = cos_panda_joint6 * t1876;
+    let t1878 = t1877 - t1871;
+    let t1879 = omega_panda_joint5_y * 0.004328104104196259;
+    let t1880 = omega_panda_joint5_z * 0.020090375656642484;
+    let t1881 = t1879 + t1880;
+    let t1882 = t1881 + t1878;
+    let t1883 = t64 * t1822;
+    let t1884 = t1882 - t1883;
+    let t1885 = t1884 - t1863;
+    let t1886 = cos_panda_joint5 * t1885;
+    let t1887 = t1838 - t1886;
+    let t1888 = sin_panda_joint5 * t1887;
+    let t1889 = t1824 - t1888;
+    let t1890 = omega_panda_joint6_z * 0.04080516927431999;
+    let t1891 = t1890 + t1782;
+    let t1892 = t72 * t1891;
+    let t1893 = omega_panda_joint6_z * 0.030589628180144;
+    let t1894 = t1893 - t1802;
+    let t1895 = t56 * t1894;
+    let t1896 = t1895 - t1892;
+    let t1897 = omega_panda_joint5_z * 0.0521246449344;
+    let t1898 = t1897 - t1896;
+    let t1899 = t61 * t1898;
+    let t1900 = omega_panda_joint6_y * 0.04080516927431999;
+    let t1901 = omega_panda_joint6_x * 0.030589628180144;
+    let t1902 = t1901 - t1900;
+    let t1903 = t1902 + t1839;
+    let t1904 = 4.363636363636364 * t1903;
+    let t1905 = omega_panda_joint5_z * 0.011254066589184;
+    let t1906 = t1905 + t1904;
+    let t1907 = t65 * t1906;
+    let t1908 = t1899 - t1907;
+    let t1909 = t1908 + t1889;
+    let t1910 = omega_panda_joint4_y * 0.007810710052552201;
+    let t1911 = omega_panda_joint4_z * 0.32568174537092176;
+    let t1912 = t1910 - t1911;
+    let t1913 = t1912 - t1909;
+    let t1914 = t1812 - t1816;
+    let t1915 = t1818 - t1831;
+    let t1916 = t1915 + t1914;
+    let t1917 = t56 * t1891;
+    let t1918 = t72 * t1894;
+    let t1919 = t1918 + t1917;
+    let t1920 = omega_panda_joint5_y * 0.011254066589184;
+    let t1921 = omega_panda_joint5_x * 0.0521246449344;
+    let t1922 = t1921 - t1920;
+    let t1923 = t1922 - t1919;
+    let t1924 = t1923 + t1916;
+    let t1925 = t93 * t523;
+    let t1926 = t1924 + t1925;
+    let t1927 = omega_panda_joint4_x * 0.003288975154738541;
+    let t1928 = t1911 - t1927;
+    let t1929 = t1928 + t1926;
+    let t1930 = t1913 - t1929;
+    let t1931 = sin_panda_joint4 * t1930;
+    let t1932 = cos_panda_joint6 * t1815;
+    let t1933 = t1796 + t1932;
+    let t1934 = omega_panda_joint5_y * 0.0029023121300534266;
+    let t1935 = omega_panda_joint5_x * 0.0030304889466540603;
+    let t1936 = t1935 + t1934;
+    let t1937 = t1936 - t1933;
+    let t1938 = cos_panda_joint5 * t1937;
+    let t1939 = cos_panda_joint6 * t1870;
+    let t1940 = sin_panda_joint6 * t1876;
+    let t1941 = t1940 + t1939;
+    let t1942 = omega_panda_joint5_y * 0.0030304889466540603;
+    let t1943 = omega_panda_joint5_x * 0.020090375656642484;
+    let t1944 = t1943 + t1942;
+    let t1945 = t1944 + t1941;
+    let t1946 = sin_panda_joint5 * t1945;
+    let t1947 = t1938 - t1946;
+    let t1948 = 0.21484375 * t1923;
+    let t1949 = t67 * t523;
+    let t1950 = t1948 + t1949;
+    let t1951 = t1947 - t1950;
+    let t1952 = omega_panda_joint4_x * 0.007810710052552201;
+    let t1953 = omega_panda_joint4_z * 0.10204027231363103;
+    let t1954 = t1953 - t1952;
+    let t1955 = t1954 - t1951;
+    let t1956 = t1791 - t1932;
+    let t1957 = omega_panda_joint5_z * 0.004328104104196259;
+    let t1958 = t1957 - t1956;
+    let t1959 = t75 * t1822;
+    let t1960 = t1898 - t1959;
+    let t1961 = t1958 - t1960;
+    let t1962 = cos_panda_joint5 * t1961;
+    let t1963 = sin_panda_joint6 * t1849;
+    let t1964 = cos_panda_joint6 * t1855;
+    let t1965 = t1963 - t1964;
+    let t1966 = omega_panda_joint5_z * 0.00920049103512621;
+    let t1967 = t1966 - t1965;
+    let t1968 = t75 * t1834;
+    let t1969 = t1906 - t1968;
+    let t1970 = t1967 - t1969;
+    let t1971 = sin_panda_joint5 * t1970;
+    let t1972 = t1962 - t1971;
+    let t1973 = omega_panda_joint4_y * 0.003288975154738541;
+    let t1974 = omega_panda_joint4_z * 1.3945841500619438;
+    let t1975 = t1973 - t1974;
+    let t1976 = t1975 + t1972;
+    let t1977 = t1976 + t1955;
+    let t1978 = cos_panda_joint4 * t1977;
+    let t1979 = t1931 - t1978;
+    let t1980 = sin_panda_joint4 * t1979;
+    let t1981 = t1913 - t1980;
+    let t1982 = omega_panda_joint4_z * 0.33206638634449503;
+    let t1983 = t1982 + t1908;
+    let t1984 = cos_panda_joint4 * t1983;
+    let t1985 = omega_panda_joint4_z * 0.09120874531725003;
+    let t1986 = t1985 + t1948;
+    let t1987 = sin_panda_joint4 * t1986;
+    let t1988 = t1984 - t1987;
+    let t1989 = t1988 + t1981;
+    let t1990 = omega_panda_joint3_y * 0.010975296213124512;
+    let t1991 = omega_panda_joint3_z * 0.00024382484190148615;
+    let t1992 = t1990 - t1991;
+    let t1993 = t1992 - t1989;
+    let t1994 = 7.66060606060606 * omega_panda_joint3_y;
+    let t1995 = t148 * t1994;
+    let t1996 = t1993 + t1995;
+    let t1997 = t1836 + t1888;
+    let t1998 = 2.0 * omega_panda_joint4_y;
+    let t1999 = t117 * t1998;
+    let t2000 = t1997 + t1999;
+    let t2001 = t1910 - t1927;
+    let t2002 = t2001 + t2000;
+    let t2003 = t117 * t500;
+    let t2004 = t2002 - t2003;
+    let t2005 = omega_panda_joint3_x * 0.008754514243679169;
+    let t2006 = t1991 + t2005;
+    let t2007 = t2006 + t2004;
+    let t2008 = 7.66060606060606 * omega_panda_joint3_x;
+    let t2009 = t156 * t2008;
+    let t2010 = t2007 + t2009;
+    let t2011 = t1996 - t2010;
+    let t2012 = sin_panda_joint3 * t2011;
+    let t2013 = cos_panda_joint5 * t1887;
+    let t2014 = t1884 + t2013;
+    let t2015 = t65 * t1898;
+    let t2016 = t61 * t1906;
+    let t2017 = t2015 + t2016;
+    let t2018 = t67 * t1998;
+    let t2019 = t2017 + t2018;
+    let t2020 = t2014 + t2019;
+    let t2021 = omega_panda_joint4_y * 0.10204027231363103;
+    let t2022 = omega_panda_joint4_x * 0.32568174537092176;
+    let t2023 = t2022 - t2021;
+    let t2024 = t2023 - t2020;
+    let t2025 = cos_panda_joint4 * t2024;
+    let t2026 = sin_panda_joint5 * t1961;
+    let t2027 = cos_panda_joint5 * t1970;
+    let t2028 = t2026 + t2027;
+    let t2029 = t93 * t1998;
+    let t2030 = t2028 - t2029;
+    let t2031 = omega_panda_joint4_y * 0.32568174537092176;
+    let t2032 = omega_panda_joint4_x * 1.3945841500619438;
+    let t2033 = t2032 - t2031;
+    let t2034 = t2033 + t2030;
+    let t2035 = sin_panda_joint4 * t2034;
+    let t2036 = t2025 + t2035;
+    let t2037 = omega_panda_joint4_y * 0.09120874531725003;
+    let t2038 = omega_panda_joint4_x * 0.33206638634449503;
+    let t2039 = t2038 - t2037;
+    let t2040 = t2039 - t2017;
+    let t2041 = t105 * t500;
+    let t2042 = t2040 - t2041;
+    let t2043 = t2036 - t2042;
+    let t2044 = omega_panda_joint3_x * 0.010975296213124512;
+    let t2045 = omega_panda_joint3_z * 0.1232048420530554;
+    let t2046 = t2045 + t2044;
+    let t2047 = t2046 - t2043;
+    let t2048 = t148 * t2008;
+    let t2049 = t2047 + t2048;
+    let t2050 = t1863 - t2013;
+    let t2051 = omega_panda_joint4_z * 0.003288975154738541;
+    let t2052 = t2051 - t2050;
+    let t2053 = cos_panda_joint4 * t2052;
+    let t2054 = sin_panda_joint5 * t1937;
+    let t2055 = cos_panda_joint5 * t1945;
+    let t2056 = t2054 + t2055;
+    let t2057 = t117 * t523;
+    let t2058 = t2056 - t2057;
+    let t2059 = omega_panda_joint4_z * 0.007810710052552201;
+    let t2060 = t2059 - t2058;
+    let t2061 = sin_panda_joint4 * t2060;
+    let t2062 = t2053 - t2061;
+    let t2063 = omega_panda_joint3_y * 0.008754514243679169;
+    let t2064 = omega_panda_joint3_z * 0.04435629792975647;
+    let t2065 = t2063 - t2064;
+    let t2066 = t2065 + t2062;
+    let t2067 = t156 * t1994;
+    let t2068 = t2066 + t2067;
+    let t2069 = t2068 + t2049;
+    let t2070 = cos_panda_joint3 * t2069;
+    let t2071 = t2012 + t2070;
+    let t2072 = sin_panda_joint3 * t2071;
+    let t2073 = t2010 + t2072;
+    let t2074 = omega_panda_joint2_x * 0.0015378722058928;
+    let t2075 = omega_panda_joint2_y * 0.02052220364201634;
+    let t2076 = t2075 - t2074;
+    let t2077 = t2076 - t2073;
+    let t2078 = t1996 - t2072;
+    let t2079 = v[1] * 0.00796671776787104;
+    let t2080 = t2075 - t2079;
+    let t2081 = t2080 + t2078;
+    let t2082 = t2081 - t2077;
+    let t2083 = omega_panda_joint2_x * t2082;
+    let t2084 = cos_panda_joint4 * t1979;
+    let t2085 = t1976 + t2084;
+    let t2086 = sin_panda_joint4 * t1983;
+    let t2087 = cos_panda_joint4 * t1986;
+    let t2088 = t2086 + t2087;
+    let t2089 = 2.0 * omega_panda_joint3_y;
+    let t2090 = t105 * t2089;
+    let t2091 = t2088 - t2090;
+    let t2092 = t2085 + t2091;
+    let t2093 = omega_panda_joint3_y * 0.1232048420530554;
+    let t2094 = omega_panda_joint3_x * 0.00024382484190148615;
+    let t2095 = t2094 + t2093;
+    let t2096 = t2095 + t2092;
+    let t2097 = cos_panda_joint3 * t2096;
+    let t2098 = sin_panda_joint4 * t2052;
+    let t2099 = cos_panda_joint4 * t2060;
+    let t2100 = t2098 + t2099;
+    let t2101 = t117 * t2089;
+    let t2102 = t2100 + t2101;
+    let t2103 = omega_panda_joint3_y * 0.00024382484190148615;
+    let t2104 = omega_panda_joint3_x * 0.04435629792975647;
+    let t2105 = t2104 + t2103;
+    let t2106 = t2105 - t2102;
+    let t2107 = sin_panda_joint3 * t2106;
+    let t2108 = t2097 - t2107;
+    let t2109 = omega_panda_joint2_x * 0.02052220364201634;
+    let t2110 = v[1] * 0.04615576498986362;
+    let t2111 = t2110 - t2109;
+    let t2112 = t2111 + t2108;
+    let t2113 = omega_panda_joint2_y * t2112;
+    let t2114 = t2083 + t2113;
+    let t2115 = t1778 - t2114;
+    let t2116 = moment_panda_joint2_x_2 - t2115;
+    let t2117 = cos_panda_joint2 * t2116;
+    let t2118 = sin_panda_joint4 * moment_panda_joint4_x_2;
+    let t2119 = cos_panda_joint4 * moment_panda_joint4_y_2;
+    let t2120 = t2118 + t2119;
+    let t2121 = force_panda_joint4_z_2 - t2120;
+    let t2122 = 0.004377257121839584 * t1154;
+    let t2123 = 0.005487648106562256 * t1086;
+    let t2124 = t2123 + t2122;
+    let t2125 = t904 + t2124;
+    let t2126 = 0.0616024210265277 * t1505;
+    let t2127 = t2125 - t2126;
+    let t2128 = 0.022178148964878235 * t1147;
+    let t2129 = t2127 + t2128;
+    let t2130 = 0.002328735327435001 * acceleration_panda_joint3_x_2;
+    let t2131 = 0.06161578168944001 * acceleration_panda_joint3_y_2;
+    let t2132 = t2131 + t2130;
+    let t2133 = t2132 + t2129;
+    let moment_panda_joint3_z_2 = t2133 - t2121;
+    let t2135 = 0.0007689361029464 * t1033;
+    let t2136 = 0.00398335888393552 * t1084;
+    let t2137 = t2135 - t2136;
+    let t2138 = t1013 + t2137;
+    let t2139 = 0.02307788249493181 * t1761;
+    let t2140 = t2138 - t2139;
+    let moment_panda_joint2_y_2 = t2140 + moment_panda_joint3_z_2;
+    let t2142 = t161 * t1083;
+    let t2143 = t168 + t141;
+    let t2144 = t1144 * t2143;
+    let t2145 = t2144 + t2142;
+    let t2146 = t441 * t1000;
+    let t2147 = t2145 + t2146;
+    let t2148 = t1776 * acceleration_panda_joint2_x;
+    let t2149 = t2148 + t2147;
+    let t2150 = t1929 + t1980;
+    let t2151 = t138 * t2089;
+    let t2152 = t2150 - t2151;
+    let t2153 = t1990 + t2005;
+    let t2154 = t2153 + t2152;
+    let t2155 = omega_panda_joint3_y * 0.12323156337888003;
+    let t2156 = omega_panda_joint3_x * 0.004657470654870002;
+    let t2157 = t2156 + t2155;
+    let t2158 = t2157 + t2088;
+    let t2159 = 3.83030303030303 * t2158;
+    let t2160 = t2154 + t2159;
+    let t2161 = t2079 - t2074;
+    let t2162 = t2161 - t2160;
+    let t2163 = t2162 - t2077;
+    let t2164 = omega_panda_joint2_y * t2163;
+    let t2165 = t1955 + t2084;
+    let t2166 = omega_panda_joint3_z * 0.008754514243679169;
+    let t2167 = t2166 + t2165;
+    let t2168 = omega_panda_joint3_z * 0.004657470654870002;
+    let t2169 = t2168 + t1988;
+    let t2170 = 3.83030303030303 * t2169;
+    let t2171 = t138 * t1994;
+    let t2172 = t2170 + t2171;
+    let t2173 = t2167 + t2172;
+    let t2174 = cos_panda_joint3 * t2173;
+    let t2175 = sin_panda_joint4 * t2024;
+    let t2176 = cos_panda_joint4 * t2034;
+    let t2177 = t2175 - t2176;
+    let t2178 = t138 * t500;
+    let t2179 = t2177 + t2178;
+    let t2180 = omega_panda_joint3_z * 0.010975296213124512;
+    let t2181 = t2180 - t2179;
+    let t2182 = omega_panda_joint3_z * 0.12323156337888003;
+    let t2183 = t2182 + t2040;
+    let t2184 = 3.83030303030303 * t2183;
+    let t2185 = t138 * t2008;
+    let t2186 = t2184 - t2185;
+    let t2187 = t2181 + t2186;
+    let t2188 = sin_panda_joint3 * t2187;
+    let t2189 = t2174 + t2188;
+    let t2190 = omega_panda_joint2_y * 0.0015378722058928;
+    let t2191 = v[1] * 2.064324122463762;
+    let t2192 = t2190 - t2191;
+    let t2193 = t2192 + t2189;
+    let t2194 = omega_panda_joint2_x * t2193;
+    let t2195 = t2164 + t2194;
+    let t2196 = t2149 + t2195;
+    let t2197 = moment_panda_joint2_y_2 - t2196;
+    let t2198 = sin_panda_joint2 * t2197;
+    let t2199 = t2198 + t2117;
+    let t2200 = inverse_d_panda_joint1 * t2199;
+    let t2201 = t441 * t1144;
+    let t2202 = t387 * t1000;
+    let t2203 = t2202 + t2201;
+    let t2204 = t443 * t1083;
+    let t2205 = t2203 - t2204;
+    let t2206 = cos_panda_joint3 * t148;
+    let t2207 = sin_panda_joint3 * t156;
+    let t2208 = t2206 - t2207;
+    let t2209 = 0.000167639551695 - t2208;
+    let t2210 = t2209 * acceleration_panda_joint2_x;
+    let t2211 = 0.27592125358974007 - t138;
+    let t2212 = t2211 * acceleration_panda_joint2_y;
+    let t2213 = t2210 + t2212;
+    let t2214 = t2213 + t2205;
+    let t2215 = cos_panda_joint3 * t2071;
+    let t2216 = t2068 - t2215;
+    let t2217 = omega_panda_joint2_y * 0.04615576498986362;
+    let t2218 = omega_panda_joint2_x * 0.00796671776787104;
+    let t2219 = t2218 - t2217;
+    let t2220 = t2219 + t2216;
+    let t2221 = omega_panda_joint2_y * t2220;
+    let t2222 = sin_panda_joint3 * t2173;
+    let t2223 = cos_panda_joint3 * t2187;
+    let t2224 = t2222 - t2223;
+    let t2225 = omega_panda_joint2_y * 0.00796671776787104;
+    let t2226 = omega_panda_joint2_x * 2.064324122463762;
+    let t2227 = t2226 - t2225;
+    let t2228 = t2227 - t2224;
+    let t2229 = omega_panda_joint2_x * t2228;
+    let t2230 = t2221 - t2229;
+    let t2231 = t2214 + t2230;
+    let t2232 = t460 * t2231;
+    let t2233 = t2200 + t2232;
+    let t2234 = t348 * t1083;
+    let t2235 = t160 * t1144;
+    let t2236 = t2235 - t2234;
+    let t2237 = t426 * t1000;
+    let t2238 = t2236 + t2237;
+    let t2239 = t1777 + t2238;
+    let t2240 = t1993 + t2007;
+    let t2241 = t1995 + t2009;
+    let t2242 = t2240 + t2241;
+    let t2243 = omega_panda_joint2_x * t2242;
+    let t2244 = omega_panda_joint2_y * t2108;
+    let t2245 = t2244 + t2243;
+    let t2246 = t2239 - t2245;
+    let t2247 = t1037 * t2246;
+    let t2248 = t2233 - t2247;
+    let t2249 = t154 * t1083;
+    let t2250 = t318 * t1144;
+    let t2251 = t2250 + t2249;
+    let t2252 = t414 * t1000;
+    let t2253 = t2251 + t2252;
+    let t2254 = cos_panda_joint3 * t138;
+    let t2255 = t2254 * acceleration_panda_joint2_y;
+    let t2256 = t105 * acceleration_panda_joint2_x;
+    let t2257 = t2255 - t2256;
+    let t2258 = t2253 + t2257;
+    let t2259 = t2036 + t2041;
+    let t2260 = t105 * t2008;
+    let t2261 = t2259 + t2260;
+    let t2262 = cos_panda_joint3 * t2261;
+    let t2263 = t1913 + t1929;
+    let t2264 = t2151 - t2263;
+    let t2265 = t105 * t1994;
+    let t2266 = t2264 - t2265;
+    let t2267 = sin_panda_joint3 * t2266;
+    let t2268 = t2262 - t2267;
+    let t2269 = omega_panda_joint2_y * t2268;
+    let t2270 = t2179 + t2185;
+    let t2271 = omega_panda_joint2_x * t2270;
+    let t2272 = t2269 + t2271;
+    let t2273 = t2258 - t2272;
+    let t2274 = t1042 * t2273;
+    let t2275 = t2248 - t2274;
+    let t2276 = t293 * t1083;
+    let t2277 = t288 * t1144;
+    let t2278 = t2277 - t2276;
+    let t2279 = t404 * t1000;
+    let t2280 = t2278 + t2279;
+    let t2281 = cos_panda_joint3 * t284;
+    let t2282 = sin_panda_joint3 * t67;
+    let t2283 = t2281 + t2282;
+    let t2284 = t2283 * acceleration_panda_joint2_y;
+    let t2285 = t282 * acceleration_panda_joint2_x;
+    let t2286 = t2284 + t2285;
+    let t2287 = t2280 + t2286;
+    let t2288 = t1821 + t1833;
+    let t2289 = t1823 - t1835;
+    let t2290 = t2288 - t2289;
+    let t2291 = t1999 + t2290;
+    let t2292 = sin_panda_joint4 * t2291;
+    let t2293 = t1947 - t1949;
+    let t2294 = cos_panda_joint4 * t2293;
+    let t2295 = t2294 - t2292;
+    let t2296 = t282 * t500;
+    let t2297 = t67 * t2089;
+    let t2298 = t2296 - t2297;
+    let t2299 = t2295 + t2298;
+    let t2300 = t282 * t2008;
+    let t2301 = t2299 + t2300;
+    let t2302 = cos_panda_joint3 * t2301;
+    let t2303 = t284 * t2089;
+    let t2304 = t2058 - t2303;
+    let t2305 = t282 * t1994;
+    let t2306 = t2304 - t2305;
+    let t2307 = sin_panda_joint3 * t2306;
+    let t2308 = t2302 - t2307;
+    let t2309 = omega_panda_joint2_y * t2308;
+    let t2310 = cos_panda_joint4 * t2291;
+    let t2311 = sin_panda_joint4 * t2293;
+    let t2312 = t2311 + t2310;
+    let t2313 = t284 * t500;
+    let t2314 = t2312 - t2313;
+    let t2315 = t284 * t2008;
+    let t2316 = t67 * t1994;
+    let t2317 = t2316 + t2315;
+    let t2318 = t2314 - t2317;
+    let t2319 = omega_panda_joint2_x * t2318;
+    let t2320 = t2309 + t2319;
+    let t2321 = t2287 + t2320;
+    let t2322 = t1049 * t2321;
+    let t2323 = t2275 - t2322;
+    let t2324 = t264 * t1083;
+    let t2325 = t259 * t1144;
+    let t2326 = t2325 + t2324;
+    let t2327 = t397 * t1000;
+    let t2328 = t2326 + t2327;
+    let t2329 = cos_panda_joint3 * t244;
+    let t2330 = sin_panda_joint3 * t252;
+    let t2331 = t2329 - t2330;
+    let t2332 = t2331 * acceleration_panda_joint2_y;
+    let t2333 = t240 * acceleration_panda_joint2_x;
+    let t2334 = t2332 + t2333;
+    let t2335 = t2328 + t2334;
+    let t2336 = t59 * t1834;
+    let t2337 = t1857 - t2336;
+    let t2338 = cos_panda_joint5 * t2337;
+    let t2339 = t1807 - t1812;
+    let t2340 = t59 * t1822;
+    let t2341 = t2339 + t2340;
+    let t2342 = sin_panda_joint5 * t2341;
+    let t2343 = t2338 - t2342;
+    let t2344 = t235 * t1998;
+    let t2345 = t252 * t523;
+    let t2346 = t2345 + t2344;
+    let t2347 = t2343 + t2346;
+    let t2348 = cos_panda_joint4 * t2347;
+    let t2349 = t1965 - t1968;
+    let t2350 = t238 * t1998;
+    let t2351 = t2349 + t2350;
+    let t2352 = sin_panda_joint4 * t2351;
+    let t2353 = t2348 - t2352;
+    let t2354 = t240 * t500;
+    let t2355 = t252 * t2089;
+    let t2356 = t2354 + t2355;
+    let t2357 = t2353 + t2356;
+    let t2358 = t240 * t2008;
+    let t2359 = t2357 + t2358;
+    let t2360 = cos_panda_joint3 * t2359;
+    let t2361 = sin_panda_joint5 * t2337;
+    let t2362 = cos_panda_joint5 * t2341;
+    let t2363 = t2361 + t2362;
+    let t2364 = t238 * t523;
+    let t2365 = t2363 - t2364;
+    let t2366 = t244 * t2089;
+    let t2367 = t2365 - t2366;
+    let t2368 = t240 * t1994;
+    let t2369 = t2367 - t2368;
+    let t2370 = sin_panda_joint3 * t2369;
+    let t2371 = t2360 - t2370;
+    let t2372 = omega_panda_joint2_y * t2371;
+    let t2373 = sin_panda_joint4 * t2347;
+    let t2374 = cos_panda_joint4 * t2351;
+    let t2375 = t2373 + t2374;
+    let t2376 = t244 * t500;
+    let t2377 = t2375 - t2376;
+    let t2378 = t244 * t2008;
+    let t2379 = t252 * t1994;
+    let t2380 = t2379 - t2378;
+    let t2381 = t2377 + t2380;
+    let t2382 = omega_panda_joint2_x * t2381;
+    let t2383 = t2372 + t2382;
+    let t2384 = t2335 + t2383;
+    let t2385 = t1058 * t2384;
+    let t2386 = t2323 + t2385;
+    let t2387 = t221 * t1083;
+    let t2388 = t216 * t1144;
+    let t2389 = t2388 + t2387;
+    let t2390 = t390 * t1000;
+    let t2391 = t2389 + t2390;
+    let t2392 = cos_panda_joint3 * t196;
+    let t2393 = sin_panda_joint3 * t209;
+    let t2394 = t2392 - t2393;
+    let t2395 = t2394 * acceleration_panda_joint2_y;
+    let t2396 = t192 * acceleration_panda_joint2_x;
+    let t2397 = t2395 + t2396;
+    let t2398 = t2391 + t2397;
+    let t2399 = t1801 - t1825;
+    let t2400 = t1827 - t2399;
+    let t2401 = sin_panda_joint6 * t2400;
+    let t2402 = t1781 - t1786;
+    let t2403 = cos_panda_joint6 * t2402;
+    let t2404 = t2403 - t2401;
+    let t2405 = t184 * t1834;
+    let t2406 = t2404 - t2405;
+    let t2407 = cos_panda_joint5 * t2406;
+    let t2408 = t184 * t1822;
+    let t2409 = t1868 - t2408;
+    let t2410 = sin_panda_joint5 * t2409;
+    let t2411 = t2407 + t2410;
+    let t2412 = t185 * t1998;
+    let t2413 = t209 * t523;
+    let t2414 = t2413 - t2412;
+    let t2415 = t2411 - t2414;
+    let t2416 = cos_panda_joint4 * t2415;
+    let t2417 = cos_panda_joint6 * t2400;
+    let t2418 = sin_panda_joint6 * t2402;
+    let t2419 = t2418 + t2417;
+    let t2420 = t180 * t1834;
+    let t2421 = t177 * t1822;
+    let t2422 = t2421 - t2420;
+    let t2423 = t2419 - t2422;
+    let t2424 = t189 * t1998;
+    let t2425 = t2423 - t2424;
+    let t2426 = sin_panda_joint4 * t2425;
+    let t2427 = t2416 - t2426;
+    let t2428 = t192 * t500;
+    let t2429 = t209 * t2089;
+    let t2430 = t2428 + t2429;
+    let t2431 = t2427 - t2430;
+    let t2432 = t192 * t2008;
+    let t2433 = t2431 - t2432;
+    let t2434 = cos_panda_joint3 * t2433;
+    let t2435 = sin_panda_joint5 * t2406;
+    let t2436 = cos_panda_joint5 * t2409;
+    let t2437 = t2435 - t2436;
+    let t2438 = t189 * t523;
+    let t2439 = t2437 + t2438;
+    let t2440 = t196 * t2089;
+    let t2441 = t2439 + t2440;
+    let t2442 = t192 * t1994;
+    let t2443 = t2441 + t2442;
+    let t2444 = sin_panda_joint3 * t2443;
+    let t2445 = t2434 - t2444;
+    let t2446 = omega_panda_joint2_y * t2445;
+    let t2447 = sin_panda_joint4 * t2415;
+    let t2448 = cos_panda_joint4 * t2425;
+    let t2449 = t2447 + t2448;
+    let t2450 = t196 * t500;
+    let t2451 = t2449 + t2450;
+    let t2452 = t196 * t2008;
+    let t2453 = t209 * t1994;
+    let t2454 = t2453 - t2452;
+    let t2455 = t2451 - t2454;
+    let t2456 = omega_panda_joint2_x * t2455;
+    let t2457 = t2446 + t2456;
+    let t2458 = t2398 - t2457;
+    let t2459 = t1069 * t2458;
+    let t2460 = t2386 + t2459;
+    let t2461 = t128 * t1154;
+    let t2462 = t135 + t108;
+    let t2463 = t1086 * t2462;
+    let t2464 = t2463 + t2461;
+    let t2465 = t155 * t613;
+    let t2466 = t2464 + t2465;
+    let t2467 = t138 * acceleration_panda_joint3_y_2;
+    let t2468 = t2467 - t2466;
+    let t2469 = t1993 - t2154;
+    let t2470 = omega_panda_joint3_x * t2469;
+    let t2471 = omega_panda_joint3_y * t2047;
+    let t2472 = t2470 - t2471;
+    let t2473 = t2468 - t2472;
+    let t2474 = moment_panda_joint3_x_2 - t2473;
+    let t2475 = t138 * t1086;
+    let t2476 = t156 * t613;
+    let t2477 = t2475 - t2476;
+    let t2478 = omega_panda_joint3_x * t2158;
+    let t2479 = t2477 + t2478;
+    let t2480 = force_panda_joint3_y_2 - t2479;
+    let t2481 = 3.83030303030303 * t2480;
+    let t2482 = t2474 + t2481;
+    let t2483 = sin_panda_joint3 * t2482;
+    let t2484 = t128 * t1086;
+    let t2485 = t135 + t110;
+    let t2486 = t1154 * t2485;
+    let t2487 = t2486 + t2484;
+    let t2488 = t147 * t613;
+    let t2489 = t2487 - t2488;
+    let t2490 = t138 * acceleration_panda_joint3_x_2;
+    let t2491 = t2490 - t2489;
+    let t2492 = t2007 - t2154;
+    let t2493 = omega_panda_joint3_y * t2492;
+    let t2494 = omega_panda_joint3_x * t2066;
+    let t2495 = t2493 - t2494;
+    let t2496 = t2491 + t2495;
+    let t2497 = moment_panda_joint3_y_2 + t2496;
+    let t2498 = t138 * t1154;
+    let t2499 = t148 * t613;
+    let t2500 = t2499 + t2498;
+    let t2501 = omega_panda_joint3_y * t2158;
+    let t2502 = t2500 - t2501;
+    let t2503 = force_panda_joint3_x_2 + t2502;
+    let t2504 = 3.83030303030303 * t2503;
+    let t2505 = t2497 + t2504;
+    let t2506 = cos_panda_joint3 * t2505;
+    let t2507 = t2506 - t2483;
+    let t2508 = sin_panda_joint2 * t2507;
+    let t2509 = t156 * acceleration_panda_joint3_y_2;
+    let t2510 = t148 * acceleration_panda_joint3_x_2;
+    let t2511 = t2510 - t2509;
+    let t2512 = t147 * t1154;
+    let t2513 = t348 * t613;
+    let t2514 = t2513 - t2512;
+    let t2515 = t155 * t1086;
+    let t2516 = t2514 + t2515;
+    let t2517 = t2511 - t2516;
+    let t2518 = omega_panda_joint3_y * t2096;
+    let t2519 = omega_panda_joint3_x * t2106;
+    let t2520 = t2518 + t2519;
+    let t2521 = t2517 + t2520;
+    let t2522 = cos_panda_joint2 * t2521;
+    let t2523 = t2508 - t2522;
+    let t2524 = inverse_d_panda_joint1 * t2523;
+    let t2525 = cos_panda_joint3 * t2482;
+    let t2526 = sin_panda_joint3 * t2505;
+    let t2527 = t2526 + t2525;
+    let t2528 = t460 * t2527;
+    let t2529 = t2524 - t2528;
+    let t2530 = t1037 * t2521;
+    let t2531 = t2529 - t2530;
+    let t2532 = t313 * t1086;
+    let t2533 = t126 * t1154;
+    let t2534 = t2533 + t2532;
+    let t2535 = t154 * t613;
+    let t2536 = t2534 + t2535;
+    let t2537 = t2467 - t2536;
+    let t2538 = omega_panda_joint3_y * t2259;
+    let t2539 = omega_panda_joint3_x * t2264;
+    let t2540 = t2538 + t2539;
+    let t2541 = t2537 - t2540;
+    let t2542 = t1042 * t2541;
+    let t2543 = t2531 + t2542;
+    let t2544 = t67 * acceleration_panda_joint3_x_2;
+    let t2545 = t284 * acceleration_panda_joint3_y_2;
+    let t2546 = t2545 - t2544;
+    let t2547 = t283 * t1086;
+    let t2548 = t278 * t1154;
+    let t2549 = t2548 - t2547;
+    let t2550 = t293 * t613;
+    let t2551 = t2549 - t2550;
+    let t2552 = t2551 - t2546;
+    let t2553 = omega_panda_joint3_y * t2299;
+    let t2554 = omega_panda_joint3_x * t2304;
+    let t2555 = t2553 + t2554;
+    let t2556 = t2552 - t2555;
+    let t2557 = t1049 * t2556;
+    let t2558 = t2543 - t2557;
+    let t2559 = t252 * acceleration_panda_joint3_x_2;
+    let t2560 = t244 * acceleration_panda_joint3_y_2;
+    let t2561 = t2560 + t2559;
+    let t2562 = t241 * t1086;
+    let t2563 = t255 * t1154;
+    let t2564 = t2563 - t2562;
+    let t2565 = t264 * t613;
+    let t2566 = t2564 + t2565;
+    let t2567 = t2566 - t2561;
+    let t2568 = omega_panda_joint3_y * t2357;
+    let t2569 = omega_panda_joint3_x * t2367;
+    let t2570 = t2568 + t2569;
+    let t2571 = t2567 - t2570;
+    let t2572 = t1058 * t2571;
+    let t2573 = t2558 + t2572;
+    let t2574 = t209 * acceleration_panda_joint3_x_2;
+    let t2575 = t196 * acceleration_panda_joint3_y_2;
+    let t2576 = t2575 + t2574;
+    let t2577 = t193 * t1086;
+    let t2578 = t212 * t1154;
+    let t2579 = t2578 - t2577;
+    let t2580 = t221 * t613;
+    let t2581 = t2579 + t2580;
+    let t2582 = t2581 - t2576;
+    let t2583 = omega_panda_joint3_y * t2431;
+    let t2584 = omega_panda_joint3_x * t2441;
+    let t2585 = t2583 + t2584;
+    let t2586 = t2582 + t2585;
+    let t2587 = t1069 * t2586;
+    let t2588 = t2573 + t2587;
+    let t2589 = t95 * t1225;
+    let t2590 = t109 - t70;
+    let t2591 = t1149 * t2590;
+    let t2592 = t2591 + t2589;
+    let t2593 = t124 * t871;
+    let t2594 = t2592 + t2593;
+    let t2595 = t117 * acceleration_panda_joint4_y_2;
+    let t2596 = t2595 + t2594;
+    let t2597 = t1913 - t2002;
+    let t2598 = omega_panda_joint4_x * t2597;
+    let t2599 = omega_panda_joint4_y * t1955;
+    let t2600 = t2598 + t2599;
+    let t2601 = t2596 - t2600;
+    let t2602 = moment_panda_joint4_x_2 + t2601;
+    let t2603 = sin_panda_joint4 * t2602;
+    let t2604 = t95 * t1149;
+    let t2605 = t109 - t78;
+    let t2606 = t1225 * t2605;
+    let t2607 = t2606 + t2604;
+    let t2608 = t119 * t871;
+    let t2609 = t2607 + t2608;
+    let t2610 = t117 * acceleration_panda_joint4_x_2;
+    let t2611 = t2610 + t2609;
+    let t2612 = t1929 - t2002;
+    let t2613 = omega_panda_joint4_y * t2612;
+    let t2614 = omega_panda_joint4_x * t1976;
+    let t2615 = t2613 + t2614;
+    let t2616 = t2611 + t2615;
+    let t2617 = moment_panda_joint4_y_2 + t2616;
+    let t2618 = cos_panda_joint4 * t2617;
+    let t2619 = t2618 + t2603;
+    let t2620 = t101 * t1149;
+    let t2621 = t103 * t1225;
+    let t2622 = t2621 - t2620;
+    let t2623 = omega_panda_joint4_x * t1983;
+    let t2624 = omega_panda_joint4_y * t1986;
+    let t2625 = t2624 - t2623;
+    let t2626 = t2622 - t2625;
+    let t2627 = 3.83030303030303 * t2626;
+    let t2628 = t2619 - t2627;
+    let t2629 = cos_panda_joint3 * t2628;
+    let t2630 = t117 * t1225;
+    let t2631 = t101 * t871;
+    let t2632 = t2631 - t2630;
+    let t2633 = omega_panda_joint4_y * t2040;
+    let t2634 = t2632 + t2633;
+    let t2635 = force_panda_joint4_x_2 + t2634;
+    let t2636 = sin_panda_joint4 * t2635;
+    let t2637 = t117 * t1149;
+    let t2638 = t103 * t871;
+    let t2639 = t2637 - t2638;
+    let t2640 = omega_panda_joint4_x * t2040;
+    let t2641 = t2639 + t2640;
+    let t2642 = force_panda_joint4_y_2 - t2641;
+    let t2643 = cos_panda_joint4 * t2642;
+    let t2644 = t2643 - t2636;
+    let t2645 = 3.83030303030303 * t2644;
+    let t2646 = cos_panda_joint4 * t2635;
+    let t2647 = sin_panda_joint4 * t2642;
+    let t2648 = t2647 + t2646;
+    let t2649 = t103 * acceleration_panda_joint4_y_2;
+    let t2650 = t101 * acceleration_panda_joint4_x_2;
+    let t2651 = t2650 + t2649;
+    let t2652 = t119 * t1225;
+    let t2653 = t312 * t871;
+    let t2654 = t2653 - t2652;
+    let t2655 = t124 * t1149;
+    let t2656 = t2654 - t2655;
+    let t2657 = t2651 + t2656;
+    let t2658 = omega_panda_joint4_y * t2024;
+    let t2659 = omega_panda_joint4_x * t2034;
+    let t2660 = t2658 - t2659;
+    let t2661 = t2657 + t2660;
+    let t2662 = t2661 - t2648;
+    let t2663 = t2662 + t2645;
+    let t2664 = sin_panda_joint3 * t2663;
+    let t2665 = t2629 + t2664;
+    let t2666 = sin_panda_joint2 * t2665;
+    let t2667 = cos_panda_joint4 * t2602;
+    let t2668 = sin_panda_joint4 * t2617;
+    let t2669 = t2668 - t2667;
+    let t2670 = t2626 + t2669;
+    let t2671 = cos_panda_joint2 * t2670;
+    let t2672 = t2666 - t2671;
+    let t2673 = inverse_d_panda_joint1 * t2672;
+    let t2674 = sin_panda_joint3 * t2628;
+    let t2675 = cos_panda_joint3 * t2663;
+    let t2676 = t2674 - t2675;
+    let t2677 = t460 * t2676;
+    let t2678 = t2673 - t2677;
+    let t2679 = t1037 * t2670;
+    let t2680 = t2678 - t2679;
+    let t2681 = t1042 * t2661;
+    let t2682 = t2680 + t2681;
+    let t2683 = t276 * t1149;
+    let t2684 = t92 * t1225;
+    let t2685 = t2684 - t2683;
+    let t2686 = t123 * t871;
+    let t2687 = t2685 + t2686;
+    let t2688 = t2595 + t2687;
+    let t2689 = omega_panda_joint4_x * t2291;
+    let t2690 = omega_panda_joint4_y * t2293;
+    let t2691 = t2690 + t2689;
+    let t2692 = t2688 + t2691;
+    let t2693 = t1049 * t2692;
+    let t2694 = t2682 - t2693;
+    let t2695 = t235 * acceleration_panda_joint4_x_2;
+    let t2696 = t238 * acceleration_panda_joint4_y_2;
+    let t2697 = t2696 - t2695;
+    let t2698 = t253 * t1149;
+    let t2699 = t250 * t1225;
+    let t2700 = t2699 - t2698;
+    let t2701 = t236 * t871;
+    let t2702 = t2700 + t2701;
+    let t2703 = t2702 + t2697;
+    let t2704 = omega_panda_joint4_y * t2347;
+    let t2705 = omega_panda_joint4_x * t2351;
+    let t2706 = t2704 + t2705;
+    let t2707 = t2703 + t2706;
+    let t2708 = t1058 * t2707;
+    let t2709 = t2694 + t2708;
+    let t2710 = t185 * acceleration_panda_joint4_x_2;
+    let t2711 = t189 * acceleration_panda_joint4_y_2;
+    let t2712 = t2711 + t2710;
+    let t2713 = t210 * t1149;
+    let t2714 = t202 * t1225;
+    let t2715 = t2714 - t2713;
+    let t2716 = t186 * t871;
+    let t2717 = t2715 + t2716;
+    let t2718 = t2717 + t2712;
+    let t2719 = omega_panda_joint4_y * t2415;
+    let t2720 = omega_panda_joint4_x * t2425;
+    let t2721 = t2719 + t2720;
+    let t2722 = t2718 - t2721;
+    let t2723 = t1069 * t2722;
+    let t2724 = t2709 + t2723;
+    let t2725 = t75 * acceleration_panda_joint5_y_2;
+    let t2726 = t48 * t1468;
+    let t2727 = t71 + t32;
+    let t2728 = t1220 * t2727;
+    let t2729 = t2728 + t2726;
+    let t2730 = t89 * t646;
+    let t2731 = t2729 - t2730;
+    let t2732 = t2725 - t2731;
+    let t2733 = t1821 - t1916;
+    let t2734 = omega_panda_joint5_x * t2733;
+    let t2735 = omega_panda_joint5_y * t1861;
+    let t2736 = t2734 - t2735;
+    let t2737 = t2732 - t2736;
+    let t2738 = moment_panda_joint5_x_2 + t2737;
+    let t2739 = t75 * t1220;
+    let t2740 = t64 * t646;
+    let t2741 = t2739 + t2740;
+    let t2742 = omega_panda_joint5_x * t1923;
+    let t2743 = t2741 - t2742;
+    let t2744 = force_panda_joint5_y_2 + t2743;
+    let t2745 = t2744 - t2738;
+    let t2746 = cos_panda_joint5 * t2745;
+    let t2747 = t75 * acceleration_panda_joint5_x_2;
+    let t2748 = t48 * t1220;
+    let t2749 = t71 - t33;
+    let t2750 = t1468 * t2749;
+    let t2751 = t2750 + t2748;
+    let t2752 = t83 * t646;
+    let t2753 = t2751 - t2752;
+    let t2754 = t2747 - t2753;
+    let t2755 = t1833 - t1916;
+    let t2756 = omega_panda_joint5_y * t2755;
+    let t2757 = omega_panda_joint5_x * t1882;
+    let t2758 = t2756 + t2757;
+    let t2759 = t2754 + t2758;
+    let t2760 = moment_panda_joint5_y_2 + t2759;
+    let t2761 = t75 * t1468;
+    let t2762 = t60 * t646;
+    let t2763 = t2762 + t2761;
+    let t2764 = omega_panda_joint5_y * t1923;
+    let t2765 = t2763 + t2764;
+    let t2766 = force_panda_joint5_x_2 + t2765;
+    let t2767 = t2766 - t2760;
+    let t2768 = sin_panda_joint5 * t2767;
+    let t2769 = t2768 - t2746;
+    let t2770 = t60 * t1220;
+    let t2771 = t64 * t1468;
+    let t2772 = t2771 - t2770;
+    let t2773 = omega_panda_joint5_x * t1898;
+    let t2774 = omega_panda_joint5_y * t1906;
+    let t2775 = t2774 - t2773;
+    let t2776 = t2772 + t2775;
+    let t2777 = 0.21484375 * t2776;
+    let t2778 = t2777 + t2769;
+    let t2779 = t65 * t2766;
+    let t2780 = t61 * t2744;
+    let t2781 = t2780 - t2779;
+    let t2782 = sin_panda_joint4 * t2781;
+    let t2783 = cos_panda_joint4 * t2777;
+    let t2784 = t2782 - t2783;
+    let t2785 = t2778 + t2784;
+    let t2786 = cos_panda_joint4 * t2781;
+    let t2787 = sin_panda_joint4 * t2777;
+    let t2788 = t2786 + t2787;
+    let t2789 = 3.83030303030303 * t2788;
+    let t2790 = t2785 - t2789;
+    let t2791 = sin_panda_joint3 * t2790;
+    let t2792 = sin_panda_joint5 * t2745;
+    let t2793 = cos_panda_joint5 * t2767;
+    let t2794 = t2793 + t2792;
+    let t2795 = cos_panda_joint4 * t2794;
+    let t2796 = t61 * t2766;
+    let t2797 = t65 * t2744;
+    let t2798 = t2797 + t2796;
+    let t2799 = t64 * acceleration_panda_joint5_y_2;
+    let t2800 = t60 * acceleration_panda_joint5_x_2;
+    let t2801 = t2800 + t2799;
+    let t2802 = t83 * t1468;
+    let t2803 = t275 * t646;
+    let t2804 = t2803 - t2802;
+    let t2805 = t89 * t1220;
+    let t2806 = t2804 - t2805;
+    let t2807 = t2801 - t2806;
+    let t2808 = omega_panda_joint5_y * t1937;
+    let t2809 = omega_panda_joint5_x * t1945;
+    let t2810 = t2808 + t2809;
+    let t2811 = t2807 + t2810;
+    let t2812 = t2811 - t2798;
+    let t2813 = sin_panda_joint4 * t2812;
+    let t2814 = t2795 + t2813;
+    let t2815 = 3.83030303030303 * t2798;
+    let t2816 = t2814 + t2815;
+    let t2817 = cos_panda_joint3 * t2816;
+    let t2818 = t2817 - t2791;
+    let t2819 = sin_panda_joint2 * t2818;
+    let t2820 = sin_panda_joint4 * t2794;
+    let t2821 = cos_panda_joint4 * t2812;
+    let t2822 = t2820 - t2821;
+    let t2823 = t2798 - t2822;
+    let t2824 = cos_panda_joint2 * t2823;
+    let t2825 = t2819 + t2824;
+    let t2826 = inverse_d_panda_joint1 * t2825;
+    let t2827 = cos_panda_joint3 * t2790;
+    let t2828 = sin_panda_joint3 * t2816;
+    let t2829 = t2828 + t2827;
+    let t2830 = t460 * t2829;
+    let t2831 = t2826 - t2830;
+    let t2832 = t1037 * t2823;
+    let t2833 = t2831 + t2832;
+    let t2834 = t1042 * t2778;
+    let t2835 = t2833 - t2834;
+    let t2836 = t1049 * t2811;
+    let t2837 = t2835 - t2836;
+    let t2838 = t231 * t1220;
+    let t2839 = t47 * t1468;
+    let t2840 = t2839 - t2838;
+    let t2841 = t88 * t646;
+    let t2842 = t2840 + t2841;
+    let t2843 = t2725 + t2842;
+    let t2844 = omega_panda_joint5_y * t1857;
+    let t2845 = omega_panda_joint5_x * t2339;
+    let t2846 = t2844 + t2845;
+    let t2847 = t2843 - t2846;
+    let t2848 = t1058 * t2847;
+    let t2849 = t2837 - t2848;
+    let t2850 = t177 * acceleration_panda_joint5_x_2;
+    let t2851 = t180 * acceleration_panda_joint5_y_2;
+    let t2852 = t2851 + t2850;
+    let t2853 = t44 * t1220;
+    let t2854 = t176 * t1468;
+    let t2855 = t2854 + t2853;
+    let t2856 = t206 * t646;
+    let t2857 = t2855 + t2856;
+    let t2858 = t2857 + t2852;
+    let t2859 = omega_panda_joint5_y * t2404;
+    let t2860 = omega_panda_joint5_x * t1868;
+    let t2861 = t2859 - t2860;
+    let t2862 = t2858 + t2861;
+    let t2863 = t1069 * t2862;
+    let t2864 = t2849 - t2863;
+    let t2865 = t25 * t1299;
+    let t2866 = t171 + t30;
+    let t2867 = t1463 * t2866;
+    let t2868 = t2867 - t2865;
+    let t2869 = t45 * t722;
+    let t2870 = t2868 + t2869;
+    let t2871 = t38 * acceleration_panda_joint6_y_2;
+    let t2872 = t2871 + t2870;
+    let t2873 = t1807 - t1830;
+    let t2874 = omega_panda_joint6_x * t2873;
+    let t2875 = omega_panda_joint6_y * t1791;
+    let t2876 = t2874 - t2875;
+    let t2877 = t2872 - t2876;
+    let t2878 = moment_panda_joint6_x_2 + t2877;
+    let t2879 = sin_panda_joint6 * t2878;
+    let t2880 = t25 * t1463;
+    let t2881 = t16 - 0.03293675559757119;
+    let t2882 = t1299 * t2881;
+    let t2883 = t2882 + t2880;
+    let t2884 = t40 * t722;
+    let t2885 = t2883 - t2884;
+    let t2886 = t38 * acceleration_panda_joint6_x_2;
+    let t2887 = t2886 - t2885;
+    let t2888 = t1812 + t1830;
+    let t2889 = omega_panda_joint6_y * t2888;
+    let t2890 = omega_panda_joint6_x * t1796;
+    let t2891 = t2889 - t2890;
+    let t2892 = t2887 - t2891;
+    let t2893 = moment_panda_joint6_y_2 + t2892;
+    let t2894 = cos_panda_joint6 * t2893;
+    let t2895 = t2894 + t2879;
+    let t2896 = t55 * t1463;
+    let t2897 = 0.015294814090072 * t1299;
+    let t2898 = t2897 - t2896;
+    let t2899 = omega_panda_joint6_x * t1894;
+    let t2900 = omega_panda_joint6_y * t1891;
+    let t2901 = t2900 - t2899;
+    let t2902 = t2898 - t2901;
+    let t2903 = 4.363636363636364 * t2902;
+    let t2904 = t2903 - t2895;
+    let t2905 = sin_panda_joint5 * t2904;
+    let t2906 = t38 * t1299;
+    let t2907 = t55 * t722;
+    let t2908 = t2907 + t2906;
+    let t2909 = omega_panda_joint6_y * t1903;
+    let t2910 = t2908 + t2909;
+    let t2911 = force_panda_joint6_x_2 + t2910;
+    let t2912 = t72 * t2911;
+    let t2913 = t38 * t1463;
+    let t2914 = 0.015294814090072 * t722;
+    let t2915 = t2913 + t2914;
+    let t2916 = omega_panda_joint6_x * t1903;
+    let t2917 = t2915 - t2916;
+    let t2918 = force_panda_joint6_y_2 + t2917;
+    let t2919 = t56 * t2918;
+    let t2920 = t2919 - t2912;
+    let t2921 = 0.015294814090072 * acceleration_panda_joint6_y_2;
+    let t2922 = t55 * acceleration_panda_joint6_x_2;
+    let t2923 = t2922 + t2921;
+    let t2924 = t40 * t1299;
+    let t2925 = t231 * t722;
+    let t2926 = t2925 + t2924;
+    let t2927 = t45 * t1463;
+    let t2928 = t2926 + t2927;
+    let t2929 = t2923 + t2928;
+    let t2930 = omega_panda_joint6_y * t1849;
+    let t2931 = omega_panda_joint6_x * t1855;
+    let t2932 = t2930 - t2931;
+    let t2933 = t2929 + t2932;
+    let t2934 = t2933 - t2920;
+    let t2935 = cos_panda_joint5 * t2934;
+    let t2936 = t2905 - t2935;
+    let t2937 = t56 * t2911;
+    let t2938 = t72 * t2918;
+    let t2939 = t2938 + t2937;
+    let t2940 = 0.21484375 * t2939;
+    let t2941 = t2940 + t2936;
+    let t2942 = t61 * t2920;
+    let t2943 = t65 * t2903;
+    let t2944 = t2942 + t2943;
+    let t2945 = sin_panda_joint4 * t2944;
+    let t2946 = cos_panda_joint4 * t2940;
+    let t2947 = t2945 + t2946;
+    let t2948 = t2941 - t2947;
+    let t2949 = cos_panda_joint4 * t2944;
+    let t2950 = sin_panda_joint4 * t2940;
+    let t2951 = t2949 - t2950;
+    let t2952 = 3.83030303030303 * t2951;
+    let t2953 = t2948 + t2952;
+    let t2954 = sin_panda_joint3 * t2953;
+    let t2955 = cos_panda_joint5 * t2904;
+    let t2956 = sin_panda_joint5 * t2934;
+    let t2957 = t2955 + t2956;
+    let t2958 = cos_panda_joint4 * t2957;
+    let t2959 = cos_panda_joint6 * t2878;
+    let t2960 = sin_panda_joint6 * t2893;
+    let t2961 = t2960 - t2959;
+    let t2962 = t65 * t2920;
+    let t2963 = t61 * t2903;
+    let t2964 = t2962 - t2963;
+    let t2965 = t2961 + t2964;
+    let t2966 = sin_panda_joint4 * t2965;
+    let t2967 = t2958 + t2966;
+    let t2968 = 3.83030303030303 * t2964;
+    let t2969 = t2967 - t2968;
+    let t2970 = cos_panda_joint3 * t2969;
+    let t2971 = t2970 - t2954;
+    let t2972 = sin_panda_joint2 * t2971;
+    let t2973 = sin_panda_joint4 * t2957;
+    let t2974 = cos_panda_joint4 * t2965;
+    let t2975 = t2973 - t2974;
+    let t2976 = t2964 + t2975;
+    let t2977 = cos_panda_joint2 * t2976;
+    let t2978 = t2972 - t2977;
+    let t2979 = inverse_d_panda_joint1 * t2978;
+    let t2980 = cos_panda_joint3 * t2953;
+    let t2981 = sin_panda_joint3 * t2969;
+    let t2982 = t2981 + t2980;
+    let t2983 = t460 * t2982;
+    let t2984 = t2979 - t2983;
+    let t2985 = t1037 * t2976;
+    let t2986 = t2984 - t2985;
+    let t2987 = t1042 * t2941;
+    let t2988 = t2986 - t2987;
+    let t2989 = t1049 * t2961;
+    let t2990 = t2988 - t2989;
+    let t2991 = t1058 * t2933;
+    let t2992 = t2990 + t2991;
+    let t2993 = t173 * t1463;
+    let t2994 = t24 * t1299;
+    let t2995 = t2994 - t2993;
+    let t2996 = t44 * t722;
+    let t2997 = t2995 - t2996;
+    let t2998 = t2871 - t2997;
+    let t2999 = omega_panda_joint6_x * t2400;
+    let t3000 = omega_panda_joint6_y * t2402;
+    let t3001 = t3000 + t2999;
+    let t3002 = t2998 + t3001;
+    let t3003 = t1069 * t3002;
+    let t3004 = t2992 - t3003;
+    let t3005 = t37 * t1464;
+    let t3006 = t171 * t1484;
+    let t3007 = t3006 - t3005;
+    let t3008 = t24 * t675;
+    let t3009 = t3007 + t3008;
+    let t3010 = t1825 + t1809;
+    let t3011 = omega_panda_joint6_z * t3010;
+    let t3012 = omega_panda_joint6_x * t1874;
+    let t3013 = t3011 + t3012;
+    let t3014 = t3009 - t3013;
+    let t3015 = moment_panda_joint7_y_2 + t3014;
+    let t3016 = cos_panda_joint6 * t3015;
+    let t3017 = t54 * acceleration_panda_joint7_x_2;
+    let t3018 = t38 * acceleration_panda_joint7_y_2;
+    let t3019 = t3017 - t3018;
+    let t3020 = t44 * t1464;
+    let t3021 = t24 * t1484;
+    let t3022 = t172 * t675;
+    let t3023 = t3022 + t3021;
+    let t3024 = t3023 - t3020;
+    let t3025 = t3019 - t3024;
+    let t3026 = omega_panda_joint6_x * t1866;
+    let t3027 = omega_panda_joint6_z * t1786;
+    let t3028 = t3027 - t3026;
+    let t3029 = t3025 - t3028;
+    let t3030 = omega_panda_joint6_z * t1782;
+    let t3031 = t54 * t675;
+    let t3032 = t3031 - t3030;
+    let t3033 = force_panda_joint7_x_2 + t3032;
+    let t3034 = t3029 - t3033;
+    let t3035 = sin_panda_joint6 * t3034;
+    let t3036 = t3016 + t3035;
+    let t3037 = 4.363636363636364 * t3033;
+    let t3038 = t3037 - t3036;
+    let t3039 = sin_panda_joint5 * t3038;
+    let t3040 = t17 * t1464;
+    let t3041 = t37 * t1484;
+    let t3042 = t3040 - t3041;
+    let t3043 = t44 * t675;
+    let t3044 = t3042 - t3043;
+    let t3045 = t1801 - t1809;
+    let t3046 = omega_panda_joint6_x * t3045;
+    let t3047 = omega_panda_joint6_z * t1844;
+    let t3048 = t3046 - t3047;
+    let t3049 = t3044 - t3048;
+    let t3050 = moment_panda_joint7_x_2 - t3049;
+    let t3051 = t54 * t1464;
+    let t3052 = t38 * t1484;
+    let t3053 = t3052 + t3051;
+    let t3054 = omega_panda_joint6_x * t1802;
+    let t3055 = omega_panda_joint6_z * t1839;
+    let t3056 = t3055 + t3054;
+    let t3057 = t3053 + t3056;
+    let t3058 = t3057 - t3050;
+    let t3059 = omega_panda_joint6_x * t1782;
+    let t3060 = t38 * t675;
+    let t3061 = t3060 - t3059;
+    let t3062 = force_panda_joint7_y_2 + t3061;
+    let t3063 = t56 * t3062;
+    let t3064 = t72 * t3057;
+    let t3065 = t3063 + t3064;
+    let t3066 = t3058 + t3065;
+    let t3067 = cos_panda_joint5 * t3066;
+    let t3068 = t3039 - t3067;
+    let t3069 = t72 * t3062;
+    let t3070 = t56 * t3057;
+    let t3071 = t3069 - t3070;
+    let t3072 = 0.21484375 * t3071;
+    let t3073 = t3072 - t3068;
+    let t3074 = t61 * t3065;
+    let t3075 = t65 * t3037;
+    let t3076 = t3074 - t3075;
+    let t3077 = sin_panda_joint4 * t3076;
+    let t3078 = cos_panda_joint4 * t3072;
+    let t3079 = t3077 + t3078;
+    let t3080 = t3073 - t3079;
+    let t3081 = cos_panda_joint4 * t3076;
+    let t3082 = sin_panda_joint4 * t3072;
+    let t3083 = t3081 - t3082;
+    let t3084 = 3.83030303030303 * t3083;
+    let t3085 = t3080 + t3084;
+    let t3086 = sin_panda_joint3 * t3085;
+    let t3087 = cos_panda_joint5 * t3038;
+    let t3088 = sin_panda_joint5 * t3066;
+    let t3089 = t3087 + t3088;
+    let t3090 = cos_panda_joint4 * t3089;
+    let t3091 = sin_panda_joint6 * t3015;
+    let t3092 = cos_panda_joint6 * t3034;
+    let t3093 = t3091 - t3092;
+    let t3094 = t65 * t3065;
+    let t3095 = t61 * t3037;
+    let t3096 = t3094 + t3095;
+    let t3097 = t3093 - t3096;
+    let t3098 = sin_panda_joint4 * t3097;
+    let t3099 = t3090 + t3098;
+    let t3100 = 3.83030303030303 * t3096;
+    let t3101 = t3099 + t3100;
+    let t3102 = cos_panda_joint3 * t3101;
+    let t3103 = t3102 + t3086;
+    let t3104 = sin_panda_joint2 * t3103;
+    let t3105 = sin_panda_joint4 * t3089;
+    let t3106 = cos_panda_joint4 * t3097;
+    let t3107 = t3105 - t3106;
+    let t3108 = t3096 - t3107;
+    let t3109 = cos_panda_joint2 * t3108;
+    let t3110 = t3104 + t3109;
+    let t3111 = inverse_d_panda_joint1 * t3110;
+    let t3112 = cos_panda_joint3 * t3085;
+    let t3113 = sin_panda_joint3 * t3101;
+    let t3114 = t3113 - t3112;
+    let t3115 = t460 * t3114;
+    let t3116 = t3111 - t3115;
+    let t3117 = t1037 * t3108;
+    let t3118 = t3116 + t3117;
+    let t3119 = t1042 * t3073;
+    let t3120 = t3118 + t3119;
+    let t3121 = t1049 * t3093;
+    let t3122 = t3120 - t3121;
+    let t3123 = t1058 * t3058;
+    let t3124 = t3122 + t3123;
+    let t3125 = t1069 * t3029;
+    let t3126 = t3124 - t3125;
+    let t3127 = t460 * t2199;
+    let t3128 = t462 * t2231;
+    let t3129 = t3127 + t3128;
+    let t3130 = t465 * t2246;
+    let t3131 = t3129 - t3130;
+    let t3132 = t470 * t2273;
+    let t3133 = t3131 - t3132;
+    let t3134 = t477 * t2321;
+    let t3135 = t3133 - t3134;
+    let t3136 = t486 * t2384;
+    let t3137 = t3135 + t3136;
+    let t3138 = t497 * t2458;
+    let t3139 = t3137 + t3138;
+    let t3140 = t460 * t2523;
+    let t3141 = t462 * t2527;
+    let t3142 = t3140 - t3141;
+    let t3143 = t465 * t2521;
+    let t3144 = t3142 - t3143;
+    let t3145 = t470 * t2541;
+    let t3146 = t3144 + t3145;
+    let t3147 = t477 * t2556;
+    let t3148 = t3146 - t3147;
+    let t3149 = t486 * t2571;
+    let t3150 = t3148 + t3149;
+    let t3151 = t497 * t2586;
+    let t3152 = t3150 + t3151;
+    let t3153 = t460 * t2672;
+    let t3154 = t462 * t2676;
+    let t3155 = t3153 - t3154;
+    let t3156 = t465 * t2670;
+    let t3157 = t3155 - t3156;
+    let t3158 = t470 * t2661;
+    let t3159 = t3157 + t3158;
+    let t3160 = t477 * t2692;
+    let t3161 = t3159 - t3160;
+    let t3162 = t486 * t2707;
+    let t3163 = t3161 + t3162;
+    let t3164 = t497 * t2722;
+    let t3165 = t3163 + t3164;
+    let t3166 = t460 * t2825;
+    let t3167 = t462 * t2829;
+    let t3168 = t3166 - t3167;
+    let t3169 = t465 * t2823;
+    let t3170 = t3168 + t3169;
+    let t3171 = t470 * t2778;
+    let t3172 = t3170 - t3171;
+    let t3173 = t477 * t2811;
+    let t3174 = t3172 - t3173;
+    let t3175 = t486 * t2847;
+    let t3176 = t3174 - t3175;
+    let t3177 = t497 * t2862;
+    let t3178 = t3176 - t3177;
+    let t3179 = t460 * t2978;
+    let t3180 = t462 * t2982;
+    let t3181 = t3179 - t3180;
+    let t3182 = t465 * t2976;
+    let t3183 = t3181 - t3182;
+    let t3184 = t470 * t2941;
+    let t3185 = t3183 - t3184;
+    let t3186 = t477 * t2961;
+    let t3187 = t3185 - t3186;
+    let t3188 = t486 * t2933;
+    let t3189 = t3187 + t3188;
+    let t3190 = t497 * t3002;
+    let t3191 = t3189 - t3190;
+    let t3192 = t460 * t3110;
+    let t3193 = t462 * t3114;
+    let t3194 = t3192 - t3193;
+    let t3195 = t465 * t3108;
+    let t3196 = t3194 + t3195;
+    let t3197 = t470 * t3073;
+    let t3198 = t3196 + t3197;
+    let t3199 = t477 * t3093;
+    let t3200 = t3198 - t3199;
+    let t3201 = t486 * t3058;
+    let t3202 = t3200 + t3201;
+    let t3203 = t497 * t3029;
+    let t3204 = t3202 - t3203;
+    let t3205 = t1037 * t2199;
+    let t3206 = t465 * t2231;
+    let t3207 = t3205 + t3206;
+    let t3208 = t1098 * t2246;
+    let t3209 = t3207 - t3208;
+    let t3210 = t1103 * t2273;
+    let t3211 = t3209 - t3210;
+    let t3212 = t1110 * t2321;
+    let t3213 = t3211 - t3212;
+    let t3214 = t1119 * t2384;
+    let t3215 = t3213 + t3214;
+    let t3216 = t1130 * t2458;
+    let t3217 = t3215 + t3216;
+    let t3218 = t1037 * t2523;
+    let t3219 = t465 * t2527;
+    let t3220 = t3218 - t3219;
+    let t3221 = t1098 * t2521;
+    let t3222 = t3220 - t3221;
+    let t3223 = t1103 * t2541;
+    let t3224 = t3222 + t3223;
+    let t3225 = t1110 * t2556;
+    let t3226 = t3224 - t3225;
+    let t3227 = t1119 * t2571;
+    let t3228 = t3226 + t3227;
+    let t3229 = t1130 * t2586;
+    let t3230 = t3228 + t3229;
+    let t3231 = t1037 * t2672;
+    let t3232 = t465 * t2676;
+    let t3233 = t3231 - t3232;
+    let t3234 = t1098 * t2670;
+    let t3235 = t3233 - t3234;
+    let t3236 = t1103 * t2661;
+    let t3237 = t3235 + t3236;
+    let t3238 = t1110 * t2692;
+    let t3239 = t3237 - t3238;
+    let t3240 = t1119 * t2707;
+    let t3241 = t3239 + t3240;
+    let t3242 = t1130 * t2722;
+    let t3243 = t3241 + t3242;
+    let t3244 = t1037 * t2825;
+    let t3245 = t465 * t2829;
+    let t3246 = t3244 - t3245;
+    let t3247 = t1098 * t2823;
+    let t3248 = t3246 + t3247;
+    let t3249 = t1103 * t2778;
+    let t3250 = t3248 - t3249;
+    let t3251 = t1110 * t2811;
+    let t3252 = t3250 - t3251;
+    let t3253 = t1119 * t2847;
+    let t3254 = t3252 - t3253;
+    let t3255 = t1130 * t2862;
+    let t3256 = t3254 - t3255;
+    let t3257 = t1037 * t2978;
+    let t3258 = t465 * t2982;
+    let t3259 = t3257 - t3258;
+    let t3260 = t1098 * t2976;
+    let t3261 = t3259 - t3260;
+    let t3262 = t1103 * t2941;
+    let t3263 = t3261 - t3262;
+    let t3264 = t1110 * t2961;
+    let t3265 = t3263 - t3264;
+    let t3266 = t1119 * t2933;
+    let t3267 = t3265 + t3266;
+    let t3268 = t1130 * t3002;
+    let t3269 = t3267 - t3268;
+    let t3270 = t1037 * t3110;
+    let t3271 = t465 * t3114;
+    let t3272 = t3270 - t3271;
+    let t3273 = t1098 * t3108;
+    let t3274 = t3272 + t3273;
+    let t3275 = t1103 * t3073;
+    let t3276 = t3274 + t3275;
+    let t3277 = t1110 * t3093;
+    let t3278 = t3276 - t3277;
+    let t3279 = t1119 * t3058;
+    let t3280 = t3278 + t3279;
+    let t3281 = t1130 * t3029;
+    let t3282 = t3280 - t3281;
+    let t3283 = t1042 * t2199;
+    let t3284 = t470 * t2231;
+    let t3285 = t3283 + t3284;
+    let t3286 = t1103 * t2246;
+    let t3287 = t3285 - t3286;
+    let t3288 = t1176 * t2273;
+    let t3289 = t3287 - t3288;
+    let t3290 = t1183 * t2321;
+    let t3291 = t3289 - t3290;
+    let t3292 = t1192 * t2384;
+    let t3293 = t3291 + t3292;
+    let t3294 = t1203 * t2458;
+    let t3295 = t3293 + t3294;
+    let t3296 = t1042 * t2523;
+    let t3297 = t470 * t2527;
+    let t3298 = t3296 - t3297;
+    let t3299 = t1103 * t2521;
+    let t3300 = t3298 - t3299;
+    let t3301 = t1176 * t2541;
+    let t3302 = t3300 + t3301;
+    let t3303 = t1183 * t2556;
+    let t3304 = t3302 - t3303;
+    let t3305 = t1192 * t2571;
+    let t3306 = t3304 + t3305;
+    let t3307 = t1203 * t2586;
+    let t3308 = t3306 + t3307;
+    let t3309 = t1042 * t2672;
+    let t3310 = t470 * t2676;
+    let t3311 = t3309 - t3310;
+    let t3312 = t1103 * t2670;
+    let t3313 = t3311 - t3312;
+    let t3314 = t1176 * t2661;
+    let t3315 = t3313 + t3314;
+    let t3316 = t1183 * t2692;
+    let t3317 = t3315 - t3316;
+    let t3318 = t1192 * t2707;
+    let t3319 = t3317 + t3318;
+    let t3320 = t1203 * t2722;
+    let t3321 = t3319 + t3320;
+    let t3322 = t1042 * t2825;
+    let t3323 = t470 * t2829;
+    let t3324 = t3322 - t3323;
+    let t3325 = t1103 * t2823;
+    let t3326 = t3324 + t3325;
+    let t3327 = t1176 * t2778;
+    let t3328 = t3326 - t3327;
+    let t3329 = t1183 * t2811;
+    let t3330 = t3328 - t3329;
+    let t3331 = t1192 * t2847;
+    let t3332 = t3330 - t3331;
+    let t3333 = t1203 * t2862;
+    let t3334 = t3332 - t3333;
+    let t3335 = t1042 * t2978;
+    let t3336 = t470 * t2982;
+    let t3337 = t3335 - t3336;
+    let t3338 = t1103 * t2976;
+    let t3339 = t3337 - t3338;
+    let t3340 = t1176 * t2941;
+    let t3341 = t3339 - t3340;
+    let t3342 = t1183 * t2961;
+    let t3343 = t3341 - t3342;
+    let t3344 = t1192 * t2933;
+    let t3345 = t3343 + t3344;
+    let t3346 = t1203 * t3002;
+    let t3347 = t3345 - t3346;
+    let t3348 = t1042 * t3110;
+    let t3349 = t470 * t3114;
+    let t3350 = t3348 - t3349;
+    let t3351 = t1103 * t3108;
+    let t3352 = t3350 + t3351;
+    let t3353 = t1176 * t3073;
+    let t3354 = t3352 + t3353;
+    let t3355 = t1183 * t3093;
+    let t3356 = t3354 - t3355;
+    let t3357 = t1192 * t3058;
+    let t3358 = t3356 + t3357;
+    let t3359 = t1203 * t3029;
+    let t3360 = t3358 - t3359;
+    let t3361 = t1049 * t2199;
+    let t3362 = t477 * t2231;
+    let t3363 = t3361 + t3362;
+    let t3364 = t1110 * t2246;
+    let t3365 = t3363 - t3364;
+    let t3366 = t1183 * t2273;
+    let t3367 = t3365 - t3366;
+    let t3368 = t1262 * t2321;
+    let t3369 = t3367 - t3368;
+    let t3370 = t1271 * t2384;
+    let t3371 = t3369 + t3370;
+    let t3372 = t1282 * t2458;
+    let t3373 = t3371 + t3372;
+    let t3374 = t1049 * t2523;
+    let t3375 = t477 * t2527;
+    let t3376 = t3374 - t3375;
+    let t3377 = t1110 * t2521;
+    let t3378 = t3376 - t3377;
+    let t3379 = t1183 * t2541;
+    let t3380 = t3378 + t3379;
+    let t3381 = t1262 * t2556;
+    let t3382 = t3380 - t3381;
+    let t3383 = t1271 * t2571;
+    let t3384 = t3382 + t3383;
+    let t3385 = t1282 * t2586;
+    let t3386 = t3384 + t3385;
+    let t3387 = t1049 * t2672;
+    let t3388 = t477 * t2676;
+    let t3389 = t3387 - t3388;
+    let t3390 = t1110 * t2670;
+    let t3391 = t3389 - t3390;
+    let t3392 = t1183 * t2661;
+    let t3393 = t3391 + t3392;
+    let t3394 = t1262 * t2692;
+    let t3395 = t3393 - t3394;
+    let t3396 = t1271 * t2707;
+    let t3397 = t3395 + t3396;
+    let t3398 = t1282 * t2722;
+    let t3399 = t3397 + t3398;
+    let t3400 = t1049 * t2825;
+    let t3401 = t477 * t2829;
+    let t3402 = t3400 - t3401;
+    let t3403 = t1110 * t2823;
+    let t3404 = t3402 + t3403;
+    let t3405 = t1183 * t2778;
+    let t3406 = t3404 - t3405;
+    let t3407 = t1262 * t2811;
+    let t3408 = t3406 - t3407;
+    let t3409 = t1271 * t2847;
+    let t3410 = t3408 - t3409;
+    let t3411 = t1282 * t2862;
+    let t3412 = t3410 - t3411;
+    let t3413 = t1049 * t2978;
+    let t3414 = t477 * t2982;
+    let t3415 = t3413 - t3414;
+    let t3416 = t1110 * t2976;
+    let t3417 = t3415 - t3416;
+    let t3418 = t1183 * t2941;
+    let t3419 = t3417 - t3418;
+    let t3420 = t1262 * t2961;
+    let t3421 = t3419 - t3420;
+    let t3422 = t1271 * t2933;
+    let t3423 = t3421 + t3422;
+    let t3424 = t1282 * t3002;
+    let t3425 = t3423 - t3424;
+    let t3426 = t1049 * t3110;
+    let t3427 = t477 * t3114;
+    let t3428 = t3426 - t3427;
+    let t3429 = t1110 * t3108;
+    let t3430 = t3428 + t3429;
+    let t3431 = t1183 * t3073;
+    let t3432 = t3430 + t3431;
+    let t3433 = t1262 * t3093;
+    let t3434 = t3432 - t3433;
+    let t3435 = t1271 * t3058;
+    let t3436 = t3434 + t3435;
+    let t3437 = t1282 * t3029;
+    let t3438 = t3436 - t3437;
+    let t3439 = t1058 * t2199;
+    let t3440 = t486 * t2231;
+    let t3441 = t3439 + t3440;
+    let t3442 = t1119 * t2246;
+    let t3443 = t3441 - t3442;
+    let t3444 = t1192 * t2273;
+    let t3445 = t3443 - t3444;
+    let t3446 = t1271 * t2321;
+    let t3447 = t3445 - t3446;
+    let t3448 = t1434 * t2384;
+    let t3449 = t3447 + t3448;
+    let t3450 = t1445 * t2458;
+    let t3451 = t3449 + t3450;
+    let t3452 = t1058 * t2523;
+    let t3453 = t486 * t2527;
+    let t3454 = t3452 - t3453;
+    let t3455 = t1119 * t2521;
+    let t3456 = t3454 - t3455;
+    let t3457 = t1192 * t2541;
+    let t3458 = t3456 + t3457;
+    let t3459 = t1271 * t2556;
+    let t3460 = t3458 - t3459;
+    let t3461 = t1434 * t2571;
+    let t3462 = t3460 + t3461;
+    let t3463 = t1445 * t2586;
+    let t3464 = t3462 + t3463;
+    let t3465 = t1058 * t2672;
+    let t3466 = t486 * t2676;
+    let t3467 = t3465 - t3466;
+    let t3468 = t1119 * t2670;
+    let t3469 = t3467 - t3468;
+    let t3470 = t1192 * t2661;
+    let t3471 = t3469 + t3470;
+    let t3472 = t1271 * t2692;
+    let t3473 = t3471 - t3472;
+    let t3474 = t1434 * t2707;
+    let t3475 = t3473 + t3474;
+    let t3476 = t1445 * t2722;
+    let t3477 = t3475 + t3476;
+    let t3478 = t1058 * t2825;
+    let t3479 = t486 * t2829;
+    let t3480 = t3478 - t3479;
+    let t3481 = t1119 * t2823;
+    let t3482 = t3480 + t3481;
+    let t3483 = t1192 * t2778;
+    let t3484 = t3482 - t3483;
+    let t3485 = t1271 * t2811;
+    let t3486 = t3484 - t3485;
+    let t3487 = t1434 * t2847;
+    let t3488 = t3486 - t3487;
+    let t3489 = t1445 * t2862;
+    let t3490 = t3488 - t3489;
+    let t3491 = t1058 * t2978;
+    let t3492 = t486 * t2982;
+    let t3493 = t3491 - t3492;
+    let t3494 = t1119 * t2976;
+    let t3495 = t3493 - t3494;
+    let t3496 = t1192 * t2941;
+    let t3497 = t3495 - t3496;
+    let t3498 = t1271 * t2961;
+    let t3499 = t3497 - t3498;
+    let t3500 = t1434 * t2933;
+    let t3501 = t3499 + t3500;
+    let t3502 = t1445 * t3002;
+    let t3503 = t3501 - t3502;
+    let t3504 = t1058 * t3110;
+    let t3505 = t486 * t3114;
+    let t3506 = t3504 - t3505;
+    let t3507 = t1119 * t3108;
+    let t3508 = t3506 + t3507;
+    let t3509 = t1192 * t3073;
+    let t3510 = t3508 + t3509;
+    let t3511 = t1271 * t3093;
+    let t3512 = t3510 - t3511;
+    let t3513 = t1434 * t3058;
+    let t3514 = t3512 + t3513;
+    let t3515 = t1445 * t3029;
+    let t3516 = t3514 - t3515;
+    let t3517 = t1069 * t2199;
+    let t3518 = t497 * t2231;
+    let t3519 = t3517 + t3518;
+    let t3520 = t1130 * t2246;
+    let t3521 = t3519 - t3520;
+    let t3522 = t1203 * t2273;
+    let t3523 = t3521 - t3522;
+    let t3524 = t1282 * t2321;
+    let t3525 = t3523 - t3524;
+    let t3526 = t1445 * t2384;
+    let t3527 = t3525 + t3526;
+    let t3528 = t1378 * t2458;
+    let t3529 = t3527 + t3528;
+    let t3530 = t1069 * t2523;
+    let t3531 = t497 * t2527;
+    let t3532 = t3530 - t3531;
+    let t3533 = t1130 * t2521;
+    let t3534 = t3532 - t3533;
+    let t3535 = t1203 * t2541;
+    let t3536 = t3534 + t3535;
+    let t3537 = t1282 * t2556;
+    let t3538 = t3536 - t3537;
+    let t3539 = t1445 * t2571;
+    let t3540 = t3538 + t3539;
+    let t3541 = t1378 * t2586;
+    let t3542 = t3540 + t3541;
+    let t3543 = t1069 * t2672;
+    let t3544 = t497 * t2676;
+    let t3545 = t3543 - t3544;
+    let t3546 = t1130 * t2670;
+    let t3547 = t3545 - t3546;
+    let t3548 = t1203 * t2661;
+    let t3549 = t3547 + t3548;
+    let t3550 = t1282 * t2692;
+    let t3551 = t3549 - t3550;
+    let t3552 = t1445 * t2707;
+    let t3553 = t3551 + t3552;
+    let t3554 = t1378 * t2722;
+    let t3555 = t3553 + t3554;
+    let t3556 = t1069 * t2825;
+    let t3557 = t497 * t2829;
+    let t3558 = t3556 - t3557;
+    let t3559 = t1130 * t2823;
+    let t3560 = t3558 + t3559;
+    let t3561 = t1203 * t2778;
+    let t3562 = t3560 - t3561;
+    let t3563 = t1282 * t2811;
+    let t3564 = t3562 - t3563;
+    let t3565 = t1445 * t2847;
+    let t3566 = t3564 - t3565;
+    let t3567 = t1378 * t2862;
+    let t3568 = t3566 - t3567;
+    let t3569 = t1069 * t2978;
+    let t3570 = t497 * t2982;
+    let t3571 = t3569 - t3570;
+    let t3572 = t1130 * t2976;
+    let t3573 = t3571 - t3572;
+    let t3574 = t1203 * t2941;
+    let t3575 = t3573 - t3574;
+    let t3576 = t1282 * t2961;
+    let t3577 = t3575 - t3576;
+    let t3578 = t1445 * t2933;
+    let t3579 = t3577 + t3578;
+    let t3580 = t1378 * t3002;
+    let t3581 = t3579 - t3580;
+    let t3582 = t1069 * t3110;
+    let t3583 = t497 * t3114;
+    let t3584 = t3582 - t3583;
+    let t3585 = t1130 * t3108;
+    let t3586 = t3584 + t3585;
+    let t3587 = t1203 * t3073;
+    let t3588 = t3586 + t3587;
+    let t3589 = t1282 * t3093;
+    let t3590 = t3588 - t3589;
+    let t3591 = t1445 * t3058;
+    let t3592 = t3590 + t3591;
+    let t3593 = t1378 * t3029;
+    let t3594 = t3592 - t3593;
+    let t3595 = sin_panda_joint2 * t2445;
+    let t3596 = cos_panda_joint2 * t2455;
+    let t3597 = t3595 - t3596;
+    let t3598 = t1069 * t3597;
+    let t3599 = sin_panda_joint2 * t2371;
+    let t3600 = cos_panda_joint2 * t2381;
+    let t3601 = t3599 - t3600;
+    let t3602 = t1058 * t3601;
+    let t3603 = sin_panda_joint2 * t2308;
+    let t3604 = cos_panda_joint2 * t2318;
+    let t3605 = t3603 - t3604;
+    let t3606 = t1049 * t3605;
+    let t3607 = t2081 - t2162;
+    let t3608 = sin_panda_joint2 * t3607;
+    let t3609 = t2193 + t2112;
+    let t3610 = cos_panda_joint2 * t3609;
+    let t3611 = t3608 + t3610;
+    let t3612 = sin_panda_joint2 * t3611;
+    let t3613 = t2081 - t3612;
+    let t3614 = v[0] * 0.00035816594888099995;
+    let t3615 = t3614 - t3613;
+    let t3616 = t3614 - t2077;
+    let t3617 = t3615 - t3616;
+    let t3618 = 0.003 - t3617;
+    let t3619 = inverse_d_panda_joint1 * t3618;
+    let t3620 = sin_panda_joint2 * t2220;
+    let t3621 = cos_panda_joint2 * t2228;
+    let t3622 = t3620 + t3621;
+    let t3623 = t460 * t3622;
+    let t3624 = t3619 - t3623;
+    let t3625 = cos_panda_joint2 * t2242;
+    let t3626 = sin_panda_joint2 * t2108;
+    let t3627 = t3626 - t3625;
+    let t3628 = t1037 * t3627;
+    let t3629 = t3624 - t3628;
+    let t3630 = sin_panda_joint2 * t2268;
+    let t3631 = cos_panda_joint2 * t2270;
+    let t3632 = t3630 - t3631;
+    let t3633 = t1042 * t3632;
+    let t3634 = t3629 - t3633;
+    let t3635 = t3634 + t3606;
+    let t3636 = t3635 - t3602;
+    let t3637 = t3636 + t3598;
+    let t3638 = sin_panda_joint3 * t2433;
+    let t3639 = cos_panda_joint3 * t2443;
+    let t3640 = t3638 + t3639;
+    let t3641 = 2.0 * omega_panda_joint2_y;
+    let t3642 = t216 * t3641;
+    let t3643 = 2.0 * omega_panda_joint2_x;
+    let t3644 = t221 * t3643;
+    let t3645 = t3642 + t3644;
+    let t3646 = t3640 + t3645;
+    let t3647 = t1069 * t3646;
+    let t3648 = sin_panda_joint3 * t2359;
+    let t3649 = cos_panda_joint3 * t2369;
+    let t3650 = t3648 + t3649;
+    let t3651 = t259 * t3641;
+    let t3652 = t264 * t3643;
+    let t3653 = t3651 + t3652;
+    let t3654 = t3650 - t3653;
+    let t3655 = t1058 * t3654;
+    let t3656 = sin_panda_joint3 * t2301;
+    let t3657 = cos_panda_joint3 * t2306;
+    let t3658 = t3656 + t3657;
+    let t3659 = t288 * t3641;
+    let t3660 = t293 * t3643;
+    let t3661 = t3659 - t3660;
+    let t3662 = t3658 - t3661;
+    let t3663 = t1049 * t3662;
+    let t3664 = sin_panda_joint3 * t2261;
+    let t3665 = cos_panda_joint3 * t2266;
+    let t3666 = t3664 + t3665;
+    let t3667 = t318 * t3641;
+    let t3668 = t154 * t3643;
+    let t3669 = t3667 + t3668;
+    let t3670 = t3666 + t3669;
+    let t3671 = t1042 * t3670;
+    let t3672 = sin_panda_joint3 * t2096;
+    let t3673 = cos_panda_joint3 * t2106;
+    let t3674 = t3672 + t3673;
+    let t3675 = t160 * t3641;
+    let t3676 = t348 * t3643;
+    let t3677 = t3675 - t3676;
+    let t3678 = t3674 + t3677;
+    let t3679 = t1037 * t3678;
+    let t3680 = t2081 + t2162;
+    let t3681 = t441 * t3641;
+    let t3682 = t443 * t3643;
+    let t3683 = t3681 - t3682;
+    let t3684 = t3680 - t3683;
+    let t3685 = 0.003 + t3684;
+    let t3686 = t460 * t3685;
+    let t3687 = t2049 - t2215;
+    let t3688 = v[1] * 0.0015378722058928;
+    let t3689 = t3688 - t3687;
+    let t3690 = t3641 * t2143;
+    let t3691 = t161 * t3643;
+    let t3692 = t3690 + t3691;
+    let t3693 = t3689 + t3692;
+    let t3694 = sin_panda_joint2 * t3693;
+    let t3695 = v[1] * 0.02052220364201634;
+    let t3696 = t3695 - t3674;
+    let t3697 = t3643 * t1769;
+    let t3698 = t161 * t3641;
+    let t3699 = t3697 + t3698;
+    let t3700 = t3696 + t3699;
+    let t3701 = cos_panda_joint2 * t3700;
+    let t3702 = t3694 - t3701;
+    let t3703 = inverse_d_panda_joint1 * t3702;
+    let t3704 = t3703 + t3686;
+    let t3705 = t3704 + t3679;
+    let t3706 = t3705 + t3671;
+    let t3707 = t3706 - t3663;
+    let t3708 = t3707 + t3655;
+    let t3709 = t3708 - t3647;
+    let t3710 = 2.0 * omega_panda_joint3_x;
+    let t3711 = t193 * t3710;
+    let t3712 = t212 * t2089;
+    let t3713 = t3712 + t3711;
+    let t3714 = t2451 - t3713;
+    let t3715 = t1069 * t3714;
+    let t3716 = t241 * t3710;
+    let t3717 = t255 * t2089;
+    let t3718 = t3717 + t3716;
+    let t3719 = t2377 + t3718;
+    let t3720 = t1058 * t3719;
+    let t3721 = t278 * t2089;
+    let t3722 = t283 * t3710;
+    let t3723 = t3721 + t3722;
+    let t3724 = t2314 + t3723;
+    let t3725 = t1049 * t3724;
+    let t3726 = t313 * t3710;
+    let t3727 = t126 * t2089;
+    let t3728 = t3727 - t3726;
+    let t3729 = t2179 - t3728;
+    let t3730 = t1042 * t3729;
+    let t3731 = t147 * t2089;
+    let t3732 = t155 * t3710;
+    let t3733 = t3731 + t3732;
+    let t3734 = t2240 - t3733;
+    let t3735 = 0.003 + t3734;
+    let t3736 = t1037 * t3735;
+    let t3737 = t2089 * t2485;
+    let t3738 = t128 * t3710;
+    let t3739 = t3737 - t3738;
+    let t3740 = t2167 + t3739;
+    let t3741 = t2151 - t2169;
+    let t3742 = 3.83030303030303 * t3741;
+    let t3743 = t3740 - t3742;
+    let t3744 = sin_panda_joint3 * t3743;
+    let t3745 = t3710 * t2462;
+    let t3746 = t128 * t2089;
+    let t3747 = t3745 - t3746;
+    let t3748 = t2181 - t3747;
+    let t3749 = t138 * t3710;
+    let t3750 = t2183 + t3749;
+    let t3751 = 3.83030303030303 * t3750;
+    let t3752 = t3748 + t3751;
+    let t3753 = cos_panda_joint3 * t3752;
+    let t3754 = t3744 - t3753;
+    let t3755 = t460 * t3754;
+    let t3756 = cos_panda_joint3 * t3743;
+    let t3757 = sin_panda_joint3 * t3752;
+    let t3758 = t3756 + t3757;
+    let t3759 = sin_panda_joint2 * t3758;
+    let t3760 = cos_panda_joint2 * t3734;
+    let t3761 = t3759 - t3760;
+    let t3762 = inverse_d_panda_joint1 * t3761;
+    let t3763 = t3762 - t3755;
+    let t3764 = t3763 - t3736;
+    let t3765 = t3764 - t3730;
+    let t3766 = t3765 + t3725;
+    let t3767 = t3766 - t3720;
+    [
+        t1779,
+        t1780,
+        t1784,
+        t1792,
+        t1802,
+        t1809,
+        t1822,
+        t1826,
+        t1827,
+        t1834,
+        t1839,
+        t1851,
+        t1862,
+        t1865,
+        t1867,
+        t1868,
+        t1870,
+        t1876,
+        t1883,
+        t1891,
+        t1894,
+        t1898,
+        t1906,
+        t1958,
+        t1959,
+        t1965,
+        t1967,
+        t1968,
+        t1983,
+        t1986,
+        t1998,
+        t1999,
+        t2052,
+        t2058,
+        t2060,
+        t2263,
+        t2288,
+        t2339,
+        t2365,
+        t2399,
+        t2419,
+        t2439,
+        t2460,
+        t2588,
+        t2590,
+        t2605,
+        t2724,
+        t2727,
+        t2749,
+        t2864,
+        t2866,
+        t2881,
+        t3004,
+        t3126,
+        t3139,
+        t3152,
+        t3165,
+        t3178,
+        t3191,
+        t3204,
+        t3217,
+        t3230,
+        t3243,
+        t3256,
+        t3269,
+        t3282,
+        t3295,
+        t3308,
+        t3321,
+        t3334,
+        t3347,
+        t3360,
+        t3373,
+        t3386,
+        t3399,
+        t3412,
+        t3425,
+        t3438,
+        t3451,
+        t3464,
+        t3477,
+        t3490,
+        t3503,
+        t3516,
+        t3529,
+        t3542,
+        t3555,
+        t3568,
+        t3581,
+        t3594,
+        t3597,
+        t3601,
+        t3605,
+        t3618,
+        t3622,
+        t3627,
+        t3632,
+        t3637,
+        t3646,
+        t3654,
+        t3662,
+        t3670,
+        t3678,
+        t3685,
+        t3702,
+        t3709,
+        t3714,
+        t3715,
+        t3719,
+        t3724,
+        t3729,
+        t3735,
+        t3754,
+        t3761,
+        t3767,
+    ]
+}
+
+/// Part 3 of `linearize`: values that later parts read.
+#[inline(never)]
+fn linearize_part_3(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    [sin_panda_joint2,
+    cos_panda_joint2,
+    sin_panda_joint3,
+    cos_panda_joint3,
+    sin_panda_joint4,
+    cos_panda_joint4,
+    sin_panda_joint5,
+    cos_panda_joint5,
+    sin_panda_joint6,
+    cos_panda_joint6,
+    t17,
+    t24,
+    t25,
+    t40,
+    t44,
+    t45,
+    t47,
+    t48,
+    t54,
+    t55,
+    t56,
+    t61,
+    t65,
+    t72,
+    t83,
+    t89,
+    t92,
+    t95,
+    t101,
+    t103,
+    t117,
+    t119,
+    t124,
+    t171,
+    t173,
+    t176,
+    t202,
+    t210,
+    t231,
+    t250,
+    t253,
+    t276,
+    inverse_d_panda_joint1,
+    t460,
+    t462,
+    t465,
+    t470,
+    t477,
+    t486,
+    t497,
+    omega_panda_joint4_x,
+    t563,
+    omega_panda_joint6_y,
+    t1032,
+    t1037,
+    t1042,
+    t1049,
+    t1058,
+    t1069,
+    t1082,
+    t1098,
+    t1103,
+    t1110,
+    t1119,
+    t1130,
+    t1143,
+    t1176,
+    t1183,
+    t1192,
+    t1203,
+    t1216,
+    t1262,
+    t1271,
+    t1282,
+    t1295,
+    t1378,
+    t1434,
+    t1445,
+    t1457,
+    t1482,
+    t1779,
+    t1780,
+    t1784,
+    t1792,
+    t1802,
     t1809,
-    t1859,
+    t1822,
+    t1826,
+    t1827,
+    t1834,
+    t1839,
+    t1851,
     t1862,
+    t1865,
+    t1867,
     t1868,
     t1870,
-    t1887,
+    t1876,
+    t1883,
     t1891,
-    t1899,
+    t1894,
+    t1898,
     t1906,
-    t1916,
-    t1918,
-    t1922,
+    t1958,
     t1959,
-    t1964,
-    t1970,
-    t1981,
+    t1965,
+    t1967,
+    t1968,
+    t1983,
     t1986,
-    t1988,
     t1998,
-    t2000,
-    t2002,
-    t2012,
-    t2019,
-    t2020,
-    t2023,
-    t2030,
-    t2038,
-    t2041,
-    t2055,
-    t2064,
-    t2068,
-    t2083,
-    t2103,
-    t2117,
-    t2123,
-    t2127,
-    t2129,
-    t2135,
-    t2139,
-    t2142,
-    t2147,
-    t2150,
-    t2153,
-    t2156,
-    t2167,
-    t2176,
-    t2180,
-    t2198,
-    t2218,
-    t2224,
-    t2228,
-    t2230,
-    t2236,
-    t2240,
-    t2244,
-    t2251,
-    t2254,
-    t2258,
+    t1999,
+    t2052,
+    t2058,
+    t2060,
     t2263,
-    t2268,
-    t2283,
-    t2296,
-    t2301,
-    t2303,
-    t2309,
-    t2313,
-    t2318,
-    t2326,
-    t2331,
-    t2346,
-    t2348,
-    t2351,
-    t2353,
-    t2355,
-    t2361,
-    t2368,
-    t2375,
-    t2377,
-    t2385,
-    t2408,
-    t2413,
-    t2421,
-    t2429,
-    t2432,
-    t2434,
-    t2457,
-    t2508,
-    t2525,
-    t2544,
-    t2562,
-    t2572,
-    t2587,
+    t2288,
+    t2339,
+    t2365,
+    t2399,
+    t2419,
+    t2439,
+    t2460,
+    t2588,
     t2590,
-    t2592,
-    t2607,
-    t2687,
-    t2704,
-    t2720,
-    t2728,
-    t2738,
-    t2753,
-    t2756,
-    t2758,
-    t2780,
-    t2870,
-    t2884,
-    t2890,
-    t2898,
-    t2908,
-    t2923,
-    t2926,
-    t2928,
-    t2943,
-    t3015,
-    t3031,
-    t3038,
-    t3050,
-    t3054,
-    t3060,
-    t3062,
-    t3066,
-    ]: [f64; 249],
-) -> [f64; 116] {
-    let t3067 = t737 * t3060;
-    let t3068 = t3066 + t3067;
-    let t3069 = t797 * t3068;
-    let t3070 = t3062 - t3069;
-    let t3071 = t803 * t3050;
-    let t3072 = t3038 + t3071;
-    let t3073 = t808 * t3054;
-    let t3074 = t3072 - t3073;
-    let t3075 = t815 * t3060;
-    let t3076 = t3074 + t3075;
-    let t3077 = t824 * t3068;
-    let t3078 = t3076 + t3077;
-    let t3079 = t877 * t3078;
-    let t3080 = t3070 - t3079;
-    let t3081 = cos_panda_joint3 * t3015;
-    let t3082 = sin_panda_joint3 * t3031;
-    let t3083 = t3082 - t3081;
-    let t3084 = t900 * t3050;
-    let t3085 = t3083 - t3084;
-    let t3086 = t908 * t3054;
-    let t3087 = t3085 + t3086;
-    let t3088 = t918 * t3060;
-    let t3089 = t3087 - t3088;
-    let t3090 = t930 * t3068;
-    let t3091 = t3089 - t3090;
-    let t3092 = t944 * t3078;
-    let t3093 = t3091 - t3092;
-    let t3094 = t990 * t3093;
-    let t3095 = t3080 - t3094;
-    let t3096 = inverse_d_panda_joint1 * t3095;
-    let t3097 = t1139 * t1119;
-    let t3098 = t1134 * t1127;
-    let t3099 = t3097 - t3098;
-    let t3100 = t224 * t1130;
-    let t3101 = t3099 + t3100;
-    let t3102 = t1635 + t1619;
-    let t3103 = omega_panda_joint6_z * t3102;
-    let t3104 = omega_panda_joint6_x * t1684;
-    let t3105 = t3103 + t3104;
-    let t3106 = t3101 - t3105;
-    let t3107 = moment_panda_joint7_y_2 + t3106;
-    let t3108 = cos_panda_joint6 * t3107;
-    let t3109 = omega_panda_joint6_z * t1592;
-    let t3110 = t224 * t1169;
-    let t3111 = t3110 - t3109;
-    let t3112 = force_panda_joint7_x_2 + t3111;
-    let t3113 = t1130 * t1119;
-    let t3114 = t224 * t2019;
-    let t3115 = t3114 + t3113;
-    let t3116 = t1122 * t1127;
-    let t3117 = t3115 - t3116;
-    let t3118 = t1188 * acceleration_panda_joint7_y_2;
-    let t3119 = t1169 * acceleration_panda_joint7_x_2;
-    let t3120 = t3119 - t3118;
-    let t3121 = t3120 - t3117;
-    let t3122 = omega_panda_joint6_x * t1676;
-    let t3123 = omega_panda_joint6_z * t1596;
-    let t3124 = t3123 - t3122;
-    let t3125 = t3121 - t3124;
-    let t3126 = t3125 - t3112;
-    let t3127 = sin_panda_joint6 * t3126;
-    let t3128 = t3108 + t3127;
-    let t3129 = 4.363636363636364 * t3112;
-    let t3130 = t3129 - t3128;
-    let t3131 = sin_panda_joint5 * t3130;
-    let t3132 = t1134 * t1119;
-    let t3133 = t1112 * t1127;
-    let t3134 = t3133 - t3132;
-    let t3135 = t224 * t1122;
-    let t3136 = t3134 - t3135;
-    let t3137 = t1611 - t1619;
-    let t3138 = omega_panda_joint6_x * t3137;
-    let t3139 = omega_panda_joint6_z * t1654;
-    let t3140 = t3138 - t3139;
-    let t3141 = t3136 - t3140;
-    let t3142 = moment_panda_joint7_x_2 - t3141;
-    let t3143 = t1188 * t1119;
-    let t3144 = t1169 * t1127;
-    let t3145 = t3143 + t3144;
-    let t3146 = omega_panda_joint6_x * t1612;
-    let t3147 = omega_panda_joint6_z * t1649;
-    let t3148 = t3147 + t3146;
-    let t3149 = t3145 + t3148;
-    let t3150 = t3149 - t3142;
-    let t3151 = omega_panda_joint6_x * t1592;
-    let t3152 = t224 * t1188;
-    let t3153 = t3152 - t3151;
-    let t3154 = force_panda_joint7_y_2 + t3153;
-    let t3155 = t1184 * t3154;
-    let t3156 = t1178 * t3149;
-    let t3157 = t3155 + t3156;
-    let t3158 = t3150 + t3157;
-    let t3159 = cos_panda_joint5 * t3158;
-    let t3160 = t3131 - t3159;
-    let t3161 = t1178 * t3154;
-    let t3162 = t1184 * t3149;
-    let t3163 = t3161 - t3162;
-    let t3164 = 0.21484375 * t3163;
-    let t3165 = t3164 - t3160;
-    let t3166 = t1149 * t3157;
-    let t3167 = t1163 * t3129;
-    let t3168 = t3166 - t3167;
-    let t3169 = sin_panda_joint4 * t3168;
-    let t3170 = cos_panda_joint4 * t3164;
-    let t3171 = t3169 + t3170;
-    let t3172 = t3165 - t3171;
-    let t3173 = cos_panda_joint4 * t3168;
-    let t3174 = sin_panda_joint4 * t3164;
-    let t3175 = t3173 - t3174;
-    let t3176 = 3.83030303030303 * t3175;
-    let t3177 = t3172 + t3176;
-    let t3178 = sin_panda_joint3 * t3177;
-    let t3179 = cos_panda_joint5 * t3130;
-    let t3180 = sin_panda_joint5 * t3158;
-    let t3181 = t3179 + t3180;
-    let t3182 = cos_panda_joint4 * t3181;
-    let t3183 = sin_panda_joint6 * t3107;
-    let t3184 = cos_panda_joint6 * t3126;
-    let t3185 = t3183 - t3184;
-    let t3186 = t1163 * t3157;
-    let t3187 = t1149 * t3129;
-    let t3188 = t3186 + t3187;
-    let t3189 = t3185 - t3188;
-    let t3190 = sin_panda_joint4 * t3189;
-    let t3191 = t3182 + t3190;
-    let t3192 = 3.83030303030303 * t3188;
-    let t3193 = t3191 + t3192;
-    let t3194 = cos_panda_joint3 * t3193;
-    let t3195 = t3194 + t3178;
-    let t3196 = sin_panda_joint2 * t3195;
-    let t3197 = sin_panda_joint4 * t3181;
-    let t3198 = cos_panda_joint4 * t3189;
-    let t3199 = t3197 - t3198;
-    let t3200 = t3188 - t3199;
-    let t3201 = cos_panda_joint2 * t3200;
-    let t3202 = t3196 + t3201;
-    let t3203 = t571 * t3125;
-    let t3204 = t3202 - t3203;
-    let t3205 = t577 * t3125;
-    let t3206 = t3150 - t3205;
-    let t3207 = t641 * t3206;
-    let t3208 = t3204 + t3207;
-    let t3209 = t652 * t3206;
-    let t3210 = t647 * t3125;
-    let t3211 = t3185 + t3210;
-    let t3212 = t3211 - t3209;
-    let t3213 = t719 * t3212;
-    let t3214 = t3208 - t3213;
-    let t3215 = t725 * t3125;
-    let t3216 = t3165 + t3215;
-    let t3217 = t730 * t3206;
-    let t3218 = t3216 + t3217;
-    let t3219 = t737 * t3212;
-    let t3220 = t3218 + t3219;
-    let t3221 = t797 * t3220;
-    let t3222 = t3214 - t3221;
-    let t3223 = t803 * t3125;
-    let t3224 = t3200 + t3223;
-    let t3225 = t808 * t3206;
-    let t3226 = t3224 - t3225;
-    let t3227 = t815 * t3212;
-    let t3228 = t3226 + t3227;
-    let t3229 = t824 * t3220;
-    let t3230 = t3228 + t3229;
-    let t3231 = t877 * t3230;
-    let t3232 = t3222 - t3231;
-    let t3233 = cos_panda_joint3 * t3177;
-    let t3234 = sin_panda_joint3 * t3193;
-    let t3235 = t3234 - t3233;
-    let t3236 = t900 * t3125;
-    let t3237 = t3235 - t3236;
-    let t3238 = t908 * t3206;
-    let t3239 = t3237 + t3238;
-    let t3240 = t918 * t3212;
-    let t3241 = t3239 - t3240;
-    let t3242 = t930 * t3220;
-    let t3243 = t3241 - t3242;
-    let t3244 = t944 * t3230;
-    let t3245 = t3243 - t3244;
-    let t3246 = t990 * t3245;
-    let t3247 = t3232 - t3246;
-    let t3248 = inverse_d_panda_joint1 * t3247;
-    let t3249 = t990 * t2432;
-    let t3250 = inverse_d_panda_joint2 * t2429;
-    let t3251 = t3250 + t3249;
-    let t3252 = t990 * t2590;
-    let t3253 = inverse_d_panda_joint2 * t2587;
-    let t3254 = t3253 - t3252;
-    let t3255 = t990 * t2756;
-    let t3256 = inverse_d_panda_joint2 * t2753;
-    let t3257 = t3256 - t3255;
-    let t3258 = t990 * t2926;
-    let t3259 = inverse_d_panda_joint2 * t2923;
-    let t3260 = t3259 - t3258;
-    let t3261 = t990 * t3096;
-    let t3262 = inverse_d_panda_joint2 * t3093;
-    let t3263 = t3262 - t3261;
-    let t3264 = t990 * t3248;
-    let t3265 = inverse_d_panda_joint2 * t3245;
-    let t3266 = t3265 - t3264;
-    let t3267 = t944 * t3251;
-    let t3268 = inverse_d_panda_joint3 * t2385;
-    let t3269 = t3268 - t3267;
-    let t3270 = t877 * t2432;
-    let t3271 = t3269 + t3270;
-    let t3272 = t944 * t3254;
-    let t3273 = inverse_d_panda_joint3 * t2572;
-    let t3274 = t3273 + t3272;
-    let t3275 = t877 * t2590;
-    let t3276 = t3274 + t3275;
-    let t3277 = t944 * t3257;
-    let t3278 = inverse_d_panda_joint3 * t2738;
-    let t3279 = t3278 + t3277;
-    let t3280 = t877 * t2756;
-    let t3281 = t3279 + t3280;
-    let t3282 = t944 * t3260;
-    let t3283 = inverse_d_panda_joint3 * t2908;
-    let t3284 = t3283 + t3282;
-    let t3285 = t877 * t2926;
-    let t3286 = t3284 + t3285;
-    let t3287 = t944 * t3263;
-    let t3288 = inverse_d_panda_joint3 * t3078;
-    let t3289 = t3288 - t3287;
-    let t3290 = t877 * t3096;
-    let t3291 = t3289 - t3290;
-    let t3292 = t944 * t3266;
-    let t3293 = inverse_d_panda_joint3 * t3230;
-    let t3294 = t3293 - t3292;
-    let t3295 = t877 * t3248;
-    let t3296 = t3294 - t3295;
-    let t3297 = t824 * t3271;
-    let t3298 = inverse_d_panda_joint4 * t2361;
-    let t3299 = t3298 + t3297;
-    let t3300 = t930 * t3251;
-    let t3301 = t3299 - t3300;
-    let t3302 = t797 * t2432;
-    let t3303 = t3301 + t3302;
-    let t3304 = t824 * t3276;
-    let t3305 = inverse_d_panda_joint4 * t2562;
-    let t3306 = t3305 - t3304;
-    let t3307 = t930 * t3254;
-    let t3308 = t3306 - t3307;
-    let t3309 = t797 * t2590;
-    let t3310 = t3308 - t3309;
-    let t3311 = t824 * t3281;
-    let t3312 = inverse_d_panda_joint4 * t2728;
-    let t3313 = t3312 - t3311;
-    let t3314 = t930 * t3257;
-    let t3315 = t3313 - t3314;
-    let t3316 = t797 * t2756;
-    let t3317 = t3315 - t3316;
-    let t3318 = t824 * t3286;
-    let t3319 = inverse_d_panda_joint4 * t2898;
-    let t3320 = t3319 + t3318;
-    let t3321 = t930 * t3260;
-    let t3322 = t3320 + t3321;
-    let t3323 = t797 * t2926;
-    let t3324 = t3322 + t3323;
-    let t3325 = t824 * t3291;
-    let t3326 = inverse_d_panda_joint4 * t3068;
-    let t3327 = t3326 + t3325;
-    let t3328 = t930 * t3263;
-    let t3329 = t3327 - t3328;
-    let t3330 = t797 * t3096;
-    let t3331 = t3329 - t3330;
-    let t3332 = t824 * t3296;
-    let t3333 = inverse_d_panda_joint4 * t3220;
-    let t3334 = t3333 + t3332;
-    let t3335 = t930 * t3266;
-    let t3336 = t3334 - t3335;
-    let t3337 = t797 * t3248;
-    let t3338 = t3336 - t3337;
-    let t3339 = t737 * t3303;
-    let t3340 = inverse_d_panda_joint5 * t2318;
-    let t3341 = t3340 - t3339;
-    let t3342 = t815 * t3271;
-    let t3343 = t3341 - t3342;
-    let t3344 = t918 * t3251;
-    let t3345 = t3343 + t3344;
-    let t3346 = t719 * t2432;
-    let t3347 = t3345 - t3346;
-    let t3348 = t737 * t3310;
-    let t3349 = inverse_d_panda_joint5 * t2544;
-    let t3350 = t3349 + t3348;
-    let t3351 = t815 * t3276;
-    let t3352 = t3350 - t3351;
-    let t3353 = t918 * t3254;
-    let t3354 = t3352 - t3353;
-    let t3355 = t719 * t2590;
-    let t3356 = t3354 - t3355;
-    let t3357 = t737 * t3317;
-    let t3358 = inverse_d_panda_joint5 * t2720;
-    let t3359 = t3358 + t3357;
-    let t3360 = t815 * t3281;
-    let t3361 = t3359 - t3360;
-    let t3362 = t918 * t3257;
-    let t3363 = t3361 - t3362;
-    let t3364 = t719 * t2756;
-    let t3365 = t3363 - t3364;
-    let t3366 = t737 * t3324;
-    let t3367 = inverse_d_panda_joint5 * t2890;
-    let t3368 = t3367 - t3366;
-    let t3369 = t815 * t3286;
-    let t3370 = t3368 - t3369;
-    let t3371 = t918 * t3260;
-    let t3372 = t3370 - t3371;
-    let t3373 = t719 * t2926;
-    let t3374 = t3372 - t3373;
-    let t3375 = t737 * t3331;
-    let t3376 = inverse_d_panda_joint5 * t3060;
-    let t3377 = t3376 + t3375;
-    let t3378 = t815 * t3291;
-    let t3379 = t3377 + t3378;
-    let t3380 = t918 * t3263;
-    let t3381 = t3379 - t3380;
-    let t3382 = t719 * t3096;
-    let t3383 = t3381 - t3382;
-    let t3384 = t737 * t3338;
-    let t3385 = inverse_d_panda_joint5 * t3212;
-    let t3386 = t3385 + t3384;
-    let t3387 = t815 * t3296;
-    let t3388 = t3386 + t3387;
-    let t3389 = t918 * t3266;
-    let t3390 = t3388 - t3389;
-    let t3391 = t719 * t3248;
-    let t3392 = t3390 - t3391;
-    let t3393 = t652 * t3347;
-    let t3394 = inverse_d_panda_joint6 * t2244;
-    let t3395 = t3394 - t3393;
-    let t3396 = t730 * t3303;
-    let t3397 = t3395 - t3396;
-    let t3398 = t808 * t3271;
-    let t3399 = t3397 + t3398;
-    let t3400 = t908 * t3251;
-    let t3401 = t3399 - t3400;
-    let t3402 = t641 * t2432;
-    let t3403 = t3401 + t3402;
-    let t3404 = t652 * t3356;
-    let t3405 = inverse_d_panda_joint6 * t2525;
-    let t3406 = t3405 - t3404;
-    let t3407 = t730 * t3310;
-    let t3408 = t3406 + t3407;
-    let t3409 = t808 * t3276;
-    let t3410 = t3408 + t3409;
-    let t3411 = t908 * t3254;
-    let t3412 = t3410 + t3411;
-    let t3413 = t641 * t2590;
-    let t3414 = t3412 + t3413;
-    let t3415 = t652 * t3365;
-    let t3416 = inverse_d_panda_joint6 * t2704;
-    let t3417 = t3416 - t3415;
-    let t3418 = t730 * t3317;
-    let t3419 = t3417 + t3418;
-    let t3420 = t808 * t3281;
-    let t3421 = t3419 + t3420;
-    let t3422 = t908 * t3257;
-    let t3423 = t3421 + t3422;
-    let t3424 = t641 * t2756;
-    let t3425 = t3423 + t3424;
-    let t3426 = t652 * t3374;
-    let t3427 = inverse_d_panda_joint6 * t2884;
-    let t3428 = t3427 + t3426;
-    let t3429 = t730 * t3324;
-    let t3430 = t3428 + t3429;
-    let t3431 = t808 * t3286;
-    let t3432 = t3430 - t3431;
-    let t3433 = t908 * t3260;
-    let t3434 = t3432 - t3433;
-    let t3435 = t641 * t2926;
-    let t3436 = t3434 - t3435;
-    let t3437 = t652 * t3383;
-    let t3438 = inverse_d_panda_joint6 * t3054;
-    let t3439 = t3438 - t3437;
-    let t3440 = t730 * t3331;
-    let t3441 = t3439 + t3440;
-    let t3442 = t808 * t3291;
-    let t3443 = t3441 - t3442;
-    let t3444 = t908 * t3263;
-    let t3445 = t3443 + t3444;
-    let t3446 = t641 * t3096;
-    let t3447 = t3445 + t3446;
-    let t3448 = t652 * t3392;
-    let t3449 = inverse_d_panda_joint6 * t3206;
-    let t3450 = t3449 - t3448;
-    let t3451 = t730 * t3338;
-    let t3452 = t3450 + t3451;
-    let t3453 = t808 * t3296;
-    let t3454 = t3452 - t3453;
-    let t3455 = t908 * t3266;
-    let t3456 = t3454 + t3455;
-    let t3457 = t641 * t3248;
-    let t3458 = t3456 + t3457;
-    let t3459 = t577 * t3403;
-    let t3460 = 149.60760989322964 * t2142;
-    let t3461 = t3460 - t3459;
-    let t3462 = t647 * t3347;
-    let t3463 = t3461 + t3462;
-    let t3464 = t725 * t3303;
-    let t3465 = t3463 - t3464;
-    let t3466 = t803 * t3271;
-    let t3467 = t3465 - t3466;
-    let t3468 = t900 * t3251;
-    let t3469 = t3467 + t3468;
-    let t3470 = t571 * t2432;
-    let t3471 = t3469 - t3470;
-    let t3472 = t577 * t3414;
-    let t3473 = 149.60760989322964 * t2508;
-    let t3474 = t3473 - t3472;
-    let t3475 = t647 * t3356;
-    let t3476 = t3474 + t3475;
-    let t3477 = t725 * t3310;
-    let t3478 = t3476 + t3477;
-    let t3479 = t803 * t3276;
-    let t3480 = t3478 - t3479;
-    let t3481 = t900 * t3254;
-    let t3482 = t3480 - t3481;
-    let t3483 = t571 * t2590;
-    let t3484 = t3482 - t3483;
-    let t3485 = t577 * t3425;
-    let t3486 = 149.60760989322964 * t2687;
-    let t3487 = t3486 - t3485;
-    let t3488 = t647 * t3365;
-    let t3489 = t3487 + t3488;
-    let t3490 = t725 * t3317;
-    let t3491 = t3489 + t3490;
-    let t3492 = t803 * t3281;
-    let t3493 = t3491 - t3492;
-    let t3494 = t900 * t3257;
-    let t3495 = t3493 - t3494;
-    let t3496 = t571 * t2756;
-    let t3497 = t3495 - t3496;
-    let t3498 = t577 * t3436;
-    let t3499 = 149.60760989322964 * t2870;
-    let t3500 = t3499 + t3498;
-    let t3501 = t647 * t3374;
-    let t3502 = t3500 + t3501;
-    let t3503 = t725 * t3324;
-    let t3504 = t3502 - t3503;
-    let t3505 = t803 * t3286;
-    let t3506 = t3504 - t3505;
-    let t3507 = t900 * t3260;
-    let t3508 = t3506 - t3507;
-    let t3509 = t571 * t2926;
-    let t3510 = t3508 - t3509;
-    let t3511 = t577 * t3447;
-    let t3512 = 149.60760989322964 * t3050;
-    let t3513 = t3512 - t3511;
-    let t3514 = t647 * t3383;
-    let t3515 = t3513 + t3514;
-    let t3516 = t725 * t3331;
-    let t3517 = t3515 + t3516;
-    let t3518 = t803 * t3291;
-    let t3519 = t3517 + t3518;
-    let t3520 = t900 * t3263;
-    let t3521 = t3519 - t3520;
-    let t3522 = t571 * t3096;
-    let t3523 = t3521 - t3522;
-    let t3524 = t577 * t3458;
-    let t3525 = 149.60760989322964 * t3125;
-    let t3526 = t3525 - t3524;
-    let t3527 = t647 * t3392;
-    let t3528 = t3526 + t3527;
-    let t3529 = t725 * t3338;
-    let t3530 = t3528 + t3529;
-    let t3531 = t803 * t3296;
-    let t3532 = t3530 + t3531;
-    let t3533 = t900 * t3266;
-    let t3534 = t3532 - t3533;
-    let t3535 = t571 * t3248;
-    let t3536 = t3534 - t3535;
-    let t3537 = t1891 - t1981;
-    let t3538 = sin_panda_joint2 * t3537;
-    let t3539 = t2012 + t1922;
-    let t3540 = cos_panda_joint2 * t3539;
-    let t3541 = t3538 + t3540;
-    let t3542 = sin_panda_joint2 * t3541;
-    let t3543 = t1891 - t3542;
-    let t3544 = v[0] * 0.00035816594888099995;
-    let t3545 = t3544 - t3543;
-    let t3546 = t3544 - t1887;
-    let t3547 = t3545 - t3546;
-    let t3548 = 0.003 - t3547;
-    let t3549 = sin_panda_joint2 * t2129;
-    let t3550 = cos_panda_joint2 * t2139;
-    let t3551 = t3549 - t3550;
-    let t3552 = t571 * t3551;
-    let t3553 = t3548 + t3552;
-    let t3554 = t577 * t3551;
-    let t3555 = sin_panda_joint2 * t2230;
-    let t3556 = cos_panda_joint2 * t2240;
-    let t3557 = t3555 - t3556;
-    let t3558 = t3557 - t3554;
-    let t3559 = t641 * t3558;
-    let t3560 = t3553 - t3559;
-    let t3561 = sin_panda_joint2 * t2303;
-    let t3562 = cos_panda_joint2 * t2313;
-    let t3563 = t3561 - t3562;
-    let t3564 = t647 * t3551;
-    let t3565 = t3563 + t3564;
-    let t3566 = t652 * t3558;
-    let t3567 = t3565 - t3566;
-    let t3568 = t719 * t3567;
-    let t3569 = t3560 + t3568;
-    let t3570 = sin_panda_joint2 * t2353;
-    let t3571 = cos_panda_joint2 * t2355;
-    let t3572 = t3570 - t3571;
-    let t3573 = t725 * t3551;
-    let t3574 = t3572 + t3573;
-    let t3575 = t730 * t3558;
-    let t3576 = t3574 + t3575;
-    let t3577 = t737 * t3567;
-    let t3578 = t3576 + t3577;
-    let t3579 = t797 * t3578;
-    let t3580 = t3569 + t3579;
-    let t3581 = cos_panda_joint2 * t2377;
-    let t3582 = sin_panda_joint2 * t1918;
-    let t3583 = t3582 - t3581;
-    let t3584 = t803 * t3551;
-    let t3585 = t3583 + t3584;
-    let t3586 = t808 * t3558;
-    let t3587 = t3585 - t3586;
-    let t3588 = t815 * t3567;
-    let t3589 = t3587 + t3588;
-    let t3590 = t824 * t3578;
-    let t3591 = t3589 + t3590;
-    let t3592 = t877 * t3591;
-    let t3593 = t3580 + t3592;
-    let t3594 = sin_panda_joint2 * t2413;
-    let t3595 = cos_panda_joint2 * t2421;
-    let t3596 = t3594 + t3595;
-    let t3597 = t900 * t3551;
-    let t3598 = t3596 + t3597;
-    let t3599 = t908 * t3558;
-    let t3600 = t3598 - t3599;
-    let t3601 = t918 * t3567;
-    let t3602 = t3600 + t3601;
-    let t3603 = t930 * t3578;
-    let t3604 = t3602 + t3603;
-    let t3605 = t944 * t3591;
-    let t3606 = t3604 + t3605;
-    let t3607 = t990 * t3606;
-    let t3608 = t3593 - t3607;
-    let t3609 = inverse_d_panda_joint1 * t3608;
-    let t3610 = t1891 + t1981;
-    let t3611 = 2.0 * omega_panda_joint2_y;
-    let t3612 = t3611 * t1964;
-    let t3613 = 2.0 * omega_panda_joint2_x;
-    let t3614 = t3613 * t1581;
-    let t3615 = t3612 - t3614;
-    let t3616 = t3610 - t3615;
-    let t3617 = 0.003 + t3616;
-    let t3618 = sin_panda_joint3 * t2117;
-    let t3619 = cos_panda_joint3 * t2127;
-    let t3620 = t3618 + t3619;
-    let t3621 = t3611 * t2068;
-    let t3622 = t3613 * t2041;
-    let t3623 = t3621 - t3622;
-    let t3624 = t3620 - t3623;
-    let t3625 = t900 * t3624;
-    let t3626 = t3617 + t3625;
-    let t3627 = t577 * t3624;
-    let t3628 = sin_panda_joint3 * t2218;
-    let t3629 = cos_panda_joint3 * t2228;
-    let t3630 = t3628 + t3629;
-    let t3631 = t3611 * t2180;
-    let t3632 = t3613 * t2156;
-    let t3633 = t3631 + t3632;
-    let t3634 = t3630 - t3633;
-    let t3635 = t3634 - t3627;
-    let t3636 = t908 * t3635;
-    let t3637 = t3626 - t3636;
-    let t3638 = sin_panda_joint3 * t2296;
-    let t3639 = cos_panda_joint3 * t2301;
-    let t3640 = t3638 + t3639;
-    let t3641 = t3611 * t2268;
-    let t3642 = t3613 * t2254;
-    let t3643 = t3641 - t3642;
-    let t3644 = t3640 - t3643;
-    let t3645 = t647 * t3624;
-    let t3646 = t3644 + t3645;
-    let t3647 = t652 * t3635;
-    let t3648 = t3646 - t3647;
-    let t3649 = t918 * t3648;
-    let t3650 = t3637 + t3649;
-    let t3651 = sin_panda_joint3 * t2346;
-    let t3652 = cos_panda_joint3 * t2351;
-    let t3653 = t3651 + t3652;
-    let t3654 = t3611 * t2331;
-    let t3655 = t3613 * t1545;
-    let t3656 = t3654 + t3655;
-    let t3657 = t3653 + t3656;
-    let t3658 = t725 * t3624;
-    let t3659 = t3657 + t3658;
-    let t3660 = t730 * t3635;
-    let t3661 = t3659 + t3660;
-    let t3662 = t737 * t3648;
-    let t3663 = t3661 + t3662;
-    let t3664 = t930 * t3663;
-    let t3665 = t3650 + t3664;
-    let t3666 = sin_panda_joint3 * t1906;
-    let t3667 = cos_panda_joint3 * t1916;
-    let t3668 = t3666 + t3667;
-    let t3669 = t3611 * t1551;
-    let t3670 = t3613 * t2368;
-    let t3671 = t3669 - t3670;
-    let t3672 = t3668 + t3671;
-    let t3673 = t803 * t3624;
-    let t3674 = t3672 + t3673;
-    let t3675 = t808 * t3635;
-    let t3676 = t3674 - t3675;
-    let t3677 = t815 * t3648;
-    let t3678 = t3676 + t3677;
-    let t3679 = t824 * t3663;
-    let t3680 = t3678 + t3679;
-    let t3681 = t944 * t3680;
-    let t3682 = t3665 + t3681;
-    let t3683 = t990 * t3682;
-    let t3684 = t1859 - t2408;
-    let t3685 = v[1] * 0.0015378722058928;
-    let t3686 = t3685 - t3684;
-    let t3687 = t3611 * t1959;
-    let t3688 = t3613 * t1552;
-    let t3689 = t3687 + t3688;
-    let t3690 = t3686 + t3689;
-    let t3691 = sin_panda_joint2 * t3690;
-    let t3692 = v[1] * 0.02052220364201634;
-    let t3693 = t3692 - t3668;
-    let t3694 = t3613 * t1575;
-    let t3695 = t3611 * t1552;
-    let t3696 = t3694 + t3695;
-    let t3697 = t3693 + t3696;
-    let t3698 = cos_panda_joint2 * t3697;
-    let t3699 = t3691 - t3698;
-    let t3700 = t571 * t3624;
-    let t3701 = t3699 - t3700;
-    let t3702 = t641 * t3635;
-    let t3703 = t3701 + t3702;
-    let t3704 = t719 * t3648;
-    let t3705 = t3703 - t3704;
-    let t3706 = t797 * t3663;
-    let t3707 = t3705 - t3706;
-    let t3708 = t877 * t3680;
-    let t3709 = t3707 - t3708;
-    let t3710 = t3709 + t3683;
-    let t3711 = inverse_d_panda_joint1 * t3710;
-    let t3712 = t1899 * t1524;
-    let t3713 = 2.0 * omega_panda_joint3_x;
-    let t3714 = t3713 * t1546;
-    let t3715 = t3712 + t3714;
-    let t3716 = t2375 - t3715;
-    let t3717 = 0.003 + t3716;
-    let t3718 = t3713 * t2055;
-    let t3719 = t1899 * t2064;
-    let t3720 = t3719 - t3718;
-    let t3721 = t2135 + t3720;
-    let t3722 = t803 * t3721;
-    let t3723 = t3717 + t3722;
-    let t3724 = t577 * t3721;
-    let t3725 = t3713 * t2167;
-    let t3726 = t1899 * t2176;
-    let t3727 = t3726 - t3725;
-    let t3728 = t2236 + t3727;
-    let t3729 = t3728 - t3724;
-    let t3730 = t808 * t3729;
-    let t3731 = t3723 - t3730;
-    let t3732 = t1899 * t2258;
-    let t3733 = t3713 * t2263;
-    let t3734 = t3732 + t3733;
-    let t3735 = t2309 + t3734;
-    let t3736 = t647 * t3721;
-    let t3737 = t3735 + t3736;
-    let t3738 = t652 * t3729;
-    let t3739 = t3737 - t3738;
-    let t3740 = t815 * t3739;
-    let t3741 = t3731 + t3740;
-    let t3742 = t3713 * t2326;
-    let t3743 = t1899 * t1565;
-    let t3744 = t3743 - t3742;
-    let t3745 = t1998 - t3744;
-    let t3746 = t725 * t3721;
-    let t3747 = t3745 + t3746;
-    let t3748 = t730 * t3729;
-    let t3749 = t3747 + t3748;
-    let t3750 = t737 * t3739;
-    let t3751 = t3749 + t3750;
-    let t3752 = t824 * t3751;
-    let t3753 = t3741 + t3752;
-    let t3754 = t944 * t3753;
-    let t3755 = t1899 * t2457;
-    let t3756 = t3713 * t1567;
-    let t3757 = t3755 - t3756;
-    let t3758 = t1986 + t3757;
-    let t3759 = t1970 - t1988;
-    let t3760 = 3.83030303030303 * t3759;
-    let t3761 = t3758 - t3760;
-    let t3762 = sin_panda_joint3 * t3761;
-    let t3763 = t3713 * t2434;
-    let t3764 = t1899 * t1567;
-    let t3765 = t3763 - t3764;
-    let t3766 = t2000 - t3765;
-    let t3767 = t3713 * t1522;
-    let t3768 = t2002 + t3767;
-    let t3769 = 3.83030303030303 * t3768;
-    let t3770 = t3766 + t3769;
-    let t3771 = cos_panda_joint3 * t3770;
-    let t3772 = t3762 - t3771;
-    let t3773 = t900 * t3721;
-    let t3774 = t3772 + t3773;
-    let t3775 = t908 * t3729;
-    let t3776 = t3774 - t3775;
-    let t3777 = t918 * t3739;
-    let t3778 = t3776 + t3777;
-    let t3779 = t930 * t3751;
-    let t3780 = t3778 + t3779;
-    let t3781 = t3780 + t3754;
-    let t3782 = t990 * t3781;
-    let t3783 = cos_panda_joint3 * t3761;
-    let t3784 = sin_panda_joint3 * t3770;
-    let t3785 = t3783 + t3784;
-    let t3786 = sin_panda_joint2 * t3785;
-    let t3787 = cos_panda_joint2 * t3716;
-    let t3788 = t3786 - t3787;
-    let t3789 = t571 * t3721;
-    let t3790 = t3788 + t3789;
-    let t3791 = t641 * t3729;
-    let t3792 = t3790 - t3791;
-    let t3793 = t719 * t3739;
-    let t3794 = t3792 + t3793;
-    let t3795 = t797 * t3751;
-    let t3796 = t3794 + t3795;
-    let t3797 = t877 * t3753;
-    let t3798 = t3796 + t3797;
-    let t3799 = t3798 - t3782;
-    let t3800 = inverse_d_panda_joint1 * t3799;
-    let t3801 = t1808 * t1538;
-    let t3802 = 2.0 * omega_panda_joint4_x;
-    let t3803 = t3802 * t1543;
-    let t3804 = t3801 - t3803;
-    let t3805 = t2348 - t3804;
-    let t3806 = t1809 + t1793;
-    let t3807 = cos_panda_joint4 * t3806;
-    let t3808 = t3802 * t1536;
-    let t3809 = t1796 + t3808;
-    let t3810 = sin_panda_joint4 * t3809;
-    let t3811 = t3810 - t3807;
-    let t3812 = t3805 - t3811;
-    let t3813 = sin_panda_joint4 * t3806;
-    let t3814 = cos_panda_joint4 * t3809;
-    let t3815 = t3814 + t3813;
-    let t3816 = 3.83030303030303 * t3815;
-    let t3817 = t3812 + t3816;
-    let t3818 = sin_panda_joint3 * t3817;
-    let t3819 = t1808 * t2607;
-    let t3820 = t3802 * t1512;
-    let t3821 = t3819 + t3820;
-    let t3822 = t1862 + t3821;
-    let t3823 = cos_panda_joint4 * t3822;
-    let t3824 = t3802 * t2592;
-    let t3825 = t1808 * t1512;
-    let t3826 = t3824 + t3825;
-    let t3827 = t1870 + t3826;
-    let t3828 = sin_panda_joint4 * t3827;
-    let t3829 = t3823 - t3828;
-    let t3830 = t3802 * t1518;
-    let t3831 = t1808 * t1520;
-    let t3832 = t3831 + t3830;
-    let t3833 = 3.83030303030303 * t3832;
-    let t3834 = t3829 + t3833;
-    let t3835 = cos_panda_joint3 * t3834;
-    let t3836 = t3835 - t3818;
-    let t3837 = sin_panda_joint2 * t3836;
-    let t3838 = sin_panda_joint4 * t3822;
-    let t3839 = cos_panda_joint4 * t3827;
-    let t3840 = t3838 + t3839;
-    let t3841 = t3832 - t3840;
-    let t3842 = cos_panda_joint2 * t3841;
-    let t3843 = t3837 + t3842;
-    let t3844 = t1808 * t2030;
-    let t3845 = t3802 * t2038;
-    let t3846 = t3844 - t3845;
-    let t3847 = t2123 - t3846;
-    let t3848 = t571 * t3847;
-    let t3849 = t3843 - t3848;
-    let t3850 = t577 * t3847;
-    let t3851 = t1808 * t2150;
-    let t3852 = t3802 * t2153;
-    let t3853 = t3851 + t3852;
-    let t3854 = t2224 - t3853;
-    let t3855 = t3854 - t3850;
-    let t3856 = t641 * t3855;
-    let t3857 = t3849 + t3856;
-    let t3858 = t1808 * t1509;
-    let t3859 = t3802 * t2251;
-    let t3860 = t3858 + t3859;
-    let t3861 = t1868 - t3860;
-    let t3862 = t647 * t3847;
-    let t3863 = t3861 + t3862;
-    let t3864 = t652 * t3855;
-    let t3865 = t3863 - t3864;
-    let t3866 = t719 * t3865;
-    let t3867 = t3857 - t3866;
-    let t3868 = 0.003 - t3805;
-    let t3869 = t725 * t3847;
-    let t3870 = t3868 + t3869;
-    let t3871 = t730 * t3855;
-    let t3872 = t3870 + t3871;
-    let t3873 = t737 * t3865;
-    let t3874 = t3872 + t3873;
-    let t3875 = t797 * t3874;
-    let t3876 = t3867 - t3875;
-    let t3877 = t824 * t3874;
-    let t3878 = t803 * t3847;
-    let t3879 = t3841 + t3878;
-    let t3880 = t808 * t3855;
-    let t3881 = t3879 - t3880;
-    let t3882 = t815 * t3865;
-    let t3883 = t3881 + t3882;
-    let t3884 = t3883 + t3877;
-    let t3885 = t877 * t3884;
-    let t3886 = t3876 - t3885;
-    let t3887 = cos_panda_joint3 * t3817;
-    let t3888 = sin_panda_joint3 * t3834;
-    let t3889 = t3888 + t3887;
-    let t3890 = t900 * t3847;
-    let t3891 = t3889 - t3890;
-    let t3892 = t908 * t3855;
+    t2605,
+    t2724,
+    t2727,
+    t2749,
+    t2864,
+    t2866,
+    t2881,
+    t3004,
+    t3126,
+    t3139,
+    t3152,
+    t3165,
+    t3178,
+    t3191,
+    t3204,
+    t3217,
+    t3230,
+    t3243,
+    t3256,
+    t3269,
+    t3282,
+    t3295,
+    t3308,
+    t3321,
+    t3334,
+    t3347,
+    t3360,
+    t3373,
+    t3386,
+    t3399,
+    t3412,
+    t3425,
+    t3438,
+    t3451,
+    t3464,
+    t3477,
+    t3490,
+    t3503,
+    t3516,
+    t3529,
+    t3542,
+    t3555,
+    t3568,
+    t3581,
+    t3594,
+    t3597,
+    t3601,
+    t3605,
+    t3618,
+    t3622,
+    t3627,
+    t3632,
+    t3637,
+    t3646,
+    t3654,
+    t3662,
+    t3670,
+    t3678,
+    t3685,
+    t3702,
+    t3709,
+    t3714,
+    t3715,
+    t3719,
+    t3724,
+    t3729,
+    t3735,
+    t3754,
+    t3761,
+    t3767,
+    ]: [f64; 195],
+) -> [f64; 88] {
+    let t3768 = t3767 + t3715;
+    let t3769 = t202 * t1998;
+    let t3770 = 2.0 * omega_panda_joint4_x;
+    let t3771 = t210 * t3770;
+    let t3772 = t3769 + t3771;
+    let t3773 = t2439 + t3772;
+    let t3774 = t1069 * t3773;
+    let t3775 = t250 * t1998;
+    let t3776 = t253 * t3770;
+    let t3777 = t3775 + t3776;
+    let t3778 = t2365 - t3777;
+    let t3779 = t1058 * t3778;
+    let t3780 = t92 * t1998;
+    let t3781 = t276 * t3770;
+    let t3782 = t3780 + t3781;
+    let t3783 = t2058 - t3782;
+    let t3784 = t1049 * t3783;
+    let t3785 = t119 * t1998;
+    let t3786 = t124 * t3770;
+    let t3787 = t3785 - t3786;
+    let t3788 = t2263 - t3787;
+    let t3789 = 0.003 - t3788;
+    let t3790 = t1042 * t3789;
+    let t3791 = t1998 * t2605;
+    let t3792 = t95 * t3770;
+    let t3793 = t3791 - t3792;
+    let t3794 = t2052 - t3793;
+    let t3795 = sin_panda_joint4 * t3794;
+    let t3796 = t3770 * t2590;
+    let t3797 = t95 * t1998;
+    let t3798 = t3796 - t3797;
+    let t3799 = t2060 - t3798;
+    let t3800 = cos_panda_joint4 * t3799;
+    let t3801 = t3795 + t3800;
+    let t3802 = t101 * t3770;
+    let t3803 = t103 * t1998;
+    let t3804 = t3803 + t3802;
+    let t3805 = t3804 - t3801;
+    let t3806 = t1037 * t3805;
+    let t3807 = t1999 + t1983;
+    let t3808 = cos_panda_joint4 * t3807;
+    let t3809 = t117 * t3770;
+    let t3810 = t1986 + t3809;
+    let t3811 = sin_panda_joint4 * t3810;
+    let t3812 = t3811 - t3808;
+    let t3813 = t3788 - t3812;
+    let t3814 = sin_panda_joint4 * t3807;
+    let t3815 = cos_panda_joint4 * t3810;
+    let t3816 = t3815 + t3814;
+    let t3817 = 3.83030303030303 * t3816;
+    let t3818 = t3813 + t3817;
+    let t3819 = cos_panda_joint3 * t3818;
+    let t3820 = cos_panda_joint4 * t3794;
+    let t3821 = sin_panda_joint4 * t3799;
+    let t3822 = t3820 - t3821;
+    let t3823 = 3.83030303030303 * t3804;
+    let t3824 = t3822 + t3823;
+    let t3825 = sin_panda_joint3 * t3824;
+    let t3826 = t3825 + t3819;
+    let t3827 = t460 * t3826;
+    let t3828 = sin_panda_joint3 * t3818;
+    let t3829 = cos_panda_joint3 * t3824;
+    let t3830 = t3829 - t3828;
+    let t3831 = sin_panda_joint2 * t3830;
+    let t3832 = cos_panda_joint2 * t3805;
+    let t3833 = t3831 + t3832;
+    let t3834 = inverse_d_panda_joint1 * t3833;
+    let t3835 = t3834 - t3827;
+    let t3836 = t3835 + t3806;
+    let t3837 = t3836 + t3790;
+    let t3838 = t3837 - t3784;
+    let t3839 = t3838 + t3779;
+    let t3840 = t3839 - t3774;
+    let t3841 = t176 * t1822;
+    let t3842 = t44 * t1834;
+    let t3843 = t3841 - t3842;
+    let t3844 = t2419 - t3843;
+    let t3845 = t1069 * t3844;
+    let t3846 = t47 * t1822;
+    let t3847 = t231 * t1834;
+    let t3848 = t3846 + t3847;
+    let t3849 = t1965 + t3848;
+    let t3850 = t1058 * t3849;
+    let t3851 = t83 * t1822;
+    let t3852 = t89 * t1834;
+    let t3853 = t3851 - t3852;
+    let t3854 = t2288 - t3853;
+    let t3855 = 0.003 + t3854;
+    let t3856 = t1049 * t3855;
+    let t3857 = t1822 * t2749;
+    let t3858 = t48 * t1834;
+    let t3859 = t3857 - t3858;
+    let t3860 = t1958 - t3859;
+    let t3861 = t1898 + t1959;
+    let t3862 = t3861 - t3860;
+    let t3863 = sin_panda_joint5 * t3862;
+    let t3864 = t1834 * t2727;
+    let t3865 = t48 * t1822;
+    let t3866 = t3864 - t3865;
+    let t3867 = t1967 - t3866;
+    let t3868 = t1906 + t1968;
+    let t3869 = t3868 - t3867;
+    let t3870 = cos_panda_joint5 * t3869;
+    let t3871 = t3863 + t3870;
+    let t3872 = t1883 + t1862;
+    let t3873 = 0.21484375 * t3872;
+    let t3874 = t3873 + t3871;
+    let t3875 = t1042 * t3874;
+    let t3876 = cos_panda_joint5 * t3862;
+    let t3877 = sin_panda_joint5 * t3869;
+    let t3878 = t3876 - t3877;
+    let t3879 = sin_panda_joint4 * t3878;
+    let t3880 = t61 * t3861;
+    let t3881 = t65 * t3868;
+    let t3882 = t3881 - t3880;
+    let t3883 = t3854 - t3882;
+    let t3884 = cos_panda_joint4 * t3883;
+    let t3885 = t3879 + t3884;
+    let t3886 = t3882 + t3885;
+    let t3887 = t1037 * t3886;
+    let t3888 = t65 * t3861;
+    let t3889 = t61 * t3868;
+    let t3890 = t3889 + t3888;
+    let t3891 = sin_panda_joint4 * t3890;
+    let t3892 = cos_panda_joint4 * t3873;
     let t3893 = t3891 + t3892;
-    let t3894 = t918 * t3865;
-    let t3895 = t3893 - t3894;
-    let t3896 = t930 * t3874;
+    let t3894 = t3874 - t3893;
+    let t3895 = cos_panda_joint4 * t3890;
+    let t3896 = sin_panda_joint4 * t3873;
     let t3897 = t3895 - t3896;
-    let t3898 = t944 * t3884;
-    let t3899 = t3897 - t3898;
-    let t3900 = t990 * t3899;
-    let t3901 = t3886 - t3900;
-    let t3902 = inverse_d_panda_joint1 * t3901;
-    let t3903 = t1632 * t2780;
-    let t3904 = t1644 * t1470;
+    let t3898 = 3.83030303030303 * t3897;
+    let t3899 = t3894 + t3898;
+    let t3900 = cos_panda_joint3 * t3899;
+    let t3901 = cos_panda_joint4 * t3878;
+    let t3902 = sin_panda_joint4 * t3883;
+    let t3903 = t3901 - t3902;
+    let t3904 = 3.83030303030303 * t3882;
     let t3905 = t3903 - t3904;
-    let t3906 = t1768 - t3905;
-    let t3907 = t1708 + t1769;
-    let t3908 = t3907 - t3906;
-    let t3909 = cos_panda_joint5 * t3908;
-    let t3910 = t1644 * t2758;
-    let t3911 = t1632 * t1470;
-    let t3912 = t3910 - t3911;
-    let t3913 = t1777 - t3912;
-    let t3914 = t1716 + t1778;
-    let t3915 = t3914 - t3913;
-    let t3916 = sin_panda_joint5 * t3915;
-    let t3917 = t3909 - t3916;
-    let t3918 = sin_panda_joint4 * t3917;
-    let t3919 = t1632 * t1500;
-    let t3920 = t1644 * t1506;
-    let t3921 = t3919 - t3920;
-    let t3922 = t2283 - t3921;
-    let t3923 = t1149 * t3907;
-    let t3924 = t1163 * t3914;
-    let t3925 = t3924 - t3923;
-    let t3926 = t3922 - t3925;
-    let t3927 = cos_panda_joint4 * t3926;
-    let t3928 = t3918 + t3927;
-    let t3929 = t3925 + t3928;
-    let t3930 = t1632 * t2023;
-    let t3931 = t1122 * t1644;
-    let t3932 = t3930 - t3931;
-    let t3933 = t2103 - t3932;
-    let t3934 = t803 * t3933;
-    let t3935 = t3929 + t3934;
-    let t3936 = t577 * t3933;
-    let t3937 = t1632 * t1469;
-    let t3938 = t1644 * t2147;
-    let t3939 = t3937 + t3938;
-    let t3940 = t1775 + t3939;
-    let t3941 = t3940 - t3936;
-    let t3942 = t808 * t3941;
-    let t3943 = t3935 - t3942;
-    let t3944 = 0.003 + t3922;
-    let t3945 = t647 * t3933;
-    let t3946 = t3944 + t3945;
-    let t3947 = t652 * t3941;
-    let t3948 = t3946 - t3947;
-    let t3949 = t815 * t3948;
-    let t3950 = t3943 + t3949;
-    let t3951 = sin_panda_joint5 * t3908;
-    let t3952 = cos_panda_joint5 * t3915;
-    let t3953 = t3951 + t3952;
-    let t3954 = t1693 + t1672;
-    let t3955 = 0.21484375 * t3954;
-    let t3956 = t3955 + t3953;
-    let t3957 = t725 * t3933;
-    let t3958 = t3956 + t3957;
-    let t3959 = t730 * t3941;
-    let t3960 = t3958 + t3959;
-    let t3961 = t737 * t3948;
-    let t3962 = t3960 + t3961;
-    let t3963 = t824 * t3962;
-    let t3964 = t3950 + t3963;
-    let t3965 = t944 * t3964;
-    let t3966 = t1163 * t3907;
-    let t3967 = t1149 * t3914;
-    let t3968 = t3967 + t3966;
-    let t3969 = sin_panda_joint4 * t3968;
-    let t3970 = cos_panda_joint4 * t3955;
-    let t3971 = t3969 + t3970;
-    let t3972 = t3956 - t3971;
-    let t3973 = cos_panda_joint4 * t3968;
-    let t3974 = sin_panda_joint4 * t3955;
-    let t3975 = t3973 - t3974;
-    let t3976 = 3.83030303030303 * t3975;
-    let t3977 = t3972 + t3976;
-    let t3978 = cos_panda_joint3 * t3977;
-    let t3979 = cos_panda_joint4 * t3917;
-    let t3980 = sin_panda_joint4 * t3926;
-    let t3981 = t3979 - t3980;
-    let t3982 = 3.83030303030303 * t3925;
-    let t3983 = t3981 - t3982;
-    let t3984 = sin_panda_joint3 * t3983;
-    let t3985 = t3984 + t3978;
-    let t3986 = t900 * t3933;
-    let t3987 = t3985 + t3986;
-    let t3988 = t908 * t3941;
+    let t3906 = sin_panda_joint3 * t3905;
+    let t3907 = t3906 + t3900;
+    let t3908 = t460 * t3907;
+    let t3909 = sin_panda_joint3 * t3899;
+    let t3910 = cos_panda_joint3 * t3905;
+    let t3911 = t3910 - t3909;
+    let t3912 = sin_panda_joint2 * t3911;
+    let t3913 = cos_panda_joint2 * t3886;
+    let t3914 = t3912 - t3913;
+    let t3915 = inverse_d_panda_joint1 * t3914;
+    let t3916 = t3915 - t3908;
+    let t3917 = t3916 - t3887;
+    let t3918 = t3917 - t3875;
+    let t3919 = t3918 + t3856;
+    let t3920 = t3919 - t3850;
+    let t3921 = t3920 + t3845;
+    let t3922 = t173 * t1779;
+    let t3923 = t24 * t1826;
+    let t3924 = t3923 + t3922;
+    let t3925 = t1868 - t3924;
+    let t3926 = t1069 * t3925;
+    let t3927 = t45 * t1779;
+    let t3928 = t40 * t1826;
+    let t3929 = t3928 - t3927;
+    let t3930 = t2339 - t3929;
+    let t3931 = 0.003 + t3930;
+    let t3932 = t1058 * t3931;
+    let t3933 = t25 * t1826;
+    let t3934 = t1779 * t2866;
+    let t3935 = t3934 + t3933;
+    let t3936 = t1870 - t3935;
+    let t3937 = cos_panda_joint6 * t3936;
+    let t3938 = t25 * t1779;
+    let t3939 = t1826 * t2881;
+    let t3940 = t3939 - t3938;
+    let t3941 = t1876 + t3940;
+    let t3942 = sin_panda_joint6 * t3941;
+    let t3943 = t3942 + t3937;
+    let t3944 = t1049 * t3943;
+    let t3945 = t1827 - t1894;
+    let t3946 = t72 * t3945;
+    let t3947 = t1780 - t1891;
+    let t3948 = t56 * t3947;
+    let t3949 = t3948 + t3946;
+    let t3950 = t3930 - t3949;
+    let t3951 = cos_panda_joint5 * t3950;
+    let t3952 = sin_panda_joint6 * t3936;
+    let t3953 = cos_panda_joint6 * t3941;
+    let t3954 = t3953 - t3952;
+    let t3955 = t55 * t1779;
+    let t3956 = omega_panda_joint6_y * 0.030589628180144;
+    let t3957 = t3956 + t3955;
+    let t3958 = 4.363636363636364 * t3957;
+    let t3959 = t3958 + t3954;
+    let t3960 = sin_panda_joint5 * t3959;
+    let t3961 = t3960 + t3951;
+    let t3962 = t56 * t3945;
+    let t3963 = t72 * t3947;
+    let t3964 = t3963 - t3962;
+    let t3965 = 0.21484375 * t3964;
+    let t3966 = t3965 - t3961;
+    let t3967 = t1042 * t3966;
+    let t3968 = sin_panda_joint5 * t3950;
+    let t3969 = cos_panda_joint5 * t3959;
+    let t3970 = t3969 - t3968;
+    let t3971 = sin_panda_joint4 * t3970;
+    let t3972 = t65 * t3949;
+    let t3973 = t61 * t3958;
+    let t3974 = t3972 + t3973;
+    let t3975 = t3943 + t3974;
+    let t3976 = cos_panda_joint4 * t3975;
+    let t3977 = t3971 + t3976;
+    let t3978 = t3974 - t3977;
+    let t3979 = t1037 * t3978;
+    let t3980 = t61 * t3949;
+    let t3981 = t65 * t3958;
+    let t3982 = t3980 - t3981;
+    let t3983 = sin_panda_joint4 * t3982;
+    let t3984 = cos_panda_joint4 * t3965;
+    let t3985 = t3983 + t3984;
+    let t3986 = t3966 - t3985;
+    let t3987 = cos_panda_joint4 * t3982;
+    let t3988 = sin_panda_joint4 * t3965;
     let t3989 = t3987 - t3988;
-    let t3990 = t918 * t3948;
-    let t3991 = t3989 + t3990;
-    let t3992 = t930 * t3962;
-    let t3993 = t3991 + t3992;
-    let t3994 = t3993 + t3965;
-    let t3995 = t990 * t3994;
-    let t3996 = t877 * t3964;
-    let t3997 = sin_panda_joint3 * t3977;
-    let t3998 = cos_panda_joint3 * t3983;
-    let t3999 = t3998 - t3997;
-    let t4000 = sin_panda_joint2 * t3999;
-    let t4001 = cos_panda_joint2 * t3929;
-    let t4002 = t4000 - t4001;
-    let t4003 = t571 * t3933;
-    let t4004 = t4002 + t4003;
-    let t4005 = t641 * t3941;
-    let t4006 = t4004 - t4005;
-    let t4007 = t719 * t3948;
-    let t4008 = t4006 + t4007;
-    let t4009 = t797 * t3962;
-    let t4010 = t4008 + t4009;
-    let t4011 = t4010 + t3996;
-    let t4012 = t4011 - t3995;
-    let t4013 = inverse_d_panda_joint1 * t4012;
-    let t4014 = t1589 * t1467;
-    let t4015 = t1636 * t1465;
-    let t4016 = t4015 - t4014;
-    let t4017 = t2198 - t4016;
-    let t4018 = t1637 - t1704;
-    let t4019 = t1178 * t4018;
-    let t4020 = t1590 - t1701;
-    let t4021 = t1184 * t4020;
+    let t3990 = 3.83030303030303 * t3989;
+    let t3991 = t3986 + t3990;
+    let t3992 = cos_panda_joint3 * t3991;
+    let t3993 = cos_panda_joint4 * t3970;
+    let t3994 = sin_panda_joint4 * t3975;
+    let t3995 = t3993 - t3994;
+    let t3996 = 3.83030303030303 * t3974;
+    let t3997 = t3995 + t3996;
+    let t3998 = sin_panda_joint3 * t3997;
+    let t3999 = t3998 - t3992;
+    let t4000 = t460 * t3999;
+    let t4001 = sin_panda_joint3 * t3991;
+    let t4002 = cos_panda_joint3 * t3997;
+    let t4003 = t4002 + t4001;
+    let t4004 = sin_panda_joint2 * t4003;
+    let t4005 = cos_panda_joint2 * t3978;
+    let t4006 = t4004 + t4005;
+    let t4007 = inverse_d_panda_joint1 * t4006;
+    let t4008 = t4007 - t4000;
+    let t4009 = t4008 + t3979;
+    let t4010 = t4009 + t3967;
+    let t4011 = t4010 + t3944;
+    let t4012 = t4011 - t3932;
+    let t4013 = t4012 - t3926;
+    let t4014 = t1809 - t2399;
+    let t4015 = 0.003 - t4014;
+    let t4016 = t1069 * t4015;
+    let t4017 = t17 * t1779;
+    let t4018 = t1865 + t4017;
+    let t4019 = t1851 - t4018;
+    let t4020 = t54 * t1779;
+    let t4021 = t1867 - t4020;
     let t4022 = t4021 + t4019;
-    let t4023 = t4017 - t4022;
-    let t4024 = cos_panda_joint5 * t4023;
-    let t4025 = t1636 * t1453;
-    let t4026 = t1589 * t2928;
-    let t4027 = t4026 + t4025;
-    let t4028 = t1680 - t4027;
+    let t4023 = t1058 * t4022;
+    let t4024 = t1802 + t4014;
+    let t4025 = cos_panda_joint6 * t4024;
+    let t4026 = t171 * t563;
+    let t4027 = t1784 + t4026;
+    let t4028 = t1792 + t4027;
     let t4029 = sin_panda_joint6 * t4028;
-    let t4030 = t1589 * t1453;
-    let t4031 = t1636 * t2943;
-    let t4032 = t4031 - t4030;
-    let t4033 = t1686 + t4032;
-    let t4034 = cos_panda_joint6 * t4033;
-    let t4035 = t4034 - t4029;
-    let t4036 = t1589 * t1476;
-    let t4037 = omega_panda_joint6_y * 0.030589628180144;
-    let t4038 = t4037 + t4036;
-    let t4039 = 4.363636363636364 * t4038;
-    let t4040 = t4039 + t4035;
-    let t4041 = sin_panda_joint5 * t4040;
-    let t4042 = t4041 + t4024;
-    let t4043 = t1184 * t4018;
-    let t4044 = t1178 * t4020;
-    let t4045 = t4044 - t4043;
-    let t4046 = 0.21484375 * t4045;
-    let t4047 = t4046 - t4042;
-    let t4048 = t1589 * t2020;
-    let t4049 = t1130 * t1636;
-    let t4050 = t4049 + t4048;
-    let t4051 = t1678 - t4050;
-    let t4052 = t725 * t4051;
-    let t4053 = t4047 + t4052;
-    let t4054 = 0.003 + t4017;
-    let t4055 = t577 * t4051;
-    let t4056 = t4054 + t4055;
-    let t4057 = t730 * t4056;
-    let t4058 = t4053 - t4057;
-    let t4059 = t652 * t4056;
-    let t4060 = cos_panda_joint6 * t4028;
-    let t4061 = sin_panda_joint6 * t4033;
-    let t4062 = t4061 + t4060;
-    let t4063 = t647 * t4051;
-    let t4064 = t4062 - t4063;
-    let t4065 = t4064 - t4059;
-    let t4066 = t737 * t4065;
-    let t4067 = t4058 - t4066;
-    let t4068 = t824 * t4067;
-    let t4069 = sin_panda_joint5 * t4023;
-    let t4070 = cos_panda_joint5 * t4040;
-    let t4071 = t4070 - t4069;
-    let t4072 = sin_panda_joint4 * t4071;
-    let t4073 = t1163 * t4022;
-    let t4074 = t1149 * t4039;
-    let t4075 = t4073 + t4074;
-    let t4076 = t4062 + t4075;
-    let t4077 = cos_panda_joint4 * t4076;
-    let t4078 = t4072 + t4077;
-    let t4079 = t4075 - t4078;
-    let t4080 = t803 * t4051;
-    let t4081 = t4079 + t4080;
-    let t4082 = t808 * t4056;
-    let t4083 = t4081 + t4082;
-    let t4084 = t815 * t4065;
-    let t4085 = t4083 - t4084;
-    let t4086 = t4085 + t4068;
-    let t4087 = t944 * t4086;
-    let t4088 = t930 * t4067;
-    let t4089 = t1149 * t4022;
-    let t4090 = t1163 * t4039;
-    let t4091 = t4089 - t4090;
-    let t4092 = sin_panda_joint4 * t4091;
-    let t4093 = cos_panda_joint4 * t4046;
-    let t4094 = t4092 + t4093;
-    let t4095 = t4047 - t4094;
-    let t4096 = cos_panda_joint4 * t4091;
-    let t4097 = sin_panda_joint4 * t4046;
-    let t4098 = t4096 - t4097;
-    let t4099 = 3.83030303030303 * t4098;
-    let t4100 = t4095 + t4099;
-    let t4101 = cos_panda_joint3 * t4100;
-    let t4102 = cos_panda_joint4 * t4071;
-    let t4103 = sin_panda_joint4 * t4076;
+    let t4030 = t4029 + t4025;
+    let t4031 = t1049 * t4030;
+    let t4032 = sin_panda_joint6 * t4024;
+    let t4033 = cos_panda_joint6 * t4028;
+    let t4034 = t4033 - t4032;
+    let t4035 = 4.363636363636364 * t1802;
+    let t4036 = t4035 - t4034;
+    let t4037 = sin_panda_joint5 * t4036;
+    let t4038 = t72 * t4021;
+    let t4039 = t56 * t1839;
+    let t4040 = t4039 - t4038;
+    let t4041 = t4022 - t4040;
+    let t4042 = cos_panda_joint5 * t4041;
+    let t4043 = t4037 - t4042;
+    let t4044 = t56 * t4021;
+    let t4045 = t72 * t1839;
+    let t4046 = t4045 + t4044;
+    let t4047 = 0.21484375 * t4046;
+    let t4048 = t4047 + t4043;
+    let t4049 = t1042 * t4048;
+    let t4050 = cos_panda_joint5 * t4036;
+    let t4051 = sin_panda_joint5 * t4041;
+    let t4052 = t4050 + t4051;
+    let t4053 = sin_panda_joint4 * t4052;
+    let t4054 = t65 * t4040;
+    let t4055 = t61 * t4035;
+    let t4056 = t4054 - t4055;
+    let t4057 = t4030 + t4056;
+    let t4058 = cos_panda_joint4 * t4057;
+    let t4059 = t4053 - t4058;
+    let t4060 = t4056 + t4059;
+    let t4061 = t1037 * t4060;
+    let t4062 = t61 * t4040;
+    let t4063 = t65 * t4035;
+    let t4064 = t4062 + t4063;
+    let t4065 = sin_panda_joint4 * t4064;
+    let t4066 = cos_panda_joint4 * t4047;
+    let t4067 = t4065 + t4066;
+    let t4068 = t4048 - t4067;
+    let t4069 = cos_panda_joint4 * t4064;
+    let t4070 = sin_panda_joint4 * t4047;
+    let t4071 = t4069 - t4070;
+    let t4072 = 3.83030303030303 * t4071;
+    let t4073 = t4068 + t4072;
+    let t4074 = cos_panda_joint3 * t4073;
+    let t4075 = cos_panda_joint4 * t4052;
+    let t4076 = sin_panda_joint4 * t4057;
+    let t4077 = t4075 + t4076;
+    let t4078 = 3.83030303030303 * t4056;
+    let t4079 = t4077 - t4078;
+    let t4080 = sin_panda_joint3 * t4079;
+    let t4081 = t4080 + t4074;
+    let t4082 = t460 * t4081;
+    let t4083 = sin_panda_joint3 * t4073;
+    let t4084 = cos_panda_joint3 * t4079;
+    let t4085 = t4084 - t4083;
+    let t4086 = sin_panda_joint2 * t4085;
+    let t4087 = cos_panda_joint2 * t4060;
+    let t4088 = t4086 - t4087;
+    let t4089 = inverse_d_panda_joint1 * t4088;
+    let t4090 = t4089 - t4082;
+    let t4091 = t4090 - t4061;
+    let t4092 = t4091 - t4049;
+    let t4093 = t4092 - t4031;
+    let t4094 = t4093 + t4023;
+    let t4095 = t4094 - t4016;
+    let t4096 = t497 * t3597;
+    let t4097 = t486 * t3601;
+    let t4098 = t477 * t3605;
+    let t4099 = t470 * t3632;
+    let t4100 = t460 * t3618;
+    let t4101 = t462 * t3622;
+    let t4102 = t4100 - t4101;
+    let t4103 = t465 * t3627;
     let t4104 = t4102 - t4103;
-    let t4105 = 3.83030303030303 * t4075;
-    let t4106 = t4104 + t4105;
-    let t4107 = sin_panda_joint3 * t4106;
-    let t4108 = t4107 - t4101;
-    let t4109 = t900 * t4051;
-    let t4110 = t4108 - t4109;
-    let t4111 = t908 * t4056;
-    let t4112 = t4110 - t4111;
-    let t4113 = t918 * t4065;
-    let t4114 = t4112 + t4113;
-    let t4115 = t4114 - t4088;
-    let t4116 = t4115 - t4087;
-    let t4117 = t990 * t4116;
-    let t4118 = t877 * t4086;
-    let t4119 = t797 * t4067;
-    let t4120 = sin_panda_joint3 * t4100;
-    let t4121 = cos_panda_joint3 * t4106;
-    let t4122 = t4121 + t4120;
-    let t4123 = sin_panda_joint2 * t4122;
-    let t4124 = cos_panda_joint2 * t4079;
-    let t4125 = t4123 + t4124;
-    let t4126 = t571 * t4051;
-    let t4127 = t4125 - t4126;
-    let t4128 = t641 * t4056;
-    let t4129 = t4127 - t4128;
-    let t4130 = t719 * t4065;
-    let t4131 = t4129 + t4130;
-    let t4132 = t4131 - t4119;
-    let t4133 = t4132 - t4118;
-    let t4134 = t4133 - t4117;
-    let t4135 = inverse_d_panda_joint1 * t4134;
-    let t4136 = t1619 - t2083;
-    let t4137 = t1612 + t4136;
-    let t4138 = sin_panda_joint6 * t4137;
-    let t4139 = t76 * t1139;
-    let t4140 = t1594 + t4139;
-    let t4141 = t1602 + t4140;
-    let t4142 = cos_panda_joint6 * t4141;
-    let t4143 = t4142 - t4138;
-    let t4144 = 4.363636363636364 * t1612;
-    let t4145 = t4144 - t4143;
-    let t4146 = cos_panda_joint5 * t4145;
-    let t4147 = t1169 * t1589;
-    let t4148 = t1677 - t4147;
-    let t4149 = t1178 * t4148;
-    let t4150 = t1184 * t1649;
-    let t4151 = t4150 - t4149;
-    let t4152 = t1112 * t1589;
-    let t4153 = t1675 + t4152;
-    let t4154 = t1661 - t4153;
-    let t4155 = t4148 + t4154;
-    let t4156 = t4155 - t4151;
-    let t4157 = sin_panda_joint5 * t4156;
-    let t4158 = t4146 + t4157;
-    let t4159 = sin_panda_joint4 * t4158;
-    let t4160 = cos_panda_joint6 * t4137;
-    let t4161 = sin_panda_joint6 * t4141;
-    let t4162 = t4161 + t4160;
-    let t4163 = t1163 * t4151;
-    let t4164 = t1149 * t4144;
-    let t4165 = t4163 - t4164;
-    let t4166 = t4162 + t4165;
-    let t4167 = cos_panda_joint4 * t4166;
-    let t4168 = t4159 - t4167;
-    let t4169 = t4165 + t4168;
-    let t4170 = 0.003 - t4136;
-    let t4171 = t803 * t4170;
-    let t4172 = t4169 - t4171;
-    let t4173 = t577 * t4170;
-    let t4174 = t4155 - t4173;
-    let t4175 = t808 * t4174;
-    let t4176 = t4172 + t4175;
-    let t4177 = t652 * t4174;
-    let t4178 = t647 * t4170;
-    let t4179 = t4162 + t4178;
-    let t4180 = t4179 - t4177;
-    let t4181 = t815 * t4180;
-    let t4182 = t4176 - t4181;
-    let t4183 = sin_panda_joint5 * t4145;
-    let t4184 = cos_panda_joint5 * t4156;
-    let t4185 = t4183 - t4184;
-    let t4186 = t1184 * t4148;
-    let t4187 = t1178 * t1649;
-    let t4188 = t4187 + t4186;
-    let t4189 = 0.21484375 * t4188;
-    let t4190 = t4189 + t4185;
-    let t4191 = t725 * t4170;
-    let t4192 = t4190 - t4191;
-    let t4193 = t730 * t4174;
-    let t4194 = t4192 - t4193;
-    let t4195 = t737 * t4180;
-    let t4196 = t4194 - t4195;
-    let t4197 = t824 * t4196;
-    let t4198 = t4182 + t4197;
-    let t4199 = t944 * t4198;
-    let t4200 = t930 * t4196;
-    let t4201 = t1149 * t4151;
-    let t4202 = t1163 * t4144;
-    let t4203 = t4201 + t4202;
-    let t4204 = sin_panda_joint4 * t4203;
-    let t4205 = cos_panda_joint4 * t4189;
-    let t4206 = t4204 + t4205;
-    let t4207 = t4190 - t4206;
-    let t4208 = cos_panda_joint4 * t4203;
-    let t4209 = sin_panda_joint4 * t4189;
-    let t4210 = t4208 - t4209;
-    let t4211 = 3.83030303030303 * t4210;
-    let t4212 = t4207 + t4211;
-    let t4213 = cos_panda_joint3 * t4212;
-    let t4214 = cos_panda_joint4 * t4158;
-    let t4215 = sin_panda_joint4 * t4166;
-    let t4216 = t4214 + t4215;
-    let t4217 = 3.83030303030303 * t4165;
-    let t4218 = t4216 - t4217;
-    let t4219 = sin_panda_joint3 * t4218;
-    let t4220 = t4219 + t4213;
-    let t4221 = t900 * t4170;
-    let t4222 = t4220 - t4221;
-    let t4223 = t908 * t4174;
-    let t4224 = t4222 + t4223;
-    let t4225 = t918 * t4180;
-    let t4226 = t4224 - t4225;
-    let t4227 = t4226 + t4200;
-    let t4228 = t4227 + t4199;
-    let t4229 = t990 * t4228;
-    let t4230 = t877 * t4198;
-    let t4231 = t797 * t4196;
-    let t4232 = sin_panda_joint3 * t4212;
-    let t4233 = cos_panda_joint3 * t4218;
-    let t4234 = t4233 - t4232;
-    let t4235 = sin_panda_joint2 * t4234;
-    let t4236 = cos_panda_joint2 * t4169;
-    let t4237 = t4235 - t4236;
-    let t4238 = t571 * t4170;
-    let t4239 = t4237 - t4238;
-    let t4240 = t641 * t4174;
-    let t4241 = t4239 + t4240;
-    let t4242 = t719 * t4180;
-    let t4243 = t4241 - t4242;
-    let t4244 = t4243 + t4231;
-    let t4245 = t4244 + t4230;
-    let t4246 = t4245 - t4229;
-    let t4247 = inverse_d_panda_joint1 * t4246;
-    let t4248 = t990 * t3609;
-    let t4249 = inverse_d_panda_joint2 * t3606;
-    let t4250 = t4249 - t4248;
-    let t4251 = t990 * t3711;
-    let t4252 = inverse_d_panda_joint2 * t3682;
-    let t4253 = t4252 + t4251;
-    let t4254 = t990 * t3800;
-    let t4255 = inverse_d_panda_joint2 * t3781;
-    let t4256 = t4255 - t4254;
-    let t4257 = t990 * t3902;
-    let t4258 = inverse_d_panda_joint2 * t3899;
+    let t4105 = t4104 - t4099;
+    let t4106 = t4105 + t4098;
+    let t4107 = t4106 - t4097;
+    let t4108 = t4107 + t4096;
+    let t4109 = t497 * t3646;
+    let t4110 = t486 * t3654;
+    let t4111 = t477 * t3662;
+    let t4112 = t470 * t3670;
+    let t4113 = t465 * t3678;
+    let t4114 = t462 * t3685;
+    let t4115 = t460 * t3702;
+    let t4116 = t4115 + t4114;
+    let t4117 = t4116 + t4113;
+    let t4118 = t4117 + t4112;
+    let t4119 = t4118 - t4111;
+    let t4120 = t4119 + t4110;
+    let t4121 = t4120 - t4109;
+    let t4122 = t497 * t3714;
+    let t4123 = t486 * t3719;
+    let t4124 = t477 * t3724;
+    let t4125 = t470 * t3729;
+    let t4126 = t465 * t3735;
+    let t4127 = t462 * t3754;
+    let t4128 = t460 * t3761;
+    let t4129 = t4128 - t4127;
+    let t4130 = t4129 - t4126;
+    let t4131 = t4130 - t4125;
+    let t4132 = t4131 + t4124;
+    let t4133 = t4132 - t4123;
+    let t4134 = t4133 + t4122;
+    let t4135 = t497 * t3773;
+    let t4136 = t486 * t3778;
+    let t4137 = t477 * t3783;
+    let t4138 = t470 * t3789;
+    let t4139 = t465 * t3805;
+    let t4140 = t462 * t3826;
+    let t4141 = t460 * t3833;
+    let t4142 = t4141 - t4140;
+    let t4143 = t4142 + t4139;
+    let t4144 = t4143 + t4138;
+    let t4145 = t4144 - t4137;
+    let t4146 = t4145 + t4136;
+    let t4147 = t4146 - t4135;
+    let t4148 = t497 * t3844;
+    let t4149 = t486 * t3849;
+    let t4150 = t477 * t3855;
+    let t4151 = t470 * t3874;
+    let t4152 = t465 * t3886;
+    let t4153 = t462 * t3907;
+    let t4154 = t460 * t3914;
+    let t4155 = t4154 - t4153;
+    let t4156 = t4155 - t4152;
+    let t4157 = t4156 - t4151;
+    let t4158 = t4157 + t4150;
+    let t4159 = t4158 - t4149;
+    let t4160 = t4159 + t4148;
+    let t4161 = t497 * t3925;
+    let t4162 = t486 * t3931;
+    let t4163 = t477 * t3943;
+    let t4164 = t470 * t3966;
+    let t4165 = t465 * t3978;
+    let t4166 = t462 * t3999;
+    let t4167 = t460 * t4006;
+    let t4168 = t4167 - t4166;
+    let t4169 = t4168 + t4165;
+    let t4170 = t4169 + t4164;
+    let t4171 = t4170 + t4163;
+    let t4172 = t4171 - t4162;
+    let t4173 = t4172 - t4161;
+    let t4174 = t497 * t4015;
+    let t4175 = t486 * t4022;
+    let t4176 = t477 * t4030;
+    let t4177 = t470 * t4048;
+    let t4178 = t465 * t4060;
+    let t4179 = t462 * t4081;
+    let t4180 = t460 * t4088;
+    let t4181 = t4180 - t4179;
+    let t4182 = t4181 - t4178;
+    let t4183 = t4182 - t4177;
+    let t4184 = t4183 - t4176;
+    let t4185 = t4184 + t4175;
+    let t4186 = t4185 - t4174;
+    let t4187 = t1130 * t3597;
+    let t4188 = t1119 * t3601;
+    let t4189 = t1110 * t3605;
+    let t4190 = t1103 * t3632;
+    let t4191 = t1098 * t3627;
+    let t4192 = t465 * t3622;
+    let t4193 = t1037 * t3618;
+    let t4194 = t4193 - t4192;
+    let t4195 = t4194 - t4191;
+    let t4196 = t4195 - t4190;
+    let t4197 = t4196 + t4189;
+    let t4198 = t4197 - t4188;
+    let t4199 = t4198 + t4187;
+    let t4200 = t1130 * t3646;
+    let t4201 = t1119 * t3654;
+    let t4202 = t1110 * t3662;
+    let t4203 = t1103 * t3670;
+    let t4204 = t1098 * t3678;
+    let t4205 = t465 * t3685;
+    let t4206 = t1037 * t3702;
+    let t4207 = t4206 + t4205;
+    let t4208 = t4207 + t4204;
+    let t4209 = t4208 + t4203;
+    let t4210 = t4209 - t4202;
+    let t4211 = t4210 + t4201;
+    let t4212 = t4211 - t4200;
+    let t4213 = t1130 * t3714;
+    let t4214 = t1119 * t3719;
+    let t4215 = t1110 * t3724;
+    let t4216 = t1103 * t3729;
+    let t4217 = t1098 * t3735;
+    let t4218 = t465 * t3754;
+    let t4219 = t1037 * t3761;
+    let t4220 = t4219 - t4218;
+    let t4221 = t4220 - t4217;
+    let t4222 = t4221 - t4216;
+    let t4223 = t4222 + t4215;
+    let t4224 = t4223 - t4214;
+    let t4225 = t4224 + t4213;
+    let t4226 = t1130 * t3773;
+    let t4227 = t1119 * t3778;
+    let t4228 = t1110 * t3783;
+    let t4229 = t1103 * t3789;
+    let t4230 = t1098 * t3805;
+    let t4231 = t465 * t3826;
+    let t4232 = t1037 * t3833;
+    let t4233 = t4232 - t4231;
+    let t4234 = t4233 + t4230;
+    let t4235 = t4234 + t4229;
+    let t4236 = t4235 - t4228;
+    let t4237 = t4236 + t4227;
+    let t4238 = t4237 - t4226;
+    let t4239 = t1130 * t3844;
+    let t4240 = t1119 * t3849;
+    let t4241 = t1110 * t3855;
+    let t4242 = t1103 * t3874;
+    let t4243 = t1098 * t3886;
+    let t4244 = t465 * t3907;
+    let t4245 = t1037 * t3914;
+    let t4246 = t4245 - t4244;
+    let t4247 = t4246 - t4243;
+    let t4248 = t4247 - t4242;
+    let t4249 = t4248 + t4241;
+    let t4250 = t4249 - t4240;
+    let t4251 = t4250 + t4239;
+    let t4252 = t1130 * t3925;
+    let t4253 = t1119 * t3931;
+    let t4254 = t1110 * t3943;
+    let t4255 = t1103 * t3966;
+    let t4256 = t1098 * t3978;
+    let t4257 = t465 * t3999;
+    let t4258 = t1037 * t4006;
     let t4259 = t4258 - t4257;
-    let t4260 = t990 * t4013;
-    let t4261 = inverse_d_panda_joint2 * t3994;
-    let t4262 = t4261 - t4260;
-    let t4263 = t990 * t4135;
-    let t4264 = inverse_d_panda_joint2 * t4116;
-    let t4265 = t4264 - t4263;
-    let t4266 = t990 * t4247;
-    let t4267 = inverse_d_panda_joint2 * t4228;
-    let t4268 = t4267 - t4266;
-    let t4269 = t944 * t4250;
-    let t4270 = inverse_d_panda_joint3 * t3591;
-    let t4271 = t4270 + t4269;
-    let t4272 = t877 * t3609;
-    let t4273 = t4271 + t4272;
-    let t4274 = t944 * t4253;
-    let t4275 = inverse_d_panda_joint3 * t3680;
-    let t4276 = t4275 + t4274;
-    let t4277 = t877 * t3711;
-    let t4278 = t4276 - t4277;
-    let t4279 = t944 * t4256;
-    let t4280 = inverse_d_panda_joint3 * t3753;
-    let t4281 = t4280 + t4279;
-    let t4282 = t877 * t3800;
-    let t4283 = t4281 + t4282;
-    let t4284 = t944 * t4259;
-    let t4285 = inverse_d_panda_joint3 * t3884;
-    let t4286 = t4285 - t4284;
-    let t4287 = t877 * t3902;
-    let t4288 = t4286 - t4287;
-    let t4289 = t944 * t4262;
-    let t4290 = inverse_d_panda_joint3 * t3964;
-    let t4291 = t4290 + t4289;
-    let t4292 = t877 * t4013;
-    let t4293 = t4291 + t4292;
-    let t4294 = t944 * t4265;
-    let t4295 = inverse_d_panda_joint3 * t4086;
-    let t4296 = t4295 - t4294;
-    let t4297 = t877 * t4135;
-    let t4298 = t4296 - t4297;
-    let t4299 = t944 * t4268;
-    let t4300 = inverse_d_panda_joint3 * t4198;
-    let t4301 = t4300 + t4299;
-    let t4302 = t877 * t4247;
-    let t4303 = t4301 + t4302;
-    let t4304 = t824 * t4273;
-    let t4305 = inverse_d_panda_joint4 * t3578;
-    let t4306 = t4305 + t4304;
-    let t4307 = t930 * t4250;
-    let t4308 = t4306 + t4307;
-    let t4309 = t797 * t3609;
-    let t4310 = t4308 + t4309;
-    let t4311 = t824 * t4278;
-    let t4312 = inverse_d_panda_joint4 * t3663;
-    let t4313 = t4312 + t4311;
-    let t4314 = t930 * t4253;
-    let t4315 = t4313 + t4314;
-    let t4316 = t797 * t3711;
-    let t4317 = t4315 - t4316;
-    let t4318 = t824 * t4283;
-    let t4319 = inverse_d_panda_joint4 * t3751;
-    let t4320 = t4319 + t4318;
-    let t4321 = t930 * t4256;
-    let t4322 = t4320 + t4321;
-    let t4323 = t797 * t3800;
-    let t4324 = t4322 + t4323;
-    let t4325 = t824 * t4288;
-    let t4326 = inverse_d_panda_joint4 * t3874;
-    let t4327 = t4326 + t4325;
-    let t4328 = t930 * t4259;
-    let t4329 = t4327 - t4328;
-    let t4330 = t797 * t3902;
-    let t4331 = t4329 - t4330;
-    let t4332 = t824 * t4293;
-    let t4333 = inverse_d_panda_joint4 * t3962;
-    let t4334 = t4333 + t4332;
-    let t4335 = t930 * t4262;
-    let t4336 = t4334 + t4335;
-    let t4337 = t797 * t4013;
-    let t4338 = t4336 + t4337;
-    let t4339 = t824 * t4298;
-    let t4340 = inverse_d_panda_joint4 * t4067;
-    let t4341 = t4340 + t4339;
-    let t4342 = t930 * t4265;
-    let t4343 = t4341 - t4342;
-    let t4344 = t797 * t4135;
-    let t4345 = t4343 - t4344;
-    let t4346 = t824 * t4303;
-    let t4347 = inverse_d_panda_joint4 * t4196;
-    let t4348 = t4347 + t4346;
-    let t4349 = t930 * t4268;
-    let t4350 = t4348 + t4349;
-    let t4351 = t797 * t4247;
-    let t4352 = t4350 + t4351;
-    let t4353 = t737 * t4310;
-    let t4354 = inverse_d_panda_joint5 * t3567;
-    let t4355 = t4354 + t4353;
-    let t4356 = t815 * t4273;
-    let t4357 = t4355 + t4356;
-    let t4358 = t918 * t4250;
-    let t4359 = t4357 + t4358;
-    let t4360 = t719 * t3609;
-    let t4361 = t4359 + t4360;
-    let t4362 = t737 * t4317;
-    let t4363 = inverse_d_panda_joint5 * t3648;
-    let t4364 = t4363 + t4362;
-    let t4365 = t815 * t4278;
-    let t4366 = t4364 + t4365;
-    let t4367 = t918 * t4253;
-    let t4368 = t4366 + t4367;
-    let t4369 = t719 * t3711;
-    let t4370 = t4368 - t4369;
-    let t4371 = t737 * t4324;
-    let t4372 = inverse_d_panda_joint5 * t3739;
-    let t4373 = t4372 + t4371;
-    let t4374 = t815 * t4283;
-    let t4375 = t4373 + t4374;
-    let t4376 = t918 * t4256;
-    let t4377 = t4375 + t4376;
-    let t4378 = t719 * t3800;
-    let t4379 = t4377 + t4378;
-    let t4380 = t737 * t4331;
-    let t4381 = inverse_d_panda_joint5 * t3865;
-    let t4382 = t4381 + t4380;
-    let t4383 = t815 * t4288;
-    let t4384 = t4382 + t4383;
-    let t4385 = t918 * t4259;
-    let t4386 = t4384 - t4385;
-    let t4387 = t719 * t3902;
-    let t4388 = t4386 - t4387;
-    let t4389 = t737 * t4338;
-    let t4390 = inverse_d_panda_joint5 * t3948;
-    let t4391 = t4390 + t4389;
-    let t4392 = t815 * t4293;
-    let t4393 = t4391 + t4392;
-    let t4394 = t918 * t4262;
-    let t4395 = t4393 + t4394;
-    let t4396 = t719 * t4013;
-    let t4397 = t4395 + t4396;
-    let t4398 = t737 * t4345;
-    let t4399 = inverse_d_panda_joint5 * t4065;
-    let t4400 = t4399 - t4398;
-    let t4401 = t815 * t4298;
-    let t4402 = t4400 - t4401;
-    let t4403 = t918 * t4265;
-    let t4404 = t4402 + t4403;
-    let t4405 = t719 * t4135;
-    let t4406 = t4404 + t4405;
-    let t4407 = t737 * t4352;
-    let t4408 = inverse_d_panda_joint5 * t4180;
-    let t4409 = t4408 - t4407;
-    let t4410 = t815 * t4303;
-    let t4411 = t4409 - t4410;
-    let t4412 = t918 * t4268;
-    let t4413 = t4411 - t4412;
-    let t4414 = t719 * t4247;
-    let t4415 = t4413 - t4414;
-    let t4416 = t652 * t4361;
-    let t4417 = inverse_d_panda_joint6 * t3558;
-    let t4418 = t4417 - t4416;
-    let t4419 = t730 * t4310;
-    let t4420 = t4418 + t4419;
-    let t4421 = t808 * t4273;
-    let t4422 = t4420 - t4421;
-    let t4423 = t908 * t4250;
-    let t4424 = t4422 - t4423;
-    let t4425 = t641 * t3609;
-    let t4426 = t4424 - t4425;
-    let t4427 = t652 * t4370;
-    let t4428 = inverse_d_panda_joint6 * t3635;
-    let t4429 = t4428 - t4427;
-    let t4430 = t730 * t4317;
-    let t4431 = t4429 + t4430;
-    let t4432 = t808 * t4278;
-    let t4433 = t4431 - t4432;
-    let t4434 = t908 * t4253;
-    let t4435 = t4433 - t4434;
-    let t4436 = t641 * t3711;
-    let t4437 = t4435 + t4436;
-    let t4438 = t652 * t4379;
-    let t4439 = inverse_d_panda_joint6 * t3729;
-    let t4440 = t4439 - t4438;
-    let t4441 = t730 * t4324;
-    let t4442 = t4440 + t4441;
-    let t4443 = t808 * t4283;
-    let t4444 = t4442 - t4443;
-    let t4445 = t908 * t4256;
-    let t4446 = t4444 - t4445;
-    let t4447 = t641 * t3800;
-    let t4448 = t4446 - t4447;
-    let t4449 = t652 * t4388;
-    let t4450 = inverse_d_panda_joint6 * t3855;
-    let t4451 = t4450 - t4449;
-    let t4452 = t730 * t4331;
-    let t4453 = t4451 + t4452;
-    let t4454 = t808 * t4288;
-    let t4455 = t4453 - t4454;
-    let t4456 = t908 * t4259;
-    let t4457 = t4455 + t4456;
-    let t4458 = t641 * t3902;
-    let t4459 = t4457 + t4458;
-    let t4460 = t652 * t4397;
-    let t4461 = inverse_d_panda_joint6 * t3941;
-    let t4462 = t4461 - t4460;
-    let t4463 = t730 * t4338;
-    let t4464 = t4462 + t4463;
-    let t4465 = t808 * t4293;
-    let t4466 = t4464 - t4465;
-    let t4467 = t908 * t4262;
-    let t4468 = t4466 - t4467;
-    let t4469 = t641 * t4013;
-    let t4470 = t4468 - t4469;
-    let t4471 = t652 * t4406;
-    let t4472 = inverse_d_panda_joint6 * t4056;
-    let t4473 = t4472 - t4471;
-    let t4474 = t730 * t4345;
-    let t4475 = t4473 - t4474;
-    let t4476 = t808 * t4298;
-    let t4477 = t4475 + t4476;
-    let t4478 = t908 * t4265;
-    let t4479 = t4477 - t4478;
-    let t4480 = t641 * t4135;
-    let t4481 = t4479 - t4480;
-    let t4482 = t652 * t4415;
-    let t4483 = inverse_d_panda_joint6 * t4174;
-    let t4484 = t4483 - t4482;
-    let t4485 = t730 * t4352;
-    let t4486 = t4484 - t4485;
-    let t4487 = t808 * t4303;
-    let t4488 = t4486 + t4487;
-    let t4489 = t908 * t4268;
-    let t4490 = t4488 + t4489;
-    let t4491 = t641 * t4247;
-    let t4492 = t4490 + t4491;
-    let t4493 = t577 * t4426;
-    let t4494 = 149.60760989322964 * t3551;
-    let t4495 = t4494 - t4493;
-    let t4496 = t647 * t4361;
-    let t4497 = t4495 + t4496;
-    let t4498 = t725 * t4310;
-    let t4499 = t4497 + t4498;
-    let t4500 = t803 * t4273;
-    let t4501 = t4499 + t4500;
-    let t4502 = t900 * t4250;
-    let t4503 = t4501 + t4502;
-    let t4504 = t571 * t3609;
-    let t4505 = t4503 + t4504;
-    let t4506 = t577 * t4437;
-    let t4507 = 149.60760989322964 * t3624;
-    let t4508 = t4507 - t4506;
-    let t4509 = t647 * t4370;
-    let t4510 = t4508 + t4509;
-    let t4511 = t725 * t4317;
-    let t4512 = t4510 + t4511;
-    let t4513 = t803 * t4278;
-    let t4514 = t4512 + t4513;
-    let t4515 = t900 * t4253;
-    let t4516 = t4514 + t4515;
-    let t4517 = t571 * t3711;
-    let t4518 = t4516 - t4517;
-    let t4519 = t577 * t4448;
-    let t4520 = 149.60760989322964 * t3721;
-    let t4521 = t4520 - t4519;
-    let t4522 = t647 * t4379;
-    let t4523 = t4521 + t4522;
-    let t4524 = t725 * t4324;
-    let t4525 = t4523 + t4524;
-    let t4526 = t803 * t4283;
-    let t4527 = t4525 + t4526;
-    let t4528 = t900 * t4256;
-    let t4529 = t4527 + t4528;
-    let t4530 = t571 * t3800;
-    let t4531 = t4529 + t4530;
-    let t4532 = t577 * t4459;
-    let t4533 = 149.60760989322964 * t3847;
-    let t4534 = t4533 - t4532;
-    let t4535 = t647 * t4388;
-    let t4536 = t4534 + t4535;
-    let t4537 = t725 * t4331;
-    let t4538 = t4536 + t4537;
-    let t4539 = t803 * t4288;
-    let t4540 = t4538 + t4539;
-    let t4541 = t900 * t4259;
-    let t4542 = t4540 - t4541;
-    let t4543 = t571 * t3902;
-    let t4544 = t4542 - t4543;
-    let t4545 = t577 * t4470;
-    let t4546 = 149.60760989322964 * t3933;
-    let t4547 = t4546 - t4545;
-    let t4548 = t647 * t4397;
-    let t4549 = t4547 + t4548;
-    let t4550 = t725 * t4338;
-    let t4551 = t4549 + t4550;
-    let t4552 = t803 * t4293;
-    let t4553 = t4551 + t4552;
-    let t4554 = t900 * t4262;
-    let t4555 = t4553 + t4554;
-    let t4556 = t571 * t4013;
-    let t4557 = t4555 + t4556;
-    let t4558 = t577 * t4481;
-    let t4559 = 149.60760989322964 * t4051;
-    let t4560 = t4559 + t4558;
-    let t4561 = t647 * t4406;
-    let t4562 = t4560 - t4561;
-    let t4563 = t725 * t4345;
-    let t4564 = t4562 + t4563;
-    let t4565 = t803 * t4298;
-    let t4566 = t4564 + t4565;
-    let t4567 = t900 * t4265;
-    let t4568 = t4566 - t4567;
-    let t4569 = t571 * t4135;
-    let t4570 = t4568 - t4569;
-    let t4571 = t577 * t4492;
-    let t4572 = 149.60760989322964 * t4170;
-    let t4573 = t4572 - t4571;
-    let t4574 = t647 * t4415;
-    let t4575 = t4573 + t4574;
-    let t4576 = t725 * t4352;
-    let t4577 = t4575 - t4576;
-    let t4578 = t803 * t4303;
-    let t4579 = t4577 - t4578;
-    let t4580 = t900 * t4268;
-    let t4581 = t4579 - t4580;
-    let t4582 = t571 * t4247;
-    let t4583 = t4581 - t4582;
-    let t4584 = t990 * inverse_d_panda_joint1;
-    let t4585 = t944 * t4584;
-    let t4586 = t877 * inverse_d_panda_joint1;
-    let t4587 = t4585 - t4586;
-    let t4588 = t824 * t4587;
-    let t4589 = t930 * t4584;
-    let t4590 = t4588 + t4589;
-    let t4591 = t797 * inverse_d_panda_joint1;
-    let t4592 = t4590 - t4591;
-    let t4593 = t737 * t4592;
-    let t4594 = t815 * t4587;
-    let t4595 = t4593 + t4594;
-    let t4596 = t918 * t4584;
-    let t4597 = t4595 + t4596;
-    let t4598 = t719 * inverse_d_panda_joint1;
-    let t4599 = t4597 - t4598;
-    let t4600 = t652 * t4599;
-    let t4601 = t730 * t4592;
-    let t4602 = t4600 - t4601;
-    let t4603 = t808 * t4587;
-    let t4604 = t4602 + t4603;
-    let t4605 = t908 * t4584;
-    let t4606 = t4604 + t4605;
-    let t4607 = t641 * inverse_d_panda_joint1;
-    let t4608 = t4606 - t4607;
-    let t4609 = t577 * t4608;
-    let t4610 = t647 * t4599;
-    let t4611 = t4609 + t4610;
-    let t4612 = t725 * t4592;
-    let t4613 = t4611 + t4612;
-    let t4614 = t803 * t4587;
-    let t4615 = t4613 + t4614;
-    let t4616 = t900 * t4584;
-    let t4617 = t4615 + t4616;
-    let t4618 = t571 * inverse_d_panda_joint1;
-    let t4619 = t4617 - t4618;
-    let t4620 = t990 * t4584;
-    let t4621 = inverse_d_panda_joint2 + t4620;
-    let t4622 = t944 * t4621;
-    let t4623 = t877 * t4584;
-    let t4624 = t4622 - t4623;
-    let t4625 = t824 * t4624;
-    let t4626 = t930 * t4621;
-    let t4627 = t4625 + t4626;
-    let t4628 = t797 * t4584;
-    let t4629 = t4627 - t4628;
-    let t4630 = t737 * t4629;
-    let t4631 = t815 * t4624;
-    let t4632 = t4630 + t4631;
-    let t4633 = t918 * t4621;
-    let t4634 = t4632 + t4633;
-    let t4635 = t719 * t4584;
-    let t4636 = t4634 - t4635;
-    let t4637 = t652 * t4636;
-    let t4638 = t730 * t4629;
-    let t4639 = t4637 - t4638;
-    let t4640 = t808 * t4624;
-    let t4641 = t4639 + t4640;
-    let t4642 = t908 * t4621;
-    let t4643 = t4641 + t4642;
-    let t4644 = t641 * t4584;
-    let t4645 = t4643 - t4644;
-    let t4646 = t577 * t4645;
-    let t4647 = t647 * t4636;
-    let t4648 = t4646 + t4647;
-    let t4649 = t725 * t4629;
-    let t4650 = t4648 + t4649;
-    let t4651 = t803 * t4624;
-    let t4652 = t4650 + t4651;
-    let t4653 = t900 * t4621;
-    let t4654 = t4652 + t4653;
-    let t4655 = t571 * t4584;
-    let t4656 = t4654 - t4655;
-    let t4657 = t944 * t990;
-    let t4658 = t877 - t4657;
-    let t4659 = inverse_d_panda_joint1 * t4658;
-    let t4660 = t990 * t4659;
-    let t4661 = t944 * inverse_d_panda_joint2;
-    let t4662 = t4661 - t4660;
-    let t4663 = t944 * t4662;
-    let t4664 = inverse_d_panda_joint3 + t4663;
-    let t4665 = t877 * t4659;
-    let t4666 = t4664 + t4665;
-    let t4667 = t824 * t4666;
-    let t4668 = t930 * t4662;
-    let t4669 = t4667 + t4668;
-    let t4670 = t797 * t4659;
-    let t4671 = t4669 + t4670;
-    let t4672 = t737 * t4671;
-    let t4673 = t815 * t4666;
-    let t4674 = t4672 + t4673;
-    let t4675 = t918 * t4662;
-    let t4676 = t4674 + t4675;
-    let t4677 = t719 * t4659;
-    let t4678 = t4676 + t4677;
-    let t4679 = t652 * t4678;
-    let t4680 = t730 * t4671;
-    let t4681 = t4679 - t4680;
-    let t4682 = t808 * t4666;
-    let t4683 = t4681 + t4682;
-    let t4684 = t908 * t4662;
-    let t4685 = t4683 + t4684;
-    let t4686 = t641 * t4659;
-    let t4687 = t4685 + t4686;
-    let t4688 = t577 * t4687;
-    let t4689 = t647 * t4678;
-    let t4690 = t4688 + t4689;
-    let t4691 = t725 * t4671;
-    let t4692 = t4690 + t4691;
-    let t4693 = t803 * t4666;
-    let t4694 = t4692 + t4693;
-    let t4695 = t900 * t4662;
-    let t4696 = t4694 + t4695;
-    let t4697 = t571 * t4659;
-    let t4698 = t4696 + t4697;
-    let t4699 = t824 * t944;
-    let t4700 = t930 + t4699;
-    let t4701 = t990 * t4700;
-    let t4702 = t824 * t877;
-    let t4703 = t797 + t4702;
-    let t4704 = t4703 - t4701;
-    let t4705 = inverse_d_panda_joint1 * t4704;
-    let t4706 = t990 * t4705;
-    let t4707 = inverse_d_panda_joint2 * t4700;
-    let t4708 = t4707 - t4706;
-    let t4709 = t944 * t4708;
-    let t4710 = t824 * inverse_d_panda_joint3;
-    let t4711 = t4710 + t4709;
-    let t4712 = t877 * t4705;
-    let t4713 = t4711 + t4712;
-    let t4714 = t824 * t4713;
-    let t4715 = inverse_d_panda_joint4 + t4714;
-    let t4716 = t930 * t4708;
-    let t4717 = t4715 + t4716;
-    let t4718 = t797 * t4705;
-    let t4719 = t4717 + t4718;
-    let t4720 = t737 * t4719;
-    let t4721 = t815 * t4713;
-    let t4722 = t4720 + t4721;
-    let t4723 = t918 * t4708;
+    let t4260 = t4259 + t4256;
+    let t4261 = t4260 + t4255;
+    let t4262 = t4261 + t4254;
+    let t4263 = t4262 - t4253;
+    let t4264 = t4263 - t4252;
+    let t4265 = t1130 * t4015;
+    let t4266 = t1119 * t4022;
+    let t4267 = t1110 * t4030;
+    let t4268 = t1103 * t4048;
+    let t4269 = t1098 * t4060;
+    let t4270 = t465 * t4081;
+    let t4271 = t1037 * t4088;
+    let t4272 = t4271 - t4270;
+    let t4273 = t4272 - t4269;
+    let t4274 = t4273 - t4268;
+    let t4275 = t4274 - t4267;
+    let t4276 = t4275 + t4266;
+    let t4277 = t4276 - t4265;
+    let t4278 = t1203 * t3597;
+    let t4279 = t1192 * t3601;
+    let t4280 = t1183 * t3605;
+    let t4281 = t1176 * t3632;
+    let t4282 = t1103 * t3627;
+    let t4283 = t470 * t3622;
+    let t4284 = t1042 * t3618;
+    let t4285 = t4284 - t4283;
+    let t4286 = t4285 - t4282;
+    let t4287 = t4286 - t4281;
+    let t4288 = t4287 + t4280;
+    let t4289 = t4288 - t4279;
+    let t4290 = t4289 + t4278;
+    let t4291 = t1203 * t3646;
+    let t4292 = t1192 * t3654;
+    let t4293 = t1183 * t3662;
+    let t4294 = t1176 * t3670;
+    let t4295 = t1103 * t3678;
+    let t4296 = t470 * t3685;
+    let t4297 = t1042 * t3702;
+    let t4298 = t4297 + t4296;
+    let t4299 = t4298 + t4295;
+    let t4300 = t4299 + t4294;
+    let t4301 = t4300 - t4293;
+    let t4302 = t4301 + t4292;
+    let t4303 = t4302 - t4291;
+    let t4304 = t1203 * t3714;
+    let t4305 = t1192 * t3719;
+    let t4306 = t1183 * t3724;
+    let t4307 = t1176 * t3729;
+    let t4308 = t1103 * t3735;
+    let t4309 = t470 * t3754;
+    let t4310 = t1042 * t3761;
+    let t4311 = t4310 - t4309;
+    let t4312 = t4311 - t4308;
+    let t4313 = t4312 - t4307;
+    let t4314 = t4313 + t4306;
+    let t4315 = t4314 - t4305;
+    let t4316 = t4315 + t4304;
+    let t4317 = t1203 * t3773;
+    let t4318 = t1192 * t3778;
+    let t4319 = t1183 * t3783;
+    let t4320 = t1176 * t3789;
+    let t4321 = t1103 * t3805;
+    let t4322 = t470 * t3826;
+    let t4323 = t1042 * t3833;
+    let t4324 = t4323 - t4322;
+    let t4325 = t4324 + t4321;
+    let t4326 = t4325 + t4320;
+    let t4327 = t4326 - t4319;
+    let t4328 = t4327 + t4318;
+    let t4329 = t4328 - t4317;
+    let t4330 = t1203 * t3844;
+    let t4331 = t1192 * t3849;
+    let t4332 = t1183 * t3855;
+    let t4333 = t1176 * t3874;
+    let t4334 = t1103 * t3886;
+    let t4335 = t470 * t3907;
+    let t4336 = t1042 * t3914;
+    let t4337 = t4336 - t4335;
+    let t4338 = t4337 - t4334;
+    let t4339 = t4338 - t4333;
+    let t4340 = t4339 + t4332;
+    let t4341 = t4340 - t4331;
+    let t4342 = t4341 + t4330;
+    let t4343 = t1203 * t3925;
+    let t4344 = t1192 * t3931;
+    let t4345 = t1183 * t3943;
+    let t4346 = t1176 * t3966;
+    let t4347 = t1103 * t3978;
+    let t4348 = t470 * t3999;
+    let t4349 = t1042 * t4006;
+    let t4350 = t4349 - t4348;
+    let t4351 = t4350 + t4347;
+    let t4352 = t4351 + t4346;
+    let t4353 = t4352 + t4345;
+    let t4354 = t4353 - t4344;
+    let t4355 = t4354 - t4343;
+    let t4356 = t1203 * t4015;
+    let t4357 = t1192 * t4022;
+    let t4358 = t1183 * t4030;
+    let t4359 = t1176 * t4048;
+    let t4360 = t1103 * t4060;
+    let t4361 = t470 * t4081;
+    let t4362 = t1042 * t4088;
+    let t4363 = t4362 - t4361;
+    let t4364 = t4363 - t4360;
+    let t4365 = t4364 - t4359;
+    let t4366 = t4365 - t4358;
+    let t4367 = t4366 + t4357;
+    let t4368 = t4367 - t4356;
+    let t4369 = t1282 * t3597;
+    let t4370 = t1271 * t3601;
+    let t4371 = t1262 * t3605;
+    let t4372 = t1183 * t3632;
+    let t4373 = t1110 * t3627;
+    let t4374 = t477 * t3622;
+    let t4375 = t1049 * t3618;
+    let t4376 = t4375 - t4374;
+    let t4377 = t4376 - t4373;
+    let t4378 = t4377 - t4372;
+    let t4379 = t4378 + t4371;
+    let t4380 = t4379 - t4370;
+    let t4381 = t4380 + t4369;
+    let t4382 = t1282 * t3646;
+    let t4383 = t1271 * t3654;
+    let t4384 = t1262 * t3662;
+    let t4385 = t1183 * t3670;
+    let t4386 = t1110 * t3678;
+    let t4387 = t477 * t3685;
+    let t4388 = t1049 * t3702;
+    let t4389 = t4388 + t4387;
+    let t4390 = t4389 + t4386;
+    let t4391 = t4390 + t4385;
+    let t4392 = t4391 - t4384;
+    let t4393 = t4392 + t4383;
+    let t4394 = t4393 - t4382;
+    let t4395 = t1282 * t3714;
+    let t4396 = t1271 * t3719;
+    let t4397 = t1262 * t3724;
+    let t4398 = t1183 * t3729;
+    let t4399 = t1110 * t3735;
+    let t4400 = t477 * t3754;
+    let t4401 = t1049 * t3761;
+    let t4402 = t4401 - t4400;
+    let t4403 = t4402 - t4399;
+    let t4404 = t4403 - t4398;
+    let t4405 = t4404 + t4397;
+    let t4406 = t4405 - t4396;
+    let t4407 = t4406 + t4395;
+    let t4408 = t1282 * t3773;
+    let t4409 = t1271 * t3778;
+    let t4410 = t1262 * t3783;
+    let t4411 = t1183 * t3789;
+    let t4412 = t1110 * t3805;
+    let t4413 = t477 * t3826;
+    let t4414 = t1049 * t3833;
+    let t4415 = t4414 - t4413;
+    let t4416 = t4415 + t4412;
+    let t4417 = t4416 + t4411;
+    let t4418 = t4417 - t4410;
+    let t4419 = t4418 + t4409;
+    let t4420 = t4419 - t4408;
+    let t4421 = t1282 * t3844;
+    let t4422 = t1271 * t3849;
+    let t4423 = t1262 * t3855;
+    let t4424 = t1183 * t3874;
+    let t4425 = t1110 * t3886;
+    let t4426 = t477 * t3907;
+    let t4427 = t1049 * t3914;
+    let t4428 = t4427 - t4426;
+    let t4429 = t4428 - t4425;
+    let t4430 = t4429 - t4424;
+    let t4431 = t4430 + t4423;
+    let t4432 = t4431 - t4422;
+    let t4433 = t4432 + t4421;
+    let t4434 = t1282 * t3925;
+    let t4435 = t1271 * t3931;
+    let t4436 = t1262 * t3943;
+    let t4437 = t1183 * t3966;
+    let t4438 = t1110 * t3978;
+    let t4439 = t477 * t3999;
+    let t4440 = t1049 * t4006;
+    let t4441 = t4440 - t4439;
+    let t4442 = t4441 + t4438;
+    let t4443 = t4442 + t4437;
+    let t4444 = t4443 + t4436;
+    let t4445 = t4444 - t4435;
+    let t4446 = t4445 - t4434;
+    let t4447 = t1282 * t4015;
+    let t4448 = t1271 * t4022;
+    let t4449 = t1262 * t4030;
+    let t4450 = t1183 * t4048;
+    let t4451 = t1110 * t4060;
+    let t4452 = t477 * t4081;
+    let t4453 = t1049 * t4088;
+    let t4454 = t4453 - t4452;
+    let t4455 = t4454 - t4451;
+    let t4456 = t4455 - t4450;
+    let t4457 = t4456 - t4449;
+    let t4458 = t4457 + t4448;
+    let t4459 = t4458 - t4447;
+    let t4460 = t1445 * t3597;
+    let t4461 = t1434 * t3601;
+    let t4462 = t1271 * t3605;
+    let t4463 = t1192 * t3632;
+    let t4464 = t1119 * t3627;
+    let t4465 = t486 * t3622;
+    let t4466 = t1058 * t3618;
+    let t4467 = t4466 - t4465;
+    let t4468 = t4467 - t4464;
+    let t4469 = t4468 - t4463;
+    let t4470 = t4469 + t4462;
+    let t4471 = t4470 - t4461;
+    let t4472 = t4471 + t4460;
+    let t4473 = t1445 * t3646;
+    let t4474 = t1434 * t3654;
+    let t4475 = t1271 * t3662;
+    let t4476 = t1192 * t3670;
+    let t4477 = t1119 * t3678;
+    let t4478 = t486 * t3685;
+    let t4479 = t1058 * t3702;
+    let t4480 = t4479 + t4478;
+    let t4481 = t4480 + t4477;
+    let t4482 = t4481 + t4476;
+    let t4483 = t4482 - t4475;
+    let t4484 = t4483 + t4474;
+    let t4485 = t4484 - t4473;
+    let t4486 = t1445 * t3714;
+    let t4487 = t1434 * t3719;
+    let t4488 = t1271 * t3724;
+    let t4489 = t1192 * t3729;
+    let t4490 = t1119 * t3735;
+    let t4491 = t486 * t3754;
+    let t4492 = t1058 * t3761;
+    let t4493 = t4492 - t4491;
+    let t4494 = t4493 - t4490;
+    let t4495 = t4494 - t4489;
+    let t4496 = t4495 + t4488;
+    let t4497 = t4496 - t4487;
+    let t4498 = t4497 + t4486;
+    let t4499 = t1445 * t3773;
+    let t4500 = t1434 * t3778;
+    let t4501 = t1271 * t3783;
+    let t4502 = t1192 * t3789;
+    let t4503 = t1119 * t3805;
+    let t4504 = t486 * t3826;
+    let t4505 = t1058 * t3833;
+    let t4506 = t4505 - t4504;
+    let t4507 = t4506 + t4503;
+    let t4508 = t4507 + t4502;
+    let t4509 = t4508 - t4501;
+    let t4510 = t4509 + t4500;
+    let t4511 = t4510 - t4499;
+    let t4512 = t1445 * t3844;
+    let t4513 = t1434 * t3849;
+    let t4514 = t1271 * t3855;
+    let t4515 = t1192 * t3874;
+    let t4516 = t1119 * t3886;
+    let t4517 = t486 * t3907;
+    let t4518 = t1058 * t3914;
+    let t4519 = t4518 - t4517;
+    let t4520 = t4519 - t4516;
+    let t4521 = t4520 - t4515;
+    let t4522 = t4521 + t4514;
+    let t4523 = t4522 - t4513;
+    let t4524 = t4523 + t4512;
+    let t4525 = t1445 * t3925;
+    let t4526 = t1434 * t3931;
+    let t4527 = t1271 * t3943;
+    let t4528 = t1192 * t3966;
+    let t4529 = t1119 * t3978;
+    let t4530 = t486 * t3999;
+    let t4531 = t1058 * t4006;
+    let t4532 = t4531 - t4530;
+    let t4533 = t4532 + t4529;
+    let t4534 = t4533 + t4528;
+    let t4535 = t4534 + t4527;
+    let t4536 = t4535 - t4526;
+    let t4537 = t4536 - t4525;
+    let t4538 = t1445 * t4015;
+    let t4539 = t1434 * t4022;
+    let t4540 = t1271 * t4030;
+    let t4541 = t1192 * t4048;
+    let t4542 = t1119 * t4060;
+    let t4543 = t486 * t4081;
+    let t4544 = t1058 * t4088;
+    let t4545 = t4544 - t4543;
+    let t4546 = t4545 - t4542;
+    let t4547 = t4546 - t4541;
+    let t4548 = t4547 - t4540;
+    let t4549 = t4548 + t4539;
+    let t4550 = t4549 - t4538;
+    let t4551 = t1378 * t3597;
+    let t4552 = t1445 * t3601;
+    let t4553 = t1282 * t3605;
+    let t4554 = t1203 * t3632;
+    let t4555 = t1130 * t3627;
+    let t4556 = t497 * t3622;
+    let t4557 = t1069 * t3618;
+    let t4558 = t4557 - t4556;
+    let t4559 = t4558 - t4555;
+    let t4560 = t4559 - t4554;
+    let t4561 = t4560 + t4553;
+    let t4562 = t4561 - t4552;
+    let t4563 = t4562 + t4551;
+    let t4564 = t1378 * t3646;
+    let t4565 = t1445 * t3654;
+    let t4566 = t1282 * t3662;
+    let t4567 = t1203 * t3670;
+    let t4568 = t1130 * t3678;
+    let t4569 = t497 * t3685;
+    let t4570 = t1069 * t3702;
+    let t4571 = t4570 + t4569;
+    let t4572 = t4571 + t4568;
+    let t4573 = t4572 + t4567;
+    let t4574 = t4573 - t4566;
+    let t4575 = t4574 + t4565;
+    let t4576 = t4575 - t4564;
+    let t4577 = t1378 * t3714;
+    let t4578 = t1445 * t3719;
+    let t4579 = t1282 * t3724;
+    let t4580 = t1203 * t3729;
+    let t4581 = t1130 * t3735;
+    let t4582 = t497 * t3754;
+    let t4583 = t1069 * t3761;
+    let t4584 = t4583 - t4582;
+    let t4585 = t4584 - t4581;
+    let t4586 = t4585 - t4580;
+    let t4587 = t4586 + t4579;
+    let t4588 = t4587 - t4578;
+    let t4589 = t4588 + t4577;
+    let t4590 = t1378 * t3773;
+    let t4591 = t1445 * t3778;
+    let t4592 = t1282 * t3783;
+    let t4593 = t1203 * t3789;
+    let t4594 = t1130 * t3805;
+    let t4595 = t497 * t3826;
+    let t4596 = t1069 * t3833;
+    let t4597 = t4596 - t4595;
+    let t4598 = t4597 + t4594;
+    let t4599 = t4598 + t4593;
+    let t4600 = t4599 - t4592;
+    let t4601 = t4600 + t4591;
+    let t4602 = t4601 - t4590;
+    let t4603 = t1378 * t3844;
+    let t4604 = t1445 * t3849;
+    let t4605 = t1282 * t3855;
+    let t4606 = t1203 * t3874;
+    let t4607 = t1130 * t3886;
+    let t4608 = t497 * t3907;
+    let t4609 = t1069 * t3914;
+    let t4610 = t4609 - t4608;
+    let t4611 = t4610 - t4607;
+    let t4612 = t4611 - t4606;
+    let t4613 = t4612 + t4605;
+    let t4614 = t4613 - t4604;
+    let t4615 = t4614 + t4603;
+    let t4616 = t1378 * t3925;
+    let t4617 = t1445 * t3931;
+    let t4618 = t1282 * t3943;
+    let t4619 = t1203 * t3966;
+    let t4620 = t1130 * t3978;
+    let t4621 = t497 * t3999;
+    let t4622 = t1069 * t4006;
+    let t4623 = t4622 - t4621;
+    let t4624 = t4623 + t4620;
+    let t4625 = t4624 + t4619;
+    let t4626 = t4625 + t4618;
+    let t4627 = t4626 - t4617;
+    let t4628 = t4627 - t4616;
+    let t4629 = t1378 * t4015;
+    let t4630 = t1445 * t4022;
+    let t4631 = t1282 * t4030;
+    let t4632 = t1203 * t4048;
+    let t4633 = t1130 * t4060;
+    let t4634 = t497 * t4081;
+    let t4635 = t1069 * t4088;
+    let t4636 = t4635 - t4634;
+    let t4637 = t4636 - t4633;
+    let t4638 = t4637 - t4632;
+    let t4639 = t4638 - t4631;
+    let t4640 = t4639 + t4630;
+    let t4641 = t4640 - t4629;
+    let t4642 = y[1] * t2460;
+    let t4643 = y[2] * t2588;
+    let t4644 = t4642 + t4643;
+    let t4645 = y[3] * t2724;
+    let t4646 = t4644 - t4645;
+    let t4647 = y[4] * t2864;
+    let t4648 = t4646 - t4647;
+    let t4649 = y[5] * t3004;
+    let t4650 = t4648 - t4649;
+    let t4651 = y[6] * t3126;
+    let t4652 = t4650 - t4651;
+    let t4653 = v[1] * t3709;
+    let t4654 = v[0] * t3637;
+    let t4655 = t4654 + t4653;
+    let t4656 = v[2] * t3768;
+    let t4657 = t4655 - t4656;
+    let t4658 = v[3] * t3840;
+    let t4659 = t4657 - t4658;
+    let t4660 = v[4] * t3921;
+    let t4661 = t4659 - t4660;
+    let t4662 = v[5] * t4013;
+    let t4663 = t4661 + t4662;
+    let t4664 = v[6] * t4095;
+    let t4665 = t4663 + t4664;
+    let t4666 = t4652 - t4665;
+    let t4667 = u[6] * t1069;
+    let t4668 = u[5] * t1058;
+    let t4669 = u[4] * t1049;
+    let t4670 = u[3] * t1042;
+    let t4671 = u[2] * t1037;
+    let t4672 = u[1] * t460;
+    let t4673 = u[0] * inverse_d_panda_joint1;
+    let t4674 = t4673 + t4672;
+    let t4675 = t4674 + t4671;
+    let t4676 = t4675 - t4670;
+    let t4677 = t4676 - t4669;
+    let t4678 = t4677 - t4668;
+    let t4679 = t4678 - t4667;
+    let t4680 = t4666 + t4679;
+    let t4681 = t1082 - t4680;
+    let t4682 = y[1] * t3139;
+    let t4683 = y[2] * t3152;
+    let t4684 = t4682 + t4683;
+    let t4685 = y[3] * t3165;
+    let t4686 = t4684 - t4685;
+    let t4687 = y[4] * t3178;
+    let t4688 = t4686 - t4687;
+    let t4689 = y[5] * t3191;
+    let t4690 = t4688 - t4689;
+    let t4691 = y[6] * t3204;
+    let t4692 = t4690 - t4691;
+    let t4693 = v[1] * t4121;
+    let t4694 = v[0] * t4108;
+    let t4695 = t4694 + t4693;
+    let t4696 = v[2] * t4134;
+    let t4697 = t4695 - t4696;
+    let t4698 = v[3] * t4147;
+    let t4699 = t4697 - t4698;
+    let t4700 = v[4] * t4160;
+    let t4701 = t4699 - t4700;
+    let t4702 = v[5] * t4173;
+    let t4703 = t4701 + t4702;
+    let t4704 = v[6] * t4186;
+    let t4705 = t4703 + t4704;
+    let t4706 = t4692 - t4705;
+    let t4707 = u[6] * t497;
+    let t4708 = u[5] * t486;
+    let t4709 = u[4] * t477;
+    let t4710 = u[3] * t470;
+    let t4711 = u[2] * t465;
+    let t4712 = u[1] * t462;
+    let t4713 = u[0] * t460;
+    let t4714 = t4713 + t4712;
+    let t4715 = t4714 + t4711;
+    let t4716 = t4715 - t4710;
+    let t4717 = t4716 - t4709;
+    let t4718 = t4717 - t4708;
+    let t4719 = t4718 - t4707;
+    let t4720 = t4706 + t4719;
+    let t4721 = t1032 - t4720;
+    let t4722 = y[1] * t3217;
+    let t4723 = y[2] * t3230;
     let t4724 = t4722 + t4723;
-    let t4725 = t719 * t4705;
-    let t4726 = t4724 + t4725;
-    let t4727 = t652 * t4726;
-    let t4728 = t730 * t4719;
-    let t4729 = t4727 - t4728;
-    let t4730 = t808 * t4713;
-    let t4731 = t4729 + t4730;
-    let t4732 = t908 * t4708;
-    let t4733 = t4731 + t4732;
-    let t4734 = t641 * t4705;
-    let t4735 = t4733 + t4734;
-    let t4736 = t577 * t4735;
-    let t4737 = t647 * t4726;
-    let t4738 = t4736 + t4737;
-    let t4739 = t725 * t4719;
-    let t4740 = t4738 + t4739;
-    let t4741 = t803 * t4713;
-    let t4742 = t4740 + t4741;
-    let t4743 = t900 * t4708;
-    let t4744 = t4742 + t4743;
-    let t4745 = t571 * t4705;
-    let t4746 = t4744 + t4745;
-    let t4747 = t737 * t824;
-    let t4748 = t815 + t4747;
-    let t4749 = t944 * t4748;
-    let t4750 = t737 * t930;
-    let t4751 = t918 + t4750;
-    let t4752 = t4751 + t4749;
-    let t4753 = t990 * t4752;
-    let t4754 = t877 * t4748;
-    let t4755 = t737 * t797;
-    let t4756 = t719 + t4755;
-    let t4757 = t4756 + t4754;
-    let t4758 = t4757 - t4753;
-    let t4759 = inverse_d_panda_joint1 * t4758;
-    let t4760 = t990 * t4759;
-    let t4761 = inverse_d_panda_joint2 * t4752;
-    let t4762 = t4761 - t4760;
-    let t4763 = t944 * t4762;
-    let t4764 = inverse_d_panda_joint3 * t4748;
-    let t4765 = t4764 + t4763;
-    let t4766 = t877 * t4759;
-    let t4767 = t4765 + t4766;
-    let t4768 = t824 * t4767;
-    let t4769 = t737 * inverse_d_panda_joint4;
-    let t4770 = t4769 + t4768;
-    let t4771 = t930 * t4762;
-    let t4772 = t4770 + t4771;
-    let t4773 = t797 * t4759;
-    let t4774 = t4772 + t4773;
-    let t4775 = t737 * t4774;
-    let t4776 = inverse_d_panda_joint5 + t4775;
-    let t4777 = t815 * t4767;
-    let t4778 = t4776 + t4777;
-    let t4779 = t918 * t4762;
-    let t4780 = t4778 + t4779;
-    let t4781 = t719 * t4759;
-    let t4782 = t4780 + t4781;
-    let t4783 = t652 * t4782;
-    let t4784 = t730 * t4774;
-    let t4785 = t4783 - t4784;
-    let t4786 = t808 * t4767;
-    let t4787 = t4785 + t4786;
-    let t4788 = t908 * t4762;
-    let t4789 = t4787 + t4788;
-    let t4790 = t641 * t4759;
-    let t4791 = t4789 + t4790;
-    let t4792 = t577 * t4791;
-    let t4793 = t647 * t4782;
-    let t4794 = t4792 + t4793;
-    let t4795 = t725 * t4774;
-    let t4796 = t4794 + t4795;
-    let t4797 = t803 * t4767;
-    let t4798 = t4796 + t4797;
-    let t4799 = t900 * t4762;
-    let t4800 = t4798 + t4799;
-    let t4801 = t571 * t4759;
-    let t4802 = t4800 + t4801;
-    let t4803 = t652 * t737;
-    let t4804 = t730 - t4803;
-    let t4805 = t824 * t4804;
-    let t4806 = t652 * t815;
-    let t4807 = t808 + t4806;
-    let t4808 = t4807 - t4805;
-    let t4809 = t944 * t4808;
-    let t4810 = t930 * t4804;
-    let t4811 = t652 * t918;
-    let t4812 = t908 + t4811;
-    let t4813 = t4812 - t4810;
-    let t4814 = t4813 + t4809;
-    let t4815 = t990 * t4814;
-    let t4816 = t877 * t4808;
-    let t4817 = t797 * t4804;
-    let t4818 = t652 * t719;
-    let t4819 = t641 + t4818;
-    let t4820 = t4819 - t4817;
-    let t4821 = t4820 + t4816;
-    let t4822 = t4821 - t4815;
-    let t4823 = inverse_d_panda_joint1 * t4822;
-    let t4824 = t990 * t4823;
-    let t4825 = inverse_d_panda_joint2 * t4814;
-    let t4826 = t4825 - t4824;
-    let t4827 = t944 * t4826;
-    let t4828 = inverse_d_panda_joint3 * t4808;
-    let t4829 = t4828 + t4827;
-    let t4830 = t877 * t4823;
-    let t4831 = t4829 + t4830;
-    let t4832 = t824 * t4831;
-    let t4833 = inverse_d_panda_joint4 * t4804;
-    let t4834 = t4833 - t4832;
-    let t4835 = t930 * t4826;
-    let t4836 = t4834 - t4835;
-    let t4837 = t797 * t4823;
-    let t4838 = t4836 - t4837;
-    let t4839 = t737 * t4838;
-    let t4840 = t652 * inverse_d_panda_joint5;
-    let t4841 = t4840 - t4839;
-    let t4842 = t815 * t4831;
-    let t4843 = t4841 + t4842;
-    let t4844 = t918 * t4826;
-    let t4845 = t4843 + t4844;
-    let t4846 = t719 * t4823;
-    let t4847 = t4845 + t4846;
-    let t4848 = t652 * t4847;
-    let t4849 = inverse_d_panda_joint6 + t4848;
-    let t4850 = t730 * t4838;
-    let t4851 = t4849 + t4850;
-    let t4852 = t808 * t4831;
-    let t4853 = t4851 + t4852;
-    let t4854 = t908 * t4826;
-    let t4855 = t4853 + t4854;
-    let t4856 = t641 * t4823;
-    let t4857 = t4855 + t4856;
-    let t4858 = t577 * t4857;
-    let t4859 = t647 * t4847;
-    let t4860 = t4858 + t4859;
-    let t4861 = t725 * t4838;
-    let t4862 = t4860 - t4861;
-    let t4863 = t803 * t4831;
-    let t4864 = t4862 + t4863;
-    let t4865 = t900 * t4826;
-    let t4866 = t4864 + t4865;
-    let t4867 = t571 * t4823;
-    let t4868 = t4866 + t4867;
-    let t4869 = t577 * t652;
-    let t4870 = t647 + t4869;
-    let t4871 = t737 * t4870;
-    let t4872 = t577 * t730;
-    let t4873 = t725 - t4872;
-    let t4874 = t4873 + t4871;
-    let t4875 = t824 * t4874;
-    let t4876 = t815 * t4870;
-    let t4877 = t577 * t808;
-    let t4878 = t803 + t4877;
-    let t4879 = t4878 + t4876;
-    let t4880 = t4879 + t4875;
-    let t4881 = t944 * t4880;
-    let t4882 = t930 * t4874;
-    let t4883 = t918 * t4870;
-    let t4884 = t577 * t908;
-    let t4885 = t900 + t4884;
-    let t4886 = t4885 + t4883;
-    let t4887 = t4886 + t4882;
-    let t4888 = t4887 + t4881;
-    let t4889 = t990 * t4888;
-    let t4890 = t877 * t4880;
-    let t4891 = t797 * t4874;
-    let t4892 = t719 * t4870;
-    let t4893 = t577 * t641;
-    let t4894 = t571 + t4893;
-    let t4895 = t4894 + t4892;
-    let t4896 = t4895 + t4891;
-    let t4897 = t4896 + t4890;
-    let t4898 = t4897 - t4889;
-    let t4899 = inverse_d_panda_joint1 * t4898;
-    let t4900 = t990 * t4899;
-    let t4901 = inverse_d_panda_joint2 * t4888;
-    let t4902 = t4901 - t4900;
-    let t4903 = t944 * t4902;
-    let t4904 = inverse_d_panda_joint3 * t4880;
-    let t4905 = t4904 + t4903;
-    let t4906 = t877 * t4899;
-    let t4907 = t4905 + t4906;
-    let t4908 = t824 * t4907;
-    let t4909 = inverse_d_panda_joint4 * t4874;
-    let t4910 = t4909 + t4908;
-    let t4911 = t930 * t4902;
-    let t4912 = t4910 + t4911;
-    let t4913 = t797 * t4899;
-    let t4914 = t4912 + t4913;
-    let t4915 = t737 * t4914;
-    let t4916 = inverse_d_panda_joint5 * t4870;
-    let t4917 = t4916 + t4915;
-    let t4918 = t815 * t4907;
-    let t4919 = t4917 + t4918;
-    let t4920 = t918 * t4902;
-    let t4921 = t4919 + t4920;
-    let t4922 = t719 * t4899;
-    let t4923 = t4921 + t4922;
-    let t4924 = t652 * t4923;
-    let t4925 = t577 * inverse_d_panda_joint6;
-    let t4926 = t4925 + t4924;
-    let t4927 = t730 * t4914;
-    let t4928 = t4926 - t4927;
-    let t4929 = t808 * t4907;
-    let t4930 = t4928 + t4929;
-    let t4931 = t908 * t4902;
-    let t4932 = t4930 + t4931;
-    let t4933 = t641 * t4899;
-    let t4934 = t4932 + t4933;
-    let t4935 = t577 * t4934;
-    let t4936 = 149.60760989322964 + t4935;
-    let t4937 = t647 * t4923;
-    let t4938 = t4936 + t4937;
-    let t4939 = t725 * t4914;
-    let t4940 = t4938 + t4939;
-    let t4941 = t803 * t4907;
-    let t4942 = t4940 + t4941;
-    let t4943 = t900 * t4902;
-    let t4944 = t4942 + t4943;
-    let t4945 = t571 * t4899;
-    let t4946 = t4944 + t4945;
-    let t4947 = -t2756;
-    let t4948 = -t2926;
-    let t4949 = -t3096;
-    let t4950 = -t3248;
-    let t4951 = -t3254;
-    let t4952 = -t3271;
-    let t4953 = -t3276;
-    let t4954 = -t3291;
-    let t4955 = -t3296;
-    let t4956 = -t3310;
-    let t4957 = -t3324;
-    let t4958 = -t3365;
-    let t4959 = -t3374;
-    let t4960 = -t3383;
-    let t4961 = -t3392;
-    let t4962 = -t3403;
-    let t4963 = -t3414;
-    let t4964 = -t3436;
-    let t4965 = -t3497;
-    let t4966 = -t3510;
-    let t4967 = -t3523;
-    let t4968 = -t3536;
-    let t4969 = -t3609;
-    let t4970 = -t3711;
-    let t4971 = -t4135;
-    let t4972 = -t4247;
-    let t4973 = -t4253;
-    let t4974 = -t4256;
-    let t4975 = -t4259;
-    let t4976 = -t4262;
-    let t4977 = -t4278;
-    let t4978 = -t4283;
-    let t4979 = -t4293;
-    let t4980 = -t4298;
-    let t4981 = -t4310;
-    let t4982 = -t4331;
-    let t4983 = -t4352;
-    let t4984 = -t4370;
-    let t4985 = -t4379;
-    let t4986 = -t4397;
-    let t4987 = -t4415;
-    let t4988 = -t4426;
-    let t4989 = -t4459;
-    let t4990 = -t4481;
-    let t4991 = -t4518;
-    let t4992 = -t4531;
-    let t4993 = -t4557;
-    let t4994 = -t4570;
-    let t4995 = -t4583;
-    let t4996 = -t4592;
-    let t4997 = -t4629;
-    let t4998 = -t4671;
-    let t4999 = -t4726;
-    let t5000 = -t4735;
-    let t5001 = -t4746;
+    let t4725 = y[3] * t3243;
+    let t4726 = t4724 - t4725;
+    let t4727 = y[4] * t3256;
+    let t4728 = t4726 - t4727;
+    let t4729 = y[5] * t3269;
+    let t4730 = t4728 - t4729;
+    let t4731 = y[6] * t3282;
+    let t4732 = t4730 - t4731;
+    let t4733 = v[1] * t4212;
+    let t4734 = v[0] * t4199;
+    let t4735 = t4734 + t4733;
+    let t4736 = v[2] * t4225;
+    let t4737 = t4735 - t4736;
+    let t4738 = v[3] * t4238;
+    let t4739 = t4737 - t4738;
+    let t4740 = v[4] * t4251;
+    let t4741 = t4739 - t4740;
+    let t4742 = v[5] * t4264;
+    let t4743 = t4741 + t4742;
+    let t4744 = v[6] * t4277;
+    let t4745 = t4743 + t4744;
+    let t4746 = t4732 - t4745;
+    let t4747 = u[6] * t1130;
+    let t4748 = u[5] * t1119;
+    let t4749 = u[4] * t1110;
+    let t4750 = u[3] * t1103;
+    let t4751 = u[2] * t1098;
+    let t4752 = u[1] * t465;
+    let t4753 = u[0] * t1037;
+    let t4754 = t4753 + t4752;
+    let t4755 = t4754 + t4751;
+    let t4756 = t4755 - t4750;
+    let t4757 = t4756 - t4749;
+    let t4758 = t4757 - t4748;
+    let t4759 = t4758 - t4747;
+    let t4760 = t4746 + t4759;
+    let t4761 = t1143 - t4760;
+    let t4762 = y[1] * t3295;
+    let t4763 = y[2] * t3308;
+    let t4764 = t4762 + t4763;
+    let t4765 = y[3] * t3321;
+    let t4766 = t4764 - t4765;
+    let t4767 = y[4] * t3334;
+    let t4768 = t4766 - t4767;
+    let t4769 = y[5] * t3347;
+    let t4770 = t4768 - t4769;
+    let t4771 = y[6] * t3360;
+    let t4772 = t4770 - t4771;
+    let t4773 = v[1] * t4303;
+    let t4774 = v[0] * t4290;
+    let t4775 = t4774 + t4773;
+    let t4776 = v[2] * t4316;
+    let t4777 = t4775 - t4776;
+    let t4778 = v[3] * t4329;
+    let t4779 = t4777 - t4778;
+    let t4780 = v[4] * t4342;
+    let t4781 = t4779 - t4780;
+    let t4782 = v[5] * t4355;
+    let t4783 = t4781 + t4782;
+    let t4784 = v[6] * t4368;
+    let t4785 = t4783 + t4784;
+    let t4786 = t4772 - t4785;
+    let t4787 = u[6] * t1203;
+    let t4788 = u[5] * t1192;
+    let t4789 = u[4] * t1183;
+    let t4790 = u[3] * t1176;
+    let t4791 = u[2] * t1103;
+    let t4792 = u[1] * t470;
+    let t4793 = u[0] * t1042;
+    let t4794 = t4793 + t4792;
+    let t4795 = t4794 + t4791;
+    let t4796 = t4795 - t4790;
+    let t4797 = t4796 - t4789;
+    let t4798 = t4797 - t4788;
+    let t4799 = t4798 - t4787;
+    let t4800 = t4786 + t4799;
+    let t4801 = t1216 - t4800;
+    let t4802 = y[1] * t3373;
+    let t4803 = y[2] * t3386;
+    let t4804 = t4802 + t4803;
+    let t4805 = y[3] * t3399;
+    let t4806 = t4804 - t4805;
+    let t4807 = y[4] * t3412;
+    let t4808 = t4806 - t4807;
+    let t4809 = y[5] * t3425;
+    let t4810 = t4808 - t4809;
+    let t4811 = y[6] * t3438;
+    let t4812 = t4810 - t4811;
+    let t4813 = v[1] * t4394;
+    let t4814 = v[0] * t4381;
+    let t4815 = t4814 + t4813;
+    let t4816 = v[2] * t4407;
+    let t4817 = t4815 - t4816;
+    let t4818 = v[3] * t4420;
+    let t4819 = t4817 - t4818;
+    let t4820 = v[4] * t4433;
+    let t4821 = t4819 - t4820;
+    let t4822 = v[5] * t4446;
+    let t4823 = t4821 + t4822;
+    let t4824 = v[6] * t4459;
+    let t4825 = t4823 + t4824;
+    let t4826 = t4812 - t4825;
+    let t4827 = u[6] * t1282;
+    let t4828 = u[5] * t1271;
+    let t4829 = u[4] * t1262;
+    let t4830 = u[3] * t1183;
+    let t4831 = u[2] * t1110;
+    let t4832 = u[1] * t477;
+    let t4833 = u[0] * t1049;
+    let t4834 = t4833 + t4832;
+    let t4835 = t4834 + t4831;
+    let t4836 = t4835 - t4830;
+    let t4837 = t4836 - t4829;
+    let t4838 = t4837 - t4828;
+    let t4839 = t4838 - t4827;
+    let t4840 = t4826 + t4839;
+    let t4841 = t1295 - t4840;
+    let t4842 = y[1] * t3451;
+    let t4843 = y[2] * t3464;
+    let t4844 = t4842 + t4843;
+    let t4845 = y[3] * t3477;
+    let t4846 = t4844 - t4845;
+    let t4847 = y[4] * t3490;
+    let t4848 = t4846 - t4847;
+    let t4849 = y[5] * t3503;
+    let t4850 = t4848 - t4849;
+    let t4851 = y[6] * t3516;
+    let t4852 = t4850 - t4851;
+    let t4853 = v[1] * t4485;
+    let t4854 = v[0] * t4472;
+    let t4855 = t4854 + t4853;
+    let t4856 = v[2] * t4498;
+    let t4857 = t4855 - t4856;
+    let t4858 = v[3] * t4511;
+    let t4859 = t4857 - t4858;
+    let t4860 = v[4] * t4524;
+    let t4861 = t4859 - t4860;
+    let t4862 = v[5] * t4537;
+    let t4863 = t4861 + t4862;
+    let t4864 = v[6] * t4550;
+    let t4865 = t4863 + t4864;
+    let t4866 = t4852 - t4865;
+    let t4867 = u[6] * t1445;
+    let t4868 = u[5] * t1434;
+    let t4869 = u[4] * t1271;
+    let t4870 = u[3] * t1192;
+    let t4871 = u[2] * t1119;
+    let t4872 = u[1] * t486;
+    let t4873 = u[0] * t1058;
+    let t4874 = t4873 + t4872;
+    let t4875 = t4874 + t4871;
+    let t4876 = t4875 - t4870;
+    let t4877 = t4876 - t4869;
+    let t4878 = t4877 - t4868;
+    let t4879 = t4878 - t4867;
+    let t4880 = t4866 + t4879;
+    let t4881 = t1482 - t4880;
+    let t4882 = y[1] * t3529;
+    let t4883 = y[2] * t3542;
+    let t4884 = t4882 + t4883;
+    let t4885 = y[3] * t3555;
+    let t4886 = t4884 - t4885;
+    let t4887 = y[4] * t3568;
+    let t4888 = t4886 - t4887;
+    let t4889 = y[5] * t3581;
+    let t4890 = t4888 - t4889;
+    let t4891 = y[6] * t3594;
+    let t4892 = t4890 - t4891;
+    let t4893 = v[1] * t4576;
+    let t4894 = v[0] * t4563;
+    let t4895 = t4894 + t4893;
+    let t4896 = v[2] * t4589;
+    let t4897 = t4895 - t4896;
+    let t4898 = v[3] * t4602;
+    let t4899 = t4897 - t4898;
+    let t4900 = v[4] * t4615;
+    let t4901 = t4899 - t4900;
+    let t4902 = v[5] * t4628;
+    let t4903 = t4901 + t4902;
+    let t4904 = v[6] * t4641;
+    let t4905 = t4903 + t4904;
+    let t4906 = t4892 - t4905;
+    let t4907 = u[6] * t1378;
+    let t4908 = u[5] * t1445;
+    let t4909 = u[4] * t1282;
+    let t4910 = u[3] * t1203;
+    let t4911 = u[2] * t1130;
+    let t4912 = u[1] * t497;
+    let t4913 = u[0] * t1069;
+    let t4914 = t4913 + t4912;
+    let t4915 = t4914 + t4911;
+    let t4916 = t4915 - t4910;
+    let t4917 = t4916 - t4909;
+    let t4918 = t4917 - t4908;
+    let t4919 = t4918 - t4907;
+    let t4920 = t4906 + t4919;
+    let t4921 = t1457 - t4920;
+    let t4922 = -t2724;
+    let t4923 = -t2864;
+    let t4924 = -t3004;
+    let t4925 = -t3126;
+    let t4926 = -t3165;
+    let t4927 = -t3178;
+    let t4928 = -t3191;
+    let t4929 = -t3204;
+    let t4930 = -t3243;
+    let t4931 = -t3256;
+    let t4932 = -t3269;
+    let t4933 = -t3282;
+    let t4934 = -t3295;
+    let t4935 = -t3308;
+    let t4936 = -t3373;
+    let t4937 = -t3386;
+    let t4938 = -t3451;
+    let t4939 = -t3464;
+    let t4940 = -t3529;
+    let t4941 = -t3542;
+    let t4942 = -t3637;
+    let t4943 = -t3709;
+    let t4944 = -t4013;
+    let t4945 = -t4095;
+    let t4946 = -t4108;
+    let t4947 = -t4121;
+    let t4948 = -t4173;
+    let t4949 = -t4186;
+    let t4950 = -t4199;
+    let t4951 = -t4212;
+    let t4952 = -t4264;
+    let t4953 = -t4277;
+    let t4954 = -t4316;
+    let t4955 = -t4329;
+    let t4956 = -t4342;
+    let t4957 = -t4407;
+    let t4958 = -t4420;
+    let t4959 = -t4433;
+    let t4960 = -t4498;
+    let t4961 = -t4511;
+    let t4962 = -t4524;
+    let t4963 = -t4589;
+    let t4964 = -t4602;
+    let t4965 = -t4615;
+    let t4966 = -t1042;
+    let t4967 = -t1049;
+    let t4968 = -t1058;
+    let t4969 = -t1069;
+    let t4970 = -t470;
+    let t4971 = -t477;
+    let t4972 = -t486;
+    let t4973 = -t497;
+    let t4974 = -t1103;
+    let t4975 = -t1110;
+    let t4976 = -t1119;
+    let t4977 = -t1130;
+    let t4978 = -t4801;
+    let t4979 = -t4841;
+    let t4980 = -t4881;
+    let t4981 = -t4921;
     [
-        t3251,
-        t3257,
-        t3260,
-        t3263,
-        t3266,
-        t3281,
-        t3286,
-        t3303,
-        t3317,
-        t3331,
-        t3338,
-        t3347,
-        t3356,
-        t3425,
-        t3447,
-        t3458,
-        t3471,
-        t3484,
-        t3800,
-        t3902,
-        t4013,
-        t4250,
-        t4265,
-        t4268,
-        t4273,
-        t4288,
+        t3768,
+        t3840,
+        t3921,
+        t4134,
+        t4147,
+        t4160,
+        t4225,
+        t4238,
+        t4251,
+        t4290,
         t4303,
-        t4317,
-        t4324,
-        t4338,
-        t4345,
-        t4361,
-        t4388,
-        t4406,
-        t4437,
-        t4448,
-        t4470,
-        t4492,
-        t4505,
-        t4544,
-        t4584,
-        t4587,
-        t4599,
-        t4608,
-        t4619,
-        t4621,
-        t4624,
-        t4636,
-        t4645,
-        t4656,
-        t4666,
-        t4678,
-        t4687,
-        t4698,
-        t4719,
-        t4782,
-        t4791,
-        t4802,
-        t4857,
-        t4868,
+        t4355,
+        t4368,
+        t4381,
+        t4394,
+        t4446,
+        t4459,
+        t4472,
+        t4485,
+        t4537,
+        t4550,
+        t4563,
+        t4576,
+        t4628,
+        t4641,
+        t4681,
+        t4721,
+        t4761,
+        t4922,
+        t4923,
+        t4924,
+        t4925,
+        t4926,
+        t4927,
+        t4928,
+        t4929,
+        t4930,
+        t4931,
+        t4932,
+        t4933,
+        t4934,
+        t4935,
+        t4936,
+        t4937,
+        t4938,
+        t4939,
+        t4940,
+        t4941,
+        t4942,
+        t4943,
+        t4944,
+        t4945,
         t4946,
         t4947,
         t4948,
@@ -18493,6936 +24710,6 @@ fn forward_dynamics_derivatives_part_3(
         t4979,
         t4980,
         t4981,
-        t4982,
-        t4983,
-        t4984,
-        t4985,
-        t4986,
-        t4987,
-        t4988,
-        t4989,
-        t4990,
-        t4991,
-        t4992,
-        t4993,
-        t4994,
-        t4995,
-        t4996,
-        t4997,
-        t4998,
-        t4999,
-        t5000,
-        t5001,
-    ]
-}
-
-/// Linearization of the accelerations in continuous time.
-///
-/// `ÿ ≈ A_y y + A_v ẏ + B_x u + c; with x = (y, ẏ) the upper halves of A, B_x and c are [0 I], 0 and 0`
-///
-/// - `y: [N]`: coordinates: `panda_joint1`, `panda_joint2`, `panda_joint3`, `panda_joint4`, `panda_joint5`,
-///   `panda_joint6`, `panda_joint7` in rad
-/// - `v: [N]`: velocities ẏ: `panda_joint1`, `panda_joint2`, `panda_joint3`, `panda_joint4`, `panda_joint5`,
-///   `panda_joint6`, `panda_joint7` in rad/s
-/// - `u: [M]`: inputs: `panda_joint1`, `panda_joint2`, `panda_joint3`, `panda_joint4`, `panda_joint5`,
-///   `panda_joint6`, `panda_joint7` in N m
-/// - returns `A_y: [N × N]`: ∂ÿ/∂y, row i = acceleration i
-/// - returns `A_v: [N × N]`: ∂ÿ/∂ẏ, row i = acceleration i
-/// - returns `B_x: [N × M]`: ∂ÿ/∂u, row i = acceleration i
-/// - returns `c: [N]`: affine remainder ÿ − A\_y y − A\_v ẏ − B\_x u
-///
-/// Cost: 2710 multiplications, 2497 additions, 6 divisions, 7 function calls (`sin_cos`).
-///
-/// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
-///
-/// Composite bodies with pairs of joints in link frames were cheapest.
-#[must_use]
-#[allow(
-    clippy::type_complexity,
-    reason = "blocks of fixed size need no type of their own"
-)]
-pub fn linearize(
-    y: &[f64; N],
-    v: &[f64; N],
-    u: &[f64; M],
-) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
-    let [sin_panda_joint2, cos_panda_joint2, sin_panda_joint3, cos_panda_joint3,
-    sin_panda_joint4, cos_panda_joint4, sin_panda_joint5, cos_panda_joint5,
-    sin_panda_joint6, cos_panda_joint6, sin_panda_joint7_2, cos_panda_joint7_2,
-    omega_panda_joint2_x, omega_panda_joint3_y, omega_panda_joint2_y,
-    omega_panda_joint3_z, omega_panda_joint3_x, t32, t33, omega_panda_joint4_z, t38,
-    omega_panda_joint4_y, t42, omega_panda_joint4_x, t48, omega_panda_joint5_z,
-    omega_panda_joint5_y, t60, t66, omega_panda_joint5_x, t71, omega_panda_joint6_z, t76,
-    omega_panda_joint6_y, t80, t89, omega_panda_joint6_x, t94, t104, t106, t107, t118,
-    t129, acceleration_panda_joint2_x, t133, t137, acceleration_panda_joint2_y, t151,
-    t154, t158, t174, t180, t185, t210, t212, t219, t220, t224, t225, t228, t244, t253,
-    t260, t298, t308, t320, t333, t356, t404, t406, t427, t440, t462, t472, t475, t492,
-    t501, t571, t577, inverse_d_panda_joint6, t641, t647, t652, inverse_d_panda_joint5,
-    t719, t725, t730, t737, inverse_d_panda_joint4, t797, t803, t808, t815, t824,
-    inverse_d_panda_joint3, t877, t900, t908, t918, t930, t944, inverse_d_panda_joint2,
-    t990, inverse_d_panda_joint1, t1018, t1021, t1026, t1033, t1042, t1053, t1066] = linearize_part_1(
-        y,
-        v,
-        u,
-    );
-    let [t1112, t1119, t1122, t1127, t1130, t1134, t1139, t1149, t1163,
-    acceleration_panda_joint7_y_2, t1169, t1178, t1184, acceleration_panda_joint7_x_2,
-    t1188, force_panda_joint7_y_2, moment_panda_joint7_x_2, moment_panda_joint7_y_2,
-    force_panda_joint7_x_2, t1453, t1465, t1467, t1469, t1470, t1476, t1500, t1506,
-    t1509, t1512, t1518, t1520, t1522, t1524, t1536, t1538, t1543, t1545, t1546, t1551,
-    t1552, t1565, t1567, t1575, t1581, t1589, t1590, t1592, t1594, t1596, t1602, t1611,
-    t1612, t1619, t1632, t1635, t1636, t1637, t1644, t1649, t1654, t1661, t1672, t1675,
-    t1676, t1677, t1678, t1680, t1684, t1686, t1693, t1701, t1704, t1708, t1716, t1768,
-    t1769, t1775, t1777, t1778, t1793, t1796, t1808, t1809, t1859, t1862, t1868, t1870,
-    t1887, t1891, t1899, t1906, t1916, t1918, t1922, t1959, t1964, t1970, t1981, t1986,
-    t1988, t1998, t2000, t2002, t2012, t2019, t2020, t2023, t2030, t2038, t2041, t2055,
-    t2064, t2068, t2083, t2103, t2117, t2123, t2127, t2129, t2135, t2139, t2142, t2147,
-    t2150, t2153, t2156, t2167, t2176, t2180, t2198, t2218, t2224, t2228, t2230, t2236,
-    t2240, t2244, t2251, t2254, t2258, t2263, t2268, t2283, t2296, t2301, t2303, t2309,
-    t2313, t2318, t2326, t2331, t2346, t2348, t2351, t2353, t2355, t2361, t2368, t2375,
-    t2377, t2385, t2408, t2413, t2421, t2429, t2432, t2434, t2457, t2508, t2525, t2544,
-    t2562, t2572, t2587, t2590, t2592, t2607, t2687, t2704, t2720, t2728, t2738, t2753,
-    t2756, t2758, t2780, t2870, t2884, t2890, t2898, t2908, t2923, t2926, t2928, t2943,
-    t3015, t3031, t3038, t3050, t3054, t3060, t3062, t3066] = linearize_part_2(
-        v,
-        [
-            sin_panda_joint2,
-            cos_panda_joint2,
-            sin_panda_joint3,
-            cos_panda_joint3,
-            sin_panda_joint4,
-            cos_panda_joint4,
-            sin_panda_joint5,
-            cos_panda_joint5,
-            sin_panda_joint6,
-            cos_panda_joint6,
-            sin_panda_joint7_2,
-            cos_panda_joint7_2,
-            omega_panda_joint2_x,
-            omega_panda_joint3_y,
-            omega_panda_joint2_y,
-            omega_panda_joint3_z,
-            omega_panda_joint3_x,
-            t32,
-            t33,
-            omega_panda_joint4_z,
-            t38,
-            omega_panda_joint4_y,
-            t42,
-            omega_panda_joint4_x,
-            t48,
-            omega_panda_joint5_z,
-            omega_panda_joint5_y,
-            t60,
-            t66,
-            omega_panda_joint5_x,
-            t71,
-            omega_panda_joint6_z,
-            t76,
-            omega_panda_joint6_y,
-            t80,
-            t89,
-            omega_panda_joint6_x,
-            t94,
-            t104,
-            t106,
-            t107,
-            t118,
-            t129,
-            acceleration_panda_joint2_x,
-            t133,
-            t137,
-            acceleration_panda_joint2_y,
-            t151,
-            t154,
-            t158,
-            t174,
-            t180,
-            t185,
-            t210,
-            t212,
-            t219,
-            t220,
-            t224,
-            t225,
-            t228,
-            t244,
-            t253,
-            t260,
-            t298,
-            t308,
-            t320,
-            t333,
-            t356,
-            t404,
-            t406,
-            t427,
-            t440,
-            t462,
-            t472,
-            t475,
-            t492,
-            t501,
-            t571,
-            t577,
-            t641,
-            t647,
-            t652,
-            t719,
-            t725,
-            t730,
-            t737,
-            t797,
-            t803,
-            t808,
-            t815,
-            t824,
-            t877,
-            t900,
-            t908,
-            t918,
-            t930,
-            t944,
-            t990,
-            inverse_d_panda_joint1,
-            t1018,
-            t1021,
-            t1026,
-            t1033,
-            t1042,
-            t1053,
-            t1066,
-        ],
-    );
-    let [t3096, t3248, t3251, t3254, t3257, t3260, t3263, t3266, t3271, t3276, t3281,
-    t3286, t3291, t3296, t3303, t3310, t3317, t3324, t3331, t3338, t3347, t3356, t3365,
-    t3374, t3383, t3392, t3403, t3414, t3425, t3436, t3447, t3458, t3471, t3484, t3497,
-    t3510, t3523, t3536, t3609, t3711, t3800, t3902, t4013, t4135, t4247, t4250, t4253,
-    t4256, t4259, t4262, t4265, t4268, t4273, t4278, t4283, t4288, t4293, t4298, t4303,
-    t4310, t4317, t4324, t4331, t4338, t4345, t4352, t4361, t4370, t4379, t4388, t4397,
-    t4406, t4415, t4426, t4437, t4448, t4459, t4470, t4481, t4492, t4505, t4518, t4531,
-    t4544, t4557, t4570, t4583] = linearize_part_3(
-        v,
-        [
-            sin_panda_joint2,
-            cos_panda_joint2,
-            sin_panda_joint3,
-            cos_panda_joint3,
-            sin_panda_joint4,
-            cos_panda_joint4,
-            sin_panda_joint5,
-            cos_panda_joint5,
-            sin_panda_joint6,
-            cos_panda_joint6,
-            omega_panda_joint2_x,
-            omega_panda_joint2_y,
-            omega_panda_joint3_x,
-            omega_panda_joint4_x,
-            omega_panda_joint6_z,
-            t76,
-            omega_panda_joint6_y,
-            omega_panda_joint6_x,
-            t224,
-            t571,
-            t577,
-            inverse_d_panda_joint6,
-            t641,
-            t647,
-            t652,
-            inverse_d_panda_joint5,
-            t719,
-            t725,
-            t730,
-            t737,
-            inverse_d_panda_joint4,
-            t797,
-            t803,
-            t808,
-            t815,
-            t824,
-            inverse_d_panda_joint3,
-            t877,
-            t900,
-            t908,
-            t918,
-            t930,
-            t944,
-            inverse_d_panda_joint2,
-            t990,
-            inverse_d_panda_joint1,
-            t1112,
-            t1119,
-            t1122,
-            t1127,
-            t1130,
-            t1134,
-            t1139,
-            t1149,
-            t1163,
-            acceleration_panda_joint7_y_2,
-            t1169,
-            t1178,
-            t1184,
-            acceleration_panda_joint7_x_2,
-            t1188,
-            force_panda_joint7_y_2,
-            moment_panda_joint7_x_2,
-            moment_panda_joint7_y_2,
-            force_panda_joint7_x_2,
-            t1453,
-            t1465,
-            t1467,
-            t1469,
-            t1470,
-            t1476,
-            t1500,
-            t1506,
-            t1509,
-            t1512,
-            t1518,
-            t1520,
-            t1522,
-            t1524,
-            t1536,
-            t1538,
-            t1543,
-            t1545,
-            t1546,
-            t1551,
-            t1552,
-            t1565,
-            t1567,
-            t1575,
-            t1581,
-            t1589,
-            t1590,
-            t1592,
-            t1594,
-            t1596,
-            t1602,
-            t1611,
-            t1612,
-            t1619,
-            t1632,
-            t1635,
-            t1636,
-            t1637,
-            t1644,
-            t1649,
-            t1654,
-            t1661,
-            t1672,
-            t1675,
-            t1676,
-            t1677,
-            t1678,
-            t1680,
-            t1684,
-            t1686,
-            t1693,
-            t1701,
-            t1704,
-            t1708,
-            t1716,
-            t1768,
-            t1769,
-            t1775,
-            t1777,
-            t1778,
-            t1793,
-            t1796,
-            t1808,
-            t1809,
-            t1859,
-            t1862,
-            t1868,
-            t1870,
-            t1887,
-            t1891,
-            t1899,
-            t1906,
-            t1916,
-            t1918,
-            t1922,
-            t1959,
-            t1964,
-            t1970,
-            t1981,
-            t1986,
-            t1988,
-            t1998,
-            t2000,
-            t2002,
-            t2012,
-            t2019,
-            t2020,
-            t2023,
-            t2030,
-            t2038,
-            t2041,
-            t2055,
-            t2064,
-            t2068,
-            t2083,
-            t2103,
-            t2117,
-            t2123,
-            t2127,
-            t2129,
-            t2135,
-            t2139,
-            t2142,
-            t2147,
-            t2150,
-            t2153,
-            t2156,
-            t2167,
-            t2176,
-            t2180,
-            t2198,
-            t2218,
-            t2224,
-            t2228,
-            t2230,
-            t2236,
-            t2240,
-            t2244,
-            t2251,
-            t2254,
-            t2258,
-            t2263,
-            t2268,
-            t2283,
-            t2296,
-            t2301,
-            t2303,
-            t2309,
-            t2313,
-            t2318,
-            t2326,
-            t2331,
-            t2346,
-            t2348,
-            t2351,
-            t2353,
-            t2355,
-            t2361,
-            t2368,
-            t2375,
-            t2377,
-            t2385,
-            t2408,
-            t2413,
-            t2421,
-            t2429,
-            t2432,
-            t2434,
-            t2457,
-            t2508,
-            t2525,
-            t2544,
-            t2562,
-            t2572,
-            t2587,
-            t2590,
-            t2592,
-            t2607,
-            t2687,
-            t2704,
-            t2720,
-            t2728,
-            t2738,
-            t2753,
-            t2756,
-            t2758,
-            t2780,
-            t2870,
-            t2884,
-            t2890,
-            t2898,
-            t2908,
-            t2923,
-            t2926,
-            t2928,
-            t2943,
-            t3015,
-            t3031,
-            t3038,
-            t3050,
-            t3054,
-            t3060,
-            t3062,
-            t3066,
-        ],
-    );
-    let [t4584, t4587, t4599, t4608, t4619, t4621, t4624, t4636, t4645, t4656, t4666,
-    t4678, t4687, t4698, t4719, t4782, t4791, t4802, t4857, t4868, t4946, t4986, t5026,
-    t5066, t5106, t5146, t5186, t5226, t5227, t5228, t5229, t5230, t5231, t5232, t5233,
-    t5234, t5235, t5236, t5237, t5238, t5239, t5240, t5241, t5242, t5243, t5244, t5245,
-    t5246, t5247, t5248, t5249, t5250, t5251, t5252, t5253, t5254, t5255, t5256, t5257,
-    t5258, t5259, t5260, t5261, t5262, t5263, t5264, t5265, t5266, t5267, t5268, t5269,
-    t5270, t5271, t5272, t5273, t5274, t5275, t5276, t5277, t5278, t5279, t5280, t5281,
-    ] = linearize_part_4(
-        y,
-        v,
-        u,
-        [
-            t571,
-            t577,
-            inverse_d_panda_joint6,
-            t641,
-            t647,
-            t652,
-            inverse_d_panda_joint5,
-            t719,
-            t725,
-            t730,
-            t737,
-            inverse_d_panda_joint4,
-            t797,
-            t803,
-            t808,
-            t815,
-            t824,
-            inverse_d_panda_joint3,
-            t877,
-            t900,
-            t908,
-            t918,
-            t930,
-            t944,
-            inverse_d_panda_joint2,
-            t990,
-            inverse_d_panda_joint1,
-            t1018,
-            t1021,
-            t1026,
-            t1033,
-            t1042,
-            t1053,
-            t1066,
-            t2432,
-            t2590,
-            t2756,
-            t2926,
-            t3096,
-            t3248,
-            t3251,
-            t3254,
-            t3257,
-            t3260,
-            t3263,
-            t3266,
-            t3271,
-            t3276,
-            t3281,
-            t3286,
-            t3291,
-            t3296,
-            t3303,
-            t3310,
-            t3317,
-            t3324,
-            t3331,
-            t3338,
-            t3347,
-            t3356,
-            t3365,
-            t3374,
-            t3383,
-            t3392,
-            t3403,
-            t3414,
-            t3425,
-            t3436,
-            t3447,
-            t3458,
-            t3471,
-            t3484,
-            t3497,
-            t3510,
-            t3523,
-            t3536,
-            t3609,
-            t3711,
-            t3800,
-            t3902,
-            t4013,
-            t4135,
-            t4247,
-            t4250,
-            t4253,
-            t4256,
-            t4259,
-            t4262,
-            t4265,
-            t4268,
-            t4273,
-            t4278,
-            t4283,
-            t4288,
-            t4293,
-            t4298,
-            t4303,
-            t4310,
-            t4317,
-            t4324,
-            t4331,
-            t4338,
-            t4345,
-            t4352,
-            t4361,
-            t4370,
-            t4379,
-            t4388,
-            t4397,
-            t4406,
-            t4415,
-            t4426,
-            t4437,
-            t4448,
-            t4459,
-            t4470,
-            t4481,
-            t4492,
-            t4505,
-            t4518,
-            t4531,
-            t4544,
-            t4557,
-            t4570,
-            t4583,
-        ],
-    );
-    (
-        [
-            [0.0, t2432, t2590, t5227, t5228, t5229, t5230],
-            [0.0, t3251, t5231, t3257, t3260, t3263, t3266],
-            [0.0, t5232, t5233, t3281, t3286, t5234, t5235],
-            [0.0, t3303, t5236, t3317, t5237, t3331, t3338],
-            [0.0, t3347, t3356, t5238, t5239, t5240, t5241],
-            [0.0, t5242, t5243, t3425, t5244, t3447, t3458],
-            [0.0, t3471, t3484, t5245, t5246, t5247, t5248],
-        ],
-        [
-            [t5249, t5250, t3800, t3902, t4013, t5251, t5252],
-            [t4250, t5253, t5254, t5255, t5256, t4265, t4268],
-            [t4273, t5257, t5258, t4288, t5259, t5260, t4303],
-            [t5261, t4317, t4324, t5262, t4338, t4345, t5263],
-            [t4361, t5264, t5265, t4388, t5266, t4406, t5267],
-            [t5268, t4437, t4448, t5269, t4470, t5270, t4492],
-            [t4505, t5271, t5272, t4544, t5273, t5274, t5275],
-        ],
-        [
-            [inverse_d_panda_joint1, t4584, t4587, t5276, t4599, t4608, t4619],
-            [t4584, t4621, t4624, t5277, t4636, t4645, t4656],
-            [t4587, t4624, t4666, t5278, t4678, t4687, t4698],
-            [t5276, t5277, t5278, t4719, t5279, t5280, t5281],
-            [t4599, t4636, t4678, t5279, t4782, t4791, t4802],
-            [t4608, t4645, t4687, t5280, t4791, t4857, t4868],
-            [t4619, t4656, t4698, t5281, t4802, t4868, t4946],
-        ],
-        [t4986, t5026, t5066, t5106, t5146, t5186, t5226],
-    )
-}
-
-/// Part 1 of `linearize`: values that later parts read.
-#[inline(never)]
-fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 111] {
-    let angle_panda_joint7_offset = y[6] + 0.6689225306301613;
-    let angle_panda_joint7_offset_2 = y[6] + 0.6689225306301614;
-    let (
-        [sin_panda_joint2,
-        sin_panda_joint3,
-        sin_panda_joint4,
-        sin_panda_joint5,
-        sin_panda_joint6,
-        sin_panda_joint7,
-        sin_panda_joint7_2,
-        ..,
-        ],
-        [cos_panda_joint2,
-        cos_panda_joint3,
-        cos_panda_joint4,
-        cos_panda_joint5,
-        cos_panda_joint6,
-        cos_panda_joint7,
-        cos_panda_joint7_2,
-        ..,
-        ],
-    ) = math::sin_cos_8(
-        y[1],
-        y[2],
-        y[3],
-        y[4],
-        y[5],
-        angle_panda_joint7_offset,
-        angle_panda_joint7_offset_2,
-        0.0,
-    );
-    let omega_panda_joint2_x = v[0] * sin_panda_joint2;
-    let t17 = sin_panda_joint3 * omega_panda_joint2_x;
-    let t18 = v[1] * cos_panda_joint3;
-    let omega_panda_joint3_y = t17 + t18;
-    let t20 = v[2] * omega_panda_joint3_y;
-    let omega_panda_joint2_y = v[0] * cos_panda_joint2;
-    let t22 = v[1] * omega_panda_joint2_y;
-    let t23 = cos_panda_joint3 * t22;
-    let t24 = t23 - t20;
-    let omega_panda_joint3_z = v[2] + omega_panda_joint2_y;
-    let t26 = omega_panda_joint3_y * omega_panda_joint3_z;
-    let t27 = t24 - t26;
-    let t28 = cos_panda_joint4 * t27;
-    let t29 = cos_panda_joint3 * omega_panda_joint2_x;
-    let t30 = v[1] * sin_panda_joint3;
-    let omega_panda_joint3_x = t29 - t30;
-    let t32 = omega_panda_joint3_x * omega_panda_joint3_y;
-    let t33 = v[1] * omega_panda_joint2_x;
-    let t34 = t33 - t32;
-    let t35 = sin_panda_joint4 * t34;
-    let t36 = t35 + t28;
-    let omega_panda_joint4_z = v[3] - omega_panda_joint3_y;
-    let t38 = 2.0 * omega_panda_joint4_z;
-    let t39 = sin_panda_joint4 * omega_panda_joint3_x;
-    let t40 = cos_panda_joint4 * omega_panda_joint3_z;
-    let omega_panda_joint4_y = t39 + t40;
-    let t42 = omega_panda_joint4_y * t38;
-    let t43 = t36 - t42;
-    let t44 = cos_panda_joint5 * t43;
-    let t45 = cos_panda_joint4 * omega_panda_joint3_x;
-    let t46 = sin_panda_joint4 * omega_panda_joint3_z;
-    let omega_panda_joint4_x = t45 - t46;
-    let t48 = omega_panda_joint4_x * omega_panda_joint4_y;
-    let t49 = v[2] * omega_panda_joint3_x;
-    let t50 = sin_panda_joint3 * t22;
-    let t51 = t50 + t49;
-    let t52 = t51 - t48;
-    let t53 = sin_panda_joint5 * t52;
-    let t54 = t53 - t44;
-    let omega_panda_joint5_z = v[4] + omega_panda_joint4_y;
-    let t56 = 2.0 * omega_panda_joint5_z;
-    let t57 = sin_panda_joint5 * omega_panda_joint4_x;
-    let t58 = cos_panda_joint5 * omega_panda_joint4_z;
-    let omega_panda_joint5_y = t57 - t58;
-    let t60 = omega_panda_joint5_y * t56;
-    let t61 = t54 + t60;
-    let t62 = cos_panda_joint6 * t61;
-    let t63 = sin_panda_joint4 * t27;
-    let t64 = cos_panda_joint4 * t34;
-    let t65 = t64 - t63;
-    let t66 = omega_panda_joint4_x * omega_panda_joint4_z;
-    let t67 = t65 - t66;
-    let t68 = cos_panda_joint5 * omega_panda_joint4_x;
-    let t69 = sin_panda_joint5 * omega_panda_joint4_z;
-    let omega_panda_joint5_x = t68 + t69;
-    let t71 = omega_panda_joint5_x * omega_panda_joint5_y;
-    let t72 = t67 - t71;
-    let t73 = sin_panda_joint6 * t72;
-    let t74 = t73 - t62;
-    let omega_panda_joint6_z = v[5] - omega_panda_joint5_y;
-    let t76 = 2.0 * omega_panda_joint6_z;
-    let t77 = sin_panda_joint6 * omega_panda_joint5_x;
-    let t78 = cos_panda_joint6 * omega_panda_joint5_z;
-    let omega_panda_joint6_y = t77 + t78;
-    let t80 = omega_panda_joint6_y * t76;
-    let t81 = t74 - t80;
-    let t82 = 0.0003863308944437675 * sin_panda_joint7;
-    let t83 = 0.001535882372017312 * cos_panda_joint7;
-    let t84 = t83 - t82;
-    let t85 = t84 * t81;
-    let t86 = sin_panda_joint5 * t43;
-    let t87 = cos_panda_joint5 * t52;
-    let t88 = t87 + t86;
-    let t89 = omega_panda_joint5_x * omega_panda_joint5_z;
-    let t90 = t88 + t89;
-    let t91 = cos_panda_joint6 * omega_panda_joint5_x;
-    let t92 = sin_panda_joint6 * omega_panda_joint5_z;
-    let omega_panda_joint6_x = t91 - t92;
-    let t94 = omega_panda_joint6_x * omega_panda_joint6_y;
-    let t95 = t90 - t94;
-    let t96 = 0.0003863308944437675 * cos_panda_joint7;
-    let t97 = 0.001535882372017312 * sin_panda_joint7;
-    let t98 = t97 + t96;
-    let t99 = t98 * t95;
-    let t100 = t85 + t99;
-    let omega_panda_joint7_z = v[6] - omega_panda_joint6_y;
-    let t102 = omega_panda_joint7_z * omega_panda_joint7_z;
-    let t103 = omega_panda_joint6_x * omega_panda_joint6_x;
-    let t104 = t103 + t102;
-    let t105 = omega_panda_joint6_z * omega_panda_joint6_z;
-    let t106 = t105 + t102;
-    let t107 = t106 - t104;
-    let t108 = cos_panda_joint7 * 0.002174847060296272;
-    let t109 = sin_panda_joint7 * 0.0013205141364616554;
-    let t110 = t109 - t108;
-    let t111 = cos_panda_joint7 * t110;
-    let t112 = 0.001087423530148136 + t111;
-    let t113 = t112 * t107;
-    let t114 = t100 - t113;
-    let t115 = sin_panda_joint6 * t61;
-    let t116 = cos_panda_joint6 * t72;
-    let t117 = t116 + t115;
-    let t118 = omega_panda_joint6_x * omega_panda_joint6_z;
-    let t119 = t117 - t118;
-    let t120 = t118 - t119;
-    let t121 = sin_panda_joint7 * t110;
-    let t122 = 0.0026818189154496457 + t121;
-    let t123 = t122 * t120;
-    let t124 = t114 - t123;
-    let t125 = t118 + t119;
-    let t126 = 0.004002333051911301 - t121;
-    let t127 = t126 * t125;
-    let t128 = t124 + t127;
-    let t129 = omega_panda_joint3_x * omega_panda_joint3_z;
-    let t130 = t51 - t129;
-    let t131 = 3.83030303030303 * t130;
-    let acceleration_panda_joint2_x = sin_panda_joint2 * 118.9090909090909;
-    let t133 = cos_panda_joint3 * acceleration_panda_joint2_x;
-    let acceleration_panda_joint3_x = t133 - t131;
-    let t135 = omega_panda_joint3_y * omega_panda_joint3_y;
-    let t136 = omega_panda_joint3_z * omega_panda_joint3_z;
-    let t137 = t135 + t136;
-    let t138 = t137 + acceleration_panda_joint3_x;
-    let t139 = cos_panda_joint4 * t138;
-    let t140 = omega_panda_joint3_x * omega_panda_joint3_x;
-    let t141 = t140 + t135;
-    let t142 = 3.83030303030303 * t141;
-    let acceleration_panda_joint2_y = cos_panda_joint2 * 118.9090909090909;
-    let acceleration_panda_joint3_z = acceleration_panda_joint2_y - t142;
-    let t145 = t51 + t129;
-    let t146 = t145 - acceleration_panda_joint3_z;
-    let t147 = sin_panda_joint4 * t146;
-    let acceleration_panda_joint4_x = t139 + t147;
-    let t149 = omega_panda_joint4_y * omega_panda_joint4_y;
-    let t150 = omega_panda_joint4_z * omega_panda_joint4_z;
-    let t151 = t149 + t150;
-    let t152 = acceleration_panda_joint4_x - t151;
-    let t153 = cos_panda_joint5 * t152;
-    let t154 = omega_panda_joint4_x * t38;
-    let t155 = t65 - t154;
-    let t156 = t24 + t26;
-    let t157 = 3.83030303030303 * t156;
-    let t158 = sin_panda_joint3 * acceleration_panda_joint2_x;
-    let acceleration_panda_joint3_y = t158 + t157;
-    let t160 = t33 + t32;
-    let acceleration_panda_joint4_z = t160 - acceleration_panda_joint3_y;
-    let t162 = acceleration_panda_joint4_z - t155;
-    let t163 = sin_panda_joint5 * t162;
-    let t164 = t153 + t163;
-    let t165 = 4.654545454545454 * t88;
-    let acceleration_panda_joint5_x = t164 - t165;
-    let t167 = cos_panda_joint6 * acceleration_panda_joint5_x;
-    let t168 = sin_panda_joint4 * t138;
-    let t169 = cos_panda_joint4 * t146;
-    let acceleration_panda_joint4_y = t168 - t169;
-    let t171 = t51 + t48;
-    let t172 = acceleration_panda_joint4_y + t171;
-    let t173 = omega_panda_joint4_x * omega_panda_joint4_x;
-    let t174 = t173 + t150;
-    let t175 = 4.654545454545454 * t174;
-    let acceleration_panda_joint5_z = t172 - t175;
-    let t177 = sin_panda_joint6 * acceleration_panda_joint5_z;
-    let acceleration_panda_joint6_x = t167 - t177;
-    let t179 = omega_panda_joint6_y * omega_panda_joint6_y;
-    let t180 = t179 + t105;
-    let t181 = 1.0666666666666667 * t180;
-    let acceleration_panda_joint7_x = acceleration_panda_joint6_x + t181;
-    let t183 = 0.0002706501814147986 * sin_panda_joint7;
-    let t184 = t183 * acceleration_panda_joint7_x;
-    let t185 = omega_panda_joint6_x * t76;
-    let t186 = t117 - t185;
-    let t187 = 1.0666666666666667 * t186;
-    let t188 = sin_panda_joint5 * t152;
-    let t189 = cos_panda_joint5 * t162;
-    let t190 = t188 - t189;
-    let t191 = 4.654545454545454 * t54;
-    let acceleration_panda_joint5_y = t190 - t191;
-    let acceleration_panda_joint7_y = acceleration_panda_joint5_y - t187;
-    let t194 = 0.0002706501814147986 * cos_panda_joint7;
-    let t195 = t194 * acceleration_panda_joint7_y;
-    let t196 = t195 - t184;
-    let moment_panda_joint7_z = t196 - t128;
-    let t198 = t194 * t120;
-    let t199 = t183 * t104;
-    let t200 = t198 + t199;
-    let t201 = 0.017931959153753906 * acceleration_panda_joint7_y;
-    let force_panda_joint7_y = t201 + t200;
-    let t203 = 1.0666666666666667 * force_panda_joint7_y;
-    let t204 = moment_panda_joint7_z + t203;
-    let t205 = 0.014748570382675316 * t81;
-    let t206 = 9.3569097314605e-5 * t95;
-    let t207 = t206 + t205;
-    let t208 = omega_panda_joint5_x * omega_panda_joint5_x;
-    let t209 = omega_panda_joint5_z * omega_panda_joint5_z;
-    let t210 = t208 + t209;
-    let t211 = t210 - t180;
-    let t212 = 0.00010375891721868492 * t211;
-    let t213 = t207 - t212;
-    let t214 = 0.0011196707334275545 * t186;
-    let t215 = t213 + t214;
-    let moment_panda_joint6_y = t215 - t204;
-    let t217 = sin_panda_joint6 * moment_panda_joint6_y;
-    let t218 = t84 * t120;
-    let t219 = 2.0 * omega_panda_joint7_z;
-    let t220 = omega_panda_joint6_x * t219;
-    let t221 = t95 - t220;
-    let t222 = t112 * t221;
-    let t223 = t222 - t218;
-    let t224 = t103 + t105;
-    let t225 = t224 - t104;
-    let t226 = t98 * t225;
-    let t227 = t223 + t226;
-    let t228 = omega_panda_joint6_z * t219;
-    let t229 = t81 - t228;
-    let t230 = t126 * t229;
-    let t231 = t227 + t230;
-    let t232 = sin_panda_joint6 * acceleration_panda_joint5_x;
-    let t233 = cos_panda_joint6 * acceleration_panda_joint5_z;
-    let acceleration_panda_joint6_y = t232 + t233;
-    let t235 = t90 + t94;
-    let t236 = 1.0666666666666667 * t235;
-    let acceleration_panda_joint7_z = acceleration_panda_joint6_y - t236;
-    let t238 = t183 * acceleration_panda_joint7_z;
-    let moment_panda_joint7_x = t238 + t231;
-    let t240 = 0.014748570382675316 * t186;
-    let t241 = 0.00010375891721868492 * t235;
-    let t242 = t240 - t241;
-    let t243 = t210 - t224;
-    let t244 = 9.3569097314605e-5 * t243;
-    let t245 = t242 - t244;
-    let t246 = 0.028934422545659894 * t81;
-    let t247 = t245 + t246;
-    let t248 = 0.014338888209442503 * acceleration_panda_joint5_y;
-    let t249 = t248 - t247;
-    let moment_panda_joint6_x = t249 - moment_panda_joint7_x;
-    let t251 = cos_panda_joint6 * moment_panda_joint6_x;
-    let t252 = t251 + t217;
-    let t253 = omega_panda_joint5_x * t56;
-    let t254 = t88 + t253;
-    let t255 = 0.0015152444733270301 * t254;
-    let t256 = t67 + t71;
-    let t257 = 0.004600245517563105 * t256;
-    let t258 = t255 - t257;
-    let t259 = t174 - t210;
-    let t260 = 0.0021640520520981297 * t259;
-    let t261 = t258 - t260;
-    let t262 = 0.010045187828321242 * t61;
-    let t263 = t261 - t262;
-    let t264 = 0.0055993270925625 * acceleration_panda_joint5_z;
-    let t265 = t264 - t263;
-    let moment_panda_joint5_x = t265 + t252;
-    let t267 = 0.014338888209442503 * t81;
-    let force_panda_joint6_z = t267 - force_panda_joint7_y;
-    let t269 = 0.027672413504871096 * acceleration_panda_joint5_y;
-    let t270 = 0.001208932934385 * t256;
-    let t271 = 0.0055993270925625 * t210;
-    let t272 = t270 - t271;
-    let t273 = t269 + t272;
-    let force_panda_joint5_y = t273 - force_panda_joint6_z;
-    let t275 = 4.654545454545454 * force_panda_joint5_y;
-    let t276 = moment_panda_joint5_x - t275;
-    let t277 = sin_panda_joint5 * t276;
-    let t278 = 0.017931959153753906 * acceleration_panda_joint7_z;
-    let t279 = t183 * t229;
-    let t280 = t194 * t221;
-    let t281 = t280 - t279;
-    let force_panda_joint7_z = t278 - t281;
-    let t283 = 0.014338888209442503 * t224;
-    let force_panda_joint6_y = t283 + force_panda_joint7_z;
-    let t285 = sin_panda_joint6 * force_panda_joint6_y;
-    let t286 = 0.017931959153753906 * acceleration_panda_joint7_x;
-    let t287 = t183 * t125;
-    let t288 = t194 * t106;
-    let t289 = t288 + t287;
-    let force_panda_joint7_x = t286 + t289;
-    let t291 = 0.014338888209442503 * t95;
-    let force_panda_joint6_x = t291 + force_panda_joint7_x;
-    let t293 = cos_panda_joint6 * force_panda_joint6_x;
-    let t294 = t293 + t285;
-    let t295 = 0.027672413504871096 * acceleration_panda_joint5_x;
-    let t296 = 0.0055993270925625 * t72;
-    let t297 = omega_panda_joint5_y * omega_panda_joint5_y;
-    let t298 = t297 + t209;
-    let t299 = 0.001208932934385 * t298;
-    let t300 = t299 + t296;
-    let t301 = t295 - t300;
-    let force_panda_joint5_x = t301 + t294;
-    let t303 = 4.654545454545454 * force_panda_joint5_x;
-    let t304 = 1.0666666666666667 * force_panda_joint7_z;
-    let t305 = t112 * t229;
-    let t306 = t98 * t125;
-    let t307 = t306 + t305;
-    let t308 = t224 - t106;
-    let t309 = t84 * t308;
-    let t310 = t307 - t309;
-    let t311 = t122 * t221;
-    let t312 = t310 + t311;
-    let t313 = t194 * acceleration_panda_joint7_z;
-    let moment_panda_joint7_y = t313 - t312;
-    let t315 = moment_panda_joint7_y + t304;
-    let t316 = 9.3569097314605e-5 * t117;
-    let t317 = 0.00010375891721868492 * t74;
-    let t318 = t317 - t316;
-    let t319 = t180 - t224;
-    let t320 = 0.014748570382675316 * t319;
-    let t321 = t318 - t320;
-    let t322 = 0.0011196707334275545 * t235;
-    let t323 = t321 - t322;
-    let t324 = 0.028934422545659894 * t95;
-    let t325 = t323 - t324;
-    let t326 = 0.014338888209442503 * acceleration_panda_joint6_x;
-    let t327 = t326 - t325;
-    let moment_panda_joint6_z = t327 - t315;
-    let t329 = 0.0015152444733270301 * t61;
-    let t330 = 0.0021640520520981297 * t72;
-    let t331 = t330 + t329;
-    let t332 = t174 - t298;
-    let t333 = 0.004600245517563105 * t332;
-    let t334 = t331 - t333;
-    let t335 = 0.0014511560650267133 * t254;
-    let t336 = t334 - t335;
-    let t337 = 0.001208932934385 * acceleration_panda_joint5_z;
-    let t338 = t337 - t336;
-    let moment_panda_joint5_y = t338 + moment_panda_joint6_z;
-    let t340 = moment_panda_joint5_y - t303;
-    let t341 = cos_panda_joint5 * t340;
-    let t342 = t277 + t341;
-    let t343 = cos_panda_joint6 * force_panda_joint6_y;
-    let t344 = sin_panda_joint6 * force_panda_joint6_x;
-    let t345 = t344 - t343;
-    let t346 = 0.0055993270925625 * t61;
-    let t347 = 0.001208932934385 * t254;
-    let t348 = t347 + t346;
-    let t349 = 0.027672413504871096 * acceleration_panda_joint5_z;
-    let t350 = t349 + t348;
-    let force_panda_joint5_z = t350 - t345;
-    let t352 = force_panda_joint5_z + t342;
-    let t353 = 0.0016444875773692705 * t65;
-    let t354 = 0.0039053550262761003 * t36;
-    let t355 = t354 - t353;
-    let t356 = t151 - t174;
-    let t357 = 0.04942675278013915 * t356;
-    let t358 = t355 - t357;
-    let t359 = 0.0054157634981905 * t171;
-    let t360 = t358 + t359;
-    let t361 = 0.2907172362270936 * t52;
-    let t362 = t360 - t361;
-    let t363 = 0.04623443229335249 * acceleration_panda_joint4_x;
-    let t364 = t363 + t362;
-    let moment_panda_joint4_z = t364 + t352;
-    let t366 = cos_panda_joint5 * force_panda_joint5_x;
-    let t367 = sin_panda_joint5 * force_panda_joint5_y;
-    let t368 = t366 + t367;
-    let t369 = 0.016011409030815008 * acceleration_panda_joint4_x;
-    let t370 = 0.04623443229335249 * t52;
-    let t371 = t369 + t370;
-    let force_panda_joint4_x = t371 + t368;
-    let t373 = sin_panda_joint4 * force_panda_joint4_x;
-    let t374 = 0.016011409030815008 * acceleration_panda_joint4_y;
-    let t375 = 0.04623443229335249 * t174;
-    let t376 = t374 + t375;
-    let force_panda_joint4_y = t376 + force_panda_joint5_z;
-    let t378 = cos_panda_joint4 * force_panda_joint4_y;
-    let t379 = t373 - t378;
-    let t380 = moment_panda_joint4_z + t379;
-    let t381 = 0.00012191242095074308 * t27;
-    let t382 = 0.004377257121839584 * t34;
-    let t383 = t382 + t381;
-    let t384 = t137 - t141;
-    let t385 = 0.005487648106562256 * t384;
-    let t386 = t383 - t385;
-    let t387 = 1.3360662912305366e-5 * t145;
-    let t388 = t386 - t387;
-    let moment_panda_joint3_y = t388 + t380;
-    let t390 = cos_panda_joint4 * force_panda_joint4_x;
-    let t391 = sin_panda_joint4 * force_panda_joint4_y;
-    let t392 = t390 + t391;
-    let t393 = 0.002328735327435001 * t34;
-    let force_panda_joint3_x = t393 - t392;
-    let t395 = 3.83030303030303 * force_panda_joint3_x;
-    let t396 = moment_panda_joint3_y + t395;
-    let t397 = sin_panda_joint3 * t396;
-    let t398 = cos_panda_joint5 * t276;
-    let t399 = sin_panda_joint5 * t340;
-    let t400 = t398 - t399;
-    let t401 = 0.04942675278013915 * t155;
-    let t402 = 0.0039053550262761003 * t171;
-    let t403 = t401 - t402;
-    let t404 = t140 + t136;
-    let t405 = t404 - t174;
-    let t406 = 0.0016444875773692705 * t405;
-    let t407 = t403 - t406;
-    let t408 = 0.2907172362270936 * t43;
-    let t409 = t407 + t408;
-    let t410 = 0.04623443229335249 * acceleration_panda_joint4_z;
-    let t411 = t410 - t409;
-    let moment_panda_joint4_x = t411 - t400;
-    let t413 = cos_panda_joint4 * moment_panda_joint4_x;
-    let t414 = sin_panda_joint5 * force_panda_joint5_x;
-    let t415 = cos_panda_joint5 * force_panda_joint5_y;
-    let t416 = t414 - t415;
-    let t417 = cos_panda_joint6 * moment_panda_joint6_y;
-    let t418 = sin_panda_joint6 * moment_panda_joint6_x;
-    let t419 = t418 - t417;
-    let t420 = 0.0055993270925625 * acceleration_panda_joint5_x;
-    let t421 = 0.001208932934385 * acceleration_panda_joint5_y;
-    let t422 = t421 - t420;
-    let t423 = 0.0021640520520981297 * t88;
-    let t424 = 0.004600245517563105 * t54;
-    let t425 = t424 - t423;
-    let t426 = t298 - t210;
-    let t427 = 0.0015152444733270301 * t426;
-    let t428 = t425 - t427;
-    let t429 = 0.0014511560650267133 * t256;
-    let t430 = t428 + t429;
-    let t431 = 0.010045187828321242 * t72;
-    let t432 = t430 + t431;
-    let t433 = t422 + t432;
-    let moment_panda_joint5_z = t433 - t419;
-    let t435 = moment_panda_joint5_z - t416;
-    let t436 = 0.04942675278013915 * t43;
-    let t437 = 0.0016444875773692705 * t52;
-    let t438 = t437 + t436;
-    let t439 = t404 - t151;
-    let t440 = 0.0039053550262761003 * t439;
-    let t441 = t438 - t440;
-    let t442 = 0.0054157634981905 * t155;
-    let t443 = t441 - t442;
-    let moment_panda_joint4_y = t443 - t435;
-    let t445 = sin_panda_joint4 * moment_panda_joint4_y;
-    let t446 = t413 + t445;
-    let t447 = 0.00012191242095074308 * t145;
-    let t448 = 0.005487648106562256 * t160;
-    let t449 = t447 - t448;
-    let t450 = t404 - t141;
-    let t451 = 0.004377257121839584 * t450;
-    let t452 = t449 - t451;
-    let t453 = 0.022178148964878235 * t27;
-    let t454 = t452 + t453;
-    let t455 = 0.002328735327435001 * acceleration_panda_joint3_z;
-    let t456 = t455 - t454;
-    let moment_panda_joint3_x = t456 - t446;
-    let t458 = 0.04623443229335249 * t43;
-    let t459 = 0.016011409030815008 * acceleration_panda_joint4_z;
-    let t460 = t459 + t458;
-    let force_panda_joint4_z = t460 + t416;
-    let t462 = 0.002328735327435001 * t404;
-    let force_panda_joint3_y = t462 + force_panda_joint4_z;
-    let t464 = 3.83030303030303 * force_panda_joint3_y;
-    let t465 = moment_panda_joint3_x + t464;
-    let t466 = cos_panda_joint3 * t465;
-    let t467 = t466 - t397;
-    let t468 = omega_panda_joint2_y * omega_panda_joint2_y;
-    let t469 = omega_panda_joint2_x * omega_panda_joint2_x;
-    let t470 = t469 + t468;
-    let t471 = v[1] * v[1];
-    let t472 = t469 + t471;
-    let t473 = t472 - t470;
-    let t474 = 0.0007689361029464 * t473;
-    let t475 = omega_panda_joint2_x * omega_panda_joint2_y;
-    let t476 = 0.01026110182100817 * t475;
-    let t477 = t33 * 0.00796671776787104;
-    let t478 = t477 - t476;
-    let t479 = t478 + t474;
-    let t480 = t22 * 0.2563665845006481;
-    let t481 = t479 + t480;
-    let moment_panda_joint2_x = t481 - t467;
-    let t483 = sin_panda_joint2 * moment_panda_joint2_x;
-    let t484 = sin_panda_joint4 * moment_panda_joint4_x;
-    let t485 = cos_panda_joint4 * moment_panda_joint4_y;
-    let t486 = t484 - t485;
-    let t487 = force_panda_joint4_z + t486;
-    let t488 = 0.004377257121839584 * t130;
-    let t489 = 0.005487648106562256 * t156;
-    let t490 = t489 - t488;
-    let t491 = t137 - t404;
-    let t492 = 0.00012191242095074308 * t491;
-    let t493 = t490 + t492;
-    let t494 = 1.3360662912305366e-5 * t160;
-    let t495 = t493 + t494;
-    let t496 = 0.022178148964878235 * t34;
-    let t497 = t495 - t496;
-    let t498 = 0.002328735327435001 * acceleration_panda_joint3_x;
-    let t499 = t498 + t497;
-    let moment_panda_joint3_z = t499 - t487;
-    let t501 = t468 + t471;
-    let t502 = t501 - t470;
-    let t503 = 0.01026110182100817 * t502;
-    let t504 = t22 * 0.00796671776787104;
-    let t505 = 0.0007689361029464 * t475;
-    let t506 = t505 - t504;
-    let t507 = t506 - t503;
-    let t508 = t33 * 0.04615576498986362;
-    let t509 = t507 - t508;
-    let moment_panda_joint2_y = t509 + moment_panda_joint3_z;
-    let t511 = cos_panda_joint2 * moment_panda_joint2_y;
-    let moment_panda_joint1_z = t483 + t511;
-    let t513 = v[0] * 0.003;
-    let t514 = u[0] - t513;
-    let t515 = t514 - moment_panda_joint1_z;
-    let t516 = v[6] * 0.003;
-    let t517 = u[6] - t516;
-    let t518 = t517 + moment_panda_joint7_z;
-    let t519 = cos_panda_joint7 * 0.00028869352684245185;
-    let t520 = 0.006684151967360947 + t519;
-    let t521 = sin_panda_joint6 * t520;
-    let t522 = cos_panda_joint6 * t84;
-    let t523 = t522 - t521;
-    let t524 = cos_panda_joint7 * 0.0012597535716761534;
-    let t525 = t523 - t524;
-    let t526 = sin_panda_joint5 * t525;
-    let t527 = cos_panda_joint6 * t183;
-    let t528 = 4.654545454545454 * t527;
-    let t529 = t98 - t528;
-    let t530 = cos_panda_joint5 * t529;
-    let t531 = t526 - t530;
-    let t532 = sin_panda_joint6 * t183;
-    let t533 = t532 + t531;
-    let t534 = cos_panda_joint5 * t527;
-    let t535 = sin_panda_joint5 * t194;
-    let t536 = t534 - t535;
-    let t537 = sin_panda_joint4 * t536;
-    let t538 = cos_panda_joint4 * t532;
-    let t539 = t537 + t538;
-    let t540 = t533 - t539;
-    let t541 = cos_panda_joint4 * t536;
-    let t542 = sin_panda_joint4 * t532;
-    let t543 = t541 - t542;
-    let t544 = 3.83030303030303 * t543;
-    let t545 = t540 + t544;
-    let t546 = sin_panda_joint3 * t545;
-    let t547 = cos_panda_joint5 * t525;
-    let t548 = sin_panda_joint5 * t529;
-    let t549 = t547 + t548;
-    let t550 = cos_panda_joint4 * t549;
-    let t551 = sin_panda_joint5 * t527;
-    let t552 = cos_panda_joint5 * t194;
-    let t553 = t551 + t552;
-    let t554 = cos_panda_joint6 * t520;
-    let t555 = sin_panda_joint6 * t84;
-    let t556 = t555 + t554;
-    let t557 = t556 - t553;
-    let t558 = sin_panda_joint4 * t557;
-    let t559 = t550 - t558;
-    let t560 = 3.83030303030303 * t553;
-    let t561 = t559 - t560;
-    let t562 = cos_panda_joint3 * t561;
-    let t563 = t562 - t546;
-    let t564 = sin_panda_joint2 * t563;
-    let t565 = sin_panda_joint4 * t549;
-    let t566 = cos_panda_joint4 * t557;
-    let t567 = t565 + t566;
-    let t568 = t553 + t567;
-    let t569 = cos_panda_joint2 * t568;
-    let t570 = t564 - t569;
-    let t571 = t570 * 149.60760989322964;
-    let t572 = t571 * t518;
-    let t573 = t515 - t572;
-    let t574 = v[5] * 0.003;
-    let t575 = u[5] - t574;
-    let t576 = t575 + moment_panda_joint6_z;
-    let t577 = t98 * 149.60760989322964;
-    let t578 = t577 * t518;
-    let t579 = t576 + t578;
-    let t580 = sin_panda_joint7 * 0.00028869352684245185;
-    let t581 = t112 - t580;
-    let t582 = 0.00010375891721868492 - t581;
-    let t583 = cos_panda_joint6 * t582;
-    let t584 = 9.3569097314605e-5 + t98;
-    let t585 = sin_panda_joint6 * t584;
-    let t586 = t583 + t585;
-    let t587 = sin_panda_joint5 * t586;
-    let t588 = cos_panda_joint7 * 0.0005773870536849037;
-    let t589 = t122 + t588;
-    let t590 = t589 + 0.050456677916247444;
-    let t591 = t194 + 0.0191274230973375;
-    let t592 = sin_panda_joint6 * t591;
-    let t593 = 0.014338888209442503 * cos_panda_joint6;
-    let t594 = t592 - t593;
-    let t595 = 4.654545454545454 * t594;
-    let t596 = t590 + t595;
-    let t597 = cos_panda_joint5 * t596;
-    let t598 = t587 + t597;
-    let t599 = cos_panda_joint6 * t591;
-    let t600 = 0.014338888209442503 * sin_panda_joint6;
-    let t601 = t599 + t600;
-    let t602 = t601 - t598;
-    let t603 = cos_panda_joint5 * t594;
-    let t604 = sin_panda_joint4 * t603;
-    let t605 = cos_panda_joint4 * t601;
-    let t606 = t604 - t605;
-    let t607 = t602 + t606;
-    let t608 = cos_panda_joint4 * t603;
-    let t609 = sin_panda_joint4 * t601;
-    let t610 = t608 + t609;
-    let t611 = 3.83030303030303 * t610;
-    let t612 = t607 - t611;
-    let t613 = sin_panda_joint3 * t612;
-    let t614 = cos_panda_joint5 * t586;
-    let t615 = sin_panda_joint5 * t596;
-    let t616 = t614 - t615;
-    let t617 = cos_panda_joint4 * t616;
-    let t618 = sin_panda_joint6 * t582;
-    let t619 = cos_panda_joint6 * t584;
-    let t620 = t618 - t619;
-    let t621 = sin_panda_joint5 * t594;
-    let t622 = t620 - t621;
-    let t623 = sin_panda_joint4 * t622;
-    let t624 = t617 - t623;
-    let t625 = 3.83030303030303 * t621;
-    let t626 = t624 - t625;
-    let t627 = cos_panda_joint3 * t626;
-    let t628 = t627 + t613;
-    let t629 = sin_panda_joint2 * t628;
-    let t630 = sin_panda_joint4 * t616;
-    let t631 = cos_panda_joint4 * t622;
-    let t632 = t630 + t631;
-    let t633 = t621 + t632;
-    let t634 = cos_panda_joint2 * t633;
-    let t635 = t629 - t634;
-    let t636 = t570 * t577;
-    let t637 = t635 + t636;
-    let t638 = t98 * t577;
-    let t639 = t590 - t638;
-    let inverse_d_panda_joint6 = 1.0 / t639;
-    let t641 = t637 * inverse_d_panda_joint6;
-    let t642 = t641 * t579;
-    let t643 = t573 - t642;
-    let t644 = v[4] * 0.003;
-    let t645 = u[4] - t644;
-    let t646 = t645 + moment_panda_joint5_z;
-    let t647 = t556 * 149.60760989322964;
-    let t648 = t647 * t518;
-    let t649 = t646 + t648;
-    let t650 = t556 * t577;
-    let t651 = t620 + t650;
-    let t652 = t651 * inverse_d_panda_joint6;
-    let t653 = t652 * t579;
-    let t654 = t649 + t653;
-    let t655 = t589 - 0.007412167175072339;
-    let t656 = sin_panda_joint6 * t655;
-    let t657 = 0.014748570382675316 + t84;
-    let t658 = 2.0 * t657;
-    let t659 = cos_panda_joint6 * t658;
-    let t660 = t656 - t659;
-    let t661 = cos_panda_joint6 * t660;
-    let t662 = t657 + t661;
-    let t663 = 0.004600245517563105 + t662;
-    let t664 = 0.001208932934385 - t601;
-    let t665 = 4.654545454545454 * t664;
-    let t666 = t663 - t665;
-    let t667 = cos_panda_joint5 * t666;
-    let t668 = 0.0021640520520981297 + t620;
-    let t669 = 0.0055993270925625 - t183;
-    let t670 = 4.654545454545454 * t669;
-    let t671 = t668 - t670;
-    let t672 = sin_panda_joint5 * t671;
-    let t673 = t667 + t672;
-    let t674 = cos_panda_joint4 * t673;
-    let t675 = sin_panda_joint6 * t660;
-    let t676 = t589 + 0.021522255370587554;
-    let t677 = t676 - t675;
-    let t678 = 0.0014511560650267133 + t677;
-    let t679 = t121 - 0.014047520880232544;
-    let t680 = t678 - t679;
-    let t681 = cos_panda_joint5 * t664;
-    let t682 = sin_panda_joint5 * t669;
-    let t683 = t681 + t682;
-    let t684 = t680 + t683;
-    let t685 = sin_panda_joint4 * t684;
-    let t686 = t674 + t685;
-    let t687 = 3.83030303030303 * t683;
-    let t688 = t686 - t687;
-    let t689 = cos_panda_joint3 * t688;
-    let t690 = sin_panda_joint5 * t666;
-    let t691 = cos_panda_joint5 * t671;
-    let t692 = t690 - t691;
-    let t693 = sin_panda_joint5 * t664;
-    let t694 = cos_panda_joint5 * t669;
-    let t695 = t693 - t694;
-    let t696 = sin_panda_joint4 * t695;
-    let t697 = t692 + t696;
-    let t698 = cos_panda_joint4 * t695;
-    let t699 = 3.83030303030303 * t698;
-    let t700 = t697 - t699;
-    let t701 = sin_panda_joint3 * t700;
-    let t702 = t689 - t701;
-    let t703 = sin_panda_joint2 * t702;
-    let t704 = sin_panda_joint4 * t673;
-    let t705 = cos_panda_joint4 * t684;
-    let t706 = t704 - t705;
-    let t707 = t683 + t706;
-    let t708 = cos_panda_joint2 * t707;
-    let t709 = t703 - t708;
-    let t710 = t570 * t647;
-    let t711 = t709 + t710;
-    let t712 = t637 * t652;
-    let t713 = t711 + t712;
-    let t714 = t556 * t647;
-    let t715 = t680 - t714;
-    let t716 = t651 * t652;
-    let t717 = t715 - t716;
-    let inverse_d_panda_joint5 = 1.0 / t717;
-    let t719 = t713 * inverse_d_panda_joint5;
-    let t720 = t719 * t654;
-    let t721 = t643 - t720;
-    let t722 = v[3] * 0.003;
-    let t723 = u[3] - t722;
-    let t724 = t723 + moment_panda_joint4_z;
-    let t725 = t533 * 149.60760989322964;
-    let t726 = t725 * t518;
-    let t727 = t724 - t726;
-    let t728 = t533 * t577;
-    let t729 = t602 - t728;
-    let t730 = t729 * inverse_d_panda_joint6;
-    let t731 = t730 * t579;
-    let t732 = t727 + t731;
-    let t733 = t533 * t647;
-    let t734 = t692 + t733;
-    let t735 = t729 * t652;
-    let t736 = t734 - t735;
-    let t737 = t736 * inverse_d_panda_joint5;
-    let t738 = t737 * t654;
-    let t739 = t732 - t738;
-    let t740 = t678 + t679;
-    let t741 = sin_panda_joint5 * t740;
-    let t742 = 0.0015152444733270301 - t586;
-    let t743 = 2.0 * t742;
-    let t744 = cos_panda_joint5 * t743;
-    let t745 = t741 + t744;
-    let t746 = sin_panda_joint5 * t745;
-    let t747 = t678 - t746;
-    let t748 = 2.0 * t683;
-    let t749 = t747 + t748;
-    let t750 = t749 + 0.051020136156815506;
-    let t751 = 0.028934422545659894 + t675;
-    let t752 = t594 * 9.309090909090909;
-    let t753 = t751 + t752;
-    let t754 = t753 + 0.6972920750309719;
-    let t755 = t750 + t754;
-    let t756 = 0.045604372658625006 + t683;
-    let t757 = cos_panda_joint4 * t756;
-    let t758 = t594 + 0.16603319317224752;
-    let t759 = sin_panda_joint4 * t758;
-    let t760 = t757 + t759;
-    let t761 = t755 - t760;
-    let t762 = sin_panda_joint4 * t756;
-    let t763 = cos_panda_joint4 * t758;
-    let t764 = t762 - t763;
-    let t765 = 3.83030303030303 * t764;
-    let t766 = t765 - t761;
-    let t767 = sin_panda_joint3 * t766;
-    let t768 = cos_panda_joint5 * t745;
-    let t769 = t742 - t768;
-    let t770 = t695 - t769;
-    let t771 = 0.0039053550262761003 + t770;
-    let t772 = cos_panda_joint4 * t771;
-    let t773 = 0.0016444875773692705 - t692;
-    let t774 = sin_panda_joint4 * t773;
-    let t775 = t772 + t774;
-    let t776 = cos_panda_joint3 * t775;
-    let t777 = t776 - t767;
-    let t778 = sin_panda_joint2 * t777;
-    let t779 = sin_panda_joint4 * t771;
-    let t780 = cos_panda_joint4 * t773;
-    let t781 = t779 - t780;
-    let t782 = cos_panda_joint2 * t781;
-    let t783 = t778 - t782;
-    let t784 = t570 * t725;
-    let t785 = t783 + t784;
-    let t786 = t637 * t730;
-    let t787 = t785 - t786;
-    let t788 = t713 * t737;
-    let t789 = t787 + t788;
-    let t790 = t533 * t725;
-    let t791 = t755 - t790;
-    let t792 = t729 * t730;
-    let t793 = t791 - t792;
-    let t794 = t736 * t737;
-    let t795 = t793 - t794;
-    let inverse_d_panda_joint4 = 1.0 / t795;
-    let t797 = t789 * inverse_d_panda_joint4;
-    let t798 = t797 * t739;
-    let t799 = t721 + t798;
-    let t800 = v[2] * 0.003;
-    let t801 = u[2] - t800;
-    let t802 = t801 - moment_panda_joint3_z;
-    let t803 = t568 * 149.60760989322964;
-    let t804 = t803 * t518;
-    let t805 = t802 + t804;
-    let t806 = t568 * t577;
-    let t807 = t633 + t806;
-    let t808 = t807 * inverse_d_panda_joint6;
-    let t809 = t808 * t579;
-    let t810 = t805 + t809;
-    let t811 = t568 * t647;
-    let t812 = t707 + t811;
-    let t813 = t807 * t652;
-    let t814 = t812 + t813;
-    let t815 = t814 * inverse_d_panda_joint5;
-    let t816 = t815 * t654;
-    let t817 = t810 + t816;
-    let t818 = t568 * t725;
-    let t819 = t781 + t818;
-    let t820 = t807 * t730;
-    let t821 = t819 - t820;
-    let t822 = t814 * t737;
-    let t823 = t821 + t822;
-    let t824 = t823 * inverse_d_panda_joint4;
-    let t825 = t824 * t739;
-    let t826 = t817 - t825;
-    let t827 = t750 - t754;
-    let t828 = sin_panda_joint4 * t827;
-    let t829 = t594 + 0.21226762546560002;
-    let t830 = t829 - t673;
-    let t831 = 0.04942675278013915 - t830;
-    let t832 = 2.0 * t831;
-    let t833 = cos_panda_joint4 * t832;
-    let t834 = t828 + t833;
-    let t835 = cos_panda_joint4 * t834;
-    let t836 = t831 - t835;
-    let t837 = t764 + t836;
-    let t838 = 0.005487648106562256 - t837;
-    let t839 = 0.06161578168944001 - t760;
-    let t840 = 3.83030303030303 * t839;
-    let t841 = t838 + t840;
-    let t842 = cos_panda_joint3 * t841;
-    let t843 = 0.004377257121839584 + t781;
-    let t844 = 0.002328735327435001 - t695;
-    let t845 = 3.83030303030303 * t844;
-    let t846 = t843 + t845;
-    let t847 = sin_panda_joint3 * t846;
-    let t848 = t842 - t847;
-    let t849 = sin_panda_joint2 * t848;
-    let t850 = sin_panda_joint4 * t834;
-    let t851 = t750 - t850;
-    let t852 = 2.0 * t760;
-    let t853 = t851 - t852;
-    let t854 = t853 + 0.06160242102652771;
-    let t855 = t679 - t746;
-    let t856 = 0.022178148964878235 - t855;
-    let t857 = t854 + t856;
-    let t858 = cos_panda_joint2 * t857;
-    let t859 = t849 + t858;
-    let t860 = t570 * t803;
-    let t861 = t859 + t860;
-    let t862 = t637 * t808;
-    let t863 = t861 + t862;
-    let t864 = t713 * t815;
-    let t865 = t863 + t864;
-    let t866 = t789 * t824;
-    let t867 = t865 + t866;
-    let t868 = t568 * t803;
-    let t869 = t857 - t868;
-    let t870 = t807 * t808;
-    let t871 = t869 - t870;
-    let t872 = t814 * t815;
-    let t873 = t871 - t872;
-    let t874 = t823 * t824;
-    let t875 = t873 - t874;
-    let inverse_d_panda_joint3 = 1.0 / t875;
-    let t877 = t867 * inverse_d_panda_joint3;
-    let t878 = t877 * t826;
-    let t879 = t799 - t878;
-    let t880 = cos_panda_joint3 * t396;
-    let t881 = sin_panda_joint3 * t465;
-    let t882 = t881 + t880;
-    let t883 = t501 - t472;
-    let t884 = 0.00398335888393552 * t883;
-    let t885 = 0.02307788249493181 * t475;
-    let t886 = t884 + t885;
-    let t887 = 0.12818329225032404 * t475;
-    let t888 = t886 - t887;
-    let t889 = sin_panda_joint2 * 4.746153896127808;
-    let t890 = cos_panda_joint2 * 0.01993386669246;
-    let t891 = t890 - t889;
-    let t892 = t891 + t888;
-    let moment_panda_joint2_z = t892 + t882;
-    let t894 = v[1] * 0.003;
-    let t895 = u[1] - t894;
-    let t896 = t895 - moment_panda_joint2_z;
-    let t897 = cos_panda_joint3 * t545;
-    let t898 = sin_panda_joint3 * t561;
-    let t899 = t898 + t897;
-    let t900 = t899 * 149.60760989322964;
-    let t901 = t900 * t518;
-    let t902 = t896 + t901;
-    let t903 = cos_panda_joint3 * t612;
-    let t904 = sin_panda_joint3 * t626;
-    let t905 = t904 - t903;
-    let t906 = t899 * t577;
-    let t907 = t905 + t906;
-    let t908 = t907 * inverse_d_panda_joint6;
-    let t909 = t908 * t579;
-    let t910 = t902 + t909;
-    let t911 = sin_panda_joint3 * t688;
-    let t912 = cos_panda_joint3 * t700;
-    let t913 = t911 + t912;
-    let t914 = t899 * t647;
-    let t915 = t913 + t914;
-    let t916 = t907 * t652;
-    let t917 = t915 + t916;
-    let t918 = t917 * inverse_d_panda_joint5;
-    let t919 = t918 * t654;
-    let t920 = t910 + t919;
-    let t921 = cos_panda_joint3 * t766;
-    let t922 = sin_panda_joint3 * t775;
-    let t923 = t922 + t921;
-    let t924 = t899 * t725;
-    let t925 = t923 + t924;
-    let t926 = t907 * t730;
-    let t927 = t925 - t926;
-    let t928 = t917 * t737;
-    let t929 = t927 + t928;
-    let t930 = t929 * inverse_d_panda_joint4;
-    let t931 = t930 * t739;
-    let t932 = t920 - t931;
-    let t933 = sin_panda_joint3 * t841;
-    let t934 = cos_panda_joint3 * t846;
-    let t935 = t933 + t934;
-    let t936 = t899 * t803;
-    let t937 = t935 + t936;
-    let t938 = t907 * t808;
-    let t939 = t937 + t938;
-    let t940 = t917 * t815;
-    let t941 = t939 + t940;
-    let t942 = t929 * t824;
-    let t943 = t941 + t942;
-    let t944 = t943 * inverse_d_panda_joint3;
-    let t945 = t944 * t826;
-    let t946 = t932 + t945;
-    let t947 = t854 - t856;
-    let t948 = sin_panda_joint3 * t947;
-    let t949 = t695 - t775;
-    let t950 = 0.00012191242095074308 - t949;
-    let t951 = 2.0 * t950;
-    let t952 = cos_panda_joint3 * t951;
-    let t953 = t948 + t952;
-    let t954 = sin_panda_joint3 * t953;
-    let t955 = t854 - t954;
-    let t956 = 0.02307788249493181 + t955;
-    let t957 = t754 + t850;
-    let t958 = t764 * 7.66060606060606;
-    let t959 = t957 - t958;
-    let t960 = t959 + 1.032162061231881;
-    let t961 = t956 + t960;
-    let t962 = t899 * t900;
-    let t963 = t961 - t962;
-    let t964 = t907 * t908;
-    let t965 = t963 - t964;
-    let t966 = t917 * t918;
-    let t967 = t965 - t966;
-    let t968 = t929 * t930;
-    let t969 = t967 - t968;
-    let t970 = t943 * t944;
-    let t971 = t969 - t970;
-    let inverse_d_panda_joint2 = 1.0 / t971;
-    let t973 = cos_panda_joint3 * t953;
-    let t974 = t950 - t973;
-    let t975 = 0.01026110182100817 + t974;
-    let t976 = sin_panda_joint2 * t975;
-    let t977 = 0.0007689361029464 + t935;
-    let t978 = cos_panda_joint2 * t977;
-    let t979 = t976 + t978;
-    let t980 = t570 * t900;
-    let t981 = t979 - t980;
-    let t982 = t637 * t908;
-    let t983 = t981 - t982;
-    let t984 = t713 * t918;
-    let t985 = t983 - t984;
-    let t986 = t789 * t930;
-    let t987 = t985 - t986;
-    let t988 = t867 * t944;
-    let t989 = t987 - t988;
-    let t990 = t989 * inverse_d_panda_joint2;
-    let t991 = t990 * t946;
-    let t992 = t879 + t991;
-    let t993 = t956 - t960;
-    let t994 = sin_panda_joint2 * t993;
-    let t995 = 0.00398335888393552 - t848;
-    let t996 = 2.0 * t995;
-    let t997 = cos_panda_joint2 * t996;
-    let t998 = t994 + t997;
-    let t999 = sin_panda_joint2 * t998;
-    let t1000 = t956 - t999;
-    let t1001 = 0.006253137926937475 + t1000;
-    let t1002 = t856 + t954;
-    let t1003 = 0.008006428067536939 + t1002;
-    let t1004 = t1001 + t1003;
-    let t1005 = t570 * t571;
-    let t1006 = t1004 - t1005;
-    let t1007 = t637 * t641;
-    let t1008 = t1006 - t1007;
-    let t1009 = t713 * t719;
-    let t1010 = t1008 - t1009;
-    let t1011 = t789 * t797;
-    let t1012 = t1010 - t1011;
-    let t1013 = t867 * t877;
-    let t1014 = t1012 - t1013;
-    let t1015 = t989 * t990;
-    let t1016 = t1014 - t1015;
-    let inverse_d_panda_joint1 = 1.0 / t1016;
-    let t1018 = inverse_d_panda_joint1 * t992;
-    let t1019 = t990 * t1018;
-    let t1020 = inverse_d_panda_joint2 * t946;
-    let t1021 = t1020 + t1019;
-    let t1022 = t944 * t1021;
-    let t1023 = inverse_d_panda_joint3 * t826;
-    let t1024 = t1023 + t1022;
-    let t1025 = t877 * t1018;
-    let t1026 = t1024 - t1025;
-    let t1027 = t824 * t1026;
-    let t1028 = inverse_d_panda_joint4 * t739;
-    let t1029 = t1028 - t1027;
-    let t1030 = t930 * t1021;
-    let t1031 = t1029 - t1030;
-    let t1032 = t797 * t1018;
-    let t1033 = t1031 + t1032;
-    let t1034 = t737 * t1033;
-    let t1035 = inverse_d_panda_joint5 * t654;
-    let t1036 = t1035 - t1034;
-    let t1037 = t815 * t1026;
-    let t1038 = t1036 + t1037;
-    let t1039 = t918 * t1021;
-    let t1040 = t1038 + t1039;
-    let t1041 = t719 * t1018;
-    let t1042 = t1040 - t1041;
-    let t1043 = t652 * t1042;
-    let t1044 = inverse_d_panda_joint6 * t579;
-    let t1045 = t1044 + t1043;
-    let t1046 = t730 * t1033;
-    let t1047 = t1045 + t1046;
-    let t1048 = t808 * t1026;
-    let t1049 = t1047 + t1048;
-    let t1050 = t908 * t1021;
-    let t1051 = t1049 + t1050;
-    let t1052 = t641 * t1018;
-    let t1053 = t1051 - t1052;
-    let t1054 = t577 * t1053;
-    let t1055 = 149.60760989322964 * t518;
-    let t1056 = t1055 + t1054;
-    let t1057 = t647 * t1042;
-    let t1058 = t1056 + t1057;
-    let t1059 = t725 * t1033;
-    let t1060 = t1058 - t1059;
-    let t1061 = t803 * t1026;
-    let t1062 = t1060 + t1061;
-    let t1063 = t900 * t1021;
-    let t1064 = t1062 + t1063;
-    let t1065 = t571 * t1018;
-    let t1066 = t1064 - t1065;
-    [
-        sin_panda_joint2,
-        cos_panda_joint2,
-        sin_panda_joint3,
-        cos_panda_joint3,
-        sin_panda_joint4,
-        cos_panda_joint4,
-        sin_panda_joint5,
-        cos_panda_joint5,
-        sin_panda_joint6,
-        cos_panda_joint6,
-        sin_panda_joint7_2,
-        cos_panda_joint7_2,
-        omega_panda_joint2_x,
-        omega_panda_joint3_y,
-        omega_panda_joint2_y,
-        omega_panda_joint3_z,
-        omega_panda_joint3_x,
-        t32,
-        t33,
-        omega_panda_joint4_z,
-        t38,
-        omega_panda_joint4_y,
-        t42,
-        omega_panda_joint4_x,
-        t48,
-        omega_panda_joint5_z,
-        omega_panda_joint5_y,
-        t60,
-        t66,
-        omega_panda_joint5_x,
-        t71,
-        omega_panda_joint6_z,
-        t76,
-        omega_panda_joint6_y,
-        t80,
-        t89,
-        omega_panda_joint6_x,
-        t94,
-        t104,
-        t106,
-        t107,
-        t118,
-        t129,
-        acceleration_panda_joint2_x,
-        t133,
-        t137,
-        acceleration_panda_joint2_y,
-        t151,
-        t154,
-        t158,
-        t174,
-        t180,
-        t185,
-        t210,
-        t212,
-        t219,
-        t220,
-        t224,
-        t225,
-        t228,
-        t244,
-        t253,
-        t260,
-        t298,
-        t308,
-        t320,
-        t333,
-        t356,
-        t404,
-        t406,
-        t427,
-        t440,
-        t462,
-        t472,
-        t475,
-        t492,
-        t501,
-        t571,
-        t577,
-        inverse_d_panda_joint6,
-        t641,
-        t647,
-        t652,
-        inverse_d_panda_joint5,
-        t719,
-        t725,
-        t730,
-        t737,
-        inverse_d_panda_joint4,
-        t797,
-        t803,
-        t808,
-        t815,
-        t824,
-        inverse_d_panda_joint3,
-        t877,
-        t900,
-        t908,
-        t918,
-        t930,
-        t944,
-        inverse_d_panda_joint2,
-        t990,
-        inverse_d_panda_joint1,
-        t1018,
-        t1021,
-        t1026,
-        t1033,
-        t1042,
-        t1053,
-        t1066,
-    ]
-}
-
-/// Part 2 of `linearize`: values that later parts read.
-#[inline(never)]
-fn linearize_part_2(
-    v: &[f64; N],
-    [sin_panda_joint2,
-    cos_panda_joint2,
-    sin_panda_joint3,
-    cos_panda_joint3,
-    sin_panda_joint4,
-    cos_panda_joint4,
-    sin_panda_joint5,
-    cos_panda_joint5,
-    sin_panda_joint6,
-    cos_panda_joint6,
-    sin_panda_joint7_2,
-    cos_panda_joint7_2,
-    omega_panda_joint2_x,
-    omega_panda_joint3_y,
-    omega_panda_joint2_y,
-    omega_panda_joint3_z,
-    omega_panda_joint3_x,
-    t32,
-    t33,
-    omega_panda_joint4_z,
-    t38,
-    omega_panda_joint4_y,
-    t42,
-    omega_panda_joint4_x,
-    t48,
-    omega_panda_joint5_z,
-    omega_panda_joint5_y,
-    t60,
-    t66,
-    omega_panda_joint5_x,
-    t71,
-    omega_panda_joint6_z,
-    t76,
-    omega_panda_joint6_y,
-    t80,
-    t89,
-    omega_panda_joint6_x,
-    t94,
-    t104,
-    t106,
-    t107,
-    t118,
-    t129,
-    acceleration_panda_joint2_x,
-    t133,
-    t137,
-    acceleration_panda_joint2_y,
-    t151,
-    t154,
-    t158,
-    t174,
-    t180,
-    t185,
-    t210,
-    t212,
-    t219,
-    t220,
-    t224,
-    t225,
-    t228,
-    t244,
-    t253,
-    t260,
-    t298,
-    t308,
-    t320,
-    t333,
-    t356,
-    t404,
-    t406,
-    t427,
-    t440,
-    t462,
-    t472,
-    t475,
-    t492,
-    t501,
-    t571,
-    t577,
-    t641,
-    t647,
-    t652,
-    t719,
-    t725,
-    t730,
-    t737,
-    t797,
-    t803,
-    t808,
-    t815,
-    t824,
-    t877,
-    t900,
-    t908,
-    t918,
-    t930,
-    t944,
-    t990,
-    inverse_d_panda_joint1,
-    t1018,
-    t1021,
-    t1026,
-    t1033,
-    t1042,
-    t1053,
-    t1066,
-    ]: [f64; 106],
-) -> [f64; 203] {
-    let t1067 = cos_panda_joint2 * t1018;
-    let t1068 = t33 - t1067;
-    let t1069 = t1026 - t1068;
-    let t1070 = t32 + t1069;
-    let t1071 = cos_panda_joint4 * t1070;
-    let t1072 = t475 - t1021;
-    let t1073 = sin_panda_joint3 * t1072;
-    let t1074 = sin_panda_joint2 * t1018;
-    let t1075 = v[1] * 2.0;
-    let t1076 = omega_panda_joint2_y * t1075;
-    let t1077 = t1074 + t1076;
-    let t1078 = cos_panda_joint3 * t1077;
-    let t1079 = t1073 + t1078;
-    let t1080 = 2.0 * omega_panda_joint3_z;
-    let t1081 = omega_panda_joint3_y * t1080;
-    let t1082 = t1079 - t1081;
-    let t1083 = sin_panda_joint4 * t1082;
-    let t1084 = t1071 + t1083;
-    let t1085 = t66 + t1084;
-    let t1086 = t1042 + t1085;
-    let t1087 = t71 + t1086;
-    let t1088 = cos_panda_joint6 * t1087;
-    let t1089 = cos_panda_joint3 * t1072;
-    let t1090 = sin_panda_joint3 * t1077;
-    let t1091 = t1089 - t1090;
-    let t1092 = t129 - t1091;
-    let t1093 = t1033 - t1092;
-    let t1094 = t48 + t1093;
-    let t1095 = sin_panda_joint5 * t1094;
-    let t1096 = sin_panda_joint4 * t1070;
-    let t1097 = cos_panda_joint4 * t1082;
-    let t1098 = t1096 - t1097;
-    let t1099 = t42 + t1098;
-    let t1100 = cos_panda_joint5 * t1099;
-    let t1101 = t1095 - t1100;
-    let t1102 = t60 - t1101;
-    let t1103 = sin_panda_joint6 * t1102;
-    let t1104 = t1088 - t1103;
-    let t1105 = t118 + t1104;
-    let t1106 = t1066 - t1105;
-    let t1107 = t118 - t1106;
-    let t1108 = cos_panda_joint7_2 * 0.0021748470602962725;
-    let t1109 = 0.0013205141364616554 * sin_panda_joint7_2;
-    let t1110 = t1109 - t1108;
-    let t1111 = sin_panda_joint7_2 * t1110;
-    let t1112 = 0.0026818189154496457 + t1111;
-    let t1113 = t1112 * t1107;
-    let t1114 = cos_panda_joint5 * t1094;
-    let t1115 = sin_panda_joint5 * t1099;
-    let t1116 = t1114 + t1115;
-    let t1117 = t89 - t1116;
-    let t1118 = t1053 - t1117;
-    let t1119 = t94 + t1118;
-    let t1120 = 0.00038633089444376715 * cos_panda_joint7_2;
-    let t1121 = 0.001535882372017312 * sin_panda_joint7_2;
-    let t1122 = t1121 + t1120;
-    let t1123 = t1122 * t1119;
-    let t1124 = sin_panda_joint6 * t1087;
-    let t1125 = cos_panda_joint6 * t1102;
-    let t1126 = t1124 + t1125;
-    let t1127 = t80 + t1126;
-    let t1128 = 0.00038633089444376715 * sin_panda_joint7_2;
-    let t1129 = 0.001535882372017312 * cos_panda_joint7_2;
-    let t1130 = t1129 - t1128;
-    let t1131 = t1130 * t1127;
-    let t1132 = t1131 + t1123;
-    let t1133 = cos_panda_joint7_2 * t1110;
-    let t1134 = 0.0010874235301481362 + t1133;
-    let t1135 = t107 * t1134;
-    let t1136 = t1132 + t1135;
-    let t1137 = t1136 + t1113;
-    let t1138 = t118 + t1106;
-    let t1139 = 0.004002333051911301 - t1111;
-    let t1140 = t1139 * t1138;
-    let t1141 = t1137 - t1140;
-    let t1142 = t185 + t1104;
-    let t1143 = t154 + t1084;
-    let t1144 = 3.83030303030303 * t1079;
-    let acceleration_panda_joint3_y_2 = t158 + t1144;
-    let t1146 = t32 - t1069;
-    let acceleration_panda_joint4_z_2 = t1146 - acceleration_panda_joint3_y_2;
-    let t1148 = acceleration_panda_joint4_z_2 + t1143;
-    let t1149 = cos_panda_joint5 * 0.21484375;
-    let t1150 = t1148 * t1149;
-    let t1151 = 3.83030303030303 * t1091;
-    let acceleration_panda_joint3_x_2 = t133 + t1151;
-    let t1153 = t137 + acceleration_panda_joint3_x_2;
-    let t1154 = cos_panda_joint4 * t1153;
-    let t1155 = omega_panda_joint3_x * t1080;
-    let t1156 = t1091 - t1155;
-    let t1157 = 3.83030303030303 * t472;
-    let acceleration_panda_joint3_z_2 = acceleration_panda_joint2_y - t1157;
-    let t1159 = t1156 + acceleration_panda_joint3_z_2;
-    let t1160 = sin_panda_joint4 * t1159;
-    let acceleration_panda_joint4_x_2 = t1154 - t1160;
-    let t1162 = t151 - acceleration_panda_joint4_x_2;
-    let t1163 = sin_panda_joint5 * 0.21484375;
-    let t1164 = t1162 * t1163;
-    let t1165 = t1164 + t1150;
-    let acceleration_panda_joint5_y_2 = t1165 - t1101;
-    let acceleration_panda_joint6_z = acceleration_panda_joint5_y_2 * 4.363636363636364;
-    let acceleration_panda_joint7_y_2 = acceleration_panda_joint6_z - t1142;
-    let t1169 = 0.0002886935268424518 * cos_panda_joint7_2;
-    let t1170 = t1169 * acceleration_panda_joint7_y_2;
-    let t1171 = t48 - t1093;
-    let t1172 = sin_panda_joint4 * t1153;
-    let t1173 = cos_panda_joint4 * t1159;
-    let acceleration_panda_joint4_y_2 = t1172 + t1173;
-    let t1175 = acceleration_panda_joint4_y_2 + t1171;
-    let t1176 = t1175 * 0.21484375;
-    let acceleration_panda_joint5_z_2 = t174 - t1176;
-    let t1178 = sin_panda_joint6 * 4.363636363636364;
-    let t1179 = acceleration_panda_joint5_z_2 * t1178;
-    let t1180 = t1148 * t1163;
-    let t1181 = t1162 * t1149;
-    let t1182 = t1181 - t1180;
-    let acceleration_panda_joint5_x_2 = t1182 - t1116;
-    let t1184 = cos_panda_joint6 * 4.363636363636364;
-    let t1185 = acceleration_panda_joint5_x_2 * t1184;
-    let acceleration_panda_joint6_x_2 = t1185 - t1179;
-    let acceleration_panda_joint7_x_2 = t180 - acceleration_panda_joint6_x_2;
-    let t1188 = 0.0002886935268424518 * sin_panda_joint7_2;
-    let t1189 = t1188 * acceleration_panda_joint7_x_2;
-    let t1190 = t1170 + t1189;
-    let moment_panda_joint7_z_2 = t1190 - t1141;
-    let t1192 = t1169 * t1107;
-    let t1193 = t104 * t1188;
-    let force_panda_joint7_y_2 = t1192 + t1193;
-    let t1195 = force_panda_joint7_y_2 - moment_panda_joint7_z_2;
-    let t1196 = 9.3569097314605e-5 * t1119;
-    let t1197 = 0.014748570382675316 * t1127;
-    let t1198 = t1196 + t1197;
-    let t1199 = t212 + t1198;
-    let t1200 = 0.02152225537058755 * t1142;
-    let t1201 = t1199 + t1200;
-    let t1202 = acceleration_panda_joint5_y_2 * 0.08902946023488;
-    let t1203 = t1202 - t1201;
-    let moment_panda_joint6_y_2 = t1203 - t1195;
-    let t1205 = sin_panda_joint6 * moment_panda_joint6_y_2;
-    let t1206 = t1130 * t1107;
-    let t1207 = t220 + t1119;
-    let t1208 = t1134 * t1207;
-    let t1209 = t1208 + t1206;
-    let t1210 = t225 * t1122;
-    let t1211 = t1209 - t1210;
-    let t1212 = t228 + t1127;
-    let t1213 = t1139 * t1212;
-    let t1214 = t1211 + t1213;
-    let t1215 = t94 - t1118;
-    let t1216 = acceleration_panda_joint5_z_2 * t1184;
-    let t1217 = acceleration_panda_joint5_x_2 * t1178;
-    let acceleration_panda_joint6_y_2 = t1217 + t1216;
-    let acceleration_panda_joint7_z_2 = acceleration_panda_joint6_y_2 + t1215;
-    let t1220 = t1188 * acceleration_panda_joint7_z_2;
-    let moment_panda_joint7_x_2 = t1220 + t1214;
-    let t1222 = 0.00010375891721868492 * t1215;
-    let t1223 = 0.014748570382675316 * t1142;
-    let t1224 = t1223 + t1222;
-    let t1225 = t244 + t1224;
-    let t1226 = 0.028934422545659894 * t1127;
-    let t1227 = t1225 + t1226;
-    let t1228 = acceleration_panda_joint5_y_2 * 0.06674100693849601;
-    let t1229 = t1228 - t1227;
-    let moment_panda_joint6_x_2 = t1229 - moment_panda_joint7_x_2;
-    let t1231 = cos_panda_joint6 * moment_panda_joint6_x_2;
-    let t1232 = t1231 - t1205;
-    let t1233 = t71 - t1086;
-    let t1234 = 0.004600245517563105 * t1233;
-    let t1235 = t253 - t1116;
-    let t1236 = 0.0015152444733270301 * t1235;
-    let t1237 = t1236 - t1234;
-    let t1238 = t260 - t1237;
-    let t1239 = 0.010045187828321242 * t1102;
-    let t1240 = t1238 + t1239;
-    let t1241 = 0.0260623224672 * acceleration_panda_joint5_z_2;
-    let t1242 = t1241 - t1240;
-    let moment_panda_joint5_x_2 = t1242 + t1232;
-    let t1244 = 0.015294814090072 * t1127;
-    let t1245 = 0.020402584637159996 * t1142;
-    let t1246 = t1245 + t1244;
-    let force_panda_joint6_z_2 = t1246 + force_panda_joint7_y_2;
-    let t1248 = 4.363636363636364 * force_panda_joint6_z_2;
-    let t1249 = 0.005627033294592 * t1233;
-    let t1250 = t210 * 0.0260623224672;
-    let t1251 = t1249 - t1250;
-    let force_panda_joint5_y_2 = t1251 + t1248;
-    let t1253 = force_panda_joint5_y_2 + moment_panda_joint5_x_2;
-    let t1254 = sin_panda_joint5 * t1253;
-    let t1255 = t1122 * t1138;
-    let t1256 = t1134 * t1212;
-    let t1257 = t1255 - t1256;
-    let t1258 = t308 * t1130;
-    let t1259 = t1257 - t1258;
-    let t1260 = t1112 * t1207;
-    let t1261 = t1259 - t1260;
-    let t1262 = t1169 * acceleration_panda_joint7_z_2;
-    let moment_panda_joint7_y_2 = t1262 + t1261;
-    let t1264 = t1169 * t1207;
-    let t1265 = t1188 * t1212;
-    let force_panda_joint7_z_2 = t1264 - t1265;
-    let t1267 = force_panda_joint7_z_2 - moment_panda_joint7_y_2;
-    let t1268 = 0.02152225537058755 * t1215;
-    let t1269 = 9.3569097314605e-5 * t1104;
-    let t1270 = 0.00010375891721868492 * t1126;
-    let t1271 = t1270 - t1269;
-    let t1272 = t320 + t1271;
-    let t1273 = t1272 + t1268;
-    let t1274 = 0.028934422545659894 * t1119;
-    let t1275 = t1273 - t1274;
-    let t1276 = 0.015294814090072 * acceleration_panda_joint6_x_2;
-    let t1277 = 0.020402584637159996 * acceleration_panda_joint6_y_2;
-    let t1278 = t1277 - t1276;
-    let t1279 = t1278 + t1275;
-    let moment_panda_joint6_z_2 = t1279 - t1267;
-    let t1281 = 0.0021640520520981297 * t1087;
-    let t1282 = 0.0015152444733270301 * t1102;
-    let t1283 = t1281 - t1282;
-    let t1284 = t333 + t1283;
-    let t1285 = 0.0014511560650267133 * t1235;
-    let t1286 = t1284 + t1285;
-    let t1287 = 0.005627033294592 * acceleration_panda_joint5_z_2;
-    let t1288 = t1287 - t1286;
-    let moment_panda_joint5_y_2 = t1288 - moment_panda_joint6_z_2;
-    let t1290 = t1188 * t1138;
-    let t1291 = t106 * t1169;
-    let force_panda_joint7_x_2 = t1291 + t1290;
-    let t1293 = 0.015294814090072 * t1119;
-    let t1294 = 0.020402584637159996 * t180;
-    let t1295 = t1294 - t1293;
-    let force_panda_joint6_x_2 = t1295 + force_panda_joint7_x_2;
-    let t1297 = t1184 * force_panda_joint6_x_2;
-    let t1298 = 0.020402584637159996 * t1215;
-    let t1299 = t224 * 0.015294814090072;
-    let t1300 = t1298 - t1299;
-    let force_panda_joint6_y_2 = t1300 - force_panda_joint7_z_2;
-    let t1302 = t1178 * force_panda_joint6_y_2;
-    let t1303 = t1297 - t1302;
-    let t1304 = 0.0260623224672 * t1087;
-    let t1305 = t298 * 0.005627033294592;
-    let t1306 = t1305 - t1304;
-    let force_panda_joint5_x_2 = t1306 - t1303;
-    let t1308 = force_panda_joint5_x_2 - moment_panda_joint5_y_2;
-    let t1309 = cos_panda_joint5 * t1308;
-    let t1310 = t1254 - t1309;
-    let t1311 = t1178 * force_panda_joint6_x_2;
-    let t1312 = t1184 * force_panda_joint6_y_2;
-    let t1313 = t1311 + t1312;
-    let t1314 = 0.0260623224672 * t1102;
-    let t1315 = 0.005627033294592 * t1235;
-    let t1316 = t1315 + t1314;
-    let force_panda_joint5_z_2 = t1316 - t1313;
-    let t1318 = 0.21484375 * force_panda_joint5_z_2;
-    let t1319 = t1318 - t1310;
-    let t1320 = 0.05102013615681551 * t1171;
-    let t1321 = 0.0016444875773692705 * t1084;
-    let t1322 = 0.0039053550262761003 * t1098;
-    let t1323 = t1322 - t1321;
-    let t1324 = t356 * 0.16284087268546088;
-    let t1325 = t1323 - t1324;
-    let t1326 = t1325 - t1320;
-    let t1327 = 0.6972920750309719 * t1094;
-    let t1328 = t1326 + t1327;
-    let t1329 = 0.16603319317224752 * acceleration_panda_joint4_x_2;
-    let t1330 = 0.04560437265862501 * acceleration_panda_joint4_y_2;
-    let t1331 = t1330 - t1329;
-    let t1332 = t1331 - t1328;
-    let moment_panda_joint4_z_2 = t1332 + t1319;
-    let t1334 = t1149 * force_panda_joint5_x_2;
-    let t1335 = t1163 * force_panda_joint5_y_2;
-    let t1336 = t1334 - t1335;
-    let t1337 = 0.16603319317224752 * t1094;
-    let t1338 = t151 * 0.04560437265862501;
-    let t1339 = t1338 - t1337;
-    let force_panda_joint4_x_2 = t1339 + t1336;
-    let t1341 = sin_panda_joint4 * force_panda_joint4_x_2;
-    let t1342 = 0.04560437265862501 * t1171;
-    let t1343 = 0.16603319317224752 * t174;
-    let t1344 = t1342 - t1343;
-    let force_panda_joint4_y_2 = t1344 + t1318;
-    let t1346 = cos_panda_joint4 * force_panda_joint4_y_2;
-    let t1347 = t1341 + t1346;
-    let t1348 = moment_panda_joint4_z_2 - t1347;
-    let t1349 = 0.004377257121839584 * t1070;
-    let t1350 = 0.00012191242095074308 * t1082;
-    let t1351 = t1349 - t1350;
-    let t1352 = t472 - t137;
-    let t1353 = 0.005487648106562256 * t1352;
-    let t1354 = t1351 - t1353;
-    let t1355 = 0.0616024210265277 * t1156;
-    let t1356 = t1354 + t1355;
-    let t1357 = 0.06161578168944001 * acceleration_panda_joint3_z_2;
-    let t1358 = t1357 + t1356;
-    let moment_panda_joint3_y_2 = t1358 - t1348;
-    let t1360 = cos_panda_joint4 * force_panda_joint4_x_2;
-    let t1361 = sin_panda_joint4 * force_panda_joint4_y_2;
-    let t1362 = t1360 - t1361;
-    let t1363 = 0.002328735327435001 * t1070;
-    let t1364 = 0.06161578168944001 * t137;
-    let t1365 = t1364 + t1363;
-    let force_panda_joint3_x_2 = t1365 - t1362;
-    let t1367 = 3.83030303030303 * force_panda_joint3_x_2;
-    let t1368 = moment_panda_joint3_y_2 + t1367;
-    let t1369 = sin_panda_joint3 * t1368;
-    let t1370 = cos_panda_joint5 * t1253;
-    let t1371 = sin_panda_joint5 * t1308;
-    let t1372 = t1370 + t1371;
-    let t1373 = 0.0039053550262761003 * t1171;
-    let t1374 = 0.16284087268546088 * t1143;
-    let t1375 = t1374 - t1373;
-    let t1376 = t406 - t1375;
-    let t1377 = 0.6972920750309719 * t1099;
-    let t1378 = t1376 - t1377;
-    let t1379 = 0.16603319317224752 * acceleration_panda_joint4_z_2;
-    let t1380 = t1379 - t1378;
-    let moment_panda_joint4_x_2 = t1380 - t1372;
-    let t1382 = cos_panda_joint4 * moment_panda_joint4_x_2;
-    let t1383 = cos_panda_joint6 * moment_panda_joint6_y_2;
-    let t1384 = sin_panda_joint6 * moment_panda_joint6_x_2;
-    let t1385 = t1384 + t1383;
-    let t1386 = 0.0014511560650267133 * t1233;
-    let t1387 = 0.0021640520520981297 * t1116;
-    let t1388 = 0.004600245517563105 * t1101;
-    let t1389 = t1388 - t1387;
-    let t1390 = t427 + t1389;
-    let t1391 = t1390 - t1386;
-    let t1392 = 0.010045187828321242 * t1087;
-    let t1393 = t1391 + t1392;
-    let t1394 = 0.0260623224672 * acceleration_panda_joint5_x_2;
-    let t1395 = 0.005627033294592 * acceleration_panda_joint5_y_2;
-    let t1396 = t1395 - t1394;
-    let t1397 = t1396 + t1393;
-    let moment_panda_joint5_z_2 = t1397 - t1385;
-    let t1399 = t1163 * force_panda_joint5_x_2;
-    let t1400 = t1149 * force_panda_joint5_y_2;
-    let t1401 = t1399 + t1400;
-    let t1402 = moment_panda_joint5_z_2 - t1401;
-    let t1403 = 0.0016444875773692705 * t1094;
-    let t1404 = 0.16284087268546088 * t1099;
-    let t1405 = t1403 - t1404;
-    let t1406 = t440 + t1405;
-    let t1407 = 0.05102013615681551 * t1143;
-    let t1408 = t1406 - t1407;
-    let t1409 = 0.04560437265862501 * acceleration_panda_joint4_z_2;
-    let t1410 = t1409 - t1408;
-    let moment_panda_joint4_y_2 = t1410 + t1402;
-    let t1412 = sin_panda_joint4 * moment_panda_joint4_y_2;
-    let t1413 = t1382 - t1412;
-    let t1414 = 0.005487648106562256 * t1146;
-    let t1415 = 0.00012191242095074308 * t1156;
-    let t1416 = t1415 + t1414;
-    let t1417 = t472 - t404;
-    let t1418 = 0.004377257121839584 * t1417;
-    let t1419 = t1416 - t1418;
-    let t1420 = 0.022178148964878235 * t1082;
-    let t1421 = t1419 - t1420;
-    let t1422 = 0.002328735327435001 * acceleration_panda_joint3_z_2;
-    let t1423 = t1422 + t1421;
-    let moment_panda_joint3_x_2 = t1423 + t1413;
-    let t1425 = 0.16603319317224752 * t1099;
-    let t1426 = 0.04560437265862501 * t1143;
-    let t1427 = t1426 + t1425;
-    let force_panda_joint4_z_2 = t1427 - t1401;
-    let t1429 = 0.06161578168944001 * t1146;
-    let t1430 = t462 + t1429;
-    let force_panda_joint3_y_2 = t1430 + force_panda_joint4_z_2;
-    let t1432 = 3.83030303030303 * force_panda_joint3_y_2;
-    let t1433 = moment_panda_joint3_x_2 + t1432;
-    let t1434 = cos_panda_joint3 * t1433;
-    let t1435 = t1434 + t1369;
-    let t1436 = t475 + t1021;
-    let t1437 = 0.01026110182100817 * t1436;
-    let t1438 = omega_panda_joint2_x * t1075;
-    let t1439 = t1067 - t1438;
-    let t1440 = 0.00398335888393552 * t1439;
-    let t1441 = t1440 + t1437;
-    let t1442 = v[0] * v[0];
-    let t1443 = t1442 - t472;
-    let t1444 = 0.0007689361029464 * t1443;
-    let t1445 = t1441 + t1444;
-    let t1446 = 1.032162061231881 * t1077;
-    let t1447 = t1445 - t1446;
-    let moment_panda_joint2_x_2 = t1447 + t1435;
-    let t1449 = cos_panda_joint7_2 * 0.0005773870536849036;
-    let t1450 = t1112 + t1449;
-    let t1451 = t1450 - 0.007412167175072343;
-    let t1452 = sin_panda_joint6 * t1451;
-    let t1453 = 0.014748570382675316 + t1130;
-    let t1454 = 2.0 * t1453;
-    let t1455 = cos_panda_joint6 * t1454;
-    let t1456 = t1452 - t1455;
-    let t1457 = sin_panda_joint6 * t1456;
-    let t1458 = 0.02152225537058755 + t1450;
-    let t1459 = t1458 - t1457;
-    let t1460 = 0.0014511560650267133 + t1459;
-    let t1461 = 0.014047520880232544 - t1111;
-    let t1462 = t1460 - t1461;
-    let t1463 = sin_panda_joint5 * t1462;
-    let t1464 = t1188 - t1134;
-    let t1465 = 0.00010375891721868492 + t1464;
-    let t1466 = cos_panda_joint6 * t1465;
-    let t1467 = 9.3569097314605e-5 + t1122;
-    let t1468 = sin_panda_joint6 * t1467;
-    let t1469 = t1466 + t1468;
-    let t1470 = 0.0015152444733270301 - t1469;
-    let t1471 = 2.0 * t1470;
-    let t1472 = cos_panda_joint5 * t1471;
-    let t1473 = t1463 + t1472;
-    let t1474 = sin_panda_joint5 * t1473;
-    let t1475 = t1460 - t1474;
-    let t1476 = 0.020402584637159996 + t1169;
-    let t1477 = t1184 * t1476;
-    let t1478 = sin_panda_joint6 * 0.06674100693849601;
-    let t1479 = t1477 + t1478;
-    let t1480 = 0.005627033294592 - t1479;
-    let t1481 = t1149 * t1480;
-    let t1482 = 0.0012597535716761534 * sin_panda_joint7_2;
-    let t1483 = 0.0260623224672 - t1482;
-    let t1484 = t1163 * t1483;
-    let t1485 = t1481 + t1484;
-    let t1486 = 2.0 * t1485;
-    let t1487 = t1475 + t1486;
-    let t1488 = 0.05102013615681551 + t1487;
-    let t1489 = 0.028934422545659894 + t1457;
-    let t1490 = t1178 * t1476;
-    let t1491 = cos_panda_joint6 * 0.06674100693849601;
-    let t1492 = t1490 - t1491;
-    let t1493 = 2.0 * t1492;
-    let t1494 = t1489 + t1493;
-    let t1495 = 0.6972920750309719 + t1494;
-    let t1496 = t1488 - t1495;
-    let t1497 = sin_panda_joint4 * t1496;
-    let t1498 = cos_panda_joint6 * t1456;
-    let t1499 = t1453 + t1498;
-    let t1500 = 0.004600245517563105 + t1499;
-    let t1501 = t1480 - t1500;
-    let t1502 = cos_panda_joint5 * t1501;
-    let t1503 = sin_panda_joint6 * t1465;
-    let t1504 = cos_panda_joint6 * t1467;
-    let t1505 = t1503 - t1504;
-    let t1506 = 0.0021640520520981297 + t1505;
-    let t1507 = t1483 - t1506;
-    let t1508 = sin_panda_joint5 * t1507;
-    let t1509 = t1502 + t1508;
-    let t1510 = 0.21484375 * t1492;
-    let t1511 = t1510 + t1509;
-    let t1512 = 0.16284087268546088 + t1511;
-    let t1513 = 2.0 * t1512;
-    let t1514 = cos_panda_joint4 * t1513;
-    let t1515 = t1497 - t1514;
-    let t1516 = cos_panda_joint4 * t1515;
-    let t1517 = t1512 + t1516;
-    let t1518 = 0.04560437265862501 + t1485;
-    let t1519 = sin_panda_joint4 * t1518;
-    let t1520 = 0.16603319317224752 + t1510;
-    let t1521 = cos_panda_joint4 * t1520;
-    let t1522 = t1519 - t1521;
-    let t1523 = t1522 - t1517;
-    let t1524 = 0.005487648106562256 - t1523;
-    let t1525 = cos_panda_joint4 * t1518;
-    let t1526 = sin_panda_joint4 * t1520;
-    let t1527 = t1525 + t1526;
-    let t1528 = 0.06161578168944001 - t1527;
-    let t1529 = 3.83030303030303 * t1528;
-    let t1530 = t1524 + t1529;
-    let t1531 = cos_panda_joint3 * t1530;
-    let t1532 = cos_panda_joint5 * t1473;
-    let t1533 = t1470 - t1532;
-    let t1534 = t1163 * t1480;
-    let t1535 = t1149 * t1483;
-    let t1536 = t1534 - t1535;
-    let t1537 = t1536 - t1533;
-    let t1538 = 0.0039053550262761003 + t1537;
-    let t1539 = sin_panda_joint4 * t1538;
-    let t1540 = sin_panda_joint5 * t1501;
-    let t1541 = cos_panda_joint5 * t1507;
-    let t1542 = t1540 - t1541;
-    let t1543 = 0.0016444875773692705 + t1542;
-    let t1544 = cos_panda_joint4 * t1543;
-    let t1545 = t1539 - t1544;
-    let t1546 = 0.004377257121839584 + t1545;
-    let t1547 = 0.002328735327435001 - t1536;
-    let t1548 = 3.83030303030303 * t1547;
-    let t1549 = t1546 + t1548;
-    let t1550 = sin_panda_joint3 * t1549;
-    let t1551 = t1531 - t1550;
-    let t1552 = 0.00398335888393552 - t1551;
-    let t1553 = t1067 * t1552;
-    let t1554 = sin_panda_joint4 * t1515;
-    let t1555 = t1488 - t1554;
-    let t1556 = 2.0 * t1527;
-    let t1557 = t1555 - t1556;
-    let t1558 = 0.0616024210265277 + t1557;
-    let t1559 = t1461 + t1474;
-    let t1560 = 0.022178148964878235 + t1559;
-    let t1561 = t1558 - t1560;
-    let t1562 = sin_panda_joint3 * t1561;
-    let t1563 = cos_panda_joint4 * t1538;
-    let t1564 = sin_panda_joint4 * t1543;
-    let t1565 = t1563 + t1564;
-    let t1566 = t1536 - t1565;
-    let t1567 = 0.00012191242095074308 - t1566;
-    let t1568 = 2.0 * t1567;
-    let t1569 = cos_panda_joint3 * t1568;
-    let t1570 = t1562 + t1569;
-    let t1571 = sin_panda_joint3 * t1570;
-    let t1572 = t1558 - t1571;
-    let t1573 = 0.02307788249493181 + t1572;
-    let t1574 = t1560 + t1571;
-    let t1575 = t1574 + t1573;
-    let t1576 = t1074 * t1575;
-    let t1577 = t1576 + t1553;
-    let t1578 = sin_panda_joint3 * t1530;
-    let t1579 = cos_panda_joint3 * t1549;
-    let t1580 = t1578 + t1579;
-    let t1581 = 0.0007689361029464 + t1580;
-    let t1582 = t1442 * t1581;
-    let t1583 = t1577 - t1582;
-    let t1584 = sin_panda_joint3 * t1528;
-    let t1585 = cos_panda_joint3 * t1547;
-    let t1586 = t1584 + t1585;
-    let t1587 = acceleration_panda_joint2_y * t1586;
-    let t1588 = t1587 - t1583;
-    let t1589 = 2.0 * omega_panda_joint6_x;
-    let t1590 = t1188 * t1589;
-    let t1591 = t76 * t1169;
-    let t1592 = t1590 + t1591;
-    let t1593 = t1591 + t1592;
-    let t1594 = t1134 * t1589;
-    let t1595 = t76 * t1112;
-    let t1596 = t1594 - t1595;
-    let t1597 = t1596 - t1593;
-    let t1598 = omega_panda_joint6_x * 0.00020751783443736984;
-    let t1599 = omega_panda_joint6_z * 0.0430445107411751;
-    let t1600 = t1599 + t1598;
-    let t1601 = t1600 - t1597;
-    let t1602 = t219 * t1122;
-    let t1603 = omega_panda_joint6_y * 0.00018713819462921;
-    let t1604 = omega_panda_joint6_z * 0.05786884509131979;
-    let t1605 = t1603 + t1604;
-    let t1606 = t1605 - t1602;
-    let t1607 = t1606 - t1601;
-    let t1608 = cos_panda_joint6 * t1607;
-    let t1609 = t219 * t1134;
-    let t1610 = t76 * t1130;
-    let t1611 = t1610 + t1609;
-    let t1612 = t219 * t1188;
-    let t1613 = t1612 - t1611;
-    let t1614 = omega_panda_joint6_y * 0.00020751783443736984;
-    let t1615 = omega_panda_joint6_z * 0.02949714076535063;
-    let t1616 = t1614 + t1615;
-    let t1617 = t1616 - t1613;
-    let t1618 = t1122 * t1589;
-    let t1619 = t1610 + t1618;
-    let t1620 = omega_panda_joint6_x * 0.00018713819462921;
-    let t1621 = t1615 + t1620;
-    let t1622 = t1621 + t1619;
-    let t1623 = t1617 + t1622;
-    let t1624 = sin_panda_joint6 * t1623;
-    let t1625 = t1624 - t1608;
-    let t1626 = sin_panda_joint6 * t1625;
-    let t1627 = t1617 - t1626;
-    let t1628 = omega_panda_joint5_y * 0.00920049103512621;
-    let t1629 = omega_panda_joint5_z * 0.0030304889466540603;
-    let t1630 = t1628 - t1629;
-    let t1631 = t1630 + t1627;
-    let t1632 = 2.0 * omega_panda_joint5_y;
-    let t1633 = t1632 * t1480;
-    let t1634 = t1631 - t1633;
-    let t1635 = t1609 - t1618;
-    let t1636 = 2.0 * omega_panda_joint6_y;
-    let t1637 = t1188 * t1636;
-    let t1638 = t1635 + t1637;
-    let t1639 = t1614 - t1620;
-    let t1640 = t1639 + t1638;
-    let t1641 = omega_panda_joint5_x * 0.004328104104196259;
-    let t1642 = t1629 - t1641;
-    let t1643 = t1642 - t1640;
-    let t1644 = 2.0 * omega_panda_joint5_x;
-    let t1645 = t1644 * t1483;
-    let t1646 = t1643 + t1645;
-    let t1647 = t1634 - t1646;
-    let t1648 = sin_panda_joint5 * t1647;
-    let t1649 = t219 * t1169;
-    let t1650 = t1169 * t1636;
-    let t1651 = t1649 - t1650;
-    let t1652 = t219 * t1112;
-    let t1653 = t1130 * t1589;
-    let t1654 = t1652 + t1653;
-    let t1655 = t1654 + t1651;
-    let t1656 = omega_panda_joint6_y * 0.0430445107411751;
-    let t1657 = omega_panda_joint6_x * 0.02949714076535063;
-    let t1658 = t1657 - t1656;
-    let t1659 = t1658 + t1655;
-    let t1660 = cos_panda_joint6 * t1659;
-    let t1661 = t219 * t1130;
-    let t1662 = omega_panda_joint6_y * 0.02949714076535063;
-    let t1663 = omega_panda_joint6_x * 0.05786884509131979;
-    let t1664 = t1663 - t1662;
-    let t1665 = t1664 + t1661;
-    let t1666 = sin_panda_joint6 * t1665;
-    let t1667 = t1660 + t1666;
-    let t1668 = omega_panda_joint5_x * 0.00920049103512621;
-    let t1669 = omega_panda_joint5_z * 0.0029023121300534266;
-    let t1670 = t1669 + t1668;
-    let t1671 = t1670 - t1667;
-    let t1672 = t1644 * t1480;
-    let t1673 = t1671 - t1672;
-    let t1674 = t1139 * t1589;
-    let t1675 = t76 * t1134;
-    let t1676 = t1674 - t1675;
-    let t1677 = t76 * t1188;
-    let t1678 = t1676 + t1677;
-    let t1679 = omega_panda_joint6_z * 0.00020751783443736984;
-    let t1680 = t1679 + t1678;
-    let t1681 = sin_panda_joint6 * t1680;
-    let t1682 = t219 * t1139;
-    let t1683 = t76 * t1122;
-    let t1684 = t1683 - t1682;
-    let t1685 = omega_panda_joint6_z * 0.00018713819462921;
-    let t1686 = t1685 + t1684;
-    let t1687 = cos_panda_joint6 * t1686;
-    let t1688 = t1687 - t1681;
-    let t1689 = omega_panda_joint5_y * 0.004328104104196259;
-    let t1690 = omega_panda_joint5_z * 0.020090375656642484;
-    let t1691 = t1689 + t1690;
-    let t1692 = t1691 + t1688;
-    let t1693 = t1632 * t1483;
-    let t1694 = t1692 - t1693;
-    let t1695 = t1694 - t1673;
-    let t1696 = cos_panda_joint5 * t1695;
-    let t1697 = t1648 - t1696;
-    let t1698 = sin_panda_joint5 * t1697;
-    let t1699 = t1634 - t1698;
-    let t1700 = omega_panda_joint6_z * 0.04080516927431999;
-    let t1701 = t1700 + t1592;
-    let t1702 = t1178 * t1701;
-    let t1703 = omega_panda_joint6_z * 0.030589628180144;
-    let t1704 = t1703 - t1612;
-    let t1705 = t1184 * t1704;
-    let t1706 = t1705 - t1702;
-    let t1707 = omega_panda_joint5_z * 0.0521246449344;
-    let t1708 = t1707 - t1706;
-    let t1709 = t1149 * t1708;
-    let t1710 = omega_panda_joint6_y * 0.04080516927431999;
-    let t1711 = omega_panda_joint6_x * 0.030589628180144;
-    let t1712 = t1711 - t1710;
-    let t1713 = t1712 + t1649;
-    let t1714 = 4.363636363636364 * t1713;
-    let t1715 = omega_panda_joint5_z * 0.011254066589184;
-    let t1716 = t1715 + t1714;
-    let t1717 = t1163 * t1716;
-    let t1718 = t1709 - t1717;
-    let t1719 = t1718 + t1699;
-    let t1720 = omega_panda_joint4_y * 0.007810710052552201;
-    let t1721 = omega_panda_joint4_z * 0.32568174537092176;
-    let t1722 = t1720 - t1721;
-    let t1723 = t1722 - t1719;
-    let t1724 = t1622 - t1626;
-    let t1725 = t1628 - t1641;
-    let t1726 = t1725 + t1724;
-    let t1727 = t1184 * t1701;
-    let t1728 = t1178 * t1704;
-    let t1729 = t1728 + t1727;
-    let t1730 = omega_panda_joint5_y * 0.011254066589184;
-    let t1731 = omega_panda_joint5_x * 0.0521246449344;
-    let t1732 = t1731 - t1730;
-    let t1733 = t1732 - t1729;
-    let t1734 = t1733 + t1726;
-    let t1735 = t38 * t1510;
-    let t1736 = t1734 + t1735;
-    let t1737 = omega_panda_joint4_x * 0.003288975154738541;
-    let t1738 = t1721 - t1737;
-    let t1739 = t1738 + t1736;
-    let t1740 = t1723 - t1739;
-    let t1741 = sin_panda_joint4 * t1740;
-    let t1742 = cos_panda_joint6 * t1625;
-    let t1743 = t1606 + t1742;
-    let t1744 = omega_panda_joint5_y * 0.0029023121300534266;
-    let t1745 = omega_panda_joint5_x * 0.0030304889466540603;
-    let t1746 = t1745 + t1744;
-    let t1747 = t1746 - t1743;
-    let t1748 = cos_panda_joint5 * t1747;
-    let t1749 = cos_panda_joint6 * t1680;
-    let t1750 = sin_panda_joint6 * t1686;
-    let t1751 = t1750 + t1749;
-    let t1752 = omega_panda_joint5_y * 0.0030304889466540603;
-    let t1753 = omega_panda_joint5_x * 0.020090375656642484;
-    let t1754 = t1753 + t1752;
-    let t1755 = t1754 + t1751;
-    let t1756 = sin_panda_joint5 * t1755;
-    let t1757 = t1748 - t1756;
-    let t1758 = 0.21484375 * t1733;
-    let t1759 = t38 * t1485;
-    let t1760 = t1758 + t1759;
-    let t1761 = t1757 - t1760;
-    let t1762 = omega_panda_joint4_x * 0.007810710052552201;
-    let t1763 = omega_panda_joint4_z * 0.10204027231363103;
-    let t1764 = t1763 - t1762;
-    let t1765 = t1764 - t1761;
-    let t1766 = t1601 - t1742;
-    let t1767 = omega_panda_joint5_z * 0.004328104104196259;
-    let t1768 = t1767 - t1766;
-    let t1769 = t1632 * t1492;
-    let t1770 = t1708 - t1769;
-    let t1771 = t1768 - t1770;
-    let t1772 = cos_panda_joint5 * t1771;
-    let t1773 = sin_panda_joint6 * t1659;
-    let t1774 = cos_panda_joint6 * t1665;
-    let t1775 = t1773 - t1774;
-    let t1776 = omega_panda_joint5_z * 0.00920049103512621;
-    let t1777 = t1776 - t1775;
-    let t1778 = t1644 * t1492;
-    let t1779 = t1716 - t1778;
-    let t1780 = t1777 - t1779;
-    let t1781 = sin_panda_joint5 * t1780;
-    let t1782 = t1772 - t1781;
-    let t1783 = omega_panda_joint4_y * 0.003288975154738541;
-    let t1784 = omega_panda_joint4_z * 1.3945841500619438;
-    let t1785 = t1783 - t1784;
-    let t1786 = t1785 + t1782;
-    let t1787 = t1786 + t1765;
-    let t1788 = cos_panda_joint4 * t1787;
-    let t1789 = t1741 - t1788;
-    let t1790 = sin_panda_joint4 * t1789;
-    let t1791 = t1723 - t1790;
-    let t1792 = omega_panda_joint4_z * 0.33206638634449503;
-    let t1793 = t1792 + t1718;
-    let t1794 = cos_panda_joint4 * t1793;
-    let t1795 = omega_panda_joint4_z * 0.09120874531725003;
-    let t1796 = t1795 + t1758;
-    let t1797 = sin_panda_joint4 * t1796;
-    let t1798 = t1794 - t1797;
-    let t1799 = t1798 + t1791;
-    let t1800 = omega_panda_joint3_y * 0.010975296213124512;
-    let t1801 = omega_panda_joint3_z * 0.00024382484190148615;
-    let t1802 = t1800 - t1801;
-    let t1803 = t1802 - t1799;
-    let t1804 = 7.66060606060606 * omega_panda_joint3_y;
-    let t1805 = t1804 * t1528;
-    let t1806 = t1803 + t1805;
-    let t1807 = t1646 + t1698;
-    let t1808 = 2.0 * omega_panda_joint4_y;
-    let t1809 = t1808 * t1536;
-    let t1810 = t1807 + t1809;
-    let t1811 = t1720 - t1737;
-    let t1812 = t1811 + t1810;
-    let t1813 = t1080 * t1536;
-    let t1814 = t1812 - t1813;
-    let t1815 = omega_panda_joint3_x * 0.008754514243679169;
-    let t1816 = t1801 + t1815;
-    let t1817 = t1816 + t1814;
-    let t1818 = 7.66060606060606 * omega_panda_joint3_x;
-    let t1819 = t1818 * t1547;
-    let t1820 = t1817 + t1819;
-    let t1821 = t1806 - t1820;
-    let t1822 = sin_panda_joint3 * t1821;
-    let t1823 = cos_panda_joint5 * t1697;
-    let t1824 = t1694 + t1823;
-    let t1825 = t1163 * t1708;
-    let t1826 = t1149 * t1716;
-    let t1827 = t1825 + t1826;
-    let t1828 = t1808 * t1485;
-    let t1829 = t1827 + t1828;
-    let t1830 = t1824 + t1829;
-    let t1831 = omega_panda_joint4_y * 0.10204027231363103;
-    let t1832 = omega_panda_joint4_x * 0.32568174537092176;
-    let t1833 = t1832 - t1831;
-    let t1834 = t1833 - t1830;
-    let t1835 = cos_panda_joint4 * t1834;
-    let t1836 = sin_panda_joint5 * t1771;
-    let t1837 = cos_panda_joint5 * t1780;
-    let t1838 = t1836 + t1837;
-    let t1839 = t1808 * t1510;
-    let t1840 = t1838 - t1839;
-    let t1841 = omega_panda_joint4_y * 0.32568174537092176;
-    let t1842 = omega_panda_joint4_x * 1.3945841500619438;
-    let t1843 = t1842 - t1841;
-    let t1844 = t1843 + t1840;
-    let t1845 = sin_panda_joint4 * t1844;
-    let t1846 = t1835 + t1845;
-    let t1847 = omega_panda_joint4_y * 0.09120874531725003;
-    let t1848 = omega_panda_joint4_x * 0.33206638634449503;
-    let t1849 = t1848 - t1847;
-    let t1850 = t1849 - t1827;
-    let t1851 = t1080 * t1527;
-    let t1852 = t1850 - t1851;
-    let t1853 = t1846 - t1852;
-    let t1854 = omega_panda_joint3_x * 0.010975296213124512;
-    let t1855 = omega_panda_joint3_z * 0.1232048420530554;
-    let t1856 = t1855 + t1854;
-    let t1857 = t1856 - t1853;
-    let t1858 = t1818 * t1528;
-    let t1859 = t1857 + t1858;
-    let t1860 = t1673 - t1823;
-    let t1861 = omega_panda_joint4_z * 0.003288975154738541;
-    let t1862 = t1861 - t1860;
-    let t1863 = cos_panda_joint4 * t1862;
-    let t1864 = sin_panda_joint5 * t1747;
-    let t1865 = cos_panda_joint5 * t1755;
-    let t1866 = t1864 + t1865;
-    let t1867 = t38 * t1536;
-    let t1868 = t1866 - t1867;
-    let t1869 = omega_panda_joint4_z * 0.007810710052552201;
-    let t1870 = t1869 - t1868;
-    let t1871 = sin_panda_joint4 * t1870;
-    let t1872 = t1863 - t1871;
-    let t1873 = omega_panda_joint3_y * 0.008754514243679169;
-    let t1874 = omega_panda_joint3_z * 0.04435629792975647;
-    let t1875 = t1873 - t1874;
-    let t1876 = t1875 + t1872;
-    let t1877 = t1804 * t1547;
-    let t1878 = t1876 + t1877;
-    let t1879 = t1878 + t1859;
-    let t1880 = cos_panda_joint3 * t1879;
-    let t1881 = t1822 + t1880;
-    let t1882 = sin_panda_joint3 * t1881;
-    let t1883 = t1820 + t1882;
-    let t1884 = omega_panda_joint2_x * 0.0015378722058928;
-    let t1885 = omega_panda_joint2_y * 0.02052220364201634;
-    let t1886 = t1885 - t1884;
-    let t1887 = t1886 - t1883;
-    let t1888 = t1806 - t1882;
-    let t1889 = v[1] * 0.00796671776787104;
-    let t1890 = t1885 - t1889;
-    let t1891 = t1890 + t1888;
-    let t1892 = t1891 - t1887;
-    let t1893 = omega_panda_joint2_x * t1892;
-    let t1894 = cos_panda_joint4 * t1789;
-    let t1895 = t1786 + t1894;
-    let t1896 = sin_panda_joint4 * t1793;
-    let t1897 = cos_panda_joint4 * t1796;
-    let t1898 = t1896 + t1897;
-    let t1899 = 2.0 * omega_panda_joint3_y;
-    let t1900 = t1899 * t1527;
-    let t1901 = t1898 - t1900;
-    let t1902 = t1895 + t1901;
-    let t1903 = omega_panda_joint3_y * 0.1232048420530554;
-    let t1904 = omega_panda_joint3_x * 0.00024382484190148615;
-    let t1905 = t1904 + t1903;
-    let t1906 = t1905 + t1902;
-    let t1907 = cos_panda_joint3 * t1906;
-    let t1908 = sin_panda_joint4 * t1862;
-    let t1909 = cos_panda_joint4 * t1870;
-    let t1910 = t1908 + t1909;
-    let t1911 = t1899 * t1536;
-    let t1912 = t1910 + t1911;
-    let t1913 = omega_panda_joint3_y * 0.00024382484190148615;
-    let t1914 = omega_panda_joint3_x * 0.04435629792975647;
-    let t1915 = t1914 + t1913;
-    let t1916 = t1915 - t1912;
-    let t1917 = sin_panda_joint3 * t1916;
-    let t1918 = t1907 - t1917;
-    let t1919 = omega_panda_joint2_x * 0.02052220364201634;
-    let t1920 = v[1] * 0.04615576498986362;
-    let t1921 = t1920 - t1919;
-    let t1922 = t1921 + t1918;
-    let t1923 = omega_panda_joint2_y * t1922;
-    let t1924 = t1893 + t1923;
-    let t1925 = t1588 - t1924;
-    let t1926 = moment_panda_joint2_x_2 - t1925;
-    let t1927 = cos_panda_joint2 * t1926;
-    let t1928 = sin_panda_joint4 * moment_panda_joint4_x_2;
-    let t1929 = cos_panda_joint4 * moment_panda_joint4_y_2;
-    let t1930 = t1928 + t1929;
-    let t1931 = force_panda_joint4_z_2 - t1930;
-    let t1932 = 0.0616024210265277 * t1146;
-    let t1933 = 0.004377257121839584 * t1091;
-    let t1934 = 0.005487648106562256 * t1079;
-    let t1935 = t1934 + t1933;
-    let t1936 = t492 + t1935;
-    let t1937 = t1936 - t1932;
-    let t1938 = 0.022178148964878235 * t1070;
-    let t1939 = t1937 + t1938;
-    let t1940 = 0.002328735327435001 * acceleration_panda_joint3_x_2;
-    let t1941 = 0.06161578168944001 * acceleration_panda_joint3_y_2;
-    let t1942 = t1941 + t1940;
-    let t1943 = t1942 + t1939;
-    let moment_panda_joint3_z_2 = t1943 - t1931;
-    let t1945 = 0.0007689361029464 * t1072;
-    let t1946 = 0.00398335888393552 * t1077;
-    let t1947 = t1945 - t1946;
-    let t1948 = t1442 - t501;
-    let t1949 = 0.01026110182100817 * t1948;
-    let t1950 = t1947 + t1949;
-    let t1951 = 0.02307788249493181 * t1439;
-    let t1952 = t1950 + t1951;
-    let moment_panda_joint2_y_2 = t1952 + moment_panda_joint3_z_2;
-    let t1954 = t1074 * t1552;
-    let t1955 = t1495 + t1554;
-    let t1956 = 7.66060606060606 * t1522;
-    let t1957 = t1955 - t1956;
-    let t1958 = 1.032162061231881 + t1957;
-    let t1959 = t1574 + t1958;
-    let t1960 = t1067 * t1959;
-    let t1961 = t1960 + t1954;
-    let t1962 = cos_panda_joint3 * t1570;
-    let t1963 = t1567 - t1962;
-    let t1964 = 0.01026110182100817 + t1963;
-    let t1965 = t1442 * t1964;
-    let t1966 = t1961 + t1965;
-    let t1967 = acceleration_panda_joint2_x * t1586;
-    let t1968 = t1967 + t1966;
-    let t1969 = t1739 + t1790;
-    let t1970 = t1899 * t1522;
-    let t1971 = t1969 - t1970;
-    let t1972 = t1800 + t1815;
-    let t1973 = t1972 + t1971;
-    let t1974 = omega_panda_joint3_y * 0.12323156337888003;
-    let t1975 = omega_panda_joint3_x * 0.004657470654870002;
-    let t1976 = t1975 + t1974;
-    let t1977 = t1976 + t1898;
-    let t1978 = 3.83030303030303 * t1977;
-    let t1979 = t1973 + t1978;
-    let t1980 = t1889 - t1884;
-    let t1981 = t1980 - t1979;
-    let t1982 = t1981 - t1887;
-    let t1983 = omega_panda_joint2_y * t1982;
-    let t1984 = t1765 + t1894;
-    let t1985 = omega_panda_joint3_z * 0.008754514243679169;
-    let t1986 = t1985 + t1984;
-    let t1987 = omega_panda_joint3_z * 0.004657470654870002;
-    let t1988 = t1987 + t1798;
-    let t1989 = 3.83030303030303 * t1988;
-    let t1990 = t1804 * t1522;
-    let t1991 = t1989 + t1990;
-    let t1992 = t1986 + t1991;
-    let t1993 = cos_panda_joint3 * t1992;
-    let t1994 = sin_panda_joint4 * t1834;
-    let t1995 = cos_panda_joint4 * t1844;
-    let t1996 = t1994 - t1995;
-    let t1997 = t1080 * t1522;
-    let t1998 = t1996 + t1997;
-    let t1999 = omega_panda_joint3_z * 0.010975296213124512;
-    let t2000 = t1999 - t1998;
-    let t2001 = omega_panda_joint3_z * 0.12323156337888003;
-    let t2002 = t2001 + t1850;
-    let t2003 = 3.83030303030303 * t2002;
-    let t2004 = t1818 * t1522;
-    let t2005 = t2003 - t2004;
-    let t2006 = t2000 + t2005;
-    let t2007 = sin_panda_joint3 * t2006;
-    let t2008 = t1993 + t2007;
-    let t2009 = omega_panda_joint2_y * 0.0015378722058928;
-    let t2010 = v[1] * 2.064324122463762;
-    let t2011 = t2009 - t2010;
-    let t2012 = t2011 + t2008;
-    let t2013 = omega_panda_joint2_x * t2012;
-    let t2014 = t1983 + t2013;
-    let t2015 = t1968 + t2014;
-    let t2016 = moment_panda_joint2_y_2 - t2015;
-    let t2017 = sin_panda_joint2 * t2016;
-    let t2018 = t2017 + t1927;
-    let t2019 = t1112 + t1139;
-    let t2020 = t1169 + t2019;
-    let t2021 = sin_panda_joint6 * t2020;
-    let t2022 = cos_panda_joint6 * t1130;
-    let t2023 = t2022 - t2021;
-    let t2024 = 0.0012597535716761534 * cos_panda_joint7_2;
-    let t2025 = t2024 - t2023;
-    let t2026 = cos_panda_joint5 * t2025;
-    let t2027 = t1188 * t1184;
-    let t2028 = t1122 - t2027;
-    let t2029 = sin_panda_joint5 * t2028;
-    let t2030 = t2026 - t2029;
-    let t2031 = sin_panda_joint4 * t2030;
-    let t2032 = cos_panda_joint6 * t2020;
-    let t2033 = sin_panda_joint6 * t1130;
-    let t2034 = t2033 + t2032;
-    let t2035 = t1163 * t2027;
-    let t2036 = t1149 * t2024;
-    let t2037 = t2035 + t2036;
-    let t2038 = t2034 - t2037;
-    let t2039 = cos_panda_joint4 * t2038;
-    let t2040 = t2031 - t2039;
-    let t2041 = t2037 - t2040;
-    let t2042 = t1074 * t2041;
-    let t2043 = sin_panda_joint5 * t2025;
-    let t2044 = cos_panda_joint5 * t2028;
-    let t2045 = t2043 + t2044;
-    let t2046 = t1188 * t1178;
-    let t2047 = 0.21484375 * t2046;
-    let t2048 = t2047 - t2045;
-    let t2049 = t1149 * t2027;
-    let t2050 = t1163 * t2024;
-    let t2051 = t2049 - t2050;
-    let t2052 = sin_panda_joint4 * t2051;
-    let t2053 = cos_panda_joint4 * t2047;
-    let t2054 = t2052 + t2053;
-    let t2055 = t2048 - t2054;
-    let t2056 = cos_panda_joint4 * t2051;
-    let t2057 = sin_panda_joint4 * t2047;
-    let t2058 = t2056 - t2057;
-    let t2059 = 3.83030303030303 * t2058;
-    let t2060 = t2055 + t2059;
-    let t2061 = sin_panda_joint3 * t2060;
-    let t2062 = cos_panda_joint4 * t2030;
-    let t2063 = sin_panda_joint4 * t2038;
-    let t2064 = t2062 + t2063;
-    let t2065 = 3.83030303030303 * t2037;
-    let t2066 = t2064 + t2065;
-    let t2067 = cos_panda_joint3 * t2066;
-    let t2068 = t2067 + t2061;
-    let t2069 = t1067 * t2068;
-    let t2070 = t2069 - t2042;
-    let t2071 = cos_panda_joint3 * t2060;
-    let t2072 = sin_panda_joint3 * t2066;
-    let t2073 = t2072 - t2071;
-    let t2074 = t1442 * t2073;
-    let t2075 = t2070 + t2074;
-    let t2076 = cos_panda_joint3 * t2058;
-    let t2077 = sin_panda_joint3 * t2037;
-    let t2078 = t2076 - t2077;
-    let t2079 = acceleration_panda_joint2_y * t2078;
-    let t2080 = acceleration_panda_joint2_x * t2054;
-    let t2081 = t2079 + t2080;
-    let t2082 = t2075 - t2081;
-    let t2083 = t1611 - t1635;
-    let t2084 = t1637 - t2083;
-    let t2085 = sin_panda_joint6 * t2084;
-    let t2086 = t1591 - t1596;
-    let t2087 = cos_panda_joint6 * t2086;
-    let t2088 = t2087 - t2085;
-    let t2089 = t1644 * t2046;
-    let t2090 = t2088 - t2089;
-    let t2091 = cos_panda_joint5 * t2090;
-    let t2092 = t1632 * t2046;
-    let t2093 = t1678 - t2092;
-    let t2094 = sin_panda_joint5 * t2093;
-    let t2095 = t2091 + t2094;
-    let t2096 = t1808 * t2047;
-    let t2097 = t38 * t2037;
-    let t2098 = t2097 - t2096;
-    let t2099 = t2095 - t2098;
-    let t2100 = cos_panda_joint4 * t2099;
-    let t2101 = cos_panda_joint6 * t2084;
-    let t2102 = sin_panda_joint6 * t2086;
-    let t2103 = t2102 + t2101;
-    let t2104 = t1644 * t2027;
-    let t2105 = t1632 * t2024;
-    let t2106 = t2105 - t2104;
-    let t2107 = t2103 - t2106;
-    let t2108 = t1808 * t2051;
-    let t2109 = t2107 - t2108;
-    let t2110 = sin_panda_joint4 * t2109;
-    let t2111 = t2100 - t2110;
-    let t2112 = t1080 * t2054;
-    let t2113 = t1899 * t2037;
-    let t2114 = t2112 + t2113;
-    let t2115 = t2111 - t2114;
-    let t2116 = t1818 * t2054;
-    let t2117 = t2115 - t2116;
-    let t2118 = cos_panda_joint3 * t2117;
-    let t2119 = sin_panda_joint5 * t2090;
-    let t2120 = cos_panda_joint5 * t2093;
-    let t2121 = t2119 - t2120;
-    let t2122 = t38 * t2051;
-    let t2123 = t2121 + t2122;
-    let t2124 = t1899 * t2058;
-    let t2125 = t2123 + t2124;
-    let t2126 = t1804 * t2054;
-    let t2127 = t2125 + t2126;
-    let t2128 = sin_panda_joint3 * t2127;
-    let t2129 = t2118 - t2128;
-    let t2130 = omega_panda_joint2_y * t2129;
-    let t2131 = sin_panda_joint4 * t2099;
-    let t2132 = cos_panda_joint4 * t2109;
-    let t2133 = t2131 + t2132;
-    let t2134 = t1080 * t2058;
-    let t2135 = t2133 + t2134;
-    let t2136 = t1818 * t2058;
-    let t2137 = t1804 * t2037;
-    let t2138 = t2137 - t2136;
-    let t2139 = t2135 - t2138;
-    let t2140 = omega_panda_joint2_x * t2139;
-    let t2141 = t2130 + t2140;
-    let t2142 = t2082 + t2141;
-    let t2143 = t571 * t2142;
-    let t2144 = t2018 - t2143;
-    let t2145 = t577 * t2142;
-    let t2146 = cos_panda_joint5 * t1469;
-    let t2147 = 0.050456677916247444 + t1450;
-    let t2148 = t2147 + t1492;
-    let t2149 = sin_panda_joint5 * t2148;
-    let t2150 = t2146 - t2149;
-    let t2151 = sin_panda_joint4 * t2150;
-    let t2152 = t1163 * t1492;
-    let t2153 = t1505 - t2152;
-    let t2154 = cos_panda_joint4 * t2153;
-    let t2155 = t2151 + t2154;
-    let t2156 = t2152 + t2155;
-    let t2157 = t1074 * t2156;
-    let t2158 = sin_panda_joint5 * t1469;
-    let t2159 = cos_panda_joint5 * t2148;
-    let t2160 = t2158 + t2159;
-    let t2161 = 0.21484375 * t1479;
-    let t2162 = t2161 - t2160;
-    let t2163 = cos_panda_joint4 * t2161;
-    let t2164 = t1149 * t1492;
-    let t2165 = sin_panda_joint4 * t2164;
-    let t2166 = t2165 - t2163;
-    let t2167 = t2162 + t2166;
-    let t2168 = sin_panda_joint4 * t2161;
-    let t2169 = cos_panda_joint4 * t2164;
-    let t2170 = t2169 + t2168;
-    let t2171 = 3.83030303030303 * t2170;
-    let t2172 = t2167 - t2171;
-    let t2173 = sin_panda_joint3 * t2172;
-    let t2174 = cos_panda_joint4 * t2150;
-    let t2175 = sin_panda_joint4 * t2153;
-    let t2176 = t2174 - t2175;
-    let t2177 = 3.83030303030303 * t2152;
-    let t2178 = t2176 - t2177;
-    let t2179 = cos_panda_joint3 * t2178;
-    let t2180 = t2179 + t2173;
-    let t2181 = t1067 * t2180;
-    let t2182 = t2181 + t2157;
-    let t2183 = cos_panda_joint3 * t2172;
-    let t2184 = sin_panda_joint3 * t2178;
-    let t2185 = t2184 - t2183;
-    let t2186 = t1442 * t2185;
-    let t2187 = t2182 + t2186;
-    let t2188 = cos_panda_joint3 * t2170;
-    let t2189 = sin_panda_joint3 * t2152;
-    let t2190 = t2188 - t2189;
-    let t2191 = acceleration_panda_joint2_y * t2190;
-    let t2192 = acceleration_panda_joint2_x * t2166;
-    let t2193 = t2191 + t2192;
-    let t2194 = t2187 + t2193;
-    let t2195 = t1644 * t1479;
-    let t2196 = t1667 - t2195;
-    let t2197 = cos_panda_joint5 * t2196;
-    let t2198 = t1617 - t1622;
-    let t2199 = t1632 * t1479;
-    let t2200 = t2198 + t2199;
-    let t2201 = sin_panda_joint5 * t2200;
-    let t2202 = t2197 - t2201;
-    let t2203 = t1808 * t2161;
-    let t2204 = t38 * t2152;
-    let t2205 = t2204 + t2203;
-    let t2206 = t2202 + t2205;
-    let t2207 = cos_panda_joint4 * t2206;
-    let t2208 = t1775 - t1778;
-    let t2209 = t1808 * t2164;
-    let t2210 = t2208 + t2209;
-    let t2211 = sin_panda_joint4 * t2210;
-    let t2212 = t2207 - t2211;
-    let t2213 = t1080 * t2166;
-    let t2214 = t1899 * t2152;
-    let t2215 = t2213 + t2214;
-    let t2216 = t2212 + t2215;
-    let t2217 = t1818 * t2166;
-    let t2218 = t2216 + t2217;
-    let t2219 = cos_panda_joint3 * t2218;
-    let t2220 = sin_panda_joint5 * t2196;
-    let t2221 = cos_panda_joint5 * t2200;
-    let t2222 = t2220 + t2221;
-    let t2223 = t38 * t2164;
-    let t2224 = t2222 - t2223;
-    let t2225 = t1899 * t2170;
-    let t2226 = t2224 - t2225;
-    let t2227 = t1804 * t2166;
-    let t2228 = t2226 - t2227;
-    let t2229 = sin_panda_joint3 * t2228;
-    let t2230 = t2219 - t2229;
-    let t2231 = omega_panda_joint2_y * t2230;
-    let t2232 = sin_panda_joint4 * t2206;
-    let t2233 = cos_panda_joint4 * t2210;
-    let t2234 = t2232 + t2233;
-    let t2235 = t1080 * t2170;
-    let t2236 = t2234 - t2235;
-    let t2237 = t1818 * t2170;
-    let t2238 = t1804 * t2152;
-    let t2239 = t2238 - t2237;
-    let t2240 = t2236 + t2239;
-    let t2241 = omega_panda_joint2_x * t2240;
-    let t2242 = t2231 + t2241;
-    let t2243 = t2194 + t2242;
-    let t2244 = t2243 - t2145;
-    let t2245 = t641 * t2244;
-    let t2246 = t2144 + t2245;
-    let t2247 = t652 * t2244;
-    let t2248 = t647 * t2142;
-    let t2249 = sin_panda_joint4 * t1509;
-    let t2250 = t1460 + t1461;
-    let t2251 = t2250 + t1485;
-    let t2252 = cos_panda_joint4 * t2251;
-    let t2253 = t2249 + t2252;
-    let t2254 = t1485 - t2253;
-    let t2255 = t1074 * t2254;
-    let t2256 = cos_panda_joint4 * t1509;
-    let t2257 = sin_panda_joint4 * t2251;
-    let t2258 = t2256 - t2257;
-    let t2259 = 3.83030303030303 * t1485;
-    let t2260 = t2258 + t2259;
-    let t2261 = cos_panda_joint3 * t2260;
-    let t2262 = sin_panda_joint4 * t1536;
-    let t2263 = t1542 - t2262;
-    let t2264 = cos_panda_joint4 * t1536;
-    let t2265 = 3.83030303030303 * t2264;
-    let t2266 = t2263 + t2265;
-    let t2267 = sin_panda_joint3 * t2266;
-    let t2268 = t2261 - t2267;
-    let t2269 = t1067 * t2268;
-    let t2270 = t2269 - t2255;
-    let t2271 = sin_panda_joint3 * t2260;
-    let t2272 = cos_panda_joint3 * t2266;
-    let t2273 = t2271 + t2272;
-    let t2274 = t1442 * t2273;
-    let t2275 = t2270 + t2274;
-    let t2276 = cos_panda_joint3 * t2264;
-    let t2277 = sin_panda_joint3 * t1485;
-    let t2278 = t2276 + t2277;
-    let t2279 = acceleration_panda_joint2_y * t2278;
-    let t2280 = acceleration_panda_joint2_x * t2262;
-    let t2281 = t2279 + t2280;
-    let t2282 = t2275 + t2281;
-    let t2283 = t1631 + t1643;
-    let t2284 = t1633 - t1645;
-    let t2285 = t2283 - t2284;
-    let t2286 = t1809 + t2285;
-    let t2287 = sin_panda_joint4 * t2286;
-    let t2288 = t1757 - t1759;
-    let t2289 = cos_panda_joint4 * t2288;
-    let t2290 = t2289 - t2287;
-    let t2291 = t1080 * t2262;
-    let t2292 = t1899 * t1485;
-    let t2293 = t2291 - t2292;
-    let t2294 = t2290 + t2293;
-    let t2295 = t1818 * t2262;
-    let t2296 = t2294 + t2295;
-    let t2297 = cos_panda_joint3 * t2296;
-    let t2298 = t1899 * t2264;
-    let t2299 = t1868 - t2298;
-    let t2300 = t1804 * t2262;
-    let t2301 = t2299 - t2300;
-    let t2302 = sin_panda_joint3 * t2301;
-    let t2303 = t2297 - t2302;
-    let t2304 = omega_panda_joint2_y * t2303;
-    let t2305 = cos_panda_joint4 * t2286;
-    let t2306 = sin_panda_joint4 * t2288;
-    let t2307 = t2306 + t2305;
-    let t2308 = t1080 * t2264;
-    let t2309 = t2307 - t2308;
-    let t2310 = t1818 * t2264;
-    let t2311 = t1804 * t1485;
-    let t2312 = t2311 + t2310;
-    let t2313 = t2309 - t2312;
-    let t2314 = omega_panda_joint2_x * t2313;
-    let t2315 = t2304 + t2314;
-    let t2316 = t2282 + t2315;
-    let t2317 = t2316 + t2248;
-    let t2318 = t2317 - t2247;
-    let t2319 = t719 * t2318;
-    let t2320 = t2246 - t2319;
-    let t2321 = t737 * t2318;
-    let t2322 = t730 * t2244;
-    let t2323 = t725 * t2142;
-    let t2324 = t1074 * t1545;
-    let t2325 = t1488 + t1495;
-    let t2326 = t2325 - t1527;
-    let t2327 = 3.83030303030303 * t1522;
-    let t2328 = t2327 - t2326;
-    let t2329 = sin_panda_joint3 * t2328;
-    let t2330 = cos_panda_joint3 * t1565;
-    let t2331 = t2330 - t2329;
-    let t2332 = t1067 * t2331;
-    let t2333 = t2332 + t2324;
-    let t2334 = cos_panda_joint3 * t2328;
-    let t2335 = sin_panda_joint3 * t1565;
-    let t2336 = t2335 + t2334;
-    let t2337 = t1442 * t2336;
-    let t2338 = t2333 + t2337;
-    let t2339 = cos_panda_joint3 * t1522;
-    let t2340 = acceleration_panda_joint2_y * t2339;
-    let t2341 = acceleration_panda_joint2_x * t1527;
-    let t2342 = t2340 - t2341;
-    let t2343 = t2338 + t2342;
-    let t2344 = t1846 + t1851;
-    let t2345 = t1818 * t1527;
-    let t2346 = t2344 + t2345;
-    let t2347 = cos_panda_joint3 * t2346;
-    let t2348 = t1723 + t1739;
-    let t2349 = t1970 - t2348;
-    let t2350 = t1804 * t1527;
-    let t2351 = t2349 - t2350;
-    let t2352 = sin_panda_joint3 * t2351;
-    let t2353 = t2347 - t2352;
-    let t2354 = omega_panda_joint2_y * t2353;
-    let t2355 = t1998 + t2004;
-    let t2356 = omega_panda_joint2_x * t2355;
-    let t2357 = t2354 + t2356;
-    let t2358 = t2343 - t2357;
-    let t2359 = t2358 - t2323;
-    let t2360 = t2359 - t2322;
-    let t2361 = t2360 - t2321;
-    let t2362 = t797 * t2361;
-    let t2363 = t2320 + t2362;
-    let t2364 = t824 * t2361;
-    let t2365 = t815 * t2318;
-    let t2366 = t808 * t2244;
-    let t2367 = t803 * t2142;
-    let t2368 = t1558 + t1560;
-    let t2369 = t1074 * t2368;
-    let t2370 = t1067 * t1551;
-    let t2371 = t2370 - t2369;
-    let t2372 = t1442 * t1580;
-    let t2373 = t2371 + t2372;
-    let t2374 = t1587 + t2373;
-    let t2375 = t1803 + t1817;
-    let t2376 = t1805 + t1819;
-    let t2377 = t2375 + t2376;
-    let t2378 = omega_panda_joint2_x * t2377;
-    let t2379 = omega_panda_joint2_y * t1918;
-    let t2380 = t2379 + t2378;
-    let t2381 = t2374 - t2380;
-    let t2382 = t2381 - t2367;
-    let t2383 = t2382 + t2366;
-    let t2384 = t2383 - t2365;
-    let t2385 = t2384 + t2364;
-    let t2386 = t877 * t2385;
-    let t2387 = t2363 + t2386;
-    let t2388 = t944 * t2385;
-    let t2389 = t930 * t2361;
-    let t2390 = t918 * t2318;
-    let t2391 = t908 * t2244;
-    let t2392 = t900 * t2142;
-    let t2393 = t1067 * t1964;
-    let t2394 = t1573 + t1958;
-    let t2395 = t1442 * t2394;
-    let t2396 = t2395 + t2393;
-    let t2397 = t1074 * t1581;
-    let t2398 = t2396 - t2397;
-    let t2399 = cos_panda_joint3 * t1528;
-    let t2400 = sin_panda_joint3 * t1547;
-    let t2401 = t2399 - t2400;
-    let t2402 = 0.000167639551695 - t2401;
-    let t2403 = acceleration_panda_joint2_x * t2402;
-    let t2404 = 0.27592125358974007 - t1522;
-    let t2405 = acceleration_panda_joint2_y * t2404;
-    let t2406 = t2403 + t2405;
-    let t2407 = t2406 + t2398;
-    let t2408 = cos_panda_joint3 * t1881;
-    let t2409 = t1878 - t2408;
-    let t2410 = omega_panda_joint2_y * 0.04615576498986362;
-    let t2411 = omega_panda_joint2_x * 0.00796671776787104;
-    let t2412 = t2411 - t2410;
-    let t2413 = t2412 + t2409;
-    let t2414 = omega_panda_joint2_y * t2413;
-    let t2415 = sin_panda_joint3 * t1992;
-    let t2416 = cos_panda_joint3 * t2006;
-    let t2417 = t2415 - t2416;
-    let t2418 = omega_panda_joint2_y * 0.00796671776787104;
-    let t2419 = omega_panda_joint2_x * 2.064324122463762;
-    let t2420 = t2419 - t2418;
-    let t2421 = t2420 - t2417;
-    let t2422 = omega_panda_joint2_x * t2421;
-    let t2423 = t2414 - t2422;
-    let t2424 = t2407 + t2423;
-    let t2425 = t2424 + t2392;
-    let t2426 = t2425 - t2391;
-    let t2427 = t2426 + t2390;
-    let t2428 = t2427 - t2389;
-    let t2429 = t2428 - t2388;
-    let t2430 = t990 * t2429;
-    let t2431 = t2387 + t2430;
-    let t2432 = inverse_d_panda_joint1 * t2431;
-    let t2433 = t1091 * t1567;
-    let t2434 = t1955 + t1558;
-    let t2435 = t1079 * t2434;
-    let t2436 = t2435 + t2433;
-    let t2437 = t472 * t1546;
-    let t2438 = t2436 + t2437;
-    let t2439 = acceleration_panda_joint3_y_2 * t1522;
-    let t2440 = t2439 - t2438;
-    let t2441 = t1803 - t1973;
-    let t2442 = omega_panda_joint3_x * t2441;
-    let t2443 = omega_panda_joint3_y * t1857;
-    let t2444 = t2442 - t2443;
-    let t2445 = t2440 - t2444;
-    let t2446 = moment_panda_joint3_x_2 - t2445;
-    let t2447 = t1079 * t1522;
-    let t2448 = t472 * t1547;
-    let t2449 = t2447 - t2448;
-    let t2450 = omega_panda_joint3_x * t1977;
-    let t2451 = t2449 + t2450;
-    let t2452 = force_panda_joint3_y_2 - t2451;
-    let t2453 = 3.83030303030303 * t2452;
-    let t2454 = t2446 + t2453;
-    let t2455 = sin_panda_joint3 * t2454;
-    let t2456 = t1079 * t1567;
-    let t2457 = t1955 + t1560;
-    let t2458 = t1091 * t2457;
-    let t2459 = t2458 + t2456;
-    let t2460 = t472 * t1524;
-    let t2461 = t2459 - t2460;
-    let t2462 = acceleration_panda_joint3_x_2 * t1522;
-    let t2463 = t2462 - t2461;
-    let t2464 = t1817 - t1973;
-    let t2465 = omega_panda_joint3_y * t2464;
-    let t2466 = omega_panda_joint3_x * t1876;
-    let t2467 = t2465 - t2466;
-    let t2468 = t2463 + t2467;
-    let t2469 = moment_panda_joint3_y_2 + t2468;
-    let t2470 = t1091 * t1522;
-    let t2471 = t472 * t1528;
-    let t2472 = t2471 + t2470;
-    let t2473 = omega_panda_joint3_y * t1977;
-    let t2474 = t2472 - t2473;
-    let t2475 = force_panda_joint3_x_2 + t2474;
-    let t2476 = 3.83030303030303 * t2475;
-    let t2477 = t2469 + t2476;
-    let t2478 = cos_panda_joint3 * t2477;
-    let t2479 = t2478 - t2455;
-    let t2480 = sin_panda_joint2 * t2479;
-    let t2481 = acceleration_panda_joint3_y_2 * t1547;
-    let t2482 = acceleration_panda_joint3_x_2 * t1528;
-    let t2483 = t2482 - t2481;
-    let t2484 = t1091 * t1524;
-    let t2485 = t472 * t2368;
-    let t2486 = t2485 - t2484;
-    let t2487 = t1079 * t1546;
-    let t2488 = t2486 + t2487;
-    let t2489 = t2483 - t2488;
-    let t2490 = omega_panda_joint3_y * t1906;
-    let t2491 = omega_panda_joint3_x * t1916;
-    let t2492 = t2490 + t2491;
-    let t2493 = t2489 + t2492;
-    let t2494 = cos_panda_joint2 * t2493;
-    let t2495 = t2480 - t2494;
-    let t2496 = acceleration_panda_joint3_x_2 * t2037;
-    let t2497 = acceleration_panda_joint3_y_2 * t2058;
-    let t2498 = t2497 + t2496;
-    let t2499 = t1079 * t2055;
-    let t2500 = t1091 * t2064;
-    let t2501 = t2500 + t2499;
-    let t2502 = t472 * t2041;
-    let t2503 = t2501 - t2502;
-    let t2504 = t2503 + t2498;
-    let t2505 = omega_panda_joint3_y * t2115;
-    let t2506 = omega_panda_joint3_x * t2125;
-    let t2507 = t2505 + t2506;
-    let t2508 = t2504 - t2507;
-    let t2509 = t571 * t2508;
-    let t2510 = t2495 - t2509;
-    let t2511 = t577 * t2508;
-    let t2512 = acceleration_panda_joint3_x_2 * t2152;
-    let t2513 = acceleration_panda_joint3_y_2 * t2170;
-    let t2514 = t2513 + t2512;
-    let t2515 = t1079 * t2167;
-    let t2516 = t1091 * t2176;
-    let t2517 = t2516 + t2515;
-    let t2518 = t472 * t2156;
-    let t2519 = t2517 + t2518;
-    let t2520 = t2519 - t2514;
-    let t2521 = omega_panda_joint3_y * t2216;
-    let t2522 = omega_panda_joint3_x * t2226;
-    let t2523 = t2521 + t2522;
-    let t2524 = t2520 - t2523;
-    let t2525 = t2524 - t2511;
-    let t2526 = t641 * t2525;
-    let t2527 = t2510 + t2526;
-    let t2528 = t652 * t2525;
-    let t2529 = t647 * t2508;
-    let t2530 = acceleration_panda_joint3_x_2 * t1485;
-    let t2531 = acceleration_panda_joint3_y_2 * t2264;
-    let t2532 = t2531 - t2530;
-    let t2533 = t1079 * t2263;
-    let t2534 = t1091 * t2258;
-    let t2535 = t2534 - t2533;
-    let t2536 = t472 * t2254;
-    let t2537 = t2535 - t2536;
-    let t2538 = t2537 - t2532;
-    let t2539 = omega_panda_joint3_y * t2294;
-    let t2540 = omega_panda_joint3_x * t2299;
-    let t2541 = t2539 + t2540;
-    let t2542 = t2538 - t2541;
-    let t2543 = t2542 + t2529;
-    let t2544 = t2543 - t2528;
-    let t2545 = t719 * t2544;
-    let t2546 = t2527 - t2545;
-    let t2547 = t737 * t2544;
-    let t2548 = t730 * t2525;
-    let t2549 = t725 * t2508;
-    let t2550 = t1079 * t2326;
-    let t2551 = t1091 * t1565;
-    let t2552 = t2551 + t2550;
-    let t2553 = t472 * t1545;
-    let t2554 = t2552 + t2553;
-    let t2555 = t2439 - t2554;
-    let t2556 = omega_panda_joint3_y * t2344;
-    let t2557 = omega_panda_joint3_x * t2349;
-    let t2558 = t2556 + t2557;
-    let t2559 = t2555 - t2558;
-    let t2560 = t2559 + t2549;
-    let t2561 = t2560 + t2548;
-    let t2562 = t2561 + t2547;
-    let t2563 = t797 * t2562;
-    let t2564 = t2546 - t2563;
-    let t2565 = t824 * t2562;
-    let t2566 = t815 * t2544;
-    let t2567 = t808 * t2525;
-    let t2568 = t803 * t2508;
-    let t2569 = t2493 - t2568;
-    let t2570 = t2569 + t2567;
-    let t2571 = t2570 - t2566;
-    let t2572 = t2571 - t2565;
-    let t2573 = t877 * t2572;
-    let t2574 = t2564 + t2573;
-    let t2575 = cos_panda_joint3 * t2454;
-    let t2576 = sin_panda_joint3 * t2477;
-    let t2577 = t2576 + t2575;
-    let t2578 = t900 * t2508;
-    let t2579 = t2577 - t2578;
-    let t2580 = t908 * t2525;
-    let t2581 = t2579 + t2580;
-    let t2582 = t918 * t2544;
-    let t2583 = t2581 - t2582;
-    let t2584 = t930 * t2562;
-    let t2585 = t2583 - t2584;
-    let t2586 = t944 * t2572;
-    let t2587 = t2585 + t2586;
-    let t2588 = t990 * t2587;
-    let t2589 = t2574 - t2588;
-    let t2590 = inverse_d_panda_joint1 * t2589;
-    let t2591 = t1084 * t1512;
-    let t2592 = t1559 + t1488;
-    let t2593 = t1098 * t2592;
-    let t2594 = t2593 - t2591;
-    let t2595 = t404 * t1543;
-    let t2596 = t2594 - t2595;
-    let t2597 = acceleration_panda_joint4_y_2 * t1536;
-    let t2598 = t2597 - t2596;
-    let t2599 = t1723 - t1812;
-    let t2600 = omega_panda_joint4_x * t2599;
-    let t2601 = omega_panda_joint4_y * t1765;
-    let t2602 = t2600 + t2601;
-    let t2603 = t2598 - t2602;
-    let t2604 = moment_panda_joint4_x_2 + t2603;
-    let t2605 = sin_panda_joint4 * t2604;
-    let t2606 = t1098 * t1512;
-    let t2607 = t1559 + t1495;
-    let t2608 = t1084 * t2607;
-    let t2609 = t2608 - t2606;
-    let t2610 = t404 * t1538;
-    let t2611 = t2609 - t2610;
-    let t2612 = acceleration_panda_joint4_x_2 * t1536;
-    let t2613 = t2612 - t2611;
-    let t2614 = t1739 - t1812;
-    let t2615 = omega_panda_joint4_y * t2614;
-    let t2616 = omega_panda_joint4_x * t1786;
-    let t2617 = t2615 + t2616;
-    let t2618 = t2613 + t2617;
-    let t2619 = moment_panda_joint4_y_2 + t2618;
-    let t2620 = cos_panda_joint4 * t2619;
-    let t2621 = t2620 + t2605;
-    let t2622 = t1098 * t1518;
-    let t2623 = t1084 * t1520;
-    let t2624 = t2623 - t2622;
-    let t2625 = omega_panda_joint4_x * t1793;
-    let t2626 = omega_panda_joint4_y * t1796;
-    let t2627 = t2626 - t2625;
-    let t2628 = t2624 - t2627;
-    let t2629 = 3.83030303030303 * t2628;
-    let t2630 = t2621 - t2629;
-    let t2631 = cos_panda_joint3 * t2630;
-    let t2632 = t1084 * t1536;
-    let t2633 = t404 * t1518;
-    let t2634 = t2633 - t2632;
-    let t2635 = omega_panda_joint4_y * t1850;
-    let t2636 = t2634 + t2635;
-    let t2637 = force_panda_joint4_x_2 + t2636;
-    let t2638 = sin_panda_joint4 * t2637;
-    let t2639 = t1098 * t1536;
-    let t2640 = t404 * t1520;
-    let t2641 = t2639 - t2640;
-    let t2642 = omega_panda_joint4_x * t1850;
-    let t2643 = t2641 + t2642;
-    let t2644 = force_panda_joint4_y_2 + t2643;
-    let t2645 = cos_panda_joint4 * t2644;
-    let t2646 = t2645 + t2638;
-    let t2647 = 3.83030303030303 * t2646;
-    let t2648 = cos_panda_joint4 * t2637;
-    let t2649 = sin_panda_joint4 * t2644;
-    let t2650 = t2649 - t2648;
-    let t2651 = t1084 * t1538;
-    let t2652 = t404 * t2325;
-    let t2653 = t2652 - t2651;
-    let t2654 = t1098 * t1543;
-    let t2655 = t2653 - t2654;
-    let t2656 = acceleration_panda_joint4_y_2 * t1520;
-    let t2657 = acceleration_panda_joint4_x_2 * t1518;
-    let t2658 = t2657 + t2656;
-    let t2659 = t2658 + t2655;
-    let t2660 = omega_panda_joint4_y * t1834;
-    let t2661 = omega_panda_joint4_x * t1844;
-    let t2662 = t2660 - t2661;
-    let t2663 = t2659 + t2662;
-    let t2664 = t2663 + t2650;
-    let t2665 = t2664 - t2647;
-    let t2666 = sin_panda_joint3 * t2665;
-    let t2667 = t2631 + t2666;
-    let t2668 = sin_panda_joint2 * t2667;
-    let t2669 = cos_panda_joint4 * t2604;
-    let t2670 = sin_panda_joint4 * t2619;
-    let t2671 = t2670 - t2669;
-    let t2672 = t2628 + t2671;
-    let t2673 = cos_panda_joint2 * t2672;
-    let t2674 = t2668 - t2673;
-    let t2675 = acceleration_panda_joint4_x_2 * t2047;
-    let t2676 = acceleration_panda_joint4_y_2 * t2051;
-    let t2677 = t2676 + t2675;
-    let t2678 = t1098 * t2038;
-    let t2679 = t1084 * t2030;
-    let t2680 = t2679 + t2678;
-    let t2681 = t404 * t2048;
-    let t2682 = t2680 - t2681;
-    let t2683 = t2682 - t2677;
-    let t2684 = omega_panda_joint4_y * t2099;
-    let t2685 = omega_panda_joint4_x * t2109;
-    let t2686 = t2684 + t2685;
-    let t2687 = t2683 + t2686;
-    let t2688 = t571 * t2687;
-    let t2689 = t2674 - t2688;
-    let t2690 = t577 * t2687;
-    let t2691 = acceleration_panda_joint4_x_2 * t2161;
-    let t2692 = acceleration_panda_joint4_y_2 * t2164;
-    let t2693 = t2692 - t2691;
-    let t2694 = t1098 * t2153;
-    let t2695 = t1084 * t2150;
-    let t2696 = t2695 - t2694;
-    let t2697 = t404 * t2162;
-    let t2698 = t2696 - t2697;
-    let t2699 = t2698 + t2693;
-    let t2700 = omega_panda_joint4_y * t2206;
-    let t2701 = omega_panda_joint4_x * t2210;
-    let t2702 = t2700 + t2701;
-    let t2703 = t2699 + t2702;
-    let t2704 = t2703 - t2690;
-    let t2705 = t641 * t2704;
-    let t2706 = t2689 + t2705;
-    let t2707 = t652 * t2704;
-    let t2708 = t647 * t2687;
-    let t2709 = t1098 * t2251;
-    let t2710 = t1084 * t1509;
-    let t2711 = t2710 - t2709;
-    let t2712 = t404 * t1542;
-    let t2713 = t2711 + t2712;
-    let t2714 = t2597 + t2713;
-    let t2715 = omega_panda_joint4_x * t2286;
-    let t2716 = omega_panda_joint4_y * t2288;
-    let t2717 = t2716 + t2715;
-    let t2718 = t2714 + t2717;
-    let t2719 = t2718 + t2708;
-    let t2720 = t2719 - t2707;
-    let t2721 = t719 * t2720;
-    let t2722 = t2706 - t2721;
-    let t2723 = t737 * t2720;
-    let t2724 = t730 * t2704;
-    let t2725 = t725 * t2687;
-    let t2726 = t2663 + t2725;
-    let t2727 = t2726 + t2724;
-    let t2728 = t2727 + t2723;
-    let t2729 = t797 * t2728;
-    let t2730 = t2722 - t2729;
-    let t2731 = t803 * t2687;
-    let t2732 = t2672 - t2731;
-    let t2733 = t808 * t2704;
-    let t2734 = t2732 + t2733;
-    let t2735 = t815 * t2720;
-    let t2736 = t2734 - t2735;
-    let t2737 = t824 * t2728;
-    let t2738 = t2736 - t2737;
-    let t2739 = t877 * t2738;
-    let t2740 = t2730 + t2739;
-    let t2741 = sin_panda_joint3 * t2630;
-    let t2742 = cos_panda_joint3 * t2665;
-    let t2743 = t2741 - t2742;
-    let t2744 = t900 * t2687;
-    let t2745 = t2743 - t2744;
-    let t2746 = t908 * t2704;
-    let t2747 = t2745 + t2746;
-    let t2748 = t918 * t2720;
-    let t2749 = t2747 - t2748;
-    let t2750 = t930 * t2728;
-    let t2751 = t2749 - t2750;
-    let t2752 = t944 * t2738;
-    let t2753 = t2751 + t2752;
-    let t2754 = t990 * t2753;
-    let t2755 = t2740 - t2754;
-    let t2756 = inverse_d_panda_joint1 * t2755;
-    let t2757 = t1116 * t1470;
-    let t2758 = t1489 + t1460;
-    let t2759 = t1101 * t2758;
-    let t2760 = t2759 + t2757;
-    let t2761 = t174 * t1506;
-    let t2762 = t2760 - t2761;
-    let t2763 = acceleration_panda_joint5_y_2 * t1492;
-    let t2764 = t2763 - t2762;
-    let t2765 = t1631 - t1726;
-    let t2766 = omega_panda_joint5_x * t2765;
-    let t2767 = omega_panda_joint5_y * t1671;
-    let t2768 = t2766 - t2767;
-    let t2769 = t2764 - t2768;
-    let t2770 = moment_panda_joint5_x_2 + t2769;
-    let t2771 = t1101 * t1492;
-    let t2772 = t174 * t1483;
-    let t2773 = t2771 + t2772;
-    let t2774 = omega_panda_joint5_x * t1733;
-    let t2775 = t2773 - t2774;
-    let t2776 = force_panda_joint5_y_2 - t2775;
-    let t2777 = t2776 + t2770;
-    let t2778 = cos_panda_joint5 * t2777;
-    let t2779 = t1101 * t1470;
-    let t2780 = t1489 + t1461;
-    let t2781 = t1116 * t2780;
-    let t2782 = t2781 + t2779;
-    let t2783 = t174 * t1500;
-    let t2784 = t2782 - t2783;
-    let t2785 = acceleration_panda_joint5_x_2 * t1492;
-    let t2786 = t2785 - t2784;
-    let t2787 = t1643 - t1726;
-    let t2788 = omega_panda_joint5_y * t2787;
-    let t2789 = omega_panda_joint5_x * t1692;
-    let t2790 = t2788 + t2789;
-    let t2791 = t2786 + t2790;
-    let t2792 = moment_panda_joint5_y_2 + t2791;
-    let t2793 = t1116 * t1492;
-    let t2794 = t174 * t1480;
-    let t2795 = t2794 + t2793;
-    let t2796 = omega_panda_joint5_y * t1733;
-    let t2797 = t2795 + t2796;
-    let t2798 = force_panda_joint5_x_2 + t2797;
-    let t2799 = t2798 - t2792;
-    let t2800 = sin_panda_joint5 * t2799;
-    let t2801 = t2800 + t2778;
-    let t2802 = t1101 * t1480;
-    let t2803 = t1116 * t1483;
-    let t2804 = t2803 - t2802;
-    let t2805 = omega_panda_joint5_x * t1708;
-    let t2806 = omega_panda_joint5_y * t1716;
-    let t2807 = t2806 - t2805;
-    let t2808 = t2804 + t2807;
-    let t2809 = 0.21484375 * t2808;
-    let t2810 = t2809 + t2801;
-    let t2811 = t1163 * t2798;
-    let t2812 = t1149 * t2776;
-    let t2813 = t2812 + t2811;
-    let t2814 = sin_panda_joint4 * t2813;
-    let t2815 = cos_panda_joint4 * t2809;
-    let t2816 = t2814 + t2815;
-    let t2817 = t2810 - t2816;
-    let t2818 = cos_panda_joint4 * t2813;
-    let t2819 = sin_panda_joint4 * t2809;
-    let t2820 = t2818 - t2819;
-    let t2821 = 3.83030303030303 * t2820;
-    let t2822 = t2817 + t2821;
-    let t2823 = sin_panda_joint3 * t2822;
-    let t2824 = sin_panda_joint5 * t2777;
-    let t2825 = cos_panda_joint5 * t2799;
-    let t2826 = t2825 - t2824;
-    let t2827 = cos_panda_joint4 * t2826;
-    let t2828 = t1149 * t2798;
-    let t2829 = t1163 * t2776;
-    let t2830 = t2829 - t2828;
-    let t2831 = t1116 * t1500;
-    let t2832 = t174 * t2250;
-    let t2833 = t2832 - t2831;
-    let t2834 = t1101 * t1506;
-    let t2835 = t2833 - t2834;
-    let t2836 = acceleration_panda_joint5_y_2 * t1483;
-    let t2837 = acceleration_panda_joint5_x_2 * t1480;
-    let t2838 = t2837 + t2836;
-    let t2839 = t2838 - t2835;
-    let t2840 = omega_panda_joint5_y * t1747;
-    let t2841 = omega_panda_joint5_x * t1755;
-    let t2842 = t2840 + t2841;
-    let t2843 = t2839 + t2842;
-    let t2844 = t2843 + t2830;
-    let t2845 = sin_panda_joint4 * t2844;
-    let t2846 = t2827 + t2845;
-    let t2847 = 3.83030303030303 * t2830;
-    let t2848 = t2846 - t2847;
-    let t2849 = cos_panda_joint3 * t2848;
-    let t2850 = t2849 - t2823;
-    let t2851 = sin_panda_joint2 * t2850;
-    let t2852 = sin_panda_joint4 * t2826;
-    let t2853 = cos_panda_joint4 * t2844;
-    let t2854 = t2852 - t2853;
-    let t2855 = t2830 + t2854;
-    let t2856 = cos_panda_joint2 * t2855;
-    let t2857 = t2851 - t2856;
-    let t2858 = acceleration_panda_joint5_x_2 * t2024;
-    let t2859 = acceleration_panda_joint5_y_2 * t2027;
-    let t2860 = t2859 + t2858;
-    let t2861 = t1122 * t1101;
-    let t2862 = t1116 * t2023;
-    let t2863 = t2862 + t2861;
-    let t2864 = t174 * t2034;
-    let t2865 = t2863 + t2864;
-    let t2866 = t2865 + t2860;
-    let t2867 = omega_panda_joint5_y * t2088;
-    let t2868 = omega_panda_joint5_x * t1678;
-    let t2869 = t2867 - t2868;
-    let t2870 = t2866 + t2869;
-    let t2871 = t571 * t2870;
-    let t2872 = t2857 - t2871;
-    let t2873 = t577 * t2870;
-    let t2874 = t1101 * t2147;
-    let t2875 = t1116 * t1469;
-    let t2876 = t2875 - t2874;
-    let t2877 = t174 * t1505;
-    let t2878 = t2876 + t2877;
-    let t2879 = t2763 + t2878;
-    let t2880 = omega_panda_joint5_y * t1667;
-    let t2881 = omega_panda_joint5_x * t2198;
-    let t2882 = t2880 + t2881;
-    let t2883 = t2879 - t2882;
-    let t2884 = t2883 + t2873;
-    let t2885 = t641 * t2884;
-    let t2886 = t2872 - t2885;
-    let t2887 = t652 * t2884;
-    let t2888 = t647 * t2870;
-    let t2889 = t2843 + t2888;
-    let t2890 = t2889 + t2887;
-    let t2891 = t719 * t2890;
-    let t2892 = t2886 - t2891;
-    let t2893 = t725 * t2870;
-    let t2894 = t2810 - t2893;
-    let t2895 = t730 * t2884;
-    let t2896 = t2894 + t2895;
-    let t2897 = t737 * t2890;
-    let t2898 = t2896 - t2897;
-    let t2899 = t797 * t2898;
-    let t2900 = t2892 + t2899;
-    let t2901 = t803 * t2870;
-    let t2902 = t2855 - t2901;
-    let t2903 = t808 * t2884;
-    let t2904 = t2902 - t2903;
-    let t2905 = t815 * t2890;
-    let t2906 = t2904 - t2905;
-    let t2907 = t824 * t2898;
-    let t2908 = t2906 + t2907;
-    let t2909 = t877 * t2908;
-    let t2910 = t2900 + t2909;
-    let t2911 = cos_panda_joint3 * t2822;
-    let t2912 = sin_panda_joint3 * t2848;
-    let t2913 = t2912 + t2911;
-    let t2914 = t900 * t2870;
-    let t2915 = t2913 - t2914;
-    let t2916 = t908 * t2884;
-    let t2917 = t2915 - t2916;
-    let t2918 = t918 * t2890;
-    let t2919 = t2917 - t2918;
-    let t2920 = t930 * t2898;
-    let t2921 = t2919 + t2920;
-    let t2922 = t944 * t2908;
-    let t2923 = t2921 + t2922;
-    let t2924 = t990 * t2923;
-    let t2925 = t2910 - t2924;
-    let t2926 = inverse_d_panda_joint1 * t2925;
-    let t2927 = t1104 * t1453;
-    let t2928 = t1139 + t1458;
-    let t2929 = t1126 * t2928;
-    let t2930 = t2929 - t2927;
-    let t2931 = t210 * t1467;
-    let t2932 = t2930 + t2931;
-    let t2933 = t1188 * acceleration_panda_joint6_y_2;
-    let t2934 = t2933 + t2932;
-    let t2935 = t1617 - t1640;
-    let t2936 = omega_panda_joint6_x * t2935;
-    let t2937 = omega_panda_joint6_y * t1601;
-    let t2938 = t2936 - t2937;
-    let t2939 = t2934 - t2938;
-    let t2940 = moment_panda_joint6_x_2 + t2939;
-    let t2941 = sin_panda_joint6 * t2940;
-    let t2942 = t1126 * t1453;
-    let t2943 = t1111 - 0.03293675559757119;
-    let t2944 = t1104 * t2943;
-    let t2945 = t2944 + t2942;
-    let t2946 = t210 * t1465;
-    let t2947 = t2945 - t2946;
-    let t2948 = t1188 * acceleration_panda_joint6_x_2;
-    let t2949 = t2948 - t2947;
-    let t2950 = t1622 + t1640;
-    let t2951 = omega_panda_joint6_y * t2950;
-    let t2952 = omega_panda_joint6_x * t1606;
-    let t2953 = t2951 - t2952;
-    let t2954 = t2949 - t2953;
-    let t2955 = moment_panda_joint6_y_2 + t2954;
-    let t2956 = cos_panda_joint6 * t2955;
-    let t2957 = t2956 + t2941;
-    let t2958 = t1126 * t1476;
-    let t2959 = 0.015294814090072 * t1104;
-    let t2960 = t2959 - t2958;
-    let t2961 = omega_panda_joint6_x * t1704;
-    let t2962 = omega_panda_joint6_y * t1701;
-    let t2963 = t2962 - t2961;
-    let t2964 = t2960 - t2963;
-    let t2965 = 4.363636363636364 * t2964;
-    let t2966 = t2965 - t2957;
-    let t2967 = sin_panda_joint5 * t2966;
-    let t2968 = t1188 * t1104;
-    let t2969 = t210 * t1476;
-    let t2970 = t2969 + t2968;
-    let t2971 = omega_panda_joint6_y * t1713;
-    let t2972 = t2970 + t2971;
-    let t2973 = force_panda_joint6_x_2 + t2972;
-    let t2974 = t1178 * t2973;
-    let t2975 = t1188 * t1126;
-    let t2976 = t210 * 0.015294814090072;
-    let t2977 = t2975 + t2976;
-    let t2978 = omega_panda_joint6_x * t1713;
-    let t2979 = t2977 - t2978;
-    let t2980 = force_panda_joint6_y_2 - t2979;
-    let t2981 = t1184 * t2980;
-    let t2982 = t2981 + t2974;
-    let t2983 = t1104 * t1465;
-    let t2984 = t210 * t2147;
-    let t2985 = t2984 + t2983;
-    let t2986 = t1126 * t1467;
-    let t2987 = t2985 + t2986;
-    let t2988 = 0.015294814090072 * acceleration_panda_joint6_y_2;
-    let t2989 = acceleration_panda_joint6_x_2 * t1476;
-    let t2990 = t2989 + t2988;
-    let t2991 = t2990 + t2987;
-    let t2992 = omega_panda_joint6_y * t1659;
-    let t2993 = omega_panda_joint6_x * t1665;
-    let t2994 = t2992 - t2993;
-    let t2995 = t2991 + t2994;
-    let t2996 = t2995 + t2982;
-    let t2997 = cos_panda_joint5 * t2996;
-    let t2998 = t2967 - t2997;
-    let t2999 = t1184 * t2973;
-    let t3000 = t1178 * t2980;
-    let t3001 = t3000 - t2999;
-    let t3002 = 0.21484375 * t3001;
-    let t3003 = t3002 - t2998;
-    let t3004 = t1149 * t2982;
-    let t3005 = t1163 * t2965;
-    let t3006 = t3004 - t3005;
-    let t3007 = sin_panda_joint4 * t3006;
-    let t3008 = cos_panda_joint4 * t3002;
-    let t3009 = t3007 + t3008;
-    let t3010 = t3003 - t3009;
-    let t3011 = cos_panda_joint4 * t3006;
-    let t3012 = sin_panda_joint4 * t3002;
-    let t3013 = t3011 - t3012;
-    let t3014 = 3.83030303030303 * t3013;
-    let t3015 = t3010 + t3014;
-    let t3016 = sin_panda_joint3 * t3015;
-    let t3017 = cos_panda_joint5 * t2966;
-    let t3018 = sin_panda_joint5 * t2996;
-    let t3019 = t3017 + t3018;
-    let t3020 = cos_panda_joint4 * t3019;
-    let t3021 = cos_panda_joint6 * t2940;
-    let t3022 = sin_panda_joint6 * t2955;
-    let t3023 = t3022 - t3021;
-    let t3024 = t1163 * t2982;
-    let t3025 = t1149 * t2965;
-    let t3026 = t3024 + t3025;
-    let t3027 = t3023 - t3026;
-    let t3028 = sin_panda_joint4 * t3027;
-    let t3029 = t3020 + t3028;
-    let t3030 = 3.83030303030303 * t3026;
-    let t3031 = t3029 + t3030;
-    let t3032 = cos_panda_joint3 * t3031;
-    let t3033 = t3032 + t3016;
-    let t3034 = sin_panda_joint2 * t3033;
-    let t3035 = sin_panda_joint4 * t3019;
-    let t3036 = cos_panda_joint4 * t3027;
-    let t3037 = t3035 - t3036;
-    let t3038 = t3026 - t3037;
-    let t3039 = cos_panda_joint2 * t3038;
-    let t3040 = t3034 + t3039;
-    let t3041 = t1126 * t2020;
-    let t3042 = t1130 * t1104;
-    let t3043 = t3042 - t3041;
-    let t3044 = t210 * t1122;
-    let t3045 = t3043 - t3044;
-    let t3046 = t2933 - t3045;
-    let t3047 = omega_panda_joint6_x * t2084;
-    let t3048 = omega_panda_joint6_y * t2086;
-    let t3049 = t3048 + t3047;
-    let t3050 = t3046 + t3049;
-    let t3051 = t571 * t3050;
-    let t3052 = t3040 - t3051;
-    let t3053 = t577 * t3050;
-    let t3054 = t2995 - t3053;
-    let t3055 = t641 * t3054;
-    let t3056 = t3052 + t3055;
-    let t3057 = t647 * t3050;
-    let t3058 = t3023 + t3057;
-    let t3059 = t652 * t3054;
-    let t3060 = t3058 - t3059;
-    let t3061 = t719 * t3060;
-    let t3062 = t3056 - t3061;
-    let t3063 = t725 * t3050;
-    let t3064 = t3003 + t3063;
-    let t3065 = t730 * t3054;
-    let t3066 = t3064 + t3065;
-    [
-        t1112,
-        t1119,
-        t1122,
-        t1127,
-        t1130,
-        t1134,
-        t1139,
-        t1149,
-        t1163,
-        acceleration_panda_joint7_y_2,
-        t1169,
-        t1178,
-        t1184,
-        acceleration_panda_joint7_x_2,
-        t1188,
-        force_panda_joint7_y_2,
-        moment_panda_joint7_x_2,
-        moment_panda_joint7_y_2,
-        force_panda_joint7_x_2,
-        t1453,
-        t1465,
-        t1467,
-        t1469,
-        t1470,
-        t1476,
-        t1500,
-        t1506,
-        t1509,
-        t1512,
-        t1518,
-        t1520,
-        t1522,
-        t1524,
-        t1536,
-        t1538,
-        t1543,
-        t1545,
-        t1546,
-        t1551,
-        t1552,
-        t1565,
-        t1567,
-        t1575,
-        t1581,
-        t1589,
-        t1590,
-        t1592,
-        t1594,
-        t1596,
-        t1602,
-        t1611,
-        t1612,
-        t1619,
-        t1632,
-        t1635,
-        t1636,
-        t1637,
-        t1644,
-        t1649,
-        t1654,
-        t1661,
-        t1672,
-        t1675,
-        t1676,
-        t1677,
-        t1678,
-        t1680,
-        t1684,
-        t1686,
-        t1693,
-        t1701,
-        t1704,
-        t1708,
-        t1716,
-        t1768,
-        t1769,
-        t1775,
-        t1777,
-        t1778,
-        t1793,
-        t1796,
-        t1808,
-        t1809,
-        t1859,
-        t1862,
-        t1868,
-        t1870,
-        t1887,
-        t1891,
-        t1899,
-        t1906,
-        t1916,
-        t1918,
-        t1922,
-        t1959,
-        t1964,
-        t1970,
-        t1981,
-        t1986,
-        t1988,
-        t1998,
-        t2000,
-        t2002,
-        t2012,
-        t2019,
-        t2020,
-        t2023,
-        t2030,
-        t2038,
-        t2041,
-        t2055,
-        t2064,
-        t2068,
-        t2083,
-        t2103,
-        t2117,
-        t2123,
-        t2127,
-        t2129,
-        t2135,
-        t2139,
-        t2142,
-        t2147,
-        t2150,
-        t2153,
-        t2156,
-        t2167,
-        t2176,
-        t2180,
-        t2198,
-        t2218,
-        t2224,
-        t2228,
-        t2230,
-        t2236,
-        t2240,
-        t2244,
-        t2251,
-        t2254,
-        t2258,
-        t2263,
-        t2268,
-        t2283,
-        t2296,
-        t2301,
-        t2303,
-        t2309,
-        t2313,
-        t2318,
-        t2326,
-        t2331,
-        t2346,
-        t2348,
-        t2351,
-        t2353,
-        t2355,
-        t2361,
-        t2368,
-        t2375,
-        t2377,
-        t2385,
-        t2408,
-        t2413,
-        t2421,
-        t2429,
-        t2432,
-        t2434,
-        t2457,
-        t2508,
-        t2525,
-        t2544,
-        t2562,
-        t2572,
-        t2587,
-        t2590,
-        t2592,
-        t2607,
-        t2687,
-        t2704,
-        t2720,
-        t2728,
-        t2738,
-        t2753,
-        t2756,
-        t2758,
-        t2780,
-        t2870,
-        t2884,
-        t2890,
-        t2898,
-        t2908,
-        t2923,
-        t2926,
-        t2928,
-        t2943,
-        t3015,
-        t3031,
-        t3038,
-        t3050,
-        t3054,
-        t3060,
-        t3062,
-        t3066,
-    ]
-}
-
-/// Part 3 of `linearize`: values that later parts read.
-#[inline(never)]
-fn linearize_part_3(
-    v: &[f64; N],
-    [sin_panda_joint2,
-    cos_panda_joint2,
-    sin_panda_joint3,
-    cos_panda_joint3,
-    sin_panda_joint4,
-    cos_panda_joint4,
-    sin_panda_joint5,
-    cos_panda_joint5,
-    sin_panda_joint6,
-    cos_panda_joint6,
-    omega_panda_joint2_x,
-    omega_panda_joint2_y,
-    omega_panda_joint3_x,
-    omega_panda_joint4_x,
-    omega_panda_joint6_z,
-    t76,
-    omega_panda_joint6_y,
-    omega_panda_joint6_x,
-    t224,
-    t571,
-    t577,
-    inverse_d_panda_joint6,
-    t641,
-    t647,
-    t652,
-    inverse_d_panda_joint5,
-    t719,
-    t725,
-    t730,
-    t737,
-    inverse_d_panda_joint4,
-    t797,
-    t803,
-    t808,
-    t815,
-    t824,
-    inverse_d_panda_joint3,
-    t877,
-    t900,
-    t908,
-    t918,
-    t930,
-    t944,
-    inverse_d_panda_joint2,
-    t990,
-    inverse_d_panda_joint1,
-    t1112,
-    t1119,
-    t1122,
-    t1127,
-    t1130,
-    t1134,
-    t1139,
-    t1149,
-    t1163,
-    acceleration_panda_joint7_y_2,
-    t1169,
-    t1178,
-    t1184,
-    acceleration_panda_joint7_x_2,
-    t1188,
-    force_panda_joint7_y_2,
-    moment_panda_joint7_x_2,
-    moment_panda_joint7_y_2,
-    force_panda_joint7_x_2,
-    t1453,
-    t1465,
-    t1467,
-    t1469,
-    t1470,
-    t1476,
-    t1500,
-    t1506,
-    t1509,
-    t1512,
-    t1518,
-    t1520,
-    t1522,
-    t1524,
-    t1536,
-    t1538,
-    t1543,
-    t1545,
-    t1546,
-    t1551,
-    t1552,
-    t1565,
-    t1567,
-    t1575,
-    t1581,
-    t1589,
-    t1590,
-    t1592,
-    t1594,
-    t1596,
-    t1602,
-    t1611,
-    t1612,
-    t1619,
-    t1632,
-    t1635,
-    t1636,
-    t1637,
-    t1644,
-    t1649,
-    t1654,
-    t1661,
-    t1672,
-    t1675,
-    t1676,
-    t1677,
-    t1678,
-    t1680,
-    t1684,
-    t1686,
-    t1693,
-    t1701,
-    t1704,
-    t1708,
-    t1716,
-    t1768,
-    t1769,
-    t1775,
-    t1777,
-    t1778,
-    t1793,
-    t1796,
-    t1808,
-    t1809,
-    t1859,
-    t1862,
-    t1868,
-    t1870,
-    t1887,
-    t1891,
-    t1899,
-    t1906,
-    t1916,
-    t1918,
-    t1922,
-    t1959,
-    t1964,
-    t1970,
-    t1981,
-    t1986,
-    t1988,
-    t1998,
-    t2000,
-    t2002,
-    t2012,
-    t2019,
-    t2020,
-    t2023,
-    t2030,
-    t2038,
-    t2041,
-    t2055,
-    t2064,
-    t2068,
-    t2083,
-    t2103,
-    t2117,
-    t2123,
-    t2127,
-    t2129,
-    t2135,
-    t2139,
-    t2142,
-    t2147,
-    t2150,
-    t2153,
-    t2156,
-    t2167,
-    t2176,
-    t2180,
-    t2198,
-    t2218,
-    t2224,
-    t2228,
-    t2230,
-    t2236,
-    t2240,
-    t2244,
-    t2251,
-    t2254,
-    t2258,
-    t2263,
-    t2268,
-    t2283,
-    t2296,
-    t2301,
-    t2303,
-    t2309,
-    t2313,
-    t2318,
-    t2326,
-    t2331,
-    t2346,
-    t2348,
-    t2351,
-    t2353,
-    t2355,
-    t2361,
-    t2368,
-    t2375,
-    t2377,
-    t2385,
-    t2408,
-    t2413,
-    t2421,
-    t2429,
-    t2432,
-    t2434,
-    t2457,
-    t2508,
-    t2525,
-    t2544,
-    t2562,
-    t2572,
-    t2587,
-    t2590,
-    t2592,
-    t2607,
-    t2687,
-    t2704,
-    t2720,
-    t2728,
-    t2738,
-    t2753,
-    t2756,
-    t2758,
-    t2780,
-    t2870,
-    t2884,
-    t2890,
-    t2898,
-    t2908,
-    t2923,
-    t2926,
-    t2928,
-    t2943,
-    t3015,
-    t3031,
-    t3038,
-    t3050,
-    t3054,
-    t3060,
-    t3062,
-    t3066,
-    ]: [f64; 249],
-) -> [f64; 87] {
-    let t3067 = t737 * t3060;
-    let t3068 = t3066 + t3067;
-    let t3069 = t797 * t3068;
-    let t3070 = t3062 - t3069;
-    let t3071 = t803 * t3050;
-    let t3072 = t3038 + t3071;
-    let t3073 = t808 * t3054;
-    let t3074 = t3072 - t3073;
-    let t3075 = t815 * t3060;
-    let t3076 = t3074 + t3075;
-    let t3077 = t824 * t3068;
-    let t3078 = t3076 + t3077;
-    let t3079 = t877 * t3078;
-    let t3080 = t3070 - t3079;
-    let t3081 = cos_panda_joint3 * t3015;
-    let t3082 = sin_panda_joint3 * t3031;
-    let t3083 = t3082 - t3081;
-    let t3084 = t900 * t3050;
-    let t3085 = t3083 - t3084;
-    let t3086 = t908 * t3054;
-    let t3087 = t3085 + t3086;
-    let t3088 = t918 * t3060;
-    let t3089 = t3087 - t3088;
-    let t3090 = t930 * t3068;
-    let t3091 = t3089 - t3090;
-    let t3092 = t944 * t3078;
-    let t3093 = t3091 - t3092;
-    let t3094 = t990 * t3093;
-    let t3095 = t3080 - t3094;
-    let t3096 = inverse_d_panda_joint1 * t3095;
-    let t3097 = t1139 * t1119;
-    let t3098 = t1134 * t1127;
-    let t3099 = t3097 - t3098;
-    let t3100 = t224 * t1130;
-    let t3101 = t3099 + t3100;
-    let t3102 = t1635 + t1619;
-    let t3103 = omega_panda_joint6_z * t3102;
-    let t3104 = omega_panda_joint6_x * t1684;
-    let t3105 = t3103 + t3104;
-    let t3106 = t3101 - t3105;
-    let t3107 = moment_panda_joint7_y_2 + t3106;
-    let t3108 = cos_panda_joint6 * t3107;
-    let t3109 = omega_panda_joint6_z * t1592;
-    let t3110 = t224 * t1169;
-    let t3111 = t3110 - t3109;
-    let t3112 = force_panda_joint7_x_2 + t3111;
-    let t3113 = t1130 * t1119;
-    let t3114 = t224 * t2019;
-    let t3115 = t3114 + t3113;
-    let t3116 = t1122 * t1127;
-    let t3117 = t3115 - t3116;
-    let t3118 = t1188 * acceleration_panda_joint7_y_2;
-    let t3119 = t1169 * acceleration_panda_joint7_x_2;
-    let t3120 = t3119 - t3118;
-    let t3121 = t3120 - t3117;
-    let t3122 = omega_panda_joint6_x * t1676;
-    let t3123 = omega_panda_joint6_z * t1596;
-    let t3124 = t3123 - t3122;
-    let t3125 = t3121 - t3124;
-    let t3126 = t3125 - t3112;
-    let t3127 = sin_panda_joint6 * t3126;
-    let t3128 = t3108 + t3127;
-    let t3129 = 4.363636363636364 * t3112;
-    let t3130 = t3129 - t3128;
-    let t3131 = sin_panda_joint5 * t3130;
-    let t3132 = t1134 * t1119;
-    let t3133 = t1112 * t1127;
-    let t3134 = t3133 - t3132;
-    let t3135 = t224 * t1122;
-    let t3136 = t3134 - t3135;
-    let t3137 = t1611 - t1619;
-    let t3138 = omega_panda_joint6_x * t3137;
-    let t3139 = omega_panda_joint6_z * t1654;
-    let t3140 = t3138 - t3139;
-    let t3141 = t3136 - t3140;
-    let t3142 = moment_panda_joint7_x_2 - t3141;
-    let t3143 = t1188 * t1119;
-    let t3144 = t1169 * t1127;
-    let t3145 = t3143 + t3144;
-    let t3146 = omega_panda_joint6_x * t1612;
-    let t3147 = omega_panda_joint6_z * t1649;
-    let t3148 = t3147 + t3146;
-    let t3149 = t3145 + t3148;
-    let t3150 = t3149 - t3142;
-    let t3151 = omega_panda_joint6_x * t1592;
-    let t3152 = t224 * t1188;
-    let t3153 = t3152 - t3151;
-    let t3154 = force_panda_joint7_y_2 + t3153;
-    let t3155 = t1184 * t3154;
-    let t3156 = t1178 * t3149;
-    let t3157 = t3155 + t3156;
-    let t3158 = t3150 + t3157;
-    let t3159 = cos_panda_joint5 * t3158;
-    let t3160 = t3131 - t3159;
-    let t3161 = t1178 * t3154;
-    let t3162 = t1184 * t3149;
-    let t3163 = t3161 - t3162;
-    let t3164 = 0.21484375 * t3163;
-    let t3165 = t3164 - t3160;
-    let t3166 = t1149 * t3157;
-    let t3167 = t1163 * t3129;
-    let t3168 = t3166 - t3167;
-    let t3169 = sin_panda_joint4 * t3168;
-    let t3170 = cos_panda_joint4 * t3164;
-    let t3171 = t3169 + t3170;
-    let t3172 = t3165 - t3171;
-    let t3173 = cos_panda_joint4 * t3168;
-    let t3174 = sin_panda_joint4 * t3164;
-    let t3175 = t3173 - t3174;
-    let t3176 = 3.83030303030303 * t3175;
-    let t3177 = t3172 + t3176;
-    let t3178 = sin_panda_joint3 * t3177;
-    let t3179 = cos_panda_joint5 * t3130;
-    let t3180 = sin_panda_joint5 * t3158;
-    let t3181 = t3179 + t3180;
-    let t3182 = cos_panda_joint4 * t3181;
-    let t3183 = sin_panda_joint6 * t3107;
-    let t3184 = cos_panda_joint6 * t3126;
-    let t3185 = t3183 - t3184;
-    let t3186 = t1163 * t3157;
-    let t3187 = t1149 * t3129;
-    let t3188 = t3186 + t3187;
-    let t3189 = t3185 - t3188;
-    let t3190 = sin_panda_joint4 * t3189;
-    let t3191 = t3182 + t3190;
-    let t3192 = 3.83030303030303 * t3188;
-    let t3193 = t3191 + t3192;
-    let t3194 = cos_panda_joint3 * t3193;
-    let t3195 = t3194 + t3178;
-    let t3196 = sin_panda_joint2 * t3195;
-    let t3197 = sin_panda_joint4 * t3181;
-    let t3198 = cos_panda_joint4 * t3189;
-    let t3199 = t3197 - t3198;
-    let t3200 = t3188 - t3199;
-    let t3201 = cos_panda_joint2 * t3200;
-    let t3202 = t3196 + t3201;
-    let t3203 = t571 * t3125;
-    let t3204 = t3202 - t3203;
-    let t3205 = t577 * t3125;
-    let t3206 = t3150 - t3205;
-    let t3207 = t641 * t3206;
-    let t3208 = t3204 + t3207;
-    let t3209 = t652 * t3206;
-    let t3210 = t647 * t3125;
-    let t3211 = t3185 + t3210;
-    let t3212 = t3211 - t3209;
-    let t3213 = t719 * t3212;
-    let t3214 = t3208 - t3213;
-    let t3215 = t725 * t3125;
-    let t3216 = t3165 + t3215;
-    let t3217 = t730 * t3206;
-    let t3218 = t3216 + t3217;
-    let t3219 = t737 * t3212;
-    let t3220 = t3218 + t3219;
-    let t3221 = t797 * t3220;
-    let t3222 = t3214 - t3221;
-    let t3223 = t803 * t3125;
-    let t3224 = t3200 + t3223;
-    let t3225 = t808 * t3206;
-    let t3226 = t3224 - t3225;
-    let t3227 = t815 * t3212;
-    let t3228 = t3226 + t3227;
-    let t3229 = t824 * t3220;
-    let t3230 = t3228 + t3229;
-    let t3231 = t877 * t3230;
-    let t3232 = t3222 - t3231;
-    let t3233 = cos_panda_joint3 * t3177;
-    let t3234 = sin_panda_joint3 * t3193;
-    let t3235 = t3234 - t3233;
-    let t3236 = t900 * t3125;
-    let t3237 = t3235 - t3236;
-    let t3238 = t908 * t3206;
-    let t3239 = t3237 + t3238;
-    let t3240 = t918 * t3212;
-    let t3241 = t3239 - t3240;
-    let t3242 = t930 * t3220;
-    let t3243 = t3241 - t3242;
-    let t3244 = t944 * t3230;
-    let t3245 = t3243 - t3244;
-    let t3246 = t990 * t3245;
-    let t3247 = t3232 - t3246;
-    let t3248 = inverse_d_panda_joint1 * t3247;
-    let t3249 = t990 * t2432;
-    let t3250 = inverse_d_panda_joint2 * t2429;
-    let t3251 = t3250 + t3249;
-    let t3252 = t990 * t2590;
-    let t3253 = inverse_d_panda_joint2 * t2587;
-    let t3254 = t3253 - t3252;
-    let t3255 = t990 * t2756;
-    let t3256 = inverse_d_panda_joint2 * t2753;
-    let t3257 = t3256 - t3255;
-    let t3258 = t990 * t2926;
-    let t3259 = inverse_d_panda_joint2 * t2923;
-    let t3260 = t3259 - t3258;
-    let t3261 = t990 * t3096;
-    let t3262 = inverse_d_panda_joint2 * t3093;
-    let t3263 = t3262 - t3261;
-    let t3264 = t990 * t3248;
-    let t3265 = inverse_d_panda_joint2 * t3245;
-    let t3266 = t3265 - t3264;
-    let t3267 = t944 * t3251;
-    let t3268 = inverse_d_panda_joint3 * t2385;
-    let t3269 = t3268 - t3267;
-    let t3270 = t877 * t2432;
-    let t3271 = t3269 + t3270;
-    let t3272 = t944 * t3254;
-    let t3273 = inverse_d_panda_joint3 * t2572;
-    let t3274 = t3273 + t3272;
-    let t3275 = t877 * t2590;
-    let t3276 = t3274 + t3275;
-    let t3277 = t944 * t3257;
-    let t3278 = inverse_d_panda_joint3 * t2738;
-    let t3279 = t3278 + t3277;
-    let t3280 = t877 * t2756;
-    let t3281 = t3279 + t3280;
-    let t3282 = t944 * t3260;
-    let t3283 = inverse_d_panda_joint3 * t2908;
-    let t3284 = t3283 + t3282;
-    let t3285 = t877 * t2926;
-    let t3286 = t3284 + t3285;
-    let t3287 = t944 * t3263;
-    let t3288 = inverse_d_panda_joint3 * t3078;
-    let t3289 = t3288 - t3287;
-    let t3290 = t877 * t3096;
-    let t3291 = t3289 - t3290;
-    let t3292 = t944 * t3266;
-    let t3293 = inverse_d_panda_joint3 * t3230;
-    let t3294 = t3293 - t3292;
-    let t3295 = t877 * t3248;
-    let t3296 = t3294 - t3295;
-    let t3297 = t824 * t3271;
-    let t3298 = inverse_d_panda_joint4 * t2361;
-    let t3299 = t3298 + t3297;
-    let t3300 = t930 * t3251;
-    let t3301 = t3299 - t3300;
-    let t3302 = t797 * t2432;
-    let t3303 = t3301 + t3302;
-    let t3304 = t824 * t3276;
-    let t3305 = inverse_d_panda_joint4 * t2562;
-    let t3306 = t3305 - t3304;
-    let t3307 = t930 * t3254;
-    let t3308 = t3306 - t3307;
-    let t3309 = t797 * t2590;
-    let t3310 = t3308 - t3309;
-    let t3311 = t824 * t3281;
-    let t3312 = inverse_d_panda_joint4 * t2728;
-    let t3313 = t3312 - t3311;
-    let t3314 = t930 * t3257;
-    let t3315 = t3313 - t3314;
-    let t3316 = t797 * t2756;
-    let t3317 = t3315 - t3316;
-    let t3318 = t824 * t3286;
-    let t3319 = inverse_d_panda_joint4 * t2898;
-    let t3320 = t3319 + t3318;
-    let t3321 = t930 * t3260;
-    let t3322 = t3320 + t3321;
-    let t3323 = t797 * t2926;
-    let t3324 = t3322 + t3323;
-    let t3325 = t824 * t3291;
-    let t3326 = inverse_d_panda_joint4 * t3068;
-    let t3327 = t3326 + t3325;
-    let t3328 = t930 * t3263;
-    let t3329 = t3327 - t3328;
-    let t3330 = t797 * t3096;
-    let t3331 = t3329 - t3330;
-    let t3332 = t824 * t3296;
-    let t3333 = inverse_d_panda_joint4 * t3220;
-    let t3334 = t3333 + t3332;
-    let t3335 = t930 * t3266;
-    let t3336 = t3334 - t3335;
-    let t3337 = t797 * t3248;
-    let t3338 = t3336 - t3337;
-    let t3339 = t737 * t3303;
-    let t3340 = inverse_d_panda_joint5 * t2318;
-    let t3341 = t3340 - t3339;
-    let t3342 = t815 * t3271;
-    let t3343 = t3341 - t3342;
-    let t3344 = t918 * t3251;
-    let t3345 = t3343 + t3344;
-    let t3346 = t719 * t2432;
-    let t3347 = t3345 - t3346;
-    let t3348 = t737 * t3310;
-    let t3349 = inverse_d_panda_joint5 * t2544;
-    let t3350 = t3349 + t3348;
-    let t3351 = t815 * t3276;
-    let t3352 = t3350 - t3351;
-    let t3353 = t918 * t3254;
-    let t3354 = t3352 - t3353;
-    let t3355 = t719 * t2590;
-    let t3356 = t3354 - t3355;
-    let t3357 = t737 * t3317;
-    let t3358 = inverse_d_panda_joint5 * t2720;
-    let t3359 = t3358 + t3357;
-    let t3360 = t815 * t3281;
-    let t3361 = t3359 - t3360;
-    let t3362 = t918 * t3257;
-    let t3363 = t3361 - t3362;
-    let t3364 = t719 * t2756;
-    let t3365 = t3363 - t3364;
-    let t3366 = t737 * t3324;
-    let t3367 = inverse_d_panda_joint5 * t2890;
-    let t3368 = t3367 - t3366;
-    let t3369 = t815 * t3286;
-    let t3370 = t3368 - t3369;
-    let t3371 = t918 * t3260;
-    let t3372 = t3370 - t3371;
-    let t3373 = t719 * t2926;
-    let t3374 = t3372 - t3373;
-    let t3375 = t737 * t3331;
-    let t3376 = inverse_d_panda_joint5 * t3060;
-    let t3377 = t3376 + t3375;
-    let t3378 = t815 * t3291;
-    let t3379 = t3377 + t3378;
-    let t3380 = t918 * t3263;
-    let t3381 = t3379 - t3380;
-    let t3382 = t719 * t3096;
-    let t3383 = t3381 - t3382;
-    let t3384 = t737 * t3338;
-    let t3385 = inverse_d_panda_joint5 * t3212;
-    let t3386 = t3385 + t3384;
-    let t3387 = t815 * t3296;
-    let t3388 = t3386 + t3387;
-    let t3389 = t918 * t3266;
-    let t3390 = t3388 - t3389;
-    let t3391 = t719 * t3248;
-    let t3392 = t3390 - t3391;
-    let t3393 = t652 * t3347;
-    let t3394 = inverse_d_panda_joint6 * t2244;
-    let t3395 = t3394 - t3393;
-    let t3396 = t730 * t3303;
-    let t3397 = t3395 - t3396;
-    let t3398 = t808 * t3271;
-    let t3399 = t3397 + t3398;
-    let t3400 = t908 * t3251;
-    let t3401 = t3399 - t3400;
-    let t3402 = t641 * t2432;
-    let t3403 = t3401 + t3402;
-    let t3404 = t652 * t3356;
-    let t3405 = inverse_d_panda_joint6 * t2525;
-    let t3406 = t3405 - t3404;
-    let t3407 = t730 * t3310;
-    let t3408 = t3406 + t3407;
-    let t3409 = t808 * t3276;
-    let t3410 = t3408 + t3409;
-    let t3411 = t908 * t3254;
-    let t3412 = t3410 + t3411;
-    let t3413 = t641 * t2590;
-    let t3414 = t3412 + t3413;
-    let t3415 = t652 * t3365;
-    let t3416 = inverse_d_panda_joint6 * t2704;
-    let t3417 = t3416 - t3415;
-    let t3418 = t730 * t3317;
-    let t3419 = t3417 + t3418;
-    let t3420 = t808 * t3281;
-    let t3421 = t3419 + t3420;
-    let t3422 = t908 * t3257;
-    let t3423 = t3421 + t3422;
-    let t3424 = t641 * t2756;
-    let t3425 = t3423 + t3424;
-    let t3426 = t652 * t3374;
-    let t3427 = inverse_d_panda_joint6 * t2884;
-    let t3428 = t3427 + t3426;
-    let t3429 = t730 * t3324;
-    let t3430 = t3428 + t3429;
-    let t3431 = t808 * t3286;
-    let t3432 = t3430 - t3431;
-    let t3433 = t908 * t3260;
-    let t3434 = t3432 - t3433;
-    let t3435 = t641 * t2926;
-    let t3436 = t3434 - t3435;
-    let t3437 = t652 * t3383;
-    let t3438 = inverse_d_panda_joint6 * t3054;
-    let t3439 = t3438 - t3437;
-    let t3440 = t730 * t3331;
-    let t3441 = t3439 + t3440;
-    let t3442 = t808 * t3291;
-    let t3443 = t3441 - t3442;
-    let t3444 = t908 * t3263;
-    let t3445 = t3443 + t3444;
-    let t3446 = t641 * t3096;
-    let t3447 = t3445 + t3446;
-    let t3448 = t652 * t3392;
-    let t3449 = inverse_d_panda_joint6 * t3206;
-    let t3450 = t3449 - t3448;
-    let t3451 = t730 * t3338;
-    let t3452 = t3450 + t3451;
-    let t3453 = t808 * t3296;
-    let t3454 = t3452 - t3453;
-    let t3455 = t908 * t3266;
-    let t3456 = t3454 + t3455;
-    let t3457 = t641 * t3248;
-    let t3458 = t3456 + t3457;
-    let t3459 = t577 * t3403;
-    let t3460 = 149.60760989322964 * t2142;
-    let t3461 = t3460 - t3459;
-    let t3462 = t647 * t3347;
-    let t3463 = t3461 + t3462;
-    let t3464 = t725 * t3303;
-    let t3465 = t3463 - t3464;
-    let t3466 = t803 * t3271;
-    let t3467 = t3465 - t3466;
-    let t3468 = t900 * t3251;
-    let t3469 = t3467 + t3468;
-    let t3470 = t571 * t2432;
-    let t3471 = t3469 - t3470;
-    let t3472 = t577 * t3414;
-    let t3473 = 149.60760989322964 * t2508;
-    let t3474 = t3473 - t3472;
-    let t3475 = t647 * t3356;
-    let t3476 = t3474 + t3475;
-    let t3477 = t725 * t3310;
-    let t3478 = t3476 + t3477;
-    let t3479 = t803 * t3276;
-    let t3480 = t3478 - t3479;
-    let t3481 = t900 * t3254;
-    let t3482 = t3480 - t3481;
-    let t3483 = t571 * t2590;
-    let t3484 = t3482 - t3483;
-    let t3485 = t577 * t3425;
-    let t3486 = 149.60760989322964 * t2687;
-    let t3487 = t3486 - t3485;
-    let t3488 = t647 * t3365;
-    let t3489 = t3487 + t3488;
-    let t3490 = t725 * t3317;
-    let t3491 = t3489 + t3490;
-    let t3492 = t803 * t3281;
-    let t3493 = t3491 - t3492;
-    let t3494 = t900 * t3257;
-    let t3495 = t3493 - t3494;
-    let t3496 = t571 * t2756;
-    let t3497 = t3495 - t3496;
-    let t3498 = t577 * t3436;
-    let t3499 = 149.60760989322964 * t2870;
-    let t3500 = t3499 + t3498;
-    let t3501 = t647 * t3374;
-    let t3502 = t3500 + t3501;
-    let t3503 = t725 * t3324;
-    let t3504 = t3502 - t3503;
-    let t3505 = t803 * t3286;
-    let t3506 = t3504 - t3505;
-    let t3507 = t900 * t3260;
-    let t3508 = t3506 - t3507;
-    let t3509 = t571 * t2926;
-    let t3510 = t3508 - t3509;
-    let t3511 = t577 * t3447;
-    let t3512 = 149.60760989322964 * t3050;
-    let t3513 = t3512 - t3511;
-    let t3514 = t647 * t3383;
-    let t3515 = t3513 + t3514;
-    let t3516 = t725 * t3331;
-    let t3517 = t3515 + t3516;
-    let t3518 = t803 * t3291;
-    let t3519 = t3517 + t3518;
-    let t3520 = t900 * t3263;
-    let t3521 = t3519 - t3520;
-    let t3522 = t571 * t3096;
-    let t3523 = t3521 - t3522;
-    let t3524 = t577 * t3458;
-    let t3525 = 149.60760989322964 * t3125;
-    let t3526 = t3525 - t3524;
-    let t3527 = t647 * t3392;
-    let t3528 = t3526 + t3527;
-    let t3529 = t725 * t3338;
-    let t3530 = t3528 + t3529;
-    let t3531 = t803 * t3296;
-    let t3532 = t3530 + t3531;
-    let t3533 = t900 * t3266;
-    let t3534 = t3532 - t3533;
-    let t3535 = t571 * t3248;
-    let t3536 = t3534 - t3535;
-    let t3537 = t1891 - t1981;
-    let t3538 = sin_panda_joint2 * t3537;
-    let t3539 = t2012 + t1922;
-    let t3540 = cos_panda_joint2 * t3539;
-    let t3541 = t3538 + t3540;
-    let t3542 = sin_panda_joint2 * t3541;
-    let t3543 = t1891 - t3542;
-    let t3544 = v[0] * 0.00035816594888099995;
-    let t3545 = t3544 - t3543;
-    let t3546 = t3544 - t1887;
-    let t3547 = t3545 - t3546;
-    let t3548 = 0.003 - t3547;
-    let t3549 = sin_panda_joint2 * t2129;
-    let t3550 = cos_panda_joint2 * t2139;
-    let t3551 = t3549 - t3550;
-    let t3552 = t571 * t3551;
-    let t3553 = t3548 + t3552;
-    let t3554 = t577 * t3551;
-    let t3555 = sin_panda_joint2 * t2230;
-    let t3556 = cos_panda_joint2 * t2240;
-    let t3557 = t3555 - t3556;
-    let t3558 = t3557 - t3554;
-    let t3559 = t641 * t3558;
-    let t3560 = t3553 - t3559;
-    let t3561 = sin_panda_joint2 * t2303;
-    let t3562 = cos_panda_joint2 * t2313;
-    let t3563 = t3561 - t3562;
-    let t3564 = t647 * t3551;
-    let t3565 = t3563 + t3564;
-    let t3566 = t652 * t3558;
-    let t3567 = t3565 - t3566;
-    let t3568 = t719 * t3567;
-    let t3569 = t3560 + t3568;
-    let t3570 = sin_panda_joint2 * t2353;
-    let t3571 = cos_panda_joint2 * t2355;
-    let t3572 = t3570 - t3571;
-    let t3573 = t725 * t3551;
-    let t3574 = t3572 + t3573;
-    let t3575 = t730 * t3558;
-    let t3576 = t3574 + t3575;
-    let t3577 = t737 * t3567;
-    let t3578 = t3576 + t3577;
-    let t3579 = t797 * t3578;
-    let t3580 = t3569 + t3579;
-    let t3581 = cos_panda_joint2 * t2377;
-    let t3582 = sin_panda_joint2 * t1918;
-    let t3583 = t3582 - t3581;
-    let t3584 = t803 * t3551;
-    let t3585 = t3583 + t3584;
-    let t3586 = t808 * t3558;
-    let t3587 = t3585 - t3586;
-    let t3588 = t815 * t3567;
-    let t3589 = t3587 + t3588;
-    let t3590 = t824 * t3578;
-    let t3591 = t3589 + t3590;
-    let t3592 = t877 * t3591;
-    let t3593 = t3580 + t3592;
-    let t3594 = sin_panda_joint2 * t2413;
-    let t3595 = cos_panda_joint2 * t2421;
-    let t3596 = t3594 + t3595;
-    let t3597 = t900 * t3551;
-    let t3598 = t3596 + t3597;
-    let t3599 = t908 * t3558;
-    let t3600 = t3598 - t3599;
-    let t3601 = t918 * t3567;
-    let t3602 = t3600 + t3601;
-    let t3603 = t930 * t3578;
-    let t3604 = t3602 + t3603;
-    let t3605 = t944 * t3591;
-    let t3606 = t3604 + t3605;
-    let t3607 = t990 * t3606;
-    let t3608 = t3593 - t3607;
-    let t3609 = inverse_d_panda_joint1 * t3608;
-    let t3610 = t1891 + t1981;
-    let t3611 = 2.0 * omega_panda_joint2_y;
-    let t3612 = t3611 * t1964;
-    let t3613 = 2.0 * omega_panda_joint2_x;
-    let t3614 = t3613 * t1581;
-    let t3615 = t3612 - t3614;
-    let t3616 = t3610 - t3615;
-    let t3617 = 0.003 + t3616;
-    let t3618 = sin_panda_joint3 * t2117;
-    let t3619 = cos_panda_joint3 * t2127;
-    let t3620 = t3618 + t3619;
-    let t3621 = t3611 * t2068;
-    let t3622 = t3613 * t2041;
-    let t3623 = t3621 - t3622;
-    let t3624 = t3620 - t3623;
-    let t3625 = t900 * t3624;
-    let t3626 = t3617 + t3625;
-    let t3627 = t577 * t3624;
-    let t3628 = sin_panda_joint3 * t2218;
-    let t3629 = cos_panda_joint3 * t2228;
-    let t3630 = t3628 + t3629;
-    let t3631 = t3611 * t2180;
-    let t3632 = t3613 * t2156;
-    let t3633 = t3631 + t3632;
-    let t3634 = t3630 - t3633;
-    let t3635 = t3634 - t3627;
-    let t3636 = t908 * t3635;
-    let t3637 = t3626 - t3636;
-    let t3638 = sin_panda_joint3 * t2296;
-    let t3639 = cos_panda_joint3 * t2301;
-    let t3640 = t3638 + t3639;
-    let t3641 = t3611 * t2268;
-    let t3642 = t3613 * t2254;
-    let t3643 = t3641 - t3642;
-    let t3644 = t3640 - t3643;
-    let t3645 = t647 * t3624;
-    let t3646 = t3644 + t3645;
-    let t3647 = t652 * t3635;
-    let t3648 = t3646 - t3647;
-    let t3649 = t918 * t3648;
-    let t3650 = t3637 + t3649;
-    let t3651 = sin_panda_joint3 * t2346;
-    let t3652 = cos_panda_joint3 * t2351;
-    let t3653 = t3651 + t3652;
-    let t3654 = t3611 * t2331;
-    let t3655 = t3613 * t1545;
-    let t3656 = t3654 + t3655;
-    let t3657 = t3653 + t3656;
-    let t3658 = t725 * t3624;
-    let t3659 = t3657 + t3658;
-    let t3660 = t730 * t3635;
-    let t3661 = t3659 + t3660;
-    let t3662 = t737 * t3648;
-    let t3663 = t3661 + t3662;
-    let t3664 = t930 * t3663;
-    let t3665 = t3650 + t3664;
-    let t3666 = sin_panda_joint3 * t1906;
-    let t3667 = cos_panda_joint3 * t1916;
-    let t3668 = t3666 + t3667;
-    let t3669 = t3611 * t1551;
-    let t3670 = t3613 * t2368;
-    let t3671 = t3669 - t3670;
-    let t3672 = t3668 + t3671;
-    let t3673 = t803 * t3624;
-    let t3674 = t3672 + t3673;
-    let t3675 = t808 * t3635;
-    let t3676 = t3674 - t3675;
-    let t3677 = t815 * t3648;
-    let t3678 = t3676 + t3677;
-    let t3679 = t824 * t3663;
-    let t3680 = t3678 + t3679;
-    let t3681 = t944 * t3680;
-    let t3682 = t3665 + t3681;
-    let t3683 = t990 * t3682;
-    let t3684 = t1859 - t2408;
-    let t3685 = v[1] * 0.0015378722058928;
-    let t3686 = t3685 - t3684;
-    let t3687 = t3611 * t1959;
-    let t3688 = t3613 * t1552;
-    let t3689 = t3687 + t3688;
-    let t3690 = t3686 + t3689;
-    let t3691 = sin_panda_joint2 * t3690;
-    let t3692 = v[1] * 0.02052220364201634;
-    let t3693 = t3692 - t3668;
-    let t3694 = t3613 * t1575;
-    let t3695 = t3611 * t1552;
-    let t3696 = t3694 + t3695;
-    let t3697 = t3693 + t3696;
-    let t3698 = cos_panda_joint2 * t3697;
-    let t3699 = t3691 - t3698;
-    let t3700 = t571 * t3624;
-    let t3701 = t3699 - t3700;
-    let t3702 = t641 * t3635;
-    let t3703 = t3701 + t3702;
-    let t3704 = t719 * t3648;
-    let t3705 = t3703 - t3704;
-    let t3706 = t797 * t3663;
-    let t3707 = t3705 - t3706;
-    let t3708 = t877 * t3680;
-    let t3709 = t3707 - t3708;
-    let t3710 = t3709 + t3683;
-    let t3711 = inverse_d_panda_joint1 * t3710;
-    let t3712 = t1899 * t1524;
-    let t3713 = 2.0 * omega_panda_joint3_x;
-    let t3714 = t3713 * t1546;
-    let t3715 = t3712 + t3714;
-    let t3716 = t2375 - t3715;
-    let t3717 = 0.003 + t3716;
-    let t3718 = t3713 * t2055;
-    let t3719 = t1899 * t2064;
-    let t3720 = t3719 - t3718;
-    let t3721 = t2135 + t3720;
-    let t3722 = t803 * t3721;
-    let t3723 = t3717 + t3722;
-    let t3724 = t577 * t3721;
-    let t3725 = t3713 * t2167;
-    let t3726 = t1899 * t2176;
-    let t3727 = t3726 - t3725;
-    let t3728 = t2236 + t3727;
-    let t3729 = t3728 - t3724;
-    let t3730 = t808 * t3729;
-    let t3731 = t3723 - t3730;
-    let t3732 = t1899 * t2258;
-    let t3733 = t3713 * t2263;
-    let t3734 = t3732 + t3733;
-    let t3735 = t2309 + t3734;
-    let t3736 = t647 * t3721;
-    let t3737 = t3735 + t3736;
-    let t3738 = t652 * t3729;
-    let t3739 = t3737 - t3738;
-    let t3740 = t815 * t3739;
-    let t3741 = t3731 + t3740;
-    let t3742 = t3713 * t2326;
-    let t3743 = t1899 * t1565;
-    let t3744 = t3743 - t3742;
-    let t3745 = t1998 - t3744;
-    let t3746 = t725 * t3721;
-    let t3747 = t3745 + t3746;
-    let t3748 = t730 * t3729;
-    let t3749 = t3747 + t3748;
-    let t3750 = t737 * t3739;
-    let t3751 = t3749 + t3750;
-    let t3752 = t824 * t3751;
-    let t3753 = t3741 + t3752;
-    let t3754 = t944 * t3753;
-    let t3755 = t1899 * t2457;
-    let t3756 = t3713 * t1567;
-    let t3757 = t3755 - t3756;
-    let t3758 = t1986 + t3757;
-    let t3759 = t1970 - t1988;
-    let t3760 = 3.83030303030303 * t3759;
-    let t3761 = t3758 - t3760;
-    let t3762 = sin_panda_joint3 * t3761;
-    let t3763 = t3713 * t2434;
-    let t3764 = t1899 * t1567;
-    let t3765 = t3763 - t3764;
-    let t3766 = t2000 - t3765;
-    let t3767 = t3713 * t1522;
-    let t3768 = t2002 + t3767;
-    let t3769 = 3.83030303030303 * t3768;
-    let t3770 = t3766 + t3769;
-    let t3771 = cos_panda_joint3 * t3770;
-    let t3772 = t3762 - t3771;
-    let t3773 = t900 * t3721;
-    let t3774 = t3772 + t3773;
-    let t3775 = t908 * t3729;
-    let t3776 = t3774 - t3775;
-    let t3777 = t918 * t3739;
-    let t3778 = t3776 + t3777;
-    let t3779 = t930 * t3751;
-    let t3780 = t3778 + t3779;
-    let t3781 = t3780 + t3754;
-    let t3782 = t990 * t3781;
-    let t3783 = cos_panda_joint3 * t3761;
-    let t3784 = sin_panda_joint3 * t3770;
-    let t3785 = t3783 + t3784;
-    let t3786 = sin_panda_joint2 * t3785;
-    let t3787 = cos_panda_joint2 * t3716;
-    let t3788 = t3786 - t3787;
-    let t3789 = t571 * t3721;
-    let t3790 = t3788 + t3789;
-    let t3791 = t641 * t3729;
-    let t3792 = t3790 - t3791;
-    let t3793 = t719 * t3739;
-    let t3794 = t3792 + t3793;
-    let t3795 = t797 * t3751;
-    let t3796 = t3794 + t3795;
-    let t3797 = t877 * t3753;
-    let t3798 = t3796 + t3797;
-    let t3799 = t3798 - t3782;
-    let t3800 = inverse_d_panda_joint1 * t3799;
-    let t3801 = t1808 * t1538;
-    let t3802 = 2.0 * omega_panda_joint4_x;
-    let t3803 = t3802 * t1543;
-    let t3804 = t3801 - t3803;
-    let t3805 = t2348 - t3804;
-    let t3806 = t1809 + t1793;
-    let t3807 = cos_panda_joint4 * t3806;
-    let t3808 = t3802 * t1536;
-    let t3809 = t1796 + t3808;
-    let t3810 = sin_panda_joint4 * t3809;
-    let t3811 = t3810 - t3807;
-    let t3812 = t3805 - t3811;
-    let t3813 = sin_panda_joint4 * t3806;
-    let t3814 = cos_panda_joint4 * t3809;
-    let t3815 = t3814 + t3813;
-    let t3816 = 3.83030303030303 * t3815;
-    let t3817 = t3812 + t3816;
-    let t3818 = sin_panda_joint3 * t3817;
-    let t3819 = t1808 * t2607;
-    let t3820 = t3802 * t1512;
-    let t3821 = t3819 + t3820;
-    let t3822 = t1862 + t3821;
-    let t3823 = cos_panda_joint4 * t3822;
-    let t3824 = t3802 * t2592;
-    let t3825 = t1808 * t1512;
-    let t3826 = t3824 + t3825;
-    let t3827 = t1870 + t3826;
-    let t3828 = sin_panda_joint4 * t3827;
-    let t3829 = t3823 - t3828;
-    let t3830 = t3802 * t1518;
-    let t3831 = t1808 * t1520;
-    let t3832 = t3831 + t3830;
-    let t3833 = 3.83030303030303 * t3832;
-    let t3834 = t3829 + t3833;
-    let t3835 = cos_panda_joint3 * t3834;
-    let t3836 = t3835 - t3818;
-    let t3837 = sin_panda_joint2 * t3836;
-    let t3838 = sin_panda_joint4 * t3822;
-    let t3839 = cos_panda_joint4 * t3827;
-    let t3840 = t3838 + t3839;
-    let t3841 = t3832 - t3840;
-    let t3842 = cos_panda_joint2 * t3841;
-    let t3843 = t3837 + t3842;
-    let t3844 = t1808 * t2030;
-    let t3845 = t3802 * t2038;
-    let t3846 = t3844 - t3845;
-    let t3847 = t2123 - t3846;
-    let t3848 = t571 * t3847;
-    let t3849 = t3843 - t3848;
-    let t3850 = t577 * t3847;
-    let t3851 = t1808 * t2150;
-    let t3852 = t3802 * t2153;
-    let t3853 = t3851 + t3852;
-    let t3854 = t2224 - t3853;
-    let t3855 = t3854 - t3850;
-    let t3856 = t641 * t3855;
-    let t3857 = t3849 + t3856;
-    let t3858 = t1808 * t1509;
-    let t3859 = t3802 * t2251;
-    let t3860 = t3858 + t3859;
-    let t3861 = t1868 - t3860;
-    let t3862 = t647 * t3847;
-    let t3863 = t3861 + t3862;
-    let t3864 = t652 * t3855;
-    let t3865 = t3863 - t3864;
-    let t3866 = t719 * t3865;
-    let t3867 = t3857 - t3866;
-    let t3868 = 0.003 - t3805;
-    let t3869 = t725 * t3847;
-    let t3870 = t3868 + t3869;
-    let t3871 = t730 * t3855;
-    let t3872 = t3870 + t3871;
-    let t3873 = t737 * t3865;
-    let t3874 = t3872 + t3873;
-    let t3875 = t797 * t3874;
-    let t3876 = t3867 - t3875;
-    let t3877 = t824 * t3874;
-    let t3878 = t803 * t3847;
-    let t3879 = t3841 + t3878;
-    let t3880 = t808 * t3855;
-    let t3881 = t3879 - t3880;
-    let t3882 = t815 * t3865;
-    let t3883 = t3881 + t3882;
-    let t3884 = t3883 + t3877;
-    let t3885 = t877 * t3884;
-    let t3886 = t3876 - t3885;
-    let t3887 = cos_panda_joint3 * t3817;
-    let t3888 = sin_panda_joint3 * t3834;
-    let t3889 = t3888 + t3887;
-    let t3890 = t900 * t3847;
-    let t3891 = t3889 - t3890;
-    let t3892 = t908 * t3855;
-    let t3893 = t3891 + t3892;
-    let t3894 = t918 * t3865;
-    let t3895 = t3893 - t3894;
-    let t3896 = t930 * t3874;
-    let t3897 = t3895 - t3896;
-    let t3898 = t944 * t3884;
-    let t3899 = t3897 - t3898;
-    let t3900 = t990 * t3899;
-    let t3901 = t3886 - t3900;
-    let t3902 = inverse_d_panda_joint1 * t3901;
-    let t3903 = t1632 * t2780;
-    let t3904 = t1644 * t1470;
-    let t3905 = t3903 - t3904;
-    let t3906 = t1768 - t3905;
-    let t3907 = t1708 + t1769;
-    let t3908 = t3907 - t3906;
-    let t3909 = cos_panda_joint5 * t3908;
-    let t3910 = t1644 * t2758;
-    let t3911 = t1632 * t1470;
-    let t3912 = t3910 - t3911;
-    let t3913 = t1777 - t3912;
-    let t3914 = t1716 + t1778;
-    let t3915 = t3914 - t3913;
-    let t3916 = sin_panda_joint5 * t3915;
-    let t3917 = t3909 - t3916;
-    let t3918 = sin_panda_joint4 * t3917;
-    let t3919 = t1632 * t1500;
-    let t3920 = t1644 * t1506;
-    let t3921 = t3919 - t3920;
-    let t3922 = t2283 - t3921;
-    let t3923 = t1149 * t3907;
-    let t3924 = t1163 * t3914;
-    let t3925 = t3924 - t3923;
-    let t3926 = t3922 - t3925;
-    let t3927 = cos_panda_joint4 * t3926;
-    let t3928 = t3918 + t3927;
-    let t3929 = t3925 + t3928;
-    let t3930 = t1632 * t2023;
-    let t3931 = t1122 * t1644;
-    let t3932 = t3930 - t3931;
-    let t3933 = t2103 - t3932;
-    let t3934 = t803 * t3933;
-    let t3935 = t3929 + t3934;
-    let t3936 = t577 * t3933;
-    let t3937 = t1632 * t1469;
-    let t3938 = t1644 * t2147;
-    let t3939 = t3937 + t3938;
-    let t3940 = t1775 + t3939;
-    let t3941 = t3940 - t3936;
-    let t3942 = t808 * t3941;
-    let t3943 = t3935 - t3942;
-    let t3944 = 0.003 + t3922;
-    let t3945 = t647 * t3933;
-    let t3946 = t3944 + t3945;
-    let t3947 = t652 * t3941;
-    let t3948 = t3946 - t3947;
-    let t3949 = t815 * t3948;
-    let t3950 = t3943 + t3949;
-    let t3951 = sin_panda_joint5 * t3908;
-    let t3952 = cos_panda_joint5 * t3915;
-    let t3953 = t3951 + t3952;
-    let t3954 = t1693 + t1672;
-    let t3955 = 0.21484375 * t3954;
-    let t3956 = t3955 + t3953;
-    let t3957 = t725 * t3933;
-    let t3958 = t3956 + t3957;
-    let t3959 = t730 * t3941;
-    let t3960 = t3958 + t3959;
-    let t3961 = t737 * t3948;
-    let t3962 = t3960 + t3961;
-    let t3963 = t824 * t3962;
-    let t3964 = t3950 + t3963;
-    let t3965 = t944 * t3964;
-    let t3966 = t1163 * t3907;
-    let t3967 = t1149 * t3914;
-    let t3968 = t3967 + t3966;
-    let t3969 = sin_panda_joint4 * t3968;
-    let t3970 = cos_panda_joint4 * t3955;
-    let t3971 = t3969 + t3970;
-    let t3972 = t3956 - t3971;
-    let t3973 = cos_panda_joint4 * t3968;
-    let t3974 = sin_panda_joint4 * t3955;
-    let t3975 = t3973 - t3974;
-    let t3976 = 3.83030303030303 * t3975;
-    let t3977 = t3972 + t3976;
-    let t3978 = cos_panda_joint3 * t3977;
-    let t3979 = cos_panda_joint4 * t3917;
-    let t3980 = sin_panda_joint4 * t3926;
-    let t3981 = t3979 - t3980;
-    let t3982 = 3.83030303030303 * t3925;
-    let t3983 = t3981 - t3982;
-    let t3984 = sin_panda_joint3 * t3983;
-    let t3985 = t3984 + t3978;
-    let t3986 = t900 * t3933;
-    let t3987 = t3985 + t3986;
-    let t3988 = t908 * t3941;
-    let t3989 = t3987 - t3988;
-    let t3990 = t918 * t3948;
-    let t3991 = t3989 + t3990;
-    let t3992 = t930 * t3962;
-    let t3993 = t3991 + t3992;
-    let t3994 = t3993 + t3965;
-    let t3995 = t990 * t3994;
-    let t3996 = t877 * t3964;
-    let t3997 = sin_panda_joint3 * t3977;
-    let t3998 = cos_panda_joint3 * t3983;
-    let t3999 = t3998 - t3997;
-    let t4000 = sin_panda_joint2 * t3999;
-    let t4001 = cos_panda_joint2 * t3929;
-    let t4002 = t4000 - t4001;
-    let t4003 = t571 * t3933;
-    let t4004 = t4002 + t4003;
-    let t4005 = t641 * t3941;
-    let t4006 = t4004 - t4005;
-    let t4007 = t719 * t3948;
-    let t4008 = t4006 + t4007;
-    let t4009 = t797 * t3962;
-    let t4010 = t4008 + t4009;
-    let t4011 = t4010 + t3996;
-    let t4012 = t4011 - t3995;
-    let t4013 = inverse_d_panda_joint1 * t4012;
-    let t4014 = t1589 * t1467;
-    let t4015 = t1636 * t1465;
-    let t4016 = t4015 - t4014;
-    let t4017 = t2198 - t4016;
-    let t4018 = t1637 - t1704;
-    let t4019 = t1178 * t4018;
-    let t4020 = t1590 - t1701;
-    let t4021 = t1184 * t4020;
-    let t4022 = t4021 + t4019;
-    let t4023 = t4017 - t4022;
-    let t4024 = cos_panda_joint5 * t4023;
-    let t4025 = t1636 * t1453;
-    let t4026 = t1589 * t2928;
-    let t4027 = t4026 + t4025;
-    let t4028 = t1680 - t4027;
-    let t4029 = sin_panda_joint6 * t4028;
-    let t4030 = t1589 * t1453;
-    let t4031 = t1636 * t2943;
-    let t4032 = t4031 - t4030;
-    let t4033 = t1686 + t4032;
-    let t4034 = cos_panda_joint6 * t4033;
-    let t4035 = t4034 - t4029;
-    let t4036 = t1589 * t1476;
-    let t4037 = omega_panda_joint6_y * 0.030589628180144;
-    let t4038 = t4037 + t4036;
-    let t4039 = 4.363636363636364 * t4038;
-    let t4040 = t4039 + t4035;
-    let t4041 = sin_panda_joint5 * t4040;
-    let t4042 = t4041 + t4024;
-    let t4043 = t1184 * t4018;
-    let t4044 = t1178 * t4020;
-    let t4045 = t4044 - t4043;
-    let t4046 = 0.21484375 * t4045;
-    let t4047 = t4046 - t4042;
-    let t4048 = t1589 * t2020;
-    let t4049 = t1130 * t1636;
-    let t4050 = t4049 + t4048;
-    let t4051 = t1678 - t4050;
-    let t4052 = t725 * t4051;
-    let t4053 = t4047 + t4052;
-    let t4054 = 0.003 + t4017;
-    let t4055 = t577 * t4051;
-    let t4056 = t4054 + t4055;
-    let t4057 = t730 * t4056;
-    let t4058 = t4053 - t4057;
-    let t4059 = t652 * t4056;
-    let t4060 = cos_panda_joint6 * t4028;
-    let t4061 = sin_panda_joint6 * t4033;
-    let t4062 = t4061 + t4060;
-    let t4063 = t647 * t4051;
-    let t4064 = t4062 - t4063;
-    let t4065 = t4064 - t4059;
-    let t4066 = t737 * t4065;
-    let t4067 = t4058 - t4066;
-    let t4068 = t824 * t4067;
-    let t4069 = sin_panda_joint5 * t4023;
-    let t4070 = cos_panda_joint5 * t4040;
-    let t4071 = t4070 - t4069;
-    let t4072 = sin_panda_joint4 * t4071;
-    let t4073 = t1163 * t4022;
-    let t4074 = t1149 * t4039;
-    let t4075 = t4073 + t4074;
-    let t4076 = t4062 + t4075;
-    let t4077 = cos_panda_joint4 * t4076;
-    let t4078 = t4072 + t4077;
-    let t4079 = t4075 - t4078;
-    let t4080 = t803 * t4051;
-    let t4081 = t4079 + t4080;
-    let t4082 = t808 * t4056;
-    let t4083 = t4081 + t4082;
-    let t4084 = t815 * t4065;
-    let t4085 = t4083 - t4084;
-    let t4086 = t4085 + t4068;
-    let t4087 = t944 * t4086;
-    let t4088 = t930 * t4067;
-    let t4089 = t1149 * t4022;
-    let t4090 = t1163 * t4039;
-    let t4091 = t4089 - t4090;
-    let t4092 = sin_panda_joint4 * t4091;
-    let t4093 = cos_panda_joint4 * t4046;
-    let t4094 = t4092 + t4093;
-    let t4095 = t4047 - t4094;
-    let t4096 = cos_panda_joint4 * t4091;
-    let t4097 = sin_panda_joint4 * t4046;
-    let t4098 = t4096 - t4097;
-    let t4099 = 3.83030303030303 * t4098;
-    let t4100 = t4095 + t4099;
-    let t4101 = cos_panda_joint3 * t4100;
-    let t4102 = cos_panda_joint4 * t4071;
-    let t4103 = sin_panda_joint4 * t4076;
-    let t4104 = t4102 - t4103;
-    let t4105 = 3.83030303030303 * t4075;
-    let t4106 = t4104 + t4105;
-    let t4107 = sin_panda_joint3 * t4106;
-    let t4108 = t4107 - t4101;
-    let t4109 = t900 * t4051;
-    let t4110 = t4108 - t4109;
-    let t4111 = t908 * t4056;
-    let t4112 = t4110 - t4111;
-    let t4113 = t918 * t4065;
-    let t4114 = t4112 + t4113;
-    let t4115 = t4114 - t4088;
-    let t4116 = t4115 - t4087;
-    let t4117 = t990 * t4116;
-    let t4118 = t877 * t4086;
-    let t4119 = t797 * t4067;
-    let t4120 = sin_panda_joint3 * t4100;
-    let t4121 = cos_panda_joint3 * t4106;
-    let t4122 = t4121 + t4120;
-    let t4123 = sin_panda_joint2 * t4122;
-    let t4124 = cos_panda_joint2 * t4079;
-    let t4125 = t4123 + t4124;
-    let t4126 = t571 * t4051;
-    let t4127 = t4125 - t4126;
-    let t4128 = t641 * t4056;
-    let t4129 = t4127 - t4128;
-    let t4130 = t719 * t4065;
-    let t4131 = t4129 + t4130;
-    let t4132 = t4131 - t4119;
-    let t4133 = t4132 - t4118;
-    let t4134 = t4133 - t4117;
-    let t4135 = inverse_d_panda_joint1 * t4134;
-    let t4136 = t1619 - t2083;
-    let t4137 = t1612 + t4136;
-    let t4138 = sin_panda_joint6 * t4137;
-    let t4139 = t76 * t1139;
-    let t4140 = t1594 + t4139;
-    let t4141 = t1602 + t4140;
-    let t4142 = cos_panda_joint6 * t4141;
-    let t4143 = t4142 - t4138;
-    let t4144 = 4.363636363636364 * t1612;
-    let t4145 = t4144 - t4143;
-    let t4146 = cos_panda_joint5 * t4145;
-    let t4147 = t1169 * t1589;
-    let t4148 = t1677 - t4147;
-    let t4149 = t1178 * t4148;
-    let t4150 = t1184 * t1649;
-    let t4151 = t4150 - t4149;
-    let t4152 = t1112 * t1589;
-    let t4153 = t1675 + t4152;
-    let t4154 = t1661 - t4153;
-    let t4155 = t4148 + t4154;
-    let t4156 = t4155 - t4151;
-    let t4157 = sin_panda_joint5 * t4156;
-    let t4158 = t4146 + t4157;
-    let t4159 = sin_panda_joint4 * t4158;
-    let t4160 = cos_panda_joint6 * t4137;
-    let t4161 = sin_panda_joint6 * t4141;
-    let t4162 = t4161 + t4160;
-    let t4163 = t1163 * t4151;
-    let t4164 = t1149 * t4144;
-    let t4165 = t4163 - t4164;
-    let t4166 = t4162 + t4165;
-    let t4167 = cos_panda_joint4 * t4166;
-    let t4168 = t4159 - t4167;
-    let t4169 = t4165 + t4168;
-    let t4170 = 0.003 - t4136;
-    let t4171 = t803 * t4170;
-    let t4172 = t4169 - t4171;
-    let t4173 = t577 * t4170;
-    let t4174 = t4155 - t4173;
-    let t4175 = t808 * t4174;
-    let t4176 = t4172 + t4175;
-    let t4177 = t652 * t4174;
-    let t4178 = t647 * t4170;
-    let t4179 = t4162 + t4178;
-    let t4180 = t4179 - t4177;
-    let t4181 = t815 * t4180;
-    let t4182 = t4176 - t4181;
-    let t4183 = sin_panda_joint5 * t4145;
-    let t4184 = cos_panda_joint5 * t4156;
-    let t4185 = t4183 - t4184;
-    let t4186 = t1184 * t4148;
-    let t4187 = t1178 * t1649;
-    let t4188 = t4187 + t4186;
-    let t4189 = 0.21484375 * t4188;
-    let t4190 = t4189 + t4185;
-    let t4191 = t725 * t4170;
-    let t4192 = t4190 - t4191;
-    let t4193 = t730 * t4174;
-    let t4194 = t4192 - t4193;
-    let t4195 = t737 * t4180;
-    let t4196 = t4194 - t4195;
-    let t4197 = t824 * t4196;
-    let t4198 = t4182 + t4197;
-    let t4199 = t944 * t4198;
-    let t4200 = t930 * t4196;
-    let t4201 = t1149 * t4151;
-    let t4202 = t1163 * t4144;
-    let t4203 = t4201 + t4202;
-    let t4204 = sin_panda_joint4 * t4203;
-    let t4205 = cos_panda_joint4 * t4189;
-    let t4206 = t4204 + t4205;
-    let t4207 = t4190 - t4206;
-    let t4208 = cos_panda_joint4 * t4203;
-    let t4209 = sin_panda_joint4 * t4189;
-    let t4210 = t4208 - t4209;
-    let t4211 = 3.83030303030303 * t4210;
-    let t4212 = t4207 + t4211;
-    let t4213 = cos_panda_joint3 * t4212;
-    let t4214 = cos_panda_joint4 * t4158;
-    let t4215 = sin_panda_joint4 * t4166;
-    let t4216 = t4214 + t4215;
-    let t4217 = 3.83030303030303 * t4165;
-    let t4218 = t4216 - t4217;
-    let t4219 = sin_panda_joint3 * t4218;
-    let t4220 = t4219 + t4213;
-    let t4221 = t900 * t4170;
-    let t4222 = t4220 - t4221;
-    let t4223 = t908 * t4174;
-    let t4224 = t4222 + t4223;
-    let t4225 = t918 * t4180;
-    let t4226 = t4224 - t4225;
-    let t4227 = t4226 + t4200;
-    let t4228 = t4227 + t4199;
-    let t4229 = t990 * t4228;
-    let t4230 = t877 * t4198;
-    let t4231 = t797 * t4196;
-    let t4232 = sin_panda_joint3 * t4212;
-    let t4233 = cos_panda_joint3 * t4218;
-    let t4234 = t4233 - t4232;
-    let t4235 = sin_panda_joint2 * t4234;
-    let t4236 = cos_panda_joint2 * t4169;
-    let t4237 = t4235 - t4236;
-    let t4238 = t571 * t4170;
-    let t4239 = t4237 - t4238;
-    let t4240 = t641 * t4174;
-    let t4241 = t4239 + t4240;
-    let t4242 = t719 * t4180;
-    let t4243 = t4241 - t4242;
-    let t4244 = t4243 + t4231;
-    let t4245 = t4244 + t4230;
-    let t4246 = t4245 - t4229;
-    let t4247 = inverse_d_panda_joint1 * t4246;
-    let t4248 = t990 * t3609;
-    let t4249 = inverse_d_panda_joint2 * t3606;
-    let t4250 = t4249 - t4248;
-    let t4251 = t990 * t3711;
-    let t4252 = inverse_d_panda_joint2 * t3682;
-    let t4253 = t4252 + t4251;
-    let t4254 = t990 * t3800;
-    let t4255 = inverse_d_panda_joint2 * t3781;
-    let t4256 = t4255 - t4254;
-    let t4257 = t990 * t3902;
-    let t4258 = inverse_d_panda_joint2 * t3899;
-    let t4259 = t4258 - t4257;
-    let t4260 = t990 * t4013;
-    let t4261 = inverse_d_panda_joint2 * t3994;
-    let t4262 = t4261 - t4260;
-    let t4263 = t990 * t4135;
-    let t4264 = inverse_d_panda_joint2 * t4116;
-    let t4265 = t4264 - t4263;
-    let t4266 = t990 * t4247;
-    let t4267 = inverse_d_panda_joint2 * t4228;
-    let t4268 = t4267 - t4266;
-    let t4269 = t944 * t4250;
-    let t4270 = inverse_d_panda_joint3 * t3591;
-    let t4271 = t4270 + t4269;
-    let t4272 = t877 * t3609;
-    let t4273 = t4271 + t4272;
-    let t4274 = t944 * t4253;
-    let t4275 = inverse_d_panda_joint3 * t3680;
-    let t4276 = t4275 + t4274;
-    let t4277 = t877 * t3711;
-    let t4278 = t4276 - t4277;
-    let t4279 = t944 * t4256;
-    let t4280 = inverse_d_panda_joint3 * t3753;
-    let t4281 = t4280 + t4279;
-    let t4282 = t877 * t3800;
-    let t4283 = t4281 + t4282;
-    let t4284 = t944 * t4259;
-    let t4285 = inverse_d_panda_joint3 * t3884;
-    let t4286 = t4285 - t4284;
-    let t4287 = t877 * t3902;
-    let t4288 = t4286 - t4287;
-    let t4289 = t944 * t4262;
-    let t4290 = inverse_d_panda_joint3 * t3964;
-    let t4291 = t4290 + t4289;
-    let t4292 = t877 * t4013;
-    let t4293 = t4291 + t4292;
-    let t4294 = t944 * t4265;
-    let t4295 = inverse_d_panda_joint3 * t4086;
-    let t4296 = t4295 - t4294;
-    let t4297 = t877 * t4135;
-    let t4298 = t4296 - t4297;
-    let t4299 = t944 * t4268;
-    let t4300 = inverse_d_panda_joint3 * t4198;
-    let t4301 = t4300 + t4299;
-    let t4302 = t877 * t4247;
-    let t4303 = t4301 + t4302;
-    let t4304 = t824 * t4273;
-    let t4305 = inverse_d_panda_joint4 * t3578;
-    let t4306 = t4305 + t4304;
-    let t4307 = t930 * t4250;
-    let t4308 = t4306 + t4307;
-    let t4309 = t797 * t3609;
-    let t4310 = t4308 + t4309;
-    let t4311 = t824 * t4278;
-    let t4312 = inverse_d_panda_joint4 * t3663;
-    let t4313 = t4312 + t4311;
-    let t4314 = t930 * t4253;
-    let t4315 = t4313 + t4314;
-    let t4316 = t797 * t3711;
-    let t4317 = t4315 - t4316;
-    let t4318 = t824 * t4283;
-    let t4319 = inverse_d_panda_joint4 * t3751;
-    let t4320 = t4319 + t4318;
-    let t4321 = t930 * t4256;
-    let t4322 = t4320 + t4321;
-    let t4323 = t797 * t3800;
-    let t4324 = t4322 + t4323;
-    let t4325 = t824 * t4288;
-    let t4326 = inverse_d_panda_joint4 * t3874;
-    let t4327 = t4326 + t4325;
-    let t4328 = t930 * t4259;
-    let t4329 = t4327 - t4328;
-    let t4330 = t797 * t3902;
-    let t4331 = t4329 - t4330;
-    let t4332 = t824 * t4293;
-    let t4333 = inverse_d_panda_joint4 * t3962;
-    let t4334 = t4333 + t4332;
-    let t4335 = t930 * t4262;
-    let t4336 = t4334 + t4335;
-    let t4337 = t797 * t4013;
-    let t4338 = t4336 + t4337;
-    let t4339 = t824 * t4298;
-    let t4340 = inverse_d_panda_joint4 * t4067;
-    let t4341 = t4340 + t4339;
-    let t4342 = t930 * t4265;
-    let t4343 = t4341 - t4342;
-    let t4344 = t797 * t4135;
-    let t4345 = t4343 - t4344;
-    let t4346 = t824 * t4303;
-    let t4347 = inverse_d_panda_joint4 * t4196;
-    let t4348 = t4347 + t4346;
-    let t4349 = t930 * t4268;
-    let t4350 = t4348 + t4349;
-    let t4351 = t797 * t4247;
-    let t4352 = t4350 + t4351;
-    let t4353 = t737 * t4310;
-    let t4354 = inverse_d_panda_joint5 * t3567;
-    let t4355 = t4354 + t4353;
-    let t4356 = t815 * t4273;
-    let t4357 = t4355 + t4356;
-    let t4358 = t918 * t4250;
-    let t4359 = t4357 + t4358;
-    let t4360 = t719 * t3609;
-    let t4361 = t4359 + t4360;
-    let t4362 = t737 * t4317;
-    let t4363 = inverse_d_panda_joint5 * t3648;
-    let t4364 = t4363 + t4362;
-    let t4365 = t815 * t4278;
-    let t4366 = t4364 + t4365;
-    let t4367 = t918 * t4253;
-    let t4368 = t4366 + t4367;
-    let t4369 = t719 * t3711;
-    let t4370 = t4368 - t4369;
-    let t4371 = t737 * t4324;
-    let t4372 = inverse_d_panda_joint5 * t3739;
-    let t4373 = t4372 + t4371;
-    let t4374 = t815 * t4283;
-    let t4375 = t4373 + t4374;
-    let t4376 = t918 * t4256;
-    let t4377 = t4375 + t4376;
-    let t4378 = t719 * t3800;
-    let t4379 = t4377 + t4378;
-    let t4380 = t737 * t4331;
-    let t4381 = inverse_d_panda_joint5 * t3865;
-    let t4382 = t4381 + t4380;
-    let t4383 = t815 * t4288;
-    let t4384 = t4382 + t4383;
-    let t4385 = t918 * t4259;
-    let t4386 = t4384 - t4385;
-    let t4387 = t719 * t3902;
-    let t4388 = t4386 - t4387;
-    let t4389 = t737 * t4338;
-    let t4390 = inverse_d_panda_joint5 * t3948;
-    let t4391 = t4390 + t4389;
-    let t4392 = t815 * t4293;
-    let t4393 = t4391 + t4392;
-    let t4394 = t918 * t4262;
-    let t4395 = t4393 + t4394;
-    let t4396 = t719 * t4013;
-    let t4397 = t4395 + t4396;
-    let t4398 = t737 * t4345;
-    let t4399 = inverse_d_panda_joint5 * t4065;
-    let t4400 = t4399 - t4398;
-    let t4401 = t815 * t4298;
-    let t4402 = t4400 - t4401;
-    let t4403 = t918 * t4265;
-    let t4404 = t4402 + t4403;
-    let t4405 = t719 * t4135;
-    let t4406 = t4404 + t4405;
-    let t4407 = t737 * t4352;
-    let t4408 = inverse_d_panda_joint5 * t4180;
-    let t4409 = t4408 - t4407;
-    let t4410 = t815 * t4303;
-    let t4411 = t4409 - t4410;
-    let t4412 = t918 * t4268;
-    let t4413 = t4411 - t4412;
-    let t4414 = t719 * t4247;
-    let t4415 = t4413 - t4414;
-    let t4416 = t652 * t4361;
-    let t4417 = inverse_d_panda_joint6 * t3558;
-    let t4418 = t4417 - t4416;
-    let t4419 = t730 * t4310;
-    let t4420 = t4418 + t4419;
-    let t4421 = t808 * t4273;
-    let t4422 = t4420 - t4421;
-    let t4423 = t908 * t4250;
-    let t4424 = t4422 - t4423;
-    let t4425 = t641 * t3609;
-    let t4426 = t4424 - t4425;
-    let t4427 = t652 * t4370;
-    let t4428 = inverse_d_panda_joint6 * t3635;
-    let t4429 = t4428 - t4427;
-    let t4430 = t730 * t4317;
-    let t4431 = t4429 + t4430;
-    let t4432 = t808 * t4278;
-    let t4433 = t4431 - t4432;
-    let t4434 = t908 * t4253;
-    let t4435 = t4433 - t4434;
-    let t4436 = t641 * t3711;
-    let t4437 = t4435 + t4436;
-    let t4438 = t652 * t4379;
-    let t4439 = inverse_d_panda_joint6 * t3729;
-    let t4440 = t4439 - t4438;
-    let t4441 = t730 * t4324;
-    let t4442 = t4440 + t4441;
-    let t4443 = t808 * t4283;
-    let t4444 = t4442 - t4443;
-    let t4445 = t908 * t4256;
-    let t4446 = t4444 - t4445;
-    let t4447 = t641 * t3800;
-    let t4448 = t4446 - t4447;
-    let t4449 = t652 * t4388;
-    let t4450 = inverse_d_panda_joint6 * t3855;
-    let t4451 = t4450 - t4449;
-    let t4452 = t730 * t4331;
-    let t4453 = t4451 + t4452;
-    let t4454 = t808 * t4288;
-    let t4455 = t4453 - t4454;
-    let t4456 = t908 * t4259;
-    let t4457 = t4455 + t4456;
-    let t4458 = t641 * t3902;
-    let t4459 = t4457 + t4458;
-    let t4460 = t652 * t4397;
-    let t4461 = inverse_d_panda_joint6 * t3941;
-    let t4462 = t4461 - t4460;
-    let t4463 = t730 * t4338;
-    let t4464 = t4462 + t4463;
-    let t4465 = t808 * t4293;
-    let t4466 = t4464 - t4465;
-    let t4467 = t908 * t4262;
-    let t4468 = t4466 - t4467;
-    let t4469 = t641 * t4013;
-    let t4470 = t4468 - t4469;
-    let t4471 = t652 * t4406;
-    let t4472 = inverse_d_panda_joint6 * t4056;
-    let t4473 = t4472 - t4471;
-    let t4474 = t730 * t4345;
-    let t4475 = t4473 - t4474;
-    let t4476 = t808 * t4298;
-    let t4477 = t4475 + t4476;
-    let t4478 = t908 * t4265;
-    let t4479 = t4477 - t4478;
-    let t4480 = t641 * t4135;
-    let t4481 = t4479 - t4480;
-    let t4482 = t652 * t4415;
-    let t4483 = inverse_d_panda_joint6 * t4174;
-    let t4484 = t4483 - t4482;
-    let t4485 = t730 * t4352;
-    let t4486 = t4484 - t4485;
-    let t4487 = t808 * t4303;
-    let t4488 = t4486 + t4487;
-    let t4489 = t908 * t4268;
-    let t4490 = t4488 + t4489;
-    let t4491 = t641 * t4247;
-    let t4492 = t4490 + t4491;
-    let t4493 = t577 * t4426;
-    let t4494 = 149.60760989322964 * t3551;
-    let t4495 = t4494 - t4493;
-    let t4496 = t647 * t4361;
-    let t4497 = t4495 + t4496;
-    let t4498 = t725 * t4310;
-    let t4499 = t4497 + t4498;
-    let t4500 = t803 * t4273;
-    let t4501 = t4499 + t4500;
-    let t4502 = t900 * t4250;
-    let t4503 = t4501 + t4502;
-    let t4504 = t571 * t3609;
-    let t4505 = t4503 + t4504;
-    let t4506 = t577 * t4437;
-    let t4507 = 149.60760989322964 * t3624;
-    let t4508 = t4507 - t4506;
-    let t4509 = t647 * t4370;
-    let t4510 = t4508 + t4509;
-    let t4511 = t725 * t4317;
-    let t4512 = t4510 + t4511;
-    let t4513 = t803 * t4278;
-    let t4514 = t4512 + t4513;
-    let t4515 = t900 * t4253;
-    let t4516 = t4514 + t4515;
-    let t4517 = t571 * t3711;
-    let t4518 = t4516 - t4517;
-    let t4519 = t577 * t4448;
-    let t4520 = 149.60760989322964 * t3721;
-    let t4521 = t4520 - t4519;
-    let t4522 = t647 * t4379;
-    let t4523 = t4521 + t4522;
-    let t4524 = t725 * t4324;
-    let t4525 = t4523 + t4524;
-    let t4526 = t803 * t4283;
-    let t4527 = t4525 + t4526;
-    let t4528 = t900 * t4256;
-    let t4529 = t4527 + t4528;
-    let t4530 = t571 * t3800;
-    let t4531 = t4529 + t4530;
-    let t4532 = t577 * t4459;
-    let t4533 = 149.60760989322964 * t3847;
-    let t4534 = t4533 - t4532;
-    let t4535 = t647 * t4388;
-    let t4536 = t4534 + t4535;
-    let t4537 = t725 * t4331;
-    let t4538 = t4536 + t4537;
-    let t4539 = t803 * t4288;
-    let t4540 = t4538 + t4539;
-    let t4541 = t900 * t4259;
-    let t4542 = t4540 - t4541;
-    let t4543 = t571 * t3902;
-    let t4544 = t4542 - t4543;
-    let t4545 = t577 * t4470;
-    let t4546 = 149.60760989322964 * t3933;
-    let t4547 = t4546 - t4545;
-    let t4548 = t647 * t4397;
-    let t4549 = t4547 + t4548;
-    let t4550 = t725 * t4338;
-    let t4551 = t4549 + t4550;
-    let t4552 = t803 * t4293;
-    let t4553 = t4551 + t4552;
-    let t4554 = t900 * t4262;
-    let t4555 = t4553 + t4554;
-    let t4556 = t571 * t4013;
-    let t4557 = t4555 + t4556;
-    let t4558 = t577 * t4481;
-    let t4559 = 149.60760989322964 * t4051;
-    let t4560 = t4559 + t4558;
-    let t4561 = t647 * t4406;
-    let t4562 = t4560 - t4561;
-    let t4563 = t725 * t4345;
-    let t4564 = t4562 + t4563;
-    let t4565 = t803 * t4298;
-    let t4566 = t4564 + t4565;
-    let t4567 = t900 * t4265;
-    let t4568 = t4566 - t4567;
-    let t4569 = t571 * t4135;
-    let t4570 = t4568 - t4569;
-    let t4571 = t577 * t4492;
-    let t4572 = 149.60760989322964 * t4170;
-    let t4573 = t4572 - t4571;
-    let t4574 = t647 * t4415;
-    let t4575 = t4573 + t4574;
-    let t4576 = t725 * t4352;
-    let t4577 = t4575 - t4576;
-    let t4578 = t803 * t4303;
-    let t4579 = t4577 - t4578;
-    let t4580 = t900 * t4268;
-    let t4581 = t4579 - t4580;
-    let t4582 = t571 * t4247;
-    let t4583 = t4581 - t4582;
-    [
-        t3096,
-        t3248,
-        t3251,
-        t3254,
-        t3257,
-        t3260,
-        t3263,
-        t3266,
-        t3271,
-        t3276,
-        t3281,
-        t3286,
-        t3291,
-        t3296,
-        t3303,
-        t3310,
-        t3317,
-        t3324,
-        t3331,
-        t3338,
-        t3347,
-        t3356,
-        t3365,
-        t3374,
-        t3383,
-        t3392,
-        t3403,
-        t3414,
-        t3425,
-        t3436,
-        t3447,
-        t3458,
-        t3471,
-        t3484,
-        t3497,
-        t3510,
-        t3523,
-        t3536,
-        t3609,
-        t3711,
-        t3800,
-        t3902,
-        t4013,
-        t4135,
-        t4247,
-        t4250,
-        t4253,
-        t4256,
-        t4259,
-        t4262,
-        t4265,
-        t4268,
-        t4273,
-        t4278,
-        t4283,
-        t4288,
-        t4293,
-        t4298,
-        t4303,
-        t4310,
-        t4317,
-        t4324,
-        t4331,
-        t4338,
-        t4345,
-        t4352,
-        t4361,
-        t4370,
-        t4379,
-        t4388,
-        t4397,
-        t4406,
-        t4415,
-        t4426,
-        t4437,
-        t4448,
-        t4459,
-        t4470,
-        t4481,
-        t4492,
-        t4505,
-        t4518,
-        t4531,
-        t4544,
-        t4557,
-        t4570,
-        t4583,
-    ]
-}
-
-/// Part 4 of `linearize`: values that later parts read.
-#[inline(never)]
-fn linearize_part_4(
-    y: &[f64; N],
-    v: &[f64; N],
-    u: &[f64; M],
-    [t571,
-    t577,
-    inverse_d_panda_joint6,
-    t641,
-    t647,
-    t652,
-    inverse_d_panda_joint5,
-    t719,
-    t725,
-    t730,
-    t737,
-    inverse_d_panda_joint4,
-    t797,
-    t803,
-    t808,
-    t815,
-    t824,
-    inverse_d_panda_joint3,
-    t877,
-    t900,
-    t908,
-    t918,
-    t930,
-    t944,
-    inverse_d_panda_joint2,
-    t990,
-    inverse_d_panda_joint1,
-    t1018,
-    t1021,
-    t1026,
-    t1033,
-    t1042,
-    t1053,
-    t1066,
-    t2432,
-    t2590,
-    t2756,
-    t2926,
-    t3096,
-    t3248,
-    t3251,
-    t3254,
-    t3257,
-    t3260,
-    t3263,
-    t3266,
-    t3271,
-    t3276,
-    t3281,
-    t3286,
-    t3291,
-    t3296,
-    t3303,
-    t3310,
-    t3317,
-    t3324,
-    t3331,
-    t3338,
-    t3347,
-    t3356,
-    t3365,
-    t3374,
-    t3383,
-    t3392,
-    t3403,
-    t3414,
-    t3425,
-    t3436,
-    t3447,
-    t3458,
-    t3471,
-    t3484,
-    t3497,
-    t3510,
-    t3523,
-    t3536,
-    t3609,
-    t3711,
-    t3800,
-    t3902,
-    t4013,
-    t4135,
-    t4247,
-    t4250,
-    t4253,
-    t4256,
-    t4259,
-    t4262,
-    t4265,
-    t4268,
-    t4273,
-    t4278,
-    t4283,
-    t4288,
-    t4293,
-    t4298,
-    t4303,
-    t4310,
-    t4317,
-    t4324,
-    t4331,
-    t4338,
-    t4345,
-    t4352,
-    t4361,
-    t4370,
-    t4379,
-    t4388,
-    t4397,
-    t4406,
-    t4415,
-    t4426,
-    t4437,
-    t4448,
-    t4459,
-    t4470,
-    t4481,
-    t4492,
-    t4505,
-    t4518,
-    t4531,
-    t4544,
-    t4557,
-    t4570,
-    t4583,
-    ]: [f64; 125],
-) -> [f64; 83] {
-    let t4584 = t990 * inverse_d_panda_joint1;
-    let t4585 = t944 * t4584;
-    let t4586 = t877 * inverse_d_panda_joint1;
-    let t4587 = t4585 - t4586;
-    let t4588 = t824 * t4587;
-    let t4589 = t930 * t4584;
-    let t4590 = t4588 + t4589;
-    let t4591 = t797 * inverse_d_panda_joint1;
-    let t4592 = t4590 - t4591;
-    let t4593 = t737 * t4592;
-    let t4594 = t815 * t4587;
-    let t4595 = t4593 + t4594;
-    let t4596 = t918 * t4584;
-    let t4597 = t4595 + t4596;
-    let t4598 = t719 * inverse_d_panda_joint1;
-    let t4599 = t4597 - t4598;
-    let t4600 = t652 * t4599;
-    let t4601 = t730 * t4592;
-    let t4602 = t4600 - t4601;
-    let t4603 = t808 * t4587;
-    let t4604 = t4602 + t4603;
-    let t4605 = t908 * t4584;
-    let t4606 = t4604 + t4605;
-    let t4607 = t641 * inverse_d_panda_joint1;
-    let t4608 = t4606 - t4607;
-    let t4609 = t577 * t4608;
-    let t4610 = t647 * t4599;
-    let t4611 = t4609 + t4610;
-    let t4612 = t725 * t4592;
-    let t4613 = t4611 + t4612;
-    let t4614 = t803 * t4587;
-    let t4615 = t4613 + t4614;
-    let t4616 = t900 * t4584;
-    let t4617 = t4615 + t4616;
-    let t4618 = t571 * inverse_d_panda_joint1;
-    let t4619 = t4617 - t4618;
-    let t4620 = t990 * t4584;
-    let t4621 = inverse_d_panda_joint2 + t4620;
-    let t4622 = t944 * t4621;
-    let t4623 = t877 * t4584;
-    let t4624 = t4622 - t4623;
-    let t4625 = t824 * t4624;
-    let t4626 = t930 * t4621;
-    let t4627 = t4625 + t4626;
-    let t4628 = t797 * t4584;
-    let t4629 = t4627 - t4628;
-    let t4630 = t737 * t4629;
-    let t4631 = t815 * t4624;
-    let t4632 = t4630 + t4631;
-    let t4633 = t918 * t4621;
-    let t4634 = t4632 + t4633;
-    let t4635 = t719 * t4584;
-    let t4636 = t4634 - t4635;
-    let t4637 = t652 * t4636;
-    let t4638 = t730 * t4629;
-    let t4639 = t4637 - t4638;
-    let t4640 = t808 * t4624;
-    let t4641 = t4639 + t4640;
-    let t4642 = t908 * t4621;
-    let t4643 = t4641 + t4642;
-    let t4644 = t641 * t4584;
-    let t4645 = t4643 - t4644;
-    let t4646 = t577 * t4645;
-    let t4647 = t647 * t4636;
-    let t4648 = t4646 + t4647;
-    let t4649 = t725 * t4629;
-    let t4650 = t4648 + t4649;
-    let t4651 = t803 * t4624;
-    let t4652 = t4650 + t4651;
-    let t4653 = t900 * t4621;
-    let t4654 = t4652 + t4653;
-    let t4655 = t571 * t4584;
-    let t4656 = t4654 - t4655;
-    let t4657 = t944 * t990;
-    let t4658 = t877 - t4657;
-    let t4659 = inverse_d_panda_joint1 * t4658;
-    let t4660 = t990 * t4659;
-    let t4661 = t944 * inverse_d_panda_joint2;
-    let t4662 = t4661 - t4660;
-    let t4663 = t944 * t4662;
-    let t4664 = inverse_d_panda_joint3 + t4663;
-    let t4665 = t877 * t4659;
-    let t4666 = t4664 + t4665;
-    let t4667 = t824 * t4666;
-    let t4668 = t930 * t4662;
-    let t4669 = t4667 + t4668;
-    let t4670 = t797 * t4659;
-    let t4671 = t4669 + t4670;
-    let t4672 = t737 * t4671;
-    let t4673 = t815 * t4666;
-    let t4674 = t4672 + t4673;
-    let t4675 = t918 * t4662;
-    let t4676 = t4674 + t4675;
-    let t4677 = t719 * t4659;
-    let t4678 = t4676 + t4677;
-    let t4679 = t652 * t4678;
-    let t4680 = t730 * t4671;
-    let t4681 = t4679 - t4680;
-    let t4682 = t808 * t4666;
-    let t4683 = t4681 + t4682;
-    let t4684 = t908 * t4662;
-    let t4685 = t4683 + t4684;
-    let t4686 = t641 * t4659;
-    let t4687 = t4685 + t4686;
-    let t4688 = t577 * t4687;
-    let t4689 = t647 * t4678;
-    let t4690 = t4688 + t4689;
-    let t4691 = t725 * t4671;
-    let t4692 = t4690 + t4691;
-    let t4693 = t803 * t4666;
-    let t4694 = t4692 + t4693;
-    let t4695 = t900 * t4662;
-    let t4696 = t4694 + t4695;
-    let t4697 = t571 * t4659;
-    let t4698 = t4696 + t4697;
-    let t4699 = t824 * t944;
-    let t4700 = t930 + t4699;
-    let t4701 = t990 * t4700;
-    let t4702 = t824 * t877;
-    let t4703 = t797 + t4702;
-    let t4704 = t4703 - t4701;
-    let t4705 = inverse_d_panda_joint1 * t4704;
-    let t4706 = t990 * t4705;
-    let t4707 = inverse_d_panda_joint2 * t4700;
-    let t4708 = t4707 - t4706;
-    let t4709 = t944 * t4708;
-    let t4710 = t824 * inverse_d_panda_joint3;
-    let t4711 = t4710 + t4709;
-    let t4712 = t877 * t4705;
-    let t4713 = t4711 + t4712;
-    let t4714 = t824 * t4713;
-    let t4715 = inverse_d_panda_joint4 + t4714;
-    let t4716 = t930 * t4708;
-    let t4717 = t4715 + t4716;
-    let t4718 = t797 * t4705;
-    let t4719 = t4717 + t4718;
-    let t4720 = t737 * t4719;
-    let t4721 = t815 * t4713;
-    let t4722 = t4720 + t4721;
-    let t4723 = t918 * t4708;
-    let t4724 = t4722 + t4723;
-    let t4725 = t719 * t4705;
-    let t4726 = t4724 + t4725;
-    let t4727 = t652 * t4726;
-    let t4728 = t730 * t4719;
-    let t4729 = t4727 - t4728;
-    let t4730 = t808 * t4713;
-    let t4731 = t4729 + t4730;
-    let t4732 = t908 * t4708;
-    let t4733 = t4731 + t4732;
-    let t4734 = t641 * t4705;
-    let t4735 = t4733 + t4734;
-    let t4736 = t577 * t4735;
-    let t4737 = t647 * t4726;
-    let t4738 = t4736 + t4737;
-    let t4739 = t725 * t4719;
-    let t4740 = t4738 + t4739;
-    let t4741 = t803 * t4713;
-    let t4742 = t4740 + t4741;
-    let t4743 = t900 * t4708;
-    let t4744 = t4742 + t4743;
-    let t4745 = t571 * t4705;
-    let t4746 = t4744 + t4745;
-    let t4747 = t737 * t824;
-    let t4748 = t815 + t4747;
-    let t4749 = t944 * t4748;
-    let t4750 = t737 * t930;
-    let t4751 = t918 + t4750;
-    let t4752 = t4751 + t4749;
-    let t4753 = t990 * t4752;
-    let t4754 = t877 * t4748;
-    let t4755 = t737 * t797;
-    let t4756 = t719 + t4755;
-    let t4757 = t4756 + t4754;
-    let t4758 = t4757 - t4753;
-    let t4759 = inverse_d_panda_joint1 * t4758;
-    let t4760 = t990 * t4759;
-    let t4761 = inverse_d_panda_joint2 * t4752;
-    let t4762 = t4761 - t4760;
-    let t4763 = t944 * t4762;
-    let t4764 = inverse_d_panda_joint3 * t4748;
-    let t4765 = t4764 + t4763;
-    let t4766 = t877 * t4759;
-    let t4767 = t4765 + t4766;
-    let t4768 = t824 * t4767;
-    let t4769 = t737 * inverse_d_panda_joint4;
-    let t4770 = t4769 + t4768;
-    let t4771 = t930 * t4762;
-    let t4772 = t4770 + t4771;
-    let t4773 = t797 * t4759;
-    let t4774 = t4772 + t4773;
-    let t4775 = t737 * t4774;
-    let t4776 = inverse_d_panda_joint5 + t4775;
-    let t4777 = t815 * t4767;
-    let t4778 = t4776 + t4777;
-    let t4779 = t918 * t4762;
-    let t4780 = t4778 + t4779;
-    let t4781 = t719 * t4759;
-    let t4782 = t4780 + t4781;
-    let t4783 = t652 * t4782;
-    let t4784 = t730 * t4774;
-    let t4785 = t4783 - t4784;
-    let t4786 = t808 * t4767;
-    let t4787 = t4785 + t4786;
-    let t4788 = t908 * t4762;
-    let t4789 = t4787 + t4788;
-    let t4790 = t641 * t4759;
-    let t4791 = t4789 + t4790;
-    let t4792 = t577 * t4791;
-    let t4793 = t647 * t4782;
-    let t4794 = t4792 + t4793;
-    let t4795 = t725 * t4774;
-    let t4796 = t4794 + t4795;
-    let t4797 = t803 * t4767;
-    let t4798 = t4796 + t4797;
-    let t4799 = t900 * t4762;
-    let t4800 = t4798 + t4799;
-    let t4801 = t571 * t4759;
-    let t4802 = t4800 + t4801;
-    let t4803 = t652 * t737;
-    let t4804 = t730 - t4803;
-    let t4805 = t824 * t4804;
-    let t4806 = t652 * t815;
-    let t4807 = t808 + t4806;
-    let t4808 = t4807 - t4805;
-    let t4809 = t944 * t4808;
-    let t4810 = t930 * t4804;
-    let t4811 = t652 * t918;
-    let t4812 = t908 + t4811;
-    let t4813 = t4812 - t4810;
-    let t4814 = t4813 + t4809;
-    let t4815 = t990 * t4814;
-    let t4816 = t877 * t4808;
-    let t4817 = t797 * t4804;
-    let t4818 = t652 * t719;
-    let t4819 = t641 + t4818;
-    let t4820 = t4819 - t4817;
-    let t4821 = t4820 + t4816;
-    let t4822 = t4821 - t4815;
-    let t4823 = inverse_d_panda_joint1 * t4822;
-    let t4824 = t990 * t4823;
-    let t4825 = inverse_d_panda_joint2 * t4814;
-    let t4826 = t4825 - t4824;
-    let t4827 = t944 * t4826;
-    let t4828 = inverse_d_panda_joint3 * t4808;
-    let t4829 = t4828 + t4827;
-    let t4830 = t877 * t4823;
-    let t4831 = t4829 + t4830;
-    let t4832 = t824 * t4831;
-    let t4833 = inverse_d_panda_joint4 * t4804;
-    let t4834 = t4833 - t4832;
-    let t4835 = t930 * t4826;
-    let t4836 = t4834 - t4835;
-    let t4837 = t797 * t4823;
-    let t4838 = t4836 - t4837;
-    let t4839 = t737 * t4838;
-    let t4840 = t652 * inverse_d_panda_joint5;
-    let t4841 = t4840 - t4839;
-    let t4842 = t815 * t4831;
-    let t4843 = t4841 + t4842;
-    let t4844 = t918 * t4826;
-    let t4845 = t4843 + t4844;
-    let t4846 = t719 * t4823;
-    let t4847 = t4845 + t4846;
-    let t4848 = t652 * t4847;
-    let t4849 = inverse_d_panda_joint6 + t4848;
-    let t4850 = t730 * t4838;
-    let t4851 = t4849 + t4850;
-    let t4852 = t808 * t4831;
-    let t4853 = t4851 + t4852;
-    let t4854 = t908 * t4826;
-    let t4855 = t4853 + t4854;
-    let t4856 = t641 * t4823;
-    let t4857 = t4855 + t4856;
-    let t4858 = t577 * t4857;
-    let t4859 = t647 * t4847;
-    let t4860 = t4858 + t4859;
-    let t4861 = t725 * t4838;
-    let t4862 = t4860 - t4861;
-    let t4863 = t803 * t4831;
-    let t4864 = t4862 + t4863;
-    let t4865 = t900 * t4826;
-    let t4866 = t4864 + t4865;
-    let t4867 = t571 * t4823;
-    let t4868 = t4866 + t4867;
-    let t4869 = t577 * t652;
-    let t4870 = t647 + t4869;
-    let t4871 = t737 * t4870;
-    let t4872 = t577 * t730;
-    let t4873 = t725 - t4872;
-    let t4874 = t4873 + t4871;
-    let t4875 = t824 * t4874;
-    let t4876 = t815 * t4870;
-    let t4877 = t577 * t808;
-    let t4878 = t803 + t4877;
-    let t4879 = t4878 + t4876;
-    let t4880 = t4879 + t4875;
-    let t4881 = t944 * t4880;
-    let t4882 = t930 * t4874;
-    let t4883 = t918 * t4870;
-    let t4884 = t577 * t908;
-    let t4885 = t900 + t4884;
-    let t4886 = t4885 + t4883;
-    let t4887 = t4886 + t4882;
-    let t4888 = t4887 + t4881;
-    let t4889 = t990 * t4888;
-    let t4890 = t877 * t4880;
-    let t4891 = t797 * t4874;
-    let t4892 = t719 * t4870;
-    let t4893 = t577 * t641;
-    let t4894 = t571 + t4893;
-    let t4895 = t4894 + t4892;
-    let t4896 = t4895 + t4891;
-    let t4897 = t4896 + t4890;
-    let t4898 = t4897 - t4889;
-    let t4899 = inverse_d_panda_joint1 * t4898;
-    let t4900 = t990 * t4899;
-    let t4901 = inverse_d_panda_joint2 * t4888;
-    let t4902 = t4901 - t4900;
-    let t4903 = t944 * t4902;
-    let t4904 = inverse_d_panda_joint3 * t4880;
-    let t4905 = t4904 + t4903;
-    let t4906 = t877 * t4899;
-    let t4907 = t4905 + t4906;
-    let t4908 = t824 * t4907;
-    let t4909 = inverse_d_panda_joint4 * t4874;
-    let t4910 = t4909 + t4908;
-    let t4911 = t930 * t4902;
-    let t4912 = t4910 + t4911;
-    let t4913 = t797 * t4899;
-    let t4914 = t4912 + t4913;
-    let t4915 = t737 * t4914;
-    let t4916 = inverse_d_panda_joint5 * t4870;
-    let t4917 = t4916 + t4915;
-    let t4918 = t815 * t4907;
-    let t4919 = t4917 + t4918;
-    let t4920 = t918 * t4902;
-    let t4921 = t4919 + t4920;
-    let t4922 = t719 * t4899;
-    let t4923 = t4921 + t4922;
-    let t4924 = t652 * t4923;
-    let t4925 = t577 * inverse_d_panda_joint6;
-    let t4926 = t4925 + t4924;
-    let t4927 = t730 * t4914;
-    let t4928 = t4926 - t4927;
-    let t4929 = t808 * t4907;
-    let t4930 = t4928 + t4929;
-    let t4931 = t908 * t4902;
-    let t4932 = t4930 + t4931;
-    let t4933 = t641 * t4899;
-    let t4934 = t4932 + t4933;
-    let t4935 = t577 * t4934;
-    let t4936 = 149.60760989322964 + t4935;
-    let t4937 = t647 * t4923;
-    let t4938 = t4936 + t4937;
-    let t4939 = t725 * t4914;
-    let t4940 = t4938 + t4939;
-    let t4941 = t803 * t4907;
-    let t4942 = t4940 + t4941;
-    let t4943 = t900 * t4902;
-    let t4944 = t4942 + t4943;
-    let t4945 = t571 * t4899;
-    let t4946 = t4944 + t4945;
-    let t4947 = y[1] * t2432;
-    let t4948 = y[2] * t2590;
-    let t4949 = t4947 + t4948;
-    let t4950 = y[3] * t2756;
-    let t4951 = t4949 - t4950;
-    let t4952 = y[4] * t2926;
-    let t4953 = t4951 - t4952;
-    let t4954 = y[5] * t3096;
-    let t4955 = t4953 - t4954;
-    let t4956 = y[6] * t3248;
-    let t4957 = t4955 - t4956;
-    let t4958 = v[0] * t3609;
-    let t4959 = v[1] * t3711;
-    let t4960 = t4958 + t4959;
-    let t4961 = v[2] * t3800;
-    let t4962 = t4960 - t4961;
-    let t4963 = v[3] * t3902;
-    let t4964 = t4962 - t4963;
-    let t4965 = v[4] * t4013;
-    let t4966 = t4964 - t4965;
-    let t4967 = v[5] * t4135;
-    let t4968 = t4966 + t4967;
-    let t4969 = v[6] * t4247;
-    let t4970 = t4968 + t4969;
-    let t4971 = t4957 - t4970;
-    let t4972 = u[6] * t4619;
-    let t4973 = u[5] * t4608;
-    let t4974 = u[4] * t4599;
-    let t4975 = u[3] * t4592;
-    let t4976 = u[2] * t4587;
-    let t4977 = u[1] * t4584;
-    let t4978 = u[0] * inverse_d_panda_joint1;
-    let t4979 = t4978 + t4977;
-    let t4980 = t4979 + t4976;
-    let t4981 = t4980 - t4975;
-    let t4982 = t4981 + t4974;
-    let t4983 = t4982 + t4973;
-    let t4984 = t4983 + t4972;
-    let t4985 = t4971 + t4984;
-    let t4986 = t1018 - t4985;
-    let t4987 = y[1] * t3251;
-    let t4988 = y[2] * t3254;
-    let t4989 = t4987 - t4988;
-    let t4990 = y[3] * t3257;
-    let t4991 = t4989 + t4990;
-    let t4992 = y[4] * t3260;
-    let t4993 = t4991 + t4992;
-    let t4994 = y[5] * t3263;
-    let t4995 = t4993 + t4994;
-    let t4996 = y[6] * t3266;
-    let t4997 = t4995 + t4996;
-    let t4998 = v[0] * t4250;
-    let t4999 = v[1] * t4253;
-    let t5000 = t4998 - t4999;
-    let t5001 = v[2] * t4256;
-    let t5002 = t5000 - t5001;
-    let t5003 = v[3] * t4259;
-    let t5004 = t5002 - t5003;
-    let t5005 = v[4] * t4262;
-    let t5006 = t5004 - t5005;
-    let t5007 = v[5] * t4265;
-    let t5008 = t5006 + t5007;
-    let t5009 = v[6] * t4268;
-    let t5010 = t5008 + t5009;
-    let t5011 = t4997 + t5010;
-    let t5012 = u[6] * t4656;
-    let t5013 = u[5] * t4645;
-    let t5014 = u[4] * t4636;
-    let t5015 = u[3] * t4629;
-    let t5016 = u[2] * t4624;
-    let t5017 = u[1] * t4621;
-    let t5018 = u[0] * t4584;
-    let t5019 = t5018 + t5017;
-    let t5020 = t5019 + t5016;
-    let t5021 = t5020 - t5015;
-    let t5022 = t5021 + t5014;
-    let t5023 = t5022 + t5013;
-    let t5024 = t5023 + t5012;
-    let t5025 = t5011 + t5024;
-    let t5026 = t1021 - t5025;
-    let t5027 = y[1] * t3271;
-    let t5028 = y[2] * t3276;
-    let t5029 = t5027 + t5028;
-    let t5030 = y[3] * t3281;
-    let t5031 = t5029 - t5030;
-    let t5032 = y[4] * t3286;
-    let t5033 = t5031 - t5032;
-    let t5034 = y[5] * t3291;
-    let t5035 = t5033 + t5034;
-    let t5036 = y[6] * t3296;
-    let t5037 = t5035 + t5036;
-    let t5038 = v[0] * t4273;
-    let t5039 = v[1] * t4278;
-    let t5040 = t5038 - t5039;
-    let t5041 = v[2] * t4283;
-    let t5042 = t5040 - t5041;
-    let t5043 = v[3] * t4288;
-    let t5044 = t5042 + t5043;
-    let t5045 = v[4] * t4293;
-    let t5046 = t5044 - t5045;
-    let t5047 = v[5] * t4298;
-    let t5048 = t5046 - t5047;
-    let t5049 = v[6] * t4303;
-    let t5050 = t5048 + t5049;
-    let t5051 = t5037 - t5050;
-    let t5052 = u[6] * t4698;
-    let t5053 = u[5] * t4687;
-    let t5054 = u[4] * t4678;
-    let t5055 = u[3] * t4671;
-    let t5056 = u[2] * t4666;
-    let t5057 = u[1] * t4624;
-    let t5058 = u[0] * t4587;
-    let t5059 = t5058 + t5057;
-    let t5060 = t5059 + t5056;
-    let t5061 = t5060 - t5055;
-    let t5062 = t5061 + t5054;
-    let t5063 = t5062 + t5053;
-    let t5064 = t5063 + t5052;
-    let t5065 = t5051 - t5064;
-    let t5066 = t1026 + t5065;
-    let t5067 = y[1] * t3303;
-    let t5068 = y[2] * t3310;
-    let t5069 = t5067 - t5068;
-    let t5070 = y[3] * t3317;
-    let t5071 = t5069 + t5070;
-    let t5072 = y[4] * t3324;
-    let t5073 = t5071 - t5072;
-    let t5074 = y[5] * t3331;
-    let t5075 = t5073 + t5074;
-    let t5076 = y[6] * t3338;
-    let t5077 = t5075 + t5076;
-    let t5078 = v[0] * t4310;
-    let t5079 = v[1] * t4317;
-    let t5080 = t5078 - t5079;
-    let t5081 = v[2] * t4324;
-    let t5082 = t5080 - t5081;
-    let t5083 = v[3] * t4331;
-    let t5084 = t5082 + t5083;
-    let t5085 = v[4] * t4338;
-    let t5086 = t5084 - t5085;
-    let t5087 = v[5] * t4345;
-    let t5088 = t5086 - t5087;
-    let t5089 = v[6] * t4352;
-    let t5090 = t5088 + t5089;
-    let t5091 = t5077 - t5090;
-    let t5092 = u[6] * t4746;
-    let t5093 = u[5] * t4735;
-    let t5094 = u[4] * t4726;
-    let t5095 = u[3] * t4719;
-    let t5096 = u[2] * t4671;
-    let t5097 = u[1] * t4629;
-    let t5098 = u[0] * t4592;
-    let t5099 = t5098 + t5097;
-    let t5100 = t5099 + t5096;
-    let t5101 = t5100 - t5095;
-    let t5102 = t5101 + t5094;
-    let t5103 = t5102 + t5093;
-    let t5104 = t5103 + t5092;
-    let t5105 = t5091 - t5104;
-    let t5106 = t1033 - t5105;
-    let t5107 = y[1] * t3347;
-    let t5108 = y[2] * t3356;
-    let t5109 = t5107 + t5108;
-    let t5110 = y[3] * t3365;
-    let t5111 = t5109 - t5110;
-    let t5112 = y[4] * t3374;
-    let t5113 = t5111 - t5112;
-    let t5114 = y[5] * t3383;
-    let t5115 = t5113 - t5114;
-    let t5116 = y[6] * t3392;
-    let t5117 = t5115 - t5116;
-    let t5118 = v[0] * t4361;
-    let t5119 = v[1] * t4370;
-    let t5120 = t5118 - t5119;
-    let t5121 = v[2] * t4379;
-    let t5122 = t5120 - t5121;
-    let t5123 = v[3] * t4388;
-    let t5124 = t5122 + t5123;
-    let t5125 = v[4] * t4397;
-    let t5126 = t5124 - t5125;
-    let t5127 = v[5] * t4406;
-    let t5128 = t5126 + t5127;
-    let t5129 = v[6] * t4415;
-    let t5130 = t5128 - t5129;
-    let t5131 = t5117 + t5130;
-    let t5132 = u[6] * t4802;
-    let t5133 = u[5] * t4791;
-    let t5134 = u[4] * t4782;
-    let t5135 = u[3] * t4726;
-    let t5136 = u[2] * t4678;
-    let t5137 = u[1] * t4636;
-    let t5138 = u[0] * t4599;
-    let t5139 = t5138 + t5137;
-    let t5140 = t5139 + t5136;
-    let t5141 = t5140 - t5135;
-    let t5142 = t5141 + t5134;
-    let t5143 = t5142 + t5133;
-    let t5144 = t5143 + t5132;
-    let t5145 = t5131 + t5144;
-    let t5146 = t1042 - t5145;
-    let t5147 = y[1] * t3403;
-    let t5148 = y[2] * t3414;
-    let t5149 = t5147 + t5148;
-    let t5150 = y[3] * t3425;
-    let t5151 = t5149 - t5150;
-    let t5152 = y[4] * t3436;
-    let t5153 = t5151 + t5152;
-    let t5154 = y[5] * t3447;
-    let t5155 = t5153 - t5154;
-    let t5156 = y[6] * t3458;
-    let t5157 = t5155 - t5156;
-    let t5158 = v[0] * t4426;
-    let t5159 = v[1] * t4437;
-    let t5160 = t5158 - t5159;
-    let t5161 = v[2] * t4448;
-    let t5162 = t5160 - t5161;
-    let t5163 = v[3] * t4459;
-    let t5164 = t5162 + t5163;
-    let t5165 = v[4] * t4470;
-    let t5166 = t5164 - t5165;
-    let t5167 = v[5] * t4481;
-    let t5168 = t5166 + t5167;
-    let t5169 = v[6] * t4492;
-    let t5170 = t5168 - t5169;
-    let t5171 = t5157 + t5170;
-    let t5172 = u[6] * t4868;
-    let t5173 = u[5] * t4857;
-    let t5174 = u[4] * t4791;
-    let t5175 = u[3] * t4735;
-    let t5176 = u[2] * t4687;
-    let t5177 = u[1] * t4645;
-    let t5178 = u[0] * t4608;
-    let t5179 = t5178 + t5177;
-    let t5180 = t5179 + t5176;
-    let t5181 = t5180 - t5175;
-    let t5182 = t5181 + t5174;
-    let t5183 = t5182 + t5173;
-    let t5184 = t5183 + t5172;
-    let t5185 = t5171 - t5184;
-    let t5186 = t1053 + t5185;
-    let t5187 = y[1] * t3471;
-    let t5188 = y[2] * t3484;
-    let t5189 = t5187 + t5188;
-    let t5190 = y[3] * t3497;
-    let t5191 = t5189 - t5190;
-    let t5192 = y[4] * t3510;
-    let t5193 = t5191 - t5192;
-    let t5194 = y[5] * t3523;
-    let t5195 = t5193 - t5194;
-    let t5196 = y[6] * t3536;
-    let t5197 = t5195 - t5196;
-    let t5198 = v[0] * t4505;
-    let t5199 = v[1] * t4518;
-    let t5200 = t5198 - t5199;
-    let t5201 = v[2] * t4531;
-    let t5202 = t5200 - t5201;
-    let t5203 = v[3] * t4544;
-    let t5204 = t5202 + t5203;
-    let t5205 = v[4] * t4557;
-    let t5206 = t5204 - t5205;
-    let t5207 = v[5] * t4570;
-    let t5208 = t5206 - t5207;
-    let t5209 = v[6] * t4583;
-    let t5210 = t5208 - t5209;
-    let t5211 = t5197 + t5210;
-    let t5212 = u[6] * t4946;
-    let t5213 = u[5] * t4868;
-    let t5214 = u[4] * t4802;
-    let t5215 = u[3] * t4746;
-    let t5216 = u[2] * t4698;
-    let t5217 = u[1] * t4656;
-    let t5218 = u[0] * t4619;
-    let t5219 = t5218 + t5217;
-    let t5220 = t5219 + t5216;
-    let t5221 = t5220 - t5215;
-    let t5222 = t5221 + t5214;
-    let t5223 = t5222 + t5213;
-    let t5224 = t5223 + t5212;
-    let t5225 = t5211 + t5224;
-    let t5226 = t1066 - t5225;
-    let t5227 = -t2756;
-    let t5228 = -t2926;
-    let t5229 = -t3096;
-    let t5230 = -t3248;
-    let t5231 = -t3254;
-    let t5232 = -t3271;
-    let t5233 = -t3276;
-    let t5234 = -t3291;
-    let t5235 = -t3296;
-    let t5236 = -t3310;
-    let t5237 = -t3324;
-    let t5238 = -t3365;
-    let t5239 = -t3374;
-    let t5240 = -t3383;
-    let t5241 = -t3392;
-    let t5242 = -t3403;
-    let t5243 = -t3414;
-    let t5244 = -t3436;
-    let t5245 = -t3497;
-    let t5246 = -t3510;
-    let t5247 = -t3523;
-    let t5248 = -t3536;
-    let t5249 = -t3609;
-    let t5250 = -t3711;
-    let t5251 = -t4135;
-    let t5252 = -t4247;
-    let t5253 = -t4253;
-    let t5254 = -t4256;
-    let t5255 = -t4259;
-    let t5256 = -t4262;
-    let t5257 = -t4278;
-    let t5258 = -t4283;
-    let t5259 = -t4293;
-    let t5260 = -t4298;
-    let t5261 = -t4310;
-    let t5262 = -t4331;
-    let t5263 = -t4352;
-    let t5264 = -t4370;
-    let t5265 = -t4379;
-    let t5266 = -t4397;
-    let t5267 = -t4415;
-    let t5268 = -t4426;
-    let t5269 = -t4459;
-    let t5270 = -t4481;
-    let t5271 = -t4518;
-    let t5272 = -t4531;
-    let t5273 = -t4557;
-    let t5274 = -t4570;
-    let t5275 = -t4583;
-    let t5276 = -t4592;
-    let t5277 = -t4629;
-    let t5278 = -t4671;
-    let t5279 = -t4726;
-    let t5280 = -t4735;
-    let t5281 = -t4746;
-    [
-        t4584,
-        t4587,
-        t4599,
-        t4608,
-        t4619,
-        t4621,
-        t4624,
-        t4636,
-        t4645,
-        t4656,
-        t4666,
-        t4678,
-        t4687,
-        t4698,
-        t4719,
-        t4782,
-        t4791,
-        t4802,
-        t4857,
-        t4868,
-        t4946,
-        t4986,
-        t5026,
-        t5066,
-        t5106,
-        t5146,
-        t5186,
-        t5226,
-        t5227,
-        t5228,
-        t5229,
-        t5230,
-        t5231,
-        t5232,
-        t5233,
-        t5234,
-        t5235,
-        t5236,
-        t5237,
-        t5238,
-        t5239,
-        t5240,
-        t5241,
-        t5242,
-        t5243,
-        t5244,
-        t5245,
-        t5246,
-        t5247,
-        t5248,
-        t5249,
-        t5250,
-        t5251,
-        t5252,
-        t5253,
-        t5254,
-        t5255,
-        t5256,
-        t5257,
-        t5258,
-        t5259,
-        t5260,
-        t5261,
-        t5262,
-        t5263,
-        t5264,
-        t5265,
-        t5266,
-        t5267,
-        t5268,
-        t5269,
-        t5270,
-        t5271,
-        t5272,
-        t5273,
-        t5274,
-        t5275,
-        t5276,
-        t5277,
-        t5278,
-        t5279,
-        t5280,
-        t5281,
     ]
 }
 

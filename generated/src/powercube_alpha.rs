@@ -278,7 +278,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t4 = t3 + t2;
     let t5 = u[0] * 161.0;
     let t6 = t5 - t4;
-    let t7 = t6 * 0.33888615725758225;
+    let t7 = 0.33888615725758225 * t6;
     [t7]
 }
 

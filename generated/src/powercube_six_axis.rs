@@ -2159,7 +2159,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t198 = t197 + t196;
     let t199 = u[0] * 161.0;
     let t200 = t199 - t198;
-    let t201 = t200 - moment_beta_y;
+    let t201 = moment_beta_y - t200;
     let t202 = 0.000255 * t33;
     let t203 = moment_zeta_z + t202;
     let t204 = v[5] * 20.0;
@@ -2169,7 +2169,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t208 = t207 + t206;
     let t209 = u[5] * 51.0;
     let t210 = t209 - t208;
-    let t211 = t210 + t203;
+    let t211 = t203 + t210;
     let t212 = cos_beta_gamma * cos_epsilon;
     let t213 = cos_delta * sin_epsilon;
     let t214 = sin_beta_gamma * t213;
@@ -2184,7 +2184,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t223 = t222 + t216;
     let t224 = t223 * 71.14379298863692;
     let t225 = t224 * t211;
-    let t226 = t201 + t225;
+    let t226 = t201 - t225;
     let t227 = 0.00101 * t102;
     let t228 = t227 - moment_epsilon_z;
     let t229 = v[4] * 20.0;
@@ -2194,7 +2194,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t233 = t232 + t231;
     let t234 = u[4] * 101.0;
     let t235 = t234 - t233;
-    let t236 = t235 - t228;
+    let t236 = t228 - t235;
     let t237 = t38 + 0.0050774970410000005;
     let t238 = cos_epsilon * 0.009952485403000002;
     let t239 = t237 + t238;
@@ -2227,13 +2227,13 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t266 = t265 + t264;
     let t267 = u[3] * 101.0;
     let t268 = t267 - t266;
-    let t269 = t268 + t261;
+    let t269 = t261 + t268;
     let t270 = cos_epsilon * 0.09291663939487936;
     let t271 = t270 * t211;
     let t272 = t269 - t271;
     let t273 = t245 * inverse_d_epsilon;
     let t274 = t273 * t236;
-    let t275 = t272 + t274;
+    let t275 = t272 - t274;
     let t276 = t38 - 0.003312497041000001;
     let t277 = sin_epsilon * t276;
     let t278 = sin_epsilon * t277;
@@ -2270,7 +2270,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let inverse_d_delta = 1.0 / t308;
     let t310 = t302 * inverse_d_delta;
     let t311 = t310 * t275;
-    let t312 = t259 + t311;
+    let t312 = t259 - t311;
     let t313 = sin_delta * t117;
     let t314 = cos_delta * t156;
     let t315 = t313 - t314;
@@ -2299,7 +2299,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t338 = t335 + t337;
     let t339 = u[2] * 161.0;
     let t340 = t339 - t338;
-    let t341 = t340 + moment_gamma_z;
+    let t341 = moment_gamma_z + t340;
     let t342 = sin_delta * sin_epsilon;
     let t343 = 0.000255 * t342;
     let t344 = sin_delta * t217;
@@ -2314,7 +2314,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t353 = t351 + t352;
     let t354 = t353 * inverse_d_epsilon;
     let t355 = t354 * t236;
-    let t356 = t348 - t355;
+    let t356 = t348 + t355;
     let t357 = sin_delta * t287;
     let t358 = cos_delta * t245;
     let t359 = t357 - t358;
@@ -2359,7 +2359,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t398 = t396 + t397;
     let t399 = t398 * inverse_d_gamma;
     let t400 = t399 * t366;
-    let t401 = t312 - t400;
+    let t401 = t312 + t400;
     let t402 = sin_delta * force_epsilon_z;
     let t403 = cos_delta * force_delta_x;
     let t404 = t403 - t402;
@@ -2403,7 +2403,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t442 = t438 + t441;
     let t443 = u[1] * 161.0;
     let t444 = t443 - t442;
-    let t445 = t444 + moment_beta_z;
+    let t445 = moment_beta_z + t444;
     let t446 = t445 - t347;
     let t447 = cos_delta * t248;
     let t448 = cos_beta_gamma * t447;
@@ -2419,7 +2419,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t458 = t457 + t352;
     let t459 = t458 * inverse_d_epsilon;
     let t460 = t459 * t236;
-    let t461 = t446 - t460;
+    let t461 = t446 + t460;
     let t462 = sin_delta * t293;
     let t463 = cos_beta_gamma * t462;
     let t464 = cos_beta * t463;
@@ -2480,7 +2480,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t519 = t518 - t511;
     let t520 = t519 * inverse_d_beta;
     let t521 = t520 * t494;
-    let t522 = t401 - t521;
+    let t522 = t401 + t521;
     let t523 = t374 - t378;
     let t524 = sin_beta_gamma * t523;
     let t525 = 2.0 * t290;
@@ -2510,26 +2510,26 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t549 = inverse_d_alpha * t522;
     let t550 = t520 * t549;
     let t551 = inverse_d_beta * t494;
-    let t552 = t551 - t550;
+    let t552 = t551 + t550;
     let t553 = t492 * t552;
     let t554 = inverse_d_gamma * t366;
     let t555 = t554 - t553;
     let t556 = t399 * t549;
-    let t557 = t555 - t556;
+    let t557 = t555 + t556;
     let t558 = t364 * t557;
     let t559 = inverse_d_delta * t275;
     let t560 = t559 - t558;
     let t561 = t472 * t552;
     let t562 = t560 - t561;
     let t563 = t310 * t549;
-    let t564 = t562 + t563;
+    let t564 = t562 - t563;
     let t565 = t273 * t564;
     let t566 = inverse_d_epsilon * t236;
-    let t567 = t566 + t565;
+    let t567 = t566 - t565;
     let t568 = t354 * t557;
-    let t569 = t567 - t568;
+    let t569 = t567 + t568;
     let t570 = t459 * t552;
-    let t571 = t569 - t570;
+    let t571 = t569 + t570;
     let t572 = t257 * t549;
     let t573 = t571 + t572;
     let t574 = t270 * t564;
@@ -2540,8 +2540,10 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t579 = t346 * t552;
     let t580 = t578 - t579;
     let t581 = t224 * t549;
-    let t582 = t580 + t581;
-    [t549, t552, t557, t564, t573, t582]
+    let t582 = t580 - t581;
+    let t583 = -t549;
+    let t584 = -t573;
+    [t583, t552, t557, t564, t584, t582]
 }
 
 /// Mass matrix and bias forces at once.
@@ -5819,7 +5821,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
 /// - returns `∂ÿ/∂ẏ: [N × N]`: row i = acceleration i
 /// - returns `M⁻¹: [N × N]`: symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B
 ///
-/// Cost: 1351 multiplications, 1136 additions, 5 divisions, 15 function calls (5 `sin_cos`, 10 other), 1
+/// Cost: 1352 multiplications, 1148 additions, 6 divisions, 15 function calls (5 `sin_cos`, 10 other), 1
 /// selection.
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
@@ -5836,139 +5838,179 @@ pub fn forward_dynamics_derivatives(
     u: &[f64; M],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
     let [sin_delta, cos_delta, sin_epsilon, cos_epsilon, sin_beta_gamma, cos_beta_gamma,
-    t39, omega_epsilon_y, t51, t55, t71, t78, t205, t224, t230, inverse_d_epsilon, t257,
-    t270, t273, inverse_d_delta, t310, t346, t354, t364, inverse_d_gamma, t399, t459,
-    t472, t492, inverse_d_beta, t520, inverse_d_alpha, t549, t552, t557, t564, t573,
-    t582, t611, t758, t759, t767, t794, t795, t806, t813, t869, t880, t884, t885, t924,
-    t932, t1057, t1198, t1323, t1324, t1432, t1495, t1498, t1501, t1504, t1507, t1510,
-    t1515, t1520, t1525, t1530, t1535, t1542, t1549, t1556, t1563, t1570, t1579, t1588,
-    t1597, t1606, t1615, t1624, t1633, t1642, t1651, t1660, t1684, t1693, t1706, t1719,
-    t1733, t1736, t1763, t1774, t1791, t1803, t1805, t1825, t1848, t1854, t1864, t1866,
-    t1887, t1913, t1943, t1948, t1959, t1971, t1993, t1996, t1997, t1999] = forward_dynamics_derivatives_part_1(
+    t22, t23, t36, t40, t42, t49, t51, t54, t67, t68, t176, t196, inverse_d_alpha, t238,
+    t241, t246, t253, omega_epsilon_y, t334, t344, t401, t545, t549, t557, t559, t562,
+    t567, t574, t590, t592, t602, t607, t614, t630, t632, t653, t660, t676, t678, t714,
+    t730, t732, t777, t779, t932, t933, t941, t946, t961, t962, t965, t968, t969, t980,
+    t986, t987, t988, t994, t995, t996, t1026, t1109, t1112, t1124, t1141, t1149, t1150,
+    t1162, t1163, t1164, t1166, t1173, t1177, t1178, t1182, t1188, t1191, t1207, t1312,
+    t1315, t1335, t1420, t1421, t1434, t1513, t1560, t1571, t1582, t1593, t1604, t1615,
+    t1626, t1637, t1648, t1659, t1669, t1680, t1691, t1702, t1713, t1724, t1735, t1746,
+    t1757, t1768, t1779, t1790, t1801, t1812, t1823, t1834, t1843, t1851, t1857, t1863,
+    t1883, t1891, t1893, t1902, t1906, t1907, t1914, t1921, t1943, t1946, t1953, t1961,
+    t1963, t1965, t1966, t1968, t1971, t1972, t1974, t1976, t1977, t1981, t1994] = forward_dynamics_derivatives_part_1(
         y,
         v,
         u,
     );
-    let [t2076, t2124, t2127, t2133, t2136, t2152, t2157, t2162, t2179, t2200, t2207,
-    t2214, t2232, t2241, t2286, t2295, t2326, t2345, t2347, t2355, t2362, t2379, t2398,
-    t2419, t2426, t2469, t2512, t2513, t2514, t2515, t2516, t2517, t2518, t2519, t2520,
-    t2521, t2522, t2523, t2524, t2525, t2526, t2527, t2528, t2529, t2530, t2531, t2532,
-    t2533, t2534, t2535, t2536, t2537, t2538, t2539, t2540, t2541, t2542, t2543, t2544,
-    t2545, t2546, t2547, t2548, t2549, t2550, t2551, t2552, t2553] = forward_dynamics_derivatives_part_2([
+    let [t2036, t2165, t2197, t2241, t2274, t2285, t2296, t2318, t2328, t2339, t2350,
+    t2361, t2383, t2394, t2405, t2416, t2427, t2449, t2460, t2504, t2527, t2528, t2529,
+    t2530, t2531, t2532, t2533, t2534, t2535, t2536, t2537, t2538, t2539, t2540, t2541,
+    t2542, t2543, t2544, t2545, t2546, t2547, t2548, t2549, t2550, t2551, t2552, t2553,
+    t2554, t2555, t2556, t2557, t2558, t2559, t2560, t2561, t2562, t2563, t2564, t2565,
+    t2566, t2567, t2568] = forward_dynamics_derivatives_part_2([
         sin_delta,
         cos_delta,
         sin_epsilon,
         cos_epsilon,
         sin_beta_gamma,
         cos_beta_gamma,
-        t39,
-        omega_epsilon_y,
+        t22,
+        t23,
+        t36,
+        t40,
+        t42,
+        t49,
         t51,
-        t55,
-        t71,
-        t78,
-        t205,
-        t224,
-        t230,
-        inverse_d_epsilon,
-        t257,
-        t270,
-        t273,
-        inverse_d_delta,
-        t310,
-        t346,
-        t354,
-        t364,
-        inverse_d_gamma,
-        t399,
-        t459,
-        t472,
-        t492,
-        inverse_d_beta,
-        t520,
+        t54,
+        t67,
+        t68,
+        t176,
+        t196,
         inverse_d_alpha,
-        t611,
-        t758,
-        t759,
-        t767,
-        t794,
-        t795,
-        t806,
-        t813,
-        t869,
-        t880,
-        t884,
-        t885,
-        t924,
+        t238,
+        t241,
+        t246,
+        t253,
+        omega_epsilon_y,
+        t334,
+        t344,
+        t401,
+        t545,
+        t549,
+        t559,
+        t562,
+        t567,
+        t574,
+        t590,
+        t592,
+        t602,
+        t607,
+        t614,
+        t630,
+        t653,
+        t660,
+        t676,
+        t714,
+        t730,
+        t777,
+        t779,
         t932,
-        t1057,
-        t1324,
-        t1432,
-        t1495,
-        t1501,
-        t1504,
-        t1515,
-        t1520,
-        t1525,
-        t1556,
-        t1563,
-        t1570,
-        t1579,
-        t1597,
-        t1606,
-        t1615,
-        t1684,
-        t1693,
-        t1706,
-        t1719,
-        t1733,
-        t1736,
-        t1763,
-        t1774,
-        t1791,
-        t1803,
-        t1805,
-        t1825,
-        t1848,
-        t1854,
-        t1864,
-        t1866,
-        t1887,
-        t1913,
+        t933,
+        t941,
+        t946,
+        t961,
+        t962,
+        t965,
+        t968,
+        t969,
+        t980,
+        t986,
+        t987,
+        t988,
+        t994,
+        t995,
+        t996,
+        t1026,
+        t1109,
+        t1112,
+        t1124,
+        t1141,
+        t1149,
+        t1150,
+        t1162,
+        t1163,
+        t1164,
+        t1166,
+        t1173,
+        t1177,
+        t1178,
+        t1182,
+        t1188,
+        t1191,
+        t1207,
+        t1312,
+        t1315,
+        t1335,
+        t1421,
+        t1434,
+        t1513,
+        t1560,
+        t1593,
+        t1626,
+        t1637,
+        t1659,
+        t1669,
+        t1680,
+        t1691,
+        t1713,
+        t1724,
+        t1735,
+        t1746,
+        t1768,
+        t1779,
+        t1812,
+        t1843,
+        t1851,
+        t1857,
+        t1863,
+        t1883,
+        t1891,
+        t1902,
+        t1906,
+        t1907,
+        t1914,
+        t1921,
         t1943,
-        t1948,
-        t1959,
+        t1946,
+        t1953,
+        t1961,
+        t1963,
+        t1966,
+        t1968,
         t1971,
-        t1993,
-        t1996,
-        t1997,
-        t1999,
+        t1972,
+        t1974,
+        t1976,
+        t1977,
+        t1981,
+        t1994,
     ]);
     (
-        [t549, t552, t557, t564, t573, t582],
+        [t557, t2527, t632, t678, t732, t2528],
         [
-            [0.0, t2513, t1198, t1323, t2514, t2515],
-            [0.0, t1498, t2516, t2517, t1507, t1510],
-            [0.0, t2518, t2519, t2520, t1530, t1535],
-            [0.0, t1542, t1549, t2521, t2522, t2523],
-            [0.0, t2524, t1588, t2525, t2526, t2527],
-            [0.0, t1624, t1633, t1642, t1651, t1660],
+            [0.0, t2529, t2530, t1420, t2531, t2532],
+            [0.0, t1571, t1582, t2533, t1604, t1615],
+            [0.0, t2534, t2535, t1648, t2536, t2537],
+            [0.0, t2538, t2539, t1702, t2540, t2541],
+            [0.0, t2542, t2543, t1757, t2544, t2545],
+            [0.0, t1790, t1801, t2546, t1823, t1834],
         ],
         [
-            [t1736, t1825, t1913, t2528, t2076, t2124],
-            [t2127, t2529, t2133, t2136, t2530, t2531],
-            [t2532, t2152, t2157, t2162, t2533, t2534],
-            [t2179, t2535, t2536, t2200, t2207, t2214],
-            [t2537, t2232, t2241, t2538, t2539, t2540],
-            [t2541, t2286, t2295, t2542, t2543, t2544],
+            [t1893, t1965, t2036, t2547, t2165, t2197],
+            [t2548, t2549, t2550, t2241, t2551, t2552],
+            [t2274, t2285, t2296, t2553, t2318, t2328],
+            [t2339, t2350, t2361, t2554, t2383, t2394],
+            [t2405, t2416, t2427, t2555, t2449, t2460],
+            [t2556, t2557, t2558, t2504, t2559, t2560],
         ],
         [
-            [inverse_d_alpha, t2545, t2326, t2546, t2547, t2345],
-            [t2545, t2347, t2548, t2355, t2362, t2549],
-            [t2326, t2548, t2379, t2550, t2551, t2398],
-            [t2546, t2355, t2550, t2419, t2426, t2552],
-            [t2547, t2362, t2551, t2426, t2469, t2553],
-            [t2345, t2549, t2398, t2552, t2553, t2512],
+            [inverse_d_alpha, t2561, t241, t246, t253, t2562],
+            [t2561, t559, t2563, t2564, t2565, t590],
+            [t241, t2563, t602, t607, t614, t2566],
+            [t246, t2564, t607, t653, t660, t2567],
+            [t253, t2565, t614, t660, t714, t2568],
+            [t2562, t590, t2566, t2567, t2568, t777],
         ],
     )
 }
@@ -5979,7 +6021,7 @@ fn forward_dynamics_derivatives_part_1(
     y: &[f64; N],
     v: &[f64; N],
     u: &[f64; M],
-) -> [f64; 109] {
+) -> [f64; 144] {
     let angle_beta_gamma = y[1] + y[2];
     let (
         [sin_beta,
@@ -5994,1995 +6036,1990 @@ fn forward_dynamics_derivatives_part_1(
         ],
     ) = math::sin_cos_4(y[1], y[3], y[4], y[5]);
     let (sin_beta_gamma, cos_beta_gamma) = math::sin_cos(angle_beta_gamma);
-    let omega_gamma_x = v[0] * sin_beta_gamma;
-    let t12 = sin_delta * omega_gamma_x;
-    let omega_gamma_z = v[1] + v[2];
-    let t14 = cos_delta * omega_gamma_z;
-    let omega_delta_y = t12 + t14;
-    let t16 = v[3] * omega_delta_y;
-    let omega_gamma_y = v[0] * cos_beta_gamma;
-    let t18 = omega_gamma_z * omega_gamma_y;
-    let t19 = cos_delta * t18;
-    let t20 = t19 - t16;
-    let t21 = sin_epsilon * t20;
-    let t22 = omega_gamma_z * omega_gamma_x;
+    let t11 = sin_zeta * 9.103999999999991e-5;
+    let t12 = sin_zeta * t11;
+    let t13 = t12 - 0.003312497041000001;
+    let t14 = sin_epsilon * t13;
+    let t15 = sin_epsilon * t14;
+    let t16 = t12 + 0.0008825;
+    let t17 = t16 - t15;
+    let t18 = 0.0026049999999999997 + t17;
+    let t19 = t12 - 0.0035685400000000003;
+    let t20 = t18 + t19;
+    let t21 = sin_delta * t20;
+    let t22 = cos_zeta * t11;
     let t23 = cos_epsilon * t22;
-    let t24 = t21 + t23;
-    let t25 = cos_delta * omega_gamma_x;
-    let t26 = sin_delta * omega_gamma_z;
-    let omega_delta_x = t25 - t26;
-    let t28 = cos_epsilon * omega_delta_x;
-    let omega_delta_z = v[3] + omega_gamma_y;
-    let t30 = sin_epsilon * omega_delta_z;
-    let omega_epsilon_x = t28 + t30;
-    let t32 = v[4] * omega_epsilon_x;
-    let t33 = t24 + t32;
-    let omega_epsilon_z = v[4] + omega_delta_y;
-    let t35 = omega_epsilon_x * omega_epsilon_z;
-    let t36 = t33 + t35;
-    let t37 = sin_zeta * 9.103999999999991e-5;
-    let t38 = sin_zeta * t37;
-    let t39 = 0.00048000000000000007 + t38;
-    let t40 = t39 * t36;
-    let t41 = sin_epsilon * omega_delta_x;
-    let t42 = cos_epsilon * omega_delta_z;
-    let omega_epsilon_y = t41 - t42;
-    let omega_zeta_z = v[5] - omega_epsilon_y;
-    let t45 = omega_zeta_z * omega_zeta_z;
-    let t46 = omega_epsilon_x * omega_epsilon_x;
-    let t47 = t46 + t45;
-    let t48 = omega_epsilon_z * omega_epsilon_z;
-    let t49 = t48 + t45;
-    let t50 = t49 - t47;
-    let t51 = cos_zeta * t37;
-    let t52 = t51 * t50;
-    let t53 = t52 + t40;
-    let t54 = t33 - t35;
-    let t55 = 0.00057104 - t38;
-    let t56 = t55 * t54;
-    let moment_zeta_z = t53 + t56;
-    let t58 = 0.0004025 * t36;
-    let moment_epsilon_y = t58 + moment_zeta_z;
-    let t60 = sin_epsilon * moment_epsilon_y;
-    let t61 = cos_epsilon * t20;
-    let t62 = sin_epsilon * t22;
-    let t63 = t61 - t62;
-    let t64 = v[4] * omega_epsilon_y;
-    let t65 = t63 - t64;
-    let t66 = omega_epsilon_y * omega_epsilon_z;
-    let t67 = t65 - t66;
-    let t68 = 0.004194997041000001 * t67;
-    let t69 = omega_delta_y * omega_delta_z;
-    let t70 = t20 + t69;
-    let t71 = cos_beta * 0.3875551727850145;
-    let t72 = v[1] * v[1];
-    let t73 = t71 * t72;
-    let t74 = 21.1145440844009 - t73;
-    let t75 = sin_beta_gamma * t74;
-    let t76 = v[0] * v[0];
-    let t77 = t76 + t72;
-    let t78 = sin_beta * 0.3875551727850145;
-    let t79 = t78 * t77;
-    let t80 = cos_beta_gamma * t79;
-    let acceleration_gamma_x = t80 + t75;
-    let t82 = sin_delta * acceleration_gamma_x;
-    let t83 = v[0] * v[1];
-    let t84 = 2.0 * t83;
-    let acceleration_gamma_z = t71 * t84;
-    let t86 = cos_delta * acceleration_gamma_z;
-    let t87 = t82 + t86;
-    let acceleration_delta_y = t87 + t70;
-    let t89 = 0.009952485403000002 * acceleration_delta_y;
-    let t90 = t89 + t68;
-    let t91 = v[5] * 0.000255;
-    let t92 = omega_epsilon_z * t91;
-    let t93 = t90 - t92;
-    let t94 = 2.0 * omega_zeta_z;
-    let t95 = omega_epsilon_z * t94;
-    let t96 = t67 - t95;
-    let t97 = t55 * t96;
-    let t98 = omega_epsilon_x * t94;
-    let t99 = omega_epsilon_x * omega_epsilon_y;
-    let t100 = v[3] * omega_delta_x;
-    let t101 = sin_delta * t18;
-    let t102 = t101 + t100;
-    let t103 = t102 + t99;
-    let t104 = t103 + t98;
-    let t105 = t51 * t104;
-    let moment_zeta_x = t105 - t97;
-    let moment_epsilon_x = moment_zeta_x - t93;
-    let t108 = cos_epsilon * moment_epsilon_x;
-    let t109 = t108 - t60;
-    let t110 = t20 - t69;
-    let t111 = 0.0029975 * t110;
-    let t112 = v[4] * 0.00101;
-    let t113 = omega_delta_z * t112;
-    let t114 = t111 + t113;
-    let moment_delta_x = t114 - t109;
-    let force_epsilon_z = 0.009952485403000002 * t67;
-    let t117 = force_epsilon_z + moment_delta_x;
-    let t118 = cos_delta * t117;
-    let t119 = omega_delta_x * omega_delta_z;
-    let t120 = t102 - t119;
-    let t121 = cos_delta * acceleration_gamma_x;
-    let t122 = sin_delta * acceleration_gamma_z;
-    let t123 = t121 - t122;
-    let acceleration_delta_x = t123 - t120;
-    let t125 = cos_epsilon * acceleration_delta_x;
-    let t126 = omega_delta_y * omega_delta_y;
-    let t127 = omega_delta_x * omega_delta_x;
-    let t128 = t127 + t126;
-    let t129 = cos_beta_gamma * t74;
-    let t130 = sin_beta_gamma * t79;
-    let acceleration_gamma_y = t130 - t129;
-    let acceleration_delta_z = acceleration_gamma_y + t128;
-    let t133 = sin_epsilon * acceleration_delta_z;
-    let acceleration_epsilon_x = t125 - t133;
-    let t135 = 0.009952485403000002 * acceleration_epsilon_x;
-    let t136 = 0.004194997041000001 * t103;
-    let t137 = t102 - t99;
-    let t138 = 0.0004025 * t137;
-    let t139 = t138 + t136;
-    let t140 = t135 - t139;
-    let t141 = omega_epsilon_x * t91;
-    let t142 = t140 - t141;
-    let t143 = t51 * t96;
-    let t144 = t39 * t104;
-    let moment_zeta_y = t143 - t144;
-    let moment_epsilon_z = moment_zeta_y + t142;
-    let t147 = t102 + t119;
-    let t148 = 0.0026049999999999997 * t147;
-    let moment_delta_y = t148 - moment_epsilon_z;
-    let t150 = t46 + t48;
-    let force_epsilon_y = 0.009952485403000002 * t150;
-    let t152 = sin_epsilon * force_epsilon_y;
-    let force_epsilon_x = 0.009952485403000002 * t103;
-    let t154 = cos_epsilon * force_epsilon_x;
-    let force_delta_x = t154 - t152;
-    let t156 = force_delta_x + moment_delta_y;
-    let t157 = sin_delta * t156;
-    let t158 = t118 + t157;
-    let t159 = t18 * 1.2583069346190003;
-    let t160 = 0.7918816998225002 * acceleration_gamma_z;
-    let t161 = t160 + t159;
-    let t162 = v[3] * 0.001515;
-    let t163 = omega_gamma_z * t162;
-    let t164 = t161 - t163;
-    let moment_gamma_x = t164 + t158;
-    let t166 = sin_beta_gamma * moment_gamma_x;
-    let t167 = cos_epsilon * moment_epsilon_y;
-    let t168 = sin_epsilon * moment_epsilon_x;
-    let t169 = t168 + t167;
-    let t170 = omega_delta_x * omega_delta_y;
-    let t171 = t22 - t170;
-    let t172 = 0.0029975 * t171;
-    let t173 = t22 + t170;
-    let t174 = 0.0026049999999999997 * t173;
-    let t175 = t174 + t172;
-    let t176 = omega_delta_x * t112;
-    let t177 = t175 + t176;
-    let moment_delta_z = t177 + t169;
-    let t179 = t22 * 0.008315;
-    let moment_gamma_y = t179 + moment_delta_z;
-    let t181 = cos_beta_gamma * moment_gamma_y;
-    let t182 = t166 - t181;
-    let t183 = cos_delta * force_epsilon_z;
-    let t184 = sin_delta * force_delta_x;
-    let t185 = t184 + t183;
-    let t186 = t18 * 1.5837633996450005;
-    let force_gamma_z = t186 + t185;
-    let t188 = t78 * force_gamma_z;
-    let t189 = t182 + t188;
-    let t190 = cos_beta * 0.28909494;
-    let t191 = sin_beta * t190;
-    let t192 = t191 * t84;
-    let moment_beta_y = t192 + t189;
-    let t194 = v[0] * 20.0;
-    let t195 = math::tanh(t194);
-    let t196 = t195 * 10.0;
-    let t197 = v[0] * 60.0;
-    let t198 = t197 + t196;
-    let t199 = u[0] * 161.0;
-    let t200 = t199 - t198;
-    let t201 = t200 - moment_beta_y;
-    let t202 = 0.000255 * t33;
-    let t203 = moment_zeta_z + t202;
-    let t204 = v[5] * 20.0;
-    let t205 = math::tanh(t204);
-    let t206 = t205 * 0.4;
-    let t207 = v[5] * 2.0;
-    let t208 = t207 + t206;
-    let t209 = u[5] * 51.0;
-    let t210 = t209 - t208;
-    let t211 = t210 + t203;
-    let t212 = cos_beta_gamma * cos_epsilon;
-    let t213 = cos_delta * sin_epsilon;
-    let t214 = sin_beta_gamma * t213;
-    let t215 = t214 - t212;
-    let t216 = 0.000255 * t215;
-    let t217 = sin_epsilon * 0.00105104;
-    let t218 = cos_delta * t217;
-    let t219 = sin_beta_gamma * t218;
-    let t220 = cos_epsilon * 0.00105104;
-    let t221 = cos_beta_gamma * t220;
+    let t24 = 2.0 * t23;
+    let t25 = cos_delta * t24;
+    let t26 = t21 - t25;
+    let t27 = sin_delta * t26;
+    let t28 = t18 - t27;
+    let t29 = 0.0041575 + t28;
+    let t30 = 0.004194997041000001 + t15;
+    let t31 = cos_epsilon * 0.019904970806000004;
+    let t32 = t30 + t31;
+    let t33 = 0.6291534673095002 + t32;
+    let t34 = t29 - t33;
+    let t35 = sin_beta_gamma * t34;
+    let t36 = cos_epsilon * t14;
+    let t37 = 0.009952485403000002 * sin_epsilon;
+    let t38 = t37 - t36;
+    let t39 = cos_delta * t38;
+    let t40 = sin_epsilon * t22;
+    let t41 = sin_delta * t40;
+    let t42 = t39 - t41;
+    let t43 = 2.0 * t42;
+    let t44 = cos_beta_gamma * t43;
+    let t45 = t35 - t44;
+    let t46 = sin_beta_gamma * t45;
+    let t47 = t29 - t46;
+    let t48 = 0.009952485403000002 * cos_epsilon;
+    let t49 = 0.7918816998225002 + t48;
+    let t50 = sin_beta_gamma * t49;
+    let t51 = cos_delta * t37;
+    let t52 = cos_beta_gamma * t51;
+    let t53 = t52 + t50;
+    let t54 = 0.3875551727850145 * sin_beta;
+    let t55 = t54 * t53;
+    let t56 = 2.0 * t55;
+    let t57 = t47 + t56;
+    let t58 = cos_beta * 0.28909494;
+    let t59 = cos_beta * t58;
+    let t60 = 0.292121275 - t59;
+    let t61 = t60 + t57;
+    let t62 = 0.004026335 + t61;
+    let t63 = t19 - t27;
+    let t64 = 0.01110483 - t63;
+    let t65 = t62 + t64;
+    let t66 = t65 + 1.36525907;
+    let t67 = 0.00057104 - t12;
+    let t68 = 0.00048000000000000007 + t12;
+    let t69 = t68 + t67;
+    let t70 = sin_epsilon * t69;
+    let t71 = cos_delta * t70;
+    let t72 = sin_beta_gamma * t71;
+    let t73 = cos_epsilon * t69;
+    let t74 = cos_beta_gamma * t73;
+    let t75 = t72 - t74;
+    let t76 = cos_beta_gamma * cos_epsilon;
+    let t77 = cos_delta * sin_epsilon;
+    let t78 = sin_beta_gamma * t77;
+    let t79 = t78 - t76;
+    let t80 = 0.000255 * t79;
+    let t81 = t75 + t80;
+    let t82 = t69 + 0.013005000000000001;
+    let inverse_d_zeta = 1.0 / t82;
+    let t84 = t81 * inverse_d_zeta;
+    let t85 = t81 * t84;
+    let t86 = t66 - t85;
+    let t87 = t12 + 0.0050774970410000005;
+    let t88 = t87 + t48;
+    let t89 = sin_delta * t88;
+    let t90 = cos_delta * t23;
+    let t91 = t90 - t89;
+    let t92 = sin_beta_gamma * t91;
+    let t93 = cos_beta_gamma * t40;
+    let t94 = t92 + t93;
+    let t95 = sin_delta * t48;
+    let t96 = t54 * t95;
+    let t97 = t94 - t96;
+    let t98 = sin_beta_gamma * sin_delta;
+    let t99 = 0.00101 * t98;
+    let t100 = t97 - t99;
+    let t101 = t12 + 0.107087497041;
+    let inverse_d_epsilon = 1.0 / t101;
+    let t103 = t100 * inverse_d_epsilon;
+    let t104 = t100 * t103;
+    let t105 = t86 - t104;
+    let t106 = t18 - t19;
+    let t107 = cos_beta_gamma * t106;
+    let t108 = sin_beta_gamma * t42;
+    let t109 = t108 + t107;
+    let t110 = t54 * t51;
+    let t111 = t109 + t110;
+    let t112 = cos_beta_gamma * 0.001515;
+    let t113 = t111 + t112;
+    let t114 = cos_epsilon * 0.000255;
+    let t115 = t73 + t114;
+    let t116 = t115 * inverse_d_zeta;
+    let t117 = t81 * t116;
+    let t118 = t113 + t117;
+    let t119 = t40 * inverse_d_epsilon;
+    let t120 = t100 * t119;
+    let t121 = t118 - t120;
+    let t122 = t106 + 0.153015;
+    let t123 = t115 * t116;
+    let t124 = t122 - t123;
+    let t125 = t40 * t119;
+    let t126 = t124 - t125;
+    let inverse_d_delta = 1.0 / t126;
+    let t128 = t121 * inverse_d_delta;
+    let t129 = t121 * t128;
+    let t130 = t105 - t129;
+    let t131 = t29 + t33;
+    let t132 = t131 + 1.36525907;
+    let t133 = sin_delta * t70;
+    let t134 = sin_delta * sin_epsilon;
+    let t135 = 0.000255 * t134;
+    let t136 = t133 + t135;
+    let t137 = t136 * inverse_d_zeta;
+    let t138 = t136 * t137;
+    let t139 = t132 - t138;
+    let t140 = cos_delta * t88;
+    let t141 = sin_delta * t23;
+    let t142 = t141 + t140;
+    let t143 = cos_delta * 0.00101;
+    let t144 = t142 + t143;
+    let t145 = t144 * inverse_d_epsilon;
+    let t146 = t144 * t145;
+    let t147 = t139 - t146;
+    let t148 = t136 * t116;
+    let t149 = sin_delta * t38;
+    let t150 = cos_delta * t40;
+    let t151 = t149 + t150;
+    let t152 = t151 + t148;
+    let t153 = t144 * t119;
+    let t154 = t152 - t153;
+    let t155 = t154 * inverse_d_delta;
+    let t156 = t154 * t155;
+    let t157 = t147 - t156;
+    let inverse_d_gamma = 1.0 / t157;
+    let t159 = cos_delta * t26;
+    let t160 = t23 + t159;
+    let t161 = sin_beta_gamma * t160;
+    let t162 = cos_beta_gamma * t151;
+    let t163 = t161 - t162;
+    let t164 = t81 * t137;
+    let t165 = t163 + t164;
+    let t166 = t100 * t145;
+    let t167 = t165 + t166;
+    let t168 = t121 * t155;
+    let t169 = t167 + t168;
+    let t170 = t169 * inverse_d_gamma;
+    let t171 = t169 * t170;
+    let t172 = t130 - t171;
+    let t173 = cos_beta_gamma * t49;
+    let t174 = sin_beta_gamma * t51;
+    let t175 = t174 - t173;
+    let t176 = 0.3875551727850145 * cos_beta;
+    let t177 = t176 * t175;
+    let t178 = t55 - t177;
+    let t179 = t131 + t178;
+    let t180 = t179 + 0.00847987;
+    let t181 = t180 - t138;
+    let t182 = cos_delta * t48;
+    let t183 = cos_beta_gamma * t182;
+    let t184 = sin_beta_gamma * t37;
+    let t185 = t183 - t184;
+    let t186 = t176 * t185;
+    let t187 = sin_beta_gamma * t182;
+    let t188 = cos_beta_gamma * t37;
+    let t189 = t187 + t188;
+    let t190 = t54 * t189;
+    let t191 = t190 + t186;
+    let t192 = t142 + t191;
+    let t193 = t192 + t143;
+    let t194 = t193 * t145;
+    let t195 = t181 - t194;
+    let t196 = sin_delta * t37;
+    let t197 = cos_beta_gamma * t196;
+    let t198 = t176 * t197;
+    let t199 = sin_beta_gamma * t196;
+    let t200 = t54 * t199;
+    let t201 = t200 + t198;
+    let t202 = t151 + t201;
+    let t203 = t202 + t148;
+    let t204 = t193 * t119;
+    let t205 = t203 - t204;
+    let t206 = t205 * t155;
+    let t207 = t195 - t206;
+    let t208 = t207 * inverse_d_gamma;
+    let t209 = t207 * t208;
+    let t210 = 2.0 * t178;
+    let t211 = t131 + t210;
+    let t212 = 0.0030263349999999994 + t59;
+    let t213 = t60 + t212;
+    let t214 = t213 + t211;
+    let t215 = t214 + 1.36525907;
+    let t216 = t215 - t138;
+    let t217 = t193 * inverse_d_epsilon;
+    let t218 = t193 * t217;
+    let t219 = t216 - t218;
+    let t220 = t205 * inverse_d_delta;
+    let t221 = t205 * t220;
     let t222 = t219 - t221;
-    let t223 = t222 + t216;
-    let t224 = t223 * 71.14379298863692;
-    let t225 = t224 * t211;
-    let t226 = t201 + t225;
-    let t227 = 0.00101 * t102;
-    let t228 = t227 - moment_epsilon_z;
-    let t229 = v[4] * 20.0;
-    let t230 = math::tanh(t229);
-    let t231 = t230 * 1.5;
-    let t232 = v[4] * 8.0;
-    let t233 = t232 + t231;
-    let t234 = u[4] * 101.0;
-    let t235 = t234 - t233;
-    let t236 = t235 - t228;
-    let t237 = t38 + 0.0050774970410000005;
-    let t238 = cos_epsilon * 0.009952485403000002;
-    let t239 = t237 + t238;
-    let t240 = sin_delta * t239;
-    let t241 = cos_epsilon * t51;
-    let t242 = cos_delta * t241;
-    let t243 = t242 - t240;
-    let t244 = sin_beta_gamma * t243;
-    let t245 = sin_epsilon * t51;
-    let t246 = cos_beta_gamma * t245;
-    let t247 = t244 + t246;
-    let t248 = 0.0038571372000000006 * cos_epsilon;
-    let t249 = sin_delta * t248;
-    let t250 = sin_beta * t249;
-    let t251 = t247 - t250;
-    let t252 = sin_beta_gamma * sin_delta;
-    let t253 = 0.00101 * t252;
-    let t254 = t251 - t253;
-    let t255 = t38 + 0.107087497041;
-    let inverse_d_epsilon = 1.0 / t255;
-    let t257 = t254 * inverse_d_epsilon;
-    let t258 = t257 * t236;
-    let t259 = t226 + t258;
-    let t260 = 0.001515 * t22;
-    let t261 = t260 + moment_delta_z;
-    let t262 = v[3] * 20.0;
-    let t263 = math::tanh(t262);
-    let t264 = 2.0 * t263;
-    let t265 = v[3] * 10.0;
-    let t266 = t265 + t264;
-    let t267 = u[3] * 101.0;
-    let t268 = t267 - t266;
-    let t269 = t268 + t261;
-    let t270 = cos_epsilon * 0.09291663939487936;
-    let t271 = t270 * t211;
-    let t272 = t269 - t271;
-    let t273 = t245 * inverse_d_epsilon;
-    let t274 = t273 * t236;
-    let t275 = t272 + t274;
-    let t276 = t38 - 0.003312497041000001;
-    let t277 = sin_epsilon * t276;
-    let t278 = sin_epsilon * t277;
-    let t279 = t38 + 0.0008825;
-    let t280 = t279 - t278;
-    let t281 = 0.0026049999999999997 + t280;
-    let t282 = t38 - 0.0035685400000000003;
-    let t283 = t281 - t282;
-    let t284 = cos_beta_gamma * t283;
-    let t285 = cos_epsilon * t277;
-    let t286 = sin_epsilon * 0.009952485403000002;
-    let t287 = t285 - t286;
-    let t288 = cos_delta * t287;
-    let t289 = sin_delta * t245;
-    let t290 = t288 + t289;
-    let t291 = sin_beta_gamma * t290;
-    let t292 = t291 - t284;
-    let t293 = 0.0038571372000000006 * sin_epsilon;
-    let t294 = cos_delta * t293;
-    let t295 = sin_beta * t294;
-    let t296 = t292 - t295;
-    let t297 = cos_beta_gamma * 0.001515;
-    let t298 = t296 - t297;
-    let t299 = t223 * t270;
-    let t300 = t298 - t299;
-    let t301 = t254 * t273;
-    let t302 = t300 + t301;
-    let t303 = t283 + 0.153015;
-    let t304 = cos_epsilon * 0.00130604;
-    let t305 = t304 * t270;
-    let t306 = t303 - t305;
-    let t307 = t245 * t273;
-    let t308 = t306 - t307;
-    let inverse_d_delta = 1.0 / t308;
-    let t310 = t302 * inverse_d_delta;
-    let t311 = t310 * t275;
-    let t312 = t259 + t311;
-    let t313 = sin_delta * t117;
-    let t314 = cos_delta * t156;
-    let t315 = t313 - t314;
-    let t316 = 0.7918816998225002 * acceleration_gamma_x;
-    let t317 = omega_gamma_x * omega_gamma_y;
-    let t318 = t317 * 0.6249959673095001;
-    let t319 = t316 + t318;
-    let t320 = omega_gamma_x * t162;
-    let t321 = t319 - t320;
-    let moment_gamma_z = t321 + t315;
-    let t323 = v[2] * 5.0;
-    let t324 = math::tanh(t323);
-    let t325 = t324 * 0.368;
-    let t326 = v[2] * 56.231;
-    let t327 = t326 + t325;
-    let t328 = v[2] * 10.0;
-    let t329 = math::tanh(t328);
-    let t330 = 0.368 * t329;
-    let t331 = t327 + t330;
-    let t332 = v[2] * 100.0;
-    let t333 = math::tanh(t332);
-    let t334 = t333 * 8.342;
-    let t335 = t331 + t334;
-    let t336 = sign(v[2]);
-    let t337 = t336 * 0.492;
-    let t338 = t335 + t337;
-    let t339 = u[2] * 161.0;
-    let t340 = t339 - t338;
-    let t341 = t340 + moment_gamma_z;
-    let t342 = sin_delta * sin_epsilon;
-    let t343 = 0.000255 * t342;
-    let t344 = sin_delta * t217;
-    let t345 = t344 + t343;
-    let t346 = t345 * 71.14379298863692;
-    let t347 = t346 * t211;
-    let t348 = t341 - t347;
-    let t349 = cos_delta * t239;
-    let t350 = sin_delta * t241;
-    let t351 = t350 + t349;
-    let t352 = cos_delta * 0.00101;
-    let t353 = t351 + t352;
-    let t354 = t353 * inverse_d_epsilon;
-    let t355 = t354 * t236;
-    let t356 = t348 - t355;
-    let t357 = sin_delta * t287;
-    let t358 = cos_delta * t245;
-    let t359 = t357 - t358;
-    let t360 = t345 * t270;
-    let t361 = t359 - t360;
-    let t362 = t353 * t273;
-    let t363 = t361 + t362;
-    let t364 = t363 * inverse_d_delta;
-    let t365 = t364 * t275;
-    let t366 = t356 - t365;
-    let t367 = t281 + t282;
-    let t368 = sin_delta * t367;
-    let t369 = 2.0 * t241;
-    let t370 = cos_delta * t369;
-    let t371 = t368 - t370;
-    let t372 = sin_delta * t371;
-    let t373 = t281 - t372;
-    let t374 = 0.0041575 + t373;
-    let t375 = 0.004194997041000001 + t278;
-    let t376 = cos_epsilon * 0.019904970806000004;
-    let t377 = t375 + t376;
-    let t378 = 0.6291534673095002 + t377;
-    let t379 = t374 + t378;
-    let t380 = t379 + 1.36525907;
-    let t381 = t345 * t346;
-    let t382 = t380 - t381;
-    let t383 = t353 * t354;
-    let t384 = t382 - t383;
-    let t385 = t363 * t364;
-    let t386 = t384 - t385;
-    let inverse_d_gamma = 1.0 / t386;
-    let t388 = cos_delta * t371;
-    let t389 = t241 + t388;
-    let t390 = sin_beta_gamma * t389;
-    let t391 = cos_beta_gamma * t359;
-    let t392 = t390 + t391;
-    let t393 = t223 * t346;
-    let t394 = t392 + t393;
-    let t395 = t254 * t354;
-    let t396 = t394 + t395;
-    let t397 = t302 * t364;
-    let t398 = t396 + t397;
-    let t399 = t398 * inverse_d_gamma;
-    let t400 = t399 * t366;
-    let t401 = t312 - t400;
-    let t402 = sin_delta * force_epsilon_z;
-    let t403 = cos_delta * force_delta_x;
-    let t404 = t403 - t402;
-    let t405 = 0.7918816998225002 * t317;
-    let force_gamma_x = t405 - t404;
-    let t407 = cos_beta_gamma * force_gamma_x;
-    let t408 = cos_epsilon * force_epsilon_y;
-    let t409 = sin_epsilon * force_epsilon_x;
-    let force_delta_z = t409 + t408;
-    let t411 = omega_gamma_x * omega_gamma_x;
-    let t412 = omega_gamma_z * omega_gamma_z;
-    let t413 = t411 + t412;
-    let t414 = 0.7918816998225002 * t413;
-    let force_gamma_y = t414 + force_delta_z;
-    let t416 = sin_beta_gamma * force_gamma_y;
-    let t417 = t407 + t416;
-    let t418 = t71 * t417;
-    let t419 = sin_beta_gamma * force_gamma_x;
-    let t420 = cos_beta_gamma * force_gamma_y;
-    let t421 = t419 - t420;
-    let t422 = t78 * t421;
-    let t423 = t422 + t418;
-    let t424 = moment_gamma_z + t423;
-    let t425 = t72 - t77;
-    let t426 = t191 * t425;
-    let t427 = sin_beta * 15.9469662177;
-    let t428 = t427 - t426;
-    let moment_beta_z = t428 + t424;
-    let t430 = v[1] * 5.0;
-    let t431 = math::tanh(t430);
-    let t432 = t431 * 3.924;
-    let t433 = v[1] * 76.556;
-    let t434 = t433 + t432;
-    let t435 = v[1] * 10.0;
-    let t436 = math::tanh(t435);
-    let t437 = t436 * 10.838;
-    let t438 = t434 + t437;
-    let t439 = v[1] * 20.0;
+    let t223 = t222 - t209;
+    let inverse_d_beta = 1.0 / t223;
+    let t225 = t169 * t208;
+    let t226 = t176 * t196;
+    let t227 = t163 - t226;
+    let t228 = t227 + t164;
+    let t229 = t100 * t217;
+    let t230 = t228 + t229;
+    let t231 = t121 * t220;
+    let t232 = t230 + t231;
+    let t233 = t232 - t225;
+    let t234 = t233 * inverse_d_beta;
+    let t235 = t233 * t234;
+    let t236 = t172 - t235;
+    let inverse_d_alpha = 1.0 / t236;
+    let t238 = t234 * inverse_d_alpha;
+    let t239 = t208 * t238;
+    let t240 = t170 * inverse_d_alpha;
+    let t241 = t239 - t240;
+    let t242 = t155 * t241;
+    let t243 = t220 * t238;
+    let t244 = t242 - t243;
+    let t245 = t128 * inverse_d_alpha;
+    let t246 = t244 - t245;
+    let t247 = t119 * t246;
+    let t248 = t145 * t241;
+    let t249 = t247 - t248;
+    let t250 = t217 * t238;
+    let t251 = t249 + t250;
+    let t252 = t103 * inverse_d_alpha;
+    let t253 = t251 + t252;
+    let t254 = v[1] * v[1];
+    let t255 = t176 * t254;
+    let t256 = 21.1145440844009 - t255;
+    let t257 = sin_beta_gamma * t256;
+    let t258 = v[0] * v[0];
+    let t259 = t258 + t254;
+    let t260 = t54 * t259;
+    let t261 = cos_beta_gamma * t260;
+    let acceleration_gamma_x = t261 + t257;
+    let t263 = cos_delta * acceleration_gamma_x;
+    let t264 = v[1] * 2.0;
+    let t265 = v[0] * t264;
+    let acceleration_gamma_z = t176 * t265;
+    let t267 = sin_delta * acceleration_gamma_z;
+    let t268 = t263 - t267;
+    let omega_gamma_y = v[0] * cos_beta_gamma;
+    let omega_gamma_z = v[1] + v[2];
+    let t271 = 2.0 * omega_gamma_z;
+    let t272 = omega_gamma_y * t271;
+    let t273 = sin_delta * t272;
+    let omega_gamma_x = v[0] * sin_beta_gamma;
+    let t275 = omega_gamma_x * omega_gamma_y;
+    let t276 = cos_delta * t275;
+    let t277 = t276 - t273;
+    let acceleration_delta_x = t268 + t277;
+    let t279 = cos_epsilon * acceleration_delta_x;
+    let t280 = cos_beta_gamma * t256;
+    let t281 = sin_beta_gamma * t260;
+    let acceleration_gamma_y = t281 - t280;
+    let t283 = omega_gamma_x * omega_gamma_x;
+    let t284 = omega_gamma_z * omega_gamma_z;
+    let t285 = t283 + t284;
+    let acceleration_delta_z = acceleration_gamma_y + t285;
+    let t287 = sin_epsilon * acceleration_delta_z;
+    let acceleration_epsilon_x = t279 - t287;
+    let t289 = 0.009952485403000002 * acceleration_epsilon_x;
+    let t290 = cos_delta * omega_gamma_x;
+    let t291 = sin_delta * omega_gamma_z;
+    let omega_delta_x = t290 - t291;
+    let t293 = sin_epsilon * omega_delta_x;
+    let omega_delta_z = v[3] + omega_gamma_y;
+    let t295 = cos_epsilon * omega_delta_z;
+    let omega_epsilon_y = t293 - t295;
+    let t297 = cos_epsilon * omega_delta_x;
+    let t298 = sin_epsilon * omega_delta_z;
+    let omega_epsilon_x = t297 + t298;
+    let t300 = omega_epsilon_x * omega_epsilon_y;
+    let t301 = omega_delta_x * omega_delta_z;
+    let t302 = t277 - t301;
+    let t303 = t302 - t300;
+    let t304 = 0.004194997041000001 * t303;
+    let t305 = t302 + t300;
+    let t306 = 0.0004025 * t305;
+    let t307 = t306 + t304;
+    let t308 = t289 + t307;
+    let t309 = v[5] * 0.000255;
+    let t310 = omega_epsilon_x * t309;
+    let t311 = t308 - t310;
+    let omega_zeta_z = v[5] - omega_epsilon_y;
+    let t313 = 2.0 * omega_zeta_z;
+    let t314 = omega_epsilon_x * t313;
+    let t315 = t303 - t314;
+    let t316 = t68 * t315;
+    let t317 = sin_delta * omega_gamma_x;
+    let t318 = cos_delta * omega_gamma_z;
+    let omega_delta_y = t317 + t318;
+    let omega_epsilon_z = v[4] + omega_delta_y;
+    let t321 = omega_epsilon_z * t313;
+    let t322 = 2.0 * omega_delta_z;
+    let t323 = omega_delta_y * t322;
+    let t324 = cos_delta * t272;
+    let t325 = sin_delta * t275;
+    let t326 = t325 + t324;
+    let t327 = t326 - t323;
+    let t328 = cos_epsilon * t327;
+    let t329 = omega_delta_x * omega_delta_y;
+    let t330 = omega_gamma_z * omega_gamma_x;
+    let t331 = t330 - t329;
+    let t332 = sin_epsilon * t331;
+    let t333 = t332 - t328;
+    let t334 = 2.0 * omega_epsilon_z;
+    let t335 = omega_epsilon_y * t334;
+    let t336 = t333 + t335;
+    let t337 = t336 + t321;
+    let t338 = t22 * t337;
+    let moment_zeta_y = t338 - t316;
+    let moment_epsilon_z = moment_zeta_y - t311;
+    let t341 = 0.00101 * t302;
+    let t342 = t341 - moment_epsilon_z;
+    let t343 = v[4] * 20.0;
+    let t344 = math::tanh(t343);
+    let t345 = t344 * 1.5;
+    let t346 = v[4] * 8.0;
+    let t347 = t346 + t345;
+    let t348 = u[4] * 101.0;
+    let t349 = t348 - t347;
+    let t350 = t349 + t342;
+    let t351 = t253 * t350;
+    let t352 = sin_epsilon * t327;
+    let t353 = cos_epsilon * t331;
+    let t354 = t353 + t352;
+    let t355 = omega_epsilon_x * omega_epsilon_z;
+    let t356 = t354 + t355;
+    let t357 = t355 + t356;
+    let t358 = t68 * t357;
+    let t359 = omega_zeta_z * omega_zeta_z;
+    let t360 = omega_epsilon_x * omega_epsilon_x;
+    let t361 = t360 + t359;
+    let t362 = omega_epsilon_z * omega_epsilon_z;
+    let t363 = t362 + t359;
+    let t364 = t363 - t361;
+    let t365 = t22 * t364;
+    let t366 = t365 + t358;
+    let t367 = t355 - t356;
+    let t368 = t67 * t367;
+    let moment_zeta_z = t366 - t368;
+    let t370 = omega_epsilon_x * t334;
+    let t371 = t354 + t370;
+    let t372 = 0.0004025 * t371;
+    let moment_epsilon_y = t372 + moment_zeta_z;
+    let t374 = cos_epsilon * moment_epsilon_y;
+    let t375 = 0.004194997041000001 * t336;
+    let t376 = sin_delta * acceleration_gamma_x;
+    let t377 = cos_delta * acceleration_gamma_z;
+    let t378 = t376 + t377;
+    let acceleration_delta_y = t378 + t326;
+    let t380 = 0.009952485403000002 * acceleration_delta_y;
+    let t381 = t380 - t375;
+    let t382 = omega_epsilon_z * t309;
+    let t383 = t381 - t382;
+    let t384 = t67 * t337;
+    let t385 = t22 * t315;
+    let moment_zeta_x = t385 - t384;
+    let moment_epsilon_x = moment_zeta_x + t383;
+    let t388 = sin_epsilon * moment_epsilon_x;
+    let t389 = t388 - t374;
+    let t390 = 0.0029975 * t331;
+    let t391 = t330 + t329;
+    let t392 = 0.0026049999999999997 * t391;
+    let t393 = t392 + t390;
+    let t394 = v[4] * 0.00101;
+    let t395 = omega_delta_x * t394;
+    let t396 = t393 + t395;
+    let moment_delta_z = t396 - t389;
+    let t398 = 0.001515 * t330;
+    let t399 = t398 + moment_delta_z;
+    let t400 = v[3] * 20.0;
+    let t401 = math::tanh(t400);
+    let t402 = 2.0 * t401;
+    let t403 = v[3] * 10.0;
+    let t404 = t403 + t402;
+    let t405 = u[3] * 101.0;
+    let t406 = t405 - t404;
+    let t407 = t406 + t399;
+    let t408 = t246 * t407;
+    let t409 = sin_epsilon * moment_epsilon_y;
+    let t410 = cos_epsilon * moment_epsilon_x;
+    let t411 = t410 + t409;
+    let t412 = 0.0029975 * t327;
+    let t413 = omega_delta_z * t394;
+    let t414 = t412 + t413;
+    let moment_delta_x = t414 + t411;
+    let force_epsilon_z = 0.009952485403000002 * t336;
+    let t417 = force_epsilon_z - moment_delta_x;
+    let t418 = sin_delta * t417;
+    let t419 = omega_delta_x * t322;
+    let t420 = t277 - t419;
+    let t421 = 0.0026049999999999997 * t420;
+    let moment_delta_y = t421 - moment_epsilon_z;
+    let t423 = t360 + t362;
+    let force_epsilon_y = 0.009952485403000002 * t423;
+    let t425 = sin_epsilon * force_epsilon_y;
+    let force_epsilon_x = 0.009952485403000002 * t303;
+    let t427 = cos_epsilon * force_epsilon_x;
+    let force_delta_x = t427 + t425;
+    let t429 = force_delta_x + moment_delta_y;
+    let t430 = cos_delta * t429;
+    let t431 = t418 - t430;
+    let t432 = 0.7918816998225002 * acceleration_gamma_x;
+    let t433 = t275 * 0.6249959673095001;
+    let t434 = t432 + t433;
+    let t435 = v[3] * 0.001515;
+    let t436 = omega_gamma_x * t435;
+    let t437 = t434 - t436;
+    let moment_gamma_z = t437 - t431;
+    let t439 = v[2] * 5.0;
     let t440 = math::tanh(t439);
-    let t441 = t440 * 2.236;
-    let t442 = t438 + t441;
-    let t443 = u[1] * 161.0;
-    let t444 = t443 - t442;
-    let t445 = t444 + moment_beta_z;
-    let t446 = t445 - t347;
-    let t447 = cos_delta * t248;
-    let t448 = cos_beta_gamma * t447;
-    let t449 = sin_beta_gamma * t293;
-    let t450 = t448 - t449;
-    let t451 = cos_beta * t450;
-    let t452 = sin_beta_gamma * t447;
-    let t453 = cos_beta_gamma * t293;
-    let t454 = t452 + t453;
-    let t455 = sin_beta * t454;
-    let t456 = t455 + t451;
-    let t457 = t351 + t456;
-    let t458 = t457 + t352;
-    let t459 = t458 * inverse_d_epsilon;
-    let t460 = t459 * t236;
-    let t461 = t446 - t460;
-    let t462 = sin_delta * t293;
-    let t463 = cos_beta_gamma * t462;
-    let t464 = cos_beta * t463;
-    let t465 = sin_beta_gamma * t462;
-    let t466 = sin_beta * t465;
-    let t467 = t466 + t464;
-    let t468 = t359 - t467;
-    let t469 = t468 - t360;
-    let t470 = t458 * t273;
-    let t471 = t469 + t470;
-    let t472 = t471 * inverse_d_delta;
-    let t473 = t472 * t275;
-    let t474 = t461 - t473;
-    let t475 = 0.30689784900000006 + t248;
-    let t476 = cos_beta_gamma * t475;
-    let t477 = sin_beta_gamma * t294;
-    let t478 = t477 - t476;
-    let t479 = cos_beta * t478;
-    let t480 = sin_beta_gamma * t475;
-    let t481 = cos_beta_gamma * t294;
-    let t482 = t481 + t480;
-    let t483 = sin_beta * t482;
-    let t484 = t483 - t479;
-    let t485 = t379 + t484;
-    let t486 = t485 + 0.00847987;
-    let t487 = t486 - t381;
-    let t488 = t458 * t354;
-    let t489 = t487 - t488;
-    let t490 = t471 * t364;
-    let t491 = t489 - t490;
-    let t492 = t491 * inverse_d_gamma;
-    let t493 = t492 * t366;
-    let t494 = t474 - t493;
-    let t495 = t491 * t492;
-    let t496 = 2.0 * t484;
-    let t497 = t379 + t496;
-    let t498 = cos_beta * t190;
-    let t499 = 0.0030263349999999994 + t498;
-    let t500 = 0.292121275 - t498;
-    let t501 = t500 + t499;
-    let t502 = t501 + t497;
-    let t503 = t502 + 1.36525907;
-    let t504 = t503 - t381;
-    let t505 = t458 * t459;
-    let t506 = t504 - t505;
-    let t507 = t471 * t472;
-    let t508 = t506 - t507;
-    let t509 = t508 - t495;
-    let inverse_d_beta = 1.0 / t509;
-    let t511 = t398 * t492;
-    let t512 = cos_beta * t462;
-    let t513 = t392 - t512;
-    let t514 = t513 + t393;
-    let t515 = t254 * t459;
-    let t516 = t514 + t515;
-    let t517 = t302 * t472;
-    let t518 = t516 + t517;
-    let t519 = t518 - t511;
-    let t520 = t519 * inverse_d_beta;
-    let t521 = t520 * t494;
-    let t522 = t401 - t521;
-    let t523 = t374 - t378;
-    let t524 = sin_beta_gamma * t523;
-    let t525 = 2.0 * t290;
-    let t526 = cos_beta_gamma * t525;
-    let t527 = t524 + t526;
-    let t528 = sin_beta_gamma * t527;
-    let t529 = t374 - t528;
-    let t530 = 2.0 * t483;
-    let t531 = t529 + t530;
-    let t532 = t500 + t531;
-    let t533 = 0.004026335 + t532;
-    let t534 = t282 - t372;
-    let t535 = 0.01110483 - t534;
-    let t536 = t533 + t535;
-    let t537 = t536 + 1.36525907;
-    let t538 = t223 * t224;
-    let t539 = t537 - t538;
-    let t540 = t254 * t257;
-    let t541 = t539 - t540;
-    let t542 = t302 * t310;
+    let t441 = t440 * 0.368;
+    let t442 = v[2] * 56.231;
+    let t443 = t442 + t441;
+    let t444 = v[2] * 10.0;
+    let t445 = math::tanh(t444);
+    let t446 = 0.368 * t445;
+    let t447 = t443 + t446;
+    let t448 = v[2] * 100.0;
+    let t449 = math::tanh(t448);
+    let t450 = t449 * 8.342;
+    let t451 = t447 + t450;
+    let t452 = sign(v[2]);
+    let t453 = t452 * 0.492;
+    let t454 = t451 + t453;
+    let t455 = u[2] * 161.0;
+    let t456 = t455 - t454;
+    let t457 = t456 + moment_gamma_z;
+    let t458 = t241 * t457;
+    let t459 = cos_delta * force_delta_x;
+    let t460 = sin_delta * force_epsilon_z;
+    let t461 = t459 - t460;
+    let t462 = 0.7918816998225002 * t275;
+    let force_gamma_x = t462 + t461;
+    let t464 = cos_beta_gamma * force_gamma_x;
+    let t465 = cos_epsilon * force_epsilon_y;
+    let t466 = sin_epsilon * force_epsilon_x;
+    let force_delta_z = t466 - t465;
+    let t468 = 0.7918816998225002 * t285;
+    let force_gamma_y = t468 - force_delta_z;
+    let t470 = sin_beta_gamma * force_gamma_y;
+    let t471 = t464 + t470;
+    let t472 = t176 * t471;
+    let t473 = sin_beta_gamma * force_gamma_x;
+    let t474 = cos_beta_gamma * force_gamma_y;
+    let t475 = t473 - t474;
+    let t476 = t54 * t475;
+    let t477 = t476 + t472;
+    let t478 = moment_gamma_z + t477;
+    let t479 = t254 - t259;
+    let t480 = sin_beta * t58;
+    let t481 = t480 * t479;
+    let t482 = sin_beta * 15.9469662177;
+    let t483 = t482 - t481;
+    let moment_beta_z = t483 + t478;
+    let t485 = v[1] * 5.0;
+    let t486 = math::tanh(t485);
+    let t487 = t486 * 3.924;
+    let t488 = v[1] * 76.556;
+    let t489 = t488 + t487;
+    let t490 = v[1] * 10.0;
+    let t491 = math::tanh(t490);
+    let t492 = t491 * 10.838;
+    let t493 = t489 + t492;
+    let t494 = v[1] * 20.0;
+    let t495 = math::tanh(t494);
+    let t496 = t495 * 2.236;
+    let t497 = t493 + t496;
+    let t498 = u[1] * 161.0;
+    let t499 = t498 - t497;
+    let t500 = t499 + moment_beta_z;
+    let t501 = t238 * t500;
+    let t502 = cos_delta * t417;
+    let t503 = sin_delta * t429;
+    let t504 = t502 + t503;
+    let t505 = 0.6291534673095002 * t272;
+    let t506 = 0.7918816998225002 * acceleration_gamma_z;
+    let t507 = t506 + t505;
+    let t508 = omega_gamma_z * t435;
+    let t509 = t507 - t508;
+    let moment_gamma_x = t509 - t504;
+    let t511 = sin_beta_gamma * moment_gamma_x;
+    let t512 = omega_gamma_x * t271;
+    let t513 = 0.0041575 * t512;
+    let moment_gamma_y = t513 + moment_delta_z;
+    let t515 = cos_beta_gamma * moment_gamma_y;
+    let t516 = t511 - t515;
+    let t517 = sin_delta * force_delta_x;
+    let t518 = cos_delta * force_epsilon_z;
+    let t519 = t517 + t518;
+    let t520 = 0.7918816998225002 * t272;
+    let force_gamma_z = t520 - t519;
+    let t522 = t54 * force_gamma_z;
+    let t523 = t516 + t522;
+    let t524 = t480 * t265;
+    let moment_beta_y = t524 + t523;
+    let t526 = v[0] * 20.0;
+    let t527 = math::tanh(t526);
+    let t528 = t527 * 10.0;
+    let t529 = v[0] * 60.0;
+    let t530 = t529 + t528;
+    let t531 = u[0] * 161.0;
+    let t532 = t531 - t530;
+    let t533 = t532 - moment_beta_y;
+    let t534 = inverse_d_alpha * t533;
+    let t535 = t534 - t501;
+    let t536 = t535 + t458;
+    let t537 = t536 + t408;
+    let t538 = t537 + t351;
+    let t539 = t116 * t246;
+    let t540 = t137 * t241;
+    let t541 = t539 + t540;
+    let t542 = t137 * t238;
     let t543 = t541 - t542;
-    let t544 = t398 * t399;
+    let t544 = t84 * inverse_d_alpha;
     let t545 = t543 - t544;
-    let t546 = t519 * t520;
-    let t547 = t545 - t546;
-    let inverse_d_alpha = 1.0 / t547;
-    let t549 = inverse_d_alpha * t522;
-    let t550 = t520 * t549;
-    let t551 = inverse_d_beta * t494;
-    let t552 = t551 - t550;
-    let t553 = t492 * t552;
-    let t554 = inverse_d_gamma * t366;
-    let t555 = t554 - t553;
-    let t556 = t399 * t549;
-    let t557 = t555 - t556;
-    let t558 = t364 * t557;
-    let t559 = inverse_d_delta * t275;
-    let t560 = t559 - t558;
-    let t561 = t472 * t552;
+    let t546 = 0.000255 * t356;
+    let t547 = moment_zeta_z + t546;
+    let t548 = v[5] * 20.0;
+    let t549 = math::tanh(t548);
+    let t550 = t549 * 0.4;
+    let t551 = v[5] * 2.0;
+    let t552 = t551 + t550;
+    let t553 = u[5] * 51.0;
+    let t554 = t553 - t552;
+    let t555 = t554 + t547;
+    let t556 = t545 * t555;
+    let t557 = t538 - t556;
+    let t558 = t234 * t238;
+    let t559 = inverse_d_beta + t558;
+    let t560 = t208 * t559;
+    let t561 = t170 * t238;
     let t562 = t560 - t561;
-    let t563 = t310 * t549;
-    let t564 = t562 + t563;
-    let t565 = t273 * t564;
-    let t566 = inverse_d_epsilon * t236;
-    let t567 = t566 + t565;
-    let t568 = t354 * t557;
-    let t569 = t567 - t568;
-    let t570 = t459 * t552;
-    let t571 = t569 - t570;
-    let t572 = t257 * t549;
-    let t573 = t571 + t572;
-    let t574 = t270 * t564;
-    let t575 = 71.14379298863692 * t211;
-    let t576 = t575 - t574;
-    let t577 = t346 * t557;
-    let t578 = t576 - t577;
-    let t579 = t346 * t552;
-    let t580 = t578 - t579;
-    let t581 = t224 * t549;
-    let t582 = t580 + t581;
-    let t583 = cos_beta_gamma * t549;
-    let t584 = t22 - t583;
-    let t585 = t564 - t584;
-    let t586 = t170 + t585;
-    let t587 = cos_epsilon * t586;
-    let t588 = t552 + t557;
-    let t589 = t317 - t588;
-    let t590 = sin_delta * t589;
-    let t591 = sin_beta_gamma * t549;
-    let t592 = 2.0 * omega_gamma_z;
-    let t593 = omega_gamma_y * t592;
-    let t594 = t591 + t593;
-    let t595 = cos_delta * t594;
-    let t596 = t590 + t595;
-    let t597 = 2.0 * omega_delta_z;
-    let t598 = omega_delta_y * t597;
-    let t599 = t596 - t598;
-    let t600 = sin_epsilon * t599;
-    let t601 = t587 - t600;
-    let t602 = t35 - t601;
-    let t603 = t582 - t602;
-    let t604 = t35 - t603;
-    let t605 = t39 * t604;
-    let t606 = t52 + t605;
-    let t607 = t35 + t603;
-    let t608 = t55 * t607;
-    let moment_zeta_z_2 = t606 - t608;
-    let t610 = 0.000255 * t582;
-    let t611 = 2.0 * omega_epsilon_z;
-    let t612 = omega_epsilon_x * t611;
-    let t613 = t601 - t612;
-    let t614 = 0.0004025 * t613;
-    let t615 = t614 + t610;
-    let moment_epsilon_y_2 = moment_zeta_z_2 - t615;
-    let t617 = sin_epsilon * moment_epsilon_y_2;
-    let t618 = cos_delta * t589;
-    let t619 = sin_delta * t594;
-    let t620 = t618 - t619;
-    let t621 = t119 - t620;
-    let t622 = t573 + t621;
-    let t623 = t99 + t622;
-    let t624 = t98 + t623;
-    let t625 = t51 * t624;
-    let t626 = sin_epsilon * t586;
-    let t627 = cos_epsilon * t599;
-    let t628 = t626 + t627;
-    let t629 = omega_epsilon_y * t611;
-    let t630 = t628 - t629;
-    let t631 = t95 - t630;
-    let t632 = t55 * t631;
-    let moment_zeta_x_2 = t625 + t632;
-    let t634 = 0.004194997041000001 * t630;
-    let t635 = t78 * t552;
-    let t636 = t73 + t635;
-    let t637 = 21.1145440844009 - t636;
-    let t638 = sin_beta_gamma * t637;
-    let t639 = t71 * t552;
-    let t640 = t79 - t639;
-    let t641 = cos_beta_gamma * t640;
-    let acceleration_gamma_x_2 = t641 + t638;
-    let t643 = sin_delta * acceleration_gamma_x_2;
-    let t644 = t78 * t549;
-    let t645 = v[1] * 2.0;
-    let t646 = v[0] * t645;
-    let t647 = t71 * t646;
-    let acceleration_gamma_z_2 = t644 + t647;
-    let t649 = cos_delta * acceleration_gamma_z_2;
-    let t650 = t643 + t649;
-    let acceleration_delta_y_2 = t650 + t596;
-    let t652 = 0.009952485403000002 * acceleration_delta_y_2;
-    let t653 = t652 + t634;
-    let t654 = t92 - t653;
-    let moment_epsilon_x_2 = moment_zeta_x_2 + t654;
-    let t656 = cos_epsilon * moment_epsilon_x_2;
-    let t657 = t656 - t617;
-    let t658 = 0.0029975 * t599;
-    let t659 = t113 + t658;
-    let moment_delta_x_2 = t659 - t657;
-    let force_epsilon_z_2 = 0.009952485403000002 * t630;
-    let t662 = force_epsilon_z_2 + moment_delta_x_2;
-    let t663 = cos_delta * t662;
-    let t664 = 0.004194997041000001 * t623;
-    let t665 = t99 - t622;
-    let t666 = 0.0004025 * t665;
-    let t667 = t666 - t664;
-    let t668 = cos_delta * acceleration_gamma_x_2;
-    let t669 = sin_delta * acceleration_gamma_z_2;
-    let t670 = t668 - t669;
-    let acceleration_delta_x_2 = t670 + t620;
-    let t672 = cos_epsilon * acceleration_delta_x_2;
-    let t673 = cos_beta_gamma * t637;
-    let t674 = sin_beta_gamma * t640;
-    let acceleration_gamma_y_2 = t674 - t673;
-    let acceleration_delta_z_2 = t413 + acceleration_gamma_y_2;
-    let t677 = sin_epsilon * acceleration_delta_z_2;
-    let acceleration_epsilon_x_2 = t672 - t677;
-    let t679 = 0.009952485403000002 * acceleration_epsilon_x_2;
-    let t680 = t679 + t667;
-    let t681 = t141 - t680;
-    let t682 = t39 * t624;
-    let t683 = t51 * t631;
-    let moment_zeta_y_2 = t683 + t682;
-    let moment_epsilon_z_2 = moment_zeta_y_2 + t681;
-    let t686 = 0.00101 * t573;
-    let t687 = omega_delta_x * t597;
-    let t688 = t620 - t687;
-    let t689 = 0.0026049999999999997 * t688;
-    let t690 = t689 - t686;
-    let moment_delta_y_2 = t690 - moment_epsilon_z_2;
-    let force_epsilon_x_2 = 0.009952485403000002 * t623;
-    let t693 = cos_epsilon * force_epsilon_x_2;
-    let force_delta_x_2 = t152 - t693;
-    let t695 = force_delta_x_2 + moment_delta_y_2;
-    let t696 = sin_delta * t695;
-    let t697 = t663 - t696;
-    let t698 = 0.6291534673095002 * t594;
-    let t699 = 0.7918816998225002 * acceleration_gamma_z_2;
-    let t700 = t699 + t698;
-    let t701 = t163 - t700;
-    let moment_gamma_x_2 = t701 - t697;
-    let t703 = cos_beta_gamma * moment_gamma_x_2;
-    let t704 = cos_epsilon * moment_epsilon_y_2;
-    let t705 = sin_epsilon * moment_epsilon_x_2;
-    let t706 = t705 + t704;
-    let t707 = 0.0029975 * t586;
-    let t708 = t170 - t585;
-    let t709 = 0.0026049999999999997 * t708;
-    let t710 = t709 - t707;
-    let t711 = t176 + t710;
-    let moment_delta_z_2 = t711 + t706;
-    let t713 = 0.001515 * t564;
-    let t714 = omega_gamma_x * t592;
-    let t715 = t583 - t714;
-    let t716 = 0.0041575 * t715;
-    let t717 = t716 + t713;
-    let moment_gamma_y_2 = t717 - moment_delta_z_2;
-    let t719 = sin_beta_gamma * moment_gamma_y_2;
-    let t720 = t703 + t719;
-    let t721 = sin_delta * force_delta_x_2;
-    let t722 = cos_delta * force_epsilon_z_2;
-    let t723 = t721 - t722;
-    let t724 = 0.7918816998225002 * t594;
-    let force_gamma_z_2 = t724 - t723;
-    let t726 = t71 * force_gamma_z_2;
-    let t727 = t720 - t726;
-    let t728 = t191 * t549;
-    let t729 = t499 * t646;
-    let t730 = t728 + t729;
-    let t731 = v[2] * 0.00847987;
-    let t732 = v[0] * t731;
-    let t733 = t732 + t730;
-    let moment_beta_x = t733 - t727;
-    let t735 = cos_beta_gamma * t527;
-    let t736 = t290 - t735;
-    let t737 = t238 + 0.7918816998225002;
-    let t738 = cos_beta_gamma * t737;
-    let t739 = cos_delta * t286;
-    let t740 = sin_beta_gamma * t739;
-    let t741 = t740 - t738;
-    let t742 = t78 * t741;
-    let t743 = sin_beta_gamma * t737;
-    let t744 = cos_beta_gamma * t739;
-    let t745 = t744 + t743;
-    let t746 = t71 * t745;
-    let t747 = t746 - t742;
-    let t748 = t736 + t747;
-    let t749 = t191 + t748;
-    let t750 = t549 * t749;
-    let t751 = sin_delta * t286;
-    let t752 = t71 * t751;
-    let t753 = t392 - t752;
-    let t754 = t76 * t753;
-    let t755 = t750 - t754;
-    let t756 = 21.1145440844009 * t751;
+    let t563 = t155 * t562;
+    let t564 = t220 * t559;
+    let t565 = t563 - t564;
+    let t566 = t128 * t238;
+    let t567 = t565 - t566;
+    let t568 = t119 * t567;
+    let t569 = t145 * t562;
+    let t570 = t568 - t569;
+    let t571 = t217 * t559;
+    let t572 = t570 + t571;
+    let t573 = t103 * t238;
+    let t574 = t572 + t573;
+    let t575 = t574 * t350;
+    let t576 = t567 * t407;
+    let t577 = t562 * t457;
+    let t578 = t559 * t500;
+    let t579 = t238 * t533;
+    let t580 = t579 - t578;
+    let t581 = t580 + t577;
+    let t582 = t581 + t576;
+    let t583 = t582 + t575;
+    let t584 = t116 * t567;
+    let t585 = t137 * t562;
+    let t586 = t584 + t585;
+    let t587 = t137 * t559;
+    let t588 = t586 - t587;
+    let t589 = t84 * t238;
+    let t590 = t588 - t589;
+    let t591 = t590 * t555;
+    let t592 = t583 - t591;
+    let t593 = t208 * t234;
+    let t594 = t170 - t593;
+    let t595 = inverse_d_alpha * t594;
+    let t596 = t234 * t595;
+    let t597 = t208 * inverse_d_beta;
+    let t598 = t597 - t596;
+    let t599 = t208 * t598;
+    let t600 = inverse_d_gamma + t599;
+    let t601 = t170 * t595;
+    let t602 = t600 + t601;
+    let t603 = t155 * t602;
+    let t604 = t220 * t598;
+    let t605 = t603 - t604;
+    let t606 = t128 * t595;
+    let t607 = t605 + t606;
+    let t608 = t119 * t607;
+    let t609 = t145 * t602;
+    let t610 = t608 - t609;
+    let t611 = t217 * t598;
+    let t612 = t610 + t611;
+    let t613 = t103 * t595;
+    let t614 = t612 - t613;
+    let t615 = t614 * t350;
+    let t616 = t607 * t407;
+    let t617 = t602 * t457;
+    let t618 = t562 * t500;
+    let t619 = t241 * t533;
+    let t620 = t619 - t618;
+    let t621 = t620 + t617;
+    let t622 = t621 + t616;
+    let t623 = t622 + t615;
+    let t624 = t116 * t607;
+    let t625 = t137 * t602;
+    let t626 = t624 + t625;
+    let t627 = t137 * t598;
+    let t628 = t626 - t627;
+    let t629 = t84 * t595;
+    let t630 = t628 + t629;
+    let t631 = t630 * t555;
+    let t632 = t623 - t631;
+    let t633 = t155 * t208;
+    let t634 = t220 - t633;
+    let t635 = t234 * t634;
+    let t636 = t155 * t170;
+    let t637 = t128 + t636;
+    let t638 = t637 + t635;
+    let t639 = inverse_d_alpha * t638;
+    let t640 = t234 * t639;
+    let t641 = inverse_d_beta * t634;
+    let t642 = t641 + t640;
+    let t643 = t208 * t642;
+    let t644 = t155 * inverse_d_gamma;
+    let t645 = t644 - t643;
+    let t646 = t170 * t639;
+    let t647 = t645 + t646;
+    let t648 = t155 * t647;
+    let t649 = inverse_d_delta + t648;
+    let t650 = t220 * t642;
+    let t651 = t649 + t650;
+    let t652 = t128 * t639;
+    let t653 = t651 + t652;
+    let t654 = t119 * t653;
+    let t655 = t145 * t647;
+    let t656 = t654 - t655;
+    let t657 = t217 * t642;
+    let t658 = t656 - t657;
+    let t659 = t103 * t639;
+    let t660 = t658 - t659;
+    let t661 = t660 * t350;
+    let t662 = t653 * t407;
+    let t663 = t607 * t457;
+    let t664 = t567 * t500;
+    let t665 = t246 * t533;
+    let t666 = t665 - t664;
+    let t667 = t666 + t663;
+    let t668 = t667 + t662;
+    let t669 = t668 + t661;
+    let t670 = t116 * t653;
+    let t671 = t137 * t647;
+    let t672 = t670 + t671;
+    let t673 = t137 * t642;
+    let t674 = t672 + t673;
+    let t675 = t84 * t639;
+    let t676 = t674 + t675;
+    let t677 = t676 * t555;
+    let t678 = t669 - t677;
+    let t679 = t119 * t155;
+    let t680 = t145 - t679;
+    let t681 = t208 * t680;
+    let t682 = t119 * t220;
+    let t683 = t217 - t682;
+    let t684 = t683 - t681;
+    let t685 = t234 * t684;
+    let t686 = t170 * t680;
+    let t687 = t119 * t128;
+    let t688 = t103 - t687;
+    let t689 = t688 + t686;
+    let t690 = t689 + t685;
+    let t691 = inverse_d_alpha * t690;
+    let t692 = t234 * t691;
+    let t693 = inverse_d_beta * t684;
+    let t694 = t693 + t692;
+    let t695 = t208 * t694;
+    let t696 = inverse_d_gamma * t680;
+    let t697 = t696 - t695;
+    let t698 = t170 * t691;
+    let t699 = t697 + t698;
+    let t700 = t155 * t699;
+    let t701 = t119 * inverse_d_delta;
+    let t702 = t701 - t700;
+    let t703 = t220 * t694;
+    let t704 = t702 - t703;
+    let t705 = t128 * t691;
+    let t706 = t704 - t705;
+    let t707 = t119 * t706;
+    let t708 = inverse_d_epsilon + t707;
+    let t709 = t145 * t699;
+    let t710 = t708 + t709;
+    let t711 = t217 * t694;
+    let t712 = t710 + t711;
+    let t713 = t103 * t691;
+    let t714 = t712 + t713;
+    let t715 = t714 * t350;
+    let t716 = t660 * t407;
+    let t717 = t614 * t457;
+    let t718 = t574 * t500;
+    let t719 = t253 * t533;
+    let t720 = t719 - t718;
+    let t721 = t720 + t717;
+    let t722 = t721 + t716;
+    let t723 = t722 + t715;
+    let t724 = t116 * t706;
+    let t725 = t137 * t699;
+    let t726 = t724 - t725;
+    let t727 = t137 * t694;
+    let t728 = t726 - t727;
+    let t729 = t84 * t691;
+    let t730 = t728 - t729;
+    let t731 = t730 * t555;
+    let t732 = t723 - t731;
+    let t733 = t676 * t407;
+    let t734 = t630 * t457;
+    let t735 = t590 * t500;
+    let t736 = t545 * t533;
+    let t737 = t736 - t735;
+    let t738 = t737 + t734;
+    let t739 = t738 + t733;
+    let t740 = t730 * t350;
+    let t741 = t739 + t740;
+    let t742 = t116 * t155;
+    let t743 = t137 + t742;
+    let t744 = t208 * t743;
+    let t745 = t116 * t220;
+    let t746 = t137 + t745;
+    let t747 = t746 - t744;
+    let t748 = t234 * t747;
+    let t749 = t170 * t743;
+    let t750 = t116 * t128;
+    let t751 = t84 + t750;
+    let t752 = t751 + t749;
+    let t753 = t752 + t748;
+    let t754 = inverse_d_alpha * t753;
+    let t755 = t234 * t754;
+    let t756 = inverse_d_beta * t747;
     let t757 = t756 + t755;
-    let t758 = 2.0 * omega_epsilon_x;
-    let t759 = t51 * t758;
-    let t760 = t39 * t611;
-    let t761 = t759 - t760;
-    let t762 = omega_epsilon_z * 0.000805;
-    let t763 = t762 - t761;
-    let t764 = omega_epsilon_z * 0.008389994082000002;
-    let t765 = t764 - t763;
-    let t766 = cos_epsilon * t765;
-    let t767 = t51 * t94;
-    let t768 = sin_epsilon * t767;
-    let t769 = t768 - t766;
-    let t770 = sin_epsilon * t769;
-    let t771 = t767 - t770;
-    let t772 = 2.0 * omega_delta_y;
-    let t773 = t286 * t772;
-    let t774 = t771 + t773;
-    let t775 = t767 + t774;
-    let t776 = sin_delta * t775;
-    let t777 = t39 * t94;
-    let t778 = omega_epsilon_y * 0.000805;
-    let t779 = t91 - t778;
-    let t780 = t777 + t779;
-    let t781 = cos_epsilon * t780;
-    let t782 = omega_epsilon_x * 0.008389994082000002;
-    let t783 = sin_epsilon * t782;
-    let t784 = t781 + t783;
-    let t785 = omega_delta_z * 0.005209999999999999;
-    let t786 = t785 + t784;
-    let t787 = 2.0 * omega_delta_x;
-    let t788 = t286 * t787;
-    let t789 = t786 + t788;
-    let t790 = t55 * t94;
-    let t791 = t91 + t790;
-    let t792 = cos_epsilon * t791;
-    let t793 = t55 * t758;
-    let t794 = t51 * t611;
-    let t795 = t793 - t794;
-    let t796 = sin_epsilon * t795;
-    let t797 = t792 + t796;
-    let t798 = omega_delta_z * 0.005995;
-    let t799 = t798 + t797;
-    let t800 = t799 - t789;
-    let t801 = cos_delta * t800;
-    let t802 = t776 - t801;
-    let t803 = sin_delta * t802;
-    let t804 = t774 - t803;
-    let t805 = 0.019904970806000004 * omega_epsilon_z;
-    let t806 = sin_epsilon * t805;
-    let t807 = t806 - t770;
-    let t808 = t807 + t804;
-    let t809 = sin_beta_gamma * t808;
-    let t810 = cos_epsilon * t769;
-    let t811 = t763 - t810;
-    let t812 = t112 + t811;
-    let t813 = cos_epsilon * t805;
-    let t814 = t238 * t772;
-    let t815 = t813 + t814;
-    let t816 = t812 + t815;
-    let t817 = cos_delta * t816;
-    let t818 = sin_epsilon * t780;
-    let t819 = cos_epsilon * t782;
-    let t820 = t818 - t819;
-    let t821 = 0.019904970806000004 * omega_epsilon_x;
-    let t822 = t238 * t787;
-    let t823 = t821 + t822;
-    let t824 = t820 - t823;
-    let t825 = sin_delta * t824;
-    let t826 = t817 + t825;
-    let t827 = omega_gamma_z * 1.2583069346190003;
-    let t828 = t827 + t826;
-    let t829 = t764 + t810;
-    let t830 = omega_delta_y * 0.005209999999999999;
-    let t831 = t112 + t830;
-    let t832 = t831 + t829;
-    let t833 = cos_delta * t832;
-    let t834 = sin_epsilon * t791;
-    let t835 = cos_epsilon * t795;
-    let t836 = t834 - t835;
-    let t837 = omega_delta_x * 0.005995;
-    let t838 = t837 - t836;
-    let t839 = sin_delta * t838;
-    let t840 = t833 - t839;
-    let t841 = omega_gamma_z * 0.008315;
-    let t842 = t841 + t840;
-    let t843 = t828 - t842;
-    let t844 = cos_beta_gamma * t843;
-    let t845 = t809 - t844;
-    let t846 = cos_beta_gamma * t845;
-    let t847 = t828 + t846;
-    let t848 = sin_delta * t821;
-    let t849 = cos_delta * t813;
-    let t850 = t849 - t848;
-    let t851 = omega_gamma_z * 1.5837633996450005;
-    let t852 = t851 + t850;
-    let t853 = sin_beta_gamma * t852;
-    let t854 = cos_beta_gamma * t806;
-    let t855 = t853 + t854;
-    let t856 = t78 * t855;
-    let t857 = v[1] * t78;
-    let t858 = 2.0 * t857;
-    let t859 = t858 * t745;
-    let t860 = t856 + t859;
-    let t861 = t847 + t860;
-    let t862 = t500 * t645;
-    let t863 = t731 + t862;
-    let t864 = t863 + t861;
-    let t865 = v[0] * t864;
-    let t866 = t757 - t865;
-    let t867 = moment_beta_x + t866;
-    let t868 = t39 + t55;
-    let t869 = 0.000255 + t868;
-    let t870 = sin_epsilon * t869;
-    let t871 = cos_delta * t870;
-    let t872 = cos_beta_gamma * t871;
-    let t873 = cos_epsilon * t869;
-    let t874 = sin_beta_gamma * t873;
-    let t875 = t872 + t874;
-    let t876 = t549 * t875;
-    let t877 = sin_delta * t870;
-    let t878 = t76 * t877;
-    let t879 = t878 + t876;
-    let t880 = 0.000255 * omega_epsilon_z;
-    let t881 = t761 - t880;
-    let t882 = cos_epsilon * t881;
-    let t883 = cos_delta * t882;
-    let t884 = 0.000255 * omega_epsilon_x;
-    let t885 = t795 + t884;
-    let t886 = sin_delta * t885;
-    let t887 = t883 + t886;
-    let t888 = cos_beta_gamma * t887;
-    let t889 = sin_epsilon * t881;
-    let t890 = sin_beta_gamma * t889;
-    let t891 = t888 - t890;
-    let t892 = v[0] * t891;
-    let t893 = t879 - t892;
-    let t894 = t224 * t893;
-    let t895 = t867 - t894;
-    let t896 = t38 + 0.006087497041000001;
-    let t897 = t238 + t896;
-    let t898 = sin_delta * t897;
-    let t899 = t242 - t898;
-    let t900 = cos_beta_gamma * t899;
-    let t901 = sin_beta_gamma * t245;
-    let t902 = t901 - t900;
-    let t903 = sin_delta * t238;
-    let t904 = t71 * t903;
-    let t905 = t902 + t904;
-    let t906 = t549 * t905;
-    let t907 = cos_delta * t238;
-    let t908 = cos_beta_gamma * t907;
-    let t909 = sin_beta_gamma * t286;
-    let t910 = t908 - t909;
-    let t911 = t71 * t910;
-    let t912 = sin_beta_gamma * t907;
-    let t913 = cos_beta_gamma * t286;
-    let t914 = t912 + t913;
-    let t915 = t78 * t914;
-    let t916 = t915 + t911;
-    let t917 = cos_delta * t897;
-    let t918 = t350 + t917;
-    let t919 = t918 + t916;
-    let t920 = t76 * t919;
-    let t921 = t906 - t920;
-    let t922 = 21.1145440844009 * t910;
-    let t923 = t921 - t922;
-    let t924 = 0.00101 * omega_delta_z;
-    let t925 = t784 + t924;
-    let t926 = t788 + t925;
-    let t927 = cos_delta * t926;
-    let t928 = t767 + t773;
-    let t929 = sin_delta * t928;
-    let t930 = t927 + t929;
-    let t931 = cos_beta_gamma * t930;
-    let t932 = 0.00101 * omega_delta_x;
-    let t933 = t820 - t932;
-    let t934 = t822 - t933;
-    let t935 = sin_beta_gamma * t934;
-    let t936 = t931 + t935;
-    let t937 = v[0] * t78;
-    let t938 = 2.0 * t937;
-    let t939 = t938 * t914;
-    let t940 = t858 * t903;
-    let t941 = t940 - t939;
-    let t942 = t936 - t941;
-    let t943 = v[0] * t942;
-    let t944 = t923 + t943;
-    let t945 = t257 * t944;
-    let t946 = t895 + t945;
-    let t947 = t273 * t944;
-    let t948 = t270 * t893;
-    let t949 = t283 + 0.001515;
-    let t950 = sin_beta_gamma * t949;
-    let t951 = cos_beta_gamma * t290;
-    let t952 = t951 + t950;
-    let t953 = t71 * t739;
-    let t954 = t952 - t953;
-    let t955 = t549 * t954;
-    let t956 = cos_beta_gamma * t751;
-    let t957 = t71 * t956;
-    let t958 = sin_beta_gamma * t751;
-    let t959 = t78 * t958;
-    let t960 = t959 + t957;
-    let t961 = t359 - t960;
-    let t962 = t76 * t961;
-    let t963 = t955 + t962;
-    let t964 = 21.1145440844009 * t956;
-    let t965 = t963 - t964;
-    let t966 = 0.001515 * omega_gamma_z;
-    let t967 = t840 + t966;
-    let t968 = cos_beta_gamma * t967;
-    let t969 = t767 - t771;
-    let t970 = t773 - t969;
-    let t971 = sin_beta_gamma * t970;
-    let t972 = t968 + t971;
-    let t973 = t938 * t958;
-    let t974 = t858 * t739;
-    let t975 = t974 + t973;
-    let t976 = t972 + t975;
-    let t977 = v[0] * t976;
-    let t978 = t965 + t977;
-    let t979 = t978 - t948;
-    let t980 = t979 - t947;
-    let t981 = t310 * t980;
-    let t982 = t946 - t981;
-    let t983 = t364 * t980;
-    let t984 = t354 * t944;
-    let t985 = t346 * t893;
-    let t986 = cos_beta_gamma * t389;
-    let t987 = sin_beta_gamma * t359;
-    let t988 = t986 - t987;
-    let t989 = t988 * t549;
-    let t990 = t71 * t741;
-    let t991 = t78 * t745;
-    let t992 = t991 - t990;
-    let t993 = t379 + t992;
-    let t994 = 0.00847987 + t993;
-    let t995 = t76 * t994;
-    let t996 = t989 - t995;
-    let t997 = 21.1145440844009 * t741;
-    let t998 = t996 + t997;
-    let t999 = cos_delta * t802;
-    let t1000 = t799 + t999;
-    let t1001 = omega_gamma_y * 0.008315;
-    let t1002 = t162 + t1001;
-    let t1003 = t1002 + t1000;
-    let t1004 = cos_beta_gamma * t1003;
-    let t1005 = sin_delta * t816;
-    let t1006 = cos_delta * t824;
-    let t1007 = t1005 - t1006;
-    let t1008 = omega_gamma_x * 1.2583069346190003;
-    let t1009 = t1008 + t1007;
-    let t1010 = sin_beta_gamma * t1009;
-    let t1011 = t1004 + t1010;
-    let t1012 = t938 * t745;
-    let t1013 = t1011 + t1012;
-    let t1014 = v[0] * 0.00847987;
-    let t1015 = t1014 + t1013;
-    let t1016 = v[0] * t1015;
-    let t1017 = t998 + t1016;
-    let t1018 = t1017 + t985;
-    let t1019 = t1018 - t984;
-    let t1020 = t1019 + t983;
-    let t1021 = t399 * t1020;
-    let t1022 = t982 - t1021;
-    let t1023 = t492 * t1020;
-    let t1024 = t472 * t980;
-    let t1025 = t459 * t944;
-    let t1026 = t78 * t751;
-    let t1027 = t988 + t1026;
-    let t1028 = t549 * t1027;
-    let t1029 = 2.0 * t992;
-    let t1030 = t379 + t1029;
-    let t1031 = t501 + t1030;
-    let t1032 = t76 * t1031;
-    let t1033 = t1032 - t1028;
-    let t1034 = cos_beta * 0.7552597941000001;
-    let t1035 = t1034 - t741;
-    let t1036 = 21.1145440844009 * t1035;
-    let t1037 = t1036 + t1033;
-    let t1038 = cos_delta * t821;
-    let t1039 = sin_delta * t813;
-    let t1040 = t1039 + t1038;
-    let t1041 = omega_gamma_x * 1.5837633996450005;
-    let t1042 = t1041 + t1040;
-    let t1043 = t78 * t1042;
-    let t1044 = t1043 + t1012;
-    let t1045 = t1011 + t1044;
-    let t1046 = v[0] * 2.0;
-    let t1047 = t500 * t1046;
-    let t1048 = t1047 + t1045;
-    let t1049 = v[0] * t1048;
-    let t1050 = t1037 - t1049;
-    let t1051 = t1050 - t985;
-    let t1052 = t1051 + t1025;
-    let t1053 = t1052 - t1024;
-    let t1054 = t1053 + t1023;
-    let t1055 = t520 * t1054;
-    let t1056 = t1022 + t1055;
-    let t1057 = inverse_d_alpha * t1056;
-    let t1058 = acceleration_gamma_y_2 * t751;
-    let t1059 = t290 * t583;
-    let t1060 = t534 - t374;
-    let t1061 = t591 * t1060;
-    let t1062 = t1061 - t1059;
-    let t1063 = t359 * t76;
-    let t1064 = t1062 - t1063;
-    let t1065 = t1058 - t1064;
-    let t1066 = t767 - t803;
-    let t1067 = t804 - t1066;
-    let t1068 = omega_gamma_x * t1067;
-    let t1069 = omega_gamma_y * t842;
-    let t1070 = t1068 + t1069;
-    let t1071 = t1065 + t1070;
-    let t1072 = moment_gamma_x_2 + t1071;
-    let t1073 = cos_beta_gamma * t1072;
-    let t1074 = acceleration_gamma_x_2 * t751;
-    let t1075 = t290 * t591;
-    let t1076 = t534 - t378;
-    let t1077 = t583 * t1076;
-    let t1078 = t1077 - t1075;
-    let t1079 = t389 * t76;
-    let t1080 = t1078 + t1079;
-    let t1081 = t1074 - t1080;
-    let t1082 = t807 + t1066;
-    let t1083 = omega_gamma_y * t1082;
-    let t1084 = omega_gamma_x * t828;
-    let t1085 = t1083 + t1084;
-    let t1086 = t1081 - t1085;
-    let t1087 = moment_gamma_y_2 - t1086;
-    let t1088 = sin_beta_gamma * t1087;
-    let t1089 = t1088 + t1073;
-    let t1090 = t591 * t739;
-    let t1091 = t583 * t737;
-    let t1092 = t1091 - t1090;
-    let t1093 = omega_gamma_x * t852;
-    let t1094 = omega_gamma_y * t806;
-    let t1095 = t1094 + t1093;
-    let t1096 = t1092 - t1095;
-    let t1097 = t78 * t1096;
-    let t1098 = t1089 - t1097;
-    let t1099 = t591 * t873;
-    let t1100 = t583 * t871;
-    let t1101 = t1100 + t1099;
-    let t1102 = t1101 + t878;
-    let t1103 = omega_gamma_y * t887;
-    let t1104 = omega_gamma_x * t889;
-    let t1105 = t1103 - t1104;
-    let t1106 = t1102 - t1105;
-    let t1107 = t224 * t1106;
-    let t1108 = t1098 + t1107;
-    let t1109 = t286 * acceleration_gamma_x_2;
-    let t1110 = acceleration_gamma_y_2 * t907;
-    let t1111 = t1110 + t1109;
-    let t1112 = t245 * t591;
-    let t1113 = t583 * t899;
-    let t1114 = t1113 - t1112;
-    let t1115 = t76 * t918;
-    let t1116 = t1114 + t1115;
-    let t1117 = t1116 - t1111;
-    let t1118 = omega_gamma_y * t930;
-    let t1119 = omega_gamma_x * t934;
-    let t1120 = t1118 + t1119;
-    let t1121 = t1117 - t1120;
-    let t1122 = t257 * t1121;
-    let t1123 = t1108 + t1122;
-    let t1124 = t273 * t1121;
-    let t1125 = t591 * t949;
-    let t1126 = t1059 + t1125;
-    let t1127 = t1063 + t1126;
-    let t1128 = t1058 + t1127;
-    let t1129 = omega_gamma_y * t967;
-    let t1130 = omega_gamma_x * t970;
-    let t1131 = t1129 + t1130;
-    let t1132 = t1128 + t1131;
-    let t1133 = t270 * t1106;
-    let t1134 = t1132 - t1133;
-    let t1135 = t1134 + t1124;
-    let t1136 = t310 * t1135;
-    let t1137 = t1123 + t1136;
-    let t1138 = t364 * t1135;
-    let t1139 = t354 * t1121;
-    let t1140 = acceleration_gamma_y_2 * t737;
-    let t1141 = acceleration_gamma_x_2 * t739;
-    let t1142 = t1141 + t1140;
-    let t1143 = t389 * t583;
-    let t1144 = t379 * t76;
-    let t1145 = t1144 - t1143;
-    let t1146 = t359 * t591;
-    let t1147 = t1145 + t1146;
-    let t1148 = t1142 - t1147;
-    let t1149 = omega_gamma_y * t1003;
-    let t1150 = omega_gamma_x * t1009;
-    let t1151 = t1149 + t1150;
-    let t1152 = t1148 + t1151;
-    let t1153 = t346 * t1106;
-    let t1154 = t1152 + t1153;
-    let t1155 = t1154 + t1139;
-    let t1156 = t1155 + t1138;
-    let t1157 = t399 * t1156;
-    let t1158 = t1137 + t1157;
-    let t1159 = cos_delta * force_delta_x_2;
-    let t1160 = sin_delta * force_epsilon_z_2;
-    let t1161 = t1159 + t1160;
-    let t1162 = 0.7918816998225002 * t589;
-    let force_gamma_x_2 = t1162 + t1161;
-    let t1164 = t583 * t751;
-    let t1165 = t76 * t739;
-    let t1166 = t1165 - t1164;
-    let t1167 = omega_gamma_y * t1042;
-    let t1168 = t1166 - t1167;
-    let t1169 = force_gamma_x_2 + t1168;
-    let t1170 = sin_beta_gamma * t1169;
-    let t1171 = sin_epsilon * force_epsilon_x_2;
-    let force_delta_z_2 = t408 + t1171;
-    let force_gamma_y_2 = t414 + force_delta_z_2;
-    let t1174 = t591 * t751;
-    let t1175 = t76 * t737;
-    let t1176 = t1174 - t1175;
-    let t1177 = omega_gamma_x * t1042;
-    let t1178 = t1176 + t1177;
-    let t1179 = force_gamma_y_2 - t1178;
-    let t1180 = cos_beta_gamma * t1179;
-    let t1181 = t1180 - t1170;
-    let t1182 = t71 * t1181;
-    let t1183 = cos_beta_gamma * t1169;
-    let t1184 = sin_beta_gamma * t1179;
-    let t1185 = t1184 + t1183;
-    let t1186 = t78 * t1185;
-    let t1187 = t1186 + t1182;
-    let t1188 = t1152 - t1187;
-    let t1189 = t1188 + t1153;
-    let t1190 = t459 * t1121;
-    let t1191 = t1189 + t1190;
-    let t1192 = t472 * t1135;
-    let t1193 = t1191 + t1192;
-    let t1194 = t492 * t1156;
-    let t1195 = t1193 - t1194;
-    let t1196 = t520 * t1195;
-    let t1197 = t1158 + t1196;
-    let t1198 = inverse_d_alpha * t1197;
-    let t1199 = t241 * t620;
-    let t1200 = t375 + t281;
-    let t1201 = t596 * t1200;
-    let t1202 = t1201 - t1199;
-    let t1203 = t245 * t413;
-    let t1204 = t1202 + t1203;
-    let t1205 = t238 * acceleration_delta_y_2;
-    let t1206 = t1205 + t1204;
-    let t1207 = t770 + t771;
-    let t1208 = omega_delta_x * t1207;
-    let t1209 = omega_delta_y * t786;
-    let t1210 = t1208 - t1209;
-    let t1211 = t1206 + t1210;
-    let t1212 = moment_delta_x_2 - t1211;
-    let t1213 = t238 * t596;
-    let t1214 = omega_delta_x * t806;
-    let t1215 = t1213 - t1214;
-    let t1216 = force_epsilon_z_2 - t1215;
-    let t1217 = t1216 + t1212;
-    let t1218 = sin_delta * t1217;
-    let t1219 = t241 * t596;
-    let t1220 = t375 - t282;
-    let t1221 = t620 * t1220;
-    let t1222 = t1221 - t1219;
-    let t1223 = t285 * t413;
-    let t1224 = t1222 + t1223;
-    let t1225 = t238 * acceleration_delta_x_2;
+    let t758 = t208 * t757;
+    let t759 = inverse_d_gamma * t743;
+    let t760 = t759 - t758;
+    let t761 = t170 * t754;
+    let t762 = t760 + t761;
+    let t763 = t155 * t762;
+    let t764 = t116 * inverse_d_delta;
+    let t765 = t764 + t763;
+    let t766 = t220 * t757;
+    let t767 = t765 + t766;
+    let t768 = t128 * t754;
+    let t769 = t767 + t768;
+    let t770 = t116 * t769;
+    let t771 = inverse_d_zeta + t770;
+    let t772 = t137 * t762;
+    let t773 = t771 + t772;
+    let t774 = t137 * t757;
+    let t775 = t773 + t774;
+    let t776 = t84 * t754;
+    let t777 = t775 + t776;
+    let t778 = t777 * t555;
+    let t779 = t741 - t778;
+    let t780 = t592 - t632;
+    let t781 = t275 + t780;
+    let t782 = sin_delta * t781;
+    let t783 = sin_beta_gamma * t557;
+    let t784 = t272 + t783;
+    let t785 = cos_delta * t784;
+    let t786 = t782 + t785;
+    let t787 = t323 - t786;
+    let t788 = sin_epsilon * t787;
+    let t789 = cos_beta_gamma * t557;
+    let t790 = t330 - t789;
+    let t791 = t678 - t790;
+    let t792 = t329 + t791;
+    let t793 = cos_epsilon * t792;
+    let t794 = t793 + t788;
+    let t795 = t355 - t794;
+    let t796 = t779 + t795;
+    let t797 = t355 + t796;
+    let t798 = t68 * t797;
+    let t799 = t365 + t798;
+    let t800 = t355 - t796;
+    let t801 = t67 * t800;
+    let moment_zeta_z_2 = t799 - t801;
+    let t803 = t370 - t794;
+    let t804 = 0.0004025 * t803;
+    let t805 = 0.000255 * t779;
+    let t806 = t804 + t805;
+    let moment_epsilon_y_2 = moment_zeta_z_2 + t806;
+    let t808 = sin_epsilon * moment_epsilon_y_2;
+    let t809 = cos_epsilon * t787;
+    let t810 = sin_epsilon * t792;
+    let t811 = t810 - t809;
+    let t812 = t335 - t811;
+    let t813 = 0.004194997041000001 * t812;
+    let t814 = t54 * t592;
+    let t815 = t255 - t814;
+    let t816 = 21.1145440844009 - t815;
+    let t817 = sin_beta_gamma * t816;
+    let t818 = t176 * t592;
+    let t819 = t260 + t818;
+    let t820 = cos_beta_gamma * t819;
+    let acceleration_gamma_x_2 = t820 + t817;
+    let t822 = sin_delta * acceleration_gamma_x_2;
+    let t823 = t54 * t557;
+    let acceleration_gamma_z_2 = acceleration_gamma_z + t823;
+    let t825 = cos_delta * acceleration_gamma_z_2;
+    let t826 = t822 + t825;
+    let acceleration_delta_y_2 = t826 + t786;
+    let t828 = 0.009952485403000002 * acceleration_delta_y_2;
+    let t829 = t828 - t813;
+    let t830 = t382 - t829;
+    let t831 = t321 + t812;
+    let t832 = t67 * t831;
+    let t833 = cos_delta * t781;
+    let t834 = sin_delta * t784;
+    let t835 = t833 - t834;
+    let t836 = t301 - t835;
+    let t837 = t732 + t836;
+    let t838 = t300 + t837;
+    let t839 = t314 + t838;
+    let t840 = t22 * t839;
+    let moment_zeta_x_2 = t840 + t832;
+    let moment_epsilon_x_2 = moment_zeta_x_2 + t830;
+    let t843 = cos_epsilon * moment_epsilon_x_2;
+    let t844 = t843 - t808;
+    let t845 = 0.0029975 * t787;
+    let t846 = t413 - t845;
+    let moment_delta_x_2 = t846 - t844;
+    let force_epsilon_z_2 = 0.009952485403000002 * t812;
+    let t849 = force_epsilon_z_2 - moment_delta_x_2;
+    let t850 = cos_delta * t849;
+    let t851 = cos_delta * acceleration_gamma_x_2;
+    let t852 = sin_delta * acceleration_gamma_z_2;
+    let t853 = t851 - t852;
+    let acceleration_delta_x_2 = t853 + t835;
+    let t855 = cos_epsilon * acceleration_delta_x_2;
+    let t856 = cos_beta_gamma * t816;
+    let t857 = sin_beta_gamma * t819;
+    let acceleration_gamma_y_2 = t857 - t856;
+    let acceleration_delta_z_2 = t285 + acceleration_gamma_y_2;
+    let t860 = sin_epsilon * acceleration_delta_z_2;
+    let acceleration_epsilon_x_2 = t855 - t860;
+    let t862 = 0.009952485403000002 * acceleration_epsilon_x_2;
+    let t863 = 0.004194997041000001 * t838;
+    let t864 = t300 - t837;
+    let t865 = 0.0004025 * t864;
+    let t866 = t865 - t863;
+    let t867 = t862 + t866;
+    let t868 = t310 - t867;
+    let t869 = t22 * t831;
+    let t870 = t68 * t839;
+    let moment_zeta_y_2 = t869 + t870;
+    let moment_epsilon_z_2 = moment_zeta_y_2 + t868;
+    let t873 = t419 - t835;
+    let t874 = 0.0026049999999999997 * t873;
+    let t875 = 0.00101 * t732;
+    let t876 = t874 + t875;
+    let moment_delta_y_2 = t876 + moment_epsilon_z_2;
+    let force_epsilon_x_2 = 0.009952485403000002 * t838;
+    let t879 = cos_epsilon * force_epsilon_x_2;
+    let force_delta_x_2 = t425 - t879;
+    let t881 = force_delta_x_2 - moment_delta_y_2;
+    let t882 = sin_delta * t881;
+    let t883 = t850 + t882;
+    let t884 = 0.6291534673095002 * t784;
+    let t885 = 0.7918816998225002 * acceleration_gamma_z_2;
+    let t886 = t885 + t884;
+    let t887 = t508 - t886;
+    let moment_gamma_x_2 = t887 + t883;
+    let t889 = cos_beta_gamma * moment_gamma_x_2;
+    let t890 = cos_epsilon * moment_epsilon_y_2;
+    let t891 = sin_epsilon * moment_epsilon_x_2;
+    let t892 = t891 + t890;
+    let t893 = 0.0029975 * t792;
+    let t894 = t329 - t791;
+    let t895 = 0.0026049999999999997 * t894;
+    let t896 = t895 - t893;
+    let t897 = t395 + t896;
+    let moment_delta_z_2 = t897 + t892;
+    let t899 = 0.001515 * t678;
+    let t900 = t512 - t789;
+    let t901 = 0.0041575 * t900;
+    let t902 = t901 - t899;
+    let moment_gamma_y_2 = t902 + moment_delta_z_2;
+    let t904 = sin_beta_gamma * moment_gamma_y_2;
+    let t905 = t889 - t904;
+    let t906 = sin_delta * force_delta_x_2;
+    let t907 = cos_delta * force_epsilon_z_2;
+    let t908 = t906 + t907;
+    let t909 = 0.7918816998225002 * t784;
+    let force_gamma_z_2 = t909 - t908;
+    let t911 = t176 * force_gamma_z_2;
+    let t912 = t905 - t911;
+    let t913 = t480 * t557;
+    let t914 = t212 * t265;
+    let t915 = t914 + t913;
+    let t916 = v[2] * 0.00847987;
+    let t917 = v[0] * t916;
+    let t918 = t917 + t915;
+    let moment_beta_x = t918 - t912;
+    let t920 = cos_beta_gamma * t45;
+    let t921 = t42 + t920;
+    let t922 = t54 * t175;
+    let t923 = t176 * t53;
+    let t924 = t923 - t922;
+    let t925 = t921 - t924;
+    let t926 = t480 - t925;
+    let t927 = t926 * t557;
+    let t928 = t227 * t258;
+    let t929 = t927 - t928;
+    let t930 = t196 * 21.1145440844009;
+    let t931 = t930 + t929;
+    let t932 = 2.0 * omega_epsilon_x;
+    let t933 = t22 * t932;
+    let t934 = t68 * t334;
+    let t935 = t933 - t934;
+    let t936 = omega_epsilon_z * 0.000805;
+    let t937 = t936 - t935;
+    let t938 = omega_epsilon_z * 0.008389994082000002;
+    let t939 = t938 - t937;
+    let t940 = cos_epsilon * t939;
+    let t941 = t22 * t313;
+    let t942 = sin_epsilon * t941;
+    let t943 = t942 - t940;
+    let t944 = sin_epsilon * t943;
+    let t945 = t941 - t944;
+    let t946 = 2.0 * omega_delta_y;
+    let t947 = t37 * t946;
+    let t948 = t945 + t947;
+    let t949 = t941 + t948;
+    let t950 = sin_delta * t949;
+    let t951 = t68 * t313;
+    let t952 = omega_epsilon_y * 0.000805;
+    let t953 = t309 - t952;
+    let t954 = t951 + t953;
+    let t955 = cos_epsilon * t954;
+    let t956 = omega_epsilon_x * 0.008389994082000002;
+    let t957 = sin_epsilon * t956;
+    let t958 = t955 + t957;
+    let t959 = omega_delta_z * 0.005209999999999999;
+    let t960 = t959 + t958;
+    let t961 = 2.0 * omega_delta_x;
+    let t962 = t37 * t961;
+    let t963 = t960 + t962;
+    let t964 = t67 * t313;
+    let t965 = t309 + t964;
+    let t966 = cos_epsilon * t965;
+    let t967 = t67 * t932;
+    let t968 = t22 * t334;
+    let t969 = t967 - t968;
+    let t970 = sin_epsilon * t969;
+    let t971 = t966 + t970;
+    let t972 = omega_delta_z * 0.005995;
+    let t973 = t972 + t971;
+    let t974 = t973 - t963;
+    let t975 = cos_delta * t974;
+    let t976 = t950 - t975;
+    let t977 = sin_delta * t976;
+    let t978 = t948 - t977;
+    let t979 = 0.019904970806000004 * omega_epsilon_z;
+    let t980 = sin_epsilon * t979;
+    let t981 = t980 - t944;
+    let t982 = t981 + t978;
+    let t983 = sin_beta_gamma * t982;
+    let t984 = cos_epsilon * t943;
+    let t985 = t937 - t984;
+    let t986 = t394 + t985;
+    let t987 = cos_epsilon * t979;
+    let t988 = t48 * t946;
+    let t989 = t987 + t988;
+    let t990 = t986 + t989;
+    let t991 = cos_delta * t990;
+    let t992 = sin_epsilon * t954;
+    let t993 = cos_epsilon * t956;
+    let t994 = t992 - t993;
+    let t995 = 0.019904970806000004 * omega_epsilon_x;
+    let t996 = t48 * t961;
+    let t997 = t995 + t996;
+    let t998 = t994 - t997;
+    let t999 = sin_delta * t998;
+    let t1000 = t991 + t999;
+    let t1001 = omega_gamma_z * 1.2583069346190003;
+    let t1002 = t1001 + t1000;
+    let t1003 = t938 + t984;
+    let t1004 = omega_delta_y * 0.005209999999999999;
+    let t1005 = t394 + t1004;
+    let t1006 = t1005 + t1003;
+    let t1007 = cos_delta * t1006;
+    let t1008 = sin_epsilon * t965;
+    let t1009 = cos_epsilon * t969;
+    let t1010 = t1008 - t1009;
+    let t1011 = omega_delta_x * 0.005995;
+    let t1012 = t1011 - t1010;
+    let t1013 = sin_delta * t1012;
+    let t1014 = t1007 - t1013;
+    let t1015 = omega_gamma_z * 0.008315;
+    let t1016 = t1015 + t1014;
+    let t1017 = t1002 - t1016;
+    let t1018 = cos_beta_gamma * t1017;
+    let t1019 = t983 - t1018;
+    let t1020 = cos_beta_gamma * t1019;
+    let t1021 = t1002 + t1020;
+    let t1022 = sin_delta * t995;
+    let t1023 = cos_delta * t987;
+    let t1024 = t1023 - t1022;
+    let t1025 = omega_gamma_z * 1.5837633996450005;
+    let t1026 = t1025 + t1024;
+    let t1027 = sin_beta_gamma * t1026;
+    let t1028 = cos_beta_gamma * t980;
+    let t1029 = t1027 + t1028;
+    let t1030 = t54 * t1029;
+    let t1031 = v[1] * t54;
+    let t1032 = 2.0 * t1031;
+    let t1033 = t53 * t1032;
+    let t1034 = t1030 + t1033;
+    let t1035 = t1021 + t1034;
+    let t1036 = t60 * t264;
+    let t1037 = t916 + t1036;
+    let t1038 = t1037 + t1035;
+    let t1039 = v[0] * t1038;
+    let t1040 = t931 - t1039;
+    let t1041 = moment_beta_x + t1040;
+    let t1042 = inverse_d_alpha * t1041;
+    let t1043 = cos_beta_gamma * t160;
+    let t1044 = sin_beta_gamma * t151;
+    let t1045 = t1043 + t1044;
+    let t1046 = t54 * t196;
+    let t1047 = t1045 + t1046;
+    let t1048 = t1047 * t557;
+    let t1049 = t214 * t258;
+    let t1050 = t1049 - t1048;
+    let t1051 = 0.7552597941000001 * cos_beta;
+    let t1052 = t1051 - t175;
+    let t1053 = t1052 * 21.1145440844009;
+    let t1054 = t1053 + t1050;
+    let t1055 = cos_delta * t976;
+    let t1056 = t973 + t1055;
+    let t1057 = omega_gamma_y * 0.008315;
+    let t1058 = t435 + t1057;
+    let t1059 = t1058 + t1056;
+    let t1060 = cos_beta_gamma * t1059;
+    let t1061 = sin_delta * t990;
+    let t1062 = cos_delta * t998;
+    let t1063 = t1061 - t1062;
+    let t1064 = omega_gamma_x * 1.2583069346190003;
+    let t1065 = t1064 + t1063;
+    let t1066 = sin_beta_gamma * t1065;
+    let t1067 = t1060 + t1066;
+    let t1068 = cos_delta * t995;
+    let t1069 = sin_delta * t987;
+    let t1070 = t1069 + t1068;
+    let t1071 = omega_gamma_x * 1.5837633996450005;
+    let t1072 = t1071 + t1070;
+    let t1073 = t54 * t1072;
+    let t1074 = v[0] * t54;
+    let t1075 = 2.0 * t1074;
+    let t1076 = t53 * t1075;
+    let t1077 = t1073 + t1076;
+    let t1078 = t1067 + t1077;
+    let t1079 = v[0] * 2.0;
+    let t1080 = t60 * t1079;
+    let t1081 = t1080 + t1078;
+    let t1082 = v[0] * t1081;
+    let t1083 = t1054 - t1082;
+    let t1084 = t238 * t1083;
+    let t1085 = t1042 + t1084;
+    let t1086 = t1045 * t557;
+    let t1087 = t180 * t258;
+    let t1088 = t1086 - t1087;
+    let t1089 = t175 * 21.1145440844009;
+    let t1090 = t1088 + t1089;
+    let t1091 = t1067 + t1076;
+    let t1092 = v[0] * 0.00847987;
+    let t1093 = t1092 + t1091;
+    let t1094 = v[0] * t1093;
+    let t1095 = t1090 + t1094;
+    let t1096 = t241 * t1095;
+    let t1097 = t1085 + t1096;
+    let t1098 = t106 + 0.001515;
+    let t1099 = sin_beta_gamma * t1098;
+    let t1100 = cos_beta_gamma * t42;
+    let t1101 = t1100 - t1099;
+    let t1102 = t176 * t51;
+    let t1103 = t1102 + t1101;
+    let t1104 = t557 * t1103;
+    let t1105 = t202 * t258;
+    let t1106 = t1104 + t1105;
+    let t1107 = t197 * 21.1145440844009;
+    let t1108 = t1106 + t1107;
+    let t1109 = 0.001515 * omega_gamma_z;
+    let t1110 = t1014 + t1109;
+    let t1111 = cos_beta_gamma * t1110;
+    let t1112 = t941 - t945;
+    let t1113 = t947 - t1112;
+    let t1114 = sin_beta_gamma * t1113;
+    let t1115 = t1111 + t1114;
+    let t1116 = t199 * t1075;
+    let t1117 = t51 * t1032;
+    let t1118 = t1117 + t1116;
+    let t1119 = t1115 + t1118;
+    let t1120 = v[0] * t1119;
+    let t1121 = t1108 - t1120;
+    let t1122 = t246 * t1121;
+    let t1123 = t1097 + t1122;
+    let t1124 = t12 + 0.006087497041000001;
+    let t1125 = t48 + t1124;
+    let t1126 = sin_delta * t1125;
+    let t1127 = t90 - t1126;
+    let t1128 = cos_beta_gamma * t1127;
+    let t1129 = sin_beta_gamma * t40;
+    let t1130 = t1129 - t1128;
+    let t1131 = t176 * t95;
+    let t1132 = t1131 + t1130;
+    let t1133 = t557 * t1132;
+    let t1134 = cos_delta * t1125;
+    let t1135 = t141 + t1134;
+    let t1136 = t191 + t1135;
+    let t1137 = t258 * t1136;
+    let t1138 = t1133 - t1137;
+    let t1139 = t185 * 21.1145440844009;
+    let t1140 = t1138 - t1139;
+    let t1141 = 0.00101 * omega_delta_z;
+    let t1142 = t958 + t1141;
+    let t1143 = t962 + t1142;
+    let t1144 = cos_delta * t1143;
+    let t1145 = t941 + t947;
+    let t1146 = sin_delta * t1145;
+    let t1147 = t1144 + t1146;
+    let t1148 = cos_beta_gamma * t1147;
+    let t1149 = 0.00101 * omega_delta_x;
+    let t1150 = t994 - t1149;
+    let t1151 = t996 - t1150;
+    let t1152 = sin_beta_gamma * t1151;
+    let t1153 = t1148 + t1152;
+    let t1154 = t189 * t1075;
+    let t1155 = t95 * t1032;
+    let t1156 = t1155 - t1154;
+    let t1157 = t1153 - t1156;
+    let t1158 = v[0] * t1157;
+    let t1159 = t1140 + t1158;
+    let t1160 = t253 * t1159;
+    let t1161 = t1123 + t1160;
+    let t1162 = t69 + 0.000255;
+    let t1163 = sin_epsilon * t1162;
+    let t1164 = cos_delta * t1163;
+    let t1165 = cos_beta_gamma * t1164;
+    let t1166 = cos_epsilon * t1162;
+    let t1167 = sin_beta_gamma * t1166;
+    let t1168 = t1165 + t1167;
+    let t1169 = t557 * t1168;
+    let t1170 = sin_delta * t1163;
+    let t1171 = t258 * t1170;
+    let t1172 = t1171 + t1169;
+    let t1173 = 0.000255 * omega_epsilon_z;
+    let t1174 = t935 - t1173;
+    let t1175 = cos_epsilon * t1174;
+    let t1176 = cos_delta * t1175;
+    let t1177 = 0.000255 * omega_epsilon_x;
+    let t1178 = t969 + t1177;
+    let t1179 = sin_delta * t1178;
+    let t1180 = t1176 + t1179;
+    let t1181 = cos_beta_gamma * t1180;
+    let t1182 = sin_epsilon * t1174;
+    let t1183 = sin_beta_gamma * t1182;
+    let t1184 = t1181 - t1183;
+    let t1185 = v[0] * t1184;
+    let t1186 = t1172 - t1185;
+    let t1187 = t545 * t1186;
+    let t1188 = t1161 + t1187;
+    let t1189 = t196 * acceleration_gamma_y_2;
+    let t1190 = t42 * t789;
+    let t1191 = t63 - t29;
+    let t1192 = t783 * t1191;
+    let t1193 = t1192 + t1190;
+    let t1194 = t151 * t258;
+    let t1195 = t1193 + t1194;
+    let t1196 = t1189 - t1195;
+    let t1197 = t941 - t977;
+    let t1198 = t978 - t1197;
+    let t1199 = omega_gamma_x * t1198;
+    let t1200 = omega_gamma_y * t1016;
+    let t1201 = t1199 + t1200;
+    let t1202 = t1196 + t1201;
+    let t1203 = moment_gamma_x_2 + t1202;
+    let t1204 = cos_beta_gamma * t1203;
+    let t1205 = t196 * acceleration_gamma_x_2;
+    let t1206 = t42 * t783;
+    let t1207 = t63 - t33;
+    let t1208 = t789 * t1207;
+    let t1209 = t1208 + t1206;
+    let t1210 = t160 * t258;
+    let t1211 = t1209 + t1210;
+    let t1212 = t1205 - t1211;
+    let t1213 = t981 + t1197;
+    let t1214 = omega_gamma_y * t1213;
+    let t1215 = omega_gamma_x * t1002;
+    let t1216 = t1214 + t1215;
+    let t1217 = t1212 - t1216;
+    let t1218 = moment_gamma_y_2 + t1217;
+    let t1219 = sin_beta_gamma * t1218;
+    let t1220 = t1219 - t1204;
+    let t1221 = t51 * t783;
+    let t1222 = t49 * t789;
+    let t1223 = t1222 - t1221;
+    let t1224 = omega_gamma_x * t1026;
+    let t1225 = omega_gamma_y * t980;
     let t1226 = t1225 + t1224;
-    let t1227 = omega_delta_y * t771;
-    let t1228 = omega_delta_x * t799;
-    let t1229 = t1227 - t1228;
-    let t1230 = t1226 + t1229;
-    let t1231 = moment_delta_y_2 - t1230;
-    let t1232 = t238 * t620;
-    let t1233 = t286 * t413;
-    let t1234 = t1233 - t1232;
-    let t1235 = omega_delta_y * t806;
-    let t1236 = t1234 - t1235;
-    let t1237 = force_delta_x_2 + t1236;
-    let t1238 = t1237 + t1231;
-    let t1239 = cos_delta * t1238;
-    let t1240 = t1239 + t1218;
-    let t1241 = sin_beta_gamma * t1240;
-    let t1242 = t285 * t620;
-    let t1243 = t283 * t413;
-    let t1244 = t1243 + t1242;
-    let t1245 = t245 * t596;
-    let t1246 = t1244 + t1245;
-    let t1247 = t286 * acceleration_delta_x_2;
-    let t1248 = t1247 - t1246;
-    let t1249 = omega_delta_y * t832;
-    let t1250 = omega_delta_x * t838;
-    let t1251 = t1249 + t1250;
-    let t1252 = t1248 + t1251;
-    let t1253 = cos_beta_gamma * t1252;
-    let t1254 = t1241 - t1253;
-    let t1255 = cos_delta * t1237;
-    let t1256 = sin_delta * t1216;
+    let t1227 = t1223 - t1226;
+    let t1228 = t54 * t1227;
+    let t1229 = t1220 + t1228;
+    let t1230 = inverse_d_alpha * t1229;
+    let t1231 = cos_delta * force_delta_x_2;
+    let t1232 = sin_delta * force_epsilon_z_2;
+    let t1233 = t1231 - t1232;
+    let t1234 = 0.7918816998225002 * t781;
+    let force_gamma_x_2 = t1234 + t1233;
+    let t1236 = t196 * t789;
+    let t1237 = t51 * t258;
+    let t1238 = t1237 - t1236;
+    let t1239 = omega_gamma_y * t1072;
+    let t1240 = t1238 - t1239;
+    let t1241 = force_gamma_x_2 + t1240;
+    let t1242 = sin_beta_gamma * t1241;
+    let t1243 = sin_epsilon * force_epsilon_x_2;
+    let force_delta_z_2 = t465 + t1243;
+    let force_gamma_y_2 = t468 + force_delta_z_2;
+    let t1246 = t196 * t783;
+    let t1247 = t49 * t258;
+    let t1248 = t1246 - t1247;
+    let t1249 = omega_gamma_x * t1072;
+    let t1250 = t1248 + t1249;
+    let t1251 = force_gamma_y_2 - t1250;
+    let t1252 = cos_beta_gamma * t1251;
+    let t1253 = t1252 - t1242;
+    let t1254 = t176 * t1253;
+    let t1255 = cos_beta_gamma * t1241;
+    let t1256 = sin_beta_gamma * t1251;
     let t1257 = t1256 + t1255;
-    let t1258 = t78 * t1257;
-    let t1259 = t1254 + t1258;
-    let t1260 = t620 * t870;
-    let t1261 = t413 * t873;
-    let t1262 = t1260 + t1261;
-    let t1263 = omega_delta_y * t882;
-    let t1264 = omega_delta_x * t885;
-    let t1265 = t1263 - t1264;
-    let t1266 = t1262 + t1265;
-    let t1267 = t224 * t1266;
-    let t1268 = t1259 + t1267;
-    let t1269 = t596 * t896;
-    let t1270 = t1199 - t1269;
-    let t1271 = t1203 - t1270;
-    let t1272 = t1205 + t1271;
-    let t1273 = omega_delta_y * t925;
-    let t1274 = omega_delta_x * t767;
-    let t1275 = t1273 - t1274;
-    let t1276 = t1272 - t1275;
-    let t1277 = t257 * t1276;
-    let t1278 = t1268 - t1277;
-    let t1279 = t273 * t1276;
-    let t1280 = t270 * t1266;
-    let t1281 = t1252 + t1280;
-    let t1282 = t1281 + t1279;
-    let t1283 = t310 * t1282;
-    let t1284 = t1278 - t1283;
-    let t1285 = cos_delta * t1217;
-    let t1286 = sin_delta * t1238;
-    let t1287 = t1286 - t1285;
-    let t1288 = t346 * t1266;
-    let t1289 = t1287 + t1288;
-    let t1290 = t354 * t1276;
-    let t1291 = t1289 - t1290;
-    let t1292 = t364 * t1282;
-    let t1293 = t1291 - t1292;
-    let t1294 = t399 * t1293;
-    let t1295 = t1284 + t1294;
-    let t1296 = t492 * t1293;
-    let t1297 = sin_delta * t1237;
-    let t1298 = cos_delta * t1216;
-    let t1299 = t1298 - t1297;
-    let t1300 = cos_beta_gamma * t1299;
-    let t1301 = t286 * t596;
-    let t1302 = omega_delta_x * t813;
-    let t1303 = omega_delta_y * t821;
-    let t1304 = t1303 - t1302;
-    let t1305 = t1301 - t1304;
-    let t1306 = sin_beta_gamma * t1305;
-    let t1307 = t1300 + t1306;
-    let t1308 = t71 * t1307;
-    let t1309 = sin_beta_gamma * t1299;
-    let t1310 = cos_beta_gamma * t1305;
-    let t1311 = t1309 - t1310;
-    let t1312 = t78 * t1311;
-    let t1313 = t1312 + t1308;
-    let t1314 = t1287 - t1313;
-    let t1315 = t1314 + t1288;
-    let t1316 = t459 * t1276;
-    let t1317 = t1315 - t1316;
-    let t1318 = t472 * t1282;
-    let t1319 = t1317 - t1318;
-    let t1320 = t1319 - t1296;
-    let t1321 = t520 * t1320;
-    let t1322 = t1295 + t1321;
-    let t1323 = inverse_d_alpha * t1322;
-    let t1324 = t55 + t279;
-    let t1325 = t628 * t1324;
-    let t1326 = omega_epsilon_y * t763;
-    let t1327 = t1325 - t1326;
-    let t1328 = moment_epsilon_x_2 + t1327;
-    let t1329 = sin_epsilon * t1328;
-    let t1330 = t38 - 0.004766037041000001;
-    let t1331 = t601 * t1330;
-    let t1332 = omega_delta_z * omega_delta_z;
-    let t1333 = t127 + t1332;
-    let t1334 = t51 * t1333;
-    let t1335 = t1331 - t1334;
-    let t1336 = omega_epsilon_y * t767;
-    let t1337 = omega_epsilon_x * t764;
-    let t1338 = t1336 - t1337;
-    let t1339 = t1335 - t1338;
-    let t1340 = moment_epsilon_y_2 - t1339;
-    let t1341 = cos_epsilon * t1340;
-    let t1342 = t1341 + t1329;
-    let t1343 = 0.009952485403000002 * t601;
-    let t1344 = omega_epsilon_x * t805;
-    let t1345 = t1343 - t1344;
-    let t1346 = t1345 + t1342;
-    let t1347 = cos_delta * t1346;
-    let t1348 = omega_epsilon_y * t821;
-    let t1349 = force_epsilon_x_2 - t1348;
-    let t1350 = sin_epsilon * t1349;
-    let t1351 = omega_epsilon_x * t821;
-    let t1352 = 0.009952485403000002 * t1333;
-    let t1353 = t1352 - t1351;
-    let t1354 = force_epsilon_y + t1353;
-    let t1355 = cos_epsilon * t1354;
-    let t1356 = t1355 + t1350;
-    let t1357 = t51 * t601;
-    let t1358 = t237 * t1333;
+    let t1258 = t54 * t1257;
+    let t1259 = t1258 + t1254;
+    let t1260 = t49 * acceleration_gamma_y_2;
+    let t1261 = t51 * acceleration_gamma_x_2;
+    let t1262 = t1261 + t1260;
+    let t1263 = t160 * t789;
+    let t1264 = t131 * t258;
+    let t1265 = t1264 - t1263;
+    let t1266 = t151 * t783;
+    let t1267 = t1265 - t1266;
+    let t1268 = t1262 - t1267;
+    let t1269 = omega_gamma_y * t1059;
+    let t1270 = omega_gamma_x * t1065;
+    let t1271 = t1269 + t1270;
+    let t1272 = t1268 + t1271;
+    let t1273 = t1272 - t1259;
+    let t1274 = t238 * t1273;
+    let t1275 = t1230 - t1274;
+    let t1276 = t241 * t1272;
+    let t1277 = t1275 + t1276;
+    let t1278 = t783 * t1098;
+    let t1279 = t1190 - t1278;
+    let t1280 = t1194 + t1279;
+    let t1281 = t1189 - t1280;
+    let t1282 = omega_gamma_y * t1110;
+    let t1283 = omega_gamma_x * t1113;
+    let t1284 = t1282 + t1283;
+    let t1285 = t1281 + t1284;
+    let t1286 = t246 * t1285;
+    let t1287 = t1277 - t1286;
+    let t1288 = t37 * acceleration_gamma_x_2;
+    let t1289 = t182 * acceleration_gamma_y_2;
+    let t1290 = t1289 + t1288;
+    let t1291 = t40 * t783;
+    let t1292 = t789 * t1127;
+    let t1293 = t1292 - t1291;
+    let t1294 = t258 * t1135;
+    let t1295 = t1293 + t1294;
+    let t1296 = t1295 - t1290;
+    let t1297 = omega_gamma_y * t1147;
+    let t1298 = omega_gamma_x * t1151;
+    let t1299 = t1297 + t1298;
+    let t1300 = t1296 - t1299;
+    let t1301 = t253 * t1300;
+    let t1302 = t1287 - t1301;
+    let t1303 = t783 * t1166;
+    let t1304 = t789 * t1164;
+    let t1305 = t1304 + t1303;
+    let t1306 = t1305 + t1171;
+    let t1307 = omega_gamma_y * t1180;
+    let t1308 = omega_gamma_x * t1182;
+    let t1309 = t1307 - t1308;
+    let t1310 = t1306 - t1309;
+    let t1311 = t545 * t1310;
+    let t1312 = t1302 + t1311;
+    let t1313 = t48 * acceleration_delta_y_2;
+    let t1314 = t23 * t835;
+    let t1315 = t30 + t18;
+    let t1316 = t786 * t1315;
+    let t1317 = t1316 - t1314;
+    let t1318 = t40 * t285;
+    let t1319 = t1317 + t1318;
+    let t1320 = t1313 + t1319;
+    let t1321 = t944 + t945;
+    let t1322 = omega_delta_x * t1321;
+    let t1323 = omega_delta_y * t960;
+    let t1324 = t1322 - t1323;
+    let t1325 = t1320 + t1324;
+    let t1326 = moment_delta_x_2 - t1325;
+    let t1327 = t48 * t786;
+    let t1328 = omega_delta_x * t980;
+    let t1329 = t1327 - t1328;
+    let t1330 = force_epsilon_z_2 + t1329;
+    let t1331 = t1330 - t1326;
+    let t1332 = sin_delta * t1331;
+    let t1333 = t48 * acceleration_delta_x_2;
+    let t1334 = t23 * t786;
+    let t1335 = t30 - t19;
+    let t1336 = t835 * t1335;
+    let t1337 = t1336 - t1334;
+    let t1338 = t36 * t285;
+    let t1339 = t1337 + t1338;
+    let t1340 = t1333 + t1339;
+    let t1341 = omega_delta_y * t945;
+    let t1342 = omega_delta_x * t973;
+    let t1343 = t1341 - t1342;
+    let t1344 = t1340 + t1343;
+    let t1345 = moment_delta_y_2 + t1344;
+    let t1346 = t48 * t835;
+    let t1347 = t37 * t285;
+    let t1348 = t1347 - t1346;
+    let t1349 = omega_delta_y * t980;
+    let t1350 = t1348 - t1349;
+    let t1351 = force_delta_x_2 + t1350;
+    let t1352 = t1351 - t1345;
+    let t1353 = cos_delta * t1352;
+    let t1354 = t1353 - t1332;
+    let t1355 = sin_beta_gamma * t1354;
+    let t1356 = t37 * acceleration_delta_x_2;
+    let t1357 = t36 * t835;
+    let t1358 = t106 * t285;
     let t1359 = t1358 + t1357;
-    let t1360 = sin_epsilon * acceleration_delta_x_2;
-    let t1361 = cos_epsilon * acceleration_delta_z_2;
-    let acceleration_epsilon_y = t1360 + t1361;
-    let t1363 = 0.009952485403000002 * acceleration_epsilon_y;
-    let t1364 = t1363 - t1359;
-    let t1365 = omega_epsilon_y * t780;
-    let t1366 = omega_epsilon_x * t782;
-    let t1367 = t1365 - t1366;
-    let t1368 = t1364 - t1367;
-    let t1369 = t1368 - t1356;
-    let t1370 = sin_delta * t1369;
-    let t1371 = t1347 + t1370;
-    let t1372 = sin_beta_gamma * t1371;
-    let t1373 = cos_epsilon * t1328;
-    let t1374 = sin_epsilon * t1340;
-    let t1375 = t1374 - t1373;
-    let t1376 = cos_beta_gamma * t1375;
-    let t1377 = t1372 + t1376;
-    let t1378 = sin_delta * t1356;
-    let t1379 = cos_delta * t1345;
-    let t1380 = t1378 - t1379;
-    let t1381 = t78 * t1380;
-    let t1382 = t1377 - t1381;
-    let t1383 = t628 * t869;
-    let t1384 = omega_epsilon_y * t881;
-    let t1385 = t1383 + t1384;
-    let t1386 = t224 * t1385;
-    let t1387 = t1382 - t1386;
-    let t1388 = t257 * t1368;
-    let t1389 = t1387 + t1388;
-    let t1390 = t270 * t1385;
-    let t1391 = t1375 + t1390;
-    let t1392 = t273 * t1368;
-    let t1393 = t1391 + t1392;
-    let t1394 = t310 * t1393;
-    let t1395 = t1389 + t1394;
-    let t1396 = sin_delta * t1346;
-    let t1397 = cos_delta * t1369;
-    let t1398 = t1396 - t1397;
-    let t1399 = t346 * t1385;
-    let t1400 = t1398 - t1399;
-    let t1401 = t354 * t1368;
-    let t1402 = t1400 + t1401;
-    let t1403 = t364 * t1393;
-    let t1404 = t1402 + t1403;
-    let t1405 = t399 * t1404;
-    let t1406 = t1395 + t1405;
-    let t1407 = t492 * t1404;
-    let t1408 = cos_delta * t1356;
-    let t1409 = sin_delta * t1345;
-    let t1410 = t1408 + t1409;
-    let t1411 = cos_beta_gamma * t1410;
-    let t1412 = cos_epsilon * t1349;
-    let t1413 = sin_epsilon * t1354;
-    let t1414 = t1413 - t1412;
-    let t1415 = sin_beta_gamma * t1414;
-    let t1416 = t1411 - t1415;
-    let t1417 = t71 * t1416;
-    let t1418 = sin_beta_gamma * t1410;
-    let t1419 = cos_beta_gamma * t1414;
-    let t1420 = t1418 + t1419;
-    let t1421 = t78 * t1420;
-    let t1422 = t1421 + t1417;
-    let t1423 = t1398 + t1422;
-    let t1424 = t1423 - t1399;
-    let t1425 = t459 * t1368;
-    let t1426 = t1424 + t1425;
-    let t1427 = t472 * t1393;
-    let t1428 = t1426 + t1427;
-    let t1429 = t1428 - t1407;
-    let t1430 = t520 * t1429;
-    let t1431 = t1406 + t1430;
-    let t1432 = inverse_d_alpha * t1431;
-    let t1433 = t55 * t623;
-    let t1434 = t51 * t630;
-    let t1435 = t1433 + t1434;
-    let t1436 = omega_epsilon_x * t790;
-    let t1437 = omega_epsilon_z * t767;
-    let t1438 = t1437 - t1436;
-    let t1439 = t1435 - t1438;
-    let t1440 = moment_zeta_y_2 - t1439;
-    let t1441 = cos_epsilon * t1440;
-    let t1442 = omega_epsilon_x * t795;
-    let t1443 = omega_epsilon_z * t761;
-    let t1444 = t1443 - t1442;
-    let t1445 = t150 * t868;
-    let t1446 = t1445 + t1444;
-    let t1447 = sin_epsilon * t1446;
-    let t1448 = t1441 + t1447;
-    let t1449 = sin_delta * t1448;
-    let t1450 = t51 * t623;
-    let t1451 = t39 * t630;
+    let t1360 = t40 * t786;
+    let t1361 = t1359 + t1360;
+    let t1362 = t1356 - t1361;
+    let t1363 = omega_delta_y * t1006;
+    let t1364 = omega_delta_x * t1012;
+    let t1365 = t1363 + t1364;
+    let t1366 = t1362 + t1365;
+    let t1367 = cos_beta_gamma * t1366;
+    let t1368 = t1355 - t1367;
+    let t1369 = cos_delta * t1351;
+    let t1370 = sin_delta * t1330;
+    let t1371 = t1370 - t1369;
+    let t1372 = t54 * t1371;
+    let t1373 = t1368 - t1372;
+    let t1374 = inverse_d_alpha * t1373;
+    let t1375 = cos_delta * t1331;
+    let t1376 = sin_delta * t1352;
+    let t1377 = t1376 + t1375;
+    let t1378 = sin_delta * t1351;
+    let t1379 = cos_delta * t1330;
+    let t1380 = t1379 + t1378;
+    let t1381 = cos_beta_gamma * t1380;
+    let t1382 = t37 * t786;
+    let t1383 = omega_delta_x * t987;
+    let t1384 = omega_delta_y * t995;
+    let t1385 = t1384 - t1383;
+    let t1386 = t1382 - t1385;
+    let t1387 = sin_beta_gamma * t1386;
+    let t1388 = t1381 - t1387;
+    let t1389 = t176 * t1388;
+    let t1390 = sin_beta_gamma * t1380;
+    let t1391 = cos_beta_gamma * t1386;
+    let t1392 = t1390 + t1391;
+    let t1393 = t54 * t1392;
+    let t1394 = t1393 + t1389;
+    let t1395 = t1377 + t1394;
+    let t1396 = t238 * t1395;
+    let t1397 = t1374 + t1396;
+    let t1398 = t241 * t1377;
+    let t1399 = t1397 - t1398;
+    let t1400 = t246 * t1366;
+    let t1401 = t1399 - t1400;
+    let t1402 = t786 * t1124;
+    let t1403 = t1314 - t1402;
+    let t1404 = t1318 - t1403;
+    let t1405 = t1313 + t1404;
+    let t1406 = omega_delta_y * t1142;
+    let t1407 = omega_delta_x * t941;
+    let t1408 = t1406 - t1407;
+    let t1409 = t1405 - t1408;
+    let t1410 = t253 * t1409;
+    let t1411 = t1401 - t1410;
+    let t1412 = t835 * t1163;
+    let t1413 = t285 * t1166;
+    let t1414 = t1412 + t1413;
+    let t1415 = omega_delta_y * t1175;
+    let t1416 = omega_delta_x * t1178;
+    let t1417 = t1415 - t1416;
+    let t1418 = t1414 + t1417;
+    let t1419 = t545 * t1418;
+    let t1420 = t1411 - t1419;
+    let t1421 = t12 - 0.004766037041000001;
+    let t1422 = t794 * t1421;
+    let t1423 = omega_delta_x * omega_delta_x;
+    let t1424 = omega_delta_z * omega_delta_z;
+    let t1425 = t1423 + t1424;
+    let t1426 = t22 * t1425;
+    let t1427 = t1422 - t1426;
+    let t1428 = omega_epsilon_y * t941;
+    let t1429 = omega_epsilon_x * t938;
+    let t1430 = t1428 - t1429;
+    let t1431 = t1427 - t1430;
+    let t1432 = moment_epsilon_y_2 - t1431;
+    let t1433 = cos_epsilon * t1432;
+    let t1434 = t67 + t16;
+    let t1435 = t811 * t1434;
+    let t1436 = omega_epsilon_y * t937;
+    let t1437 = t1435 - t1436;
+    let t1438 = moment_epsilon_x_2 + t1437;
+    let t1439 = sin_epsilon * t1438;
+    let t1440 = t1433 + t1439;
+    let t1441 = 0.009952485403000002 * t794;
+    let t1442 = omega_epsilon_x * t979;
+    let t1443 = t1441 - t1442;
+    let t1444 = t1443 + t1440;
+    let t1445 = cos_delta * t1444;
+    let t1446 = sin_epsilon * acceleration_delta_x_2;
+    let t1447 = cos_epsilon * acceleration_delta_z_2;
+    let acceleration_epsilon_y = t1446 + t1447;
+    let t1449 = 0.009952485403000002 * acceleration_epsilon_y;
+    let t1450 = t22 * t794;
+    let t1451 = t87 * t1425;
     let t1452 = t1451 + t1450;
-    let t1453 = omega_epsilon_z * t777;
-    let t1454 = omega_epsilon_x * t767;
-    let t1455 = t1454 - t1453;
-    let t1456 = t1452 + t1455;
-    let t1457 = moment_zeta_x_2 + t1456;
-    let t1458 = cos_delta * t1457;
-    let t1459 = t1449 - t1458;
-    let t1460 = t346 * t1446;
-    let t1461 = t1459 - t1460;
-    let t1462 = t354 * t1457;
-    let t1463 = t1461 + t1462;
-    let t1464 = sin_epsilon * t1440;
-    let t1465 = cos_epsilon * t1446;
-    let t1466 = t1464 - t1465;
-    let t1467 = t270 * t1446;
-    let t1468 = t1466 + t1467;
-    let t1469 = t273 * t1457;
-    let t1470 = t1468 + t1469;
-    let t1471 = t364 * t1470;
-    let t1472 = t1463 + t1471;
-    let t1473 = t492 * t1472;
-    let t1474 = t459 * t1457;
-    let t1475 = t1461 + t1474;
-    let t1476 = t472 * t1470;
-    let t1477 = t1475 + t1476;
-    let t1478 = t1477 - t1473;
-    let t1479 = t520 * t1478;
-    let t1480 = cos_delta * t1448;
-    let t1481 = sin_delta * t1457;
-    let t1482 = t1480 + t1481;
-    let t1483 = sin_beta_gamma * t1482;
-    let t1484 = cos_beta_gamma * t1466;
-    let t1485 = t1483 + t1484;
-    let t1486 = t224 * t1446;
-    let t1487 = t1485 - t1486;
-    let t1488 = t257 * t1457;
-    let t1489 = t1487 + t1488;
-    let t1490 = t310 * t1470;
-    let t1491 = t1489 + t1490;
-    let t1492 = t399 * t1472;
-    let t1493 = t1491 + t1492;
-    let t1494 = t1493 + t1479;
-    let t1495 = inverse_d_alpha * t1494;
-    let t1496 = t520 * t1057;
-    let t1497 = inverse_d_beta * t1054;
-    let t1498 = t1497 + t1496;
-    let t1499 = t520 * t1198;
-    let t1500 = inverse_d_beta * t1195;
-    let t1501 = t1500 + t1499;
-    let t1502 = t520 * t1323;
-    let t1503 = inverse_d_beta * t1320;
-    let t1504 = t1503 + t1502;
-    let t1505 = t520 * t1432;
-    let t1506 = inverse_d_beta * t1429;
-    let t1507 = t1506 + t1505;
-    let t1508 = t520 * t1495;
-    let t1509 = inverse_d_beta * t1478;
-    let t1510 = t1509 + t1508;
-    let t1511 = t492 * t1498;
-    let t1512 = inverse_d_gamma * t1020;
-    let t1513 = t1512 + t1511;
-    let t1514 = t399 * t1057;
-    let t1515 = t1513 - t1514;
-    let t1516 = t492 * t1501;
-    let t1517 = inverse_d_gamma * t1156;
-    let t1518 = t1517 - t1516;
-    let t1519 = t399 * t1198;
-    let t1520 = t1518 + t1519;
-    let t1521 = t492 * t1504;
-    let t1522 = inverse_d_gamma * t1293;
-    let t1523 = t1522 - t1521;
-    let t1524 = t399 * t1323;
-    let t1525 = t1523 + t1524;
-    let t1526 = t492 * t1507;
-    let t1527 = inverse_d_gamma * t1404;
-    let t1528 = t1527 - t1526;
-    let t1529 = t399 * t1432;
-    let t1530 = t1528 + t1529;
-    let t1531 = t492 * t1510;
-    let t1532 = inverse_d_gamma * t1472;
-    let t1533 = t1532 - t1531;
-    let t1534 = t399 * t1495;
-    let t1535 = t1533 + t1534;
-    let t1536 = t364 * t1515;
-    let t1537 = inverse_d_delta * t980;
-    let t1538 = t1537 + t1536;
-    let t1539 = t472 * t1498;
-    let t1540 = t1538 - t1539;
-    let t1541 = t310 * t1057;
-    let t1542 = t1540 - t1541;
-    let t1543 = t364 * t1520;
-    let t1544 = inverse_d_delta * t1135;
-    let t1545 = t1544 + t1543;
-    let t1546 = t472 * t1501;
-    let t1547 = t1545 + t1546;
-    let t1548 = t310 * t1198;
-    let t1549 = t1547 + t1548;
-    let t1550 = t364 * t1525;
-    let t1551 = inverse_d_delta * t1282;
-    let t1552 = t1551 - t1550;
-    let t1553 = t472 * t1504;
+    let t1453 = t1449 - t1452;
+    let t1454 = omega_epsilon_y * t954;
+    let t1455 = omega_epsilon_x * t956;
+    let t1456 = t1454 - t1455;
+    let t1457 = t1453 - t1456;
+    let t1458 = omega_epsilon_y * t995;
+    let t1459 = force_epsilon_x_2 - t1458;
+    let t1460 = sin_epsilon * t1459;
+    let t1461 = omega_epsilon_x * t995;
+    let t1462 = 0.009952485403000002 * t1425;
+    let t1463 = t1462 - t1461;
+    let t1464 = force_epsilon_y + t1463;
+    let t1465 = cos_epsilon * t1464;
+    let t1466 = t1465 + t1460;
+    let t1467 = t1457 - t1466;
+    let t1468 = sin_delta * t1467;
+    let t1469 = t1445 + t1468;
+    let t1470 = sin_beta_gamma * t1469;
+    let t1471 = sin_epsilon * t1432;
+    let t1472 = cos_epsilon * t1438;
+    let t1473 = t1471 - t1472;
+    let t1474 = cos_beta_gamma * t1473;
+    let t1475 = t1470 + t1474;
+    let t1476 = sin_delta * t1466;
+    let t1477 = cos_delta * t1443;
+    let t1478 = t1476 - t1477;
+    let t1479 = t54 * t1478;
+    let t1480 = t1475 - t1479;
+    let t1481 = inverse_d_alpha * t1480;
+    let t1482 = sin_delta * t1444;
+    let t1483 = cos_delta * t1467;
+    let t1484 = t1482 - t1483;
+    let t1485 = cos_delta * t1466;
+    let t1486 = sin_delta * t1443;
+    let t1487 = t1485 + t1486;
+    let t1488 = cos_beta_gamma * t1487;
+    let t1489 = cos_epsilon * t1459;
+    let t1490 = sin_epsilon * t1464;
+    let t1491 = t1490 - t1489;
+    let t1492 = sin_beta_gamma * t1491;
+    let t1493 = t1488 - t1492;
+    let t1494 = t176 * t1493;
+    let t1495 = sin_beta_gamma * t1487;
+    let t1496 = cos_beta_gamma * t1491;
+    let t1497 = t1495 + t1496;
+    let t1498 = t54 * t1497;
+    let t1499 = t1498 + t1494;
+    let t1500 = t1484 + t1499;
+    let t1501 = t238 * t1500;
+    let t1502 = t1481 + t1501;
+    let t1503 = t241 * t1484;
+    let t1504 = t1502 - t1503;
+    let t1505 = t246 * t1473;
+    let t1506 = t1504 + t1505;
+    let t1507 = t253 * t1457;
+    let t1508 = t1506 + t1507;
+    let t1509 = t811 * t1162;
+    let t1510 = omega_epsilon_y * t1174;
+    let t1511 = t1509 + t1510;
+    let t1512 = t545 * t1511;
+    let t1513 = t1508 + t1512;
+    let t1514 = t22 * t812;
+    let t1515 = t67 * t838;
+    let t1516 = t1515 - t1514;
+    let t1517 = omega_epsilon_x * t964;
+    let t1518 = omega_epsilon_z * t941;
+    let t1519 = t1518 - t1517;
+    let t1520 = t1516 - t1519;
+    let t1521 = moment_zeta_y_2 - t1520;
+    let t1522 = cos_epsilon * t1521;
+    let t1523 = omega_epsilon_x * t969;
+    let t1524 = omega_epsilon_z * t935;
+    let t1525 = t1524 - t1523;
+    let t1526 = t69 * t423;
+    let t1527 = t1526 + t1525;
+    let t1528 = sin_epsilon * t1527;
+    let t1529 = t1522 + t1528;
+    let t1530 = cos_delta * t1529;
+    let t1531 = t68 * t812;
+    let t1532 = t22 * t838;
+    let t1533 = t1531 - t1532;
+    let t1534 = omega_epsilon_z * t951;
+    let t1535 = omega_epsilon_x * t941;
+    let t1536 = t1535 - t1534;
+    let t1537 = t1533 - t1536;
+    let t1538 = moment_zeta_x_2 - t1537;
+    let t1539 = sin_delta * t1538;
+    let t1540 = t1530 + t1539;
+    let t1541 = sin_beta_gamma * t1540;
+    let t1542 = sin_epsilon * t1521;
+    let t1543 = cos_epsilon * t1527;
+    let t1544 = t1542 - t1543;
+    let t1545 = cos_beta_gamma * t1544;
+    let t1546 = t1541 + t1545;
+    let t1547 = inverse_d_alpha * t1546;
+    let t1548 = sin_delta * t1529;
+    let t1549 = cos_delta * t1538;
+    let t1550 = t1548 - t1549;
+    let t1551 = t238 * t1550;
+    let t1552 = t1547 + t1551;
+    let t1553 = t241 * t1550;
     let t1554 = t1552 - t1553;
-    let t1555 = t310 * t1323;
-    let t1556 = t1554 - t1555;
-    let t1557 = t364 * t1530;
-    let t1558 = inverse_d_delta * t1393;
-    let t1559 = t1558 + t1557;
-    let t1560 = t472 * t1507;
-    let t1561 = t1559 + t1560;
-    let t1562 = t310 * t1432;
+    let t1555 = t246 * t1544;
+    let t1556 = t1554 + t1555;
+    let t1557 = t253 * t1538;
+    let t1558 = t1556 + t1557;
+    let t1559 = t545 * t1527;
+    let t1560 = t1558 + t1559;
+    let t1561 = t238 * t1041;
+    let t1562 = t559 * t1083;
     let t1563 = t1561 + t1562;
-    let t1564 = t364 * t1535;
-    let t1565 = inverse_d_delta * t1470;
-    let t1566 = t1565 + t1564;
-    let t1567 = t472 * t1510;
-    let t1568 = t1566 + t1567;
-    let t1569 = t310 * t1495;
-    let t1570 = t1568 + t1569;
-    let t1571 = t273 * t1542;
-    let t1572 = inverse_d_epsilon * t944;
-    let t1573 = t1572 - t1571;
-    let t1574 = t354 * t1515;
-    let t1575 = t1573 - t1574;
-    let t1576 = t459 * t1498;
-    let t1577 = t1575 + t1576;
-    let t1578 = t257 * t1057;
-    let t1579 = t1577 + t1578;
-    let t1580 = t273 * t1549;
-    let t1581 = inverse_d_epsilon * t1121;
-    let t1582 = t1581 + t1580;
-    let t1583 = t354 * t1520;
-    let t1584 = t1582 + t1583;
-    let t1585 = t459 * t1501;
-    let t1586 = t1584 + t1585;
-    let t1587 = t257 * t1198;
-    let t1588 = t1586 + t1587;
-    let t1589 = t273 * t1556;
-    let t1590 = inverse_d_epsilon * t1276;
-    let t1591 = t1590 + t1589;
-    let t1592 = t354 * t1525;
+    let t1564 = t562 * t1095;
+    let t1565 = t1563 + t1564;
+    let t1566 = t567 * t1121;
+    let t1567 = t1565 + t1566;
+    let t1568 = t574 * t1159;
+    let t1569 = t1567 + t1568;
+    let t1570 = t590 * t1186;
+    let t1571 = t1569 + t1570;
+    let t1572 = t238 * t1229;
+    let t1573 = t559 * t1273;
+    let t1574 = t1572 - t1573;
+    let t1575 = t562 * t1272;
+    let t1576 = t1574 + t1575;
+    let t1577 = t567 * t1285;
+    let t1578 = t1576 - t1577;
+    let t1579 = t574 * t1300;
+    let t1580 = t1578 - t1579;
+    let t1581 = t590 * t1310;
+    let t1582 = t1580 + t1581;
+    let t1583 = t238 * t1373;
+    let t1584 = t559 * t1395;
+    let t1585 = t1583 + t1584;
+    let t1586 = t562 * t1377;
+    let t1587 = t1585 - t1586;
+    let t1588 = t567 * t1366;
+    let t1589 = t1587 - t1588;
+    let t1590 = t574 * t1409;
+    let t1591 = t1589 - t1590;
+    let t1592 = t590 * t1418;
     let t1593 = t1591 - t1592;
-    let t1594 = t459 * t1504;
-    let t1595 = t1593 - t1594;
-    let t1596 = t257 * t1323;
-    let t1597 = t1595 - t1596;
-    let t1598 = t273 * t1563;
-    let t1599 = inverse_d_epsilon * t1368;
-    let t1600 = t1599 + t1598;
-    let t1601 = t354 * t1530;
+    let t1594 = t238 * t1480;
+    let t1595 = t559 * t1500;
+    let t1596 = t1594 + t1595;
+    let t1597 = t562 * t1484;
+    let t1598 = t1596 - t1597;
+    let t1599 = t567 * t1473;
+    let t1600 = t1598 + t1599;
+    let t1601 = t574 * t1457;
     let t1602 = t1600 + t1601;
-    let t1603 = t459 * t1507;
+    let t1603 = t590 * t1511;
     let t1604 = t1602 + t1603;
-    let t1605 = t257 * t1432;
-    let t1606 = t1604 + t1605;
-    let t1607 = t273 * t1570;
-    let t1608 = inverse_d_epsilon * t1457;
-    let t1609 = t1608 + t1607;
-    let t1610 = t354 * t1535;
+    let t1605 = t238 * t1546;
+    let t1606 = t559 * t1550;
+    let t1607 = t1605 + t1606;
+    let t1608 = t562 * t1550;
+    let t1609 = t1607 - t1608;
+    let t1610 = t567 * t1544;
     let t1611 = t1609 + t1610;
-    let t1612 = t459 * t1510;
+    let t1612 = t574 * t1538;
     let t1613 = t1611 + t1612;
-    let t1614 = t257 * t1495;
+    let t1614 = t590 * t1527;
     let t1615 = t1613 + t1614;
-    let t1616 = t270 * t1542;
-    let t1617 = 71.14379298863692 * t893;
-    let t1618 = t1617 - t1616;
-    let t1619 = t346 * t1515;
+    let t1616 = t241 * t1041;
+    let t1617 = t562 * t1083;
+    let t1618 = t1616 + t1617;
+    let t1619 = t602 * t1095;
     let t1620 = t1618 + t1619;
-    let t1621 = t346 * t1498;
-    let t1622 = t1620 - t1621;
-    let t1623 = t224 * t1057;
-    let t1624 = t1622 - t1623;
-    let t1625 = t270 * t1549;
-    let t1626 = 71.14379298863692 * t1106;
-    let t1627 = t1626 - t1625;
-    let t1628 = t346 * t1520;
-    let t1629 = t1627 + t1628;
-    let t1630 = t346 * t1501;
+    let t1621 = t607 * t1121;
+    let t1622 = t1620 + t1621;
+    let t1623 = t614 * t1159;
+    let t1624 = t1622 + t1623;
+    let t1625 = t630 * t1186;
+    let t1626 = t1624 + t1625;
+    let t1627 = t241 * t1229;
+    let t1628 = t562 * t1273;
+    let t1629 = t1627 - t1628;
+    let t1630 = t602 * t1272;
     let t1631 = t1629 + t1630;
-    let t1632 = t224 * t1198;
-    let t1633 = t1631 + t1632;
-    let t1634 = t270 * t1556;
-    let t1635 = 71.14379298863692 * t1266;
-    let t1636 = t1635 + t1634;
-    let t1637 = t346 * t1525;
-    let t1638 = t1636 + t1637;
-    let t1639 = t346 * t1504;
+    let t1632 = t607 * t1285;
+    let t1633 = t1631 - t1632;
+    let t1634 = t614 * t1300;
+    let t1635 = t1633 - t1634;
+    let t1636 = t630 * t1310;
+    let t1637 = t1635 + t1636;
+    let t1638 = t241 * t1373;
+    let t1639 = t562 * t1395;
     let t1640 = t1638 + t1639;
-    let t1641 = t224 * t1323;
-    let t1642 = t1640 + t1641;
-    let t1643 = t270 * t1563;
-    let t1644 = 71.14379298863692 * t1385;
-    let t1645 = t1644 + t1643;
-    let t1646 = t346 * t1530;
-    let t1647 = t1645 - t1646;
-    let t1648 = t346 * t1507;
-    let t1649 = t1647 - t1648;
-    let t1650 = t224 * t1432;
-    let t1651 = t1649 - t1650;
-    let t1652 = t270 * t1570;
-    let t1653 = 71.14379298863692 * t1446;
-    let t1654 = t1653 + t1652;
-    let t1655 = t346 * t1535;
-    let t1656 = t1654 - t1655;
-    let t1657 = t346 * t1510;
-    let t1658 = t1656 - t1657;
-    let t1659 = t224 * t1495;
-    let t1660 = t1658 - t1659;
-    let t1661 = sin_beta_gamma * t845;
-    let t1662 = t804 - t1661;
-    let t1663 = cos_beta_gamma * t852;
-    let t1664 = sin_beta_gamma * t806;
-    let t1665 = t1663 - t1664;
-    let t1666 = t78 * t1665;
-    let t1667 = v[1] * t71;
-    let t1668 = 2.0 * t1667;
-    let t1669 = t1668 * t745;
-    let t1670 = t1666 + t1669;
-    let t1671 = t1662 + t1670;
-    let t1672 = t191 * t645;
-    let t1673 = t1672 + t1671;
-    let t1674 = t938 * t751;
-    let t1675 = t1066 - t1674;
-    let t1676 = t1675 - t1673;
-    let t1677 = t195 * t195;
-    let t1678 = 1.0 - t1677;
-    let t1679 = t1678 * 200.0;
-    let t1680 = 60.0 + t1679;
-    let t1681 = t1676 - t1680;
-    let t1682 = sin_beta_gamma * t887;
-    let t1683 = cos_beta_gamma * t889;
-    let t1684 = t1682 + t1683;
-    let t1685 = t224 * t1684;
-    let t1686 = t1681 - t1685;
-    let t1687 = sin_beta_gamma * t930;
-    let t1688 = cos_beta_gamma * t934;
+    let t1641 = t602 * t1377;
+    let t1642 = t1640 - t1641;
+    let t1643 = t607 * t1366;
+    let t1644 = t1642 - t1643;
+    let t1645 = t614 * t1409;
+    let t1646 = t1644 - t1645;
+    let t1647 = t630 * t1418;
+    let t1648 = t1646 - t1647;
+    let t1649 = t241 * t1480;
+    let t1650 = t562 * t1500;
+    let t1651 = t1649 + t1650;
+    let t1652 = t602 * t1484;
+    let t1653 = t1651 - t1652;
+    let t1654 = t607 * t1473;
+    let t1655 = t1653 + t1654;
+    let t1656 = t614 * t1457;
+    let t1657 = t1655 + t1656;
+    let t1658 = t630 * t1511;
+    let t1659 = t1657 + t1658;
+    let t1660 = t241 * t1546;
+    let t1661 = t1608 + t1660;
+    let t1662 = t602 * t1550;
+    let t1663 = t1661 - t1662;
+    let t1664 = t607 * t1544;
+    let t1665 = t1663 + t1664;
+    let t1666 = t614 * t1538;
+    let t1667 = t1665 + t1666;
+    let t1668 = t630 * t1527;
+    let t1669 = t1667 + t1668;
+    let t1670 = t246 * t1041;
+    let t1671 = t567 * t1083;
+    let t1672 = t1670 + t1671;
+    let t1673 = t607 * t1095;
+    let t1674 = t1672 + t1673;
+    let t1675 = t653 * t1121;
+    let t1676 = t1674 + t1675;
+    let t1677 = t660 * t1159;
+    let t1678 = t1676 + t1677;
+    let t1679 = t676 * t1186;
+    let t1680 = t1678 + t1679;
+    let t1681 = t246 * t1229;
+    let t1682 = t567 * t1273;
+    let t1683 = t1681 - t1682;
+    let t1684 = t607 * t1272;
+    let t1685 = t1683 + t1684;
+    let t1686 = t653 * t1285;
+    let t1687 = t1685 - t1686;
+    let t1688 = t660 * t1300;
     let t1689 = t1687 - t1688;
-    let t1690 = t938 * t910;
-    let t1691 = t1668 * t903;
-    let t1692 = t1690 - t1691;
-    let t1693 = t1689 - t1692;
-    let t1694 = t257 * t1693;
-    let t1695 = t1686 - t1694;
-    let t1696 = sin_beta_gamma * t967;
-    let t1697 = cos_beta_gamma * t970;
+    let t1690 = t676 * t1310;
+    let t1691 = t1689 + t1690;
+    let t1692 = t246 * t1373;
+    let t1693 = t567 * t1395;
+    let t1694 = t1692 + t1693;
+    let t1695 = t607 * t1377;
+    let t1696 = t1694 - t1695;
+    let t1697 = t653 * t1366;
     let t1698 = t1696 - t1697;
-    let t1699 = t1668 * t739;
-    let t1700 = t938 * t956;
-    let t1701 = t1700 + t1699;
-    let t1702 = t1698 - t1701;
-    let t1703 = t270 * t1684;
-    let t1704 = t1702 + t1703;
-    let t1705 = t273 * t1693;
-    let t1706 = t1704 - t1705;
-    let t1707 = t310 * t1706;
-    let t1708 = t1695 + t1707;
-    let t1709 = sin_beta_gamma * t1003;
-    let t1710 = cos_beta_gamma * t1009;
-    let t1711 = t1709 - t1710;
-    let t1712 = t938 * t741;
+    let t1699 = t660 * t1409;
+    let t1700 = t1698 - t1699;
+    let t1701 = t676 * t1418;
+    let t1702 = t1700 - t1701;
+    let t1703 = t246 * t1480;
+    let t1704 = t567 * t1500;
+    let t1705 = t1703 + t1704;
+    let t1706 = t607 * t1484;
+    let t1707 = t1705 - t1706;
+    let t1708 = t653 * t1473;
+    let t1709 = t1707 + t1708;
+    let t1710 = t660 * t1457;
+    let t1711 = t1709 + t1710;
+    let t1712 = t676 * t1511;
     let t1713 = t1711 + t1712;
-    let t1714 = t346 * t1684;
-    let t1715 = t1713 - t1714;
-    let t1716 = t354 * t1693;
-    let t1717 = t1715 - t1716;
-    let t1718 = t364 * t1706;
-    let t1719 = t1717 + t1718;
-    let t1720 = t399 * t1719;
-    let t1721 = t1708 + t1720;
-    let t1722 = t492 * t1719;
-    let t1723 = t71 * t1042;
-    let t1724 = t1723 - t1712;
-    let t1725 = t1711 - t1724;
-    let t1726 = t191 * t1046;
-    let t1727 = t1726 - t1725;
-    let t1728 = t1727 + t1714;
-    let t1729 = t459 * t1693;
-    let t1730 = t1728 + t1729;
-    let t1731 = t472 * t1706;
-    let t1732 = t1730 - t1731;
-    let t1733 = t1732 + t1722;
-    let t1734 = t520 * t1733;
-    let t1735 = t1721 - t1734;
-    let t1736 = inverse_d_alpha * t1735;
-    let t1737 = t807 - t1661;
-    let t1738 = t71 * t855;
-    let t1739 = t858 * t741;
-    let t1740 = t1738 - t1739;
-    let t1741 = t1737 + t1740;
-    let t1742 = t1672 + t1741;
-    let t1743 = t1673 - t1742;
-    let t1744 = t1046 * t1027;
-    let t1745 = t1743 + t1744;
-    let t1746 = t431 * t431;
-    let t1747 = 1.0 - t1746;
-    let t1748 = t1747 * 19.62;
-    let t1749 = 76.556 + t1748;
-    let t1750 = t436 * t436;
-    let t1751 = 1.0 - t1750;
-    let t1752 = t1751 * 108.38;
-    let t1753 = t1749 + t1752;
-    let t1754 = t440 * t440;
-    let t1755 = 1.0 - t1754;
-    let t1756 = t1755 * 44.720000000000006;
-    let t1757 = t1753 + t1756;
-    let t1758 = t1745 + t1757;
-    let t1759 = sin_delta * t882;
-    let t1760 = cos_delta * t885;
-    let t1761 = t1759 - t1760;
-    let t1762 = t1046 * t875;
-    let t1763 = t1761 + t1762;
-    let t1764 = t346 * t1763;
-    let t1765 = t1758 + t1764;
-    let t1766 = sin_delta * t926;
-    let t1767 = cos_delta * t928;
-    let t1768 = t1766 - t1767;
-    let t1769 = t858 * t910;
-    let t1770 = t1668 * t914;
-    let t1771 = t1770 - t1769;
-    let t1772 = t1768 - t1771;
-    let t1773 = t1046 * t905;
-    let t1774 = t1772 - t1773;
-    let t1775 = t459 * t1774;
-    let t1776 = t1765 + t1775;
-    let t1777 = sin_delta * t832;
-    let t1778 = cos_delta * t838;
+    let t1714 = t246 * t1546;
+    let t1715 = t567 * t1550;
+    let t1716 = t1714 + t1715;
+    let t1717 = t607 * t1550;
+    let t1718 = t1716 - t1717;
+    let t1719 = t653 * t1544;
+    let t1720 = t1718 + t1719;
+    let t1721 = t660 * t1538;
+    let t1722 = t1720 + t1721;
+    let t1723 = t676 * t1527;
+    let t1724 = t1722 + t1723;
+    let t1725 = t253 * t1041;
+    let t1726 = t574 * t1083;
+    let t1727 = t1725 + t1726;
+    let t1728 = t614 * t1095;
+    let t1729 = t1727 + t1728;
+    let t1730 = t660 * t1121;
+    let t1731 = t1729 + t1730;
+    let t1732 = t714 * t1159;
+    let t1733 = t1731 + t1732;
+    let t1734 = t730 * t1186;
+    let t1735 = t1733 + t1734;
+    let t1736 = t253 * t1229;
+    let t1737 = t574 * t1273;
+    let t1738 = t1736 - t1737;
+    let t1739 = t614 * t1272;
+    let t1740 = t1738 + t1739;
+    let t1741 = t660 * t1285;
+    let t1742 = t1740 - t1741;
+    let t1743 = t714 * t1300;
+    let t1744 = t1742 - t1743;
+    let t1745 = t730 * t1310;
+    let t1746 = t1744 + t1745;
+    let t1747 = t253 * t1373;
+    let t1748 = t574 * t1395;
+    let t1749 = t1747 + t1748;
+    let t1750 = t614 * t1377;
+    let t1751 = t1749 - t1750;
+    let t1752 = t660 * t1366;
+    let t1753 = t1751 - t1752;
+    let t1754 = t714 * t1409;
+    let t1755 = t1753 - t1754;
+    let t1756 = t730 * t1418;
+    let t1757 = t1755 - t1756;
+    let t1758 = t253 * t1480;
+    let t1759 = t574 * t1500;
+    let t1760 = t1758 + t1759;
+    let t1761 = t614 * t1484;
+    let t1762 = t1760 - t1761;
+    let t1763 = t660 * t1473;
+    let t1764 = t1762 + t1763;
+    let t1765 = t714 * t1457;
+    let t1766 = t1764 + t1765;
+    let t1767 = t730 * t1511;
+    let t1768 = t1766 + t1767;
+    let t1769 = t253 * t1546;
+    let t1770 = t574 * t1550;
+    let t1771 = t1769 + t1770;
+    let t1772 = t614 * t1550;
+    let t1773 = t1771 - t1772;
+    let t1774 = t660 * t1544;
+    let t1775 = t1773 + t1774;
+    let t1776 = t714 * t1538;
+    let t1777 = t1775 + t1776;
+    let t1778 = t730 * t1527;
     let t1779 = t1777 + t1778;
-    let t1780 = 0.001515 * omega_gamma_x;
-    let t1781 = t1779 + t1780;
-    let t1782 = t858 * t956;
-    let t1783 = t1668 * t958;
-    let t1784 = t1783 - t1782;
-    let t1785 = t1781 - t1784;
-    let t1786 = t1046 * t954;
-    let t1787 = t1785 - t1786;
-    let t1788 = t270 * t1763;
-    let t1789 = t1787 + t1788;
-    let t1790 = t273 * t1774;
-    let t1791 = t1789 - t1790;
-    let t1792 = t472 * t1791;
-    let t1793 = t1776 - t1792;
-    let t1794 = t807 - t804;
-    let t1795 = t1669 + t1739;
-    let t1796 = t1794 - t1795;
-    let t1797 = t988 * t1046;
-    let t1798 = t1796 - t1797;
-    let t1799 = t1798 - t1764;
-    let t1800 = t354 * t1774;
-    let t1801 = t1799 - t1800;
-    let t1802 = t364 * t1791;
-    let t1803 = t1801 + t1802;
-    let t1804 = t492 * t1803;
-    let t1805 = t1793 + t1804;
-    let t1806 = t520 * t1805;
-    let t1807 = t789 - t999;
-    let t1808 = t162 + t1807;
-    let t1809 = sin_beta_gamma * t1808;
-    let t1810 = cos_beta_gamma * t1779;
-    let t1811 = t1809 - t1810;
-    let t1812 = t858 * t751;
-    let t1813 = t1811 - t1812;
-    let t1814 = t1046 * t749;
-    let t1815 = t1813 - t1814;
-    let t1816 = t224 * t1763;
-    let t1817 = t1815 + t1816;
-    let t1818 = t257 * t1774;
+    let t1780 = t545 * t1041;
+    let t1781 = t590 * t1083;
+    let t1782 = t1780 + t1781;
+    let t1783 = t630 * t1095;
+    let t1784 = t1782 + t1783;
+    let t1785 = t676 * t1121;
+    let t1786 = t1784 + t1785;
+    let t1787 = t730 * t1159;
+    let t1788 = t1786 + t1787;
+    let t1789 = t777 * t1186;
+    let t1790 = t1788 + t1789;
+    let t1791 = t545 * t1229;
+    let t1792 = t590 * t1273;
+    let t1793 = t1791 - t1792;
+    let t1794 = t630 * t1272;
+    let t1795 = t1793 + t1794;
+    let t1796 = t676 * t1285;
+    let t1797 = t1795 - t1796;
+    let t1798 = t730 * t1300;
+    let t1799 = t1797 - t1798;
+    let t1800 = t777 * t1310;
+    let t1801 = t1799 + t1800;
+    let t1802 = t545 * t1373;
+    let t1803 = t590 * t1395;
+    let t1804 = t1802 + t1803;
+    let t1805 = t630 * t1377;
+    let t1806 = t1804 - t1805;
+    let t1807 = t676 * t1366;
+    let t1808 = t1806 - t1807;
+    let t1809 = t730 * t1409;
+    let t1810 = t1808 - t1809;
+    let t1811 = t777 * t1418;
+    let t1812 = t1810 - t1811;
+    let t1813 = t545 * t1480;
+    let t1814 = t590 * t1500;
+    let t1815 = t1813 + t1814;
+    let t1816 = t630 * t1484;
+    let t1817 = t1815 - t1816;
+    let t1818 = t676 * t1473;
     let t1819 = t1817 + t1818;
-    let t1820 = t310 * t1791;
-    let t1821 = t1819 - t1820;
-    let t1822 = t399 * t1803;
-    let t1823 = t1821 - t1822;
-    let t1824 = t1823 + t1806;
-    let t1825 = inverse_d_alpha * t1824;
-    let t1826 = 2.0 * omega_gamma_y;
-    let t1827 = t389 * t1826;
-    let t1828 = 2.0 * omega_gamma_x;
-    let t1829 = t359 * t1828;
-    let t1830 = t1827 - t1829;
-    let t1831 = t1794 - t1830;
-    let t1832 = t324 * t324;
-    let t1833 = 1.0 - t1832;
-    let t1834 = t1833 * 1.8399999999999999;
-    let t1835 = 56.231 + t1834;
-    let t1836 = t329 * t329;
-    let t1837 = 1.0 - t1836;
-    let t1838 = t1837 * 3.6799999999999997;
-    let t1839 = t1835 + t1838;
-    let t1840 = t333 * t333;
-    let t1841 = 1.0 - t1840;
-    let t1842 = t1841 * 834.2;
-    let t1843 = t1839 + t1842;
-    let t1844 = t1831 - t1843;
-    let t1845 = t1826 * t871;
-    let t1846 = t1828 * t873;
-    let t1847 = t1845 + t1846;
-    let t1848 = t1761 + t1847;
-    let t1849 = t346 * t1848;
-    let t1850 = t1844 - t1849;
-    let t1851 = t1826 * t899;
-    let t1852 = t245 * t1828;
-    let t1853 = t1851 - t1852;
-    let t1854 = t1768 + t1853;
-    let t1855 = t354 * t1854;
-    let t1856 = t1850 - t1855;
-    let t1857 = t1828 * t949;
-    let t1858 = t290 * t1826;
-    let t1859 = t1858 + t1857;
-    let t1860 = t1781 - t1859;
-    let t1861 = t270 * t1848;
-    let t1862 = t1860 + t1861;
-    let t1863 = t273 * t1854;
-    let t1864 = t1862 - t1863;
-    let t1865 = t364 * t1864;
-    let t1866 = t1856 + t1865;
-    let t1867 = t492 * t1866;
-    let t1868 = t1826 * t751;
-    let t1869 = t852 + t1868;
-    let t1870 = sin_beta_gamma * t1869;
-    let t1871 = t1828 * t751;
-    let t1872 = t806 - t1871;
-    let t1873 = cos_beta_gamma * t1872;
-    let t1874 = t1873 + t1870;
-    let t1875 = t71 * t1874;
-    let t1876 = cos_beta_gamma * t1869;
-    let t1877 = sin_beta_gamma * t1872;
-    let t1878 = t1877 - t1876;
-    let t1879 = t78 * t1878;
-    let t1880 = t1879 + t1875;
-    let t1881 = t1831 + t1880;
-    let t1882 = t1881 - t1849;
-    let t1883 = t459 * t1854;
-    let t1884 = t1882 - t1883;
-    let t1885 = t472 * t1864;
-    let t1886 = t1884 + t1885;
-    let t1887 = t1886 - t1867;
-    let t1888 = t520 * t1887;
-    let t1889 = t1826 * t1076;
-    let t1890 = t290 * t1828;
-    let t1891 = t1889 - t1890;
-    let t1892 = t1808 + t1891;
-    let t1893 = sin_beta_gamma * t1892;
-    let t1894 = t1828 * t1060;
-    let t1895 = t1894 - t1858;
-    let t1896 = t1779 + t1895;
-    let t1897 = cos_beta_gamma * t1896;
-    let t1898 = t1893 - t1897;
-    let t1899 = t1828 * t739;
-    let t1900 = t1826 * t737;
-    let t1901 = t1900 - t1899;
-    let t1902 = t78 * t1901;
-    let t1903 = t1898 - t1902;
-    let t1904 = t224 * t1848;
-    let t1905 = t1903 + t1904;
-    let t1906 = t257 * t1854;
-    let t1907 = t1905 + t1906;
-    let t1908 = t310 * t1864;
-    let t1909 = t1907 - t1908;
-    let t1910 = t399 * t1866;
-    let t1911 = t1909 - t1910;
-    let t1912 = t1911 - t1888;
-    let t1913 = inverse_d_alpha * t1912;
-    let t1914 = t772 * t1220;
-    let t1915 = t241 * t787;
-    let t1916 = t1914 + t1915;
-    let t1917 = t812 - t1916;
-    let t1918 = t813 - t814;
-    let t1919 = t1918 + t1917;
-    let t1920 = cos_delta * t1919;
-    let t1921 = t787 * t1200;
-    let t1922 = t241 * t772;
-    let t1923 = t1921 + t1922;
-    let t1924 = t820 + t1923;
-    let t1925 = t821 - t822;
-    let t1926 = t1925 - t1924;
-    let t1927 = sin_delta * t1926;
-    let t1928 = t1920 - t1927;
-    let t1929 = t1928 - t966;
-    let t1930 = sin_beta_gamma * t1929;
-    let t1931 = t245 * t787;
-    let t1932 = t285 * t772;
-    let t1933 = t1932 - t1931;
-    let t1934 = t969 - t1933;
-    let t1935 = cos_beta_gamma * t1934;
-    let t1936 = t1930 - t1935;
-    let t1937 = cos_delta * t1918;
-    let t1938 = sin_delta * t1925;
-    let t1939 = t1938 - t1937;
-    let t1940 = t78 * t1939;
-    let t1941 = t1936 - t1940;
-    let t1942 = t772 * t870;
-    let t1943 = t889 + t1942;
-    let t1944 = t224 * t1943;
-    let t1945 = t1941 + t1944;
-    let t1946 = t787 * t896;
-    let t1947 = t1922 + t1946;
-    let t1948 = t933 + t1947;
-    let t1949 = t257 * t1948;
-    let t1950 = t1945 + t1949;
-    let t1951 = t263 * t263;
-    let t1952 = 1.0 - t1951;
-    let t1953 = t1952 * 40.0;
-    let t1954 = 10.0 + t1953;
-    let t1955 = t1934 - t1954;
-    let t1956 = t270 * t1943;
-    let t1957 = t1955 + t1956;
-    let t1958 = t273 * t1948;
-    let t1959 = t1957 - t1958;
-    let t1960 = t310 * t1959;
-    let t1961 = t1950 - t1960;
-    let t1962 = sin_delta * t1919;
-    let t1963 = cos_delta * t1926;
-    let t1964 = t1962 + t1963;
-    let t1965 = t1964 - t1780;
-    let t1966 = t346 * t1943;
-    let t1967 = t1965 + t1966;
-    let t1968 = t354 * t1948;
-    let t1969 = t1967 + t1968;
-    let t1970 = t364 * t1959;
-    let t1971 = t1969 - t1970;
-    let t1972 = t399 * t1971;
-    let t1973 = t1961 + t1972;
-    let t1974 = t492 * t1971;
-    let t1975 = sin_delta * t1918;
-    let t1976 = cos_delta * t1925;
-    let t1977 = t1976 + t1975;
-    let t1978 = cos_beta_gamma * t1977;
-    let t1979 = sin_beta_gamma * t788;
+    let t1820 = t730 * t1457;
+    let t1821 = t1819 + t1820;
+    let t1822 = t777 * t1511;
+    let t1823 = t1821 + t1822;
+    let t1824 = t545 * t1546;
+    let t1825 = t590 * t1550;
+    let t1826 = t1824 + t1825;
+    let t1827 = t630 * t1550;
+    let t1828 = t1826 - t1827;
+    let t1829 = t676 * t1544;
+    let t1830 = t1828 + t1829;
+    let t1831 = t730 * t1538;
+    let t1832 = t1830 + t1831;
+    let t1833 = t777 * t1527;
+    let t1834 = t1832 + t1833;
+    let t1835 = sin_beta_gamma * t1147;
+    let t1836 = cos_beta_gamma * t1151;
+    let t1837 = t1835 - t1836;
+    let t1838 = t185 * t1075;
+    let t1839 = v[1] * t176;
+    let t1840 = 2.0 * t1839;
+    let t1841 = t95 * t1840;
+    let t1842 = t1838 - t1841;
+    let t1843 = t1837 - t1842;
+    let t1844 = t253 * t1843;
+    let t1845 = sin_beta_gamma * t1110;
+    let t1846 = cos_beta_gamma * t1113;
+    let t1847 = t1845 - t1846;
+    let t1848 = t51 * t1840;
+    let t1849 = t197 * t1075;
+    let t1850 = t1849 + t1848;
+    let t1851 = t1847 - t1850;
+    let t1852 = t246 * t1851;
+    let t1853 = sin_beta_gamma * t1059;
+    let t1854 = cos_beta_gamma * t1065;
+    let t1855 = t1853 - t1854;
+    let t1856 = t175 * t1075;
+    let t1857 = t1855 + t1856;
+    let t1858 = t241 * t1857;
+    let t1859 = t176 * t1072;
+    let t1860 = t1859 - t1856;
+    let t1861 = t1855 - t1860;
+    let t1862 = t480 * t1079;
+    let t1863 = t1862 - t1861;
+    let t1864 = t238 * t1863;
+    let t1865 = sin_beta_gamma * t1019;
+    let t1866 = t978 - t1865;
+    let t1867 = cos_beta_gamma * t1026;
+    let t1868 = sin_beta_gamma * t980;
+    let t1869 = t1867 - t1868;
+    let t1870 = t54 * t1869;
+    let t1871 = t53 * t1840;
+    let t1872 = t1870 + t1871;
+    let t1873 = t1866 + t1872;
+    let t1874 = t480 * t264;
+    let t1875 = t1874 + t1873;
+    let t1876 = t196 * t1075;
+    let t1877 = t1197 - t1876;
+    let t1878 = t1877 - t1875;
+    let t1879 = t527 * t527;
+    let t1880 = 1.0 - t1879;
+    let t1881 = t1880 * 200.0;
+    let t1882 = 60.0 + t1881;
+    let t1883 = t1878 - t1882;
+    let t1884 = inverse_d_alpha * t1883;
+    let t1885 = t1884 - t1864;
+    let t1886 = t1885 - t1858;
+    let t1887 = t1886 + t1852;
+    let t1888 = t1887 - t1844;
+    let t1889 = sin_beta_gamma * t1180;
+    let t1890 = cos_beta_gamma * t1182;
+    let t1891 = t1889 + t1890;
+    let t1892 = t545 * t1891;
+    let t1893 = t1888 + t1892;
+    let t1894 = sin_delta * t1143;
+    let t1895 = cos_delta * t1145;
+    let t1896 = t1894 - t1895;
+    let t1897 = t185 * t1032;
+    let t1898 = t189 * t1840;
+    let t1899 = t1898 - t1897;
+    let t1900 = t1896 - t1899;
+    let t1901 = t1079 * t1132;
+    let t1902 = t1900 - t1901;
+    let t1903 = t253 * t1902;
+    let t1904 = sin_delta * t1006;
+    let t1905 = cos_delta * t1012;
+    let t1906 = t1904 + t1905;
+    let t1907 = 0.001515 * omega_gamma_x;
+    let t1908 = t1906 + t1907;
+    let t1909 = t197 * t1032;
+    let t1910 = t199 * t1840;
+    let t1911 = t1910 - t1909;
+    let t1912 = t1908 - t1911;
+    let t1913 = t1079 * t1103;
+    let t1914 = t1912 + t1913;
+    let t1915 = t246 * t1914;
+    let t1916 = t981 - t978;
+    let t1917 = t175 * t1032;
+    let t1918 = t1871 + t1917;
+    let t1919 = t1916 - t1918;
+    let t1920 = t1045 * t1079;
+    let t1921 = t1919 - t1920;
+    let t1922 = t241 * t1921;
+    let t1923 = t981 - t1865;
+    let t1924 = t176 * t1029;
+    let t1925 = t1924 - t1917;
+    let t1926 = t1923 + t1925;
+    let t1927 = t1874 + t1926;
+    let t1928 = t1875 - t1927;
+    let t1929 = t1047 * t1079;
+    let t1930 = t1928 + t1929;
+    let t1931 = t486 * t486;
+    let t1932 = 1.0 - t1931;
+    let t1933 = t1932 * 19.62;
+    let t1934 = 76.556 + t1933;
+    let t1935 = t491 * t491;
+    let t1936 = 1.0 - t1935;
+    let t1937 = t1936 * 108.38;
+    let t1938 = t1934 + t1937;
+    let t1939 = t495 * t495;
+    let t1940 = 1.0 - t1939;
+    let t1941 = t1940 * 44.720000000000006;
+    let t1942 = t1938 + t1941;
+    let t1943 = t1930 + t1942;
+    let t1944 = t238 * t1943;
+    let t1945 = t963 - t1055;
+    let t1946 = t435 + t1945;
+    let t1947 = sin_beta_gamma * t1946;
+    let t1948 = cos_beta_gamma * t1906;
+    let t1949 = t1947 - t1948;
+    let t1950 = t196 * t1032;
+    let t1951 = t1949 - t1950;
+    let t1952 = t926 * t1079;
+    let t1953 = t1951 - t1952;
+    let t1954 = inverse_d_alpha * t1953;
+    let t1955 = t1954 + t1944;
+    let t1956 = t1955 + t1922;
+    let t1957 = t1956 - t1915;
+    let t1958 = t1957 + t1903;
+    let t1959 = sin_delta * t1175;
+    let t1960 = cos_delta * t1178;
+    let t1961 = t1959 - t1960;
+    let t1962 = t1079 * t1168;
+    let t1963 = t1961 + t1962;
+    let t1964 = t545 * t1963;
+    let t1965 = t1958 - t1964;
+    let t1966 = 2.0 * omega_gamma_y;
+    let t1967 = t1966 * t1127;
+    let t1968 = 2.0 * omega_gamma_x;
+    let t1969 = t40 * t1968;
+    let t1970 = t1967 - t1969;
+    let t1971 = t1896 + t1970;
+    let t1972 = t253 * t1971;
+    let t1973 = t1968 * t1098;
+    let t1974 = t42 * t1966;
+    let t1975 = t1974 - t1973;
+    let t1976 = t1908 + t1975;
+    let t1977 = t246 * t1976;
+    let t1978 = t160 * t1966;
+    let t1979 = t151 * t1968;
     let t1980 = t1978 + t1979;
-    let t1981 = t71 * t1980;
-    let t1982 = sin_beta_gamma * t1977;
-    let t1983 = cos_beta_gamma * t788;
-    let t1984 = t1982 - t1983;
-    let t1985 = t78 * t1984;
-    let t1986 = t1985 + t1981;
-    let t1987 = t1965 + t1986;
-    let t1988 = t1987 + t1966;
-    let t1989 = t459 * t1948;
-    let t1990 = t1988 + t1989;
-    let t1991 = t472 * t1959;
-    let t1992 = t1990 - t1991;
-    let t1993 = t1992 - t1974;
-    let t1994 = t520 * t1993;
-    let t1995 = t1973 + t1994;
-    let t1996 = inverse_d_alpha * t1995;
-    let t1997 = 2.0 * omega_epsilon_y;
-    let t1998 = t1997 * t1330;
-    let t1999 = t791 - t1998;
+    let t1981 = t1916 - t1980;
+    let t1982 = t440 * t440;
+    let t1983 = 1.0 - t1982;
+    let t1984 = t1983 * 1.8399999999999999;
+    let t1985 = 56.231 + t1984;
+    let t1986 = t445 * t445;
+    let t1987 = 1.0 - t1986;
+    let t1988 = t1987 * 3.6799999999999997;
+    let t1989 = t1985 + t1988;
+    let t1990 = t449 * t449;
+    let t1991 = 1.0 - t1990;
+    let t1992 = t1991 * 834.2;
+    let t1993 = t1989 + t1992;
+    let t1994 = t1981 - t1993;
     [
         sin_delta,
         cos_delta,
@@ -7990,109 +8027,144 @@ fn forward_dynamics_derivatives_part_1(
         cos_epsilon,
         sin_beta_gamma,
         cos_beta_gamma,
-        t39,
-        omega_epsilon_y,
+        t22,
+        t23,
+        t36,
+        t40,
+        t42,
+        t49,
         t51,
-        t55,
-        t71,
-        t78,
-        t205,
-        t224,
-        t230,
-        inverse_d_epsilon,
-        t257,
-        t270,
-        t273,
-        inverse_d_delta,
-        t310,
-        t346,
-        t354,
-        t364,
-        inverse_d_gamma,
-        t399,
-        t459,
-        t472,
-        t492,
-        inverse_d_beta,
-        t520,
+        t54,
+        t67,
+        t68,
+        t176,
+        t196,
         inverse_d_alpha,
+        t238,
+        t241,
+        t246,
+        t253,
+        omega_epsilon_y,
+        t334,
+        t344,
+        t401,
+        t545,
         t549,
-        t552,
         t557,
-        t564,
-        t573,
-        t582,
-        t611,
-        t758,
-        t759,
-        t767,
-        t794,
-        t795,
-        t806,
-        t813,
-        t869,
-        t880,
-        t884,
-        t885,
-        t924,
+        t559,
+        t562,
+        t567,
+        t574,
+        t590,
+        t592,
+        t602,
+        t607,
+        t614,
+        t630,
+        t632,
+        t653,
+        t660,
+        t676,
+        t678,
+        t714,
+        t730,
+        t732,
+        t777,
+        t779,
         t932,
-        t1057,
-        t1198,
-        t1323,
-        t1324,
-        t1432,
-        t1495,
-        t1498,
-        t1501,
-        t1504,
-        t1507,
-        t1510,
-        t1515,
-        t1520,
-        t1525,
-        t1530,
-        t1535,
-        t1542,
-        t1549,
-        t1556,
-        t1563,
-        t1570,
-        t1579,
-        t1588,
-        t1597,
-        t1606,
+        t933,
+        t941,
+        t946,
+        t961,
+        t962,
+        t965,
+        t968,
+        t969,
+        t980,
+        t986,
+        t987,
+        t988,
+        t994,
+        t995,
+        t996,
+        t1026,
+        t1109,
+        t1112,
+        t1124,
+        t1141,
+        t1149,
+        t1150,
+        t1162,
+        t1163,
+        t1164,
+        t1166,
+        t1173,
+        t1177,
+        t1178,
+        t1182,
+        t1188,
+        t1191,
+        t1207,
+        t1312,
+        t1315,
+        t1335,
+        t1420,
+        t1421,
+        t1434,
+        t1513,
+        t1560,
+        t1571,
+        t1582,
+        t1593,
+        t1604,
         t1615,
-        t1624,
-        t1633,
-        t1642,
-        t1651,
-        t1660,
-        t1684,
-        t1693,
-        t1706,
-        t1719,
-        t1733,
-        t1736,
-        t1763,
-        t1774,
-        t1791,
-        t1803,
-        t1805,
-        t1825,
-        t1848,
-        t1854,
-        t1864,
-        t1866,
-        t1887,
-        t1913,
+        t1626,
+        t1637,
+        t1648,
+        t1659,
+        t1669,
+        t1680,
+        t1691,
+        t1702,
+        t1713,
+        t1724,
+        t1735,
+        t1746,
+        t1757,
+        t1768,
+        t1779,
+        t1790,
+        t1801,
+        t1812,
+        t1823,
+        t1834,
+        t1843,
+        t1851,
+        t1857,
+        t1863,
+        t1883,
+        t1891,
+        t1893,
+        t1902,
+        t1906,
+        t1907,
+        t1914,
+        t1921,
         t1943,
-        t1948,
-        t1959,
+        t1946,
+        t1953,
+        t1961,
+        t1963,
+        t1965,
+        t1966,
+        t1968,
         t1971,
-        t1993,
-        t1996,
-        t1997,
-        t1999,
+        t1972,
+        t1974,
+        t1976,
+        t1977,
+        t1981,
+        t1994,
     ]
 }
 
@@ -8105,686 +8177,723 @@ fn forward_dynamics_derivatives_part_2(
     cos_epsilon,
     sin_beta_gamma,
     cos_beta_gamma,
-    t39,
-    omega_epsilon_y,
+    t22,
+    t23,
+    t36,
+    t40,
+    t42,
+    t49,
     t51,
-    t55,
-    t71,
-    t78,
-    t205,
-    t224,
-    t230,
-    inverse_d_epsilon,
-    t257,
-    t270,
-    t273,
-    inverse_d_delta,
-    t310,
-    t346,
-    t354,
-    t364,
-    inverse_d_gamma,
-    t399,
-    t459,
-    t472,
-    t492,
-    inverse_d_beta,
-    t520,
+    t54,
+    t67,
+    t68,
+    t176,
+    t196,
     inverse_d_alpha,
-    t611,
-    t758,
-    t759,
-    t767,
-    t794,
-    t795,
-    t806,
-    t813,
-    t869,
-    t880,
-    t884,
-    t885,
-    t924,
+    t238,
+    t241,
+    t246,
+    t253,
+    omega_epsilon_y,
+    t334,
+    t344,
+    t401,
+    t545,
+    t549,
+    t559,
+    t562,
+    t567,
+    t574,
+    t590,
+    t592,
+    t602,
+    t607,
+    t614,
+    t630,
+    t653,
+    t660,
+    t676,
+    t714,
+    t730,
+    t777,
+    t779,
     t932,
-    t1057,
-    t1324,
-    t1432,
-    t1495,
-    t1501,
-    t1504,
-    t1515,
-    t1520,
-    t1525,
-    t1556,
-    t1563,
-    t1570,
-    t1579,
-    t1597,
-    t1606,
-    t1615,
-    t1684,
-    t1693,
-    t1706,
-    t1719,
-    t1733,
-    t1736,
-    t1763,
-    t1774,
-    t1791,
-    t1803,
-    t1805,
-    t1825,
-    t1848,
-    t1854,
-    t1864,
-    t1866,
-    t1887,
-    t1913,
+    t933,
+    t941,
+    t946,
+    t961,
+    t962,
+    t965,
+    t968,
+    t969,
+    t980,
+    t986,
+    t987,
+    t988,
+    t994,
+    t995,
+    t996,
+    t1026,
+    t1109,
+    t1112,
+    t1124,
+    t1141,
+    t1149,
+    t1150,
+    t1162,
+    t1163,
+    t1164,
+    t1166,
+    t1173,
+    t1177,
+    t1178,
+    t1182,
+    t1188,
+    t1191,
+    t1207,
+    t1312,
+    t1315,
+    t1335,
+    t1421,
+    t1434,
+    t1513,
+    t1560,
+    t1593,
+    t1626,
+    t1637,
+    t1659,
+    t1669,
+    t1680,
+    t1691,
+    t1713,
+    t1724,
+    t1735,
+    t1746,
+    t1768,
+    t1779,
+    t1812,
+    t1843,
+    t1851,
+    t1857,
+    t1863,
+    t1883,
+    t1891,
+    t1902,
+    t1906,
+    t1907,
+    t1914,
+    t1921,
     t1943,
-    t1948,
-    t1959,
+    t1946,
+    t1953,
+    t1961,
+    t1963,
+    t1966,
+    t1968,
     t1971,
-    t1993,
-    t1996,
-    t1997,
-    t1999,
-    ]: [f64; 88],
-) -> [f64; 68] {
-    let t2000 = cos_epsilon * t1999;
-    let t2001 = t758 * t1324;
-    let t2002 = t795 - t2001;
-    let t2003 = sin_epsilon * t2002;
-    let t2004 = t2000 + t2003;
-    let t2005 = t2004 - t924;
-    let t2006 = 0.019904970806000004 * omega_epsilon_y;
-    let t2007 = t2006 + t2005;
-    let t2008 = sin_delta * t2007;
-    let t2009 = t51 * t1997;
-    let t2010 = t767 + t2009;
-    let t2011 = t806 - t2010;
-    let t2012 = cos_delta * t2011;
-    let t2013 = t2008 - t2012;
-    let t2014 = t758 * t869;
-    let t2015 = t885 - t2014;
-    let t2016 = t346 * t2015;
-    let t2017 = t2013 - t2016;
-    let t2018 = t230 * t230;
-    let t2019 = 1.0 - t2018;
-    let t2020 = t2019 * 30.0;
-    let t2021 = 8.0 + t2020;
-    let t2022 = t2010 + t2021;
-    let t2023 = t354 * t2022;
-    let t2024 = t2017 - t2023;
-    let t2025 = sin_epsilon * t1999;
-    let t2026 = cos_epsilon * t2002;
-    let t2027 = t2025 - t2026;
-    let t2028 = t2027 + t932;
-    let t2029 = t270 * t2015;
-    let t2030 = t2028 + t2029;
-    let t2031 = t273 * t2022;
-    let t2032 = t2030 - t2031;
-    let t2033 = t364 * t2032;
-    let t2034 = t2024 + t2033;
-    let t2035 = t492 * t2034;
-    let t2036 = sin_delta * t2006;
-    let t2037 = cos_delta * t806;
-    let t2038 = t2037 - t2036;
-    let t2039 = cos_beta_gamma * t2038;
-    let t2040 = sin_beta_gamma * t813;
-    let t2041 = t2039 + t2040;
-    let t2042 = t71 * t2041;
-    let t2043 = sin_beta_gamma * t2038;
-    let t2044 = cos_beta_gamma * t813;
-    let t2045 = t2043 - t2044;
-    let t2046 = t78 * t2045;
-    let t2047 = t2046 + t2042;
-    let t2048 = t2013 - t2047;
-    let t2049 = t2048 - t2016;
-    let t2050 = t459 * t2022;
-    let t2051 = t2049 - t2050;
-    let t2052 = t472 * t2032;
-    let t2053 = t2051 + t2052;
-    let t2054 = t2053 - t2035;
-    let t2055 = t520 * t2054;
-    let t2056 = cos_delta * t2007;
-    let t2057 = sin_delta * t2011;
-    let t2058 = t2056 + t2057;
-    let t2059 = sin_beta_gamma * t2058;
-    let t2060 = cos_beta_gamma * t2028;
-    let t2061 = t2059 + t2060;
-    let t2062 = cos_delta * t2006;
-    let t2063 = sin_delta * t806;
-    let t2064 = t2063 + t2062;
-    let t2065 = t78 * t2064;
-    let t2066 = t2061 + t2065;
-    let t2067 = t224 * t2015;
-    let t2068 = t2066 - t2067;
-    let t2069 = t257 * t2022;
-    let t2070 = t2068 - t2069;
-    let t2071 = t310 * t2032;
-    let t2072 = t2070 + t2071;
-    let t2073 = t399 * t2034;
-    let t2074 = t2072 + t2073;
-    let t2075 = t2074 + t2055;
-    let t2076 = inverse_d_alpha * t2075;
-    let t2077 = t55 * t611;
-    let t2078 = t759 + t2077;
-    let t2079 = t2078 + t880;
-    let t2080 = cos_epsilon * t2079;
-    let t2081 = sin_delta * t2080;
-    let t2082 = t39 * t758;
-    let t2083 = t794 + t2082;
-    let t2084 = t2083 + t884;
-    let t2085 = cos_delta * t2084;
-    let t2086 = t2081 + t2085;
-    let t2087 = t205 * t205;
-    let t2088 = 1.0 - t2087;
-    let t2089 = 8.0 * t2088;
-    let t2090 = 2.0 + t2089;
-    let t2091 = t346 * t2090;
-    let t2092 = t2086 - t2091;
-    let t2093 = t354 * t2084;
-    let t2094 = t2092 - t2093;
-    let t2095 = sin_epsilon * t2079;
-    let t2096 = t270 * t2090;
-    let t2097 = t2095 + t2096;
-    let t2098 = t273 * t2084;
-    let t2099 = t2097 - t2098;
-    let t2100 = t364 * t2099;
-    let t2101 = t2094 + t2100;
-    let t2102 = t492 * t2101;
-    let t2103 = t459 * t2084;
-    let t2104 = t2092 - t2103;
-    let t2105 = t472 * t2099;
-    let t2106 = t2104 + t2105;
-    let t2107 = t2106 - t2102;
-    let t2108 = t520 * t2107;
-    let t2109 = t399 * t2101;
-    let t2110 = cos_delta * t2080;
-    let t2111 = sin_delta * t2084;
-    let t2112 = t2110 - t2111;
-    let t2113 = sin_beta_gamma * t2112;
-    let t2114 = cos_beta_gamma * t2095;
-    let t2115 = t2113 + t2114;
-    let t2116 = t224 * t2090;
-    let t2117 = t2115 - t2116;
-    let t2118 = t257 * t2084;
-    let t2119 = t2117 - t2118;
-    let t2120 = t310 * t2099;
-    let t2121 = t2119 + t2120;
-    let t2122 = t2121 + t2109;
-    let t2123 = t2122 + t2108;
-    let t2124 = inverse_d_alpha * t2123;
-    let t2125 = t520 * t1736;
-    let t2126 = inverse_d_beta * t1733;
-    let t2127 = t2126 - t2125;
-    let t2128 = t520 * t1825;
-    let t2129 = inverse_d_beta * t1805;
-    let t2130 = t2129 + t2128;
-    let t2131 = t520 * t1913;
-    let t2132 = inverse_d_beta * t1887;
-    let t2133 = t2132 - t2131;
-    let t2134 = t520 * t1996;
-    let t2135 = inverse_d_beta * t1993;
-    let t2136 = t2135 + t2134;
-    let t2137 = t520 * t2076;
-    let t2138 = inverse_d_beta * t2054;
-    let t2139 = t2138 + t2137;
-    let t2140 = t520 * t2124;
-    let t2141 = inverse_d_beta * t2107;
-    let t2142 = t2141 + t2140;
-    let t2143 = t492 * t2127;
-    let t2144 = inverse_d_gamma * t1719;
-    let t2145 = t2144 + t2143;
-    let t2146 = t399 * t1736;
-    let t2147 = t2145 + t2146;
-    let t2148 = t492 * t2130;
-    let t2149 = inverse_d_gamma * t1803;
-    let t2150 = t2149 + t2148;
-    let t2151 = t399 * t1825;
-    let t2152 = t2150 - t2151;
-    let t2153 = t492 * t2133;
-    let t2154 = inverse_d_gamma * t1866;
-    let t2155 = t2154 - t2153;
-    let t2156 = t399 * t1913;
-    let t2157 = t2155 - t2156;
-    let t2158 = t492 * t2136;
-    let t2159 = inverse_d_gamma * t1971;
-    let t2160 = t2159 - t2158;
-    let t2161 = t399 * t1996;
-    let t2162 = t2160 + t2161;
-    let t2163 = t492 * t2139;
-    let t2164 = inverse_d_gamma * t2034;
-    let t2165 = t2164 - t2163;
-    let t2166 = t399 * t2076;
-    let t2167 = t2165 + t2166;
-    let t2168 = t492 * t2142;
-    let t2169 = inverse_d_gamma * t2101;
-    let t2170 = t2169 - t2168;
-    let t2171 = t399 * t2124;
-    let t2172 = t2170 + t2171;
-    let t2173 = t364 * t2147;
-    let t2174 = inverse_d_delta * t1706;
-    let t2175 = t2174 + t2173;
-    let t2176 = t472 * t2127;
-    let t2177 = t2175 - t2176;
-    let t2178 = t310 * t1736;
-    let t2179 = t2177 + t2178;
-    let t2180 = t364 * t2152;
-    let t2181 = inverse_d_delta * t1791;
-    let t2182 = t2181 + t2180;
-    let t2183 = t472 * t2130;
-    let t2184 = t2182 - t2183;
-    let t2185 = t310 * t1825;
-    let t2186 = t2184 - t2185;
-    let t2187 = t364 * t2157;
-    let t2188 = inverse_d_delta * t1864;
-    let t2189 = t2188 + t2187;
-    let t2190 = t472 * t2133;
-    let t2191 = t2189 + t2190;
-    let t2192 = t310 * t1913;
-    let t2193 = t2191 - t2192;
-    let t2194 = t364 * t2162;
-    let t2195 = inverse_d_delta * t1959;
-    let t2196 = t2195 - t2194;
-    let t2197 = t472 * t2136;
-    let t2198 = t2196 - t2197;
-    let t2199 = t310 * t1996;
-    let t2200 = t2198 - t2199;
-    let t2201 = t364 * t2167;
-    let t2202 = inverse_d_delta * t2032;
-    let t2203 = t2202 + t2201;
-    let t2204 = t472 * t2139;
-    let t2205 = t2203 + t2204;
-    let t2206 = t310 * t2076;
-    let t2207 = t2205 + t2206;
-    let t2208 = t364 * t2172;
-    let t2209 = inverse_d_delta * t2099;
-    let t2210 = t2209 + t2208;
-    let t2211 = t472 * t2142;
-    let t2212 = t2210 + t2211;
-    let t2213 = t310 * t2124;
-    let t2214 = t2212 + t2213;
-    let t2215 = t273 * t2179;
-    let t2216 = inverse_d_epsilon * t1693;
-    let t2217 = t2216 - t2215;
-    let t2218 = t354 * t2147;
+    t1972,
+    t1974,
+    t1976,
+    t1977,
+    t1981,
+    t1994,
+    ]: [f64; 126],
+) -> [f64; 62] {
+    let t1995 = t241 * t1994;
+    let t1996 = t196 * t1966;
+    let t1997 = t1026 + t1996;
+    let t1998 = sin_beta_gamma * t1997;
+    let t1999 = t196 * t1968;
+    let t2000 = t980 - t1999;
+    let t2001 = cos_beta_gamma * t2000;
+    let t2002 = t2001 + t1998;
+    let t2003 = t176 * t2002;
+    let t2004 = cos_beta_gamma * t1997;
+    let t2005 = sin_beta_gamma * t2000;
+    let t2006 = t2005 - t2004;
+    let t2007 = t54 * t2006;
+    let t2008 = t2007 + t2003;
+    let t2009 = t1981 + t2008;
+    let t2010 = t238 * t2009;
+    let t2011 = t1966 * t1207;
+    let t2012 = t42 * t1968;
+    let t2013 = t2011 + t2012;
+    let t2014 = t1946 + t2013;
+    let t2015 = sin_beta_gamma * t2014;
+    let t2016 = t1968 * t1191;
+    let t2017 = t2016 + t1974;
+    let t2018 = t1906 + t2017;
+    let t2019 = cos_beta_gamma * t2018;
+    let t2020 = t2015 - t2019;
+    let t2021 = t51 * t1968;
+    let t2022 = t49 * t1966;
+    let t2023 = t2022 - t2021;
+    let t2024 = t54 * t2023;
+    let t2025 = t2020 - t2024;
+    let t2026 = inverse_d_alpha * t2025;
+    let t2027 = t2026 - t2010;
+    let t2028 = t2027 + t1995;
+    let t2029 = t2028 - t1977;
+    let t2030 = t2029 + t1972;
+    let t2031 = t1966 * t1164;
+    let t2032 = t1968 * t1166;
+    let t2033 = t2031 + t2032;
+    let t2034 = t1961 + t2033;
+    let t2035 = t545 * t2034;
+    let t2036 = t2030 - t2035;
+    let t2037 = t961 * t1124;
+    let t2038 = t23 * t946;
+    let t2039 = t2038 + t2037;
+    let t2040 = t1150 + t2039;
+    let t2041 = t253 * t2040;
+    let t2042 = t40 * t961;
+    let t2043 = t36 * t946;
+    let t2044 = t2043 - t2042;
+    let t2045 = t1112 - t2044;
+    let t2046 = t401 * t401;
+    let t2047 = 1.0 - t2046;
+    let t2048 = t2047 * 40.0;
+    let t2049 = 10.0 + t2048;
+    let t2050 = t2045 - t2049;
+    let t2051 = t246 * t2050;
+    let t2052 = t946 * t1335;
+    let t2053 = t23 * t961;
+    let t2054 = t2052 + t2053;
+    let t2055 = t986 - t2054;
+    let t2056 = t987 - t988;
+    let t2057 = t2056 + t2055;
+    let t2058 = sin_delta * t2057;
+    let t2059 = t961 * t1315;
+    let t2060 = t2059 + t2038;
+    let t2061 = t994 + t2060;
+    let t2062 = t995 - t996;
+    let t2063 = t2062 - t2061;
+    let t2064 = cos_delta * t2063;
+    let t2065 = t2058 + t2064;
+    let t2066 = t2065 - t1907;
+    let t2067 = t241 * t2066;
+    let t2068 = sin_delta * t2056;
+    let t2069 = cos_delta * t2062;
+    let t2070 = t2069 + t2068;
+    let t2071 = cos_beta_gamma * t2070;
+    let t2072 = sin_beta_gamma * t962;
+    let t2073 = t2071 + t2072;
+    let t2074 = t176 * t2073;
+    let t2075 = sin_beta_gamma * t2070;
+    let t2076 = cos_beta_gamma * t962;
+    let t2077 = t2075 - t2076;
+    let t2078 = t54 * t2077;
+    let t2079 = t2078 + t2074;
+    let t2080 = t2066 + t2079;
+    let t2081 = t238 * t2080;
+    let t2082 = cos_delta * t2057;
+    let t2083 = sin_delta * t2063;
+    let t2084 = t2082 - t2083;
+    let t2085 = t2084 - t1109;
+    let t2086 = sin_beta_gamma * t2085;
+    let t2087 = cos_beta_gamma * t2045;
+    let t2088 = t2086 - t2087;
+    let t2089 = cos_delta * t2056;
+    let t2090 = sin_delta * t2062;
+    let t2091 = t2090 - t2089;
+    let t2092 = t54 * t2091;
+    let t2093 = t2088 - t2092;
+    let t2094 = inverse_d_alpha * t2093;
+    let t2095 = t2094 + t2081;
+    let t2096 = t2095 - t2067;
+    let t2097 = t2096 - t2051;
+    let t2098 = t2097 + t2041;
+    let t2099 = t946 * t1163;
+    let t2100 = t1182 + t2099;
+    let t2101 = t545 * t2100;
+    let t2102 = t2098 - t2101;
+    let t2103 = 2.0 * omega_epsilon_y;
+    let t2104 = t22 * t2103;
+    let t2105 = t941 + t2104;
+    let t2106 = t344 * t344;
+    let t2107 = 1.0 - t2106;
+    let t2108 = t2107 * 30.0;
+    let t2109 = 8.0 + t2108;
+    let t2110 = t2105 + t2109;
+    let t2111 = t253 * t2110;
+    let t2112 = t2103 * t1421;
+    let t2113 = t965 - t2112;
+    let t2114 = sin_epsilon * t2113;
+    let t2115 = t932 * t1434;
+    let t2116 = t969 - t2115;
+    let t2117 = cos_epsilon * t2116;
+    let t2118 = t2114 - t2117;
+    let t2119 = t2118 + t1149;
+    let t2120 = t246 * t2119;
+    let t2121 = cos_epsilon * t2113;
+    let t2122 = sin_epsilon * t2116;
+    let t2123 = t2121 + t2122;
+    let t2124 = t2123 - t1141;
+    let t2125 = 0.019904970806000004 * omega_epsilon_y;
+    let t2126 = t2125 + t2124;
+    let t2127 = sin_delta * t2126;
+    let t2128 = t980 - t2105;
+    let t2129 = cos_delta * t2128;
+    let t2130 = t2127 - t2129;
+    let t2131 = t241 * t2130;
+    let t2132 = sin_delta * t2125;
+    let t2133 = cos_delta * t980;
+    let t2134 = t2133 - t2132;
+    let t2135 = cos_beta_gamma * t2134;
+    let t2136 = sin_beta_gamma * t987;
+    let t2137 = t2135 + t2136;
+    let t2138 = t176 * t2137;
+    let t2139 = sin_beta_gamma * t2134;
+    let t2140 = cos_beta_gamma * t987;
+    let t2141 = t2139 - t2140;
+    let t2142 = t54 * t2141;
+    let t2143 = t2142 + t2138;
+    let t2144 = t2130 - t2143;
+    let t2145 = t238 * t2144;
+    let t2146 = cos_delta * t2126;
+    let t2147 = sin_delta * t2128;
+    let t2148 = t2146 + t2147;
+    let t2149 = sin_beta_gamma * t2148;
+    let t2150 = cos_beta_gamma * t2119;
+    let t2151 = t2149 + t2150;
+    let t2152 = cos_delta * t2125;
+    let t2153 = sin_delta * t980;
+    let t2154 = t2153 + t2152;
+    let t2155 = t54 * t2154;
+    let t2156 = t2151 + t2155;
+    let t2157 = inverse_d_alpha * t2156;
+    let t2158 = t2157 + t2145;
+    let t2159 = t2158 - t2131;
+    let t2160 = t2159 + t2120;
+    let t2161 = t2160 - t2111;
+    let t2162 = t932 * t1162;
+    let t2163 = t1178 - t2162;
+    let t2164 = t545 * t2163;
+    let t2165 = t2161 + t2164;
+    let t2166 = t68 * t932;
+    let t2167 = t968 + t2166;
+    let t2168 = t2167 + t1177;
+    let t2169 = t253 * t2168;
+    let t2170 = t67 * t334;
+    let t2171 = t933 + t2170;
+    let t2172 = t2171 + t1173;
+    let t2173 = sin_epsilon * t2172;
+    let t2174 = t246 * t2173;
+    let t2175 = cos_epsilon * t2172;
+    let t2176 = sin_delta * t2175;
+    let t2177 = cos_delta * t2168;
+    let t2178 = t2176 + t2177;
+    let t2179 = t241 * t2178;
+    let t2180 = t238 * t2178;
+    let t2181 = cos_delta * t2175;
+    let t2182 = sin_delta * t2168;
+    let t2183 = t2181 - t2182;
+    let t2184 = sin_beta_gamma * t2183;
+    let t2185 = cos_beta_gamma * t2173;
+    let t2186 = t2184 + t2185;
+    let t2187 = inverse_d_alpha * t2186;
+    let t2188 = t2187 + t2180;
+    let t2189 = t2188 - t2179;
+    let t2190 = t2189 + t2174;
+    let t2191 = t2190 - t2169;
+    let t2192 = t549 * t549;
+    let t2193 = 1.0 - t2192;
+    let t2194 = 8.0 * t2193;
+    let t2195 = 2.0 + t2194;
+    let t2196 = t545 * t2195;
+    let t2197 = t2191 + t2196;
+    let t2198 = t574 * t1843;
+    let t2199 = t567 * t1851;
+    let t2200 = t562 * t1857;
+    let t2201 = t559 * t1863;
+    let t2202 = t238 * t1883;
+    let t2203 = t2202 - t2201;
+    let t2204 = t2203 - t2200;
+    let t2205 = t2204 + t2199;
+    let t2206 = t2205 - t2198;
+    let t2207 = t590 * t1891;
+    let t2208 = t2206 + t2207;
+    let t2209 = t574 * t1902;
+    let t2210 = t567 * t1914;
+    let t2211 = t562 * t1921;
+    let t2212 = t559 * t1943;
+    let t2213 = t238 * t1953;
+    let t2214 = t2213 + t2212;
+    let t2215 = t2214 + t2211;
+    let t2216 = t2215 - t2210;
+    let t2217 = t2216 + t2209;
+    let t2218 = t590 * t1963;
     let t2219 = t2217 - t2218;
-    let t2220 = t459 * t2127;
-    let t2221 = t2219 + t2220;
-    let t2222 = t257 * t1736;
-    let t2223 = t2221 - t2222;
-    let t2224 = t273 * t2186;
-    let t2225 = inverse_d_epsilon * t1774;
-    let t2226 = t2225 - t2224;
-    let t2227 = t354 * t2152;
-    let t2228 = t2226 - t2227;
-    let t2229 = t459 * t2130;
-    let t2230 = t2228 + t2229;
-    let t2231 = t257 * t1825;
-    let t2232 = t2230 + t2231;
-    let t2233 = t273 * t2193;
-    let t2234 = inverse_d_epsilon * t1854;
-    let t2235 = t2234 - t2233;
-    let t2236 = t354 * t2157;
-    let t2237 = t2235 - t2236;
-    let t2238 = t459 * t2133;
-    let t2239 = t2237 - t2238;
-    let t2240 = t257 * t1913;
-    let t2241 = t2239 + t2240;
-    let t2242 = t273 * t2200;
-    let t2243 = inverse_d_epsilon * t1948;
-    let t2244 = t2243 - t2242;
-    let t2245 = t354 * t2162;
-    let t2246 = t2244 + t2245;
-    let t2247 = t459 * t2136;
-    let t2248 = t2246 + t2247;
-    let t2249 = t257 * t1996;
-    let t2250 = t2248 + t2249;
-    let t2251 = t273 * t2207;
-    let t2252 = inverse_d_epsilon * t2022;
-    let t2253 = t2252 - t2251;
-    let t2254 = t354 * t2167;
-    let t2255 = t2253 - t2254;
-    let t2256 = t459 * t2139;
-    let t2257 = t2255 - t2256;
-    let t2258 = t257 * t2076;
-    let t2259 = t2257 - t2258;
-    let t2260 = t273 * t2214;
-    let t2261 = inverse_d_epsilon * t2084;
-    let t2262 = t2261 - t2260;
-    let t2263 = t354 * t2172;
-    let t2264 = t2262 - t2263;
-    let t2265 = t459 * t2142;
-    let t2266 = t2264 - t2265;
-    let t2267 = t257 * t2124;
-    let t2268 = t2266 - t2267;
-    let t2269 = t270 * t2179;
-    let t2270 = 71.14379298863692 * t1684;
-    let t2271 = t2270 + t2269;
-    let t2272 = t346 * t2147;
-    let t2273 = t2271 - t2272;
-    let t2274 = t346 * t2127;
-    let t2275 = t2273 + t2274;
-    let t2276 = t224 * t1736;
-    let t2277 = t2275 - t2276;
-    let t2278 = t270 * t2186;
-    let t2279 = 71.14379298863692 * t1763;
+    let t2220 = t574 * t1971;
+    let t2221 = t567 * t1976;
+    let t2222 = t562 * t1994;
+    let t2223 = t559 * t2009;
+    let t2224 = t238 * t2025;
+    let t2225 = t2224 - t2223;
+    let t2226 = t2225 + t2222;
+    let t2227 = t2226 - t2221;
+    let t2228 = t2227 + t2220;
+    let t2229 = t590 * t2034;
+    let t2230 = t2228 - t2229;
+    let t2231 = t574 * t2040;
+    let t2232 = t567 * t2050;
+    let t2233 = t562 * t2066;
+    let t2234 = t559 * t2080;
+    let t2235 = t238 * t2093;
+    let t2236 = t2235 + t2234;
+    let t2237 = t2236 - t2233;
+    let t2238 = t2237 - t2232;
+    let t2239 = t2238 + t2231;
+    let t2240 = t590 * t2100;
+    let t2241 = t2239 - t2240;
+    let t2242 = t574 * t2110;
+    let t2243 = t567 * t2119;
+    let t2244 = t562 * t2130;
+    let t2245 = t559 * t2144;
+    let t2246 = t238 * t2156;
+    let t2247 = t2246 + t2245;
+    let t2248 = t2247 - t2244;
+    let t2249 = t2248 + t2243;
+    let t2250 = t2249 - t2242;
+    let t2251 = t590 * t2163;
+    let t2252 = t2250 + t2251;
+    let t2253 = t574 * t2168;
+    let t2254 = t567 * t2173;
+    let t2255 = t562 * t2178;
+    let t2256 = t559 * t2178;
+    let t2257 = t238 * t2186;
+    let t2258 = t2257 + t2256;
+    let t2259 = t2258 - t2255;
+    let t2260 = t2259 + t2254;
+    let t2261 = t2260 - t2253;
+    let t2262 = t590 * t2195;
+    let t2263 = t2261 + t2262;
+    let t2264 = t614 * t1843;
+    let t2265 = t607 * t1851;
+    let t2266 = t602 * t1857;
+    let t2267 = t562 * t1863;
+    let t2268 = t241 * t1883;
+    let t2269 = t2268 - t2267;
+    let t2270 = t2269 - t2266;
+    let t2271 = t2270 + t2265;
+    let t2272 = t2271 - t2264;
+    let t2273 = t630 * t1891;
+    let t2274 = t2272 + t2273;
+    let t2275 = t614 * t1902;
+    let t2276 = t607 * t1914;
+    let t2277 = t602 * t1921;
+    let t2278 = t562 * t1943;
+    let t2279 = t241 * t1953;
     let t2280 = t2279 + t2278;
-    let t2281 = t346 * t2152;
-    let t2282 = t2280 - t2281;
-    let t2283 = t346 * t2130;
-    let t2284 = t2282 + t2283;
-    let t2285 = t224 * t1825;
-    let t2286 = t2284 + t2285;
-    let t2287 = t270 * t2193;
-    let t2288 = 71.14379298863692 * t1848;
-    let t2289 = t2288 + t2287;
-    let t2290 = t346 * t2157;
-    let t2291 = t2289 - t2290;
-    let t2292 = t346 * t2133;
-    let t2293 = t2291 - t2292;
-    let t2294 = t224 * t1913;
-    let t2295 = t2293 + t2294;
-    let t2296 = t270 * t2200;
-    let t2297 = 71.14379298863692 * t1943;
-    let t2298 = t2297 + t2296;
-    let t2299 = t346 * t2162;
-    let t2300 = t2298 + t2299;
-    let t2301 = t346 * t2136;
-    let t2302 = t2300 + t2301;
-    let t2303 = t224 * t1996;
-    let t2304 = t2302 + t2303;
-    let t2305 = t270 * t2207;
-    let t2306 = 71.14379298863692 * t2015;
-    let t2307 = t2306 + t2305;
-    let t2308 = t346 * t2167;
-    let t2309 = t2307 - t2308;
-    let t2310 = t346 * t2139;
-    let t2311 = t2309 - t2310;
-    let t2312 = t224 * t2076;
-    let t2313 = t2311 - t2312;
-    let t2314 = t270 * t2214;
-    let t2315 = 71.14379298863692 * t2090;
-    let t2316 = t2315 + t2314;
-    let t2317 = t346 * t2172;
-    let t2318 = t2316 - t2317;
-    let t2319 = t346 * t2142;
-    let t2320 = t2318 - t2319;
-    let t2321 = t224 * t2124;
-    let t2322 = t2320 - t2321;
-    let t2323 = t520 * inverse_d_alpha;
-    let t2324 = t492 * t2323;
-    let t2325 = t399 * inverse_d_alpha;
-    let t2326 = t2324 - t2325;
-    let t2327 = t364 * t2326;
-    let t2328 = t472 * t2323;
-    let t2329 = t2327 - t2328;
-    let t2330 = t310 * inverse_d_alpha;
-    let t2331 = t2329 - t2330;
-    let t2332 = t273 * t2331;
-    let t2333 = t354 * t2326;
-    let t2334 = t2332 + t2333;
-    let t2335 = t459 * t2323;
-    let t2336 = t2334 - t2335;
-    let t2337 = t257 * inverse_d_alpha;
-    let t2338 = t2336 - t2337;
-    let t2339 = t270 * t2331;
-    let t2340 = t346 * t2326;
-    let t2341 = t2339 - t2340;
-    let t2342 = t346 * t2323;
-    let t2343 = t2341 + t2342;
-    let t2344 = t224 * inverse_d_alpha;
-    let t2345 = t2343 + t2344;
-    let t2346 = t520 * t2323;
-    let t2347 = inverse_d_beta + t2346;
-    let t2348 = t492 * t2347;
-    let t2349 = t399 * t2323;
+    let t2281 = t2280 + t2277;
+    let t2282 = t2281 - t2276;
+    let t2283 = t2282 + t2275;
+    let t2284 = t630 * t1963;
+    let t2285 = t2283 - t2284;
+    let t2286 = t614 * t1971;
+    let t2287 = t607 * t1976;
+    let t2288 = t602 * t1994;
+    let t2289 = t562 * t2009;
+    let t2290 = t241 * t2025;
+    let t2291 = t2290 - t2289;
+    let t2292 = t2291 + t2288;
+    let t2293 = t2292 - t2287;
+    let t2294 = t2293 + t2286;
+    let t2295 = t630 * t2034;
+    let t2296 = t2294 - t2295;
+    let t2297 = t614 * t2040;
+    let t2298 = t607 * t2050;
+    let t2299 = t602 * t2066;
+    let t2300 = t562 * t2080;
+    let t2301 = t241 * t2093;
+    let t2302 = t2301 + t2300;
+    let t2303 = t2302 - t2299;
+    let t2304 = t2303 - t2298;
+    let t2305 = t2304 + t2297;
+    let t2306 = t630 * t2100;
+    let t2307 = t2305 - t2306;
+    let t2308 = t614 * t2110;
+    let t2309 = t607 * t2119;
+    let t2310 = t602 * t2130;
+    let t2311 = t562 * t2144;
+    let t2312 = t241 * t2156;
+    let t2313 = t2312 + t2311;
+    let t2314 = t2313 - t2310;
+    let t2315 = t2314 + t2309;
+    let t2316 = t2315 - t2308;
+    let t2317 = t630 * t2163;
+    let t2318 = t2316 + t2317;
+    let t2319 = t614 * t2168;
+    let t2320 = t607 * t2173;
+    let t2321 = t602 * t2178;
+    let t2322 = t241 * t2186;
+    let t2323 = t2255 + t2322;
+    let t2324 = t2323 - t2321;
+    let t2325 = t2324 + t2320;
+    let t2326 = t2325 - t2319;
+    let t2327 = t630 * t2195;
+    let t2328 = t2326 + t2327;
+    let t2329 = t660 * t1843;
+    let t2330 = t653 * t1851;
+    let t2331 = t607 * t1857;
+    let t2332 = t567 * t1863;
+    let t2333 = t246 * t1883;
+    let t2334 = t2333 - t2332;
+    let t2335 = t2334 - t2331;
+    let t2336 = t2335 + t2330;
+    let t2337 = t2336 - t2329;
+    let t2338 = t676 * t1891;
+    let t2339 = t2337 + t2338;
+    let t2340 = t660 * t1902;
+    let t2341 = t653 * t1914;
+    let t2342 = t607 * t1921;
+    let t2343 = t567 * t1943;
+    let t2344 = t246 * t1953;
+    let t2345 = t2344 + t2343;
+    let t2346 = t2345 + t2342;
+    let t2347 = t2346 - t2341;
+    let t2348 = t2347 + t2340;
+    let t2349 = t676 * t1963;
     let t2350 = t2348 - t2349;
-    let t2351 = t364 * t2350;
-    let t2352 = t472 * t2347;
-    let t2353 = t2351 - t2352;
-    let t2354 = t310 * t2323;
-    let t2355 = t2353 - t2354;
-    let t2356 = t273 * t2355;
-    let t2357 = t354 * t2350;
-    let t2358 = t2356 + t2357;
-    let t2359 = t459 * t2347;
-    let t2360 = t2358 - t2359;
-    let t2361 = t257 * t2323;
-    let t2362 = t2360 - t2361;
-    let t2363 = t270 * t2355;
-    let t2364 = t346 * t2350;
-    let t2365 = t2363 - t2364;
-    let t2366 = t346 * t2347;
-    let t2367 = t2365 + t2366;
-    let t2368 = t224 * t2323;
-    let t2369 = t2367 + t2368;
-    let t2370 = t492 * t520;
-    let t2371 = t399 - t2370;
-    let t2372 = inverse_d_alpha * t2371;
-    let t2373 = t520 * t2372;
-    let t2374 = t492 * inverse_d_beta;
-    let t2375 = t2374 - t2373;
-    let t2376 = t492 * t2375;
-    let t2377 = inverse_d_gamma + t2376;
-    let t2378 = t399 * t2372;
-    let t2379 = t2377 + t2378;
-    let t2380 = t364 * t2379;
-    let t2381 = t472 * t2375;
-    let t2382 = t2380 - t2381;
-    let t2383 = t310 * t2372;
-    let t2384 = t2382 + t2383;
-    let t2385 = t273 * t2384;
-    let t2386 = t354 * t2379;
-    let t2387 = t2385 + t2386;
-    let t2388 = t459 * t2375;
-    let t2389 = t2387 - t2388;
-    let t2390 = t257 * t2372;
-    let t2391 = t2389 + t2390;
-    let t2392 = t270 * t2384;
-    let t2393 = t346 * t2379;
-    let t2394 = t2392 - t2393;
-    let t2395 = t346 * t2375;
-    let t2396 = t2394 + t2395;
-    let t2397 = t224 * t2372;
-    let t2398 = t2396 - t2397;
-    let t2399 = t364 * t492;
-    let t2400 = t472 - t2399;
-    let t2401 = t520 * t2400;
-    let t2402 = t364 * t399;
-    let t2403 = t310 + t2402;
-    let t2404 = t2403 + t2401;
-    let t2405 = inverse_d_alpha * t2404;
-    let t2406 = t520 * t2405;
-    let t2407 = inverse_d_beta * t2400;
-    let t2408 = t2407 + t2406;
-    let t2409 = t492 * t2408;
-    let t2410 = t364 * inverse_d_gamma;
-    let t2411 = t2410 - t2409;
-    let t2412 = t399 * t2405;
-    let t2413 = t2411 + t2412;
-    let t2414 = t364 * t2413;
-    let t2415 = inverse_d_delta + t2414;
-    let t2416 = t472 * t2408;
-    let t2417 = t2415 + t2416;
-    let t2418 = t310 * t2405;
-    let t2419 = t2417 + t2418;
-    let t2420 = t273 * t2419;
-    let t2421 = t354 * t2413;
-    let t2422 = t2420 + t2421;
-    let t2423 = t459 * t2408;
-    let t2424 = t2422 + t2423;
-    let t2425 = t257 * t2405;
-    let t2426 = t2424 + t2425;
-    let t2427 = t270 * t2419;
-    let t2428 = t346 * t2413;
-    let t2429 = t2427 - t2428;
-    let t2430 = t346 * t2408;
-    let t2431 = t2429 - t2430;
-    let t2432 = t224 * t2405;
-    let t2433 = t2431 - t2432;
-    let t2434 = t273 * t364;
-    let t2435 = t354 + t2434;
-    let t2436 = t492 * t2435;
-    let t2437 = t273 * t472;
-    let t2438 = t459 + t2437;
-    let t2439 = t2438 - t2436;
-    let t2440 = t520 * t2439;
-    let t2441 = t399 * t2435;
-    let t2442 = t273 * t310;
-    let t2443 = t257 + t2442;
-    let t2444 = t2443 + t2441;
-    let t2445 = t2444 + t2440;
-    let t2446 = inverse_d_alpha * t2445;
-    let t2447 = t520 * t2446;
-    let t2448 = inverse_d_beta * t2439;
-    let t2449 = t2448 + t2447;
-    let t2450 = t492 * t2449;
-    let t2451 = inverse_d_gamma * t2435;
-    let t2452 = t2451 - t2450;
-    let t2453 = t399 * t2446;
-    let t2454 = t2452 + t2453;
-    let t2455 = t364 * t2454;
-    let t2456 = t273 * inverse_d_delta;
-    let t2457 = t2456 + t2455;
-    let t2458 = t472 * t2449;
-    let t2459 = t2457 + t2458;
-    let t2460 = t310 * t2446;
-    let t2461 = t2459 + t2460;
-    let t2462 = t273 * t2461;
-    let t2463 = inverse_d_epsilon + t2462;
-    let t2464 = t354 * t2454;
-    let t2465 = t2463 + t2464;
-    let t2466 = t459 * t2449;
-    let t2467 = t2465 + t2466;
-    let t2468 = t257 * t2446;
-    let t2469 = t2467 + t2468;
-    let t2470 = t270 * t2461;
-    let t2471 = t346 * t2454;
-    let t2472 = t2470 - t2471;
-    let t2473 = t346 * t2449;
-    let t2474 = t2472 - t2473;
-    let t2475 = t224 * t2446;
-    let t2476 = t2474 - t2475;
-    let t2477 = t270 * t364;
-    let t2478 = t346 - t2477;
-    let t2479 = t492 * t2478;
-    let t2480 = t270 * t472;
-    let t2481 = t346 - t2480;
-    let t2482 = t2481 - t2479;
-    let t2483 = t520 * t2482;
-    let t2484 = t399 * t2478;
-    let t2485 = t270 * t310;
-    let t2486 = t224 - t2485;
-    let t2487 = t2486 + t2484;
-    let t2488 = t2487 + t2483;
-    let t2489 = inverse_d_alpha * t2488;
-    let t2490 = t520 * t2489;
-    let t2491 = inverse_d_beta * t2482;
-    let t2492 = t2491 + t2490;
-    let t2493 = t492 * t2492;
-    let t2494 = inverse_d_gamma * t2478;
-    let t2495 = t2494 - t2493;
-    let t2496 = t399 * t2489;
-    let t2497 = t2495 + t2496;
-    let t2498 = t364 * t2497;
-    let t2499 = t270 * inverse_d_delta;
-    let t2500 = t2499 - t2498;
-    let t2501 = t472 * t2492;
-    let t2502 = t2500 - t2501;
-    let t2503 = t310 * t2489;
+    let t2351 = t660 * t1971;
+    let t2352 = t653 * t1976;
+    let t2353 = t607 * t1994;
+    let t2354 = t567 * t2009;
+    let t2355 = t246 * t2025;
+    let t2356 = t2355 - t2354;
+    let t2357 = t2356 + t2353;
+    let t2358 = t2357 - t2352;
+    let t2359 = t2358 + t2351;
+    let t2360 = t676 * t2034;
+    let t2361 = t2359 - t2360;
+    let t2362 = t660 * t2040;
+    let t2363 = t653 * t2050;
+    let t2364 = t607 * t2066;
+    let t2365 = t567 * t2080;
+    let t2366 = t246 * t2093;
+    let t2367 = t2366 + t2365;
+    let t2368 = t2367 - t2364;
+    let t2369 = t2368 - t2363;
+    let t2370 = t2369 + t2362;
+    let t2371 = t676 * t2100;
+    let t2372 = t2370 - t2371;
+    let t2373 = t660 * t2110;
+    let t2374 = t653 * t2119;
+    let t2375 = t607 * t2130;
+    let t2376 = t567 * t2144;
+    let t2377 = t246 * t2156;
+    let t2378 = t2377 + t2376;
+    let t2379 = t2378 - t2375;
+    let t2380 = t2379 + t2374;
+    let t2381 = t2380 - t2373;
+    let t2382 = t676 * t2163;
+    let t2383 = t2381 + t2382;
+    let t2384 = t660 * t2168;
+    let t2385 = t653 * t2173;
+    let t2386 = t607 * t2178;
+    let t2387 = t567 * t2178;
+    let t2388 = t246 * t2186;
+    let t2389 = t2388 + t2387;
+    let t2390 = t2389 - t2386;
+    let t2391 = t2390 + t2385;
+    let t2392 = t2391 - t2384;
+    let t2393 = t676 * t2195;
+    let t2394 = t2392 + t2393;
+    let t2395 = t714 * t1843;
+    let t2396 = t660 * t1851;
+    let t2397 = t614 * t1857;
+    let t2398 = t574 * t1863;
+    let t2399 = t253 * t1883;
+    let t2400 = t2399 - t2398;
+    let t2401 = t2400 - t2397;
+    let t2402 = t2401 + t2396;
+    let t2403 = t2402 - t2395;
+    let t2404 = t730 * t1891;
+    let t2405 = t2403 + t2404;
+    let t2406 = t714 * t1902;
+    let t2407 = t660 * t1914;
+    let t2408 = t614 * t1921;
+    let t2409 = t574 * t1943;
+    let t2410 = t253 * t1953;
+    let t2411 = t2410 + t2409;
+    let t2412 = t2411 + t2408;
+    let t2413 = t2412 - t2407;
+    let t2414 = t2413 + t2406;
+    let t2415 = t730 * t1963;
+    let t2416 = t2414 - t2415;
+    let t2417 = t714 * t1971;
+    let t2418 = t660 * t1976;
+    let t2419 = t614 * t1994;
+    let t2420 = t574 * t2009;
+    let t2421 = t253 * t2025;
+    let t2422 = t2421 - t2420;
+    let t2423 = t2422 + t2419;
+    let t2424 = t2423 - t2418;
+    let t2425 = t2424 + t2417;
+    let t2426 = t730 * t2034;
+    let t2427 = t2425 - t2426;
+    let t2428 = t714 * t2040;
+    let t2429 = t660 * t2050;
+    let t2430 = t614 * t2066;
+    let t2431 = t574 * t2080;
+    let t2432 = t253 * t2093;
+    let t2433 = t2432 + t2431;
+    let t2434 = t2433 - t2430;
+    let t2435 = t2434 - t2429;
+    let t2436 = t2435 + t2428;
+    let t2437 = t730 * t2100;
+    let t2438 = t2436 - t2437;
+    let t2439 = t714 * t2110;
+    let t2440 = t660 * t2119;
+    let t2441 = t614 * t2130;
+    let t2442 = t574 * t2144;
+    let t2443 = t253 * t2156;
+    let t2444 = t2443 + t2442;
+    let t2445 = t2444 - t2441;
+    let t2446 = t2445 + t2440;
+    let t2447 = t2446 - t2439;
+    let t2448 = t730 * t2163;
+    let t2449 = t2447 + t2448;
+    let t2450 = t714 * t2168;
+    let t2451 = t660 * t2173;
+    let t2452 = t614 * t2178;
+    let t2453 = t574 * t2178;
+    let t2454 = t253 * t2186;
+    let t2455 = t2454 + t2453;
+    let t2456 = t2455 - t2452;
+    let t2457 = t2456 + t2451;
+    let t2458 = t2457 - t2450;
+    let t2459 = t730 * t2195;
+    let t2460 = t2458 + t2459;
+    let t2461 = t676 * t1851;
+    let t2462 = t630 * t1857;
+    let t2463 = t590 * t1863;
+    let t2464 = t545 * t1883;
+    let t2465 = t2464 - t2463;
+    let t2466 = t2465 - t2462;
+    let t2467 = t2466 + t2461;
+    let t2468 = t730 * t1843;
+    let t2469 = t2467 - t2468;
+    let t2470 = t777 * t1891;
+    let t2471 = t2469 + t2470;
+    let t2472 = t676 * t1914;
+    let t2473 = t630 * t1921;
+    let t2474 = t590 * t1943;
+    let t2475 = t545 * t1953;
+    let t2476 = t2475 + t2474;
+    let t2477 = t2476 + t2473;
+    let t2478 = t2477 - t2472;
+    let t2479 = t730 * t1902;
+    let t2480 = t2478 + t2479;
+    let t2481 = t777 * t1963;
+    let t2482 = t2480 - t2481;
+    let t2483 = t676 * t1976;
+    let t2484 = t630 * t1994;
+    let t2485 = t590 * t2009;
+    let t2486 = t545 * t2025;
+    let t2487 = t2486 - t2485;
+    let t2488 = t2487 + t2484;
+    let t2489 = t2488 - t2483;
+    let t2490 = t730 * t1971;
+    let t2491 = t2489 + t2490;
+    let t2492 = t777 * t2034;
+    let t2493 = t2491 - t2492;
+    let t2494 = t676 * t2050;
+    let t2495 = t630 * t2066;
+    let t2496 = t590 * t2080;
+    let t2497 = t545 * t2093;
+    let t2498 = t2497 + t2496;
+    let t2499 = t2498 - t2495;
+    let t2500 = t2499 - t2494;
+    let t2501 = t730 * t2040;
+    let t2502 = t2500 + t2501;
+    let t2503 = t777 * t2100;
     let t2504 = t2502 - t2503;
-    let t2505 = t270 * t2504;
-    let t2506 = 71.14379298863692 + t2505;
-    let t2507 = t346 * t2497;
-    let t2508 = t2506 + t2507;
-    let t2509 = t346 * t2492;
-    let t2510 = t2508 + t2509;
-    let t2511 = t224 * t2489;
-    let t2512 = t2510 + t2511;
-    let t2513 = -t1057;
-    let t2514 = -t1432;
-    let t2515 = -t1495;
-    let t2516 = -t1501;
-    let t2517 = -t1504;
-    let t2518 = -t1515;
-    let t2519 = -t1520;
-    let t2520 = -t1525;
-    let t2521 = -t1556;
-    let t2522 = -t1563;
-    let t2523 = -t1570;
-    let t2524 = -t1579;
-    let t2525 = -t1597;
-    let t2526 = -t1606;
-    let t2527 = -t1615;
-    let t2528 = -t1996;
-    let t2529 = -t2130;
-    let t2530 = -t2139;
-    let t2531 = -t2142;
-    let t2532 = -t2147;
-    let t2533 = -t2167;
-    let t2534 = -t2172;
-    let t2535 = -t2186;
-    let t2536 = -t2193;
-    let t2537 = -t2223;
-    let t2538 = -t2250;
-    let t2539 = -t2259;
-    let t2540 = -t2268;
-    let t2541 = -t2277;
-    let t2542 = -t2304;
-    let t2543 = -t2313;
-    let t2544 = -t2322;
-    let t2545 = -t2323;
-    let t2546 = -t2331;
-    let t2547 = -t2338;
-    let t2548 = -t2350;
-    let t2549 = -t2369;
-    let t2550 = -t2384;
-    let t2551 = -t2391;
-    let t2552 = -t2433;
-    let t2553 = -t2476;
+    let t2505 = t676 * t2119;
+    let t2506 = t630 * t2130;
+    let t2507 = t590 * t2144;
+    let t2508 = t545 * t2156;
+    let t2509 = t2508 + t2507;
+    let t2510 = t2509 - t2506;
+    let t2511 = t2510 + t2505;
+    let t2512 = t730 * t2110;
+    let t2513 = t2511 - t2512;
+    let t2514 = t777 * t2163;
+    let t2515 = t2513 + t2514;
+    let t2516 = t676 * t2173;
+    let t2517 = t630 * t2178;
+    let t2518 = t590 * t2178;
+    let t2519 = t545 * t2186;
+    let t2520 = t2519 + t2518;
+    let t2521 = t2520 - t2517;
+    let t2522 = t2521 + t2516;
+    let t2523 = t730 * t2168;
+    let t2524 = t2522 - t2523;
+    let t2525 = t777 * t2195;
+    let t2526 = t2524 + t2525;
+    let t2527 = -t592;
+    let t2528 = -t779;
+    let t2529 = -t1188;
+    let t2530 = -t1312;
+    let t2531 = -t1513;
+    let t2532 = -t1560;
+    let t2533 = -t1593;
+    let t2534 = -t1626;
+    let t2535 = -t1637;
+    let t2536 = -t1659;
+    let t2537 = -t1669;
+    let t2538 = -t1680;
+    let t2539 = -t1691;
+    let t2540 = -t1713;
+    let t2541 = -t1724;
+    let t2542 = -t1735;
+    let t2543 = -t1746;
+    let t2544 = -t1768;
+    let t2545 = -t1779;
+    let t2546 = -t1812;
+    let t2547 = -t2102;
+    let t2548 = -t2208;
+    let t2549 = -t2219;
+    let t2550 = -t2230;
+    let t2551 = -t2252;
+    let t2552 = -t2263;
+    let t2553 = -t2307;
+    let t2554 = -t2372;
+    let t2555 = -t2438;
+    let t2556 = -t2471;
+    let t2557 = -t2482;
+    let t2558 = -t2493;
+    let t2559 = -t2515;
+    let t2560 = -t2526;
+    let t2561 = -t238;
+    let t2562 = -t545;
+    let t2563 = -t562;
+    let t2564 = -t567;
+    let t2565 = -t574;
+    let t2566 = -t630;
+    let t2567 = -t676;
+    let t2568 = -t730;
     [
-        t2076,
-        t2124,
-        t2127,
-        t2133,
-        t2136,
-        t2152,
-        t2157,
-        t2162,
-        t2179,
-        t2200,
-        t2207,
-        t2214,
-        t2232,
+        t2036,
+        t2165,
+        t2197,
         t2241,
-        t2286,
-        t2295,
-        t2326,
-        t2345,
-        t2347,
-        t2355,
-        t2362,
-        t2379,
-        t2398,
-        t2419,
-        t2426,
-        t2469,
-        t2512,
-        t2513,
-        t2514,
-        t2515,
-        t2516,
-        t2517,
-        t2518,
-        t2519,
-        t2520,
-        t2521,
-        t2522,
-        t2523,
-        t2524,
-        t2525,
-        t2526,
+        t2274,
+        t2285,
+        t2296,
+        t2318,
+        t2328,
+        t2339,
+        t2350,
+        t2361,
+        t2383,
+        t2394,
+        t2405,
+        t2416,
+        t2427,
+        t2449,
+        t2460,
+        t2504,
         t2527,
         t2528,
         t2529,
@@ -8812,6 +8921,21 @@ fn forward_dynamics_derivatives_part_2(
         t2551,
         t2552,
         t2553,
+        t2554,
+        t2555,
+        t2556,
+        t2557,
+        t2558,
+        t2559,
+        t2560,
+        t2561,
+        t2562,
+        t2563,
+        t2564,
+        t2565,
+        t2566,
+        t2567,
+        t2568,
     ]
 }
 
@@ -8827,7 +8951,7 @@ fn forward_dynamics_derivatives_part_2(
 /// - returns `B_x: [N × M]`: ∂ÿ/∂u, row i = acceleration i
 /// - returns `c: [N]`: affine remainder ÿ − A\_y y − A\_v ẏ − B\_x u
 ///
-/// Cost: 1485 multiplications, 1238 additions, 5 divisions, 15 function calls (5 `sin_cos`, 10 other), 1
+/// Cost: 1486 multiplications, 1250 additions, 6 divisions, 15 function calls (5 `sin_cos`, 10 other), 1
 /// selection.
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
@@ -8844,27 +8968,29 @@ pub fn linearize(
     u: &[f64; M],
 ) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
     let [sin_delta, cos_delta, sin_epsilon, cos_epsilon, sin_beta_gamma, cos_beta_gamma,
-    t39, omega_epsilon_y, t51, t55, t71, t78, t205, t224, t230, inverse_d_epsilon, t257,
-    t270, t273, inverse_d_delta, t310, t346, t354, t364, inverse_d_gamma, t399, t459,
-    t472, t492, inverse_d_beta, t520, inverse_d_alpha, t549, t552, t557, t564, t593,
-    t602, t617, t758, t759, t767, t794, t795, t806, t813, t869, t880, t884, t885, t924,
-    t932, t1057, t1198, t1323, t1324, t1432, t1495, t1498, t1501, t1504, t1507, t1510,
-    t1515, t1520, t1525, t1530, t1535, t1542, t1549, t1556, t1563, t1570, t1579, t1588,
-    t1597, t1606, t1615, t1624, t1633, t1642, t1651, t1660, t1684, t1693, t1706, t1719,
-    t1733, t1736, t1763, t1774, t1791, t1803, t1805, t1825, t1848, t1854, t1864, t1866,
-    t1887, t1913, t1943, t1948, t1959, t1971, t1993, t1996, t1997, t1999] = linearize_part_1(
+    t22, t23, t36, t40, t42, t49, t51, t54, t67, t68, t176, t196, inverse_d_alpha, t247,
+    t252, t259, omega_epsilon_y, t340, t350, t407, t465, t467, t470, t516, t560, t564,
+    t572, t577, t584, t600, t602, t610, t617, t633, t635, t662, t669, t685, t687, t736,
+    t774, t776, t825, t836, t932, t933, t941, t946, t961, t962, t965, t968, t969, t980,
+    t986, t987, t988, t994, t995, t996, t1026, t1109, t1112, t1124, t1141, t1149, t1150,
+    t1162, t1163, t1164, t1166, t1173, t1177, t1178, t1182, t1188, t1191, t1207, t1312,
+    t1315, t1335, t1420, t1421, t1434, t1513, t1560, t1571, t1582, t1593, t1604, t1615,
+    t1626, t1637, t1648, t1659, t1669, t1680, t1691, t1702, t1713, t1724, t1735, t1746,
+    t1757, t1768, t1779, t1790, t1801, t1812, t1823, t1834, t1843, t1851, t1857, t1863,
+    t1883, t1891, t1893, t1902, t1906, t1907, t1914, t1921, t1943, t1946, t1953, t1961,
+    t1963, t1965, t1966, t1968, t1971, t1972, t1974, t1976, t1977, t1981, t1994] = linearize_part_1(
         y,
         v,
         u,
     );
-    let [t2076, t2124, t2127, t2133, t2136, t2152, t2157, t2162, t2179, t2200, t2207,
-    t2214, t2232, t2241, t2286, t2295, t2323, t2329, t2351, t2354, t2364, t2372, t2391,
-    t2413, t2415, t2438, t2446, t2456, t2494, t2503, t2505, t2544, t2578, t2612, t2646,
-    t2680, t2714, t2748, t2749, t2750, t2751, t2752, t2753, t2754, t2755, t2756, t2757,
-    t2758, t2759, t2760, t2761, t2762, t2763, t2764, t2765, t2766, t2767, t2768, t2769,
-    t2770, t2771, t2772, t2773, t2774, t2775, t2776, t2777, t2778, t2779, t2780, t2781,
-    t2782, t2783, t2784, t2785, t2786, t2787, t2788, t2789, t2790, t2791, t2792, t2793,
-    t2794, t2795, t2796] = linearize_part_2(
+    let [t2036, t2165, t2197, t2241, t2274, t2285, t2296, t2318, t2328, t2339, t2350,
+    t2361, t2383, t2394, t2405, t2416, t2427, t2449, t2460, t2504, t2527, t2529, t2530,
+    t2531, t2533, t2537, t2538, t2539, t2540, t2542, t2544, t2545, t2546, t2548, t2550,
+    t2551, t2554, t2558, t2592, t2660, t2694, t2728, t2763, t2764, t2765, t2766, t2767,
+    t2768, t2769, t2770, t2771, t2772, t2773, t2774, t2775, t2776, t2777, t2778, t2779,
+    t2780, t2781, t2782, t2783, t2784, t2785, t2786, t2787, t2788, t2789, t2790, t2791,
+    t2792, t2793, t2794, t2795, t2796, t2797, t2798, t2799, t2800, t2801, t2802, t2803,
+    t2804, t2805, t2806, t2807, t2808, t2809, t2810] = linearize_part_2(
         y,
         v,
         u,
@@ -8875,143 +9001,178 @@ pub fn linearize(
             cos_epsilon,
             sin_beta_gamma,
             cos_beta_gamma,
-            t39,
-            omega_epsilon_y,
+            t22,
+            t23,
+            t36,
+            t40,
+            t42,
+            t49,
             t51,
-            t55,
-            t71,
-            t78,
-            t205,
-            t224,
-            t230,
-            inverse_d_epsilon,
-            t257,
-            t270,
-            t273,
-            inverse_d_delta,
-            t310,
-            t346,
-            t354,
-            t364,
-            inverse_d_gamma,
-            t399,
-            t459,
-            t472,
-            t492,
-            inverse_d_beta,
-            t520,
+            t54,
+            t67,
+            t68,
+            t176,
+            t196,
             inverse_d_alpha,
-            t549,
-            t552,
-            t557,
+            t247,
+            t252,
+            t259,
+            omega_epsilon_y,
+            t340,
+            t350,
+            t407,
+            t465,
+            t467,
+            t470,
+            t516,
+            t560,
             t564,
-            t593,
+            t572,
+            t577,
+            t584,
+            t600,
             t602,
+            t610,
             t617,
-            t758,
-            t759,
-            t767,
-            t794,
-            t795,
-            t806,
-            t813,
-            t869,
-            t880,
-            t884,
-            t885,
-            t924,
+            t633,
+            t635,
+            t662,
+            t669,
+            t685,
+            t687,
+            t736,
+            t774,
+            t776,
+            t825,
+            t836,
             t932,
-            t1057,
-            t1198,
-            t1323,
-            t1324,
-            t1432,
-            t1495,
-            t1498,
-            t1501,
-            t1504,
-            t1507,
-            t1510,
-            t1515,
-            t1520,
-            t1525,
-            t1530,
-            t1535,
-            t1542,
-            t1549,
-            t1556,
-            t1563,
-            t1570,
-            t1579,
-            t1588,
-            t1597,
-            t1606,
+            t933,
+            t941,
+            t946,
+            t961,
+            t962,
+            t965,
+            t968,
+            t969,
+            t980,
+            t986,
+            t987,
+            t988,
+            t994,
+            t995,
+            t996,
+            t1026,
+            t1109,
+            t1112,
+            t1124,
+            t1141,
+            t1149,
+            t1150,
+            t1162,
+            t1163,
+            t1164,
+            t1166,
+            t1173,
+            t1177,
+            t1178,
+            t1182,
+            t1188,
+            t1191,
+            t1207,
+            t1312,
+            t1315,
+            t1335,
+            t1420,
+            t1421,
+            t1434,
+            t1513,
+            t1560,
+            t1571,
+            t1582,
+            t1593,
+            t1604,
             t1615,
-            t1624,
-            t1633,
-            t1642,
-            t1651,
-            t1660,
-            t1684,
-            t1693,
-            t1706,
-            t1719,
-            t1733,
-            t1736,
-            t1763,
-            t1774,
-            t1791,
-            t1803,
-            t1805,
-            t1825,
-            t1848,
-            t1854,
-            t1864,
-            t1866,
-            t1887,
-            t1913,
+            t1626,
+            t1637,
+            t1648,
+            t1659,
+            t1669,
+            t1680,
+            t1691,
+            t1702,
+            t1713,
+            t1724,
+            t1735,
+            t1746,
+            t1757,
+            t1768,
+            t1779,
+            t1790,
+            t1801,
+            t1812,
+            t1823,
+            t1834,
+            t1843,
+            t1851,
+            t1857,
+            t1863,
+            t1883,
+            t1891,
+            t1893,
+            t1902,
+            t1906,
+            t1907,
+            t1914,
+            t1921,
             t1943,
-            t1948,
-            t1959,
+            t1946,
+            t1953,
+            t1961,
+            t1963,
+            t1965,
+            t1966,
+            t1968,
             t1971,
-            t1993,
-            t1996,
-            t1997,
-            t1999,
+            t1972,
+            t1974,
+            t1976,
+            t1977,
+            t1981,
+            t1994,
         ],
     );
     (
         [
-            [0.0, t2749, t1198, t1323, t2750, t2751],
-            [0.0, t1498, t2752, t2753, t1507, t1510],
-            [0.0, t2754, t2755, t2756, t1530, t1535],
-            [0.0, t1542, t1549, t2757, t2758, t2759],
-            [0.0, t2760, t1588, t2761, t2762, t2763],
-            [0.0, t1624, t1633, t1642, t1651, t1660],
+            [0.0, t2763, t2764, t1420, t2765, t2766],
+            [0.0, t1571, t1582, t2767, t1604, t1615],
+            [0.0, t2768, t2769, t1648, t2770, t2771],
+            [0.0, t2772, t2773, t1702, t2774, t2775],
+            [0.0, t2776, t2777, t1757, t2778, t2779],
+            [0.0, t1790, t1801, t2780, t1823, t1834],
         ],
         [
-            [t1736, t1825, t1913, t2764, t2076, t2124],
-            [t2127, t2765, t2133, t2136, t2766, t2767],
-            [t2768, t2152, t2157, t2162, t2769, t2770],
-            [t2179, t2771, t2772, t2200, t2207, t2214],
-            [t2773, t2232, t2241, t2774, t2775, t2776],
-            [t2777, t2286, t2295, t2778, t2779, t2780],
+            [t1893, t1965, t2036, t2781, t2165, t2197],
+            [t2782, t2783, t2784, t2241, t2785, t2786],
+            [t2274, t2285, t2296, t2787, t2318, t2328],
+            [t2339, t2350, t2361, t2788, t2383, t2394],
+            [t2405, t2416, t2427, t2789, t2449, t2460],
+            [t2790, t2791, t2792, t2504, t2793, t2794],
         ],
         [
-            [t2323, t2781, t2329, t2782, t2783, t2351],
-            [t2781, t2354, t2784, t2364, t2372, t2785],
-            [t2329, t2784, t2391, t2786, t2787, t2413],
-            [t2788, t2415, t2789, t2438, t2446, t2790],
-            [t2791, t2456, t2792, t2446, t2494, t2793],
-            [t2503, t2794, t2505, t2795, t2796, t2544],
+            [t2527, t2795, t2529, t2530, t2531, t2796],
+            [t2795, t2533, t2797, t2798, t2799, t2537],
+            [t2529, t2797, t2538, t2539, t2540, t2800],
+            [t2542, t2801, t2544, t2545, t2546, t2802],
+            [t2548, t2803, t2550, t2546, t2551, t2804],
+            [t2805, t2554, t2806, t2807, t2808, t2558],
         ],
-        [t2578, t2612, t2646, t2680, t2714, t2748],
+        [t2592, t2809, t2660, t2694, t2728, t2810],
     )
 }
 
 /// Part 1 of `linearize`: values that later parts read.
 #[inline(never)]
-fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 109] {
+fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 144] {
     let angle_beta_gamma = y[1] + y[2];
     let (
         [sin_beta,
@@ -9026,1995 +9187,1990 @@ fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 109] {
         ],
     ) = math::sin_cos_4(y[1], y[3], y[4], y[5]);
     let (sin_beta_gamma, cos_beta_gamma) = math::sin_cos(angle_beta_gamma);
-    let omega_gamma_x = v[0] * sin_beta_gamma;
-    let t12 = sin_delta * omega_gamma_x;
-    let omega_gamma_z = v[1] + v[2];
-    let t14 = cos_delta * omega_gamma_z;
-    let omega_delta_y = t12 + t14;
-    let t16 = v[3] * omega_delta_y;
-    let omega_gamma_y = v[0] * cos_beta_gamma;
-    let t18 = omega_gamma_z * omega_gamma_y;
-    let t19 = cos_delta * t18;
-    let t20 = t19 - t16;
-    let t21 = sin_epsilon * t20;
-    let t22 = omega_gamma_z * omega_gamma_x;
+    let t11 = sin_zeta * 9.103999999999991e-5;
+    let t12 = sin_zeta * t11;
+    let t13 = t12 - 0.003312497041000001;
+    let t14 = sin_epsilon * t13;
+    let t15 = sin_epsilon * t14;
+    let t16 = t12 + 0.0008825;
+    let t17 = t16 - t15;
+    let t18 = 0.0026049999999999997 + t17;
+    let t19 = t12 - 0.0035685400000000003;
+    let t20 = t18 + t19;
+    let t21 = sin_delta * t20;
+    let t22 = cos_zeta * t11;
     let t23 = cos_epsilon * t22;
-    let t24 = t21 + t23;
-    let t25 = cos_delta * omega_gamma_x;
-    let t26 = sin_delta * omega_gamma_z;
-    let omega_delta_x = t25 - t26;
-    let t28 = cos_epsilon * omega_delta_x;
-    let omega_delta_z = v[3] + omega_gamma_y;
-    let t30 = sin_epsilon * omega_delta_z;
-    let omega_epsilon_x = t28 + t30;
-    let t32 = v[4] * omega_epsilon_x;
-    let t33 = t24 + t32;
-    let omega_epsilon_z = v[4] + omega_delta_y;
-    let t35 = omega_epsilon_x * omega_epsilon_z;
-    let t36 = t33 + t35;
-    let t37 = sin_zeta * 9.103999999999991e-5;
-    let t38 = sin_zeta * t37;
-    let t39 = 0.00048000000000000007 + t38;
-    let t40 = t39 * t36;
-    let t41 = sin_epsilon * omega_delta_x;
-    let t42 = cos_epsilon * omega_delta_z;
-    let omega_epsilon_y = t41 - t42;
-    let omega_zeta_z = v[5] - omega_epsilon_y;
-    let t45 = omega_zeta_z * omega_zeta_z;
-    let t46 = omega_epsilon_x * omega_epsilon_x;
-    let t47 = t46 + t45;
-    let t48 = omega_epsilon_z * omega_epsilon_z;
-    let t49 = t48 + t45;
-    let t50 = t49 - t47;
-    let t51 = cos_zeta * t37;
-    let t52 = t51 * t50;
-    let t53 = t52 + t40;
-    let t54 = t33 - t35;
-    let t55 = 0.00057104 - t38;
-    let t56 = t55 * t54;
-    let moment_zeta_z = t53 + t56;
-    let t58 = 0.0004025 * t36;
-    let moment_epsilon_y = t58 + moment_zeta_z;
-    let t60 = sin_epsilon * moment_epsilon_y;
-    let t61 = cos_epsilon * t20;
-    let t62 = sin_epsilon * t22;
-    let t63 = t61 - t62;
-    let t64 = v[4] * omega_epsilon_y;
-    let t65 = t63 - t64;
-    let t66 = omega_epsilon_y * omega_epsilon_z;
-    let t67 = t65 - t66;
-    let t68 = 0.004194997041000001 * t67;
-    let t69 = omega_delta_y * omega_delta_z;
-    let t70 = t20 + t69;
-    let t71 = cos_beta * 0.3875551727850145;
-    let t72 = v[1] * v[1];
-    let t73 = t71 * t72;
-    let t74 = 21.1145440844009 - t73;
-    let t75 = sin_beta_gamma * t74;
-    let t76 = v[0] * v[0];
-    let t77 = t76 + t72;
-    let t78 = sin_beta * 0.3875551727850145;
-    let t79 = t78 * t77;
-    let t80 = cos_beta_gamma * t79;
-    let acceleration_gamma_x = t80 + t75;
-    let t82 = sin_delta * acceleration_gamma_x;
-    let t83 = v[0] * v[1];
-    let t84 = 2.0 * t83;
-    let acceleration_gamma_z = t71 * t84;
-    let t86 = cos_delta * acceleration_gamma_z;
-    let t87 = t82 + t86;
-    let acceleration_delta_y = t87 + t70;
-    let t89 = 0.009952485403000002 * acceleration_delta_y;
-    let t90 = t89 + t68;
-    let t91 = v[5] * 0.000255;
-    let t92 = omega_epsilon_z * t91;
-    let t93 = t90 - t92;
-    let t94 = 2.0 * omega_zeta_z;
-    let t95 = omega_epsilon_z * t94;
-    let t96 = t67 - t95;
-    let t97 = t55 * t96;
-    let t98 = omega_epsilon_x * t94;
-    let t99 = omega_epsilon_x * omega_epsilon_y;
-    let t100 = v[3] * omega_delta_x;
-    let t101 = sin_delta * t18;
-    let t102 = t101 + t100;
-    let t103 = t102 + t99;
-    let t104 = t103 + t98;
-    let t105 = t51 * t104;
-    let moment_zeta_x = t105 - t97;
-    let moment_epsilon_x = moment_zeta_x - t93;
-    let t108 = cos_epsilon * moment_epsilon_x;
-    let t109 = t108 - t60;
-    let t110 = t20 - t69;
-    let t111 = 0.0029975 * t110;
-    let t112 = v[4] * 0.00101;
-    let t113 = omega_delta_z * t112;
-    let t114 = t111 + t113;
-    let moment_delta_x = t114 - t109;
-    let force_epsilon_z = 0.009952485403000002 * t67;
-    let t117 = force_epsilon_z + moment_delta_x;
-    let t118 = cos_delta * t117;
-    let t119 = omega_delta_x * omega_delta_z;
-    let t120 = t102 - t119;
-    let t121 = cos_delta * acceleration_gamma_x;
-    let t122 = sin_delta * acceleration_gamma_z;
-    let t123 = t121 - t122;
-    let acceleration_delta_x = t123 - t120;
-    let t125 = cos_epsilon * acceleration_delta_x;
-    let t126 = omega_delta_y * omega_delta_y;
-    let t127 = omega_delta_x * omega_delta_x;
-    let t128 = t127 + t126;
-    let t129 = cos_beta_gamma * t74;
-    let t130 = sin_beta_gamma * t79;
-    let acceleration_gamma_y = t130 - t129;
-    let acceleration_delta_z = acceleration_gamma_y + t128;
-    let t133 = sin_epsilon * acceleration_delta_z;
-    let acceleration_epsilon_x = t125 - t133;
-    let t135 = 0.009952485403000002 * acceleration_epsilon_x;
-    let t136 = 0.004194997041000001 * t103;
-    let t137 = t102 - t99;
-    let t138 = 0.0004025 * t137;
-    let t139 = t138 + t136;
-    let t140 = t135 - t139;
-    let t141 = omega_epsilon_x * t91;
-    let t142 = t140 - t141;
-    let t143 = t51 * t96;
-    let t144 = t39 * t104;
-    let moment_zeta_y = t143 - t144;
-    let moment_epsilon_z = moment_zeta_y + t142;
-    let t147 = t102 + t119;
-    let t148 = 0.0026049999999999997 * t147;
-    let moment_delta_y = t148 - moment_epsilon_z;
-    let t150 = t46 + t48;
-    let force_epsilon_y = 0.009952485403000002 * t150;
-    let t152 = sin_epsilon * force_epsilon_y;
-    let force_epsilon_x = 0.009952485403000002 * t103;
-    let t154 = cos_epsilon * force_epsilon_x;
-    let force_delta_x = t154 - t152;
-    let t156 = force_delta_x + moment_delta_y;
-    let t157 = sin_delta * t156;
-    let t158 = t118 + t157;
-    let t159 = t18 * 1.2583069346190003;
-    let t160 = 0.7918816998225002 * acceleration_gamma_z;
-    let t161 = t160 + t159;
-    let t162 = v[3] * 0.001515;
-    let t163 = omega_gamma_z * t162;
-    let t164 = t161 - t163;
-    let moment_gamma_x = t164 + t158;
-    let t166 = sin_beta_gamma * moment_gamma_x;
-    let t167 = cos_epsilon * moment_epsilon_y;
-    let t168 = sin_epsilon * moment_epsilon_x;
-    let t169 = t168 + t167;
-    let t170 = omega_delta_x * omega_delta_y;
-    let t171 = t22 - t170;
-    let t172 = 0.0029975 * t171;
-    let t173 = t22 + t170;
-    let t174 = 0.0026049999999999997 * t173;
-    let t175 = t174 + t172;
-    let t176 = omega_delta_x * t112;
-    let t177 = t175 + t176;
-    let moment_delta_z = t177 + t169;
-    let t179 = t22 * 0.008315;
-    let moment_gamma_y = t179 + moment_delta_z;
-    let t181 = cos_beta_gamma * moment_gamma_y;
-    let t182 = t166 - t181;
-    let t183 = cos_delta * force_epsilon_z;
-    let t184 = sin_delta * force_delta_x;
-    let t185 = t184 + t183;
-    let t186 = t18 * 1.5837633996450005;
-    let force_gamma_z = t186 + t185;
-    let t188 = t78 * force_gamma_z;
-    let t189 = t182 + t188;
-    let t190 = cos_beta * 0.28909494;
-    let t191 = sin_beta * t190;
-    let t192 = t191 * t84;
-    let moment_beta_y = t192 + t189;
-    let t194 = v[0] * 20.0;
-    let t195 = math::tanh(t194);
-    let t196 = t195 * 10.0;
-    let t197 = v[0] * 60.0;
-    let t198 = t197 + t196;
-    let t199 = u[0] * 161.0;
-    let t200 = t199 - t198;
-    let t201 = t200 - moment_beta_y;
-    let t202 = 0.000255 * t33;
-    let t203 = moment_zeta_z + t202;
-    let t204 = v[5] * 20.0;
-    let t205 = math::tanh(t204);
-    let t206 = t205 * 0.4;
-    let t207 = v[5] * 2.0;
-    let t208 = t207 + t206;
-    let t209 = u[5] * 51.0;
-    let t210 = t209 - t208;
-    let t211 = t210 + t203;
-    let t212 = cos_beta_gamma * cos_epsilon;
-    let t213 = cos_delta * sin_epsilon;
-    let t214 = sin_beta_gamma * t213;
-    let t215 = t214 - t212;
-    let t216 = 0.000255 * t215;
-    let t217 = sin_epsilon * 0.00105104;
-    let t218 = cos_delta * t217;
-    let t219 = sin_beta_gamma * t218;
-    let t220 = cos_epsilon * 0.00105104;
-    let t221 = cos_beta_gamma * t220;
+    let t24 = 2.0 * t23;
+    let t25 = cos_delta * t24;
+    let t26 = t21 - t25;
+    let t27 = sin_delta * t26;
+    let t28 = t18 - t27;
+    let t29 = 0.0041575 + t28;
+    let t30 = 0.004194997041000001 + t15;
+    let t31 = cos_epsilon * 0.019904970806000004;
+    let t32 = t30 + t31;
+    let t33 = 0.6291534673095002 + t32;
+    let t34 = t29 - t33;
+    let t35 = sin_beta_gamma * t34;
+    let t36 = cos_epsilon * t14;
+    let t37 = 0.009952485403000002 * sin_epsilon;
+    let t38 = t37 - t36;
+    let t39 = cos_delta * t38;
+    let t40 = sin_epsilon * t22;
+    let t41 = sin_delta * t40;
+    let t42 = t39 - t41;
+    let t43 = 2.0 * t42;
+    let t44 = cos_beta_gamma * t43;
+    let t45 = t35 - t44;
+    let t46 = sin_beta_gamma * t45;
+    let t47 = t29 - t46;
+    let t48 = 0.009952485403000002 * cos_epsilon;
+    let t49 = 0.7918816998225002 + t48;
+    let t50 = sin_beta_gamma * t49;
+    let t51 = cos_delta * t37;
+    let t52 = cos_beta_gamma * t51;
+    let t53 = t52 + t50;
+    let t54 = 0.3875551727850145 * sin_beta;
+    let t55 = t54 * t53;
+    let t56 = 2.0 * t55;
+    let t57 = t47 + t56;
+    let t58 = cos_beta * 0.28909494;
+    let t59 = cos_beta * t58;
+    let t60 = 0.292121275 - t59;
+    let t61 = t60 + t57;
+    let t62 = 0.004026335 + t61;
+    let t63 = t19 - t27;
+    let t64 = 0.01110483 - t63;
+    let t65 = t62 + t64;
+    let t66 = t65 + 1.36525907;
+    let t67 = 0.00057104 - t12;
+    let t68 = 0.00048000000000000007 + t12;
+    let t69 = t68 + t67;
+    let t70 = sin_epsilon * t69;
+    let t71 = cos_delta * t70;
+    let t72 = sin_beta_gamma * t71;
+    let t73 = cos_epsilon * t69;
+    let t74 = cos_beta_gamma * t73;
+    let t75 = t72 - t74;
+    let t76 = cos_beta_gamma * cos_epsilon;
+    let t77 = cos_delta * sin_epsilon;
+    let t78 = sin_beta_gamma * t77;
+    let t79 = t78 - t76;
+    let t80 = 0.000255 * t79;
+    let t81 = t75 + t80;
+    let t82 = t69 + 0.013005000000000001;
+    let inverse_d_zeta = 1.0 / t82;
+    let t84 = t81 * inverse_d_zeta;
+    let t85 = t81 * t84;
+    let t86 = t66 - t85;
+    let t87 = t12 + 0.0050774970410000005;
+    let t88 = t87 + t48;
+    let t89 = sin_delta * t88;
+    let t90 = cos_delta * t23;
+    let t91 = t90 - t89;
+    let t92 = sin_beta_gamma * t91;
+    let t93 = cos_beta_gamma * t40;
+    let t94 = t92 + t93;
+    let t95 = sin_delta * t48;
+    let t96 = t54 * t95;
+    let t97 = t94 - t96;
+    let t98 = sin_beta_gamma * sin_delta;
+    let t99 = 0.00101 * t98;
+    let t100 = t97 - t99;
+    let t101 = t12 + 0.107087497041;
+    let inverse_d_epsilon = 1.0 / t101;
+    let t103 = t100 * inverse_d_epsilon;
+    let t104 = t100 * t103;
+    let t105 = t86 - t104;
+    let t106 = t18 - t19;
+    let t107 = cos_beta_gamma * t106;
+    let t108 = sin_beta_gamma * t42;
+    let t109 = t108 + t107;
+    let t110 = t54 * t51;
+    let t111 = t109 + t110;
+    let t112 = cos_beta_gamma * 0.001515;
+    let t113 = t111 + t112;
+    let t114 = cos_epsilon * 0.000255;
+    let t115 = t73 + t114;
+    let t116 = t115 * inverse_d_zeta;
+    let t117 = t81 * t116;
+    let t118 = t113 + t117;
+    let t119 = t40 * inverse_d_epsilon;
+    let t120 = t100 * t119;
+    let t121 = t118 - t120;
+    let t122 = t106 + 0.153015;
+    let t123 = t115 * t116;
+    let t124 = t122 - t123;
+    let t125 = t40 * t119;
+    let t126 = t124 - t125;
+    let inverse_d_delta = 1.0 / t126;
+    let t128 = t121 * inverse_d_delta;
+    let t129 = t121 * t128;
+    let t130 = t105 - t129;
+    let t131 = t29 + t33;
+    let t132 = t131 + 1.36525907;
+    let t133 = sin_delta * t70;
+    let t134 = sin_delta * sin_epsilon;
+    let t135 = 0.000255 * t134;
+    let t136 = t133 + t135;
+    let t137 = t136 * inverse_d_zeta;
+    let t138 = t136 * t137;
+    let t139 = t132 - t138;
+    let t140 = cos_delta * t88;
+    let t141 = sin_delta * t23;
+    let t142 = t141 + t140;
+    let t143 = cos_delta * 0.00101;
+    let t144 = t142 + t143;
+    let t145 = t144 * inverse_d_epsilon;
+    let t146 = t144 * t145;
+    let t147 = t139 - t146;
+    let t148 = t136 * t116;
+    let t149 = sin_delta * t38;
+    let t150 = cos_delta * t40;
+    let t151 = t149 + t150;
+    let t152 = t151 + t148;
+    let t153 = t144 * t119;
+    let t154 = t152 - t153;
+    let t155 = t154 * inverse_d_delta;
+    let t156 = t154 * t155;
+    let t157 = t147 - t156;
+    let inverse_d_gamma = 1.0 / t157;
+    let t159 = cos_delta * t26;
+    let t160 = t23 + t159;
+    let t161 = sin_beta_gamma * t160;
+    let t162 = cos_beta_gamma * t151;
+    let t163 = t161 - t162;
+    let t164 = t81 * t137;
+    let t165 = t163 + t164;
+    let t166 = t100 * t145;
+    let t167 = t165 + t166;
+    let t168 = t121 * t155;
+    let t169 = t167 + t168;
+    let t170 = t169 * inverse_d_gamma;
+    let t171 = t169 * t170;
+    let t172 = t130 - t171;
+    let t173 = cos_beta_gamma * t49;
+    let t174 = sin_beta_gamma * t51;
+    let t175 = t174 - t173;
+    let t176 = 0.3875551727850145 * cos_beta;
+    let t177 = t176 * t175;
+    let t178 = t55 - t177;
+    let t179 = t131 + t178;
+    let t180 = t179 + 0.00847987;
+    let t181 = t180 - t138;
+    let t182 = cos_delta * t48;
+    let t183 = cos_beta_gamma * t182;
+    let t184 = sin_beta_gamma * t37;
+    let t185 = t183 - t184;
+    let t186 = t176 * t185;
+    let t187 = sin_beta_gamma * t182;
+    let t188 = cos_beta_gamma * t37;
+    let t189 = t187 + t188;
+    let t190 = t54 * t189;
+    let t191 = t190 + t186;
+    let t192 = t142 + t191;
+    let t193 = t192 + t143;
+    let t194 = t193 * t145;
+    let t195 = t181 - t194;
+    let t196 = sin_delta * t37;
+    let t197 = cos_beta_gamma * t196;
+    let t198 = t176 * t197;
+    let t199 = sin_beta_gamma * t196;
+    let t200 = t54 * t199;
+    let t201 = t200 + t198;
+    let t202 = t151 + t201;
+    let t203 = t202 + t148;
+    let t204 = t193 * t119;
+    let t205 = t203 - t204;
+    let t206 = t205 * t155;
+    let t207 = t195 - t206;
+    let t208 = t207 * inverse_d_gamma;
+    let t209 = t207 * t208;
+    let t210 = 2.0 * t178;
+    let t211 = t131 + t210;
+    let t212 = 0.0030263349999999994 + t59;
+    let t213 = t60 + t212;
+    let t214 = t213 + t211;
+    let t215 = t214 + 1.36525907;
+    let t216 = t215 - t138;
+    let t217 = t193 * inverse_d_epsilon;
+    let t218 = t193 * t217;
+    let t219 = t216 - t218;
+    let t220 = t205 * inverse_d_delta;
+    let t221 = t205 * t220;
     let t222 = t219 - t221;
-    let t223 = t222 + t216;
-    let t224 = t223 * 71.14379298863692;
-    let t225 = t224 * t211;
-    let t226 = t201 + t225;
-    let t227 = 0.00101 * t102;
-    let t228 = t227 - moment_epsilon_z;
-    let t229 = v[4] * 20.0;
-    let t230 = math::tanh(t229);
-    let t231 = t230 * 1.5;
-    let t232 = v[4] * 8.0;
-    let t233 = t232 + t231;
-    let t234 = u[4] * 101.0;
-    let t235 = t234 - t233;
-    let t236 = t235 - t228;
-    let t237 = t38 + 0.0050774970410000005;
-    let t238 = cos_epsilon * 0.009952485403000002;
-    let t239 = t237 + t238;
-    let t240 = sin_delta * t239;
-    let t241 = cos_epsilon * t51;
-    let t242 = cos_delta * t241;
-    let t243 = t242 - t240;
-    let t244 = sin_beta_gamma * t243;
-    let t245 = sin_epsilon * t51;
-    let t246 = cos_beta_gamma * t245;
-    let t247 = t244 + t246;
-    let t248 = 0.0038571372000000006 * cos_epsilon;
-    let t249 = sin_delta * t248;
-    let t250 = sin_beta * t249;
-    let t251 = t247 - t250;
-    let t252 = sin_beta_gamma * sin_delta;
-    let t253 = 0.00101 * t252;
-    let t254 = t251 - t253;
-    let t255 = t38 + 0.107087497041;
-    let inverse_d_epsilon = 1.0 / t255;
-    let t257 = t254 * inverse_d_epsilon;
-    let t258 = t257 * t236;
-    let t259 = t226 + t258;
-    let t260 = 0.001515 * t22;
-    let t261 = t260 + moment_delta_z;
-    let t262 = v[3] * 20.0;
-    let t263 = math::tanh(t262);
-    let t264 = 2.0 * t263;
-    let t265 = v[3] * 10.0;
-    let t266 = t265 + t264;
-    let t267 = u[3] * 101.0;
-    let t268 = t267 - t266;
-    let t269 = t268 + t261;
-    let t270 = cos_epsilon * 0.09291663939487936;
-    let t271 = t270 * t211;
-    let t272 = t269 - t271;
-    let t273 = t245 * inverse_d_epsilon;
-    let t274 = t273 * t236;
-    let t275 = t272 + t274;
-    let t276 = t38 - 0.003312497041000001;
-    let t277 = sin_epsilon * t276;
-    let t278 = sin_epsilon * t277;
-    let t279 = t38 + 0.0008825;
-    let t280 = t279 - t278;
-    let t281 = 0.0026049999999999997 + t280;
-    let t282 = t38 - 0.0035685400000000003;
-    let t283 = t281 - t282;
-    let t284 = cos_beta_gamma * t283;
-    let t285 = cos_epsilon * t277;
-    let t286 = sin_epsilon * 0.009952485403000002;
-    let t287 = t285 - t286;
-    let t288 = cos_delta * t287;
-    let t289 = sin_delta * t245;
-    let t290 = t288 + t289;
-    let t291 = sin_beta_gamma * t290;
-    let t292 = t291 - t284;
-    let t293 = 0.0038571372000000006 * sin_epsilon;
-    let t294 = cos_delta * t293;
-    let t295 = sin_beta * t294;
-    let t296 = t292 - t295;
-    let t297 = cos_beta_gamma * 0.001515;
-    let t298 = t296 - t297;
-    let t299 = t223 * t270;
-    let t300 = t298 - t299;
-    let t301 = t254 * t273;
-    let t302 = t300 + t301;
-    let t303 = t283 + 0.153015;
-    let t304 = cos_epsilon * 0.00130604;
-    let t305 = t304 * t270;
-    let t306 = t303 - t305;
-    let t307 = t245 * t273;
-    let t308 = t306 - t307;
-    let inverse_d_delta = 1.0 / t308;
-    let t310 = t302 * inverse_d_delta;
-    let t311 = t310 * t275;
-    let t312 = t259 + t311;
-    let t313 = sin_delta * t117;
-    let t314 = cos_delta * t156;
-    let t315 = t313 - t314;
-    let t316 = 0.7918816998225002 * acceleration_gamma_x;
-    let t317 = omega_gamma_x * omega_gamma_y;
-    let t318 = t317 * 0.6249959673095001;
-    let t319 = t316 + t318;
-    let t320 = omega_gamma_x * t162;
-    let t321 = t319 - t320;
-    let moment_gamma_z = t321 + t315;
-    let t323 = v[2] * 5.0;
-    let t324 = math::tanh(t323);
-    let t325 = t324 * 0.368;
-    let t326 = v[2] * 56.231;
-    let t327 = t326 + t325;
-    let t328 = v[2] * 10.0;
-    let t329 = math::tanh(t328);
-    let t330 = 0.368 * t329;
-    let t331 = t327 + t330;
-    let t332 = v[2] * 100.0;
-    let t333 = math::tanh(t332);
-    let t334 = t333 * 8.342;
-    let t335 = t331 + t334;
-    let t336 = sign(v[2]);
-    let t337 = t336 * 0.492;
-    let t338 = t335 + t337;
-    let t339 = u[2] * 161.0;
-    let t340 = t339 - t338;
-    let t341 = t340 + moment_gamma_z;
-    let t342 = sin_delta * sin_epsilon;
-    let t343 = 0.000255 * t342;
-    let t344 = sin_delta * t217;
-    let t345 = t344 + t343;
-    let t346 = t345 * 71.14379298863692;
-    let t347 = t346 * t211;
-    let t348 = t341 - t347;
-    let t349 = cos_delta * t239;
-    let t350 = sin_delta * t241;
-    let t351 = t350 + t349;
-    let t352 = cos_delta * 0.00101;
-    let t353 = t351 + t352;
-    let t354 = t353 * inverse_d_epsilon;
-    let t355 = t354 * t236;
-    let t356 = t348 - t355;
-    let t357 = sin_delta * t287;
-    let t358 = cos_delta * t245;
-    let t359 = t357 - t358;
-    let t360 = t345 * t270;
-    let t361 = t359 - t360;
-    let t362 = t353 * t273;
+    let t223 = t222 - t209;
+    let inverse_d_beta = 1.0 / t223;
+    let t225 = t169 * t208;
+    let t226 = t176 * t196;
+    let t227 = t163 - t226;
+    let t228 = t227 + t164;
+    let t229 = t100 * t217;
+    let t230 = t228 + t229;
+    let t231 = t121 * t220;
+    let t232 = t230 + t231;
+    let t233 = t232 - t225;
+    let t234 = t233 * inverse_d_beta;
+    let t235 = t233 * t234;
+    let t236 = t172 - t235;
+    let inverse_d_alpha = 1.0 / t236;
+    let t238 = t208 * t234;
+    let t239 = t170 - t238;
+    let t240 = inverse_d_alpha * t239;
+    let t241 = t234 * t240;
+    let t242 = t208 * inverse_d_beta;
+    let t243 = t242 - t241;
+    let t244 = t208 * t243;
+    let t245 = inverse_d_gamma + t244;
+    let t246 = t170 * t240;
+    let t247 = t245 + t246;
+    let t248 = t155 * t247;
+    let t249 = t220 * t243;
+    let t250 = t248 - t249;
+    let t251 = t128 * t240;
+    let t252 = t250 + t251;
+    let t253 = t119 * t252;
+    let t254 = t145 * t247;
+    let t255 = t253 - t254;
+    let t256 = t217 * t243;
+    let t257 = t255 + t256;
+    let t258 = t103 * t240;
+    let t259 = t257 - t258;
+    let t260 = v[1] * v[1];
+    let t261 = t176 * t260;
+    let t262 = 21.1145440844009 - t261;
+    let t263 = sin_beta_gamma * t262;
+    let t264 = v[0] * v[0];
+    let t265 = t264 + t260;
+    let t266 = t54 * t265;
+    let t267 = cos_beta_gamma * t266;
+    let acceleration_gamma_x = t267 + t263;
+    let t269 = cos_delta * acceleration_gamma_x;
+    let t270 = v[1] * 2.0;
+    let t271 = v[0] * t270;
+    let acceleration_gamma_z = t176 * t271;
+    let t273 = sin_delta * acceleration_gamma_z;
+    let t274 = t269 - t273;
+    let omega_gamma_y = v[0] * cos_beta_gamma;
+    let omega_gamma_z = v[1] + v[2];
+    let t277 = 2.0 * omega_gamma_z;
+    let t278 = omega_gamma_y * t277;
+    let t279 = sin_delta * t278;
+    let omega_gamma_x = v[0] * sin_beta_gamma;
+    let t281 = omega_gamma_x * omega_gamma_y;
+    let t282 = cos_delta * t281;
+    let t283 = t282 - t279;
+    let acceleration_delta_x = t274 + t283;
+    let t285 = cos_epsilon * acceleration_delta_x;
+    let t286 = cos_beta_gamma * t262;
+    let t287 = sin_beta_gamma * t266;
+    let acceleration_gamma_y = t287 - t286;
+    let t289 = omega_gamma_x * omega_gamma_x;
+    let t290 = omega_gamma_z * omega_gamma_z;
+    let t291 = t289 + t290;
+    let acceleration_delta_z = acceleration_gamma_y + t291;
+    let t293 = sin_epsilon * acceleration_delta_z;
+    let acceleration_epsilon_x = t285 - t293;
+    let t295 = 0.009952485403000002 * acceleration_epsilon_x;
+    let t296 = cos_delta * omega_gamma_x;
+    let t297 = sin_delta * omega_gamma_z;
+    let omega_delta_x = t296 - t297;
+    let t299 = sin_epsilon * omega_delta_x;
+    let omega_delta_z = v[3] + omega_gamma_y;
+    let t301 = cos_epsilon * omega_delta_z;
+    let omega_epsilon_y = t299 - t301;
+    let t303 = cos_epsilon * omega_delta_x;
+    let t304 = sin_epsilon * omega_delta_z;
+    let omega_epsilon_x = t303 + t304;
+    let t306 = omega_epsilon_x * omega_epsilon_y;
+    let t307 = omega_delta_x * omega_delta_z;
+    let t308 = t283 - t307;
+    let t309 = t308 - t306;
+    let t310 = 0.004194997041000001 * t309;
+    let t311 = t308 + t306;
+    let t312 = 0.0004025 * t311;
+    let t313 = t312 + t310;
+    let t314 = t295 + t313;
+    let t315 = v[5] * 0.000255;
+    let t316 = omega_epsilon_x * t315;
+    let t317 = t314 - t316;
+    let omega_zeta_z = v[5] - omega_epsilon_y;
+    let t319 = 2.0 * omega_zeta_z;
+    let t320 = omega_epsilon_x * t319;
+    let t321 = t309 - t320;
+    let t322 = t68 * t321;
+    let t323 = sin_delta * omega_gamma_x;
+    let t324 = cos_delta * omega_gamma_z;
+    let omega_delta_y = t323 + t324;
+    let omega_epsilon_z = v[4] + omega_delta_y;
+    let t327 = omega_epsilon_z * t319;
+    let t328 = 2.0 * omega_delta_z;
+    let t329 = omega_delta_y * t328;
+    let t330 = cos_delta * t278;
+    let t331 = sin_delta * t281;
+    let t332 = t331 + t330;
+    let t333 = t332 - t329;
+    let t334 = cos_epsilon * t333;
+    let t335 = omega_delta_x * omega_delta_y;
+    let t336 = omega_gamma_z * omega_gamma_x;
+    let t337 = t336 - t335;
+    let t338 = sin_epsilon * t337;
+    let t339 = t338 - t334;
+    let t340 = 2.0 * omega_epsilon_z;
+    let t341 = omega_epsilon_y * t340;
+    let t342 = t339 + t341;
+    let t343 = t342 + t327;
+    let t344 = t22 * t343;
+    let moment_zeta_y = t344 - t322;
+    let moment_epsilon_z = moment_zeta_y - t317;
+    let t347 = 0.00101 * t308;
+    let t348 = t347 - moment_epsilon_z;
+    let t349 = v[4] * 20.0;
+    let t350 = math::tanh(t349);
+    let t351 = t350 * 1.5;
+    let t352 = v[4] * 8.0;
+    let t353 = t352 + t351;
+    let t354 = u[4] * 101.0;
+    let t355 = t354 - t353;
+    let t356 = t355 + t348;
+    let t357 = t259 * t356;
+    let t358 = sin_epsilon * t333;
+    let t359 = cos_epsilon * t337;
+    let t360 = t359 + t358;
+    let t361 = omega_epsilon_x * omega_epsilon_z;
+    let t362 = t360 + t361;
     let t363 = t361 + t362;
-    let t364 = t363 * inverse_d_delta;
-    let t365 = t364 * t275;
-    let t366 = t356 - t365;
-    let t367 = t281 + t282;
-    let t368 = sin_delta * t367;
-    let t369 = 2.0 * t241;
-    let t370 = cos_delta * t369;
-    let t371 = t368 - t370;
-    let t372 = sin_delta * t371;
-    let t373 = t281 - t372;
-    let t374 = 0.0041575 + t373;
-    let t375 = 0.004194997041000001 + t278;
-    let t376 = cos_epsilon * 0.019904970806000004;
-    let t377 = t375 + t376;
-    let t378 = 0.6291534673095002 + t377;
-    let t379 = t374 + t378;
-    let t380 = t379 + 1.36525907;
-    let t381 = t345 * t346;
-    let t382 = t380 - t381;
-    let t383 = t353 * t354;
-    let t384 = t382 - t383;
-    let t385 = t363 * t364;
-    let t386 = t384 - t385;
-    let inverse_d_gamma = 1.0 / t386;
-    let t388 = cos_delta * t371;
-    let t389 = t241 + t388;
-    let t390 = sin_beta_gamma * t389;
-    let t391 = cos_beta_gamma * t359;
-    let t392 = t390 + t391;
-    let t393 = t223 * t346;
-    let t394 = t392 + t393;
-    let t395 = t254 * t354;
-    let t396 = t394 + t395;
-    let t397 = t302 * t364;
-    let t398 = t396 + t397;
-    let t399 = t398 * inverse_d_gamma;
-    let t400 = t399 * t366;
-    let t401 = t312 - t400;
-    let t402 = sin_delta * force_epsilon_z;
-    let t403 = cos_delta * force_delta_x;
-    let t404 = t403 - t402;
-    let t405 = 0.7918816998225002 * t317;
-    let force_gamma_x = t405 - t404;
-    let t407 = cos_beta_gamma * force_gamma_x;
-    let t408 = cos_epsilon * force_epsilon_y;
-    let t409 = sin_epsilon * force_epsilon_x;
-    let force_delta_z = t409 + t408;
-    let t411 = omega_gamma_x * omega_gamma_x;
-    let t412 = omega_gamma_z * omega_gamma_z;
-    let t413 = t411 + t412;
-    let t414 = 0.7918816998225002 * t413;
-    let force_gamma_y = t414 + force_delta_z;
-    let t416 = sin_beta_gamma * force_gamma_y;
-    let t417 = t407 + t416;
-    let t418 = t71 * t417;
-    let t419 = sin_beta_gamma * force_gamma_x;
-    let t420 = cos_beta_gamma * force_gamma_y;
-    let t421 = t419 - t420;
-    let t422 = t78 * t421;
-    let t423 = t422 + t418;
-    let t424 = moment_gamma_z + t423;
-    let t425 = t72 - t77;
-    let t426 = t191 * t425;
-    let t427 = sin_beta * 15.9469662177;
-    let t428 = t427 - t426;
-    let moment_beta_z = t428 + t424;
-    let t430 = v[1] * 5.0;
-    let t431 = math::tanh(t430);
-    let t432 = t431 * 3.924;
-    let t433 = v[1] * 76.556;
-    let t434 = t433 + t432;
-    let t435 = v[1] * 10.0;
-    let t436 = math::tanh(t435);
-    let t437 = t436 * 10.838;
-    let t438 = t434 + t437;
-    let t439 = v[1] * 20.0;
-    let t440 = math::tanh(t439);
-    let t441 = t440 * 2.236;
-    let t442 = t438 + t441;
-    let t443 = u[1] * 161.0;
-    let t444 = t443 - t442;
-    let t445 = t444 + moment_beta_z;
-    let t446 = t445 - t347;
-    let t447 = cos_delta * t248;
-    let t448 = cos_beta_gamma * t447;
-    let t449 = sin_beta_gamma * t293;
-    let t450 = t448 - t449;
-    let t451 = cos_beta * t450;
-    let t452 = sin_beta_gamma * t447;
-    let t453 = cos_beta_gamma * t293;
-    let t454 = t452 + t453;
-    let t455 = sin_beta * t454;
-    let t456 = t455 + t451;
-    let t457 = t351 + t456;
-    let t458 = t457 + t352;
-    let t459 = t458 * inverse_d_epsilon;
-    let t460 = t459 * t236;
-    let t461 = t446 - t460;
-    let t462 = sin_delta * t293;
-    let t463 = cos_beta_gamma * t462;
-    let t464 = cos_beta * t463;
-    let t465 = sin_beta_gamma * t462;
-    let t466 = sin_beta * t465;
-    let t467 = t466 + t464;
-    let t468 = t359 - t467;
-    let t469 = t468 - t360;
-    let t470 = t458 * t273;
-    let t471 = t469 + t470;
-    let t472 = t471 * inverse_d_delta;
-    let t473 = t472 * t275;
-    let t474 = t461 - t473;
-    let t475 = 0.30689784900000006 + t248;
-    let t476 = cos_beta_gamma * t475;
-    let t477 = sin_beta_gamma * t294;
-    let t478 = t477 - t476;
-    let t479 = cos_beta * t478;
-    let t480 = sin_beta_gamma * t475;
-    let t481 = cos_beta_gamma * t294;
-    let t482 = t481 + t480;
-    let t483 = sin_beta * t482;
-    let t484 = t483 - t479;
-    let t485 = t379 + t484;
-    let t486 = t485 + 0.00847987;
-    let t487 = t486 - t381;
-    let t488 = t458 * t354;
-    let t489 = t487 - t488;
-    let t490 = t471 * t364;
-    let t491 = t489 - t490;
-    let t492 = t491 * inverse_d_gamma;
-    let t493 = t492 * t366;
-    let t494 = t474 - t493;
-    let t495 = t491 * t492;
-    let t496 = 2.0 * t484;
-    let t497 = t379 + t496;
-    let t498 = cos_beta * t190;
-    let t499 = 0.0030263349999999994 + t498;
-    let t500 = 0.292121275 - t498;
+    let t364 = t68 * t363;
+    let t365 = omega_zeta_z * omega_zeta_z;
+    let t366 = omega_epsilon_x * omega_epsilon_x;
+    let t367 = t366 + t365;
+    let t368 = omega_epsilon_z * omega_epsilon_z;
+    let t369 = t368 + t365;
+    let t370 = t369 - t367;
+    let t371 = t22 * t370;
+    let t372 = t371 + t364;
+    let t373 = t361 - t362;
+    let t374 = t67 * t373;
+    let moment_zeta_z = t372 - t374;
+    let t376 = omega_epsilon_x * t340;
+    let t377 = t360 + t376;
+    let t378 = 0.0004025 * t377;
+    let moment_epsilon_y = t378 + moment_zeta_z;
+    let t380 = cos_epsilon * moment_epsilon_y;
+    let t381 = 0.004194997041000001 * t342;
+    let t382 = sin_delta * acceleration_gamma_x;
+    let t383 = cos_delta * acceleration_gamma_z;
+    let t384 = t382 + t383;
+    let acceleration_delta_y = t384 + t332;
+    let t386 = 0.009952485403000002 * acceleration_delta_y;
+    let t387 = t386 - t381;
+    let t388 = omega_epsilon_z * t315;
+    let t389 = t387 - t388;
+    let t390 = t67 * t343;
+    let t391 = t22 * t321;
+    let moment_zeta_x = t391 - t390;
+    let moment_epsilon_x = moment_zeta_x + t389;
+    let t394 = sin_epsilon * moment_epsilon_x;
+    let t395 = t394 - t380;
+    let t396 = 0.0029975 * t337;
+    let t397 = t336 + t335;
+    let t398 = 0.0026049999999999997 * t397;
+    let t399 = t398 + t396;
+    let t400 = v[4] * 0.00101;
+    let t401 = omega_delta_x * t400;
+    let t402 = t399 + t401;
+    let moment_delta_z = t402 - t395;
+    let t404 = 0.001515 * t336;
+    let t405 = t404 + moment_delta_z;
+    let t406 = v[3] * 20.0;
+    let t407 = math::tanh(t406);
+    let t408 = 2.0 * t407;
+    let t409 = v[3] * 10.0;
+    let t410 = t409 + t408;
+    let t411 = u[3] * 101.0;
+    let t412 = t411 - t410;
+    let t413 = t412 + t405;
+    let t414 = t252 * t413;
+    let t415 = sin_epsilon * moment_epsilon_y;
+    let t416 = cos_epsilon * moment_epsilon_x;
+    let t417 = t416 + t415;
+    let t418 = 0.0029975 * t333;
+    let t419 = omega_delta_z * t400;
+    let t420 = t418 + t419;
+    let moment_delta_x = t420 + t417;
+    let force_epsilon_z = 0.009952485403000002 * t342;
+    let t423 = force_epsilon_z - moment_delta_x;
+    let t424 = sin_delta * t423;
+    let t425 = omega_delta_x * t328;
+    let t426 = t283 - t425;
+    let t427 = 0.0026049999999999997 * t426;
+    let moment_delta_y = t427 - moment_epsilon_z;
+    let t429 = t366 + t368;
+    let force_epsilon_y = 0.009952485403000002 * t429;
+    let t431 = sin_epsilon * force_epsilon_y;
+    let force_epsilon_x = 0.009952485403000002 * t309;
+    let t433 = cos_epsilon * force_epsilon_x;
+    let force_delta_x = t433 + t431;
+    let t435 = force_delta_x + moment_delta_y;
+    let t436 = cos_delta * t435;
+    let t437 = t424 - t436;
+    let t438 = 0.7918816998225002 * acceleration_gamma_x;
+    let t439 = t281 * 0.6249959673095001;
+    let t440 = t438 + t439;
+    let t441 = v[3] * 0.001515;
+    let t442 = omega_gamma_x * t441;
+    let t443 = t440 - t442;
+    let moment_gamma_z = t443 - t437;
+    let t445 = v[2] * 5.0;
+    let t446 = math::tanh(t445);
+    let t447 = t446 * 0.368;
+    let t448 = v[2] * 56.231;
+    let t449 = t448 + t447;
+    let t450 = v[2] * 10.0;
+    let t451 = math::tanh(t450);
+    let t452 = 0.368 * t451;
+    let t453 = t449 + t452;
+    let t454 = v[2] * 100.0;
+    let t455 = math::tanh(t454);
+    let t456 = t455 * 8.342;
+    let t457 = t453 + t456;
+    let t458 = sign(v[2]);
+    let t459 = t458 * 0.492;
+    let t460 = t457 + t459;
+    let t461 = u[2] * 161.0;
+    let t462 = t461 - t460;
+    let t463 = t462 + moment_gamma_z;
+    let t464 = t247 * t463;
+    let t465 = t234 * inverse_d_alpha;
+    let t466 = t234 * t465;
+    let t467 = inverse_d_beta + t466;
+    let t468 = t208 * t467;
+    let t469 = t170 * t465;
+    let t470 = t468 - t469;
+    let t471 = cos_delta * force_delta_x;
+    let t472 = sin_delta * force_epsilon_z;
+    let t473 = t471 - t472;
+    let t474 = 0.7918816998225002 * t281;
+    let force_gamma_x = t474 + t473;
+    let t476 = cos_beta_gamma * force_gamma_x;
+    let t477 = cos_epsilon * force_epsilon_y;
+    let t478 = sin_epsilon * force_epsilon_x;
+    let force_delta_z = t478 - t477;
+    let t480 = 0.7918816998225002 * t291;
+    let force_gamma_y = t480 - force_delta_z;
+    let t482 = sin_beta_gamma * force_gamma_y;
+    let t483 = t476 + t482;
+    let t484 = t176 * t483;
+    let t485 = sin_beta_gamma * force_gamma_x;
+    let t486 = cos_beta_gamma * force_gamma_y;
+    let t487 = t485 - t486;
+    let t488 = t54 * t487;
+    let t489 = t488 + t484;
+    let t490 = moment_gamma_z + t489;
+    let t491 = t260 - t265;
+    let t492 = sin_beta * t58;
+    let t493 = t492 * t491;
+    let t494 = sin_beta * 15.9469662177;
+    let t495 = t494 - t493;
+    let moment_beta_z = t495 + t490;
+    let t497 = v[1] * 5.0;
+    let t498 = math::tanh(t497);
+    let t499 = t498 * 3.924;
+    let t500 = v[1] * 76.556;
     let t501 = t500 + t499;
-    let t502 = t501 + t497;
-    let t503 = t502 + 1.36525907;
-    let t504 = t503 - t381;
-    let t505 = t458 * t459;
-    let t506 = t504 - t505;
-    let t507 = t471 * t472;
-    let t508 = t506 - t507;
-    let t509 = t508 - t495;
-    let inverse_d_beta = 1.0 / t509;
-    let t511 = t398 * t492;
-    let t512 = cos_beta * t462;
-    let t513 = t392 - t512;
-    let t514 = t513 + t393;
-    let t515 = t254 * t459;
-    let t516 = t514 + t515;
-    let t517 = t302 * t472;
-    let t518 = t516 + t517;
-    let t519 = t518 - t511;
-    let t520 = t519 * inverse_d_beta;
-    let t521 = t520 * t494;
-    let t522 = t401 - t521;
-    let t523 = t374 - t378;
-    let t524 = sin_beta_gamma * t523;
-    let t525 = 2.0 * t290;
-    let t526 = cos_beta_gamma * t525;
-    let t527 = t524 + t526;
-    let t528 = sin_beta_gamma * t527;
-    let t529 = t374 - t528;
-    let t530 = 2.0 * t483;
-    let t531 = t529 + t530;
-    let t532 = t500 + t531;
-    let t533 = 0.004026335 + t532;
-    let t534 = t282 - t372;
-    let t535 = 0.01110483 - t534;
-    let t536 = t533 + t535;
-    let t537 = t536 + 1.36525907;
-    let t538 = t223 * t224;
-    let t539 = t537 - t538;
-    let t540 = t254 * t257;
-    let t541 = t539 - t540;
-    let t542 = t302 * t310;
-    let t543 = t541 - t542;
-    let t544 = t398 * t399;
-    let t545 = t543 - t544;
-    let t546 = t519 * t520;
-    let t547 = t545 - t546;
-    let inverse_d_alpha = 1.0 / t547;
-    let t549 = inverse_d_alpha * t522;
-    let t550 = t520 * t549;
-    let t551 = inverse_d_beta * t494;
-    let t552 = t551 - t550;
-    let t553 = t492 * t552;
-    let t554 = inverse_d_gamma * t366;
-    let t555 = t554 - t553;
-    let t556 = t399 * t549;
-    let t557 = t555 - t556;
-    let t558 = t364 * t557;
-    let t559 = inverse_d_delta * t275;
-    let t560 = t559 - t558;
-    let t561 = t472 * t552;
-    let t562 = t560 - t561;
-    let t563 = t310 * t549;
-    let t564 = t562 + t563;
-    let t565 = cos_beta_gamma * t549;
-    let t566 = t22 - t565;
-    let t567 = t564 - t566;
-    let t568 = t170 + t567;
-    let t569 = cos_epsilon * t568;
-    let t570 = t552 + t557;
-    let t571 = t317 - t570;
-    let t572 = sin_delta * t571;
-    let t573 = sin_beta_gamma * t549;
-    let t574 = 2.0 * omega_gamma_z;
-    let t575 = omega_gamma_y * t574;
-    let t576 = t573 + t575;
-    let t577 = cos_delta * t576;
-    let t578 = t572 + t577;
-    let t579 = 2.0 * omega_delta_z;
-    let t580 = omega_delta_y * t579;
-    let t581 = t578 - t580;
-    let t582 = sin_epsilon * t581;
-    let t583 = t569 - t582;
-    let t584 = t35 - t583;
-    let t585 = t270 * t564;
-    let t586 = 71.14379298863692 * t211;
-    let t587 = t586 - t585;
-    let t588 = t346 * t557;
-    let t589 = t587 - t588;
-    let t590 = t346 * t552;
-    let t591 = t589 - t590;
-    let t592 = t224 * t549;
-    let t593 = t591 + t592;
-    let t594 = t593 - t584;
-    let t595 = t35 - t594;
-    let t596 = t39 * t595;
-    let t597 = t52 + t596;
-    let t598 = t35 + t594;
-    let t599 = t55 * t598;
-    let moment_zeta_z_2 = t597 - t599;
-    let t601 = 0.000255 * t593;
-    let t602 = 2.0 * omega_epsilon_z;
-    let t603 = omega_epsilon_x * t602;
-    let t604 = t583 - t603;
-    let t605 = 0.0004025 * t604;
-    let t606 = t605 + t601;
-    let moment_epsilon_y_2 = moment_zeta_z_2 - t606;
-    let t608 = sin_epsilon * moment_epsilon_y_2;
-    let t609 = t273 * t564;
-    let t610 = inverse_d_epsilon * t236;
-    let t611 = t610 + t609;
-    let t612 = t354 * t557;
+    let t502 = v[1] * 10.0;
+    let t503 = math::tanh(t502);
+    let t504 = t503 * 10.838;
+    let t505 = t501 + t504;
+    let t506 = v[1] * 20.0;
+    let t507 = math::tanh(t506);
+    let t508 = t507 * 2.236;
+    let t509 = t505 + t508;
+    let t510 = u[1] * 161.0;
+    let t511 = t510 - t509;
+    let t512 = t511 + moment_beta_z;
+    let t513 = t470 * t512;
+    let t514 = t208 * t465;
+    let t515 = t170 * inverse_d_alpha;
+    let t516 = t514 - t515;
+    let t517 = cos_delta * t423;
+    let t518 = sin_delta * t435;
+    let t519 = t517 + t518;
+    let t520 = 0.6291534673095002 * t278;
+    let t521 = 0.7918816998225002 * acceleration_gamma_z;
+    let t522 = t521 + t520;
+    let t523 = omega_gamma_z * t441;
+    let t524 = t522 - t523;
+    let moment_gamma_x = t524 - t519;
+    let t526 = sin_beta_gamma * moment_gamma_x;
+    let t527 = omega_gamma_x * t277;
+    let t528 = 0.0041575 * t527;
+    let moment_gamma_y = t528 + moment_delta_z;
+    let t530 = cos_beta_gamma * moment_gamma_y;
+    let t531 = t526 - t530;
+    let t532 = sin_delta * force_delta_x;
+    let t533 = cos_delta * force_epsilon_z;
+    let t534 = t532 + t533;
+    let t535 = 0.7918816998225002 * t278;
+    let force_gamma_z = t535 - t534;
+    let t537 = t54 * force_gamma_z;
+    let t538 = t531 + t537;
+    let t539 = t492 * t271;
+    let moment_beta_y = t539 + t538;
+    let t541 = v[0] * 20.0;
+    let t542 = math::tanh(t541);
+    let t543 = t542 * 10.0;
+    let t544 = v[0] * 60.0;
+    let t545 = t544 + t543;
+    let t546 = u[0] * 161.0;
+    let t547 = t546 - t545;
+    let t548 = t547 - moment_beta_y;
+    let t549 = t516 * t548;
+    let t550 = t549 - t513;
+    let t551 = t550 + t464;
+    let t552 = t551 + t414;
+    let t553 = t552 + t357;
+    let t554 = t116 * t252;
+    let t555 = t137 * t247;
+    let t556 = t554 + t555;
+    let t557 = t137 * t243;
+    let t558 = t556 - t557;
+    let t559 = t84 * t240;
+    let t560 = t558 + t559;
+    let t561 = 0.000255 * t362;
+    let t562 = moment_zeta_z + t561;
+    let t563 = v[5] * 20.0;
+    let t564 = math::tanh(t563);
+    let t565 = t564 * 0.4;
+    let t566 = v[5] * 2.0;
+    let t567 = t566 + t565;
+    let t568 = u[5] * 51.0;
+    let t569 = t568 - t567;
+    let t570 = t569 + t562;
+    let t571 = t560 * t570;
+    let t572 = t553 - t571;
+    let t573 = t155 * t470;
+    let t574 = t220 * t467;
+    let t575 = t573 - t574;
+    let t576 = t128 * t465;
+    let t577 = t575 - t576;
+    let t578 = t119 * t577;
+    let t579 = t145 * t470;
+    let t580 = t578 - t579;
+    let t581 = t217 * t467;
+    let t582 = t580 + t581;
+    let t583 = t103 * t465;
+    let t584 = t582 + t583;
+    let t585 = t584 * t356;
+    let t586 = t577 * t413;
+    let t587 = t470 * t463;
+    let t588 = t467 * t512;
+    let t589 = t465 * t548;
+    let t590 = t589 - t588;
+    let t591 = t590 + t587;
+    let t592 = t591 + t586;
+    let t593 = t592 + t585;
+    let t594 = t116 * t577;
+    let t595 = t137 * t470;
+    let t596 = t594 + t595;
+    let t597 = t137 * t467;
+    let t598 = t596 - t597;
+    let t599 = t84 * t465;
+    let t600 = t598 - t599;
+    let t601 = t600 * t570;
+    let t602 = t593 - t601;
+    let t603 = t602 - t572;
+    let t604 = t281 + t603;
+    let t605 = sin_delta * t604;
+    let t606 = t155 * t516;
+    let t607 = t220 * t465;
+    let t608 = t606 - t607;
+    let t609 = t128 * inverse_d_alpha;
+    let t610 = t608 - t609;
+    let t611 = t119 * t610;
+    let t612 = t145 * t516;
     let t613 = t611 - t612;
-    let t614 = t459 * t552;
-    let t615 = t613 - t614;
-    let t616 = t257 * t549;
+    let t614 = t217 * t465;
+    let t615 = t613 + t614;
+    let t616 = t103 * inverse_d_alpha;
     let t617 = t615 + t616;
-    let t618 = cos_delta * t571;
-    let t619 = sin_delta * t576;
-    let t620 = t618 - t619;
-    let t621 = t119 - t620;
-    let t622 = t617 + t621;
-    let t623 = t99 + t622;
-    let t624 = t98 + t623;
-    let t625 = t51 * t624;
-    let t626 = sin_epsilon * t568;
-    let t627 = cos_epsilon * t581;
-    let t628 = t626 + t627;
-    let t629 = omega_epsilon_y * t602;
-    let t630 = t628 - t629;
-    let t631 = t95 - t630;
-    let t632 = t55 * t631;
-    let moment_zeta_x_2 = t625 + t632;
-    let t634 = 0.004194997041000001 * t630;
-    let t635 = t78 * t552;
-    let t636 = t73 + t635;
-    let t637 = 21.1145440844009 - t636;
-    let t638 = sin_beta_gamma * t637;
-    let t639 = t71 * t552;
-    let t640 = t79 - t639;
-    let t641 = cos_beta_gamma * t640;
-    let acceleration_gamma_x_2 = t641 + t638;
-    let t643 = sin_delta * acceleration_gamma_x_2;
-    let t644 = t78 * t549;
-    let t645 = v[1] * 2.0;
-    let t646 = v[0] * t645;
-    let t647 = t71 * t646;
-    let acceleration_gamma_z_2 = t644 + t647;
-    let t649 = cos_delta * acceleration_gamma_z_2;
-    let t650 = t643 + t649;
-    let acceleration_delta_y_2 = t650 + t578;
-    let t652 = 0.009952485403000002 * acceleration_delta_y_2;
-    let t653 = t652 + t634;
-    let t654 = t92 - t653;
-    let moment_epsilon_x_2 = moment_zeta_x_2 + t654;
-    let t656 = cos_epsilon * moment_epsilon_x_2;
-    let t657 = t656 - t608;
-    let t658 = 0.0029975 * t581;
-    let t659 = t113 + t658;
-    let moment_delta_x_2 = t659 - t657;
-    let force_epsilon_z_2 = 0.009952485403000002 * t630;
-    let t662 = force_epsilon_z_2 + moment_delta_x_2;
-    let t663 = cos_delta * t662;
-    let t664 = 0.004194997041000001 * t623;
-    let t665 = t99 - t622;
-    let t666 = 0.0004025 * t665;
-    let t667 = t666 - t664;
-    let t668 = cos_delta * acceleration_gamma_x_2;
-    let t669 = sin_delta * acceleration_gamma_z_2;
-    let t670 = t668 - t669;
-    let acceleration_delta_x_2 = t670 + t620;
-    let t672 = cos_epsilon * acceleration_delta_x_2;
-    let t673 = cos_beta_gamma * t637;
-    let t674 = sin_beta_gamma * t640;
-    let acceleration_gamma_y_2 = t674 - t673;
-    let acceleration_delta_z_2 = t413 + acceleration_gamma_y_2;
-    let t677 = sin_epsilon * acceleration_delta_z_2;
-    let acceleration_epsilon_x_2 = t672 - t677;
-    let t679 = 0.009952485403000002 * acceleration_epsilon_x_2;
-    let t680 = t679 + t667;
-    let t681 = t141 - t680;
-    let t682 = t39 * t624;
-    let t683 = t51 * t631;
-    let moment_zeta_y_2 = t683 + t682;
-    let moment_epsilon_z_2 = moment_zeta_y_2 + t681;
-    let t686 = 0.00101 * t617;
-    let t687 = omega_delta_x * t579;
-    let t688 = t620 - t687;
-    let t689 = 0.0026049999999999997 * t688;
-    let t690 = t689 - t686;
-    let moment_delta_y_2 = t690 - moment_epsilon_z_2;
-    let force_epsilon_x_2 = 0.009952485403000002 * t623;
-    let t693 = cos_epsilon * force_epsilon_x_2;
-    let force_delta_x_2 = t152 - t693;
-    let t695 = force_delta_x_2 + moment_delta_y_2;
-    let t696 = sin_delta * t695;
-    let t697 = t663 - t696;
-    let t698 = 0.6291534673095002 * t576;
-    let t699 = 0.7918816998225002 * acceleration_gamma_z_2;
-    let t700 = t699 + t698;
-    let t701 = t163 - t700;
-    let moment_gamma_x_2 = t701 - t697;
-    let t703 = cos_beta_gamma * moment_gamma_x_2;
-    let t704 = cos_epsilon * moment_epsilon_y_2;
-    let t705 = sin_epsilon * moment_epsilon_x_2;
-    let t706 = t705 + t704;
-    let t707 = 0.0029975 * t568;
-    let t708 = t170 - t567;
-    let t709 = 0.0026049999999999997 * t708;
-    let t710 = t709 - t707;
-    let t711 = t176 + t710;
-    let moment_delta_z_2 = t711 + t706;
-    let t713 = 0.001515 * t564;
-    let t714 = omega_gamma_x * t574;
-    let t715 = t565 - t714;
-    let t716 = 0.0041575 * t715;
-    let t717 = t716 + t713;
-    let moment_gamma_y_2 = t717 - moment_delta_z_2;
-    let t719 = sin_beta_gamma * moment_gamma_y_2;
-    let t720 = t703 + t719;
-    let t721 = sin_delta * force_delta_x_2;
-    let t722 = cos_delta * force_epsilon_z_2;
-    let t723 = t721 - t722;
-    let t724 = 0.7918816998225002 * t576;
-    let force_gamma_z_2 = t724 - t723;
-    let t726 = t71 * force_gamma_z_2;
-    let t727 = t720 - t726;
-    let t728 = t191 * t549;
-    let t729 = t499 * t646;
-    let t730 = t728 + t729;
-    let t731 = v[2] * 0.00847987;
-    let t732 = v[0] * t731;
-    let t733 = t732 + t730;
-    let moment_beta_x = t733 - t727;
-    let t735 = cos_beta_gamma * t527;
-    let t736 = t290 - t735;
-    let t737 = t238 + 0.7918816998225002;
-    let t738 = cos_beta_gamma * t737;
-    let t739 = cos_delta * t286;
-    let t740 = sin_beta_gamma * t739;
-    let t741 = t740 - t738;
-    let t742 = t78 * t741;
-    let t743 = sin_beta_gamma * t737;
-    let t744 = cos_beta_gamma * t739;
-    let t745 = t744 + t743;
-    let t746 = t71 * t745;
-    let t747 = t746 - t742;
-    let t748 = t736 + t747;
-    let t749 = t191 + t748;
-    let t750 = t549 * t749;
-    let t751 = sin_delta * t286;
-    let t752 = t71 * t751;
-    let t753 = t392 - t752;
-    let t754 = t76 * t753;
-    let t755 = t750 - t754;
-    let t756 = 21.1145440844009 * t751;
-    let t757 = t756 + t755;
-    let t758 = 2.0 * omega_epsilon_x;
-    let t759 = t51 * t758;
-    let t760 = t39 * t602;
-    let t761 = t759 - t760;
-    let t762 = omega_epsilon_z * 0.000805;
-    let t763 = t762 - t761;
-    let t764 = omega_epsilon_z * 0.008389994082000002;
-    let t765 = t764 - t763;
-    let t766 = cos_epsilon * t765;
-    let t767 = t51 * t94;
-    let t768 = sin_epsilon * t767;
-    let t769 = t768 - t766;
-    let t770 = sin_epsilon * t769;
-    let t771 = t767 - t770;
-    let t772 = 2.0 * omega_delta_y;
-    let t773 = t286 * t772;
-    let t774 = t771 + t773;
-    let t775 = t767 + t774;
-    let t776 = sin_delta * t775;
-    let t777 = t39 * t94;
-    let t778 = omega_epsilon_y * 0.000805;
-    let t779 = t91 - t778;
-    let t780 = t777 + t779;
-    let t781 = cos_epsilon * t780;
-    let t782 = omega_epsilon_x * 0.008389994082000002;
-    let t783 = sin_epsilon * t782;
-    let t784 = t781 + t783;
-    let t785 = omega_delta_z * 0.005209999999999999;
-    let t786 = t785 + t784;
-    let t787 = 2.0 * omega_delta_x;
-    let t788 = t286 * t787;
-    let t789 = t786 + t788;
-    let t790 = t55 * t94;
-    let t791 = t91 + t790;
-    let t792 = cos_epsilon * t791;
-    let t793 = t55 * t758;
-    let t794 = t51 * t602;
-    let t795 = t793 - t794;
-    let t796 = sin_epsilon * t795;
-    let t797 = t792 + t796;
-    let t798 = omega_delta_z * 0.005995;
-    let t799 = t798 + t797;
-    let t800 = t799 - t789;
-    let t801 = cos_delta * t800;
-    let t802 = t776 - t801;
-    let t803 = sin_delta * t802;
-    let t804 = t774 - t803;
-    let t805 = 0.019904970806000004 * omega_epsilon_z;
-    let t806 = sin_epsilon * t805;
-    let t807 = t806 - t770;
-    let t808 = t807 + t804;
-    let t809 = sin_beta_gamma * t808;
-    let t810 = cos_epsilon * t769;
-    let t811 = t763 - t810;
-    let t812 = t112 + t811;
-    let t813 = cos_epsilon * t805;
-    let t814 = t238 * t772;
-    let t815 = t813 + t814;
-    let t816 = t812 + t815;
-    let t817 = cos_delta * t816;
-    let t818 = sin_epsilon * t780;
-    let t819 = cos_epsilon * t782;
-    let t820 = t818 - t819;
-    let t821 = 0.019904970806000004 * omega_epsilon_x;
-    let t822 = t238 * t787;
+    let t618 = t617 * t356;
+    let t619 = t610 * t413;
+    let t620 = t516 * t463;
+    let t621 = t465 * t512;
+    let t622 = inverse_d_alpha * t548;
+    let t623 = t622 - t621;
+    let t624 = t623 + t620;
+    let t625 = t624 + t619;
+    let t626 = t625 + t618;
+    let t627 = t116 * t610;
+    let t628 = t137 * t516;
+    let t629 = t627 + t628;
+    let t630 = t137 * t465;
+    let t631 = t629 - t630;
+    let t632 = t84 * inverse_d_alpha;
+    let t633 = t631 - t632;
+    let t634 = t633 * t570;
+    let t635 = t626 - t634;
+    let t636 = sin_beta_gamma * t635;
+    let t637 = t278 + t636;
+    let t638 = cos_delta * t637;
+    let t639 = t605 + t638;
+    let t640 = t329 - t639;
+    let t641 = sin_epsilon * t640;
+    let t642 = t155 * t208;
+    let t643 = t220 - t642;
+    let t644 = t234 * t643;
+    let t645 = t155 * t170;
+    let t646 = t128 + t645;
+    let t647 = t646 + t644;
+    let t648 = inverse_d_alpha * t647;
+    let t649 = t234 * t648;
+    let t650 = inverse_d_beta * t643;
+    let t651 = t650 + t649;
+    let t652 = t208 * t651;
+    let t653 = t155 * inverse_d_gamma;
+    let t654 = t653 - t652;
+    let t655 = t170 * t648;
+    let t656 = t654 + t655;
+    let t657 = t155 * t656;
+    let t658 = inverse_d_delta + t657;
+    let t659 = t220 * t651;
+    let t660 = t658 + t659;
+    let t661 = t128 * t648;
+    let t662 = t660 + t661;
+    let t663 = t119 * t662;
+    let t664 = t145 * t656;
+    let t665 = t663 - t664;
+    let t666 = t217 * t651;
+    let t667 = t665 - t666;
+    let t668 = t103 * t648;
+    let t669 = t667 - t668;
+    let t670 = t669 * t356;
+    let t671 = t662 * t413;
+    let t672 = t252 * t463;
+    let t673 = t577 * t512;
+    let t674 = t610 * t548;
+    let t675 = t674 - t673;
+    let t676 = t675 + t672;
+    let t677 = t676 + t671;
+    let t678 = t677 + t670;
+    let t679 = t116 * t662;
+    let t680 = t137 * t656;
+    let t681 = t679 + t680;
+    let t682 = t137 * t651;
+    let t683 = t681 + t682;
+    let t684 = t84 * t648;
+    let t685 = t683 + t684;
+    let t686 = t685 * t570;
+    let t687 = t678 - t686;
+    let t688 = cos_beta_gamma * t635;
+    let t689 = t336 - t688;
+    let t690 = t687 - t689;
+    let t691 = t335 + t690;
+    let t692 = cos_epsilon * t691;
+    let t693 = t692 + t641;
+    let t694 = t361 - t693;
+    let t695 = t685 * t413;
+    let t696 = t560 * t463;
+    let t697 = t600 * t512;
+    let t698 = t633 * t548;
+    let t699 = t698 - t697;
+    let t700 = t699 + t696;
+    let t701 = t700 + t695;
+    let t702 = t119 * t155;
+    let t703 = t145 - t702;
+    let t704 = t208 * t703;
+    let t705 = t119 * t220;
+    let t706 = t217 - t705;
+    let t707 = t706 - t704;
+    let t708 = t234 * t707;
+    let t709 = t170 * t703;
+    let t710 = t119 * t128;
+    let t711 = t103 - t710;
+    let t712 = t711 + t709;
+    let t713 = t712 + t708;
+    let t714 = inverse_d_alpha * t713;
+    let t715 = t234 * t714;
+    let t716 = inverse_d_beta * t707;
+    let t717 = t716 + t715;
+    let t718 = t208 * t717;
+    let t719 = inverse_d_gamma * t703;
+    let t720 = t719 - t718;
+    let t721 = t170 * t714;
+    let t722 = t720 + t721;
+    let t723 = t155 * t722;
+    let t724 = t119 * inverse_d_delta;
+    let t725 = t724 - t723;
+    let t726 = t220 * t717;
+    let t727 = t725 - t726;
+    let t728 = t128 * t714;
+    let t729 = t727 - t728;
+    let t730 = t116 * t729;
+    let t731 = t137 * t722;
+    let t732 = t730 - t731;
+    let t733 = t137 * t717;
+    let t734 = t732 - t733;
+    let t735 = t84 * t714;
+    let t736 = t734 - t735;
+    let t737 = t736 * t356;
+    let t738 = t701 + t737;
+    let t739 = t116 * t155;
+    let t740 = t137 + t739;
+    let t741 = t208 * t740;
+    let t742 = t116 * t220;
+    let t743 = t137 + t742;
+    let t744 = t743 - t741;
+    let t745 = t234 * t744;
+    let t746 = t170 * t740;
+    let t747 = t116 * t128;
+    let t748 = t84 + t747;
+    let t749 = t748 + t746;
+    let t750 = t749 + t745;
+    let t751 = inverse_d_alpha * t750;
+    let t752 = t234 * t751;
+    let t753 = inverse_d_beta * t744;
+    let t754 = t753 + t752;
+    let t755 = t208 * t754;
+    let t756 = inverse_d_gamma * t740;
+    let t757 = t756 - t755;
+    let t758 = t170 * t751;
+    let t759 = t757 + t758;
+    let t760 = t155 * t759;
+    let t761 = t116 * inverse_d_delta;
+    let t762 = t761 + t760;
+    let t763 = t220 * t754;
+    let t764 = t762 + t763;
+    let t765 = t128 * t751;
+    let t766 = t764 + t765;
+    let t767 = t116 * t766;
+    let t768 = inverse_d_zeta + t767;
+    let t769 = t137 * t759;
+    let t770 = t768 + t769;
+    let t771 = t137 * t754;
+    let t772 = t770 + t771;
+    let t773 = t84 * t751;
+    let t774 = t772 + t773;
+    let t775 = t774 * t570;
+    let t776 = t738 - t775;
+    let t777 = t776 + t694;
+    let t778 = t361 + t777;
+    let t779 = t68 * t778;
+    let t780 = t371 + t779;
+    let t781 = t361 - t777;
+    let t782 = t67 * t781;
+    let moment_zeta_z_2 = t780 - t782;
+    let t784 = t376 - t693;
+    let t785 = 0.0004025 * t784;
+    let t786 = 0.000255 * t776;
+    let t787 = t785 + t786;
+    let moment_epsilon_y_2 = moment_zeta_z_2 + t787;
+    let t789 = sin_epsilon * moment_epsilon_y_2;
+    let t790 = cos_epsilon * t640;
+    let t791 = sin_epsilon * t691;
+    let t792 = t791 - t790;
+    let t793 = t341 - t792;
+    let t794 = 0.004194997041000001 * t793;
+    let t795 = t54 * t602;
+    let t796 = t261 - t795;
+    let t797 = 21.1145440844009 - t796;
+    let t798 = sin_beta_gamma * t797;
+    let t799 = t176 * t602;
+    let t800 = t266 + t799;
+    let t801 = cos_beta_gamma * t800;
+    let acceleration_gamma_x_2 = t801 + t798;
+    let t803 = sin_delta * acceleration_gamma_x_2;
+    let t804 = t54 * t635;
+    let acceleration_gamma_z_2 = acceleration_gamma_z + t804;
+    let t806 = cos_delta * acceleration_gamma_z_2;
+    let t807 = t803 + t806;
+    let acceleration_delta_y_2 = t807 + t639;
+    let t809 = 0.009952485403000002 * acceleration_delta_y_2;
+    let t810 = t809 - t794;
+    let t811 = t388 - t810;
+    let t812 = t327 + t793;
+    let t813 = t67 * t812;
+    let t814 = cos_delta * t604;
+    let t815 = sin_delta * t637;
+    let t816 = t814 - t815;
+    let t817 = t307 - t816;
+    let t818 = t119 * t729;
+    let t819 = inverse_d_epsilon + t818;
+    let t820 = t145 * t722;
+    let t821 = t819 + t820;
+    let t822 = t217 * t717;
     let t823 = t821 + t822;
-    let t824 = t820 - t823;
-    let t825 = sin_delta * t824;
-    let t826 = t817 + t825;
-    let t827 = omega_gamma_z * 1.2583069346190003;
-    let t828 = t827 + t826;
-    let t829 = t764 + t810;
-    let t830 = omega_delta_y * 0.005209999999999999;
-    let t831 = t112 + t830;
-    let t832 = t831 + t829;
-    let t833 = cos_delta * t832;
-    let t834 = sin_epsilon * t791;
-    let t835 = cos_epsilon * t795;
+    let t824 = t103 * t714;
+    let t825 = t823 + t824;
+    let t826 = t825 * t356;
+    let t827 = t669 * t413;
+    let t828 = t259 * t463;
+    let t829 = t584 * t512;
+    let t830 = t617 * t548;
+    let t831 = t830 - t829;
+    let t832 = t831 + t828;
+    let t833 = t832 + t827;
+    let t834 = t833 + t826;
+    let t835 = t736 * t570;
     let t836 = t834 - t835;
-    let t837 = omega_delta_x * 0.005995;
-    let t838 = t837 - t836;
-    let t839 = sin_delta * t838;
-    let t840 = t833 - t839;
-    let t841 = omega_gamma_z * 0.008315;
-    let t842 = t841 + t840;
-    let t843 = t828 - t842;
-    let t844 = cos_beta_gamma * t843;
-    let t845 = t809 - t844;
-    let t846 = cos_beta_gamma * t845;
-    let t847 = t828 + t846;
-    let t848 = sin_delta * t821;
-    let t849 = cos_delta * t813;
-    let t850 = t849 - t848;
-    let t851 = omega_gamma_z * 1.5837633996450005;
-    let t852 = t851 + t850;
-    let t853 = sin_beta_gamma * t852;
-    let t854 = cos_beta_gamma * t806;
-    let t855 = t853 + t854;
-    let t856 = t78 * t855;
-    let t857 = v[1] * t78;
-    let t858 = 2.0 * t857;
-    let t859 = t858 * t745;
-    let t860 = t856 + t859;
-    let t861 = t847 + t860;
-    let t862 = t500 * t645;
-    let t863 = t731 + t862;
-    let t864 = t863 + t861;
-    let t865 = v[0] * t864;
-    let t866 = t757 - t865;
-    let t867 = moment_beta_x + t866;
-    let t868 = t39 + t55;
-    let t869 = 0.000255 + t868;
-    let t870 = sin_epsilon * t869;
-    let t871 = cos_delta * t870;
-    let t872 = cos_beta_gamma * t871;
-    let t873 = cos_epsilon * t869;
-    let t874 = sin_beta_gamma * t873;
-    let t875 = t872 + t874;
-    let t876 = t549 * t875;
-    let t877 = sin_delta * t870;
-    let t878 = t76 * t877;
-    let t879 = t878 + t876;
-    let t880 = 0.000255 * omega_epsilon_z;
-    let t881 = t761 - t880;
-    let t882 = cos_epsilon * t881;
-    let t883 = cos_delta * t882;
-    let t884 = 0.000255 * omega_epsilon_x;
-    let t885 = t795 + t884;
-    let t886 = sin_delta * t885;
-    let t887 = t883 + t886;
-    let t888 = cos_beta_gamma * t887;
-    let t889 = sin_epsilon * t881;
-    let t890 = sin_beta_gamma * t889;
-    let t891 = t888 - t890;
-    let t892 = v[0] * t891;
-    let t893 = t879 - t892;
-    let t894 = t224 * t893;
-    let t895 = t867 - t894;
-    let t896 = t38 + 0.006087497041000001;
-    let t897 = t238 + t896;
-    let t898 = sin_delta * t897;
-    let t899 = t242 - t898;
-    let t900 = cos_beta_gamma * t899;
-    let t901 = sin_beta_gamma * t245;
-    let t902 = t901 - t900;
-    let t903 = sin_delta * t238;
-    let t904 = t71 * t903;
-    let t905 = t902 + t904;
-    let t906 = t549 * t905;
-    let t907 = cos_delta * t238;
-    let t908 = cos_beta_gamma * t907;
-    let t909 = sin_beta_gamma * t286;
-    let t910 = t908 - t909;
-    let t911 = t71 * t910;
-    let t912 = sin_beta_gamma * t907;
-    let t913 = cos_beta_gamma * t286;
-    let t914 = t912 + t913;
-    let t915 = t78 * t914;
-    let t916 = t915 + t911;
-    let t917 = cos_delta * t897;
-    let t918 = t350 + t917;
-    let t919 = t918 + t916;
-    let t920 = t76 * t919;
-    let t921 = t906 - t920;
-    let t922 = 21.1145440844009 * t910;
-    let t923 = t921 - t922;
-    let t924 = 0.00101 * omega_delta_z;
-    let t925 = t784 + t924;
-    let t926 = t788 + t925;
-    let t927 = cos_delta * t926;
-    let t928 = t767 + t773;
-    let t929 = sin_delta * t928;
-    let t930 = t927 + t929;
-    let t931 = cos_beta_gamma * t930;
-    let t932 = 0.00101 * omega_delta_x;
-    let t933 = t820 - t932;
-    let t934 = t822 - t933;
-    let t935 = sin_beta_gamma * t934;
-    let t936 = t931 + t935;
-    let t937 = v[0] * t78;
-    let t938 = 2.0 * t937;
-    let t939 = t938 * t914;
-    let t940 = t858 * t903;
-    let t941 = t940 - t939;
-    let t942 = t936 - t941;
-    let t943 = v[0] * t942;
-    let t944 = t923 + t943;
-    let t945 = t257 * t944;
-    let t946 = t895 + t945;
-    let t947 = t273 * t944;
-    let t948 = t270 * t893;
-    let t949 = t283 + 0.001515;
-    let t950 = sin_beta_gamma * t949;
-    let t951 = cos_beta_gamma * t290;
-    let t952 = t951 + t950;
-    let t953 = t71 * t739;
-    let t954 = t952 - t953;
-    let t955 = t549 * t954;
-    let t956 = cos_beta_gamma * t751;
-    let t957 = t71 * t956;
-    let t958 = sin_beta_gamma * t751;
-    let t959 = t78 * t958;
-    let t960 = t959 + t957;
-    let t961 = t359 - t960;
-    let t962 = t76 * t961;
-    let t963 = t955 + t962;
-    let t964 = 21.1145440844009 * t956;
-    let t965 = t963 - t964;
-    let t966 = 0.001515 * omega_gamma_z;
-    let t967 = t840 + t966;
-    let t968 = cos_beta_gamma * t967;
-    let t969 = t767 - t771;
-    let t970 = t773 - t969;
-    let t971 = sin_beta_gamma * t970;
-    let t972 = t968 + t971;
-    let t973 = t938 * t958;
-    let t974 = t858 * t739;
-    let t975 = t974 + t973;
-    let t976 = t972 + t975;
-    let t977 = v[0] * t976;
-    let t978 = t965 + t977;
-    let t979 = t978 - t948;
-    let t980 = t979 - t947;
-    let t981 = t310 * t980;
-    let t982 = t946 - t981;
-    let t983 = t364 * t980;
-    let t984 = t354 * t944;
-    let t985 = t346 * t893;
-    let t986 = cos_beta_gamma * t389;
-    let t987 = sin_beta_gamma * t359;
-    let t988 = t986 - t987;
-    let t989 = t988 * t549;
-    let t990 = t71 * t741;
-    let t991 = t78 * t745;
-    let t992 = t991 - t990;
-    let t993 = t379 + t992;
-    let t994 = 0.00847987 + t993;
-    let t995 = t76 * t994;
-    let t996 = t989 - t995;
-    let t997 = 21.1145440844009 * t741;
-    let t998 = t996 + t997;
-    let t999 = cos_delta * t802;
-    let t1000 = t799 + t999;
-    let t1001 = omega_gamma_y * 0.008315;
-    let t1002 = t162 + t1001;
-    let t1003 = t1002 + t1000;
-    let t1004 = cos_beta_gamma * t1003;
-    let t1005 = sin_delta * t816;
-    let t1006 = cos_delta * t824;
-    let t1007 = t1005 - t1006;
-    let t1008 = omega_gamma_x * 1.2583069346190003;
-    let t1009 = t1008 + t1007;
-    let t1010 = sin_beta_gamma * t1009;
-    let t1011 = t1004 + t1010;
-    let t1012 = t938 * t745;
-    let t1013 = t1011 + t1012;
-    let t1014 = v[0] * 0.00847987;
-    let t1015 = t1014 + t1013;
-    let t1016 = v[0] * t1015;
-    let t1017 = t998 + t1016;
-    let t1018 = t1017 + t985;
-    let t1019 = t1018 - t984;
-    let t1020 = t1019 + t983;
-    let t1021 = t399 * t1020;
-    let t1022 = t982 - t1021;
-    let t1023 = t492 * t1020;
-    let t1024 = t472 * t980;
-    let t1025 = t459 * t944;
-    let t1026 = t78 * t751;
-    let t1027 = t988 + t1026;
-    let t1028 = t549 * t1027;
-    let t1029 = 2.0 * t992;
-    let t1030 = t379 + t1029;
-    let t1031 = t501 + t1030;
-    let t1032 = t76 * t1031;
-    let t1033 = t1032 - t1028;
-    let t1034 = cos_beta * 0.7552597941000001;
-    let t1035 = t1034 - t741;
-    let t1036 = 21.1145440844009 * t1035;
-    let t1037 = t1036 + t1033;
-    let t1038 = cos_delta * t821;
-    let t1039 = sin_delta * t813;
-    let t1040 = t1039 + t1038;
-    let t1041 = omega_gamma_x * 1.5837633996450005;
-    let t1042 = t1041 + t1040;
-    let t1043 = t78 * t1042;
-    let t1044 = t1043 + t1012;
-    let t1045 = t1011 + t1044;
-    let t1046 = v[0] * 2.0;
-    let t1047 = t500 * t1046;
-    let t1048 = t1047 + t1045;
-    let t1049 = v[0] * t1048;
-    let t1050 = t1037 - t1049;
-    let t1051 = t1050 - t985;
-    let t1052 = t1051 + t1025;
-    let t1053 = t1052 - t1024;
-    let t1054 = t1053 + t1023;
-    let t1055 = t520 * t1054;
-    let t1056 = t1022 + t1055;
-    let t1057 = inverse_d_alpha * t1056;
-    let t1058 = acceleration_gamma_y_2 * t751;
-    let t1059 = t290 * t565;
-    let t1060 = t534 - t374;
-    let t1061 = t573 * t1060;
-    let t1062 = t1061 - t1059;
-    let t1063 = t359 * t76;
-    let t1064 = t1062 - t1063;
-    let t1065 = t1058 - t1064;
-    let t1066 = t767 - t803;
-    let t1067 = t804 - t1066;
-    let t1068 = omega_gamma_x * t1067;
-    let t1069 = omega_gamma_y * t842;
-    let t1070 = t1068 + t1069;
-    let t1071 = t1065 + t1070;
-    let t1072 = moment_gamma_x_2 + t1071;
-    let t1073 = cos_beta_gamma * t1072;
-    let t1074 = acceleration_gamma_x_2 * t751;
-    let t1075 = t290 * t573;
-    let t1076 = t534 - t378;
-    let t1077 = t565 * t1076;
-    let t1078 = t1077 - t1075;
-    let t1079 = t389 * t76;
-    let t1080 = t1078 + t1079;
-    let t1081 = t1074 - t1080;
-    let t1082 = t807 + t1066;
-    let t1083 = omega_gamma_y * t1082;
-    let t1084 = omega_gamma_x * t828;
-    let t1085 = t1083 + t1084;
-    let t1086 = t1081 - t1085;
-    let t1087 = moment_gamma_y_2 - t1086;
-    let t1088 = sin_beta_gamma * t1087;
-    let t1089 = t1088 + t1073;
-    let t1090 = t573 * t739;
-    let t1091 = t565 * t737;
-    let t1092 = t1091 - t1090;
-    let t1093 = omega_gamma_x * t852;
-    let t1094 = omega_gamma_y * t806;
-    let t1095 = t1094 + t1093;
-    let t1096 = t1092 - t1095;
-    let t1097 = t78 * t1096;
-    let t1098 = t1089 - t1097;
-    let t1099 = t573 * t873;
-    let t1100 = t565 * t871;
-    let t1101 = t1100 + t1099;
-    let t1102 = t1101 + t878;
-    let t1103 = omega_gamma_y * t887;
-    let t1104 = omega_gamma_x * t889;
-    let t1105 = t1103 - t1104;
-    let t1106 = t1102 - t1105;
-    let t1107 = t224 * t1106;
-    let t1108 = t1098 + t1107;
-    let t1109 = t286 * acceleration_gamma_x_2;
-    let t1110 = acceleration_gamma_y_2 * t907;
-    let t1111 = t1110 + t1109;
-    let t1112 = t245 * t573;
-    let t1113 = t565 * t899;
-    let t1114 = t1113 - t1112;
-    let t1115 = t76 * t918;
-    let t1116 = t1114 + t1115;
-    let t1117 = t1116 - t1111;
-    let t1118 = omega_gamma_y * t930;
-    let t1119 = omega_gamma_x * t934;
-    let t1120 = t1118 + t1119;
-    let t1121 = t1117 - t1120;
-    let t1122 = t257 * t1121;
-    let t1123 = t1108 + t1122;
-    let t1124 = t273 * t1121;
-    let t1125 = t573 * t949;
-    let t1126 = t1059 + t1125;
-    let t1127 = t1063 + t1126;
-    let t1128 = t1058 + t1127;
-    let t1129 = omega_gamma_y * t967;
-    let t1130 = omega_gamma_x * t970;
-    let t1131 = t1129 + t1130;
-    let t1132 = t1128 + t1131;
-    let t1133 = t270 * t1106;
-    let t1134 = t1132 - t1133;
-    let t1135 = t1134 + t1124;
-    let t1136 = t310 * t1135;
-    let t1137 = t1123 + t1136;
-    let t1138 = t364 * t1135;
-    let t1139 = t354 * t1121;
-    let t1140 = acceleration_gamma_y_2 * t737;
-    let t1141 = acceleration_gamma_x_2 * t739;
-    let t1142 = t1141 + t1140;
-    let t1143 = t389 * t565;
-    let t1144 = t379 * t76;
-    let t1145 = t1144 - t1143;
-    let t1146 = t359 * t573;
-    let t1147 = t1145 + t1146;
-    let t1148 = t1142 - t1147;
-    let t1149 = omega_gamma_y * t1003;
-    let t1150 = omega_gamma_x * t1009;
-    let t1151 = t1149 + t1150;
-    let t1152 = t1148 + t1151;
-    let t1153 = t346 * t1106;
-    let t1154 = t1152 + t1153;
-    let t1155 = t1154 + t1139;
-    let t1156 = t1155 + t1138;
-    let t1157 = t399 * t1156;
-    let t1158 = t1137 + t1157;
-    let t1159 = cos_delta * force_delta_x_2;
-    let t1160 = sin_delta * force_epsilon_z_2;
-    let t1161 = t1159 + t1160;
-    let t1162 = 0.7918816998225002 * t571;
-    let force_gamma_x_2 = t1162 + t1161;
-    let t1164 = t565 * t751;
-    let t1165 = t76 * t739;
-    let t1166 = t1165 - t1164;
-    let t1167 = omega_gamma_y * t1042;
-    let t1168 = t1166 - t1167;
-    let t1169 = force_gamma_x_2 + t1168;
-    let t1170 = sin_beta_gamma * t1169;
-    let t1171 = sin_epsilon * force_epsilon_x_2;
-    let force_delta_z_2 = t408 + t1171;
-    let force_gamma_y_2 = t414 + force_delta_z_2;
-    let t1174 = t573 * t751;
-    let t1175 = t76 * t737;
-    let t1176 = t1174 - t1175;
-    let t1177 = omega_gamma_x * t1042;
-    let t1178 = t1176 + t1177;
-    let t1179 = force_gamma_y_2 - t1178;
-    let t1180 = cos_beta_gamma * t1179;
-    let t1181 = t1180 - t1170;
-    let t1182 = t71 * t1181;
-    let t1183 = cos_beta_gamma * t1169;
-    let t1184 = sin_beta_gamma * t1179;
-    let t1185 = t1184 + t1183;
-    let t1186 = t78 * t1185;
-    let t1187 = t1186 + t1182;
-    let t1188 = t1152 - t1187;
-    let t1189 = t1188 + t1153;
-    let t1190 = t459 * t1121;
-    let t1191 = t1189 + t1190;
-    let t1192 = t472 * t1135;
-    let t1193 = t1191 + t1192;
-    let t1194 = t492 * t1156;
-    let t1195 = t1193 - t1194;
-    let t1196 = t520 * t1195;
-    let t1197 = t1158 + t1196;
-    let t1198 = inverse_d_alpha * t1197;
-    let t1199 = t241 * t620;
-    let t1200 = t375 + t281;
-    let t1201 = t578 * t1200;
-    let t1202 = t1201 - t1199;
-    let t1203 = t245 * t413;
-    let t1204 = t1202 + t1203;
-    let t1205 = t238 * acceleration_delta_y_2;
-    let t1206 = t1205 + t1204;
-    let t1207 = t770 + t771;
-    let t1208 = omega_delta_x * t1207;
-    let t1209 = omega_delta_y * t786;
-    let t1210 = t1208 - t1209;
-    let t1211 = t1206 + t1210;
-    let t1212 = moment_delta_x_2 - t1211;
-    let t1213 = t238 * t578;
-    let t1214 = omega_delta_x * t806;
-    let t1215 = t1213 - t1214;
-    let t1216 = force_epsilon_z_2 - t1215;
-    let t1217 = t1216 + t1212;
-    let t1218 = sin_delta * t1217;
-    let t1219 = t241 * t578;
-    let t1220 = t375 - t282;
-    let t1221 = t620 * t1220;
-    let t1222 = t1221 - t1219;
-    let t1223 = t285 * t413;
-    let t1224 = t1222 + t1223;
-    let t1225 = t238 * acceleration_delta_x_2;
+    let t837 = t836 + t817;
+    let t838 = t306 + t837;
+    let t839 = t320 + t838;
+    let t840 = t22 * t839;
+    let moment_zeta_x_2 = t840 + t813;
+    let moment_epsilon_x_2 = moment_zeta_x_2 + t811;
+    let t843 = cos_epsilon * moment_epsilon_x_2;
+    let t844 = t843 - t789;
+    let t845 = 0.0029975 * t640;
+    let t846 = t419 - t845;
+    let moment_delta_x_2 = t846 - t844;
+    let force_epsilon_z_2 = 0.009952485403000002 * t793;
+    let t849 = force_epsilon_z_2 - moment_delta_x_2;
+    let t850 = cos_delta * t849;
+    let t851 = cos_delta * acceleration_gamma_x_2;
+    let t852 = sin_delta * acceleration_gamma_z_2;
+    let t853 = t851 - t852;
+    let acceleration_delta_x_2 = t853 + t816;
+    let t855 = cos_epsilon * acceleration_delta_x_2;
+    let t856 = cos_beta_gamma * t797;
+    let t857 = sin_beta_gamma * t800;
+    let acceleration_gamma_y_2 = t857 - t856;
+    let acceleration_delta_z_2 = t291 + acceleration_gamma_y_2;
+    let t860 = sin_epsilon * acceleration_delta_z_2;
+    let acceleration_epsilon_x_2 = t855 - t860;
+    let t862 = 0.009952485403000002 * acceleration_epsilon_x_2;
+    let t863 = 0.004194997041000001 * t838;
+    let t864 = t306 - t837;
+    let t865 = 0.0004025 * t864;
+    let t866 = t865 - t863;
+    let t867 = t862 + t866;
+    let t868 = t316 - t867;
+    let t869 = t22 * t812;
+    let t870 = t68 * t839;
+    let moment_zeta_y_2 = t869 + t870;
+    let moment_epsilon_z_2 = moment_zeta_y_2 + t868;
+    let t873 = t425 - t816;
+    let t874 = 0.0026049999999999997 * t873;
+    let t875 = 0.00101 * t836;
+    let t876 = t874 + t875;
+    let moment_delta_y_2 = t876 + moment_epsilon_z_2;
+    let force_epsilon_x_2 = 0.009952485403000002 * t838;
+    let t879 = cos_epsilon * force_epsilon_x_2;
+    let force_delta_x_2 = t431 - t879;
+    let t881 = force_delta_x_2 - moment_delta_y_2;
+    let t882 = sin_delta * t881;
+    let t883 = t850 + t882;
+    let t884 = 0.6291534673095002 * t637;
+    let t885 = 0.7918816998225002 * acceleration_gamma_z_2;
+    let t886 = t885 + t884;
+    let t887 = t523 - t886;
+    let moment_gamma_x_2 = t887 + t883;
+    let t889 = cos_beta_gamma * moment_gamma_x_2;
+    let t890 = cos_epsilon * moment_epsilon_y_2;
+    let t891 = sin_epsilon * moment_epsilon_x_2;
+    let t892 = t891 + t890;
+    let t893 = 0.0029975 * t691;
+    let t894 = t335 - t690;
+    let t895 = 0.0026049999999999997 * t894;
+    let t896 = t895 - t893;
+    let t897 = t401 + t896;
+    let moment_delta_z_2 = t897 + t892;
+    let t899 = 0.001515 * t687;
+    let t900 = t527 - t688;
+    let t901 = 0.0041575 * t900;
+    let t902 = t901 - t899;
+    let moment_gamma_y_2 = t902 + moment_delta_z_2;
+    let t904 = sin_beta_gamma * moment_gamma_y_2;
+    let t905 = t889 - t904;
+    let t906 = sin_delta * force_delta_x_2;
+    let t907 = cos_delta * force_epsilon_z_2;
+    let t908 = t906 + t907;
+    let t909 = 0.7918816998225002 * t637;
+    let force_gamma_z_2 = t909 - t908;
+    let t911 = t176 * force_gamma_z_2;
+    let t912 = t905 - t911;
+    let t913 = t492 * t635;
+    let t914 = t212 * t271;
+    let t915 = t914 + t913;
+    let t916 = v[2] * 0.00847987;
+    let t917 = v[0] * t916;
+    let t918 = t917 + t915;
+    let moment_beta_x = t918 - t912;
+    let t920 = cos_beta_gamma * t45;
+    let t921 = t42 + t920;
+    let t922 = t54 * t175;
+    let t923 = t176 * t53;
+    let t924 = t923 - t922;
+    let t925 = t921 - t924;
+    let t926 = t492 - t925;
+    let t927 = t926 * t635;
+    let t928 = t227 * t264;
+    let t929 = t927 - t928;
+    let t930 = t196 * 21.1145440844009;
+    let t931 = t930 + t929;
+    let t932 = 2.0 * omega_epsilon_x;
+    let t933 = t22 * t932;
+    let t934 = t68 * t340;
+    let t935 = t933 - t934;
+    let t936 = omega_epsilon_z * 0.000805;
+    let t937 = t936 - t935;
+    let t938 = omega_epsilon_z * 0.008389994082000002;
+    let t939 = t938 - t937;
+    let t940 = cos_epsilon * t939;
+    let t941 = t22 * t319;
+    let t942 = sin_epsilon * t941;
+    let t943 = t942 - t940;
+    let t944 = sin_epsilon * t943;
+    let t945 = t941 - t944;
+    let t946 = 2.0 * omega_delta_y;
+    let t947 = t37 * t946;
+    let t948 = t945 + t947;
+    let t949 = t941 + t948;
+    let t950 = sin_delta * t949;
+    let t951 = t68 * t319;
+    let t952 = omega_epsilon_y * 0.000805;
+    let t953 = t315 - t952;
+    let t954 = t951 + t953;
+    let t955 = cos_epsilon * t954;
+    let t956 = omega_epsilon_x * 0.008389994082000002;
+    let t957 = sin_epsilon * t956;
+    let t958 = t955 + t957;
+    let t959 = omega_delta_z * 0.005209999999999999;
+    let t960 = t959 + t958;
+    let t961 = 2.0 * omega_delta_x;
+    let t962 = t37 * t961;
+    let t963 = t960 + t962;
+    let t964 = t67 * t319;
+    let t965 = t315 + t964;
+    let t966 = cos_epsilon * t965;
+    let t967 = t67 * t932;
+    let t968 = t22 * t340;
+    let t969 = t967 - t968;
+    let t970 = sin_epsilon * t969;
+    let t971 = t966 + t970;
+    let t972 = omega_delta_z * 0.005995;
+    let t973 = t972 + t971;
+    let t974 = t973 - t963;
+    let t975 = cos_delta * t974;
+    let t976 = t950 - t975;
+    let t977 = sin_delta * t976;
+    let t978 = t948 - t977;
+    let t979 = 0.019904970806000004 * omega_epsilon_z;
+    let t980 = sin_epsilon * t979;
+    let t981 = t980 - t944;
+    let t982 = t981 + t978;
+    let t983 = sin_beta_gamma * t982;
+    let t984 = cos_epsilon * t943;
+    let t985 = t937 - t984;
+    let t986 = t400 + t985;
+    let t987 = cos_epsilon * t979;
+    let t988 = t48 * t946;
+    let t989 = t987 + t988;
+    let t990 = t986 + t989;
+    let t991 = cos_delta * t990;
+    let t992 = sin_epsilon * t954;
+    let t993 = cos_epsilon * t956;
+    let t994 = t992 - t993;
+    let t995 = 0.019904970806000004 * omega_epsilon_x;
+    let t996 = t48 * t961;
+    let t997 = t995 + t996;
+    let t998 = t994 - t997;
+    let t999 = sin_delta * t998;
+    let t1000 = t991 + t999;
+    let t1001 = omega_gamma_z * 1.2583069346190003;
+    let t1002 = t1001 + t1000;
+    let t1003 = t938 + t984;
+    let t1004 = omega_delta_y * 0.005209999999999999;
+    let t1005 = t400 + t1004;
+    let t1006 = t1005 + t1003;
+    let t1007 = cos_delta * t1006;
+    let t1008 = sin_epsilon * t965;
+    let t1009 = cos_epsilon * t969;
+    let t1010 = t1008 - t1009;
+    let t1011 = omega_delta_x * 0.005995;
+    let t1012 = t1011 - t1010;
+    let t1013 = sin_delta * t1012;
+    let t1014 = t1007 - t1013;
+    let t1015 = omega_gamma_z * 0.008315;
+    let t1016 = t1015 + t1014;
+    let t1017 = t1002 - t1016;
+    let t1018 = cos_beta_gamma * t1017;
+    let t1019 = t983 - t1018;
+    let t1020 = cos_beta_gamma * t1019;
+    let t1021 = t1002 + t1020;
+    let t1022 = sin_delta * t995;
+    let t1023 = cos_delta * t987;
+    let t1024 = t1023 - t1022;
+    let t1025 = omega_gamma_z * 1.5837633996450005;
+    let t1026 = t1025 + t1024;
+    let t1027 = sin_beta_gamma * t1026;
+    let t1028 = cos_beta_gamma * t980;
+    let t1029 = t1027 + t1028;
+    let t1030 = t54 * t1029;
+    let t1031 = v[1] * t54;
+    let t1032 = 2.0 * t1031;
+    let t1033 = t53 * t1032;
+    let t1034 = t1030 + t1033;
+    let t1035 = t1021 + t1034;
+    let t1036 = t60 * t270;
+    let t1037 = t916 + t1036;
+    let t1038 = t1037 + t1035;
+    let t1039 = v[0] * t1038;
+    let t1040 = t931 - t1039;
+    let t1041 = moment_beta_x + t1040;
+    let t1042 = inverse_d_alpha * t1041;
+    let t1043 = cos_beta_gamma * t160;
+    let t1044 = sin_beta_gamma * t151;
+    let t1045 = t1043 + t1044;
+    let t1046 = t54 * t196;
+    let t1047 = t1045 + t1046;
+    let t1048 = t1047 * t635;
+    let t1049 = t214 * t264;
+    let t1050 = t1049 - t1048;
+    let t1051 = 0.7552597941000001 * cos_beta;
+    let t1052 = t1051 - t175;
+    let t1053 = t1052 * 21.1145440844009;
+    let t1054 = t1053 + t1050;
+    let t1055 = cos_delta * t976;
+    let t1056 = t973 + t1055;
+    let t1057 = omega_gamma_y * 0.008315;
+    let t1058 = t441 + t1057;
+    let t1059 = t1058 + t1056;
+    let t1060 = cos_beta_gamma * t1059;
+    let t1061 = sin_delta * t990;
+    let t1062 = cos_delta * t998;
+    let t1063 = t1061 - t1062;
+    let t1064 = omega_gamma_x * 1.2583069346190003;
+    let t1065 = t1064 + t1063;
+    let t1066 = sin_beta_gamma * t1065;
+    let t1067 = t1060 + t1066;
+    let t1068 = cos_delta * t995;
+    let t1069 = sin_delta * t987;
+    let t1070 = t1069 + t1068;
+    let t1071 = omega_gamma_x * 1.5837633996450005;
+    let t1072 = t1071 + t1070;
+    let t1073 = t54 * t1072;
+    let t1074 = v[0] * t54;
+    let t1075 = 2.0 * t1074;
+    let t1076 = t53 * t1075;
+    let t1077 = t1073 + t1076;
+    let t1078 = t1067 + t1077;
+    let t1079 = v[0] * 2.0;
+    let t1080 = t60 * t1079;
+    let t1081 = t1080 + t1078;
+    let t1082 = v[0] * t1081;
+    let t1083 = t1054 - t1082;
+    let t1084 = t465 * t1083;
+    let t1085 = t1042 + t1084;
+    let t1086 = t1045 * t635;
+    let t1087 = t180 * t264;
+    let t1088 = t1086 - t1087;
+    let t1089 = t175 * 21.1145440844009;
+    let t1090 = t1088 + t1089;
+    let t1091 = t1067 + t1076;
+    let t1092 = v[0] * 0.00847987;
+    let t1093 = t1092 + t1091;
+    let t1094 = v[0] * t1093;
+    let t1095 = t1090 + t1094;
+    let t1096 = t516 * t1095;
+    let t1097 = t1085 + t1096;
+    let t1098 = t106 + 0.001515;
+    let t1099 = sin_beta_gamma * t1098;
+    let t1100 = cos_beta_gamma * t42;
+    let t1101 = t1100 - t1099;
+    let t1102 = t176 * t51;
+    let t1103 = t1102 + t1101;
+    let t1104 = t635 * t1103;
+    let t1105 = t202 * t264;
+    let t1106 = t1104 + t1105;
+    let t1107 = t197 * 21.1145440844009;
+    let t1108 = t1106 + t1107;
+    let t1109 = 0.001515 * omega_gamma_z;
+    let t1110 = t1014 + t1109;
+    let t1111 = cos_beta_gamma * t1110;
+    let t1112 = t941 - t945;
+    let t1113 = t947 - t1112;
+    let t1114 = sin_beta_gamma * t1113;
+    let t1115 = t1111 + t1114;
+    let t1116 = t199 * t1075;
+    let t1117 = t51 * t1032;
+    let t1118 = t1117 + t1116;
+    let t1119 = t1115 + t1118;
+    let t1120 = v[0] * t1119;
+    let t1121 = t1108 - t1120;
+    let t1122 = t610 * t1121;
+    let t1123 = t1097 + t1122;
+    let t1124 = t12 + 0.006087497041000001;
+    let t1125 = t48 + t1124;
+    let t1126 = sin_delta * t1125;
+    let t1127 = t90 - t1126;
+    let t1128 = cos_beta_gamma * t1127;
+    let t1129 = sin_beta_gamma * t40;
+    let t1130 = t1129 - t1128;
+    let t1131 = t176 * t95;
+    let t1132 = t1131 + t1130;
+    let t1133 = t635 * t1132;
+    let t1134 = cos_delta * t1125;
+    let t1135 = t141 + t1134;
+    let t1136 = t191 + t1135;
+    let t1137 = t264 * t1136;
+    let t1138 = t1133 - t1137;
+    let t1139 = t185 * 21.1145440844009;
+    let t1140 = t1138 - t1139;
+    let t1141 = 0.00101 * omega_delta_z;
+    let t1142 = t958 + t1141;
+    let t1143 = t962 + t1142;
+    let t1144 = cos_delta * t1143;
+    let t1145 = t941 + t947;
+    let t1146 = sin_delta * t1145;
+    let t1147 = t1144 + t1146;
+    let t1148 = cos_beta_gamma * t1147;
+    let t1149 = 0.00101 * omega_delta_x;
+    let t1150 = t994 - t1149;
+    let t1151 = t996 - t1150;
+    let t1152 = sin_beta_gamma * t1151;
+    let t1153 = t1148 + t1152;
+    let t1154 = t189 * t1075;
+    let t1155 = t95 * t1032;
+    let t1156 = t1155 - t1154;
+    let t1157 = t1153 - t1156;
+    let t1158 = v[0] * t1157;
+    let t1159 = t1140 + t1158;
+    let t1160 = t617 * t1159;
+    let t1161 = t1123 + t1160;
+    let t1162 = t69 + 0.000255;
+    let t1163 = sin_epsilon * t1162;
+    let t1164 = cos_delta * t1163;
+    let t1165 = cos_beta_gamma * t1164;
+    let t1166 = cos_epsilon * t1162;
+    let t1167 = sin_beta_gamma * t1166;
+    let t1168 = t1165 + t1167;
+    let t1169 = t635 * t1168;
+    let t1170 = sin_delta * t1163;
+    let t1171 = t264 * t1170;
+    let t1172 = t1171 + t1169;
+    let t1173 = 0.000255 * omega_epsilon_z;
+    let t1174 = t935 - t1173;
+    let t1175 = cos_epsilon * t1174;
+    let t1176 = cos_delta * t1175;
+    let t1177 = 0.000255 * omega_epsilon_x;
+    let t1178 = t969 + t1177;
+    let t1179 = sin_delta * t1178;
+    let t1180 = t1176 + t1179;
+    let t1181 = cos_beta_gamma * t1180;
+    let t1182 = sin_epsilon * t1174;
+    let t1183 = sin_beta_gamma * t1182;
+    let t1184 = t1181 - t1183;
+    let t1185 = v[0] * t1184;
+    let t1186 = t1172 - t1185;
+    let t1187 = t633 * t1186;
+    let t1188 = t1161 + t1187;
+    let t1189 = t196 * acceleration_gamma_y_2;
+    let t1190 = t42 * t688;
+    let t1191 = t63 - t29;
+    let t1192 = t636 * t1191;
+    let t1193 = t1192 + t1190;
+    let t1194 = t151 * t264;
+    let t1195 = t1193 + t1194;
+    let t1196 = t1189 - t1195;
+    let t1197 = t941 - t977;
+    let t1198 = t978 - t1197;
+    let t1199 = omega_gamma_x * t1198;
+    let t1200 = omega_gamma_y * t1016;
+    let t1201 = t1199 + t1200;
+    let t1202 = t1196 + t1201;
+    let t1203 = moment_gamma_x_2 + t1202;
+    let t1204 = cos_beta_gamma * t1203;
+    let t1205 = t196 * acceleration_gamma_x_2;
+    let t1206 = t42 * t636;
+    let t1207 = t63 - t33;
+    let t1208 = t688 * t1207;
+    let t1209 = t1208 + t1206;
+    let t1210 = t160 * t264;
+    let t1211 = t1209 + t1210;
+    let t1212 = t1205 - t1211;
+    let t1213 = t981 + t1197;
+    let t1214 = omega_gamma_y * t1213;
+    let t1215 = omega_gamma_x * t1002;
+    let t1216 = t1214 + t1215;
+    let t1217 = t1212 - t1216;
+    let t1218 = moment_gamma_y_2 + t1217;
+    let t1219 = sin_beta_gamma * t1218;
+    let t1220 = t1219 - t1204;
+    let t1221 = t51 * t636;
+    let t1222 = t49 * t688;
+    let t1223 = t1222 - t1221;
+    let t1224 = omega_gamma_x * t1026;
+    let t1225 = omega_gamma_y * t980;
     let t1226 = t1225 + t1224;
-    let t1227 = omega_delta_y * t771;
-    let t1228 = omega_delta_x * t799;
-    let t1229 = t1227 - t1228;
-    let t1230 = t1226 + t1229;
-    let t1231 = moment_delta_y_2 - t1230;
-    let t1232 = t238 * t620;
-    let t1233 = t286 * t413;
-    let t1234 = t1233 - t1232;
-    let t1235 = omega_delta_y * t806;
-    let t1236 = t1234 - t1235;
-    let t1237 = force_delta_x_2 + t1236;
-    let t1238 = t1237 + t1231;
-    let t1239 = cos_delta * t1238;
-    let t1240 = t1239 + t1218;
-    let t1241 = sin_beta_gamma * t1240;
-    let t1242 = t285 * t620;
-    let t1243 = t283 * t413;
-    let t1244 = t1243 + t1242;
-    let t1245 = t245 * t578;
-    let t1246 = t1244 + t1245;
-    let t1247 = t286 * acceleration_delta_x_2;
-    let t1248 = t1247 - t1246;
-    let t1249 = omega_delta_y * t832;
-    let t1250 = omega_delta_x * t838;
-    let t1251 = t1249 + t1250;
-    let t1252 = t1248 + t1251;
-    let t1253 = cos_beta_gamma * t1252;
-    let t1254 = t1241 - t1253;
-    let t1255 = cos_delta * t1237;
-    let t1256 = sin_delta * t1216;
+    let t1227 = t1223 - t1226;
+    let t1228 = t54 * t1227;
+    let t1229 = t1220 + t1228;
+    let t1230 = inverse_d_alpha * t1229;
+    let t1231 = cos_delta * force_delta_x_2;
+    let t1232 = sin_delta * force_epsilon_z_2;
+    let t1233 = t1231 - t1232;
+    let t1234 = 0.7918816998225002 * t604;
+    let force_gamma_x_2 = t1234 + t1233;
+    let t1236 = t196 * t688;
+    let t1237 = t51 * t264;
+    let t1238 = t1237 - t1236;
+    let t1239 = omega_gamma_y * t1072;
+    let t1240 = t1238 - t1239;
+    let t1241 = force_gamma_x_2 + t1240;
+    let t1242 = sin_beta_gamma * t1241;
+    let t1243 = sin_epsilon * force_epsilon_x_2;
+    let force_delta_z_2 = t477 + t1243;
+    let force_gamma_y_2 = t480 + force_delta_z_2;
+    let t1246 = t196 * t636;
+    let t1247 = t49 * t264;
+    let t1248 = t1246 - t1247;
+    let t1249 = omega_gamma_x * t1072;
+    let t1250 = t1248 + t1249;
+    let t1251 = force_gamma_y_2 - t1250;
+    let t1252 = cos_beta_gamma * t1251;
+    let t1253 = t1252 - t1242;
+    let t1254 = t176 * t1253;
+    let t1255 = cos_beta_gamma * t1241;
+    let t1256 = sin_beta_gamma * t1251;
     let t1257 = t1256 + t1255;
-    let t1258 = t78 * t1257;
-    let t1259 = t1254 + t1258;
-    let t1260 = t620 * t870;
-    let t1261 = t413 * t873;
-    let t1262 = t1260 + t1261;
-    let t1263 = omega_delta_y * t882;
-    let t1264 = omega_delta_x * t885;
-    let t1265 = t1263 - t1264;
-    let t1266 = t1262 + t1265;
-    let t1267 = t224 * t1266;
-    let t1268 = t1259 + t1267;
-    let t1269 = t578 * t896;
-    let t1270 = t1199 - t1269;
-    let t1271 = t1203 - t1270;
-    let t1272 = t1205 + t1271;
-    let t1273 = omega_delta_y * t925;
-    let t1274 = omega_delta_x * t767;
-    let t1275 = t1273 - t1274;
-    let t1276 = t1272 - t1275;
-    let t1277 = t257 * t1276;
-    let t1278 = t1268 - t1277;
-    let t1279 = t273 * t1276;
-    let t1280 = t270 * t1266;
-    let t1281 = t1252 + t1280;
-    let t1282 = t1281 + t1279;
-    let t1283 = t310 * t1282;
-    let t1284 = t1278 - t1283;
-    let t1285 = cos_delta * t1217;
-    let t1286 = sin_delta * t1238;
-    let t1287 = t1286 - t1285;
-    let t1288 = t346 * t1266;
-    let t1289 = t1287 + t1288;
-    let t1290 = t354 * t1276;
-    let t1291 = t1289 - t1290;
-    let t1292 = t364 * t1282;
-    let t1293 = t1291 - t1292;
-    let t1294 = t399 * t1293;
-    let t1295 = t1284 + t1294;
-    let t1296 = t492 * t1293;
-    let t1297 = sin_delta * t1237;
-    let t1298 = cos_delta * t1216;
-    let t1299 = t1298 - t1297;
-    let t1300 = cos_beta_gamma * t1299;
-    let t1301 = t286 * t578;
-    let t1302 = omega_delta_x * t813;
-    let t1303 = omega_delta_y * t821;
-    let t1304 = t1303 - t1302;
-    let t1305 = t1301 - t1304;
-    let t1306 = sin_beta_gamma * t1305;
-    let t1307 = t1300 + t1306;
-    let t1308 = t71 * t1307;
-    let t1309 = sin_beta_gamma * t1299;
-    let t1310 = cos_beta_gamma * t1305;
-    let t1311 = t1309 - t1310;
-    let t1312 = t78 * t1311;
-    let t1313 = t1312 + t1308;
-    let t1314 = t1287 - t1313;
-    let t1315 = t1314 + t1288;
-    let t1316 = t459 * t1276;
-    let t1317 = t1315 - t1316;
-    let t1318 = t472 * t1282;
-    let t1319 = t1317 - t1318;
-    let t1320 = t1319 - t1296;
-    let t1321 = t520 * t1320;
-    let t1322 = t1295 + t1321;
-    let t1323 = inverse_d_alpha * t1322;
-    let t1324 = t55 + t279;
-    let t1325 = t628 * t1324;
-    let t1326 = omega_epsilon_y * t763;
-    let t1327 = t1325 - t1326;
-    let t1328 = moment_epsilon_x_2 + t1327;
-    let t1329 = sin_epsilon * t1328;
-    let t1330 = t38 - 0.004766037041000001;
-    let t1331 = t583 * t1330;
-    let t1332 = omega_delta_z * omega_delta_z;
-    let t1333 = t127 + t1332;
-    let t1334 = t51 * t1333;
-    let t1335 = t1331 - t1334;
-    let t1336 = omega_epsilon_y * t767;
-    let t1337 = omega_epsilon_x * t764;
-    let t1338 = t1336 - t1337;
-    let t1339 = t1335 - t1338;
-    let t1340 = moment_epsilon_y_2 - t1339;
-    let t1341 = cos_epsilon * t1340;
-    let t1342 = t1341 + t1329;
-    let t1343 = 0.009952485403000002 * t583;
-    let t1344 = omega_epsilon_x * t805;
-    let t1345 = t1343 - t1344;
-    let t1346 = t1345 + t1342;
-    let t1347 = cos_delta * t1346;
-    let t1348 = omega_epsilon_y * t821;
-    let t1349 = force_epsilon_x_2 - t1348;
-    let t1350 = sin_epsilon * t1349;
-    let t1351 = omega_epsilon_x * t821;
-    let t1352 = 0.009952485403000002 * t1333;
-    let t1353 = t1352 - t1351;
-    let t1354 = force_epsilon_y + t1353;
-    let t1355 = cos_epsilon * t1354;
-    let t1356 = t1355 + t1350;
-    let t1357 = t51 * t583;
-    let t1358 = t237 * t1333;
+    let t1258 = t54 * t1257;
+    let t1259 = t1258 + t1254;
+    let t1260 = t49 * acceleration_gamma_y_2;
+    let t1261 = t51 * acceleration_gamma_x_2;
+    let t1262 = t1261 + t1260;
+    let t1263 = t160 * t688;
+    let t1264 = t131 * t264;
+    let t1265 = t1264 - t1263;
+    let t1266 = t151 * t636;
+    let t1267 = t1265 - t1266;
+    let t1268 = t1262 - t1267;
+    let t1269 = omega_gamma_y * t1059;
+    let t1270 = omega_gamma_x * t1065;
+    let t1271 = t1269 + t1270;
+    let t1272 = t1268 + t1271;
+    let t1273 = t1272 - t1259;
+    let t1274 = t465 * t1273;
+    let t1275 = t1230 - t1274;
+    let t1276 = t516 * t1272;
+    let t1277 = t1275 + t1276;
+    let t1278 = t636 * t1098;
+    let t1279 = t1190 - t1278;
+    let t1280 = t1194 + t1279;
+    let t1281 = t1189 - t1280;
+    let t1282 = omega_gamma_y * t1110;
+    let t1283 = omega_gamma_x * t1113;
+    let t1284 = t1282 + t1283;
+    let t1285 = t1281 + t1284;
+    let t1286 = t610 * t1285;
+    let t1287 = t1277 - t1286;
+    let t1288 = t37 * acceleration_gamma_x_2;
+    let t1289 = t182 * acceleration_gamma_y_2;
+    let t1290 = t1289 + t1288;
+    let t1291 = t40 * t636;
+    let t1292 = t688 * t1127;
+    let t1293 = t1292 - t1291;
+    let t1294 = t264 * t1135;
+    let t1295 = t1293 + t1294;
+    let t1296 = t1295 - t1290;
+    let t1297 = omega_gamma_y * t1147;
+    let t1298 = omega_gamma_x * t1151;
+    let t1299 = t1297 + t1298;
+    let t1300 = t1296 - t1299;
+    let t1301 = t617 * t1300;
+    let t1302 = t1287 - t1301;
+    let t1303 = t636 * t1166;
+    let t1304 = t688 * t1164;
+    let t1305 = t1304 + t1303;
+    let t1306 = t1305 + t1171;
+    let t1307 = omega_gamma_y * t1180;
+    let t1308 = omega_gamma_x * t1182;
+    let t1309 = t1307 - t1308;
+    let t1310 = t1306 - t1309;
+    let t1311 = t633 * t1310;
+    let t1312 = t1302 + t1311;
+    let t1313 = t48 * acceleration_delta_y_2;
+    let t1314 = t23 * t816;
+    let t1315 = t30 + t18;
+    let t1316 = t639 * t1315;
+    let t1317 = t1316 - t1314;
+    let t1318 = t40 * t291;
+    let t1319 = t1317 + t1318;
+    let t1320 = t1313 + t1319;
+    let t1321 = t944 + t945;
+    let t1322 = omega_delta_x * t1321;
+    let t1323 = omega_delta_y * t960;
+    let t1324 = t1322 - t1323;
+    let t1325 = t1320 + t1324;
+    let t1326 = moment_delta_x_2 - t1325;
+    let t1327 = t48 * t639;
+    let t1328 = omega_delta_x * t980;
+    let t1329 = t1327 - t1328;
+    let t1330 = force_epsilon_z_2 + t1329;
+    let t1331 = t1330 - t1326;
+    let t1332 = sin_delta * t1331;
+    let t1333 = t48 * acceleration_delta_x_2;
+    let t1334 = t23 * t639;
+    let t1335 = t30 - t19;
+    let t1336 = t816 * t1335;
+    let t1337 = t1336 - t1334;
+    let t1338 = t36 * t291;
+    let t1339 = t1337 + t1338;
+    let t1340 = t1333 + t1339;
+    let t1341 = omega_delta_y * t945;
+    let t1342 = omega_delta_x * t973;
+    let t1343 = t1341 - t1342;
+    let t1344 = t1340 + t1343;
+    let t1345 = moment_delta_y_2 + t1344;
+    let t1346 = t48 * t816;
+    let t1347 = t37 * t291;
+    let t1348 = t1347 - t1346;
+    let t1349 = omega_delta_y * t980;
+    let t1350 = t1348 - t1349;
+    let t1351 = force_delta_x_2 + t1350;
+    let t1352 = t1351 - t1345;
+    let t1353 = cos_delta * t1352;
+    let t1354 = t1353 - t1332;
+    let t1355 = sin_beta_gamma * t1354;
+    let t1356 = t37 * acceleration_delta_x_2;
+    let t1357 = t36 * t816;
+    let t1358 = t106 * t291;
     let t1359 = t1358 + t1357;
-    let t1360 = sin_epsilon * acceleration_delta_x_2;
-    let t1361 = cos_epsilon * acceleration_delta_z_2;
-    let acceleration_epsilon_y = t1360 + t1361;
-    let t1363 = 0.009952485403000002 * acceleration_epsilon_y;
-    let t1364 = t1363 - t1359;
-    let t1365 = omega_epsilon_y * t780;
-    let t1366 = omega_epsilon_x * t782;
-    let t1367 = t1365 - t1366;
-    let t1368 = t1364 - t1367;
-    let t1369 = t1368 - t1356;
-    let t1370 = sin_delta * t1369;
-    let t1371 = t1347 + t1370;
-    let t1372 = sin_beta_gamma * t1371;
-    let t1373 = cos_epsilon * t1328;
-    let t1374 = sin_epsilon * t1340;
-    let t1375 = t1374 - t1373;
-    let t1376 = cos_beta_gamma * t1375;
-    let t1377 = t1372 + t1376;
-    let t1378 = sin_delta * t1356;
-    let t1379 = cos_delta * t1345;
-    let t1380 = t1378 - t1379;
-    let t1381 = t78 * t1380;
-    let t1382 = t1377 - t1381;
-    let t1383 = t628 * t869;
-    let t1384 = omega_epsilon_y * t881;
-    let t1385 = t1383 + t1384;
-    let t1386 = t224 * t1385;
-    let t1387 = t1382 - t1386;
-    let t1388 = t257 * t1368;
-    let t1389 = t1387 + t1388;
-    let t1390 = t270 * t1385;
-    let t1391 = t1375 + t1390;
-    let t1392 = t273 * t1368;
-    let t1393 = t1391 + t1392;
-    let t1394 = t310 * t1393;
-    let t1395 = t1389 + t1394;
-    let t1396 = sin_delta * t1346;
-    let t1397 = cos_delta * t1369;
-    let t1398 = t1396 - t1397;
-    let t1399 = t346 * t1385;
-    let t1400 = t1398 - t1399;
-    let t1401 = t354 * t1368;
-    let t1402 = t1400 + t1401;
-    let t1403 = t364 * t1393;
-    let t1404 = t1402 + t1403;
-    let t1405 = t399 * t1404;
-    let t1406 = t1395 + t1405;
-    let t1407 = t492 * t1404;
-    let t1408 = cos_delta * t1356;
-    let t1409 = sin_delta * t1345;
-    let t1410 = t1408 + t1409;
-    let t1411 = cos_beta_gamma * t1410;
-    let t1412 = cos_epsilon * t1349;
-    let t1413 = sin_epsilon * t1354;
-    let t1414 = t1413 - t1412;
-    let t1415 = sin_beta_gamma * t1414;
-    let t1416 = t1411 - t1415;
-    let t1417 = t71 * t1416;
-    let t1418 = sin_beta_gamma * t1410;
-    let t1419 = cos_beta_gamma * t1414;
-    let t1420 = t1418 + t1419;
-    let t1421 = t78 * t1420;
-    let t1422 = t1421 + t1417;
-    let t1423 = t1398 + t1422;
-    let t1424 = t1423 - t1399;
-    let t1425 = t459 * t1368;
-    let t1426 = t1424 + t1425;
-    let t1427 = t472 * t1393;
-    let t1428 = t1426 + t1427;
-    let t1429 = t1428 - t1407;
-    let t1430 = t520 * t1429;
-    let t1431 = t1406 + t1430;
-    let t1432 = inverse_d_alpha * t1431;
-    let t1433 = t55 * t623;
-    let t1434 = t51 * t630;
-    let t1435 = t1433 + t1434;
-    let t1436 = omega_epsilon_x * t790;
-    let t1437 = omega_epsilon_z * t767;
-    let t1438 = t1437 - t1436;
-    let t1439 = t1435 - t1438;
-    let t1440 = moment_zeta_y_2 - t1439;
-    let t1441 = cos_epsilon * t1440;
-    let t1442 = omega_epsilon_x * t795;
-    let t1443 = omega_epsilon_z * t761;
-    let t1444 = t1443 - t1442;
-    let t1445 = t150 * t868;
-    let t1446 = t1445 + t1444;
-    let t1447 = sin_epsilon * t1446;
-    let t1448 = t1441 + t1447;
-    let t1449 = sin_delta * t1448;
-    let t1450 = t51 * t623;
-    let t1451 = t39 * t630;
+    let t1360 = t40 * t639;
+    let t1361 = t1359 + t1360;
+    let t1362 = t1356 - t1361;
+    let t1363 = omega_delta_y * t1006;
+    let t1364 = omega_delta_x * t1012;
+    let t1365 = t1363 + t1364;
+    let t1366 = t1362 + t1365;
+    let t1367 = cos_beta_gamma * t1366;
+    let t1368 = t1355 - t1367;
+    let t1369 = cos_delta * t1351;
+    let t1370 = sin_delta * t1330;
+    let t1371 = t1370 - t1369;
+    let t1372 = t54 * t1371;
+    let t1373 = t1368 - t1372;
+    let t1374 = inverse_d_alpha * t1373;
+    let t1375 = cos_delta * t1331;
+    let t1376 = sin_delta * t1352;
+    let t1377 = t1376 + t1375;
+    let t1378 = sin_delta * t1351;
+    let t1379 = cos_delta * t1330;
+    let t1380 = t1379 + t1378;
+    let t1381 = cos_beta_gamma * t1380;
+    let t1382 = t37 * t639;
+    let t1383 = omega_delta_x * t987;
+    let t1384 = omega_delta_y * t995;
+    let t1385 = t1384 - t1383;
+    let t1386 = t1382 - t1385;
+    let t1387 = sin_beta_gamma * t1386;
+    let t1388 = t1381 - t1387;
+    let t1389 = t176 * t1388;
+    let t1390 = sin_beta_gamma * t1380;
+    let t1391 = cos_beta_gamma * t1386;
+    let t1392 = t1390 + t1391;
+    let t1393 = t54 * t1392;
+    let t1394 = t1393 + t1389;
+    let t1395 = t1377 + t1394;
+    let t1396 = t465 * t1395;
+    let t1397 = t1374 + t1396;
+    let t1398 = t516 * t1377;
+    let t1399 = t1397 - t1398;
+    let t1400 = t610 * t1366;
+    let t1401 = t1399 - t1400;
+    let t1402 = t639 * t1124;
+    let t1403 = t1314 - t1402;
+    let t1404 = t1318 - t1403;
+    let t1405 = t1313 + t1404;
+    let t1406 = omega_delta_y * t1142;
+    let t1407 = omega_delta_x * t941;
+    let t1408 = t1406 - t1407;
+    let t1409 = t1405 - t1408;
+    let t1410 = t617 * t1409;
+    let t1411 = t1401 - t1410;
+    let t1412 = t816 * t1163;
+    let t1413 = t291 * t1166;
+    let t1414 = t1412 + t1413;
+    let t1415 = omega_delta_y * t1175;
+    let t1416 = omega_delta_x * t1178;
+    let t1417 = t1415 - t1416;
+    let t1418 = t1414 + t1417;
+    let t1419 = t633 * t1418;
+    let t1420 = t1411 - t1419;
+    let t1421 = t12 - 0.004766037041000001;
+    let t1422 = t693 * t1421;
+    let t1423 = omega_delta_x * omega_delta_x;
+    let t1424 = omega_delta_z * omega_delta_z;
+    let t1425 = t1423 + t1424;
+    let t1426 = t22 * t1425;
+    let t1427 = t1422 - t1426;
+    let t1428 = omega_epsilon_y * t941;
+    let t1429 = omega_epsilon_x * t938;
+    let t1430 = t1428 - t1429;
+    let t1431 = t1427 - t1430;
+    let t1432 = moment_epsilon_y_2 - t1431;
+    let t1433 = cos_epsilon * t1432;
+    let t1434 = t67 + t16;
+    let t1435 = t792 * t1434;
+    let t1436 = omega_epsilon_y * t937;
+    let t1437 = t1435 - t1436;
+    let t1438 = moment_epsilon_x_2 + t1437;
+    let t1439 = sin_epsilon * t1438;
+    let t1440 = t1433 + t1439;
+    let t1441 = 0.009952485403000002 * t693;
+    let t1442 = omega_epsilon_x * t979;
+    let t1443 = t1441 - t1442;
+    let t1444 = t1443 + t1440;
+    let t1445 = cos_delta * t1444;
+    let t1446 = sin_epsilon * acceleration_delta_x_2;
+    let t1447 = cos_epsilon * acceleration_delta_z_2;
+    let acceleration_epsilon_y = t1446 + t1447;
+    let t1449 = 0.009952485403000002 * acceleration_epsilon_y;
+    let t1450 = t22 * t693;
+    let t1451 = t87 * t1425;
     let t1452 = t1451 + t1450;
-    let t1453 = omega_epsilon_z * t777;
-    let t1454 = omega_epsilon_x * t767;
-    let t1455 = t1454 - t1453;
-    let t1456 = t1452 + t1455;
-    let t1457 = moment_zeta_x_2 + t1456;
-    let t1458 = cos_delta * t1457;
-    let t1459 = t1449 - t1458;
-    let t1460 = t346 * t1446;
-    let t1461 = t1459 - t1460;
-    let t1462 = t354 * t1457;
-    let t1463 = t1461 + t1462;
-    let t1464 = sin_epsilon * t1440;
-    let t1465 = cos_epsilon * t1446;
-    let t1466 = t1464 - t1465;
-    let t1467 = t270 * t1446;
-    let t1468 = t1466 + t1467;
-    let t1469 = t273 * t1457;
-    let t1470 = t1468 + t1469;
-    let t1471 = t364 * t1470;
-    let t1472 = t1463 + t1471;
-    let t1473 = t492 * t1472;
-    let t1474 = t459 * t1457;
-    let t1475 = t1461 + t1474;
-    let t1476 = t472 * t1470;
-    let t1477 = t1475 + t1476;
-    let t1478 = t1477 - t1473;
-    let t1479 = t520 * t1478;
-    let t1480 = cos_delta * t1448;
-    let t1481 = sin_delta * t1457;
-    let t1482 = t1480 + t1481;
-    let t1483 = sin_beta_gamma * t1482;
-    let t1484 = cos_beta_gamma * t1466;
-    let t1485 = t1483 + t1484;
-    let t1486 = t224 * t1446;
-    let t1487 = t1485 - t1486;
-    let t1488 = t257 * t1457;
-    let t1489 = t1487 + t1488;
-    let t1490 = t310 * t1470;
-    let t1491 = t1489 + t1490;
-    let t1492 = t399 * t1472;
-    let t1493 = t1491 + t1492;
-    let t1494 = t1493 + t1479;
-    let t1495 = inverse_d_alpha * t1494;
-    let t1496 = t520 * t1057;
-    let t1497 = inverse_d_beta * t1054;
-    let t1498 = t1497 + t1496;
-    let t1499 = t520 * t1198;
-    let t1500 = inverse_d_beta * t1195;
-    let t1501 = t1500 + t1499;
-    let t1502 = t520 * t1323;
-    let t1503 = inverse_d_beta * t1320;
-    let t1504 = t1503 + t1502;
-    let t1505 = t520 * t1432;
-    let t1506 = inverse_d_beta * t1429;
-    let t1507 = t1506 + t1505;
-    let t1508 = t520 * t1495;
-    let t1509 = inverse_d_beta * t1478;
-    let t1510 = t1509 + t1508;
-    let t1511 = t492 * t1498;
-    let t1512 = inverse_d_gamma * t1020;
-    let t1513 = t1512 + t1511;
-    let t1514 = t399 * t1057;
-    let t1515 = t1513 - t1514;
-    let t1516 = t492 * t1501;
-    let t1517 = inverse_d_gamma * t1156;
-    let t1518 = t1517 - t1516;
-    let t1519 = t399 * t1198;
-    let t1520 = t1518 + t1519;
-    let t1521 = t492 * t1504;
-    let t1522 = inverse_d_gamma * t1293;
-    let t1523 = t1522 - t1521;
-    let t1524 = t399 * t1323;
-    let t1525 = t1523 + t1524;
-    let t1526 = t492 * t1507;
-    let t1527 = inverse_d_gamma * t1404;
-    let t1528 = t1527 - t1526;
-    let t1529 = t399 * t1432;
-    let t1530 = t1528 + t1529;
-    let t1531 = t492 * t1510;
-    let t1532 = inverse_d_gamma * t1472;
-    let t1533 = t1532 - t1531;
-    let t1534 = t399 * t1495;
-    let t1535 = t1533 + t1534;
-    let t1536 = t364 * t1515;
-    let t1537 = inverse_d_delta * t980;
-    let t1538 = t1537 + t1536;
-    let t1539 = t472 * t1498;
-    let t1540 = t1538 - t1539;
-    let t1541 = t310 * t1057;
-    let t1542 = t1540 - t1541;
-    let t1543 = t364 * t1520;
-    let t1544 = inverse_d_delta * t1135;
-    let t1545 = t1544 + t1543;
-    let t1546 = t472 * t1501;
-    let t1547 = t1545 + t1546;
-    let t1548 = t310 * t1198;
-    let t1549 = t1547 + t1548;
-    let t1550 = t364 * t1525;
-    let t1551 = inverse_d_delta * t1282;
-    let t1552 = t1551 - t1550;
-    let t1553 = t472 * t1504;
+    let t1453 = t1449 - t1452;
+    let t1454 = omega_epsilon_y * t954;
+    let t1455 = omega_epsilon_x * t956;
+    let t1456 = t1454 - t1455;
+    let t1457 = t1453 - t1456;
+    let t1458 = omega_epsilon_y * t995;
+    let t1459 = force_epsilon_x_2 - t1458;
+    let t1460 = sin_epsilon * t1459;
+    let t1461 = omega_epsilon_x * t995;
+    let t1462 = 0.009952485403000002 * t1425;
+    let t1463 = t1462 - t1461;
+    let t1464 = force_epsilon_y + t1463;
+    let t1465 = cos_epsilon * t1464;
+    let t1466 = t1465 + t1460;
+    let t1467 = t1457 - t1466;
+    let t1468 = sin_delta * t1467;
+    let t1469 = t1445 + t1468;
+    let t1470 = sin_beta_gamma * t1469;
+    let t1471 = sin_epsilon * t1432;
+    let t1472 = cos_epsilon * t1438;
+    let t1473 = t1471 - t1472;
+    let t1474 = cos_beta_gamma * t1473;
+    let t1475 = t1470 + t1474;
+    let t1476 = sin_delta * t1466;
+    let t1477 = cos_delta * t1443;
+    let t1478 = t1476 - t1477;
+    let t1479 = t54 * t1478;
+    let t1480 = t1475 - t1479;
+    let t1481 = inverse_d_alpha * t1480;
+    let t1482 = sin_delta * t1444;
+    let t1483 = cos_delta * t1467;
+    let t1484 = t1482 - t1483;
+    let t1485 = cos_delta * t1466;
+    let t1486 = sin_delta * t1443;
+    let t1487 = t1485 + t1486;
+    let t1488 = cos_beta_gamma * t1487;
+    let t1489 = cos_epsilon * t1459;
+    let t1490 = sin_epsilon * t1464;
+    let t1491 = t1490 - t1489;
+    let t1492 = sin_beta_gamma * t1491;
+    let t1493 = t1488 - t1492;
+    let t1494 = t176 * t1493;
+    let t1495 = sin_beta_gamma * t1487;
+    let t1496 = cos_beta_gamma * t1491;
+    let t1497 = t1495 + t1496;
+    let t1498 = t54 * t1497;
+    let t1499 = t1498 + t1494;
+    let t1500 = t1484 + t1499;
+    let t1501 = t465 * t1500;
+    let t1502 = t1481 + t1501;
+    let t1503 = t516 * t1484;
+    let t1504 = t1502 - t1503;
+    let t1505 = t610 * t1473;
+    let t1506 = t1504 + t1505;
+    let t1507 = t617 * t1457;
+    let t1508 = t1506 + t1507;
+    let t1509 = t792 * t1162;
+    let t1510 = omega_epsilon_y * t1174;
+    let t1511 = t1509 + t1510;
+    let t1512 = t633 * t1511;
+    let t1513 = t1508 + t1512;
+    let t1514 = t22 * t793;
+    let t1515 = t67 * t838;
+    let t1516 = t1515 - t1514;
+    let t1517 = omega_epsilon_x * t964;
+    let t1518 = omega_epsilon_z * t941;
+    let t1519 = t1518 - t1517;
+    let t1520 = t1516 - t1519;
+    let t1521 = moment_zeta_y_2 - t1520;
+    let t1522 = cos_epsilon * t1521;
+    let t1523 = omega_epsilon_x * t969;
+    let t1524 = omega_epsilon_z * t935;
+    let t1525 = t1524 - t1523;
+    let t1526 = t69 * t429;
+    let t1527 = t1526 + t1525;
+    let t1528 = sin_epsilon * t1527;
+    let t1529 = t1522 + t1528;
+    let t1530 = cos_delta * t1529;
+    let t1531 = t68 * t793;
+    let t1532 = t22 * t838;
+    let t1533 = t1531 - t1532;
+    let t1534 = omega_epsilon_z * t951;
+    let t1535 = omega_epsilon_x * t941;
+    let t1536 = t1535 - t1534;
+    let t1537 = t1533 - t1536;
+    let t1538 = moment_zeta_x_2 - t1537;
+    let t1539 = sin_delta * t1538;
+    let t1540 = t1530 + t1539;
+    let t1541 = sin_beta_gamma * t1540;
+    let t1542 = sin_epsilon * t1521;
+    let t1543 = cos_epsilon * t1527;
+    let t1544 = t1542 - t1543;
+    let t1545 = cos_beta_gamma * t1544;
+    let t1546 = t1541 + t1545;
+    let t1547 = inverse_d_alpha * t1546;
+    let t1548 = sin_delta * t1529;
+    let t1549 = cos_delta * t1538;
+    let t1550 = t1548 - t1549;
+    let t1551 = t465 * t1550;
+    let t1552 = t1547 + t1551;
+    let t1553 = t516 * t1550;
     let t1554 = t1552 - t1553;
-    let t1555 = t310 * t1323;
-    let t1556 = t1554 - t1555;
-    let t1557 = t364 * t1530;
-    let t1558 = inverse_d_delta * t1393;
-    let t1559 = t1558 + t1557;
-    let t1560 = t472 * t1507;
-    let t1561 = t1559 + t1560;
-    let t1562 = t310 * t1432;
+    let t1555 = t610 * t1544;
+    let t1556 = t1554 + t1555;
+    let t1557 = t617 * t1538;
+    let t1558 = t1556 + t1557;
+    let t1559 = t633 * t1527;
+    let t1560 = t1558 + t1559;
+    let t1561 = t465 * t1041;
+    let t1562 = t467 * t1083;
     let t1563 = t1561 + t1562;
-    let t1564 = t364 * t1535;
-    let t1565 = inverse_d_delta * t1470;
-    let t1566 = t1565 + t1564;
-    let t1567 = t472 * t1510;
-    let t1568 = t1566 + t1567;
-    let t1569 = t310 * t1495;
-    let t1570 = t1568 + t1569;
-    let t1571 = t273 * t1542;
-    let t1572 = inverse_d_epsilon * t944;
-    let t1573 = t1572 - t1571;
-    let t1574 = t354 * t1515;
-    let t1575 = t1573 - t1574;
-    let t1576 = t459 * t1498;
-    let t1577 = t1575 + t1576;
-    let t1578 = t257 * t1057;
-    let t1579 = t1577 + t1578;
-    let t1580 = t273 * t1549;
-    let t1581 = inverse_d_epsilon * t1121;
-    let t1582 = t1581 + t1580;
-    let t1583 = t354 * t1520;
-    let t1584 = t1582 + t1583;
-    let t1585 = t459 * t1501;
-    let t1586 = t1584 + t1585;
-    let t1587 = t257 * t1198;
-    let t1588 = t1586 + t1587;
-    let t1589 = t273 * t1556;
-    let t1590 = inverse_d_epsilon * t1276;
-    let t1591 = t1590 + t1589;
-    let t1592 = t354 * t1525;
+    let t1564 = t470 * t1095;
+    let t1565 = t1563 + t1564;
+    let t1566 = t577 * t1121;
+    let t1567 = t1565 + t1566;
+    let t1568 = t584 * t1159;
+    let t1569 = t1567 + t1568;
+    let t1570 = t600 * t1186;
+    let t1571 = t1569 + t1570;
+    let t1572 = t465 * t1229;
+    let t1573 = t467 * t1273;
+    let t1574 = t1572 - t1573;
+    let t1575 = t470 * t1272;
+    let t1576 = t1574 + t1575;
+    let t1577 = t577 * t1285;
+    let t1578 = t1576 - t1577;
+    let t1579 = t584 * t1300;
+    let t1580 = t1578 - t1579;
+    let t1581 = t600 * t1310;
+    let t1582 = t1580 + t1581;
+    let t1583 = t465 * t1373;
+    let t1584 = t467 * t1395;
+    let t1585 = t1583 + t1584;
+    let t1586 = t470 * t1377;
+    let t1587 = t1585 - t1586;
+    let t1588 = t577 * t1366;
+    let t1589 = t1587 - t1588;
+    let t1590 = t584 * t1409;
+    let t1591 = t1589 - t1590;
+    let t1592 = t600 * t1418;
     let t1593 = t1591 - t1592;
-    let t1594 = t459 * t1504;
-    let t1595 = t1593 - t1594;
-    let t1596 = t257 * t1323;
-    let t1597 = t1595 - t1596;
-    let t1598 = t273 * t1563;
-    let t1599 = inverse_d_epsilon * t1368;
-    let t1600 = t1599 + t1598;
-    let t1601 = t354 * t1530;
+    let t1594 = t465 * t1480;
+    let t1595 = t467 * t1500;
+    let t1596 = t1594 + t1595;
+    let t1597 = t470 * t1484;
+    let t1598 = t1596 - t1597;
+    let t1599 = t577 * t1473;
+    let t1600 = t1598 + t1599;
+    let t1601 = t584 * t1457;
     let t1602 = t1600 + t1601;
-    let t1603 = t459 * t1507;
+    let t1603 = t600 * t1511;
     let t1604 = t1602 + t1603;
-    let t1605 = t257 * t1432;
-    let t1606 = t1604 + t1605;
-    let t1607 = t273 * t1570;
-    let t1608 = inverse_d_epsilon * t1457;
-    let t1609 = t1608 + t1607;
-    let t1610 = t354 * t1535;
+    let t1605 = t465 * t1546;
+    let t1606 = t467 * t1550;
+    let t1607 = t1605 + t1606;
+    let t1608 = t470 * t1550;
+    let t1609 = t1607 - t1608;
+    let t1610 = t577 * t1544;
     let t1611 = t1609 + t1610;
-    let t1612 = t459 * t1510;
+    let t1612 = t584 * t1538;
     let t1613 = t1611 + t1612;
-    let t1614 = t257 * t1495;
+    let t1614 = t600 * t1527;
     let t1615 = t1613 + t1614;
-    let t1616 = t270 * t1542;
-    let t1617 = 71.14379298863692 * t893;
-    let t1618 = t1617 - t1616;
-    let t1619 = t346 * t1515;
+    let t1616 = t516 * t1041;
+    let t1617 = t470 * t1083;
+    let t1618 = t1616 + t1617;
+    let t1619 = t247 * t1095;
     let t1620 = t1618 + t1619;
-    let t1621 = t346 * t1498;
-    let t1622 = t1620 - t1621;
-    let t1623 = t224 * t1057;
-    let t1624 = t1622 - t1623;
-    let t1625 = t270 * t1549;
-    let t1626 = 71.14379298863692 * t1106;
-    let t1627 = t1626 - t1625;
-    let t1628 = t346 * t1520;
-    let t1629 = t1627 + t1628;
-    let t1630 = t346 * t1501;
+    let t1621 = t252 * t1121;
+    let t1622 = t1620 + t1621;
+    let t1623 = t259 * t1159;
+    let t1624 = t1622 + t1623;
+    let t1625 = t560 * t1186;
+    let t1626 = t1624 + t1625;
+    let t1627 = t516 * t1229;
+    let t1628 = t470 * t1273;
+    let t1629 = t1627 - t1628;
+    let t1630 = t247 * t1272;
     let t1631 = t1629 + t1630;
-    let t1632 = t224 * t1198;
-    let t1633 = t1631 + t1632;
-    let t1634 = t270 * t1556;
-    let t1635 = 71.14379298863692 * t1266;
-    let t1636 = t1635 + t1634;
-    let t1637 = t346 * t1525;
-    let t1638 = t1636 + t1637;
-    let t1639 = t346 * t1504;
+    let t1632 = t252 * t1285;
+    let t1633 = t1631 - t1632;
+    let t1634 = t259 * t1300;
+    let t1635 = t1633 - t1634;
+    let t1636 = t560 * t1310;
+    let t1637 = t1635 + t1636;
+    let t1638 = t516 * t1373;
+    let t1639 = t470 * t1395;
     let t1640 = t1638 + t1639;
-    let t1641 = t224 * t1323;
-    let t1642 = t1640 + t1641;
-    let t1643 = t270 * t1563;
-    let t1644 = 71.14379298863692 * t1385;
-    let t1645 = t1644 + t1643;
-    let t1646 = t346 * t1530;
-    let t1647 = t1645 - t1646;
-    let t1648 = t346 * t1507;
-    let t1649 = t1647 - t1648;
-    let t1650 = t224 * t1432;
-    let t1651 = t1649 - t1650;
-    let t1652 = t270 * t1570;
-    let t1653 = 71.14379298863692 * t1446;
-    let t1654 = t1653 + t1652;
-    let t1655 = t346 * t1535;
-    let t1656 = t1654 - t1655;
-    let t1657 = t346 * t1510;
-    let t1658 = t1656 - t1657;
-    let t1659 = t224 * t1495;
-    let t1660 = t1658 - t1659;
-    let t1661 = sin_beta_gamma * t845;
-    let t1662 = t804 - t1661;
-    let t1663 = cos_beta_gamma * t852;
-    let t1664 = sin_beta_gamma * t806;
-    let t1665 = t1663 - t1664;
-    let t1666 = t78 * t1665;
-    let t1667 = v[1] * t71;
-    let t1668 = 2.0 * t1667;
-    let t1669 = t1668 * t745;
-    let t1670 = t1666 + t1669;
-    let t1671 = t1662 + t1670;
-    let t1672 = t191 * t645;
-    let t1673 = t1672 + t1671;
-    let t1674 = t938 * t751;
-    let t1675 = t1066 - t1674;
-    let t1676 = t1675 - t1673;
-    let t1677 = t195 * t195;
-    let t1678 = 1.0 - t1677;
-    let t1679 = t1678 * 200.0;
-    let t1680 = 60.0 + t1679;
-    let t1681 = t1676 - t1680;
-    let t1682 = sin_beta_gamma * t887;
-    let t1683 = cos_beta_gamma * t889;
-    let t1684 = t1682 + t1683;
-    let t1685 = t224 * t1684;
-    let t1686 = t1681 - t1685;
-    let t1687 = sin_beta_gamma * t930;
-    let t1688 = cos_beta_gamma * t934;
+    let t1641 = t247 * t1377;
+    let t1642 = t1640 - t1641;
+    let t1643 = t252 * t1366;
+    let t1644 = t1642 - t1643;
+    let t1645 = t259 * t1409;
+    let t1646 = t1644 - t1645;
+    let t1647 = t560 * t1418;
+    let t1648 = t1646 - t1647;
+    let t1649 = t516 * t1480;
+    let t1650 = t470 * t1500;
+    let t1651 = t1649 + t1650;
+    let t1652 = t247 * t1484;
+    let t1653 = t1651 - t1652;
+    let t1654 = t252 * t1473;
+    let t1655 = t1653 + t1654;
+    let t1656 = t259 * t1457;
+    let t1657 = t1655 + t1656;
+    let t1658 = t560 * t1511;
+    let t1659 = t1657 + t1658;
+    let t1660 = t516 * t1546;
+    let t1661 = t1608 + t1660;
+    let t1662 = t247 * t1550;
+    let t1663 = t1661 - t1662;
+    let t1664 = t252 * t1544;
+    let t1665 = t1663 + t1664;
+    let t1666 = t259 * t1538;
+    let t1667 = t1665 + t1666;
+    let t1668 = t560 * t1527;
+    let t1669 = t1667 + t1668;
+    let t1670 = t610 * t1041;
+    let t1671 = t577 * t1083;
+    let t1672 = t1670 + t1671;
+    let t1673 = t252 * t1095;
+    let t1674 = t1672 + t1673;
+    let t1675 = t662 * t1121;
+    let t1676 = t1674 + t1675;
+    let t1677 = t669 * t1159;
+    let t1678 = t1676 + t1677;
+    let t1679 = t685 * t1186;
+    let t1680 = t1678 + t1679;
+    let t1681 = t610 * t1229;
+    let t1682 = t577 * t1273;
+    let t1683 = t1681 - t1682;
+    let t1684 = t252 * t1272;
+    let t1685 = t1683 + t1684;
+    let t1686 = t662 * t1285;
+    let t1687 = t1685 - t1686;
+    let t1688 = t669 * t1300;
     let t1689 = t1687 - t1688;
-    let t1690 = t938 * t910;
-    let t1691 = t1668 * t903;
-    let t1692 = t1690 - t1691;
-    let t1693 = t1689 - t1692;
-    let t1694 = t257 * t1693;
-    let t1695 = t1686 - t1694;
-    let t1696 = sin_beta_gamma * t967;
-    let t1697 = cos_beta_gamma * t970;
+    let t1690 = t685 * t1310;
+    let t1691 = t1689 + t1690;
+    let t1692 = t610 * t1373;
+    let t1693 = t577 * t1395;
+    let t1694 = t1692 + t1693;
+    let t1695 = t252 * t1377;
+    let t1696 = t1694 - t1695;
+    let t1697 = t662 * t1366;
     let t1698 = t1696 - t1697;
-    let t1699 = t1668 * t739;
-    let t1700 = t938 * t956;
-    let t1701 = t1700 + t1699;
-    let t1702 = t1698 - t1701;
-    let t1703 = t270 * t1684;
-    let t1704 = t1702 + t1703;
-    let t1705 = t273 * t1693;
-    let t1706 = t1704 - t1705;
-    let t1707 = t310 * t1706;
-    let t1708 = t1695 + t1707;
-    let t1709 = sin_beta_gamma * t1003;
-    let t1710 = cos_beta_gamma * t1009;
-    let t1711 = t1709 - t1710;
-    let t1712 = t938 * t741;
+    let t1699 = t669 * t1409;
+    let t1700 = t1698 - t1699;
+    let t1701 = t685 * t1418;
+    let t1702 = t1700 - t1701;
+    let t1703 = t610 * t1480;
+    let t1704 = t577 * t1500;
+    let t1705 = t1703 + t1704;
+    let t1706 = t252 * t1484;
+    let t1707 = t1705 - t1706;
+    let t1708 = t662 * t1473;
+    let t1709 = t1707 + t1708;
+    let t1710 = t669 * t1457;
+    let t1711 = t1709 + t1710;
+    let t1712 = t685 * t1511;
     let t1713 = t1711 + t1712;
-    let t1714 = t346 * t1684;
-    let t1715 = t1713 - t1714;
-    let t1716 = t354 * t1693;
-    let t1717 = t1715 - t1716;
-    let t1718 = t364 * t1706;
-    let t1719 = t1717 + t1718;
-    let t1720 = t399 * t1719;
-    let t1721 = t1708 + t1720;
-    let t1722 = t492 * t1719;
-    let t1723 = t71 * t1042;
-    let t1724 = t1723 - t1712;
-    let t1725 = t1711 - t1724;
-    let t1726 = t191 * t1046;
-    let t1727 = t1726 - t1725;
-    let t1728 = t1727 + t1714;
-    let t1729 = t459 * t1693;
-    let t1730 = t1728 + t1729;
-    let t1731 = t472 * t1706;
-    let t1732 = t1730 - t1731;
-    let t1733 = t1732 + t1722;
-    let t1734 = t520 * t1733;
-    let t1735 = t1721 - t1734;
-    let t1736 = inverse_d_alpha * t1735;
-    let t1737 = t807 - t1661;
-    let t1738 = t71 * t855;
-    let t1739 = t858 * t741;
-    let t1740 = t1738 - t1739;
-    let t1741 = t1737 + t1740;
-    let t1742 = t1672 + t1741;
-    let t1743 = t1673 - t1742;
-    let t1744 = t1046 * t1027;
-    let t1745 = t1743 + t1744;
-    let t1746 = t431 * t431;
-    let t1747 = 1.0 - t1746;
-    let t1748 = t1747 * 19.62;
-    let t1749 = 76.556 + t1748;
-    let t1750 = t436 * t436;
-    let t1751 = 1.0 - t1750;
-    let t1752 = t1751 * 108.38;
-    let t1753 = t1749 + t1752;
-    let t1754 = t440 * t440;
-    let t1755 = 1.0 - t1754;
-    let t1756 = t1755 * 44.720000000000006;
-    let t1757 = t1753 + t1756;
-    let t1758 = t1745 + t1757;
-    let t1759 = sin_delta * t882;
-    let t1760 = cos_delta * t885;
-    let t1761 = t1759 - t1760;
-    let t1762 = t1046 * t875;
-    let t1763 = t1761 + t1762;
-    let t1764 = t346 * t1763;
-    let t1765 = t1758 + t1764;
-    let t1766 = sin_delta * t926;
-    let t1767 = cos_delta * t928;
-    let t1768 = t1766 - t1767;
-    let t1769 = t858 * t910;
-    let t1770 = t1668 * t914;
-    let t1771 = t1770 - t1769;
-    let t1772 = t1768 - t1771;
-    let t1773 = t1046 * t905;
-    let t1774 = t1772 - t1773;
-    let t1775 = t459 * t1774;
-    let t1776 = t1765 + t1775;
-    let t1777 = sin_delta * t832;
-    let t1778 = cos_delta * t838;
+    let t1714 = t610 * t1546;
+    let t1715 = t577 * t1550;
+    let t1716 = t1714 + t1715;
+    let t1717 = t252 * t1550;
+    let t1718 = t1716 - t1717;
+    let t1719 = t662 * t1544;
+    let t1720 = t1718 + t1719;
+    let t1721 = t669 * t1538;
+    let t1722 = t1720 + t1721;
+    let t1723 = t685 * t1527;
+    let t1724 = t1722 + t1723;
+    let t1725 = t617 * t1041;
+    let t1726 = t584 * t1083;
+    let t1727 = t1725 + t1726;
+    let t1728 = t259 * t1095;
+    let t1729 = t1727 + t1728;
+    let t1730 = t669 * t1121;
+    let t1731 = t1729 + t1730;
+    let t1732 = t825 * t1159;
+    let t1733 = t1731 + t1732;
+    let t1734 = t736 * t1186;
+    let t1735 = t1733 + t1734;
+    let t1736 = t617 * t1229;
+    let t1737 = t584 * t1273;
+    let t1738 = t1736 - t1737;
+    let t1739 = t259 * t1272;
+    let t1740 = t1738 + t1739;
+    let t1741 = t669 * t1285;
+    let t1742 = t1740 - t1741;
+    let t1743 = t825 * t1300;
+    let t1744 = t1742 - t1743;
+    let t1745 = t736 * t1310;
+    let t1746 = t1744 + t1745;
+    let t1747 = t617 * t1373;
+    let t1748 = t584 * t1395;
+    let t1749 = t1747 + t1748;
+    let t1750 = t259 * t1377;
+    let t1751 = t1749 - t1750;
+    let t1752 = t669 * t1366;
+    let t1753 = t1751 - t1752;
+    let t1754 = t825 * t1409;
+    let t1755 = t1753 - t1754;
+    let t1756 = t736 * t1418;
+    let t1757 = t1755 - t1756;
+    let t1758 = t617 * t1480;
+    let t1759 = t584 * t1500;
+    let t1760 = t1758 + t1759;
+    let t1761 = t259 * t1484;
+    let t1762 = t1760 - t1761;
+    let t1763 = t669 * t1473;
+    let t1764 = t1762 + t1763;
+    let t1765 = t825 * t1457;
+    let t1766 = t1764 + t1765;
+    let t1767 = t736 * t1511;
+    let t1768 = t1766 + t1767;
+    let t1769 = t617 * t1546;
+    let t1770 = t584 * t1550;
+    let t1771 = t1769 + t1770;
+    let t1772 = t259 * t1550;
+    let t1773 = t1771 - t1772;
+    let t1774 = t669 * t1544;
+    let t1775 = t1773 + t1774;
+    let t1776 = t825 * t1538;
+    let t1777 = t1775 + t1776;
+    let t1778 = t736 * t1527;
     let t1779 = t1777 + t1778;
-    let t1780 = 0.001515 * omega_gamma_x;
-    let t1781 = t1779 + t1780;
-    let t1782 = t858 * t956;
-    let t1783 = t1668 * t958;
-    let t1784 = t1783 - t1782;
-    let t1785 = t1781 - t1784;
-    let t1786 = t1046 * t954;
-    let t1787 = t1785 - t1786;
-    let t1788 = t270 * t1763;
-    let t1789 = t1787 + t1788;
-    let t1790 = t273 * t1774;
-    let t1791 = t1789 - t1790;
-    let t1792 = t472 * t1791;
-    let t1793 = t1776 - t1792;
-    let t1794 = t807 - t804;
-    let t1795 = t1669 + t1739;
-    let t1796 = t1794 - t1795;
-    let t1797 = t988 * t1046;
-    let t1798 = t1796 - t1797;
-    let t1799 = t1798 - t1764;
-    let t1800 = t354 * t1774;
-    let t1801 = t1799 - t1800;
-    let t1802 = t364 * t1791;
-    let t1803 = t1801 + t1802;
-    let t1804 = t492 * t1803;
-    let t1805 = t1793 + t1804;
-    let t1806 = t520 * t1805;
-    let t1807 = t789 - t999;
-    let t1808 = t162 + t1807;
-    let t1809 = sin_beta_gamma * t1808;
-    let t1810 = cos_beta_gamma * t1779;
-    let t1811 = t1809 - t1810;
-    let t1812 = t858 * t751;
-    let t1813 = t1811 - t1812;
-    let t1814 = t1046 * t749;
-    let t1815 = t1813 - t1814;
-    let t1816 = t224 * t1763;
-    let t1817 = t1815 + t1816;
-    let t1818 = t257 * t1774;
+    let t1780 = t633 * t1041;
+    let t1781 = t600 * t1083;
+    let t1782 = t1780 + t1781;
+    let t1783 = t560 * t1095;
+    let t1784 = t1782 + t1783;
+    let t1785 = t685 * t1121;
+    let t1786 = t1784 + t1785;
+    let t1787 = t736 * t1159;
+    let t1788 = t1786 + t1787;
+    let t1789 = t774 * t1186;
+    let t1790 = t1788 + t1789;
+    let t1791 = t633 * t1229;
+    let t1792 = t600 * t1273;
+    let t1793 = t1791 - t1792;
+    let t1794 = t560 * t1272;
+    let t1795 = t1793 + t1794;
+    let t1796 = t685 * t1285;
+    let t1797 = t1795 - t1796;
+    let t1798 = t736 * t1300;
+    let t1799 = t1797 - t1798;
+    let t1800 = t774 * t1310;
+    let t1801 = t1799 + t1800;
+    let t1802 = t633 * t1373;
+    let t1803 = t600 * t1395;
+    let t1804 = t1802 + t1803;
+    let t1805 = t560 * t1377;
+    let t1806 = t1804 - t1805;
+    let t1807 = t685 * t1366;
+    let t1808 = t1806 - t1807;
+    let t1809 = t736 * t1409;
+    let t1810 = t1808 - t1809;
+    let t1811 = t774 * t1418;
+    let t1812 = t1810 - t1811;
+    let t1813 = t633 * t1480;
+    let t1814 = t600 * t1500;
+    let t1815 = t1813 + t1814;
+    let t1816 = t560 * t1484;
+    let t1817 = t1815 - t1816;
+    let t1818 = t685 * t1473;
     let t1819 = t1817 + t1818;
-    let t1820 = t310 * t1791;
-    let t1821 = t1819 - t1820;
-    let t1822 = t399 * t1803;
-    let t1823 = t1821 - t1822;
-    let t1824 = t1823 + t1806;
-    let t1825 = inverse_d_alpha * t1824;
-    let t1826 = 2.0 * omega_gamma_y;
-    let t1827 = t389 * t1826;
-    let t1828 = 2.0 * omega_gamma_x;
-    let t1829 = t359 * t1828;
-    let t1830 = t1827 - t1829;
-    let t1831 = t1794 - t1830;
-    let t1832 = t324 * t324;
-    let t1833 = 1.0 - t1832;
-    let t1834 = t1833 * 1.8399999999999999;
-    let t1835 = 56.231 + t1834;
-    let t1836 = t329 * t329;
-    let t1837 = 1.0 - t1836;
-    let t1838 = t1837 * 3.6799999999999997;
-    let t1839 = t1835 + t1838;
-    let t1840 = t333 * t333;
-    let t1841 = 1.0 - t1840;
-    let t1842 = t1841 * 834.2;
-    let t1843 = t1839 + t1842;
-    let t1844 = t1831 - t1843;
-    let t1845 = t1826 * t871;
-    let t1846 = t1828 * t873;
-    let t1847 = t1845 + t1846;
-    let t1848 = t1761 + t1847;
-    let t1849 = t346 * t1848;
-    let t1850 = t1844 - t1849;
-    let t1851 = t1826 * t899;
-    let t1852 = t245 * t1828;
-    let t1853 = t1851 - t1852;
-    let t1854 = t1768 + t1853;
-    let t1855 = t354 * t1854;
-    let t1856 = t1850 - t1855;
-    let t1857 = t1828 * t949;
-    let t1858 = t290 * t1826;
-    let t1859 = t1858 + t1857;
-    let t1860 = t1781 - t1859;
-    let t1861 = t270 * t1848;
-    let t1862 = t1860 + t1861;
-    let t1863 = t273 * t1854;
-    let t1864 = t1862 - t1863;
-    let t1865 = t364 * t1864;
-    let t1866 = t1856 + t1865;
-    let t1867 = t492 * t1866;
-    let t1868 = t1826 * t751;
-    let t1869 = t852 + t1868;
-    let t1870 = sin_beta_gamma * t1869;
-    let t1871 = t1828 * t751;
-    let t1872 = t806 - t1871;
-    let t1873 = cos_beta_gamma * t1872;
-    let t1874 = t1873 + t1870;
-    let t1875 = t71 * t1874;
-    let t1876 = cos_beta_gamma * t1869;
-    let t1877 = sin_beta_gamma * t1872;
-    let t1878 = t1877 - t1876;
-    let t1879 = t78 * t1878;
-    let t1880 = t1879 + t1875;
-    let t1881 = t1831 + t1880;
-    let t1882 = t1881 - t1849;
-    let t1883 = t459 * t1854;
-    let t1884 = t1882 - t1883;
-    let t1885 = t472 * t1864;
-    let t1886 = t1884 + t1885;
-    let t1887 = t1886 - t1867;
-    let t1888 = t520 * t1887;
-    let t1889 = t1826 * t1076;
-    let t1890 = t290 * t1828;
-    let t1891 = t1889 - t1890;
-    let t1892 = t1808 + t1891;
-    let t1893 = sin_beta_gamma * t1892;
-    let t1894 = t1828 * t1060;
-    let t1895 = t1894 - t1858;
-    let t1896 = t1779 + t1895;
-    let t1897 = cos_beta_gamma * t1896;
-    let t1898 = t1893 - t1897;
-    let t1899 = t1828 * t739;
-    let t1900 = t1826 * t737;
-    let t1901 = t1900 - t1899;
-    let t1902 = t78 * t1901;
-    let t1903 = t1898 - t1902;
-    let t1904 = t224 * t1848;
-    let t1905 = t1903 + t1904;
-    let t1906 = t257 * t1854;
-    let t1907 = t1905 + t1906;
-    let t1908 = t310 * t1864;
-    let t1909 = t1907 - t1908;
-    let t1910 = t399 * t1866;
-    let t1911 = t1909 - t1910;
-    let t1912 = t1911 - t1888;
-    let t1913 = inverse_d_alpha * t1912;
-    let t1914 = t772 * t1220;
-    let t1915 = t241 * t787;
-    let t1916 = t1914 + t1915;
-    let t1917 = t812 - t1916;
-    let t1918 = t813 - t814;
-    let t1919 = t1918 + t1917;
-    let t1920 = cos_delta * t1919;
-    let t1921 = t787 * t1200;
-    let t1922 = t241 * t772;
-    let t1923 = t1921 + t1922;
-    let t1924 = t820 + t1923;
-    let t1925 = t821 - t822;
-    let t1926 = t1925 - t1924;
-    let t1927 = sin_delta * t1926;
-    let t1928 = t1920 - t1927;
-    let t1929 = t1928 - t966;
-    let t1930 = sin_beta_gamma * t1929;
-    let t1931 = t245 * t787;
-    let t1932 = t285 * t772;
-    let t1933 = t1932 - t1931;
-    let t1934 = t969 - t1933;
-    let t1935 = cos_beta_gamma * t1934;
-    let t1936 = t1930 - t1935;
-    let t1937 = cos_delta * t1918;
-    let t1938 = sin_delta * t1925;
-    let t1939 = t1938 - t1937;
-    let t1940 = t78 * t1939;
-    let t1941 = t1936 - t1940;
-    let t1942 = t772 * t870;
-    let t1943 = t889 + t1942;
-    let t1944 = t224 * t1943;
-    let t1945 = t1941 + t1944;
-    let t1946 = t787 * t896;
-    let t1947 = t1922 + t1946;
-    let t1948 = t933 + t1947;
-    let t1949 = t257 * t1948;
-    let t1950 = t1945 + t1949;
-    let t1951 = t263 * t263;
-    let t1952 = 1.0 - t1951;
-    let t1953 = t1952 * 40.0;
-    let t1954 = 10.0 + t1953;
-    let t1955 = t1934 - t1954;
-    let t1956 = t270 * t1943;
-    let t1957 = t1955 + t1956;
-    let t1958 = t273 * t1948;
-    let t1959 = t1957 - t1958;
-    let t1960 = t310 * t1959;
-    let t1961 = t1950 - t1960;
-    let t1962 = sin_delta * t1919;
-    let t1963 = cos_delta * t1926;
-    let t1964 = t1962 + t1963;
-    let t1965 = t1964 - t1780;
-    let t1966 = t346 * t1943;
-    let t1967 = t1965 + t1966;
-    let t1968 = t354 * t1948;
-    let t1969 = t1967 + t1968;
-    let t1970 = t364 * t1959;
-    let t1971 = t1969 - t1970;
-    let t1972 = t399 * t1971;
-    let t1973 = t1961 + t1972;
-    let t1974 = t492 * t1971;
-    let t1975 = sin_delta * t1918;
-    let t1976 = cos_delta * t1925;
-    let t1977 = t1976 + t1975;
-    let t1978 = cos_beta_gamma * t1977;
-    let t1979 = sin_beta_gamma * t788;
+    let t1820 = t736 * t1457;
+    let t1821 = t1819 + t1820;
+    let t1822 = t774 * t1511;
+    let t1823 = t1821 + t1822;
+    let t1824 = t633 * t1546;
+    let t1825 = t600 * t1550;
+    let t1826 = t1824 + t1825;
+    let t1827 = t560 * t1550;
+    let t1828 = t1826 - t1827;
+    let t1829 = t685 * t1544;
+    let t1830 = t1828 + t1829;
+    let t1831 = t736 * t1538;
+    let t1832 = t1830 + t1831;
+    let t1833 = t774 * t1527;
+    let t1834 = t1832 + t1833;
+    let t1835 = sin_beta_gamma * t1147;
+    let t1836 = cos_beta_gamma * t1151;
+    let t1837 = t1835 - t1836;
+    let t1838 = t185 * t1075;
+    let t1839 = v[1] * t176;
+    let t1840 = 2.0 * t1839;
+    let t1841 = t95 * t1840;
+    let t1842 = t1838 - t1841;
+    let t1843 = t1837 - t1842;
+    let t1844 = t617 * t1843;
+    let t1845 = sin_beta_gamma * t1110;
+    let t1846 = cos_beta_gamma * t1113;
+    let t1847 = t1845 - t1846;
+    let t1848 = t51 * t1840;
+    let t1849 = t197 * t1075;
+    let t1850 = t1849 + t1848;
+    let t1851 = t1847 - t1850;
+    let t1852 = t610 * t1851;
+    let t1853 = sin_beta_gamma * t1059;
+    let t1854 = cos_beta_gamma * t1065;
+    let t1855 = t1853 - t1854;
+    let t1856 = t175 * t1075;
+    let t1857 = t1855 + t1856;
+    let t1858 = t516 * t1857;
+    let t1859 = t176 * t1072;
+    let t1860 = t1859 - t1856;
+    let t1861 = t1855 - t1860;
+    let t1862 = t492 * t1079;
+    let t1863 = t1862 - t1861;
+    let t1864 = t465 * t1863;
+    let t1865 = sin_beta_gamma * t1019;
+    let t1866 = t978 - t1865;
+    let t1867 = cos_beta_gamma * t1026;
+    let t1868 = sin_beta_gamma * t980;
+    let t1869 = t1867 - t1868;
+    let t1870 = t54 * t1869;
+    let t1871 = t53 * t1840;
+    let t1872 = t1870 + t1871;
+    let t1873 = t1866 + t1872;
+    let t1874 = t492 * t270;
+    let t1875 = t1874 + t1873;
+    let t1876 = t196 * t1075;
+    let t1877 = t1197 - t1876;
+    let t1878 = t1877 - t1875;
+    let t1879 = t542 * t542;
+    let t1880 = 1.0 - t1879;
+    let t1881 = t1880 * 200.0;
+    let t1882 = 60.0 + t1881;
+    let t1883 = t1878 - t1882;
+    let t1884 = inverse_d_alpha * t1883;
+    let t1885 = t1884 - t1864;
+    let t1886 = t1885 - t1858;
+    let t1887 = t1886 + t1852;
+    let t1888 = t1887 - t1844;
+    let t1889 = sin_beta_gamma * t1180;
+    let t1890 = cos_beta_gamma * t1182;
+    let t1891 = t1889 + t1890;
+    let t1892 = t633 * t1891;
+    let t1893 = t1888 + t1892;
+    let t1894 = sin_delta * t1143;
+    let t1895 = cos_delta * t1145;
+    let t1896 = t1894 - t1895;
+    let t1897 = t185 * t1032;
+    let t1898 = t189 * t1840;
+    let t1899 = t1898 - t1897;
+    let t1900 = t1896 - t1899;
+    let t1901 = t1079 * t1132;
+    let t1902 = t1900 - t1901;
+    let t1903 = t617 * t1902;
+    let t1904 = sin_delta * t1006;
+    let t1905 = cos_delta * t1012;
+    let t1906 = t1904 + t1905;
+    let t1907 = 0.001515 * omega_gamma_x;
+    let t1908 = t1906 + t1907;
+    let t1909 = t197 * t1032;
+    let t1910 = t199 * t1840;
+    let t1911 = t1910 - t1909;
+    let t1912 = t1908 - t1911;
+    let t1913 = t1079 * t1103;
+    let t1914 = t1912 + t1913;
+    let t1915 = t610 * t1914;
+    let t1916 = t981 - t978;
+    let t1917 = t175 * t1032;
+    let t1918 = t1871 + t1917;
+    let t1919 = t1916 - t1918;
+    let t1920 = t1045 * t1079;
+    let t1921 = t1919 - t1920;
+    let t1922 = t516 * t1921;
+    let t1923 = t981 - t1865;
+    let t1924 = t176 * t1029;
+    let t1925 = t1924 - t1917;
+    let t1926 = t1923 + t1925;
+    let t1927 = t1874 + t1926;
+    let t1928 = t1875 - t1927;
+    let t1929 = t1047 * t1079;
+    let t1930 = t1928 + t1929;
+    let t1931 = t498 * t498;
+    let t1932 = 1.0 - t1931;
+    let t1933 = t1932 * 19.62;
+    let t1934 = 76.556 + t1933;
+    let t1935 = t503 * t503;
+    let t1936 = 1.0 - t1935;
+    let t1937 = t1936 * 108.38;
+    let t1938 = t1934 + t1937;
+    let t1939 = t507 * t507;
+    let t1940 = 1.0 - t1939;
+    let t1941 = t1940 * 44.720000000000006;
+    let t1942 = t1938 + t1941;
+    let t1943 = t1930 + t1942;
+    let t1944 = t465 * t1943;
+    let t1945 = t963 - t1055;
+    let t1946 = t441 + t1945;
+    let t1947 = sin_beta_gamma * t1946;
+    let t1948 = cos_beta_gamma * t1906;
+    let t1949 = t1947 - t1948;
+    let t1950 = t196 * t1032;
+    let t1951 = t1949 - t1950;
+    let t1952 = t926 * t1079;
+    let t1953 = t1951 - t1952;
+    let t1954 = inverse_d_alpha * t1953;
+    let t1955 = t1954 + t1944;
+    let t1956 = t1955 + t1922;
+    let t1957 = t1956 - t1915;
+    let t1958 = t1957 + t1903;
+    let t1959 = sin_delta * t1175;
+    let t1960 = cos_delta * t1178;
+    let t1961 = t1959 - t1960;
+    let t1962 = t1079 * t1168;
+    let t1963 = t1961 + t1962;
+    let t1964 = t633 * t1963;
+    let t1965 = t1958 - t1964;
+    let t1966 = 2.0 * omega_gamma_y;
+    let t1967 = t1966 * t1127;
+    let t1968 = 2.0 * omega_gamma_x;
+    let t1969 = t40 * t1968;
+    let t1970 = t1967 - t1969;
+    let t1971 = t1896 + t1970;
+    let t1972 = t617 * t1971;
+    let t1973 = t1968 * t1098;
+    let t1974 = t42 * t1966;
+    let t1975 = t1974 - t1973;
+    let t1976 = t1908 + t1975;
+    let t1977 = t610 * t1976;
+    let t1978 = t160 * t1966;
+    let t1979 = t151 * t1968;
     let t1980 = t1978 + t1979;
-    let t1981 = t71 * t1980;
-    let t1982 = sin_beta_gamma * t1977;
-    let t1983 = cos_beta_gamma * t788;
-    let t1984 = t1982 - t1983;
-    let t1985 = t78 * t1984;
-    let t1986 = t1985 + t1981;
-    let t1987 = t1965 + t1986;
-    let t1988 = t1987 + t1966;
-    let t1989 = t459 * t1948;
-    let t1990 = t1988 + t1989;
-    let t1991 = t472 * t1959;
-    let t1992 = t1990 - t1991;
-    let t1993 = t1992 - t1974;
-    let t1994 = t520 * t1993;
-    let t1995 = t1973 + t1994;
-    let t1996 = inverse_d_alpha * t1995;
-    let t1997 = 2.0 * omega_epsilon_y;
-    let t1998 = t1997 * t1330;
-    let t1999 = t791 - t1998;
+    let t1981 = t1916 - t1980;
+    let t1982 = t446 * t446;
+    let t1983 = 1.0 - t1982;
+    let t1984 = t1983 * 1.8399999999999999;
+    let t1985 = 56.231 + t1984;
+    let t1986 = t451 * t451;
+    let t1987 = 1.0 - t1986;
+    let t1988 = t1987 * 3.6799999999999997;
+    let t1989 = t1985 + t1988;
+    let t1990 = t455 * t455;
+    let t1991 = 1.0 - t1990;
+    let t1992 = t1991 * 834.2;
+    let t1993 = t1989 + t1992;
+    let t1994 = t1981 - t1993;
     [
         sin_delta,
         cos_delta,
@@ -11022,109 +11178,144 @@ fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 109] {
         cos_epsilon,
         sin_beta_gamma,
         cos_beta_gamma,
-        t39,
-        omega_epsilon_y,
+        t22,
+        t23,
+        t36,
+        t40,
+        t42,
+        t49,
         t51,
-        t55,
-        t71,
-        t78,
-        t205,
-        t224,
-        t230,
-        inverse_d_epsilon,
-        t257,
-        t270,
-        t273,
-        inverse_d_delta,
-        t310,
-        t346,
-        t354,
-        t364,
-        inverse_d_gamma,
-        t399,
-        t459,
-        t472,
-        t492,
-        inverse_d_beta,
-        t520,
+        t54,
+        t67,
+        t68,
+        t176,
+        t196,
         inverse_d_alpha,
-        t549,
-        t552,
-        t557,
+        t247,
+        t252,
+        t259,
+        omega_epsilon_y,
+        t340,
+        t350,
+        t407,
+        t465,
+        t467,
+        t470,
+        t516,
+        t560,
         t564,
-        t593,
+        t572,
+        t577,
+        t584,
+        t600,
         t602,
+        t610,
         t617,
-        t758,
-        t759,
-        t767,
-        t794,
-        t795,
-        t806,
-        t813,
-        t869,
-        t880,
-        t884,
-        t885,
-        t924,
+        t633,
+        t635,
+        t662,
+        t669,
+        t685,
+        t687,
+        t736,
+        t774,
+        t776,
+        t825,
+        t836,
         t932,
-        t1057,
-        t1198,
-        t1323,
-        t1324,
-        t1432,
-        t1495,
-        t1498,
-        t1501,
-        t1504,
-        t1507,
-        t1510,
-        t1515,
-        t1520,
-        t1525,
-        t1530,
-        t1535,
-        t1542,
-        t1549,
-        t1556,
-        t1563,
-        t1570,
-        t1579,
-        t1588,
-        t1597,
-        t1606,
+        t933,
+        t941,
+        t946,
+        t961,
+        t962,
+        t965,
+        t968,
+        t969,
+        t980,
+        t986,
+        t987,
+        t988,
+        t994,
+        t995,
+        t996,
+        t1026,
+        t1109,
+        t1112,
+        t1124,
+        t1141,
+        t1149,
+        t1150,
+        t1162,
+        t1163,
+        t1164,
+        t1166,
+        t1173,
+        t1177,
+        t1178,
+        t1182,
+        t1188,
+        t1191,
+        t1207,
+        t1312,
+        t1315,
+        t1335,
+        t1420,
+        t1421,
+        t1434,
+        t1513,
+        t1560,
+        t1571,
+        t1582,
+        t1593,
+        t1604,
         t1615,
-        t1624,
-        t1633,
-        t1642,
-        t1651,
-        t1660,
-        t1684,
-        t1693,
-        t1706,
-        t1719,
-        t1733,
-        t1736,
-        t1763,
-        t1774,
-        t1791,
-        t1803,
-        t1805,
-        t1825,
-        t1848,
-        t1854,
-        t1864,
-        t1866,
-        t1887,
-        t1913,
+        t1626,
+        t1637,
+        t1648,
+        t1659,
+        t1669,
+        t1680,
+        t1691,
+        t1702,
+        t1713,
+        t1724,
+        t1735,
+        t1746,
+        t1757,
+        t1768,
+        t1779,
+        t1790,
+        t1801,
+        t1812,
+        t1823,
+        t1834,
+        t1843,
+        t1851,
+        t1857,
+        t1863,
+        t1883,
+        t1891,
+        t1893,
+        t1902,
+        t1906,
+        t1907,
+        t1914,
+        t1921,
         t1943,
-        t1948,
-        t1959,
+        t1946,
+        t1953,
+        t1961,
+        t1963,
+        t1965,
+        t1966,
+        t1968,
         t1971,
-        t1993,
-        t1996,
-        t1997,
-        t1999,
+        t1972,
+        t1974,
+        t1976,
+        t1977,
+        t1981,
+        t1994,
     ]
 }
 
@@ -11140,961 +11331,1005 @@ fn linearize_part_2(
     cos_epsilon,
     sin_beta_gamma,
     cos_beta_gamma,
-    t39,
-    omega_epsilon_y,
+    t22,
+    t23,
+    t36,
+    t40,
+    t42,
+    t49,
     t51,
-    t55,
-    t71,
-    t78,
-    t205,
-    t224,
-    t230,
-    inverse_d_epsilon,
-    t257,
-    t270,
-    t273,
-    inverse_d_delta,
-    t310,
-    t346,
-    t354,
-    t364,
-    inverse_d_gamma,
-    t399,
-    t459,
-    t472,
-    t492,
-    inverse_d_beta,
-    t520,
+    t54,
+    t67,
+    t68,
+    t176,
+    t196,
     inverse_d_alpha,
-    t549,
-    t552,
-    t557,
+    t247,
+    t252,
+    t259,
+    omega_epsilon_y,
+    t340,
+    t350,
+    t407,
+    t465,
+    t467,
+    t470,
+    t516,
+    t560,
     t564,
-    t593,
+    t572,
+    t577,
+    t584,
+    t600,
     t602,
+    t610,
     t617,
-    t758,
-    t759,
-    t767,
-    t794,
-    t795,
-    t806,
-    t813,
-    t869,
-    t880,
-    t884,
-    t885,
-    t924,
+    t633,
+    t635,
+    t662,
+    t669,
+    t685,
+    t687,
+    t736,
+    t774,
+    t776,
+    t825,
+    t836,
     t932,
-    t1057,
-    t1198,
-    t1323,
-    t1324,
-    t1432,
-    t1495,
-    t1498,
-    t1501,
-    t1504,
-    t1507,
-    t1510,
-    t1515,
-    t1520,
-    t1525,
-    t1530,
-    t1535,
-    t1542,
-    t1549,
-    t1556,
-    t1563,
-    t1570,
-    t1579,
-    t1588,
-    t1597,
-    t1606,
+    t933,
+    t941,
+    t946,
+    t961,
+    t962,
+    t965,
+    t968,
+    t969,
+    t980,
+    t986,
+    t987,
+    t988,
+    t994,
+    t995,
+    t996,
+    t1026,
+    t1109,
+    t1112,
+    t1124,
+    t1141,
+    t1149,
+    t1150,
+    t1162,
+    t1163,
+    t1164,
+    t1166,
+    t1173,
+    t1177,
+    t1178,
+    t1182,
+    t1188,
+    t1191,
+    t1207,
+    t1312,
+    t1315,
+    t1335,
+    t1420,
+    t1421,
+    t1434,
+    t1513,
+    t1560,
+    t1571,
+    t1582,
+    t1593,
+    t1604,
     t1615,
-    t1624,
-    t1633,
-    t1642,
-    t1651,
-    t1660,
-    t1684,
-    t1693,
-    t1706,
-    t1719,
-    t1733,
-    t1736,
-    t1763,
-    t1774,
-    t1791,
-    t1803,
-    t1805,
-    t1825,
-    t1848,
-    t1854,
-    t1864,
-    t1866,
-    t1887,
-    t1913,
+    t1626,
+    t1637,
+    t1648,
+    t1659,
+    t1669,
+    t1680,
+    t1691,
+    t1702,
+    t1713,
+    t1724,
+    t1735,
+    t1746,
+    t1757,
+    t1768,
+    t1779,
+    t1790,
+    t1801,
+    t1812,
+    t1823,
+    t1834,
+    t1843,
+    t1851,
+    t1857,
+    t1863,
+    t1883,
+    t1891,
+    t1893,
+    t1902,
+    t1906,
+    t1907,
+    t1914,
+    t1921,
     t1943,
-    t1948,
-    t1959,
+    t1946,
+    t1953,
+    t1961,
+    t1963,
+    t1965,
+    t1966,
+    t1968,
     t1971,
-    t1993,
-    t1996,
-    t1997,
-    t1999,
-    ]: [f64; 109],
-) -> [f64; 86] {
-    let t2000 = cos_epsilon * t1999;
-    let t2001 = t758 * t1324;
-    let t2002 = t795 - t2001;
-    let t2003 = sin_epsilon * t2002;
-    let t2004 = t2000 + t2003;
-    let t2005 = t2004 - t924;
-    let t2006 = 0.019904970806000004 * omega_epsilon_y;
-    let t2007 = t2006 + t2005;
-    let t2008 = sin_delta * t2007;
-    let t2009 = t51 * t1997;
-    let t2010 = t767 + t2009;
-    let t2011 = t806 - t2010;
-    let t2012 = cos_delta * t2011;
-    let t2013 = t2008 - t2012;
-    let t2014 = t758 * t869;
-    let t2015 = t885 - t2014;
-    let t2016 = t346 * t2015;
-    let t2017 = t2013 - t2016;
-    let t2018 = t230 * t230;
-    let t2019 = 1.0 - t2018;
-    let t2020 = t2019 * 30.0;
-    let t2021 = 8.0 + t2020;
-    let t2022 = t2010 + t2021;
-    let t2023 = t354 * t2022;
-    let t2024 = t2017 - t2023;
-    let t2025 = sin_epsilon * t1999;
-    let t2026 = cos_epsilon * t2002;
-    let t2027 = t2025 - t2026;
-    let t2028 = t2027 + t932;
-    let t2029 = t270 * t2015;
-    let t2030 = t2028 + t2029;
-    let t2031 = t273 * t2022;
-    let t2032 = t2030 - t2031;
-    let t2033 = t364 * t2032;
-    let t2034 = t2024 + t2033;
-    let t2035 = t492 * t2034;
-    let t2036 = sin_delta * t2006;
-    let t2037 = cos_delta * t806;
-    let t2038 = t2037 - t2036;
-    let t2039 = cos_beta_gamma * t2038;
-    let t2040 = sin_beta_gamma * t813;
-    let t2041 = t2039 + t2040;
-    let t2042 = t71 * t2041;
-    let t2043 = sin_beta_gamma * t2038;
-    let t2044 = cos_beta_gamma * t813;
-    let t2045 = t2043 - t2044;
-    let t2046 = t78 * t2045;
-    let t2047 = t2046 + t2042;
-    let t2048 = t2013 - t2047;
-    let t2049 = t2048 - t2016;
-    let t2050 = t459 * t2022;
-    let t2051 = t2049 - t2050;
-    let t2052 = t472 * t2032;
-    let t2053 = t2051 + t2052;
-    let t2054 = t2053 - t2035;
-    let t2055 = t520 * t2054;
-    let t2056 = cos_delta * t2007;
-    let t2057 = sin_delta * t2011;
-    let t2058 = t2056 + t2057;
-    let t2059 = sin_beta_gamma * t2058;
-    let t2060 = cos_beta_gamma * t2028;
-    let t2061 = t2059 + t2060;
-    let t2062 = cos_delta * t2006;
-    let t2063 = sin_delta * t806;
-    let t2064 = t2063 + t2062;
-    let t2065 = t78 * t2064;
-    let t2066 = t2061 + t2065;
-    let t2067 = t224 * t2015;
-    let t2068 = t2066 - t2067;
-    let t2069 = t257 * t2022;
-    let t2070 = t2068 - t2069;
-    let t2071 = t310 * t2032;
-    let t2072 = t2070 + t2071;
-    let t2073 = t399 * t2034;
-    let t2074 = t2072 + t2073;
-    let t2075 = t2074 + t2055;
-    let t2076 = inverse_d_alpha * t2075;
-    let t2077 = t55 * t602;
-    let t2078 = t759 + t2077;
-    let t2079 = t2078 + t880;
-    let t2080 = cos_epsilon * t2079;
-    let t2081 = sin_delta * t2080;
-    let t2082 = t39 * t758;
-    let t2083 = t794 + t2082;
-    let t2084 = t2083 + t884;
-    let t2085 = cos_delta * t2084;
-    let t2086 = t2081 + t2085;
-    let t2087 = t205 * t205;
-    let t2088 = 1.0 - t2087;
-    let t2089 = 8.0 * t2088;
-    let t2090 = 2.0 + t2089;
-    let t2091 = t346 * t2090;
-    let t2092 = t2086 - t2091;
-    let t2093 = t354 * t2084;
-    let t2094 = t2092 - t2093;
-    let t2095 = sin_epsilon * t2079;
-    let t2096 = t270 * t2090;
-    let t2097 = t2095 + t2096;
-    let t2098 = t273 * t2084;
-    let t2099 = t2097 - t2098;
-    let t2100 = t364 * t2099;
-    let t2101 = t2094 + t2100;
-    let t2102 = t492 * t2101;
-    let t2103 = t459 * t2084;
-    let t2104 = t2092 - t2103;
-    let t2105 = t472 * t2099;
-    let t2106 = t2104 + t2105;
-    let t2107 = t2106 - t2102;
-    let t2108 = t520 * t2107;
-    let t2109 = t399 * t2101;
-    let t2110 = cos_delta * t2080;
-    let t2111 = sin_delta * t2084;
-    let t2112 = t2110 - t2111;
-    let t2113 = sin_beta_gamma * t2112;
-    let t2114 = cos_beta_gamma * t2095;
-    let t2115 = t2113 + t2114;
-    let t2116 = t224 * t2090;
-    let t2117 = t2115 - t2116;
-    let t2118 = t257 * t2084;
-    let t2119 = t2117 - t2118;
-    let t2120 = t310 * t2099;
-    let t2121 = t2119 + t2120;
-    let t2122 = t2121 + t2109;
-    let t2123 = t2122 + t2108;
-    let t2124 = inverse_d_alpha * t2123;
-    let t2125 = t520 * t1736;
-    let t2126 = inverse_d_beta * t1733;
-    let t2127 = t2126 - t2125;
-    let t2128 = t520 * t1825;
-    let t2129 = inverse_d_beta * t1805;
-    let t2130 = t2129 + t2128;
-    let t2131 = t520 * t1913;
-    let t2132 = inverse_d_beta * t1887;
-    let t2133 = t2132 - t2131;
-    let t2134 = t520 * t1996;
-    let t2135 = inverse_d_beta * t1993;
-    let t2136 = t2135 + t2134;
-    let t2137 = t520 * t2076;
-    let t2138 = inverse_d_beta * t2054;
-    let t2139 = t2138 + t2137;
-    let t2140 = t520 * t2124;
-    let t2141 = inverse_d_beta * t2107;
-    let t2142 = t2141 + t2140;
-    let t2143 = t492 * t2127;
-    let t2144 = inverse_d_gamma * t1719;
-    let t2145 = t2144 + t2143;
-    let t2146 = t399 * t1736;
-    let t2147 = t2145 + t2146;
-    let t2148 = t492 * t2130;
-    let t2149 = inverse_d_gamma * t1803;
-    let t2150 = t2149 + t2148;
-    let t2151 = t399 * t1825;
-    let t2152 = t2150 - t2151;
-    let t2153 = t492 * t2133;
-    let t2154 = inverse_d_gamma * t1866;
-    let t2155 = t2154 - t2153;
-    let t2156 = t399 * t1913;
-    let t2157 = t2155 - t2156;
-    let t2158 = t492 * t2136;
-    let t2159 = inverse_d_gamma * t1971;
-    let t2160 = t2159 - t2158;
-    let t2161 = t399 * t1996;
-    let t2162 = t2160 + t2161;
-    let t2163 = t492 * t2139;
-    let t2164 = inverse_d_gamma * t2034;
-    let t2165 = t2164 - t2163;
-    let t2166 = t399 * t2076;
-    let t2167 = t2165 + t2166;
-    let t2168 = t492 * t2142;
-    let t2169 = inverse_d_gamma * t2101;
-    let t2170 = t2169 - t2168;
-    let t2171 = t399 * t2124;
-    let t2172 = t2170 + t2171;
-    let t2173 = t364 * t2147;
-    let t2174 = inverse_d_delta * t1706;
-    let t2175 = t2174 + t2173;
-    let t2176 = t472 * t2127;
-    let t2177 = t2175 - t2176;
-    let t2178 = t310 * t1736;
-    let t2179 = t2177 + t2178;
-    let t2180 = t364 * t2152;
-    let t2181 = inverse_d_delta * t1791;
-    let t2182 = t2181 + t2180;
-    let t2183 = t472 * t2130;
-    let t2184 = t2182 - t2183;
-    let t2185 = t310 * t1825;
-    let t2186 = t2184 - t2185;
-    let t2187 = t364 * t2157;
-    let t2188 = inverse_d_delta * t1864;
-    let t2189 = t2188 + t2187;
-    let t2190 = t472 * t2133;
-    let t2191 = t2189 + t2190;
-    let t2192 = t310 * t1913;
-    let t2193 = t2191 - t2192;
-    let t2194 = t364 * t2162;
-    let t2195 = inverse_d_delta * t1959;
-    let t2196 = t2195 - t2194;
-    let t2197 = t472 * t2136;
-    let t2198 = t2196 - t2197;
-    let t2199 = t310 * t1996;
-    let t2200 = t2198 - t2199;
-    let t2201 = t364 * t2167;
-    let t2202 = inverse_d_delta * t2032;
-    let t2203 = t2202 + t2201;
-    let t2204 = t472 * t2139;
-    let t2205 = t2203 + t2204;
-    let t2206 = t310 * t2076;
-    let t2207 = t2205 + t2206;
-    let t2208 = t364 * t2172;
-    let t2209 = inverse_d_delta * t2099;
-    let t2210 = t2209 + t2208;
-    let t2211 = t472 * t2142;
-    let t2212 = t2210 + t2211;
-    let t2213 = t310 * t2124;
-    let t2214 = t2212 + t2213;
-    let t2215 = t273 * t2179;
-    let t2216 = inverse_d_epsilon * t1693;
-    let t2217 = t2216 - t2215;
-    let t2218 = t354 * t2147;
+    t1972,
+    t1974,
+    t1976,
+    t1977,
+    t1981,
+    t1994,
+    ]: [f64; 144],
+) -> [f64; 90] {
+    let t1995 = t516 * t1994;
+    let t1996 = t196 * t1966;
+    let t1997 = t1026 + t1996;
+    let t1998 = sin_beta_gamma * t1997;
+    let t1999 = t196 * t1968;
+    let t2000 = t980 - t1999;
+    let t2001 = cos_beta_gamma * t2000;
+    let t2002 = t2001 + t1998;
+    let t2003 = t176 * t2002;
+    let t2004 = cos_beta_gamma * t1997;
+    let t2005 = sin_beta_gamma * t2000;
+    let t2006 = t2005 - t2004;
+    let t2007 = t54 * t2006;
+    let t2008 = t2007 + t2003;
+    let t2009 = t1981 + t2008;
+    let t2010 = t465 * t2009;
+    let t2011 = t1966 * t1207;
+    let t2012 = t42 * t1968;
+    let t2013 = t2011 + t2012;
+    let t2014 = t1946 + t2013;
+    let t2015 = sin_beta_gamma * t2014;
+    let t2016 = t1968 * t1191;
+    let t2017 = t2016 + t1974;
+    let t2018 = t1906 + t2017;
+    let t2019 = cos_beta_gamma * t2018;
+    let t2020 = t2015 - t2019;
+    let t2021 = t51 * t1968;
+    let t2022 = t49 * t1966;
+    let t2023 = t2022 - t2021;
+    let t2024 = t54 * t2023;
+    let t2025 = t2020 - t2024;
+    let t2026 = inverse_d_alpha * t2025;
+    let t2027 = t2026 - t2010;
+    let t2028 = t2027 + t1995;
+    let t2029 = t2028 - t1977;
+    let t2030 = t2029 + t1972;
+    let t2031 = t1966 * t1164;
+    let t2032 = t1968 * t1166;
+    let t2033 = t2031 + t2032;
+    let t2034 = t1961 + t2033;
+    let t2035 = t633 * t2034;
+    let t2036 = t2030 - t2035;
+    let t2037 = t961 * t1124;
+    let t2038 = t23 * t946;
+    let t2039 = t2038 + t2037;
+    let t2040 = t1150 + t2039;
+    let t2041 = t617 * t2040;
+    let t2042 = t40 * t961;
+    let t2043 = t36 * t946;
+    let t2044 = t2043 - t2042;
+    let t2045 = t1112 - t2044;
+    let t2046 = t407 * t407;
+    let t2047 = 1.0 - t2046;
+    let t2048 = t2047 * 40.0;
+    let t2049 = 10.0 + t2048;
+    let t2050 = t2045 - t2049;
+    let t2051 = t610 * t2050;
+    let t2052 = t946 * t1335;
+    let t2053 = t23 * t961;
+    let t2054 = t2052 + t2053;
+    let t2055 = t986 - t2054;
+    let t2056 = t987 - t988;
+    let t2057 = t2056 + t2055;
+    let t2058 = sin_delta * t2057;
+    let t2059 = t961 * t1315;
+    let t2060 = t2059 + t2038;
+    let t2061 = t994 + t2060;
+    let t2062 = t995 - t996;
+    let t2063 = t2062 - t2061;
+    let t2064 = cos_delta * t2063;
+    let t2065 = t2058 + t2064;
+    let t2066 = t2065 - t1907;
+    let t2067 = t516 * t2066;
+    let t2068 = sin_delta * t2056;
+    let t2069 = cos_delta * t2062;
+    let t2070 = t2069 + t2068;
+    let t2071 = cos_beta_gamma * t2070;
+    let t2072 = sin_beta_gamma * t962;
+    let t2073 = t2071 + t2072;
+    let t2074 = t176 * t2073;
+    let t2075 = sin_beta_gamma * t2070;
+    let t2076 = cos_beta_gamma * t962;
+    let t2077 = t2075 - t2076;
+    let t2078 = t54 * t2077;
+    let t2079 = t2078 + t2074;
+    let t2080 = t2066 + t2079;
+    let t2081 = t465 * t2080;
+    let t2082 = cos_delta * t2057;
+    let t2083 = sin_delta * t2063;
+    let t2084 = t2082 - t2083;
+    let t2085 = t2084 - t1109;
+    let t2086 = sin_beta_gamma * t2085;
+    let t2087 = cos_beta_gamma * t2045;
+    let t2088 = t2086 - t2087;
+    let t2089 = cos_delta * t2056;
+    let t2090 = sin_delta * t2062;
+    let t2091 = t2090 - t2089;
+    let t2092 = t54 * t2091;
+    let t2093 = t2088 - t2092;
+    let t2094 = inverse_d_alpha * t2093;
+    let t2095 = t2094 + t2081;
+    let t2096 = t2095 - t2067;
+    let t2097 = t2096 - t2051;
+    let t2098 = t2097 + t2041;
+    let t2099 = t946 * t1163;
+    let t2100 = t1182 + t2099;
+    let t2101 = t633 * t2100;
+    let t2102 = t2098 - t2101;
+    let t2103 = 2.0 * omega_epsilon_y;
+    let t2104 = t22 * t2103;
+    let t2105 = t941 + t2104;
+    let t2106 = t350 * t350;
+    let t2107 = 1.0 - t2106;
+    let t2108 = t2107 * 30.0;
+    let t2109 = 8.0 + t2108;
+    let t2110 = t2105 + t2109;
+    let t2111 = t617 * t2110;
+    let t2112 = t2103 * t1421;
+    let t2113 = t965 - t2112;
+    let t2114 = sin_epsilon * t2113;
+    let t2115 = t932 * t1434;
+    let t2116 = t969 - t2115;
+    let t2117 = cos_epsilon * t2116;
+    let t2118 = t2114 - t2117;
+    let t2119 = t2118 + t1149;
+    let t2120 = t610 * t2119;
+    let t2121 = cos_epsilon * t2113;
+    let t2122 = sin_epsilon * t2116;
+    let t2123 = t2121 + t2122;
+    let t2124 = t2123 - t1141;
+    let t2125 = 0.019904970806000004 * omega_epsilon_y;
+    let t2126 = t2125 + t2124;
+    let t2127 = sin_delta * t2126;
+    let t2128 = t980 - t2105;
+    let t2129 = cos_delta * t2128;
+    let t2130 = t2127 - t2129;
+    let t2131 = t516 * t2130;
+    let t2132 = sin_delta * t2125;
+    let t2133 = cos_delta * t980;
+    let t2134 = t2133 - t2132;
+    let t2135 = cos_beta_gamma * t2134;
+    let t2136 = sin_beta_gamma * t987;
+    let t2137 = t2135 + t2136;
+    let t2138 = t176 * t2137;
+    let t2139 = sin_beta_gamma * t2134;
+    let t2140 = cos_beta_gamma * t987;
+    let t2141 = t2139 - t2140;
+    let t2142 = t54 * t2141;
+    let t2143 = t2142 + t2138;
+    let t2144 = t2130 - t2143;
+    let t2145 = t465 * t2144;
+    let t2146 = cos_delta * t2126;
+    let t2147 = sin_delta * t2128;
+    let t2148 = t2146 + t2147;
+    let t2149 = sin_beta_gamma * t2148;
+    let t2150 = cos_beta_gamma * t2119;
+    let t2151 = t2149 + t2150;
+    let t2152 = cos_delta * t2125;
+    let t2153 = sin_delta * t980;
+    let t2154 = t2153 + t2152;
+    let t2155 = t54 * t2154;
+    let t2156 = t2151 + t2155;
+    let t2157 = inverse_d_alpha * t2156;
+    let t2158 = t2157 + t2145;
+    let t2159 = t2158 - t2131;
+    let t2160 = t2159 + t2120;
+    let t2161 = t2160 - t2111;
+    let t2162 = t932 * t1162;
+    let t2163 = t1178 - t2162;
+    let t2164 = t633 * t2163;
+    let t2165 = t2161 + t2164;
+    let t2166 = t68 * t932;
+    let t2167 = t968 + t2166;
+    let t2168 = t2167 + t1177;
+    let t2169 = t617 * t2168;
+    let t2170 = t67 * t340;
+    let t2171 = t933 + t2170;
+    let t2172 = t2171 + t1173;
+    let t2173 = sin_epsilon * t2172;
+    let t2174 = t610 * t2173;
+    let t2175 = cos_epsilon * t2172;
+    let t2176 = sin_delta * t2175;
+    let t2177 = cos_delta * t2168;
+    let t2178 = t2176 + t2177;
+    let t2179 = t516 * t2178;
+    let t2180 = t465 * t2178;
+    let t2181 = cos_delta * t2175;
+    let t2182 = sin_delta * t2168;
+    let t2183 = t2181 - t2182;
+    let t2184 = sin_beta_gamma * t2183;
+    let t2185 = cos_beta_gamma * t2173;
+    let t2186 = t2184 + t2185;
+    let t2187 = inverse_d_alpha * t2186;
+    let t2188 = t2187 + t2180;
+    let t2189 = t2188 - t2179;
+    let t2190 = t2189 + t2174;
+    let t2191 = t2190 - t2169;
+    let t2192 = t564 * t564;
+    let t2193 = 1.0 - t2192;
+    let t2194 = 8.0 * t2193;
+    let t2195 = 2.0 + t2194;
+    let t2196 = t633 * t2195;
+    let t2197 = t2191 + t2196;
+    let t2198 = t584 * t1843;
+    let t2199 = t577 * t1851;
+    let t2200 = t470 * t1857;
+    let t2201 = t467 * t1863;
+    let t2202 = t465 * t1883;
+    let t2203 = t2202 - t2201;
+    let t2204 = t2203 - t2200;
+    let t2205 = t2204 + t2199;
+    let t2206 = t2205 - t2198;
+    let t2207 = t600 * t1891;
+    let t2208 = t2206 + t2207;
+    let t2209 = t584 * t1902;
+    let t2210 = t577 * t1914;
+    let t2211 = t470 * t1921;
+    let t2212 = t467 * t1943;
+    let t2213 = t465 * t1953;
+    let t2214 = t2213 + t2212;
+    let t2215 = t2214 + t2211;
+    let t2216 = t2215 - t2210;
+    let t2217 = t2216 + t2209;
+    let t2218 = t600 * t1963;
     let t2219 = t2217 - t2218;
-    let t2220 = t459 * t2127;
-    let t2221 = t2219 + t2220;
-    let t2222 = t257 * t1736;
-    let t2223 = t2221 - t2222;
-    let t2224 = t273 * t2186;
-    let t2225 = inverse_d_epsilon * t1774;
-    let t2226 = t2225 - t2224;
-    let t2227 = t354 * t2152;
-    let t2228 = t2226 - t2227;
-    let t2229 = t459 * t2130;
-    let t2230 = t2228 + t2229;
-    let t2231 = t257 * t1825;
-    let t2232 = t2230 + t2231;
-    let t2233 = t273 * t2193;
-    let t2234 = inverse_d_epsilon * t1854;
-    let t2235 = t2234 - t2233;
-    let t2236 = t354 * t2157;
-    let t2237 = t2235 - t2236;
-    let t2238 = t459 * t2133;
-    let t2239 = t2237 - t2238;
-    let t2240 = t257 * t1913;
-    let t2241 = t2239 + t2240;
-    let t2242 = t273 * t2200;
-    let t2243 = inverse_d_epsilon * t1948;
-    let t2244 = t2243 - t2242;
-    let t2245 = t354 * t2162;
-    let t2246 = t2244 + t2245;
-    let t2247 = t459 * t2136;
-    let t2248 = t2246 + t2247;
-    let t2249 = t257 * t1996;
-    let t2250 = t2248 + t2249;
-    let t2251 = t273 * t2207;
-    let t2252 = inverse_d_epsilon * t2022;
-    let t2253 = t2252 - t2251;
-    let t2254 = t354 * t2167;
-    let t2255 = t2253 - t2254;
-    let t2256 = t459 * t2139;
-    let t2257 = t2255 - t2256;
-    let t2258 = t257 * t2076;
-    let t2259 = t2257 - t2258;
-    let t2260 = t273 * t2214;
-    let t2261 = inverse_d_epsilon * t2084;
-    let t2262 = t2261 - t2260;
-    let t2263 = t354 * t2172;
-    let t2264 = t2262 - t2263;
-    let t2265 = t459 * t2142;
-    let t2266 = t2264 - t2265;
-    let t2267 = t257 * t2124;
-    let t2268 = t2266 - t2267;
-    let t2269 = t270 * t2179;
-    let t2270 = 71.14379298863692 * t1684;
-    let t2271 = t2270 + t2269;
-    let t2272 = t346 * t2147;
-    let t2273 = t2271 - t2272;
-    let t2274 = t346 * t2127;
-    let t2275 = t2273 + t2274;
-    let t2276 = t224 * t1736;
-    let t2277 = t2275 - t2276;
-    let t2278 = t270 * t2186;
-    let t2279 = 71.14379298863692 * t1763;
+    let t2220 = t584 * t1971;
+    let t2221 = t577 * t1976;
+    let t2222 = t470 * t1994;
+    let t2223 = t467 * t2009;
+    let t2224 = t465 * t2025;
+    let t2225 = t2224 - t2223;
+    let t2226 = t2225 + t2222;
+    let t2227 = t2226 - t2221;
+    let t2228 = t2227 + t2220;
+    let t2229 = t600 * t2034;
+    let t2230 = t2228 - t2229;
+    let t2231 = t584 * t2040;
+    let t2232 = t577 * t2050;
+    let t2233 = t470 * t2066;
+    let t2234 = t467 * t2080;
+    let t2235 = t465 * t2093;
+    let t2236 = t2235 + t2234;
+    let t2237 = t2236 - t2233;
+    let t2238 = t2237 - t2232;
+    let t2239 = t2238 + t2231;
+    let t2240 = t600 * t2100;
+    let t2241 = t2239 - t2240;
+    let t2242 = t584 * t2110;
+    let t2243 = t577 * t2119;
+    let t2244 = t470 * t2130;
+    let t2245 = t467 * t2144;
+    let t2246 = t465 * t2156;
+    let t2247 = t2246 + t2245;
+    let t2248 = t2247 - t2244;
+    let t2249 = t2248 + t2243;
+    let t2250 = t2249 - t2242;
+    let t2251 = t600 * t2163;
+    let t2252 = t2250 + t2251;
+    let t2253 = t584 * t2168;
+    let t2254 = t577 * t2173;
+    let t2255 = t470 * t2178;
+    let t2256 = t467 * t2178;
+    let t2257 = t465 * t2186;
+    let t2258 = t2257 + t2256;
+    let t2259 = t2258 - t2255;
+    let t2260 = t2259 + t2254;
+    let t2261 = t2260 - t2253;
+    let t2262 = t600 * t2195;
+    let t2263 = t2261 + t2262;
+    let t2264 = t259 * t1843;
+    let t2265 = t252 * t1851;
+    let t2266 = t247 * t1857;
+    let t2267 = t470 * t1863;
+    let t2268 = t516 * t1883;
+    let t2269 = t2268 - t2267;
+    let t2270 = t2269 - t2266;
+    let t2271 = t2270 + t2265;
+    let t2272 = t2271 - t2264;
+    let t2273 = t560 * t1891;
+    let t2274 = t2272 + t2273;
+    let t2275 = t259 * t1902;
+    let t2276 = t252 * t1914;
+    let t2277 = t247 * t1921;
+    let t2278 = t470 * t1943;
+    let t2279 = t516 * t1953;
     let t2280 = t2279 + t2278;
-    let t2281 = t346 * t2152;
-    let t2282 = t2280 - t2281;
-    let t2283 = t346 * t2130;
-    let t2284 = t2282 + t2283;
-    let t2285 = t224 * t1825;
-    let t2286 = t2284 + t2285;
-    let t2287 = t270 * t2193;
-    let t2288 = 71.14379298863692 * t1848;
-    let t2289 = t2288 + t2287;
-    let t2290 = t346 * t2157;
-    let t2291 = t2289 - t2290;
-    let t2292 = t346 * t2133;
-    let t2293 = t2291 - t2292;
-    let t2294 = t224 * t1913;
-    let t2295 = t2293 + t2294;
-    let t2296 = t270 * t2200;
-    let t2297 = 71.14379298863692 * t1943;
-    let t2298 = t2297 + t2296;
-    let t2299 = t346 * t2162;
-    let t2300 = t2298 + t2299;
-    let t2301 = t346 * t2136;
-    let t2302 = t2300 + t2301;
-    let t2303 = t224 * t1996;
-    let t2304 = t2302 + t2303;
-    let t2305 = t270 * t2207;
-    let t2306 = 71.14379298863692 * t2015;
-    let t2307 = t2306 + t2305;
-    let t2308 = t346 * t2167;
-    let t2309 = t2307 - t2308;
-    let t2310 = t346 * t2139;
-    let t2311 = t2309 - t2310;
-    let t2312 = t224 * t2076;
-    let t2313 = t2311 - t2312;
-    let t2314 = t270 * t2214;
-    let t2315 = 71.14379298863692 * t2090;
-    let t2316 = t2315 + t2314;
-    let t2317 = t346 * t2172;
-    let t2318 = t2316 - t2317;
-    let t2319 = t346 * t2142;
-    let t2320 = t2318 - t2319;
-    let t2321 = t224 * t2124;
-    let t2322 = t2320 - t2321;
-    let t2323 = 161.0 * inverse_d_alpha;
-    let t2324 = t520 * inverse_d_alpha;
-    let t2325 = 161.0 * t2324;
-    let t2326 = t492 * t2324;
-    let t2327 = t399 * inverse_d_alpha;
-    let t2328 = t2326 - t2327;
-    let t2329 = 161.0 * t2328;
-    let t2330 = t364 * t2328;
-    let t2331 = t472 * t2324;
-    let t2332 = t2330 - t2331;
-    let t2333 = t310 * inverse_d_alpha;
-    let t2334 = t2332 - t2333;
-    let t2335 = 101.0 * t2334;
-    let t2336 = t273 * t2334;
-    let t2337 = t354 * t2328;
-    let t2338 = t2336 + t2337;
-    let t2339 = t459 * t2324;
-    let t2340 = t2338 - t2339;
-    let t2341 = t257 * inverse_d_alpha;
-    let t2342 = t2340 - t2341;
-    let t2343 = 101.0 * t2342;
-    let t2344 = t270 * t2334;
-    let t2345 = t346 * t2328;
-    let t2346 = t2344 - t2345;
-    let t2347 = t346 * t2324;
-    let t2348 = t2346 + t2347;
-    let t2349 = t224 * inverse_d_alpha;
-    let t2350 = t2348 + t2349;
-    let t2351 = 51.0 * t2350;
-    let t2352 = t520 * t2324;
-    let t2353 = inverse_d_beta + t2352;
-    let t2354 = 161.0 * t2353;
-    let t2355 = t492 * t2353;
-    let t2356 = t399 * t2324;
-    let t2357 = t2355 - t2356;
-    let t2358 = 161.0 * t2357;
-    let t2359 = t364 * t2357;
-    let t2360 = t472 * t2353;
+    let t2281 = t2280 + t2277;
+    let t2282 = t2281 - t2276;
+    let t2283 = t2282 + t2275;
+    let t2284 = t560 * t1963;
+    let t2285 = t2283 - t2284;
+    let t2286 = t259 * t1971;
+    let t2287 = t252 * t1976;
+    let t2288 = t247 * t1994;
+    let t2289 = t470 * t2009;
+    let t2290 = t516 * t2025;
+    let t2291 = t2290 - t2289;
+    let t2292 = t2291 + t2288;
+    let t2293 = t2292 - t2287;
+    let t2294 = t2293 + t2286;
+    let t2295 = t560 * t2034;
+    let t2296 = t2294 - t2295;
+    let t2297 = t259 * t2040;
+    let t2298 = t252 * t2050;
+    let t2299 = t247 * t2066;
+    let t2300 = t470 * t2080;
+    let t2301 = t516 * t2093;
+    let t2302 = t2301 + t2300;
+    let t2303 = t2302 - t2299;
+    let t2304 = t2303 - t2298;
+    let t2305 = t2304 + t2297;
+    let t2306 = t560 * t2100;
+    let t2307 = t2305 - t2306;
+    let t2308 = t259 * t2110;
+    let t2309 = t252 * t2119;
+    let t2310 = t247 * t2130;
+    let t2311 = t470 * t2144;
+    let t2312 = t516 * t2156;
+    let t2313 = t2312 + t2311;
+    let t2314 = t2313 - t2310;
+    let t2315 = t2314 + t2309;
+    let t2316 = t2315 - t2308;
+    let t2317 = t560 * t2163;
+    let t2318 = t2316 + t2317;
+    let t2319 = t259 * t2168;
+    let t2320 = t252 * t2173;
+    let t2321 = t247 * t2178;
+    let t2322 = t516 * t2186;
+    let t2323 = t2255 + t2322;
+    let t2324 = t2323 - t2321;
+    let t2325 = t2324 + t2320;
+    let t2326 = t2325 - t2319;
+    let t2327 = t560 * t2195;
+    let t2328 = t2326 + t2327;
+    let t2329 = t669 * t1843;
+    let t2330 = t662 * t1851;
+    let t2331 = t252 * t1857;
+    let t2332 = t577 * t1863;
+    let t2333 = t610 * t1883;
+    let t2334 = t2333 - t2332;
+    let t2335 = t2334 - t2331;
+    let t2336 = t2335 + t2330;
+    let t2337 = t2336 - t2329;
+    let t2338 = t685 * t1891;
+    let t2339 = t2337 + t2338;
+    let t2340 = t669 * t1902;
+    let t2341 = t662 * t1914;
+    let t2342 = t252 * t1921;
+    let t2343 = t577 * t1943;
+    let t2344 = t610 * t1953;
+    let t2345 = t2344 + t2343;
+    let t2346 = t2345 + t2342;
+    let t2347 = t2346 - t2341;
+    let t2348 = t2347 + t2340;
+    let t2349 = t685 * t1963;
+    let t2350 = t2348 - t2349;
+    let t2351 = t669 * t1971;
+    let t2352 = t662 * t1976;
+    let t2353 = t252 * t1994;
+    let t2354 = t577 * t2009;
+    let t2355 = t610 * t2025;
+    let t2356 = t2355 - t2354;
+    let t2357 = t2356 + t2353;
+    let t2358 = t2357 - t2352;
+    let t2359 = t2358 + t2351;
+    let t2360 = t685 * t2034;
     let t2361 = t2359 - t2360;
-    let t2362 = t310 * t2324;
-    let t2363 = t2361 - t2362;
-    let t2364 = 101.0 * t2363;
-    let t2365 = t273 * t2363;
-    let t2366 = t354 * t2357;
-    let t2367 = t2365 + t2366;
-    let t2368 = t459 * t2353;
-    let t2369 = t2367 - t2368;
-    let t2370 = t257 * t2324;
-    let t2371 = t2369 - t2370;
-    let t2372 = 101.0 * t2371;
-    let t2373 = t270 * t2363;
-    let t2374 = t346 * t2357;
-    let t2375 = t2373 - t2374;
-    let t2376 = t346 * t2353;
-    let t2377 = t2375 + t2376;
-    let t2378 = t224 * t2324;
-    let t2379 = t2377 + t2378;
-    let t2380 = 51.0 * t2379;
-    let t2381 = t492 * t520;
-    let t2382 = t399 - t2381;
-    let t2383 = inverse_d_alpha * t2382;
-    let t2384 = t520 * t2383;
-    let t2385 = t492 * inverse_d_beta;
-    let t2386 = t2385 - t2384;
-    let t2387 = t492 * t2386;
-    let t2388 = inverse_d_gamma + t2387;
-    let t2389 = t399 * t2383;
-    let t2390 = t2388 + t2389;
-    let t2391 = 161.0 * t2390;
-    let t2392 = t364 * t2390;
-    let t2393 = t472 * t2386;
-    let t2394 = t2392 - t2393;
-    let t2395 = t310 * t2383;
-    let t2396 = t2394 + t2395;
-    let t2397 = 101.0 * t2396;
-    let t2398 = t273 * t2396;
-    let t2399 = t354 * t2390;
-    let t2400 = t2398 + t2399;
-    let t2401 = t459 * t2386;
-    let t2402 = t2400 - t2401;
-    let t2403 = t257 * t2383;
-    let t2404 = t2402 + t2403;
-    let t2405 = 101.0 * t2404;
-    let t2406 = t270 * t2396;
-    let t2407 = t346 * t2390;
-    let t2408 = t2406 - t2407;
-    let t2409 = t346 * t2386;
-    let t2410 = t2408 + t2409;
-    let t2411 = t224 * t2383;
-    let t2412 = t2410 - t2411;
-    let t2413 = 51.0 * t2412;
-    let t2414 = 161.0 * t2334;
-    let t2415 = 161.0 * t2363;
-    let t2416 = 161.0 * t2396;
-    let t2417 = t364 * t492;
-    let t2418 = t472 - t2417;
-    let t2419 = t520 * t2418;
-    let t2420 = t364 * t399;
-    let t2421 = t310 + t2420;
-    let t2422 = t2421 + t2419;
-    let t2423 = inverse_d_alpha * t2422;
-    let t2424 = t520 * t2423;
-    let t2425 = inverse_d_beta * t2418;
-    let t2426 = t2425 + t2424;
-    let t2427 = t492 * t2426;
-    let t2428 = t364 * inverse_d_gamma;
-    let t2429 = t2428 - t2427;
-    let t2430 = t399 * t2423;
-    let t2431 = t2429 + t2430;
-    let t2432 = t364 * t2431;
-    let t2433 = inverse_d_delta + t2432;
-    let t2434 = t472 * t2426;
-    let t2435 = t2433 + t2434;
-    let t2436 = t310 * t2423;
-    let t2437 = t2435 + t2436;
-    let t2438 = 101.0 * t2437;
-    let t2439 = t273 * t2437;
-    let t2440 = t354 * t2431;
-    let t2441 = t2439 + t2440;
-    let t2442 = t459 * t2426;
-    let t2443 = t2441 + t2442;
-    let t2444 = t257 * t2423;
-    let t2445 = t2443 + t2444;
-    let t2446 = 101.0 * t2445;
-    let t2447 = t270 * t2437;
-    let t2448 = t346 * t2431;
-    let t2449 = t2447 - t2448;
-    let t2450 = t346 * t2426;
-    let t2451 = t2449 - t2450;
-    let t2452 = t224 * t2423;
-    let t2453 = t2451 - t2452;
-    let t2454 = 51.0 * t2453;
-    let t2455 = 161.0 * t2342;
-    let t2456 = 161.0 * t2371;
-    let t2457 = 161.0 * t2404;
-    let t2458 = t273 * t364;
-    let t2459 = t354 + t2458;
-    let t2460 = t492 * t2459;
-    let t2461 = t273 * t472;
-    let t2462 = t459 + t2461;
-    let t2463 = t2462 - t2460;
-    let t2464 = t520 * t2463;
-    let t2465 = t399 * t2459;
-    let t2466 = t273 * t310;
-    let t2467 = t257 + t2466;
-    let t2468 = t2467 + t2465;
-    let t2469 = t2468 + t2464;
-    let t2470 = inverse_d_alpha * t2469;
-    let t2471 = t520 * t2470;
-    let t2472 = inverse_d_beta * t2463;
-    let t2473 = t2472 + t2471;
-    let t2474 = t492 * t2473;
-    let t2475 = inverse_d_gamma * t2459;
-    let t2476 = t2475 - t2474;
-    let t2477 = t399 * t2470;
-    let t2478 = t2476 + t2477;
-    let t2479 = t364 * t2478;
-    let t2480 = t273 * inverse_d_delta;
-    let t2481 = t2480 + t2479;
-    let t2482 = t472 * t2473;
-    let t2483 = t2481 + t2482;
-    let t2484 = t310 * t2470;
-    let t2485 = t2483 + t2484;
-    let t2486 = t273 * t2485;
-    let t2487 = inverse_d_epsilon + t2486;
-    let t2488 = t354 * t2478;
-    let t2489 = t2487 + t2488;
-    let t2490 = t459 * t2473;
+    let t2362 = t669 * t2040;
+    let t2363 = t662 * t2050;
+    let t2364 = t252 * t2066;
+    let t2365 = t577 * t2080;
+    let t2366 = t610 * t2093;
+    let t2367 = t2366 + t2365;
+    let t2368 = t2367 - t2364;
+    let t2369 = t2368 - t2363;
+    let t2370 = t2369 + t2362;
+    let t2371 = t685 * t2100;
+    let t2372 = t2370 - t2371;
+    let t2373 = t669 * t2110;
+    let t2374 = t662 * t2119;
+    let t2375 = t252 * t2130;
+    let t2376 = t577 * t2144;
+    let t2377 = t610 * t2156;
+    let t2378 = t2377 + t2376;
+    let t2379 = t2378 - t2375;
+    let t2380 = t2379 + t2374;
+    let t2381 = t2380 - t2373;
+    let t2382 = t685 * t2163;
+    let t2383 = t2381 + t2382;
+    let t2384 = t669 * t2168;
+    let t2385 = t662 * t2173;
+    let t2386 = t252 * t2178;
+    let t2387 = t577 * t2178;
+    let t2388 = t610 * t2186;
+    let t2389 = t2388 + t2387;
+    let t2390 = t2389 - t2386;
+    let t2391 = t2390 + t2385;
+    let t2392 = t2391 - t2384;
+    let t2393 = t685 * t2195;
+    let t2394 = t2392 + t2393;
+    let t2395 = t825 * t1843;
+    let t2396 = t669 * t1851;
+    let t2397 = t259 * t1857;
+    let t2398 = t584 * t1863;
+    let t2399 = t617 * t1883;
+    let t2400 = t2399 - t2398;
+    let t2401 = t2400 - t2397;
+    let t2402 = t2401 + t2396;
+    let t2403 = t2402 - t2395;
+    let t2404 = t736 * t1891;
+    let t2405 = t2403 + t2404;
+    let t2406 = t825 * t1902;
+    let t2407 = t669 * t1914;
+    let t2408 = t259 * t1921;
+    let t2409 = t584 * t1943;
+    let t2410 = t617 * t1953;
+    let t2411 = t2410 + t2409;
+    let t2412 = t2411 + t2408;
+    let t2413 = t2412 - t2407;
+    let t2414 = t2413 + t2406;
+    let t2415 = t736 * t1963;
+    let t2416 = t2414 - t2415;
+    let t2417 = t825 * t1971;
+    let t2418 = t669 * t1976;
+    let t2419 = t259 * t1994;
+    let t2420 = t584 * t2009;
+    let t2421 = t617 * t2025;
+    let t2422 = t2421 - t2420;
+    let t2423 = t2422 + t2419;
+    let t2424 = t2423 - t2418;
+    let t2425 = t2424 + t2417;
+    let t2426 = t736 * t2034;
+    let t2427 = t2425 - t2426;
+    let t2428 = t825 * t2040;
+    let t2429 = t669 * t2050;
+    let t2430 = t259 * t2066;
+    let t2431 = t584 * t2080;
+    let t2432 = t617 * t2093;
+    let t2433 = t2432 + t2431;
+    let t2434 = t2433 - t2430;
+    let t2435 = t2434 - t2429;
+    let t2436 = t2435 + t2428;
+    let t2437 = t736 * t2100;
+    let t2438 = t2436 - t2437;
+    let t2439 = t825 * t2110;
+    let t2440 = t669 * t2119;
+    let t2441 = t259 * t2130;
+    let t2442 = t584 * t2144;
+    let t2443 = t617 * t2156;
+    let t2444 = t2443 + t2442;
+    let t2445 = t2444 - t2441;
+    let t2446 = t2445 + t2440;
+    let t2447 = t2446 - t2439;
+    let t2448 = t736 * t2163;
+    let t2449 = t2447 + t2448;
+    let t2450 = t825 * t2168;
+    let t2451 = t669 * t2173;
+    let t2452 = t259 * t2178;
+    let t2453 = t584 * t2178;
+    let t2454 = t617 * t2186;
+    let t2455 = t2454 + t2453;
+    let t2456 = t2455 - t2452;
+    let t2457 = t2456 + t2451;
+    let t2458 = t2457 - t2450;
+    let t2459 = t736 * t2195;
+    let t2460 = t2458 + t2459;
+    let t2461 = t685 * t1851;
+    let t2462 = t560 * t1857;
+    let t2463 = t600 * t1863;
+    let t2464 = t633 * t1883;
+    let t2465 = t2464 - t2463;
+    let t2466 = t2465 - t2462;
+    let t2467 = t2466 + t2461;
+    let t2468 = t736 * t1843;
+    let t2469 = t2467 - t2468;
+    let t2470 = t774 * t1891;
+    let t2471 = t2469 + t2470;
+    let t2472 = t685 * t1914;
+    let t2473 = t560 * t1921;
+    let t2474 = t600 * t1943;
+    let t2475 = t633 * t1953;
+    let t2476 = t2475 + t2474;
+    let t2477 = t2476 + t2473;
+    let t2478 = t2477 - t2472;
+    let t2479 = t736 * t1902;
+    let t2480 = t2478 + t2479;
+    let t2481 = t774 * t1963;
+    let t2482 = t2480 - t2481;
+    let t2483 = t685 * t1976;
+    let t2484 = t560 * t1994;
+    let t2485 = t600 * t2009;
+    let t2486 = t633 * t2025;
+    let t2487 = t2486 - t2485;
+    let t2488 = t2487 + t2484;
+    let t2489 = t2488 - t2483;
+    let t2490 = t736 * t1971;
     let t2491 = t2489 + t2490;
-    let t2492 = t257 * t2470;
-    let t2493 = t2491 + t2492;
-    let t2494 = 101.0 * t2493;
-    let t2495 = t270 * t2485;
-    let t2496 = t346 * t2478;
-    let t2497 = t2495 - t2496;
-    let t2498 = t346 * t2473;
-    let t2499 = t2497 - t2498;
-    let t2500 = t224 * t2470;
-    let t2501 = t2499 - t2500;
-    let t2502 = 51.0 * t2501;
-    let t2503 = 161.0 * t2350;
-    let t2504 = 161.0 * t2379;
-    let t2505 = 161.0 * t2412;
-    let t2506 = 101.0 * t2453;
-    let t2507 = 101.0 * t2501;
-    let t2508 = t270 * t364;
-    let t2509 = t346 - t2508;
-    let t2510 = t492 * t2509;
-    let t2511 = t270 * t472;
-    let t2512 = t346 - t2511;
-    let t2513 = t2512 - t2510;
-    let t2514 = t520 * t2513;
-    let t2515 = t399 * t2509;
-    let t2516 = t270 * t310;
-    let t2517 = t224 - t2516;
-    let t2518 = t2517 + t2515;
-    let t2519 = t2518 + t2514;
-    let t2520 = inverse_d_alpha * t2519;
-    let t2521 = t520 * t2520;
-    let t2522 = inverse_d_beta * t2513;
-    let t2523 = t2522 + t2521;
-    let t2524 = t492 * t2523;
-    let t2525 = inverse_d_gamma * t2509;
-    let t2526 = t2525 - t2524;
-    let t2527 = t399 * t2520;
-    let t2528 = t2526 + t2527;
-    let t2529 = t364 * t2528;
-    let t2530 = t270 * inverse_d_delta;
-    let t2531 = t2530 - t2529;
-    let t2532 = t472 * t2523;
-    let t2533 = t2531 - t2532;
-    let t2534 = t310 * t2520;
-    let t2535 = t2533 - t2534;
-    let t2536 = t270 * t2535;
-    let t2537 = 71.14379298863692 + t2536;
-    let t2538 = t346 * t2528;
-    let t2539 = t2537 + t2538;
-    let t2540 = t346 * t2523;
-    let t2541 = t2539 + t2540;
-    let t2542 = t224 * t2520;
-    let t2543 = t2541 + t2542;
-    let t2544 = 51.0 * t2543;
-    let t2545 = y[1] * t1057;
-    let t2546 = y[2] * t1198;
-    let t2547 = t2545 - t2546;
-    let t2548 = y[3] * t1323;
-    let t2549 = t2547 - t2548;
-    let t2550 = y[4] * t1432;
-    let t2551 = t2549 + t2550;
-    let t2552 = y[5] * t1495;
-    let t2553 = t2551 + t2552;
-    let t2554 = v[1] * t1825;
-    let t2555 = v[0] * t1736;
-    let t2556 = t2555 + t2554;
-    let t2557 = v[2] * t1913;
-    let t2558 = t2556 + t2557;
-    let t2559 = v[3] * t1996;
-    let t2560 = t2558 - t2559;
-    let t2561 = v[4] * t2076;
-    let t2562 = t2560 + t2561;
-    let t2563 = v[5] * t2124;
-    let t2564 = t2562 + t2563;
-    let t2565 = t2553 - t2564;
-    let t2566 = u[4] * t2343;
-    let t2567 = u[3] * t2335;
-    let t2568 = u[2] * t2329;
-    let t2569 = u[1] * t2325;
-    let t2570 = u[0] * t2323;
-    let t2571 = t2570 - t2569;
-    let t2572 = t2571 + t2568;
-    let t2573 = t2572 - t2567;
-    let t2574 = t2573 - t2566;
-    let t2575 = u[5] * t2351;
+    let t2492 = t774 * t2034;
+    let t2493 = t2491 - t2492;
+    let t2494 = t685 * t2050;
+    let t2495 = t560 * t2066;
+    let t2496 = t600 * t2080;
+    let t2497 = t633 * t2093;
+    let t2498 = t2497 + t2496;
+    let t2499 = t2498 - t2495;
+    let t2500 = t2499 - t2494;
+    let t2501 = t736 * t2040;
+    let t2502 = t2500 + t2501;
+    let t2503 = t774 * t2100;
+    let t2504 = t2502 - t2503;
+    let t2505 = t685 * t2119;
+    let t2506 = t560 * t2130;
+    let t2507 = t600 * t2144;
+    let t2508 = t633 * t2156;
+    let t2509 = t2508 + t2507;
+    let t2510 = t2509 - t2506;
+    let t2511 = t2510 + t2505;
+    let t2512 = t736 * t2110;
+    let t2513 = t2511 - t2512;
+    let t2514 = t774 * t2163;
+    let t2515 = t2513 + t2514;
+    let t2516 = t685 * t2173;
+    let t2517 = t560 * t2178;
+    let t2518 = t600 * t2178;
+    let t2519 = t633 * t2186;
+    let t2520 = t2519 + t2518;
+    let t2521 = t2520 - t2517;
+    let t2522 = t2521 + t2516;
+    let t2523 = t736 * t2168;
+    let t2524 = t2522 - t2523;
+    let t2525 = t774 * t2195;
+    let t2526 = t2524 + t2525;
+    let t2527 = 161.0 * inverse_d_alpha;
+    let t2528 = 161.0 * t465;
+    let t2529 = 161.0 * t516;
+    let t2530 = 101.0 * t610;
+    let t2531 = 101.0 * t617;
+    let t2532 = 51.0 * t633;
+    let t2533 = 161.0 * t467;
+    let t2534 = 161.0 * t470;
+    let t2535 = 101.0 * t577;
+    let t2536 = 101.0 * t584;
+    let t2537 = 51.0 * t600;
+    let t2538 = 161.0 * t247;
+    let t2539 = 101.0 * t252;
+    let t2540 = 101.0 * t259;
+    let t2541 = 51.0 * t560;
+    let t2542 = 161.0 * t610;
+    let t2543 = 161.0 * t577;
+    let t2544 = 161.0 * t252;
+    let t2545 = 101.0 * t662;
+    let t2546 = 101.0 * t669;
+    let t2547 = 51.0 * t685;
+    let t2548 = 161.0 * t617;
+    let t2549 = 161.0 * t584;
+    let t2550 = 161.0 * t259;
+    let t2551 = 101.0 * t825;
+    let t2552 = 51.0 * t736;
+    let t2553 = 161.0 * t633;
+    let t2554 = 161.0 * t600;
+    let t2555 = 161.0 * t560;
+    let t2556 = 101.0 * t685;
+    let t2557 = 101.0 * t736;
+    let t2558 = 51.0 * t774;
+    let t2559 = y[1] * t1188;
+    let t2560 = y[2] * t1312;
+    let t2561 = t2559 + t2560;
+    let t2562 = y[3] * t1420;
+    let t2563 = t2561 - t2562;
+    let t2564 = y[4] * t1513;
+    let t2565 = t2563 + t2564;
+    let t2566 = y[5] * t1560;
+    let t2567 = t2565 + t2566;
+    let t2568 = v[1] * t1965;
+    let t2569 = v[0] * t1893;
+    let t2570 = t2569 + t2568;
+    let t2571 = v[2] * t2036;
+    let t2572 = t2570 + t2571;
+    let t2573 = v[3] * t2102;
+    let t2574 = t2572 - t2573;
+    let t2575 = v[4] * t2165;
     let t2576 = t2574 + t2575;
-    let t2577 = t2565 - t2576;
-    let t2578 = t549 + t2577;
-    let t2579 = y[1] * t1498;
-    let t2580 = y[2] * t1501;
-    let t2581 = t2579 - t2580;
-    let t2582 = y[3] * t1504;
-    let t2583 = t2581 - t2582;
-    let t2584 = y[4] * t1507;
-    let t2585 = t2583 + t2584;
-    let t2586 = y[5] * t1510;
-    let t2587 = t2585 + t2586;
-    let t2588 = v[1] * t2130;
-    let t2589 = v[0] * t2127;
-    let t2590 = t2589 - t2588;
-    let t2591 = v[2] * t2133;
-    let t2592 = t2590 + t2591;
-    let t2593 = v[3] * t2136;
-    let t2594 = t2592 + t2593;
-    let t2595 = v[4] * t2139;
-    let t2596 = t2594 - t2595;
-    let t2597 = v[5] * t2142;
-    let t2598 = t2596 - t2597;
-    let t2599 = t2587 + t2598;
-    let t2600 = u[4] * t2372;
-    let t2601 = u[3] * t2364;
-    let t2602 = u[2] * t2358;
-    let t2603 = u[1] * t2354;
-    let t2604 = u[0] * t2325;
-    let t2605 = t2604 - t2603;
-    let t2606 = t2605 + t2602;
-    let t2607 = t2606 - t2601;
-    let t2608 = t2607 - t2600;
-    let t2609 = u[5] * t2380;
+    let t2577 = v[5] * t2197;
+    let t2578 = t2576 + t2577;
+    let t2579 = t2567 - t2578;
+    let t2580 = u[4] * t2531;
+    let t2581 = u[3] * t2530;
+    let t2582 = u[2] * t2529;
+    let t2583 = u[1] * t2528;
+    let t2584 = u[0] * t2527;
+    let t2585 = t2584 - t2583;
+    let t2586 = t2585 + t2582;
+    let t2587 = t2586 + t2581;
+    let t2588 = t2587 + t2580;
+    let t2589 = u[5] * t2532;
+    let t2590 = t2588 - t2589;
+    let t2591 = t2579 - t2590;
+    let t2592 = t635 + t2591;
+    let t2593 = y[1] * t1571;
+    let t2594 = y[2] * t1582;
+    let t2595 = t2593 + t2594;
+    let t2596 = y[3] * t1593;
+    let t2597 = t2595 - t2596;
+    let t2598 = y[4] * t1604;
+    let t2599 = t2597 + t2598;
+    let t2600 = y[5] * t1615;
+    let t2601 = t2599 + t2600;
+    let t2602 = v[1] * t2219;
+    let t2603 = v[0] * t2208;
+    let t2604 = t2603 + t2602;
+    let t2605 = v[2] * t2230;
+    let t2606 = t2604 + t2605;
+    let t2607 = v[3] * t2241;
+    let t2608 = t2606 - t2607;
+    let t2609 = v[4] * t2252;
     let t2610 = t2608 + t2609;
-    let t2611 = t2599 - t2610;
-    let t2612 = t552 - t2611;
-    let t2613 = y[1] * t1515;
-    let t2614 = y[2] * t1520;
-    let t2615 = t2613 + t2614;
-    let t2616 = y[3] * t1525;
-    let t2617 = t2615 + t2616;
-    let t2618 = y[4] * t1530;
-    let t2619 = t2617 - t2618;
-    let t2620 = y[5] * t1535;
-    let t2621 = t2619 - t2620;
-    let t2622 = v[1] * t2152;
-    let t2623 = v[0] * t2147;
-    let t2624 = t2623 - t2622;
-    let t2625 = v[2] * t2157;
-    let t2626 = t2624 - t2625;
-    let t2627 = v[3] * t2162;
-    let t2628 = t2626 - t2627;
-    let t2629 = v[4] * t2167;
-    let t2630 = t2628 + t2629;
-    let t2631 = v[5] * t2172;
-    let t2632 = t2630 + t2631;
-    let t2633 = t2621 + t2632;
-    let t2634 = u[4] * t2405;
-    let t2635 = u[3] * t2397;
-    let t2636 = u[2] * t2391;
-    let t2637 = u[1] * t2358;
-    let t2638 = u[0] * t2329;
-    let t2639 = t2638 - t2637;
-    let t2640 = t2639 + t2636;
-    let t2641 = t2640 - t2635;
-    let t2642 = t2641 - t2634;
-    let t2643 = u[5] * t2413;
+    let t2611 = v[5] * t2263;
+    let t2612 = t2610 + t2611;
+    let t2613 = t2601 - t2612;
+    let t2614 = u[4] * t2536;
+    let t2615 = u[3] * t2535;
+    let t2616 = u[2] * t2534;
+    let t2617 = u[1] * t2533;
+    let t2618 = u[0] * t2528;
+    let t2619 = t2618 - t2617;
+    let t2620 = t2619 + t2616;
+    let t2621 = t2620 + t2615;
+    let t2622 = t2621 + t2614;
+    let t2623 = u[5] * t2537;
+    let t2624 = t2622 - t2623;
+    let t2625 = t2613 - t2624;
+    let t2626 = t602 + t2625;
+    let t2627 = y[1] * t1626;
+    let t2628 = y[2] * t1637;
+    let t2629 = t2627 + t2628;
+    let t2630 = y[3] * t1648;
+    let t2631 = t2629 - t2630;
+    let t2632 = y[4] * t1659;
+    let t2633 = t2631 + t2632;
+    let t2634 = y[5] * t1669;
+    let t2635 = t2633 + t2634;
+    let t2636 = v[1] * t2285;
+    let t2637 = v[0] * t2274;
+    let t2638 = t2637 + t2636;
+    let t2639 = v[2] * t2296;
+    let t2640 = t2638 + t2639;
+    let t2641 = v[3] * t2307;
+    let t2642 = t2640 - t2641;
+    let t2643 = v[4] * t2318;
     let t2644 = t2642 + t2643;
-    let t2645 = t2633 - t2644;
-    let t2646 = t557 + t2645;
-    let t2647 = y[1] * t1542;
-    let t2648 = y[2] * t1549;
-    let t2649 = t2647 + t2648;
-    let t2650 = y[3] * t1556;
-    let t2651 = t2649 - t2650;
-    let t2652 = y[4] * t1563;
-    let t2653 = t2651 - t2652;
-    let t2654 = y[5] * t1570;
-    let t2655 = t2653 - t2654;
-    let t2656 = v[1] * t2186;
-    let t2657 = v[0] * t2179;
-    let t2658 = t2657 - t2656;
-    let t2659 = v[2] * t2193;
-    let t2660 = t2658 - t2659;
-    let t2661 = v[3] * t2200;
-    let t2662 = t2660 + t2661;
-    let t2663 = v[4] * t2207;
-    let t2664 = t2662 + t2663;
-    let t2665 = v[5] * t2214;
-    let t2666 = t2664 + t2665;
-    let t2667 = t2655 + t2666;
-    let t2668 = u[4] * t2446;
-    let t2669 = u[3] * t2438;
-    let t2670 = u[2] * t2416;
-    let t2671 = u[1] * t2415;
-    let t2672 = u[0] * t2414;
-    let t2673 = t2672 - t2671;
-    let t2674 = t2673 + t2670;
-    let t2675 = t2674 - t2669;
-    let t2676 = t2675 - t2668;
-    let t2677 = u[5] * t2454;
+    let t2645 = v[5] * t2328;
+    let t2646 = t2644 + t2645;
+    let t2647 = t2635 - t2646;
+    let t2648 = u[4] * t2540;
+    let t2649 = u[3] * t2539;
+    let t2650 = u[2] * t2538;
+    let t2651 = u[1] * t2534;
+    let t2652 = u[0] * t2529;
+    let t2653 = t2652 - t2651;
+    let t2654 = t2653 + t2650;
+    let t2655 = t2654 + t2649;
+    let t2656 = t2655 + t2648;
+    let t2657 = u[5] * t2541;
+    let t2658 = t2656 - t2657;
+    let t2659 = t2647 - t2658;
+    let t2660 = t572 + t2659;
+    let t2661 = y[1] * t1680;
+    let t2662 = y[2] * t1691;
+    let t2663 = t2661 + t2662;
+    let t2664 = y[3] * t1702;
+    let t2665 = t2663 - t2664;
+    let t2666 = y[4] * t1713;
+    let t2667 = t2665 + t2666;
+    let t2668 = y[5] * t1724;
+    let t2669 = t2667 + t2668;
+    let t2670 = v[1] * t2350;
+    let t2671 = v[0] * t2339;
+    let t2672 = t2671 + t2670;
+    let t2673 = v[2] * t2361;
+    let t2674 = t2672 + t2673;
+    let t2675 = v[3] * t2372;
+    let t2676 = t2674 - t2675;
+    let t2677 = v[4] * t2383;
     let t2678 = t2676 + t2677;
-    let t2679 = t2667 - t2678;
-    let t2680 = t564 - t2679;
-    let t2681 = y[1] * t1579;
-    let t2682 = y[2] * t1588;
-    let t2683 = t2681 - t2682;
-    let t2684 = y[3] * t1597;
-    let t2685 = t2683 + t2684;
-    let t2686 = y[4] * t1606;
-    let t2687 = t2685 + t2686;
-    let t2688 = y[5] * t1615;
-    let t2689 = t2687 + t2688;
-    let t2690 = v[1] * t2232;
-    let t2691 = v[0] * t2223;
-    let t2692 = t2691 - t2690;
-    let t2693 = v[2] * t2241;
-    let t2694 = t2692 - t2693;
-    let t2695 = v[3] * t2250;
-    let t2696 = t2694 + t2695;
-    let t2697 = v[4] * t2259;
-    let t2698 = t2696 + t2697;
-    let t2699 = v[5] * t2268;
-    let t2700 = t2698 + t2699;
-    let t2701 = t2689 + t2700;
-    let t2702 = u[4] * t2494;
-    let t2703 = u[3] * t2446;
-    let t2704 = u[2] * t2457;
-    let t2705 = u[1] * t2456;
-    let t2706 = u[0] * t2455;
-    let t2707 = t2706 - t2705;
-    let t2708 = t2707 + t2704;
-    let t2709 = t2708 - t2703;
-    let t2710 = t2709 - t2702;
-    let t2711 = u[5] * t2502;
+    let t2679 = v[5] * t2394;
+    let t2680 = t2678 + t2679;
+    let t2681 = t2669 - t2680;
+    let t2682 = u[4] * t2546;
+    let t2683 = u[3] * t2545;
+    let t2684 = u[2] * t2544;
+    let t2685 = u[1] * t2543;
+    let t2686 = u[0] * t2542;
+    let t2687 = t2686 - t2685;
+    let t2688 = t2687 + t2684;
+    let t2689 = t2688 + t2683;
+    let t2690 = t2689 + t2682;
+    let t2691 = u[5] * t2547;
+    let t2692 = t2690 - t2691;
+    let t2693 = t2681 - t2692;
+    let t2694 = t687 + t2693;
+    let t2695 = y[1] * t1735;
+    let t2696 = y[2] * t1746;
+    let t2697 = t2695 + t2696;
+    let t2698 = y[3] * t1757;
+    let t2699 = t2697 - t2698;
+    let t2700 = y[4] * t1768;
+    let t2701 = t2699 + t2700;
+    let t2702 = y[5] * t1779;
+    let t2703 = t2701 + t2702;
+    let t2704 = v[1] * t2416;
+    let t2705 = v[0] * t2405;
+    let t2706 = t2705 + t2704;
+    let t2707 = v[2] * t2427;
+    let t2708 = t2706 + t2707;
+    let t2709 = v[3] * t2438;
+    let t2710 = t2708 - t2709;
+    let t2711 = v[4] * t2449;
     let t2712 = t2710 + t2711;
-    let t2713 = t2701 + t2712;
-    let t2714 = t617 + t2713;
-    let t2715 = y[1] * t1624;
-    let t2716 = y[2] * t1633;
-    let t2717 = t2715 + t2716;
-    let t2718 = y[3] * t1642;
-    let t2719 = t2717 + t2718;
-    let t2720 = y[4] * t1651;
-    let t2721 = t2719 + t2720;
-    let t2722 = y[5] * t1660;
-    let t2723 = t2721 + t2722;
-    let t2724 = v[1] * t2286;
-    let t2725 = v[0] * t2277;
-    let t2726 = t2725 - t2724;
-    let t2727 = v[2] * t2295;
-    let t2728 = t2726 - t2727;
-    let t2729 = v[3] * t2304;
-    let t2730 = t2728 + t2729;
-    let t2731 = v[4] * t2313;
-    let t2732 = t2730 + t2731;
-    let t2733 = v[5] * t2322;
-    let t2734 = t2732 + t2733;
-    let t2735 = t2723 - t2734;
-    let t2736 = u[3] * t2506;
-    let t2737 = u[2] * t2505;
-    let t2738 = u[1] * t2504;
-    let t2739 = u[0] * t2503;
-    let t2740 = t2739 - t2738;
-    let t2741 = t2740 + t2737;
-    let t2742 = t2741 - t2736;
-    let t2743 = u[4] * t2507;
+    let t2713 = v[5] * t2460;
+    let t2714 = t2712 + t2713;
+    let t2715 = t2703 - t2714;
+    let t2716 = u[4] * t2551;
+    let t2717 = u[3] * t2546;
+    let t2718 = u[2] * t2550;
+    let t2719 = u[1] * t2549;
+    let t2720 = u[0] * t2548;
+    let t2721 = t2720 - t2719;
+    let t2722 = t2721 + t2718;
+    let t2723 = t2722 + t2717;
+    let t2724 = t2723 + t2716;
+    let t2725 = u[5] * t2552;
+    let t2726 = t2724 - t2725;
+    let t2727 = t2715 - t2726;
+    let t2728 = t836 + t2727;
+    let t2729 = y[1] * t1790;
+    let t2730 = y[2] * t1801;
+    let t2731 = t2729 + t2730;
+    let t2732 = y[3] * t1812;
+    let t2733 = t2731 - t2732;
+    let t2734 = y[4] * t1823;
+    let t2735 = t2733 + t2734;
+    let t2736 = y[5] * t1834;
+    let t2737 = t2735 + t2736;
+    let t2738 = v[1] * t2482;
+    let t2739 = v[0] * t2471;
+    let t2740 = t2739 + t2738;
+    let t2741 = v[2] * t2493;
+    let t2742 = t2740 + t2741;
+    let t2743 = v[3] * t2504;
     let t2744 = t2742 - t2743;
-    let t2745 = u[5] * t2544;
+    let t2745 = v[4] * t2515;
     let t2746 = t2744 + t2745;
-    let t2747 = t2735 + t2746;
-    let t2748 = t593 - t2747;
-    let t2749 = -t1057;
-    let t2750 = -t1432;
-    let t2751 = -t1495;
-    let t2752 = -t1501;
-    let t2753 = -t1504;
-    let t2754 = -t1515;
-    let t2755 = -t1520;
-    let t2756 = -t1525;
-    let t2757 = -t1556;
-    let t2758 = -t1563;
-    let t2759 = -t1570;
-    let t2760 = -t1579;
-    let t2761 = -t1597;
-    let t2762 = -t1606;
-    let t2763 = -t1615;
-    let t2764 = -t1996;
-    let t2765 = -t2130;
-    let t2766 = -t2139;
-    let t2767 = -t2142;
-    let t2768 = -t2147;
-    let t2769 = -t2167;
-    let t2770 = -t2172;
-    let t2771 = -t2186;
-    let t2772 = -t2193;
-    let t2773 = -t2223;
-    let t2774 = -t2250;
-    let t2775 = -t2259;
-    let t2776 = -t2268;
-    let t2777 = -t2277;
-    let t2778 = -t2304;
-    let t2779 = -t2313;
-    let t2780 = -t2322;
-    let t2781 = -t2325;
-    let t2782 = -t2335;
-    let t2783 = -t2343;
-    let t2784 = -t2358;
-    let t2785 = -t2380;
-    let t2786 = -t2397;
-    let t2787 = -t2405;
-    let t2788 = -t2414;
-    let t2789 = -t2416;
-    let t2790 = -t2454;
-    let t2791 = -t2455;
-    let t2792 = -t2457;
-    let t2793 = -t2502;
-    let t2794 = -t2504;
-    let t2795 = -t2506;
-    let t2796 = -t2507;
+    let t2747 = v[5] * t2526;
+    let t2748 = t2746 + t2747;
+    let t2749 = t2737 - t2748;
+    let t2750 = u[3] * t2556;
+    let t2751 = u[2] * t2555;
+    let t2752 = u[1] * t2554;
+    let t2753 = u[0] * t2553;
+    let t2754 = t2753 - t2752;
+    let t2755 = t2754 + t2751;
+    let t2756 = t2755 + t2750;
+    let t2757 = u[4] * t2557;
+    let t2758 = t2756 + t2757;
+    let t2759 = u[5] * t2558;
+    let t2760 = t2758 - t2759;
+    let t2761 = t2749 - t2760;
+    let t2762 = t776 + t2761;
+    let t2763 = -t1188;
+    let t2764 = -t1312;
+    let t2765 = -t1513;
+    let t2766 = -t1560;
+    let t2767 = -t1593;
+    let t2768 = -t1626;
+    let t2769 = -t1637;
+    let t2770 = -t1659;
+    let t2771 = -t1669;
+    let t2772 = -t1680;
+    let t2773 = -t1691;
+    let t2774 = -t1713;
+    let t2775 = -t1724;
+    let t2776 = -t1735;
+    let t2777 = -t1746;
+    let t2778 = -t1768;
+    let t2779 = -t1779;
+    let t2780 = -t1812;
+    let t2781 = -t2102;
+    let t2782 = -t2208;
+    let t2783 = -t2219;
+    let t2784 = -t2230;
+    let t2785 = -t2252;
+    let t2786 = -t2263;
+    let t2787 = -t2307;
+    let t2788 = -t2372;
+    let t2789 = -t2438;
+    let t2790 = -t2471;
+    let t2791 = -t2482;
+    let t2792 = -t2493;
+    let t2793 = -t2515;
+    let t2794 = -t2526;
+    let t2795 = -t2528;
+    let t2796 = -t2532;
+    let t2797 = -t2534;
+    let t2798 = -t2535;
+    let t2799 = -t2536;
+    let t2800 = -t2541;
+    let t2801 = -t2543;
+    let t2802 = -t2547;
+    let t2803 = -t2549;
+    let t2804 = -t2552;
+    let t2805 = -t2553;
+    let t2806 = -t2555;
+    let t2807 = -t2556;
+    let t2808 = -t2557;
+    let t2809 = -t2626;
+    let t2810 = -t2762;
     [
-        t2076,
-        t2124,
-        t2127,
-        t2133,
-        t2136,
-        t2152,
-        t2157,
-        t2162,
-        t2179,
-        t2200,
-        t2207,
-        t2214,
-        t2232,
+        t2036,
+        t2165,
+        t2197,
         t2241,
-        t2286,
-        t2295,
-        t2323,
-        t2329,
-        t2351,
-        t2354,
-        t2364,
-        t2372,
-        t2391,
-        t2413,
-        t2415,
-        t2438,
-        t2446,
-        t2456,
-        t2494,
-        t2503,
-        t2505,
+        t2274,
+        t2285,
+        t2296,
+        t2318,
+        t2328,
+        t2339,
+        t2350,
+        t2361,
+        t2383,
+        t2394,
+        t2405,
+        t2416,
+        t2427,
+        t2449,
+        t2460,
+        t2504,
+        t2527,
+        t2529,
+        t2530,
+        t2531,
+        t2533,
+        t2537,
+        t2538,
+        t2539,
+        t2540,
+        t2542,
         t2544,
-        t2578,
-        t2612,
-        t2646,
-        t2680,
-        t2714,
-        t2748,
-        t2749,
-        t2750,
-        t2751,
-        t2752,
-        t2753,
-        t2754,
-        t2755,
-        t2756,
-        t2757,
-        t2758,
-        t2759,
-        t2760,
-        t2761,
-        t2762,
+        t2545,
+        t2546,
+        t2548,
+        t2550,
+        t2551,
+        t2554,
+        t2558,
+        t2592,
+        t2660,
+        t2694,
+        t2728,
         t2763,
         t2764,
         t2765,
@@ -12129,6 +12364,20 @@ fn linearize_part_2(
         t2794,
         t2795,
         t2796,
+        t2797,
+        t2798,
+        t2799,
+        t2800,
+        t2801,
+        t2802,
+        t2803,
+        t2804,
+        t2805,
+        t2806,
+        t2807,
+        t2808,
+        t2809,
+        t2810,
     ]
 }
 

@@ -2258,7 +2258,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t230 = t229 - t226;
     let t231 = u[0] * 62.6111;
     let t232 = t231 + t230;
-    let t233 = t232 + moment_joint1_z;
+    let t233 = moment_joint1_z + t232;
     let t234 = sign(v[5]);
     let t235 = t234.abs();
     let t236 = t235 * 0.25076322000000006;
@@ -2268,7 +2268,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t240 = t239 - t236;
     let t241 = u[5] * 76.686;
     let t242 = t241 - t240;
-    let t243 = t242 + moment_joint6_z;
+    let t243 = moment_joint6_z + t242;
     let t244 = 3.9999999999999996e-5 * sin_joint5;
     let t245 = cos_joint4 * t244;
     let t246 = sin_joint2_joint3 * t245;
@@ -2287,7 +2287,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t259 = t258 - t255;
     let t260 = u[4] * 71.923;
     let t261 = t260 - t259;
-    let t262 = t261 - moment_joint5_z;
+    let t262 = moment_joint5_z - t261;
     let t263 = cos_joint5 * 0.0012435839999999998;
     let t264 = 0.00064216 + t263;
     let t265 = sin_joint4 * t264;
@@ -2308,7 +2308,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t280 = t273 - t279;
     let t281 = t280 * 5.83606090588883;
     let t282 = t281 * t262;
-    let t283 = t252 + t282;
+    let t283 = t252 - t282;
     let t284 = sign(v[3]);
     let t285 = t284.abs();
     let t286 = t285 * 0.21670373999999998;
@@ -2318,7 +2318,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t290 = t289 - t286;
     let t291 = u[3] * 76.0364;
     let t292 = t291 - t290;
-    let t293 = t292 + moment_joint4_z;
+    let t293 = moment_joint4_z + t292;
     let t294 = cos_joint5 * 0.0002060745569111968;
     let t295 = t294 * t243;
     let t296 = t293 - t295;
@@ -2372,7 +2372,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t344 = t343 + t340;
     let t345 = u[2] * 53.7063;
     let t346 = t345 + t344;
-    let t347 = t346 + moment_joint3_z;
+    let t347 = moment_joint3_z + t346;
     let t348 = sin_joint4 * t244;
     let t349 = t348 * 5.151863922779921;
     let t350 = t349 * t243;
@@ -2381,7 +2381,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t353 = t276 - t352;
     let t354 = t353 * 5.83606090588883;
     let t355 = t354 * t262;
-    let t356 = t351 - t355;
+    let t356 = t351 + t355;
     let t357 = sin_joint4 * t305;
     let t358 = t348 * t294;
     let t359 = t357 + t358;
@@ -2452,8 +2452,8 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t424 = t423 + t420;
     let t425 = u[1] * 107.815;
     let t426 = t425 - t424;
-    let t427 = t426 - moment_joint2_z;
-    let t428 = t427 - t350;
+    let t427 = moment_joint2_z - t426;
+    let t428 = t427 + t350;
     let t429 = 21.270935960591135 * sin_joint2;
     let t430 = t429 * t278;
     let t431 = sin_joint2_joint3 * t274;
@@ -2473,7 +2473,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t445 = t444 + t358;
     let t446 = t445 * inverse_d_joint4;
     let t447 = t446 * t296;
-    let t448 = t439 + t447;
+    let t448 = t439 - t447;
     let t449 = t429 * t394;
     let t450 = cos_joint2_joint3 * t390;
     let t451 = sin_joint2_joint3 * t392;
@@ -2488,7 +2488,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t460 = t458 - t459;
     let t461 = t460 * inverse_d_joint3;
     let t462 = t461 * t362;
-    let t463 = t448 + t462;
+    let t463 = t448 - t462;
     let t464 = t460 * t461;
     let t465 = 2.0 * t454;
     let t466 = t375 + t465;
@@ -2528,7 +2528,7 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t500 = t499 - t482;
     let t501 = t500 * inverse_d_joint2;
     let t502 = t501 * t463;
-    let t503 = t405 - t502;
+    let t503 = t405 + t502;
     let t504 = t370 - t374;
     let t505 = sin_joint2_joint3 * t504;
     let t506 = t267 - t306;
@@ -2562,38 +2562,40 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t534 = inverse_d_joint1 * t503;
     let t535 = t501 * t534;
     let t536 = inverse_d_joint2 * t463;
-    let t537 = t536 - t535;
+    let t537 = t536 + t535;
     let t538 = t461 * t537;
     let t539 = inverse_d_joint3 * t362;
-    let t540 = t539 + t538;
+    let t540 = t539 - t538;
     let t541 = t403 * t534;
     let t542 = t540 + t541;
     let t543 = t360 * t542;
     let t544 = inverse_d_joint4 * t296;
     let t545 = t544 - t543;
     let t546 = t446 * t537;
-    let t547 = t545 + t546;
+    let t547 = t545 - t546;
     let t548 = t321 * t534;
     let t549 = t547 + t548;
     let t550 = t354 * t542;
     let t551 = 5.83606090588883 * t262;
-    let t552 = t551 - t550;
+    let t552 = t551 + t550;
     let t553 = t437 * t537;
     let t554 = t552 + t553;
     let t555 = t281 * t534;
-    let t556 = t554 + t555;
+    let t556 = t554 - t555;
     let t557 = t294 * t549;
     let t558 = 5.151863922779921 * t243;
     let t559 = t558 - t557;
     let t560 = t349 * t542;
     let t561 = t559 + t560;
     let t562 = t349 * t537;
-    let t563 = t561 - t562;
+    let t563 = t561 + t562;
     let t564 = t250 * t534;
     let t565 = t563 - t564;
     let t566 = -t534;
-    let t567 = -t542;
-    [t566, t537, t567, t549, t556, t565]
+    let t567 = -t537;
+    let t568 = -t542;
+    let t569 = -t556;
+    [t566, t567, t568, t549, t569, t565]
 }
 
 /// Mass matrix and bias forces at once.
@@ -5860,7 +5862,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
 /// - returns `∂ÿ/∂ẏ: [N × N]`: row i = acceleration i
 /// - returns `M⁻¹: [N × N]`: symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B
 ///
-/// Cost: 1303 multiplications, 1098 additions, 4 divisions, 4 function calls (`sin_cos`), 12 selections.
+/// Cost: 1325 multiplications, 1118 additions, 4 divisions, 4 function calls (`sin_cos`), 12 selections.
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
@@ -5877,25 +5879,26 @@ pub fn forward_dynamics_derivatives(
     u: &[f64; M],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
     let [sin_joint2, cos_joint2, sin_joint4, cos_joint4, sin_joint5, cos_joint5,
-    sin_joint2_joint3, cos_joint2_joint3, omega_joint5_x, omega_joint5_y, t249, t250,
-    t280, t281, t294, inverse_d_joint4, t321, t348, t349, t353, t354, t360,
-    inverse_d_joint3, t403, t436, t437, t446, t461, inverse_d_joint2, t501,
-    inverse_d_joint1, t534, t537, t542, t549, t556, t565, t774, t794, t801, t910, t1092,
-    t1228, t1342, t1448, t1501, t1504, t1507, t1510, t1513, t1516, t1521, t1526, t1531,
-    t1536, t1541, t1548, t1555, t1562, t1569, t1576, t1583, t1590, t1597, t1604, t1611,
-    t1620, t1629, t1638, t1647, t1656, t1686, t1697, t1710, t1723, t1737, t1740, t1753,
-    t1755, t1768, t1783, t1795, t1797, t1824, t1835, t1841, t1849, t1851, t1872, t1901,
-    t1934, t1938, t1943, t1956, t1972, t1975, t1977] = forward_dynamics_derivatives_part_1(
+    sin_joint2_joint3, cos_joint2_joint3, t27, t41, t61, t71, t74, inverse_d_joint1,
+    t210, t213, t218, t225, omega_joint4_x, omega_joint5_x, omega_joint5_y, t530, t543,
+    t545, t548, t553, t560, t573, t576, t586, t591, t598, t611, t614, t635, t642, t655,
+    t658, t685, t699, t702, t747, t749, t912, t921, t922, t925, t934, t935, t942, t945,
+    t952, t983, t984, t989, t990, t1186, t1192, t1313, t1315, t1328, t1412, t1503, t1542,
+    t1553, t1564, t1575, t1586, t1597, t1608, t1619, t1630, t1641, t1651, t1662, t1673,
+    t1684, t1695, t1706, t1717, t1728, t1739, t1750, t1761, t1772, t1783, t1794, t1805,
+    t1816, t1819, t1820, t1847, t1857, t1860, t1871, t1882, t1885, t1888, t1890, t1901,
+    t1923, t1930, t1938, t1945, t1951, t1954, t1955, t1957, t1960, t1961, t1965, t1966,
+    t1971, t1972, t1979, t1986, t1987, t1998, t1999] = forward_dynamics_derivatives_part_1(
         y,
         v,
         u,
     );
-    let [t2043, t2068, t2071, t2077, t2080, t2083, t2091, t2096, t2106, t2111, t2123,
-    t2151, t2158, t2165, t2186, t2208, t2235, t2244, t2253, t2273, t2275, t2295, t2305,
-    t2310, t2315, t2343, t2348, t2376, t2424, t2425, t2426, t2427, t2428, t2429, t2430,
-    t2431, t2432, t2433, t2434, t2435, t2436, t2437, t2438, t2439, t2440, t2441, t2442,
-    t2443, t2444, t2445, t2446, t2447, t2448, t2449, t2450, t2451, t2452, t2453, t2454,
-    t2455, t2456, t2457, t2458, t2459, t2460, t2461, t2462, t2463, t2464] = forward_dynamics_derivatives_part_2([
+    let [t2128, t2139, t2161, t2194, t2205, t2216, t2238, t2249, t2270, t2281, t2303,
+    t2314, t2358, t2391, t2402, t2424, t2457, t2467, t2468, t2469, t2470, t2471, t2472,
+    t2473, t2474, t2475, t2476, t2477, t2478, t2479, t2480, t2481, t2482, t2483, t2484,
+    t2485, t2486, t2487, t2488, t2489, t2490, t2491, t2492, t2493, t2494, t2495, t2496,
+    t2497, t2498, t2499, t2500, t2501, t2502, t2503, t2504, t2505, t2506, t2507, t2508,
+    t2509, t2510, t2511] = forward_dynamics_derivatives_part_2([
         sin_joint2,
         cos_joint2,
         sin_joint4,
@@ -5904,98 +5907,125 @@ pub fn forward_dynamics_derivatives(
         cos_joint5,
         sin_joint2_joint3,
         cos_joint2_joint3,
+        t27,
+        t41,
+        t61,
+        t71,
+        t74,
+        inverse_d_joint1,
+        t210,
+        t213,
+        t218,
+        t225,
+        omega_joint4_x,
         omega_joint5_x,
         omega_joint5_y,
-        t249,
-        t250,
-        t280,
-        t281,
-        t294,
-        inverse_d_joint4,
-        t321,
-        t348,
-        t349,
-        t353,
-        t354,
-        t360,
-        inverse_d_joint3,
-        t403,
-        t436,
-        t437,
-        t446,
-        t461,
-        inverse_d_joint2,
-        t501,
-        inverse_d_joint1,
-        t534,
-        t542,
-        t774,
-        t794,
-        t801,
-        t910,
-        t1448,
-        t1501,
-        t1507,
-        t1510,
-        t1526,
-        t1531,
-        t1555,
-        t1569,
-        t1576,
-        t1611,
-        t1629,
-        t1686,
-        t1697,
-        t1710,
-        t1723,
-        t1737,
-        t1740,
-        t1753,
-        t1755,
-        t1768,
-        t1783,
-        t1795,
-        t1797,
-        t1824,
-        t1835,
-        t1841,
-        t1849,
-        t1851,
-        t1872,
+        t530,
+        t543,
+        t545,
+        t548,
+        t553,
+        t560,
+        t573,
+        t576,
+        t586,
+        t591,
+        t598,
+        t611,
+        t635,
+        t642,
+        t655,
+        t685,
+        t699,
+        t702,
+        t747,
+        t749,
+        t912,
+        t921,
+        t922,
+        t925,
+        t934,
+        t935,
+        t942,
+        t945,
+        t952,
+        t983,
+        t984,
+        t989,
+        t990,
+        t1186,
+        t1315,
+        t1328,
+        t1503,
+        t1542,
+        t1586,
+        t1597,
+        t1608,
+        t1619,
+        t1630,
+        t1651,
+        t1662,
+        t1673,
+        t1684,
+        t1750,
+        t1761,
+        t1805,
+        t1816,
+        t1819,
+        t1820,
+        t1847,
+        t1857,
+        t1860,
+        t1871,
+        t1882,
+        t1885,
+        t1888,
+        t1890,
         t1901,
-        t1934,
+        t1923,
+        t1930,
         t1938,
-        t1943,
-        t1956,
+        t1945,
+        t1951,
+        t1955,
+        t1957,
+        t1960,
+        t1961,
+        t1965,
+        t1966,
+        t1971,
         t1972,
-        t1975,
-        t1977,
+        t1979,
+        t1986,
+        t1987,
+        t1998,
+        t1999,
     ]);
     (
-        [t2425, t537, t2426, t549, t556, t565],
+        [t2467, t2468, t614, t658, t2469, t2470],
         [
-            [0.0, t1092, t1228, t1342, t2427, t2428],
-            [0.0, t1504, t2429, t2430, t1513, t1516],
-            [0.0, t1521, t2431, t2432, t1536, t1541],
-            [0.0, t1548, t2433, t1562, t2434, t2435],
-            [0.0, t1583, t1590, t1597, t1604, t2436],
-            [0.0, t1620, t2437, t1638, t1647, t1656],
+            [0.0, t1192, t1313, t1412, t2471, t2472],
+            [0.0, t1553, t1564, t1575, t2473, t2474],
+            [0.0, t2475, t2476, t2477, t1641, t2478],
+            [0.0, t2479, t2480, t2481, t1695, t1706],
+            [0.0, t1717, t1728, t1739, t2482, t2483],
+            [0.0, t1772, t1783, t1794, t2484, t2485],
         ],
         [
-            [t2438, t2439, t2440, t2441, t2043, t2068],
-            [t2071, t2442, t2077, t2080, t2083, t2443],
-            [t2091, t2096, t2444, t2106, t2111, t2445],
-            [t2123, t2446, t2447, t2448, t2151, t2158],
-            [t2165, t2449, t2450, t2186, t2451, t2452],
-            [t2208, t2453, t2454, t2235, t2244, t2455],
+            [t2486, t1954, t2487, t2488, t2128, t2139],
+            [t2489, t2161, t2490, t2491, t2194, t2205],
+            [t2216, t2492, t2238, t2249, t2493, t2270],
+            [t2281, t2494, t2303, t2314, t2495, t2496],
+            [t2497, t2358, t2498, t2499, t2391, t2402],
+            [t2500, t2424, t2501, t2502, t2457, t2503],
         ],
         [
-            [inverse_d_joint1, t2253, t2456, t2457, t2458, t2273],
-            [t2253, t2275, t2459, t2460, t2461, t2295],
-            [t2456, t2459, t2305, t2310, t2315, t2462],
-            [t2457, t2460, t2310, t2343, t2348, t2463],
-            [t2458, t2461, t2315, t2348, t2376, t2464],
-            [t2273, t2295, t2462, t2463, t2464, t2424],
+            [inverse_d_joint1, t210, t2504, t2505, t530, t225],
+            [t210, t545, t2506, t2507, t573, t560],
+            [t2504, t2506, t586, t591, t2508, t2509],
+            [t2505, t2507, t591, t635, t2510, t2511],
+            [t530, t573, t2508, t2510, t699, t685],
+            [t225, t560, t2509, t2511, t685, t747],
         ],
     )
 }
@@ -6007,7 +6037,7 @@ fn forward_dynamics_derivatives_part_1(
     y: &[f64; N],
     v: &[f64; N],
     u: &[f64; M],
-) -> [f64; 97] {
+) -> [f64; 119] {
     let angle_joint2_joint3 = y[1] + y[2];
     let (
         [sin_joint2,
@@ -6021,1975 +6051,1997 @@ fn forward_dynamics_derivatives_part_1(
         cos_joint2_joint3,
         ],
     ) = math::sin_cos_4(y[1], y[3], y[4], angle_joint2_joint3);
+    let t9 = sin_joint5 * 0.00020215999999999998;
+    let t10 = sin_joint5 * t9;
+    let t11 = t10 + 0.00010000000000000015;
+    let t12 = sin_joint4 * t11;
+    let t13 = sin_joint4 * t12;
+    let t14 = t10 + 0.00087;
+    let t15 = t14 - t13;
+    let t16 = 0.0012435839999999998 * sin_joint5;
+    let t17 = cos_joint4 * t16;
+    let t18 = t17 * 0.09402501157943491;
+    let t19 = t15 - t18;
+    let t20 = 0.016765112499999995 + t19;
+    let t21 = 0.00042216 - t10;
+    let t22 = cos_joint5 * 0.0024871679999999997;
+    let t23 = t21 + t22;
+    let t24 = 0.34123495800000003 + t23;
+    let t25 = t20 - t24;
+    let t26 = sin_joint2_joint3 * t25;
+    let t27 = cos_joint5 * t9;
+    let t28 = t16 + t27;
+    let t29 = cos_joint4 * t28;
+    let t30 = cos_joint5 * 5.846399999999998e-5;
+    let t31 = t29 - t30;
+    let t32 = 0.011273199000000001 - t31;
+    let t33 = 2.0 * t32;
+    let t34 = cos_joint2_joint3 * t33;
+    let t35 = t26 + t34;
+    let t36 = sin_joint2_joint3 * t35;
+    let t37 = t20 - t36;
+    let t38 = 0.010956925 - t17;
+    let t39 = cos_joint2_joint3 * t38;
+    let t40 = 0.0012435839999999998 * cos_joint5;
+    let t41 = 0.3848762940000001 + t40;
+    let t42 = sin_joint2_joint3 * t41;
+    let t43 = t39 - t42;
+    let t44 = cos_joint2 * t43;
+    let t45 = 2.0 * t44;
+    let t46 = t37 + t45;
+    let t47 = cos_joint2 * 0.0141984;
+    let t48 = sin_joint2 * 1.601861202;
+    let t49 = t48 + t47;
+    let t50 = sin_joint2 * t49;
+    let t51 = 1.674987602 - t50;
+    let t52 = t51 + t46;
+    let t53 = 0.175 + t52;
+    let t54 = 0.0007699999999999999 + t13;
+    let t55 = sin_joint4 * t16;
+    let t56 = t55 * 0.6949976841130152;
+    let t57 = t54 + t56;
+    let t58 = 1.286789571125 + t57;
+    let t59 = t53 + t58;
+    let t60 = t59 + 0.784029968642;
+    let t61 = 3.9999999999999996e-5 * sin_joint5;
+    let t62 = cos_joint4 * t61;
+    let t63 = sin_joint2_joint3 * t62;
+    let t64 = 3.9999999999999996e-5 * cos_joint5;
+    let t65 = cos_joint2_joint3 * t64;
+    let t66 = t63 - t65;
+    let t67 = t66 * 5.151863922779921;
+    let t68 = t66 * t67;
+    let t69 = t60 - t68;
+    let t70 = sin_joint4 * t40;
+    let t71 = 0.047012505789717454 * t70;
+    let t72 = cos_joint2_joint3 * t71;
+    let t73 = 0.00064216 + t40;
+    let t74 = sin_joint4 * t73;
+    let t75 = sin_joint2_joint3 * t74;
+    let t76 = t75 - t72;
+    let t77 = cos_joint2 * t70;
+    let t78 = t76 - t77;
+    let t79 = cos_joint4 * t40;
+    let t80 = cos_joint2_joint3 * t79;
+    let t81 = sin_joint2_joint3 * t16;
+    let t82 = t80 - t81;
+    let t83 = 0.3474988420565076 * t82;
+    let t84 = t78 - t83;
+    let t85 = t84 * 5.83606090588883;
+    let t86 = t84 * t85;
+    let t87 = t69 - t86;
+    let t88 = 0.047012505789717454 * t17;
+    let t89 = t10 + 0.00164;
+    let t90 = t89 - t88;
+    let t91 = cos_joint2_joint3 * t90;
+    let t92 = sin_joint2_joint3 * t29;
+    let t93 = t92 + t91;
+    let t94 = cos_joint2 * t17;
+    let t95 = t93 - t94;
+    let t96 = cos_joint2_joint3 * t55;
+    let t97 = 0.3474988420565076 * t96;
+    let t98 = t95 + t97;
+    let t99 = cos_joint5 * 0.0002060745569111968;
+    let t100 = t66 * t99;
+    let t101 = t98 + t100;
+    let t102 = t10 + 0.19243062612368;
+    let t103 = t64 * t99;
+    let t104 = t102 - t103;
+    let inverse_d_joint4 = 1.0 / t104;
+    let t106 = t101 * inverse_d_joint4;
+    let t107 = t101 * t106;
+    let t108 = t87 - t107;
+    let t109 = t20 + t24;
+    let t110 = t109 + 0.5768733319380001;
+    let t111 = sin_joint4 * t61;
+    let t112 = t111 * 5.151863922779921;
+    let t113 = t111 * t112;
+    let t114 = t110 - t113;
+    let t115 = cos_joint4 * t73;
+    let t116 = sin_joint5 * 5.846399999999998e-5;
+    let t117 = t115 - t116;
+    let t118 = t117 * 5.83606090588883;
+    let t119 = t117 * t118;
+    let t120 = t114 - t119;
+    let t121 = sin_joint4 * t28;
+    let t122 = t111 * t99;
+    let t123 = t121 + t122;
+    let t124 = t123 * inverse_d_joint4;
+    let t125 = t123 * t124;
+    let t126 = t120 - t125;
+    let inverse_d_joint3 = 1.0 / t126;
+    let t128 = cos_joint4 * t12;
+    let t129 = 0.047012505789717454 * t55;
+    let t130 = t128 - t129;
+    let t131 = sin_joint2_joint3 * t130;
+    let t132 = 0.0047376000000000015 + t121;
+    let t133 = cos_joint2_joint3 * t132;
+    let t134 = t131 - t133;
+    let t135 = sin_joint2_joint3 * t38;
+    let t136 = cos_joint2_joint3 * t41;
+    let t137 = t135 + t136;
+    let t138 = 0.3474988420565076 * t137;
+    let t139 = t134 - t138;
+    let t140 = t66 * t112;
+    let t141 = t139 + t140;
+    let t142 = t84 * t118;
+    let t143 = t141 - t142;
+    let t144 = t101 * t124;
+    let t145 = t143 + t144;
+    let t146 = t145 * inverse_d_joint3;
+    let t147 = t145 * t146;
+    let t148 = t108 - t147;
+    let t149 = sin_joint2 * t137;
+    let t150 = t44 + t149;
+    let t151 = t109 + t150;
+    let t152 = t151 - t113;
+    let t153 = sin_joint2 * t82;
+    let t154 = sin_joint2_joint3 * t79;
+    let t155 = cos_joint2_joint3 * t16;
+    let t156 = t154 + t155;
+    let t157 = cos_joint2 * t156;
+    let t158 = t157 - t153;
+    let t159 = t117 - t158;
+    let t160 = t159 * t118;
+    let t161 = t152 - t160;
+    let t162 = sin_joint2 * t96;
+    let t163 = sin_joint2_joint3 * t55;
+    let t164 = cos_joint2 * t163;
+    let t165 = t164 - t162;
+    let t166 = t121 - t165;
+    let t167 = t166 + t122;
+    let t168 = t167 * t124;
+    let t169 = t161 - t168;
+    let t170 = t169 * inverse_d_joint3;
+    let t171 = t169 * t170;
+    let t172 = 2.0 * t150;
+    let t173 = t109 + t172;
+    let t174 = 0.07312640000000001 + t50;
+    let t175 = t51 + t174;
+    let t176 = t175 + t173;
+    let t177 = t176 + 2.324814845;
+    let t178 = t177 - t113;
+    let t179 = t159 * 5.83606090588883;
+    let t180 = t159 * t179;
+    let t181 = t178 - t180;
+    let t182 = t167 * inverse_d_joint4;
+    let t183 = t167 * t182;
+    let t184 = t181 - t183;
+    let t185 = t184 - t171;
+    let inverse_d_joint2 = 1.0 / t185;
+    let t187 = t145 * t170;
+    let t188 = sin_joint2 * t55;
+    let t189 = t134 - t188;
+    let t190 = 0.008085780000000004 * cos_joint2;
+    let t191 = 0.120863064 * sin_joint2;
+    let t192 = t191 + t190;
+    let t193 = t192 - t189;
+    let t194 = 0.045079919999999996 * cos_joint2;
+    let t195 = 1.638935762 * sin_joint2;
+    let t196 = t195 + t194;
+    let t197 = t196 + t137;
+    let t198 = 0.3474988420565076 * t197;
+    let t199 = t193 + t198;
+    let t200 = t199 - t140;
+    let t201 = t84 * t179;
+    let t202 = t200 + t201;
+    let t203 = t101 * t182;
+    let t204 = t202 - t203;
+    let t205 = t204 + t187;
+    let t206 = t205 * inverse_d_joint2;
+    let t207 = t205 * t206;
+    let t208 = t148 - t207;
+    let inverse_d_joint1 = 1.0 / t208;
+    let t210 = t206 * inverse_d_joint1;
+    let t211 = t170 * t210;
+    let t212 = t146 * inverse_d_joint1;
+    let t213 = t211 + t212;
+    let t214 = t124 * t213;
+    let t215 = t182 * t210;
+    let t216 = t214 - t215;
+    let t217 = t106 * inverse_d_joint1;
+    let t218 = t216 + t217;
+    let t219 = t99 * t218;
+    let t220 = t112 * t213;
+    let t221 = t219 + t220;
+    let t222 = t112 * t210;
+    let t223 = t221 - t222;
+    let t224 = t67 * inverse_d_joint1;
+    let t225 = t223 + t224;
     let omega_joint3_y = v[0] * cos_joint2_joint3;
     let omega_joint4_z = v[3] + omega_joint3_y;
-    let t11 = 2.0 * omega_joint4_z;
+    let t228 = 2.0 * omega_joint4_z;
     let omega_joint3_x = v[0] * sin_joint2_joint3;
-    let t13 = sin_joint4 * omega_joint3_x;
+    let t230 = sin_joint4 * omega_joint3_x;
     let omega_joint3_z = v[1] + v[2];
-    let t15 = cos_joint4 * omega_joint3_z;
-    let omega_joint4_y = t13 + t15;
-    let t17 = omega_joint4_y * t11;
-    let t18 = 2.0 * omega_joint3_z;
-    let t19 = omega_joint3_y * t18;
-    let t20 = cos_joint4 * t19;
-    let t21 = omega_joint3_x * omega_joint3_y;
-    let t22 = sin_joint4 * t21;
-    let t23 = t22 + t20;
-    let t24 = t23 - t17;
-    let t25 = sin_joint5 * t24;
-    let t26 = cos_joint4 * omega_joint3_x;
-    let t27 = sin_joint4 * omega_joint3_z;
-    let omega_joint4_x = t26 - t27;
-    let t29 = omega_joint4_x * omega_joint4_y;
-    let t30 = omega_joint3_x * omega_joint3_z;
-    let t31 = t30 - t29;
-    let t32 = cos_joint5 * t31;
-    let t33 = t32 + t25;
-    let t34 = cos_joint5 * omega_joint4_x;
-    let t35 = sin_joint5 * omega_joint4_z;
-    let omega_joint5_x = t34 + t35;
+    let t232 = cos_joint4 * omega_joint3_z;
+    let omega_joint4_y = t230 + t232;
+    let t234 = omega_joint4_y * t228;
+    let t235 = 2.0 * omega_joint3_z;
+    let t236 = omega_joint3_y * t235;
+    let t237 = cos_joint4 * t236;
+    let t238 = omega_joint3_x * omega_joint3_y;
+    let t239 = sin_joint4 * t238;
+    let t240 = t239 + t237;
+    let t241 = t240 - t234;
+    let t242 = sin_joint5 * t241;
+    let t243 = cos_joint4 * omega_joint3_x;
+    let t244 = sin_joint4 * omega_joint3_z;
+    let omega_joint4_x = t243 - t244;
+    let t246 = omega_joint4_x * omega_joint4_y;
+    let t247 = omega_joint3_z * omega_joint3_x;
+    let t248 = t247 - t246;
+    let t249 = cos_joint5 * t248;
+    let t250 = t249 + t242;
+    let t251 = cos_joint5 * omega_joint4_x;
+    let t252 = sin_joint5 * omega_joint4_z;
+    let omega_joint5_x = t251 + t252;
     let omega_joint5_z = v[4] + omega_joint4_y;
-    let t38 = omega_joint5_x * omega_joint5_z;
-    let t39 = t33 + t38;
-    let t40 = t38 - t39;
-    let t41 = 1.9999999999999998e-5 * t40;
-    let t42 = t38 + t39;
-    let t43 = 1.9999999999999998e-5 * t42;
-    let moment_joint6_z = t43 - t41;
-    let t45 = 2.0 * omega_joint5_z;
-    let t46 = omega_joint5_x * t45;
-    let t47 = t33 + t46;
-    let t48 = 0.0002 * t47;
-    let moment_joint5_y = t48 + moment_joint6_z;
-    let t50 = sin_joint5 * moment_joint5_y;
-    let t51 = sin_joint5 * omega_joint4_x;
-    let t52 = cos_joint5 * omega_joint4_z;
-    let omega_joint5_y = t51 - t52;
+    let t255 = omega_joint5_x * omega_joint5_z;
+    let t256 = t250 + t255;
+    let t257 = t255 - t256;
+    let t258 = 1.9999999999999998e-5 * t257;
+    let t259 = t255 + t256;
+    let t260 = 1.9999999999999998e-5 * t259;
+    let moment_joint6_z = t260 - t258;
+    let t262 = sign(v[5]);
+    let t263 = t262.abs();
+    let t264 = t263 * 0.25076322000000006;
+    let t265 = t262 * 0.55443978;
+    let t266 = v[5] * 0.2158232532732;
+    let t267 = t266 + t265;
+    let t268 = t267 - t264;
+    let t269 = u[5] * 76.686;
+    let t270 = t269 - t268;
+    let t271 = t270 + moment_joint6_z;
+    let t272 = t225 * t271;
+    let t273 = 2.0 * omega_joint5_z;
+    let t274 = omega_joint5_x * t273;
+    let t275 = t250 + t274;
+    let t276 = 0.0002 * t275;
+    let moment_joint5_y = t276 + moment_joint6_z;
+    let t278 = cos_joint5 * moment_joint5_y;
+    let t279 = sin_joint5 * omega_joint4_x;
+    let t280 = cos_joint5 * omega_joint4_z;
+    let omega_joint5_y = t279 - t280;
     let omega_joint6_z = v[5] - omega_joint5_y;
-    let t55 = 2.0 * omega_joint6_z;
-    let t56 = omega_joint5_z * t55;
-    let t57 = cos_joint5 * t24;
-    let t58 = sin_joint5 * t31;
-    let t59 = t58 - t57;
-    let t60 = omega_joint5_y * t45;
-    let t61 = t59 + t60;
-    let t62 = t61 + t56;
-    let moment_joint6_x = 1.9999999999999998e-5 * t62;
-    let t64 = 0.00042216 * t61;
-    let t65 = omega_joint3_y * omega_joint3_y;
-    let t66 = omega_joint3_z * omega_joint3_z;
-    let t67 = t65 + t66;
-    let t68 = 0.047012505789717454 * t67;
-    let t69 = v[1] * v[1];
-    let t70 = sin_joint2 * t69;
-    let t71 = 22.71885132005558 - t70;
-    let t72 = sin_joint2_joint3 * t71;
-    let t73 = v[0] * v[0];
-    let t74 = t73 + t69;
-    let t75 = cos_joint2 * t74;
-    let t76 = cos_joint2_joint3 * t75;
-    let acceleration_joint3_x = t76 - t72;
-    let t78 = acceleration_joint3_x + t68;
-    let t79 = sin_joint4 * t78;
-    let t80 = omega_joint3_x * t18;
-    let t81 = 0.047012505789717454 * t80;
-    let t82 = v[1] * 2.0;
-    let t83 = v[0] * t82;
-    let t84 = sin_joint2 * t83;
-    let acceleration_joint2_z = 0.3474988420565076 * t73;
-    let acceleration_joint3_z = acceleration_joint2_z - t84;
-    let t87 = acceleration_joint3_z - t81;
-    let t88 = cos_joint4 * t87;
-    let t89 = t79 + t88;
-    let acceleration_joint4_y = t89 - t23;
-    let t91 = 0.0012435839999999998 * acceleration_joint4_y;
-    let t92 = t91 + t64;
-    let moment_joint5_x = t92 + moment_joint6_x;
-    let t94 = cos_joint5 * moment_joint5_x;
-    let t95 = t94 - t50;
-    let t96 = 0.0007499999999999999 * t24;
-    let moment_joint4_x = t96 - t95;
-    let force_joint5_z = 0.0012435839999999998 * t61;
-    let t99 = 0.23306405000000002 * acceleration_joint4_y;
-    let force_joint4_y = t99 + force_joint5_z;
-    let t101 = force_joint4_y - moment_joint4_x;
-    let t102 = cos_joint4 * t101;
-    let t103 = cos_joint4 * t78;
-    let t104 = sin_joint4 * t87;
-    let t105 = t103 - t104;
-    let t106 = sin_joint4 * t19;
-    let t107 = cos_joint4 * t21;
-    let t108 = t107 - t106;
-    let acceleration_joint4_x = t105 - t108;
-    let t110 = cos_joint5 * acceleration_joint4_x;
-    let t111 = 0.047012505789717454 * t21;
-    let t112 = cos_joint2_joint3 * t71;
-    let t113 = sin_joint2_joint3 * t75;
-    let acceleration_joint3_y = t113 + t112;
-    let t115 = acceleration_joint3_y + t111;
-    let t116 = omega_joint3_x * omega_joint3_x;
-    let t117 = t116 + t66;
-    let acceleration_joint4_z = t117 - t115;
-    let t119 = sin_joint5 * acceleration_joint4_z;
-    let acceleration_joint5_x = t110 + t119;
-    let t121 = 0.0012435839999999998 * acceleration_joint5_x;
-    let t122 = omega_joint5_x * omega_joint5_y;
-    let t123 = omega_joint4_x * omega_joint4_z;
-    let t124 = t108 - t123;
-    let t125 = t124 - t122;
-    let t126 = 0.00042216 * t125;
-    let t127 = t124 + t122;
-    let t128 = 0.0002 * t127;
-    let t129 = t128 + t126;
-    let t130 = t121 - t129;
-    let t131 = omega_joint5_x * t55;
-    let t132 = t125 - t131;
-    let moment_joint6_y = 1.9999999999999998e-5 * t132;
-    let moment_joint5_z = t130 - moment_joint6_y;
-    let t135 = omega_joint4_x * t11;
-    let t136 = t108 - t135;
-    let t137 = 0.00065 * t136;
-    let moment_joint4_y = t137 - moment_joint5_z;
-    let t139 = omega_joint5_x * omega_joint5_x;
-    let t140 = omega_joint5_z * omega_joint5_z;
-    let t141 = t139 + t140;
-    let force_joint5_y = 0.0012435839999999998 * t141;
-    let t143 = sin_joint5 * force_joint5_y;
-    let force_joint5_x = 0.0012435839999999998 * t125;
-    let t145 = cos_joint5 * force_joint5_x;
-    let t146 = t145 + t143;
-    let t147 = 0.23306405000000002 * acceleration_joint4_x;
-    let force_joint4_x = t147 - t146;
-    let t149 = force_joint4_x - moment_joint4_y;
-    let t150 = sin_joint4 * t149;
-    let t151 = t102 - t150;
-    let t152 = t73 - t117;
-    let t153 = 0.0047376000000000015 * t152;
-    let t154 = 0.00031627400000000007 * t80;
-    let t155 = t154 - t153;
-    let t156 = 0.10817090800000001 * t19;
-    let t157 = t155 + t156;
-    let t158 = 0.15181224400000007 * acceleration_joint3_z;
-    let t159 = t158 - t157;
-    let moment_joint3_x = t159 + t151;
-    let t161 = sin_joint2_joint3 * moment_joint3_x;
-    let t162 = cos_joint5 * moment_joint5_y;
-    let t163 = sin_joint5 * moment_joint5_x;
-    let t164 = t163 + t162;
-    let t165 = 0.0007499999999999999 * t31;
-    let t166 = t30 + t29;
-    let t167 = 0.00065 * t166;
-    let t168 = t167 + t165;
-    let moment_joint4_z = t168 + t164;
-    let t170 = sin_joint4 * force_joint4_x;
-    let t171 = cos_joint4 * force_joint4_y;
-    let t172 = t170 - t171;
-    let t173 = 0.047012505789717454 * t172;
-    let t174 = moment_joint4_z + t173;
-    let t175 = 0.00031627400000000007 * t19;
-    let t176 = 0.0047376000000000015 * t21;
-    let t177 = t176 - t175;
-    let t178 = 0.016249999999999994 * t80;
-    let t179 = t177 - t178;
-    let moment_joint3_y = t179 - t174;
-    let t181 = cos_joint2_joint3 * moment_joint3_y;
-    let t182 = t161 - t181;
-    let t183 = 0.15181224400000007 * t19;
-    let force_joint3_z = t183 + t172;
-    let t185 = cos_joint2 * force_joint3_z;
-    let t186 = t182 + t185;
-    let t187 = sin_joint2 * 1.368797152;
-    let t188 = cos_joint2 * 0.0141984;
-    let t189 = t188 + t187;
-    let t190 = cos_joint2 * t189;
-    let t191 = 0.0070992 - t190;
-    let t192 = t191 * t83;
-    let t193 = t73 - t74;
-    let t194 = 0.008085780000000004 * sin_joint2;
-    let t195 = 0.120863064 * cos_joint2;
-    let t196 = t195 - t194;
-    let t197 = t196 * t193;
-    let t198 = t192 + t197;
-    let t199 = sin_joint2 * 0.045079919999999996;
-    let t200 = cos_joint2 * 1.4058717120000002;
-    let t201 = t200 - t199;
-    let t202 = t201 * acceleration_joint2_z;
-    let t203 = t202 + t198;
-    let moment_joint2_y = t203 - t186;
-    let t205 = cos_joint4 * force_joint4_x;
-    let t206 = sin_joint4 * force_joint4_y;
-    let t207 = t205 + t206;
-    let t208 = 0.15181224400000007 * t21;
-    let force_joint3_x = t208 - t207;
-    let t210 = cos_joint2_joint3 * force_joint3_x;
-    let t211 = cos_joint5 * force_joint5_y;
-    let t212 = sin_joint5 * force_joint5_x;
-    let t213 = t212 - t211;
-    let t214 = 0.23306405000000002 * acceleration_joint4_z;
-    let force_joint4_z = t214 - t213;
-    let t216 = 0.15181224400000007 * t117;
-    let force_joint3_y = t216 + force_joint4_z;
-    let t218 = sin_joint2_joint3 * force_joint3_y;
-    let t219 = t210 + t218;
-    let t220 = t201 * t74;
-    let force_joint2_x = t220 - t219;
-    let t222 = 0.3474988420565076 * force_joint2_x;
-    let moment_joint1_z = moment_joint2_y - t222;
-    let t224 = sign(v[0]);
-    let t225 = t224.abs();
-    let t226 = t225 * 1.2522219999999997;
-    let t227 = t224 * 25.9836065;
-    let t228 = v[0] * 5.8018217679508;
-    let t229 = t228 + t227;
-    let t230 = t229 - t226;
-    let t231 = u[0] * 62.6111;
-    let t232 = t231 + t230;
-    let t233 = t232 + moment_joint1_z;
-    let t234 = sign(v[5]);
-    let t235 = t234.abs();
-    let t236 = t235 * 0.25076322000000006;
-    let t237 = t234 * 0.55443978;
-    let t238 = v[5] * 0.2158232532732;
-    let t239 = t238 + t237;
-    let t240 = t239 - t236;
-    let t241 = u[5] * 76.686;
-    let t242 = t241 - t240;
-    let t243 = t242 + moment_joint6_z;
-    let t244 = 3.9999999999999996e-5 * sin_joint5;
-    let t245 = cos_joint4 * t244;
-    let t246 = sin_joint2_joint3 * t245;
-    let t247 = 3.9999999999999996e-5 * cos_joint5;
-    let t248 = cos_joint2_joint3 * t247;
-    let t249 = t246 - t248;
-    let t250 = t249 * 5.151863922779921;
-    let t251 = t250 * t243;
-    let t252 = t233 - t251;
-    let t253 = sign(v[4]);
-    let t254 = t253.abs();
-    let t255 = t254 * 0.18843826000000008;
-    let t256 = t253 * 0.85444524;
-    let t257 = v[4] * 0.42728302093540005;
-    let t258 = t257 + t256;
-    let t259 = t258 - t255;
-    let t260 = u[4] * 71.923;
-    let t261 = t260 - t259;
-    let t262 = t261 - moment_joint5_z;
-    let t263 = cos_joint5 * 0.0012435839999999998;
-    let t264 = 0.00064216 + t263;
-    let t265 = sin_joint4 * t264;
-    let t266 = sin_joint2_joint3 * t265;
-    let t267 = 5.846399999999999e-5 * cos_joint5;
-    let t268 = sin_joint4 * t267;
-    let t269 = cos_joint2_joint3 * t268;
-    let t270 = t266 - t269;
-    let t271 = 21.270935960591135 * cos_joint2;
-    let t272 = t271 * t268;
-    let t273 = t270 - t272;
-    let t274 = cos_joint4 * t267;
-    let t275 = cos_joint2_joint3 * t274;
-    let t276 = 5.846399999999999e-5 * sin_joint5;
-    let t277 = sin_joint2_joint3 * t276;
-    let t278 = t275 - t277;
-    let t279 = 7.391625615763547 * t278;
-    let t280 = t273 - t279;
-    let t281 = t280 * 5.83606090588883;
-    let t282 = t281 * t262;
-    let t283 = t252 + t282;
-    let t284 = sign(v[3]);
-    let t285 = t284.abs();
-    let t286 = t285 * 0.21670373999999998;
-    let t287 = t284 * 1.06831142;
-    let t288 = v[3] * 0.41164522969715195;
-    let t289 = t288 + t287;
-    let t290 = t289 - t286;
-    let t291 = u[3] * 76.0364;
-    let t292 = t291 - t290;
-    let t293 = t292 + moment_joint4_z;
-    let t294 = cos_joint5 * 0.0002060745569111968;
-    let t295 = t294 * t243;
-    let t296 = t293 - t295;
-    let t297 = sin_joint5 * 0.00020215999999999998;
-    let t298 = sin_joint5 * t297;
-    let t299 = t298 + 0.00164;
-    let t300 = cos_joint4 * t276;
-    let t301 = t299 - t300;
-    let t302 = cos_joint2_joint3 * t301;
-    let t303 = cos_joint5 * t297;
-    let t304 = sin_joint5 * 0.0012435839999999998;
-    let t305 = t303 + t304;
-    let t306 = cos_joint4 * t305;
-    let t307 = sin_joint2_joint3 * t306;
-    let t308 = t307 + t302;
-    let t309 = t271 * t300;
-    let t310 = t308 - t309;
-    let t311 = sin_joint4 * t276;
-    let t312 = cos_joint2_joint3 * t311;
-    let t313 = 7.391625615763547 * t312;
-    let t314 = t310 + t313;
-    let t315 = t249 * t294;
-    let t316 = t314 + t315;
-    let t317 = t298 + 0.19243062612368;
-    let t318 = t247 * t294;
-    let t319 = t317 - t318;
-    let inverse_d_joint4 = 1.0 / t319;
-    let t321 = t316 * inverse_d_joint4;
-    let t322 = t321 * t296;
-    let t323 = t283 + t322;
-    let t324 = sin_joint4 * t101;
-    let t325 = cos_joint4 * t149;
-    let t326 = t324 + t325;
-    let t327 = 0.047012505789717454 * force_joint4_z;
-    let t328 = t326 - t327;
-    let t329 = t67 - t117;
-    let t330 = 0.00031627400000000007 * t329;
-    let t331 = 0.016249999999999994 * t21;
-    let t332 = t330 + t331;
-    let t333 = 0.10817090800000001 * t21;
-    let t334 = t332 - t333;
-    let t335 = 0.15181224400000007 * acceleration_joint3_x;
-    let t336 = t335 + t334;
-    let moment_joint3_z = t336 + t328;
-    let t338 = sign(v[2]);
-    let t339 = t338.abs();
-    let t340 = t339 * 0.7250350500000002;
-    let t341 = t338 * 6.364196549999999;
-    let t342 = v[2] * 3.9804259903721997;
-    let t343 = t342 + t341;
-    let t344 = t343 + t340;
-    let t345 = u[2] * 53.7063;
-    let t346 = t345 + t344;
-    let t347 = t346 + moment_joint3_z;
-    let t348 = sin_joint4 * t244;
-    let t349 = t348 * 5.151863922779921;
-    let t350 = t349 * t243;
-    let t351 = t347 + t350;
-    let t352 = cos_joint4 * t264;
-    let t353 = t276 - t352;
-    let t354 = t353 * 5.83606090588883;
-    let t355 = t354 * t262;
-    let t356 = t351 - t355;
-    let t357 = sin_joint4 * t305;
-    let t358 = t348 * t294;
-    let t359 = t357 + t358;
-    let t360 = t359 * inverse_d_joint4;
-    let t361 = t360 * t296;
-    let t362 = t356 - t361;
-    let t363 = t298 + 0.00010000000000000015;
-    let t364 = sin_joint4 * t363;
-    let t365 = sin_joint4 * t364;
-    let t366 = t298 + 0.00087;
-    let t367 = t366 - t365;
-    let t368 = 2.0 * t300;
-    let t369 = t367 - t368;
-    let t370 = 0.016765112499999995 + t369;
-    let t371 = 0.00042216 - t298;
-    let t372 = cos_joint5 * 0.0024871679999999997;
-    let t373 = t371 + t372;
-    let t374 = 0.34123495800000003 + t373;
-    let t375 = t370 + t374;
-    let t376 = t375 + 0.5768733319380001;
-    let t377 = t348 * t349;
-    let t378 = t376 - t377;
-    let t379 = t353 * t354;
-    let t380 = t378 - t379;
-    let t381 = t359 * t360;
-    let t382 = t380 - t381;
-    let inverse_d_joint3 = 1.0 / t382;
-    let t384 = cos_joint4 * t364;
-    let t385 = t311 - t384;
-    let t386 = sin_joint2_joint3 * t385;
-    let t387 = 0.0047376000000000015 + t357;
-    let t388 = cos_joint2_joint3 * t387;
-    let t389 = t386 + t388;
-    let t390 = 0.0005151124999999999 - t300;
-    let t391 = sin_joint2_joint3 * t390;
-    let t392 = 0.018093999000000003 + t267;
-    let t393 = cos_joint2_joint3 * t392;
-    let t394 = t391 + t393;
-    let t395 = 7.391625615763547 * t394;
-    let t396 = t389 + t395;
-    let t397 = t249 * t349;
-    let t398 = t396 - t397;
-    let t399 = t280 * t354;
-    let t400 = t398 - t399;
-    let t401 = t316 * t360;
-    let t402 = t400 - t401;
-    let t403 = t402 * inverse_d_joint3;
-    let t404 = t403 * t362;
-    let t405 = t323 + t404;
-    let t406 = sin_joint2 * t219;
-    let t407 = sin_joint2_joint3 * force_joint3_x;
-    let t408 = cos_joint2_joint3 * force_joint3_y;
-    let t409 = t407 - t408;
-    let t410 = cos_joint2 * t409;
-    let t411 = t410 - t406;
-    let t412 = moment_joint3_z + t411;
-    let t413 = t69 - t74;
-    let t414 = t191 * t413;
-    let t415 = t201 * 22.71885132005558;
+    let t283 = 2.0 * omega_joint6_z;
+    let t284 = omega_joint5_z * t283;
+    let t285 = cos_joint5 * t241;
+    let t286 = sin_joint5 * t248;
+    let t287 = t286 - t285;
+    let t288 = omega_joint5_y * t273;
+    let t289 = t287 + t288;
+    let t290 = t289 + t284;
+    let moment_joint6_x = 1.9999999999999998e-5 * t290;
+    let t292 = 0.00042216 * t289;
+    let t293 = omega_joint3_y * omega_joint3_y;
+    let t294 = omega_joint3_z * omega_joint3_z;
+    let t295 = t293 + t294;
+    let t296 = 0.047012505789717454 * t295;
+    let t297 = v[1] * v[1];
+    let t298 = sin_joint2 * t297;
+    let t299 = 22.71885132005558 - t298;
+    let t300 = sin_joint2_joint3 * t299;
+    let t301 = v[0] * v[0];
+    let t302 = t301 + t297;
+    let t303 = cos_joint2 * t302;
+    let t304 = cos_joint2_joint3 * t303;
+    let acceleration_joint3_x = t304 - t300;
+    let t306 = acceleration_joint3_x + t296;
+    let t307 = sin_joint4 * t306;
+    let t308 = omega_joint3_x * t235;
+    let t309 = 0.047012505789717454 * t308;
+    let t310 = v[1] * 2.0;
+    let t311 = v[0] * t310;
+    let t312 = sin_joint2 * t311;
+    let acceleration_joint2_z = 0.3474988420565076 * t301;
+    let acceleration_joint3_z = acceleration_joint2_z - t312;
+    let t315 = acceleration_joint3_z - t309;
+    let t316 = cos_joint4 * t315;
+    let t317 = t307 + t316;
+    let acceleration_joint4_y = t317 - t240;
+    let t319 = 0.0012435839999999998 * acceleration_joint4_y;
+    let t320 = t319 + t292;
+    let moment_joint5_x = t320 + moment_joint6_x;
+    let t322 = sin_joint5 * moment_joint5_x;
+    let t323 = t322 + t278;
+    let t324 = 0.0007499999999999999 * t248;
+    let t325 = t247 + t246;
+    let t326 = 0.00065 * t325;
+    let t327 = t326 + t324;
+    let moment_joint4_z = t327 + t323;
+    let t329 = sign(v[3]);
+    let t330 = t329.abs();
+    let t331 = t330 * 0.21670373999999998;
+    let t332 = t329 * 1.06831142;
+    let t333 = v[3] * 0.41164522969715195;
+    let t334 = t333 + t332;
+    let t335 = t334 - t331;
+    let t336 = u[3] * 76.0364;
+    let t337 = t336 - t335;
+    let t338 = t337 + moment_joint4_z;
+    let t339 = t218 * t338;
+    let t340 = sin_joint5 * moment_joint5_y;
+    let t341 = cos_joint5 * moment_joint5_x;
+    let t342 = t341 - t340;
+    let t343 = 0.0007499999999999999 * t241;
+    let moment_joint4_x = t343 - t342;
+    let force_joint5_z = 0.0012435839999999998 * t289;
+    let t346 = force_joint5_z - moment_joint4_x;
+    let t347 = sin_joint4 * t346;
+    let t348 = cos_joint4 * t306;
+    let t349 = sin_joint4 * t315;
+    let t350 = t348 - t349;
+    let t351 = sin_joint4 * t236;
+    let t352 = cos_joint4 * t238;
+    let t353 = t352 - t351;
+    let acceleration_joint4_x = t350 - t353;
+    let t355 = cos_joint5 * acceleration_joint4_x;
+    let t356 = 0.047012505789717454 * t238;
+    let t357 = cos_joint2_joint3 * t299;
+    let t358 = sin_joint2_joint3 * t303;
+    let acceleration_joint3_y = t358 + t357;
+    let t360 = acceleration_joint3_y + t356;
+    let t361 = omega_joint3_x * omega_joint3_x;
+    let t362 = t361 + t294;
+    let acceleration_joint4_z = t362 - t360;
+    let t364 = sin_joint5 * acceleration_joint4_z;
+    let acceleration_joint5_x = t355 + t364;
+    let t366 = 0.0012435839999999998 * acceleration_joint5_x;
+    let t367 = omega_joint5_x * omega_joint5_y;
+    let t368 = omega_joint4_x * omega_joint4_z;
+    let t369 = t353 - t368;
+    let t370 = t369 - t367;
+    let t371 = 0.00042216 * t370;
+    let t372 = t369 + t367;
+    let t373 = 0.0002 * t372;
+    let t374 = t373 + t371;
+    let t375 = t366 - t374;
+    let t376 = omega_joint5_x * t283;
+    let t377 = t370 - t376;
+    let moment_joint6_y = 1.9999999999999998e-5 * t377;
+    let moment_joint5_z = t375 - moment_joint6_y;
+    let t380 = omega_joint4_x * t228;
+    let t381 = t353 - t380;
+    let t382 = 0.00065 * t381;
+    let moment_joint4_y = t382 - moment_joint5_z;
+    let t384 = omega_joint5_x * omega_joint5_x;
+    let t385 = omega_joint5_z * omega_joint5_z;
+    let t386 = t384 + t385;
+    let force_joint5_y = 0.0012435839999999998 * t386;
+    let t388 = sin_joint5 * force_joint5_y;
+    let force_joint5_x = 0.0012435839999999998 * t370;
+    let t390 = cos_joint5 * force_joint5_x;
+    let force_joint4_x = t390 + t388;
+    let t392 = force_joint4_x + moment_joint4_y;
+    let t393 = cos_joint4 * t392;
+    let t394 = t347 - t393;
+    let t395 = cos_joint5 * force_joint5_y;
+    let t396 = sin_joint5 * force_joint5_x;
+    let force_joint4_z = t396 - t395;
+    let t398 = 0.047012505789717454 * force_joint4_z;
+    let t399 = t394 + t398;
+    let t400 = t295 - t362;
+    let t401 = 0.011273199000000001 * t400;
+    let t402 = 0.016765112499999995 * t238;
+    let t403 = t401 + t402;
+    let t404 = 0.34123495800000003 * t238;
+    let t405 = t403 - t404;
+    let t406 = 0.3848762940000001 * acceleration_joint3_x;
+    let t407 = 0.010956925 * acceleration_joint3_y;
+    let t408 = t407 + t406;
+    let t409 = t408 + t405;
+    let moment_joint3_z = t409 + t399;
+    let t411 = sign(v[2]);
+    let t412 = t411.abs();
+    let t413 = t412 * 0.7250350500000002;
+    let t414 = t411 * 6.364196549999999;
+    let t415 = v[2] * 3.9804259903721997;
     let t416 = t415 + t414;
-    let moment_joint2_z = t416 + t412;
-    let t418 = sign(v[1]);
-    let t419 = t418.abs();
-    let t420 = t419 * 2.9649125000000005;
-    let t421 = t418 * 10.6197775;
-    let t422 = v[1] * 9.496868641825001;
-    let t423 = t422 + t421;
-    let t424 = t423 + t420;
-    let t425 = u[1] * 107.815;
-    let t426 = t425 - t424;
-    let t427 = t426 - moment_joint2_z;
-    let t428 = t427 - t350;
-    let t429 = 21.270935960591135 * sin_joint2;
-    let t430 = t429 * t278;
-    let t431 = sin_joint2_joint3 * t274;
-    let t432 = cos_joint2_joint3 * t276;
-    let t433 = t431 + t432;
-    let t434 = t271 * t433;
-    let t435 = t434 - t430;
-    let t436 = t353 + t435;
-    let t437 = t436 * 5.83606090588883;
-    let t438 = t437 * t262;
-    let t439 = t428 + t438;
-    let t440 = t429 * t312;
-    let t441 = sin_joint2_joint3 * t311;
-    let t442 = t271 * t441;
-    let t443 = t442 - t440;
-    let t444 = t357 - t443;
-    let t445 = t444 + t358;
-    let t446 = t445 * inverse_d_joint4;
-    let t447 = t446 * t296;
-    let t448 = t439 + t447;
-    let t449 = t429 * t394;
-    let t450 = cos_joint2_joint3 * t390;
-    let t451 = sin_joint2_joint3 * t392;
-    let t452 = t450 - t451;
-    let t453 = t271 * t452;
-    let t454 = t453 + t449;
-    let t455 = t375 + t454;
-    let t456 = t455 - t377;
-    let t457 = t436 * t354;
-    let t458 = t456 - t457;
-    let t459 = t445 * t360;
-    let t460 = t458 - t459;
-    let t461 = t460 * inverse_d_joint3;
-    let t462 = t461 * t362;
-    let t463 = t448 + t462;
-    let t464 = t460 * t461;
-    let t465 = 2.0 * t454;
-    let t466 = t375 + t465;
-    let t467 = sin_joint2 * 1.601861202;
-    let t468 = t467 + t188;
-    let t469 = sin_joint2 * t468;
-    let t470 = 0.07312640000000001 + t469;
-    let t471 = 1.674987602 - t469;
-    let t472 = t471 + t470;
-    let t473 = t472 + t466;
-    let t474 = t473 + 2.324814845;
-    let t475 = t474 - t377;
-    let t476 = t436 * t437;
-    let t477 = t475 - t476;
-    let t478 = t445 * t446;
-    let t479 = t477 - t478;
-    let t480 = t479 - t464;
-    let inverse_d_joint2 = 1.0 / t480;
-    let t482 = t402 * t461;
-    let t483 = t429 * t311;
-    let t484 = t389 + t483;
-    let t485 = 0.008085780000000004 * cos_joint2;
-    let t486 = 0.120863064 * sin_joint2;
-    let t487 = t486 + t485;
-    let t488 = t487 + t484;
-    let t489 = 0.0021193199999999996 * cos_joint2;
-    let t490 = 0.07705047699999999 * sin_joint2;
-    let t491 = t490 + t489;
-    let t492 = t491 + t394;
-    let t493 = 7.391625615763547 * t492;
-    let t494 = t488 + t493;
-    let t495 = t494 - t397;
-    let t496 = t280 * t437;
-    let t497 = t495 - t496;
-    let t498 = t316 * t446;
-    let t499 = t497 - t498;
-    let t500 = t499 - t482;
-    let t501 = t500 * inverse_d_joint2;
-    let t502 = t501 * t463;
-    let t503 = t405 - t502;
-    let t504 = t370 - t374;
-    let t505 = sin_joint2_joint3 * t504;
-    let t506 = t267 - t306;
-    let t507 = 0.011273199000000001 + t506;
-    let t508 = 2.0 * t507;
-    let t509 = cos_joint2_joint3 * t508;
-    let t510 = t505 + t509;
-    let t511 = sin_joint2_joint3 * t510;
-    let t512 = t370 - t511;
-    let t513 = 2.0 * t453;
-    let t514 = t512 + t513;
-    let t515 = t471 + t514;
-    let t516 = 0.175 + t515;
-    let t517 = 0.0007699999999999999 + t365;
-    let t518 = t311 * 14.783251231527094;
-    let t519 = t517 + t518;
-    let t520 = 1.286789571125 + t519;
-    let t521 = t516 + t520;
-    let t522 = t521 + 0.784029968642;
-    let t523 = t249 * t250;
-    let t524 = t522 - t523;
-    let t525 = t280 * t281;
-    let t526 = t524 - t525;
-    let t527 = t316 * t321;
+    let t417 = t416 + t413;
+    let t418 = u[2] * 53.7063;
+    let t419 = t418 + t417;
+    let t420 = t419 + moment_joint3_z;
+    let t421 = t213 * t420;
+    let t422 = cos_joint4 * t346;
+    let t423 = sin_joint4 * t392;
+    let t424 = t422 + t423;
+    let t425 = t301 - t362;
+    let t426 = 0.0047376000000000015 * t425;
+    let t427 = 0.011273199000000001 * t308;
+    let t428 = t427 - t426;
+    let t429 = 0.34123495800000003 * t236;
+    let t430 = t428 + t429;
+    let t431 = 0.3848762940000001 * acceleration_joint3_z;
+    let t432 = t431 - t430;
+    let moment_joint3_x = t432 + t424;
+    let t434 = sin_joint2_joint3 * moment_joint3_x;
+    let t435 = sin_joint4 * force_joint4_x;
+    let t436 = cos_joint4 * force_joint5_z;
+    let t437 = t435 + t436;
+    let t438 = 0.047012505789717454 * t437;
+    let t439 = moment_joint4_z - t438;
+    let t440 = 0.011273199000000001 * t236;
+    let t441 = 0.0047376000000000015 * t238;
+    let t442 = t441 - t440;
+    let t443 = 0.016765112499999995 * t308;
+    let t444 = t442 - t443;
+    let t445 = 0.010956925 * acceleration_joint3_z;
+    let t446 = t445 + t444;
+    let moment_joint3_y = t446 - t439;
+    let t448 = cos_joint2_joint3 * moment_joint3_y;
+    let t449 = t434 - t448;
+    let t450 = 0.3848762940000001 * t236;
+    let t451 = 0.010956925 * t308;
+    let t452 = t451 + t450;
+    let force_joint3_z = t452 - t437;
+    let t454 = cos_joint2 * force_joint3_z;
+    let t455 = t449 + t454;
+    let t456 = cos_joint2 * t49;
+    let t457 = 0.0070992 - t456;
+    let t458 = t457 * t311;
+    let t459 = t301 - t302;
+    let t460 = 0.008085780000000004 * sin_joint2;
+    let t461 = 0.120863064 * cos_joint2;
+    let t462 = t461 - t460;
+    let t463 = t462 * t459;
+    let t464 = t458 + t463;
+    let t465 = 0.045079919999999996 * sin_joint2;
+    let t466 = 1.638935762 * cos_joint2;
+    let t467 = t466 - t465;
+    let t468 = t467 * acceleration_joint2_z;
+    let t469 = t468 + t464;
+    let moment_joint2_y = t469 - t455;
+    let t471 = cos_joint4 * force_joint4_x;
+    let t472 = sin_joint4 * force_joint5_z;
+    let t473 = t471 - t472;
+    let t474 = 0.010956925 * t295;
+    let t475 = 0.3848762940000001 * t238;
+    let t476 = t474 - t475;
+    let force_joint3_x = t476 - t473;
+    let t478 = cos_joint2_joint3 * force_joint3_x;
+    let t479 = 0.3848762940000001 * t362;
+    let t480 = 0.010956925 * t238;
+    let t481 = t480 - t479;
+    let force_joint3_y = t481 + force_joint4_z;
+    let t483 = sin_joint2_joint3 * force_joint3_y;
+    let t484 = t478 + t483;
+    let t485 = t467 * t302;
+    let force_joint2_x = t485 + t484;
+    let t487 = 0.3474988420565076 * force_joint2_x;
+    let moment_joint1_z = moment_joint2_y - t487;
+    let t489 = sign(v[0]);
+    let t490 = t489.abs();
+    let t491 = t490 * 1.2522219999999997;
+    let t492 = t489 * 25.9836065;
+    let t493 = v[0] * 5.8018217679508;
+    let t494 = t493 + t492;
+    let t495 = t494 - t491;
+    let t496 = u[0] * 62.6111;
+    let t497 = t496 + t495;
+    let t498 = t497 + moment_joint1_z;
+    let t499 = inverse_d_joint1 * t498;
+    let t500 = sin_joint2 * t484;
+    let t501 = sin_joint2_joint3 * force_joint3_x;
+    let t502 = cos_joint2_joint3 * force_joint3_y;
+    let t503 = t501 - t502;
+    let t504 = cos_joint2 * t503;
+    let t505 = t504 - t500;
+    let t506 = moment_joint3_z - t505;
+    let t507 = t297 - t302;
+    let t508 = t457 * t507;
+    let t509 = t467 * 22.71885132005558;
+    let t510 = t509 + t508;
+    let moment_joint2_z = t510 + t506;
+    let t512 = sign(v[1]);
+    let t513 = t512.abs();
+    let t514 = t513 * 2.9649125000000005;
+    let t515 = t512 * 10.6197775;
+    let t516 = v[1] * 9.496868641825001;
+    let t517 = t516 + t515;
+    let t518 = t517 + t514;
+    let t519 = u[1] * 107.815;
+    let t520 = t519 - t518;
+    let t521 = t520 - moment_joint2_z;
+    let t522 = t210 * t521;
+    let t523 = t499 - t522;
+    let t524 = t523 - t421;
+    let t525 = t524 + t339;
+    let t526 = t118 * t213;
+    let t527 = t179 * t210;
     let t528 = t526 - t527;
-    let t529 = t402 * t403;
+    let t529 = t85 * inverse_d_joint1;
     let t530 = t528 - t529;
-    let t531 = t500 * t501;
-    let t532 = t530 - t531;
-    let inverse_d_joint1 = 1.0 / t532;
-    let t534 = inverse_d_joint1 * t503;
-    let t535 = t501 * t534;
-    let t536 = inverse_d_joint2 * t463;
-    let t537 = t536 - t535;
-    let t538 = t461 * t537;
-    let t539 = inverse_d_joint3 * t362;
-    let t540 = t539 + t538;
-    let t541 = t403 * t534;
-    let t542 = t540 + t541;
-    let t543 = t360 * t542;
-    let t544 = inverse_d_joint4 * t296;
-    let t545 = t544 - t543;
-    let t546 = t446 * t537;
-    let t547 = t545 + t546;
-    let t548 = t321 * t534;
-    let t549 = t547 + t548;
-    let t550 = t354 * t542;
-    let t551 = 5.83606090588883 * t262;
-    let t552 = t551 - t550;
-    let t553 = t437 * t537;
-    let t554 = t552 + t553;
-    let t555 = t281 * t534;
+    let t531 = sign(v[4]);
+    let t532 = t531.abs();
+    let t533 = t532 * 0.18843826000000008;
+    let t534 = t531 * 0.85444524;
+    let t535 = v[4] * 0.42728302093540005;
+    let t536 = t535 + t534;
+    let t537 = t536 - t533;
+    let t538 = u[4] * 71.923;
+    let t539 = t538 - t537;
+    let t540 = t539 - moment_joint5_z;
+    let t541 = t530 * t540;
+    let t542 = t525 - t541;
+    let t543 = t542 - t272;
+    let t544 = t206 * t210;
+    let t545 = inverse_d_joint2 + t544;
+    let t546 = t170 * t545;
+    let t547 = t146 * t210;
+    let t548 = t546 + t547;
+    let t549 = t124 * t548;
+    let t550 = t182 * t545;
+    let t551 = t549 - t550;
+    let t552 = t106 * t210;
+    let t553 = t551 + t552;
+    let t554 = t99 * t553;
+    let t555 = t112 * t548;
     let t556 = t554 + t555;
-    let t557 = t294 * t549;
-    let t558 = 5.151863922779921 * t243;
-    let t559 = t558 - t557;
-    let t560 = t349 * t542;
-    let t561 = t559 + t560;
-    let t562 = t349 * t537;
-    let t563 = t561 - t562;
-    let t564 = t250 * t534;
-    let t565 = t563 - t564;
-    let t566 = cos_joint2_joint3 * t534;
-    let t567 = t30 + t566;
-    let t568 = t549 - t567;
-    let t569 = t29 + t568;
-    let t570 = cos_joint5 * t569;
-    let t571 = t537 - t542;
-    let t572 = t21 - t571;
-    let t573 = sin_joint4 * t572;
-    let t574 = sin_joint2_joint3 * t534;
-    let t575 = t19 - t574;
-    let t576 = cos_joint4 * t575;
-    let t577 = t573 + t576;
-    let t578 = t17 - t577;
-    let t579 = sin_joint5 * t578;
-    let t580 = t570 + t579;
-    let t581 = t38 - t580;
-    let t582 = t565 - t581;
-    let t583 = t38 + t582;
-    let t584 = 1.9999999999999998e-5 * t583;
-    let t585 = t38 - t582;
-    let t586 = 1.9999999999999998e-5 * t585;
-    let moment_joint6_z_2 = t586 - t584;
-    let t588 = t46 - t580;
-    let t589 = 0.0002 * t588;
-    let moment_joint5_y_2 = t589 + moment_joint6_z_2;
-    let t591 = sin_joint5 * moment_joint5_y_2;
-    let t592 = sin_joint5 * t569;
-    let t593 = cos_joint5 * t578;
-    let t594 = t592 - t593;
-    let t595 = t60 - t594;
-    let t596 = t56 + t595;
-    let moment_joint6_x_2 = 1.9999999999999998e-5 * t596;
-    let t598 = 0.00042216 * t595;
-    let t599 = cos_joint2 * t537;
-    let t600 = t70 - t599;
-    let t601 = 22.71885132005558 - t600;
-    let t602 = sin_joint2_joint3 * t601;
-    let t603 = sin_joint2 * t537;
-    let t604 = t75 + t603;
-    let acceleration_joint2_x = 0.3474988420565076 * t534;
-    let t606 = acceleration_joint2_x + t604;
-    let t607 = cos_joint2_joint3 * t606;
-    let acceleration_joint3_x_2 = t607 - t602;
-    let t609 = t68 + acceleration_joint3_x_2;
-    let t610 = sin_joint4 * t609;
-    let t611 = t80 + t566;
-    let t612 = 0.047012505789717454 * t611;
-    let t613 = cos_joint2 * t534;
-    let t614 = t84 + t613;
-    let acceleration_joint3_z_2 = acceleration_joint2_z - t614;
-    let t616 = acceleration_joint3_z_2 - t612;
-    let t617 = cos_joint4 * t616;
-    let t618 = t610 + t617;
-    let acceleration_joint4_y_2 = t618 - t577;
-    let t620 = 0.0012435839999999998 * acceleration_joint4_y_2;
-    let t621 = t620 + t598;
-    let moment_joint5_x_2 = t621 + moment_joint6_x_2;
-    let t623 = cos_joint5 * moment_joint5_x_2;
-    let t624 = t623 - t591;
-    let t625 = 0.0007499999999999999 * t578;
-    let moment_joint4_x_2 = t625 + t624;
-    let force_joint5_z_2 = 0.0012435839999999998 * t595;
-    let t628 = force_joint5_z_2 + moment_joint4_x_2;
-    let t629 = cos_joint4 * t628;
-    let t630 = cos_joint4 * t572;
-    let t631 = sin_joint4 * t575;
-    let t632 = t630 - t631;
-    let t633 = t123 - t632;
-    let t634 = t556 + t633;
-    let t635 = t122 + t634;
-    let t636 = 0.00042216 * t635;
-    let t637 = t122 - t634;
-    let t638 = 0.0002 * t637;
-    let t639 = t638 - t636;
-    let t640 = cos_joint4 * t609;
-    let t641 = sin_joint4 * t616;
-    let t642 = t640 - t641;
-    let acceleration_joint4_x_2 = t642 - t632;
-    let t644 = cos_joint5 * acceleration_joint4_x_2;
-    let t645 = t21 + t571;
-    let t646 = 0.047012505789717454 * t645;
-    let t647 = cos_joint2_joint3 * t601;
-    let t648 = sin_joint2_joint3 * t606;
-    let acceleration_joint3_y_2 = t648 + t647;
-    let t650 = acceleration_joint3_y_2 + t646;
-    let acceleration_joint4_z_2 = t117 - t650;
-    let t652 = sin_joint5 * acceleration_joint4_z_2;
-    let acceleration_joint5_x_2 = t644 + t652;
-    let t654 = 0.0012435839999999998 * acceleration_joint5_x_2;
-    let t655 = t654 - t639;
-    let t656 = t131 + t635;
-    let moment_joint6_y_2 = 1.9999999999999998e-5 * t656;
-    let moment_joint5_z_2 = t655 + moment_joint6_y_2;
-    let t659 = t135 - t632;
-    let t660 = 0.00065 * t659;
-    let moment_joint4_y_2 = t660 + moment_joint5_z_2;
-    let force_joint5_x_2 = 0.0012435839999999998 * t635;
-    let t663 = cos_joint5 * force_joint5_x_2;
-    let force_joint4_x_2 = t143 - t663;
-    let t665 = force_joint4_x_2 - moment_joint4_y_2;
-    let t666 = sin_joint4 * t665;
-    let t667 = t629 + t666;
-    let t668 = 0.011273199000000001 * t611;
-    let t669 = t153 - t668;
-    let t670 = 0.34123495800000003 * t575;
-    let t671 = t669 - t670;
-    let t672 = 0.3848762940000001 * acceleration_joint3_z_2;
-    let t673 = t672 + t671;
-    let moment_joint3_x_2 = t673 + t667;
-    let t675 = cos_joint2_joint3 * moment_joint3_x_2;
-    let t676 = cos_joint5 * moment_joint5_y_2;
-    let t677 = sin_joint5 * moment_joint5_x_2;
-    let t678 = t677 + t676;
-    let t679 = 0.0007499999999999999 * t569;
-    let t680 = t29 - t568;
-    let t681 = 0.00065 * t680;
-    let t682 = t681 - t679;
-    let moment_joint4_z_2 = t682 + t678;
-    let t684 = cos_joint4 * force_joint5_z_2;
-    let t685 = sin_joint4 * force_joint4_x_2;
-    let t686 = t685 + t684;
-    let t687 = 0.047012505789717454 * t686;
-    let t688 = moment_joint4_z_2 - t687;
-    let t689 = 0.0047376000000000015 * t572;
-    let t690 = 0.011273199000000001 * t575;
-    let t691 = t689 - t690;
-    let t692 = 0.016765112499999995 * t611;
-    let t693 = t691 - t692;
-    let t694 = 0.010956925 * acceleration_joint3_z_2;
-    let t695 = t694 + t693;
-    let moment_joint3_y_2 = t695 - t688;
-    let t697 = sin_joint2_joint3 * moment_joint3_y_2;
-    let t698 = t675 + t697;
-    let t699 = 0.3848762940000001 * t575;
-    let t700 = 0.010956925 * t611;
-    let t701 = t700 + t699;
-    let force_joint3_z_2 = t701 - t686;
-    let t703 = sin_joint2 * force_joint3_z_2;
-    let t704 = t698 - t703;
-    let t705 = t196 * t537;
-    let t706 = cos_joint2 * t468;
-    let t707 = 0.0070992 - t706;
-    let t708 = t707 * t534;
-    let t709 = t708 + t705;
-    let t710 = t73 - t69;
-    let t711 = t487 * t710;
-    let t712 = t711 + t709;
-    let t713 = t470 * t83;
-    let t714 = t712 - t713;
-    let t715 = sin_joint2 * 1.638935762;
-    let t716 = cos_joint2 * 0.045079919999999996;
-    let t717 = t716 + t715;
-    let t718 = acceleration_joint2_z * t717;
-    let t719 = t718 + t714;
-    let moment_joint2_x = t719 + t704;
-    let t721 = cos_joint4 * t304;
-    let t722 = 0.09402501157943491 * t721;
-    let t723 = t367 - t722;
-    let t724 = 0.016765112499999995 + t723;
-    let t725 = t374 - t724;
-    let t726 = sin_joint2_joint3 * t725;
-    let t727 = cos_joint5 * 5.846399999999998e-5;
-    let t728 = t306 - t727;
-    let t729 = 0.011273199000000001 - t728;
-    let t730 = 2.0 * t729;
-    let t731 = cos_joint2_joint3 * t730;
-    let t732 = t726 - t731;
-    let t733 = cos_joint2_joint3 * t732;
-    let t734 = t729 + t733;
-    let t735 = 0.010956925 - t721;
-    let t736 = sin_joint2_joint3 * t735;
-    let t737 = t263 + 0.3848762940000001;
-    let t738 = cos_joint2_joint3 * t737;
-    let t739 = t736 + t738;
-    let t740 = cos_joint2 * t739;
-    let t741 = cos_joint2_joint3 * t735;
-    let t742 = sin_joint2_joint3 * t737;
-    let t743 = t741 - t742;
-    let t744 = sin_joint2 * t743;
-    let t745 = t744 + t740;
-    let t746 = t734 - t745;
-    let t747 = t707 + t746;
-    let t748 = t534 * t747;
-    let t749 = sin_joint4 * t304;
-    let t750 = 0.047012505789717454 * t749;
-    let t751 = t384 - t750;
-    let t752 = sin_joint2_joint3 * t751;
-    let t753 = t388 - t752;
-    let t754 = sin_joint2 * t749;
-    let t755 = t753 + t754;
-    let t756 = t487 + t755;
-    let t757 = t73 * t756;
-    let t758 = t748 - t757;
-    let t759 = 22.71885132005558 * t749;
-    let t760 = t759 - t758;
-    let t761 = 3.9999999999999996e-5 * omega_joint6_z;
-    let t762 = 0.0004 * omega_joint5_y;
-    let t763 = t762 - t761;
-    let t764 = cos_joint5 * t763;
-    let t765 = omega_joint5_x * 0.00084432;
-    let t766 = sin_joint5 * t765;
-    let t767 = t764 - t766;
-    let t768 = 0.0013 * omega_joint4_z;
-    let t769 = t768 - t767;
-    let t770 = 2.0 * omega_joint4_x;
-    let t771 = t304 * t770;
-    let t772 = t769 + t771;
-    let t773 = cos_joint5 * t761;
-    let t774 = 3.9999999999999996e-5 * omega_joint5_x;
-    let t775 = sin_joint5 * t774;
-    let t776 = t773 + t775;
-    let t777 = omega_joint4_z * 0.0014999999999999998;
-    let t778 = t777 + t776;
-    let t779 = t778 - t772;
-    let t780 = cos_joint4 * t779;
-    let t781 = omega_joint5_z * 0.00040431999999999995;
-    let t782 = cos_joint5 * t781;
-    let t783 = sin_joint5 * t782;
-    let t784 = 2.0 * omega_joint4_y;
-    let t785 = t304 * t784;
-    let t786 = t783 + t785;
-    let t787 = sin_joint4 * t786;
-    let t788 = t787 - t780;
-    let t789 = sin_joint4 * t788;
-    let t790 = t786 - t789;
-    let t791 = 0.0024871679999999997 * omega_joint5_x;
-    let t792 = sin_joint4 * t791;
-    let t793 = 0.0024871679999999997 * omega_joint5_z;
-    let t794 = cos_joint5 * t793;
-    let t795 = cos_joint4 * t794;
-    let t796 = t795 - t792;
-    let t797 = 0.047012505789717454 * t796;
-    let t798 = t790 - t797;
-    let t799 = omega_joint3_z * 0.022546398000000002;
-    let t800 = t799 - t798;
-    let t801 = sin_joint5 * t793;
-    let t802 = t801 + t783;
-    let t803 = omega_joint3_z * 0.09402501157943491;
-    let t804 = t263 * t803;
-    let t805 = t802 - t804;
-    let t806 = omega_joint3_x * 0.009475200000000003;
-    let t807 = t799 - t806;
-    let t808 = t807 - t805;
-    let t809 = t800 + t808;
-    let t810 = sin_joint2_joint3 * t809;
-    let t811 = sin_joint5 * t761;
-    let t812 = cos_joint5 * t774;
-    let t813 = t811 - t812;
-    let t814 = omega_joint4_x * 0.0014999999999999998;
-    let t815 = t814 - t813;
-    let t816 = sin_joint4 * t815;
-    let t817 = cos_joint5 * t782;
-    let t818 = omega_joint5_z * 0.00084432;
-    let t819 = t818 - t817;
-    let t820 = 0.0013 * omega_joint4_y;
-    let t821 = t820 + t819;
-    let t822 = cos_joint4 * t821;
-    let t823 = t822 - t816;
-    let t824 = 0.047012505789717454 * t801;
-    let t825 = t803 * t721;
-    let t826 = t824 + t825;
-    let t827 = t823 - t826;
-    let t828 = omega_joint3_z * 0.03353022499999999;
-    let t829 = t828 + t827;
-    let t830 = sin_joint5 * t763;
-    let t831 = cos_joint5 * t765;
-    let t832 = t830 + t831;
-    let t833 = t263 * t770;
-    let t834 = t791 + t833;
-    let t835 = t832 + t834;
-    let t836 = sin_joint4 * t835;
-    let t837 = omega_joint5_z * 0.00044;
-    let t838 = t837 + t817;
-    let t839 = t263 * t784;
-    let t840 = t794 + t839;
-    let t841 = t838 + t840;
-    let t842 = cos_joint4 * t841;
-    let t843 = t842 - t836;
-    let t844 = omega_joint3_y * 0.009475200000000003;
-    let t845 = omega_joint3_z * 0.6824699160000001;
-    let t846 = t844 - t845;
-    let t847 = t846 - t843;
-    let t848 = t847 + t829;
-    let t849 = cos_joint2_joint3 * t848;
-    let t850 = t810 - t849;
-    let t851 = cos_joint2_joint3 * t850;
-    let t852 = t847 + t851;
-    let t853 = omega_joint3_z * 0.7697525880000002;
-    let t854 = t853 + t796;
-    let t855 = sin_joint2_joint3 * t854;
-    let t856 = omega_joint3_z * 0.02191385;
-    let t857 = t856 - t801;
-    let t858 = cos_joint2_joint3 * t857;
-    let t859 = t855 - t858;
-    let t860 = cos_joint2 * t859;
-    let t861 = v[1] * cos_joint2;
-    let t862 = 2.0 * t861;
-    let t863 = t862 * t743;
-    let t864 = t860 - t863;
-    let t865 = t852 + t864;
-    let t866 = t471 * t82;
-    let t867 = t866 - t865;
-    let t868 = v[0] * t867;
-    let t869 = t760 - t868;
-    let t870 = moment_joint2_x - t869;
-    let t871 = sin_joint4 * force_joint5_z_2;
-    let t872 = cos_joint4 * force_joint4_x_2;
-    let t873 = t872 - t871;
-    let t874 = 0.3848762940000001 * t572;
-    let t875 = t67 * 0.010956925;
-    let t876 = t875 - t874;
-    let force_joint3_x_2 = t876 - t873;
-    let t878 = sin_joint2_joint3 * force_joint3_x_2;
-    let t879 = sin_joint5 * force_joint5_x_2;
-    let force_joint4_z_2 = t211 + t879;
-    let t881 = 0.010956925 * t645;
-    let t882 = t117 * 0.3848762940000001;
-    let t883 = t881 - t882;
-    let force_joint3_y_2 = t883 - force_joint4_z_2;
-    let t885 = cos_joint2_joint3 * force_joint3_y_2;
-    let t886 = t878 - t885;
-    let t887 = cos_joint2 * 1.638935762;
-    let t888 = t199 - t887;
-    let t889 = t537 * t888;
-    let t890 = t69 * t717;
-    let t891 = t889 + t890;
-    let force_joint2_y = t891 + t886;
-    let t893 = t717 + t739;
-    let t894 = t73 * t893;
-    let t895 = force_joint2_y + t894;
-    let t896 = 0.3474988420565076 * t895;
-    let t897 = t870 - t896;
-    let t898 = cos_joint2_joint3 * t245;
-    let t899 = sin_joint2_joint3 * t247;
-    let t900 = t898 + t899;
-    let t901 = t900 * t534;
-    let t902 = t348 * t73;
-    let t903 = t902 - t901;
-    let t904 = sin_joint4 * t774;
-    let t905 = 3.9999999999999996e-5 * omega_joint5_z;
-    let t906 = cos_joint5 * t905;
-    let t907 = cos_joint4 * t906;
-    let t908 = t907 - t904;
-    let t909 = cos_joint2_joint3 * t908;
-    let t910 = sin_joint5 * t905;
-    let t911 = sin_joint2_joint3 * t910;
-    let t912 = t909 - t911;
-    let t913 = v[0] * t912;
-    let t914 = t903 + t913;
-    let t915 = t250 * t914;
-    let t916 = t897 + t915;
-    let t917 = cos_joint4 * t263;
-    let t918 = sin_joint2_joint3 * t917;
-    let t919 = cos_joint2_joint3 * t304;
-    let t920 = t918 + t919;
-    let t921 = acceleration_joint2_x * t920;
-    let t922 = cos_joint2_joint3 * t917;
-    let t923 = sin_joint2_joint3 * t304;
-    let t924 = t922 - t923;
-    let t925 = 22.71885132005558 * t924;
-    let t926 = t925 + t921;
-    let t927 = sin_joint4 * t263;
-    let t928 = 0.047012505789717454 * t927;
-    let t929 = sin_joint2_joint3 * t928;
-    let t930 = cos_joint2_joint3 * t265;
-    let t931 = t930 + t929;
-    let t932 = sin_joint2 * t927;
-    let t933 = t931 + t932;
-    let t934 = t534 * t933;
-    let t935 = sin_joint2 * t924;
-    let t936 = cos_joint2 * t920;
-    let t937 = t936 - t935;
-    let t938 = sin_joint5 * 5.846399999999998e-5;
-    let t939 = t352 - t938;
-    let t940 = t939 - t937;
-    let t941 = t73 * t940;
-    let t942 = t934 + t941;
-    let t943 = t942 + t926;
-    let t944 = t767 - t771;
-    let t945 = cos_joint4 * t944;
-    let t946 = sin_joint4 * t785;
-    let t947 = t945 - t946;
-    let t948 = omega_joint3_y * 0.09402501157943491;
-    let t949 = t304 * t948;
-    let t950 = t803 * t927;
+    let t557 = t112 * t545;
+    let t558 = t556 - t557;
+    let t559 = t67 * t210;
+    let t560 = t558 + t559;
+    let t561 = t560 * t271;
+    let t562 = t553 * t338;
+    let t563 = t548 * t420;
+    let t564 = t545 * t521;
+    let t565 = t210 * t498;
+    let t566 = t565 - t564;
+    let t567 = t566 - t563;
+    let t568 = t567 + t562;
+    let t569 = t118 * t548;
+    let t570 = t179 * t545;
+    let t571 = t569 - t570;
+    let t572 = t85 * t210;
+    let t573 = t571 - t572;
+    let t574 = t573 * t540;
+    let t575 = t568 - t574;
+    let t576 = t575 - t561;
+    let t577 = t170 * t206;
+    let t578 = t146 + t577;
+    let t579 = inverse_d_joint1 * t578;
+    let t580 = t206 * t579;
+    let t581 = t170 * inverse_d_joint2;
+    let t582 = t581 + t580;
+    let t583 = t170 * t582;
+    let t584 = inverse_d_joint3 + t583;
+    let t585 = t146 * t579;
+    let t586 = t584 + t585;
+    let t587 = t124 * t586;
+    let t588 = t182 * t582;
+    let t589 = t587 - t588;
+    let t590 = t106 * t579;
+    let t591 = t589 + t590;
+    let t592 = t99 * t591;
+    let t593 = t112 * t586;
+    let t594 = t592 + t593;
+    let t595 = t112 * t582;
+    let t596 = t594 - t595;
+    let t597 = t67 * t579;
+    let t598 = t596 + t597;
+    let t599 = t598 * t271;
+    let t600 = t591 * t338;
+    let t601 = t586 * t420;
+    let t602 = t548 * t521;
+    let t603 = t213 * t498;
+    let t604 = t603 - t602;
+    let t605 = t604 - t601;
+    let t606 = t605 + t600;
+    let t607 = t118 * t586;
+    let t608 = t179 * t582;
+    let t609 = t607 - t608;
+    let t610 = t85 * t579;
+    let t611 = t609 - t610;
+    let t612 = t611 * t540;
+    let t613 = t606 - t612;
+    let t614 = t613 - t599;
+    let t615 = t124 * t170;
+    let t616 = t182 - t615;
+    let t617 = t206 * t616;
+    let t618 = t124 * t146;
+    let t619 = t106 + t618;
+    let t620 = t619 - t617;
+    let t621 = inverse_d_joint1 * t620;
+    let t622 = t206 * t621;
+    let t623 = inverse_d_joint2 * t616;
+    let t624 = t623 - t622;
+    let t625 = t170 * t624;
+    let t626 = t124 * inverse_d_joint3;
+    let t627 = t626 - t625;
+    let t628 = t146 * t621;
+    let t629 = t627 + t628;
+    let t630 = t124 * t629;
+    let t631 = inverse_d_joint4 + t630;
+    let t632 = t182 * t624;
+    let t633 = t631 + t632;
+    let t634 = t106 * t621;
+    let t635 = t633 + t634;
+    let t636 = t99 * t635;
+    let t637 = t112 * t629;
+    let t638 = t636 + t637;
+    let t639 = t112 * t624;
+    let t640 = t638 + t639;
+    let t641 = t67 * t621;
+    let t642 = t640 + t641;
+    let t643 = t642 * t271;
+    let t644 = t635 * t338;
+    let t645 = t591 * t420;
+    let t646 = t553 * t521;
+    let t647 = t218 * t498;
+    let t648 = t647 - t646;
+    let t649 = t648 - t645;
+    let t650 = t649 + t644;
+    let t651 = t118 * t629;
+    let t652 = t179 * t624;
+    let t653 = t651 + t652;
+    let t654 = t85 * t621;
+    let t655 = t653 - t654;
+    let t656 = t655 * t540;
+    let t657 = t650 - t656;
+    let t658 = t657 - t643;
+    let t659 = t118 * t170;
+    let t660 = t179 - t659;
+    let t661 = t206 * t660;
+    let t662 = t118 * t146;
+    let t663 = t85 - t662;
+    let t664 = t663 + t661;
+    let t665 = inverse_d_joint1 * t664;
+    let t666 = t206 * t665;
+    let t667 = inverse_d_joint2 * t660;
+    let t668 = t667 + t666;
+    let t669 = t170 * t668;
+    let t670 = t118 * inverse_d_joint3;
+    let t671 = t670 - t669;
+    let t672 = t146 * t665;
+    let t673 = t671 - t672;
+    let t674 = t124 * t673;
+    let t675 = t182 * t668;
+    let t676 = t674 + t675;
+    let t677 = t106 * t665;
+    let t678 = t676 - t677;
+    let t679 = t99 * t678;
+    let t680 = t112 * t673;
+    let t681 = t679 + t680;
+    let t682 = t112 * t668;
+    let t683 = t681 + t682;
+    let t684 = t67 * t665;
+    let t685 = t683 - t684;
+    let t686 = t685 * t271;
+    let t687 = t611 * t420;
+    let t688 = t573 * t521;
+    let t689 = t530 * t498;
+    let t690 = t689 - t688;
+    let t691 = t690 - t687;
+    let t692 = t655 * t338;
+    let t693 = t691 + t692;
+    let t694 = t118 * t673;
+    let t695 = 5.83606090588883 + t694;
+    let t696 = t179 * t668;
+    let t697 = t695 + t696;
+    let t698 = t85 * t665;
+    let t699 = t697 + t698;
+    let t700 = t699 * t540;
+    let t701 = t693 - t700;
+    let t702 = t701 - t686;
+    let t703 = t642 * t338;
+    let t704 = t598 * t420;
+    let t705 = t560 * t521;
+    let t706 = t225 * t498;
+    let t707 = t706 - t705;
+    let t708 = t707 - t704;
+    let t709 = t708 + t703;
+    let t710 = t685 * t540;
+    let t711 = t709 - t710;
+    let t712 = t99 * t124;
+    let t713 = t112 + t712;
+    let t714 = t170 * t713;
+    let t715 = t99 * t182;
+    let t716 = t112 + t715;
+    let t717 = t716 - t714;
+    let t718 = t206 * t717;
+    let t719 = t146 * t713;
+    let t720 = t99 * t106;
+    let t721 = t67 + t720;
+    let t722 = t721 + t719;
+    let t723 = t722 - t718;
+    let t724 = inverse_d_joint1 * t723;
+    let t725 = t206 * t724;
+    let t726 = inverse_d_joint2 * t717;
+    let t727 = t726 - t725;
+    let t728 = t170 * t727;
+    let t729 = inverse_d_joint3 * t713;
+    let t730 = t729 - t728;
+    let t731 = t146 * t724;
+    let t732 = t730 + t731;
+    let t733 = t124 * t732;
+    let t734 = t99 * inverse_d_joint4;
+    let t735 = t734 + t733;
+    let t736 = t182 * t727;
+    let t737 = t735 + t736;
+    let t738 = t106 * t724;
+    let t739 = t737 + t738;
+    let t740 = t99 * t739;
+    let t741 = 5.151863922779921 + t740;
+    let t742 = t112 * t732;
+    let t743 = t741 + t742;
+    let t744 = t112 * t727;
+    let t745 = t743 + t744;
+    let t746 = t67 * t724;
+    let t747 = t745 + t746;
+    let t748 = t747 * t271;
+    let t749 = t711 - t748;
+    let t750 = t576 - t614;
+    let t751 = t238 + t750;
+    let t752 = sin_joint4 * t751;
+    let t753 = sin_joint2_joint3 * t543;
+    let t754 = t236 - t753;
+    let t755 = cos_joint4 * t754;
+    let t756 = t752 + t755;
+    let t757 = t234 - t756;
+    let t758 = sin_joint5 * t757;
+    let t759 = cos_joint2_joint3 * t543;
+    let t760 = t247 + t759;
+    let t761 = t658 - t760;
+    let t762 = t246 + t761;
+    let t763 = cos_joint5 * t762;
+    let t764 = t763 + t758;
+    let t765 = t255 - t764;
+    let t766 = t749 + t765;
+    let t767 = t255 - t766;
+    let t768 = 1.9999999999999998e-5 * t767;
+    let t769 = t255 + t766;
+    let t770 = 1.9999999999999998e-5 * t769;
+    let moment_joint6_z_2 = t770 - t768;
+    let t772 = t274 - t764;
+    let t773 = 0.0002 * t772;
+    let moment_joint5_y_2 = t773 + moment_joint6_z_2;
+    let t775 = sin_joint5 * moment_joint5_y_2;
+    let t776 = cos_joint5 * t757;
+    let t777 = sin_joint5 * t762;
+    let t778 = t777 - t776;
+    let t779 = t288 - t778;
+    let t780 = t284 + t779;
+    let moment_joint6_x_2 = 1.9999999999999998e-5 * t780;
+    let t782 = 0.00042216 * t779;
+    let t783 = cos_joint2 * t576;
+    let t784 = t298 + t783;
+    let t785 = 22.71885132005558 - t784;
+    let t786 = sin_joint2_joint3 * t785;
+    let t787 = sin_joint2 * t576;
+    let t788 = t303 - t787;
+    let acceleration_joint2_x = 0.3474988420565076 * t543;
+    let t790 = acceleration_joint2_x + t788;
+    let t791 = cos_joint2_joint3 * t790;
+    let acceleration_joint3_x_2 = t791 - t786;
+    let t793 = t296 + acceleration_joint3_x_2;
+    let t794 = sin_joint4 * t793;
+    let t795 = t308 + t759;
+    let t796 = 0.047012505789717454 * t795;
+    let t797 = cos_joint2 * t543;
+    let t798 = t312 + t797;
+    let acceleration_joint3_z_2 = acceleration_joint2_z - t798;
+    let t800 = acceleration_joint3_z_2 - t796;
+    let t801 = cos_joint4 * t800;
+    let t802 = t794 + t801;
+    let acceleration_joint4_y_2 = t802 - t756;
+    let t804 = 0.0012435839999999998 * acceleration_joint4_y_2;
+    let t805 = t804 + t782;
+    let moment_joint5_x_2 = t805 + moment_joint6_x_2;
+    let t807 = cos_joint5 * moment_joint5_x_2;
+    let t808 = t807 - t775;
+    let t809 = 0.0007499999999999999 * t757;
+    let moment_joint4_x_2 = t809 + t808;
+    let force_joint5_z_2 = 0.0012435839999999998 * t779;
+    let t812 = force_joint5_z_2 + moment_joint4_x_2;
+    let t813 = cos_joint4 * t812;
+    let t814 = cos_joint4 * t793;
+    let t815 = sin_joint4 * t800;
+    let t816 = t814 - t815;
+    let t817 = cos_joint4 * t751;
+    let t818 = sin_joint4 * t754;
+    let t819 = t817 - t818;
+    let acceleration_joint4_x_2 = t816 - t819;
+    let t821 = cos_joint5 * acceleration_joint4_x_2;
+    let t822 = cos_joint2_joint3 * t785;
+    let t823 = sin_joint2_joint3 * t790;
+    let acceleration_joint3_y_2 = t823 + t822;
+    let t825 = t238 - t750;
+    let t826 = 0.047012505789717454 * t825;
+    let t827 = acceleration_joint3_y_2 + t826;
+    let acceleration_joint4_z_2 = t362 - t827;
+    let t829 = sin_joint5 * acceleration_joint4_z_2;
+    let acceleration_joint5_x_2 = t821 + t829;
+    let t831 = 0.0012435839999999998 * acceleration_joint5_x_2;
+    let t832 = t368 - t819;
+    let t833 = t702 - t832;
+    let t834 = t367 - t833;
+    let t835 = 0.00042216 * t834;
+    let t836 = t367 + t833;
+    let t837 = 0.0002 * t836;
+    let t838 = t837 - t835;
+    let t839 = t831 - t838;
+    let t840 = t376 + t834;
+    let moment_joint6_y_2 = 1.9999999999999998e-5 * t840;
+    let moment_joint5_z_2 = t839 + moment_joint6_y_2;
+    let t843 = t380 - t819;
+    let t844 = 0.00065 * t843;
+    let moment_joint4_y_2 = t844 + moment_joint5_z_2;
+    let force_joint5_x_2 = 0.0012435839999999998 * t834;
+    let t847 = cos_joint5 * force_joint5_x_2;
+    let force_joint4_x_2 = t388 - t847;
+    let t849 = force_joint4_x_2 - moment_joint4_y_2;
+    let t850 = sin_joint4 * t849;
+    let t851 = t813 + t850;
+    let t852 = 0.011273199000000001 * t795;
+    let t853 = t426 - t852;
+    let t854 = 0.34123495800000003 * t754;
+    let t855 = t853 - t854;
+    let t856 = 0.3848762940000001 * acceleration_joint3_z_2;
+    let t857 = t856 + t855;
+    let moment_joint3_x_2 = t857 + t851;
+    let t859 = cos_joint2_joint3 * moment_joint3_x_2;
+    let t860 = cos_joint5 * moment_joint5_y_2;
+    let t861 = sin_joint5 * moment_joint5_x_2;
+    let t862 = t861 + t860;
+    let t863 = 0.0007499999999999999 * t762;
+    let t864 = t246 - t761;
+    let t865 = 0.00065 * t864;
+    let t866 = t865 - t863;
+    let moment_joint4_z_2 = t866 + t862;
+    let t868 = sin_joint4 * force_joint4_x_2;
+    let t869 = cos_joint4 * force_joint5_z_2;
+    let t870 = t868 + t869;
+    let t871 = 0.047012505789717454 * t870;
+    let t872 = moment_joint4_z_2 - t871;
+    let t873 = 0.0047376000000000015 * t751;
+    let t874 = 0.011273199000000001 * t754;
+    let t875 = t873 - t874;
+    let t876 = 0.016765112499999995 * t795;
+    let t877 = t875 - t876;
+    let t878 = 0.010956925 * acceleration_joint3_z_2;
+    let t879 = t878 + t877;
+    let moment_joint3_y_2 = t879 - t872;
+    let t881 = sin_joint2_joint3 * moment_joint3_y_2;
+    let t882 = t859 + t881;
+    let t883 = 0.3848762940000001 * t754;
+    let t884 = 0.010956925 * t795;
+    let t885 = t884 + t883;
+    let force_joint3_z_2 = t885 - t870;
+    let t887 = sin_joint2 * force_joint3_z_2;
+    let t888 = t882 - t887;
+    let t889 = t462 * t576;
+    let t890 = t457 * t543;
+    let t891 = t890 - t889;
+    let t892 = t301 - t297;
+    let t893 = t192 * t892;
+    let t894 = t893 + t891;
+    let t895 = t174 * t311;
+    let t896 = t895 - t894;
+    let t897 = t196 * acceleration_joint2_z;
+    let t898 = t897 - t896;
+    let moment_joint2_x = t898 + t888;
+    let t900 = cos_joint2_joint3 * t35;
+    let t901 = t32 - t900;
+    let t902 = cos_joint2 * t137;
+    let t903 = sin_joint2 * t43;
+    let t904 = t903 + t902;
+    let t905 = t901 - t904;
+    let t906 = t457 + t905;
+    let t907 = t906 * t543;
+    let t908 = t193 * t301;
+    let t909 = t907 - t908;
+    let t910 = t55 * 22.71885132005558;
+    let t911 = t910 - t909;
+    let t912 = 3.9999999999999996e-5 * omega_joint6_z;
+    let t913 = 0.0004 * omega_joint5_y;
+    let t914 = t913 - t912;
+    let t915 = cos_joint5 * t914;
+    let t916 = omega_joint5_x * 0.00084432;
+    let t917 = sin_joint5 * t916;
+    let t918 = t915 - t917;
+    let t919 = 0.0013 * omega_joint4_z;
+    let t920 = t919 - t918;
+    let t921 = 2.0 * omega_joint4_x;
+    let t922 = t16 * t921;
+    let t923 = t920 + t922;
+    let t924 = cos_joint5 * t912;
+    let t925 = 3.9999999999999996e-5 * omega_joint5_x;
+    let t926 = sin_joint5 * t925;
+    let t927 = t924 + t926;
+    let t928 = omega_joint4_z * 0.0014999999999999998;
+    let t929 = t928 + t927;
+    let t930 = t929 - t923;
+    let t931 = cos_joint4 * t930;
+    let t932 = omega_joint5_z * 0.00040431999999999995;
+    let t933 = cos_joint5 * t932;
+    let t934 = sin_joint5 * t933;
+    let t935 = 2.0 * omega_joint4_y;
+    let t936 = t16 * t935;
+    let t937 = t934 + t936;
+    let t938 = sin_joint4 * t937;
+    let t939 = t938 - t931;
+    let t940 = sin_joint4 * t939;
+    let t941 = t937 - t940;
+    let t942 = 0.0024871679999999997 * omega_joint5_x;
+    let t943 = sin_joint4 * t942;
+    let t944 = 0.0024871679999999997 * omega_joint5_z;
+    let t945 = cos_joint5 * t944;
+    let t946 = cos_joint4 * t945;
+    let t947 = t946 - t943;
+    let t948 = 0.047012505789717454 * t947;
+    let t949 = t941 - t948;
+    let t950 = omega_joint3_z * 0.022546398000000002;
     let t951 = t950 - t949;
-    let t952 = t947 - t951;
-    let t953 = cos_joint2_joint3 * t952;
-    let t954 = t832 + t833;
-    let t955 = t948 * t917;
-    let t956 = t954 - t955;
-    let t957 = sin_joint2_joint3 * t956;
-    let t958 = t953 - t957;
-    let t959 = v[0] * cos_joint2;
-    let t960 = 2.0 * t959;
-    let t961 = t960 * t920;
-    let t962 = t862 * t927;
-    let t963 = t962 - t961;
-    let t964 = t958 - t963;
-    let t965 = v[0] * t964;
-    let t966 = t943 + t965;
-    let t967 = t281 * t966;
-    let t968 = t916 - t967;
-    let t969 = sin_joint2_joint3 * t749;
-    let t970 = acceleration_joint2_x * t969;
-    let t971 = cos_joint2_joint3 * t749;
-    let t972 = 22.71885132005558 * t971;
-    let t973 = t972 + t970;
-    let t974 = 0.047012505789717454 * t721;
-    let t975 = t299 - t974;
-    let t976 = sin_joint2_joint3 * t975;
-    let t977 = cos_joint2_joint3 * t306;
-    let t978 = t977 - t976;
-    let t979 = sin_joint2 * t721;
-    let t980 = t978 + t979;
-    let t981 = t534 * t980;
-    let t982 = sin_joint2 * t971;
-    let t983 = cos_joint2 * t969;
-    let t984 = t983 - t982;
-    let t985 = t357 - t984;
-    let t986 = t73 * t985;
-    let t987 = t981 - t986;
-    let t988 = t987 - t973;
-    let t989 = t823 - t825;
-    let t990 = cos_joint2_joint3 * t989;
-    let t991 = t948 * t749;
-    let t992 = t786 - t991;
-    let t993 = sin_joint2_joint3 * t992;
-    let t994 = t990 + t993;
-    let t995 = t960 * t969;
-    let t996 = t862 * t721;
-    let t997 = t996 + t995;
-    let t998 = t994 - t997;
-    let t999 = v[0] * t998;
-    let t1000 = t988 + t999;
-    let t1001 = t294 * t914;
-    let t1002 = t1000 - t1001;
-    let t1003 = t321 * t1002;
-    let t1004 = t968 - t1003;
-    let t1005 = t360 * t1002;
-    let t1006 = t354 * t966;
-    let t1007 = acceleration_joint2_x * t743;
-    let t1008 = 22.71885132005558 * t739;
-    let t1009 = t1008 - t1007;
-    let t1010 = cos_joint2_joint3 * t751;
-    let t1011 = sin_joint2_joint3 * t387;
-    let t1012 = t1011 + t1010;
-    let t1013 = t534 * t1012;
-    let t1014 = t374 + t724;
-    let t1015 = sin_joint2 * t739;
-    let t1016 = cos_joint2 * t743;
-    let t1017 = t1016 + t1015;
-    let t1018 = t1014 + t1017;
-    let t1019 = t73 * t1018;
-    let t1020 = t1013 + t1019;
-    let t1021 = t1020 + t1009;
-    let t1022 = cos_joint4 * t788;
-    let t1023 = t778 + t1022;
-    let t1024 = cos_joint4 * t791;
-    let t1025 = sin_joint4 * t794;
-    let t1026 = t1025 + t1024;
-    let t1027 = 0.047012505789717454 * t1026;
-    let t1028 = t948 * t721;
-    let t1029 = t1027 + t1028;
-    let t1030 = t1023 - t1029;
-    let t1031 = omega_joint3_y * 0.03353022499999999;
-    let t1032 = omega_joint3_x * 0.022546398000000002;
-    let t1033 = t1032 - t1031;
-    let t1034 = t1033 - t1030;
-    let t1035 = cos_joint2_joint3 * t1034;
-    let t1036 = cos_joint4 * t835;
-    let t1037 = sin_joint4 * t841;
+    let t952 = sin_joint5 * t944;
+    let t953 = t952 + t934;
+    let t954 = 0.09402501157943491 * omega_joint3_z;
+    let t955 = t40 * t954;
+    let t956 = t953 - t955;
+    let t957 = omega_joint3_x * 0.009475200000000003;
+    let t958 = t950 - t957;
+    let t959 = t958 - t956;
+    let t960 = t951 + t959;
+    let t961 = sin_joint2_joint3 * t960;
+    let t962 = sin_joint5 * t912;
+    let t963 = cos_joint5 * t925;
+    let t964 = t962 - t963;
+    let t965 = omega_joint4_x * 0.0014999999999999998;
+    let t966 = t965 - t964;
+    let t967 = sin_joint4 * t966;
+    let t968 = cos_joint5 * t933;
+    let t969 = omega_joint5_z * 0.00084432;
+    let t970 = t969 - t968;
+    let t971 = 0.0013 * omega_joint4_y;
+    let t972 = t971 + t970;
+    let t973 = cos_joint4 * t972;
+    let t974 = t973 - t967;
+    let t975 = 0.047012505789717454 * t952;
+    let t976 = t17 * t954;
+    let t977 = t975 + t976;
+    let t978 = t974 - t977;
+    let t979 = omega_joint3_z * 0.03353022499999999;
+    let t980 = t979 + t978;
+    let t981 = sin_joint5 * t914;
+    let t982 = cos_joint5 * t916;
+    let t983 = t981 + t982;
+    let t984 = t40 * t921;
+    let t985 = t942 + t984;
+    let t986 = t983 + t985;
+    let t987 = sin_joint4 * t986;
+    let t988 = omega_joint5_z * 0.00044;
+    let t989 = t988 + t968;
+    let t990 = t40 * t935;
+    let t991 = t945 + t990;
+    let t992 = t989 + t991;
+    let t993 = cos_joint4 * t992;
+    let t994 = t993 - t987;
+    let t995 = omega_joint3_y * 0.009475200000000003;
+    let t996 = omega_joint3_z * 0.6824699160000001;
+    let t997 = t995 - t996;
+    let t998 = t997 - t994;
+    let t999 = t998 + t980;
+    let t1000 = cos_joint2_joint3 * t999;
+    let t1001 = t961 - t1000;
+    let t1002 = cos_joint2_joint3 * t1001;
+    let t1003 = t998 + t1002;
+    let t1004 = omega_joint3_z * 0.7697525880000002;
+    let t1005 = t1004 + t947;
+    let t1006 = sin_joint2_joint3 * t1005;
+    let t1007 = omega_joint3_z * 0.02191385;
+    let t1008 = t1007 - t952;
+    let t1009 = cos_joint2_joint3 * t1008;
+    let t1010 = t1006 - t1009;
+    let t1011 = cos_joint2 * t1010;
+    let t1012 = v[1] * cos_joint2;
+    let t1013 = 2.0 * t1012;
+    let t1014 = t43 * t1013;
+    let t1015 = t1011 - t1014;
+    let t1016 = t1003 + t1015;
+    let t1017 = t51 * t310;
+    let t1018 = t1017 - t1016;
+    let t1019 = v[0] * t1018;
+    let t1020 = t911 - t1019;
+    let t1021 = moment_joint2_x - t1020;
+    let t1022 = cos_joint4 * force_joint4_x_2;
+    let t1023 = sin_joint4 * force_joint5_z_2;
+    let t1024 = t1022 - t1023;
+    let t1025 = 0.3848762940000001 * t751;
+    let t1026 = t474 - t1025;
+    let force_joint3_x_2 = t1026 - t1024;
+    let t1028 = sin_joint2_joint3 * force_joint3_x_2;
+    let t1029 = sin_joint5 * force_joint5_x_2;
+    let force_joint4_z_2 = t395 + t1029;
+    let t1031 = 0.010956925 * t825;
+    let t1032 = t479 - t1031;
+    let force_joint3_y_2 = t1032 + force_joint4_z_2;
+    let t1034 = cos_joint2_joint3 * force_joint3_y_2;
+    let t1035 = t1028 + t1034;
+    let t1036 = t467 * t576;
+    let t1037 = t196 * t297;
     let t1038 = t1037 + t1036;
-    let t1039 = t263 * t948;
-    let t1040 = t1038 - t1039;
-    let t1041 = omega_joint3_y * 0.022546398000000002;
-    let t1042 = omega_joint3_x * 0.6824699160000001;
-    let t1043 = t1042 - t1041;
-    let t1044 = t1043 + t1040;
-    let t1045 = sin_joint2_joint3 * t1044;
-    let t1046 = t1035 - t1045;
-    let t1047 = t960 * t743;
+    let force_joint2_y = t1038 + t1035;
+    let t1040 = t197 * t301;
+    let t1041 = force_joint2_y + t1040;
+    let t1042 = 0.3474988420565076 * t1041;
+    let t1043 = t1021 - t1042;
+    let t1044 = inverse_d_joint1 * t1043;
+    let t1045 = t467 + t43;
+    let t1046 = t1045 * acceleration_joint2_x;
+    let t1047 = t197 * 22.71885132005558;
     let t1048 = t1046 - t1047;
-    let t1049 = v[0] * t1048;
-    let t1050 = t1021 + t1049;
-    let t1051 = t349 * t914;
-    let t1052 = t1050 - t1051;
-    let t1053 = t1052 + t1006;
-    let t1054 = t1053 + t1005;
-    let t1055 = t403 * t1054;
-    let t1056 = t1004 + t1055;
-    let t1057 = t461 * t1054;
-    let t1058 = t446 * t1002;
-    let t1059 = t437 * t966;
-    let t1060 = t888 - t743;
-    let t1061 = acceleration_joint2_x * t1060;
-    let t1062 = 22.71885132005558 * t893;
-    let t1063 = t1061 + t1062;
-    let t1064 = cos_joint2 * t749;
-    let t1065 = t1012 - t1064;
-    let t1066 = t196 - t1065;
-    let t1067 = t534 * t1066;
-    let t1068 = 2.0 * t1017;
-    let t1069 = t1014 + t1068;
-    let t1070 = t472 + t1069;
-    let t1071 = t73 * t1070;
-    let t1072 = t1071 - t1067;
-    let t1073 = t1063 + t1072;
-    let t1074 = omega_joint3_y * 0.02191385;
-    let t1075 = omega_joint3_x * 0.7697525880000002;
-    let t1076 = t1075 - t1074;
-    let t1077 = t1076 + t1026;
-    let t1078 = cos_joint2 * t1077;
-    let t1079 = t1078 - t1047;
-    let t1080 = t1046 + t1079;
-    let t1081 = v[0] * 2.0;
-    let t1082 = t471 * t1081;
-    let t1083 = t1082 - t1080;
-    let t1084 = v[0] * t1083;
-    let t1085 = t1073 - t1084;
-    let t1086 = t1085 - t1051;
-    let t1087 = t1086 + t1059;
-    let t1088 = t1087 + t1058;
-    let t1089 = t1088 - t1057;
-    let t1090 = t501 * t1089;
-    let t1091 = t1056 + t1090;
-    let t1092 = inverse_d_joint1 * t1091;
-    let t1093 = acceleration_joint3_y_2 * t749;
-    let t1094 = t566 * t729;
-    let t1095 = t517 + t724;
-    let t1096 = t574 * t1095;
-    let t1097 = t1096 + t1094;
-    let t1098 = t387 * t73;
-    let t1099 = t1097 + t1098;
-    let t1100 = t1093 + t1099;
-    let t1101 = t789 - t991;
-    let t1102 = t806 + t1101;
-    let t1103 = t800 - t1102;
-    let t1104 = omega_joint3_x * t1103;
-    let t1105 = omega_joint3_y * t829;
-    let t1106 = t1104 - t1105;
-    let t1107 = t1100 + t1106;
-    let t1108 = moment_joint3_x_2 - t1107;
-    let t1109 = cos_joint2_joint3 * t1108;
-    let t1110 = acceleration_joint3_x_2 * t749;
-    let t1111 = t574 * t729;
-    let t1112 = t517 + t374;
-    let t1113 = t566 * t1112;
-    let t1114 = t1113 + t1111;
-    let t1115 = t73 * t751;
-    let t1116 = t1114 + t1115;
-    let t1117 = t1110 + t1116;
-    let t1118 = t808 + t1102;
-    let t1119 = omega_joint3_y * t1118;
-    let t1120 = omega_joint3_x * t847;
+    let t1049 = cos_joint2_joint3 * t130;
+    let t1050 = sin_joint2_joint3 * t132;
+    let t1051 = t1049 + t1050;
+    let t1052 = cos_joint2 * t55;
+    let t1053 = t1051 - t1052;
+    let t1054 = t462 - t1053;
+    let t1055 = t1054 * t543;
+    let t1056 = t176 * t301;
+    let t1057 = t1056 - t1055;
+    let t1058 = t1048 - t1057;
+    let t1059 = cos_joint4 * t939;
+    let t1060 = t929 + t1059;
+    let t1061 = cos_joint4 * t942;
+    let t1062 = sin_joint4 * t945;
+    let t1063 = t1062 + t1061;
+    let t1064 = 0.047012505789717454 * t1063;
+    let t1065 = 0.09402501157943491 * omega_joint3_y;
+    let t1066 = t17 * t1065;
+    let t1067 = t1064 + t1066;
+    let t1068 = t1060 - t1067;
+    let t1069 = omega_joint3_y * 0.03353022499999999;
+    let t1070 = omega_joint3_x * 0.022546398000000002;
+    let t1071 = t1070 - t1069;
+    let t1072 = t1071 - t1068;
+    let t1073 = cos_joint2_joint3 * t1072;
+    let t1074 = cos_joint4 * t986;
+    let t1075 = sin_joint4 * t992;
+    let t1076 = t1075 + t1074;
+    let t1077 = t40 * t1065;
+    let t1078 = t1076 - t1077;
+    let t1079 = omega_joint3_y * 0.022546398000000002;
+    let t1080 = omega_joint3_x * 0.6824699160000001;
+    let t1081 = t1080 - t1079;
+    let t1082 = t1081 + t1078;
+    let t1083 = sin_joint2_joint3 * t1082;
+    let t1084 = t1073 - t1083;
+    let t1085 = omega_joint3_y * 0.02191385;
+    let t1086 = omega_joint3_x * 0.7697525880000002;
+    let t1087 = t1086 - t1085;
+    let t1088 = t1087 + t1063;
+    let t1089 = cos_joint2 * t1088;
+    let t1090 = v[0] * cos_joint2;
+    let t1091 = 2.0 * t1090;
+    let t1092 = t43 * t1091;
+    let t1093 = t1089 - t1092;
+    let t1094 = t1084 + t1093;
+    let t1095 = v[0] * 2.0;
+    let t1096 = t51 * t1095;
+    let t1097 = t1096 - t1094;
+    let t1098 = v[0] * t1097;
+    let t1099 = t1058 + t1098;
+    let t1100 = t210 * t1099;
+    let t1101 = t1044 - t1100;
+    let t1102 = t43 * acceleration_joint2_x;
+    let t1103 = t137 * 22.71885132005558;
+    let t1104 = t1103 - t1102;
+    let t1105 = t1051 * t543;
+    let t1106 = t151 * t301;
+    let t1107 = t1105 + t1106;
+    let t1108 = t1107 + t1104;
+    let t1109 = t1084 - t1092;
+    let t1110 = v[0] * t1109;
+    let t1111 = t1108 + t1110;
+    let t1112 = t213 * t1111;
+    let t1113 = t1101 - t1112;
+    let t1114 = t163 * acceleration_joint2_x;
+    let t1115 = t96 * 22.71885132005558;
+    let t1116 = t1115 + t1114;
+    let t1117 = sin_joint2_joint3 * t90;
+    let t1118 = cos_joint2_joint3 * t29;
+    let t1119 = t1118 - t1117;
+    let t1120 = sin_joint2 * t17;
     let t1121 = t1119 + t1120;
-    let t1122 = t1117 - t1121;
-    let t1123 = moment_joint3_y_2 + t1122;
-    let t1124 = sin_joint2_joint3 * t1123;
-    let t1125 = t1124 + t1109;
-    let t1126 = t574 * t735;
-    let t1127 = t566 * t737;
-    let t1128 = t1127 + t1126;
-    let t1129 = omega_joint3_x * t854;
-    let t1130 = omega_joint3_y * t857;
-    let t1131 = t1130 - t1129;
-    let t1132 = t1128 - t1131;
-    let t1133 = cos_joint2 * t1132;
-    let t1134 = t1125 - t1133;
-    let t1135 = t566 * t749;
-    let t1136 = t73 * t735;
-    let t1137 = t1136 - t1135;
-    let t1138 = omega_joint3_y * t1077;
-    let t1139 = t1137 + t1138;
-    let t1140 = force_joint3_x_2 + t1139;
-    let t1141 = sin_joint2_joint3 * t1140;
-    let t1142 = t574 * t749;
-    let t1143 = t73 * t737;
-    let t1144 = t1142 + t1143;
-    let t1145 = omega_joint3_x * t1077;
-    let t1146 = t1144 - t1145;
-    let t1147 = force_joint3_y_2 - t1146;
-    let t1148 = cos_joint2_joint3 * t1147;
-    let t1149 = t1148 - t1141;
-    let t1150 = 0.3474988420565076 * t1149;
-    let t1151 = t1134 + t1150;
-    let t1152 = t247 * t574;
-    let t1153 = t245 * t566;
-    let t1154 = t1153 + t1152;
-    let t1155 = t1154 - t902;
-    let t1156 = omega_joint3_y * t908;
-    let t1157 = omega_joint3_x * t910;
-    let t1158 = t1156 - t1157;
+    let t1122 = t1121 * t543;
+    let t1123 = t166 * t301;
+    let t1124 = t1122 - t1123;
+    let t1125 = t1124 - t1116;
+    let t1126 = t974 - t976;
+    let t1127 = cos_joint2_joint3 * t1126;
+    let t1128 = t55 * t1065;
+    let t1129 = t937 - t1128;
+    let t1130 = sin_joint2_joint3 * t1129;
+    let t1131 = t1127 + t1130;
+    let t1132 = t163 * t1091;
+    let t1133 = t17 * t1013;
+    let t1134 = t1133 + t1132;
+    let t1135 = t1131 - t1134;
+    let t1136 = v[0] * t1135;
+    let t1137 = t1125 + t1136;
+    let t1138 = t218 * t1137;
+    let t1139 = t1113 - t1138;
+    let t1140 = t156 * acceleration_joint2_x;
+    let t1141 = t82 * 22.71885132005558;
+    let t1142 = t1141 + t1140;
+    let t1143 = sin_joint2_joint3 * t71;
+    let t1144 = cos_joint2_joint3 * t74;
+    let t1145 = t1144 + t1143;
+    let t1146 = sin_joint2 * t70;
+    let t1147 = t1145 + t1146;
+    let t1148 = t1147 * t543;
+    let t1149 = t159 * t301;
+    let t1150 = t1148 + t1149;
+    let t1151 = t1150 + t1142;
+    let t1152 = t918 - t922;
+    let t1153 = cos_joint4 * t1152;
+    let t1154 = sin_joint4 * t936;
+    let t1155 = t1153 - t1154;
+    let t1156 = t16 * t1065;
+    let t1157 = t70 * t954;
+    let t1158 = t1157 - t1156;
     let t1159 = t1155 - t1158;
-    let t1160 = t250 * t1159;
-    let t1161 = t1151 - t1160;
-    let t1162 = t304 * acceleration_joint3_x_2;
-    let t1163 = acceleration_joint3_y_2 * t917;
-    let t1164 = t1163 + t1162;
-    let t1165 = t574 * t928;
-    let t1166 = t265 * t566;
-    let t1167 = t1166 + t1165;
-    let t1168 = t73 * t939;
-    let t1169 = t1167 + t1168;
-    let t1170 = t1169 + t1164;
-    let t1171 = omega_joint3_y * t952;
-    let t1172 = omega_joint3_x * t956;
-    let t1173 = t1171 - t1172;
-    let t1174 = t1170 + t1173;
-    let t1175 = t281 * t1174;
-    let t1176 = t1161 - t1175;
-    let t1177 = t574 * t975;
-    let t1178 = t306 * t566;
+    let t1160 = cos_joint2_joint3 * t1159;
+    let t1161 = t983 + t984;
+    let t1162 = t79 * t1065;
+    let t1163 = t1161 - t1162;
+    let t1164 = sin_joint2_joint3 * t1163;
+    let t1165 = t1160 - t1164;
+    let t1166 = t156 * t1091;
+    let t1167 = t70 * t1013;
+    let t1168 = t1167 - t1166;
+    let t1169 = t1165 - t1168;
+    let t1170 = v[0] * t1169;
+    let t1171 = t1151 + t1170;
+    let t1172 = t530 * t1171;
+    let t1173 = t1139 + t1172;
+    let t1174 = cos_joint2_joint3 * t62;
+    let t1175 = sin_joint2_joint3 * t64;
+    let t1176 = t1174 + t1175;
+    let t1177 = t1176 * t543;
+    let t1178 = t111 * t301;
     let t1179 = t1178 - t1177;
-    let t1180 = t357 * t73;
-    let t1181 = t1179 - t1180;
-    let t1182 = t1093 - t1181;
-    let t1183 = omega_joint3_y * t989;
-    let t1184 = omega_joint3_x * t992;
-    let t1185 = t1183 + t1184;
-    let t1186 = t1182 - t1185;
-    let t1187 = t294 * t1159;
-    let t1188 = t1186 - t1187;
-    let t1189 = t321 * t1188;
-    let t1190 = t1176 + t1189;
-    let t1191 = t354 * t1174;
-    let t1192 = acceleration_joint3_y_2 * t737;
-    let t1193 = acceleration_joint3_x_2 * t735;
-    let t1194 = t1193 - t1192;
-    let t1195 = t566 * t751;
-    let t1196 = t73 * t1014;
-    let t1197 = t1196 + t1195;
-    let t1198 = t387 * t574;
+    let t1180 = sin_joint4 * t925;
+    let t1181 = 3.9999999999999996e-5 * omega_joint5_z;
+    let t1182 = cos_joint5 * t1181;
+    let t1183 = cos_joint4 * t1182;
+    let t1184 = t1183 - t1180;
+    let t1185 = cos_joint2_joint3 * t1184;
+    let t1186 = sin_joint5 * t1181;
+    let t1187 = sin_joint2_joint3 * t1186;
+    let t1188 = t1185 - t1187;
+    let t1189 = v[0] * t1188;
+    let t1190 = t1179 + t1189;
+    let t1191 = t225 * t1190;
+    let t1192 = t1173 + t1191;
+    let t1193 = t55 * acceleration_joint3_y_2;
+    let t1194 = t32 * t759;
+    let t1195 = t54 + t20;
+    let t1196 = t753 * t1195;
+    let t1197 = t1196 + t1194;
+    let t1198 = t132 * t301;
     let t1199 = t1197 + t1198;
-    let t1200 = t1194 - t1199;
-    let t1201 = omega_joint3_y * t1034;
-    let t1202 = omega_joint3_x * t1044;
-    let t1203 = t1201 - t1202;
-    let t1204 = t1200 - t1203;
-    let t1205 = t349 * t1159;
+    let t1200 = t1193 + t1199;
+    let t1201 = t940 - t1128;
+    let t1202 = t957 + t1201;
+    let t1203 = t951 - t1202;
+    let t1204 = omega_joint3_x * t1203;
+    let t1205 = omega_joint3_y * t980;
     let t1206 = t1204 - t1205;
-    let t1207 = t1206 - t1191;
-    let t1208 = t360 * t1188;
-    let t1209 = t1207 + t1208;
-    let t1210 = t403 * t1209;
-    let t1211 = t1190 - t1210;
-    let t1212 = sin_joint2 * t1149;
-    let t1213 = cos_joint2_joint3 * t1140;
-    let t1214 = sin_joint2_joint3 * t1147;
-    let t1215 = t1214 + t1213;
-    let t1216 = cos_joint2 * t1215;
-    let t1217 = t1216 - t1212;
-    let t1218 = t1204 - t1217;
-    let t1219 = t1218 - t1205;
-    let t1220 = t437 * t1174;
-    let t1221 = t1219 - t1220;
-    let t1222 = t446 * t1188;
-    let t1223 = t1221 + t1222;
-    let t1224 = t461 * t1209;
-    let t1225 = t1223 - t1224;
-    let t1226 = t501 * t1225;
-    let t1227 = t1211 - t1226;
-    let t1228 = inverse_d_joint1 * t1227;
-    let t1229 = t263 * acceleration_joint4_y_2;
-    let t1230 = t371 + t366;
-    let t1231 = t577 * t1230;
-    let t1232 = t1229 - t1231;
-    let t1233 = omega_joint4_y * t769;
-    let t1234 = t1232 + t1233;
-    let t1235 = moment_joint4_x_2 - t1234;
-    let t1236 = t263 * t577;
-    let t1237 = omega_joint4_x * t801;
-    let t1238 = t1236 - t1237;
-    let t1239 = force_joint5_z_2 + t1238;
-    let t1240 = t1239 + t1235;
-    let t1241 = sin_joint4 * t1240;
-    let t1242 = t263 * acceleration_joint4_x_2;
-    let t1243 = t298 - 0.0011921599999999998;
-    let t1244 = t632 * t1243;
-    let t1245 = t303 * t117;
-    let t1246 = t1244 + t1245;
-    let t1247 = t1242 + t1246;
-    let t1248 = omega_joint4_x * t778;
-    let t1249 = omega_joint4_y * t783;
-    let t1250 = t1249 - t1248;
-    let t1251 = t1247 - t1250;
-    let t1252 = moment_joint4_y_2 - t1251;
-    let t1253 = t263 * t632;
-    let t1254 = t304 * t117;
-    let t1255 = t1254 - t1253;
-    let t1256 = omega_joint4_y * t801;
-    let t1257 = t1255 - t1256;
-    let t1258 = force_joint4_x_2 + t1257;
-    let t1259 = t1258 - t1252;
-    let t1260 = cos_joint4 * t1259;
-    let t1261 = t1260 - t1241;
-    let t1262 = sin_joint2_joint3 * t1261;
-    let t1263 = cos_joint4 * t1258;
-    let t1264 = sin_joint4 * t1239;
-    let t1265 = t1264 - t1263;
-    let t1266 = 0.047012505789717454 * t1265;
-    let t1267 = t304 * acceleration_joint4_x_2;
-    let t1268 = t303 * t632;
-    let t1269 = t299 * t117;
-    let t1270 = t1269 - t1268;
-    let t1271 = t1267 + t1270;
-    let t1272 = omega_joint4_x * t815;
-    let t1273 = omega_joint4_y * t821;
-    let t1274 = t1273 + t1272;
-    let t1275 = t1271 - t1274;
-    let t1276 = t1275 + t1266;
-    let t1277 = cos_joint2_joint3 * t1276;
-    let t1278 = t1262 + t1277;
-    let t1279 = cos_joint2 * t1265;
-    let t1280 = t1278 + t1279;
-    let t1281 = sin_joint4 * t1258;
-    let t1282 = cos_joint4 * t1239;
-    let t1283 = t1282 + t1281;
-    let t1284 = cos_joint2_joint3 * t1283;
-    let t1285 = t304 * t577;
-    let t1286 = omega_joint4_x * t794;
-    let t1287 = omega_joint4_y * t791;
-    let t1288 = t1287 - t1286;
-    let t1289 = t1285 - t1288;
-    let t1290 = sin_joint2_joint3 * t1289;
-    let t1291 = t1284 - t1290;
-    let t1292 = 0.3474988420565076 * t1291;
-    let t1293 = t1280 + t1292;
-    let t1294 = t244 * t632;
-    let t1295 = t247 * t117;
+    let t1207 = t1200 + t1206;
+    let t1208 = moment_joint3_x_2 - t1207;
+    let t1209 = cos_joint2_joint3 * t1208;
+    let t1210 = t55 * acceleration_joint3_x_2;
+    let t1211 = t32 * t753;
+    let t1212 = t54 + t24;
+    let t1213 = t759 * t1212;
+    let t1214 = t1213 + t1211;
+    let t1215 = t130 * t301;
+    let t1216 = t1214 + t1215;
+    let t1217 = t1210 + t1216;
+    let t1218 = t959 + t1202;
+    let t1219 = omega_joint3_y * t1218;
+    let t1220 = omega_joint3_x * t998;
+    let t1221 = t1219 + t1220;
+    let t1222 = t1217 - t1221;
+    let t1223 = moment_joint3_y_2 + t1222;
+    let t1224 = sin_joint2_joint3 * t1223;
+    let t1225 = t1224 + t1209;
+    let t1226 = t38 * t753;
+    let t1227 = t41 * t759;
+    let t1228 = t1227 + t1226;
+    let t1229 = omega_joint3_x * t1005;
+    let t1230 = omega_joint3_y * t1008;
+    let t1231 = t1230 - t1229;
+    let t1232 = t1228 - t1231;
+    let t1233 = cos_joint2 * t1232;
+    let t1234 = t1225 - t1233;
+    let t1235 = t55 * t759;
+    let t1236 = t38 * t301;
+    let t1237 = t1236 - t1235;
+    let t1238 = omega_joint3_y * t1088;
+    let t1239 = t1237 + t1238;
+    let t1240 = force_joint3_x_2 + t1239;
+    let t1241 = sin_joint2_joint3 * t1240;
+    let t1242 = t55 * t753;
+    let t1243 = t41 * t301;
+    let t1244 = t1242 + t1243;
+    let t1245 = omega_joint3_x * t1088;
+    let t1246 = t1244 - t1245;
+    let t1247 = force_joint3_y_2 + t1246;
+    let t1248 = cos_joint2_joint3 * t1247;
+    let t1249 = t1248 + t1241;
+    let t1250 = 0.3474988420565076 * t1249;
+    let t1251 = t1234 - t1250;
+    let t1252 = inverse_d_joint1 * t1251;
+    let t1253 = sin_joint2 * t1249;
+    let t1254 = cos_joint2_joint3 * t1240;
+    let t1255 = sin_joint2_joint3 * t1247;
+    let t1256 = t1255 - t1254;
+    let t1257 = cos_joint2 * t1256;
+    let t1258 = t1257 - t1253;
+    let t1259 = t41 * acceleration_joint3_y_2;
+    let t1260 = t38 * acceleration_joint3_x_2;
+    let t1261 = t1260 - t1259;
+    let t1262 = t130 * t759;
+    let t1263 = t109 * t301;
+    let t1264 = t1263 + t1262;
+    let t1265 = t132 * t753;
+    let t1266 = t1264 + t1265;
+    let t1267 = t1261 - t1266;
+    let t1268 = omega_joint3_y * t1072;
+    let t1269 = omega_joint3_x * t1082;
+    let t1270 = t1268 - t1269;
+    let t1271 = t1267 - t1270;
+    let t1272 = t1271 + t1258;
+    let t1273 = t210 * t1272;
+    let t1274 = t1252 - t1273;
+    let t1275 = t213 * t1271;
+    let t1276 = t1274 + t1275;
+    let t1277 = t90 * t753;
+    let t1278 = t29 * t759;
+    let t1279 = t1278 - t1277;
+    let t1280 = t121 * t301;
+    let t1281 = t1279 - t1280;
+    let t1282 = t1193 - t1281;
+    let t1283 = omega_joint3_y * t1126;
+    let t1284 = omega_joint3_x * t1129;
+    let t1285 = t1283 + t1284;
+    let t1286 = t1282 - t1285;
+    let t1287 = t218 * t1286;
+    let t1288 = t1276 + t1287;
+    let t1289 = t16 * acceleration_joint3_x_2;
+    let t1290 = t79 * acceleration_joint3_y_2;
+    let t1291 = t1290 + t1289;
+    let t1292 = t71 * t753;
+    let t1293 = t74 * t759;
+    let t1294 = t1293 + t1292;
+    let t1295 = t117 * t301;
     let t1296 = t1294 + t1295;
-    let t1297 = omega_joint4_x * t774;
-    let t1298 = omega_joint4_y * t906;
-    let t1299 = t1298 + t1297;
-    let t1300 = t1296 - t1299;
-    let t1301 = t250 * t1300;
-    let t1302 = t1293 + t1301;
-    let t1303 = 0.00064216 * t577;
-    let t1304 = t1229 - t1303;
-    let t1305 = omega_joint4_y * t767;
-    let t1306 = t1304 - t1305;
-    let t1307 = t281 * t1306;
-    let t1308 = t1302 - t1307;
-    let t1309 = t294 * t1300;
-    let t1310 = t1275 - t1309;
-    let t1311 = t321 * t1310;
-    let t1312 = t1308 - t1311;
-    let t1313 = cos_joint4 * t1240;
-    let t1314 = sin_joint4 * t1259;
-    let t1315 = t1314 + t1313;
-    let t1316 = 0.047012505789717454 * t1289;
-    let t1317 = t1315 - t1316;
-    let t1318 = t349 * t1300;
+    let t1297 = t1296 + t1291;
+    let t1298 = omega_joint3_y * t1159;
+    let t1299 = omega_joint3_x * t1163;
+    let t1300 = t1298 - t1299;
+    let t1301 = t1297 + t1300;
+    let t1302 = t530 * t1301;
+    let t1303 = t1288 + t1302;
+    let t1304 = t64 * t753;
+    let t1305 = t62 * t759;
+    let t1306 = t1305 + t1304;
+    let t1307 = t1306 - t1178;
+    let t1308 = omega_joint3_y * t1184;
+    let t1309 = omega_joint3_x * t1186;
+    let t1310 = t1308 - t1309;
+    let t1311 = t1307 - t1310;
+    let t1312 = t225 * t1311;
+    let t1313 = t1303 - t1312;
+    let t1314 = t40 * acceleration_joint4_y_2;
+    let t1315 = t21 + t14;
+    let t1316 = t756 * t1315;
+    let t1317 = t1314 - t1316;
+    let t1318 = omega_joint4_y * t920;
     let t1319 = t1317 + t1318;
-    let t1320 = t354 * t1306;
-    let t1321 = t1319 - t1320;
-    let t1322 = t360 * t1310;
+    let t1320 = moment_joint4_x_2 - t1319;
+    let t1321 = t40 * t756;
+    let t1322 = omega_joint4_x * t952;
     let t1323 = t1321 - t1322;
-    let t1324 = t403 * t1323;
-    let t1325 = t1312 - t1324;
-    let t1326 = t461 * t1323;
-    let t1327 = sin_joint2 * t1291;
-    let t1328 = sin_joint2_joint3 * t1283;
-    let t1329 = cos_joint2_joint3 * t1289;
-    let t1330 = t1328 + t1329;
-    let t1331 = cos_joint2 * t1330;
-    let t1332 = t1331 - t1327;
-    let t1333 = t1317 - t1332;
-    let t1334 = t1333 + t1318;
-    let t1335 = t437 * t1306;
-    let t1336 = t1334 - t1335;
-    let t1337 = t446 * t1310;
-    let t1338 = t1336 - t1337;
-    let t1339 = t1338 - t1326;
-    let t1340 = t501 * t1339;
-    let t1341 = t1325 - t1340;
-    let t1342 = inverse_d_joint1 * t1341;
-    let t1343 = t580 * 0.00044216;
-    let t1344 = omega_joint5_x * t818;
-    let t1345 = t1343 - t1344;
-    let t1346 = moment_joint5_y_2 + t1345;
-    let t1347 = cos_joint5 * t1346;
-    let t1348 = t594 * 0.00024;
-    let t1349 = omega_joint5_y * t837;
-    let t1350 = t1348 - t1349;
-    let t1351 = moment_joint5_x_2 + t1350;
-    let t1352 = sin_joint5 * t1351;
-    let t1353 = t1347 + t1352;
-    let t1354 = 0.0012435839999999998 * t580;
-    let t1355 = omega_joint5_x * t793;
-    let t1356 = t1354 - t1355;
-    let t1357 = t1356 + t1353;
-    let t1358 = cos_joint4 * t1357;
-    let t1359 = omega_joint5_y * t791;
-    let t1360 = force_joint5_x_2 - t1359;
-    let t1361 = sin_joint5 * t1360;
-    let t1362 = omega_joint5_x * t791;
-    let t1363 = omega_joint4_x * omega_joint4_x;
-    let t1364 = omega_joint4_z * omega_joint4_z;
+    let t1324 = force_joint5_z_2 + t1323;
+    let t1325 = t1324 + t1320;
+    let t1326 = sin_joint4 * t1325;
+    let t1327 = t40 * acceleration_joint4_x_2;
+    let t1328 = t10 - 0.0011921599999999998;
+    let t1329 = t819 * t1328;
+    let t1330 = t27 * t362;
+    let t1331 = t1329 + t1330;
+    let t1332 = t1327 + t1331;
+    let t1333 = omega_joint4_x * t929;
+    let t1334 = omega_joint4_y * t934;
+    let t1335 = t1334 - t1333;
+    let t1336 = t1332 - t1335;
+    let t1337 = moment_joint4_y_2 - t1336;
+    let t1338 = t40 * t819;
+    let t1339 = t16 * t362;
+    let t1340 = t1339 - t1338;
+    let t1341 = omega_joint4_y * t952;
+    let t1342 = t1340 - t1341;
+    let t1343 = force_joint4_x_2 + t1342;
+    let t1344 = t1343 - t1337;
+    let t1345 = cos_joint4 * t1344;
+    let t1346 = t1345 - t1326;
+    let t1347 = sin_joint2_joint3 * t1346;
+    let t1348 = cos_joint4 * t1343;
+    let t1349 = sin_joint4 * t1324;
+    let t1350 = t1349 - t1348;
+    let t1351 = 0.047012505789717454 * t1350;
+    let t1352 = t16 * acceleration_joint4_x_2;
+    let t1353 = t27 * t819;
+    let t1354 = t89 * t362;
+    let t1355 = t1354 - t1353;
+    let t1356 = t1352 + t1355;
+    let t1357 = omega_joint4_x * t966;
+    let t1358 = omega_joint4_y * t972;
+    let t1359 = t1358 + t1357;
+    let t1360 = t1356 - t1359;
+    let t1361 = t1360 + t1351;
+    let t1362 = cos_joint2_joint3 * t1361;
+    let t1363 = t1347 + t1362;
+    let t1364 = cos_joint2 * t1350;
     let t1365 = t1363 + t1364;
-    let t1366 = 0.0012435839999999998 * t1365;
-    let t1367 = t1366 - t1362;
-    let t1368 = force_joint5_y + t1367;
-    let t1369 = cos_joint5 * t1368;
-    let t1370 = t1369 + t1361;
-    let t1371 = sin_joint5 * acceleration_joint4_x_2;
-    let t1372 = cos_joint5 * acceleration_joint4_z_2;
-    let acceleration_joint5_y = t1371 - t1372;
-    let t1374 = 0.0012435839999999998 * acceleration_joint5_y;
-    let t1375 = 0.00064216 * t1365;
-    let t1376 = t1374 + t1375;
-    let t1377 = omega_joint5_y * t763;
-    let t1378 = omega_joint5_x * t765;
-    let t1379 = t1377 + t1378;
-    let t1380 = t1376 - t1379;
-    let t1381 = t1380 + t1370;
-    let t1382 = sin_joint4 * t1381;
-    let t1383 = t1358 - t1382;
-    let t1384 = sin_joint2_joint3 * t1383;
-    let t1385 = sin_joint5 * t1346;
-    let t1386 = cos_joint5 * t1351;
-    let t1387 = t1385 - t1386;
-    let t1388 = sin_joint4 * t1370;
-    let t1389 = cos_joint4 * t1356;
-    let t1390 = t1388 - t1389;
-    let t1391 = 0.047012505789717454 * t1390;
-    let t1392 = t1387 + t1391;
-    let t1393 = cos_joint2_joint3 * t1392;
-    let t1394 = t1384 + t1393;
-    let t1395 = cos_joint2 * t1390;
-    let t1396 = t1394 + t1395;
-    let t1397 = cos_joint4 * t1370;
-    let t1398 = sin_joint4 * t1356;
-    let t1399 = t1397 + t1398;
-    let t1400 = cos_joint2_joint3 * t1399;
-    let t1401 = cos_joint5 * t1360;
-    let t1402 = sin_joint5 * t1368;
-    let t1403 = t1402 - t1401;
-    let t1404 = sin_joint2_joint3 * t1403;
-    let t1405 = t1400 - t1404;
-    let t1406 = 0.3474988420565076 * t1405;
-    let t1407 = t1396 + t1406;
-    let t1408 = 3.9999999999999996e-5 * t594;
-    let t1409 = omega_joint5_y * t905;
-    let t1410 = t1408 - t1409;
-    let t1411 = t250 * t1410;
-    let t1412 = t1407 - t1411;
-    let t1413 = t281 * t1380;
-    let t1414 = t1412 + t1413;
-    let t1415 = t294 * t1410;
-    let t1416 = t1387 + t1415;
-    let t1417 = t321 * t1416;
-    let t1418 = t1414 - t1417;
-    let t1419 = sin_joint4 * t1357;
-    let t1420 = cos_joint4 * t1381;
-    let t1421 = t1419 + t1420;
-    let t1422 = 0.047012505789717454 * t1403;
-    let t1423 = t1421 - t1422;
-    let t1424 = t349 * t1410;
-    let t1425 = t1423 - t1424;
-    let t1426 = t354 * t1380;
-    let t1427 = t1425 + t1426;
-    let t1428 = t360 * t1416;
-    let t1429 = t1427 - t1428;
-    let t1430 = t403 * t1429;
-    let t1431 = t1418 - t1430;
-    let t1432 = t461 * t1429;
-    let t1433 = sin_joint2 * t1405;
-    let t1434 = sin_joint2_joint3 * t1399;
-    let t1435 = cos_joint2_joint3 * t1403;
-    let t1436 = t1434 + t1435;
-    let t1437 = cos_joint2 * t1436;
-    let t1438 = t1437 - t1433;
-    let t1439 = t1423 - t1438;
-    let t1440 = t1439 - t1424;
-    let t1441 = t437 * t1380;
-    let t1442 = t1440 + t1441;
-    let t1443 = t446 * t1416;
-    let t1444 = t1442 - t1443;
-    let t1445 = t1444 - t1432;
-    let t1446 = t501 * t1445;
-    let t1447 = t1431 - t1446;
-    let t1448 = inverse_d_joint1 * t1447;
-    let t1449 = 1.9999999999999998e-5 * t595;
-    let t1450 = omega_joint5_z * t761;
-    let t1451 = t1449 + t1450;
-    let t1452 = moment_joint6_x_2 - t1451;
-    let t1453 = cos_joint4 * t1452;
-    let t1454 = 1.9999999999999998e-5 * t635;
-    let t1455 = omega_joint5_x * t761;
-    let t1456 = t1454 + t1455;
-    let t1457 = moment_joint6_y_2 - t1456;
-    let t1458 = cos_joint5 * t1457;
-    let t1459 = omega_joint5_x * t774;
-    let t1460 = omega_joint5_z * t905;
-    let t1461 = t1460 + t1459;
-    let t1462 = 3.9999999999999996e-5 * t141;
-    let t1463 = t1462 - t1461;
-    let t1464 = sin_joint5 * t1463;
-    let t1465 = t1458 + t1464;
-    let t1466 = sin_joint4 * t1465;
-    let t1467 = t1466 - t1453;
-    let t1468 = t349 * t1463;
-    let t1469 = t1467 - t1468;
-    let t1470 = t354 * t1452;
-    let t1471 = t1469 - t1470;
-    let t1472 = sin_joint5 * t1457;
-    let t1473 = cos_joint5 * t1463;
-    let t1474 = t1472 - t1473;
-    let t1475 = t294 * t1463;
-    let t1476 = t1474 + t1475;
-    let t1477 = t360 * t1476;
-    let t1478 = t1471 - t1477;
-    let t1479 = t461 * t1478;
-    let t1480 = t437 * t1452;
-    let t1481 = t1469 - t1480;
-    let t1482 = t446 * t1476;
+    let t1366 = sin_joint4 * t1343;
+    let t1367 = cos_joint4 * t1324;
+    let t1368 = t1367 + t1366;
+    let t1369 = cos_joint2_joint3 * t1368;
+    let t1370 = t16 * t756;
+    let t1371 = omega_joint4_x * t945;
+    let t1372 = omega_joint4_y * t942;
+    let t1373 = t1372 - t1371;
+    let t1374 = t1370 - t1373;
+    let t1375 = sin_joint2_joint3 * t1374;
+    let t1376 = t1369 - t1375;
+    let t1377 = 0.3474988420565076 * t1376;
+    let t1378 = t1365 + t1377;
+    let t1379 = inverse_d_joint1 * t1378;
+    let t1380 = cos_joint4 * t1325;
+    let t1381 = sin_joint4 * t1344;
+    let t1382 = t1381 + t1380;
+    let t1383 = 0.047012505789717454 * t1374;
+    let t1384 = t1382 - t1383;
+    let t1385 = sin_joint2 * t1376;
+    let t1386 = sin_joint2_joint3 * t1368;
+    let t1387 = cos_joint2_joint3 * t1374;
+    let t1388 = t1386 + t1387;
+    let t1389 = cos_joint2 * t1388;
+    let t1390 = t1389 - t1385;
+    let t1391 = t1384 - t1390;
+    let t1392 = t210 * t1391;
+    let t1393 = t1379 - t1392;
+    let t1394 = t213 * t1384;
+    let t1395 = t1393 + t1394;
+    let t1396 = t218 * t1360;
+    let t1397 = t1395 - t1396;
+    let t1398 = 0.00064216 * t756;
+    let t1399 = t1314 - t1398;
+    let t1400 = omega_joint4_y * t918;
+    let t1401 = t1399 - t1400;
+    let t1402 = t530 * t1401;
+    let t1403 = t1397 + t1402;
+    let t1404 = t61 * t819;
+    let t1405 = t64 * t362;
+    let t1406 = t1404 + t1405;
+    let t1407 = omega_joint4_x * t925;
+    let t1408 = omega_joint4_y * t1182;
+    let t1409 = t1408 + t1407;
+    let t1410 = t1406 - t1409;
+    let t1411 = t225 * t1410;
+    let t1412 = t1403 + t1411;
+    let t1413 = t764 * 0.00044216;
+    let t1414 = omega_joint5_x * t969;
+    let t1415 = t1413 - t1414;
+    let t1416 = moment_joint5_y_2 + t1415;
+    let t1417 = cos_joint5 * t1416;
+    let t1418 = t778 * 0.00024;
+    let t1419 = omega_joint5_y * t988;
+    let t1420 = t1418 - t1419;
+    let t1421 = moment_joint5_x_2 + t1420;
+    let t1422 = sin_joint5 * t1421;
+    let t1423 = t1417 + t1422;
+    let t1424 = 0.0012435839999999998 * t764;
+    let t1425 = omega_joint5_x * t944;
+    let t1426 = t1424 - t1425;
+    let t1427 = t1426 + t1423;
+    let t1428 = cos_joint4 * t1427;
+    let t1429 = sin_joint5 * acceleration_joint4_x_2;
+    let t1430 = cos_joint5 * acceleration_joint4_z_2;
+    let acceleration_joint5_y = t1429 - t1430;
+    let t1432 = 0.0012435839999999998 * acceleration_joint5_y;
+    let t1433 = omega_joint4_x * omega_joint4_x;
+    let t1434 = omega_joint4_z * omega_joint4_z;
+    let t1435 = t1433 + t1434;
+    let t1436 = 0.00064216 * t1435;
+    let t1437 = t1432 + t1436;
+    let t1438 = omega_joint5_y * t914;
+    let t1439 = omega_joint5_x * t916;
+    let t1440 = t1438 + t1439;
+    let t1441 = t1437 - t1440;
+    let t1442 = omega_joint5_y * t942;
+    let t1443 = force_joint5_x_2 - t1442;
+    let t1444 = sin_joint5 * t1443;
+    let t1445 = omega_joint5_x * t942;
+    let t1446 = 0.0012435839999999998 * t1435;
+    let t1447 = t1446 - t1445;
+    let t1448 = force_joint5_y + t1447;
+    let t1449 = cos_joint5 * t1448;
+    let t1450 = t1449 + t1444;
+    let t1451 = t1441 + t1450;
+    let t1452 = sin_joint4 * t1451;
+    let t1453 = t1428 - t1452;
+    let t1454 = sin_joint2_joint3 * t1453;
+    let t1455 = sin_joint5 * t1416;
+    let t1456 = cos_joint5 * t1421;
+    let t1457 = t1455 - t1456;
+    let t1458 = sin_joint4 * t1450;
+    let t1459 = cos_joint4 * t1426;
+    let t1460 = t1458 - t1459;
+    let t1461 = 0.047012505789717454 * t1460;
+    let t1462 = t1457 + t1461;
+    let t1463 = cos_joint2_joint3 * t1462;
+    let t1464 = t1454 + t1463;
+    let t1465 = cos_joint2 * t1460;
+    let t1466 = t1464 + t1465;
+    let t1467 = cos_joint4 * t1450;
+    let t1468 = sin_joint4 * t1426;
+    let t1469 = t1467 + t1468;
+    let t1470 = cos_joint2_joint3 * t1469;
+    let t1471 = cos_joint5 * t1443;
+    let t1472 = sin_joint5 * t1448;
+    let t1473 = t1472 - t1471;
+    let t1474 = sin_joint2_joint3 * t1473;
+    let t1475 = t1470 - t1474;
+    let t1476 = 0.3474988420565076 * t1475;
+    let t1477 = t1466 + t1476;
+    let t1478 = inverse_d_joint1 * t1477;
+    let t1479 = sin_joint4 * t1427;
+    let t1480 = cos_joint4 * t1451;
+    let t1481 = t1479 + t1480;
+    let t1482 = 0.047012505789717454 * t1473;
     let t1483 = t1481 - t1482;
-    let t1484 = t1483 - t1479;
-    let t1485 = t501 * t1484;
-    let t1486 = sin_joint4 * t1452;
-    let t1487 = cos_joint4 * t1465;
-    let t1488 = t1487 + t1486;
-    let t1489 = sin_joint2_joint3 * t1488;
-    let t1490 = cos_joint2_joint3 * t1474;
-    let t1491 = t1489 + t1490;
-    let t1492 = t250 * t1463;
-    let t1493 = t1491 - t1492;
-    let t1494 = t281 * t1452;
-    let t1495 = t1493 - t1494;
-    let t1496 = t321 * t1476;
-    let t1497 = t1495 - t1496;
-    let t1498 = t403 * t1478;
-    let t1499 = t1497 - t1498;
-    let t1500 = t1499 - t1485;
-    let t1501 = inverse_d_joint1 * t1500;
-    let t1502 = t501 * t1092;
-    let t1503 = inverse_d_joint2 * t1089;
-    let t1504 = t1503 + t1502;
-    let t1505 = t501 * t1228;
-    let t1506 = inverse_d_joint2 * t1225;
-    let t1507 = t1506 - t1505;
-    let t1508 = t501 * t1342;
-    let t1509 = inverse_d_joint2 * t1339;
-    let t1510 = t1509 - t1508;
-    let t1511 = t501 * t1448;
-    let t1512 = inverse_d_joint2 * t1445;
+    let t1484 = sin_joint2 * t1475;
+    let t1485 = sin_joint2_joint3 * t1469;
+    let t1486 = cos_joint2_joint3 * t1473;
+    let t1487 = t1485 + t1486;
+    let t1488 = cos_joint2 * t1487;
+    let t1489 = t1488 - t1484;
+    let t1490 = t1483 - t1489;
+    let t1491 = t210 * t1490;
+    let t1492 = t1478 - t1491;
+    let t1493 = t213 * t1483;
+    let t1494 = t1492 + t1493;
+    let t1495 = t218 * t1457;
+    let t1496 = t1494 - t1495;
+    let t1497 = t530 * t1441;
+    let t1498 = t1496 - t1497;
+    let t1499 = 3.9999999999999996e-5 * t778;
+    let t1500 = omega_joint5_y * t1181;
+    let t1501 = t1499 - t1500;
+    let t1502 = t225 * t1501;
+    let t1503 = t1498 - t1502;
+    let t1504 = 1.9999999999999998e-5 * t834;
+    let t1505 = omega_joint5_x * t912;
+    let t1506 = t1504 + t1505;
+    let t1507 = moment_joint6_y_2 - t1506;
+    let t1508 = cos_joint5 * t1507;
+    let t1509 = omega_joint5_x * t925;
+    let t1510 = omega_joint5_z * t1181;
+    let t1511 = t1510 + t1509;
+    let t1512 = 3.9999999999999996e-5 * t386;
     let t1513 = t1512 - t1511;
-    let t1514 = t501 * t1501;
-    let t1515 = inverse_d_joint2 * t1484;
-    let t1516 = t1515 - t1514;
-    let t1517 = t461 * t1504;
-    let t1518 = inverse_d_joint3 * t1054;
-    let t1519 = t1518 - t1517;
-    let t1520 = t403 * t1092;
-    let t1521 = t1519 + t1520;
-    let t1522 = t461 * t1507;
-    let t1523 = inverse_d_joint3 * t1209;
-    let t1524 = t1523 - t1522;
-    let t1525 = t403 * t1228;
+    let t1514 = sin_joint5 * t1513;
+    let t1515 = t1508 + t1514;
+    let t1516 = cos_joint4 * t1515;
+    let t1517 = 1.9999999999999998e-5 * t779;
+    let t1518 = omega_joint5_z * t912;
+    let t1519 = t1517 + t1518;
+    let t1520 = moment_joint6_x_2 - t1519;
+    let t1521 = sin_joint4 * t1520;
+    let t1522 = t1516 + t1521;
+    let t1523 = sin_joint2_joint3 * t1522;
+    let t1524 = sin_joint5 * t1507;
+    let t1525 = cos_joint5 * t1513;
     let t1526 = t1524 - t1525;
-    let t1527 = t461 * t1510;
-    let t1528 = inverse_d_joint3 * t1323;
-    let t1529 = t1528 - t1527;
-    let t1530 = t403 * t1342;
-    let t1531 = t1529 - t1530;
-    let t1532 = t461 * t1513;
-    let t1533 = inverse_d_joint3 * t1429;
-    let t1534 = t1533 - t1532;
-    let t1535 = t403 * t1448;
-    let t1536 = t1534 - t1535;
-    let t1537 = t461 * t1516;
-    let t1538 = inverse_d_joint3 * t1478;
-    let t1539 = t1538 - t1537;
-    let t1540 = t403 * t1501;
-    let t1541 = t1539 - t1540;
-    let t1542 = t360 * t1521;
-    let t1543 = inverse_d_joint4 * t1002;
-    let t1544 = t1543 + t1542;
-    let t1545 = t446 * t1504;
-    let t1546 = t1544 + t1545;
-    let t1547 = t321 * t1092;
-    let t1548 = t1546 - t1547;
-    let t1549 = t360 * t1526;
-    let t1550 = inverse_d_joint4 * t1188;
-    let t1551 = t1550 + t1549;
-    let t1552 = t446 * t1507;
+    let t1527 = cos_joint2_joint3 * t1526;
+    let t1528 = t1523 + t1527;
+    let t1529 = inverse_d_joint1 * t1528;
+    let t1530 = sin_joint4 * t1515;
+    let t1531 = cos_joint4 * t1520;
+    let t1532 = t1530 - t1531;
+    let t1533 = t210 * t1532;
+    let t1534 = t1529 - t1533;
+    let t1535 = t213 * t1532;
+    let t1536 = t1534 + t1535;
+    let t1537 = t218 * t1526;
+    let t1538 = t1536 - t1537;
+    let t1539 = t530 * t1520;
+    let t1540 = t1538 + t1539;
+    let t1541 = t225 * t1513;
+    let t1542 = t1540 - t1541;
+    let t1543 = t210 * t1043;
+    let t1544 = t545 * t1099;
+    let t1545 = t1543 - t1544;
+    let t1546 = t548 * t1111;
+    let t1547 = t1545 - t1546;
+    let t1548 = t553 * t1137;
+    let t1549 = t1547 - t1548;
+    let t1550 = t573 * t1171;
+    let t1551 = t1549 + t1550;
+    let t1552 = t560 * t1190;
     let t1553 = t1551 + t1552;
-    let t1554 = t321 * t1228;
-    let t1555 = t1553 + t1554;
-    let t1556 = t360 * t1531;
-    let t1557 = inverse_d_joint4 * t1310;
-    let t1558 = t1557 - t1556;
-    let t1559 = t446 * t1510;
-    let t1560 = t1558 - t1559;
-    let t1561 = t321 * t1342;
-    let t1562 = t1560 - t1561;
-    let t1563 = t360 * t1536;
-    let t1564 = inverse_d_joint4 * t1416;
-    let t1565 = t1564 - t1563;
-    let t1566 = t446 * t1513;
+    let t1554 = t210 * t1251;
+    let t1555 = t545 * t1272;
+    let t1556 = t1554 - t1555;
+    let t1557 = t548 * t1271;
+    let t1558 = t1556 + t1557;
+    let t1559 = t553 * t1286;
+    let t1560 = t1558 + t1559;
+    let t1561 = t573 * t1301;
+    let t1562 = t1560 + t1561;
+    let t1563 = t560 * t1311;
+    let t1564 = t1562 - t1563;
+    let t1565 = t210 * t1378;
+    let t1566 = t545 * t1391;
     let t1567 = t1565 - t1566;
-    let t1568 = t321 * t1448;
-    let t1569 = t1567 - t1568;
-    let t1570 = t360 * t1541;
-    let t1571 = inverse_d_joint4 * t1476;
-    let t1572 = t1571 - t1570;
-    let t1573 = t446 * t1516;
-    let t1574 = t1572 - t1573;
-    let t1575 = t321 * t1501;
-    let t1576 = t1574 - t1575;
-    let t1577 = t354 * t1521;
-    let t1578 = 5.83606090588883 * t966;
-    let t1579 = t1578 + t1577;
-    let t1580 = t437 * t1504;
-    let t1581 = t1579 + t1580;
-    let t1582 = t281 * t1092;
-    let t1583 = t1581 - t1582;
-    let t1584 = t354 * t1526;
-    let t1585 = 5.83606090588883 * t1174;
-    let t1586 = t1585 - t1584;
-    let t1587 = t437 * t1507;
-    let t1588 = t1586 - t1587;
-    let t1589 = t281 * t1228;
-    let t1590 = t1588 - t1589;
-    let t1591 = t354 * t1531;
-    let t1592 = 5.83606090588883 * t1306;
-    let t1593 = t1592 - t1591;
-    let t1594 = t437 * t1510;
-    let t1595 = t1593 - t1594;
-    let t1596 = t281 * t1342;
+    let t1568 = t548 * t1384;
+    let t1569 = t1567 + t1568;
+    let t1570 = t553 * t1360;
+    let t1571 = t1569 - t1570;
+    let t1572 = t573 * t1401;
+    let t1573 = t1571 + t1572;
+    let t1574 = t560 * t1410;
+    let t1575 = t1573 + t1574;
+    let t1576 = t210 * t1477;
+    let t1577 = t545 * t1490;
+    let t1578 = t1576 - t1577;
+    let t1579 = t548 * t1483;
+    let t1580 = t1578 + t1579;
+    let t1581 = t553 * t1457;
+    let t1582 = t1580 - t1581;
+    let t1583 = t573 * t1441;
+    let t1584 = t1582 - t1583;
+    let t1585 = t560 * t1501;
+    let t1586 = t1584 - t1585;
+    let t1587 = t210 * t1528;
+    let t1588 = t545 * t1532;
+    let t1589 = t1587 - t1588;
+    let t1590 = t548 * t1532;
+    let t1591 = t1589 + t1590;
+    let t1592 = t553 * t1526;
+    let t1593 = t1591 - t1592;
+    let t1594 = t573 * t1520;
+    let t1595 = t1593 + t1594;
+    let t1596 = t560 * t1513;
     let t1597 = t1595 - t1596;
-    let t1598 = t354 * t1536;
-    let t1599 = 5.83606090588883 * t1380;
-    let t1600 = t1599 + t1598;
-    let t1601 = t437 * t1513;
-    let t1602 = t1600 + t1601;
-    let t1603 = t281 * t1448;
-    let t1604 = t1602 + t1603;
-    let t1605 = t354 * t1541;
-    let t1606 = 5.83606090588883 * t1452;
-    let t1607 = t1606 - t1605;
-    let t1608 = t437 * t1516;
-    let t1609 = t1607 - t1608;
-    let t1610 = t281 * t1501;
+    let t1598 = t213 * t1043;
+    let t1599 = t548 * t1099;
+    let t1600 = t1598 - t1599;
+    let t1601 = t586 * t1111;
+    let t1602 = t1600 - t1601;
+    let t1603 = t591 * t1137;
+    let t1604 = t1602 - t1603;
+    let t1605 = t611 * t1171;
+    let t1606 = t1604 + t1605;
+    let t1607 = t598 * t1190;
+    let t1608 = t1606 + t1607;
+    let t1609 = t213 * t1251;
+    let t1610 = t548 * t1272;
     let t1611 = t1609 - t1610;
-    let t1612 = t294 * t1548;
-    let t1613 = 5.151863922779921 * t914;
-    let t1614 = t1613 - t1612;
-    let t1615 = t349 * t1521;
-    let t1616 = t1614 - t1615;
-    let t1617 = t349 * t1504;
-    let t1618 = t1616 - t1617;
-    let t1619 = t250 * t1092;
-    let t1620 = t1618 + t1619;
-    let t1621 = t294 * t1555;
-    let t1622 = 5.151863922779921 * t1159;
-    let t1623 = t1622 - t1621;
-    let t1624 = t349 * t1526;
-    let t1625 = t1623 - t1624;
-    let t1626 = t349 * t1507;
-    let t1627 = t1625 - t1626;
-    let t1628 = t250 * t1228;
-    let t1629 = t1627 - t1628;
-    let t1630 = t294 * t1562;
-    let t1631 = 5.151863922779921 * t1300;
-    let t1632 = t1631 - t1630;
-    let t1633 = t349 * t1531;
-    let t1634 = t1632 + t1633;
-    let t1635 = t349 * t1510;
-    let t1636 = t1634 + t1635;
-    let t1637 = t250 * t1342;
-    let t1638 = t1636 + t1637;
-    let t1639 = t294 * t1569;
-    let t1640 = 5.151863922779921 * t1410;
-    let t1641 = t1640 + t1639;
-    let t1642 = t349 * t1536;
-    let t1643 = t1641 - t1642;
-    let t1644 = t349 * t1513;
+    let t1612 = t586 * t1271;
+    let t1613 = t1611 + t1612;
+    let t1614 = t591 * t1286;
+    let t1615 = t1613 + t1614;
+    let t1616 = t611 * t1301;
+    let t1617 = t1615 + t1616;
+    let t1618 = t598 * t1311;
+    let t1619 = t1617 - t1618;
+    let t1620 = t213 * t1378;
+    let t1621 = t548 * t1391;
+    let t1622 = t1620 - t1621;
+    let t1623 = t586 * t1384;
+    let t1624 = t1622 + t1623;
+    let t1625 = t591 * t1360;
+    let t1626 = t1624 - t1625;
+    let t1627 = t611 * t1401;
+    let t1628 = t1626 + t1627;
+    let t1629 = t598 * t1410;
+    let t1630 = t1628 + t1629;
+    let t1631 = t213 * t1477;
+    let t1632 = t548 * t1490;
+    let t1633 = t1631 - t1632;
+    let t1634 = t586 * t1483;
+    let t1635 = t1633 + t1634;
+    let t1636 = t591 * t1457;
+    let t1637 = t1635 - t1636;
+    let t1638 = t611 * t1441;
+    let t1639 = t1637 - t1638;
+    let t1640 = t598 * t1501;
+    let t1641 = t1639 - t1640;
+    let t1642 = t213 * t1528;
+    let t1643 = t1590 - t1642;
+    let t1644 = t586 * t1532;
     let t1645 = t1643 - t1644;
-    let t1646 = t250 * t1448;
-    let t1647 = t1645 - t1646;
-    let t1648 = t294 * t1576;
-    let t1649 = 5.151863922779921 * t1463;
-    let t1650 = t1649 + t1648;
-    let t1651 = t349 * t1541;
-    let t1652 = t1650 - t1651;
-    let t1653 = t349 * t1516;
+    let t1646 = t591 * t1526;
+    let t1647 = t1645 + t1646;
+    let t1648 = t611 * t1520;
+    let t1649 = t1647 - t1648;
+    let t1650 = t598 * t1513;
+    let t1651 = t1649 + t1650;
+    let t1652 = t218 * t1043;
+    let t1653 = t553 * t1099;
     let t1654 = t1652 - t1653;
-    let t1655 = t250 * t1501;
+    let t1655 = t591 * t1111;
     let t1656 = t1654 - t1655;
-    let t1657 = sin_joint2_joint3 * t850;
-    let t1658 = t800 - t1657;
-    let t1659 = cos_joint2_joint3 * t854;
-    let t1660 = sin_joint2_joint3 * t857;
-    let t1661 = t1659 + t1660;
-    let t1662 = cos_joint2 * t1661;
-    let t1663 = v[1] * sin_joint2;
-    let t1664 = 2.0 * t1663;
-    let t1665 = t1664 * t743;
-    let t1666 = t1662 + t1665;
-    let t1667 = t1658 + t1666;
-    let t1668 = t707 * t82;
-    let t1669 = t196 * t1081;
-    let t1670 = t1669 + t1668;
-    let t1671 = t1670 - t1667;
-    let t1672 = v[0] * 0.6949976841130152;
-    let t1673 = t1672 * t1060;
-    let t1674 = t1671 - t1673;
-    let t1675 = t960 * t749;
-    let t1676 = t1102 - t1675;
-    let t1677 = t1669 - t1676;
-    let t1678 = t888 * t1081;
-    let t1679 = t1678 + t1077;
-    let t1680 = 0.3474988420565076 * t1679;
-    let t1681 = t1677 - t1680;
-    let t1682 = t1674 - t1681;
-    let t1683 = 5.8018217679508 + t1682;
-    let t1684 = sin_joint2_joint3 * t908;
-    let t1685 = cos_joint2_joint3 * t910;
-    let t1686 = t1684 + t1685;
-    let t1687 = t250 * t1686;
-    let t1688 = t1683 - t1687;
-    let t1689 = sin_joint2_joint3 * t952;
-    let t1690 = cos_joint2_joint3 * t956;
-    let t1691 = t1689 + t1690;
-    let t1692 = t960 * t924;
-    let t1693 = t1664 * t927;
-    let t1694 = t1692 + t1693;
-    let t1695 = t1691 - t1694;
-    let t1696 = t1672 * t927;
-    let t1697 = t1695 + t1696;
-    let t1698 = t281 * t1697;
-    let t1699 = t1688 + t1698;
-    let t1700 = sin_joint2_joint3 * t989;
-    let t1701 = cos_joint2_joint3 * t992;
+    let t1657 = t635 * t1137;
+    let t1658 = t1656 - t1657;
+    let t1659 = t655 * t1171;
+    let t1660 = t1658 + t1659;
+    let t1661 = t642 * t1190;
+    let t1662 = t1660 + t1661;
+    let t1663 = t218 * t1251;
+    let t1664 = t553 * t1272;
+    let t1665 = t1663 - t1664;
+    let t1666 = t591 * t1271;
+    let t1667 = t1665 + t1666;
+    let t1668 = t635 * t1286;
+    let t1669 = t1667 + t1668;
+    let t1670 = t655 * t1301;
+    let t1671 = t1669 + t1670;
+    let t1672 = t642 * t1311;
+    let t1673 = t1671 - t1672;
+    let t1674 = t218 * t1378;
+    let t1675 = t553 * t1391;
+    let t1676 = t1674 - t1675;
+    let t1677 = t591 * t1384;
+    let t1678 = t1676 + t1677;
+    let t1679 = t635 * t1360;
+    let t1680 = t1678 - t1679;
+    let t1681 = t655 * t1401;
+    let t1682 = t1680 + t1681;
+    let t1683 = t642 * t1410;
+    let t1684 = t1682 + t1683;
+    let t1685 = t218 * t1477;
+    let t1686 = t553 * t1490;
+    let t1687 = t1685 - t1686;
+    let t1688 = t591 * t1483;
+    let t1689 = t1687 + t1688;
+    let t1690 = t635 * t1457;
+    let t1691 = t1689 - t1690;
+    let t1692 = t655 * t1441;
+    let t1693 = t1691 - t1692;
+    let t1694 = t642 * t1501;
+    let t1695 = t1693 - t1694;
+    let t1696 = t218 * t1528;
+    let t1697 = t553 * t1532;
+    let t1698 = t1696 - t1697;
+    let t1699 = t591 * t1532;
+    let t1700 = t1698 + t1699;
+    let t1701 = t635 * t1526;
     let t1702 = t1700 - t1701;
-    let t1703 = t960 * t971;
-    let t1704 = t1664 * t721;
-    let t1705 = t1703 - t1704;
-    let t1706 = t1702 + t1705;
-    let t1707 = t1672 * t721;
-    let t1708 = t1706 + t1707;
-    let t1709 = t294 * t1686;
-    let t1710 = t1708 - t1709;
-    let t1711 = t321 * t1710;
-    let t1712 = t1699 + t1711;
-    let t1713 = sin_joint2_joint3 * t1034;
-    let t1714 = cos_joint2_joint3 * t1044;
+    let t1703 = t655 * t1520;
+    let t1704 = t1702 + t1703;
+    let t1705 = t642 * t1513;
+    let t1706 = t1704 - t1705;
+    let t1707 = t530 * t1043;
+    let t1708 = t573 * t1099;
+    let t1709 = t1707 - t1708;
+    let t1710 = t611 * t1111;
+    let t1711 = t1709 - t1710;
+    let t1712 = t655 * t1137;
+    let t1713 = t1711 - t1712;
+    let t1714 = t699 * t1171;
     let t1715 = t1713 + t1714;
-    let t1716 = t960 * t739;
-    let t1717 = t1715 - t1716;
-    let t1718 = t349 * t1686;
-    let t1719 = t1717 - t1718;
-    let t1720 = t354 * t1697;
-    let t1721 = t1719 + t1720;
-    let t1722 = t360 * t1710;
-    let t1723 = t1721 + t1722;
-    let t1724 = t403 * t1723;
-    let t1725 = t1712 - t1724;
-    let t1726 = t461 * t1723;
-    let t1727 = sin_joint2 * t1077;
-    let t1728 = t1727 - t1716;
-    let t1729 = t1715 + t1728;
-    let t1730 = t707 * t1081;
-    let t1731 = t1730 + t1729;
-    let t1732 = t1731 - t1718;
-    let t1733 = t437 * t1697;
-    let t1734 = t1732 + t1733;
-    let t1735 = t446 * t1710;
-    let t1736 = t1734 + t1735;
-    let t1737 = t1736 - t1726;
-    let t1738 = t501 * t1737;
-    let t1739 = t1725 - t1738;
-    let t1740 = inverse_d_joint1 * t1739;
-    let t1741 = t808 - t1657;
-    let t1742 = sin_joint2 * t859;
-    let t1743 = t862 * t739;
-    let t1744 = t1742 - t1743;
-    let t1745 = t1741 - t1744;
-    let t1746 = t1668 - t1745;
-    let t1747 = t1671 - t1746;
-    let t1748 = t1081 * t1066;
-    let t1749 = t1747 - t1748;
-    let t1750 = 9.496868641825001 + t1749;
-    let t1751 = cos_joint4 * t774;
-    let t1752 = sin_joint4 * t906;
-    let t1753 = t1752 + t1751;
-    let t1754 = t900 * t1081;
-    let t1755 = t1753 - t1754;
-    let t1756 = t349 * t1755;
-    let t1757 = t1750 - t1756;
-    let t1758 = sin_joint4 * t944;
-    let t1759 = cos_joint4 * t785;
-    let t1760 = t1758 + t1759;
-    let t1761 = t803 * t917;
-    let t1762 = t1760 + t1761;
-    let t1763 = t862 * t924;
-    let t1764 = t1664 * t920;
-    let t1765 = t1764 + t1763;
-    let t1766 = t1762 + t1765;
-    let t1767 = t1081 * t933;
-    let t1768 = t1766 + t1767;
-    let t1769 = t437 * t1768;
-    let t1770 = t1757 + t1769;
-    let t1771 = cos_joint4 * t815;
-    let t1772 = sin_joint4 * t821;
-    let t1773 = t1772 + t1771;
-    let t1774 = t803 * t749;
+    let t1716 = t685 * t1190;
+    let t1717 = t1715 + t1716;
+    let t1718 = t530 * t1251;
+    let t1719 = t573 * t1272;
+    let t1720 = t1718 - t1719;
+    let t1721 = t611 * t1271;
+    let t1722 = t1720 + t1721;
+    let t1723 = t655 * t1286;
+    let t1724 = t1722 + t1723;
+    let t1725 = t699 * t1301;
+    let t1726 = t1724 + t1725;
+    let t1727 = t685 * t1311;
+    let t1728 = t1726 - t1727;
+    let t1729 = t530 * t1378;
+    let t1730 = t573 * t1391;
+    let t1731 = t1729 - t1730;
+    let t1732 = t611 * t1384;
+    let t1733 = t1731 + t1732;
+    let t1734 = t655 * t1360;
+    let t1735 = t1733 - t1734;
+    let t1736 = t699 * t1401;
+    let t1737 = t1735 + t1736;
+    let t1738 = t685 * t1410;
+    let t1739 = t1737 + t1738;
+    let t1740 = t530 * t1477;
+    let t1741 = t573 * t1490;
+    let t1742 = t1740 - t1741;
+    let t1743 = t611 * t1483;
+    let t1744 = t1742 + t1743;
+    let t1745 = t655 * t1457;
+    let t1746 = t1744 - t1745;
+    let t1747 = t699 * t1441;
+    let t1748 = t1746 - t1747;
+    let t1749 = t685 * t1501;
+    let t1750 = t1748 - t1749;
+    let t1751 = t530 * t1528;
+    let t1752 = t573 * t1532;
+    let t1753 = t1751 - t1752;
+    let t1754 = t611 * t1532;
+    let t1755 = t1753 + t1754;
+    let t1756 = t655 * t1526;
+    let t1757 = t1755 - t1756;
+    let t1758 = t699 * t1520;
+    let t1759 = t1757 + t1758;
+    let t1760 = t685 * t1513;
+    let t1761 = t1759 - t1760;
+    let t1762 = t225 * t1043;
+    let t1763 = t560 * t1099;
+    let t1764 = t1762 - t1763;
+    let t1765 = t598 * t1111;
+    let t1766 = t1764 - t1765;
+    let t1767 = t642 * t1137;
+    let t1768 = t1766 - t1767;
+    let t1769 = t685 * t1171;
+    let t1770 = t1768 + t1769;
+    let t1771 = t747 * t1190;
+    let t1772 = t1770 + t1771;
+    let t1773 = t225 * t1251;
+    let t1774 = t560 * t1272;
     let t1775 = t1773 - t1774;
-    let t1776 = t862 * t971;
-    let t1777 = t1664 * t969;
-    let t1778 = t1777 + t1776;
-    let t1779 = t1775 - t1778;
-    let t1780 = t1081 * t980;
+    let t1776 = t598 * t1271;
+    let t1777 = t1775 + t1776;
+    let t1778 = t642 * t1286;
+    let t1779 = t1777 + t1778;
+    let t1780 = t685 * t1301;
     let t1781 = t1779 + t1780;
-    let t1782 = t294 * t1755;
+    let t1782 = t747 * t1311;
     let t1783 = t1781 - t1782;
-    let t1784 = t446 * t1783;
-    let t1785 = t1770 + t1784;
-    let t1786 = t800 - t808;
-    let t1787 = t1665 - t1743;
+    let t1784 = t225 * t1378;
+    let t1785 = t560 * t1391;
+    let t1786 = t1784 - t1785;
+    let t1787 = t598 * t1384;
     let t1788 = t1786 + t1787;
-    let t1789 = t1081 * t1012;
+    let t1789 = t642 * t1360;
     let t1790 = t1788 - t1789;
-    let t1791 = t1790 + t1756;
-    let t1792 = t354 * t1768;
-    let t1793 = t1791 - t1792;
-    let t1794 = t360 * t1783;
-    let t1795 = t1793 - t1794;
-    let t1796 = t461 * t1795;
-    let t1797 = t1785 + t1796;
-    let t1798 = t501 * t1797;
-    let t1799 = t772 - t1022;
-    let t1800 = omega_joint3_z * 0.009475200000000003;
-    let t1801 = t1800 - t1799;
-    let t1802 = sin_joint2_joint3 * t1801;
-    let t1803 = cos_joint2_joint3 * t1775;
-    let t1804 = t1802 + t1803;
-    let t1805 = t862 * t749;
-    let t1806 = t1804 - t1805;
-    let t1807 = t196 * t82;
-    let t1808 = t1807 - t1806;
-    let t1809 = t1081 * t747;
-    let t1810 = t1808 - t1809;
-    let t1811 = t82 * t888;
-    let t1812 = t1811 + t859;
-    let t1813 = 0.3474988420565076 * t1812;
-    let t1814 = t1813 - t1810;
-    let t1815 = t250 * t1755;
-    let t1816 = t1814 + t1815;
-    let t1817 = t281 * t1768;
-    let t1818 = t1816 - t1817;
-    let t1819 = t321 * t1783;
-    let t1820 = t1818 - t1819;
-    let t1821 = t403 * t1795;
-    let t1822 = t1820 - t1821;
-    let t1823 = t1822 + t1798;
-    let t1824 = inverse_d_joint1 * t1823;
-    let t1825 = 2.0 * omega_joint3_y;
-    let t1826 = t1825 * t751;
-    let t1827 = 2.0 * omega_joint3_x;
-    let t1828 = t387 * t1827;
-    let t1829 = t1826 + t1828;
-    let t1830 = t1786 - t1829;
-    let t1831 = 3.9804259903721997 - t1830;
-    let t1832 = t247 * t1827;
-    let t1833 = t245 * t1825;
+    let t1791 = t685 * t1401;
+    let t1792 = t1790 + t1791;
+    let t1793 = t747 * t1410;
+    let t1794 = t1792 + t1793;
+    let t1795 = t225 * t1477;
+    let t1796 = t560 * t1490;
+    let t1797 = t1795 - t1796;
+    let t1798 = t598 * t1483;
+    let t1799 = t1797 + t1798;
+    let t1800 = t642 * t1457;
+    let t1801 = t1799 - t1800;
+    let t1802 = t685 * t1441;
+    let t1803 = t1801 - t1802;
+    let t1804 = t747 * t1501;
+    let t1805 = t1803 - t1804;
+    let t1806 = t225 * t1528;
+    let t1807 = t560 * t1532;
+    let t1808 = t1806 - t1807;
+    let t1809 = t598 * t1532;
+    let t1810 = t1808 + t1809;
+    let t1811 = t642 * t1526;
+    let t1812 = t1810 - t1811;
+    let t1813 = t685 * t1520;
+    let t1814 = t1812 + t1813;
+    let t1815 = t747 * t1513;
+    let t1816 = t1814 - t1815;
+    let t1817 = sin_joint2_joint3 * t1184;
+    let t1818 = cos_joint2_joint3 * t1186;
+    let t1819 = t1817 + t1818;
+    let t1820 = t225 * t1819;
+    let t1821 = sin_joint2_joint3 * t1001;
+    let t1822 = t951 - t1821;
+    let t1823 = cos_joint2_joint3 * t1005;
+    let t1824 = sin_joint2_joint3 * t1008;
+    let t1825 = t1823 + t1824;
+    let t1826 = cos_joint2 * t1825;
+    let t1827 = v[1] * sin_joint2;
+    let t1828 = 2.0 * t1827;
+    let t1829 = t43 * t1828;
+    let t1830 = t1826 + t1829;
+    let t1831 = t1822 + t1830;
+    let t1832 = t457 * t310;
+    let t1833 = t462 * t1095;
     let t1834 = t1833 + t1832;
-    let t1835 = t1753 - t1834;
-    let t1836 = t349 * t1835;
-    let t1837 = t1831 - t1836;
-    let t1838 = t1827 * t928;
-    let t1839 = t265 * t1825;
-    let t1840 = t1839 + t1838;
-    let t1841 = t1762 + t1840;
-    let t1842 = t354 * t1841;
-    let t1843 = t1837 + t1842;
-    let t1844 = t1827 * t975;
-    let t1845 = t306 * t1825;
-    let t1846 = t1845 - t1844;
-    let t1847 = t1775 + t1846;
-    let t1848 = t294 * t1835;
-    let t1849 = t1847 - t1848;
-    let t1850 = t360 * t1849;
-    let t1851 = t1843 + t1850;
-    let t1852 = t461 * t1851;
-    let t1853 = t1825 * t749;
-    let t1854 = t854 + t1853;
-    let t1855 = sin_joint2_joint3 * t1854;
-    let t1856 = t1827 * t749;
-    let t1857 = t857 + t1856;
-    let t1858 = cos_joint2_joint3 * t1857;
-    let t1859 = t1858 - t1855;
-    let t1860 = sin_joint2 * t1859;
-    let t1861 = cos_joint2_joint3 * t1854;
-    let t1862 = sin_joint2_joint3 * t1857;
-    let t1863 = t1862 + t1861;
-    let t1864 = cos_joint2 * t1863;
-    let t1865 = t1864 - t1860;
-    let t1866 = t1830 + t1865;
-    let t1867 = t1866 + t1836;
-    let t1868 = t437 * t1841;
-    let t1869 = t1867 - t1868;
-    let t1870 = t446 * t1849;
-    let t1871 = t1869 - t1870;
-    let t1872 = t1871 + t1852;
-    let t1873 = t501 * t1872;
-    let t1874 = t403 * t1851;
-    let t1875 = t1825 * t1112;
-    let t1876 = t1827 * t729;
-    let t1877 = t1875 + t1876;
-    let t1878 = t1801 + t1877;
-    let t1879 = sin_joint2_joint3 * t1878;
-    let t1880 = t1827 * t1095;
-    let t1881 = t1825 * t729;
+    let t1835 = t1834 - t1831;
+    let t1836 = v[0] * 0.6949976841130152;
+    let t1837 = t1045 * t1836;
+    let t1838 = t1835 + t1837;
+    let t1839 = t55 * t1091;
+    let t1840 = t1202 - t1839;
+    let t1841 = t1833 - t1840;
+    let t1842 = t467 * t1095;
+    let t1843 = t1842 - t1088;
+    let t1844 = 0.3474988420565076 * t1843;
+    let t1845 = t1841 + t1844;
+    let t1846 = t1838 - t1845;
+    let t1847 = 5.8018217679508 + t1846;
+    let t1848 = inverse_d_joint1 * t1847;
+    let t1849 = sin_joint2_joint3 * t1072;
+    let t1850 = cos_joint2_joint3 * t1082;
+    let t1851 = t1849 + t1850;
+    let t1852 = sin_joint2 * t1088;
+    let t1853 = t137 * t1091;
+    let t1854 = t1852 - t1853;
+    let t1855 = t1851 + t1854;
+    let t1856 = t457 * t1095;
+    let t1857 = t1856 + t1855;
+    let t1858 = t210 * t1857;
+    let t1859 = t1848 - t1858;
+    let t1860 = t1851 - t1853;
+    let t1861 = t213 * t1860;
+    let t1862 = t1859 + t1861;
+    let t1863 = sin_joint2_joint3 * t1126;
+    let t1864 = cos_joint2_joint3 * t1129;
+    let t1865 = t1863 - t1864;
+    let t1866 = t96 * t1091;
+    let t1867 = t17 * t1828;
+    let t1868 = t1866 - t1867;
+    let t1869 = t1865 + t1868;
+    let t1870 = t17 * t1836;
+    let t1871 = t1869 + t1870;
+    let t1872 = t218 * t1871;
+    let t1873 = t1862 + t1872;
+    let t1874 = sin_joint2_joint3 * t1159;
+    let t1875 = cos_joint2_joint3 * t1163;
+    let t1876 = t1874 + t1875;
+    let t1877 = t82 * t1091;
+    let t1878 = t70 * t1828;
+    let t1879 = t1877 + t1878;
+    let t1880 = t1876 - t1879;
+    let t1881 = t70 * t1836;
     let t1882 = t1880 + t1881;
-    let t1883 = t1775 - t1882;
-    let t1884 = cos_joint2_joint3 * t1883;
-    let t1885 = t1879 + t1884;
-    let t1886 = t1827 * t735;
-    let t1887 = t1825 * t737;
+    let t1883 = t530 * t1882;
+    let t1884 = t1873 - t1883;
+    let t1885 = t1884 - t1820;
+    let t1886 = cos_joint4 * t925;
+    let t1887 = sin_joint4 * t1182;
     let t1888 = t1887 + t1886;
-    let t1889 = cos_joint2 * t1888;
-    let t1890 = t1885 - t1889;
-    let t1891 = 0.3474988420565076 * t1859;
-    let t1892 = t1890 - t1891;
-    let t1893 = t250 * t1835;
-    let t1894 = t1892 + t1893;
-    let t1895 = t281 * t1841;
-    let t1896 = t1894 - t1895;
-    let t1897 = t321 * t1849;
-    let t1898 = t1896 - t1897;
-    let t1899 = t1898 + t1874;
-    let t1900 = t1899 - t1873;
-    let t1901 = inverse_d_joint1 * t1900;
-    let t1902 = t770 * t1230;
-    let t1903 = t832 - t1902;
-    let t1904 = t791 - t833;
-    let t1905 = t1904 + t1903;
-    let t1906 = sin_joint4 * t1905;
-    let t1907 = t784 * t1243;
-    let t1908 = t838 + t1907;
-    let t1909 = t794 - t839;
-    let t1910 = t1909 + t1908;
-    let t1911 = cos_joint4 * t1910;
-    let t1912 = t1911 - t1906;
-    let t1913 = sin_joint2_joint3 * t1912;
-    let t1914 = cos_joint4 * t1909;
-    let t1915 = sin_joint4 * t1904;
-    let t1916 = t1915 - t1914;
-    let t1917 = 0.047012505789717454 * t1916;
-    let t1918 = t303 * t784;
-    let t1919 = t783 - t1918;
-    let t1920 = t1919 + t1917;
-    let t1921 = cos_joint2_joint3 * t1920;
-    let t1922 = t1913 + t1921;
-    let t1923 = cos_joint2 * t1916;
-    let t1924 = t1922 + t1923;
-    let t1925 = sin_joint4 * t1909;
-    let t1926 = cos_joint4 * t1904;
-    let t1927 = t1926 + t1925;
-    let t1928 = cos_joint2_joint3 * t1927;
-    let t1929 = sin_joint2_joint3 * t771;
-    let t1930 = t1928 + t1929;
-    let t1931 = 0.3474988420565076 * t1930;
-    let t1932 = t1924 + t1931;
-    let t1933 = t244 * t784;
-    let t1934 = t910 - t1933;
-    let t1935 = t250 * t1934;
-    let t1936 = t1932 - t1935;
-    let t1937 = omega_joint4_x * 0.00128432;
-    let t1938 = t832 - t1937;
-    let t1939 = t281 * t1938;
-    let t1940 = t1936 + t1939;
-    let t1941 = 0.41164522969715195 + t1919;
-    let t1942 = t294 * t1934;
+    let t1889 = t1176 * t1095;
+    let t1890 = t1888 - t1889;
+    let t1891 = t225 * t1890;
+    let t1892 = t959 - t1821;
+    let t1893 = sin_joint2 * t1010;
+    let t1894 = t137 * t1013;
+    let t1895 = t1893 - t1894;
+    let t1896 = t1892 - t1895;
+    let t1897 = t1832 - t1896;
+    let t1898 = t1835 - t1897;
+    let t1899 = t1054 * t1095;
+    let t1900 = t1898 - t1899;
+    let t1901 = 9.496868641825001 + t1900;
+    let t1902 = t210 * t1901;
+    let t1903 = t923 - t1059;
+    let t1904 = omega_joint3_z * 0.009475200000000003;
+    let t1905 = t1904 - t1903;
+    let t1906 = sin_joint2_joint3 * t1905;
+    let t1907 = cos_joint4 * t966;
+    let t1908 = sin_joint4 * t972;
+    let t1909 = t1908 + t1907;
+    let t1910 = t55 * t954;
+    let t1911 = t1909 - t1910;
+    let t1912 = cos_joint2_joint3 * t1911;
+    let t1913 = t1906 + t1912;
+    let t1914 = t55 * t1013;
+    let t1915 = t1913 - t1914;
+    let t1916 = t462 * t310;
+    let t1917 = t1916 - t1915;
+    let t1918 = t906 * t1095;
+    let t1919 = t1917 - t1918;
+    let t1920 = t467 * t310;
+    let t1921 = t1920 - t1010;
+    let t1922 = 0.3474988420565076 * t1921;
+    let t1923 = t1922 + t1919;
+    let t1924 = inverse_d_joint1 * t1923;
+    let t1925 = t1924 - t1902;
+    let t1926 = t951 - t959;
+    let t1927 = t1829 - t1894;
+    let t1928 = t1926 + t1927;
+    let t1929 = t1051 * t1095;
+    let t1930 = t1928 - t1929;
+    let t1931 = t213 * t1930;
+    let t1932 = t1925 - t1931;
+    let t1933 = t96 * t1013;
+    let t1934 = t163 * t1828;
+    let t1935 = t1934 + t1933;
+    let t1936 = t1911 - t1935;
+    let t1937 = t1121 * t1095;
+    let t1938 = t1936 + t1937;
+    let t1939 = t218 * t1938;
+    let t1940 = t1932 + t1939;
+    let t1941 = sin_joint4 * t1152;
+    let t1942 = cos_joint4 * t936;
     let t1943 = t1941 + t1942;
-    let t1944 = t321 * t1943;
-    let t1945 = t1940 - t1944;
-    let t1946 = cos_joint4 * t1905;
-    let t1947 = sin_joint4 * t1910;
+    let t1944 = t79 * t954;
+    let t1945 = t1943 + t1944;
+    let t1946 = t82 * t1013;
+    let t1947 = t156 * t1828;
     let t1948 = t1947 + t1946;
-    let t1949 = 0.047012505789717454 * t771;
-    let t1950 = t1948 + t1949;
-    let t1951 = t349 * t1934;
-    let t1952 = t1950 - t1951;
-    let t1953 = t354 * t1938;
-    let t1954 = t1952 + t1953;
-    let t1955 = t360 * t1943;
-    let t1956 = t1954 - t1955;
-    let t1957 = t403 * t1956;
-    let t1958 = t1945 - t1957;
-    let t1959 = t461 * t1956;
-    let t1960 = sin_joint2 * t1930;
-    let t1961 = sin_joint2_joint3 * t1927;
-    let t1962 = cos_joint2_joint3 * t771;
-    let t1963 = t1961 - t1962;
-    let t1964 = cos_joint2 * t1963;
-    let t1965 = t1964 - t1960;
-    let t1966 = t1950 - t1965;
-    let t1967 = t1966 - t1951;
-    let t1968 = t437 * t1938;
+    let t1949 = t1945 + t1948;
+    let t1950 = t1147 * t1095;
+    let t1951 = t1949 + t1950;
+    let t1952 = t530 * t1951;
+    let t1953 = t1940 - t1952;
+    let t1954 = t1953 - t1891;
+    let t1955 = 2.0 * omega_joint3_x;
+    let t1956 = t64 * t1955;
+    let t1957 = 2.0 * omega_joint3_y;
+    let t1958 = t62 * t1957;
+    let t1959 = t1958 + t1956;
+    let t1960 = t1888 - t1959;
+    let t1961 = t225 * t1960;
+    let t1962 = t90 * t1955;
+    let t1963 = t29 * t1957;
+    let t1964 = t1963 - t1962;
+    let t1965 = t1911 + t1964;
+    let t1966 = t218 * t1965;
+    let t1967 = t130 * t1957;
+    let t1968 = t132 * t1955;
     let t1969 = t1967 + t1968;
-    let t1970 = t446 * t1943;
-    let t1971 = t1969 - t1970;
-    let t1972 = t1971 - t1959;
-    let t1973 = t501 * t1972;
-    let t1974 = t1958 - t1973;
-    let t1975 = inverse_d_joint1 * t1974;
-    let t1976 = omega_joint5_y * 0.00088432;
-    let t1977 = t761 + t1976;
+    let t1970 = t1926 - t1969;
+    let t1971 = 3.9804259903721997 - t1970;
+    let t1972 = t213 * t1971;
+    let t1973 = t55 * t1957;
+    let t1974 = t1005 + t1973;
+    let t1975 = sin_joint2_joint3 * t1974;
+    let t1976 = t55 * t1955;
+    let t1977 = t1008 + t1976;
+    let t1978 = cos_joint2_joint3 * t1977;
+    let t1979 = t1978 - t1975;
+    let t1980 = sin_joint2 * t1979;
+    let t1981 = cos_joint2_joint3 * t1974;
+    let t1982 = sin_joint2_joint3 * t1977;
+    let t1983 = t1982 + t1981;
+    let t1984 = cos_joint2 * t1983;
+    let t1985 = t1984 - t1980;
+    let t1986 = t1970 + t1985;
+    let t1987 = t210 * t1986;
+    let t1988 = t1957 * t1212;
+    let t1989 = t32 * t1955;
+    let t1990 = t1988 + t1989;
+    let t1991 = t1905 + t1990;
+    let t1992 = sin_joint2_joint3 * t1991;
+    let t1993 = t1955 * t1195;
+    let t1994 = t32 * t1957;
+    let t1995 = t1993 + t1994;
+    let t1996 = t1911 - t1995;
+    let t1997 = cos_joint2_joint3 * t1996;
+    let t1998 = t1992 + t1997;
+    let t1999 = t38 * t1955;
     [
         sin_joint2,
         cos_joint2,
@@ -7999,95 +8051,117 @@ fn forward_dynamics_derivatives_part_1(
         cos_joint5,
         sin_joint2_joint3,
         cos_joint2_joint3,
+        t27,
+        t41,
+        t61,
+        t71,
+        t74,
+        inverse_d_joint1,
+        t210,
+        t213,
+        t218,
+        t225,
+        omega_joint4_x,
         omega_joint5_x,
         omega_joint5_y,
-        t249,
-        t250,
-        t280,
-        t281,
-        t294,
-        inverse_d_joint4,
-        t321,
-        t348,
-        t349,
-        t353,
-        t354,
-        t360,
-        inverse_d_joint3,
-        t403,
-        t436,
-        t437,
-        t446,
-        t461,
-        inverse_d_joint2,
-        t501,
-        inverse_d_joint1,
-        t534,
-        t537,
-        t542,
-        t549,
-        t556,
-        t565,
-        t774,
-        t794,
-        t801,
-        t910,
-        t1092,
-        t1228,
-        t1342,
-        t1448,
-        t1501,
-        t1504,
-        t1507,
-        t1510,
-        t1513,
-        t1516,
-        t1521,
-        t1526,
-        t1531,
-        t1536,
-        t1541,
-        t1548,
-        t1555,
-        t1562,
-        t1569,
-        t1576,
-        t1583,
-        t1590,
+        t530,
+        t543,
+        t545,
+        t548,
+        t553,
+        t560,
+        t573,
+        t576,
+        t586,
+        t591,
+        t598,
+        t611,
+        t614,
+        t635,
+        t642,
+        t655,
+        t658,
+        t685,
+        t699,
+        t702,
+        t747,
+        t749,
+        t912,
+        t921,
+        t922,
+        t925,
+        t934,
+        t935,
+        t942,
+        t945,
+        t952,
+        t983,
+        t984,
+        t989,
+        t990,
+        t1186,
+        t1192,
+        t1313,
+        t1315,
+        t1328,
+        t1412,
+        t1503,
+        t1542,
+        t1553,
+        t1564,
+        t1575,
+        t1586,
         t1597,
-        t1604,
-        t1611,
-        t1620,
-        t1629,
-        t1638,
-        t1647,
-        t1656,
-        t1686,
-        t1697,
-        t1710,
-        t1723,
-        t1737,
-        t1740,
-        t1753,
-        t1755,
-        t1768,
+        t1608,
+        t1619,
+        t1630,
+        t1641,
+        t1651,
+        t1662,
+        t1673,
+        t1684,
+        t1695,
+        t1706,
+        t1717,
+        t1728,
+        t1739,
+        t1750,
+        t1761,
+        t1772,
         t1783,
-        t1795,
-        t1797,
-        t1824,
-        t1835,
-        t1841,
-        t1849,
-        t1851,
-        t1872,
+        t1794,
+        t1805,
+        t1816,
+        t1819,
+        t1820,
+        t1847,
+        t1857,
+        t1860,
+        t1871,
+        t1882,
+        t1885,
+        t1888,
+        t1890,
         t1901,
-        t1934,
+        t1923,
+        t1930,
         t1938,
-        t1943,
-        t1956,
+        t1945,
+        t1951,
+        t1954,
+        t1955,
+        t1957,
+        t1960,
+        t1961,
+        t1965,
+        t1966,
+        t1971,
         t1972,
-        t1975,
-        t1977,
+        t1979,
+        t1986,
+        t1987,
+        t1998,
+        t1999,
     ]
 }
 
@@ -8103,631 +8177,676 @@ fn forward_dynamics_derivatives_part_2(
     cos_joint5,
     sin_joint2_joint3,
     cos_joint2_joint3,
+    t27,
+    t41,
+    t61,
+    t71,
+    t74,
+    inverse_d_joint1,
+    t210,
+    t213,
+    t218,
+    t225,
+    omega_joint4_x,
     omega_joint5_x,
     omega_joint5_y,
-    t249,
-    t250,
-    t280,
-    t281,
-    t294,
-    inverse_d_joint4,
-    t321,
-    t348,
-    t349,
-    t353,
-    t354,
-    t360,
-    inverse_d_joint3,
-    t403,
-    t436,
-    t437,
-    t446,
-    t461,
-    inverse_d_joint2,
-    t501,
-    inverse_d_joint1,
-    t534,
-    t542,
-    t774,
-    t794,
-    t801,
-    t910,
-    t1448,
-    t1501,
-    t1507,
-    t1510,
-    t1526,
-    t1531,
-    t1555,
-    t1569,
-    t1576,
-    t1611,
-    t1629,
-    t1686,
-    t1697,
-    t1710,
-    t1723,
-    t1737,
-    t1740,
-    t1753,
-    t1755,
-    t1768,
-    t1783,
-    t1795,
-    t1797,
-    t1824,
-    t1835,
-    t1841,
-    t1849,
-    t1851,
-    t1872,
+    t530,
+    t543,
+    t545,
+    t548,
+    t553,
+    t560,
+    t573,
+    t576,
+    t586,
+    t591,
+    t598,
+    t611,
+    t635,
+    t642,
+    t655,
+    t685,
+    t699,
+    t702,
+    t747,
+    t749,
+    t912,
+    t921,
+    t922,
+    t925,
+    t934,
+    t935,
+    t942,
+    t945,
+    t952,
+    t983,
+    t984,
+    t989,
+    t990,
+    t1186,
+    t1315,
+    t1328,
+    t1503,
+    t1542,
+    t1586,
+    t1597,
+    t1608,
+    t1619,
+    t1630,
+    t1651,
+    t1662,
+    t1673,
+    t1684,
+    t1750,
+    t1761,
+    t1805,
+    t1816,
+    t1819,
+    t1820,
+    t1847,
+    t1857,
+    t1860,
+    t1871,
+    t1882,
+    t1885,
+    t1888,
+    t1890,
     t1901,
-    t1934,
+    t1923,
+    t1930,
     t1938,
-    t1943,
-    t1956,
+    t1945,
+    t1951,
+    t1955,
+    t1957,
+    t1960,
+    t1961,
+    t1965,
+    t1966,
+    t1971,
     t1972,
-    t1975,
-    t1977,
-    ]: [f64; 74],
-) -> [f64; 69] {
-    let t1978 = cos_joint5 * t1977;
-    let t1979 = omega_joint5_x * 0.00044;
-    let t1980 = sin_joint5 * t1979;
-    let t1981 = t1978 - t1980;
-    let t1982 = 0.0024871679999999997 * omega_joint5_y;
-    let t1983 = t1982 + t1981;
-    let t1984 = cos_joint4 * t1983;
-    let t1985 = sin_joint4 * t801;
-    let t1986 = t1985 + t1984;
-    let t1987 = sin_joint2_joint3 * t1986;
-    let t1988 = sin_joint5 * t1977;
-    let t1989 = cos_joint5 * t1979;
-    let t1990 = t1988 + t1989;
-    let t1991 = cos_joint4 * t1982;
-    let t1992 = t1985 + t1991;
-    let t1993 = 0.047012505789717454 * t1992;
-    let t1994 = t1990 - t1993;
-    let t1995 = cos_joint2_joint3 * t1994;
-    let t1996 = t1987 + t1995;
-    let t1997 = cos_joint2 * t1992;
-    let t1998 = t1996 - t1997;
-    let t1999 = sin_joint4 * t1982;
-    let t2000 = cos_joint4 * t801;
-    let t2001 = t2000 - t1999;
-    let t2002 = cos_joint2_joint3 * t2001;
-    let t2003 = sin_joint2_joint3 * t794;
-    let t2004 = t2002 + t2003;
-    let t2005 = 0.3474988420565076 * t2004;
-    let t2006 = t1998 - t2005;
-    let t2007 = t250 * t774;
-    let t2008 = t2006 + t2007;
-    let t2009 = t280 * 2.493649734231167;
-    let t2010 = t2008 + t2009;
-    let t2011 = t294 * t774;
-    let t2012 = t1990 - t2011;
-    let t2013 = t321 * t2012;
-    let t2014 = t2010 - t2013;
-    let t2015 = sin_joint4 * t1983;
-    let t2016 = t2000 - t2015;
-    let t2017 = 0.047012505789717454 * t794;
-    let t2018 = t2016 + t2017;
-    let t2019 = t349 * t774;
-    let t2020 = t2018 - t2019;
-    let t2021 = t353 * 2.493649734231167;
-    let t2022 = t2020 - t2021;
-    let t2023 = t360 * t2012;
-    let t2024 = t2022 + t2023;
-    let t2025 = t403 * t2024;
-    let t2026 = t2014 + t2025;
-    let t2027 = t461 * t2024;
-    let t2028 = sin_joint2 * t2004;
-    let t2029 = sin_joint2_joint3 * t2001;
-    let t2030 = cos_joint2_joint3 * t794;
-    let t2031 = t2029 - t2030;
-    let t2032 = cos_joint2 * t2031;
-    let t2033 = t2032 - t2028;
-    let t2034 = t2018 - t2033;
-    let t2035 = t2034 - t2019;
-    let t2036 = t436 * 2.493649734231167;
-    let t2037 = t2035 - t2036;
-    let t2038 = t446 * t2012;
-    let t2039 = t2037 + t2038;
-    let t2040 = t2039 - t2027;
-    let t2041 = t501 * t2040;
-    let t2042 = t2026 + t2041;
-    let t2043 = inverse_d_joint1 * t2042;
-    let t2044 = t348 * 1.1118920322351926;
-    let t2045 = t1753 - t2044;
-    let t2046 = t354 * t774;
-    let t2047 = t2045 + t2046;
-    let t2048 = cos_joint5 * 4.44756812894077e-5;
-    let t2049 = t910 + t2048;
-    let t2050 = t360 * t2049;
-    let t2051 = t2047 - t2050;
-    let t2052 = t461 * t2051;
-    let t2053 = t437 * t774;
-    let t2054 = t2045 + t2053;
-    let t2055 = t446 * t2049;
-    let t2056 = t2054 - t2055;
-    let t2057 = t2056 - t2052;
-    let t2058 = t501 * t2057;
-    let t2059 = t403 * t2051;
-    let t2060 = t249 * 1.1118920322351926;
-    let t2061 = t1686 - t2060;
-    let t2062 = t281 * t774;
-    let t2063 = t2061 + t2062;
-    let t2064 = t321 * t2049;
-    let t2065 = t2063 - t2064;
-    let t2066 = t2065 - t2059;
-    let t2067 = t2066 - t2058;
-    let t2068 = inverse_d_joint1 * t2067;
-    let t2069 = t501 * t1740;
-    let t2070 = inverse_d_joint2 * t1737;
-    let t2071 = t2070 - t2069;
-    let t2072 = t501 * t1824;
-    let t2073 = inverse_d_joint2 * t1797;
-    let t2074 = t2073 + t2072;
-    let t2075 = t501 * t1901;
-    let t2076 = inverse_d_joint2 * t1872;
-    let t2077 = t2076 - t2075;
-    let t2078 = t501 * t1975;
-    let t2079 = inverse_d_joint2 * t1972;
-    let t2080 = t2079 - t2078;
-    let t2081 = t501 * t2043;
-    let t2082 = inverse_d_joint2 * t2040;
-    let t2083 = t2082 + t2081;
-    let t2084 = t501 * t2068;
-    let t2085 = inverse_d_joint2 * t2057;
-    let t2086 = t2085 - t2084;
-    let t2087 = t461 * t2071;
-    let t2088 = inverse_d_joint3 * t1723;
-    let t2089 = t2088 - t2087;
-    let t2090 = t403 * t1740;
-    let t2091 = t2089 - t2090;
-    let t2092 = t461 * t2074;
-    let t2093 = inverse_d_joint3 * t1795;
-    let t2094 = t2093 + t2092;
-    let t2095 = t403 * t1824;
-    let t2096 = t2094 - t2095;
-    let t2097 = t461 * t2077;
-    let t2098 = inverse_d_joint3 * t1851;
-    let t2099 = t2098 + t2097;
-    let t2100 = t403 * t1901;
-    let t2101 = t2099 + t2100;
-    let t2102 = t461 * t2080;
-    let t2103 = inverse_d_joint3 * t1956;
-    let t2104 = t2103 - t2102;
-    let t2105 = t403 * t1975;
-    let t2106 = t2104 - t2105;
-    let t2107 = t461 * t2083;
-    let t2108 = inverse_d_joint3 * t2024;
-    let t2109 = t2108 - t2107;
-    let t2110 = t403 * t2043;
-    let t2111 = t2109 + t2110;
-    let t2112 = t461 * t2086;
-    let t2113 = inverse_d_joint3 * t2051;
-    let t2114 = t2113 - t2112;
-    let t2115 = t403 * t2068;
-    let t2116 = t2114 - t2115;
-    let t2117 = t360 * t2091;
-    let t2118 = inverse_d_joint4 * t1710;
-    let t2119 = t2118 + t2117;
-    let t2120 = t446 * t2071;
-    let t2121 = t2119 + t2120;
-    let t2122 = t321 * t1740;
-    let t2123 = t2121 + t2122;
-    let t2124 = t360 * t2096;
-    let t2125 = inverse_d_joint4 * t1783;
-    let t2126 = t2125 - t2124;
-    let t2127 = t446 * t2074;
-    let t2128 = t2126 + t2127;
-    let t2129 = t321 * t1824;
-    let t2130 = t2128 - t2129;
-    let t2131 = t360 * t2101;
-    let t2132 = inverse_d_joint4 * t1849;
-    let t2133 = t2132 + t2131;
-    let t2134 = t446 * t2077;
-    let t2135 = t2133 - t2134;
-    let t2136 = t321 * t1901;
-    let t2137 = t2135 - t2136;
-    let t2138 = t360 * t2106;
-    let t2139 = inverse_d_joint4 * t1943;
-    let t2140 = t2139 - t2138;
-    let t2141 = t446 * t2080;
-    let t2142 = t2140 - t2141;
-    let t2143 = t321 * t1975;
+    t1979,
+    t1986,
+    t1987,
+    t1998,
+    t1999,
+    ]: [f64; 101],
+) -> [f64; 62] {
+    let t2000 = t41 * t1957;
+    let t2001 = t2000 + t1999;
+    let t2002 = cos_joint2 * t2001;
+    let t2003 = t1998 - t2002;
+    let t2004 = 0.3474988420565076 * t1979;
+    let t2005 = t2003 - t2004;
+    let t2006 = inverse_d_joint1 * t2005;
+    let t2007 = t2006 - t1987;
+    let t2008 = t2007 - t1972;
+    let t2009 = t2008 - t1966;
+    let t2010 = t71 * t1955;
+    let t2011 = t74 * t1957;
+    let t2012 = t2011 + t2010;
+    let t2013 = t1945 + t2012;
+    let t2014 = t530 * t2013;
+    let t2015 = t2009 + t2014;
+    let t2016 = t2015 + t1961;
+    let t2017 = t61 * t935;
+    let t2018 = t1186 - t2017;
+    let t2019 = t225 * t2018;
+    let t2020 = t27 * t935;
+    let t2021 = t934 - t2020;
+    let t2022 = 0.41164522969715195 + t2021;
+    let t2023 = t218 * t2022;
+    let t2024 = t921 * t1315;
+    let t2025 = t983 - t2024;
+    let t2026 = t942 - t984;
+    let t2027 = t2026 + t2025;
+    let t2028 = cos_joint4 * t2027;
+    let t2029 = t935 * t1328;
+    let t2030 = t989 + t2029;
+    let t2031 = t945 - t990;
+    let t2032 = t2031 + t2030;
+    let t2033 = sin_joint4 * t2032;
+    let t2034 = t2033 + t2028;
+    let t2035 = 0.047012505789717454 * t922;
+    let t2036 = t2034 + t2035;
+    let t2037 = t213 * t2036;
+    let t2038 = sin_joint4 * t2031;
+    let t2039 = cos_joint4 * t2026;
+    let t2040 = t2039 + t2038;
+    let t2041 = cos_joint2_joint3 * t2040;
+    let t2042 = sin_joint2_joint3 * t922;
+    let t2043 = t2041 + t2042;
+    let t2044 = sin_joint2 * t2043;
+    let t2045 = sin_joint2_joint3 * t2040;
+    let t2046 = cos_joint2_joint3 * t922;
+    let t2047 = t2045 - t2046;
+    let t2048 = cos_joint2 * t2047;
+    let t2049 = t2048 - t2044;
+    let t2050 = t2036 - t2049;
+    let t2051 = t210 * t2050;
+    let t2052 = sin_joint4 * t2027;
+    let t2053 = cos_joint4 * t2032;
+    let t2054 = t2053 - t2052;
+    let t2055 = sin_joint2_joint3 * t2054;
+    let t2056 = cos_joint4 * t2031;
+    let t2057 = sin_joint4 * t2026;
+    let t2058 = t2057 - t2056;
+    let t2059 = 0.047012505789717454 * t2058;
+    let t2060 = t2021 + t2059;
+    let t2061 = cos_joint2_joint3 * t2060;
+    let t2062 = t2055 + t2061;
+    let t2063 = cos_joint2 * t2058;
+    let t2064 = t2062 + t2063;
+    let t2065 = 0.3474988420565076 * t2043;
+    let t2066 = t2064 + t2065;
+    let t2067 = inverse_d_joint1 * t2066;
+    let t2068 = t2067 - t2051;
+    let t2069 = t2068 + t2037;
+    let t2070 = t2069 - t2023;
+    let t2071 = omega_joint4_x * 0.00128432;
+    let t2072 = t983 - t2071;
+    let t2073 = t530 * t2072;
+    let t2074 = t2070 - t2073;
+    let t2075 = t2074 - t2019;
+    let t2076 = t225 * t925;
+    let t2077 = omega_joint5_y * 0.00088432;
+    let t2078 = t912 + t2077;
+    let t2079 = sin_joint5 * t2078;
+    let t2080 = omega_joint5_x * 0.00044;
+    let t2081 = cos_joint5 * t2080;
+    let t2082 = t2079 + t2081;
+    let t2083 = t218 * t2082;
+    let t2084 = cos_joint5 * t2078;
+    let t2085 = sin_joint5 * t2080;
+    let t2086 = t2084 - t2085;
+    let t2087 = 0.0024871679999999997 * omega_joint5_y;
+    let t2088 = t2087 + t2086;
+    let t2089 = sin_joint4 * t2088;
+    let t2090 = cos_joint4 * t952;
+    let t2091 = t2090 - t2089;
+    let t2092 = 0.047012505789717454 * t945;
+    let t2093 = t2091 + t2092;
+    let t2094 = t213 * t2093;
+    let t2095 = sin_joint4 * t2087;
+    let t2096 = t2090 - t2095;
+    let t2097 = cos_joint2_joint3 * t2096;
+    let t2098 = sin_joint2_joint3 * t945;
+    let t2099 = t2097 + t2098;
+    let t2100 = sin_joint2 * t2099;
+    let t2101 = sin_joint2_joint3 * t2096;
+    let t2102 = cos_joint2_joint3 * t945;
+    let t2103 = t2101 - t2102;
+    let t2104 = cos_joint2 * t2103;
+    let t2105 = t2104 - t2100;
+    let t2106 = t2093 - t2105;
+    let t2107 = t210 * t2106;
+    let t2108 = cos_joint4 * t2088;
+    let t2109 = sin_joint4 * t952;
+    let t2110 = t2109 + t2108;
+    let t2111 = sin_joint2_joint3 * t2110;
+    let t2112 = cos_joint4 * t2087;
+    let t2113 = t2109 + t2112;
+    let t2114 = 0.047012505789717454 * t2113;
+    let t2115 = t2082 - t2114;
+    let t2116 = cos_joint2_joint3 * t2115;
+    let t2117 = t2111 + t2116;
+    let t2118 = cos_joint2 * t2113;
+    let t2119 = t2117 - t2118;
+    let t2120 = 0.3474988420565076 * t2099;
+    let t2121 = t2119 - t2120;
+    let t2122 = inverse_d_joint1 * t2121;
+    let t2123 = t2122 + t2107;
+    let t2124 = t2123 - t2094;
+    let t2125 = t2124 - t2083;
+    let t2126 = t530 * 0.42728302093540005;
+    let t2127 = t2125 - t2126;
+    let t2128 = t2127 + t2076;
+    let t2129 = t225 * 0.2158232532732;
+    let t2130 = t218 * t1186;
+    let t2131 = t213 * t1888;
+    let t2132 = t210 * t1888;
+    let t2133 = inverse_d_joint1 * t1819;
+    let t2134 = t2133 - t2132;
+    let t2135 = t2134 + t2131;
+    let t2136 = t2135 - t2130;
+    let t2137 = t530 * t925;
+    let t2138 = t2136 - t2137;
+    let t2139 = t2138 - t2129;
+    let t2140 = t560 * t1819;
+    let t2141 = t553 * t1871;
+    let t2142 = t210 * t1847;
+    let t2143 = t545 * t1857;
     let t2144 = t2142 - t2143;
-    let t2145 = t360 * t2111;
-    let t2146 = inverse_d_joint4 * t2012;
-    let t2147 = t2146 + t2145;
-    let t2148 = t446 * t2083;
-    let t2149 = t2147 + t2148;
-    let t2150 = t321 * t2043;
-    let t2151 = t2149 - t2150;
-    let t2152 = t360 * t2116;
-    let t2153 = inverse_d_joint4 * t2049;
-    let t2154 = t2153 - t2152;
-    let t2155 = t446 * t2086;
-    let t2156 = t2154 - t2155;
-    let t2157 = t321 * t2068;
-    let t2158 = t2156 - t2157;
-    let t2159 = t354 * t2091;
-    let t2160 = 5.83606090588883 * t1697;
-    let t2161 = t2160 + t2159;
-    let t2162 = t437 * t2071;
-    let t2163 = t2161 + t2162;
-    let t2164 = t281 * t1740;
-    let t2165 = t2163 + t2164;
-    let t2166 = t354 * t2096;
-    let t2167 = 5.83606090588883 * t1768;
-    let t2168 = t2167 - t2166;
-    let t2169 = t437 * t2074;
-    let t2170 = t2168 + t2169;
-    let t2171 = t281 * t1824;
-    let t2172 = t2170 - t2171;
-    let t2173 = t354 * t2101;
-    let t2174 = 5.83606090588883 * t1841;
-    let t2175 = t2174 + t2173;
-    let t2176 = t437 * t2077;
-    let t2177 = t2175 - t2176;
-    let t2178 = t281 * t1901;
-    let t2179 = t2177 - t2178;
-    let t2180 = t354 * t2106;
-    let t2181 = 5.83606090588883 * t1938;
-    let t2182 = t2181 + t2180;
-    let t2183 = t437 * t2080;
-    let t2184 = t2182 + t2183;
-    let t2185 = t281 * t1975;
-    let t2186 = t2184 + t2185;
-    let t2187 = t354 * t2111;
-    let t2188 = 2.493649734231167 - t2187;
-    let t2189 = t437 * t2083;
-    let t2190 = t2188 - t2189;
-    let t2191 = t281 * t2043;
-    let t2192 = t2190 + t2191;
-    let t2193 = t354 * t2116;
-    let t2194 = omega_joint5_x * 0.0002334424362355532;
-    let t2195 = t2194 + t2193;
-    let t2196 = t437 * t2086;
-    let t2197 = t2195 + t2196;
-    let t2198 = t281 * t2068;
-    let t2199 = t2197 + t2198;
-    let t2200 = t294 * t2123;
-    let t2201 = 5.151863922779921 * t1686;
-    let t2202 = t2201 - t2200;
-    let t2203 = t349 * t2091;
+    let t2145 = t548 * t1860;
+    let t2146 = t2144 + t2145;
+    let t2147 = t2146 + t2141;
+    let t2148 = t573 * t1882;
+    let t2149 = t2147 - t2148;
+    let t2150 = t2149 - t2140;
+    let t2151 = t560 * t1890;
+    let t2152 = t553 * t1938;
+    let t2153 = t545 * t1901;
+    let t2154 = t210 * t1923;
+    let t2155 = t2154 - t2153;
+    let t2156 = t548 * t1930;
+    let t2157 = t2155 - t2156;
+    let t2158 = t2157 + t2152;
+    let t2159 = t573 * t1951;
+    let t2160 = t2158 - t2159;
+    let t2161 = t2160 - t2151;
+    let t2162 = t560 * t1960;
+    let t2163 = t553 * t1965;
+    let t2164 = t548 * t1971;
+    let t2165 = t545 * t1986;
+    let t2166 = t210 * t2005;
+    let t2167 = t2166 - t2165;
+    let t2168 = t2167 - t2164;
+    let t2169 = t2168 - t2163;
+    let t2170 = t573 * t2013;
+    let t2171 = t2169 + t2170;
+    let t2172 = t2171 + t2162;
+    let t2173 = t560 * t2018;
+    let t2174 = t553 * t2022;
+    let t2175 = t548 * t2036;
+    let t2176 = t545 * t2050;
+    let t2177 = t210 * t2066;
+    let t2178 = t2177 - t2176;
+    let t2179 = t2178 + t2175;
+    let t2180 = t2179 - t2174;
+    let t2181 = t573 * t2072;
+    let t2182 = t2180 - t2181;
+    let t2183 = t2182 - t2173;
+    let t2184 = t560 * t925;
+    let t2185 = t553 * t2082;
+    let t2186 = t548 * t2093;
+    let t2187 = t545 * t2106;
+    let t2188 = t210 * t2121;
+    let t2189 = t2188 + t2187;
+    let t2190 = t2189 - t2186;
+    let t2191 = t2190 - t2185;
+    let t2192 = t573 * 0.42728302093540005;
+    let t2193 = t2191 - t2192;
+    let t2194 = t2193 + t2184;
+    let t2195 = t560 * 0.2158232532732;
+    let t2196 = t553 * t1186;
+    let t2197 = t548 * t1888;
+    let t2198 = t545 * t1888;
+    let t2199 = t210 * t1819;
+    let t2200 = t2199 - t2198;
+    let t2201 = t2200 + t2197;
+    let t2202 = t2201 - t2196;
+    let t2203 = t573 * t925;
     let t2204 = t2202 - t2203;
-    let t2205 = t349 * t2071;
-    let t2206 = t2204 - t2205;
-    let t2207 = t250 * t1740;
-    let t2208 = t2206 - t2207;
-    let t2209 = t294 * t2130;
-    let t2210 = 5.151863922779921 * t1755;
-    let t2211 = t2210 - t2209;
-    let t2212 = t349 * t2096;
-    let t2213 = t2211 + t2212;
-    let t2214 = t349 * t2074;
+    let t2205 = t2204 - t2195;
+    let t2206 = t598 * t1819;
+    let t2207 = t591 * t1871;
+    let t2208 = t213 * t1847;
+    let t2209 = t548 * t1857;
+    let t2210 = t2208 - t2209;
+    let t2211 = t586 * t1860;
+    let t2212 = t2210 + t2211;
+    let t2213 = t2212 + t2207;
+    let t2214 = t611 * t1882;
     let t2215 = t2213 - t2214;
-    let t2216 = t250 * t1824;
-    let t2217 = t2215 + t2216;
-    let t2218 = t294 * t2137;
-    let t2219 = 5.151863922779921 * t1835;
-    let t2220 = t2219 - t2218;
-    let t2221 = t349 * t2101;
-    let t2222 = t2220 - t2221;
-    let t2223 = t349 * t2077;
-    let t2224 = t2222 + t2223;
-    let t2225 = t250 * t1901;
-    let t2226 = t2224 + t2225;
-    let t2227 = t294 * t2144;
-    let t2228 = 5.151863922779921 * t1934;
-    let t2229 = t2228 + t2227;
-    let t2230 = t349 * t2106;
-    let t2231 = t2229 - t2230;
-    let t2232 = t349 * t2080;
-    let t2233 = t2231 - t2232;
-    let t2234 = t250 * t1975;
-    let t2235 = t2233 - t2234;
-    let t2236 = t294 * t2151;
-    let t2237 = 0.0002060745569111968 * omega_joint5_x;
-    let t2238 = t2237 - t2236;
-    let t2239 = t349 * t2111;
-    let t2240 = t2238 - t2239;
-    let t2241 = t349 * t2083;
-    let t2242 = t2240 - t2241;
-    let t2243 = t250 * t2043;
-    let t2244 = t2242 + t2243;
-    let t2245 = t294 * t2158;
-    let t2246 = 1.1118920322351926 + t2245;
-    let t2247 = t349 * t2116;
+    let t2216 = t2215 - t2206;
+    let t2217 = t598 * t1890;
+    let t2218 = t591 * t1938;
+    let t2219 = t548 * t1901;
+    let t2220 = t213 * t1923;
+    let t2221 = t2220 - t2219;
+    let t2222 = t586 * t1930;
+    let t2223 = t2221 - t2222;
+    let t2224 = t2223 + t2218;
+    let t2225 = t611 * t1951;
+    let t2226 = t2224 - t2225;
+    let t2227 = t2226 - t2217;
+    let t2228 = t598 * t1960;
+    let t2229 = t591 * t1965;
+    let t2230 = t586 * t1971;
+    let t2231 = t548 * t1986;
+    let t2232 = t213 * t2005;
+    let t2233 = t2232 - t2231;
+    let t2234 = t2233 - t2230;
+    let t2235 = t2234 - t2229;
+    let t2236 = t611 * t2013;
+    let t2237 = t2235 + t2236;
+    let t2238 = t2237 + t2228;
+    let t2239 = t598 * t2018;
+    let t2240 = t591 * t2022;
+    let t2241 = t586 * t2036;
+    let t2242 = t548 * t2050;
+    let t2243 = t213 * t2066;
+    let t2244 = t2243 - t2242;
+    let t2245 = t2244 + t2241;
+    let t2246 = t2245 - t2240;
+    let t2247 = t611 * t2072;
     let t2248 = t2246 - t2247;
-    let t2249 = t349 * t2086;
-    let t2250 = t2248 - t2249;
-    let t2251 = t250 * t2068;
-    let t2252 = t2250 - t2251;
-    let t2253 = t501 * inverse_d_joint1;
-    let t2254 = t461 * t2253;
-    let t2255 = t403 * inverse_d_joint1;
-    let t2256 = t2254 - t2255;
-    let t2257 = t360 * t2256;
-    let t2258 = t446 * t2253;
+    let t2249 = t2248 - t2239;
+    let t2250 = t598 * t925;
+    let t2251 = t591 * t2082;
+    let t2252 = t586 * t2093;
+    let t2253 = t548 * t2106;
+    let t2254 = t213 * t2121;
+    let t2255 = t2254 + t2253;
+    let t2256 = t2255 - t2252;
+    let t2257 = t2256 - t2251;
+    let t2258 = t611 * 0.42728302093540005;
     let t2259 = t2257 - t2258;
-    let t2260 = t321 * inverse_d_joint1;
-    let t2261 = t2259 + t2260;
-    let t2262 = t354 * t2256;
-    let t2263 = t437 * t2253;
-    let t2264 = t2262 - t2263;
-    let t2265 = t281 * inverse_d_joint1;
-    let t2266 = t2264 + t2265;
-    let t2267 = t294 * t2261;
-    let t2268 = t349 * t2256;
+    let t2260 = t2259 + t2250;
+    let t2261 = t598 * 0.2158232532732;
+    let t2262 = t591 * t1186;
+    let t2263 = t586 * t1888;
+    let t2264 = t213 * t1819;
+    let t2265 = t2197 - t2264;
+    let t2266 = t2265 - t2263;
+    let t2267 = t2266 + t2262;
+    let t2268 = t611 * t925;
     let t2269 = t2267 + t2268;
-    let t2270 = t349 * t2253;
-    let t2271 = t2269 - t2270;
-    let t2272 = t250 * inverse_d_joint1;
-    let t2273 = t2271 + t2272;
-    let t2274 = t501 * t2253;
-    let t2275 = inverse_d_joint2 + t2274;
-    let t2276 = t461 * t2275;
-    let t2277 = t403 * t2253;
-    let t2278 = t2276 - t2277;
-    let t2279 = t360 * t2278;
-    let t2280 = t446 * t2275;
-    let t2281 = t2279 - t2280;
-    let t2282 = t321 * t2253;
-    let t2283 = t2281 + t2282;
-    let t2284 = t354 * t2278;
-    let t2285 = t437 * t2275;
-    let t2286 = t2284 - t2285;
-    let t2287 = t281 * t2253;
-    let t2288 = t2286 + t2287;
-    let t2289 = t294 * t2283;
-    let t2290 = t349 * t2278;
-    let t2291 = t2289 + t2290;
-    let t2292 = t349 * t2275;
-    let t2293 = t2291 - t2292;
-    let t2294 = t250 * t2253;
-    let t2295 = t2293 + t2294;
-    let t2296 = t461 * t501;
-    let t2297 = t403 - t2296;
-    let t2298 = inverse_d_joint1 * t2297;
-    let t2299 = t501 * t2298;
-    let t2300 = t461 * inverse_d_joint2;
-    let t2301 = t2300 - t2299;
-    let t2302 = t461 * t2301;
-    let t2303 = inverse_d_joint3 + t2302;
-    let t2304 = t403 * t2298;
-    let t2305 = t2303 + t2304;
-    let t2306 = t360 * t2305;
-    let t2307 = t446 * t2301;
-    let t2308 = t2306 - t2307;
-    let t2309 = t321 * t2298;
-    let t2310 = t2308 - t2309;
-    let t2311 = t354 * t2305;
-    let t2312 = t437 * t2301;
+    let t2270 = t2269 + t2261;
+    let t2271 = t642 * t1819;
+    let t2272 = t635 * t1871;
+    let t2273 = t591 * t1860;
+    let t2274 = t553 * t1857;
+    let t2275 = t218 * t1847;
+    let t2276 = t2275 - t2274;
+    let t2277 = t2276 + t2273;
+    let t2278 = t2277 + t2272;
+    let t2279 = t655 * t1882;
+    let t2280 = t2278 - t2279;
+    let t2281 = t2280 - t2271;
+    let t2282 = t642 * t1890;
+    let t2283 = t635 * t1938;
+    let t2284 = t591 * t1930;
+    let t2285 = t553 * t1901;
+    let t2286 = t218 * t1923;
+    let t2287 = t2286 - t2285;
+    let t2288 = t2287 - t2284;
+    let t2289 = t2288 + t2283;
+    let t2290 = t655 * t1951;
+    let t2291 = t2289 - t2290;
+    let t2292 = t2291 - t2282;
+    let t2293 = t642 * t1960;
+    let t2294 = t635 * t1965;
+    let t2295 = t591 * t1971;
+    let t2296 = t553 * t1986;
+    let t2297 = t218 * t2005;
+    let t2298 = t2297 - t2296;
+    let t2299 = t2298 - t2295;
+    let t2300 = t2299 - t2294;
+    let t2301 = t655 * t2013;
+    let t2302 = t2300 + t2301;
+    let t2303 = t2302 + t2293;
+    let t2304 = t642 * t2018;
+    let t2305 = t635 * t2022;
+    let t2306 = t591 * t2036;
+    let t2307 = t553 * t2050;
+    let t2308 = t218 * t2066;
+    let t2309 = t2308 - t2307;
+    let t2310 = t2309 + t2306;
+    let t2311 = t2310 - t2305;
+    let t2312 = t655 * t2072;
     let t2313 = t2311 - t2312;
-    let t2314 = t281 * t2298;
-    let t2315 = t2313 - t2314;
-    let t2316 = t294 * t2310;
-    let t2317 = t349 * t2305;
-    let t2318 = t2316 + t2317;
-    let t2319 = t349 * t2301;
-    let t2320 = t2318 - t2319;
-    let t2321 = t250 * t2298;
-    let t2322 = t2320 - t2321;
-    let t2323 = t360 * t461;
-    let t2324 = t446 - t2323;
-    let t2325 = t501 * t2324;
-    let t2326 = t360 * t403;
-    let t2327 = t321 - t2326;
-    let t2328 = t2327 - t2325;
-    let t2329 = inverse_d_joint1 * t2328;
-    let t2330 = t501 * t2329;
-    let t2331 = inverse_d_joint2 * t2324;
-    let t2332 = t2331 - t2330;
-    let t2333 = t461 * t2332;
-    let t2334 = t360 * inverse_d_joint3;
-    let t2335 = t2334 - t2333;
-    let t2336 = t403 * t2329;
-    let t2337 = t2335 - t2336;
-    let t2338 = t360 * t2337;
-    let t2339 = inverse_d_joint4 + t2338;
-    let t2340 = t446 * t2332;
-    let t2341 = t2339 + t2340;
-    let t2342 = t321 * t2329;
-    let t2343 = t2341 + t2342;
-    let t2344 = t354 * t2337;
-    let t2345 = t437 * t2332;
-    let t2346 = t2344 + t2345;
-    let t2347 = t281 * t2329;
-    let t2348 = t2346 + t2347;
-    let t2349 = t294 * t2343;
-    let t2350 = t349 * t2337;
-    let t2351 = t2349 + t2350;
-    let t2352 = t349 * t2332;
-    let t2353 = t2351 + t2352;
-    let t2354 = t250 * t2329;
+    let t2314 = t2313 - t2304;
+    let t2315 = t642 * t925;
+    let t2316 = t635 * t2082;
+    let t2317 = t591 * t2093;
+    let t2318 = t553 * t2106;
+    let t2319 = t218 * t2121;
+    let t2320 = t2319 + t2318;
+    let t2321 = t2320 - t2317;
+    let t2322 = t2321 - t2316;
+    let t2323 = t655 * 0.42728302093540005;
+    let t2324 = t2322 - t2323;
+    let t2325 = t2324 + t2315;
+    let t2326 = t642 * 0.2158232532732;
+    let t2327 = t635 * t1186;
+    let t2328 = t591 * t1888;
+    let t2329 = t553 * t1888;
+    let t2330 = t218 * t1819;
+    let t2331 = t2330 - t2329;
+    let t2332 = t2331 + t2328;
+    let t2333 = t2332 - t2327;
+    let t2334 = t655 * t925;
+    let t2335 = t2333 - t2334;
+    let t2336 = t2335 - t2326;
+    let t2337 = t685 * t1819;
+    let t2338 = t611 * t1860;
+    let t2339 = t573 * t1857;
+    let t2340 = t530 * t1847;
+    let t2341 = t2340 - t2339;
+    let t2342 = t2341 + t2338;
+    let t2343 = t655 * t1871;
+    let t2344 = t2342 + t2343;
+    let t2345 = t699 * t1882;
+    let t2346 = t2344 - t2345;
+    let t2347 = t2346 - t2337;
+    let t2348 = t685 * t1890;
+    let t2349 = t611 * t1930;
+    let t2350 = t573 * t1901;
+    let t2351 = t530 * t1923;
+    let t2352 = t2351 - t2350;
+    let t2353 = t2352 - t2349;
+    let t2354 = t655 * t1938;
     let t2355 = t2353 + t2354;
-    let t2356 = t354 * t461;
-    let t2357 = t437 - t2356;
-    let t2358 = t501 * t2357;
-    let t2359 = t354 * t403;
-    let t2360 = t281 - t2359;
-    let t2361 = t2360 - t2358;
-    let t2362 = inverse_d_joint1 * t2361;
-    let t2363 = t501 * t2362;
-    let t2364 = inverse_d_joint2 * t2357;
-    let t2365 = t2364 - t2363;
-    let t2366 = t461 * t2365;
-    let t2367 = t354 * inverse_d_joint3;
-    let t2368 = t2367 - t2366;
-    let t2369 = t403 * t2362;
-    let t2370 = t2368 - t2369;
-    let t2371 = t354 * t2370;
-    let t2372 = 5.83606090588883 + t2371;
-    let t2373 = t437 * t2365;
-    let t2374 = t2372 + t2373;
-    let t2375 = t281 * t2362;
-    let t2376 = t2374 + t2375;
-    let t2377 = t360 * t2370;
-    let t2378 = t446 * t2365;
-    let t2379 = t2377 + t2378;
-    let t2380 = t321 * t2362;
-    let t2381 = t2379 + t2380;
-    let t2382 = t294 * t2381;
-    let t2383 = t349 * t2370;
-    let t2384 = t2382 + t2383;
-    let t2385 = t349 * t2365;
-    let t2386 = t2384 + t2385;
-    let t2387 = t250 * t2362;
-    let t2388 = t2386 + t2387;
-    let t2389 = t294 * t360;
-    let t2390 = t349 + t2389;
-    let t2391 = t461 * t2390;
-    let t2392 = t294 * t446;
-    let t2393 = t349 + t2392;
-    let t2394 = t2393 - t2391;
-    let t2395 = t501 * t2394;
-    let t2396 = t403 * t2390;
-    let t2397 = t294 * t321;
-    let t2398 = t250 + t2397;
-    let t2399 = t2398 - t2396;
-    let t2400 = t2399 - t2395;
-    let t2401 = inverse_d_joint1 * t2400;
-    let t2402 = t501 * t2401;
-    let t2403 = inverse_d_joint2 * t2394;
-    let t2404 = t2403 - t2402;
-    let t2405 = t461 * t2404;
-    let t2406 = inverse_d_joint3 * t2390;
+    let t2356 = t699 * t1951;
+    let t2357 = t2355 - t2356;
+    let t2358 = t2357 - t2348;
+    let t2359 = t685 * t1960;
+    let t2360 = t611 * t1971;
+    let t2361 = t573 * t1986;
+    let t2362 = t530 * t2005;
+    let t2363 = t2362 - t2361;
+    let t2364 = t2363 - t2360;
+    let t2365 = t655 * t1965;
+    let t2366 = t2364 - t2365;
+    let t2367 = t699 * t2013;
+    let t2368 = t2366 + t2367;
+    let t2369 = t2368 + t2359;
+    let t2370 = t685 * t2018;
+    let t2371 = t611 * t2036;
+    let t2372 = t573 * t2050;
+    let t2373 = t530 * t2066;
+    let t2374 = t2373 - t2372;
+    let t2375 = t2374 + t2371;
+    let t2376 = t655 * t2022;
+    let t2377 = t2375 - t2376;
+    let t2378 = t699 * t2072;
+    let t2379 = t2377 - t2378;
+    let t2380 = t2379 - t2370;
+    let t2381 = t685 * t925;
+    let t2382 = t611 * t2093;
+    let t2383 = t573 * t2106;
+    let t2384 = t530 * t2121;
+    let t2385 = t2384 + t2383;
+    let t2386 = t2385 - t2382;
+    let t2387 = t655 * t2082;
+    let t2388 = t2386 - t2387;
+    let t2389 = t699 * 0.42728302093540005;
+    let t2390 = t2388 - t2389;
+    let t2391 = t2390 + t2381;
+    let t2392 = t685 * 0.2158232532732;
+    let t2393 = t611 * t1888;
+    let t2394 = t573 * t1888;
+    let t2395 = t530 * t1819;
+    let t2396 = t2395 - t2394;
+    let t2397 = t2396 + t2393;
+    let t2398 = t655 * t1186;
+    let t2399 = t2397 - t2398;
+    let t2400 = t699 * t925;
+    let t2401 = t2399 - t2400;
+    let t2402 = t2401 - t2392;
+    let t2403 = t642 * t1871;
+    let t2404 = t598 * t1860;
+    let t2405 = t560 * t1857;
+    let t2406 = t225 * t1847;
     let t2407 = t2406 - t2405;
-    let t2408 = t403 * t2401;
-    let t2409 = t2407 - t2408;
-    let t2410 = t360 * t2409;
-    let t2411 = t294 * inverse_d_joint4;
-    let t2412 = t2411 + t2410;
-    let t2413 = t446 * t2404;
-    let t2414 = t2412 + t2413;
-    let t2415 = t321 * t2401;
-    let t2416 = t2414 + t2415;
-    let t2417 = t294 * t2416;
-    let t2418 = 5.151863922779921 + t2417;
-    let t2419 = t349 * t2409;
-    let t2420 = t2418 + t2419;
-    let t2421 = t349 * t2404;
-    let t2422 = t2420 + t2421;
-    let t2423 = t250 * t2401;
-    let t2424 = t2422 + t2423;
-    let t2425 = -t534;
-    let t2426 = -t542;
-    let t2427 = -t1448;
-    let t2428 = -t1501;
-    let t2429 = -t1507;
-    let t2430 = -t1510;
-    let t2431 = -t1526;
-    let t2432 = -t1531;
-    let t2433 = -t1555;
-    let t2434 = -t1569;
-    let t2435 = -t1576;
-    let t2436 = -t1611;
-    let t2437 = -t1629;
-    let t2438 = -t1740;
-    let t2439 = -t1824;
-    let t2440 = -t1901;
-    let t2441 = -t1975;
-    let t2442 = -t2074;
-    let t2443 = -t2086;
-    let t2444 = -t2101;
-    let t2445 = -t2116;
-    let t2446 = -t2130;
-    let t2447 = -t2137;
-    let t2448 = -t2144;
-    let t2449 = -t2172;
-    let t2450 = -t2179;
-    let t2451 = -t2192;
-    let t2452 = -t2199;
-    let t2453 = -t2217;
-    let t2454 = -t2226;
-    let t2455 = -t2252;
-    let t2456 = -t2256;
-    let t2457 = -t2261;
-    let t2458 = -t2266;
-    let t2459 = -t2278;
-    let t2460 = -t2283;
-    let t2461 = -t2288;
-    let t2462 = -t2322;
-    let t2463 = -t2355;
-    let t2464 = -t2388;
+    let t2408 = t2407 + t2404;
+    let t2409 = t2408 + t2403;
+    let t2410 = t685 * t1882;
+    let t2411 = t2409 - t2410;
+    let t2412 = t747 * t1819;
+    let t2413 = t2411 - t2412;
+    let t2414 = t642 * t1938;
+    let t2415 = t598 * t1930;
+    let t2416 = t560 * t1901;
+    let t2417 = t225 * t1923;
+    let t2418 = t2417 - t2416;
+    let t2419 = t2418 - t2415;
+    let t2420 = t2419 + t2414;
+    let t2421 = t685 * t1951;
+    let t2422 = t2420 - t2421;
+    let t2423 = t747 * t1890;
+    let t2424 = t2422 - t2423;
+    let t2425 = t642 * t1965;
+    let t2426 = t598 * t1971;
+    let t2427 = t560 * t1986;
+    let t2428 = t225 * t2005;
+    let t2429 = t2428 - t2427;
+    let t2430 = t2429 - t2426;
+    let t2431 = t2430 - t2425;
+    let t2432 = t685 * t2013;
+    let t2433 = t2431 + t2432;
+    let t2434 = t747 * t1960;
+    let t2435 = t2433 + t2434;
+    let t2436 = t642 * t2022;
+    let t2437 = t598 * t2036;
+    let t2438 = t560 * t2050;
+    let t2439 = t225 * t2066;
+    let t2440 = t2439 - t2438;
+    let t2441 = t2440 + t2437;
+    let t2442 = t2441 - t2436;
+    let t2443 = t685 * t2072;
+    let t2444 = t2442 - t2443;
+    let t2445 = t747 * t2018;
+    let t2446 = t2444 - t2445;
+    let t2447 = t642 * t2082;
+    let t2448 = t598 * t2093;
+    let t2449 = t560 * t2106;
+    let t2450 = t225 * t2121;
+    let t2451 = t2450 + t2449;
+    let t2452 = t2451 - t2448;
+    let t2453 = t2452 - t2447;
+    let t2454 = t685 * 0.42728302093540005;
+    let t2455 = t2453 - t2454;
+    let t2456 = t747 * t925;
+    let t2457 = t2455 + t2456;
+    let t2458 = t642 * t1186;
+    let t2459 = t598 * t1888;
+    let t2460 = t560 * t1888;
+    let t2461 = t1820 - t2460;
+    let t2462 = t2461 + t2459;
+    let t2463 = t2462 - t2458;
+    let t2464 = t2381 - t2463;
+    let t2465 = t747 * 0.2158232532732;
+    let t2466 = t2464 + t2465;
+    let t2467 = -t543;
+    let t2468 = -t576;
+    let t2469 = -t702;
+    let t2470 = -t749;
+    let t2471 = -t1503;
+    let t2472 = -t1542;
+    let t2473 = -t1586;
+    let t2474 = -t1597;
+    let t2475 = -t1608;
+    let t2476 = -t1619;
+    let t2477 = -t1630;
+    let t2478 = -t1651;
+    let t2479 = -t1662;
+    let t2480 = -t1673;
+    let t2481 = -t1684;
+    let t2482 = -t1750;
+    let t2483 = -t1761;
+    let t2484 = -t1805;
+    let t2485 = -t1816;
+    let t2486 = -t1885;
+    let t2487 = -t2016;
+    let t2488 = -t2075;
+    let t2489 = -t2150;
+    let t2490 = -t2172;
+    let t2491 = -t2183;
+    let t2492 = -t2227;
+    let t2493 = -t2260;
+    let t2494 = -t2292;
+    let t2495 = -t2325;
+    let t2496 = -t2336;
+    let t2497 = -t2347;
+    let t2498 = -t2369;
+    let t2499 = -t2380;
+    let t2500 = -t2413;
+    let t2501 = -t2435;
+    let t2502 = -t2446;
+    let t2503 = -t2466;
+    let t2504 = -t213;
+    let t2505 = -t218;
+    let t2506 = -t548;
+    let t2507 = -t553;
+    let t2508 = -t611;
+    let t2509 = -t598;
+    let t2510 = -t655;
+    let t2511 = -t642;
     [
-        t2043,
-        t2068,
-        t2071,
-        t2077,
-        t2080,
-        t2083,
-        t2091,
-        t2096,
-        t2106,
-        t2111,
-        t2123,
-        t2151,
-        t2158,
-        t2165,
-        t2186,
-        t2208,
-        t2235,
-        t2244,
-        t2253,
-        t2273,
-        t2275,
-        t2295,
-        t2305,
-        t2310,
-        t2315,
-        t2343,
-        t2348,
-        t2376,
+        t2128,
+        t2139,
+        t2161,
+        t2194,
+        t2205,
+        t2216,
+        t2238,
+        t2249,
+        t2270,
+        t2281,
+        t2303,
+        t2314,
+        t2358,
+        t2391,
+        t2402,
         t2424,
-        t2425,
-        t2426,
-        t2427,
-        t2428,
-        t2429,
-        t2430,
-        t2431,
-        t2432,
-        t2433,
-        t2434,
-        t2435,
-        t2436,
-        t2437,
-        t2438,
-        t2439,
-        t2440,
-        t2441,
-        t2442,
-        t2443,
-        t2444,
-        t2445,
-        t2446,
-        t2447,
-        t2448,
-        t2449,
-        t2450,
-        t2451,
-        t2452,
-        t2453,
-        t2454,
-        t2455,
-        t2456,
         t2457,
-        t2458,
-        t2459,
-        t2460,
-        t2461,
-        t2462,
-        t2463,
-        t2464,
+        t2467,
+        t2468,
+        t2469,
+        t2470,
+        t2471,
+        t2472,
+        t2473,
+        t2474,
+        t2475,
+        t2476,
+        t2477,
+        t2478,
+        t2479,
+        t2480,
+        t2481,
+        t2482,
+        t2483,
+        t2484,
+        t2485,
+        t2486,
+        t2487,
+        t2488,
+        t2489,
+        t2490,
+        t2491,
+        t2492,
+        t2493,
+        t2494,
+        t2495,
+        t2496,
+        t2497,
+        t2498,
+        t2499,
+        t2500,
+        t2501,
+        t2502,
+        t2503,
+        t2504,
+        t2505,
+        t2506,
+        t2507,
+        t2508,
+        t2509,
+        t2510,
+        t2511,
     ]
 }
 
@@ -8743,7 +8862,7 @@ fn forward_dynamics_derivatives_part_2(
 /// - returns `B_x: [N × M]`: ∂ÿ/∂u, row i = acceleration i
 /// - returns `c: [N]`: affine remainder ÿ − A\_y y − A\_v ẏ − B\_x u
 ///
-/// Cost: 1441 multiplications, 1200 additions, 4 divisions, 4 function calls (`sin_cos`), 12 selections.
+/// Cost: 1463 multiplications, 1220 additions, 4 divisions, 4 function calls (`sin_cos`), 12 selections.
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
@@ -8760,23 +8879,24 @@ pub fn linearize(
     u: &[f64; M],
 ) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
     let [sin_joint2, cos_joint2, sin_joint4, cos_joint4, sin_joint5, cos_joint5,
-    sin_joint2_joint3, cos_joint2_joint3, omega_joint5_x, omega_joint5_y, t249, t250,
-    t280, t281, t294, inverse_d_joint4, t321, t348, t349, t353, t354, t360,
-    inverse_d_joint3, t403, t436, t437, t446, t461, inverse_d_joint2, t501,
-    inverse_d_joint1, t534, t537, t542, t549, t574, t633, t774, t794, t801, t910, t1092,
-    t1228, t1342, t1448, t1501, t1504, t1507, t1510, t1513, t1516, t1521, t1526, t1531,
-    t1536, t1541, t1548, t1555, t1562, t1569, t1576, t1583, t1590, t1597, t1604, t1611,
-    t1620, t1629, t1638, t1647, t1656, t1686, t1697, t1710, t1723, t1737, t1740, t1753,
-    t1755, t1768, t1783, t1795, t1797, t1824, t1835, t1841, t1849, t1851, t1872, t1901,
-    t1934, t1938, t1943, t1956, t1972, t1975, t1977] = linearize_part_1(y, v, u);
-    let [t2043, t2068, t2071, t2077, t2080, t2083, t2091, t2096, t2106, t2111, t2123,
-    t2151, t2158, t2165, t2186, t2208, t2235, t2244, t2255, t2259, t2279, t2283, t2287,
-    t2307, t2308, t2326, t2332, t2341, t2365, t2371, t2380, t2383, t2405, t2420, t2421,
-    t2460, t2528, t2596, t2630, t2664, t2665, t2666, t2667, t2668, t2669, t2670, t2671,
-    t2672, t2673, t2674, t2675, t2676, t2677, t2678, t2679, t2680, t2681, t2682, t2683,
-    t2684, t2685, t2686, t2687, t2688, t2689, t2690, t2691, t2692, t2693, t2694, t2695,
-    t2696, t2697, t2698, t2699, t2700, t2701, t2702, t2703, t2704, t2705, t2706, t2707,
-    t2708, t2709, t2710, t2711, t2712, t2713] = linearize_part_2(
+    sin_joint2_joint3, cos_joint2_joint3, t27, t41, t61, t71, t74, inverse_d_joint1,
+    t219, t224, t231, omega_joint4_x, omega_joint5_x, omega_joint5_y, t428, t430, t433,
+    t478, t545, t558, t563, t570, t583, t586, t594, t601, t614, t617, t644, t651, t664,
+    t667, t708, t746, t748, t829, t832, t912, t921, t922, t925, t934, t935, t942, t945,
+    t952, t983, t984, t989, t990, t1186, t1192, t1313, t1315, t1328, t1412, t1503, t1542,
+    t1553, t1564, t1575, t1586, t1597, t1608, t1619, t1630, t1641, t1651, t1662, t1673,
+    t1684, t1695, t1706, t1717, t1728, t1739, t1750, t1761, t1772, t1783, t1794, t1805,
+    t1816, t1819, t1820, t1847, t1857, t1860, t1871, t1882, t1885, t1888, t1890, t1901,
+    t1923, t1930, t1938, t1945, t1951, t1954, t1955, t1957, t1960, t1961, t1965, t1966,
+    t1971, t1972, t1979, t1986, t1987, t1998, t1999] = linearize_part_1(y, v, u);
+    let [t2128, t2139, t2161, t2194, t2205, t2216, t2238, t2249, t2270, t2281, t2303,
+    t2314, t2358, t2391, t2402, t2424, t2457, t2468, t2469, t2471, t2472, t2474, t2475,
+    t2477, t2478, t2479, t2482, t2485, t2488, t2492, t2493, t2495, t2496, t2498, t2499,
+    t2501, t2502, t2604, t2638, t2707, t2708, t2709, t2710, t2711, t2712, t2713, t2714,
+    t2715, t2716, t2717, t2718, t2719, t2720, t2721, t2722, t2723, t2724, t2725, t2726,
+    t2727, t2728, t2729, t2730, t2731, t2732, t2733, t2734, t2735, t2736, t2737, t2738,
+    t2739, t2740, t2741, t2742, t2743, t2744, t2745, t2746, t2747, t2748, t2749, t2750,
+    t2751, t2752, t2753, t2754, t2755, t2756, t2757, t2758, t2759] = linearize_part_2(
         y,
         v,
         u,
@@ -8789,130 +8909,152 @@ pub fn linearize(
             cos_joint5,
             sin_joint2_joint3,
             cos_joint2_joint3,
+            t27,
+            t41,
+            t61,
+            t71,
+            t74,
+            inverse_d_joint1,
+            t219,
+            t224,
+            t231,
+            omega_joint4_x,
             omega_joint5_x,
             omega_joint5_y,
-            t249,
-            t250,
-            t280,
-            t281,
-            t294,
-            inverse_d_joint4,
-            t321,
-            t348,
-            t349,
-            t353,
-            t354,
-            t360,
-            inverse_d_joint3,
-            t403,
-            t436,
-            t437,
-            t446,
-            t461,
-            inverse_d_joint2,
-            t501,
-            inverse_d_joint1,
-            t534,
-            t537,
-            t542,
-            t549,
-            t574,
-            t633,
-            t774,
-            t794,
-            t801,
-            t910,
-            t1092,
-            t1228,
-            t1342,
-            t1448,
-            t1501,
-            t1504,
-            t1507,
-            t1510,
-            t1513,
-            t1516,
-            t1521,
-            t1526,
-            t1531,
-            t1536,
-            t1541,
-            t1548,
-            t1555,
-            t1562,
-            t1569,
-            t1576,
-            t1583,
-            t1590,
+            t428,
+            t430,
+            t433,
+            t478,
+            t545,
+            t558,
+            t563,
+            t570,
+            t583,
+            t586,
+            t594,
+            t601,
+            t614,
+            t617,
+            t644,
+            t651,
+            t664,
+            t667,
+            t708,
+            t746,
+            t748,
+            t829,
+            t832,
+            t912,
+            t921,
+            t922,
+            t925,
+            t934,
+            t935,
+            t942,
+            t945,
+            t952,
+            t983,
+            t984,
+            t989,
+            t990,
+            t1186,
+            t1192,
+            t1313,
+            t1315,
+            t1328,
+            t1412,
+            t1503,
+            t1542,
+            t1553,
+            t1564,
+            t1575,
+            t1586,
             t1597,
-            t1604,
-            t1611,
-            t1620,
-            t1629,
-            t1638,
-            t1647,
-            t1656,
-            t1686,
-            t1697,
-            t1710,
-            t1723,
-            t1737,
-            t1740,
-            t1753,
-            t1755,
-            t1768,
+            t1608,
+            t1619,
+            t1630,
+            t1641,
+            t1651,
+            t1662,
+            t1673,
+            t1684,
+            t1695,
+            t1706,
+            t1717,
+            t1728,
+            t1739,
+            t1750,
+            t1761,
+            t1772,
             t1783,
-            t1795,
-            t1797,
-            t1824,
-            t1835,
-            t1841,
-            t1849,
-            t1851,
-            t1872,
+            t1794,
+            t1805,
+            t1816,
+            t1819,
+            t1820,
+            t1847,
+            t1857,
+            t1860,
+            t1871,
+            t1882,
+            t1885,
+            t1888,
+            t1890,
             t1901,
-            t1934,
+            t1923,
+            t1930,
             t1938,
-            t1943,
-            t1956,
+            t1945,
+            t1951,
+            t1954,
+            t1955,
+            t1957,
+            t1960,
+            t1961,
+            t1965,
+            t1966,
+            t1971,
             t1972,
-            t1975,
-            t1977,
+            t1979,
+            t1986,
+            t1987,
+            t1998,
+            t1999,
         ],
     );
     (
         [
-            [0.0, t1092, t1228, t1342, t2665, t2666],
-            [0.0, t1504, t2667, t2668, t1513, t1516],
-            [0.0, t1521, t2669, t2670, t1536, t1541],
-            [0.0, t1548, t2671, t1562, t2672, t2673],
-            [0.0, t1583, t1590, t1597, t1604, t2674],
-            [0.0, t1620, t2675, t1638, t1647, t1656],
+            [0.0, t1192, t1313, t1412, t2707, t2708],
+            [0.0, t1553, t1564, t1575, t2709, t2710],
+            [0.0, t2711, t2712, t2713, t1641, t2714],
+            [0.0, t2715, t2716, t2717, t1695, t1706],
+            [0.0, t1717, t1728, t1739, t2718, t2719],
+            [0.0, t1772, t1783, t1794, t2720, t2721],
         ],
         [
-            [t2676, t2677, t2678, t2679, t2043, t2068],
-            [t2071, t2680, t2077, t2080, t2083, t2681],
-            [t2091, t2096, t2682, t2106, t2111, t2683],
-            [t2123, t2684, t2685, t2686, t2151, t2158],
-            [t2165, t2687, t2688, t2186, t2689, t2690],
-            [t2208, t2691, t2692, t2235, t2244, t2693],
+            [t2722, t1954, t2723, t2724, t2128, t2139],
+            [t2725, t2161, t2726, t2727, t2194, t2205],
+            [t2216, t2728, t2238, t2249, t2729, t2270],
+            [t2281, t2730, t2303, t2314, t2731, t2732],
+            [t2733, t2358, t2734, t2735, t2391, t2402],
+            [t2736, t2424, t2737, t2738, t2457, t2739],
         ],
         [
-            [t2694, t2255, t2259, t2695, t2696, t2279],
-            [t2697, t2283, t2287, t2698, t2699, t2307],
-            [t2308, t2700, t2701, t2326, t2332, t2702],
-            [t2341, t2703, t2704, t2365, t2371, t2705],
-            [t2380, t2706, t2707, t2383, t2405, t2708],
-            [t2709, t2420, t2421, t2710, t2711, t2460],
+            [t2740, t2468, t2469, t2741, t2471, t2472],
+            [t2742, t2474, t2475, t2743, t2477, t2478],
+            [t2479, t2744, t2745, t2482, t2746, t2747],
+            [t2485, t2748, t2749, t2488, t2750, t2751],
+            [t2752, t2492, t2493, t2753, t2495, t2496],
+            [t2754, t2498, t2499, t2755, t2501, t2502],
         ],
-        [t2712, t2528, t2713, t2596, t2630, t2664],
+        [t2756, t2757, t2604, t2638, t2758, t2759],
     )
 }
 
 /// Part 1 of `linearize`: values that later parts read.
 #[inline(never)]
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
-fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 97] {
+fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 119] {
     let angle_joint2_joint3 = y[1] + y[2];
     let (
         [sin_joint2,
@@ -8926,1975 +9068,1997 @@ fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 97] {
         cos_joint2_joint3,
         ],
     ) = math::sin_cos_4(y[1], y[3], y[4], angle_joint2_joint3);
+    let t9 = sin_joint5 * 0.00020215999999999998;
+    let t10 = sin_joint5 * t9;
+    let t11 = t10 + 0.00010000000000000015;
+    let t12 = sin_joint4 * t11;
+    let t13 = sin_joint4 * t12;
+    let t14 = t10 + 0.00087;
+    let t15 = t14 - t13;
+    let t16 = 0.0012435839999999998 * sin_joint5;
+    let t17 = cos_joint4 * t16;
+    let t18 = t17 * 0.09402501157943491;
+    let t19 = t15 - t18;
+    let t20 = 0.016765112499999995 + t19;
+    let t21 = 0.00042216 - t10;
+    let t22 = cos_joint5 * 0.0024871679999999997;
+    let t23 = t21 + t22;
+    let t24 = 0.34123495800000003 + t23;
+    let t25 = t20 - t24;
+    let t26 = sin_joint2_joint3 * t25;
+    let t27 = cos_joint5 * t9;
+    let t28 = t16 + t27;
+    let t29 = cos_joint4 * t28;
+    let t30 = cos_joint5 * 5.846399999999998e-5;
+    let t31 = t29 - t30;
+    let t32 = 0.011273199000000001 - t31;
+    let t33 = 2.0 * t32;
+    let t34 = cos_joint2_joint3 * t33;
+    let t35 = t26 + t34;
+    let t36 = sin_joint2_joint3 * t35;
+    let t37 = t20 - t36;
+    let t38 = 0.010956925 - t17;
+    let t39 = cos_joint2_joint3 * t38;
+    let t40 = 0.0012435839999999998 * cos_joint5;
+    let t41 = 0.3848762940000001 + t40;
+    let t42 = sin_joint2_joint3 * t41;
+    let t43 = t39 - t42;
+    let t44 = cos_joint2 * t43;
+    let t45 = 2.0 * t44;
+    let t46 = t37 + t45;
+    let t47 = cos_joint2 * 0.0141984;
+    let t48 = sin_joint2 * 1.601861202;
+    let t49 = t48 + t47;
+    let t50 = sin_joint2 * t49;
+    let t51 = 1.674987602 - t50;
+    let t52 = t51 + t46;
+    let t53 = 0.175 + t52;
+    let t54 = 0.0007699999999999999 + t13;
+    let t55 = sin_joint4 * t16;
+    let t56 = t55 * 0.6949976841130152;
+    let t57 = t54 + t56;
+    let t58 = 1.286789571125 + t57;
+    let t59 = t53 + t58;
+    let t60 = t59 + 0.784029968642;
+    let t61 = 3.9999999999999996e-5 * sin_joint5;
+    let t62 = cos_joint4 * t61;
+    let t63 = sin_joint2_joint3 * t62;
+    let t64 = 3.9999999999999996e-5 * cos_joint5;
+    let t65 = cos_joint2_joint3 * t64;
+    let t66 = t63 - t65;
+    let t67 = t66 * 5.151863922779921;
+    let t68 = t66 * t67;
+    let t69 = t60 - t68;
+    let t70 = sin_joint4 * t40;
+    let t71 = 0.047012505789717454 * t70;
+    let t72 = cos_joint2_joint3 * t71;
+    let t73 = 0.00064216 + t40;
+    let t74 = sin_joint4 * t73;
+    let t75 = sin_joint2_joint3 * t74;
+    let t76 = t75 - t72;
+    let t77 = cos_joint2 * t70;
+    let t78 = t76 - t77;
+    let t79 = cos_joint4 * t40;
+    let t80 = cos_joint2_joint3 * t79;
+    let t81 = sin_joint2_joint3 * t16;
+    let t82 = t80 - t81;
+    let t83 = 0.3474988420565076 * t82;
+    let t84 = t78 - t83;
+    let t85 = t84 * 5.83606090588883;
+    let t86 = t84 * t85;
+    let t87 = t69 - t86;
+    let t88 = 0.047012505789717454 * t17;
+    let t89 = t10 + 0.00164;
+    let t90 = t89 - t88;
+    let t91 = cos_joint2_joint3 * t90;
+    let t92 = sin_joint2_joint3 * t29;
+    let t93 = t92 + t91;
+    let t94 = cos_joint2 * t17;
+    let t95 = t93 - t94;
+    let t96 = cos_joint2_joint3 * t55;
+    let t97 = 0.3474988420565076 * t96;
+    let t98 = t95 + t97;
+    let t99 = cos_joint5 * 0.0002060745569111968;
+    let t100 = t66 * t99;
+    let t101 = t98 + t100;
+    let t102 = t10 + 0.19243062612368;
+    let t103 = t64 * t99;
+    let t104 = t102 - t103;
+    let inverse_d_joint4 = 1.0 / t104;
+    let t106 = t101 * inverse_d_joint4;
+    let t107 = t101 * t106;
+    let t108 = t87 - t107;
+    let t109 = t20 + t24;
+    let t110 = t109 + 0.5768733319380001;
+    let t111 = sin_joint4 * t61;
+    let t112 = t111 * 5.151863922779921;
+    let t113 = t111 * t112;
+    let t114 = t110 - t113;
+    let t115 = cos_joint4 * t73;
+    let t116 = sin_joint5 * 5.846399999999998e-5;
+    let t117 = t115 - t116;
+    let t118 = t117 * 5.83606090588883;
+    let t119 = t117 * t118;
+    let t120 = t114 - t119;
+    let t121 = sin_joint4 * t28;
+    let t122 = t111 * t99;
+    let t123 = t121 + t122;
+    let t124 = t123 * inverse_d_joint4;
+    let t125 = t123 * t124;
+    let t126 = t120 - t125;
+    let inverse_d_joint3 = 1.0 / t126;
+    let t128 = cos_joint4 * t12;
+    let t129 = 0.047012505789717454 * t55;
+    let t130 = t128 - t129;
+    let t131 = sin_joint2_joint3 * t130;
+    let t132 = 0.0047376000000000015 + t121;
+    let t133 = cos_joint2_joint3 * t132;
+    let t134 = t131 - t133;
+    let t135 = sin_joint2_joint3 * t38;
+    let t136 = cos_joint2_joint3 * t41;
+    let t137 = t135 + t136;
+    let t138 = 0.3474988420565076 * t137;
+    let t139 = t134 - t138;
+    let t140 = t66 * t112;
+    let t141 = t139 + t140;
+    let t142 = t84 * t118;
+    let t143 = t141 - t142;
+    let t144 = t101 * t124;
+    let t145 = t143 + t144;
+    let t146 = t145 * inverse_d_joint3;
+    let t147 = t145 * t146;
+    let t148 = t108 - t147;
+    let t149 = sin_joint2 * t137;
+    let t150 = t44 + t149;
+    let t151 = t109 + t150;
+    let t152 = t151 - t113;
+    let t153 = sin_joint2 * t82;
+    let t154 = sin_joint2_joint3 * t79;
+    let t155 = cos_joint2_joint3 * t16;
+    let t156 = t154 + t155;
+    let t157 = cos_joint2 * t156;
+    let t158 = t157 - t153;
+    let t159 = t117 - t158;
+    let t160 = t159 * t118;
+    let t161 = t152 - t160;
+    let t162 = sin_joint2 * t96;
+    let t163 = sin_joint2_joint3 * t55;
+    let t164 = cos_joint2 * t163;
+    let t165 = t164 - t162;
+    let t166 = t121 - t165;
+    let t167 = t166 + t122;
+    let t168 = t167 * t124;
+    let t169 = t161 - t168;
+    let t170 = t169 * inverse_d_joint3;
+    let t171 = t169 * t170;
+    let t172 = 2.0 * t150;
+    let t173 = t109 + t172;
+    let t174 = 0.07312640000000001 + t50;
+    let t175 = t51 + t174;
+    let t176 = t175 + t173;
+    let t177 = t176 + 2.324814845;
+    let t178 = t177 - t113;
+    let t179 = t159 * 5.83606090588883;
+    let t180 = t159 * t179;
+    let t181 = t178 - t180;
+    let t182 = t167 * inverse_d_joint4;
+    let t183 = t167 * t182;
+    let t184 = t181 - t183;
+    let t185 = t184 - t171;
+    let inverse_d_joint2 = 1.0 / t185;
+    let t187 = t145 * t170;
+    let t188 = sin_joint2 * t55;
+    let t189 = t134 - t188;
+    let t190 = 0.008085780000000004 * cos_joint2;
+    let t191 = 0.120863064 * sin_joint2;
+    let t192 = t191 + t190;
+    let t193 = t192 - t189;
+    let t194 = 0.045079919999999996 * cos_joint2;
+    let t195 = 1.638935762 * sin_joint2;
+    let t196 = t195 + t194;
+    let t197 = t196 + t137;
+    let t198 = 0.3474988420565076 * t197;
+    let t199 = t193 + t198;
+    let t200 = t199 - t140;
+    let t201 = t84 * t179;
+    let t202 = t200 + t201;
+    let t203 = t101 * t182;
+    let t204 = t202 - t203;
+    let t205 = t204 + t187;
+    let t206 = t205 * inverse_d_joint2;
+    let t207 = t205 * t206;
+    let t208 = t148 - t207;
+    let inverse_d_joint1 = 1.0 / t208;
+    let t210 = t170 * t206;
+    let t211 = t146 + t210;
+    let t212 = inverse_d_joint1 * t211;
+    let t213 = t206 * t212;
+    let t214 = t170 * inverse_d_joint2;
+    let t215 = t214 + t213;
+    let t216 = t170 * t215;
+    let t217 = inverse_d_joint3 + t216;
+    let t218 = t146 * t212;
+    let t219 = t217 + t218;
+    let t220 = t124 * t219;
+    let t221 = t182 * t215;
+    let t222 = t220 - t221;
+    let t223 = t106 * t212;
+    let t224 = t222 + t223;
+    let t225 = t99 * t224;
+    let t226 = t112 * t219;
+    let t227 = t225 + t226;
+    let t228 = t112 * t215;
+    let t229 = t227 - t228;
+    let t230 = t67 * t212;
+    let t231 = t229 + t230;
     let omega_joint3_y = v[0] * cos_joint2_joint3;
     let omega_joint4_z = v[3] + omega_joint3_y;
-    let t11 = 2.0 * omega_joint4_z;
+    let t234 = 2.0 * omega_joint4_z;
     let omega_joint3_x = v[0] * sin_joint2_joint3;
-    let t13 = sin_joint4 * omega_joint3_x;
+    let t236 = sin_joint4 * omega_joint3_x;
     let omega_joint3_z = v[1] + v[2];
-    let t15 = cos_joint4 * omega_joint3_z;
-    let omega_joint4_y = t13 + t15;
-    let t17 = omega_joint4_y * t11;
-    let t18 = 2.0 * omega_joint3_z;
-    let t19 = omega_joint3_y * t18;
-    let t20 = cos_joint4 * t19;
-    let t21 = omega_joint3_x * omega_joint3_y;
-    let t22 = sin_joint4 * t21;
-    let t23 = t22 + t20;
-    let t24 = t23 - t17;
-    let t25 = sin_joint5 * t24;
-    let t26 = cos_joint4 * omega_joint3_x;
-    let t27 = sin_joint4 * omega_joint3_z;
-    let omega_joint4_x = t26 - t27;
-    let t29 = omega_joint4_x * omega_joint4_y;
-    let t30 = omega_joint3_x * omega_joint3_z;
-    let t31 = t30 - t29;
-    let t32 = cos_joint5 * t31;
-    let t33 = t32 + t25;
-    let t34 = cos_joint5 * omega_joint4_x;
-    let t35 = sin_joint5 * omega_joint4_z;
-    let omega_joint5_x = t34 + t35;
+    let t238 = cos_joint4 * omega_joint3_z;
+    let omega_joint4_y = t236 + t238;
+    let t240 = omega_joint4_y * t234;
+    let t241 = 2.0 * omega_joint3_z;
+    let t242 = omega_joint3_y * t241;
+    let t243 = cos_joint4 * t242;
+    let t244 = omega_joint3_x * omega_joint3_y;
+    let t245 = sin_joint4 * t244;
+    let t246 = t245 + t243;
+    let t247 = t246 - t240;
+    let t248 = sin_joint5 * t247;
+    let t249 = cos_joint4 * omega_joint3_x;
+    let t250 = sin_joint4 * omega_joint3_z;
+    let omega_joint4_x = t249 - t250;
+    let t252 = omega_joint4_x * omega_joint4_y;
+    let t253 = omega_joint3_z * omega_joint3_x;
+    let t254 = t253 - t252;
+    let t255 = cos_joint5 * t254;
+    let t256 = t255 + t248;
+    let t257 = cos_joint5 * omega_joint4_x;
+    let t258 = sin_joint5 * omega_joint4_z;
+    let omega_joint5_x = t257 + t258;
     let omega_joint5_z = v[4] + omega_joint4_y;
-    let t38 = omega_joint5_x * omega_joint5_z;
-    let t39 = t33 + t38;
-    let t40 = t38 - t39;
-    let t41 = 1.9999999999999998e-5 * t40;
-    let t42 = t38 + t39;
-    let t43 = 1.9999999999999998e-5 * t42;
-    let moment_joint6_z = t43 - t41;
-    let t45 = 2.0 * omega_joint5_z;
-    let t46 = omega_joint5_x * t45;
-    let t47 = t33 + t46;
-    let t48 = 0.0002 * t47;
-    let moment_joint5_y = t48 + moment_joint6_z;
-    let t50 = sin_joint5 * moment_joint5_y;
-    let t51 = sin_joint5 * omega_joint4_x;
-    let t52 = cos_joint5 * omega_joint4_z;
-    let omega_joint5_y = t51 - t52;
+    let t261 = omega_joint5_x * omega_joint5_z;
+    let t262 = t256 + t261;
+    let t263 = t261 - t262;
+    let t264 = 1.9999999999999998e-5 * t263;
+    let t265 = t261 + t262;
+    let t266 = 1.9999999999999998e-5 * t265;
+    let moment_joint6_z = t266 - t264;
+    let t268 = sign(v[5]);
+    let t269 = t268.abs();
+    let t270 = t269 * 0.25076322000000006;
+    let t271 = t268 * 0.55443978;
+    let t272 = v[5] * 0.2158232532732;
+    let t273 = t272 + t271;
+    let t274 = t273 - t270;
+    let t275 = u[5] * 76.686;
+    let t276 = t275 - t274;
+    let t277 = t276 + moment_joint6_z;
+    let t278 = t231 * t277;
+    let t279 = 2.0 * omega_joint5_z;
+    let t280 = omega_joint5_x * t279;
+    let t281 = t256 + t280;
+    let t282 = 0.0002 * t281;
+    let moment_joint5_y = t282 + moment_joint6_z;
+    let t284 = cos_joint5 * moment_joint5_y;
+    let t285 = sin_joint5 * omega_joint4_x;
+    let t286 = cos_joint5 * omega_joint4_z;
+    let omega_joint5_y = t285 - t286;
     let omega_joint6_z = v[5] - omega_joint5_y;
-    let t55 = 2.0 * omega_joint6_z;
-    let t56 = omega_joint5_z * t55;
-    let t57 = cos_joint5 * t24;
-    let t58 = sin_joint5 * t31;
-    let t59 = t58 - t57;
-    let t60 = omega_joint5_y * t45;
-    let t61 = t59 + t60;
-    let t62 = t61 + t56;
-    let moment_joint6_x = 1.9999999999999998e-5 * t62;
-    let t64 = 0.00042216 * t61;
-    let t65 = omega_joint3_y * omega_joint3_y;
-    let t66 = omega_joint3_z * omega_joint3_z;
-    let t67 = t65 + t66;
-    let t68 = 0.047012505789717454 * t67;
-    let t69 = v[1] * v[1];
-    let t70 = sin_joint2 * t69;
-    let t71 = 22.71885132005558 - t70;
-    let t72 = sin_joint2_joint3 * t71;
-    let t73 = v[0] * v[0];
-    let t74 = t73 + t69;
-    let t75 = cos_joint2 * t74;
-    let t76 = cos_joint2_joint3 * t75;
-    let acceleration_joint3_x = t76 - t72;
-    let t78 = acceleration_joint3_x + t68;
-    let t79 = sin_joint4 * t78;
-    let t80 = omega_joint3_x * t18;
-    let t81 = 0.047012505789717454 * t80;
-    let t82 = v[1] * 2.0;
-    let t83 = v[0] * t82;
-    let t84 = sin_joint2 * t83;
-    let acceleration_joint2_z = 0.3474988420565076 * t73;
-    let acceleration_joint3_z = acceleration_joint2_z - t84;
-    let t87 = acceleration_joint3_z - t81;
-    let t88 = cos_joint4 * t87;
-    let t89 = t79 + t88;
-    let acceleration_joint4_y = t89 - t23;
-    let t91 = 0.0012435839999999998 * acceleration_joint4_y;
-    let t92 = t91 + t64;
-    let moment_joint5_x = t92 + moment_joint6_x;
-    let t94 = cos_joint5 * moment_joint5_x;
-    let t95 = t94 - t50;
-    let t96 = 0.0007499999999999999 * t24;
-    let moment_joint4_x = t96 - t95;
-    let force_joint5_z = 0.0012435839999999998 * t61;
-    let t99 = 0.23306405000000002 * acceleration_joint4_y;
-    let force_joint4_y = t99 + force_joint5_z;
-    let t101 = force_joint4_y - moment_joint4_x;
-    let t102 = cos_joint4 * t101;
-    let t103 = cos_joint4 * t78;
-    let t104 = sin_joint4 * t87;
-    let t105 = t103 - t104;
-    let t106 = sin_joint4 * t19;
-    let t107 = cos_joint4 * t21;
-    let t108 = t107 - t106;
-    let acceleration_joint4_x = t105 - t108;
-    let t110 = cos_joint5 * acceleration_joint4_x;
-    let t111 = 0.047012505789717454 * t21;
-    let t112 = cos_joint2_joint3 * t71;
-    let t113 = sin_joint2_joint3 * t75;
-    let acceleration_joint3_y = t113 + t112;
-    let t115 = acceleration_joint3_y + t111;
-    let t116 = omega_joint3_x * omega_joint3_x;
-    let t117 = t116 + t66;
-    let acceleration_joint4_z = t117 - t115;
-    let t119 = sin_joint5 * acceleration_joint4_z;
-    let acceleration_joint5_x = t110 + t119;
-    let t121 = 0.0012435839999999998 * acceleration_joint5_x;
-    let t122 = omega_joint5_x * omega_joint5_y;
-    let t123 = omega_joint4_x * omega_joint4_z;
-    let t124 = t108 - t123;
-    let t125 = t124 - t122;
-    let t126 = 0.00042216 * t125;
-    let t127 = t124 + t122;
-    let t128 = 0.0002 * t127;
-    let t129 = t128 + t126;
-    let t130 = t121 - t129;
-    let t131 = omega_joint5_x * t55;
-    let t132 = t125 - t131;
-    let moment_joint6_y = 1.9999999999999998e-5 * t132;
-    let moment_joint5_z = t130 - moment_joint6_y;
-    let t135 = omega_joint4_x * t11;
-    let t136 = t108 - t135;
-    let t137 = 0.00065 * t136;
-    let moment_joint4_y = t137 - moment_joint5_z;
-    let t139 = omega_joint5_x * omega_joint5_x;
-    let t140 = omega_joint5_z * omega_joint5_z;
-    let t141 = t139 + t140;
-    let force_joint5_y = 0.0012435839999999998 * t141;
-    let t143 = sin_joint5 * force_joint5_y;
-    let force_joint5_x = 0.0012435839999999998 * t125;
-    let t145 = cos_joint5 * force_joint5_x;
-    let t146 = t145 + t143;
-    let t147 = 0.23306405000000002 * acceleration_joint4_x;
-    let force_joint4_x = t147 - t146;
-    let t149 = force_joint4_x - moment_joint4_y;
-    let t150 = sin_joint4 * t149;
-    let t151 = t102 - t150;
-    let t152 = t73 - t117;
-    let t153 = 0.0047376000000000015 * t152;
-    let t154 = 0.00031627400000000007 * t80;
-    let t155 = t154 - t153;
-    let t156 = 0.10817090800000001 * t19;
-    let t157 = t155 + t156;
-    let t158 = 0.15181224400000007 * acceleration_joint3_z;
-    let t159 = t158 - t157;
-    let moment_joint3_x = t159 + t151;
-    let t161 = sin_joint2_joint3 * moment_joint3_x;
-    let t162 = cos_joint5 * moment_joint5_y;
-    let t163 = sin_joint5 * moment_joint5_x;
-    let t164 = t163 + t162;
-    let t165 = 0.0007499999999999999 * t31;
-    let t166 = t30 + t29;
-    let t167 = 0.00065 * t166;
-    let t168 = t167 + t165;
-    let moment_joint4_z = t168 + t164;
-    let t170 = sin_joint4 * force_joint4_x;
-    let t171 = cos_joint4 * force_joint4_y;
-    let t172 = t170 - t171;
-    let t173 = 0.047012505789717454 * t172;
-    let t174 = moment_joint4_z + t173;
-    let t175 = 0.00031627400000000007 * t19;
-    let t176 = 0.0047376000000000015 * t21;
-    let t177 = t176 - t175;
-    let t178 = 0.016249999999999994 * t80;
-    let t179 = t177 - t178;
-    let moment_joint3_y = t179 - t174;
-    let t181 = cos_joint2_joint3 * moment_joint3_y;
-    let t182 = t161 - t181;
-    let t183 = 0.15181224400000007 * t19;
-    let force_joint3_z = t183 + t172;
-    let t185 = cos_joint2 * force_joint3_z;
-    let t186 = t182 + t185;
-    let t187 = sin_joint2 * 1.368797152;
-    let t188 = cos_joint2 * 0.0141984;
-    let t189 = t188 + t187;
-    let t190 = cos_joint2 * t189;
-    let t191 = 0.0070992 - t190;
-    let t192 = t191 * t83;
-    let t193 = t73 - t74;
-    let t194 = 0.008085780000000004 * sin_joint2;
-    let t195 = 0.120863064 * cos_joint2;
-    let t196 = t195 - t194;
-    let t197 = t196 * t193;
-    let t198 = t192 + t197;
-    let t199 = sin_joint2 * 0.045079919999999996;
-    let t200 = cos_joint2 * 1.4058717120000002;
-    let t201 = t200 - t199;
-    let t202 = t201 * acceleration_joint2_z;
-    let t203 = t202 + t198;
-    let moment_joint2_y = t203 - t186;
-    let t205 = cos_joint4 * force_joint4_x;
-    let t206 = sin_joint4 * force_joint4_y;
-    let t207 = t205 + t206;
-    let t208 = 0.15181224400000007 * t21;
-    let force_joint3_x = t208 - t207;
-    let t210 = cos_joint2_joint3 * force_joint3_x;
-    let t211 = cos_joint5 * force_joint5_y;
-    let t212 = sin_joint5 * force_joint5_x;
-    let t213 = t212 - t211;
-    let t214 = 0.23306405000000002 * acceleration_joint4_z;
-    let force_joint4_z = t214 - t213;
-    let t216 = 0.15181224400000007 * t117;
-    let force_joint3_y = t216 + force_joint4_z;
-    let t218 = sin_joint2_joint3 * force_joint3_y;
-    let t219 = t210 + t218;
-    let t220 = t201 * t74;
-    let force_joint2_x = t220 - t219;
-    let t222 = 0.3474988420565076 * force_joint2_x;
-    let moment_joint1_z = moment_joint2_y - t222;
-    let t224 = sign(v[0]);
-    let t225 = t224.abs();
-    let t226 = t225 * 1.2522219999999997;
-    let t227 = t224 * 25.9836065;
-    let t228 = v[0] * 5.8018217679508;
-    let t229 = t228 + t227;
-    let t230 = t229 - t226;
-    let t231 = u[0] * 62.6111;
-    let t232 = t231 + t230;
-    let t233 = t232 + moment_joint1_z;
-    let t234 = sign(v[5]);
-    let t235 = t234.abs();
-    let t236 = t235 * 0.25076322000000006;
-    let t237 = t234 * 0.55443978;
-    let t238 = v[5] * 0.2158232532732;
-    let t239 = t238 + t237;
-    let t240 = t239 - t236;
-    let t241 = u[5] * 76.686;
-    let t242 = t241 - t240;
-    let t243 = t242 + moment_joint6_z;
-    let t244 = 3.9999999999999996e-5 * sin_joint5;
-    let t245 = cos_joint4 * t244;
-    let t246 = sin_joint2_joint3 * t245;
-    let t247 = 3.9999999999999996e-5 * cos_joint5;
-    let t248 = cos_joint2_joint3 * t247;
-    let t249 = t246 - t248;
-    let t250 = t249 * 5.151863922779921;
-    let t251 = t250 * t243;
-    let t252 = t233 - t251;
-    let t253 = sign(v[4]);
-    let t254 = t253.abs();
-    let t255 = t254 * 0.18843826000000008;
-    let t256 = t253 * 0.85444524;
-    let t257 = v[4] * 0.42728302093540005;
-    let t258 = t257 + t256;
-    let t259 = t258 - t255;
-    let t260 = u[4] * 71.923;
-    let t261 = t260 - t259;
-    let t262 = t261 - moment_joint5_z;
-    let t263 = cos_joint5 * 0.0012435839999999998;
-    let t264 = 0.00064216 + t263;
-    let t265 = sin_joint4 * t264;
-    let t266 = sin_joint2_joint3 * t265;
-    let t267 = 5.846399999999999e-5 * cos_joint5;
-    let t268 = sin_joint4 * t267;
-    let t269 = cos_joint2_joint3 * t268;
-    let t270 = t266 - t269;
-    let t271 = 21.270935960591135 * cos_joint2;
-    let t272 = t271 * t268;
-    let t273 = t270 - t272;
-    let t274 = cos_joint4 * t267;
-    let t275 = cos_joint2_joint3 * t274;
-    let t276 = 5.846399999999999e-5 * sin_joint5;
-    let t277 = sin_joint2_joint3 * t276;
-    let t278 = t275 - t277;
-    let t279 = 7.391625615763547 * t278;
-    let t280 = t273 - t279;
-    let t281 = t280 * 5.83606090588883;
-    let t282 = t281 * t262;
-    let t283 = t252 + t282;
-    let t284 = sign(v[3]);
-    let t285 = t284.abs();
-    let t286 = t285 * 0.21670373999999998;
-    let t287 = t284 * 1.06831142;
-    let t288 = v[3] * 0.41164522969715195;
-    let t289 = t288 + t287;
-    let t290 = t289 - t286;
-    let t291 = u[3] * 76.0364;
-    let t292 = t291 - t290;
-    let t293 = t292 + moment_joint4_z;
-    let t294 = cos_joint5 * 0.0002060745569111968;
-    let t295 = t294 * t243;
-    let t296 = t293 - t295;
-    let t297 = sin_joint5 * 0.00020215999999999998;
-    let t298 = sin_joint5 * t297;
-    let t299 = t298 + 0.00164;
-    let t300 = cos_joint4 * t276;
-    let t301 = t299 - t300;
-    let t302 = cos_joint2_joint3 * t301;
-    let t303 = cos_joint5 * t297;
-    let t304 = sin_joint5 * 0.0012435839999999998;
-    let t305 = t303 + t304;
-    let t306 = cos_joint4 * t305;
-    let t307 = sin_joint2_joint3 * t306;
-    let t308 = t307 + t302;
-    let t309 = t271 * t300;
-    let t310 = t308 - t309;
-    let t311 = sin_joint4 * t276;
-    let t312 = cos_joint2_joint3 * t311;
-    let t313 = 7.391625615763547 * t312;
-    let t314 = t310 + t313;
-    let t315 = t249 * t294;
-    let t316 = t314 + t315;
-    let t317 = t298 + 0.19243062612368;
-    let t318 = t247 * t294;
-    let t319 = t317 - t318;
-    let inverse_d_joint4 = 1.0 / t319;
-    let t321 = t316 * inverse_d_joint4;
-    let t322 = t321 * t296;
-    let t323 = t283 + t322;
-    let t324 = sin_joint4 * t101;
-    let t325 = cos_joint4 * t149;
-    let t326 = t324 + t325;
-    let t327 = 0.047012505789717454 * force_joint4_z;
-    let t328 = t326 - t327;
-    let t329 = t67 - t117;
-    let t330 = 0.00031627400000000007 * t329;
-    let t331 = 0.016249999999999994 * t21;
-    let t332 = t330 + t331;
-    let t333 = 0.10817090800000001 * t21;
-    let t334 = t332 - t333;
-    let t335 = 0.15181224400000007 * acceleration_joint3_x;
-    let t336 = t335 + t334;
-    let moment_joint3_z = t336 + t328;
-    let t338 = sign(v[2]);
-    let t339 = t338.abs();
-    let t340 = t339 * 0.7250350500000002;
-    let t341 = t338 * 6.364196549999999;
-    let t342 = v[2] * 3.9804259903721997;
-    let t343 = t342 + t341;
-    let t344 = t343 + t340;
-    let t345 = u[2] * 53.7063;
-    let t346 = t345 + t344;
-    let t347 = t346 + moment_joint3_z;
-    let t348 = sin_joint4 * t244;
-    let t349 = t348 * 5.151863922779921;
-    let t350 = t349 * t243;
-    let t351 = t347 + t350;
-    let t352 = cos_joint4 * t264;
-    let t353 = t276 - t352;
-    let t354 = t353 * 5.83606090588883;
-    let t355 = t354 * t262;
-    let t356 = t351 - t355;
-    let t357 = sin_joint4 * t305;
-    let t358 = t348 * t294;
-    let t359 = t357 + t358;
-    let t360 = t359 * inverse_d_joint4;
-    let t361 = t360 * t296;
-    let t362 = t356 - t361;
-    let t363 = t298 + 0.00010000000000000015;
-    let t364 = sin_joint4 * t363;
-    let t365 = sin_joint4 * t364;
-    let t366 = t298 + 0.00087;
-    let t367 = t366 - t365;
-    let t368 = 2.0 * t300;
-    let t369 = t367 - t368;
-    let t370 = 0.016765112499999995 + t369;
-    let t371 = 0.00042216 - t298;
-    let t372 = cos_joint5 * 0.0024871679999999997;
-    let t373 = t371 + t372;
-    let t374 = 0.34123495800000003 + t373;
-    let t375 = t370 + t374;
-    let t376 = t375 + 0.5768733319380001;
-    let t377 = t348 * t349;
-    let t378 = t376 - t377;
-    let t379 = t353 * t354;
-    let t380 = t378 - t379;
-    let t381 = t359 * t360;
-    let t382 = t380 - t381;
-    let inverse_d_joint3 = 1.0 / t382;
-    let t384 = cos_joint4 * t364;
-    let t385 = t311 - t384;
-    let t386 = sin_joint2_joint3 * t385;
-    let t387 = 0.0047376000000000015 + t357;
-    let t388 = cos_joint2_joint3 * t387;
-    let t389 = t386 + t388;
-    let t390 = 0.0005151124999999999 - t300;
-    let t391 = sin_joint2_joint3 * t390;
-    let t392 = 0.018093999000000003 + t267;
-    let t393 = cos_joint2_joint3 * t392;
-    let t394 = t391 + t393;
-    let t395 = 7.391625615763547 * t394;
-    let t396 = t389 + t395;
-    let t397 = t249 * t349;
-    let t398 = t396 - t397;
-    let t399 = t280 * t354;
-    let t400 = t398 - t399;
-    let t401 = t316 * t360;
-    let t402 = t400 - t401;
-    let t403 = t402 * inverse_d_joint3;
-    let t404 = t403 * t362;
-    let t405 = t323 + t404;
-    let t406 = sin_joint2 * t219;
-    let t407 = sin_joint2_joint3 * force_joint3_x;
-    let t408 = cos_joint2_joint3 * force_joint3_y;
-    let t409 = t407 - t408;
-    let t410 = cos_joint2 * t409;
-    let t411 = t410 - t406;
-    let t412 = moment_joint3_z + t411;
-    let t413 = t69 - t74;
-    let t414 = t191 * t413;
-    let t415 = t201 * 22.71885132005558;
-    let t416 = t415 + t414;
-    let moment_joint2_z = t416 + t412;
-    let t418 = sign(v[1]);
-    let t419 = t418.abs();
-    let t420 = t419 * 2.9649125000000005;
-    let t421 = t418 * 10.6197775;
-    let t422 = v[1] * 9.496868641825001;
-    let t423 = t422 + t421;
-    let t424 = t423 + t420;
-    let t425 = u[1] * 107.815;
-    let t426 = t425 - t424;
-    let t427 = t426 - moment_joint2_z;
-    let t428 = t427 - t350;
-    let t429 = 21.270935960591135 * sin_joint2;
-    let t430 = t429 * t278;
-    let t431 = sin_joint2_joint3 * t274;
-    let t432 = cos_joint2_joint3 * t276;
+    let t289 = 2.0 * omega_joint6_z;
+    let t290 = omega_joint5_z * t289;
+    let t291 = cos_joint5 * t247;
+    let t292 = sin_joint5 * t254;
+    let t293 = t292 - t291;
+    let t294 = omega_joint5_y * t279;
+    let t295 = t293 + t294;
+    let t296 = t295 + t290;
+    let moment_joint6_x = 1.9999999999999998e-5 * t296;
+    let t298 = 0.00042216 * t295;
+    let t299 = omega_joint3_y * omega_joint3_y;
+    let t300 = omega_joint3_z * omega_joint3_z;
+    let t301 = t299 + t300;
+    let t302 = 0.047012505789717454 * t301;
+    let t303 = v[1] * v[1];
+    let t304 = sin_joint2 * t303;
+    let t305 = 22.71885132005558 - t304;
+    let t306 = sin_joint2_joint3 * t305;
+    let t307 = v[0] * v[0];
+    let t308 = t307 + t303;
+    let t309 = cos_joint2 * t308;
+    let t310 = cos_joint2_joint3 * t309;
+    let acceleration_joint3_x = t310 - t306;
+    let t312 = acceleration_joint3_x + t302;
+    let t313 = sin_joint4 * t312;
+    let t314 = omega_joint3_x * t241;
+    let t315 = 0.047012505789717454 * t314;
+    let t316 = v[1] * 2.0;
+    let t317 = v[0] * t316;
+    let t318 = sin_joint2 * t317;
+    let acceleration_joint2_z = 0.3474988420565076 * t307;
+    let acceleration_joint3_z = acceleration_joint2_z - t318;
+    let t321 = acceleration_joint3_z - t315;
+    let t322 = cos_joint4 * t321;
+    let t323 = t313 + t322;
+    let acceleration_joint4_y = t323 - t246;
+    let t325 = 0.0012435839999999998 * acceleration_joint4_y;
+    let t326 = t325 + t298;
+    let moment_joint5_x = t326 + moment_joint6_x;
+    let t328 = sin_joint5 * moment_joint5_x;
+    let t329 = t328 + t284;
+    let t330 = 0.0007499999999999999 * t254;
+    let t331 = t253 + t252;
+    let t332 = 0.00065 * t331;
+    let t333 = t332 + t330;
+    let moment_joint4_z = t333 + t329;
+    let t335 = sign(v[3]);
+    let t336 = t335.abs();
+    let t337 = t336 * 0.21670373999999998;
+    let t338 = t335 * 1.06831142;
+    let t339 = v[3] * 0.41164522969715195;
+    let t340 = t339 + t338;
+    let t341 = t340 - t337;
+    let t342 = u[3] * 76.0364;
+    let t343 = t342 - t341;
+    let t344 = t343 + moment_joint4_z;
+    let t345 = t224 * t344;
+    let t346 = sin_joint5 * moment_joint5_y;
+    let t347 = cos_joint5 * moment_joint5_x;
+    let t348 = t347 - t346;
+    let t349 = 0.0007499999999999999 * t247;
+    let moment_joint4_x = t349 - t348;
+    let force_joint5_z = 0.0012435839999999998 * t295;
+    let t352 = force_joint5_z - moment_joint4_x;
+    let t353 = sin_joint4 * t352;
+    let t354 = cos_joint4 * t312;
+    let t355 = sin_joint4 * t321;
+    let t356 = t354 - t355;
+    let t357 = sin_joint4 * t242;
+    let t358 = cos_joint4 * t244;
+    let t359 = t358 - t357;
+    let acceleration_joint4_x = t356 - t359;
+    let t361 = cos_joint5 * acceleration_joint4_x;
+    let t362 = 0.047012505789717454 * t244;
+    let t363 = cos_joint2_joint3 * t305;
+    let t364 = sin_joint2_joint3 * t309;
+    let acceleration_joint3_y = t364 + t363;
+    let t366 = acceleration_joint3_y + t362;
+    let t367 = omega_joint3_x * omega_joint3_x;
+    let t368 = t367 + t300;
+    let acceleration_joint4_z = t368 - t366;
+    let t370 = sin_joint5 * acceleration_joint4_z;
+    let acceleration_joint5_x = t361 + t370;
+    let t372 = 0.0012435839999999998 * acceleration_joint5_x;
+    let t373 = omega_joint5_x * omega_joint5_y;
+    let t374 = omega_joint4_x * omega_joint4_z;
+    let t375 = t359 - t374;
+    let t376 = t375 - t373;
+    let t377 = 0.00042216 * t376;
+    let t378 = t375 + t373;
+    let t379 = 0.0002 * t378;
+    let t380 = t379 + t377;
+    let t381 = t372 - t380;
+    let t382 = omega_joint5_x * t289;
+    let t383 = t376 - t382;
+    let moment_joint6_y = 1.9999999999999998e-5 * t383;
+    let moment_joint5_z = t381 - moment_joint6_y;
+    let t386 = omega_joint4_x * t234;
+    let t387 = t359 - t386;
+    let t388 = 0.00065 * t387;
+    let moment_joint4_y = t388 - moment_joint5_z;
+    let t390 = omega_joint5_x * omega_joint5_x;
+    let t391 = omega_joint5_z * omega_joint5_z;
+    let t392 = t390 + t391;
+    let force_joint5_y = 0.0012435839999999998 * t392;
+    let t394 = sin_joint5 * force_joint5_y;
+    let force_joint5_x = 0.0012435839999999998 * t376;
+    let t396 = cos_joint5 * force_joint5_x;
+    let force_joint4_x = t396 + t394;
+    let t398 = force_joint4_x + moment_joint4_y;
+    let t399 = cos_joint4 * t398;
+    let t400 = t353 - t399;
+    let t401 = cos_joint5 * force_joint5_y;
+    let t402 = sin_joint5 * force_joint5_x;
+    let force_joint4_z = t402 - t401;
+    let t404 = 0.047012505789717454 * force_joint4_z;
+    let t405 = t400 + t404;
+    let t406 = t301 - t368;
+    let t407 = 0.011273199000000001 * t406;
+    let t408 = 0.016765112499999995 * t244;
+    let t409 = t407 + t408;
+    let t410 = 0.34123495800000003 * t244;
+    let t411 = t409 - t410;
+    let t412 = 0.3848762940000001 * acceleration_joint3_x;
+    let t413 = 0.010956925 * acceleration_joint3_y;
+    let t414 = t413 + t412;
+    let t415 = t414 + t411;
+    let moment_joint3_z = t415 + t405;
+    let t417 = sign(v[2]);
+    let t418 = t417.abs();
+    let t419 = t418 * 0.7250350500000002;
+    let t420 = t417 * 6.364196549999999;
+    let t421 = v[2] * 3.9804259903721997;
+    let t422 = t421 + t420;
+    let t423 = t422 + t419;
+    let t424 = u[2] * 53.7063;
+    let t425 = t424 + t423;
+    let t426 = t425 + moment_joint3_z;
+    let t427 = t219 * t426;
+    let t428 = t206 * inverse_d_joint1;
+    let t429 = t206 * t428;
+    let t430 = inverse_d_joint2 + t429;
+    let t431 = t170 * t430;
+    let t432 = t146 * t428;
     let t433 = t431 + t432;
-    let t434 = t271 * t433;
-    let t435 = t434 - t430;
-    let t436 = t353 + t435;
-    let t437 = t436 * 5.83606090588883;
-    let t438 = t437 * t262;
-    let t439 = t428 + t438;
-    let t440 = t429 * t312;
-    let t441 = sin_joint2_joint3 * t311;
-    let t442 = t271 * t441;
-    let t443 = t442 - t440;
-    let t444 = t357 - t443;
-    let t445 = t444 + t358;
-    let t446 = t445 * inverse_d_joint4;
-    let t447 = t446 * t296;
-    let t448 = t439 + t447;
-    let t449 = t429 * t394;
-    let t450 = cos_joint2_joint3 * t390;
-    let t451 = sin_joint2_joint3 * t392;
-    let t452 = t450 - t451;
-    let t453 = t271 * t452;
-    let t454 = t453 + t449;
-    let t455 = t375 + t454;
-    let t456 = t455 - t377;
-    let t457 = t436 * t354;
-    let t458 = t456 - t457;
-    let t459 = t445 * t360;
-    let t460 = t458 - t459;
-    let t461 = t460 * inverse_d_joint3;
-    let t462 = t461 * t362;
-    let t463 = t448 + t462;
-    let t464 = t460 * t461;
-    let t465 = 2.0 * t454;
-    let t466 = t375 + t465;
-    let t467 = sin_joint2 * 1.601861202;
-    let t468 = t467 + t188;
-    let t469 = sin_joint2 * t468;
-    let t470 = 0.07312640000000001 + t469;
-    let t471 = 1.674987602 - t469;
-    let t472 = t471 + t470;
-    let t473 = t472 + t466;
-    let t474 = t473 + 2.324814845;
-    let t475 = t474 - t377;
-    let t476 = t436 * t437;
-    let t477 = t475 - t476;
-    let t478 = t445 * t446;
-    let t479 = t477 - t478;
-    let t480 = t479 - t464;
-    let inverse_d_joint2 = 1.0 / t480;
-    let t482 = t402 * t461;
-    let t483 = t429 * t311;
-    let t484 = t389 + t483;
-    let t485 = 0.008085780000000004 * cos_joint2;
-    let t486 = 0.120863064 * sin_joint2;
-    let t487 = t486 + t485;
-    let t488 = t487 + t484;
-    let t489 = 0.0021193199999999996 * cos_joint2;
-    let t490 = 0.07705047699999999 * sin_joint2;
-    let t491 = t490 + t489;
-    let t492 = t491 + t394;
-    let t493 = 7.391625615763547 * t492;
-    let t494 = t488 + t493;
-    let t495 = t494 - t397;
-    let t496 = t280 * t437;
-    let t497 = t495 - t496;
-    let t498 = t316 * t446;
-    let t499 = t497 - t498;
-    let t500 = t499 - t482;
-    let t501 = t500 * inverse_d_joint2;
-    let t502 = t501 * t463;
-    let t503 = t405 - t502;
-    let t504 = t370 - t374;
-    let t505 = sin_joint2_joint3 * t504;
-    let t506 = t267 - t306;
-    let t507 = 0.011273199000000001 + t506;
-    let t508 = 2.0 * t507;
-    let t509 = cos_joint2_joint3 * t508;
-    let t510 = t505 + t509;
-    let t511 = sin_joint2_joint3 * t510;
-    let t512 = t370 - t511;
-    let t513 = 2.0 * t453;
-    let t514 = t512 + t513;
-    let t515 = t471 + t514;
-    let t516 = 0.175 + t515;
-    let t517 = 0.0007699999999999999 + t365;
-    let t518 = t311 * 14.783251231527094;
-    let t519 = t517 + t518;
-    let t520 = 1.286789571125 + t519;
-    let t521 = t516 + t520;
-    let t522 = t521 + 0.784029968642;
-    let t523 = t249 * t250;
-    let t524 = t522 - t523;
-    let t525 = t280 * t281;
-    let t526 = t524 - t525;
-    let t527 = t316 * t321;
-    let t528 = t526 - t527;
-    let t529 = t402 * t403;
-    let t530 = t528 - t529;
-    let t531 = t500 * t501;
-    let t532 = t530 - t531;
-    let inverse_d_joint1 = 1.0 / t532;
-    let t534 = inverse_d_joint1 * t503;
-    let t535 = t501 * t534;
-    let t536 = inverse_d_joint2 * t463;
-    let t537 = t536 - t535;
-    let t538 = t461 * t537;
-    let t539 = inverse_d_joint3 * t362;
-    let t540 = t539 + t538;
-    let t541 = t403 * t534;
-    let t542 = t540 + t541;
-    let t543 = t360 * t542;
-    let t544 = inverse_d_joint4 * t296;
-    let t545 = t544 - t543;
-    let t546 = t446 * t537;
-    let t547 = t545 + t546;
-    let t548 = t321 * t534;
-    let t549 = t547 + t548;
-    let t550 = cos_joint2_joint3 * t534;
-    let t551 = t30 + t550;
-    let t552 = t549 - t551;
-    let t553 = t29 + t552;
-    let t554 = cos_joint5 * t553;
-    let t555 = t537 - t542;
-    let t556 = t21 - t555;
-    let t557 = sin_joint4 * t556;
-    let t558 = sin_joint2_joint3 * t534;
-    let t559 = t19 - t558;
-    let t560 = cos_joint4 * t559;
-    let t561 = t557 + t560;
-    let t562 = t17 - t561;
-    let t563 = sin_joint5 * t562;
-    let t564 = t554 + t563;
-    let t565 = t38 - t564;
-    let t566 = t294 * t549;
-    let t567 = 5.151863922779921 * t243;
-    let t568 = t567 - t566;
-    let t569 = t349 * t542;
+    let t434 = cos_joint4 * force_joint4_x;
+    let t435 = sin_joint4 * force_joint5_z;
+    let t436 = t434 - t435;
+    let t437 = 0.010956925 * t301;
+    let t438 = 0.3848762940000001 * t244;
+    let t439 = t437 - t438;
+    let force_joint3_x = t439 - t436;
+    let t441 = cos_joint2_joint3 * force_joint3_x;
+    let t442 = 0.3848762940000001 * t368;
+    let t443 = 0.010956925 * t244;
+    let t444 = t443 - t442;
+    let force_joint3_y = t444 + force_joint4_z;
+    let t446 = sin_joint2_joint3 * force_joint3_y;
+    let t447 = t441 + t446;
+    let t448 = sin_joint2 * t447;
+    let t449 = sin_joint2_joint3 * force_joint3_x;
+    let t450 = cos_joint2_joint3 * force_joint3_y;
+    let t451 = t449 - t450;
+    let t452 = cos_joint2 * t451;
+    let t453 = t452 - t448;
+    let t454 = moment_joint3_z - t453;
+    let t455 = cos_joint2 * t49;
+    let t456 = 0.0070992 - t455;
+    let t457 = t303 - t308;
+    let t458 = t456 * t457;
+    let t459 = 0.045079919999999996 * sin_joint2;
+    let t460 = 1.638935762 * cos_joint2;
+    let t461 = t460 - t459;
+    let t462 = t461 * 22.71885132005558;
+    let t463 = t462 + t458;
+    let moment_joint2_z = t463 + t454;
+    let t465 = sign(v[1]);
+    let t466 = t465.abs();
+    let t467 = t466 * 2.9649125000000005;
+    let t468 = t465 * 10.6197775;
+    let t469 = v[1] * 9.496868641825001;
+    let t470 = t469 + t468;
+    let t471 = t470 + t467;
+    let t472 = u[1] * 107.815;
+    let t473 = t472 - t471;
+    let t474 = t473 - moment_joint2_z;
+    let t475 = t433 * t474;
+    let t476 = t170 * t428;
+    let t477 = t146 * inverse_d_joint1;
+    let t478 = t476 + t477;
+    let t479 = cos_joint4 * t352;
+    let t480 = sin_joint4 * t398;
+    let t481 = t479 + t480;
+    let t482 = t307 - t368;
+    let t483 = 0.0047376000000000015 * t482;
+    let t484 = 0.011273199000000001 * t314;
+    let t485 = t484 - t483;
+    let t486 = 0.34123495800000003 * t242;
+    let t487 = t485 + t486;
+    let t488 = 0.3848762940000001 * acceleration_joint3_z;
+    let t489 = t488 - t487;
+    let moment_joint3_x = t489 + t481;
+    let t491 = sin_joint2_joint3 * moment_joint3_x;
+    let t492 = sin_joint4 * force_joint4_x;
+    let t493 = cos_joint4 * force_joint5_z;
+    let t494 = t492 + t493;
+    let t495 = 0.047012505789717454 * t494;
+    let t496 = moment_joint4_z - t495;
+    let t497 = 0.011273199000000001 * t242;
+    let t498 = 0.0047376000000000015 * t244;
+    let t499 = t498 - t497;
+    let t500 = 0.016765112499999995 * t314;
+    let t501 = t499 - t500;
+    let t502 = 0.010956925 * acceleration_joint3_z;
+    let t503 = t502 + t501;
+    let moment_joint3_y = t503 - t496;
+    let t505 = cos_joint2_joint3 * moment_joint3_y;
+    let t506 = t491 - t505;
+    let t507 = 0.3848762940000001 * t242;
+    let t508 = 0.010956925 * t314;
+    let t509 = t508 + t507;
+    let force_joint3_z = t509 - t494;
+    let t511 = cos_joint2 * force_joint3_z;
+    let t512 = t506 + t511;
+    let t513 = t456 * t317;
+    let t514 = t307 - t308;
+    let t515 = 0.008085780000000004 * sin_joint2;
+    let t516 = 0.120863064 * cos_joint2;
+    let t517 = t516 - t515;
+    let t518 = t517 * t514;
+    let t519 = t513 + t518;
+    let t520 = t461 * acceleration_joint2_z;
+    let t521 = t520 + t519;
+    let moment_joint2_y = t521 - t512;
+    let t523 = t461 * t308;
+    let force_joint2_x = t523 + t447;
+    let t525 = 0.3474988420565076 * force_joint2_x;
+    let moment_joint1_z = moment_joint2_y - t525;
+    let t527 = sign(v[0]);
+    let t528 = t527.abs();
+    let t529 = t528 * 1.2522219999999997;
+    let t530 = t527 * 25.9836065;
+    let t531 = v[0] * 5.8018217679508;
+    let t532 = t531 + t530;
+    let t533 = t532 - t529;
+    let t534 = u[0] * 62.6111;
+    let t535 = t534 + t533;
+    let t536 = t535 + moment_joint1_z;
+    let t537 = t478 * t536;
+    let t538 = t537 - t475;
+    let t539 = t538 - t427;
+    let t540 = t539 + t345;
+    let t541 = t118 * t219;
+    let t542 = t179 * t215;
+    let t543 = t541 - t542;
+    let t544 = t85 * t212;
+    let t545 = t543 - t544;
+    let t546 = sign(v[4]);
+    let t547 = t546.abs();
+    let t548 = t547 * 0.18843826000000008;
+    let t549 = t546 * 0.85444524;
+    let t550 = v[4] * 0.42728302093540005;
+    let t551 = t550 + t549;
+    let t552 = t551 - t548;
+    let t553 = u[4] * 71.923;
+    let t554 = t553 - t552;
+    let t555 = t554 - moment_joint5_z;
+    let t556 = t545 * t555;
+    let t557 = t540 - t556;
+    let t558 = t557 - t278;
+    let t559 = t124 * t433;
+    let t560 = t182 * t430;
+    let t561 = t559 - t560;
+    let t562 = t106 * t428;
+    let t563 = t561 + t562;
+    let t564 = t99 * t563;
+    let t565 = t112 * t433;
+    let t566 = t564 + t565;
+    let t567 = t112 * t430;
+    let t568 = t566 - t567;
+    let t569 = t67 * t428;
     let t570 = t568 + t569;
-    let t571 = t349 * t537;
-    let t572 = t570 - t571;
-    let t573 = t250 * t534;
-    let t574 = t572 - t573;
-    let t575 = t574 - t565;
-    let t576 = t38 + t575;
-    let t577 = 1.9999999999999998e-5 * t576;
-    let t578 = t38 - t575;
-    let t579 = 1.9999999999999998e-5 * t578;
-    let moment_joint6_z_2 = t579 - t577;
-    let t581 = t46 - t564;
-    let t582 = 0.0002 * t581;
-    let moment_joint5_y_2 = t582 + moment_joint6_z_2;
-    let t584 = sin_joint5 * moment_joint5_y_2;
-    let t585 = sin_joint5 * t553;
-    let t586 = cos_joint5 * t562;
-    let t587 = t585 - t586;
-    let t588 = t60 - t587;
-    let t589 = t56 + t588;
-    let moment_joint6_x_2 = 1.9999999999999998e-5 * t589;
-    let t591 = 0.00042216 * t588;
-    let t592 = cos_joint2 * t537;
-    let t593 = t70 - t592;
-    let t594 = 22.71885132005558 - t593;
-    let t595 = sin_joint2_joint3 * t594;
-    let t596 = sin_joint2 * t537;
-    let t597 = t75 + t596;
-    let acceleration_joint2_x = 0.3474988420565076 * t534;
-    let t599 = acceleration_joint2_x + t597;
-    let t600 = cos_joint2_joint3 * t599;
-    let acceleration_joint3_x_2 = t600 - t595;
-    let t602 = t68 + acceleration_joint3_x_2;
-    let t603 = sin_joint4 * t602;
-    let t604 = t80 + t550;
-    let t605 = 0.047012505789717454 * t604;
-    let t606 = cos_joint2 * t534;
-    let t607 = t84 + t606;
-    let acceleration_joint3_z_2 = acceleration_joint2_z - t607;
-    let t609 = acceleration_joint3_z_2 - t605;
-    let t610 = cos_joint4 * t609;
-    let t611 = t603 + t610;
-    let acceleration_joint4_y_2 = t611 - t561;
-    let t613 = 0.0012435839999999998 * acceleration_joint4_y_2;
-    let t614 = t613 + t591;
-    let moment_joint5_x_2 = t614 + moment_joint6_x_2;
-    let t616 = cos_joint5 * moment_joint5_x_2;
-    let t617 = t616 - t584;
-    let t618 = 0.0007499999999999999 * t562;
-    let moment_joint4_x_2 = t618 + t617;
-    let force_joint5_z_2 = 0.0012435839999999998 * t588;
-    let t621 = force_joint5_z_2 + moment_joint4_x_2;
-    let t622 = cos_joint4 * t621;
-    let t623 = cos_joint4 * t556;
-    let t624 = sin_joint4 * t559;
-    let t625 = t623 - t624;
-    let t626 = t123 - t625;
-    let t627 = t354 * t542;
-    let t628 = 5.83606090588883 * t262;
-    let t629 = t628 - t627;
-    let t630 = t437 * t537;
-    let t631 = t629 + t630;
-    let t632 = t281 * t534;
-    let t633 = t631 + t632;
-    let t634 = t633 + t626;
-    let t635 = t122 + t634;
-    let t636 = 0.00042216 * t635;
-    let t637 = t122 - t634;
-    let t638 = 0.0002 * t637;
-    let t639 = t638 - t636;
-    let t640 = cos_joint4 * t602;
-    let t641 = sin_joint4 * t609;
-    let t642 = t640 - t641;
-    let acceleration_joint4_x_2 = t642 - t625;
-    let t644 = cos_joint5 * acceleration_joint4_x_2;
-    let t645 = t21 + t555;
-    let t646 = 0.047012505789717454 * t645;
-    let t647 = cos_joint2_joint3 * t594;
-    let t648 = sin_joint2_joint3 * t599;
-    let acceleration_joint3_y_2 = t648 + t647;
-    let t650 = acceleration_joint3_y_2 + t646;
-    let acceleration_joint4_z_2 = t117 - t650;
-    let t652 = sin_joint5 * acceleration_joint4_z_2;
-    let acceleration_joint5_x_2 = t644 + t652;
-    let t654 = 0.0012435839999999998 * acceleration_joint5_x_2;
-    let t655 = t654 - t639;
-    let t656 = t131 + t635;
-    let moment_joint6_y_2 = 1.9999999999999998e-5 * t656;
-    let moment_joint5_z_2 = t655 + moment_joint6_y_2;
-    let t659 = t135 - t625;
-    let t660 = 0.00065 * t659;
-    let moment_joint4_y_2 = t660 + moment_joint5_z_2;
-    let force_joint5_x_2 = 0.0012435839999999998 * t635;
-    let t663 = cos_joint5 * force_joint5_x_2;
-    let force_joint4_x_2 = t143 - t663;
-    let t665 = force_joint4_x_2 - moment_joint4_y_2;
-    let t666 = sin_joint4 * t665;
-    let t667 = t622 + t666;
-    let t668 = 0.011273199000000001 * t604;
-    let t669 = t153 - t668;
-    let t670 = 0.34123495800000003 * t559;
-    let t671 = t669 - t670;
-    let t672 = 0.3848762940000001 * acceleration_joint3_z_2;
-    let t673 = t672 + t671;
-    let moment_joint3_x_2 = t673 + t667;
-    let t675 = cos_joint2_joint3 * moment_joint3_x_2;
-    let t676 = cos_joint5 * moment_joint5_y_2;
-    let t677 = sin_joint5 * moment_joint5_x_2;
-    let t678 = t677 + t676;
-    let t679 = 0.0007499999999999999 * t553;
-    let t680 = t29 - t552;
-    let t681 = 0.00065 * t680;
-    let t682 = t681 - t679;
-    let moment_joint4_z_2 = t682 + t678;
-    let t684 = cos_joint4 * force_joint5_z_2;
-    let t685 = sin_joint4 * force_joint4_x_2;
-    let t686 = t685 + t684;
-    let t687 = 0.047012505789717454 * t686;
-    let t688 = moment_joint4_z_2 - t687;
-    let t689 = 0.0047376000000000015 * t556;
-    let t690 = 0.011273199000000001 * t559;
-    let t691 = t689 - t690;
-    let t692 = 0.016765112499999995 * t604;
-    let t693 = t691 - t692;
-    let t694 = 0.010956925 * acceleration_joint3_z_2;
-    let t695 = t694 + t693;
-    let moment_joint3_y_2 = t695 - t688;
-    let t697 = sin_joint2_joint3 * moment_joint3_y_2;
-    let t698 = t675 + t697;
-    let t699 = 0.3848762940000001 * t559;
-    let t700 = 0.010956925 * t604;
-    let t701 = t700 + t699;
-    let force_joint3_z_2 = t701 - t686;
-    let t703 = sin_joint2 * force_joint3_z_2;
-    let t704 = t698 - t703;
-    let t705 = t196 * t537;
-    let t706 = cos_joint2 * t468;
-    let t707 = 0.0070992 - t706;
-    let t708 = t707 * t534;
-    let t709 = t708 + t705;
-    let t710 = t73 - t69;
-    let t711 = t487 * t710;
-    let t712 = t711 + t709;
-    let t713 = t470 * t83;
-    let t714 = t712 - t713;
-    let t715 = sin_joint2 * 1.638935762;
-    let t716 = cos_joint2 * 0.045079919999999996;
-    let t717 = t716 + t715;
-    let t718 = acceleration_joint2_z * t717;
-    let t719 = t718 + t714;
-    let moment_joint2_x = t719 + t704;
-    let t721 = cos_joint4 * t304;
-    let t722 = 0.09402501157943491 * t721;
-    let t723 = t367 - t722;
-    let t724 = 0.016765112499999995 + t723;
-    let t725 = t374 - t724;
-    let t726 = sin_joint2_joint3 * t725;
-    let t727 = cos_joint5 * 5.846399999999998e-5;
-    let t728 = t306 - t727;
-    let t729 = 0.011273199000000001 - t728;
-    let t730 = 2.0 * t729;
-    let t731 = cos_joint2_joint3 * t730;
-    let t732 = t726 - t731;
-    let t733 = cos_joint2_joint3 * t732;
-    let t734 = t729 + t733;
-    let t735 = 0.010956925 - t721;
-    let t736 = sin_joint2_joint3 * t735;
-    let t737 = t263 + 0.3848762940000001;
-    let t738 = cos_joint2_joint3 * t737;
-    let t739 = t736 + t738;
-    let t740 = cos_joint2 * t739;
-    let t741 = cos_joint2_joint3 * t735;
-    let t742 = sin_joint2_joint3 * t737;
-    let t743 = t741 - t742;
-    let t744 = sin_joint2 * t743;
-    let t745 = t744 + t740;
-    let t746 = t734 - t745;
-    let t747 = t707 + t746;
-    let t748 = t534 * t747;
-    let t749 = sin_joint4 * t304;
-    let t750 = 0.047012505789717454 * t749;
-    let t751 = t384 - t750;
-    let t752 = sin_joint2_joint3 * t751;
-    let t753 = t388 - t752;
-    let t754 = sin_joint2 * t749;
-    let t755 = t753 + t754;
-    let t756 = t487 + t755;
-    let t757 = t73 * t756;
-    let t758 = t748 - t757;
-    let t759 = 22.71885132005558 * t749;
-    let t760 = t759 - t758;
-    let t761 = 3.9999999999999996e-5 * omega_joint6_z;
-    let t762 = 0.0004 * omega_joint5_y;
-    let t763 = t762 - t761;
-    let t764 = cos_joint5 * t763;
-    let t765 = omega_joint5_x * 0.00084432;
-    let t766 = sin_joint5 * t765;
-    let t767 = t764 - t766;
-    let t768 = 0.0013 * omega_joint4_z;
-    let t769 = t768 - t767;
-    let t770 = 2.0 * omega_joint4_x;
-    let t771 = t304 * t770;
-    let t772 = t769 + t771;
-    let t773 = cos_joint5 * t761;
-    let t774 = 3.9999999999999996e-5 * omega_joint5_x;
-    let t775 = sin_joint5 * t774;
-    let t776 = t773 + t775;
-    let t777 = omega_joint4_z * 0.0014999999999999998;
-    let t778 = t777 + t776;
-    let t779 = t778 - t772;
-    let t780 = cos_joint4 * t779;
-    let t781 = omega_joint5_z * 0.00040431999999999995;
-    let t782 = cos_joint5 * t781;
-    let t783 = sin_joint5 * t782;
-    let t784 = 2.0 * omega_joint4_y;
-    let t785 = t304 * t784;
-    let t786 = t783 + t785;
-    let t787 = sin_joint4 * t786;
-    let t788 = t787 - t780;
-    let t789 = sin_joint4 * t788;
-    let t790 = t786 - t789;
-    let t791 = 0.0024871679999999997 * omega_joint5_x;
-    let t792 = sin_joint4 * t791;
-    let t793 = 0.0024871679999999997 * omega_joint5_z;
-    let t794 = cos_joint5 * t793;
-    let t795 = cos_joint4 * t794;
-    let t796 = t795 - t792;
-    let t797 = 0.047012505789717454 * t796;
-    let t798 = t790 - t797;
-    let t799 = omega_joint3_z * 0.022546398000000002;
-    let t800 = t799 - t798;
-    let t801 = sin_joint5 * t793;
-    let t802 = t801 + t783;
-    let t803 = omega_joint3_z * 0.09402501157943491;
-    let t804 = t263 * t803;
-    let t805 = t802 - t804;
-    let t806 = omega_joint3_x * 0.009475200000000003;
-    let t807 = t799 - t806;
-    let t808 = t807 - t805;
-    let t809 = t800 + t808;
-    let t810 = sin_joint2_joint3 * t809;
-    let t811 = sin_joint5 * t761;
-    let t812 = cos_joint5 * t774;
-    let t813 = t811 - t812;
-    let t814 = omega_joint4_x * 0.0014999999999999998;
-    let t815 = t814 - t813;
-    let t816 = sin_joint4 * t815;
-    let t817 = cos_joint5 * t782;
-    let t818 = omega_joint5_z * 0.00084432;
-    let t819 = t818 - t817;
-    let t820 = 0.0013 * omega_joint4_y;
-    let t821 = t820 + t819;
-    let t822 = cos_joint4 * t821;
-    let t823 = t822 - t816;
-    let t824 = 0.047012505789717454 * t801;
-    let t825 = t803 * t721;
-    let t826 = t824 + t825;
-    let t827 = t823 - t826;
-    let t828 = omega_joint3_z * 0.03353022499999999;
-    let t829 = t828 + t827;
-    let t830 = sin_joint5 * t763;
-    let t831 = cos_joint5 * t765;
-    let t832 = t830 + t831;
-    let t833 = t263 * t770;
-    let t834 = t791 + t833;
-    let t835 = t832 + t834;
-    let t836 = sin_joint4 * t835;
-    let t837 = omega_joint5_z * 0.00044;
-    let t838 = t837 + t817;
-    let t839 = t263 * t784;
-    let t840 = t794 + t839;
-    let t841 = t838 + t840;
-    let t842 = cos_joint4 * t841;
-    let t843 = t842 - t836;
-    let t844 = omega_joint3_y * 0.009475200000000003;
-    let t845 = omega_joint3_z * 0.6824699160000001;
-    let t846 = t844 - t845;
-    let t847 = t846 - t843;
-    let t848 = t847 + t829;
-    let t849 = cos_joint2_joint3 * t848;
-    let t850 = t810 - t849;
-    let t851 = cos_joint2_joint3 * t850;
-    let t852 = t847 + t851;
-    let t853 = omega_joint3_z * 0.7697525880000002;
-    let t854 = t853 + t796;
-    let t855 = sin_joint2_joint3 * t854;
-    let t856 = omega_joint3_z * 0.02191385;
-    let t857 = t856 - t801;
-    let t858 = cos_joint2_joint3 * t857;
-    let t859 = t855 - t858;
-    let t860 = cos_joint2 * t859;
-    let t861 = v[1] * cos_joint2;
-    let t862 = 2.0 * t861;
-    let t863 = t862 * t743;
-    let t864 = t860 - t863;
-    let t865 = t852 + t864;
-    let t866 = t471 * t82;
-    let t867 = t866 - t865;
-    let t868 = v[0] * t867;
-    let t869 = t760 - t868;
-    let t870 = moment_joint2_x - t869;
-    let t871 = sin_joint4 * force_joint5_z_2;
-    let t872 = cos_joint4 * force_joint4_x_2;
-    let t873 = t872 - t871;
-    let t874 = 0.3848762940000001 * t556;
-    let t875 = t67 * 0.010956925;
-    let t876 = t875 - t874;
-    let force_joint3_x_2 = t876 - t873;
-    let t878 = sin_joint2_joint3 * force_joint3_x_2;
-    let t879 = sin_joint5 * force_joint5_x_2;
-    let force_joint4_z_2 = t211 + t879;
-    let t881 = 0.010956925 * t645;
-    let t882 = t117 * 0.3848762940000001;
-    let t883 = t881 - t882;
-    let force_joint3_y_2 = t883 - force_joint4_z_2;
-    let t885 = cos_joint2_joint3 * force_joint3_y_2;
-    let t886 = t878 - t885;
-    let t887 = cos_joint2 * 1.638935762;
-    let t888 = t199 - t887;
-    let t889 = t537 * t888;
-    let t890 = t69 * t717;
-    let t891 = t889 + t890;
-    let force_joint2_y = t891 + t886;
-    let t893 = t717 + t739;
-    let t894 = t73 * t893;
-    let t895 = force_joint2_y + t894;
-    let t896 = 0.3474988420565076 * t895;
-    let t897 = t870 - t896;
-    let t898 = cos_joint2_joint3 * t245;
-    let t899 = sin_joint2_joint3 * t247;
-    let t900 = t898 + t899;
-    let t901 = t900 * t534;
-    let t902 = t348 * t73;
-    let t903 = t902 - t901;
-    let t904 = sin_joint4 * t774;
-    let t905 = 3.9999999999999996e-5 * omega_joint5_z;
-    let t906 = cos_joint5 * t905;
-    let t907 = cos_joint4 * t906;
-    let t908 = t907 - t904;
-    let t909 = cos_joint2_joint3 * t908;
-    let t910 = sin_joint5 * t905;
-    let t911 = sin_joint2_joint3 * t910;
-    let t912 = t909 - t911;
-    let t913 = v[0] * t912;
-    let t914 = t903 + t913;
-    let t915 = t250 * t914;
-    let t916 = t897 + t915;
-    let t917 = cos_joint4 * t263;
-    let t918 = sin_joint2_joint3 * t917;
-    let t919 = cos_joint2_joint3 * t304;
-    let t920 = t918 + t919;
-    let t921 = acceleration_joint2_x * t920;
-    let t922 = cos_joint2_joint3 * t917;
-    let t923 = sin_joint2_joint3 * t304;
-    let t924 = t922 - t923;
-    let t925 = 22.71885132005558 * t924;
-    let t926 = t925 + t921;
-    let t927 = sin_joint4 * t263;
-    let t928 = 0.047012505789717454 * t927;
-    let t929 = sin_joint2_joint3 * t928;
-    let t930 = cos_joint2_joint3 * t265;
-    let t931 = t930 + t929;
-    let t932 = sin_joint2 * t927;
-    let t933 = t931 + t932;
-    let t934 = t534 * t933;
-    let t935 = sin_joint2 * t924;
-    let t936 = cos_joint2 * t920;
-    let t937 = t936 - t935;
-    let t938 = sin_joint5 * 5.846399999999998e-5;
-    let t939 = t352 - t938;
-    let t940 = t939 - t937;
-    let t941 = t73 * t940;
-    let t942 = t934 + t941;
-    let t943 = t942 + t926;
-    let t944 = t767 - t771;
-    let t945 = cos_joint4 * t944;
-    let t946 = sin_joint4 * t785;
-    let t947 = t945 - t946;
-    let t948 = omega_joint3_y * 0.09402501157943491;
-    let t949 = t304 * t948;
-    let t950 = t803 * t927;
+    let t571 = t570 * t277;
+    let t572 = t563 * t344;
+    let t573 = t433 * t426;
+    let t574 = t430 * t474;
+    let t575 = t428 * t536;
+    let t576 = t575 - t574;
+    let t577 = t576 - t573;
+    let t578 = t577 + t572;
+    let t579 = t118 * t433;
+    let t580 = t179 * t430;
+    let t581 = t579 - t580;
+    let t582 = t85 * t428;
+    let t583 = t581 - t582;
+    let t584 = t583 * t555;
+    let t585 = t578 - t584;
+    let t586 = t585 - t571;
+    let t587 = t586 - t558;
+    let t588 = t244 + t587;
+    let t589 = sin_joint4 * t588;
+    let t590 = t124 * t478;
+    let t591 = t182 * t428;
+    let t592 = t590 - t591;
+    let t593 = t106 * inverse_d_joint1;
+    let t594 = t592 + t593;
+    let t595 = t99 * t594;
+    let t596 = t112 * t478;
+    let t597 = t595 + t596;
+    let t598 = t112 * t428;
+    let t599 = t597 - t598;
+    let t600 = t67 * inverse_d_joint1;
+    let t601 = t599 + t600;
+    let t602 = t601 * t277;
+    let t603 = t594 * t344;
+    let t604 = t478 * t426;
+    let t605 = inverse_d_joint1 * t536;
+    let t606 = t428 * t474;
+    let t607 = t605 - t606;
+    let t608 = t607 - t604;
+    let t609 = t608 + t603;
+    let t610 = t118 * t478;
+    let t611 = t179 * t428;
+    let t612 = t610 - t611;
+    let t613 = t85 * inverse_d_joint1;
+    let t614 = t612 - t613;
+    let t615 = t614 * t555;
+    let t616 = t609 - t615;
+    let t617 = t616 - t602;
+    let t618 = sin_joint2_joint3 * t617;
+    let t619 = t242 - t618;
+    let t620 = cos_joint4 * t619;
+    let t621 = t589 + t620;
+    let t622 = t240 - t621;
+    let t623 = sin_joint5 * t622;
+    let t624 = t124 * t170;
+    let t625 = t182 - t624;
+    let t626 = t206 * t625;
+    let t627 = t124 * t146;
+    let t628 = t106 + t627;
+    let t629 = t628 - t626;
+    let t630 = inverse_d_joint1 * t629;
+    let t631 = t206 * t630;
+    let t632 = inverse_d_joint2 * t625;
+    let t633 = t632 - t631;
+    let t634 = t170 * t633;
+    let t635 = t124 * inverse_d_joint3;
+    let t636 = t635 - t634;
+    let t637 = t146 * t630;
+    let t638 = t636 + t637;
+    let t639 = t124 * t638;
+    let t640 = inverse_d_joint4 + t639;
+    let t641 = t182 * t633;
+    let t642 = t640 + t641;
+    let t643 = t106 * t630;
+    let t644 = t642 + t643;
+    let t645 = t99 * t644;
+    let t646 = t112 * t638;
+    let t647 = t645 + t646;
+    let t648 = t112 * t633;
+    let t649 = t647 + t648;
+    let t650 = t67 * t630;
+    let t651 = t649 + t650;
+    let t652 = t651 * t277;
+    let t653 = t644 * t344;
+    let t654 = t224 * t426;
+    let t655 = t563 * t474;
+    let t656 = t594 * t536;
+    let t657 = t656 - t655;
+    let t658 = t657 - t654;
+    let t659 = t658 + t653;
+    let t660 = t118 * t638;
+    let t661 = t179 * t633;
+    let t662 = t660 + t661;
+    let t663 = t85 * t630;
+    let t664 = t662 - t663;
+    let t665 = t664 * t555;
+    let t666 = t659 - t665;
+    let t667 = t666 - t652;
+    let t668 = cos_joint2_joint3 * t617;
+    let t669 = t253 + t668;
+    let t670 = t667 - t669;
+    let t671 = t252 + t670;
+    let t672 = cos_joint5 * t671;
+    let t673 = t672 + t623;
+    let t674 = t261 - t673;
+    let t675 = t651 * t344;
+    let t676 = t231 * t426;
+    let t677 = t570 * t474;
+    let t678 = t601 * t536;
+    let t679 = t678 - t677;
+    let t680 = t679 - t676;
+    let t681 = t680 + t675;
+    let t682 = t118 * t170;
+    let t683 = t179 - t682;
+    let t684 = t206 * t683;
+    let t685 = t118 * t146;
+    let t686 = t85 - t685;
+    let t687 = t686 + t684;
+    let t688 = inverse_d_joint1 * t687;
+    let t689 = t206 * t688;
+    let t690 = inverse_d_joint2 * t683;
+    let t691 = t690 + t689;
+    let t692 = t170 * t691;
+    let t693 = t118 * inverse_d_joint3;
+    let t694 = t693 - t692;
+    let t695 = t146 * t688;
+    let t696 = t694 - t695;
+    let t697 = t124 * t696;
+    let t698 = t182 * t691;
+    let t699 = t697 + t698;
+    let t700 = t106 * t688;
+    let t701 = t699 - t700;
+    let t702 = t99 * t701;
+    let t703 = t112 * t696;
+    let t704 = t702 + t703;
+    let t705 = t112 * t691;
+    let t706 = t704 + t705;
+    let t707 = t67 * t688;
+    let t708 = t706 - t707;
+    let t709 = t708 * t555;
+    let t710 = t681 - t709;
+    let t711 = t99 * t124;
+    let t712 = t112 + t711;
+    let t713 = t170 * t712;
+    let t714 = t99 * t182;
+    let t715 = t112 + t714;
+    let t716 = t715 - t713;
+    let t717 = t206 * t716;
+    let t718 = t146 * t712;
+    let t719 = t99 * t106;
+    let t720 = t67 + t719;
+    let t721 = t720 + t718;
+    let t722 = t721 - t717;
+    let t723 = inverse_d_joint1 * t722;
+    let t724 = t206 * t723;
+    let t725 = inverse_d_joint2 * t716;
+    let t726 = t725 - t724;
+    let t727 = t170 * t726;
+    let t728 = inverse_d_joint3 * t712;
+    let t729 = t728 - t727;
+    let t730 = t146 * t723;
+    let t731 = t729 + t730;
+    let t732 = t124 * t731;
+    let t733 = t99 * inverse_d_joint4;
+    let t734 = t733 + t732;
+    let t735 = t182 * t726;
+    let t736 = t734 + t735;
+    let t737 = t106 * t723;
+    let t738 = t736 + t737;
+    let t739 = t99 * t738;
+    let t740 = 5.151863922779921 + t739;
+    let t741 = t112 * t731;
+    let t742 = t740 + t741;
+    let t743 = t112 * t726;
+    let t744 = t742 + t743;
+    let t745 = t67 * t723;
+    let t746 = t744 + t745;
+    let t747 = t746 * t277;
+    let t748 = t710 - t747;
+    let t749 = t748 + t674;
+    let t750 = t261 - t749;
+    let t751 = 1.9999999999999998e-5 * t750;
+    let t752 = t261 + t749;
+    let t753 = 1.9999999999999998e-5 * t752;
+    let moment_joint6_z_2 = t753 - t751;
+    let t755 = t280 - t673;
+    let t756 = 0.0002 * t755;
+    let moment_joint5_y_2 = t756 + moment_joint6_z_2;
+    let t758 = sin_joint5 * moment_joint5_y_2;
+    let t759 = cos_joint5 * t622;
+    let t760 = sin_joint5 * t671;
+    let t761 = t760 - t759;
+    let t762 = t294 - t761;
+    let t763 = t290 + t762;
+    let moment_joint6_x_2 = 1.9999999999999998e-5 * t763;
+    let t765 = 0.00042216 * t762;
+    let t766 = cos_joint2 * t586;
+    let t767 = t304 + t766;
+    let t768 = 22.71885132005558 - t767;
+    let t769 = sin_joint2_joint3 * t768;
+    let t770 = sin_joint2 * t586;
+    let t771 = t309 - t770;
+    let acceleration_joint2_x = 0.3474988420565076 * t617;
+    let t773 = acceleration_joint2_x + t771;
+    let t774 = cos_joint2_joint3 * t773;
+    let acceleration_joint3_x_2 = t774 - t769;
+    let t776 = t302 + acceleration_joint3_x_2;
+    let t777 = sin_joint4 * t776;
+    let t778 = t314 + t668;
+    let t779 = 0.047012505789717454 * t778;
+    let t780 = cos_joint2 * t617;
+    let t781 = t318 + t780;
+    let acceleration_joint3_z_2 = acceleration_joint2_z - t781;
+    let t783 = acceleration_joint3_z_2 - t779;
+    let t784 = cos_joint4 * t783;
+    let t785 = t777 + t784;
+    let acceleration_joint4_y_2 = t785 - t621;
+    let t787 = 0.0012435839999999998 * acceleration_joint4_y_2;
+    let t788 = t787 + t765;
+    let moment_joint5_x_2 = t788 + moment_joint6_x_2;
+    let t790 = cos_joint5 * moment_joint5_x_2;
+    let t791 = t790 - t758;
+    let t792 = 0.0007499999999999999 * t622;
+    let moment_joint4_x_2 = t792 + t791;
+    let force_joint5_z_2 = 0.0012435839999999998 * t762;
+    let t795 = force_joint5_z_2 + moment_joint4_x_2;
+    let t796 = cos_joint4 * t795;
+    let t797 = cos_joint4 * t776;
+    let t798 = sin_joint4 * t783;
+    let t799 = t797 - t798;
+    let t800 = cos_joint4 * t588;
+    let t801 = sin_joint4 * t619;
+    let t802 = t800 - t801;
+    let acceleration_joint4_x_2 = t799 - t802;
+    let t804 = cos_joint5 * acceleration_joint4_x_2;
+    let t805 = cos_joint2_joint3 * t768;
+    let t806 = sin_joint2_joint3 * t773;
+    let acceleration_joint3_y_2 = t806 + t805;
+    let t808 = t244 - t587;
+    let t809 = 0.047012505789717454 * t808;
+    let t810 = acceleration_joint3_y_2 + t809;
+    let acceleration_joint4_z_2 = t368 - t810;
+    let t812 = sin_joint5 * acceleration_joint4_z_2;
+    let acceleration_joint5_x_2 = t804 + t812;
+    let t814 = 0.0012435839999999998 * acceleration_joint5_x_2;
+    let t815 = t374 - t802;
+    let t816 = t708 * t277;
+    let t817 = t545 * t426;
+    let t818 = t583 * t474;
+    let t819 = t614 * t536;
+    let t820 = t819 - t818;
+    let t821 = t820 - t817;
+    let t822 = t664 * t344;
+    let t823 = t821 + t822;
+    let t824 = t118 * t696;
+    let t825 = 5.83606090588883 + t824;
+    let t826 = t179 * t691;
+    let t827 = t825 + t826;
+    let t828 = t85 * t688;
+    let t829 = t827 + t828;
+    let t830 = t829 * t555;
+    let t831 = t823 - t830;
+    let t832 = t831 - t816;
+    let t833 = t832 - t815;
+    let t834 = t373 - t833;
+    let t835 = 0.00042216 * t834;
+    let t836 = t373 + t833;
+    let t837 = 0.0002 * t836;
+    let t838 = t837 - t835;
+    let t839 = t814 - t838;
+    let t840 = t382 + t834;
+    let moment_joint6_y_2 = 1.9999999999999998e-5 * t840;
+    let moment_joint5_z_2 = t839 + moment_joint6_y_2;
+    let t843 = t386 - t802;
+    let t844 = 0.00065 * t843;
+    let moment_joint4_y_2 = t844 + moment_joint5_z_2;
+    let force_joint5_x_2 = 0.0012435839999999998 * t834;
+    let t847 = cos_joint5 * force_joint5_x_2;
+    let force_joint4_x_2 = t394 - t847;
+    let t849 = force_joint4_x_2 - moment_joint4_y_2;
+    let t850 = sin_joint4 * t849;
+    let t851 = t796 + t850;
+    let t852 = 0.011273199000000001 * t778;
+    let t853 = t483 - t852;
+    let t854 = 0.34123495800000003 * t619;
+    let t855 = t853 - t854;
+    let t856 = 0.3848762940000001 * acceleration_joint3_z_2;
+    let t857 = t856 + t855;
+    let moment_joint3_x_2 = t857 + t851;
+    let t859 = cos_joint2_joint3 * moment_joint3_x_2;
+    let t860 = cos_joint5 * moment_joint5_y_2;
+    let t861 = sin_joint5 * moment_joint5_x_2;
+    let t862 = t861 + t860;
+    let t863 = 0.0007499999999999999 * t671;
+    let t864 = t252 - t670;
+    let t865 = 0.00065 * t864;
+    let t866 = t865 - t863;
+    let moment_joint4_z_2 = t866 + t862;
+    let t868 = sin_joint4 * force_joint4_x_2;
+    let t869 = cos_joint4 * force_joint5_z_2;
+    let t870 = t868 + t869;
+    let t871 = 0.047012505789717454 * t870;
+    let t872 = moment_joint4_z_2 - t871;
+    let t873 = 0.0047376000000000015 * t588;
+    let t874 = 0.011273199000000001 * t619;
+    let t875 = t873 - t874;
+    let t876 = 0.016765112499999995 * t778;
+    let t877 = t875 - t876;
+    let t878 = 0.010956925 * acceleration_joint3_z_2;
+    let t879 = t878 + t877;
+    let moment_joint3_y_2 = t879 - t872;
+    let t881 = sin_joint2_joint3 * moment_joint3_y_2;
+    let t882 = t859 + t881;
+    let t883 = 0.3848762940000001 * t619;
+    let t884 = 0.010956925 * t778;
+    let t885 = t884 + t883;
+    let force_joint3_z_2 = t885 - t870;
+    let t887 = sin_joint2 * force_joint3_z_2;
+    let t888 = t882 - t887;
+    let t889 = t517 * t586;
+    let t890 = t456 * t617;
+    let t891 = t890 - t889;
+    let t892 = t307 - t303;
+    let t893 = t192 * t892;
+    let t894 = t893 + t891;
+    let t895 = t174 * t317;
+    let t896 = t895 - t894;
+    let t897 = t196 * acceleration_joint2_z;
+    let t898 = t897 - t896;
+    let moment_joint2_x = t898 + t888;
+    let t900 = cos_joint2_joint3 * t35;
+    let t901 = t32 - t900;
+    let t902 = cos_joint2 * t137;
+    let t903 = sin_joint2 * t43;
+    let t904 = t903 + t902;
+    let t905 = t901 - t904;
+    let t906 = t456 + t905;
+    let t907 = t906 * t617;
+    let t908 = t193 * t307;
+    let t909 = t907 - t908;
+    let t910 = t55 * 22.71885132005558;
+    let t911 = t910 - t909;
+    let t912 = 3.9999999999999996e-5 * omega_joint6_z;
+    let t913 = 0.0004 * omega_joint5_y;
+    let t914 = t913 - t912;
+    let t915 = cos_joint5 * t914;
+    let t916 = omega_joint5_x * 0.00084432;
+    let t917 = sin_joint5 * t916;
+    let t918 = t915 - t917;
+    let t919 = 0.0013 * omega_joint4_z;
+    let t920 = t919 - t918;
+    let t921 = 2.0 * omega_joint4_x;
+    let t922 = t16 * t921;
+    let t923 = t920 + t922;
+    let t924 = cos_joint5 * t912;
+    let t925 = 3.9999999999999996e-5 * omega_joint5_x;
+    let t926 = sin_joint5 * t925;
+    let t927 = t924 + t926;
+    let t928 = omega_joint4_z * 0.0014999999999999998;
+    let t929 = t928 + t927;
+    let t930 = t929 - t923;
+    let t931 = cos_joint4 * t930;
+    let t932 = omega_joint5_z * 0.00040431999999999995;
+    let t933 = cos_joint5 * t932;
+    let t934 = sin_joint5 * t933;
+    let t935 = 2.0 * omega_joint4_y;
+    let t936 = t16 * t935;
+    let t937 = t934 + t936;
+    let t938 = sin_joint4 * t937;
+    let t939 = t938 - t931;
+    let t940 = sin_joint4 * t939;
+    let t941 = t937 - t940;
+    let t942 = 0.0024871679999999997 * omega_joint5_x;
+    let t943 = sin_joint4 * t942;
+    let t944 = 0.0024871679999999997 * omega_joint5_z;
+    let t945 = cos_joint5 * t944;
+    let t946 = cos_joint4 * t945;
+    let t947 = t946 - t943;
+    let t948 = 0.047012505789717454 * t947;
+    let t949 = t941 - t948;
+    let t950 = omega_joint3_z * 0.022546398000000002;
     let t951 = t950 - t949;
-    let t952 = t947 - t951;
-    let t953 = cos_joint2_joint3 * t952;
-    let t954 = t832 + t833;
-    let t955 = t948 * t917;
-    let t956 = t954 - t955;
-    let t957 = sin_joint2_joint3 * t956;
-    let t958 = t953 - t957;
-    let t959 = v[0] * cos_joint2;
-    let t960 = 2.0 * t959;
-    let t961 = t960 * t920;
-    let t962 = t862 * t927;
-    let t963 = t962 - t961;
-    let t964 = t958 - t963;
-    let t965 = v[0] * t964;
-    let t966 = t943 + t965;
-    let t967 = t281 * t966;
-    let t968 = t916 - t967;
-    let t969 = sin_joint2_joint3 * t749;
-    let t970 = acceleration_joint2_x * t969;
-    let t971 = cos_joint2_joint3 * t749;
-    let t972 = 22.71885132005558 * t971;
-    let t973 = t972 + t970;
-    let t974 = 0.047012505789717454 * t721;
-    let t975 = t299 - t974;
-    let t976 = sin_joint2_joint3 * t975;
-    let t977 = cos_joint2_joint3 * t306;
-    let t978 = t977 - t976;
-    let t979 = sin_joint2 * t721;
-    let t980 = t978 + t979;
-    let t981 = t534 * t980;
-    let t982 = sin_joint2 * t971;
-    let t983 = cos_joint2 * t969;
-    let t984 = t983 - t982;
-    let t985 = t357 - t984;
-    let t986 = t73 * t985;
-    let t987 = t981 - t986;
-    let t988 = t987 - t973;
-    let t989 = t823 - t825;
-    let t990 = cos_joint2_joint3 * t989;
-    let t991 = t948 * t749;
-    let t992 = t786 - t991;
-    let t993 = sin_joint2_joint3 * t992;
-    let t994 = t990 + t993;
-    let t995 = t960 * t969;
-    let t996 = t862 * t721;
-    let t997 = t996 + t995;
-    let t998 = t994 - t997;
-    let t999 = v[0] * t998;
-    let t1000 = t988 + t999;
-    let t1001 = t294 * t914;
-    let t1002 = t1000 - t1001;
-    let t1003 = t321 * t1002;
-    let t1004 = t968 - t1003;
-    let t1005 = t360 * t1002;
-    let t1006 = t354 * t966;
-    let t1007 = acceleration_joint2_x * t743;
-    let t1008 = 22.71885132005558 * t739;
-    let t1009 = t1008 - t1007;
-    let t1010 = cos_joint2_joint3 * t751;
-    let t1011 = sin_joint2_joint3 * t387;
-    let t1012 = t1011 + t1010;
-    let t1013 = t534 * t1012;
-    let t1014 = t374 + t724;
-    let t1015 = sin_joint2 * t739;
-    let t1016 = cos_joint2 * t743;
-    let t1017 = t1016 + t1015;
-    let t1018 = t1014 + t1017;
-    let t1019 = t73 * t1018;
-    let t1020 = t1013 + t1019;
-    let t1021 = t1020 + t1009;
-    let t1022 = cos_joint4 * t788;
-    let t1023 = t778 + t1022;
-    let t1024 = cos_joint4 * t791;
-    let t1025 = sin_joint4 * t794;
-    let t1026 = t1025 + t1024;
-    let t1027 = 0.047012505789717454 * t1026;
-    let t1028 = t948 * t721;
-    let t1029 = t1027 + t1028;
-    let t1030 = t1023 - t1029;
-    let t1031 = omega_joint3_y * 0.03353022499999999;
-    let t1032 = omega_joint3_x * 0.022546398000000002;
-    let t1033 = t1032 - t1031;
-    let t1034 = t1033 - t1030;
-    let t1035 = cos_joint2_joint3 * t1034;
-    let t1036 = cos_joint4 * t835;
-    let t1037 = sin_joint4 * t841;
+    let t952 = sin_joint5 * t944;
+    let t953 = t952 + t934;
+    let t954 = 0.09402501157943491 * omega_joint3_z;
+    let t955 = t40 * t954;
+    let t956 = t953 - t955;
+    let t957 = omega_joint3_x * 0.009475200000000003;
+    let t958 = t950 - t957;
+    let t959 = t958 - t956;
+    let t960 = t951 + t959;
+    let t961 = sin_joint2_joint3 * t960;
+    let t962 = sin_joint5 * t912;
+    let t963 = cos_joint5 * t925;
+    let t964 = t962 - t963;
+    let t965 = omega_joint4_x * 0.0014999999999999998;
+    let t966 = t965 - t964;
+    let t967 = sin_joint4 * t966;
+    let t968 = cos_joint5 * t933;
+    let t969 = omega_joint5_z * 0.00084432;
+    let t970 = t969 - t968;
+    let t971 = 0.0013 * omega_joint4_y;
+    let t972 = t971 + t970;
+    let t973 = cos_joint4 * t972;
+    let t974 = t973 - t967;
+    let t975 = 0.047012505789717454 * t952;
+    let t976 = t17 * t954;
+    let t977 = t975 + t976;
+    let t978 = t974 - t977;
+    let t979 = omega_joint3_z * 0.03353022499999999;
+    let t980 = t979 + t978;
+    let t981 = sin_joint5 * t914;
+    let t982 = cos_joint5 * t916;
+    let t983 = t981 + t982;
+    let t984 = t40 * t921;
+    let t985 = t942 + t984;
+    let t986 = t983 + t985;
+    let t987 = sin_joint4 * t986;
+    let t988 = omega_joint5_z * 0.00044;
+    let t989 = t988 + t968;
+    let t990 = t40 * t935;
+    let t991 = t945 + t990;
+    let t992 = t989 + t991;
+    let t993 = cos_joint4 * t992;
+    let t994 = t993 - t987;
+    let t995 = omega_joint3_y * 0.009475200000000003;
+    let t996 = omega_joint3_z * 0.6824699160000001;
+    let t997 = t995 - t996;
+    let t998 = t997 - t994;
+    let t999 = t998 + t980;
+    let t1000 = cos_joint2_joint3 * t999;
+    let t1001 = t961 - t1000;
+    let t1002 = cos_joint2_joint3 * t1001;
+    let t1003 = t998 + t1002;
+    let t1004 = omega_joint3_z * 0.7697525880000002;
+    let t1005 = t1004 + t947;
+    let t1006 = sin_joint2_joint3 * t1005;
+    let t1007 = omega_joint3_z * 0.02191385;
+    let t1008 = t1007 - t952;
+    let t1009 = cos_joint2_joint3 * t1008;
+    let t1010 = t1006 - t1009;
+    let t1011 = cos_joint2 * t1010;
+    let t1012 = v[1] * cos_joint2;
+    let t1013 = 2.0 * t1012;
+    let t1014 = t43 * t1013;
+    let t1015 = t1011 - t1014;
+    let t1016 = t1003 + t1015;
+    let t1017 = t51 * t316;
+    let t1018 = t1017 - t1016;
+    let t1019 = v[0] * t1018;
+    let t1020 = t911 - t1019;
+    let t1021 = moment_joint2_x - t1020;
+    let t1022 = cos_joint4 * force_joint4_x_2;
+    let t1023 = sin_joint4 * force_joint5_z_2;
+    let t1024 = t1022 - t1023;
+    let t1025 = 0.3848762940000001 * t588;
+    let t1026 = t437 - t1025;
+    let force_joint3_x_2 = t1026 - t1024;
+    let t1028 = sin_joint2_joint3 * force_joint3_x_2;
+    let t1029 = sin_joint5 * force_joint5_x_2;
+    let force_joint4_z_2 = t401 + t1029;
+    let t1031 = 0.010956925 * t808;
+    let t1032 = t442 - t1031;
+    let force_joint3_y_2 = t1032 + force_joint4_z_2;
+    let t1034 = cos_joint2_joint3 * force_joint3_y_2;
+    let t1035 = t1028 + t1034;
+    let t1036 = t461 * t586;
+    let t1037 = t196 * t303;
     let t1038 = t1037 + t1036;
-    let t1039 = t263 * t948;
-    let t1040 = t1038 - t1039;
-    let t1041 = omega_joint3_y * 0.022546398000000002;
-    let t1042 = omega_joint3_x * 0.6824699160000001;
-    let t1043 = t1042 - t1041;
-    let t1044 = t1043 + t1040;
-    let t1045 = sin_joint2_joint3 * t1044;
-    let t1046 = t1035 - t1045;
-    let t1047 = t960 * t743;
+    let force_joint2_y = t1038 + t1035;
+    let t1040 = t197 * t307;
+    let t1041 = force_joint2_y + t1040;
+    let t1042 = 0.3474988420565076 * t1041;
+    let t1043 = t1021 - t1042;
+    let t1044 = inverse_d_joint1 * t1043;
+    let t1045 = t461 + t43;
+    let t1046 = t1045 * acceleration_joint2_x;
+    let t1047 = t197 * 22.71885132005558;
     let t1048 = t1046 - t1047;
-    let t1049 = v[0] * t1048;
-    let t1050 = t1021 + t1049;
-    let t1051 = t349 * t914;
-    let t1052 = t1050 - t1051;
-    let t1053 = t1052 + t1006;
-    let t1054 = t1053 + t1005;
-    let t1055 = t403 * t1054;
-    let t1056 = t1004 + t1055;
-    let t1057 = t461 * t1054;
-    let t1058 = t446 * t1002;
-    let t1059 = t437 * t966;
-    let t1060 = t888 - t743;
-    let t1061 = acceleration_joint2_x * t1060;
-    let t1062 = 22.71885132005558 * t893;
-    let t1063 = t1061 + t1062;
-    let t1064 = cos_joint2 * t749;
-    let t1065 = t1012 - t1064;
-    let t1066 = t196 - t1065;
-    let t1067 = t534 * t1066;
-    let t1068 = 2.0 * t1017;
-    let t1069 = t1014 + t1068;
-    let t1070 = t472 + t1069;
-    let t1071 = t73 * t1070;
-    let t1072 = t1071 - t1067;
-    let t1073 = t1063 + t1072;
-    let t1074 = omega_joint3_y * 0.02191385;
-    let t1075 = omega_joint3_x * 0.7697525880000002;
-    let t1076 = t1075 - t1074;
-    let t1077 = t1076 + t1026;
-    let t1078 = cos_joint2 * t1077;
-    let t1079 = t1078 - t1047;
-    let t1080 = t1046 + t1079;
-    let t1081 = v[0] * 2.0;
-    let t1082 = t471 * t1081;
-    let t1083 = t1082 - t1080;
-    let t1084 = v[0] * t1083;
-    let t1085 = t1073 - t1084;
-    let t1086 = t1085 - t1051;
-    let t1087 = t1086 + t1059;
-    let t1088 = t1087 + t1058;
-    let t1089 = t1088 - t1057;
-    let t1090 = t501 * t1089;
-    let t1091 = t1056 + t1090;
-    let t1092 = inverse_d_joint1 * t1091;
-    let t1093 = acceleration_joint3_y_2 * t749;
-    let t1094 = t550 * t729;
-    let t1095 = t517 + t724;
-    let t1096 = t558 * t1095;
-    let t1097 = t1096 + t1094;
-    let t1098 = t387 * t73;
-    let t1099 = t1097 + t1098;
-    let t1100 = t1093 + t1099;
-    let t1101 = t789 - t991;
-    let t1102 = t806 + t1101;
-    let t1103 = t800 - t1102;
-    let t1104 = omega_joint3_x * t1103;
-    let t1105 = omega_joint3_y * t829;
-    let t1106 = t1104 - t1105;
-    let t1107 = t1100 + t1106;
-    let t1108 = moment_joint3_x_2 - t1107;
-    let t1109 = cos_joint2_joint3 * t1108;
-    let t1110 = acceleration_joint3_x_2 * t749;
-    let t1111 = t558 * t729;
-    let t1112 = t517 + t374;
-    let t1113 = t550 * t1112;
-    let t1114 = t1113 + t1111;
-    let t1115 = t73 * t751;
-    let t1116 = t1114 + t1115;
-    let t1117 = t1110 + t1116;
-    let t1118 = t808 + t1102;
-    let t1119 = omega_joint3_y * t1118;
-    let t1120 = omega_joint3_x * t847;
+    let t1049 = cos_joint2_joint3 * t130;
+    let t1050 = sin_joint2_joint3 * t132;
+    let t1051 = t1049 + t1050;
+    let t1052 = cos_joint2 * t55;
+    let t1053 = t1051 - t1052;
+    let t1054 = t517 - t1053;
+    let t1055 = t1054 * t617;
+    let t1056 = t176 * t307;
+    let t1057 = t1056 - t1055;
+    let t1058 = t1048 - t1057;
+    let t1059 = cos_joint4 * t939;
+    let t1060 = t929 + t1059;
+    let t1061 = cos_joint4 * t942;
+    let t1062 = sin_joint4 * t945;
+    let t1063 = t1062 + t1061;
+    let t1064 = 0.047012505789717454 * t1063;
+    let t1065 = 0.09402501157943491 * omega_joint3_y;
+    let t1066 = t17 * t1065;
+    let t1067 = t1064 + t1066;
+    let t1068 = t1060 - t1067;
+    let t1069 = omega_joint3_y * 0.03353022499999999;
+    let t1070 = omega_joint3_x * 0.022546398000000002;
+    let t1071 = t1070 - t1069;
+    let t1072 = t1071 - t1068;
+    let t1073 = cos_joint2_joint3 * t1072;
+    let t1074 = cos_joint4 * t986;
+    let t1075 = sin_joint4 * t992;
+    let t1076 = t1075 + t1074;
+    let t1077 = t40 * t1065;
+    let t1078 = t1076 - t1077;
+    let t1079 = omega_joint3_y * 0.022546398000000002;
+    let t1080 = omega_joint3_x * 0.6824699160000001;
+    let t1081 = t1080 - t1079;
+    let t1082 = t1081 + t1078;
+    let t1083 = sin_joint2_joint3 * t1082;
+    let t1084 = t1073 - t1083;
+    let t1085 = omega_joint3_y * 0.02191385;
+    let t1086 = omega_joint3_x * 0.7697525880000002;
+    let t1087 = t1086 - t1085;
+    let t1088 = t1087 + t1063;
+    let t1089 = cos_joint2 * t1088;
+    let t1090 = v[0] * cos_joint2;
+    let t1091 = 2.0 * t1090;
+    let t1092 = t43 * t1091;
+    let t1093 = t1089 - t1092;
+    let t1094 = t1084 + t1093;
+    let t1095 = v[0] * 2.0;
+    let t1096 = t51 * t1095;
+    let t1097 = t1096 - t1094;
+    let t1098 = v[0] * t1097;
+    let t1099 = t1058 + t1098;
+    let t1100 = t428 * t1099;
+    let t1101 = t1044 - t1100;
+    let t1102 = t43 * acceleration_joint2_x;
+    let t1103 = t137 * 22.71885132005558;
+    let t1104 = t1103 - t1102;
+    let t1105 = t1051 * t617;
+    let t1106 = t151 * t307;
+    let t1107 = t1105 + t1106;
+    let t1108 = t1107 + t1104;
+    let t1109 = t1084 - t1092;
+    let t1110 = v[0] * t1109;
+    let t1111 = t1108 + t1110;
+    let t1112 = t478 * t1111;
+    let t1113 = t1101 - t1112;
+    let t1114 = t163 * acceleration_joint2_x;
+    let t1115 = t96 * 22.71885132005558;
+    let t1116 = t1115 + t1114;
+    let t1117 = sin_joint2_joint3 * t90;
+    let t1118 = cos_joint2_joint3 * t29;
+    let t1119 = t1118 - t1117;
+    let t1120 = sin_joint2 * t17;
     let t1121 = t1119 + t1120;
-    let t1122 = t1117 - t1121;
-    let t1123 = moment_joint3_y_2 + t1122;
-    let t1124 = sin_joint2_joint3 * t1123;
-    let t1125 = t1124 + t1109;
-    let t1126 = t558 * t735;
-    let t1127 = t550 * t737;
-    let t1128 = t1127 + t1126;
-    let t1129 = omega_joint3_x * t854;
-    let t1130 = omega_joint3_y * t857;
-    let t1131 = t1130 - t1129;
-    let t1132 = t1128 - t1131;
-    let t1133 = cos_joint2 * t1132;
-    let t1134 = t1125 - t1133;
-    let t1135 = t550 * t749;
-    let t1136 = t73 * t735;
-    let t1137 = t1136 - t1135;
-    let t1138 = omega_joint3_y * t1077;
-    let t1139 = t1137 + t1138;
-    let t1140 = force_joint3_x_2 + t1139;
-    let t1141 = sin_joint2_joint3 * t1140;
-    let t1142 = t558 * t749;
-    let t1143 = t73 * t737;
-    let t1144 = t1142 + t1143;
-    let t1145 = omega_joint3_x * t1077;
-    let t1146 = t1144 - t1145;
-    let t1147 = force_joint3_y_2 - t1146;
-    let t1148 = cos_joint2_joint3 * t1147;
-    let t1149 = t1148 - t1141;
-    let t1150 = 0.3474988420565076 * t1149;
-    let t1151 = t1134 + t1150;
-    let t1152 = t247 * t558;
-    let t1153 = t245 * t550;
-    let t1154 = t1153 + t1152;
-    let t1155 = t1154 - t902;
-    let t1156 = omega_joint3_y * t908;
-    let t1157 = omega_joint3_x * t910;
-    let t1158 = t1156 - t1157;
+    let t1122 = t1121 * t617;
+    let t1123 = t166 * t307;
+    let t1124 = t1122 - t1123;
+    let t1125 = t1124 - t1116;
+    let t1126 = t974 - t976;
+    let t1127 = cos_joint2_joint3 * t1126;
+    let t1128 = t55 * t1065;
+    let t1129 = t937 - t1128;
+    let t1130 = sin_joint2_joint3 * t1129;
+    let t1131 = t1127 + t1130;
+    let t1132 = t163 * t1091;
+    let t1133 = t17 * t1013;
+    let t1134 = t1133 + t1132;
+    let t1135 = t1131 - t1134;
+    let t1136 = v[0] * t1135;
+    let t1137 = t1125 + t1136;
+    let t1138 = t594 * t1137;
+    let t1139 = t1113 - t1138;
+    let t1140 = t156 * acceleration_joint2_x;
+    let t1141 = t82 * 22.71885132005558;
+    let t1142 = t1141 + t1140;
+    let t1143 = sin_joint2_joint3 * t71;
+    let t1144 = cos_joint2_joint3 * t74;
+    let t1145 = t1144 + t1143;
+    let t1146 = sin_joint2 * t70;
+    let t1147 = t1145 + t1146;
+    let t1148 = t1147 * t617;
+    let t1149 = t159 * t307;
+    let t1150 = t1148 + t1149;
+    let t1151 = t1150 + t1142;
+    let t1152 = t918 - t922;
+    let t1153 = cos_joint4 * t1152;
+    let t1154 = sin_joint4 * t936;
+    let t1155 = t1153 - t1154;
+    let t1156 = t16 * t1065;
+    let t1157 = t70 * t954;
+    let t1158 = t1157 - t1156;
     let t1159 = t1155 - t1158;
-    let t1160 = t250 * t1159;
-    let t1161 = t1151 - t1160;
-    let t1162 = t304 * acceleration_joint3_x_2;
-    let t1163 = acceleration_joint3_y_2 * t917;
-    let t1164 = t1163 + t1162;
-    let t1165 = t558 * t928;
-    let t1166 = t265 * t550;
-    let t1167 = t1166 + t1165;
-    let t1168 = t73 * t939;
-    let t1169 = t1167 + t1168;
-    let t1170 = t1169 + t1164;
-    let t1171 = omega_joint3_y * t952;
-    let t1172 = omega_joint3_x * t956;
-    let t1173 = t1171 - t1172;
-    let t1174 = t1170 + t1173;
-    let t1175 = t281 * t1174;
-    let t1176 = t1161 - t1175;
-    let t1177 = t558 * t975;
-    let t1178 = t306 * t550;
+    let t1160 = cos_joint2_joint3 * t1159;
+    let t1161 = t983 + t984;
+    let t1162 = t79 * t1065;
+    let t1163 = t1161 - t1162;
+    let t1164 = sin_joint2_joint3 * t1163;
+    let t1165 = t1160 - t1164;
+    let t1166 = t156 * t1091;
+    let t1167 = t70 * t1013;
+    let t1168 = t1167 - t1166;
+    let t1169 = t1165 - t1168;
+    let t1170 = v[0] * t1169;
+    let t1171 = t1151 + t1170;
+    let t1172 = t614 * t1171;
+    let t1173 = t1139 + t1172;
+    let t1174 = cos_joint2_joint3 * t62;
+    let t1175 = sin_joint2_joint3 * t64;
+    let t1176 = t1174 + t1175;
+    let t1177 = t1176 * t617;
+    let t1178 = t111 * t307;
     let t1179 = t1178 - t1177;
-    let t1180 = t357 * t73;
-    let t1181 = t1179 - t1180;
-    let t1182 = t1093 - t1181;
-    let t1183 = omega_joint3_y * t989;
-    let t1184 = omega_joint3_x * t992;
-    let t1185 = t1183 + t1184;
-    let t1186 = t1182 - t1185;
-    let t1187 = t294 * t1159;
-    let t1188 = t1186 - t1187;
-    let t1189 = t321 * t1188;
-    let t1190 = t1176 + t1189;
-    let t1191 = t354 * t1174;
-    let t1192 = acceleration_joint3_y_2 * t737;
-    let t1193 = acceleration_joint3_x_2 * t735;
-    let t1194 = t1193 - t1192;
-    let t1195 = t550 * t751;
-    let t1196 = t73 * t1014;
-    let t1197 = t1196 + t1195;
-    let t1198 = t387 * t558;
+    let t1180 = sin_joint4 * t925;
+    let t1181 = 3.9999999999999996e-5 * omega_joint5_z;
+    let t1182 = cos_joint5 * t1181;
+    let t1183 = cos_joint4 * t1182;
+    let t1184 = t1183 - t1180;
+    let t1185 = cos_joint2_joint3 * t1184;
+    let t1186 = sin_joint5 * t1181;
+    let t1187 = sin_joint2_joint3 * t1186;
+    let t1188 = t1185 - t1187;
+    let t1189 = v[0] * t1188;
+    let t1190 = t1179 + t1189;
+    let t1191 = t601 * t1190;
+    let t1192 = t1173 + t1191;
+    let t1193 = t55 * acceleration_joint3_y_2;
+    let t1194 = t32 * t668;
+    let t1195 = t54 + t20;
+    let t1196 = t618 * t1195;
+    let t1197 = t1196 + t1194;
+    let t1198 = t132 * t307;
     let t1199 = t1197 + t1198;
-    let t1200 = t1194 - t1199;
-    let t1201 = omega_joint3_y * t1034;
-    let t1202 = omega_joint3_x * t1044;
-    let t1203 = t1201 - t1202;
-    let t1204 = t1200 - t1203;
-    let t1205 = t349 * t1159;
+    let t1200 = t1193 + t1199;
+    let t1201 = t940 - t1128;
+    let t1202 = t957 + t1201;
+    let t1203 = t951 - t1202;
+    let t1204 = omega_joint3_x * t1203;
+    let t1205 = omega_joint3_y * t980;
     let t1206 = t1204 - t1205;
-    let t1207 = t1206 - t1191;
-    let t1208 = t360 * t1188;
-    let t1209 = t1207 + t1208;
-    let t1210 = t403 * t1209;
-    let t1211 = t1190 - t1210;
-    let t1212 = sin_joint2 * t1149;
-    let t1213 = cos_joint2_joint3 * t1140;
-    let t1214 = sin_joint2_joint3 * t1147;
-    let t1215 = t1214 + t1213;
-    let t1216 = cos_joint2 * t1215;
-    let t1217 = t1216 - t1212;
-    let t1218 = t1204 - t1217;
-    let t1219 = t1218 - t1205;
-    let t1220 = t437 * t1174;
-    let t1221 = t1219 - t1220;
-    let t1222 = t446 * t1188;
-    let t1223 = t1221 + t1222;
-    let t1224 = t461 * t1209;
-    let t1225 = t1223 - t1224;
-    let t1226 = t501 * t1225;
-    let t1227 = t1211 - t1226;
-    let t1228 = inverse_d_joint1 * t1227;
-    let t1229 = t263 * acceleration_joint4_y_2;
-    let t1230 = t371 + t366;
-    let t1231 = t561 * t1230;
-    let t1232 = t1229 - t1231;
-    let t1233 = omega_joint4_y * t769;
-    let t1234 = t1232 + t1233;
-    let t1235 = moment_joint4_x_2 - t1234;
-    let t1236 = t263 * t561;
-    let t1237 = omega_joint4_x * t801;
-    let t1238 = t1236 - t1237;
-    let t1239 = force_joint5_z_2 + t1238;
-    let t1240 = t1239 + t1235;
-    let t1241 = sin_joint4 * t1240;
-    let t1242 = t263 * acceleration_joint4_x_2;
-    let t1243 = t298 - 0.0011921599999999998;
-    let t1244 = t625 * t1243;
-    let t1245 = t303 * t117;
-    let t1246 = t1244 + t1245;
-    let t1247 = t1242 + t1246;
-    let t1248 = omega_joint4_x * t778;
-    let t1249 = omega_joint4_y * t783;
-    let t1250 = t1249 - t1248;
-    let t1251 = t1247 - t1250;
-    let t1252 = moment_joint4_y_2 - t1251;
-    let t1253 = t263 * t625;
-    let t1254 = t304 * t117;
-    let t1255 = t1254 - t1253;
-    let t1256 = omega_joint4_y * t801;
-    let t1257 = t1255 - t1256;
-    let t1258 = force_joint4_x_2 + t1257;
-    let t1259 = t1258 - t1252;
-    let t1260 = cos_joint4 * t1259;
-    let t1261 = t1260 - t1241;
-    let t1262 = sin_joint2_joint3 * t1261;
-    let t1263 = cos_joint4 * t1258;
-    let t1264 = sin_joint4 * t1239;
-    let t1265 = t1264 - t1263;
-    let t1266 = 0.047012505789717454 * t1265;
-    let t1267 = t304 * acceleration_joint4_x_2;
-    let t1268 = t303 * t625;
-    let t1269 = t299 * t117;
-    let t1270 = t1269 - t1268;
-    let t1271 = t1267 + t1270;
-    let t1272 = omega_joint4_x * t815;
-    let t1273 = omega_joint4_y * t821;
-    let t1274 = t1273 + t1272;
-    let t1275 = t1271 - t1274;
-    let t1276 = t1275 + t1266;
-    let t1277 = cos_joint2_joint3 * t1276;
-    let t1278 = t1262 + t1277;
-    let t1279 = cos_joint2 * t1265;
-    let t1280 = t1278 + t1279;
-    let t1281 = sin_joint4 * t1258;
-    let t1282 = cos_joint4 * t1239;
-    let t1283 = t1282 + t1281;
-    let t1284 = cos_joint2_joint3 * t1283;
-    let t1285 = t304 * t561;
-    let t1286 = omega_joint4_x * t794;
-    let t1287 = omega_joint4_y * t791;
-    let t1288 = t1287 - t1286;
-    let t1289 = t1285 - t1288;
-    let t1290 = sin_joint2_joint3 * t1289;
-    let t1291 = t1284 - t1290;
-    let t1292 = 0.3474988420565076 * t1291;
-    let t1293 = t1280 + t1292;
-    let t1294 = t244 * t625;
-    let t1295 = t247 * t117;
+    let t1207 = t1200 + t1206;
+    let t1208 = moment_joint3_x_2 - t1207;
+    let t1209 = cos_joint2_joint3 * t1208;
+    let t1210 = t55 * acceleration_joint3_x_2;
+    let t1211 = t32 * t618;
+    let t1212 = t54 + t24;
+    let t1213 = t668 * t1212;
+    let t1214 = t1213 + t1211;
+    let t1215 = t130 * t307;
+    let t1216 = t1214 + t1215;
+    let t1217 = t1210 + t1216;
+    let t1218 = t959 + t1202;
+    let t1219 = omega_joint3_y * t1218;
+    let t1220 = omega_joint3_x * t998;
+    let t1221 = t1219 + t1220;
+    let t1222 = t1217 - t1221;
+    let t1223 = moment_joint3_y_2 + t1222;
+    let t1224 = sin_joint2_joint3 * t1223;
+    let t1225 = t1224 + t1209;
+    let t1226 = t38 * t618;
+    let t1227 = t41 * t668;
+    let t1228 = t1227 + t1226;
+    let t1229 = omega_joint3_x * t1005;
+    let t1230 = omega_joint3_y * t1008;
+    let t1231 = t1230 - t1229;
+    let t1232 = t1228 - t1231;
+    let t1233 = cos_joint2 * t1232;
+    let t1234 = t1225 - t1233;
+    let t1235 = t55 * t668;
+    let t1236 = t38 * t307;
+    let t1237 = t1236 - t1235;
+    let t1238 = omega_joint3_y * t1088;
+    let t1239 = t1237 + t1238;
+    let t1240 = force_joint3_x_2 + t1239;
+    let t1241 = sin_joint2_joint3 * t1240;
+    let t1242 = t55 * t618;
+    let t1243 = t41 * t307;
+    let t1244 = t1242 + t1243;
+    let t1245 = omega_joint3_x * t1088;
+    let t1246 = t1244 - t1245;
+    let t1247 = force_joint3_y_2 + t1246;
+    let t1248 = cos_joint2_joint3 * t1247;
+    let t1249 = t1248 + t1241;
+    let t1250 = 0.3474988420565076 * t1249;
+    let t1251 = t1234 - t1250;
+    let t1252 = inverse_d_joint1 * t1251;
+    let t1253 = sin_joint2 * t1249;
+    let t1254 = cos_joint2_joint3 * t1240;
+    let t1255 = sin_joint2_joint3 * t1247;
+    let t1256 = t1255 - t1254;
+    let t1257 = cos_joint2 * t1256;
+    let t1258 = t1257 - t1253;
+    let t1259 = t41 * acceleration_joint3_y_2;
+    let t1260 = t38 * acceleration_joint3_x_2;
+    let t1261 = t1260 - t1259;
+    let t1262 = t130 * t668;
+    let t1263 = t109 * t307;
+    let t1264 = t1263 + t1262;
+    let t1265 = t132 * t618;
+    let t1266 = t1264 + t1265;
+    let t1267 = t1261 - t1266;
+    let t1268 = omega_joint3_y * t1072;
+    let t1269 = omega_joint3_x * t1082;
+    let t1270 = t1268 - t1269;
+    let t1271 = t1267 - t1270;
+    let t1272 = t1271 + t1258;
+    let t1273 = t428 * t1272;
+    let t1274 = t1252 - t1273;
+    let t1275 = t478 * t1271;
+    let t1276 = t1274 + t1275;
+    let t1277 = t90 * t618;
+    let t1278 = t29 * t668;
+    let t1279 = t1278 - t1277;
+    let t1280 = t121 * t307;
+    let t1281 = t1279 - t1280;
+    let t1282 = t1193 - t1281;
+    let t1283 = omega_joint3_y * t1126;
+    let t1284 = omega_joint3_x * t1129;
+    let t1285 = t1283 + t1284;
+    let t1286 = t1282 - t1285;
+    let t1287 = t594 * t1286;
+    let t1288 = t1276 + t1287;
+    let t1289 = t16 * acceleration_joint3_x_2;
+    let t1290 = t79 * acceleration_joint3_y_2;
+    let t1291 = t1290 + t1289;
+    let t1292 = t71 * t618;
+    let t1293 = t74 * t668;
+    let t1294 = t1293 + t1292;
+    let t1295 = t117 * t307;
     let t1296 = t1294 + t1295;
-    let t1297 = omega_joint4_x * t774;
-    let t1298 = omega_joint4_y * t906;
-    let t1299 = t1298 + t1297;
-    let t1300 = t1296 - t1299;
-    let t1301 = t250 * t1300;
-    let t1302 = t1293 + t1301;
-    let t1303 = 0.00064216 * t561;
-    let t1304 = t1229 - t1303;
-    let t1305 = omega_joint4_y * t767;
-    let t1306 = t1304 - t1305;
-    let t1307 = t281 * t1306;
-    let t1308 = t1302 - t1307;
-    let t1309 = t294 * t1300;
-    let t1310 = t1275 - t1309;
-    let t1311 = t321 * t1310;
-    let t1312 = t1308 - t1311;
-    let t1313 = cos_joint4 * t1240;
-    let t1314 = sin_joint4 * t1259;
-    let t1315 = t1314 + t1313;
-    let t1316 = 0.047012505789717454 * t1289;
-    let t1317 = t1315 - t1316;
-    let t1318 = t349 * t1300;
+    let t1297 = t1296 + t1291;
+    let t1298 = omega_joint3_y * t1159;
+    let t1299 = omega_joint3_x * t1163;
+    let t1300 = t1298 - t1299;
+    let t1301 = t1297 + t1300;
+    let t1302 = t614 * t1301;
+    let t1303 = t1288 + t1302;
+    let t1304 = t64 * t618;
+    let t1305 = t62 * t668;
+    let t1306 = t1305 + t1304;
+    let t1307 = t1306 - t1178;
+    let t1308 = omega_joint3_y * t1184;
+    let t1309 = omega_joint3_x * t1186;
+    let t1310 = t1308 - t1309;
+    let t1311 = t1307 - t1310;
+    let t1312 = t601 * t1311;
+    let t1313 = t1303 - t1312;
+    let t1314 = t40 * acceleration_joint4_y_2;
+    let t1315 = t21 + t14;
+    let t1316 = t621 * t1315;
+    let t1317 = t1314 - t1316;
+    let t1318 = omega_joint4_y * t920;
     let t1319 = t1317 + t1318;
-    let t1320 = t354 * t1306;
-    let t1321 = t1319 - t1320;
-    let t1322 = t360 * t1310;
+    let t1320 = moment_joint4_x_2 - t1319;
+    let t1321 = t40 * t621;
+    let t1322 = omega_joint4_x * t952;
     let t1323 = t1321 - t1322;
-    let t1324 = t403 * t1323;
-    let t1325 = t1312 - t1324;
-    let t1326 = t461 * t1323;
-    let t1327 = sin_joint2 * t1291;
-    let t1328 = sin_joint2_joint3 * t1283;
-    let t1329 = cos_joint2_joint3 * t1289;
-    let t1330 = t1328 + t1329;
-    let t1331 = cos_joint2 * t1330;
-    let t1332 = t1331 - t1327;
-    let t1333 = t1317 - t1332;
-    let t1334 = t1333 + t1318;
-    let t1335 = t437 * t1306;
-    let t1336 = t1334 - t1335;
-    let t1337 = t446 * t1310;
-    let t1338 = t1336 - t1337;
-    let t1339 = t1338 - t1326;
-    let t1340 = t501 * t1339;
-    let t1341 = t1325 - t1340;
-    let t1342 = inverse_d_joint1 * t1341;
-    let t1343 = t564 * 0.00044216;
-    let t1344 = omega_joint5_x * t818;
-    let t1345 = t1343 - t1344;
-    let t1346 = moment_joint5_y_2 + t1345;
-    let t1347 = cos_joint5 * t1346;
-    let t1348 = t587 * 0.00024;
-    let t1349 = omega_joint5_y * t837;
-    let t1350 = t1348 - t1349;
-    let t1351 = moment_joint5_x_2 + t1350;
-    let t1352 = sin_joint5 * t1351;
-    let t1353 = t1347 + t1352;
-    let t1354 = 0.0012435839999999998 * t564;
-    let t1355 = omega_joint5_x * t793;
-    let t1356 = t1354 - t1355;
-    let t1357 = t1356 + t1353;
-    let t1358 = cos_joint4 * t1357;
-    let t1359 = omega_joint5_y * t791;
-    let t1360 = force_joint5_x_2 - t1359;
-    let t1361 = sin_joint5 * t1360;
-    let t1362 = omega_joint5_x * t791;
-    let t1363 = omega_joint4_x * omega_joint4_x;
-    let t1364 = omega_joint4_z * omega_joint4_z;
+    let t1324 = force_joint5_z_2 + t1323;
+    let t1325 = t1324 + t1320;
+    let t1326 = sin_joint4 * t1325;
+    let t1327 = t40 * acceleration_joint4_x_2;
+    let t1328 = t10 - 0.0011921599999999998;
+    let t1329 = t802 * t1328;
+    let t1330 = t27 * t368;
+    let t1331 = t1329 + t1330;
+    let t1332 = t1327 + t1331;
+    let t1333 = omega_joint4_x * t929;
+    let t1334 = omega_joint4_y * t934;
+    let t1335 = t1334 - t1333;
+    let t1336 = t1332 - t1335;
+    let t1337 = moment_joint4_y_2 - t1336;
+    let t1338 = t40 * t802;
+    let t1339 = t16 * t368;
+    let t1340 = t1339 - t1338;
+    let t1341 = omega_joint4_y * t952;
+    let t1342 = t1340 - t1341;
+    let t1343 = force_joint4_x_2 + t1342;
+    let t1344 = t1343 - t1337;
+    let t1345 = cos_joint4 * t1344;
+    let t1346 = t1345 - t1326;
+    let t1347 = sin_joint2_joint3 * t1346;
+    let t1348 = cos_joint4 * t1343;
+    let t1349 = sin_joint4 * t1324;
+    let t1350 = t1349 - t1348;
+    let t1351 = 0.047012505789717454 * t1350;
+    let t1352 = t16 * acceleration_joint4_x_2;
+    let t1353 = t27 * t802;
+    let t1354 = t89 * t368;
+    let t1355 = t1354 - t1353;
+    let t1356 = t1352 + t1355;
+    let t1357 = omega_joint4_x * t966;
+    let t1358 = omega_joint4_y * t972;
+    let t1359 = t1358 + t1357;
+    let t1360 = t1356 - t1359;
+    let t1361 = t1360 + t1351;
+    let t1362 = cos_joint2_joint3 * t1361;
+    let t1363 = t1347 + t1362;
+    let t1364 = cos_joint2 * t1350;
     let t1365 = t1363 + t1364;
-    let t1366 = 0.0012435839999999998 * t1365;
-    let t1367 = t1366 - t1362;
-    let t1368 = force_joint5_y + t1367;
-    let t1369 = cos_joint5 * t1368;
-    let t1370 = t1369 + t1361;
-    let t1371 = sin_joint5 * acceleration_joint4_x_2;
-    let t1372 = cos_joint5 * acceleration_joint4_z_2;
-    let acceleration_joint5_y = t1371 - t1372;
-    let t1374 = 0.0012435839999999998 * acceleration_joint5_y;
-    let t1375 = 0.00064216 * t1365;
-    let t1376 = t1374 + t1375;
-    let t1377 = omega_joint5_y * t763;
-    let t1378 = omega_joint5_x * t765;
-    let t1379 = t1377 + t1378;
-    let t1380 = t1376 - t1379;
-    let t1381 = t1380 + t1370;
-    let t1382 = sin_joint4 * t1381;
-    let t1383 = t1358 - t1382;
-    let t1384 = sin_joint2_joint3 * t1383;
-    let t1385 = sin_joint5 * t1346;
-    let t1386 = cos_joint5 * t1351;
-    let t1387 = t1385 - t1386;
-    let t1388 = sin_joint4 * t1370;
-    let t1389 = cos_joint4 * t1356;
-    let t1390 = t1388 - t1389;
-    let t1391 = 0.047012505789717454 * t1390;
-    let t1392 = t1387 + t1391;
-    let t1393 = cos_joint2_joint3 * t1392;
-    let t1394 = t1384 + t1393;
-    let t1395 = cos_joint2 * t1390;
-    let t1396 = t1394 + t1395;
-    let t1397 = cos_joint4 * t1370;
-    let t1398 = sin_joint4 * t1356;
-    let t1399 = t1397 + t1398;
-    let t1400 = cos_joint2_joint3 * t1399;
-    let t1401 = cos_joint5 * t1360;
-    let t1402 = sin_joint5 * t1368;
-    let t1403 = t1402 - t1401;
-    let t1404 = sin_joint2_joint3 * t1403;
-    let t1405 = t1400 - t1404;
-    let t1406 = 0.3474988420565076 * t1405;
-    let t1407 = t1396 + t1406;
-    let t1408 = 3.9999999999999996e-5 * t587;
-    let t1409 = omega_joint5_y * t905;
-    let t1410 = t1408 - t1409;
-    let t1411 = t250 * t1410;
-    let t1412 = t1407 - t1411;
-    let t1413 = t281 * t1380;
-    let t1414 = t1412 + t1413;
-    let t1415 = t294 * t1410;
-    let t1416 = t1387 + t1415;
-    let t1417 = t321 * t1416;
-    let t1418 = t1414 - t1417;
-    let t1419 = sin_joint4 * t1357;
-    let t1420 = cos_joint4 * t1381;
-    let t1421 = t1419 + t1420;
-    let t1422 = 0.047012505789717454 * t1403;
-    let t1423 = t1421 - t1422;
-    let t1424 = t349 * t1410;
-    let t1425 = t1423 - t1424;
-    let t1426 = t354 * t1380;
-    let t1427 = t1425 + t1426;
-    let t1428 = t360 * t1416;
-    let t1429 = t1427 - t1428;
-    let t1430 = t403 * t1429;
-    let t1431 = t1418 - t1430;
-    let t1432 = t461 * t1429;
-    let t1433 = sin_joint2 * t1405;
-    let t1434 = sin_joint2_joint3 * t1399;
-    let t1435 = cos_joint2_joint3 * t1403;
-    let t1436 = t1434 + t1435;
-    let t1437 = cos_joint2 * t1436;
-    let t1438 = t1437 - t1433;
-    let t1439 = t1423 - t1438;
-    let t1440 = t1439 - t1424;
-    let t1441 = t437 * t1380;
-    let t1442 = t1440 + t1441;
-    let t1443 = t446 * t1416;
-    let t1444 = t1442 - t1443;
-    let t1445 = t1444 - t1432;
-    let t1446 = t501 * t1445;
-    let t1447 = t1431 - t1446;
-    let t1448 = inverse_d_joint1 * t1447;
-    let t1449 = 1.9999999999999998e-5 * t588;
-    let t1450 = omega_joint5_z * t761;
-    let t1451 = t1449 + t1450;
-    let t1452 = moment_joint6_x_2 - t1451;
-    let t1453 = cos_joint4 * t1452;
-    let t1454 = 1.9999999999999998e-5 * t635;
-    let t1455 = omega_joint5_x * t761;
-    let t1456 = t1454 + t1455;
-    let t1457 = moment_joint6_y_2 - t1456;
-    let t1458 = cos_joint5 * t1457;
-    let t1459 = omega_joint5_x * t774;
-    let t1460 = omega_joint5_z * t905;
-    let t1461 = t1460 + t1459;
-    let t1462 = 3.9999999999999996e-5 * t141;
-    let t1463 = t1462 - t1461;
-    let t1464 = sin_joint5 * t1463;
-    let t1465 = t1458 + t1464;
-    let t1466 = sin_joint4 * t1465;
-    let t1467 = t1466 - t1453;
-    let t1468 = t349 * t1463;
-    let t1469 = t1467 - t1468;
-    let t1470 = t354 * t1452;
-    let t1471 = t1469 - t1470;
-    let t1472 = sin_joint5 * t1457;
-    let t1473 = cos_joint5 * t1463;
-    let t1474 = t1472 - t1473;
-    let t1475 = t294 * t1463;
-    let t1476 = t1474 + t1475;
-    let t1477 = t360 * t1476;
-    let t1478 = t1471 - t1477;
-    let t1479 = t461 * t1478;
-    let t1480 = t437 * t1452;
-    let t1481 = t1469 - t1480;
-    let t1482 = t446 * t1476;
+    let t1366 = sin_joint4 * t1343;
+    let t1367 = cos_joint4 * t1324;
+    let t1368 = t1367 + t1366;
+    let t1369 = cos_joint2_joint3 * t1368;
+    let t1370 = t16 * t621;
+    let t1371 = omega_joint4_x * t945;
+    let t1372 = omega_joint4_y * t942;
+    let t1373 = t1372 - t1371;
+    let t1374 = t1370 - t1373;
+    let t1375 = sin_joint2_joint3 * t1374;
+    let t1376 = t1369 - t1375;
+    let t1377 = 0.3474988420565076 * t1376;
+    let t1378 = t1365 + t1377;
+    let t1379 = inverse_d_joint1 * t1378;
+    let t1380 = cos_joint4 * t1325;
+    let t1381 = sin_joint4 * t1344;
+    let t1382 = t1381 + t1380;
+    let t1383 = 0.047012505789717454 * t1374;
+    let t1384 = t1382 - t1383;
+    let t1385 = sin_joint2 * t1376;
+    let t1386 = sin_joint2_joint3 * t1368;
+    let t1387 = cos_joint2_joint3 * t1374;
+    let t1388 = t1386 + t1387;
+    let t1389 = cos_joint2 * t1388;
+    let t1390 = t1389 - t1385;
+    let t1391 = t1384 - t1390;
+    let t1392 = t428 * t1391;
+    let t1393 = t1379 - t1392;
+    let t1394 = t478 * t1384;
+    let t1395 = t1393 + t1394;
+    let t1396 = t594 * t1360;
+    let t1397 = t1395 - t1396;
+    let t1398 = 0.00064216 * t621;
+    let t1399 = t1314 - t1398;
+    let t1400 = omega_joint4_y * t918;
+    let t1401 = t1399 - t1400;
+    let t1402 = t614 * t1401;
+    let t1403 = t1397 + t1402;
+    let t1404 = t61 * t802;
+    let t1405 = t64 * t368;
+    let t1406 = t1404 + t1405;
+    let t1407 = omega_joint4_x * t925;
+    let t1408 = omega_joint4_y * t1182;
+    let t1409 = t1408 + t1407;
+    let t1410 = t1406 - t1409;
+    let t1411 = t601 * t1410;
+    let t1412 = t1403 + t1411;
+    let t1413 = t673 * 0.00044216;
+    let t1414 = omega_joint5_x * t969;
+    let t1415 = t1413 - t1414;
+    let t1416 = moment_joint5_y_2 + t1415;
+    let t1417 = cos_joint5 * t1416;
+    let t1418 = t761 * 0.00024;
+    let t1419 = omega_joint5_y * t988;
+    let t1420 = t1418 - t1419;
+    let t1421 = moment_joint5_x_2 + t1420;
+    let t1422 = sin_joint5 * t1421;
+    let t1423 = t1417 + t1422;
+    let t1424 = 0.0012435839999999998 * t673;
+    let t1425 = omega_joint5_x * t944;
+    let t1426 = t1424 - t1425;
+    let t1427 = t1426 + t1423;
+    let t1428 = cos_joint4 * t1427;
+    let t1429 = sin_joint5 * acceleration_joint4_x_2;
+    let t1430 = cos_joint5 * acceleration_joint4_z_2;
+    let acceleration_joint5_y = t1429 - t1430;
+    let t1432 = 0.0012435839999999998 * acceleration_joint5_y;
+    let t1433 = omega_joint4_x * omega_joint4_x;
+    let t1434 = omega_joint4_z * omega_joint4_z;
+    let t1435 = t1433 + t1434;
+    let t1436 = 0.00064216 * t1435;
+    let t1437 = t1432 + t1436;
+    let t1438 = omega_joint5_y * t914;
+    let t1439 = omega_joint5_x * t916;
+    let t1440 = t1438 + t1439;
+    let t1441 = t1437 - t1440;
+    let t1442 = omega_joint5_y * t942;
+    let t1443 = force_joint5_x_2 - t1442;
+    let t1444 = sin_joint5 * t1443;
+    let t1445 = omega_joint5_x * t942;
+    let t1446 = 0.0012435839999999998 * t1435;
+    let t1447 = t1446 - t1445;
+    let t1448 = force_joint5_y + t1447;
+    let t1449 = cos_joint5 * t1448;
+    let t1450 = t1449 + t1444;
+    let t1451 = t1441 + t1450;
+    let t1452 = sin_joint4 * t1451;
+    let t1453 = t1428 - t1452;
+    let t1454 = sin_joint2_joint3 * t1453;
+    let t1455 = sin_joint5 * t1416;
+    let t1456 = cos_joint5 * t1421;
+    let t1457 = t1455 - t1456;
+    let t1458 = sin_joint4 * t1450;
+    let t1459 = cos_joint4 * t1426;
+    let t1460 = t1458 - t1459;
+    let t1461 = 0.047012505789717454 * t1460;
+    let t1462 = t1457 + t1461;
+    let t1463 = cos_joint2_joint3 * t1462;
+    let t1464 = t1454 + t1463;
+    let t1465 = cos_joint2 * t1460;
+    let t1466 = t1464 + t1465;
+    let t1467 = cos_joint4 * t1450;
+    let t1468 = sin_joint4 * t1426;
+    let t1469 = t1467 + t1468;
+    let t1470 = cos_joint2_joint3 * t1469;
+    let t1471 = cos_joint5 * t1443;
+    let t1472 = sin_joint5 * t1448;
+    let t1473 = t1472 - t1471;
+    let t1474 = sin_joint2_joint3 * t1473;
+    let t1475 = t1470 - t1474;
+    let t1476 = 0.3474988420565076 * t1475;
+    let t1477 = t1466 + t1476;
+    let t1478 = inverse_d_joint1 * t1477;
+    let t1479 = sin_joint4 * t1427;
+    let t1480 = cos_joint4 * t1451;
+    let t1481 = t1479 + t1480;
+    let t1482 = 0.047012505789717454 * t1473;
     let t1483 = t1481 - t1482;
-    let t1484 = t1483 - t1479;
-    let t1485 = t501 * t1484;
-    let t1486 = sin_joint4 * t1452;
-    let t1487 = cos_joint4 * t1465;
-    let t1488 = t1487 + t1486;
-    let t1489 = sin_joint2_joint3 * t1488;
-    let t1490 = cos_joint2_joint3 * t1474;
-    let t1491 = t1489 + t1490;
-    let t1492 = t250 * t1463;
-    let t1493 = t1491 - t1492;
-    let t1494 = t281 * t1452;
-    let t1495 = t1493 - t1494;
-    let t1496 = t321 * t1476;
-    let t1497 = t1495 - t1496;
-    let t1498 = t403 * t1478;
-    let t1499 = t1497 - t1498;
-    let t1500 = t1499 - t1485;
-    let t1501 = inverse_d_joint1 * t1500;
-    let t1502 = t501 * t1092;
-    let t1503 = inverse_d_joint2 * t1089;
-    let t1504 = t1503 + t1502;
-    let t1505 = t501 * t1228;
-    let t1506 = inverse_d_joint2 * t1225;
-    let t1507 = t1506 - t1505;
-    let t1508 = t501 * t1342;
-    let t1509 = inverse_d_joint2 * t1339;
-    let t1510 = t1509 - t1508;
-    let t1511 = t501 * t1448;
-    let t1512 = inverse_d_joint2 * t1445;
+    let t1484 = sin_joint2 * t1475;
+    let t1485 = sin_joint2_joint3 * t1469;
+    let t1486 = cos_joint2_joint3 * t1473;
+    let t1487 = t1485 + t1486;
+    let t1488 = cos_joint2 * t1487;
+    let t1489 = t1488 - t1484;
+    let t1490 = t1483 - t1489;
+    let t1491 = t428 * t1490;
+    let t1492 = t1478 - t1491;
+    let t1493 = t478 * t1483;
+    let t1494 = t1492 + t1493;
+    let t1495 = t594 * t1457;
+    let t1496 = t1494 - t1495;
+    let t1497 = t614 * t1441;
+    let t1498 = t1496 - t1497;
+    let t1499 = 3.9999999999999996e-5 * t761;
+    let t1500 = omega_joint5_y * t1181;
+    let t1501 = t1499 - t1500;
+    let t1502 = t601 * t1501;
+    let t1503 = t1498 - t1502;
+    let t1504 = 1.9999999999999998e-5 * t834;
+    let t1505 = omega_joint5_x * t912;
+    let t1506 = t1504 + t1505;
+    let t1507 = moment_joint6_y_2 - t1506;
+    let t1508 = cos_joint5 * t1507;
+    let t1509 = omega_joint5_x * t925;
+    let t1510 = omega_joint5_z * t1181;
+    let t1511 = t1510 + t1509;
+    let t1512 = 3.9999999999999996e-5 * t392;
     let t1513 = t1512 - t1511;
-    let t1514 = t501 * t1501;
-    let t1515 = inverse_d_joint2 * t1484;
-    let t1516 = t1515 - t1514;
-    let t1517 = t461 * t1504;
-    let t1518 = inverse_d_joint3 * t1054;
-    let t1519 = t1518 - t1517;
-    let t1520 = t403 * t1092;
-    let t1521 = t1519 + t1520;
-    let t1522 = t461 * t1507;
-    let t1523 = inverse_d_joint3 * t1209;
-    let t1524 = t1523 - t1522;
-    let t1525 = t403 * t1228;
+    let t1514 = sin_joint5 * t1513;
+    let t1515 = t1508 + t1514;
+    let t1516 = cos_joint4 * t1515;
+    let t1517 = 1.9999999999999998e-5 * t762;
+    let t1518 = omega_joint5_z * t912;
+    let t1519 = t1517 + t1518;
+    let t1520 = moment_joint6_x_2 - t1519;
+    let t1521 = sin_joint4 * t1520;
+    let t1522 = t1516 + t1521;
+    let t1523 = sin_joint2_joint3 * t1522;
+    let t1524 = sin_joint5 * t1507;
+    let t1525 = cos_joint5 * t1513;
     let t1526 = t1524 - t1525;
-    let t1527 = t461 * t1510;
-    let t1528 = inverse_d_joint3 * t1323;
-    let t1529 = t1528 - t1527;
-    let t1530 = t403 * t1342;
-    let t1531 = t1529 - t1530;
-    let t1532 = t461 * t1513;
-    let t1533 = inverse_d_joint3 * t1429;
-    let t1534 = t1533 - t1532;
-    let t1535 = t403 * t1448;
-    let t1536 = t1534 - t1535;
-    let t1537 = t461 * t1516;
-    let t1538 = inverse_d_joint3 * t1478;
-    let t1539 = t1538 - t1537;
-    let t1540 = t403 * t1501;
-    let t1541 = t1539 - t1540;
-    let t1542 = t360 * t1521;
-    let t1543 = inverse_d_joint4 * t1002;
-    let t1544 = t1543 + t1542;
-    let t1545 = t446 * t1504;
-    let t1546 = t1544 + t1545;
-    let t1547 = t321 * t1092;
-    let t1548 = t1546 - t1547;
-    let t1549 = t360 * t1526;
-    let t1550 = inverse_d_joint4 * t1188;
-    let t1551 = t1550 + t1549;
-    let t1552 = t446 * t1507;
+    let t1527 = cos_joint2_joint3 * t1526;
+    let t1528 = t1523 + t1527;
+    let t1529 = inverse_d_joint1 * t1528;
+    let t1530 = sin_joint4 * t1515;
+    let t1531 = cos_joint4 * t1520;
+    let t1532 = t1530 - t1531;
+    let t1533 = t428 * t1532;
+    let t1534 = t1529 - t1533;
+    let t1535 = t478 * t1532;
+    let t1536 = t1534 + t1535;
+    let t1537 = t594 * t1526;
+    let t1538 = t1536 - t1537;
+    let t1539 = t614 * t1520;
+    let t1540 = t1538 + t1539;
+    let t1541 = t601 * t1513;
+    let t1542 = t1540 - t1541;
+    let t1543 = t428 * t1043;
+    let t1544 = t430 * t1099;
+    let t1545 = t1543 - t1544;
+    let t1546 = t433 * t1111;
+    let t1547 = t1545 - t1546;
+    let t1548 = t563 * t1137;
+    let t1549 = t1547 - t1548;
+    let t1550 = t583 * t1171;
+    let t1551 = t1549 + t1550;
+    let t1552 = t570 * t1190;
     let t1553 = t1551 + t1552;
-    let t1554 = t321 * t1228;
-    let t1555 = t1553 + t1554;
-    let t1556 = t360 * t1531;
-    let t1557 = inverse_d_joint4 * t1310;
-    let t1558 = t1557 - t1556;
-    let t1559 = t446 * t1510;
-    let t1560 = t1558 - t1559;
-    let t1561 = t321 * t1342;
-    let t1562 = t1560 - t1561;
-    let t1563 = t360 * t1536;
-    let t1564 = inverse_d_joint4 * t1416;
-    let t1565 = t1564 - t1563;
-    let t1566 = t446 * t1513;
+    let t1554 = t428 * t1251;
+    let t1555 = t430 * t1272;
+    let t1556 = t1554 - t1555;
+    let t1557 = t433 * t1271;
+    let t1558 = t1556 + t1557;
+    let t1559 = t563 * t1286;
+    let t1560 = t1558 + t1559;
+    let t1561 = t583 * t1301;
+    let t1562 = t1560 + t1561;
+    let t1563 = t570 * t1311;
+    let t1564 = t1562 - t1563;
+    let t1565 = t428 * t1378;
+    let t1566 = t430 * t1391;
     let t1567 = t1565 - t1566;
-    let t1568 = t321 * t1448;
-    let t1569 = t1567 - t1568;
-    let t1570 = t360 * t1541;
-    let t1571 = inverse_d_joint4 * t1476;
-    let t1572 = t1571 - t1570;
-    let t1573 = t446 * t1516;
-    let t1574 = t1572 - t1573;
-    let t1575 = t321 * t1501;
-    let t1576 = t1574 - t1575;
-    let t1577 = t354 * t1521;
-    let t1578 = 5.83606090588883 * t966;
-    let t1579 = t1578 + t1577;
-    let t1580 = t437 * t1504;
-    let t1581 = t1579 + t1580;
-    let t1582 = t281 * t1092;
-    let t1583 = t1581 - t1582;
-    let t1584 = t354 * t1526;
-    let t1585 = 5.83606090588883 * t1174;
-    let t1586 = t1585 - t1584;
-    let t1587 = t437 * t1507;
-    let t1588 = t1586 - t1587;
-    let t1589 = t281 * t1228;
-    let t1590 = t1588 - t1589;
-    let t1591 = t354 * t1531;
-    let t1592 = 5.83606090588883 * t1306;
-    let t1593 = t1592 - t1591;
-    let t1594 = t437 * t1510;
-    let t1595 = t1593 - t1594;
-    let t1596 = t281 * t1342;
+    let t1568 = t433 * t1384;
+    let t1569 = t1567 + t1568;
+    let t1570 = t563 * t1360;
+    let t1571 = t1569 - t1570;
+    let t1572 = t583 * t1401;
+    let t1573 = t1571 + t1572;
+    let t1574 = t570 * t1410;
+    let t1575 = t1573 + t1574;
+    let t1576 = t428 * t1477;
+    let t1577 = t430 * t1490;
+    let t1578 = t1576 - t1577;
+    let t1579 = t433 * t1483;
+    let t1580 = t1578 + t1579;
+    let t1581 = t563 * t1457;
+    let t1582 = t1580 - t1581;
+    let t1583 = t583 * t1441;
+    let t1584 = t1582 - t1583;
+    let t1585 = t570 * t1501;
+    let t1586 = t1584 - t1585;
+    let t1587 = t428 * t1528;
+    let t1588 = t430 * t1532;
+    let t1589 = t1587 - t1588;
+    let t1590 = t433 * t1532;
+    let t1591 = t1589 + t1590;
+    let t1592 = t563 * t1526;
+    let t1593 = t1591 - t1592;
+    let t1594 = t583 * t1520;
+    let t1595 = t1593 + t1594;
+    let t1596 = t570 * t1513;
     let t1597 = t1595 - t1596;
-    let t1598 = t354 * t1536;
-    let t1599 = 5.83606090588883 * t1380;
-    let t1600 = t1599 + t1598;
-    let t1601 = t437 * t1513;
-    let t1602 = t1600 + t1601;
-    let t1603 = t281 * t1448;
-    let t1604 = t1602 + t1603;
-    let t1605 = t354 * t1541;
-    let t1606 = 5.83606090588883 * t1452;
-    let t1607 = t1606 - t1605;
-    let t1608 = t437 * t1516;
-    let t1609 = t1607 - t1608;
-    let t1610 = t281 * t1501;
+    let t1598 = t478 * t1043;
+    let t1599 = t433 * t1099;
+    let t1600 = t1598 - t1599;
+    let t1601 = t219 * t1111;
+    let t1602 = t1600 - t1601;
+    let t1603 = t224 * t1137;
+    let t1604 = t1602 - t1603;
+    let t1605 = t545 * t1171;
+    let t1606 = t1604 + t1605;
+    let t1607 = t231 * t1190;
+    let t1608 = t1606 + t1607;
+    let t1609 = t478 * t1251;
+    let t1610 = t433 * t1272;
     let t1611 = t1609 - t1610;
-    let t1612 = t294 * t1548;
-    let t1613 = 5.151863922779921 * t914;
-    let t1614 = t1613 - t1612;
-    let t1615 = t349 * t1521;
-    let t1616 = t1614 - t1615;
-    let t1617 = t349 * t1504;
-    let t1618 = t1616 - t1617;
-    let t1619 = t250 * t1092;
-    let t1620 = t1618 + t1619;
-    let t1621 = t294 * t1555;
-    let t1622 = 5.151863922779921 * t1159;
-    let t1623 = t1622 - t1621;
-    let t1624 = t349 * t1526;
-    let t1625 = t1623 - t1624;
-    let t1626 = t349 * t1507;
-    let t1627 = t1625 - t1626;
-    let t1628 = t250 * t1228;
-    let t1629 = t1627 - t1628;
-    let t1630 = t294 * t1562;
-    let t1631 = 5.151863922779921 * t1300;
-    let t1632 = t1631 - t1630;
-    let t1633 = t349 * t1531;
-    let t1634 = t1632 + t1633;
-    let t1635 = t349 * t1510;
-    let t1636 = t1634 + t1635;
-    let t1637 = t250 * t1342;
-    let t1638 = t1636 + t1637;
-    let t1639 = t294 * t1569;
-    let t1640 = 5.151863922779921 * t1410;
-    let t1641 = t1640 + t1639;
-    let t1642 = t349 * t1536;
-    let t1643 = t1641 - t1642;
-    let t1644 = t349 * t1513;
+    let t1612 = t219 * t1271;
+    let t1613 = t1611 + t1612;
+    let t1614 = t224 * t1286;
+    let t1615 = t1613 + t1614;
+    let t1616 = t545 * t1301;
+    let t1617 = t1615 + t1616;
+    let t1618 = t231 * t1311;
+    let t1619 = t1617 - t1618;
+    let t1620 = t478 * t1378;
+    let t1621 = t433 * t1391;
+    let t1622 = t1620 - t1621;
+    let t1623 = t219 * t1384;
+    let t1624 = t1622 + t1623;
+    let t1625 = t224 * t1360;
+    let t1626 = t1624 - t1625;
+    let t1627 = t545 * t1401;
+    let t1628 = t1626 + t1627;
+    let t1629 = t231 * t1410;
+    let t1630 = t1628 + t1629;
+    let t1631 = t478 * t1477;
+    let t1632 = t433 * t1490;
+    let t1633 = t1631 - t1632;
+    let t1634 = t219 * t1483;
+    let t1635 = t1633 + t1634;
+    let t1636 = t224 * t1457;
+    let t1637 = t1635 - t1636;
+    let t1638 = t545 * t1441;
+    let t1639 = t1637 - t1638;
+    let t1640 = t231 * t1501;
+    let t1641 = t1639 - t1640;
+    let t1642 = t478 * t1528;
+    let t1643 = t1590 - t1642;
+    let t1644 = t219 * t1532;
     let t1645 = t1643 - t1644;
-    let t1646 = t250 * t1448;
-    let t1647 = t1645 - t1646;
-    let t1648 = t294 * t1576;
-    let t1649 = 5.151863922779921 * t1463;
-    let t1650 = t1649 + t1648;
-    let t1651 = t349 * t1541;
-    let t1652 = t1650 - t1651;
-    let t1653 = t349 * t1516;
+    let t1646 = t224 * t1526;
+    let t1647 = t1645 + t1646;
+    let t1648 = t545 * t1520;
+    let t1649 = t1647 - t1648;
+    let t1650 = t231 * t1513;
+    let t1651 = t1649 + t1650;
+    let t1652 = t594 * t1043;
+    let t1653 = t563 * t1099;
     let t1654 = t1652 - t1653;
-    let t1655 = t250 * t1501;
+    let t1655 = t224 * t1111;
     let t1656 = t1654 - t1655;
-    let t1657 = sin_joint2_joint3 * t850;
-    let t1658 = t800 - t1657;
-    let t1659 = cos_joint2_joint3 * t854;
-    let t1660 = sin_joint2_joint3 * t857;
-    let t1661 = t1659 + t1660;
-    let t1662 = cos_joint2 * t1661;
-    let t1663 = v[1] * sin_joint2;
-    let t1664 = 2.0 * t1663;
-    let t1665 = t1664 * t743;
-    let t1666 = t1662 + t1665;
-    let t1667 = t1658 + t1666;
-    let t1668 = t707 * t82;
-    let t1669 = t196 * t1081;
-    let t1670 = t1669 + t1668;
-    let t1671 = t1670 - t1667;
-    let t1672 = v[0] * 0.6949976841130152;
-    let t1673 = t1672 * t1060;
-    let t1674 = t1671 - t1673;
-    let t1675 = t960 * t749;
-    let t1676 = t1102 - t1675;
-    let t1677 = t1669 - t1676;
-    let t1678 = t888 * t1081;
-    let t1679 = t1678 + t1077;
-    let t1680 = 0.3474988420565076 * t1679;
-    let t1681 = t1677 - t1680;
-    let t1682 = t1674 - t1681;
-    let t1683 = 5.8018217679508 + t1682;
-    let t1684 = sin_joint2_joint3 * t908;
-    let t1685 = cos_joint2_joint3 * t910;
-    let t1686 = t1684 + t1685;
-    let t1687 = t250 * t1686;
-    let t1688 = t1683 - t1687;
-    let t1689 = sin_joint2_joint3 * t952;
-    let t1690 = cos_joint2_joint3 * t956;
-    let t1691 = t1689 + t1690;
-    let t1692 = t960 * t924;
-    let t1693 = t1664 * t927;
-    let t1694 = t1692 + t1693;
-    let t1695 = t1691 - t1694;
-    let t1696 = t1672 * t927;
-    let t1697 = t1695 + t1696;
-    let t1698 = t281 * t1697;
-    let t1699 = t1688 + t1698;
-    let t1700 = sin_joint2_joint3 * t989;
-    let t1701 = cos_joint2_joint3 * t992;
+    let t1657 = t644 * t1137;
+    let t1658 = t1656 - t1657;
+    let t1659 = t664 * t1171;
+    let t1660 = t1658 + t1659;
+    let t1661 = t651 * t1190;
+    let t1662 = t1660 + t1661;
+    let t1663 = t594 * t1251;
+    let t1664 = t563 * t1272;
+    let t1665 = t1663 - t1664;
+    let t1666 = t224 * t1271;
+    let t1667 = t1665 + t1666;
+    let t1668 = t644 * t1286;
+    let t1669 = t1667 + t1668;
+    let t1670 = t664 * t1301;
+    let t1671 = t1669 + t1670;
+    let t1672 = t651 * t1311;
+    let t1673 = t1671 - t1672;
+    let t1674 = t594 * t1378;
+    let t1675 = t563 * t1391;
+    let t1676 = t1674 - t1675;
+    let t1677 = t224 * t1384;
+    let t1678 = t1676 + t1677;
+    let t1679 = t644 * t1360;
+    let t1680 = t1678 - t1679;
+    let t1681 = t664 * t1401;
+    let t1682 = t1680 + t1681;
+    let t1683 = t651 * t1410;
+    let t1684 = t1682 + t1683;
+    let t1685 = t594 * t1477;
+    let t1686 = t563 * t1490;
+    let t1687 = t1685 - t1686;
+    let t1688 = t224 * t1483;
+    let t1689 = t1687 + t1688;
+    let t1690 = t644 * t1457;
+    let t1691 = t1689 - t1690;
+    let t1692 = t664 * t1441;
+    let t1693 = t1691 - t1692;
+    let t1694 = t651 * t1501;
+    let t1695 = t1693 - t1694;
+    let t1696 = t594 * t1528;
+    let t1697 = t563 * t1532;
+    let t1698 = t1696 - t1697;
+    let t1699 = t224 * t1532;
+    let t1700 = t1698 + t1699;
+    let t1701 = t644 * t1526;
     let t1702 = t1700 - t1701;
-    let t1703 = t960 * t971;
-    let t1704 = t1664 * t721;
-    let t1705 = t1703 - t1704;
-    let t1706 = t1702 + t1705;
-    let t1707 = t1672 * t721;
-    let t1708 = t1706 + t1707;
-    let t1709 = t294 * t1686;
-    let t1710 = t1708 - t1709;
-    let t1711 = t321 * t1710;
-    let t1712 = t1699 + t1711;
-    let t1713 = sin_joint2_joint3 * t1034;
-    let t1714 = cos_joint2_joint3 * t1044;
+    let t1703 = t664 * t1520;
+    let t1704 = t1702 + t1703;
+    let t1705 = t651 * t1513;
+    let t1706 = t1704 - t1705;
+    let t1707 = t614 * t1043;
+    let t1708 = t583 * t1099;
+    let t1709 = t1707 - t1708;
+    let t1710 = t545 * t1111;
+    let t1711 = t1709 - t1710;
+    let t1712 = t664 * t1137;
+    let t1713 = t1711 - t1712;
+    let t1714 = t829 * t1171;
     let t1715 = t1713 + t1714;
-    let t1716 = t960 * t739;
-    let t1717 = t1715 - t1716;
-    let t1718 = t349 * t1686;
-    let t1719 = t1717 - t1718;
-    let t1720 = t354 * t1697;
-    let t1721 = t1719 + t1720;
-    let t1722 = t360 * t1710;
-    let t1723 = t1721 + t1722;
-    let t1724 = t403 * t1723;
-    let t1725 = t1712 - t1724;
-    let t1726 = t461 * t1723;
-    let t1727 = sin_joint2 * t1077;
-    let t1728 = t1727 - t1716;
-    let t1729 = t1715 + t1728;
-    let t1730 = t707 * t1081;
-    let t1731 = t1730 + t1729;
-    let t1732 = t1731 - t1718;
-    let t1733 = t437 * t1697;
-    let t1734 = t1732 + t1733;
-    let t1735 = t446 * t1710;
-    let t1736 = t1734 + t1735;
-    let t1737 = t1736 - t1726;
-    let t1738 = t501 * t1737;
-    let t1739 = t1725 - t1738;
-    let t1740 = inverse_d_joint1 * t1739;
-    let t1741 = t808 - t1657;
-    let t1742 = sin_joint2 * t859;
-    let t1743 = t862 * t739;
-    let t1744 = t1742 - t1743;
-    let t1745 = t1741 - t1744;
-    let t1746 = t1668 - t1745;
-    let t1747 = t1671 - t1746;
-    let t1748 = t1081 * t1066;
-    let t1749 = t1747 - t1748;
-    let t1750 = 9.496868641825001 + t1749;
-    let t1751 = cos_joint4 * t774;
-    let t1752 = sin_joint4 * t906;
-    let t1753 = t1752 + t1751;
-    let t1754 = t900 * t1081;
-    let t1755 = t1753 - t1754;
-    let t1756 = t349 * t1755;
-    let t1757 = t1750 - t1756;
-    let t1758 = sin_joint4 * t944;
-    let t1759 = cos_joint4 * t785;
-    let t1760 = t1758 + t1759;
-    let t1761 = t803 * t917;
-    let t1762 = t1760 + t1761;
-    let t1763 = t862 * t924;
-    let t1764 = t1664 * t920;
-    let t1765 = t1764 + t1763;
-    let t1766 = t1762 + t1765;
-    let t1767 = t1081 * t933;
-    let t1768 = t1766 + t1767;
-    let t1769 = t437 * t1768;
-    let t1770 = t1757 + t1769;
-    let t1771 = cos_joint4 * t815;
-    let t1772 = sin_joint4 * t821;
-    let t1773 = t1772 + t1771;
-    let t1774 = t803 * t749;
+    let t1716 = t708 * t1190;
+    let t1717 = t1715 + t1716;
+    let t1718 = t614 * t1251;
+    let t1719 = t583 * t1272;
+    let t1720 = t1718 - t1719;
+    let t1721 = t545 * t1271;
+    let t1722 = t1720 + t1721;
+    let t1723 = t664 * t1286;
+    let t1724 = t1722 + t1723;
+    let t1725 = t829 * t1301;
+    let t1726 = t1724 + t1725;
+    let t1727 = t708 * t1311;
+    let t1728 = t1726 - t1727;
+    let t1729 = t614 * t1378;
+    let t1730 = t583 * t1391;
+    let t1731 = t1729 - t1730;
+    let t1732 = t545 * t1384;
+    let t1733 = t1731 + t1732;
+    let t1734 = t664 * t1360;
+    let t1735 = t1733 - t1734;
+    let t1736 = t829 * t1401;
+    let t1737 = t1735 + t1736;
+    let t1738 = t708 * t1410;
+    let t1739 = t1737 + t1738;
+    let t1740 = t614 * t1477;
+    let t1741 = t583 * t1490;
+    let t1742 = t1740 - t1741;
+    let t1743 = t545 * t1483;
+    let t1744 = t1742 + t1743;
+    let t1745 = t664 * t1457;
+    let t1746 = t1744 - t1745;
+    let t1747 = t829 * t1441;
+    let t1748 = t1746 - t1747;
+    let t1749 = t708 * t1501;
+    let t1750 = t1748 - t1749;
+    let t1751 = t614 * t1528;
+    let t1752 = t583 * t1532;
+    let t1753 = t1751 - t1752;
+    let t1754 = t545 * t1532;
+    let t1755 = t1753 + t1754;
+    let t1756 = t664 * t1526;
+    let t1757 = t1755 - t1756;
+    let t1758 = t829 * t1520;
+    let t1759 = t1757 + t1758;
+    let t1760 = t708 * t1513;
+    let t1761 = t1759 - t1760;
+    let t1762 = t601 * t1043;
+    let t1763 = t570 * t1099;
+    let t1764 = t1762 - t1763;
+    let t1765 = t231 * t1111;
+    let t1766 = t1764 - t1765;
+    let t1767 = t651 * t1137;
+    let t1768 = t1766 - t1767;
+    let t1769 = t708 * t1171;
+    let t1770 = t1768 + t1769;
+    let t1771 = t746 * t1190;
+    let t1772 = t1770 + t1771;
+    let t1773 = t601 * t1251;
+    let t1774 = t570 * t1272;
     let t1775 = t1773 - t1774;
-    let t1776 = t862 * t971;
-    let t1777 = t1664 * t969;
-    let t1778 = t1777 + t1776;
-    let t1779 = t1775 - t1778;
-    let t1780 = t1081 * t980;
+    let t1776 = t231 * t1271;
+    let t1777 = t1775 + t1776;
+    let t1778 = t651 * t1286;
+    let t1779 = t1777 + t1778;
+    let t1780 = t708 * t1301;
     let t1781 = t1779 + t1780;
-    let t1782 = t294 * t1755;
+    let t1782 = t746 * t1311;
     let t1783 = t1781 - t1782;
-    let t1784 = t446 * t1783;
-    let t1785 = t1770 + t1784;
-    let t1786 = t800 - t808;
-    let t1787 = t1665 - t1743;
+    let t1784 = t601 * t1378;
+    let t1785 = t570 * t1391;
+    let t1786 = t1784 - t1785;
+    let t1787 = t231 * t1384;
     let t1788 = t1786 + t1787;
-    let t1789 = t1081 * t1012;
+    let t1789 = t651 * t1360;
     let t1790 = t1788 - t1789;
-    let t1791 = t1790 + t1756;
-    let t1792 = t354 * t1768;
-    let t1793 = t1791 - t1792;
-    let t1794 = t360 * t1783;
-    let t1795 = t1793 - t1794;
-    let t1796 = t461 * t1795;
-    let t1797 = t1785 + t1796;
-    let t1798 = t501 * t1797;
-    let t1799 = t772 - t1022;
-    let t1800 = omega_joint3_z * 0.009475200000000003;
-    let t1801 = t1800 - t1799;
-    let t1802 = sin_joint2_joint3 * t1801;
-    let t1803 = cos_joint2_joint3 * t1775;
-    let t1804 = t1802 + t1803;
-    let t1805 = t862 * t749;
-    let t1806 = t1804 - t1805;
-    let t1807 = t196 * t82;
-    let t1808 = t1807 - t1806;
-    let t1809 = t1081 * t747;
-    let t1810 = t1808 - t1809;
-    let t1811 = t82 * t888;
-    let t1812 = t1811 + t859;
-    let t1813 = 0.3474988420565076 * t1812;
-    let t1814 = t1813 - t1810;
-    let t1815 = t250 * t1755;
-    let t1816 = t1814 + t1815;
-    let t1817 = t281 * t1768;
-    let t1818 = t1816 - t1817;
-    let t1819 = t321 * t1783;
-    let t1820 = t1818 - t1819;
-    let t1821 = t403 * t1795;
-    let t1822 = t1820 - t1821;
-    let t1823 = t1822 + t1798;
-    let t1824 = inverse_d_joint1 * t1823;
-    let t1825 = 2.0 * omega_joint3_y;
-    let t1826 = t1825 * t751;
-    let t1827 = 2.0 * omega_joint3_x;
-    let t1828 = t387 * t1827;
-    let t1829 = t1826 + t1828;
-    let t1830 = t1786 - t1829;
-    let t1831 = 3.9804259903721997 - t1830;
-    let t1832 = t247 * t1827;
-    let t1833 = t245 * t1825;
+    let t1791 = t708 * t1401;
+    let t1792 = t1790 + t1791;
+    let t1793 = t746 * t1410;
+    let t1794 = t1792 + t1793;
+    let t1795 = t601 * t1477;
+    let t1796 = t570 * t1490;
+    let t1797 = t1795 - t1796;
+    let t1798 = t231 * t1483;
+    let t1799 = t1797 + t1798;
+    let t1800 = t651 * t1457;
+    let t1801 = t1799 - t1800;
+    let t1802 = t708 * t1441;
+    let t1803 = t1801 - t1802;
+    let t1804 = t746 * t1501;
+    let t1805 = t1803 - t1804;
+    let t1806 = t601 * t1528;
+    let t1807 = t570 * t1532;
+    let t1808 = t1806 - t1807;
+    let t1809 = t231 * t1532;
+    let t1810 = t1808 + t1809;
+    let t1811 = t651 * t1526;
+    let t1812 = t1810 - t1811;
+    let t1813 = t708 * t1520;
+    let t1814 = t1812 + t1813;
+    let t1815 = t746 * t1513;
+    let t1816 = t1814 - t1815;
+    let t1817 = sin_joint2_joint3 * t1184;
+    let t1818 = cos_joint2_joint3 * t1186;
+    let t1819 = t1817 + t1818;
+    let t1820 = t601 * t1819;
+    let t1821 = sin_joint2_joint3 * t1001;
+    let t1822 = t951 - t1821;
+    let t1823 = cos_joint2_joint3 * t1005;
+    let t1824 = sin_joint2_joint3 * t1008;
+    let t1825 = t1823 + t1824;
+    let t1826 = cos_joint2 * t1825;
+    let t1827 = v[1] * sin_joint2;
+    let t1828 = 2.0 * t1827;
+    let t1829 = t43 * t1828;
+    let t1830 = t1826 + t1829;
+    let t1831 = t1822 + t1830;
+    let t1832 = t456 * t316;
+    let t1833 = t517 * t1095;
     let t1834 = t1833 + t1832;
-    let t1835 = t1753 - t1834;
-    let t1836 = t349 * t1835;
-    let t1837 = t1831 - t1836;
-    let t1838 = t1827 * t928;
-    let t1839 = t265 * t1825;
-    let t1840 = t1839 + t1838;
-    let t1841 = t1762 + t1840;
-    let t1842 = t354 * t1841;
-    let t1843 = t1837 + t1842;
-    let t1844 = t1827 * t975;
-    let t1845 = t306 * t1825;
-    let t1846 = t1845 - t1844;
-    let t1847 = t1775 + t1846;
-    let t1848 = t294 * t1835;
-    let t1849 = t1847 - t1848;
-    let t1850 = t360 * t1849;
-    let t1851 = t1843 + t1850;
-    let t1852 = t461 * t1851;
-    let t1853 = t1825 * t749;
-    let t1854 = t854 + t1853;
-    let t1855 = sin_joint2_joint3 * t1854;
-    let t1856 = t1827 * t749;
-    let t1857 = t857 + t1856;
-    let t1858 = cos_joint2_joint3 * t1857;
-    let t1859 = t1858 - t1855;
-    let t1860 = sin_joint2 * t1859;
-    let t1861 = cos_joint2_joint3 * t1854;
-    let t1862 = sin_joint2_joint3 * t1857;
-    let t1863 = t1862 + t1861;
-    let t1864 = cos_joint2 * t1863;
-    let t1865 = t1864 - t1860;
-    let t1866 = t1830 + t1865;
-    let t1867 = t1866 + t1836;
-    let t1868 = t437 * t1841;
-    let t1869 = t1867 - t1868;
-    let t1870 = t446 * t1849;
-    let t1871 = t1869 - t1870;
-    let t1872 = t1871 + t1852;
-    let t1873 = t501 * t1872;
-    let t1874 = t403 * t1851;
-    let t1875 = t1825 * t1112;
-    let t1876 = t1827 * t729;
-    let t1877 = t1875 + t1876;
-    let t1878 = t1801 + t1877;
-    let t1879 = sin_joint2_joint3 * t1878;
-    let t1880 = t1827 * t1095;
-    let t1881 = t1825 * t729;
+    let t1835 = t1834 - t1831;
+    let t1836 = v[0] * 0.6949976841130152;
+    let t1837 = t1045 * t1836;
+    let t1838 = t1835 + t1837;
+    let t1839 = t55 * t1091;
+    let t1840 = t1202 - t1839;
+    let t1841 = t1833 - t1840;
+    let t1842 = t461 * t1095;
+    let t1843 = t1842 - t1088;
+    let t1844 = 0.3474988420565076 * t1843;
+    let t1845 = t1841 + t1844;
+    let t1846 = t1838 - t1845;
+    let t1847 = 5.8018217679508 + t1846;
+    let t1848 = inverse_d_joint1 * t1847;
+    let t1849 = sin_joint2_joint3 * t1072;
+    let t1850 = cos_joint2_joint3 * t1082;
+    let t1851 = t1849 + t1850;
+    let t1852 = sin_joint2 * t1088;
+    let t1853 = t137 * t1091;
+    let t1854 = t1852 - t1853;
+    let t1855 = t1851 + t1854;
+    let t1856 = t456 * t1095;
+    let t1857 = t1856 + t1855;
+    let t1858 = t428 * t1857;
+    let t1859 = t1848 - t1858;
+    let t1860 = t1851 - t1853;
+    let t1861 = t478 * t1860;
+    let t1862 = t1859 + t1861;
+    let t1863 = sin_joint2_joint3 * t1126;
+    let t1864 = cos_joint2_joint3 * t1129;
+    let t1865 = t1863 - t1864;
+    let t1866 = t96 * t1091;
+    let t1867 = t17 * t1828;
+    let t1868 = t1866 - t1867;
+    let t1869 = t1865 + t1868;
+    let t1870 = t17 * t1836;
+    let t1871 = t1869 + t1870;
+    let t1872 = t594 * t1871;
+    let t1873 = t1862 + t1872;
+    let t1874 = sin_joint2_joint3 * t1159;
+    let t1875 = cos_joint2_joint3 * t1163;
+    let t1876 = t1874 + t1875;
+    let t1877 = t82 * t1091;
+    let t1878 = t70 * t1828;
+    let t1879 = t1877 + t1878;
+    let t1880 = t1876 - t1879;
+    let t1881 = t70 * t1836;
     let t1882 = t1880 + t1881;
-    let t1883 = t1775 - t1882;
-    let t1884 = cos_joint2_joint3 * t1883;
-    let t1885 = t1879 + t1884;
-    let t1886 = t1827 * t735;
-    let t1887 = t1825 * t737;
+    let t1883 = t614 * t1882;
+    let t1884 = t1873 - t1883;
+    let t1885 = t1884 - t1820;
+    let t1886 = cos_joint4 * t925;
+    let t1887 = sin_joint4 * t1182;
     let t1888 = t1887 + t1886;
-    let t1889 = cos_joint2 * t1888;
-    let t1890 = t1885 - t1889;
-    let t1891 = 0.3474988420565076 * t1859;
-    let t1892 = t1890 - t1891;
-    let t1893 = t250 * t1835;
-    let t1894 = t1892 + t1893;
-    let t1895 = t281 * t1841;
-    let t1896 = t1894 - t1895;
-    let t1897 = t321 * t1849;
-    let t1898 = t1896 - t1897;
-    let t1899 = t1898 + t1874;
-    let t1900 = t1899 - t1873;
-    let t1901 = inverse_d_joint1 * t1900;
-    let t1902 = t770 * t1230;
-    let t1903 = t832 - t1902;
-    let t1904 = t791 - t833;
-    let t1905 = t1904 + t1903;
-    let t1906 = sin_joint4 * t1905;
-    let t1907 = t784 * t1243;
-    let t1908 = t838 + t1907;
-    let t1909 = t794 - t839;
-    let t1910 = t1909 + t1908;
-    let t1911 = cos_joint4 * t1910;
-    let t1912 = t1911 - t1906;
-    let t1913 = sin_joint2_joint3 * t1912;
-    let t1914 = cos_joint4 * t1909;
-    let t1915 = sin_joint4 * t1904;
-    let t1916 = t1915 - t1914;
-    let t1917 = 0.047012505789717454 * t1916;
-    let t1918 = t303 * t784;
-    let t1919 = t783 - t1918;
-    let t1920 = t1919 + t1917;
-    let t1921 = cos_joint2_joint3 * t1920;
-    let t1922 = t1913 + t1921;
-    let t1923 = cos_joint2 * t1916;
-    let t1924 = t1922 + t1923;
-    let t1925 = sin_joint4 * t1909;
-    let t1926 = cos_joint4 * t1904;
-    let t1927 = t1926 + t1925;
-    let t1928 = cos_joint2_joint3 * t1927;
-    let t1929 = sin_joint2_joint3 * t771;
-    let t1930 = t1928 + t1929;
-    let t1931 = 0.3474988420565076 * t1930;
-    let t1932 = t1924 + t1931;
-    let t1933 = t244 * t784;
-    let t1934 = t910 - t1933;
-    let t1935 = t250 * t1934;
-    let t1936 = t1932 - t1935;
-    let t1937 = omega_joint4_x * 0.00128432;
-    let t1938 = t832 - t1937;
-    let t1939 = t281 * t1938;
-    let t1940 = t1936 + t1939;
-    let t1941 = 0.41164522969715195 + t1919;
-    let t1942 = t294 * t1934;
+    let t1889 = t1176 * t1095;
+    let t1890 = t1888 - t1889;
+    let t1891 = t601 * t1890;
+    let t1892 = t959 - t1821;
+    let t1893 = sin_joint2 * t1010;
+    let t1894 = t137 * t1013;
+    let t1895 = t1893 - t1894;
+    let t1896 = t1892 - t1895;
+    let t1897 = t1832 - t1896;
+    let t1898 = t1835 - t1897;
+    let t1899 = t1054 * t1095;
+    let t1900 = t1898 - t1899;
+    let t1901 = 9.496868641825001 + t1900;
+    let t1902 = t428 * t1901;
+    let t1903 = t923 - t1059;
+    let t1904 = omega_joint3_z * 0.009475200000000003;
+    let t1905 = t1904 - t1903;
+    let t1906 = sin_joint2_joint3 * t1905;
+    let t1907 = cos_joint4 * t966;
+    let t1908 = sin_joint4 * t972;
+    let t1909 = t1908 + t1907;
+    let t1910 = t55 * t954;
+    let t1911 = t1909 - t1910;
+    let t1912 = cos_joint2_joint3 * t1911;
+    let t1913 = t1906 + t1912;
+    let t1914 = t55 * t1013;
+    let t1915 = t1913 - t1914;
+    let t1916 = t517 * t316;
+    let t1917 = t1916 - t1915;
+    let t1918 = t906 * t1095;
+    let t1919 = t1917 - t1918;
+    let t1920 = t461 * t316;
+    let t1921 = t1920 - t1010;
+    let t1922 = 0.3474988420565076 * t1921;
+    let t1923 = t1922 + t1919;
+    let t1924 = inverse_d_joint1 * t1923;
+    let t1925 = t1924 - t1902;
+    let t1926 = t951 - t959;
+    let t1927 = t1829 - t1894;
+    let t1928 = t1926 + t1927;
+    let t1929 = t1051 * t1095;
+    let t1930 = t1928 - t1929;
+    let t1931 = t478 * t1930;
+    let t1932 = t1925 - t1931;
+    let t1933 = t96 * t1013;
+    let t1934 = t163 * t1828;
+    let t1935 = t1934 + t1933;
+    let t1936 = t1911 - t1935;
+    let t1937 = t1121 * t1095;
+    let t1938 = t1936 + t1937;
+    let t1939 = t594 * t1938;
+    let t1940 = t1932 + t1939;
+    let t1941 = sin_joint4 * t1152;
+    let t1942 = cos_joint4 * t936;
     let t1943 = t1941 + t1942;
-    let t1944 = t321 * t1943;
-    let t1945 = t1940 - t1944;
-    let t1946 = cos_joint4 * t1905;
-    let t1947 = sin_joint4 * t1910;
+    let t1944 = t79 * t954;
+    let t1945 = t1943 + t1944;
+    let t1946 = t82 * t1013;
+    let t1947 = t156 * t1828;
     let t1948 = t1947 + t1946;
-    let t1949 = 0.047012505789717454 * t771;
-    let t1950 = t1948 + t1949;
-    let t1951 = t349 * t1934;
-    let t1952 = t1950 - t1951;
-    let t1953 = t354 * t1938;
-    let t1954 = t1952 + t1953;
-    let t1955 = t360 * t1943;
-    let t1956 = t1954 - t1955;
-    let t1957 = t403 * t1956;
-    let t1958 = t1945 - t1957;
-    let t1959 = t461 * t1956;
-    let t1960 = sin_joint2 * t1930;
-    let t1961 = sin_joint2_joint3 * t1927;
-    let t1962 = cos_joint2_joint3 * t771;
-    let t1963 = t1961 - t1962;
-    let t1964 = cos_joint2 * t1963;
-    let t1965 = t1964 - t1960;
-    let t1966 = t1950 - t1965;
-    let t1967 = t1966 - t1951;
-    let t1968 = t437 * t1938;
+    let t1949 = t1945 + t1948;
+    let t1950 = t1147 * t1095;
+    let t1951 = t1949 + t1950;
+    let t1952 = t614 * t1951;
+    let t1953 = t1940 - t1952;
+    let t1954 = t1953 - t1891;
+    let t1955 = 2.0 * omega_joint3_x;
+    let t1956 = t64 * t1955;
+    let t1957 = 2.0 * omega_joint3_y;
+    let t1958 = t62 * t1957;
+    let t1959 = t1958 + t1956;
+    let t1960 = t1888 - t1959;
+    let t1961 = t601 * t1960;
+    let t1962 = t90 * t1955;
+    let t1963 = t29 * t1957;
+    let t1964 = t1963 - t1962;
+    let t1965 = t1911 + t1964;
+    let t1966 = t594 * t1965;
+    let t1967 = t130 * t1957;
+    let t1968 = t132 * t1955;
     let t1969 = t1967 + t1968;
-    let t1970 = t446 * t1943;
-    let t1971 = t1969 - t1970;
-    let t1972 = t1971 - t1959;
-    let t1973 = t501 * t1972;
-    let t1974 = t1958 - t1973;
-    let t1975 = inverse_d_joint1 * t1974;
-    let t1976 = omega_joint5_y * 0.00088432;
-    let t1977 = t761 + t1976;
+    let t1970 = t1926 - t1969;
+    let t1971 = 3.9804259903721997 - t1970;
+    let t1972 = t478 * t1971;
+    let t1973 = t55 * t1957;
+    let t1974 = t1005 + t1973;
+    let t1975 = sin_joint2_joint3 * t1974;
+    let t1976 = t55 * t1955;
+    let t1977 = t1008 + t1976;
+    let t1978 = cos_joint2_joint3 * t1977;
+    let t1979 = t1978 - t1975;
+    let t1980 = sin_joint2 * t1979;
+    let t1981 = cos_joint2_joint3 * t1974;
+    let t1982 = sin_joint2_joint3 * t1977;
+    let t1983 = t1982 + t1981;
+    let t1984 = cos_joint2 * t1983;
+    let t1985 = t1984 - t1980;
+    let t1986 = t1970 + t1985;
+    let t1987 = t428 * t1986;
+    let t1988 = t1957 * t1212;
+    let t1989 = t32 * t1955;
+    let t1990 = t1988 + t1989;
+    let t1991 = t1905 + t1990;
+    let t1992 = sin_joint2_joint3 * t1991;
+    let t1993 = t1955 * t1195;
+    let t1994 = t32 * t1957;
+    let t1995 = t1993 + t1994;
+    let t1996 = t1911 - t1995;
+    let t1997 = cos_joint2_joint3 * t1996;
+    let t1998 = t1992 + t1997;
+    let t1999 = t38 * t1955;
     [
         sin_joint2,
         cos_joint2,
@@ -10904,95 +11068,117 @@ fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 97] {
         cos_joint5,
         sin_joint2_joint3,
         cos_joint2_joint3,
+        t27,
+        t41,
+        t61,
+        t71,
+        t74,
+        inverse_d_joint1,
+        t219,
+        t224,
+        t231,
+        omega_joint4_x,
         omega_joint5_x,
         omega_joint5_y,
-        t249,
-        t250,
-        t280,
-        t281,
-        t294,
-        inverse_d_joint4,
-        t321,
-        t348,
-        t349,
-        t353,
-        t354,
-        t360,
-        inverse_d_joint3,
-        t403,
-        t436,
-        t437,
-        t446,
-        t461,
-        inverse_d_joint2,
-        t501,
-        inverse_d_joint1,
-        t534,
-        t537,
-        t542,
-        t549,
-        t574,
-        t633,
-        t774,
-        t794,
-        t801,
-        t910,
-        t1092,
-        t1228,
-        t1342,
-        t1448,
-        t1501,
-        t1504,
-        t1507,
-        t1510,
-        t1513,
-        t1516,
-        t1521,
-        t1526,
-        t1531,
-        t1536,
-        t1541,
-        t1548,
-        t1555,
-        t1562,
-        t1569,
-        t1576,
-        t1583,
-        t1590,
+        t428,
+        t430,
+        t433,
+        t478,
+        t545,
+        t558,
+        t563,
+        t570,
+        t583,
+        t586,
+        t594,
+        t601,
+        t614,
+        t617,
+        t644,
+        t651,
+        t664,
+        t667,
+        t708,
+        t746,
+        t748,
+        t829,
+        t832,
+        t912,
+        t921,
+        t922,
+        t925,
+        t934,
+        t935,
+        t942,
+        t945,
+        t952,
+        t983,
+        t984,
+        t989,
+        t990,
+        t1186,
+        t1192,
+        t1313,
+        t1315,
+        t1328,
+        t1412,
+        t1503,
+        t1542,
+        t1553,
+        t1564,
+        t1575,
+        t1586,
         t1597,
-        t1604,
-        t1611,
-        t1620,
-        t1629,
-        t1638,
-        t1647,
-        t1656,
-        t1686,
-        t1697,
-        t1710,
-        t1723,
-        t1737,
-        t1740,
-        t1753,
-        t1755,
-        t1768,
+        t1608,
+        t1619,
+        t1630,
+        t1641,
+        t1651,
+        t1662,
+        t1673,
+        t1684,
+        t1695,
+        t1706,
+        t1717,
+        t1728,
+        t1739,
+        t1750,
+        t1761,
+        t1772,
         t1783,
-        t1795,
-        t1797,
-        t1824,
-        t1835,
-        t1841,
-        t1849,
-        t1851,
-        t1872,
+        t1794,
+        t1805,
+        t1816,
+        t1819,
+        t1820,
+        t1847,
+        t1857,
+        t1860,
+        t1871,
+        t1882,
+        t1885,
+        t1888,
+        t1890,
         t1901,
-        t1934,
+        t1923,
+        t1930,
         t1938,
-        t1943,
-        t1956,
+        t1945,
+        t1951,
+        t1954,
+        t1955,
+        t1957,
+        t1960,
+        t1961,
+        t1965,
+        t1966,
+        t1971,
         t1972,
-        t1975,
-        t1977,
+        t1979,
+        t1986,
+        t1987,
+        t1998,
+        t1999,
     ]
 }
 
@@ -11011,916 +11197,919 @@ fn linearize_part_2(
     cos_joint5,
     sin_joint2_joint3,
     cos_joint2_joint3,
+    t27,
+    t41,
+    t61,
+    t71,
+    t74,
+    inverse_d_joint1,
+    t219,
+    t224,
+    t231,
+    omega_joint4_x,
     omega_joint5_x,
     omega_joint5_y,
-    t249,
-    t250,
-    t280,
-    t281,
-    t294,
-    inverse_d_joint4,
-    t321,
-    t348,
-    t349,
-    t353,
-    t354,
-    t360,
-    inverse_d_joint3,
-    t403,
-    t436,
-    t437,
-    t446,
-    t461,
-    inverse_d_joint2,
-    t501,
-    inverse_d_joint1,
-    t534,
-    t537,
-    t542,
-    t549,
-    t574,
-    t633,
-    t774,
-    t794,
-    t801,
-    t910,
-    t1092,
-    t1228,
-    t1342,
-    t1448,
-    t1501,
-    t1504,
-    t1507,
-    t1510,
-    t1513,
-    t1516,
-    t1521,
-    t1526,
-    t1531,
-    t1536,
-    t1541,
-    t1548,
-    t1555,
-    t1562,
-    t1569,
-    t1576,
-    t1583,
-    t1590,
+    t428,
+    t430,
+    t433,
+    t478,
+    t545,
+    t558,
+    t563,
+    t570,
+    t583,
+    t586,
+    t594,
+    t601,
+    t614,
+    t617,
+    t644,
+    t651,
+    t664,
+    t667,
+    t708,
+    t746,
+    t748,
+    t829,
+    t832,
+    t912,
+    t921,
+    t922,
+    t925,
+    t934,
+    t935,
+    t942,
+    t945,
+    t952,
+    t983,
+    t984,
+    t989,
+    t990,
+    t1186,
+    t1192,
+    t1313,
+    t1315,
+    t1328,
+    t1412,
+    t1503,
+    t1542,
+    t1553,
+    t1564,
+    t1575,
+    t1586,
     t1597,
-    t1604,
-    t1611,
-    t1620,
-    t1629,
-    t1638,
-    t1647,
-    t1656,
-    t1686,
-    t1697,
-    t1710,
-    t1723,
-    t1737,
-    t1740,
-    t1753,
-    t1755,
-    t1768,
+    t1608,
+    t1619,
+    t1630,
+    t1641,
+    t1651,
+    t1662,
+    t1673,
+    t1684,
+    t1695,
+    t1706,
+    t1717,
+    t1728,
+    t1739,
+    t1750,
+    t1761,
+    t1772,
     t1783,
-    t1795,
-    t1797,
-    t1824,
-    t1835,
-    t1841,
-    t1849,
-    t1851,
-    t1872,
+    t1794,
+    t1805,
+    t1816,
+    t1819,
+    t1820,
+    t1847,
+    t1857,
+    t1860,
+    t1871,
+    t1882,
+    t1885,
+    t1888,
+    t1890,
     t1901,
-    t1934,
+    t1923,
+    t1930,
     t1938,
-    t1943,
-    t1956,
+    t1945,
+    t1951,
+    t1954,
+    t1955,
+    t1957,
+    t1960,
+    t1961,
+    t1965,
+    t1966,
+    t1971,
     t1972,
-    t1975,
-    t1977,
-    ]: [f64; 97],
-) -> [f64; 89] {
-    let t1978 = cos_joint5 * t1977;
-    let t1979 = omega_joint5_x * 0.00044;
-    let t1980 = sin_joint5 * t1979;
-    let t1981 = t1978 - t1980;
-    let t1982 = 0.0024871679999999997 * omega_joint5_y;
-    let t1983 = t1982 + t1981;
-    let t1984 = cos_joint4 * t1983;
-    let t1985 = sin_joint4 * t801;
-    let t1986 = t1985 + t1984;
-    let t1987 = sin_joint2_joint3 * t1986;
-    let t1988 = sin_joint5 * t1977;
-    let t1989 = cos_joint5 * t1979;
-    let t1990 = t1988 + t1989;
-    let t1991 = cos_joint4 * t1982;
-    let t1992 = t1985 + t1991;
-    let t1993 = 0.047012505789717454 * t1992;
-    let t1994 = t1990 - t1993;
-    let t1995 = cos_joint2_joint3 * t1994;
-    let t1996 = t1987 + t1995;
-    let t1997 = cos_joint2 * t1992;
-    let t1998 = t1996 - t1997;
-    let t1999 = sin_joint4 * t1982;
-    let t2000 = cos_joint4 * t801;
-    let t2001 = t2000 - t1999;
-    let t2002 = cos_joint2_joint3 * t2001;
-    let t2003 = sin_joint2_joint3 * t794;
-    let t2004 = t2002 + t2003;
-    let t2005 = 0.3474988420565076 * t2004;
-    let t2006 = t1998 - t2005;
-    let t2007 = t250 * t774;
-    let t2008 = t2006 + t2007;
-    let t2009 = t280 * 2.493649734231167;
-    let t2010 = t2008 + t2009;
-    let t2011 = t294 * t774;
-    let t2012 = t1990 - t2011;
-    let t2013 = t321 * t2012;
-    let t2014 = t2010 - t2013;
-    let t2015 = sin_joint4 * t1983;
-    let t2016 = t2000 - t2015;
-    let t2017 = 0.047012505789717454 * t794;
-    let t2018 = t2016 + t2017;
-    let t2019 = t349 * t774;
-    let t2020 = t2018 - t2019;
-    let t2021 = t353 * 2.493649734231167;
-    let t2022 = t2020 - t2021;
-    let t2023 = t360 * t2012;
-    let t2024 = t2022 + t2023;
-    let t2025 = t403 * t2024;
-    let t2026 = t2014 + t2025;
-    let t2027 = t461 * t2024;
-    let t2028 = sin_joint2 * t2004;
-    let t2029 = sin_joint2_joint3 * t2001;
-    let t2030 = cos_joint2_joint3 * t794;
-    let t2031 = t2029 - t2030;
-    let t2032 = cos_joint2 * t2031;
-    let t2033 = t2032 - t2028;
-    let t2034 = t2018 - t2033;
-    let t2035 = t2034 - t2019;
-    let t2036 = t436 * 2.493649734231167;
-    let t2037 = t2035 - t2036;
-    let t2038 = t446 * t2012;
-    let t2039 = t2037 + t2038;
-    let t2040 = t2039 - t2027;
-    let t2041 = t501 * t2040;
-    let t2042 = t2026 + t2041;
-    let t2043 = inverse_d_joint1 * t2042;
-    let t2044 = t348 * 1.1118920322351926;
-    let t2045 = t1753 - t2044;
-    let t2046 = t354 * t774;
-    let t2047 = t2045 + t2046;
-    let t2048 = cos_joint5 * 4.44756812894077e-5;
-    let t2049 = t910 + t2048;
-    let t2050 = t360 * t2049;
-    let t2051 = t2047 - t2050;
-    let t2052 = t461 * t2051;
-    let t2053 = t437 * t774;
-    let t2054 = t2045 + t2053;
-    let t2055 = t446 * t2049;
-    let t2056 = t2054 - t2055;
-    let t2057 = t2056 - t2052;
-    let t2058 = t501 * t2057;
-    let t2059 = t403 * t2051;
-    let t2060 = t249 * 1.1118920322351926;
-    let t2061 = t1686 - t2060;
-    let t2062 = t281 * t774;
-    let t2063 = t2061 + t2062;
-    let t2064 = t321 * t2049;
-    let t2065 = t2063 - t2064;
-    let t2066 = t2065 - t2059;
-    let t2067 = t2066 - t2058;
-    let t2068 = inverse_d_joint1 * t2067;
-    let t2069 = t501 * t1740;
-    let t2070 = inverse_d_joint2 * t1737;
-    let t2071 = t2070 - t2069;
-    let t2072 = t501 * t1824;
-    let t2073 = inverse_d_joint2 * t1797;
-    let t2074 = t2073 + t2072;
-    let t2075 = t501 * t1901;
-    let t2076 = inverse_d_joint2 * t1872;
-    let t2077 = t2076 - t2075;
-    let t2078 = t501 * t1975;
-    let t2079 = inverse_d_joint2 * t1972;
-    let t2080 = t2079 - t2078;
-    let t2081 = t501 * t2043;
-    let t2082 = inverse_d_joint2 * t2040;
-    let t2083 = t2082 + t2081;
-    let t2084 = t501 * t2068;
-    let t2085 = inverse_d_joint2 * t2057;
-    let t2086 = t2085 - t2084;
-    let t2087 = t461 * t2071;
-    let t2088 = inverse_d_joint3 * t1723;
-    let t2089 = t2088 - t2087;
-    let t2090 = t403 * t1740;
-    let t2091 = t2089 - t2090;
-    let t2092 = t461 * t2074;
-    let t2093 = inverse_d_joint3 * t1795;
-    let t2094 = t2093 + t2092;
-    let t2095 = t403 * t1824;
-    let t2096 = t2094 - t2095;
-    let t2097 = t461 * t2077;
-    let t2098 = inverse_d_joint3 * t1851;
-    let t2099 = t2098 + t2097;
-    let t2100 = t403 * t1901;
-    let t2101 = t2099 + t2100;
-    let t2102 = t461 * t2080;
-    let t2103 = inverse_d_joint3 * t1956;
-    let t2104 = t2103 - t2102;
-    let t2105 = t403 * t1975;
-    let t2106 = t2104 - t2105;
-    let t2107 = t461 * t2083;
-    let t2108 = inverse_d_joint3 * t2024;
-    let t2109 = t2108 - t2107;
-    let t2110 = t403 * t2043;
-    let t2111 = t2109 + t2110;
-    let t2112 = t461 * t2086;
-    let t2113 = inverse_d_joint3 * t2051;
-    let t2114 = t2113 - t2112;
-    let t2115 = t403 * t2068;
-    let t2116 = t2114 - t2115;
-    let t2117 = t360 * t2091;
-    let t2118 = inverse_d_joint4 * t1710;
-    let t2119 = t2118 + t2117;
-    let t2120 = t446 * t2071;
-    let t2121 = t2119 + t2120;
-    let t2122 = t321 * t1740;
-    let t2123 = t2121 + t2122;
-    let t2124 = t360 * t2096;
-    let t2125 = inverse_d_joint4 * t1783;
-    let t2126 = t2125 - t2124;
-    let t2127 = t446 * t2074;
-    let t2128 = t2126 + t2127;
-    let t2129 = t321 * t1824;
-    let t2130 = t2128 - t2129;
-    let t2131 = t360 * t2101;
-    let t2132 = inverse_d_joint4 * t1849;
-    let t2133 = t2132 + t2131;
-    let t2134 = t446 * t2077;
-    let t2135 = t2133 - t2134;
-    let t2136 = t321 * t1901;
-    let t2137 = t2135 - t2136;
-    let t2138 = t360 * t2106;
-    let t2139 = inverse_d_joint4 * t1943;
-    let t2140 = t2139 - t2138;
-    let t2141 = t446 * t2080;
-    let t2142 = t2140 - t2141;
-    let t2143 = t321 * t1975;
+    t1979,
+    t1986,
+    t1987,
+    t1998,
+    t1999,
+    ]: [f64; 119],
+) -> [f64; 92] {
+    let t2000 = t41 * t1957;
+    let t2001 = t2000 + t1999;
+    let t2002 = cos_joint2 * t2001;
+    let t2003 = t1998 - t2002;
+    let t2004 = 0.3474988420565076 * t1979;
+    let t2005 = t2003 - t2004;
+    let t2006 = inverse_d_joint1 * t2005;
+    let t2007 = t2006 - t1987;
+    let t2008 = t2007 - t1972;
+    let t2009 = t2008 - t1966;
+    let t2010 = t71 * t1955;
+    let t2011 = t74 * t1957;
+    let t2012 = t2011 + t2010;
+    let t2013 = t1945 + t2012;
+    let t2014 = t614 * t2013;
+    let t2015 = t2009 + t2014;
+    let t2016 = t2015 + t1961;
+    let t2017 = t61 * t935;
+    let t2018 = t1186 - t2017;
+    let t2019 = t601 * t2018;
+    let t2020 = t27 * t935;
+    let t2021 = t934 - t2020;
+    let t2022 = 0.41164522969715195 + t2021;
+    let t2023 = t594 * t2022;
+    let t2024 = t921 * t1315;
+    let t2025 = t983 - t2024;
+    let t2026 = t942 - t984;
+    let t2027 = t2026 + t2025;
+    let t2028 = cos_joint4 * t2027;
+    let t2029 = t935 * t1328;
+    let t2030 = t989 + t2029;
+    let t2031 = t945 - t990;
+    let t2032 = t2031 + t2030;
+    let t2033 = sin_joint4 * t2032;
+    let t2034 = t2033 + t2028;
+    let t2035 = 0.047012505789717454 * t922;
+    let t2036 = t2034 + t2035;
+    let t2037 = t478 * t2036;
+    let t2038 = sin_joint4 * t2031;
+    let t2039 = cos_joint4 * t2026;
+    let t2040 = t2039 + t2038;
+    let t2041 = cos_joint2_joint3 * t2040;
+    let t2042 = sin_joint2_joint3 * t922;
+    let t2043 = t2041 + t2042;
+    let t2044 = sin_joint2 * t2043;
+    let t2045 = sin_joint2_joint3 * t2040;
+    let t2046 = cos_joint2_joint3 * t922;
+    let t2047 = t2045 - t2046;
+    let t2048 = cos_joint2 * t2047;
+    let t2049 = t2048 - t2044;
+    let t2050 = t2036 - t2049;
+    let t2051 = t428 * t2050;
+    let t2052 = sin_joint4 * t2027;
+    let t2053 = cos_joint4 * t2032;
+    let t2054 = t2053 - t2052;
+    let t2055 = sin_joint2_joint3 * t2054;
+    let t2056 = cos_joint4 * t2031;
+    let t2057 = sin_joint4 * t2026;
+    let t2058 = t2057 - t2056;
+    let t2059 = 0.047012505789717454 * t2058;
+    let t2060 = t2021 + t2059;
+    let t2061 = cos_joint2_joint3 * t2060;
+    let t2062 = t2055 + t2061;
+    let t2063 = cos_joint2 * t2058;
+    let t2064 = t2062 + t2063;
+    let t2065 = 0.3474988420565076 * t2043;
+    let t2066 = t2064 + t2065;
+    let t2067 = inverse_d_joint1 * t2066;
+    let t2068 = t2067 - t2051;
+    let t2069 = t2068 + t2037;
+    let t2070 = t2069 - t2023;
+    let t2071 = omega_joint4_x * 0.00128432;
+    let t2072 = t983 - t2071;
+    let t2073 = t614 * t2072;
+    let t2074 = t2070 - t2073;
+    let t2075 = t2074 - t2019;
+    let t2076 = t601 * t925;
+    let t2077 = omega_joint5_y * 0.00088432;
+    let t2078 = t912 + t2077;
+    let t2079 = sin_joint5 * t2078;
+    let t2080 = omega_joint5_x * 0.00044;
+    let t2081 = cos_joint5 * t2080;
+    let t2082 = t2079 + t2081;
+    let t2083 = t594 * t2082;
+    let t2084 = cos_joint5 * t2078;
+    let t2085 = sin_joint5 * t2080;
+    let t2086 = t2084 - t2085;
+    let t2087 = 0.0024871679999999997 * omega_joint5_y;
+    let t2088 = t2087 + t2086;
+    let t2089 = sin_joint4 * t2088;
+    let t2090 = cos_joint4 * t952;
+    let t2091 = t2090 - t2089;
+    let t2092 = 0.047012505789717454 * t945;
+    let t2093 = t2091 + t2092;
+    let t2094 = t478 * t2093;
+    let t2095 = sin_joint4 * t2087;
+    let t2096 = t2090 - t2095;
+    let t2097 = cos_joint2_joint3 * t2096;
+    let t2098 = sin_joint2_joint3 * t945;
+    let t2099 = t2097 + t2098;
+    let t2100 = sin_joint2 * t2099;
+    let t2101 = sin_joint2_joint3 * t2096;
+    let t2102 = cos_joint2_joint3 * t945;
+    let t2103 = t2101 - t2102;
+    let t2104 = cos_joint2 * t2103;
+    let t2105 = t2104 - t2100;
+    let t2106 = t2093 - t2105;
+    let t2107 = t428 * t2106;
+    let t2108 = cos_joint4 * t2088;
+    let t2109 = sin_joint4 * t952;
+    let t2110 = t2109 + t2108;
+    let t2111 = sin_joint2_joint3 * t2110;
+    let t2112 = cos_joint4 * t2087;
+    let t2113 = t2109 + t2112;
+    let t2114 = 0.047012505789717454 * t2113;
+    let t2115 = t2082 - t2114;
+    let t2116 = cos_joint2_joint3 * t2115;
+    let t2117 = t2111 + t2116;
+    let t2118 = cos_joint2 * t2113;
+    let t2119 = t2117 - t2118;
+    let t2120 = 0.3474988420565076 * t2099;
+    let t2121 = t2119 - t2120;
+    let t2122 = inverse_d_joint1 * t2121;
+    let t2123 = t2122 + t2107;
+    let t2124 = t2123 - t2094;
+    let t2125 = t2124 - t2083;
+    let t2126 = t614 * 0.42728302093540005;
+    let t2127 = t2125 - t2126;
+    let t2128 = t2127 + t2076;
+    let t2129 = t601 * 0.2158232532732;
+    let t2130 = t594 * t1186;
+    let t2131 = t478 * t1888;
+    let t2132 = t428 * t1888;
+    let t2133 = inverse_d_joint1 * t1819;
+    let t2134 = t2133 - t2132;
+    let t2135 = t2134 + t2131;
+    let t2136 = t2135 - t2130;
+    let t2137 = t614 * t925;
+    let t2138 = t2136 - t2137;
+    let t2139 = t2138 - t2129;
+    let t2140 = t570 * t1819;
+    let t2141 = t563 * t1871;
+    let t2142 = t428 * t1847;
+    let t2143 = t430 * t1857;
     let t2144 = t2142 - t2143;
-    let t2145 = t360 * t2111;
-    let t2146 = inverse_d_joint4 * t2012;
-    let t2147 = t2146 + t2145;
-    let t2148 = t446 * t2083;
-    let t2149 = t2147 + t2148;
-    let t2150 = t321 * t2043;
-    let t2151 = t2149 - t2150;
-    let t2152 = t360 * t2116;
-    let t2153 = inverse_d_joint4 * t2049;
-    let t2154 = t2153 - t2152;
-    let t2155 = t446 * t2086;
-    let t2156 = t2154 - t2155;
-    let t2157 = t321 * t2068;
-    let t2158 = t2156 - t2157;
-    let t2159 = t354 * t2091;
-    let t2160 = 5.83606090588883 * t1697;
-    let t2161 = t2160 + t2159;
-    let t2162 = t437 * t2071;
-    let t2163 = t2161 + t2162;
-    let t2164 = t281 * t1740;
-    let t2165 = t2163 + t2164;
-    let t2166 = t354 * t2096;
-    let t2167 = 5.83606090588883 * t1768;
-    let t2168 = t2167 - t2166;
-    let t2169 = t437 * t2074;
-    let t2170 = t2168 + t2169;
-    let t2171 = t281 * t1824;
-    let t2172 = t2170 - t2171;
-    let t2173 = t354 * t2101;
-    let t2174 = 5.83606090588883 * t1841;
-    let t2175 = t2174 + t2173;
-    let t2176 = t437 * t2077;
-    let t2177 = t2175 - t2176;
-    let t2178 = t281 * t1901;
-    let t2179 = t2177 - t2178;
-    let t2180 = t354 * t2106;
-    let t2181 = 5.83606090588883 * t1938;
-    let t2182 = t2181 + t2180;
-    let t2183 = t437 * t2080;
-    let t2184 = t2182 + t2183;
-    let t2185 = t281 * t1975;
-    let t2186 = t2184 + t2185;
-    let t2187 = t354 * t2111;
-    let t2188 = 2.493649734231167 - t2187;
-    let t2189 = t437 * t2083;
-    let t2190 = t2188 - t2189;
-    let t2191 = t281 * t2043;
-    let t2192 = t2190 + t2191;
-    let t2193 = t354 * t2116;
-    let t2194 = omega_joint5_x * 0.0002334424362355532;
-    let t2195 = t2194 + t2193;
-    let t2196 = t437 * t2086;
-    let t2197 = t2195 + t2196;
-    let t2198 = t281 * t2068;
-    let t2199 = t2197 + t2198;
-    let t2200 = t294 * t2123;
-    let t2201 = 5.151863922779921 * t1686;
-    let t2202 = t2201 - t2200;
-    let t2203 = t349 * t2091;
+    let t2145 = t433 * t1860;
+    let t2146 = t2144 + t2145;
+    let t2147 = t2146 + t2141;
+    let t2148 = t583 * t1882;
+    let t2149 = t2147 - t2148;
+    let t2150 = t2149 - t2140;
+    let t2151 = t570 * t1890;
+    let t2152 = t563 * t1938;
+    let t2153 = t430 * t1901;
+    let t2154 = t428 * t1923;
+    let t2155 = t2154 - t2153;
+    let t2156 = t433 * t1930;
+    let t2157 = t2155 - t2156;
+    let t2158 = t2157 + t2152;
+    let t2159 = t583 * t1951;
+    let t2160 = t2158 - t2159;
+    let t2161 = t2160 - t2151;
+    let t2162 = t570 * t1960;
+    let t2163 = t563 * t1965;
+    let t2164 = t433 * t1971;
+    let t2165 = t430 * t1986;
+    let t2166 = t428 * t2005;
+    let t2167 = t2166 - t2165;
+    let t2168 = t2167 - t2164;
+    let t2169 = t2168 - t2163;
+    let t2170 = t583 * t2013;
+    let t2171 = t2169 + t2170;
+    let t2172 = t2171 + t2162;
+    let t2173 = t570 * t2018;
+    let t2174 = t563 * t2022;
+    let t2175 = t433 * t2036;
+    let t2176 = t430 * t2050;
+    let t2177 = t428 * t2066;
+    let t2178 = t2177 - t2176;
+    let t2179 = t2178 + t2175;
+    let t2180 = t2179 - t2174;
+    let t2181 = t583 * t2072;
+    let t2182 = t2180 - t2181;
+    let t2183 = t2182 - t2173;
+    let t2184 = t570 * t925;
+    let t2185 = t563 * t2082;
+    let t2186 = t433 * t2093;
+    let t2187 = t430 * t2106;
+    let t2188 = t428 * t2121;
+    let t2189 = t2188 + t2187;
+    let t2190 = t2189 - t2186;
+    let t2191 = t2190 - t2185;
+    let t2192 = t583 * 0.42728302093540005;
+    let t2193 = t2191 - t2192;
+    let t2194 = t2193 + t2184;
+    let t2195 = t570 * 0.2158232532732;
+    let t2196 = t563 * t1186;
+    let t2197 = t433 * t1888;
+    let t2198 = t430 * t1888;
+    let t2199 = t428 * t1819;
+    let t2200 = t2199 - t2198;
+    let t2201 = t2200 + t2197;
+    let t2202 = t2201 - t2196;
+    let t2203 = t583 * t925;
     let t2204 = t2202 - t2203;
-    let t2205 = t349 * t2071;
-    let t2206 = t2204 - t2205;
-    let t2207 = t250 * t1740;
-    let t2208 = t2206 - t2207;
-    let t2209 = t294 * t2130;
-    let t2210 = 5.151863922779921 * t1755;
-    let t2211 = t2210 - t2209;
-    let t2212 = t349 * t2096;
-    let t2213 = t2211 + t2212;
-    let t2214 = t349 * t2074;
+    let t2205 = t2204 - t2195;
+    let t2206 = t231 * t1819;
+    let t2207 = t224 * t1871;
+    let t2208 = t478 * t1847;
+    let t2209 = t433 * t1857;
+    let t2210 = t2208 - t2209;
+    let t2211 = t219 * t1860;
+    let t2212 = t2210 + t2211;
+    let t2213 = t2212 + t2207;
+    let t2214 = t545 * t1882;
     let t2215 = t2213 - t2214;
-    let t2216 = t250 * t1824;
-    let t2217 = t2215 + t2216;
-    let t2218 = t294 * t2137;
-    let t2219 = 5.151863922779921 * t1835;
-    let t2220 = t2219 - t2218;
-    let t2221 = t349 * t2101;
-    let t2222 = t2220 - t2221;
-    let t2223 = t349 * t2077;
-    let t2224 = t2222 + t2223;
-    let t2225 = t250 * t1901;
-    let t2226 = t2224 + t2225;
-    let t2227 = t294 * t2144;
-    let t2228 = 5.151863922779921 * t1934;
-    let t2229 = t2228 + t2227;
-    let t2230 = t349 * t2106;
-    let t2231 = t2229 - t2230;
-    let t2232 = t349 * t2080;
-    let t2233 = t2231 - t2232;
-    let t2234 = t250 * t1975;
-    let t2235 = t2233 - t2234;
-    let t2236 = t294 * t2151;
-    let t2237 = 0.0002060745569111968 * omega_joint5_x;
-    let t2238 = t2237 - t2236;
-    let t2239 = t349 * t2111;
-    let t2240 = t2238 - t2239;
-    let t2241 = t349 * t2083;
-    let t2242 = t2240 - t2241;
-    let t2243 = t250 * t2043;
-    let t2244 = t2242 + t2243;
-    let t2245 = t294 * t2158;
-    let t2246 = 1.1118920322351926 + t2245;
-    let t2247 = t349 * t2116;
+    let t2216 = t2215 - t2206;
+    let t2217 = t231 * t1890;
+    let t2218 = t224 * t1938;
+    let t2219 = t433 * t1901;
+    let t2220 = t478 * t1923;
+    let t2221 = t2220 - t2219;
+    let t2222 = t219 * t1930;
+    let t2223 = t2221 - t2222;
+    let t2224 = t2223 + t2218;
+    let t2225 = t545 * t1951;
+    let t2226 = t2224 - t2225;
+    let t2227 = t2226 - t2217;
+    let t2228 = t231 * t1960;
+    let t2229 = t224 * t1965;
+    let t2230 = t219 * t1971;
+    let t2231 = t433 * t1986;
+    let t2232 = t478 * t2005;
+    let t2233 = t2232 - t2231;
+    let t2234 = t2233 - t2230;
+    let t2235 = t2234 - t2229;
+    let t2236 = t545 * t2013;
+    let t2237 = t2235 + t2236;
+    let t2238 = t2237 + t2228;
+    let t2239 = t231 * t2018;
+    let t2240 = t224 * t2022;
+    let t2241 = t219 * t2036;
+    let t2242 = t433 * t2050;
+    let t2243 = t478 * t2066;
+    let t2244 = t2243 - t2242;
+    let t2245 = t2244 + t2241;
+    let t2246 = t2245 - t2240;
+    let t2247 = t545 * t2072;
     let t2248 = t2246 - t2247;
-    let t2249 = t349 * t2086;
-    let t2250 = t2248 - t2249;
-    let t2251 = t250 * t2068;
-    let t2252 = t2250 - t2251;
-    let t2253 = 62.6111 * inverse_d_joint1;
-    let t2254 = t501 * inverse_d_joint1;
-    let t2255 = 107.815 * t2254;
-    let t2256 = t461 * t2254;
-    let t2257 = t403 * inverse_d_joint1;
-    let t2258 = t2256 - t2257;
-    let t2259 = 53.7063 * t2258;
-    let t2260 = t360 * t2258;
-    let t2261 = t446 * t2254;
-    let t2262 = t2260 - t2261;
-    let t2263 = t321 * inverse_d_joint1;
-    let t2264 = t2262 + t2263;
-    let t2265 = 76.0364 * t2264;
-    let t2266 = t354 * t2258;
-    let t2267 = t437 * t2254;
-    let t2268 = t2266 - t2267;
-    let t2269 = t281 * inverse_d_joint1;
-    let t2270 = t2268 + t2269;
-    let t2271 = 71.923 * t2270;
-    let t2272 = t294 * t2264;
-    let t2273 = t349 * t2258;
-    let t2274 = t2272 + t2273;
-    let t2275 = t349 * t2254;
-    let t2276 = t2274 - t2275;
-    let t2277 = t250 * inverse_d_joint1;
-    let t2278 = t2276 + t2277;
-    let t2279 = 76.686 * t2278;
-    let t2280 = 62.6111 * t2254;
-    let t2281 = t501 * t2254;
-    let t2282 = inverse_d_joint2 + t2281;
-    let t2283 = 107.815 * t2282;
-    let t2284 = t461 * t2282;
-    let t2285 = t403 * t2254;
-    let t2286 = t2284 - t2285;
-    let t2287 = 53.7063 * t2286;
-    let t2288 = t360 * t2286;
-    let t2289 = t446 * t2282;
-    let t2290 = t2288 - t2289;
-    let t2291 = t321 * t2254;
-    let t2292 = t2290 + t2291;
-    let t2293 = 76.0364 * t2292;
-    let t2294 = t354 * t2286;
-    let t2295 = t437 * t2282;
-    let t2296 = t2294 - t2295;
-    let t2297 = t281 * t2254;
-    let t2298 = t2296 + t2297;
-    let t2299 = 71.923 * t2298;
-    let t2300 = t294 * t2292;
-    let t2301 = t349 * t2286;
+    let t2249 = t2248 - t2239;
+    let t2250 = t231 * t925;
+    let t2251 = t224 * t2082;
+    let t2252 = t219 * t2093;
+    let t2253 = t433 * t2106;
+    let t2254 = t478 * t2121;
+    let t2255 = t2254 + t2253;
+    let t2256 = t2255 - t2252;
+    let t2257 = t2256 - t2251;
+    let t2258 = t545 * 0.42728302093540005;
+    let t2259 = t2257 - t2258;
+    let t2260 = t2259 + t2250;
+    let t2261 = t231 * 0.2158232532732;
+    let t2262 = t224 * t1186;
+    let t2263 = t219 * t1888;
+    let t2264 = t478 * t1819;
+    let t2265 = t2197 - t2264;
+    let t2266 = t2265 - t2263;
+    let t2267 = t2266 + t2262;
+    let t2268 = t545 * t925;
+    let t2269 = t2267 + t2268;
+    let t2270 = t2269 + t2261;
+    let t2271 = t651 * t1819;
+    let t2272 = t644 * t1871;
+    let t2273 = t224 * t1860;
+    let t2274 = t563 * t1857;
+    let t2275 = t594 * t1847;
+    let t2276 = t2275 - t2274;
+    let t2277 = t2276 + t2273;
+    let t2278 = t2277 + t2272;
+    let t2279 = t664 * t1882;
+    let t2280 = t2278 - t2279;
+    let t2281 = t2280 - t2271;
+    let t2282 = t651 * t1890;
+    let t2283 = t644 * t1938;
+    let t2284 = t224 * t1930;
+    let t2285 = t563 * t1901;
+    let t2286 = t594 * t1923;
+    let t2287 = t2286 - t2285;
+    let t2288 = t2287 - t2284;
+    let t2289 = t2288 + t2283;
+    let t2290 = t664 * t1951;
+    let t2291 = t2289 - t2290;
+    let t2292 = t2291 - t2282;
+    let t2293 = t651 * t1960;
+    let t2294 = t644 * t1965;
+    let t2295 = t224 * t1971;
+    let t2296 = t563 * t1986;
+    let t2297 = t594 * t2005;
+    let t2298 = t2297 - t2296;
+    let t2299 = t2298 - t2295;
+    let t2300 = t2299 - t2294;
+    let t2301 = t664 * t2013;
     let t2302 = t2300 + t2301;
-    let t2303 = t349 * t2282;
-    let t2304 = t2302 - t2303;
-    let t2305 = t250 * t2254;
-    let t2306 = t2304 + t2305;
-    let t2307 = 76.686 * t2306;
-    let t2308 = 62.6111 * t2258;
-    let t2309 = 107.815 * t2286;
-    let t2310 = t461 * t501;
-    let t2311 = t403 - t2310;
-    let t2312 = inverse_d_joint1 * t2311;
-    let t2313 = t501 * t2312;
-    let t2314 = t461 * inverse_d_joint2;
-    let t2315 = t2314 - t2313;
-    let t2316 = t461 * t2315;
-    let t2317 = inverse_d_joint3 + t2316;
-    let t2318 = t403 * t2312;
-    let t2319 = t2317 + t2318;
-    let t2320 = 53.7063 * t2319;
-    let t2321 = t360 * t2319;
-    let t2322 = t446 * t2315;
-    let t2323 = t2321 - t2322;
-    let t2324 = t321 * t2312;
-    let t2325 = t2323 - t2324;
-    let t2326 = 76.0364 * t2325;
-    let t2327 = t354 * t2319;
-    let t2328 = t437 * t2315;
-    let t2329 = t2327 - t2328;
-    let t2330 = t281 * t2312;
-    let t2331 = t2329 - t2330;
-    let t2332 = 71.923 * t2331;
-    let t2333 = t294 * t2325;
-    let t2334 = t349 * t2319;
-    let t2335 = t2333 + t2334;
-    let t2336 = t349 * t2315;
-    let t2337 = t2335 - t2336;
-    let t2338 = t250 * t2312;
-    let t2339 = t2337 - t2338;
-    let t2340 = 76.686 * t2339;
-    let t2341 = 62.6111 * t2264;
-    let t2342 = 107.815 * t2292;
-    let t2343 = 53.7063 * t2325;
-    let t2344 = t360 * t461;
-    let t2345 = t446 - t2344;
-    let t2346 = t501 * t2345;
-    let t2347 = t360 * t403;
-    let t2348 = t321 - t2347;
-    let t2349 = t2348 - t2346;
-    let t2350 = inverse_d_joint1 * t2349;
-    let t2351 = t501 * t2350;
-    let t2352 = inverse_d_joint2 * t2345;
-    let t2353 = t2352 - t2351;
-    let t2354 = t461 * t2353;
-    let t2355 = t360 * inverse_d_joint3;
-    let t2356 = t2355 - t2354;
-    let t2357 = t403 * t2350;
-    let t2358 = t2356 - t2357;
-    let t2359 = t360 * t2358;
-    let t2360 = inverse_d_joint4 + t2359;
-    let t2361 = t446 * t2353;
-    let t2362 = t2360 + t2361;
-    let t2363 = t321 * t2350;
-    let t2364 = t2362 + t2363;
-    let t2365 = 76.0364 * t2364;
-    let t2366 = t354 * t2358;
-    let t2367 = t437 * t2353;
+    let t2303 = t2302 + t2293;
+    let t2304 = t651 * t2018;
+    let t2305 = t644 * t2022;
+    let t2306 = t224 * t2036;
+    let t2307 = t563 * t2050;
+    let t2308 = t594 * t2066;
+    let t2309 = t2308 - t2307;
+    let t2310 = t2309 + t2306;
+    let t2311 = t2310 - t2305;
+    let t2312 = t664 * t2072;
+    let t2313 = t2311 - t2312;
+    let t2314 = t2313 - t2304;
+    let t2315 = t651 * t925;
+    let t2316 = t644 * t2082;
+    let t2317 = t224 * t2093;
+    let t2318 = t563 * t2106;
+    let t2319 = t594 * t2121;
+    let t2320 = t2319 + t2318;
+    let t2321 = t2320 - t2317;
+    let t2322 = t2321 - t2316;
+    let t2323 = t664 * 0.42728302093540005;
+    let t2324 = t2322 - t2323;
+    let t2325 = t2324 + t2315;
+    let t2326 = t651 * 0.2158232532732;
+    let t2327 = t644 * t1186;
+    let t2328 = t224 * t1888;
+    let t2329 = t563 * t1888;
+    let t2330 = t594 * t1819;
+    let t2331 = t2330 - t2329;
+    let t2332 = t2331 + t2328;
+    let t2333 = t2332 - t2327;
+    let t2334 = t664 * t925;
+    let t2335 = t2333 - t2334;
+    let t2336 = t2335 - t2326;
+    let t2337 = t708 * t1819;
+    let t2338 = t545 * t1860;
+    let t2339 = t583 * t1857;
+    let t2340 = t614 * t1847;
+    let t2341 = t2340 - t2339;
+    let t2342 = t2341 + t2338;
+    let t2343 = t664 * t1871;
+    let t2344 = t2342 + t2343;
+    let t2345 = t829 * t1882;
+    let t2346 = t2344 - t2345;
+    let t2347 = t2346 - t2337;
+    let t2348 = t708 * t1890;
+    let t2349 = t545 * t1930;
+    let t2350 = t583 * t1901;
+    let t2351 = t614 * t1923;
+    let t2352 = t2351 - t2350;
+    let t2353 = t2352 - t2349;
+    let t2354 = t664 * t1938;
+    let t2355 = t2353 + t2354;
+    let t2356 = t829 * t1951;
+    let t2357 = t2355 - t2356;
+    let t2358 = t2357 - t2348;
+    let t2359 = t708 * t1960;
+    let t2360 = t545 * t1971;
+    let t2361 = t583 * t1986;
+    let t2362 = t614 * t2005;
+    let t2363 = t2362 - t2361;
+    let t2364 = t2363 - t2360;
+    let t2365 = t664 * t1965;
+    let t2366 = t2364 - t2365;
+    let t2367 = t829 * t2013;
     let t2368 = t2366 + t2367;
-    let t2369 = t281 * t2350;
-    let t2370 = t2368 + t2369;
-    let t2371 = 71.923 * t2370;
-    let t2372 = t294 * t2364;
-    let t2373 = t349 * t2358;
-    let t2374 = t2372 + t2373;
-    let t2375 = t349 * t2353;
-    let t2376 = t2374 + t2375;
-    let t2377 = t250 * t2350;
-    let t2378 = t2376 + t2377;
-    let t2379 = 76.686 * t2378;
-    let t2380 = 62.6111 * t2270;
-    let t2381 = 107.815 * t2298;
-    let t2382 = 53.7063 * t2331;
-    let t2383 = 76.0364 * t2370;
-    let t2384 = t354 * t461;
-    let t2385 = t437 - t2384;
-    let t2386 = t501 * t2385;
-    let t2387 = t354 * t403;
-    let t2388 = t281 - t2387;
-    let t2389 = t2388 - t2386;
-    let t2390 = inverse_d_joint1 * t2389;
-    let t2391 = t501 * t2390;
-    let t2392 = inverse_d_joint2 * t2385;
-    let t2393 = t2392 - t2391;
-    let t2394 = t461 * t2393;
-    let t2395 = t354 * inverse_d_joint3;
+    let t2369 = t2368 + t2359;
+    let t2370 = t708 * t2018;
+    let t2371 = t545 * t2036;
+    let t2372 = t583 * t2050;
+    let t2373 = t614 * t2066;
+    let t2374 = t2373 - t2372;
+    let t2375 = t2374 + t2371;
+    let t2376 = t664 * t2022;
+    let t2377 = t2375 - t2376;
+    let t2378 = t829 * t2072;
+    let t2379 = t2377 - t2378;
+    let t2380 = t2379 - t2370;
+    let t2381 = t708 * t925;
+    let t2382 = t545 * t2093;
+    let t2383 = t583 * t2106;
+    let t2384 = t614 * t2121;
+    let t2385 = t2384 + t2383;
+    let t2386 = t2385 - t2382;
+    let t2387 = t664 * t2082;
+    let t2388 = t2386 - t2387;
+    let t2389 = t829 * 0.42728302093540005;
+    let t2390 = t2388 - t2389;
+    let t2391 = t2390 + t2381;
+    let t2392 = t708 * 0.2158232532732;
+    let t2393 = t545 * t1888;
+    let t2394 = t583 * t1888;
+    let t2395 = t614 * t1819;
     let t2396 = t2395 - t2394;
-    let t2397 = t403 * t2390;
-    let t2398 = t2396 - t2397;
-    let t2399 = t354 * t2398;
-    let t2400 = 5.83606090588883 + t2399;
-    let t2401 = t437 * t2393;
-    let t2402 = t2400 + t2401;
-    let t2403 = t281 * t2390;
-    let t2404 = t2402 + t2403;
-    let t2405 = 71.923 * t2404;
-    let t2406 = t360 * t2398;
-    let t2407 = t446 * t2393;
-    let t2408 = t2406 + t2407;
-    let t2409 = t321 * t2390;
-    let t2410 = t2408 + t2409;
-    let t2411 = t294 * t2410;
-    let t2412 = t349 * t2398;
-    let t2413 = t2411 + t2412;
-    let t2414 = t349 * t2393;
-    let t2415 = t2413 + t2414;
-    let t2416 = t250 * t2390;
-    let t2417 = t2415 + t2416;
-    let t2418 = 76.686 * t2417;
-    let t2419 = 62.6111 * t2278;
-    let t2420 = 107.815 * t2306;
-    let t2421 = 53.7063 * t2339;
-    let t2422 = 76.0364 * t2378;
-    let t2423 = 71.923 * t2417;
-    let t2424 = t294 * t360;
-    let t2425 = t349 + t2424;
-    let t2426 = t461 * t2425;
-    let t2427 = t294 * t446;
-    let t2428 = t349 + t2427;
-    let t2429 = t2428 - t2426;
-    let t2430 = t501 * t2429;
-    let t2431 = t403 * t2425;
-    let t2432 = t294 * t321;
-    let t2433 = t250 + t2432;
-    let t2434 = t2433 - t2431;
-    let t2435 = t2434 - t2430;
-    let t2436 = inverse_d_joint1 * t2435;
-    let t2437 = t501 * t2436;
-    let t2438 = inverse_d_joint2 * t2429;
-    let t2439 = t2438 - t2437;
-    let t2440 = t461 * t2439;
-    let t2441 = inverse_d_joint3 * t2425;
-    let t2442 = t2441 - t2440;
-    let t2443 = t403 * t2436;
+    let t2397 = t2396 + t2393;
+    let t2398 = t664 * t1186;
+    let t2399 = t2397 - t2398;
+    let t2400 = t829 * t925;
+    let t2401 = t2399 - t2400;
+    let t2402 = t2401 - t2392;
+    let t2403 = t651 * t1871;
+    let t2404 = t231 * t1860;
+    let t2405 = t570 * t1857;
+    let t2406 = t601 * t1847;
+    let t2407 = t2406 - t2405;
+    let t2408 = t2407 + t2404;
+    let t2409 = t2408 + t2403;
+    let t2410 = t708 * t1882;
+    let t2411 = t2409 - t2410;
+    let t2412 = t746 * t1819;
+    let t2413 = t2411 - t2412;
+    let t2414 = t651 * t1938;
+    let t2415 = t231 * t1930;
+    let t2416 = t570 * t1901;
+    let t2417 = t601 * t1923;
+    let t2418 = t2417 - t2416;
+    let t2419 = t2418 - t2415;
+    let t2420 = t2419 + t2414;
+    let t2421 = t708 * t1951;
+    let t2422 = t2420 - t2421;
+    let t2423 = t746 * t1890;
+    let t2424 = t2422 - t2423;
+    let t2425 = t651 * t1965;
+    let t2426 = t231 * t1971;
+    let t2427 = t570 * t1986;
+    let t2428 = t601 * t2005;
+    let t2429 = t2428 - t2427;
+    let t2430 = t2429 - t2426;
+    let t2431 = t2430 - t2425;
+    let t2432 = t708 * t2013;
+    let t2433 = t2431 + t2432;
+    let t2434 = t746 * t1960;
+    let t2435 = t2433 + t2434;
+    let t2436 = t651 * t2022;
+    let t2437 = t231 * t2036;
+    let t2438 = t570 * t2050;
+    let t2439 = t601 * t2066;
+    let t2440 = t2439 - t2438;
+    let t2441 = t2440 + t2437;
+    let t2442 = t2441 - t2436;
+    let t2443 = t708 * t2072;
     let t2444 = t2442 - t2443;
-    let t2445 = t360 * t2444;
-    let t2446 = t294 * inverse_d_joint4;
-    let t2447 = t2446 + t2445;
-    let t2448 = t446 * t2439;
-    let t2449 = t2447 + t2448;
-    let t2450 = t321 * t2436;
-    let t2451 = t2449 + t2450;
-    let t2452 = t294 * t2451;
-    let t2453 = 5.151863922779921 + t2452;
-    let t2454 = t349 * t2444;
-    let t2455 = t2453 + t2454;
-    let t2456 = t349 * t2439;
+    let t2445 = t746 * t2018;
+    let t2446 = t2444 - t2445;
+    let t2447 = t651 * t2082;
+    let t2448 = t231 * t2093;
+    let t2449 = t570 * t2106;
+    let t2450 = t601 * t2121;
+    let t2451 = t2450 + t2449;
+    let t2452 = t2451 - t2448;
+    let t2453 = t2452 - t2447;
+    let t2454 = t708 * 0.42728302093540005;
+    let t2455 = t2453 - t2454;
+    let t2456 = t746 * t925;
     let t2457 = t2455 + t2456;
-    let t2458 = t250 * t2436;
-    let t2459 = t2457 + t2458;
-    let t2460 = 76.686 * t2459;
-    let t2461 = y[1] * t1092;
-    let t2462 = y[2] * t1228;
-    let t2463 = t2461 + t2462;
-    let t2464 = y[3] * t1342;
-    let t2465 = t2463 + t2464;
-    let t2466 = y[4] * t1448;
-    let t2467 = t2465 - t2466;
-    let t2468 = y[5] * t1501;
-    let t2469 = t2467 - t2468;
-    let t2470 = v[1] * t1824;
-    let t2471 = v[0] * t1740;
-    let t2472 = t2471 + t2470;
-    let t2473 = v[2] * t1901;
-    let t2474 = t2472 + t2473;
-    let t2475 = v[3] * t1975;
-    let t2476 = t2474 + t2475;
-    let t2477 = v[4] * t2043;
-    let t2478 = t2476 - t2477;
-    let t2479 = v[5] * t2068;
-    let t2480 = t2478 - t2479;
-    let t2481 = t2469 - t2480;
-    let t2482 = u[5] * t2279;
-    let t2483 = u[3] * t2265;
-    let t2484 = u[2] * t2259;
-    let t2485 = u[1] * t2255;
-    let t2486 = u[0] * t2253;
-    let t2487 = t2486 - t2485;
-    let t2488 = t2487 - t2484;
-    let t2489 = t2488 + t2483;
-    let t2490 = u[4] * t2271;
-    let t2491 = t2489 + t2490;
-    let t2492 = t2491 - t2482;
-    let t2493 = t2481 - t2492;
-    let t2494 = t534 + t2493;
-    let t2495 = y[1] * t1504;
-    let t2496 = y[2] * t1507;
-    let t2497 = t2495 - t2496;
-    let t2498 = y[3] * t1510;
-    let t2499 = t2497 - t2498;
-    let t2500 = y[4] * t1513;
-    let t2501 = t2499 + t2500;
-    let t2502 = y[5] * t1516;
-    let t2503 = t2501 + t2502;
-    let t2504 = v[1] * t2074;
-    let t2505 = v[0] * t2071;
-    let t2506 = t2505 - t2504;
-    let t2507 = v[2] * t2077;
-    let t2508 = t2506 + t2507;
-    let t2509 = v[3] * t2080;
-    let t2510 = t2508 + t2509;
-    let t2511 = v[4] * t2083;
-    let t2512 = t2510 + t2511;
-    let t2513 = v[5] * t2086;
-    let t2514 = t2512 - t2513;
-    let t2515 = t2503 + t2514;
-    let t2516 = u[5] * t2307;
-    let t2517 = u[3] * t2293;
-    let t2518 = u[2] * t2287;
-    let t2519 = u[1] * t2283;
-    let t2520 = u[0] * t2280;
-    let t2521 = t2520 - t2519;
-    let t2522 = t2521 - t2518;
-    let t2523 = t2522 + t2517;
-    let t2524 = u[4] * t2299;
-    let t2525 = t2523 + t2524;
-    let t2526 = t2525 - t2516;
-    let t2527 = t2515 - t2526;
-    let t2528 = t537 - t2527;
-    let t2529 = y[1] * t1521;
-    let t2530 = y[2] * t1526;
-    let t2531 = t2529 - t2530;
-    let t2532 = y[3] * t1531;
+    let t2458 = t651 * t1186;
+    let t2459 = t231 * t1888;
+    let t2460 = t570 * t1888;
+    let t2461 = t1820 - t2460;
+    let t2462 = t2461 + t2459;
+    let t2463 = t2462 - t2458;
+    let t2464 = t2381 - t2463;
+    let t2465 = t746 * 0.2158232532732;
+    let t2466 = t2464 + t2465;
+    let t2467 = 62.6111 * inverse_d_joint1;
+    let t2468 = 107.815 * t428;
+    let t2469 = 53.7063 * t478;
+    let t2470 = 76.0364 * t594;
+    let t2471 = 71.923 * t614;
+    let t2472 = 76.686 * t601;
+    let t2473 = 62.6111 * t428;
+    let t2474 = 107.815 * t430;
+    let t2475 = 53.7063 * t433;
+    let t2476 = 76.0364 * t563;
+    let t2477 = 71.923 * t583;
+    let t2478 = 76.686 * t570;
+    let t2479 = 62.6111 * t478;
+    let t2480 = 107.815 * t433;
+    let t2481 = 53.7063 * t219;
+    let t2482 = 76.0364 * t224;
+    let t2483 = 71.923 * t545;
+    let t2484 = 76.686 * t231;
+    let t2485 = 62.6111 * t594;
+    let t2486 = 107.815 * t563;
+    let t2487 = 53.7063 * t224;
+    let t2488 = 76.0364 * t644;
+    let t2489 = 71.923 * t664;
+    let t2490 = 76.686 * t651;
+    let t2491 = 62.6111 * t614;
+    let t2492 = 107.815 * t583;
+    let t2493 = 53.7063 * t545;
+    let t2494 = 76.0364 * t664;
+    let t2495 = 71.923 * t829;
+    let t2496 = 76.686 * t708;
+    let t2497 = 62.6111 * t601;
+    let t2498 = 107.815 * t570;
+    let t2499 = 53.7063 * t231;
+    let t2500 = 76.0364 * t651;
+    let t2501 = 71.923 * t708;
+    let t2502 = 76.686 * t746;
+    let t2503 = y[1] * t1192;
+    let t2504 = y[2] * t1313;
+    let t2505 = t2503 + t2504;
+    let t2506 = y[3] * t1412;
+    let t2507 = t2505 + t2506;
+    let t2508 = y[4] * t1503;
+    let t2509 = t2507 - t2508;
+    let t2510 = y[5] * t1542;
+    let t2511 = t2509 - t2510;
+    let t2512 = v[1] * t1954;
+    let t2513 = v[0] * t1885;
+    let t2514 = t2513 - t2512;
+    let t2515 = v[2] * t2016;
+    let t2516 = t2514 + t2515;
+    let t2517 = v[3] * t2075;
+    let t2518 = t2516 + t2517;
+    let t2519 = v[4] * t2128;
+    let t2520 = t2518 - t2519;
+    let t2521 = v[5] * t2139;
+    let t2522 = t2520 - t2521;
+    let t2523 = t2511 - t2522;
+    let t2524 = u[5] * t2472;
+    let t2525 = u[3] * t2470;
+    let t2526 = u[2] * t2469;
+    let t2527 = u[1] * t2468;
+    let t2528 = u[0] * t2467;
+    let t2529 = t2528 - t2527;
+    let t2530 = t2529 - t2526;
+    let t2531 = t2530 + t2525;
+    let t2532 = u[4] * t2471;
     let t2533 = t2531 - t2532;
-    let t2534 = y[4] * t1536;
-    let t2535 = t2533 + t2534;
-    let t2536 = y[5] * t1541;
-    let t2537 = t2535 + t2536;
-    let t2538 = v[1] * t2096;
-    let t2539 = v[0] * t2091;
-    let t2540 = t2539 + t2538;
-    let t2541 = v[2] * t2101;
-    let t2542 = t2540 - t2541;
-    let t2543 = v[3] * t2106;
-    let t2544 = t2542 + t2543;
-    let t2545 = v[4] * t2111;
-    let t2546 = t2544 + t2545;
-    let t2547 = v[5] * t2116;
-    let t2548 = t2546 - t2547;
-    let t2549 = t2537 + t2548;
-    let t2550 = u[5] * t2340;
-    let t2551 = u[3] * t2326;
-    let t2552 = u[2] * t2320;
-    let t2553 = u[1] * t2309;
-    let t2554 = u[0] * t2308;
-    let t2555 = t2554 - t2553;
-    let t2556 = t2555 - t2552;
-    let t2557 = t2556 + t2551;
-    let t2558 = u[4] * t2332;
-    let t2559 = t2557 + t2558;
-    let t2560 = t2559 - t2550;
-    let t2561 = t2549 + t2560;
-    let t2562 = t542 + t2561;
-    let t2563 = y[1] * t1548;
-    let t2564 = y[2] * t1555;
-    let t2565 = t2563 - t2564;
-    let t2566 = y[3] * t1562;
-    let t2567 = t2565 + t2566;
-    let t2568 = y[4] * t1569;
-    let t2569 = t2567 - t2568;
-    let t2570 = y[5] * t1576;
-    let t2571 = t2569 - t2570;
-    let t2572 = v[1] * t2130;
-    let t2573 = v[0] * t2123;
-    let t2574 = t2573 - t2572;
-    let t2575 = v[2] * t2137;
-    let t2576 = t2574 - t2575;
-    let t2577 = v[3] * t2144;
-    let t2578 = t2576 - t2577;
-    let t2579 = v[4] * t2151;
-    let t2580 = t2578 + t2579;
-    let t2581 = v[5] * t2158;
-    let t2582 = t2580 + t2581;
-    let t2583 = t2571 + t2582;
-    let t2584 = u[5] * t2379;
-    let t2585 = u[3] * t2365;
-    let t2586 = u[2] * t2343;
-    let t2587 = u[1] * t2342;
-    let t2588 = u[0] * t2341;
-    let t2589 = t2588 - t2587;
-    let t2590 = t2589 - t2586;
-    let t2591 = t2590 + t2585;
-    let t2592 = u[4] * t2371;
-    let t2593 = t2591 + t2592;
-    let t2594 = t2593 - t2584;
-    let t2595 = t2583 + t2594;
-    let t2596 = t549 - t2595;
-    let t2597 = y[1] * t1583;
-    let t2598 = y[2] * t1590;
-    let t2599 = t2597 + t2598;
-    let t2600 = y[3] * t1597;
-    let t2601 = t2599 + t2600;
-    let t2602 = y[4] * t1604;
-    let t2603 = t2601 + t2602;
-    let t2604 = y[5] * t1611;
-    let t2605 = t2603 - t2604;
-    let t2606 = v[1] * t2172;
-    let t2607 = v[0] * t2165;
-    let t2608 = t2607 - t2606;
-    let t2609 = v[2] * t2179;
-    let t2610 = t2608 - t2609;
-    let t2611 = v[3] * t2186;
-    let t2612 = t2610 + t2611;
-    let t2613 = v[4] * t2192;
-    let t2614 = t2612 - t2613;
-    let t2615 = v[5] * t2199;
-    let t2616 = t2614 - t2615;
-    let t2617 = t2605 + t2616;
-    let t2618 = u[5] * t2418;
-    let t2619 = u[2] * t2382;
-    let t2620 = u[1] * t2381;
-    let t2621 = u[0] * t2380;
-    let t2622 = t2621 - t2620;
-    let t2623 = t2622 - t2619;
-    let t2624 = u[3] * t2383;
-    let t2625 = t2623 + t2624;
-    let t2626 = u[4] * t2405;
-    let t2627 = t2625 + t2626;
-    let t2628 = t2627 - t2618;
-    let t2629 = t2617 + t2628;
-    let t2630 = t633 - t2629;
-    let t2631 = y[1] * t1620;
-    let t2632 = y[2] * t1629;
-    let t2633 = t2631 - t2632;
-    let t2634 = y[3] * t1638;
-    let t2635 = t2633 + t2634;
-    let t2636 = y[4] * t1647;
-    let t2637 = t2635 + t2636;
-    let t2638 = y[5] * t1656;
-    let t2639 = t2637 + t2638;
-    let t2640 = v[1] * t2217;
-    let t2641 = v[0] * t2208;
-    let t2642 = t2641 - t2640;
-    let t2643 = v[2] * t2226;
-    let t2644 = t2642 - t2643;
-    let t2645 = v[3] * t2235;
-    let t2646 = t2644 + t2645;
-    let t2647 = v[4] * t2244;
-    let t2648 = t2646 + t2647;
-    let t2649 = v[5] * t2252;
-    let t2650 = t2648 - t2649;
-    let t2651 = t2639 + t2650;
-    let t2652 = u[3] * t2422;
-    let t2653 = u[2] * t2421;
-    let t2654 = u[1] * t2420;
-    let t2655 = u[0] * t2419;
-    let t2656 = t2655 - t2654;
-    let t2657 = t2656 - t2653;
-    let t2658 = t2657 + t2652;
-    let t2659 = u[4] * t2423;
-    let t2660 = t2658 + t2659;
-    let t2661 = u[5] * t2460;
-    let t2662 = t2660 - t2661;
-    let t2663 = t2651 - t2662;
-    let t2664 = t574 - t2663;
-    let t2665 = -t1448;
-    let t2666 = -t1501;
-    let t2667 = -t1507;
-    let t2668 = -t1510;
-    let t2669 = -t1526;
-    let t2670 = -t1531;
-    let t2671 = -t1555;
-    let t2672 = -t1569;
-    let t2673 = -t1576;
-    let t2674 = -t1611;
-    let t2675 = -t1629;
-    let t2676 = -t1740;
-    let t2677 = -t1824;
-    let t2678 = -t1901;
-    let t2679 = -t1975;
-    let t2680 = -t2074;
-    let t2681 = -t2086;
-    let t2682 = -t2101;
-    let t2683 = -t2116;
-    let t2684 = -t2130;
-    let t2685 = -t2137;
-    let t2686 = -t2144;
-    let t2687 = -t2172;
-    let t2688 = -t2179;
-    let t2689 = -t2192;
-    let t2690 = -t2199;
-    let t2691 = -t2217;
-    let t2692 = -t2226;
-    let t2693 = -t2252;
-    let t2694 = -t2253;
-    let t2695 = -t2265;
-    let t2696 = -t2271;
-    let t2697 = -t2280;
-    let t2698 = -t2293;
-    let t2699 = -t2299;
-    let t2700 = -t2309;
-    let t2701 = -t2320;
-    let t2702 = -t2340;
-    let t2703 = -t2342;
-    let t2704 = -t2343;
-    let t2705 = -t2379;
-    let t2706 = -t2381;
-    let t2707 = -t2382;
-    let t2708 = -t2418;
-    let t2709 = -t2419;
-    let t2710 = -t2422;
-    let t2711 = -t2423;
-    let t2712 = -t2494;
-    let t2713 = -t2562;
+    let t2534 = t2533 - t2524;
+    let t2535 = t2523 - t2534;
+    let t2536 = t617 + t2535;
+    let t2537 = y[1] * t1553;
+    let t2538 = y[2] * t1564;
+    let t2539 = t2537 + t2538;
+    let t2540 = y[3] * t1575;
+    let t2541 = t2539 + t2540;
+    let t2542 = y[4] * t1586;
+    let t2543 = t2541 - t2542;
+    let t2544 = y[5] * t1597;
+    let t2545 = t2543 - t2544;
+    let t2546 = v[1] * t2161;
+    let t2547 = v[0] * t2150;
+    let t2548 = t2547 - t2546;
+    let t2549 = v[2] * t2172;
+    let t2550 = t2548 + t2549;
+    let t2551 = v[3] * t2183;
+    let t2552 = t2550 + t2551;
+    let t2553 = v[4] * t2194;
+    let t2554 = t2552 - t2553;
+    let t2555 = v[5] * t2205;
+    let t2556 = t2554 - t2555;
+    let t2557 = t2545 - t2556;
+    let t2558 = u[5] * t2478;
+    let t2559 = u[3] * t2476;
+    let t2560 = u[2] * t2475;
+    let t2561 = u[1] * t2474;
+    let t2562 = u[0] * t2473;
+    let t2563 = t2562 - t2561;
+    let t2564 = t2563 - t2560;
+    let t2565 = t2564 + t2559;
+    let t2566 = u[4] * t2477;
+    let t2567 = t2565 - t2566;
+    let t2568 = t2567 - t2558;
+    let t2569 = t2557 - t2568;
+    let t2570 = t586 + t2569;
+    let t2571 = y[1] * t1608;
+    let t2572 = y[2] * t1619;
+    let t2573 = t2571 + t2572;
+    let t2574 = y[3] * t1630;
+    let t2575 = t2573 + t2574;
+    let t2576 = y[4] * t1641;
+    let t2577 = t2575 - t2576;
+    let t2578 = y[5] * t1651;
+    let t2579 = t2577 + t2578;
+    let t2580 = v[1] * t2227;
+    let t2581 = v[0] * t2216;
+    let t2582 = t2581 - t2580;
+    let t2583 = v[2] * t2238;
+    let t2584 = t2582 + t2583;
+    let t2585 = v[3] * t2249;
+    let t2586 = t2584 + t2585;
+    let t2587 = v[4] * t2260;
+    let t2588 = t2586 - t2587;
+    let t2589 = v[5] * t2270;
+    let t2590 = t2588 + t2589;
+    let t2591 = t2579 - t2590;
+    let t2592 = u[5] * t2484;
+    let t2593 = u[3] * t2482;
+    let t2594 = u[2] * t2481;
+    let t2595 = u[1] * t2480;
+    let t2596 = u[0] * t2479;
+    let t2597 = t2596 - t2595;
+    let t2598 = t2597 - t2594;
+    let t2599 = t2598 + t2593;
+    let t2600 = u[4] * t2483;
+    let t2601 = t2599 - t2600;
+    let t2602 = t2601 - t2592;
+    let t2603 = t2591 - t2602;
+    let t2604 = t558 + t2603;
+    let t2605 = y[1] * t1662;
+    let t2606 = y[2] * t1673;
+    let t2607 = t2605 + t2606;
+    let t2608 = y[3] * t1684;
+    let t2609 = t2607 + t2608;
+    let t2610 = y[4] * t1695;
+    let t2611 = t2609 - t2610;
+    let t2612 = y[5] * t1706;
+    let t2613 = t2611 - t2612;
+    let t2614 = v[1] * t2292;
+    let t2615 = v[0] * t2281;
+    let t2616 = t2615 - t2614;
+    let t2617 = v[2] * t2303;
+    let t2618 = t2616 + t2617;
+    let t2619 = v[3] * t2314;
+    let t2620 = t2618 + t2619;
+    let t2621 = v[4] * t2325;
+    let t2622 = t2620 - t2621;
+    let t2623 = v[5] * t2336;
+    let t2624 = t2622 - t2623;
+    let t2625 = t2613 - t2624;
+    let t2626 = u[5] * t2490;
+    let t2627 = u[3] * t2488;
+    let t2628 = u[2] * t2487;
+    let t2629 = u[1] * t2486;
+    let t2630 = u[0] * t2485;
+    let t2631 = t2630 - t2629;
+    let t2632 = t2631 - t2628;
+    let t2633 = t2632 + t2627;
+    let t2634 = u[4] * t2489;
+    let t2635 = t2633 - t2634;
+    let t2636 = t2635 - t2626;
+    let t2637 = t2625 - t2636;
+    let t2638 = t667 + t2637;
+    let t2639 = y[1] * t1717;
+    let t2640 = y[2] * t1728;
+    let t2641 = t2639 + t2640;
+    let t2642 = y[3] * t1739;
+    let t2643 = t2641 + t2642;
+    let t2644 = y[4] * t1750;
+    let t2645 = t2643 - t2644;
+    let t2646 = y[5] * t1761;
+    let t2647 = t2645 - t2646;
+    let t2648 = v[1] * t2358;
+    let t2649 = v[0] * t2347;
+    let t2650 = t2649 - t2648;
+    let t2651 = v[2] * t2369;
+    let t2652 = t2650 + t2651;
+    let t2653 = v[3] * t2380;
+    let t2654 = t2652 + t2653;
+    let t2655 = v[4] * t2391;
+    let t2656 = t2654 - t2655;
+    let t2657 = v[5] * t2402;
+    let t2658 = t2656 - t2657;
+    let t2659 = t2647 - t2658;
+    let t2660 = u[5] * t2496;
+    let t2661 = u[2] * t2493;
+    let t2662 = u[1] * t2492;
+    let t2663 = u[0] * t2491;
+    let t2664 = t2663 - t2662;
+    let t2665 = t2664 - t2661;
+    let t2666 = u[3] * t2494;
+    let t2667 = t2665 + t2666;
+    let t2668 = u[4] * t2495;
+    let t2669 = t2667 - t2668;
+    let t2670 = t2669 - t2660;
+    let t2671 = t2659 - t2670;
+    let t2672 = t832 + t2671;
+    let t2673 = y[1] * t1772;
+    let t2674 = y[2] * t1783;
+    let t2675 = t2673 + t2674;
+    let t2676 = y[3] * t1794;
+    let t2677 = t2675 + t2676;
+    let t2678 = y[4] * t1805;
+    let t2679 = t2677 - t2678;
+    let t2680 = y[5] * t1816;
+    let t2681 = t2679 - t2680;
+    let t2682 = v[1] * t2424;
+    let t2683 = v[0] * t2413;
+    let t2684 = t2683 - t2682;
+    let t2685 = v[2] * t2435;
+    let t2686 = t2684 + t2685;
+    let t2687 = v[3] * t2446;
+    let t2688 = t2686 + t2687;
+    let t2689 = v[4] * t2457;
+    let t2690 = t2688 - t2689;
+    let t2691 = v[5] * t2466;
+    let t2692 = t2690 + t2691;
+    let t2693 = t2681 - t2692;
+    let t2694 = u[3] * t2500;
+    let t2695 = u[2] * t2499;
+    let t2696 = u[1] * t2498;
+    let t2697 = u[0] * t2497;
+    let t2698 = t2697 - t2696;
+    let t2699 = t2698 - t2695;
+    let t2700 = t2699 + t2694;
+    let t2701 = u[4] * t2501;
+    let t2702 = t2700 - t2701;
+    let t2703 = u[5] * t2502;
+    let t2704 = t2702 - t2703;
+    let t2705 = t2693 - t2704;
+    let t2706 = t748 + t2705;
+    let t2707 = -t1503;
+    let t2708 = -t1542;
+    let t2709 = -t1586;
+    let t2710 = -t1597;
+    let t2711 = -t1608;
+    let t2712 = -t1619;
+    let t2713 = -t1630;
+    let t2714 = -t1651;
+    let t2715 = -t1662;
+    let t2716 = -t1673;
+    let t2717 = -t1684;
+    let t2718 = -t1750;
+    let t2719 = -t1761;
+    let t2720 = -t1805;
+    let t2721 = -t1816;
+    let t2722 = -t1885;
+    let t2723 = -t2016;
+    let t2724 = -t2075;
+    let t2725 = -t2150;
+    let t2726 = -t2172;
+    let t2727 = -t2183;
+    let t2728 = -t2227;
+    let t2729 = -t2260;
+    let t2730 = -t2292;
+    let t2731 = -t2325;
+    let t2732 = -t2336;
+    let t2733 = -t2347;
+    let t2734 = -t2369;
+    let t2735 = -t2380;
+    let t2736 = -t2413;
+    let t2737 = -t2435;
+    let t2738 = -t2446;
+    let t2739 = -t2466;
+    let t2740 = -t2467;
+    let t2741 = -t2470;
+    let t2742 = -t2473;
+    let t2743 = -t2476;
+    let t2744 = -t2480;
+    let t2745 = -t2481;
+    let t2746 = -t2483;
+    let t2747 = -t2484;
+    let t2748 = -t2486;
+    let t2749 = -t2487;
+    let t2750 = -t2489;
+    let t2751 = -t2490;
+    let t2752 = -t2491;
+    let t2753 = -t2494;
+    let t2754 = -t2497;
+    let t2755 = -t2500;
+    let t2756 = -t2536;
+    let t2757 = -t2570;
+    let t2758 = -t2672;
+    let t2759 = -t2706;
     [
-        t2043,
-        t2068,
-        t2071,
-        t2077,
-        t2080,
-        t2083,
-        t2091,
-        t2096,
-        t2106,
-        t2111,
-        t2123,
-        t2151,
-        t2158,
-        t2165,
-        t2186,
-        t2208,
-        t2235,
-        t2244,
-        t2255,
-        t2259,
-        t2279,
-        t2283,
-        t2287,
-        t2307,
-        t2308,
-        t2326,
-        t2332,
-        t2341,
-        t2365,
-        t2371,
-        t2380,
-        t2383,
-        t2405,
-        t2420,
-        t2421,
-        t2460,
-        t2528,
-        t2596,
-        t2630,
-        t2664,
-        t2665,
-        t2666,
-        t2667,
-        t2668,
-        t2669,
-        t2670,
-        t2671,
-        t2672,
-        t2673,
-        t2674,
-        t2675,
-        t2676,
-        t2677,
-        t2678,
-        t2679,
-        t2680,
-        t2681,
-        t2682,
-        t2683,
-        t2684,
-        t2685,
-        t2686,
-        t2687,
-        t2688,
-        t2689,
-        t2690,
-        t2691,
-        t2692,
-        t2693,
-        t2694,
-        t2695,
-        t2696,
-        t2697,
-        t2698,
-        t2699,
-        t2700,
-        t2701,
-        t2702,
-        t2703,
-        t2704,
-        t2705,
-        t2706,
+        t2128,
+        t2139,
+        t2161,
+        t2194,
+        t2205,
+        t2216,
+        t2238,
+        t2249,
+        t2270,
+        t2281,
+        t2303,
+        t2314,
+        t2358,
+        t2391,
+        t2402,
+        t2424,
+        t2457,
+        t2468,
+        t2469,
+        t2471,
+        t2472,
+        t2474,
+        t2475,
+        t2477,
+        t2478,
+        t2479,
+        t2482,
+        t2485,
+        t2488,
+        t2492,
+        t2493,
+        t2495,
+        t2496,
+        t2498,
+        t2499,
+        t2501,
+        t2502,
+        t2604,
+        t2638,
         t2707,
         t2708,
         t2709,
@@ -11928,6 +12117,52 @@ fn linearize_part_2(
         t2711,
         t2712,
         t2713,
+        t2714,
+        t2715,
+        t2716,
+        t2717,
+        t2718,
+        t2719,
+        t2720,
+        t2721,
+        t2722,
+        t2723,
+        t2724,
+        t2725,
+        t2726,
+        t2727,
+        t2728,
+        t2729,
+        t2730,
+        t2731,
+        t2732,
+        t2733,
+        t2734,
+        t2735,
+        t2736,
+        t2737,
+        t2738,
+        t2739,
+        t2740,
+        t2741,
+        t2742,
+        t2743,
+        t2744,
+        t2745,
+        t2746,
+        t2747,
+        t2748,
+        t2749,
+        t2750,
+        t2751,
+        t2752,
+        t2753,
+        t2754,
+        t2755,
+        t2756,
+        t2757,
+        t2758,
+        t2759,
     ]
 }
 

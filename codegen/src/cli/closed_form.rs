@@ -15,7 +15,7 @@ use super::arguments::{Format, Inspect};
 use super::print;
 use super::progress::Progress;
 use crate::closed_form::{self, Instance, display};
-use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::diagnostic::Diagnostics;
 use crate::model::{self, Loaded, Model, ReadOptions};
 use crate::output;
 
@@ -35,12 +35,11 @@ fn read(arguments: &Inspect) -> Result<Loaded, Failure> {
         snap_angles: arguments.choices.snap_angles,
         no_friction: arguments.choices.no_friction,
     };
-    model::read(&arguments.description, &options)
-        .map_err(|diagnostics| Failure::Descriptions(vec![diagnostics]))
+    model::read(&arguments.description, &options).map_err(problem)
 }
 
-fn problem(diagnostic: Diagnostic) -> Failure {
-    Failure::Descriptions(vec![Diagnostics::new(vec![diagnostic])])
+fn problem(diagnostics: Diagnostics) -> Failure {
+    Failure::Descriptions(vec![diagnostics])
 }
 
 /// Runs this command again with `--output` and prints what came out.

@@ -8,7 +8,7 @@ use symbolica::domains::rational::Rational;
 
 use super::algebra::{Kind, Variables};
 use super::terms::{Factor, Wave};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Diagnostics};
 
 /// One summand: rational number, constants, motion, wave.
 #[derive(Debug, Clone)]
@@ -49,7 +49,7 @@ pub(super) fn parts(
     variables: Variables<'_>,
     sum: &Atom,
     phases: usize,
-) -> Result<Vec<Part>, Diagnostic> {
+) -> Result<Vec<Part>, Diagnostics> {
     let mut spectra: BTreeMap<Key, Spectrum> = BTreeMap::new();
     let view = sum.as_view();
     match view {
@@ -79,7 +79,7 @@ fn add(
     summand: AtomView<'_>,
     phases: usize,
     spectra: &mut BTreeMap<Key, Spectrum>,
-) -> Result<(), Diagnostic> {
+) -> Result<(), Diagnostics> {
     let mut product = Product {
         number: (Rational::from(1), Rational::from(0)),
         constants: BTreeMap::new(),
@@ -122,7 +122,7 @@ impl Product {
         &mut self,
         variables: Variables<'_>,
         factor: AtomView<'_>,
-    ) -> Result<(), Diagnostic> {
+    ) -> Result<(), Diagnostics> {
         let defect = || unexpected(&factor.to_string());
         let (base, exponent) = match factor {
             AtomView::Num(number) => {
@@ -164,7 +164,7 @@ fn number_of(number: CoefficientView<'_>) -> Option<(Rational, Rational)> {
 }
 
 /// Sines and cosines with their factors; the first multiple of each wave is positive.
-fn real(spectrum: &Spectrum) -> Result<Vec<(Rational, Wave)>, Diagnostic> {
+fn real(spectrum: &Spectrum) -> Result<Vec<(Rational, Wave)>, Diagnostics> {
     let mut waves = Vec::new();
     let zero = Rational::from(0);
     let two = Rational::from(2);
@@ -187,10 +187,11 @@ fn real(spectrum: &Spectrum) -> Result<Vec<(Rational, Wave)>, Diagnostic> {
     Ok(waves)
 }
 
-fn unexpected(what: &str) -> Diagnostic {
-    Diagnostic::error(
+fn unexpected(what: &str) -> Diagnostics {
+    let defect = Diagnostic::error(
         "symbolica-form",
         format!("the closed form holds what it should not: {what}"),
     )
-    .help("this is a defect of gelenk; please report it with the description")
+    .help("this is a defect of gelenk; please report it with the description");
+    Diagnostics::new(vec![defect])
 }

@@ -75,12 +75,12 @@ impl Derivation<'_, '_, '_> {
         for body in &self.bodies.bodies {
             let frame = self.place(body, body.parent.and_then(|parent| placed.get(parent)));
             let spin = self.spin(&frame.rotation);
-            sum = sum + self.of_body(body, &frame, &spin, &gravity);
+            sum += self.of_body(body, &frame, &spin, &gravity);
             placed.push(frame);
             spins.push(spin);
         }
         for rotor in &self.bodies.rotors {
-            sum = sum + self.of_rotor(rotor, model, &spins);
+            sum += self.of_rotor(rotor, model, &spins);
         }
         sum.expand()
     }
@@ -144,7 +144,7 @@ impl Derivation<'_, '_, '_> {
             let translation = &m * algebra::dot(&velocity, &velocity);
             let rotation = algebra::dot(spin, &algebra::rotate(&inertia, spin));
             let potential = &m * algebra::dot(gravity, &place);
-            sum = sum + half(translation + rotation) + potential;
+            sum += half(translation + rotation) + potential;
         }
         sum.expand()
     }
@@ -158,7 +158,7 @@ impl Derivation<'_, '_, '_> {
             speed = algebra::dot(&axis, &spins[body]);
         }
         if let Some(coordinate) = rotor.coordinate {
-            speed = speed + ratio * self.variables.atom(Kind::Velocity, coordinate);
+            speed += ratio * self.variables.atom(Kind::Velocity, coordinate);
         }
         debug_assert!(
             rotor.carrier.is_none() || model.drives[rotor.drive].coupling == RotorCoupling::Body

@@ -240,7 +240,7 @@ impl<'m> Letters<'m> {
             &mass.mass,
             "m",
             &index.to_string(),
-            &format!("mass that {name} moves first [kg]"),
+            &format!("mass of what {name} carries [kg]"),
         );
         let center = self.vector(
             &mass.center,
@@ -288,7 +288,7 @@ impl<'m> Letters<'m> {
             let mut entry = self.ratios[*index].clone();
             if let Input::Current(constant) = &drive.input {
                 let meaning = format!("motor constant of {} [N m/A]", drive.name);
-                entry = entry * self.visible(constant, "K", &self.drive_index(*index), &meaning);
+                entry *= self.visible(constant, "K", &self.drive_index(*index), &meaning);
             }
             if let Some(row) = drive.coordinate {
                 matrix[row][column] = entry;

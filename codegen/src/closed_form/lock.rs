@@ -11,7 +11,7 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Diagnostics};
 
 /// So long [`Instance::acquire`] waits for another one to end.
 pub const PATIENCE: Duration = Duration::from_secs(120);
@@ -37,7 +37,7 @@ impl Instance {
     ///
     /// # Errors
     /// `symbolica-busy` where another process keeps the lock, `symbolica-lock` where the file cannot be locked at all.
-    pub fn acquire(on_wait: &mut dyn FnMut(&Path)) -> Result<Self, Diagnostic> {
+    pub fn acquire(on_wait: &mut dyn FnMut(&Path)) -> Result<Self, Diagnostics> {
         // The mutex guards no data that a panic could have left half-made.
         let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
         if LOCK.get().is_none() {
@@ -54,15 +54,15 @@ fn locked(
     path: &Path,
     patience: Duration,
     on_wait: &mut dyn FnMut(&Path),
-) -> Result<File, Diagnostic> {
-    let file = open(path).map_err(|error| unusable(path, &error))?;
+) -> Result<File, Diagnostics> {
+    let file = open(path).map_err(|error| problem(unusable(path, &error)))?;
     let mut waited = Duration::ZERO;
     loop {
         match file.try_lock() {
             Ok(()) => return Ok(file),
-            Err(TryLockError::Error(error)) => return Err(unusable(path, &error)),
+            Err(TryLockError::Error(error)) => return Err(problem(unusable(path, &error))),
             Err(TryLockError::WouldBlock) if waited >= patience => {
-                return Err(busy(path, patience));
+                return Err(problem(busy(path, patience)));
             }
             Err(TryLockError::WouldBlock) => {
                 if waited.is_zero() {
@@ -89,6 +89,10 @@ fn open(path: &Path) -> io::Result<File> {
         }
         opened => opened,
     }
+}
+
+fn problem(diagnostic: Diagnostic) -> Diagnostics {
+    Diagnostics::new(vec![diagnostic])
 }
 
 fn busy(path: &Path, patience: Duration) -> Diagnostic {
@@ -125,7 +129,7 @@ mod tests {
         let mut told = 0;
         let patience = Duration::from_millis(250);
         let refused = locked(&path, patience, &mut |_| told += 1).unwrap_err();
-        assert_eq!((refused.code, told), ("symbolica-busy", 1));
+        assert_eq!((refused.entries()[0].code, told), ("symbolica-busy", 1));
         drop(first);
         assert!(locked(&path, Duration::ZERO, &mut |_| ()).is_ok());
     }
@@ -135,6 +139,6 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("none").join("lock");
         let refused = locked(&path, Duration::ZERO, &mut |_| ()).unwrap_err();
-        assert_eq!(refused.code, "symbolica-lock");
+        assert_eq!(refused.entries()[0].code, "symbolica-lock");
     }
 }

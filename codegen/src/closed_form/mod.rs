@@ -27,7 +27,7 @@ pub use terms::{ClosedForms, Factor, Monomial, Number, Sum, Term, Values, Wave};
 
 use symbolica::atom::{Atom, AtomCore};
 
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::model::Model;
 use algebra::Variables;
 use bodies::Bodies;
@@ -44,7 +44,7 @@ pub const MAXIMUM_JOINTS: usize = 3;
 ///
 /// # Errors
 /// `too-many-joints` where more than [`MAXIMUM_JOINTS`] coordinates move.
-pub fn derive(model: &Model, instance: &Instance) -> Result<ClosedForms, Diagnostic> {
+pub fn derive(model: &Model, instance: &Instance) -> Result<ClosedForms, Diagnostics> {
     check_size(model)?;
     let variables = Variables::new(instance);
     let mut letters = Letters::new(variables, model);
@@ -93,21 +93,20 @@ pub fn derive(model: &Model, instance: &Instance) -> Result<ClosedForms, Diagnos
 ///
 /// # Errors
 /// As [`derive`].
-pub fn check_size(model: &Model) -> Result<(), Diagnostic> {
-    match model.coordinates.len() {
-        n if n > MAXIMUM_JOINTS => Err(Diagnostic::error(
-            "too-many-joints",
-            format!(
-                "closed forms are offered for up to {MAXIMUM_JOINTS} coordinates; `{}` has {n}",
-                model.name
-            ),
-        )
-        .help(
-            "hold joints at a position in the description (`held = 0`), or use `gelenk inspect program` for the \
-             equations with their abbreviations",
-        )),
-        _ => Ok(()),
+pub fn check_size(model: &Model) -> Result<(), Diagnostics> {
+    let n = model.coordinates.len();
+    if n <= MAXIMUM_JOINTS {
+        return Ok(());
     }
+    let message = format!(
+        "closed forms are offered for up to {MAXIMUM_JOINTS} coordinates; `{}` has {n}",
+        model.name
+    );
+    let problem = Diagnostic::error("too-many-joints", message).help(
+        "hold joints at a position in the description (`held = 0`), or use `gelenk inspect program` for the \
+         equations with their abbreviations",
+    );
+    Err(Diagnostics::new(vec![problem]))
 }
 
 /// From Symbolica's expressions to sums of ours.
@@ -119,11 +118,11 @@ struct Writer<'a, 'm> {
 }
 
 impl Writer<'_, '_> {
-    fn parts(&self, expression: &Atom) -> Result<Vec<Part>, Diagnostic> {
+    fn parts(&self, expression: &Atom) -> Result<Vec<Part>, Diagnostics> {
         fourier::parts(self.variables, &expression.expand(), self.phases)
     }
 
-    fn rows(&mut self, rows: &[Vec<Atom>]) -> Result<Vec<Vec<Sum>>, Diagnostic> {
+    fn rows(&mut self, rows: &[Vec<Atom>]) -> Result<Vec<Vec<Sum>>, Diagnostics> {
         let mut all = Vec::new();
         for row in rows {
             let mut sums = Vec::new();
@@ -137,7 +136,7 @@ impl Writer<'_, '_> {
     }
 
     /// `k − q_gravity` as k, which is quadratic in the velocities, and q_gravity, which knows none.
-    fn split(&mut self, bias: &Atom) -> Result<(Sum, Sum), Diagnostic> {
+    fn split(&mut self, bias: &Atom) -> Result<(Sum, Sum), Diagnostics> {
         let moves = |part: &Part| {
             let mut factors = part.motion.iter();
             factors.any(|(factor, _)| matches!(factor, Factor::Velocity(_)))

@@ -284,11 +284,8 @@ pub const QUANTITIES: &[Quantity] = &[
         ],
         notes: &["What both have in common is computed once."],
         build: |equations, arguments| {
-            let (y, v) = (&arguments.y, &arguments.v);
-            vec![
-                matrix(equations.mass_matrix(y)),
-                vector(equations.bias_forces(y, v)),
-            ]
+            let (mass, bias) = equations.mass_matrix_and_bias(&arguments.y, &arguments.v);
+            vec![matrix(mass), vector(bias)]
         },
     },
     Quantity {

@@ -26,6 +26,8 @@ pub struct Formulations<'m> {
     gravity_forces: OnceCell<Formulation>,
     mass_matrix: OnceCell<Formulation>,
     derivatives: OnceCell<DerivativeRoute>,
+    mass_and_bias: OnceCell<(Formulation, Formulation)>,
+    beside_derivatives: OnceCell<(Formulation, Formulation)>,
 }
 
 /// How the inverse dynamics are differentiated.
@@ -48,6 +50,8 @@ impl<'m> Formulations<'m> {
             gravity_forces: OnceCell::new(),
             mass_matrix: OnceCell::new(),
             derivatives: OnceCell::new(),
+            mass_and_bias: OnceCell::new(),
+            beside_derivatives: OnceCell::new(),
         }
     }
 
@@ -85,6 +89,67 @@ impl<'m> Formulations<'m> {
                 })
             })
         })
+    }
+
+    /// Of M and the bias forces where both are needed: what they share is computed once.
+    pub fn mass_and_bias(&self) -> &(Formulation, Formulation) {
+        self.mass_and_bias.get_or_init(|| {
+            self.cheapest_pair(&[self.mass_matrix(), self.bias_forces()], |_, _| Vec::new())
+        })
+    }
+
+    /// Of M and the bias forces beside the derivatives of the inverse dynamics.
+    pub fn mass_and_bias_beside_derivatives(&self) -> &(Formulation, Formulation) {
+        self.beside_derivatives.get_or_init(|| {
+            let mut candidates = vec![self.mass_matrix(), self.bias_forces()];
+            if let DerivativeRoute::Composite(formulation, _) = self.derivatives() {
+                candidates.push(formulation);
+            }
+            if self.model.coordinates.len() > LARGEST_SEARCHED {
+                return (self.mass_matrix().clone(), self.bias_forces().clone());
+            }
+            self.cheapest_pair(&candidates, |graph, input| {
+                let result =
+                    self.derivatives()
+                        .derive(graph, self.model, self.inverse_dynamics(), input);
+                [
+                    result.by_coordinates.concat(),
+                    result.by_velocities.concat(),
+                ]
+                .concat()
+            })
+        })
+    }
+
+    /// The pair of formulations of M and the bias forces that costs least beside other results.
+    fn cheapest_pair(
+        &self,
+        candidates: &[&Formulation],
+        beside: impl for<'g> Fn(&'g Graph, MotionInput<'_, 'g>) -> Vec<Scalar<'g>>,
+    ) -> (Formulation, Formulation) {
+        let weight = |mass: &Formulation, bias: &Formulation| {
+            let (weight, _) = weigh(self.model, |graph, input| {
+                let still = vec![graph.constant(0.0); input.y.len()];
+                let matrix =
+                    composite::mass_matrix(&mass.mechanism(graph, self.model), mass, input.y);
+                let steady = MotionInput { a: &still, ..input };
+                let forces = newton_euler::inverse_dynamics(
+                    &bias.mechanism(graph, self.model),
+                    bias,
+                    steady,
+                );
+                [matrix.concat(), forces, beside(graph, input)].concat()
+            });
+            weight
+        };
+        let pairs = candidates
+            .iter()
+            .flat_map(|mass| candidates.iter().map(move |bias| (*mass, *bias)));
+        let best = pairs.min_by_key(|(mass, bias)| weight(mass, bias));
+        best.map_or_else(
+            || (self.mass_matrix().clone(), self.bias_forces().clone()),
+            |(mass, bias)| (mass.clone(), bias.clone()),
+        )
     }
 
     /// Of the derivatives of the inverse dynamics.
@@ -321,11 +386,41 @@ impl<'g> Equations<'_, 'g> {
 
     /// `M(y)`
     pub fn mass_matrix(&self, y: &[Scalar<'g>]) -> Matrix<'g> {
-        let formulation = self.formulations.mass_matrix();
+        self.mass_matrix_by(self.formulations.mass_matrix(), y)
+    }
+
+    fn mass_matrix_by(&self, formulation: &Formulation, y: &[Scalar<'g>]) -> Matrix<'g> {
         composite::mass_matrix(
             &formulation.mechanism(self.graph, self.model),
             formulation,
             y,
+        )
+    }
+
+    /// `M(y)` and `k − q_gravity` in the formulations that cost least together.
+    pub fn mass_matrix_and_bias(
+        &self,
+        y: &[Scalar<'g>],
+        v: &[Scalar<'g>],
+    ) -> (Matrix<'g>, Vec<Scalar<'g>>) {
+        let (mass, bias) = self.formulations.mass_and_bias();
+        (self.mass_matrix_by(mass, y), self.bias_by(bias, y, v))
+    }
+
+    fn bias_by(
+        &self,
+        formulation: &Formulation,
+        y: &[Scalar<'g>],
+        v: &[Scalar<'g>],
+    ) -> Vec<Scalar<'g>> {
+        self.recursive(
+            formulation,
+            MotionInput {
+                y,
+                v,
+                a: &self.zeros(),
+            },
+            true,
         )
     }
 
@@ -438,24 +533,23 @@ impl<'g> Equations<'_, 'g> {
         v: &[Scalar<'g>],
         u: &[Scalar<'g>],
     ) -> AccelerationDerivatives<'g> {
-        let matrix = self.mass_matrix(y);
-        let factorization = Factorization::new(&Mechanism::new(self.graph, self.model), &matrix);
-        let driving: Vec<_> = self
-            .input_forces(u)
-            .into_iter()
-            .zip(self.joint_forces(y, v))
-            .map(|(a, b)| a + b)
+        let (mass, bias) = self.formulations.mass_and_bias_beside_derivatives();
+        let matrix = self.mass_matrix_by(mass, y);
+        let inverse = Factorization::new(&Mechanism::new(self.graph, self.model), &matrix)
+            .inverse(self.graph);
+        let accelerating = subtract(&self.driving_forces(y, v, u), &self.bias_by(bias, y, v));
+        let accelerations: Vec<_> = inverse
+            .iter()
+            .map(|row| dot(self.graph, row, &accelerating))
             .collect();
-        let accelerations = factorization.solve(&subtract(&driving, &self.bias_forces(y, v)));
         let forces = self.inverse_dynamics_derivatives(MotionInput {
             y,
             v,
             a: &accelerations,
         });
-        let inverse = factorization.inverse(self.graph);
         AccelerationDerivatives {
-            by_coordinates: factorization.solve_negative(&forces.by_coordinates),
-            by_velocities: factorization.solve_negative(&forces.by_velocities),
+            by_coordinates: negative_product(self.graph, &inverse, &forces.by_coordinates),
+            by_velocities: negative_product(self.graph, &inverse, &forces.by_velocities),
             inverse,
             accelerations,
         }
@@ -521,15 +615,24 @@ impl<'g> Equations<'_, 'g> {
         v: &[Scalar<'g>],
         u: &[Scalar<'g>],
     ) -> Vec<Scalar<'g>> {
-        let matrix = self.mass_matrix(y);
+        let (matrix, bias) = self.mass_matrix_and_bias(y, v);
         let mechanism = Mechanism::new(self.graph, self.model);
-        let driving = self
-            .input_forces(u)
+        Factorization::new(&mechanism, &matrix)
+            .solve(&subtract(&self.driving_forces(y, v, u), &bias))
+    }
+
+    /// `B u`, springs and friction.
+    fn driving_forces(
+        &self,
+        y: &[Scalar<'g>],
+        v: &[Scalar<'g>],
+        u: &[Scalar<'g>],
+    ) -> Vec<Scalar<'g>> {
+        self.input_forces(u)
             .into_iter()
             .zip(self.joint_forces(y, v))
-            .map(|(a, b)| a + b);
-        let driving: Vec<_> = driving.collect();
-        Factorization::new(&mechanism, &matrix).solve(&subtract(&driving, &self.bias_forces(y, v)))
+            .map(|(a, b)| a + b)
+            .collect()
     }
 
     /// `½ ẏᵀ M ẏ`, as the work of what accelerates by ẏ from rest.
@@ -561,6 +664,20 @@ impl<'g> Equations<'_, 'g> {
     pub fn base_poses(&self, y: &[Scalar<'g>]) -> BasePoses<'g> {
         BasePoses::new(Mechanism::new(self.graph, self.model), y)
     }
+}
+
+/// `−a b`
+fn negative_product<'g>(graph: &'g Graph, a: &Matrix<'g>, b: &Matrix<'g>) -> Matrix<'g> {
+    let column = |j: usize| b.iter().map(|row| -row[j]).collect::<Vec<_>>();
+    let columns: Vec<_> = (0..b.len()).map(column).collect();
+    a.iter()
+        .map(|row| {
+            columns
+                .iter()
+                .map(|column| dot(graph, row, column))
+                .collect()
+        })
+        .collect()
 }
 
 /// `a − b`

@@ -79,16 +79,6 @@ impl<'g> Factorization<'g> {
         inverse
     }
 
-    /// `−M⁻¹ right`
-    pub fn solve_negative(&self, right: &[Vec<Scalar<'g>>]) -> Vec<Vec<Scalar<'g>>> {
-        let columns: Vec<_> = (0..right.len())
-            .map(|j| self.solve(&right.iter().map(|row| -row[j]).collect::<Vec<_>>()))
-            .collect();
-        (0..right.len())
-            .map(|i| columns.iter().map(|column| column[i]).collect())
-            .collect()
-    }
-
     /// The solution of `M x = right`, by coordinates.
     pub fn solve(&self, right: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let mut x: Vec<_> = self

@@ -64,8 +64,10 @@ fn place_body<'g>(
     let turn = |from, to| {
         if revolute {
             turn_between(mechanism, y, from, to, index)
-        } else {
+        } else if from == to {
             None
+        } else {
+            body.offset.constant_turn(mechanism.graph)
         }
     };
     let to_body = turn(aligned, Some(index));

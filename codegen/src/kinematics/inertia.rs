@@ -205,8 +205,16 @@ pub fn regroup<'g>(bodies: &mut [Body<'g>], base: &mut MassMoments<'g>, choices:
             translation,
             lift,
             parent,
+            axis,
+            offset,
             ..
         } = bodies[index];
+        // Masses on a revolute joint's axis look the same from all sides.
+        let ahead = match axis {
+            JointAxis::Revolute => None,
+            JointAxis::Prismatic => offset.constant_turn(given.mass.graph()),
+        };
+        let given = ahead.map_or(given, |ahead| given.turned(ahead));
         let arrived = given.lifted(lift).to_parent(&twist, translation);
         let Some(parent) = parent else {
             *base = *base + arrived;

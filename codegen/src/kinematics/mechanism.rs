@@ -192,6 +192,15 @@ impl Angle {
         f64::from(self.quarters) * std::f64::consts::FRAC_PI_2 + self.remainder
     }
 
+    /// Sine and cosine of the angle itself, by which a sliding joint's frame is turned; `None` for 0.
+    pub fn constant_turn(self, graph: &Graph) -> Option<(Scalar<'_>, Scalar<'_>)> {
+        if self == Self::default() {
+            return None;
+        }
+        let (sine, cosine) = self.remainder.sin_cos();
+        Some(self.advance((graph.constant(sine), graph.constant(cosine))))
+    }
+
     /// Turns the sine and cosine of an angle into those of the angle plus the quarter turns.
     pub fn advance<'g>(self, (s, c): (Scalar<'g>, Scalar<'g>)) -> (Scalar<'g>, Scalar<'g>) {
         match self.quarters {
