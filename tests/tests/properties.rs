@@ -124,7 +124,7 @@ impl Case<'_> {
 }
 
 /// What is checked here.
-const FUNCTIONS: [&str; 13] = [
+const FUNCTIONS: [&str; 17] = [
     "mass_matrix",
     "coriolis_forces",
     "gravity_forces",
@@ -138,6 +138,10 @@ const FUNCTIONS: [&str; 13] = [
     "forward_dynamics",
     "kinetic_energy",
     "potential_energy",
+    "inverse_dynamics_derivatives",
+    "inverse_dynamics_derivatives_and_mass_matrix",
+    "forward_dynamics_derivatives",
+    "linearize",
 ];
 
 /// All random robots with their seeds, derived once for all tests.
@@ -406,5 +410,95 @@ fn frames_are_where_the_links_carry_them() {
             let second: Vec<f64> = pose[0].iter().map(|x| x.eps1eps2).collect();
             case.close("p̈", &found[..3], &second, reach * speed * speed);
         }
+    });
+}
+
+/// A function's first result differentiated by each entry of one input, rows first.
+fn derivative(case: &Case, name: &str, inputs: &[&[f64]], by: usize) -> Vec<f64> {
+    let column = |j: usize| {
+        let arrays: Vec<Vec<Dual64>> = (0..inputs.len())
+            .map(|array| {
+                let unit = |i: usize| f64::from(u8::from(array == by && i == j));
+                let entries = inputs[array].iter().enumerate();
+                entries.map(|(i, &x)| Dual64::new(x, unit(i))).collect()
+            })
+            .collect();
+        let arrays: Vec<&[Dual64]> = arrays.iter().map(Vec::as_slice).collect();
+        case.rate(name, &arrays)
+    };
+    let columns: Vec<Vec<f64>> = (0..inputs[by].len()).map(column).collect();
+    let rows = case.state.y.len();
+    (0..rows)
+        .flat_map(|i| columns.iter().map(move |column| column[i]))
+        .collect()
+}
+
+/// Largest entry, of a matrix whose errors are relative to it.
+fn size(matrix: &[f64]) -> f64 {
+    matrix.iter().fold(0.0, |most: f64, x| most.max(x.abs()))
+}
+
+#[test]
+fn derivatives_of_inverse_dynamics_are_its_slopes() {
+    on_all(|case| {
+        let (y, v, a) = (&case.state.y, &case.state.v, &case.state.a);
+        let inputs: [&[f64]; 3] = [y, v, a];
+        let forces = case.call("inverse_dynamics", &inputs);
+        let by_y = derivative(case, "inverse_dynamics", &inputs, 0);
+        let by_v = derivative(case, "inverse_dynamics", &inputs, 1);
+        let scale = case.scales.forces();
+        for name in [
+            "inverse_dynamics_derivatives",
+            "inverse_dynamics_derivatives_and_mass_matrix",
+        ] {
+            let found = case.call_all(name, &inputs);
+            case.close("forces", &found[0], &forces, scale);
+            case.close("∂/∂y", &found[1], &by_y, scale + size(&by_y));
+            case.close("∂/∂ẏ", &found[2], &by_v, scale + size(&by_v));
+            if let Some(mass) = found.get(3) {
+                case.close("M", mass, &case.call("mass_matrix", &[y]), case.scales.mass);
+            }
+        }
+    });
+}
+
+/// Errors grow with the condition number of M, once for M⁻¹ and once for what is solved with it.
+#[test]
+fn derivatives_of_forward_dynamics_are_its_slopes() {
+    on_all(|case| {
+        let Sample { y, v, u, .. } = case.state;
+        let inputs: [&[f64]; 3] = [y, v, u];
+        let n = y.len();
+        let accelerations = case.call("forward_dynamics", &inputs);
+        let slopes = [0, 1, 2].map(|by| derivative(case, "forward_dynamics", &inputs, by));
+        let growth = condition_of(&case.oracle.mass_matrix(y));
+        let of = |matrix: &[f64]| growth * (size(matrix) + size(&accelerations));
+        let found = case.call_all("forward_dynamics_derivatives", &inputs);
+        case.close("ÿ", &found[0], &accelerations, of(&accelerations));
+        case.close("∂ÿ/∂y", &found[1], &slopes[0], of(&slopes[0]));
+        case.close("∂ÿ/∂ẏ", &found[2], &slopes[1], of(&slopes[1]));
+        let mass = case.call("mass_matrix", &[y]);
+        let identity: Vec<f64> = (0..n * n)
+            .map(|at| f64::from(u8::from(at / n == at % n)))
+            .collect();
+        let product: Vec<f64> = (0..n * n)
+            .map(|at| {
+                let (i, j) = (at / n, at % n);
+                (0..n).map(|k| mass[i * n + k] * found[3][k * n + j]).sum()
+            })
+            .collect();
+        case.close("M M⁻¹", &product, &identity, growth);
+        let linear = case.call_all("linearize", &inputs);
+        for (k, slope) in slopes.iter().enumerate() {
+            case.close("∂ÿ", &linear[k], slope, of(slope));
+        }
+        let parts = [(&linear[0], y), (&linear[1], v), (&linear[2], u)];
+        let mut model = linear[3].clone();
+        let mut scale = of(&accelerations);
+        for (matrix, x) in parts.into_iter().filter(|(_, x)| !x.is_empty()) {
+            model = plus(&model, &times(matrix, x));
+            scale += of(matrix) * x.iter().map(|x| x.abs()).sum::<f64>();
+        }
+        case.close("A x + B u + c", &model, &accelerations, scale);
     });
 }
