@@ -112,8 +112,19 @@ pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.80665];
 /// Cost: 80 multiplications, 68 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///
 /// Composite rigid bodies (Walker and Orin 1982; Featherstone 2008, ch. 6), rotors included.
+#[inline]
 #[must_use]
 pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
+    let mut m = [[0.0; 6]; 6];
+    mass_matrix_into(y, &mut m);
+    m
+}
+
+/// `mass_matrix` with its results written in place; nothing of what stood there is read.
+pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
+    m[4][5] = 0.0;
+    m[5][4] = 0.0;
+    m[5][5] = 0.01405604;
     let angle_beta_gamma = y[1] + y[2];
     let (
         [sin_beta,
@@ -184,17 +195,24 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t64 = 0.01110483 - t63;
     let t65 = t62 + t64;
     let t66 = t65 + 1.36525907;
+    m[0][0] = t66;
     let t67 = cos_delta * t26;
     let t68 = t23 + t67;
     let t69 = sin_beta_gamma * t68;
     let t70 = sin_delta * t38;
     let t71 = cos_delta * t40;
     let t72 = t70 - t71;
+    m[2][3] = t72;
+    m[3][2] = t72;
     let t73 = cos_beta_gamma * t72;
     let t74 = t69 + t73;
+    m[0][2] = t74;
+    m[2][0] = t74;
     let t75 = sin_delta * t51;
     let t76 = cos_beta * t75;
     let t77 = t74 - t76;
+    m[0][1] = t77;
+    m[1][0] = t77;
     let t78 = t18 - t19;
     let t79 = cos_beta_gamma * t78;
     let t80 = sin_beta_gamma * t42;
@@ -242,14 +260,19 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t122 = t60 + t121;
     let t123 = t122 + t120;
     let t124 = t123 + 1.36525907;
+    m[1][1] = t124;
     let t125 = t113 + t118;
     let t126 = t125 + 0.00847987;
+    m[1][2] = t126;
+    m[2][1] = t126;
     let t127 = cos_beta_gamma * t75;
     let t128 = cos_beta * t127;
     let t129 = sin_beta_gamma * t75;
     let t130 = sin_beta * t129;
     let t131 = t130 + t128;
     let t132 = t72 - t131;
+    m[1][3] = t132;
+    m[3][1] = t132;
     let t133 = cos_delta * t48;
     let t134 = cos_beta_gamma * t133;
     let t135 = sin_beta_gamma * t51;
@@ -266,27 +289,40 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t146 = t145 + t142;
     let t147 = cos_delta * 0.00101;
     let t148 = t146 + t147;
+    m[1][4] = t148;
+    m[4][1] = t148;
     let t149 = sin_delta * sin_epsilon;
     let t150 = 0.000255 * t149;
     let t151 = sin_delta * t106;
     let t152 = t151 + t150;
+    m[1][5] = t152;
+    m[2][5] = t152;
+    m[5][1] = t152;
+    m[5][2] = t152;
     let t153 = t113 + 1.36525907;
+    m[2][2] = t153;
     let t154 = t145 + t147;
+    m[2][4] = t154;
+    m[4][2] = t154;
     let t155 = t78 + 0.153015;
+    m[3][3] = t155;
     let t156 = cos_epsilon * 0.00130604;
+    m[3][5] = t156;
+    m[5][3] = t156;
     let t157 = t12 + 0.107087497041;
+    m[4][4] = t157;
     let t158 = -t85;
+    m[0][3] = t158;
+    m[3][0] = t158;
     let t159 = -t100;
+    m[0][4] = t159;
+    m[4][0] = t159;
     let t160 = -t112;
+    m[0][5] = t160;
+    m[5][0] = t160;
     let t161 = -t40;
-    [
-        [t66, t77, t74, t158, t159, t160],
-        [t77, t124, t126, t132, t148, t152],
-        [t74, t126, t153, t72, t154, t152],
-        [t158, t132, t72, t155, t161, t156],
-        [t159, t148, t154, t161, t157, 0.0],
-        [t160, t152, t152, t156, 0.0, 0.01405604],
-    ]
+    m[3][4] = t161;
+    m[4][3] = t161;
 }
 
 /// Coriolis, centrifugal and gyroscopic forces `k(y, ẏ)`.
@@ -1065,14 +1101,49 @@ pub fn bias_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 #[inline]
 #[must_use]
 pub fn input_matrix() -> [[f64; M]; N] {
-    [
-        [161.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-        [0.0, 161.0, 0.0, 0.0, 0.0, 0.0],
-        [0.0, 0.0, 161.0, 0.0, 0.0, 0.0],
-        [0.0, 0.0, 0.0, 101.0, 0.0, 0.0],
-        [0.0, 0.0, 0.0, 0.0, 101.0, 0.0],
-        [0.0, 0.0, 0.0, 0.0, 0.0, 51.0],
-    ]
+    let mut b = [[0.0; 6]; 6];
+    input_matrix_into(&mut b);
+    b
+}
+
+/// `input_matrix` with its results written in place; nothing of what stood there is read.
+pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
+    b[0][0] = 161.0;
+    b[0][1] = 0.0;
+    b[0][2] = 0.0;
+    b[0][3] = 0.0;
+    b[0][4] = 0.0;
+    b[0][5] = 0.0;
+    b[1][0] = 0.0;
+    b[1][1] = 161.0;
+    b[1][2] = 0.0;
+    b[1][3] = 0.0;
+    b[1][4] = 0.0;
+    b[1][5] = 0.0;
+    b[2][0] = 0.0;
+    b[2][1] = 0.0;
+    b[2][2] = 161.0;
+    b[2][3] = 0.0;
+    b[2][4] = 0.0;
+    b[2][5] = 0.0;
+    b[3][0] = 0.0;
+    b[3][1] = 0.0;
+    b[3][2] = 0.0;
+    b[3][3] = 101.0;
+    b[3][4] = 0.0;
+    b[3][5] = 0.0;
+    b[4][0] = 0.0;
+    b[4][1] = 0.0;
+    b[4][2] = 0.0;
+    b[4][3] = 0.0;
+    b[4][4] = 101.0;
+    b[4][5] = 0.0;
+    b[5][0] = 0.0;
+    b[5][1] = 0.0;
+    b[5][2] = 0.0;
+    b[5][3] = 0.0;
+    b[5][4] = 0.0;
+    b[5][5] = 51.0;
 }
 
 /// Mass matrix, Coriolis forces and applied forces at once.
@@ -1088,11 +1159,30 @@ pub fn input_matrix() -> [[f64; M]; N] {
 /// Cost: 248 multiplications, 184 additions, 0 divisions, 15 function calls (5 `sin_cos`, 10 other), 1 selection.
 ///
 /// What the three have in common is computed once.
+#[inline]
 #[must_use]
 pub fn equations_of_motion(
     y: &[f64; N],
     v: &[f64; N],
 ) -> ([[f64; N]; N], [f64; N], [f64; N]) {
+    let mut m = [[0.0; 6]; 6];
+    let mut k = [0.0; 6];
+    let mut q = [0.0; 6];
+    equations_of_motion_into(y, v, &mut m, &mut k, &mut q);
+    (m, k, q)
+}
+
+/// `equations_of_motion` with its results written in place; nothing of what stood there is read.
+pub fn equations_of_motion_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    m: &mut [[f64; N]; N],
+    k: &mut [f64; N],
+    q: &mut [f64; N],
+) {
+    m[4][5] = 0.0;
+    m[5][4] = 0.0;
+    m[5][5] = 0.01405604;
     let angle_beta_gamma = y[1] + y[2];
     let (
         [sin_beta,
@@ -1163,17 +1253,24 @@ pub fn equations_of_motion(
     let t64 = 0.01110483 - t63;
     let t65 = t62 + t64;
     let t66 = 1.36525907 + t65;
+    m[0][0] = t66;
     let t67 = cos_delta * t26;
     let t68 = t23 + t67;
     let t69 = sin_beta_gamma * t68;
     let t70 = sin_delta * t38;
     let t71 = cos_delta * t40;
     let t72 = t70 - t71;
+    m[2][3] = t72;
+    m[3][2] = t72;
     let t73 = cos_beta_gamma * t72;
     let t74 = t69 + t73;
+    m[0][2] = t74;
+    m[2][0] = t74;
     let t75 = sin_delta * t51;
     let t76 = cos_beta * t75;
     let t77 = t74 - t76;
+    m[0][1] = t77;
+    m[1][0] = t77;
     let t78 = t18 - t19;
     let t79 = cos_beta_gamma * t78;
     let t80 = sin_beta_gamma * t42;
@@ -1221,14 +1318,19 @@ pub fn equations_of_motion(
     let t122 = t60 + t121;
     let t123 = t122 + t120;
     let t124 = 1.36525907 + t123;
+    m[1][1] = t124;
     let t125 = t113 + t118;
     let t126 = 0.00847987 + t125;
+    m[1][2] = t126;
+    m[2][1] = t126;
     let t127 = cos_beta_gamma * t75;
     let t128 = cos_beta * t127;
     let t129 = sin_beta_gamma * t75;
     let t130 = sin_beta * t129;
     let t131 = t130 + t128;
     let t132 = t72 - t131;
+    m[1][3] = t132;
+    m[3][1] = t132;
     let t133 = cos_delta * t48;
     let t134 = cos_beta_gamma * t133;
     let t135 = sin_beta_gamma * t51;
@@ -1245,15 +1347,28 @@ pub fn equations_of_motion(
     let t146 = t145 + t142;
     let t147 = cos_delta * 0.00101;
     let t148 = t146 + t147;
+    m[1][4] = t148;
+    m[4][1] = t148;
     let t149 = sin_delta * sin_epsilon;
     let t150 = 0.000255 * t149;
     let t151 = sin_delta * t106;
     let t152 = t151 + t150;
+    m[1][5] = t152;
+    m[2][5] = t152;
+    m[5][1] = t152;
+    m[5][2] = t152;
     let t153 = 1.36525907 + t113;
+    m[2][2] = t153;
     let t154 = t145 + t147;
+    m[2][4] = t154;
+    m[4][2] = t154;
     let t155 = 0.153015 + t78;
+    m[3][3] = t155;
     let t156 = cos_epsilon * 0.00130604;
+    m[3][5] = t156;
+    m[5][3] = t156;
     let t157 = t12 + 0.107087497041;
+    m[4][4] = t157;
     let omega_gamma_x = v[0] * sin_beta_gamma;
     let t159 = sin_delta * omega_gamma_x;
     let omega_gamma_z = v[1] + v[2];
@@ -1432,6 +1547,7 @@ pub fn equations_of_motion(
     let t333 = sin_beta * t58;
     let t334 = t333 * t227;
     let moment_beta_y = t334 + t332;
+    k[0] = moment_beta_y;
     let t336 = sin_delta * t260;
     let t337 = cos_delta * t299;
     let t338 = t336 - t337;
@@ -1468,10 +1584,12 @@ pub fn equations_of_motion(
     let t369 = t216 - t220;
     let t370 = t333 * t369;
     let moment_beta_z = t370 - t368;
+    k[1] = moment_beta_z;
     let t372 = t169 * 0.001515;
     let t373 = t372 + moment_delta_z;
     let t374 = t245 * 0.00101;
     let t375 = t374 - moment_epsilon_z;
+    k[4] = t375;
     let t376 = t180 * 0.000255;
     let t377 = moment_zeta_z + t376;
     let acceleration_delta_x_2 = sin_beta_gamma * cos_delta;
@@ -1550,30 +1668,35 @@ pub fn equations_of_motion(
     let t451 = v[5] * 2.0;
     let t452 = t451 + t450;
     let t453 = -t85;
+    m[0][3] = t453;
+    m[3][0] = t453;
     let t454 = -t100;
+    m[0][4] = t454;
+    m[4][0] = t454;
     let t455 = -t112;
+    m[0][5] = t455;
+    m[5][0] = t455;
     let t456 = -t40;
+    m[3][4] = t456;
+    m[4][3] = t456;
     let minus_moment_gamma_z = -moment_gamma_z;
+    k[2] = minus_moment_gamma_z;
     let t458 = -t373;
+    k[3] = t458;
     let t459 = -t377;
+    k[5] = t459;
     let t460 = -t397;
+    q[0] = t460;
     let t461 = -t418;
+    q[1] = t461;
     let t462 = -t435;
+    q[2] = t462;
     let t463 = -t441;
+    q[3] = t463;
     let t464 = -t447;
+    q[4] = t464;
     let t465 = -t452;
-    (
-        [
-            [t66, t77, t74, t453, t454, t455],
-            [t77, t124, t126, t132, t148, t152],
-            [t74, t126, t153, t72, t154, t152],
-            [t453, t132, t72, t155, t456, t156],
-            [t454, t148, t154, t456, t157, 0.0],
-            [t455, t152, t152, t156, 0.0, 0.01405604],
-        ],
-        [moment_beta_y, moment_beta_z, minus_moment_gamma_z, t458, t375, t459],
-        [t460, t461, t462, t463, t464, t465],
-    )
+    q[5] = t465;
 }
 
 /// Inverse dynamics: the joint forces of a motion.
@@ -2558,11 +2681,28 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 /// Cost: 207 multiplications, 164 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///
 /// What both have in common is computed once.
+#[inline]
 #[must_use]
 pub fn mass_matrix_and_bias_forces(
     y: &[f64; N],
     v: &[f64; N],
 ) -> ([[f64; N]; N], [f64; N]) {
+    let mut m = [[0.0; 6]; 6];
+    let mut b = [0.0; 6];
+    mass_matrix_and_bias_forces_into(y, v, &mut m, &mut b);
+    (m, b)
+}
+
+/// `mass_matrix_and_bias_forces` with its results written in place; nothing of what stood there is read.
+pub fn mass_matrix_and_bias_forces_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    m: &mut [[f64; N]; N],
+    b: &mut [f64; N],
+) {
+    m[4][5] = 0.0;
+    m[5][4] = 0.0;
+    m[5][5] = 0.01405604;
     let angle_beta_gamma = y[1] + y[2];
     let (
         [sin_beta,
@@ -2633,17 +2773,24 @@ pub fn mass_matrix_and_bias_forces(
     let t64 = 0.01110483 - t63;
     let t65 = t62 + t64;
     let t66 = t65 + 1.36525907;
+    m[0][0] = t66;
     let t67 = cos_delta * t26;
     let t68 = t23 + t67;
     let t69 = sin_beta_gamma * t68;
     let t70 = sin_delta * t38;
     let t71 = cos_delta * t40;
     let t72 = t70 - t71;
+    m[2][3] = t72;
+    m[3][2] = t72;
     let t73 = cos_beta_gamma * t72;
     let t74 = t69 + t73;
+    m[0][2] = t74;
+    m[2][0] = t74;
     let t75 = sin_delta * t51;
     let t76 = cos_beta * t75;
     let t77 = t74 - t76;
+    m[0][1] = t77;
+    m[1][0] = t77;
     let t78 = t18 - t19;
     let t79 = cos_beta_gamma * t78;
     let t80 = sin_beta_gamma * t42;
@@ -2691,14 +2838,19 @@ pub fn mass_matrix_and_bias_forces(
     let t122 = t60 + t121;
     let t123 = t122 + t120;
     let t124 = t123 + 1.36525907;
+    m[1][1] = t124;
     let t125 = t113 + t118;
     let t126 = t125 + 0.00847987;
+    m[1][2] = t126;
+    m[2][1] = t126;
     let t127 = cos_beta_gamma * t75;
     let t128 = cos_beta * t127;
     let t129 = sin_beta_gamma * t75;
     let t130 = sin_beta * t129;
     let t131 = t130 + t128;
     let t132 = t72 - t131;
+    m[1][3] = t132;
+    m[3][1] = t132;
     let t133 = cos_delta * t48;
     let t134 = cos_beta_gamma * t133;
     let t135 = sin_beta_gamma * t51;
@@ -2715,15 +2867,28 @@ pub fn mass_matrix_and_bias_forces(
     let t146 = t145 + t142;
     let t147 = cos_delta * 0.00101;
     let t148 = t146 + t147;
+    m[1][4] = t148;
+    m[4][1] = t148;
     let t149 = sin_delta * sin_epsilon;
     let t150 = 0.000255 * t149;
     let t151 = sin_delta * t106;
     let t152 = t151 + t150;
+    m[1][5] = t152;
+    m[2][5] = t152;
+    m[5][1] = t152;
+    m[5][2] = t152;
     let t153 = t113 + 1.36525907;
+    m[2][2] = t153;
     let t154 = t145 + t147;
+    m[2][4] = t154;
+    m[4][2] = t154;
     let t155 = t78 + 0.153015;
+    m[3][3] = t155;
     let t156 = cos_epsilon * 0.00130604;
+    m[3][5] = t156;
+    m[5][3] = t156;
     let t157 = t12 + 0.107087497041;
+    m[4][4] = t157;
     let omega_gamma_x = v[0] * sin_beta_gamma;
     let t159 = sin_delta * omega_gamma_x;
     let omega_gamma_z = v[1] + v[2];
@@ -2903,6 +3068,7 @@ pub fn mass_matrix_and_bias_forces(
     let t334 = sin_beta * t58;
     let t335 = t334 * t228;
     let moment_beta_y = t335 + t333;
+    b[0] = moment_beta_y;
     let t337 = sin_delta * t261;
     let t338 = cos_delta * t300;
     let t339 = t337 - t338;
@@ -2945,27 +3111,29 @@ pub fn mass_matrix_and_bias_forces(
     let t376 = t375 + moment_delta_z;
     let t377 = 0.00101 * t246;
     let t378 = t377 - moment_epsilon_z;
+    b[4] = t378;
     let t379 = 0.000255 * t180;
     let t380 = moment_zeta_z + t379;
     let t381 = -t85;
+    m[0][3] = t381;
+    m[3][0] = t381;
     let t382 = -t100;
+    m[0][4] = t382;
+    m[4][0] = t382;
     let t383 = -t112;
+    m[0][5] = t383;
+    m[5][0] = t383;
     let t384 = -t40;
+    m[3][4] = t384;
+    m[4][3] = t384;
     let minus_moment_beta_z = -moment_beta_z;
+    b[1] = minus_moment_beta_z;
     let minus_moment_gamma_z = -moment_gamma_z;
+    b[2] = minus_moment_gamma_z;
     let t387 = -t376;
+    b[3] = t387;
     let t388 = -t380;
-    (
-        [
-            [t66, t77, t74, t381, t382, t383],
-            [t77, t124, t126, t132, t148, t152],
-            [t74, t126, t153, t72, t154, t152],
-            [t381, t132, t72, t155, t384, t156],
-            [t382, t148, t154, t384, t157, 0.0],
-            [t383, t152, t152, t156, 0.0, 0.01405604],
-        ],
-        [moment_beta_y, minus_moment_beta_z, minus_moment_gamma_z, t387, t378, t388],
-    )
+    b[5] = t388;
 }
 
 /// Inverse dynamics with its Jacobians.
@@ -2984,12 +3152,35 @@ pub fn mass_matrix_and_bias_forces(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 pub fn inverse_dynamics_derivatives(
     y: &[f64; N],
     v: &[f64; N],
     a: &[f64; N],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N]) {
+    let mut b_u = [0.0; 6];
+    let mut d_dy = [[0.0; 6]; 6];
+    let mut d_dv = [[0.0; 6]; 6];
+    inverse_dynamics_derivatives_into(y, v, a, &mut b_u, &mut d_dy, &mut d_dv);
+    (b_u, d_dy, d_dv)
+}
+
+/// `inverse_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+pub fn inverse_dynamics_derivatives_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    b_u: &mut [f64; N],
+    d_dy: &mut [[f64; N]; N],
+    d_dv: &mut [[f64; N]; N],
+) {
+    d_dy[0][0] = 0.0;
+    d_dy[1][0] = 0.0;
+    d_dy[2][0] = 0.0;
+    d_dy[3][0] = 0.0;
+    d_dy[4][0] = 0.0;
+    d_dy[5][0] = 0.0;
     let angle_beta_gamma = y[1] + y[2];
     let (
         [sin_beta,
@@ -3227,6 +3418,7 @@ pub fn inverse_dynamics_derivatives(
     let t231 = v[0] * 60.0;
     let t232 = t231 + t230;
     let t233 = t227 + t232;
+    b_u[0] = t233;
     let t234 = sin_delta * t140;
     let t235 = cos_delta * t180;
     let t236 = t234 - t235;
@@ -3287,6 +3479,7 @@ pub fn inverse_dynamics_derivatives(
     let t291 = t290 * 2.236;
     let t292 = t288 + t291;
     let t293 = t279 + t292;
+    b_u[1] = t293;
     let t294 = a[2] * 1.36525907;
     let t295 = a[1] * 0.00847987;
     let t296 = t295 + t294;
@@ -3308,6 +3501,7 @@ pub fn inverse_dynamics_derivatives(
     let t312 = t311 * 0.492;
     let t313 = t310 + t312;
     let t314 = t297 + t313;
+    b_u[2] = t314;
     let t315 = t38 * 0.001515;
     let t316 = a[3] * 0.153015;
     let t317 = t316 + t315;
@@ -3318,6 +3512,7 @@ pub fn inverse_dynamics_derivatives(
     let t322 = v[3] * 10.0;
     let t323 = t322 + t321;
     let t324 = t318 + t323;
+    b_u[3] = t324;
     let t325 = t124 * 0.00101;
     let t326 = a[4] * 0.10201;
     let t327 = t326 + t325;
@@ -3328,6 +3523,7 @@ pub fn inverse_dynamics_derivatives(
     let t332 = v[4] * 8.0;
     let t333 = t332 + t331;
     let t334 = t328 + t333;
+    b_u[4] = t334;
     let t335 = t48 * 0.000255;
     let t336 = a[5] * 0.013005000000000001;
     let t337 = t336 + t335;
@@ -3524,6 +3720,7 @@ pub fn inverse_dynamics_derivatives(
     let t528 = t526 + t527;
     let moment_beta_x = t528 + t523;
     let t530 = moment_beta_x + t518;
+    d_dy[0][1] = t530;
     let t531 = t354 - t391;
     let t532 = t392 - t531;
     let t533 = omega_gamma_x * t532;
@@ -3621,6 +3818,7 @@ pub fn inverse_dynamics_derivatives(
     let t625 = acceleration_delta_x * t360;
     let t626 = t625 - t624;
     let t627 = t626 + t618;
+    d_dy[3][3] = t627;
     let t628 = cos_beta_gamma * t627;
     let t629 = t615 + t628;
     let t630 = cos_delta * t611;
@@ -3628,6 +3826,7 @@ pub fn inverse_dynamics_derivatives(
     let t632 = t631 - t630;
     let t633 = t89 * t632;
     let t634 = t629 - t633;
+    d_dy[0][3] = t634;
     let t635 = omega_epsilon_y * t354;
     let t636 = omega_epsilon_x * t351;
     let t637 = t635 - t636;
@@ -3666,6 +3865,7 @@ pub fn inverse_dynamics_derivatives(
     let t670 = omega_epsilon_x * t370;
     let t671 = t669 - t670;
     let t672 = t668 - t671;
+    d_dy[4][4] = t672;
     let t673 = omega_epsilon_y * t410;
     let t674 = force_epsilon_x - t673;
     let t675 = sin_epsilon * t674;
@@ -3682,6 +3882,7 @@ pub fn inverse_dynamics_derivatives(
     let t686 = sin_epsilon * t646;
     let t687 = cos_epsilon * t652;
     let t688 = t686 - t687;
+    d_dy[3][4] = t688;
     let t689 = cos_beta_gamma * t688;
     let t690 = t685 + t689;
     let t691 = sin_delta * t681;
@@ -3689,6 +3890,7 @@ pub fn inverse_dynamics_derivatives(
     let t693 = t691 - t692;
     let t694 = t89 * t693;
     let t695 = t690 - t694;
+    d_dy[0][4] = t695;
     let t696 = t65 * t84;
     let t697 = t69 * t127;
     let t698 = t697 + t696;
@@ -3715,6 +3917,7 @@ pub fn inverse_dynamics_derivatives(
     let t719 = t718 - t717;
     let t720 = t716 + t719;
     let t721 = moment_zeta_x + t720;
+    d_dy[4][5] = t721;
     let t722 = sin_delta * t721;
     let t723 = t713 - t722;
     let t724 = sin_beta_gamma * t723;
@@ -3785,6 +3988,7 @@ pub fn inverse_dynamics_derivatives(
     let t789 = t788 + t787;
     let t790 = t789 - t786;
     let t791 = t790 + t781;
+    d_dy[2][2] = t791;
     let t792 = omega_gamma_y * t747;
     let t793 = t37 * t511;
     let t794 = t95 * t448;
@@ -3807,6 +4011,7 @@ pub fn inverse_dynamics_derivatives(
     let t811 = t89 * t810;
     let t812 = t811 + t807;
     let t813 = t791 - t812;
+    d_dy[1][2] = t813;
     let t814 = cos_delta * t591;
     let t815 = sin_delta * t612;
     let t816 = t815 + t814;
@@ -3850,6 +4055,8 @@ pub fn inverse_dynamics_derivatives(
     let t854 = sin_delta * t712;
     let t855 = cos_delta * t721;
     let t856 = t854 + t855;
+    d_dy[1][5] = t856;
+    d_dy[2][5] = t856;
     let t857 = t742 + t751;
     let t858 = v[0] * 0.00847987;
     let t859 = t858 + t857;
@@ -3862,6 +4069,7 @@ pub fn inverse_dynamics_derivatives(
     let t866 = 21.1145440844009 * t496;
     let t867 = t865 + t866;
     let t868 = t867 + t860;
+    d_dy[2][1] = t868;
     let t869 = omega_gamma_z * 0.001515;
     let t870 = t429 + t869;
     let t871 = cos_beta_gamma * t870;
@@ -3892,6 +4100,7 @@ pub fn inverse_dynamics_derivatives(
     let t896 = 21.1145440844009 * t889;
     let t897 = t895 + t896;
     let t898 = t897 - t881;
+    d_dy[3][1] = t898;
     let t899 = omega_gamma_y * t870;
     let t900 = omega_gamma_x * t873;
     let t901 = t899 + t900;
@@ -3970,6 +4179,7 @@ pub fn inverse_dynamics_derivatives(
     let t974 = t581 + t973;
     let t975 = t583 + t974;
     let t976 = t975 - t971;
+    d_dy[4][3] = t976;
     let t977 = omega_epsilon_z * 0.000255;
     let t978 = t348 - t977;
     let t979 = cos_epsilon * t978;
@@ -4010,6 +4220,7 @@ pub fn inverse_dynamics_derivatives(
     let t1014 = t122 * t991;
     let t1015 = t1014 - t1013;
     let t1016 = t1015 - t1012;
+    d_dy[5][3] = t1016;
     let t1017 = omega_epsilon_y * t978;
     let t1018 = t82 * t990;
     let t1019 = t1018 + t1017;
@@ -4092,6 +4303,7 @@ pub fn inverse_dynamics_derivatives(
     let t1096 = t1095 - t1094;
     let t1097 = t89 * t1096;
     let t1098 = t1093 - t1097;
+    d_dv[0][3] = t1098;
     let t1099 = 2.0 * omega_epsilon_y;
     let t1100 = t1099 * t638;
     let t1101 = t379 - t1100;
@@ -4129,6 +4341,7 @@ pub fn inverse_dynamics_derivatives(
     let t1133 = t53 * t345;
     let t1134 = t382 + t1133;
     let t1135 = t1134 + t981;
+    d_dv[4][5] = t1135;
     let t1136 = sin_delta * t1135;
     let t1137 = t1132 - t1136;
     let t1138 = sin_beta_gamma * t1137;
@@ -4166,6 +4379,7 @@ pub fn inverse_dynamics_derivatives(
     let t1170 = t1169 * 44.720000000000006;
     let t1171 = t1167 + t1170;
     let t1172 = t1159 + t1171;
+    d_dv[1][1] = t1172;
     let t1173 = t395 - t392;
     let t1174 = t1053 * t504;
     let t1175 = t1055 * t508;
@@ -4206,6 +4420,7 @@ pub fn inverse_dynamics_derivatives(
     let t1210 = sin_delta * t1109;
     let t1211 = cos_delta * t1113;
     let t1212 = t1210 - t1211;
+    d_dv[2][4] = t1212;
     let t1213 = sin_delta * t1108;
     let t1214 = cos_delta * t394;
     let t1215 = t1214 - t1213;
@@ -4219,10 +4434,14 @@ pub fn inverse_dynamics_derivatives(
     let t1223 = t89 * t1222;
     let t1224 = t1223 + t1219;
     let t1225 = t1212 - t1224;
+    d_dv[1][4] = t1225;
     let t1226 = sin_delta * t1131;
     let t1227 = cos_delta * t1135;
     let t1228 = t1226 + t1227;
+    d_dv[1][5] = t1228;
+    d_dv[2][5] = t1228;
     let t1229 = t1144 + t1146;
+    d_dv[2][0] = t1229;
     let t1230 = t1028 + t1153;
     let t1231 = t1173 - t1230;
     let t1232 = t754 * t769;
@@ -4254,9 +4473,11 @@ pub fn inverse_dynamics_derivatives(
     let t1258 = t1254 - t1257;
     let t1259 = t754 * t887;
     let t1260 = t1258 + t1259;
+    d_dv[3][1] = t1260;
     let t1261 = t1055 * t882;
     let t1262 = t1061 - t1261;
     let t1263 = t1254 + t1262;
+    d_dv[3][2] = t1263;
     let t1264 = t320 * t320;
     let t1265 = 1.0 - t1264;
     let t1266 = t1265 * 40.0;
@@ -4269,6 +4490,7 @@ pub fn inverse_dynamics_derivatives(
     let t1273 = t1027 * t925;
     let t1274 = t1272 - t1273;
     let t1275 = t1271 - t1274;
+    d_dv[4][0] = t1275;
     let t1276 = sin_delta * t909;
     let t1277 = cos_delta * t911;
     let t1278 = t1276 - t1277;
@@ -4285,14 +4507,17 @@ pub fn inverse_dynamics_derivatives(
     let t1289 = t375 * t930;
     let t1290 = t1079 + t1289;
     let t1291 = t916 + t1290;
+    d_dv[4][3] = t1291;
     let t1292 = t330 * t330;
     let t1293 = 1.0 - t1292;
     let t1294 = t1293 * 30.0;
     let t1295 = 8.0 + t1294;
     let t1296 = t1112 + t1295;
+    d_dv[4][4] = t1296;
     let t1297 = sin_beta_gamma * t984;
     let t1298 = cos_beta_gamma * t986;
     let t1299 = t1297 + t1298;
+    d_dv[5][0] = t1299;
     let t1300 = sin_delta * t979;
     let t1301 = cos_delta * t982;
     let t1302 = t1300 - t1301;
@@ -4304,66 +4529,85 @@ pub fn inverse_dynamics_derivatives(
     let t1308 = t1302 + t1307;
     let t1309 = t359 * t991;
     let t1310 = t986 + t1309;
+    d_dv[5][3] = t1310;
     let t1311 = t345 * t990;
     let t1312 = t982 - t1311;
+    d_dv[5][4] = t1312;
     let t1313 = t340 * t340;
     let t1314 = 1.0 - t1313;
     let t1315 = 8.0 * t1314;
     let t1316 = 2.0 + t1315;
+    d_dv[5][5] = t1316;
     let t1317 = -t344;
+    b_u[5] = t1317;
     let t1318 = -t572;
+    d_dy[0][2] = t1318;
     let t1319 = -t729;
+    d_dy[0][5] = t1319;
     let t1320 = -t778;
+    d_dy[1][1] = t1320;
     let t1321 = -t834;
+    d_dy[1][3] = t1321;
     let t1322 = -t853;
+    d_dy[1][4] = t1322;
     let t1323 = -t816;
+    d_dy[2][3] = t1323;
     let t1324 = -t837;
+    d_dy[2][4] = t1324;
     let t1325 = -t906;
+    d_dy[3][2] = t1325;
     let t1326 = -t727;
+    d_dy[3][5] = t1326;
     let t1327 = -t955;
+    d_dy[4][1] = t1327;
     let t1328 = -t968;
+    d_dy[4][2] = t1328;
     let t1329 = -t1001;
+    d_dy[5][1] = t1329;
     let t1330 = -t1009;
+    d_dy[5][2] = t1330;
     let t1331 = -t1019;
+    d_dy[5][4] = t1331;
     let t1332 = -t710;
+    d_dy[5][5] = t1332;
     let t1333 = -t1040;
+    d_dv[0][0] = t1333;
     let t1334 = -t1052;
+    d_dv[0][1] = t1334;
     let t1335 = -t1070;
+    d_dv[0][2] = t1335;
     let t1336 = -t1127;
+    d_dv[0][4] = t1336;
     let t1337 = -t1141;
+    d_dv[0][5] = t1337;
     let t1338 = -t1150;
+    d_dv[1][0] = t1338;
     let t1339 = -t1191;
+    d_dv[1][2] = t1339;
     let t1340 = -t1209;
+    d_dv[1][3] = t1340;
     let t1341 = -t1233;
+    d_dv[2][1] = t1341;
     let t1342 = -t1246;
+    d_dv[2][2] = t1342;
     let t1343 = -t1196;
+    d_dv[2][3] = t1343;
     let t1344 = -t1253;
+    d_dv[3][0] = t1344;
     let t1345 = -t1268;
+    d_dv[3][3] = t1345;
     let t1346 = -t1120;
+    d_dv[3][4] = t1346;
     let t1347 = -t1139;
+    d_dv[3][5] = t1347;
     let t1348 = -t1284;
+    d_dv[4][1] = t1348;
     let t1349 = -t1288;
+    d_dv[4][2] = t1349;
     let t1350 = -t1304;
+    d_dv[5][1] = t1350;
     let t1351 = -t1308;
-    (
-        [t233, t293, t314, t324, t334, t1317],
-        [
-            [0.0, t530, t1318, t634, t695, t1319],
-            [0.0, t1320, t813, t1321, t1322, t856],
-            [0.0, t868, t791, t1323, t1324, t856],
-            [0.0, t898, t1325, t627, t688, t1326],
-            [0.0, t1327, t1328, t976, t672, t721],
-            [0.0, t1329, t1330, t1016, t1331, t1332],
-        ],
-        [
-            [t1333, t1334, t1335, t1098, t1336, t1337],
-            [t1338, t1172, t1339, t1340, t1225, t1228],
-            [t1229, t1341, t1342, t1343, t1212, t1228],
-            [t1344, t1260, t1263, t1345, t1346, t1347],
-            [t1275, t1348, t1349, t1291, t1296, t1135],
-            [t1299, t1350, t1351, t1310, t1312, t1316],
-        ],
-    )
+    d_dv[5][2] = t1351;
 }
 
 /// Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.
@@ -4383,6 +4627,7 @@ pub fn inverse_dynamics_derivatives(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -4393,6 +4638,41 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     v: &[f64; N],
     a: &[f64; N],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
+    let mut b_u = [0.0; 6];
+    let mut d_dy = [[0.0; 6]; 6];
+    let mut d_dv = [[0.0; 6]; 6];
+    let mut m = [[0.0; 6]; 6];
+    inverse_dynamics_derivatives_and_mass_matrix_into(
+        y,
+        v,
+        a,
+        &mut b_u,
+        &mut d_dy,
+        &mut d_dv,
+        &mut m,
+    );
+    (b_u, d_dy, d_dv, m)
+}
+
+/// `inverse_dynamics_derivatives_and_mass_matrix` with its results written in place; nothing of what stood there
+/// is read.
+pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    b_u: &mut [f64; N],
+    d_dy: &mut [[f64; N]; N],
+    d_dv: &mut [[f64; N]; N],
+    m: &mut [[f64; N]; N],
+) {
+    d_dy[0][0] = 0.0;
+    d_dy[1][0] = 0.0;
+    d_dy[2][0] = 0.0;
+    d_dy[3][0] = 0.0;
+    d_dy[4][0] = 0.0;
+    d_dy[5][0] = 0.0;
+    m[4][5] = 0.0;
+    m[5][4] = 0.0;
     let angle_beta_gamma = y[1] + y[2];
     let (
         [sin_beta,
@@ -4630,6 +4910,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t231 = v[0] * 60.0;
     let t232 = t231 + t230;
     let t233 = t227 + t232;
+    b_u[0] = t233;
     let t234 = sin_delta * t140;
     let t235 = cos_delta * t180;
     let t236 = t234 - t235;
@@ -4690,6 +4971,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t291 = t290 * 2.236;
     let t292 = t288 + t291;
     let t293 = t279 + t292;
+    b_u[1] = t293;
     let t294 = a[2] * 1.36525907;
     let t295 = a[1] * 0.00847987;
     let t296 = t295 + t294;
@@ -4711,6 +4993,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t312 = t311 * 0.492;
     let t313 = t310 + t312;
     let t314 = t297 + t313;
+    b_u[2] = t314;
     let t315 = t38 * 0.001515;
     let t316 = a[3] * 0.153015;
     let t317 = t316 + t315;
@@ -4721,6 +5004,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t322 = v[3] * 10.0;
     let t323 = t322 + t321;
     let t324 = t318 + t323;
+    b_u[3] = t324;
     let t325 = t124 * 0.00101;
     let t326 = a[4] * 0.10201;
     let t327 = t326 + t325;
@@ -4731,6 +5015,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t332 = v[4] * 8.0;
     let t333 = t332 + t331;
     let t334 = t328 + t333;
+    b_u[4] = t334;
     let t335 = t48 * 0.000255;
     let t336 = a[5] * 0.013005000000000001;
     let t337 = t336 + t335;
@@ -4907,9 +5192,13 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t508 = t506 + t507;
     let t509 = cos_beta_gamma * t508;
     let t510 = t505 - t509;
+    m[0][2] = t510;
+    m[2][0] = t510;
     let t511 = sin_delta * t360;
     let t512 = t86 * t511;
     let t513 = t510 - t512;
+    m[0][1] = t513;
+    m[1][0] = t513;
     let t514 = t95 * t513;
     let t515 = t502 - t514;
     let t516 = 21.1145440844009 * t511;
@@ -4927,6 +5216,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t528 = t526 + t527;
     let moment_beta_x = t528 + t523;
     let t530 = moment_beta_x + t518;
+    d_dy[0][1] = t530;
     let t531 = t354 - t391;
     let t532 = t392 - t531;
     let t533 = omega_gamma_x * t532;
@@ -5024,6 +5314,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t625 = acceleration_delta_x * t360;
     let t626 = t625 - t624;
     let t627 = t626 + t618;
+    d_dy[3][3] = t627;
     let t628 = cos_beta_gamma * t627;
     let t629 = t615 + t628;
     let t630 = cos_delta * t611;
@@ -5031,6 +5322,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t632 = t631 - t630;
     let t633 = t89 * t632;
     let t634 = t629 - t633;
+    d_dy[0][3] = t634;
     let t635 = omega_epsilon_y * t354;
     let t636 = omega_epsilon_x * t351;
     let t637 = t635 - t636;
@@ -5069,6 +5361,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t670 = omega_epsilon_x * t370;
     let t671 = t669 - t670;
     let t672 = t668 - t671;
+    d_dy[4][4] = t672;
     let t673 = omega_epsilon_y * t410;
     let t674 = force_epsilon_x - t673;
     let t675 = sin_epsilon * t674;
@@ -5085,6 +5378,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t686 = sin_epsilon * t646;
     let t687 = cos_epsilon * t652;
     let t688 = t686 - t687;
+    d_dy[3][4] = t688;
     let t689 = cos_beta_gamma * t688;
     let t690 = t685 + t689;
     let t691 = sin_delta * t681;
@@ -5092,6 +5386,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t693 = t691 - t692;
     let t694 = t89 * t693;
     let t695 = t690 - t694;
+    d_dy[0][4] = t695;
     let t696 = t65 * t84;
     let t697 = t69 * t127;
     let t698 = t697 + t696;
@@ -5118,6 +5413,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t719 = t718 - t717;
     let t720 = t716 + t719;
     let t721 = moment_zeta_x + t720;
+    d_dy[4][5] = t721;
     let t722 = sin_delta * t721;
     let t723 = t713 - t722;
     let t724 = sin_beta_gamma * t723;
@@ -5188,6 +5484,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t789 = t788 + t787;
     let t790 = t789 - t786;
     let t791 = t790 + t781;
+    d_dy[2][2] = t791;
     let t792 = omega_gamma_y * t747;
     let t793 = t37 * t511;
     let t794 = t95 * t448;
@@ -5210,6 +5507,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t811 = t89 * t810;
     let t812 = t811 + t807;
     let t813 = t791 - t812;
+    d_dy[1][2] = t813;
     let t814 = cos_delta * t591;
     let t815 = sin_delta * t612;
     let t816 = t815 + t814;
@@ -5253,18 +5551,23 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t854 = sin_delta * t712;
     let t855 = cos_delta * t721;
     let t856 = t854 + t855;
+    d_dy[1][5] = t856;
+    d_dy[2][5] = t856;
     let t857 = t742 + t751;
     let t858 = v[0] * 0.00847987;
     let t859 = t858 + t857;
     let t860 = v[0] * t859;
     let t861 = t758 + t761;
     let t862 = 0.00847987 + t861;
+    m[1][2] = t862;
+    m[2][1] = t862;
     let t863 = t95 * t862;
     let t864 = a[0] * t769;
     let t865 = t864 - t863;
     let t866 = 21.1145440844009 * t496;
     let t867 = t865 + t866;
     let t868 = t867 + t860;
+    d_dy[2][1] = t868;
     let t869 = omega_gamma_z * 0.001515;
     let t870 = t429 + t869;
     let t871 = cos_beta_gamma * t870;
@@ -5295,6 +5598,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t896 = 21.1145440844009 * t889;
     let t897 = t895 + t896;
     let t898 = t897 - t881;
+    d_dy[3][1] = t898;
     let t899 = omega_gamma_y * t870;
     let t900 = omega_gamma_x * t873;
     let t901 = t899 + t900;
@@ -5346,7 +5650,11 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t947 = cos_delta * t931;
     let t948 = sin_delta * t470;
     let t949 = t948 + t947;
+    m[2][4] = t949;
+    m[4][2] = t949;
     let t950 = t949 + t946;
+    m[1][4] = t950;
+    m[4][1] = t950;
     let t951 = t95 * t950;
     let t952 = t940 + t951;
     let t953 = 21.1145440844009 * t943;
@@ -5373,6 +5681,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t974 = t581 + t973;
     let t975 = t583 + t974;
     let t976 = t975 - t971;
+    d_dy[4][3] = t976;
     let t977 = omega_epsilon_z * 0.000255;
     let t978 = t348 - t977;
     let t979 = cos_epsilon * t978;
@@ -5391,10 +5700,16 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t992 = cos_delta * t991;
     let t993 = cos_beta_gamma * t992;
     let t994 = cos_epsilon * t990;
+    m[3][5] = t994;
+    m[5][3] = t994;
     let t995 = sin_beta_gamma * t994;
     let t996 = t993 + t995;
     let t997 = a[0] * t996;
     let t998 = sin_delta * t991;
+    m[1][5] = t998;
+    m[2][5] = t998;
+    m[5][1] = t998;
+    m[5][2] = t998;
     let t999 = t95 * t998;
     let t1000 = t999 + t997;
     let t1001 = t1000 - t989;
@@ -5413,6 +5728,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1014 = t122 * t991;
     let t1015 = t1014 - t1013;
     let t1016 = t1015 - t1012;
+    d_dy[5][3] = t1016;
     let t1017 = omega_epsilon_y * t978;
     let t1018 = t82 * t990;
     let t1019 = t1018 + t1017;
@@ -5495,6 +5811,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1096 = t1095 - t1094;
     let t1097 = t89 * t1096;
     let t1098 = t1093 - t1097;
+    d_dv[0][3] = t1098;
     let t1099 = 2.0 * omega_epsilon_y;
     let t1100 = t1099 * t638;
     let t1101 = t379 - t1100;
@@ -5532,6 +5849,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1133 = t53 * t345;
     let t1134 = t382 + t1133;
     let t1135 = t1134 + t981;
+    d_dv[4][5] = t1135;
     let t1136 = sin_delta * t1135;
     let t1137 = t1132 - t1136;
     let t1138 = sin_beta_gamma * t1137;
@@ -5569,6 +5887,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1170 = t1169 * 44.720000000000006;
     let t1171 = t1167 + t1170;
     let t1172 = t1159 + t1171;
+    d_dv[1][1] = t1172;
     let t1173 = t395 - t392;
     let t1174 = t1053 * t504;
     let t1175 = t1055 * t508;
@@ -5609,6 +5928,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1210 = sin_delta * t1109;
     let t1211 = cos_delta * t1113;
     let t1212 = t1210 - t1211;
+    d_dv[2][4] = t1212;
     let t1213 = sin_delta * t1108;
     let t1214 = cos_delta * t394;
     let t1215 = t1214 - t1213;
@@ -5622,10 +5942,14 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1223 = t89 * t1222;
     let t1224 = t1223 + t1219;
     let t1225 = t1212 - t1224;
+    d_dv[1][4] = t1225;
     let t1226 = sin_delta * t1131;
     let t1227 = cos_delta * t1135;
     let t1228 = t1226 + t1227;
+    d_dv[1][5] = t1228;
+    d_dv[2][5] = t1228;
     let t1229 = t1144 + t1146;
+    d_dv[2][0] = t1229;
     let t1230 = t1028 + t1153;
     let t1231 = t1173 - t1230;
     let t1232 = t754 * t769;
@@ -5657,9 +5981,11 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1258 = t1254 - t1257;
     let t1259 = t754 * t887;
     let t1260 = t1258 + t1259;
+    d_dv[3][1] = t1260;
     let t1261 = t1055 * t882;
     let t1262 = t1061 - t1261;
     let t1263 = t1254 + t1262;
+    d_dv[3][2] = t1263;
     let t1264 = t320 * t320;
     let t1265 = 1.0 - t1264;
     let t1266 = t1265 * 40.0;
@@ -5672,6 +5998,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1273 = t1027 * t925;
     let t1274 = t1272 - t1273;
     let t1275 = t1271 - t1274;
+    d_dv[4][0] = t1275;
     let t1276 = sin_delta * t909;
     let t1277 = cos_delta * t911;
     let t1278 = t1276 - t1277;
@@ -5688,14 +6015,17 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1289 = t375 * t930;
     let t1290 = t1079 + t1289;
     let t1291 = t916 + t1290;
+    d_dv[4][3] = t1291;
     let t1292 = t330 * t330;
     let t1293 = 1.0 - t1292;
     let t1294 = t1293 * 30.0;
     let t1295 = 8.0 + t1294;
     let t1296 = t1112 + t1295;
+    d_dv[4][4] = t1296;
     let t1297 = sin_beta_gamma * t984;
     let t1298 = cos_beta_gamma * t986;
     let t1299 = t1297 + t1298;
+    d_dv[5][0] = t1299;
     let t1300 = sin_delta * t979;
     let t1301 = cos_delta * t982;
     let t1302 = t1300 - t1301;
@@ -5707,12 +6037,15 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1308 = t1302 + t1307;
     let t1309 = t359 * t991;
     let t1310 = t986 + t1309;
+    d_dv[5][3] = t1310;
     let t1311 = t345 * t990;
     let t1312 = t982 - t1311;
+    d_dv[5][4] = t1312;
     let t1313 = t340 * t340;
     let t1314 = 1.0 - t1313;
     let t1315 = 8.0 * t1314;
     let t1316 = 2.0 + t1315;
+    d_dv[5][5] = t1316;
     let t1317 = sin_beta_gamma * t491;
     let t1318 = t476 - t1317;
     let t1319 = 2.0 * t760;
@@ -5722,11 +6055,14 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1323 = 0.01110483 - t536;
     let t1324 = t1322 + t1323;
     let t1325 = 1.36525907 + t1324;
+    m[0][0] = t1325;
     let t1326 = cos_beta_gamma * t882;
     let t1327 = sin_beta_gamma * t488;
     let t1328 = t1327 + t1326;
     let t1329 = t89 * t448;
     let t1330 = t1328 + t1329;
+    m[0][3] = t1330;
+    m[3][0] = t1330;
     let t1331 = sin_beta_gamma * t934;
     let t1332 = cos_beta_gamma * t486;
     let t1333 = t1331 + t1332;
@@ -5736,77 +6072,100 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1337 = cos_beta_gamma * t994;
     let t1338 = t1336 - t1337;
     let t1339 = 1.36525907 + t765;
+    m[1][1] = t1339;
     let t1340 = 1.36525907 + t758;
+    m[2][2] = t1340;
     let t1341 = 0.153015 + t619;
+    m[3][3] = t1341;
     let t1342 = t52 + 0.107087497041;
+    m[4][4] = t1342;
     let t1343 = 0.013005000000000001 + t708;
+    m[5][5] = t1343;
     let t1344 = -t344;
+    b_u[5] = t1344;
     let t1345 = -t572;
+    d_dy[0][2] = t1345;
     let t1346 = -t729;
+    d_dy[0][5] = t1346;
     let t1347 = -t778;
+    d_dy[1][1] = t1347;
     let t1348 = -t834;
+    d_dy[1][3] = t1348;
     let t1349 = -t853;
+    d_dy[1][4] = t1349;
     let t1350 = -t816;
+    d_dy[2][3] = t1350;
     let t1351 = -t837;
+    d_dy[2][4] = t1351;
     let t1352 = -t906;
+    d_dy[3][2] = t1352;
     let t1353 = -t727;
+    d_dy[3][5] = t1353;
     let t1354 = -t955;
+    d_dy[4][1] = t1354;
     let t1355 = -t968;
+    d_dy[4][2] = t1355;
     let t1356 = -t1001;
+    d_dy[5][1] = t1356;
     let t1357 = -t1009;
+    d_dy[5][2] = t1357;
     let t1358 = -t1019;
+    d_dy[5][4] = t1358;
     let t1359 = -t710;
+    d_dy[5][5] = t1359;
     let t1360 = -t1040;
+    d_dv[0][0] = t1360;
     let t1361 = -t1052;
+    d_dv[0][1] = t1361;
     let t1362 = -t1070;
+    d_dv[0][2] = t1362;
     let t1363 = -t1127;
+    d_dv[0][4] = t1363;
     let t1364 = -t1141;
+    d_dv[0][5] = t1364;
     let t1365 = -t1150;
+    d_dv[1][0] = t1365;
     let t1366 = -t1191;
+    d_dv[1][2] = t1366;
     let t1367 = -t1209;
+    d_dv[1][3] = t1367;
     let t1368 = -t1233;
+    d_dv[2][1] = t1368;
     let t1369 = -t1246;
+    d_dv[2][2] = t1369;
     let t1370 = -t1196;
+    d_dv[2][3] = t1370;
     let t1371 = -t1253;
+    d_dv[3][0] = t1371;
     let t1372 = -t1268;
+    d_dv[3][3] = t1372;
     let t1373 = -t1120;
+    d_dv[3][4] = t1373;
     let t1374 = -t1139;
+    d_dv[3][5] = t1374;
     let t1375 = -t1284;
+    d_dv[4][1] = t1375;
     let t1376 = -t1288;
+    d_dv[4][2] = t1376;
     let t1377 = -t1304;
+    d_dv[5][1] = t1377;
     let t1378 = -t1308;
+    d_dv[5][2] = t1378;
     let t1379 = -t1335;
+    m[0][4] = t1379;
+    m[4][0] = t1379;
     let t1380 = -t1338;
+    m[0][5] = t1380;
+    m[5][0] = t1380;
     let t1381 = -t893;
+    m[1][3] = t1381;
+    m[3][1] = t1381;
     let t1382 = -t508;
+    m[2][3] = t1382;
+    m[3][2] = t1382;
     let t1383 = -t486;
-    (
-        [t233, t293, t314, t324, t334, t1344],
-        [
-            [0.0, t530, t1345, t634, t695, t1346],
-            [0.0, t1347, t813, t1348, t1349, t856],
-            [0.0, t868, t791, t1350, t1351, t856],
-            [0.0, t898, t1352, t627, t688, t1353],
-            [0.0, t1354, t1355, t976, t672, t721],
-            [0.0, t1356, t1357, t1016, t1358, t1359],
-        ],
-        [
-            [t1360, t1361, t1362, t1098, t1363, t1364],
-            [t1365, t1172, t1366, t1367, t1225, t1228],
-            [t1229, t1368, t1369, t1370, t1212, t1228],
-            [t1371, t1260, t1263, t1372, t1373, t1374],
-            [t1275, t1375, t1376, t1291, t1296, t1135],
-            [t1299, t1377, t1378, t1310, t1312, t1316],
-        ],
-        [
-            [t1325, t513, t510, t1330, t1379, t1380],
-            [t513, t1339, t862, t1381, t950, t998],
-            [t510, t862, t1340, t1382, t949, t998],
-            [t1330, t1381, t1382, t1341, t1383, t994],
-            [t1379, t950, t949, t1383, t1342, 0.0],
-            [t1380, t998, t998, t994, 0.0, t1343],
-        ],
-    )
+    m[3][4] = t1383;
+    m[4][3] = t1383;
 }
 
 /// Forward dynamics with its Jacobians.
@@ -5827,6 +6186,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -5837,6 +6197,32 @@ pub fn forward_dynamics_derivatives(
     v: &[f64; N],
     u: &[f64; M],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
+    let mut a = [0.0; 6];
+    let mut da_dy = [[0.0; 6]; 6];
+    let mut da_dv = [[0.0; 6]; 6];
+    let mut m_inverse = [[0.0; 6]; 6];
+    forward_dynamics_derivatives_into(
+        y,
+        v,
+        u,
+        &mut a,
+        &mut da_dy,
+        &mut da_dv,
+        &mut m_inverse,
+    );
+    (a, da_dy, da_dv, m_inverse)
+}
+
+/// `forward_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+pub fn forward_dynamics_derivatives_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    a: &mut [f64; N],
+    da_dy: &mut [[f64; N]; N],
+    da_dv: &mut [[f64; N]; N],
+    m_inverse: &mut [[f64; N]; N],
+) {
     let [sin_delta, cos_delta, sin_epsilon, cos_epsilon, sin_beta_gamma, cos_beta_gamma,
     t45, t61, t64, t76, t83, t209, inverse_d_zeta, t231, inverse_d_epsilon, t263, t278,
     t281, inverse_d_delta, t316, t351, t359, t369, inverse_d_gamma, t404, t461, t474,
@@ -5946,33 +6332,120 @@ pub fn forward_dynamics_derivatives(
         t1978,
         t1982,
     ]);
-    (
-        [t551, t554, t559, t566, t575, t584],
-        [
-            [0.0, t2467, t2468, t1276, t2469, t2470],
-            [0.0, t1452, t2471, t2472, t1461, t1464],
-            [0.0, t2473, t2474, t2475, t1484, t1489],
-            [0.0, t2476, t1503, t2477, t2478, t2479],
-            [0.0, t2480, t1542, t2481, t2482, t2483],
-            [0.0, t1578, t1587, t1596, t1605, t1614],
-        ],
-        [
-            [t1690, t1779, t1867, t2484, t2030, t2078],
-            [t2081, t2485, t2087, t2090, t2486, t2487],
-            [t2488, t2106, t2111, t2116, t2489, t2490],
-            [t2133, t2491, t2492, t2154, t2161, t2168],
-            [t2493, t2186, t2195, t2494, t2495, t2496],
-            [t2497, t2240, t2249, t2498, t2499, t2500],
-        ],
-        [
-            [inverse_d_alpha, t2501, t2280, t2285, t2292, t2502],
-            [t2501, t2301, t2503, t2504, t2505, t2323],
-            [t2280, t2503, t2333, t2338, t2345, t2506],
-            [t2285, t2504, t2338, t2373, t2380, t2507],
-            [t2292, t2505, t2345, t2380, t2423, t2508],
-            [t2502, t2323, t2506, t2507, t2508, t2466],
-        ],
-    )
+    a[0] = t551;
+    a[1] = t554;
+    a[2] = t559;
+    a[3] = t566;
+    a[4] = t575;
+    a[5] = t584;
+    da_dy[0][0] = 0.0;
+    da_dy[0][1] = t2467;
+    da_dy[0][2] = t2468;
+    da_dy[0][3] = t1276;
+    da_dy[0][4] = t2469;
+    da_dy[0][5] = t2470;
+    da_dy[1][0] = 0.0;
+    da_dy[1][1] = t1452;
+    da_dy[1][2] = t2471;
+    da_dy[1][3] = t2472;
+    da_dy[1][4] = t1461;
+    da_dy[1][5] = t1464;
+    da_dy[2][0] = 0.0;
+    da_dy[2][1] = t2473;
+    da_dy[2][2] = t2474;
+    da_dy[2][3] = t2475;
+    da_dy[2][4] = t1484;
+    da_dy[2][5] = t1489;
+    da_dy[3][0] = 0.0;
+    da_dy[3][1] = t2476;
+    da_dy[3][2] = t1503;
+    da_dy[3][3] = t2477;
+    da_dy[3][4] = t2478;
+    da_dy[3][5] = t2479;
+    da_dy[4][0] = 0.0;
+    da_dy[4][1] = t2480;
+    da_dy[4][2] = t1542;
+    da_dy[4][3] = t2481;
+    da_dy[4][4] = t2482;
+    da_dy[4][5] = t2483;
+    da_dy[5][0] = 0.0;
+    da_dy[5][1] = t1578;
+    da_dy[5][2] = t1587;
+    da_dy[5][3] = t1596;
+    da_dy[5][4] = t1605;
+    da_dy[5][5] = t1614;
+    da_dv[0][0] = t1690;
+    da_dv[0][1] = t1779;
+    da_dv[0][2] = t1867;
+    da_dv[0][3] = t2484;
+    da_dv[0][4] = t2030;
+    da_dv[0][5] = t2078;
+    da_dv[1][0] = t2081;
+    da_dv[1][1] = t2485;
+    da_dv[1][2] = t2087;
+    da_dv[1][3] = t2090;
+    da_dv[1][4] = t2486;
+    da_dv[1][5] = t2487;
+    da_dv[2][0] = t2488;
+    da_dv[2][1] = t2106;
+    da_dv[2][2] = t2111;
+    da_dv[2][3] = t2116;
+    da_dv[2][4] = t2489;
+    da_dv[2][5] = t2490;
+    da_dv[3][0] = t2133;
+    da_dv[3][1] = t2491;
+    da_dv[3][2] = t2492;
+    da_dv[3][3] = t2154;
+    da_dv[3][4] = t2161;
+    da_dv[3][5] = t2168;
+    da_dv[4][0] = t2493;
+    da_dv[4][1] = t2186;
+    da_dv[4][2] = t2195;
+    da_dv[4][3] = t2494;
+    da_dv[4][4] = t2495;
+    da_dv[4][5] = t2496;
+    da_dv[5][0] = t2497;
+    da_dv[5][1] = t2240;
+    da_dv[5][2] = t2249;
+    da_dv[5][3] = t2498;
+    da_dv[5][4] = t2499;
+    da_dv[5][5] = t2500;
+    m_inverse[0][0] = inverse_d_alpha;
+    m_inverse[0][1] = t2501;
+    m_inverse[0][2] = t2280;
+    m_inverse[0][3] = t2285;
+    m_inverse[0][4] = t2292;
+    m_inverse[0][5] = t2502;
+    m_inverse[1][0] = t2501;
+    m_inverse[1][1] = t2301;
+    m_inverse[1][2] = t2503;
+    m_inverse[1][3] = t2504;
+    m_inverse[1][4] = t2505;
+    m_inverse[1][5] = t2323;
+    m_inverse[2][0] = t2280;
+    m_inverse[2][1] = t2503;
+    m_inverse[2][2] = t2333;
+    m_inverse[2][3] = t2338;
+    m_inverse[2][4] = t2345;
+    m_inverse[2][5] = t2506;
+    m_inverse[3][0] = t2285;
+    m_inverse[3][1] = t2504;
+    m_inverse[3][2] = t2338;
+    m_inverse[3][3] = t2373;
+    m_inverse[3][4] = t2380;
+    m_inverse[3][5] = t2507;
+    m_inverse[4][0] = t2292;
+    m_inverse[4][1] = t2505;
+    m_inverse[4][2] = t2345;
+    m_inverse[4][3] = t2380;
+    m_inverse[4][4] = t2423;
+    m_inverse[4][5] = t2508;
+    m_inverse[5][0] = t2502;
+    m_inverse[5][1] = t2323;
+    m_inverse[5][2] = t2506;
+    m_inverse[5][3] = t2507;
+    m_inverse[5][4] = t2508;
+    m_inverse[5][5] = t2466;
 }
 
 /// Part 1 of `forward_dynamics_derivatives`: values that later parts read.
@@ -8790,6 +9263,7 @@ fn forward_dynamics_derivatives_part_2(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -8800,6 +9274,24 @@ pub fn linearize(
     v: &[f64; N],
     u: &[f64; M],
 ) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
+    let mut a_y = [[0.0; 6]; 6];
+    let mut a_v = [[0.0; 6]; 6];
+    let mut b_x = [[0.0; 6]; 6];
+    let mut c = [0.0; 6];
+    linearize_into(y, v, u, &mut a_y, &mut a_v, &mut b_x, &mut c);
+    (a_y, a_v, b_x, c)
+}
+
+/// `linearize` with its results written in place; nothing of what stood there is read.
+pub fn linearize_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    a_y: &mut [[f64; N]; N],
+    a_v: &mut [[f64; N]; N],
+    b_x: &mut [[f64; M]; N],
+    c: &mut [f64; N],
+) {
     let [sin_delta, cos_delta, sin_epsilon, cos_epsilon, sin_beta_gamma, cos_beta_gamma,
     t45, t61, t64, t76, t83, t209, inverse_d_zeta, t231, inverse_d_epsilon, t263, t278,
     t281, inverse_d_delta, t316, t351, t359, t369, inverse_d_gamma, t404, t461, t474,
@@ -8935,33 +9427,120 @@ pub fn linearize(
             t1982,
         ],
     );
-    (
-        [
-            [0.0, t2703, t2704, t1276, t2705, t2706],
-            [0.0, t1452, t2707, t2708, t1461, t1464],
-            [0.0, t2709, t2710, t2711, t1484, t1489],
-            [0.0, t2712, t1503, t2713, t2714, t2715],
-            [0.0, t2716, t1542, t2717, t2718, t2719],
-            [0.0, t1578, t1587, t1596, t1605, t1614],
-        ],
-        [
-            [t1690, t1779, t1867, t2720, t2030, t2078],
-            [t2081, t2721, t2087, t2090, t2722, t2723],
-            [t2724, t2106, t2111, t2116, t2725, t2726],
-            [t2133, t2727, t2728, t2154, t2161, t2168],
-            [t2729, t2186, t2195, t2730, t2731, t2732],
-            [t2733, t2240, t2249, t2734, t2735, t2736],
-        ],
-        [
-            [t2277, t2737, t2283, t2289, t2297, t2738],
-            [t2737, t2308, t2739, t2740, t2741, t2334],
-            [t2283, t2739, t2345, t2351, t2359, t2742],
-            [t2368, t2743, t2370, t2392, t2400, t2744],
-            [t2409, t2745, t2411, t2400, t2448, t2746],
-            [t2747, t2458, t2748, t2749, t2750, t2498],
-        ],
-        [t2532, t2566, t2600, t2634, t2668, t2702],
-    )
+    a_y[0][0] = 0.0;
+    a_y[0][1] = t2703;
+    a_y[0][2] = t2704;
+    a_y[0][3] = t1276;
+    a_y[0][4] = t2705;
+    a_y[0][5] = t2706;
+    a_y[1][0] = 0.0;
+    a_y[1][1] = t1452;
+    a_y[1][2] = t2707;
+    a_y[1][3] = t2708;
+    a_y[1][4] = t1461;
+    a_y[1][5] = t1464;
+    a_y[2][0] = 0.0;
+    a_y[2][1] = t2709;
+    a_y[2][2] = t2710;
+    a_y[2][3] = t2711;
+    a_y[2][4] = t1484;
+    a_y[2][5] = t1489;
+    a_y[3][0] = 0.0;
+    a_y[3][1] = t2712;
+    a_y[3][2] = t1503;
+    a_y[3][3] = t2713;
+    a_y[3][4] = t2714;
+    a_y[3][5] = t2715;
+    a_y[4][0] = 0.0;
+    a_y[4][1] = t2716;
+    a_y[4][2] = t1542;
+    a_y[4][3] = t2717;
+    a_y[4][4] = t2718;
+    a_y[4][5] = t2719;
+    a_y[5][0] = 0.0;
+    a_y[5][1] = t1578;
+    a_y[5][2] = t1587;
+    a_y[5][3] = t1596;
+    a_y[5][4] = t1605;
+    a_y[5][5] = t1614;
+    a_v[0][0] = t1690;
+    a_v[0][1] = t1779;
+    a_v[0][2] = t1867;
+    a_v[0][3] = t2720;
+    a_v[0][4] = t2030;
+    a_v[0][5] = t2078;
+    a_v[1][0] = t2081;
+    a_v[1][1] = t2721;
+    a_v[1][2] = t2087;
+    a_v[1][3] = t2090;
+    a_v[1][4] = t2722;
+    a_v[1][5] = t2723;
+    a_v[2][0] = t2724;
+    a_v[2][1] = t2106;
+    a_v[2][2] = t2111;
+    a_v[2][3] = t2116;
+    a_v[2][4] = t2725;
+    a_v[2][5] = t2726;
+    a_v[3][0] = t2133;
+    a_v[3][1] = t2727;
+    a_v[3][2] = t2728;
+    a_v[3][3] = t2154;
+    a_v[3][4] = t2161;
+    a_v[3][5] = t2168;
+    a_v[4][0] = t2729;
+    a_v[4][1] = t2186;
+    a_v[4][2] = t2195;
+    a_v[4][3] = t2730;
+    a_v[4][4] = t2731;
+    a_v[4][5] = t2732;
+    a_v[5][0] = t2733;
+    a_v[5][1] = t2240;
+    a_v[5][2] = t2249;
+    a_v[5][3] = t2734;
+    a_v[5][4] = t2735;
+    a_v[5][5] = t2736;
+    b_x[0][0] = t2277;
+    b_x[0][1] = t2737;
+    b_x[0][2] = t2283;
+    b_x[0][3] = t2289;
+    b_x[0][4] = t2297;
+    b_x[0][5] = t2738;
+    b_x[1][0] = t2737;
+    b_x[1][1] = t2308;
+    b_x[1][2] = t2739;
+    b_x[1][3] = t2740;
+    b_x[1][4] = t2741;
+    b_x[1][5] = t2334;
+    b_x[2][0] = t2283;
+    b_x[2][1] = t2739;
+    b_x[2][2] = t2345;
+    b_x[2][3] = t2351;
+    b_x[2][4] = t2359;
+    b_x[2][5] = t2742;
+    b_x[3][0] = t2368;
+    b_x[3][1] = t2743;
+    b_x[3][2] = t2370;
+    b_x[3][3] = t2392;
+    b_x[3][4] = t2400;
+    b_x[3][5] = t2744;
+    b_x[4][0] = t2409;
+    b_x[4][1] = t2745;
+    b_x[4][2] = t2411;
+    b_x[4][3] = t2400;
+    b_x[4][4] = t2448;
+    b_x[4][5] = t2746;
+    b_x[5][0] = t2747;
+    b_x[5][1] = t2458;
+    b_x[5][2] = t2748;
+    b_x[5][3] = t2749;
+    b_x[5][4] = t2750;
+    b_x[5][5] = t2498;
+    c[0] = t2532;
+    c[1] = t2566;
+    c[2] = t2600;
+    c[3] = t2634;
+    c[4] = t2668;
+    c[5] = t2702;
 }
 
 /// Part 1 of `linearize`: values that later parts read.
@@ -12403,8 +12982,22 @@ pub fn frame_tool_pose(y: &[f64; N]) -> ([f64; 3], [[f64; 3]; 3]) {
 /// - returns `J: [6 × N]`: rows: velocity of the origin, then angular velocity, in the axes of the base frame
 ///
 /// Cost: 57 multiplications, 33 additions, 0 divisions, 5 function calls (`sin_cos`).
+#[inline]
 #[must_use]
 pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
+    let mut j = [[0.0; 6]; 6];
+    frame_tool_jacobian_into(y, &mut j);
+    j
+}
+
+/// `frame_tool_jacobian` with its results written in place; nothing of what stood there is read.
+pub fn frame_tool_jacobian_into(y: &[f64; N], j: &mut [[f64; N]; 6]) {
+    j[2][0] = 0.0;
+    j[3][0] = 0.0;
+    j[4][0] = 0.0;
+    j[5][0] = 1.0;
+    j[5][1] = 0.0;
+    j[5][2] = 0.0;
     let angle_beta_gamma = y[1] + y[2];
     let (
         [sin_alpha,
@@ -12419,14 +13012,19 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
         ],
     ) = math::sin_cos_4(y[0], y[1], y[3], y[4]);
     let (sin_beta_gamma, cos_beta_gamma) = math::sin_cos(angle_beta_gamma);
+    j[4][1] = cos_alpha;
+    j[4][2] = cos_alpha;
+    j[5][3] = cos_beta_gamma;
     let x_axis_gamma_y = sin_alpha * cos_beta_gamma;
     let t12 = cos_delta * x_axis_gamma_y;
     let t13 = cos_alpha * sin_delta;
     let x_axis_delta_y = t12 + t13;
     let t15 = sin_epsilon * x_axis_delta_y;
     let y_axis_gamma_y = sin_alpha * sin_beta_gamma;
+    j[4][3] = y_axis_gamma_y;
     let t17 = cos_epsilon * y_axis_gamma_y;
     let y_axis_epsilon_y = t17 + t15;
+    j[4][5] = y_axis_epsilon_y;
     let t19 = 0.09415000000000001 * y_axis_epsilon_y;
     let t20 = 0.46445000000000003 * y_axis_gamma_y;
     let x_axis_beta_y = sin_alpha * sin_beta;
@@ -12437,6 +13035,7 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let t26 = sin_epsilon * x_axis_delta_z;
     let t27 = cos_beta_gamma * cos_epsilon;
     let y_axis_epsilon_z = t27 - t26;
+    j[5][5] = y_axis_epsilon_z;
     let t29 = 0.09415000000000001 * y_axis_epsilon_z;
     let t30 = 0.46445000000000003 * cos_beta_gamma;
     let t31 = 0.18 * cos_beta;
@@ -12453,10 +13052,12 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let t42 = y_axis_gamma_y * t41;
     let t43 = t42 - t40;
     let y_axis_delta_z = sin_beta_gamma * sin_delta;
+    j[5][4] = y_axis_delta_z;
     let t45 = y_axis_delta_z * t39;
     let t46 = sin_delta * x_axis_gamma_y;
     let t47 = cos_alpha * cos_delta;
     let y_axis_delta_y = t47 - t46;
+    j[4][4] = y_axis_delta_y;
     let t49 = y_axis_delta_y * t41;
     let t50 = t49 - t45;
     let t51 = y_axis_epsilon_z * t39;
@@ -12468,14 +13069,17 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let x_axis_delta_x = t55 - t56;
     let t58 = sin_epsilon * x_axis_delta_x;
     let y_axis_gamma_x = cos_alpha * sin_beta_gamma;
+    j[3][3] = y_axis_gamma_x;
     let t60 = cos_epsilon * y_axis_gamma_x;
     let y_axis_epsilon_x = t60 + t58;
+    j[3][5] = y_axis_epsilon_x;
     let t62 = 0.09415000000000001 * y_axis_epsilon_x;
     let t63 = 0.46445000000000003 * y_axis_gamma_x;
     let x_axis_beta_x = cos_alpha * sin_beta;
     let origin_gamma_x = 0.18 * x_axis_beta_x;
     let origin_delta_x = origin_gamma_x + t63;
     let t67 = origin_delta_x + t62;
+    j[1][0] = t67;
     let t68 = sin_alpha * t35;
     let t69 = sin_alpha * t37;
     let t70 = origin_delta_x - t67;
@@ -12499,46 +13103,50 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let t88 = origin_gamma_y - t24;
     let t89 = sin_alpha * t88;
     let t90 = t89 + t87;
+    j[2][2] = t90;
     let t91 = y_axis_gamma_y * t70;
     let t92 = y_axis_gamma_x * t39;
     let t93 = t92 - t91;
     let t94 = y_axis_delta_y * t70;
     let t95 = y_axis_delta_x * t39;
     let t96 = t95 + t94;
+    j[2][4] = t96;
     let t97 = y_axis_epsilon_y * t70;
     let t98 = y_axis_epsilon_x * t39;
     let t99 = t98 - t97;
     let t100 = -t24;
+    j[0][0] = t100;
     let t101 = -t36;
+    j[0][1] = t101;
     let t102 = -t38;
+    j[0][2] = t102;
     let t103 = -t43;
+    j[0][3] = t103;
     let t104 = -t50;
+    j[0][4] = t104;
     let t105 = -t53;
+    j[0][5] = t105;
     let t106 = -t68;
+    j[1][1] = t106;
     let t107 = -t69;
+    j[1][2] = t107;
     let t108 = -t73;
+    j[1][3] = t108;
     let t109 = -t79;
+    j[1][4] = t109;
     let t110 = -t82;
+    j[1][5] = t110;
     let t111 = -t85;
+    j[2][1] = t111;
     let t112 = -t93;
+    j[2][3] = t112;
     let t113 = -t99;
+    j[2][5] = t113;
     let minus_sin_alpha = -sin_alpha;
+    j[3][1] = minus_sin_alpha;
+    j[3][2] = minus_sin_alpha;
     let minus_y_axis_delta_x = -y_axis_delta_x;
-    [
-        [t100, t101, t102, t103, t104, t105],
-        [t67, t106, t107, t108, t109, t110],
-        [0.0, t111, t90, t112, t96, t113],
-        [
-            0.0,
-            minus_sin_alpha,
-            minus_sin_alpha,
-            y_axis_gamma_x,
-            minus_y_axis_delta_x,
-            y_axis_epsilon_x,
-        ],
-        [0.0, cos_alpha, cos_alpha, y_axis_gamma_y, y_axis_delta_y, y_axis_epsilon_y],
-        [1.0, 0.0, 0.0, cos_beta_gamma, y_axis_delta_z, y_axis_epsilon_z],
-    ]
+    j[3][4] = minus_y_axis_delta_x;
 }
 
 /// Acceleration of the frame at ÿ = 0 `tool`.

@@ -125,9 +125,24 @@ pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 /// Cost: 71 multiplications, 66 additions, 0 divisions, 4 function calls (`sin_cos`).
 ///
 /// Composite rigid bodies (Walker and Orin 1982; Featherstone 2008, ch. 6), rotors included.
+#[inline]
 #[must_use]
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
+    let mut m = [[0.0; 6]; 6];
+    mass_matrix_into(y, &mut m);
+    m
+}
+
+/// `mass_matrix` with its results written in place; nothing of what stood there is read.
+#[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
+pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
+    m[3][4] = 0.0;
+    m[4][3] = 0.0;
+    m[4][4] = 0.17134845165700002;
+    m[4][5] = 0.0;
+    m[5][4] = 0.0;
+    m[5][5] = 0.19410450566800005;
     let angle_joint2_joint3 = y[1] + y[2];
     let (
         [sin_joint2,
@@ -194,6 +209,7 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t59 = 1.286789571125 + t58;
     let t60 = t54 + t59;
     let t61 = t60 + 0.784029968642;
+    m[0][0] = t61;
     let t62 = cos_joint4 * t12;
     let t63 = t56 - t62;
     let t64 = sin_joint2_joint3 * t63;
@@ -229,6 +245,8 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t94 = cos_joint2_joint3 * t56;
     let t95 = 7.391625615763547 * t94;
     let t96 = t93 + t95;
+    m[0][3] = t96;
+    m[3][0] = t96;
     let t97 = cos_joint5 * 0.0012435839999999998;
     let t98 = 0.00064216 + t97;
     let t99 = sin_joint4 * t98;
@@ -244,10 +262,14 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t109 = t107 - t108;
     let t110 = 7.391625615763547 * t109;
     let t111 = t105 - t110;
+    m[0][4] = t111;
+    m[4][0] = t111;
     let t112 = 3.9999999999999996e-5 * sin_joint5;
     let t113 = cos_joint4 * t112;
     let t114 = sin_joint2_joint3 * t113;
     let t115 = 3.9999999999999996e-5 * cos_joint5;
+    m[3][5] = t115;
+    m[5][3] = t115;
     let t116 = cos_joint2_joint3 * t115;
     let t117 = t114 - t116;
     let t118 = t20 + t24;
@@ -259,7 +281,10 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t124 = t52 + t123;
     let t125 = t124 + t122;
     let t126 = t125 + 2.324814845;
+    m[1][1] = t126;
     let t127 = t118 + t120;
+    m[1][2] = t127;
+    m[2][1] = t127;
     let t128 = t69 * t94;
     let t129 = sin_joint2_joint3 * t56;
     let t130 = t44 * t129;
@@ -275,23 +300,35 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t140 = t16 - t139;
     let t141 = t140 + t138;
     let t142 = sin_joint4 * t112;
+    m[1][5] = t142;
+    m[2][5] = t142;
+    m[5][1] = t142;
+    m[5][2] = t142;
     let t143 = t118 + 0.5768733319380001;
+    m[2][2] = t143;
     let t144 = t10 + 0.19243062612368;
+    m[3][3] = t144;
     let t145 = -t84;
+    m[0][1] = t145;
+    m[1][0] = t145;
     let t146 = -t86;
+    m[0][2] = t146;
+    m[2][0] = t146;
     let t147 = -t117;
+    m[0][5] = t147;
+    m[5][0] = t147;
     let t148 = -t132;
+    m[1][3] = t148;
+    m[3][1] = t148;
     let t149 = -t141;
+    m[1][4] = t149;
+    m[4][1] = t149;
     let t150 = -t65;
+    m[2][3] = t150;
+    m[3][2] = t150;
     let t151 = -t140;
-    [
-        [t61, t145, t146, t96, t111, t147],
-        [t145, t126, t127, t148, t149, t142],
-        [t146, t127, t143, t150, t151, t142],
-        [t96, t148, t150, t144, 0.0, t115],
-        [t111, t149, t151, 0.0, 0.17134845165700002, 0.0],
-        [t147, t142, t142, t115, 0.0, 0.19410450566800005],
-    ]
+    m[2][4] = t151;
+    m[4][2] = t151;
 }
 
 /// Coriolis, centrifugal and gyroscopic forces `k(y, ẏ)`.
@@ -1103,14 +1140,49 @@ pub fn bias_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 #[inline]
 #[must_use]
 pub fn input_matrix() -> [[f64; M]; N] {
-    [
-        [-62.6111, 0.0, 0.0, 0.0, 0.0, 0.0],
-        [0.0, 107.815, 0.0, 0.0, 0.0, 0.0],
-        [0.0, 0.0, -53.7063, 0.0, 0.0, 0.0],
-        [0.0, 0.0, 0.0, 76.0364, 0.0, 0.0],
-        [0.0, 0.0, 0.0, 0.0, 71.923, 0.0],
-        [0.0, 0.0, 0.0, 0.0, 0.0, 76.686],
-    ]
+    let mut b = [[0.0; 6]; 6];
+    input_matrix_into(&mut b);
+    b
+}
+
+/// `input_matrix` with its results written in place; nothing of what stood there is read.
+pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
+    b[0][0] = -62.6111;
+    b[0][1] = 0.0;
+    b[0][2] = 0.0;
+    b[0][3] = 0.0;
+    b[0][4] = 0.0;
+    b[0][5] = 0.0;
+    b[1][0] = 0.0;
+    b[1][1] = 107.815;
+    b[1][2] = 0.0;
+    b[1][3] = 0.0;
+    b[1][4] = 0.0;
+    b[1][5] = 0.0;
+    b[2][0] = 0.0;
+    b[2][1] = 0.0;
+    b[2][2] = -53.7063;
+    b[2][3] = 0.0;
+    b[2][4] = 0.0;
+    b[2][5] = 0.0;
+    b[3][0] = 0.0;
+    b[3][1] = 0.0;
+    b[3][2] = 0.0;
+    b[3][3] = 76.0364;
+    b[3][4] = 0.0;
+    b[3][5] = 0.0;
+    b[4][0] = 0.0;
+    b[4][1] = 0.0;
+    b[4][2] = 0.0;
+    b[4][3] = 0.0;
+    b[4][4] = 71.923;
+    b[4][5] = 0.0;
+    b[5][0] = 0.0;
+    b[5][1] = 0.0;
+    b[5][2] = 0.0;
+    b[5][3] = 0.0;
+    b[5][4] = 0.0;
+    b[5][5] = 76.686;
 }
 
 /// Mass matrix, Coriolis forces and applied forces at once.
@@ -1126,12 +1198,35 @@ pub fn input_matrix() -> [[f64; M]; N] {
 /// Cost: 242 multiplications, 193 additions, 0 divisions, 4 function calls (`sin_cos`), 12 selections.
 ///
 /// What the three have in common is computed once.
+#[inline]
 #[must_use]
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 pub fn equations_of_motion(
     y: &[f64; N],
     v: &[f64; N],
 ) -> ([[f64; N]; N], [f64; N], [f64; N]) {
+    let mut m = [[0.0; 6]; 6];
+    let mut k = [0.0; 6];
+    let mut q = [0.0; 6];
+    equations_of_motion_into(y, v, &mut m, &mut k, &mut q);
+    (m, k, q)
+}
+
+/// `equations_of_motion` with its results written in place; nothing of what stood there is read.
+#[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
+pub fn equations_of_motion_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    m: &mut [[f64; N]; N],
+    k: &mut [f64; N],
+    q: &mut [f64; N],
+) {
+    m[3][4] = 0.0;
+    m[4][3] = 0.0;
+    m[4][4] = 0.17134845165700002;
+    m[4][5] = 0.0;
+    m[5][4] = 0.0;
+    m[5][5] = 0.19410450566800005;
     let angle_joint2_joint3 = y[1] + y[2];
     let (
         [sin_joint2,
@@ -1198,6 +1293,7 @@ pub fn equations_of_motion(
     let t59 = 1.286789571125 + t58;
     let t60 = t54 + t59;
     let t61 = 0.784029968642 + t60;
+    m[0][0] = t61;
     let t62 = cos_joint4 * t12;
     let t63 = t56 - t62;
     let t64 = sin_joint2_joint3 * t63;
@@ -1233,6 +1329,8 @@ pub fn equations_of_motion(
     let t94 = cos_joint2_joint3 * t56;
     let t95 = 7.391625615763547 * t94;
     let t96 = t93 + t95;
+    m[0][3] = t96;
+    m[3][0] = t96;
     let t97 = 0.0012435839999999998 * cos_joint5;
     let t98 = 0.00064216 + t97;
     let t99 = sin_joint4 * t98;
@@ -1248,10 +1346,14 @@ pub fn equations_of_motion(
     let t109 = t107 - t108;
     let t110 = 7.391625615763547 * t109;
     let t111 = t105 - t110;
+    m[0][4] = t111;
+    m[4][0] = t111;
     let t112 = 3.9999999999999996e-5 * sin_joint5;
     let t113 = cos_joint4 * t112;
     let t114 = sin_joint2_joint3 * t113;
     let t115 = 3.9999999999999996e-5 * cos_joint5;
+    m[3][5] = t115;
+    m[5][3] = t115;
     let t116 = cos_joint2_joint3 * t115;
     let t117 = t114 - t116;
     let t118 = t20 + t24;
@@ -1263,7 +1365,10 @@ pub fn equations_of_motion(
     let t124 = t52 + t123;
     let t125 = t124 + t122;
     let t126 = 2.324814845 + t125;
+    m[1][1] = t126;
     let t127 = t118 + t120;
+    m[1][2] = t127;
+    m[2][1] = t127;
     let t128 = t69 * t94;
     let t129 = sin_joint2_joint3 * t56;
     let t130 = t44 * t129;
@@ -1279,8 +1384,14 @@ pub fn equations_of_motion(
     let t140 = t16 - t139;
     let t141 = t140 + t138;
     let t142 = sin_joint4 * t112;
+    m[1][5] = t142;
+    m[2][5] = t142;
+    m[5][1] = t142;
+    m[5][2] = t142;
     let t143 = 0.5768733319380001 + t118;
+    m[2][2] = t143;
     let t144 = t10 + 0.19243062612368;
+    m[3][3] = t144;
     let omega_joint3_y = v[0] * cos_joint2_joint3;
     let omega_joint4_z = v[3] + omega_joint3_y;
     let t147 = 2.0 * omega_joint4_z;
@@ -1406,6 +1517,7 @@ pub fn equations_of_motion(
     let t267 = t260 - t266;
     let moment_joint6_y = 1.9999999999999998e-5 * t267;
     let moment_joint5_z = t265 - moment_joint6_y;
+    k[4] = moment_joint5_z;
     let t270 = omega_joint4_x * t147;
     let t271 = t243 - t270;
     let t272 = 0.00065 * t271;
@@ -1494,6 +1606,7 @@ pub fn equations_of_motion(
     let force_joint2_x = t354 - t353;
     let t356 = 0.3474988420565076 * force_joint2_x;
     let moment_joint1_z = moment_joint2_y - t356;
+    k[0] = moment_joint1_z;
     let t358 = sin_joint4 * t236;
     let t359 = cos_joint4 * t284;
     let t360 = t358 + t359;
@@ -1508,6 +1621,7 @@ pub fn equations_of_motion(
     let t369 = 0.15181224400000007 * acceleration_joint3_x;
     let t370 = t369 + t368;
     let moment_joint3_z = t370 + t362;
+    k[2] = moment_joint3_z;
     let t372 = sin_joint2 * t353;
     let t373 = sin_joint2_joint3 * force_joint3_x;
     let t374 = cos_joint2_joint3 * force_joint3_y;
@@ -1518,6 +1632,7 @@ pub fn equations_of_motion(
     let t379 = t205 - t207;
     let t380 = t325 * t379;
     let moment_joint2_z = t380 + t378;
+    k[1] = moment_joint2_z;
     let acceleration_joint4_x_2 = sin_joint2_joint3 * cos_joint4;
     let t383 = cos_joint5 * acceleration_joint4_x_2;
     let t384 = cos_joint2_joint3 * sin_joint5;
@@ -1592,39 +1707,42 @@ pub fn equations_of_motion(
     let t453 = t452 + t451;
     let t454 = t453 - t450;
     let t455 = -t84;
+    m[0][1] = t455;
+    m[1][0] = t455;
     let t456 = -t86;
+    m[0][2] = t456;
+    m[2][0] = t456;
     let t457 = -t117;
+    m[0][5] = t457;
+    m[5][0] = t457;
     let t458 = -t132;
+    m[1][3] = t458;
+    m[3][1] = t458;
     let t459 = -t141;
+    m[1][4] = t459;
+    m[4][1] = t459;
     let t460 = -t65;
+    m[2][3] = t460;
+    m[3][2] = t460;
     let t461 = -t140;
+    m[2][4] = t461;
+    m[4][2] = t461;
     let minus_moment_joint4_z = -moment_joint4_z;
+    k[3] = minus_moment_joint4_z;
     let minus_moment_joint6_z = -moment_joint6_z;
+    k[5] = minus_moment_joint6_z;
     let t464 = -t404;
+    q[0] = t464;
     let t465 = -t423;
+    q[1] = t465;
     let t466 = -t431;
+    q[2] = t466;
     let t467 = -t439;
+    q[3] = t467;
     let t468 = -t447;
+    q[4] = t468;
     let t469 = -t454;
-    (
-        [
-            [t61, t455, t456, t96, t111, t457],
-            [t455, t126, t127, t458, t459, t142],
-            [t456, t127, t143, t460, t461, t142],
-            [t96, t458, t460, t144, 0.0, t115],
-            [t111, t459, t461, 0.0, 0.17134845165700002, 0.0],
-            [t457, t142, t142, t115, 0.0, 0.19410450566800005],
-        ],
-        [
-            moment_joint1_z,
-            moment_joint2_z,
-            moment_joint3_z,
-            minus_moment_joint4_z,
-            moment_joint5_z,
-            minus_moment_joint6_z,
-        ],
-        [t464, t465, t466, t467, t468, t469],
-    )
+    q[5] = t469;
 }
 
 /// Inverse dynamics: the joint forces of a motion.
@@ -2610,12 +2728,33 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 /// Cost: 207 multiplications, 170 additions, 0 divisions, 4 function calls (`sin_cos`).
 ///
 /// What both have in common is computed once.
+#[inline]
 #[must_use]
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 pub fn mass_matrix_and_bias_forces(
     y: &[f64; N],
     v: &[f64; N],
 ) -> ([[f64; N]; N], [f64; N]) {
+    let mut m = [[0.0; 6]; 6];
+    let mut b = [0.0; 6];
+    mass_matrix_and_bias_forces_into(y, v, &mut m, &mut b);
+    (m, b)
+}
+
+/// `mass_matrix_and_bias_forces` with its results written in place; nothing of what stood there is read.
+#[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
+pub fn mass_matrix_and_bias_forces_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    m: &mut [[f64; N]; N],
+    b: &mut [f64; N],
+) {
+    m[3][4] = 0.0;
+    m[4][3] = 0.0;
+    m[4][4] = 0.17134845165700002;
+    m[4][5] = 0.0;
+    m[5][4] = 0.0;
+    m[5][5] = 0.19410450566800005;
     let angle_joint2_joint3 = y[1] + y[2];
     let (
         [sin_joint2,
@@ -2682,6 +2821,7 @@ pub fn mass_matrix_and_bias_forces(
     let t59 = 1.286789571125 + t58;
     let t60 = t54 + t59;
     let t61 = t60 + 0.784029968642;
+    m[0][0] = t61;
     let t62 = cos_joint4 * t12;
     let t63 = t56 - t62;
     let t64 = sin_joint2_joint3 * t63;
@@ -2717,6 +2857,8 @@ pub fn mass_matrix_and_bias_forces(
     let t94 = cos_joint2_joint3 * t56;
     let t95 = 7.391625615763547 * t94;
     let t96 = t93 + t95;
+    m[0][3] = t96;
+    m[3][0] = t96;
     let t97 = cos_joint5 * 0.0012435839999999998;
     let t98 = 0.00064216 + t97;
     let t99 = sin_joint4 * t98;
@@ -2732,10 +2874,14 @@ pub fn mass_matrix_and_bias_forces(
     let t109 = t107 - t108;
     let t110 = 7.391625615763547 * t109;
     let t111 = t105 - t110;
+    m[0][4] = t111;
+    m[4][0] = t111;
     let t112 = 3.9999999999999996e-5 * sin_joint5;
     let t113 = cos_joint4 * t112;
     let t114 = sin_joint2_joint3 * t113;
     let t115 = 3.9999999999999996e-5 * cos_joint5;
+    m[3][5] = t115;
+    m[5][3] = t115;
     let t116 = cos_joint2_joint3 * t115;
     let t117 = t114 - t116;
     let t118 = t20 + t24;
@@ -2747,7 +2893,10 @@ pub fn mass_matrix_and_bias_forces(
     let t124 = t52 + t123;
     let t125 = t124 + t122;
     let t126 = t125 + 2.324814845;
+    m[1][1] = t126;
     let t127 = t118 + t120;
+    m[1][2] = t127;
+    m[2][1] = t127;
     let t128 = t69 * t94;
     let t129 = sin_joint2_joint3 * t56;
     let t130 = t44 * t129;
@@ -2763,8 +2912,14 @@ pub fn mass_matrix_and_bias_forces(
     let t140 = t16 - t139;
     let t141 = t140 + t138;
     let t142 = sin_joint4 * t112;
+    m[1][5] = t142;
+    m[2][5] = t142;
+    m[5][1] = t142;
+    m[5][2] = t142;
     let t143 = t118 + 0.5768733319380001;
+    m[2][2] = t143;
     let t144 = t10 + 0.19243062612368;
+    m[3][3] = t144;
     let omega_joint3_y = v[0] * cos_joint2_joint3;
     let omega_joint4_z = v[3] + omega_joint3_y;
     let t147 = 2.0 * omega_joint4_z;
@@ -2891,6 +3046,7 @@ pub fn mass_matrix_and_bias_forces(
     let t268 = t261 - t267;
     let moment_joint6_y = 1.9999999999999998e-5 * t268;
     let moment_joint5_z = t266 - moment_joint6_y;
+    b[4] = moment_joint5_z;
     let t271 = omega_joint4_x * t147;
     let t272 = t244 - t271;
     let t273 = 0.00065 * t272;
@@ -2979,6 +3135,7 @@ pub fn mass_matrix_and_bias_forces(
     let force_joint2_x = t355 - t354;
     let t357 = 0.3474988420565076 * force_joint2_x;
     let moment_joint1_z = moment_joint2_y - t357;
+    b[0] = moment_joint1_z;
     let t359 = sin_joint4 * t237;
     let t360 = cos_joint4 * t285;
     let t361 = t359 + t360;
@@ -2993,6 +3150,7 @@ pub fn mass_matrix_and_bias_forces(
     let t370 = 0.15181224400000007 * acceleration_joint3_x;
     let t371 = t370 + t369;
     let moment_joint3_z = t371 + t363;
+    b[2] = moment_joint3_z;
     let t373 = sin_joint2 * t354;
     let t374 = sin_joint2_joint3 * force_joint3_x;
     let t375 = cos_joint2_joint3 * force_joint3_y;
@@ -3005,33 +3163,32 @@ pub fn mass_matrix_and_bias_forces(
     let t382 = t336 * 22.71885132005558;
     let t383 = t382 + t381;
     let moment_joint2_z = t383 + t379;
+    b[1] = moment_joint2_z;
     let t385 = -t84;
+    m[0][1] = t385;
+    m[1][0] = t385;
     let t386 = -t86;
+    m[0][2] = t386;
+    m[2][0] = t386;
     let t387 = -t117;
+    m[0][5] = t387;
+    m[5][0] = t387;
     let t388 = -t132;
+    m[1][3] = t388;
+    m[3][1] = t388;
     let t389 = -t141;
+    m[1][4] = t389;
+    m[4][1] = t389;
     let t390 = -t65;
+    m[2][3] = t390;
+    m[3][2] = t390;
     let t391 = -t140;
+    m[2][4] = t391;
+    m[4][2] = t391;
     let minus_moment_joint4_z = -moment_joint4_z;
+    b[3] = minus_moment_joint4_z;
     let minus_moment_joint6_z = -moment_joint6_z;
-    (
-        [
-            [t61, t385, t386, t96, t111, t387],
-            [t385, t126, t127, t388, t389, t142],
-            [t386, t127, t143, t390, t391, t142],
-            [t96, t388, t390, t144, 0.0, t115],
-            [t111, t389, t391, 0.0, 0.17134845165700002, 0.0],
-            [t387, t142, t142, t115, 0.0, 0.19410450566800005],
-        ],
-        [
-            moment_joint1_z,
-            moment_joint2_z,
-            moment_joint3_z,
-            minus_moment_joint4_z,
-            moment_joint5_z,
-            minus_moment_joint6_z,
-        ],
-    )
+    b[5] = minus_moment_joint6_z;
 }
 
 /// Inverse dynamics with its Jacobians.
@@ -3050,6 +3207,7 @@ pub fn mass_matrix_and_bias_forces(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 pub fn inverse_dynamics_derivatives(
@@ -3057,6 +3215,31 @@ pub fn inverse_dynamics_derivatives(
     v: &[f64; N],
     a: &[f64; N],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N]) {
+    let mut b_u = [0.0; 6];
+    let mut d_dy = [[0.0; 6]; 6];
+    let mut d_dv = [[0.0; 6]; 6];
+    inverse_dynamics_derivatives_into(y, v, a, &mut b_u, &mut d_dy, &mut d_dv);
+    (b_u, d_dy, d_dv)
+}
+
+/// `inverse_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+#[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
+pub fn inverse_dynamics_derivatives_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    b_u: &mut [f64; N],
+    d_dy: &mut [[f64; N]; N],
+    d_dv: &mut [[f64; N]; N],
+) {
+    d_dy[0][0] = 0.0;
+    d_dy[1][0] = 0.0;
+    d_dy[2][0] = 0.0;
+    d_dy[3][0] = 0.0;
+    d_dy[4][0] = 0.0;
+    d_dy[5][0] = 0.0;
+    d_dv[4][4] = 0.42728302093540005;
+    d_dv[5][5] = 0.2158232532732;
     let angle_joint2_joint3 = y[1] + y[2];
     let (
         [sin_joint2,
@@ -3332,6 +3515,7 @@ pub fn inverse_dynamics_derivatives(
     let t268 = t267 + t266;
     let t269 = t268 - t265;
     let t270 = t262 + t269;
+    b_u[0] = t270;
     let t271 = sin_joint4 * t116;
     let t272 = cos_joint4 * t164;
     let t273 = t271 - t272;
@@ -3381,6 +3565,7 @@ pub fn inverse_dynamics_derivatives(
     let t317 = t316 + t315;
     let t318 = t317 + t314;
     let t319 = t311 + t318;
+    b_u[1] = t319;
     let t320 = a[2] * 0.5768733319380001;
     let t321 = t320 - moment_joint3_z;
     let t322 = sign(v[2]);
@@ -3391,6 +3576,7 @@ pub fn inverse_dynamics_derivatives(
     let t327 = t326 + t325;
     let t328 = t327 + t324;
     let t329 = t321 + t328;
+    b_u[2] = t329;
     let t330 = a[3] * 0.19079062612368;
     let t331 = t330 + moment_joint4_z;
     let t332 = sign(v[3]);
@@ -3401,6 +3587,7 @@ pub fn inverse_dynamics_derivatives(
     let t337 = t336 + t335;
     let t338 = t337 - t334;
     let t339 = t331 + t338;
+    b_u[3] = t339;
     let t340 = a[4] * 0.17070629165700002;
     let t341 = t340 - moment_joint5_z;
     let t342 = sign(v[4]);
@@ -3411,6 +3598,7 @@ pub fn inverse_dynamics_derivatives(
     let t347 = t346 + t345;
     let t348 = t347 - t344;
     let t349 = t341 + t348;
+    b_u[4] = t349;
     let t350 = a[5] * 0.19406450566800004;
     let t351 = moment_joint6_z - t350;
     let t352 = sign(v[5]);
@@ -3436,6 +3624,7 @@ pub fn inverse_dynamics_derivatives(
     let t372 = t368 + t371;
     let t373 = cos_joint5 * t360;
     let t374 = 3.9999999999999996e-5 * omega_joint5_x;
+    d_dv[4][5] = t374;
     let t375 = sin_joint5 * t374;
     let t376 = t373 + t375;
     let t377 = omega_joint4_z * 0.0014999999999999998;
@@ -3733,6 +3922,7 @@ pub fn inverse_dynamics_derivatives(
     let t669 = t668 + t666;
     let t670 = t665 - t669;
     let t671 = t670 + t664;
+    d_dy[3][3] = t671;
     let t672 = t671 + t661;
     let t673 = cos_joint2_joint3 * t672;
     let t674 = t657 + t673;
@@ -3751,6 +3941,7 @@ pub fn inverse_dynamics_derivatives(
     let t687 = t680 - t686;
     let t688 = 0.3474988420565076 * t687;
     let t689 = t676 + t688;
+    d_dy[0][3] = t689;
     let t690 = t40 * 0.00044216;
     let t691 = omega_joint5_x * t419;
     let t692 = t690 - t691;
@@ -3780,6 +3971,7 @@ pub fn inverse_dynamics_derivatives(
     let t716 = omega_joint5_x * t364;
     let t717 = t715 + t716;
     let t718 = t714 + t717;
+    d_dy[4][4] = t718;
     let t719 = omega_joint5_y * t391;
     let t720 = force_joint5_x - t719;
     let t721 = sin_joint5 * t720;
@@ -3816,6 +4008,7 @@ pub fn inverse_dynamics_derivatives(
     let t752 = t747 - t751;
     let t753 = 0.3474988420565076 * t752;
     let t754 = t743 + t753;
+    d_dy[0][4] = t754;
     let t755 = 1.9999999999999998e-5 * t142;
     let t756 = omega_joint5_x * t360;
     let t757 = t755 + t756;
@@ -3840,8 +4033,10 @@ pub fn inverse_dynamics_derivatives(
     let t776 = sin_joint5 * t758;
     let t777 = cos_joint5 * t765;
     let t778 = t776 - t777;
+    d_dy[3][5] = t778;
     let t779 = cos_joint2_joint3 * t778;
     let t780 = t775 + t779;
+    d_dy[0][5] = t780;
     let t781 = cos_joint4 * t388;
     let t782 = t378 + t781;
     let t783 = 0.047012505789717454 * t602;
@@ -3955,6 +4150,7 @@ pub fn inverse_dynamics_derivatives(
     let t891 = t890 + t889;
     let t892 = t888 - t891;
     let t893 = t892 - t884;
+    d_dy[2][1] = t893;
     let t894 = t424 - t427;
     let t895 = cos_joint2_joint3 * t894;
     let t896 = t386 - t556;
@@ -3986,6 +4182,7 @@ pub fn inverse_dynamics_derivatives(
     let t922 = t921 - t920;
     let t923 = t919 + t922;
     let t924 = t923 - t904;
+    d_dy[3][1] = t924;
     let t925 = omega_joint3_y * t894;
     let t926 = omega_joint3_x * t896;
     let t927 = t925 + t926;
@@ -4046,6 +4243,7 @@ pub fn inverse_dynamics_derivatives(
     let t982 = t981 - t980;
     let t983 = t979 - t982;
     let t984 = t983 - t958;
+    d_dy[4][1] = t984;
     let t985 = omega_joint3_y * t943;
     let t986 = omega_joint3_x * t948;
     let t987 = t985 - t986;
@@ -4059,10 +4257,12 @@ pub fn inverse_dynamics_derivatives(
     let t995 = t994 - t991;
     let t996 = t995 + t990;
     let t997 = t996 - t987;
+    d_dy[4][2] = t997;
     let t998 = omega_joint4_y * t366;
     let t999 = t21 * 0.00064216;
     let t1000 = t625 - t999;
     let t1001 = t1000 + t998;
+    d_dy[4][3] = t1001;
     let t1002 = sin_joint4 * t374;
     let t1003 = cos_joint5 * t761;
     let t1004 = cos_joint4 * t1003;
@@ -4098,6 +4298,7 @@ pub fn inverse_dynamics_derivatives(
     let t1034 = t133 * t1014;
     let t1035 = t1033 - t1034;
     let t1036 = t1035 + t1032;
+    d_dy[5][3] = t1036;
     let t1037 = 3.9999999999999996e-5 * t61;
     let t1038 = omega_joint5_y * t761;
     let t1039 = t1037 - t1038;
@@ -4128,6 +4329,7 @@ pub fn inverse_dynamics_derivatives(
     let t1064 = t1060 + t1063;
     let t1065 = t1057 - t1064;
     let t1066 = t1065 + 5.8018217679508;
+    d_dv[0][0] = t1066;
     let t1067 = t372 - t781;
     let t1068 = omega_joint3_z * 0.009475200000000003;
     let t1069 = t1068 - t1067;
@@ -4176,6 +4378,7 @@ pub fn inverse_dynamics_derivatives(
     let t1112 = t1111 - t1108;
     let t1113 = 0.3474988420565076 * t1112;
     let t1114 = t1105 - t1113;
+    d_dv[0][2] = t1114;
     let t1115 = t369 * t626;
     let t1116 = t434 - t1115;
     let t1117 = t391 - t435;
@@ -4207,6 +4410,7 @@ pub fn inverse_dynamics_derivatives(
     let t1143 = t1141 + t1142;
     let t1144 = 0.3474988420565076 * t1143;
     let t1145 = t1137 + t1144;
+    d_dv[0][3] = t1145;
     let t1146 = omega_joint5_y * 0.00088432;
     let t1147 = t360 + t1146;
     let t1148 = cos_joint5 * t1147;
@@ -4260,6 +4464,7 @@ pub fn inverse_dynamics_derivatives(
     let t1196 = t809 * t827;
     let t1197 = t1195 - t1196;
     let t1198 = t1197 + 9.496868641825001;
+    d_dv[1][1] = t1198;
     let t1199 = t400 - t409;
     let t1200 = t1088 * t515;
     let t1201 = t1090 * t518;
@@ -4298,6 +4503,8 @@ pub fn inverse_dynamics_derivatives(
     let t1234 = cos_joint4 * t374;
     let t1235 = sin_joint4 * t1003;
     let t1236 = t1235 + t1234;
+    d_dv[1][5] = t1236;
+    d_dv[2][5] = t1236;
     let t1237 = t1182 - t1184;
     let t1238 = t1048 - t1191;
     let t1239 = t1199 + t1238;
@@ -4319,11 +4526,14 @@ pub fn inverse_dynamics_derivatives(
     let t1255 = t1075 - t1254;
     let t1256 = t809 * t911;
     let t1257 = t1255 + t1256;
+    d_dv[3][1] = t1257;
     let t1258 = t1090 * t906;
     let t1259 = t1088 * t494;
     let t1260 = t1259 - t1258;
     let t1261 = t1075 + t1260;
+    d_dv[3][2] = t1261;
     let t1262 = t1132 + 0.41164522969715195;
+    d_dv[3][3] = t1262;
     let t1263 = sin_joint2_joint3 * t943;
     let t1264 = cos_joint2_joint3 * t948;
     let t1265 = t1263 + t1264;
@@ -4344,76 +4554,100 @@ pub fn inverse_dynamics_derivatives(
     let t1280 = t1276 + t1279;
     let t1281 = t809 * t977;
     let t1282 = t1280 + t1281;
+    d_dv[4][1] = t1282;
     let t1283 = t1090 * t971;
     let t1284 = t1088 * t973;
     let t1285 = t1284 + t1283;
     let t1286 = t1276 + t1285;
+    d_dv[4][2] = t1286;
     let t1287 = omega_joint4_x * 0.00128432;
     let t1288 = t434 - t1287;
     let t1289 = t809 * t1016;
     let t1290 = t1236 - t1289;
+    d_dv[5][1] = t1290;
     let t1291 = t1090 * t1014;
     let t1292 = t1088 * t1012;
     let t1293 = t1292 + t1291;
     let t1294 = t1236 - t1293;
+    d_dv[5][2] = t1294;
     let t1295 = t384 * t1011;
     let t1296 = t1007 - t1295;
     let t1297 = -t359;
+    b_u[5] = t1297;
     let t1298 = -t554;
+    d_dy[0][1] = t1298;
     let t1299 = -t623;
+    d_dy[0][2] = t1299;
     let t1300 = -t835;
+    d_dy[1][1] = t1300;
     let t1301 = -t855;
+    d_dy[1][2] = t1301;
     let t1302 = -t867;
+    d_dy[1][3] = t1302;
     let t1303 = -t879;
+    d_dy[1][4] = t1303;
     let t1304 = -t882;
+    d_dy[1][5] = t1304;
+    d_dy[2][5] = t1304;
     let t1305 = -t848;
+    d_dy[2][2] = t1305;
     let t1306 = -t860;
+    d_dy[2][3] = t1306;
     let t1307 = -t872;
+    d_dy[2][4] = t1307;
     let t1308 = -t934;
+    d_dy[3][2] = t1308;
     let t1309 = -t734;
+    d_dy[3][4] = t1309;
     let t1310 = -t772;
+    d_dy[4][5] = t1310;
     let t1311 = -t1021;
+    d_dy[5][1] = t1311;
     let t1312 = -t1029;
+    d_dy[5][2] = t1312;
     let t1313 = -t1039;
+    d_dy[5][4] = t1313;
     let t1314 = -t765;
+    d_dy[5][5] = t1314;
     let t1315 = -t1087;
+    d_dv[0][1] = t1315;
     let t1316 = -t1176;
+    d_dv[0][4] = t1316;
     let t1317 = -t1179;
+    d_dv[0][5] = t1317;
+    d_dv[5][0] = t1317;
     let t1318 = -t1188;
+    d_dv[1][0] = t1318;
     let t1319 = -t1210;
+    d_dv[1][2] = t1319;
     let t1320 = -t1222;
+    d_dv[1][3] = t1320;
     let t1321 = -t1233;
+    d_dv[1][4] = t1321;
     let t1322 = -t1237;
+    d_dv[2][0] = t1322;
     let t1323 = -t1241;
+    d_dv[2][1] = t1323;
     let t1324 = -t1242;
+    d_dv[2][2] = t1324;
     let t1325 = -t1215;
+    d_dv[2][3] = t1325;
     let t1326 = -t1226;
+    d_dv[2][4] = t1326;
     let t1327 = -t1251;
+    d_dv[3][0] = t1327;
     let t1328 = -t1160;
+    d_dv[3][4] = t1328;
     let t1329 = -t1007;
+    d_dv[3][5] = t1329;
     let t1330 = -t1271;
+    d_dv[4][0] = t1330;
     let t1331 = -t1288;
+    d_dv[4][3] = t1331;
     let t1332 = -t1296;
+    d_dv[5][3] = t1332;
     let t1333 = -t374;
-    (
-        [t270, t319, t329, t339, t349, t1297],
-        [
-            [0.0, t1298, t1299, t689, t754, t780],
-            [0.0, t1300, t1301, t1302, t1303, t1304],
-            [0.0, t893, t1305, t1306, t1307, t1304],
-            [0.0, t924, t1308, t671, t1309, t778],
-            [0.0, t984, t997, t1001, t718, t1310],
-            [0.0, t1311, t1312, t1036, t1313, t1314],
-        ],
-        [
-            [t1066, t1315, t1114, t1145, t1316, t1317],
-            [t1318, t1198, t1319, t1320, t1321, t1236],
-            [t1322, t1323, t1324, t1325, t1326, t1236],
-            [t1327, t1257, t1261, t1262, t1328, t1329],
-            [t1330, t1282, t1286, t1331, 0.42728302093540005, t374],
-            [t1317, t1290, t1294, t1332, t1333, 0.2158232532732],
-        ],
-    )
+    d_dv[5][4] = t1333;
 }
 
 /// Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.
@@ -4433,6 +4667,7 @@ pub fn inverse_dynamics_derivatives(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 #[allow(
@@ -4444,6 +4679,48 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     v: &[f64; N],
     a: &[f64; N],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
+    let mut b_u = [0.0; 6];
+    let mut d_dy = [[0.0; 6]; 6];
+    let mut d_dv = [[0.0; 6]; 6];
+    let mut m = [[0.0; 6]; 6];
+    inverse_dynamics_derivatives_and_mass_matrix_into(
+        y,
+        v,
+        a,
+        &mut b_u,
+        &mut d_dy,
+        &mut d_dv,
+        &mut m,
+    );
+    (b_u, d_dy, d_dv, m)
+}
+
+/// `inverse_dynamics_derivatives_and_mass_matrix` with its results written in place; nothing of what stood there
+/// is read.
+#[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
+pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    b_u: &mut [f64; N],
+    d_dy: &mut [[f64; N]; N],
+    d_dv: &mut [[f64; N]; N],
+    m: &mut [[f64; N]; N],
+) {
+    d_dy[0][0] = 0.0;
+    d_dy[1][0] = 0.0;
+    d_dy[2][0] = 0.0;
+    d_dy[3][0] = 0.0;
+    d_dy[4][0] = 0.0;
+    d_dy[5][0] = 0.0;
+    d_dv[4][4] = 0.42728302093540005;
+    d_dv[5][5] = 0.2158232532732;
+    m[3][4] = 0.0;
+    m[4][3] = 0.0;
+    m[4][4] = 0.17134845165700002;
+    m[4][5] = 0.0;
+    m[5][4] = 0.0;
+    m[5][5] = 0.19410450566800005;
     let angle_joint2_joint3 = y[1] + y[2];
     let (
         [sin_joint2,
@@ -4719,6 +4996,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t268 = t267 + t266;
     let t269 = t268 - t265;
     let t270 = t262 + t269;
+    b_u[0] = t270;
     let t271 = sin_joint4 * t116;
     let t272 = cos_joint4 * t164;
     let t273 = t271 - t272;
@@ -4768,6 +5046,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t317 = t316 + t315;
     let t318 = t317 + t314;
     let t319 = t311 + t318;
+    b_u[1] = t319;
     let t320 = a[2] * 0.5768733319380001;
     let t321 = t320 - moment_joint3_z;
     let t322 = sign(v[2]);
@@ -4778,6 +5057,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t327 = t326 + t325;
     let t328 = t327 + t324;
     let t329 = t321 + t328;
+    b_u[2] = t329;
     let t330 = a[3] * 0.19079062612368;
     let t331 = t330 + moment_joint4_z;
     let t332 = sign(v[3]);
@@ -4788,6 +5068,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t337 = t336 + t335;
     let t338 = t337 - t334;
     let t339 = t331 + t338;
+    b_u[3] = t339;
     let t340 = a[4] * 0.17070629165700002;
     let t341 = t340 - moment_joint5_z;
     let t342 = sign(v[4]);
@@ -4798,6 +5079,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t347 = t346 + t345;
     let t348 = t347 - t344;
     let t349 = t341 + t348;
+    b_u[4] = t349;
     let t350 = a[5] * 0.19406450566800004;
     let t351 = moment_joint6_z - t350;
     let t352 = sign(v[5]);
@@ -4823,6 +5105,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t372 = t368 + t371;
     let t373 = cos_joint5 * t360;
     let t374 = 3.9999999999999996e-5 * omega_joint5_x;
+    d_dv[4][5] = t374;
     let t375 = sin_joint5 * t374;
     let t376 = t373 + t375;
     let t377 = omega_joint4_z * 0.0014999999999999998;
@@ -5120,6 +5403,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t669 = t668 + t666;
     let t670 = t665 - t669;
     let t671 = t670 + t664;
+    d_dy[3][3] = t671;
     let t672 = t671 + t661;
     let t673 = cos_joint2_joint3 * t672;
     let t674 = t657 + t673;
@@ -5138,6 +5422,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t687 = t680 - t686;
     let t688 = 0.3474988420565076 * t687;
     let t689 = t676 + t688;
+    d_dy[0][3] = t689;
     let t690 = t40 * 0.00044216;
     let t691 = omega_joint5_x * t419;
     let t692 = t690 - t691;
@@ -5167,6 +5452,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t716 = omega_joint5_x * t364;
     let t717 = t715 + t716;
     let t718 = t714 + t717;
+    d_dy[4][4] = t718;
     let t719 = omega_joint5_y * t391;
     let t720 = force_joint5_x - t719;
     let t721 = sin_joint5 * t720;
@@ -5203,6 +5489,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t752 = t747 - t751;
     let t753 = 0.3474988420565076 * t752;
     let t754 = t743 + t753;
+    d_dy[0][4] = t754;
     let t755 = 1.9999999999999998e-5 * t142;
     let t756 = omega_joint5_x * t360;
     let t757 = t755 + t756;
@@ -5227,8 +5514,10 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t776 = sin_joint5 * t758;
     let t777 = cos_joint5 * t765;
     let t778 = t776 - t777;
+    d_dy[3][5] = t778;
     let t779 = cos_joint2_joint3 * t778;
     let t780 = t775 + t779;
+    d_dy[0][5] = t780;
     let t781 = cos_joint4 * t388;
     let t782 = t378 + t781;
     let t783 = 0.047012505789717454 * t602;
@@ -5334,6 +5623,8 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t883 = t802 - t806;
     let t884 = v[0] * t883;
     let t885 = t813 + t816;
+    m[1][2] = t885;
+    m[2][1] = t885;
     let t886 = t74 * t885;
     let t887 = a[0] * t824;
     let t888 = t887 - t886;
@@ -5342,6 +5633,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t891 = t890 + t889;
     let t892 = t888 - t891;
     let t893 = t892 - t884;
+    d_dy[2][1] = t893;
     let t894 = t424 - t427;
     let t895 = cos_joint2_joint3 * t894;
     let t896 = t386 - t556;
@@ -5373,6 +5665,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t922 = t921 - t920;
     let t923 = t919 + t922;
     let t924 = t923 - t904;
+    d_dy[3][1] = t924;
     let t925 = omega_joint3_y * t894;
     let t926 = omega_joint3_x * t896;
     let t927 = t925 + t926;
@@ -5417,7 +5710,11 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t966 = cos_joint4 * t965;
     let t967 = sin_joint5 * 5.846399999999998e-5;
     let t968 = t966 - t967;
+    m[2][4] = t968;
+    m[4][2] = t968;
     let t969 = t968 - t964;
+    m[1][4] = t969;
+    m[4][1] = t969;
     let t970 = t74 * t969;
     let t971 = 0.047012505789717454 * t940;
     let t972 = sin_joint2_joint3 * t971;
@@ -5433,6 +5730,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t982 = t981 - t980;
     let t983 = t979 - t982;
     let t984 = t983 - t958;
+    d_dy[4][1] = t984;
     let t985 = omega_joint3_y * t943;
     let t986 = omega_joint3_x * t948;
     let t987 = t985 - t986;
@@ -5446,10 +5744,12 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t995 = t994 - t991;
     let t996 = t995 + t990;
     let t997 = t996 - t987;
+    d_dy[4][2] = t997;
     let t998 = omega_joint4_y * t366;
     let t999 = t21 * 0.00064216;
     let t1000 = t625 - t999;
     let t1001 = t1000 + t998;
+    d_dy[4][3] = t1001;
     let t1002 = sin_joint4 * t374;
     let t1003 = cos_joint5 * t761;
     let t1004 = cos_joint4 * t1003;
@@ -5463,10 +5763,16 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1012 = cos_joint4 * t1011;
     let t1013 = cos_joint2_joint3 * t1012;
     let t1014 = 3.9999999999999996e-5 * cos_joint5;
+    m[3][5] = t1014;
+    m[5][3] = t1014;
     let t1015 = sin_joint2_joint3 * t1014;
     let t1016 = t1013 + t1015;
     let t1017 = a[0] * t1016;
     let t1018 = sin_joint4 * t1011;
+    m[1][5] = t1018;
+    m[2][5] = t1018;
+    m[5][1] = t1018;
+    m[5][2] = t1018;
     let t1019 = t74 * t1018;
     let t1020 = t1019 + t1017;
     let t1021 = t1020 + t1010;
@@ -5485,6 +5791,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1034 = t133 * t1014;
     let t1035 = t1033 - t1034;
     let t1036 = t1035 + t1032;
+    d_dy[5][3] = t1036;
     let t1037 = 3.9999999999999996e-5 * t61;
     let t1038 = omega_joint5_y * t761;
     let t1039 = t1037 - t1038;
@@ -5515,6 +5822,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1064 = t1060 + t1063;
     let t1065 = t1057 - t1064;
     let t1066 = t1065 + 5.8018217679508;
+    d_dv[0][0] = t1066;
     let t1067 = t372 - t781;
     let t1068 = omega_joint3_z * 0.009475200000000003;
     let t1069 = t1068 - t1067;
@@ -5563,6 +5871,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1112 = t1111 - t1108;
     let t1113 = 0.3474988420565076 * t1112;
     let t1114 = t1105 - t1113;
+    d_dv[0][2] = t1114;
     let t1115 = t369 * t626;
     let t1116 = t434 - t1115;
     let t1117 = t391 - t435;
@@ -5594,6 +5903,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1143 = t1141 + t1142;
     let t1144 = 0.3474988420565076 * t1143;
     let t1145 = t1137 + t1144;
+    d_dv[0][3] = t1145;
     let t1146 = omega_joint5_y * 0.00088432;
     let t1147 = t360 + t1146;
     let t1148 = cos_joint5 * t1147;
@@ -5647,6 +5957,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1196 = t809 * t827;
     let t1197 = t1195 - t1196;
     let t1198 = t1197 + 9.496868641825001;
+    d_dv[1][1] = t1198;
     let t1199 = t400 - t409;
     let t1200 = t1088 * t515;
     let t1201 = t1090 * t518;
@@ -5685,6 +5996,8 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1234 = cos_joint4 * t374;
     let t1235 = sin_joint4 * t1003;
     let t1236 = t1235 + t1234;
+    d_dv[1][5] = t1236;
+    d_dv[2][5] = t1236;
     let t1237 = t1182 - t1184;
     let t1238 = t1048 - t1191;
     let t1239 = t1199 + t1238;
@@ -5706,11 +6019,14 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1255 = t1075 - t1254;
     let t1256 = t809 * t911;
     let t1257 = t1255 + t1256;
+    d_dv[3][1] = t1257;
     let t1258 = t1090 * t906;
     let t1259 = t1088 * t494;
     let t1260 = t1259 - t1258;
     let t1261 = t1075 + t1260;
+    d_dv[3][2] = t1261;
     let t1262 = t1132 + 0.41164522969715195;
+    d_dv[3][3] = t1262;
     let t1263 = sin_joint2_joint3 * t943;
     let t1264 = cos_joint2_joint3 * t948;
     let t1265 = t1263 + t1264;
@@ -5731,18 +6047,22 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1280 = t1276 + t1279;
     let t1281 = t809 * t977;
     let t1282 = t1280 + t1281;
+    d_dv[4][1] = t1282;
     let t1283 = t1090 * t971;
     let t1284 = t1088 * t973;
     let t1285 = t1284 + t1283;
     let t1286 = t1276 + t1285;
+    d_dv[4][2] = t1286;
     let t1287 = omega_joint4_x * 0.00128432;
     let t1288 = t434 - t1287;
     let t1289 = t809 * t1016;
     let t1290 = t1236 - t1289;
+    d_dv[5][1] = t1290;
     let t1291 = t1090 * t1014;
     let t1292 = t1088 * t1012;
     let t1293 = t1292 + t1291;
     let t1294 = t1236 - t1293;
+    d_dv[5][2] = t1294;
     let t1295 = t384 * t1011;
     let t1296 = t1007 - t1295;
     let t1297 = sin_joint2_joint3 * t500;
@@ -5756,10 +6076,13 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1305 = 1.286789571125 + t1304;
     let t1306 = t1302 + t1305;
     let t1307 = 0.784029968642 + t1306;
+    m[0][0] = t1307;
     let t1308 = 0.3474988420565076 * t550;
     let t1309 = t523 + t1308;
     let t1310 = 0.3474988420565076 * t505;
     let t1311 = t520 - t1310;
+    m[0][2] = t1311;
+    m[2][0] = t1311;
     let t1312 = cos_joint2_joint3 * t906;
     let t1313 = sin_joint2_joint3 * t494;
     let t1314 = t1313 + t1312;
@@ -5767,6 +6090,8 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1316 = t1314 - t1315;
     let t1317 = 0.3474988420565076 * t913;
     let t1318 = t1316 + t1317;
+    m[0][3] = t1318;
+    m[3][0] = t1318;
     let t1319 = cos_joint2_joint3 * t971;
     let t1320 = sin_joint2_joint3 * t973;
     let t1321 = t1320 - t1319;
@@ -5774,80 +6099,105 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1323 = t1321 - t1322;
     let t1324 = 0.3474988420565076 * t961;
     let t1325 = t1323 - t1324;
+    m[0][4] = t1325;
+    m[4][0] = t1325;
     let t1326 = sin_joint2_joint3 * t1012;
     let t1327 = cos_joint2_joint3 * t1014;
     let t1328 = t1326 - t1327;
     let t1329 = 2.324814845 + t820;
+    m[1][1] = t1329;
     let t1330 = 0.5768733319380001 + t813;
+    m[2][2] = t1330;
     let t1331 = t477 + 0.19243062612368;
+    m[3][3] = t1331;
     let t1332 = -t359;
+    b_u[5] = t1332;
     let t1333 = -t554;
+    d_dy[0][1] = t1333;
     let t1334 = -t623;
+    d_dy[0][2] = t1334;
     let t1335 = -t835;
+    d_dy[1][1] = t1335;
     let t1336 = -t855;
+    d_dy[1][2] = t1336;
     let t1337 = -t867;
+    d_dy[1][3] = t1337;
     let t1338 = -t879;
+    d_dy[1][4] = t1338;
     let t1339 = -t882;
+    d_dy[1][5] = t1339;
+    d_dy[2][5] = t1339;
     let t1340 = -t848;
+    d_dy[2][2] = t1340;
     let t1341 = -t860;
+    d_dy[2][3] = t1341;
     let t1342 = -t872;
+    d_dy[2][4] = t1342;
     let t1343 = -t934;
+    d_dy[3][2] = t1343;
     let t1344 = -t734;
+    d_dy[3][4] = t1344;
     let t1345 = -t772;
+    d_dy[4][5] = t1345;
     let t1346 = -t1021;
+    d_dy[5][1] = t1346;
     let t1347 = -t1029;
+    d_dy[5][2] = t1347;
     let t1348 = -t1039;
+    d_dy[5][4] = t1348;
     let t1349 = -t765;
+    d_dy[5][5] = t1349;
     let t1350 = -t1087;
+    d_dv[0][1] = t1350;
     let t1351 = -t1176;
+    d_dv[0][4] = t1351;
     let t1352 = -t1179;
+    d_dv[0][5] = t1352;
+    d_dv[5][0] = t1352;
     let t1353 = -t1188;
+    d_dv[1][0] = t1353;
     let t1354 = -t1210;
+    d_dv[1][2] = t1354;
     let t1355 = -t1222;
+    d_dv[1][3] = t1355;
     let t1356 = -t1233;
+    d_dv[1][4] = t1356;
     let t1357 = -t1237;
+    d_dv[2][0] = t1357;
     let t1358 = -t1241;
+    d_dv[2][1] = t1358;
     let t1359 = -t1242;
+    d_dv[2][2] = t1359;
     let t1360 = -t1215;
+    d_dv[2][3] = t1360;
     let t1361 = -t1226;
+    d_dv[2][4] = t1361;
     let t1362 = -t1251;
+    d_dv[3][0] = t1362;
     let t1363 = -t1160;
+    d_dv[3][4] = t1363;
     let t1364 = -t1007;
+    d_dv[3][5] = t1364;
     let t1365 = -t1271;
+    d_dv[4][0] = t1365;
     let t1366 = -t1288;
+    d_dv[4][3] = t1366;
     let t1367 = -t1296;
+    d_dv[5][3] = t1367;
     let t1368 = -t374;
+    d_dv[5][4] = t1368;
     let t1369 = -t1309;
+    m[0][1] = t1369;
+    m[1][0] = t1369;
     let t1370 = -t1328;
+    m[0][5] = t1370;
+    m[5][0] = t1370;
     let t1371 = -t917;
+    m[1][3] = t1371;
+    m[3][1] = t1371;
     let t1372 = -t517;
-    (
-        [t270, t319, t329, t339, t349, t1332],
-        [
-            [0.0, t1333, t1334, t689, t754, t780],
-            [0.0, t1335, t1336, t1337, t1338, t1339],
-            [0.0, t893, t1340, t1341, t1342, t1339],
-            [0.0, t924, t1343, t671, t1344, t778],
-            [0.0, t984, t997, t1001, t718, t1345],
-            [0.0, t1346, t1347, t1036, t1348, t1349],
-        ],
-        [
-            [t1066, t1350, t1114, t1145, t1351, t1352],
-            [t1353, t1198, t1354, t1355, t1356, t1236],
-            [t1357, t1358, t1359, t1360, t1361, t1236],
-            [t1362, t1257, t1261, t1262, t1363, t1364],
-            [t1365, t1282, t1286, t1366, 0.42728302093540005, t374],
-            [t1352, t1290, t1294, t1367, t1368, 0.2158232532732],
-        ],
-        [
-            [t1307, t1369, t1311, t1318, t1325, t1370],
-            [t1369, t1329, t885, t1371, t969, t1018],
-            [t1311, t885, t1330, t1372, t968, t1018],
-            [t1318, t1371, t1372, t1331, 0.0, t1014],
-            [t1325, t969, t968, 0.0, 0.17134845165700002, 0.0],
-            [t1370, t1018, t1018, t1014, 0.0, 0.19410450566800005],
-        ],
-    )
+    m[2][3] = t1372;
+    m[3][2] = t1372;
 }
 
 /// Forward dynamics with its Jacobians.
@@ -5867,6 +6217,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 #[allow(
@@ -5878,6 +6229,33 @@ pub fn forward_dynamics_derivatives(
     v: &[f64; N],
     u: &[f64; M],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
+    let mut a = [0.0; 6];
+    let mut da_dy = [[0.0; 6]; 6];
+    let mut da_dv = [[0.0; 6]; 6];
+    let mut m_inverse = [[0.0; 6]; 6];
+    forward_dynamics_derivatives_into(
+        y,
+        v,
+        u,
+        &mut a,
+        &mut da_dy,
+        &mut da_dv,
+        &mut m_inverse,
+    );
+    (a, da_dy, da_dv, m_inverse)
+}
+
+/// `forward_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+#[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
+pub fn forward_dynamics_derivatives_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    a: &mut [f64; N],
+    da_dy: &mut [[f64; N]; N],
+    da_dv: &mut [[f64; N]; N],
+    m_inverse: &mut [[f64; N]; N],
+) {
     let [omega_joint5_x, t251, t252, t282, t295, inverse_d_joint4, t322, t352, t358,
     t364, inverse_d_joint3, t408, t441, t450, t465, inverse_d_joint2, t503,
     inverse_d_joint1, t537, t540, t545, t552, t559, t568, t744, t1026, t1162, t1276,
@@ -5961,33 +6339,120 @@ pub fn forward_dynamics_derivatives(
         t1985,
         t1991,
     ]);
-    (
-        [t2359, t540, t2360, t552, t559, t568],
-        [
-            [0.0, t1026, t1162, t1276, t2361, t2362],
-            [0.0, t2363, t2364, t2365, t1447, t1450],
-            [0.0, t1455, t2366, t2367, t1470, t1475],
-            [0.0, t1482, t2368, t1496, t2369, t2370],
-            [0.0, t1517, t1524, t1531, t1538, t2371],
-            [0.0, t1554, t2372, t1572, t1581, t1590],
-        ],
-        [
-            [t2373, t1758, t2374, t2375, t1977, t2002],
-            [t2005, t2376, t2011, t2014, t2017, t2377],
-            [t2025, t2030, t2378, t2040, t2045, t2379],
-            [t2057, t2380, t2381, t2382, t2085, t2092],
-            [t2099, t2383, t2384, t2120, t2385, t2386],
-            [t2142, t2387, t2388, t2169, t2178, t2389],
-        ],
-        [
-            [inverse_d_joint1, t2187, t2390, t2391, t2200, t2207],
-            [t2187, t2209, t2392, t2393, t2222, t2229],
-            [t2390, t2392, t2239, t2244, t2394, t2395],
-            [t2391, t2393, t2244, t2277, t2396, t2397],
-            [t2200, t2222, t2394, t2396, t2310, t2322],
-            [t2207, t2229, t2395, t2397, t2322, t2358],
-        ],
-    )
+    a[0] = t2359;
+    a[1] = t540;
+    a[2] = t2360;
+    a[3] = t552;
+    a[4] = t559;
+    a[5] = t568;
+    da_dy[0][0] = 0.0;
+    da_dy[0][1] = t1026;
+    da_dy[0][2] = t1162;
+    da_dy[0][3] = t1276;
+    da_dy[0][4] = t2361;
+    da_dy[0][5] = t2362;
+    da_dy[1][0] = 0.0;
+    da_dy[1][1] = t2363;
+    da_dy[1][2] = t2364;
+    da_dy[1][3] = t2365;
+    da_dy[1][4] = t1447;
+    da_dy[1][5] = t1450;
+    da_dy[2][0] = 0.0;
+    da_dy[2][1] = t1455;
+    da_dy[2][2] = t2366;
+    da_dy[2][3] = t2367;
+    da_dy[2][4] = t1470;
+    da_dy[2][5] = t1475;
+    da_dy[3][0] = 0.0;
+    da_dy[3][1] = t1482;
+    da_dy[3][2] = t2368;
+    da_dy[3][3] = t1496;
+    da_dy[3][4] = t2369;
+    da_dy[3][5] = t2370;
+    da_dy[4][0] = 0.0;
+    da_dy[4][1] = t1517;
+    da_dy[4][2] = t1524;
+    da_dy[4][3] = t1531;
+    da_dy[4][4] = t1538;
+    da_dy[4][5] = t2371;
+    da_dy[5][0] = 0.0;
+    da_dy[5][1] = t1554;
+    da_dy[5][2] = t2372;
+    da_dy[5][3] = t1572;
+    da_dy[5][4] = t1581;
+    da_dy[5][5] = t1590;
+    da_dv[0][0] = t2373;
+    da_dv[0][1] = t1758;
+    da_dv[0][2] = t2374;
+    da_dv[0][3] = t2375;
+    da_dv[0][4] = t1977;
+    da_dv[0][5] = t2002;
+    da_dv[1][0] = t2005;
+    da_dv[1][1] = t2376;
+    da_dv[1][2] = t2011;
+    da_dv[1][3] = t2014;
+    da_dv[1][4] = t2017;
+    da_dv[1][5] = t2377;
+    da_dv[2][0] = t2025;
+    da_dv[2][1] = t2030;
+    da_dv[2][2] = t2378;
+    da_dv[2][3] = t2040;
+    da_dv[2][4] = t2045;
+    da_dv[2][5] = t2379;
+    da_dv[3][0] = t2057;
+    da_dv[3][1] = t2380;
+    da_dv[3][2] = t2381;
+    da_dv[3][3] = t2382;
+    da_dv[3][4] = t2085;
+    da_dv[3][5] = t2092;
+    da_dv[4][0] = t2099;
+    da_dv[4][1] = t2383;
+    da_dv[4][2] = t2384;
+    da_dv[4][3] = t2120;
+    da_dv[4][4] = t2385;
+    da_dv[4][5] = t2386;
+    da_dv[5][0] = t2142;
+    da_dv[5][1] = t2387;
+    da_dv[5][2] = t2388;
+    da_dv[5][3] = t2169;
+    da_dv[5][4] = t2178;
+    da_dv[5][5] = t2389;
+    m_inverse[0][0] = inverse_d_joint1;
+    m_inverse[0][1] = t2187;
+    m_inverse[0][2] = t2390;
+    m_inverse[0][3] = t2391;
+    m_inverse[0][4] = t2200;
+    m_inverse[0][5] = t2207;
+    m_inverse[1][0] = t2187;
+    m_inverse[1][1] = t2209;
+    m_inverse[1][2] = t2392;
+    m_inverse[1][3] = t2393;
+    m_inverse[1][4] = t2222;
+    m_inverse[1][5] = t2229;
+    m_inverse[2][0] = t2390;
+    m_inverse[2][1] = t2392;
+    m_inverse[2][2] = t2239;
+    m_inverse[2][3] = t2244;
+    m_inverse[2][4] = t2394;
+    m_inverse[2][5] = t2395;
+    m_inverse[3][0] = t2391;
+    m_inverse[3][1] = t2393;
+    m_inverse[3][2] = t2244;
+    m_inverse[3][3] = t2277;
+    m_inverse[3][4] = t2396;
+    m_inverse[3][5] = t2397;
+    m_inverse[4][0] = t2200;
+    m_inverse[4][1] = t2222;
+    m_inverse[4][2] = t2394;
+    m_inverse[4][3] = t2396;
+    m_inverse[4][4] = t2310;
+    m_inverse[4][5] = t2322;
+    m_inverse[5][0] = t2207;
+    m_inverse[5][1] = t2229;
+    m_inverse[5][2] = t2395;
+    m_inverse[5][3] = t2397;
+    m_inverse[5][4] = t2322;
+    m_inverse[5][5] = t2358;
 }
 
 /// Part 1 of `forward_dynamics_derivatives`: values that later parts read.
@@ -8649,6 +9114,7 @@ fn forward_dynamics_derivatives_part_2(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 #[allow(
@@ -8660,6 +9126,25 @@ pub fn linearize(
     v: &[f64; N],
     u: &[f64; M],
 ) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
+    let mut a_y = [[0.0; 6]; 6];
+    let mut a_v = [[0.0; 6]; 6];
+    let mut b_x = [[0.0; 6]; 6];
+    let mut c = [0.0; 6];
+    linearize_into(y, v, u, &mut a_y, &mut a_v, &mut b_x, &mut c);
+    (a_y, a_v, b_x, c)
+}
+
+/// `linearize` with its results written in place; nothing of what stood there is read.
+#[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
+pub fn linearize_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    a_y: &mut [[f64; N]; N],
+    a_v: &mut [[f64; N]; N],
+    b_x: &mut [[f64; M]; N],
+    c: &mut [f64; N],
+) {
     let [omega_joint5_x, t251, t252, t282, t295, inverse_d_joint4, t322, t352, t358,
     t364, inverse_d_joint3, t408, t441, t450, t465, inverse_d_joint2, t503,
     inverse_d_joint1, t537, t540, t545, t552, t577, t636, t744, t1026, t1162, t1276,
@@ -8772,33 +9257,120 @@ pub fn linearize(
             t1991,
         ],
     );
-    (
-        [
-            [0.0, t1026, t1162, t1276, t2599, t2600],
-            [0.0, t2601, t2602, t2603, t1447, t1450],
-            [0.0, t1455, t2604, t2605, t1470, t1475],
-            [0.0, t1482, t2606, t1496, t2607, t2608],
-            [0.0, t1517, t1524, t1531, t1538, t2609],
-            [0.0, t1554, t2610, t1572, t1581, t1590],
-        ],
-        [
-            [t2611, t1758, t2612, t2613, t1977, t2002],
-            [t2005, t2614, t2011, t2014, t2017, t2615],
-            [t2025, t2030, t2616, t2040, t2045, t2617],
-            [t2057, t2618, t2619, t2620, t2085, t2092],
-            [t2099, t2621, t2622, t2120, t2623, t2624],
-            [t2142, t2625, t2626, t2169, t2178, t2627],
-        ],
-        [
-            [t2628, t2189, t2193, t2629, t2205, t2213],
-            [t2630, t2217, t2221, t2631, t2233, t2241],
-            [t2242, t2632, t2633, t2260, t2634, t2635],
-            [t2275, t2636, t2637, t2299, t2638, t2639],
-            [t2640, t2315, t2316, t2641, t2339, t2352],
-            [t2642, t2354, t2355, t2643, t2357, t2394],
-        ],
-        [t2644, t2462, t2645, t2530, t2564, t2598],
-    )
+    a_y[0][0] = 0.0;
+    a_y[0][1] = t1026;
+    a_y[0][2] = t1162;
+    a_y[0][3] = t1276;
+    a_y[0][4] = t2599;
+    a_y[0][5] = t2600;
+    a_y[1][0] = 0.0;
+    a_y[1][1] = t2601;
+    a_y[1][2] = t2602;
+    a_y[1][3] = t2603;
+    a_y[1][4] = t1447;
+    a_y[1][5] = t1450;
+    a_y[2][0] = 0.0;
+    a_y[2][1] = t1455;
+    a_y[2][2] = t2604;
+    a_y[2][3] = t2605;
+    a_y[2][4] = t1470;
+    a_y[2][5] = t1475;
+    a_y[3][0] = 0.0;
+    a_y[3][1] = t1482;
+    a_y[3][2] = t2606;
+    a_y[3][3] = t1496;
+    a_y[3][4] = t2607;
+    a_y[3][5] = t2608;
+    a_y[4][0] = 0.0;
+    a_y[4][1] = t1517;
+    a_y[4][2] = t1524;
+    a_y[4][3] = t1531;
+    a_y[4][4] = t1538;
+    a_y[4][5] = t2609;
+    a_y[5][0] = 0.0;
+    a_y[5][1] = t1554;
+    a_y[5][2] = t2610;
+    a_y[5][3] = t1572;
+    a_y[5][4] = t1581;
+    a_y[5][5] = t1590;
+    a_v[0][0] = t2611;
+    a_v[0][1] = t1758;
+    a_v[0][2] = t2612;
+    a_v[0][3] = t2613;
+    a_v[0][4] = t1977;
+    a_v[0][5] = t2002;
+    a_v[1][0] = t2005;
+    a_v[1][1] = t2614;
+    a_v[1][2] = t2011;
+    a_v[1][3] = t2014;
+    a_v[1][4] = t2017;
+    a_v[1][5] = t2615;
+    a_v[2][0] = t2025;
+    a_v[2][1] = t2030;
+    a_v[2][2] = t2616;
+    a_v[2][3] = t2040;
+    a_v[2][4] = t2045;
+    a_v[2][5] = t2617;
+    a_v[3][0] = t2057;
+    a_v[3][1] = t2618;
+    a_v[3][2] = t2619;
+    a_v[3][3] = t2620;
+    a_v[3][4] = t2085;
+    a_v[3][5] = t2092;
+    a_v[4][0] = t2099;
+    a_v[4][1] = t2621;
+    a_v[4][2] = t2622;
+    a_v[4][3] = t2120;
+    a_v[4][4] = t2623;
+    a_v[4][5] = t2624;
+    a_v[5][0] = t2142;
+    a_v[5][1] = t2625;
+    a_v[5][2] = t2626;
+    a_v[5][3] = t2169;
+    a_v[5][4] = t2178;
+    a_v[5][5] = t2627;
+    b_x[0][0] = t2628;
+    b_x[0][1] = t2189;
+    b_x[0][2] = t2193;
+    b_x[0][3] = t2629;
+    b_x[0][4] = t2205;
+    b_x[0][5] = t2213;
+    b_x[1][0] = t2630;
+    b_x[1][1] = t2217;
+    b_x[1][2] = t2221;
+    b_x[1][3] = t2631;
+    b_x[1][4] = t2233;
+    b_x[1][5] = t2241;
+    b_x[2][0] = t2242;
+    b_x[2][1] = t2632;
+    b_x[2][2] = t2633;
+    b_x[2][3] = t2260;
+    b_x[2][4] = t2634;
+    b_x[2][5] = t2635;
+    b_x[3][0] = t2275;
+    b_x[3][1] = t2636;
+    b_x[3][2] = t2637;
+    b_x[3][3] = t2299;
+    b_x[3][4] = t2638;
+    b_x[3][5] = t2639;
+    b_x[4][0] = t2640;
+    b_x[4][1] = t2315;
+    b_x[4][2] = t2316;
+    b_x[4][3] = t2641;
+    b_x[4][4] = t2339;
+    b_x[4][5] = t2352;
+    b_x[5][0] = t2642;
+    b_x[5][1] = t2354;
+    b_x[5][2] = t2355;
+    b_x[5][3] = t2643;
+    b_x[5][4] = t2357;
+    b_x[5][5] = t2394;
+    c[0] = t2644;
+    c[1] = t2462;
+    c[2] = t2645;
+    c[3] = t2530;
+    c[4] = t2564;
+    c[5] = t2598;
 }
 
 /// Part 1 of `linearize`: values that later parts read.
@@ -12120,8 +12692,31 @@ pub fn frame_tool_pose(y: &[f64; N]) -> ([f64; 3], [[f64; 3]; 3]) {
 /// - returns `J: [6 × N]`: rows: velocity of the origin, then angular velocity, in the axes of the base frame
 ///
 /// Cost: 41 multiplications, 25 additions, 0 divisions, 5 function calls (`sin_cos`).
+#[inline]
 #[must_use]
 pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
+    let mut j = [[0.0; 6]; 6];
+    frame_tool_jacobian_into(y, &mut j);
+    j
+}
+
+/// `frame_tool_jacobian` with its results written in place; nothing of what stood there is read.
+pub fn frame_tool_jacobian_into(y: &[f64; N], j: &mut [[f64; N]; 6]) {
+    j[0][3] = 0.0;
+    j[0][4] = 0.0;
+    j[0][5] = 0.0;
+    j[1][3] = 0.0;
+    j[1][4] = 0.0;
+    j[1][5] = 0.0;
+    j[2][0] = 0.0;
+    j[2][3] = 0.0;
+    j[2][4] = 0.0;
+    j[2][5] = 0.0;
+    j[3][0] = 0.0;
+    j[4][0] = 0.0;
+    j[5][0] = 1.0;
+    j[5][1] = 0.0;
+    j[5][2] = 0.0;
     let angle_joint2_joint3 = y[1] + y[2];
     let (
         [sin_joint1,
@@ -12136,6 +12731,9 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
         ],
     ) = math::sin_cos_4(y[0], y[1], y[3], y[4]);
     let (sin_joint2_joint3, cos_joint2_joint3) = math::sin_cos(angle_joint2_joint3);
+    j[3][1] = sin_joint1;
+    j[3][2] = sin_joint1;
+    j[5][3] = cos_joint2_joint3;
     let x_axis_joint3_y = sin_joint1 * cos_joint2_joint3;
     let t12 = 0.0203 * x_axis_joint3_y;
     let x_axis_joint2_y = sin_joint1 * cos_joint2;
@@ -12146,6 +12744,7 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let y_axis_joint3_y = sin_joint1 * sin_joint2_joint3;
     let t19 = 0.4318 * y_axis_joint3_y;
     let origin_joint4_y = t17 + t19;
+    j[0][0] = origin_joint4_y;
     let t21 = 0.0203 * sin_joint2_joint3;
     let t22 = 0.4318 * sin_joint2;
     let origin_joint3_z = 0.6718299999999999 + t22;
@@ -12154,8 +12753,10 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let origin_joint4_z = t24 + t25;
     let t27 = 0.6718299999999999 - origin_joint4_z;
     let t28 = cos_joint1 * t27;
+    j[0][1] = t28;
     let t29 = origin_joint3_z - origin_joint4_z;
     let t30 = cos_joint1 * t29;
+    j[0][2] = t30;
     let x_axis_joint3_x = cos_joint1 * cos_joint2_joint3;
     let t32 = 0.0203 * x_axis_joint3_x;
     let x_axis_joint2_x = cos_joint1 * cos_joint2;
@@ -12166,21 +12767,27 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let y_axis_joint3_x = cos_joint1 * sin_joint2_joint3;
     let t39 = 0.4318 * y_axis_joint3_x;
     let origin_joint4_x = t37 - t39;
+    j[1][0] = origin_joint4_x;
     let t41 = sin_joint1 * t27;
+    j[1][1] = t41;
     let t42 = sin_joint1 * t29;
+    j[1][2] = t42;
     let t43 = origin_joint2_x - origin_joint4_x;
     let t44 = cos_joint1 * t43;
     let t45 = origin_joint2_y - origin_joint4_y;
     let t46 = sin_joint1 * t45;
     let t47 = t46 - t44;
+    j[2][1] = t47;
     let t48 = origin_joint3_x - origin_joint4_x;
     let t49 = cos_joint1 * t48;
     let t50 = origin_joint3_y - origin_joint4_y;
     let t51 = sin_joint1 * t50;
     let t52 = t51 - t49;
+    j[2][2] = t52;
     let t53 = sin_joint4 * x_axis_joint3_x;
     let t54 = sin_joint1 * cos_joint4;
     let y_axis_joint4_x = t54 + t53;
+    j[3][4] = y_axis_joint4_x;
     let t56 = cos_joint4 * x_axis_joint3_x;
     let t57 = sin_joint1 * sin_joint4;
     let x_axis_joint4_x = t56 - t57;
@@ -12197,38 +12804,25 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let t69 = cos_joint5 * y_axis_joint3_y;
     let y_axis_joint5_y = t69 + t68;
     let y_axis_joint4_z = sin_joint2_joint3 * sin_joint4;
+    j[5][4] = y_axis_joint4_z;
     let x_axis_joint4_z = sin_joint2_joint3 * cos_joint4;
     let t73 = sin_joint5 * x_axis_joint4_z;
     let t74 = cos_joint2_joint3 * cos_joint5;
     let y_axis_joint5_z = t74 - t73;
+    j[5][5] = y_axis_joint5_z;
     let minus_y_axis_joint3_x = -y_axis_joint3_x;
+    j[3][3] = minus_y_axis_joint3_x;
     let minus_y_axis_joint5_x = -y_axis_joint5_x;
+    j[3][5] = minus_y_axis_joint5_x;
     let minus_cos_joint1 = -cos_joint1;
+    j[4][1] = minus_cos_joint1;
+    j[4][2] = minus_cos_joint1;
     let minus_y_axis_joint3_y = -y_axis_joint3_y;
+    j[4][3] = minus_y_axis_joint3_y;
     let minus_y_axis_joint4_y = -y_axis_joint4_y;
+    j[4][4] = minus_y_axis_joint4_y;
     let minus_y_axis_joint5_y = -y_axis_joint5_y;
-    [
-        [origin_joint4_y, t28, t30, 0.0, 0.0, 0.0],
-        [origin_joint4_x, t41, t42, 0.0, 0.0, 0.0],
-        [0.0, t47, t52, 0.0, 0.0, 0.0],
-        [
-            0.0,
-            sin_joint1,
-            sin_joint1,
-            minus_y_axis_joint3_x,
-            y_axis_joint4_x,
-            minus_y_axis_joint5_x,
-        ],
-        [
-            0.0,
-            minus_cos_joint1,
-            minus_cos_joint1,
-            minus_y_axis_joint3_y,
-            minus_y_axis_joint4_y,
-            minus_y_axis_joint5_y,
-        ],
-        [1.0, 0.0, 0.0, cos_joint2_joint3, y_axis_joint4_z, y_axis_joint5_z],
-    ]
+    j[4][5] = minus_y_axis_joint5_y;
 }
 
 /// Acceleration of the frame at ÿ = 0 `tool`.

@@ -102,8 +102,46 @@ pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 /// Cost: 38 multiplications, 39 additions, 0 divisions, 4 function calls (`sin_cos`).
 ///
 /// Composite rigid bodies (Walker and Orin 1982; Featherstone 2008, ch. 6), rotors included.
+#[inline]
 #[must_use]
 pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
+    let mut m = [[0.0; 7]; 7];
+    mass_matrix_into(y, &mut m);
+    m
+}
+
+/// `mass_matrix` with its results written in place; nothing of what stood there is read.
+pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
+    m[1][3] = 0.0;
+    m[1][4] = 0.0;
+    m[1][5] = 0.0;
+    m[1][6] = 0.0;
+    m[2][2] = 0.2821;
+    m[2][3] = 0.0;
+    m[2][4] = 0.0;
+    m[2][5] = 0.0;
+    m[2][6] = 0.0;
+    m[3][1] = 0.0;
+    m[3][2] = 0.0;
+    m[3][3] = 0.20120000000000002;
+    m[3][4] = 0.0;
+    m[3][5] = 0.0;
+    m[3][6] = 0.0;
+    m[4][1] = 0.0;
+    m[4][2] = 0.0;
+    m[4][3] = 0.0;
+    m[4][6] = 0.0;
+    m[5][1] = 0.0;
+    m[5][2] = 0.0;
+    m[5][3] = 0.0;
+    m[5][5] = 0.2821;
+    m[5][6] = 0.0;
+    m[6][1] = 0.0;
+    m[6][2] = 0.0;
+    m[6][3] = 0.0;
+    m[6][4] = 0.0;
+    m[6][5] = 0.0;
+    m[6][6] = 0.20120000000000002;
     let angle_right_shoulder_right_elbow = y[4] + y[5];
     let angle_left_shoulder_left_elbow = y[1] + y[2];
     let (
@@ -162,14 +200,21 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t46 = t45 + t40;
     let t47 = t28 + t46;
     let t48 = t47 + 0.46636;
+    m[0][0] = t48;
     let t49 = 0.0712 * cos_left_shoulder_left_elbow;
     let t50 = 0.0016 * sin_left_shoulder_left_elbow;
     let t51 = t50 + t49;
+    m[0][2] = t51;
+    m[2][0] = t51;
     let t52 = 0.1896 * cos_left_shoulder;
     let t53 = t52 + t51;
     let t54 = 0.0028799999999999997 * cos_left_shoulder;
     let t55 = t54 + t53;
+    m[0][1] = t55;
+    m[1][0] = t55;
     let t56 = cos_left_shoulder_left_elbow * 0.0031999999999999997;
+    m[0][3] = t56;
+    m[3][0] = t56;
     let t57 = 0.0712 * cos_right_shoulder_right_elbow;
     let t58 = 0.0016 * sin_right_shoulder_right_elbow;
     let t59 = t58 + t57;
@@ -178,6 +223,8 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t62 = 0.0028799999999999997 * cos_right_shoulder;
     let t63 = t62 + t61;
     let t64 = cos_right_shoulder_right_elbow * 0.0031999999999999997;
+    m[0][6] = t64;
+    m[6][0] = t64;
     let t65 = 1.4999999999999998 * cos_left_shoulder;
     let t66 = t65 * t51;
     let t67 = t33 - t66;
@@ -187,6 +234,7 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t71 = t45 + t70;
     let t72 = t71 + t69;
     let t73 = 0.2 + t72;
+    m[1][1] = t73;
     let t74 = t67 - 0.0841;
     let t75 = 1.4999999999999998 * cos_right_shoulder;
     let t76 = t75 * t59;
@@ -197,20 +245,20 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t81 = t26 + t80;
     let t82 = t81 + t79;
     let t83 = 0.2 + t82;
+    m[4][4] = t83;
     let t84 = t77 - 0.0841;
     let t85 = -t63;
+    m[0][4] = t85;
+    m[4][0] = t85;
     let t86 = -t59;
+    m[0][5] = t86;
+    m[5][0] = t86;
     let t87 = -t74;
+    m[1][2] = t87;
+    m[2][1] = t87;
     let t88 = -t84;
-    [
-        [t48, t55, t51, t56, t85, t86, t64],
-        [t55, t73, t87, 0.0, 0.0, 0.0, 0.0],
-        [t51, t87, 0.2821, 0.0, 0.0, 0.0, 0.0],
-        [t56, 0.0, 0.0, 0.20120000000000002, 0.0, 0.0, 0.0],
-        [t85, 0.0, 0.0, 0.0, t83, t88, 0.0],
-        [t86, 0.0, 0.0, 0.0, t88, 0.2821, 0.0],
-        [t64, 0.0, 0.0, 0.0, 0.0, 0.0, 0.20120000000000002],
-    ]
+    m[4][5] = t88;
+    m[5][4] = t88;
 }
 
 /// Coriolis, centrifugal and gyroscopic forces `k(y, ẏ)`.
@@ -931,15 +979,62 @@ pub fn bias_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 #[inline]
 #[must_use]
 pub fn input_matrix() -> [[f64; M]; N] {
-    [
-        [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-        [0.0, 100.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-        [0.0, 0.0, 100.0, 0.0, 0.0, 0.0, 0.0],
-        [0.0, 0.0, 0.0, 100.0, 0.0, 0.0, 0.0],
-        [0.0, 0.0, 0.0, 0.0, 100.0, 0.0, 0.0],
-        [0.0, 0.0, 0.0, 0.0, 0.0, 100.0, 0.0],
-        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 100.0],
-    ]
+    let mut b = [[0.0; 7]; 7];
+    input_matrix_into(&mut b);
+    b
+}
+
+/// `input_matrix` with its results written in place; nothing of what stood there is read.
+pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
+    b[0][0] = 1.0;
+    b[0][1] = 0.0;
+    b[0][2] = 0.0;
+    b[0][3] = 0.0;
+    b[0][4] = 0.0;
+    b[0][5] = 0.0;
+    b[0][6] = 0.0;
+    b[1][0] = 0.0;
+    b[1][1] = 100.0;
+    b[1][2] = 0.0;
+    b[1][3] = 0.0;
+    b[1][4] = 0.0;
+    b[1][5] = 0.0;
+    b[1][6] = 0.0;
+    b[2][0] = 0.0;
+    b[2][1] = 0.0;
+    b[2][2] = 100.0;
+    b[2][3] = 0.0;
+    b[2][4] = 0.0;
+    b[2][5] = 0.0;
+    b[2][6] = 0.0;
+    b[3][0] = 0.0;
+    b[3][1] = 0.0;
+    b[3][2] = 0.0;
+    b[3][3] = 100.0;
+    b[3][4] = 0.0;
+    b[3][5] = 0.0;
+    b[3][6] = 0.0;
+    b[4][0] = 0.0;
+    b[4][1] = 0.0;
+    b[4][2] = 0.0;
+    b[4][3] = 0.0;
+    b[4][4] = 100.0;
+    b[4][5] = 0.0;
+    b[4][6] = 0.0;
+    b[5][0] = 0.0;
+    b[5][1] = 0.0;
+    b[5][2] = 0.0;
+    b[5][3] = 0.0;
+    b[5][4] = 0.0;
+    b[5][5] = 100.0;
+    b[5][6] = 0.0;
+    b[6][0] = 0.0;
+    b[6][1] = 0.0;
+    b[6][2] = 0.0;
+    b[6][3] = 0.0;
+    b[6][4] = 0.0;
+    b[6][5] = 0.0;
+    b[6][6] = 100.0;
 }
 
 /// Mass matrix, Coriolis forces and applied forces at once.
@@ -957,11 +1052,58 @@ pub fn input_matrix() -> [[f64; M]; N] {
 /// Cost: 182 multiplications, 136 additions, 0 divisions, 4 function calls (`sin_cos`).
 ///
 /// What the three have in common is computed once.
+#[inline]
 #[must_use]
 pub fn equations_of_motion(
     y: &[f64; N],
     v: &[f64; N],
 ) -> ([[f64; N]; N], [f64; N], [f64; N]) {
+    let mut m = [[0.0; 7]; 7];
+    let mut k = [0.0; 7];
+    let mut q = [0.0; 7];
+    equations_of_motion_into(y, v, &mut m, &mut k, &mut q);
+    (m, k, q)
+}
+
+/// `equations_of_motion` with its results written in place; nothing of what stood there is read.
+pub fn equations_of_motion_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    m: &mut [[f64; N]; N],
+    k: &mut [f64; N],
+    q: &mut [f64; N],
+) {
+    m[1][3] = 0.0;
+    m[1][4] = 0.0;
+    m[1][5] = 0.0;
+    m[1][6] = 0.0;
+    m[2][2] = 0.2821;
+    m[2][3] = 0.0;
+    m[2][4] = 0.0;
+    m[2][5] = 0.0;
+    m[2][6] = 0.0;
+    m[3][1] = 0.0;
+    m[3][2] = 0.0;
+    m[3][3] = 0.20120000000000002;
+    m[3][4] = 0.0;
+    m[3][5] = 0.0;
+    m[3][6] = 0.0;
+    m[4][1] = 0.0;
+    m[4][2] = 0.0;
+    m[4][3] = 0.0;
+    m[4][6] = 0.0;
+    m[5][1] = 0.0;
+    m[5][2] = 0.0;
+    m[5][3] = 0.0;
+    m[5][5] = 0.2821;
+    m[5][6] = 0.0;
+    m[6][1] = 0.0;
+    m[6][2] = 0.0;
+    m[6][3] = 0.0;
+    m[6][4] = 0.0;
+    m[6][5] = 0.0;
+    m[6][6] = 0.20120000000000002;
+    q[0] = 0.0;
     let angle_right_shoulder_right_elbow = y[4] + y[5];
     let angle_left_shoulder_left_elbow = y[1] + y[2];
     let (
@@ -1020,14 +1162,21 @@ pub fn equations_of_motion(
     let t46 = t45 + t40;
     let t47 = t28 + t46;
     let t48 = t47 + 0.46636;
+    m[0][0] = t48;
     let t49 = cos_left_shoulder_left_elbow * 0.0712;
     let t50 = sin_left_shoulder_left_elbow * 0.0016;
     let t51 = t50 + t49;
+    m[0][2] = t51;
+    m[2][0] = t51;
     let t52 = cos_left_shoulder * 0.1896;
     let t53 = t52 + t51;
     let t54 = 0.0028799999999999997 * cos_left_shoulder;
     let t55 = t54 + t53;
+    m[0][1] = t55;
+    m[1][0] = t55;
     let t56 = cos_left_shoulder_left_elbow * 0.0031999999999999997;
+    m[0][3] = t56;
+    m[3][0] = t56;
     let t57 = cos_right_shoulder_right_elbow * 0.0712;
     let t58 = sin_right_shoulder_right_elbow * 0.0016;
     let t59 = t58 + t57;
@@ -1036,6 +1185,8 @@ pub fn equations_of_motion(
     let t62 = 0.0028799999999999997 * cos_right_shoulder;
     let t63 = t62 + t61;
     let t64 = cos_right_shoulder_right_elbow * 0.0031999999999999997;
+    m[0][6] = t64;
+    m[6][0] = t64;
     let t65 = cos_left_shoulder * 1.4999999999999998;
     let t66 = t65 * t51;
     let t67 = t33 - t66;
@@ -1045,6 +1196,7 @@ pub fn equations_of_motion(
     let t71 = t45 + t70;
     let t72 = t71 + t69;
     let t73 = 0.2 + t72;
+    m[1][1] = t73;
     let t74 = t67 - 0.0841;
     let t75 = cos_right_shoulder * 1.4999999999999998;
     let t76 = t75 * t59;
@@ -1055,6 +1207,7 @@ pub fn equations_of_motion(
     let t81 = t26 + t80;
     let t82 = t81 + t79;
     let t83 = 0.2 + t82;
+    m[4][4] = t83;
     let t84 = t77 - 0.0841;
     let omega_left_elbow_y = v[0] * cos_left_shoulder_left_elbow;
     let omega_left_elbow_z = v[1] + v[2];
@@ -1298,43 +1451,43 @@ pub fn equations_of_motion(
     let t324 = t323 - moment_right_elbow_z_2;
     let t325 = v[6] * 0.2;
     let t326 = -t63;
+    m[0][4] = t326;
+    m[4][0] = t326;
     let t327 = -t59;
+    m[0][5] = t327;
+    m[5][0] = t327;
     let t328 = -t74;
+    m[1][2] = t328;
+    m[2][1] = t328;
     let t329 = -t84;
+    m[4][5] = t329;
+    m[5][4] = t329;
     let minus_moment_torso_z = -moment_torso_z;
+    k[0] = minus_moment_torso_z;
     let minus_moment_left_shoulder_z = -moment_left_shoulder_z;
+    k[1] = minus_moment_left_shoulder_z;
     let minus_moment_left_elbow_z = -moment_left_elbow_z;
+    k[2] = minus_moment_left_elbow_z;
     let t333 = -t278;
+    k[3] = t333;
     let minus_moment_right_shoulder_z = -moment_right_shoulder_z;
+    k[4] = minus_moment_right_shoulder_z;
     let minus_moment_right_elbow_z = -moment_right_elbow_z;
+    k[5] = minus_moment_right_elbow_z;
     let t336 = -t305;
+    k[6] = t336;
     let t337 = -t312;
+    q[1] = t337;
     let t338 = -t314;
+    q[2] = t338;
     let t339 = -t315;
+    q[3] = t339;
     let t340 = -t322;
+    q[4] = t340;
     let t341 = -t324;
+    q[5] = t341;
     let t342 = -t325;
-    (
-        [
-            [t48, t55, t51, t56, t326, t327, t64],
-            [t55, t73, t328, 0.0, 0.0, 0.0, 0.0],
-            [t51, t328, 0.2821, 0.0, 0.0, 0.0, 0.0],
-            [t56, 0.0, 0.0, 0.20120000000000002, 0.0, 0.0, 0.0],
-            [t326, 0.0, 0.0, 0.0, t83, t329, 0.0],
-            [t327, 0.0, 0.0, 0.0, t329, 0.2821, 0.0],
-            [t64, 0.0, 0.0, 0.0, 0.0, 0.0, 0.20120000000000002],
-        ],
-        [
-            minus_moment_torso_z,
-            minus_moment_left_shoulder_z,
-            minus_moment_left_elbow_z,
-            t333,
-            minus_moment_right_shoulder_z,
-            minus_moment_right_elbow_z,
-            t336,
-        ],
-        [0.0, t337, t338, t339, t340, t341, t342],
-    )
+    q[6] = t342;
 }
 
 /// Inverse dynamics: the joint forces of a motion.
@@ -2158,11 +2311,55 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 /// Cost: 170 multiplications, 130 additions, 0 divisions, 4 function calls (`sin_cos`).
 ///
 /// What both have in common is computed once.
+#[inline]
 #[must_use]
 pub fn mass_matrix_and_bias_forces(
     y: &[f64; N],
     v: &[f64; N],
 ) -> ([[f64; N]; N], [f64; N]) {
+    let mut m = [[0.0; 7]; 7];
+    let mut b = [0.0; 7];
+    mass_matrix_and_bias_forces_into(y, v, &mut m, &mut b);
+    (m, b)
+}
+
+/// `mass_matrix_and_bias_forces` with its results written in place; nothing of what stood there is read.
+pub fn mass_matrix_and_bias_forces_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    m: &mut [[f64; N]; N],
+    b: &mut [f64; N],
+) {
+    m[1][3] = 0.0;
+    m[1][4] = 0.0;
+    m[1][5] = 0.0;
+    m[1][6] = 0.0;
+    m[2][2] = 0.2821;
+    m[2][3] = 0.0;
+    m[2][4] = 0.0;
+    m[2][5] = 0.0;
+    m[2][6] = 0.0;
+    m[3][1] = 0.0;
+    m[3][2] = 0.0;
+    m[3][3] = 0.20120000000000002;
+    m[3][4] = 0.0;
+    m[3][5] = 0.0;
+    m[3][6] = 0.0;
+    m[4][1] = 0.0;
+    m[4][2] = 0.0;
+    m[4][3] = 0.0;
+    m[4][6] = 0.0;
+    m[5][1] = 0.0;
+    m[5][2] = 0.0;
+    m[5][3] = 0.0;
+    m[5][5] = 0.2821;
+    m[5][6] = 0.0;
+    m[6][1] = 0.0;
+    m[6][2] = 0.0;
+    m[6][3] = 0.0;
+    m[6][4] = 0.0;
+    m[6][5] = 0.0;
+    m[6][6] = 0.20120000000000002;
     let angle_right_shoulder_right_elbow = y[4] + y[5];
     let angle_left_shoulder_left_elbow = y[1] + y[2];
     let (
@@ -2221,14 +2418,21 @@ pub fn mass_matrix_and_bias_forces(
     let t46 = t45 + t40;
     let t47 = t28 + t46;
     let t48 = t47 + 0.46636;
+    m[0][0] = t48;
     let t49 = 0.0712 * cos_left_shoulder_left_elbow;
     let t50 = 0.0016 * sin_left_shoulder_left_elbow;
     let t51 = t50 + t49;
+    m[0][2] = t51;
+    m[2][0] = t51;
     let t52 = 0.1896 * cos_left_shoulder;
     let t53 = t52 + t51;
     let t54 = 0.0028799999999999997 * cos_left_shoulder;
     let t55 = t54 + t53;
+    m[0][1] = t55;
+    m[1][0] = t55;
     let t56 = cos_left_shoulder_left_elbow * 0.0031999999999999997;
+    m[0][3] = t56;
+    m[3][0] = t56;
     let t57 = 0.0712 * cos_right_shoulder_right_elbow;
     let t58 = 0.0016 * sin_right_shoulder_right_elbow;
     let t59 = t58 + t57;
@@ -2237,6 +2441,8 @@ pub fn mass_matrix_and_bias_forces(
     let t62 = 0.0028799999999999997 * cos_right_shoulder;
     let t63 = t62 + t61;
     let t64 = cos_right_shoulder_right_elbow * 0.0031999999999999997;
+    m[0][6] = t64;
+    m[6][0] = t64;
     let t65 = 1.4999999999999998 * cos_left_shoulder;
     let t66 = t65 * t51;
     let t67 = t33 - t66;
@@ -2246,6 +2452,7 @@ pub fn mass_matrix_and_bias_forces(
     let t71 = t45 + t70;
     let t72 = t71 + t69;
     let t73 = 0.2 + t72;
+    m[1][1] = t73;
     let t74 = t67 - 0.0841;
     let t75 = 1.4999999999999998 * cos_right_shoulder;
     let t76 = t75 * t59;
@@ -2256,6 +2463,7 @@ pub fn mass_matrix_and_bias_forces(
     let t81 = t26 + t80;
     let t82 = t81 + t79;
     let t83 = 0.2 + t82;
+    m[4][4] = t83;
     let t84 = t77 - 0.0841;
     let omega_left_elbow_y = v[0] * cos_left_shoulder_left_elbow;
     let omega_left_elbow_z = v[1] + v[2];
@@ -2481,36 +2689,31 @@ pub fn mass_matrix_and_bias_forces(
     let moment_right_shoulder_z = t305 + t303;
     let t307 = 0.0031999999999999997 * t175;
     let t308 = -t63;
+    m[0][4] = t308;
+    m[4][0] = t308;
     let t309 = -t59;
+    m[0][5] = t309;
+    m[5][0] = t309;
     let t310 = -t74;
+    m[1][2] = t310;
+    m[2][1] = t310;
     let t311 = -t84;
+    m[4][5] = t311;
+    m[5][4] = t311;
     let minus_moment_torso_z = -moment_torso_z;
+    b[0] = minus_moment_torso_z;
     let minus_moment_left_shoulder_z = -moment_left_shoulder_z;
+    b[1] = minus_moment_left_shoulder_z;
     let minus_moment_left_elbow_z = -moment_left_elbow_z;
+    b[2] = minus_moment_left_elbow_z;
     let t315 = -t280;
+    b[3] = t315;
     let minus_moment_right_shoulder_z = -moment_right_shoulder_z;
+    b[4] = minus_moment_right_shoulder_z;
     let minus_moment_right_elbow_z = -moment_right_elbow_z;
+    b[5] = minus_moment_right_elbow_z;
     let t318 = -t307;
-    (
-        [
-            [t48, t55, t51, t56, t308, t309, t64],
-            [t55, t73, t310, 0.0, 0.0, 0.0, 0.0],
-            [t51, t310, 0.2821, 0.0, 0.0, 0.0, 0.0],
-            [t56, 0.0, 0.0, 0.20120000000000002, 0.0, 0.0, 0.0],
-            [t308, 0.0, 0.0, 0.0, t83, t311, 0.0],
-            [t309, 0.0, 0.0, 0.0, t311, 0.2821, 0.0],
-            [t64, 0.0, 0.0, 0.0, 0.0, 0.0, 0.20120000000000002],
-        ],
-        [
-            minus_moment_torso_z,
-            minus_moment_left_shoulder_z,
-            minus_moment_left_elbow_z,
-            t315,
-            minus_moment_right_shoulder_z,
-            minus_moment_right_elbow_z,
-            t318,
-        ],
-    )
+    b[6] = t318;
 }
 
 /// Inverse dynamics with its Jacobians.
@@ -2532,12 +2735,76 @@ pub fn mass_matrix_and_bias_forces(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 pub fn inverse_dynamics_derivatives(
     y: &[f64; N],
     v: &[f64; N],
     a: &[f64; N],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N]) {
+    let mut b_u = [0.0; 7];
+    let mut d_dy = [[0.0; 7]; 7];
+    let mut d_dv = [[0.0; 7]; 7];
+    inverse_dynamics_derivatives_into(y, v, a, &mut b_u, &mut d_dy, &mut d_dv);
+    (b_u, d_dy, d_dv)
+}
+
+/// `inverse_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+pub fn inverse_dynamics_derivatives_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    b_u: &mut [f64; N],
+    d_dy: &mut [[f64; N]; N],
+    d_dv: &mut [[f64; N]; N],
+) {
+    d_dy[0][0] = 0.0;
+    d_dy[1][0] = 0.0;
+    d_dy[1][4] = 0.0;
+    d_dy[1][5] = 0.0;
+    d_dy[1][6] = 0.0;
+    d_dy[2][0] = 0.0;
+    d_dy[2][4] = 0.0;
+    d_dy[2][5] = 0.0;
+    d_dy[2][6] = 0.0;
+    d_dy[3][0] = 0.0;
+    d_dy[3][4] = 0.0;
+    d_dy[3][5] = 0.0;
+    d_dy[3][6] = 0.0;
+    d_dy[4][0] = 0.0;
+    d_dy[4][1] = 0.0;
+    d_dy[4][2] = 0.0;
+    d_dy[4][3] = 0.0;
+    d_dy[5][0] = 0.0;
+    d_dy[5][1] = 0.0;
+    d_dy[5][2] = 0.0;
+    d_dy[5][3] = 0.0;
+    d_dy[6][0] = 0.0;
+    d_dy[6][1] = 0.0;
+    d_dy[6][2] = 0.0;
+    d_dy[6][3] = 0.0;
+    d_dv[1][4] = 0.0;
+    d_dv[1][5] = 0.0;
+    d_dv[1][6] = 0.0;
+    d_dv[2][2] = 0.2;
+    d_dv[2][4] = 0.0;
+    d_dv[2][5] = 0.0;
+    d_dv[2][6] = 0.0;
+    d_dv[3][3] = 0.2;
+    d_dv[3][4] = 0.0;
+    d_dv[3][5] = 0.0;
+    d_dv[3][6] = 0.0;
+    d_dv[4][1] = 0.0;
+    d_dv[4][2] = 0.0;
+    d_dv[4][3] = 0.0;
+    d_dv[5][1] = 0.0;
+    d_dv[5][2] = 0.0;
+    d_dv[5][3] = 0.0;
+    d_dv[5][5] = 0.2;
+    d_dv[6][1] = 0.0;
+    d_dv[6][2] = 0.0;
+    d_dv[6][3] = 0.0;
+    d_dv[6][6] = 0.2;
     let angle_right_shoulder_right_elbow = y[4] + y[5];
     let angle_left_shoulder_left_elbow = y[1] + y[2];
     let (
@@ -2767,6 +3034,7 @@ pub fn inverse_dynamics_derivatives(
     let force_left_shoulder_x = t216 - t212;
     let t218 = force_left_shoulder_x - moment_left_shoulder_y;
     let moment_torso_z = t115 - t218;
+    b_u[0] = moment_torso_z;
     let t220 = t208 - t197;
     let t221 = 0.0008800000000000001 * t220;
     let t222 = 0.0007999999999999998 * t201;
@@ -2824,12 +3092,14 @@ pub fn inverse_dynamics_derivatives(
     let t274 = t273 + moment_left_shoulder_z;
     let t275 = v[1] * 0.2;
     let t276 = t274 + t275;
+    b_u[1] = t276;
     let t277 = a[2] * 0.2;
     let t278 = a[1] * 0.002;
     let t279 = t278 + t277;
     let t280 = t279 + moment_left_elbow_z;
     let t281 = v[2] * 0.2;
     let t282 = t280 + t281;
+    b_u[2] = t282;
     let t283 = 0.002 * t142;
     let t284 = a[3] * 0.2;
     let t285 = t284 + t283;
@@ -2893,12 +3163,14 @@ pub fn inverse_dynamics_derivatives(
     let t343 = t342 + moment_right_shoulder_z;
     let t344 = v[4] * 0.2;
     let t345 = t343 + t344;
+    b_u[4] = t345;
     let t346 = a[5] * 0.2;
     let t347 = a[4] * 0.002;
     let t348 = t347 + t346;
     let t349 = t348 + moment_right_elbow_z;
     let t350 = v[5] * 0.2;
     let t351 = t349 + t350;
+    b_u[5] = t351;
     let t352 = 0.002 * t37;
     let t353 = a[6] * 0.2;
     let t354 = t353 + t352;
@@ -3021,6 +3293,7 @@ pub fn inverse_dynamics_derivatives(
     let t471 = cos_left_shoulder_left_elbow * t470;
     let t472 = t471 - t466;
     let t473 = t472 + t458;
+    d_dy[0][2] = t473;
     let t474 = 0.0012 * omega_left_wrist_z;
     let t475 = omega_left_elbow_x * t474;
     let t476 = 0.0006 * t205;
@@ -3036,6 +3309,7 @@ pub fn inverse_dynamics_derivatives(
     let t486 = t485 - t484;
     let t487 = cos_left_shoulder_left_elbow * t486;
     let t488 = t479 - t487;
+    d_dy[0][3] = t488;
     let t489 = sin_right_shoulder_right_elbow * moment_right_elbow_y;
     let t490 = cos_right_shoulder_right_elbow * moment_right_elbow_x;
     let t491 = t490 + t489;
@@ -3107,6 +3381,7 @@ pub fn inverse_dynamics_derivatives(
     let t557 = acceleration_left_shoulder_z * t556;
     let t558 = force_right_shoulder_y + t557;
     let t559 = t558 - t551;
+    d_dy[0][4] = t559;
     let t560 = omega_right_elbow_z * 0.0027999999999999995;
     let t561 = omega_right_elbow_y * t560;
     let t562 = omega_right_elbow_z * 0.0017600000000000003;
@@ -3165,6 +3440,7 @@ pub fn inverse_dynamics_derivatives(
     let t615 = t614 - t613;
     let t616 = cos_right_shoulder_right_elbow * t615;
     let t617 = t608 - t616;
+    d_dy[0][6] = t617;
     let t618 = omega_left_elbow_y * 0.0015999999999999996;
     let t619 = omega_left_elbow_x * 0.0017600000000000003;
     let t620 = t619 - t618;
@@ -3217,7 +3493,9 @@ pub fn inverse_dynamics_derivatives(
     let t667 = omega_left_elbow_x * t626;
     let t668 = t666 + t667;
     let t669 = t665 + t668;
+    d_dy[2][2] = t669;
     let t670 = t669 + t660;
+    d_dy[1][2] = t670;
     let t671 = omega_left_elbow_z * t474;
     let t672 = 0.0006 * t126;
     let t673 = t672 - t671;
@@ -3233,6 +3511,7 @@ pub fn inverse_dynamics_derivatives(
     let t683 = t682 + t681;
     let t684 = t680 + t683;
     let t685 = t684 + t678;
+    d_dy[2][1] = t685;
     let t686 = omega_left_elbow_z * 0.0031999999999999997;
     let t687 = cos_left_shoulder_left_elbow * t686;
     let t688 = v[0] * t687;
@@ -3278,6 +3557,7 @@ pub fn inverse_dynamics_derivatives(
     let t728 = t727 + t725;
     let t729 = t728 - t724;
     let t730 = t729 + t714;
+    d_dy[4][4] = t730;
     let t731 = t25 * t601;
     let t732 = cos_right_shoulder_right_elbow * t595;
     let t733 = sin_right_shoulder_right_elbow * t599;
@@ -3307,6 +3587,7 @@ pub fn inverse_dynamics_derivatives(
     let t757 = t756 - t755;
     let t758 = t754 + t757;
     let t759 = t758 + t752;
+    d_dy[5][4] = t759;
     let t760 = omega_right_elbow_z * 0.0031999999999999997;
     let t761 = cos_right_shoulder_right_elbow * t760;
     let t762 = v[0] * t761;
@@ -3397,6 +3678,7 @@ pub fn inverse_dynamics_derivatives(
     let t847 = t86 * t23;
     let t848 = t847 + t534;
     let t849 = t848 + t846;
+    d_dv[0][4] = t849;
     let t850 = omega_right_elbow_y * 0.1626;
     let t851 = t696 + t850;
     let t852 = t840 - t851;
@@ -3412,6 +3694,7 @@ pub fn inverse_dynamics_derivatives(
     let t862 = t27 * t861;
     let t863 = t858 - t862;
     let t864 = t534 - t863;
+    d_dv[0][5] = t864;
     let t865 = sin_right_shoulder_right_elbow * t760;
     let t866 = sin_left_shoulder_left_elbow * t622;
     let t867 = cos_left_shoulder_left_elbow * t626;
@@ -3422,6 +3705,7 @@ pub fn inverse_dynamics_derivatives(
     let t872 = t868 - t871;
     let t873 = t176 * t635;
     let t874 = t873 + t872;
+    d_dv[1][0] = t874;
     let t875 = t397 * t379;
     let t876 = t131 * t403;
     let t877 = t876 + t875;
@@ -3430,12 +3714,18 @@ pub fn inverse_dynamics_derivatives(
     let t880 = t783 + t879;
     let t881 = t781 - t880;
     let t882 = 0.2 - t881;
+    d_dv[1][1] = t882;
     let t883 = t775 - t876;
+    d_dv[1][2] = t883;
     let t884 = omega_left_elbow_x * 0.0031999999999999997;
+    d_dv[1][3] = t884;
+    d_dv[2][3] = t884;
     let t885 = t868 - t870;
+    d_dv[2][0] = t885;
     let t886 = t771 + t875;
     let t887 = t635 * t689;
     let t888 = t884 - t887;
+    d_dv[3][1] = t888;
     let t889 = sin_right_shoulder_right_elbow * t699;
     let t890 = cos_right_shoulder_right_elbow * t703;
     let t891 = t889 - t890;
@@ -3445,6 +3735,7 @@ pub fn inverse_dynamics_derivatives(
     let t895 = t891 - t894;
     let t896 = t71 * t635;
     let t897 = t896 + t895;
+    d_dv[4][0] = t897;
     let t898 = t528 * t510;
     let t899 = t25 * t534;
     let t900 = t899 + t898;
@@ -3453,57 +3744,70 @@ pub fn inverse_dynamics_derivatives(
     let t903 = t800 - t902;
     let t904 = t798 - t903;
     let t905 = 0.2 + t904;
+    d_dv[4][4] = t905;
     let t906 = t792 - t899;
+    d_dv[4][5] = t906;
     let t907 = omega_right_elbow_x * 0.0031999999999999997;
+    d_dv[4][6] = t907;
+    d_dv[5][6] = t907;
     let t908 = t891 - t893;
+    d_dv[5][0] = t908;
     let t909 = t788 + t898;
     let t910 = t635 * t763;
     let t911 = t907 - t910;
+    d_dv[6][4] = t911;
     let t912 = -t288;
+    b_u[3] = t912;
     let t913 = -t357;
+    b_u[6] = t913;
     let t914 = -t428;
+    d_dy[0][1] = t914;
     let t915 = -t602;
+    d_dy[0][5] = t915;
     let t916 = -t654;
+    d_dy[1][1] = t916;
     let t917 = -t674;
+    d_dy[1][3] = t917;
+    d_dy[2][3] = t917;
     let t918 = -t691;
+    d_dy[3][1] = t918;
     let t919 = -t694;
+    d_dy[3][2] = t919;
     let t920 = -t486;
+    d_dy[3][3] = t920;
     let t921 = -t745;
+    d_dy[4][5] = t921;
     let t922 = -t749;
+    d_dy[4][6] = t922;
+    d_dy[5][6] = t922;
     let t923 = -t744;
+    d_dy[5][5] = t923;
     let t924 = -t765;
+    d_dy[6][4] = t924;
     let t925 = -t768;
+    d_dy[6][5] = t925;
     let t926 = -t615;
+    d_dy[6][6] = t926;
     let t927 = -t811;
+    d_dv[0][0] = t927;
     let t928 = -t822;
+    d_dv[0][1] = t928;
     let t929 = -t837;
+    d_dv[0][2] = t929;
     let t930 = -t838;
+    d_dv[0][3] = t930;
+    d_dv[3][0] = t930;
     let t931 = -t865;
+    d_dv[0][6] = t931;
+    d_dv[6][0] = t931;
     let t932 = -t886;
+    d_dv[2][1] = t932;
     let t933 = -t884;
+    d_dv[3][2] = t933;
     let t934 = -t909;
+    d_dv[5][4] = t934;
     let t935 = -t907;
-    (
-        [moment_torso_z, t276, t282, t912, t345, t351, t913],
-        [
-            [0.0, t914, t473, t488, t559, t915, t617],
-            [0.0, t916, t670, t917, 0.0, 0.0, 0.0],
-            [0.0, t685, t669, t917, 0.0, 0.0, 0.0],
-            [0.0, t918, t919, t920, 0.0, 0.0, 0.0],
-            [0.0, 0.0, 0.0, 0.0, t730, t921, t922],
-            [0.0, 0.0, 0.0, 0.0, t759, t923, t922],
-            [0.0, 0.0, 0.0, 0.0, t924, t925, t926],
-        ],
-        [
-            [t927, t928, t929, t930, t849, t864, t931],
-            [t874, t882, t883, t884, 0.0, 0.0, 0.0],
-            [t885, t932, 0.2, t884, 0.0, 0.0, 0.0],
-            [t930, t888, t933, 0.2, 0.0, 0.0, 0.0],
-            [t897, 0.0, 0.0, 0.0, t905, t906, t907],
-            [t908, 0.0, 0.0, 0.0, t934, 0.2, t907],
-            [t931, 0.0, 0.0, 0.0, t911, t935, 0.2],
-        ],
-    )
+    d_dv[6][5] = t935;
 }
 
 /// Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.
@@ -3526,6 +3830,7 @@ pub fn inverse_dynamics_derivatives(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -3536,6 +3841,110 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     v: &[f64; N],
     a: &[f64; N],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
+    let mut b_u = [0.0; 7];
+    let mut d_dy = [[0.0; 7]; 7];
+    let mut d_dv = [[0.0; 7]; 7];
+    let mut m = [[0.0; 7]; 7];
+    inverse_dynamics_derivatives_and_mass_matrix_into(
+        y,
+        v,
+        a,
+        &mut b_u,
+        &mut d_dy,
+        &mut d_dv,
+        &mut m,
+    );
+    (b_u, d_dy, d_dv, m)
+}
+
+/// `inverse_dynamics_derivatives_and_mass_matrix` with its results written in place; nothing of what stood there
+/// is read.
+pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    b_u: &mut [f64; N],
+    d_dy: &mut [[f64; N]; N],
+    d_dv: &mut [[f64; N]; N],
+    m: &mut [[f64; N]; N],
+) {
+    d_dy[0][0] = 0.0;
+    d_dy[1][0] = 0.0;
+    d_dy[1][4] = 0.0;
+    d_dy[1][5] = 0.0;
+    d_dy[1][6] = 0.0;
+    d_dy[2][0] = 0.0;
+    d_dy[2][4] = 0.0;
+    d_dy[2][5] = 0.0;
+    d_dy[2][6] = 0.0;
+    d_dy[3][0] = 0.0;
+    d_dy[3][4] = 0.0;
+    d_dy[3][5] = 0.0;
+    d_dy[3][6] = 0.0;
+    d_dy[4][0] = 0.0;
+    d_dy[4][1] = 0.0;
+    d_dy[4][2] = 0.0;
+    d_dy[4][3] = 0.0;
+    d_dy[5][0] = 0.0;
+    d_dy[5][1] = 0.0;
+    d_dy[5][2] = 0.0;
+    d_dy[5][3] = 0.0;
+    d_dy[6][0] = 0.0;
+    d_dy[6][1] = 0.0;
+    d_dy[6][2] = 0.0;
+    d_dy[6][3] = 0.0;
+    d_dv[1][4] = 0.0;
+    d_dv[1][5] = 0.0;
+    d_dv[1][6] = 0.0;
+    d_dv[2][2] = 0.2;
+    d_dv[2][4] = 0.0;
+    d_dv[2][5] = 0.0;
+    d_dv[2][6] = 0.0;
+    d_dv[3][3] = 0.2;
+    d_dv[3][4] = 0.0;
+    d_dv[3][5] = 0.0;
+    d_dv[3][6] = 0.0;
+    d_dv[4][1] = 0.0;
+    d_dv[4][2] = 0.0;
+    d_dv[4][3] = 0.0;
+    d_dv[5][1] = 0.0;
+    d_dv[5][2] = 0.0;
+    d_dv[5][3] = 0.0;
+    d_dv[5][5] = 0.2;
+    d_dv[6][1] = 0.0;
+    d_dv[6][2] = 0.0;
+    d_dv[6][3] = 0.0;
+    d_dv[6][6] = 0.2;
+    m[1][3] = 0.0;
+    m[1][4] = 0.0;
+    m[1][5] = 0.0;
+    m[1][6] = 0.0;
+    m[2][2] = 0.2821;
+    m[2][3] = 0.0;
+    m[2][4] = 0.0;
+    m[2][5] = 0.0;
+    m[2][6] = 0.0;
+    m[3][1] = 0.0;
+    m[3][2] = 0.0;
+    m[3][3] = 0.20120000000000002;
+    m[3][4] = 0.0;
+    m[3][5] = 0.0;
+    m[3][6] = 0.0;
+    m[4][1] = 0.0;
+    m[4][2] = 0.0;
+    m[4][3] = 0.0;
+    m[4][6] = 0.0;
+    m[5][1] = 0.0;
+    m[5][2] = 0.0;
+    m[5][3] = 0.0;
+    m[5][5] = 0.2821;
+    m[5][6] = 0.0;
+    m[6][1] = 0.0;
+    m[6][2] = 0.0;
+    m[6][3] = 0.0;
+    m[6][4] = 0.0;
+    m[6][5] = 0.0;
+    m[6][6] = 0.20120000000000002;
     let angle_right_shoulder_right_elbow = y[4] + y[5];
     let angle_left_shoulder_left_elbow = y[1] + y[2];
     let (
@@ -3765,6 +4174,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let force_left_shoulder_x = t216 - t212;
     let t218 = force_left_shoulder_x - moment_left_shoulder_y;
     let moment_torso_z = t115 - t218;
+    b_u[0] = moment_torso_z;
     let t220 = t208 - t197;
     let t221 = 0.0008800000000000001 * t220;
     let t222 = 0.0007999999999999998 * t201;
@@ -3822,12 +4232,14 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t274 = t273 + moment_left_shoulder_z;
     let t275 = v[1] * 0.2;
     let t276 = t274 + t275;
+    b_u[1] = t276;
     let t277 = a[2] * 0.2;
     let t278 = a[1] * 0.002;
     let t279 = t278 + t277;
     let t280 = t279 + moment_left_elbow_z;
     let t281 = v[2] * 0.2;
     let t282 = t280 + t281;
+    b_u[2] = t282;
     let t283 = 0.002 * t142;
     let t284 = a[3] * 0.2;
     let t285 = t284 + t283;
@@ -3891,12 +4303,14 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t343 = t342 + moment_right_shoulder_z;
     let t344 = v[4] * 0.2;
     let t345 = t343 + t344;
+    b_u[4] = t345;
     let t346 = a[5] * 0.2;
     let t347 = a[4] * 0.002;
     let t348 = t347 + t346;
     let t349 = t348 + moment_right_elbow_z;
     let t350 = v[5] * 0.2;
     let t351 = t349 + t350;
+    b_u[5] = t351;
     let t352 = 0.002 * t37;
     let t353 = a[6] * 0.2;
     let t354 = t353 + t352;
@@ -3925,6 +4339,8 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t377 = 0.0712 * cos_left_shoulder_left_elbow;
     let t378 = 0.0016 * sin_left_shoulder_left_elbow;
     let t379 = t378 + t377;
+    m[0][2] = t379;
+    m[2][0] = t379;
     let t380 = t133 * t379;
     let t381 = 0.0712 * sin_left_shoulder_left_elbow;
     let t382 = 0.0016 * cos_left_shoulder_left_elbow;
@@ -4019,6 +4435,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t471 = cos_left_shoulder_left_elbow * t470;
     let t472 = t471 - t466;
     let t473 = t472 + t458;
+    d_dy[0][2] = t473;
     let t474 = 0.0012 * omega_left_wrist_z;
     let t475 = omega_left_elbow_x * t474;
     let t476 = 0.0006 * t205;
@@ -4034,6 +4451,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t486 = t485 - t484;
     let t487 = cos_left_shoulder_left_elbow * t486;
     let t488 = t479 - t487;
+    d_dy[0][3] = t488;
     let t489 = sin_right_shoulder_right_elbow * moment_right_elbow_y;
     let t490 = cos_right_shoulder_right_elbow * moment_right_elbow_x;
     let t491 = t490 + t489;
@@ -4105,6 +4523,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t557 = acceleration_left_shoulder_z * t556;
     let t558 = force_right_shoulder_y + t557;
     let t559 = t558 - t551;
+    d_dy[0][4] = t559;
     let t560 = omega_right_elbow_z * 0.0027999999999999995;
     let t561 = omega_right_elbow_y * t560;
     let t562 = omega_right_elbow_z * 0.0017600000000000003;
@@ -4163,6 +4582,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t615 = t614 - t613;
     let t616 = cos_right_shoulder_right_elbow * t615;
     let t617 = t608 - t616;
+    d_dy[0][6] = t617;
     let t618 = omega_left_elbow_y * 0.0015999999999999996;
     let t619 = omega_left_elbow_x * 0.0017600000000000003;
     let t620 = t619 - t618;
@@ -4215,7 +4635,9 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t667 = omega_left_elbow_x * t626;
     let t668 = t666 + t667;
     let t669 = t665 + t668;
+    d_dy[2][2] = t669;
     let t670 = t669 + t660;
+    d_dy[1][2] = t670;
     let t671 = omega_left_elbow_z * t474;
     let t672 = 0.0006 * t126;
     let t673 = t672 - t671;
@@ -4231,6 +4653,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t683 = t682 + t681;
     let t684 = t680 + t683;
     let t685 = t684 + t678;
+    d_dy[2][1] = t685;
     let t686 = omega_left_elbow_z * 0.0031999999999999997;
     let t687 = cos_left_shoulder_left_elbow * t686;
     let t688 = v[0] * t687;
@@ -4276,6 +4699,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t728 = t727 + t725;
     let t729 = t728 - t724;
     let t730 = t729 + t714;
+    d_dy[4][4] = t730;
     let t731 = t25 * t601;
     let t732 = cos_right_shoulder_right_elbow * t595;
     let t733 = sin_right_shoulder_right_elbow * t599;
@@ -4305,6 +4729,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t757 = t756 - t755;
     let t758 = t754 + t757;
     let t759 = t758 + t752;
+    d_dy[5][4] = t759;
     let t760 = omega_right_elbow_z * 0.0031999999999999997;
     let t761 = cos_right_shoulder_right_elbow * t760;
     let t762 = v[0] * t761;
@@ -4395,6 +4820,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t847 = t86 * t23;
     let t848 = t847 + t534;
     let t849 = t848 + t846;
+    d_dv[0][4] = t849;
     let t850 = omega_right_elbow_y * 0.1626;
     let t851 = t696 + t850;
     let t852 = t840 - t851;
@@ -4410,6 +4836,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t862 = t27 * t861;
     let t863 = t858 - t862;
     let t864 = t534 - t863;
+    d_dv[0][5] = t864;
     let t865 = sin_right_shoulder_right_elbow * t760;
     let t866 = sin_left_shoulder_left_elbow * t622;
     let t867 = cos_left_shoulder_left_elbow * t626;
@@ -4420,6 +4847,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t872 = t868 - t871;
     let t873 = t176 * t635;
     let t874 = t873 + t872;
+    d_dv[1][0] = t874;
     let t875 = t397 * t379;
     let t876 = t131 * t403;
     let t877 = t876 + t875;
@@ -4428,12 +4856,18 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t880 = t783 + t879;
     let t881 = t781 - t880;
     let t882 = 0.2 - t881;
+    d_dv[1][1] = t882;
     let t883 = t775 - t876;
+    d_dv[1][2] = t883;
     let t884 = omega_left_elbow_x * 0.0031999999999999997;
+    d_dv[1][3] = t884;
+    d_dv[2][3] = t884;
     let t885 = t868 - t870;
+    d_dv[2][0] = t885;
     let t886 = t771 + t875;
     let t887 = t635 * t689;
     let t888 = t884 - t887;
+    d_dv[3][1] = t888;
     let t889 = sin_right_shoulder_right_elbow * t699;
     let t890 = cos_right_shoulder_right_elbow * t703;
     let t891 = t889 - t890;
@@ -4443,6 +4877,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t895 = t891 - t894;
     let t896 = t71 * t635;
     let t897 = t896 + t895;
+    d_dv[4][0] = t897;
     let t898 = t528 * t510;
     let t899 = t25 * t534;
     let t900 = t899 + t898;
@@ -4451,12 +4886,18 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t903 = t800 - t902;
     let t904 = t798 - t903;
     let t905 = 0.2 + t904;
+    d_dv[4][4] = t905;
     let t906 = t792 - t899;
+    d_dv[4][5] = t906;
     let t907 = omega_right_elbow_x * 0.0031999999999999997;
+    d_dv[4][6] = t907;
+    d_dv[5][6] = t907;
     let t908 = t891 - t893;
+    d_dv[5][0] = t908;
     let t909 = t788 + t898;
     let t910 = t635 * t763;
     let t911 = t907 - t910;
+    d_dv[6][4] = t911;
     let t912 = 2.0 * t716;
     let t913 = sin_right_shoulder_right_elbow * t519;
     let t914 = 0.0013999999999999998 + t913;
@@ -4470,70 +4911,85 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t922 = t188 + t921;
     let t923 = t917 + t922;
     let t924 = t923 + 0.46636;
+    m[0][0] = t924;
     let t925 = t178 + t425;
+    m[0][1] = t925;
+    m[1][0] = t925;
     let t926 = cos_left_shoulder_left_elbow * 0.0031999999999999997;
+    m[0][3] = t926;
+    m[3][0] = t926;
     let t927 = t73 + t556;
     let t928 = cos_right_shoulder_right_elbow * 0.0031999999999999997;
+    m[0][6] = t928;
+    m[6][0] = t928;
     let t929 = 0.2 + t645;
+    m[1][1] = t929;
     let t930 = 0.2 + t721;
+    m[4][4] = t930;
     let t931 = -t288;
+    b_u[3] = t931;
     let t932 = -t357;
+    b_u[6] = t932;
     let t933 = -t428;
+    d_dy[0][1] = t933;
     let t934 = -t602;
+    d_dy[0][5] = t934;
     let t935 = -t654;
+    d_dy[1][1] = t935;
     let t936 = -t674;
+    d_dy[1][3] = t936;
+    d_dy[2][3] = t936;
     let t937 = -t691;
+    d_dy[3][1] = t937;
     let t938 = -t694;
+    d_dy[3][2] = t938;
     let t939 = -t486;
+    d_dy[3][3] = t939;
     let t940 = -t745;
+    d_dy[4][5] = t940;
     let t941 = -t749;
+    d_dy[4][6] = t941;
+    d_dy[5][6] = t941;
     let t942 = -t744;
+    d_dy[5][5] = t942;
     let t943 = -t765;
+    d_dy[6][4] = t943;
     let t944 = -t768;
+    d_dy[6][5] = t944;
     let t945 = -t615;
+    d_dy[6][6] = t945;
     let t946 = -t811;
+    d_dv[0][0] = t946;
     let t947 = -t822;
+    d_dv[0][1] = t947;
     let t948 = -t837;
+    d_dv[0][2] = t948;
     let t949 = -t838;
+    d_dv[0][3] = t949;
+    d_dv[3][0] = t949;
     let t950 = -t865;
+    d_dv[0][6] = t950;
+    d_dv[6][0] = t950;
     let t951 = -t886;
+    d_dv[2][1] = t951;
     let t952 = -t884;
+    d_dv[3][2] = t952;
     let t953 = -t909;
+    d_dv[5][4] = t953;
     let t954 = -t907;
+    d_dv[6][5] = t954;
     let t955 = -t927;
+    m[0][4] = t955;
+    m[4][0] = t955;
     let t956 = -t510;
+    m[0][5] = t956;
+    m[5][0] = t956;
     let t957 = -t679;
+    m[1][2] = t957;
+    m[2][1] = t957;
     let t958 = -t753;
-    (
-        [moment_torso_z, t276, t282, t931, t345, t351, t932],
-        [
-            [0.0, t933, t473, t488, t559, t934, t617],
-            [0.0, t935, t670, t936, 0.0, 0.0, 0.0],
-            [0.0, t685, t669, t936, 0.0, 0.0, 0.0],
-            [0.0, t937, t938, t939, 0.0, 0.0, 0.0],
-            [0.0, 0.0, 0.0, 0.0, t730, t940, t941],
-            [0.0, 0.0, 0.0, 0.0, t759, t942, t941],
-            [0.0, 0.0, 0.0, 0.0, t943, t944, t945],
-        ],
-        [
-            [t946, t947, t948, t949, t849, t864, t950],
-            [t874, t882, t883, t884, 0.0, 0.0, 0.0],
-            [t885, t951, 0.2, t884, 0.0, 0.0, 0.0],
-            [t949, t888, t952, 0.2, 0.0, 0.0, 0.0],
-            [t897, 0.0, 0.0, 0.0, t905, t906, t907],
-            [t908, 0.0, 0.0, 0.0, t953, 0.2, t907],
-            [t950, 0.0, 0.0, 0.0, t911, t954, 0.2],
-        ],
-        [
-            [t924, t925, t379, t926, t955, t956, t928],
-            [t925, t929, t957, 0.0, 0.0, 0.0, 0.0],
-            [t379, t957, 0.2821, 0.0, 0.0, 0.0, 0.0],
-            [t926, 0.0, 0.0, 0.20120000000000002, 0.0, 0.0, 0.0],
-            [t955, 0.0, 0.0, 0.0, t930, t958, 0.0],
-            [t956, 0.0, 0.0, 0.0, t958, 0.2821, 0.0],
-            [t928, 0.0, 0.0, 0.0, 0.0, 0.0, 0.20120000000000002],
-        ],
-    )
+    m[4][5] = t958;
+    m[5][4] = t958;
 }
 
 /// Forward dynamics with its Jacobians.
@@ -4556,6 +5012,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -4566,6 +5023,39 @@ pub fn forward_dynamics_derivatives(
     v: &[f64; N],
     u: &[f64; M],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
+    let mut a = [0.0; 7];
+    let mut da_dy = [[0.0; 7]; 7];
+    let mut da_dv = [[0.0; 7]; 7];
+    let mut m_inverse = [[0.0; 7]; 7];
+    forward_dynamics_derivatives_into(
+        y,
+        v,
+        u,
+        &mut a,
+        &mut da_dy,
+        &mut da_dv,
+        &mut m_inverse,
+    );
+    (a, da_dy, da_dv, m_inverse)
+}
+
+/// `forward_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+pub fn forward_dynamics_derivatives_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    a: &mut [f64; N],
+    da_dy: &mut [[f64; N]; N],
+    da_dv: &mut [[f64; N]; N],
+    m_inverse: &mut [[f64; N]; N],
+) {
+    da_dy[0][0] = 0.0;
+    da_dy[1][0] = 0.0;
+    da_dy[2][0] = 0.0;
+    da_dy[3][0] = 0.0;
+    da_dy[4][0] = 0.0;
+    da_dy[5][0] = 0.0;
+    da_dy[6][0] = 0.0;
     let angle_left_shoulder_left_elbow = y[1] + y[2];
     let angle_right_shoulder_right_elbow = y[4] + y[5];
     let (
@@ -4952,29 +5442,37 @@ pub fn forward_dynamics_derivatives(
     let t374 = t339 * t340;
     let t375 = t373 - t374;
     let inverse_d_torso = 1.0 / t375;
+    m_inverse[0][0] = inverse_d_torso;
     let acceleration_left_shoulder_x = inverse_d_torso * t342;
+    a[0] = acceleration_left_shoulder_x;
     let t378 = t340 * acceleration_left_shoulder_x;
     let t379 = inverse_d_left_shoulder * t322;
     let t380 = t379 - t378;
+    a[1] = t380;
     let t381 = t320 * t380;
     let t382 = 3.544842254519674 * t290;
     let t383 = t382 + t381;
     let t384 = t294 * acceleration_left_shoulder_x;
     let t385 = t383 - t384;
+    a[2] = t385;
     let t386 = t259 * acceleration_left_shoulder_x;
     let t387 = 4.970178926441352 * t258;
     let t388 = t387 - t386;
+    a[3] = t388;
     let t389 = t251 * acceleration_left_shoulder_x;
     let t390 = inverse_d_right_shoulder * t233;
     let t391 = t390 + t389;
+    a[4] = t391;
     let t392 = t231 * t391;
     let t393 = 3.544842254519674 * t201;
     let t394 = t393 + t392;
     let t395 = t205 * acceleration_left_shoulder_x;
     let t396 = t394 + t395;
+    a[5] = t396;
     let t397 = t170 * acceleration_left_shoulder_x;
     let t398 = 4.970178926441352 * t169;
     let t399 = t398 - t397;
+    a[6] = t399;
     let t400 = t380 + t385;
     let t401 = t73 + t400;
     let t402 = 0.0016 * t401;
@@ -5139,6 +5637,7 @@ pub fn forward_dynamics_derivatives(
     let t561 = t340 * t560;
     let t562 = t539 - t561;
     let t563 = inverse_d_torso * t562;
+    da_dy[0][1] = t563;
     let t564 = omega_left_elbow_y * t551;
     let t565 = 0.0016 * acceleration_left_shoulder_z;
     let t566 = t565 + t564;
@@ -5221,6 +5720,7 @@ pub fn forward_dynamics_derivatives(
     let t643 = t641 + t642;
     let t644 = t643 + t605;
     let t645 = inverse_d_torso * t644;
+    da_dy[0][2] = t645;
     let t646 = 0.0006 * t405;
     let t647 = omega_left_elbow_x * t522;
     let t648 = t646 - t647;
@@ -5523,6 +6023,7 @@ pub fn forward_dynamics_derivatives(
     let t945 = t340 * t563;
     let t946 = inverse_d_left_shoulder * t560;
     let t947 = t946 - t945;
+    da_dy[1][1] = t947;
     let t948 = t340 * t645;
     let t949 = inverse_d_left_shoulder * t604;
     let t950 = t949 + t948;
@@ -5530,8 +6031,11 @@ pub fn forward_dynamics_derivatives(
     let t952 = inverse_d_left_shoulder * t671;
     let t953 = t952 - t951;
     let t954 = t340 * t836;
+    da_dy[1][4] = t954;
     let t955 = t340 * t915;
+    da_dy[1][5] = t955;
     let t956 = t340 * t944;
+    da_dy[1][6] = t956;
     let t957 = t320 * t947;
     let t958 = 3.544842254519674 * t537;
     let t959 = t958 - t957;
@@ -5550,26 +6054,37 @@ pub fn forward_dynamics_derivatives(
     let t972 = t320 * t954;
     let t973 = t294 * t836;
     let t974 = t972 + t973;
+    da_dy[2][4] = t974;
     let t975 = t320 * t955;
     let t976 = t294 * t915;
     let t977 = t975 + t976;
+    da_dy[2][5] = t977;
     let t978 = t320 * t956;
     let t979 = t294 * t944;
     let t980 = t978 + t979;
+    da_dy[2][6] = t980;
     let t981 = t259 * t563;
     let t982 = 4.970178926441352 * t510;
     let t983 = t982 - t981;
+    da_dy[3][1] = t983;
     let t984 = t259 * t645;
     let t985 = 4.970178926441352 * t639;
     let t986 = t985 - t984;
+    da_dy[3][2] = t986;
     let t987 = t259 * t674;
     let t988 = 4.970178926441352 * t659;
     let t989 = t988 + t987;
+    da_dy[3][3] = t989;
     let t990 = t259 * t836;
+    da_dy[3][4] = t990;
     let t991 = t259 * t915;
+    da_dy[3][5] = t991;
     let t992 = t259 * t944;
+    da_dy[3][6] = t992;
     let t993 = t251 * t563;
+    da_dy[4][1] = t993;
     let t994 = t251 * t645;
+    da_dy[4][2] = t994;
     let t995 = t251 * t674;
     let t996 = t251 * t836;
     let t997 = inverse_d_right_shoulder * t833;
@@ -5577,15 +6092,18 @@ pub fn forward_dynamics_derivatives(
     let t999 = t251 * t915;
     let t1000 = inverse_d_right_shoulder * t874;
     let t1001 = t1000 - t999;
+    da_dy[4][5] = t1001;
     let t1002 = t251 * t944;
     let t1003 = inverse_d_right_shoulder * t941;
     let t1004 = t1003 + t1002;
     let t1005 = t231 * t993;
     let t1006 = t205 * t563;
     let t1007 = t1005 + t1006;
+    da_dy[5][1] = t1007;
     let t1008 = t231 * t994;
     let t1009 = t205 * t645;
     let t1010 = t1008 + t1009;
+    da_dy[5][2] = t1010;
     let t1011 = t231 * t995;
     let t1012 = t205 * t674;
     let t1013 = t1011 + t1012;
@@ -5599,6 +6117,7 @@ pub fn forward_dynamics_derivatives(
     let t1021 = t1020 + t1019;
     let t1022 = t205 * t915;
     let t1023 = t1021 - t1022;
+    da_dy[5][5] = t1023;
     let t1024 = t231 * t1004;
     let t1025 = 3.544842254519674 * t937;
     let t1026 = t1025 + t1024;
@@ -5607,15 +6126,19 @@ pub fn forward_dynamics_derivatives(
     let t1029 = t170 * t563;
     let t1030 = t170 * t645;
     let t1031 = t170 * t674;
+    da_dy[6][3] = t1031;
     let t1032 = t170 * t836;
     let t1033 = 4.970178926441352 * t785;
     let t1034 = t1033 + t1032;
+    da_dy[6][4] = t1034;
     let t1035 = t170 * t915;
     let t1036 = 4.970178926441352 * t909;
     let t1037 = t1036 + t1035;
+    da_dy[6][5] = t1037;
     let t1038 = t170 * t944;
     let t1039 = 4.970178926441352 * t929;
     let t1040 = t1039 + t1038;
+    da_dy[6][6] = t1040;
     let t1041 = sin_right_shoulder_right_elbow * t798;
     let t1042 = cos_right_shoulder_right_elbow * t802;
     let t1043 = t1041 - t1042;
@@ -5698,6 +6221,7 @@ pub fn forward_dynamics_derivatives(
     let t1120 = t340 * t1119;
     let t1121 = t1112 + t1120;
     let t1122 = inverse_d_torso * t1121;
+    da_dv[0][0] = t1122;
     let t1123 = t293 * t480;
     let t1124 = t21 * t486;
     let t1125 = t1124 + t1123;
@@ -5730,6 +6254,7 @@ pub fn forward_dynamics_derivatives(
     let t1152 = t1150 - t1151;
     let t1153 = t1152 + t1134;
     let t1154 = inverse_d_torso * t1153;
+    da_dv[0][1] = t1154;
     let t1155 = t319 * 0.7089684509039348;
     let t1156 = t1060 - t1124;
     let t1157 = t1156 + t1155;
@@ -5755,6 +6280,7 @@ pub fn forward_dynamics_derivatives(
     let t1177 = t1175 + t1176;
     let t1178 = t1177 + t1158;
     let t1179 = inverse_d_torso * t1178;
+    da_dv[0][2] = t1179;
     let t1180 = t320 * t1147;
     let t1181 = t1147 + t1180;
     let t1182 = t340 * t1181;
@@ -5764,6 +6290,7 @@ pub fn forward_dynamics_derivatives(
     let t1186 = t1185 + t1183;
     let t1187 = t1186 + t1182;
     let t1188 = inverse_d_torso * t1187;
+    da_dv[0][3] = t1188;
     let t1189 = t204 * t755;
     let t1190 = t98 * t761;
     let t1191 = t1190 + t1189;
@@ -5830,6 +6357,7 @@ pub fn forward_dynamics_derivatives(
     let t1252 = t1251 - t1249;
     let t1253 = t1252 - t1248;
     let t1254 = inverse_d_torso * t1253;
+    da_dv[0][6] = t1254;
     let t1255 = t340 * t1122;
     let t1256 = inverse_d_left_shoulder * t1119;
     let t1257 = t1256 + t1255;
@@ -5843,7 +6371,9 @@ pub fn forward_dynamics_derivatives(
     let t1265 = inverse_d_left_shoulder * t1181;
     let t1266 = t1265 + t1264;
     let t1267 = t340 * t1220;
+    da_dv[1][4] = t1267;
     let t1268 = t340 * t1245;
+    da_dv[1][5] = t1268;
     let t1269 = t340 * t1254;
     let t1270 = t320 * t1257;
     let t1271 = 3.544842254519674 * t1110;
@@ -5855,6 +6385,7 @@ pub fn forward_dynamics_derivatives(
     let t1277 = t1276 - t1275;
     let t1278 = t294 * t1154;
     let t1279 = t1277 - t1278;
+    da_dv[2][1] = t1279;
     let t1280 = t320 * t1263;
     let t1281 = 0.7089684509039348 + t1280;
     let t1282 = t294 * t1179;
@@ -5867,32 +6398,41 @@ pub fn forward_dynamics_derivatives(
     let t1289 = t320 * t1267;
     let t1290 = t294 * t1220;
     let t1291 = t1289 + t1290;
+    da_dv[2][4] = t1291;
     let t1292 = t320 * t1268;
     let t1293 = t294 * t1245;
     let t1294 = t1292 + t1293;
+    da_dv[2][5] = t1294;
     let t1295 = t320 * t1269;
     let t1296 = t294 * t1254;
     let t1297 = t1295 + t1296;
     let t1298 = t259 * t1122;
     let t1299 = 4.970178926441352 * t1103;
     let t1300 = t1299 - t1298;
+    da_dv[3][0] = t1300;
     let t1301 = t259 * t1154;
     let t1302 = 4.970178926441352 * t1148;
     let t1303 = t1302 + t1301;
     let t1304 = t259 * t1179;
     let t1305 = 0.015904572564612324 * omega_left_elbow_x;
     let t1306 = t1305 - t1304;
+    da_dv[3][2] = t1306;
     let t1307 = t259 * t1188;
     let t1308 = 0.9940357852882704 + t1307;
     let t1309 = t259 * t1220;
+    da_dv[3][4] = t1309;
     let t1310 = t259 * t1245;
+    da_dv[3][5] = t1310;
     let t1311 = t259 * t1254;
     let t1312 = t251 * t1122;
     let t1313 = inverse_d_right_shoulder * t1052;
     let t1314 = t1313 - t1312;
     let t1315 = t251 * t1154;
+    da_dv[4][1] = t1315;
     let t1316 = t251 * t1179;
+    da_dv[4][2] = t1316;
     let t1317 = t251 * t1188;
+    da_dv[4][3] = t1317;
     let t1318 = t251 * t1220;
     let t1319 = inverse_d_right_shoulder * t1199;
     let t1320 = t1319 + t1318;
@@ -5910,17 +6450,21 @@ pub fn forward_dynamics_derivatives(
     let t1332 = t231 * t1315;
     let t1333 = t205 * t1154;
     let t1334 = t1332 + t1333;
+    da_dv[5][1] = t1334;
     let t1335 = t231 * t1316;
     let t1336 = t205 * t1179;
     let t1337 = t1335 + t1336;
+    da_dv[5][2] = t1337;
     let t1338 = t231 * t1317;
     let t1339 = t205 * t1188;
     let t1340 = t1338 + t1339;
+    da_dv[5][3] = t1340;
     let t1341 = t231 * t1320;
     let t1342 = 3.544842254519674 * t1197;
     let t1343 = t1342 - t1341;
     let t1344 = t205 * t1220;
     let t1345 = t1343 - t1344;
+    da_dv[5][4] = t1345;
     let t1346 = t231 * t1323;
     let t1347 = 0.7089684509039348 + t1346;
     let t1348 = t205 * t1245;
@@ -5933,6 +6477,7 @@ pub fn forward_dynamics_derivatives(
     let t1355 = t170 * t1122;
     let t1356 = 4.970178926441352 * t1097;
     let t1357 = t1356 - t1355;
+    da_dv[6][0] = t1357;
     let t1358 = t170 * t1154;
     let t1359 = t170 * t1179;
     let t1360 = t170 * t1188;
@@ -5942,6 +6487,7 @@ pub fn forward_dynamics_derivatives(
     let t1364 = t170 * t1245;
     let t1365 = 0.015904572564612324 * omega_right_elbow_x;
     let t1366 = t1365 + t1364;
+    da_dv[6][5] = t1366;
     let t1367 = t170 * t1254;
     let t1368 = 0.9940357852882704 + t1367;
     let t1369 = t340 * inverse_d_torso;
@@ -5950,21 +6496,32 @@ pub fn forward_dynamics_derivatives(
     let t1372 = t1370 + t1371;
     let t1373 = t259 * inverse_d_torso;
     let t1374 = t251 * inverse_d_torso;
+    m_inverse[0][4] = t1374;
+    m_inverse[4][0] = t1374;
     let t1375 = t231 * t1374;
     let t1376 = t205 * inverse_d_torso;
     let t1377 = t1375 + t1376;
+    m_inverse[0][5] = t1377;
+    m_inverse[5][0] = t1377;
     let t1378 = t170 * inverse_d_torso;
     let t1379 = t340 * t1369;
     let t1380 = inverse_d_left_shoulder + t1379;
+    m_inverse[1][1] = t1380;
     let t1381 = t320 * t1380;
     let t1382 = t294 * t1369;
     let t1383 = t1381 + t1382;
+    m_inverse[1][2] = t1383;
+    m_inverse[2][1] = t1383;
     let t1384 = t259 * t1369;
+    m_inverse[1][3] = t1384;
+    m_inverse[3][1] = t1384;
     let t1385 = t251 * t1369;
     let t1386 = t231 * t1385;
     let t1387 = t205 * t1369;
     let t1388 = t1386 + t1387;
     let t1389 = t170 * t1369;
+    m_inverse[1][6] = t1389;
+    m_inverse[6][1] = t1389;
     let t1390 = t320 * t340;
     let t1391 = t294 + t1390;
     let t1392 = inverse_d_torso * t1391;
@@ -5975,24 +6532,35 @@ pub fn forward_dynamics_derivatives(
     let t1397 = 3.544842254519674 + t1396;
     let t1398 = t294 * t1392;
     let t1399 = t1397 + t1398;
+    m_inverse[2][2] = t1399;
     let t1400 = t259 * t1392;
+    m_inverse[2][3] = t1400;
+    m_inverse[3][2] = t1400;
     let t1401 = t251 * t1392;
     let t1402 = t231 * t1401;
     let t1403 = t205 * t1392;
     let t1404 = t1402 + t1403;
     let t1405 = t170 * t1392;
+    m_inverse[2][6] = t1405;
+    m_inverse[6][2] = t1405;
     let t1406 = t259 * t1373;
     let t1407 = 4.970178926441352 + t1406;
+    m_inverse[3][3] = t1407;
     let t1408 = t251 * t1373;
     let t1409 = t231 * t1408;
     let t1410 = t205 * t1373;
     let t1411 = t1409 + t1410;
     let t1412 = t170 * t1373;
+    m_inverse[3][6] = t1412;
+    m_inverse[6][3] = t1412;
     let t1413 = t251 * t1374;
     let t1414 = inverse_d_right_shoulder + t1413;
+    m_inverse[4][4] = t1414;
     let t1415 = t231 * t1414;
     let t1416 = t205 * t1374;
     let t1417 = t1415 + t1416;
+    m_inverse[4][5] = t1417;
+    m_inverse[5][4] = t1417;
     let t1418 = t170 * t1374;
     let t1419 = t231 * t251;
     let t1420 = t205 + t1419;
@@ -6004,94 +6572,133 @@ pub fn forward_dynamics_derivatives(
     let t1426 = 3.544842254519674 + t1425;
     let t1427 = t205 * t1421;
     let t1428 = t1426 + t1427;
+    m_inverse[5][5] = t1428;
     let t1429 = t170 * t1421;
     let t1430 = t170 * t1378;
     let t1431 = 4.970178926441352 + t1430;
+    m_inverse[6][6] = t1431;
     let t1432 = -t674;
+    da_dy[0][3] = t1432;
     let t1433 = -t836;
+    da_dy[0][4] = t1433;
     let t1434 = -t915;
+    da_dy[0][5] = t1434;
     let t1435 = -t944;
+    da_dy[0][6] = t1435;
     let t1436 = -t950;
+    da_dy[1][2] = t1436;
     let t1437 = -t953;
+    da_dy[1][3] = t1437;
     let t1438 = -t961;
+    da_dy[2][1] = t1438;
     let t1439 = -t966;
+    da_dy[2][2] = t1439;
     let t1440 = -t971;
+    da_dy[2][3] = t1440;
     let t1441 = -t995;
+    da_dy[4][3] = t1441;
     let t1442 = -t998;
+    da_dy[4][4] = t1442;
     let t1443 = -t1004;
+    da_dy[4][6] = t1443;
     let t1444 = -t1013;
+    da_dy[5][3] = t1444;
     let t1445 = -t1018;
+    da_dy[5][4] = t1445;
     let t1446 = -t1028;
+    da_dy[5][6] = t1446;
     let t1447 = -t1029;
+    da_dy[6][1] = t1447;
     let t1448 = -t1030;
+    da_dy[6][2] = t1448;
     let t1449 = -t1220;
+    da_dv[0][4] = t1449;
     let t1450 = -t1245;
+    da_dv[0][5] = t1450;
     let t1451 = -t1257;
+    da_dv[1][0] = t1451;
     let t1452 = -t1260;
+    da_dv[1][1] = t1452;
     let t1453 = -t1263;
+    da_dv[1][2] = t1453;
     let t1454 = -t1266;
+    da_dv[1][3] = t1454;
     let t1455 = -t1269;
+    da_dv[1][6] = t1455;
     let t1456 = -t1274;
+    da_dv[2][0] = t1456;
     let t1457 = -t1283;
+    da_dv[2][2] = t1457;
     let t1458 = -t1288;
+    da_dv[2][3] = t1458;
     let t1459 = -t1297;
+    da_dv[2][6] = t1459;
     let t1460 = -t1303;
+    da_dv[3][1] = t1460;
     let t1461 = -t1308;
+    da_dv[3][3] = t1461;
     let t1462 = -t1311;
+    da_dv[3][6] = t1462;
     let t1463 = -t1314;
+    da_dv[4][0] = t1463;
     let t1464 = -t1320;
+    da_dv[4][4] = t1464;
     let t1465 = -t1323;
+    da_dv[4][5] = t1465;
     let t1466 = -t1326;
+    da_dv[4][6] = t1466;
     let t1467 = -t1331;
+    da_dv[5][0] = t1467;
     let t1468 = -t1349;
+    da_dv[5][5] = t1468;
     let t1469 = -t1354;
+    da_dv[5][6] = t1469;
     let t1470 = -t1358;
+    da_dv[6][1] = t1470;
     let t1471 = -t1359;
+    da_dv[6][2] = t1471;
     let t1472 = -t1360;
+    da_dv[6][3] = t1472;
     let t1473 = -t1363;
+    da_dv[6][4] = t1473;
     let t1474 = -t1368;
+    da_dv[6][6] = t1474;
     let t1475 = -t1369;
+    m_inverse[0][1] = t1475;
+    m_inverse[1][0] = t1475;
     let t1476 = -t1372;
+    m_inverse[0][2] = t1476;
+    m_inverse[2][0] = t1476;
     let t1477 = -t1373;
+    m_inverse[0][3] = t1477;
+    m_inverse[3][0] = t1477;
     let t1478 = -t1378;
+    m_inverse[0][6] = t1478;
+    m_inverse[6][0] = t1478;
     let t1479 = -t1385;
+    m_inverse[1][4] = t1479;
+    m_inverse[4][1] = t1479;
     let t1480 = -t1388;
+    m_inverse[1][5] = t1480;
+    m_inverse[5][1] = t1480;
     let t1481 = -t1401;
+    m_inverse[2][4] = t1481;
+    m_inverse[4][2] = t1481;
     let t1482 = -t1404;
+    m_inverse[2][5] = t1482;
+    m_inverse[5][2] = t1482;
     let t1483 = -t1408;
+    m_inverse[3][4] = t1483;
+    m_inverse[4][3] = t1483;
     let t1484 = -t1411;
+    m_inverse[3][5] = t1484;
+    m_inverse[5][3] = t1484;
     let t1485 = -t1418;
+    m_inverse[4][6] = t1485;
+    m_inverse[6][4] = t1485;
     let t1486 = -t1429;
-    (
-        [acceleration_left_shoulder_x, t380, t385, t388, t391, t396, t399],
-        [
-            [0.0, t563, t645, t1432, t1433, t1434, t1435],
-            [0.0, t947, t1436, t1437, t954, t955, t956],
-            [0.0, t1438, t1439, t1440, t974, t977, t980],
-            [0.0, t983, t986, t989, t990, t991, t992],
-            [0.0, t993, t994, t1441, t1442, t1001, t1443],
-            [0.0, t1007, t1010, t1444, t1445, t1023, t1446],
-            [0.0, t1447, t1448, t1031, t1034, t1037, t1040],
-        ],
-        [
-            [t1122, t1154, t1179, t1188, t1449, t1450, t1254],
-            [t1451, t1452, t1453, t1454, t1267, t1268, t1455],
-            [t1456, t1279, t1457, t1458, t1291, t1294, t1459],
-            [t1300, t1460, t1306, t1461, t1309, t1310, t1462],
-            [t1463, t1315, t1316, t1317, t1464, t1465, t1466],
-            [t1467, t1334, t1337, t1340, t1345, t1468, t1469],
-            [t1357, t1470, t1471, t1472, t1473, t1366, t1474],
-        ],
-        [
-            [inverse_d_torso, t1475, t1476, t1477, t1374, t1377, t1478],
-            [t1475, t1380, t1383, t1384, t1479, t1480, t1389],
-            [t1476, t1383, t1399, t1400, t1481, t1482, t1405],
-            [t1477, t1384, t1400, t1407, t1483, t1484, t1412],
-            [t1374, t1479, t1481, t1483, t1414, t1417, t1485],
-            [t1377, t1480, t1482, t1484, t1417, t1428, t1486],
-            [t1478, t1389, t1405, t1412, t1485, t1486, t1431],
-        ],
-    )
+    m_inverse[5][6] = t1486;
+    m_inverse[6][5] = t1486;
 }
 
 /// Linearization of the accelerations in continuous time.
@@ -6114,6 +6721,7 @@ pub fn forward_dynamics_derivatives(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -6124,6 +6732,31 @@ pub fn linearize(
     v: &[f64; N],
     u: &[f64; M],
 ) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
+    let mut a_y = [[0.0; 7]; 7];
+    let mut a_v = [[0.0; 7]; 7];
+    let mut b_x = [[0.0; 7]; 7];
+    let mut c = [0.0; 7];
+    linearize_into(y, v, u, &mut a_y, &mut a_v, &mut b_x, &mut c);
+    (a_y, a_v, b_x, c)
+}
+
+/// `linearize` with its results written in place; nothing of what stood there is read.
+pub fn linearize_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    a_y: &mut [[f64; N]; N],
+    a_v: &mut [[f64; N]; N],
+    b_x: &mut [[f64; M]; N],
+    c: &mut [f64; N],
+) {
+    a_y[0][0] = 0.0;
+    a_y[1][0] = 0.0;
+    a_y[2][0] = 0.0;
+    a_y[3][0] = 0.0;
+    a_y[4][0] = 0.0;
+    a_y[5][0] = 0.0;
+    a_y[6][0] = 0.0;
     let angle_left_shoulder_left_elbow = y[1] + y[2];
     let angle_right_shoulder_right_elbow = y[4] + y[5];
     let (
@@ -6510,6 +7143,7 @@ pub fn linearize(
     let t374 = t339 * t340;
     let t375 = t373 - t374;
     let inverse_d_torso = 1.0 / t375;
+    b_x[0][0] = inverse_d_torso;
     let acceleration_left_shoulder_x = inverse_d_torso * t342;
     let t378 = t340 * acceleration_left_shoulder_x;
     let t379 = inverse_d_left_shoulder * t322;
@@ -6686,6 +7320,7 @@ pub fn linearize(
     let t550 = t340 * t549;
     let t551 = t528 - t550;
     let t552 = inverse_d_torso * t551;
+    a_y[0][1] = t552;
     let t553 = omega_left_elbow_y * t540;
     let t554 = 0.0016 * acceleration_left_shoulder_z;
     let t555 = t554 + t553;
@@ -6768,6 +7403,7 @@ pub fn linearize(
     let t632 = t630 + t631;
     let t633 = t632 + t594;
     let t634 = inverse_d_torso * t633;
+    a_y[0][2] = t634;
     let t635 = 0.0006 * t391;
     let t636 = omega_left_elbow_x * t511;
     let t637 = t635 - t636;
@@ -7081,6 +7717,7 @@ pub fn linearize(
     let t945 = t340 * t552;
     let t946 = inverse_d_left_shoulder * t549;
     let t947 = t946 - t945;
+    a_y[1][1] = t947;
     let t948 = t340 * t634;
     let t949 = inverse_d_left_shoulder * t593;
     let t950 = t949 + t948;
@@ -7088,8 +7725,11 @@ pub fn linearize(
     let t952 = inverse_d_left_shoulder * t660;
     let t953 = t952 - t951;
     let t954 = t340 * t836;
+    a_y[1][4] = t954;
     let t955 = t340 * t915;
+    a_y[1][5] = t955;
     let t956 = t340 * t944;
+    a_y[1][6] = t956;
     let t957 = t320 * t947;
     let t958 = 3.544842254519674 * t526;
     let t959 = t958 - t957;
@@ -7108,26 +7748,37 @@ pub fn linearize(
     let t972 = t320 * t954;
     let t973 = t294 * t836;
     let t974 = t972 + t973;
+    a_y[2][4] = t974;
     let t975 = t320 * t955;
     let t976 = t294 * t915;
     let t977 = t975 + t976;
+    a_y[2][5] = t977;
     let t978 = t320 * t956;
     let t979 = t294 * t944;
     let t980 = t978 + t979;
+    a_y[2][6] = t980;
     let t981 = t259 * t552;
     let t982 = 4.970178926441352 * t499;
     let t983 = t982 - t981;
+    a_y[3][1] = t983;
     let t984 = t259 * t634;
     let t985 = 4.970178926441352 * t628;
     let t986 = t985 - t984;
+    a_y[3][2] = t986;
     let t987 = t259 * t663;
     let t988 = 4.970178926441352 * t648;
     let t989 = t988 + t987;
+    a_y[3][3] = t989;
     let t990 = t259 * t836;
+    a_y[3][4] = t990;
     let t991 = t259 * t915;
+    a_y[3][5] = t991;
     let t992 = t259 * t944;
+    a_y[3][6] = t992;
     let t993 = t251 * t552;
+    a_y[4][1] = t993;
     let t994 = t251 * t634;
+    a_y[4][2] = t994;
     let t995 = t251 * t663;
     let t996 = t251 * t836;
     let t997 = inverse_d_right_shoulder * t833;
@@ -7135,15 +7786,18 @@ pub fn linearize(
     let t999 = t251 * t915;
     let t1000 = inverse_d_right_shoulder * t874;
     let t1001 = t1000 - t999;
+    a_y[4][5] = t1001;
     let t1002 = t251 * t944;
     let t1003 = inverse_d_right_shoulder * t941;
     let t1004 = t1003 + t1002;
     let t1005 = t231 * t993;
     let t1006 = t205 * t552;
     let t1007 = t1005 + t1006;
+    a_y[5][1] = t1007;
     let t1008 = t231 * t994;
     let t1009 = t205 * t634;
     let t1010 = t1008 + t1009;
+    a_y[5][2] = t1010;
     let t1011 = t231 * t995;
     let t1012 = t205 * t663;
     let t1013 = t1011 + t1012;
@@ -7157,6 +7811,7 @@ pub fn linearize(
     let t1021 = t1020 + t1019;
     let t1022 = t205 * t915;
     let t1023 = t1021 - t1022;
+    a_y[5][5] = t1023;
     let t1024 = t231 * t1004;
     let t1025 = 3.544842254519674 * t937;
     let t1026 = t1025 + t1024;
@@ -7165,15 +7820,19 @@ pub fn linearize(
     let t1029 = t170 * t552;
     let t1030 = t170 * t634;
     let t1031 = t170 * t663;
+    a_y[6][3] = t1031;
     let t1032 = t170 * t836;
     let t1033 = 4.970178926441352 * t785;
     let t1034 = t1033 + t1032;
+    a_y[6][4] = t1034;
     let t1035 = t170 * t915;
     let t1036 = 4.970178926441352 * t909;
     let t1037 = t1036 + t1035;
+    a_y[6][5] = t1037;
     let t1038 = t170 * t944;
     let t1039 = 4.970178926441352 * t929;
     let t1040 = t1039 + t1038;
+    a_y[6][6] = t1040;
     let t1041 = sin_right_shoulder_right_elbow * t798;
     let t1042 = cos_right_shoulder_right_elbow * t802;
     let t1043 = t1041 - t1042;
@@ -7256,6 +7915,7 @@ pub fn linearize(
     let t1120 = t340 * t1119;
     let t1121 = t1112 + t1120;
     let t1122 = inverse_d_torso * t1121;
+    a_v[0][0] = t1122;
     let t1123 = t293 * t469;
     let t1124 = t21 * t475;
     let t1125 = t1124 + t1123;
@@ -7288,6 +7948,7 @@ pub fn linearize(
     let t1152 = t1150 - t1151;
     let t1153 = t1152 + t1134;
     let t1154 = inverse_d_torso * t1153;
+    a_v[0][1] = t1154;
     let t1155 = t319 * 0.7089684509039348;
     let t1156 = t1060 - t1124;
     let t1157 = t1156 + t1155;
@@ -7313,6 +7974,7 @@ pub fn linearize(
     let t1177 = t1175 + t1176;
     let t1178 = t1177 + t1158;
     let t1179 = inverse_d_torso * t1178;
+    a_v[0][2] = t1179;
     let t1180 = t320 * t1147;
     let t1181 = t1147 + t1180;
     let t1182 = t340 * t1181;
@@ -7322,6 +7984,7 @@ pub fn linearize(
     let t1186 = t1185 + t1183;
     let t1187 = t1186 + t1182;
     let t1188 = inverse_d_torso * t1187;
+    a_v[0][3] = t1188;
     let t1189 = t204 * t755;
     let t1190 = t98 * t761;
     let t1191 = t1190 + t1189;
@@ -7388,6 +8051,7 @@ pub fn linearize(
     let t1252 = t1251 - t1249;
     let t1253 = t1252 - t1248;
     let t1254 = inverse_d_torso * t1253;
+    a_v[0][6] = t1254;
     let t1255 = t340 * t1122;
     let t1256 = inverse_d_left_shoulder * t1119;
     let t1257 = t1256 + t1255;
@@ -7401,7 +8065,9 @@ pub fn linearize(
     let t1265 = inverse_d_left_shoulder * t1181;
     let t1266 = t1265 + t1264;
     let t1267 = t340 * t1220;
+    a_v[1][4] = t1267;
     let t1268 = t340 * t1245;
+    a_v[1][5] = t1268;
     let t1269 = t340 * t1254;
     let t1270 = t320 * t1257;
     let t1271 = 3.544842254519674 * t1110;
@@ -7413,6 +8079,7 @@ pub fn linearize(
     let t1277 = t1276 - t1275;
     let t1278 = t294 * t1154;
     let t1279 = t1277 - t1278;
+    a_v[2][1] = t1279;
     let t1280 = t320 * t1263;
     let t1281 = 0.7089684509039348 + t1280;
     let t1282 = t294 * t1179;
@@ -7425,32 +8092,41 @@ pub fn linearize(
     let t1289 = t320 * t1267;
     let t1290 = t294 * t1220;
     let t1291 = t1289 + t1290;
+    a_v[2][4] = t1291;
     let t1292 = t320 * t1268;
     let t1293 = t294 * t1245;
     let t1294 = t1292 + t1293;
+    a_v[2][5] = t1294;
     let t1295 = t320 * t1269;
     let t1296 = t294 * t1254;
     let t1297 = t1295 + t1296;
     let t1298 = t259 * t1122;
     let t1299 = 4.970178926441352 * t1103;
     let t1300 = t1299 - t1298;
+    a_v[3][0] = t1300;
     let t1301 = t259 * t1154;
     let t1302 = 4.970178926441352 * t1148;
     let t1303 = t1302 + t1301;
     let t1304 = t259 * t1179;
     let t1305 = 0.015904572564612324 * omega_left_elbow_x;
     let t1306 = t1305 - t1304;
+    a_v[3][2] = t1306;
     let t1307 = t259 * t1188;
     let t1308 = 0.9940357852882704 + t1307;
     let t1309 = t259 * t1220;
+    a_v[3][4] = t1309;
     let t1310 = t259 * t1245;
+    a_v[3][5] = t1310;
     let t1311 = t259 * t1254;
     let t1312 = t251 * t1122;
     let t1313 = inverse_d_right_shoulder * t1052;
     let t1314 = t1313 - t1312;
     let t1315 = t251 * t1154;
+    a_v[4][1] = t1315;
     let t1316 = t251 * t1179;
+    a_v[4][2] = t1316;
     let t1317 = t251 * t1188;
+    a_v[4][3] = t1317;
     let t1318 = t251 * t1220;
     let t1319 = inverse_d_right_shoulder * t1199;
     let t1320 = t1319 + t1318;
@@ -7468,17 +8144,21 @@ pub fn linearize(
     let t1332 = t231 * t1315;
     let t1333 = t205 * t1154;
     let t1334 = t1332 + t1333;
+    a_v[5][1] = t1334;
     let t1335 = t231 * t1316;
     let t1336 = t205 * t1179;
     let t1337 = t1335 + t1336;
+    a_v[5][2] = t1337;
     let t1338 = t231 * t1317;
     let t1339 = t205 * t1188;
     let t1340 = t1338 + t1339;
+    a_v[5][3] = t1340;
     let t1341 = t231 * t1320;
     let t1342 = 3.544842254519674 * t1197;
     let t1343 = t1342 - t1341;
     let t1344 = t205 * t1220;
     let t1345 = t1343 - t1344;
+    a_v[5][4] = t1345;
     let t1346 = t231 * t1323;
     let t1347 = 0.7089684509039348 + t1346;
     let t1348 = t205 * t1245;
@@ -7491,6 +8171,7 @@ pub fn linearize(
     let t1355 = t170 * t1122;
     let t1356 = 4.970178926441352 * t1097;
     let t1357 = t1356 - t1355;
+    a_v[6][0] = t1357;
     let t1358 = t170 * t1154;
     let t1359 = t170 * t1179;
     let t1360 = t170 * t1188;
@@ -7500,6 +8181,7 @@ pub fn linearize(
     let t1364 = t170 * t1245;
     let t1365 = 0.015904572564612324 * omega_right_elbow_x;
     let t1366 = t1365 + t1364;
+    a_v[6][5] = t1366;
     let t1367 = t170 * t1254;
     let t1368 = 0.9940357852882704 + t1367;
     let t1369 = t340 * inverse_d_torso;
@@ -7511,22 +8193,31 @@ pub fn linearize(
     let t1375 = t259 * inverse_d_torso;
     let t1376 = 100.0 * t1375;
     let t1377 = t251 * inverse_d_torso;
+    b_x[4][0] = t1377;
     let t1378 = 100.0 * t1377;
+    b_x[0][4] = t1378;
     let t1379 = t231 * t1377;
     let t1380 = t205 * inverse_d_torso;
     let t1381 = t1379 + t1380;
+    b_x[5][0] = t1381;
     let t1382 = 100.0 * t1381;
+    b_x[0][5] = t1382;
     let t1383 = t170 * inverse_d_torso;
     let t1384 = 100.0 * t1383;
     let t1385 = t340 * t1369;
     let t1386 = inverse_d_left_shoulder + t1385;
     let t1387 = 100.0 * t1386;
+    b_x[1][1] = t1387;
     let t1388 = t320 * t1386;
     let t1389 = t294 * t1369;
     let t1390 = t1388 + t1389;
     let t1391 = 100.0 * t1390;
+    b_x[1][2] = t1391;
+    b_x[2][1] = t1391;
     let t1392 = t259 * t1369;
     let t1393 = 100.0 * t1392;
+    b_x[1][3] = t1393;
+    b_x[3][1] = t1393;
     let t1394 = t251 * t1369;
     let t1395 = 100.0 * t1394;
     let t1396 = t231 * t1394;
@@ -7535,6 +8226,8 @@ pub fn linearize(
     let t1399 = 100.0 * t1398;
     let t1400 = t170 * t1369;
     let t1401 = 100.0 * t1400;
+    b_x[1][6] = t1401;
+    b_x[6][1] = t1401;
     let t1402 = t320 * t340;
     let t1403 = t294 + t1402;
     let t1404 = inverse_d_torso * t1403;
@@ -7546,8 +8239,11 @@ pub fn linearize(
     let t1410 = t294 * t1404;
     let t1411 = t1409 + t1410;
     let t1412 = 100.0 * t1411;
+    b_x[2][2] = t1412;
     let t1413 = t259 * t1404;
     let t1414 = 100.0 * t1413;
+    b_x[2][3] = t1414;
+    b_x[3][2] = t1414;
     let t1415 = t251 * t1404;
     let t1416 = 100.0 * t1415;
     let t1417 = t231 * t1415;
@@ -7556,9 +8252,12 @@ pub fn linearize(
     let t1420 = 100.0 * t1419;
     let t1421 = t170 * t1404;
     let t1422 = 100.0 * t1421;
+    b_x[2][6] = t1422;
+    b_x[6][2] = t1422;
     let t1423 = t259 * t1375;
     let t1424 = 4.970178926441352 + t1423;
     let t1425 = 100.0 * t1424;
+    b_x[3][3] = t1425;
     let t1426 = t251 * t1375;
     let t1427 = 100.0 * t1426;
     let t1428 = t231 * t1426;
@@ -7567,13 +8266,18 @@ pub fn linearize(
     let t1431 = 100.0 * t1430;
     let t1432 = t170 * t1375;
     let t1433 = 100.0 * t1432;
+    b_x[3][6] = t1433;
+    b_x[6][3] = t1433;
     let t1434 = t251 * t1377;
     let t1435 = inverse_d_right_shoulder + t1434;
     let t1436 = 100.0 * t1435;
+    b_x[4][4] = t1436;
     let t1437 = t231 * t1435;
     let t1438 = t205 * t1377;
     let t1439 = t1437 + t1438;
     let t1440 = 100.0 * t1439;
+    b_x[4][5] = t1440;
+    b_x[5][4] = t1440;
     let t1441 = t170 * t1377;
     let t1442 = 100.0 * t1441;
     let t1443 = t231 * t251;
@@ -7587,11 +8291,13 @@ pub fn linearize(
     let t1451 = t205 * t1445;
     let t1452 = t1450 + t1451;
     let t1453 = 100.0 * t1452;
+    b_x[5][5] = t1453;
     let t1454 = t170 * t1445;
     let t1455 = 100.0 * t1454;
     let t1456 = t170 * t1383;
     let t1457 = 4.970178926441352 + t1456;
     let t1458 = 100.0 * t1457;
+    b_x[6][6] = t1458;
     let t1459 = y[2] * t634;
     let t1460 = y[1] * t552;
     let t1461 = t1460 + t1459;
@@ -7632,6 +8338,7 @@ pub fn linearize(
     let t1496 = t1494 - t1495;
     let t1497 = t1483 + t1496;
     let t1498 = acceleration_left_shoulder_x - t1497;
+    c[0] = t1498;
     let t1499 = y[2] * t950;
     let t1500 = y[1] * t947;
     let t1501 = t1500 - t1499;
@@ -7672,6 +8379,7 @@ pub fn linearize(
     let t1536 = t1534 - t1535;
     let t1537 = t1523 - t1536;
     let t1538 = t380 - t1537;
+    c[1] = t1538;
     let t1539 = y[2] * t966;
     let t1540 = y[1] * t961;
     let t1541 = t1540 + t1539;
@@ -7712,6 +8420,7 @@ pub fn linearize(
     let t1576 = t1574 - t1575;
     let t1577 = t1563 + t1576;
     let t1578 = t385 + t1577;
+    c[2] = t1578;
     let t1579 = y[2] * t986;
     let t1580 = y[1] * t983;
     let t1581 = t1580 + t1579;
@@ -7752,6 +8461,7 @@ pub fn linearize(
     let t1616 = t1614 - t1615;
     let t1617 = t1603 - t1616;
     let t1618 = t416 - t1617;
+    c[3] = t1618;
     let t1619 = y[2] * t994;
     let t1620 = y[1] * t993;
     let t1621 = t1620 + t1619;
@@ -7792,6 +8502,7 @@ pub fn linearize(
     let t1656 = t1654 - t1655;
     let t1657 = t1643 + t1656;
     let t1658 = t666 - t1657;
+    c[4] = t1658;
     let t1659 = y[2] * t1010;
     let t1660 = y[1] * t1007;
     let t1661 = t1660 + t1659;
@@ -7832,6 +8543,7 @@ pub fn linearize(
     let t1696 = t1694 - t1695;
     let t1697 = t1683 + t1696;
     let t1698 = t671 - t1697;
+    c[5] = t1698;
     let t1699 = y[2] * t1030;
     let t1700 = y[1] * t1029;
     let t1701 = t1700 + t1699;
@@ -7872,95 +8584,133 @@ pub fn linearize(
     let t1736 = t1734 - t1735;
     let t1737 = t1723 + t1736;
     let t1738 = t702 + t1737;
+    c[6] = t1738;
     let t1739 = -t663;
+    a_y[0][3] = t1739;
     let t1740 = -t836;
+    a_y[0][4] = t1740;
     let t1741 = -t915;
+    a_y[0][5] = t1741;
     let t1742 = -t944;
+    a_y[0][6] = t1742;
     let t1743 = -t950;
+    a_y[1][2] = t1743;
     let t1744 = -t953;
+    a_y[1][3] = t1744;
     let t1745 = -t961;
+    a_y[2][1] = t1745;
     let t1746 = -t966;
+    a_y[2][2] = t1746;
     let t1747 = -t971;
+    a_y[2][3] = t1747;
     let t1748 = -t995;
+    a_y[4][3] = t1748;
     let t1749 = -t998;
+    a_y[4][4] = t1749;
     let t1750 = -t1004;
+    a_y[4][6] = t1750;
     let t1751 = -t1013;
+    a_y[5][3] = t1751;
     let t1752 = -t1018;
+    a_y[5][4] = t1752;
     let t1753 = -t1028;
+    a_y[5][6] = t1753;
     let t1754 = -t1029;
+    a_y[6][1] = t1754;
     let t1755 = -t1030;
+    a_y[6][2] = t1755;
     let t1756 = -t1220;
+    a_v[0][4] = t1756;
     let t1757 = -t1245;
+    a_v[0][5] = t1757;
     let t1758 = -t1257;
+    a_v[1][0] = t1758;
     let t1759 = -t1260;
+    a_v[1][1] = t1759;
     let t1760 = -t1263;
+    a_v[1][2] = t1760;
     let t1761 = -t1266;
+    a_v[1][3] = t1761;
     let t1762 = -t1269;
+    a_v[1][6] = t1762;
     let t1763 = -t1274;
+    a_v[2][0] = t1763;
     let t1764 = -t1283;
+    a_v[2][2] = t1764;
     let t1765 = -t1288;
+    a_v[2][3] = t1765;
     let t1766 = -t1297;
+    a_v[2][6] = t1766;
     let t1767 = -t1303;
+    a_v[3][1] = t1767;
     let t1768 = -t1308;
+    a_v[3][3] = t1768;
     let t1769 = -t1311;
+    a_v[3][6] = t1769;
     let t1770 = -t1314;
+    a_v[4][0] = t1770;
     let t1771 = -t1320;
+    a_v[4][4] = t1771;
     let t1772 = -t1323;
+    a_v[4][5] = t1772;
     let t1773 = -t1326;
+    a_v[4][6] = t1773;
     let t1774 = -t1331;
+    a_v[5][0] = t1774;
     let t1775 = -t1349;
+    a_v[5][5] = t1775;
     let t1776 = -t1354;
+    a_v[5][6] = t1776;
     let t1777 = -t1358;
+    a_v[6][1] = t1777;
     let t1778 = -t1359;
+    a_v[6][2] = t1778;
     let t1779 = -t1360;
+    a_v[6][3] = t1779;
     let t1780 = -t1363;
+    a_v[6][4] = t1780;
     let t1781 = -t1368;
+    a_v[6][6] = t1781;
     let t1782 = -t1370;
+    b_x[0][1] = t1782;
     let t1783 = -t1374;
+    b_x[0][2] = t1783;
     let t1784 = -t1376;
+    b_x[0][3] = t1784;
     let t1785 = -t1384;
+    b_x[0][6] = t1785;
     let t1786 = -t1369;
+    b_x[1][0] = t1786;
     let t1787 = -t1395;
+    b_x[1][4] = t1787;
+    b_x[4][1] = t1787;
     let t1788 = -t1399;
+    b_x[1][5] = t1788;
+    b_x[5][1] = t1788;
     let t1789 = -t1373;
+    b_x[2][0] = t1789;
     let t1790 = -t1416;
+    b_x[2][4] = t1790;
+    b_x[4][2] = t1790;
     let t1791 = -t1420;
+    b_x[2][5] = t1791;
+    b_x[5][2] = t1791;
     let t1792 = -t1375;
+    b_x[3][0] = t1792;
     let t1793 = -t1427;
+    b_x[3][4] = t1793;
+    b_x[4][3] = t1793;
     let t1794 = -t1431;
+    b_x[3][5] = t1794;
+    b_x[5][3] = t1794;
     let t1795 = -t1442;
+    b_x[4][6] = t1795;
+    b_x[6][4] = t1795;
     let t1796 = -t1455;
+    b_x[5][6] = t1796;
+    b_x[6][5] = t1796;
     let t1797 = -t1383;
-    (
-        [
-            [0.0, t552, t634, t1739, t1740, t1741, t1742],
-            [0.0, t947, t1743, t1744, t954, t955, t956],
-            [0.0, t1745, t1746, t1747, t974, t977, t980],
-            [0.0, t983, t986, t989, t990, t991, t992],
-            [0.0, t993, t994, t1748, t1749, t1001, t1750],
-            [0.0, t1007, t1010, t1751, t1752, t1023, t1753],
-            [0.0, t1754, t1755, t1031, t1034, t1037, t1040],
-        ],
-        [
-            [t1122, t1154, t1179, t1188, t1756, t1757, t1254],
-            [t1758, t1759, t1760, t1761, t1267, t1268, t1762],
-            [t1763, t1279, t1764, t1765, t1291, t1294, t1766],
-            [t1300, t1767, t1306, t1768, t1309, t1310, t1769],
-            [t1770, t1315, t1316, t1317, t1771, t1772, t1773],
-            [t1774, t1334, t1337, t1340, t1345, t1775, t1776],
-            [t1357, t1777, t1778, t1779, t1780, t1366, t1781],
-        ],
-        [
-            [inverse_d_torso, t1782, t1783, t1784, t1378, t1382, t1785],
-            [t1786, t1387, t1391, t1393, t1787, t1788, t1401],
-            [t1789, t1391, t1412, t1414, t1790, t1791, t1422],
-            [t1792, t1393, t1414, t1425, t1793, t1794, t1433],
-            [t1377, t1787, t1790, t1793, t1436, t1440, t1795],
-            [t1381, t1788, t1791, t1794, t1440, t1453, t1796],
-            [t1797, t1401, t1422, t1433, t1795, t1796, t1458],
-        ],
-        [t1498, t1538, t1578, t1618, t1658, t1698, t1738],
-    )
+    b_x[6][0] = t1797;
 }
 
 /// Kinetic energy, rotors included.
@@ -8342,8 +9092,40 @@ pub fn frame_left_hand_pose(y: &[f64; N]) -> ([f64; 3], [[f64; 3]; 3]) {
 /// - returns `J: [6 × N]`: rows: velocity of the origin, then angular velocity, in the axes of the base frame
 ///
 /// Cost: 26 multiplications, 18 additions, 0 divisions, 3 function calls (`sin_cos`).
+#[inline]
 #[must_use]
 pub fn frame_left_hand_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
+    let mut j = [[0.0; 7]; 6];
+    frame_left_hand_jacobian_into(y, &mut j);
+    j
+}
+
+/// `frame_left_hand_jacobian` with its results written in place; nothing of what stood there is read.
+pub fn frame_left_hand_jacobian_into(y: &[f64; N], j: &mut [[f64; N]; 6]) {
+    j[0][4] = 0.0;
+    j[0][5] = 0.0;
+    j[0][6] = 0.0;
+    j[1][4] = 0.0;
+    j[1][5] = 0.0;
+    j[1][6] = 0.0;
+    j[2][0] = 0.0;
+    j[2][4] = 0.0;
+    j[2][5] = 0.0;
+    j[2][6] = 0.0;
+    j[3][0] = 0.0;
+    j[3][4] = 0.0;
+    j[3][5] = 0.0;
+    j[3][6] = 0.0;
+    j[4][0] = 0.0;
+    j[4][4] = 0.0;
+    j[4][5] = 0.0;
+    j[4][6] = 0.0;
+    j[5][0] = 1.0;
+    j[5][1] = 0.0;
+    j[5][2] = 0.0;
+    j[5][4] = 0.0;
+    j[5][5] = 0.0;
+    j[5][6] = 0.0;
     let angle_left_shoulder_left_elbow = y[1] + y[2];
     let (
         [sin_torso,
@@ -8357,7 +9139,11 @@ pub fn frame_left_hand_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
         ..,
         ],
     ) = math::sin_cos_4(y[0], y[1], angle_left_shoulder_left_elbow, 0.0);
+    j[4][1] = cos_torso;
+    j[4][2] = cos_torso;
+    j[5][3] = cos_left_shoulder_left_elbow;
     let y_axis_left_elbow_y = sin_torso * sin_left_shoulder_left_elbow;
+    j[4][3] = y_axis_left_elbow_y;
     let t8 = y_axis_left_elbow_y * 0.37;
     let x_axis_left_shoulder_y = sin_torso * sin_left_shoulder;
     let t10 = 0.3 * x_axis_left_shoulder_y;
@@ -8377,6 +9163,7 @@ pub fn frame_left_hand_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let t24 = y_axis_left_elbow_y * t20;
     let t25 = t24 - t23;
     let y_axis_left_elbow_x = cos_torso * sin_left_shoulder_left_elbow;
+    j[3][3] = y_axis_left_elbow_x;
     let t27 = y_axis_left_elbow_x * 0.37;
     let x_axis_left_shoulder_x = cos_torso * sin_left_shoulder;
     let t29 = 0.3 * x_axis_left_shoulder_x;
@@ -8389,34 +9176,39 @@ pub fn frame_left_hand_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let t36 = cos_left_shoulder_left_elbow * t35;
     let t37 = y_axis_left_elbow_x * t20;
     let t38 = t36 + t37;
+    j[1][3] = t38;
     let t39 = origin_left_shoulder_x - t32;
     let t40 = cos_torso * t39;
     let t41 = origin_left_shoulder_y - t13;
     let t42 = sin_torso * t41;
     let t43 = t42 - t40;
+    j[2][1] = t43;
     let t44 = cos_torso * t35;
     let t45 = sin_torso * t22;
     let t46 = t45 - t44;
+    j[2][2] = t46;
     let t47 = y_axis_left_elbow_y * t35;
     let t48 = y_axis_left_elbow_x * t22;
     let t49 = t48 + t47;
     let t50 = -t13;
+    j[0][0] = t50;
     let t51 = -t19;
+    j[0][1] = t51;
     let t52 = -t21;
+    j[0][2] = t52;
     let t53 = -t25;
+    j[0][3] = t53;
     let t54 = -t32;
+    j[1][0] = t54;
     let t55 = -t33;
+    j[1][1] = t55;
     let t56 = -t34;
+    j[1][2] = t56;
     let t57 = -t49;
+    j[2][3] = t57;
     let minus_sin_torso = -sin_torso;
-    [
-        [t50, t51, t52, t53, 0.0, 0.0, 0.0],
-        [t54, t55, t56, t38, 0.0, 0.0, 0.0],
-        [0.0, t43, t46, t57, 0.0, 0.0, 0.0],
-        [0.0, minus_sin_torso, minus_sin_torso, y_axis_left_elbow_x, 0.0, 0.0, 0.0],
-        [0.0, cos_torso, cos_torso, y_axis_left_elbow_y, 0.0, 0.0, 0.0],
-        [1.0, 0.0, 0.0, cos_left_shoulder_left_elbow, 0.0, 0.0, 0.0],
-    ]
+    j[3][1] = minus_sin_torso;
+    j[3][2] = minus_sin_torso;
 }
 
 /// Acceleration of the frame at ÿ = 0 `left_hand`.
@@ -8669,8 +9461,40 @@ pub fn frame_right_hand_pose(y: &[f64; N]) -> ([f64; 3], [[f64; 3]; 3]) {
 /// - returns `J: [6 × N]`: rows: velocity of the origin, then angular velocity, in the axes of the base frame
 ///
 /// Cost: 26 multiplications, 18 additions, 0 divisions, 3 function calls (`sin_cos`).
+#[inline]
 #[must_use]
 pub fn frame_right_hand_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
+    let mut j = [[0.0; 7]; 6];
+    frame_right_hand_jacobian_into(y, &mut j);
+    j
+}
+
+/// `frame_right_hand_jacobian` with its results written in place; nothing of what stood there is read.
+pub fn frame_right_hand_jacobian_into(y: &[f64; N], j: &mut [[f64; N]; 6]) {
+    j[0][1] = 0.0;
+    j[0][2] = 0.0;
+    j[0][3] = 0.0;
+    j[1][1] = 0.0;
+    j[1][2] = 0.0;
+    j[1][3] = 0.0;
+    j[2][0] = 0.0;
+    j[2][1] = 0.0;
+    j[2][2] = 0.0;
+    j[2][3] = 0.0;
+    j[3][0] = 0.0;
+    j[3][1] = 0.0;
+    j[3][2] = 0.0;
+    j[3][3] = 0.0;
+    j[4][0] = 0.0;
+    j[4][1] = 0.0;
+    j[4][2] = 0.0;
+    j[4][3] = 0.0;
+    j[5][0] = 1.0;
+    j[5][1] = 0.0;
+    j[5][2] = 0.0;
+    j[5][3] = 0.0;
+    j[5][4] = 0.0;
+    j[5][5] = 0.0;
     let angle_right_shoulder_right_elbow = y[4] + y[5];
     let (
         [sin_torso,
@@ -8684,13 +9508,18 @@ pub fn frame_right_hand_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
         ..,
         ],
     ) = math::sin_cos_4(y[0], y[4], angle_right_shoulder_right_elbow, 0.0);
+    j[4][4] = cos_torso;
+    j[4][5] = cos_torso;
+    j[5][6] = cos_right_shoulder_right_elbow;
     let y_axis_right_elbow_y = sin_torso * sin_right_shoulder_right_elbow;
+    j[4][6] = y_axis_right_elbow_y;
     let t8 = y_axis_right_elbow_y * 0.37;
     let x_axis_right_shoulder_y = sin_torso * sin_right_shoulder;
     let t10 = 0.3 * x_axis_right_shoulder_y;
     let origin_left_shoulder_y = 0.2 * cos_torso;
     let origin_right_elbow_y = origin_left_shoulder_y + t10;
     let t13 = origin_right_elbow_y + t8;
+    j[0][0] = t13;
     let t14 = cos_right_shoulder_right_elbow * 0.37;
     let t15 = 0.3 * cos_right_shoulder;
     let origin_right_elbow_z = 0.5 - t15;
@@ -8704,12 +9533,14 @@ pub fn frame_right_hand_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let t24 = y_axis_right_elbow_y * t20;
     let t25 = t24 + t23;
     let y_axis_right_elbow_x = cos_torso * sin_right_shoulder_right_elbow;
+    j[3][6] = y_axis_right_elbow_x;
     let t27 = y_axis_right_elbow_x * 0.37;
     let x_axis_right_shoulder_x = cos_torso * sin_right_shoulder;
     let t29 = 0.3 * x_axis_right_shoulder_x;
     let origin_left_shoulder_x = 0.2 * sin_torso;
     let origin_right_elbow_x = origin_left_shoulder_x - t29;
     let t32 = origin_right_elbow_x - t27;
+    j[1][0] = t32;
     let t33 = sin_torso * t18;
     let t34 = sin_torso * t20;
     let t35 = origin_right_elbow_x - t32;
@@ -8727,23 +9558,26 @@ pub fn frame_right_hand_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let t47 = y_axis_right_elbow_y * t35;
     let t48 = y_axis_right_elbow_x * t22;
     let t49 = t48 + t47;
+    j[2][6] = t49;
     let t50 = -t19;
+    j[0][4] = t50;
     let t51 = -t21;
+    j[0][5] = t51;
     let t52 = -t25;
+    j[0][6] = t52;
     let t53 = -t33;
+    j[1][4] = t53;
     let t54 = -t34;
+    j[1][5] = t54;
     let t55 = -t38;
+    j[1][6] = t55;
     let t56 = -t43;
+    j[2][4] = t56;
     let t57 = -t46;
+    j[2][5] = t57;
     let minus_sin_torso = -sin_torso;
-    [
-        [t13, 0.0, 0.0, 0.0, t50, t51, t52],
-        [t32, 0.0, 0.0, 0.0, t53, t54, t55],
-        [0.0, 0.0, 0.0, 0.0, t56, t57, t49],
-        [0.0, 0.0, 0.0, 0.0, minus_sin_torso, minus_sin_torso, y_axis_right_elbow_x],
-        [0.0, 0.0, 0.0, 0.0, cos_torso, cos_torso, y_axis_right_elbow_y],
-        [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, cos_right_shoulder_right_elbow],
-    ]
+    j[3][4] = minus_sin_torso;
+    j[3][5] = minus_sin_torso;
 }
 
 /// Acceleration of the frame at ÿ = 0 `right_hand`.

@@ -106,8 +106,19 @@ pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 /// Cost: 44 multiplications, 45 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///
 /// Composite rigid bodies (Walker and Orin 1982; Featherstone 2008, ch. 6), rotors included.
+#[inline]
 #[must_use]
 pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
+    let mut m = [[0.0; 6]; 6];
+    mass_matrix_into(y, &mut m);
+    m
+}
+
+/// `mass_matrix` with its results written in place; nothing of what stood there is read.
+pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
+    m[4][5] = 0.0;
+    m[5][4] = 0.0;
+    m[5][5] = 0.017136473145400004;
     let angle_shoulder_lift_joint_elbow_joint = y[1] + y[2];
     let angle_shoulder_lift_joint_elbow_joint_wrist_1_joint = y[3]
         + angle_shoulder_lift_joint_elbow_joint;
@@ -170,9 +181,16 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t48 = 0.0033300000000000005 + t47;
     let t49 = t15 - 0.42182961244275;
     let t50 = t48 - t49;
+    m[0][0] = t50;
     let t51 = cos_wrist_2_joint * t14;
     let t52 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t51;
     let t53 = sin_wrist_2_joint * t22;
+    m[1][4] = t53;
+    m[2][4] = t53;
+    m[3][4] = t53;
+    m[4][1] = t53;
+    m[4][2] = t53;
+    m[4][3] = t53;
     let t54 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t53;
     let t55 = t52 - t54;
     let t56 = 0.09736195575 * sin_shoulder_lift_joint_elbow_joint;
@@ -185,12 +203,20 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t63 = 0.483853490875 * sin_shoulder_lift_joint;
     let t64 = t63 + t62;
     let t65 = t64 - t59;
+    m[0][1] = t65;
+    m[1][0] = t65;
     let t66 = t62 - t57;
+    m[0][2] = t66;
+    m[2][0] = t66;
     let t67 = t60 + t55;
+    m[0][3] = t67;
+    m[3][0] = t67;
     let t68 = t13 - 0.25324199999999997;
     let t69 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t68;
     let t70 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t23;
     let t71 = t70 + t69;
+    m[0][4] = t71;
+    m[4][0] = t71;
     let t72 = sin_wrist_2_joint * 0.017136473145400004;
     let t73 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t72;
     let t74 = t19 + t27;
@@ -207,27 +233,37 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t85 = 0.0075536999999999965 + t45;
     let t86 = t85 + t84;
     let t87 = t47 + t86;
+    m[1][1] = t87;
     let t88 = t37 + t80;
+    m[2][2] = t88;
     let t89 = t41 + t82;
     let t90 = t88 + t89;
+    m[1][2] = t90;
+    m[2][1] = t90;
     let t91 = t18 + t19;
+    m[3][3] = t91;
     let t92 = t31 - t76;
     let t93 = t91 - t92;
+    m[2][3] = t93;
+    m[3][2] = t93;
     let t94 = t81 * t60;
     let t95 = t40 * t29;
     let t96 = t95 - t94;
     let t97 = t93 - t96;
+    m[1][3] = t97;
+    m[3][1] = t97;
     let t98 = cos_wrist_2_joint * 0.017136473145400004;
+    m[1][5] = t98;
+    m[2][5] = t98;
+    m[3][5] = t98;
+    m[5][1] = t98;
+    m[5][2] = t98;
+    m[5][3] = t98;
     let t99 = -t73;
+    m[0][5] = t99;
+    m[5][0] = t99;
     let t100 = -t68;
-    [
-        [t50, t65, t66, t67, t71, t99],
-        [t65, t87, t90, t97, t53, t98],
-        [t66, t90, t88, t93, t53, t98],
-        [t67, t97, t93, t91, t53, t98],
-        [t71, t53, t53, t53, t100, 0.0],
-        [t99, t98, t98, t98, 0.0, 0.017136473145400004],
-    ]
+    m[4][4] = t100;
 }
 
 /// Coriolis, centrifugal and gyroscopic forces `k(y, ẏ)`.
@@ -813,14 +849,49 @@ pub fn bias_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 #[inline]
 #[must_use]
 pub fn input_matrix() -> [[f64; M]; N] {
-    [
-        [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-        [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
-        [0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
-        [0.0, 0.0, 0.0, 1.0, 0.0, 0.0],
-        [0.0, 0.0, 0.0, 0.0, 1.0, 0.0],
-        [0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
-    ]
+    let mut b = [[0.0; 6]; 6];
+    input_matrix_into(&mut b);
+    b
+}
+
+/// `input_matrix` with its results written in place; nothing of what stood there is read.
+pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
+    b[0][0] = 1.0;
+    b[0][1] = 0.0;
+    b[0][2] = 0.0;
+    b[0][3] = 0.0;
+    b[0][4] = 0.0;
+    b[0][5] = 0.0;
+    b[1][0] = 0.0;
+    b[1][1] = 1.0;
+    b[1][2] = 0.0;
+    b[1][3] = 0.0;
+    b[1][4] = 0.0;
+    b[1][5] = 0.0;
+    b[2][0] = 0.0;
+    b[2][1] = 0.0;
+    b[2][2] = 1.0;
+    b[2][3] = 0.0;
+    b[2][4] = 0.0;
+    b[2][5] = 0.0;
+    b[3][0] = 0.0;
+    b[3][1] = 0.0;
+    b[3][2] = 0.0;
+    b[3][3] = 1.0;
+    b[3][4] = 0.0;
+    b[3][5] = 0.0;
+    b[4][0] = 0.0;
+    b[4][1] = 0.0;
+    b[4][2] = 0.0;
+    b[4][3] = 0.0;
+    b[4][4] = 1.0;
+    b[4][5] = 0.0;
+    b[5][0] = 0.0;
+    b[5][1] = 0.0;
+    b[5][2] = 0.0;
+    b[5][3] = 0.0;
+    b[5][4] = 0.0;
+    b[5][5] = 1.0;
 }
 
 /// Mass matrix, Coriolis forces and applied forces at once.
@@ -838,11 +909,33 @@ pub fn input_matrix() -> [[f64; M]; N] {
 /// Cost: 145 multiplications, 117 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///
 /// What the three have in common is computed once.
+#[inline]
 #[must_use]
 pub fn equations_of_motion(
     y: &[f64; N],
     v: &[f64; N],
 ) -> ([[f64; N]; N], [f64; N], [f64; N]) {
+    let mut m = [[0.0; 6]; 6];
+    let mut k = [0.0; 6];
+    let mut q = [0.0; 6];
+    equations_of_motion_into(y, v, &mut m, &mut k, &mut q);
+    (m, k, q)
+}
+
+/// `equations_of_motion` with its results written in place; nothing of what stood there is read.
+pub fn equations_of_motion_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    m: &mut [[f64; N]; N],
+    k: &mut [f64; N],
+    q: &mut [f64; N],
+) {
+    m[4][5] = 0.0;
+    m[5][4] = 0.0;
+    m[5][5] = 0.017136473145400004;
+    q[0] = 0.0;
+    q[4] = 0.0;
+    q[5] = 0.0;
     let angle_shoulder_lift_joint_elbow_joint = y[1] + y[2];
     let angle_shoulder_lift_joint_elbow_joint_wrist_1_joint = y[3]
         + angle_shoulder_lift_joint_elbow_joint;
@@ -905,9 +998,16 @@ pub fn equations_of_motion(
     let t48 = 0.0033300000000000005 + t47;
     let t49 = t15 - 0.42182961244275;
     let t50 = t48 - t49;
+    m[0][0] = t50;
     let t51 = cos_wrist_2_joint * t14;
     let t52 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t51;
     let t53 = sin_wrist_2_joint * t22;
+    m[1][4] = t53;
+    m[2][4] = t53;
+    m[3][4] = t53;
+    m[4][1] = t53;
+    m[4][2] = t53;
+    m[4][3] = t53;
     let t54 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t53;
     let t55 = t52 - t54;
     let t56 = 0.09736195575 * sin_shoulder_lift_joint_elbow_joint;
@@ -920,12 +1020,20 @@ pub fn equations_of_motion(
     let t63 = sin_shoulder_lift_joint * 0.483853490875;
     let t64 = t63 + t62;
     let t65 = t64 - t59;
+    m[0][1] = t65;
+    m[1][0] = t65;
     let t66 = t62 - t57;
+    m[0][2] = t66;
+    m[2][0] = t66;
     let t67 = t60 + t55;
+    m[0][3] = t67;
+    m[3][0] = t67;
     let t68 = t13 - 0.25324199999999997;
     let t69 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t68;
     let t70 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t23;
     let t71 = t70 + t69;
+    m[0][4] = t71;
+    m[4][0] = t71;
     let t72 = sin_wrist_2_joint * 0.017136473145400004;
     let t73 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t72;
     let t74 = t19 + t27;
@@ -942,17 +1050,32 @@ pub fn equations_of_motion(
     let t85 = 0.0075536999999999965 + t45;
     let t86 = t85 + t84;
     let t87 = t47 + t86;
+    m[1][1] = t87;
     let t88 = t37 + t80;
+    m[2][2] = t88;
     let t89 = t41 + t82;
     let t90 = t88 + t89;
+    m[1][2] = t90;
+    m[2][1] = t90;
     let t91 = t18 + t19;
+    m[3][3] = t91;
     let t92 = t31 - t76;
     let t93 = t91 - t92;
+    m[2][3] = t93;
+    m[3][2] = t93;
     let t94 = t81 * t60;
     let t95 = t40 * t29;
     let t96 = t95 - t94;
     let t97 = t93 - t96;
+    m[1][3] = t97;
+    m[3][1] = t97;
     let t98 = cos_wrist_2_joint * 0.017136473145400004;
+    m[1][5] = t98;
+    m[2][5] = t98;
+    m[3][5] = t98;
+    m[5][1] = t98;
+    m[5][2] = t98;
+    m[5][3] = t98;
     let omega_wrist_1_joint_x = v[0] * sin_shoulder_lift_joint_elbow_joint_wrist_1_joint;
     let t100 = sin_wrist_2_joint * omega_wrist_1_joint_x;
     let omega_elbow_joint_z = v[1] + v[2];
@@ -985,6 +1108,7 @@ pub fn equations_of_motion(
     let t128 = 0.0002254731454000014 + t13;
     let t129 = t128 * t127;
     let moment_wrist_3_joint_z = t126 - t129;
+    k[5] = moment_wrist_3_joint_z;
     let t131 = 0.10970999999999999 * t123;
     let moment_wrist_2_joint_y = t131 - moment_wrist_3_joint_z;
     let t133 = sin_wrist_2_joint * moment_wrist_2_joint_y;
@@ -1033,6 +1157,7 @@ pub fn equations_of_motion(
     let t175 = 0.10970999999999999 * t174;
     let t176 = t175 + t173;
     let moment_wrist_2_joint_z = t176 + moment_wrist_3_joint_y;
+    k[4] = moment_wrist_2_joint_z;
     let t178 = 0.21941999999999998 * t145;
     let moment_wrist_1_joint_y = t178 + moment_wrist_2_joint_z;
     let t180 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint
@@ -1097,6 +1222,7 @@ pub fn equations_of_motion(
     let force_elbow_joint_x = t237 + t236;
     let t239 = 0.2782664117272148 * force_elbow_joint_x;
     let moment_shoulder_pan_joint_z = moment_shoulder_lift_joint_y + t239;
+    k[0] = moment_shoulder_pan_joint_z;
     let t241 = cos_wrist_2_joint * moment_wrist_2_joint_y;
     let t242 = sin_wrist_2_joint * moment_wrist_2_joint_x;
     let t243 = t242 - t241;
@@ -1104,6 +1230,7 @@ pub fn equations_of_motion(
     let t245 = t232 * 0.10510116377024999;
     let t246 = t244 + t245;
     let moment_wrist_1_joint_z = t246 + t243;
+    k[3] = moment_wrist_1_joint_z;
     let t248 = sin_shoulder_lift_joint_elbow_joint * t236;
     let t249 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_y;
     let t250 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_x;
@@ -1114,6 +1241,7 @@ pub fn equations_of_motion(
     let t255 = t187 - t188;
     let t256 = t193 * t255;
     let moment_elbow_joint_z = t256 + t254;
+    k[2] = moment_elbow_joint_z;
     let t258 = t160 * force_elbow_joint_x;
     let t259 = 0.9777095753404411 * acceleration_elbow_joint_y;
     let force_elbow_joint_y = t259 + t251;
@@ -1123,41 +1251,22 @@ pub fn equations_of_motion(
     let t264 = t202 - t203;
     let t265 = t208 * t264;
     let moment_shoulder_lift_joint_z = t265 + t263;
+    k[1] = moment_shoulder_lift_joint_z;
     let moment_wrist_1_joint_z_2 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint
         * 0.1744682503500001;
     let t268 = cos_shoulder_lift_joint_elbow_joint * 15.68382848775;
     let moment_elbow_joint_z_2 = t268 - moment_wrist_1_joint_z_2;
+    q[2] = moment_elbow_joint_z_2;
     let t270 = cos_shoulder_lift_joint * 43.486969725;
     let moment_shoulder_lift_joint_z_2 = t270 + moment_elbow_joint_z_2;
+    q[1] = moment_shoulder_lift_joint_z_2;
     let t272 = -t73;
+    m[0][5] = t272;
+    m[5][0] = t272;
     let t273 = -t68;
+    m[4][4] = t273;
     let minus_moment_wrist_1_joint_z = -moment_wrist_1_joint_z_2;
-    (
-        [
-            [t50, t65, t66, t67, t71, t272],
-            [t65, t87, t90, t97, t53, t98],
-            [t66, t90, t88, t93, t53, t98],
-            [t67, t97, t93, t91, t53, t98],
-            [t71, t53, t53, t53, t273, 0.0],
-            [t272, t98, t98, t98, 0.0, 0.017136473145400004],
-        ],
-        [
-            moment_shoulder_pan_joint_z,
-            moment_shoulder_lift_joint_z,
-            moment_elbow_joint_z,
-            moment_wrist_1_joint_z,
-            moment_wrist_2_joint_z,
-            moment_wrist_3_joint_z,
-        ],
-        [
-            0.0,
-            moment_shoulder_lift_joint_z_2,
-            moment_elbow_joint_z_2,
-            minus_moment_wrist_1_joint_z,
-            0.0,
-            0.0,
-        ],
-    )
+    q[3] = minus_moment_wrist_1_joint_z;
 }
 
 /// Inverse dynamics: the joint forces of a motion.
@@ -1885,11 +1994,28 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 /// Cost: 142 multiplications, 116 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///
 /// What both have in common is computed once.
+#[inline]
 #[must_use]
 pub fn mass_matrix_and_bias_forces(
     y: &[f64; N],
     v: &[f64; N],
 ) -> ([[f64; N]; N], [f64; N]) {
+    let mut m = [[0.0; 6]; 6];
+    let mut b = [0.0; 6];
+    mass_matrix_and_bias_forces_into(y, v, &mut m, &mut b);
+    (m, b)
+}
+
+/// `mass_matrix_and_bias_forces` with its results written in place; nothing of what stood there is read.
+pub fn mass_matrix_and_bias_forces_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    m: &mut [[f64; N]; N],
+    b: &mut [f64; N],
+) {
+    m[4][5] = 0.0;
+    m[5][4] = 0.0;
+    m[5][5] = 0.017136473145400004;
     let angle_shoulder_lift_joint_elbow_joint = y[1] + y[2];
     let angle_shoulder_lift_joint_elbow_joint_wrist_1_joint = y[3]
         + angle_shoulder_lift_joint_elbow_joint;
@@ -1952,9 +2078,16 @@ pub fn mass_matrix_and_bias_forces(
     let t48 = 0.0033300000000000005 + t47;
     let t49 = t15 - 0.42182961244275;
     let t50 = t48 - t49;
+    m[0][0] = t50;
     let t51 = cos_wrist_2_joint * t14;
     let t52 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t51;
     let t53 = sin_wrist_2_joint * t22;
+    m[1][4] = t53;
+    m[2][4] = t53;
+    m[3][4] = t53;
+    m[4][1] = t53;
+    m[4][2] = t53;
+    m[4][3] = t53;
     let t54 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t53;
     let t55 = t52 - t54;
     let t56 = 0.09736195575 * sin_shoulder_lift_joint_elbow_joint;
@@ -1967,12 +2100,20 @@ pub fn mass_matrix_and_bias_forces(
     let t63 = 0.483853490875 * sin_shoulder_lift_joint;
     let t64 = t63 + t62;
     let t65 = t64 - t59;
+    m[0][1] = t65;
+    m[1][0] = t65;
     let t66 = t62 - t57;
+    m[0][2] = t66;
+    m[2][0] = t66;
     let t67 = t60 + t55;
+    m[0][3] = t67;
+    m[3][0] = t67;
     let t68 = t13 - 0.25324199999999997;
     let t69 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t68;
     let t70 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t23;
     let t71 = t70 + t69;
+    m[0][4] = t71;
+    m[4][0] = t71;
     let t72 = sin_wrist_2_joint * 0.017136473145400004;
     let t73 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t72;
     let t74 = t19 + t27;
@@ -1989,17 +2130,32 @@ pub fn mass_matrix_and_bias_forces(
     let t85 = 0.0075536999999999965 + t45;
     let t86 = t85 + t84;
     let t87 = t47 + t86;
+    m[1][1] = t87;
     let t88 = t37 + t80;
+    m[2][2] = t88;
     let t89 = t41 + t82;
     let t90 = t88 + t89;
+    m[1][2] = t90;
+    m[2][1] = t90;
     let t91 = t18 + t19;
+    m[3][3] = t91;
     let t92 = t31 - t76;
     let t93 = t91 - t92;
+    m[2][3] = t93;
+    m[3][2] = t93;
     let t94 = t81 * t60;
     let t95 = t40 * t29;
     let t96 = t95 - t94;
     let t97 = t93 - t96;
+    m[1][3] = t97;
+    m[3][1] = t97;
     let t98 = cos_wrist_2_joint * 0.017136473145400004;
+    m[1][5] = t98;
+    m[2][5] = t98;
+    m[3][5] = t98;
+    m[5][1] = t98;
+    m[5][2] = t98;
+    m[5][3] = t98;
     let omega_wrist_1_joint_x = v[0] * sin_shoulder_lift_joint_elbow_joint_wrist_1_joint;
     let t100 = sin_wrist_2_joint * omega_wrist_1_joint_x;
     let omega_elbow_joint_z = v[1] + v[2];
@@ -2032,6 +2188,7 @@ pub fn mass_matrix_and_bias_forces(
     let t128 = 0.0002254731454000014 + t13;
     let t129 = t128 * t127;
     let moment_wrist_3_joint_z = t126 - t129;
+    b[5] = moment_wrist_3_joint_z;
     let t131 = 0.10970999999999999 * t123;
     let moment_wrist_2_joint_y = t131 - moment_wrist_3_joint_z;
     let t133 = sin_wrist_2_joint * moment_wrist_2_joint_y;
@@ -2080,6 +2237,7 @@ pub fn mass_matrix_and_bias_forces(
     let t175 = 0.10970999999999999 * t174;
     let t176 = t175 + t173;
     let moment_wrist_2_joint_z = t176 + moment_wrist_3_joint_y;
+    b[4] = moment_wrist_2_joint_z;
     let t178 = 0.21941999999999998 * t145;
     let moment_wrist_1_joint_y = t178 + moment_wrist_2_joint_z;
     let t180 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint
@@ -2145,6 +2303,7 @@ pub fn mass_matrix_and_bias_forces(
     let force_elbow_joint_x = t238 + t237;
     let t240 = 0.2782664117272148 * force_elbow_joint_x;
     let moment_shoulder_pan_joint_z = moment_shoulder_lift_joint_y + t240;
+    b[0] = moment_shoulder_pan_joint_z;
     let t242 = cos_wrist_2_joint * moment_wrist_2_joint_y;
     let t243 = sin_wrist_2_joint * moment_wrist_2_joint_x;
     let t244 = t243 - t242;
@@ -2152,6 +2311,7 @@ pub fn mass_matrix_and_bias_forces(
     let t246 = t233 * 0.10510116377024999;
     let t247 = t245 + t246;
     let moment_wrist_1_joint_z = t247 + t244;
+    b[3] = moment_wrist_1_joint_z;
     let t249 = sin_shoulder_lift_joint_elbow_joint * t237;
     let t250 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_y;
     let t251 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_x;
@@ -2162,6 +2322,7 @@ pub fn mass_matrix_and_bias_forces(
     let t256 = t187 - t188;
     let t257 = t193 * t256;
     let moment_elbow_joint_z = t257 + t255;
+    b[2] = moment_elbow_joint_z;
     let t259 = t160 * force_elbow_joint_x;
     let t260 = 0.9777095753404411 * acceleration_elbow_joint_y;
     let force_elbow_joint_y = t260 + t252;
@@ -2171,26 +2332,12 @@ pub fn mass_matrix_and_bias_forces(
     let t265 = t202 - t203;
     let t266 = t208 * t265;
     let moment_shoulder_lift_joint_z = t266 + t264;
+    b[1] = moment_shoulder_lift_joint_z;
     let t268 = -t73;
+    m[0][5] = t268;
+    m[5][0] = t268;
     let t269 = -t68;
-    (
-        [
-            [t50, t65, t66, t67, t71, t268],
-            [t65, t87, t90, t97, t53, t98],
-            [t66, t90, t88, t93, t53, t98],
-            [t67, t97, t93, t91, t53, t98],
-            [t71, t53, t53, t53, t269, 0.0],
-            [t268, t98, t98, t98, 0.0, 0.017136473145400004],
-        ],
-        [
-            moment_shoulder_pan_joint_z,
-            moment_shoulder_lift_joint_z,
-            moment_elbow_joint_z,
-            moment_wrist_1_joint_z,
-            moment_wrist_2_joint_z,
-            moment_wrist_3_joint_z,
-        ],
-    )
+    m[4][4] = t269;
 }
 
 /// Inverse dynamics with its Jacobians.
@@ -2212,12 +2359,36 @@ pub fn mass_matrix_and_bias_forces(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 pub fn inverse_dynamics_derivatives(
     y: &[f64; N],
     v: &[f64; N],
     a: &[f64; N],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N]) {
+    let mut b_u = [0.0; 6];
+    let mut d_dy = [[0.0; 6]; 6];
+    let mut d_dv = [[0.0; 6]; 6];
+    inverse_dynamics_derivatives_into(y, v, a, &mut b_u, &mut d_dy, &mut d_dv);
+    (b_u, d_dy, d_dv)
+}
+
+/// `inverse_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+pub fn inverse_dynamics_derivatives_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    b_u: &mut [f64; N],
+    d_dy: &mut [[f64; N]; N],
+    d_dv: &mut [[f64; N]; N],
+) {
+    d_dy[0][0] = 0.0;
+    d_dy[1][0] = 0.0;
+    d_dy[2][0] = 0.0;
+    d_dy[3][0] = 0.0;
+    d_dy[4][0] = 0.0;
+    d_dy[5][0] = 0.0;
+    d_dv[5][5] = 0.0;
     let angle_shoulder_lift_joint_elbow_joint = y[1] + y[2];
     let angle_shoulder_lift_joint_elbow_joint_wrist_1_joint = y[3]
         + angle_shoulder_lift_joint_elbow_joint;
@@ -2285,6 +2456,7 @@ pub fn inverse_dynamics_derivatives(
     let t53 = 0.0002254731454000014 + t36;
     let t54 = t53 * t52;
     let moment_wrist_3_joint_z = t51 + t54;
+    b_u[5] = moment_wrist_3_joint_z;
     let t56 = 2.0 * omega_wrist_2_joint_z;
     let t57 = omega_wrist_2_joint_x * t56;
     let t58 = t26 - t57;
@@ -2345,6 +2517,7 @@ pub fn inverse_dynamics_derivatives(
     let t112 = 0.10970999999999999 * t111;
     let t113 = t112 + t110;
     let moment_wrist_2_joint_z = t113 + moment_wrist_3_joint_y;
+    b_u[4] = moment_wrist_2_joint_z;
     let t115 = omega_wrist_1_joint_x * t15;
     let t116 = t74 - t115;
     let t117 = 0.10970999999999999 * t116;
@@ -2434,6 +2607,7 @@ pub fn inverse_dynamics_derivatives(
     let t200 = force_elbow_joint_x - moment_shoulder_lift_joint_y;
     let t201 = a[0] * 0.1742736511980294;
     let moment_shoulder_pan_joint_z = t201 + t200;
+    b_u[0] = moment_shoulder_pan_joint_z;
     let t203 = cos_wrist_2_joint * moment_wrist_2_joint_y;
     let t204 = sin_wrist_2_joint * moment_wrist_2_joint_x;
     let t205 = t204 + t203;
@@ -2444,6 +2618,7 @@ pub fn inverse_dynamics_derivatives(
     let t210 = t209 + t207;
     let t211 = t206 + t210;
     let moment_wrist_1_joint_z = t211 + t205;
+    b_u[3] = moment_wrist_1_joint_z;
     let t213 = t88 * t197;
     let t214 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_y;
     let t215 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_x;
@@ -2683,6 +2858,7 @@ pub fn inverse_dynamics_derivatives(
     let t447 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t446;
     let t448 = t443 - t447;
     let t449 = t448 - t436;
+    d_dy[0][3] = t449;
     let t450 = omega_wrist_2_joint_y * t255;
     let t451 = omega_wrist_2_joint_x * t252;
     let t452 = t450 + t451;
@@ -2709,6 +2885,7 @@ pub fn inverse_dynamics_derivatives(
     let t473 = t186 * t472;
     let t474 = t473 + t471;
     let t475 = t474 + t470;
+    d_dy[4][4] = t475;
     let t476 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t475;
     let t477 = t467 + t476;
     let t478 = omega_wrist_2_joint_x * t275;
@@ -2740,6 +2917,7 @@ pub fn inverse_dynamics_derivatives(
     let t504 = moment_wrist_3_joint_x - t503;
     let t505 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t504;
     let t506 = t496 + t505;
+    d_dy[0][5] = t506;
     let t507 = cos_wrist_2_joint * t257;
     let t508 = t252 - t507;
     let t509 = 0.21941999999999998 * omega_wrist_1_joint_y;
@@ -2861,6 +3039,9 @@ pub fn inverse_dynamics_derivatives(
     let t625 = sin_wrist_2_joint * t485;
     let t626 = cos_wrist_2_joint * t493;
     let t627 = t625 - t626;
+    d_dy[1][5] = t627;
+    d_dy[2][5] = t627;
+    d_dy[3][5] = t627;
     let t628 = t529 + t535;
     let t629 = v[0] * t628;
     let t630 = t553 + t556;
@@ -2888,6 +3069,7 @@ pub fn inverse_dynamics_derivatives(
     let t652 = t651 - t650;
     let t653 = t649 + t652;
     let t654 = t653 + t641;
+    d_dy[3][1] = t654;
     let t655 = v[0] * t638;
     let t656 = acceleration_shoulder_lift_joint_z * t642;
     let t657 = t648 - t656;
@@ -2896,6 +3078,7 @@ pub fn inverse_dynamics_derivatives(
     let t660 = t659 - t658;
     let t661 = t657 + t660;
     let t662 = t661 + t655;
+    d_dy[3][2] = t662;
     let t663 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t268;
     let t664 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t255;
     let t665 = t663 + t664;
@@ -2967,6 +3150,7 @@ pub fn inverse_dynamics_derivatives(
     let t731 = t725 + t730;
     let t732 = t532 + t731;
     let t733 = t729 - t732;
+    d_dv[0][0] = t733;
     let t734 = t527 * t343;
     let t735 = t251 + t507;
     let t736 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t735;
@@ -3027,6 +3211,7 @@ pub fn inverse_dynamics_derivatives(
     let t791 = t272 - t790;
     let t792 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t791;
     let t793 = t789 + t792;
+    d_dv[0][5] = t793;
     let t794 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t510;
     let t795 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t516;
     let t796 = t794 - t795;
@@ -3056,30 +3241,39 @@ pub fn inverse_dynamics_derivatives(
     let t820 = t727 - t819;
     let t821 = t527 * t571;
     let t822 = t820 - t821;
+    d_dv[1][1] = t822;
     let t823 = t715 - t814;
     let t824 = t527 * t570;
     let t825 = t823 - t824;
+    d_dv[2][2] = t825;
     let t826 = t95 * t289;
     let t827 = t97 * t706;
     let t828 = t827 + t826;
     let t829 = t825 - t828;
+    d_dv[1][2] = t829;
     let t830 = t255 - t259;
     let t831 = t756 * t347;
     let t832 = t754 * t345;
     let t833 = t832 + t831;
     let t834 = t830 + t833;
+    d_dv[3][3] = t834;
     let t835 = t88 * t288;
     let t836 = t90 * t705;
     let t837 = t836 + t835;
     let t838 = t834 - t837;
+    d_dv[2][3] = t838;
     let t839 = t95 * t288;
     let t840 = t97 * t705;
     let t841 = t840 + t839;
     let t842 = t838 - t841;
+    d_dv[1][3] = t842;
     let t843 = cos_wrist_2_joint * t774;
     let t844 = sin_wrist_2_joint * t778;
     let t845 = t844 - t843;
     let t846 = sin_wrist_2_joint * t787;
+    d_dv[1][5] = t846;
+    d_dv[2][5] = t846;
+    d_dv[3][5] = t846;
     let t847 = t802 - t804;
     let t848 = t721 + t816;
     let t849 = t823 + t848;
@@ -3087,6 +3281,7 @@ pub fn inverse_dynamics_derivatives(
     let t851 = t796 + t798;
     let t852 = t534 * t325;
     let t853 = t851 + t852;
+    d_dv[3][0] = t853;
     let t854 = t709 + t811;
     let t855 = t830 + t854;
     let t856 = t304 * t325;
@@ -3095,7 +3290,9 @@ pub fn inverse_dynamics_derivatives(
     let t859 = t855 + t858;
     let t860 = t527 * t569;
     let t861 = t860 + t859;
+    d_dv[3][1] = t861;
     let t862 = t855 + t860;
+    d_dv[3][2] = t862;
     let t863 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t268;
     let t864 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t255;
     let t865 = t863 - t864;
@@ -3114,68 +3311,87 @@ pub fn inverse_dynamics_derivatives(
     let t878 = t874 + t877;
     let t879 = t246 * t491;
     let t880 = t273 - t879;
+    d_dv[5][4] = t880;
     let minus_moment_shoulder_lift_joint_z = -moment_shoulder_lift_joint_z;
+    b_u[1] = minus_moment_shoulder_lift_joint_z;
     let minus_moment_elbow_joint_z = -moment_elbow_joint_z;
+    b_u[2] = minus_moment_elbow_joint_z;
     let t883 = -t386;
+    d_dy[0][1] = t883;
     let t884 = -t402;
+    d_dy[0][2] = t884;
     let t885 = -t477;
+    d_dy[0][4] = t885;
     let t886 = -t580;
+    d_dy[1][1] = t886;
     let t887 = -t599;
+    d_dy[1][2] = t887;
     let t888 = -t621;
+    d_dy[1][3] = t888;
     let t889 = -t624;
+    d_dy[1][4] = t889;
+    d_dy[2][4] = t889;
+    d_dy[3][4] = t889;
     let t890 = -t637;
+    d_dy[2][1] = t890;
     let t891 = -t589;
+    d_dy[2][2] = t891;
     let t892 = -t617;
+    d_dy[2][3] = t892;
     let t893 = -t610;
+    d_dy[3][3] = t893;
     let t894 = -t672;
+    d_dy[4][1] = t894;
+    d_dy[4][2] = t894;
     let t895 = -t679;
+    d_dy[4][3] = t895;
     let t896 = -t504;
+    d_dy[4][5] = t896;
     let t897 = -t691;
+    d_dy[5][1] = t897;
+    d_dy[5][2] = t897;
     let t898 = -t697;
+    d_dy[5][3] = t898;
     let t899 = -t700;
+    d_dy[5][4] = t899;
     let t900 = -t493;
+    d_dy[5][5] = t900;
     let t901 = -t747;
+    d_dv[0][1] = t901;
     let t902 = -t753;
+    d_dv[0][2] = t902;
     let t903 = -t772;
+    d_dv[0][3] = t903;
     let t904 = -t785;
+    d_dv[0][4] = t904;
     let t905 = -t808;
+    d_dv[1][0] = t905;
     let t906 = -t845;
+    d_dv[1][4] = t906;
+    d_dv[2][4] = t906;
+    d_dv[3][4] = t906;
     let t907 = -t847;
+    d_dv[2][0] = t907;
     let t908 = -t850;
+    d_dv[2][1] = t908;
     let t909 = -t865;
+    d_dv[4][0] = t909;
     let t910 = -t867;
+    d_dv[4][1] = t910;
+    d_dv[4][2] = t910;
     let t911 = -t870;
+    d_dv[4][3] = t911;
     let t912 = -t783;
+    d_dv[4][4] = t912;
     let t913 = -t791;
+    d_dv[4][5] = t913;
     let t914 = -t873;
+    d_dv[5][0] = t914;
     let t915 = -t876;
+    d_dv[5][1] = t915;
+    d_dv[5][2] = t915;
     let t916 = -t878;
-    (
-        [
-            moment_shoulder_pan_joint_z,
-            minus_moment_shoulder_lift_joint_z,
-            minus_moment_elbow_joint_z,
-            moment_wrist_1_joint_z,
-            moment_wrist_2_joint_z,
-            moment_wrist_3_joint_z,
-        ],
-        [
-            [0.0, t883, t884, t449, t885, t506],
-            [0.0, t886, t887, t888, t889, t627],
-            [0.0, t890, t891, t892, t889, t627],
-            [0.0, t654, t662, t893, t889, t627],
-            [0.0, t894, t894, t895, t475, t896],
-            [0.0, t897, t897, t898, t899, t900],
-        ],
-        [
-            [t733, t901, t902, t903, t904, t793],
-            [t905, t822, t829, t842, t906, t846],
-            [t907, t908, t825, t838, t906, t846],
-            [t853, t861, t862, t834, t906, t846],
-            [t909, t910, t910, t911, t912, t913],
-            [t914, t915, t915, t916, t880, 0.0],
-        ],
-    )
+    d_dv[5][3] = t916;
 }
 
 /// Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.
@@ -3198,6 +3414,7 @@ pub fn inverse_dynamics_derivatives(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -3208,6 +3425,42 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     v: &[f64; N],
     a: &[f64; N],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
+    let mut b_u = [0.0; 6];
+    let mut d_dy = [[0.0; 6]; 6];
+    let mut d_dv = [[0.0; 6]; 6];
+    let mut m = [[0.0; 6]; 6];
+    inverse_dynamics_derivatives_and_mass_matrix_into(
+        y,
+        v,
+        a,
+        &mut b_u,
+        &mut d_dy,
+        &mut d_dv,
+        &mut m,
+    );
+    (b_u, d_dy, d_dv, m)
+}
+
+/// `inverse_dynamics_derivatives_and_mass_matrix` with its results written in place; nothing of what stood there
+/// is read.
+pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    b_u: &mut [f64; N],
+    d_dy: &mut [[f64; N]; N],
+    d_dv: &mut [[f64; N]; N],
+    m: &mut [[f64; N]; N],
+) {
+    d_dy[0][0] = 0.0;
+    d_dy[1][0] = 0.0;
+    d_dy[2][0] = 0.0;
+    d_dy[3][0] = 0.0;
+    d_dy[4][0] = 0.0;
+    d_dy[5][0] = 0.0;
+    d_dv[5][5] = 0.0;
+    m[4][5] = 0.0;
+    m[5][4] = 0.0;
     let angle_shoulder_lift_joint_elbow_joint = y[1] + y[2];
     let angle_shoulder_lift_joint_elbow_joint_wrist_1_joint = y[3]
         + angle_shoulder_lift_joint_elbow_joint;
@@ -3275,6 +3528,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t53 = 0.0002254731454000014 + t36;
     let t54 = t53 * t52;
     let moment_wrist_3_joint_z = t51 + t54;
+    b_u[5] = moment_wrist_3_joint_z;
     let t56 = 2.0 * omega_wrist_2_joint_z;
     let t57 = omega_wrist_2_joint_x * t56;
     let t58 = t26 - t57;
@@ -3335,6 +3589,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t112 = 0.10970999999999999 * t111;
     let t113 = t112 + t110;
     let moment_wrist_2_joint_z = t113 + moment_wrist_3_joint_y;
+    b_u[4] = moment_wrist_2_joint_z;
     let t115 = omega_wrist_1_joint_x * t15;
     let t116 = t74 - t115;
     let t117 = 0.10970999999999999 * t116;
@@ -3424,6 +3679,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t200 = force_elbow_joint_x - moment_shoulder_lift_joint_y;
     let t201 = a[0] * 0.1742736511980294;
     let moment_shoulder_pan_joint_z = t201 + t200;
+    b_u[0] = moment_shoulder_pan_joint_z;
     let t203 = cos_wrist_2_joint * moment_wrist_2_joint_y;
     let t204 = sin_wrist_2_joint * moment_wrist_2_joint_x;
     let t205 = t204 + t203;
@@ -3434,6 +3690,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t210 = t209 + t207;
     let t211 = t206 + t210;
     let moment_wrist_1_joint_z = t211 + t205;
+    b_u[3] = moment_wrist_1_joint_z;
     let t213 = t88 * t197;
     let t214 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_y;
     let t215 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_x;
@@ -3569,6 +3826,12 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t345 = cos_wrist_2_joint * t311;
     let t346 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t345;
     let t347 = sin_wrist_2_joint * t49;
+    m[1][4] = t347;
+    m[2][4] = t347;
+    m[3][4] = t347;
+    m[4][1] = t347;
+    m[4][2] = t347;
+    m[4][3] = t347;
     let t348 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t347;
     let t349 = t346 - t348;
     let t350 = t129 - t349;
@@ -3673,6 +3936,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t447 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t446;
     let t448 = t443 - t447;
     let t449 = t448 - t436;
+    d_dy[0][3] = t449;
     let t450 = omega_wrist_2_joint_y * t255;
     let t451 = omega_wrist_2_joint_x * t252;
     let t452 = t450 + t451;
@@ -3699,6 +3963,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t473 = t186 * t472;
     let t474 = t473 + t471;
     let t475 = t474 + t470;
+    d_dy[4][4] = t475;
     let t476 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t475;
     let t477 = t467 + t476;
     let t478 = omega_wrist_2_joint_x * t275;
@@ -3715,6 +3980,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t489 = t488 + t487;
     let t490 = t44 + t46;
     let t491 = t37 + t53;
+    m[5][5] = t491;
     let t492 = t490 * t491;
     let t493 = t492 - t489;
     let t494 = sin_wrist_2_joint * t493;
@@ -3730,6 +3996,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t504 = moment_wrist_3_joint_x - t503;
     let t505 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t504;
     let t506 = t496 + t505;
+    d_dy[0][5] = t506;
     let t507 = cos_wrist_2_joint * t257;
     let t508 = t252 - t507;
     let t509 = 0.21941999999999998 * omega_wrist_1_joint_y;
@@ -3765,6 +4032,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t539 = t538 + t537;
     let t540 = v[0] * t539;
     let t541 = t315 + t316;
+    m[3][3] = t541;
     let t542 = t88 * t325;
     let t543 = t90 * t292;
     let t544 = t543 - t542;
@@ -3851,6 +4119,9 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t625 = sin_wrist_2_joint * t485;
     let t626 = cos_wrist_2_joint * t493;
     let t627 = t625 - t626;
+    d_dy[1][5] = t627;
+    d_dy[2][5] = t627;
+    d_dy[3][5] = t627;
     let t628 = t529 + t535;
     let t629 = v[0] * t628;
     let t630 = t553 + t556;
@@ -3866,10 +4137,14 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t640 = t638 - t639;
     let t641 = v[0] * t640;
     let t642 = t541 - t544;
+    m[2][3] = t642;
+    m[3][2] = t642;
     let t643 = t95 * t325;
     let t644 = t97 * t292;
     let t645 = t644 - t643;
     let t646 = t642 - t645;
+    m[1][3] = t646;
+    m[3][1] = t646;
     let t647 = acceleration_shoulder_lift_joint_z * t646;
     let t648 = a[0] * t569;
     let t649 = t648 - t647;
@@ -3878,6 +4153,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t652 = t651 - t650;
     let t653 = t649 + t652;
     let t654 = t653 + t641;
+    d_dy[3][1] = t654;
     let t655 = v[0] * t638;
     let t656 = acceleration_shoulder_lift_joint_z * t642;
     let t657 = t648 - t656;
@@ -3886,6 +4162,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t660 = t659 - t658;
     let t661 = t657 + t660;
     let t662 = t661 + t655;
+    d_dy[3][2] = t662;
     let t663 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t268;
     let t664 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t255;
     let t665 = t663 + t664;
@@ -3912,6 +4189,12 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t686 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t685;
     let t687 = a[0] * t686;
     let t688 = cos_wrist_2_joint * t491;
+    m[1][5] = t688;
+    m[2][5] = t688;
+    m[3][5] = t688;
+    m[5][1] = t688;
+    m[5][2] = t688;
+    m[5][3] = t688;
     let t689 = acceleration_shoulder_lift_joint_z * t688;
     let t690 = t689 + t687;
     let t691 = t690 + t684;
@@ -3957,6 +4240,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t731 = t725 + t730;
     let t732 = t532 + t731;
     let t733 = t729 - t732;
+    d_dv[0][0] = t733;
     let t734 = t527 * t343;
     let t735 = t251 + t507;
     let t736 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t735;
@@ -4017,6 +4301,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t791 = t272 - t790;
     let t792 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t791;
     let t793 = t789 + t792;
+    d_dv[0][5] = t793;
     let t794 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t510;
     let t795 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t516;
     let t796 = t794 - t795;
@@ -4046,30 +4331,39 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t820 = t727 - t819;
     let t821 = t527 * t571;
     let t822 = t820 - t821;
+    d_dv[1][1] = t822;
     let t823 = t715 - t814;
     let t824 = t527 * t570;
     let t825 = t823 - t824;
+    d_dv[2][2] = t825;
     let t826 = t95 * t289;
     let t827 = t97 * t706;
     let t828 = t827 + t826;
     let t829 = t825 - t828;
+    d_dv[1][2] = t829;
     let t830 = t255 - t259;
     let t831 = t756 * t347;
     let t832 = t754 * t345;
     let t833 = t832 + t831;
     let t834 = t830 + t833;
+    d_dv[3][3] = t834;
     let t835 = t88 * t288;
     let t836 = t90 * t705;
     let t837 = t836 + t835;
     let t838 = t834 - t837;
+    d_dv[2][3] = t838;
     let t839 = t95 * t288;
     let t840 = t97 * t705;
     let t841 = t840 + t839;
     let t842 = t838 - t841;
+    d_dv[1][3] = t842;
     let t843 = cos_wrist_2_joint * t774;
     let t844 = sin_wrist_2_joint * t778;
     let t845 = t844 - t843;
     let t846 = sin_wrist_2_joint * t787;
+    d_dv[1][5] = t846;
+    d_dv[2][5] = t846;
+    d_dv[3][5] = t846;
     let t847 = t802 - t804;
     let t848 = t721 + t816;
     let t849 = t823 + t848;
@@ -4077,6 +4371,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t851 = t796 + t798;
     let t852 = t534 * t325;
     let t853 = t851 + t852;
+    d_dv[3][0] = t853;
     let t854 = t709 + t811;
     let t855 = t830 + t854;
     let t856 = t304 * t325;
@@ -4085,7 +4380,9 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t859 = t855 + t858;
     let t860 = t527 * t569;
     let t861 = t860 + t859;
+    d_dv[3][1] = t861;
     let t862 = t855 + t860;
+    d_dv[3][2] = t862;
     let t863 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t268;
     let t864 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t255;
     let t865 = t863 - t864;
@@ -4104,6 +4401,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t878 = t874 + t877;
     let t879 = t246 * t491;
     let t880 = t273 - t879;
+    d_dv[5][4] = t880;
     let t881 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t322;
     let t882 = t315 - t881;
     let t883 = 2.0 * t543;
@@ -4119,88 +4417,114 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t893 = 0.0033300000000000005 - t892;
     let t894 = t312 - 0.42182961244274997;
     let t895 = t893 - t894;
+    m[0][0] = t895;
     let t896 = t382 - t351;
+    m[0][1] = t896;
+    m[1][0] = t896;
     let t897 = t335 - t350;
+    m[0][2] = t897;
+    m[2][0] = t897;
     let t898 = t325 + t349;
+    m[0][3] = t898;
+    m[3][0] = t898;
     let t899 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t472;
     let t900 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t319;
     let t901 = t900 + t899;
+    m[0][4] = t901;
+    m[4][0] = t901;
     let t902 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t685;
     let minus_moment_shoulder_lift_joint_z = -moment_shoulder_lift_joint_z;
+    b_u[1] = minus_moment_shoulder_lift_joint_z;
     let minus_moment_elbow_joint_z = -moment_elbow_joint_z;
+    b_u[2] = minus_moment_elbow_joint_z;
     let t905 = -t386;
+    d_dy[0][1] = t905;
     let t906 = -t402;
+    d_dy[0][2] = t906;
     let t907 = -t477;
+    d_dy[0][4] = t907;
     let t908 = -t580;
+    d_dy[1][1] = t908;
     let t909 = -t599;
+    d_dy[1][2] = t909;
     let t910 = -t621;
+    d_dy[1][3] = t910;
     let t911 = -t624;
+    d_dy[1][4] = t911;
+    d_dy[2][4] = t911;
+    d_dy[3][4] = t911;
     let t912 = -t637;
+    d_dy[2][1] = t912;
     let t913 = -t589;
+    d_dy[2][2] = t913;
     let t914 = -t617;
+    d_dy[2][3] = t914;
     let t915 = -t610;
+    d_dy[3][3] = t915;
     let t916 = -t672;
+    d_dy[4][1] = t916;
+    d_dy[4][2] = t916;
     let t917 = -t679;
+    d_dy[4][3] = t917;
     let t918 = -t504;
+    d_dy[4][5] = t918;
     let t919 = -t691;
+    d_dy[5][1] = t919;
+    d_dy[5][2] = t919;
     let t920 = -t697;
+    d_dy[5][3] = t920;
     let t921 = -t700;
+    d_dy[5][4] = t921;
     let t922 = -t493;
+    d_dy[5][5] = t922;
     let t923 = -t747;
+    d_dv[0][1] = t923;
     let t924 = -t753;
+    d_dv[0][2] = t924;
     let t925 = -t772;
+    d_dv[0][3] = t925;
     let t926 = -t785;
+    d_dv[0][4] = t926;
     let t927 = -t808;
+    d_dv[1][0] = t927;
     let t928 = -t845;
+    d_dv[1][4] = t928;
+    d_dv[2][4] = t928;
+    d_dv[3][4] = t928;
     let t929 = -t847;
+    d_dv[2][0] = t929;
     let t930 = -t850;
+    d_dv[2][1] = t930;
     let t931 = -t865;
+    d_dv[4][0] = t931;
     let t932 = -t867;
+    d_dv[4][1] = t932;
+    d_dv[4][2] = t932;
     let t933 = -t870;
+    d_dv[4][3] = t933;
     let t934 = -t783;
+    d_dv[4][4] = t934;
     let t935 = -t791;
+    d_dv[4][5] = t935;
     let t936 = -t873;
+    d_dv[5][0] = t936;
     let t937 = -t876;
+    d_dv[5][1] = t937;
+    d_dv[5][2] = t937;
     let t938 = -t878;
+    d_dv[5][3] = t938;
     let t939 = -t902;
+    m[0][5] = t939;
+    m[5][0] = t939;
     let t940 = -t565;
+    m[1][1] = t940;
     let t941 = -t630;
+    m[1][2] = t941;
+    m[2][1] = t941;
     let t942 = -t553;
+    m[2][2] = t942;
     let t943 = -t472;
-    (
-        [
-            moment_shoulder_pan_joint_z,
-            minus_moment_shoulder_lift_joint_z,
-            minus_moment_elbow_joint_z,
-            moment_wrist_1_joint_z,
-            moment_wrist_2_joint_z,
-            moment_wrist_3_joint_z,
-        ],
-        [
-            [0.0, t905, t906, t449, t907, t506],
-            [0.0, t908, t909, t910, t911, t627],
-            [0.0, t912, t913, t914, t911, t627],
-            [0.0, t654, t662, t915, t911, t627],
-            [0.0, t916, t916, t917, t475, t918],
-            [0.0, t919, t919, t920, t921, t922],
-        ],
-        [
-            [t733, t923, t924, t925, t926, t793],
-            [t927, t822, t829, t842, t928, t846],
-            [t929, t930, t825, t838, t928, t846],
-            [t853, t861, t862, t834, t928, t846],
-            [t931, t932, t932, t933, t934, t935],
-            [t936, t937, t937, t938, t880, 0.0],
-        ],
-        [
-            [t895, t896, t897, t898, t901, t939],
-            [t896, t940, t941, t646, t347, t688],
-            [t897, t941, t942, t642, t347, t688],
-            [t898, t646, t642, t541, t347, t688],
-            [t901, t347, t347, t347, t943, 0.0],
-            [t939, t688, t688, t688, 0.0, t491],
-        ],
-    )
+    m[4][4] = t943;
 }
 
 /// Forward dynamics with its Jacobians.
@@ -4223,6 +4547,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -4233,6 +4558,38 @@ pub fn forward_dynamics_derivatives(
     v: &[f64; N],
     u: &[f64; M],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
+    let mut a = [0.0; 6];
+    let mut da_dy = [[0.0; 6]; 6];
+    let mut da_dv = [[0.0; 6]; 6];
+    let mut m_inverse = [[0.0; 6]; 6];
+    forward_dynamics_derivatives_into(
+        y,
+        v,
+        u,
+        &mut a,
+        &mut da_dy,
+        &mut da_dv,
+        &mut m_inverse,
+    );
+    (a, da_dy, da_dv, m_inverse)
+}
+
+/// `forward_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+pub fn forward_dynamics_derivatives_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    a: &mut [f64; N],
+    da_dy: &mut [[f64; N]; N],
+    da_dv: &mut [[f64; N]; N],
+    m_inverse: &mut [[f64; N]; N],
+) {
+    da_dy[0][0] = 0.0;
+    da_dy[1][0] = 0.0;
+    da_dy[2][0] = 0.0;
+    da_dy[3][0] = 0.0;
+    da_dy[4][0] = 0.0;
+    da_dy[5][0] = 0.0;
     let angle_shoulder_lift_joint_elbow_joint = y[1] + y[2];
     let angle_shoulder_lift_joint_elbow_joint_wrist_1_joint = y[3]
         + angle_shoulder_lift_joint_elbow_joint;
@@ -4619,7 +4976,9 @@ pub fn forward_dynamics_derivatives(
     let t371 = t339 * t340;
     let t372 = t370 + t371;
     let inverse_d_shoulder_pan_joint = 1.0 / t372;
+    m_inverse[0][0] = inverse_d_shoulder_pan_joint;
     let acceleration_shoulder_lift_joint_x = inverse_d_shoulder_pan_joint * t342;
+    a[0] = acceleration_shoulder_lift_joint_x;
     let t375 = t340 * acceleration_shoulder_lift_joint_x;
     let t376 = inverse_d_shoulder_lift_joint * t309;
     let t377 = t376 - t375;
@@ -4635,6 +4994,7 @@ pub fn forward_dynamics_derivatives(
     let t387 = t385 + t386;
     let t388 = t221 * acceleration_shoulder_lift_joint_x;
     let t389 = t387 - t388;
+    a[3] = t389;
     let t390 = t196 * t389;
     let t391 = inverse_d_wrist_2_joint * t173;
     let t392 = t391 - t390;
@@ -4653,6 +5013,7 @@ pub fn forward_dynamics_derivatives(
     let t405 = t403 + t404;
     let t406 = t170 * acceleration_shoulder_lift_joint_x;
     let t407 = t405 + t406;
+    a[5] = t407;
     let t408 = t377 + t382;
     let t409 = t389 - t408;
     let t410 = t37 - t409;
@@ -4982,6 +5343,7 @@ pub fn forward_dynamics_derivatives(
     let t728 = t340 * t727;
     let t729 = t702 + t728;
     let t730 = inverse_d_shoulder_pan_joint * t729;
+    da_dy[0][1] = t730;
     let t731 = t505 * acceleration_shoulder_lift_joint_x;
     let t732 = t266 * acceleration_shoulder_lift_joint_z;
     let t733 = t731 + t732;
@@ -5052,6 +5414,7 @@ pub fn forward_dynamics_derivatives(
     let t796 = t340 * t795;
     let t797 = t774 + t796;
     let t798 = inverse_d_shoulder_pan_joint * t797;
+    da_dy[0][2] = t798;
     let t799 = t176 * t428;
     let t800 = 0.12662099999999998 - t201;
     let t801 = t800 + t204;
@@ -5157,6 +5520,7 @@ pub fn forward_dynamics_derivatives(
     let t901 = t340 * t900;
     let t902 = t890 + t901;
     let t903 = inverse_d_shoulder_pan_joint * t902;
+    da_dy[0][3] = t903;
     let t904 = t47 + t202;
     let t905 = t436 * t904;
     let t906 = omega_wrist_2_joint_y * t522;
@@ -5263,6 +5627,7 @@ pub fn forward_dynamics_derivatives(
     let t1007 = t1006 + t994;
     let t1008 = t1007 + t993;
     let t1009 = inverse_d_shoulder_pan_joint * t1008;
+    da_dy[0][5] = t1009;
     let t1010 = t340 * t730;
     let t1011 = inverse_d_shoulder_lift_joint * t727;
     let t1012 = t1011 - t1010;
@@ -5275,6 +5640,7 @@ pub fn forward_dynamics_derivatives(
     let t1019 = t340 * t957;
     let t1020 = inverse_d_shoulder_lift_joint * t940;
     let t1021 = t1020 - t1019;
+    da_dy[1][4] = t1021;
     let t1022 = t340 * t1009;
     let t1023 = inverse_d_shoulder_lift_joint * t992;
     let t1024 = t1023 - t1022;
@@ -5298,6 +5664,7 @@ pub fn forward_dynamics_derivatives(
     let t1042 = t1041 - t1040;
     let t1043 = t273 * t957;
     let t1044 = t1042 - t1043;
+    da_dy[2][4] = t1044;
     let t1045 = t307 * t1024;
     let t1046 = inverse_d_elbow_joint * t988;
     let t1047 = t1046 - t1045;
@@ -5317,6 +5684,7 @@ pub fn forward_dynamics_derivatives(
     let t1061 = t1059 + t1060;
     let t1062 = t221 * t798;
     let t1063 = t1061 - t1062;
+    da_dy[3][2] = t1063;
     let t1064 = t244 * t1039;
     let t1065 = inverse_d_wrist_1_joint * t875;
     let t1066 = t1065 + t1064;
@@ -5324,6 +5692,7 @@ pub fn forward_dynamics_derivatives(
     let t1068 = t1066 + t1067;
     let t1069 = t221 * t903;
     let t1070 = t1068 - t1069;
+    da_dy[3][3] = t1070;
     let t1071 = t244 * t1044;
     let t1072 = inverse_d_wrist_1_joint * t934;
     let t1073 = t1072 + t1071;
@@ -5338,6 +5707,7 @@ pub fn forward_dynamics_derivatives(
     let t1082 = t1080 + t1081;
     let t1083 = t221 * t1009;
     let t1084 = t1082 - t1083;
+    da_dy[3][5] = t1084;
     let t1085 = t196 * t1056;
     let t1086 = inverse_d_wrist_2_joint * t635;
     let t1087 = t1086 + t1085;
@@ -5373,6 +5743,7 @@ pub fn forward_dynamics_derivatives(
     let t1117 = t1115 + t1116;
     let t1118 = t180 * t957;
     let t1119 = t1117 - t1118;
+    da_dy[4][4] = t1119;
     let t1120 = t196 * t1084;
     let t1121 = inverse_d_wrist_2_joint * t984;
     let t1122 = t1121 - t1120;
@@ -5391,6 +5762,7 @@ pub fn forward_dynamics_derivatives(
     let t1135 = t1133 + t1134;
     let t1136 = t170 * t730;
     let t1137 = t1135 + t1136;
+    da_dy[5][1] = t1137;
     let t1138 = t192 * t1063;
     let t1139 = t1130 - t1138;
     let t1140 = t192 * t1034;
@@ -5399,6 +5771,7 @@ pub fn forward_dynamics_derivatives(
     let t1143 = t1141 + t1142;
     let t1144 = t170 * t798;
     let t1145 = t1143 + t1144;
+    da_dy[5][2] = t1145;
     let t1146 = t192 * t1070;
     let t1147 = inverse_d_wrist_3_joint * t849;
     let t1148 = t1147 - t1146;
@@ -5408,6 +5781,7 @@ pub fn forward_dynamics_derivatives(
     let t1152 = t1150 + t1151;
     let t1153 = t170 * t903;
     let t1154 = t1152 + t1153;
+    da_dy[5][3] = t1154;
     let t1155 = t192 * t1077;
     let t1156 = inverse_d_wrist_3_joint * t923;
     let t1157 = t1156 - t1155;
@@ -5426,6 +5800,7 @@ pub fn forward_dynamics_derivatives(
     let t1170 = t1168 + t1169;
     let t1171 = t170 * t1009;
     let t1172 = t1170 + t1171;
+    da_dy[5][5] = t1172;
     let t1173 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t553;
     let t1174 = t530 - t1173;
     let t1175 = t79 * omega_elbow_joint_z;
@@ -5581,6 +5956,7 @@ pub fn forward_dynamics_derivatives(
     let t1325 = t1324 + t1307;
     let t1326 = t1325 - t1306;
     let t1327 = inverse_d_shoulder_pan_joint * t1326;
+    da_dv[0][1] = t1327;
     let t1328 = t1262 - t1266;
     let t1329 = t1328 + t1271;
     let t1330 = t1278 - t1329;
@@ -5614,6 +5990,7 @@ pub fn forward_dynamics_derivatives(
     let t1358 = t1357 + t1347;
     let t1359 = t1358 + t1346;
     let t1360 = inverse_d_shoulder_pan_joint * t1359;
+    da_dv[0][2] = t1360;
     let t1361 = 2.0 * omega_wrist_1_joint_y;
     let t1362 = t1361 * t813;
     let t1363 = 2.0 * omega_wrist_1_joint_x;
@@ -5675,6 +6052,7 @@ pub fn forward_dynamics_derivatives(
     let t1419 = t340 * t1418;
     let t1420 = t1408 - t1419;
     let t1421 = inverse_d_shoulder_pan_joint * t1420;
+    da_dv[0][3] = t1421;
     let t1422 = t517 * t904;
     let t1423 = t544 - t1422;
     let t1424 = cos_wrist_2_joint * t1423;
@@ -5714,6 +6092,7 @@ pub fn forward_dynamics_derivatives(
     let t1458 = t1457 + t1445;
     let t1459 = t1458 + t1444;
     let t1460 = inverse_d_shoulder_pan_joint * t1459;
+    da_dv[0][4] = t1460;
     let t1461 = t43 * t517;
     let t1462 = t543 - t1461;
     let t1463 = t196 * t1462;
@@ -5746,18 +6125,21 @@ pub fn forward_dynamics_derivatives(
     let t1490 = t340 * t1327;
     let t1491 = inverse_d_shoulder_lift_joint * t1305;
     let t1492 = t1491 + t1490;
+    da_dv[1][1] = t1492;
     let t1493 = t340 * t1360;
     let t1494 = inverse_d_shoulder_lift_joint * t1345;
     let t1495 = t1494 - t1493;
     let t1496 = t340 * t1421;
     let t1497 = inverse_d_shoulder_lift_joint * t1418;
     let t1498 = t1497 + t1496;
+    da_dv[1][3] = t1498;
     let t1499 = t340 * t1460;
     let t1500 = inverse_d_shoulder_lift_joint * t1443;
     let t1501 = t1500 - t1499;
     let t1502 = t340 * t1486;
     let t1503 = inverse_d_shoulder_lift_joint * t1473;
     let t1504 = t1503 - t1502;
+    da_dv[1][5] = t1504;
     let t1505 = t307 * t1489;
     let t1506 = inverse_d_elbow_joint * t1239;
     let t1507 = t1506 - t1505;
@@ -5778,6 +6160,7 @@ pub fn forward_dynamics_derivatives(
     let t1522 = t1521 - t1520;
     let t1523 = t273 * t1421;
     let t1524 = t1522 + t1523;
+    da_dv[2][3] = t1524;
     let t1525 = t307 * t1501;
     let t1526 = inverse_d_elbow_joint * t1439;
     let t1527 = t1526 - t1525;
@@ -5788,6 +6171,7 @@ pub fn forward_dynamics_derivatives(
     let t1532 = t1531 - t1530;
     let t1533 = t273 * t1486;
     let t1534 = t1532 - t1533;
+    da_dv[2][5] = t1534;
     let t1535 = t244 * t1509;
     let t1536 = inverse_d_wrist_1_joint * t1226;
     let t1537 = t1536 - t1535;
@@ -5809,6 +6193,7 @@ pub fn forward_dynamics_derivatives(
     let t1553 = t1551 + t1552;
     let t1554 = t221 * t1360;
     let t1555 = t1553 - t1554;
+    da_dv[3][2] = t1555;
     let t1556 = t244 * t1524;
     let t1557 = inverse_d_wrist_1_joint * t1396;
     let t1558 = t1557 + t1556;
@@ -5823,6 +6208,7 @@ pub fn forward_dynamics_derivatives(
     let t1567 = t1565 + t1566;
     let t1568 = t221 * t1460;
     let t1569 = t1567 - t1568;
+    da_dv[3][4] = t1569;
     let t1570 = t244 * t1534;
     let t1571 = inverse_d_wrist_1_joint * t1467;
     let t1572 = t1571 + t1570;
@@ -5892,6 +6278,7 @@ pub fn forward_dynamics_derivatives(
     let t1636 = t1634 + t1635;
     let t1637 = t170 * t1255;
     let t1638 = t1636 - t1637;
+    da_dv[5][0] = t1638;
     let t1639 = t192 * t1548;
     let t1640 = inverse_d_wrist_3_joint * t1270;
     let t1641 = t1640 + t1639;
@@ -5901,6 +6288,7 @@ pub fn forward_dynamics_derivatives(
     let t1645 = t1643 - t1644;
     let t1646 = t170 * t1327;
     let t1647 = t1645 + t1646;
+    da_dv[5][1] = t1647;
     let t1648 = t192 * t1555;
     let t1649 = t1640 - t1648;
     let t1650 = t192 * t1519;
@@ -5909,6 +6297,7 @@ pub fn forward_dynamics_derivatives(
     let t1653 = t1651 + t1652;
     let t1654 = t170 * t1360;
     let t1655 = t1653 + t1654;
+    da_dv[5][2] = t1655;
     let t1656 = t192 * t1562;
     let t1657 = inverse_d_wrist_3_joint * t1381;
     let t1658 = t1657 + t1656;
@@ -5918,6 +6307,7 @@ pub fn forward_dynamics_derivatives(
     let t1662 = t1660 - t1661;
     let t1663 = t170 * t1421;
     let t1664 = t1662 + t1663;
+    da_dv[5][3] = t1664;
     let t1665 = t192 * t1569;
     let t1666 = inverse_d_wrist_3_joint * t1431;
     let t1667 = t1666 + t1665;
@@ -5934,7 +6324,10 @@ pub fn forward_dynamics_derivatives(
     let t1678 = t1676 - t1677;
     let t1679 = t170 * t1486;
     let t1680 = t1678 - t1679;
+    da_dv[5][5] = t1680;
     let t1681 = t340 * inverse_d_shoulder_pan_joint;
+    m_inverse[0][1] = t1681;
+    m_inverse[1][0] = t1681;
     let t1682 = t307 * t1681;
     let t1683 = t273 * inverse_d_shoulder_pan_joint;
     let t1684 = t1682 - t1683;
@@ -5943,6 +6336,8 @@ pub fn forward_dynamics_derivatives(
     let t1687 = t1685 - t1686;
     let t1688 = t221 * inverse_d_shoulder_pan_joint;
     let t1689 = t1687 - t1688;
+    m_inverse[0][3] = t1689;
+    m_inverse[3][0] = t1689;
     let t1690 = t196 * t1689;
     let t1691 = t196 * t1684;
     let t1692 = t1690 - t1691;
@@ -5950,6 +6345,8 @@ pub fn forward_dynamics_derivatives(
     let t1694 = t1692 + t1693;
     let t1695 = t180 * inverse_d_shoulder_pan_joint;
     let t1696 = t1694 + t1695;
+    m_inverse[0][4] = t1696;
+    m_inverse[4][0] = t1696;
     let t1697 = t192 * t1689;
     let t1698 = t192 * t1684;
     let t1699 = t1697 - t1698;
@@ -5962,6 +6359,8 @@ pub fn forward_dynamics_derivatives(
     let t1706 = t307 * t1705;
     let t1707 = t273 * t1681;
     let t1708 = t1706 + t1707;
+    m_inverse[1][2] = t1708;
+    m_inverse[2][1] = t1708;
     let t1709 = t244 * t1708;
     let t1710 = t294 * t1705;
     let t1711 = t1709 - t1710;
@@ -5981,6 +6380,8 @@ pub fn forward_dynamics_derivatives(
     let t1725 = t1723 + t1724;
     let t1726 = t170 * t1681;
     let t1727 = t1725 + t1726;
+    m_inverse[1][5] = t1727;
+    m_inverse[5][1] = t1727;
     let t1728 = t307 * t340;
     let t1729 = t273 - t1728;
     let t1730 = inverse_d_shoulder_pan_joint * t1729;
@@ -5996,6 +6397,8 @@ pub fn forward_dynamics_derivatives(
     let t1740 = t1738 - t1739;
     let t1741 = t221 * t1730;
     let t1742 = t1740 - t1741;
+    m_inverse[2][3] = t1742;
+    m_inverse[3][2] = t1742;
     let t1743 = t196 * t1742;
     let t1744 = t196 * t1737;
     let t1745 = t1743 - t1744;
@@ -6003,6 +6406,8 @@ pub fn forward_dynamics_derivatives(
     let t1747 = t1745 + t1746;
     let t1748 = t180 * t1730;
     let t1749 = t1747 + t1748;
+    m_inverse[2][4] = t1749;
+    m_inverse[4][2] = t1749;
     let t1750 = t192 * t1742;
     let t1751 = t192 * t1737;
     let t1752 = t1750 - t1751;
@@ -6031,6 +6436,7 @@ pub fn forward_dynamics_derivatives(
     let t1775 = t1773 - t1774;
     let t1776 = t221 * t1763;
     let t1777 = t1775 + t1776;
+    m_inverse[3][3] = t1777;
     let t1778 = t196 * t1777;
     let t1779 = t196 * t1771;
     let t1780 = t1778 + t1779;
@@ -6038,6 +6444,8 @@ pub fn forward_dynamics_derivatives(
     let t1782 = t1780 + t1781;
     let t1783 = t180 * t1763;
     let t1784 = t1782 - t1783;
+    m_inverse[3][4] = t1784;
+    m_inverse[4][3] = t1784;
     let t1785 = t192 * t1777;
     let t1786 = t192 * t1771;
     let t1787 = t1785 + t1786;
@@ -6124,82 +6532,112 @@ pub fn forward_dynamics_derivatives(
     let t1868 = t1866 - t1867;
     let t1869 = t170 * t1847;
     let t1870 = t1868 + t1869;
+    m_inverse[5][5] = t1870;
     let t1871 = -t377;
+    a[1] = t1871;
     let t1872 = -t382;
+    a[2] = t1872;
     let t1873 = -t398;
+    a[4] = t1873;
     let t1874 = -t957;
+    da_dy[0][4] = t1874;
     let t1875 = -t1012;
+    da_dy[1][1] = t1875;
     let t1876 = -t1015;
+    da_dy[1][2] = t1876;
     let t1877 = -t1018;
+    da_dy[1][3] = t1877;
     let t1878 = -t1024;
+    da_dy[1][5] = t1878;
     let t1879 = -t1029;
+    da_dy[2][1] = t1879;
     let t1880 = -t1034;
+    da_dy[2][2] = t1880;
     let t1881 = -t1039;
+    da_dy[2][3] = t1881;
     let t1882 = -t1049;
+    da_dy[2][5] = t1882;
     let t1883 = -t1056;
+    da_dy[3][1] = t1883;
     let t1884 = -t1077;
+    da_dy[3][4] = t1884;
     let t1885 = -t1093;
+    da_dy[4][1] = t1885;
     let t1886 = -t1101;
+    da_dy[4][2] = t1886;
     let t1887 = -t1110;
+    da_dy[4][3] = t1887;
     let t1888 = -t1128;
+    da_dy[4][5] = t1888;
     let t1889 = -t1163;
+    da_dy[5][4] = t1889;
     let t1890 = -t1255;
+    da_dv[0][0] = t1890;
     let t1891 = -t1486;
+    da_dv[0][5] = t1891;
     let t1892 = -t1489;
+    da_dv[1][0] = t1892;
     let t1893 = -t1495;
+    da_dv[1][2] = t1893;
     let t1894 = -t1501;
+    da_dv[1][4] = t1894;
     let t1895 = -t1509;
+    da_dv[2][0] = t1895;
     let t1896 = -t1514;
+    da_dv[2][1] = t1896;
     let t1897 = -t1519;
+    da_dv[2][2] = t1897;
     let t1898 = -t1529;
+    da_dv[2][4] = t1898;
     let t1899 = -t1541;
+    da_dv[3][0] = t1899;
     let t1900 = -t1548;
+    da_dv[3][1] = t1900;
     let t1901 = -t1562;
+    da_dv[3][3] = t1901;
     let t1902 = -t1576;
+    da_dv[3][5] = t1902;
     let t1903 = -t1585;
+    da_dv[4][0] = t1903;
     let t1904 = -t1594;
+    da_dv[4][1] = t1904;
     let t1905 = -t1602;
+    da_dv[4][2] = t1905;
     let t1906 = -t1611;
+    da_dv[4][3] = t1906;
     let t1907 = -t1620;
+    da_dv[4][4] = t1907;
     let t1908 = -t1629;
+    da_dv[4][5] = t1908;
     let t1909 = -t1673;
+    da_dv[5][4] = t1909;
     let t1910 = -t1684;
+    m_inverse[0][2] = t1910;
+    m_inverse[2][0] = t1910;
     let t1911 = -t1703;
+    m_inverse[0][5] = t1911;
+    m_inverse[5][0] = t1911;
     let t1912 = -t1705;
+    m_inverse[1][1] = t1912;
     let t1913 = -t1713;
+    m_inverse[1][3] = t1913;
+    m_inverse[3][1] = t1913;
     let t1914 = -t1720;
+    m_inverse[1][4] = t1914;
+    m_inverse[4][1] = t1914;
     let t1915 = -t1737;
+    m_inverse[2][2] = t1915;
     let t1916 = -t1756;
+    m_inverse[2][5] = t1916;
+    m_inverse[5][2] = t1916;
     let t1917 = -t1791;
+    m_inverse[3][5] = t1917;
+    m_inverse[5][3] = t1917;
     let t1918 = -t1827;
+    m_inverse[4][4] = t1918;
     let t1919 = -t1834;
-    (
-        [acceleration_shoulder_lift_joint_x, t1871, t1872, t389, t1873, t407],
-        [
-            [0.0, t730, t798, t903, t1874, t1009],
-            [0.0, t1875, t1876, t1877, t1021, t1878],
-            [0.0, t1879, t1880, t1881, t1044, t1882],
-            [0.0, t1883, t1063, t1070, t1884, t1084],
-            [0.0, t1885, t1886, t1887, t1119, t1888],
-            [0.0, t1137, t1145, t1154, t1889, t1172],
-        ],
-        [
-            [t1890, t1327, t1360, t1421, t1460, t1891],
-            [t1892, t1492, t1893, t1498, t1894, t1504],
-            [t1895, t1896, t1897, t1524, t1898, t1534],
-            [t1899, t1900, t1555, t1901, t1569, t1902],
-            [t1903, t1904, t1905, t1906, t1907, t1908],
-            [t1638, t1647, t1655, t1664, t1909, t1680],
-        ],
-        [
-            [inverse_d_shoulder_pan_joint, t1681, t1910, t1689, t1696, t1911],
-            [t1681, t1912, t1708, t1913, t1914, t1727],
-            [t1910, t1708, t1915, t1742, t1749, t1916],
-            [t1689, t1913, t1742, t1777, t1784, t1917],
-            [t1696, t1914, t1749, t1784, t1918, t1919],
-            [t1911, t1727, t1916, t1917, t1919, t1870],
-        ],
-    )
+    m_inverse[4][5] = t1919;
+    m_inverse[5][4] = t1919;
 }
 
 /// Linearization of the accelerations in continuous time.
@@ -6222,6 +6660,7 @@ pub fn forward_dynamics_derivatives(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -6232,6 +6671,24 @@ pub fn linearize(
     v: &[f64; N],
     u: &[f64; M],
 ) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
+    let mut a_y = [[0.0; 6]; 6];
+    let mut a_v = [[0.0; 6]; 6];
+    let mut b_x = [[0.0; 6]; 6];
+    let mut c = [0.0; 6];
+    linearize_into(y, v, u, &mut a_y, &mut a_v, &mut b_x, &mut c);
+    (a_y, a_v, b_x, c)
+}
+
+/// `linearize` with its results written in place; nothing of what stood there is read.
+pub fn linearize_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    a_y: &mut [[f64; N]; N],
+    a_v: &mut [[f64; N]; N],
+    b_x: &mut [[f64; M]; N],
+    c: &mut [f64; N],
+) {
     let [inverse_d_wrist_3_joint, t170, inverse_d_wrist_2_joint, t180, t192, t196,
     inverse_d_wrist_1_joint, t221, t244, inverse_d_elbow_joint, t273, t294, t307,
     inverse_d_shoulder_lift_joint, t340, inverse_d_shoulder_pan_joint,
@@ -6339,33 +6796,120 @@ pub fn linearize(
             t1585,
         ],
     );
-    (
-        [
-            [0.0, t730, t798, t903, t2075, t1009],
-            [0.0, t2076, t2077, t2078, t1021, t2079],
-            [0.0, t2080, t2081, t2082, t1044, t2083],
-            [0.0, t2084, t1063, t1070, t2085, t1084],
-            [0.0, t2086, t2087, t2088, t1119, t2089],
-            [0.0, t1137, t1145, t1154, t2090, t1172],
-        ],
-        [
-            [t2091, t1327, t1360, t1421, t1460, t2092],
-            [t2093, t1492, t2094, t1498, t2095, t1504],
-            [t2096, t2097, t2098, t1524, t2099, t1534],
-            [t2100, t2101, t1555, t2102, t1569, t2103],
-            [t2104, t2105, t2106, t2107, t2108, t2109],
-            [t1638, t1647, t1655, t1664, t2110, t1680],
-        ],
-        [
-            [inverse_d_shoulder_pan_joint, t1681, t2111, t1689, t1696, t2112],
-            [t1681, t2113, t1708, t2114, t2115, t1727],
-            [t2111, t1708, t2116, t1742, t1749, t2117],
-            [t1689, t2114, t1742, t1777, t1784, t2118],
-            [t1696, t2115, t1749, t1784, t2119, t2120],
-            [t2112, t1727, t2117, t2118, t2120, t1870],
-        ],
-        [t1904, t2121, t2122, t2006, t2123, t2074],
-    )
+    a_y[0][0] = 0.0;
+    a_y[0][1] = t730;
+    a_y[0][2] = t798;
+    a_y[0][3] = t903;
+    a_y[0][4] = t2075;
+    a_y[0][5] = t1009;
+    a_y[1][0] = 0.0;
+    a_y[1][1] = t2076;
+    a_y[1][2] = t2077;
+    a_y[1][3] = t2078;
+    a_y[1][4] = t1021;
+    a_y[1][5] = t2079;
+    a_y[2][0] = 0.0;
+    a_y[2][1] = t2080;
+    a_y[2][2] = t2081;
+    a_y[2][3] = t2082;
+    a_y[2][4] = t1044;
+    a_y[2][5] = t2083;
+    a_y[3][0] = 0.0;
+    a_y[3][1] = t2084;
+    a_y[3][2] = t1063;
+    a_y[3][3] = t1070;
+    a_y[3][4] = t2085;
+    a_y[3][5] = t1084;
+    a_y[4][0] = 0.0;
+    a_y[4][1] = t2086;
+    a_y[4][2] = t2087;
+    a_y[4][3] = t2088;
+    a_y[4][4] = t1119;
+    a_y[4][5] = t2089;
+    a_y[5][0] = 0.0;
+    a_y[5][1] = t1137;
+    a_y[5][2] = t1145;
+    a_y[5][3] = t1154;
+    a_y[5][4] = t2090;
+    a_y[5][5] = t1172;
+    a_v[0][0] = t2091;
+    a_v[0][1] = t1327;
+    a_v[0][2] = t1360;
+    a_v[0][3] = t1421;
+    a_v[0][4] = t1460;
+    a_v[0][5] = t2092;
+    a_v[1][0] = t2093;
+    a_v[1][1] = t1492;
+    a_v[1][2] = t2094;
+    a_v[1][3] = t1498;
+    a_v[1][4] = t2095;
+    a_v[1][5] = t1504;
+    a_v[2][0] = t2096;
+    a_v[2][1] = t2097;
+    a_v[2][2] = t2098;
+    a_v[2][3] = t1524;
+    a_v[2][4] = t2099;
+    a_v[2][5] = t1534;
+    a_v[3][0] = t2100;
+    a_v[3][1] = t2101;
+    a_v[3][2] = t1555;
+    a_v[3][3] = t2102;
+    a_v[3][4] = t1569;
+    a_v[3][5] = t2103;
+    a_v[4][0] = t2104;
+    a_v[4][1] = t2105;
+    a_v[4][2] = t2106;
+    a_v[4][3] = t2107;
+    a_v[4][4] = t2108;
+    a_v[4][5] = t2109;
+    a_v[5][0] = t1638;
+    a_v[5][1] = t1647;
+    a_v[5][2] = t1655;
+    a_v[5][3] = t1664;
+    a_v[5][4] = t2110;
+    a_v[5][5] = t1680;
+    b_x[0][0] = inverse_d_shoulder_pan_joint;
+    b_x[0][1] = t1681;
+    b_x[0][2] = t2111;
+    b_x[0][3] = t1689;
+    b_x[0][4] = t1696;
+    b_x[0][5] = t2112;
+    b_x[1][0] = t1681;
+    b_x[1][1] = t2113;
+    b_x[1][2] = t1708;
+    b_x[1][3] = t2114;
+    b_x[1][4] = t2115;
+    b_x[1][5] = t1727;
+    b_x[2][0] = t2111;
+    b_x[2][1] = t1708;
+    b_x[2][2] = t2116;
+    b_x[2][3] = t1742;
+    b_x[2][4] = t1749;
+    b_x[2][5] = t2117;
+    b_x[3][0] = t1689;
+    b_x[3][1] = t2114;
+    b_x[3][2] = t1742;
+    b_x[3][3] = t1777;
+    b_x[3][4] = t1784;
+    b_x[3][5] = t2118;
+    b_x[4][0] = t1696;
+    b_x[4][1] = t2115;
+    b_x[4][2] = t1749;
+    b_x[4][3] = t1784;
+    b_x[4][4] = t2119;
+    b_x[4][5] = t2120;
+    b_x[5][0] = t2112;
+    b_x[5][1] = t1727;
+    b_x[5][2] = t2117;
+    b_x[5][3] = t2118;
+    b_x[5][4] = t2120;
+    b_x[5][5] = t1870;
+    c[0] = t1904;
+    c[1] = t2121;
+    c[2] = t2122;
+    c[3] = t2006;
+    c[4] = t2123;
+    c[5] = t2074;
 }
 
 /// Part 1 of `linearize`: values that later parts read.
@@ -9143,8 +9687,23 @@ pub fn frame_tool_pose(y: &[f64; N]) -> ([f64; 3], [[f64; 3]; 3]) {
 /// - returns `J: [6 × N]`: rows: velocity of the origin, then angular velocity, in the axes of the base frame
 ///
 /// Cost: 51 multiplications, 37 additions, 0 divisions, 5 function calls (`sin_cos`).
+#[inline]
 #[must_use]
 pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
+    let mut j = [[0.0; 6]; 6];
+    frame_tool_jacobian_into(y, &mut j);
+    j
+}
+
+/// `frame_tool_jacobian` with its results written in place; nothing of what stood there is read.
+pub fn frame_tool_jacobian_into(y: &[f64; N], j: &mut [[f64; N]; 6]) {
+    j[2][0] = 0.0;
+    j[3][0] = 0.0;
+    j[4][0] = 0.0;
+    j[5][0] = 1.0;
+    j[5][1] = 0.0;
+    j[5][2] = 0.0;
+    j[5][3] = 0.0;
     let angle_shoulder_lift_joint_elbow_joint = y[1] + y[2];
     let angle_shoulder_lift_joint_elbow_joint_wrist_1_joint = y[3]
         + angle_shoulder_lift_joint_elbow_joint;
@@ -9168,11 +9727,15 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let (sin_shoulder_lift_joint_elbow_joint, cos_shoulder_lift_joint_elbow_joint) = math::sin_cos(
         angle_shoulder_lift_joint_elbow_joint,
     );
+    j[4][1] = cos_shoulder_pan_joint;
+    j[4][2] = cos_shoulder_pan_joint;
+    j[4][3] = cos_shoulder_pan_joint;
     let x_axis_wrist_1_joint_y = sin_shoulder_pan_joint
         * cos_shoulder_lift_joint_elbow_joint_wrist_1_joint;
     let t13 = sin_wrist_2_joint * x_axis_wrist_1_joint_y;
     let t14 = cos_shoulder_pan_joint * cos_wrist_2_joint;
     let y_axis_wrist_2_joint_y = t14 + t13;
+    j[4][5] = y_axis_wrist_2_joint_y;
     let t16 = 0.0823 * y_axis_wrist_2_joint_y;
     let y_axis_wrist_1_joint_y = sin_shoulder_pan_joint
         * sin_shoulder_lift_joint_elbow_joint_wrist_1_joint;
@@ -9208,6 +9771,7 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let t45 = origin_wrist_2_joint_z - t36;
     let t46 = y_axis_wrist_1_joint_y * t45;
     let t47 = t46 - t44;
+    j[0][4] = t47;
     let t48 = y_axis_wrist_2_joint_z * t43;
     let t49 = y_axis_wrist_2_joint_y * t45;
     let t50 = t49 + t48;
@@ -9245,68 +9809,63 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let t79 = origin_shoulder_lift_joint_y - t27;
     let t80 = sin_shoulder_pan_joint * t79;
     let t81 = t80 - t78;
+    j[2][1] = t81;
     let t82 = origin_elbow_joint_x - t66;
     let t83 = cos_shoulder_pan_joint * t82;
     let t84 = origin_elbow_joint_y - t27;
     let t85 = sin_shoulder_pan_joint * t84;
     let t86 = t85 - t83;
+    j[2][2] = t86;
     let t87 = origin_wrist_1_joint_x - t66;
     let t88 = cos_shoulder_pan_joint * t87;
     let t89 = origin_wrist_1_joint_y - t27;
     let t90 = sin_shoulder_pan_joint * t89;
     let t91 = t90 - t88;
+    j[2][3] = t91;
     let t92 = y_axis_wrist_1_joint_y * t70;
     let t93 = y_axis_wrist_1_joint_x * t43;
     let t94 = t93 + t92;
+    j[2][4] = t94;
     let t95 = y_axis_wrist_2_joint_y * t70;
     let t96 = y_axis_wrist_2_joint_x * t43;
     let t97 = t96 - t95;
+    j[2][5] = t97;
     let t98 = -t27;
+    j[0][0] = t98;
     let t99 = -t38;
+    j[0][1] = t99;
     let t100 = -t40;
+    j[0][2] = t100;
     let t101 = -t42;
+    j[0][3] = t101;
     let t102 = -t50;
+    j[0][5] = t102;
     let t103 = -t66;
+    j[1][0] = t103;
     let t104 = -t67;
+    j[1][1] = t104;
     let t105 = -t68;
+    j[1][2] = t105;
     let t106 = -t69;
+    j[1][3] = t106;
     let t107 = -t73;
+    j[1][4] = t107;
     let t108 = -t76;
+    j[1][5] = t108;
     let minus_sin_shoulder_pan_joint = -sin_shoulder_pan_joint;
+    j[3][1] = minus_sin_shoulder_pan_joint;
+    j[3][2] = minus_sin_shoulder_pan_joint;
+    j[3][3] = minus_sin_shoulder_pan_joint;
     let minus_y_axis_wrist_1_joint_x = -y_axis_wrist_1_joint_x;
+    j[3][4] = minus_y_axis_wrist_1_joint_x;
     let minus_y_axis_wrist_2_joint_x = -y_axis_wrist_2_joint_x;
+    j[3][5] = minus_y_axis_wrist_2_joint_x;
     let minus_y_axis_wrist_1_joint_y = -y_axis_wrist_1_joint_y;
+    j[4][4] = minus_y_axis_wrist_1_joint_y;
     let minus_cos_shoulder_lift_joint_elbow_joint_wrist_1_joint = -cos_shoulder_lift_joint_elbow_joint_wrist_1_joint;
+    j[5][4] = minus_cos_shoulder_lift_joint_elbow_joint_wrist_1_joint;
     let minus_y_axis_wrist_2_joint_z = -y_axis_wrist_2_joint_z;
-    [
-        [t98, t99, t100, t101, t47, t102],
-        [t103, t104, t105, t106, t107, t108],
-        [0.0, t81, t86, t91, t94, t97],
-        [
-            0.0,
-            minus_sin_shoulder_pan_joint,
-            minus_sin_shoulder_pan_joint,
-            minus_sin_shoulder_pan_joint,
-            minus_y_axis_wrist_1_joint_x,
-            minus_y_axis_wrist_2_joint_x,
-        ],
-        [
-            0.0,
-            cos_shoulder_pan_joint,
-            cos_shoulder_pan_joint,
-            cos_shoulder_pan_joint,
-            minus_y_axis_wrist_1_joint_y,
-            y_axis_wrist_2_joint_y,
-        ],
-        [
-            1.0,
-            0.0,
-            0.0,
-            0.0,
-            minus_cos_shoulder_lift_joint_elbow_joint_wrist_1_joint,
-            minus_y_axis_wrist_2_joint_z,
-        ],
-    ]
+    j[5][5] = minus_y_axis_wrist_2_joint_z;
 }
 
 /// Acceleration of the frame at ÿ = 0 `tool`.
