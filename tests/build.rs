@@ -23,7 +23,11 @@ fn main() {
     text.push_str("pub const ROBOTS: &[Robot] = &[\n");
     for name in &names {
         let source = fs::read_to_string(folder.join(format!("{name}.rs"))).expect("a module");
-        text.push_str(&table::entry(name, &format!("gelenk_generated::{name}"), &source));
+        text.push_str(&table::entry(
+            name,
+            &format!("gelenk_generated::{name}"),
+            &source,
+        ));
     }
     text.push_str("];\n");
     let out = env::var_os("OUT_DIR").expect("Cargo sets OUT_DIR");

@@ -391,6 +391,132 @@ fn lengths_are_named_where_they_follow_from_the_model() {
 }
 
 #[test]
+fn fused_operations_refuse_processors_without_them() {
+    let model = chain(
+        "pair",
+        &[("a", JointKind::Revolute), ("b", JointKind::Prismatic)],
+    );
+    let text = emit_with(&model, &[every_operation()], |_| {});
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = [
+        "--crate-type",
+        "lib",
+        "--emit",
+        "metadata",
+        "-Ctarget-feature=-fma",
+    ];
+    let error = rustc(folder.path(), "pair", &text, &arguments);
+    if cfg!(target_arch = "x86_64") {
+        assert!(error.unwrap_err().contains("target-feature=+fma"));
+    }
+}
+
+#[test]
+fn large_results_are_written_in_place() {
+    let joints = ["a", "b", "c", "d", "e", "f"].map(|name| (name, JointKind::Revolute));
+    let mut function = synthetic(60, 3);
+    function.program.outputs[0].entries[7] = Operand::Constant(2.5);
+    function.program.outputs[0].entries[8] = Operand::Input(1, 2);
+    let model = chain("six", &joints);
+    let text = emit_with(&model, std::slice::from_ref(&function), |_| {});
+    assert!(text.contains("pub fn synthetic_into(") && text.contains("r[1][1] = 2.5;"));
+    assert_compiles("six", &text);
+    let mut random = common::Random(9);
+    let mut arrays = || {
+        (0..3)
+            .map(|_| (0..6).map(|_| random.number()).collect())
+            .collect()
+    };
+    assert_interpreter_agrees(&model, &function, usize::MAX, &[arrays()]);
+}
+
+/// Angles of one joint and of a sum, what no function of std would give, an input that nothing reads.
+fn laned(entries: usize) -> Function {
+    let mut function = synthetic(80, 11);
+    let value = Operand::Value;
+    let operations = [
+        Operation::Add(Operand::Input(0, 1), Operand::Input(0, 2)),
+        Operation::SinCos(value(0)),
+        Operation::CosineOf(1),
+        Operation::SinCos(Operand::Input(0, 0)),
+        Operation::CosineOf(3),
+    ];
+    for (instruction, operation) in function.program.instructions.iter_mut().zip(operations) {
+        instruction.operation = operation;
+    }
+    for instruction in &mut function.program.instructions[5..] {
+        match instruction.operation {
+            Operation::SinCos(a) | Operation::Call(_, a) => {
+                instruction.operation = Operation::Negate(a);
+            }
+            // Clippy would ask whether it is meant.
+            Operation::Subtract(a, b) if a == b => instruction.operation = Operation::Negate(a),
+            _ => {}
+        }
+    }
+    let output = &mut function.program.outputs[0];
+    output.entries.truncate(entries);
+    output.entries[0] = value(4);
+    output.entries[1] = Operand::Input(1, 3);
+    output.shape = match entries {
+        36 => Shape::Matrix(6, 6),
+        entries => Shape::Vector(entries),
+    };
+    function
+}
+
+#[test]
+fn lanes_have_the_bits_of_single_states() {
+    let joints = ["a", "b", "c", "d", "e", "f"].map(|name| (name, JointKind::Revolute));
+    let model = chain("six", &joints);
+    let main = "mod robot { include!(\"robot.rs\"); }
+        use robot::Lanes;
+        fn main() {
+            let many = |k: usize| -> [Lanes; 6] {
+                core::array::from_fn(|i| Lanes(core::array::from_fn(|l| ((k * 48 + i * 8 + l) as f64 * 0.7).rem_euclid(5.0) - 2.5)))
+            };
+            let (y, v, a) = (many(1), many(2), many(3));
+            let mut r = ZERO;
+            robot::synthetic_lanes(&y, &v, &a, &mut r);
+            for l in 0..8 {
+                let one = |x: &[Lanes; 6]| -> [f64; 6] { core::array::from_fn(|i| x[i].0[l]) };
+                let expected = robot::synthetic(&one(&y), &one(&v), &one(&a));
+                COMPARE
+            }
+            println!(\"same\");
+        }";
+    let forms = [
+        (
+            36,
+            "[[Lanes([0.0; 8]); 6]; 6]",
+            "for i in 0..6 { for j in 0..6 { assert_eq!(r[i][j].0[l].to_bits(), expected[i][j].to_bits()); } }",
+        ),
+        (
+            6,
+            "[Lanes([0.0; 8]); 6]",
+            "for i in 0..6 { assert_eq!(r[i].0[l].to_bits(), expected[i].to_bits()); }",
+        ),
+    ];
+    for (entries, zero, compare) in forms {
+        let text = emit_with(&model, &[laned(entries)], |options| {
+            options.lanes = vec!["synthetic".into()]
+        });
+        assert_compiles("six", &text);
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("robot.rs"), text).unwrap();
+        let main = main.replace("ZERO", zero).replace("COMPARE", compare);
+        rustc(folder.path(), "main", &main, &["-O", "-A", "warnings"]).unwrap();
+        let output = Command::new(folder.path().join("main")).output().unwrap();
+        assert_eq!(
+            String::from_utf8_lossy(&output.stdout),
+            "same\n",
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+    }
+}
+
+#[test]
 fn same_arguments_give_the_same_bytes() {
     let emit = || emit_with(&powercube(), &[mass_matrix(), every_operation()], |_| {});
     assert_eq!(emit(), emit());

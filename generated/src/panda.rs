@@ -110,8 +110,17 @@ pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 /// Cost: 153 multiplications, 152 additions, 0 divisions, 6 function calls (`sin_cos`).
 ///
 /// Composite rigid bodies (Walker and Orin 1982; Featherstone 2008, ch. 6), rotors included.
+#[inline]
 #[must_use]
 pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
+    let mut m = [[0.0; 7]; 7];
+    mass_matrix_into(y, &mut m);
+    m
+}
+
+/// `mass_matrix` with its results written in place; nothing of what stood there is read.
+pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
+    m[6][6] = 0.006684151967360947;
     let angle_panda_joint7_offset = y[6] + 0.6689225306301613;
     let (
         [sin_panda_joint2,
@@ -238,6 +247,8 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t119 = sin_panda_joint5 * t81;
     let t120 = cos_panda_joint5 * t88;
     let t121 = t119 - t120;
+    m[3][4] = t121;
+    m[4][3] = t121;
     let t122 = 0.0016444875773692705 - t121;
     let t123 = sin_panda_joint4 * t122;
     let t124 = t118 + t123;
@@ -269,6 +280,8 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t150 = sin_panda_joint4 * t117;
     let t151 = cos_panda_joint4 * t122;
     let t152 = t150 - t151;
+    m[2][3] = t152;
+    m[3][2] = t152;
     let t153 = 0.004377257121839584 + t152;
     let t154 = 0.002328735327435001 - t115;
     let t155 = 3.83030303030303 * t154;
@@ -285,6 +298,7 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t166 = t108 + t130;
     let t167 = 0.008006428067536939 + t166;
     let t168 = t165 + t167;
+    m[0][0] = t168;
     let t169 = cos_panda_joint3 * t129;
     let t170 = t126 - t169;
     let t171 = 0.01026110182100817 + t170;
@@ -297,9 +311,13 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t178 = t172 + t177;
     let t179 = sin_panda_joint2 * t158;
     let t180 = t106 + t108;
+    m[2][2] = t180;
     let t181 = cos_panda_joint2 * t180;
     let t182 = t179 + t181;
+    m[0][2] = t182;
+    m[2][0] = t182;
     let t183 = t67 + t74;
+    m[3][3] = t183;
     let t184 = t183 - t103;
     let t185 = 3.83030303030303 * t136;
     let t186 = t185 - t184;
@@ -311,6 +329,7 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t192 = t190 - t191;
     let t193 = cos_panda_joint4 * t90;
     let t194 = t32 - t33;
+    m[4][4] = t194;
     let t195 = t194 + t64;
     let t196 = sin_panda_joint4 * t195;
     let t197 = t193 + t196;
@@ -331,8 +350,11 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t212 = t64 + t211;
     let t213 = cos_panda_joint2 * t212;
     let t214 = t208 - t213;
+    m[0][4] = t214;
+    m[4][0] = t214;
     let t215 = sin_panda_joint5 * t47;
     let t216 = t19 + 0.050456677916247444;
+    m[5][5] = t216;
     let t217 = 4.654545454545454 * t71;
     let t218 = t216 + t217;
     let t219 = cos_panda_joint5 * t218;
@@ -368,6 +390,8 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t249 = t237 + t248;
     let t250 = cos_panda_joint2 * t249;
     let t251 = t245 - t250;
+    m[0][5] = t251;
+    m[5][0] = t251;
     let t252 = cos_panda_joint7 * 0.00028869352684245185;
     let t253 = 0.006684151967360947 + t252;
     let t254 = sin_panda_joint6 * t253;
@@ -383,6 +407,8 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t264 = t259 - t263;
     let t265 = sin_panda_joint6 * t61;
     let t266 = t265 + t264;
+    m[3][6] = t266;
+    m[6][3] = t266;
     let t267 = cos_panda_joint5 * t260;
     let t268 = sin_panda_joint5 * t54;
     let t269 = t267 - t268;
@@ -420,10 +446,15 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t301 = t286 + t300;
     let t302 = cos_panda_joint2 * t301;
     let t303 = t297 - t302;
+    m[0][6] = t303;
+    m[6][0] = t303;
     let t304 = t132 + t139;
+    m[1][1] = t304;
     let t305 = cos_panda_joint3 * t186;
     let t306 = sin_panda_joint3 * t124;
     let t307 = t306 + t305;
+    m[1][3] = t307;
+    m[3][1] = t307;
     let t308 = sin_panda_joint3 * t199;
     let t309 = cos_panda_joint3 * t205;
     let t310 = t308 + t309;
@@ -434,27 +465,44 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t315 = sin_panda_joint3 * t294;
     let t316 = t315 + t314;
     let t317 = -t178;
+    m[0][1] = t317;
+    m[1][0] = t317;
     let t318 = -t192;
+    m[0][3] = t318;
+    m[3][0] = t318;
     let t319 = -t175;
+    m[1][2] = t319;
+    m[2][1] = t319;
     let t320 = -t310;
+    m[1][4] = t320;
+    m[4][1] = t320;
     let t321 = -t313;
+    m[1][5] = t321;
+    m[5][1] = t321;
     let t322 = -t316;
+    m[1][6] = t322;
+    m[6][1] = t322;
     let t323 = -t212;
+    m[2][4] = t323;
+    m[4][2] = t323;
     let t324 = -t249;
+    m[2][5] = t324;
+    m[5][2] = t324;
     let t325 = -t301;
+    m[2][6] = t325;
+    m[6][2] = t325;
     let t326 = -t221;
+    m[3][5] = t326;
+    m[5][3] = t326;
     let t327 = -t85;
+    m[4][5] = t327;
+    m[5][4] = t327;
     let t328 = -t289;
+    m[4][6] = t328;
+    m[6][4] = t328;
     let t329 = -t44;
-    [
-        [t168, t317, t182, t318, t214, t251, t303],
-        [t317, t304, t319, t307, t320, t321, t322],
-        [t182, t319, t180, t152, t323, t324, t325],
-        [t318, t307, t152, t183, t121, t326, t266],
-        [t214, t320, t323, t121, t194, t327, t328],
-        [t251, t321, t324, t326, t327, t216, t329],
-        [t303, t322, t325, t266, t328, t329, 0.006684151967360947],
-    ]
+    m[5][6] = t329;
+    m[6][5] = t329;
 }
 
 /// Coriolis, centrifugal and gyroscopic forces `k(y, ẏ)`.
@@ -1891,15 +1939,62 @@ pub fn bias_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 #[inline]
 #[must_use]
 pub fn input_matrix() -> [[f64; M]; N] {
-    [
-        [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-        [0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-        [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
-        [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
-        [0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0],
-        [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0],
-        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
-    ]
+    let mut b = [[0.0; 7]; 7];
+    input_matrix_into(&mut b);
+    b
+}
+
+/// `input_matrix` with its results written in place; nothing of what stood there is read.
+pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
+    b[0][0] = 1.0;
+    b[0][1] = 0.0;
+    b[0][2] = 0.0;
+    b[0][3] = 0.0;
+    b[0][4] = 0.0;
+    b[0][5] = 0.0;
+    b[0][6] = 0.0;
+    b[1][0] = 0.0;
+    b[1][1] = 1.0;
+    b[1][2] = 0.0;
+    b[1][3] = 0.0;
+    b[1][4] = 0.0;
+    b[1][5] = 0.0;
+    b[1][6] = 0.0;
+    b[2][0] = 0.0;
+    b[2][1] = 0.0;
+    b[2][2] = 1.0;
+    b[2][3] = 0.0;
+    b[2][4] = 0.0;
+    b[2][5] = 0.0;
+    b[2][6] = 0.0;
+    b[3][0] = 0.0;
+    b[3][1] = 0.0;
+    b[3][2] = 0.0;
+    b[3][3] = 1.0;
+    b[3][4] = 0.0;
+    b[3][5] = 0.0;
+    b[3][6] = 0.0;
+    b[4][0] = 0.0;
+    b[4][1] = 0.0;
+    b[4][2] = 0.0;
+    b[4][3] = 0.0;
+    b[4][4] = 1.0;
+    b[4][5] = 0.0;
+    b[4][6] = 0.0;
+    b[5][0] = 0.0;
+    b[5][1] = 0.0;
+    b[5][2] = 0.0;
+    b[5][3] = 0.0;
+    b[5][4] = 0.0;
+    b[5][5] = 1.0;
+    b[5][6] = 0.0;
+    b[6][0] = 0.0;
+    b[6][1] = 0.0;
+    b[6][2] = 0.0;
+    b[6][3] = 0.0;
+    b[6][4] = 0.0;
+    b[6][5] = 0.0;
+    b[6][6] = 1.0;
 }
 
 /// Mass matrix, Coriolis forces and applied forces at once.
@@ -1917,11 +2012,28 @@ pub fn input_matrix() -> [[f64; M]; N] {
 /// Cost: 466 multiplications, 428 additions, 0 divisions, 6 function calls (`sin_cos`).
 ///
 /// What the three have in common is computed once.
+#[inline]
 #[must_use]
 pub fn equations_of_motion(
     y: &[f64; N],
     v: &[f64; N],
 ) -> ([[f64; N]; N], [f64; N], [f64; N]) {
+    let mut m = [[0.0; 7]; 7];
+    let mut k = [0.0; 7];
+    let mut q = [0.0; 7];
+    equations_of_motion_into(y, v, &mut m, &mut k, &mut q);
+    (m, k, q)
+}
+
+/// `equations_of_motion` with its results written in place; nothing of what stood there is read.
+pub fn equations_of_motion_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    m: &mut [[f64; N]; N],
+    k: &mut [f64; N],
+    q: &mut [f64; N],
+) {
+    m[6][6] = 0.006684151967360947;
     let angle_panda_joint7_offset = y[6] + 0.6689225306301613;
     let (
         [sin_panda_joint2,
@@ -2048,6 +2160,8 @@ pub fn equations_of_motion(
     let t119 = sin_panda_joint5 * t81;
     let t120 = cos_panda_joint5 * t88;
     let t121 = t119 - t120;
+    m[3][4] = t121;
+    m[4][3] = t121;
     let t122 = 0.0016444875773692705 - t121;
     let t123 = sin_panda_joint4 * t122;
     let t124 = t118 + t123;
@@ -2079,6 +2193,8 @@ pub fn equations_of_motion(
     let t150 = sin_panda_joint4 * t117;
     let t151 = cos_panda_joint4 * t122;
     let t152 = t150 - t151;
+    m[2][3] = t152;
+    m[3][2] = t152;
     let t153 = 0.004377257121839584 + t152;
     let t154 = 0.002328735327435001 - t115;
     let t155 = 3.83030303030303 * t154;
@@ -2095,6 +2211,7 @@ pub fn equations_of_motion(
     let t166 = t108 + t130;
     let t167 = 0.008006428067536939 + t166;
     let t168 = t165 + t167;
+    m[0][0] = t168;
     let t169 = cos_panda_joint3 * t129;
     let t170 = t126 - t169;
     let t171 = 0.01026110182100817 + t170;
@@ -2107,9 +2224,13 @@ pub fn equations_of_motion(
     let t178 = t172 + t177;
     let t179 = sin_panda_joint2 * t158;
     let t180 = t106 + t108;
+    m[2][2] = t180;
     let t181 = cos_panda_joint2 * t180;
     let t182 = t179 + t181;
+    m[0][2] = t182;
+    m[2][0] = t182;
     let t183 = t67 + t74;
+    m[3][3] = t183;
     let t184 = t183 - t103;
     let t185 = 3.83030303030303 * t136;
     let t186 = t185 - t184;
@@ -2121,6 +2242,7 @@ pub fn equations_of_motion(
     let t192 = t190 - t191;
     let t193 = cos_panda_joint4 * t90;
     let t194 = t32 - t33;
+    m[4][4] = t194;
     let t195 = t194 + t64;
     let t196 = sin_panda_joint4 * t195;
     let t197 = t193 + t196;
@@ -2141,8 +2263,11 @@ pub fn equations_of_motion(
     let t212 = t64 + t211;
     let t213 = cos_panda_joint2 * t212;
     let t214 = t208 - t213;
+    m[0][4] = t214;
+    m[4][0] = t214;
     let t215 = sin_panda_joint5 * t47;
     let t216 = t19 + 0.050456677916247444;
+    m[5][5] = t216;
     let t217 = 4.654545454545454 * t71;
     let t218 = t216 + t217;
     let t219 = cos_panda_joint5 * t218;
@@ -2178,6 +2303,8 @@ pub fn equations_of_motion(
     let t249 = t237 + t248;
     let t250 = cos_panda_joint2 * t249;
     let t251 = t245 - t250;
+    m[0][5] = t251;
+    m[5][0] = t251;
     let t252 = cos_panda_joint7 * 0.00028869352684245185;
     let t253 = 0.006684151967360947 + t252;
     let t254 = sin_panda_joint6 * t253;
@@ -2193,6 +2320,8 @@ pub fn equations_of_motion(
     let t264 = t259 - t263;
     let t265 = sin_panda_joint6 * t61;
     let t266 = t265 + t264;
+    m[3][6] = t266;
+    m[6][3] = t266;
     let t267 = cos_panda_joint5 * t260;
     let t268 = sin_panda_joint5 * t54;
     let t269 = t267 - t268;
@@ -2230,10 +2359,15 @@ pub fn equations_of_motion(
     let t301 = t286 + t300;
     let t302 = cos_panda_joint2 * t301;
     let t303 = t297 - t302;
+    m[0][6] = t303;
+    m[6][0] = t303;
     let t304 = t132 + t139;
+    m[1][1] = t304;
     let t305 = cos_panda_joint3 * t186;
     let t306 = sin_panda_joint3 * t124;
     let t307 = t306 + t305;
+    m[1][3] = t307;
+    m[3][1] = t307;
     let t308 = sin_panda_joint3 * t199;
     let t309 = cos_panda_joint3 * t205;
     let t310 = t308 + t309;
@@ -2718,6 +2852,7 @@ pub fn equations_of_motion(
     let moment_panda_joint2_y = t788 - moment_panda_joint3_z;
     let t790 = cos_panda_joint2 * moment_panda_joint2_y;
     let moment_panda_joint1_z = t762 + t790;
+    k[0] = moment_panda_joint1_z;
     let t792 = cos_panda_joint3 * t675;
     let t793 = sin_panda_joint3 * t744;
     let t794 = t793 - t792;
@@ -2728,6 +2863,7 @@ pub fn equations_of_motion(
     let t799 = 0.12818329225032404 * t754;
     let t800 = t798 - t799;
     let moment_panda_joint2_z = t800 - t794;
+    k[1] = moment_panda_joint2_z;
     let acceleration_panda_joint3_x_2 = sin_panda_joint2 * cos_panda_joint3;
     let t803 = cos_panda_joint4 * acceleration_panda_joint3_x_2;
     let t804 = cos_panda_joint2 * sin_panda_joint4;
@@ -2833,51 +2969,68 @@ pub fn equations_of_motion(
     let t904 = v[6] * 0.003;
     let t905 = t904 + moment_panda_joint7_z_2;
     let t906 = -t178;
+    m[0][1] = t906;
+    m[1][0] = t906;
     let t907 = -t192;
+    m[0][3] = t907;
+    m[3][0] = t907;
     let t908 = -t175;
+    m[1][2] = t908;
+    m[2][1] = t908;
     let t909 = -t310;
+    m[1][4] = t909;
+    m[4][1] = t909;
     let t910 = -t313;
+    m[1][5] = t910;
+    m[5][1] = t910;
     let t911 = -t316;
+    m[1][6] = t911;
+    m[6][1] = t911;
     let t912 = -t212;
+    m[2][4] = t912;
+    m[4][2] = t912;
     let t913 = -t249;
+    m[2][5] = t913;
+    m[5][2] = t913;
     let t914 = -t301;
+    m[2][6] = t914;
+    m[6][2] = t914;
     let t915 = -t221;
+    m[3][5] = t915;
+    m[5][3] = t915;
     let t916 = -t85;
+    m[4][5] = t916;
+    m[5][4] = t916;
     let t917 = -t289;
+    m[4][6] = t917;
+    m[6][4] = t917;
     let t918 = -t44;
+    m[5][6] = t918;
+    m[6][5] = t918;
     let minus_moment_panda_joint3_z = -moment_panda_joint3_z;
+    k[2] = minus_moment_panda_joint3_z;
     let minus_moment_panda_joint4_z = -moment_panda_joint4_z;
+    k[3] = minus_moment_panda_joint4_z;
     let minus_moment_panda_joint5_z = -moment_panda_joint5_z;
+    k[4] = minus_moment_panda_joint5_z;
     let minus_moment_panda_joint6_z = -moment_panda_joint6_z;
+    k[5] = minus_moment_panda_joint6_z;
     let minus_moment_panda_joint7_z = -moment_panda_joint7_z;
+    k[6] = minus_moment_panda_joint7_z;
     let t924 = -t886;
+    q[0] = t924;
     let t925 = -t895;
+    q[1] = t925;
     let t926 = -t897;
+    q[2] = t926;
     let t927 = -t899;
+    q[3] = t927;
     let t928 = -t901;
+    q[4] = t928;
     let t929 = -t903;
+    q[5] = t929;
     let t930 = -t905;
-    (
-        [
-            [t168, t906, t182, t907, t214, t251, t303],
-            [t906, t304, t908, t307, t909, t910, t911],
-            [t182, t908, t180, t152, t912, t913, t914],
-            [t907, t307, t152, t183, t121, t915, t266],
-            [t214, t909, t912, t121, t194, t916, t917],
-            [t251, t910, t913, t915, t916, t216, t918],
-            [t303, t911, t914, t266, t917, t918, 0.006684151967360947],
-        ],
-        [
-            moment_panda_joint1_z,
-            moment_panda_joint2_z,
-            minus_moment_panda_joint3_z,
-            minus_moment_panda_joint4_z,
-            minus_moment_panda_joint5_z,
-            minus_moment_panda_joint6_z,
-            minus_moment_panda_joint7_z,
-        ],
-        [t924, t925, t926, t927, t928, t929, t930],
-    )
+    q[6] = t930;
 }
 
 /// Inverse dynamics: the joint forces of a motion.
@@ -4571,11 +4724,26 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 /// Cost: 409 multiplications, 392 additions, 0 divisions, 6 function calls (`sin_cos`).
 ///
 /// What both have in common is computed once.
+#[inline]
 #[must_use]
 pub fn mass_matrix_and_bias_forces(
     y: &[f64; N],
     v: &[f64; N],
 ) -> ([[f64; N]; N], [f64; N]) {
+    let mut m = [[0.0; 7]; 7];
+    let mut b = [0.0; 7];
+    mass_matrix_and_bias_forces_into(y, v, &mut m, &mut b);
+    (m, b)
+}
+
+/// `mass_matrix_and_bias_forces` with its results written in place; nothing of what stood there is read.
+pub fn mass_matrix_and_bias_forces_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    m: &mut [[f64; N]; N],
+    b: &mut [f64; N],
+) {
+    m[6][6] = 0.006684151967360947;
     let angle_panda_joint7_offset = y[6] + 0.6689225306301613;
     let (
         [sin_panda_joint2,
@@ -4702,6 +4870,8 @@ pub fn mass_matrix_and_bias_forces(
     let t119 = sin_panda_joint5 * t81;
     let t120 = cos_panda_joint5 * t88;
     let t121 = t119 - t120;
+    m[3][4] = t121;
+    m[4][3] = t121;
     let t122 = 0.0016444875773692705 - t121;
     let t123 = sin_panda_joint4 * t122;
     let t124 = t118 + t123;
@@ -4733,6 +4903,8 @@ pub fn mass_matrix_and_bias_forces(
     let t150 = sin_panda_joint4 * t117;
     let t151 = cos_panda_joint4 * t122;
     let t152 = t150 - t151;
+    m[2][3] = t152;
+    m[3][2] = t152;
     let t153 = 0.004377257121839584 + t152;
     let t154 = 0.002328735327435001 - t115;
     let t155 = 3.83030303030303 * t154;
@@ -4749,6 +4921,7 @@ pub fn mass_matrix_and_bias_forces(
     let t166 = t108 + t130;
     let t167 = 0.008006428067536939 + t166;
     let t168 = t165 + t167;
+    m[0][0] = t168;
     let t169 = cos_panda_joint3 * t129;
     let t170 = t126 - t169;
     let t171 = 0.01026110182100817 + t170;
@@ -4761,9 +4934,13 @@ pub fn mass_matrix_and_bias_forces(
     let t178 = t172 + t177;
     let t179 = sin_panda_joint2 * t158;
     let t180 = t106 + t108;
+    m[2][2] = t180;
     let t181 = cos_panda_joint2 * t180;
     let t182 = t179 + t181;
+    m[0][2] = t182;
+    m[2][0] = t182;
     let t183 = t67 + t74;
+    m[3][3] = t183;
     let t184 = t183 - t103;
     let t185 = 3.83030303030303 * t136;
     let t186 = t185 - t184;
@@ -4775,6 +4952,7 @@ pub fn mass_matrix_and_bias_forces(
     let t192 = t190 - t191;
     let t193 = cos_panda_joint4 * t90;
     let t194 = t32 - t33;
+    m[4][4] = t194;
     let t195 = t194 + t64;
     let t196 = sin_panda_joint4 * t195;
     let t197 = t193 + t196;
@@ -4795,8 +4973,11 @@ pub fn mass_matrix_and_bias_forces(
     let t212 = t64 + t211;
     let t213 = cos_panda_joint2 * t212;
     let t214 = t208 - t213;
+    m[0][4] = t214;
+    m[4][0] = t214;
     let t215 = sin_panda_joint5 * t47;
     let t216 = t19 + 0.050456677916247444;
+    m[5][5] = t216;
     let t217 = 4.654545454545454 * t71;
     let t218 = t216 + t217;
     let t219 = cos_panda_joint5 * t218;
@@ -4832,6 +5013,8 @@ pub fn mass_matrix_and_bias_forces(
     let t249 = t237 + t248;
     let t250 = cos_panda_joint2 * t249;
     let t251 = t245 - t250;
+    m[0][5] = t251;
+    m[5][0] = t251;
     let t252 = cos_panda_joint7 * 0.00028869352684245185;
     let t253 = 0.006684151967360947 + t252;
     let t254 = sin_panda_joint6 * t253;
@@ -4847,6 +5030,8 @@ pub fn mass_matrix_and_bias_forces(
     let t264 = t259 - t263;
     let t265 = sin_panda_joint6 * t61;
     let t266 = t265 + t264;
+    m[3][6] = t266;
+    m[6][3] = t266;
     let t267 = cos_panda_joint5 * t260;
     let t268 = sin_panda_joint5 * t54;
     let t269 = t267 - t268;
@@ -4884,10 +5069,15 @@ pub fn mass_matrix_and_bias_forces(
     let t301 = t286 + t300;
     let t302 = cos_panda_joint2 * t301;
     let t303 = t297 - t302;
+    m[0][6] = t303;
+    m[6][0] = t303;
     let t304 = t132 + t139;
+    m[1][1] = t304;
     let t305 = cos_panda_joint3 * t186;
     let t306 = sin_panda_joint3 * t124;
     let t307 = t306 + t305;
+    m[1][3] = t307;
+    m[3][1] = t307;
     let t308 = sin_panda_joint3 * t199;
     let t309 = cos_panda_joint3 * t205;
     let t310 = t308 + t309;
@@ -5367,6 +5557,7 @@ pub fn mass_matrix_and_bias_forces(
     let t784 = 0.002328735327435001 * acceleration_panda_joint3_x;
     let t785 = t784 + t783;
     let moment_panda_joint3_z = t785 - t773;
+    b[2] = moment_panda_joint3_z;
     let t787 = t754 + t757;
     let t788 = t787 - t756;
     let t789 = 0.01026110182100817 * t788;
@@ -5379,6 +5570,7 @@ pub fn mass_matrix_and_bias_forces(
     let moment_panda_joint2_y = t795 + moment_panda_joint3_z;
     let t797 = cos_panda_joint2 * moment_panda_joint2_y;
     let moment_panda_joint1_z = t769 + t797;
+    b[0] = moment_panda_joint1_z;
     let t799 = cos_panda_joint3 * t682;
     let t800 = sin_panda_joint3 * t751;
     let t801 = t800 + t799;
@@ -5393,43 +5585,54 @@ pub fn mass_matrix_and_bias_forces(
     let t810 = t809 - t808;
     let t811 = t810 + t807;
     let moment_panda_joint2_z = t811 + t801;
+    b[1] = moment_panda_joint2_z;
     let t813 = -t178;
+    m[0][1] = t813;
+    m[1][0] = t813;
     let t814 = -t192;
+    m[0][3] = t814;
+    m[3][0] = t814;
     let t815 = -t175;
+    m[1][2] = t815;
+    m[2][1] = t815;
     let t816 = -t310;
+    m[1][4] = t816;
+    m[4][1] = t816;
     let t817 = -t313;
+    m[1][5] = t817;
+    m[5][1] = t817;
     let t818 = -t316;
+    m[1][6] = t818;
+    m[6][1] = t818;
     let t819 = -t212;
+    m[2][4] = t819;
+    m[4][2] = t819;
     let t820 = -t249;
+    m[2][5] = t820;
+    m[5][2] = t820;
     let t821 = -t301;
+    m[2][6] = t821;
+    m[6][2] = t821;
     let t822 = -t221;
+    m[3][5] = t822;
+    m[5][3] = t822;
     let t823 = -t85;
+    m[4][5] = t823;
+    m[5][4] = t823;
     let t824 = -t289;
+    m[4][6] = t824;
+    m[6][4] = t824;
     let t825 = -t44;
+    m[5][6] = t825;
+    m[6][5] = t825;
     let minus_moment_panda_joint4_z = -moment_panda_joint4_z;
+    b[3] = minus_moment_panda_joint4_z;
     let minus_moment_panda_joint5_z = -moment_panda_joint5_z;
+    b[4] = minus_moment_panda_joint5_z;
     let minus_moment_panda_joint6_z = -moment_panda_joint6_z;
+    b[5] = minus_moment_panda_joint6_z;
     let minus_moment_panda_joint7_z = -moment_panda_joint7_z;
-    (
-        [
-            [t168, t813, t182, t814, t214, t251, t303],
-            [t813, t304, t815, t307, t816, t817, t818],
-            [t182, t815, t180, t152, t819, t820, t821],
-            [t814, t307, t152, t183, t121, t822, t266],
-            [t214, t816, t819, t121, t194, t823, t824],
-            [t251, t817, t820, t822, t823, t216, t825],
-            [t303, t818, t821, t266, t824, t825, 0.006684151967360947],
-        ],
-        [
-            moment_panda_joint1_z,
-            moment_panda_joint2_z,
-            moment_panda_joint3_z,
-            minus_moment_panda_joint4_z,
-            minus_moment_panda_joint5_z,
-            minus_moment_panda_joint6_z,
-            minus_moment_panda_joint7_z,
-        ],
-    )
+    b[6] = minus_moment_panda_joint7_z;
 }
 
 /// Inverse dynamics with its Jacobians.
@@ -5451,12 +5654,29 @@ pub fn mass_matrix_and_bias_forces(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 pub fn inverse_dynamics_derivatives(
     y: &[f64; N],
     v: &[f64; N],
     a: &[f64; N],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N]) {
+    let mut b_u = [0.0; 7];
+    let mut d_dy = [[0.0; 7]; 7];
+    let mut d_dv = [[0.0; 7]; 7];
+    inverse_dynamics_derivatives_into(y, v, a, &mut b_u, &mut d_dy, &mut d_dv);
+    (b_u, d_dy, d_dv)
+}
+
+/// `inverse_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+pub fn inverse_dynamics_derivatives_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    b_u: &mut [f64; N],
+    d_dy: &mut [[f64; N]; N],
+    d_dv: &mut [[f64; N]; N],
+) {
     let [sin_panda_joint2, cos_panda_joint2, sin_panda_joint3, cos_panda_joint3,
     sin_panda_joint4, cos_panda_joint4, sin_panda_joint5, cos_panda_joint5,
     sin_panda_joint6, cos_panda_joint6, cos_panda_joint7, omega_panda_joint2_y, t16,
@@ -5690,27 +5910,111 @@ pub fn inverse_dynamics_derivatives(
             t1694,
         ],
     );
-    (
-        [t535, t555, t557, t2492, t2493, t563, t2494],
-        [
-            [0.0, t1109, t2495, t2496, t1360, t1475, t1582],
-            [0.0, t2497, t1617, t1620, t2498, t2499, t2500],
-            [0.0, t1642, t1171, t2501, t1358, t2502, t1580],
-            [0.0, t2503, t1686, t2504, t1312, t1438, t2505],
-            [0.0, t2506, t1766, t1776, t2507, t2508, t2509],
-            [0.0, t1873, t2510, t2511, t2512, t1430, t2513],
-            [0.0, t2514, t2045, t2058, t2071, t2515, t1501],
-        ],
-        [
-            [t2516, t2114, t2517, t2518, t2519, t2310, t2375],
-            [t2520, t2384, t2387, t2390, t2393, t2521, t2522],
-            [t2523, t2406, t2407, t2524, t2237, t2308, t2525],
-            [t2410, t2526, t2527, t2528, t2529, t2530, t2338],
-            [t2531, t2432, t2436, t2532, t2441, t2533, t2358],
-            [t2444, t2534, t2535, t2459, t2536, t2464, t2537],
-            [t2538, t2474, t2478, t2539, t2486, t2490, t2540],
-        ],
-    )
+    b_u[0] = t535;
+    b_u[1] = t555;
+    b_u[2] = t557;
+    b_u[3] = t2492;
+    b_u[4] = t2493;
+    b_u[5] = t563;
+    b_u[6] = t2494;
+    d_dy[0][0] = 0.0;
+    d_dy[0][1] = t1109;
+    d_dy[0][2] = t2495;
+    d_dy[0][3] = t2496;
+    d_dy[0][4] = t1360;
+    d_dy[0][5] = t1475;
+    d_dy[0][6] = t1582;
+    d_dy[1][0] = 0.0;
+    d_dy[1][1] = t2497;
+    d_dy[1][2] = t1617;
+    d_dy[1][3] = t1620;
+    d_dy[1][4] = t2498;
+    d_dy[1][5] = t2499;
+    d_dy[1][6] = t2500;
+    d_dy[2][0] = 0.0;
+    d_dy[2][1] = t1642;
+    d_dy[2][2] = t1171;
+    d_dy[2][3] = t2501;
+    d_dy[2][4] = t1358;
+    d_dy[2][5] = t2502;
+    d_dy[2][6] = t1580;
+    d_dy[3][0] = 0.0;
+    d_dy[3][1] = t2503;
+    d_dy[3][2] = t1686;
+    d_dy[3][3] = t2504;
+    d_dy[3][4] = t1312;
+    d_dy[3][5] = t1438;
+    d_dy[3][6] = t2505;
+    d_dy[4][0] = 0.0;
+    d_dy[4][1] = t2506;
+    d_dy[4][2] = t1766;
+    d_dy[4][3] = t1776;
+    d_dy[4][4] = t2507;
+    d_dy[4][5] = t2508;
+    d_dy[4][6] = t2509;
+    d_dy[5][0] = 0.0;
+    d_dy[5][1] = t1873;
+    d_dy[5][2] = t2510;
+    d_dy[5][3] = t2511;
+    d_dy[5][4] = t2512;
+    d_dy[5][5] = t1430;
+    d_dy[5][6] = t2513;
+    d_dy[6][0] = 0.0;
+    d_dy[6][1] = t2514;
+    d_dy[6][2] = t2045;
+    d_dy[6][3] = t2058;
+    d_dy[6][4] = t2071;
+    d_dy[6][5] = t2515;
+    d_dy[6][6] = t1501;
+    d_dv[0][0] = t2516;
+    d_dv[0][1] = t2114;
+    d_dv[0][2] = t2517;
+    d_dv[0][3] = t2518;
+    d_dv[0][4] = t2519;
+    d_dv[0][5] = t2310;
+    d_dv[0][6] = t2375;
+    d_dv[1][0] = t2520;
+    d_dv[1][1] = t2384;
+    d_dv[1][2] = t2387;
+    d_dv[1][3] = t2390;
+    d_dv[1][4] = t2393;
+    d_dv[1][5] = t2521;
+    d_dv[1][6] = t2522;
+    d_dv[2][0] = t2523;
+    d_dv[2][1] = t2406;
+    d_dv[2][2] = t2407;
+    d_dv[2][3] = t2524;
+    d_dv[2][4] = t2237;
+    d_dv[2][5] = t2308;
+    d_dv[2][6] = t2525;
+    d_dv[3][0] = t2410;
+    d_dv[3][1] = t2526;
+    d_dv[3][2] = t2527;
+    d_dv[3][3] = t2528;
+    d_dv[3][4] = t2529;
+    d_dv[3][5] = t2530;
+    d_dv[3][6] = t2338;
+    d_dv[4][0] = t2531;
+    d_dv[4][1] = t2432;
+    d_dv[4][2] = t2436;
+    d_dv[4][3] = t2532;
+    d_dv[4][4] = t2441;
+    d_dv[4][5] = t2533;
+    d_dv[4][6] = t2358;
+    d_dv[5][0] = t2444;
+    d_dv[5][1] = t2534;
+    d_dv[5][2] = t2535;
+    d_dv[5][3] = t2459;
+    d_dv[5][4] = t2536;
+    d_dv[5][5] = t2464;
+    d_dv[5][6] = t2537;
+    d_dv[6][0] = t2538;
+    d_dv[6][1] = t2474;
+    d_dv[6][2] = t2478;
+    d_dv[6][3] = t2539;
+    d_dv[6][4] = t2486;
+    d_dv[6][5] = t2490;
+    d_dv[6][6] = t2540;
 }
 
 /// Part 1 of `inverse_dynamics_derivatives`: values that later parts read.
@@ -8793,6 +9097,7 @@ fn inverse_dynamics_derivatives_part_2(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -8803,6 +9108,33 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     v: &[f64; N],
     a: &[f64; N],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
+    let mut b_u = [0.0; 7];
+    let mut d_dy = [[0.0; 7]; 7];
+    let mut d_dv = [[0.0; 7]; 7];
+    let mut m = [[0.0; 7]; 7];
+    inverse_dynamics_derivatives_and_mass_matrix_into(
+        y,
+        v,
+        a,
+        &mut b_u,
+        &mut d_dy,
+        &mut d_dv,
+        &mut m,
+    );
+    (b_u, d_dy, d_dv, m)
+}
+
+/// `inverse_dynamics_derivatives_and_mass_matrix` with its results written in place; nothing of what stood there
+/// is read.
+pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    b_u: &mut [f64; N],
+    d_dy: &mut [[f64; N]; N],
+    d_dv: &mut [[f64; N]; N],
+    m: &mut [[f64; N]; N],
+) {
     let [sin_panda_joint2, cos_panda_joint2, sin_panda_joint3, cos_panda_joint3,
     sin_panda_joint4, cos_panda_joint4, sin_panda_joint5, cos_panda_joint5,
     sin_panda_joint6, cos_panda_joint6, cos_panda_joint7, omega_panda_joint2_y, t16,
@@ -9047,36 +9379,160 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
             t1643,
         ],
     );
-    (
-        [t535, t555, t557, t2520, t2521, t563, t2522],
-        [
-            [0.0, t1109, t2523, t2524, t1360, t1475, t1582],
-            [0.0, t2525, t1617, t1620, t2526, t2527, t2528],
-            [0.0, t1642, t1171, t2529, t1358, t2530, t1580],
-            [0.0, t2531, t1686, t2532, t1312, t1438, t2533],
-            [0.0, t2534, t1766, t1776, t2535, t2536, t2537],
-            [0.0, t1873, t2538, t2539, t2540, t1430, t2541],
-            [0.0, t2542, t2045, t2058, t2071, t2543, t1501],
-        ],
-        [
-            [t2544, t2114, t2545, t2546, t2547, t2310, t2375],
-            [t2548, t2384, t2387, t2390, t2393, t2549, t2550],
-            [t2551, t2406, t2407, t2552, t2237, t2308, t2553],
-            [t2410, t2554, t2555, t2556, t2557, t2558, t2338],
-            [t2559, t2432, t2436, t2560, t2441, t2561, t2358],
-            [t2444, t2562, t2563, t2459, t2564, t2464, t2565],
-            [t2566, t2474, t2478, t2567, t2486, t2490, t2568],
-        ],
-        [
-            [t2501, t2569, t2507, t2570, t2571, t2516, t2572],
-            [t2569, t1599, t2573, t1668, t1743, t2574, t2022],
-            [t2507, t2573, t1161, t1022, t2575, t2576, t2577],
-            [t2570, t1668, t1022, t1218, t2578, t2579, t1994],
-            [t2571, t1743, t2575, t2578, t1336, t2580, t2581],
-            [t2516, t2574, t2576, t2579, t2580, t1421, t2582],
-            [t2572, t2022, t2577, t1994, t2581, t2582, t1493],
-        ],
-    )
+    b_u[0] = t535;
+    b_u[1] = t555;
+    b_u[2] = t557;
+    b_u[3] = t2520;
+    b_u[4] = t2521;
+    b_u[5] = t563;
+    b_u[6] = t2522;
+    d_dy[0][0] = 0.0;
+    d_dy[0][1] = t1109;
+    d_dy[0][2] = t2523;
+    d_dy[0][3] = t2524;
+    d_dy[0][4] = t1360;
+    d_dy[0][5] = t1475;
+    d_dy[0][6] = t1582;
+    d_dy[1][0] = 0.0;
+    d_dy[1][1] = t2525;
+    d_dy[1][2] = t1617;
+    d_dy[1][3] = t1620;
+    d_dy[1][4] = t2526;
+    d_dy[1][5] = t2527;
+    d_dy[1][6] = t2528;
+    d_dy[2][0] = 0.0;
+    d_dy[2][1] = t1642;
+    d_dy[2][2] = t1171;
+    d_dy[2][3] = t2529;
+    d_dy[2][4] = t1358;
+    d_dy[2][5] = t2530;
+    d_dy[2][6] = t1580;
+    d_dy[3][0] = 0.0;
+    d_dy[3][1] = t2531;
+    d_dy[3][2] = t1686;
+    d_dy[3][3] = t2532;
+    d_dy[3][4] = t1312;
+    d_dy[3][5] = t1438;
+    d_dy[3][6] = t2533;
+    d_dy[4][0] = 0.0;
+    d_dy[4][1] = t2534;
+    d_dy[4][2] = t1766;
+    d_dy[4][3] = t1776;
+    d_dy[4][4] = t2535;
+    d_dy[4][5] = t2536;
+    d_dy[4][6] = t2537;
+    d_dy[5][0] = 0.0;
+    d_dy[5][1] = t1873;
+    d_dy[5][2] = t2538;
+    d_dy[5][3] = t2539;
+    d_dy[5][4] = t2540;
+    d_dy[5][5] = t1430;
+    d_dy[5][6] = t2541;
+    d_dy[6][0] = 0.0;
+    d_dy[6][1] = t2542;
+    d_dy[6][2] = t2045;
+    d_dy[6][3] = t2058;
+    d_dy[6][4] = t2071;
+    d_dy[6][5] = t2543;
+    d_dy[6][6] = t1501;
+    d_dv[0][0] = t2544;
+    d_dv[0][1] = t2114;
+    d_dv[0][2] = t2545;
+    d_dv[0][3] = t2546;
+    d_dv[0][4] = t2547;
+    d_dv[0][5] = t2310;
+    d_dv[0][6] = t2375;
+    d_dv[1][0] = t2548;
+    d_dv[1][1] = t2384;
+    d_dv[1][2] = t2387;
+    d_dv[1][3] = t2390;
+    d_dv[1][4] = t2393;
+    d_dv[1][5] = t2549;
+    d_dv[1][6] = t2550;
+    d_dv[2][0] = t2551;
+    d_dv[2][1] = t2406;
+    d_dv[2][2] = t2407;
+    d_dv[2][3] = t2552;
+    d_dv[2][4] = t2237;
+    d_dv[2][5] = t2308;
+    d_dv[2][6] = t2553;
+    d_dv[3][0] = t2410;
+    d_dv[3][1] = t2554;
+    d_dv[3][2] = t2555;
+    d_dv[3][3] = t2556;
+    d_dv[3][4] = t2557;
+    d_dv[3][5] = t2558;
+    d_dv[3][6] = t2338;
+    d_dv[4][0] = t2559;
+    d_dv[4][1] = t2432;
+    d_dv[4][2] = t2436;
+    d_dv[4][3] = t2560;
+    d_dv[4][4] = t2441;
+    d_dv[4][5] = t2561;
+    d_dv[4][6] = t2358;
+    d_dv[5][0] = t2444;
+    d_dv[5][1] = t2562;
+    d_dv[5][2] = t2563;
+    d_dv[5][3] = t2459;
+    d_dv[5][4] = t2564;
+    d_dv[5][5] = t2464;
+    d_dv[5][6] = t2565;
+    d_dv[6][0] = t2566;
+    d_dv[6][1] = t2474;
+    d_dv[6][2] = t2478;
+    d_dv[6][3] = t2567;
+    d_dv[6][4] = t2486;
+    d_dv[6][5] = t2490;
+    d_dv[6][6] = t2568;
+    m[0][0] = t2501;
+    m[0][1] = t2569;
+    m[0][2] = t2507;
+    m[0][3] = t2570;
+    m[0][4] = t2571;
+    m[0][5] = t2516;
+    m[0][6] = t2572;
+    m[1][0] = t2569;
+    m[1][1] = t1599;
+    m[1][2] = t2573;
+    m[1][3] = t1668;
+    m[1][4] = t1743;
+    m[1][5] = t2574;
+    m[1][6] = t2022;
+    m[2][0] = t2507;
+    m[2][1] = t2573;
+    m[2][2] = t1161;
+    m[2][3] = t1022;
+    m[2][4] = t2575;
+    m[2][5] = t2576;
+    m[2][6] = t2577;
+    m[3][0] = t2570;
+    m[3][1] = t1668;
+    m[3][2] = t1022;
+    m[3][3] = t1218;
+    m[3][4] = t2578;
+    m[3][5] = t2579;
+    m[3][6] = t1994;
+    m[4][0] = t2571;
+    m[4][1] = t1743;
+    m[4][2] = t2575;
+    m[4][3] = t2578;
+    m[4][4] = t1336;
+    m[4][5] = t2580;
+    m[4][6] = t2581;
+    m[5][0] = t2516;
+    m[5][1] = t2574;
+    m[5][2] = t2576;
+    m[5][3] = t2579;
+    m[5][4] = t2580;
+    m[5][5] = t1421;
+    m[5][6] = t2582;
+    m[6][0] = t2572;
+    m[6][1] = t2022;
+    m[6][2] = t2577;
+    m[6][3] = t1994;
+    m[6][4] = t2581;
+    m[6][5] = t2582;
+    m[6][6] = t1493;
 }
 
 /// Part 1 of `inverse_dynamics_derivatives_and_mass_matrix`: values that later parts read.
@@ -12233,6 +12689,7 @@ fn inverse_dynamics_derivatives_and_mass_matrix_part_2(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -12243,6 +12700,32 @@ pub fn forward_dynamics_derivatives(
     v: &[f64; N],
     u: &[f64; M],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
+    let mut a = [0.0; 7];
+    let mut da_dy = [[0.0; 7]; 7];
+    let mut da_dv = [[0.0; 7]; 7];
+    let mut m_inverse = [[0.0; 7]; 7];
+    forward_dynamics_derivatives_into(
+        y,
+        v,
+        u,
+        &mut a,
+        &mut da_dy,
+        &mut da_dv,
+        &mut m_inverse,
+    );
+    (a, da_dy, da_dv, m_inverse)
+}
+
+/// `forward_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+pub fn forward_dynamics_derivatives_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    a: &mut [f64; N],
+    da_dy: &mut [[f64; N]; N],
+    da_dv: &mut [[f64; N]; N],
+    m_inverse: &mut [[f64; N]; N],
+) {
     let [sin_panda_joint2, cos_panda_joint2, sin_panda_joint3, cos_panda_joint3,
     sin_panda_joint4, cos_panda_joint4, sin_panda_joint5, cos_panda_joint5,
     sin_panda_joint6, cos_panda_joint6, t16, t17, t24, t25, t30, t32, t33, t37, t38, t40,
@@ -12698,36 +13181,160 @@ pub fn forward_dynamics_derivatives(
         t3761,
         t3767,
     ]);
-    (
-        [t1030, t1080, t1135, t4642, t4643, t4644, t4645],
-        [
-            [0.0, t2460, t2588, t4646, t4647, t4648, t4649],
-            [0.0, t3139, t3152, t4650, t4651, t4652, t4653],
-            [0.0, t3217, t3230, t4654, t4655, t4656, t4657],
-            [0.0, t4658, t4659, t3321, t3334, t3347, t3360],
-            [0.0, t4660, t4661, t3399, t3412, t3425, t3438],
-            [0.0, t4662, t4663, t3477, t3490, t3503, t3516],
-            [0.0, t4664, t4665, t3555, t3568, t3581, t3594],
-        ],
-        [
-            [t4666, t4667, t3768, t3840, t3921, t4668, t4669],
-            [t4670, t4671, t4134, t4147, t4160, t4672, t4673],
-            [t4674, t4675, t4225, t4238, t4251, t4676, t4677],
-            [t4290, t4303, t4678, t4679, t4680, t4355, t4368],
-            [t4381, t4394, t4681, t4682, t4683, t4446, t4459],
-            [t4472, t4485, t4684, t4685, t4686, t4537, t4550],
-            [t4563, t4576, t4687, t4688, t4689, t4628, t4641],
-        ],
-        [
-            [inverse_d_panda_joint1, t460, t463, t4690, t4691, t4692, t4693],
-            [t460, t1032, t1035, t4694, t4695, t4696, t4697],
-            [t463, t1035, t1090, t4698, t4699, t4700, t4701],
-            [t4690, t4694, t4698, t1156, t1163, t1172, t1183],
-            [t4691, t4695, t4699, t1163, t1232, t1241, t1252],
-            [t4692, t4696, t4700, t1172, t1241, t1320, t1331],
-            [t4693, t4697, t4701, t1183, t1252, t1331, t1422],
-        ],
-    )
+    a[0] = t1030;
+    a[1] = t1080;
+    a[2] = t1135;
+    a[3] = t4642;
+    a[4] = t4643;
+    a[5] = t4644;
+    a[6] = t4645;
+    da_dy[0][0] = 0.0;
+    da_dy[0][1] = t2460;
+    da_dy[0][2] = t2588;
+    da_dy[0][3] = t4646;
+    da_dy[0][4] = t4647;
+    da_dy[0][5] = t4648;
+    da_dy[0][6] = t4649;
+    da_dy[1][0] = 0.0;
+    da_dy[1][1] = t3139;
+    da_dy[1][2] = t3152;
+    da_dy[1][3] = t4650;
+    da_dy[1][4] = t4651;
+    da_dy[1][5] = t4652;
+    da_dy[1][6] = t4653;
+    da_dy[2][0] = 0.0;
+    da_dy[2][1] = t3217;
+    da_dy[2][2] = t3230;
+    da_dy[2][3] = t4654;
+    da_dy[2][4] = t4655;
+    da_dy[2][5] = t4656;
+    da_dy[2][6] = t4657;
+    da_dy[3][0] = 0.0;
+    da_dy[3][1] = t4658;
+    da_dy[3][2] = t4659;
+    da_dy[3][3] = t3321;
+    da_dy[3][4] = t3334;
+    da_dy[3][5] = t3347;
+    da_dy[3][6] = t3360;
+    da_dy[4][0] = 0.0;
+    da_dy[4][1] = t4660;
+    da_dy[4][2] = t4661;
+    da_dy[4][3] = t3399;
+    da_dy[4][4] = t3412;
+    da_dy[4][5] = t3425;
+    da_dy[4][6] = t3438;
+    da_dy[5][0] = 0.0;
+    da_dy[5][1] = t4662;
+    da_dy[5][2] = t4663;
+    da_dy[5][3] = t3477;
+    da_dy[5][4] = t3490;
+    da_dy[5][5] = t3503;
+    da_dy[5][6] = t3516;
+    da_dy[6][0] = 0.0;
+    da_dy[6][1] = t4664;
+    da_dy[6][2] = t4665;
+    da_dy[6][3] = t3555;
+    da_dy[6][4] = t3568;
+    da_dy[6][5] = t3581;
+    da_dy[6][6] = t3594;
+    da_dv[0][0] = t4666;
+    da_dv[0][1] = t4667;
+    da_dv[0][2] = t3768;
+    da_dv[0][3] = t3840;
+    da_dv[0][4] = t3921;
+    da_dv[0][5] = t4668;
+    da_dv[0][6] = t4669;
+    da_dv[1][0] = t4670;
+    da_dv[1][1] = t4671;
+    da_dv[1][2] = t4134;
+    da_dv[1][3] = t4147;
+    da_dv[1][4] = t4160;
+    da_dv[1][5] = t4672;
+    da_dv[1][6] = t4673;
+    da_dv[2][0] = t4674;
+    da_dv[2][1] = t4675;
+    da_dv[2][2] = t4225;
+    da_dv[2][3] = t4238;
+    da_dv[2][4] = t4251;
+    da_dv[2][5] = t4676;
+    da_dv[2][6] = t4677;
+    da_dv[3][0] = t4290;
+    da_dv[3][1] = t4303;
+    da_dv[3][2] = t4678;
+    da_dv[3][3] = t4679;
+    da_dv[3][4] = t4680;
+    da_dv[3][5] = t4355;
+    da_dv[3][6] = t4368;
+    da_dv[4][0] = t4381;
+    da_dv[4][1] = t4394;
+    da_dv[4][2] = t4681;
+    da_dv[4][3] = t4682;
+    da_dv[4][4] = t4683;
+    da_dv[4][5] = t4446;
+    da_dv[4][6] = t4459;
+    da_dv[5][0] = t4472;
+    da_dv[5][1] = t4485;
+    da_dv[5][2] = t4684;
+    da_dv[5][3] = t4685;
+    da_dv[5][4] = t4686;
+    da_dv[5][5] = t4537;
+    da_dv[5][6] = t4550;
+    da_dv[6][0] = t4563;
+    da_dv[6][1] = t4576;
+    da_dv[6][2] = t4687;
+    da_dv[6][3] = t4688;
+    da_dv[6][4] = t4689;
+    da_dv[6][5] = t4628;
+    da_dv[6][6] = t4641;
+    m_inverse[0][0] = inverse_d_panda_joint1;
+    m_inverse[0][1] = t460;
+    m_inverse[0][2] = t463;
+    m_inverse[0][3] = t4690;
+    m_inverse[0][4] = t4691;
+    m_inverse[0][5] = t4692;
+    m_inverse[0][6] = t4693;
+    m_inverse[1][0] = t460;
+    m_inverse[1][1] = t1032;
+    m_inverse[1][2] = t1035;
+    m_inverse[1][3] = t4694;
+    m_inverse[1][4] = t4695;
+    m_inverse[1][5] = t4696;
+    m_inverse[1][6] = t4697;
+    m_inverse[2][0] = t463;
+    m_inverse[2][1] = t1035;
+    m_inverse[2][2] = t1090;
+    m_inverse[2][3] = t4698;
+    m_inverse[2][4] = t4699;
+    m_inverse[2][5] = t4700;
+    m_inverse[2][6] = t4701;
+    m_inverse[3][0] = t4690;
+    m_inverse[3][1] = t4694;
+    m_inverse[3][2] = t4698;
+    m_inverse[3][3] = t1156;
+    m_inverse[3][4] = t1163;
+    m_inverse[3][5] = t1172;
+    m_inverse[3][6] = t1183;
+    m_inverse[4][0] = t4691;
+    m_inverse[4][1] = t4695;
+    m_inverse[4][2] = t4699;
+    m_inverse[4][3] = t1163;
+    m_inverse[4][4] = t1232;
+    m_inverse[4][5] = t1241;
+    m_inverse[4][6] = t1252;
+    m_inverse[5][0] = t4692;
+    m_inverse[5][1] = t4696;
+    m_inverse[5][2] = t4700;
+    m_inverse[5][3] = t1172;
+    m_inverse[5][4] = t1241;
+    m_inverse[5][5] = t1320;
+    m_inverse[5][6] = t1331;
+    m_inverse[6][0] = t4693;
+    m_inverse[6][1] = t4697;
+    m_inverse[6][2] = t4701;
+    m_inverse[6][3] = t1183;
+    m_inverse[6][4] = t1252;
+    m_inverse[6][5] = t1331;
+    m_inverse[6][6] = t1422;
 }
 
 /// Part 1 of `forward_dynamics_derivatives`: values that later parts read.
@@ -18316,6 +18923,7 @@ fn forward_dynamics_derivatives_part_3(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -18326,6 +18934,24 @@ pub fn linearize(
     v: &[f64; N],
     u: &[f64; M],
 ) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
+    let mut a_y = [[0.0; 7]; 7];
+    let mut a_v = [[0.0; 7]; 7];
+    let mut b_x = [[0.0; 7]; 7];
+    let mut c = [0.0; 7];
+    linearize_into(y, v, u, &mut a_y, &mut a_v, &mut b_x, &mut c);
+    (a_y, a_v, b_x, c)
+}
+
+/// `linearize` with its results written in place; nothing of what stood there is read.
+pub fn linearize_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    a_y: &mut [[f64; N]; N],
+    a_v: &mut [[f64; N]; N],
+    b_x: &mut [[f64; M]; N],
+    c: &mut [f64; N],
+) {
     let [sin_panda_joint2, cos_panda_joint2, sin_panda_joint3, cos_panda_joint3,
     sin_panda_joint4, cos_panda_joint4, sin_panda_joint5, cos_panda_joint5,
     sin_panda_joint6, cos_panda_joint6, t16, t17, t24, t25, t30, t32, t33, t37, t38, t40,
@@ -18808,36 +19434,160 @@ pub fn linearize(
             t3767,
         ],
     );
-    (
-        [
-            [0.0, t2460, t2588, t4922, t4923, t4924, t4925],
-            [0.0, t3139, t3152, t4926, t4927, t4928, t4929],
-            [0.0, t3217, t3230, t4930, t4931, t4932, t4933],
-            [0.0, t4934, t4935, t3321, t3334, t3347, t3360],
-            [0.0, t4936, t4937, t3399, t3412, t3425, t3438],
-            [0.0, t4938, t4939, t3477, t3490, t3503, t3516],
-            [0.0, t4940, t4941, t3555, t3568, t3581, t3594],
-        ],
-        [
-            [t4942, t4943, t3768, t3840, t3921, t4944, t4945],
-            [t4946, t4947, t4134, t4147, t4160, t4948, t4949],
-            [t4950, t4951, t4225, t4238, t4251, t4952, t4953],
-            [t4290, t4303, t4954, t4955, t4956, t4355, t4368],
-            [t4381, t4394, t4957, t4958, t4959, t4446, t4459],
-            [t4472, t4485, t4960, t4961, t4962, t4537, t4550],
-            [t4563, t4576, t4963, t4964, t4965, t4628, t4641],
-        ],
-        [
-            [inverse_d_panda_joint1, t460, t1037, t4966, t4967, t4968, t4969],
-            [t460, t462, t465, t4970, t4971, t4972, t4973],
-            [t1037, t465, t1098, t4974, t4975, t4976, t4977],
-            [t4966, t4970, t4974, t1176, t1183, t1192, t1203],
-            [t4967, t4971, t4975, t1183, t1262, t1271, t1282],
-            [t4968, t4972, t4976, t1192, t1271, t1434, t1445],
-            [t4969, t4973, t4977, t1203, t1282, t1445, t1378],
-        ],
-        [t4681, t4721, t4761, t4978, t4979, t4980, t4981],
-    )
+    a_y[0][0] = 0.0;
+    a_y[0][1] = t2460;
+    a_y[0][2] = t2588;
+    a_y[0][3] = t4922;
+    a_y[0][4] = t4923;
+    a_y[0][5] = t4924;
+    a_y[0][6] = t4925;
+    a_y[1][0] = 0.0;
+    a_y[1][1] = t3139;
+    a_y[1][2] = t3152;
+    a_y[1][3] = t4926;
+    a_y[1][4] = t4927;
+    a_y[1][5] = t4928;
+    a_y[1][6] = t4929;
+    a_y[2][0] = 0.0;
+    a_y[2][1] = t3217;
+    a_y[2][2] = t3230;
+    a_y[2][3] = t4930;
+    a_y[2][4] = t4931;
+    a_y[2][5] = t4932;
+    a_y[2][6] = t4933;
+    a_y[3][0] = 0.0;
+    a_y[3][1] = t4934;
+    a_y[3][2] = t4935;
+    a_y[3][3] = t3321;
+    a_y[3][4] = t3334;
+    a_y[3][5] = t3347;
+    a_y[3][6] = t3360;
+    a_y[4][0] = 0.0;
+    a_y[4][1] = t4936;
+    a_y[4][2] = t4937;
+    a_y[4][3] = t3399;
+    a_y[4][4] = t3412;
+    a_y[4][5] = t3425;
+    a_y[4][6] = t3438;
+    a_y[5][0] = 0.0;
+    a_y[5][1] = t4938;
+    a_y[5][2] = t4939;
+    a_y[5][3] = t3477;
+    a_y[5][4] = t3490;
+    a_y[5][5] = t3503;
+    a_y[5][6] = t3516;
+    a_y[6][0] = 0.0;
+    a_y[6][1] = t4940;
+    a_y[6][2] = t4941;
+    a_y[6][3] = t3555;
+    a_y[6][4] = t3568;
+    a_y[6][5] = t3581;
+    a_y[6][6] = t3594;
+    a_v[0][0] = t4942;
+    a_v[0][1] = t4943;
+    a_v[0][2] = t3768;
+    a_v[0][3] = t3840;
+    a_v[0][4] = t3921;
+    a_v[0][5] = t4944;
+    a_v[0][6] = t4945;
+    a_v[1][0] = t4946;
+    a_v[1][1] = t4947;
+    a_v[1][2] = t4134;
+    a_v[1][3] = t4147;
+    a_v[1][4] = t4160;
+    a_v[1][5] = t4948;
+    a_v[1][6] = t4949;
+    a_v[2][0] = t4950;
+    a_v[2][1] = t4951;
+    a_v[2][2] = t4225;
+    a_v[2][3] = t4238;
+    a_v[2][4] = t4251;
+    a_v[2][5] = t4952;
+    a_v[2][6] = t4953;
+    a_v[3][0] = t4290;
+    a_v[3][1] = t4303;
+    a_v[3][2] = t4954;
+    a_v[3][3] = t4955;
+    a_v[3][4] = t4956;
+    a_v[3][5] = t4355;
+    a_v[3][6] = t4368;
+    a_v[4][0] = t4381;
+    a_v[4][1] = t4394;
+    a_v[4][2] = t4957;
+    a_v[4][3] = t4958;
+    a_v[4][4] = t4959;
+    a_v[4][5] = t4446;
+    a_v[4][6] = t4459;
+    a_v[5][0] = t4472;
+    a_v[5][1] = t4485;
+    a_v[5][2] = t4960;
+    a_v[5][3] = t4961;
+    a_v[5][4] = t4962;
+    a_v[5][5] = t4537;
+    a_v[5][6] = t4550;
+    a_v[6][0] = t4563;
+    a_v[6][1] = t4576;
+    a_v[6][2] = t4963;
+    a_v[6][3] = t4964;
+    a_v[6][4] = t4965;
+    a_v[6][5] = t4628;
+    a_v[6][6] = t4641;
+    b_x[0][0] = inverse_d_panda_joint1;
+    b_x[0][1] = t460;
+    b_x[0][2] = t1037;
+    b_x[0][3] = t4966;
+    b_x[0][4] = t4967;
+    b_x[0][5] = t4968;
+    b_x[0][6] = t4969;
+    b_x[1][0] = t460;
+    b_x[1][1] = t462;
+    b_x[1][2] = t465;
+    b_x[1][3] = t4970;
+    b_x[1][4] = t4971;
+    b_x[1][5] = t4972;
+    b_x[1][6] = t4973;
+    b_x[2][0] = t1037;
+    b_x[2][1] = t465;
+    b_x[2][2] = t1098;
+    b_x[2][3] = t4974;
+    b_x[2][4] = t4975;
+    b_x[2][5] = t4976;
+    b_x[2][6] = t4977;
+    b_x[3][0] = t4966;
+    b_x[3][1] = t4970;
+    b_x[3][2] = t4974;
+    b_x[3][3] = t1176;
+    b_x[3][4] = t1183;
+    b_x[3][5] = t1192;
+    b_x[3][6] = t1203;
+    b_x[4][0] = t4967;
+    b_x[4][1] = t4971;
+    b_x[4][2] = t4975;
+    b_x[4][3] = t1183;
+    b_x[4][4] = t1262;
+    b_x[4][5] = t1271;
+    b_x[4][6] = t1282;
+    b_x[5][0] = t4968;
+    b_x[5][1] = t4972;
+    b_x[5][2] = t4976;
+    b_x[5][3] = t1192;
+    b_x[5][4] = t1271;
+    b_x[5][5] = t1434;
+    b_x[5][6] = t1445;
+    b_x[6][0] = t4969;
+    b_x[6][1] = t4973;
+    b_x[6][2] = t4977;
+    b_x[6][3] = t1203;
+    b_x[6][4] = t1282;
+    b_x[6][5] = t1445;
+    b_x[6][6] = t1378;
+    c[0] = t4681;
+    c[1] = t4721;
+    c[2] = t4761;
+    c[3] = t4978;
+    c[4] = t4979;
+    c[5] = t4980;
+    c[6] = t4981;
 }
 
 /// Part 1 of `linearize`: values that later parts read.
@@ -25354,8 +26104,21 @@ pub fn frame_tool_pose(y: &[f64; N]) -> ([f64; 3], [[f64; 3]; 3]) {
 /// - returns `J: [6 × N]`: rows: velocity of the origin, then angular velocity, in the axes of the base frame
 ///
 /// Cost: 102 multiplications, 67 additions, 0 divisions, 6 function calls (`sin_cos`).
+#[inline]
 #[must_use]
 pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
+    let mut j = [[0.0; 7]; 6];
+    frame_tool_jacobian_into(y, &mut j);
+    j
+}
+
+/// `frame_tool_jacobian` with its results written in place; nothing of what stood there is read.
+pub fn frame_tool_jacobian_into(y: &[f64; N], j: &mut [[f64; N]; 6]) {
+    j[2][0] = 0.0;
+    j[3][0] = 0.0;
+    j[4][0] = 0.0;
+    j[5][0] = 1.0;
+    j[5][1] = 0.0;
     let (
         [sin_panda_joint1,
         sin_panda_joint2,
@@ -25372,12 +26135,15 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
         y[4],
         y[5],
     );
+    j[4][1] = cos_panda_joint1;
+    j[5][2] = cos_panda_joint2;
     let x_axis_panda_joint2_y = sin_panda_joint1 * cos_panda_joint2;
     let t13 = cos_panda_joint3 * x_axis_panda_joint2_y;
     let t14 = cos_panda_joint1 * sin_panda_joint3;
     let x_axis_panda_joint3_y = t13 + t14;
     let t16 = cos_panda_joint4 * x_axis_panda_joint3_y;
     let y_axis_panda_joint2_y = sin_panda_joint1 * sin_panda_joint2;
+    j[4][2] = y_axis_panda_joint2_y;
     let t18 = sin_panda_joint4 * y_axis_panda_joint2_y;
     let x_axis_panda_joint4_y = t16 + t18;
     let t20 = cos_panda_joint5 * x_axis_panda_joint4_y;
@@ -25390,6 +26156,7 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let t27 = sin_panda_joint4 * x_axis_panda_joint3_y;
     let t28 = cos_panda_joint4 * y_axis_panda_joint2_y;
     let y_axis_panda_joint4_y = t28 - t27;
+    j[4][4] = y_axis_panda_joint4_y;
     let t30 = sin_panda_joint6 * y_axis_panda_joint4_y;
     let x_axis_panda_joint6_y = t26 + t30;
     let t32 = 0.088 * x_axis_panda_joint6_y;
@@ -25418,6 +26185,7 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let t55 = sin_panda_joint4 * x_axis_panda_joint3_z;
     let t56 = cos_panda_joint2 * cos_panda_joint4;
     let y_axis_panda_joint4_z = t56 + t55;
+    j[5][4] = y_axis_panda_joint4_z;
     let t58 = sin_panda_joint6 * y_axis_panda_joint4_z;
     let x_axis_panda_joint6_z = t54 - t58;
     let t60 = 0.088 * x_axis_panda_joint6_z;
@@ -25447,6 +26215,7 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let t84 = origin_panda_joint4_z - t74;
     let t85 = y_axis_panda_joint3_y * t84;
     let t86 = t85 - t83;
+    j[0][3] = t86;
     let t87 = origin_panda_joint5_y - t45;
     let t88 = y_axis_panda_joint4_z * t87;
     let t89 = origin_panda_joint5_z - t74;
@@ -25461,29 +26230,34 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let y_axis_panda_joint5_y = t97 - t96;
     let t99 = y_axis_panda_joint5_y * t89;
     let t100 = t99 - t95;
+    j[0][5] = t100;
     let t101 = origin_panda_joint7_y - t45;
     let t102 = y_axis_panda_joint6_z * t101;
     let t103 = origin_panda_joint7_z - t74;
     let t104 = y_axis_panda_joint6_y * t103;
     let t105 = t104 - t102;
+    j[0][6] = t105;
     let x_axis_panda_joint2_x = cos_panda_joint1 * cos_panda_joint2;
     let t107 = cos_panda_joint3 * x_axis_panda_joint2_x;
     let t108 = sin_panda_joint1 * sin_panda_joint3;
     let x_axis_panda_joint3_x = t107 - t108;
     let t110 = cos_panda_joint4 * x_axis_panda_joint3_x;
     let y_axis_panda_joint2_x = cos_panda_joint1 * sin_panda_joint2;
+    j[3][2] = y_axis_panda_joint2_x;
     let t112 = sin_panda_joint4 * y_axis_panda_joint2_x;
     let x_axis_panda_joint4_x = t110 + t112;
     let t114 = cos_panda_joint5 * x_axis_panda_joint4_x;
     let t115 = sin_panda_joint3 * x_axis_panda_joint2_x;
     let t116 = sin_panda_joint1 * cos_panda_joint3;
     let y_axis_panda_joint3_x = t116 + t115;
+    j[3][3] = y_axis_panda_joint3_x;
     let t118 = sin_panda_joint5 * y_axis_panda_joint3_x;
     let x_axis_panda_joint5_x = t114 - t118;
     let t120 = cos_panda_joint6 * x_axis_panda_joint5_x;
     let t121 = sin_panda_joint4 * x_axis_panda_joint3_x;
     let t122 = cos_panda_joint4 * y_axis_panda_joint2_x;
     let y_axis_panda_joint4_x = t122 - t121;
+    j[3][4] = y_axis_panda_joint4_x;
     let t124 = sin_panda_joint6 * y_axis_panda_joint4_x;
     let x_axis_panda_joint6_x = t120 + t124;
     let t126 = 0.088 * x_axis_panda_joint6_x;
@@ -25500,6 +26274,7 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let y_axis_panda_joint6_x = t136 - t135;
     let t138 = 0.2104 * y_axis_panda_joint6_x;
     let t139 = origin_panda_joint7_x - t138;
+    j[1][0] = t139;
     let t140 = sin_panda_joint1 * t75;
     let t141 = origin_panda_joint3_x - t139;
     let t142 = cos_panda_joint2 * t141;
@@ -25509,6 +26284,7 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let t146 = y_axis_panda_joint3_z * t145;
     let t147 = y_axis_panda_joint3_x * t84;
     let t148 = t146 + t147;
+    j[1][3] = t148;
     let t149 = origin_panda_joint5_x - t139;
     let t150 = y_axis_panda_joint4_z * t149;
     let t151 = y_axis_panda_joint4_x * t89;
@@ -25517,12 +26293,15 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let t154 = sin_panda_joint5 * x_axis_panda_joint4_x;
     let t155 = cos_panda_joint5 * y_axis_panda_joint3_x;
     let y_axis_panda_joint5_x = t155 + t154;
+    j[3][5] = y_axis_panda_joint5_x;
     let t157 = y_axis_panda_joint5_x * t89;
     let t158 = t153 + t157;
+    j[1][5] = t158;
     let t159 = origin_panda_joint7_x - t139;
     let t160 = y_axis_panda_joint6_z * t159;
     let t161 = y_axis_panda_joint6_x * t103;
     let t162 = t160 - t161;
+    j[1][6] = t162;
     let t163 = cos_panda_joint1 * t139;
     let t164 = sin_panda_joint1 * t45;
     let t165 = t164 + t163;
@@ -25541,58 +26320,47 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let t178 = y_axis_panda_joint6_y * t159;
     let t179 = y_axis_panda_joint6_x * t101;
     let t180 = t179 - t178;
+    j[2][6] = t180;
     let t181 = -t45;
+    j[0][0] = t181;
     let t182 = -t76;
+    j[0][1] = t182;
     let t183 = -t81;
+    j[0][2] = t183;
     let t184 = -t91;
+    j[0][4] = t184;
     let t185 = -t140;
+    j[1][1] = t185;
     let t186 = -t144;
+    j[1][2] = t186;
     let t187 = -t152;
+    j[1][4] = t187;
     let t188 = -t165;
+    j[2][1] = t188;
     let t189 = -t168;
+    j[2][2] = t189;
     let t190 = -t171;
+    j[2][3] = t190;
     let t191 = -t174;
+    j[2][4] = t191;
     let t192 = -t177;
+    j[2][5] = t192;
     let minus_sin_panda_joint1 = -sin_panda_joint1;
+    j[3][1] = minus_sin_panda_joint1;
     let minus_y_axis_panda_joint6_x = -y_axis_panda_joint6_x;
+    j[3][6] = minus_y_axis_panda_joint6_x;
     let minus_y_axis_panda_joint3_y = -y_axis_panda_joint3_y;
+    j[4][3] = minus_y_axis_panda_joint3_y;
     let minus_y_axis_panda_joint5_y = -y_axis_panda_joint5_y;
+    j[4][5] = minus_y_axis_panda_joint5_y;
     let minus_y_axis_panda_joint6_y = -y_axis_panda_joint6_y;
+    j[4][6] = minus_y_axis_panda_joint6_y;
     let minus_y_axis_panda_joint3_z = -y_axis_panda_joint3_z;
+    j[5][3] = minus_y_axis_panda_joint3_z;
     let minus_y_axis_panda_joint5_z = -y_axis_panda_joint5_z;
+    j[5][5] = minus_y_axis_panda_joint5_z;
     let minus_y_axis_panda_joint6_z = -y_axis_panda_joint6_z;
-    [
-        [t181, t182, t183, t86, t184, t100, t105],
-        [t139, t185, t186, t148, t187, t158, t162],
-        [0.0, t188, t189, t190, t191, t192, t180],
-        [
-            0.0,
-            minus_sin_panda_joint1,
-            y_axis_panda_joint2_x,
-            y_axis_panda_joint3_x,
-            y_axis_panda_joint4_x,
-            y_axis_panda_joint5_x,
-            minus_y_axis_panda_joint6_x,
-        ],
-        [
-            0.0,
-            cos_panda_joint1,
-            y_axis_panda_joint2_y,
-            minus_y_axis_panda_joint3_y,
-            y_axis_panda_joint4_y,
-            minus_y_axis_panda_joint5_y,
-            minus_y_axis_panda_joint6_y,
-        ],
-        [
-            1.0,
-            0.0,
-            cos_panda_joint2,
-            minus_y_axis_panda_joint3_z,
-            y_axis_panda_joint4_z,
-            minus_y_axis_panda_joint5_z,
-            minus_y_axis_panda_joint6_z,
-        ],
-    ]
+    j[5][6] = minus_y_axis_panda_joint6_z;
 }
 
 /// Acceleration of the frame at ÿ = 0 `tool`.

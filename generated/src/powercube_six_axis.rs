@@ -112,8 +112,19 @@ pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.80665];
 /// Cost: 80 multiplications, 68 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///
 /// Composite rigid bodies (Walker and Orin 1982; Featherstone 2008, ch. 6), rotors included.
+#[inline]
 #[must_use]
 pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
+    let mut m = [[0.0; 6]; 6];
+    mass_matrix_into(y, &mut m);
+    m
+}
+
+/// `mass_matrix` with its results written in place; nothing of what stood there is read.
+pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
+    m[4][5] = 0.0;
+    m[5][4] = 0.0;
+    m[5][5] = 0.01405604;
     let angle_beta_gamma = y[1] + y[2];
     let (
         [sin_beta,
@@ -184,17 +195,24 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t64 = 0.01110483 - t63;
     let t65 = t62 + t64;
     let t66 = t65 + 1.36525907;
+    m[0][0] = t66;
     let t67 = cos_delta * t26;
     let t68 = t23 + t67;
     let t69 = sin_beta_gamma * t68;
     let t70 = sin_delta * t38;
     let t71 = cos_delta * t40;
     let t72 = t70 - t71;
+    m[2][3] = t72;
+    m[3][2] = t72;
     let t73 = cos_beta_gamma * t72;
     let t74 = t69 + t73;
+    m[0][2] = t74;
+    m[2][0] = t74;
     let t75 = sin_delta * t51;
     let t76 = cos_beta * t75;
     let t77 = t74 - t76;
+    m[0][1] = t77;
+    m[1][0] = t77;
     let t78 = t18 - t19;
     let t79 = cos_beta_gamma * t78;
     let t80 = sin_beta_gamma * t42;
@@ -242,14 +260,19 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t122 = t60 + t121;
     let t123 = t122 + t120;
     let t124 = t123 + 1.36525907;
+    m[1][1] = t124;
     let t125 = t113 + t118;
     let t126 = t125 + 0.00847987;
+    m[1][2] = t126;
+    m[2][1] = t126;
     let t127 = cos_beta_gamma * t75;
     let t128 = cos_beta * t127;
     let t129 = sin_beta_gamma * t75;
     let t130 = sin_beta * t129;
     let t131 = t130 + t128;
     let t132 = t72 - t131;
+    m[1][3] = t132;
+    m[3][1] = t132;
     let t133 = cos_delta * t48;
     let t134 = cos_beta_gamma * t133;
     let t135 = sin_beta_gamma * t51;
@@ -266,27 +289,40 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t146 = t145 + t142;
     let t147 = cos_delta * 0.00101;
     let t148 = t146 + t147;
+    m[1][4] = t148;
+    m[4][1] = t148;
     let t149 = sin_delta * sin_epsilon;
     let t150 = 0.000255 * t149;
     let t151 = sin_delta * t106;
     let t152 = t151 + t150;
+    m[1][5] = t152;
+    m[2][5] = t152;
+    m[5][1] = t152;
+    m[5][2] = t152;
     let t153 = t113 + 1.36525907;
+    m[2][2] = t153;
     let t154 = t145 + t147;
+    m[2][4] = t154;
+    m[4][2] = t154;
     let t155 = t78 + 0.153015;
+    m[3][3] = t155;
     let t156 = cos_epsilon * 0.00130604;
+    m[3][5] = t156;
+    m[5][3] = t156;
     let t157 = t12 + 0.107087497041;
+    m[4][4] = t157;
     let t158 = -t85;
+    m[0][3] = t158;
+    m[3][0] = t158;
     let t159 = -t100;
+    m[0][4] = t159;
+    m[4][0] = t159;
     let t160 = -t112;
+    m[0][5] = t160;
+    m[5][0] = t160;
     let t161 = -t40;
-    [
-        [t66, t77, t74, t158, t159, t160],
-        [t77, t124, t126, t132, t148, t152],
-        [t74, t126, t153, t72, t154, t152],
-        [t158, t132, t72, t155, t161, t156],
-        [t159, t148, t154, t161, t157, 0.0],
-        [t160, t152, t152, t156, 0.0, 0.01405604],
-    ]
+    m[3][4] = t161;
+    m[4][3] = t161;
 }
 
 /// Coriolis, centrifugal and gyroscopic forces `k(y, ẏ)`.
@@ -1065,14 +1101,49 @@ pub fn bias_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 #[inline]
 #[must_use]
 pub fn input_matrix() -> [[f64; M]; N] {
-    [
-        [161.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-        [0.0, 161.0, 0.0, 0.0, 0.0, 0.0],
-        [0.0, 0.0, 161.0, 0.0, 0.0, 0.0],
-        [0.0, 0.0, 0.0, 101.0, 0.0, 0.0],
-        [0.0, 0.0, 0.0, 0.0, 101.0, 0.0],
-        [0.0, 0.0, 0.0, 0.0, 0.0, 51.0],
-    ]
+    let mut b = [[0.0; 6]; 6];
+    input_matrix_into(&mut b);
+    b
+}
+
+/// `input_matrix` with its results written in place; nothing of what stood there is read.
+pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
+    b[0][0] = 161.0;
+    b[0][1] = 0.0;
+    b[0][2] = 0.0;
+    b[0][3] = 0.0;
+    b[0][4] = 0.0;
+    b[0][5] = 0.0;
+    b[1][0] = 0.0;
+    b[1][1] = 161.0;
+    b[1][2] = 0.0;
+    b[1][3] = 0.0;
+    b[1][4] = 0.0;
+    b[1][5] = 0.0;
+    b[2][0] = 0.0;
+    b[2][1] = 0.0;
+    b[2][2] = 161.0;
+    b[2][3] = 0.0;
+    b[2][4] = 0.0;
+    b[2][5] = 0.0;
+    b[3][0] = 0.0;
+    b[3][1] = 0.0;
+    b[3][2] = 0.0;
+    b[3][3] = 101.0;
+    b[3][4] = 0.0;
+    b[3][5] = 0.0;
+    b[4][0] = 0.0;
+    b[4][1] = 0.0;
+    b[4][2] = 0.0;
+    b[4][3] = 0.0;
+    b[4][4] = 101.0;
+    b[4][5] = 0.0;
+    b[5][0] = 0.0;
+    b[5][1] = 0.0;
+    b[5][2] = 0.0;
+    b[5][3] = 0.0;
+    b[5][4] = 0.0;
+    b[5][5] = 51.0;
 }
 
 /// Mass matrix, Coriolis forces and applied forces at once.
@@ -1088,11 +1159,30 @@ pub fn input_matrix() -> [[f64; M]; N] {
 /// Cost: 248 multiplications, 184 additions, 0 divisions, 15 function calls (5 `sin_cos`, 10 other), 1 selection.
 ///
 /// What the three have in common is computed once.
+#[inline]
 #[must_use]
 pub fn equations_of_motion(
     y: &[f64; N],
     v: &[f64; N],
 ) -> ([[f64; N]; N], [f64; N], [f64; N]) {
+    let mut m = [[0.0; 6]; 6];
+    let mut k = [0.0; 6];
+    let mut q = [0.0; 6];
+    equations_of_motion_into(y, v, &mut m, &mut k, &mut q);
+    (m, k, q)
+}
+
+/// `equations_of_motion` with its results written in place; nothing of what stood there is read.
+pub fn equations_of_motion_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    m: &mut [[f64; N]; N],
+    k: &mut [f64; N],
+    q: &mut [f64; N],
+) {
+    m[4][5] = 0.0;
+    m[5][4] = 0.0;
+    m[5][5] = 0.01405604;
     let angle_beta_gamma = y[1] + y[2];
     let (
         [sin_beta,
@@ -1163,17 +1253,24 @@ pub fn equations_of_motion(
     let t64 = 0.01110483 - t63;
     let t65 = t62 + t64;
     let t66 = 1.36525907 + t65;
+    m[0][0] = t66;
     let t67 = cos_delta * t26;
     let t68 = t23 + t67;
     let t69 = sin_beta_gamma * t68;
     let t70 = sin_delta * t38;
     let t71 = cos_delta * t40;
     let t72 = t70 - t71;
+    m[2][3] = t72;
+    m[3][2] = t72;
     let t73 = cos_beta_gamma * t72;
     let t74 = t69 + t73;
+    m[0][2] = t74;
+    m[2][0] = t74;
     let t75 = sin_delta * t51;
     let t76 = cos_beta * t75;
     let t77 = t74 - t76;
+    m[0][1] = t77;
+    m[1][0] = t77;
     let t78 = t18 - t19;
     let t79 = cos_beta_gamma * t78;
     let t80 = sin_beta_gamma * t42;
@@ -1221,14 +1318,19 @@ pub fn equations_of_motion(
     let t122 = t60 + t121;
     let t123 = t122 + t120;
     let t124 = 1.36525907 + t123;
+    m[1][1] = t124;
     let t125 = t113 + t118;
     let t126 = 0.00847987 + t125;
+    m[1][2] = t126;
+    m[2][1] = t126;
     let t127 = cos_beta_gamma * t75;
     let t128 = cos_beta * t127;
     let t129 = sin_beta_gamma * t75;
     let t130 = sin_beta * t129;
     let t131 = t130 + t128;
     let t132 = t72 - t131;
+    m[1][3] = t132;
+    m[3][1] = t132;
     let t133 = cos_delta * t48;
     let t134 = cos_beta_gamma * t133;
     let t135 = sin_beta_gamma * t51;
@@ -1245,15 +1347,28 @@ pub fn equations_of_motion(
     let t146 = t145 + t142;
     let t147 = cos_delta * 0.00101;
     let t148 = t146 + t147;
+    m[1][4] = t148;
+    m[4][1] = t148;
     let t149 = sin_delta * sin_epsilon;
     let t150 = 0.000255 * t149;
     let t151 = sin_delta * t106;
     let t152 = t151 + t150;
+    m[1][5] = t152;
+    m[2][5] = t152;
+    m[5][1] = t152;
+    m[5][2] = t152;
     let t153 = 1.36525907 + t113;
+    m[2][2] = t153;
     let t154 = t145 + t147;
+    m[2][4] = t154;
+    m[4][2] = t154;
     let t155 = 0.153015 + t78;
+    m[3][3] = t155;
     let t156 = cos_epsilon * 0.00130604;
+    m[3][5] = t156;
+    m[5][3] = t156;
     let t157 = t12 + 0.107087497041;
+    m[4][4] = t157;
     let omega_gamma_x = v[0] * sin_beta_gamma;
     let t159 = sin_delta * omega_gamma_x;
     let omega_gamma_z = v[1] + v[2];
@@ -1432,6 +1547,7 @@ pub fn equations_of_motion(
     let t333 = sin_beta * t58;
     let t334 = t333 * t227;
     let moment_beta_y = t334 + t332;
+    k[0] = moment_beta_y;
     let t336 = sin_delta * t260;
     let t337 = cos_delta * t299;
     let t338 = t336 - t337;
@@ -1468,10 +1584,12 @@ pub fn equations_of_motion(
     let t369 = t216 - t220;
     let t370 = t333 * t369;
     let moment_beta_z = t370 - t368;
+    k[1] = moment_beta_z;
     let t372 = t169 * 0.001515;
     let t373 = t372 + moment_delta_z;
     let t374 = t245 * 0.00101;
     let t375 = t374 - moment_epsilon_z;
+    k[4] = t375;
     let t376 = t180 * 0.000255;
     let t377 = moment_zeta_z + t376;
     let acceleration_delta_x_2 = sin_beta_gamma * cos_delta;
@@ -1550,30 +1668,35 @@ pub fn equations_of_motion(
     let t451 = v[5] * 2.0;
     let t452 = t451 + t450;
     let t453 = -t85;
+    m[0][3] = t453;
+    m[3][0] = t453;
     let t454 = -t100;
+    m[0][4] = t454;
+    m[4][0] = t454;
     let t455 = -t112;
+    m[0][5] = t455;
+    m[5][0] = t455;
     let t456 = -t40;
+    m[3][4] = t456;
+    m[4][3] = t456;
     let minus_moment_gamma_z = -moment_gamma_z;
+    k[2] = minus_moment_gamma_z;
     let t458 = -t373;
+    k[3] = t458;
     let t459 = -t377;
+    k[5] = t459;
     let t460 = -t397;
+    q[0] = t460;
     let t461 = -t418;
+    q[1] = t461;
     let t462 = -t435;
+    q[2] = t462;
     let t463 = -t441;
+    q[3] = t463;
     let t464 = -t447;
+    q[4] = t464;
     let t465 = -t452;
-    (
-        [
-            [t66, t77, t74, t453, t454, t455],
-            [t77, t124, t126, t132, t148, t152],
-            [t74, t126, t153, t72, t154, t152],
-            [t453, t132, t72, t155, t456, t156],
-            [t454, t148, t154, t456, t157, 0.0],
-            [t455, t152, t152, t156, 0.0, 0.01405604],
-        ],
-        [moment_beta_y, moment_beta_z, minus_moment_gamma_z, t458, t375, t459],
-        [t460, t461, t462, t463, t464, t465],
-    )
+    q[5] = t465;
 }
 
 /// Inverse dynamics: the joint forces of a motion.
@@ -2558,11 +2681,28 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 /// Cost: 207 multiplications, 164 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///
 /// What both have in common is computed once.
+#[inline]
 #[must_use]
 pub fn mass_matrix_and_bias_forces(
     y: &[f64; N],
     v: &[f64; N],
 ) -> ([[f64; N]; N], [f64; N]) {
+    let mut m = [[0.0; 6]; 6];
+    let mut b = [0.0; 6];
+    mass_matrix_and_bias_forces_into(y, v, &mut m, &mut b);
+    (m, b)
+}
+
+/// `mass_matrix_and_bias_forces` with its results written in place; nothing of what stood there is read.
+pub fn mass_matrix_and_bias_forces_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    m: &mut [[f64; N]; N],
+    b: &mut [f64; N],
+) {
+    m[4][5] = 0.0;
+    m[5][4] = 0.0;
+    m[5][5] = 0.01405604;
     let angle_beta_gamma = y[1] + y[2];
     let (
         [sin_beta,
@@ -2633,17 +2773,24 @@ pub fn mass_matrix_and_bias_forces(
     let t64 = 0.01110483 - t63;
     let t65 = t62 + t64;
     let t66 = t65 + 1.36525907;
+    m[0][0] = t66;
     let t67 = cos_delta * t26;
     let t68 = t23 + t67;
     let t69 = sin_beta_gamma * t68;
     let t70 = sin_delta * t38;
     let t71 = cos_delta * t40;
     let t72 = t70 - t71;
+    m[2][3] = t72;
+    m[3][2] = t72;
     let t73 = cos_beta_gamma * t72;
     let t74 = t69 + t73;
+    m[0][2] = t74;
+    m[2][0] = t74;
     let t75 = sin_delta * t51;
     let t76 = cos_beta * t75;
     let t77 = t74 - t76;
+    m[0][1] = t77;
+    m[1][0] = t77;
     let t78 = t18 - t19;
     let t79 = cos_beta_gamma * t78;
     let t80 = sin_beta_gamma * t42;
@@ -2691,14 +2838,19 @@ pub fn mass_matrix_and_bias_forces(
     let t122 = t60 + t121;
     let t123 = t122 + t120;
     let t124 = t123 + 1.36525907;
+    m[1][1] = t124;
     let t125 = t113 + t118;
     let t126 = t125 + 0.00847987;
+    m[1][2] = t126;
+    m[2][1] = t126;
     let t127 = cos_beta_gamma * t75;
     let t128 = cos_beta * t127;
     let t129 = sin_beta_gamma * t75;
     let t130 = sin_beta * t129;
     let t131 = t130 + t128;
     let t132 = t72 - t131;
+    m[1][3] = t132;
+    m[3][1] = t132;
     let t133 = cos_delta * t48;
     let t134 = cos_beta_gamma * t133;
     let t135 = sin_beta_gamma * t51;
@@ -2715,15 +2867,28 @@ pub fn mass_matrix_and_bias_forces(
     let t146 = t145 + t142;
     let t147 = cos_delta * 0.00101;
     let t148 = t146 + t147;
+    m[1][4] = t148;
+    m[4][1] = t148;
     let t149 = sin_delta * sin_epsilon;
     let t150 = 0.000255 * t149;
     let t151 = sin_delta * t106;
     let t152 = t151 + t150;
+    m[1][5] = t152;
+    m[2][5] = t152;
+    m[5][1] = t152;
+    m[5][2] = t152;
     let t153 = t113 + 1.36525907;
+    m[2][2] = t153;
     let t154 = t145 + t147;
+    m[2][4] = t154;
+    m[4][2] = t154;
     let t155 = t78 + 0.153015;
+    m[3][3] = t155;
     let t156 = cos_epsilon * 0.00130604;
+    m[3][5] = t156;
+    m[5][3] = t156;
     let t157 = t12 + 0.107087497041;
+    m[4][4] = t157;
     let omega_gamma_x = v[0] * sin_beta_gamma;
     let t159 = sin_delta * omega_gamma_x;
     let omega_gamma_z = v[1] + v[2];
@@ -2903,6 +3068,7 @@ pub fn mass_matrix_and_bias_forces(
     let t334 = sin_beta * t58;
     let t335 = t334 * t228;
     let moment_beta_y = t335 + t333;
+    b[0] = moment_beta_y;
     let t337 = sin_delta * t261;
     let t338 = cos_delta * t300;
     let t339 = t337 - t338;
@@ -2945,27 +3111,29 @@ pub fn mass_matrix_and_bias_forces(
     let t376 = t375 + moment_delta_z;
     let t377 = 0.00101 * t246;
     let t378 = t377 - moment_epsilon_z;
+    b[4] = t378;
     let t379 = 0.000255 * t180;
     let t380 = moment_zeta_z + t379;
     let t381 = -t85;
+    m[0][3] = t381;
+    m[3][0] = t381;
     let t382 = -t100;
+    m[0][4] = t382;
+    m[4][0] = t382;
     let t383 = -t112;
+    m[0][5] = t383;
+    m[5][0] = t383;
     let t384 = -t40;
+    m[3][4] = t384;
+    m[4][3] = t384;
     let minus_moment_beta_z = -moment_beta_z;
+    b[1] = minus_moment_beta_z;
     let minus_moment_gamma_z = -moment_gamma_z;
+    b[2] = minus_moment_gamma_z;
     let t387 = -t376;
+    b[3] = t387;
     let t388 = -t380;
-    (
-        [
-            [t66, t77, t74, t381, t382, t383],
-            [t77, t124, t126, t132, t148, t152],
-            [t74, t126, t153, t72, t154, t152],
-            [t381, t132, t72, t155, t384, t156],
-            [t382, t148, t154, t384, t157, 0.0],
-            [t383, t152, t152, t156, 0.0, 0.01405604],
-        ],
-        [moment_beta_y, minus_moment_beta_z, minus_moment_gamma_z, t387, t378, t388],
-    )
+    b[5] = t388;
 }
 
 /// Inverse dynamics with its Jacobians.
@@ -2984,12 +3152,35 @@ pub fn mass_matrix_and_bias_forces(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 pub fn inverse_dynamics_derivatives(
     y: &[f64; N],
     v: &[f64; N],
     a: &[f64; N],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N]) {
+    let mut b_u = [0.0; 6];
+    let mut d_dy = [[0.0; 6]; 6];
+    let mut d_dv = [[0.0; 6]; 6];
+    inverse_dynamics_derivatives_into(y, v, a, &mut b_u, &mut d_dy, &mut d_dv);
+    (b_u, d_dy, d_dv)
+}
+
+/// `inverse_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+pub fn inverse_dynamics_derivatives_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    b_u: &mut [f64; N],
+    d_dy: &mut [[f64; N]; N],
+    d_dv: &mut [[f64; N]; N],
+) {
+    d_dy[0][0] = 0.0;
+    d_dy[1][0] = 0.0;
+    d_dy[2][0] = 0.0;
+    d_dy[3][0] = 0.0;
+    d_dy[4][0] = 0.0;
+    d_dy[5][0] = 0.0;
     let angle_beta_gamma = y[1] + y[2];
     let (
         [sin_beta,
@@ -3227,6 +3418,7 @@ pub fn inverse_dynamics_derivatives(
     let t231 = v[0] * 60.0;
     let t232 = t231 + t230;
     let t233 = t227 + t232;
+    b_u[0] = t233;
     let t234 = sin_delta * t140;
     let t235 = cos_delta * t180;
     let t236 = t234 - t235;
@@ -3287,6 +3479,7 @@ pub fn inverse_dynamics_derivatives(
     let t291 = t290 * 2.236;
     let t292 = t288 + t291;
     let t293 = t279 + t292;
+    b_u[1] = t293;
     let t294 = a[2] * 1.36525907;
     let t295 = a[1] * 0.00847987;
     let t296 = t295 + t294;
@@ -3308,6 +3501,7 @@ pub fn inverse_dynamics_derivatives(
     let t312 = t311 * 0.492;
     let t313 = t310 + t312;
     let t314 = t297 + t313;
+    b_u[2] = t314;
     let t315 = t38 * 0.001515;
     let t316 = a[3] * 0.153015;
     let t317 = t316 + t315;
@@ -3318,6 +3512,7 @@ pub fn inverse_dynamics_derivatives(
     let t322 = v[3] * 10.0;
     let t323 = t322 + t321;
     let t324 = t318 + t323;
+    b_u[3] = t324;
     let t325 = t124 * 0.00101;
     let t326 = a[4] * 0.10201;
     let t327 = t326 + t325;
@@ -3328,6 +3523,7 @@ pub fn inverse_dynamics_derivatives(
     let t332 = v[4] * 8.0;
     let t333 = t332 + t331;
     let t334 = t328 + t333;
+    b_u[4] = t334;
     let t335 = t48 * 0.000255;
     let t336 = a[5] * 0.013005000000000001;
     let t337 = t336 + t335;
@@ -3524,6 +3720,7 @@ pub fn inverse_dynamics_derivatives(
     let t528 = t526 + t527;
     let moment_beta_x = t528 + t523;
     let t530 = moment_beta_x + t518;
+    d_dy[0][1] = t530;
     let t531 = t354 - t391;
     let t532 = t392 - t531;
     let t533 = omega_gamma_x * t532;
@@ -3621,6 +3818,7 @@ pub fn inverse_dynamics_derivatives(
     let t625 = acceleration_delta_x * t360;
     let t626 = t625 - t624;
     let t627 = t626 + t618;
+    d_dy[3][3] = t627;
     let t628 = cos_beta_gamma * t627;
     let t629 = t615 + t628;
     let t630 = cos_delta * t611;
@@ -3628,6 +3826,7 @@ pub fn inverse_dynamics_derivatives(
     let t632 = t631 - t630;
     let t633 = t89 * t632;
     let t634 = t629 - t633;
+    d_dy[0][3] = t634;
     let t635 = omega_epsilon_y * t354;
     let t636 = omega_epsilon_x * t351;
     let t637 = t635 - t636;
@@ -3666,6 +3865,7 @@ pub fn inverse_dynamics_derivatives(
     let t670 = omega_epsilon_x * t370;
     let t671 = t669 - t670;
     let t672 = t668 - t671;
+    d_dy[4][4] = t672;
     let t673 = omega_epsilon_y * t410;
     let t674 = force_epsilon_x - t673;
     let t675 = sin_epsilon * t674;
@@ -3682,6 +3882,7 @@ pub fn inverse_dynamics_derivatives(
     let t686 = sin_epsilon * t646;
     let t687 = cos_epsilon * t652;
     let t688 = t686 - t687;
+    d_dy[3][4] = t688;
     let t689 = cos_beta_gamma * t688;
     let t690 = t685 + t689;
     let t691 = sin_delta * t681;
@@ -3689,6 +3890,7 @@ pub fn inverse_dynamics_derivatives(
     let t693 = t691 - t692;
     let t694 = t89 * t693;
     let t695 = t690 - t694;
+    d_dy[0][4] = t695;
     let t696 = t65 * t84;
     let t697 = t69 * t127;
     let t698 = t697 + t696;
@@ -3715,6 +3917,7 @@ pub fn inverse_dynamics_derivatives(
     let t719 = t718 - t717;
     let t720 = t716 + t719;
     let t721 = moment_zeta_x + t720;
+    d_dy[4][5] = t721;
     let t722 = sin_delta * t721;
     let t723 = t713 - t722;
     let t724 = sin_beta_gamma * t723;
@@ -3785,6 +3988,7 @@ pub fn inverse_dynamics_derivatives(
     let t789 = t788 + t787;
     let t790 = t789 - t786;
     let t791 = t790 + t781;
+    d_dy[2][2] = t791;
     let t792 = omega_gamma_y * t747;
     let t793 = t37 * t511;
     let t794 = t95 * t448;
@@ -3807,6 +4011,7 @@ pub fn inverse_dynamics_derivatives(
     let t811 = t89 * t810;
     let t812 = t811 + t807;
     let t813 = t791 - t812;
+    d_dy[1][2] = t813;
     let t814 = cos_delta * t591;
     let t815 = sin_delta * t612;
     let t816 = t815 + t814;
@@ -3850,6 +4055,8 @@ pub fn inverse_dynamics_derivatives(
     let t854 = sin_delta * t712;
     let t855 = cos_delta * t721;
     let t856 = t854 + t855;
+    d_dy[1][5] = t856;
+    d_dy[2][5] = t856;
     let t857 = t742 + t751;
     let t858 = v[0] * 0.00847987;
     let t859 = t858 + t857;
@@ -3862,6 +4069,7 @@ pub fn inverse_dynamics_derivatives(
     let t866 = 21.1145440844009 * t496;
     let t867 = t865 + t866;
     let t868 = t867 + t860;
+    d_dy[2][1] = t868;
     let t869 = omega_gamma_z * 0.001515;
     let t870 = t429 + t869;
     let t871 = cos_beta_gamma * t870;
@@ -3892,6 +4100,7 @@ pub fn inverse_dynamics_derivatives(
     let t896 = 21.1145440844009 * t889;
     let t897 = t895 + t896;
     let t898 = t897 - t881;
+    d_dy[3][1] = t898;
     let t899 = omega_gamma_y * t870;
     let t900 = omega_gamma_x * t873;
     let t901 = t899 + t900;
@@ -3970,6 +4179,7 @@ pub fn inverse_dynamics_derivatives(
     let t974 = t581 + t973;
     let t975 = t583 + t974;
     let t976 = t975 - t971;
+    d_dy[4][3] = t976;
     let t977 = omega_epsilon_z * 0.000255;
     let t978 = t348 - t977;
     let t979 = cos_epsilon * t978;
@@ -4010,6 +4220,7 @@ pub fn inverse_dynamics_derivatives(
     let t1014 = t122 * t991;
     let t1015 = t1014 - t1013;
     let t1016 = t1015 - t1012;
+    d_dy[5][3] = t1016;
     let t1017 = omega_epsilon_y * t978;
     let t1018 = t82 * t990;
     let t1019 = t1018 + t1017;
@@ -4092,6 +4303,7 @@ pub fn inverse_dynamics_derivatives(
     let t1096 = t1095 - t1094;
     let t1097 = t89 * t1096;
     let t1098 = t1093 - t1097;
+    d_dv[0][3] = t1098;
     let t1099 = 2.0 * omega_epsilon_y;
     let t1100 = t1099 * t638;
     let t1101 = t379 - t1100;
@@ -4129,6 +4341,7 @@ pub fn inverse_dynamics_derivatives(
     let t1133 = t53 * t345;
     let t1134 = t382 + t1133;
     let t1135 = t1134 + t981;
+    d_dv[4][5] = t1135;
     let t1136 = sin_delta * t1135;
     let t1137 = t1132 - t1136;
     let t1138 = sin_beta_gamma * t1137;
@@ -4166,6 +4379,7 @@ pub fn inverse_dynamics_derivatives(
     let t1170 = t1169 * 44.720000000000006;
     let t1171 = t1167 + t1170;
     let t1172 = t1159 + t1171;
+    d_dv[1][1] = t1172;
     let t1173 = t395 - t392;
     let t1174 = t1053 * t504;
     let t1175 = t1055 * t508;
@@ -4206,6 +4420,7 @@ pub fn inverse_dynamics_derivatives(
     let t1210 = sin_delta * t1109;
     let t1211 = cos_delta * t1113;
     let t1212 = t1210 - t1211;
+    d_dv[2][4] = t1212;
     let t1213 = sin_delta * t1108;
     let t1214 = cos_delta * t394;
     let t1215 = t1214 - t1213;
@@ -4219,10 +4434,14 @@ pub fn inverse_dynamics_derivatives(
     let t1223 = t89 * t1222;
     let t1224 = t1223 + t1219;
     let t1225 = t1212 - t1224;
+    d_dv[1][4] = t1225;
     let t1226 = sin_delta * t1131;
     let t1227 = cos_delta * t1135;
     let t1228 = t1226 + t1227;
+    d_dv[1][5] = t1228;
+    d_dv[2][5] = t1228;
     let t1229 = t1144 + t1146;
+    d_dv[2][0] = t1229;
     let t1230 = t1028 + t1153;
     let t1231 = t1173 - t1230;
     let t1232 = t754 * t769;
@@ -4254,9 +4473,11 @@ pub fn inverse_dynamics_derivatives(
     let t1258 = t1254 - t1257;
     let t1259 = t754 * t887;
     let t1260 = t1258 + t1259;
+    d_dv[3][1] = t1260;
     let t1261 = t1055 * t882;
     let t1262 = t1061 - t1261;
     let t1263 = t1254 + t1262;
+    d_dv[3][2] = t1263;
     let t1264 = t320 * t320;
     let t1265 = 1.0 - t1264;
     let t1266 = t1265 * 40.0;
@@ -4269,6 +4490,7 @@ pub fn inverse_dynamics_derivatives(
     let t1273 = t1027 * t925;
     let t1274 = t1272 - t1273;
     let t1275 = t1271 - t1274;
+    d_dv[4][0] = t1275;
     let t1276 = sin_delta * t909;
     let t1277 = cos_delta * t911;
     let t1278 = t1276 - t1277;
@@ -4285,14 +4507,17 @@ pub fn inverse_dynamics_derivatives(
     let t1289 = t375 * t930;
     let t1290 = t1079 + t1289;
     let t1291 = t916 + t1290;
+    d_dv[4][3] = t1291;
     let t1292 = t330 * t330;
     let t1293 = 1.0 - t1292;
     let t1294 = t1293 * 30.0;
     let t1295 = 8.0 + t1294;
     let t1296 = t1112 + t1295;
+    d_dv[4][4] = t1296;
     let t1297 = sin_beta_gamma * t984;
     let t1298 = cos_beta_gamma * t986;
     let t1299 = t1297 + t1298;
+    d_dv[5][0] = t1299;
     let t1300 = sin_delta * t979;
     let t1301 = cos_delta * t982;
     let t1302 = t1300 - t1301;
@@ -4304,66 +4529,85 @@ pub fn inverse_dynamics_derivatives(
     let t1308 = t1302 + t1307;
     let t1309 = t359 * t991;
     let t1310 = t986 + t1309;
+    d_dv[5][3] = t1310;
     let t1311 = t345 * t990;
     let t1312 = t982 - t1311;
+    d_dv[5][4] = t1312;
     let t1313 = t340 * t340;
     let t1314 = 1.0 - t1313;
     let t1315 = 8.0 * t1314;
     let t1316 = 2.0 + t1315;
+    d_dv[5][5] = t1316;
     let t1317 = -t344;
+    b_u[5] = t1317;
     let t1318 = -t572;
+    d_dy[0][2] = t1318;
     let t1319 = -t729;
+    d_dy[0][5] = t1319;
     let t1320 = -t778;
+    d_dy[1][1] = t1320;
     let t1321 = -t834;
+    d_dy[1][3] = t1321;
     let t1322 = -t853;
+    d_dy[1][4] = t1322;
     let t1323 = -t816;
+    d_dy[2][3] = t1323;
     let t1324 = -t837;
+    d_dy[2][4] = t1324;
     let t1325 = -t906;
+    d_dy[3][2] = t1325;
     let t1326 = -t727;
+    d_dy[3][5] = t1326;
     let t1327 = -t955;
+    d_dy[4][1] = t1327;
     let t1328 = -t968;
+    d_dy[4][2] = t1328;
     let t1329 = -t1001;
+    d_dy[5][1] = t1329;
     let t1330 = -t1009;
+    d_dy[5][2] = t1330;
     let t1331 = -t1019;
+    d_dy[5][4] = t1331;
     let t1332 = -t710;
+    d_dy[5][5] = t1332;
     let t1333 = -t1040;
+    d_dv[0][0] = t1333;
     let t1334 = -t1052;
+    d_dv[0][1] = t1334;
     let t1335 = -t1070;
+    d_dv[0][2] = t1335;
     let t1336 = -t1127;
+    d_dv[0][4] = t1336;
     let t1337 = -t1141;
+    d_dv[0][5] = t1337;
     let t1338 = -t1150;
+    d_dv[1][0] = t1338;
     let t1339 = -t1191;
+    d_dv[1][2] = t1339;
     let t1340 = -t1209;
+    d_dv[1][3] = t1340;
     let t1341 = -t1233;
+    d_dv[2][1] = t1341;
     let t1342 = -t1246;
+    d_dv[2][2] = t1342;
     let t1343 = -t1196;
+    d_dv[2][3] = t1343;
     let t1344 = -t1253;
+    d_dv[3][0] = t1344;
     let t1345 = -t1268;
+    d_dv[3][3] = t1345;
     let t1346 = -t1120;
+    d_dv[3][4] = t1346;
     let t1347 = -t1139;
+    d_dv[3][5] = t1347;
     let t1348 = -t1284;
+    d_dv[4][1] = t1348;
     let t1349 = -t1288;
+    d_dv[4][2] = t1349;
     let t1350 = -t1304;
+    d_dv[5][1] = t1350;
     let t1351 = -t1308;
-    (
-        [t233, t293, t314, t324, t334, t1317],
-        [
-            [0.0, t530, t1318, t634, t695, t1319],
-            [0.0, t1320, t813, t1321, t1322, t856],
-            [0.0, t868, t791, t1323, t1324, t856],
-            [0.0, t898, t1325, t627, t688, t1326],
-            [0.0, t1327, t1328, t976, t672, t721],
-            [0.0, t1329, t1330, t1016, t1331, t1332],
-        ],
-        [
-            [t1333, t1334, t1335, t1098, t1336, t1337],
-            [t1338, t1172, t1339, t1340, t1225, t1228],
-            [t1229, t1341, t1342, t1343, t1212, t1228],
-            [t1344, t1260, t1263, t1345, t1346, t1347],
-            [t1275, t1348, t1349, t1291, t1296, t1135],
-            [t1299, t1350, t1351, t1310, t1312, t1316],
-        ],
-    )
+    d_dv[5][2] = t1351;
 }
 
 /// Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.
@@ -4383,6 +4627,7 @@ pub fn inverse_dynamics_derivatives(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -4393,6 +4638,41 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     v: &[f64; N],
     a: &[f64; N],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
+    let mut b_u = [0.0; 6];
+    let mut d_dy = [[0.0; 6]; 6];
+    let mut d_dv = [[0.0; 6]; 6];
+    let mut m = [[0.0; 6]; 6];
+    inverse_dynamics_derivatives_and_mass_matrix_into(
+        y,
+        v,
+        a,
+        &mut b_u,
+        &mut d_dy,
+        &mut d_dv,
+        &mut m,
+    );
+    (b_u, d_dy, d_dv, m)
+}
+
+/// `inverse_dynamics_derivatives_and_mass_matrix` with its results written in place; nothing of what stood there
+/// is read.
+pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    b_u: &mut [f64; N],
+    d_dy: &mut [[f64; N]; N],
+    d_dv: &mut [[f64; N]; N],
+    m: &mut [[f64; N]; N],
+) {
+    d_dy[0][0] = 0.0;
+    d_dy[1][0] = 0.0;
+    d_dy[2][0] = 0.0;
+    d_dy[3][0] = 0.0;
+    d_dy[4][0] = 0.0;
+    d_dy[5][0] = 0.0;
+    m[4][5] = 0.0;
+    m[5][4] = 0.0;
     let angle_beta_gamma = y[1] + y[2];
     let (
         [sin_beta,
@@ -4630,6 +4910,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t231 = v[0] * 60.0;
     let t232 = t231 + t230;
     let t233 = t227 + t232;
+    b_u[0] = t233;
     let t234 = sin_delta * t140;
     let t235 = cos_delta * t180;
     let t236 = t234 - t235;
@@ -4690,6 +4971,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t291 = t290 * 2.236;
     let t292 = t288 + t291;
     let t293 = t279 + t292;
+    b_u[1] = t293;
     let t294 = a[2] * 1.36525907;
     let t295 = a[1] * 0.00847987;
     let t296 = t295 + t294;
@@ -4711,6 +4993,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t312 = t311 * 0.492;
     let t313 = t310 + t312;
     let t314 = t297 + t313;
+    b_u[2] = t314;
     let t315 = t38 * 0.001515;
     let t316 = a[3] * 0.153015;
     let t317 = t316 + t315;
@@ -4721,6 +5004,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t322 = v[3] * 10.0;
     let t323 = t322 + t321;
     let t324 = t318 + t323;
+    b_u[3] = t324;
     let t325 = t124 * 0.00101;
     let t326 = a[4] * 0.10201;
     let t327 = t326 + t325;
@@ -4731,6 +5015,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t332 = v[4] * 8.0;
     let t333 = t332 + t331;
     let t334 = t328 + t333;
+    b_u[4] = t334;
     let t335 = t48 * 0.000255;
     let t336 = a[5] * 0.013005000000000001;
     let t337 = t336 + t335;
@@ -4907,9 +5192,13 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t508 = t506 + t507;
     let t509 = cos_beta_gamma * t508;
     let t510 = t505 - t509;
+    m[0][2] = t510;
+    m[2][0] = t510;
     let t511 = sin_delta * t360;
     let t512 = t86 * t511;
     let t513 = t510 - t512;
+    m[0][1] = t513;
+    m[1][0] = t513;
     let t514 = t95 * t513;
     let t515 = t502 - t514;
     let t516 = 21.1145440844009 * t511;
@@ -4927,6 +5216,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t528 = t526 + t527;
     let moment_beta_x = t528 + t523;
     let t530 = moment_beta_x + t518;
+    d_dy[0][1] = t530;
     let t531 = t354 - t391;
     let t532 = t392 - t531;
     let t533 = omega_gamma_x * t532;
@@ -5024,6 +5314,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t625 = acceleration_delta_x * t360;
     let t626 = t625 - t624;
     let t627 = t626 + t618;
+    d_dy[3][3] = t627;
     let t628 = cos_beta_gamma * t627;
     let t629 = t615 + t628;
     let t630 = cos_delta * t611;
@@ -5031,6 +5322,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t632 = t631 - t630;
     let t633 = t89 * t632;
     let t634 = t629 - t633;
+    d_dy[0][3] = t634;
     let t635 = omega_epsilon_y * t354;
     let t636 = omega_epsilon_x * t351;
     let t637 = t635 - t636;
@@ -5069,6 +5361,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t670 = omega_epsilon_x * t370;
     let t671 = t669 - t670;
     let t672 = t668 - t671;
+    d_dy[4][4] = t672;
     let t673 = omega_epsilon_y * t410;
     let t674 = force_epsilon_x - t673;
     let t675 = sin_epsilon * t674;
@@ -5085,6 +5378,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t686 = sin_epsilon * t646;
     let t687 = cos_epsilon * t652;
     let t688 = t686 - t687;
+    d_dy[3][4] = t688;
     let t689 = cos_beta_gamma * t688;
     let t690 = t685 + t689;
     let t691 = sin_delta * t681;
@@ -5092,6 +5386,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t693 = t691 - t692;
     let t694 = t89 * t693;
     let t695 = t690 - t694;
+    d_dy[0][4] = t695;
     let t696 = t65 * t84;
     let t697 = t69 * t127;
     let t698 = t697 + t696;
@@ -5118,6 +5413,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t719 = t718 - t717;
     let t720 = t716 + t719;
     let t721 = moment_zeta_x + t720;
+    d_dy[4][5] = t721;
     let t722 = sin_delta * t721;
     let t723 = t713 - t722;
     let t724 = sin_beta_gamma * t723;
@@ -5188,6 +5484,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t789 = t788 + t787;
     let t790 = t789 - t786;
     let t791 = t790 + t781;
+    d_dy[2][2] = t791;
     let t792 = omega_gamma_y * t747;
     let t793 = t37 * t511;
     let t794 = t95 * t448;
@@ -5210,6 +5507,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t811 = t89 * t810;
     let t812 = t811 + t807;
     let t813 = t791 - t812;
+    d_dy[1][2] = t813;
     let t814 = cos_delta * t591;
     let t815 = sin_delta * t612;
     let t816 = t815 + t814;
@@ -5253,18 +5551,23 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t854 = sin_delta * t712;
     let t855 = cos_delta * t721;
     let t856 = t854 + t855;
+    d_dy[1][5] = t856;
+    d_dy[2][5] = t856;
     let t857 = t742 + t751;
     let t858 = v[0] * 0.00847987;
     let t859 = t858 + t857;
     let t860 = v[0] * t859;
     let t861 = t758 + t761;
     let t862 = 0.00847987 + t861;
+    m[1][2] = t862;
+    m[2][1] = t862;
     let t863 = t95 * t862;
     let t864 = a[0] * t769;
     let t865 = t864 - t863;
     let t866 = 21.1145440844009 * t496;
     let t867 = t865 + t866;
     let t868 = t867 + t860;
+    d_dy[2][1] = t868;
     let t869 = omega_gamma_z * 0.001515;
     let t870 = t429 + t869;
     let t871 = cos_beta_gamma * t870;
@@ -5295,6 +5598,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t896 = 21.1145440844009 * t889;
     let t897 = t895 + t896;
     let t898 = t897 - t881;
+    d_dy[3][1] = t898;
     let t899 = omega_gamma_y * t870;
     let t900 = omega_gamma_x * t873;
     let t901 = t899 + t900;
@@ -5346,7 +5650,11 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t947 = cos_delta * t931;
     let t948 = sin_delta * t470;
     let t949 = t948 + t947;
+    m[2][4] = t949;
+    m[4][2] = t949;
     let t950 = t949 + t946;
+    m[1][4] = t950;
+    m[4][1] = t950;
     let t951 = t95 * t950;
     let t952 = t940 + t951;
     let t953 = 21.1145440844009 * t943;
@@ -5373,6 +5681,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t974 = t581 + t973;
     let t975 = t583 + t974;
     let t976 = t975 - t971;
+    d_dy[4][3] = t976;
     let t977 = omega_epsilon_z * 0.000255;
     let t978 = t348 - t977;
     let t979 = cos_epsilon * t978;
@@ -5391,10 +5700,16 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t992 = cos_delta * t991;
     let t993 = cos_beta_gamma * t992;
     let t994 = cos_epsilon * t990;
+    m[3][5] = t994;
+    m[5][3] = t994;
     let t995 = sin_beta_gamma * t994;
     let t996 = t993 + t995;
     let t997 = a[0] * t996;
     let t998 = sin_delta * t991;
+    m[1][5] = t998;
+    m[2][5] = t998;
+    m[5][1] = t998;
+    m[5][2] = t998;
     let t999 = t95 * t998;
     let t1000 = t999 + t997;
     let t1001 = t1000 - t989;
@@ -5413,6 +5728,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1014 = t122 * t991;
     let t1015 = t1014 - t1013;
     let t1016 = t1015 - t1012;
+    d_dy[5][3] = t1016;
     let t1017 = omega_epsilon_y * t978;
     let t1018 = t82 * t990;
     let t1019 = t1018 + t1017;
@@ -5495,6 +5811,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1096 = t1095 - t1094;
     let t1097 = t89 * t1096;
     let t1098 = t1093 - t1097;
+    d_dv[0][3] = t1098;
     let t1099 = 2.0 * omega_epsilon_y;
     let t1100 = t1099 * t638;
     let t1101 = t379 - t1100;
@@ -5532,6 +5849,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1133 = t53 * t345;
     let t1134 = t382 + t1133;
     let t1135 = t1134 + t981;
+    d_dv[4][5] = t1135;
     let t1136 = sin_delta * t1135;
     let t1137 = t1132 - t1136;
     let t1138 = sin_beta_gamma * t1137;
@@ -5569,6 +5887,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1170 = t1169 * 44.720000000000006;
     let t1171 = t1167 + t1170;
     let t1172 = t1159 + t1171;
+    d_dv[1][1] = t1172;
     let t1173 = t395 - t392;
     let t1174 = t1053 * t504;
     let t1175 = t1055 * t508;
@@ -5609,6 +5928,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1210 = sin_delta * t1109;
     let t1211 = cos_delta * t1113;
     let t1212 = t1210 - t1211;
+    d_dv[2][4] = t1212;
     let t1213 = sin_delta * t1108;
     let t1214 = cos_delta * t394;
     let t1215 = t1214 - t1213;
@@ -5622,10 +5942,14 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1223 = t89 * t1222;
     let t1224 = t1223 + t1219;
     let t1225 = t1212 - t1224;
+    d_dv[1][4] = t1225;
     let t1226 = sin_delta * t1131;
     let t1227 = cos_delta * t1135;
     let t1228 = t1226 + t1227;
+    d_dv[1][5] = t1228;
+    d_dv[2][5] = t1228;
     let t1229 = t1144 + t1146;
+    d_dv[2][0] = t1229;
     let t1230 = t1028 + t1153;
     let t1231 = t1173 - t1230;
     let t1232 = t754 * t769;
@@ -5657,9 +5981,11 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1258 = t1254 - t1257;
     let t1259 = t754 * t887;
     let t1260 = t1258 + t1259;
+    d_dv[3][1] = t1260;
     let t1261 = t1055 * t882;
     let t1262 = t1061 - t1261;
     let t1263 = t1254 + t1262;
+    d_dv[3][2] = t1263;
     let t1264 = t320 * t320;
     let t1265 = 1.0 - t1264;
     let t1266 = t1265 * 40.0;
@@ -5672,6 +5998,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1273 = t1027 * t925;
     let t1274 = t1272 - t1273;
     let t1275 = t1271 - t1274;
+    d_dv[4][0] = t1275;
     let t1276 = sin_delta * t909;
     let t1277 = cos_delta * t911;
     let t1278 = t1276 - t1277;
@@ -5688,14 +6015,17 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1289 = t375 * t930;
     let t1290 = t1079 + t1289;
     let t1291 = t916 + t1290;
+    d_dv[4][3] = t1291;
     let t1292 = t330 * t330;
     let t1293 = 1.0 - t1292;
     let t1294 = t1293 * 30.0;
     let t1295 = 8.0 + t1294;
     let t1296 = t1112 + t1295;
+    d_dv[4][4] = t1296;
     let t1297 = sin_beta_gamma * t984;
     let t1298 = cos_beta_gamma * t986;
     let t1299 = t1297 + t1298;
+    d_dv[5][0] = t1299;
     let t1300 = sin_delta * t979;
     let t1301 = cos_delta * t982;
     let t1302 = t1300 - t1301;
@@ -5707,12 +6037,15 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1308 = t1302 + t1307;
     let t1309 = t359 * t991;
     let t1310 = t986 + t1309;
+    d_dv[5][3] = t1310;
     let t1311 = t345 * t990;
     let t1312 = t982 - t1311;
+    d_dv[5][4] = t1312;
     let t1313 = t340 * t340;
     let t1314 = 1.0 - t1313;
     let t1315 = 8.0 * t1314;
     let t1316 = 2.0 + t1315;
+    d_dv[5][5] = t1316;
     let t1317 = sin_beta_gamma * t491;
     let t1318 = t476 - t1317;
     let t1319 = 2.0 * t760;
@@ -5722,11 +6055,14 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1323 = 0.01110483 - t536;
     let t1324 = t1322 + t1323;
     let t1325 = 1.36525907 + t1324;
+    m[0][0] = t1325;
     let t1326 = cos_beta_gamma * t882;
     let t1327 = sin_beta_gamma * t488;
     let t1328 = t1327 + t1326;
     let t1329 = t89 * t448;
     let t1330 = t1328 + t1329;
+    m[0][3] = t1330;
+    m[3][0] = t1330;
     let t1331 = sin_beta_gamma * t934;
     let t1332 = cos_beta_gamma * t486;
     let t1333 = t1331 + t1332;
@@ -5736,77 +6072,100 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1337 = cos_beta_gamma * t994;
     let t1338 = t1336 - t1337;
     let t1339 = 1.36525907 + t765;
+    m[1][1] = t1339;
     let t1340 = 1.36525907 + t758;
+    m[2][2] = t1340;
     let t1341 = 0.153015 + t619;
+    m[3][3] = t1341;
     let t1342 = t52 + 0.107087497041;
+    m[4][4] = t1342;
     let t1343 = 0.013005000000000001 + t708;
+    m[5][5] = t1343;
     let t1344 = -t344;
+    b_u[5] = t1344;
     let t1345 = -t572;
+    d_dy[0][2] = t1345;
     let t1346 = -t729;
+    d_dy[0][5] = t1346;
     let t1347 = -t778;
+    d_dy[1][1] = t1347;
     let t1348 = -t834;
+    d_dy[1][3] = t1348;
     let t1349 = -t853;
+    d_dy[1][4] = t1349;
     let t1350 = -t816;
+    d_dy[2][3] = t1350;
     let t1351 = -t837;
+    d_dy[2][4] = t1351;
     let t1352 = -t906;
+    d_dy[3][2] = t1352;
     let t1353 = -t727;
+    d_dy[3][5] = t1353;
     let t1354 = -t955;
+    d_dy[4][1] = t1354;
     let t1355 = -t968;
+    d_dy[4][2] = t1355;
     let t1356 = -t1001;
+    d_dy[5][1] = t1356;
     let t1357 = -t1009;
+    d_dy[5][2] = t1357;
     let t1358 = -t1019;
+    d_dy[5][4] = t1358;
     let t1359 = -t710;
+    d_dy[5][5] = t1359;
     let t1360 = -t1040;
+    d_dv[0][0] = t1360;
     let t1361 = -t1052;
+    d_dv[0][1] = t1361;
     let t1362 = -t1070;
+    d_dv[0][2] = t1362;
     let t1363 = -t1127;
+    d_dv[0][4] = t1363;
     let t1364 = -t1141;
+    d_dv[0][5] = t1364;
     let t1365 = -t1150;
+    d_dv[1][0] = t1365;
     let t1366 = -t1191;
+    d_dv[1][2] = t1366;
     let t1367 = -t1209;
+    d_dv[1][3] = t1367;
     let t1368 = -t1233;
+    d_dv[2][1] = t1368;
     let t1369 = -t1246;
+    d_dv[2][2] = t1369;
     let t1370 = -t1196;
+    d_dv[2][3] = t1370;
     let t1371 = -t1253;
+    d_dv[3][0] = t1371;
     let t1372 = -t1268;
+    d_dv[3][3] = t1372;
     let t1373 = -t1120;
+    d_dv[3][4] = t1373;
     let t1374 = -t1139;
+    d_dv[3][5] = t1374;
     let t1375 = -t1284;
+    d_dv[4][1] = t1375;
     let t1376 = -t1288;
+    d_dv[4][2] = t1376;
     let t1377 = -t1304;
+    d_dv[5][1] = t1377;
     let t1378 = -t1308;
+    d_dv[5][2] = t1378;
     let t1379 = -t1335;
+    m[0][4] = t1379;
+    m[4][0] = t1379;
     let t1380 = -t1338;
+    m[0][5] = t1380;
+    m[5][0] = t1380;
     let t1381 = -t893;
+    m[1][3] = t1381;
+    m[3][1] = t1381;
     let t1382 = -t508;
+    m[2][3] = t1382;
+    m[3][2] = t1382;
     let t1383 = -t486;
-    (
-        [t233, t293, t314, t324, t334, t1344],
-        [
-            [0.0, t530, t1345, t634, t695, t1346],
-            [0.0, t1347, t813, t1348, t1349, t856],
-            [0.0, t868, t791, t1350, t1351, t856],
-            [0.0, t898, t1352, t627, t688, t1353],
-            [0.0, t1354, t1355, t976, t672, t721],
-            [0.0, t1356, t1357, t1016, t1358, t1359],
-        ],
-        [
-            [t1360, t1361, t1362, t1098, t1363, t1364],
-            [t1365, t1172, t1366, t1367, t1225, t1228],
-            [t1229, t1368, t1369, t1370, t1212, t1228],
-            [t1371, t1260, t1263, t1372, t1373, t1374],
-            [t1275, t1375, t1376, t1291, t1296, t1135],
-            [t1299, t1377, t1378, t1310, t1312, t1316],
-        ],
-        [
-            [t1325, t513, t510, t1330, t1379, t1380],
-            [t513, t1339, t862, t1381, t950, t998],
-            [t510, t862, t1340, t1382, t949, t998],
-            [t1330, t1381, t1382, t1341, t1383, t994],
-            [t1379, t950, t949, t1383, t1342, 0.0],
-            [t1380, t998, t998, t994, 0.0, t1343],
-        ],
-    )
+    m[3][4] = t1383;
+    m[4][3] = t1383;
 }
 
 /// Forward dynamics with its Jacobians.
@@ -5821,12 +6180,13 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
 /// - returns `∂ÿ/∂ẏ: [N × N]`: row i = acceleration i
 /// - returns `M⁻¹: [N × N]`: symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B
 ///
-/// Cost: 1352 multiplications, 1148 additions, 6 divisions, 15 function calls (5 `sin_cos`, 10 other), 1
+/// Cost: 1318 multiplications, 1122 additions, 6 divisions, 15 function calls (5 `sin_cos`, 10 other), 1
 /// selection.
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -5837,182 +6197,255 @@ pub fn forward_dynamics_derivatives(
     v: &[f64; N],
     u: &[f64; M],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
+    let mut a = [0.0; 6];
+    let mut da_dy = [[0.0; 6]; 6];
+    let mut da_dv = [[0.0; 6]; 6];
+    let mut m_inverse = [[0.0; 6]; 6];
+    forward_dynamics_derivatives_into(
+        y,
+        v,
+        u,
+        &mut a,
+        &mut da_dy,
+        &mut da_dv,
+        &mut m_inverse,
+    );
+    (a, da_dy, da_dv, m_inverse)
+}
+
+/// `forward_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+pub fn forward_dynamics_derivatives_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    a: &mut [f64; N],
+    da_dy: &mut [[f64; N]; N],
+    da_dv: &mut [[f64; N]; N],
+    m_inverse: &mut [[f64; N]; N],
+) {
     let [sin_delta, cos_delta, sin_epsilon, cos_epsilon, sin_beta_gamma, cos_beta_gamma,
-    t22, t23, t36, t40, t42, t49, t51, t54, t67, t68, t176, t196, inverse_d_alpha, t238,
-    t241, t246, t253, omega_epsilon_y, t334, t344, t401, t545, t549, t557, t559, t562,
-    t567, t574, t590, t592, t602, t607, t614, t630, t632, t653, t660, t676, t678, t714,
-    t730, t732, t777, t779, t932, t933, t941, t946, t961, t962, t965, t968, t969, t980,
-    t986, t987, t988, t994, t995, t996, t1026, t1109, t1112, t1124, t1141, t1149, t1150,
-    t1162, t1163, t1164, t1166, t1173, t1177, t1178, t1182, t1188, t1191, t1207, t1312,
-    t1315, t1335, t1420, t1421, t1434, t1513, t1560, t1571, t1582, t1593, t1604, t1615,
-    t1626, t1637, t1648, t1659, t1669, t1680, t1691, t1702, t1713, t1724, t1735, t1746,
-    t1757, t1768, t1779, t1790, t1801, t1812, t1823, t1834, t1843, t1851, t1857, t1863,
-    t1883, t1891, t1893, t1902, t1906, t1907, t1914, t1921, t1943, t1946, t1953, t1961,
-    t1963, t1965, t1966, t1968, t1971, t1972, t1974, t1976, t1977, t1981, t1994] = forward_dynamics_derivatives_part_1(
+    t45, t61, t64, t76, t83, t209, inverse_d_zeta, t231, inverse_d_epsilon, t263, t278,
+    t281, inverse_d_delta, t316, t351, t359, t369, inverse_d_gamma, t404, t461, t474,
+    t494, inverse_d_beta, t522, inverse_d_alpha, t551, t554, t559, t566, t575, t584,
+    t737, t738, t773, t785, t792, t858, t862, t1010, t1151, t1276, t1386, t1449, t1452,
+    t1455, t1458, t1461, t1464, t1469, t1474, t1479, t1484, t1489, t1496, t1503, t1510,
+    t1517, t1524, t1533, t1542, t1551, t1560, t1569, t1578, t1587, t1596, t1605, t1614,
+    t1638, t1647, t1660, t1673, t1687, t1690, t1717, t1728, t1745, t1757, t1759, t1779,
+    t1802, t1808, t1818, t1820, t1841, t1867, t1897, t1902, t1913, t1925, t1947, t1950,
+    t1960, t1961, t1965, t1967, t1969, t1970, t1976, t1978, t1982] = forward_dynamics_derivatives_part_1(
         y,
         v,
         u,
     );
-    let [t2036, t2165, t2197, t2241, t2274, t2285, t2296, t2318, t2328, t2339, t2350,
-    t2361, t2383, t2394, t2405, t2416, t2427, t2449, t2460, t2504, t2527, t2528, t2529,
-    t2530, t2531, t2532, t2533, t2534, t2535, t2536, t2537, t2538, t2539, t2540, t2541,
-    t2542, t2543, t2544, t2545, t2546, t2547, t2548, t2549, t2550, t2551, t2552, t2553,
-    t2554, t2555, t2556, t2557, t2558, t2559, t2560, t2561, t2562, t2563, t2564, t2565,
-    t2566, t2567, t2568] = forward_dynamics_derivatives_part_2([
+    let [t2030, t2078, t2081, t2087, t2090, t2106, t2111, t2116, t2133, t2154, t2161,
+    t2168, t2186, t2195, t2240, t2249, t2280, t2285, t2292, t2301, t2323, t2333, t2338,
+    t2345, t2373, t2380, t2423, t2466, t2467, t2468, t2469, t2470, t2471, t2472, t2473,
+    t2474, t2475, t2476, t2477, t2478, t2479, t2480, t2481, t2482, t2483, t2484, t2485,
+    t2486, t2487, t2488, t2489, t2490, t2491, t2492, t2493, t2494, t2495, t2496, t2497,
+    t2498, t2499, t2500, t2501, t2502, t2503, t2504, t2505, t2506, t2507, t2508] = forward_dynamics_derivatives_part_2([
         sin_delta,
         cos_delta,
         sin_epsilon,
         cos_epsilon,
         sin_beta_gamma,
         cos_beta_gamma,
-        t22,
-        t23,
-        t36,
-        t40,
-        t42,
-        t49,
-        t51,
-        t54,
-        t67,
-        t68,
-        t176,
-        t196,
+        t45,
+        t61,
+        t64,
+        t76,
+        t83,
+        t209,
+        inverse_d_zeta,
+        t231,
+        inverse_d_epsilon,
+        t263,
+        t278,
+        t281,
+        inverse_d_delta,
+        t316,
+        t351,
+        t359,
+        t369,
+        inverse_d_gamma,
+        t404,
+        t461,
+        t474,
+        t494,
+        inverse_d_beta,
+        t522,
         inverse_d_alpha,
-        t238,
-        t241,
-        t246,
-        t253,
-        omega_epsilon_y,
-        t334,
-        t344,
-        t401,
-        t545,
-        t549,
-        t559,
-        t562,
-        t567,
-        t574,
-        t590,
-        t592,
-        t602,
-        t607,
-        t614,
-        t630,
-        t653,
-        t660,
-        t676,
-        t714,
-        t730,
-        t777,
-        t779,
-        t932,
-        t933,
-        t941,
-        t946,
-        t961,
-        t962,
-        t965,
-        t968,
-        t969,
-        t980,
-        t986,
-        t987,
-        t988,
-        t994,
-        t995,
-        t996,
-        t1026,
-        t1109,
-        t1112,
-        t1124,
-        t1141,
-        t1149,
-        t1150,
-        t1162,
-        t1163,
-        t1164,
-        t1166,
-        t1173,
-        t1177,
-        t1178,
-        t1182,
-        t1188,
-        t1191,
-        t1207,
-        t1312,
-        t1315,
-        t1335,
-        t1421,
-        t1434,
-        t1513,
+        t737,
+        t738,
+        t773,
+        t785,
+        t792,
+        t858,
+        t862,
+        t1010,
+        t1151,
+        t1386,
+        t1449,
+        t1455,
+        t1458,
+        t1469,
+        t1474,
+        t1479,
+        t1496,
+        t1510,
+        t1517,
+        t1524,
+        t1533,
+        t1551,
         t1560,
-        t1593,
-        t1626,
-        t1637,
-        t1659,
-        t1669,
-        t1680,
-        t1691,
-        t1713,
-        t1724,
-        t1735,
-        t1746,
-        t1768,
+        t1569,
+        t1638,
+        t1647,
+        t1660,
+        t1673,
+        t1687,
+        t1690,
+        t1717,
+        t1728,
+        t1745,
+        t1757,
+        t1759,
         t1779,
-        t1812,
-        t1843,
-        t1851,
-        t1857,
-        t1863,
-        t1883,
-        t1891,
+        t1802,
+        t1808,
+        t1818,
+        t1820,
+        t1841,
+        t1867,
+        t1897,
         t1902,
-        t1906,
-        t1907,
-        t1914,
-        t1921,
-        t1943,
-        t1946,
-        t1953,
+        t1913,
+        t1925,
+        t1947,
+        t1950,
+        t1960,
         t1961,
-        t1963,
-        t1966,
-        t1968,
-        t1971,
-        t1972,
-        t1974,
+        t1965,
+        t1967,
+        t1969,
+        t1970,
         t1976,
-        t1977,
-        t1981,
-        t1994,
+        t1978,
+        t1982,
     ]);
-    (
-        [t557, t2527, t632, t678, t732, t2528],
-        [
-            [0.0, t2529, t2530, t1420, t2531, t2532],
-            [0.0, t1571, t1582, t2533, t1604, t1615],
-            [0.0, t2534, t2535, t1648, t2536, t2537],
-            [0.0, t2538, t2539, t1702, t2540, t2541],
-            [0.0, t2542, t2543, t1757, t2544, t2545],
-            [0.0, t1790, t1801, t2546, t1823, t1834],
-        ],
-        [
-            [t1893, t1965, t2036, t2547, t2165, t2197],
-            [t2548, t2549, t2550, t2241, t2551, t2552],
-            [t2274, t2285, t2296, t2553, t2318, t2328],
-            [t2339, t2350, t2361, t2554, t2383, t2394],
-            [t2405, t2416, t2427, t2555, t2449, t2460],
-            [t2556, t2557, t2558, t2504, t2559, t2560],
-        ],
-        [
-            [inverse_d_alpha, t2561, t241, t246, t253, t2562],
-            [t2561, t559, t2563, t2564, t2565, t590],
-            [t241, t2563, t602, t607, t614, t2566],
-            [t246, t2564, t607, t653, t660, t2567],
-            [t253, t2565, t614, t660, t714, t2568],
-            [t2562, t590, t2566, t2567, t2568, t777],
-        ],
-    )
+    a[0] = t551;
+    a[1] = t554;
+    a[2] = t559;
+    a[3] = t566;
+    a[4] = t575;
+    a[5] = t584;
+    da_dy[0][0] = 0.0;
+    da_dy[0][1] = t2467;
+    da_dy[0][2] = t2468;
+    da_dy[0][3] = t1276;
+    da_dy[0][4] = t2469;
+    da_dy[0][5] = t2470;
+    da_dy[1][0] = 0.0;
+    da_dy[1][1] = t1452;
+    da_dy[1][2] = t2471;
+    da_dy[1][3] = t2472;
+    da_dy[1][4] = t1461;
+    da_dy[1][5] = t1464;
+    da_dy[2][0] = 0.0;
+    da_dy[2][1] = t2473;
+    da_dy[2][2] = t2474;
+    da_dy[2][3] = t2475;
+    da_dy[2][4] = t1484;
+    da_dy[2][5] = t1489;
+    da_dy[3][0] = 0.0;
+    da_dy[3][1] = t2476;
+    da_dy[3][2] = t1503;
+    da_dy[3][3] = t2477;
+    da_dy[3][4] = t2478;
+    da_dy[3][5] = t2479;
+    da_dy[4][0] = 0.0;
+    da_dy[4][1] = t2480;
+    da_dy[4][2] = t1542;
+    da_dy[4][3] = t2481;
+    da_dy[4][4] = t2482;
+    da_dy[4][5] = t2483;
+    da_dy[5][0] = 0.0;
+    da_dy[5][1] = t1578;
+    da_dy[5][2] = t1587;
+    da_dy[5][3] = t1596;
+    da_dy[5][4] = t1605;
+    da_dy[5][5] = t1614;
+    da_dv[0][0] = t1690;
+    da_dv[0][1] = t1779;
+    da_dv[0][2] = t1867;
+    da_dv[0][3] = t2484;
+    da_dv[0][4] = t2030;
+    da_dv[0][5] = t2078;
+    da_dv[1][0] = t2081;
+    da_dv[1][1] = t2485;
+    da_dv[1][2] = t2087;
+    da_dv[1][3] = t2090;
+    da_dv[1][4] = t2486;
+    da_dv[1][5] = t2487;
+    da_dv[2][0] = t2488;
+    da_dv[2][1] = t2106;
+    da_dv[2][2] = t2111;
+    da_dv[2][3] = t2116;
+    da_dv[2][4] = t2489;
+    da_dv[2][5] = t2490;
+    da_dv[3][0] = t2133;
+    da_dv[3][1] = t2491;
+    da_dv[3][2] = t2492;
+    da_dv[3][3] = t2154;
+    da_dv[3][4] = t2161;
+    da_dv[3][5] = t2168;
+    da_dv[4][0] = t2493;
+    da_dv[4][1] = t2186;
+    da_dv[4][2] = t2195;
+    da_dv[4][3] = t2494;
+    da_dv[4][4] = t2495;
+    da_dv[4][5] = t2496;
+    da_dv[5][0] = t2497;
+    da_dv[5][1] = t2240;
+    da_dv[5][2] = t2249;
+    da_dv[5][3] = t2498;
+    da_dv[5][4] = t2499;
+    da_dv[5][5] = t2500;
+    m_inverse[0][0] = inverse_d_alpha;
+    m_inverse[0][1] = t2501;
+    m_inverse[0][2] = t2280;
+    m_inverse[0][3] = t2285;
+    m_inverse[0][4] = t2292;
+    m_inverse[0][5] = t2502;
+    m_inverse[1][0] = t2501;
+    m_inverse[1][1] = t2301;
+    m_inverse[1][2] = t2503;
+    m_inverse[1][3] = t2504;
+    m_inverse[1][4] = t2505;
+    m_inverse[1][5] = t2323;
+    m_inverse[2][0] = t2280;
+    m_inverse[2][1] = t2503;
+    m_inverse[2][2] = t2333;
+    m_inverse[2][3] = t2338;
+    m_inverse[2][4] = t2345;
+    m_inverse[2][5] = t2506;
+    m_inverse[3][0] = t2285;
+    m_inverse[3][1] = t2504;
+    m_inverse[3][2] = t2338;
+    m_inverse[3][3] = t2373;
+    m_inverse[3][4] = t2380;
+    m_inverse[3][5] = t2507;
+    m_inverse[4][0] = t2292;
+    m_inverse[4][1] = t2505;
+    m_inverse[4][2] = t2345;
+    m_inverse[4][3] = t2380;
+    m_inverse[4][4] = t2423;
+    m_inverse[4][5] = t2508;
+    m_inverse[5][0] = t2502;
+    m_inverse[5][1] = t2323;
+    m_inverse[5][2] = t2506;
+    m_inverse[5][3] = t2507;
+    m_inverse[5][4] = t2508;
+    m_inverse[5][5] = t2466;
 }
 
 /// Part 1 of `forward_dynamics_derivatives`: values that later parts read.
@@ -6021,7 +6454,7 @@ fn forward_dynamics_derivatives_part_1(
     y: &[f64; N],
     v: &[f64; N],
     u: &[f64; M],
-) -> [f64; 144] {
+) -> [f64; 107] {
     let angle_beta_gamma = y[1] + y[2];
     let (
         [sin_beta,
@@ -6036,1990 +6469,1978 @@ fn forward_dynamics_derivatives_part_1(
         ],
     ) = math::sin_cos_4(y[1], y[3], y[4], y[5]);
     let (sin_beta_gamma, cos_beta_gamma) = math::sin_cos(angle_beta_gamma);
-    let t11 = sin_zeta * 9.103999999999991e-5;
-    let t12 = sin_zeta * t11;
-    let t13 = t12 - 0.003312497041000001;
-    let t14 = sin_epsilon * t13;
-    let t15 = sin_epsilon * t14;
-    let t16 = t12 + 0.0008825;
-    let t17 = t16 - t15;
-    let t18 = 0.0026049999999999997 + t17;
-    let t19 = t12 - 0.0035685400000000003;
-    let t20 = t18 + t19;
-    let t21 = sin_delta * t20;
-    let t22 = cos_zeta * t11;
-    let t23 = cos_epsilon * t22;
-    let t24 = 2.0 * t23;
-    let t25 = cos_delta * t24;
-    let t26 = t21 - t25;
-    let t27 = sin_delta * t26;
-    let t28 = t18 - t27;
-    let t29 = 0.0041575 + t28;
-    let t30 = 0.004194997041000001 + t15;
-    let t31 = cos_epsilon * 0.019904970806000004;
-    let t32 = t30 + t31;
-    let t33 = 0.6291534673095002 + t32;
-    let t34 = t29 - t33;
-    let t35 = sin_beta_gamma * t34;
-    let t36 = cos_epsilon * t14;
-    let t37 = 0.009952485403000002 * sin_epsilon;
-    let t38 = t37 - t36;
-    let t39 = cos_delta * t38;
-    let t40 = sin_epsilon * t22;
-    let t41 = sin_delta * t40;
-    let t42 = t39 - t41;
-    let t43 = 2.0 * t42;
-    let t44 = cos_beta_gamma * t43;
-    let t45 = t35 - t44;
-    let t46 = sin_beta_gamma * t45;
-    let t47 = t29 - t46;
-    let t48 = 0.009952485403000002 * cos_epsilon;
-    let t49 = 0.7918816998225002 + t48;
-    let t50 = sin_beta_gamma * t49;
-    let t51 = cos_delta * t37;
-    let t52 = cos_beta_gamma * t51;
-    let t53 = t52 + t50;
-    let t54 = 0.3875551727850145 * sin_beta;
-    let t55 = t54 * t53;
-    let t56 = 2.0 * t55;
-    let t57 = t47 + t56;
-    let t58 = cos_beta * 0.28909494;
-    let t59 = cos_beta * t58;
-    let t60 = 0.292121275 - t59;
-    let t61 = t60 + t57;
-    let t62 = 0.004026335 + t61;
-    let t63 = t19 - t27;
-    let t64 = 0.01110483 - t63;
-    let t65 = t62 + t64;
-    let t66 = t65 + 1.36525907;
-    let t67 = 0.00057104 - t12;
-    let t68 = 0.00048000000000000007 + t12;
-    let t69 = t68 + t67;
-    let t70 = sin_epsilon * t69;
-    let t71 = cos_delta * t70;
-    let t72 = sin_beta_gamma * t71;
-    let t73 = cos_epsilon * t69;
-    let t74 = cos_beta_gamma * t73;
-    let t75 = t72 - t74;
-    let t76 = cos_beta_gamma * cos_epsilon;
-    let t77 = cos_delta * sin_epsilon;
-    let t78 = sin_beta_gamma * t77;
-    let t79 = t78 - t76;
-    let t80 = 0.000255 * t79;
-    let t81 = t75 + t80;
-    let t82 = t69 + 0.013005000000000001;
-    let inverse_d_zeta = 1.0 / t82;
-    let t84 = t81 * inverse_d_zeta;
-    let t85 = t81 * t84;
-    let t86 = t66 - t85;
-    let t87 = t12 + 0.0050774970410000005;
-    let t88 = t87 + t48;
-    let t89 = sin_delta * t88;
-    let t90 = cos_delta * t23;
-    let t91 = t90 - t89;
-    let t92 = sin_beta_gamma * t91;
-    let t93 = cos_beta_gamma * t40;
-    let t94 = t92 + t93;
-    let t95 = sin_delta * t48;
-    let t96 = t54 * t95;
-    let t97 = t94 - t96;
-    let t98 = sin_beta_gamma * sin_delta;
-    let t99 = 0.00101 * t98;
-    let t100 = t97 - t99;
-    let t101 = t12 + 0.107087497041;
-    let inverse_d_epsilon = 1.0 / t101;
-    let t103 = t100 * inverse_d_epsilon;
-    let t104 = t100 * t103;
-    let t105 = t86 - t104;
-    let t106 = t18 - t19;
-    let t107 = cos_beta_gamma * t106;
-    let t108 = sin_beta_gamma * t42;
-    let t109 = t108 + t107;
-    let t110 = t54 * t51;
-    let t111 = t109 + t110;
-    let t112 = cos_beta_gamma * 0.001515;
-    let t113 = t111 + t112;
-    let t114 = cos_epsilon * 0.000255;
-    let t115 = t73 + t114;
-    let t116 = t115 * inverse_d_zeta;
-    let t117 = t81 * t116;
-    let t118 = t113 + t117;
-    let t119 = t40 * inverse_d_epsilon;
-    let t120 = t100 * t119;
-    let t121 = t118 - t120;
-    let t122 = t106 + 0.153015;
-    let t123 = t115 * t116;
-    let t124 = t122 - t123;
-    let t125 = t40 * t119;
-    let t126 = t124 - t125;
-    let inverse_d_delta = 1.0 / t126;
-    let t128 = t121 * inverse_d_delta;
-    let t129 = t121 * t128;
-    let t130 = t105 - t129;
-    let t131 = t29 + t33;
-    let t132 = t131 + 1.36525907;
-    let t133 = sin_delta * t70;
-    let t134 = sin_delta * sin_epsilon;
-    let t135 = 0.000255 * t134;
-    let t136 = t133 + t135;
-    let t137 = t136 * inverse_d_zeta;
-    let t138 = t136 * t137;
-    let t139 = t132 - t138;
-    let t140 = cos_delta * t88;
-    let t141 = sin_delta * t23;
-    let t142 = t141 + t140;
-    let t143 = cos_delta * 0.00101;
-    let t144 = t142 + t143;
-    let t145 = t144 * inverse_d_epsilon;
-    let t146 = t144 * t145;
-    let t147 = t139 - t146;
-    let t148 = t136 * t116;
-    let t149 = sin_delta * t38;
-    let t150 = cos_delta * t40;
-    let t151 = t149 + t150;
-    let t152 = t151 + t148;
-    let t153 = t144 * t119;
-    let t154 = t152 - t153;
-    let t155 = t154 * inverse_d_delta;
-    let t156 = t154 * t155;
-    let t157 = t147 - t156;
-    let inverse_d_gamma = 1.0 / t157;
-    let t159 = cos_delta * t26;
-    let t160 = t23 + t159;
-    let t161 = sin_beta_gamma * t160;
-    let t162 = cos_beta_gamma * t151;
-    let t163 = t161 - t162;
-    let t164 = t81 * t137;
-    let t165 = t163 + t164;
-    let t166 = t100 * t145;
-    let t167 = t165 + t166;
-    let t168 = t121 * t155;
-    let t169 = t167 + t168;
-    let t170 = t169 * inverse_d_gamma;
-    let t171 = t169 * t170;
-    let t172 = t130 - t171;
-    let t173 = cos_beta_gamma * t49;
-    let t174 = sin_beta_gamma * t51;
-    let t175 = t174 - t173;
-    let t176 = 0.3875551727850145 * cos_beta;
-    let t177 = t176 * t175;
-    let t178 = t55 - t177;
-    let t179 = t131 + t178;
-    let t180 = t179 + 0.00847987;
-    let t181 = t180 - t138;
-    let t182 = cos_delta * t48;
-    let t183 = cos_beta_gamma * t182;
-    let t184 = sin_beta_gamma * t37;
-    let t185 = t183 - t184;
-    let t186 = t176 * t185;
-    let t187 = sin_beta_gamma * t182;
-    let t188 = cos_beta_gamma * t37;
-    let t189 = t187 + t188;
-    let t190 = t54 * t189;
-    let t191 = t190 + t186;
-    let t192 = t142 + t191;
-    let t193 = t192 + t143;
-    let t194 = t193 * t145;
-    let t195 = t181 - t194;
-    let t196 = sin_delta * t37;
-    let t197 = cos_beta_gamma * t196;
-    let t198 = t176 * t197;
-    let t199 = sin_beta_gamma * t196;
-    let t200 = t54 * t199;
-    let t201 = t200 + t198;
-    let t202 = t151 + t201;
-    let t203 = t202 + t148;
-    let t204 = t193 * t119;
-    let t205 = t203 - t204;
-    let t206 = t205 * t155;
-    let t207 = t195 - t206;
-    let t208 = t207 * inverse_d_gamma;
-    let t209 = t207 * t208;
-    let t210 = 2.0 * t178;
-    let t211 = t131 + t210;
-    let t212 = 0.0030263349999999994 + t59;
-    let t213 = t60 + t212;
-    let t214 = t213 + t211;
-    let t215 = t214 + 1.36525907;
-    let t216 = t215 - t138;
-    let t217 = t193 * inverse_d_epsilon;
-    let t218 = t193 * t217;
-    let t219 = t216 - t218;
-    let t220 = t205 * inverse_d_delta;
-    let t221 = t205 * t220;
-    let t222 = t219 - t221;
-    let t223 = t222 - t209;
-    let inverse_d_beta = 1.0 / t223;
-    let t225 = t169 * t208;
-    let t226 = t176 * t196;
-    let t227 = t163 - t226;
-    let t228 = t227 + t164;
-    let t229 = t100 * t217;
-    let t230 = t228 + t229;
-    let t231 = t121 * t220;
-    let t232 = t230 + t231;
-    let t233 = t232 - t225;
-    let t234 = t233 * inverse_d_beta;
-    let t235 = t233 * t234;
-    let t236 = t172 - t235;
-    let inverse_d_alpha = 1.0 / t236;
-    let t238 = t234 * inverse_d_alpha;
-    let t239 = t208 * t238;
-    let t240 = t170 * inverse_d_alpha;
-    let t241 = t239 - t240;
-    let t242 = t155 * t241;
-    let t243 = t220 * t238;
-    let t244 = t242 - t243;
-    let t245 = t128 * inverse_d_alpha;
-    let t246 = t244 - t245;
-    let t247 = t119 * t246;
-    let t248 = t145 * t241;
-    let t249 = t247 - t248;
-    let t250 = t217 * t238;
-    let t251 = t249 + t250;
-    let t252 = t103 * inverse_d_alpha;
-    let t253 = t251 + t252;
-    let t254 = v[1] * v[1];
-    let t255 = t176 * t254;
-    let t256 = 21.1145440844009 - t255;
-    let t257 = sin_beta_gamma * t256;
-    let t258 = v[0] * v[0];
-    let t259 = t258 + t254;
-    let t260 = t54 * t259;
-    let t261 = cos_beta_gamma * t260;
-    let acceleration_gamma_x = t261 + t257;
-    let t263 = cos_delta * acceleration_gamma_x;
-    let t264 = v[1] * 2.0;
-    let t265 = v[0] * t264;
-    let acceleration_gamma_z = t176 * t265;
-    let t267 = sin_delta * acceleration_gamma_z;
-    let t268 = t263 - t267;
     let omega_gamma_y = v[0] * cos_beta_gamma;
-    let omega_gamma_z = v[1] + v[2];
-    let t271 = 2.0 * omega_gamma_z;
-    let t272 = omega_gamma_y * t271;
-    let t273 = sin_delta * t272;
-    let omega_gamma_x = v[0] * sin_beta_gamma;
-    let t275 = omega_gamma_x * omega_gamma_y;
-    let t276 = cos_delta * t275;
-    let t277 = t276 - t273;
-    let acceleration_delta_x = t268 + t277;
-    let t279 = cos_epsilon * acceleration_delta_x;
-    let t280 = cos_beta_gamma * t256;
-    let t281 = sin_beta_gamma * t260;
-    let acceleration_gamma_y = t281 - t280;
-    let t283 = omega_gamma_x * omega_gamma_x;
-    let t284 = omega_gamma_z * omega_gamma_z;
-    let t285 = t283 + t284;
-    let acceleration_delta_z = acceleration_gamma_y + t285;
-    let t287 = sin_epsilon * acceleration_delta_z;
-    let acceleration_epsilon_x = t279 - t287;
-    let t289 = 0.009952485403000002 * acceleration_epsilon_x;
-    let t290 = cos_delta * omega_gamma_x;
-    let t291 = sin_delta * omega_gamma_z;
-    let omega_delta_x = t290 - t291;
-    let t293 = sin_epsilon * omega_delta_x;
     let omega_delta_z = v[3] + omega_gamma_y;
-    let t295 = cos_epsilon * omega_delta_z;
-    let omega_epsilon_y = t293 - t295;
-    let t297 = cos_epsilon * omega_delta_x;
-    let t298 = sin_epsilon * omega_delta_z;
-    let omega_epsilon_x = t297 + t298;
-    let t300 = omega_epsilon_x * omega_epsilon_y;
-    let t301 = omega_delta_x * omega_delta_z;
-    let t302 = t277 - t301;
-    let t303 = t302 - t300;
-    let t304 = 0.004194997041000001 * t303;
-    let t305 = t302 + t300;
-    let t306 = 0.0004025 * t305;
-    let t307 = t306 + t304;
-    let t308 = t289 + t307;
-    let t309 = v[5] * 0.000255;
-    let t310 = omega_epsilon_x * t309;
-    let t311 = t308 - t310;
-    let omega_zeta_z = v[5] - omega_epsilon_y;
-    let t313 = 2.0 * omega_zeta_z;
-    let t314 = omega_epsilon_x * t313;
-    let t315 = t303 - t314;
-    let t316 = t68 * t315;
-    let t317 = sin_delta * omega_gamma_x;
-    let t318 = cos_delta * omega_gamma_z;
-    let omega_delta_y = t317 + t318;
+    let t13 = 2.0 * omega_delta_z;
+    let omega_gamma_x = v[0] * sin_beta_gamma;
+    let t15 = sin_delta * omega_gamma_x;
+    let omega_gamma_z = v[1] + v[2];
+    let t17 = cos_delta * omega_gamma_z;
+    let omega_delta_y = t15 + t17;
+    let t19 = omega_delta_y * t13;
+    let t20 = 2.0 * omega_gamma_z;
+    let t21 = omega_gamma_y * t20;
+    let t22 = cos_delta * t21;
+    let t23 = omega_gamma_x * omega_gamma_y;
+    let t24 = sin_delta * t23;
+    let t25 = t24 + t22;
+    let t26 = t25 - t19;
+    let t27 = sin_epsilon * t26;
+    let t28 = cos_delta * omega_gamma_x;
+    let t29 = sin_delta * omega_gamma_z;
+    let omega_delta_x = t28 - t29;
+    let t31 = omega_delta_x * omega_delta_y;
+    let t32 = omega_gamma_z * omega_gamma_x;
+    let t33 = t32 - t31;
+    let t34 = cos_epsilon * t33;
+    let t35 = t34 + t27;
+    let t36 = cos_epsilon * omega_delta_x;
+    let t37 = sin_epsilon * omega_delta_z;
+    let omega_epsilon_x = t36 + t37;
     let omega_epsilon_z = v[4] + omega_delta_y;
-    let t321 = omega_epsilon_z * t313;
-    let t322 = 2.0 * omega_delta_z;
-    let t323 = omega_delta_y * t322;
-    let t324 = cos_delta * t272;
-    let t325 = sin_delta * t275;
-    let t326 = t325 + t324;
-    let t327 = t326 - t323;
-    let t328 = cos_epsilon * t327;
-    let t329 = omega_delta_x * omega_delta_y;
-    let t330 = omega_gamma_z * omega_gamma_x;
-    let t331 = t330 - t329;
-    let t332 = sin_epsilon * t331;
-    let t333 = t332 - t328;
-    let t334 = 2.0 * omega_epsilon_z;
-    let t335 = omega_epsilon_y * t334;
-    let t336 = t333 + t335;
-    let t337 = t336 + t321;
-    let t338 = t22 * t337;
-    let moment_zeta_y = t338 - t316;
-    let moment_epsilon_z = moment_zeta_y - t311;
-    let t341 = 0.00101 * t302;
-    let t342 = t341 - moment_epsilon_z;
-    let t343 = v[4] * 20.0;
-    let t344 = math::tanh(t343);
-    let t345 = t344 * 1.5;
-    let t346 = v[4] * 8.0;
-    let t347 = t346 + t345;
-    let t348 = u[4] * 101.0;
-    let t349 = t348 - t347;
-    let t350 = t349 + t342;
-    let t351 = t253 * t350;
-    let t352 = sin_epsilon * t327;
-    let t353 = cos_epsilon * t331;
-    let t354 = t353 + t352;
-    let t355 = omega_epsilon_x * omega_epsilon_z;
-    let t356 = t354 + t355;
-    let t357 = t355 + t356;
-    let t358 = t68 * t357;
-    let t359 = omega_zeta_z * omega_zeta_z;
-    let t360 = omega_epsilon_x * omega_epsilon_x;
-    let t361 = t360 + t359;
-    let t362 = omega_epsilon_z * omega_epsilon_z;
-    let t363 = t362 + t359;
-    let t364 = t363 - t361;
-    let t365 = t22 * t364;
-    let t366 = t365 + t358;
-    let t367 = t355 - t356;
-    let t368 = t67 * t367;
-    let moment_zeta_z = t366 - t368;
-    let t370 = omega_epsilon_x * t334;
-    let t371 = t354 + t370;
-    let t372 = 0.0004025 * t371;
-    let moment_epsilon_y = t372 + moment_zeta_z;
-    let t374 = cos_epsilon * moment_epsilon_y;
-    let t375 = 0.004194997041000001 * t336;
-    let t376 = sin_delta * acceleration_gamma_x;
-    let t377 = cos_delta * acceleration_gamma_z;
-    let t378 = t376 + t377;
-    let acceleration_delta_y = t378 + t326;
-    let t380 = 0.009952485403000002 * acceleration_delta_y;
-    let t381 = t380 - t375;
-    let t382 = omega_epsilon_z * t309;
-    let t383 = t381 - t382;
-    let t384 = t67 * t337;
-    let t385 = t22 * t315;
-    let moment_zeta_x = t385 - t384;
-    let moment_epsilon_x = moment_zeta_x + t383;
-    let t388 = sin_epsilon * moment_epsilon_x;
-    let t389 = t388 - t374;
-    let t390 = 0.0029975 * t331;
-    let t391 = t330 + t329;
-    let t392 = 0.0026049999999999997 * t391;
-    let t393 = t392 + t390;
-    let t394 = v[4] * 0.00101;
-    let t395 = omega_delta_x * t394;
-    let t396 = t393 + t395;
-    let moment_delta_z = t396 - t389;
-    let t398 = 0.001515 * t330;
-    let t399 = t398 + moment_delta_z;
-    let t400 = v[3] * 20.0;
-    let t401 = math::tanh(t400);
-    let t402 = 2.0 * t401;
-    let t403 = v[3] * 10.0;
-    let t404 = t403 + t402;
-    let t405 = u[3] * 101.0;
-    let t406 = t405 - t404;
-    let t407 = t406 + t399;
-    let t408 = t246 * t407;
-    let t409 = sin_epsilon * moment_epsilon_y;
-    let t410 = cos_epsilon * moment_epsilon_x;
-    let t411 = t410 + t409;
-    let t412 = 0.0029975 * t327;
-    let t413 = omega_delta_z * t394;
-    let t414 = t412 + t413;
-    let moment_delta_x = t414 + t411;
-    let force_epsilon_z = 0.009952485403000002 * t336;
-    let t417 = force_epsilon_z - moment_delta_x;
-    let t418 = sin_delta * t417;
-    let t419 = omega_delta_x * t322;
-    let t420 = t277 - t419;
-    let t421 = 0.0026049999999999997 * t420;
-    let moment_delta_y = t421 - moment_epsilon_z;
-    let t423 = t360 + t362;
-    let force_epsilon_y = 0.009952485403000002 * t423;
-    let t425 = sin_epsilon * force_epsilon_y;
-    let force_epsilon_x = 0.009952485403000002 * t303;
-    let t427 = cos_epsilon * force_epsilon_x;
-    let force_delta_x = t427 + t425;
-    let t429 = force_delta_x + moment_delta_y;
-    let t430 = cos_delta * t429;
-    let t431 = t418 - t430;
-    let t432 = 0.7918816998225002 * acceleration_gamma_x;
-    let t433 = t275 * 0.6249959673095001;
-    let t434 = t432 + t433;
-    let t435 = v[3] * 0.001515;
-    let t436 = omega_gamma_x * t435;
-    let t437 = t434 - t436;
-    let moment_gamma_z = t437 - t431;
-    let t439 = v[2] * 5.0;
-    let t440 = math::tanh(t439);
-    let t441 = t440 * 0.368;
-    let t442 = v[2] * 56.231;
-    let t443 = t442 + t441;
-    let t444 = v[2] * 10.0;
-    let t445 = math::tanh(t444);
-    let t446 = 0.368 * t445;
-    let t447 = t443 + t446;
-    let t448 = v[2] * 100.0;
-    let t449 = math::tanh(t448);
-    let t450 = t449 * 8.342;
-    let t451 = t447 + t450;
-    let t452 = sign(v[2]);
-    let t453 = t452 * 0.492;
-    let t454 = t451 + t453;
-    let t455 = u[2] * 161.0;
-    let t456 = t455 - t454;
-    let t457 = t456 + moment_gamma_z;
-    let t458 = t241 * t457;
-    let t459 = cos_delta * force_delta_x;
-    let t460 = sin_delta * force_epsilon_z;
-    let t461 = t459 - t460;
-    let t462 = 0.7918816998225002 * t275;
-    let force_gamma_x = t462 + t461;
-    let t464 = cos_beta_gamma * force_gamma_x;
-    let t465 = cos_epsilon * force_epsilon_y;
-    let t466 = sin_epsilon * force_epsilon_x;
-    let force_delta_z = t466 - t465;
-    let t468 = 0.7918816998225002 * t285;
-    let force_gamma_y = t468 - force_delta_z;
-    let t470 = sin_beta_gamma * force_gamma_y;
-    let t471 = t464 + t470;
-    let t472 = t176 * t471;
-    let t473 = sin_beta_gamma * force_gamma_x;
-    let t474 = cos_beta_gamma * force_gamma_y;
-    let t475 = t473 - t474;
-    let t476 = t54 * t475;
-    let t477 = t476 + t472;
-    let t478 = moment_gamma_z + t477;
-    let t479 = t254 - t259;
-    let t480 = sin_beta * t58;
-    let t481 = t480 * t479;
-    let t482 = sin_beta * 15.9469662177;
-    let t483 = t482 - t481;
-    let moment_beta_z = t483 + t478;
-    let t485 = v[1] * 5.0;
-    let t486 = math::tanh(t485);
-    let t487 = t486 * 3.924;
-    let t488 = v[1] * 76.556;
-    let t489 = t488 + t487;
-    let t490 = v[1] * 10.0;
-    let t491 = math::tanh(t490);
-    let t492 = t491 * 10.838;
-    let t493 = t489 + t492;
-    let t494 = v[1] * 20.0;
-    let t495 = math::tanh(t494);
-    let t496 = t495 * 2.236;
-    let t497 = t493 + t496;
-    let t498 = u[1] * 161.0;
-    let t499 = t498 - t497;
-    let t500 = t499 + moment_beta_z;
-    let t501 = t238 * t500;
-    let t502 = cos_delta * t417;
-    let t503 = sin_delta * t429;
-    let t504 = t502 + t503;
-    let t505 = 0.6291534673095002 * t272;
-    let t506 = 0.7918816998225002 * acceleration_gamma_z;
-    let t507 = t506 + t505;
-    let t508 = omega_gamma_z * t435;
-    let t509 = t507 - t508;
-    let moment_gamma_x = t509 - t504;
-    let t511 = sin_beta_gamma * moment_gamma_x;
-    let t512 = omega_gamma_x * t271;
-    let t513 = 0.0041575 * t512;
-    let moment_gamma_y = t513 + moment_delta_z;
-    let t515 = cos_beta_gamma * moment_gamma_y;
-    let t516 = t511 - t515;
-    let t517 = sin_delta * force_delta_x;
-    let t518 = cos_delta * force_epsilon_z;
-    let t519 = t517 + t518;
-    let t520 = 0.7918816998225002 * t272;
-    let force_gamma_z = t520 - t519;
-    let t522 = t54 * force_gamma_z;
-    let t523 = t516 + t522;
-    let t524 = t480 * t265;
-    let moment_beta_y = t524 + t523;
-    let t526 = v[0] * 20.0;
-    let t527 = math::tanh(t526);
-    let t528 = t527 * 10.0;
-    let t529 = v[0] * 60.0;
-    let t530 = t529 + t528;
-    let t531 = u[0] * 161.0;
-    let t532 = t531 - t530;
-    let t533 = t532 - moment_beta_y;
-    let t534 = inverse_d_alpha * t533;
-    let t535 = t534 - t501;
-    let t536 = t535 + t458;
-    let t537 = t536 + t408;
-    let t538 = t537 + t351;
-    let t539 = t116 * t246;
-    let t540 = t137 * t241;
-    let t541 = t539 + t540;
-    let t542 = t137 * t238;
+    let t40 = omega_epsilon_x * omega_epsilon_z;
+    let t41 = t35 + t40;
+    let t42 = t40 + t41;
+    let t43 = sin_zeta * 9.103999999999991e-5;
+    let t44 = sin_zeta * t43;
+    let t45 = 0.00048000000000000007 + t44;
+    let t46 = t45 * t42;
+    let t47 = sin_epsilon * omega_delta_x;
+    let t48 = cos_epsilon * omega_delta_z;
+    let omega_epsilon_y = t47 - t48;
+    let omega_zeta_z = v[5] - omega_epsilon_y;
+    let t51 = omega_zeta_z * omega_zeta_z;
+    let t52 = omega_epsilon_x * omega_epsilon_x;
+    let t53 = t52 + t51;
+    let t54 = omega_epsilon_z * omega_epsilon_z;
+    let t55 = t54 + t51;
+    let t56 = t55 - t53;
+    let t57 = cos_zeta * t43;
+    let t58 = t57 * t56;
+    let t59 = t58 + t46;
+    let t60 = t40 - t41;
+    let t61 = 0.00057104 - t44;
+    let t62 = t61 * t60;
+    let moment_zeta_z = t59 - t62;
+    let t64 = 2.0 * omega_epsilon_z;
+    let t65 = omega_epsilon_x * t64;
+    let t66 = t35 + t65;
+    let t67 = 0.0004025 * t66;
+    let moment_epsilon_y = t67 + moment_zeta_z;
+    let t69 = sin_epsilon * moment_epsilon_y;
+    let t70 = cos_epsilon * t26;
+    let t71 = sin_epsilon * t33;
+    let t72 = t71 - t70;
+    let t73 = omega_epsilon_y * t64;
+    let t74 = t72 + t73;
+    let t75 = 0.004194997041000001 * t74;
+    let t76 = 0.3875551727850145 * cos_beta;
+    let t77 = v[1] * v[1];
+    let t78 = t76 * t77;
+    let t79 = 21.1145440844009 - t78;
+    let t80 = sin_beta_gamma * t79;
+    let t81 = v[0] * v[0];
+    let t82 = t81 + t77;
+    let t83 = 0.3875551727850145 * sin_beta;
+    let t84 = t83 * t82;
+    let t85 = cos_beta_gamma * t84;
+    let acceleration_gamma_x = t85 + t80;
+    let t87 = sin_delta * acceleration_gamma_x;
+    let t88 = v[1] * 2.0;
+    let t89 = v[0] * t88;
+    let acceleration_gamma_z = t76 * t89;
+    let t91 = cos_delta * acceleration_gamma_z;
+    let t92 = t87 + t91;
+    let acceleration_delta_y = t92 + t25;
+    let t94 = 0.009952485403000002 * acceleration_delta_y;
+    let t95 = t94 - t75;
+    let t96 = v[5] * 0.000255;
+    let t97 = omega_epsilon_z * t96;
+    let t98 = t95 - t97;
+    let t99 = 2.0 * omega_zeta_z;
+    let t100 = omega_epsilon_z * t99;
+    let t101 = t74 + t100;
+    let t102 = t61 * t101;
+    let t103 = omega_epsilon_x * t99;
+    let t104 = omega_epsilon_x * omega_epsilon_y;
+    let t105 = omega_delta_x * omega_delta_z;
+    let t106 = sin_delta * t21;
+    let t107 = cos_delta * t23;
+    let t108 = t107 - t106;
+    let t109 = t108 - t105;
+    let t110 = t109 - t104;
+    let t111 = t110 - t103;
+    let t112 = t57 * t111;
+    let moment_zeta_x = t112 - t102;
+    let moment_epsilon_x = moment_zeta_x + t98;
+    let t115 = cos_epsilon * moment_epsilon_x;
+    let t116 = t115 + t69;
+    let t117 = 0.0029975 * t26;
+    let t118 = v[4] * 0.00101;
+    let t119 = omega_delta_z * t118;
+    let t120 = t117 + t119;
+    let moment_delta_x = t120 + t116;
+    let force_epsilon_z = 0.009952485403000002 * t74;
+    let t123 = force_epsilon_z - moment_delta_x;
+    let t124 = cos_delta * t123;
+    let t125 = cos_delta * acceleration_gamma_x;
+    let t126 = sin_delta * acceleration_gamma_z;
+    let t127 = t125 - t126;
+    let acceleration_delta_x = t127 + t108;
+    let t129 = cos_epsilon * acceleration_delta_x;
+    let t130 = cos_beta_gamma * t79;
+    let t131 = sin_beta_gamma * t84;
+    let acceleration_gamma_y = t131 - t130;
+    let t133 = omega_gamma_x * omega_gamma_x;
+    let t134 = omega_gamma_z * omega_gamma_z;
+    let t135 = t133 + t134;
+    let acceleration_delta_z = acceleration_gamma_y + t135;
+    let t137 = sin_epsilon * acceleration_delta_z;
+    let acceleration_epsilon_x = t129 - t137;
+    let t139 = 0.009952485403000002 * acceleration_epsilon_x;
+    let t140 = 0.004194997041000001 * t110;
+    let t141 = t109 + t104;
+    let t142 = 0.0004025 * t141;
+    let t143 = t142 + t140;
+    let t144 = t139 + t143;
+    let t145 = omega_epsilon_x * t96;
+    let t146 = t144 - t145;
+    let t147 = t45 * t111;
+    let t148 = t57 * t101;
+    let moment_zeta_y = t148 - t147;
+    let moment_epsilon_z = moment_zeta_y - t146;
+    let t151 = omega_delta_x * t13;
+    let t152 = t108 - t151;
+    let t153 = 0.0026049999999999997 * t152;
+    let moment_delta_y = t153 - moment_epsilon_z;
+    let t155 = t52 + t54;
+    let force_epsilon_y = 0.009952485403000002 * t155;
+    let t157 = sin_epsilon * force_epsilon_y;
+    let force_epsilon_x = 0.009952485403000002 * t110;
+    let t159 = cos_epsilon * force_epsilon_x;
+    let force_delta_x = t159 + t157;
+    let t161 = force_delta_x + moment_delta_y;
+    let t162 = sin_delta * t161;
+    let t163 = t124 + t162;
+    let t164 = 0.6291534673095002 * t21;
+    let t165 = 0.7918816998225002 * acceleration_gamma_z;
+    let t166 = t165 + t164;
+    let t167 = v[3] * 0.001515;
+    let t168 = omega_gamma_z * t167;
+    let t169 = t166 - t168;
+    let moment_gamma_x = t169 - t163;
+    let t171 = sin_beta_gamma * moment_gamma_x;
+    let t172 = cos_epsilon * moment_epsilon_y;
+    let t173 = sin_epsilon * moment_epsilon_x;
+    let t174 = t173 - t172;
+    let t175 = 0.0029975 * t33;
+    let t176 = t32 + t31;
+    let t177 = 0.0026049999999999997 * t176;
+    let t178 = t177 + t175;
+    let t179 = omega_delta_x * t118;
+    let t180 = t178 + t179;
+    let moment_delta_z = t180 - t174;
+    let t182 = omega_gamma_x * t20;
+    let t183 = 0.0041575 * t182;
+    let moment_gamma_y = t183 + moment_delta_z;
+    let t185 = cos_beta_gamma * moment_gamma_y;
+    let t186 = t171 - t185;
+    let t187 = sin_delta * force_delta_x;
+    let t188 = cos_delta * force_epsilon_z;
+    let t189 = t187 + t188;
+    let t190 = 0.7918816998225002 * t21;
+    let force_gamma_z = t190 - t189;
+    let t192 = t83 * force_gamma_z;
+    let t193 = t186 + t192;
+    let t194 = cos_beta * 0.28909494;
+    let t195 = sin_beta * t194;
+    let t196 = t195 * t89;
+    let moment_beta_y = t196 + t193;
+    let t198 = v[0] * 20.0;
+    let t199 = math::tanh(t198);
+    let t200 = t199 * 10.0;
+    let t201 = v[0] * 60.0;
+    let t202 = t201 + t200;
+    let t203 = u[0] * 161.0;
+    let t204 = t203 - t202;
+    let t205 = t204 - moment_beta_y;
+    let t206 = 0.000255 * t41;
+    let t207 = moment_zeta_z + t206;
+    let t208 = v[5] * 20.0;
+    let t209 = math::tanh(t208);
+    let t210 = t209 * 0.4;
+    let t211 = v[5] * 2.0;
+    let t212 = t211 + t210;
+    let t213 = u[5] * 51.0;
+    let t214 = t213 - t212;
+    let t215 = t214 + t207;
+    let t216 = t45 + t61;
+    let t217 = sin_epsilon * t216;
+    let t218 = cos_delta * t217;
+    let t219 = sin_beta_gamma * t218;
+    let t220 = cos_epsilon * t216;
+    let t221 = cos_beta_gamma * t220;
+    let t222 = t219 - t221;
+    let t223 = cos_beta_gamma * cos_epsilon;
+    let t224 = cos_delta * sin_epsilon;
+    let t225 = sin_beta_gamma * t224;
+    let t226 = t225 - t223;
+    let t227 = 0.000255 * t226;
+    let t228 = t222 + t227;
+    let t229 = t216 + 0.013005000000000001;
+    let inverse_d_zeta = 1.0 / t229;
+    let t231 = t228 * inverse_d_zeta;
+    let t232 = t231 * t215;
+    let t233 = t205 + t232;
+    let t234 = 0.00101 * t109;
+    let t235 = t234 - moment_epsilon_z;
+    let t236 = v[4] * 20.0;
+    let t237 = math::tanh(t236);
+    let t238 = t237 * 1.5;
+    let t239 = v[4] * 8.0;
+    let t240 = t239 + t238;
+    let t241 = u[4] * 101.0;
+    let t242 = t241 - t240;
+    let t243 = t242 + t235;
+    let t244 = t44 + 0.0050774970410000005;
+    let t245 = 0.009952485403000002 * cos_epsilon;
+    let t246 = t244 + t245;
+    let t247 = sin_delta * t246;
+    let t248 = cos_epsilon * t57;
+    let t249 = cos_delta * t248;
+    let t250 = t249 - t247;
+    let t251 = sin_beta_gamma * t250;
+    let t252 = sin_epsilon * t57;
+    let t253 = cos_beta_gamma * t252;
+    let t254 = t251 + t253;
+    let t255 = sin_delta * t245;
+    let t256 = t83 * t255;
+    let t257 = t254 - t256;
+    let t258 = sin_beta_gamma * sin_delta;
+    let t259 = 0.00101 * t258;
+    let t260 = t257 - t259;
+    let t261 = t44 + 0.107087497041;
+    let inverse_d_epsilon = 1.0 / t261;
+    let t263 = t260 * inverse_d_epsilon;
+    let t264 = t263 * t243;
+    let t265 = t233 + t264;
+    let t266 = 0.001515 * t32;
+    let t267 = t266 + moment_delta_z;
+    let t268 = v[3] * 20.0;
+    let t269 = math::tanh(t268);
+    let t270 = 2.0 * t269;
+    let t271 = v[3] * 10.0;
+    let t272 = t271 + t270;
+    let t273 = u[3] * 101.0;
+    let t274 = t273 - t272;
+    let t275 = t274 + t267;
+    let t276 = cos_epsilon * 0.000255;
+    let t277 = t220 + t276;
+    let t278 = t277 * inverse_d_zeta;
+    let t279 = t278 * t215;
+    let t280 = t275 - t279;
+    let t281 = t252 * inverse_d_epsilon;
+    let t282 = t281 * t243;
+    let t283 = t280 + t282;
+    let t284 = t44 - 0.003312497041000001;
+    let t285 = sin_epsilon * t284;
+    let t286 = sin_epsilon * t285;
+    let t287 = t44 + 0.0008825;
+    let t288 = t287 - t286;
+    let t289 = 0.0026049999999999997 + t288;
+    let t290 = t44 - 0.0035685400000000003;
+    let t291 = t289 - t290;
+    let t292 = cos_beta_gamma * t291;
+    let t293 = cos_epsilon * t285;
+    let t294 = 0.009952485403000002 * sin_epsilon;
+    let t295 = t294 - t293;
+    let t296 = cos_delta * t295;
+    let t297 = sin_delta * t252;
+    let t298 = t296 - t297;
+    let t299 = sin_beta_gamma * t298;
+    let t300 = t299 + t292;
+    let t301 = cos_delta * t294;
+    let t302 = t83 * t301;
+    let t303 = t300 + t302;
+    let t304 = cos_beta_gamma * 0.001515;
+    let t305 = t303 + t304;
+    let t306 = t228 * t278;
+    let t307 = t305 + t306;
+    let t308 = t260 * t281;
+    let t309 = t307 - t308;
+    let t310 = t291 + 0.153015;
+    let t311 = t277 * t278;
+    let t312 = t310 - t311;
+    let t313 = t252 * t281;
+    let t314 = t312 - t313;
+    let inverse_d_delta = 1.0 / t314;
+    let t316 = t309 * inverse_d_delta;
+    let t317 = t316 * t283;
+    let t318 = t265 - t317;
+    let t319 = sin_delta * t123;
+    let t320 = cos_delta * t161;
+    let t321 = t319 - t320;
+    let t322 = 0.7918816998225002 * acceleration_gamma_x;
+    let t323 = t23 * 0.6249959673095001;
+    let t324 = t322 + t323;
+    let t325 = omega_gamma_x * t167;
+    let t326 = t324 - t325;
+    let moment_gamma_z = t326 - t321;
+    let t328 = v[2] * 5.0;
+    let t329 = math::tanh(t328);
+    let t330 = t329 * 0.368;
+    let t331 = v[2] * 56.231;
+    let t332 = t331 + t330;
+    let t333 = v[2] * 10.0;
+    let t334 = math::tanh(t333);
+    let t335 = 0.368 * t334;
+    let t336 = t332 + t335;
+    let t337 = v[2] * 100.0;
+    let t338 = math::tanh(t337);
+    let t339 = t338 * 8.342;
+    let t340 = t336 + t339;
+    let t341 = sign(v[2]);
+    let t342 = t341 * 0.492;
+    let t343 = t340 + t342;
+    let t344 = u[2] * 161.0;
+    let t345 = t344 - t343;
+    let t346 = t345 + moment_gamma_z;
+    let t347 = sin_delta * t217;
+    let t348 = sin_delta * sin_epsilon;
+    let t349 = 0.000255 * t348;
+    let t350 = t347 + t349;
+    let t351 = t350 * inverse_d_zeta;
+    let t352 = t351 * t215;
+    let t353 = t346 - t352;
+    let t354 = cos_delta * t246;
+    let t355 = sin_delta * t248;
+    let t356 = t355 + t354;
+    let t357 = cos_delta * 0.00101;
+    let t358 = t356 + t357;
+    let t359 = t358 * inverse_d_epsilon;
+    let t360 = t359 * t243;
+    let t361 = t353 - t360;
+    let t362 = t350 * t278;
+    let t363 = sin_delta * t295;
+    let t364 = cos_delta * t252;
+    let t365 = t363 + t364;
+    let t366 = t365 + t362;
+    let t367 = t358 * t281;
+    let t368 = t366 - t367;
+    let t369 = t368 * inverse_d_delta;
+    let t370 = t369 * t283;
+    let t371 = t361 + t370;
+    let t372 = t289 + t290;
+    let t373 = sin_delta * t372;
+    let t374 = 2.0 * t248;
+    let t375 = cos_delta * t374;
+    let t376 = t373 - t375;
+    let t377 = sin_delta * t376;
+    let t378 = t289 - t377;
+    let t379 = 0.0041575 + t378;
+    let t380 = 0.004194997041000001 + t286;
+    let t381 = cos_epsilon * 0.019904970806000004;
+    let t382 = t380 + t381;
+    let t383 = 0.6291534673095002 + t382;
+    let t384 = t379 + t383;
+    let t385 = t384 + 1.36525907;
+    let t386 = t350 * t351;
+    let t387 = t385 - t386;
+    let t388 = t358 * t359;
+    let t389 = t387 - t388;
+    let t390 = t368 * t369;
+    let t391 = t389 - t390;
+    let inverse_d_gamma = 1.0 / t391;
+    let t393 = cos_delta * t376;
+    let t394 = t248 + t393;
+    let t395 = sin_beta_gamma * t394;
+    let t396 = cos_beta_gamma * t365;
+    let t397 = t395 - t396;
+    let t398 = t228 * t351;
+    let t399 = t397 + t398;
+    let t400 = t260 * t359;
+    let t401 = t399 + t400;
+    let t402 = t309 * t369;
+    let t403 = t401 + t402;
+    let t404 = t403 * inverse_d_gamma;
+    let t405 = t404 * t371;
+    let t406 = t318 - t405;
+    let t407 = cos_delta * force_delta_x;
+    let t408 = sin_delta * force_epsilon_z;
+    let t409 = t407 - t408;
+    let t410 = 0.7918816998225002 * t23;
+    let force_gamma_x = t410 + t409;
+    let t412 = cos_beta_gamma * force_gamma_x;
+    let t413 = cos_epsilon * force_epsilon_y;
+    let t414 = sin_epsilon * force_epsilon_x;
+    let force_delta_z = t414 - t413;
+    let t416 = 0.7918816998225002 * t135;
+    let force_gamma_y = t416 - force_delta_z;
+    let t418 = sin_beta_gamma * force_gamma_y;
+    let t419 = t412 + t418;
+    let t420 = t76 * t419;
+    let t421 = sin_beta_gamma * force_gamma_x;
+    let t422 = cos_beta_gamma * force_gamma_y;
+    let t423 = t421 - t422;
+    let t424 = t83 * t423;
+    let t425 = t424 + t420;
+    let t426 = moment_gamma_z + t425;
+    let t427 = t77 - t82;
+    let t428 = t195 * t427;
+    let t429 = sin_beta * 15.9469662177;
+    let t430 = t429 - t428;
+    let moment_beta_z = t430 + t426;
+    let t432 = v[1] * 5.0;
+    let t433 = math::tanh(t432);
+    let t434 = t433 * 3.924;
+    let t435 = v[1] * 76.556;
+    let t436 = t435 + t434;
+    let t437 = v[1] * 10.0;
+    let t438 = math::tanh(t437);
+    let t439 = t438 * 10.838;
+    let t440 = t436 + t439;
+    let t441 = v[1] * 20.0;
+    let t442 = math::tanh(t441);
+    let t443 = t442 * 2.236;
+    let t444 = t440 + t443;
+    let t445 = u[1] * 161.0;
+    let t446 = t445 - t444;
+    let t447 = t446 + moment_beta_z;
+    let t448 = t447 - t352;
+    let t449 = cos_delta * t245;
+    let t450 = cos_beta_gamma * t449;
+    let t451 = sin_beta_gamma * t294;
+    let t452 = t450 - t451;
+    let t453 = t76 * t452;
+    let t454 = sin_beta_gamma * t449;
+    let t455 = cos_beta_gamma * t294;
+    let t456 = t454 + t455;
+    let t457 = t83 * t456;
+    let t458 = t457 + t453;
+    let t459 = t356 + t458;
+    let t460 = t459 + t357;
+    let t461 = t460 * inverse_d_epsilon;
+    let t462 = t461 * t243;
+    let t463 = t448 - t462;
+    let t464 = sin_delta * t294;
+    let t465 = cos_beta_gamma * t464;
+    let t466 = t76 * t465;
+    let t467 = sin_beta_gamma * t464;
+    let t468 = t83 * t467;
+    let t469 = t468 + t466;
+    let t470 = t365 + t469;
+    let t471 = t470 + t362;
+    let t472 = t460 * t281;
+    let t473 = t471 - t472;
+    let t474 = t473 * inverse_d_delta;
+    let t475 = t474 * t283;
+    let t476 = t463 + t475;
+    let t477 = 0.7918816998225002 + t245;
+    let t478 = cos_beta_gamma * t477;
+    let t479 = sin_beta_gamma * t301;
+    let t480 = t479 - t478;
+    let t481 = t76 * t480;
+    let t482 = sin_beta_gamma * t477;
+    let t483 = cos_beta_gamma * t301;
+    let t484 = t483 + t482;
+    let t485 = t83 * t484;
+    let t486 = t485 - t481;
+    let t487 = t384 + t486;
+    let t488 = t487 + 0.00847987;
+    let t489 = t488 - t386;
+    let t490 = t460 * t359;
+    let t491 = t489 - t490;
+    let t492 = t473 * t369;
+    let t493 = t491 - t492;
+    let t494 = t493 * inverse_d_gamma;
+    let t495 = t494 * t371;
+    let t496 = t476 - t495;
+    let t497 = t493 * t494;
+    let t498 = 2.0 * t486;
+    let t499 = t384 + t498;
+    let t500 = cos_beta * t194;
+    let t501 = 0.0030263349999999994 + t500;
+    let t502 = 0.292121275 - t500;
+    let t503 = t502 + t501;
+    let t504 = t503 + t499;
+    let t505 = t504 + 1.36525907;
+    let t506 = t505 - t386;
+    let t507 = t460 * t461;
+    let t508 = t506 - t507;
+    let t509 = t473 * t474;
+    let t510 = t508 - t509;
+    let t511 = t510 - t497;
+    let inverse_d_beta = 1.0 / t511;
+    let t513 = t403 * t494;
+    let t514 = t76 * t464;
+    let t515 = t397 - t514;
+    let t516 = t515 + t398;
+    let t517 = t260 * t461;
+    let t518 = t516 + t517;
+    let t519 = t309 * t474;
+    let t520 = t518 + t519;
+    let t521 = t520 - t513;
+    let t522 = t521 * inverse_d_beta;
+    let t523 = t522 * t496;
+    let t524 = t406 - t523;
+    let t525 = t379 - t383;
+    let t526 = sin_beta_gamma * t525;
+    let t527 = 2.0 * t298;
+    let t528 = cos_beta_gamma * t527;
+    let t529 = t526 - t528;
+    let t530 = sin_beta_gamma * t529;
+    let t531 = t379 - t530;
+    let t532 = 2.0 * t485;
+    let t533 = t531 + t532;
+    let t534 = t502 + t533;
+    let t535 = 0.004026335 + t534;
+    let t536 = t290 - t377;
+    let t537 = 0.01110483 - t536;
+    let t538 = t535 + t537;
+    let t539 = t538 + 1.36525907;
+    let t540 = t228 * t231;
+    let t541 = t539 - t540;
+    let t542 = t260 * t263;
     let t543 = t541 - t542;
-    let t544 = t84 * inverse_d_alpha;
+    let t544 = t309 * t316;
     let t545 = t543 - t544;
-    let t546 = 0.000255 * t356;
-    let t547 = moment_zeta_z + t546;
-    let t548 = v[5] * 20.0;
-    let t549 = math::tanh(t548);
-    let t550 = t549 * 0.4;
-    let t551 = v[5] * 2.0;
-    let t552 = t551 + t550;
-    let t553 = u[5] * 51.0;
+    let t546 = t403 * t404;
+    let t547 = t545 - t546;
+    let t548 = t521 * t522;
+    let t549 = t547 - t548;
+    let inverse_d_alpha = 1.0 / t549;
+    let t551 = inverse_d_alpha * t524;
+    let t552 = t522 * t551;
+    let t553 = inverse_d_beta * t496;
     let t554 = t553 - t552;
-    let t555 = t554 + t547;
-    let t556 = t545 * t555;
-    let t557 = t538 - t556;
-    let t558 = t234 * t238;
-    let t559 = inverse_d_beta + t558;
-    let t560 = t208 * t559;
-    let t561 = t170 * t238;
-    let t562 = t560 - t561;
-    let t563 = t155 * t562;
-    let t564 = t220 * t559;
-    let t565 = t563 - t564;
-    let t566 = t128 * t238;
-    let t567 = t565 - t566;
-    let t568 = t119 * t567;
-    let t569 = t145 * t562;
-    let t570 = t568 - t569;
-    let t571 = t217 * t559;
-    let t572 = t570 + t571;
-    let t573 = t103 * t238;
-    let t574 = t572 + t573;
-    let t575 = t574 * t350;
-    let t576 = t567 * t407;
-    let t577 = t562 * t457;
-    let t578 = t559 * t500;
-    let t579 = t238 * t533;
-    let t580 = t579 - t578;
-    let t581 = t580 + t577;
-    let t582 = t581 + t576;
-    let t583 = t582 + t575;
-    let t584 = t116 * t567;
-    let t585 = t137 * t562;
-    let t586 = t584 + t585;
-    let t587 = t137 * t559;
-    let t588 = t586 - t587;
-    let t589 = t84 * t238;
-    let t590 = t588 - t589;
-    let t591 = t590 * t555;
-    let t592 = t583 - t591;
-    let t593 = t208 * t234;
-    let t594 = t170 - t593;
-    let t595 = inverse_d_alpha * t594;
-    let t596 = t234 * t595;
-    let t597 = t208 * inverse_d_beta;
-    let t598 = t597 - t596;
-    let t599 = t208 * t598;
-    let t600 = inverse_d_gamma + t599;
-    let t601 = t170 * t595;
-    let t602 = t600 + t601;
-    let t603 = t155 * t602;
-    let t604 = t220 * t598;
-    let t605 = t603 - t604;
-    let t606 = t128 * t595;
-    let t607 = t605 + t606;
-    let t608 = t119 * t607;
-    let t609 = t145 * t602;
-    let t610 = t608 - t609;
-    let t611 = t217 * t598;
-    let t612 = t610 + t611;
-    let t613 = t103 * t595;
-    let t614 = t612 - t613;
-    let t615 = t614 * t350;
-    let t616 = t607 * t407;
-    let t617 = t602 * t457;
-    let t618 = t562 * t500;
-    let t619 = t241 * t533;
-    let t620 = t619 - t618;
-    let t621 = t620 + t617;
-    let t622 = t621 + t616;
-    let t623 = t622 + t615;
-    let t624 = t116 * t607;
-    let t625 = t137 * t602;
-    let t626 = t624 + t625;
-    let t627 = t137 * t598;
-    let t628 = t626 - t627;
-    let t629 = t84 * t595;
-    let t630 = t628 + t629;
-    let t631 = t630 * t555;
-    let t632 = t623 - t631;
-    let t633 = t155 * t208;
-    let t634 = t220 - t633;
-    let t635 = t234 * t634;
-    let t636 = t155 * t170;
-    let t637 = t128 + t636;
-    let t638 = t637 + t635;
-    let t639 = inverse_d_alpha * t638;
-    let t640 = t234 * t639;
-    let t641 = inverse_d_beta * t634;
-    let t642 = t641 + t640;
-    let t643 = t208 * t642;
-    let t644 = t155 * inverse_d_gamma;
-    let t645 = t644 - t643;
-    let t646 = t170 * t639;
-    let t647 = t645 + t646;
-    let t648 = t155 * t647;
-    let t649 = inverse_d_delta + t648;
-    let t650 = t220 * t642;
-    let t651 = t649 + t650;
-    let t652 = t128 * t639;
-    let t653 = t651 + t652;
-    let t654 = t119 * t653;
-    let t655 = t145 * t647;
-    let t656 = t654 - t655;
-    let t657 = t217 * t642;
-    let t658 = t656 - t657;
-    let t659 = t103 * t639;
-    let t660 = t658 - t659;
-    let t661 = t660 * t350;
-    let t662 = t653 * t407;
-    let t663 = t607 * t457;
-    let t664 = t567 * t500;
-    let t665 = t246 * t533;
-    let t666 = t665 - t664;
-    let t667 = t666 + t663;
-    let t668 = t667 + t662;
-    let t669 = t668 + t661;
-    let t670 = t116 * t653;
-    let t671 = t137 * t647;
-    let t672 = t670 + t671;
-    let t673 = t137 * t642;
-    let t674 = t672 + t673;
-    let t675 = t84 * t639;
-    let t676 = t674 + t675;
-    let t677 = t676 * t555;
-    let t678 = t669 - t677;
-    let t679 = t119 * t155;
-    let t680 = t145 - t679;
-    let t681 = t208 * t680;
-    let t682 = t119 * t220;
-    let t683 = t217 - t682;
-    let t684 = t683 - t681;
-    let t685 = t234 * t684;
-    let t686 = t170 * t680;
-    let t687 = t119 * t128;
-    let t688 = t103 - t687;
-    let t689 = t688 + t686;
-    let t690 = t689 + t685;
-    let t691 = inverse_d_alpha * t690;
-    let t692 = t234 * t691;
-    let t693 = inverse_d_beta * t684;
-    let t694 = t693 + t692;
-    let t695 = t208 * t694;
-    let t696 = inverse_d_gamma * t680;
-    let t697 = t696 - t695;
-    let t698 = t170 * t691;
-    let t699 = t697 + t698;
-    let t700 = t155 * t699;
-    let t701 = t119 * inverse_d_delta;
-    let t702 = t701 - t700;
-    let t703 = t220 * t694;
-    let t704 = t702 - t703;
-    let t705 = t128 * t691;
-    let t706 = t704 - t705;
-    let t707 = t119 * t706;
-    let t708 = inverse_d_epsilon + t707;
-    let t709 = t145 * t699;
-    let t710 = t708 + t709;
-    let t711 = t217 * t694;
-    let t712 = t710 + t711;
-    let t713 = t103 * t691;
-    let t714 = t712 + t713;
-    let t715 = t714 * t350;
-    let t716 = t660 * t407;
-    let t717 = t614 * t457;
-    let t718 = t574 * t500;
-    let t719 = t253 * t533;
-    let t720 = t719 - t718;
-    let t721 = t720 + t717;
-    let t722 = t721 + t716;
-    let t723 = t722 + t715;
-    let t724 = t116 * t706;
-    let t725 = t137 * t699;
-    let t726 = t724 - t725;
-    let t727 = t137 * t694;
-    let t728 = t726 - t727;
-    let t729 = t84 * t691;
-    let t730 = t728 - t729;
-    let t731 = t730 * t555;
-    let t732 = t723 - t731;
-    let t733 = t676 * t407;
-    let t734 = t630 * t457;
-    let t735 = t590 * t500;
-    let t736 = t545 * t533;
-    let t737 = t736 - t735;
-    let t738 = t737 + t734;
-    let t739 = t738 + t733;
-    let t740 = t730 * t350;
-    let t741 = t739 + t740;
-    let t742 = t116 * t155;
-    let t743 = t137 + t742;
-    let t744 = t208 * t743;
-    let t745 = t116 * t220;
-    let t746 = t137 + t745;
-    let t747 = t746 - t744;
-    let t748 = t234 * t747;
-    let t749 = t170 * t743;
-    let t750 = t116 * t128;
-    let t751 = t84 + t750;
-    let t752 = t751 + t749;
-    let t753 = t752 + t748;
-    let t754 = inverse_d_alpha * t753;
-    let t755 = t234 * t754;
-    let t756 = inverse_d_beta * t747;
-    let t757 = t756 + t755;
-    let t758 = t208 * t757;
-    let t759 = inverse_d_gamma * t743;
-    let t760 = t759 - t758;
-    let t761 = t170 * t754;
-    let t762 = t760 + t761;
-    let t763 = t155 * t762;
-    let t764 = t116 * inverse_d_delta;
+    let t555 = t494 * t554;
+    let t556 = inverse_d_gamma * t371;
+    let t557 = t556 - t555;
+    let t558 = t404 * t551;
+    let t559 = t557 - t558;
+    let t560 = t369 * t559;
+    let t561 = inverse_d_delta * t283;
+    let t562 = t561 + t560;
+    let t563 = t474 * t554;
+    let t564 = t562 + t563;
+    let t565 = t316 * t551;
+    let t566 = t564 - t565;
+    let t567 = t281 * t566;
+    let t568 = inverse_d_epsilon * t243;
+    let t569 = t568 + t567;
+    let t570 = t359 * t559;
+    let t571 = t569 - t570;
+    let t572 = t461 * t554;
+    let t573 = t571 - t572;
+    let t574 = t263 * t551;
+    let t575 = t573 + t574;
+    let t576 = t278 * t566;
+    let t577 = inverse_d_zeta * t215;
+    let t578 = t577 - t576;
+    let t579 = t351 * t559;
+    let t580 = t578 - t579;
+    let t581 = t351 * t554;
+    let t582 = t580 - t581;
+    let t583 = t231 * t551;
+    let t584 = t582 + t583;
+    let t585 = cos_beta_gamma * t551;
+    let t586 = t32 - t585;
+    let t587 = t566 - t586;
+    let t588 = t31 + t587;
+    let t589 = cos_epsilon * t588;
+    let t590 = t554 + t559;
+    let t591 = t23 - t590;
+    let t592 = sin_delta * t591;
+    let t593 = sin_beta_gamma * t551;
+    let t594 = t21 + t593;
+    let t595 = cos_delta * t594;
+    let t596 = t592 + t595;
+    let t597 = t19 - t596;
+    let t598 = sin_epsilon * t597;
+    let t599 = t589 + t598;
+    let t600 = t40 - t599;
+    let t601 = t584 - t600;
+    let t602 = t40 - t601;
+    let t603 = t45 * t602;
+    let t604 = t58 + t603;
+    let t605 = t40 + t601;
+    let t606 = t61 * t605;
+    let moment_zeta_z_2 = t604 - t606;
+    let t608 = 0.000255 * t584;
+    let t609 = t65 - t599;
+    let t610 = 0.0004025 * t609;
+    let t611 = t610 - t608;
+    let moment_epsilon_y_2 = moment_zeta_z_2 + t611;
+    let t613 = sin_epsilon * moment_epsilon_y_2;
+    let t614 = cos_delta * t591;
+    let t615 = sin_delta * t594;
+    let t616 = t614 - t615;
+    let t617 = t105 - t616;
+    let t618 = t575 + t617;
+    let t619 = t104 + t618;
+    let t620 = t103 + t619;
+    let t621 = t57 * t620;
+    let t622 = sin_epsilon * t588;
+    let t623 = cos_epsilon * t597;
+    let t624 = t622 - t623;
+    let t625 = t73 - t624;
+    let t626 = t100 + t625;
+    let t627 = t61 * t626;
+    let moment_zeta_x_2 = t621 + t627;
+    let t629 = 0.004194997041000001 * t625;
+    let t630 = t83 * t554;
+    let t631 = t78 + t630;
+    let t632 = 21.1145440844009 - t631;
+    let t633 = sin_beta_gamma * t632;
+    let t634 = t76 * t554;
+    let t635 = t84 - t634;
+    let t636 = cos_beta_gamma * t635;
+    let acceleration_gamma_x_2 = t636 + t633;
+    let t638 = sin_delta * acceleration_gamma_x_2;
+    let t639 = t83 * t551;
+    let acceleration_gamma_z_2 = acceleration_gamma_z + t639;
+    let t641 = cos_delta * acceleration_gamma_z_2;
+    let t642 = t638 + t641;
+    let acceleration_delta_y_2 = t642 + t596;
+    let t644 = 0.009952485403000002 * acceleration_delta_y_2;
+    let t645 = t644 - t629;
+    let t646 = t97 - t645;
+    let moment_epsilon_x_2 = moment_zeta_x_2 + t646;
+    let t648 = cos_epsilon * moment_epsilon_x_2;
+    let t649 = t648 - t613;
+    let t650 = 0.0029975 * t597;
+    let t651 = t119 - t650;
+    let moment_delta_x_2 = t651 - t649;
+    let force_epsilon_z_2 = 0.009952485403000002 * t625;
+    let t654 = force_epsilon_z_2 - moment_delta_x_2;
+    let t655 = cos_delta * t654;
+    let t656 = 0.004194997041000001 * t619;
+    let t657 = t104 - t618;
+    let t658 = 0.0004025 * t657;
+    let t659 = t658 - t656;
+    let t660 = cos_delta * acceleration_gamma_x_2;
+    let t661 = sin_delta * acceleration_gamma_z_2;
+    let t662 = t660 - t661;
+    let acceleration_delta_x_2 = t662 + t616;
+    let t664 = cos_epsilon * acceleration_delta_x_2;
+    let t665 = cos_beta_gamma * t632;
+    let t666 = sin_beta_gamma * t635;
+    let acceleration_gamma_y_2 = t666 - t665;
+    let acceleration_delta_z_2 = t135 + acceleration_gamma_y_2;
+    let t669 = sin_epsilon * acceleration_delta_z_2;
+    let acceleration_epsilon_x_2 = t664 - t669;
+    let t671 = 0.009952485403000002 * acceleration_epsilon_x_2;
+    let t672 = t671 + t659;
+    let t673 = t145 - t672;
+    let t674 = t45 * t620;
+    let t675 = t57 * t626;
+    let moment_zeta_y_2 = t675 + t674;
+    let moment_epsilon_z_2 = moment_zeta_y_2 + t673;
+    let t678 = 0.00101 * t575;
+    let t679 = t151 - t616;
+    let t680 = 0.0026049999999999997 * t679;
+    let t681 = t680 + t678;
+    let moment_delta_y_2 = t681 + moment_epsilon_z_2;
+    let force_epsilon_x_2 = 0.009952485403000002 * t619;
+    let t684 = cos_epsilon * force_epsilon_x_2;
+    let force_delta_x_2 = t157 - t684;
+    let t686 = force_delta_x_2 - moment_delta_y_2;
+    let t687 = sin_delta * t686;
+    let t688 = t655 + t687;
+    let t689 = 0.6291534673095002 * t594;
+    let t690 = 0.7918816998225002 * acceleration_gamma_z_2;
+    let t691 = t690 + t689;
+    let t692 = t168 - t691;
+    let moment_gamma_x_2 = t692 + t688;
+    let t694 = cos_beta_gamma * moment_gamma_x_2;
+    let t695 = cos_epsilon * moment_epsilon_y_2;
+    let t696 = sin_epsilon * moment_epsilon_x_2;
+    let t697 = t696 + t695;
+    let t698 = 0.0029975 * t588;
+    let t699 = t31 - t587;
+    let t700 = 0.0026049999999999997 * t699;
+    let t701 = t700 - t698;
+    let t702 = t179 + t701;
+    let moment_delta_z_2 = t702 + t697;
+    let t704 = 0.001515 * t566;
+    let t705 = t182 - t585;
+    let t706 = 0.0041575 * t705;
+    let t707 = t706 - t704;
+    let moment_gamma_y_2 = t707 + moment_delta_z_2;
+    let t709 = sin_beta_gamma * moment_gamma_y_2;
+    let t710 = t694 - t709;
+    let t711 = sin_delta * force_delta_x_2;
+    let t712 = cos_delta * force_epsilon_z_2;
+    let t713 = t711 + t712;
+    let t714 = 0.7918816998225002 * t594;
+    let force_gamma_z_2 = t714 - t713;
+    let t716 = t76 * force_gamma_z_2;
+    let t717 = t710 - t716;
+    let t718 = t195 * t551;
+    let t719 = t501 * t89;
+    let t720 = t719 + t718;
+    let t721 = v[2] * 0.00847987;
+    let t722 = v[0] * t721;
+    let t723 = t722 + t720;
+    let moment_beta_x = t723 - t717;
+    let t725 = cos_beta_gamma * t529;
+    let t726 = t298 + t725;
+    let t727 = t83 * t480;
+    let t728 = t76 * t484;
+    let t729 = t728 - t727;
+    let t730 = t726 - t729;
+    let t731 = t195 - t730;
+    let t732 = t731 * t551;
+    let t733 = t515 * t81;
+    let t734 = t732 - t733;
+    let t735 = t464 * 21.1145440844009;
+    let t736 = t735 + t734;
+    let t737 = 2.0 * omega_epsilon_x;
+    let t738 = t57 * t737;
+    let t739 = t45 * t64;
+    let t740 = t738 - t739;
+    let t741 = omega_epsilon_z * 0.000805;
+    let t742 = t741 - t740;
+    let t743 = omega_epsilon_z * 0.008389994082000002;
+    let t744 = t743 - t742;
+    let t745 = cos_epsilon * t744;
+    let t746 = t57 * t99;
+    let t747 = sin_epsilon * t746;
+    let t748 = t747 - t745;
+    let t749 = sin_epsilon * t748;
+    let t750 = t746 - t749;
+    let t751 = 2.0 * omega_delta_y;
+    let t752 = t294 * t751;
+    let t753 = t750 + t752;
+    let t754 = t746 + t753;
+    let t755 = sin_delta * t754;
+    let t756 = t45 * t99;
+    let t757 = omega_epsilon_y * 0.000805;
+    let t758 = t96 - t757;
+    let t759 = t756 + t758;
+    let t760 = cos_epsilon * t759;
+    let t761 = omega_epsilon_x * 0.008389994082000002;
+    let t762 = sin_epsilon * t761;
+    let t763 = t760 + t762;
+    let t764 = omega_delta_z * 0.005209999999999999;
     let t765 = t764 + t763;
-    let t766 = t220 * t757;
-    let t767 = t765 + t766;
-    let t768 = t128 * t754;
-    let t769 = t767 + t768;
-    let t770 = t116 * t769;
-    let t771 = inverse_d_zeta + t770;
-    let t772 = t137 * t762;
-    let t773 = t771 + t772;
-    let t774 = t137 * t757;
-    let t775 = t773 + t774;
-    let t776 = t84 * t754;
-    let t777 = t775 + t776;
-    let t778 = t777 * t555;
-    let t779 = t741 - t778;
-    let t780 = t592 - t632;
-    let t781 = t275 + t780;
+    let t766 = 2.0 * omega_delta_x;
+    let t767 = t294 * t766;
+    let t768 = t765 + t767;
+    let t769 = t61 * t99;
+    let t770 = t96 + t769;
+    let t771 = cos_epsilon * t770;
+    let t772 = t61 * t737;
+    let t773 = t57 * t64;
+    let t774 = t772 - t773;
+    let t775 = sin_epsilon * t774;
+    let t776 = t771 + t775;
+    let t777 = omega_delta_z * 0.005995;
+    let t778 = t777 + t776;
+    let t779 = t778 - t768;
+    let t780 = cos_delta * t779;
+    let t781 = t755 - t780;
     let t782 = sin_delta * t781;
-    let t783 = sin_beta_gamma * t557;
-    let t784 = t272 + t783;
-    let t785 = cos_delta * t784;
-    let t786 = t782 + t785;
-    let t787 = t323 - t786;
-    let t788 = sin_epsilon * t787;
-    let t789 = cos_beta_gamma * t557;
-    let t790 = t330 - t789;
-    let t791 = t678 - t790;
-    let t792 = t329 + t791;
-    let t793 = cos_epsilon * t792;
-    let t794 = t793 + t788;
-    let t795 = t355 - t794;
-    let t796 = t779 + t795;
-    let t797 = t355 + t796;
-    let t798 = t68 * t797;
-    let t799 = t365 + t798;
-    let t800 = t355 - t796;
-    let t801 = t67 * t800;
-    let moment_zeta_z_2 = t799 - t801;
-    let t803 = t370 - t794;
-    let t804 = 0.0004025 * t803;
-    let t805 = 0.000255 * t779;
-    let t806 = t804 + t805;
-    let moment_epsilon_y_2 = moment_zeta_z_2 + t806;
-    let t808 = sin_epsilon * moment_epsilon_y_2;
-    let t809 = cos_epsilon * t787;
-    let t810 = sin_epsilon * t792;
-    let t811 = t810 - t809;
-    let t812 = t335 - t811;
-    let t813 = 0.004194997041000001 * t812;
-    let t814 = t54 * t592;
-    let t815 = t255 - t814;
-    let t816 = 21.1145440844009 - t815;
-    let t817 = sin_beta_gamma * t816;
-    let t818 = t176 * t592;
-    let t819 = t260 + t818;
-    let t820 = cos_beta_gamma * t819;
-    let acceleration_gamma_x_2 = t820 + t817;
-    let t822 = sin_delta * acceleration_gamma_x_2;
-    let t823 = t54 * t557;
-    let acceleration_gamma_z_2 = acceleration_gamma_z + t823;
-    let t825 = cos_delta * acceleration_gamma_z_2;
-    let t826 = t822 + t825;
-    let acceleration_delta_y_2 = t826 + t786;
-    let t828 = 0.009952485403000002 * acceleration_delta_y_2;
-    let t829 = t828 - t813;
-    let t830 = t382 - t829;
-    let t831 = t321 + t812;
-    let t832 = t67 * t831;
-    let t833 = cos_delta * t781;
-    let t834 = sin_delta * t784;
-    let t835 = t833 - t834;
-    let t836 = t301 - t835;
-    let t837 = t732 + t836;
-    let t838 = t300 + t837;
-    let t839 = t314 + t838;
-    let t840 = t22 * t839;
-    let moment_zeta_x_2 = t840 + t832;
-    let moment_epsilon_x_2 = moment_zeta_x_2 + t830;
-    let t843 = cos_epsilon * moment_epsilon_x_2;
-    let t844 = t843 - t808;
-    let t845 = 0.0029975 * t787;
-    let t846 = t413 - t845;
-    let moment_delta_x_2 = t846 - t844;
-    let force_epsilon_z_2 = 0.009952485403000002 * t812;
-    let t849 = force_epsilon_z_2 - moment_delta_x_2;
-    let t850 = cos_delta * t849;
-    let t851 = cos_delta * acceleration_gamma_x_2;
-    let t852 = sin_delta * acceleration_gamma_z_2;
-    let t853 = t851 - t852;
-    let acceleration_delta_x_2 = t853 + t835;
-    let t855 = cos_epsilon * acceleration_delta_x_2;
-    let t856 = cos_beta_gamma * t816;
-    let t857 = sin_beta_gamma * t819;
-    let acceleration_gamma_y_2 = t857 - t856;
-    let acceleration_delta_z_2 = t285 + acceleration_gamma_y_2;
-    let t860 = sin_epsilon * acceleration_delta_z_2;
-    let acceleration_epsilon_x_2 = t855 - t860;
-    let t862 = 0.009952485403000002 * acceleration_epsilon_x_2;
-    let t863 = 0.004194997041000001 * t838;
-    let t864 = t300 - t837;
-    let t865 = 0.0004025 * t864;
-    let t866 = t865 - t863;
-    let t867 = t862 + t866;
-    let t868 = t310 - t867;
-    let t869 = t22 * t831;
-    let t870 = t68 * t839;
-    let moment_zeta_y_2 = t869 + t870;
-    let moment_epsilon_z_2 = moment_zeta_y_2 + t868;
-    let t873 = t419 - t835;
-    let t874 = 0.0026049999999999997 * t873;
-    let t875 = 0.00101 * t732;
-    let t876 = t874 + t875;
-    let moment_delta_y_2 = t876 + moment_epsilon_z_2;
-    let force_epsilon_x_2 = 0.009952485403000002 * t838;
-    let t879 = cos_epsilon * force_epsilon_x_2;
-    let force_delta_x_2 = t425 - t879;
-    let t881 = force_delta_x_2 - moment_delta_y_2;
-    let t882 = sin_delta * t881;
-    let t883 = t850 + t882;
-    let t884 = 0.6291534673095002 * t784;
-    let t885 = 0.7918816998225002 * acceleration_gamma_z_2;
-    let t886 = t885 + t884;
-    let t887 = t508 - t886;
-    let moment_gamma_x_2 = t887 + t883;
-    let t889 = cos_beta_gamma * moment_gamma_x_2;
-    let t890 = cos_epsilon * moment_epsilon_y_2;
-    let t891 = sin_epsilon * moment_epsilon_x_2;
-    let t892 = t891 + t890;
-    let t893 = 0.0029975 * t792;
-    let t894 = t329 - t791;
-    let t895 = 0.0026049999999999997 * t894;
-    let t896 = t895 - t893;
-    let t897 = t395 + t896;
-    let moment_delta_z_2 = t897 + t892;
-    let t899 = 0.001515 * t678;
-    let t900 = t512 - t789;
-    let t901 = 0.0041575 * t900;
-    let t902 = t901 - t899;
-    let moment_gamma_y_2 = t902 + moment_delta_z_2;
-    let t904 = sin_beta_gamma * moment_gamma_y_2;
-    let t905 = t889 - t904;
-    let t906 = sin_delta * force_delta_x_2;
-    let t907 = cos_delta * force_epsilon_z_2;
-    let t908 = t906 + t907;
-    let t909 = 0.7918816998225002 * t784;
-    let force_gamma_z_2 = t909 - t908;
-    let t911 = t176 * force_gamma_z_2;
-    let t912 = t905 - t911;
-    let t913 = t480 * t557;
-    let t914 = t212 * t265;
-    let t915 = t914 + t913;
-    let t916 = v[2] * 0.00847987;
-    let t917 = v[0] * t916;
-    let t918 = t917 + t915;
-    let moment_beta_x = t918 - t912;
-    let t920 = cos_beta_gamma * t45;
-    let t921 = t42 + t920;
-    let t922 = t54 * t175;
-    let t923 = t176 * t53;
-    let t924 = t923 - t922;
-    let t925 = t921 - t924;
-    let t926 = t480 - t925;
-    let t927 = t926 * t557;
-    let t928 = t227 * t258;
-    let t929 = t927 - t928;
-    let t930 = t196 * 21.1145440844009;
-    let t931 = t930 + t929;
-    let t932 = 2.0 * omega_epsilon_x;
-    let t933 = t22 * t932;
-    let t934 = t68 * t334;
-    let t935 = t933 - t934;
-    let t936 = omega_epsilon_z * 0.000805;
-    let t937 = t936 - t935;
-    let t938 = omega_epsilon_z * 0.008389994082000002;
-    let t939 = t938 - t937;
-    let t940 = cos_epsilon * t939;
-    let t941 = t22 * t313;
-    let t942 = sin_epsilon * t941;
-    let t943 = t942 - t940;
-    let t944 = sin_epsilon * t943;
-    let t945 = t941 - t944;
-    let t946 = 2.0 * omega_delta_y;
-    let t947 = t37 * t946;
-    let t948 = t945 + t947;
-    let t949 = t941 + t948;
-    let t950 = sin_delta * t949;
-    let t951 = t68 * t313;
-    let t952 = omega_epsilon_y * 0.000805;
-    let t953 = t309 - t952;
-    let t954 = t951 + t953;
-    let t955 = cos_epsilon * t954;
-    let t956 = omega_epsilon_x * 0.008389994082000002;
-    let t957 = sin_epsilon * t956;
-    let t958 = t955 + t957;
-    let t959 = omega_delta_z * 0.005209999999999999;
-    let t960 = t959 + t958;
-    let t961 = 2.0 * omega_delta_x;
-    let t962 = t37 * t961;
-    let t963 = t960 + t962;
-    let t964 = t67 * t313;
-    let t965 = t309 + t964;
-    let t966 = cos_epsilon * t965;
-    let t967 = t67 * t932;
-    let t968 = t22 * t334;
-    let t969 = t967 - t968;
-    let t970 = sin_epsilon * t969;
-    let t971 = t966 + t970;
-    let t972 = omega_delta_z * 0.005995;
-    let t973 = t972 + t971;
-    let t974 = t973 - t963;
-    let t975 = cos_delta * t974;
-    let t976 = t950 - t975;
-    let t977 = sin_delta * t976;
-    let t978 = t948 - t977;
-    let t979 = 0.019904970806000004 * omega_epsilon_z;
-    let t980 = sin_epsilon * t979;
-    let t981 = t980 - t944;
-    let t982 = t981 + t978;
-    let t983 = sin_beta_gamma * t982;
-    let t984 = cos_epsilon * t943;
-    let t985 = t937 - t984;
-    let t986 = t394 + t985;
-    let t987 = cos_epsilon * t979;
-    let t988 = t48 * t946;
-    let t989 = t987 + t988;
-    let t990 = t986 + t989;
-    let t991 = cos_delta * t990;
-    let t992 = sin_epsilon * t954;
-    let t993 = cos_epsilon * t956;
-    let t994 = t992 - t993;
-    let t995 = 0.019904970806000004 * omega_epsilon_x;
-    let t996 = t48 * t961;
-    let t997 = t995 + t996;
-    let t998 = t994 - t997;
-    let t999 = sin_delta * t998;
-    let t1000 = t991 + t999;
-    let t1001 = omega_gamma_z * 1.2583069346190003;
-    let t1002 = t1001 + t1000;
-    let t1003 = t938 + t984;
-    let t1004 = omega_delta_y * 0.005209999999999999;
-    let t1005 = t394 + t1004;
-    let t1006 = t1005 + t1003;
-    let t1007 = cos_delta * t1006;
-    let t1008 = sin_epsilon * t965;
-    let t1009 = cos_epsilon * t969;
-    let t1010 = t1008 - t1009;
-    let t1011 = omega_delta_x * 0.005995;
-    let t1012 = t1011 - t1010;
-    let t1013 = sin_delta * t1012;
-    let t1014 = t1007 - t1013;
-    let t1015 = omega_gamma_z * 0.008315;
-    let t1016 = t1015 + t1014;
-    let t1017 = t1002 - t1016;
-    let t1018 = cos_beta_gamma * t1017;
-    let t1019 = t983 - t1018;
-    let t1020 = cos_beta_gamma * t1019;
-    let t1021 = t1002 + t1020;
-    let t1022 = sin_delta * t995;
-    let t1023 = cos_delta * t987;
-    let t1024 = t1023 - t1022;
-    let t1025 = omega_gamma_z * 1.5837633996450005;
-    let t1026 = t1025 + t1024;
-    let t1027 = sin_beta_gamma * t1026;
-    let t1028 = cos_beta_gamma * t980;
-    let t1029 = t1027 + t1028;
-    let t1030 = t54 * t1029;
-    let t1031 = v[1] * t54;
-    let t1032 = 2.0 * t1031;
-    let t1033 = t53 * t1032;
-    let t1034 = t1030 + t1033;
-    let t1035 = t1021 + t1034;
-    let t1036 = t60 * t264;
-    let t1037 = t916 + t1036;
-    let t1038 = t1037 + t1035;
-    let t1039 = v[0] * t1038;
-    let t1040 = t931 - t1039;
-    let t1041 = moment_beta_x + t1040;
-    let t1042 = inverse_d_alpha * t1041;
-    let t1043 = cos_beta_gamma * t160;
-    let t1044 = sin_beta_gamma * t151;
-    let t1045 = t1043 + t1044;
-    let t1046 = t54 * t196;
-    let t1047 = t1045 + t1046;
-    let t1048 = t1047 * t557;
-    let t1049 = t214 * t258;
-    let t1050 = t1049 - t1048;
-    let t1051 = 0.7552597941000001 * cos_beta;
-    let t1052 = t1051 - t175;
-    let t1053 = t1052 * 21.1145440844009;
-    let t1054 = t1053 + t1050;
-    let t1055 = cos_delta * t976;
-    let t1056 = t973 + t1055;
-    let t1057 = omega_gamma_y * 0.008315;
-    let t1058 = t435 + t1057;
-    let t1059 = t1058 + t1056;
-    let t1060 = cos_beta_gamma * t1059;
-    let t1061 = sin_delta * t990;
-    let t1062 = cos_delta * t998;
-    let t1063 = t1061 - t1062;
-    let t1064 = omega_gamma_x * 1.2583069346190003;
-    let t1065 = t1064 + t1063;
-    let t1066 = sin_beta_gamma * t1065;
-    let t1067 = t1060 + t1066;
-    let t1068 = cos_delta * t995;
-    let t1069 = sin_delta * t987;
-    let t1070 = t1069 + t1068;
-    let t1071 = omega_gamma_x * 1.5837633996450005;
-    let t1072 = t1071 + t1070;
-    let t1073 = t54 * t1072;
-    let t1074 = v[0] * t54;
-    let t1075 = 2.0 * t1074;
-    let t1076 = t53 * t1075;
-    let t1077 = t1073 + t1076;
-    let t1078 = t1067 + t1077;
-    let t1079 = v[0] * 2.0;
-    let t1080 = t60 * t1079;
-    let t1081 = t1080 + t1078;
-    let t1082 = v[0] * t1081;
-    let t1083 = t1054 - t1082;
-    let t1084 = t238 * t1083;
-    let t1085 = t1042 + t1084;
-    let t1086 = t1045 * t557;
-    let t1087 = t180 * t258;
-    let t1088 = t1086 - t1087;
-    let t1089 = t175 * 21.1145440844009;
-    let t1090 = t1088 + t1089;
-    let t1091 = t1067 + t1076;
-    let t1092 = v[0] * 0.00847987;
-    let t1093 = t1092 + t1091;
-    let t1094 = v[0] * t1093;
-    let t1095 = t1090 + t1094;
-    let t1096 = t241 * t1095;
-    let t1097 = t1085 + t1096;
-    let t1098 = t106 + 0.001515;
-    let t1099 = sin_beta_gamma * t1098;
-    let t1100 = cos_beta_gamma * t42;
-    let t1101 = t1100 - t1099;
-    let t1102 = t176 * t51;
-    let t1103 = t1102 + t1101;
-    let t1104 = t557 * t1103;
-    let t1105 = t202 * t258;
-    let t1106 = t1104 + t1105;
-    let t1107 = t197 * 21.1145440844009;
-    let t1108 = t1106 + t1107;
-    let t1109 = 0.001515 * omega_gamma_z;
-    let t1110 = t1014 + t1109;
-    let t1111 = cos_beta_gamma * t1110;
-    let t1112 = t941 - t945;
-    let t1113 = t947 - t1112;
-    let t1114 = sin_beta_gamma * t1113;
-    let t1115 = t1111 + t1114;
-    let t1116 = t199 * t1075;
-    let t1117 = t51 * t1032;
-    let t1118 = t1117 + t1116;
-    let t1119 = t1115 + t1118;
-    let t1120 = v[0] * t1119;
-    let t1121 = t1108 - t1120;
-    let t1122 = t246 * t1121;
-    let t1123 = t1097 + t1122;
-    let t1124 = t12 + 0.006087497041000001;
-    let t1125 = t48 + t1124;
-    let t1126 = sin_delta * t1125;
-    let t1127 = t90 - t1126;
-    let t1128 = cos_beta_gamma * t1127;
-    let t1129 = sin_beta_gamma * t40;
-    let t1130 = t1129 - t1128;
-    let t1131 = t176 * t95;
-    let t1132 = t1131 + t1130;
-    let t1133 = t557 * t1132;
-    let t1134 = cos_delta * t1125;
-    let t1135 = t141 + t1134;
-    let t1136 = t191 + t1135;
-    let t1137 = t258 * t1136;
-    let t1138 = t1133 - t1137;
-    let t1139 = t185 * 21.1145440844009;
-    let t1140 = t1138 - t1139;
-    let t1141 = 0.00101 * omega_delta_z;
-    let t1142 = t958 + t1141;
-    let t1143 = t962 + t1142;
-    let t1144 = cos_delta * t1143;
-    let t1145 = t941 + t947;
-    let t1146 = sin_delta * t1145;
-    let t1147 = t1144 + t1146;
-    let t1148 = cos_beta_gamma * t1147;
-    let t1149 = 0.00101 * omega_delta_x;
-    let t1150 = t994 - t1149;
-    let t1151 = t996 - t1150;
-    let t1152 = sin_beta_gamma * t1151;
-    let t1153 = t1148 + t1152;
-    let t1154 = t189 * t1075;
-    let t1155 = t95 * t1032;
-    let t1156 = t1155 - t1154;
-    let t1157 = t1153 - t1156;
-    let t1158 = v[0] * t1157;
-    let t1159 = t1140 + t1158;
-    let t1160 = t253 * t1159;
-    let t1161 = t1123 + t1160;
-    let t1162 = t69 + 0.000255;
-    let t1163 = sin_epsilon * t1162;
-    let t1164 = cos_delta * t1163;
-    let t1165 = cos_beta_gamma * t1164;
-    let t1166 = cos_epsilon * t1162;
-    let t1167 = sin_beta_gamma * t1166;
-    let t1168 = t1165 + t1167;
-    let t1169 = t557 * t1168;
-    let t1170 = sin_delta * t1163;
-    let t1171 = t258 * t1170;
-    let t1172 = t1171 + t1169;
-    let t1173 = 0.000255 * omega_epsilon_z;
-    let t1174 = t935 - t1173;
-    let t1175 = cos_epsilon * t1174;
-    let t1176 = cos_delta * t1175;
-    let t1177 = 0.000255 * omega_epsilon_x;
-    let t1178 = t969 + t1177;
-    let t1179 = sin_delta * t1178;
-    let t1180 = t1176 + t1179;
-    let t1181 = cos_beta_gamma * t1180;
-    let t1182 = sin_epsilon * t1174;
-    let t1183 = sin_beta_gamma * t1182;
-    let t1184 = t1181 - t1183;
-    let t1185 = v[0] * t1184;
-    let t1186 = t1172 - t1185;
-    let t1187 = t545 * t1186;
-    let t1188 = t1161 + t1187;
-    let t1189 = t196 * acceleration_gamma_y_2;
-    let t1190 = t42 * t789;
-    let t1191 = t63 - t29;
-    let t1192 = t783 * t1191;
-    let t1193 = t1192 + t1190;
-    let t1194 = t151 * t258;
-    let t1195 = t1193 + t1194;
-    let t1196 = t1189 - t1195;
-    let t1197 = t941 - t977;
-    let t1198 = t978 - t1197;
-    let t1199 = omega_gamma_x * t1198;
-    let t1200 = omega_gamma_y * t1016;
-    let t1201 = t1199 + t1200;
-    let t1202 = t1196 + t1201;
-    let t1203 = moment_gamma_x_2 + t1202;
-    let t1204 = cos_beta_gamma * t1203;
-    let t1205 = t196 * acceleration_gamma_x_2;
-    let t1206 = t42 * t783;
-    let t1207 = t63 - t33;
-    let t1208 = t789 * t1207;
-    let t1209 = t1208 + t1206;
-    let t1210 = t160 * t258;
-    let t1211 = t1209 + t1210;
-    let t1212 = t1205 - t1211;
-    let t1213 = t981 + t1197;
-    let t1214 = omega_gamma_y * t1213;
-    let t1215 = omega_gamma_x * t1002;
-    let t1216 = t1214 + t1215;
-    let t1217 = t1212 - t1216;
-    let t1218 = moment_gamma_y_2 + t1217;
-    let t1219 = sin_beta_gamma * t1218;
-    let t1220 = t1219 - t1204;
-    let t1221 = t51 * t783;
-    let t1222 = t49 * t789;
-    let t1223 = t1222 - t1221;
-    let t1224 = omega_gamma_x * t1026;
-    let t1225 = omega_gamma_y * t980;
-    let t1226 = t1225 + t1224;
-    let t1227 = t1223 - t1226;
-    let t1228 = t54 * t1227;
-    let t1229 = t1220 + t1228;
-    let t1230 = inverse_d_alpha * t1229;
-    let t1231 = cos_delta * force_delta_x_2;
-    let t1232 = sin_delta * force_epsilon_z_2;
-    let t1233 = t1231 - t1232;
-    let t1234 = 0.7918816998225002 * t781;
-    let force_gamma_x_2 = t1234 + t1233;
-    let t1236 = t196 * t789;
-    let t1237 = t51 * t258;
-    let t1238 = t1237 - t1236;
-    let t1239 = omega_gamma_y * t1072;
-    let t1240 = t1238 - t1239;
-    let t1241 = force_gamma_x_2 + t1240;
-    let t1242 = sin_beta_gamma * t1241;
-    let t1243 = sin_epsilon * force_epsilon_x_2;
-    let force_delta_z_2 = t465 + t1243;
-    let force_gamma_y_2 = t468 + force_delta_z_2;
-    let t1246 = t196 * t783;
-    let t1247 = t49 * t258;
-    let t1248 = t1246 - t1247;
-    let t1249 = omega_gamma_x * t1072;
-    let t1250 = t1248 + t1249;
-    let t1251 = force_gamma_y_2 - t1250;
-    let t1252 = cos_beta_gamma * t1251;
-    let t1253 = t1252 - t1242;
-    let t1254 = t176 * t1253;
-    let t1255 = cos_beta_gamma * t1241;
-    let t1256 = sin_beta_gamma * t1251;
-    let t1257 = t1256 + t1255;
-    let t1258 = t54 * t1257;
-    let t1259 = t1258 + t1254;
-    let t1260 = t49 * acceleration_gamma_y_2;
-    let t1261 = t51 * acceleration_gamma_x_2;
-    let t1262 = t1261 + t1260;
-    let t1263 = t160 * t789;
-    let t1264 = t131 * t258;
-    let t1265 = t1264 - t1263;
-    let t1266 = t151 * t783;
-    let t1267 = t1265 - t1266;
-    let t1268 = t1262 - t1267;
-    let t1269 = omega_gamma_y * t1059;
-    let t1270 = omega_gamma_x * t1065;
-    let t1271 = t1269 + t1270;
-    let t1272 = t1268 + t1271;
-    let t1273 = t1272 - t1259;
-    let t1274 = t238 * t1273;
-    let t1275 = t1230 - t1274;
-    let t1276 = t241 * t1272;
-    let t1277 = t1275 + t1276;
-    let t1278 = t783 * t1098;
-    let t1279 = t1190 - t1278;
-    let t1280 = t1194 + t1279;
-    let t1281 = t1189 - t1280;
-    let t1282 = omega_gamma_y * t1110;
-    let t1283 = omega_gamma_x * t1113;
-    let t1284 = t1282 + t1283;
-    let t1285 = t1281 + t1284;
-    let t1286 = t246 * t1285;
-    let t1287 = t1277 - t1286;
-    let t1288 = t37 * acceleration_gamma_x_2;
-    let t1289 = t182 * acceleration_gamma_y_2;
-    let t1290 = t1289 + t1288;
-    let t1291 = t40 * t783;
-    let t1292 = t789 * t1127;
-    let t1293 = t1292 - t1291;
-    let t1294 = t258 * t1135;
-    let t1295 = t1293 + t1294;
-    let t1296 = t1295 - t1290;
-    let t1297 = omega_gamma_y * t1147;
-    let t1298 = omega_gamma_x * t1151;
-    let t1299 = t1297 + t1298;
-    let t1300 = t1296 - t1299;
-    let t1301 = t253 * t1300;
-    let t1302 = t1287 - t1301;
-    let t1303 = t783 * t1166;
-    let t1304 = t789 * t1164;
-    let t1305 = t1304 + t1303;
-    let t1306 = t1305 + t1171;
-    let t1307 = omega_gamma_y * t1180;
-    let t1308 = omega_gamma_x * t1182;
-    let t1309 = t1307 - t1308;
-    let t1310 = t1306 - t1309;
-    let t1311 = t545 * t1310;
-    let t1312 = t1302 + t1311;
-    let t1313 = t48 * acceleration_delta_y_2;
-    let t1314 = t23 * t835;
-    let t1315 = t30 + t18;
-    let t1316 = t786 * t1315;
-    let t1317 = t1316 - t1314;
-    let t1318 = t40 * t285;
-    let t1319 = t1317 + t1318;
-    let t1320 = t1313 + t1319;
-    let t1321 = t944 + t945;
-    let t1322 = omega_delta_x * t1321;
-    let t1323 = omega_delta_y * t960;
-    let t1324 = t1322 - t1323;
-    let t1325 = t1320 + t1324;
-    let t1326 = moment_delta_x_2 - t1325;
-    let t1327 = t48 * t786;
-    let t1328 = omega_delta_x * t980;
-    let t1329 = t1327 - t1328;
-    let t1330 = force_epsilon_z_2 + t1329;
-    let t1331 = t1330 - t1326;
-    let t1332 = sin_delta * t1331;
-    let t1333 = t48 * acceleration_delta_x_2;
-    let t1334 = t23 * t786;
-    let t1335 = t30 - t19;
-    let t1336 = t835 * t1335;
-    let t1337 = t1336 - t1334;
-    let t1338 = t36 * t285;
+    let t783 = t753 - t782;
+    let t784 = 0.019904970806000004 * omega_epsilon_z;
+    let t785 = sin_epsilon * t784;
+    let t786 = t785 - t749;
+    let t787 = t786 + t783;
+    let t788 = sin_beta_gamma * t787;
+    let t789 = cos_epsilon * t748;
+    let t790 = t742 - t789;
+    let t791 = t118 + t790;
+    let t792 = cos_epsilon * t784;
+    let t793 = t245 * t751;
+    let t794 = t792 + t793;
+    let t795 = t791 + t794;
+    let t796 = cos_delta * t795;
+    let t797 = sin_epsilon * t759;
+    let t798 = cos_epsilon * t761;
+    let t799 = t797 - t798;
+    let t800 = 0.019904970806000004 * omega_epsilon_x;
+    let t801 = t245 * t766;
+    let t802 = t800 + t801;
+    let t803 = t799 - t802;
+    let t804 = sin_delta * t803;
+    let t805 = t796 + t804;
+    let t806 = omega_gamma_z * 1.2583069346190003;
+    let t807 = t806 + t805;
+    let t808 = t743 + t789;
+    let t809 = omega_delta_y * 0.005209999999999999;
+    let t810 = t118 + t809;
+    let t811 = t810 + t808;
+    let t812 = cos_delta * t811;
+    let t813 = sin_epsilon * t770;
+    let t814 = cos_epsilon * t774;
+    let t815 = t813 - t814;
+    let t816 = omega_delta_x * 0.005995;
+    let t817 = t816 - t815;
+    let t818 = sin_delta * t817;
+    let t819 = t812 - t818;
+    let t820 = omega_gamma_z * 0.008315;
+    let t821 = t820 + t819;
+    let t822 = t807 - t821;
+    let t823 = cos_beta_gamma * t822;
+    let t824 = t788 - t823;
+    let t825 = cos_beta_gamma * t824;
+    let t826 = t807 + t825;
+    let t827 = sin_delta * t800;
+    let t828 = cos_delta * t792;
+    let t829 = t828 - t827;
+    let t830 = omega_gamma_z * 1.5837633996450005;
+    let t831 = t830 + t829;
+    let t832 = sin_beta_gamma * t831;
+    let t833 = cos_beta_gamma * t785;
+    let t834 = t832 + t833;
+    let t835 = t83 * t834;
+    let t836 = v[1] * t83;
+    let t837 = 2.0 * t836;
+    let t838 = t484 * t837;
+    let t839 = t835 + t838;
+    let t840 = t826 + t839;
+    let t841 = t502 * t88;
+    let t842 = t721 + t841;
+    let t843 = t842 + t840;
+    let t844 = v[0] * t843;
+    let t845 = t736 - t844;
+    let t846 = moment_beta_x + t845;
+    let t847 = t216 + 0.000255;
+    let t848 = sin_epsilon * t847;
+    let t849 = cos_delta * t848;
+    let t850 = cos_beta_gamma * t849;
+    let t851 = cos_epsilon * t847;
+    let t852 = sin_beta_gamma * t851;
+    let t853 = t850 + t852;
+    let t854 = t551 * t853;
+    let t855 = sin_delta * t848;
+    let t856 = t81 * t855;
+    let t857 = t856 + t854;
+    let t858 = 0.000255 * omega_epsilon_z;
+    let t859 = t740 - t858;
+    let t860 = cos_epsilon * t859;
+    let t861 = cos_delta * t860;
+    let t862 = 0.000255 * omega_epsilon_x;
+    let t863 = t774 + t862;
+    let t864 = sin_delta * t863;
+    let t865 = t861 + t864;
+    let t866 = cos_beta_gamma * t865;
+    let t867 = sin_epsilon * t859;
+    let t868 = sin_beta_gamma * t867;
+    let t869 = t866 - t868;
+    let t870 = v[0] * t869;
+    let t871 = t857 - t870;
+    let t872 = t231 * t871;
+    let t873 = t846 - t872;
+    let t874 = t44 + 0.006087497041000001;
+    let t875 = t245 + t874;
+    let t876 = sin_delta * t875;
+    let t877 = t249 - t876;
+    let t878 = cos_beta_gamma * t877;
+    let t879 = sin_beta_gamma * t252;
+    let t880 = t879 - t878;
+    let t881 = t76 * t255;
+    let t882 = t881 + t880;
+    let t883 = t551 * t882;
+    let t884 = cos_delta * t875;
+    let t885 = t355 + t884;
+    let t886 = t458 + t885;
+    let t887 = t81 * t886;
+    let t888 = t883 - t887;
+    let t889 = t452 * 21.1145440844009;
+    let t890 = t888 - t889;
+    let t891 = 0.00101 * omega_delta_z;
+    let t892 = t763 + t891;
+    let t893 = t767 + t892;
+    let t894 = cos_delta * t893;
+    let t895 = t746 + t752;
+    let t896 = sin_delta * t895;
+    let t897 = t894 + t896;
+    let t898 = cos_beta_gamma * t897;
+    let t899 = 0.00101 * omega_delta_x;
+    let t900 = t799 - t899;
+    let t901 = t801 - t900;
+    let t902 = sin_beta_gamma * t901;
+    let t903 = t898 + t902;
+    let t904 = v[0] * t83;
+    let t905 = 2.0 * t904;
+    let t906 = t456 * t905;
+    let t907 = t255 * t837;
+    let t908 = t907 - t906;
+    let t909 = t903 - t908;
+    let t910 = v[0] * t909;
+    let t911 = t890 + t910;
+    let t912 = t263 * t911;
+    let t913 = t873 + t912;
+    let t914 = t281 * t911;
+    let t915 = t278 * t871;
+    let t916 = t291 + 0.001515;
+    let t917 = sin_beta_gamma * t916;
+    let t918 = cos_beta_gamma * t298;
+    let t919 = t918 - t917;
+    let t920 = t76 * t301;
+    let t921 = t920 + t919;
+    let t922 = t551 * t921;
+    let t923 = t470 * t81;
+    let t924 = t922 + t923;
+    let t925 = t465 * 21.1145440844009;
+    let t926 = t924 + t925;
+    let t927 = 0.001515 * omega_gamma_z;
+    let t928 = t819 + t927;
+    let t929 = cos_beta_gamma * t928;
+    let t930 = t746 - t750;
+    let t931 = t752 - t930;
+    let t932 = sin_beta_gamma * t931;
+    let t933 = t929 + t932;
+    let t934 = t467 * t905;
+    let t935 = t301 * t837;
+    let t936 = t935 + t934;
+    let t937 = t933 + t936;
+    let t938 = v[0] * t937;
+    let t939 = t926 - t938;
+    let t940 = t939 + t915;
+    let t941 = t940 + t914;
+    let t942 = t316 * t941;
+    let t943 = t913 - t942;
+    let t944 = t369 * t941;
+    let t945 = t359 * t911;
+    let t946 = t351 * t871;
+    let t947 = cos_beta_gamma * t394;
+    let t948 = sin_beta_gamma * t365;
+    let t949 = t947 + t948;
+    let t950 = t949 * t551;
+    let t951 = t488 * t81;
+    let t952 = t950 - t951;
+    let t953 = t480 * 21.1145440844009;
+    let t954 = t952 + t953;
+    let t955 = cos_delta * t781;
+    let t956 = t778 + t955;
+    let t957 = omega_gamma_y * 0.008315;
+    let t958 = t167 + t957;
+    let t959 = t958 + t956;
+    let t960 = cos_beta_gamma * t959;
+    let t961 = sin_delta * t795;
+    let t962 = cos_delta * t803;
+    let t963 = t961 - t962;
+    let t964 = omega_gamma_x * 1.2583069346190003;
+    let t965 = t964 + t963;
+    let t966 = sin_beta_gamma * t965;
+    let t967 = t960 + t966;
+    let t968 = t484 * t905;
+    let t969 = t967 + t968;
+    let t970 = v[0] * 0.00847987;
+    let t971 = t970 + t969;
+    let t972 = v[0] * t971;
+    let t973 = t954 + t972;
+    let t974 = t973 + t946;
+    let t975 = t974 - t945;
+    let t976 = t975 + t944;
+    let t977 = t404 * t976;
+    let t978 = t943 - t977;
+    let t979 = t494 * t976;
+    let t980 = t474 * t941;
+    let t981 = t461 * t911;
+    let t982 = t83 * t464;
+    let t983 = t949 + t982;
+    let t984 = t983 * t551;
+    let t985 = t504 * t81;
+    let t986 = t985 - t984;
+    let t987 = 0.7552597941000001 * cos_beta;
+    let t988 = t987 - t480;
+    let t989 = t988 * 21.1145440844009;
+    let t990 = t989 + t986;
+    let t991 = cos_delta * t800;
+    let t992 = sin_delta * t792;
+    let t993 = t992 + t991;
+    let t994 = omega_gamma_x * 1.5837633996450005;
+    let t995 = t994 + t993;
+    let t996 = t83 * t995;
+    let t997 = t996 + t968;
+    let t998 = t967 + t997;
+    let t999 = v[0] * 2.0;
+    let t1000 = t502 * t999;
+    let t1001 = t1000 + t998;
+    let t1002 = v[0] * t1001;
+    let t1003 = t990 - t1002;
+    let t1004 = t1003 - t946;
+    let t1005 = t1004 + t981;
+    let t1006 = t1005 - t980;
+    let t1007 = t1006 + t979;
+    let t1008 = t522 * t1007;
+    let t1009 = t978 + t1008;
+    let t1010 = inverse_d_alpha * t1009;
+    let t1011 = t464 * acceleration_gamma_y_2;
+    let t1012 = t298 * t585;
+    let t1013 = t536 - t379;
+    let t1014 = t593 * t1013;
+    let t1015 = t1014 + t1012;
+    let t1016 = t365 * t81;
+    let t1017 = t1015 + t1016;
+    let t1018 = t1011 - t1017;
+    let t1019 = t746 - t782;
+    let t1020 = t783 - t1019;
+    let t1021 = omega_gamma_x * t1020;
+    let t1022 = omega_gamma_y * t821;
+    let t1023 = t1021 + t1022;
+    let t1024 = t1018 + t1023;
+    let t1025 = moment_gamma_x_2 + t1024;
+    let t1026 = cos_beta_gamma * t1025;
+    let t1027 = t464 * acceleration_gamma_x_2;
+    let t1028 = t298 * t593;
+    let t1029 = t536 - t383;
+    let t1030 = t585 * t1029;
+    let t1031 = t1030 + t1028;
+    let t1032 = t394 * t81;
+    let t1033 = t1031 + t1032;
+    let t1034 = t1027 - t1033;
+    let t1035 = t786 + t1019;
+    let t1036 = omega_gamma_y * t1035;
+    let t1037 = omega_gamma_x * t807;
+    let t1038 = t1036 + t1037;
+    let t1039 = t1034 - t1038;
+    let t1040 = moment_gamma_y_2 + t1039;
+    let t1041 = sin_beta_gamma * t1040;
+    let t1042 = t1041 - t1026;
+    let t1043 = t301 * t593;
+    let t1044 = t477 * t585;
+    let t1045 = t1044 - t1043;
+    let t1046 = omega_gamma_x * t831;
+    let t1047 = omega_gamma_y * t785;
+    let t1048 = t1047 + t1046;
+    let t1049 = t1045 - t1048;
+    let t1050 = t83 * t1049;
+    let t1051 = t1042 + t1050;
+    let t1052 = t593 * t851;
+    let t1053 = t585 * t849;
+    let t1054 = t1053 + t1052;
+    let t1055 = t1054 + t856;
+    let t1056 = omega_gamma_y * t865;
+    let t1057 = omega_gamma_x * t867;
+    let t1058 = t1056 - t1057;
+    let t1059 = t1055 - t1058;
+    let t1060 = t231 * t1059;
+    let t1061 = t1051 - t1060;
+    let t1062 = t294 * acceleration_gamma_x_2;
+    let t1063 = t449 * acceleration_gamma_y_2;
+    let t1064 = t1063 + t1062;
+    let t1065 = t252 * t593;
+    let t1066 = t585 * t877;
+    let t1067 = t1066 - t1065;
+    let t1068 = t81 * t885;
+    let t1069 = t1067 + t1068;
+    let t1070 = t1069 - t1064;
+    let t1071 = omega_gamma_y * t897;
+    let t1072 = omega_gamma_x * t901;
+    let t1073 = t1071 + t1072;
+    let t1074 = t1070 - t1073;
+    let t1075 = t263 * t1074;
+    let t1076 = t1061 - t1075;
+    let t1077 = t281 * t1074;
+    let t1078 = t593 * t916;
+    let t1079 = t1012 - t1078;
+    let t1080 = t1016 + t1079;
+    let t1081 = t1011 - t1080;
+    let t1082 = omega_gamma_y * t928;
+    let t1083 = omega_gamma_x * t931;
+    let t1084 = t1082 + t1083;
+    let t1085 = t1081 + t1084;
+    let t1086 = t278 * t1059;
+    let t1087 = t1085 - t1086;
+    let t1088 = t1087 + t1077;
+    let t1089 = t316 * t1088;
+    let t1090 = t1076 + t1089;
+    let t1091 = t369 * t1088;
+    let t1092 = t359 * t1074;
+    let t1093 = t477 * acceleration_gamma_y_2;
+    let t1094 = t301 * acceleration_gamma_x_2;
+    let t1095 = t1094 + t1093;
+    let t1096 = t394 * t585;
+    let t1097 = t384 * t81;
+    let t1098 = t1097 - t1096;
+    let t1099 = t365 * t593;
+    let t1100 = t1098 - t1099;
+    let t1101 = t1095 - t1100;
+    let t1102 = omega_gamma_y * t959;
+    let t1103 = omega_gamma_x * t965;
+    let t1104 = t1102 + t1103;
+    let t1105 = t1101 + t1104;
+    let t1106 = t351 * t1059;
+    let t1107 = t1105 + t1106;
+    let t1108 = t1107 + t1092;
+    let t1109 = t1108 - t1091;
+    let t1110 = t404 * t1109;
+    let t1111 = t1090 - t1110;
+    let t1112 = cos_delta * force_delta_x_2;
+    let t1113 = sin_delta * force_epsilon_z_2;
+    let t1114 = t1112 - t1113;
+    let t1115 = 0.7918816998225002 * t591;
+    let force_gamma_x_2 = t1115 + t1114;
+    let t1117 = t464 * t585;
+    let t1118 = t301 * t81;
+    let t1119 = t1118 - t1117;
+    let t1120 = omega_gamma_y * t995;
+    let t1121 = t1119 - t1120;
+    let t1122 = force_gamma_x_2 + t1121;
+    let t1123 = sin_beta_gamma * t1122;
+    let t1124 = sin_epsilon * force_epsilon_x_2;
+    let force_delta_z_2 = t413 + t1124;
+    let force_gamma_y_2 = t416 + force_delta_z_2;
+    let t1127 = t464 * t593;
+    let t1128 = t477 * t81;
+    let t1129 = t1127 - t1128;
+    let t1130 = omega_gamma_x * t995;
+    let t1131 = t1129 + t1130;
+    let t1132 = force_gamma_y_2 - t1131;
+    let t1133 = cos_beta_gamma * t1132;
+    let t1134 = t1133 - t1123;
+    let t1135 = t76 * t1134;
+    let t1136 = cos_beta_gamma * t1122;
+    let t1137 = sin_beta_gamma * t1132;
+    let t1138 = t1137 + t1136;
+    let t1139 = t83 * t1138;
+    let t1140 = t1139 + t1135;
+    let t1141 = t1105 - t1140;
+    let t1142 = t1141 + t1106;
+    let t1143 = t461 * t1074;
+    let t1144 = t1142 + t1143;
+    let t1145 = t474 * t1088;
+    let t1146 = t1144 - t1145;
+    let t1147 = t494 * t1109;
+    let t1148 = t1146 - t1147;
+    let t1149 = t522 * t1148;
+    let t1150 = t1111 - t1149;
+    let t1151 = inverse_d_alpha * t1150;
+    let t1152 = t248 * t616;
+    let t1153 = t380 + t289;
+    let t1154 = t596 * t1153;
+    let t1155 = t1154 - t1152;
+    let t1156 = t252 * t135;
+    let t1157 = t1155 + t1156;
+    let t1158 = t245 * acceleration_delta_y_2;
+    let t1159 = t1158 + t1157;
+    let t1160 = t749 + t750;
+    let t1161 = omega_delta_x * t1160;
+    let t1162 = omega_delta_y * t765;
+    let t1163 = t1161 - t1162;
+    let t1164 = t1159 + t1163;
+    let t1165 = moment_delta_x_2 - t1164;
+    let t1166 = t245 * t596;
+    let t1167 = omega_delta_x * t785;
+    let t1168 = t1166 - t1167;
+    let t1169 = force_epsilon_z_2 + t1168;
+    let t1170 = t1169 - t1165;
+    let t1171 = sin_delta * t1170;
+    let t1172 = t248 * t596;
+    let t1173 = t380 - t290;
+    let t1174 = t616 * t1173;
+    let t1175 = t1174 - t1172;
+    let t1176 = t293 * t135;
+    let t1177 = t1175 + t1176;
+    let t1178 = t245 * acceleration_delta_x_2;
+    let t1179 = t1178 + t1177;
+    let t1180 = omega_delta_y * t750;
+    let t1181 = omega_delta_x * t778;
+    let t1182 = t1180 - t1181;
+    let t1183 = t1179 + t1182;
+    let t1184 = moment_delta_y_2 + t1183;
+    let t1185 = t245 * t616;
+    let t1186 = t294 * t135;
+    let t1187 = t1186 - t1185;
+    let t1188 = omega_delta_y * t785;
+    let t1189 = t1187 - t1188;
+    let t1190 = force_delta_x_2 + t1189;
+    let t1191 = t1190 - t1184;
+    let t1192 = cos_delta * t1191;
+    let t1193 = t1192 - t1171;
+    let t1194 = sin_beta_gamma * t1193;
+    let t1195 = t293 * t616;
+    let t1196 = t291 * t135;
+    let t1197 = t1196 + t1195;
+    let t1198 = t252 * t596;
+    let t1199 = t1197 + t1198;
+    let t1200 = t294 * acceleration_delta_x_2;
+    let t1201 = t1200 - t1199;
+    let t1202 = omega_delta_y * t811;
+    let t1203 = omega_delta_x * t817;
+    let t1204 = t1202 + t1203;
+    let t1205 = t1201 + t1204;
+    let t1206 = cos_beta_gamma * t1205;
+    let t1207 = t1194 - t1206;
+    let t1208 = cos_delta * t1190;
+    let t1209 = sin_delta * t1169;
+    let t1210 = t1209 - t1208;
+    let t1211 = t83 * t1210;
+    let t1212 = t1207 - t1211;
+    let t1213 = t616 * t848;
+    let t1214 = t135 * t851;
+    let t1215 = t1213 + t1214;
+    let t1216 = omega_delta_y * t860;
+    let t1217 = omega_delta_x * t863;
+    let t1218 = t1216 - t1217;
+    let t1219 = t1215 + t1218;
+    let t1220 = t231 * t1219;
+    let t1221 = t1212 + t1220;
+    let t1222 = t596 * t874;
+    let t1223 = t1152 - t1222;
+    let t1224 = t1156 - t1223;
+    let t1225 = t1158 + t1224;
+    let t1226 = omega_delta_y * t892;
+    let t1227 = omega_delta_x * t746;
+    let t1228 = t1226 - t1227;
+    let t1229 = t1225 - t1228;
+    let t1230 = t263 * t1229;
+    let t1231 = t1221 - t1230;
+    let t1232 = t281 * t1229;
+    let t1233 = t278 * t1219;
+    let t1234 = t1205 + t1233;
+    let t1235 = t1234 + t1232;
+    let t1236 = t316 * t1235;
+    let t1237 = t1231 + t1236;
+    let t1238 = cos_delta * t1170;
+    let t1239 = sin_delta * t1191;
+    let t1240 = t1239 + t1238;
+    let t1241 = t351 * t1219;
+    let t1242 = t1240 + t1241;
+    let t1243 = t359 * t1229;
+    let t1244 = t1242 - t1243;
+    let t1245 = t369 * t1235;
+    let t1246 = t1244 + t1245;
+    let t1247 = t404 * t1246;
+    let t1248 = t1237 + t1247;
+    let t1249 = t494 * t1246;
+    let t1250 = sin_delta * t1190;
+    let t1251 = cos_delta * t1169;
+    let t1252 = t1251 + t1250;
+    let t1253 = cos_beta_gamma * t1252;
+    let t1254 = t294 * t596;
+    let t1255 = omega_delta_x * t792;
+    let t1256 = omega_delta_y * t800;
+    let t1257 = t1256 - t1255;
+    let t1258 = t1254 - t1257;
+    let t1259 = sin_beta_gamma * t1258;
+    let t1260 = t1253 - t1259;
+    let t1261 = t76 * t1260;
+    let t1262 = sin_beta_gamma * t1252;
+    let t1263 = cos_beta_gamma * t1258;
+    let t1264 = t1262 + t1263;
+    let t1265 = t83 * t1264;
+    let t1266 = t1265 + t1261;
+    let t1267 = t1240 + t1266;
+    let t1268 = t1267 + t1241;
+    let t1269 = t461 * t1229;
+    let t1270 = t1268 - t1269;
+    let t1271 = t474 * t1235;
+    let t1272 = t1270 + t1271;
+    let t1273 = t1272 - t1249;
+    let t1274 = t522 * t1273;
+    let t1275 = t1248 + t1274;
+    let t1276 = inverse_d_alpha * t1275;
+    let t1277 = t61 + t287;
+    let t1278 = t624 * t1277;
+    let t1279 = omega_epsilon_y * t742;
+    let t1280 = t1278 - t1279;
+    let t1281 = moment_epsilon_x_2 + t1280;
+    let t1282 = sin_epsilon * t1281;
+    let t1283 = t44 - 0.004766037041000001;
+    let t1284 = t599 * t1283;
+    let t1285 = omega_delta_x * omega_delta_x;
+    let t1286 = omega_delta_z * omega_delta_z;
+    let t1287 = t1285 + t1286;
+    let t1288 = t57 * t1287;
+    let t1289 = t1284 - t1288;
+    let t1290 = omega_epsilon_y * t746;
+    let t1291 = omega_epsilon_x * t743;
+    let t1292 = t1290 - t1291;
+    let t1293 = t1289 - t1292;
+    let t1294 = moment_epsilon_y_2 - t1293;
+    let t1295 = cos_epsilon * t1294;
+    let t1296 = t1295 + t1282;
+    let t1297 = 0.009952485403000002 * t599;
+    let t1298 = omega_epsilon_x * t784;
+    let t1299 = t1297 - t1298;
+    let t1300 = t1299 + t1296;
+    let t1301 = cos_delta * t1300;
+    let t1302 = omega_epsilon_y * t800;
+    let t1303 = force_epsilon_x_2 - t1302;
+    let t1304 = sin_epsilon * t1303;
+    let t1305 = omega_epsilon_x * t800;
+    let t1306 = 0.009952485403000002 * t1287;
+    let t1307 = t1306 - t1305;
+    let t1308 = force_epsilon_y + t1307;
+    let t1309 = cos_epsilon * t1308;
+    let t1310 = t1309 + t1304;
+    let t1311 = t57 * t599;
+    let t1312 = t244 * t1287;
+    let t1313 = t1312 + t1311;
+    let t1314 = sin_epsilon * acceleration_delta_x_2;
+    let t1315 = cos_epsilon * acceleration_delta_z_2;
+    let acceleration_epsilon_y = t1314 + t1315;
+    let t1317 = 0.009952485403000002 * acceleration_epsilon_y;
+    let t1318 = t1317 - t1313;
+    let t1319 = omega_epsilon_y * t759;
+    let t1320 = omega_epsilon_x * t761;
+    let t1321 = t1319 - t1320;
+    let t1322 = t1318 - t1321;
+    let t1323 = t1322 - t1310;
+    let t1324 = sin_delta * t1323;
+    let t1325 = t1301 + t1324;
+    let t1326 = sin_beta_gamma * t1325;
+    let t1327 = cos_epsilon * t1281;
+    let t1328 = sin_epsilon * t1294;
+    let t1329 = t1328 - t1327;
+    let t1330 = cos_beta_gamma * t1329;
+    let t1331 = t1326 + t1330;
+    let t1332 = sin_delta * t1310;
+    let t1333 = cos_delta * t1299;
+    let t1334 = t1332 - t1333;
+    let t1335 = t83 * t1334;
+    let t1336 = t1331 - t1335;
+    let t1337 = t624 * t847;
+    let t1338 = omega_epsilon_y * t859;
     let t1339 = t1337 + t1338;
-    let t1340 = t1333 + t1339;
-    let t1341 = omega_delta_y * t945;
-    let t1342 = omega_delta_x * t973;
-    let t1343 = t1341 - t1342;
-    let t1344 = t1340 + t1343;
-    let t1345 = moment_delta_y_2 + t1344;
-    let t1346 = t48 * t835;
-    let t1347 = t37 * t285;
-    let t1348 = t1347 - t1346;
-    let t1349 = omega_delta_y * t980;
-    let t1350 = t1348 - t1349;
-    let t1351 = force_delta_x_2 + t1350;
-    let t1352 = t1351 - t1345;
-    let t1353 = cos_delta * t1352;
-    let t1354 = t1353 - t1332;
-    let t1355 = sin_beta_gamma * t1354;
-    let t1356 = t37 * acceleration_delta_x_2;
-    let t1357 = t36 * t835;
-    let t1358 = t106 * t285;
-    let t1359 = t1358 + t1357;
-    let t1360 = t40 * t786;
-    let t1361 = t1359 + t1360;
-    let t1362 = t1356 - t1361;
-    let t1363 = omega_delta_y * t1006;
-    let t1364 = omega_delta_x * t1012;
-    let t1365 = t1363 + t1364;
-    let t1366 = t1362 + t1365;
-    let t1367 = cos_beta_gamma * t1366;
-    let t1368 = t1355 - t1367;
-    let t1369 = cos_delta * t1351;
-    let t1370 = sin_delta * t1330;
-    let t1371 = t1370 - t1369;
-    let t1372 = t54 * t1371;
-    let t1373 = t1368 - t1372;
-    let t1374 = inverse_d_alpha * t1373;
-    let t1375 = cos_delta * t1331;
-    let t1376 = sin_delta * t1352;
-    let t1377 = t1376 + t1375;
-    let t1378 = sin_delta * t1351;
-    let t1379 = cos_delta * t1330;
-    let t1380 = t1379 + t1378;
-    let t1381 = cos_beta_gamma * t1380;
-    let t1382 = t37 * t786;
-    let t1383 = omega_delta_x * t987;
-    let t1384 = omega_delta_y * t995;
-    let t1385 = t1384 - t1383;
-    let t1386 = t1382 - t1385;
-    let t1387 = sin_beta_gamma * t1386;
-    let t1388 = t1381 - t1387;
-    let t1389 = t176 * t1388;
-    let t1390 = sin_beta_gamma * t1380;
-    let t1391 = cos_beta_gamma * t1386;
-    let t1392 = t1390 + t1391;
-    let t1393 = t54 * t1392;
-    let t1394 = t1393 + t1389;
-    let t1395 = t1377 + t1394;
-    let t1396 = t238 * t1395;
-    let t1397 = t1374 + t1396;
-    let t1398 = t241 * t1377;
-    let t1399 = t1397 - t1398;
-    let t1400 = t246 * t1366;
-    let t1401 = t1399 - t1400;
-    let t1402 = t786 * t1124;
-    let t1403 = t1314 - t1402;
-    let t1404 = t1318 - t1403;
-    let t1405 = t1313 + t1404;
-    let t1406 = omega_delta_y * t1142;
-    let t1407 = omega_delta_x * t941;
-    let t1408 = t1406 - t1407;
-    let t1409 = t1405 - t1408;
-    let t1410 = t253 * t1409;
-    let t1411 = t1401 - t1410;
-    let t1412 = t835 * t1163;
-    let t1413 = t285 * t1166;
-    let t1414 = t1412 + t1413;
-    let t1415 = omega_delta_y * t1175;
-    let t1416 = omega_delta_x * t1178;
-    let t1417 = t1415 - t1416;
-    let t1418 = t1414 + t1417;
-    let t1419 = t545 * t1418;
-    let t1420 = t1411 - t1419;
-    let t1421 = t12 - 0.004766037041000001;
-    let t1422 = t794 * t1421;
-    let t1423 = omega_delta_x * omega_delta_x;
-    let t1424 = omega_delta_z * omega_delta_z;
-    let t1425 = t1423 + t1424;
-    let t1426 = t22 * t1425;
-    let t1427 = t1422 - t1426;
-    let t1428 = omega_epsilon_y * t941;
-    let t1429 = omega_epsilon_x * t938;
-    let t1430 = t1428 - t1429;
-    let t1431 = t1427 - t1430;
-    let t1432 = moment_epsilon_y_2 - t1431;
-    let t1433 = cos_epsilon * t1432;
-    let t1434 = t67 + t16;
-    let t1435 = t811 * t1434;
-    let t1436 = omega_epsilon_y * t937;
-    let t1437 = t1435 - t1436;
-    let t1438 = moment_epsilon_x_2 + t1437;
-    let t1439 = sin_epsilon * t1438;
-    let t1440 = t1433 + t1439;
-    let t1441 = 0.009952485403000002 * t794;
-    let t1442 = omega_epsilon_x * t979;
-    let t1443 = t1441 - t1442;
-    let t1444 = t1443 + t1440;
-    let t1445 = cos_delta * t1444;
-    let t1446 = sin_epsilon * acceleration_delta_x_2;
-    let t1447 = cos_epsilon * acceleration_delta_z_2;
-    let acceleration_epsilon_y = t1446 + t1447;
-    let t1449 = 0.009952485403000002 * acceleration_epsilon_y;
-    let t1450 = t22 * t794;
-    let t1451 = t87 * t1425;
+    let t1340 = t231 * t1339;
+    let t1341 = t1336 - t1340;
+    let t1342 = t263 * t1322;
+    let t1343 = t1341 + t1342;
+    let t1344 = t278 * t1339;
+    let t1345 = t1329 + t1344;
+    let t1346 = t281 * t1322;
+    let t1347 = t1345 + t1346;
+    let t1348 = t316 * t1347;
+    let t1349 = t1343 - t1348;
+    let t1350 = sin_delta * t1300;
+    let t1351 = cos_delta * t1323;
+    let t1352 = t1350 - t1351;
+    let t1353 = t351 * t1339;
+    let t1354 = t1352 - t1353;
+    let t1355 = t359 * t1322;
+    let t1356 = t1354 + t1355;
+    let t1357 = t369 * t1347;
+    let t1358 = t1356 - t1357;
+    let t1359 = t404 * t1358;
+    let t1360 = t1349 + t1359;
+    let t1361 = t494 * t1358;
+    let t1362 = cos_delta * t1310;
+    let t1363 = sin_delta * t1299;
+    let t1364 = t1362 + t1363;
+    let t1365 = cos_beta_gamma * t1364;
+    let t1366 = cos_epsilon * t1303;
+    let t1367 = sin_epsilon * t1308;
+    let t1368 = t1367 - t1366;
+    let t1369 = sin_beta_gamma * t1368;
+    let t1370 = t1365 - t1369;
+    let t1371 = t76 * t1370;
+    let t1372 = sin_beta_gamma * t1364;
+    let t1373 = cos_beta_gamma * t1368;
+    let t1374 = t1372 + t1373;
+    let t1375 = t83 * t1374;
+    let t1376 = t1375 + t1371;
+    let t1377 = t1352 + t1376;
+    let t1378 = t1377 - t1353;
+    let t1379 = t461 * t1322;
+    let t1380 = t1378 + t1379;
+    let t1381 = t474 * t1347;
+    let t1382 = t1380 - t1381;
+    let t1383 = t1382 - t1361;
+    let t1384 = t522 * t1383;
+    let t1385 = t1360 + t1384;
+    let t1386 = inverse_d_alpha * t1385;
+    let t1387 = t61 * t619;
+    let t1388 = t57 * t625;
+    let t1389 = t1387 - t1388;
+    let t1390 = omega_epsilon_x * t769;
+    let t1391 = omega_epsilon_z * t746;
+    let t1392 = t1391 - t1390;
+    let t1393 = t1389 - t1392;
+    let t1394 = moment_zeta_y_2 - t1393;
+    let t1395 = cos_epsilon * t1394;
+    let t1396 = omega_epsilon_x * t774;
+    let t1397 = omega_epsilon_z * t740;
+    let t1398 = t1397 - t1396;
+    let t1399 = t216 * t155;
+    let t1400 = t1399 + t1398;
+    let t1401 = sin_epsilon * t1400;
+    let t1402 = t1395 + t1401;
+    let t1403 = sin_delta * t1402;
+    let t1404 = t57 * t619;
+    let t1405 = t45 * t625;
+    let t1406 = t1405 - t1404;
+    let t1407 = omega_epsilon_z * t756;
+    let t1408 = omega_epsilon_x * t746;
+    let t1409 = t1408 - t1407;
+    let t1410 = t1406 - t1409;
+    let t1411 = moment_zeta_x_2 - t1410;
+    let t1412 = cos_delta * t1411;
+    let t1413 = t1403 - t1412;
+    let t1414 = t351 * t1400;
+    let t1415 = t1413 - t1414;
+    let t1416 = t359 * t1411;
+    let t1417 = t1415 + t1416;
+    let t1418 = sin_epsilon * t1394;
+    let t1419 = cos_epsilon * t1400;
+    let t1420 = t1418 - t1419;
+    let t1421 = t278 * t1400;
+    let t1422 = t1420 + t1421;
+    let t1423 = t281 * t1411;
+    let t1424 = t1422 + t1423;
+    let t1425 = t369 * t1424;
+    let t1426 = t1417 - t1425;
+    let t1427 = t494 * t1426;
+    let t1428 = t461 * t1411;
+    let t1429 = t1415 + t1428;
+    let t1430 = t474 * t1424;
+    let t1431 = t1429 - t1430;
+    let t1432 = t1431 - t1427;
+    let t1433 = t522 * t1432;
+    let t1434 = cos_delta * t1402;
+    let t1435 = sin_delta * t1411;
+    let t1436 = t1434 + t1435;
+    let t1437 = sin_beta_gamma * t1436;
+    let t1438 = cos_beta_gamma * t1420;
+    let t1439 = t1437 + t1438;
+    let t1440 = t231 * t1400;
+    let t1441 = t1439 - t1440;
+    let t1442 = t263 * t1411;
+    let t1443 = t1441 + t1442;
+    let t1444 = t316 * t1424;
+    let t1445 = t1443 - t1444;
+    let t1446 = t404 * t1426;
+    let t1447 = t1445 + t1446;
+    let t1448 = t1447 + t1433;
+    let t1449 = inverse_d_alpha * t1448;
+    let t1450 = t522 * t1010;
+    let t1451 = inverse_d_beta * t1007;
     let t1452 = t1451 + t1450;
-    let t1453 = t1449 - t1452;
-    let t1454 = omega_epsilon_y * t954;
-    let t1455 = omega_epsilon_x * t956;
-    let t1456 = t1454 - t1455;
-    let t1457 = t1453 - t1456;
-    let t1458 = omega_epsilon_y * t995;
-    let t1459 = force_epsilon_x_2 - t1458;
-    let t1460 = sin_epsilon * t1459;
-    let t1461 = omega_epsilon_x * t995;
-    let t1462 = 0.009952485403000002 * t1425;
-    let t1463 = t1462 - t1461;
-    let t1464 = force_epsilon_y + t1463;
-    let t1465 = cos_epsilon * t1464;
-    let t1466 = t1465 + t1460;
-    let t1467 = t1457 - t1466;
-    let t1468 = sin_delta * t1467;
-    let t1469 = t1445 + t1468;
-    let t1470 = sin_beta_gamma * t1469;
-    let t1471 = sin_epsilon * t1432;
-    let t1472 = cos_epsilon * t1438;
-    let t1473 = t1471 - t1472;
-    let t1474 = cos_beta_gamma * t1473;
-    let t1475 = t1470 + t1474;
-    let t1476 = sin_delta * t1466;
-    let t1477 = cos_delta * t1443;
-    let t1478 = t1476 - t1477;
-    let t1479 = t54 * t1478;
-    let t1480 = t1475 - t1479;
-    let t1481 = inverse_d_alpha * t1480;
-    let t1482 = sin_delta * t1444;
-    let t1483 = cos_delta * t1467;
-    let t1484 = t1482 - t1483;
-    let t1485 = cos_delta * t1466;
-    let t1486 = sin_delta * t1443;
-    let t1487 = t1485 + t1486;
-    let t1488 = cos_beta_gamma * t1487;
-    let t1489 = cos_epsilon * t1459;
-    let t1490 = sin_epsilon * t1464;
-    let t1491 = t1490 - t1489;
-    let t1492 = sin_beta_gamma * t1491;
-    let t1493 = t1488 - t1492;
-    let t1494 = t176 * t1493;
-    let t1495 = sin_beta_gamma * t1487;
-    let t1496 = cos_beta_gamma * t1491;
-    let t1497 = t1495 + t1496;
-    let t1498 = t54 * t1497;
-    let t1499 = t1498 + t1494;
-    let t1500 = t1484 + t1499;
-    let t1501 = t238 * t1500;
-    let t1502 = t1481 + t1501;
-    let t1503 = t241 * t1484;
-    let t1504 = t1502 - t1503;
-    let t1505 = t246 * t1473;
-    let t1506 = t1504 + t1505;
-    let t1507 = t253 * t1457;
+    let t1453 = t522 * t1151;
+    let t1454 = inverse_d_beta * t1148;
+    let t1455 = t1454 - t1453;
+    let t1456 = t522 * t1276;
+    let t1457 = inverse_d_beta * t1273;
+    let t1458 = t1457 + t1456;
+    let t1459 = t522 * t1386;
+    let t1460 = inverse_d_beta * t1383;
+    let t1461 = t1460 + t1459;
+    let t1462 = t522 * t1449;
+    let t1463 = inverse_d_beta * t1432;
+    let t1464 = t1463 + t1462;
+    let t1465 = t494 * t1452;
+    let t1466 = inverse_d_gamma * t976;
+    let t1467 = t1466 + t1465;
+    let t1468 = t404 * t1010;
+    let t1469 = t1467 - t1468;
+    let t1470 = t494 * t1455;
+    let t1471 = inverse_d_gamma * t1109;
+    let t1472 = t1471 - t1470;
+    let t1473 = t404 * t1151;
+    let t1474 = t1472 - t1473;
+    let t1475 = t494 * t1458;
+    let t1476 = inverse_d_gamma * t1246;
+    let t1477 = t1476 - t1475;
+    let t1478 = t404 * t1276;
+    let t1479 = t1477 + t1478;
+    let t1480 = t494 * t1461;
+    let t1481 = inverse_d_gamma * t1358;
+    let t1482 = t1481 - t1480;
+    let t1483 = t404 * t1386;
+    let t1484 = t1482 + t1483;
+    let t1485 = t494 * t1464;
+    let t1486 = inverse_d_gamma * t1426;
+    let t1487 = t1486 - t1485;
+    let t1488 = t404 * t1449;
+    let t1489 = t1487 + t1488;
+    let t1490 = t369 * t1469;
+    let t1491 = inverse_d_delta * t941;
+    let t1492 = t1491 + t1490;
+    let t1493 = t474 * t1452;
+    let t1494 = t1492 - t1493;
+    let t1495 = t316 * t1010;
+    let t1496 = t1494 - t1495;
+    let t1497 = t369 * t1474;
+    let t1498 = inverse_d_delta * t1088;
+    let t1499 = t1498 - t1497;
+    let t1500 = t474 * t1455;
+    let t1501 = t1499 - t1500;
+    let t1502 = t316 * t1151;
+    let t1503 = t1501 + t1502;
+    let t1504 = t369 * t1479;
+    let t1505 = inverse_d_delta * t1235;
+    let t1506 = t1505 + t1504;
+    let t1507 = t474 * t1458;
     let t1508 = t1506 + t1507;
-    let t1509 = t811 * t1162;
-    let t1510 = omega_epsilon_y * t1174;
-    let t1511 = t1509 + t1510;
-    let t1512 = t545 * t1511;
-    let t1513 = t1508 + t1512;
-    let t1514 = t22 * t812;
-    let t1515 = t67 * t838;
-    let t1516 = t1515 - t1514;
-    let t1517 = omega_epsilon_x * t964;
-    let t1518 = omega_epsilon_z * t941;
-    let t1519 = t1518 - t1517;
-    let t1520 = t1516 - t1519;
-    let t1521 = moment_zeta_y_2 - t1520;
-    let t1522 = cos_epsilon * t1521;
-    let t1523 = omega_epsilon_x * t969;
-    let t1524 = omega_epsilon_z * t935;
-    let t1525 = t1524 - t1523;
-    let t1526 = t69 * t423;
+    let t1509 = t316 * t1276;
+    let t1510 = t1508 + t1509;
+    let t1511 = t369 * t1484;
+    let t1512 = inverse_d_delta * t1347;
+    let t1513 = t1512 - t1511;
+    let t1514 = t474 * t1461;
+    let t1515 = t1513 - t1514;
+    let t1516 = t316 * t1386;
+    let t1517 = t1515 - t1516;
+    let t1518 = t369 * t1489;
+    let t1519 = inverse_d_delta * t1424;
+    let t1520 = t1519 - t1518;
+    let t1521 = t474 * t1464;
+    let t1522 = t1520 - t1521;
+    let t1523 = t316 * t1449;
+    let t1524 = t1522 - t1523;
+    let t1525 = t281 * t1496;
+    let t1526 = inverse_d_epsilon * t911;
     let t1527 = t1526 + t1525;
-    let t1528 = sin_epsilon * t1527;
-    let t1529 = t1522 + t1528;
-    let t1530 = cos_delta * t1529;
-    let t1531 = t68 * t812;
-    let t1532 = t22 * t838;
-    let t1533 = t1531 - t1532;
-    let t1534 = omega_epsilon_z * t951;
-    let t1535 = omega_epsilon_x * t941;
-    let t1536 = t1535 - t1534;
-    let t1537 = t1533 - t1536;
-    let t1538 = moment_zeta_x_2 - t1537;
-    let t1539 = sin_delta * t1538;
-    let t1540 = t1530 + t1539;
-    let t1541 = sin_beta_gamma * t1540;
-    let t1542 = sin_epsilon * t1521;
-    let t1543 = cos_epsilon * t1527;
-    let t1544 = t1542 - t1543;
-    let t1545 = cos_beta_gamma * t1544;
-    let t1546 = t1541 + t1545;
-    let t1547 = inverse_d_alpha * t1546;
-    let t1548 = sin_delta * t1529;
-    let t1549 = cos_delta * t1538;
-    let t1550 = t1548 - t1549;
-    let t1551 = t238 * t1550;
-    let t1552 = t1547 + t1551;
-    let t1553 = t241 * t1550;
-    let t1554 = t1552 - t1553;
-    let t1555 = t246 * t1544;
+    let t1528 = t359 * t1469;
+    let t1529 = t1527 - t1528;
+    let t1530 = t461 * t1452;
+    let t1531 = t1529 + t1530;
+    let t1532 = t263 * t1010;
+    let t1533 = t1531 + t1532;
+    let t1534 = t281 * t1503;
+    let t1535 = inverse_d_epsilon * t1074;
+    let t1536 = t1535 + t1534;
+    let t1537 = t359 * t1474;
+    let t1538 = t1536 + t1537;
+    let t1539 = t461 * t1455;
+    let t1540 = t1538 + t1539;
+    let t1541 = t263 * t1151;
+    let t1542 = t1540 - t1541;
+    let t1543 = t281 * t1510;
+    let t1544 = inverse_d_epsilon * t1229;
+    let t1545 = t1544 + t1543;
+    let t1546 = t359 * t1479;
+    let t1547 = t1545 - t1546;
+    let t1548 = t461 * t1458;
+    let t1549 = t1547 - t1548;
+    let t1550 = t263 * t1276;
+    let t1551 = t1549 - t1550;
+    let t1552 = t281 * t1517;
+    let t1553 = inverse_d_epsilon * t1322;
+    let t1554 = t1553 + t1552;
+    let t1555 = t359 * t1484;
     let t1556 = t1554 + t1555;
-    let t1557 = t253 * t1538;
+    let t1557 = t461 * t1461;
     let t1558 = t1556 + t1557;
-    let t1559 = t545 * t1527;
+    let t1559 = t263 * t1386;
     let t1560 = t1558 + t1559;
-    let t1561 = t238 * t1041;
-    let t1562 = t559 * t1083;
-    let t1563 = t1561 + t1562;
-    let t1564 = t562 * t1095;
+    let t1561 = t281 * t1524;
+    let t1562 = inverse_d_epsilon * t1411;
+    let t1563 = t1562 + t1561;
+    let t1564 = t359 * t1489;
     let t1565 = t1563 + t1564;
-    let t1566 = t567 * t1121;
+    let t1566 = t461 * t1464;
     let t1567 = t1565 + t1566;
-    let t1568 = t574 * t1159;
+    let t1568 = t263 * t1449;
     let t1569 = t1567 + t1568;
-    let t1570 = t590 * t1186;
-    let t1571 = t1569 + t1570;
-    let t1572 = t238 * t1229;
-    let t1573 = t559 * t1273;
-    let t1574 = t1572 - t1573;
-    let t1575 = t562 * t1272;
-    let t1576 = t1574 + t1575;
-    let t1577 = t567 * t1285;
+    let t1570 = t278 * t1496;
+    let t1571 = inverse_d_zeta * t871;
+    let t1572 = t1571 + t1570;
+    let t1573 = t351 * t1469;
+    let t1574 = t1572 + t1573;
+    let t1575 = t351 * t1452;
+    let t1576 = t1574 - t1575;
+    let t1577 = t231 * t1010;
     let t1578 = t1576 - t1577;
-    let t1579 = t574 * t1300;
-    let t1580 = t1578 - t1579;
-    let t1581 = t590 * t1310;
-    let t1582 = t1580 + t1581;
-    let t1583 = t238 * t1373;
-    let t1584 = t559 * t1395;
+    let t1579 = t278 * t1503;
+    let t1580 = inverse_d_zeta * t1059;
+    let t1581 = t1580 - t1579;
+    let t1582 = t351 * t1474;
+    let t1583 = t1581 + t1582;
+    let t1584 = t351 * t1455;
     let t1585 = t1583 + t1584;
-    let t1586 = t562 * t1377;
+    let t1586 = t231 * t1151;
     let t1587 = t1585 - t1586;
-    let t1588 = t567 * t1366;
-    let t1589 = t1587 - t1588;
-    let t1590 = t574 * t1409;
-    let t1591 = t1589 - t1590;
-    let t1592 = t590 * t1418;
-    let t1593 = t1591 - t1592;
-    let t1594 = t238 * t1480;
-    let t1595 = t559 * t1500;
+    let t1588 = t278 * t1510;
+    let t1589 = inverse_d_zeta * t1219;
+    let t1590 = t1589 + t1588;
+    let t1591 = t351 * t1479;
+    let t1592 = t1590 + t1591;
+    let t1593 = t351 * t1458;
+    let t1594 = t1592 + t1593;
+    let t1595 = t231 * t1276;
     let t1596 = t1594 + t1595;
-    let t1597 = t562 * t1484;
-    let t1598 = t1596 - t1597;
-    let t1599 = t567 * t1473;
-    let t1600 = t1598 + t1599;
-    let t1601 = t574 * t1457;
-    let t1602 = t1600 + t1601;
-    let t1603 = t590 * t1511;
-    let t1604 = t1602 + t1603;
-    let t1605 = t238 * t1546;
-    let t1606 = t559 * t1550;
-    let t1607 = t1605 + t1606;
-    let t1608 = t562 * t1550;
-    let t1609 = t1607 - t1608;
-    let t1610 = t567 * t1544;
-    let t1611 = t1609 + t1610;
-    let t1612 = t574 * t1538;
-    let t1613 = t1611 + t1612;
-    let t1614 = t590 * t1527;
-    let t1615 = t1613 + t1614;
-    let t1616 = t241 * t1041;
-    let t1617 = t562 * t1083;
-    let t1618 = t1616 + t1617;
-    let t1619 = t602 * t1095;
-    let t1620 = t1618 + t1619;
-    let t1621 = t607 * t1121;
-    let t1622 = t1620 + t1621;
-    let t1623 = t614 * t1159;
-    let t1624 = t1622 + t1623;
-    let t1625 = t630 * t1186;
-    let t1626 = t1624 + t1625;
-    let t1627 = t241 * t1229;
-    let t1628 = t562 * t1273;
-    let t1629 = t1627 - t1628;
-    let t1630 = t602 * t1272;
-    let t1631 = t1629 + t1630;
-    let t1632 = t607 * t1285;
-    let t1633 = t1631 - t1632;
-    let t1634 = t614 * t1300;
-    let t1635 = t1633 - t1634;
-    let t1636 = t630 * t1310;
-    let t1637 = t1635 + t1636;
-    let t1638 = t241 * t1373;
-    let t1639 = t562 * t1395;
-    let t1640 = t1638 + t1639;
-    let t1641 = t602 * t1377;
-    let t1642 = t1640 - t1641;
-    let t1643 = t607 * t1366;
-    let t1644 = t1642 - t1643;
-    let t1645 = t614 * t1409;
+    let t1597 = t278 * t1517;
+    let t1598 = inverse_d_zeta * t1339;
+    let t1599 = t1598 + t1597;
+    let t1600 = t351 * t1484;
+    let t1601 = t1599 - t1600;
+    let t1602 = t351 * t1461;
+    let t1603 = t1601 - t1602;
+    let t1604 = t231 * t1386;
+    let t1605 = t1603 - t1604;
+    let t1606 = t278 * t1524;
+    let t1607 = inverse_d_zeta * t1400;
+    let t1608 = t1607 + t1606;
+    let t1609 = t351 * t1489;
+    let t1610 = t1608 - t1609;
+    let t1611 = t351 * t1464;
+    let t1612 = t1610 - t1611;
+    let t1613 = t231 * t1449;
+    let t1614 = t1612 - t1613;
+    let t1615 = sin_beta_gamma * t824;
+    let t1616 = t783 - t1615;
+    let t1617 = cos_beta_gamma * t831;
+    let t1618 = sin_beta_gamma * t785;
+    let t1619 = t1617 - t1618;
+    let t1620 = t83 * t1619;
+    let t1621 = v[1] * t76;
+    let t1622 = 2.0 * t1621;
+    let t1623 = t484 * t1622;
+    let t1624 = t1620 + t1623;
+    let t1625 = t1616 + t1624;
+    let t1626 = t195 * t88;
+    let t1627 = t1626 + t1625;
+    let t1628 = t464 * t905;
+    let t1629 = t1019 - t1628;
+    let t1630 = t1629 - t1627;
+    let t1631 = t199 * t199;
+    let t1632 = 1.0 - t1631;
+    let t1633 = t1632 * 200.0;
+    let t1634 = 60.0 + t1633;
+    let t1635 = t1630 - t1634;
+    let t1636 = sin_beta_gamma * t865;
+    let t1637 = cos_beta_gamma * t867;
+    let t1638 = t1636 + t1637;
+    let t1639 = t231 * t1638;
+    let t1640 = t1635 - t1639;
+    let t1641 = sin_beta_gamma * t897;
+    let t1642 = cos_beta_gamma * t901;
+    let t1643 = t1641 - t1642;
+    let t1644 = t452 * t905;
+    let t1645 = t255 * t1622;
     let t1646 = t1644 - t1645;
-    let t1647 = t630 * t1418;
-    let t1648 = t1646 - t1647;
-    let t1649 = t241 * t1480;
-    let t1650 = t562 * t1500;
-    let t1651 = t1649 + t1650;
-    let t1652 = t602 * t1484;
-    let t1653 = t1651 - t1652;
-    let t1654 = t607 * t1473;
-    let t1655 = t1653 + t1654;
-    let t1656 = t614 * t1457;
-    let t1657 = t1655 + t1656;
-    let t1658 = t630 * t1511;
-    let t1659 = t1657 + t1658;
-    let t1660 = t241 * t1546;
-    let t1661 = t1608 + t1660;
-    let t1662 = t602 * t1550;
-    let t1663 = t1661 - t1662;
-    let t1664 = t607 * t1544;
-    let t1665 = t1663 + t1664;
-    let t1666 = t614 * t1538;
+    let t1647 = t1643 - t1646;
+    let t1648 = t263 * t1647;
+    let t1649 = t1640 - t1648;
+    let t1650 = sin_beta_gamma * t928;
+    let t1651 = cos_beta_gamma * t931;
+    let t1652 = t1650 - t1651;
+    let t1653 = t301 * t1622;
+    let t1654 = t465 * t905;
+    let t1655 = t1654 + t1653;
+    let t1656 = t1652 - t1655;
+    let t1657 = t278 * t1638;
+    let t1658 = t1656 + t1657;
+    let t1659 = t281 * t1647;
+    let t1660 = t1658 - t1659;
+    let t1661 = t316 * t1660;
+    let t1662 = t1649 - t1661;
+    let t1663 = sin_beta_gamma * t959;
+    let t1664 = cos_beta_gamma * t965;
+    let t1665 = t1663 - t1664;
+    let t1666 = t480 * t905;
     let t1667 = t1665 + t1666;
-    let t1668 = t630 * t1527;
-    let t1669 = t1667 + t1668;
-    let t1670 = t246 * t1041;
-    let t1671 = t567 * t1083;
-    let t1672 = t1670 + t1671;
-    let t1673 = t607 * t1095;
-    let t1674 = t1672 + t1673;
-    let t1675 = t653 * t1121;
-    let t1676 = t1674 + t1675;
-    let t1677 = t660 * t1159;
-    let t1678 = t1676 + t1677;
-    let t1679 = t676 * t1186;
-    let t1680 = t1678 + t1679;
-    let t1681 = t246 * t1229;
-    let t1682 = t567 * t1273;
-    let t1683 = t1681 - t1682;
-    let t1684 = t607 * t1272;
-    let t1685 = t1683 + t1684;
-    let t1686 = t653 * t1285;
-    let t1687 = t1685 - t1686;
-    let t1688 = t660 * t1300;
-    let t1689 = t1687 - t1688;
-    let t1690 = t676 * t1310;
-    let t1691 = t1689 + t1690;
-    let t1692 = t246 * t1373;
-    let t1693 = t567 * t1395;
-    let t1694 = t1692 + t1693;
-    let t1695 = t607 * t1377;
-    let t1696 = t1694 - t1695;
-    let t1697 = t653 * t1366;
-    let t1698 = t1696 - t1697;
-    let t1699 = t660 * t1409;
-    let t1700 = t1698 - t1699;
-    let t1701 = t676 * t1418;
-    let t1702 = t1700 - t1701;
-    let t1703 = t246 * t1480;
-    let t1704 = t567 * t1500;
-    let t1705 = t1703 + t1704;
-    let t1706 = t607 * t1484;
-    let t1707 = t1705 - t1706;
-    let t1708 = t653 * t1473;
-    let t1709 = t1707 + t1708;
-    let t1710 = t660 * t1457;
-    let t1711 = t1709 + t1710;
-    let t1712 = t676 * t1511;
-    let t1713 = t1711 + t1712;
-    let t1714 = t246 * t1546;
-    let t1715 = t567 * t1550;
-    let t1716 = t1714 + t1715;
-    let t1717 = t607 * t1550;
-    let t1718 = t1716 - t1717;
-    let t1719 = t653 * t1544;
-    let t1720 = t1718 + t1719;
-    let t1721 = t660 * t1538;
-    let t1722 = t1720 + t1721;
-    let t1723 = t676 * t1527;
-    let t1724 = t1722 + t1723;
-    let t1725 = t253 * t1041;
-    let t1726 = t574 * t1083;
-    let t1727 = t1725 + t1726;
-    let t1728 = t614 * t1095;
-    let t1729 = t1727 + t1728;
-    let t1730 = t660 * t1121;
-    let t1731 = t1729 + t1730;
-    let t1732 = t714 * t1159;
+    let t1668 = t351 * t1638;
+    let t1669 = t1667 - t1668;
+    let t1670 = t359 * t1647;
+    let t1671 = t1669 - t1670;
+    let t1672 = t369 * t1660;
+    let t1673 = t1671 - t1672;
+    let t1674 = t404 * t1673;
+    let t1675 = t1662 + t1674;
+    let t1676 = t494 * t1673;
+    let t1677 = t76 * t995;
+    let t1678 = t1677 - t1666;
+    let t1679 = t1665 - t1678;
+    let t1680 = t195 * t999;
+    let t1681 = t1680 - t1679;
+    let t1682 = t1681 + t1668;
+    let t1683 = t461 * t1647;
+    let t1684 = t1682 + t1683;
+    let t1685 = t474 * t1660;
+    let t1686 = t1684 + t1685;
+    let t1687 = t1686 + t1676;
+    let t1688 = t522 * t1687;
+    let t1689 = t1675 - t1688;
+    let t1690 = inverse_d_alpha * t1689;
+    let t1691 = t786 - t1615;
+    let t1692 = t76 * t834;
+    let t1693 = t480 * t837;
+    let t1694 = t1692 - t1693;
+    let t1695 = t1691 + t1694;
+    let t1696 = t1626 + t1695;
+    let t1697 = t1627 - t1696;
+    let t1698 = t983 * t999;
+    let t1699 = t1697 + t1698;
+    let t1700 = t433 * t433;
+    let t1701 = 1.0 - t1700;
+    let t1702 = t1701 * 19.62;
+    let t1703 = 76.556 + t1702;
+    let t1704 = t438 * t438;
+    let t1705 = 1.0 - t1704;
+    let t1706 = t1705 * 108.38;
+    let t1707 = t1703 + t1706;
+    let t1708 = t442 * t442;
+    let t1709 = 1.0 - t1708;
+    let t1710 = t1709 * 44.720000000000006;
+    let t1711 = t1707 + t1710;
+    let t1712 = t1699 + t1711;
+    let t1713 = sin_delta * t860;
+    let t1714 = cos_delta * t863;
+    let t1715 = t1713 - t1714;
+    let t1716 = t999 * t853;
+    let t1717 = t1715 + t1716;
+    let t1718 = t351 * t1717;
+    let t1719 = t1712 + t1718;
+    let t1720 = sin_delta * t893;
+    let t1721 = cos_delta * t895;
+    let t1722 = t1720 - t1721;
+    let t1723 = t452 * t837;
+    let t1724 = t456 * t1622;
+    let t1725 = t1724 - t1723;
+    let t1726 = t1722 - t1725;
+    let t1727 = t999 * t882;
+    let t1728 = t1726 - t1727;
+    let t1729 = t461 * t1728;
+    let t1730 = t1719 + t1729;
+    let t1731 = sin_delta * t811;
+    let t1732 = cos_delta * t817;
     let t1733 = t1731 + t1732;
-    let t1734 = t730 * t1186;
+    let t1734 = 0.001515 * omega_gamma_x;
     let t1735 = t1733 + t1734;
-    let t1736 = t253 * t1229;
-    let t1737 = t574 * t1273;
-    let t1738 = t1736 - t1737;
-    let t1739 = t614 * t1272;
-    let t1740 = t1738 + t1739;
-    let t1741 = t660 * t1285;
-    let t1742 = t1740 - t1741;
-    let t1743 = t714 * t1300;
-    let t1744 = t1742 - t1743;
-    let t1745 = t730 * t1310;
-    let t1746 = t1744 + t1745;
-    let t1747 = t253 * t1373;
-    let t1748 = t574 * t1395;
-    let t1749 = t1747 + t1748;
-    let t1750 = t614 * t1377;
-    let t1751 = t1749 - t1750;
-    let t1752 = t660 * t1366;
-    let t1753 = t1751 - t1752;
-    let t1754 = t714 * t1409;
+    let t1736 = t465 * t837;
+    let t1737 = t467 * t1622;
+    let t1738 = t1737 - t1736;
+    let t1739 = t1735 - t1738;
+    let t1740 = t999 * t921;
+    let t1741 = t1739 + t1740;
+    let t1742 = t278 * t1717;
+    let t1743 = t1741 + t1742;
+    let t1744 = t281 * t1728;
+    let t1745 = t1743 - t1744;
+    let t1746 = t474 * t1745;
+    let t1747 = t1730 + t1746;
+    let t1748 = t786 - t783;
+    let t1749 = t1623 + t1693;
+    let t1750 = t1748 - t1749;
+    let t1751 = t949 * t999;
+    let t1752 = t1750 - t1751;
+    let t1753 = t1752 - t1718;
+    let t1754 = t359 * t1728;
     let t1755 = t1753 - t1754;
-    let t1756 = t730 * t1418;
+    let t1756 = t369 * t1745;
     let t1757 = t1755 - t1756;
-    let t1758 = t253 * t1480;
-    let t1759 = t574 * t1500;
-    let t1760 = t1758 + t1759;
-    let t1761 = t614 * t1484;
-    let t1762 = t1760 - t1761;
-    let t1763 = t660 * t1473;
-    let t1764 = t1762 + t1763;
-    let t1765 = t714 * t1457;
-    let t1766 = t1764 + t1765;
-    let t1767 = t730 * t1511;
-    let t1768 = t1766 + t1767;
-    let t1769 = t253 * t1546;
-    let t1770 = t574 * t1550;
+    let t1758 = t494 * t1757;
+    let t1759 = t1747 + t1758;
+    let t1760 = t522 * t1759;
+    let t1761 = t768 - t955;
+    let t1762 = t167 + t1761;
+    let t1763 = sin_beta_gamma * t1762;
+    let t1764 = cos_beta_gamma * t1733;
+    let t1765 = t1763 - t1764;
+    let t1766 = t464 * t837;
+    let t1767 = t1765 - t1766;
+    let t1768 = t731 * t999;
+    let t1769 = t1767 - t1768;
+    let t1770 = t231 * t1717;
     let t1771 = t1769 + t1770;
-    let t1772 = t614 * t1550;
-    let t1773 = t1771 - t1772;
-    let t1774 = t660 * t1544;
+    let t1772 = t263 * t1728;
+    let t1773 = t1771 + t1772;
+    let t1774 = t316 * t1745;
     let t1775 = t1773 + t1774;
-    let t1776 = t714 * t1538;
-    let t1777 = t1775 + t1776;
-    let t1778 = t730 * t1527;
-    let t1779 = t1777 + t1778;
-    let t1780 = t545 * t1041;
-    let t1781 = t590 * t1083;
-    let t1782 = t1780 + t1781;
-    let t1783 = t630 * t1095;
-    let t1784 = t1782 + t1783;
-    let t1785 = t676 * t1121;
-    let t1786 = t1784 + t1785;
-    let t1787 = t730 * t1159;
-    let t1788 = t1786 + t1787;
-    let t1789 = t777 * t1186;
-    let t1790 = t1788 + t1789;
-    let t1791 = t545 * t1229;
-    let t1792 = t590 * t1273;
-    let t1793 = t1791 - t1792;
-    let t1794 = t630 * t1272;
-    let t1795 = t1793 + t1794;
-    let t1796 = t676 * t1285;
-    let t1797 = t1795 - t1796;
-    let t1798 = t730 * t1300;
-    let t1799 = t1797 - t1798;
-    let t1800 = t777 * t1310;
+    let t1776 = t404 * t1757;
+    let t1777 = t1775 - t1776;
+    let t1778 = t1777 + t1760;
+    let t1779 = inverse_d_alpha * t1778;
+    let t1780 = 2.0 * omega_gamma_y;
+    let t1781 = t394 * t1780;
+    let t1782 = 2.0 * omega_gamma_x;
+    let t1783 = t365 * t1782;
+    let t1784 = t1781 + t1783;
+    let t1785 = t1748 - t1784;
+    let t1786 = t329 * t329;
+    let t1787 = 1.0 - t1786;
+    let t1788 = t1787 * 1.8399999999999999;
+    let t1789 = 56.231 + t1788;
+    let t1790 = t334 * t334;
+    let t1791 = 1.0 - t1790;
+    let t1792 = t1791 * 3.6799999999999997;
+    let t1793 = t1789 + t1792;
+    let t1794 = t338 * t338;
+    let t1795 = 1.0 - t1794;
+    let t1796 = t1795 * 834.2;
+    let t1797 = t1793 + t1796;
+    let t1798 = t1785 - t1797;
+    let t1799 = t1780 * t849;
+    let t1800 = t1782 * t851;
     let t1801 = t1799 + t1800;
-    let t1802 = t545 * t1373;
-    let t1803 = t590 * t1395;
-    let t1804 = t1802 + t1803;
-    let t1805 = t630 * t1377;
-    let t1806 = t1804 - t1805;
-    let t1807 = t676 * t1366;
-    let t1808 = t1806 - t1807;
-    let t1809 = t730 * t1409;
-    let t1810 = t1808 - t1809;
-    let t1811 = t777 * t1418;
-    let t1812 = t1810 - t1811;
-    let t1813 = t545 * t1480;
-    let t1814 = t590 * t1500;
-    let t1815 = t1813 + t1814;
-    let t1816 = t630 * t1484;
-    let t1817 = t1815 - t1816;
-    let t1818 = t676 * t1473;
-    let t1819 = t1817 + t1818;
-    let t1820 = t730 * t1457;
-    let t1821 = t1819 + t1820;
-    let t1822 = t777 * t1511;
-    let t1823 = t1821 + t1822;
-    let t1824 = t545 * t1546;
-    let t1825 = t590 * t1550;
-    let t1826 = t1824 + t1825;
-    let t1827 = t630 * t1550;
-    let t1828 = t1826 - t1827;
-    let t1829 = t676 * t1544;
-    let t1830 = t1828 + t1829;
-    let t1831 = t730 * t1538;
-    let t1832 = t1830 + t1831;
-    let t1833 = t777 * t1527;
-    let t1834 = t1832 + t1833;
-    let t1835 = sin_beta_gamma * t1147;
-    let t1836 = cos_beta_gamma * t1151;
-    let t1837 = t1835 - t1836;
-    let t1838 = t185 * t1075;
-    let t1839 = v[1] * t176;
-    let t1840 = 2.0 * t1839;
-    let t1841 = t95 * t1840;
-    let t1842 = t1838 - t1841;
-    let t1843 = t1837 - t1842;
-    let t1844 = t253 * t1843;
-    let t1845 = sin_beta_gamma * t1110;
-    let t1846 = cos_beta_gamma * t1113;
-    let t1847 = t1845 - t1846;
-    let t1848 = t51 * t1840;
-    let t1849 = t197 * t1075;
-    let t1850 = t1849 + t1848;
-    let t1851 = t1847 - t1850;
-    let t1852 = t246 * t1851;
-    let t1853 = sin_beta_gamma * t1059;
-    let t1854 = cos_beta_gamma * t1065;
-    let t1855 = t1853 - t1854;
-    let t1856 = t175 * t1075;
-    let t1857 = t1855 + t1856;
-    let t1858 = t241 * t1857;
-    let t1859 = t176 * t1072;
-    let t1860 = t1859 - t1856;
-    let t1861 = t1855 - t1860;
-    let t1862 = t480 * t1079;
-    let t1863 = t1862 - t1861;
-    let t1864 = t238 * t1863;
-    let t1865 = sin_beta_gamma * t1019;
-    let t1866 = t978 - t1865;
-    let t1867 = cos_beta_gamma * t1026;
-    let t1868 = sin_beta_gamma * t980;
-    let t1869 = t1867 - t1868;
-    let t1870 = t54 * t1869;
-    let t1871 = t53 * t1840;
-    let t1872 = t1870 + t1871;
-    let t1873 = t1866 + t1872;
-    let t1874 = t480 * t264;
-    let t1875 = t1874 + t1873;
-    let t1876 = t196 * t1075;
-    let t1877 = t1197 - t1876;
-    let t1878 = t1877 - t1875;
-    let t1879 = t527 * t527;
-    let t1880 = 1.0 - t1879;
-    let t1881 = t1880 * 200.0;
-    let t1882 = 60.0 + t1881;
-    let t1883 = t1878 - t1882;
-    let t1884 = inverse_d_alpha * t1883;
-    let t1885 = t1884 - t1864;
-    let t1886 = t1885 - t1858;
-    let t1887 = t1886 + t1852;
-    let t1888 = t1887 - t1844;
-    let t1889 = sin_beta_gamma * t1180;
-    let t1890 = cos_beta_gamma * t1182;
-    let t1891 = t1889 + t1890;
-    let t1892 = t545 * t1891;
-    let t1893 = t1888 + t1892;
-    let t1894 = sin_delta * t1143;
-    let t1895 = cos_delta * t1145;
-    let t1896 = t1894 - t1895;
-    let t1897 = t185 * t1032;
-    let t1898 = t189 * t1840;
-    let t1899 = t1898 - t1897;
-    let t1900 = t1896 - t1899;
-    let t1901 = t1079 * t1132;
-    let t1902 = t1900 - t1901;
-    let t1903 = t253 * t1902;
-    let t1904 = sin_delta * t1006;
-    let t1905 = cos_delta * t1012;
-    let t1906 = t1904 + t1905;
-    let t1907 = 0.001515 * omega_gamma_x;
-    let t1908 = t1906 + t1907;
-    let t1909 = t197 * t1032;
-    let t1910 = t199 * t1840;
-    let t1911 = t1910 - t1909;
-    let t1912 = t1908 - t1911;
-    let t1913 = t1079 * t1103;
-    let t1914 = t1912 + t1913;
-    let t1915 = t246 * t1914;
-    let t1916 = t981 - t978;
-    let t1917 = t175 * t1032;
-    let t1918 = t1871 + t1917;
-    let t1919 = t1916 - t1918;
-    let t1920 = t1045 * t1079;
-    let t1921 = t1919 - t1920;
-    let t1922 = t241 * t1921;
-    let t1923 = t981 - t1865;
-    let t1924 = t176 * t1029;
-    let t1925 = t1924 - t1917;
-    let t1926 = t1923 + t1925;
-    let t1927 = t1874 + t1926;
-    let t1928 = t1875 - t1927;
-    let t1929 = t1047 * t1079;
-    let t1930 = t1928 + t1929;
-    let t1931 = t486 * t486;
-    let t1932 = 1.0 - t1931;
-    let t1933 = t1932 * 19.62;
-    let t1934 = 76.556 + t1933;
-    let t1935 = t491 * t491;
-    let t1936 = 1.0 - t1935;
-    let t1937 = t1936 * 108.38;
-    let t1938 = t1934 + t1937;
-    let t1939 = t495 * t495;
-    let t1940 = 1.0 - t1939;
-    let t1941 = t1940 * 44.720000000000006;
-    let t1942 = t1938 + t1941;
-    let t1943 = t1930 + t1942;
-    let t1944 = t238 * t1943;
-    let t1945 = t963 - t1055;
-    let t1946 = t435 + t1945;
-    let t1947 = sin_beta_gamma * t1946;
-    let t1948 = cos_beta_gamma * t1906;
-    let t1949 = t1947 - t1948;
-    let t1950 = t196 * t1032;
-    let t1951 = t1949 - t1950;
-    let t1952 = t926 * t1079;
-    let t1953 = t1951 - t1952;
-    let t1954 = inverse_d_alpha * t1953;
-    let t1955 = t1954 + t1944;
-    let t1956 = t1955 + t1922;
-    let t1957 = t1956 - t1915;
-    let t1958 = t1957 + t1903;
-    let t1959 = sin_delta * t1175;
-    let t1960 = cos_delta * t1178;
-    let t1961 = t1959 - t1960;
-    let t1962 = t1079 * t1168;
-    let t1963 = t1961 + t1962;
-    let t1964 = t545 * t1963;
-    let t1965 = t1958 - t1964;
-    let t1966 = 2.0 * omega_gamma_y;
-    let t1967 = t1966 * t1127;
-    let t1968 = 2.0 * omega_gamma_x;
-    let t1969 = t40 * t1968;
-    let t1970 = t1967 - t1969;
-    let t1971 = t1896 + t1970;
-    let t1972 = t253 * t1971;
-    let t1973 = t1968 * t1098;
-    let t1974 = t42 * t1966;
-    let t1975 = t1974 - t1973;
-    let t1976 = t1908 + t1975;
-    let t1977 = t246 * t1976;
-    let t1978 = t160 * t1966;
-    let t1979 = t151 * t1968;
-    let t1980 = t1978 + t1979;
-    let t1981 = t1916 - t1980;
-    let t1982 = t440 * t440;
-    let t1983 = 1.0 - t1982;
-    let t1984 = t1983 * 1.8399999999999999;
-    let t1985 = 56.231 + t1984;
-    let t1986 = t445 * t445;
-    let t1987 = 1.0 - t1986;
-    let t1988 = t1987 * 3.6799999999999997;
-    let t1989 = t1985 + t1988;
-    let t1990 = t449 * t449;
-    let t1991 = 1.0 - t1990;
-    let t1992 = t1991 * 834.2;
-    let t1993 = t1989 + t1992;
-    let t1994 = t1981 - t1993;
+    let t1802 = t1715 + t1801;
+    let t1803 = t351 * t1802;
+    let t1804 = t1798 - t1803;
+    let t1805 = t1780 * t877;
+    let t1806 = t252 * t1782;
+    let t1807 = t1805 - t1806;
+    let t1808 = t1722 + t1807;
+    let t1809 = t359 * t1808;
+    let t1810 = t1804 - t1809;
+    let t1811 = t1782 * t916;
+    let t1812 = t298 * t1780;
+    let t1813 = t1812 - t1811;
+    let t1814 = t1735 + t1813;
+    let t1815 = t278 * t1802;
+    let t1816 = t1814 + t1815;
+    let t1817 = t281 * t1808;
+    let t1818 = t1816 - t1817;
+    let t1819 = t369 * t1818;
+    let t1820 = t1810 - t1819;
+    let t1821 = t494 * t1820;
+    let t1822 = t464 * t1780;
+    let t1823 = t831 + t1822;
+    let t1824 = sin_beta_gamma * t1823;
+    let t1825 = t464 * t1782;
+    let t1826 = t785 - t1825;
+    let t1827 = cos_beta_gamma * t1826;
+    let t1828 = t1827 + t1824;
+    let t1829 = t76 * t1828;
+    let t1830 = cos_beta_gamma * t1823;
+    let t1831 = sin_beta_gamma * t1826;
+    let t1832 = t1831 - t1830;
+    let t1833 = t83 * t1832;
+    let t1834 = t1833 + t1829;
+    let t1835 = t1785 + t1834;
+    let t1836 = t1835 - t1803;
+    let t1837 = t461 * t1808;
+    let t1838 = t1836 - t1837;
+    let t1839 = t474 * t1818;
+    let t1840 = t1838 - t1839;
+    let t1841 = t1840 - t1821;
+    let t1842 = t522 * t1841;
+    let t1843 = t1780 * t1029;
+    let t1844 = t298 * t1782;
+    let t1845 = t1843 + t1844;
+    let t1846 = t1762 + t1845;
+    let t1847 = sin_beta_gamma * t1846;
+    let t1848 = t1782 * t1013;
+    let t1849 = t1848 + t1812;
+    let t1850 = t1733 + t1849;
+    let t1851 = cos_beta_gamma * t1850;
+    let t1852 = t1847 - t1851;
+    let t1853 = t301 * t1782;
+    let t1854 = t477 * t1780;
+    let t1855 = t1854 - t1853;
+    let t1856 = t83 * t1855;
+    let t1857 = t1852 - t1856;
+    let t1858 = t231 * t1802;
+    let t1859 = t1857 + t1858;
+    let t1860 = t263 * t1808;
+    let t1861 = t1859 + t1860;
+    let t1862 = t316 * t1818;
+    let t1863 = t1861 + t1862;
+    let t1864 = t404 * t1820;
+    let t1865 = t1863 - t1864;
+    let t1866 = t1865 - t1842;
+    let t1867 = inverse_d_alpha * t1866;
+    let t1868 = t751 * t1173;
+    let t1869 = t248 * t766;
+    let t1870 = t1868 + t1869;
+    let t1871 = t791 - t1870;
+    let t1872 = t792 - t793;
+    let t1873 = t1872 + t1871;
+    let t1874 = cos_delta * t1873;
+    let t1875 = t766 * t1153;
+    let t1876 = t248 * t751;
+    let t1877 = t1875 + t1876;
+    let t1878 = t799 + t1877;
+    let t1879 = t800 - t801;
+    let t1880 = t1879 - t1878;
+    let t1881 = sin_delta * t1880;
+    let t1882 = t1874 - t1881;
+    let t1883 = t1882 - t927;
+    let t1884 = sin_beta_gamma * t1883;
+    let t1885 = t252 * t766;
+    let t1886 = t293 * t751;
+    let t1887 = t1886 - t1885;
+    let t1888 = t930 - t1887;
+    let t1889 = cos_beta_gamma * t1888;
+    let t1890 = t1884 - t1889;
+    let t1891 = cos_delta * t1872;
+    let t1892 = sin_delta * t1879;
+    let t1893 = t1892 - t1891;
+    let t1894 = t83 * t1893;
+    let t1895 = t1890 - t1894;
+    let t1896 = t751 * t848;
+    let t1897 = t867 + t1896;
+    let t1898 = t231 * t1897;
+    let t1899 = t1895 + t1898;
+    let t1900 = t766 * t874;
+    let t1901 = t1876 + t1900;
+    let t1902 = t900 + t1901;
+    let t1903 = t263 * t1902;
+    let t1904 = t1899 + t1903;
+    let t1905 = t269 * t269;
+    let t1906 = 1.0 - t1905;
+    let t1907 = t1906 * 40.0;
+    let t1908 = 10.0 + t1907;
+    let t1909 = t1888 - t1908;
+    let t1910 = t278 * t1897;
+    let t1911 = t1909 + t1910;
+    let t1912 = t281 * t1902;
+    let t1913 = t1911 - t1912;
+    let t1914 = t316 * t1913;
+    let t1915 = t1904 + t1914;
+    let t1916 = sin_delta * t1873;
+    let t1917 = cos_delta * t1880;
+    let t1918 = t1916 + t1917;
+    let t1919 = t1918 - t1734;
+    let t1920 = t351 * t1897;
+    let t1921 = t1919 + t1920;
+    let t1922 = t359 * t1902;
+    let t1923 = t1921 + t1922;
+    let t1924 = t369 * t1913;
+    let t1925 = t1923 + t1924;
+    let t1926 = t404 * t1925;
+    let t1927 = t1915 + t1926;
+    let t1928 = t494 * t1925;
+    let t1929 = sin_delta * t1872;
+    let t1930 = cos_delta * t1879;
+    let t1931 = t1930 + t1929;
+    let t1932 = cos_beta_gamma * t1931;
+    let t1933 = sin_beta_gamma * t767;
+    let t1934 = t1932 + t1933;
+    let t1935 = t76 * t1934;
+    let t1936 = sin_beta_gamma * t1931;
+    let t1937 = cos_beta_gamma * t767;
+    let t1938 = t1936 - t1937;
+    let t1939 = t83 * t1938;
+    let t1940 = t1939 + t1935;
+    let t1941 = t1919 + t1940;
+    let t1942 = t1941 + t1920;
+    let t1943 = t461 * t1902;
+    let t1944 = t1942 + t1943;
+    let t1945 = t474 * t1913;
+    let t1946 = t1944 + t1945;
+    let t1947 = t1946 - t1928;
+    let t1948 = t522 * t1947;
+    let t1949 = t1927 + t1948;
+    let t1950 = inverse_d_alpha * t1949;
+    let t1951 = 2.0 * omega_epsilon_y;
+    let t1952 = t1951 * t1283;
+    let t1953 = t770 - t1952;
+    let t1954 = cos_epsilon * t1953;
+    let t1955 = t737 * t1277;
+    let t1956 = t774 - t1955;
+    let t1957 = sin_epsilon * t1956;
+    let t1958 = t1954 + t1957;
+    let t1959 = t1958 - t891;
+    let t1960 = 0.019904970806000004 * omega_epsilon_y;
+    let t1961 = t1960 + t1959;
+    let t1962 = sin_delta * t1961;
+    let t1963 = t57 * t1951;
+    let t1964 = t746 + t1963;
+    let t1965 = t785 - t1964;
+    let t1966 = cos_delta * t1965;
+    let t1967 = t1962 - t1966;
+    let t1968 = t737 * t847;
+    let t1969 = t863 - t1968;
+    let t1970 = t351 * t1969;
+    let t1971 = t1967 - t1970;
+    let t1972 = t237 * t237;
+    let t1973 = 1.0 - t1972;
+    let t1974 = t1973 * 30.0;
+    let t1975 = 8.0 + t1974;
+    let t1976 = t1964 + t1975;
+    let t1977 = t359 * t1976;
+    let t1978 = t1971 - t1977;
+    let t1979 = sin_epsilon * t1953;
+    let t1980 = cos_epsilon * t1956;
+    let t1981 = t1979 - t1980;
+    let t1982 = t1981 + t899;
     [
         sin_delta,
         cos_delta,
@@ -8027,144 +8448,107 @@ fn forward_dynamics_derivatives_part_1(
         cos_epsilon,
         sin_beta_gamma,
         cos_beta_gamma,
-        t22,
-        t23,
-        t36,
-        t40,
-        t42,
-        t49,
-        t51,
-        t54,
-        t67,
-        t68,
-        t176,
-        t196,
+        t45,
+        t61,
+        t64,
+        t76,
+        t83,
+        t209,
+        inverse_d_zeta,
+        t231,
+        inverse_d_epsilon,
+        t263,
+        t278,
+        t281,
+        inverse_d_delta,
+        t316,
+        t351,
+        t359,
+        t369,
+        inverse_d_gamma,
+        t404,
+        t461,
+        t474,
+        t494,
+        inverse_d_beta,
+        t522,
         inverse_d_alpha,
-        t238,
-        t241,
-        t246,
-        t253,
-        omega_epsilon_y,
-        t334,
-        t344,
-        t401,
-        t545,
-        t549,
-        t557,
+        t551,
+        t554,
         t559,
-        t562,
-        t567,
-        t574,
-        t590,
-        t592,
-        t602,
-        t607,
-        t614,
-        t630,
-        t632,
-        t653,
-        t660,
-        t676,
-        t678,
-        t714,
-        t730,
-        t732,
-        t777,
-        t779,
-        t932,
-        t933,
-        t941,
-        t946,
-        t961,
-        t962,
-        t965,
-        t968,
-        t969,
-        t980,
-        t986,
-        t987,
-        t988,
-        t994,
-        t995,
-        t996,
-        t1026,
-        t1109,
-        t1112,
-        t1124,
-        t1141,
-        t1149,
-        t1150,
-        t1162,
-        t1163,
-        t1164,
-        t1166,
-        t1173,
-        t1177,
-        t1178,
-        t1182,
-        t1188,
-        t1191,
-        t1207,
-        t1312,
-        t1315,
-        t1335,
-        t1420,
-        t1421,
-        t1434,
-        t1513,
+        t566,
+        t575,
+        t584,
+        t737,
+        t738,
+        t773,
+        t785,
+        t792,
+        t858,
+        t862,
+        t1010,
+        t1151,
+        t1276,
+        t1386,
+        t1449,
+        t1452,
+        t1455,
+        t1458,
+        t1461,
+        t1464,
+        t1469,
+        t1474,
+        t1479,
+        t1484,
+        t1489,
+        t1496,
+        t1503,
+        t1510,
+        t1517,
+        t1524,
+        t1533,
+        t1542,
+        t1551,
         t1560,
-        t1571,
-        t1582,
-        t1593,
-        t1604,
-        t1615,
-        t1626,
-        t1637,
-        t1648,
-        t1659,
-        t1669,
-        t1680,
-        t1691,
-        t1702,
-        t1713,
-        t1724,
-        t1735,
-        t1746,
+        t1569,
+        t1578,
+        t1587,
+        t1596,
+        t1605,
+        t1614,
+        t1638,
+        t1647,
+        t1660,
+        t1673,
+        t1687,
+        t1690,
+        t1717,
+        t1728,
+        t1745,
         t1757,
-        t1768,
+        t1759,
         t1779,
-        t1790,
-        t1801,
-        t1812,
-        t1823,
-        t1834,
-        t1843,
-        t1851,
-        t1857,
-        t1863,
-        t1883,
-        t1891,
-        t1893,
+        t1802,
+        t1808,
+        t1818,
+        t1820,
+        t1841,
+        t1867,
+        t1897,
         t1902,
-        t1906,
-        t1907,
-        t1914,
-        t1921,
-        t1943,
-        t1946,
-        t1953,
+        t1913,
+        t1925,
+        t1947,
+        t1950,
+        t1960,
         t1961,
-        t1963,
         t1965,
-        t1966,
-        t1968,
-        t1971,
-        t1972,
-        t1974,
+        t1967,
+        t1969,
+        t1970,
         t1976,
-        t1977,
-        t1981,
-        t1994,
+        t1978,
+        t1982,
     ]
 }
 
@@ -8177,765 +8561,687 @@ fn forward_dynamics_derivatives_part_2(
     cos_epsilon,
     sin_beta_gamma,
     cos_beta_gamma,
-    t22,
-    t23,
-    t36,
-    t40,
-    t42,
-    t49,
-    t51,
-    t54,
-    t67,
-    t68,
-    t176,
-    t196,
+    t45,
+    t61,
+    t64,
+    t76,
+    t83,
+    t209,
+    inverse_d_zeta,
+    t231,
+    inverse_d_epsilon,
+    t263,
+    t278,
+    t281,
+    inverse_d_delta,
+    t316,
+    t351,
+    t359,
+    t369,
+    inverse_d_gamma,
+    t404,
+    t461,
+    t474,
+    t494,
+    inverse_d_beta,
+    t522,
     inverse_d_alpha,
-    t238,
-    t241,
-    t246,
-    t253,
-    omega_epsilon_y,
-    t334,
-    t344,
-    t401,
-    t545,
-    t549,
-    t559,
-    t562,
-    t567,
-    t574,
-    t590,
-    t592,
-    t602,
-    t607,
-    t614,
-    t630,
-    t653,
-    t660,
-    t676,
-    t714,
-    t730,
-    t777,
-    t779,
-    t932,
-    t933,
-    t941,
-    t946,
-    t961,
-    t962,
-    t965,
-    t968,
-    t969,
-    t980,
-    t986,
-    t987,
-    t988,
-    t994,
-    t995,
-    t996,
-    t1026,
-    t1109,
-    t1112,
-    t1124,
-    t1141,
-    t1149,
-    t1150,
-    t1162,
-    t1163,
-    t1164,
-    t1166,
-    t1173,
-    t1177,
-    t1178,
-    t1182,
-    t1188,
-    t1191,
-    t1207,
-    t1312,
-    t1315,
-    t1335,
-    t1421,
-    t1434,
-    t1513,
+    t737,
+    t738,
+    t773,
+    t785,
+    t792,
+    t858,
+    t862,
+    t1010,
+    t1151,
+    t1386,
+    t1449,
+    t1455,
+    t1458,
+    t1469,
+    t1474,
+    t1479,
+    t1496,
+    t1510,
+    t1517,
+    t1524,
+    t1533,
+    t1551,
     t1560,
-    t1593,
-    t1626,
-    t1637,
-    t1659,
-    t1669,
-    t1680,
-    t1691,
-    t1713,
-    t1724,
-    t1735,
-    t1746,
-    t1768,
+    t1569,
+    t1638,
+    t1647,
+    t1660,
+    t1673,
+    t1687,
+    t1690,
+    t1717,
+    t1728,
+    t1745,
+    t1757,
+    t1759,
     t1779,
-    t1812,
-    t1843,
-    t1851,
-    t1857,
-    t1863,
-    t1883,
-    t1891,
+    t1802,
+    t1808,
+    t1818,
+    t1820,
+    t1841,
+    t1867,
+    t1897,
     t1902,
-    t1906,
-    t1907,
-    t1914,
-    t1921,
-    t1943,
-    t1946,
-    t1953,
+    t1913,
+    t1925,
+    t1947,
+    t1950,
+    t1960,
     t1961,
-    t1963,
-    t1966,
-    t1968,
-    t1971,
-    t1972,
-    t1974,
+    t1965,
+    t1967,
+    t1969,
+    t1970,
     t1976,
-    t1977,
-    t1981,
-    t1994,
-    ]: [f64; 126],
-) -> [f64; 62] {
-    let t1995 = t241 * t1994;
-    let t1996 = t196 * t1966;
-    let t1997 = t1026 + t1996;
-    let t1998 = sin_beta_gamma * t1997;
-    let t1999 = t196 * t1968;
-    let t2000 = t980 - t1999;
-    let t2001 = cos_beta_gamma * t2000;
-    let t2002 = t2001 + t1998;
-    let t2003 = t176 * t2002;
-    let t2004 = cos_beta_gamma * t1997;
-    let t2005 = sin_beta_gamma * t2000;
-    let t2006 = t2005 - t2004;
-    let t2007 = t54 * t2006;
-    let t2008 = t2007 + t2003;
-    let t2009 = t1981 + t2008;
-    let t2010 = t238 * t2009;
-    let t2011 = t1966 * t1207;
-    let t2012 = t42 * t1968;
-    let t2013 = t2011 + t2012;
-    let t2014 = t1946 + t2013;
-    let t2015 = sin_beta_gamma * t2014;
-    let t2016 = t1968 * t1191;
-    let t2017 = t2016 + t1974;
-    let t2018 = t1906 + t2017;
-    let t2019 = cos_beta_gamma * t2018;
-    let t2020 = t2015 - t2019;
-    let t2021 = t51 * t1968;
-    let t2022 = t49 * t1966;
-    let t2023 = t2022 - t2021;
-    let t2024 = t54 * t2023;
-    let t2025 = t2020 - t2024;
-    let t2026 = inverse_d_alpha * t2025;
-    let t2027 = t2026 - t2010;
-    let t2028 = t2027 + t1995;
-    let t2029 = t2028 - t1977;
-    let t2030 = t2029 + t1972;
-    let t2031 = t1966 * t1164;
-    let t2032 = t1968 * t1166;
-    let t2033 = t2031 + t2032;
-    let t2034 = t1961 + t2033;
-    let t2035 = t545 * t2034;
-    let t2036 = t2030 - t2035;
-    let t2037 = t961 * t1124;
-    let t2038 = t23 * t946;
-    let t2039 = t2038 + t2037;
-    let t2040 = t1150 + t2039;
-    let t2041 = t253 * t2040;
-    let t2042 = t40 * t961;
-    let t2043 = t36 * t946;
-    let t2044 = t2043 - t2042;
-    let t2045 = t1112 - t2044;
-    let t2046 = t401 * t401;
-    let t2047 = 1.0 - t2046;
-    let t2048 = t2047 * 40.0;
-    let t2049 = 10.0 + t2048;
-    let t2050 = t2045 - t2049;
-    let t2051 = t246 * t2050;
-    let t2052 = t946 * t1335;
-    let t2053 = t23 * t961;
-    let t2054 = t2052 + t2053;
-    let t2055 = t986 - t2054;
-    let t2056 = t987 - t988;
-    let t2057 = t2056 + t2055;
-    let t2058 = sin_delta * t2057;
-    let t2059 = t961 * t1315;
-    let t2060 = t2059 + t2038;
-    let t2061 = t994 + t2060;
-    let t2062 = t995 - t996;
-    let t2063 = t2062 - t2061;
-    let t2064 = cos_delta * t2063;
-    let t2065 = t2058 + t2064;
-    let t2066 = t2065 - t1907;
-    let t2067 = t241 * t2066;
-    let t2068 = sin_delta * t2056;
-    let t2069 = cos_delta * t2062;
-    let t2070 = t2069 + t2068;
-    let t2071 = cos_beta_gamma * t2070;
-    let t2072 = sin_beta_gamma * t962;
-    let t2073 = t2071 + t2072;
-    let t2074 = t176 * t2073;
-    let t2075 = sin_beta_gamma * t2070;
-    let t2076 = cos_beta_gamma * t962;
-    let t2077 = t2075 - t2076;
-    let t2078 = t54 * t2077;
-    let t2079 = t2078 + t2074;
-    let t2080 = t2066 + t2079;
-    let t2081 = t238 * t2080;
-    let t2082 = cos_delta * t2057;
-    let t2083 = sin_delta * t2063;
-    let t2084 = t2082 - t2083;
-    let t2085 = t2084 - t1109;
-    let t2086 = sin_beta_gamma * t2085;
-    let t2087 = cos_beta_gamma * t2045;
-    let t2088 = t2086 - t2087;
-    let t2089 = cos_delta * t2056;
-    let t2090 = sin_delta * t2062;
-    let t2091 = t2090 - t2089;
-    let t2092 = t54 * t2091;
-    let t2093 = t2088 - t2092;
-    let t2094 = inverse_d_alpha * t2093;
-    let t2095 = t2094 + t2081;
-    let t2096 = t2095 - t2067;
-    let t2097 = t2096 - t2051;
-    let t2098 = t2097 + t2041;
-    let t2099 = t946 * t1163;
-    let t2100 = t1182 + t2099;
-    let t2101 = t545 * t2100;
-    let t2102 = t2098 - t2101;
-    let t2103 = 2.0 * omega_epsilon_y;
-    let t2104 = t22 * t2103;
-    let t2105 = t941 + t2104;
-    let t2106 = t344 * t344;
-    let t2107 = 1.0 - t2106;
-    let t2108 = t2107 * 30.0;
-    let t2109 = 8.0 + t2108;
-    let t2110 = t2105 + t2109;
-    let t2111 = t253 * t2110;
-    let t2112 = t2103 * t1421;
-    let t2113 = t965 - t2112;
-    let t2114 = sin_epsilon * t2113;
-    let t2115 = t932 * t1434;
-    let t2116 = t969 - t2115;
-    let t2117 = cos_epsilon * t2116;
-    let t2118 = t2114 - t2117;
-    let t2119 = t2118 + t1149;
-    let t2120 = t246 * t2119;
-    let t2121 = cos_epsilon * t2113;
-    let t2122 = sin_epsilon * t2116;
-    let t2123 = t2121 + t2122;
-    let t2124 = t2123 - t1141;
-    let t2125 = 0.019904970806000004 * omega_epsilon_y;
-    let t2126 = t2125 + t2124;
-    let t2127 = sin_delta * t2126;
-    let t2128 = t980 - t2105;
-    let t2129 = cos_delta * t2128;
-    let t2130 = t2127 - t2129;
-    let t2131 = t241 * t2130;
-    let t2132 = sin_delta * t2125;
-    let t2133 = cos_delta * t980;
-    let t2134 = t2133 - t2132;
-    let t2135 = cos_beta_gamma * t2134;
-    let t2136 = sin_beta_gamma * t987;
-    let t2137 = t2135 + t2136;
-    let t2138 = t176 * t2137;
-    let t2139 = sin_beta_gamma * t2134;
-    let t2140 = cos_beta_gamma * t987;
-    let t2141 = t2139 - t2140;
-    let t2142 = t54 * t2141;
-    let t2143 = t2142 + t2138;
-    let t2144 = t2130 - t2143;
-    let t2145 = t238 * t2144;
-    let t2146 = cos_delta * t2126;
-    let t2147 = sin_delta * t2128;
-    let t2148 = t2146 + t2147;
-    let t2149 = sin_beta_gamma * t2148;
-    let t2150 = cos_beta_gamma * t2119;
-    let t2151 = t2149 + t2150;
-    let t2152 = cos_delta * t2125;
-    let t2153 = sin_delta * t980;
-    let t2154 = t2153 + t2152;
-    let t2155 = t54 * t2154;
-    let t2156 = t2151 + t2155;
-    let t2157 = inverse_d_alpha * t2156;
-    let t2158 = t2157 + t2145;
-    let t2159 = t2158 - t2131;
-    let t2160 = t2159 + t2120;
-    let t2161 = t2160 - t2111;
-    let t2162 = t932 * t1162;
-    let t2163 = t1178 - t2162;
-    let t2164 = t545 * t2163;
-    let t2165 = t2161 + t2164;
-    let t2166 = t68 * t932;
-    let t2167 = t968 + t2166;
-    let t2168 = t2167 + t1177;
-    let t2169 = t253 * t2168;
-    let t2170 = t67 * t334;
-    let t2171 = t933 + t2170;
-    let t2172 = t2171 + t1173;
-    let t2173 = sin_epsilon * t2172;
-    let t2174 = t246 * t2173;
-    let t2175 = cos_epsilon * t2172;
-    let t2176 = sin_delta * t2175;
-    let t2177 = cos_delta * t2168;
-    let t2178 = t2176 + t2177;
-    let t2179 = t241 * t2178;
-    let t2180 = t238 * t2178;
-    let t2181 = cos_delta * t2175;
-    let t2182 = sin_delta * t2168;
-    let t2183 = t2181 - t2182;
-    let t2184 = sin_beta_gamma * t2183;
-    let t2185 = cos_beta_gamma * t2173;
+    t1978,
+    t1982,
+    ]: [f64; 88],
+) -> [f64; 70] {
+    let t1983 = t278 * t1969;
+    let t1984 = t1982 + t1983;
+    let t1985 = t281 * t1976;
+    let t1986 = t1984 - t1985;
+    let t1987 = t369 * t1986;
+    let t1988 = t1978 - t1987;
+    let t1989 = t494 * t1988;
+    let t1990 = sin_delta * t1960;
+    let t1991 = cos_delta * t785;
+    let t1992 = t1991 - t1990;
+    let t1993 = cos_beta_gamma * t1992;
+    let t1994 = sin_beta_gamma * t792;
+    let t1995 = t1993 + t1994;
+    let t1996 = t76 * t1995;
+    let t1997 = sin_beta_gamma * t1992;
+    let t1998 = cos_beta_gamma * t792;
+    let t1999 = t1997 - t1998;
+    let t2000 = t83 * t1999;
+    let t2001 = t2000 + t1996;
+    let t2002 = t1967 - t2001;
+    let t2003 = t2002 - t1970;
+    let t2004 = t461 * t1976;
+    let t2005 = t2003 - t2004;
+    let t2006 = t474 * t1986;
+    let t2007 = t2005 - t2006;
+    let t2008 = t2007 - t1989;
+    let t2009 = t522 * t2008;
+    let t2010 = cos_delta * t1961;
+    let t2011 = sin_delta * t1965;
+    let t2012 = t2010 + t2011;
+    let t2013 = sin_beta_gamma * t2012;
+    let t2014 = cos_beta_gamma * t1982;
+    let t2015 = t2013 + t2014;
+    let t2016 = cos_delta * t1960;
+    let t2017 = sin_delta * t785;
+    let t2018 = t2017 + t2016;
+    let t2019 = t83 * t2018;
+    let t2020 = t2015 + t2019;
+    let t2021 = t231 * t1969;
+    let t2022 = t2020 - t2021;
+    let t2023 = t263 * t1976;
+    let t2024 = t2022 - t2023;
+    let t2025 = t316 * t1986;
+    let t2026 = t2024 - t2025;
+    let t2027 = t404 * t1988;
+    let t2028 = t2026 + t2027;
+    let t2029 = t2028 + t2009;
+    let t2030 = inverse_d_alpha * t2029;
+    let t2031 = t61 * t64;
+    let t2032 = t738 + t2031;
+    let t2033 = t2032 + t858;
+    let t2034 = cos_epsilon * t2033;
+    let t2035 = sin_delta * t2034;
+    let t2036 = t45 * t737;
+    let t2037 = t773 + t2036;
+    let t2038 = t2037 + t862;
+    let t2039 = cos_delta * t2038;
+    let t2040 = t2035 + t2039;
+    let t2041 = t209 * t209;
+    let t2042 = 1.0 - t2041;
+    let t2043 = 8.0 * t2042;
+    let t2044 = 2.0 + t2043;
+    let t2045 = t351 * t2044;
+    let t2046 = t2040 - t2045;
+    let t2047 = t359 * t2038;
+    let t2048 = t2046 - t2047;
+    let t2049 = sin_epsilon * t2033;
+    let t2050 = t278 * t2044;
+    let t2051 = t2049 + t2050;
+    let t2052 = t281 * t2038;
+    let t2053 = t2051 - t2052;
+    let t2054 = t369 * t2053;
+    let t2055 = t2048 - t2054;
+    let t2056 = t494 * t2055;
+    let t2057 = t461 * t2038;
+    let t2058 = t2046 - t2057;
+    let t2059 = t474 * t2053;
+    let t2060 = t2058 - t2059;
+    let t2061 = t2060 - t2056;
+    let t2062 = t522 * t2061;
+    let t2063 = t404 * t2055;
+    let t2064 = cos_delta * t2034;
+    let t2065 = sin_delta * t2038;
+    let t2066 = t2064 - t2065;
+    let t2067 = sin_beta_gamma * t2066;
+    let t2068 = cos_beta_gamma * t2049;
+    let t2069 = t2067 + t2068;
+    let t2070 = t231 * t2044;
+    let t2071 = t2069 - t2070;
+    let t2072 = t263 * t2038;
+    let t2073 = t2071 - t2072;
+    let t2074 = t316 * t2053;
+    let t2075 = t2073 - t2074;
+    let t2076 = t2075 + t2063;
+    let t2077 = t2076 + t2062;
+    let t2078 = inverse_d_alpha * t2077;
+    let t2079 = t522 * t1690;
+    let t2080 = inverse_d_beta * t1687;
+    let t2081 = t2080 - t2079;
+    let t2082 = t522 * t1779;
+    let t2083 = inverse_d_beta * t1759;
+    let t2084 = t2083 + t2082;
+    let t2085 = t522 * t1867;
+    let t2086 = inverse_d_beta * t1841;
+    let t2087 = t2086 - t2085;
+    let t2088 = t522 * t1950;
+    let t2089 = inverse_d_beta * t1947;
+    let t2090 = t2089 + t2088;
+    let t2091 = t522 * t2030;
+    let t2092 = inverse_d_beta * t2008;
+    let t2093 = t2092 + t2091;
+    let t2094 = t522 * t2078;
+    let t2095 = inverse_d_beta * t2061;
+    let t2096 = t2095 + t2094;
+    let t2097 = t494 * t2081;
+    let t2098 = inverse_d_gamma * t1673;
+    let t2099 = t2098 + t2097;
+    let t2100 = t404 * t1690;
+    let t2101 = t2099 + t2100;
+    let t2102 = t494 * t2084;
+    let t2103 = inverse_d_gamma * t1757;
+    let t2104 = t2103 + t2102;
+    let t2105 = t404 * t1779;
+    let t2106 = t2104 - t2105;
+    let t2107 = t494 * t2087;
+    let t2108 = inverse_d_gamma * t1820;
+    let t2109 = t2108 - t2107;
+    let t2110 = t404 * t1867;
+    let t2111 = t2109 - t2110;
+    let t2112 = t494 * t2090;
+    let t2113 = inverse_d_gamma * t1925;
+    let t2114 = t2113 - t2112;
+    let t2115 = t404 * t1950;
+    let t2116 = t2114 + t2115;
+    let t2117 = t494 * t2093;
+    let t2118 = inverse_d_gamma * t1988;
+    let t2119 = t2118 - t2117;
+    let t2120 = t404 * t2030;
+    let t2121 = t2119 + t2120;
+    let t2122 = t494 * t2096;
+    let t2123 = inverse_d_gamma * t2055;
+    let t2124 = t2123 - t2122;
+    let t2125 = t404 * t2078;
+    let t2126 = t2124 + t2125;
+    let t2127 = t369 * t2101;
+    let t2128 = inverse_d_delta * t1660;
+    let t2129 = t2128 - t2127;
+    let t2130 = t474 * t2081;
+    let t2131 = t2129 + t2130;
+    let t2132 = t316 * t1690;
+    let t2133 = t2131 - t2132;
+    let t2134 = t369 * t2106;
+    let t2135 = inverse_d_delta * t1745;
+    let t2136 = t2135 - t2134;
+    let t2137 = t474 * t2084;
+    let t2138 = t2136 + t2137;
+    let t2139 = t316 * t1779;
+    let t2140 = t2138 + t2139;
+    let t2141 = t369 * t2111;
+    let t2142 = inverse_d_delta * t1818;
+    let t2143 = t2142 - t2141;
+    let t2144 = t474 * t2087;
+    let t2145 = t2143 - t2144;
+    let t2146 = t316 * t1867;
+    let t2147 = t2145 + t2146;
+    let t2148 = t369 * t2116;
+    let t2149 = inverse_d_delta * t1913;
+    let t2150 = t2149 + t2148;
+    let t2151 = t474 * t2090;
+    let t2152 = t2150 + t2151;
+    let t2153 = t316 * t1950;
+    let t2154 = t2152 + t2153;
+    let t2155 = t369 * t2121;
+    let t2156 = inverse_d_delta * t1986;
+    let t2157 = t2156 - t2155;
+    let t2158 = t474 * t2093;
+    let t2159 = t2157 - t2158;
+    let t2160 = t316 * t2030;
+    let t2161 = t2159 - t2160;
+    let t2162 = t369 * t2126;
+    let t2163 = inverse_d_delta * t2053;
+    let t2164 = t2163 - t2162;
+    let t2165 = t474 * t2096;
+    let t2166 = t2164 - t2165;
+    let t2167 = t316 * t2078;
+    let t2168 = t2166 - t2167;
+    let t2169 = t281 * t2133;
+    let t2170 = inverse_d_epsilon * t1647;
+    let t2171 = t2170 - t2169;
+    let t2172 = t359 * t2101;
+    let t2173 = t2171 - t2172;
+    let t2174 = t461 * t2081;
+    let t2175 = t2173 + t2174;
+    let t2176 = t263 * t1690;
+    let t2177 = t2175 - t2176;
+    let t2178 = t281 * t2140;
+    let t2179 = inverse_d_epsilon * t1728;
+    let t2180 = t2179 - t2178;
+    let t2181 = t359 * t2106;
+    let t2182 = t2180 - t2181;
+    let t2183 = t461 * t2084;
+    let t2184 = t2182 + t2183;
+    let t2185 = t263 * t1779;
     let t2186 = t2184 + t2185;
-    let t2187 = inverse_d_alpha * t2186;
-    let t2188 = t2187 + t2180;
-    let t2189 = t2188 - t2179;
-    let t2190 = t2189 + t2174;
-    let t2191 = t2190 - t2169;
-    let t2192 = t549 * t549;
-    let t2193 = 1.0 - t2192;
-    let t2194 = 8.0 * t2193;
-    let t2195 = 2.0 + t2194;
-    let t2196 = t545 * t2195;
-    let t2197 = t2191 + t2196;
-    let t2198 = t574 * t1843;
-    let t2199 = t567 * t1851;
-    let t2200 = t562 * t1857;
-    let t2201 = t559 * t1863;
-    let t2202 = t238 * t1883;
-    let t2203 = t2202 - t2201;
-    let t2204 = t2203 - t2200;
-    let t2205 = t2204 + t2199;
-    let t2206 = t2205 - t2198;
-    let t2207 = t590 * t1891;
-    let t2208 = t2206 + t2207;
-    let t2209 = t574 * t1902;
-    let t2210 = t567 * t1914;
-    let t2211 = t562 * t1921;
-    let t2212 = t559 * t1943;
-    let t2213 = t238 * t1953;
-    let t2214 = t2213 + t2212;
-    let t2215 = t2214 + t2211;
-    let t2216 = t2215 - t2210;
-    let t2217 = t2216 + t2209;
-    let t2218 = t590 * t1963;
-    let t2219 = t2217 - t2218;
-    let t2220 = t574 * t1971;
-    let t2221 = t567 * t1976;
-    let t2222 = t562 * t1994;
-    let t2223 = t559 * t2009;
-    let t2224 = t238 * t2025;
-    let t2225 = t2224 - t2223;
-    let t2226 = t2225 + t2222;
-    let t2227 = t2226 - t2221;
-    let t2228 = t2227 + t2220;
-    let t2229 = t590 * t2034;
-    let t2230 = t2228 - t2229;
-    let t2231 = t574 * t2040;
-    let t2232 = t567 * t2050;
-    let t2233 = t562 * t2066;
-    let t2234 = t559 * t2080;
-    let t2235 = t238 * t2093;
-    let t2236 = t2235 + t2234;
-    let t2237 = t2236 - t2233;
-    let t2238 = t2237 - t2232;
-    let t2239 = t2238 + t2231;
-    let t2240 = t590 * t2100;
-    let t2241 = t2239 - t2240;
-    let t2242 = t574 * t2110;
-    let t2243 = t567 * t2119;
-    let t2244 = t562 * t2130;
-    let t2245 = t559 * t2144;
-    let t2246 = t238 * t2156;
-    let t2247 = t2246 + t2245;
-    let t2248 = t2247 - t2244;
-    let t2249 = t2248 + t2243;
-    let t2250 = t2249 - t2242;
-    let t2251 = t590 * t2163;
-    let t2252 = t2250 + t2251;
-    let t2253 = t574 * t2168;
-    let t2254 = t567 * t2173;
-    let t2255 = t562 * t2178;
-    let t2256 = t559 * t2178;
-    let t2257 = t238 * t2186;
-    let t2258 = t2257 + t2256;
-    let t2259 = t2258 - t2255;
-    let t2260 = t2259 + t2254;
-    let t2261 = t2260 - t2253;
-    let t2262 = t590 * t2195;
-    let t2263 = t2261 + t2262;
-    let t2264 = t614 * t1843;
-    let t2265 = t607 * t1851;
-    let t2266 = t602 * t1857;
-    let t2267 = t562 * t1863;
-    let t2268 = t241 * t1883;
-    let t2269 = t2268 - t2267;
-    let t2270 = t2269 - t2266;
-    let t2271 = t2270 + t2265;
-    let t2272 = t2271 - t2264;
-    let t2273 = t630 * t1891;
-    let t2274 = t2272 + t2273;
-    let t2275 = t614 * t1902;
-    let t2276 = t607 * t1914;
-    let t2277 = t602 * t1921;
-    let t2278 = t562 * t1943;
-    let t2279 = t241 * t1953;
-    let t2280 = t2279 + t2278;
-    let t2281 = t2280 + t2277;
-    let t2282 = t2281 - t2276;
-    let t2283 = t2282 + t2275;
-    let t2284 = t630 * t1963;
+    let t2187 = t281 * t2147;
+    let t2188 = inverse_d_epsilon * t1808;
+    let t2189 = t2188 - t2187;
+    let t2190 = t359 * t2111;
+    let t2191 = t2189 - t2190;
+    let t2192 = t461 * t2087;
+    let t2193 = t2191 - t2192;
+    let t2194 = t263 * t1867;
+    let t2195 = t2193 + t2194;
+    let t2196 = t281 * t2154;
+    let t2197 = inverse_d_epsilon * t1902;
+    let t2198 = t2197 - t2196;
+    let t2199 = t359 * t2116;
+    let t2200 = t2198 + t2199;
+    let t2201 = t461 * t2090;
+    let t2202 = t2200 + t2201;
+    let t2203 = t263 * t1950;
+    let t2204 = t2202 + t2203;
+    let t2205 = t281 * t2161;
+    let t2206 = inverse_d_epsilon * t1976;
+    let t2207 = t2206 - t2205;
+    let t2208 = t359 * t2121;
+    let t2209 = t2207 - t2208;
+    let t2210 = t461 * t2093;
+    let t2211 = t2209 - t2210;
+    let t2212 = t263 * t2030;
+    let t2213 = t2211 - t2212;
+    let t2214 = t281 * t2168;
+    let t2215 = inverse_d_epsilon * t2038;
+    let t2216 = t2215 - t2214;
+    let t2217 = t359 * t2126;
+    let t2218 = t2216 - t2217;
+    let t2219 = t461 * t2096;
+    let t2220 = t2218 - t2219;
+    let t2221 = t263 * t2078;
+    let t2222 = t2220 - t2221;
+    let t2223 = t278 * t2133;
+    let t2224 = inverse_d_zeta * t1638;
+    let t2225 = t2224 + t2223;
+    let t2226 = t351 * t2101;
+    let t2227 = t2225 - t2226;
+    let t2228 = t351 * t2081;
+    let t2229 = t2227 + t2228;
+    let t2230 = t231 * t1690;
+    let t2231 = t2229 - t2230;
+    let t2232 = t278 * t2140;
+    let t2233 = inverse_d_zeta * t1717;
+    let t2234 = t2233 + t2232;
+    let t2235 = t351 * t2106;
+    let t2236 = t2234 - t2235;
+    let t2237 = t351 * t2084;
+    let t2238 = t2236 + t2237;
+    let t2239 = t231 * t1779;
+    let t2240 = t2238 + t2239;
+    let t2241 = t278 * t2147;
+    let t2242 = inverse_d_zeta * t1802;
+    let t2243 = t2242 + t2241;
+    let t2244 = t351 * t2111;
+    let t2245 = t2243 - t2244;
+    let t2246 = t351 * t2087;
+    let t2247 = t2245 - t2246;
+    let t2248 = t231 * t1867;
+    let t2249 = t2247 + t2248;
+    let t2250 = t278 * t2154;
+    let t2251 = inverse_d_zeta * t1897;
+    let t2252 = t2251 + t2250;
+    let t2253 = t351 * t2116;
+    let t2254 = t2252 + t2253;
+    let t2255 = t351 * t2090;
+    let t2256 = t2254 + t2255;
+    let t2257 = t231 * t1950;
+    let t2258 = t2256 + t2257;
+    let t2259 = t278 * t2161;
+    let t2260 = inverse_d_zeta * t1969;
+    let t2261 = t2260 + t2259;
+    let t2262 = t351 * t2121;
+    let t2263 = t2261 - t2262;
+    let t2264 = t351 * t2093;
+    let t2265 = t2263 - t2264;
+    let t2266 = t231 * t2030;
+    let t2267 = t2265 - t2266;
+    let t2268 = t278 * t2168;
+    let t2269 = inverse_d_zeta * t2044;
+    let t2270 = t2269 + t2268;
+    let t2271 = t351 * t2126;
+    let t2272 = t2270 - t2271;
+    let t2273 = t351 * t2096;
+    let t2274 = t2272 - t2273;
+    let t2275 = t231 * t2078;
+    let t2276 = t2274 - t2275;
+    let t2277 = t522 * inverse_d_alpha;
+    let t2278 = t494 * t2277;
+    let t2279 = t404 * inverse_d_alpha;
+    let t2280 = t2278 - t2279;
+    let t2281 = t369 * t2280;
+    let t2282 = t474 * t2277;
+    let t2283 = t2281 - t2282;
+    let t2284 = t316 * inverse_d_alpha;
     let t2285 = t2283 - t2284;
-    let t2286 = t614 * t1971;
-    let t2287 = t607 * t1976;
-    let t2288 = t602 * t1994;
-    let t2289 = t562 * t2009;
-    let t2290 = t241 * t2025;
-    let t2291 = t2290 - t2289;
-    let t2292 = t2291 + t2288;
-    let t2293 = t2292 - t2287;
-    let t2294 = t2293 + t2286;
-    let t2295 = t630 * t2034;
-    let t2296 = t2294 - t2295;
-    let t2297 = t614 * t2040;
-    let t2298 = t607 * t2050;
-    let t2299 = t602 * t2066;
-    let t2300 = t562 * t2080;
-    let t2301 = t241 * t2093;
-    let t2302 = t2301 + t2300;
-    let t2303 = t2302 - t2299;
-    let t2304 = t2303 - t2298;
-    let t2305 = t2304 + t2297;
-    let t2306 = t630 * t2100;
+    let t2286 = t281 * t2285;
+    let t2287 = t359 * t2280;
+    let t2288 = t2286 - t2287;
+    let t2289 = t461 * t2277;
+    let t2290 = t2288 + t2289;
+    let t2291 = t263 * inverse_d_alpha;
+    let t2292 = t2290 + t2291;
+    let t2293 = t278 * t2285;
+    let t2294 = t351 * t2280;
+    let t2295 = t2293 + t2294;
+    let t2296 = t351 * t2277;
+    let t2297 = t2295 - t2296;
+    let t2298 = t231 * inverse_d_alpha;
+    let t2299 = t2297 - t2298;
+    let t2300 = t522 * t2277;
+    let t2301 = inverse_d_beta + t2300;
+    let t2302 = t494 * t2301;
+    let t2303 = t404 * t2277;
+    let t2304 = t2302 - t2303;
+    let t2305 = t369 * t2304;
+    let t2306 = t474 * t2301;
     let t2307 = t2305 - t2306;
-    let t2308 = t614 * t2110;
-    let t2309 = t607 * t2119;
-    let t2310 = t602 * t2130;
-    let t2311 = t562 * t2144;
-    let t2312 = t241 * t2156;
-    let t2313 = t2312 + t2311;
-    let t2314 = t2313 - t2310;
-    let t2315 = t2314 + t2309;
-    let t2316 = t2315 - t2308;
-    let t2317 = t630 * t2163;
-    let t2318 = t2316 + t2317;
-    let t2319 = t614 * t2168;
-    let t2320 = t607 * t2173;
-    let t2321 = t602 * t2178;
-    let t2322 = t241 * t2186;
-    let t2323 = t2255 + t2322;
-    let t2324 = t2323 - t2321;
-    let t2325 = t2324 + t2320;
-    let t2326 = t2325 - t2319;
-    let t2327 = t630 * t2195;
-    let t2328 = t2326 + t2327;
-    let t2329 = t660 * t1843;
-    let t2330 = t653 * t1851;
-    let t2331 = t607 * t1857;
-    let t2332 = t567 * t1863;
-    let t2333 = t246 * t1883;
-    let t2334 = t2333 - t2332;
-    let t2335 = t2334 - t2331;
-    let t2336 = t2335 + t2330;
-    let t2337 = t2336 - t2329;
-    let t2338 = t676 * t1891;
-    let t2339 = t2337 + t2338;
-    let t2340 = t660 * t1902;
-    let t2341 = t653 * t1914;
-    let t2342 = t607 * t1921;
-    let t2343 = t567 * t1943;
-    let t2344 = t246 * t1953;
-    let t2345 = t2344 + t2343;
-    let t2346 = t2345 + t2342;
-    let t2347 = t2346 - t2341;
-    let t2348 = t2347 + t2340;
-    let t2349 = t676 * t1963;
+    let t2308 = t316 * t2277;
+    let t2309 = t2307 - t2308;
+    let t2310 = t281 * t2309;
+    let t2311 = t359 * t2304;
+    let t2312 = t2310 - t2311;
+    let t2313 = t461 * t2301;
+    let t2314 = t2312 + t2313;
+    let t2315 = t263 * t2277;
+    let t2316 = t2314 + t2315;
+    let t2317 = t278 * t2309;
+    let t2318 = t351 * t2304;
+    let t2319 = t2317 + t2318;
+    let t2320 = t351 * t2301;
+    let t2321 = t2319 - t2320;
+    let t2322 = t231 * t2277;
+    let t2323 = t2321 - t2322;
+    let t2324 = t494 * t522;
+    let t2325 = t404 - t2324;
+    let t2326 = inverse_d_alpha * t2325;
+    let t2327 = t522 * t2326;
+    let t2328 = t494 * inverse_d_beta;
+    let t2329 = t2328 - t2327;
+    let t2330 = t494 * t2329;
+    let t2331 = inverse_d_gamma + t2330;
+    let t2332 = t404 * t2326;
+    let t2333 = t2331 + t2332;
+    let t2334 = t369 * t2333;
+    let t2335 = t474 * t2329;
+    let t2336 = t2334 - t2335;
+    let t2337 = t316 * t2326;
+    let t2338 = t2336 + t2337;
+    let t2339 = t281 * t2338;
+    let t2340 = t359 * t2333;
+    let t2341 = t2339 - t2340;
+    let t2342 = t461 * t2329;
+    let t2343 = t2341 + t2342;
+    let t2344 = t263 * t2326;
+    let t2345 = t2343 - t2344;
+    let t2346 = t278 * t2338;
+    let t2347 = t351 * t2333;
+    let t2348 = t2346 + t2347;
+    let t2349 = t351 * t2329;
     let t2350 = t2348 - t2349;
-    let t2351 = t660 * t1971;
-    let t2352 = t653 * t1976;
-    let t2353 = t607 * t1994;
-    let t2354 = t567 * t2009;
-    let t2355 = t246 * t2025;
-    let t2356 = t2355 - t2354;
-    let t2357 = t2356 + t2353;
-    let t2358 = t2357 - t2352;
-    let t2359 = t2358 + t2351;
-    let t2360 = t676 * t2034;
-    let t2361 = t2359 - t2360;
-    let t2362 = t660 * t2040;
-    let t2363 = t653 * t2050;
-    let t2364 = t607 * t2066;
-    let t2365 = t567 * t2080;
-    let t2366 = t246 * t2093;
-    let t2367 = t2366 + t2365;
-    let t2368 = t2367 - t2364;
-    let t2369 = t2368 - t2363;
-    let t2370 = t2369 + t2362;
-    let t2371 = t676 * t2100;
-    let t2372 = t2370 - t2371;
-    let t2373 = t660 * t2110;
-    let t2374 = t653 * t2119;
-    let t2375 = t607 * t2130;
-    let t2376 = t567 * t2144;
-    let t2377 = t246 * t2156;
-    let t2378 = t2377 + t2376;
-    let t2379 = t2378 - t2375;
-    let t2380 = t2379 + t2374;
-    let t2381 = t2380 - t2373;
-    let t2382 = t676 * t2163;
+    let t2351 = t231 * t2326;
+    let t2352 = t2350 + t2351;
+    let t2353 = t369 * t494;
+    let t2354 = t474 - t2353;
+    let t2355 = t522 * t2354;
+    let t2356 = t369 * t404;
+    let t2357 = t316 + t2356;
+    let t2358 = t2357 + t2355;
+    let t2359 = inverse_d_alpha * t2358;
+    let t2360 = t522 * t2359;
+    let t2361 = inverse_d_beta * t2354;
+    let t2362 = t2361 + t2360;
+    let t2363 = t494 * t2362;
+    let t2364 = t369 * inverse_d_gamma;
+    let t2365 = t2364 - t2363;
+    let t2366 = t404 * t2359;
+    let t2367 = t2365 + t2366;
+    let t2368 = t369 * t2367;
+    let t2369 = inverse_d_delta + t2368;
+    let t2370 = t474 * t2362;
+    let t2371 = t2369 + t2370;
+    let t2372 = t316 * t2359;
+    let t2373 = t2371 + t2372;
+    let t2374 = t281 * t2373;
+    let t2375 = t359 * t2367;
+    let t2376 = t2374 - t2375;
+    let t2377 = t461 * t2362;
+    let t2378 = t2376 - t2377;
+    let t2379 = t263 * t2359;
+    let t2380 = t2378 - t2379;
+    let t2381 = t278 * t2373;
+    let t2382 = t351 * t2367;
     let t2383 = t2381 + t2382;
-    let t2384 = t660 * t2168;
-    let t2385 = t653 * t2173;
-    let t2386 = t607 * t2178;
-    let t2387 = t567 * t2178;
-    let t2388 = t246 * t2186;
-    let t2389 = t2388 + t2387;
-    let t2390 = t2389 - t2386;
-    let t2391 = t2390 + t2385;
-    let t2392 = t2391 - t2384;
-    let t2393 = t676 * t2195;
-    let t2394 = t2392 + t2393;
-    let t2395 = t714 * t1843;
-    let t2396 = t660 * t1851;
-    let t2397 = t614 * t1857;
-    let t2398 = t574 * t1863;
-    let t2399 = t253 * t1883;
-    let t2400 = t2399 - t2398;
-    let t2401 = t2400 - t2397;
-    let t2402 = t2401 + t2396;
-    let t2403 = t2402 - t2395;
-    let t2404 = t730 * t1891;
-    let t2405 = t2403 + t2404;
-    let t2406 = t714 * t1902;
-    let t2407 = t660 * t1914;
-    let t2408 = t614 * t1921;
-    let t2409 = t574 * t1943;
-    let t2410 = t253 * t1953;
-    let t2411 = t2410 + t2409;
-    let t2412 = t2411 + t2408;
-    let t2413 = t2412 - t2407;
-    let t2414 = t2413 + t2406;
-    let t2415 = t730 * t1963;
-    let t2416 = t2414 - t2415;
-    let t2417 = t714 * t1971;
-    let t2418 = t660 * t1976;
-    let t2419 = t614 * t1994;
-    let t2420 = t574 * t2009;
-    let t2421 = t253 * t2025;
-    let t2422 = t2421 - t2420;
-    let t2423 = t2422 + t2419;
-    let t2424 = t2423 - t2418;
-    let t2425 = t2424 + t2417;
-    let t2426 = t730 * t2034;
-    let t2427 = t2425 - t2426;
-    let t2428 = t714 * t2040;
-    let t2429 = t660 * t2050;
-    let t2430 = t614 * t2066;
-    let t2431 = t574 * t2080;
-    let t2432 = t253 * t2093;
-    let t2433 = t2432 + t2431;
-    let t2434 = t2433 - t2430;
-    let t2435 = t2434 - t2429;
-    let t2436 = t2435 + t2428;
-    let t2437 = t730 * t2100;
-    let t2438 = t2436 - t2437;
-    let t2439 = t714 * t2110;
-    let t2440 = t660 * t2119;
-    let t2441 = t614 * t2130;
-    let t2442 = t574 * t2144;
-    let t2443 = t253 * t2156;
-    let t2444 = t2443 + t2442;
-    let t2445 = t2444 - t2441;
-    let t2446 = t2445 + t2440;
-    let t2447 = t2446 - t2439;
-    let t2448 = t730 * t2163;
-    let t2449 = t2447 + t2448;
-    let t2450 = t714 * t2168;
-    let t2451 = t660 * t2173;
-    let t2452 = t614 * t2178;
-    let t2453 = t574 * t2178;
-    let t2454 = t253 * t2186;
-    let t2455 = t2454 + t2453;
-    let t2456 = t2455 - t2452;
-    let t2457 = t2456 + t2451;
-    let t2458 = t2457 - t2450;
-    let t2459 = t730 * t2195;
-    let t2460 = t2458 + t2459;
-    let t2461 = t676 * t1851;
-    let t2462 = t630 * t1857;
-    let t2463 = t590 * t1863;
-    let t2464 = t545 * t1883;
-    let t2465 = t2464 - t2463;
-    let t2466 = t2465 - t2462;
-    let t2467 = t2466 + t2461;
-    let t2468 = t730 * t1843;
-    let t2469 = t2467 - t2468;
-    let t2470 = t777 * t1891;
-    let t2471 = t2469 + t2470;
-    let t2472 = t676 * t1914;
-    let t2473 = t630 * t1921;
-    let t2474 = t590 * t1943;
-    let t2475 = t545 * t1953;
-    let t2476 = t2475 + t2474;
-    let t2477 = t2476 + t2473;
-    let t2478 = t2477 - t2472;
-    let t2479 = t730 * t1902;
-    let t2480 = t2478 + t2479;
-    let t2481 = t777 * t1963;
-    let t2482 = t2480 - t2481;
-    let t2483 = t676 * t1976;
-    let t2484 = t630 * t1994;
-    let t2485 = t590 * t2009;
-    let t2486 = t545 * t2025;
-    let t2487 = t2486 - t2485;
-    let t2488 = t2487 + t2484;
-    let t2489 = t2488 - t2483;
-    let t2490 = t730 * t1971;
-    let t2491 = t2489 + t2490;
-    let t2492 = t777 * t2034;
-    let t2493 = t2491 - t2492;
-    let t2494 = t676 * t2050;
-    let t2495 = t630 * t2066;
-    let t2496 = t590 * t2080;
-    let t2497 = t545 * t2093;
-    let t2498 = t2497 + t2496;
-    let t2499 = t2498 - t2495;
-    let t2500 = t2499 - t2494;
-    let t2501 = t730 * t2040;
-    let t2502 = t2500 + t2501;
-    let t2503 = t777 * t2100;
-    let t2504 = t2502 - t2503;
-    let t2505 = t676 * t2119;
-    let t2506 = t630 * t2130;
-    let t2507 = t590 * t2144;
-    let t2508 = t545 * t2156;
-    let t2509 = t2508 + t2507;
-    let t2510 = t2509 - t2506;
-    let t2511 = t2510 + t2505;
-    let t2512 = t730 * t2110;
-    let t2513 = t2511 - t2512;
-    let t2514 = t777 * t2163;
-    let t2515 = t2513 + t2514;
-    let t2516 = t676 * t2173;
-    let t2517 = t630 * t2178;
-    let t2518 = t590 * t2178;
-    let t2519 = t545 * t2186;
-    let t2520 = t2519 + t2518;
-    let t2521 = t2520 - t2517;
-    let t2522 = t2521 + t2516;
-    let t2523 = t730 * t2168;
-    let t2524 = t2522 - t2523;
-    let t2525 = t777 * t2195;
-    let t2526 = t2524 + t2525;
-    let t2527 = -t592;
-    let t2528 = -t779;
-    let t2529 = -t1188;
-    let t2530 = -t1312;
-    let t2531 = -t1513;
-    let t2532 = -t1560;
-    let t2533 = -t1593;
-    let t2534 = -t1626;
-    let t2535 = -t1637;
-    let t2536 = -t1659;
-    let t2537 = -t1669;
-    let t2538 = -t1680;
-    let t2539 = -t1691;
-    let t2540 = -t1713;
-    let t2541 = -t1724;
-    let t2542 = -t1735;
-    let t2543 = -t1746;
-    let t2544 = -t1768;
-    let t2545 = -t1779;
-    let t2546 = -t1812;
-    let t2547 = -t2102;
-    let t2548 = -t2208;
-    let t2549 = -t2219;
-    let t2550 = -t2230;
-    let t2551 = -t2252;
-    let t2552 = -t2263;
-    let t2553 = -t2307;
-    let t2554 = -t2372;
-    let t2555 = -t2438;
-    let t2556 = -t2471;
-    let t2557 = -t2482;
-    let t2558 = -t2493;
-    let t2559 = -t2515;
-    let t2560 = -t2526;
-    let t2561 = -t238;
-    let t2562 = -t545;
-    let t2563 = -t562;
-    let t2564 = -t567;
-    let t2565 = -t574;
-    let t2566 = -t630;
-    let t2567 = -t676;
-    let t2568 = -t730;
+    let t2384 = t351 * t2362;
+    let t2385 = t2383 + t2384;
+    let t2386 = t231 * t2359;
+    let t2387 = t2385 + t2386;
+    let t2388 = t281 * t369;
+    let t2389 = t359 - t2388;
+    let t2390 = t494 * t2389;
+    let t2391 = t281 * t474;
+    let t2392 = t461 - t2391;
+    let t2393 = t2392 - t2390;
+    let t2394 = t522 * t2393;
+    let t2395 = t404 * t2389;
+    let t2396 = t281 * t316;
+    let t2397 = t263 - t2396;
+    let t2398 = t2397 + t2395;
+    let t2399 = t2398 + t2394;
+    let t2400 = inverse_d_alpha * t2399;
+    let t2401 = t522 * t2400;
+    let t2402 = inverse_d_beta * t2393;
+    let t2403 = t2402 + t2401;
+    let t2404 = t494 * t2403;
+    let t2405 = inverse_d_gamma * t2389;
+    let t2406 = t2405 - t2404;
+    let t2407 = t404 * t2400;
+    let t2408 = t2406 + t2407;
+    let t2409 = t369 * t2408;
+    let t2410 = t281 * inverse_d_delta;
+    let t2411 = t2410 - t2409;
+    let t2412 = t474 * t2403;
+    let t2413 = t2411 - t2412;
+    let t2414 = t316 * t2400;
+    let t2415 = t2413 - t2414;
+    let t2416 = t281 * t2415;
+    let t2417 = inverse_d_epsilon + t2416;
+    let t2418 = t359 * t2408;
+    let t2419 = t2417 + t2418;
+    let t2420 = t461 * t2403;
+    let t2421 = t2419 + t2420;
+    let t2422 = t263 * t2400;
+    let t2423 = t2421 + t2422;
+    let t2424 = t278 * t2415;
+    let t2425 = t351 * t2408;
+    let t2426 = t2424 - t2425;
+    let t2427 = t351 * t2403;
+    let t2428 = t2426 - t2427;
+    let t2429 = t231 * t2400;
+    let t2430 = t2428 - t2429;
+    let t2431 = t278 * t369;
+    let t2432 = t351 + t2431;
+    let t2433 = t494 * t2432;
+    let t2434 = t278 * t474;
+    let t2435 = t351 + t2434;
+    let t2436 = t2435 - t2433;
+    let t2437 = t522 * t2436;
+    let t2438 = t404 * t2432;
+    let t2439 = t278 * t316;
+    let t2440 = t231 + t2439;
+    let t2441 = t2440 + t2438;
+    let t2442 = t2441 + t2437;
+    let t2443 = inverse_d_alpha * t2442;
+    let t2444 = t522 * t2443;
+    let t2445 = inverse_d_beta * t2436;
+    let t2446 = t2445 + t2444;
+    let t2447 = t494 * t2446;
+    let t2448 = inverse_d_gamma * t2432;
+    let t2449 = t2448 - t2447;
+    let t2450 = t404 * t2443;
+    let t2451 = t2449 + t2450;
+    let t2452 = t369 * t2451;
+    let t2453 = t278 * inverse_d_delta;
+    let t2454 = t2453 + t2452;
+    let t2455 = t474 * t2446;
+    let t2456 = t2454 + t2455;
+    let t2457 = t316 * t2443;
+    let t2458 = t2456 + t2457;
+    let t2459 = t278 * t2458;
+    let t2460 = inverse_d_zeta + t2459;
+    let t2461 = t351 * t2451;
+    let t2462 = t2460 + t2461;
+    let t2463 = t351 * t2446;
+    let t2464 = t2462 + t2463;
+    let t2465 = t231 * t2443;
+    let t2466 = t2464 + t2465;
+    let t2467 = -t1010;
+    let t2468 = -t1151;
+    let t2469 = -t1386;
+    let t2470 = -t1449;
+    let t2471 = -t1455;
+    let t2472 = -t1458;
+    let t2473 = -t1469;
+    let t2474 = -t1474;
+    let t2475 = -t1479;
+    let t2476 = -t1496;
+    let t2477 = -t1510;
+    let t2478 = -t1517;
+    let t2479 = -t1524;
+    let t2480 = -t1533;
+    let t2481 = -t1551;
+    let t2482 = -t1560;
+    let t2483 = -t1569;
+    let t2484 = -t1950;
+    let t2485 = -t2084;
+    let t2486 = -t2093;
+    let t2487 = -t2096;
+    let t2488 = -t2101;
+    let t2489 = -t2121;
+    let t2490 = -t2126;
+    let t2491 = -t2140;
+    let t2492 = -t2147;
+    let t2493 = -t2177;
+    let t2494 = -t2204;
+    let t2495 = -t2213;
+    let t2496 = -t2222;
+    let t2497 = -t2231;
+    let t2498 = -t2258;
+    let t2499 = -t2267;
+    let t2500 = -t2276;
+    let t2501 = -t2277;
+    let t2502 = -t2299;
+    let t2503 = -t2304;
+    let t2504 = -t2309;
+    let t2505 = -t2316;
+    let t2506 = -t2352;
+    let t2507 = -t2387;
+    let t2508 = -t2430;
     [
-        t2036,
-        t2165,
-        t2197,
-        t2241,
-        t2274,
+        t2030,
+        t2078,
+        t2081,
+        t2087,
+        t2090,
+        t2106,
+        t2111,
+        t2116,
+        t2133,
+        t2154,
+        t2161,
+        t2168,
+        t2186,
+        t2195,
+        t2240,
+        t2249,
+        t2280,
         t2285,
-        t2296,
-        t2318,
-        t2328,
-        t2339,
-        t2350,
-        t2361,
-        t2383,
-        t2394,
-        t2405,
-        t2416,
-        t2427,
-        t2449,
-        t2460,
+        t2292,
+        t2301,
+        t2323,
+        t2333,
+        t2338,
+        t2345,
+        t2373,
+        t2380,
+        t2423,
+        t2466,
+        t2467,
+        t2468,
+        t2469,
+        t2470,
+        t2471,
+        t2472,
+        t2473,
+        t2474,
+        t2475,
+        t2476,
+        t2477,
+        t2478,
+        t2479,
+        t2480,
+        t2481,
+        t2482,
+        t2483,
+        t2484,
+        t2485,
+        t2486,
+        t2487,
+        t2488,
+        t2489,
+        t2490,
+        t2491,
+        t2492,
+        t2493,
+        t2494,
+        t2495,
+        t2496,
+        t2497,
+        t2498,
+        t2499,
+        t2500,
+        t2501,
+        t2502,
+        t2503,
         t2504,
-        t2527,
-        t2528,
-        t2529,
-        t2530,
-        t2531,
-        t2532,
-        t2533,
-        t2534,
-        t2535,
-        t2536,
-        t2537,
-        t2538,
-        t2539,
-        t2540,
-        t2541,
-        t2542,
-        t2543,
-        t2544,
-        t2545,
-        t2546,
-        t2547,
-        t2548,
-        t2549,
-        t2550,
-        t2551,
-        t2552,
-        t2553,
-        t2554,
-        t2555,
-        t2556,
-        t2557,
-        t2558,
-        t2559,
-        t2560,
-        t2561,
-        t2562,
-        t2563,
-        t2564,
-        t2565,
-        t2566,
-        t2567,
-        t2568,
+        t2505,
+        t2506,
+        t2507,
+        t2508,
     ]
 }
 
@@ -8951,12 +9257,13 @@ fn forward_dynamics_derivatives_part_2(
 /// - returns `B_x: [N × M]`: ∂ÿ/∂u, row i = acceleration i
 /// - returns `c: [N]`: affine remainder ÿ − A\_y y − A\_v ẏ − B\_x u
 ///
-/// Cost: 1486 multiplications, 1250 additions, 6 divisions, 15 function calls (5 `sin_cos`, 10 other), 1
+/// Cost: 1452 multiplications, 1224 additions, 6 divisions, 15 function calls (5 `sin_cos`, 10 other), 1
 /// selection.
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -8967,30 +9274,46 @@ pub fn linearize(
     v: &[f64; N],
     u: &[f64; M],
 ) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
+    let mut a_y = [[0.0; 6]; 6];
+    let mut a_v = [[0.0; 6]; 6];
+    let mut b_x = [[0.0; 6]; 6];
+    let mut c = [0.0; 6];
+    linearize_into(y, v, u, &mut a_y, &mut a_v, &mut b_x, &mut c);
+    (a_y, a_v, b_x, c)
+}
+
+/// `linearize` with its results written in place; nothing of what stood there is read.
+pub fn linearize_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    a_y: &mut [[f64; N]; N],
+    a_v: &mut [[f64; N]; N],
+    b_x: &mut [[f64; M]; N],
+    c: &mut [f64; N],
+) {
     let [sin_delta, cos_delta, sin_epsilon, cos_epsilon, sin_beta_gamma, cos_beta_gamma,
-    t22, t23, t36, t40, t42, t49, t51, t54, t67, t68, t176, t196, inverse_d_alpha, t247,
-    t252, t259, omega_epsilon_y, t340, t350, t407, t465, t467, t470, t516, t560, t564,
-    t572, t577, t584, t600, t602, t610, t617, t633, t635, t662, t669, t685, t687, t736,
-    t774, t776, t825, t836, t932, t933, t941, t946, t961, t962, t965, t968, t969, t980,
-    t986, t987, t988, t994, t995, t996, t1026, t1109, t1112, t1124, t1141, t1149, t1150,
-    t1162, t1163, t1164, t1166, t1173, t1177, t1178, t1182, t1188, t1191, t1207, t1312,
-    t1315, t1335, t1420, t1421, t1434, t1513, t1560, t1571, t1582, t1593, t1604, t1615,
-    t1626, t1637, t1648, t1659, t1669, t1680, t1691, t1702, t1713, t1724, t1735, t1746,
-    t1757, t1768, t1779, t1790, t1801, t1812, t1823, t1834, t1843, t1851, t1857, t1863,
-    t1883, t1891, t1893, t1902, t1906, t1907, t1914, t1921, t1943, t1946, t1953, t1961,
-    t1963, t1965, t1966, t1968, t1971, t1972, t1974, t1976, t1977, t1981, t1994] = linearize_part_1(
+    t45, t61, t64, t76, t83, t209, inverse_d_zeta, t231, inverse_d_epsilon, t263, t278,
+    t281, inverse_d_delta, t316, t351, t359, t369, inverse_d_gamma, t404, t461, t474,
+    t494, inverse_d_beta, t522, inverse_d_alpha, t551, t554, t559, t566, t591, t613,
+    t737, t738, t773, t785, t792, t858, t862, t1010, t1151, t1276, t1386, t1449, t1452,
+    t1455, t1458, t1461, t1464, t1469, t1474, t1479, t1484, t1489, t1496, t1503, t1510,
+    t1517, t1524, t1533, t1542, t1551, t1560, t1569, t1578, t1587, t1596, t1605, t1614,
+    t1638, t1647, t1660, t1673, t1687, t1690, t1717, t1728, t1745, t1757, t1759, t1779,
+    t1802, t1808, t1818, t1820, t1841, t1867, t1897, t1902, t1913, t1925, t1947, t1950,
+    t1960, t1961, t1965, t1967, t1969, t1970, t1976, t1978, t1982] = linearize_part_1(
         y,
         v,
         u,
     );
-    let [t2036, t2165, t2197, t2241, t2274, t2285, t2296, t2318, t2328, t2339, t2350,
-    t2361, t2383, t2394, t2405, t2416, t2427, t2449, t2460, t2504, t2527, t2529, t2530,
-    t2531, t2533, t2537, t2538, t2539, t2540, t2542, t2544, t2545, t2546, t2548, t2550,
-    t2551, t2554, t2558, t2592, t2660, t2694, t2728, t2763, t2764, t2765, t2766, t2767,
-    t2768, t2769, t2770, t2771, t2772, t2773, t2774, t2775, t2776, t2777, t2778, t2779,
-    t2780, t2781, t2782, t2783, t2784, t2785, t2786, t2787, t2788, t2789, t2790, t2791,
-    t2792, t2793, t2794, t2795, t2796, t2797, t2798, t2799, t2800, t2801, t2802, t2803,
-    t2804, t2805, t2806, t2807, t2808, t2809, t2810] = linearize_part_2(
+    let [t2030, t2078, t2081, t2087, t2090, t2106, t2111, t2116, t2133, t2154, t2161,
+    t2168, t2186, t2195, t2240, t2249, t2277, t2283, t2289, t2297, t2308, t2334, t2345,
+    t2351, t2359, t2368, t2370, t2392, t2400, t2409, t2411, t2448, t2458, t2498, t2532,
+    t2566, t2600, t2634, t2668, t2702, t2703, t2704, t2705, t2706, t2707, t2708, t2709,
+    t2710, t2711, t2712, t2713, t2714, t2715, t2716, t2717, t2718, t2719, t2720, t2721,
+    t2722, t2723, t2724, t2725, t2726, t2727, t2728, t2729, t2730, t2731, t2732, t2733,
+    t2734, t2735, t2736, t2737, t2738, t2739, t2740, t2741, t2742, t2743, t2744, t2745,
+    t2746, t2747, t2748, t2749, t2750] = linearize_part_2(
         y,
         v,
         u,
@@ -9001,178 +9324,228 @@ pub fn linearize(
             cos_epsilon,
             sin_beta_gamma,
             cos_beta_gamma,
-            t22,
-            t23,
-            t36,
-            t40,
-            t42,
-            t49,
-            t51,
-            t54,
-            t67,
-            t68,
-            t176,
-            t196,
+            t45,
+            t61,
+            t64,
+            t76,
+            t83,
+            t209,
+            inverse_d_zeta,
+            t231,
+            inverse_d_epsilon,
+            t263,
+            t278,
+            t281,
+            inverse_d_delta,
+            t316,
+            t351,
+            t359,
+            t369,
+            inverse_d_gamma,
+            t404,
+            t461,
+            t474,
+            t494,
+            inverse_d_beta,
+            t522,
             inverse_d_alpha,
-            t247,
-            t252,
-            t259,
-            omega_epsilon_y,
-            t340,
-            t350,
-            t407,
-            t465,
-            t467,
-            t470,
-            t516,
-            t560,
-            t564,
-            t572,
-            t577,
-            t584,
-            t600,
-            t602,
-            t610,
-            t617,
-            t633,
-            t635,
-            t662,
-            t669,
-            t685,
-            t687,
-            t736,
-            t774,
-            t776,
-            t825,
-            t836,
-            t932,
-            t933,
-            t941,
-            t946,
-            t961,
-            t962,
-            t965,
-            t968,
-            t969,
-            t980,
-            t986,
-            t987,
-            t988,
-            t994,
-            t995,
-            t996,
-            t1026,
-            t1109,
-            t1112,
-            t1124,
-            t1141,
-            t1149,
-            t1150,
-            t1162,
-            t1163,
-            t1164,
-            t1166,
-            t1173,
-            t1177,
-            t1178,
-            t1182,
-            t1188,
-            t1191,
-            t1207,
-            t1312,
-            t1315,
-            t1335,
-            t1420,
-            t1421,
-            t1434,
-            t1513,
+            t551,
+            t554,
+            t559,
+            t566,
+            t591,
+            t613,
+            t737,
+            t738,
+            t773,
+            t785,
+            t792,
+            t858,
+            t862,
+            t1010,
+            t1151,
+            t1276,
+            t1386,
+            t1449,
+            t1452,
+            t1455,
+            t1458,
+            t1461,
+            t1464,
+            t1469,
+            t1474,
+            t1479,
+            t1484,
+            t1489,
+            t1496,
+            t1503,
+            t1510,
+            t1517,
+            t1524,
+            t1533,
+            t1542,
+            t1551,
             t1560,
-            t1571,
-            t1582,
-            t1593,
-            t1604,
-            t1615,
-            t1626,
-            t1637,
-            t1648,
-            t1659,
-            t1669,
-            t1680,
-            t1691,
-            t1702,
-            t1713,
-            t1724,
-            t1735,
-            t1746,
+            t1569,
+            t1578,
+            t1587,
+            t1596,
+            t1605,
+            t1614,
+            t1638,
+            t1647,
+            t1660,
+            t1673,
+            t1687,
+            t1690,
+            t1717,
+            t1728,
+            t1745,
             t1757,
-            t1768,
+            t1759,
             t1779,
-            t1790,
-            t1801,
-            t1812,
-            t1823,
-            t1834,
-            t1843,
-            t1851,
-            t1857,
-            t1863,
-            t1883,
-            t1891,
-            t1893,
+            t1802,
+            t1808,
+            t1818,
+            t1820,
+            t1841,
+            t1867,
+            t1897,
             t1902,
-            t1906,
-            t1907,
-            t1914,
-            t1921,
-            t1943,
-            t1946,
-            t1953,
+            t1913,
+            t1925,
+            t1947,
+            t1950,
+            t1960,
             t1961,
-            t1963,
             t1965,
-            t1966,
-            t1968,
-            t1971,
-            t1972,
-            t1974,
+            t1967,
+            t1969,
+            t1970,
             t1976,
-            t1977,
-            t1981,
-            t1994,
+            t1978,
+            t1982,
         ],
     );
-    (
-        [
-            [0.0, t2763, t2764, t1420, t2765, t2766],
-            [0.0, t1571, t1582, t2767, t1604, t1615],
-            [0.0, t2768, t2769, t1648, t2770, t2771],
-            [0.0, t2772, t2773, t1702, t2774, t2775],
-            [0.0, t2776, t2777, t1757, t2778, t2779],
-            [0.0, t1790, t1801, t2780, t1823, t1834],
-        ],
-        [
-            [t1893, t1965, t2036, t2781, t2165, t2197],
-            [t2782, t2783, t2784, t2241, t2785, t2786],
-            [t2274, t2285, t2296, t2787, t2318, t2328],
-            [t2339, t2350, t2361, t2788, t2383, t2394],
-            [t2405, t2416, t2427, t2789, t2449, t2460],
-            [t2790, t2791, t2792, t2504, t2793, t2794],
-        ],
-        [
-            [t2527, t2795, t2529, t2530, t2531, t2796],
-            [t2795, t2533, t2797, t2798, t2799, t2537],
-            [t2529, t2797, t2538, t2539, t2540, t2800],
-            [t2542, t2801, t2544, t2545, t2546, t2802],
-            [t2548, t2803, t2550, t2546, t2551, t2804],
-            [t2805, t2554, t2806, t2807, t2808, t2558],
-        ],
-        [t2592, t2809, t2660, t2694, t2728, t2810],
-    )
+    a_y[0][0] = 0.0;
+    a_y[0][1] = t2703;
+    a_y[0][2] = t2704;
+    a_y[0][3] = t1276;
+    a_y[0][4] = t2705;
+    a_y[0][5] = t2706;
+    a_y[1][0] = 0.0;
+    a_y[1][1] = t1452;
+    a_y[1][2] = t2707;
+    a_y[1][3] = t2708;
+    a_y[1][4] = t1461;
+    a_y[1][5] = t1464;
+    a_y[2][0] = 0.0;
+    a_y[2][1] = t2709;
+    a_y[2][2] = t2710;
+    a_y[2][3] = t2711;
+    a_y[2][4] = t1484;
+    a_y[2][5] = t1489;
+    a_y[3][0] = 0.0;
+    a_y[3][1] = t2712;
+    a_y[3][2] = t1503;
+    a_y[3][3] = t2713;
+    a_y[3][4] = t2714;
+    a_y[3][5] = t2715;
+    a_y[4][0] = 0.0;
+    a_y[4][1] = t2716;
+    a_y[4][2] = t1542;
+    a_y[4][3] = t2717;
+    a_y[4][4] = t2718;
+    a_y[4][5] = t2719;
+    a_y[5][0] = 0.0;
+    a_y[5][1] = t1578;
+    a_y[5][2] = t1587;
+    a_y[5][3] = t1596;
+    a_y[5][4] = t1605;
+    a_y[5][5] = t1614;
+    a_v[0][0] = t1690;
+    a_v[0][1] = t1779;
+    a_v[0][2] = t1867;
+    a_v[0][3] = t2720;
+    a_v[0][4] = t2030;
+    a_v[0][5] = t2078;
+    a_v[1][0] = t2081;
+    a_v[1][1] = t2721;
+    a_v[1][2] = t2087;
+    a_v[1][3] = t2090;
+    a_v[1][4] = t2722;
+    a_v[1][5] = t2723;
+    a_v[2][0] = t2724;
+    a_v[2][1] = t2106;
+    a_v[2][2] = t2111;
+    a_v[2][3] = t2116;
+    a_v[2][4] = t2725;
+    a_v[2][5] = t2726;
+    a_v[3][0] = t2133;
+    a_v[3][1] = t2727;
+    a_v[3][2] = t2728;
+    a_v[3][3] = t2154;
+    a_v[3][4] = t2161;
+    a_v[3][5] = t2168;
+    a_v[4][0] = t2729;
+    a_v[4][1] = t2186;
+    a_v[4][2] = t2195;
+    a_v[4][3] = t2730;
+    a_v[4][4] = t2731;
+    a_v[4][5] = t2732;
+    a_v[5][0] = t2733;
+    a_v[5][1] = t2240;
+    a_v[5][2] = t2249;
+    a_v[5][3] = t2734;
+    a_v[5][4] = t2735;
+    a_v[5][5] = t2736;
+    b_x[0][0] = t2277;
+    b_x[0][1] = t2737;
+    b_x[0][2] = t2283;
+    b_x[0][3] = t2289;
+    b_x[0][4] = t2297;
+    b_x[0][5] = t2738;
+    b_x[1][0] = t2737;
+    b_x[1][1] = t2308;
+    b_x[1][2] = t2739;
+    b_x[1][3] = t2740;
+    b_x[1][4] = t2741;
+    b_x[1][5] = t2334;
+    b_x[2][0] = t2283;
+    b_x[2][1] = t2739;
+    b_x[2][2] = t2345;
+    b_x[2][3] = t2351;
+    b_x[2][4] = t2359;
+    b_x[2][5] = t2742;
+    b_x[3][0] = t2368;
+    b_x[3][1] = t2743;
+    b_x[3][2] = t2370;
+    b_x[3][3] = t2392;
+    b_x[3][4] = t2400;
+    b_x[3][5] = t2744;
+    b_x[4][0] = t2409;
+    b_x[4][1] = t2745;
+    b_x[4][2] = t2411;
+    b_x[4][3] = t2400;
+    b_x[4][4] = t2448;
+    b_x[4][5] = t2746;
+    b_x[5][0] = t2747;
+    b_x[5][1] = t2458;
+    b_x[5][2] = t2748;
+    b_x[5][3] = t2749;
+    b_x[5][4] = t2750;
+    b_x[5][5] = t2498;
+    c[0] = t2532;
+    c[1] = t2566;
+    c[2] = t2600;
+    c[3] = t2634;
+    c[4] = t2668;
+    c[5] = t2702;
 }
 
 /// Part 1 of `linearize`: values that later parts read.
 #[inline(never)]
-fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 144] {
+fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 107] {
     let angle_beta_gamma = y[1] + y[2];
     let (
         [sin_beta,
@@ -9187,1990 +9560,1978 @@ fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 144] {
         ],
     ) = math::sin_cos_4(y[1], y[3], y[4], y[5]);
     let (sin_beta_gamma, cos_beta_gamma) = math::sin_cos(angle_beta_gamma);
-    let t11 = sin_zeta * 9.103999999999991e-5;
-    let t12 = sin_zeta * t11;
-    let t13 = t12 - 0.003312497041000001;
-    let t14 = sin_epsilon * t13;
-    let t15 = sin_epsilon * t14;
-    let t16 = t12 + 0.0008825;
-    let t17 = t16 - t15;
-    let t18 = 0.0026049999999999997 + t17;
-    let t19 = t12 - 0.0035685400000000003;
-    let t20 = t18 + t19;
-    let t21 = sin_delta * t20;
-    let t22 = cos_zeta * t11;
-    let t23 = cos_epsilon * t22;
-    let t24 = 2.0 * t23;
-    let t25 = cos_delta * t24;
-    let t26 = t21 - t25;
-    let t27 = sin_delta * t26;
-    let t28 = t18 - t27;
-    let t29 = 0.0041575 + t28;
-    let t30 = 0.004194997041000001 + t15;
-    let t31 = cos_epsilon * 0.019904970806000004;
-    let t32 = t30 + t31;
-    let t33 = 0.6291534673095002 + t32;
-    let t34 = t29 - t33;
-    let t35 = sin_beta_gamma * t34;
-    let t36 = cos_epsilon * t14;
-    let t37 = 0.009952485403000002 * sin_epsilon;
-    let t38 = t37 - t36;
-    let t39 = cos_delta * t38;
-    let t40 = sin_epsilon * t22;
-    let t41 = sin_delta * t40;
-    let t42 = t39 - t41;
-    let t43 = 2.0 * t42;
-    let t44 = cos_beta_gamma * t43;
-    let t45 = t35 - t44;
-    let t46 = sin_beta_gamma * t45;
-    let t47 = t29 - t46;
-    let t48 = 0.009952485403000002 * cos_epsilon;
-    let t49 = 0.7918816998225002 + t48;
-    let t50 = sin_beta_gamma * t49;
-    let t51 = cos_delta * t37;
-    let t52 = cos_beta_gamma * t51;
-    let t53 = t52 + t50;
-    let t54 = 0.3875551727850145 * sin_beta;
-    let t55 = t54 * t53;
-    let t56 = 2.0 * t55;
-    let t57 = t47 + t56;
-    let t58 = cos_beta * 0.28909494;
-    let t59 = cos_beta * t58;
-    let t60 = 0.292121275 - t59;
-    let t61 = t60 + t57;
-    let t62 = 0.004026335 + t61;
-    let t63 = t19 - t27;
-    let t64 = 0.01110483 - t63;
-    let t65 = t62 + t64;
-    let t66 = t65 + 1.36525907;
-    let t67 = 0.00057104 - t12;
-    let t68 = 0.00048000000000000007 + t12;
-    let t69 = t68 + t67;
-    let t70 = sin_epsilon * t69;
-    let t71 = cos_delta * t70;
-    let t72 = sin_beta_gamma * t71;
-    let t73 = cos_epsilon * t69;
-    let t74 = cos_beta_gamma * t73;
-    let t75 = t72 - t74;
-    let t76 = cos_beta_gamma * cos_epsilon;
-    let t77 = cos_delta * sin_epsilon;
-    let t78 = sin_beta_gamma * t77;
-    let t79 = t78 - t76;
-    let t80 = 0.000255 * t79;
-    let t81 = t75 + t80;
-    let t82 = t69 + 0.013005000000000001;
-    let inverse_d_zeta = 1.0 / t82;
-    let t84 = t81 * inverse_d_zeta;
-    let t85 = t81 * t84;
-    let t86 = t66 - t85;
-    let t87 = t12 + 0.0050774970410000005;
-    let t88 = t87 + t48;
-    let t89 = sin_delta * t88;
-    let t90 = cos_delta * t23;
-    let t91 = t90 - t89;
-    let t92 = sin_beta_gamma * t91;
-    let t93 = cos_beta_gamma * t40;
-    let t94 = t92 + t93;
-    let t95 = sin_delta * t48;
-    let t96 = t54 * t95;
-    let t97 = t94 - t96;
-    let t98 = sin_beta_gamma * sin_delta;
-    let t99 = 0.00101 * t98;
-    let t100 = t97 - t99;
-    let t101 = t12 + 0.107087497041;
-    let inverse_d_epsilon = 1.0 / t101;
-    let t103 = t100 * inverse_d_epsilon;
-    let t104 = t100 * t103;
-    let t105 = t86 - t104;
-    let t106 = t18 - t19;
-    let t107 = cos_beta_gamma * t106;
-    let t108 = sin_beta_gamma * t42;
-    let t109 = t108 + t107;
-    let t110 = t54 * t51;
-    let t111 = t109 + t110;
-    let t112 = cos_beta_gamma * 0.001515;
-    let t113 = t111 + t112;
-    let t114 = cos_epsilon * 0.000255;
-    let t115 = t73 + t114;
-    let t116 = t115 * inverse_d_zeta;
-    let t117 = t81 * t116;
-    let t118 = t113 + t117;
-    let t119 = t40 * inverse_d_epsilon;
-    let t120 = t100 * t119;
-    let t121 = t118 - t120;
-    let t122 = t106 + 0.153015;
-    let t123 = t115 * t116;
-    let t124 = t122 - t123;
-    let t125 = t40 * t119;
-    let t126 = t124 - t125;
-    let inverse_d_delta = 1.0 / t126;
-    let t128 = t121 * inverse_d_delta;
-    let t129 = t121 * t128;
-    let t130 = t105 - t129;
-    let t131 = t29 + t33;
-    let t132 = t131 + 1.36525907;
-    let t133 = sin_delta * t70;
-    let t134 = sin_delta * sin_epsilon;
-    let t135 = 0.000255 * t134;
-    let t136 = t133 + t135;
-    let t137 = t136 * inverse_d_zeta;
-    let t138 = t136 * t137;
-    let t139 = t132 - t138;
-    let t140 = cos_delta * t88;
-    let t141 = sin_delta * t23;
-    let t142 = t141 + t140;
-    let t143 = cos_delta * 0.00101;
-    let t144 = t142 + t143;
-    let t145 = t144 * inverse_d_epsilon;
-    let t146 = t144 * t145;
-    let t147 = t139 - t146;
-    let t148 = t136 * t116;
-    let t149 = sin_delta * t38;
-    let t150 = cos_delta * t40;
-    let t151 = t149 + t150;
-    let t152 = t151 + t148;
-    let t153 = t144 * t119;
-    let t154 = t152 - t153;
-    let t155 = t154 * inverse_d_delta;
-    let t156 = t154 * t155;
-    let t157 = t147 - t156;
-    let inverse_d_gamma = 1.0 / t157;
-    let t159 = cos_delta * t26;
-    let t160 = t23 + t159;
-    let t161 = sin_beta_gamma * t160;
-    let t162 = cos_beta_gamma * t151;
-    let t163 = t161 - t162;
-    let t164 = t81 * t137;
-    let t165 = t163 + t164;
-    let t166 = t100 * t145;
-    let t167 = t165 + t166;
-    let t168 = t121 * t155;
-    let t169 = t167 + t168;
-    let t170 = t169 * inverse_d_gamma;
-    let t171 = t169 * t170;
-    let t172 = t130 - t171;
-    let t173 = cos_beta_gamma * t49;
-    let t174 = sin_beta_gamma * t51;
-    let t175 = t174 - t173;
-    let t176 = 0.3875551727850145 * cos_beta;
-    let t177 = t176 * t175;
-    let t178 = t55 - t177;
-    let t179 = t131 + t178;
-    let t180 = t179 + 0.00847987;
-    let t181 = t180 - t138;
-    let t182 = cos_delta * t48;
-    let t183 = cos_beta_gamma * t182;
-    let t184 = sin_beta_gamma * t37;
-    let t185 = t183 - t184;
-    let t186 = t176 * t185;
-    let t187 = sin_beta_gamma * t182;
-    let t188 = cos_beta_gamma * t37;
-    let t189 = t187 + t188;
-    let t190 = t54 * t189;
-    let t191 = t190 + t186;
-    let t192 = t142 + t191;
-    let t193 = t192 + t143;
-    let t194 = t193 * t145;
-    let t195 = t181 - t194;
-    let t196 = sin_delta * t37;
-    let t197 = cos_beta_gamma * t196;
-    let t198 = t176 * t197;
-    let t199 = sin_beta_gamma * t196;
-    let t200 = t54 * t199;
-    let t201 = t200 + t198;
-    let t202 = t151 + t201;
-    let t203 = t202 + t148;
-    let t204 = t193 * t119;
-    let t205 = t203 - t204;
-    let t206 = t205 * t155;
-    let t207 = t195 - t206;
-    let t208 = t207 * inverse_d_gamma;
-    let t209 = t207 * t208;
-    let t210 = 2.0 * t178;
-    let t211 = t131 + t210;
-    let t212 = 0.0030263349999999994 + t59;
-    let t213 = t60 + t212;
-    let t214 = t213 + t211;
-    let t215 = t214 + 1.36525907;
-    let t216 = t215 - t138;
-    let t217 = t193 * inverse_d_epsilon;
-    let t218 = t193 * t217;
-    let t219 = t216 - t218;
-    let t220 = t205 * inverse_d_delta;
-    let t221 = t205 * t220;
-    let t222 = t219 - t221;
-    let t223 = t222 - t209;
-    let inverse_d_beta = 1.0 / t223;
-    let t225 = t169 * t208;
-    let t226 = t176 * t196;
-    let t227 = t163 - t226;
-    let t228 = t227 + t164;
-    let t229 = t100 * t217;
-    let t230 = t228 + t229;
-    let t231 = t121 * t220;
-    let t232 = t230 + t231;
-    let t233 = t232 - t225;
-    let t234 = t233 * inverse_d_beta;
-    let t235 = t233 * t234;
-    let t236 = t172 - t235;
-    let inverse_d_alpha = 1.0 / t236;
-    let t238 = t208 * t234;
-    let t239 = t170 - t238;
-    let t240 = inverse_d_alpha * t239;
-    let t241 = t234 * t240;
-    let t242 = t208 * inverse_d_beta;
-    let t243 = t242 - t241;
-    let t244 = t208 * t243;
-    let t245 = inverse_d_gamma + t244;
-    let t246 = t170 * t240;
-    let t247 = t245 + t246;
-    let t248 = t155 * t247;
-    let t249 = t220 * t243;
-    let t250 = t248 - t249;
-    let t251 = t128 * t240;
-    let t252 = t250 + t251;
-    let t253 = t119 * t252;
-    let t254 = t145 * t247;
-    let t255 = t253 - t254;
-    let t256 = t217 * t243;
-    let t257 = t255 + t256;
-    let t258 = t103 * t240;
-    let t259 = t257 - t258;
-    let t260 = v[1] * v[1];
-    let t261 = t176 * t260;
-    let t262 = 21.1145440844009 - t261;
-    let t263 = sin_beta_gamma * t262;
-    let t264 = v[0] * v[0];
-    let t265 = t264 + t260;
-    let t266 = t54 * t265;
-    let t267 = cos_beta_gamma * t266;
-    let acceleration_gamma_x = t267 + t263;
-    let t269 = cos_delta * acceleration_gamma_x;
-    let t270 = v[1] * 2.0;
-    let t271 = v[0] * t270;
-    let acceleration_gamma_z = t176 * t271;
-    let t273 = sin_delta * acceleration_gamma_z;
-    let t274 = t269 - t273;
     let omega_gamma_y = v[0] * cos_beta_gamma;
-    let omega_gamma_z = v[1] + v[2];
-    let t277 = 2.0 * omega_gamma_z;
-    let t278 = omega_gamma_y * t277;
-    let t279 = sin_delta * t278;
-    let omega_gamma_x = v[0] * sin_beta_gamma;
-    let t281 = omega_gamma_x * omega_gamma_y;
-    let t282 = cos_delta * t281;
-    let t283 = t282 - t279;
-    let acceleration_delta_x = t274 + t283;
-    let t285 = cos_epsilon * acceleration_delta_x;
-    let t286 = cos_beta_gamma * t262;
-    let t287 = sin_beta_gamma * t266;
-    let acceleration_gamma_y = t287 - t286;
-    let t289 = omega_gamma_x * omega_gamma_x;
-    let t290 = omega_gamma_z * omega_gamma_z;
-    let t291 = t289 + t290;
-    let acceleration_delta_z = acceleration_gamma_y + t291;
-    let t293 = sin_epsilon * acceleration_delta_z;
-    let acceleration_epsilon_x = t285 - t293;
-    let t295 = 0.009952485403000002 * acceleration_epsilon_x;
-    let t296 = cos_delta * omega_gamma_x;
-    let t297 = sin_delta * omega_gamma_z;
-    let omega_delta_x = t296 - t297;
-    let t299 = sin_epsilon * omega_delta_x;
     let omega_delta_z = v[3] + omega_gamma_y;
-    let t301 = cos_epsilon * omega_delta_z;
-    let omega_epsilon_y = t299 - t301;
-    let t303 = cos_epsilon * omega_delta_x;
-    let t304 = sin_epsilon * omega_delta_z;
-    let omega_epsilon_x = t303 + t304;
-    let t306 = omega_epsilon_x * omega_epsilon_y;
-    let t307 = omega_delta_x * omega_delta_z;
-    let t308 = t283 - t307;
-    let t309 = t308 - t306;
-    let t310 = 0.004194997041000001 * t309;
-    let t311 = t308 + t306;
-    let t312 = 0.0004025 * t311;
-    let t313 = t312 + t310;
-    let t314 = t295 + t313;
-    let t315 = v[5] * 0.000255;
-    let t316 = omega_epsilon_x * t315;
-    let t317 = t314 - t316;
-    let omega_zeta_z = v[5] - omega_epsilon_y;
-    let t319 = 2.0 * omega_zeta_z;
-    let t320 = omega_epsilon_x * t319;
-    let t321 = t309 - t320;
-    let t322 = t68 * t321;
-    let t323 = sin_delta * omega_gamma_x;
-    let t324 = cos_delta * omega_gamma_z;
-    let omega_delta_y = t323 + t324;
+    let t13 = 2.0 * omega_delta_z;
+    let omega_gamma_x = v[0] * sin_beta_gamma;
+    let t15 = sin_delta * omega_gamma_x;
+    let omega_gamma_z = v[1] + v[2];
+    let t17 = cos_delta * omega_gamma_z;
+    let omega_delta_y = t15 + t17;
+    let t19 = omega_delta_y * t13;
+    let t20 = 2.0 * omega_gamma_z;
+    let t21 = omega_gamma_y * t20;
+    let t22 = cos_delta * t21;
+    let t23 = omega_gamma_x * omega_gamma_y;
+    let t24 = sin_delta * t23;
+    let t25 = t24 + t22;
+    let t26 = t25 - t19;
+    let t27 = sin_epsilon * t26;
+    let t28 = cos_delta * omega_gamma_x;
+    let t29 = sin_delta * omega_gamma_z;
+    let omega_delta_x = t28 - t29;
+    let t31 = omega_delta_x * omega_delta_y;
+    let t32 = omega_gamma_z * omega_gamma_x;
+    let t33 = t32 - t31;
+    let t34 = cos_epsilon * t33;
+    let t35 = t34 + t27;
+    let t36 = cos_epsilon * omega_delta_x;
+    let t37 = sin_epsilon * omega_delta_z;
+    let omega_epsilon_x = t36 + t37;
     let omega_epsilon_z = v[4] + omega_delta_y;
-    let t327 = omega_epsilon_z * t319;
-    let t328 = 2.0 * omega_delta_z;
-    let t329 = omega_delta_y * t328;
-    let t330 = cos_delta * t278;
-    let t331 = sin_delta * t281;
+    let t40 = omega_epsilon_x * omega_epsilon_z;
+    let t41 = t35 + t40;
+    let t42 = t40 + t41;
+    let t43 = sin_zeta * 9.103999999999991e-5;
+    let t44 = sin_zeta * t43;
+    let t45 = 0.00048000000000000007 + t44;
+    let t46 = t45 * t42;
+    let t47 = sin_epsilon * omega_delta_x;
+    let t48 = cos_epsilon * omega_delta_z;
+    let omega_epsilon_y = t47 - t48;
+    let omega_zeta_z = v[5] - omega_epsilon_y;
+    let t51 = omega_zeta_z * omega_zeta_z;
+    let t52 = omega_epsilon_x * omega_epsilon_x;
+    let t53 = t52 + t51;
+    let t54 = omega_epsilon_z * omega_epsilon_z;
+    let t55 = t54 + t51;
+    let t56 = t55 - t53;
+    let t57 = cos_zeta * t43;
+    let t58 = t57 * t56;
+    let t59 = t58 + t46;
+    let t60 = t40 - t41;
+    let t61 = 0.00057104 - t44;
+    let t62 = t61 * t60;
+    let moment_zeta_z = t59 - t62;
+    let t64 = 2.0 * omega_epsilon_z;
+    let t65 = omega_epsilon_x * t64;
+    let t66 = t35 + t65;
+    let t67 = 0.0004025 * t66;
+    let moment_epsilon_y = t67 + moment_zeta_z;
+    let t69 = sin_epsilon * moment_epsilon_y;
+    let t70 = cos_epsilon * t26;
+    let t71 = sin_epsilon * t33;
+    let t72 = t71 - t70;
+    let t73 = omega_epsilon_y * t64;
+    let t74 = t72 + t73;
+    let t75 = 0.004194997041000001 * t74;
+    let t76 = 0.3875551727850145 * cos_beta;
+    let t77 = v[1] * v[1];
+    let t78 = t76 * t77;
+    let t79 = 21.1145440844009 - t78;
+    let t80 = sin_beta_gamma * t79;
+    let t81 = v[0] * v[0];
+    let t82 = t81 + t77;
+    let t83 = 0.3875551727850145 * sin_beta;
+    let t84 = t83 * t82;
+    let t85 = cos_beta_gamma * t84;
+    let acceleration_gamma_x = t85 + t80;
+    let t87 = sin_delta * acceleration_gamma_x;
+    let t88 = v[1] * 2.0;
+    let t89 = v[0] * t88;
+    let acceleration_gamma_z = t76 * t89;
+    let t91 = cos_delta * acceleration_gamma_z;
+    let t92 = t87 + t91;
+    let acceleration_delta_y = t92 + t25;
+    let t94 = 0.009952485403000002 * acceleration_delta_y;
+    let t95 = t94 - t75;
+    let t96 = v[5] * 0.000255;
+    let t97 = omega_epsilon_z * t96;
+    let t98 = t95 - t97;
+    let t99 = 2.0 * omega_zeta_z;
+    let t100 = omega_epsilon_z * t99;
+    let t101 = t74 + t100;
+    let t102 = t61 * t101;
+    let t103 = omega_epsilon_x * t99;
+    let t104 = omega_epsilon_x * omega_epsilon_y;
+    let t105 = omega_delta_x * omega_delta_z;
+    let t106 = sin_delta * t21;
+    let t107 = cos_delta * t23;
+    let t108 = t107 - t106;
+    let t109 = t108 - t105;
+    let t110 = t109 - t104;
+    let t111 = t110 - t103;
+    let t112 = t57 * t111;
+    let moment_zeta_x = t112 - t102;
+    let moment_epsilon_x = moment_zeta_x + t98;
+    let t115 = cos_epsilon * moment_epsilon_x;
+    let t116 = t115 + t69;
+    let t117 = 0.0029975 * t26;
+    let t118 = v[4] * 0.00101;
+    let t119 = omega_delta_z * t118;
+    let t120 = t117 + t119;
+    let moment_delta_x = t120 + t116;
+    let force_epsilon_z = 0.009952485403000002 * t74;
+    let t123 = force_epsilon_z - moment_delta_x;
+    let t124 = cos_delta * t123;
+    let t125 = cos_delta * acceleration_gamma_x;
+    let t126 = sin_delta * acceleration_gamma_z;
+    let t127 = t125 - t126;
+    let acceleration_delta_x = t127 + t108;
+    let t129 = cos_epsilon * acceleration_delta_x;
+    let t130 = cos_beta_gamma * t79;
+    let t131 = sin_beta_gamma * t84;
+    let acceleration_gamma_y = t131 - t130;
+    let t133 = omega_gamma_x * omega_gamma_x;
+    let t134 = omega_gamma_z * omega_gamma_z;
+    let t135 = t133 + t134;
+    let acceleration_delta_z = acceleration_gamma_y + t135;
+    let t137 = sin_epsilon * acceleration_delta_z;
+    let acceleration_epsilon_x = t129 - t137;
+    let t139 = 0.009952485403000002 * acceleration_epsilon_x;
+    let t140 = 0.004194997041000001 * t110;
+    let t141 = t109 + t104;
+    let t142 = 0.0004025 * t141;
+    let t143 = t142 + t140;
+    let t144 = t139 + t143;
+    let t145 = omega_epsilon_x * t96;
+    let t146 = t144 - t145;
+    let t147 = t45 * t111;
+    let t148 = t57 * t101;
+    let moment_zeta_y = t148 - t147;
+    let moment_epsilon_z = moment_zeta_y - t146;
+    let t151 = omega_delta_x * t13;
+    let t152 = t108 - t151;
+    let t153 = 0.0026049999999999997 * t152;
+    let moment_delta_y = t153 - moment_epsilon_z;
+    let t155 = t52 + t54;
+    let force_epsilon_y = 0.009952485403000002 * t155;
+    let t157 = sin_epsilon * force_epsilon_y;
+    let force_epsilon_x = 0.009952485403000002 * t110;
+    let t159 = cos_epsilon * force_epsilon_x;
+    let force_delta_x = t159 + t157;
+    let t161 = force_delta_x + moment_delta_y;
+    let t162 = sin_delta * t161;
+    let t163 = t124 + t162;
+    let t164 = 0.6291534673095002 * t21;
+    let t165 = 0.7918816998225002 * acceleration_gamma_z;
+    let t166 = t165 + t164;
+    let t167 = v[3] * 0.001515;
+    let t168 = omega_gamma_z * t167;
+    let t169 = t166 - t168;
+    let moment_gamma_x = t169 - t163;
+    let t171 = sin_beta_gamma * moment_gamma_x;
+    let t172 = cos_epsilon * moment_epsilon_y;
+    let t173 = sin_epsilon * moment_epsilon_x;
+    let t174 = t173 - t172;
+    let t175 = 0.0029975 * t33;
+    let t176 = t32 + t31;
+    let t177 = 0.0026049999999999997 * t176;
+    let t178 = t177 + t175;
+    let t179 = omega_delta_x * t118;
+    let t180 = t178 + t179;
+    let moment_delta_z = t180 - t174;
+    let t182 = omega_gamma_x * t20;
+    let t183 = 0.0041575 * t182;
+    let moment_gamma_y = t183 + moment_delta_z;
+    let t185 = cos_beta_gamma * moment_gamma_y;
+    let t186 = t171 - t185;
+    let t187 = sin_delta * force_delta_x;
+    let t188 = cos_delta * force_epsilon_z;
+    let t189 = t187 + t188;
+    let t190 = 0.7918816998225002 * t21;
+    let force_gamma_z = t190 - t189;
+    let t192 = t83 * force_gamma_z;
+    let t193 = t186 + t192;
+    let t194 = cos_beta * 0.28909494;
+    let t195 = sin_beta * t194;
+    let t196 = t195 * t89;
+    let moment_beta_y = t196 + t193;
+    let t198 = v[0] * 20.0;
+    let t199 = math::tanh(t198);
+    let t200 = t199 * 10.0;
+    let t201 = v[0] * 60.0;
+    let t202 = t201 + t200;
+    let t203 = u[0] * 161.0;
+    let t204 = t203 - t202;
+    let t205 = t204 - moment_beta_y;
+    let t206 = 0.000255 * t41;
+    let t207 = moment_zeta_z + t206;
+    let t208 = v[5] * 20.0;
+    let t209 = math::tanh(t208);
+    let t210 = t209 * 0.4;
+    let t211 = v[5] * 2.0;
+    let t212 = t211 + t210;
+    let t213 = u[5] * 51.0;
+    let t214 = t213 - t212;
+    let t215 = t214 + t207;
+    let t216 = t45 + t61;
+    let t217 = sin_epsilon * t216;
+    let t218 = cos_delta * t217;
+    let t219 = sin_beta_gamma * t218;
+    let t220 = cos_epsilon * t216;
+    let t221 = cos_beta_gamma * t220;
+    let t222 = t219 - t221;
+    let t223 = cos_beta_gamma * cos_epsilon;
+    let t224 = cos_delta * sin_epsilon;
+    let t225 = sin_beta_gamma * t224;
+    let t226 = t225 - t223;
+    let t227 = 0.000255 * t226;
+    let t228 = t222 + t227;
+    let t229 = t216 + 0.013005000000000001;
+    let inverse_d_zeta = 1.0 / t229;
+    let t231 = t228 * inverse_d_zeta;
+    let t232 = t231 * t215;
+    let t233 = t205 + t232;
+    let t234 = 0.00101 * t109;
+    let t235 = t234 - moment_epsilon_z;
+    let t236 = v[4] * 20.0;
+    let t237 = math::tanh(t236);
+    let t238 = t237 * 1.5;
+    let t239 = v[4] * 8.0;
+    let t240 = t239 + t238;
+    let t241 = u[4] * 101.0;
+    let t242 = t241 - t240;
+    let t243 = t242 + t235;
+    let t244 = t44 + 0.0050774970410000005;
+    let t245 = 0.009952485403000002 * cos_epsilon;
+    let t246 = t244 + t245;
+    let t247 = sin_delta * t246;
+    let t248 = cos_epsilon * t57;
+    let t249 = cos_delta * t248;
+    let t250 = t249 - t247;
+    let t251 = sin_beta_gamma * t250;
+    let t252 = sin_epsilon * t57;
+    let t253 = cos_beta_gamma * t252;
+    let t254 = t251 + t253;
+    let t255 = sin_delta * t245;
+    let t256 = t83 * t255;
+    let t257 = t254 - t256;
+    let t258 = sin_beta_gamma * sin_delta;
+    let t259 = 0.00101 * t258;
+    let t260 = t257 - t259;
+    let t261 = t44 + 0.107087497041;
+    let inverse_d_epsilon = 1.0 / t261;
+    let t263 = t260 * inverse_d_epsilon;
+    let t264 = t263 * t243;
+    let t265 = t233 + t264;
+    let t266 = 0.001515 * t32;
+    let t267 = t266 + moment_delta_z;
+    let t268 = v[3] * 20.0;
+    let t269 = math::tanh(t268);
+    let t270 = 2.0 * t269;
+    let t271 = v[3] * 10.0;
+    let t272 = t271 + t270;
+    let t273 = u[3] * 101.0;
+    let t274 = t273 - t272;
+    let t275 = t274 + t267;
+    let t276 = cos_epsilon * 0.000255;
+    let t277 = t220 + t276;
+    let t278 = t277 * inverse_d_zeta;
+    let t279 = t278 * t215;
+    let t280 = t275 - t279;
+    let t281 = t252 * inverse_d_epsilon;
+    let t282 = t281 * t243;
+    let t283 = t280 + t282;
+    let t284 = t44 - 0.003312497041000001;
+    let t285 = sin_epsilon * t284;
+    let t286 = sin_epsilon * t285;
+    let t287 = t44 + 0.0008825;
+    let t288 = t287 - t286;
+    let t289 = 0.0026049999999999997 + t288;
+    let t290 = t44 - 0.0035685400000000003;
+    let t291 = t289 - t290;
+    let t292 = cos_beta_gamma * t291;
+    let t293 = cos_epsilon * t285;
+    let t294 = 0.009952485403000002 * sin_epsilon;
+    let t295 = t294 - t293;
+    let t296 = cos_delta * t295;
+    let t297 = sin_delta * t252;
+    let t298 = t296 - t297;
+    let t299 = sin_beta_gamma * t298;
+    let t300 = t299 + t292;
+    let t301 = cos_delta * t294;
+    let t302 = t83 * t301;
+    let t303 = t300 + t302;
+    let t304 = cos_beta_gamma * 0.001515;
+    let t305 = t303 + t304;
+    let t306 = t228 * t278;
+    let t307 = t305 + t306;
+    let t308 = t260 * t281;
+    let t309 = t307 - t308;
+    let t310 = t291 + 0.153015;
+    let t311 = t277 * t278;
+    let t312 = t310 - t311;
+    let t313 = t252 * t281;
+    let t314 = t312 - t313;
+    let inverse_d_delta = 1.0 / t314;
+    let t316 = t309 * inverse_d_delta;
+    let t317 = t316 * t283;
+    let t318 = t265 - t317;
+    let t319 = sin_delta * t123;
+    let t320 = cos_delta * t161;
+    let t321 = t319 - t320;
+    let t322 = 0.7918816998225002 * acceleration_gamma_x;
+    let t323 = t23 * 0.6249959673095001;
+    let t324 = t322 + t323;
+    let t325 = omega_gamma_x * t167;
+    let t326 = t324 - t325;
+    let moment_gamma_z = t326 - t321;
+    let t328 = v[2] * 5.0;
+    let t329 = math::tanh(t328);
+    let t330 = t329 * 0.368;
+    let t331 = v[2] * 56.231;
     let t332 = t331 + t330;
-    let t333 = t332 - t329;
-    let t334 = cos_epsilon * t333;
-    let t335 = omega_delta_x * omega_delta_y;
-    let t336 = omega_gamma_z * omega_gamma_x;
-    let t337 = t336 - t335;
-    let t338 = sin_epsilon * t337;
-    let t339 = t338 - t334;
-    let t340 = 2.0 * omega_epsilon_z;
-    let t341 = omega_epsilon_y * t340;
-    let t342 = t339 + t341;
-    let t343 = t342 + t327;
-    let t344 = t22 * t343;
-    let moment_zeta_y = t344 - t322;
-    let moment_epsilon_z = moment_zeta_y - t317;
-    let t347 = 0.00101 * t308;
-    let t348 = t347 - moment_epsilon_z;
-    let t349 = v[4] * 20.0;
-    let t350 = math::tanh(t349);
-    let t351 = t350 * 1.5;
-    let t352 = v[4] * 8.0;
-    let t353 = t352 + t351;
-    let t354 = u[4] * 101.0;
-    let t355 = t354 - t353;
-    let t356 = t355 + t348;
-    let t357 = t259 * t356;
-    let t358 = sin_epsilon * t333;
-    let t359 = cos_epsilon * t337;
-    let t360 = t359 + t358;
-    let t361 = omega_epsilon_x * omega_epsilon_z;
-    let t362 = t360 + t361;
-    let t363 = t361 + t362;
-    let t364 = t68 * t363;
-    let t365 = omega_zeta_z * omega_zeta_z;
-    let t366 = omega_epsilon_x * omega_epsilon_x;
-    let t367 = t366 + t365;
-    let t368 = omega_epsilon_z * omega_epsilon_z;
-    let t369 = t368 + t365;
-    let t370 = t369 - t367;
-    let t371 = t22 * t370;
-    let t372 = t371 + t364;
-    let t373 = t361 - t362;
-    let t374 = t67 * t373;
-    let moment_zeta_z = t372 - t374;
-    let t376 = omega_epsilon_x * t340;
-    let t377 = t360 + t376;
-    let t378 = 0.0004025 * t377;
-    let moment_epsilon_y = t378 + moment_zeta_z;
-    let t380 = cos_epsilon * moment_epsilon_y;
-    let t381 = 0.004194997041000001 * t342;
-    let t382 = sin_delta * acceleration_gamma_x;
-    let t383 = cos_delta * acceleration_gamma_z;
-    let t384 = t382 + t383;
-    let acceleration_delta_y = t384 + t332;
-    let t386 = 0.009952485403000002 * acceleration_delta_y;
-    let t387 = t386 - t381;
-    let t388 = omega_epsilon_z * t315;
+    let t333 = v[2] * 10.0;
+    let t334 = math::tanh(t333);
+    let t335 = 0.368 * t334;
+    let t336 = t332 + t335;
+    let t337 = v[2] * 100.0;
+    let t338 = math::tanh(t337);
+    let t339 = t338 * 8.342;
+    let t340 = t336 + t339;
+    let t341 = sign(v[2]);
+    let t342 = t341 * 0.492;
+    let t343 = t340 + t342;
+    let t344 = u[2] * 161.0;
+    let t345 = t344 - t343;
+    let t346 = t345 + moment_gamma_z;
+    let t347 = sin_delta * t217;
+    let t348 = sin_delta * sin_epsilon;
+    let t349 = 0.000255 * t348;
+    let t350 = t347 + t349;
+    let t351 = t350 * inverse_d_zeta;
+    let t352 = t351 * t215;
+    let t353 = t346 - t352;
+    let t354 = cos_delta * t246;
+    let t355 = sin_delta * t248;
+    let t356 = t355 + t354;
+    let t357 = cos_delta * 0.00101;
+    let t358 = t356 + t357;
+    let t359 = t358 * inverse_d_epsilon;
+    let t360 = t359 * t243;
+    let t361 = t353 - t360;
+    let t362 = t350 * t278;
+    let t363 = sin_delta * t295;
+    let t364 = cos_delta * t252;
+    let t365 = t363 + t364;
+    let t366 = t365 + t362;
+    let t367 = t358 * t281;
+    let t368 = t366 - t367;
+    let t369 = t368 * inverse_d_delta;
+    let t370 = t369 * t283;
+    let t371 = t361 + t370;
+    let t372 = t289 + t290;
+    let t373 = sin_delta * t372;
+    let t374 = 2.0 * t248;
+    let t375 = cos_delta * t374;
+    let t376 = t373 - t375;
+    let t377 = sin_delta * t376;
+    let t378 = t289 - t377;
+    let t379 = 0.0041575 + t378;
+    let t380 = 0.004194997041000001 + t286;
+    let t381 = cos_epsilon * 0.019904970806000004;
+    let t382 = t380 + t381;
+    let t383 = 0.6291534673095002 + t382;
+    let t384 = t379 + t383;
+    let t385 = t384 + 1.36525907;
+    let t386 = t350 * t351;
+    let t387 = t385 - t386;
+    let t388 = t358 * t359;
     let t389 = t387 - t388;
-    let t390 = t67 * t343;
-    let t391 = t22 * t321;
-    let moment_zeta_x = t391 - t390;
-    let moment_epsilon_x = moment_zeta_x + t389;
-    let t394 = sin_epsilon * moment_epsilon_x;
-    let t395 = t394 - t380;
-    let t396 = 0.0029975 * t337;
-    let t397 = t336 + t335;
-    let t398 = 0.0026049999999999997 * t397;
-    let t399 = t398 + t396;
-    let t400 = v[4] * 0.00101;
-    let t401 = omega_delta_x * t400;
-    let t402 = t399 + t401;
-    let moment_delta_z = t402 - t395;
-    let t404 = 0.001515 * t336;
-    let t405 = t404 + moment_delta_z;
-    let t406 = v[3] * 20.0;
-    let t407 = math::tanh(t406);
-    let t408 = 2.0 * t407;
-    let t409 = v[3] * 10.0;
-    let t410 = t409 + t408;
-    let t411 = u[3] * 101.0;
-    let t412 = t411 - t410;
-    let t413 = t412 + t405;
-    let t414 = t252 * t413;
-    let t415 = sin_epsilon * moment_epsilon_y;
-    let t416 = cos_epsilon * moment_epsilon_x;
-    let t417 = t416 + t415;
-    let t418 = 0.0029975 * t333;
-    let t419 = omega_delta_z * t400;
-    let t420 = t418 + t419;
-    let moment_delta_x = t420 + t417;
-    let force_epsilon_z = 0.009952485403000002 * t342;
-    let t423 = force_epsilon_z - moment_delta_x;
-    let t424 = sin_delta * t423;
-    let t425 = omega_delta_x * t328;
-    let t426 = t283 - t425;
-    let t427 = 0.0026049999999999997 * t426;
-    let moment_delta_y = t427 - moment_epsilon_z;
-    let t429 = t366 + t368;
-    let force_epsilon_y = 0.009952485403000002 * t429;
-    let t431 = sin_epsilon * force_epsilon_y;
-    let force_epsilon_x = 0.009952485403000002 * t309;
-    let t433 = cos_epsilon * force_epsilon_x;
-    let force_delta_x = t433 + t431;
-    let t435 = force_delta_x + moment_delta_y;
-    let t436 = cos_delta * t435;
-    let t437 = t424 - t436;
-    let t438 = 0.7918816998225002 * acceleration_gamma_x;
-    let t439 = t281 * 0.6249959673095001;
-    let t440 = t438 + t439;
-    let t441 = v[3] * 0.001515;
-    let t442 = omega_gamma_x * t441;
-    let t443 = t440 - t442;
-    let moment_gamma_z = t443 - t437;
-    let t445 = v[2] * 5.0;
-    let t446 = math::tanh(t445);
-    let t447 = t446 * 0.368;
-    let t448 = v[2] * 56.231;
-    let t449 = t448 + t447;
-    let t450 = v[2] * 10.0;
-    let t451 = math::tanh(t450);
-    let t452 = 0.368 * t451;
-    let t453 = t449 + t452;
-    let t454 = v[2] * 100.0;
-    let t455 = math::tanh(t454);
-    let t456 = t455 * 8.342;
-    let t457 = t453 + t456;
-    let t458 = sign(v[2]);
-    let t459 = t458 * 0.492;
-    let t460 = t457 + t459;
-    let t461 = u[2] * 161.0;
-    let t462 = t461 - t460;
-    let t463 = t462 + moment_gamma_z;
-    let t464 = t247 * t463;
-    let t465 = t234 * inverse_d_alpha;
-    let t466 = t234 * t465;
-    let t467 = inverse_d_beta + t466;
-    let t468 = t208 * t467;
-    let t469 = t170 * t465;
-    let t470 = t468 - t469;
-    let t471 = cos_delta * force_delta_x;
-    let t472 = sin_delta * force_epsilon_z;
+    let t390 = t368 * t369;
+    let t391 = t389 - t390;
+    let inverse_d_gamma = 1.0 / t391;
+    let t393 = cos_delta * t376;
+    let t394 = t248 + t393;
+    let t395 = sin_beta_gamma * t394;
+    let t396 = cos_beta_gamma * t365;
+    let t397 = t395 - t396;
+    let t398 = t228 * t351;
+    let t399 = t397 + t398;
+    let t400 = t260 * t359;
+    let t401 = t399 + t400;
+    let t402 = t309 * t369;
+    let t403 = t401 + t402;
+    let t404 = t403 * inverse_d_gamma;
+    let t405 = t404 * t371;
+    let t406 = t318 - t405;
+    let t407 = cos_delta * force_delta_x;
+    let t408 = sin_delta * force_epsilon_z;
+    let t409 = t407 - t408;
+    let t410 = 0.7918816998225002 * t23;
+    let force_gamma_x = t410 + t409;
+    let t412 = cos_beta_gamma * force_gamma_x;
+    let t413 = cos_epsilon * force_epsilon_y;
+    let t414 = sin_epsilon * force_epsilon_x;
+    let force_delta_z = t414 - t413;
+    let t416 = 0.7918816998225002 * t135;
+    let force_gamma_y = t416 - force_delta_z;
+    let t418 = sin_beta_gamma * force_gamma_y;
+    let t419 = t412 + t418;
+    let t420 = t76 * t419;
+    let t421 = sin_beta_gamma * force_gamma_x;
+    let t422 = cos_beta_gamma * force_gamma_y;
+    let t423 = t421 - t422;
+    let t424 = t83 * t423;
+    let t425 = t424 + t420;
+    let t426 = moment_gamma_z + t425;
+    let t427 = t77 - t82;
+    let t428 = t195 * t427;
+    let t429 = sin_beta * 15.9469662177;
+    let t430 = t429 - t428;
+    let moment_beta_z = t430 + t426;
+    let t432 = v[1] * 5.0;
+    let t433 = math::tanh(t432);
+    let t434 = t433 * 3.924;
+    let t435 = v[1] * 76.556;
+    let t436 = t435 + t434;
+    let t437 = v[1] * 10.0;
+    let t438 = math::tanh(t437);
+    let t439 = t438 * 10.838;
+    let t440 = t436 + t439;
+    let t441 = v[1] * 20.0;
+    let t442 = math::tanh(t441);
+    let t443 = t442 * 2.236;
+    let t444 = t440 + t443;
+    let t445 = u[1] * 161.0;
+    let t446 = t445 - t444;
+    let t447 = t446 + moment_beta_z;
+    let t448 = t447 - t352;
+    let t449 = cos_delta * t245;
+    let t450 = cos_beta_gamma * t449;
+    let t451 = sin_beta_gamma * t294;
+    let t452 = t450 - t451;
+    let t453 = t76 * t452;
+    let t454 = sin_beta_gamma * t449;
+    let t455 = cos_beta_gamma * t294;
+    let t456 = t454 + t455;
+    let t457 = t83 * t456;
+    let t458 = t457 + t453;
+    let t459 = t356 + t458;
+    let t460 = t459 + t357;
+    let t461 = t460 * inverse_d_epsilon;
+    let t462 = t461 * t243;
+    let t463 = t448 - t462;
+    let t464 = sin_delta * t294;
+    let t465 = cos_beta_gamma * t464;
+    let t466 = t76 * t465;
+    let t467 = sin_beta_gamma * t464;
+    let t468 = t83 * t467;
+    let t469 = t468 + t466;
+    let t470 = t365 + t469;
+    let t471 = t470 + t362;
+    let t472 = t460 * t281;
     let t473 = t471 - t472;
-    let t474 = 0.7918816998225002 * t281;
-    let force_gamma_x = t474 + t473;
-    let t476 = cos_beta_gamma * force_gamma_x;
-    let t477 = cos_epsilon * force_epsilon_y;
-    let t478 = sin_epsilon * force_epsilon_x;
-    let force_delta_z = t478 - t477;
-    let t480 = 0.7918816998225002 * t291;
-    let force_gamma_y = t480 - force_delta_z;
-    let t482 = sin_beta_gamma * force_gamma_y;
-    let t483 = t476 + t482;
-    let t484 = t176 * t483;
-    let t485 = sin_beta_gamma * force_gamma_x;
-    let t486 = cos_beta_gamma * force_gamma_y;
-    let t487 = t485 - t486;
-    let t488 = t54 * t487;
-    let t489 = t488 + t484;
-    let t490 = moment_gamma_z + t489;
-    let t491 = t260 - t265;
-    let t492 = sin_beta * t58;
-    let t493 = t492 * t491;
-    let t494 = sin_beta * 15.9469662177;
-    let t495 = t494 - t493;
-    let moment_beta_z = t495 + t490;
-    let t497 = v[1] * 5.0;
-    let t498 = math::tanh(t497);
-    let t499 = t498 * 3.924;
-    let t500 = v[1] * 76.556;
-    let t501 = t500 + t499;
-    let t502 = v[1] * 10.0;
-    let t503 = math::tanh(t502);
-    let t504 = t503 * 10.838;
-    let t505 = t501 + t504;
-    let t506 = v[1] * 20.0;
-    let t507 = math::tanh(t506);
-    let t508 = t507 * 2.236;
-    let t509 = t505 + t508;
-    let t510 = u[1] * 161.0;
-    let t511 = t510 - t509;
-    let t512 = t511 + moment_beta_z;
-    let t513 = t470 * t512;
-    let t514 = t208 * t465;
-    let t515 = t170 * inverse_d_alpha;
-    let t516 = t514 - t515;
-    let t517 = cos_delta * t423;
-    let t518 = sin_delta * t435;
-    let t519 = t517 + t518;
-    let t520 = 0.6291534673095002 * t278;
-    let t521 = 0.7918816998225002 * acceleration_gamma_z;
-    let t522 = t521 + t520;
-    let t523 = omega_gamma_z * t441;
-    let t524 = t522 - t523;
-    let moment_gamma_x = t524 - t519;
-    let t526 = sin_beta_gamma * moment_gamma_x;
-    let t527 = omega_gamma_x * t277;
-    let t528 = 0.0041575 * t527;
-    let moment_gamma_y = t528 + moment_delta_z;
-    let t530 = cos_beta_gamma * moment_gamma_y;
-    let t531 = t526 - t530;
-    let t532 = sin_delta * force_delta_x;
-    let t533 = cos_delta * force_epsilon_z;
-    let t534 = t532 + t533;
-    let t535 = 0.7918816998225002 * t278;
-    let force_gamma_z = t535 - t534;
-    let t537 = t54 * force_gamma_z;
-    let t538 = t531 + t537;
-    let t539 = t492 * t271;
-    let moment_beta_y = t539 + t538;
-    let t541 = v[0] * 20.0;
-    let t542 = math::tanh(t541);
-    let t543 = t542 * 10.0;
-    let t544 = v[0] * 60.0;
-    let t545 = t544 + t543;
-    let t546 = u[0] * 161.0;
-    let t547 = t546 - t545;
-    let t548 = t547 - moment_beta_y;
-    let t549 = t516 * t548;
-    let t550 = t549 - t513;
-    let t551 = t550 + t464;
-    let t552 = t551 + t414;
-    let t553 = t552 + t357;
-    let t554 = t116 * t252;
-    let t555 = t137 * t247;
-    let t556 = t554 + t555;
-    let t557 = t137 * t243;
-    let t558 = t556 - t557;
-    let t559 = t84 * t240;
-    let t560 = t558 + t559;
-    let t561 = 0.000255 * t362;
-    let t562 = moment_zeta_z + t561;
-    let t563 = v[5] * 20.0;
-    let t564 = math::tanh(t563);
-    let t565 = t564 * 0.4;
-    let t566 = v[5] * 2.0;
-    let t567 = t566 + t565;
-    let t568 = u[5] * 51.0;
-    let t569 = t568 - t567;
-    let t570 = t569 + t562;
-    let t571 = t560 * t570;
-    let t572 = t553 - t571;
-    let t573 = t155 * t470;
-    let t574 = t220 * t467;
-    let t575 = t573 - t574;
-    let t576 = t128 * t465;
-    let t577 = t575 - t576;
-    let t578 = t119 * t577;
-    let t579 = t145 * t470;
-    let t580 = t578 - t579;
-    let t581 = t217 * t467;
-    let t582 = t580 + t581;
-    let t583 = t103 * t465;
-    let t584 = t582 + t583;
-    let t585 = t584 * t356;
-    let t586 = t577 * t413;
-    let t587 = t470 * t463;
-    let t588 = t467 * t512;
-    let t589 = t465 * t548;
-    let t590 = t589 - t588;
-    let t591 = t590 + t587;
-    let t592 = t591 + t586;
-    let t593 = t592 + t585;
-    let t594 = t116 * t577;
-    let t595 = t137 * t470;
-    let t596 = t594 + t595;
-    let t597 = t137 * t467;
-    let t598 = t596 - t597;
-    let t599 = t84 * t465;
-    let t600 = t598 - t599;
-    let t601 = t600 * t570;
-    let t602 = t593 - t601;
-    let t603 = t602 - t572;
-    let t604 = t281 + t603;
-    let t605 = sin_delta * t604;
-    let t606 = t155 * t516;
-    let t607 = t220 * t465;
-    let t608 = t606 - t607;
-    let t609 = t128 * inverse_d_alpha;
-    let t610 = t608 - t609;
-    let t611 = t119 * t610;
-    let t612 = t145 * t516;
-    let t613 = t611 - t612;
-    let t614 = t217 * t465;
-    let t615 = t613 + t614;
-    let t616 = t103 * inverse_d_alpha;
-    let t617 = t615 + t616;
-    let t618 = t617 * t356;
-    let t619 = t610 * t413;
-    let t620 = t516 * t463;
-    let t621 = t465 * t512;
-    let t622 = inverse_d_alpha * t548;
-    let t623 = t622 - t621;
-    let t624 = t623 + t620;
-    let t625 = t624 + t619;
-    let t626 = t625 + t618;
-    let t627 = t116 * t610;
-    let t628 = t137 * t516;
-    let t629 = t627 + t628;
-    let t630 = t137 * t465;
-    let t631 = t629 - t630;
-    let t632 = t84 * inverse_d_alpha;
-    let t633 = t631 - t632;
-    let t634 = t633 * t570;
-    let t635 = t626 - t634;
-    let t636 = sin_beta_gamma * t635;
-    let t637 = t278 + t636;
-    let t638 = cos_delta * t637;
-    let t639 = t605 + t638;
-    let t640 = t329 - t639;
-    let t641 = sin_epsilon * t640;
-    let t642 = t155 * t208;
-    let t643 = t220 - t642;
-    let t644 = t234 * t643;
-    let t645 = t155 * t170;
-    let t646 = t128 + t645;
-    let t647 = t646 + t644;
-    let t648 = inverse_d_alpha * t647;
-    let t649 = t234 * t648;
-    let t650 = inverse_d_beta * t643;
-    let t651 = t650 + t649;
-    let t652 = t208 * t651;
-    let t653 = t155 * inverse_d_gamma;
-    let t654 = t653 - t652;
-    let t655 = t170 * t648;
-    let t656 = t654 + t655;
-    let t657 = t155 * t656;
-    let t658 = inverse_d_delta + t657;
-    let t659 = t220 * t651;
-    let t660 = t658 + t659;
-    let t661 = t128 * t648;
-    let t662 = t660 + t661;
-    let t663 = t119 * t662;
-    let t664 = t145 * t656;
-    let t665 = t663 - t664;
-    let t666 = t217 * t651;
-    let t667 = t665 - t666;
-    let t668 = t103 * t648;
-    let t669 = t667 - t668;
-    let t670 = t669 * t356;
-    let t671 = t662 * t413;
-    let t672 = t252 * t463;
-    let t673 = t577 * t512;
-    let t674 = t610 * t548;
-    let t675 = t674 - t673;
-    let t676 = t675 + t672;
-    let t677 = t676 + t671;
-    let t678 = t677 + t670;
-    let t679 = t116 * t662;
-    let t680 = t137 * t656;
-    let t681 = t679 + t680;
-    let t682 = t137 * t651;
-    let t683 = t681 + t682;
-    let t684 = t84 * t648;
-    let t685 = t683 + t684;
-    let t686 = t685 * t570;
-    let t687 = t678 - t686;
-    let t688 = cos_beta_gamma * t635;
-    let t689 = t336 - t688;
-    let t690 = t687 - t689;
-    let t691 = t335 + t690;
-    let t692 = cos_epsilon * t691;
-    let t693 = t692 + t641;
-    let t694 = t361 - t693;
-    let t695 = t685 * t413;
-    let t696 = t560 * t463;
-    let t697 = t600 * t512;
-    let t698 = t633 * t548;
-    let t699 = t698 - t697;
-    let t700 = t699 + t696;
-    let t701 = t700 + t695;
-    let t702 = t119 * t155;
-    let t703 = t145 - t702;
-    let t704 = t208 * t703;
-    let t705 = t119 * t220;
-    let t706 = t217 - t705;
+    let t474 = t473 * inverse_d_delta;
+    let t475 = t474 * t283;
+    let t476 = t463 + t475;
+    let t477 = 0.7918816998225002 + t245;
+    let t478 = cos_beta_gamma * t477;
+    let t479 = sin_beta_gamma * t301;
+    let t480 = t479 - t478;
+    let t481 = t76 * t480;
+    let t482 = sin_beta_gamma * t477;
+    let t483 = cos_beta_gamma * t301;
+    let t484 = t483 + t482;
+    let t485 = t83 * t484;
+    let t486 = t485 - t481;
+    let t487 = t384 + t486;
+    let t488 = t487 + 0.00847987;
+    let t489 = t488 - t386;
+    let t490 = t460 * t359;
+    let t491 = t489 - t490;
+    let t492 = t473 * t369;
+    let t493 = t491 - t492;
+    let t494 = t493 * inverse_d_gamma;
+    let t495 = t494 * t371;
+    let t496 = t476 - t495;
+    let t497 = t493 * t494;
+    let t498 = 2.0 * t486;
+    let t499 = t384 + t498;
+    let t500 = cos_beta * t194;
+    let t501 = 0.0030263349999999994 + t500;
+    let t502 = 0.292121275 - t500;
+    let t503 = t502 + t501;
+    let t504 = t503 + t499;
+    let t505 = t504 + 1.36525907;
+    let t506 = t505 - t386;
+    let t507 = t460 * t461;
+    let t508 = t506 - t507;
+    let t509 = t473 * t474;
+    let t510 = t508 - t509;
+    let t511 = t510 - t497;
+    let inverse_d_beta = 1.0 / t511;
+    let t513 = t403 * t494;
+    let t514 = t76 * t464;
+    let t515 = t397 - t514;
+    let t516 = t515 + t398;
+    let t517 = t260 * t461;
+    let t518 = t516 + t517;
+    let t519 = t309 * t474;
+    let t520 = t518 + t519;
+    let t521 = t520 - t513;
+    let t522 = t521 * inverse_d_beta;
+    let t523 = t522 * t496;
+    let t524 = t406 - t523;
+    let t525 = t379 - t383;
+    let t526 = sin_beta_gamma * t525;
+    let t527 = 2.0 * t298;
+    let t528 = cos_beta_gamma * t527;
+    let t529 = t526 - t528;
+    let t530 = sin_beta_gamma * t529;
+    let t531 = t379 - t530;
+    let t532 = 2.0 * t485;
+    let t533 = t531 + t532;
+    let t534 = t502 + t533;
+    let t535 = 0.004026335 + t534;
+    let t536 = t290 - t377;
+    let t537 = 0.01110483 - t536;
+    let t538 = t535 + t537;
+    let t539 = t538 + 1.36525907;
+    let t540 = t228 * t231;
+    let t541 = t539 - t540;
+    let t542 = t260 * t263;
+    let t543 = t541 - t542;
+    let t544 = t309 * t316;
+    let t545 = t543 - t544;
+    let t546 = t403 * t404;
+    let t547 = t545 - t546;
+    let t548 = t521 * t522;
+    let t549 = t547 - t548;
+    let inverse_d_alpha = 1.0 / t549;
+    let t551 = inverse_d_alpha * t524;
+    let t552 = t522 * t551;
+    let t553 = inverse_d_beta * t496;
+    let t554 = t553 - t552;
+    let t555 = t494 * t554;
+    let t556 = inverse_d_gamma * t371;
+    let t557 = t556 - t555;
+    let t558 = t404 * t551;
+    let t559 = t557 - t558;
+    let t560 = t369 * t559;
+    let t561 = inverse_d_delta * t283;
+    let t562 = t561 + t560;
+    let t563 = t474 * t554;
+    let t564 = t562 + t563;
+    let t565 = t316 * t551;
+    let t566 = t564 - t565;
+    let t567 = cos_beta_gamma * t551;
+    let t568 = t32 - t567;
+    let t569 = t566 - t568;
+    let t570 = t31 + t569;
+    let t571 = cos_epsilon * t570;
+    let t572 = t554 + t559;
+    let t573 = t23 - t572;
+    let t574 = sin_delta * t573;
+    let t575 = sin_beta_gamma * t551;
+    let t576 = t21 + t575;
+    let t577 = cos_delta * t576;
+    let t578 = t574 + t577;
+    let t579 = t19 - t578;
+    let t580 = sin_epsilon * t579;
+    let t581 = t571 + t580;
+    let t582 = t40 - t581;
+    let t583 = t278 * t566;
+    let t584 = inverse_d_zeta * t215;
+    let t585 = t584 - t583;
+    let t586 = t351 * t559;
+    let t587 = t585 - t586;
+    let t588 = t351 * t554;
+    let t589 = t587 - t588;
+    let t590 = t231 * t551;
+    let t591 = t589 + t590;
+    let t592 = t591 - t582;
+    let t593 = t40 - t592;
+    let t594 = t45 * t593;
+    let t595 = t58 + t594;
+    let t596 = t40 + t592;
+    let t597 = t61 * t596;
+    let moment_zeta_z_2 = t595 - t597;
+    let t599 = 0.000255 * t591;
+    let t600 = t65 - t581;
+    let t601 = 0.0004025 * t600;
+    let t602 = t601 - t599;
+    let moment_epsilon_y_2 = moment_zeta_z_2 + t602;
+    let t604 = sin_epsilon * moment_epsilon_y_2;
+    let t605 = t281 * t566;
+    let t606 = inverse_d_epsilon * t243;
+    let t607 = t606 + t605;
+    let t608 = t359 * t559;
+    let t609 = t607 - t608;
+    let t610 = t461 * t554;
+    let t611 = t609 - t610;
+    let t612 = t263 * t551;
+    let t613 = t611 + t612;
+    let t614 = cos_delta * t573;
+    let t615 = sin_delta * t576;
+    let t616 = t614 - t615;
+    let t617 = t105 - t616;
+    let t618 = t613 + t617;
+    let t619 = t104 + t618;
+    let t620 = t103 + t619;
+    let t621 = t57 * t620;
+    let t622 = sin_epsilon * t570;
+    let t623 = cos_epsilon * t579;
+    let t624 = t622 - t623;
+    let t625 = t73 - t624;
+    let t626 = t100 + t625;
+    let t627 = t61 * t626;
+    let moment_zeta_x_2 = t621 + t627;
+    let t629 = 0.004194997041000001 * t625;
+    let t630 = t83 * t554;
+    let t631 = t78 + t630;
+    let t632 = 21.1145440844009 - t631;
+    let t633 = sin_beta_gamma * t632;
+    let t634 = t76 * t554;
+    let t635 = t84 - t634;
+    let t636 = cos_beta_gamma * t635;
+    let acceleration_gamma_x_2 = t636 + t633;
+    let t638 = sin_delta * acceleration_gamma_x_2;
+    let t639 = t83 * t551;
+    let acceleration_gamma_z_2 = acceleration_gamma_z + t639;
+    let t641 = cos_delta * acceleration_gamma_z_2;
+    let t642 = t638 + t641;
+    let acceleration_delta_y_2 = t642 + t578;
+    let t644 = 0.009952485403000002 * acceleration_delta_y_2;
+    let t645 = t644 - t629;
+    let t646 = t97 - t645;
+    let moment_epsilon_x_2 = moment_zeta_x_2 + t646;
+    let t648 = cos_epsilon * moment_epsilon_x_2;
+    let t649 = t648 - t604;
+    let t650 = 0.0029975 * t579;
+    let t651 = t119 - t650;
+    let moment_delta_x_2 = t651 - t649;
+    let force_epsilon_z_2 = 0.009952485403000002 * t625;
+    let t654 = force_epsilon_z_2 - moment_delta_x_2;
+    let t655 = cos_delta * t654;
+    let t656 = 0.004194997041000001 * t619;
+    let t657 = t104 - t618;
+    let t658 = 0.0004025 * t657;
+    let t659 = t658 - t656;
+    let t660 = cos_delta * acceleration_gamma_x_2;
+    let t661 = sin_delta * acceleration_gamma_z_2;
+    let t662 = t660 - t661;
+    let acceleration_delta_x_2 = t662 + t616;
+    let t664 = cos_epsilon * acceleration_delta_x_2;
+    let t665 = cos_beta_gamma * t632;
+    let t666 = sin_beta_gamma * t635;
+    let acceleration_gamma_y_2 = t666 - t665;
+    let acceleration_delta_z_2 = t135 + acceleration_gamma_y_2;
+    let t669 = sin_epsilon * acceleration_delta_z_2;
+    let acceleration_epsilon_x_2 = t664 - t669;
+    let t671 = 0.009952485403000002 * acceleration_epsilon_x_2;
+    let t672 = t671 + t659;
+    let t673 = t145 - t672;
+    let t674 = t45 * t620;
+    let t675 = t57 * t626;
+    let moment_zeta_y_2 = t675 + t674;
+    let moment_epsilon_z_2 = moment_zeta_y_2 + t673;
+    let t678 = 0.00101 * t613;
+    let t679 = t151 - t616;
+    let t680 = 0.0026049999999999997 * t679;
+    let t681 = t680 + t678;
+    let moment_delta_y_2 = t681 + moment_epsilon_z_2;
+    let force_epsilon_x_2 = 0.009952485403000002 * t619;
+    let t684 = cos_epsilon * force_epsilon_x_2;
+    let force_delta_x_2 = t157 - t684;
+    let t686 = force_delta_x_2 - moment_delta_y_2;
+    let t687 = sin_delta * t686;
+    let t688 = t655 + t687;
+    let t689 = 0.6291534673095002 * t576;
+    let t690 = 0.7918816998225002 * acceleration_gamma_z_2;
+    let t691 = t690 + t689;
+    let t692 = t168 - t691;
+    let moment_gamma_x_2 = t692 + t688;
+    let t694 = cos_beta_gamma * moment_gamma_x_2;
+    let t695 = cos_epsilon * moment_epsilon_y_2;
+    let t696 = sin_epsilon * moment_epsilon_x_2;
+    let t697 = t696 + t695;
+    let t698 = 0.0029975 * t570;
+    let t699 = t31 - t569;
+    let t700 = 0.0026049999999999997 * t699;
+    let t701 = t700 - t698;
+    let t702 = t179 + t701;
+    let moment_delta_z_2 = t702 + t697;
+    let t704 = 0.001515 * t566;
+    let t705 = t182 - t567;
+    let t706 = 0.0041575 * t705;
     let t707 = t706 - t704;
-    let t708 = t234 * t707;
-    let t709 = t170 * t703;
-    let t710 = t119 * t128;
-    let t711 = t103 - t710;
-    let t712 = t711 + t709;
-    let t713 = t712 + t708;
-    let t714 = inverse_d_alpha * t713;
-    let t715 = t234 * t714;
-    let t716 = inverse_d_beta * t707;
-    let t717 = t716 + t715;
-    let t718 = t208 * t717;
-    let t719 = inverse_d_gamma * t703;
-    let t720 = t719 - t718;
-    let t721 = t170 * t714;
-    let t722 = t720 + t721;
-    let t723 = t155 * t722;
-    let t724 = t119 * inverse_d_delta;
-    let t725 = t724 - t723;
-    let t726 = t220 * t717;
-    let t727 = t725 - t726;
-    let t728 = t128 * t714;
-    let t729 = t727 - t728;
-    let t730 = t116 * t729;
-    let t731 = t137 * t722;
-    let t732 = t730 - t731;
-    let t733 = t137 * t717;
+    let moment_gamma_y_2 = t707 + moment_delta_z_2;
+    let t709 = sin_beta_gamma * moment_gamma_y_2;
+    let t710 = t694 - t709;
+    let t711 = sin_delta * force_delta_x_2;
+    let t712 = cos_delta * force_epsilon_z_2;
+    let t713 = t711 + t712;
+    let t714 = 0.7918816998225002 * t576;
+    let force_gamma_z_2 = t714 - t713;
+    let t716 = t76 * force_gamma_z_2;
+    let t717 = t710 - t716;
+    let t718 = t195 * t551;
+    let t719 = t501 * t89;
+    let t720 = t719 + t718;
+    let t721 = v[2] * 0.00847987;
+    let t722 = v[0] * t721;
+    let t723 = t722 + t720;
+    let moment_beta_x = t723 - t717;
+    let t725 = cos_beta_gamma * t529;
+    let t726 = t298 + t725;
+    let t727 = t83 * t480;
+    let t728 = t76 * t484;
+    let t729 = t728 - t727;
+    let t730 = t726 - t729;
+    let t731 = t195 - t730;
+    let t732 = t731 * t551;
+    let t733 = t515 * t81;
     let t734 = t732 - t733;
-    let t735 = t84 * t714;
-    let t736 = t734 - t735;
-    let t737 = t736 * t356;
-    let t738 = t701 + t737;
-    let t739 = t116 * t155;
-    let t740 = t137 + t739;
-    let t741 = t208 * t740;
-    let t742 = t116 * t220;
-    let t743 = t137 + t742;
-    let t744 = t743 - t741;
-    let t745 = t234 * t744;
-    let t746 = t170 * t740;
-    let t747 = t116 * t128;
-    let t748 = t84 + t747;
-    let t749 = t748 + t746;
-    let t750 = t749 + t745;
-    let t751 = inverse_d_alpha * t750;
-    let t752 = t234 * t751;
-    let t753 = inverse_d_beta * t744;
-    let t754 = t753 + t752;
-    let t755 = t208 * t754;
-    let t756 = inverse_d_gamma * t740;
-    let t757 = t756 - t755;
-    let t758 = t170 * t751;
-    let t759 = t757 + t758;
-    let t760 = t155 * t759;
-    let t761 = t116 * inverse_d_delta;
-    let t762 = t761 + t760;
-    let t763 = t220 * t754;
-    let t764 = t762 + t763;
-    let t765 = t128 * t751;
-    let t766 = t764 + t765;
-    let t767 = t116 * t766;
-    let t768 = inverse_d_zeta + t767;
-    let t769 = t137 * t759;
-    let t770 = t768 + t769;
-    let t771 = t137 * t754;
-    let t772 = t770 + t771;
-    let t773 = t84 * t751;
-    let t774 = t772 + t773;
-    let t775 = t774 * t570;
-    let t776 = t738 - t775;
-    let t777 = t776 + t694;
-    let t778 = t361 + t777;
-    let t779 = t68 * t778;
-    let t780 = t371 + t779;
-    let t781 = t361 - t777;
-    let t782 = t67 * t781;
-    let moment_zeta_z_2 = t780 - t782;
-    let t784 = t376 - t693;
-    let t785 = 0.0004025 * t784;
-    let t786 = 0.000255 * t776;
-    let t787 = t785 + t786;
-    let moment_epsilon_y_2 = moment_zeta_z_2 + t787;
-    let t789 = sin_epsilon * moment_epsilon_y_2;
-    let t790 = cos_epsilon * t640;
-    let t791 = sin_epsilon * t691;
-    let t792 = t791 - t790;
-    let t793 = t341 - t792;
-    let t794 = 0.004194997041000001 * t793;
-    let t795 = t54 * t602;
-    let t796 = t261 - t795;
-    let t797 = 21.1145440844009 - t796;
-    let t798 = sin_beta_gamma * t797;
-    let t799 = t176 * t602;
-    let t800 = t266 + t799;
-    let t801 = cos_beta_gamma * t800;
-    let acceleration_gamma_x_2 = t801 + t798;
-    let t803 = sin_delta * acceleration_gamma_x_2;
-    let t804 = t54 * t635;
-    let acceleration_gamma_z_2 = acceleration_gamma_z + t804;
-    let t806 = cos_delta * acceleration_gamma_z_2;
-    let t807 = t803 + t806;
-    let acceleration_delta_y_2 = t807 + t639;
-    let t809 = 0.009952485403000002 * acceleration_delta_y_2;
-    let t810 = t809 - t794;
-    let t811 = t388 - t810;
-    let t812 = t327 + t793;
-    let t813 = t67 * t812;
-    let t814 = cos_delta * t604;
-    let t815 = sin_delta * t637;
-    let t816 = t814 - t815;
-    let t817 = t307 - t816;
-    let t818 = t119 * t729;
-    let t819 = inverse_d_epsilon + t818;
-    let t820 = t145 * t722;
-    let t821 = t819 + t820;
-    let t822 = t217 * t717;
-    let t823 = t821 + t822;
-    let t824 = t103 * t714;
-    let t825 = t823 + t824;
-    let t826 = t825 * t356;
-    let t827 = t669 * t413;
-    let t828 = t259 * t463;
-    let t829 = t584 * t512;
-    let t830 = t617 * t548;
-    let t831 = t830 - t829;
-    let t832 = t831 + t828;
-    let t833 = t832 + t827;
-    let t834 = t833 + t826;
-    let t835 = t736 * t570;
-    let t836 = t834 - t835;
-    let t837 = t836 + t817;
-    let t838 = t306 + t837;
-    let t839 = t320 + t838;
-    let t840 = t22 * t839;
-    let moment_zeta_x_2 = t840 + t813;
-    let moment_epsilon_x_2 = moment_zeta_x_2 + t811;
-    let t843 = cos_epsilon * moment_epsilon_x_2;
-    let t844 = t843 - t789;
-    let t845 = 0.0029975 * t640;
-    let t846 = t419 - t845;
-    let moment_delta_x_2 = t846 - t844;
-    let force_epsilon_z_2 = 0.009952485403000002 * t793;
-    let t849 = force_epsilon_z_2 - moment_delta_x_2;
-    let t850 = cos_delta * t849;
-    let t851 = cos_delta * acceleration_gamma_x_2;
-    let t852 = sin_delta * acceleration_gamma_z_2;
-    let t853 = t851 - t852;
-    let acceleration_delta_x_2 = t853 + t816;
-    let t855 = cos_epsilon * acceleration_delta_x_2;
-    let t856 = cos_beta_gamma * t797;
-    let t857 = sin_beta_gamma * t800;
-    let acceleration_gamma_y_2 = t857 - t856;
-    let acceleration_delta_z_2 = t291 + acceleration_gamma_y_2;
-    let t860 = sin_epsilon * acceleration_delta_z_2;
-    let acceleration_epsilon_x_2 = t855 - t860;
-    let t862 = 0.009952485403000002 * acceleration_epsilon_x_2;
-    let t863 = 0.004194997041000001 * t838;
-    let t864 = t306 - t837;
-    let t865 = 0.0004025 * t864;
-    let t866 = t865 - t863;
-    let t867 = t862 + t866;
-    let t868 = t316 - t867;
-    let t869 = t22 * t812;
-    let t870 = t68 * t839;
-    let moment_zeta_y_2 = t869 + t870;
-    let moment_epsilon_z_2 = moment_zeta_y_2 + t868;
-    let t873 = t425 - t816;
-    let t874 = 0.0026049999999999997 * t873;
-    let t875 = 0.00101 * t836;
-    let t876 = t874 + t875;
-    let moment_delta_y_2 = t876 + moment_epsilon_z_2;
-    let force_epsilon_x_2 = 0.009952485403000002 * t838;
-    let t879 = cos_epsilon * force_epsilon_x_2;
-    let force_delta_x_2 = t431 - t879;
-    let t881 = force_delta_x_2 - moment_delta_y_2;
-    let t882 = sin_delta * t881;
-    let t883 = t850 + t882;
-    let t884 = 0.6291534673095002 * t637;
-    let t885 = 0.7918816998225002 * acceleration_gamma_z_2;
-    let t886 = t885 + t884;
-    let t887 = t523 - t886;
-    let moment_gamma_x_2 = t887 + t883;
-    let t889 = cos_beta_gamma * moment_gamma_x_2;
-    let t890 = cos_epsilon * moment_epsilon_y_2;
-    let t891 = sin_epsilon * moment_epsilon_x_2;
-    let t892 = t891 + t890;
-    let t893 = 0.0029975 * t691;
-    let t894 = t335 - t690;
-    let t895 = 0.0026049999999999997 * t894;
-    let t896 = t895 - t893;
-    let t897 = t401 + t896;
-    let moment_delta_z_2 = t897 + t892;
-    let t899 = 0.001515 * t687;
-    let t900 = t527 - t688;
-    let t901 = 0.0041575 * t900;
-    let t902 = t901 - t899;
-    let moment_gamma_y_2 = t902 + moment_delta_z_2;
-    let t904 = sin_beta_gamma * moment_gamma_y_2;
-    let t905 = t889 - t904;
-    let t906 = sin_delta * force_delta_x_2;
-    let t907 = cos_delta * force_epsilon_z_2;
-    let t908 = t906 + t907;
-    let t909 = 0.7918816998225002 * t637;
-    let force_gamma_z_2 = t909 - t908;
-    let t911 = t176 * force_gamma_z_2;
-    let t912 = t905 - t911;
-    let t913 = t492 * t635;
-    let t914 = t212 * t271;
-    let t915 = t914 + t913;
-    let t916 = v[2] * 0.00847987;
-    let t917 = v[0] * t916;
-    let t918 = t917 + t915;
-    let moment_beta_x = t918 - t912;
-    let t920 = cos_beta_gamma * t45;
-    let t921 = t42 + t920;
-    let t922 = t54 * t175;
-    let t923 = t176 * t53;
-    let t924 = t923 - t922;
-    let t925 = t921 - t924;
-    let t926 = t492 - t925;
-    let t927 = t926 * t635;
-    let t928 = t227 * t264;
-    let t929 = t927 - t928;
-    let t930 = t196 * 21.1145440844009;
-    let t931 = t930 + t929;
-    let t932 = 2.0 * omega_epsilon_x;
-    let t933 = t22 * t932;
-    let t934 = t68 * t340;
-    let t935 = t933 - t934;
-    let t936 = omega_epsilon_z * 0.000805;
-    let t937 = t936 - t935;
-    let t938 = omega_epsilon_z * 0.008389994082000002;
-    let t939 = t938 - t937;
-    let t940 = cos_epsilon * t939;
-    let t941 = t22 * t319;
-    let t942 = sin_epsilon * t941;
-    let t943 = t942 - t940;
-    let t944 = sin_epsilon * t943;
-    let t945 = t941 - t944;
-    let t946 = 2.0 * omega_delta_y;
-    let t947 = t37 * t946;
-    let t948 = t945 + t947;
-    let t949 = t941 + t948;
-    let t950 = sin_delta * t949;
-    let t951 = t68 * t319;
-    let t952 = omega_epsilon_y * 0.000805;
-    let t953 = t315 - t952;
-    let t954 = t951 + t953;
-    let t955 = cos_epsilon * t954;
-    let t956 = omega_epsilon_x * 0.008389994082000002;
-    let t957 = sin_epsilon * t956;
-    let t958 = t955 + t957;
-    let t959 = omega_delta_z * 0.005209999999999999;
-    let t960 = t959 + t958;
-    let t961 = 2.0 * omega_delta_x;
-    let t962 = t37 * t961;
-    let t963 = t960 + t962;
-    let t964 = t67 * t319;
-    let t965 = t315 + t964;
-    let t966 = cos_epsilon * t965;
-    let t967 = t67 * t932;
-    let t968 = t22 * t340;
-    let t969 = t967 - t968;
-    let t970 = sin_epsilon * t969;
-    let t971 = t966 + t970;
-    let t972 = omega_delta_z * 0.005995;
-    let t973 = t972 + t971;
-    let t974 = t973 - t963;
-    let t975 = cos_delta * t974;
-    let t976 = t950 - t975;
-    let t977 = sin_delta * t976;
-    let t978 = t948 - t977;
-    let t979 = 0.019904970806000004 * omega_epsilon_z;
-    let t980 = sin_epsilon * t979;
-    let t981 = t980 - t944;
-    let t982 = t981 + t978;
-    let t983 = sin_beta_gamma * t982;
-    let t984 = cos_epsilon * t943;
-    let t985 = t937 - t984;
-    let t986 = t400 + t985;
-    let t987 = cos_epsilon * t979;
-    let t988 = t48 * t946;
-    let t989 = t987 + t988;
-    let t990 = t986 + t989;
-    let t991 = cos_delta * t990;
-    let t992 = sin_epsilon * t954;
-    let t993 = cos_epsilon * t956;
-    let t994 = t992 - t993;
-    let t995 = 0.019904970806000004 * omega_epsilon_x;
-    let t996 = t48 * t961;
-    let t997 = t995 + t996;
-    let t998 = t994 - t997;
-    let t999 = sin_delta * t998;
-    let t1000 = t991 + t999;
-    let t1001 = omega_gamma_z * 1.2583069346190003;
-    let t1002 = t1001 + t1000;
-    let t1003 = t938 + t984;
-    let t1004 = omega_delta_y * 0.005209999999999999;
-    let t1005 = t400 + t1004;
-    let t1006 = t1005 + t1003;
-    let t1007 = cos_delta * t1006;
-    let t1008 = sin_epsilon * t965;
-    let t1009 = cos_epsilon * t969;
-    let t1010 = t1008 - t1009;
-    let t1011 = omega_delta_x * 0.005995;
-    let t1012 = t1011 - t1010;
-    let t1013 = sin_delta * t1012;
-    let t1014 = t1007 - t1013;
-    let t1015 = omega_gamma_z * 0.008315;
-    let t1016 = t1015 + t1014;
-    let t1017 = t1002 - t1016;
-    let t1018 = cos_beta_gamma * t1017;
-    let t1019 = t983 - t1018;
-    let t1020 = cos_beta_gamma * t1019;
-    let t1021 = t1002 + t1020;
-    let t1022 = sin_delta * t995;
-    let t1023 = cos_delta * t987;
-    let t1024 = t1023 - t1022;
-    let t1025 = omega_gamma_z * 1.5837633996450005;
-    let t1026 = t1025 + t1024;
-    let t1027 = sin_beta_gamma * t1026;
-    let t1028 = cos_beta_gamma * t980;
-    let t1029 = t1027 + t1028;
-    let t1030 = t54 * t1029;
-    let t1031 = v[1] * t54;
-    let t1032 = 2.0 * t1031;
-    let t1033 = t53 * t1032;
-    let t1034 = t1030 + t1033;
-    let t1035 = t1021 + t1034;
-    let t1036 = t60 * t270;
-    let t1037 = t916 + t1036;
-    let t1038 = t1037 + t1035;
-    let t1039 = v[0] * t1038;
-    let t1040 = t931 - t1039;
-    let t1041 = moment_beta_x + t1040;
-    let t1042 = inverse_d_alpha * t1041;
-    let t1043 = cos_beta_gamma * t160;
-    let t1044 = sin_beta_gamma * t151;
-    let t1045 = t1043 + t1044;
-    let t1046 = t54 * t196;
-    let t1047 = t1045 + t1046;
-    let t1048 = t1047 * t635;
-    let t1049 = t214 * t264;
-    let t1050 = t1049 - t1048;
-    let t1051 = 0.7552597941000001 * cos_beta;
-    let t1052 = t1051 - t175;
-    let t1053 = t1052 * 21.1145440844009;
-    let t1054 = t1053 + t1050;
-    let t1055 = cos_delta * t976;
-    let t1056 = t973 + t1055;
-    let t1057 = omega_gamma_y * 0.008315;
-    let t1058 = t441 + t1057;
-    let t1059 = t1058 + t1056;
-    let t1060 = cos_beta_gamma * t1059;
-    let t1061 = sin_delta * t990;
-    let t1062 = cos_delta * t998;
-    let t1063 = t1061 - t1062;
-    let t1064 = omega_gamma_x * 1.2583069346190003;
-    let t1065 = t1064 + t1063;
-    let t1066 = sin_beta_gamma * t1065;
-    let t1067 = t1060 + t1066;
-    let t1068 = cos_delta * t995;
-    let t1069 = sin_delta * t987;
-    let t1070 = t1069 + t1068;
-    let t1071 = omega_gamma_x * 1.5837633996450005;
-    let t1072 = t1071 + t1070;
-    let t1073 = t54 * t1072;
-    let t1074 = v[0] * t54;
-    let t1075 = 2.0 * t1074;
-    let t1076 = t53 * t1075;
-    let t1077 = t1073 + t1076;
-    let t1078 = t1067 + t1077;
-    let t1079 = v[0] * 2.0;
-    let t1080 = t60 * t1079;
-    let t1081 = t1080 + t1078;
-    let t1082 = v[0] * t1081;
-    let t1083 = t1054 - t1082;
-    let t1084 = t465 * t1083;
-    let t1085 = t1042 + t1084;
-    let t1086 = t1045 * t635;
-    let t1087 = t180 * t264;
-    let t1088 = t1086 - t1087;
-    let t1089 = t175 * 21.1145440844009;
-    let t1090 = t1088 + t1089;
-    let t1091 = t1067 + t1076;
-    let t1092 = v[0] * 0.00847987;
-    let t1093 = t1092 + t1091;
-    let t1094 = v[0] * t1093;
-    let t1095 = t1090 + t1094;
-    let t1096 = t516 * t1095;
-    let t1097 = t1085 + t1096;
-    let t1098 = t106 + 0.001515;
-    let t1099 = sin_beta_gamma * t1098;
-    let t1100 = cos_beta_gamma * t42;
-    let t1101 = t1100 - t1099;
-    let t1102 = t176 * t51;
-    let t1103 = t1102 + t1101;
-    let t1104 = t635 * t1103;
-    let t1105 = t202 * t264;
-    let t1106 = t1104 + t1105;
-    let t1107 = t197 * 21.1145440844009;
-    let t1108 = t1106 + t1107;
-    let t1109 = 0.001515 * omega_gamma_z;
-    let t1110 = t1014 + t1109;
-    let t1111 = cos_beta_gamma * t1110;
-    let t1112 = t941 - t945;
-    let t1113 = t947 - t1112;
-    let t1114 = sin_beta_gamma * t1113;
-    let t1115 = t1111 + t1114;
-    let t1116 = t199 * t1075;
-    let t1117 = t51 * t1032;
-    let t1118 = t1117 + t1116;
-    let t1119 = t1115 + t1118;
-    let t1120 = v[0] * t1119;
-    let t1121 = t1108 - t1120;
-    let t1122 = t610 * t1121;
-    let t1123 = t1097 + t1122;
-    let t1124 = t12 + 0.006087497041000001;
-    let t1125 = t48 + t1124;
-    let t1126 = sin_delta * t1125;
-    let t1127 = t90 - t1126;
-    let t1128 = cos_beta_gamma * t1127;
-    let t1129 = sin_beta_gamma * t40;
-    let t1130 = t1129 - t1128;
-    let t1131 = t176 * t95;
-    let t1132 = t1131 + t1130;
-    let t1133 = t635 * t1132;
-    let t1134 = cos_delta * t1125;
-    let t1135 = t141 + t1134;
-    let t1136 = t191 + t1135;
-    let t1137 = t264 * t1136;
-    let t1138 = t1133 - t1137;
-    let t1139 = t185 * 21.1145440844009;
-    let t1140 = t1138 - t1139;
-    let t1141 = 0.00101 * omega_delta_z;
-    let t1142 = t958 + t1141;
-    let t1143 = t962 + t1142;
-    let t1144 = cos_delta * t1143;
-    let t1145 = t941 + t947;
-    let t1146 = sin_delta * t1145;
-    let t1147 = t1144 + t1146;
-    let t1148 = cos_beta_gamma * t1147;
-    let t1149 = 0.00101 * omega_delta_x;
-    let t1150 = t994 - t1149;
-    let t1151 = t996 - t1150;
-    let t1152 = sin_beta_gamma * t1151;
-    let t1153 = t1148 + t1152;
-    let t1154 = t189 * t1075;
-    let t1155 = t95 * t1032;
-    let t1156 = t1155 - t1154;
-    let t1157 = t1153 - t1156;
-    let t1158 = v[0] * t1157;
-    let t1159 = t1140 + t1158;
-    let t1160 = t617 * t1159;
-    let t1161 = t1123 + t1160;
-    let t1162 = t69 + 0.000255;
-    let t1163 = sin_epsilon * t1162;
-    let t1164 = cos_delta * t1163;
-    let t1165 = cos_beta_gamma * t1164;
-    let t1166 = cos_epsilon * t1162;
-    let t1167 = sin_beta_gamma * t1166;
-    let t1168 = t1165 + t1167;
-    let t1169 = t635 * t1168;
-    let t1170 = sin_delta * t1163;
-    let t1171 = t264 * t1170;
-    let t1172 = t1171 + t1169;
-    let t1173 = 0.000255 * omega_epsilon_z;
-    let t1174 = t935 - t1173;
-    let t1175 = cos_epsilon * t1174;
-    let t1176 = cos_delta * t1175;
-    let t1177 = 0.000255 * omega_epsilon_x;
-    let t1178 = t969 + t1177;
-    let t1179 = sin_delta * t1178;
-    let t1180 = t1176 + t1179;
-    let t1181 = cos_beta_gamma * t1180;
-    let t1182 = sin_epsilon * t1174;
-    let t1183 = sin_beta_gamma * t1182;
-    let t1184 = t1181 - t1183;
-    let t1185 = v[0] * t1184;
-    let t1186 = t1172 - t1185;
-    let t1187 = t633 * t1186;
-    let t1188 = t1161 + t1187;
-    let t1189 = t196 * acceleration_gamma_y_2;
-    let t1190 = t42 * t688;
-    let t1191 = t63 - t29;
-    let t1192 = t636 * t1191;
-    let t1193 = t1192 + t1190;
-    let t1194 = t151 * t264;
-    let t1195 = t1193 + t1194;
-    let t1196 = t1189 - t1195;
-    let t1197 = t941 - t977;
-    let t1198 = t978 - t1197;
-    let t1199 = omega_gamma_x * t1198;
-    let t1200 = omega_gamma_y * t1016;
-    let t1201 = t1199 + t1200;
-    let t1202 = t1196 + t1201;
-    let t1203 = moment_gamma_x_2 + t1202;
-    let t1204 = cos_beta_gamma * t1203;
-    let t1205 = t196 * acceleration_gamma_x_2;
-    let t1206 = t42 * t636;
-    let t1207 = t63 - t33;
-    let t1208 = t688 * t1207;
-    let t1209 = t1208 + t1206;
-    let t1210 = t160 * t264;
-    let t1211 = t1209 + t1210;
-    let t1212 = t1205 - t1211;
-    let t1213 = t981 + t1197;
-    let t1214 = omega_gamma_y * t1213;
-    let t1215 = omega_gamma_x * t1002;
-    let t1216 = t1214 + t1215;
-    let t1217 = t1212 - t1216;
-    let t1218 = moment_gamma_y_2 + t1217;
-    let t1219 = sin_beta_gamma * t1218;
-    let t1220 = t1219 - t1204;
-    let t1221 = t51 * t636;
-    let t1222 = t49 * t688;
-    let t1223 = t1222 - t1221;
-    let t1224 = omega_gamma_x * t1026;
-    let t1225 = omega_gamma_y * t980;
-    let t1226 = t1225 + t1224;
-    let t1227 = t1223 - t1226;
-    let t1228 = t54 * t1227;
-    let t1229 = t1220 + t1228;
-    let t1230 = inverse_d_alpha * t1229;
-    let t1231 = cos_delta * force_delta_x_2;
-    let t1232 = sin_delta * force_epsilon_z_2;
-    let t1233 = t1231 - t1232;
-    let t1234 = 0.7918816998225002 * t604;
-    let force_gamma_x_2 = t1234 + t1233;
-    let t1236 = t196 * t688;
-    let t1237 = t51 * t264;
-    let t1238 = t1237 - t1236;
-    let t1239 = omega_gamma_y * t1072;
-    let t1240 = t1238 - t1239;
-    let t1241 = force_gamma_x_2 + t1240;
-    let t1242 = sin_beta_gamma * t1241;
-    let t1243 = sin_epsilon * force_epsilon_x_2;
-    let force_delta_z_2 = t477 + t1243;
-    let force_gamma_y_2 = t480 + force_delta_z_2;
-    let t1246 = t196 * t636;
-    let t1247 = t49 * t264;
-    let t1248 = t1246 - t1247;
-    let t1249 = omega_gamma_x * t1072;
-    let t1250 = t1248 + t1249;
-    let t1251 = force_gamma_y_2 - t1250;
-    let t1252 = cos_beta_gamma * t1251;
-    let t1253 = t1252 - t1242;
-    let t1254 = t176 * t1253;
-    let t1255 = cos_beta_gamma * t1241;
-    let t1256 = sin_beta_gamma * t1251;
-    let t1257 = t1256 + t1255;
-    let t1258 = t54 * t1257;
-    let t1259 = t1258 + t1254;
-    let t1260 = t49 * acceleration_gamma_y_2;
-    let t1261 = t51 * acceleration_gamma_x_2;
-    let t1262 = t1261 + t1260;
-    let t1263 = t160 * t688;
-    let t1264 = t131 * t264;
-    let t1265 = t1264 - t1263;
-    let t1266 = t151 * t636;
-    let t1267 = t1265 - t1266;
-    let t1268 = t1262 - t1267;
-    let t1269 = omega_gamma_y * t1059;
-    let t1270 = omega_gamma_x * t1065;
-    let t1271 = t1269 + t1270;
-    let t1272 = t1268 + t1271;
-    let t1273 = t1272 - t1259;
-    let t1274 = t465 * t1273;
-    let t1275 = t1230 - t1274;
-    let t1276 = t516 * t1272;
-    let t1277 = t1275 + t1276;
-    let t1278 = t636 * t1098;
-    let t1279 = t1190 - t1278;
-    let t1280 = t1194 + t1279;
-    let t1281 = t1189 - t1280;
-    let t1282 = omega_gamma_y * t1110;
-    let t1283 = omega_gamma_x * t1113;
-    let t1284 = t1282 + t1283;
-    let t1285 = t1281 + t1284;
-    let t1286 = t610 * t1285;
-    let t1287 = t1277 - t1286;
-    let t1288 = t37 * acceleration_gamma_x_2;
-    let t1289 = t182 * acceleration_gamma_y_2;
-    let t1290 = t1289 + t1288;
-    let t1291 = t40 * t636;
-    let t1292 = t688 * t1127;
-    let t1293 = t1292 - t1291;
-    let t1294 = t264 * t1135;
-    let t1295 = t1293 + t1294;
-    let t1296 = t1295 - t1290;
-    let t1297 = omega_gamma_y * t1147;
-    let t1298 = omega_gamma_x * t1151;
-    let t1299 = t1297 + t1298;
-    let t1300 = t1296 - t1299;
-    let t1301 = t617 * t1300;
-    let t1302 = t1287 - t1301;
-    let t1303 = t636 * t1166;
-    let t1304 = t688 * t1164;
-    let t1305 = t1304 + t1303;
-    let t1306 = t1305 + t1171;
-    let t1307 = omega_gamma_y * t1180;
-    let t1308 = omega_gamma_x * t1182;
-    let t1309 = t1307 - t1308;
-    let t1310 = t1306 - t1309;
-    let t1311 = t633 * t1310;
-    let t1312 = t1302 + t1311;
-    let t1313 = t48 * acceleration_delta_y_2;
-    let t1314 = t23 * t816;
-    let t1315 = t30 + t18;
-    let t1316 = t639 * t1315;
-    let t1317 = t1316 - t1314;
-    let t1318 = t40 * t291;
-    let t1319 = t1317 + t1318;
-    let t1320 = t1313 + t1319;
-    let t1321 = t944 + t945;
-    let t1322 = omega_delta_x * t1321;
-    let t1323 = omega_delta_y * t960;
-    let t1324 = t1322 - t1323;
-    let t1325 = t1320 + t1324;
-    let t1326 = moment_delta_x_2 - t1325;
-    let t1327 = t48 * t639;
-    let t1328 = omega_delta_x * t980;
-    let t1329 = t1327 - t1328;
-    let t1330 = force_epsilon_z_2 + t1329;
-    let t1331 = t1330 - t1326;
-    let t1332 = sin_delta * t1331;
-    let t1333 = t48 * acceleration_delta_x_2;
-    let t1334 = t23 * t639;
-    let t1335 = t30 - t19;
-    let t1336 = t816 * t1335;
-    let t1337 = t1336 - t1334;
-    let t1338 = t36 * t291;
+    let t735 = t464 * 21.1145440844009;
+    let t736 = t735 + t734;
+    let t737 = 2.0 * omega_epsilon_x;
+    let t738 = t57 * t737;
+    let t739 = t45 * t64;
+    let t740 = t738 - t739;
+    let t741 = omega_epsilon_z * 0.000805;
+    let t742 = t741 - t740;
+    let t743 = omega_epsilon_z * 0.008389994082000002;
+    let t744 = t743 - t742;
+    let t745 = cos_epsilon * t744;
+    let t746 = t57 * t99;
+    let t747 = sin_epsilon * t746;
+    let t748 = t747 - t745;
+    let t749 = sin_epsilon * t748;
+    let t750 = t746 - t749;
+    let t751 = 2.0 * omega_delta_y;
+    let t752 = t294 * t751;
+    let t753 = t750 + t752;
+    let t754 = t746 + t753;
+    let t755 = sin_delta * t754;
+    let t756 = t45 * t99;
+    let t757 = omega_epsilon_y * 0.000805;
+    let t758 = t96 - t757;
+    let t759 = t756 + t758;
+    let t760 = cos_epsilon * t759;
+    let t761 = omega_epsilon_x * 0.008389994082000002;
+    let t762 = sin_epsilon * t761;
+    let t763 = t760 + t762;
+    let t764 = omega_delta_z * 0.005209999999999999;
+    let t765 = t764 + t763;
+    let t766 = 2.0 * omega_delta_x;
+    let t767 = t294 * t766;
+    let t768 = t765 + t767;
+    let t769 = t61 * t99;
+    let t770 = t96 + t769;
+    let t771 = cos_epsilon * t770;
+    let t772 = t61 * t737;
+    let t773 = t57 * t64;
+    let t774 = t772 - t773;
+    let t775 = sin_epsilon * t774;
+    let t776 = t771 + t775;
+    let t777 = omega_delta_z * 0.005995;
+    let t778 = t777 + t776;
+    let t779 = t778 - t768;
+    let t780 = cos_delta * t779;
+    let t781 = t755 - t780;
+    let t782 = sin_delta * t781;
+    let t783 = t753 - t782;
+    let t784 = 0.019904970806000004 * omega_epsilon_z;
+    let t785 = sin_epsilon * t784;
+    let t786 = t785 - t749;
+    let t787 = t786 + t783;
+    let t788 = sin_beta_gamma * t787;
+    let t789 = cos_epsilon * t748;
+    let t790 = t742 - t789;
+    let t791 = t118 + t790;
+    let t792 = cos_epsilon * t784;
+    let t793 = t245 * t751;
+    let t794 = t792 + t793;
+    let t795 = t791 + t794;
+    let t796 = cos_delta * t795;
+    let t797 = sin_epsilon * t759;
+    let t798 = cos_epsilon * t761;
+    let t799 = t797 - t798;
+    let t800 = 0.019904970806000004 * omega_epsilon_x;
+    let t801 = t245 * t766;
+    let t802 = t800 + t801;
+    let t803 = t799 - t802;
+    let t804 = sin_delta * t803;
+    let t805 = t796 + t804;
+    let t806 = omega_gamma_z * 1.2583069346190003;
+    let t807 = t806 + t805;
+    let t808 = t743 + t789;
+    let t809 = omega_delta_y * 0.005209999999999999;
+    let t810 = t118 + t809;
+    let t811 = t810 + t808;
+    let t812 = cos_delta * t811;
+    let t813 = sin_epsilon * t770;
+    let t814 = cos_epsilon * t774;
+    let t815 = t813 - t814;
+    let t816 = omega_delta_x * 0.005995;
+    let t817 = t816 - t815;
+    let t818 = sin_delta * t817;
+    let t819 = t812 - t818;
+    let t820 = omega_gamma_z * 0.008315;
+    let t821 = t820 + t819;
+    let t822 = t807 - t821;
+    let t823 = cos_beta_gamma * t822;
+    let t824 = t788 - t823;
+    let t825 = cos_beta_gamma * t824;
+    let t826 = t807 + t825;
+    let t827 = sin_delta * t800;
+    let t828 = cos_delta * t792;
+    let t829 = t828 - t827;
+    let t830 = omega_gamma_z * 1.5837633996450005;
+    let t831 = t830 + t829;
+    let t832 = sin_beta_gamma * t831;
+    let t833 = cos_beta_gamma * t785;
+    let t834 = t832 + t833;
+    let t835 = t83 * t834;
+    let t836 = v[1] * t83;
+    let t837 = 2.0 * t836;
+    let t838 = t484 * t837;
+    let t839 = t835 + t838;
+    let t840 = t826 + t839;
+    let t841 = t502 * t88;
+    let t842 = t721 + t841;
+    let t843 = t842 + t840;
+    let t844 = v[0] * t843;
+    let t845 = t736 - t844;
+    let t846 = moment_beta_x + t845;
+    let t847 = t216 + 0.000255;
+    let t848 = sin_epsilon * t847;
+    let t849 = cos_delta * t848;
+    let t850 = cos_beta_gamma * t849;
+    let t851 = cos_epsilon * t847;
+    let t852 = sin_beta_gamma * t851;
+    let t853 = t850 + t852;
+    let t854 = t551 * t853;
+    let t855 = sin_delta * t848;
+    let t856 = t81 * t855;
+    let t857 = t856 + t854;
+    let t858 = 0.000255 * omega_epsilon_z;
+    let t859 = t740 - t858;
+    let t860 = cos_epsilon * t859;
+    let t861 = cos_delta * t860;
+    let t862 = 0.000255 * omega_epsilon_x;
+    let t863 = t774 + t862;
+    let t864 = sin_delta * t863;
+    let t865 = t861 + t864;
+    let t866 = cos_beta_gamma * t865;
+    let t867 = sin_epsilon * t859;
+    let t868 = sin_beta_gamma * t867;
+    let t869 = t866 - t868;
+    let t870 = v[0] * t869;
+    let t871 = t857 - t870;
+    let t872 = t231 * t871;
+    let t873 = t846 - t872;
+    let t874 = t44 + 0.006087497041000001;
+    let t875 = t245 + t874;
+    let t876 = sin_delta * t875;
+    let t877 = t249 - t876;
+    let t878 = cos_beta_gamma * t877;
+    let t879 = sin_beta_gamma * t252;
+    let t880 = t879 - t878;
+    let t881 = t76 * t255;
+    let t882 = t881 + t880;
+    let t883 = t551 * t882;
+    let t884 = cos_delta * t875;
+    let t885 = t355 + t884;
+    let t886 = t458 + t885;
+    let t887 = t81 * t886;
+    let t888 = t883 - t887;
+    let t889 = t452 * 21.1145440844009;
+    let t890 = t888 - t889;
+    let t891 = 0.00101 * omega_delta_z;
+    let t892 = t763 + t891;
+    let t893 = t767 + t892;
+    let t894 = cos_delta * t893;
+    let t895 = t746 + t752;
+    let t896 = sin_delta * t895;
+    let t897 = t894 + t896;
+    let t898 = cos_beta_gamma * t897;
+    let t899 = 0.00101 * omega_delta_x;
+    let t900 = t799 - t899;
+    let t901 = t801 - t900;
+    let t902 = sin_beta_gamma * t901;
+    let t903 = t898 + t902;
+    let t904 = v[0] * t83;
+    let t905 = 2.0 * t904;
+    let t906 = t456 * t905;
+    let t907 = t255 * t837;
+    let t908 = t907 - t906;
+    let t909 = t903 - t908;
+    let t910 = v[0] * t909;
+    let t911 = t890 + t910;
+    let t912 = t263 * t911;
+    let t913 = t873 + t912;
+    let t914 = t281 * t911;
+    let t915 = t278 * t871;
+    let t916 = t291 + 0.001515;
+    let t917 = sin_beta_gamma * t916;
+    let t918 = cos_beta_gamma * t298;
+    let t919 = t918 - t917;
+    let t920 = t76 * t301;
+    let t921 = t920 + t919;
+    let t922 = t551 * t921;
+    let t923 = t470 * t81;
+    let t924 = t922 + t923;
+    let t925 = t465 * 21.1145440844009;
+    let t926 = t924 + t925;
+    let t927 = 0.001515 * omega_gamma_z;
+    let t928 = t819 + t927;
+    let t929 = cos_beta_gamma * t928;
+    let t930 = t746 - t750;
+    let t931 = t752 - t930;
+    let t932 = sin_beta_gamma * t931;
+    let t933 = t929 + t932;
+    let t934 = t467 * t905;
+    let t935 = t301 * t837;
+    let t936 = t935 + t934;
+    let t937 = t933 + t936;
+    let t938 = v[0] * t937;
+    let t939 = t926 - t938;
+    let t940 = t939 + t915;
+    let t941 = t940 + t914;
+    let t942 = t316 * t941;
+    let t943 = t913 - t942;
+    let t944 = t369 * t941;
+    let t945 = t359 * t911;
+    let t946 = t351 * t871;
+    let t947 = cos_beta_gamma * t394;
+    let t948 = sin_beta_gamma * t365;
+    let t949 = t947 + t948;
+    let t950 = t949 * t551;
+    let t951 = t488 * t81;
+    let t952 = t950 - t951;
+    let t953 = t480 * 21.1145440844009;
+    let t954 = t952 + t953;
+    let t955 = cos_delta * t781;
+    let t956 = t778 + t955;
+    let t957 = omega_gamma_y * 0.008315;
+    let t958 = t167 + t957;
+    let t959 = t958 + t956;
+    let t960 = cos_beta_gamma * t959;
+    let t961 = sin_delta * t795;
+    let t962 = cos_delta * t803;
+    let t963 = t961 - t962;
+    let t964 = omega_gamma_x * 1.2583069346190003;
+    let t965 = t964 + t963;
+    let t966 = sin_beta_gamma * t965;
+    let t967 = t960 + t966;
+    let t968 = t484 * t905;
+    let t969 = t967 + t968;
+    let t970 = v[0] * 0.00847987;
+    let t971 = t970 + t969;
+    let t972 = v[0] * t971;
+    let t973 = t954 + t972;
+    let t974 = t973 + t946;
+    let t975 = t974 - t945;
+    let t976 = t975 + t944;
+    let t977 = t404 * t976;
+    let t978 = t943 - t977;
+    let t979 = t494 * t976;
+    let t980 = t474 * t941;
+    let t981 = t461 * t911;
+    let t982 = t83 * t464;
+    let t983 = t949 + t982;
+    let t984 = t983 * t551;
+    let t985 = t504 * t81;
+    let t986 = t985 - t984;
+    let t987 = 0.7552597941000001 * cos_beta;
+    let t988 = t987 - t480;
+    let t989 = t988 * 21.1145440844009;
+    let t990 = t989 + t986;
+    let t991 = cos_delta * t800;
+    let t992 = sin_delta * t792;
+    let t993 = t992 + t991;
+    let t994 = omega_gamma_x * 1.5837633996450005;
+    let t995 = t994 + t993;
+    let t996 = t83 * t995;
+    let t997 = t996 + t968;
+    let t998 = t967 + t997;
+    let t999 = v[0] * 2.0;
+    let t1000 = t502 * t999;
+    let t1001 = t1000 + t998;
+    let t1002 = v[0] * t1001;
+    let t1003 = t990 - t1002;
+    let t1004 = t1003 - t946;
+    let t1005 = t1004 + t981;
+    let t1006 = t1005 - t980;
+    let t1007 = t1006 + t979;
+    let t1008 = t522 * t1007;
+    let t1009 = t978 + t1008;
+    let t1010 = inverse_d_alpha * t1009;
+    let t1011 = t464 * acceleration_gamma_y_2;
+    let t1012 = t298 * t567;
+    let t1013 = t536 - t379;
+    let t1014 = t575 * t1013;
+    let t1015 = t1014 + t1012;
+    let t1016 = t365 * t81;
+    let t1017 = t1015 + t1016;
+    let t1018 = t1011 - t1017;
+    let t1019 = t746 - t782;
+    let t1020 = t783 - t1019;
+    let t1021 = omega_gamma_x * t1020;
+    let t1022 = omega_gamma_y * t821;
+    let t1023 = t1021 + t1022;
+    let t1024 = t1018 + t1023;
+    let t1025 = moment_gamma_x_2 + t1024;
+    let t1026 = cos_beta_gamma * t1025;
+    let t1027 = t464 * acceleration_gamma_x_2;
+    let t1028 = t298 * t575;
+    let t1029 = t536 - t383;
+    let t1030 = t567 * t1029;
+    let t1031 = t1030 + t1028;
+    let t1032 = t394 * t81;
+    let t1033 = t1031 + t1032;
+    let t1034 = t1027 - t1033;
+    let t1035 = t786 + t1019;
+    let t1036 = omega_gamma_y * t1035;
+    let t1037 = omega_gamma_x * t807;
+    let t1038 = t1036 + t1037;
+    let t1039 = t1034 - t1038;
+    let t1040 = moment_gamma_y_2 + t1039;
+    let t1041 = sin_beta_gamma * t1040;
+    let t1042 = t1041 - t1026;
+    let t1043 = t301 * t575;
+    let t1044 = t477 * t567;
+    let t1045 = t1044 - t1043;
+    let t1046 = omega_gamma_x * t831;
+    let t1047 = omega_gamma_y * t785;
+    let t1048 = t1047 + t1046;
+    let t1049 = t1045 - t1048;
+    let t1050 = t83 * t1049;
+    let t1051 = t1042 + t1050;
+    let t1052 = t575 * t851;
+    let t1053 = t567 * t849;
+    let t1054 = t1053 + t1052;
+    let t1055 = t1054 + t856;
+    let t1056 = omega_gamma_y * t865;
+    let t1057 = omega_gamma_x * t867;
+    let t1058 = t1056 - t1057;
+    let t1059 = t1055 - t1058;
+    let t1060 = t231 * t1059;
+    let t1061 = t1051 - t1060;
+    let t1062 = t294 * acceleration_gamma_x_2;
+    let t1063 = t449 * acceleration_gamma_y_2;
+    let t1064 = t1063 + t1062;
+    let t1065 = t252 * t575;
+    let t1066 = t567 * t877;
+    let t1067 = t1066 - t1065;
+    let t1068 = t81 * t885;
+    let t1069 = t1067 + t1068;
+    let t1070 = t1069 - t1064;
+    let t1071 = omega_gamma_y * t897;
+    let t1072 = omega_gamma_x * t901;
+    let t1073 = t1071 + t1072;
+    let t1074 = t1070 - t1073;
+    let t1075 = t263 * t1074;
+    let t1076 = t1061 - t1075;
+    let t1077 = t281 * t1074;
+    let t1078 = t575 * t916;
+    let t1079 = t1012 - t1078;
+    let t1080 = t1016 + t1079;
+    let t1081 = t1011 - t1080;
+    let t1082 = omega_gamma_y * t928;
+    let t1083 = omega_gamma_x * t931;
+    let t1084 = t1082 + t1083;
+    let t1085 = t1081 + t1084;
+    let t1086 = t278 * t1059;
+    let t1087 = t1085 - t1086;
+    let t1088 = t1087 + t1077;
+    let t1089 = t316 * t1088;
+    let t1090 = t1076 + t1089;
+    let t1091 = t369 * t1088;
+    let t1092 = t359 * t1074;
+    let t1093 = t477 * acceleration_gamma_y_2;
+    let t1094 = t301 * acceleration_gamma_x_2;
+    let t1095 = t1094 + t1093;
+    let t1096 = t394 * t567;
+    let t1097 = t384 * t81;
+    let t1098 = t1097 - t1096;
+    let t1099 = t365 * t575;
+    let t1100 = t1098 - t1099;
+    let t1101 = t1095 - t1100;
+    let t1102 = omega_gamma_y * t959;
+    let t1103 = omega_gamma_x * t965;
+    let t1104 = t1102 + t1103;
+    let t1105 = t1101 + t1104;
+    let t1106 = t351 * t1059;
+    let t1107 = t1105 + t1106;
+    let t1108 = t1107 + t1092;
+    let t1109 = t1108 - t1091;
+    let t1110 = t404 * t1109;
+    let t1111 = t1090 - t1110;
+    let t1112 = cos_delta * force_delta_x_2;
+    let t1113 = sin_delta * force_epsilon_z_2;
+    let t1114 = t1112 - t1113;
+    let t1115 = 0.7918816998225002 * t573;
+    let force_gamma_x_2 = t1115 + t1114;
+    let t1117 = t464 * t567;
+    let t1118 = t301 * t81;
+    let t1119 = t1118 - t1117;
+    let t1120 = omega_gamma_y * t995;
+    let t1121 = t1119 - t1120;
+    let t1122 = force_gamma_x_2 + t1121;
+    let t1123 = sin_beta_gamma * t1122;
+    let t1124 = sin_epsilon * force_epsilon_x_2;
+    let force_delta_z_2 = t413 + t1124;
+    let force_gamma_y_2 = t416 + force_delta_z_2;
+    let t1127 = t464 * t575;
+    let t1128 = t477 * t81;
+    let t1129 = t1127 - t1128;
+    let t1130 = omega_gamma_x * t995;
+    let t1131 = t1129 + t1130;
+    let t1132 = force_gamma_y_2 - t1131;
+    let t1133 = cos_beta_gamma * t1132;
+    let t1134 = t1133 - t1123;
+    let t1135 = t76 * t1134;
+    let t1136 = cos_beta_gamma * t1122;
+    let t1137 = sin_beta_gamma * t1132;
+    let t1138 = t1137 + t1136;
+    let t1139 = t83 * t1138;
+    let t1140 = t1139 + t1135;
+    let t1141 = t1105 - t1140;
+    let t1142 = t1141 + t1106;
+    let t1143 = t461 * t1074;
+    let t1144 = t1142 + t1143;
+    let t1145 = t474 * t1088;
+    let t1146 = t1144 - t1145;
+    let t1147 = t494 * t1109;
+    let t1148 = t1146 - t1147;
+    let t1149 = t522 * t1148;
+    let t1150 = t1111 - t1149;
+    let t1151 = inverse_d_alpha * t1150;
+    let t1152 = t248 * t616;
+    let t1153 = t380 + t289;
+    let t1154 = t578 * t1153;
+    let t1155 = t1154 - t1152;
+    let t1156 = t252 * t135;
+    let t1157 = t1155 + t1156;
+    let t1158 = t245 * acceleration_delta_y_2;
+    let t1159 = t1158 + t1157;
+    let t1160 = t749 + t750;
+    let t1161 = omega_delta_x * t1160;
+    let t1162 = omega_delta_y * t765;
+    let t1163 = t1161 - t1162;
+    let t1164 = t1159 + t1163;
+    let t1165 = moment_delta_x_2 - t1164;
+    let t1166 = t245 * t578;
+    let t1167 = omega_delta_x * t785;
+    let t1168 = t1166 - t1167;
+    let t1169 = force_epsilon_z_2 + t1168;
+    let t1170 = t1169 - t1165;
+    let t1171 = sin_delta * t1170;
+    let t1172 = t248 * t578;
+    let t1173 = t380 - t290;
+    let t1174 = t616 * t1173;
+    let t1175 = t1174 - t1172;
+    let t1176 = t293 * t135;
+    let t1177 = t1175 + t1176;
+    let t1178 = t245 * acceleration_delta_x_2;
+    let t1179 = t1178 + t1177;
+    let t1180 = omega_delta_y * t750;
+    let t1181 = omega_delta_x * t778;
+    let t1182 = t1180 - t1181;
+    let t1183 = t1179 + t1182;
+    let t1184 = moment_delta_y_2 + t1183;
+    let t1185 = t245 * t616;
+    let t1186 = t294 * t135;
+    let t1187 = t1186 - t1185;
+    let t1188 = omega_delta_y * t785;
+    let t1189 = t1187 - t1188;
+    let t1190 = force_delta_x_2 + t1189;
+    let t1191 = t1190 - t1184;
+    let t1192 = cos_delta * t1191;
+    let t1193 = t1192 - t1171;
+    let t1194 = sin_beta_gamma * t1193;
+    let t1195 = t293 * t616;
+    let t1196 = t291 * t135;
+    let t1197 = t1196 + t1195;
+    let t1198 = t252 * t578;
+    let t1199 = t1197 + t1198;
+    let t1200 = t294 * acceleration_delta_x_2;
+    let t1201 = t1200 - t1199;
+    let t1202 = omega_delta_y * t811;
+    let t1203 = omega_delta_x * t817;
+    let t1204 = t1202 + t1203;
+    let t1205 = t1201 + t1204;
+    let t1206 = cos_beta_gamma * t1205;
+    let t1207 = t1194 - t1206;
+    let t1208 = cos_delta * t1190;
+    let t1209 = sin_delta * t1169;
+    let t1210 = t1209 - t1208;
+    let t1211 = t83 * t1210;
+    let t1212 = t1207 - t1211;
+    let t1213 = t616 * t848;
+    let t1214 = t135 * t851;
+    let t1215 = t1213 + t1214;
+    let t1216 = omega_delta_y * t860;
+    let t1217 = omega_delta_x * t863;
+    let t1218 = t1216 - t1217;
+    let t1219 = t1215 + t1218;
+    let t1220 = t231 * t1219;
+    let t1221 = t1212 + t1220;
+    let t1222 = t578 * t874;
+    let t1223 = t1152 - t1222;
+    let t1224 = t1156 - t1223;
+    let t1225 = t1158 + t1224;
+    let t1226 = omega_delta_y * t892;
+    let t1227 = omega_delta_x * t746;
+    let t1228 = t1226 - t1227;
+    let t1229 = t1225 - t1228;
+    let t1230 = t263 * t1229;
+    let t1231 = t1221 - t1230;
+    let t1232 = t281 * t1229;
+    let t1233 = t278 * t1219;
+    let t1234 = t1205 + t1233;
+    let t1235 = t1234 + t1232;
+    let t1236 = t316 * t1235;
+    let t1237 = t1231 + t1236;
+    let t1238 = cos_delta * t1170;
+    let t1239 = sin_delta * t1191;
+    let t1240 = t1239 + t1238;
+    let t1241 = t351 * t1219;
+    let t1242 = t1240 + t1241;
+    let t1243 = t359 * t1229;
+    let t1244 = t1242 - t1243;
+    let t1245 = t369 * t1235;
+    let t1246 = t1244 + t1245;
+    let t1247 = t404 * t1246;
+    let t1248 = t1237 + t1247;
+    let t1249 = t494 * t1246;
+    let t1250 = sin_delta * t1190;
+    let t1251 = cos_delta * t1169;
+    let t1252 = t1251 + t1250;
+    let t1253 = cos_beta_gamma * t1252;
+    let t1254 = t294 * t578;
+    let t1255 = omega_delta_x * t792;
+    let t1256 = omega_delta_y * t800;
+    let t1257 = t1256 - t1255;
+    let t1258 = t1254 - t1257;
+    let t1259 = sin_beta_gamma * t1258;
+    let t1260 = t1253 - t1259;
+    let t1261 = t76 * t1260;
+    let t1262 = sin_beta_gamma * t1252;
+    let t1263 = cos_beta_gamma * t1258;
+    let t1264 = t1262 + t1263;
+    let t1265 = t83 * t1264;
+    let t1266 = t1265 + t1261;
+    let t1267 = t1240 + t1266;
+    let t1268 = t1267 + t1241;
+    let t1269 = t461 * t1229;
+    let t1270 = t1268 - t1269;
+    let t1271 = t474 * t1235;
+    let t1272 = t1270 + t1271;
+    let t1273 = t1272 - t1249;
+    let t1274 = t522 * t1273;
+    let t1275 = t1248 + t1274;
+    let t1276 = inverse_d_alpha * t1275;
+    let t1277 = t61 + t287;
+    let t1278 = t624 * t1277;
+    let t1279 = omega_epsilon_y * t742;
+    let t1280 = t1278 - t1279;
+    let t1281 = moment_epsilon_x_2 + t1280;
+    let t1282 = sin_epsilon * t1281;
+    let t1283 = t44 - 0.004766037041000001;
+    let t1284 = t581 * t1283;
+    let t1285 = omega_delta_x * omega_delta_x;
+    let t1286 = omega_delta_z * omega_delta_z;
+    let t1287 = t1285 + t1286;
+    let t1288 = t57 * t1287;
+    let t1289 = t1284 - t1288;
+    let t1290 = omega_epsilon_y * t746;
+    let t1291 = omega_epsilon_x * t743;
+    let t1292 = t1290 - t1291;
+    let t1293 = t1289 - t1292;
+    let t1294 = moment_epsilon_y_2 - t1293;
+    let t1295 = cos_epsilon * t1294;
+    let t1296 = t1295 + t1282;
+    let t1297 = 0.009952485403000002 * t581;
+    let t1298 = omega_epsilon_x * t784;
+    let t1299 = t1297 - t1298;
+    let t1300 = t1299 + t1296;
+    let t1301 = cos_delta * t1300;
+    let t1302 = omega_epsilon_y * t800;
+    let t1303 = force_epsilon_x_2 - t1302;
+    let t1304 = sin_epsilon * t1303;
+    let t1305 = omega_epsilon_x * t800;
+    let t1306 = 0.009952485403000002 * t1287;
+    let t1307 = t1306 - t1305;
+    let t1308 = force_epsilon_y + t1307;
+    let t1309 = cos_epsilon * t1308;
+    let t1310 = t1309 + t1304;
+    let t1311 = t57 * t581;
+    let t1312 = t244 * t1287;
+    let t1313 = t1312 + t1311;
+    let t1314 = sin_epsilon * acceleration_delta_x_2;
+    let t1315 = cos_epsilon * acceleration_delta_z_2;
+    let acceleration_epsilon_y = t1314 + t1315;
+    let t1317 = 0.009952485403000002 * acceleration_epsilon_y;
+    let t1318 = t1317 - t1313;
+    let t1319 = omega_epsilon_y * t759;
+    let t1320 = omega_epsilon_x * t761;
+    let t1321 = t1319 - t1320;
+    let t1322 = t1318 - t1321;
+    let t1323 = t1322 - t1310;
+    let t1324 = sin_delta * t1323;
+    let t1325 = t1301 + t1324;
+    let t1326 = sin_beta_gamma * t1325;
+    let t1327 = cos_epsilon * t1281;
+    let t1328 = sin_epsilon * t1294;
+    let t1329 = t1328 - t1327;
+    let t1330 = cos_beta_gamma * t1329;
+    let t1331 = t1326 + t1330;
+    let t1332 = sin_delta * t1310;
+    let t1333 = cos_delta * t1299;
+    let t1334 = t1332 - t1333;
+    let t1335 = t83 * t1334;
+    let t1336 = t1331 - t1335;
+    let t1337 = t624 * t847;
+    let t1338 = omega_epsilon_y * t859;
     let t1339 = t1337 + t1338;
-    let t1340 = t1333 + t1339;
-    let t1341 = omega_delta_y * t945;
-    let t1342 = omega_delta_x * t973;
-    let t1343 = t1341 - t1342;
-    let t1344 = t1340 + t1343;
-    let t1345 = moment_delta_y_2 + t1344;
-    let t1346 = t48 * t816;
-    let t1347 = t37 * t291;
-    let t1348 = t1347 - t1346;
-    let t1349 = omega_delta_y * t980;
-    let t1350 = t1348 - t1349;
-    let t1351 = force_delta_x_2 + t1350;
-    let t1352 = t1351 - t1345;
-    let t1353 = cos_delta * t1352;
-    let t1354 = t1353 - t1332;
-    let t1355 = sin_beta_gamma * t1354;
-    let t1356 = t37 * acceleration_delta_x_2;
-    let t1357 = t36 * t816;
-    let t1358 = t106 * t291;
-    let t1359 = t1358 + t1357;
-    let t1360 = t40 * t639;
-    let t1361 = t1359 + t1360;
-    let t1362 = t1356 - t1361;
-    let t1363 = omega_delta_y * t1006;
-    let t1364 = omega_delta_x * t1012;
-    let t1365 = t1363 + t1364;
-    let t1366 = t1362 + t1365;
-    let t1367 = cos_beta_gamma * t1366;
-    let t1368 = t1355 - t1367;
-    let t1369 = cos_delta * t1351;
-    let t1370 = sin_delta * t1330;
-    let t1371 = t1370 - t1369;
-    let t1372 = t54 * t1371;
-    let t1373 = t1368 - t1372;
-    let t1374 = inverse_d_alpha * t1373;
-    let t1375 = cos_delta * t1331;
-    let t1376 = sin_delta * t1352;
-    let t1377 = t1376 + t1375;
-    let t1378 = sin_delta * t1351;
-    let t1379 = cos_delta * t1330;
-    let t1380 = t1379 + t1378;
-    let t1381 = cos_beta_gamma * t1380;
-    let t1382 = t37 * t639;
-    let t1383 = omega_delta_x * t987;
-    let t1384 = omega_delta_y * t995;
-    let t1385 = t1384 - t1383;
-    let t1386 = t1382 - t1385;
-    let t1387 = sin_beta_gamma * t1386;
-    let t1388 = t1381 - t1387;
-    let t1389 = t176 * t1388;
-    let t1390 = sin_beta_gamma * t1380;
-    let t1391 = cos_beta_gamma * t1386;
-    let t1392 = t1390 + t1391;
-    let t1393 = t54 * t1392;
-    let t1394 = t1393 + t1389;
-    let t1395 = t1377 + t1394;
-    let t1396 = t465 * t1395;
-    let t1397 = t1374 + t1396;
-    let t1398 = t516 * t1377;
-    let t1399 = t1397 - t1398;
-    let t1400 = t610 * t1366;
-    let t1401 = t1399 - t1400;
-    let t1402 = t639 * t1124;
-    let t1403 = t1314 - t1402;
-    let t1404 = t1318 - t1403;
-    let t1405 = t1313 + t1404;
-    let t1406 = omega_delta_y * t1142;
-    let t1407 = omega_delta_x * t941;
-    let t1408 = t1406 - t1407;
-    let t1409 = t1405 - t1408;
-    let t1410 = t617 * t1409;
-    let t1411 = t1401 - t1410;
-    let t1412 = t816 * t1163;
-    let t1413 = t291 * t1166;
-    let t1414 = t1412 + t1413;
-    let t1415 = omega_delta_y * t1175;
-    let t1416 = omega_delta_x * t1178;
-    let t1417 = t1415 - t1416;
-    let t1418 = t1414 + t1417;
-    let t1419 = t633 * t1418;
-    let t1420 = t1411 - t1419;
-    let t1421 = t12 - 0.004766037041000001;
-    let t1422 = t693 * t1421;
-    let t1423 = omega_delta_x * omega_delta_x;
-    let t1424 = omega_delta_z * omega_delta_z;
-    let t1425 = t1423 + t1424;
-    let t1426 = t22 * t1425;
-    let t1427 = t1422 - t1426;
-    let t1428 = omega_epsilon_y * t941;
-    let t1429 = omega_epsilon_x * t938;
-    let t1430 = t1428 - t1429;
-    let t1431 = t1427 - t1430;
-    let t1432 = moment_epsilon_y_2 - t1431;
-    let t1433 = cos_epsilon * t1432;
-    let t1434 = t67 + t16;
-    let t1435 = t792 * t1434;
-    let t1436 = omega_epsilon_y * t937;
-    let t1437 = t1435 - t1436;
-    let t1438 = moment_epsilon_x_2 + t1437;
-    let t1439 = sin_epsilon * t1438;
-    let t1440 = t1433 + t1439;
-    let t1441 = 0.009952485403000002 * t693;
-    let t1442 = omega_epsilon_x * t979;
-    let t1443 = t1441 - t1442;
-    let t1444 = t1443 + t1440;
-    let t1445 = cos_delta * t1444;
-    let t1446 = sin_epsilon * acceleration_delta_x_2;
-    let t1447 = cos_epsilon * acceleration_delta_z_2;
-    let acceleration_epsilon_y = t1446 + t1447;
-    let t1449 = 0.009952485403000002 * acceleration_epsilon_y;
-    let t1450 = t22 * t693;
-    let t1451 = t87 * t1425;
+    let t1340 = t231 * t1339;
+    let t1341 = t1336 - t1340;
+    let t1342 = t263 * t1322;
+    let t1343 = t1341 + t1342;
+    let t1344 = t278 * t1339;
+    let t1345 = t1329 + t1344;
+    let t1346 = t281 * t1322;
+    let t1347 = t1345 + t1346;
+    let t1348 = t316 * t1347;
+    let t1349 = t1343 - t1348;
+    let t1350 = sin_delta * t1300;
+    let t1351 = cos_delta * t1323;
+    let t1352 = t1350 - t1351;
+    let t1353 = t351 * t1339;
+    let t1354 = t1352 - t1353;
+    let t1355 = t359 * t1322;
+    let t1356 = t1354 + t1355;
+    let t1357 = t369 * t1347;
+    let t1358 = t1356 - t1357;
+    let t1359 = t404 * t1358;
+    let t1360 = t1349 + t1359;
+    let t1361 = t494 * t1358;
+    let t1362 = cos_delta * t1310;
+    let t1363 = sin_delta * t1299;
+    let t1364 = t1362 + t1363;
+    let t1365 = cos_beta_gamma * t1364;
+    let t1366 = cos_epsilon * t1303;
+    let t1367 = sin_epsilon * t1308;
+    let t1368 = t1367 - t1366;
+    let t1369 = sin_beta_gamma * t1368;
+    let t1370 = t1365 - t1369;
+    let t1371 = t76 * t1370;
+    let t1372 = sin_beta_gamma * t1364;
+    let t1373 = cos_beta_gamma * t1368;
+    let t1374 = t1372 + t1373;
+    let t1375 = t83 * t1374;
+    let t1376 = t1375 + t1371;
+    let t1377 = t1352 + t1376;
+    let t1378 = t1377 - t1353;
+    let t1379 = t461 * t1322;
+    let t1380 = t1378 + t1379;
+    let t1381 = t474 * t1347;
+    let t1382 = t1380 - t1381;
+    let t1383 = t1382 - t1361;
+    let t1384 = t522 * t1383;
+    let t1385 = t1360 + t1384;
+    let t1386 = inverse_d_alpha * t1385;
+    let t1387 = t61 * t619;
+    let t1388 = t57 * t625;
+    let t1389 = t1387 - t1388;
+    let t1390 = omega_epsilon_x * t769;
+    let t1391 = omega_epsilon_z * t746;
+    let t1392 = t1391 - t1390;
+    let t1393 = t1389 - t1392;
+    let t1394 = moment_zeta_y_2 - t1393;
+    let t1395 = cos_epsilon * t1394;
+    let t1396 = omega_epsilon_x * t774;
+    let t1397 = omega_epsilon_z * t740;
+    let t1398 = t1397 - t1396;
+    let t1399 = t216 * t155;
+    let t1400 = t1399 + t1398;
+    let t1401 = sin_epsilon * t1400;
+    let t1402 = t1395 + t1401;
+    let t1403 = sin_delta * t1402;
+    let t1404 = t57 * t619;
+    let t1405 = t45 * t625;
+    let t1406 = t1405 - t1404;
+    let t1407 = omega_epsilon_z * t756;
+    let t1408 = omega_epsilon_x * t746;
+    let t1409 = t1408 - t1407;
+    let t1410 = t1406 - t1409;
+    let t1411 = moment_zeta_x_2 - t1410;
+    let t1412 = cos_delta * t1411;
+    let t1413 = t1403 - t1412;
+    let t1414 = t351 * t1400;
+    let t1415 = t1413 - t1414;
+    let t1416 = t359 * t1411;
+    let t1417 = t1415 + t1416;
+    let t1418 = sin_epsilon * t1394;
+    let t1419 = cos_epsilon * t1400;
+    let t1420 = t1418 - t1419;
+    let t1421 = t278 * t1400;
+    let t1422 = t1420 + t1421;
+    let t1423 = t281 * t1411;
+    let t1424 = t1422 + t1423;
+    let t1425 = t369 * t1424;
+    let t1426 = t1417 - t1425;
+    let t1427 = t494 * t1426;
+    let t1428 = t461 * t1411;
+    let t1429 = t1415 + t1428;
+    let t1430 = t474 * t1424;
+    let t1431 = t1429 - t1430;
+    let t1432 = t1431 - t1427;
+    let t1433 = t522 * t1432;
+    let t1434 = cos_delta * t1402;
+    let t1435 = sin_delta * t1411;
+    let t1436 = t1434 + t1435;
+    let t1437 = sin_beta_gamma * t1436;
+    let t1438 = cos_beta_gamma * t1420;
+    let t1439 = t1437 + t1438;
+    let t1440 = t231 * t1400;
+    let t1441 = t1439 - t1440;
+    let t1442 = t263 * t1411;
+    let t1443 = t1441 + t1442;
+    let t1444 = t316 * t1424;
+    let t1445 = t1443 - t1444;
+    let t1446 = t404 * t1426;
+    let t1447 = t1445 + t1446;
+    let t1448 = t1447 + t1433;
+    let t1449 = inverse_d_alpha * t1448;
+    let t1450 = t522 * t1010;
+    let t1451 = inverse_d_beta * t1007;
     let t1452 = t1451 + t1450;
-    let t1453 = t1449 - t1452;
-    let t1454 = omega_epsilon_y * t954;
-    let t1455 = omega_epsilon_x * t956;
-    let t1456 = t1454 - t1455;
-    let t1457 = t1453 - t1456;
-    let t1458 = omega_epsilon_y * t995;
-    let t1459 = force_epsilon_x_2 - t1458;
-    let t1460 = sin_epsilon * t1459;
-    let t1461 = omega_epsilon_x * t995;
-    let t1462 = 0.009952485403000002 * t1425;
-    let t1463 = t1462 - t1461;
-    let t1464 = force_epsilon_y + t1463;
-    let t1465 = cos_epsilon * t1464;
-    let t1466 = t1465 + t1460;
-    let t1467 = t1457 - t1466;
-    let t1468 = sin_delta * t1467;
-    let t1469 = t1445 + t1468;
-    let t1470 = sin_beta_gamma * t1469;
-    let t1471 = sin_epsilon * t1432;
-    let t1472 = cos_epsilon * t1438;
-    let t1473 = t1471 - t1472;
-    let t1474 = cos_beta_gamma * t1473;
-    let t1475 = t1470 + t1474;
-    let t1476 = sin_delta * t1466;
-    let t1477 = cos_delta * t1443;
-    let t1478 = t1476 - t1477;
-    let t1479 = t54 * t1478;
-    let t1480 = t1475 - t1479;
-    let t1481 = inverse_d_alpha * t1480;
-    let t1482 = sin_delta * t1444;
-    let t1483 = cos_delta * t1467;
-    let t1484 = t1482 - t1483;
-    let t1485 = cos_delta * t1466;
-    let t1486 = sin_delta * t1443;
-    let t1487 = t1485 + t1486;
-    let t1488 = cos_beta_gamma * t1487;
-    let t1489 = cos_epsilon * t1459;
-    let t1490 = sin_epsilon * t1464;
-    let t1491 = t1490 - t1489;
-    let t1492 = sin_beta_gamma * t1491;
-    let t1493 = t1488 - t1492;
-    let t1494 = t176 * t1493;
-    let t1495 = sin_beta_gamma * t1487;
-    let t1496 = cos_beta_gamma * t1491;
-    let t1497 = t1495 + t1496;
-    let t1498 = t54 * t1497;
-    let t1499 = t1498 + t1494;
-    let t1500 = t1484 + t1499;
-    let t1501 = t465 * t1500;
-    let t1502 = t1481 + t1501;
-    let t1503 = t516 * t1484;
-    let t1504 = t1502 - t1503;
-    let t1505 = t610 * t1473;
-    let t1506 = t1504 + t1505;
-    let t1507 = t617 * t1457;
+    let t1453 = t522 * t1151;
+    let t1454 = inverse_d_beta * t1148;
+    let t1455 = t1454 - t1453;
+    let t1456 = t522 * t1276;
+    let t1457 = inverse_d_beta * t1273;
+    let t1458 = t1457 + t1456;
+    let t1459 = t522 * t1386;
+    let t1460 = inverse_d_beta * t1383;
+    let t1461 = t1460 + t1459;
+    let t1462 = t522 * t1449;
+    let t1463 = inverse_d_beta * t1432;
+    let t1464 = t1463 + t1462;
+    let t1465 = t494 * t1452;
+    let t1466 = inverse_d_gamma * t976;
+    let t1467 = t1466 + t1465;
+    let t1468 = t404 * t1010;
+    let t1469 = t1467 - t1468;
+    let t1470 = t494 * t1455;
+    let t1471 = inverse_d_gamma * t1109;
+    let t1472 = t1471 - t1470;
+    let t1473 = t404 * t1151;
+    let t1474 = t1472 - t1473;
+    let t1475 = t494 * t1458;
+    let t1476 = inverse_d_gamma * t1246;
+    let t1477 = t1476 - t1475;
+    let t1478 = t404 * t1276;
+    let t1479 = t1477 + t1478;
+    let t1480 = t494 * t1461;
+    let t1481 = inverse_d_gamma * t1358;
+    let t1482 = t1481 - t1480;
+    let t1483 = t404 * t1386;
+    let t1484 = t1482 + t1483;
+    let t1485 = t494 * t1464;
+    let t1486 = inverse_d_gamma * t1426;
+    let t1487 = t1486 - t1485;
+    let t1488 = t404 * t1449;
+    let t1489 = t1487 + t1488;
+    let t1490 = t369 * t1469;
+    let t1491 = inverse_d_delta * t941;
+    let t1492 = t1491 + t1490;
+    let t1493 = t474 * t1452;
+    let t1494 = t1492 - t1493;
+    let t1495 = t316 * t1010;
+    let t1496 = t1494 - t1495;
+    let t1497 = t369 * t1474;
+    let t1498 = inverse_d_delta * t1088;
+    let t1499 = t1498 - t1497;
+    let t1500 = t474 * t1455;
+    let t1501 = t1499 - t1500;
+    let t1502 = t316 * t1151;
+    let t1503 = t1501 + t1502;
+    let t1504 = t369 * t1479;
+    let t1505 = inverse_d_delta * t1235;
+    let t1506 = t1505 + t1504;
+    let t1507 = t474 * t1458;
     let t1508 = t1506 + t1507;
-    let t1509 = t792 * t1162;
-    let t1510 = omega_epsilon_y * t1174;
-    let t1511 = t1509 + t1510;
-    let t1512 = t633 * t1511;
-    let t1513 = t1508 + t1512;
-    let t1514 = t22 * t793;
-    let t1515 = t67 * t838;
-    let t1516 = t1515 - t1514;
-    let t1517 = omega_epsilon_x * t964;
-    let t1518 = omega_epsilon_z * t941;
-    let t1519 = t1518 - t1517;
-    let t1520 = t1516 - t1519;
-    let t1521 = moment_zeta_y_2 - t1520;
-    let t1522 = cos_epsilon * t1521;
-    let t1523 = omega_epsilon_x * t969;
-    let t1524 = omega_epsilon_z * t935;
-    let t1525 = t1524 - t1523;
-    let t1526 = t69 * t429;
+    let t1509 = t316 * t1276;
+    let t1510 = t1508 + t1509;
+    let t1511 = t369 * t1484;
+    let t1512 = inverse_d_delta * t1347;
+    let t1513 = t1512 - t1511;
+    let t1514 = t474 * t1461;
+    let t1515 = t1513 - t1514;
+    let t1516 = t316 * t1386;
+    let t1517 = t1515 - t1516;
+    let t1518 = t369 * t1489;
+    let t1519 = inverse_d_delta * t1424;
+    let t1520 = t1519 - t1518;
+    let t1521 = t474 * t1464;
+    let t1522 = t1520 - t1521;
+    let t1523 = t316 * t1449;
+    let t1524 = t1522 - t1523;
+    let t1525 = t281 * t1496;
+    let t1526 = inverse_d_epsilon * t911;
     let t1527 = t1526 + t1525;
-    let t1528 = sin_epsilon * t1527;
-    let t1529 = t1522 + t1528;
-    let t1530 = cos_delta * t1529;
-    let t1531 = t68 * t793;
-    let t1532 = t22 * t838;
-    let t1533 = t1531 - t1532;
-    let t1534 = omega_epsilon_z * t951;
-    let t1535 = omega_epsilon_x * t941;
-    let t1536 = t1535 - t1534;
-    let t1537 = t1533 - t1536;
-    let t1538 = moment_zeta_x_2 - t1537;
-    let t1539 = sin_delta * t1538;
-    let t1540 = t1530 + t1539;
-    let t1541 = sin_beta_gamma * t1540;
-    let t1542 = sin_epsilon * t1521;
-    let t1543 = cos_epsilon * t1527;
-    let t1544 = t1542 - t1543;
-    let t1545 = cos_beta_gamma * t1544;
-    let t1546 = t1541 + t1545;
-    let t1547 = inverse_d_alpha * t1546;
-    let t1548 = sin_delta * t1529;
-    let t1549 = cos_delta * t1538;
-    let t1550 = t1548 - t1549;
-    let t1551 = t465 * t1550;
-    let t1552 = t1547 + t1551;
-    let t1553 = t516 * t1550;
-    let t1554 = t1552 - t1553;
-    let t1555 = t610 * t1544;
+    let t1528 = t359 * t1469;
+    let t1529 = t1527 - t1528;
+    let t1530 = t461 * t1452;
+    let t1531 = t1529 + t1530;
+    let t1532 = t263 * t1010;
+    let t1533 = t1531 + t1532;
+    let t1534 = t281 * t1503;
+    let t1535 = inverse_d_epsilon * t1074;
+    let t1536 = t1535 + t1534;
+    let t1537 = t359 * t1474;
+    let t1538 = t1536 + t1537;
+    let t1539 = t461 * t1455;
+    let t1540 = t1538 + t1539;
+    let t1541 = t263 * t1151;
+    let t1542 = t1540 - t1541;
+    let t1543 = t281 * t1510;
+    let t1544 = inverse_d_epsilon * t1229;
+    let t1545 = t1544 + t1543;
+    let t1546 = t359 * t1479;
+    let t1547 = t1545 - t1546;
+    let t1548 = t461 * t1458;
+    let t1549 = t1547 - t1548;
+    let t1550 = t263 * t1276;
+    let t1551 = t1549 - t1550;
+    let t1552 = t281 * t1517;
+    let t1553 = inverse_d_epsilon * t1322;
+    let t1554 = t1553 + t1552;
+    let t1555 = t359 * t1484;
     let t1556 = t1554 + t1555;
-    let t1557 = t617 * t1538;
+    let t1557 = t461 * t1461;
     let t1558 = t1556 + t1557;
-    let t1559 = t633 * t1527;
+    let t1559 = t263 * t1386;
     let t1560 = t1558 + t1559;
-    let t1561 = t465 * t1041;
-    let t1562 = t467 * t1083;
-    let t1563 = t1561 + t1562;
-    let t1564 = t470 * t1095;
+    let t1561 = t281 * t1524;
+    let t1562 = inverse_d_epsilon * t1411;
+    let t1563 = t1562 + t1561;
+    let t1564 = t359 * t1489;
     let t1565 = t1563 + t1564;
-    let t1566 = t577 * t1121;
+    let t1566 = t461 * t1464;
     let t1567 = t1565 + t1566;
-    let t1568 = t584 * t1159;
+    let t1568 = t263 * t1449;
     let t1569 = t1567 + t1568;
-    let t1570 = t600 * t1186;
-    let t1571 = t1569 + t1570;
-    let t1572 = t465 * t1229;
-    let t1573 = t467 * t1273;
-    let t1574 = t1572 - t1573;
-    let t1575 = t470 * t1272;
-    let t1576 = t1574 + t1575;
-    let t1577 = t577 * t1285;
+    let t1570 = t278 * t1496;
+    let t1571 = inverse_d_zeta * t871;
+    let t1572 = t1571 + t1570;
+    let t1573 = t351 * t1469;
+    let t1574 = t1572 + t1573;
+    let t1575 = t351 * t1452;
+    let t1576 = t1574 - t1575;
+    let t1577 = t231 * t1010;
     let t1578 = t1576 - t1577;
-    let t1579 = t584 * t1300;
-    let t1580 = t1578 - t1579;
-    let t1581 = t600 * t1310;
-    let t1582 = t1580 + t1581;
-    let t1583 = t465 * t1373;
-    let t1584 = t467 * t1395;
+    let t1579 = t278 * t1503;
+    let t1580 = inverse_d_zeta * t1059;
+    let t1581 = t1580 - t1579;
+    let t1582 = t351 * t1474;
+    let t1583 = t1581 + t1582;
+    let t1584 = t351 * t1455;
     let t1585 = t1583 + t1584;
-    let t1586 = t470 * t1377;
+    let t1586 = t231 * t1151;
     let t1587 = t1585 - t1586;
-    let t1588 = t577 * t1366;
-    let t1589 = t1587 - t1588;
-    let t1590 = t584 * t1409;
-    let t1591 = t1589 - t1590;
-    let t1592 = t600 * t1418;
-    let t1593 = t1591 - t1592;
-    let t1594 = t465 * t1480;
-    let t1595 = t467 * t1500;
+    let t1588 = t278 * t1510;
+    let t1589 = inverse_d_zeta * t1219;
+    let t1590 = t1589 + t1588;
+    let t1591 = t351 * t1479;
+    let t1592 = t1590 + t1591;
+    let t1593 = t351 * t1458;
+    let t1594 = t1592 + t1593;
+    let t1595 = t231 * t1276;
     let t1596 = t1594 + t1595;
-    let t1597 = t470 * t1484;
-    let t1598 = t1596 - t1597;
-    let t1599 = t577 * t1473;
-    let t1600 = t1598 + t1599;
-    let t1601 = t584 * t1457;
-    let t1602 = t1600 + t1601;
-    let t1603 = t600 * t1511;
-    let t1604 = t1602 + t1603;
-    let t1605 = t465 * t1546;
-    let t1606 = t467 * t1550;
-    let t1607 = t1605 + t1606;
-    let t1608 = t470 * t1550;
-    let t1609 = t1607 - t1608;
-    let t1610 = t577 * t1544;
-    let t1611 = t1609 + t1610;
-    let t1612 = t584 * t1538;
-    let t1613 = t1611 + t1612;
-    let t1614 = t600 * t1527;
-    let t1615 = t1613 + t1614;
-    let t1616 = t516 * t1041;
-    let t1617 = t470 * t1083;
-    let t1618 = t1616 + t1617;
-    let t1619 = t247 * t1095;
-    let t1620 = t1618 + t1619;
-    let t1621 = t252 * t1121;
-    let t1622 = t1620 + t1621;
-    let t1623 = t259 * t1159;
-    let t1624 = t1622 + t1623;
-    let t1625 = t560 * t1186;
-    let t1626 = t1624 + t1625;
-    let t1627 = t516 * t1229;
-    let t1628 = t470 * t1273;
-    let t1629 = t1627 - t1628;
-    let t1630 = t247 * t1272;
-    let t1631 = t1629 + t1630;
-    let t1632 = t252 * t1285;
-    let t1633 = t1631 - t1632;
-    let t1634 = t259 * t1300;
-    let t1635 = t1633 - t1634;
-    let t1636 = t560 * t1310;
-    let t1637 = t1635 + t1636;
-    let t1638 = t516 * t1373;
-    let t1639 = t470 * t1395;
-    let t1640 = t1638 + t1639;
-    let t1641 = t247 * t1377;
-    let t1642 = t1640 - t1641;
-    let t1643 = t252 * t1366;
-    let t1644 = t1642 - t1643;
-    let t1645 = t259 * t1409;
+    let t1597 = t278 * t1517;
+    let t1598 = inverse_d_zeta * t1339;
+    let t1599 = t1598 + t1597;
+    let t1600 = t351 * t1484;
+    let t1601 = t1599 - t1600;
+    let t1602 = t351 * t1461;
+    let t1603 = t1601 - t1602;
+    let t1604 = t231 * t1386;
+    let t1605 = t1603 - t1604;
+    let t1606 = t278 * t1524;
+    let t1607 = inverse_d_zeta * t1400;
+    let t1608 = t1607 + t1606;
+    let t1609 = t351 * t1489;
+    let t1610 = t1608 - t1609;
+    let t1611 = t351 * t1464;
+    let t1612 = t1610 - t1611;
+    let t1613 = t231 * t1449;
+    let t1614 = t1612 - t1613;
+    let t1615 = sin_beta_gamma * t824;
+    let t1616 = t783 - t1615;
+    let t1617 = cos_beta_gamma * t831;
+    let t1618 = sin_beta_gamma * t785;
+    let t1619 = t1617 - t1618;
+    let t1620 = t83 * t1619;
+    let t1621 = v[1] * t76;
+    let t1622 = 2.0 * t1621;
+    let t1623 = t484 * t1622;
+    let t1624 = t1620 + t1623;
+    let t1625 = t1616 + t1624;
+    let t1626 = t195 * t88;
+    let t1627 = t1626 + t1625;
+    let t1628 = t464 * t905;
+    let t1629 = t1019 - t1628;
+    let t1630 = t1629 - t1627;
+    let t1631 = t199 * t199;
+    let t1632 = 1.0 - t1631;
+    let t1633 = t1632 * 200.0;
+    let t1634 = 60.0 + t1633;
+    let t1635 = t1630 - t1634;
+    let t1636 = sin_beta_gamma * t865;
+    let t1637 = cos_beta_gamma * t867;
+    let t1638 = t1636 + t1637;
+    let t1639 = t231 * t1638;
+    let t1640 = t1635 - t1639;
+    let t1641 = sin_beta_gamma * t897;
+    let t1642 = cos_beta_gamma * t901;
+    let t1643 = t1641 - t1642;
+    let t1644 = t452 * t905;
+    let t1645 = t255 * t1622;
     let t1646 = t1644 - t1645;
-    let t1647 = t560 * t1418;
-    let t1648 = t1646 - t1647;
-    let t1649 = t516 * t1480;
-    let t1650 = t470 * t1500;
-    let t1651 = t1649 + t1650;
-    let t1652 = t247 * t1484;
-    let t1653 = t1651 - t1652;
-    let t1654 = t252 * t1473;
-    let t1655 = t1653 + t1654;
-    let t1656 = t259 * t1457;
-    let t1657 = t1655 + t1656;
-    let t1658 = t560 * t1511;
-    let t1659 = t1657 + t1658;
-    let t1660 = t516 * t1546;
-    let t1661 = t1608 + t1660;
-    let t1662 = t247 * t1550;
-    let t1663 = t1661 - t1662;
-    let t1664 = t252 * t1544;
-    let t1665 = t1663 + t1664;
-    let t1666 = t259 * t1538;
+    let t1647 = t1643 - t1646;
+    let t1648 = t263 * t1647;
+    let t1649 = t1640 - t1648;
+    let t1650 = sin_beta_gamma * t928;
+    let t1651 = cos_beta_gamma * t931;
+    let t1652 = t1650 - t1651;
+    let t1653 = t301 * t1622;
+    let t1654 = t465 * t905;
+    let t1655 = t1654 + t1653;
+    let t1656 = t1652 - t1655;
+    let t1657 = t278 * t1638;
+    let t1658 = t1656 + t1657;
+    let t1659 = t281 * t1647;
+    let t1660 = t1658 - t1659;
+    let t1661 = t316 * t1660;
+    let t1662 = t1649 - t1661;
+    let t1663 = sin_beta_gamma * t959;
+    let t1664 = cos_beta_gamma * t965;
+    let t1665 = t1663 - t1664;
+    let t1666 = t480 * t905;
     let t1667 = t1665 + t1666;
-    let t1668 = t560 * t1527;
-    let t1669 = t1667 + t1668;
-    let t1670 = t610 * t1041;
-    let t1671 = t577 * t1083;
-    let t1672 = t1670 + t1671;
-    let t1673 = t252 * t1095;
-    let t1674 = t1672 + t1673;
-    let t1675 = t662 * t1121;
-    let t1676 = t1674 + t1675;
-    let t1677 = t669 * t1159;
-    let t1678 = t1676 + t1677;
-    let t1679 = t685 * t1186;
-    let t1680 = t1678 + t1679;
-    let t1681 = t610 * t1229;
-    let t1682 = t577 * t1273;
-    let t1683 = t1681 - t1682;
-    let t1684 = t252 * t1272;
-    let t1685 = t1683 + t1684;
-    let t1686 = t662 * t1285;
-    let t1687 = t1685 - t1686;
-    let t1688 = t669 * t1300;
-    let t1689 = t1687 - t1688;
-    let t1690 = t685 * t1310;
-    let t1691 = t1689 + t1690;
-    let t1692 = t610 * t1373;
-    let t1693 = t577 * t1395;
-    let t1694 = t1692 + t1693;
-    let t1695 = t252 * t1377;
-    let t1696 = t1694 - t1695;
-    let t1697 = t662 * t1366;
-    let t1698 = t1696 - t1697;
-    let t1699 = t669 * t1409;
-    let t1700 = t1698 - t1699;
-    let t1701 = t685 * t1418;
-    let t1702 = t1700 - t1701;
-    let t1703 = t610 * t1480;
-    let t1704 = t577 * t1500;
-    let t1705 = t1703 + t1704;
-    let t1706 = t252 * t1484;
-    let t1707 = t1705 - t1706;
-    let t1708 = t662 * t1473;
-    let t1709 = t1707 + t1708;
-    let t1710 = t669 * t1457;
-    let t1711 = t1709 + t1710;
-    let t1712 = t685 * t1511;
-    let t1713 = t1711 + t1712;
-    let t1714 = t610 * t1546;
-    let t1715 = t577 * t1550;
-    let t1716 = t1714 + t1715;
-    let t1717 = t252 * t1550;
-    let t1718 = t1716 - t1717;
-    let t1719 = t662 * t1544;
-    let t1720 = t1718 + t1719;
-    let t1721 = t669 * t1538;
-    let t1722 = t1720 + t1721;
-    let t1723 = t685 * t1527;
-    let t1724 = t1722 + t1723;
-    let t1725 = t617 * t1041;
-    let t1726 = t584 * t1083;
-    let t1727 = t1725 + t1726;
-    let t1728 = t259 * t1095;
-    let t1729 = t1727 + t1728;
-    let t1730 = t669 * t1121;
-    let t1731 = t1729 + t1730;
-    let t1732 = t825 * t1159;
+    let t1668 = t351 * t1638;
+    let t1669 = t1667 - t1668;
+    let t1670 = t359 * t1647;
+    let t1671 = t1669 - t1670;
+    let t1672 = t369 * t1660;
+    let t1673 = t1671 - t1672;
+    let t1674 = t404 * t1673;
+    let t1675 = t1662 + t1674;
+    let t1676 = t494 * t1673;
+    let t1677 = t76 * t995;
+    let t1678 = t1677 - t1666;
+    let t1679 = t1665 - t1678;
+    let t1680 = t195 * t999;
+    let t1681 = t1680 - t1679;
+    let t1682 = t1681 + t1668;
+    let t1683 = t461 * t1647;
+    let t1684 = t1682 + t1683;
+    let t1685 = t474 * t1660;
+    let t1686 = t1684 + t1685;
+    let t1687 = t1686 + t1676;
+    let t1688 = t522 * t1687;
+    let t1689 = t1675 - t1688;
+    let t1690 = inverse_d_alpha * t1689;
+    let t1691 = t786 - t1615;
+    let t1692 = t76 * t834;
+    let t1693 = t480 * t837;
+    let t1694 = t1692 - t1693;
+    let t1695 = t1691 + t1694;
+    let t1696 = t1626 + t1695;
+    let t1697 = t1627 - t1696;
+    let t1698 = t983 * t999;
+    let t1699 = t1697 + t1698;
+    let t1700 = t433 * t433;
+    let t1701 = 1.0 - t1700;
+    let t1702 = t1701 * 19.62;
+    let t1703 = 76.556 + t1702;
+    let t1704 = t438 * t438;
+    let t1705 = 1.0 - t1704;
+    let t1706 = t1705 * 108.38;
+    let t1707 = t1703 + t1706;
+    let t1708 = t442 * t442;
+    let t1709 = 1.0 - t1708;
+    let t1710 = t1709 * 44.720000000000006;
+    let t1711 = t1707 + t1710;
+    let t1712 = t1699 + t1711;
+    let t1713 = sin_delta * t860;
+    let t1714 = cos_delta * t863;
+    let t1715 = t1713 - t1714;
+    let t1716 = t999 * t853;
+    let t1717 = t1715 + t1716;
+    let t1718 = t351 * t1717;
+    let t1719 = t1712 + t1718;
+    let t1720 = sin_delta * t893;
+    let t1721 = cos_delta * t895;
+    let t1722 = t1720 - t1721;
+    let t1723 = t452 * t837;
+    let t1724 = t456 * t1622;
+    let t1725 = t1724 - t1723;
+    let t1726 = t1722 - t1725;
+    let t1727 = t999 * t882;
+    let t1728 = t1726 - t1727;
+    let t1729 = t461 * t1728;
+    let t1730 = t1719 + t1729;
+    let t1731 = sin_delta * t811;
+    let t1732 = cos_delta * t817;
     let t1733 = t1731 + t1732;
-    let t1734 = t736 * t1186;
+    let t1734 = 0.001515 * omega_gamma_x;
     let t1735 = t1733 + t1734;
-    let t1736 = t617 * t1229;
-    let t1737 = t584 * t1273;
-    let t1738 = t1736 - t1737;
-    let t1739 = t259 * t1272;
-    let t1740 = t1738 + t1739;
-    let t1741 = t669 * t1285;
-    let t1742 = t1740 - t1741;
-    let t1743 = t825 * t1300;
-    let t1744 = t1742 - t1743;
-    let t1745 = t736 * t1310;
-    let t1746 = t1744 + t1745;
-    let t1747 = t617 * t1373;
-    let t1748 = t584 * t1395;
-    let t1749 = t1747 + t1748;
-    let t1750 = t259 * t1377;
-    let t1751 = t1749 - t1750;
-    let t1752 = t669 * t1366;
-    let t1753 = t1751 - t1752;
-    let t1754 = t825 * t1409;
+    let t1736 = t465 * t837;
+    let t1737 = t467 * t1622;
+    let t1738 = t1737 - t1736;
+    let t1739 = t1735 - t1738;
+    let t1740 = t999 * t921;
+    let t1741 = t1739 + t1740;
+    let t1742 = t278 * t1717;
+    let t1743 = t1741 + t1742;
+    let t1744 = t281 * t1728;
+    let t1745 = t1743 - t1744;
+    let t1746 = t474 * t1745;
+    let t1747 = t1730 + t1746;
+    let t1748 = t786 - t783;
+    let t1749 = t1623 + t1693;
+    let t1750 = t1748 - t1749;
+    let t1751 = t949 * t999;
+    let t1752 = t1750 - t1751;
+    let t1753 = t1752 - t1718;
+    let t1754 = t359 * t1728;
     let t1755 = t1753 - t1754;
-    let t1756 = t736 * t1418;
+    let t1756 = t369 * t1745;
     let t1757 = t1755 - t1756;
-    let t1758 = t617 * t1480;
-    let t1759 = t584 * t1500;
-    let t1760 = t1758 + t1759;
-    let t1761 = t259 * t1484;
-    let t1762 = t1760 - t1761;
-    let t1763 = t669 * t1473;
-    let t1764 = t1762 + t1763;
-    let t1765 = t825 * t1457;
-    let t1766 = t1764 + t1765;
-    let t1767 = t736 * t1511;
-    let t1768 = t1766 + t1767;
-    let t1769 = t617 * t1546;
-    let t1770 = t584 * t1550;
+    let t1758 = t494 * t1757;
+    let t1759 = t1747 + t1758;
+    let t1760 = t522 * t1759;
+    let t1761 = t768 - t955;
+    let t1762 = t167 + t1761;
+    let t1763 = sin_beta_gamma * t1762;
+    let t1764 = cos_beta_gamma * t1733;
+    let t1765 = t1763 - t1764;
+    let t1766 = t464 * t837;
+    let t1767 = t1765 - t1766;
+    let t1768 = t731 * t999;
+    let t1769 = t1767 - t1768;
+    let t1770 = t231 * t1717;
     let t1771 = t1769 + t1770;
-    let t1772 = t259 * t1550;
-    let t1773 = t1771 - t1772;
-    let t1774 = t669 * t1544;
+    let t1772 = t263 * t1728;
+    let t1773 = t1771 + t1772;
+    let t1774 = t316 * t1745;
     let t1775 = t1773 + t1774;
-    let t1776 = t825 * t1538;
-    let t1777 = t1775 + t1776;
-    let t1778 = t736 * t1527;
-    let t1779 = t1777 + t1778;
-    let t1780 = t633 * t1041;
-    let t1781 = t600 * t1083;
-    let t1782 = t1780 + t1781;
-    let t1783 = t560 * t1095;
-    let t1784 = t1782 + t1783;
-    let t1785 = t685 * t1121;
-    let t1786 = t1784 + t1785;
-    let t1787 = t736 * t1159;
-    let t1788 = t1786 + t1787;
-    let t1789 = t774 * t1186;
-    let t1790 = t1788 + t1789;
-    let t1791 = t633 * t1229;
-    let t1792 = t600 * t1273;
-    let t1793 = t1791 - t1792;
-    let t1794 = t560 * t1272;
-    let t1795 = t1793 + t1794;
-    let t1796 = t685 * t1285;
-    let t1797 = t1795 - t1796;
-    let t1798 = t736 * t1300;
-    let t1799 = t1797 - t1798;
-    let t1800 = t774 * t1310;
+    let t1776 = t404 * t1757;
+    let t1777 = t1775 - t1776;
+    let t1778 = t1777 + t1760;
+    let t1779 = inverse_d_alpha * t1778;
+    let t1780 = 2.0 * omega_gamma_y;
+    let t1781 = t394 * t1780;
+    let t1782 = 2.0 * omega_gamma_x;
+    let t1783 = t365 * t1782;
+    let t1784 = t1781 + t1783;
+    let t1785 = t1748 - t1784;
+    let t1786 = t329 * t329;
+    let t1787 = 1.0 - t1786;
+    let t1788 = t1787 * 1.8399999999999999;
+    let t1789 = 56.231 + t1788;
+    let t1790 = t334 * t334;
+    let t1791 = 1.0 - t1790;
+    let t1792 = t1791 * 3.6799999999999997;
+    let t1793 = t1789 + t1792;
+    let t1794 = t338 * t338;
+    let t1795 = 1.0 - t1794;
+    let t1796 = t1795 * 834.2;
+    let t1797 = t1793 + t1796;
+    let t1798 = t1785 - t1797;
+    let t1799 = t1780 * t849;
+    let t1800 = t1782 * t851;
     let t1801 = t1799 + t1800;
-    let t1802 = t633 * t1373;
-    let t1803 = t600 * t1395;
-    let t1804 = t1802 + t1803;
-    let t1805 = t560 * t1377;
-    let t1806 = t1804 - t1805;
-    let t1807 = t685 * t1366;
-    let t1808 = t1806 - t1807;
-    let t1809 = t736 * t1409;
-    let t1810 = t1808 - t1809;
-    let t1811 = t774 * t1418;
-    let t1812 = t1810 - t1811;
-    let t1813 = t633 * t1480;
-    let t1814 = t600 * t1500;
-    let t1815 = t1813 + t1814;
-    let t1816 = t560 * t1484;
-    let t1817 = t1815 - t1816;
-    let t1818 = t685 * t1473;
-    let t1819 = t1817 + t1818;
-    let t1820 = t736 * t1457;
-    let t1821 = t1819 + t1820;
-    let t1822 = t774 * t1511;
-    let t1823 = t1821 + t1822;
-    let t1824 = t633 * t1546;
-    let t1825 = t600 * t1550;
-    let t1826 = t1824 + t1825;
-    let t1827 = t560 * t1550;
-    let t1828 = t1826 - t1827;
-    let t1829 = t685 * t1544;
-    let t1830 = t1828 + t1829;
-    let t1831 = t736 * t1538;
-    let t1832 = t1830 + t1831;
-    let t1833 = t774 * t1527;
-    let t1834 = t1832 + t1833;
-    let t1835 = sin_beta_gamma * t1147;
-    let t1836 = cos_beta_gamma * t1151;
-    let t1837 = t1835 - t1836;
-    let t1838 = t185 * t1075;
-    let t1839 = v[1] * t176;
-    let t1840 = 2.0 * t1839;
-    let t1841 = t95 * t1840;
-    let t1842 = t1838 - t1841;
-    let t1843 = t1837 - t1842;
-    let t1844 = t617 * t1843;
-    let t1845 = sin_beta_gamma * t1110;
-    let t1846 = cos_beta_gamma * t1113;
-    let t1847 = t1845 - t1846;
-    let t1848 = t51 * t1840;
-    let t1849 = t197 * t1075;
-    let t1850 = t1849 + t1848;
-    let t1851 = t1847 - t1850;
-    let t1852 = t610 * t1851;
-    let t1853 = sin_beta_gamma * t1059;
-    let t1854 = cos_beta_gamma * t1065;
-    let t1855 = t1853 - t1854;
-    let t1856 = t175 * t1075;
-    let t1857 = t1855 + t1856;
-    let t1858 = t516 * t1857;
-    let t1859 = t176 * t1072;
-    let t1860 = t1859 - t1856;
-    let t1861 = t1855 - t1860;
-    let t1862 = t492 * t1079;
-    let t1863 = t1862 - t1861;
-    let t1864 = t465 * t1863;
-    let t1865 = sin_beta_gamma * t1019;
-    let t1866 = t978 - t1865;
-    let t1867 = cos_beta_gamma * t1026;
-    let t1868 = sin_beta_gamma * t980;
-    let t1869 = t1867 - t1868;
-    let t1870 = t54 * t1869;
-    let t1871 = t53 * t1840;
-    let t1872 = t1870 + t1871;
-    let t1873 = t1866 + t1872;
-    let t1874 = t492 * t270;
-    let t1875 = t1874 + t1873;
-    let t1876 = t196 * t1075;
-    let t1877 = t1197 - t1876;
-    let t1878 = t1877 - t1875;
-    let t1879 = t542 * t542;
-    let t1880 = 1.0 - t1879;
-    let t1881 = t1880 * 200.0;
-    let t1882 = 60.0 + t1881;
-    let t1883 = t1878 - t1882;
-    let t1884 = inverse_d_alpha * t1883;
-    let t1885 = t1884 - t1864;
-    let t1886 = t1885 - t1858;
-    let t1887 = t1886 + t1852;
-    let t1888 = t1887 - t1844;
-    let t1889 = sin_beta_gamma * t1180;
-    let t1890 = cos_beta_gamma * t1182;
-    let t1891 = t1889 + t1890;
-    let t1892 = t633 * t1891;
-    let t1893 = t1888 + t1892;
-    let t1894 = sin_delta * t1143;
-    let t1895 = cos_delta * t1145;
-    let t1896 = t1894 - t1895;
-    let t1897 = t185 * t1032;
-    let t1898 = t189 * t1840;
-    let t1899 = t1898 - t1897;
-    let t1900 = t1896 - t1899;
-    let t1901 = t1079 * t1132;
-    let t1902 = t1900 - t1901;
-    let t1903 = t617 * t1902;
-    let t1904 = sin_delta * t1006;
-    let t1905 = cos_delta * t1012;
-    let t1906 = t1904 + t1905;
-    let t1907 = 0.001515 * omega_gamma_x;
-    let t1908 = t1906 + t1907;
-    let t1909 = t197 * t1032;
-    let t1910 = t199 * t1840;
-    let t1911 = t1910 - t1909;
-    let t1912 = t1908 - t1911;
-    let t1913 = t1079 * t1103;
-    let t1914 = t1912 + t1913;
-    let t1915 = t610 * t1914;
-    let t1916 = t981 - t978;
-    let t1917 = t175 * t1032;
-    let t1918 = t1871 + t1917;
-    let t1919 = t1916 - t1918;
-    let t1920 = t1045 * t1079;
-    let t1921 = t1919 - t1920;
-    let t1922 = t516 * t1921;
-    let t1923 = t981 - t1865;
-    let t1924 = t176 * t1029;
-    let t1925 = t1924 - t1917;
-    let t1926 = t1923 + t1925;
-    let t1927 = t1874 + t1926;
-    let t1928 = t1875 - t1927;
-    let t1929 = t1047 * t1079;
-    let t1930 = t1928 + t1929;
-    let t1931 = t498 * t498;
-    let t1932 = 1.0 - t1931;
-    let t1933 = t1932 * 19.62;
-    let t1934 = 76.556 + t1933;
-    let t1935 = t503 * t503;
-    let t1936 = 1.0 - t1935;
-    let t1937 = t1936 * 108.38;
-    let t1938 = t1934 + t1937;
-    let t1939 = t507 * t507;
-    let t1940 = 1.0 - t1939;
-    let t1941 = t1940 * 44.720000000000006;
-    let t1942 = t1938 + t1941;
-    let t1943 = t1930 + t1942;
-    let t1944 = t465 * t1943;
-    let t1945 = t963 - t1055;
-    let t1946 = t441 + t1945;
-    let t1947 = sin_beta_gamma * t1946;
-    let t1948 = cos_beta_gamma * t1906;
-    let t1949 = t1947 - t1948;
-    let t1950 = t196 * t1032;
-    let t1951 = t1949 - t1950;
-    let t1952 = t926 * t1079;
-    let t1953 = t1951 - t1952;
-    let t1954 = inverse_d_alpha * t1953;
-    let t1955 = t1954 + t1944;
-    let t1956 = t1955 + t1922;
-    let t1957 = t1956 - t1915;
-    let t1958 = t1957 + t1903;
-    let t1959 = sin_delta * t1175;
-    let t1960 = cos_delta * t1178;
-    let t1961 = t1959 - t1960;
-    let t1962 = t1079 * t1168;
-    let t1963 = t1961 + t1962;
-    let t1964 = t633 * t1963;
-    let t1965 = t1958 - t1964;
-    let t1966 = 2.0 * omega_gamma_y;
-    let t1967 = t1966 * t1127;
-    let t1968 = 2.0 * omega_gamma_x;
-    let t1969 = t40 * t1968;
-    let t1970 = t1967 - t1969;
-    let t1971 = t1896 + t1970;
-    let t1972 = t617 * t1971;
-    let t1973 = t1968 * t1098;
-    let t1974 = t42 * t1966;
-    let t1975 = t1974 - t1973;
-    let t1976 = t1908 + t1975;
-    let t1977 = t610 * t1976;
-    let t1978 = t160 * t1966;
-    let t1979 = t151 * t1968;
-    let t1980 = t1978 + t1979;
-    let t1981 = t1916 - t1980;
-    let t1982 = t446 * t446;
-    let t1983 = 1.0 - t1982;
-    let t1984 = t1983 * 1.8399999999999999;
-    let t1985 = 56.231 + t1984;
-    let t1986 = t451 * t451;
-    let t1987 = 1.0 - t1986;
-    let t1988 = t1987 * 3.6799999999999997;
-    let t1989 = t1985 + t1988;
-    let t1990 = t455 * t455;
-    let t1991 = 1.0 - t1990;
-    let t1992 = t1991 * 834.2;
-    let t1993 = t1989 + t1992;
-    let t1994 = t1981 - t1993;
+    let t1802 = t1715 + t1801;
+    let t1803 = t351 * t1802;
+    let t1804 = t1798 - t1803;
+    let t1805 = t1780 * t877;
+    let t1806 = t252 * t1782;
+    let t1807 = t1805 - t1806;
+    let t1808 = t1722 + t1807;
+    let t1809 = t359 * t1808;
+    let t1810 = t1804 - t1809;
+    let t1811 = t1782 * t916;
+    let t1812 = t298 * t1780;
+    let t1813 = t1812 - t1811;
+    let t1814 = t1735 + t1813;
+    let t1815 = t278 * t1802;
+    let t1816 = t1814 + t1815;
+    let t1817 = t281 * t1808;
+    let t1818 = t1816 - t1817;
+    let t1819 = t369 * t1818;
+    let t1820 = t1810 - t1819;
+    let t1821 = t494 * t1820;
+    let t1822 = t464 * t1780;
+    let t1823 = t831 + t1822;
+    let t1824 = sin_beta_gamma * t1823;
+    let t1825 = t464 * t1782;
+    let t1826 = t785 - t1825;
+    let t1827 = cos_beta_gamma * t1826;
+    let t1828 = t1827 + t1824;
+    let t1829 = t76 * t1828;
+    let t1830 = cos_beta_gamma * t1823;
+    let t1831 = sin_beta_gamma * t1826;
+    let t1832 = t1831 - t1830;
+    let t1833 = t83 * t1832;
+    let t1834 = t1833 + t1829;
+    let t1835 = t1785 + t1834;
+    let t1836 = t1835 - t1803;
+    let t1837 = t461 * t1808;
+    let t1838 = t1836 - t1837;
+    let t1839 = t474 * t1818;
+    let t1840 = t1838 - t1839;
+    let t1841 = t1840 - t1821;
+    let t1842 = t522 * t1841;
+    let t1843 = t1780 * t1029;
+    let t1844 = t298 * t1782;
+    let t1845 = t1843 + t1844;
+    let t1846 = t1762 + t1845;
+    let t1847 = sin_beta_gamma * t1846;
+    let t1848 = t1782 * t1013;
+    let t1849 = t1848 + t1812;
+    let t1850 = t1733 + t1849;
+    let t1851 = cos_beta_gamma * t1850;
+    let t1852 = t1847 - t1851;
+    let t1853 = t301 * t1782;
+    let t1854 = t477 * t1780;
+    let t1855 = t1854 - t1853;
+    let t1856 = t83 * t1855;
+    let t1857 = t1852 - t1856;
+    let t1858 = t231 * t1802;
+    let t1859 = t1857 + t1858;
+    let t1860 = t263 * t1808;
+    let t1861 = t1859 + t1860;
+    let t1862 = t316 * t1818;
+    let t1863 = t1861 + t1862;
+    let t1864 = t404 * t1820;
+    let t1865 = t1863 - t1864;
+    let t1866 = t1865 - t1842;
+    let t1867 = inverse_d_alpha * t1866;
+    let t1868 = t751 * t1173;
+    let t1869 = t248 * t766;
+    let t1870 = t1868 + t1869;
+    let t1871 = t791 - t1870;
+    let t1872 = t792 - t793;
+    let t1873 = t1872 + t1871;
+    let t1874 = cos_delta * t1873;
+    let t1875 = t766 * t1153;
+    let t1876 = t248 * t751;
+    let t1877 = t1875 + t1876;
+    let t1878 = t799 + t1877;
+    let t1879 = t800 - t801;
+    let t1880 = t1879 - t1878;
+    let t1881 = sin_delta * t1880;
+    let t1882 = t1874 - t1881;
+    let t1883 = t1882 - t927;
+    let t1884 = sin_beta_gamma * t1883;
+    let t1885 = t252 * t766;
+    let t1886 = t293 * t751;
+    let t1887 = t1886 - t1885;
+    let t1888 = t930 - t1887;
+    let t1889 = cos_beta_gamma * t1888;
+    let t1890 = t1884 - t1889;
+    let t1891 = cos_delta * t1872;
+    let t1892 = sin_delta * t1879;
+    let t1893 = t1892 - t1891;
+    let t1894 = t83 * t1893;
+    let t1895 = t1890 - t1894;
+    let t1896 = t751 * t848;
+    let t1897 = t867 + t1896;
+    let t1898 = t231 * t1897;
+    let t1899 = t1895 + t1898;
+    let t1900 = t766 * t874;
+    let t1901 = t1876 + t1900;
+    let t1902 = t900 + t1901;
+    let t1903 = t263 * t1902;
+    let t1904 = t1899 + t1903;
+    let t1905 = t269 * t269;
+    let t1906 = 1.0 - t1905;
+    let t1907 = t1906 * 40.0;
+    let t1908 = 10.0 + t1907;
+    let t1909 = t1888 - t1908;
+    let t1910 = t278 * t1897;
+    let t1911 = t1909 + t1910;
+    let t1912 = t281 * t1902;
+    let t1913 = t1911 - t1912;
+    let t1914 = t316 * t1913;
+    let t1915 = t1904 + t1914;
+    let t1916 = sin_delta * t1873;
+    let t1917 = cos_delta * t1880;
+    let t1918 = t1916 + t1917;
+    let t1919 = t1918 - t1734;
+    let t1920 = t351 * t1897;
+    let t1921 = t1919 + t1920;
+    let t1922 = t359 * t1902;
+    let t1923 = t1921 + t1922;
+    let t1924 = t369 * t1913;
+    let t1925 = t1923 + t1924;
+    let t1926 = t404 * t1925;
+    let t1927 = t1915 + t1926;
+    let t1928 = t494 * t1925;
+    let t1929 = sin_delta * t1872;
+    let t1930 = cos_delta * t1879;
+    let t1931 = t1930 + t1929;
+    let t1932 = cos_beta_gamma * t1931;
+    let t1933 = sin_beta_gamma * t767;
+    let t1934 = t1932 + t1933;
+    let t1935 = t76 * t1934;
+    let t1936 = sin_beta_gamma * t1931;
+    let t1937 = cos_beta_gamma * t767;
+    let t1938 = t1936 - t1937;
+    let t1939 = t83 * t1938;
+    let t1940 = t1939 + t1935;
+    let t1941 = t1919 + t1940;
+    let t1942 = t1941 + t1920;
+    let t1943 = t461 * t1902;
+    let t1944 = t1942 + t1943;
+    let t1945 = t474 * t1913;
+    let t1946 = t1944 + t1945;
+    let t1947 = t1946 - t1928;
+    let t1948 = t522 * t1947;
+    let t1949 = t1927 + t1948;
+    let t1950 = inverse_d_alpha * t1949;
+    let t1951 = 2.0 * omega_epsilon_y;
+    let t1952 = t1951 * t1283;
+    let t1953 = t770 - t1952;
+    let t1954 = cos_epsilon * t1953;
+    let t1955 = t737 * t1277;
+    let t1956 = t774 - t1955;
+    let t1957 = sin_epsilon * t1956;
+    let t1958 = t1954 + t1957;
+    let t1959 = t1958 - t891;
+    let t1960 = 0.019904970806000004 * omega_epsilon_y;
+    let t1961 = t1960 + t1959;
+    let t1962 = sin_delta * t1961;
+    let t1963 = t57 * t1951;
+    let t1964 = t746 + t1963;
+    let t1965 = t785 - t1964;
+    let t1966 = cos_delta * t1965;
+    let t1967 = t1962 - t1966;
+    let t1968 = t737 * t847;
+    let t1969 = t863 - t1968;
+    let t1970 = t351 * t1969;
+    let t1971 = t1967 - t1970;
+    let t1972 = t237 * t237;
+    let t1973 = 1.0 - t1972;
+    let t1974 = t1973 * 30.0;
+    let t1975 = 8.0 + t1974;
+    let t1976 = t1964 + t1975;
+    let t1977 = t359 * t1976;
+    let t1978 = t1971 - t1977;
+    let t1979 = sin_epsilon * t1953;
+    let t1980 = cos_epsilon * t1956;
+    let t1981 = t1979 - t1980;
+    let t1982 = t1981 + t899;
     [
         sin_delta,
         cos_delta,
@@ -11178,144 +11539,107 @@ fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 144] {
         cos_epsilon,
         sin_beta_gamma,
         cos_beta_gamma,
-        t22,
-        t23,
-        t36,
-        t40,
-        t42,
-        t49,
-        t51,
-        t54,
-        t67,
-        t68,
-        t176,
-        t196,
+        t45,
+        t61,
+        t64,
+        t76,
+        t83,
+        t209,
+        inverse_d_zeta,
+        t231,
+        inverse_d_epsilon,
+        t263,
+        t278,
+        t281,
+        inverse_d_delta,
+        t316,
+        t351,
+        t359,
+        t369,
+        inverse_d_gamma,
+        t404,
+        t461,
+        t474,
+        t494,
+        inverse_d_beta,
+        t522,
         inverse_d_alpha,
-        t247,
-        t252,
-        t259,
-        omega_epsilon_y,
-        t340,
-        t350,
-        t407,
-        t465,
-        t467,
-        t470,
-        t516,
-        t560,
-        t564,
-        t572,
-        t577,
-        t584,
-        t600,
-        t602,
-        t610,
-        t617,
-        t633,
-        t635,
-        t662,
-        t669,
-        t685,
-        t687,
-        t736,
-        t774,
-        t776,
-        t825,
-        t836,
-        t932,
-        t933,
-        t941,
-        t946,
-        t961,
-        t962,
-        t965,
-        t968,
-        t969,
-        t980,
-        t986,
-        t987,
-        t988,
-        t994,
-        t995,
-        t996,
-        t1026,
-        t1109,
-        t1112,
-        t1124,
-        t1141,
-        t1149,
-        t1150,
-        t1162,
-        t1163,
-        t1164,
-        t1166,
-        t1173,
-        t1177,
-        t1178,
-        t1182,
-        t1188,
-        t1191,
-        t1207,
-        t1312,
-        t1315,
-        t1335,
-        t1420,
-        t1421,
-        t1434,
-        t1513,
+        t551,
+        t554,
+        t559,
+        t566,
+        t591,
+        t613,
+        t737,
+        t738,
+        t773,
+        t785,
+        t792,
+        t858,
+        t862,
+        t1010,
+        t1151,
+        t1276,
+        t1386,
+        t1449,
+        t1452,
+        t1455,
+        t1458,
+        t1461,
+        t1464,
+        t1469,
+        t1474,
+        t1479,
+        t1484,
+        t1489,
+        t1496,
+        t1503,
+        t1510,
+        t1517,
+        t1524,
+        t1533,
+        t1542,
+        t1551,
         t1560,
-        t1571,
-        t1582,
-        t1593,
-        t1604,
-        t1615,
-        t1626,
-        t1637,
-        t1648,
-        t1659,
-        t1669,
-        t1680,
-        t1691,
-        t1702,
-        t1713,
-        t1724,
-        t1735,
-        t1746,
+        t1569,
+        t1578,
+        t1587,
+        t1596,
+        t1605,
+        t1614,
+        t1638,
+        t1647,
+        t1660,
+        t1673,
+        t1687,
+        t1690,
+        t1717,
+        t1728,
+        t1745,
         t1757,
-        t1768,
+        t1759,
         t1779,
-        t1790,
-        t1801,
-        t1812,
-        t1823,
-        t1834,
-        t1843,
-        t1851,
-        t1857,
-        t1863,
-        t1883,
-        t1891,
-        t1893,
+        t1802,
+        t1808,
+        t1818,
+        t1820,
+        t1841,
+        t1867,
+        t1897,
         t1902,
-        t1906,
-        t1907,
-        t1914,
-        t1921,
-        t1943,
-        t1946,
-        t1953,
+        t1913,
+        t1925,
+        t1947,
+        t1950,
+        t1960,
         t1961,
-        t1963,
         t1965,
-        t1966,
-        t1968,
-        t1971,
-        t1972,
-        t1974,
+        t1967,
+        t1969,
+        t1970,
         t1976,
-        t1977,
-        t1981,
-        t1994,
+        t1978,
+        t1982,
     ]
 }
 
@@ -11331,1053 +11655,966 @@ fn linearize_part_2(
     cos_epsilon,
     sin_beta_gamma,
     cos_beta_gamma,
-    t22,
-    t23,
-    t36,
-    t40,
-    t42,
-    t49,
-    t51,
-    t54,
-    t67,
-    t68,
-    t176,
-    t196,
+    t45,
+    t61,
+    t64,
+    t76,
+    t83,
+    t209,
+    inverse_d_zeta,
+    t231,
+    inverse_d_epsilon,
+    t263,
+    t278,
+    t281,
+    inverse_d_delta,
+    t316,
+    t351,
+    t359,
+    t369,
+    inverse_d_gamma,
+    t404,
+    t461,
+    t474,
+    t494,
+    inverse_d_beta,
+    t522,
     inverse_d_alpha,
-    t247,
-    t252,
-    t259,
-    omega_epsilon_y,
-    t340,
-    t350,
-    t407,
-    t465,
-    t467,
-    t470,
-    t516,
-    t560,
-    t564,
-    t572,
-    t577,
-    t584,
-    t600,
-    t602,
-    t610,
-    t617,
-    t633,
-    t635,
-    t662,
-    t669,
-    t685,
-    t687,
-    t736,
-    t774,
-    t776,
-    t825,
-    t836,
-    t932,
-    t933,
-    t941,
-    t946,
-    t961,
-    t962,
-    t965,
-    t968,
-    t969,
-    t980,
-    t986,
-    t987,
-    t988,
-    t994,
-    t995,
-    t996,
-    t1026,
-    t1109,
-    t1112,
-    t1124,
-    t1141,
-    t1149,
-    t1150,
-    t1162,
-    t1163,
-    t1164,
-    t1166,
-    t1173,
-    t1177,
-    t1178,
-    t1182,
-    t1188,
-    t1191,
-    t1207,
-    t1312,
-    t1315,
-    t1335,
-    t1420,
-    t1421,
-    t1434,
-    t1513,
+    t551,
+    t554,
+    t559,
+    t566,
+    t591,
+    t613,
+    t737,
+    t738,
+    t773,
+    t785,
+    t792,
+    t858,
+    t862,
+    t1010,
+    t1151,
+    t1276,
+    t1386,
+    t1449,
+    t1452,
+    t1455,
+    t1458,
+    t1461,
+    t1464,
+    t1469,
+    t1474,
+    t1479,
+    t1484,
+    t1489,
+    t1496,
+    t1503,
+    t1510,
+    t1517,
+    t1524,
+    t1533,
+    t1542,
+    t1551,
     t1560,
-    t1571,
-    t1582,
-    t1593,
-    t1604,
-    t1615,
-    t1626,
-    t1637,
-    t1648,
-    t1659,
-    t1669,
-    t1680,
-    t1691,
-    t1702,
-    t1713,
-    t1724,
-    t1735,
-    t1746,
+    t1569,
+    t1578,
+    t1587,
+    t1596,
+    t1605,
+    t1614,
+    t1638,
+    t1647,
+    t1660,
+    t1673,
+    t1687,
+    t1690,
+    t1717,
+    t1728,
+    t1745,
     t1757,
-    t1768,
+    t1759,
     t1779,
-    t1790,
-    t1801,
-    t1812,
-    t1823,
-    t1834,
-    t1843,
-    t1851,
-    t1857,
-    t1863,
-    t1883,
-    t1891,
-    t1893,
+    t1802,
+    t1808,
+    t1818,
+    t1820,
+    t1841,
+    t1867,
+    t1897,
     t1902,
-    t1906,
-    t1907,
-    t1914,
-    t1921,
-    t1943,
-    t1946,
-    t1953,
+    t1913,
+    t1925,
+    t1947,
+    t1950,
+    t1960,
     t1961,
-    t1963,
     t1965,
-    t1966,
-    t1968,
-    t1971,
-    t1972,
-    t1974,
+    t1967,
+    t1969,
+    t1970,
     t1976,
-    t1977,
-    t1981,
-    t1994,
-    ]: [f64; 144],
-) -> [f64; 90] {
-    let t1995 = t516 * t1994;
-    let t1996 = t196 * t1966;
-    let t1997 = t1026 + t1996;
-    let t1998 = sin_beta_gamma * t1997;
-    let t1999 = t196 * t1968;
-    let t2000 = t980 - t1999;
-    let t2001 = cos_beta_gamma * t2000;
-    let t2002 = t2001 + t1998;
-    let t2003 = t176 * t2002;
-    let t2004 = cos_beta_gamma * t1997;
-    let t2005 = sin_beta_gamma * t2000;
-    let t2006 = t2005 - t2004;
-    let t2007 = t54 * t2006;
-    let t2008 = t2007 + t2003;
-    let t2009 = t1981 + t2008;
-    let t2010 = t465 * t2009;
-    let t2011 = t1966 * t1207;
-    let t2012 = t42 * t1968;
-    let t2013 = t2011 + t2012;
-    let t2014 = t1946 + t2013;
-    let t2015 = sin_beta_gamma * t2014;
-    let t2016 = t1968 * t1191;
-    let t2017 = t2016 + t1974;
-    let t2018 = t1906 + t2017;
-    let t2019 = cos_beta_gamma * t2018;
-    let t2020 = t2015 - t2019;
-    let t2021 = t51 * t1968;
-    let t2022 = t49 * t1966;
-    let t2023 = t2022 - t2021;
-    let t2024 = t54 * t2023;
-    let t2025 = t2020 - t2024;
-    let t2026 = inverse_d_alpha * t2025;
-    let t2027 = t2026 - t2010;
-    let t2028 = t2027 + t1995;
-    let t2029 = t2028 - t1977;
-    let t2030 = t2029 + t1972;
-    let t2031 = t1966 * t1164;
-    let t2032 = t1968 * t1166;
-    let t2033 = t2031 + t2032;
-    let t2034 = t1961 + t2033;
-    let t2035 = t633 * t2034;
-    let t2036 = t2030 - t2035;
-    let t2037 = t961 * t1124;
-    let t2038 = t23 * t946;
-    let t2039 = t2038 + t2037;
-    let t2040 = t1150 + t2039;
-    let t2041 = t617 * t2040;
-    let t2042 = t40 * t961;
-    let t2043 = t36 * t946;
-    let t2044 = t2043 - t2042;
-    let t2045 = t1112 - t2044;
-    let t2046 = t407 * t407;
-    let t2047 = 1.0 - t2046;
-    let t2048 = t2047 * 40.0;
-    let t2049 = 10.0 + t2048;
-    let t2050 = t2045 - t2049;
-    let t2051 = t610 * t2050;
-    let t2052 = t946 * t1335;
-    let t2053 = t23 * t961;
-    let t2054 = t2052 + t2053;
-    let t2055 = t986 - t2054;
-    let t2056 = t987 - t988;
-    let t2057 = t2056 + t2055;
-    let t2058 = sin_delta * t2057;
-    let t2059 = t961 * t1315;
-    let t2060 = t2059 + t2038;
-    let t2061 = t994 + t2060;
-    let t2062 = t995 - t996;
-    let t2063 = t2062 - t2061;
-    let t2064 = cos_delta * t2063;
-    let t2065 = t2058 + t2064;
-    let t2066 = t2065 - t1907;
-    let t2067 = t516 * t2066;
-    let t2068 = sin_delta * t2056;
-    let t2069 = cos_delta * t2062;
-    let t2070 = t2069 + t2068;
-    let t2071 = cos_beta_gamma * t2070;
-    let t2072 = sin_beta_gamma * t962;
-    let t2073 = t2071 + t2072;
-    let t2074 = t176 * t2073;
-    let t2075 = sin_beta_gamma * t2070;
-    let t2076 = cos_beta_gamma * t962;
-    let t2077 = t2075 - t2076;
-    let t2078 = t54 * t2077;
-    let t2079 = t2078 + t2074;
-    let t2080 = t2066 + t2079;
-    let t2081 = t465 * t2080;
-    let t2082 = cos_delta * t2057;
-    let t2083 = sin_delta * t2063;
-    let t2084 = t2082 - t2083;
-    let t2085 = t2084 - t1109;
-    let t2086 = sin_beta_gamma * t2085;
-    let t2087 = cos_beta_gamma * t2045;
-    let t2088 = t2086 - t2087;
-    let t2089 = cos_delta * t2056;
-    let t2090 = sin_delta * t2062;
-    let t2091 = t2090 - t2089;
-    let t2092 = t54 * t2091;
-    let t2093 = t2088 - t2092;
-    let t2094 = inverse_d_alpha * t2093;
-    let t2095 = t2094 + t2081;
-    let t2096 = t2095 - t2067;
-    let t2097 = t2096 - t2051;
-    let t2098 = t2097 + t2041;
-    let t2099 = t946 * t1163;
-    let t2100 = t1182 + t2099;
-    let t2101 = t633 * t2100;
-    let t2102 = t2098 - t2101;
-    let t2103 = 2.0 * omega_epsilon_y;
-    let t2104 = t22 * t2103;
-    let t2105 = t941 + t2104;
-    let t2106 = t350 * t350;
-    let t2107 = 1.0 - t2106;
-    let t2108 = t2107 * 30.0;
-    let t2109 = 8.0 + t2108;
-    let t2110 = t2105 + t2109;
-    let t2111 = t617 * t2110;
-    let t2112 = t2103 * t1421;
-    let t2113 = t965 - t2112;
-    let t2114 = sin_epsilon * t2113;
-    let t2115 = t932 * t1434;
-    let t2116 = t969 - t2115;
-    let t2117 = cos_epsilon * t2116;
-    let t2118 = t2114 - t2117;
-    let t2119 = t2118 + t1149;
-    let t2120 = t610 * t2119;
-    let t2121 = cos_epsilon * t2113;
-    let t2122 = sin_epsilon * t2116;
-    let t2123 = t2121 + t2122;
-    let t2124 = t2123 - t1141;
-    let t2125 = 0.019904970806000004 * omega_epsilon_y;
-    let t2126 = t2125 + t2124;
-    let t2127 = sin_delta * t2126;
-    let t2128 = t980 - t2105;
-    let t2129 = cos_delta * t2128;
-    let t2130 = t2127 - t2129;
-    let t2131 = t516 * t2130;
-    let t2132 = sin_delta * t2125;
-    let t2133 = cos_delta * t980;
-    let t2134 = t2133 - t2132;
-    let t2135 = cos_beta_gamma * t2134;
-    let t2136 = sin_beta_gamma * t987;
-    let t2137 = t2135 + t2136;
-    let t2138 = t176 * t2137;
-    let t2139 = sin_beta_gamma * t2134;
-    let t2140 = cos_beta_gamma * t987;
-    let t2141 = t2139 - t2140;
-    let t2142 = t54 * t2141;
-    let t2143 = t2142 + t2138;
-    let t2144 = t2130 - t2143;
-    let t2145 = t465 * t2144;
-    let t2146 = cos_delta * t2126;
-    let t2147 = sin_delta * t2128;
-    let t2148 = t2146 + t2147;
-    let t2149 = sin_beta_gamma * t2148;
-    let t2150 = cos_beta_gamma * t2119;
-    let t2151 = t2149 + t2150;
-    let t2152 = cos_delta * t2125;
-    let t2153 = sin_delta * t980;
-    let t2154 = t2153 + t2152;
-    let t2155 = t54 * t2154;
-    let t2156 = t2151 + t2155;
-    let t2157 = inverse_d_alpha * t2156;
-    let t2158 = t2157 + t2145;
-    let t2159 = t2158 - t2131;
-    let t2160 = t2159 + t2120;
-    let t2161 = t2160 - t2111;
-    let t2162 = t932 * t1162;
-    let t2163 = t1178 - t2162;
-    let t2164 = t633 * t2163;
-    let t2165 = t2161 + t2164;
-    let t2166 = t68 * t932;
-    let t2167 = t968 + t2166;
-    let t2168 = t2167 + t1177;
-    let t2169 = t617 * t2168;
-    let t2170 = t67 * t340;
-    let t2171 = t933 + t2170;
-    let t2172 = t2171 + t1173;
-    let t2173 = sin_epsilon * t2172;
-    let t2174 = t610 * t2173;
-    let t2175 = cos_epsilon * t2172;
-    let t2176 = sin_delta * t2175;
-    let t2177 = cos_delta * t2168;
-    let t2178 = t2176 + t2177;
-    let t2179 = t516 * t2178;
-    let t2180 = t465 * t2178;
-    let t2181 = cos_delta * t2175;
-    let t2182 = sin_delta * t2168;
-    let t2183 = t2181 - t2182;
-    let t2184 = sin_beta_gamma * t2183;
-    let t2185 = cos_beta_gamma * t2173;
+    t1978,
+    t1982,
+    ]: [f64; 107],
+) -> [f64; 88] {
+    let t1983 = t278 * t1969;
+    let t1984 = t1982 + t1983;
+    let t1985 = t281 * t1976;
+    let t1986 = t1984 - t1985;
+    let t1987 = t369 * t1986;
+    let t1988 = t1978 - t1987;
+    let t1989 = t494 * t1988;
+    let t1990 = sin_delta * t1960;
+    let t1991 = cos_delta * t785;
+    let t1992 = t1991 - t1990;
+    let t1993 = cos_beta_gamma * t1992;
+    let t1994 = sin_beta_gamma * t792;
+    let t1995 = t1993 + t1994;
+    let t1996 = t76 * t1995;
+    let t1997 = sin_beta_gamma * t1992;
+    let t1998 = cos_beta_gamma * t792;
+    let t1999 = t1997 - t1998;
+    let t2000 = t83 * t1999;
+    let t2001 = t2000 + t1996;
+    let t2002 = t1967 - t2001;
+    let t2003 = t2002 - t1970;
+    let t2004 = t461 * t1976;
+    let t2005 = t2003 - t2004;
+    let t2006 = t474 * t1986;
+    let t2007 = t2005 - t2006;
+    let t2008 = t2007 - t1989;
+    let t2009 = t522 * t2008;
+    let t2010 = cos_delta * t1961;
+    let t2011 = sin_delta * t1965;
+    let t2012 = t2010 + t2011;
+    let t2013 = sin_beta_gamma * t2012;
+    let t2014 = cos_beta_gamma * t1982;
+    let t2015 = t2013 + t2014;
+    let t2016 = cos_delta * t1960;
+    let t2017 = sin_delta * t785;
+    let t2018 = t2017 + t2016;
+    let t2019 = t83 * t2018;
+    let t2020 = t2015 + t2019;
+    let t2021 = t231 * t1969;
+    let t2022 = t2020 - t2021;
+    let t2023 = t263 * t1976;
+    let t2024 = t2022 - t2023;
+    let t2025 = t316 * t1986;
+    let t2026 = t2024 - t2025;
+    let t2027 = t404 * t1988;
+    let t2028 = t2026 + t2027;
+    let t2029 = t2028 + t2009;
+    let t2030 = inverse_d_alpha * t2029;
+    let t2031 = t61 * t64;
+    let t2032 = t738 + t2031;
+    let t2033 = t2032 + t858;
+    let t2034 = cos_epsilon * t2033;
+    let t2035 = sin_delta * t2034;
+    let t2036 = t45 * t737;
+    let t2037 = t773 + t2036;
+    let t2038 = t2037 + t862;
+    let t2039 = cos_delta * t2038;
+    let t2040 = t2035 + t2039;
+    let t2041 = t209 * t209;
+    let t2042 = 1.0 - t2041;
+    let t2043 = 8.0 * t2042;
+    let t2044 = 2.0 + t2043;
+    let t2045 = t351 * t2044;
+    let t2046 = t2040 - t2045;
+    let t2047 = t359 * t2038;
+    let t2048 = t2046 - t2047;
+    let t2049 = sin_epsilon * t2033;
+    let t2050 = t278 * t2044;
+    let t2051 = t2049 + t2050;
+    let t2052 = t281 * t2038;
+    let t2053 = t2051 - t2052;
+    let t2054 = t369 * t2053;
+    let t2055 = t2048 - t2054;
+    let t2056 = t494 * t2055;
+    let t2057 = t461 * t2038;
+    let t2058 = t2046 - t2057;
+    let t2059 = t474 * t2053;
+    let t2060 = t2058 - t2059;
+    let t2061 = t2060 - t2056;
+    let t2062 = t522 * t2061;
+    let t2063 = t404 * t2055;
+    let t2064 = cos_delta * t2034;
+    let t2065 = sin_delta * t2038;
+    let t2066 = t2064 - t2065;
+    let t2067 = sin_beta_gamma * t2066;
+    let t2068 = cos_beta_gamma * t2049;
+    let t2069 = t2067 + t2068;
+    let t2070 = t231 * t2044;
+    let t2071 = t2069 - t2070;
+    let t2072 = t263 * t2038;
+    let t2073 = t2071 - t2072;
+    let t2074 = t316 * t2053;
+    let t2075 = t2073 - t2074;
+    let t2076 = t2075 + t2063;
+    let t2077 = t2076 + t2062;
+    let t2078 = inverse_d_alpha * t2077;
+    let t2079 = t522 * t1690;
+    let t2080 = inverse_d_beta * t1687;
+    let t2081 = t2080 - t2079;
+    let t2082 = t522 * t1779;
+    let t2083 = inverse_d_beta * t1759;
+    let t2084 = t2083 + t2082;
+    let t2085 = t522 * t1867;
+    let t2086 = inverse_d_beta * t1841;
+    let t2087 = t2086 - t2085;
+    let t2088 = t522 * t1950;
+    let t2089 = inverse_d_beta * t1947;
+    let t2090 = t2089 + t2088;
+    let t2091 = t522 * t2030;
+    let t2092 = inverse_d_beta * t2008;
+    let t2093 = t2092 + t2091;
+    let t2094 = t522 * t2078;
+    let t2095 = inverse_d_beta * t2061;
+    let t2096 = t2095 + t2094;
+    let t2097 = t494 * t2081;
+    let t2098 = inverse_d_gamma * t1673;
+    let t2099 = t2098 + t2097;
+    let t2100 = t404 * t1690;
+    let t2101 = t2099 + t2100;
+    let t2102 = t494 * t2084;
+    let t2103 = inverse_d_gamma * t1757;
+    let t2104 = t2103 + t2102;
+    let t2105 = t404 * t1779;
+    let t2106 = t2104 - t2105;
+    let t2107 = t494 * t2087;
+    let t2108 = inverse_d_gamma * t1820;
+    let t2109 = t2108 - t2107;
+    let t2110 = t404 * t1867;
+    let t2111 = t2109 - t2110;
+    let t2112 = t494 * t2090;
+    let t2113 = inverse_d_gamma * t1925;
+    let t2114 = t2113 - t2112;
+    let t2115 = t404 * t1950;
+    let t2116 = t2114 + t2115;
+    let t2117 = t494 * t2093;
+    let t2118 = inverse_d_gamma * t1988;
+    let t2119 = t2118 - t2117;
+    let t2120 = t404 * t2030;
+    let t2121 = t2119 + t2120;
+    let t2122 = t494 * t2096;
+    let t2123 = inverse_d_gamma * t2055;
+    let t2124 = t2123 - t2122;
+    let t2125 = t404 * t2078;
+    let t2126 = t2124 + t2125;
+    let t2127 = t369 * t2101;
+    let t2128 = inverse_d_delta * t1660;
+    let t2129 = t2128 - t2127;
+    let t2130 = t474 * t2081;
+    let t2131 = t2129 + t2130;
+    let t2132 = t316 * t1690;
+    let t2133 = t2131 - t2132;
+    let t2134 = t369 * t2106;
+    let t2135 = inverse_d_delta * t1745;
+    let t2136 = t2135 - t2134;
+    let t2137 = t474 * t2084;
+    let t2138 = t2136 + t2137;
+    let t2139 = t316 * t1779;
+    let t2140 = t2138 + t2139;
+    let t2141 = t369 * t2111;
+    let t2142 = inverse_d_delta * t1818;
+    let t2143 = t2142 - t2141;
+    let t2144 = t474 * t2087;
+    let t2145 = t2143 - t2144;
+    let t2146 = t316 * t1867;
+    let t2147 = t2145 + t2146;
+    let t2148 = t369 * t2116;
+    let t2149 = inverse_d_delta * t1913;
+    let t2150 = t2149 + t2148;
+    let t2151 = t474 * t2090;
+    let t2152 = t2150 + t2151;
+    let t2153 = t316 * t1950;
+    let t2154 = t2152 + t2153;
+    let t2155 = t369 * t2121;
+    let t2156 = inverse_d_delta * t1986;
+    let t2157 = t2156 - t2155;
+    let t2158 = t474 * t2093;
+    let t2159 = t2157 - t2158;
+    let t2160 = t316 * t2030;
+    let t2161 = t2159 - t2160;
+    let t2162 = t369 * t2126;
+    let t2163 = inverse_d_delta * t2053;
+    let t2164 = t2163 - t2162;
+    let t2165 = t474 * t2096;
+    let t2166 = t2164 - t2165;
+    let t2167 = t316 * t2078;
+    let t2168 = t2166 - t2167;
+    let t2169 = t281 * t2133;
+    let t2170 = inverse_d_epsilon * t1647;
+    let t2171 = t2170 - t2169;
+    let t2172 = t359 * t2101;
+    let t2173 = t2171 - t2172;
+    let t2174 = t461 * t2081;
+    let t2175 = t2173 + t2174;
+    let t2176 = t263 * t1690;
+    let t2177 = t2175 - t2176;
+    let t2178 = t281 * t2140;
+    let t2179 = inverse_d_epsilon * t1728;
+    let t2180 = t2179 - t2178;
+    let t2181 = t359 * t2106;
+    let t2182 = t2180 - t2181;
+    let t2183 = t461 * t2084;
+    let t2184 = t2182 + t2183;
+    let t2185 = t263 * t1779;
     let t2186 = t2184 + t2185;
-    let t2187 = inverse_d_alpha * t2186;
-    let t2188 = t2187 + t2180;
-    let t2189 = t2188 - t2179;
-    let t2190 = t2189 + t2174;
-    let t2191 = t2190 - t2169;
-    let t2192 = t564 * t564;
-    let t2193 = 1.0 - t2192;
-    let t2194 = 8.0 * t2193;
-    let t2195 = 2.0 + t2194;
-    let t2196 = t633 * t2195;
-    let t2197 = t2191 + t2196;
-    let t2198 = t584 * t1843;
-    let t2199 = t577 * t1851;
-    let t2200 = t470 * t1857;
-    let t2201 = t467 * t1863;
-    let t2202 = t465 * t1883;
-    let t2203 = t2202 - t2201;
-    let t2204 = t2203 - t2200;
-    let t2205 = t2204 + t2199;
-    let t2206 = t2205 - t2198;
-    let t2207 = t600 * t1891;
-    let t2208 = t2206 + t2207;
-    let t2209 = t584 * t1902;
-    let t2210 = t577 * t1914;
-    let t2211 = t470 * t1921;
-    let t2212 = t467 * t1943;
-    let t2213 = t465 * t1953;
-    let t2214 = t2213 + t2212;
-    let t2215 = t2214 + t2211;
-    let t2216 = t2215 - t2210;
-    let t2217 = t2216 + t2209;
-    let t2218 = t600 * t1963;
-    let t2219 = t2217 - t2218;
-    let t2220 = t584 * t1971;
-    let t2221 = t577 * t1976;
-    let t2222 = t470 * t1994;
-    let t2223 = t467 * t2009;
-    let t2224 = t465 * t2025;
-    let t2225 = t2224 - t2223;
-    let t2226 = t2225 + t2222;
-    let t2227 = t2226 - t2221;
-    let t2228 = t2227 + t2220;
-    let t2229 = t600 * t2034;
-    let t2230 = t2228 - t2229;
-    let t2231 = t584 * t2040;
-    let t2232 = t577 * t2050;
-    let t2233 = t470 * t2066;
-    let t2234 = t467 * t2080;
-    let t2235 = t465 * t2093;
-    let t2236 = t2235 + t2234;
-    let t2237 = t2236 - t2233;
-    let t2238 = t2237 - t2232;
-    let t2239 = t2238 + t2231;
-    let t2240 = t600 * t2100;
-    let t2241 = t2239 - t2240;
-    let t2242 = t584 * t2110;
-    let t2243 = t577 * t2119;
-    let t2244 = t470 * t2130;
-    let t2245 = t467 * t2144;
-    let t2246 = t465 * t2156;
-    let t2247 = t2246 + t2245;
-    let t2248 = t2247 - t2244;
-    let t2249 = t2248 + t2243;
-    let t2250 = t2249 - t2242;
-    let t2251 = t600 * t2163;
-    let t2252 = t2250 + t2251;
-    let t2253 = t584 * t2168;
-    let t2254 = t577 * t2173;
-    let t2255 = t470 * t2178;
-    let t2256 = t467 * t2178;
-    let t2257 = t465 * t2186;
-    let t2258 = t2257 + t2256;
-    let t2259 = t2258 - t2255;
-    let t2260 = t2259 + t2254;
-    let t2261 = t2260 - t2253;
-    let t2262 = t600 * t2195;
-    let t2263 = t2261 + t2262;
-    let t2264 = t259 * t1843;
-    let t2265 = t252 * t1851;
-    let t2266 = t247 * t1857;
-    let t2267 = t470 * t1863;
-    let t2268 = t516 * t1883;
-    let t2269 = t2268 - t2267;
-    let t2270 = t2269 - t2266;
-    let t2271 = t2270 + t2265;
-    let t2272 = t2271 - t2264;
-    let t2273 = t560 * t1891;
-    let t2274 = t2272 + t2273;
-    let t2275 = t259 * t1902;
-    let t2276 = t252 * t1914;
-    let t2277 = t247 * t1921;
-    let t2278 = t470 * t1943;
-    let t2279 = t516 * t1953;
-    let t2280 = t2279 + t2278;
-    let t2281 = t2280 + t2277;
-    let t2282 = t2281 - t2276;
-    let t2283 = t2282 + t2275;
-    let t2284 = t560 * t1963;
-    let t2285 = t2283 - t2284;
-    let t2286 = t259 * t1971;
-    let t2287 = t252 * t1976;
-    let t2288 = t247 * t1994;
-    let t2289 = t470 * t2009;
-    let t2290 = t516 * t2025;
-    let t2291 = t2290 - t2289;
-    let t2292 = t2291 + t2288;
-    let t2293 = t2292 - t2287;
-    let t2294 = t2293 + t2286;
-    let t2295 = t560 * t2034;
-    let t2296 = t2294 - t2295;
-    let t2297 = t259 * t2040;
-    let t2298 = t252 * t2050;
-    let t2299 = t247 * t2066;
-    let t2300 = t470 * t2080;
-    let t2301 = t516 * t2093;
-    let t2302 = t2301 + t2300;
-    let t2303 = t2302 - t2299;
-    let t2304 = t2303 - t2298;
-    let t2305 = t2304 + t2297;
-    let t2306 = t560 * t2100;
-    let t2307 = t2305 - t2306;
-    let t2308 = t259 * t2110;
-    let t2309 = t252 * t2119;
-    let t2310 = t247 * t2130;
-    let t2311 = t470 * t2144;
-    let t2312 = t516 * t2156;
-    let t2313 = t2312 + t2311;
-    let t2314 = t2313 - t2310;
-    let t2315 = t2314 + t2309;
-    let t2316 = t2315 - t2308;
-    let t2317 = t560 * t2163;
-    let t2318 = t2316 + t2317;
-    let t2319 = t259 * t2168;
-    let t2320 = t252 * t2173;
-    let t2321 = t247 * t2178;
-    let t2322 = t516 * t2186;
-    let t2323 = t2255 + t2322;
-    let t2324 = t2323 - t2321;
-    let t2325 = t2324 + t2320;
-    let t2326 = t2325 - t2319;
-    let t2327 = t560 * t2195;
-    let t2328 = t2326 + t2327;
-    let t2329 = t669 * t1843;
-    let t2330 = t662 * t1851;
-    let t2331 = t252 * t1857;
-    let t2332 = t577 * t1863;
-    let t2333 = t610 * t1883;
-    let t2334 = t2333 - t2332;
-    let t2335 = t2334 - t2331;
-    let t2336 = t2335 + t2330;
-    let t2337 = t2336 - t2329;
-    let t2338 = t685 * t1891;
-    let t2339 = t2337 + t2338;
-    let t2340 = t669 * t1902;
-    let t2341 = t662 * t1914;
-    let t2342 = t252 * t1921;
-    let t2343 = t577 * t1943;
-    let t2344 = t610 * t1953;
-    let t2345 = t2344 + t2343;
-    let t2346 = t2345 + t2342;
-    let t2347 = t2346 - t2341;
-    let t2348 = t2347 + t2340;
-    let t2349 = t685 * t1963;
-    let t2350 = t2348 - t2349;
-    let t2351 = t669 * t1971;
-    let t2352 = t662 * t1976;
-    let t2353 = t252 * t1994;
-    let t2354 = t577 * t2009;
-    let t2355 = t610 * t2025;
-    let t2356 = t2355 - t2354;
-    let t2357 = t2356 + t2353;
-    let t2358 = t2357 - t2352;
-    let t2359 = t2358 + t2351;
-    let t2360 = t685 * t2034;
-    let t2361 = t2359 - t2360;
-    let t2362 = t669 * t2040;
-    let t2363 = t662 * t2050;
-    let t2364 = t252 * t2066;
-    let t2365 = t577 * t2080;
-    let t2366 = t610 * t2093;
-    let t2367 = t2366 + t2365;
-    let t2368 = t2367 - t2364;
-    let t2369 = t2368 - t2363;
-    let t2370 = t2369 + t2362;
-    let t2371 = t685 * t2100;
-    let t2372 = t2370 - t2371;
-    let t2373 = t669 * t2110;
-    let t2374 = t662 * t2119;
-    let t2375 = t252 * t2130;
-    let t2376 = t577 * t2144;
-    let t2377 = t610 * t2156;
-    let t2378 = t2377 + t2376;
-    let t2379 = t2378 - t2375;
-    let t2380 = t2379 + t2374;
-    let t2381 = t2380 - t2373;
-    let t2382 = t685 * t2163;
-    let t2383 = t2381 + t2382;
-    let t2384 = t669 * t2168;
-    let t2385 = t662 * t2173;
-    let t2386 = t252 * t2178;
-    let t2387 = t577 * t2178;
-    let t2388 = t610 * t2186;
-    let t2389 = t2388 + t2387;
-    let t2390 = t2389 - t2386;
-    let t2391 = t2390 + t2385;
-    let t2392 = t2391 - t2384;
-    let t2393 = t685 * t2195;
-    let t2394 = t2392 + t2393;
-    let t2395 = t825 * t1843;
-    let t2396 = t669 * t1851;
-    let t2397 = t259 * t1857;
-    let t2398 = t584 * t1863;
-    let t2399 = t617 * t1883;
-    let t2400 = t2399 - t2398;
-    let t2401 = t2400 - t2397;
-    let t2402 = t2401 + t2396;
-    let t2403 = t2402 - t2395;
-    let t2404 = t736 * t1891;
+    let t2187 = t281 * t2147;
+    let t2188 = inverse_d_epsilon * t1808;
+    let t2189 = t2188 - t2187;
+    let t2190 = t359 * t2111;
+    let t2191 = t2189 - t2190;
+    let t2192 = t461 * t2087;
+    let t2193 = t2191 - t2192;
+    let t2194 = t263 * t1867;
+    let t2195 = t2193 + t2194;
+    let t2196 = t281 * t2154;
+    let t2197 = inverse_d_epsilon * t1902;
+    let t2198 = t2197 - t2196;
+    let t2199 = t359 * t2116;
+    let t2200 = t2198 + t2199;
+    let t2201 = t461 * t2090;
+    let t2202 = t2200 + t2201;
+    let t2203 = t263 * t1950;
+    let t2204 = t2202 + t2203;
+    let t2205 = t281 * t2161;
+    let t2206 = inverse_d_epsilon * t1976;
+    let t2207 = t2206 - t2205;
+    let t2208 = t359 * t2121;
+    let t2209 = t2207 - t2208;
+    let t2210 = t461 * t2093;
+    let t2211 = t2209 - t2210;
+    let t2212 = t263 * t2030;
+    let t2213 = t2211 - t2212;
+    let t2214 = t281 * t2168;
+    let t2215 = inverse_d_epsilon * t2038;
+    let t2216 = t2215 - t2214;
+    let t2217 = t359 * t2126;
+    let t2218 = t2216 - t2217;
+    let t2219 = t461 * t2096;
+    let t2220 = t2218 - t2219;
+    let t2221 = t263 * t2078;
+    let t2222 = t2220 - t2221;
+    let t2223 = t278 * t2133;
+    let t2224 = inverse_d_zeta * t1638;
+    let t2225 = t2224 + t2223;
+    let t2226 = t351 * t2101;
+    let t2227 = t2225 - t2226;
+    let t2228 = t351 * t2081;
+    let t2229 = t2227 + t2228;
+    let t2230 = t231 * t1690;
+    let t2231 = t2229 - t2230;
+    let t2232 = t278 * t2140;
+    let t2233 = inverse_d_zeta * t1717;
+    let t2234 = t2233 + t2232;
+    let t2235 = t351 * t2106;
+    let t2236 = t2234 - t2235;
+    let t2237 = t351 * t2084;
+    let t2238 = t2236 + t2237;
+    let t2239 = t231 * t1779;
+    let t2240 = t2238 + t2239;
+    let t2241 = t278 * t2147;
+    let t2242 = inverse_d_zeta * t1802;
+    let t2243 = t2242 + t2241;
+    let t2244 = t351 * t2111;
+    let t2245 = t2243 - t2244;
+    let t2246 = t351 * t2087;
+    let t2247 = t2245 - t2246;
+    let t2248 = t231 * t1867;
+    let t2249 = t2247 + t2248;
+    let t2250 = t278 * t2154;
+    let t2251 = inverse_d_zeta * t1897;
+    let t2252 = t2251 + t2250;
+    let t2253 = t351 * t2116;
+    let t2254 = t2252 + t2253;
+    let t2255 = t351 * t2090;
+    let t2256 = t2254 + t2255;
+    let t2257 = t231 * t1950;
+    let t2258 = t2256 + t2257;
+    let t2259 = t278 * t2161;
+    let t2260 = inverse_d_zeta * t1969;
+    let t2261 = t2260 + t2259;
+    let t2262 = t351 * t2121;
+    let t2263 = t2261 - t2262;
+    let t2264 = t351 * t2093;
+    let t2265 = t2263 - t2264;
+    let t2266 = t231 * t2030;
+    let t2267 = t2265 - t2266;
+    let t2268 = t278 * t2168;
+    let t2269 = inverse_d_zeta * t2044;
+    let t2270 = t2269 + t2268;
+    let t2271 = t351 * t2126;
+    let t2272 = t2270 - t2271;
+    let t2273 = t351 * t2096;
+    let t2274 = t2272 - t2273;
+    let t2275 = t231 * t2078;
+    let t2276 = t2274 - t2275;
+    let t2277 = 161.0 * inverse_d_alpha;
+    let t2278 = t522 * inverse_d_alpha;
+    let t2279 = 161.0 * t2278;
+    let t2280 = t494 * t2278;
+    let t2281 = t404 * inverse_d_alpha;
+    let t2282 = t2280 - t2281;
+    let t2283 = 161.0 * t2282;
+    let t2284 = t369 * t2282;
+    let t2285 = t474 * t2278;
+    let t2286 = t2284 - t2285;
+    let t2287 = t316 * inverse_d_alpha;
+    let t2288 = t2286 - t2287;
+    let t2289 = 101.0 * t2288;
+    let t2290 = t281 * t2288;
+    let t2291 = t359 * t2282;
+    let t2292 = t2290 - t2291;
+    let t2293 = t461 * t2278;
+    let t2294 = t2292 + t2293;
+    let t2295 = t263 * inverse_d_alpha;
+    let t2296 = t2294 + t2295;
+    let t2297 = 101.0 * t2296;
+    let t2298 = t278 * t2288;
+    let t2299 = t351 * t2282;
+    let t2300 = t2298 + t2299;
+    let t2301 = t351 * t2278;
+    let t2302 = t2300 - t2301;
+    let t2303 = t231 * inverse_d_alpha;
+    let t2304 = t2302 - t2303;
+    let t2305 = 51.0 * t2304;
+    let t2306 = t522 * t2278;
+    let t2307 = inverse_d_beta + t2306;
+    let t2308 = 161.0 * t2307;
+    let t2309 = t494 * t2307;
+    let t2310 = t404 * t2278;
+    let t2311 = t2309 - t2310;
+    let t2312 = 161.0 * t2311;
+    let t2313 = t369 * t2311;
+    let t2314 = t474 * t2307;
+    let t2315 = t2313 - t2314;
+    let t2316 = t316 * t2278;
+    let t2317 = t2315 - t2316;
+    let t2318 = 101.0 * t2317;
+    let t2319 = t281 * t2317;
+    let t2320 = t359 * t2311;
+    let t2321 = t2319 - t2320;
+    let t2322 = t461 * t2307;
+    let t2323 = t2321 + t2322;
+    let t2324 = t263 * t2278;
+    let t2325 = t2323 + t2324;
+    let t2326 = 101.0 * t2325;
+    let t2327 = t278 * t2317;
+    let t2328 = t351 * t2311;
+    let t2329 = t2327 + t2328;
+    let t2330 = t351 * t2307;
+    let t2331 = t2329 - t2330;
+    let t2332 = t231 * t2278;
+    let t2333 = t2331 - t2332;
+    let t2334 = 51.0 * t2333;
+    let t2335 = t494 * t522;
+    let t2336 = t404 - t2335;
+    let t2337 = inverse_d_alpha * t2336;
+    let t2338 = t522 * t2337;
+    let t2339 = t494 * inverse_d_beta;
+    let t2340 = t2339 - t2338;
+    let t2341 = t494 * t2340;
+    let t2342 = inverse_d_gamma + t2341;
+    let t2343 = t404 * t2337;
+    let t2344 = t2342 + t2343;
+    let t2345 = 161.0 * t2344;
+    let t2346 = t369 * t2344;
+    let t2347 = t474 * t2340;
+    let t2348 = t2346 - t2347;
+    let t2349 = t316 * t2337;
+    let t2350 = t2348 + t2349;
+    let t2351 = 101.0 * t2350;
+    let t2352 = t281 * t2350;
+    let t2353 = t359 * t2344;
+    let t2354 = t2352 - t2353;
+    let t2355 = t461 * t2340;
+    let t2356 = t2354 + t2355;
+    let t2357 = t263 * t2337;
+    let t2358 = t2356 - t2357;
+    let t2359 = 101.0 * t2358;
+    let t2360 = t278 * t2350;
+    let t2361 = t351 * t2344;
+    let t2362 = t2360 + t2361;
+    let t2363 = t351 * t2340;
+    let t2364 = t2362 - t2363;
+    let t2365 = t231 * t2337;
+    let t2366 = t2364 + t2365;
+    let t2367 = 51.0 * t2366;
+    let t2368 = 161.0 * t2288;
+    let t2369 = 161.0 * t2317;
+    let t2370 = 161.0 * t2350;
+    let t2371 = t369 * t494;
+    let t2372 = t474 - t2371;
+    let t2373 = t522 * t2372;
+    let t2374 = t369 * t404;
+    let t2375 = t316 + t2374;
+    let t2376 = t2375 + t2373;
+    let t2377 = inverse_d_alpha * t2376;
+    let t2378 = t522 * t2377;
+    let t2379 = inverse_d_beta * t2372;
+    let t2380 = t2379 + t2378;
+    let t2381 = t494 * t2380;
+    let t2382 = t369 * inverse_d_gamma;
+    let t2383 = t2382 - t2381;
+    let t2384 = t404 * t2377;
+    let t2385 = t2383 + t2384;
+    let t2386 = t369 * t2385;
+    let t2387 = inverse_d_delta + t2386;
+    let t2388 = t474 * t2380;
+    let t2389 = t2387 + t2388;
+    let t2390 = t316 * t2377;
+    let t2391 = t2389 + t2390;
+    let t2392 = 101.0 * t2391;
+    let t2393 = t281 * t2391;
+    let t2394 = t359 * t2385;
+    let t2395 = t2393 - t2394;
+    let t2396 = t461 * t2380;
+    let t2397 = t2395 - t2396;
+    let t2398 = t263 * t2377;
+    let t2399 = t2397 - t2398;
+    let t2400 = 101.0 * t2399;
+    let t2401 = t278 * t2391;
+    let t2402 = t351 * t2385;
+    let t2403 = t2401 + t2402;
+    let t2404 = t351 * t2380;
     let t2405 = t2403 + t2404;
-    let t2406 = t825 * t1902;
-    let t2407 = t669 * t1914;
-    let t2408 = t259 * t1921;
-    let t2409 = t584 * t1943;
-    let t2410 = t617 * t1953;
-    let t2411 = t2410 + t2409;
-    let t2412 = t2411 + t2408;
-    let t2413 = t2412 - t2407;
-    let t2414 = t2413 + t2406;
-    let t2415 = t736 * t1963;
-    let t2416 = t2414 - t2415;
-    let t2417 = t825 * t1971;
-    let t2418 = t669 * t1976;
-    let t2419 = t259 * t1994;
-    let t2420 = t584 * t2009;
-    let t2421 = t617 * t2025;
-    let t2422 = t2421 - t2420;
-    let t2423 = t2422 + t2419;
-    let t2424 = t2423 - t2418;
-    let t2425 = t2424 + t2417;
-    let t2426 = t736 * t2034;
-    let t2427 = t2425 - t2426;
-    let t2428 = t825 * t2040;
-    let t2429 = t669 * t2050;
-    let t2430 = t259 * t2066;
-    let t2431 = t584 * t2080;
-    let t2432 = t617 * t2093;
-    let t2433 = t2432 + t2431;
-    let t2434 = t2433 - t2430;
-    let t2435 = t2434 - t2429;
-    let t2436 = t2435 + t2428;
-    let t2437 = t736 * t2100;
-    let t2438 = t2436 - t2437;
-    let t2439 = t825 * t2110;
-    let t2440 = t669 * t2119;
-    let t2441 = t259 * t2130;
-    let t2442 = t584 * t2144;
-    let t2443 = t617 * t2156;
-    let t2444 = t2443 + t2442;
-    let t2445 = t2444 - t2441;
-    let t2446 = t2445 + t2440;
-    let t2447 = t2446 - t2439;
-    let t2448 = t736 * t2163;
-    let t2449 = t2447 + t2448;
-    let t2450 = t825 * t2168;
-    let t2451 = t669 * t2173;
-    let t2452 = t259 * t2178;
-    let t2453 = t584 * t2178;
-    let t2454 = t617 * t2186;
-    let t2455 = t2454 + t2453;
-    let t2456 = t2455 - t2452;
-    let t2457 = t2456 + t2451;
-    let t2458 = t2457 - t2450;
-    let t2459 = t736 * t2195;
-    let t2460 = t2458 + t2459;
-    let t2461 = t685 * t1851;
-    let t2462 = t560 * t1857;
-    let t2463 = t600 * t1863;
-    let t2464 = t633 * t1883;
-    let t2465 = t2464 - t2463;
-    let t2466 = t2465 - t2462;
-    let t2467 = t2466 + t2461;
-    let t2468 = t736 * t1843;
-    let t2469 = t2467 - t2468;
-    let t2470 = t774 * t1891;
-    let t2471 = t2469 + t2470;
-    let t2472 = t685 * t1914;
-    let t2473 = t560 * t1921;
-    let t2474 = t600 * t1943;
-    let t2475 = t633 * t1953;
-    let t2476 = t2475 + t2474;
-    let t2477 = t2476 + t2473;
-    let t2478 = t2477 - t2472;
-    let t2479 = t736 * t1902;
-    let t2480 = t2478 + t2479;
-    let t2481 = t774 * t1963;
-    let t2482 = t2480 - t2481;
-    let t2483 = t685 * t1976;
-    let t2484 = t560 * t1994;
-    let t2485 = t600 * t2009;
-    let t2486 = t633 * t2025;
-    let t2487 = t2486 - t2485;
-    let t2488 = t2487 + t2484;
-    let t2489 = t2488 - t2483;
-    let t2490 = t736 * t1971;
-    let t2491 = t2489 + t2490;
-    let t2492 = t774 * t2034;
-    let t2493 = t2491 - t2492;
-    let t2494 = t685 * t2050;
-    let t2495 = t560 * t2066;
-    let t2496 = t600 * t2080;
-    let t2497 = t633 * t2093;
-    let t2498 = t2497 + t2496;
-    let t2499 = t2498 - t2495;
-    let t2500 = t2499 - t2494;
-    let t2501 = t736 * t2040;
-    let t2502 = t2500 + t2501;
-    let t2503 = t774 * t2100;
-    let t2504 = t2502 - t2503;
-    let t2505 = t685 * t2119;
-    let t2506 = t560 * t2130;
-    let t2507 = t600 * t2144;
-    let t2508 = t633 * t2156;
-    let t2509 = t2508 + t2507;
-    let t2510 = t2509 - t2506;
-    let t2511 = t2510 + t2505;
-    let t2512 = t736 * t2110;
-    let t2513 = t2511 - t2512;
-    let t2514 = t774 * t2163;
-    let t2515 = t2513 + t2514;
-    let t2516 = t685 * t2173;
-    let t2517 = t560 * t2178;
-    let t2518 = t600 * t2178;
-    let t2519 = t633 * t2186;
-    let t2520 = t2519 + t2518;
-    let t2521 = t2520 - t2517;
-    let t2522 = t2521 + t2516;
-    let t2523 = t736 * t2168;
-    let t2524 = t2522 - t2523;
-    let t2525 = t774 * t2195;
-    let t2526 = t2524 + t2525;
-    let t2527 = 161.0 * inverse_d_alpha;
-    let t2528 = 161.0 * t465;
-    let t2529 = 161.0 * t516;
-    let t2530 = 101.0 * t610;
-    let t2531 = 101.0 * t617;
-    let t2532 = 51.0 * t633;
-    let t2533 = 161.0 * t467;
-    let t2534 = 161.0 * t470;
-    let t2535 = 101.0 * t577;
-    let t2536 = 101.0 * t584;
-    let t2537 = 51.0 * t600;
-    let t2538 = 161.0 * t247;
-    let t2539 = 101.0 * t252;
-    let t2540 = 101.0 * t259;
-    let t2541 = 51.0 * t560;
-    let t2542 = 161.0 * t610;
-    let t2543 = 161.0 * t577;
-    let t2544 = 161.0 * t252;
-    let t2545 = 101.0 * t662;
-    let t2546 = 101.0 * t669;
-    let t2547 = 51.0 * t685;
-    let t2548 = 161.0 * t617;
-    let t2549 = 161.0 * t584;
-    let t2550 = 161.0 * t259;
-    let t2551 = 101.0 * t825;
-    let t2552 = 51.0 * t736;
-    let t2553 = 161.0 * t633;
-    let t2554 = 161.0 * t600;
-    let t2555 = 161.0 * t560;
-    let t2556 = 101.0 * t685;
-    let t2557 = 101.0 * t736;
-    let t2558 = 51.0 * t774;
-    let t2559 = y[1] * t1188;
-    let t2560 = y[2] * t1312;
-    let t2561 = t2559 + t2560;
-    let t2562 = y[3] * t1420;
-    let t2563 = t2561 - t2562;
-    let t2564 = y[4] * t1513;
-    let t2565 = t2563 + t2564;
-    let t2566 = y[5] * t1560;
-    let t2567 = t2565 + t2566;
-    let t2568 = v[1] * t1965;
-    let t2569 = v[0] * t1893;
-    let t2570 = t2569 + t2568;
-    let t2571 = v[2] * t2036;
-    let t2572 = t2570 + t2571;
-    let t2573 = v[3] * t2102;
-    let t2574 = t2572 - t2573;
-    let t2575 = v[4] * t2165;
-    let t2576 = t2574 + t2575;
-    let t2577 = v[5] * t2197;
-    let t2578 = t2576 + t2577;
-    let t2579 = t2567 - t2578;
-    let t2580 = u[4] * t2531;
-    let t2581 = u[3] * t2530;
-    let t2582 = u[2] * t2529;
-    let t2583 = u[1] * t2528;
-    let t2584 = u[0] * t2527;
-    let t2585 = t2584 - t2583;
-    let t2586 = t2585 + t2582;
-    let t2587 = t2586 + t2581;
-    let t2588 = t2587 + t2580;
-    let t2589 = u[5] * t2532;
-    let t2590 = t2588 - t2589;
-    let t2591 = t2579 - t2590;
-    let t2592 = t635 + t2591;
-    let t2593 = y[1] * t1571;
-    let t2594 = y[2] * t1582;
-    let t2595 = t2593 + t2594;
-    let t2596 = y[3] * t1593;
-    let t2597 = t2595 - t2596;
-    let t2598 = y[4] * t1604;
-    let t2599 = t2597 + t2598;
-    let t2600 = y[5] * t1615;
-    let t2601 = t2599 + t2600;
-    let t2602 = v[1] * t2219;
-    let t2603 = v[0] * t2208;
-    let t2604 = t2603 + t2602;
-    let t2605 = v[2] * t2230;
-    let t2606 = t2604 + t2605;
-    let t2607 = v[3] * t2241;
-    let t2608 = t2606 - t2607;
-    let t2609 = v[4] * t2252;
-    let t2610 = t2608 + t2609;
-    let t2611 = v[5] * t2263;
-    let t2612 = t2610 + t2611;
-    let t2613 = t2601 - t2612;
-    let t2614 = u[4] * t2536;
-    let t2615 = u[3] * t2535;
-    let t2616 = u[2] * t2534;
-    let t2617 = u[1] * t2533;
-    let t2618 = u[0] * t2528;
-    let t2619 = t2618 - t2617;
-    let t2620 = t2619 + t2616;
-    let t2621 = t2620 + t2615;
-    let t2622 = t2621 + t2614;
-    let t2623 = u[5] * t2537;
-    let t2624 = t2622 - t2623;
-    let t2625 = t2613 - t2624;
-    let t2626 = t602 + t2625;
-    let t2627 = y[1] * t1626;
-    let t2628 = y[2] * t1637;
-    let t2629 = t2627 + t2628;
-    let t2630 = y[3] * t1648;
-    let t2631 = t2629 - t2630;
-    let t2632 = y[4] * t1659;
-    let t2633 = t2631 + t2632;
-    let t2634 = y[5] * t1669;
-    let t2635 = t2633 + t2634;
-    let t2636 = v[1] * t2285;
-    let t2637 = v[0] * t2274;
-    let t2638 = t2637 + t2636;
-    let t2639 = v[2] * t2296;
-    let t2640 = t2638 + t2639;
-    let t2641 = v[3] * t2307;
-    let t2642 = t2640 - t2641;
-    let t2643 = v[4] * t2318;
-    let t2644 = t2642 + t2643;
-    let t2645 = v[5] * t2328;
-    let t2646 = t2644 + t2645;
-    let t2647 = t2635 - t2646;
-    let t2648 = u[4] * t2540;
-    let t2649 = u[3] * t2539;
-    let t2650 = u[2] * t2538;
-    let t2651 = u[1] * t2534;
-    let t2652 = u[0] * t2529;
-    let t2653 = t2652 - t2651;
-    let t2654 = t2653 + t2650;
-    let t2655 = t2654 + t2649;
-    let t2656 = t2655 + t2648;
-    let t2657 = u[5] * t2541;
-    let t2658 = t2656 - t2657;
-    let t2659 = t2647 - t2658;
-    let t2660 = t572 + t2659;
-    let t2661 = y[1] * t1680;
-    let t2662 = y[2] * t1691;
-    let t2663 = t2661 + t2662;
-    let t2664 = y[3] * t1702;
-    let t2665 = t2663 - t2664;
-    let t2666 = y[4] * t1713;
-    let t2667 = t2665 + t2666;
-    let t2668 = y[5] * t1724;
-    let t2669 = t2667 + t2668;
-    let t2670 = v[1] * t2350;
-    let t2671 = v[0] * t2339;
-    let t2672 = t2671 + t2670;
-    let t2673 = v[2] * t2361;
-    let t2674 = t2672 + t2673;
-    let t2675 = v[3] * t2372;
-    let t2676 = t2674 - t2675;
-    let t2677 = v[4] * t2383;
-    let t2678 = t2676 + t2677;
-    let t2679 = v[5] * t2394;
-    let t2680 = t2678 + t2679;
-    let t2681 = t2669 - t2680;
-    let t2682 = u[4] * t2546;
-    let t2683 = u[3] * t2545;
-    let t2684 = u[2] * t2544;
-    let t2685 = u[1] * t2543;
-    let t2686 = u[0] * t2542;
-    let t2687 = t2686 - t2685;
-    let t2688 = t2687 + t2684;
-    let t2689 = t2688 + t2683;
-    let t2690 = t2689 + t2682;
-    let t2691 = u[5] * t2547;
-    let t2692 = t2690 - t2691;
-    let t2693 = t2681 - t2692;
-    let t2694 = t687 + t2693;
-    let t2695 = y[1] * t1735;
-    let t2696 = y[2] * t1746;
-    let t2697 = t2695 + t2696;
-    let t2698 = y[3] * t1757;
-    let t2699 = t2697 - t2698;
-    let t2700 = y[4] * t1768;
-    let t2701 = t2699 + t2700;
-    let t2702 = y[5] * t1779;
-    let t2703 = t2701 + t2702;
-    let t2704 = v[1] * t2416;
-    let t2705 = v[0] * t2405;
-    let t2706 = t2705 + t2704;
-    let t2707 = v[2] * t2427;
-    let t2708 = t2706 + t2707;
-    let t2709 = v[3] * t2438;
-    let t2710 = t2708 - t2709;
-    let t2711 = v[4] * t2449;
-    let t2712 = t2710 + t2711;
-    let t2713 = v[5] * t2460;
-    let t2714 = t2712 + t2713;
-    let t2715 = t2703 - t2714;
-    let t2716 = u[4] * t2551;
-    let t2717 = u[3] * t2546;
-    let t2718 = u[2] * t2550;
-    let t2719 = u[1] * t2549;
-    let t2720 = u[0] * t2548;
-    let t2721 = t2720 - t2719;
-    let t2722 = t2721 + t2718;
-    let t2723 = t2722 + t2717;
-    let t2724 = t2723 + t2716;
-    let t2725 = u[5] * t2552;
-    let t2726 = t2724 - t2725;
-    let t2727 = t2715 - t2726;
-    let t2728 = t836 + t2727;
-    let t2729 = y[1] * t1790;
-    let t2730 = y[2] * t1801;
-    let t2731 = t2729 + t2730;
-    let t2732 = y[3] * t1812;
-    let t2733 = t2731 - t2732;
-    let t2734 = y[4] * t1823;
-    let t2735 = t2733 + t2734;
-    let t2736 = y[5] * t1834;
-    let t2737 = t2735 + t2736;
-    let t2738 = v[1] * t2482;
-    let t2739 = v[0] * t2471;
-    let t2740 = t2739 + t2738;
-    let t2741 = v[2] * t2493;
-    let t2742 = t2740 + t2741;
-    let t2743 = v[3] * t2504;
-    let t2744 = t2742 - t2743;
-    let t2745 = v[4] * t2515;
-    let t2746 = t2744 + t2745;
-    let t2747 = v[5] * t2526;
-    let t2748 = t2746 + t2747;
-    let t2749 = t2737 - t2748;
-    let t2750 = u[3] * t2556;
-    let t2751 = u[2] * t2555;
-    let t2752 = u[1] * t2554;
-    let t2753 = u[0] * t2553;
-    let t2754 = t2753 - t2752;
-    let t2755 = t2754 + t2751;
-    let t2756 = t2755 + t2750;
-    let t2757 = u[4] * t2557;
-    let t2758 = t2756 + t2757;
-    let t2759 = u[5] * t2558;
-    let t2760 = t2758 - t2759;
-    let t2761 = t2749 - t2760;
-    let t2762 = t776 + t2761;
-    let t2763 = -t1188;
-    let t2764 = -t1312;
-    let t2765 = -t1513;
-    let t2766 = -t1560;
-    let t2767 = -t1593;
-    let t2768 = -t1626;
-    let t2769 = -t1637;
-    let t2770 = -t1659;
-    let t2771 = -t1669;
-    let t2772 = -t1680;
-    let t2773 = -t1691;
-    let t2774 = -t1713;
-    let t2775 = -t1724;
-    let t2776 = -t1735;
-    let t2777 = -t1746;
-    let t2778 = -t1768;
-    let t2779 = -t1779;
-    let t2780 = -t1812;
-    let t2781 = -t2102;
-    let t2782 = -t2208;
-    let t2783 = -t2219;
-    let t2784 = -t2230;
-    let t2785 = -t2252;
-    let t2786 = -t2263;
-    let t2787 = -t2307;
-    let t2788 = -t2372;
-    let t2789 = -t2438;
-    let t2790 = -t2471;
-    let t2791 = -t2482;
-    let t2792 = -t2493;
-    let t2793 = -t2515;
-    let t2794 = -t2526;
-    let t2795 = -t2528;
-    let t2796 = -t2532;
-    let t2797 = -t2534;
-    let t2798 = -t2535;
-    let t2799 = -t2536;
-    let t2800 = -t2541;
-    let t2801 = -t2543;
-    let t2802 = -t2547;
-    let t2803 = -t2549;
-    let t2804 = -t2552;
-    let t2805 = -t2553;
-    let t2806 = -t2555;
-    let t2807 = -t2556;
-    let t2808 = -t2557;
-    let t2809 = -t2626;
-    let t2810 = -t2762;
+    let t2406 = t231 * t2377;
+    let t2407 = t2405 + t2406;
+    let t2408 = 51.0 * t2407;
+    let t2409 = 161.0 * t2296;
+    let t2410 = 161.0 * t2325;
+    let t2411 = 161.0 * t2358;
+    let t2412 = t281 * t369;
+    let t2413 = t359 - t2412;
+    let t2414 = t494 * t2413;
+    let t2415 = t281 * t474;
+    let t2416 = t461 - t2415;
+    let t2417 = t2416 - t2414;
+    let t2418 = t522 * t2417;
+    let t2419 = t404 * t2413;
+    let t2420 = t281 * t316;
+    let t2421 = t263 - t2420;
+    let t2422 = t2421 + t2419;
+    let t2423 = t2422 + t2418;
+    let t2424 = inverse_d_alpha * t2423;
+    let t2425 = t522 * t2424;
+    let t2426 = inverse_d_beta * t2417;
+    let t2427 = t2426 + t2425;
+    let t2428 = t494 * t2427;
+    let t2429 = inverse_d_gamma * t2413;
+    let t2430 = t2429 - t2428;
+    let t2431 = t404 * t2424;
+    let t2432 = t2430 + t2431;
+    let t2433 = t369 * t2432;
+    let t2434 = t281 * inverse_d_delta;
+    let t2435 = t2434 - t2433;
+    let t2436 = t474 * t2427;
+    let t2437 = t2435 - t2436;
+    let t2438 = t316 * t2424;
+    let t2439 = t2437 - t2438;
+    let t2440 = t281 * t2439;
+    let t2441 = inverse_d_epsilon + t2440;
+    let t2442 = t359 * t2432;
+    let t2443 = t2441 + t2442;
+    let t2444 = t461 * t2427;
+    let t2445 = t2443 + t2444;
+    let t2446 = t263 * t2424;
+    let t2447 = t2445 + t2446;
+    let t2448 = 101.0 * t2447;
+    let t2449 = t278 * t2439;
+    let t2450 = t351 * t2432;
+    let t2451 = t2449 - t2450;
+    let t2452 = t351 * t2427;
+    let t2453 = t2451 - t2452;
+    let t2454 = t231 * t2424;
+    let t2455 = t2453 - t2454;
+    let t2456 = 51.0 * t2455;
+    let t2457 = 161.0 * t2304;
+    let t2458 = 161.0 * t2333;
+    let t2459 = 161.0 * t2366;
+    let t2460 = 101.0 * t2407;
+    let t2461 = 101.0 * t2455;
+    let t2462 = t278 * t369;
+    let t2463 = t351 + t2462;
+    let t2464 = t494 * t2463;
+    let t2465 = t278 * t474;
+    let t2466 = t351 + t2465;
+    let t2467 = t2466 - t2464;
+    let t2468 = t522 * t2467;
+    let t2469 = t404 * t2463;
+    let t2470 = t278 * t316;
+    let t2471 = t231 + t2470;
+    let t2472 = t2471 + t2469;
+    let t2473 = t2472 + t2468;
+    let t2474 = inverse_d_alpha * t2473;
+    let t2475 = t522 * t2474;
+    let t2476 = inverse_d_beta * t2467;
+    let t2477 = t2476 + t2475;
+    let t2478 = t494 * t2477;
+    let t2479 = inverse_d_gamma * t2463;
+    let t2480 = t2479 - t2478;
+    let t2481 = t404 * t2474;
+    let t2482 = t2480 + t2481;
+    let t2483 = t369 * t2482;
+    let t2484 = t278 * inverse_d_delta;
+    let t2485 = t2484 + t2483;
+    let t2486 = t474 * t2477;
+    let t2487 = t2485 + t2486;
+    let t2488 = t316 * t2474;
+    let t2489 = t2487 + t2488;
+    let t2490 = t278 * t2489;
+    let t2491 = inverse_d_zeta + t2490;
+    let t2492 = t351 * t2482;
+    let t2493 = t2491 + t2492;
+    let t2494 = t351 * t2477;
+    let t2495 = t2493 + t2494;
+    let t2496 = t231 * t2474;
+    let t2497 = t2495 + t2496;
+    let t2498 = 51.0 * t2497;
+    let t2499 = y[1] * t1010;
+    let t2500 = y[2] * t1151;
+    let t2501 = t2499 + t2500;
+    let t2502 = y[3] * t1276;
+    let t2503 = t2501 - t2502;
+    let t2504 = y[4] * t1386;
+    let t2505 = t2503 + t2504;
+    let t2506 = y[5] * t1449;
+    let t2507 = t2505 + t2506;
+    let t2508 = v[1] * t1779;
+    let t2509 = v[0] * t1690;
+    let t2510 = t2509 + t2508;
+    let t2511 = v[2] * t1867;
+    let t2512 = t2510 + t2511;
+    let t2513 = v[3] * t1950;
+    let t2514 = t2512 - t2513;
+    let t2515 = v[4] * t2030;
+    let t2516 = t2514 + t2515;
+    let t2517 = v[5] * t2078;
+    let t2518 = t2516 + t2517;
+    let t2519 = t2507 - t2518;
+    let t2520 = u[4] * t2297;
+    let t2521 = u[3] * t2289;
+    let t2522 = u[2] * t2283;
+    let t2523 = u[1] * t2279;
+    let t2524 = u[0] * t2277;
+    let t2525 = t2524 - t2523;
+    let t2526 = t2525 + t2522;
+    let t2527 = t2526 + t2521;
+    let t2528 = t2527 + t2520;
+    let t2529 = u[5] * t2305;
+    let t2530 = t2528 - t2529;
+    let t2531 = t2519 - t2530;
+    let t2532 = t551 + t2531;
+    let t2533 = y[1] * t1452;
+    let t2534 = y[2] * t1455;
+    let t2535 = t2533 - t2534;
+    let t2536 = y[3] * t1458;
+    let t2537 = t2535 - t2536;
+    let t2538 = y[4] * t1461;
+    let t2539 = t2537 + t2538;
+    let t2540 = y[5] * t1464;
+    let t2541 = t2539 + t2540;
+    let t2542 = v[1] * t2084;
+    let t2543 = v[0] * t2081;
+    let t2544 = t2543 - t2542;
+    let t2545 = v[2] * t2087;
+    let t2546 = t2544 + t2545;
+    let t2547 = v[3] * t2090;
+    let t2548 = t2546 + t2547;
+    let t2549 = v[4] * t2093;
+    let t2550 = t2548 - t2549;
+    let t2551 = v[5] * t2096;
+    let t2552 = t2550 - t2551;
+    let t2553 = t2541 + t2552;
+    let t2554 = u[4] * t2326;
+    let t2555 = u[3] * t2318;
+    let t2556 = u[2] * t2312;
+    let t2557 = u[1] * t2308;
+    let t2558 = u[0] * t2279;
+    let t2559 = t2558 - t2557;
+    let t2560 = t2559 + t2556;
+    let t2561 = t2560 + t2555;
+    let t2562 = t2561 + t2554;
+    let t2563 = u[5] * t2334;
+    let t2564 = t2562 - t2563;
+    let t2565 = t2553 - t2564;
+    let t2566 = t554 - t2565;
+    let t2567 = y[1] * t1469;
+    let t2568 = y[2] * t1474;
+    let t2569 = t2567 + t2568;
+    let t2570 = y[3] * t1479;
+    let t2571 = t2569 + t2570;
+    let t2572 = y[4] * t1484;
+    let t2573 = t2571 - t2572;
+    let t2574 = y[5] * t1489;
+    let t2575 = t2573 - t2574;
+    let t2576 = v[1] * t2106;
+    let t2577 = v[0] * t2101;
+    let t2578 = t2577 - t2576;
+    let t2579 = v[2] * t2111;
+    let t2580 = t2578 - t2579;
+    let t2581 = v[3] * t2116;
+    let t2582 = t2580 - t2581;
+    let t2583 = v[4] * t2121;
+    let t2584 = t2582 + t2583;
+    let t2585 = v[5] * t2126;
+    let t2586 = t2584 + t2585;
+    let t2587 = t2575 + t2586;
+    let t2588 = u[4] * t2359;
+    let t2589 = u[3] * t2351;
+    let t2590 = u[2] * t2345;
+    let t2591 = u[1] * t2312;
+    let t2592 = u[0] * t2283;
+    let t2593 = t2592 - t2591;
+    let t2594 = t2593 + t2590;
+    let t2595 = t2594 + t2589;
+    let t2596 = t2595 + t2588;
+    let t2597 = u[5] * t2367;
+    let t2598 = t2596 - t2597;
+    let t2599 = t2587 - t2598;
+    let t2600 = t559 + t2599;
+    let t2601 = y[1] * t1496;
+    let t2602 = y[2] * t1503;
+    let t2603 = t2601 - t2602;
+    let t2604 = y[3] * t1510;
+    let t2605 = t2603 + t2604;
+    let t2606 = y[4] * t1517;
+    let t2607 = t2605 + t2606;
+    let t2608 = y[5] * t1524;
+    let t2609 = t2607 + t2608;
+    let t2610 = v[1] * t2140;
+    let t2611 = v[0] * t2133;
+    let t2612 = t2611 - t2610;
+    let t2613 = v[2] * t2147;
+    let t2614 = t2612 - t2613;
+    let t2615 = v[3] * t2154;
+    let t2616 = t2614 + t2615;
+    let t2617 = v[4] * t2161;
+    let t2618 = t2616 + t2617;
+    let t2619 = v[5] * t2168;
+    let t2620 = t2618 + t2619;
+    let t2621 = t2609 - t2620;
+    let t2622 = u[4] * t2400;
+    let t2623 = u[3] * t2392;
+    let t2624 = u[2] * t2370;
+    let t2625 = u[1] * t2369;
+    let t2626 = u[0] * t2368;
+    let t2627 = t2626 - t2625;
+    let t2628 = t2627 + t2624;
+    let t2629 = t2628 + t2623;
+    let t2630 = t2629 + t2622;
+    let t2631 = u[5] * t2408;
+    let t2632 = t2630 - t2631;
+    let t2633 = t2621 - t2632;
+    let t2634 = t566 + t2633;
+    let t2635 = y[1] * t1533;
+    let t2636 = y[2] * t1542;
+    let t2637 = t2635 - t2636;
+    let t2638 = y[3] * t1551;
+    let t2639 = t2637 + t2638;
+    let t2640 = y[4] * t1560;
+    let t2641 = t2639 + t2640;
+    let t2642 = y[5] * t1569;
+    let t2643 = t2641 + t2642;
+    let t2644 = v[1] * t2186;
+    let t2645 = v[0] * t2177;
+    let t2646 = t2645 - t2644;
+    let t2647 = v[2] * t2195;
+    let t2648 = t2646 - t2647;
+    let t2649 = v[3] * t2204;
+    let t2650 = t2648 + t2649;
+    let t2651 = v[4] * t2213;
+    let t2652 = t2650 + t2651;
+    let t2653 = v[5] * t2222;
+    let t2654 = t2652 + t2653;
+    let t2655 = t2643 + t2654;
+    let t2656 = u[4] * t2448;
+    let t2657 = u[3] * t2400;
+    let t2658 = u[2] * t2411;
+    let t2659 = u[1] * t2410;
+    let t2660 = u[0] * t2409;
+    let t2661 = t2660 - t2659;
+    let t2662 = t2661 + t2658;
+    let t2663 = t2662 + t2657;
+    let t2664 = t2663 + t2656;
+    let t2665 = u[5] * t2456;
+    let t2666 = t2664 - t2665;
+    let t2667 = t2655 - t2666;
+    let t2668 = t613 + t2667;
+    let t2669 = y[1] * t1578;
+    let t2670 = y[2] * t1587;
+    let t2671 = t2669 + t2670;
+    let t2672 = y[3] * t1596;
+    let t2673 = t2671 + t2672;
+    let t2674 = y[4] * t1605;
+    let t2675 = t2673 + t2674;
+    let t2676 = y[5] * t1614;
+    let t2677 = t2675 + t2676;
+    let t2678 = v[1] * t2240;
+    let t2679 = v[0] * t2231;
+    let t2680 = t2679 - t2678;
+    let t2681 = v[2] * t2249;
+    let t2682 = t2680 - t2681;
+    let t2683 = v[3] * t2258;
+    let t2684 = t2682 + t2683;
+    let t2685 = v[4] * t2267;
+    let t2686 = t2684 + t2685;
+    let t2687 = v[5] * t2276;
+    let t2688 = t2686 + t2687;
+    let t2689 = t2677 - t2688;
+    let t2690 = u[3] * t2460;
+    let t2691 = u[2] * t2459;
+    let t2692 = u[1] * t2458;
+    let t2693 = u[0] * t2457;
+    let t2694 = t2693 - t2692;
+    let t2695 = t2694 + t2691;
+    let t2696 = t2695 + t2690;
+    let t2697 = u[4] * t2461;
+    let t2698 = t2696 + t2697;
+    let t2699 = u[5] * t2498;
+    let t2700 = t2698 - t2699;
+    let t2701 = t2689 - t2700;
+    let t2702 = t591 - t2701;
+    let t2703 = -t1010;
+    let t2704 = -t1151;
+    let t2705 = -t1386;
+    let t2706 = -t1449;
+    let t2707 = -t1455;
+    let t2708 = -t1458;
+    let t2709 = -t1469;
+    let t2710 = -t1474;
+    let t2711 = -t1479;
+    let t2712 = -t1496;
+    let t2713 = -t1510;
+    let t2714 = -t1517;
+    let t2715 = -t1524;
+    let t2716 = -t1533;
+    let t2717 = -t1551;
+    let t2718 = -t1560;
+    let t2719 = -t1569;
+    let t2720 = -t1950;
+    let t2721 = -t2084;
+    let t2722 = -t2093;
+    let t2723 = -t2096;
+    let t2724 = -t2101;
+    let t2725 = -t2121;
+    let t2726 = -t2126;
+    let t2727 = -t2140;
+    let t2728 = -t2147;
+    let t2729 = -t2177;
+    let t2730 = -t2204;
+    let t2731 = -t2213;
+    let t2732 = -t2222;
+    let t2733 = -t2231;
+    let t2734 = -t2258;
+    let t2735 = -t2267;
+    let t2736 = -t2276;
+    let t2737 = -t2279;
+    let t2738 = -t2305;
+    let t2739 = -t2312;
+    let t2740 = -t2318;
+    let t2741 = -t2326;
+    let t2742 = -t2367;
+    let t2743 = -t2369;
+    let t2744 = -t2408;
+    let t2745 = -t2410;
+    let t2746 = -t2456;
+    let t2747 = -t2457;
+    let t2748 = -t2459;
+    let t2749 = -t2460;
+    let t2750 = -t2461;
     [
-        t2036,
-        t2165,
-        t2197,
-        t2241,
-        t2274,
-        t2285,
-        t2296,
-        t2318,
-        t2328,
-        t2339,
-        t2350,
-        t2361,
-        t2383,
-        t2394,
-        t2405,
-        t2416,
-        t2427,
-        t2449,
-        t2460,
-        t2504,
-        t2527,
-        t2529,
-        t2530,
-        t2531,
-        t2533,
-        t2537,
-        t2538,
-        t2539,
-        t2540,
-        t2542,
-        t2544,
-        t2545,
-        t2546,
-        t2548,
-        t2550,
-        t2551,
-        t2554,
-        t2558,
-        t2592,
-        t2660,
-        t2694,
+        t2030,
+        t2078,
+        t2081,
+        t2087,
+        t2090,
+        t2106,
+        t2111,
+        t2116,
+        t2133,
+        t2154,
+        t2161,
+        t2168,
+        t2186,
+        t2195,
+        t2240,
+        t2249,
+        t2277,
+        t2283,
+        t2289,
+        t2297,
+        t2308,
+        t2334,
+        t2345,
+        t2351,
+        t2359,
+        t2368,
+        t2370,
+        t2392,
+        t2400,
+        t2409,
+        t2411,
+        t2448,
+        t2458,
+        t2498,
+        t2532,
+        t2566,
+        t2600,
+        t2634,
+        t2668,
+        t2702,
+        t2703,
+        t2704,
+        t2705,
+        t2706,
+        t2707,
+        t2708,
+        t2709,
+        t2710,
+        t2711,
+        t2712,
+        t2713,
+        t2714,
+        t2715,
+        t2716,
+        t2717,
+        t2718,
+        t2719,
+        t2720,
+        t2721,
+        t2722,
+        t2723,
+        t2724,
+        t2725,
+        t2726,
+        t2727,
         t2728,
-        t2763,
-        t2764,
-        t2765,
-        t2766,
-        t2767,
-        t2768,
-        t2769,
-        t2770,
-        t2771,
-        t2772,
-        t2773,
-        t2774,
-        t2775,
-        t2776,
-        t2777,
-        t2778,
-        t2779,
-        t2780,
-        t2781,
-        t2782,
-        t2783,
-        t2784,
-        t2785,
-        t2786,
-        t2787,
-        t2788,
-        t2789,
-        t2790,
-        t2791,
-        t2792,
-        t2793,
-        t2794,
-        t2795,
-        t2796,
-        t2797,
-        t2798,
-        t2799,
-        t2800,
-        t2801,
-        t2802,
-        t2803,
-        t2804,
-        t2805,
-        t2806,
-        t2807,
-        t2808,
-        t2809,
-        t2810,
+        t2729,
+        t2730,
+        t2731,
+        t2732,
+        t2733,
+        t2734,
+        t2735,
+        t2736,
+        t2737,
+        t2738,
+        t2739,
+        t2740,
+        t2741,
+        t2742,
+        t2743,
+        t2744,
+        t2745,
+        t2746,
+        t2747,
+        t2748,
+        t2749,
+        t2750,
     ]
 }
 
@@ -12745,8 +12982,22 @@ pub fn frame_tool_pose(y: &[f64; N]) -> ([f64; 3], [[f64; 3]; 3]) {
 /// - returns `J: [6 × N]`: rows: velocity of the origin, then angular velocity, in the axes of the base frame
 ///
 /// Cost: 57 multiplications, 33 additions, 0 divisions, 5 function calls (`sin_cos`).
+#[inline]
 #[must_use]
 pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
+    let mut j = [[0.0; 6]; 6];
+    frame_tool_jacobian_into(y, &mut j);
+    j
+}
+
+/// `frame_tool_jacobian` with its results written in place; nothing of what stood there is read.
+pub fn frame_tool_jacobian_into(y: &[f64; N], j: &mut [[f64; N]; 6]) {
+    j[2][0] = 0.0;
+    j[3][0] = 0.0;
+    j[4][0] = 0.0;
+    j[5][0] = 1.0;
+    j[5][1] = 0.0;
+    j[5][2] = 0.0;
     let angle_beta_gamma = y[1] + y[2];
     let (
         [sin_alpha,
@@ -12761,14 +13012,19 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
         ],
     ) = math::sin_cos_4(y[0], y[1], y[3], y[4]);
     let (sin_beta_gamma, cos_beta_gamma) = math::sin_cos(angle_beta_gamma);
+    j[4][1] = cos_alpha;
+    j[4][2] = cos_alpha;
+    j[5][3] = cos_beta_gamma;
     let x_axis_gamma_y = sin_alpha * cos_beta_gamma;
     let t12 = cos_delta * x_axis_gamma_y;
     let t13 = cos_alpha * sin_delta;
     let x_axis_delta_y = t12 + t13;
     let t15 = sin_epsilon * x_axis_delta_y;
     let y_axis_gamma_y = sin_alpha * sin_beta_gamma;
+    j[4][3] = y_axis_gamma_y;
     let t17 = cos_epsilon * y_axis_gamma_y;
     let y_axis_epsilon_y = t17 + t15;
+    j[4][5] = y_axis_epsilon_y;
     let t19 = 0.09415000000000001 * y_axis_epsilon_y;
     let t20 = 0.46445000000000003 * y_axis_gamma_y;
     let x_axis_beta_y = sin_alpha * sin_beta;
@@ -12779,6 +13035,7 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let t26 = sin_epsilon * x_axis_delta_z;
     let t27 = cos_beta_gamma * cos_epsilon;
     let y_axis_epsilon_z = t27 - t26;
+    j[5][5] = y_axis_epsilon_z;
     let t29 = 0.09415000000000001 * y_axis_epsilon_z;
     let t30 = 0.46445000000000003 * cos_beta_gamma;
     let t31 = 0.18 * cos_beta;
@@ -12795,10 +13052,12 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let t42 = y_axis_gamma_y * t41;
     let t43 = t42 - t40;
     let y_axis_delta_z = sin_beta_gamma * sin_delta;
+    j[5][4] = y_axis_delta_z;
     let t45 = y_axis_delta_z * t39;
     let t46 = sin_delta * x_axis_gamma_y;
     let t47 = cos_alpha * cos_delta;
     let y_axis_delta_y = t47 - t46;
+    j[4][4] = y_axis_delta_y;
     let t49 = y_axis_delta_y * t41;
     let t50 = t49 - t45;
     let t51 = y_axis_epsilon_z * t39;
@@ -12810,14 +13069,17 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let x_axis_delta_x = t55 - t56;
     let t58 = sin_epsilon * x_axis_delta_x;
     let y_axis_gamma_x = cos_alpha * sin_beta_gamma;
+    j[3][3] = y_axis_gamma_x;
     let t60 = cos_epsilon * y_axis_gamma_x;
     let y_axis_epsilon_x = t60 + t58;
+    j[3][5] = y_axis_epsilon_x;
     let t62 = 0.09415000000000001 * y_axis_epsilon_x;
     let t63 = 0.46445000000000003 * y_axis_gamma_x;
     let x_axis_beta_x = cos_alpha * sin_beta;
     let origin_gamma_x = 0.18 * x_axis_beta_x;
     let origin_delta_x = origin_gamma_x + t63;
     let t67 = origin_delta_x + t62;
+    j[1][0] = t67;
     let t68 = sin_alpha * t35;
     let t69 = sin_alpha * t37;
     let t70 = origin_delta_x - t67;
@@ -12841,46 +13103,50 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let t88 = origin_gamma_y - t24;
     let t89 = sin_alpha * t88;
     let t90 = t89 + t87;
+    j[2][2] = t90;
     let t91 = y_axis_gamma_y * t70;
     let t92 = y_axis_gamma_x * t39;
     let t93 = t92 - t91;
     let t94 = y_axis_delta_y * t70;
     let t95 = y_axis_delta_x * t39;
     let t96 = t95 + t94;
+    j[2][4] = t96;
     let t97 = y_axis_epsilon_y * t70;
     let t98 = y_axis_epsilon_x * t39;
     let t99 = t98 - t97;
     let t100 = -t24;
+    j[0][0] = t100;
     let t101 = -t36;
+    j[0][1] = t101;
     let t102 = -t38;
+    j[0][2] = t102;
     let t103 = -t43;
+    j[0][3] = t103;
     let t104 = -t50;
+    j[0][4] = t104;
     let t105 = -t53;
+    j[0][5] = t105;
     let t106 = -t68;
+    j[1][1] = t106;
     let t107 = -t69;
+    j[1][2] = t107;
     let t108 = -t73;
+    j[1][3] = t108;
     let t109 = -t79;
+    j[1][4] = t109;
     let t110 = -t82;
+    j[1][5] = t110;
     let t111 = -t85;
+    j[2][1] = t111;
     let t112 = -t93;
+    j[2][3] = t112;
     let t113 = -t99;
+    j[2][5] = t113;
     let minus_sin_alpha = -sin_alpha;
+    j[3][1] = minus_sin_alpha;
+    j[3][2] = minus_sin_alpha;
     let minus_y_axis_delta_x = -y_axis_delta_x;
-    [
-        [t100, t101, t102, t103, t104, t105],
-        [t67, t106, t107, t108, t109, t110],
-        [0.0, t111, t90, t112, t96, t113],
-        [
-            0.0,
-            minus_sin_alpha,
-            minus_sin_alpha,
-            y_axis_gamma_x,
-            minus_y_axis_delta_x,
-            y_axis_epsilon_x,
-        ],
-        [0.0, cos_alpha, cos_alpha, y_axis_gamma_y, y_axis_delta_y, y_axis_epsilon_y],
-        [1.0, 0.0, 0.0, cos_beta_gamma, y_axis_delta_z, y_axis_epsilon_z],
-    ]
+    j[3][4] = minus_y_axis_delta_x;
 }
 
 /// Acceleration of the frame at ÿ = 0 `tool`.

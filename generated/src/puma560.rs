@@ -125,9 +125,24 @@ pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 /// Cost: 71 multiplications, 66 additions, 0 divisions, 4 function calls (`sin_cos`).
 ///
 /// Composite rigid bodies (Walker and Orin 1982; Featherstone 2008, ch. 6), rotors included.
+#[inline]
 #[must_use]
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
+    let mut m = [[0.0; 6]; 6];
+    mass_matrix_into(y, &mut m);
+    m
+}
+
+/// `mass_matrix` with its results written in place; nothing of what stood there is read.
+#[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
+pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
+    m[3][4] = 0.0;
+    m[4][3] = 0.0;
+    m[4][4] = 0.17134845165700002;
+    m[4][5] = 0.0;
+    m[5][4] = 0.0;
+    m[5][5] = 0.19410450566800005;
     let angle_joint2_joint3 = y[1] + y[2];
     let (
         [sin_joint2,
@@ -194,6 +209,7 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t59 = 1.286789571125 + t58;
     let t60 = t54 + t59;
     let t61 = t60 + 0.784029968642;
+    m[0][0] = t61;
     let t62 = cos_joint4 * t12;
     let t63 = t56 - t62;
     let t64 = sin_joint2_joint3 * t63;
@@ -229,6 +245,8 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t94 = cos_joint2_joint3 * t56;
     let t95 = 7.391625615763547 * t94;
     let t96 = t93 + t95;
+    m[0][3] = t96;
+    m[3][0] = t96;
     let t97 = cos_joint5 * 0.0012435839999999998;
     let t98 = 0.00064216 + t97;
     let t99 = sin_joint4 * t98;
@@ -244,10 +262,14 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t109 = t107 - t108;
     let t110 = 7.391625615763547 * t109;
     let t111 = t105 - t110;
+    m[0][4] = t111;
+    m[4][0] = t111;
     let t112 = 3.9999999999999996e-5 * sin_joint5;
     let t113 = cos_joint4 * t112;
     let t114 = sin_joint2_joint3 * t113;
     let t115 = 3.9999999999999996e-5 * cos_joint5;
+    m[3][5] = t115;
+    m[5][3] = t115;
     let t116 = cos_joint2_joint3 * t115;
     let t117 = t114 - t116;
     let t118 = t20 + t24;
@@ -259,7 +281,10 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t124 = t52 + t123;
     let t125 = t124 + t122;
     let t126 = t125 + 2.324814845;
+    m[1][1] = t126;
     let t127 = t118 + t120;
+    m[1][2] = t127;
+    m[2][1] = t127;
     let t128 = t69 * t94;
     let t129 = sin_joint2_joint3 * t56;
     let t130 = t44 * t129;
@@ -275,23 +300,35 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t140 = t16 - t139;
     let t141 = t140 + t138;
     let t142 = sin_joint4 * t112;
+    m[1][5] = t142;
+    m[2][5] = t142;
+    m[5][1] = t142;
+    m[5][2] = t142;
     let t143 = t118 + 0.5768733319380001;
+    m[2][2] = t143;
     let t144 = t10 + 0.19243062612368;
+    m[3][3] = t144;
     let t145 = -t84;
+    m[0][1] = t145;
+    m[1][0] = t145;
     let t146 = -t86;
+    m[0][2] = t146;
+    m[2][0] = t146;
     let t147 = -t117;
+    m[0][5] = t147;
+    m[5][0] = t147;
     let t148 = -t132;
+    m[1][3] = t148;
+    m[3][1] = t148;
     let t149 = -t141;
+    m[1][4] = t149;
+    m[4][1] = t149;
     let t150 = -t65;
+    m[2][3] = t150;
+    m[3][2] = t150;
     let t151 = -t140;
-    [
-        [t61, t145, t146, t96, t111, t147],
-        [t145, t126, t127, t148, t149, t142],
-        [t146, t127, t143, t150, t151, t142],
-        [t96, t148, t150, t144, 0.0, t115],
-        [t111, t149, t151, 0.0, 0.17134845165700002, 0.0],
-        [t147, t142, t142, t115, 0.0, 0.19410450566800005],
-    ]
+    m[2][4] = t151;
+    m[4][2] = t151;
 }
 
 /// Coriolis, centrifugal and gyroscopic forces `k(y, ẏ)`.
@@ -1103,14 +1140,49 @@ pub fn bias_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 #[inline]
 #[must_use]
 pub fn input_matrix() -> [[f64; M]; N] {
-    [
-        [-62.6111, 0.0, 0.0, 0.0, 0.0, 0.0],
-        [0.0, 107.815, 0.0, 0.0, 0.0, 0.0],
-        [0.0, 0.0, -53.7063, 0.0, 0.0, 0.0],
-        [0.0, 0.0, 0.0, 76.0364, 0.0, 0.0],
-        [0.0, 0.0, 0.0, 0.0, 71.923, 0.0],
-        [0.0, 0.0, 0.0, 0.0, 0.0, 76.686],
-    ]
+    let mut b = [[0.0; 6]; 6];
+    input_matrix_into(&mut b);
+    b
+}
+
+/// `input_matrix` with its results written in place; nothing of what stood there is read.
+pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
+    b[0][0] = -62.6111;
+    b[0][1] = 0.0;
+    b[0][2] = 0.0;
+    b[0][3] = 0.0;
+    b[0][4] = 0.0;
+    b[0][5] = 0.0;
+    b[1][0] = 0.0;
+    b[1][1] = 107.815;
+    b[1][2] = 0.0;
+    b[1][3] = 0.0;
+    b[1][4] = 0.0;
+    b[1][5] = 0.0;
+    b[2][0] = 0.0;
+    b[2][1] = 0.0;
+    b[2][2] = -53.7063;
+    b[2][3] = 0.0;
+    b[2][4] = 0.0;
+    b[2][5] = 0.0;
+    b[3][0] = 0.0;
+    b[3][1] = 0.0;
+    b[3][2] = 0.0;
+    b[3][3] = 76.0364;
+    b[3][4] = 0.0;
+    b[3][5] = 0.0;
+    b[4][0] = 0.0;
+    b[4][1] = 0.0;
+    b[4][2] = 0.0;
+    b[4][3] = 0.0;
+    b[4][4] = 71.923;
+    b[4][5] = 0.0;
+    b[5][0] = 0.0;
+    b[5][1] = 0.0;
+    b[5][2] = 0.0;
+    b[5][3] = 0.0;
+    b[5][4] = 0.0;
+    b[5][5] = 76.686;
 }
 
 /// Mass matrix, Coriolis forces and applied forces at once.
@@ -1126,12 +1198,35 @@ pub fn input_matrix() -> [[f64; M]; N] {
 /// Cost: 242 multiplications, 193 additions, 0 divisions, 4 function calls (`sin_cos`), 12 selections.
 ///
 /// What the three have in common is computed once.
+#[inline]
 #[must_use]
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 pub fn equations_of_motion(
     y: &[f64; N],
     v: &[f64; N],
 ) -> ([[f64; N]; N], [f64; N], [f64; N]) {
+    let mut m = [[0.0; 6]; 6];
+    let mut k = [0.0; 6];
+    let mut q = [0.0; 6];
+    equations_of_motion_into(y, v, &mut m, &mut k, &mut q);
+    (m, k, q)
+}
+
+/// `equations_of_motion` with its results written in place; nothing of what stood there is read.
+#[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
+pub fn equations_of_motion_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    m: &mut [[f64; N]; N],
+    k: &mut [f64; N],
+    q: &mut [f64; N],
+) {
+    m[3][4] = 0.0;
+    m[4][3] = 0.0;
+    m[4][4] = 0.17134845165700002;
+    m[4][5] = 0.0;
+    m[5][4] = 0.0;
+    m[5][5] = 0.19410450566800005;
     let angle_joint2_joint3 = y[1] + y[2];
     let (
         [sin_joint2,
@@ -1198,6 +1293,7 @@ pub fn equations_of_motion(
     let t59 = 1.286789571125 + t58;
     let t60 = t54 + t59;
     let t61 = 0.784029968642 + t60;
+    m[0][0] = t61;
     let t62 = cos_joint4 * t12;
     let t63 = t56 - t62;
     let t64 = sin_joint2_joint3 * t63;
@@ -1233,6 +1329,8 @@ pub fn equations_of_motion(
     let t94 = cos_joint2_joint3 * t56;
     let t95 = 7.391625615763547 * t94;
     let t96 = t93 + t95;
+    m[0][3] = t96;
+    m[3][0] = t96;
     let t97 = 0.0012435839999999998 * cos_joint5;
     let t98 = 0.00064216 + t97;
     let t99 = sin_joint4 * t98;
@@ -1248,10 +1346,14 @@ pub fn equations_of_motion(
     let t109 = t107 - t108;
     let t110 = 7.391625615763547 * t109;
     let t111 = t105 - t110;
+    m[0][4] = t111;
+    m[4][0] = t111;
     let t112 = 3.9999999999999996e-5 * sin_joint5;
     let t113 = cos_joint4 * t112;
     let t114 = sin_joint2_joint3 * t113;
     let t115 = 3.9999999999999996e-5 * cos_joint5;
+    m[3][5] = t115;
+    m[5][3] = t115;
     let t116 = cos_joint2_joint3 * t115;
     let t117 = t114 - t116;
     let t118 = t20 + t24;
@@ -1263,7 +1365,10 @@ pub fn equations_of_motion(
     let t124 = t52 + t123;
     let t125 = t124 + t122;
     let t126 = 2.324814845 + t125;
+    m[1][1] = t126;
     let t127 = t118 + t120;
+    m[1][2] = t127;
+    m[2][1] = t127;
     let t128 = t69 * t94;
     let t129 = sin_joint2_joint3 * t56;
     let t130 = t44 * t129;
@@ -1279,8 +1384,14 @@ pub fn equations_of_motion(
     let t140 = t16 - t139;
     let t141 = t140 + t138;
     let t142 = sin_joint4 * t112;
+    m[1][5] = t142;
+    m[2][5] = t142;
+    m[5][1] = t142;
+    m[5][2] = t142;
     let t143 = 0.5768733319380001 + t118;
+    m[2][2] = t143;
     let t144 = t10 + 0.19243062612368;
+    m[3][3] = t144;
     let omega_joint3_y = v[0] * cos_joint2_joint3;
     let omega_joint4_z = v[3] + omega_joint3_y;
     let t147 = 2.0 * omega_joint4_z;
@@ -1406,6 +1517,7 @@ pub fn equations_of_motion(
     let t267 = t260 - t266;
     let moment_joint6_y = 1.9999999999999998e-5 * t267;
     let moment_joint5_z = t265 - moment_joint6_y;
+    k[4] = moment_joint5_z;
     let t270 = omega_joint4_x * t147;
     let t271 = t243 - t270;
     let t272 = 0.00065 * t271;
@@ -1494,6 +1606,7 @@ pub fn equations_of_motion(
     let force_joint2_x = t354 - t353;
     let t356 = 0.3474988420565076 * force_joint2_x;
     let moment_joint1_z = moment_joint2_y - t356;
+    k[0] = moment_joint1_z;
     let t358 = sin_joint4 * t236;
     let t359 = cos_joint4 * t284;
     let t360 = t358 + t359;
@@ -1508,6 +1621,7 @@ pub fn equations_of_motion(
     let t369 = 0.15181224400000007 * acceleration_joint3_x;
     let t370 = t369 + t368;
     let moment_joint3_z = t370 + t362;
+    k[2] = moment_joint3_z;
     let t372 = sin_joint2 * t353;
     let t373 = sin_joint2_joint3 * force_joint3_x;
     let t374 = cos_joint2_joint3 * force_joint3_y;
@@ -1518,6 +1632,7 @@ pub fn equations_of_motion(
     let t379 = t205 - t207;
     let t380 = t325 * t379;
     let moment_joint2_z = t380 + t378;
+    k[1] = moment_joint2_z;
     let acceleration_joint4_x_2 = sin_joint2_joint3 * cos_joint4;
     let t383 = cos_joint5 * acceleration_joint4_x_2;
     let t384 = cos_joint2_joint3 * sin_joint5;
@@ -1592,39 +1707,42 @@ pub fn equations_of_motion(
     let t453 = t452 + t451;
     let t454 = t453 - t450;
     let t455 = -t84;
+    m[0][1] = t455;
+    m[1][0] = t455;
     let t456 = -t86;
+    m[0][2] = t456;
+    m[2][0] = t456;
     let t457 = -t117;
+    m[0][5] = t457;
+    m[5][0] = t457;
     let t458 = -t132;
+    m[1][3] = t458;
+    m[3][1] = t458;
     let t459 = -t141;
+    m[1][4] = t459;
+    m[4][1] = t459;
     let t460 = -t65;
+    m[2][3] = t460;
+    m[3][2] = t460;
     let t461 = -t140;
+    m[2][4] = t461;
+    m[4][2] = t461;
     let minus_moment_joint4_z = -moment_joint4_z;
+    k[3] = minus_moment_joint4_z;
     let minus_moment_joint6_z = -moment_joint6_z;
+    k[5] = minus_moment_joint6_z;
     let t464 = -t404;
+    q[0] = t464;
     let t465 = -t423;
+    q[1] = t465;
     let t466 = -t431;
+    q[2] = t466;
     let t467 = -t439;
+    q[3] = t467;
     let t468 = -t447;
+    q[4] = t468;
     let t469 = -t454;
-    (
-        [
-            [t61, t455, t456, t96, t111, t457],
-            [t455, t126, t127, t458, t459, t142],
-            [t456, t127, t143, t460, t461, t142],
-            [t96, t458, t460, t144, 0.0, t115],
-            [t111, t459, t461, 0.0, 0.17134845165700002, 0.0],
-            [t457, t142, t142, t115, 0.0, 0.19410450566800005],
-        ],
-        [
-            moment_joint1_z,
-            moment_joint2_z,
-            moment_joint3_z,
-            minus_moment_joint4_z,
-            moment_joint5_z,
-            minus_moment_joint6_z,
-        ],
-        [t464, t465, t466, t467, t468, t469],
-    )
+    q[5] = t469;
 }
 
 /// Inverse dynamics: the joint forces of a motion.
@@ -2610,12 +2728,33 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 /// Cost: 207 multiplications, 170 additions, 0 divisions, 4 function calls (`sin_cos`).
 ///
 /// What both have in common is computed once.
+#[inline]
 #[must_use]
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 pub fn mass_matrix_and_bias_forces(
     y: &[f64; N],
     v: &[f64; N],
 ) -> ([[f64; N]; N], [f64; N]) {
+    let mut m = [[0.0; 6]; 6];
+    let mut b = [0.0; 6];
+    mass_matrix_and_bias_forces_into(y, v, &mut m, &mut b);
+    (m, b)
+}
+
+/// `mass_matrix_and_bias_forces` with its results written in place; nothing of what stood there is read.
+#[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
+pub fn mass_matrix_and_bias_forces_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    m: &mut [[f64; N]; N],
+    b: &mut [f64; N],
+) {
+    m[3][4] = 0.0;
+    m[4][3] = 0.0;
+    m[4][4] = 0.17134845165700002;
+    m[4][5] = 0.0;
+    m[5][4] = 0.0;
+    m[5][5] = 0.19410450566800005;
     let angle_joint2_joint3 = y[1] + y[2];
     let (
         [sin_joint2,
@@ -2682,6 +2821,7 @@ pub fn mass_matrix_and_bias_forces(
     let t59 = 1.286789571125 + t58;
     let t60 = t54 + t59;
     let t61 = t60 + 0.784029968642;
+    m[0][0] = t61;
     let t62 = cos_joint4 * t12;
     let t63 = t56 - t62;
     let t64 = sin_joint2_joint3 * t63;
@@ -2717,6 +2857,8 @@ pub fn mass_matrix_and_bias_forces(
     let t94 = cos_joint2_joint3 * t56;
     let t95 = 7.391625615763547 * t94;
     let t96 = t93 + t95;
+    m[0][3] = t96;
+    m[3][0] = t96;
     let t97 = cos_joint5 * 0.0012435839999999998;
     let t98 = 0.00064216 + t97;
     let t99 = sin_joint4 * t98;
@@ -2732,10 +2874,14 @@ pub fn mass_matrix_and_bias_forces(
     let t109 = t107 - t108;
     let t110 = 7.391625615763547 * t109;
     let t111 = t105 - t110;
+    m[0][4] = t111;
+    m[4][0] = t111;
     let t112 = 3.9999999999999996e-5 * sin_joint5;
     let t113 = cos_joint4 * t112;
     let t114 = sin_joint2_joint3 * t113;
     let t115 = 3.9999999999999996e-5 * cos_joint5;
+    m[3][5] = t115;
+    m[5][3] = t115;
     let t116 = cos_joint2_joint3 * t115;
     let t117 = t114 - t116;
     let t118 = t20 + t24;
@@ -2747,7 +2893,10 @@ pub fn mass_matrix_and_bias_forces(
     let t124 = t52 + t123;
     let t125 = t124 + t122;
     let t126 = t125 + 2.324814845;
+    m[1][1] = t126;
     let t127 = t118 + t120;
+    m[1][2] = t127;
+    m[2][1] = t127;
     let t128 = t69 * t94;
     let t129 = sin_joint2_joint3 * t56;
     let t130 = t44 * t129;
@@ -2763,8 +2912,14 @@ pub fn mass_matrix_and_bias_forces(
     let t140 = t16 - t139;
     let t141 = t140 + t138;
     let t142 = sin_joint4 * t112;
+    m[1][5] = t142;
+    m[2][5] = t142;
+    m[5][1] = t142;
+    m[5][2] = t142;
     let t143 = t118 + 0.5768733319380001;
+    m[2][2] = t143;
     let t144 = t10 + 0.19243062612368;
+    m[3][3] = t144;
     let omega_joint3_y = v[0] * cos_joint2_joint3;
     let omega_joint4_z = v[3] + omega_joint3_y;
     let t147 = 2.0 * omega_joint4_z;
@@ -2891,6 +3046,7 @@ pub fn mass_matrix_and_bias_forces(
     let t268 = t261 - t267;
     let moment_joint6_y = 1.9999999999999998e-5 * t268;
     let moment_joint5_z = t266 - moment_joint6_y;
+    b[4] = moment_joint5_z;
     let t271 = omega_joint4_x * t147;
     let t272 = t244 - t271;
     let t273 = 0.00065 * t272;
@@ -2979,6 +3135,7 @@ pub fn mass_matrix_and_bias_forces(
     let force_joint2_x = t355 - t354;
     let t357 = 0.3474988420565076 * force_joint2_x;
     let moment_joint1_z = moment_joint2_y - t357;
+    b[0] = moment_joint1_z;
     let t359 = sin_joint4 * t237;
     let t360 = cos_joint4 * t285;
     let t361 = t359 + t360;
@@ -2993,6 +3150,7 @@ pub fn mass_matrix_and_bias_forces(
     let t370 = 0.15181224400000007 * acceleration_joint3_x;
     let t371 = t370 + t369;
     let moment_joint3_z = t371 + t363;
+    b[2] = moment_joint3_z;
     let t373 = sin_joint2 * t354;
     let t374 = sin_joint2_joint3 * force_joint3_x;
     let t375 = cos_joint2_joint3 * force_joint3_y;
@@ -3005,33 +3163,32 @@ pub fn mass_matrix_and_bias_forces(
     let t382 = t336 * 22.71885132005558;
     let t383 = t382 + t381;
     let moment_joint2_z = t383 + t379;
+    b[1] = moment_joint2_z;
     let t385 = -t84;
+    m[0][1] = t385;
+    m[1][0] = t385;
     let t386 = -t86;
+    m[0][2] = t386;
+    m[2][0] = t386;
     let t387 = -t117;
+    m[0][5] = t387;
+    m[5][0] = t387;
     let t388 = -t132;
+    m[1][3] = t388;
+    m[3][1] = t388;
     let t389 = -t141;
+    m[1][4] = t389;
+    m[4][1] = t389;
     let t390 = -t65;
+    m[2][3] = t390;
+    m[3][2] = t390;
     let t391 = -t140;
+    m[2][4] = t391;
+    m[4][2] = t391;
     let minus_moment_joint4_z = -moment_joint4_z;
+    b[3] = minus_moment_joint4_z;
     let minus_moment_joint6_z = -moment_joint6_z;
-    (
-        [
-            [t61, t385, t386, t96, t111, t387],
-            [t385, t126, t127, t388, t389, t142],
-            [t386, t127, t143, t390, t391, t142],
-            [t96, t388, t390, t144, 0.0, t115],
-            [t111, t389, t391, 0.0, 0.17134845165700002, 0.0],
-            [t387, t142, t142, t115, 0.0, 0.19410450566800005],
-        ],
-        [
-            moment_joint1_z,
-            moment_joint2_z,
-            moment_joint3_z,
-            minus_moment_joint4_z,
-            moment_joint5_z,
-            minus_moment_joint6_z,
-        ],
-    )
+    b[5] = minus_moment_joint6_z;
 }
 
 /// Inverse dynamics with its Jacobians.
@@ -3050,6 +3207,7 @@ pub fn mass_matrix_and_bias_forces(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 pub fn inverse_dynamics_derivatives(
@@ -3057,6 +3215,31 @@ pub fn inverse_dynamics_derivatives(
     v: &[f64; N],
     a: &[f64; N],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N]) {
+    let mut b_u = [0.0; 6];
+    let mut d_dy = [[0.0; 6]; 6];
+    let mut d_dv = [[0.0; 6]; 6];
+    inverse_dynamics_derivatives_into(y, v, a, &mut b_u, &mut d_dy, &mut d_dv);
+    (b_u, d_dy, d_dv)
+}
+
+/// `inverse_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+#[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
+pub fn inverse_dynamics_derivatives_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    b_u: &mut [f64; N],
+    d_dy: &mut [[f64; N]; N],
+    d_dv: &mut [[f64; N]; N],
+) {
+    d_dy[0][0] = 0.0;
+    d_dy[1][0] = 0.0;
+    d_dy[2][0] = 0.0;
+    d_dy[3][0] = 0.0;
+    d_dy[4][0] = 0.0;
+    d_dy[5][0] = 0.0;
+    d_dv[4][4] = 0.42728302093540005;
+    d_dv[5][5] = 0.2158232532732;
     let angle_joint2_joint3 = y[1] + y[2];
     let (
         [sin_joint2,
@@ -3332,6 +3515,7 @@ pub fn inverse_dynamics_derivatives(
     let t268 = t267 + t266;
     let t269 = t268 - t265;
     let t270 = t262 + t269;
+    b_u[0] = t270;
     let t271 = sin_joint4 * t116;
     let t272 = cos_joint4 * t164;
     let t273 = t271 - t272;
@@ -3381,6 +3565,7 @@ pub fn inverse_dynamics_derivatives(
     let t317 = t316 + t315;
     let t318 = t317 + t314;
     let t319 = t311 + t318;
+    b_u[1] = t319;
     let t320 = a[2] * 0.5768733319380001;
     let t321 = t320 - moment_joint3_z;
     let t322 = sign(v[2]);
@@ -3391,6 +3576,7 @@ pub fn inverse_dynamics_derivatives(
     let t327 = t326 + t325;
     let t328 = t327 + t324;
     let t329 = t321 + t328;
+    b_u[2] = t329;
     let t330 = a[3] * 0.19079062612368;
     let t331 = t330 + moment_joint4_z;
     let t332 = sign(v[3]);
@@ -3401,6 +3587,7 @@ pub fn inverse_dynamics_derivatives(
     let t337 = t336 + t335;
     let t338 = t337 - t334;
     let t339 = t331 + t338;
+    b_u[3] = t339;
     let t340 = a[4] * 0.17070629165700002;
     let t341 = t340 - moment_joint5_z;
     let t342 = sign(v[4]);
@@ -3411,6 +3598,7 @@ pub fn inverse_dynamics_derivatives(
     let t347 = t346 + t345;
     let t348 = t347 - t344;
     let t349 = t341 + t348;
+    b_u[4] = t349;
     let t350 = a[5] * 0.19406450566800004;
     let t351 = moment_joint6_z - t350;
     let t352 = sign(v[5]);
@@ -3436,6 +3624,7 @@ pub fn inverse_dynamics_derivatives(
     let t372 = t368 + t371;
     let t373 = cos_joint5 * t360;
     let t374 = 3.9999999999999996e-5 * omega_joint5_x;
+    d_dv[4][5] = t374;
     let t375 = sin_joint5 * t374;
     let t376 = t373 + t375;
     let t377 = omega_joint4_z * 0.0014999999999999998;
@@ -3733,6 +3922,7 @@ pub fn inverse_dynamics_derivatives(
     let t669 = t668 + t666;
     let t670 = t665 - t669;
     let t671 = t670 + t664;
+    d_dy[3][3] = t671;
     let t672 = t671 + t661;
     let t673 = cos_joint2_joint3 * t672;
     let t674 = t657 + t673;
@@ -3751,6 +3941,7 @@ pub fn inverse_dynamics_derivatives(
     let t687 = t680 - t686;
     let t688 = 0.3474988420565076 * t687;
     let t689 = t676 + t688;
+    d_dy[0][3] = t689;
     let t690 = t40 * 0.00044216;
     let t691 = omega_joint5_x * t419;
     let t692 = t690 - t691;
@@ -3780,6 +3971,7 @@ pub fn inverse_dynamics_derivatives(
     let t716 = omega_joint5_x * t364;
     let t717 = t715 + t716;
     let t718 = t714 + t717;
+    d_dy[4][4] = t718;
     let t719 = omega_joint5_y * t391;
     let t720 = force_joint5_x - t719;
     let t721 = sin_joint5 * t720;
@@ -3816,6 +4008,7 @@ pub fn inverse_dynamics_derivatives(
     let t752 = t747 - t751;
     let t753 = 0.3474988420565076 * t752;
     let t754 = t743 + t753;
+    d_dy[0][4] = t754;
     let t755 = 1.9999999999999998e-5 * t142;
     let t756 = omega_joint5_x * t360;
     let t757 = t755 + t756;
@@ -3840,8 +4033,10 @@ pub fn inverse_dynamics_derivatives(
     let t776 = sin_joint5 * t758;
     let t777 = cos_joint5 * t765;
     let t778 = t776 - t777;
+    d_dy[3][5] = t778;
     let t779 = cos_joint2_joint3 * t778;
     let t780 = t775 + t779;
+    d_dy[0][5] = t780;
     let t781 = cos_joint4 * t388;
     let t782 = t378 + t781;
     let t783 = 0.047012505789717454 * t602;
@@ -3955,6 +4150,7 @@ pub fn inverse_dynamics_derivatives(
     let t891 = t890 + t889;
     let t892 = t888 - t891;
     let t893 = t892 - t884;
+    d_dy[2][1] = t893;
     let t894 = t424 - t427;
     let t895 = cos_joint2_joint3 * t894;
     let t896 = t386 - t556;
@@ -3986,6 +4182,7 @@ pub fn inverse_dynamics_derivatives(
     let t922 = t921 - t920;
     let t923 = t919 + t922;
     let t924 = t923 - t904;
+    d_dy[3][1] = t924;
     let t925 = omega_joint3_y * t894;
     let t926 = omega_joint3_x * t896;
     let t927 = t925 + t926;
@@ -4046,6 +4243,7 @@ pub fn inverse_dynamics_derivatives(
     let t982 = t981 - t980;
     let t983 = t979 - t982;
     let t984 = t983 - t958;
+    d_dy[4][1] = t984;
     let t985 = omega_joint3_y * t943;
     let t986 = omega_joint3_x * t948;
     let t987 = t985 - t986;
@@ -4059,10 +4257,12 @@ pub fn inverse_dynamics_derivatives(
     let t995 = t994 - t991;
     let t996 = t995 + t990;
     let t997 = t996 - t987;
+    d_dy[4][2] = t997;
     let t998 = omega_joint4_y * t366;
     let t999 = t21 * 0.00064216;
     let t1000 = t625 - t999;
     let t1001 = t1000 + t998;
+    d_dy[4][3] = t1001;
     let t1002 = sin_joint4 * t374;
     let t1003 = cos_joint5 * t761;
     let t1004 = cos_joint4 * t1003;
@@ -4098,6 +4298,7 @@ pub fn inverse_dynamics_derivatives(
     let t1034 = t133 * t1014;
     let t1035 = t1033 - t1034;
     let t1036 = t1035 + t1032;
+    d_dy[5][3] = t1036;
     let t1037 = 3.9999999999999996e-5 * t61;
     let t1038 = omega_joint5_y * t761;
     let t1039 = t1037 - t1038;
@@ -4128,6 +4329,7 @@ pub fn inverse_dynamics_derivatives(
     let t1064 = t1060 + t1063;
     let t1065 = t1057 - t1064;
     let t1066 = t1065 + 5.8018217679508;
+    d_dv[0][0] = t1066;
     let t1067 = t372 - t781;
     let t1068 = omega_joint3_z * 0.009475200000000003;
     let t1069 = t1068 - t1067;
@@ -4176,6 +4378,7 @@ pub fn inverse_dynamics_derivatives(
     let t1112 = t1111 - t1108;
     let t1113 = 0.3474988420565076 * t1112;
     let t1114 = t1105 - t1113;
+    d_dv[0][2] = t1114;
     let t1115 = t369 * t626;
     let t1116 = t434 - t1115;
     let t1117 = t391 - t435;
@@ -4207,6 +4410,7 @@ pub fn inverse_dynamics_derivatives(
     let t1143 = t1141 + t1142;
     let t1144 = 0.3474988420565076 * t1143;
     let t1145 = t1137 + t1144;
+    d_dv[0][3] = t1145;
     let t1146 = omega_joint5_y * 0.00088432;
     let t1147 = t360 + t1146;
     let t1148 = cos_joint5 * t1147;
@@ -4260,6 +4464,7 @@ pub fn inverse_dynamics_derivatives(
     let t1196 = t809 * t827;
     let t1197 = t1195 - t1196;
     let t1198 = t1197 + 9.496868641825001;
+    d_dv[1][1] = t1198;
     let t1199 = t400 - t409;
     let t1200 = t1088 * t515;
     let t1201 = t1090 * t518;
@@ -4298,6 +4503,8 @@ pub fn inverse_dynamics_derivatives(
     let t1234 = cos_joint4 * t374;
     let t1235 = sin_joint4 * t1003;
     let t1236 = t1235 + t1234;
+    d_dv[1][5] = t1236;
+    d_dv[2][5] = t1236;
     let t1237 = t1182 - t1184;
     let t1238 = t1048 - t1191;
     let t1239 = t1199 + t1238;
@@ -4319,11 +4526,14 @@ pub fn inverse_dynamics_derivatives(
     let t1255 = t1075 - t1254;
     let t1256 = t809 * t911;
     let t1257 = t1255 + t1256;
+    d_dv[3][1] = t1257;
     let t1258 = t1090 * t906;
     let t1259 = t1088 * t494;
     let t1260 = t1259 - t1258;
     let t1261 = t1075 + t1260;
+    d_dv[3][2] = t1261;
     let t1262 = t1132 + 0.41164522969715195;
+    d_dv[3][3] = t1262;
     let t1263 = sin_joint2_joint3 * t943;
     let t1264 = cos_joint2_joint3 * t948;
     let t1265 = t1263 + t1264;
@@ -4344,76 +4554,100 @@ pub fn inverse_dynamics_derivatives(
     let t1280 = t1276 + t1279;
     let t1281 = t809 * t977;
     let t1282 = t1280 + t1281;
+    d_dv[4][1] = t1282;
     let t1283 = t1090 * t971;
     let t1284 = t1088 * t973;
     let t1285 = t1284 + t1283;
     let t1286 = t1276 + t1285;
+    d_dv[4][2] = t1286;
     let t1287 = omega_joint4_x * 0.00128432;
     let t1288 = t434 - t1287;
     let t1289 = t809 * t1016;
     let t1290 = t1236 - t1289;
+    d_dv[5][1] = t1290;
     let t1291 = t1090 * t1014;
     let t1292 = t1088 * t1012;
     let t1293 = t1292 + t1291;
     let t1294 = t1236 - t1293;
+    d_dv[5][2] = t1294;
     let t1295 = t384 * t1011;
     let t1296 = t1007 - t1295;
     let t1297 = -t359;
+    b_u[5] = t1297;
     let t1298 = -t554;
+    d_dy[0][1] = t1298;
     let t1299 = -t623;
+    d_dy[0][2] = t1299;
     let t1300 = -t835;
+    d_dy[1][1] = t1300;
     let t1301 = -t855;
+    d_dy[1][2] = t1301;
     let t1302 = -t867;
+    d_dy[1][3] = t1302;
     let t1303 = -t879;
+    d_dy[1][4] = t1303;
     let t1304 = -t882;
+    d_dy[1][5] = t1304;
+    d_dy[2][5] = t1304;
     let t1305 = -t848;
+    d_dy[2][2] = t1305;
     let t1306 = -t860;
+    d_dy[2][3] = t1306;
     let t1307 = -t872;
+    d_dy[2][4] = t1307;
     let t1308 = -t934;
+    d_dy[3][2] = t1308;
     let t1309 = -t734;
+    d_dy[3][4] = t1309;
     let t1310 = -t772;
+    d_dy[4][5] = t1310;
     let t1311 = -t1021;
+    d_dy[5][1] = t1311;
     let t1312 = -t1029;
+    d_dy[5][2] = t1312;
     let t1313 = -t1039;
+    d_dy[5][4] = t1313;
     let t1314 = -t765;
+    d_dy[5][5] = t1314;
     let t1315 = -t1087;
+    d_dv[0][1] = t1315;
     let t1316 = -t1176;
+    d_dv[0][4] = t1316;
     let t1317 = -t1179;
+    d_dv[0][5] = t1317;
+    d_dv[5][0] = t1317;
     let t1318 = -t1188;
+    d_dv[1][0] = t1318;
     let t1319 = -t1210;
+    d_dv[1][2] = t1319;
     let t1320 = -t1222;
+    d_dv[1][3] = t1320;
     let t1321 = -t1233;
+    d_dv[1][4] = t1321;
     let t1322 = -t1237;
+    d_dv[2][0] = t1322;
     let t1323 = -t1241;
+    d_dv[2][1] = t1323;
     let t1324 = -t1242;
+    d_dv[2][2] = t1324;
     let t1325 = -t1215;
+    d_dv[2][3] = t1325;
     let t1326 = -t1226;
+    d_dv[2][4] = t1326;
     let t1327 = -t1251;
+    d_dv[3][0] = t1327;
     let t1328 = -t1160;
+    d_dv[3][4] = t1328;
     let t1329 = -t1007;
+    d_dv[3][5] = t1329;
     let t1330 = -t1271;
+    d_dv[4][0] = t1330;
     let t1331 = -t1288;
+    d_dv[4][3] = t1331;
     let t1332 = -t1296;
+    d_dv[5][3] = t1332;
     let t1333 = -t374;
-    (
-        [t270, t319, t329, t339, t349, t1297],
-        [
-            [0.0, t1298, t1299, t689, t754, t780],
-            [0.0, t1300, t1301, t1302, t1303, t1304],
-            [0.0, t893, t1305, t1306, t1307, t1304],
-            [0.0, t924, t1308, t671, t1309, t778],
-            [0.0, t984, t997, t1001, t718, t1310],
-            [0.0, t1311, t1312, t1036, t1313, t1314],
-        ],
-        [
-            [t1066, t1315, t1114, t1145, t1316, t1317],
-            [t1318, t1198, t1319, t1320, t1321, t1236],
-            [t1322, t1323, t1324, t1325, t1326, t1236],
-            [t1327, t1257, t1261, t1262, t1328, t1329],
-            [t1330, t1282, t1286, t1331, 0.42728302093540005, t374],
-            [t1317, t1290, t1294, t1332, t1333, 0.2158232532732],
-        ],
-    )
+    d_dv[5][4] = t1333;
 }
 
 /// Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.
@@ -4433,6 +4667,7 @@ pub fn inverse_dynamics_derivatives(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 #[allow(
@@ -4444,6 +4679,48 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     v: &[f64; N],
     a: &[f64; N],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
+    let mut b_u = [0.0; 6];
+    let mut d_dy = [[0.0; 6]; 6];
+    let mut d_dv = [[0.0; 6]; 6];
+    let mut m = [[0.0; 6]; 6];
+    inverse_dynamics_derivatives_and_mass_matrix_into(
+        y,
+        v,
+        a,
+        &mut b_u,
+        &mut d_dy,
+        &mut d_dv,
+        &mut m,
+    );
+    (b_u, d_dy, d_dv, m)
+}
+
+/// `inverse_dynamics_derivatives_and_mass_matrix` with its results written in place; nothing of what stood there
+/// is read.
+#[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
+pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    b_u: &mut [f64; N],
+    d_dy: &mut [[f64; N]; N],
+    d_dv: &mut [[f64; N]; N],
+    m: &mut [[f64; N]; N],
+) {
+    d_dy[0][0] = 0.0;
+    d_dy[1][0] = 0.0;
+    d_dy[2][0] = 0.0;
+    d_dy[3][0] = 0.0;
+    d_dy[4][0] = 0.0;
+    d_dy[5][0] = 0.0;
+    d_dv[4][4] = 0.42728302093540005;
+    d_dv[5][5] = 0.2158232532732;
+    m[3][4] = 0.0;
+    m[4][3] = 0.0;
+    m[4][4] = 0.17134845165700002;
+    m[4][5] = 0.0;
+    m[5][4] = 0.0;
+    m[5][5] = 0.19410450566800005;
     let angle_joint2_joint3 = y[1] + y[2];
     let (
         [sin_joint2,
@@ -4719,6 +4996,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t268 = t267 + t266;
     let t269 = t268 - t265;
     let t270 = t262 + t269;
+    b_u[0] = t270;
     let t271 = sin_joint4 * t116;
     let t272 = cos_joint4 * t164;
     let t273 = t271 - t272;
@@ -4768,6 +5046,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t317 = t316 + t315;
     let t318 = t317 + t314;
     let t319 = t311 + t318;
+    b_u[1] = t319;
     let t320 = a[2] * 0.5768733319380001;
     let t321 = t320 - moment_joint3_z;
     let t322 = sign(v[2]);
@@ -4778,6 +5057,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t327 = t326 + t325;
     let t328 = t327 + t324;
     let t329 = t321 + t328;
+    b_u[2] = t329;
     let t330 = a[3] * 0.19079062612368;
     let t331 = t330 + moment_joint4_z;
     let t332 = sign(v[3]);
@@ -4788,6 +5068,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t337 = t336 + t335;
     let t338 = t337 - t334;
     let t339 = t331 + t338;
+    b_u[3] = t339;
     let t340 = a[4] * 0.17070629165700002;
     let t341 = t340 - moment_joint5_z;
     let t342 = sign(v[4]);
@@ -4798,6 +5079,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t347 = t346 + t345;
     let t348 = t347 - t344;
     let t349 = t341 + t348;
+    b_u[4] = t349;
     let t350 = a[5] * 0.19406450566800004;
     let t351 = moment_joint6_z - t350;
     let t352 = sign(v[5]);
@@ -4823,6 +5105,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t372 = t368 + t371;
     let t373 = cos_joint5 * t360;
     let t374 = 3.9999999999999996e-5 * omega_joint5_x;
+    d_dv[4][5] = t374;
     let t375 = sin_joint5 * t374;
     let t376 = t373 + t375;
     let t377 = omega_joint4_z * 0.0014999999999999998;
@@ -5120,6 +5403,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t669 = t668 + t666;
     let t670 = t665 - t669;
     let t671 = t670 + t664;
+    d_dy[3][3] = t671;
     let t672 = t671 + t661;
     let t673 = cos_joint2_joint3 * t672;
     let t674 = t657 + t673;
@@ -5138,6 +5422,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t687 = t680 - t686;
     let t688 = 0.3474988420565076 * t687;
     let t689 = t676 + t688;
+    d_dy[0][3] = t689;
     let t690 = t40 * 0.00044216;
     let t691 = omega_joint5_x * t419;
     let t692 = t690 - t691;
@@ -5167,6 +5452,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t716 = omega_joint5_x * t364;
     let t717 = t715 + t716;
     let t718 = t714 + t717;
+    d_dy[4][4] = t718;
     let t719 = omega_joint5_y * t391;
     let t720 = force_joint5_x - t719;
     let t721 = sin_joint5 * t720;
@@ -5203,6 +5489,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t752 = t747 - t751;
     let t753 = 0.3474988420565076 * t752;
     let t754 = t743 + t753;
+    d_dy[0][4] = t754;
     let t755 = 1.9999999999999998e-5 * t142;
     let t756 = omega_joint5_x * t360;
     let t757 = t755 + t756;
@@ -5227,8 +5514,10 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t776 = sin_joint5 * t758;
     let t777 = cos_joint5 * t765;
     let t778 = t776 - t777;
+    d_dy[3][5] = t778;
     let t779 = cos_joint2_joint3 * t778;
     let t780 = t775 + t779;
+    d_dy[0][5] = t780;
     let t781 = cos_joint4 * t388;
     let t782 = t378 + t781;
     let t783 = 0.047012505789717454 * t602;
@@ -5334,6 +5623,8 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t883 = t802 - t806;
     let t884 = v[0] * t883;
     let t885 = t813 + t816;
+    m[1][2] = t885;
+    m[2][1] = t885;
     let t886 = t74 * t885;
     let t887 = a[0] * t824;
     let t888 = t887 - t886;
@@ -5342,6 +5633,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t891 = t890 + t889;
     let t892 = t888 - t891;
     let t893 = t892 - t884;
+    d_dy[2][1] = t893;
     let t894 = t424 - t427;
     let t895 = cos_joint2_joint3 * t894;
     let t896 = t386 - t556;
@@ -5373,6 +5665,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t922 = t921 - t920;
     let t923 = t919 + t922;
     let t924 = t923 - t904;
+    d_dy[3][1] = t924;
     let t925 = omega_joint3_y * t894;
     let t926 = omega_joint3_x * t896;
     let t927 = t925 + t926;
@@ -5417,7 +5710,11 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t966 = cos_joint4 * t965;
     let t967 = sin_joint5 * 5.846399999999998e-5;
     let t968 = t966 - t967;
+    m[2][4] = t968;
+    m[4][2] = t968;
     let t969 = t968 - t964;
+    m[1][4] = t969;
+    m[4][1] = t969;
     let t970 = t74 * t969;
     let t971 = 0.047012505789717454 * t940;
     let t972 = sin_joint2_joint3 * t971;
@@ -5433,6 +5730,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t982 = t981 - t980;
     let t983 = t979 - t982;
     let t984 = t983 - t958;
+    d_dy[4][1] = t984;
     let t985 = omega_joint3_y * t943;
     let t986 = omega_joint3_x * t948;
     let t987 = t985 - t986;
@@ -5446,10 +5744,12 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t995 = t994 - t991;
     let t996 = t995 + t990;
     let t997 = t996 - t987;
+    d_dy[4][2] = t997;
     let t998 = omega_joint4_y * t366;
     let t999 = t21 * 0.00064216;
     let t1000 = t625 - t999;
     let t1001 = t1000 + t998;
+    d_dy[4][3] = t1001;
     let t1002 = sin_joint4 * t374;
     let t1003 = cos_joint5 * t761;
     let t1004 = cos_joint4 * t1003;
@@ -5463,10 +5763,16 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1012 = cos_joint4 * t1011;
     let t1013 = cos_joint2_joint3 * t1012;
     let t1014 = 3.9999999999999996e-5 * cos_joint5;
+    m[3][5] = t1014;
+    m[5][3] = t1014;
     let t1015 = sin_joint2_joint3 * t1014;
     let t1016 = t1013 + t1015;
     let t1017 = a[0] * t1016;
     let t1018 = sin_joint4 * t1011;
+    m[1][5] = t1018;
+    m[2][5] = t1018;
+    m[5][1] = t1018;
+    m[5][2] = t1018;
     let t1019 = t74 * t1018;
     let t1020 = t1019 + t1017;
     let t1021 = t1020 + t1010;
@@ -5485,6 +5791,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1034 = t133 * t1014;
     let t1035 = t1033 - t1034;
     let t1036 = t1035 + t1032;
+    d_dy[5][3] = t1036;
     let t1037 = 3.9999999999999996e-5 * t61;
     let t1038 = omega_joint5_y * t761;
     let t1039 = t1037 - t1038;
@@ -5515,6 +5822,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1064 = t1060 + t1063;
     let t1065 = t1057 - t1064;
     let t1066 = t1065 + 5.8018217679508;
+    d_dv[0][0] = t1066;
     let t1067 = t372 - t781;
     let t1068 = omega_joint3_z * 0.009475200000000003;
     let t1069 = t1068 - t1067;
@@ -5563,6 +5871,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1112 = t1111 - t1108;
     let t1113 = 0.3474988420565076 * t1112;
     let t1114 = t1105 - t1113;
+    d_dv[0][2] = t1114;
     let t1115 = t369 * t626;
     let t1116 = t434 - t1115;
     let t1117 = t391 - t435;
@@ -5594,6 +5903,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1143 = t1141 + t1142;
     let t1144 = 0.3474988420565076 * t1143;
     let t1145 = t1137 + t1144;
+    d_dv[0][3] = t1145;
     let t1146 = omega_joint5_y * 0.00088432;
     let t1147 = t360 + t1146;
     let t1148 = cos_joint5 * t1147;
@@ -5647,6 +5957,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1196 = t809 * t827;
     let t1197 = t1195 - t1196;
     let t1198 = t1197 + 9.496868641825001;
+    d_dv[1][1] = t1198;
     let t1199 = t400 - t409;
     let t1200 = t1088 * t515;
     let t1201 = t1090 * t518;
@@ -5685,6 +5996,8 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1234 = cos_joint4 * t374;
     let t1235 = sin_joint4 * t1003;
     let t1236 = t1235 + t1234;
+    d_dv[1][5] = t1236;
+    d_dv[2][5] = t1236;
     let t1237 = t1182 - t1184;
     let t1238 = t1048 - t1191;
     let t1239 = t1199 + t1238;
@@ -5706,11 +6019,14 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1255 = t1075 - t1254;
     let t1256 = t809 * t911;
     let t1257 = t1255 + t1256;
+    d_dv[3][1] = t1257;
     let t1258 = t1090 * t906;
     let t1259 = t1088 * t494;
     let t1260 = t1259 - t1258;
     let t1261 = t1075 + t1260;
+    d_dv[3][2] = t1261;
     let t1262 = t1132 + 0.41164522969715195;
+    d_dv[3][3] = t1262;
     let t1263 = sin_joint2_joint3 * t943;
     let t1264 = cos_joint2_joint3 * t948;
     let t1265 = t1263 + t1264;
@@ -5731,18 +6047,22 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1280 = t1276 + t1279;
     let t1281 = t809 * t977;
     let t1282 = t1280 + t1281;
+    d_dv[4][1] = t1282;
     let t1283 = t1090 * t971;
     let t1284 = t1088 * t973;
     let t1285 = t1284 + t1283;
     let t1286 = t1276 + t1285;
+    d_dv[4][2] = t1286;
     let t1287 = omega_joint4_x * 0.00128432;
     let t1288 = t434 - t1287;
     let t1289 = t809 * t1016;
     let t1290 = t1236 - t1289;
+    d_dv[5][1] = t1290;
     let t1291 = t1090 * t1014;
     let t1292 = t1088 * t1012;
     let t1293 = t1292 + t1291;
     let t1294 = t1236 - t1293;
+    d_dv[5][2] = t1294;
     let t1295 = t384 * t1011;
     let t1296 = t1007 - t1295;
     let t1297 = sin_joint2_joint3 * t500;
@@ -5756,10 +6076,13 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1305 = 1.286789571125 + t1304;
     let t1306 = t1302 + t1305;
     let t1307 = 0.784029968642 + t1306;
+    m[0][0] = t1307;
     let t1308 = 0.3474988420565076 * t550;
     let t1309 = t523 + t1308;
     let t1310 = 0.3474988420565076 * t505;
     let t1311 = t520 - t1310;
+    m[0][2] = t1311;
+    m[2][0] = t1311;
     let t1312 = cos_joint2_joint3 * t906;
     let t1313 = sin_joint2_joint3 * t494;
     let t1314 = t1313 + t1312;
@@ -5767,6 +6090,8 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1316 = t1314 - t1315;
     let t1317 = 0.3474988420565076 * t913;
     let t1318 = t1316 + t1317;
+    m[0][3] = t1318;
+    m[3][0] = t1318;
     let t1319 = cos_joint2_joint3 * t971;
     let t1320 = sin_joint2_joint3 * t973;
     let t1321 = t1320 - t1319;
@@ -5774,80 +6099,105 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1323 = t1321 - t1322;
     let t1324 = 0.3474988420565076 * t961;
     let t1325 = t1323 - t1324;
+    m[0][4] = t1325;
+    m[4][0] = t1325;
     let t1326 = sin_joint2_joint3 * t1012;
     let t1327 = cos_joint2_joint3 * t1014;
     let t1328 = t1326 - t1327;
     let t1329 = 2.324814845 + t820;
+    m[1][1] = t1329;
     let t1330 = 0.5768733319380001 + t813;
+    m[2][2] = t1330;
     let t1331 = t477 + 0.19243062612368;
+    m[3][3] = t1331;
     let t1332 = -t359;
+    b_u[5] = t1332;
     let t1333 = -t554;
+    d_dy[0][1] = t1333;
     let t1334 = -t623;
+    d_dy[0][2] = t1334;
     let t1335 = -t835;
+    d_dy[1][1] = t1335;
     let t1336 = -t855;
+    d_dy[1][2] = t1336;
     let t1337 = -t867;
+    d_dy[1][3] = t1337;
     let t1338 = -t879;
+    d_dy[1][4] = t1338;
     let t1339 = -t882;
+    d_dy[1][5] = t1339;
+    d_dy[2][5] = t1339;
     let t1340 = -t848;
+    d_dy[2][2] = t1340;
     let t1341 = -t860;
+    d_dy[2][3] = t1341;
     let t1342 = -t872;
+    d_dy[2][4] = t1342;
     let t1343 = -t934;
+    d_dy[3][2] = t1343;
     let t1344 = -t734;
+    d_dy[3][4] = t1344;
     let t1345 = -t772;
+    d_dy[4][5] = t1345;
     let t1346 = -t1021;
+    d_dy[5][1] = t1346;
     let t1347 = -t1029;
+    d_dy[5][2] = t1347;
     let t1348 = -t1039;
+    d_dy[5][4] = t1348;
     let t1349 = -t765;
+    d_dy[5][5] = t1349;
     let t1350 = -t1087;
+    d_dv[0][1] = t1350;
     let t1351 = -t1176;
+    d_dv[0][4] = t1351;
     let t1352 = -t1179;
+    d_dv[0][5] = t1352;
+    d_dv[5][0] = t1352;
     let t1353 = -t1188;
+    d_dv[1][0] = t1353;
     let t1354 = -t1210;
+    d_dv[1][2] = t1354;
     let t1355 = -t1222;
+    d_dv[1][3] = t1355;
     let t1356 = -t1233;
+    d_dv[1][4] = t1356;
     let t1357 = -t1237;
+    d_dv[2][0] = t1357;
     let t1358 = -t1241;
+    d_dv[2][1] = t1358;
     let t1359 = -t1242;
+    d_dv[2][2] = t1359;
     let t1360 = -t1215;
+    d_dv[2][3] = t1360;
     let t1361 = -t1226;
+    d_dv[2][4] = t1361;
     let t1362 = -t1251;
+    d_dv[3][0] = t1362;
     let t1363 = -t1160;
+    d_dv[3][4] = t1363;
     let t1364 = -t1007;
+    d_dv[3][5] = t1364;
     let t1365 = -t1271;
+    d_dv[4][0] = t1365;
     let t1366 = -t1288;
+    d_dv[4][3] = t1366;
     let t1367 = -t1296;
+    d_dv[5][3] = t1367;
     let t1368 = -t374;
+    d_dv[5][4] = t1368;
     let t1369 = -t1309;
+    m[0][1] = t1369;
+    m[1][0] = t1369;
     let t1370 = -t1328;
+    m[0][5] = t1370;
+    m[5][0] = t1370;
     let t1371 = -t917;
+    m[1][3] = t1371;
+    m[3][1] = t1371;
     let t1372 = -t517;
-    (
-        [t270, t319, t329, t339, t349, t1332],
-        [
-            [0.0, t1333, t1334, t689, t754, t780],
-            [0.0, t1335, t1336, t1337, t1338, t1339],
-            [0.0, t893, t1340, t1341, t1342, t1339],
-            [0.0, t924, t1343, t671, t1344, t778],
-            [0.0, t984, t997, t1001, t718, t1345],
-            [0.0, t1346, t1347, t1036, t1348, t1349],
-        ],
-        [
-            [t1066, t1350, t1114, t1145, t1351, t1352],
-            [t1353, t1198, t1354, t1355, t1356, t1236],
-            [t1357, t1358, t1359, t1360, t1361, t1236],
-            [t1362, t1257, t1261, t1262, t1363, t1364],
-            [t1365, t1282, t1286, t1366, 0.42728302093540005, t374],
-            [t1352, t1290, t1294, t1367, t1368, 0.2158232532732],
-        ],
-        [
-            [t1307, t1369, t1311, t1318, t1325, t1370],
-            [t1369, t1329, t885, t1371, t969, t1018],
-            [t1311, t885, t1330, t1372, t968, t1018],
-            [t1318, t1371, t1372, t1331, 0.0, t1014],
-            [t1325, t969, t968, 0.0, 0.17134845165700002, 0.0],
-            [t1370, t1018, t1018, t1014, 0.0, 0.19410450566800005],
-        ],
-    )
+    m[2][3] = t1372;
+    m[3][2] = t1372;
 }
 
 /// Forward dynamics with its Jacobians.
@@ -5862,11 +6212,12 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
 /// - returns `∂ÿ/∂ẏ: [N × N]`: row i = acceleration i
 /// - returns `M⁻¹: [N × N]`: symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B
 ///
-/// Cost: 1325 multiplications, 1118 additions, 4 divisions, 4 function calls (`sin_cos`), 12 selections.
+/// Cost: 1267 multiplications, 1068 additions, 4 divisions, 4 function calls (`sin_cos`), 12 selections.
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 #[allow(
@@ -5878,156 +6229,230 @@ pub fn forward_dynamics_derivatives(
     v: &[f64; N],
     u: &[f64; M],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
-    let [sin_joint2, cos_joint2, sin_joint4, cos_joint4, sin_joint5, cos_joint5,
-    sin_joint2_joint3, cos_joint2_joint3, t27, t41, t61, t71, t74, inverse_d_joint1,
-    t210, t213, t218, t225, omega_joint4_x, omega_joint5_x, omega_joint5_y, t530, t543,
-    t545, t548, t553, t560, t573, t576, t586, t591, t598, t611, t614, t635, t642, t655,
-    t658, t685, t699, t702, t747, t749, t912, t921, t922, t925, t934, t935, t942, t945,
-    t952, t983, t984, t989, t990, t1186, t1192, t1313, t1315, t1328, t1412, t1503, t1542,
-    t1553, t1564, t1575, t1586, t1597, t1608, t1619, t1630, t1641, t1651, t1662, t1673,
-    t1684, t1695, t1706, t1717, t1728, t1739, t1750, t1761, t1772, t1783, t1794, t1805,
-    t1816, t1819, t1820, t1847, t1857, t1860, t1871, t1882, t1885, t1888, t1890, t1901,
-    t1923, t1930, t1938, t1945, t1951, t1954, t1955, t1957, t1960, t1961, t1965, t1966,
-    t1971, t1972, t1979, t1986, t1987, t1998, t1999] = forward_dynamics_derivatives_part_1(
+    let mut a = [0.0; 6];
+    let mut da_dy = [[0.0; 6]; 6];
+    let mut da_dv = [[0.0; 6]; 6];
+    let mut m_inverse = [[0.0; 6]; 6];
+    forward_dynamics_derivatives_into(
+        y,
+        v,
+        u,
+        &mut a,
+        &mut da_dy,
+        &mut da_dv,
+        &mut m_inverse,
+    );
+    (a, da_dy, da_dv, m_inverse)
+}
+
+/// `forward_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+#[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
+pub fn forward_dynamics_derivatives_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    a: &mut [f64; N],
+    da_dy: &mut [[f64; N]; N],
+    da_dv: &mut [[f64; N]; N],
+    m_inverse: &mut [[f64; N]; N],
+) {
+    let [omega_joint5_x, t251, t252, t282, t295, inverse_d_joint4, t322, t352, t358,
+    t364, inverse_d_joint3, t408, t441, t450, t465, inverse_d_joint2, t503,
+    inverse_d_joint1, t537, t540, t545, t552, t559, t568, t744, t1026, t1162, t1276,
+    t1382, t1435, t1438, t1441, t1444, t1447, t1450, t1455, t1460, t1465, t1470, t1475,
+    t1482, t1489, t1496, t1503, t1510, t1517, t1524, t1531, t1538, t1545, t1554, t1563,
+    t1572, t1581, t1590, t1620, t1631, t1644, t1657, t1671, t1674, t1689, t1702, t1717,
+    t1729, t1731, t1758, t1769, t1775, t1783, t1785, t1806, t1835, t1868, t1872, t1877,
+    t1890, t1906, t1909, t1946, t1958, t1974, t1977, t1983, t1985, t1991] = forward_dynamics_derivatives_part_1(
         y,
         v,
         u,
     );
-    let [t2128, t2139, t2161, t2194, t2205, t2216, t2238, t2249, t2270, t2281, t2303,
-    t2314, t2358, t2391, t2402, t2424, t2457, t2467, t2468, t2469, t2470, t2471, t2472,
-    t2473, t2474, t2475, t2476, t2477, t2478, t2479, t2480, t2481, t2482, t2483, t2484,
-    t2485, t2486, t2487, t2488, t2489, t2490, t2491, t2492, t2493, t2494, t2495, t2496,
-    t2497, t2498, t2499, t2500, t2501, t2502, t2503, t2504, t2505, t2506, t2507, t2508,
-    t2509, t2510, t2511] = forward_dynamics_derivatives_part_2([
-        sin_joint2,
-        cos_joint2,
-        sin_joint4,
-        cos_joint4,
-        sin_joint5,
-        cos_joint5,
-        sin_joint2_joint3,
-        cos_joint2_joint3,
-        t27,
-        t41,
-        t61,
-        t71,
-        t74,
-        inverse_d_joint1,
-        t210,
-        t213,
-        t218,
-        t225,
-        omega_joint4_x,
+    let [t2002, t2005, t2011, t2014, t2017, t2025, t2030, t2040, t2045, t2057, t2085,
+    t2092, t2099, t2120, t2142, t2169, t2178, t2187, t2200, t2207, t2209, t2222, t2229,
+    t2239, t2244, t2277, t2310, t2322, t2358, t2359, t2360, t2361, t2362, t2363, t2364,
+    t2365, t2366, t2367, t2368, t2369, t2370, t2371, t2372, t2373, t2374, t2375, t2376,
+    t2377, t2378, t2379, t2380, t2381, t2382, t2383, t2384, t2385, t2386, t2387, t2388,
+    t2389, t2390, t2391, t2392, t2393, t2394, t2395, t2396, t2397] = forward_dynamics_derivatives_part_2([
         omega_joint5_x,
-        omega_joint5_y,
-        t530,
-        t543,
+        t251,
+        t252,
+        t282,
+        t295,
+        inverse_d_joint4,
+        t322,
+        t352,
+        t358,
+        t364,
+        inverse_d_joint3,
+        t408,
+        t441,
+        t450,
+        t465,
+        inverse_d_joint2,
+        t503,
+        inverse_d_joint1,
+        t537,
         t545,
-        t548,
-        t553,
-        t560,
-        t573,
-        t576,
-        t586,
-        t591,
-        t598,
-        t611,
-        t635,
-        t642,
-        t655,
-        t685,
-        t699,
-        t702,
-        t747,
-        t749,
-        t912,
-        t921,
-        t922,
-        t925,
-        t934,
-        t935,
-        t942,
-        t945,
-        t952,
-        t983,
-        t984,
-        t989,
-        t990,
-        t1186,
-        t1315,
-        t1328,
+        t744,
+        t1382,
+        t1435,
+        t1438,
+        t1441,
+        t1444,
+        t1460,
+        t1465,
+        t1489,
         t1503,
-        t1542,
-        t1586,
-        t1597,
-        t1608,
-        t1619,
-        t1630,
-        t1651,
-        t1662,
-        t1673,
-        t1684,
-        t1750,
-        t1761,
-        t1805,
-        t1816,
-        t1819,
-        t1820,
-        t1847,
-        t1857,
-        t1860,
-        t1871,
-        t1882,
-        t1885,
-        t1888,
+        t1510,
+        t1545,
+        t1563,
+        t1620,
+        t1631,
+        t1644,
+        t1657,
+        t1671,
+        t1674,
+        t1689,
+        t1702,
+        t1717,
+        t1729,
+        t1731,
+        t1758,
+        t1769,
+        t1775,
+        t1783,
+        t1785,
+        t1806,
+        t1835,
+        t1868,
+        t1872,
+        t1877,
         t1890,
-        t1901,
-        t1923,
-        t1930,
-        t1938,
-        t1945,
-        t1951,
-        t1955,
-        t1957,
-        t1960,
-        t1961,
-        t1965,
-        t1966,
-        t1971,
-        t1972,
-        t1979,
-        t1986,
-        t1987,
-        t1998,
-        t1999,
+        t1906,
+        t1909,
+        t1946,
+        t1958,
+        t1974,
+        t1977,
+        t1983,
+        t1985,
+        t1991,
     ]);
-    (
-        [t2467, t2468, t614, t658, t2469, t2470],
-        [
-            [0.0, t1192, t1313, t1412, t2471, t2472],
-            [0.0, t1553, t1564, t1575, t2473, t2474],
-            [0.0, t2475, t2476, t2477, t1641, t2478],
-            [0.0, t2479, t2480, t2481, t1695, t1706],
-            [0.0, t1717, t1728, t1739, t2482, t2483],
-            [0.0, t1772, t1783, t1794, t2484, t2485],
-        ],
-        [
-            [t2486, t1954, t2487, t2488, t2128, t2139],
-            [t2489, t2161, t2490, t2491, t2194, t2205],
-            [t2216, t2492, t2238, t2249, t2493, t2270],
-            [t2281, t2494, t2303, t2314, t2495, t2496],
-            [t2497, t2358, t2498, t2499, t2391, t2402],
-            [t2500, t2424, t2501, t2502, t2457, t2503],
-        ],
-        [
-            [inverse_d_joint1, t210, t2504, t2505, t530, t225],
-            [t210, t545, t2506, t2507, t573, t560],
-            [t2504, t2506, t586, t591, t2508, t2509],
-            [t2505, t2507, t591, t635, t2510, t2511],
-            [t530, t573, t2508, t2510, t699, t685],
-            [t225, t560, t2509, t2511, t685, t747],
-        ],
-    )
+    a[0] = t2359;
+    a[1] = t540;
+    a[2] = t2360;
+    a[3] = t552;
+    a[4] = t559;
+    a[5] = t568;
+    da_dy[0][0] = 0.0;
+    da_dy[0][1] = t1026;
+    da_dy[0][2] = t1162;
+    da_dy[0][3] = t1276;
+    da_dy[0][4] = t2361;
+    da_dy[0][5] = t2362;
+    da_dy[1][0] = 0.0;
+    da_dy[1][1] = t2363;
+    da_dy[1][2] = t2364;
+    da_dy[1][3] = t2365;
+    da_dy[1][4] = t1447;
+    da_dy[1][5] = t1450;
+    da_dy[2][0] = 0.0;
+    da_dy[2][1] = t1455;
+    da_dy[2][2] = t2366;
+    da_dy[2][3] = t2367;
+    da_dy[2][4] = t1470;
+    da_dy[2][5] = t1475;
+    da_dy[3][0] = 0.0;
+    da_dy[3][1] = t1482;
+    da_dy[3][2] = t2368;
+    da_dy[3][3] = t1496;
+    da_dy[3][4] = t2369;
+    da_dy[3][5] = t2370;
+    da_dy[4][0] = 0.0;
+    da_dy[4][1] = t1517;
+    da_dy[4][2] = t1524;
+    da_dy[4][3] = t1531;
+    da_dy[4][4] = t1538;
+    da_dy[4][5] = t2371;
+    da_dy[5][0] = 0.0;
+    da_dy[5][1] = t1554;
+    da_dy[5][2] = t2372;
+    da_dy[5][3] = t1572;
+    da_dy[5][4] = t1581;
+    da_dy[5][5] = t1590;
+    da_dv[0][0] = t2373;
+    da_dv[0][1] = t1758;
+    da_dv[0][2] = t2374;
+    da_dv[0][3] = t2375;
+    da_dv[0][4] = t1977;
+    da_dv[0][5] = t2002;
+    da_dv[1][0] = t2005;
+    da_dv[1][1] = t2376;
+    da_dv[1][2] = t2011;
+    da_dv[1][3] = t2014;
+    da_dv[1][4] = t2017;
+    da_dv[1][5] = t2377;
+    da_dv[2][0] = t2025;
+    da_dv[2][1] = t2030;
+    da_dv[2][2] = t2378;
+    da_dv[2][3] = t2040;
+    da_dv[2][4] = t2045;
+    da_dv[2][5] = t2379;
+    da_dv[3][0] = t2057;
+    da_dv[3][1] = t2380;
+    da_dv[3][2] = t2381;
+    da_dv[3][3] = t2382;
+    da_dv[3][4] = t2085;
+    da_dv[3][5] = t2092;
+    da_dv[4][0] = t2099;
+    da_dv[4][1] = t2383;
+    da_dv[4][2] = t2384;
+    da_dv[4][3] = t2120;
+    da_dv[4][4] = t2385;
+    da_dv[4][5] = t2386;
+    da_dv[5][0] = t2142;
+    da_dv[5][1] = t2387;
+    da_dv[5][2] = t2388;
+    da_dv[5][3] = t2169;
+    da_dv[5][4] = t2178;
+    da_dv[5][5] = t2389;
+    m_inverse[0][0] = inverse_d_joint1;
+    m_inverse[0][1] = t2187;
+    m_inverse[0][2] = t2390;
+    m_inverse[0][3] = t2391;
+    m_inverse[0][4] = t2200;
+    m_inverse[0][5] = t2207;
+    m_inverse[1][0] = t2187;
+    m_inverse[1][1] = t2209;
+    m_inverse[1][2] = t2392;
+    m_inverse[1][3] = t2393;
+    m_inverse[1][4] = t2222;
+    m_inverse[1][5] = t2229;
+    m_inverse[2][0] = t2390;
+    m_inverse[2][1] = t2392;
+    m_inverse[2][2] = t2239;
+    m_inverse[2][3] = t2244;
+    m_inverse[2][4] = t2394;
+    m_inverse[2][5] = t2395;
+    m_inverse[3][0] = t2391;
+    m_inverse[3][1] = t2393;
+    m_inverse[3][2] = t2244;
+    m_inverse[3][3] = t2277;
+    m_inverse[3][4] = t2396;
+    m_inverse[3][5] = t2397;
+    m_inverse[4][0] = t2200;
+    m_inverse[4][1] = t2222;
+    m_inverse[4][2] = t2394;
+    m_inverse[4][3] = t2396;
+    m_inverse[4][4] = t2310;
+    m_inverse[4][5] = t2322;
+    m_inverse[5][0] = t2207;
+    m_inverse[5][1] = t2229;
+    m_inverse[5][2] = t2395;
+    m_inverse[5][3] = t2397;
+    m_inverse[5][4] = t2322;
+    m_inverse[5][5] = t2358;
 }
 
 /// Part 1 of `forward_dynamics_derivatives`: values that later parts read.
@@ -6037,7 +6462,7 @@ fn forward_dynamics_derivatives_part_1(
     y: &[f64; N],
     v: &[f64; N],
     u: &[f64; M],
-) -> [f64; 119] {
+) -> [f64; 86] {
     let angle_joint2_joint3 = y[1] + y[2];
     let (
         [sin_joint2,
@@ -6051,2117 +6476,2076 @@ fn forward_dynamics_derivatives_part_1(
         cos_joint2_joint3,
         ],
     ) = math::sin_cos_4(y[1], y[3], y[4], angle_joint2_joint3);
-    let t9 = sin_joint5 * 0.00020215999999999998;
-    let t10 = sin_joint5 * t9;
-    let t11 = t10 + 0.00010000000000000015;
-    let t12 = sin_joint4 * t11;
-    let t13 = sin_joint4 * t12;
-    let t14 = t10 + 0.00087;
-    let t15 = t14 - t13;
-    let t16 = 0.0012435839999999998 * sin_joint5;
-    let t17 = cos_joint4 * t16;
-    let t18 = t17 * 0.09402501157943491;
-    let t19 = t15 - t18;
-    let t20 = 0.016765112499999995 + t19;
-    let t21 = 0.00042216 - t10;
-    let t22 = cos_joint5 * 0.0024871679999999997;
-    let t23 = t21 + t22;
-    let t24 = 0.34123495800000003 + t23;
-    let t25 = t20 - t24;
-    let t26 = sin_joint2_joint3 * t25;
-    let t27 = cos_joint5 * t9;
-    let t28 = t16 + t27;
-    let t29 = cos_joint4 * t28;
-    let t30 = cos_joint5 * 5.846399999999998e-5;
-    let t31 = t29 - t30;
-    let t32 = 0.011273199000000001 - t31;
-    let t33 = 2.0 * t32;
-    let t34 = cos_joint2_joint3 * t33;
-    let t35 = t26 + t34;
-    let t36 = sin_joint2_joint3 * t35;
-    let t37 = t20 - t36;
-    let t38 = 0.010956925 - t17;
-    let t39 = cos_joint2_joint3 * t38;
-    let t40 = 0.0012435839999999998 * cos_joint5;
-    let t41 = 0.3848762940000001 + t40;
-    let t42 = sin_joint2_joint3 * t41;
-    let t43 = t39 - t42;
-    let t44 = cos_joint2 * t43;
-    let t45 = 2.0 * t44;
-    let t46 = t37 + t45;
-    let t47 = cos_joint2 * 0.0141984;
-    let t48 = sin_joint2 * 1.601861202;
-    let t49 = t48 + t47;
-    let t50 = sin_joint2 * t49;
-    let t51 = 1.674987602 - t50;
-    let t52 = t51 + t46;
-    let t53 = 0.175 + t52;
-    let t54 = 0.0007699999999999999 + t13;
-    let t55 = sin_joint4 * t16;
-    let t56 = t55 * 0.6949976841130152;
-    let t57 = t54 + t56;
-    let t58 = 1.286789571125 + t57;
-    let t59 = t53 + t58;
-    let t60 = t59 + 0.784029968642;
-    let t61 = 3.9999999999999996e-5 * sin_joint5;
-    let t62 = cos_joint4 * t61;
-    let t63 = sin_joint2_joint3 * t62;
-    let t64 = 3.9999999999999996e-5 * cos_joint5;
-    let t65 = cos_joint2_joint3 * t64;
-    let t66 = t63 - t65;
-    let t67 = t66 * 5.151863922779921;
-    let t68 = t66 * t67;
-    let t69 = t60 - t68;
-    let t70 = sin_joint4 * t40;
-    let t71 = 0.047012505789717454 * t70;
-    let t72 = cos_joint2_joint3 * t71;
-    let t73 = 0.00064216 + t40;
-    let t74 = sin_joint4 * t73;
-    let t75 = sin_joint2_joint3 * t74;
-    let t76 = t75 - t72;
-    let t77 = cos_joint2 * t70;
-    let t78 = t76 - t77;
-    let t79 = cos_joint4 * t40;
-    let t80 = cos_joint2_joint3 * t79;
-    let t81 = sin_joint2_joint3 * t16;
-    let t82 = t80 - t81;
-    let t83 = 0.3474988420565076 * t82;
-    let t84 = t78 - t83;
-    let t85 = t84 * 5.83606090588883;
-    let t86 = t84 * t85;
-    let t87 = t69 - t86;
-    let t88 = 0.047012505789717454 * t17;
-    let t89 = t10 + 0.00164;
-    let t90 = t89 - t88;
-    let t91 = cos_joint2_joint3 * t90;
-    let t92 = sin_joint2_joint3 * t29;
-    let t93 = t92 + t91;
-    let t94 = cos_joint2 * t17;
-    let t95 = t93 - t94;
-    let t96 = cos_joint2_joint3 * t55;
-    let t97 = 0.3474988420565076 * t96;
-    let t98 = t95 + t97;
-    let t99 = cos_joint5 * 0.0002060745569111968;
-    let t100 = t66 * t99;
-    let t101 = t98 + t100;
-    let t102 = t10 + 0.19243062612368;
-    let t103 = t64 * t99;
-    let t104 = t102 - t103;
-    let inverse_d_joint4 = 1.0 / t104;
-    let t106 = t101 * inverse_d_joint4;
-    let t107 = t101 * t106;
-    let t108 = t87 - t107;
-    let t109 = t20 + t24;
-    let t110 = t109 + 0.5768733319380001;
-    let t111 = sin_joint4 * t61;
-    let t112 = t111 * 5.151863922779921;
-    let t113 = t111 * t112;
-    let t114 = t110 - t113;
-    let t115 = cos_joint4 * t73;
-    let t116 = sin_joint5 * 5.846399999999998e-5;
-    let t117 = t115 - t116;
-    let t118 = t117 * 5.83606090588883;
-    let t119 = t117 * t118;
-    let t120 = t114 - t119;
-    let t121 = sin_joint4 * t28;
-    let t122 = t111 * t99;
-    let t123 = t121 + t122;
-    let t124 = t123 * inverse_d_joint4;
-    let t125 = t123 * t124;
-    let t126 = t120 - t125;
-    let inverse_d_joint3 = 1.0 / t126;
-    let t128 = cos_joint4 * t12;
-    let t129 = 0.047012505789717454 * t55;
-    let t130 = t128 - t129;
-    let t131 = sin_joint2_joint3 * t130;
-    let t132 = 0.0047376000000000015 + t121;
-    let t133 = cos_joint2_joint3 * t132;
-    let t134 = t131 - t133;
-    let t135 = sin_joint2_joint3 * t38;
-    let t136 = cos_joint2_joint3 * t41;
-    let t137 = t135 + t136;
-    let t138 = 0.3474988420565076 * t137;
-    let t139 = t134 - t138;
-    let t140 = t66 * t112;
-    let t141 = t139 + t140;
-    let t142 = t84 * t118;
-    let t143 = t141 - t142;
-    let t144 = t101 * t124;
-    let t145 = t143 + t144;
-    let t146 = t145 * inverse_d_joint3;
-    let t147 = t145 * t146;
-    let t148 = t108 - t147;
-    let t149 = sin_joint2 * t137;
-    let t150 = t44 + t149;
-    let t151 = t109 + t150;
-    let t152 = t151 - t113;
-    let t153 = sin_joint2 * t82;
-    let t154 = sin_joint2_joint3 * t79;
-    let t155 = cos_joint2_joint3 * t16;
-    let t156 = t154 + t155;
-    let t157 = cos_joint2 * t156;
-    let t158 = t157 - t153;
-    let t159 = t117 - t158;
-    let t160 = t159 * t118;
-    let t161 = t152 - t160;
-    let t162 = sin_joint2 * t96;
-    let t163 = sin_joint2_joint3 * t55;
-    let t164 = cos_joint2 * t163;
-    let t165 = t164 - t162;
-    let t166 = t121 - t165;
-    let t167 = t166 + t122;
-    let t168 = t167 * t124;
-    let t169 = t161 - t168;
-    let t170 = t169 * inverse_d_joint3;
-    let t171 = t169 * t170;
-    let t172 = 2.0 * t150;
-    let t173 = t109 + t172;
-    let t174 = 0.07312640000000001 + t50;
-    let t175 = t51 + t174;
-    let t176 = t175 + t173;
-    let t177 = t176 + 2.324814845;
-    let t178 = t177 - t113;
-    let t179 = t159 * 5.83606090588883;
-    let t180 = t159 * t179;
-    let t181 = t178 - t180;
-    let t182 = t167 * inverse_d_joint4;
-    let t183 = t167 * t182;
-    let t184 = t181 - t183;
-    let t185 = t184 - t171;
-    let inverse_d_joint2 = 1.0 / t185;
-    let t187 = t145 * t170;
-    let t188 = sin_joint2 * t55;
-    let t189 = t134 - t188;
-    let t190 = 0.008085780000000004 * cos_joint2;
-    let t191 = 0.120863064 * sin_joint2;
-    let t192 = t191 + t190;
-    let t193 = t192 - t189;
-    let t194 = 0.045079919999999996 * cos_joint2;
-    let t195 = 1.638935762 * sin_joint2;
-    let t196 = t195 + t194;
-    let t197 = t196 + t137;
-    let t198 = 0.3474988420565076 * t197;
-    let t199 = t193 + t198;
-    let t200 = t199 - t140;
-    let t201 = t84 * t179;
-    let t202 = t200 + t201;
-    let t203 = t101 * t182;
-    let t204 = t202 - t203;
-    let t205 = t204 + t187;
-    let t206 = t205 * inverse_d_joint2;
-    let t207 = t205 * t206;
-    let t208 = t148 - t207;
-    let inverse_d_joint1 = 1.0 / t208;
-    let t210 = t206 * inverse_d_joint1;
-    let t211 = t170 * t210;
-    let t212 = t146 * inverse_d_joint1;
-    let t213 = t211 + t212;
-    let t214 = t124 * t213;
-    let t215 = t182 * t210;
-    let t216 = t214 - t215;
-    let t217 = t106 * inverse_d_joint1;
-    let t218 = t216 + t217;
-    let t219 = t99 * t218;
-    let t220 = t112 * t213;
-    let t221 = t219 + t220;
-    let t222 = t112 * t210;
-    let t223 = t221 - t222;
-    let t224 = t67 * inverse_d_joint1;
-    let t225 = t223 + t224;
     let omega_joint3_y = v[0] * cos_joint2_joint3;
     let omega_joint4_z = v[3] + omega_joint3_y;
-    let t228 = 2.0 * omega_joint4_z;
+    let t11 = 2.0 * omega_joint4_z;
     let omega_joint3_x = v[0] * sin_joint2_joint3;
-    let t230 = sin_joint4 * omega_joint3_x;
+    let t13 = sin_joint4 * omega_joint3_x;
     let omega_joint3_z = v[1] + v[2];
-    let t232 = cos_joint4 * omega_joint3_z;
-    let omega_joint4_y = t230 + t232;
-    let t234 = omega_joint4_y * t228;
-    let t235 = 2.0 * omega_joint3_z;
-    let t236 = omega_joint3_y * t235;
-    let t237 = cos_joint4 * t236;
-    let t238 = omega_joint3_x * omega_joint3_y;
-    let t239 = sin_joint4 * t238;
-    let t240 = t239 + t237;
-    let t241 = t240 - t234;
-    let t242 = sin_joint5 * t241;
-    let t243 = cos_joint4 * omega_joint3_x;
-    let t244 = sin_joint4 * omega_joint3_z;
-    let omega_joint4_x = t243 - t244;
-    let t246 = omega_joint4_x * omega_joint4_y;
-    let t247 = omega_joint3_z * omega_joint3_x;
-    let t248 = t247 - t246;
-    let t249 = cos_joint5 * t248;
-    let t250 = t249 + t242;
-    let t251 = cos_joint5 * omega_joint4_x;
-    let t252 = sin_joint5 * omega_joint4_z;
-    let omega_joint5_x = t251 + t252;
+    let t15 = cos_joint4 * omega_joint3_z;
+    let omega_joint4_y = t13 + t15;
+    let t17 = omega_joint4_y * t11;
+    let t18 = 2.0 * omega_joint3_z;
+    let t19 = omega_joint3_y * t18;
+    let t20 = cos_joint4 * t19;
+    let t21 = omega_joint3_x * omega_joint3_y;
+    let t22 = sin_joint4 * t21;
+    let t23 = t22 + t20;
+    let t24 = t23 - t17;
+    let t25 = sin_joint5 * t24;
+    let t26 = cos_joint4 * omega_joint3_x;
+    let t27 = sin_joint4 * omega_joint3_z;
+    let omega_joint4_x = t26 - t27;
+    let t29 = omega_joint4_x * omega_joint4_y;
+    let t30 = omega_joint3_z * omega_joint3_x;
+    let t31 = t30 - t29;
+    let t32 = cos_joint5 * t31;
+    let t33 = t32 + t25;
+    let t34 = cos_joint5 * omega_joint4_x;
+    let t35 = sin_joint5 * omega_joint4_z;
+    let omega_joint5_x = t34 + t35;
     let omega_joint5_z = v[4] + omega_joint4_y;
-    let t255 = omega_joint5_x * omega_joint5_z;
-    let t256 = t250 + t255;
-    let t257 = t255 - t256;
-    let t258 = 1.9999999999999998e-5 * t257;
-    let t259 = t255 + t256;
-    let t260 = 1.9999999999999998e-5 * t259;
-    let moment_joint6_z = t260 - t258;
-    let t262 = sign(v[5]);
-    let t263 = t262.abs();
-    let t264 = t263 * 0.25076322000000006;
-    let t265 = t262 * 0.55443978;
-    let t266 = v[5] * 0.2158232532732;
-    let t267 = t266 + t265;
-    let t268 = t267 - t264;
-    let t269 = u[5] * 76.686;
-    let t270 = t269 - t268;
-    let t271 = t270 + moment_joint6_z;
-    let t272 = t225 * t271;
-    let t273 = 2.0 * omega_joint5_z;
-    let t274 = omega_joint5_x * t273;
-    let t275 = t250 + t274;
-    let t276 = 0.0002 * t275;
-    let moment_joint5_y = t276 + moment_joint6_z;
-    let t278 = cos_joint5 * moment_joint5_y;
-    let t279 = sin_joint5 * omega_joint4_x;
-    let t280 = cos_joint5 * omega_joint4_z;
-    let omega_joint5_y = t279 - t280;
+    let t38 = omega_joint5_x * omega_joint5_z;
+    let t39 = t33 + t38;
+    let t40 = t38 - t39;
+    let t41 = 1.9999999999999998e-5 * t40;
+    let t42 = t38 + t39;
+    let t43 = 1.9999999999999998e-5 * t42;
+    let moment_joint6_z = t43 - t41;
+    let t45 = 2.0 * omega_joint5_z;
+    let t46 = omega_joint5_x * t45;
+    let t47 = t33 + t46;
+    let t48 = 0.0002 * t47;
+    let moment_joint5_y = t48 + moment_joint6_z;
+    let t50 = sin_joint5 * moment_joint5_y;
+    let t51 = sin_joint5 * omega_joint4_x;
+    let t52 = cos_joint5 * omega_joint4_z;
+    let omega_joint5_y = t51 - t52;
     let omega_joint6_z = v[5] - omega_joint5_y;
-    let t283 = 2.0 * omega_joint6_z;
-    let t284 = omega_joint5_z * t283;
-    let t285 = cos_joint5 * t241;
-    let t286 = sin_joint5 * t248;
-    let t287 = t286 - t285;
-    let t288 = omega_joint5_y * t273;
-    let t289 = t287 + t288;
-    let t290 = t289 + t284;
-    let moment_joint6_x = 1.9999999999999998e-5 * t290;
-    let t292 = 0.00042216 * t289;
-    let t293 = omega_joint3_y * omega_joint3_y;
-    let t294 = omega_joint3_z * omega_joint3_z;
-    let t295 = t293 + t294;
-    let t296 = 0.047012505789717454 * t295;
-    let t297 = v[1] * v[1];
-    let t298 = sin_joint2 * t297;
-    let t299 = 22.71885132005558 - t298;
-    let t300 = sin_joint2_joint3 * t299;
-    let t301 = v[0] * v[0];
-    let t302 = t301 + t297;
-    let t303 = cos_joint2 * t302;
+    let t55 = 2.0 * omega_joint6_z;
+    let t56 = omega_joint5_z * t55;
+    let t57 = cos_joint5 * t24;
+    let t58 = sin_joint5 * t31;
+    let t59 = t58 - t57;
+    let t60 = omega_joint5_y * t45;
+    let t61 = t59 + t60;
+    let t62 = t61 + t56;
+    let moment_joint6_x = 1.9999999999999998e-5 * t62;
+    let t64 = 0.00042216 * t61;
+    let t65 = omega_joint3_y * omega_joint3_y;
+    let t66 = omega_joint3_z * omega_joint3_z;
+    let t67 = t65 + t66;
+    let t68 = 0.047012505789717454 * t67;
+    let t69 = v[1] * v[1];
+    let t70 = sin_joint2 * t69;
+    let t71 = 22.71885132005558 - t70;
+    let t72 = sin_joint2_joint3 * t71;
+    let t73 = v[0] * v[0];
+    let t74 = t73 + t69;
+    let t75 = cos_joint2 * t74;
+    let t76 = cos_joint2_joint3 * t75;
+    let acceleration_joint3_x = t76 - t72;
+    let t78 = acceleration_joint3_x + t68;
+    let t79 = sin_joint4 * t78;
+    let t80 = omega_joint3_x * t18;
+    let t81 = 0.047012505789717454 * t80;
+    let t82 = v[1] * 2.0;
+    let t83 = v[0] * t82;
+    let t84 = sin_joint2 * t83;
+    let acceleration_joint2_z = 0.3474988420565076 * t73;
+    let acceleration_joint3_z = acceleration_joint2_z - t84;
+    let t87 = acceleration_joint3_z - t81;
+    let t88 = cos_joint4 * t87;
+    let t89 = t79 + t88;
+    let acceleration_joint4_y = t89 - t23;
+    let t91 = 0.0012435839999999998 * acceleration_joint4_y;
+    let t92 = t91 + t64;
+    let moment_joint5_x = t92 + moment_joint6_x;
+    let t94 = cos_joint5 * moment_joint5_x;
+    let t95 = t94 - t50;
+    let t96 = 0.0007499999999999999 * t24;
+    let moment_joint4_x = t96 - t95;
+    let force_joint5_z = 0.0012435839999999998 * t61;
+    let t99 = force_joint5_z - moment_joint4_x;
+    let t100 = cos_joint4 * t99;
+    let t101 = cos_joint4 * t78;
+    let t102 = sin_joint4 * t87;
+    let t103 = t101 - t102;
+    let t104 = sin_joint4 * t19;
+    let t105 = cos_joint4 * t21;
+    let t106 = t105 - t104;
+    let acceleration_joint4_x = t103 - t106;
+    let t108 = cos_joint5 * acceleration_joint4_x;
+    let t109 = 0.047012505789717454 * t21;
+    let t110 = cos_joint2_joint3 * t71;
+    let t111 = sin_joint2_joint3 * t75;
+    let acceleration_joint3_y = t111 + t110;
+    let t113 = acceleration_joint3_y + t109;
+    let t114 = omega_joint3_x * omega_joint3_x;
+    let t115 = t114 + t66;
+    let acceleration_joint4_z = t115 - t113;
+    let t117 = sin_joint5 * acceleration_joint4_z;
+    let acceleration_joint5_x = t108 + t117;
+    let t119 = 0.0012435839999999998 * acceleration_joint5_x;
+    let t120 = omega_joint5_x * omega_joint5_y;
+    let t121 = omega_joint4_x * omega_joint4_z;
+    let t122 = t106 - t121;
+    let t123 = t122 - t120;
+    let t124 = 0.00042216 * t123;
+    let t125 = t122 + t120;
+    let t126 = 0.0002 * t125;
+    let t127 = t126 + t124;
+    let t128 = t119 - t127;
+    let t129 = omega_joint5_x * t55;
+    let t130 = t123 - t129;
+    let moment_joint6_y = 1.9999999999999998e-5 * t130;
+    let moment_joint5_z = t128 - moment_joint6_y;
+    let t133 = omega_joint4_x * t11;
+    let t134 = t106 - t133;
+    let t135 = 0.00065 * t134;
+    let moment_joint4_y = t135 - moment_joint5_z;
+    let t137 = omega_joint5_x * omega_joint5_x;
+    let t138 = omega_joint5_z * omega_joint5_z;
+    let t139 = t137 + t138;
+    let force_joint5_y = 0.0012435839999999998 * t139;
+    let t141 = sin_joint5 * force_joint5_y;
+    let force_joint5_x = 0.0012435839999999998 * t123;
+    let t143 = cos_joint5 * force_joint5_x;
+    let force_joint4_x = t143 + t141;
+    let t145 = force_joint4_x + moment_joint4_y;
+    let t146 = sin_joint4 * t145;
+    let t147 = t100 + t146;
+    let t148 = t73 - t115;
+    let t149 = 0.0047376000000000015 * t148;
+    let t150 = 0.011273199000000001 * t80;
+    let t151 = t150 - t149;
+    let t152 = 0.34123495800000003 * t19;
+    let t153 = t151 + t152;
+    let t154 = 0.3848762940000001 * acceleration_joint3_z;
+    let t155 = t154 - t153;
+    let moment_joint3_x = t155 + t147;
+    let t157 = sin_joint2_joint3 * moment_joint3_x;
+    let t158 = cos_joint5 * moment_joint5_y;
+    let t159 = sin_joint5 * moment_joint5_x;
+    let t160 = t159 + t158;
+    let t161 = 0.0007499999999999999 * t31;
+    let t162 = t30 + t29;
+    let t163 = 0.00065 * t162;
+    let t164 = t163 + t161;
+    let moment_joint4_z = t164 + t160;
+    let t166 = sin_joint4 * force_joint4_x;
+    let t167 = cos_joint4 * force_joint5_z;
+    let t168 = t166 + t167;
+    let t169 = 0.047012505789717454 * t168;
+    let t170 = moment_joint4_z - t169;
+    let t171 = 0.011273199000000001 * t19;
+    let t172 = 0.0047376000000000015 * t21;
+    let t173 = t172 - t171;
+    let t174 = 0.016765112499999995 * t80;
+    let t175 = t173 - t174;
+    let t176 = 0.010956925 * acceleration_joint3_z;
+    let t177 = t176 + t175;
+    let moment_joint3_y = t177 - t170;
+    let t179 = cos_joint2_joint3 * moment_joint3_y;
+    let t180 = t157 - t179;
+    let t181 = 0.3848762940000001 * t19;
+    let t182 = 0.010956925 * t80;
+    let t183 = t182 + t181;
+    let force_joint3_z = t183 - t168;
+    let t185 = cos_joint2 * force_joint3_z;
+    let t186 = t180 + t185;
+    let t187 = cos_joint2 * 0.0141984;
+    let t188 = sin_joint2 * 1.601861202;
+    let t189 = t188 + t187;
+    let t190 = cos_joint2 * t189;
+    let t191 = 0.0070992 - t190;
+    let t192 = t191 * t83;
+    let t193 = t73 - t74;
+    let t194 = 0.008085780000000004 * sin_joint2;
+    let t195 = 0.120863064 * cos_joint2;
+    let t196 = t195 - t194;
+    let t197 = t196 * t193;
+    let t198 = t192 + t197;
+    let t199 = 0.045079919999999996 * sin_joint2;
+    let t200 = 1.638935762 * cos_joint2;
+    let t201 = t200 - t199;
+    let t202 = t201 * acceleration_joint2_z;
+    let t203 = t202 + t198;
+    let moment_joint2_y = t203 - t186;
+    let t205 = cos_joint4 * force_joint4_x;
+    let t206 = sin_joint4 * force_joint5_z;
+    let t207 = t205 - t206;
+    let t208 = 0.010956925 * t67;
+    let t209 = 0.3848762940000001 * t21;
+    let t210 = t208 - t209;
+    let force_joint3_x = t210 - t207;
+    let t212 = cos_joint2_joint3 * force_joint3_x;
+    let t213 = cos_joint5 * force_joint5_y;
+    let t214 = sin_joint5 * force_joint5_x;
+    let force_joint4_z = t214 - t213;
+    let t216 = 0.3848762940000001 * t115;
+    let t217 = 0.010956925 * t21;
+    let t218 = t217 - t216;
+    let force_joint3_y = t218 + force_joint4_z;
+    let t220 = sin_joint2_joint3 * force_joint3_y;
+    let t221 = t212 + t220;
+    let t222 = t201 * t74;
+    let force_joint2_x = t222 + t221;
+    let t224 = 0.3474988420565076 * force_joint2_x;
+    let moment_joint1_z = moment_joint2_y - t224;
+    let t226 = sign(v[0]);
+    let t227 = t226.abs();
+    let t228 = t227 * 1.2522219999999997;
+    let t229 = t226 * 25.9836065;
+    let t230 = v[0] * 5.8018217679508;
+    let t231 = t230 + t229;
+    let t232 = t231 - t228;
+    let t233 = u[0] * 62.6111;
+    let t234 = t233 + t232;
+    let t235 = t234 + moment_joint1_z;
+    let t236 = sign(v[5]);
+    let t237 = t236.abs();
+    let t238 = t237 * 0.25076322000000006;
+    let t239 = t236 * 0.55443978;
+    let t240 = v[5] * 0.2158232532732;
+    let t241 = t240 + t239;
+    let t242 = t241 - t238;
+    let t243 = u[5] * 76.686;
+    let t244 = t243 - t242;
+    let t245 = t244 + moment_joint6_z;
+    let t246 = 3.9999999999999996e-5 * sin_joint5;
+    let t247 = cos_joint4 * t246;
+    let t248 = sin_joint2_joint3 * t247;
+    let t249 = 3.9999999999999996e-5 * cos_joint5;
+    let t250 = cos_joint2_joint3 * t249;
+    let t251 = t248 - t250;
+    let t252 = t251 * 5.151863922779921;
+    let t253 = t252 * t245;
+    let t254 = t235 - t253;
+    let t255 = sign(v[4]);
+    let t256 = t255.abs();
+    let t257 = t256 * 0.18843826000000008;
+    let t258 = t255 * 0.85444524;
+    let t259 = v[4] * 0.42728302093540005;
+    let t260 = t259 + t258;
+    let t261 = t260 - t257;
+    let t262 = u[4] * 71.923;
+    let t263 = t262 - t261;
+    let t264 = t263 - moment_joint5_z;
+    let t265 = 0.0012435839999999998 * cos_joint5;
+    let t266 = sin_joint4 * t265;
+    let t267 = 0.047012505789717454 * t266;
+    let t268 = cos_joint2_joint3 * t267;
+    let t269 = 0.00064216 + t265;
+    let t270 = sin_joint4 * t269;
+    let t271 = sin_joint2_joint3 * t270;
+    let t272 = t271 - t268;
+    let t273 = cos_joint2 * t266;
+    let t274 = t272 - t273;
+    let t275 = cos_joint4 * t265;
+    let t276 = cos_joint2_joint3 * t275;
+    let t277 = 0.0012435839999999998 * sin_joint5;
+    let t278 = sin_joint2_joint3 * t277;
+    let t279 = t276 - t278;
+    let t280 = 0.3474988420565076 * t279;
+    let t281 = t274 - t280;
+    let t282 = t281 * 5.83606090588883;
+    let t283 = t282 * t264;
+    let t284 = t254 + t283;
+    let t285 = sign(v[3]);
+    let t286 = t285.abs();
+    let t287 = t286 * 0.21670373999999998;
+    let t288 = t285 * 1.06831142;
+    let t289 = v[3] * 0.41164522969715195;
+    let t290 = t289 + t288;
+    let t291 = t290 - t287;
+    let t292 = u[3] * 76.0364;
+    let t293 = t292 - t291;
+    let t294 = t293 + moment_joint4_z;
+    let t295 = cos_joint5 * 0.0002060745569111968;
+    let t296 = t295 * t245;
+    let t297 = t294 - t296;
+    let t298 = cos_joint4 * t277;
+    let t299 = 0.047012505789717454 * t298;
+    let t300 = sin_joint5 * 0.00020215999999999998;
+    let t301 = sin_joint5 * t300;
+    let t302 = t301 + 0.00164;
+    let t303 = t302 - t299;
     let t304 = cos_joint2_joint3 * t303;
-    let acceleration_joint3_x = t304 - t300;
-    let t306 = acceleration_joint3_x + t296;
-    let t307 = sin_joint4 * t306;
-    let t308 = omega_joint3_x * t235;
-    let t309 = 0.047012505789717454 * t308;
-    let t310 = v[1] * 2.0;
-    let t311 = v[0] * t310;
-    let t312 = sin_joint2 * t311;
-    let acceleration_joint2_z = 0.3474988420565076 * t301;
-    let acceleration_joint3_z = acceleration_joint2_z - t312;
-    let t315 = acceleration_joint3_z - t309;
-    let t316 = cos_joint4 * t315;
-    let t317 = t307 + t316;
-    let acceleration_joint4_y = t317 - t240;
-    let t319 = 0.0012435839999999998 * acceleration_joint4_y;
-    let t320 = t319 + t292;
-    let moment_joint5_x = t320 + moment_joint6_x;
-    let t322 = sin_joint5 * moment_joint5_x;
-    let t323 = t322 + t278;
-    let t324 = 0.0007499999999999999 * t248;
-    let t325 = t247 + t246;
-    let t326 = 0.00065 * t325;
-    let t327 = t326 + t324;
-    let moment_joint4_z = t327 + t323;
-    let t329 = sign(v[3]);
-    let t330 = t329.abs();
-    let t331 = t330 * 0.21670373999999998;
-    let t332 = t329 * 1.06831142;
-    let t333 = v[3] * 0.41164522969715195;
-    let t334 = t333 + t332;
-    let t335 = t334 - t331;
-    let t336 = u[3] * 76.0364;
-    let t337 = t336 - t335;
-    let t338 = t337 + moment_joint4_z;
-    let t339 = t218 * t338;
-    let t340 = sin_joint5 * moment_joint5_y;
-    let t341 = cos_joint5 * moment_joint5_x;
-    let t342 = t341 - t340;
-    let t343 = 0.0007499999999999999 * t241;
-    let moment_joint4_x = t343 - t342;
-    let force_joint5_z = 0.0012435839999999998 * t289;
-    let t346 = force_joint5_z - moment_joint4_x;
-    let t347 = sin_joint4 * t346;
-    let t348 = cos_joint4 * t306;
-    let t349 = sin_joint4 * t315;
-    let t350 = t348 - t349;
-    let t351 = sin_joint4 * t236;
-    let t352 = cos_joint4 * t238;
-    let t353 = t352 - t351;
-    let acceleration_joint4_x = t350 - t353;
-    let t355 = cos_joint5 * acceleration_joint4_x;
-    let t356 = 0.047012505789717454 * t238;
-    let t357 = cos_joint2_joint3 * t299;
-    let t358 = sin_joint2_joint3 * t303;
-    let acceleration_joint3_y = t358 + t357;
-    let t360 = acceleration_joint3_y + t356;
-    let t361 = omega_joint3_x * omega_joint3_x;
-    let t362 = t361 + t294;
-    let acceleration_joint4_z = t362 - t360;
-    let t364 = sin_joint5 * acceleration_joint4_z;
-    let acceleration_joint5_x = t355 + t364;
-    let t366 = 0.0012435839999999998 * acceleration_joint5_x;
-    let t367 = omega_joint5_x * omega_joint5_y;
-    let t368 = omega_joint4_x * omega_joint4_z;
-    let t369 = t353 - t368;
-    let t370 = t369 - t367;
-    let t371 = 0.00042216 * t370;
-    let t372 = t369 + t367;
-    let t373 = 0.0002 * t372;
-    let t374 = t373 + t371;
-    let t375 = t366 - t374;
-    let t376 = omega_joint5_x * t283;
-    let t377 = t370 - t376;
-    let moment_joint6_y = 1.9999999999999998e-5 * t377;
-    let moment_joint5_z = t375 - moment_joint6_y;
-    let t380 = omega_joint4_x * t228;
-    let t381 = t353 - t380;
-    let t382 = 0.00065 * t381;
-    let moment_joint4_y = t382 - moment_joint5_z;
-    let t384 = omega_joint5_x * omega_joint5_x;
-    let t385 = omega_joint5_z * omega_joint5_z;
-    let t386 = t384 + t385;
-    let force_joint5_y = 0.0012435839999999998 * t386;
-    let t388 = sin_joint5 * force_joint5_y;
-    let force_joint5_x = 0.0012435839999999998 * t370;
-    let t390 = cos_joint5 * force_joint5_x;
-    let force_joint4_x = t390 + t388;
-    let t392 = force_joint4_x + moment_joint4_y;
-    let t393 = cos_joint4 * t392;
-    let t394 = t347 - t393;
-    let t395 = cos_joint5 * force_joint5_y;
-    let t396 = sin_joint5 * force_joint5_x;
-    let force_joint4_z = t396 - t395;
-    let t398 = 0.047012505789717454 * force_joint4_z;
-    let t399 = t394 + t398;
-    let t400 = t295 - t362;
-    let t401 = 0.011273199000000001 * t400;
-    let t402 = 0.016765112499999995 * t238;
+    let t305 = cos_joint5 * t300;
+    let t306 = t277 + t305;
+    let t307 = cos_joint4 * t306;
+    let t308 = sin_joint2_joint3 * t307;
+    let t309 = t308 + t304;
+    let t310 = cos_joint2 * t298;
+    let t311 = t309 - t310;
+    let t312 = sin_joint4 * t277;
+    let t313 = cos_joint2_joint3 * t312;
+    let t314 = 0.3474988420565076 * t313;
+    let t315 = t311 + t314;
+    let t316 = t251 * t295;
+    let t317 = t315 + t316;
+    let t318 = t301 + 0.19243062612368;
+    let t319 = t249 * t295;
+    let t320 = t318 - t319;
+    let inverse_d_joint4 = 1.0 / t320;
+    let t322 = t317 * inverse_d_joint4;
+    let t323 = t322 * t297;
+    let t324 = t284 + t323;
+    let t325 = sin_joint4 * t99;
+    let t326 = cos_joint4 * t145;
+    let t327 = t325 - t326;
+    let t328 = 0.047012505789717454 * force_joint4_z;
+    let t329 = t327 + t328;
+    let t330 = t67 - t115;
+    let t331 = 0.011273199000000001 * t330;
+    let t332 = 0.016765112499999995 * t21;
+    let t333 = t331 + t332;
+    let t334 = 0.34123495800000003 * t21;
+    let t335 = t333 - t334;
+    let t336 = 0.3848762940000001 * acceleration_joint3_x;
+    let t337 = 0.010956925 * acceleration_joint3_y;
+    let t338 = t337 + t336;
+    let t339 = t338 + t335;
+    let moment_joint3_z = t339 + t329;
+    let t341 = sign(v[2]);
+    let t342 = t341.abs();
+    let t343 = t342 * 0.7250350500000002;
+    let t344 = t341 * 6.364196549999999;
+    let t345 = v[2] * 3.9804259903721997;
+    let t346 = t345 + t344;
+    let t347 = t346 + t343;
+    let t348 = u[2] * 53.7063;
+    let t349 = t348 + t347;
+    let t350 = t349 + moment_joint3_z;
+    let t351 = sin_joint4 * t246;
+    let t352 = t351 * 5.151863922779921;
+    let t353 = t352 * t245;
+    let t354 = t350 + t353;
+    let t355 = cos_joint4 * t269;
+    let t356 = sin_joint5 * 5.846399999999998e-5;
+    let t357 = t355 - t356;
+    let t358 = t357 * 5.83606090588883;
+    let t359 = t358 * t264;
+    let t360 = t354 + t359;
+    let t361 = sin_joint4 * t306;
+    let t362 = t351 * t295;
+    let t363 = t361 + t362;
+    let t364 = t363 * inverse_d_joint4;
+    let t365 = t364 * t297;
+    let t366 = t360 - t365;
+    let t367 = t301 + 0.00010000000000000015;
+    let t368 = sin_joint4 * t367;
+    let t369 = sin_joint4 * t368;
+    let t370 = t301 + 0.00087;
+    let t371 = t370 - t369;
+    let t372 = t298 * 0.09402501157943491;
+    let t373 = t371 - t372;
+    let t374 = 0.016765112499999995 + t373;
+    let t375 = 0.00042216 - t301;
+    let t376 = cos_joint5 * 0.0024871679999999997;
+    let t377 = t375 + t376;
+    let t378 = 0.34123495800000003 + t377;
+    let t379 = t374 + t378;
+    let t380 = t379 + 0.5768733319380001;
+    let t381 = t351 * t352;
+    let t382 = t380 - t381;
+    let t383 = t357 * t358;
+    let t384 = t382 - t383;
+    let t385 = t363 * t364;
+    let t386 = t384 - t385;
+    let inverse_d_joint3 = 1.0 / t386;
+    let t388 = cos_joint4 * t368;
+    let t389 = 0.047012505789717454 * t312;
+    let t390 = t388 - t389;
+    let t391 = sin_joint2_joint3 * t390;
+    let t392 = 0.0047376000000000015 + t361;
+    let t393 = cos_joint2_joint3 * t392;
+    let t394 = t391 - t393;
+    let t395 = 0.010956925 - t298;
+    let t396 = sin_joint2_joint3 * t395;
+    let t397 = 0.3848762940000001 + t265;
+    let t398 = cos_joint2_joint3 * t397;
+    let t399 = t396 + t398;
+    let t400 = 0.3474988420565076 * t399;
+    let t401 = t394 - t400;
+    let t402 = t251 * t352;
     let t403 = t401 + t402;
-    let t404 = 0.34123495800000003 * t238;
+    let t404 = t281 * t358;
     let t405 = t403 - t404;
-    let t406 = 0.3848762940000001 * acceleration_joint3_x;
-    let t407 = 0.010956925 * acceleration_joint3_y;
-    let t408 = t407 + t406;
-    let t409 = t408 + t405;
-    let moment_joint3_z = t409 + t399;
-    let t411 = sign(v[2]);
-    let t412 = t411.abs();
-    let t413 = t412 * 0.7250350500000002;
-    let t414 = t411 * 6.364196549999999;
-    let t415 = v[2] * 3.9804259903721997;
-    let t416 = t415 + t414;
-    let t417 = t416 + t413;
-    let t418 = u[2] * 53.7063;
-    let t419 = t418 + t417;
-    let t420 = t419 + moment_joint3_z;
-    let t421 = t213 * t420;
-    let t422 = cos_joint4 * t346;
-    let t423 = sin_joint4 * t392;
-    let t424 = t422 + t423;
-    let t425 = t301 - t362;
-    let t426 = 0.0047376000000000015 * t425;
-    let t427 = 0.011273199000000001 * t308;
-    let t428 = t427 - t426;
-    let t429 = 0.34123495800000003 * t236;
-    let t430 = t428 + t429;
-    let t431 = 0.3848762940000001 * acceleration_joint3_z;
-    let t432 = t431 - t430;
-    let moment_joint3_x = t432 + t424;
-    let t434 = sin_joint2_joint3 * moment_joint3_x;
-    let t435 = sin_joint4 * force_joint4_x;
-    let t436 = cos_joint4 * force_joint5_z;
+    let t406 = t317 * t364;
+    let t407 = t405 + t406;
+    let t408 = t407 * inverse_d_joint3;
+    let t409 = t408 * t366;
+    let t410 = t324 - t409;
+    let t411 = sin_joint2 * t221;
+    let t412 = sin_joint2_joint3 * force_joint3_x;
+    let t413 = cos_joint2_joint3 * force_joint3_y;
+    let t414 = t412 - t413;
+    let t415 = cos_joint2 * t414;
+    let t416 = t415 - t411;
+    let t417 = moment_joint3_z - t416;
+    let t418 = t69 - t74;
+    let t419 = t191 * t418;
+    let t420 = t201 * 22.71885132005558;
+    let t421 = t420 + t419;
+    let moment_joint2_z = t421 + t417;
+    let t423 = sign(v[1]);
+    let t424 = t423.abs();
+    let t425 = t424 * 2.9649125000000005;
+    let t426 = t423 * 10.6197775;
+    let t427 = v[1] * 9.496868641825001;
+    let t428 = t427 + t426;
+    let t429 = t428 + t425;
+    let t430 = u[1] * 107.815;
+    let t431 = t430 - t429;
+    let t432 = t431 - moment_joint2_z;
+    let t433 = t432 - t353;
+    let t434 = sin_joint2 * t279;
+    let t435 = sin_joint2_joint3 * t275;
+    let t436 = cos_joint2_joint3 * t277;
     let t437 = t435 + t436;
-    let t438 = 0.047012505789717454 * t437;
-    let t439 = moment_joint4_z - t438;
-    let t440 = 0.011273199000000001 * t236;
-    let t441 = 0.0047376000000000015 * t238;
-    let t442 = t441 - t440;
-    let t443 = 0.016765112499999995 * t308;
-    let t444 = t442 - t443;
-    let t445 = 0.010956925 * acceleration_joint3_z;
-    let t446 = t445 + t444;
-    let moment_joint3_y = t446 - t439;
-    let t448 = cos_joint2_joint3 * moment_joint3_y;
-    let t449 = t434 - t448;
-    let t450 = 0.3848762940000001 * t236;
-    let t451 = 0.010956925 * t308;
-    let t452 = t451 + t450;
-    let force_joint3_z = t452 - t437;
-    let t454 = cos_joint2 * force_joint3_z;
-    let t455 = t449 + t454;
-    let t456 = cos_joint2 * t49;
-    let t457 = 0.0070992 - t456;
-    let t458 = t457 * t311;
-    let t459 = t301 - t302;
-    let t460 = 0.008085780000000004 * sin_joint2;
-    let t461 = 0.120863064 * cos_joint2;
-    let t462 = t461 - t460;
-    let t463 = t462 * t459;
-    let t464 = t458 + t463;
-    let t465 = 0.045079919999999996 * sin_joint2;
-    let t466 = 1.638935762 * cos_joint2;
-    let t467 = t466 - t465;
-    let t468 = t467 * acceleration_joint2_z;
-    let t469 = t468 + t464;
-    let moment_joint2_y = t469 - t455;
-    let t471 = cos_joint4 * force_joint4_x;
-    let t472 = sin_joint4 * force_joint5_z;
-    let t473 = t471 - t472;
-    let t474 = 0.010956925 * t295;
-    let t475 = 0.3848762940000001 * t238;
-    let t476 = t474 - t475;
-    let force_joint3_x = t476 - t473;
-    let t478 = cos_joint2_joint3 * force_joint3_x;
-    let t479 = 0.3848762940000001 * t362;
-    let t480 = 0.010956925 * t238;
-    let t481 = t480 - t479;
-    let force_joint3_y = t481 + force_joint4_z;
-    let t483 = sin_joint2_joint3 * force_joint3_y;
-    let t484 = t478 + t483;
-    let t485 = t467 * t302;
-    let force_joint2_x = t485 + t484;
-    let t487 = 0.3474988420565076 * force_joint2_x;
-    let moment_joint1_z = moment_joint2_y - t487;
-    let t489 = sign(v[0]);
-    let t490 = t489.abs();
-    let t491 = t490 * 1.2522219999999997;
-    let t492 = t489 * 25.9836065;
-    let t493 = v[0] * 5.8018217679508;
-    let t494 = t493 + t492;
-    let t495 = t494 - t491;
-    let t496 = u[0] * 62.6111;
-    let t497 = t496 + t495;
-    let t498 = t497 + moment_joint1_z;
-    let t499 = inverse_d_joint1 * t498;
-    let t500 = sin_joint2 * t484;
-    let t501 = sin_joint2_joint3 * force_joint3_x;
-    let t502 = cos_joint2_joint3 * force_joint3_y;
-    let t503 = t501 - t502;
-    let t504 = cos_joint2 * t503;
-    let t505 = t504 - t500;
-    let t506 = moment_joint3_z - t505;
-    let t507 = t297 - t302;
-    let t508 = t457 * t507;
-    let t509 = t467 * 22.71885132005558;
-    let t510 = t509 + t508;
-    let moment_joint2_z = t510 + t506;
-    let t512 = sign(v[1]);
-    let t513 = t512.abs();
-    let t514 = t513 * 2.9649125000000005;
-    let t515 = t512 * 10.6197775;
-    let t516 = v[1] * 9.496868641825001;
-    let t517 = t516 + t515;
-    let t518 = t517 + t514;
-    let t519 = u[1] * 107.815;
-    let t520 = t519 - t518;
-    let t521 = t520 - moment_joint2_z;
-    let t522 = t210 * t521;
-    let t523 = t499 - t522;
-    let t524 = t523 - t421;
-    let t525 = t524 + t339;
-    let t526 = t118 * t213;
-    let t527 = t179 * t210;
-    let t528 = t526 - t527;
-    let t529 = t85 * inverse_d_joint1;
-    let t530 = t528 - t529;
-    let t531 = sign(v[4]);
-    let t532 = t531.abs();
-    let t533 = t532 * 0.18843826000000008;
-    let t534 = t531 * 0.85444524;
-    let t535 = v[4] * 0.42728302093540005;
-    let t536 = t535 + t534;
-    let t537 = t536 - t533;
-    let t538 = u[4] * 71.923;
-    let t539 = t538 - t537;
-    let t540 = t539 - moment_joint5_z;
-    let t541 = t530 * t540;
-    let t542 = t525 - t541;
-    let t543 = t542 - t272;
-    let t544 = t206 * t210;
-    let t545 = inverse_d_joint2 + t544;
-    let t546 = t170 * t545;
-    let t547 = t146 * t210;
-    let t548 = t546 + t547;
-    let t549 = t124 * t548;
-    let t550 = t182 * t545;
-    let t551 = t549 - t550;
-    let t552 = t106 * t210;
-    let t553 = t551 + t552;
-    let t554 = t99 * t553;
-    let t555 = t112 * t548;
-    let t556 = t554 + t555;
-    let t557 = t112 * t545;
-    let t558 = t556 - t557;
-    let t559 = t67 * t210;
-    let t560 = t558 + t559;
-    let t561 = t560 * t271;
-    let t562 = t553 * t338;
-    let t563 = t548 * t420;
-    let t564 = t545 * t521;
-    let t565 = t210 * t498;
-    let t566 = t565 - t564;
-    let t567 = t566 - t563;
-    let t568 = t567 + t562;
-    let t569 = t118 * t548;
-    let t570 = t179 * t545;
-    let t571 = t569 - t570;
-    let t572 = t85 * t210;
-    let t573 = t571 - t572;
-    let t574 = t573 * t540;
-    let t575 = t568 - t574;
-    let t576 = t575 - t561;
-    let t577 = t170 * t206;
-    let t578 = t146 + t577;
-    let t579 = inverse_d_joint1 * t578;
-    let t580 = t206 * t579;
-    let t581 = t170 * inverse_d_joint2;
-    let t582 = t581 + t580;
-    let t583 = t170 * t582;
-    let t584 = inverse_d_joint3 + t583;
-    let t585 = t146 * t579;
-    let t586 = t584 + t585;
-    let t587 = t124 * t586;
-    let t588 = t182 * t582;
-    let t589 = t587 - t588;
-    let t590 = t106 * t579;
-    let t591 = t589 + t590;
-    let t592 = t99 * t591;
-    let t593 = t112 * t586;
-    let t594 = t592 + t593;
-    let t595 = t112 * t582;
-    let t596 = t594 - t595;
-    let t597 = t67 * t579;
-    let t598 = t596 + t597;
-    let t599 = t598 * t271;
-    let t600 = t591 * t338;
-    let t601 = t586 * t420;
-    let t602 = t548 * t521;
-    let t603 = t213 * t498;
-    let t604 = t603 - t602;
-    let t605 = t604 - t601;
-    let t606 = t605 + t600;
-    let t607 = t118 * t586;
-    let t608 = t179 * t582;
-    let t609 = t607 - t608;
-    let t610 = t85 * t579;
-    let t611 = t609 - t610;
-    let t612 = t611 * t540;
-    let t613 = t606 - t612;
-    let t614 = t613 - t599;
-    let t615 = t124 * t170;
-    let t616 = t182 - t615;
-    let t617 = t206 * t616;
-    let t618 = t124 * t146;
-    let t619 = t106 + t618;
-    let t620 = t619 - t617;
-    let t621 = inverse_d_joint1 * t620;
-    let t622 = t206 * t621;
-    let t623 = inverse_d_joint2 * t616;
-    let t624 = t623 - t622;
-    let t625 = t170 * t624;
-    let t626 = t124 * inverse_d_joint3;
-    let t627 = t626 - t625;
-    let t628 = t146 * t621;
-    let t629 = t627 + t628;
-    let t630 = t124 * t629;
-    let t631 = inverse_d_joint4 + t630;
-    let t632 = t182 * t624;
-    let t633 = t631 + t632;
-    let t634 = t106 * t621;
-    let t635 = t633 + t634;
-    let t636 = t99 * t635;
-    let t637 = t112 * t629;
-    let t638 = t636 + t637;
-    let t639 = t112 * t624;
-    let t640 = t638 + t639;
-    let t641 = t67 * t621;
-    let t642 = t640 + t641;
-    let t643 = t642 * t271;
-    let t644 = t635 * t338;
-    let t645 = t591 * t420;
-    let t646 = t553 * t521;
-    let t647 = t218 * t498;
-    let t648 = t647 - t646;
-    let t649 = t648 - t645;
-    let t650 = t649 + t644;
-    let t651 = t118 * t629;
-    let t652 = t179 * t624;
-    let t653 = t651 + t652;
-    let t654 = t85 * t621;
-    let t655 = t653 - t654;
-    let t656 = t655 * t540;
-    let t657 = t650 - t656;
-    let t658 = t657 - t643;
-    let t659 = t118 * t170;
-    let t660 = t179 - t659;
-    let t661 = t206 * t660;
-    let t662 = t118 * t146;
-    let t663 = t85 - t662;
-    let t664 = t663 + t661;
-    let t665 = inverse_d_joint1 * t664;
-    let t666 = t206 * t665;
-    let t667 = inverse_d_joint2 * t660;
-    let t668 = t667 + t666;
-    let t669 = t170 * t668;
-    let t670 = t118 * inverse_d_joint3;
-    let t671 = t670 - t669;
-    let t672 = t146 * t665;
-    let t673 = t671 - t672;
-    let t674 = t124 * t673;
-    let t675 = t182 * t668;
-    let t676 = t674 + t675;
-    let t677 = t106 * t665;
-    let t678 = t676 - t677;
-    let t679 = t99 * t678;
-    let t680 = t112 * t673;
-    let t681 = t679 + t680;
-    let t682 = t112 * t668;
-    let t683 = t681 + t682;
-    let t684 = t67 * t665;
-    let t685 = t683 - t684;
-    let t686 = t685 * t271;
-    let t687 = t611 * t420;
-    let t688 = t573 * t521;
-    let t689 = t530 * t498;
-    let t690 = t689 - t688;
-    let t691 = t690 - t687;
-    let t692 = t655 * t338;
-    let t693 = t691 + t692;
-    let t694 = t118 * t673;
-    let t695 = 5.83606090588883 + t694;
-    let t696 = t179 * t668;
-    let t697 = t695 + t696;
-    let t698 = t85 * t665;
-    let t699 = t697 + t698;
-    let t700 = t699 * t540;
-    let t701 = t693 - t700;
-    let t702 = t701 - t686;
-    let t703 = t642 * t338;
-    let t704 = t598 * t420;
-    let t705 = t560 * t521;
-    let t706 = t225 * t498;
-    let t707 = t706 - t705;
-    let t708 = t707 - t704;
-    let t709 = t708 + t703;
-    let t710 = t685 * t540;
-    let t711 = t709 - t710;
-    let t712 = t99 * t124;
-    let t713 = t112 + t712;
-    let t714 = t170 * t713;
-    let t715 = t99 * t182;
-    let t716 = t112 + t715;
-    let t717 = t716 - t714;
-    let t718 = t206 * t717;
-    let t719 = t146 * t713;
-    let t720 = t99 * t106;
-    let t721 = t67 + t720;
-    let t722 = t721 + t719;
-    let t723 = t722 - t718;
-    let t724 = inverse_d_joint1 * t723;
-    let t725 = t206 * t724;
-    let t726 = inverse_d_joint2 * t717;
-    let t727 = t726 - t725;
-    let t728 = t170 * t727;
-    let t729 = inverse_d_joint3 * t713;
+    let t438 = cos_joint2 * t437;
+    let t439 = t438 - t434;
+    let t440 = t357 - t439;
+    let t441 = t440 * 5.83606090588883;
+    let t442 = t441 * t264;
+    let t443 = t433 - t442;
+    let t444 = sin_joint2 * t313;
+    let t445 = sin_joint2_joint3 * t312;
+    let t446 = cos_joint2 * t445;
+    let t447 = t446 - t444;
+    let t448 = t361 - t447;
+    let t449 = t448 + t362;
+    let t450 = t449 * inverse_d_joint4;
+    let t451 = t450 * t297;
+    let t452 = t443 + t451;
+    let t453 = sin_joint2 * t399;
+    let t454 = cos_joint2_joint3 * t395;
+    let t455 = sin_joint2_joint3 * t397;
+    let t456 = t454 - t455;
+    let t457 = cos_joint2 * t456;
+    let t458 = t457 + t453;
+    let t459 = t379 + t458;
+    let t460 = t459 - t381;
+    let t461 = t440 * t358;
+    let t462 = t460 - t461;
+    let t463 = t449 * t364;
+    let t464 = t462 - t463;
+    let t465 = t464 * inverse_d_joint3;
+    let t466 = t465 * t366;
+    let t467 = t452 + t466;
+    let t468 = t464 * t465;
+    let t469 = 2.0 * t458;
+    let t470 = t379 + t469;
+    let t471 = sin_joint2 * t189;
+    let t472 = 0.07312640000000001 + t471;
+    let t473 = 1.674987602 - t471;
+    let t474 = t473 + t472;
+    let t475 = t474 + t470;
+    let t476 = t475 + 2.324814845;
+    let t477 = t476 - t381;
+    let t478 = t440 * t441;
+    let t479 = t477 - t478;
+    let t480 = t449 * t450;
+    let t481 = t479 - t480;
+    let t482 = t481 - t468;
+    let inverse_d_joint2 = 1.0 / t482;
+    let t484 = t407 * t465;
+    let t485 = sin_joint2 * t312;
+    let t486 = t394 - t485;
+    let t487 = 0.008085780000000004 * cos_joint2;
+    let t488 = 0.120863064 * sin_joint2;
+    let t489 = t488 + t487;
+    let t490 = t489 - t486;
+    let t491 = 0.045079919999999996 * cos_joint2;
+    let t492 = 1.638935762 * sin_joint2;
+    let t493 = t492 + t491;
+    let t494 = t493 + t399;
+    let t495 = 0.3474988420565076 * t494;
+    let t496 = t490 + t495;
+    let t497 = t496 - t402;
+    let t498 = t281 * t441;
+    let t499 = t497 + t498;
+    let t500 = t317 * t450;
+    let t501 = t499 - t500;
+    let t502 = t501 + t484;
+    let t503 = t502 * inverse_d_joint2;
+    let t504 = t503 * t467;
+    let t505 = t410 - t504;
+    let t506 = t374 - t378;
+    let t507 = sin_joint2_joint3 * t506;
+    let t508 = cos_joint5 * 5.846399999999998e-5;
+    let t509 = t307 - t508;
+    let t510 = 0.011273199000000001 - t509;
+    let t511 = 2.0 * t510;
+    let t512 = cos_joint2_joint3 * t511;
+    let t513 = t507 + t512;
+    let t514 = sin_joint2_joint3 * t513;
+    let t515 = t374 - t514;
+    let t516 = 2.0 * t457;
+    let t517 = t515 + t516;
+    let t518 = t473 + t517;
+    let t519 = 0.175 + t518;
+    let t520 = 0.0007699999999999999 + t369;
+    let t521 = t312 * 0.6949976841130152;
+    let t522 = t520 + t521;
+    let t523 = 1.286789571125 + t522;
+    let t524 = t519 + t523;
+    let t525 = t524 + 0.784029968642;
+    let t526 = t251 * t252;
+    let t527 = t525 - t526;
+    let t528 = t281 * t282;
+    let t529 = t527 - t528;
+    let t530 = t317 * t322;
+    let t531 = t529 - t530;
+    let t532 = t407 * t408;
+    let t533 = t531 - t532;
+    let t534 = t502 * t503;
+    let t535 = t533 - t534;
+    let inverse_d_joint1 = 1.0 / t535;
+    let t537 = inverse_d_joint1 * t505;
+    let t538 = t503 * t537;
+    let t539 = inverse_d_joint2 * t467;
+    let t540 = t539 - t538;
+    let t541 = t465 * t540;
+    let t542 = inverse_d_joint3 * t366;
+    let t543 = t542 + t541;
+    let t544 = t408 * t537;
+    let t545 = t543 - t544;
+    let t546 = t364 * t545;
+    let t547 = inverse_d_joint4 * t297;
+    let t548 = t547 - t546;
+    let t549 = t450 * t540;
+    let t550 = t548 + t549;
+    let t551 = t322 * t537;
+    let t552 = t550 + t551;
+    let t553 = t358 * t545;
+    let t554 = 5.83606090588883 * t264;
+    let t555 = t554 + t553;
+    let t556 = t441 * t540;
+    let t557 = t555 - t556;
+    let t558 = t282 * t537;
+    let t559 = t557 + t558;
+    let t560 = t295 * t552;
+    let t561 = 5.151863922779921 * t245;
+    let t562 = t561 - t560;
+    let t563 = t352 * t545;
+    let t564 = t562 + t563;
+    let t565 = t352 * t540;
+    let t566 = t564 - t565;
+    let t567 = t252 * t537;
+    let t568 = t566 - t567;
+    let t569 = cos_joint2_joint3 * t537;
+    let t570 = t30 + t569;
+    let t571 = t552 - t570;
+    let t572 = t29 + t571;
+    let t573 = cos_joint5 * t572;
+    let t574 = t540 - t545;
+    let t575 = t21 - t574;
+    let t576 = sin_joint4 * t575;
+    let t577 = sin_joint2_joint3 * t537;
+    let t578 = t19 - t577;
+    let t579 = cos_joint4 * t578;
+    let t580 = t576 + t579;
+    let t581 = t17 - t580;
+    let t582 = sin_joint5 * t581;
+    let t583 = t573 + t582;
+    let t584 = t38 - t583;
+    let t585 = t568 - t584;
+    let t586 = t38 + t585;
+    let t587 = 1.9999999999999998e-5 * t586;
+    let t588 = t38 - t585;
+    let t589 = 1.9999999999999998e-5 * t588;
+    let moment_joint6_z_2 = t589 - t587;
+    let t591 = t46 - t583;
+    let t592 = 0.0002 * t591;
+    let moment_joint5_y_2 = t592 + moment_joint6_z_2;
+    let t594 = sin_joint5 * moment_joint5_y_2;
+    let t595 = sin_joint5 * t572;
+    let t596 = cos_joint5 * t581;
+    let t597 = t595 - t596;
+    let t598 = t60 - t597;
+    let t599 = t56 + t598;
+    let moment_joint6_x_2 = 1.9999999999999998e-5 * t599;
+    let t601 = 0.00042216 * t598;
+    let t602 = cos_joint2 * t540;
+    let t603 = t70 - t602;
+    let t604 = 22.71885132005558 - t603;
+    let t605 = sin_joint2_joint3 * t604;
+    let t606 = sin_joint2 * t540;
+    let t607 = t75 + t606;
+    let acceleration_joint2_x = 0.3474988420565076 * t537;
+    let t609 = acceleration_joint2_x + t607;
+    let t610 = cos_joint2_joint3 * t609;
+    let acceleration_joint3_x_2 = t610 - t605;
+    let t612 = t68 + acceleration_joint3_x_2;
+    let t613 = sin_joint4 * t612;
+    let t614 = t80 + t569;
+    let t615 = 0.047012505789717454 * t614;
+    let t616 = cos_joint2 * t537;
+    let t617 = t84 + t616;
+    let acceleration_joint3_z_2 = acceleration_joint2_z - t617;
+    let t619 = acceleration_joint3_z_2 - t615;
+    let t620 = cos_joint4 * t619;
+    let t621 = t613 + t620;
+    let acceleration_joint4_y_2 = t621 - t580;
+    let t623 = 0.0012435839999999998 * acceleration_joint4_y_2;
+    let t624 = t623 + t601;
+    let moment_joint5_x_2 = t624 + moment_joint6_x_2;
+    let t626 = cos_joint5 * moment_joint5_x_2;
+    let t627 = t626 - t594;
+    let t628 = 0.0007499999999999999 * t581;
+    let moment_joint4_x_2 = t628 + t627;
+    let force_joint5_z_2 = 0.0012435839999999998 * t598;
+    let t631 = force_joint5_z_2 + moment_joint4_x_2;
+    let t632 = cos_joint4 * t631;
+    let t633 = cos_joint4 * t575;
+    let t634 = sin_joint4 * t578;
+    let t635 = t633 - t634;
+    let t636 = t121 - t635;
+    let t637 = t559 + t636;
+    let t638 = t120 + t637;
+    let t639 = 0.00042216 * t638;
+    let t640 = t120 - t637;
+    let t641 = 0.0002 * t640;
+    let t642 = t641 - t639;
+    let t643 = cos_joint4 * t612;
+    let t644 = sin_joint4 * t619;
+    let t645 = t643 - t644;
+    let acceleration_joint4_x_2 = t645 - t635;
+    let t647 = cos_joint5 * acceleration_joint4_x_2;
+    let t648 = t21 + t574;
+    let t649 = 0.047012505789717454 * t648;
+    let t650 = cos_joint2_joint3 * t604;
+    let t651 = sin_joint2_joint3 * t609;
+    let acceleration_joint3_y_2 = t651 + t650;
+    let t653 = acceleration_joint3_y_2 + t649;
+    let acceleration_joint4_z_2 = t115 - t653;
+    let t655 = sin_joint5 * acceleration_joint4_z_2;
+    let acceleration_joint5_x_2 = t647 + t655;
+    let t657 = 0.0012435839999999998 * acceleration_joint5_x_2;
+    let t658 = t657 - t642;
+    let t659 = t129 + t638;
+    let moment_joint6_y_2 = 1.9999999999999998e-5 * t659;
+    let moment_joint5_z_2 = t658 + moment_joint6_y_2;
+    let t662 = t133 - t635;
+    let t663 = 0.00065 * t662;
+    let moment_joint4_y_2 = t663 + moment_joint5_z_2;
+    let force_joint5_x_2 = 0.0012435839999999998 * t638;
+    let t666 = cos_joint5 * force_joint5_x_2;
+    let force_joint4_x_2 = t141 - t666;
+    let t668 = force_joint4_x_2 - moment_joint4_y_2;
+    let t669 = sin_joint4 * t668;
+    let t670 = t632 + t669;
+    let t671 = 0.011273199000000001 * t614;
+    let t672 = t149 - t671;
+    let t673 = 0.34123495800000003 * t578;
+    let t674 = t672 - t673;
+    let t675 = 0.3848762940000001 * acceleration_joint3_z_2;
+    let t676 = t675 + t674;
+    let moment_joint3_x_2 = t676 + t670;
+    let t678 = cos_joint2_joint3 * moment_joint3_x_2;
+    let t679 = cos_joint5 * moment_joint5_y_2;
+    let t680 = sin_joint5 * moment_joint5_x_2;
+    let t681 = t680 + t679;
+    let t682 = 0.0007499999999999999 * t572;
+    let t683 = t29 - t571;
+    let t684 = 0.00065 * t683;
+    let t685 = t684 - t682;
+    let moment_joint4_z_2 = t685 + t681;
+    let t687 = cos_joint4 * force_joint5_z_2;
+    let t688 = sin_joint4 * force_joint4_x_2;
+    let t689 = t688 + t687;
+    let t690 = 0.047012505789717454 * t689;
+    let t691 = moment_joint4_z_2 - t690;
+    let t692 = 0.0047376000000000015 * t575;
+    let t693 = 0.011273199000000001 * t578;
+    let t694 = t692 - t693;
+    let t695 = 0.016765112499999995 * t614;
+    let t696 = t694 - t695;
+    let t697 = 0.010956925 * acceleration_joint3_z_2;
+    let t698 = t697 + t696;
+    let moment_joint3_y_2 = t698 - t691;
+    let t700 = sin_joint2_joint3 * moment_joint3_y_2;
+    let t701 = t678 + t700;
+    let t702 = 0.3848762940000001 * t578;
+    let t703 = 0.010956925 * t614;
+    let t704 = t703 + t702;
+    let force_joint3_z_2 = t704 - t689;
+    let t706 = sin_joint2 * force_joint3_z_2;
+    let t707 = t701 - t706;
+    let t708 = t196 * t540;
+    let t709 = t191 * t537;
+    let t710 = t709 + t708;
+    let t711 = t73 - t69;
+    let t712 = t489 * t711;
+    let t713 = t712 + t710;
+    let t714 = t472 * t83;
+    let t715 = t714 - t713;
+    let t716 = t493 * acceleration_joint2_z;
+    let t717 = t716 - t715;
+    let moment_joint2_x = t717 + t707;
+    let t719 = cos_joint2_joint3 * t513;
+    let t720 = t510 - t719;
+    let t721 = cos_joint2 * t399;
+    let t722 = sin_joint2 * t456;
+    let t723 = t722 + t721;
+    let t724 = t720 - t723;
+    let t725 = t191 + t724;
+    let t726 = t725 * t537;
+    let t727 = t490 * t73;
+    let t728 = t726 - t727;
+    let t729 = t312 * 22.71885132005558;
     let t730 = t729 - t728;
-    let t731 = t146 * t724;
-    let t732 = t730 + t731;
-    let t733 = t124 * t732;
-    let t734 = t99 * inverse_d_joint4;
-    let t735 = t734 + t733;
-    let t736 = t182 * t727;
-    let t737 = t735 + t736;
-    let t738 = t106 * t724;
-    let t739 = t737 + t738;
-    let t740 = t99 * t739;
-    let t741 = 5.151863922779921 + t740;
-    let t742 = t112 * t732;
-    let t743 = t741 + t742;
-    let t744 = t112 * t727;
-    let t745 = t743 + t744;
-    let t746 = t67 * t724;
-    let t747 = t745 + t746;
-    let t748 = t747 * t271;
-    let t749 = t711 - t748;
-    let t750 = t576 - t614;
-    let t751 = t238 + t750;
-    let t752 = sin_joint4 * t751;
-    let t753 = sin_joint2_joint3 * t543;
-    let t754 = t236 - t753;
-    let t755 = cos_joint4 * t754;
-    let t756 = t752 + t755;
-    let t757 = t234 - t756;
-    let t758 = sin_joint5 * t757;
-    let t759 = cos_joint2_joint3 * t543;
-    let t760 = t247 + t759;
-    let t761 = t658 - t760;
-    let t762 = t246 + t761;
-    let t763 = cos_joint5 * t762;
-    let t764 = t763 + t758;
-    let t765 = t255 - t764;
-    let t766 = t749 + t765;
-    let t767 = t255 - t766;
-    let t768 = 1.9999999999999998e-5 * t767;
-    let t769 = t255 + t766;
-    let t770 = 1.9999999999999998e-5 * t769;
-    let moment_joint6_z_2 = t770 - t768;
-    let t772 = t274 - t764;
-    let t773 = 0.0002 * t772;
-    let moment_joint5_y_2 = t773 + moment_joint6_z_2;
-    let t775 = sin_joint5 * moment_joint5_y_2;
-    let t776 = cos_joint5 * t757;
-    let t777 = sin_joint5 * t762;
-    let t778 = t777 - t776;
-    let t779 = t288 - t778;
-    let t780 = t284 + t779;
-    let moment_joint6_x_2 = 1.9999999999999998e-5 * t780;
-    let t782 = 0.00042216 * t779;
-    let t783 = cos_joint2 * t576;
-    let t784 = t298 + t783;
-    let t785 = 22.71885132005558 - t784;
-    let t786 = sin_joint2_joint3 * t785;
-    let t787 = sin_joint2 * t576;
-    let t788 = t303 - t787;
-    let acceleration_joint2_x = 0.3474988420565076 * t543;
-    let t790 = acceleration_joint2_x + t788;
-    let t791 = cos_joint2_joint3 * t790;
-    let acceleration_joint3_x_2 = t791 - t786;
-    let t793 = t296 + acceleration_joint3_x_2;
-    let t794 = sin_joint4 * t793;
-    let t795 = t308 + t759;
-    let t796 = 0.047012505789717454 * t795;
-    let t797 = cos_joint2 * t543;
-    let t798 = t312 + t797;
-    let acceleration_joint3_z_2 = acceleration_joint2_z - t798;
-    let t800 = acceleration_joint3_z_2 - t796;
-    let t801 = cos_joint4 * t800;
-    let t802 = t794 + t801;
-    let acceleration_joint4_y_2 = t802 - t756;
-    let t804 = 0.0012435839999999998 * acceleration_joint4_y_2;
-    let t805 = t804 + t782;
-    let moment_joint5_x_2 = t805 + moment_joint6_x_2;
-    let t807 = cos_joint5 * moment_joint5_x_2;
-    let t808 = t807 - t775;
-    let t809 = 0.0007499999999999999 * t757;
-    let moment_joint4_x_2 = t809 + t808;
-    let force_joint5_z_2 = 0.0012435839999999998 * t779;
-    let t812 = force_joint5_z_2 + moment_joint4_x_2;
-    let t813 = cos_joint4 * t812;
-    let t814 = cos_joint4 * t793;
-    let t815 = sin_joint4 * t800;
+    let t731 = 3.9999999999999996e-5 * omega_joint6_z;
+    let t732 = 0.0004 * omega_joint5_y;
+    let t733 = t732 - t731;
+    let t734 = cos_joint5 * t733;
+    let t735 = omega_joint5_x * 0.00084432;
+    let t736 = sin_joint5 * t735;
+    let t737 = t734 - t736;
+    let t738 = 0.0013 * omega_joint4_z;
+    let t739 = t738 - t737;
+    let t740 = 2.0 * omega_joint4_x;
+    let t741 = t277 * t740;
+    let t742 = t739 + t741;
+    let t743 = cos_joint5 * t731;
+    let t744 = 3.9999999999999996e-5 * omega_joint5_x;
+    let t745 = sin_joint5 * t744;
+    let t746 = t743 + t745;
+    let t747 = omega_joint4_z * 0.0014999999999999998;
+    let t748 = t747 + t746;
+    let t749 = t748 - t742;
+    let t750 = cos_joint4 * t749;
+    let t751 = omega_joint5_z * 0.00040431999999999995;
+    let t752 = cos_joint5 * t751;
+    let t753 = sin_joint5 * t752;
+    let t754 = 2.0 * omega_joint4_y;
+    let t755 = t277 * t754;
+    let t756 = t753 + t755;
+    let t757 = sin_joint4 * t756;
+    let t758 = t757 - t750;
+    let t759 = sin_joint4 * t758;
+    let t760 = t756 - t759;
+    let t761 = 0.0024871679999999997 * omega_joint5_x;
+    let t762 = sin_joint4 * t761;
+    let t763 = 0.0024871679999999997 * omega_joint5_z;
+    let t764 = cos_joint5 * t763;
+    let t765 = cos_joint4 * t764;
+    let t766 = t765 - t762;
+    let t767 = 0.047012505789717454 * t766;
+    let t768 = t760 - t767;
+    let t769 = omega_joint3_z * 0.022546398000000002;
+    let t770 = t769 - t768;
+    let t771 = sin_joint5 * t763;
+    let t772 = t771 + t753;
+    let t773 = 0.09402501157943491 * omega_joint3_z;
+    let t774 = t265 * t773;
+    let t775 = t772 - t774;
+    let t776 = omega_joint3_x * 0.009475200000000003;
+    let t777 = t769 - t776;
+    let t778 = t777 - t775;
+    let t779 = t770 + t778;
+    let t780 = sin_joint2_joint3 * t779;
+    let t781 = sin_joint5 * t731;
+    let t782 = cos_joint5 * t744;
+    let t783 = t781 - t782;
+    let t784 = omega_joint4_x * 0.0014999999999999998;
+    let t785 = t784 - t783;
+    let t786 = sin_joint4 * t785;
+    let t787 = cos_joint5 * t752;
+    let t788 = omega_joint5_z * 0.00084432;
+    let t789 = t788 - t787;
+    let t790 = 0.0013 * omega_joint4_y;
+    let t791 = t790 + t789;
+    let t792 = cos_joint4 * t791;
+    let t793 = t792 - t786;
+    let t794 = 0.047012505789717454 * t771;
+    let t795 = t298 * t773;
+    let t796 = t794 + t795;
+    let t797 = t793 - t796;
+    let t798 = omega_joint3_z * 0.03353022499999999;
+    let t799 = t798 + t797;
+    let t800 = sin_joint5 * t733;
+    let t801 = cos_joint5 * t735;
+    let t802 = t800 + t801;
+    let t803 = t265 * t740;
+    let t804 = t761 + t803;
+    let t805 = t802 + t804;
+    let t806 = sin_joint4 * t805;
+    let t807 = omega_joint5_z * 0.00044;
+    let t808 = t807 + t787;
+    let t809 = t265 * t754;
+    let t810 = t764 + t809;
+    let t811 = t808 + t810;
+    let t812 = cos_joint4 * t811;
+    let t813 = t812 - t806;
+    let t814 = omega_joint3_y * 0.009475200000000003;
+    let t815 = omega_joint3_z * 0.6824699160000001;
     let t816 = t814 - t815;
-    let t817 = cos_joint4 * t751;
-    let t818 = sin_joint4 * t754;
-    let t819 = t817 - t818;
-    let acceleration_joint4_x_2 = t816 - t819;
-    let t821 = cos_joint5 * acceleration_joint4_x_2;
-    let t822 = cos_joint2_joint3 * t785;
-    let t823 = sin_joint2_joint3 * t790;
-    let acceleration_joint3_y_2 = t823 + t822;
-    let t825 = t238 - t750;
-    let t826 = 0.047012505789717454 * t825;
-    let t827 = acceleration_joint3_y_2 + t826;
-    let acceleration_joint4_z_2 = t362 - t827;
-    let t829 = sin_joint5 * acceleration_joint4_z_2;
-    let acceleration_joint5_x_2 = t821 + t829;
-    let t831 = 0.0012435839999999998 * acceleration_joint5_x_2;
-    let t832 = t368 - t819;
-    let t833 = t702 - t832;
-    let t834 = t367 - t833;
-    let t835 = 0.00042216 * t834;
-    let t836 = t367 + t833;
-    let t837 = 0.0002 * t836;
-    let t838 = t837 - t835;
-    let t839 = t831 - t838;
-    let t840 = t376 + t834;
-    let moment_joint6_y_2 = 1.9999999999999998e-5 * t840;
-    let moment_joint5_z_2 = t839 + moment_joint6_y_2;
-    let t843 = t380 - t819;
-    let t844 = 0.00065 * t843;
-    let moment_joint4_y_2 = t844 + moment_joint5_z_2;
-    let force_joint5_x_2 = 0.0012435839999999998 * t834;
-    let t847 = cos_joint5 * force_joint5_x_2;
-    let force_joint4_x_2 = t388 - t847;
-    let t849 = force_joint4_x_2 - moment_joint4_y_2;
-    let t850 = sin_joint4 * t849;
-    let t851 = t813 + t850;
-    let t852 = 0.011273199000000001 * t795;
-    let t853 = t426 - t852;
-    let t854 = 0.34123495800000003 * t754;
-    let t855 = t853 - t854;
-    let t856 = 0.3848762940000001 * acceleration_joint3_z_2;
-    let t857 = t856 + t855;
-    let moment_joint3_x_2 = t857 + t851;
-    let t859 = cos_joint2_joint3 * moment_joint3_x_2;
-    let t860 = cos_joint5 * moment_joint5_y_2;
-    let t861 = sin_joint5 * moment_joint5_x_2;
-    let t862 = t861 + t860;
-    let t863 = 0.0007499999999999999 * t762;
-    let t864 = t246 - t761;
-    let t865 = 0.00065 * t864;
-    let t866 = t865 - t863;
-    let moment_joint4_z_2 = t866 + t862;
-    let t868 = sin_joint4 * force_joint4_x_2;
-    let t869 = cos_joint4 * force_joint5_z_2;
-    let t870 = t868 + t869;
-    let t871 = 0.047012505789717454 * t870;
-    let t872 = moment_joint4_z_2 - t871;
-    let t873 = 0.0047376000000000015 * t751;
-    let t874 = 0.011273199000000001 * t754;
-    let t875 = t873 - t874;
-    let t876 = 0.016765112499999995 * t795;
-    let t877 = t875 - t876;
-    let t878 = 0.010956925 * acceleration_joint3_z_2;
-    let t879 = t878 + t877;
-    let moment_joint3_y_2 = t879 - t872;
-    let t881 = sin_joint2_joint3 * moment_joint3_y_2;
-    let t882 = t859 + t881;
-    let t883 = 0.3848762940000001 * t754;
-    let t884 = 0.010956925 * t795;
-    let t885 = t884 + t883;
-    let force_joint3_z_2 = t885 - t870;
-    let t887 = sin_joint2 * force_joint3_z_2;
-    let t888 = t882 - t887;
-    let t889 = t462 * t576;
-    let t890 = t457 * t543;
-    let t891 = t890 - t889;
-    let t892 = t301 - t297;
-    let t893 = t192 * t892;
-    let t894 = t893 + t891;
-    let t895 = t174 * t311;
-    let t896 = t895 - t894;
-    let t897 = t196 * acceleration_joint2_z;
-    let t898 = t897 - t896;
-    let moment_joint2_x = t898 + t888;
-    let t900 = cos_joint2_joint3 * t35;
-    let t901 = t32 - t900;
-    let t902 = cos_joint2 * t137;
-    let t903 = sin_joint2 * t43;
-    let t904 = t903 + t902;
-    let t905 = t901 - t904;
-    let t906 = t457 + t905;
-    let t907 = t906 * t543;
-    let t908 = t193 * t301;
-    let t909 = t907 - t908;
-    let t910 = t55 * 22.71885132005558;
-    let t911 = t910 - t909;
-    let t912 = 3.9999999999999996e-5 * omega_joint6_z;
-    let t913 = 0.0004 * omega_joint5_y;
-    let t914 = t913 - t912;
-    let t915 = cos_joint5 * t914;
-    let t916 = omega_joint5_x * 0.00084432;
-    let t917 = sin_joint5 * t916;
-    let t918 = t915 - t917;
-    let t919 = 0.0013 * omega_joint4_z;
-    let t920 = t919 - t918;
-    let t921 = 2.0 * omega_joint4_x;
-    let t922 = t16 * t921;
-    let t923 = t920 + t922;
-    let t924 = cos_joint5 * t912;
-    let t925 = 3.9999999999999996e-5 * omega_joint5_x;
-    let t926 = sin_joint5 * t925;
-    let t927 = t924 + t926;
-    let t928 = omega_joint4_z * 0.0014999999999999998;
-    let t929 = t928 + t927;
-    let t930 = t929 - t923;
-    let t931 = cos_joint4 * t930;
-    let t932 = omega_joint5_z * 0.00040431999999999995;
-    let t933 = cos_joint5 * t932;
-    let t934 = sin_joint5 * t933;
-    let t935 = 2.0 * omega_joint4_y;
-    let t936 = t16 * t935;
-    let t937 = t934 + t936;
-    let t938 = sin_joint4 * t937;
-    let t939 = t938 - t931;
-    let t940 = sin_joint4 * t939;
-    let t941 = t937 - t940;
-    let t942 = 0.0024871679999999997 * omega_joint5_x;
-    let t943 = sin_joint4 * t942;
-    let t944 = 0.0024871679999999997 * omega_joint5_z;
-    let t945 = cos_joint5 * t944;
-    let t946 = cos_joint4 * t945;
-    let t947 = t946 - t943;
-    let t948 = 0.047012505789717454 * t947;
-    let t949 = t941 - t948;
-    let t950 = omega_joint3_z * 0.022546398000000002;
+    let t817 = t816 - t813;
+    let t818 = t817 + t799;
+    let t819 = cos_joint2_joint3 * t818;
+    let t820 = t780 - t819;
+    let t821 = cos_joint2_joint3 * t820;
+    let t822 = t817 + t821;
+    let t823 = omega_joint3_z * 0.7697525880000002;
+    let t824 = t823 + t766;
+    let t825 = sin_joint2_joint3 * t824;
+    let t826 = omega_joint3_z * 0.02191385;
+    let t827 = t826 - t771;
+    let t828 = cos_joint2_joint3 * t827;
+    let t829 = t825 - t828;
+    let t830 = cos_joint2 * t829;
+    let t831 = v[1] * cos_joint2;
+    let t832 = 2.0 * t831;
+    let t833 = t456 * t832;
+    let t834 = t830 - t833;
+    let t835 = t822 + t834;
+    let t836 = t473 * t82;
+    let t837 = t836 - t835;
+    let t838 = v[0] * t837;
+    let t839 = t730 - t838;
+    let t840 = moment_joint2_x - t839;
+    let t841 = sin_joint4 * force_joint5_z_2;
+    let t842 = cos_joint4 * force_joint4_x_2;
+    let t843 = t842 - t841;
+    let t844 = 0.3848762940000001 * t575;
+    let t845 = t208 - t844;
+    let force_joint3_x_2 = t845 - t843;
+    let t847 = sin_joint2_joint3 * force_joint3_x_2;
+    let t848 = sin_joint5 * force_joint5_x_2;
+    let force_joint4_z_2 = t213 + t848;
+    let t850 = 0.010956925 * t648;
+    let t851 = t216 - t850;
+    let force_joint3_y_2 = t851 + force_joint4_z_2;
+    let t853 = cos_joint2_joint3 * force_joint3_y_2;
+    let t854 = t847 + t853;
+    let t855 = t201 * t540;
+    let t856 = t493 * t69;
+    let t857 = t856 - t855;
+    let force_joint2_y = t857 + t854;
+    let t859 = t494 * t73;
+    let t860 = force_joint2_y + t859;
+    let t861 = 0.3474988420565076 * t860;
+    let t862 = t840 - t861;
+    let t863 = cos_joint2_joint3 * t247;
+    let t864 = sin_joint2_joint3 * t249;
+    let t865 = t863 + t864;
+    let t866 = t865 * t537;
+    let t867 = t351 * t73;
+    let t868 = t867 - t866;
+    let t869 = sin_joint4 * t744;
+    let t870 = 3.9999999999999996e-5 * omega_joint5_z;
+    let t871 = cos_joint5 * t870;
+    let t872 = cos_joint4 * t871;
+    let t873 = t872 - t869;
+    let t874 = cos_joint2_joint3 * t873;
+    let t875 = sin_joint5 * t870;
+    let t876 = sin_joint2_joint3 * t875;
+    let t877 = t874 - t876;
+    let t878 = v[0] * t877;
+    let t879 = t868 + t878;
+    let t880 = t252 * t879;
+    let t881 = t862 + t880;
+    let t882 = t437 * acceleration_joint2_x;
+    let t883 = t279 * 22.71885132005558;
+    let t884 = t883 + t882;
+    let t885 = sin_joint2_joint3 * t267;
+    let t886 = cos_joint2_joint3 * t270;
+    let t887 = t886 + t885;
+    let t888 = sin_joint2 * t266;
+    let t889 = t887 + t888;
+    let t890 = t889 * t537;
+    let t891 = t440 * t73;
+    let t892 = t890 + t891;
+    let t893 = t892 + t884;
+    let t894 = t737 - t741;
+    let t895 = cos_joint4 * t894;
+    let t896 = sin_joint4 * t755;
+    let t897 = t895 - t896;
+    let t898 = 0.09402501157943491 * omega_joint3_y;
+    let t899 = t277 * t898;
+    let t900 = t266 * t773;
+    let t901 = t900 - t899;
+    let t902 = t897 - t901;
+    let t903 = cos_joint2_joint3 * t902;
+    let t904 = t802 + t803;
+    let t905 = t275 * t898;
+    let t906 = t904 - t905;
+    let t907 = sin_joint2_joint3 * t906;
+    let t908 = t903 - t907;
+    let t909 = v[0] * cos_joint2;
+    let t910 = 2.0 * t909;
+    let t911 = t437 * t910;
+    let t912 = t266 * t832;
+    let t913 = t912 - t911;
+    let t914 = t908 - t913;
+    let t915 = v[0] * t914;
+    let t916 = t893 + t915;
+    let t917 = t282 * t916;
+    let t918 = t881 - t917;
+    let t919 = t445 * acceleration_joint2_x;
+    let t920 = t313 * 22.71885132005558;
+    let t921 = t920 + t919;
+    let t922 = sin_joint2_joint3 * t303;
+    let t923 = cos_joint2_joint3 * t307;
+    let t924 = t923 - t922;
+    let t925 = sin_joint2 * t298;
+    let t926 = t924 + t925;
+    let t927 = t926 * t537;
+    let t928 = t448 * t73;
+    let t929 = t927 - t928;
+    let t930 = t929 - t921;
+    let t931 = t793 - t795;
+    let t932 = cos_joint2_joint3 * t931;
+    let t933 = t312 * t898;
+    let t934 = t756 - t933;
+    let t935 = sin_joint2_joint3 * t934;
+    let t936 = t932 + t935;
+    let t937 = t445 * t910;
+    let t938 = t298 * t832;
+    let t939 = t938 + t937;
+    let t940 = t936 - t939;
+    let t941 = v[0] * t940;
+    let t942 = t930 + t941;
+    let t943 = t295 * t879;
+    let t944 = t942 - t943;
+    let t945 = t322 * t944;
+    let t946 = t918 - t945;
+    let t947 = t364 * t944;
+    let t948 = t358 * t916;
+    let t949 = t456 * acceleration_joint2_x;
+    let t950 = t399 * 22.71885132005558;
     let t951 = t950 - t949;
-    let t952 = sin_joint5 * t944;
-    let t953 = t952 + t934;
-    let t954 = 0.09402501157943491 * omega_joint3_z;
-    let t955 = t40 * t954;
-    let t956 = t953 - t955;
-    let t957 = omega_joint3_x * 0.009475200000000003;
-    let t958 = t950 - t957;
-    let t959 = t958 - t956;
-    let t960 = t951 + t959;
-    let t961 = sin_joint2_joint3 * t960;
-    let t962 = sin_joint5 * t912;
-    let t963 = cos_joint5 * t925;
-    let t964 = t962 - t963;
-    let t965 = omega_joint4_x * 0.0014999999999999998;
-    let t966 = t965 - t964;
-    let t967 = sin_joint4 * t966;
-    let t968 = cos_joint5 * t933;
-    let t969 = omega_joint5_z * 0.00084432;
+    let t952 = cos_joint2_joint3 * t390;
+    let t953 = sin_joint2_joint3 * t392;
+    let t954 = t952 + t953;
+    let t955 = t954 * t537;
+    let t956 = t459 * t73;
+    let t957 = t955 + t956;
+    let t958 = t957 + t951;
+    let t959 = cos_joint4 * t758;
+    let t960 = t748 + t959;
+    let t961 = cos_joint4 * t761;
+    let t962 = sin_joint4 * t764;
+    let t963 = t962 + t961;
+    let t964 = 0.047012505789717454 * t963;
+    let t965 = t298 * t898;
+    let t966 = t964 + t965;
+    let t967 = t960 - t966;
+    let t968 = omega_joint3_y * 0.03353022499999999;
+    let t969 = omega_joint3_x * 0.022546398000000002;
     let t970 = t969 - t968;
-    let t971 = 0.0013 * omega_joint4_y;
-    let t972 = t971 + t970;
-    let t973 = cos_joint4 * t972;
-    let t974 = t973 - t967;
-    let t975 = 0.047012505789717454 * t952;
-    let t976 = t17 * t954;
-    let t977 = t975 + t976;
-    let t978 = t974 - t977;
-    let t979 = omega_joint3_z * 0.03353022499999999;
-    let t980 = t979 + t978;
-    let t981 = sin_joint5 * t914;
-    let t982 = cos_joint5 * t916;
-    let t983 = t981 + t982;
-    let t984 = t40 * t921;
-    let t985 = t942 + t984;
-    let t986 = t983 + t985;
-    let t987 = sin_joint4 * t986;
-    let t988 = omega_joint5_z * 0.00044;
-    let t989 = t988 + t968;
-    let t990 = t40 * t935;
-    let t991 = t945 + t990;
-    let t992 = t989 + t991;
-    let t993 = cos_joint4 * t992;
-    let t994 = t993 - t987;
-    let t995 = omega_joint3_y * 0.009475200000000003;
-    let t996 = omega_joint3_z * 0.6824699160000001;
-    let t997 = t995 - t996;
-    let t998 = t997 - t994;
-    let t999 = t998 + t980;
-    let t1000 = cos_joint2_joint3 * t999;
-    let t1001 = t961 - t1000;
-    let t1002 = cos_joint2_joint3 * t1001;
-    let t1003 = t998 + t1002;
-    let t1004 = omega_joint3_z * 0.7697525880000002;
-    let t1005 = t1004 + t947;
-    let t1006 = sin_joint2_joint3 * t1005;
-    let t1007 = omega_joint3_z * 0.02191385;
-    let t1008 = t1007 - t952;
-    let t1009 = cos_joint2_joint3 * t1008;
-    let t1010 = t1006 - t1009;
-    let t1011 = cos_joint2 * t1010;
-    let t1012 = v[1] * cos_joint2;
-    let t1013 = 2.0 * t1012;
-    let t1014 = t43 * t1013;
-    let t1015 = t1011 - t1014;
-    let t1016 = t1003 + t1015;
-    let t1017 = t51 * t310;
-    let t1018 = t1017 - t1016;
-    let t1019 = v[0] * t1018;
-    let t1020 = t911 - t1019;
-    let t1021 = moment_joint2_x - t1020;
-    let t1022 = cos_joint4 * force_joint4_x_2;
-    let t1023 = sin_joint4 * force_joint5_z_2;
-    let t1024 = t1022 - t1023;
-    let t1025 = 0.3848762940000001 * t751;
-    let t1026 = t474 - t1025;
-    let force_joint3_x_2 = t1026 - t1024;
-    let t1028 = sin_joint2_joint3 * force_joint3_x_2;
-    let t1029 = sin_joint5 * force_joint5_x_2;
-    let force_joint4_z_2 = t395 + t1029;
-    let t1031 = 0.010956925 * t825;
-    let t1032 = t479 - t1031;
-    let force_joint3_y_2 = t1032 + force_joint4_z_2;
-    let t1034 = cos_joint2_joint3 * force_joint3_y_2;
-    let t1035 = t1028 + t1034;
-    let t1036 = t467 * t576;
-    let t1037 = t196 * t297;
-    let t1038 = t1037 + t1036;
-    let force_joint2_y = t1038 + t1035;
-    let t1040 = t197 * t301;
-    let t1041 = force_joint2_y + t1040;
-    let t1042 = 0.3474988420565076 * t1041;
-    let t1043 = t1021 - t1042;
-    let t1044 = inverse_d_joint1 * t1043;
-    let t1045 = t467 + t43;
-    let t1046 = t1045 * acceleration_joint2_x;
-    let t1047 = t197 * 22.71885132005558;
-    let t1048 = t1046 - t1047;
-    let t1049 = cos_joint2_joint3 * t130;
-    let t1050 = sin_joint2_joint3 * t132;
-    let t1051 = t1049 + t1050;
-    let t1052 = cos_joint2 * t55;
-    let t1053 = t1051 - t1052;
-    let t1054 = t462 - t1053;
-    let t1055 = t1054 * t543;
-    let t1056 = t176 * t301;
-    let t1057 = t1056 - t1055;
-    let t1058 = t1048 - t1057;
-    let t1059 = cos_joint4 * t939;
-    let t1060 = t929 + t1059;
-    let t1061 = cos_joint4 * t942;
-    let t1062 = sin_joint4 * t945;
-    let t1063 = t1062 + t1061;
-    let t1064 = 0.047012505789717454 * t1063;
-    let t1065 = 0.09402501157943491 * omega_joint3_y;
-    let t1066 = t17 * t1065;
-    let t1067 = t1064 + t1066;
-    let t1068 = t1060 - t1067;
-    let t1069 = omega_joint3_y * 0.03353022499999999;
-    let t1070 = omega_joint3_x * 0.022546398000000002;
+    let t971 = t970 - t967;
+    let t972 = cos_joint2_joint3 * t971;
+    let t973 = cos_joint4 * t805;
+    let t974 = sin_joint4 * t811;
+    let t975 = t974 + t973;
+    let t976 = t265 * t898;
+    let t977 = t975 - t976;
+    let t978 = omega_joint3_y * 0.022546398000000002;
+    let t979 = omega_joint3_x * 0.6824699160000001;
+    let t980 = t979 - t978;
+    let t981 = t980 + t977;
+    let t982 = sin_joint2_joint3 * t981;
+    let t983 = t972 - t982;
+    let t984 = t456 * t910;
+    let t985 = t983 - t984;
+    let t986 = v[0] * t985;
+    let t987 = t958 + t986;
+    let t988 = t352 * t879;
+    let t989 = t987 - t988;
+    let t990 = t989 - t948;
+    let t991 = t990 + t947;
+    let t992 = t408 * t991;
+    let t993 = t946 - t992;
+    let t994 = t465 * t991;
+    let t995 = t450 * t944;
+    let t996 = t441 * t916;
+    let t997 = t201 + t456;
+    let t998 = t997 * acceleration_joint2_x;
+    let t999 = t494 * 22.71885132005558;
+    let t1000 = t998 - t999;
+    let t1001 = cos_joint2 * t312;
+    let t1002 = t954 - t1001;
+    let t1003 = t196 - t1002;
+    let t1004 = t1003 * t537;
+    let t1005 = t475 * t73;
+    let t1006 = t1005 - t1004;
+    let t1007 = t1000 - t1006;
+    let t1008 = omega_joint3_y * 0.02191385;
+    let t1009 = omega_joint3_x * 0.7697525880000002;
+    let t1010 = t1009 - t1008;
+    let t1011 = t1010 + t963;
+    let t1012 = cos_joint2 * t1011;
+    let t1013 = t1012 - t984;
+    let t1014 = t983 + t1013;
+    let t1015 = v[0] * 2.0;
+    let t1016 = t473 * t1015;
+    let t1017 = t1016 - t1014;
+    let t1018 = v[0] * t1017;
+    let t1019 = t1007 + t1018;
+    let t1020 = t1019 + t988;
+    let t1021 = t1020 + t996;
+    let t1022 = t1021 - t995;
+    let t1023 = t1022 + t994;
+    let t1024 = t503 * t1023;
+    let t1025 = t993 - t1024;
+    let t1026 = inverse_d_joint1 * t1025;
+    let t1027 = t312 * acceleration_joint3_y_2;
+    let t1028 = t510 * t569;
+    let t1029 = t520 + t374;
+    let t1030 = t577 * t1029;
+    let t1031 = t1030 + t1028;
+    let t1032 = t392 * t73;
+    let t1033 = t1031 + t1032;
+    let t1034 = t1027 + t1033;
+    let t1035 = t759 - t933;
+    let t1036 = t776 + t1035;
+    let t1037 = t770 - t1036;
+    let t1038 = omega_joint3_x * t1037;
+    let t1039 = omega_joint3_y * t799;
+    let t1040 = t1038 - t1039;
+    let t1041 = t1034 + t1040;
+    let t1042 = moment_joint3_x_2 - t1041;
+    let t1043 = cos_joint2_joint3 * t1042;
+    let t1044 = t312 * acceleration_joint3_x_2;
+    let t1045 = t510 * t577;
+    let t1046 = t520 + t378;
+    let t1047 = t569 * t1046;
+    let t1048 = t1047 + t1045;
+    let t1049 = t390 * t73;
+    let t1050 = t1048 + t1049;
+    let t1051 = t1044 + t1050;
+    let t1052 = t778 + t1036;
+    let t1053 = omega_joint3_y * t1052;
+    let t1054 = omega_joint3_x * t817;
+    let t1055 = t1053 + t1054;
+    let t1056 = t1051 - t1055;
+    let t1057 = moment_joint3_y_2 + t1056;
+    let t1058 = sin_joint2_joint3 * t1057;
+    let t1059 = t1058 + t1043;
+    let t1060 = t395 * t577;
+    let t1061 = t397 * t569;
+    let t1062 = t1061 + t1060;
+    let t1063 = omega_joint3_x * t824;
+    let t1064 = omega_joint3_y * t827;
+    let t1065 = t1064 - t1063;
+    let t1066 = t1062 - t1065;
+    let t1067 = cos_joint2 * t1066;
+    let t1068 = t1059 - t1067;
+    let t1069 = t312 * t569;
+    let t1070 = t395 * t73;
     let t1071 = t1070 - t1069;
-    let t1072 = t1071 - t1068;
-    let t1073 = cos_joint2_joint3 * t1072;
-    let t1074 = cos_joint4 * t986;
-    let t1075 = sin_joint4 * t992;
-    let t1076 = t1075 + t1074;
-    let t1077 = t40 * t1065;
-    let t1078 = t1076 - t1077;
-    let t1079 = omega_joint3_y * 0.022546398000000002;
-    let t1080 = omega_joint3_x * 0.6824699160000001;
-    let t1081 = t1080 - t1079;
-    let t1082 = t1081 + t1078;
-    let t1083 = sin_joint2_joint3 * t1082;
-    let t1084 = t1073 - t1083;
-    let t1085 = omega_joint3_y * 0.02191385;
-    let t1086 = omega_joint3_x * 0.7697525880000002;
-    let t1087 = t1086 - t1085;
-    let t1088 = t1087 + t1063;
-    let t1089 = cos_joint2 * t1088;
-    let t1090 = v[0] * cos_joint2;
-    let t1091 = 2.0 * t1090;
-    let t1092 = t43 * t1091;
+    let t1072 = omega_joint3_y * t1011;
+    let t1073 = t1071 + t1072;
+    let t1074 = force_joint3_x_2 + t1073;
+    let t1075 = sin_joint2_joint3 * t1074;
+    let t1076 = t312 * t577;
+    let t1077 = t397 * t73;
+    let t1078 = t1076 + t1077;
+    let t1079 = omega_joint3_x * t1011;
+    let t1080 = t1078 - t1079;
+    let t1081 = force_joint3_y_2 + t1080;
+    let t1082 = cos_joint2_joint3 * t1081;
+    let t1083 = t1082 + t1075;
+    let t1084 = 0.3474988420565076 * t1083;
+    let t1085 = t1068 - t1084;
+    let t1086 = t249 * t577;
+    let t1087 = t247 * t569;
+    let t1088 = t1087 + t1086;
+    let t1089 = t1088 - t867;
+    let t1090 = omega_joint3_y * t873;
+    let t1091 = omega_joint3_x * t875;
+    let t1092 = t1090 - t1091;
     let t1093 = t1089 - t1092;
-    let t1094 = t1084 + t1093;
-    let t1095 = v[0] * 2.0;
-    let t1096 = t51 * t1095;
-    let t1097 = t1096 - t1094;
-    let t1098 = v[0] * t1097;
-    let t1099 = t1058 + t1098;
-    let t1100 = t210 * t1099;
-    let t1101 = t1044 - t1100;
-    let t1102 = t43 * acceleration_joint2_x;
-    let t1103 = t137 * 22.71885132005558;
-    let t1104 = t1103 - t1102;
-    let t1105 = t1051 * t543;
-    let t1106 = t151 * t301;
-    let t1107 = t1105 + t1106;
-    let t1108 = t1107 + t1104;
-    let t1109 = t1084 - t1092;
-    let t1110 = v[0] * t1109;
-    let t1111 = t1108 + t1110;
-    let t1112 = t213 * t1111;
-    let t1113 = t1101 - t1112;
-    let t1114 = t163 * acceleration_joint2_x;
-    let t1115 = t96 * 22.71885132005558;
-    let t1116 = t1115 + t1114;
-    let t1117 = sin_joint2_joint3 * t90;
-    let t1118 = cos_joint2_joint3 * t29;
-    let t1119 = t1118 - t1117;
-    let t1120 = sin_joint2 * t17;
-    let t1121 = t1119 + t1120;
-    let t1122 = t1121 * t543;
-    let t1123 = t166 * t301;
-    let t1124 = t1122 - t1123;
-    let t1125 = t1124 - t1116;
-    let t1126 = t974 - t976;
-    let t1127 = cos_joint2_joint3 * t1126;
-    let t1128 = t55 * t1065;
-    let t1129 = t937 - t1128;
-    let t1130 = sin_joint2_joint3 * t1129;
-    let t1131 = t1127 + t1130;
-    let t1132 = t163 * t1091;
-    let t1133 = t17 * t1013;
-    let t1134 = t1133 + t1132;
-    let t1135 = t1131 - t1134;
-    let t1136 = v[0] * t1135;
-    let t1137 = t1125 + t1136;
-    let t1138 = t218 * t1137;
-    let t1139 = t1113 - t1138;
-    let t1140 = t156 * acceleration_joint2_x;
-    let t1141 = t82 * 22.71885132005558;
-    let t1142 = t1141 + t1140;
-    let t1143 = sin_joint2_joint3 * t71;
-    let t1144 = cos_joint2_joint3 * t74;
-    let t1145 = t1144 + t1143;
-    let t1146 = sin_joint2 * t70;
-    let t1147 = t1145 + t1146;
-    let t1148 = t1147 * t543;
-    let t1149 = t159 * t301;
-    let t1150 = t1148 + t1149;
-    let t1151 = t1150 + t1142;
-    let t1152 = t918 - t922;
-    let t1153 = cos_joint4 * t1152;
-    let t1154 = sin_joint4 * t936;
-    let t1155 = t1153 - t1154;
-    let t1156 = t16 * t1065;
-    let t1157 = t70 * t954;
-    let t1158 = t1157 - t1156;
-    let t1159 = t1155 - t1158;
-    let t1160 = cos_joint2_joint3 * t1159;
-    let t1161 = t983 + t984;
-    let t1162 = t79 * t1065;
-    let t1163 = t1161 - t1162;
-    let t1164 = sin_joint2_joint3 * t1163;
-    let t1165 = t1160 - t1164;
-    let t1166 = t156 * t1091;
-    let t1167 = t70 * t1013;
-    let t1168 = t1167 - t1166;
-    let t1169 = t1165 - t1168;
-    let t1170 = v[0] * t1169;
-    let t1171 = t1151 + t1170;
-    let t1172 = t530 * t1171;
-    let t1173 = t1139 + t1172;
-    let t1174 = cos_joint2_joint3 * t62;
-    let t1175 = sin_joint2_joint3 * t64;
-    let t1176 = t1174 + t1175;
-    let t1177 = t1176 * t543;
-    let t1178 = t111 * t301;
-    let t1179 = t1178 - t1177;
-    let t1180 = sin_joint4 * t925;
-    let t1181 = 3.9999999999999996e-5 * omega_joint5_z;
-    let t1182 = cos_joint5 * t1181;
-    let t1183 = cos_joint4 * t1182;
-    let t1184 = t1183 - t1180;
-    let t1185 = cos_joint2_joint3 * t1184;
-    let t1186 = sin_joint5 * t1181;
-    let t1187 = sin_joint2_joint3 * t1186;
-    let t1188 = t1185 - t1187;
-    let t1189 = v[0] * t1188;
-    let t1190 = t1179 + t1189;
-    let t1191 = t225 * t1190;
-    let t1192 = t1173 + t1191;
-    let t1193 = t55 * acceleration_joint3_y_2;
-    let t1194 = t32 * t759;
-    let t1195 = t54 + t20;
-    let t1196 = t753 * t1195;
-    let t1197 = t1196 + t1194;
-    let t1198 = t132 * t301;
-    let t1199 = t1197 + t1198;
-    let t1200 = t1193 + t1199;
-    let t1201 = t940 - t1128;
-    let t1202 = t957 + t1201;
-    let t1203 = t951 - t1202;
-    let t1204 = omega_joint3_x * t1203;
-    let t1205 = omega_joint3_y * t980;
-    let t1206 = t1204 - t1205;
-    let t1207 = t1200 + t1206;
-    let t1208 = moment_joint3_x_2 - t1207;
-    let t1209 = cos_joint2_joint3 * t1208;
-    let t1210 = t55 * acceleration_joint3_x_2;
-    let t1211 = t32 * t753;
-    let t1212 = t54 + t24;
-    let t1213 = t759 * t1212;
-    let t1214 = t1213 + t1211;
-    let t1215 = t130 * t301;
-    let t1216 = t1214 + t1215;
-    let t1217 = t1210 + t1216;
-    let t1218 = t959 + t1202;
-    let t1219 = omega_joint3_y * t1218;
-    let t1220 = omega_joint3_x * t998;
-    let t1221 = t1219 + t1220;
-    let t1222 = t1217 - t1221;
-    let t1223 = moment_joint3_y_2 + t1222;
+    let t1094 = t252 * t1093;
+    let t1095 = t1085 - t1094;
+    let t1096 = t277 * acceleration_joint3_x_2;
+    let t1097 = t275 * acceleration_joint3_y_2;
+    let t1098 = t1097 + t1096;
+    let t1099 = t267 * t577;
+    let t1100 = t270 * t569;
+    let t1101 = t1100 + t1099;
+    let t1102 = t357 * t73;
+    let t1103 = t1101 + t1102;
+    let t1104 = t1103 + t1098;
+    let t1105 = omega_joint3_y * t902;
+    let t1106 = omega_joint3_x * t906;
+    let t1107 = t1105 - t1106;
+    let t1108 = t1104 + t1107;
+    let t1109 = t282 * t1108;
+    let t1110 = t1095 - t1109;
+    let t1111 = t303 * t577;
+    let t1112 = t307 * t569;
+    let t1113 = t1112 - t1111;
+    let t1114 = t361 * t73;
+    let t1115 = t1113 - t1114;
+    let t1116 = t1027 - t1115;
+    let t1117 = omega_joint3_y * t931;
+    let t1118 = omega_joint3_x * t934;
+    let t1119 = t1117 + t1118;
+    let t1120 = t1116 - t1119;
+    let t1121 = t295 * t1093;
+    let t1122 = t1120 - t1121;
+    let t1123 = t322 * t1122;
+    let t1124 = t1110 + t1123;
+    let t1125 = t358 * t1108;
+    let t1126 = t397 * acceleration_joint3_y_2;
+    let t1127 = t395 * acceleration_joint3_x_2;
+    let t1128 = t1127 - t1126;
+    let t1129 = t390 * t569;
+    let t1130 = t379 * t73;
+    let t1131 = t1130 + t1129;
+    let t1132 = t392 * t577;
+    let t1133 = t1131 + t1132;
+    let t1134 = t1128 - t1133;
+    let t1135 = omega_joint3_y * t971;
+    let t1136 = omega_joint3_x * t981;
+    let t1137 = t1135 - t1136;
+    let t1138 = t1134 - t1137;
+    let t1139 = t352 * t1093;
+    let t1140 = t1138 - t1139;
+    let t1141 = t1140 + t1125;
+    let t1142 = t364 * t1122;
+    let t1143 = t1141 + t1142;
+    let t1144 = t408 * t1143;
+    let t1145 = t1124 + t1144;
+    let t1146 = sin_joint2 * t1083;
+    let t1147 = cos_joint2_joint3 * t1074;
+    let t1148 = sin_joint2_joint3 * t1081;
+    let t1149 = t1148 - t1147;
+    let t1150 = cos_joint2 * t1149;
+    let t1151 = t1150 - t1146;
+    let t1152 = t1138 + t1151;
+    let t1153 = t1152 - t1139;
+    let t1154 = t441 * t1108;
+    let t1155 = t1153 + t1154;
+    let t1156 = t450 * t1122;
+    let t1157 = t1155 + t1156;
+    let t1158 = t465 * t1143;
+    let t1159 = t1157 - t1158;
+    let t1160 = t503 * t1159;
+    let t1161 = t1145 - t1160;
+    let t1162 = inverse_d_joint1 * t1161;
+    let t1163 = t265 * acceleration_joint4_y_2;
+    let t1164 = t375 + t370;
+    let t1165 = t580 * t1164;
+    let t1166 = t1163 - t1165;
+    let t1167 = omega_joint4_y * t739;
+    let t1168 = t1166 + t1167;
+    let t1169 = moment_joint4_x_2 - t1168;
+    let t1170 = t265 * t580;
+    let t1171 = omega_joint4_x * t771;
+    let t1172 = t1170 - t1171;
+    let t1173 = force_joint5_z_2 + t1172;
+    let t1174 = t1173 + t1169;
+    let t1175 = sin_joint4 * t1174;
+    let t1176 = t265 * acceleration_joint4_x_2;
+    let t1177 = t301 - 0.0011921599999999998;
+    let t1178 = t635 * t1177;
+    let t1179 = t305 * t115;
+    let t1180 = t1178 + t1179;
+    let t1181 = t1176 + t1180;
+    let t1182 = omega_joint4_x * t748;
+    let t1183 = omega_joint4_y * t753;
+    let t1184 = t1183 - t1182;
+    let t1185 = t1181 - t1184;
+    let t1186 = moment_joint4_y_2 - t1185;
+    let t1187 = t265 * t635;
+    let t1188 = t277 * t115;
+    let t1189 = t1188 - t1187;
+    let t1190 = omega_joint4_y * t771;
+    let t1191 = t1189 - t1190;
+    let t1192 = force_joint4_x_2 + t1191;
+    let t1193 = t1192 - t1186;
+    let t1194 = cos_joint4 * t1193;
+    let t1195 = t1194 - t1175;
+    let t1196 = sin_joint2_joint3 * t1195;
+    let t1197 = cos_joint4 * t1192;
+    let t1198 = sin_joint4 * t1173;
+    let t1199 = t1198 - t1197;
+    let t1200 = 0.047012505789717454 * t1199;
+    let t1201 = t277 * acceleration_joint4_x_2;
+    let t1202 = t305 * t635;
+    let t1203 = t302 * t115;
+    let t1204 = t1203 - t1202;
+    let t1205 = t1201 + t1204;
+    let t1206 = omega_joint4_x * t785;
+    let t1207 = omega_joint4_y * t791;
+    let t1208 = t1207 + t1206;
+    let t1209 = t1205 - t1208;
+    let t1210 = t1209 + t1200;
+    let t1211 = cos_joint2_joint3 * t1210;
+    let t1212 = t1196 + t1211;
+    let t1213 = cos_joint2 * t1199;
+    let t1214 = t1212 + t1213;
+    let t1215 = sin_joint4 * t1192;
+    let t1216 = cos_joint4 * t1173;
+    let t1217 = t1216 + t1215;
+    let t1218 = cos_joint2_joint3 * t1217;
+    let t1219 = t277 * t580;
+    let t1220 = omega_joint4_x * t764;
+    let t1221 = omega_joint4_y * t761;
+    let t1222 = t1221 - t1220;
+    let t1223 = t1219 - t1222;
     let t1224 = sin_joint2_joint3 * t1223;
-    let t1225 = t1224 + t1209;
-    let t1226 = t38 * t753;
-    let t1227 = t41 * t759;
-    let t1228 = t1227 + t1226;
-    let t1229 = omega_joint3_x * t1005;
-    let t1230 = omega_joint3_y * t1008;
-    let t1231 = t1230 - t1229;
-    let t1232 = t1228 - t1231;
-    let t1233 = cos_joint2 * t1232;
-    let t1234 = t1225 - t1233;
-    let t1235 = t55 * t759;
-    let t1236 = t38 * t301;
-    let t1237 = t1236 - t1235;
-    let t1238 = omega_joint3_y * t1088;
-    let t1239 = t1237 + t1238;
-    let t1240 = force_joint3_x_2 + t1239;
-    let t1241 = sin_joint2_joint3 * t1240;
-    let t1242 = t55 * t753;
-    let t1243 = t41 * t301;
-    let t1244 = t1242 + t1243;
-    let t1245 = omega_joint3_x * t1088;
-    let t1246 = t1244 - t1245;
-    let t1247 = force_joint3_y_2 + t1246;
-    let t1248 = cos_joint2_joint3 * t1247;
-    let t1249 = t1248 + t1241;
-    let t1250 = 0.3474988420565076 * t1249;
-    let t1251 = t1234 - t1250;
-    let t1252 = inverse_d_joint1 * t1251;
-    let t1253 = sin_joint2 * t1249;
-    let t1254 = cos_joint2_joint3 * t1240;
-    let t1255 = sin_joint2_joint3 * t1247;
-    let t1256 = t1255 - t1254;
-    let t1257 = cos_joint2 * t1256;
-    let t1258 = t1257 - t1253;
-    let t1259 = t41 * acceleration_joint3_y_2;
-    let t1260 = t38 * acceleration_joint3_x_2;
-    let t1261 = t1260 - t1259;
-    let t1262 = t130 * t759;
-    let t1263 = t109 * t301;
-    let t1264 = t1263 + t1262;
-    let t1265 = t132 * t753;
-    let t1266 = t1264 + t1265;
-    let t1267 = t1261 - t1266;
-    let t1268 = omega_joint3_y * t1072;
-    let t1269 = omega_joint3_x * t1082;
-    let t1270 = t1268 - t1269;
-    let t1271 = t1267 - t1270;
-    let t1272 = t1271 + t1258;
-    let t1273 = t210 * t1272;
-    let t1274 = t1252 - t1273;
-    let t1275 = t213 * t1271;
-    let t1276 = t1274 + t1275;
-    let t1277 = t90 * t753;
-    let t1278 = t29 * t759;
-    let t1279 = t1278 - t1277;
-    let t1280 = t121 * t301;
-    let t1281 = t1279 - t1280;
-    let t1282 = t1193 - t1281;
-    let t1283 = omega_joint3_y * t1126;
-    let t1284 = omega_joint3_x * t1129;
-    let t1285 = t1283 + t1284;
-    let t1286 = t1282 - t1285;
-    let t1287 = t218 * t1286;
-    let t1288 = t1276 + t1287;
-    let t1289 = t16 * acceleration_joint3_x_2;
-    let t1290 = t79 * acceleration_joint3_y_2;
-    let t1291 = t1290 + t1289;
-    let t1292 = t71 * t753;
-    let t1293 = t74 * t759;
-    let t1294 = t1293 + t1292;
-    let t1295 = t117 * t301;
-    let t1296 = t1294 + t1295;
-    let t1297 = t1296 + t1291;
-    let t1298 = omega_joint3_y * t1159;
-    let t1299 = omega_joint3_x * t1163;
-    let t1300 = t1298 - t1299;
-    let t1301 = t1297 + t1300;
-    let t1302 = t530 * t1301;
-    let t1303 = t1288 + t1302;
-    let t1304 = t64 * t753;
-    let t1305 = t62 * t759;
-    let t1306 = t1305 + t1304;
-    let t1307 = t1306 - t1178;
-    let t1308 = omega_joint3_y * t1184;
-    let t1309 = omega_joint3_x * t1186;
-    let t1310 = t1308 - t1309;
-    let t1311 = t1307 - t1310;
-    let t1312 = t225 * t1311;
-    let t1313 = t1303 - t1312;
-    let t1314 = t40 * acceleration_joint4_y_2;
-    let t1315 = t21 + t14;
-    let t1316 = t756 * t1315;
-    let t1317 = t1314 - t1316;
-    let t1318 = omega_joint4_y * t920;
-    let t1319 = t1317 + t1318;
-    let t1320 = moment_joint4_x_2 - t1319;
-    let t1321 = t40 * t756;
-    let t1322 = omega_joint4_x * t952;
-    let t1323 = t1321 - t1322;
-    let t1324 = force_joint5_z_2 + t1323;
-    let t1325 = t1324 + t1320;
-    let t1326 = sin_joint4 * t1325;
-    let t1327 = t40 * acceleration_joint4_x_2;
-    let t1328 = t10 - 0.0011921599999999998;
-    let t1329 = t819 * t1328;
-    let t1330 = t27 * t362;
-    let t1331 = t1329 + t1330;
-    let t1332 = t1327 + t1331;
-    let t1333 = omega_joint4_x * t929;
-    let t1334 = omega_joint4_y * t934;
-    let t1335 = t1334 - t1333;
-    let t1336 = t1332 - t1335;
-    let t1337 = moment_joint4_y_2 - t1336;
-    let t1338 = t40 * t819;
-    let t1339 = t16 * t362;
-    let t1340 = t1339 - t1338;
-    let t1341 = omega_joint4_y * t952;
-    let t1342 = t1340 - t1341;
-    let t1343 = force_joint4_x_2 + t1342;
-    let t1344 = t1343 - t1337;
-    let t1345 = cos_joint4 * t1344;
-    let t1346 = t1345 - t1326;
-    let t1347 = sin_joint2_joint3 * t1346;
-    let t1348 = cos_joint4 * t1343;
-    let t1349 = sin_joint4 * t1324;
-    let t1350 = t1349 - t1348;
-    let t1351 = 0.047012505789717454 * t1350;
-    let t1352 = t16 * acceleration_joint4_x_2;
-    let t1353 = t27 * t819;
-    let t1354 = t89 * t362;
-    let t1355 = t1354 - t1353;
-    let t1356 = t1352 + t1355;
-    let t1357 = omega_joint4_x * t966;
-    let t1358 = omega_joint4_y * t972;
-    let t1359 = t1358 + t1357;
-    let t1360 = t1356 - t1359;
-    let t1361 = t1360 + t1351;
-    let t1362 = cos_joint2_joint3 * t1361;
-    let t1363 = t1347 + t1362;
-    let t1364 = cos_joint2 * t1350;
-    let t1365 = t1363 + t1364;
-    let t1366 = sin_joint4 * t1343;
-    let t1367 = cos_joint4 * t1324;
-    let t1368 = t1367 + t1366;
-    let t1369 = cos_joint2_joint3 * t1368;
-    let t1370 = t16 * t756;
-    let t1371 = omega_joint4_x * t945;
-    let t1372 = omega_joint4_y * t942;
-    let t1373 = t1372 - t1371;
-    let t1374 = t1370 - t1373;
-    let t1375 = sin_joint2_joint3 * t1374;
-    let t1376 = t1369 - t1375;
-    let t1377 = 0.3474988420565076 * t1376;
-    let t1378 = t1365 + t1377;
-    let t1379 = inverse_d_joint1 * t1378;
-    let t1380 = cos_joint4 * t1325;
-    let t1381 = sin_joint4 * t1344;
-    let t1382 = t1381 + t1380;
-    let t1383 = 0.047012505789717454 * t1374;
-    let t1384 = t1382 - t1383;
-    let t1385 = sin_joint2 * t1376;
-    let t1386 = sin_joint2_joint3 * t1368;
-    let t1387 = cos_joint2_joint3 * t1374;
-    let t1388 = t1386 + t1387;
-    let t1389 = cos_joint2 * t1388;
-    let t1390 = t1389 - t1385;
-    let t1391 = t1384 - t1390;
-    let t1392 = t210 * t1391;
-    let t1393 = t1379 - t1392;
-    let t1394 = t213 * t1384;
-    let t1395 = t1393 + t1394;
-    let t1396 = t218 * t1360;
-    let t1397 = t1395 - t1396;
-    let t1398 = 0.00064216 * t756;
-    let t1399 = t1314 - t1398;
-    let t1400 = omega_joint4_y * t918;
-    let t1401 = t1399 - t1400;
-    let t1402 = t530 * t1401;
-    let t1403 = t1397 + t1402;
-    let t1404 = t61 * t819;
-    let t1405 = t64 * t362;
-    let t1406 = t1404 + t1405;
-    let t1407 = omega_joint4_x * t925;
-    let t1408 = omega_joint4_y * t1182;
-    let t1409 = t1408 + t1407;
-    let t1410 = t1406 - t1409;
-    let t1411 = t225 * t1410;
-    let t1412 = t1403 + t1411;
-    let t1413 = t764 * 0.00044216;
-    let t1414 = omega_joint5_x * t969;
-    let t1415 = t1413 - t1414;
-    let t1416 = moment_joint5_y_2 + t1415;
-    let t1417 = cos_joint5 * t1416;
-    let t1418 = t778 * 0.00024;
-    let t1419 = omega_joint5_y * t988;
-    let t1420 = t1418 - t1419;
-    let t1421 = moment_joint5_x_2 + t1420;
-    let t1422 = sin_joint5 * t1421;
-    let t1423 = t1417 + t1422;
-    let t1424 = 0.0012435839999999998 * t764;
-    let t1425 = omega_joint5_x * t944;
-    let t1426 = t1424 - t1425;
-    let t1427 = t1426 + t1423;
-    let t1428 = cos_joint4 * t1427;
-    let t1429 = sin_joint5 * acceleration_joint4_x_2;
-    let t1430 = cos_joint5 * acceleration_joint4_z_2;
-    let acceleration_joint5_y = t1429 - t1430;
-    let t1432 = 0.0012435839999999998 * acceleration_joint5_y;
-    let t1433 = omega_joint4_x * omega_joint4_x;
-    let t1434 = omega_joint4_z * omega_joint4_z;
-    let t1435 = t1433 + t1434;
-    let t1436 = 0.00064216 * t1435;
-    let t1437 = t1432 + t1436;
-    let t1438 = omega_joint5_y * t914;
-    let t1439 = omega_joint5_x * t916;
-    let t1440 = t1438 + t1439;
-    let t1441 = t1437 - t1440;
-    let t1442 = omega_joint5_y * t942;
-    let t1443 = force_joint5_x_2 - t1442;
-    let t1444 = sin_joint5 * t1443;
-    let t1445 = omega_joint5_x * t942;
-    let t1446 = 0.0012435839999999998 * t1435;
+    let t1225 = t1218 - t1224;
+    let t1226 = 0.3474988420565076 * t1225;
+    let t1227 = t1214 + t1226;
+    let t1228 = t246 * t635;
+    let t1229 = t249 * t115;
+    let t1230 = t1228 + t1229;
+    let t1231 = omega_joint4_x * t744;
+    let t1232 = omega_joint4_y * t871;
+    let t1233 = t1232 + t1231;
+    let t1234 = t1230 - t1233;
+    let t1235 = t252 * t1234;
+    let t1236 = t1227 + t1235;
+    let t1237 = 0.00064216 * t580;
+    let t1238 = t1163 - t1237;
+    let t1239 = omega_joint4_y * t737;
+    let t1240 = t1238 - t1239;
+    let t1241 = t282 * t1240;
+    let t1242 = t1236 - t1241;
+    let t1243 = t295 * t1234;
+    let t1244 = t1209 - t1243;
+    let t1245 = t322 * t1244;
+    let t1246 = t1242 - t1245;
+    let t1247 = cos_joint4 * t1174;
+    let t1248 = sin_joint4 * t1193;
+    let t1249 = t1248 + t1247;
+    let t1250 = 0.047012505789717454 * t1223;
+    let t1251 = t1249 - t1250;
+    let t1252 = t352 * t1234;
+    let t1253 = t1251 + t1252;
+    let t1254 = t358 * t1240;
+    let t1255 = t1253 + t1254;
+    let t1256 = t364 * t1244;
+    let t1257 = t1255 - t1256;
+    let t1258 = t408 * t1257;
+    let t1259 = t1246 + t1258;
+    let t1260 = t465 * t1257;
+    let t1261 = sin_joint2 * t1225;
+    let t1262 = sin_joint2_joint3 * t1217;
+    let t1263 = cos_joint2_joint3 * t1223;
+    let t1264 = t1262 + t1263;
+    let t1265 = cos_joint2 * t1264;
+    let t1266 = t1265 - t1261;
+    let t1267 = t1251 - t1266;
+    let t1268 = t1267 + t1252;
+    let t1269 = t441 * t1240;
+    let t1270 = t1268 + t1269;
+    let t1271 = t450 * t1244;
+    let t1272 = t1270 - t1271;
+    let t1273 = t1272 - t1260;
+    let t1274 = t503 * t1273;
+    let t1275 = t1259 - t1274;
+    let t1276 = inverse_d_joint1 * t1275;
+    let t1277 = t583 * 0.00044216;
+    let t1278 = omega_joint5_x * t788;
+    let t1279 = t1277 - t1278;
+    let t1280 = moment_joint5_y_2 + t1279;
+    let t1281 = cos_joint5 * t1280;
+    let t1282 = t597 * 0.00024;
+    let t1283 = omega_joint5_y * t807;
+    let t1284 = t1282 - t1283;
+    let t1285 = moment_joint5_x_2 + t1284;
+    let t1286 = sin_joint5 * t1285;
+    let t1287 = t1281 + t1286;
+    let t1288 = 0.0012435839999999998 * t583;
+    let t1289 = omega_joint5_x * t763;
+    let t1290 = t1288 - t1289;
+    let t1291 = t1290 + t1287;
+    let t1292 = cos_joint4 * t1291;
+    let t1293 = omega_joint5_y * t761;
+    let t1294 = force_joint5_x_2 - t1293;
+    let t1295 = sin_joint5 * t1294;
+    let t1296 = omega_joint5_x * t761;
+    let t1297 = omega_joint4_x * omega_joint4_x;
+    let t1298 = omega_joint4_z * omega_joint4_z;
+    let t1299 = t1297 + t1298;
+    let t1300 = 0.0012435839999999998 * t1299;
+    let t1301 = t1300 - t1296;
+    let t1302 = force_joint5_y + t1301;
+    let t1303 = cos_joint5 * t1302;
+    let t1304 = t1303 + t1295;
+    let t1305 = sin_joint5 * acceleration_joint4_x_2;
+    let t1306 = cos_joint5 * acceleration_joint4_z_2;
+    let acceleration_joint5_y = t1305 - t1306;
+    let t1308 = 0.0012435839999999998 * acceleration_joint5_y;
+    let t1309 = 0.00064216 * t1299;
+    let t1310 = t1308 + t1309;
+    let t1311 = omega_joint5_y * t733;
+    let t1312 = omega_joint5_x * t735;
+    let t1313 = t1311 + t1312;
+    let t1314 = t1310 - t1313;
+    let t1315 = t1314 + t1304;
+    let t1316 = sin_joint4 * t1315;
+    let t1317 = t1292 - t1316;
+    let t1318 = sin_joint2_joint3 * t1317;
+    let t1319 = sin_joint5 * t1280;
+    let t1320 = cos_joint5 * t1285;
+    let t1321 = t1319 - t1320;
+    let t1322 = sin_joint4 * t1304;
+    let t1323 = cos_joint4 * t1290;
+    let t1324 = t1322 - t1323;
+    let t1325 = 0.047012505789717454 * t1324;
+    let t1326 = t1321 + t1325;
+    let t1327 = cos_joint2_joint3 * t1326;
+    let t1328 = t1318 + t1327;
+    let t1329 = cos_joint2 * t1324;
+    let t1330 = t1328 + t1329;
+    let t1331 = cos_joint4 * t1304;
+    let t1332 = sin_joint4 * t1290;
+    let t1333 = t1331 + t1332;
+    let t1334 = cos_joint2_joint3 * t1333;
+    let t1335 = cos_joint5 * t1294;
+    let t1336 = sin_joint5 * t1302;
+    let t1337 = t1336 - t1335;
+    let t1338 = sin_joint2_joint3 * t1337;
+    let t1339 = t1334 - t1338;
+    let t1340 = 0.3474988420565076 * t1339;
+    let t1341 = t1330 + t1340;
+    let t1342 = 3.9999999999999996e-5 * t597;
+    let t1343 = omega_joint5_y * t870;
+    let t1344 = t1342 - t1343;
+    let t1345 = t252 * t1344;
+    let t1346 = t1341 - t1345;
+    let t1347 = t282 * t1314;
+    let t1348 = t1346 + t1347;
+    let t1349 = t295 * t1344;
+    let t1350 = t1321 + t1349;
+    let t1351 = t322 * t1350;
+    let t1352 = t1348 - t1351;
+    let t1353 = sin_joint4 * t1291;
+    let t1354 = cos_joint4 * t1315;
+    let t1355 = t1353 + t1354;
+    let t1356 = 0.047012505789717454 * t1337;
+    let t1357 = t1355 - t1356;
+    let t1358 = t352 * t1344;
+    let t1359 = t1357 - t1358;
+    let t1360 = t358 * t1314;
+    let t1361 = t1359 - t1360;
+    let t1362 = t364 * t1350;
+    let t1363 = t1361 - t1362;
+    let t1364 = t408 * t1363;
+    let t1365 = t1352 + t1364;
+    let t1366 = t465 * t1363;
+    let t1367 = sin_joint2 * t1339;
+    let t1368 = sin_joint2_joint3 * t1333;
+    let t1369 = cos_joint2_joint3 * t1337;
+    let t1370 = t1368 + t1369;
+    let t1371 = cos_joint2 * t1370;
+    let t1372 = t1371 - t1367;
+    let t1373 = t1357 - t1372;
+    let t1374 = t1373 - t1358;
+    let t1375 = t441 * t1314;
+    let t1376 = t1374 - t1375;
+    let t1377 = t450 * t1350;
+    let t1378 = t1376 - t1377;
+    let t1379 = t1378 - t1366;
+    let t1380 = t503 * t1379;
+    let t1381 = t1365 - t1380;
+    let t1382 = inverse_d_joint1 * t1381;
+    let t1383 = 1.9999999999999998e-5 * t598;
+    let t1384 = omega_joint5_z * t731;
+    let t1385 = t1383 + t1384;
+    let t1386 = moment_joint6_x_2 - t1385;
+    let t1387 = cos_joint4 * t1386;
+    let t1388 = 1.9999999999999998e-5 * t638;
+    let t1389 = omega_joint5_x * t731;
+    let t1390 = t1388 + t1389;
+    let t1391 = moment_joint6_y_2 - t1390;
+    let t1392 = cos_joint5 * t1391;
+    let t1393 = omega_joint5_x * t744;
+    let t1394 = omega_joint5_z * t870;
+    let t1395 = t1394 + t1393;
+    let t1396 = 3.9999999999999996e-5 * t139;
+    let t1397 = t1396 - t1395;
+    let t1398 = sin_joint5 * t1397;
+    let t1399 = t1392 + t1398;
+    let t1400 = sin_joint4 * t1399;
+    let t1401 = t1400 - t1387;
+    let t1402 = t352 * t1397;
+    let t1403 = t1401 - t1402;
+    let t1404 = t358 * t1386;
+    let t1405 = t1403 + t1404;
+    let t1406 = sin_joint5 * t1391;
+    let t1407 = cos_joint5 * t1397;
+    let t1408 = t1406 - t1407;
+    let t1409 = t295 * t1397;
+    let t1410 = t1408 + t1409;
+    let t1411 = t364 * t1410;
+    let t1412 = t1405 - t1411;
+    let t1413 = t465 * t1412;
+    let t1414 = t441 * t1386;
+    let t1415 = t1403 + t1414;
+    let t1416 = t450 * t1410;
+    let t1417 = t1415 - t1416;
+    let t1418 = t1417 - t1413;
+    let t1419 = t503 * t1418;
+    let t1420 = sin_joint4 * t1386;
+    let t1421 = cos_joint4 * t1399;
+    let t1422 = t1421 + t1420;
+    let t1423 = sin_joint2_joint3 * t1422;
+    let t1424 = cos_joint2_joint3 * t1408;
+    let t1425 = t1423 + t1424;
+    let t1426 = t252 * t1397;
+    let t1427 = t1425 - t1426;
+    let t1428 = t282 * t1386;
+    let t1429 = t1427 - t1428;
+    let t1430 = t322 * t1410;
+    let t1431 = t1429 - t1430;
+    let t1432 = t408 * t1412;
+    let t1433 = t1431 + t1432;
+    let t1434 = t1433 - t1419;
+    let t1435 = inverse_d_joint1 * t1434;
+    let t1436 = t503 * t1026;
+    let t1437 = inverse_d_joint2 * t1023;
+    let t1438 = t1437 - t1436;
+    let t1439 = t503 * t1162;
+    let t1440 = inverse_d_joint2 * t1159;
+    let t1441 = t1440 - t1439;
+    let t1442 = t503 * t1276;
+    let t1443 = inverse_d_joint2 * t1273;
+    let t1444 = t1443 - t1442;
+    let t1445 = t503 * t1382;
+    let t1446 = inverse_d_joint2 * t1379;
     let t1447 = t1446 - t1445;
-    let t1448 = force_joint5_y + t1447;
-    let t1449 = cos_joint5 * t1448;
-    let t1450 = t1449 + t1444;
-    let t1451 = t1441 + t1450;
-    let t1452 = sin_joint4 * t1451;
-    let t1453 = t1428 - t1452;
-    let t1454 = sin_joint2_joint3 * t1453;
-    let t1455 = sin_joint5 * t1416;
-    let t1456 = cos_joint5 * t1421;
-    let t1457 = t1455 - t1456;
-    let t1458 = sin_joint4 * t1450;
-    let t1459 = cos_joint4 * t1426;
-    let t1460 = t1458 - t1459;
-    let t1461 = 0.047012505789717454 * t1460;
-    let t1462 = t1457 + t1461;
-    let t1463 = cos_joint2_joint3 * t1462;
-    let t1464 = t1454 + t1463;
-    let t1465 = cos_joint2 * t1460;
-    let t1466 = t1464 + t1465;
-    let t1467 = cos_joint4 * t1450;
-    let t1468 = sin_joint4 * t1426;
-    let t1469 = t1467 + t1468;
-    let t1470 = cos_joint2_joint3 * t1469;
-    let t1471 = cos_joint5 * t1443;
-    let t1472 = sin_joint5 * t1448;
+    let t1448 = t503 * t1435;
+    let t1449 = inverse_d_joint2 * t1418;
+    let t1450 = t1449 - t1448;
+    let t1451 = t465 * t1438;
+    let t1452 = inverse_d_joint3 * t991;
+    let t1453 = t1452 + t1451;
+    let t1454 = t408 * t1026;
+    let t1455 = t1453 - t1454;
+    let t1456 = t465 * t1441;
+    let t1457 = inverse_d_joint3 * t1143;
+    let t1458 = t1457 - t1456;
+    let t1459 = t408 * t1162;
+    let t1460 = t1458 + t1459;
+    let t1461 = t465 * t1444;
+    let t1462 = inverse_d_joint3 * t1257;
+    let t1463 = t1462 - t1461;
+    let t1464 = t408 * t1276;
+    let t1465 = t1463 + t1464;
+    let t1466 = t465 * t1447;
+    let t1467 = inverse_d_joint3 * t1363;
+    let t1468 = t1467 - t1466;
+    let t1469 = t408 * t1382;
+    let t1470 = t1468 + t1469;
+    let t1471 = t465 * t1450;
+    let t1472 = inverse_d_joint3 * t1412;
     let t1473 = t1472 - t1471;
-    let t1474 = sin_joint2_joint3 * t1473;
-    let t1475 = t1470 - t1474;
-    let t1476 = 0.3474988420565076 * t1475;
-    let t1477 = t1466 + t1476;
-    let t1478 = inverse_d_joint1 * t1477;
-    let t1479 = sin_joint4 * t1427;
-    let t1480 = cos_joint4 * t1451;
-    let t1481 = t1479 + t1480;
-    let t1482 = 0.047012505789717454 * t1473;
-    let t1483 = t1481 - t1482;
-    let t1484 = sin_joint2 * t1475;
-    let t1485 = sin_joint2_joint3 * t1469;
-    let t1486 = cos_joint2_joint3 * t1473;
+    let t1474 = t408 * t1435;
+    let t1475 = t1473 + t1474;
+    let t1476 = t364 * t1455;
+    let t1477 = inverse_d_joint4 * t944;
+    let t1478 = t1477 + t1476;
+    let t1479 = t450 * t1438;
+    let t1480 = t1478 - t1479;
+    let t1481 = t322 * t1026;
+    let t1482 = t1480 - t1481;
+    let t1483 = t364 * t1460;
+    let t1484 = inverse_d_joint4 * t1122;
+    let t1485 = t1484 + t1483;
+    let t1486 = t450 * t1441;
     let t1487 = t1485 + t1486;
-    let t1488 = cos_joint2 * t1487;
-    let t1489 = t1488 - t1484;
-    let t1490 = t1483 - t1489;
-    let t1491 = t210 * t1490;
-    let t1492 = t1478 - t1491;
-    let t1493 = t213 * t1483;
-    let t1494 = t1492 + t1493;
-    let t1495 = t218 * t1457;
+    let t1488 = t322 * t1162;
+    let t1489 = t1487 + t1488;
+    let t1490 = t364 * t1465;
+    let t1491 = inverse_d_joint4 * t1244;
+    let t1492 = t1491 - t1490;
+    let t1493 = t450 * t1444;
+    let t1494 = t1492 - t1493;
+    let t1495 = t322 * t1276;
     let t1496 = t1494 - t1495;
-    let t1497 = t530 * t1441;
-    let t1498 = t1496 - t1497;
-    let t1499 = 3.9999999999999996e-5 * t778;
-    let t1500 = omega_joint5_y * t1181;
+    let t1497 = t364 * t1470;
+    let t1498 = inverse_d_joint4 * t1350;
+    let t1499 = t1498 - t1497;
+    let t1500 = t450 * t1447;
     let t1501 = t1499 - t1500;
-    let t1502 = t225 * t1501;
-    let t1503 = t1498 - t1502;
-    let t1504 = 1.9999999999999998e-5 * t834;
-    let t1505 = omega_joint5_x * t912;
-    let t1506 = t1504 + t1505;
-    let t1507 = moment_joint6_y_2 - t1506;
-    let t1508 = cos_joint5 * t1507;
-    let t1509 = omega_joint5_x * t925;
-    let t1510 = omega_joint5_z * t1181;
-    let t1511 = t1510 + t1509;
-    let t1512 = 3.9999999999999996e-5 * t386;
+    let t1502 = t322 * t1382;
+    let t1503 = t1501 - t1502;
+    let t1504 = t364 * t1475;
+    let t1505 = inverse_d_joint4 * t1410;
+    let t1506 = t1505 - t1504;
+    let t1507 = t450 * t1450;
+    let t1508 = t1506 - t1507;
+    let t1509 = t322 * t1435;
+    let t1510 = t1508 - t1509;
+    let t1511 = t358 * t1455;
+    let t1512 = 5.83606090588883 * t916;
     let t1513 = t1512 - t1511;
-    let t1514 = sin_joint5 * t1513;
-    let t1515 = t1508 + t1514;
-    let t1516 = cos_joint4 * t1515;
-    let t1517 = 1.9999999999999998e-5 * t779;
-    let t1518 = omega_joint5_z * t912;
-    let t1519 = t1517 + t1518;
-    let t1520 = moment_joint6_x_2 - t1519;
-    let t1521 = sin_joint4 * t1520;
-    let t1522 = t1516 + t1521;
-    let t1523 = sin_joint2_joint3 * t1522;
-    let t1524 = sin_joint5 * t1507;
-    let t1525 = cos_joint5 * t1513;
-    let t1526 = t1524 - t1525;
-    let t1527 = cos_joint2_joint3 * t1526;
-    let t1528 = t1523 + t1527;
-    let t1529 = inverse_d_joint1 * t1528;
-    let t1530 = sin_joint4 * t1515;
-    let t1531 = cos_joint4 * t1520;
-    let t1532 = t1530 - t1531;
-    let t1533 = t210 * t1532;
-    let t1534 = t1529 - t1533;
-    let t1535 = t213 * t1532;
-    let t1536 = t1534 + t1535;
-    let t1537 = t218 * t1526;
-    let t1538 = t1536 - t1537;
-    let t1539 = t530 * t1520;
-    let t1540 = t1538 + t1539;
-    let t1541 = t225 * t1513;
-    let t1542 = t1540 - t1541;
-    let t1543 = t210 * t1043;
-    let t1544 = t545 * t1099;
+    let t1514 = t441 * t1438;
+    let t1515 = t1513 + t1514;
+    let t1516 = t282 * t1026;
+    let t1517 = t1515 - t1516;
+    let t1518 = t358 * t1460;
+    let t1519 = 5.83606090588883 * t1108;
+    let t1520 = t1519 + t1518;
+    let t1521 = t441 * t1441;
+    let t1522 = t1520 + t1521;
+    let t1523 = t282 * t1162;
+    let t1524 = t1522 - t1523;
+    let t1525 = t358 * t1465;
+    let t1526 = 5.83606090588883 * t1240;
+    let t1527 = t1526 + t1525;
+    let t1528 = t441 * t1444;
+    let t1529 = t1527 + t1528;
+    let t1530 = t282 * t1276;
+    let t1531 = t1529 - t1530;
+    let t1532 = t358 * t1470;
+    let t1533 = 5.83606090588883 * t1314;
+    let t1534 = t1533 - t1532;
+    let t1535 = t441 * t1447;
+    let t1536 = t1534 - t1535;
+    let t1537 = t282 * t1382;
+    let t1538 = t1536 + t1537;
+    let t1539 = t358 * t1475;
+    let t1540 = 5.83606090588883 * t1386;
+    let t1541 = t1540 + t1539;
+    let t1542 = t441 * t1450;
+    let t1543 = t1541 + t1542;
+    let t1544 = t282 * t1435;
     let t1545 = t1543 - t1544;
-    let t1546 = t548 * t1111;
-    let t1547 = t1545 - t1546;
-    let t1548 = t553 * t1137;
-    let t1549 = t1547 - t1548;
-    let t1550 = t573 * t1171;
-    let t1551 = t1549 + t1550;
-    let t1552 = t560 * t1190;
-    let t1553 = t1551 + t1552;
-    let t1554 = t210 * t1251;
-    let t1555 = t545 * t1272;
-    let t1556 = t1554 - t1555;
-    let t1557 = t548 * t1271;
-    let t1558 = t1556 + t1557;
-    let t1559 = t553 * t1286;
-    let t1560 = t1558 + t1559;
-    let t1561 = t573 * t1301;
-    let t1562 = t1560 + t1561;
-    let t1563 = t560 * t1311;
-    let t1564 = t1562 - t1563;
-    let t1565 = t210 * t1378;
-    let t1566 = t545 * t1391;
-    let t1567 = t1565 - t1566;
-    let t1568 = t548 * t1384;
-    let t1569 = t1567 + t1568;
-    let t1570 = t553 * t1360;
-    let t1571 = t1569 - t1570;
-    let t1572 = t573 * t1401;
-    let t1573 = t1571 + t1572;
-    let t1574 = t560 * t1410;
-    let t1575 = t1573 + t1574;
-    let t1576 = t210 * t1477;
-    let t1577 = t545 * t1490;
-    let t1578 = t1576 - t1577;
-    let t1579 = t548 * t1483;
-    let t1580 = t1578 + t1579;
-    let t1581 = t553 * t1457;
-    let t1582 = t1580 - t1581;
-    let t1583 = t573 * t1441;
-    let t1584 = t1582 - t1583;
-    let t1585 = t560 * t1501;
+    let t1546 = t295 * t1482;
+    let t1547 = 5.151863922779921 * t879;
+    let t1548 = t1547 - t1546;
+    let t1549 = t352 * t1455;
+    let t1550 = t1548 - t1549;
+    let t1551 = t352 * t1438;
+    let t1552 = t1550 + t1551;
+    let t1553 = t252 * t1026;
+    let t1554 = t1552 + t1553;
+    let t1555 = t295 * t1489;
+    let t1556 = 5.151863922779921 * t1093;
+    let t1557 = t1556 - t1555;
+    let t1558 = t352 * t1460;
+    let t1559 = t1557 - t1558;
+    let t1560 = t352 * t1441;
+    let t1561 = t1559 - t1560;
+    let t1562 = t252 * t1162;
+    let t1563 = t1561 - t1562;
+    let t1564 = t295 * t1496;
+    let t1565 = 5.151863922779921 * t1234;
+    let t1566 = t1565 - t1564;
+    let t1567 = t352 * t1465;
+    let t1568 = t1566 + t1567;
+    let t1569 = t352 * t1444;
+    let t1570 = t1568 + t1569;
+    let t1571 = t252 * t1276;
+    let t1572 = t1570 + t1571;
+    let t1573 = t295 * t1503;
+    let t1574 = 5.151863922779921 * t1344;
+    let t1575 = t1574 + t1573;
+    let t1576 = t352 * t1470;
+    let t1577 = t1575 - t1576;
+    let t1578 = t352 * t1447;
+    let t1579 = t1577 - t1578;
+    let t1580 = t252 * t1382;
+    let t1581 = t1579 - t1580;
+    let t1582 = t295 * t1510;
+    let t1583 = 5.151863922779921 * t1397;
+    let t1584 = t1583 + t1582;
+    let t1585 = t352 * t1475;
     let t1586 = t1584 - t1585;
-    let t1587 = t210 * t1528;
-    let t1588 = t545 * t1532;
-    let t1589 = t1587 - t1588;
-    let t1590 = t548 * t1532;
-    let t1591 = t1589 + t1590;
-    let t1592 = t553 * t1526;
-    let t1593 = t1591 - t1592;
-    let t1594 = t573 * t1520;
+    let t1587 = t352 * t1450;
+    let t1588 = t1586 - t1587;
+    let t1589 = t252 * t1435;
+    let t1590 = t1588 - t1589;
+    let t1591 = sin_joint2_joint3 * t820;
+    let t1592 = t770 - t1591;
+    let t1593 = cos_joint2_joint3 * t824;
+    let t1594 = sin_joint2_joint3 * t827;
     let t1595 = t1593 + t1594;
-    let t1596 = t560 * t1513;
-    let t1597 = t1595 - t1596;
-    let t1598 = t213 * t1043;
-    let t1599 = t548 * t1099;
-    let t1600 = t1598 - t1599;
-    let t1601 = t586 * t1111;
-    let t1602 = t1600 - t1601;
-    let t1603 = t591 * t1137;
-    let t1604 = t1602 - t1603;
-    let t1605 = t611 * t1171;
-    let t1606 = t1604 + t1605;
-    let t1607 = t598 * t1190;
-    let t1608 = t1606 + t1607;
-    let t1609 = t213 * t1251;
-    let t1610 = t548 * t1272;
-    let t1611 = t1609 - t1610;
-    let t1612 = t586 * t1271;
-    let t1613 = t1611 + t1612;
-    let t1614 = t591 * t1286;
-    let t1615 = t1613 + t1614;
-    let t1616 = t611 * t1301;
-    let t1617 = t1615 + t1616;
-    let t1618 = t598 * t1311;
-    let t1619 = t1617 - t1618;
-    let t1620 = t213 * t1378;
-    let t1621 = t548 * t1391;
-    let t1622 = t1620 - t1621;
-    let t1623 = t586 * t1384;
-    let t1624 = t1622 + t1623;
-    let t1625 = t591 * t1360;
-    let t1626 = t1624 - t1625;
-    let t1627 = t611 * t1401;
+    let t1596 = cos_joint2 * t1595;
+    let t1597 = v[1] * sin_joint2;
+    let t1598 = 2.0 * t1597;
+    let t1599 = t456 * t1598;
+    let t1600 = t1596 + t1599;
+    let t1601 = t1592 + t1600;
+    let t1602 = t191 * t82;
+    let t1603 = t196 * t1015;
+    let t1604 = t1603 + t1602;
+    let t1605 = t1604 - t1601;
+    let t1606 = v[0] * 0.6949976841130152;
+    let t1607 = t997 * t1606;
+    let t1608 = t1605 + t1607;
+    let t1609 = t312 * t910;
+    let t1610 = t1036 - t1609;
+    let t1611 = t1603 - t1610;
+    let t1612 = t201 * t1015;
+    let t1613 = t1612 - t1011;
+    let t1614 = 0.3474988420565076 * t1613;
+    let t1615 = t1611 + t1614;
+    let t1616 = t1608 - t1615;
+    let t1617 = 5.8018217679508 + t1616;
+    let t1618 = sin_joint2_joint3 * t873;
+    let t1619 = cos_joint2_joint3 * t875;
+    let t1620 = t1618 + t1619;
+    let t1621 = t252 * t1620;
+    let t1622 = t1617 - t1621;
+    let t1623 = sin_joint2_joint3 * t902;
+    let t1624 = cos_joint2_joint3 * t906;
+    let t1625 = t1623 + t1624;
+    let t1626 = t279 * t910;
+    let t1627 = t266 * t1598;
     let t1628 = t1626 + t1627;
-    let t1629 = t598 * t1410;
-    let t1630 = t1628 + t1629;
-    let t1631 = t213 * t1477;
-    let t1632 = t548 * t1490;
-    let t1633 = t1631 - t1632;
-    let t1634 = t586 * t1483;
-    let t1635 = t1633 + t1634;
-    let t1636 = t591 * t1457;
-    let t1637 = t1635 - t1636;
-    let t1638 = t611 * t1441;
+    let t1629 = t1625 - t1628;
+    let t1630 = t266 * t1606;
+    let t1631 = t1629 + t1630;
+    let t1632 = t282 * t1631;
+    let t1633 = t1622 + t1632;
+    let t1634 = sin_joint2_joint3 * t931;
+    let t1635 = cos_joint2_joint3 * t934;
+    let t1636 = t1634 - t1635;
+    let t1637 = t313 * t910;
+    let t1638 = t298 * t1598;
     let t1639 = t1637 - t1638;
-    let t1640 = t598 * t1501;
-    let t1641 = t1639 - t1640;
-    let t1642 = t213 * t1528;
-    let t1643 = t1590 - t1642;
-    let t1644 = t586 * t1532;
-    let t1645 = t1643 - t1644;
-    let t1646 = t591 * t1526;
-    let t1647 = t1645 + t1646;
-    let t1648 = t611 * t1520;
-    let t1649 = t1647 - t1648;
-    let t1650 = t598 * t1513;
-    let t1651 = t1649 + t1650;
-    let t1652 = t218 * t1043;
-    let t1653 = t553 * t1099;
-    let t1654 = t1652 - t1653;
-    let t1655 = t591 * t1111;
-    let t1656 = t1654 - t1655;
-    let t1657 = t635 * t1137;
-    let t1658 = t1656 - t1657;
-    let t1659 = t655 * t1171;
-    let t1660 = t1658 + t1659;
-    let t1661 = t642 * t1190;
-    let t1662 = t1660 + t1661;
-    let t1663 = t218 * t1251;
-    let t1664 = t553 * t1272;
-    let t1665 = t1663 - t1664;
-    let t1666 = t591 * t1271;
-    let t1667 = t1665 + t1666;
-    let t1668 = t635 * t1286;
-    let t1669 = t1667 + t1668;
-    let t1670 = t655 * t1301;
-    let t1671 = t1669 + t1670;
-    let t1672 = t642 * t1311;
-    let t1673 = t1671 - t1672;
-    let t1674 = t218 * t1378;
-    let t1675 = t553 * t1391;
-    let t1676 = t1674 - t1675;
-    let t1677 = t591 * t1384;
-    let t1678 = t1676 + t1677;
-    let t1679 = t635 * t1360;
-    let t1680 = t1678 - t1679;
-    let t1681 = t655 * t1401;
-    let t1682 = t1680 + t1681;
-    let t1683 = t642 * t1410;
-    let t1684 = t1682 + t1683;
-    let t1685 = t218 * t1477;
-    let t1686 = t553 * t1490;
-    let t1687 = t1685 - t1686;
-    let t1688 = t591 * t1483;
-    let t1689 = t1687 + t1688;
-    let t1690 = t635 * t1457;
-    let t1691 = t1689 - t1690;
-    let t1692 = t655 * t1441;
-    let t1693 = t1691 - t1692;
-    let t1694 = t642 * t1501;
-    let t1695 = t1693 - t1694;
-    let t1696 = t218 * t1528;
-    let t1697 = t553 * t1532;
-    let t1698 = t1696 - t1697;
-    let t1699 = t591 * t1532;
-    let t1700 = t1698 + t1699;
-    let t1701 = t635 * t1526;
-    let t1702 = t1700 - t1701;
-    let t1703 = t655 * t1520;
-    let t1704 = t1702 + t1703;
-    let t1705 = t642 * t1513;
-    let t1706 = t1704 - t1705;
-    let t1707 = t530 * t1043;
-    let t1708 = t573 * t1099;
+    let t1640 = t1636 + t1639;
+    let t1641 = t298 * t1606;
+    let t1642 = t1640 + t1641;
+    let t1643 = t295 * t1620;
+    let t1644 = t1642 - t1643;
+    let t1645 = t322 * t1644;
+    let t1646 = t1633 + t1645;
+    let t1647 = sin_joint2_joint3 * t971;
+    let t1648 = cos_joint2_joint3 * t981;
+    let t1649 = t1647 + t1648;
+    let t1650 = t399 * t910;
+    let t1651 = t1649 - t1650;
+    let t1652 = t352 * t1620;
+    let t1653 = t1651 - t1652;
+    let t1654 = t358 * t1631;
+    let t1655 = t1653 - t1654;
+    let t1656 = t364 * t1644;
+    let t1657 = t1655 + t1656;
+    let t1658 = t408 * t1657;
+    let t1659 = t1646 + t1658;
+    let t1660 = t465 * t1657;
+    let t1661 = sin_joint2 * t1011;
+    let t1662 = t1661 - t1650;
+    let t1663 = t1649 + t1662;
+    let t1664 = t191 * t1015;
+    let t1665 = t1664 + t1663;
+    let t1666 = t1665 - t1652;
+    let t1667 = t441 * t1631;
+    let t1668 = t1666 - t1667;
+    let t1669 = t450 * t1644;
+    let t1670 = t1668 + t1669;
+    let t1671 = t1670 - t1660;
+    let t1672 = t503 * t1671;
+    let t1673 = t1659 - t1672;
+    let t1674 = inverse_d_joint1 * t1673;
+    let t1675 = t778 - t1591;
+    let t1676 = sin_joint2 * t829;
+    let t1677 = t399 * t832;
+    let t1678 = t1676 - t1677;
+    let t1679 = t1675 - t1678;
+    let t1680 = t1602 - t1679;
+    let t1681 = t1605 - t1680;
+    let t1682 = t1003 * t1015;
+    let t1683 = t1681 - t1682;
+    let t1684 = 9.496868641825001 + t1683;
+    let t1685 = cos_joint4 * t744;
+    let t1686 = sin_joint4 * t871;
+    let t1687 = t1686 + t1685;
+    let t1688 = t865 * t1015;
+    let t1689 = t1687 - t1688;
+    let t1690 = t352 * t1689;
+    let t1691 = t1684 - t1690;
+    let t1692 = sin_joint4 * t894;
+    let t1693 = cos_joint4 * t755;
+    let t1694 = t1692 + t1693;
+    let t1695 = t275 * t773;
+    let t1696 = t1694 + t1695;
+    let t1697 = t279 * t832;
+    let t1698 = t437 * t1598;
+    let t1699 = t1698 + t1697;
+    let t1700 = t1696 + t1699;
+    let t1701 = t889 * t1015;
+    let t1702 = t1700 + t1701;
+    let t1703 = t441 * t1702;
+    let t1704 = t1691 - t1703;
+    let t1705 = cos_joint4 * t785;
+    let t1706 = sin_joint4 * t791;
+    let t1707 = t1706 + t1705;
+    let t1708 = t312 * t773;
     let t1709 = t1707 - t1708;
-    let t1710 = t611 * t1111;
-    let t1711 = t1709 - t1710;
-    let t1712 = t655 * t1137;
-    let t1713 = t1711 - t1712;
-    let t1714 = t699 * t1171;
+    let t1710 = t313 * t832;
+    let t1711 = t445 * t1598;
+    let t1712 = t1711 + t1710;
+    let t1713 = t1709 - t1712;
+    let t1714 = t926 * t1015;
     let t1715 = t1713 + t1714;
-    let t1716 = t685 * t1190;
-    let t1717 = t1715 + t1716;
-    let t1718 = t530 * t1251;
-    let t1719 = t573 * t1272;
-    let t1720 = t1718 - t1719;
-    let t1721 = t611 * t1271;
+    let t1716 = t295 * t1689;
+    let t1717 = t1715 - t1716;
+    let t1718 = t450 * t1717;
+    let t1719 = t1704 + t1718;
+    let t1720 = t770 - t778;
+    let t1721 = t1599 - t1677;
     let t1722 = t1720 + t1721;
-    let t1723 = t655 * t1286;
-    let t1724 = t1722 + t1723;
-    let t1725 = t699 * t1301;
-    let t1726 = t1724 + t1725;
-    let t1727 = t685 * t1311;
-    let t1728 = t1726 - t1727;
-    let t1729 = t530 * t1378;
-    let t1730 = t573 * t1391;
-    let t1731 = t1729 - t1730;
-    let t1732 = t611 * t1384;
-    let t1733 = t1731 + t1732;
-    let t1734 = t655 * t1360;
-    let t1735 = t1733 - t1734;
-    let t1736 = t699 * t1401;
-    let t1737 = t1735 + t1736;
-    let t1738 = t685 * t1410;
-    let t1739 = t1737 + t1738;
-    let t1740 = t530 * t1477;
-    let t1741 = t573 * t1490;
-    let t1742 = t1740 - t1741;
-    let t1743 = t611 * t1483;
-    let t1744 = t1742 + t1743;
-    let t1745 = t655 * t1457;
-    let t1746 = t1744 - t1745;
-    let t1747 = t699 * t1441;
-    let t1748 = t1746 - t1747;
-    let t1749 = t685 * t1501;
+    let t1723 = t954 * t1015;
+    let t1724 = t1722 - t1723;
+    let t1725 = t1724 + t1690;
+    let t1726 = t358 * t1702;
+    let t1727 = t1725 + t1726;
+    let t1728 = t364 * t1717;
+    let t1729 = t1727 - t1728;
+    let t1730 = t465 * t1729;
+    let t1731 = t1719 + t1730;
+    let t1732 = t503 * t1731;
+    let t1733 = t742 - t959;
+    let t1734 = omega_joint3_z * 0.009475200000000003;
+    let t1735 = t1734 - t1733;
+    let t1736 = sin_joint2_joint3 * t1735;
+    let t1737 = cos_joint2_joint3 * t1709;
+    let t1738 = t1736 + t1737;
+    let t1739 = t312 * t832;
+    let t1740 = t1738 - t1739;
+    let t1741 = t196 * t82;
+    let t1742 = t1741 - t1740;
+    let t1743 = t725 * t1015;
+    let t1744 = t1742 - t1743;
+    let t1745 = t201 * t82;
+    let t1746 = t1745 - t829;
+    let t1747 = 0.3474988420565076 * t1746;
+    let t1748 = t1747 + t1744;
+    let t1749 = t252 * t1689;
     let t1750 = t1748 - t1749;
-    let t1751 = t530 * t1528;
-    let t1752 = t573 * t1532;
-    let t1753 = t1751 - t1752;
-    let t1754 = t611 * t1532;
-    let t1755 = t1753 + t1754;
-    let t1756 = t655 * t1526;
-    let t1757 = t1755 - t1756;
-    let t1758 = t699 * t1520;
-    let t1759 = t1757 + t1758;
-    let t1760 = t685 * t1513;
-    let t1761 = t1759 - t1760;
-    let t1762 = t225 * t1043;
-    let t1763 = t560 * t1099;
-    let t1764 = t1762 - t1763;
-    let t1765 = t598 * t1111;
-    let t1766 = t1764 - t1765;
-    let t1767 = t642 * t1137;
-    let t1768 = t1766 - t1767;
-    let t1769 = t685 * t1171;
-    let t1770 = t1768 + t1769;
-    let t1771 = t747 * t1190;
-    let t1772 = t1770 + t1771;
-    let t1773 = t225 * t1251;
-    let t1774 = t560 * t1272;
-    let t1775 = t1773 - t1774;
-    let t1776 = t598 * t1271;
-    let t1777 = t1775 + t1776;
-    let t1778 = t642 * t1286;
-    let t1779 = t1777 + t1778;
-    let t1780 = t685 * t1301;
-    let t1781 = t1779 + t1780;
-    let t1782 = t747 * t1311;
+    let t1751 = t282 * t1702;
+    let t1752 = t1750 + t1751;
+    let t1753 = t322 * t1717;
+    let t1754 = t1752 + t1753;
+    let t1755 = t408 * t1729;
+    let t1756 = t1754 - t1755;
+    let t1757 = t1756 - t1732;
+    let t1758 = inverse_d_joint1 * t1757;
+    let t1759 = 2.0 * omega_joint3_y;
+    let t1760 = t390 * t1759;
+    let t1761 = 2.0 * omega_joint3_x;
+    let t1762 = t392 * t1761;
+    let t1763 = t1760 + t1762;
+    let t1764 = t1720 - t1763;
+    let t1765 = 3.9804259903721997 - t1764;
+    let t1766 = t249 * t1761;
+    let t1767 = t247 * t1759;
+    let t1768 = t1767 + t1766;
+    let t1769 = t1687 - t1768;
+    let t1770 = t352 * t1769;
+    let t1771 = t1765 - t1770;
+    let t1772 = t267 * t1761;
+    let t1773 = t270 * t1759;
+    let t1774 = t1773 + t1772;
+    let t1775 = t1696 + t1774;
+    let t1776 = t358 * t1775;
+    let t1777 = t1771 - t1776;
+    let t1778 = t303 * t1761;
+    let t1779 = t307 * t1759;
+    let t1780 = t1779 - t1778;
+    let t1781 = t1709 + t1780;
+    let t1782 = t295 * t1769;
     let t1783 = t1781 - t1782;
-    let t1784 = t225 * t1378;
-    let t1785 = t560 * t1391;
-    let t1786 = t1784 - t1785;
-    let t1787 = t598 * t1384;
-    let t1788 = t1786 + t1787;
-    let t1789 = t642 * t1360;
-    let t1790 = t1788 - t1789;
-    let t1791 = t685 * t1401;
-    let t1792 = t1790 + t1791;
-    let t1793 = t747 * t1410;
-    let t1794 = t1792 + t1793;
-    let t1795 = t225 * t1477;
-    let t1796 = t560 * t1490;
-    let t1797 = t1795 - t1796;
-    let t1798 = t598 * t1483;
-    let t1799 = t1797 + t1798;
-    let t1800 = t642 * t1457;
-    let t1801 = t1799 - t1800;
-    let t1802 = t685 * t1441;
-    let t1803 = t1801 - t1802;
-    let t1804 = t747 * t1501;
+    let t1784 = t364 * t1783;
+    let t1785 = t1777 + t1784;
+    let t1786 = t465 * t1785;
+    let t1787 = t312 * t1759;
+    let t1788 = t824 + t1787;
+    let t1789 = sin_joint2_joint3 * t1788;
+    let t1790 = t312 * t1761;
+    let t1791 = t827 + t1790;
+    let t1792 = cos_joint2_joint3 * t1791;
+    let t1793 = t1792 - t1789;
+    let t1794 = sin_joint2 * t1793;
+    let t1795 = cos_joint2_joint3 * t1788;
+    let t1796 = sin_joint2_joint3 * t1791;
+    let t1797 = t1796 + t1795;
+    let t1798 = cos_joint2 * t1797;
+    let t1799 = t1798 - t1794;
+    let t1800 = t1764 + t1799;
+    let t1801 = t1800 + t1770;
+    let t1802 = t441 * t1775;
+    let t1803 = t1801 + t1802;
+    let t1804 = t450 * t1783;
     let t1805 = t1803 - t1804;
-    let t1806 = t225 * t1528;
-    let t1807 = t560 * t1532;
-    let t1808 = t1806 - t1807;
-    let t1809 = t598 * t1532;
-    let t1810 = t1808 + t1809;
-    let t1811 = t642 * t1526;
-    let t1812 = t1810 - t1811;
-    let t1813 = t685 * t1520;
-    let t1814 = t1812 + t1813;
-    let t1815 = t747 * t1513;
-    let t1816 = t1814 - t1815;
-    let t1817 = sin_joint2_joint3 * t1184;
-    let t1818 = cos_joint2_joint3 * t1186;
-    let t1819 = t1817 + t1818;
-    let t1820 = t225 * t1819;
-    let t1821 = sin_joint2_joint3 * t1001;
-    let t1822 = t951 - t1821;
-    let t1823 = cos_joint2_joint3 * t1005;
-    let t1824 = sin_joint2_joint3 * t1008;
-    let t1825 = t1823 + t1824;
-    let t1826 = cos_joint2 * t1825;
-    let t1827 = v[1] * sin_joint2;
-    let t1828 = 2.0 * t1827;
-    let t1829 = t43 * t1828;
-    let t1830 = t1826 + t1829;
-    let t1831 = t1822 + t1830;
-    let t1832 = t457 * t310;
-    let t1833 = t462 * t1095;
-    let t1834 = t1833 + t1832;
-    let t1835 = t1834 - t1831;
-    let t1836 = v[0] * 0.6949976841130152;
-    let t1837 = t1045 * t1836;
-    let t1838 = t1835 + t1837;
-    let t1839 = t55 * t1091;
-    let t1840 = t1202 - t1839;
-    let t1841 = t1833 - t1840;
-    let t1842 = t467 * t1095;
-    let t1843 = t1842 - t1088;
-    let t1844 = 0.3474988420565076 * t1843;
-    let t1845 = t1841 + t1844;
-    let t1846 = t1838 - t1845;
-    let t1847 = 5.8018217679508 + t1846;
-    let t1848 = inverse_d_joint1 * t1847;
-    let t1849 = sin_joint2_joint3 * t1072;
-    let t1850 = cos_joint2_joint3 * t1082;
-    let t1851 = t1849 + t1850;
-    let t1852 = sin_joint2 * t1088;
-    let t1853 = t137 * t1091;
-    let t1854 = t1852 - t1853;
-    let t1855 = t1851 + t1854;
-    let t1856 = t457 * t1095;
-    let t1857 = t1856 + t1855;
-    let t1858 = t210 * t1857;
-    let t1859 = t1848 - t1858;
-    let t1860 = t1851 - t1853;
-    let t1861 = t213 * t1860;
-    let t1862 = t1859 + t1861;
-    let t1863 = sin_joint2_joint3 * t1126;
-    let t1864 = cos_joint2_joint3 * t1129;
-    let t1865 = t1863 - t1864;
-    let t1866 = t96 * t1091;
-    let t1867 = t17 * t1828;
-    let t1868 = t1866 - t1867;
-    let t1869 = t1865 + t1868;
-    let t1870 = t17 * t1836;
-    let t1871 = t1869 + t1870;
-    let t1872 = t218 * t1871;
-    let t1873 = t1862 + t1872;
-    let t1874 = sin_joint2_joint3 * t1159;
-    let t1875 = cos_joint2_joint3 * t1163;
-    let t1876 = t1874 + t1875;
-    let t1877 = t82 * t1091;
-    let t1878 = t70 * t1828;
-    let t1879 = t1877 + t1878;
-    let t1880 = t1876 - t1879;
-    let t1881 = t70 * t1836;
-    let t1882 = t1880 + t1881;
-    let t1883 = t530 * t1882;
-    let t1884 = t1873 - t1883;
-    let t1885 = t1884 - t1820;
-    let t1886 = cos_joint4 * t925;
-    let t1887 = sin_joint4 * t1182;
-    let t1888 = t1887 + t1886;
-    let t1889 = t1176 * t1095;
+    let t1806 = t1805 + t1786;
+    let t1807 = t503 * t1806;
+    let t1808 = t408 * t1785;
+    let t1809 = t1759 * t1046;
+    let t1810 = t510 * t1761;
+    let t1811 = t1809 + t1810;
+    let t1812 = t1735 + t1811;
+    let t1813 = sin_joint2_joint3 * t1812;
+    let t1814 = t1761 * t1029;
+    let t1815 = t510 * t1759;
+    let t1816 = t1814 + t1815;
+    let t1817 = t1709 - t1816;
+    let t1818 = cos_joint2_joint3 * t1817;
+    let t1819 = t1813 + t1818;
+    let t1820 = t395 * t1761;
+    let t1821 = t397 * t1759;
+    let t1822 = t1821 + t1820;
+    let t1823 = cos_joint2 * t1822;
+    let t1824 = t1819 - t1823;
+    let t1825 = 0.3474988420565076 * t1793;
+    let t1826 = t1824 - t1825;
+    let t1827 = t252 * t1769;
+    let t1828 = t1826 + t1827;
+    let t1829 = t282 * t1775;
+    let t1830 = t1828 - t1829;
+    let t1831 = t322 * t1783;
+    let t1832 = t1830 - t1831;
+    let t1833 = t1832 - t1808;
+    let t1834 = t1833 - t1807;
+    let t1835 = inverse_d_joint1 * t1834;
+    let t1836 = t740 * t1164;
+    let t1837 = t802 - t1836;
+    let t1838 = t761 - t803;
+    let t1839 = t1838 + t1837;
+    let t1840 = sin_joint4 * t1839;
+    let t1841 = t754 * t1177;
+    let t1842 = t808 + t1841;
+    let t1843 = t764 - t809;
+    let t1844 = t1843 + t1842;
+    let t1845 = cos_joint4 * t1844;
+    let t1846 = t1845 - t1840;
+    let t1847 = sin_joint2_joint3 * t1846;
+    let t1848 = cos_joint4 * t1843;
+    let t1849 = sin_joint4 * t1838;
+    let t1850 = t1849 - t1848;
+    let t1851 = 0.047012505789717454 * t1850;
+    let t1852 = t305 * t754;
+    let t1853 = t753 - t1852;
+    let t1854 = t1853 + t1851;
+    let t1855 = cos_joint2_joint3 * t1854;
+    let t1856 = t1847 + t1855;
+    let t1857 = cos_joint2 * t1850;
+    let t1858 = t1856 + t1857;
+    let t1859 = sin_joint4 * t1843;
+    let t1860 = cos_joint4 * t1838;
+    let t1861 = t1860 + t1859;
+    let t1862 = cos_joint2_joint3 * t1861;
+    let t1863 = sin_joint2_joint3 * t741;
+    let t1864 = t1862 + t1863;
+    let t1865 = 0.3474988420565076 * t1864;
+    let t1866 = t1858 + t1865;
+    let t1867 = t246 * t754;
+    let t1868 = t875 - t1867;
+    let t1869 = t252 * t1868;
+    let t1870 = t1866 - t1869;
+    let t1871 = omega_joint4_x * 0.00128432;
+    let t1872 = t802 - t1871;
+    let t1873 = t282 * t1872;
+    let t1874 = t1870 + t1873;
+    let t1875 = 0.41164522969715195 + t1853;
+    let t1876 = t295 * t1868;
+    let t1877 = t1875 + t1876;
+    let t1878 = t322 * t1877;
+    let t1879 = t1874 - t1878;
+    let t1880 = cos_joint4 * t1839;
+    let t1881 = sin_joint4 * t1844;
+    let t1882 = t1881 + t1880;
+    let t1883 = 0.047012505789717454 * t741;
+    let t1884 = t1882 + t1883;
+    let t1885 = t352 * t1868;
+    let t1886 = t1884 - t1885;
+    let t1887 = t358 * t1872;
+    let t1888 = t1886 - t1887;
+    let t1889 = t364 * t1877;
     let t1890 = t1888 - t1889;
-    let t1891 = t225 * t1890;
-    let t1892 = t959 - t1821;
-    let t1893 = sin_joint2 * t1010;
-    let t1894 = t137 * t1013;
-    let t1895 = t1893 - t1894;
-    let t1896 = t1892 - t1895;
-    let t1897 = t1832 - t1896;
-    let t1898 = t1835 - t1897;
-    let t1899 = t1054 * t1095;
-    let t1900 = t1898 - t1899;
-    let t1901 = 9.496868641825001 + t1900;
-    let t1902 = t210 * t1901;
-    let t1903 = t923 - t1059;
-    let t1904 = omega_joint3_z * 0.009475200000000003;
-    let t1905 = t1904 - t1903;
-    let t1906 = sin_joint2_joint3 * t1905;
-    let t1907 = cos_joint4 * t966;
-    let t1908 = sin_joint4 * t972;
-    let t1909 = t1908 + t1907;
-    let t1910 = t55 * t954;
-    let t1911 = t1909 - t1910;
-    let t1912 = cos_joint2_joint3 * t1911;
-    let t1913 = t1906 + t1912;
-    let t1914 = t55 * t1013;
-    let t1915 = t1913 - t1914;
-    let t1916 = t462 * t310;
-    let t1917 = t1916 - t1915;
-    let t1918 = t906 * t1095;
-    let t1919 = t1917 - t1918;
-    let t1920 = t467 * t310;
-    let t1921 = t1920 - t1010;
-    let t1922 = 0.3474988420565076 * t1921;
-    let t1923 = t1922 + t1919;
-    let t1924 = inverse_d_joint1 * t1923;
-    let t1925 = t1924 - t1902;
-    let t1926 = t951 - t959;
-    let t1927 = t1829 - t1894;
-    let t1928 = t1926 + t1927;
-    let t1929 = t1051 * t1095;
-    let t1930 = t1928 - t1929;
-    let t1931 = t213 * t1930;
-    let t1932 = t1925 - t1931;
-    let t1933 = t96 * t1013;
-    let t1934 = t163 * t1828;
-    let t1935 = t1934 + t1933;
-    let t1936 = t1911 - t1935;
-    let t1937 = t1121 * t1095;
+    let t1891 = t408 * t1890;
+    let t1892 = t1879 + t1891;
+    let t1893 = t465 * t1890;
+    let t1894 = sin_joint2 * t1864;
+    let t1895 = sin_joint2_joint3 * t1861;
+    let t1896 = cos_joint2_joint3 * t741;
+    let t1897 = t1895 - t1896;
+    let t1898 = cos_joint2 * t1897;
+    let t1899 = t1898 - t1894;
+    let t1900 = t1884 - t1899;
+    let t1901 = t1900 - t1885;
+    let t1902 = t441 * t1872;
+    let t1903 = t1901 - t1902;
+    let t1904 = t450 * t1877;
+    let t1905 = t1903 - t1904;
+    let t1906 = t1905 - t1893;
+    let t1907 = t503 * t1906;
+    let t1908 = t1892 - t1907;
+    let t1909 = inverse_d_joint1 * t1908;
+    let t1910 = omega_joint5_y * 0.00088432;
+    let t1911 = t731 + t1910;
+    let t1912 = cos_joint5 * t1911;
+    let t1913 = omega_joint5_x * 0.00044;
+    let t1914 = sin_joint5 * t1913;
+    let t1915 = t1912 - t1914;
+    let t1916 = 0.0024871679999999997 * omega_joint5_y;
+    let t1917 = t1916 + t1915;
+    let t1918 = cos_joint4 * t1917;
+    let t1919 = sin_joint4 * t771;
+    let t1920 = t1919 + t1918;
+    let t1921 = sin_joint2_joint3 * t1920;
+    let t1922 = sin_joint5 * t1911;
+    let t1923 = cos_joint5 * t1913;
+    let t1924 = t1922 + t1923;
+    let t1925 = cos_joint4 * t1916;
+    let t1926 = t1919 + t1925;
+    let t1927 = 0.047012505789717454 * t1926;
+    let t1928 = t1924 - t1927;
+    let t1929 = cos_joint2_joint3 * t1928;
+    let t1930 = t1921 + t1929;
+    let t1931 = cos_joint2 * t1926;
+    let t1932 = t1930 - t1931;
+    let t1933 = sin_joint4 * t1916;
+    let t1934 = cos_joint4 * t771;
+    let t1935 = t1934 - t1933;
+    let t1936 = cos_joint2_joint3 * t1935;
+    let t1937 = sin_joint2_joint3 * t764;
     let t1938 = t1936 + t1937;
-    let t1939 = t218 * t1938;
-    let t1940 = t1932 + t1939;
-    let t1941 = sin_joint4 * t1152;
-    let t1942 = cos_joint4 * t936;
-    let t1943 = t1941 + t1942;
-    let t1944 = t79 * t954;
-    let t1945 = t1943 + t1944;
-    let t1946 = t82 * t1013;
-    let t1947 = t156 * t1828;
-    let t1948 = t1947 + t1946;
-    let t1949 = t1945 + t1948;
-    let t1950 = t1147 * t1095;
-    let t1951 = t1949 + t1950;
-    let t1952 = t530 * t1951;
-    let t1953 = t1940 - t1952;
-    let t1954 = t1953 - t1891;
-    let t1955 = 2.0 * omega_joint3_x;
-    let t1956 = t64 * t1955;
-    let t1957 = 2.0 * omega_joint3_y;
-    let t1958 = t62 * t1957;
-    let t1959 = t1958 + t1956;
-    let t1960 = t1888 - t1959;
-    let t1961 = t225 * t1960;
-    let t1962 = t90 * t1955;
-    let t1963 = t29 * t1957;
-    let t1964 = t1963 - t1962;
-    let t1965 = t1911 + t1964;
-    let t1966 = t218 * t1965;
-    let t1967 = t130 * t1957;
-    let t1968 = t132 * t1955;
-    let t1969 = t1967 + t1968;
-    let t1970 = t1926 - t1969;
-    let t1971 = 3.9804259903721997 - t1970;
-    let t1972 = t213 * t1971;
-    let t1973 = t55 * t1957;
-    let t1974 = t1005 + t1973;
-    let t1975 = sin_joint2_joint3 * t1974;
-    let t1976 = t55 * t1955;
-    let t1977 = t1008 + t1976;
-    let t1978 = cos_joint2_joint3 * t1977;
-    let t1979 = t1978 - t1975;
-    let t1980 = sin_joint2 * t1979;
-    let t1981 = cos_joint2_joint3 * t1974;
-    let t1982 = sin_joint2_joint3 * t1977;
-    let t1983 = t1982 + t1981;
-    let t1984 = cos_joint2 * t1983;
-    let t1985 = t1984 - t1980;
-    let t1986 = t1970 + t1985;
-    let t1987 = t210 * t1986;
-    let t1988 = t1957 * t1212;
-    let t1989 = t32 * t1955;
-    let t1990 = t1988 + t1989;
-    let t1991 = t1905 + t1990;
-    let t1992 = sin_joint2_joint3 * t1991;
-    let t1993 = t1955 * t1195;
-    let t1994 = t32 * t1957;
-    let t1995 = t1993 + t1994;
-    let t1996 = t1911 - t1995;
-    let t1997 = cos_joint2_joint3 * t1996;
-    let t1998 = t1992 + t1997;
-    let t1999 = t38 * t1955;
+    let t1939 = 0.3474988420565076 * t1938;
+    let t1940 = t1932 - t1939;
+    let t1941 = t252 * t744;
+    let t1942 = t1940 + t1941;
+    let t1943 = t281 * 2.493649734231167;
+    let t1944 = t1942 + t1943;
+    let t1945 = t295 * t744;
+    let t1946 = t1924 - t1945;
+    let t1947 = t322 * t1946;
+    let t1948 = t1944 - t1947;
+    let t1949 = sin_joint4 * t1917;
+    let t1950 = t1934 - t1949;
+    let t1951 = 0.047012505789717454 * t764;
+    let t1952 = t1950 + t1951;
+    let t1953 = t352 * t744;
+    let t1954 = t1952 - t1953;
+    let t1955 = t357 * 2.493649734231167;
+    let t1956 = t1954 + t1955;
+    let t1957 = t364 * t1946;
+    let t1958 = t1956 + t1957;
+    let t1959 = t408 * t1958;
+    let t1960 = t1948 - t1959;
+    let t1961 = t465 * t1958;
+    let t1962 = sin_joint2 * t1938;
+    let t1963 = sin_joint2_joint3 * t1935;
+    let t1964 = cos_joint2_joint3 * t764;
+    let t1965 = t1963 - t1964;
+    let t1966 = cos_joint2 * t1965;
+    let t1967 = t1966 - t1962;
+    let t1968 = t1952 - t1967;
+    let t1969 = t1968 - t1953;
+    let t1970 = t440 * 2.493649734231167;
+    let t1971 = t1969 + t1970;
+    let t1972 = t450 * t1946;
+    let t1973 = t1971 + t1972;
+    let t1974 = t1973 - t1961;
+    let t1975 = t503 * t1974;
+    let t1976 = t1960 + t1975;
+    let t1977 = inverse_d_joint1 * t1976;
+    let t1978 = t351 * 1.1118920322351926;
+    let t1979 = t1687 - t1978;
+    let t1980 = t358 * t744;
+    let t1981 = t1979 - t1980;
+    let t1982 = cos_joint5 * 4.44756812894077e-5;
+    let t1983 = t875 + t1982;
+    let t1984 = t364 * t1983;
+    let t1985 = t1981 - t1984;
+    let t1986 = t465 * t1985;
+    let t1987 = t441 * t744;
+    let t1988 = t1979 - t1987;
+    let t1989 = t450 * t1983;
+    let t1990 = t1988 - t1989;
+    let t1991 = t1990 - t1986;
     [
-        sin_joint2,
-        cos_joint2,
-        sin_joint4,
-        cos_joint4,
-        sin_joint5,
-        cos_joint5,
-        sin_joint2_joint3,
-        cos_joint2_joint3,
-        t27,
-        t41,
-        t61,
-        t71,
-        t74,
-        inverse_d_joint1,
-        t210,
-        t213,
-        t218,
-        t225,
-        omega_joint4_x,
         omega_joint5_x,
-        omega_joint5_y,
-        t530,
-        t543,
+        t251,
+        t252,
+        t282,
+        t295,
+        inverse_d_joint4,
+        t322,
+        t352,
+        t358,
+        t364,
+        inverse_d_joint3,
+        t408,
+        t441,
+        t450,
+        t465,
+        inverse_d_joint2,
+        t503,
+        inverse_d_joint1,
+        t537,
+        t540,
         t545,
-        t548,
-        t553,
-        t560,
-        t573,
-        t576,
-        t586,
-        t591,
-        t598,
-        t611,
-        t614,
-        t635,
-        t642,
-        t655,
-        t658,
-        t685,
-        t699,
-        t702,
-        t747,
-        t749,
-        t912,
-        t921,
-        t922,
-        t925,
-        t934,
-        t935,
-        t942,
-        t945,
-        t952,
-        t983,
-        t984,
-        t989,
-        t990,
-        t1186,
-        t1192,
-        t1313,
-        t1315,
-        t1328,
-        t1412,
+        t552,
+        t559,
+        t568,
+        t744,
+        t1026,
+        t1162,
+        t1276,
+        t1382,
+        t1435,
+        t1438,
+        t1441,
+        t1444,
+        t1447,
+        t1450,
+        t1455,
+        t1460,
+        t1465,
+        t1470,
+        t1475,
+        t1482,
+        t1489,
+        t1496,
         t1503,
-        t1542,
-        t1553,
-        t1564,
-        t1575,
-        t1586,
-        t1597,
-        t1608,
-        t1619,
-        t1630,
-        t1641,
-        t1651,
-        t1662,
-        t1673,
-        t1684,
-        t1695,
-        t1706,
+        t1510,
+        t1517,
+        t1524,
+        t1531,
+        t1538,
+        t1545,
+        t1554,
+        t1563,
+        t1572,
+        t1581,
+        t1590,
+        t1620,
+        t1631,
+        t1644,
+        t1657,
+        t1671,
+        t1674,
+        t1689,
+        t1702,
         t1717,
-        t1728,
-        t1739,
-        t1750,
-        t1761,
-        t1772,
+        t1729,
+        t1731,
+        t1758,
+        t1769,
+        t1775,
         t1783,
-        t1794,
-        t1805,
-        t1816,
-        t1819,
-        t1820,
-        t1847,
-        t1857,
-        t1860,
-        t1871,
-        t1882,
-        t1885,
-        t1888,
+        t1785,
+        t1806,
+        t1835,
+        t1868,
+        t1872,
+        t1877,
         t1890,
-        t1901,
-        t1923,
-        t1930,
-        t1938,
-        t1945,
-        t1951,
-        t1954,
-        t1955,
-        t1957,
-        t1960,
-        t1961,
-        t1965,
-        t1966,
-        t1971,
-        t1972,
-        t1979,
-        t1986,
-        t1987,
-        t1998,
-        t1999,
+        t1906,
+        t1909,
+        t1946,
+        t1958,
+        t1974,
+        t1977,
+        t1983,
+        t1985,
+        t1991,
     ]
 }
 
@@ -8169,684 +8553,547 @@ fn forward_dynamics_derivatives_part_1(
 #[inline(never)]
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 fn forward_dynamics_derivatives_part_2(
-    [sin_joint2,
-    cos_joint2,
-    sin_joint4,
-    cos_joint4,
-    sin_joint5,
-    cos_joint5,
-    sin_joint2_joint3,
-    cos_joint2_joint3,
-    t27,
-    t41,
-    t61,
-    t71,
-    t74,
+    [omega_joint5_x,
+    t251,
+    t252,
+    t282,
+    t295,
+    inverse_d_joint4,
+    t322,
+    t352,
+    t358,
+    t364,
+    inverse_d_joint3,
+    t408,
+    t441,
+    t450,
+    t465,
+    inverse_d_joint2,
+    t503,
     inverse_d_joint1,
-    t210,
-    t213,
-    t218,
-    t225,
-    omega_joint4_x,
-    omega_joint5_x,
-    omega_joint5_y,
-    t530,
-    t543,
+    t537,
     t545,
-    t548,
-    t553,
-    t560,
-    t573,
-    t576,
-    t586,
-    t591,
-    t598,
-    t611,
-    t635,
-    t642,
-    t655,
-    t685,
-    t699,
-    t702,
-    t747,
-    t749,
-    t912,
-    t921,
-    t922,
-    t925,
-    t934,
-    t935,
-    t942,
-    t945,
-    t952,
-    t983,
-    t984,
-    t989,
-    t990,
-    t1186,
-    t1315,
-    t1328,
+    t744,
+    t1382,
+    t1435,
+    t1438,
+    t1441,
+    t1444,
+    t1460,
+    t1465,
+    t1489,
     t1503,
-    t1542,
-    t1586,
-    t1597,
-    t1608,
-    t1619,
-    t1630,
-    t1651,
-    t1662,
-    t1673,
-    t1684,
-    t1750,
-    t1761,
-    t1805,
-    t1816,
-    t1819,
-    t1820,
-    t1847,
-    t1857,
-    t1860,
-    t1871,
-    t1882,
-    t1885,
-    t1888,
+    t1510,
+    t1545,
+    t1563,
+    t1620,
+    t1631,
+    t1644,
+    t1657,
+    t1671,
+    t1674,
+    t1689,
+    t1702,
+    t1717,
+    t1729,
+    t1731,
+    t1758,
+    t1769,
+    t1775,
+    t1783,
+    t1785,
+    t1806,
+    t1835,
+    t1868,
+    t1872,
+    t1877,
     t1890,
-    t1901,
-    t1923,
-    t1930,
-    t1938,
-    t1945,
-    t1951,
-    t1955,
-    t1957,
-    t1960,
-    t1961,
-    t1965,
-    t1966,
-    t1971,
-    t1972,
-    t1979,
-    t1986,
-    t1987,
-    t1998,
-    t1999,
-    ]: [f64; 101],
-) -> [f64; 62] {
-    let t2000 = t41 * t1957;
-    let t2001 = t2000 + t1999;
-    let t2002 = cos_joint2 * t2001;
-    let t2003 = t1998 - t2002;
-    let t2004 = 0.3474988420565076 * t1979;
-    let t2005 = t2003 - t2004;
-    let t2006 = inverse_d_joint1 * t2005;
-    let t2007 = t2006 - t1987;
-    let t2008 = t2007 - t1972;
-    let t2009 = t2008 - t1966;
-    let t2010 = t71 * t1955;
-    let t2011 = t74 * t1957;
-    let t2012 = t2011 + t2010;
-    let t2013 = t1945 + t2012;
-    let t2014 = t530 * t2013;
-    let t2015 = t2009 + t2014;
-    let t2016 = t2015 + t1961;
-    let t2017 = t61 * t935;
-    let t2018 = t1186 - t2017;
-    let t2019 = t225 * t2018;
-    let t2020 = t27 * t935;
-    let t2021 = t934 - t2020;
-    let t2022 = 0.41164522969715195 + t2021;
-    let t2023 = t218 * t2022;
-    let t2024 = t921 * t1315;
-    let t2025 = t983 - t2024;
-    let t2026 = t942 - t984;
-    let t2027 = t2026 + t2025;
-    let t2028 = cos_joint4 * t2027;
-    let t2029 = t935 * t1328;
-    let t2030 = t989 + t2029;
-    let t2031 = t945 - t990;
-    let t2032 = t2031 + t2030;
-    let t2033 = sin_joint4 * t2032;
-    let t2034 = t2033 + t2028;
-    let t2035 = 0.047012505789717454 * t922;
-    let t2036 = t2034 + t2035;
-    let t2037 = t213 * t2036;
-    let t2038 = sin_joint4 * t2031;
-    let t2039 = cos_joint4 * t2026;
-    let t2040 = t2039 + t2038;
-    let t2041 = cos_joint2_joint3 * t2040;
-    let t2042 = sin_joint2_joint3 * t922;
-    let t2043 = t2041 + t2042;
-    let t2044 = sin_joint2 * t2043;
-    let t2045 = sin_joint2_joint3 * t2040;
-    let t2046 = cos_joint2_joint3 * t922;
-    let t2047 = t2045 - t2046;
-    let t2048 = cos_joint2 * t2047;
-    let t2049 = t2048 - t2044;
-    let t2050 = t2036 - t2049;
-    let t2051 = t210 * t2050;
-    let t2052 = sin_joint4 * t2027;
-    let t2053 = cos_joint4 * t2032;
-    let t2054 = t2053 - t2052;
-    let t2055 = sin_joint2_joint3 * t2054;
-    let t2056 = cos_joint4 * t2031;
-    let t2057 = sin_joint4 * t2026;
-    let t2058 = t2057 - t2056;
-    let t2059 = 0.047012505789717454 * t2058;
-    let t2060 = t2021 + t2059;
-    let t2061 = cos_joint2_joint3 * t2060;
-    let t2062 = t2055 + t2061;
-    let t2063 = cos_joint2 * t2058;
+    t1906,
+    t1909,
+    t1946,
+    t1958,
+    t1974,
+    t1977,
+    t1983,
+    t1985,
+    t1991,
+    ]: [f64; 64],
+) -> [f64; 68] {
+    let t1992 = t503 * t1991;
+    let t1993 = t408 * t1985;
+    let t1994 = t251 * 1.1118920322351926;
+    let t1995 = t1620 - t1994;
+    let t1996 = t282 * t744;
+    let t1997 = t1995 + t1996;
+    let t1998 = t322 * t1983;
+    let t1999 = t1997 - t1998;
+    let t2000 = t1999 + t1993;
+    let t2001 = t2000 - t1992;
+    let t2002 = inverse_d_joint1 * t2001;
+    let t2003 = t503 * t1674;
+    let t2004 = inverse_d_joint2 * t1671;
+    let t2005 = t2004 - t2003;
+    let t2006 = t503 * t1758;
+    let t2007 = inverse_d_joint2 * t1731;
+    let t2008 = t2007 - t2006;
+    let t2009 = t503 * t1835;
+    let t2010 = inverse_d_joint2 * t1806;
+    let t2011 = t2010 - t2009;
+    let t2012 = t503 * t1909;
+    let t2013 = inverse_d_joint2 * t1906;
+    let t2014 = t2013 - t2012;
+    let t2015 = t503 * t1977;
+    let t2016 = inverse_d_joint2 * t1974;
+    let t2017 = t2016 + t2015;
+    let t2018 = t503 * t2002;
+    let t2019 = inverse_d_joint2 * t1991;
+    let t2020 = t2019 - t2018;
+    let t2021 = t465 * t2005;
+    let t2022 = inverse_d_joint3 * t1657;
+    let t2023 = t2022 - t2021;
+    let t2024 = t408 * t1674;
+    let t2025 = t2023 + t2024;
+    let t2026 = t465 * t2008;
+    let t2027 = inverse_d_joint3 * t1729;
+    let t2028 = t2027 + t2026;
+    let t2029 = t408 * t1758;
+    let t2030 = t2028 - t2029;
+    let t2031 = t465 * t2011;
+    let t2032 = inverse_d_joint3 * t1785;
+    let t2033 = t2032 + t2031;
+    let t2034 = t408 * t1835;
+    let t2035 = t2033 - t2034;
+    let t2036 = t465 * t2014;
+    let t2037 = inverse_d_joint3 * t1890;
+    let t2038 = t2037 - t2036;
+    let t2039 = t408 * t1909;
+    let t2040 = t2038 + t2039;
+    let t2041 = t465 * t2017;
+    let t2042 = inverse_d_joint3 * t1958;
+    let t2043 = t2042 - t2041;
+    let t2044 = t408 * t1977;
+    let t2045 = t2043 - t2044;
+    let t2046 = t465 * t2020;
+    let t2047 = inverse_d_joint3 * t1985;
+    let t2048 = t2047 - t2046;
+    let t2049 = t408 * t2002;
+    let t2050 = t2048 + t2049;
+    let t2051 = t364 * t2025;
+    let t2052 = inverse_d_joint4 * t1644;
+    let t2053 = t2052 + t2051;
+    let t2054 = t450 * t2005;
+    let t2055 = t2053 + t2054;
+    let t2056 = t322 * t1674;
+    let t2057 = t2055 + t2056;
+    let t2058 = t364 * t2030;
+    let t2059 = inverse_d_joint4 * t1717;
+    let t2060 = t2059 - t2058;
+    let t2061 = t450 * t2008;
+    let t2062 = t2060 + t2061;
+    let t2063 = t322 * t1758;
     let t2064 = t2062 + t2063;
-    let t2065 = 0.3474988420565076 * t2043;
-    let t2066 = t2064 + t2065;
-    let t2067 = inverse_d_joint1 * t2066;
-    let t2068 = t2067 - t2051;
-    let t2069 = t2068 + t2037;
-    let t2070 = t2069 - t2023;
-    let t2071 = omega_joint4_x * 0.00128432;
-    let t2072 = t983 - t2071;
-    let t2073 = t530 * t2072;
-    let t2074 = t2070 - t2073;
-    let t2075 = t2074 - t2019;
-    let t2076 = t225 * t925;
-    let t2077 = omega_joint5_y * 0.00088432;
-    let t2078 = t912 + t2077;
-    let t2079 = sin_joint5 * t2078;
-    let t2080 = omega_joint5_x * 0.00044;
-    let t2081 = cos_joint5 * t2080;
-    let t2082 = t2079 + t2081;
-    let t2083 = t218 * t2082;
-    let t2084 = cos_joint5 * t2078;
-    let t2085 = sin_joint5 * t2080;
-    let t2086 = t2084 - t2085;
-    let t2087 = 0.0024871679999999997 * omega_joint5_y;
-    let t2088 = t2087 + t2086;
-    let t2089 = sin_joint4 * t2088;
-    let t2090 = cos_joint4 * t952;
-    let t2091 = t2090 - t2089;
-    let t2092 = 0.047012505789717454 * t945;
-    let t2093 = t2091 + t2092;
-    let t2094 = t213 * t2093;
-    let t2095 = sin_joint4 * t2087;
-    let t2096 = t2090 - t2095;
-    let t2097 = cos_joint2_joint3 * t2096;
-    let t2098 = sin_joint2_joint3 * t945;
+    let t2065 = t364 * t2035;
+    let t2066 = inverse_d_joint4 * t1783;
+    let t2067 = t2066 + t2065;
+    let t2068 = t450 * t2011;
+    let t2069 = t2067 - t2068;
+    let t2070 = t322 * t1835;
+    let t2071 = t2069 - t2070;
+    let t2072 = t364 * t2040;
+    let t2073 = inverse_d_joint4 * t1877;
+    let t2074 = t2073 - t2072;
+    let t2075 = t450 * t2014;
+    let t2076 = t2074 - t2075;
+    let t2077 = t322 * t1909;
+    let t2078 = t2076 - t2077;
+    let t2079 = t364 * t2045;
+    let t2080 = inverse_d_joint4 * t1946;
+    let t2081 = t2080 + t2079;
+    let t2082 = t450 * t2017;
+    let t2083 = t2081 + t2082;
+    let t2084 = t322 * t1977;
+    let t2085 = t2083 - t2084;
+    let t2086 = t364 * t2050;
+    let t2087 = inverse_d_joint4 * t1983;
+    let t2088 = t2087 - t2086;
+    let t2089 = t450 * t2020;
+    let t2090 = t2088 - t2089;
+    let t2091 = t322 * t2002;
+    let t2092 = t2090 - t2091;
+    let t2093 = t358 * t2025;
+    let t2094 = 5.83606090588883 * t1631;
+    let t2095 = t2094 - t2093;
+    let t2096 = t441 * t2005;
+    let t2097 = t2095 - t2096;
+    let t2098 = t282 * t1674;
     let t2099 = t2097 + t2098;
-    let t2100 = sin_joint2 * t2099;
-    let t2101 = sin_joint2_joint3 * t2096;
-    let t2102 = cos_joint2_joint3 * t945;
-    let t2103 = t2101 - t2102;
-    let t2104 = cos_joint2 * t2103;
-    let t2105 = t2104 - t2100;
-    let t2106 = t2093 - t2105;
-    let t2107 = t210 * t2106;
-    let t2108 = cos_joint4 * t2088;
-    let t2109 = sin_joint4 * t952;
-    let t2110 = t2109 + t2108;
-    let t2111 = sin_joint2_joint3 * t2110;
-    let t2112 = cos_joint4 * t2087;
-    let t2113 = t2109 + t2112;
-    let t2114 = 0.047012505789717454 * t2113;
-    let t2115 = t2082 - t2114;
-    let t2116 = cos_joint2_joint3 * t2115;
-    let t2117 = t2111 + t2116;
-    let t2118 = cos_joint2 * t2113;
-    let t2119 = t2117 - t2118;
-    let t2120 = 0.3474988420565076 * t2099;
-    let t2121 = t2119 - t2120;
-    let t2122 = inverse_d_joint1 * t2121;
-    let t2123 = t2122 + t2107;
-    let t2124 = t2123 - t2094;
-    let t2125 = t2124 - t2083;
-    let t2126 = t530 * 0.42728302093540005;
-    let t2127 = t2125 - t2126;
-    let t2128 = t2127 + t2076;
-    let t2129 = t225 * 0.2158232532732;
-    let t2130 = t218 * t1186;
-    let t2131 = t213 * t1888;
-    let t2132 = t210 * t1888;
-    let t2133 = inverse_d_joint1 * t1819;
-    let t2134 = t2133 - t2132;
-    let t2135 = t2134 + t2131;
-    let t2136 = t2135 - t2130;
-    let t2137 = t530 * t925;
+    let t2100 = t358 * t2030;
+    let t2101 = 5.83606090588883 * t1702;
+    let t2102 = t2101 + t2100;
+    let t2103 = t441 * t2008;
+    let t2104 = t2102 - t2103;
+    let t2105 = t282 * t1758;
+    let t2106 = t2104 + t2105;
+    let t2107 = t358 * t2035;
+    let t2108 = 5.83606090588883 * t1775;
+    let t2109 = t2108 - t2107;
+    let t2110 = t441 * t2011;
+    let t2111 = t2109 + t2110;
+    let t2112 = t282 * t1835;
+    let t2113 = t2111 - t2112;
+    let t2114 = t358 * t2040;
+    let t2115 = 5.83606090588883 * t1872;
+    let t2116 = t2115 - t2114;
+    let t2117 = t441 * t2014;
+    let t2118 = t2116 - t2117;
+    let t2119 = t282 * t1909;
+    let t2120 = t2118 + t2119;
+    let t2121 = t358 * t2045;
+    let t2122 = 2.493649734231167 + t2121;
+    let t2123 = t441 * t2017;
+    let t2124 = t2122 + t2123;
+    let t2125 = t282 * t1977;
+    let t2126 = t2124 + t2125;
+    let t2127 = t358 * t2050;
+    let t2128 = omega_joint5_x * 0.0002334424362355532;
+    let t2129 = t2128 - t2127;
+    let t2130 = t441 * t2020;
+    let t2131 = t2129 - t2130;
+    let t2132 = t282 * t2002;
+    let t2133 = t2131 + t2132;
+    let t2134 = t295 * t2057;
+    let t2135 = 5.151863922779921 * t1620;
+    let t2136 = t2135 - t2134;
+    let t2137 = t352 * t2025;
     let t2138 = t2136 - t2137;
-    let t2139 = t2138 - t2129;
-    let t2140 = t560 * t1819;
-    let t2141 = t553 * t1871;
-    let t2142 = t210 * t1847;
-    let t2143 = t545 * t1857;
-    let t2144 = t2142 - t2143;
-    let t2145 = t548 * t1860;
-    let t2146 = t2144 + t2145;
-    let t2147 = t2146 + t2141;
-    let t2148 = t573 * t1882;
+    let t2139 = t352 * t2005;
+    let t2140 = t2138 - t2139;
+    let t2141 = t252 * t1674;
+    let t2142 = t2140 - t2141;
+    let t2143 = t295 * t2064;
+    let t2144 = 5.151863922779921 * t1689;
+    let t2145 = t2144 - t2143;
+    let t2146 = t352 * t2030;
+    let t2147 = t2145 + t2146;
+    let t2148 = t352 * t2008;
     let t2149 = t2147 - t2148;
-    let t2150 = t2149 - t2140;
-    let t2151 = t560 * t1890;
-    let t2152 = t553 * t1938;
-    let t2153 = t545 * t1901;
-    let t2154 = t210 * t1923;
-    let t2155 = t2154 - t2153;
-    let t2156 = t548 * t1930;
-    let t2157 = t2155 - t2156;
-    let t2158 = t2157 + t2152;
-    let t2159 = t573 * t1951;
-    let t2160 = t2158 - t2159;
-    let t2161 = t2160 - t2151;
-    let t2162 = t560 * t1960;
-    let t2163 = t553 * t1965;
-    let t2164 = t548 * t1971;
-    let t2165 = t545 * t1986;
-    let t2166 = t210 * t2005;
-    let t2167 = t2166 - t2165;
-    let t2168 = t2167 - t2164;
-    let t2169 = t2168 - t2163;
-    let t2170 = t573 * t2013;
-    let t2171 = t2169 + t2170;
-    let t2172 = t2171 + t2162;
-    let t2173 = t560 * t2018;
-    let t2174 = t553 * t2022;
-    let t2175 = t548 * t2036;
-    let t2176 = t545 * t2050;
-    let t2177 = t210 * t2066;
-    let t2178 = t2177 - t2176;
-    let t2179 = t2178 + t2175;
-    let t2180 = t2179 - t2174;
-    let t2181 = t573 * t2072;
+    let t2150 = t252 * t1758;
+    let t2151 = t2149 - t2150;
+    let t2152 = t295 * t2071;
+    let t2153 = 5.151863922779921 * t1769;
+    let t2154 = t2153 - t2152;
+    let t2155 = t352 * t2035;
+    let t2156 = t2154 - t2155;
+    let t2157 = t352 * t2011;
+    let t2158 = t2156 + t2157;
+    let t2159 = t252 * t1835;
+    let t2160 = t2158 + t2159;
+    let t2161 = t295 * t2078;
+    let t2162 = 5.151863922779921 * t1868;
+    let t2163 = t2162 + t2161;
+    let t2164 = t352 * t2040;
+    let t2165 = t2163 - t2164;
+    let t2166 = t352 * t2014;
+    let t2167 = t2165 - t2166;
+    let t2168 = t252 * t1909;
+    let t2169 = t2167 - t2168;
+    let t2170 = t295 * t2085;
+    let t2171 = 0.0002060745569111968 * omega_joint5_x;
+    let t2172 = t2171 - t2170;
+    let t2173 = t352 * t2045;
+    let t2174 = t2172 - t2173;
+    let t2175 = t352 * t2017;
+    let t2176 = t2174 - t2175;
+    let t2177 = t252 * t1977;
+    let t2178 = t2176 + t2177;
+    let t2179 = t295 * t2092;
+    let t2180 = 1.1118920322351926 + t2179;
+    let t2181 = t352 * t2050;
     let t2182 = t2180 - t2181;
-    let t2183 = t2182 - t2173;
-    let t2184 = t560 * t925;
-    let t2185 = t553 * t2082;
-    let t2186 = t548 * t2093;
-    let t2187 = t545 * t2106;
-    let t2188 = t210 * t2121;
-    let t2189 = t2188 + t2187;
-    let t2190 = t2189 - t2186;
-    let t2191 = t2190 - t2185;
-    let t2192 = t573 * 0.42728302093540005;
+    let t2183 = t352 * t2020;
+    let t2184 = t2182 - t2183;
+    let t2185 = t252 * t2002;
+    let t2186 = t2184 - t2185;
+    let t2187 = t503 * inverse_d_joint1;
+    let t2188 = t465 * t2187;
+    let t2189 = t408 * inverse_d_joint1;
+    let t2190 = t2188 + t2189;
+    let t2191 = t364 * t2190;
+    let t2192 = t450 * t2187;
     let t2193 = t2191 - t2192;
-    let t2194 = t2193 + t2184;
-    let t2195 = t560 * 0.2158232532732;
-    let t2196 = t553 * t1186;
-    let t2197 = t548 * t1888;
-    let t2198 = t545 * t1888;
-    let t2199 = t210 * t1819;
-    let t2200 = t2199 - t2198;
-    let t2201 = t2200 + t2197;
-    let t2202 = t2201 - t2196;
-    let t2203 = t573 * t925;
-    let t2204 = t2202 - t2203;
-    let t2205 = t2204 - t2195;
-    let t2206 = t598 * t1819;
-    let t2207 = t591 * t1871;
-    let t2208 = t213 * t1847;
-    let t2209 = t548 * t1857;
-    let t2210 = t2208 - t2209;
-    let t2211 = t586 * t1860;
+    let t2194 = t322 * inverse_d_joint1;
+    let t2195 = t2193 + t2194;
+    let t2196 = t358 * t2190;
+    let t2197 = t441 * t2187;
+    let t2198 = t2196 - t2197;
+    let t2199 = t282 * inverse_d_joint1;
+    let t2200 = t2198 - t2199;
+    let t2201 = t295 * t2195;
+    let t2202 = t352 * t2190;
+    let t2203 = t2201 + t2202;
+    let t2204 = t352 * t2187;
+    let t2205 = t2203 - t2204;
+    let t2206 = t252 * inverse_d_joint1;
+    let t2207 = t2205 + t2206;
+    let t2208 = t503 * t2187;
+    let t2209 = inverse_d_joint2 + t2208;
+    let t2210 = t465 * t2209;
+    let t2211 = t408 * t2187;
     let t2212 = t2210 + t2211;
-    let t2213 = t2212 + t2207;
-    let t2214 = t611 * t1882;
+    let t2213 = t364 * t2212;
+    let t2214 = t450 * t2209;
     let t2215 = t2213 - t2214;
-    let t2216 = t2215 - t2206;
-    let t2217 = t598 * t1890;
-    let t2218 = t591 * t1938;
-    let t2219 = t548 * t1901;
-    let t2220 = t213 * t1923;
-    let t2221 = t2220 - t2219;
-    let t2222 = t586 * t1930;
-    let t2223 = t2221 - t2222;
-    let t2224 = t2223 + t2218;
-    let t2225 = t611 * t1951;
-    let t2226 = t2224 - t2225;
-    let t2227 = t2226 - t2217;
-    let t2228 = t598 * t1960;
-    let t2229 = t591 * t1965;
-    let t2230 = t586 * t1971;
-    let t2231 = t548 * t1986;
-    let t2232 = t213 * t2005;
-    let t2233 = t2232 - t2231;
-    let t2234 = t2233 - t2230;
-    let t2235 = t2234 - t2229;
-    let t2236 = t611 * t2013;
-    let t2237 = t2235 + t2236;
-    let t2238 = t2237 + t2228;
-    let t2239 = t598 * t2018;
-    let t2240 = t591 * t2022;
-    let t2241 = t586 * t2036;
-    let t2242 = t548 * t2050;
-    let t2243 = t213 * t2066;
-    let t2244 = t2243 - t2242;
-    let t2245 = t2244 + t2241;
-    let t2246 = t2245 - t2240;
-    let t2247 = t611 * t2072;
-    let t2248 = t2246 - t2247;
-    let t2249 = t2248 - t2239;
-    let t2250 = t598 * t925;
-    let t2251 = t591 * t2082;
-    let t2252 = t586 * t2093;
-    let t2253 = t548 * t2106;
-    let t2254 = t213 * t2121;
-    let t2255 = t2254 + t2253;
-    let t2256 = t2255 - t2252;
-    let t2257 = t2256 - t2251;
-    let t2258 = t611 * 0.42728302093540005;
-    let t2259 = t2257 - t2258;
-    let t2260 = t2259 + t2250;
-    let t2261 = t598 * 0.2158232532732;
-    let t2262 = t591 * t1186;
-    let t2263 = t586 * t1888;
-    let t2264 = t213 * t1819;
-    let t2265 = t2197 - t2264;
-    let t2266 = t2265 - t2263;
-    let t2267 = t2266 + t2262;
-    let t2268 = t611 * t925;
-    let t2269 = t2267 + t2268;
-    let t2270 = t2269 + t2261;
-    let t2271 = t642 * t1819;
-    let t2272 = t635 * t1871;
-    let t2273 = t591 * t1860;
-    let t2274 = t553 * t1857;
-    let t2275 = t218 * t1847;
-    let t2276 = t2275 - t2274;
-    let t2277 = t2276 + t2273;
-    let t2278 = t2277 + t2272;
-    let t2279 = t655 * t1882;
-    let t2280 = t2278 - t2279;
-    let t2281 = t2280 - t2271;
-    let t2282 = t642 * t1890;
-    let t2283 = t635 * t1938;
-    let t2284 = t591 * t1930;
-    let t2285 = t553 * t1901;
-    let t2286 = t218 * t1923;
-    let t2287 = t2286 - t2285;
-    let t2288 = t2287 - t2284;
-    let t2289 = t2288 + t2283;
-    let t2290 = t655 * t1951;
-    let t2291 = t2289 - t2290;
-    let t2292 = t2291 - t2282;
-    let t2293 = t642 * t1960;
-    let t2294 = t635 * t1965;
-    let t2295 = t591 * t1971;
-    let t2296 = t553 * t1986;
-    let t2297 = t218 * t2005;
-    let t2298 = t2297 - t2296;
-    let t2299 = t2298 - t2295;
-    let t2300 = t2299 - t2294;
-    let t2301 = t655 * t2013;
-    let t2302 = t2300 + t2301;
-    let t2303 = t2302 + t2293;
-    let t2304 = t642 * t2018;
-    let t2305 = t635 * t2022;
-    let t2306 = t591 * t2036;
-    let t2307 = t553 * t2050;
-    let t2308 = t218 * t2066;
-    let t2309 = t2308 - t2307;
-    let t2310 = t2309 + t2306;
-    let t2311 = t2310 - t2305;
-    let t2312 = t655 * t2072;
-    let t2313 = t2311 - t2312;
-    let t2314 = t2313 - t2304;
-    let t2315 = t642 * t925;
-    let t2316 = t635 * t2082;
-    let t2317 = t591 * t2093;
-    let t2318 = t553 * t2106;
-    let t2319 = t218 * t2121;
-    let t2320 = t2319 + t2318;
-    let t2321 = t2320 - t2317;
-    let t2322 = t2321 - t2316;
-    let t2323 = t655 * 0.42728302093540005;
-    let t2324 = t2322 - t2323;
-    let t2325 = t2324 + t2315;
-    let t2326 = t642 * 0.2158232532732;
-    let t2327 = t635 * t1186;
-    let t2328 = t591 * t1888;
-    let t2329 = t553 * t1888;
-    let t2330 = t218 * t1819;
-    let t2331 = t2330 - t2329;
-    let t2332 = t2331 + t2328;
-    let t2333 = t2332 - t2327;
-    let t2334 = t655 * t925;
-    let t2335 = t2333 - t2334;
-    let t2336 = t2335 - t2326;
-    let t2337 = t685 * t1819;
-    let t2338 = t611 * t1860;
-    let t2339 = t573 * t1857;
-    let t2340 = t530 * t1847;
+    let t2216 = t322 * t2187;
+    let t2217 = t2215 + t2216;
+    let t2218 = t358 * t2212;
+    let t2219 = t441 * t2209;
+    let t2220 = t2218 - t2219;
+    let t2221 = t282 * t2187;
+    let t2222 = t2220 - t2221;
+    let t2223 = t295 * t2217;
+    let t2224 = t352 * t2212;
+    let t2225 = t2223 + t2224;
+    let t2226 = t352 * t2209;
+    let t2227 = t2225 - t2226;
+    let t2228 = t252 * t2187;
+    let t2229 = t2227 + t2228;
+    let t2230 = t465 * t503;
+    let t2231 = t408 + t2230;
+    let t2232 = inverse_d_joint1 * t2231;
+    let t2233 = t503 * t2232;
+    let t2234 = t465 * inverse_d_joint2;
+    let t2235 = t2234 + t2233;
+    let t2236 = t465 * t2235;
+    let t2237 = inverse_d_joint3 + t2236;
+    let t2238 = t408 * t2232;
+    let t2239 = t2237 + t2238;
+    let t2240 = t364 * t2239;
+    let t2241 = t450 * t2235;
+    let t2242 = t2240 - t2241;
+    let t2243 = t322 * t2232;
+    let t2244 = t2242 + t2243;
+    let t2245 = t358 * t2239;
+    let t2246 = t441 * t2235;
+    let t2247 = t2245 - t2246;
+    let t2248 = t282 * t2232;
+    let t2249 = t2247 - t2248;
+    let t2250 = t295 * t2244;
+    let t2251 = t352 * t2239;
+    let t2252 = t2250 + t2251;
+    let t2253 = t352 * t2235;
+    let t2254 = t2252 - t2253;
+    let t2255 = t252 * t2232;
+    let t2256 = t2254 + t2255;
+    let t2257 = t364 * t465;
+    let t2258 = t450 - t2257;
+    let t2259 = t503 * t2258;
+    let t2260 = t364 * t408;
+    let t2261 = t322 + t2260;
+    let t2262 = t2261 - t2259;
+    let t2263 = inverse_d_joint1 * t2262;
+    let t2264 = t503 * t2263;
+    let t2265 = inverse_d_joint2 * t2258;
+    let t2266 = t2265 - t2264;
+    let t2267 = t465 * t2266;
+    let t2268 = t364 * inverse_d_joint3;
+    let t2269 = t2268 - t2267;
+    let t2270 = t408 * t2263;
+    let t2271 = t2269 + t2270;
+    let t2272 = t364 * t2271;
+    let t2273 = inverse_d_joint4 + t2272;
+    let t2274 = t450 * t2266;
+    let t2275 = t2273 + t2274;
+    let t2276 = t322 * t2263;
+    let t2277 = t2275 + t2276;
+    let t2278 = t358 * t2271;
+    let t2279 = t441 * t2266;
+    let t2280 = t2278 + t2279;
+    let t2281 = t282 * t2263;
+    let t2282 = t2280 - t2281;
+    let t2283 = t295 * t2277;
+    let t2284 = t352 * t2271;
+    let t2285 = t2283 + t2284;
+    let t2286 = t352 * t2266;
+    let t2287 = t2285 + t2286;
+    let t2288 = t252 * t2263;
+    let t2289 = t2287 + t2288;
+    let t2290 = t358 * t465;
+    let t2291 = t441 - t2290;
+    let t2292 = t503 * t2291;
+    let t2293 = t358 * t408;
+    let t2294 = t282 - t2293;
+    let t2295 = t2294 + t2292;
+    let t2296 = inverse_d_joint1 * t2295;
+    let t2297 = t503 * t2296;
+    let t2298 = inverse_d_joint2 * t2291;
+    let t2299 = t2298 + t2297;
+    let t2300 = t465 * t2299;
+    let t2301 = t358 * inverse_d_joint3;
+    let t2302 = t2301 - t2300;
+    let t2303 = t408 * t2296;
+    let t2304 = t2302 - t2303;
+    let t2305 = t358 * t2304;
+    let t2306 = 5.83606090588883 + t2305;
+    let t2307 = t441 * t2299;
+    let t2308 = t2306 + t2307;
+    let t2309 = t282 * t2296;
+    let t2310 = t2308 + t2309;
+    let t2311 = t364 * t2304;
+    let t2312 = t450 * t2299;
+    let t2313 = t2311 + t2312;
+    let t2314 = t322 * t2296;
+    let t2315 = t2313 - t2314;
+    let t2316 = t295 * t2315;
+    let t2317 = t352 * t2304;
+    let t2318 = t2316 + t2317;
+    let t2319 = t352 * t2299;
+    let t2320 = t2318 + t2319;
+    let t2321 = t252 * t2296;
+    let t2322 = t2320 - t2321;
+    let t2323 = t295 * t364;
+    let t2324 = t352 + t2323;
+    let t2325 = t465 * t2324;
+    let t2326 = t295 * t450;
+    let t2327 = t352 + t2326;
+    let t2328 = t2327 - t2325;
+    let t2329 = t503 * t2328;
+    let t2330 = t408 * t2324;
+    let t2331 = t295 * t322;
+    let t2332 = t252 + t2331;
+    let t2333 = t2332 + t2330;
+    let t2334 = t2333 - t2329;
+    let t2335 = inverse_d_joint1 * t2334;
+    let t2336 = t503 * t2335;
+    let t2337 = inverse_d_joint2 * t2328;
+    let t2338 = t2337 - t2336;
+    let t2339 = t465 * t2338;
+    let t2340 = inverse_d_joint3 * t2324;
     let t2341 = t2340 - t2339;
-    let t2342 = t2341 + t2338;
-    let t2343 = t655 * t1871;
-    let t2344 = t2342 + t2343;
-    let t2345 = t699 * t1882;
-    let t2346 = t2344 - t2345;
-    let t2347 = t2346 - t2337;
-    let t2348 = t685 * t1890;
-    let t2349 = t611 * t1930;
-    let t2350 = t573 * t1901;
-    let t2351 = t530 * t1923;
-    let t2352 = t2351 - t2350;
-    let t2353 = t2352 - t2349;
-    let t2354 = t655 * t1938;
-    let t2355 = t2353 + t2354;
-    let t2356 = t699 * t1951;
-    let t2357 = t2355 - t2356;
-    let t2358 = t2357 - t2348;
-    let t2359 = t685 * t1960;
-    let t2360 = t611 * t1971;
-    let t2361 = t573 * t1986;
-    let t2362 = t530 * t2005;
-    let t2363 = t2362 - t2361;
-    let t2364 = t2363 - t2360;
-    let t2365 = t655 * t1965;
-    let t2366 = t2364 - t2365;
-    let t2367 = t699 * t2013;
-    let t2368 = t2366 + t2367;
-    let t2369 = t2368 + t2359;
-    let t2370 = t685 * t2018;
-    let t2371 = t611 * t2036;
-    let t2372 = t573 * t2050;
-    let t2373 = t530 * t2066;
-    let t2374 = t2373 - t2372;
-    let t2375 = t2374 + t2371;
-    let t2376 = t655 * t2022;
-    let t2377 = t2375 - t2376;
-    let t2378 = t699 * t2072;
-    let t2379 = t2377 - t2378;
-    let t2380 = t2379 - t2370;
-    let t2381 = t685 * t925;
-    let t2382 = t611 * t2093;
-    let t2383 = t573 * t2106;
-    let t2384 = t530 * t2121;
-    let t2385 = t2384 + t2383;
-    let t2386 = t2385 - t2382;
-    let t2387 = t655 * t2082;
-    let t2388 = t2386 - t2387;
-    let t2389 = t699 * 0.42728302093540005;
-    let t2390 = t2388 - t2389;
-    let t2391 = t2390 + t2381;
-    let t2392 = t685 * 0.2158232532732;
-    let t2393 = t611 * t1888;
-    let t2394 = t573 * t1888;
-    let t2395 = t530 * t1819;
-    let t2396 = t2395 - t2394;
-    let t2397 = t2396 + t2393;
-    let t2398 = t655 * t1186;
-    let t2399 = t2397 - t2398;
-    let t2400 = t699 * t925;
-    let t2401 = t2399 - t2400;
-    let t2402 = t2401 - t2392;
-    let t2403 = t642 * t1871;
-    let t2404 = t598 * t1860;
-    let t2405 = t560 * t1857;
-    let t2406 = t225 * t1847;
-    let t2407 = t2406 - t2405;
-    let t2408 = t2407 + t2404;
-    let t2409 = t2408 + t2403;
-    let t2410 = t685 * t1882;
-    let t2411 = t2409 - t2410;
-    let t2412 = t747 * t1819;
-    let t2413 = t2411 - t2412;
-    let t2414 = t642 * t1938;
-    let t2415 = t598 * t1930;
-    let t2416 = t560 * t1901;
-    let t2417 = t225 * t1923;
-    let t2418 = t2417 - t2416;
-    let t2419 = t2418 - t2415;
-    let t2420 = t2419 + t2414;
-    let t2421 = t685 * t1951;
-    let t2422 = t2420 - t2421;
-    let t2423 = t747 * t1890;
-    let t2424 = t2422 - t2423;
-    let t2425 = t642 * t1965;
-    let t2426 = t598 * t1971;
-    let t2427 = t560 * t1986;
-    let t2428 = t225 * t2005;
-    let t2429 = t2428 - t2427;
-    let t2430 = t2429 - t2426;
-    let t2431 = t2430 - t2425;
-    let t2432 = t685 * t2013;
-    let t2433 = t2431 + t2432;
-    let t2434 = t747 * t1960;
-    let t2435 = t2433 + t2434;
-    let t2436 = t642 * t2022;
-    let t2437 = t598 * t2036;
-    let t2438 = t560 * t2050;
-    let t2439 = t225 * t2066;
-    let t2440 = t2439 - t2438;
-    let t2441 = t2440 + t2437;
-    let t2442 = t2441 - t2436;
-    let t2443 = t685 * t2072;
-    let t2444 = t2442 - t2443;
-    let t2445 = t747 * t2018;
-    let t2446 = t2444 - t2445;
-    let t2447 = t642 * t2082;
-    let t2448 = t598 * t2093;
-    let t2449 = t560 * t2106;
-    let t2450 = t225 * t2121;
-    let t2451 = t2450 + t2449;
-    let t2452 = t2451 - t2448;
-    let t2453 = t2452 - t2447;
-    let t2454 = t685 * 0.42728302093540005;
-    let t2455 = t2453 - t2454;
-    let t2456 = t747 * t925;
-    let t2457 = t2455 + t2456;
-    let t2458 = t642 * t1186;
-    let t2459 = t598 * t1888;
-    let t2460 = t560 * t1888;
-    let t2461 = t1820 - t2460;
-    let t2462 = t2461 + t2459;
-    let t2463 = t2462 - t2458;
-    let t2464 = t2381 - t2463;
-    let t2465 = t747 * 0.2158232532732;
-    let t2466 = t2464 + t2465;
-    let t2467 = -t543;
-    let t2468 = -t576;
-    let t2469 = -t702;
-    let t2470 = -t749;
-    let t2471 = -t1503;
-    let t2472 = -t1542;
-    let t2473 = -t1586;
-    let t2474 = -t1597;
-    let t2475 = -t1608;
-    let t2476 = -t1619;
-    let t2477 = -t1630;
-    let t2478 = -t1651;
-    let t2479 = -t1662;
-    let t2480 = -t1673;
-    let t2481 = -t1684;
-    let t2482 = -t1750;
-    let t2483 = -t1761;
-    let t2484 = -t1805;
-    let t2485 = -t1816;
-    let t2486 = -t1885;
-    let t2487 = -t2016;
-    let t2488 = -t2075;
-    let t2489 = -t2150;
-    let t2490 = -t2172;
-    let t2491 = -t2183;
-    let t2492 = -t2227;
-    let t2493 = -t2260;
-    let t2494 = -t2292;
-    let t2495 = -t2325;
-    let t2496 = -t2336;
-    let t2497 = -t2347;
-    let t2498 = -t2369;
-    let t2499 = -t2380;
-    let t2500 = -t2413;
-    let t2501 = -t2435;
-    let t2502 = -t2446;
-    let t2503 = -t2466;
-    let t2504 = -t213;
-    let t2505 = -t218;
-    let t2506 = -t548;
-    let t2507 = -t553;
-    let t2508 = -t611;
-    let t2509 = -t598;
-    let t2510 = -t655;
-    let t2511 = -t642;
+    let t2342 = t408 * t2335;
+    let t2343 = t2341 + t2342;
+    let t2344 = t364 * t2343;
+    let t2345 = t295 * inverse_d_joint4;
+    let t2346 = t2345 + t2344;
+    let t2347 = t450 * t2338;
+    let t2348 = t2346 + t2347;
+    let t2349 = t322 * t2335;
+    let t2350 = t2348 + t2349;
+    let t2351 = t295 * t2350;
+    let t2352 = 5.151863922779921 + t2351;
+    let t2353 = t352 * t2343;
+    let t2354 = t2352 + t2353;
+    let t2355 = t352 * t2338;
+    let t2356 = t2354 + t2355;
+    let t2357 = t252 * t2335;
+    let t2358 = t2356 + t2357;
+    let t2359 = -t537;
+    let t2360 = -t545;
+    let t2361 = -t1382;
+    let t2362 = -t1435;
+    let t2363 = -t1438;
+    let t2364 = -t1441;
+    let t2365 = -t1444;
+    let t2366 = -t1460;
+    let t2367 = -t1465;
+    let t2368 = -t1489;
+    let t2369 = -t1503;
+    let t2370 = -t1510;
+    let t2371 = -t1545;
+    let t2372 = -t1563;
+    let t2373 = -t1674;
+    let t2374 = -t1835;
+    let t2375 = -t1909;
+    let t2376 = -t2008;
+    let t2377 = -t2020;
+    let t2378 = -t2035;
+    let t2379 = -t2050;
+    let t2380 = -t2064;
+    let t2381 = -t2071;
+    let t2382 = -t2078;
+    let t2383 = -t2106;
+    let t2384 = -t2113;
+    let t2385 = -t2126;
+    let t2386 = -t2133;
+    let t2387 = -t2151;
+    let t2388 = -t2160;
+    let t2389 = -t2186;
+    let t2390 = -t2190;
+    let t2391 = -t2195;
+    let t2392 = -t2212;
+    let t2393 = -t2217;
+    let t2394 = -t2249;
+    let t2395 = -t2256;
+    let t2396 = -t2282;
+    let t2397 = -t2289;
     [
-        t2128,
-        t2139,
-        t2161,
-        t2194,
-        t2205,
-        t2216,
-        t2238,
-        t2249,
-        t2270,
-        t2281,
-        t2303,
-        t2314,
+        t2002,
+        t2005,
+        t2011,
+        t2014,
+        t2017,
+        t2025,
+        t2030,
+        t2040,
+        t2045,
+        t2057,
+        t2085,
+        t2092,
+        t2099,
+        t2120,
+        t2142,
+        t2169,
+        t2178,
+        t2187,
+        t2200,
+        t2207,
+        t2209,
+        t2222,
+        t2229,
+        t2239,
+        t2244,
+        t2277,
+        t2310,
+        t2322,
         t2358,
+        t2359,
+        t2360,
+        t2361,
+        t2362,
+        t2363,
+        t2364,
+        t2365,
+        t2366,
+        t2367,
+        t2368,
+        t2369,
+        t2370,
+        t2371,
+        t2372,
+        t2373,
+        t2374,
+        t2375,
+        t2376,
+        t2377,
+        t2378,
+        t2379,
+        t2380,
+        t2381,
+        t2382,
+        t2383,
+        t2384,
+        t2385,
+        t2386,
+        t2387,
+        t2388,
+        t2389,
+        t2390,
         t2391,
-        t2402,
-        t2424,
-        t2457,
-        t2467,
-        t2468,
-        t2469,
-        t2470,
-        t2471,
-        t2472,
-        t2473,
-        t2474,
-        t2475,
-        t2476,
-        t2477,
-        t2478,
-        t2479,
-        t2480,
-        t2481,
-        t2482,
-        t2483,
-        t2484,
-        t2485,
-        t2486,
-        t2487,
-        t2488,
-        t2489,
-        t2490,
-        t2491,
-        t2492,
-        t2493,
-        t2494,
-        t2495,
-        t2496,
-        t2497,
-        t2498,
-        t2499,
-        t2500,
-        t2501,
-        t2502,
-        t2503,
-        t2504,
-        t2505,
-        t2506,
-        t2507,
-        t2508,
-        t2509,
-        t2510,
-        t2511,
+        t2392,
+        t2393,
+        t2394,
+        t2395,
+        t2396,
+        t2397,
     ]
 }
 
@@ -8862,11 +9109,12 @@ fn forward_dynamics_derivatives_part_2(
 /// - returns `B_x: [N × M]`: ∂ÿ/∂u, row i = acceleration i
 /// - returns `c: [N]`: affine remainder ÿ − A\_y y − A\_v ẏ − B\_x u
 ///
-/// Cost: 1463 multiplications, 1220 additions, 4 divisions, 4 function calls (`sin_cos`), 12 selections.
+/// Cost: 1405 multiplications, 1170 additions, 4 divisions, 4 function calls (`sin_cos`), 12 selections.
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 #[allow(
@@ -8878,183 +9126,257 @@ pub fn linearize(
     v: &[f64; N],
     u: &[f64; M],
 ) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
-    let [sin_joint2, cos_joint2, sin_joint4, cos_joint4, sin_joint5, cos_joint5,
-    sin_joint2_joint3, cos_joint2_joint3, t27, t41, t61, t71, t74, inverse_d_joint1,
-    t219, t224, t231, omega_joint4_x, omega_joint5_x, omega_joint5_y, t428, t430, t433,
-    t478, t545, t558, t563, t570, t583, t586, t594, t601, t614, t617, t644, t651, t664,
-    t667, t708, t746, t748, t829, t832, t912, t921, t922, t925, t934, t935, t942, t945,
-    t952, t983, t984, t989, t990, t1186, t1192, t1313, t1315, t1328, t1412, t1503, t1542,
-    t1553, t1564, t1575, t1586, t1597, t1608, t1619, t1630, t1641, t1651, t1662, t1673,
-    t1684, t1695, t1706, t1717, t1728, t1739, t1750, t1761, t1772, t1783, t1794, t1805,
-    t1816, t1819, t1820, t1847, t1857, t1860, t1871, t1882, t1885, t1888, t1890, t1901,
-    t1923, t1930, t1938, t1945, t1951, t1954, t1955, t1957, t1960, t1961, t1965, t1966,
-    t1971, t1972, t1979, t1986, t1987, t1998, t1999] = linearize_part_1(y, v, u);
-    let [t2128, t2139, t2161, t2194, t2205, t2216, t2238, t2249, t2270, t2281, t2303,
-    t2314, t2358, t2391, t2402, t2424, t2457, t2468, t2469, t2471, t2472, t2474, t2475,
-    t2477, t2478, t2479, t2482, t2485, t2488, t2492, t2493, t2495, t2496, t2498, t2499,
-    t2501, t2502, t2604, t2638, t2707, t2708, t2709, t2710, t2711, t2712, t2713, t2714,
-    t2715, t2716, t2717, t2718, t2719, t2720, t2721, t2722, t2723, t2724, t2725, t2726,
-    t2727, t2728, t2729, t2730, t2731, t2732, t2733, t2734, t2735, t2736, t2737, t2738,
-    t2739, t2740, t2741, t2742, t2743, t2744, t2745, t2746, t2747, t2748, t2749, t2750,
-    t2751, t2752, t2753, t2754, t2755, t2756, t2757, t2758, t2759] = linearize_part_2(
+    let mut a_y = [[0.0; 6]; 6];
+    let mut a_v = [[0.0; 6]; 6];
+    let mut b_x = [[0.0; 6]; 6];
+    let mut c = [0.0; 6];
+    linearize_into(y, v, u, &mut a_y, &mut a_v, &mut b_x, &mut c);
+    (a_y, a_v, b_x, c)
+}
+
+/// `linearize` with its results written in place; nothing of what stood there is read.
+#[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
+pub fn linearize_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    a_y: &mut [[f64; N]; N],
+    a_v: &mut [[f64; N]; N],
+    b_x: &mut [[f64; M]; N],
+    c: &mut [f64; N],
+) {
+    let [omega_joint5_x, t251, t252, t282, t295, inverse_d_joint4, t322, t352, t358,
+    t364, inverse_d_joint3, t408, t441, t450, t465, inverse_d_joint2, t503,
+    inverse_d_joint1, t537, t540, t545, t552, t577, t636, t744, t1026, t1162, t1276,
+    t1382, t1435, t1438, t1441, t1444, t1447, t1450, t1455, t1460, t1465, t1470, t1475,
+    t1482, t1489, t1496, t1503, t1510, t1517, t1524, t1531, t1538, t1545, t1554, t1563,
+    t1572, t1581, t1590, t1620, t1631, t1644, t1657, t1671, t1674, t1689, t1702, t1717,
+    t1729, t1731, t1758, t1769, t1775, t1783, t1785, t1806, t1835, t1868, t1872, t1877,
+    t1890, t1906, t1909, t1946, t1958, t1974, t1977, t1983, t1985, t1991] = linearize_part_1(
+        y,
+        v,
+        u,
+    );
+    let [t2002, t2005, t2011, t2014, t2017, t2025, t2030, t2040, t2045, t2057, t2085,
+    t2092, t2099, t2120, t2142, t2169, t2178, t2189, t2193, t2205, t2213, t2217, t2221,
+    t2233, t2241, t2242, t2260, t2275, t2299, t2315, t2316, t2339, t2352, t2354, t2355,
+    t2357, t2394, t2462, t2530, t2564, t2598, t2599, t2600, t2601, t2602, t2603, t2604,
+    t2605, t2606, t2607, t2608, t2609, t2610, t2611, t2612, t2613, t2614, t2615, t2616,
+    t2617, t2618, t2619, t2620, t2621, t2622, t2623, t2624, t2625, t2626, t2627, t2628,
+    t2629, t2630, t2631, t2632, t2633, t2634, t2635, t2636, t2637, t2638, t2639, t2640,
+    t2641, t2642, t2643, t2644, t2645] = linearize_part_2(
         y,
         v,
         u,
         [
-            sin_joint2,
-            cos_joint2,
-            sin_joint4,
-            cos_joint4,
-            sin_joint5,
-            cos_joint5,
-            sin_joint2_joint3,
-            cos_joint2_joint3,
-            t27,
-            t41,
-            t61,
-            t71,
-            t74,
-            inverse_d_joint1,
-            t219,
-            t224,
-            t231,
-            omega_joint4_x,
             omega_joint5_x,
-            omega_joint5_y,
-            t428,
-            t430,
-            t433,
-            t478,
+            t251,
+            t252,
+            t282,
+            t295,
+            inverse_d_joint4,
+            t322,
+            t352,
+            t358,
+            t364,
+            inverse_d_joint3,
+            t408,
+            t441,
+            t450,
+            t465,
+            inverse_d_joint2,
+            t503,
+            inverse_d_joint1,
+            t537,
+            t540,
             t545,
-            t558,
-            t563,
-            t570,
-            t583,
-            t586,
-            t594,
-            t601,
-            t614,
-            t617,
-            t644,
-            t651,
-            t664,
-            t667,
-            t708,
-            t746,
-            t748,
-            t829,
-            t832,
-            t912,
-            t921,
-            t922,
-            t925,
-            t934,
-            t935,
-            t942,
-            t945,
-            t952,
-            t983,
-            t984,
-            t989,
-            t990,
-            t1186,
-            t1192,
-            t1313,
-            t1315,
-            t1328,
-            t1412,
+            t552,
+            t577,
+            t636,
+            t744,
+            t1026,
+            t1162,
+            t1276,
+            t1382,
+            t1435,
+            t1438,
+            t1441,
+            t1444,
+            t1447,
+            t1450,
+            t1455,
+            t1460,
+            t1465,
+            t1470,
+            t1475,
+            t1482,
+            t1489,
+            t1496,
             t1503,
-            t1542,
-            t1553,
-            t1564,
-            t1575,
-            t1586,
-            t1597,
-            t1608,
-            t1619,
-            t1630,
-            t1641,
-            t1651,
-            t1662,
-            t1673,
-            t1684,
-            t1695,
-            t1706,
+            t1510,
+            t1517,
+            t1524,
+            t1531,
+            t1538,
+            t1545,
+            t1554,
+            t1563,
+            t1572,
+            t1581,
+            t1590,
+            t1620,
+            t1631,
+            t1644,
+            t1657,
+            t1671,
+            t1674,
+            t1689,
+            t1702,
             t1717,
-            t1728,
-            t1739,
-            t1750,
-            t1761,
-            t1772,
+            t1729,
+            t1731,
+            t1758,
+            t1769,
+            t1775,
             t1783,
-            t1794,
-            t1805,
-            t1816,
-            t1819,
-            t1820,
-            t1847,
-            t1857,
-            t1860,
-            t1871,
-            t1882,
-            t1885,
-            t1888,
+            t1785,
+            t1806,
+            t1835,
+            t1868,
+            t1872,
+            t1877,
             t1890,
-            t1901,
-            t1923,
-            t1930,
-            t1938,
-            t1945,
-            t1951,
-            t1954,
-            t1955,
-            t1957,
-            t1960,
-            t1961,
-            t1965,
-            t1966,
-            t1971,
-            t1972,
-            t1979,
-            t1986,
-            t1987,
-            t1998,
-            t1999,
+            t1906,
+            t1909,
+            t1946,
+            t1958,
+            t1974,
+            t1977,
+            t1983,
+            t1985,
+            t1991,
         ],
     );
-    (
-        [
-            [0.0, t1192, t1313, t1412, t2707, t2708],
-            [0.0, t1553, t1564, t1575, t2709, t2710],
-            [0.0, t2711, t2712, t2713, t1641, t2714],
-            [0.0, t2715, t2716, t2717, t1695, t1706],
-            [0.0, t1717, t1728, t1739, t2718, t2719],
-            [0.0, t1772, t1783, t1794, t2720, t2721],
-        ],
-        [
-            [t2722, t1954, t2723, t2724, t2128, t2139],
-            [t2725, t2161, t2726, t2727, t2194, t2205],
-            [t2216, t2728, t2238, t2249, t2729, t2270],
-            [t2281, t2730, t2303, t2314, t2731, t2732],
-            [t2733, t2358, t2734, t2735, t2391, t2402],
-            [t2736, t2424, t2737, t2738, t2457, t2739],
-        ],
-        [
-            [t2740, t2468, t2469, t2741, t2471, t2472],
-            [t2742, t2474, t2475, t2743, t2477, t2478],
-            [t2479, t2744, t2745, t2482, t2746, t2747],
-            [t2485, t2748, t2749, t2488, t2750, t2751],
-            [t2752, t2492, t2493, t2753, t2495, t2496],
-            [t2754, t2498, t2499, t2755, t2501, t2502],
-        ],
-        [t2756, t2757, t2604, t2638, t2758, t2759],
-    )
+    a_y[0][0] = 0.0;
+    a_y[0][1] = t1026;
+    a_y[0][2] = t1162;
+    a_y[0][3] = t1276;
+    a_y[0][4] = t2599;
+    a_y[0][5] = t2600;
+    a_y[1][0] = 0.0;
+    a_y[1][1] = t2601;
+    a_y[1][2] = t2602;
+    a_y[1][3] = t2603;
+    a_y[1][4] = t1447;
+    a_y[1][5] = t1450;
+    a_y[2][0] = 0.0;
+    a_y[2][1] = t1455;
+    a_y[2][2] = t2604;
+    a_y[2][3] = t2605;
+    a_y[2][4] = t1470;
+    a_y[2][5] = t1475;
+    a_y[3][0] = 0.0;
+    a_y[3][1] = t1482;
+    a_y[3][2] = t2606;
+    a_y[3][3] = t1496;
+    a_y[3][4] = t2607;
+    a_y[3][5] = t2608;
+    a_y[4][0] = 0.0;
+    a_y[4][1] = t1517;
+    a_y[4][2] = t1524;
+    a_y[4][3] = t1531;
+    a_y[4][4] = t1538;
+    a_y[4][5] = t2609;
+    a_y[5][0] = 0.0;
+    a_y[5][1] = t1554;
+    a_y[5][2] = t2610;
+    a_y[5][3] = t1572;
+    a_y[5][4] = t1581;
+    a_y[5][5] = t1590;
+    a_v[0][0] = t2611;
+    a_v[0][1] = t1758;
+    a_v[0][2] = t2612;
+    a_v[0][3] = t2613;
+    a_v[0][4] = t1977;
+    a_v[0][5] = t2002;
+    a_v[1][0] = t2005;
+    a_v[1][1] = t2614;
+    a_v[1][2] = t2011;
+    a_v[1][3] = t2014;
+    a_v[1][4] = t2017;
+    a_v[1][5] = t2615;
+    a_v[2][0] = t2025;
+    a_v[2][1] = t2030;
+    a_v[2][2] = t2616;
+    a_v[2][3] = t2040;
+    a_v[2][4] = t2045;
+    a_v[2][5] = t2617;
+    a_v[3][0] = t2057;
+    a_v[3][1] = t2618;
+    a_v[3][2] = t2619;
+    a_v[3][3] = t2620;
+    a_v[3][4] = t2085;
+    a_v[3][5] = t2092;
+    a_v[4][0] = t2099;
+    a_v[4][1] = t2621;
+    a_v[4][2] = t2622;
+    a_v[4][3] = t2120;
+    a_v[4][4] = t2623;
+    a_v[4][5] = t2624;
+    a_v[5][0] = t2142;
+    a_v[5][1] = t2625;
+    a_v[5][2] = t2626;
+    a_v[5][3] = t2169;
+    a_v[5][4] = t2178;
+    a_v[5][5] = t2627;
+    b_x[0][0] = t2628;
+    b_x[0][1] = t2189;
+    b_x[0][2] = t2193;
+    b_x[0][3] = t2629;
+    b_x[0][4] = t2205;
+    b_x[0][5] = t2213;
+    b_x[1][0] = t2630;
+    b_x[1][1] = t2217;
+    b_x[1][2] = t2221;
+    b_x[1][3] = t2631;
+    b_x[1][4] = t2233;
+    b_x[1][5] = t2241;
+    b_x[2][0] = t2242;
+    b_x[2][1] = t2632;
+    b_x[2][2] = t2633;
+    b_x[2][3] = t2260;
+    b_x[2][4] = t2634;
+    b_x[2][5] = t2635;
+    b_x[3][0] = t2275;
+    b_x[3][1] = t2636;
+    b_x[3][2] = t2637;
+    b_x[3][3] = t2299;
+    b_x[3][4] = t2638;
+    b_x[3][5] = t2639;
+    b_x[4][0] = t2640;
+    b_x[4][1] = t2315;
+    b_x[4][2] = t2316;
+    b_x[4][3] = t2641;
+    b_x[4][4] = t2339;
+    b_x[4][5] = t2352;
+    b_x[5][0] = t2642;
+    b_x[5][1] = t2354;
+    b_x[5][2] = t2355;
+    b_x[5][3] = t2643;
+    b_x[5][4] = t2357;
+    b_x[5][5] = t2394;
+    c[0] = t2644;
+    c[1] = t2462;
+    c[2] = t2645;
+    c[3] = t2530;
+    c[4] = t2564;
+    c[5] = t2598;
 }
 
 /// Part 1 of `linearize`: values that later parts read.
 #[inline(never)]
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
-fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 119] {
+fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 86] {
     let angle_joint2_joint3 = y[1] + y[2];
     let (
         [sin_joint2,
@@ -9068,2117 +9390,2076 @@ fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 119] {
         cos_joint2_joint3,
         ],
     ) = math::sin_cos_4(y[1], y[3], y[4], angle_joint2_joint3);
-    let t9 = sin_joint5 * 0.00020215999999999998;
-    let t10 = sin_joint5 * t9;
-    let t11 = t10 + 0.00010000000000000015;
-    let t12 = sin_joint4 * t11;
-    let t13 = sin_joint4 * t12;
-    let t14 = t10 + 0.00087;
-    let t15 = t14 - t13;
-    let t16 = 0.0012435839999999998 * sin_joint5;
-    let t17 = cos_joint4 * t16;
-    let t18 = t17 * 0.09402501157943491;
-    let t19 = t15 - t18;
-    let t20 = 0.016765112499999995 + t19;
-    let t21 = 0.00042216 - t10;
-    let t22 = cos_joint5 * 0.0024871679999999997;
-    let t23 = t21 + t22;
-    let t24 = 0.34123495800000003 + t23;
-    let t25 = t20 - t24;
-    let t26 = sin_joint2_joint3 * t25;
-    let t27 = cos_joint5 * t9;
-    let t28 = t16 + t27;
-    let t29 = cos_joint4 * t28;
-    let t30 = cos_joint5 * 5.846399999999998e-5;
-    let t31 = t29 - t30;
-    let t32 = 0.011273199000000001 - t31;
-    let t33 = 2.0 * t32;
-    let t34 = cos_joint2_joint3 * t33;
-    let t35 = t26 + t34;
-    let t36 = sin_joint2_joint3 * t35;
-    let t37 = t20 - t36;
-    let t38 = 0.010956925 - t17;
-    let t39 = cos_joint2_joint3 * t38;
-    let t40 = 0.0012435839999999998 * cos_joint5;
-    let t41 = 0.3848762940000001 + t40;
-    let t42 = sin_joint2_joint3 * t41;
-    let t43 = t39 - t42;
-    let t44 = cos_joint2 * t43;
-    let t45 = 2.0 * t44;
-    let t46 = t37 + t45;
-    let t47 = cos_joint2 * 0.0141984;
-    let t48 = sin_joint2 * 1.601861202;
-    let t49 = t48 + t47;
-    let t50 = sin_joint2 * t49;
-    let t51 = 1.674987602 - t50;
-    let t52 = t51 + t46;
-    let t53 = 0.175 + t52;
-    let t54 = 0.0007699999999999999 + t13;
-    let t55 = sin_joint4 * t16;
-    let t56 = t55 * 0.6949976841130152;
-    let t57 = t54 + t56;
-    let t58 = 1.286789571125 + t57;
-    let t59 = t53 + t58;
-    let t60 = t59 + 0.784029968642;
-    let t61 = 3.9999999999999996e-5 * sin_joint5;
-    let t62 = cos_joint4 * t61;
-    let t63 = sin_joint2_joint3 * t62;
-    let t64 = 3.9999999999999996e-5 * cos_joint5;
-    let t65 = cos_joint2_joint3 * t64;
-    let t66 = t63 - t65;
-    let t67 = t66 * 5.151863922779921;
-    let t68 = t66 * t67;
-    let t69 = t60 - t68;
-    let t70 = sin_joint4 * t40;
-    let t71 = 0.047012505789717454 * t70;
-    let t72 = cos_joint2_joint3 * t71;
-    let t73 = 0.00064216 + t40;
-    let t74 = sin_joint4 * t73;
-    let t75 = sin_joint2_joint3 * t74;
-    let t76 = t75 - t72;
-    let t77 = cos_joint2 * t70;
-    let t78 = t76 - t77;
-    let t79 = cos_joint4 * t40;
-    let t80 = cos_joint2_joint3 * t79;
-    let t81 = sin_joint2_joint3 * t16;
-    let t82 = t80 - t81;
-    let t83 = 0.3474988420565076 * t82;
-    let t84 = t78 - t83;
-    let t85 = t84 * 5.83606090588883;
-    let t86 = t84 * t85;
-    let t87 = t69 - t86;
-    let t88 = 0.047012505789717454 * t17;
-    let t89 = t10 + 0.00164;
-    let t90 = t89 - t88;
-    let t91 = cos_joint2_joint3 * t90;
-    let t92 = sin_joint2_joint3 * t29;
-    let t93 = t92 + t91;
-    let t94 = cos_joint2 * t17;
-    let t95 = t93 - t94;
-    let t96 = cos_joint2_joint3 * t55;
-    let t97 = 0.3474988420565076 * t96;
-    let t98 = t95 + t97;
-    let t99 = cos_joint5 * 0.0002060745569111968;
-    let t100 = t66 * t99;
-    let t101 = t98 + t100;
-    let t102 = t10 + 0.19243062612368;
-    let t103 = t64 * t99;
-    let t104 = t102 - t103;
-    let inverse_d_joint4 = 1.0 / t104;
-    let t106 = t101 * inverse_d_joint4;
-    let t107 = t101 * t106;
-    let t108 = t87 - t107;
-    let t109 = t20 + t24;
-    let t110 = t109 + 0.5768733319380001;
-    let t111 = sin_joint4 * t61;
-    let t112 = t111 * 5.151863922779921;
-    let t113 = t111 * t112;
-    let t114 = t110 - t113;
-    let t115 = cos_joint4 * t73;
-    let t116 = sin_joint5 * 5.846399999999998e-5;
-    let t117 = t115 - t116;
-    let t118 = t117 * 5.83606090588883;
-    let t119 = t117 * t118;
-    let t120 = t114 - t119;
-    let t121 = sin_joint4 * t28;
-    let t122 = t111 * t99;
-    let t123 = t121 + t122;
-    let t124 = t123 * inverse_d_joint4;
-    let t125 = t123 * t124;
-    let t126 = t120 - t125;
-    let inverse_d_joint3 = 1.0 / t126;
-    let t128 = cos_joint4 * t12;
-    let t129 = 0.047012505789717454 * t55;
-    let t130 = t128 - t129;
-    let t131 = sin_joint2_joint3 * t130;
-    let t132 = 0.0047376000000000015 + t121;
-    let t133 = cos_joint2_joint3 * t132;
-    let t134 = t131 - t133;
-    let t135 = sin_joint2_joint3 * t38;
-    let t136 = cos_joint2_joint3 * t41;
-    let t137 = t135 + t136;
-    let t138 = 0.3474988420565076 * t137;
-    let t139 = t134 - t138;
-    let t140 = t66 * t112;
-    let t141 = t139 + t140;
-    let t142 = t84 * t118;
-    let t143 = t141 - t142;
-    let t144 = t101 * t124;
-    let t145 = t143 + t144;
-    let t146 = t145 * inverse_d_joint3;
-    let t147 = t145 * t146;
-    let t148 = t108 - t147;
-    let t149 = sin_joint2 * t137;
-    let t150 = t44 + t149;
-    let t151 = t109 + t150;
-    let t152 = t151 - t113;
-    let t153 = sin_joint2 * t82;
-    let t154 = sin_joint2_joint3 * t79;
-    let t155 = cos_joint2_joint3 * t16;
-    let t156 = t154 + t155;
-    let t157 = cos_joint2 * t156;
-    let t158 = t157 - t153;
-    let t159 = t117 - t158;
-    let t160 = t159 * t118;
-    let t161 = t152 - t160;
-    let t162 = sin_joint2 * t96;
-    let t163 = sin_joint2_joint3 * t55;
-    let t164 = cos_joint2 * t163;
-    let t165 = t164 - t162;
-    let t166 = t121 - t165;
-    let t167 = t166 + t122;
-    let t168 = t167 * t124;
-    let t169 = t161 - t168;
-    let t170 = t169 * inverse_d_joint3;
-    let t171 = t169 * t170;
-    let t172 = 2.0 * t150;
-    let t173 = t109 + t172;
-    let t174 = 0.07312640000000001 + t50;
-    let t175 = t51 + t174;
-    let t176 = t175 + t173;
-    let t177 = t176 + 2.324814845;
-    let t178 = t177 - t113;
-    let t179 = t159 * 5.83606090588883;
-    let t180 = t159 * t179;
-    let t181 = t178 - t180;
-    let t182 = t167 * inverse_d_joint4;
-    let t183 = t167 * t182;
-    let t184 = t181 - t183;
-    let t185 = t184 - t171;
-    let inverse_d_joint2 = 1.0 / t185;
-    let t187 = t145 * t170;
-    let t188 = sin_joint2 * t55;
-    let t189 = t134 - t188;
-    let t190 = 0.008085780000000004 * cos_joint2;
-    let t191 = 0.120863064 * sin_joint2;
-    let t192 = t191 + t190;
-    let t193 = t192 - t189;
-    let t194 = 0.045079919999999996 * cos_joint2;
-    let t195 = 1.638935762 * sin_joint2;
-    let t196 = t195 + t194;
-    let t197 = t196 + t137;
-    let t198 = 0.3474988420565076 * t197;
-    let t199 = t193 + t198;
-    let t200 = t199 - t140;
-    let t201 = t84 * t179;
-    let t202 = t200 + t201;
-    let t203 = t101 * t182;
-    let t204 = t202 - t203;
-    let t205 = t204 + t187;
-    let t206 = t205 * inverse_d_joint2;
-    let t207 = t205 * t206;
-    let t208 = t148 - t207;
-    let inverse_d_joint1 = 1.0 / t208;
-    let t210 = t170 * t206;
-    let t211 = t146 + t210;
-    let t212 = inverse_d_joint1 * t211;
-    let t213 = t206 * t212;
-    let t214 = t170 * inverse_d_joint2;
-    let t215 = t214 + t213;
-    let t216 = t170 * t215;
-    let t217 = inverse_d_joint3 + t216;
-    let t218 = t146 * t212;
-    let t219 = t217 + t218;
-    let t220 = t124 * t219;
-    let t221 = t182 * t215;
-    let t222 = t220 - t221;
-    let t223 = t106 * t212;
-    let t224 = t222 + t223;
-    let t225 = t99 * t224;
-    let t226 = t112 * t219;
-    let t227 = t225 + t226;
-    let t228 = t112 * t215;
-    let t229 = t227 - t228;
-    let t230 = t67 * t212;
-    let t231 = t229 + t230;
     let omega_joint3_y = v[0] * cos_joint2_joint3;
     let omega_joint4_z = v[3] + omega_joint3_y;
-    let t234 = 2.0 * omega_joint4_z;
+    let t11 = 2.0 * omega_joint4_z;
     let omega_joint3_x = v[0] * sin_joint2_joint3;
-    let t236 = sin_joint4 * omega_joint3_x;
+    let t13 = sin_joint4 * omega_joint3_x;
     let omega_joint3_z = v[1] + v[2];
-    let t238 = cos_joint4 * omega_joint3_z;
-    let omega_joint4_y = t236 + t238;
-    let t240 = omega_joint4_y * t234;
-    let t241 = 2.0 * omega_joint3_z;
-    let t242 = omega_joint3_y * t241;
-    let t243 = cos_joint4 * t242;
-    let t244 = omega_joint3_x * omega_joint3_y;
-    let t245 = sin_joint4 * t244;
-    let t246 = t245 + t243;
-    let t247 = t246 - t240;
-    let t248 = sin_joint5 * t247;
-    let t249 = cos_joint4 * omega_joint3_x;
-    let t250 = sin_joint4 * omega_joint3_z;
-    let omega_joint4_x = t249 - t250;
-    let t252 = omega_joint4_x * omega_joint4_y;
-    let t253 = omega_joint3_z * omega_joint3_x;
-    let t254 = t253 - t252;
-    let t255 = cos_joint5 * t254;
-    let t256 = t255 + t248;
-    let t257 = cos_joint5 * omega_joint4_x;
-    let t258 = sin_joint5 * omega_joint4_z;
-    let omega_joint5_x = t257 + t258;
+    let t15 = cos_joint4 * omega_joint3_z;
+    let omega_joint4_y = t13 + t15;
+    let t17 = omega_joint4_y * t11;
+    let t18 = 2.0 * omega_joint3_z;
+    let t19 = omega_joint3_y * t18;
+    let t20 = cos_joint4 * t19;
+    let t21 = omega_joint3_x * omega_joint3_y;
+    let t22 = sin_joint4 * t21;
+    let t23 = t22 + t20;
+    let t24 = t23 - t17;
+    let t25 = sin_joint5 * t24;
+    let t26 = cos_joint4 * omega_joint3_x;
+    let t27 = sin_joint4 * omega_joint3_z;
+    let omega_joint4_x = t26 - t27;
+    let t29 = omega_joint4_x * omega_joint4_y;
+    let t30 = omega_joint3_z * omega_joint3_x;
+    let t31 = t30 - t29;
+    let t32 = cos_joint5 * t31;
+    let t33 = t32 + t25;
+    let t34 = cos_joint5 * omega_joint4_x;
+    let t35 = sin_joint5 * omega_joint4_z;
+    let omega_joint5_x = t34 + t35;
     let omega_joint5_z = v[4] + omega_joint4_y;
-    let t261 = omega_joint5_x * omega_joint5_z;
-    let t262 = t256 + t261;
-    let t263 = t261 - t262;
-    let t264 = 1.9999999999999998e-5 * t263;
-    let t265 = t261 + t262;
-    let t266 = 1.9999999999999998e-5 * t265;
-    let moment_joint6_z = t266 - t264;
-    let t268 = sign(v[5]);
-    let t269 = t268.abs();
-    let t270 = t269 * 0.25076322000000006;
-    let t271 = t268 * 0.55443978;
-    let t272 = v[5] * 0.2158232532732;
-    let t273 = t272 + t271;
-    let t274 = t273 - t270;
-    let t275 = u[5] * 76.686;
-    let t276 = t275 - t274;
-    let t277 = t276 + moment_joint6_z;
-    let t278 = t231 * t277;
-    let t279 = 2.0 * omega_joint5_z;
-    let t280 = omega_joint5_x * t279;
-    let t281 = t256 + t280;
-    let t282 = 0.0002 * t281;
-    let moment_joint5_y = t282 + moment_joint6_z;
-    let t284 = cos_joint5 * moment_joint5_y;
-    let t285 = sin_joint5 * omega_joint4_x;
-    let t286 = cos_joint5 * omega_joint4_z;
-    let omega_joint5_y = t285 - t286;
+    let t38 = omega_joint5_x * omega_joint5_z;
+    let t39 = t33 + t38;
+    let t40 = t38 - t39;
+    let t41 = 1.9999999999999998e-5 * t40;
+    let t42 = t38 + t39;
+    let t43 = 1.9999999999999998e-5 * t42;
+    let moment_joint6_z = t43 - t41;
+    let t45 = 2.0 * omega_joint5_z;
+    let t46 = omega_joint5_x * t45;
+    let t47 = t33 + t46;
+    let t48 = 0.0002 * t47;
+    let moment_joint5_y = t48 + moment_joint6_z;
+    let t50 = sin_joint5 * moment_joint5_y;
+    let t51 = sin_joint5 * omega_joint4_x;
+    let t52 = cos_joint5 * omega_joint4_z;
+    let omega_joint5_y = t51 - t52;
     let omega_joint6_z = v[5] - omega_joint5_y;
-    let t289 = 2.0 * omega_joint6_z;
-    let t290 = omega_joint5_z * t289;
-    let t291 = cos_joint5 * t247;
-    let t292 = sin_joint5 * t254;
+    let t55 = 2.0 * omega_joint6_z;
+    let t56 = omega_joint5_z * t55;
+    let t57 = cos_joint5 * t24;
+    let t58 = sin_joint5 * t31;
+    let t59 = t58 - t57;
+    let t60 = omega_joint5_y * t45;
+    let t61 = t59 + t60;
+    let t62 = t61 + t56;
+    let moment_joint6_x = 1.9999999999999998e-5 * t62;
+    let t64 = 0.00042216 * t61;
+    let t65 = omega_joint3_y * omega_joint3_y;
+    let t66 = omega_joint3_z * omega_joint3_z;
+    let t67 = t65 + t66;
+    let t68 = 0.047012505789717454 * t67;
+    let t69 = v[1] * v[1];
+    let t70 = sin_joint2 * t69;
+    let t71 = 22.71885132005558 - t70;
+    let t72 = sin_joint2_joint3 * t71;
+    let t73 = v[0] * v[0];
+    let t74 = t73 + t69;
+    let t75 = cos_joint2 * t74;
+    let t76 = cos_joint2_joint3 * t75;
+    let acceleration_joint3_x = t76 - t72;
+    let t78 = acceleration_joint3_x + t68;
+    let t79 = sin_joint4 * t78;
+    let t80 = omega_joint3_x * t18;
+    let t81 = 0.047012505789717454 * t80;
+    let t82 = v[1] * 2.0;
+    let t83 = v[0] * t82;
+    let t84 = sin_joint2 * t83;
+    let acceleration_joint2_z = 0.3474988420565076 * t73;
+    let acceleration_joint3_z = acceleration_joint2_z - t84;
+    let t87 = acceleration_joint3_z - t81;
+    let t88 = cos_joint4 * t87;
+    let t89 = t79 + t88;
+    let acceleration_joint4_y = t89 - t23;
+    let t91 = 0.0012435839999999998 * acceleration_joint4_y;
+    let t92 = t91 + t64;
+    let moment_joint5_x = t92 + moment_joint6_x;
+    let t94 = cos_joint5 * moment_joint5_x;
+    let t95 = t94 - t50;
+    let t96 = 0.0007499999999999999 * t24;
+    let moment_joint4_x = t96 - t95;
+    let force_joint5_z = 0.0012435839999999998 * t61;
+    let t99 = force_joint5_z - moment_joint4_x;
+    let t100 = cos_joint4 * t99;
+    let t101 = cos_joint4 * t78;
+    let t102 = sin_joint4 * t87;
+    let t103 = t101 - t102;
+    let t104 = sin_joint4 * t19;
+    let t105 = cos_joint4 * t21;
+    let t106 = t105 - t104;
+    let acceleration_joint4_x = t103 - t106;
+    let t108 = cos_joint5 * acceleration_joint4_x;
+    let t109 = 0.047012505789717454 * t21;
+    let t110 = cos_joint2_joint3 * t71;
+    let t111 = sin_joint2_joint3 * t75;
+    let acceleration_joint3_y = t111 + t110;
+    let t113 = acceleration_joint3_y + t109;
+    let t114 = omega_joint3_x * omega_joint3_x;
+    let t115 = t114 + t66;
+    let acceleration_joint4_z = t115 - t113;
+    let t117 = sin_joint5 * acceleration_joint4_z;
+    let acceleration_joint5_x = t108 + t117;
+    let t119 = 0.0012435839999999998 * acceleration_joint5_x;
+    let t120 = omega_joint5_x * omega_joint5_y;
+    let t121 = omega_joint4_x * omega_joint4_z;
+    let t122 = t106 - t121;
+    let t123 = t122 - t120;
+    let t124 = 0.00042216 * t123;
+    let t125 = t122 + t120;
+    let t126 = 0.0002 * t125;
+    let t127 = t126 + t124;
+    let t128 = t119 - t127;
+    let t129 = omega_joint5_x * t55;
+    let t130 = t123 - t129;
+    let moment_joint6_y = 1.9999999999999998e-5 * t130;
+    let moment_joint5_z = t128 - moment_joint6_y;
+    let t133 = omega_joint4_x * t11;
+    let t134 = t106 - t133;
+    let t135 = 0.00065 * t134;
+    let moment_joint4_y = t135 - moment_joint5_z;
+    let t137 = omega_joint5_x * omega_joint5_x;
+    let t138 = omega_joint5_z * omega_joint5_z;
+    let t139 = t137 + t138;
+    let force_joint5_y = 0.0012435839999999998 * t139;
+    let t141 = sin_joint5 * force_joint5_y;
+    let force_joint5_x = 0.0012435839999999998 * t123;
+    let t143 = cos_joint5 * force_joint5_x;
+    let force_joint4_x = t143 + t141;
+    let t145 = force_joint4_x + moment_joint4_y;
+    let t146 = sin_joint4 * t145;
+    let t147 = t100 + t146;
+    let t148 = t73 - t115;
+    let t149 = 0.0047376000000000015 * t148;
+    let t150 = 0.011273199000000001 * t80;
+    let t151 = t150 - t149;
+    let t152 = 0.34123495800000003 * t19;
+    let t153 = t151 + t152;
+    let t154 = 0.3848762940000001 * acceleration_joint3_z;
+    let t155 = t154 - t153;
+    let moment_joint3_x = t155 + t147;
+    let t157 = sin_joint2_joint3 * moment_joint3_x;
+    let t158 = cos_joint5 * moment_joint5_y;
+    let t159 = sin_joint5 * moment_joint5_x;
+    let t160 = t159 + t158;
+    let t161 = 0.0007499999999999999 * t31;
+    let t162 = t30 + t29;
+    let t163 = 0.00065 * t162;
+    let t164 = t163 + t161;
+    let moment_joint4_z = t164 + t160;
+    let t166 = sin_joint4 * force_joint4_x;
+    let t167 = cos_joint4 * force_joint5_z;
+    let t168 = t166 + t167;
+    let t169 = 0.047012505789717454 * t168;
+    let t170 = moment_joint4_z - t169;
+    let t171 = 0.011273199000000001 * t19;
+    let t172 = 0.0047376000000000015 * t21;
+    let t173 = t172 - t171;
+    let t174 = 0.016765112499999995 * t80;
+    let t175 = t173 - t174;
+    let t176 = 0.010956925 * acceleration_joint3_z;
+    let t177 = t176 + t175;
+    let moment_joint3_y = t177 - t170;
+    let t179 = cos_joint2_joint3 * moment_joint3_y;
+    let t180 = t157 - t179;
+    let t181 = 0.3848762940000001 * t19;
+    let t182 = 0.010956925 * t80;
+    let t183 = t182 + t181;
+    let force_joint3_z = t183 - t168;
+    let t185 = cos_joint2 * force_joint3_z;
+    let t186 = t180 + t185;
+    let t187 = cos_joint2 * 0.0141984;
+    let t188 = sin_joint2 * 1.601861202;
+    let t189 = t188 + t187;
+    let t190 = cos_joint2 * t189;
+    let t191 = 0.0070992 - t190;
+    let t192 = t191 * t83;
+    let t193 = t73 - t74;
+    let t194 = 0.008085780000000004 * sin_joint2;
+    let t195 = 0.120863064 * cos_joint2;
+    let t196 = t195 - t194;
+    let t197 = t196 * t193;
+    let t198 = t192 + t197;
+    let t199 = 0.045079919999999996 * sin_joint2;
+    let t200 = 1.638935762 * cos_joint2;
+    let t201 = t200 - t199;
+    let t202 = t201 * acceleration_joint2_z;
+    let t203 = t202 + t198;
+    let moment_joint2_y = t203 - t186;
+    let t205 = cos_joint4 * force_joint4_x;
+    let t206 = sin_joint4 * force_joint5_z;
+    let t207 = t205 - t206;
+    let t208 = 0.010956925 * t67;
+    let t209 = 0.3848762940000001 * t21;
+    let t210 = t208 - t209;
+    let force_joint3_x = t210 - t207;
+    let t212 = cos_joint2_joint3 * force_joint3_x;
+    let t213 = cos_joint5 * force_joint5_y;
+    let t214 = sin_joint5 * force_joint5_x;
+    let force_joint4_z = t214 - t213;
+    let t216 = 0.3848762940000001 * t115;
+    let t217 = 0.010956925 * t21;
+    let t218 = t217 - t216;
+    let force_joint3_y = t218 + force_joint4_z;
+    let t220 = sin_joint2_joint3 * force_joint3_y;
+    let t221 = t212 + t220;
+    let t222 = t201 * t74;
+    let force_joint2_x = t222 + t221;
+    let t224 = 0.3474988420565076 * force_joint2_x;
+    let moment_joint1_z = moment_joint2_y - t224;
+    let t226 = sign(v[0]);
+    let t227 = t226.abs();
+    let t228 = t227 * 1.2522219999999997;
+    let t229 = t226 * 25.9836065;
+    let t230 = v[0] * 5.8018217679508;
+    let t231 = t230 + t229;
+    let t232 = t231 - t228;
+    let t233 = u[0] * 62.6111;
+    let t234 = t233 + t232;
+    let t235 = t234 + moment_joint1_z;
+    let t236 = sign(v[5]);
+    let t237 = t236.abs();
+    let t238 = t237 * 0.25076322000000006;
+    let t239 = t236 * 0.55443978;
+    let t240 = v[5] * 0.2158232532732;
+    let t241 = t240 + t239;
+    let t242 = t241 - t238;
+    let t243 = u[5] * 76.686;
+    let t244 = t243 - t242;
+    let t245 = t244 + moment_joint6_z;
+    let t246 = 3.9999999999999996e-5 * sin_joint5;
+    let t247 = cos_joint4 * t246;
+    let t248 = sin_joint2_joint3 * t247;
+    let t249 = 3.9999999999999996e-5 * cos_joint5;
+    let t250 = cos_joint2_joint3 * t249;
+    let t251 = t248 - t250;
+    let t252 = t251 * 5.151863922779921;
+    let t253 = t252 * t245;
+    let t254 = t235 - t253;
+    let t255 = sign(v[4]);
+    let t256 = t255.abs();
+    let t257 = t256 * 0.18843826000000008;
+    let t258 = t255 * 0.85444524;
+    let t259 = v[4] * 0.42728302093540005;
+    let t260 = t259 + t258;
+    let t261 = t260 - t257;
+    let t262 = u[4] * 71.923;
+    let t263 = t262 - t261;
+    let t264 = t263 - moment_joint5_z;
+    let t265 = 0.0012435839999999998 * cos_joint5;
+    let t266 = sin_joint4 * t265;
+    let t267 = 0.047012505789717454 * t266;
+    let t268 = cos_joint2_joint3 * t267;
+    let t269 = 0.00064216 + t265;
+    let t270 = sin_joint4 * t269;
+    let t271 = sin_joint2_joint3 * t270;
+    let t272 = t271 - t268;
+    let t273 = cos_joint2 * t266;
+    let t274 = t272 - t273;
+    let t275 = cos_joint4 * t265;
+    let t276 = cos_joint2_joint3 * t275;
+    let t277 = 0.0012435839999999998 * sin_joint5;
+    let t278 = sin_joint2_joint3 * t277;
+    let t279 = t276 - t278;
+    let t280 = 0.3474988420565076 * t279;
+    let t281 = t274 - t280;
+    let t282 = t281 * 5.83606090588883;
+    let t283 = t282 * t264;
+    let t284 = t254 + t283;
+    let t285 = sign(v[3]);
+    let t286 = t285.abs();
+    let t287 = t286 * 0.21670373999999998;
+    let t288 = t285 * 1.06831142;
+    let t289 = v[3] * 0.41164522969715195;
+    let t290 = t289 + t288;
+    let t291 = t290 - t287;
+    let t292 = u[3] * 76.0364;
     let t293 = t292 - t291;
-    let t294 = omega_joint5_y * t279;
-    let t295 = t293 + t294;
-    let t296 = t295 + t290;
-    let moment_joint6_x = 1.9999999999999998e-5 * t296;
-    let t298 = 0.00042216 * t295;
-    let t299 = omega_joint3_y * omega_joint3_y;
-    let t300 = omega_joint3_z * omega_joint3_z;
-    let t301 = t299 + t300;
-    let t302 = 0.047012505789717454 * t301;
-    let t303 = v[1] * v[1];
-    let t304 = sin_joint2 * t303;
-    let t305 = 22.71885132005558 - t304;
-    let t306 = sin_joint2_joint3 * t305;
-    let t307 = v[0] * v[0];
-    let t308 = t307 + t303;
-    let t309 = cos_joint2 * t308;
-    let t310 = cos_joint2_joint3 * t309;
-    let acceleration_joint3_x = t310 - t306;
-    let t312 = acceleration_joint3_x + t302;
-    let t313 = sin_joint4 * t312;
-    let t314 = omega_joint3_x * t241;
-    let t315 = 0.047012505789717454 * t314;
-    let t316 = v[1] * 2.0;
-    let t317 = v[0] * t316;
-    let t318 = sin_joint2 * t317;
-    let acceleration_joint2_z = 0.3474988420565076 * t307;
-    let acceleration_joint3_z = acceleration_joint2_z - t318;
-    let t321 = acceleration_joint3_z - t315;
-    let t322 = cos_joint4 * t321;
-    let t323 = t313 + t322;
-    let acceleration_joint4_y = t323 - t246;
-    let t325 = 0.0012435839999999998 * acceleration_joint4_y;
-    let t326 = t325 + t298;
-    let moment_joint5_x = t326 + moment_joint6_x;
-    let t328 = sin_joint5 * moment_joint5_x;
-    let t329 = t328 + t284;
-    let t330 = 0.0007499999999999999 * t254;
-    let t331 = t253 + t252;
-    let t332 = 0.00065 * t331;
-    let t333 = t332 + t330;
-    let moment_joint4_z = t333 + t329;
-    let t335 = sign(v[3]);
-    let t336 = t335.abs();
-    let t337 = t336 * 0.21670373999999998;
-    let t338 = t335 * 1.06831142;
-    let t339 = v[3] * 0.41164522969715195;
-    let t340 = t339 + t338;
-    let t341 = t340 - t337;
-    let t342 = u[3] * 76.0364;
-    let t343 = t342 - t341;
-    let t344 = t343 + moment_joint4_z;
-    let t345 = t224 * t344;
-    let t346 = sin_joint5 * moment_joint5_y;
-    let t347 = cos_joint5 * moment_joint5_x;
-    let t348 = t347 - t346;
-    let t349 = 0.0007499999999999999 * t247;
-    let moment_joint4_x = t349 - t348;
-    let force_joint5_z = 0.0012435839999999998 * t295;
-    let t352 = force_joint5_z - moment_joint4_x;
-    let t353 = sin_joint4 * t352;
-    let t354 = cos_joint4 * t312;
-    let t355 = sin_joint4 * t321;
-    let t356 = t354 - t355;
-    let t357 = sin_joint4 * t242;
-    let t358 = cos_joint4 * t244;
-    let t359 = t358 - t357;
-    let acceleration_joint4_x = t356 - t359;
-    let t361 = cos_joint5 * acceleration_joint4_x;
-    let t362 = 0.047012505789717454 * t244;
-    let t363 = cos_joint2_joint3 * t305;
-    let t364 = sin_joint2_joint3 * t309;
-    let acceleration_joint3_y = t364 + t363;
-    let t366 = acceleration_joint3_y + t362;
-    let t367 = omega_joint3_x * omega_joint3_x;
-    let t368 = t367 + t300;
-    let acceleration_joint4_z = t368 - t366;
-    let t370 = sin_joint5 * acceleration_joint4_z;
-    let acceleration_joint5_x = t361 + t370;
-    let t372 = 0.0012435839999999998 * acceleration_joint5_x;
-    let t373 = omega_joint5_x * omega_joint5_y;
-    let t374 = omega_joint4_x * omega_joint4_z;
-    let t375 = t359 - t374;
-    let t376 = t375 - t373;
-    let t377 = 0.00042216 * t376;
-    let t378 = t375 + t373;
-    let t379 = 0.0002 * t378;
-    let t380 = t379 + t377;
-    let t381 = t372 - t380;
-    let t382 = omega_joint5_x * t289;
-    let t383 = t376 - t382;
-    let moment_joint6_y = 1.9999999999999998e-5 * t383;
-    let moment_joint5_z = t381 - moment_joint6_y;
-    let t386 = omega_joint4_x * t234;
-    let t387 = t359 - t386;
-    let t388 = 0.00065 * t387;
-    let moment_joint4_y = t388 - moment_joint5_z;
-    let t390 = omega_joint5_x * omega_joint5_x;
-    let t391 = omega_joint5_z * omega_joint5_z;
-    let t392 = t390 + t391;
-    let force_joint5_y = 0.0012435839999999998 * t392;
-    let t394 = sin_joint5 * force_joint5_y;
-    let force_joint5_x = 0.0012435839999999998 * t376;
-    let t396 = cos_joint5 * force_joint5_x;
-    let force_joint4_x = t396 + t394;
-    let t398 = force_joint4_x + moment_joint4_y;
-    let t399 = cos_joint4 * t398;
-    let t400 = t353 - t399;
-    let t401 = cos_joint5 * force_joint5_y;
-    let t402 = sin_joint5 * force_joint5_x;
-    let force_joint4_z = t402 - t401;
-    let t404 = 0.047012505789717454 * force_joint4_z;
-    let t405 = t400 + t404;
-    let t406 = t301 - t368;
-    let t407 = 0.011273199000000001 * t406;
-    let t408 = 0.016765112499999995 * t244;
-    let t409 = t407 + t408;
-    let t410 = 0.34123495800000003 * t244;
-    let t411 = t409 - t410;
-    let t412 = 0.3848762940000001 * acceleration_joint3_x;
-    let t413 = 0.010956925 * acceleration_joint3_y;
-    let t414 = t413 + t412;
-    let t415 = t414 + t411;
-    let moment_joint3_z = t415 + t405;
-    let t417 = sign(v[2]);
-    let t418 = t417.abs();
-    let t419 = t418 * 0.7250350500000002;
-    let t420 = t417 * 6.364196549999999;
-    let t421 = v[2] * 3.9804259903721997;
-    let t422 = t421 + t420;
-    let t423 = t422 + t419;
-    let t424 = u[2] * 53.7063;
-    let t425 = t424 + t423;
-    let t426 = t425 + moment_joint3_z;
-    let t427 = t219 * t426;
-    let t428 = t206 * inverse_d_joint1;
-    let t429 = t206 * t428;
-    let t430 = inverse_d_joint2 + t429;
-    let t431 = t170 * t430;
-    let t432 = t146 * t428;
-    let t433 = t431 + t432;
-    let t434 = cos_joint4 * force_joint4_x;
-    let t435 = sin_joint4 * force_joint5_z;
-    let t436 = t434 - t435;
-    let t437 = 0.010956925 * t301;
-    let t438 = 0.3848762940000001 * t244;
-    let t439 = t437 - t438;
-    let force_joint3_x = t439 - t436;
-    let t441 = cos_joint2_joint3 * force_joint3_x;
-    let t442 = 0.3848762940000001 * t368;
-    let t443 = 0.010956925 * t244;
-    let t444 = t443 - t442;
-    let force_joint3_y = t444 + force_joint4_z;
-    let t446 = sin_joint2_joint3 * force_joint3_y;
-    let t447 = t441 + t446;
-    let t448 = sin_joint2 * t447;
-    let t449 = sin_joint2_joint3 * force_joint3_x;
-    let t450 = cos_joint2_joint3 * force_joint3_y;
-    let t451 = t449 - t450;
-    let t452 = cos_joint2 * t451;
-    let t453 = t452 - t448;
-    let t454 = moment_joint3_z - t453;
-    let t455 = cos_joint2 * t49;
-    let t456 = 0.0070992 - t455;
-    let t457 = t303 - t308;
-    let t458 = t456 * t457;
-    let t459 = 0.045079919999999996 * sin_joint2;
-    let t460 = 1.638935762 * cos_joint2;
-    let t461 = t460 - t459;
-    let t462 = t461 * 22.71885132005558;
-    let t463 = t462 + t458;
-    let moment_joint2_z = t463 + t454;
-    let t465 = sign(v[1]);
-    let t466 = t465.abs();
-    let t467 = t466 * 2.9649125000000005;
-    let t468 = t465 * 10.6197775;
-    let t469 = v[1] * 9.496868641825001;
-    let t470 = t469 + t468;
-    let t471 = t470 + t467;
-    let t472 = u[1] * 107.815;
-    let t473 = t472 - t471;
-    let t474 = t473 - moment_joint2_z;
-    let t475 = t433 * t474;
-    let t476 = t170 * t428;
-    let t477 = t146 * inverse_d_joint1;
-    let t478 = t476 + t477;
-    let t479 = cos_joint4 * t352;
-    let t480 = sin_joint4 * t398;
-    let t481 = t479 + t480;
-    let t482 = t307 - t368;
-    let t483 = 0.0047376000000000015 * t482;
-    let t484 = 0.011273199000000001 * t314;
-    let t485 = t484 - t483;
-    let t486 = 0.34123495800000003 * t242;
-    let t487 = t485 + t486;
-    let t488 = 0.3848762940000001 * acceleration_joint3_z;
-    let t489 = t488 - t487;
-    let moment_joint3_x = t489 + t481;
-    let t491 = sin_joint2_joint3 * moment_joint3_x;
-    let t492 = sin_joint4 * force_joint4_x;
-    let t493 = cos_joint4 * force_joint5_z;
-    let t494 = t492 + t493;
-    let t495 = 0.047012505789717454 * t494;
-    let t496 = moment_joint4_z - t495;
-    let t497 = 0.011273199000000001 * t242;
-    let t498 = 0.0047376000000000015 * t244;
-    let t499 = t498 - t497;
-    let t500 = 0.016765112499999995 * t314;
+    let t294 = t293 + moment_joint4_z;
+    let t295 = cos_joint5 * 0.0002060745569111968;
+    let t296 = t295 * t245;
+    let t297 = t294 - t296;
+    let t298 = cos_joint4 * t277;
+    let t299 = 0.047012505789717454 * t298;
+    let t300 = sin_joint5 * 0.00020215999999999998;
+    let t301 = sin_joint5 * t300;
+    let t302 = t301 + 0.00164;
+    let t303 = t302 - t299;
+    let t304 = cos_joint2_joint3 * t303;
+    let t305 = cos_joint5 * t300;
+    let t306 = t277 + t305;
+    let t307 = cos_joint4 * t306;
+    let t308 = sin_joint2_joint3 * t307;
+    let t309 = t308 + t304;
+    let t310 = cos_joint2 * t298;
+    let t311 = t309 - t310;
+    let t312 = sin_joint4 * t277;
+    let t313 = cos_joint2_joint3 * t312;
+    let t314 = 0.3474988420565076 * t313;
+    let t315 = t311 + t314;
+    let t316 = t251 * t295;
+    let t317 = t315 + t316;
+    let t318 = t301 + 0.19243062612368;
+    let t319 = t249 * t295;
+    let t320 = t318 - t319;
+    let inverse_d_joint4 = 1.0 / t320;
+    let t322 = t317 * inverse_d_joint4;
+    let t323 = t322 * t297;
+    let t324 = t284 + t323;
+    let t325 = sin_joint4 * t99;
+    let t326 = cos_joint4 * t145;
+    let t327 = t325 - t326;
+    let t328 = 0.047012505789717454 * force_joint4_z;
+    let t329 = t327 + t328;
+    let t330 = t67 - t115;
+    let t331 = 0.011273199000000001 * t330;
+    let t332 = 0.016765112499999995 * t21;
+    let t333 = t331 + t332;
+    let t334 = 0.34123495800000003 * t21;
+    let t335 = t333 - t334;
+    let t336 = 0.3848762940000001 * acceleration_joint3_x;
+    let t337 = 0.010956925 * acceleration_joint3_y;
+    let t338 = t337 + t336;
+    let t339 = t338 + t335;
+    let moment_joint3_z = t339 + t329;
+    let t341 = sign(v[2]);
+    let t342 = t341.abs();
+    let t343 = t342 * 0.7250350500000002;
+    let t344 = t341 * 6.364196549999999;
+    let t345 = v[2] * 3.9804259903721997;
+    let t346 = t345 + t344;
+    let t347 = t346 + t343;
+    let t348 = u[2] * 53.7063;
+    let t349 = t348 + t347;
+    let t350 = t349 + moment_joint3_z;
+    let t351 = sin_joint4 * t246;
+    let t352 = t351 * 5.151863922779921;
+    let t353 = t352 * t245;
+    let t354 = t350 + t353;
+    let t355 = cos_joint4 * t269;
+    let t356 = sin_joint5 * 5.846399999999998e-5;
+    let t357 = t355 - t356;
+    let t358 = t357 * 5.83606090588883;
+    let t359 = t358 * t264;
+    let t360 = t354 + t359;
+    let t361 = sin_joint4 * t306;
+    let t362 = t351 * t295;
+    let t363 = t361 + t362;
+    let t364 = t363 * inverse_d_joint4;
+    let t365 = t364 * t297;
+    let t366 = t360 - t365;
+    let t367 = t301 + 0.00010000000000000015;
+    let t368 = sin_joint4 * t367;
+    let t369 = sin_joint4 * t368;
+    let t370 = t301 + 0.00087;
+    let t371 = t370 - t369;
+    let t372 = t298 * 0.09402501157943491;
+    let t373 = t371 - t372;
+    let t374 = 0.016765112499999995 + t373;
+    let t375 = 0.00042216 - t301;
+    let t376 = cos_joint5 * 0.0024871679999999997;
+    let t377 = t375 + t376;
+    let t378 = 0.34123495800000003 + t377;
+    let t379 = t374 + t378;
+    let t380 = t379 + 0.5768733319380001;
+    let t381 = t351 * t352;
+    let t382 = t380 - t381;
+    let t383 = t357 * t358;
+    let t384 = t382 - t383;
+    let t385 = t363 * t364;
+    let t386 = t384 - t385;
+    let inverse_d_joint3 = 1.0 / t386;
+    let t388 = cos_joint4 * t368;
+    let t389 = 0.047012505789717454 * t312;
+    let t390 = t388 - t389;
+    let t391 = sin_joint2_joint3 * t390;
+    let t392 = 0.0047376000000000015 + t361;
+    let t393 = cos_joint2_joint3 * t392;
+    let t394 = t391 - t393;
+    let t395 = 0.010956925 - t298;
+    let t396 = sin_joint2_joint3 * t395;
+    let t397 = 0.3848762940000001 + t265;
+    let t398 = cos_joint2_joint3 * t397;
+    let t399 = t396 + t398;
+    let t400 = 0.3474988420565076 * t399;
+    let t401 = t394 - t400;
+    let t402 = t251 * t352;
+    let t403 = t401 + t402;
+    let t404 = t281 * t358;
+    let t405 = t403 - t404;
+    let t406 = t317 * t364;
+    let t407 = t405 + t406;
+    let t408 = t407 * inverse_d_joint3;
+    let t409 = t408 * t366;
+    let t410 = t324 - t409;
+    let t411 = sin_joint2 * t221;
+    let t412 = sin_joint2_joint3 * force_joint3_x;
+    let t413 = cos_joint2_joint3 * force_joint3_y;
+    let t414 = t412 - t413;
+    let t415 = cos_joint2 * t414;
+    let t416 = t415 - t411;
+    let t417 = moment_joint3_z - t416;
+    let t418 = t69 - t74;
+    let t419 = t191 * t418;
+    let t420 = t201 * 22.71885132005558;
+    let t421 = t420 + t419;
+    let moment_joint2_z = t421 + t417;
+    let t423 = sign(v[1]);
+    let t424 = t423.abs();
+    let t425 = t424 * 2.9649125000000005;
+    let t426 = t423 * 10.6197775;
+    let t427 = v[1] * 9.496868641825001;
+    let t428 = t427 + t426;
+    let t429 = t428 + t425;
+    let t430 = u[1] * 107.815;
+    let t431 = t430 - t429;
+    let t432 = t431 - moment_joint2_z;
+    let t433 = t432 - t353;
+    let t434 = sin_joint2 * t279;
+    let t435 = sin_joint2_joint3 * t275;
+    let t436 = cos_joint2_joint3 * t277;
+    let t437 = t435 + t436;
+    let t438 = cos_joint2 * t437;
+    let t439 = t438 - t434;
+    let t440 = t357 - t439;
+    let t441 = t440 * 5.83606090588883;
+    let t442 = t441 * t264;
+    let t443 = t433 - t442;
+    let t444 = sin_joint2 * t313;
+    let t445 = sin_joint2_joint3 * t312;
+    let t446 = cos_joint2 * t445;
+    let t447 = t446 - t444;
+    let t448 = t361 - t447;
+    let t449 = t448 + t362;
+    let t450 = t449 * inverse_d_joint4;
+    let t451 = t450 * t297;
+    let t452 = t443 + t451;
+    let t453 = sin_joint2 * t399;
+    let t454 = cos_joint2_joint3 * t395;
+    let t455 = sin_joint2_joint3 * t397;
+    let t456 = t454 - t455;
+    let t457 = cos_joint2 * t456;
+    let t458 = t457 + t453;
+    let t459 = t379 + t458;
+    let t460 = t459 - t381;
+    let t461 = t440 * t358;
+    let t462 = t460 - t461;
+    let t463 = t449 * t364;
+    let t464 = t462 - t463;
+    let t465 = t464 * inverse_d_joint3;
+    let t466 = t465 * t366;
+    let t467 = t452 + t466;
+    let t468 = t464 * t465;
+    let t469 = 2.0 * t458;
+    let t470 = t379 + t469;
+    let t471 = sin_joint2 * t189;
+    let t472 = 0.07312640000000001 + t471;
+    let t473 = 1.674987602 - t471;
+    let t474 = t473 + t472;
+    let t475 = t474 + t470;
+    let t476 = t475 + 2.324814845;
+    let t477 = t476 - t381;
+    let t478 = t440 * t441;
+    let t479 = t477 - t478;
+    let t480 = t449 * t450;
+    let t481 = t479 - t480;
+    let t482 = t481 - t468;
+    let inverse_d_joint2 = 1.0 / t482;
+    let t484 = t407 * t465;
+    let t485 = sin_joint2 * t312;
+    let t486 = t394 - t485;
+    let t487 = 0.008085780000000004 * cos_joint2;
+    let t488 = 0.120863064 * sin_joint2;
+    let t489 = t488 + t487;
+    let t490 = t489 - t486;
+    let t491 = 0.045079919999999996 * cos_joint2;
+    let t492 = 1.638935762 * sin_joint2;
+    let t493 = t492 + t491;
+    let t494 = t493 + t399;
+    let t495 = 0.3474988420565076 * t494;
+    let t496 = t490 + t495;
+    let t497 = t496 - t402;
+    let t498 = t281 * t441;
+    let t499 = t497 + t498;
+    let t500 = t317 * t450;
     let t501 = t499 - t500;
-    let t502 = 0.010956925 * acceleration_joint3_z;
-    let t503 = t502 + t501;
-    let moment_joint3_y = t503 - t496;
-    let t505 = cos_joint2_joint3 * moment_joint3_y;
-    let t506 = t491 - t505;
-    let t507 = 0.3848762940000001 * t242;
-    let t508 = 0.010956925 * t314;
-    let t509 = t508 + t507;
-    let force_joint3_z = t509 - t494;
-    let t511 = cos_joint2 * force_joint3_z;
-    let t512 = t506 + t511;
-    let t513 = t456 * t317;
-    let t514 = t307 - t308;
-    let t515 = 0.008085780000000004 * sin_joint2;
-    let t516 = 0.120863064 * cos_joint2;
-    let t517 = t516 - t515;
-    let t518 = t517 * t514;
-    let t519 = t513 + t518;
-    let t520 = t461 * acceleration_joint2_z;
-    let t521 = t520 + t519;
-    let moment_joint2_y = t521 - t512;
-    let t523 = t461 * t308;
-    let force_joint2_x = t523 + t447;
-    let t525 = 0.3474988420565076 * force_joint2_x;
-    let moment_joint1_z = moment_joint2_y - t525;
-    let t527 = sign(v[0]);
-    let t528 = t527.abs();
-    let t529 = t528 * 1.2522219999999997;
-    let t530 = t527 * 25.9836065;
-    let t531 = v[0] * 5.8018217679508;
-    let t532 = t531 + t530;
-    let t533 = t532 - t529;
-    let t534 = u[0] * 62.6111;
-    let t535 = t534 + t533;
-    let t536 = t535 + moment_joint1_z;
-    let t537 = t478 * t536;
-    let t538 = t537 - t475;
-    let t539 = t538 - t427;
-    let t540 = t539 + t345;
-    let t541 = t118 * t219;
-    let t542 = t179 * t215;
-    let t543 = t541 - t542;
-    let t544 = t85 * t212;
+    let t502 = t501 + t484;
+    let t503 = t502 * inverse_d_joint2;
+    let t504 = t503 * t467;
+    let t505 = t410 - t504;
+    let t506 = t374 - t378;
+    let t507 = sin_joint2_joint3 * t506;
+    let t508 = cos_joint5 * 5.846399999999998e-5;
+    let t509 = t307 - t508;
+    let t510 = 0.011273199000000001 - t509;
+    let t511 = 2.0 * t510;
+    let t512 = cos_joint2_joint3 * t511;
+    let t513 = t507 + t512;
+    let t514 = sin_joint2_joint3 * t513;
+    let t515 = t374 - t514;
+    let t516 = 2.0 * t457;
+    let t517 = t515 + t516;
+    let t518 = t473 + t517;
+    let t519 = 0.175 + t518;
+    let t520 = 0.0007699999999999999 + t369;
+    let t521 = t312 * 0.6949976841130152;
+    let t522 = t520 + t521;
+    let t523 = 1.286789571125 + t522;
+    let t524 = t519 + t523;
+    let t525 = t524 + 0.784029968642;
+    let t526 = t251 * t252;
+    let t527 = t525 - t526;
+    let t528 = t281 * t282;
+    let t529 = t527 - t528;
+    let t530 = t317 * t322;
+    let t531 = t529 - t530;
+    let t532 = t407 * t408;
+    let t533 = t531 - t532;
+    let t534 = t502 * t503;
+    let t535 = t533 - t534;
+    let inverse_d_joint1 = 1.0 / t535;
+    let t537 = inverse_d_joint1 * t505;
+    let t538 = t503 * t537;
+    let t539 = inverse_d_joint2 * t467;
+    let t540 = t539 - t538;
+    let t541 = t465 * t540;
+    let t542 = inverse_d_joint3 * t366;
+    let t543 = t542 + t541;
+    let t544 = t408 * t537;
     let t545 = t543 - t544;
-    let t546 = sign(v[4]);
-    let t547 = t546.abs();
-    let t548 = t547 * 0.18843826000000008;
-    let t549 = t546 * 0.85444524;
-    let t550 = v[4] * 0.42728302093540005;
-    let t551 = t550 + t549;
-    let t552 = t551 - t548;
-    let t553 = u[4] * 71.923;
-    let t554 = t553 - t552;
-    let t555 = t554 - moment_joint5_z;
-    let t556 = t545 * t555;
-    let t557 = t540 - t556;
-    let t558 = t557 - t278;
-    let t559 = t124 * t433;
-    let t560 = t182 * t430;
-    let t561 = t559 - t560;
-    let t562 = t106 * t428;
-    let t563 = t561 + t562;
-    let t564 = t99 * t563;
-    let t565 = t112 * t433;
-    let t566 = t564 + t565;
-    let t567 = t112 * t430;
-    let t568 = t566 - t567;
-    let t569 = t67 * t428;
-    let t570 = t568 + t569;
-    let t571 = t570 * t277;
-    let t572 = t563 * t344;
-    let t573 = t433 * t426;
-    let t574 = t430 * t474;
-    let t575 = t428 * t536;
-    let t576 = t575 - t574;
-    let t577 = t576 - t573;
-    let t578 = t577 + t572;
-    let t579 = t118 * t433;
-    let t580 = t179 * t430;
-    let t581 = t579 - t580;
-    let t582 = t85 * t428;
-    let t583 = t581 - t582;
-    let t584 = t583 * t555;
-    let t585 = t578 - t584;
-    let t586 = t585 - t571;
-    let t587 = t586 - t558;
-    let t588 = t244 + t587;
-    let t589 = sin_joint4 * t588;
-    let t590 = t124 * t478;
-    let t591 = t182 * t428;
-    let t592 = t590 - t591;
-    let t593 = t106 * inverse_d_joint1;
-    let t594 = t592 + t593;
-    let t595 = t99 * t594;
-    let t596 = t112 * t478;
-    let t597 = t595 + t596;
-    let t598 = t112 * t428;
-    let t599 = t597 - t598;
-    let t600 = t67 * inverse_d_joint1;
-    let t601 = t599 + t600;
-    let t602 = t601 * t277;
-    let t603 = t594 * t344;
-    let t604 = t478 * t426;
-    let t605 = inverse_d_joint1 * t536;
-    let t606 = t428 * t474;
-    let t607 = t605 - t606;
-    let t608 = t607 - t604;
-    let t609 = t608 + t603;
-    let t610 = t118 * t478;
-    let t611 = t179 * t428;
-    let t612 = t610 - t611;
-    let t613 = t85 * inverse_d_joint1;
-    let t614 = t612 - t613;
-    let t615 = t614 * t555;
-    let t616 = t609 - t615;
-    let t617 = t616 - t602;
-    let t618 = sin_joint2_joint3 * t617;
-    let t619 = t242 - t618;
-    let t620 = cos_joint4 * t619;
-    let t621 = t589 + t620;
-    let t622 = t240 - t621;
-    let t623 = sin_joint5 * t622;
-    let t624 = t124 * t170;
-    let t625 = t182 - t624;
-    let t626 = t206 * t625;
-    let t627 = t124 * t146;
-    let t628 = t106 + t627;
-    let t629 = t628 - t626;
-    let t630 = inverse_d_joint1 * t629;
-    let t631 = t206 * t630;
-    let t632 = inverse_d_joint2 * t625;
-    let t633 = t632 - t631;
-    let t634 = t170 * t633;
-    let t635 = t124 * inverse_d_joint3;
-    let t636 = t635 - t634;
-    let t637 = t146 * t630;
-    let t638 = t636 + t637;
-    let t639 = t124 * t638;
-    let t640 = inverse_d_joint4 + t639;
-    let t641 = t182 * t633;
-    let t642 = t640 + t641;
-    let t643 = t106 * t630;
-    let t644 = t642 + t643;
-    let t645 = t99 * t644;
-    let t646 = t112 * t638;
-    let t647 = t645 + t646;
-    let t648 = t112 * t633;
-    let t649 = t647 + t648;
-    let t650 = t67 * t630;
-    let t651 = t649 + t650;
-    let t652 = t651 * t277;
-    let t653 = t644 * t344;
-    let t654 = t224 * t426;
-    let t655 = t563 * t474;
-    let t656 = t594 * t536;
-    let t657 = t656 - t655;
-    let t658 = t657 - t654;
-    let t659 = t658 + t653;
-    let t660 = t118 * t638;
-    let t661 = t179 * t633;
-    let t662 = t660 + t661;
-    let t663 = t85 * t630;
-    let t664 = t662 - t663;
-    let t665 = t664 * t555;
-    let t666 = t659 - t665;
-    let t667 = t666 - t652;
-    let t668 = cos_joint2_joint3 * t617;
-    let t669 = t253 + t668;
-    let t670 = t667 - t669;
-    let t671 = t252 + t670;
-    let t672 = cos_joint5 * t671;
-    let t673 = t672 + t623;
-    let t674 = t261 - t673;
-    let t675 = t651 * t344;
-    let t676 = t231 * t426;
-    let t677 = t570 * t474;
-    let t678 = t601 * t536;
-    let t679 = t678 - t677;
-    let t680 = t679 - t676;
-    let t681 = t680 + t675;
-    let t682 = t118 * t170;
-    let t683 = t179 - t682;
-    let t684 = t206 * t683;
-    let t685 = t118 * t146;
-    let t686 = t85 - t685;
-    let t687 = t686 + t684;
-    let t688 = inverse_d_joint1 * t687;
-    let t689 = t206 * t688;
-    let t690 = inverse_d_joint2 * t683;
-    let t691 = t690 + t689;
-    let t692 = t170 * t691;
-    let t693 = t118 * inverse_d_joint3;
-    let t694 = t693 - t692;
-    let t695 = t146 * t688;
+    let t546 = t364 * t545;
+    let t547 = inverse_d_joint4 * t297;
+    let t548 = t547 - t546;
+    let t549 = t450 * t540;
+    let t550 = t548 + t549;
+    let t551 = t322 * t537;
+    let t552 = t550 + t551;
+    let t553 = cos_joint2_joint3 * t537;
+    let t554 = t30 + t553;
+    let t555 = t552 - t554;
+    let t556 = t29 + t555;
+    let t557 = cos_joint5 * t556;
+    let t558 = t540 - t545;
+    let t559 = t21 - t558;
+    let t560 = sin_joint4 * t559;
+    let t561 = sin_joint2_joint3 * t537;
+    let t562 = t19 - t561;
+    let t563 = cos_joint4 * t562;
+    let t564 = t560 + t563;
+    let t565 = t17 - t564;
+    let t566 = sin_joint5 * t565;
+    let t567 = t557 + t566;
+    let t568 = t38 - t567;
+    let t569 = t295 * t552;
+    let t570 = 5.151863922779921 * t245;
+    let t571 = t570 - t569;
+    let t572 = t352 * t545;
+    let t573 = t571 + t572;
+    let t574 = t352 * t540;
+    let t575 = t573 - t574;
+    let t576 = t252 * t537;
+    let t577 = t575 - t576;
+    let t578 = t577 - t568;
+    let t579 = t38 + t578;
+    let t580 = 1.9999999999999998e-5 * t579;
+    let t581 = t38 - t578;
+    let t582 = 1.9999999999999998e-5 * t581;
+    let moment_joint6_z_2 = t582 - t580;
+    let t584 = t46 - t567;
+    let t585 = 0.0002 * t584;
+    let moment_joint5_y_2 = t585 + moment_joint6_z_2;
+    let t587 = sin_joint5 * moment_joint5_y_2;
+    let t588 = sin_joint5 * t556;
+    let t589 = cos_joint5 * t565;
+    let t590 = t588 - t589;
+    let t591 = t60 - t590;
+    let t592 = t56 + t591;
+    let moment_joint6_x_2 = 1.9999999999999998e-5 * t592;
+    let t594 = 0.00042216 * t591;
+    let t595 = cos_joint2 * t540;
+    let t596 = t70 - t595;
+    let t597 = 22.71885132005558 - t596;
+    let t598 = sin_joint2_joint3 * t597;
+    let t599 = sin_joint2 * t540;
+    let t600 = t75 + t599;
+    let acceleration_joint2_x = 0.3474988420565076 * t537;
+    let t602 = acceleration_joint2_x + t600;
+    let t603 = cos_joint2_joint3 * t602;
+    let acceleration_joint3_x_2 = t603 - t598;
+    let t605 = t68 + acceleration_joint3_x_2;
+    let t606 = sin_joint4 * t605;
+    let t607 = t80 + t553;
+    let t608 = 0.047012505789717454 * t607;
+    let t609 = cos_joint2 * t537;
+    let t610 = t84 + t609;
+    let acceleration_joint3_z_2 = acceleration_joint2_z - t610;
+    let t612 = acceleration_joint3_z_2 - t608;
+    let t613 = cos_joint4 * t612;
+    let t614 = t606 + t613;
+    let acceleration_joint4_y_2 = t614 - t564;
+    let t616 = 0.0012435839999999998 * acceleration_joint4_y_2;
+    let t617 = t616 + t594;
+    let moment_joint5_x_2 = t617 + moment_joint6_x_2;
+    let t619 = cos_joint5 * moment_joint5_x_2;
+    let t620 = t619 - t587;
+    let t621 = 0.0007499999999999999 * t565;
+    let moment_joint4_x_2 = t621 + t620;
+    let force_joint5_z_2 = 0.0012435839999999998 * t591;
+    let t624 = force_joint5_z_2 + moment_joint4_x_2;
+    let t625 = cos_joint4 * t624;
+    let t626 = cos_joint4 * t559;
+    let t627 = sin_joint4 * t562;
+    let t628 = t626 - t627;
+    let t629 = t121 - t628;
+    let t630 = t358 * t545;
+    let t631 = 5.83606090588883 * t264;
+    let t632 = t631 + t630;
+    let t633 = t441 * t540;
+    let t634 = t632 - t633;
+    let t635 = t282 * t537;
+    let t636 = t634 + t635;
+    let t637 = t636 + t629;
+    let t638 = t120 + t637;
+    let t639 = 0.00042216 * t638;
+    let t640 = t120 - t637;
+    let t641 = 0.0002 * t640;
+    let t642 = t641 - t639;
+    let t643 = cos_joint4 * t605;
+    let t644 = sin_joint4 * t612;
+    let t645 = t643 - t644;
+    let acceleration_joint4_x_2 = t645 - t628;
+    let t647 = cos_joint5 * acceleration_joint4_x_2;
+    let t648 = t21 + t558;
+    let t649 = 0.047012505789717454 * t648;
+    let t650 = cos_joint2_joint3 * t597;
+    let t651 = sin_joint2_joint3 * t602;
+    let acceleration_joint3_y_2 = t651 + t650;
+    let t653 = acceleration_joint3_y_2 + t649;
+    let acceleration_joint4_z_2 = t115 - t653;
+    let t655 = sin_joint5 * acceleration_joint4_z_2;
+    let acceleration_joint5_x_2 = t647 + t655;
+    let t657 = 0.0012435839999999998 * acceleration_joint5_x_2;
+    let t658 = t657 - t642;
+    let t659 = t129 + t638;
+    let moment_joint6_y_2 = 1.9999999999999998e-5 * t659;
+    let moment_joint5_z_2 = t658 + moment_joint6_y_2;
+    let t662 = t133 - t628;
+    let t663 = 0.00065 * t662;
+    let moment_joint4_y_2 = t663 + moment_joint5_z_2;
+    let force_joint5_x_2 = 0.0012435839999999998 * t638;
+    let t666 = cos_joint5 * force_joint5_x_2;
+    let force_joint4_x_2 = t141 - t666;
+    let t668 = force_joint4_x_2 - moment_joint4_y_2;
+    let t669 = sin_joint4 * t668;
+    let t670 = t625 + t669;
+    let t671 = 0.011273199000000001 * t607;
+    let t672 = t149 - t671;
+    let t673 = 0.34123495800000003 * t562;
+    let t674 = t672 - t673;
+    let t675 = 0.3848762940000001 * acceleration_joint3_z_2;
+    let t676 = t675 + t674;
+    let moment_joint3_x_2 = t676 + t670;
+    let t678 = cos_joint2_joint3 * moment_joint3_x_2;
+    let t679 = cos_joint5 * moment_joint5_y_2;
+    let t680 = sin_joint5 * moment_joint5_x_2;
+    let t681 = t680 + t679;
+    let t682 = 0.0007499999999999999 * t556;
+    let t683 = t29 - t555;
+    let t684 = 0.00065 * t683;
+    let t685 = t684 - t682;
+    let moment_joint4_z_2 = t685 + t681;
+    let t687 = cos_joint4 * force_joint5_z_2;
+    let t688 = sin_joint4 * force_joint4_x_2;
+    let t689 = t688 + t687;
+    let t690 = 0.047012505789717454 * t689;
+    let t691 = moment_joint4_z_2 - t690;
+    let t692 = 0.0047376000000000015 * t559;
+    let t693 = 0.011273199000000001 * t562;
+    let t694 = t692 - t693;
+    let t695 = 0.016765112499999995 * t607;
     let t696 = t694 - t695;
-    let t697 = t124 * t696;
-    let t698 = t182 * t691;
-    let t699 = t697 + t698;
-    let t700 = t106 * t688;
-    let t701 = t699 - t700;
-    let t702 = t99 * t701;
-    let t703 = t112 * t696;
-    let t704 = t702 + t703;
-    let t705 = t112 * t691;
-    let t706 = t704 + t705;
-    let t707 = t67 * t688;
-    let t708 = t706 - t707;
-    let t709 = t708 * t555;
-    let t710 = t681 - t709;
-    let t711 = t99 * t124;
-    let t712 = t112 + t711;
-    let t713 = t170 * t712;
-    let t714 = t99 * t182;
-    let t715 = t112 + t714;
-    let t716 = t715 - t713;
-    let t717 = t206 * t716;
-    let t718 = t146 * t712;
-    let t719 = t99 * t106;
-    let t720 = t67 + t719;
-    let t721 = t720 + t718;
-    let t722 = t721 - t717;
-    let t723 = inverse_d_joint1 * t722;
-    let t724 = t206 * t723;
-    let t725 = inverse_d_joint2 * t716;
-    let t726 = t725 - t724;
-    let t727 = t170 * t726;
-    let t728 = inverse_d_joint3 * t712;
-    let t729 = t728 - t727;
-    let t730 = t146 * t723;
-    let t731 = t729 + t730;
-    let t732 = t124 * t731;
-    let t733 = t99 * inverse_d_joint4;
-    let t734 = t733 + t732;
-    let t735 = t182 * t726;
-    let t736 = t734 + t735;
-    let t737 = t106 * t723;
-    let t738 = t736 + t737;
-    let t739 = t99 * t738;
-    let t740 = 5.151863922779921 + t739;
-    let t741 = t112 * t731;
-    let t742 = t740 + t741;
-    let t743 = t112 * t726;
-    let t744 = t742 + t743;
-    let t745 = t67 * t723;
-    let t746 = t744 + t745;
-    let t747 = t746 * t277;
-    let t748 = t710 - t747;
-    let t749 = t748 + t674;
-    let t750 = t261 - t749;
-    let t751 = 1.9999999999999998e-5 * t750;
-    let t752 = t261 + t749;
-    let t753 = 1.9999999999999998e-5 * t752;
-    let moment_joint6_z_2 = t753 - t751;
-    let t755 = t280 - t673;
-    let t756 = 0.0002 * t755;
-    let moment_joint5_y_2 = t756 + moment_joint6_z_2;
-    let t758 = sin_joint5 * moment_joint5_y_2;
-    let t759 = cos_joint5 * t622;
-    let t760 = sin_joint5 * t671;
-    let t761 = t760 - t759;
-    let t762 = t294 - t761;
-    let t763 = t290 + t762;
-    let moment_joint6_x_2 = 1.9999999999999998e-5 * t763;
-    let t765 = 0.00042216 * t762;
-    let t766 = cos_joint2 * t586;
-    let t767 = t304 + t766;
-    let t768 = 22.71885132005558 - t767;
-    let t769 = sin_joint2_joint3 * t768;
-    let t770 = sin_joint2 * t586;
-    let t771 = t309 - t770;
-    let acceleration_joint2_x = 0.3474988420565076 * t617;
-    let t773 = acceleration_joint2_x + t771;
-    let t774 = cos_joint2_joint3 * t773;
-    let acceleration_joint3_x_2 = t774 - t769;
-    let t776 = t302 + acceleration_joint3_x_2;
-    let t777 = sin_joint4 * t776;
-    let t778 = t314 + t668;
-    let t779 = 0.047012505789717454 * t778;
-    let t780 = cos_joint2 * t617;
-    let t781 = t318 + t780;
-    let acceleration_joint3_z_2 = acceleration_joint2_z - t781;
-    let t783 = acceleration_joint3_z_2 - t779;
-    let t784 = cos_joint4 * t783;
-    let t785 = t777 + t784;
-    let acceleration_joint4_y_2 = t785 - t621;
-    let t787 = 0.0012435839999999998 * acceleration_joint4_y_2;
-    let t788 = t787 + t765;
-    let moment_joint5_x_2 = t788 + moment_joint6_x_2;
-    let t790 = cos_joint5 * moment_joint5_x_2;
-    let t791 = t790 - t758;
-    let t792 = 0.0007499999999999999 * t622;
-    let moment_joint4_x_2 = t792 + t791;
-    let force_joint5_z_2 = 0.0012435839999999998 * t762;
-    let t795 = force_joint5_z_2 + moment_joint4_x_2;
-    let t796 = cos_joint4 * t795;
-    let t797 = cos_joint4 * t776;
-    let t798 = sin_joint4 * t783;
-    let t799 = t797 - t798;
-    let t800 = cos_joint4 * t588;
-    let t801 = sin_joint4 * t619;
-    let t802 = t800 - t801;
-    let acceleration_joint4_x_2 = t799 - t802;
-    let t804 = cos_joint5 * acceleration_joint4_x_2;
-    let t805 = cos_joint2_joint3 * t768;
-    let t806 = sin_joint2_joint3 * t773;
-    let acceleration_joint3_y_2 = t806 + t805;
-    let t808 = t244 - t587;
-    let t809 = 0.047012505789717454 * t808;
-    let t810 = acceleration_joint3_y_2 + t809;
-    let acceleration_joint4_z_2 = t368 - t810;
-    let t812 = sin_joint5 * acceleration_joint4_z_2;
-    let acceleration_joint5_x_2 = t804 + t812;
-    let t814 = 0.0012435839999999998 * acceleration_joint5_x_2;
-    let t815 = t374 - t802;
-    let t816 = t708 * t277;
-    let t817 = t545 * t426;
-    let t818 = t583 * t474;
-    let t819 = t614 * t536;
-    let t820 = t819 - t818;
-    let t821 = t820 - t817;
-    let t822 = t664 * t344;
-    let t823 = t821 + t822;
-    let t824 = t118 * t696;
-    let t825 = 5.83606090588883 + t824;
-    let t826 = t179 * t691;
-    let t827 = t825 + t826;
-    let t828 = t85 * t688;
-    let t829 = t827 + t828;
-    let t830 = t829 * t555;
-    let t831 = t823 - t830;
-    let t832 = t831 - t816;
-    let t833 = t832 - t815;
-    let t834 = t373 - t833;
-    let t835 = 0.00042216 * t834;
-    let t836 = t373 + t833;
-    let t837 = 0.0002 * t836;
-    let t838 = t837 - t835;
-    let t839 = t814 - t838;
-    let t840 = t382 + t834;
-    let moment_joint6_y_2 = 1.9999999999999998e-5 * t840;
-    let moment_joint5_z_2 = t839 + moment_joint6_y_2;
-    let t843 = t386 - t802;
-    let t844 = 0.00065 * t843;
-    let moment_joint4_y_2 = t844 + moment_joint5_z_2;
-    let force_joint5_x_2 = 0.0012435839999999998 * t834;
-    let t847 = cos_joint5 * force_joint5_x_2;
-    let force_joint4_x_2 = t394 - t847;
-    let t849 = force_joint4_x_2 - moment_joint4_y_2;
-    let t850 = sin_joint4 * t849;
-    let t851 = t796 + t850;
-    let t852 = 0.011273199000000001 * t778;
-    let t853 = t483 - t852;
-    let t854 = 0.34123495800000003 * t619;
-    let t855 = t853 - t854;
-    let t856 = 0.3848762940000001 * acceleration_joint3_z_2;
-    let t857 = t856 + t855;
-    let moment_joint3_x_2 = t857 + t851;
-    let t859 = cos_joint2_joint3 * moment_joint3_x_2;
-    let t860 = cos_joint5 * moment_joint5_y_2;
-    let t861 = sin_joint5 * moment_joint5_x_2;
-    let t862 = t861 + t860;
-    let t863 = 0.0007499999999999999 * t671;
-    let t864 = t252 - t670;
-    let t865 = 0.00065 * t864;
-    let t866 = t865 - t863;
-    let moment_joint4_z_2 = t866 + t862;
-    let t868 = sin_joint4 * force_joint4_x_2;
-    let t869 = cos_joint4 * force_joint5_z_2;
-    let t870 = t868 + t869;
-    let t871 = 0.047012505789717454 * t870;
-    let t872 = moment_joint4_z_2 - t871;
-    let t873 = 0.0047376000000000015 * t588;
-    let t874 = 0.011273199000000001 * t619;
-    let t875 = t873 - t874;
-    let t876 = 0.016765112499999995 * t778;
-    let t877 = t875 - t876;
-    let t878 = 0.010956925 * acceleration_joint3_z_2;
-    let t879 = t878 + t877;
-    let moment_joint3_y_2 = t879 - t872;
-    let t881 = sin_joint2_joint3 * moment_joint3_y_2;
-    let t882 = t859 + t881;
-    let t883 = 0.3848762940000001 * t619;
-    let t884 = 0.010956925 * t778;
-    let t885 = t884 + t883;
-    let force_joint3_z_2 = t885 - t870;
-    let t887 = sin_joint2 * force_joint3_z_2;
-    let t888 = t882 - t887;
-    let t889 = t517 * t586;
-    let t890 = t456 * t617;
-    let t891 = t890 - t889;
-    let t892 = t307 - t303;
-    let t893 = t192 * t892;
-    let t894 = t893 + t891;
-    let t895 = t174 * t317;
-    let t896 = t895 - t894;
-    let t897 = t196 * acceleration_joint2_z;
-    let t898 = t897 - t896;
-    let moment_joint2_x = t898 + t888;
-    let t900 = cos_joint2_joint3 * t35;
-    let t901 = t32 - t900;
-    let t902 = cos_joint2 * t137;
-    let t903 = sin_joint2 * t43;
-    let t904 = t903 + t902;
-    let t905 = t901 - t904;
-    let t906 = t456 + t905;
-    let t907 = t906 * t617;
-    let t908 = t193 * t307;
-    let t909 = t907 - t908;
-    let t910 = t55 * 22.71885132005558;
-    let t911 = t910 - t909;
-    let t912 = 3.9999999999999996e-5 * omega_joint6_z;
-    let t913 = 0.0004 * omega_joint5_y;
-    let t914 = t913 - t912;
-    let t915 = cos_joint5 * t914;
-    let t916 = omega_joint5_x * 0.00084432;
-    let t917 = sin_joint5 * t916;
-    let t918 = t915 - t917;
-    let t919 = 0.0013 * omega_joint4_z;
-    let t920 = t919 - t918;
-    let t921 = 2.0 * omega_joint4_x;
-    let t922 = t16 * t921;
-    let t923 = t920 + t922;
-    let t924 = cos_joint5 * t912;
-    let t925 = 3.9999999999999996e-5 * omega_joint5_x;
-    let t926 = sin_joint5 * t925;
-    let t927 = t924 + t926;
-    let t928 = omega_joint4_z * 0.0014999999999999998;
-    let t929 = t928 + t927;
-    let t930 = t929 - t923;
-    let t931 = cos_joint4 * t930;
-    let t932 = omega_joint5_z * 0.00040431999999999995;
-    let t933 = cos_joint5 * t932;
-    let t934 = sin_joint5 * t933;
-    let t935 = 2.0 * omega_joint4_y;
-    let t936 = t16 * t935;
-    let t937 = t934 + t936;
-    let t938 = sin_joint4 * t937;
-    let t939 = t938 - t931;
-    let t940 = sin_joint4 * t939;
-    let t941 = t937 - t940;
-    let t942 = 0.0024871679999999997 * omega_joint5_x;
-    let t943 = sin_joint4 * t942;
-    let t944 = 0.0024871679999999997 * omega_joint5_z;
-    let t945 = cos_joint5 * t944;
-    let t946 = cos_joint4 * t945;
-    let t947 = t946 - t943;
-    let t948 = 0.047012505789717454 * t947;
-    let t949 = t941 - t948;
-    let t950 = omega_joint3_z * 0.022546398000000002;
+    let t697 = 0.010956925 * acceleration_joint3_z_2;
+    let t698 = t697 + t696;
+    let moment_joint3_y_2 = t698 - t691;
+    let t700 = sin_joint2_joint3 * moment_joint3_y_2;
+    let t701 = t678 + t700;
+    let t702 = 0.3848762940000001 * t562;
+    let t703 = 0.010956925 * t607;
+    let t704 = t703 + t702;
+    let force_joint3_z_2 = t704 - t689;
+    let t706 = sin_joint2 * force_joint3_z_2;
+    let t707 = t701 - t706;
+    let t708 = t196 * t540;
+    let t709 = t191 * t537;
+    let t710 = t709 + t708;
+    let t711 = t73 - t69;
+    let t712 = t489 * t711;
+    let t713 = t712 + t710;
+    let t714 = t472 * t83;
+    let t715 = t714 - t713;
+    let t716 = t493 * acceleration_joint2_z;
+    let t717 = t716 - t715;
+    let moment_joint2_x = t717 + t707;
+    let t719 = cos_joint2_joint3 * t513;
+    let t720 = t510 - t719;
+    let t721 = cos_joint2 * t399;
+    let t722 = sin_joint2 * t456;
+    let t723 = t722 + t721;
+    let t724 = t720 - t723;
+    let t725 = t191 + t724;
+    let t726 = t725 * t537;
+    let t727 = t490 * t73;
+    let t728 = t726 - t727;
+    let t729 = t312 * 22.71885132005558;
+    let t730 = t729 - t728;
+    let t731 = 3.9999999999999996e-5 * omega_joint6_z;
+    let t732 = 0.0004 * omega_joint5_y;
+    let t733 = t732 - t731;
+    let t734 = cos_joint5 * t733;
+    let t735 = omega_joint5_x * 0.00084432;
+    let t736 = sin_joint5 * t735;
+    let t737 = t734 - t736;
+    let t738 = 0.0013 * omega_joint4_z;
+    let t739 = t738 - t737;
+    let t740 = 2.0 * omega_joint4_x;
+    let t741 = t277 * t740;
+    let t742 = t739 + t741;
+    let t743 = cos_joint5 * t731;
+    let t744 = 3.9999999999999996e-5 * omega_joint5_x;
+    let t745 = sin_joint5 * t744;
+    let t746 = t743 + t745;
+    let t747 = omega_joint4_z * 0.0014999999999999998;
+    let t748 = t747 + t746;
+    let t749 = t748 - t742;
+    let t750 = cos_joint4 * t749;
+    let t751 = omega_joint5_z * 0.00040431999999999995;
+    let t752 = cos_joint5 * t751;
+    let t753 = sin_joint5 * t752;
+    let t754 = 2.0 * omega_joint4_y;
+    let t755 = t277 * t754;
+    let t756 = t753 + t755;
+    let t757 = sin_joint4 * t756;
+    let t758 = t757 - t750;
+    let t759 = sin_joint4 * t758;
+    let t760 = t756 - t759;
+    let t761 = 0.0024871679999999997 * omega_joint5_x;
+    let t762 = sin_joint4 * t761;
+    let t763 = 0.0024871679999999997 * omega_joint5_z;
+    let t764 = cos_joint5 * t763;
+    let t765 = cos_joint4 * t764;
+    let t766 = t765 - t762;
+    let t767 = 0.047012505789717454 * t766;
+    let t768 = t760 - t767;
+    let t769 = omega_joint3_z * 0.022546398000000002;
+    let t770 = t769 - t768;
+    let t771 = sin_joint5 * t763;
+    let t772 = t771 + t753;
+    let t773 = 0.09402501157943491 * omega_joint3_z;
+    let t774 = t265 * t773;
+    let t775 = t772 - t774;
+    let t776 = omega_joint3_x * 0.009475200000000003;
+    let t777 = t769 - t776;
+    let t778 = t777 - t775;
+    let t779 = t770 + t778;
+    let t780 = sin_joint2_joint3 * t779;
+    let t781 = sin_joint5 * t731;
+    let t782 = cos_joint5 * t744;
+    let t783 = t781 - t782;
+    let t784 = omega_joint4_x * 0.0014999999999999998;
+    let t785 = t784 - t783;
+    let t786 = sin_joint4 * t785;
+    let t787 = cos_joint5 * t752;
+    let t788 = omega_joint5_z * 0.00084432;
+    let t789 = t788 - t787;
+    let t790 = 0.0013 * omega_joint4_y;
+    let t791 = t790 + t789;
+    let t792 = cos_joint4 * t791;
+    let t793 = t792 - t786;
+    let t794 = 0.047012505789717454 * t771;
+    let t795 = t298 * t773;
+    let t796 = t794 + t795;
+    let t797 = t793 - t796;
+    let t798 = omega_joint3_z * 0.03353022499999999;
+    let t799 = t798 + t797;
+    let t800 = sin_joint5 * t733;
+    let t801 = cos_joint5 * t735;
+    let t802 = t800 + t801;
+    let t803 = t265 * t740;
+    let t804 = t761 + t803;
+    let t805 = t802 + t804;
+    let t806 = sin_joint4 * t805;
+    let t807 = omega_joint5_z * 0.00044;
+    let t808 = t807 + t787;
+    let t809 = t265 * t754;
+    let t810 = t764 + t809;
+    let t811 = t808 + t810;
+    let t812 = cos_joint4 * t811;
+    let t813 = t812 - t806;
+    let t814 = omega_joint3_y * 0.009475200000000003;
+    let t815 = omega_joint3_z * 0.6824699160000001;
+    let t816 = t814 - t815;
+    let t817 = t816 - t813;
+    let t818 = t817 + t799;
+    let t819 = cos_joint2_joint3 * t818;
+    let t820 = t780 - t819;
+    let t821 = cos_joint2_joint3 * t820;
+    let t822 = t817 + t821;
+    let t823 = omega_joint3_z * 0.7697525880000002;
+    let t824 = t823 + t766;
+    let t825 = sin_joint2_joint3 * t824;
+    let t826 = omega_joint3_z * 0.02191385;
+    let t827 = t826 - t771;
+    let t828 = cos_joint2_joint3 * t827;
+    let t829 = t825 - t828;
+    let t830 = cos_joint2 * t829;
+    let t831 = v[1] * cos_joint2;
+    let t832 = 2.0 * t831;
+    let t833 = t456 * t832;
+    let t834 = t830 - t833;
+    let t835 = t822 + t834;
+    let t836 = t473 * t82;
+    let t837 = t836 - t835;
+    let t838 = v[0] * t837;
+    let t839 = t730 - t838;
+    let t840 = moment_joint2_x - t839;
+    let t841 = sin_joint4 * force_joint5_z_2;
+    let t842 = cos_joint4 * force_joint4_x_2;
+    let t843 = t842 - t841;
+    let t844 = 0.3848762940000001 * t559;
+    let t845 = t208 - t844;
+    let force_joint3_x_2 = t845 - t843;
+    let t847 = sin_joint2_joint3 * force_joint3_x_2;
+    let t848 = sin_joint5 * force_joint5_x_2;
+    let force_joint4_z_2 = t213 + t848;
+    let t850 = 0.010956925 * t648;
+    let t851 = t216 - t850;
+    let force_joint3_y_2 = t851 + force_joint4_z_2;
+    let t853 = cos_joint2_joint3 * force_joint3_y_2;
+    let t854 = t847 + t853;
+    let t855 = t201 * t540;
+    let t856 = t493 * t69;
+    let t857 = t856 - t855;
+    let force_joint2_y = t857 + t854;
+    let t859 = t494 * t73;
+    let t860 = force_joint2_y + t859;
+    let t861 = 0.3474988420565076 * t860;
+    let t862 = t840 - t861;
+    let t863 = cos_joint2_joint3 * t247;
+    let t864 = sin_joint2_joint3 * t249;
+    let t865 = t863 + t864;
+    let t866 = t865 * t537;
+    let t867 = t351 * t73;
+    let t868 = t867 - t866;
+    let t869 = sin_joint4 * t744;
+    let t870 = 3.9999999999999996e-5 * omega_joint5_z;
+    let t871 = cos_joint5 * t870;
+    let t872 = cos_joint4 * t871;
+    let t873 = t872 - t869;
+    let t874 = cos_joint2_joint3 * t873;
+    let t875 = sin_joint5 * t870;
+    let t876 = sin_joint2_joint3 * t875;
+    let t877 = t874 - t876;
+    let t878 = v[0] * t877;
+    let t879 = t868 + t878;
+    let t880 = t252 * t879;
+    let t881 = t862 + t880;
+    let t882 = t437 * acceleration_joint2_x;
+    let t883 = t279 * 22.71885132005558;
+    let t884 = t883 + t882;
+    let t885 = sin_joint2_joint3 * t267;
+    let t886 = cos_joint2_joint3 * t270;
+    let t887 = t886 + t885;
+    let t888 = sin_joint2 * t266;
+    let t889 = t887 + t888;
+    let t890 = t889 * t537;
+    let t891 = t440 * t73;
+    let t892 = t890 + t891;
+    let t893 = t892 + t884;
+    let t894 = t737 - t741;
+    let t895 = cos_joint4 * t894;
+    let t896 = sin_joint4 * t755;
+    let t897 = t895 - t896;
+    let t898 = 0.09402501157943491 * omega_joint3_y;
+    let t899 = t277 * t898;
+    let t900 = t266 * t773;
+    let t901 = t900 - t899;
+    let t902 = t897 - t901;
+    let t903 = cos_joint2_joint3 * t902;
+    let t904 = t802 + t803;
+    let t905 = t275 * t898;
+    let t906 = t904 - t905;
+    let t907 = sin_joint2_joint3 * t906;
+    let t908 = t903 - t907;
+    let t909 = v[0] * cos_joint2;
+    let t910 = 2.0 * t909;
+    let t911 = t437 * t910;
+    let t912 = t266 * t832;
+    let t913 = t912 - t911;
+    let t914 = t908 - t913;
+    let t915 = v[0] * t914;
+    let t916 = t893 + t915;
+    let t917 = t282 * t916;
+    let t918 = t881 - t917;
+    let t919 = t445 * acceleration_joint2_x;
+    let t920 = t313 * 22.71885132005558;
+    let t921 = t920 + t919;
+    let t922 = sin_joint2_joint3 * t303;
+    let t923 = cos_joint2_joint3 * t307;
+    let t924 = t923 - t922;
+    let t925 = sin_joint2 * t298;
+    let t926 = t924 + t925;
+    let t927 = t926 * t537;
+    let t928 = t448 * t73;
+    let t929 = t927 - t928;
+    let t930 = t929 - t921;
+    let t931 = t793 - t795;
+    let t932 = cos_joint2_joint3 * t931;
+    let t933 = t312 * t898;
+    let t934 = t756 - t933;
+    let t935 = sin_joint2_joint3 * t934;
+    let t936 = t932 + t935;
+    let t937 = t445 * t910;
+    let t938 = t298 * t832;
+    let t939 = t938 + t937;
+    let t940 = t936 - t939;
+    let t941 = v[0] * t940;
+    let t942 = t930 + t941;
+    let t943 = t295 * t879;
+    let t944 = t942 - t943;
+    let t945 = t322 * t944;
+    let t946 = t918 - t945;
+    let t947 = t364 * t944;
+    let t948 = t358 * t916;
+    let t949 = t456 * acceleration_joint2_x;
+    let t950 = t399 * 22.71885132005558;
     let t951 = t950 - t949;
-    let t952 = sin_joint5 * t944;
-    let t953 = t952 + t934;
-    let t954 = 0.09402501157943491 * omega_joint3_z;
-    let t955 = t40 * t954;
-    let t956 = t953 - t955;
-    let t957 = omega_joint3_x * 0.009475200000000003;
-    let t958 = t950 - t957;
-    let t959 = t958 - t956;
-    let t960 = t951 + t959;
-    let t961 = sin_joint2_joint3 * t960;
-    let t962 = sin_joint5 * t912;
-    let t963 = cos_joint5 * t925;
-    let t964 = t962 - t963;
-    let t965 = omega_joint4_x * 0.0014999999999999998;
-    let t966 = t965 - t964;
-    let t967 = sin_joint4 * t966;
-    let t968 = cos_joint5 * t933;
-    let t969 = omega_joint5_z * 0.00084432;
+    let t952 = cos_joint2_joint3 * t390;
+    let t953 = sin_joint2_joint3 * t392;
+    let t954 = t952 + t953;
+    let t955 = t954 * t537;
+    let t956 = t459 * t73;
+    let t957 = t955 + t956;
+    let t958 = t957 + t951;
+    let t959 = cos_joint4 * t758;
+    let t960 = t748 + t959;
+    let t961 = cos_joint4 * t761;
+    let t962 = sin_joint4 * t764;
+    let t963 = t962 + t961;
+    let t964 = 0.047012505789717454 * t963;
+    let t965 = t298 * t898;
+    let t966 = t964 + t965;
+    let t967 = t960 - t966;
+    let t968 = omega_joint3_y * 0.03353022499999999;
+    let t969 = omega_joint3_x * 0.022546398000000002;
     let t970 = t969 - t968;
-    let t971 = 0.0013 * omega_joint4_y;
-    let t972 = t971 + t970;
-    let t973 = cos_joint4 * t972;
-    let t974 = t973 - t967;
-    let t975 = 0.047012505789717454 * t952;
-    let t976 = t17 * t954;
-    let t977 = t975 + t976;
-    let t978 = t974 - t977;
-    let t979 = omega_joint3_z * 0.03353022499999999;
-    let t980 = t979 + t978;
-    let t981 = sin_joint5 * t914;
-    let t982 = cos_joint5 * t916;
-    let t983 = t981 + t982;
-    let t984 = t40 * t921;
-    let t985 = t942 + t984;
-    let t986 = t983 + t985;
-    let t987 = sin_joint4 * t986;
-    let t988 = omega_joint5_z * 0.00044;
-    let t989 = t988 + t968;
-    let t990 = t40 * t935;
-    let t991 = t945 + t990;
-    let t992 = t989 + t991;
-    let t993 = cos_joint4 * t992;
-    let t994 = t993 - t987;
-    let t995 = omega_joint3_y * 0.009475200000000003;
-    let t996 = omega_joint3_z * 0.6824699160000001;
-    let t997 = t995 - t996;
-    let t998 = t997 - t994;
-    let t999 = t998 + t980;
-    let t1000 = cos_joint2_joint3 * t999;
-    let t1001 = t961 - t1000;
-    let t1002 = cos_joint2_joint3 * t1001;
-    let t1003 = t998 + t1002;
-    let t1004 = omega_joint3_z * 0.7697525880000002;
-    let t1005 = t1004 + t947;
-    let t1006 = sin_joint2_joint3 * t1005;
-    let t1007 = omega_joint3_z * 0.02191385;
-    let t1008 = t1007 - t952;
-    let t1009 = cos_joint2_joint3 * t1008;
-    let t1010 = t1006 - t1009;
-    let t1011 = cos_joint2 * t1010;
-    let t1012 = v[1] * cos_joint2;
-    let t1013 = 2.0 * t1012;
-    let t1014 = t43 * t1013;
-    let t1015 = t1011 - t1014;
-    let t1016 = t1003 + t1015;
-    let t1017 = t51 * t316;
-    let t1018 = t1017 - t1016;
-    let t1019 = v[0] * t1018;
-    let t1020 = t911 - t1019;
-    let t1021 = moment_joint2_x - t1020;
-    let t1022 = cos_joint4 * force_joint4_x_2;
-    let t1023 = sin_joint4 * force_joint5_z_2;
-    let t1024 = t1022 - t1023;
-    let t1025 = 0.3848762940000001 * t588;
-    let t1026 = t437 - t1025;
-    let force_joint3_x_2 = t1026 - t1024;
-    let t1028 = sin_joint2_joint3 * force_joint3_x_2;
-    let t1029 = sin_joint5 * force_joint5_x_2;
-    let force_joint4_z_2 = t401 + t1029;
-    let t1031 = 0.010956925 * t808;
-    let t1032 = t442 - t1031;
-    let force_joint3_y_2 = t1032 + force_joint4_z_2;
-    let t1034 = cos_joint2_joint3 * force_joint3_y_2;
-    let t1035 = t1028 + t1034;
-    let t1036 = t461 * t586;
-    let t1037 = t196 * t303;
-    let t1038 = t1037 + t1036;
-    let force_joint2_y = t1038 + t1035;
-    let t1040 = t197 * t307;
-    let t1041 = force_joint2_y + t1040;
-    let t1042 = 0.3474988420565076 * t1041;
-    let t1043 = t1021 - t1042;
-    let t1044 = inverse_d_joint1 * t1043;
-    let t1045 = t461 + t43;
-    let t1046 = t1045 * acceleration_joint2_x;
-    let t1047 = t197 * 22.71885132005558;
-    let t1048 = t1046 - t1047;
-    let t1049 = cos_joint2_joint3 * t130;
-    let t1050 = sin_joint2_joint3 * t132;
-    let t1051 = t1049 + t1050;
-    let t1052 = cos_joint2 * t55;
-    let t1053 = t1051 - t1052;
-    let t1054 = t517 - t1053;
-    let t1055 = t1054 * t617;
-    let t1056 = t176 * t307;
-    let t1057 = t1056 - t1055;
-    let t1058 = t1048 - t1057;
-    let t1059 = cos_joint4 * t939;
-    let t1060 = t929 + t1059;
-    let t1061 = cos_joint4 * t942;
-    let t1062 = sin_joint4 * t945;
-    let t1063 = t1062 + t1061;
-    let t1064 = 0.047012505789717454 * t1063;
-    let t1065 = 0.09402501157943491 * omega_joint3_y;
-    let t1066 = t17 * t1065;
-    let t1067 = t1064 + t1066;
-    let t1068 = t1060 - t1067;
-    let t1069 = omega_joint3_y * 0.03353022499999999;
-    let t1070 = omega_joint3_x * 0.022546398000000002;
+    let t971 = t970 - t967;
+    let t972 = cos_joint2_joint3 * t971;
+    let t973 = cos_joint4 * t805;
+    let t974 = sin_joint4 * t811;
+    let t975 = t974 + t973;
+    let t976 = t265 * t898;
+    let t977 = t975 - t976;
+    let t978 = omega_joint3_y * 0.022546398000000002;
+    let t979 = omega_joint3_x * 0.6824699160000001;
+    let t980 = t979 - t978;
+    let t981 = t980 + t977;
+    let t982 = sin_joint2_joint3 * t981;
+    let t983 = t972 - t982;
+    let t984 = t456 * t910;
+    let t985 = t983 - t984;
+    let t986 = v[0] * t985;
+    let t987 = t958 + t986;
+    let t988 = t352 * t879;
+    let t989 = t987 - t988;
+    let t990 = t989 - t948;
+    let t991 = t990 + t947;
+    let t992 = t408 * t991;
+    let t993 = t946 - t992;
+    let t994 = t465 * t991;
+    let t995 = t450 * t944;
+    let t996 = t441 * t916;
+    let t997 = t201 + t456;
+    let t998 = t997 * acceleration_joint2_x;
+    let t999 = t494 * 22.71885132005558;
+    let t1000 = t998 - t999;
+    let t1001 = cos_joint2 * t312;
+    let t1002 = t954 - t1001;
+    let t1003 = t196 - t1002;
+    let t1004 = t1003 * t537;
+    let t1005 = t475 * t73;
+    let t1006 = t1005 - t1004;
+    let t1007 = t1000 - t1006;
+    let t1008 = omega_joint3_y * 0.02191385;
+    let t1009 = omega_joint3_x * 0.7697525880000002;
+    let t1010 = t1009 - t1008;
+    let t1011 = t1010 + t963;
+    let t1012 = cos_joint2 * t1011;
+    let t1013 = t1012 - t984;
+    let t1014 = t983 + t1013;
+    let t1015 = v[0] * 2.0;
+    let t1016 = t473 * t1015;
+    let t1017 = t1016 - t1014;
+    let t1018 = v[0] * t1017;
+    let t1019 = t1007 + t1018;
+    let t1020 = t1019 + t988;
+    let t1021 = t1020 + t996;
+    let t1022 = t1021 - t995;
+    let t1023 = t1022 + t994;
+    let t1024 = t503 * t1023;
+    let t1025 = t993 - t1024;
+    let t1026 = inverse_d_joint1 * t1025;
+    let t1027 = t312 * acceleration_joint3_y_2;
+    let t1028 = t510 * t553;
+    let t1029 = t520 + t374;
+    let t1030 = t561 * t1029;
+    let t1031 = t1030 + t1028;
+    let t1032 = t392 * t73;
+    let t1033 = t1031 + t1032;
+    let t1034 = t1027 + t1033;
+    let t1035 = t759 - t933;
+    let t1036 = t776 + t1035;
+    let t1037 = t770 - t1036;
+    let t1038 = omega_joint3_x * t1037;
+    let t1039 = omega_joint3_y * t799;
+    let t1040 = t1038 - t1039;
+    let t1041 = t1034 + t1040;
+    let t1042 = moment_joint3_x_2 - t1041;
+    let t1043 = cos_joint2_joint3 * t1042;
+    let t1044 = t312 * acceleration_joint3_x_2;
+    let t1045 = t510 * t561;
+    let t1046 = t520 + t378;
+    let t1047 = t553 * t1046;
+    let t1048 = t1047 + t1045;
+    let t1049 = t390 * t73;
+    let t1050 = t1048 + t1049;
+    let t1051 = t1044 + t1050;
+    let t1052 = t778 + t1036;
+    let t1053 = omega_joint3_y * t1052;
+    let t1054 = omega_joint3_x * t817;
+    let t1055 = t1053 + t1054;
+    let t1056 = t1051 - t1055;
+    let t1057 = moment_joint3_y_2 + t1056;
+    let t1058 = sin_joint2_joint3 * t1057;
+    let t1059 = t1058 + t1043;
+    let t1060 = t395 * t561;
+    let t1061 = t397 * t553;
+    let t1062 = t1061 + t1060;
+    let t1063 = omega_joint3_x * t824;
+    let t1064 = omega_joint3_y * t827;
+    let t1065 = t1064 - t1063;
+    let t1066 = t1062 - t1065;
+    let t1067 = cos_joint2 * t1066;
+    let t1068 = t1059 - t1067;
+    let t1069 = t312 * t553;
+    let t1070 = t395 * t73;
     let t1071 = t1070 - t1069;
-    let t1072 = t1071 - t1068;
-    let t1073 = cos_joint2_joint3 * t1072;
-    let t1074 = cos_joint4 * t986;
-    let t1075 = sin_joint4 * t992;
-    let t1076 = t1075 + t1074;
-    let t1077 = t40 * t1065;
-    let t1078 = t1076 - t1077;
-    let t1079 = omega_joint3_y * 0.022546398000000002;
-    let t1080 = omega_joint3_x * 0.6824699160000001;
-    let t1081 = t1080 - t1079;
-    let t1082 = t1081 + t1078;
-    let t1083 = sin_joint2_joint3 * t1082;
-    let t1084 = t1073 - t1083;
-    let t1085 = omega_joint3_y * 0.02191385;
-    let t1086 = omega_joint3_x * 0.7697525880000002;
-    let t1087 = t1086 - t1085;
-    let t1088 = t1087 + t1063;
-    let t1089 = cos_joint2 * t1088;
-    let t1090 = v[0] * cos_joint2;
-    let t1091 = 2.0 * t1090;
-    let t1092 = t43 * t1091;
+    let t1072 = omega_joint3_y * t1011;
+    let t1073 = t1071 + t1072;
+    let t1074 = force_joint3_x_2 + t1073;
+    let t1075 = sin_joint2_joint3 * t1074;
+    let t1076 = t312 * t561;
+    let t1077 = t397 * t73;
+    let t1078 = t1076 + t1077;
+    let t1079 = omega_joint3_x * t1011;
+    let t1080 = t1078 - t1079;
+    let t1081 = force_joint3_y_2 + t1080;
+    let t1082 = cos_joint2_joint3 * t1081;
+    let t1083 = t1082 + t1075;
+    let t1084 = 0.3474988420565076 * t1083;
+    let t1085 = t1068 - t1084;
+    let t1086 = t249 * t561;
+    let t1087 = t247 * t553;
+    let t1088 = t1087 + t1086;
+    let t1089 = t1088 - t867;
+    let t1090 = omega_joint3_y * t873;
+    let t1091 = omega_joint3_x * t875;
+    let t1092 = t1090 - t1091;
     let t1093 = t1089 - t1092;
-    let t1094 = t1084 + t1093;
-    let t1095 = v[0] * 2.0;
-    let t1096 = t51 * t1095;
-    let t1097 = t1096 - t1094;
-    let t1098 = v[0] * t1097;
-    let t1099 = t1058 + t1098;
-    let t1100 = t428 * t1099;
-    let t1101 = t1044 - t1100;
-    let t1102 = t43 * acceleration_joint2_x;
-    let t1103 = t137 * 22.71885132005558;
-    let t1104 = t1103 - t1102;
-    let t1105 = t1051 * t617;
-    let t1106 = t151 * t307;
-    let t1107 = t1105 + t1106;
-    let t1108 = t1107 + t1104;
-    let t1109 = t1084 - t1092;
-    let t1110 = v[0] * t1109;
-    let t1111 = t1108 + t1110;
-    let t1112 = t478 * t1111;
-    let t1113 = t1101 - t1112;
-    let t1114 = t163 * acceleration_joint2_x;
-    let t1115 = t96 * 22.71885132005558;
-    let t1116 = t1115 + t1114;
-    let t1117 = sin_joint2_joint3 * t90;
-    let t1118 = cos_joint2_joint3 * t29;
-    let t1119 = t1118 - t1117;
-    let t1120 = sin_joint2 * t17;
-    let t1121 = t1119 + t1120;
-    let t1122 = t1121 * t617;
-    let t1123 = t166 * t307;
-    let t1124 = t1122 - t1123;
-    let t1125 = t1124 - t1116;
-    let t1126 = t974 - t976;
-    let t1127 = cos_joint2_joint3 * t1126;
-    let t1128 = t55 * t1065;
-    let t1129 = t937 - t1128;
-    let t1130 = sin_joint2_joint3 * t1129;
-    let t1131 = t1127 + t1130;
-    let t1132 = t163 * t1091;
-    let t1133 = t17 * t1013;
-    let t1134 = t1133 + t1132;
-    let t1135 = t1131 - t1134;
-    let t1136 = v[0] * t1135;
-    let t1137 = t1125 + t1136;
-    let t1138 = t594 * t1137;
-    let t1139 = t1113 - t1138;
-    let t1140 = t156 * acceleration_joint2_x;
-    let t1141 = t82 * 22.71885132005558;
-    let t1142 = t1141 + t1140;
-    let t1143 = sin_joint2_joint3 * t71;
-    let t1144 = cos_joint2_joint3 * t74;
-    let t1145 = t1144 + t1143;
-    let t1146 = sin_joint2 * t70;
-    let t1147 = t1145 + t1146;
-    let t1148 = t1147 * t617;
-    let t1149 = t159 * t307;
-    let t1150 = t1148 + t1149;
-    let t1151 = t1150 + t1142;
-    let t1152 = t918 - t922;
-    let t1153 = cos_joint4 * t1152;
-    let t1154 = sin_joint4 * t936;
-    let t1155 = t1153 - t1154;
-    let t1156 = t16 * t1065;
-    let t1157 = t70 * t954;
-    let t1158 = t1157 - t1156;
-    let t1159 = t1155 - t1158;
-    let t1160 = cos_joint2_joint3 * t1159;
-    let t1161 = t983 + t984;
-    let t1162 = t79 * t1065;
-    let t1163 = t1161 - t1162;
-    let t1164 = sin_joint2_joint3 * t1163;
-    let t1165 = t1160 - t1164;
-    let t1166 = t156 * t1091;
-    let t1167 = t70 * t1013;
-    let t1168 = t1167 - t1166;
-    let t1169 = t1165 - t1168;
-    let t1170 = v[0] * t1169;
-    let t1171 = t1151 + t1170;
-    let t1172 = t614 * t1171;
-    let t1173 = t1139 + t1172;
-    let t1174 = cos_joint2_joint3 * t62;
-    let t1175 = sin_joint2_joint3 * t64;
-    let t1176 = t1174 + t1175;
-    let t1177 = t1176 * t617;
-    let t1178 = t111 * t307;
-    let t1179 = t1178 - t1177;
-    let t1180 = sin_joint4 * t925;
-    let t1181 = 3.9999999999999996e-5 * omega_joint5_z;
-    let t1182 = cos_joint5 * t1181;
-    let t1183 = cos_joint4 * t1182;
-    let t1184 = t1183 - t1180;
-    let t1185 = cos_joint2_joint3 * t1184;
-    let t1186 = sin_joint5 * t1181;
-    let t1187 = sin_joint2_joint3 * t1186;
-    let t1188 = t1185 - t1187;
-    let t1189 = v[0] * t1188;
-    let t1190 = t1179 + t1189;
-    let t1191 = t601 * t1190;
-    let t1192 = t1173 + t1191;
-    let t1193 = t55 * acceleration_joint3_y_2;
-    let t1194 = t32 * t668;
-    let t1195 = t54 + t20;
-    let t1196 = t618 * t1195;
-    let t1197 = t1196 + t1194;
-    let t1198 = t132 * t307;
-    let t1199 = t1197 + t1198;
-    let t1200 = t1193 + t1199;
-    let t1201 = t940 - t1128;
-    let t1202 = t957 + t1201;
-    let t1203 = t951 - t1202;
-    let t1204 = omega_joint3_x * t1203;
-    let t1205 = omega_joint3_y * t980;
-    let t1206 = t1204 - t1205;
-    let t1207 = t1200 + t1206;
-    let t1208 = moment_joint3_x_2 - t1207;
-    let t1209 = cos_joint2_joint3 * t1208;
-    let t1210 = t55 * acceleration_joint3_x_2;
-    let t1211 = t32 * t618;
-    let t1212 = t54 + t24;
-    let t1213 = t668 * t1212;
-    let t1214 = t1213 + t1211;
-    let t1215 = t130 * t307;
-    let t1216 = t1214 + t1215;
-    let t1217 = t1210 + t1216;
-    let t1218 = t959 + t1202;
-    let t1219 = omega_joint3_y * t1218;
-    let t1220 = omega_joint3_x * t998;
-    let t1221 = t1219 + t1220;
-    let t1222 = t1217 - t1221;
-    let t1223 = moment_joint3_y_2 + t1222;
+    let t1094 = t252 * t1093;
+    let t1095 = t1085 - t1094;
+    let t1096 = t277 * acceleration_joint3_x_2;
+    let t1097 = t275 * acceleration_joint3_y_2;
+    let t1098 = t1097 + t1096;
+    let t1099 = t267 * t561;
+    let t1100 = t270 * t553;
+    let t1101 = t1100 + t1099;
+    let t1102 = t357 * t73;
+    let t1103 = t1101 + t1102;
+    let t1104 = t1103 + t1098;
+    let t1105 = omega_joint3_y * t902;
+    let t1106 = omega_joint3_x * t906;
+    let t1107 = t1105 - t1106;
+    let t1108 = t1104 + t1107;
+    let t1109 = t282 * t1108;
+    let t1110 = t1095 - t1109;
+    let t1111 = t303 * t561;
+    let t1112 = t307 * t553;
+    let t1113 = t1112 - t1111;
+    let t1114 = t361 * t73;
+    let t1115 = t1113 - t1114;
+    let t1116 = t1027 - t1115;
+    let t1117 = omega_joint3_y * t931;
+    let t1118 = omega_joint3_x * t934;
+    let t1119 = t1117 + t1118;
+    let t1120 = t1116 - t1119;
+    let t1121 = t295 * t1093;
+    let t1122 = t1120 - t1121;
+    let t1123 = t322 * t1122;
+    let t1124 = t1110 + t1123;
+    let t1125 = t358 * t1108;
+    let t1126 = t397 * acceleration_joint3_y_2;
+    let t1127 = t395 * acceleration_joint3_x_2;
+    let t1128 = t1127 - t1126;
+    let t1129 = t390 * t553;
+    let t1130 = t379 * t73;
+    let t1131 = t1130 + t1129;
+    let t1132 = t392 * t561;
+    let t1133 = t1131 + t1132;
+    let t1134 = t1128 - t1133;
+    let t1135 = omega_joint3_y * t971;
+    let t1136 = omega_joint3_x * t981;
+    let t1137 = t1135 - t1136;
+    let t1138 = t1134 - t1137;
+    let t1139 = t352 * t1093;
+    let t1140 = t1138 - t1139;
+    let t1141 = t1140 + t1125;
+    let t1142 = t364 * t1122;
+    let t1143 = t1141 + t1142;
+    let t1144 = t408 * t1143;
+    let t1145 = t1124 + t1144;
+    let t1146 = sin_joint2 * t1083;
+    let t1147 = cos_joint2_joint3 * t1074;
+    let t1148 = sin_joint2_joint3 * t1081;
+    let t1149 = t1148 - t1147;
+    let t1150 = cos_joint2 * t1149;
+    let t1151 = t1150 - t1146;
+    let t1152 = t1138 + t1151;
+    let t1153 = t1152 - t1139;
+    let t1154 = t441 * t1108;
+    let t1155 = t1153 + t1154;
+    let t1156 = t450 * t1122;
+    let t1157 = t1155 + t1156;
+    let t1158 = t465 * t1143;
+    let t1159 = t1157 - t1158;
+    let t1160 = t503 * t1159;
+    let t1161 = t1145 - t1160;
+    let t1162 = inverse_d_joint1 * t1161;
+    let t1163 = t265 * acceleration_joint4_y_2;
+    let t1164 = t375 + t370;
+    let t1165 = t564 * t1164;
+    let t1166 = t1163 - t1165;
+    let t1167 = omega_joint4_y * t739;
+    let t1168 = t1166 + t1167;
+    let t1169 = moment_joint4_x_2 - t1168;
+    let t1170 = t265 * t564;
+    let t1171 = omega_joint4_x * t771;
+    let t1172 = t1170 - t1171;
+    let t1173 = force_joint5_z_2 + t1172;
+    let t1174 = t1173 + t1169;
+    let t1175 = sin_joint4 * t1174;
+    let t1176 = t265 * acceleration_joint4_x_2;
+    let t1177 = t301 - 0.0011921599999999998;
+    let t1178 = t628 * t1177;
+    let t1179 = t305 * t115;
+    let t1180 = t1178 + t1179;
+    let t1181 = t1176 + t1180;
+    let t1182 = omega_joint4_x * t748;
+    let t1183 = omega_joint4_y * t753;
+    let t1184 = t1183 - t1182;
+    let t1185 = t1181 - t1184;
+    let t1186 = moment_joint4_y_2 - t1185;
+    let t1187 = t265 * t628;
+    let t1188 = t277 * t115;
+    let t1189 = t1188 - t1187;
+    let t1190 = omega_joint4_y * t771;
+    let t1191 = t1189 - t1190;
+    let t1192 = force_joint4_x_2 + t1191;
+    let t1193 = t1192 - t1186;
+    let t1194 = cos_joint4 * t1193;
+    let t1195 = t1194 - t1175;
+    let t1196 = sin_joint2_joint3 * t1195;
+    let t1197 = cos_joint4 * t1192;
+    let t1198 = sin_joint4 * t1173;
+    let t1199 = t1198 - t1197;
+    let t1200 = 0.047012505789717454 * t1199;
+    let t1201 = t277 * acceleration_joint4_x_2;
+    let t1202 = t305 * t628;
+    let t1203 = t302 * t115;
+    let t1204 = t1203 - t1202;
+    let t1205 = t1201 + t1204;
+    let t1206 = omega_joint4_x * t785;
+    let t1207 = omega_joint4_y * t791;
+    let t1208 = t1207 + t1206;
+    let t1209 = t1205 - t1208;
+    let t1210 = t1209 + t1200;
+    let t1211 = cos_joint2_joint3 * t1210;
+    let t1212 = t1196 + t1211;
+    let t1213 = cos_joint2 * t1199;
+    let t1214 = t1212 + t1213;
+    let t1215 = sin_joint4 * t1192;
+    let t1216 = cos_joint4 * t1173;
+    let t1217 = t1216 + t1215;
+    let t1218 = cos_joint2_joint3 * t1217;
+    let t1219 = t277 * t564;
+    let t1220 = omega_joint4_x * t764;
+    let t1221 = omega_joint4_y * t761;
+    let t1222 = t1221 - t1220;
+    let t1223 = t1219 - t1222;
     let t1224 = sin_joint2_joint3 * t1223;
-    let t1225 = t1224 + t1209;
-    let t1226 = t38 * t618;
-    let t1227 = t41 * t668;
-    let t1228 = t1227 + t1226;
-    let t1229 = omega_joint3_x * t1005;
-    let t1230 = omega_joint3_y * t1008;
-    let t1231 = t1230 - t1229;
-    let t1232 = t1228 - t1231;
-    let t1233 = cos_joint2 * t1232;
-    let t1234 = t1225 - t1233;
-    let t1235 = t55 * t668;
-    let t1236 = t38 * t307;
-    let t1237 = t1236 - t1235;
-    let t1238 = omega_joint3_y * t1088;
-    let t1239 = t1237 + t1238;
-    let t1240 = force_joint3_x_2 + t1239;
-    let t1241 = sin_joint2_joint3 * t1240;
-    let t1242 = t55 * t618;
-    let t1243 = t41 * t307;
-    let t1244 = t1242 + t1243;
-    let t1245 = omega_joint3_x * t1088;
-    let t1246 = t1244 - t1245;
-    let t1247 = force_joint3_y_2 + t1246;
-    let t1248 = cos_joint2_joint3 * t1247;
-    let t1249 = t1248 + t1241;
-    let t1250 = 0.3474988420565076 * t1249;
-    let t1251 = t1234 - t1250;
-    let t1252 = inverse_d_joint1 * t1251;
-    let t1253 = sin_joint2 * t1249;
-    let t1254 = cos_joint2_joint3 * t1240;
-    let t1255 = sin_joint2_joint3 * t1247;
-    let t1256 = t1255 - t1254;
-    let t1257 = cos_joint2 * t1256;
-    let t1258 = t1257 - t1253;
-    let t1259 = t41 * acceleration_joint3_y_2;
-    let t1260 = t38 * acceleration_joint3_x_2;
-    let t1261 = t1260 - t1259;
-    let t1262 = t130 * t668;
-    let t1263 = t109 * t307;
-    let t1264 = t1263 + t1262;
-    let t1265 = t132 * t618;
-    let t1266 = t1264 + t1265;
-    let t1267 = t1261 - t1266;
-    let t1268 = omega_joint3_y * t1072;
-    let t1269 = omega_joint3_x * t1082;
-    let t1270 = t1268 - t1269;
-    let t1271 = t1267 - t1270;
-    let t1272 = t1271 + t1258;
-    let t1273 = t428 * t1272;
-    let t1274 = t1252 - t1273;
-    let t1275 = t478 * t1271;
-    let t1276 = t1274 + t1275;
-    let t1277 = t90 * t618;
-    let t1278 = t29 * t668;
-    let t1279 = t1278 - t1277;
-    let t1280 = t121 * t307;
-    let t1281 = t1279 - t1280;
-    let t1282 = t1193 - t1281;
-    let t1283 = omega_joint3_y * t1126;
-    let t1284 = omega_joint3_x * t1129;
-    let t1285 = t1283 + t1284;
-    let t1286 = t1282 - t1285;
-    let t1287 = t594 * t1286;
-    let t1288 = t1276 + t1287;
-    let t1289 = t16 * acceleration_joint3_x_2;
-    let t1290 = t79 * acceleration_joint3_y_2;
-    let t1291 = t1290 + t1289;
-    let t1292 = t71 * t618;
-    let t1293 = t74 * t668;
-    let t1294 = t1293 + t1292;
-    let t1295 = t117 * t307;
-    let t1296 = t1294 + t1295;
-    let t1297 = t1296 + t1291;
-    let t1298 = omega_joint3_y * t1159;
-    let t1299 = omega_joint3_x * t1163;
-    let t1300 = t1298 - t1299;
-    let t1301 = t1297 + t1300;
-    let t1302 = t614 * t1301;
-    let t1303 = t1288 + t1302;
-    let t1304 = t64 * t618;
-    let t1305 = t62 * t668;
-    let t1306 = t1305 + t1304;
-    let t1307 = t1306 - t1178;
-    let t1308 = omega_joint3_y * t1184;
-    let t1309 = omega_joint3_x * t1186;
-    let t1310 = t1308 - t1309;
-    let t1311 = t1307 - t1310;
-    let t1312 = t601 * t1311;
-    let t1313 = t1303 - t1312;
-    let t1314 = t40 * acceleration_joint4_y_2;
-    let t1315 = t21 + t14;
-    let t1316 = t621 * t1315;
-    let t1317 = t1314 - t1316;
-    let t1318 = omega_joint4_y * t920;
-    let t1319 = t1317 + t1318;
-    let t1320 = moment_joint4_x_2 - t1319;
-    let t1321 = t40 * t621;
-    let t1322 = omega_joint4_x * t952;
-    let t1323 = t1321 - t1322;
-    let t1324 = force_joint5_z_2 + t1323;
-    let t1325 = t1324 + t1320;
-    let t1326 = sin_joint4 * t1325;
-    let t1327 = t40 * acceleration_joint4_x_2;
-    let t1328 = t10 - 0.0011921599999999998;
-    let t1329 = t802 * t1328;
-    let t1330 = t27 * t368;
-    let t1331 = t1329 + t1330;
-    let t1332 = t1327 + t1331;
-    let t1333 = omega_joint4_x * t929;
-    let t1334 = omega_joint4_y * t934;
-    let t1335 = t1334 - t1333;
-    let t1336 = t1332 - t1335;
-    let t1337 = moment_joint4_y_2 - t1336;
-    let t1338 = t40 * t802;
-    let t1339 = t16 * t368;
-    let t1340 = t1339 - t1338;
-    let t1341 = omega_joint4_y * t952;
-    let t1342 = t1340 - t1341;
-    let t1343 = force_joint4_x_2 + t1342;
-    let t1344 = t1343 - t1337;
-    let t1345 = cos_joint4 * t1344;
-    let t1346 = t1345 - t1326;
-    let t1347 = sin_joint2_joint3 * t1346;
-    let t1348 = cos_joint4 * t1343;
-    let t1349 = sin_joint4 * t1324;
-    let t1350 = t1349 - t1348;
-    let t1351 = 0.047012505789717454 * t1350;
-    let t1352 = t16 * acceleration_joint4_x_2;
-    let t1353 = t27 * t802;
-    let t1354 = t89 * t368;
-    let t1355 = t1354 - t1353;
-    let t1356 = t1352 + t1355;
-    let t1357 = omega_joint4_x * t966;
-    let t1358 = omega_joint4_y * t972;
-    let t1359 = t1358 + t1357;
-    let t1360 = t1356 - t1359;
-    let t1361 = t1360 + t1351;
-    let t1362 = cos_joint2_joint3 * t1361;
-    let t1363 = t1347 + t1362;
-    let t1364 = cos_joint2 * t1350;
-    let t1365 = t1363 + t1364;
-    let t1366 = sin_joint4 * t1343;
-    let t1367 = cos_joint4 * t1324;
-    let t1368 = t1367 + t1366;
-    let t1369 = cos_joint2_joint3 * t1368;
-    let t1370 = t16 * t621;
-    let t1371 = omega_joint4_x * t945;
-    let t1372 = omega_joint4_y * t942;
-    let t1373 = t1372 - t1371;
-    let t1374 = t1370 - t1373;
-    let t1375 = sin_joint2_joint3 * t1374;
-    let t1376 = t1369 - t1375;
-    let t1377 = 0.3474988420565076 * t1376;
-    let t1378 = t1365 + t1377;
-    let t1379 = inverse_d_joint1 * t1378;
-    let t1380 = cos_joint4 * t1325;
-    let t1381 = sin_joint4 * t1344;
-    let t1382 = t1381 + t1380;
-    let t1383 = 0.047012505789717454 * t1374;
-    let t1384 = t1382 - t1383;
-    let t1385 = sin_joint2 * t1376;
-    let t1386 = sin_joint2_joint3 * t1368;
-    let t1387 = cos_joint2_joint3 * t1374;
-    let t1388 = t1386 + t1387;
-    let t1389 = cos_joint2 * t1388;
-    let t1390 = t1389 - t1385;
-    let t1391 = t1384 - t1390;
-    let t1392 = t428 * t1391;
-    let t1393 = t1379 - t1392;
-    let t1394 = t478 * t1384;
-    let t1395 = t1393 + t1394;
-    let t1396 = t594 * t1360;
-    let t1397 = t1395 - t1396;
-    let t1398 = 0.00064216 * t621;
-    let t1399 = t1314 - t1398;
-    let t1400 = omega_joint4_y * t918;
-    let t1401 = t1399 - t1400;
-    let t1402 = t614 * t1401;
-    let t1403 = t1397 + t1402;
-    let t1404 = t61 * t802;
-    let t1405 = t64 * t368;
-    let t1406 = t1404 + t1405;
-    let t1407 = omega_joint4_x * t925;
-    let t1408 = omega_joint4_y * t1182;
-    let t1409 = t1408 + t1407;
-    let t1410 = t1406 - t1409;
-    let t1411 = t601 * t1410;
-    let t1412 = t1403 + t1411;
-    let t1413 = t673 * 0.00044216;
-    let t1414 = omega_joint5_x * t969;
-    let t1415 = t1413 - t1414;
-    let t1416 = moment_joint5_y_2 + t1415;
-    let t1417 = cos_joint5 * t1416;
-    let t1418 = t761 * 0.00024;
-    let t1419 = omega_joint5_y * t988;
-    let t1420 = t1418 - t1419;
-    let t1421 = moment_joint5_x_2 + t1420;
-    let t1422 = sin_joint5 * t1421;
-    let t1423 = t1417 + t1422;
-    let t1424 = 0.0012435839999999998 * t673;
-    let t1425 = omega_joint5_x * t944;
-    let t1426 = t1424 - t1425;
-    let t1427 = t1426 + t1423;
-    let t1428 = cos_joint4 * t1427;
-    let t1429 = sin_joint5 * acceleration_joint4_x_2;
-    let t1430 = cos_joint5 * acceleration_joint4_z_2;
-    let acceleration_joint5_y = t1429 - t1430;
-    let t1432 = 0.0012435839999999998 * acceleration_joint5_y;
-    let t1433 = omega_joint4_x * omega_joint4_x;
-    let t1434 = omega_joint4_z * omega_joint4_z;
-    let t1435 = t1433 + t1434;
-    let t1436 = 0.00064216 * t1435;
-    let t1437 = t1432 + t1436;
-    let t1438 = omega_joint5_y * t914;
-    let t1439 = omega_joint5_x * t916;
-    let t1440 = t1438 + t1439;
-    let t1441 = t1437 - t1440;
-    let t1442 = omega_joint5_y * t942;
-    let t1443 = force_joint5_x_2 - t1442;
-    let t1444 = sin_joint5 * t1443;
-    let t1445 = omega_joint5_x * t942;
-    let t1446 = 0.0012435839999999998 * t1435;
+    let t1225 = t1218 - t1224;
+    let t1226 = 0.3474988420565076 * t1225;
+    let t1227 = t1214 + t1226;
+    let t1228 = t246 * t628;
+    let t1229 = t249 * t115;
+    let t1230 = t1228 + t1229;
+    let t1231 = omega_joint4_x * t744;
+    let t1232 = omega_joint4_y * t871;
+    let t1233 = t1232 + t1231;
+    let t1234 = t1230 - t1233;
+    let t1235 = t252 * t1234;
+    let t1236 = t1227 + t1235;
+    let t1237 = 0.00064216 * t564;
+    let t1238 = t1163 - t1237;
+    let t1239 = omega_joint4_y * t737;
+    let t1240 = t1238 - t1239;
+    let t1241 = t282 * t1240;
+    let t1242 = t1236 - t1241;
+    let t1243 = t295 * t1234;
+    let t1244 = t1209 - t1243;
+    let t1245 = t322 * t1244;
+    let t1246 = t1242 - t1245;
+    let t1247 = cos_joint4 * t1174;
+    let t1248 = sin_joint4 * t1193;
+    let t1249 = t1248 + t1247;
+    let t1250 = 0.047012505789717454 * t1223;
+    let t1251 = t1249 - t1250;
+    let t1252 = t352 * t1234;
+    let t1253 = t1251 + t1252;
+    let t1254 = t358 * t1240;
+    let t1255 = t1253 + t1254;
+    let t1256 = t364 * t1244;
+    let t1257 = t1255 - t1256;
+    let t1258 = t408 * t1257;
+    let t1259 = t1246 + t1258;
+    let t1260 = t465 * t1257;
+    let t1261 = sin_joint2 * t1225;
+    let t1262 = sin_joint2_joint3 * t1217;
+    let t1263 = cos_joint2_joint3 * t1223;
+    let t1264 = t1262 + t1263;
+    let t1265 = cos_joint2 * t1264;
+    let t1266 = t1265 - t1261;
+    let t1267 = t1251 - t1266;
+    let t1268 = t1267 + t1252;
+    let t1269 = t441 * t1240;
+    let t1270 = t1268 + t1269;
+    let t1271 = t450 * t1244;
+    let t1272 = t1270 - t1271;
+    let t1273 = t1272 - t1260;
+    let t1274 = t503 * t1273;
+    let t1275 = t1259 - t1274;
+    let t1276 = inverse_d_joint1 * t1275;
+    let t1277 = t567 * 0.00044216;
+    let t1278 = omega_joint5_x * t788;
+    let t1279 = t1277 - t1278;
+    let t1280 = moment_joint5_y_2 + t1279;
+    let t1281 = cos_joint5 * t1280;
+    let t1282 = t590 * 0.00024;
+    let t1283 = omega_joint5_y * t807;
+    let t1284 = t1282 - t1283;
+    let t1285 = moment_joint5_x_2 + t1284;
+    let t1286 = sin_joint5 * t1285;
+    let t1287 = t1281 + t1286;
+    let t1288 = 0.0012435839999999998 * t567;
+    let t1289 = omega_joint5_x * t763;
+    let t1290 = t1288 - t1289;
+    let t1291 = t1290 + t1287;
+    let t1292 = cos_joint4 * t1291;
+    let t1293 = omega_joint5_y * t761;
+    let t1294 = force_joint5_x_2 - t1293;
+    let t1295 = sin_joint5 * t1294;
+    let t1296 = omega_joint5_x * t761;
+    let t1297 = omega_joint4_x * omega_joint4_x;
+    let t1298 = omega_joint4_z * omega_joint4_z;
+    let t1299 = t1297 + t1298;
+    let t1300 = 0.0012435839999999998 * t1299;
+    let t1301 = t1300 - t1296;
+    let t1302 = force_joint5_y + t1301;
+    let t1303 = cos_joint5 * t1302;
+    let t1304 = t1303 + t1295;
+    let t1305 = sin_joint5 * acceleration_joint4_x_2;
+    let t1306 = cos_joint5 * acceleration_joint4_z_2;
+    let acceleration_joint5_y = t1305 - t1306;
+    let t1308 = 0.0012435839999999998 * acceleration_joint5_y;
+    let t1309 = 0.00064216 * t1299;
+    let t1310 = t1308 + t1309;
+    let t1311 = omega_joint5_y * t733;
+    let t1312 = omega_joint5_x * t735;
+    let t1313 = t1311 + t1312;
+    let t1314 = t1310 - t1313;
+    let t1315 = t1314 + t1304;
+    let t1316 = sin_joint4 * t1315;
+    let t1317 = t1292 - t1316;
+    let t1318 = sin_joint2_joint3 * t1317;
+    let t1319 = sin_joint5 * t1280;
+    let t1320 = cos_joint5 * t1285;
+    let t1321 = t1319 - t1320;
+    let t1322 = sin_joint4 * t1304;
+    let t1323 = cos_joint4 * t1290;
+    let t1324 = t1322 - t1323;
+    let t1325 = 0.047012505789717454 * t1324;
+    let t1326 = t1321 + t1325;
+    let t1327 = cos_joint2_joint3 * t1326;
+    let t1328 = t1318 + t1327;
+    let t1329 = cos_joint2 * t1324;
+    let t1330 = t1328 + t1329;
+    let t1331 = cos_joint4 * t1304;
+    let t1332 = sin_joint4 * t1290;
+    let t1333 = t1331 + t1332;
+    let t1334 = cos_joint2_joint3 * t1333;
+    let t1335 = cos_joint5 * t1294;
+    let t1336 = sin_joint5 * t1302;
+    let t1337 = t1336 - t1335;
+    let t1338 = sin_joint2_joint3 * t1337;
+    let t1339 = t1334 - t1338;
+    let t1340 = 0.3474988420565076 * t1339;
+    let t1341 = t1330 + t1340;
+    let t1342 = 3.9999999999999996e-5 * t590;
+    let t1343 = omega_joint5_y * t870;
+    let t1344 = t1342 - t1343;
+    let t1345 = t252 * t1344;
+    let t1346 = t1341 - t1345;
+    let t1347 = t282 * t1314;
+    let t1348 = t1346 + t1347;
+    let t1349 = t295 * t1344;
+    let t1350 = t1321 + t1349;
+    let t1351 = t322 * t1350;
+    let t1352 = t1348 - t1351;
+    let t1353 = sin_joint4 * t1291;
+    let t1354 = cos_joint4 * t1315;
+    let t1355 = t1353 + t1354;
+    let t1356 = 0.047012505789717454 * t1337;
+    let t1357 = t1355 - t1356;
+    let t1358 = t352 * t1344;
+    let t1359 = t1357 - t1358;
+    let t1360 = t358 * t1314;
+    let t1361 = t1359 - t1360;
+    let t1362 = t364 * t1350;
+    let t1363 = t1361 - t1362;
+    let t1364 = t408 * t1363;
+    let t1365 = t1352 + t1364;
+    let t1366 = t465 * t1363;
+    let t1367 = sin_joint2 * t1339;
+    let t1368 = sin_joint2_joint3 * t1333;
+    let t1369 = cos_joint2_joint3 * t1337;
+    let t1370 = t1368 + t1369;
+    let t1371 = cos_joint2 * t1370;
+    let t1372 = t1371 - t1367;
+    let t1373 = t1357 - t1372;
+    let t1374 = t1373 - t1358;
+    let t1375 = t441 * t1314;
+    let t1376 = t1374 - t1375;
+    let t1377 = t450 * t1350;
+    let t1378 = t1376 - t1377;
+    let t1379 = t1378 - t1366;
+    let t1380 = t503 * t1379;
+    let t1381 = t1365 - t1380;
+    let t1382 = inverse_d_joint1 * t1381;
+    let t1383 = 1.9999999999999998e-5 * t591;
+    let t1384 = omega_joint5_z * t731;
+    let t1385 = t1383 + t1384;
+    let t1386 = moment_joint6_x_2 - t1385;
+    let t1387 = cos_joint4 * t1386;
+    let t1388 = 1.9999999999999998e-5 * t638;
+    let t1389 = omega_joint5_x * t731;
+    let t1390 = t1388 + t1389;
+    let t1391 = moment_joint6_y_2 - t1390;
+    let t1392 = cos_joint5 * t1391;
+    let t1393 = omega_joint5_x * t744;
+    let t1394 = omega_joint5_z * t870;
+    let t1395 = t1394 + t1393;
+    let t1396 = 3.9999999999999996e-5 * t139;
+    let t1397 = t1396 - t1395;
+    let t1398 = sin_joint5 * t1397;
+    let t1399 = t1392 + t1398;
+    let t1400 = sin_joint4 * t1399;
+    let t1401 = t1400 - t1387;
+    let t1402 = t352 * t1397;
+    let t1403 = t1401 - t1402;
+    let t1404 = t358 * t1386;
+    let t1405 = t1403 + t1404;
+    let t1406 = sin_joint5 * t1391;
+    let t1407 = cos_joint5 * t1397;
+    let t1408 = t1406 - t1407;
+    let t1409 = t295 * t1397;
+    let t1410 = t1408 + t1409;
+    let t1411 = t364 * t1410;
+    let t1412 = t1405 - t1411;
+    let t1413 = t465 * t1412;
+    let t1414 = t441 * t1386;
+    let t1415 = t1403 + t1414;
+    let t1416 = t450 * t1410;
+    let t1417 = t1415 - t1416;
+    let t1418 = t1417 - t1413;
+    let t1419 = t503 * t1418;
+    let t1420 = sin_joint4 * t1386;
+    let t1421 = cos_joint4 * t1399;
+    let t1422 = t1421 + t1420;
+    let t1423 = sin_joint2_joint3 * t1422;
+    let t1424 = cos_joint2_joint3 * t1408;
+    let t1425 = t1423 + t1424;
+    let t1426 = t252 * t1397;
+    let t1427 = t1425 - t1426;
+    let t1428 = t282 * t1386;
+    let t1429 = t1427 - t1428;
+    let t1430 = t322 * t1410;
+    let t1431 = t1429 - t1430;
+    let t1432 = t408 * t1412;
+    let t1433 = t1431 + t1432;
+    let t1434 = t1433 - t1419;
+    let t1435 = inverse_d_joint1 * t1434;
+    let t1436 = t503 * t1026;
+    let t1437 = inverse_d_joint2 * t1023;
+    let t1438 = t1437 - t1436;
+    let t1439 = t503 * t1162;
+    let t1440 = inverse_d_joint2 * t1159;
+    let t1441 = t1440 - t1439;
+    let t1442 = t503 * t1276;
+    let t1443 = inverse_d_joint2 * t1273;
+    let t1444 = t1443 - t1442;
+    let t1445 = t503 * t1382;
+    let t1446 = inverse_d_joint2 * t1379;
     let t1447 = t1446 - t1445;
-    let t1448 = force_joint5_y + t1447;
-    let t1449 = cos_joint5 * t1448;
-    let t1450 = t1449 + t1444;
-    let t1451 = t1441 + t1450;
-    let t1452 = sin_joint4 * t1451;
-    let t1453 = t1428 - t1452;
-    let t1454 = sin_joint2_joint3 * t1453;
-    let t1455 = sin_joint5 * t1416;
-    let t1456 = cos_joint5 * t1421;
-    let t1457 = t1455 - t1456;
-    let t1458 = sin_joint4 * t1450;
-    let t1459 = cos_joint4 * t1426;
-    let t1460 = t1458 - t1459;
-    let t1461 = 0.047012505789717454 * t1460;
-    let t1462 = t1457 + t1461;
-    let t1463 = cos_joint2_joint3 * t1462;
-    let t1464 = t1454 + t1463;
-    let t1465 = cos_joint2 * t1460;
-    let t1466 = t1464 + t1465;
-    let t1467 = cos_joint4 * t1450;
-    let t1468 = sin_joint4 * t1426;
-    let t1469 = t1467 + t1468;
-    let t1470 = cos_joint2_joint3 * t1469;
-    let t1471 = cos_joint5 * t1443;
-    let t1472 = sin_joint5 * t1448;
+    let t1448 = t503 * t1435;
+    let t1449 = inverse_d_joint2 * t1418;
+    let t1450 = t1449 - t1448;
+    let t1451 = t465 * t1438;
+    let t1452 = inverse_d_joint3 * t991;
+    let t1453 = t1452 + t1451;
+    let t1454 = t408 * t1026;
+    let t1455 = t1453 - t1454;
+    let t1456 = t465 * t1441;
+    let t1457 = inverse_d_joint3 * t1143;
+    let t1458 = t1457 - t1456;
+    let t1459 = t408 * t1162;
+    let t1460 = t1458 + t1459;
+    let t1461 = t465 * t1444;
+    let t1462 = inverse_d_joint3 * t1257;
+    let t1463 = t1462 - t1461;
+    let t1464 = t408 * t1276;
+    let t1465 = t1463 + t1464;
+    let t1466 = t465 * t1447;
+    let t1467 = inverse_d_joint3 * t1363;
+    let t1468 = t1467 - t1466;
+    let t1469 = t408 * t1382;
+    let t1470 = t1468 + t1469;
+    let t1471 = t465 * t1450;
+    let t1472 = inverse_d_joint3 * t1412;
     let t1473 = t1472 - t1471;
-    let t1474 = sin_joint2_joint3 * t1473;
-    let t1475 = t1470 - t1474;
-    let t1476 = 0.3474988420565076 * t1475;
-    let t1477 = t1466 + t1476;
-    let t1478 = inverse_d_joint1 * t1477;
-    let t1479 = sin_joint4 * t1427;
-    let t1480 = cos_joint4 * t1451;
-    let t1481 = t1479 + t1480;
-    let t1482 = 0.047012505789717454 * t1473;
-    let t1483 = t1481 - t1482;
-    let t1484 = sin_joint2 * t1475;
-    let t1485 = sin_joint2_joint3 * t1469;
-    let t1486 = cos_joint2_joint3 * t1473;
+    let t1474 = t408 * t1435;
+    let t1475 = t1473 + t1474;
+    let t1476 = t364 * t1455;
+    let t1477 = inverse_d_joint4 * t944;
+    let t1478 = t1477 + t1476;
+    let t1479 = t450 * t1438;
+    let t1480 = t1478 - t1479;
+    let t1481 = t322 * t1026;
+    let t1482 = t1480 - t1481;
+    let t1483 = t364 * t1460;
+    let t1484 = inverse_d_joint4 * t1122;
+    let t1485 = t1484 + t1483;
+    let t1486 = t450 * t1441;
     let t1487 = t1485 + t1486;
-    let t1488 = cos_joint2 * t1487;
-    let t1489 = t1488 - t1484;
-    let t1490 = t1483 - t1489;
-    let t1491 = t428 * t1490;
-    let t1492 = t1478 - t1491;
-    let t1493 = t478 * t1483;
-    let t1494 = t1492 + t1493;
-    let t1495 = t594 * t1457;
+    let t1488 = t322 * t1162;
+    let t1489 = t1487 + t1488;
+    let t1490 = t364 * t1465;
+    let t1491 = inverse_d_joint4 * t1244;
+    let t1492 = t1491 - t1490;
+    let t1493 = t450 * t1444;
+    let t1494 = t1492 - t1493;
+    let t1495 = t322 * t1276;
     let t1496 = t1494 - t1495;
-    let t1497 = t614 * t1441;
-    let t1498 = t1496 - t1497;
-    let t1499 = 3.9999999999999996e-5 * t761;
-    let t1500 = omega_joint5_y * t1181;
+    let t1497 = t364 * t1470;
+    let t1498 = inverse_d_joint4 * t1350;
+    let t1499 = t1498 - t1497;
+    let t1500 = t450 * t1447;
     let t1501 = t1499 - t1500;
-    let t1502 = t601 * t1501;
-    let t1503 = t1498 - t1502;
-    let t1504 = 1.9999999999999998e-5 * t834;
-    let t1505 = omega_joint5_x * t912;
-    let t1506 = t1504 + t1505;
-    let t1507 = moment_joint6_y_2 - t1506;
-    let t1508 = cos_joint5 * t1507;
-    let t1509 = omega_joint5_x * t925;
-    let t1510 = omega_joint5_z * t1181;
-    let t1511 = t1510 + t1509;
-    let t1512 = 3.9999999999999996e-5 * t392;
+    let t1502 = t322 * t1382;
+    let t1503 = t1501 - t1502;
+    let t1504 = t364 * t1475;
+    let t1505 = inverse_d_joint4 * t1410;
+    let t1506 = t1505 - t1504;
+    let t1507 = t450 * t1450;
+    let t1508 = t1506 - t1507;
+    let t1509 = t322 * t1435;
+    let t1510 = t1508 - t1509;
+    let t1511 = t358 * t1455;
+    let t1512 = 5.83606090588883 * t916;
     let t1513 = t1512 - t1511;
-    let t1514 = sin_joint5 * t1513;
-    let t1515 = t1508 + t1514;
-    let t1516 = cos_joint4 * t1515;
-    let t1517 = 1.9999999999999998e-5 * t762;
-    let t1518 = omega_joint5_z * t912;
-    let t1519 = t1517 + t1518;
-    let t1520 = moment_joint6_x_2 - t1519;
-    let t1521 = sin_joint4 * t1520;
-    let t1522 = t1516 + t1521;
-    let t1523 = sin_joint2_joint3 * t1522;
-    let t1524 = sin_joint5 * t1507;
-    let t1525 = cos_joint5 * t1513;
-    let t1526 = t1524 - t1525;
-    let t1527 = cos_joint2_joint3 * t1526;
-    let t1528 = t1523 + t1527;
-    let t1529 = inverse_d_joint1 * t1528;
-    let t1530 = sin_joint4 * t1515;
-    let t1531 = cos_joint4 * t1520;
-    let t1532 = t1530 - t1531;
-    let t1533 = t428 * t1532;
-    let t1534 = t1529 - t1533;
-    let t1535 = t478 * t1532;
-    let t1536 = t1534 + t1535;
-    let t1537 = t594 * t1526;
-    let t1538 = t1536 - t1537;
-    let t1539 = t614 * t1520;
-    let t1540 = t1538 + t1539;
-    let t1541 = t601 * t1513;
-    let t1542 = t1540 - t1541;
-    let t1543 = t428 * t1043;
-    let t1544 = t430 * t1099;
+    let t1514 = t441 * t1438;
+    let t1515 = t1513 + t1514;
+    let t1516 = t282 * t1026;
+    let t1517 = t1515 - t1516;
+    let t1518 = t358 * t1460;
+    let t1519 = 5.83606090588883 * t1108;
+    let t1520 = t1519 + t1518;
+    let t1521 = t441 * t1441;
+    let t1522 = t1520 + t1521;
+    let t1523 = t282 * t1162;
+    let t1524 = t1522 - t1523;
+    let t1525 = t358 * t1465;
+    let t1526 = 5.83606090588883 * t1240;
+    let t1527 = t1526 + t1525;
+    let t1528 = t441 * t1444;
+    let t1529 = t1527 + t1528;
+    let t1530 = t282 * t1276;
+    let t1531 = t1529 - t1530;
+    let t1532 = t358 * t1470;
+    let t1533 = 5.83606090588883 * t1314;
+    let t1534 = t1533 - t1532;
+    let t1535 = t441 * t1447;
+    let t1536 = t1534 - t1535;
+    let t1537 = t282 * t1382;
+    let t1538 = t1536 + t1537;
+    let t1539 = t358 * t1475;
+    let t1540 = 5.83606090588883 * t1386;
+    let t1541 = t1540 + t1539;
+    let t1542 = t441 * t1450;
+    let t1543 = t1541 + t1542;
+    let t1544 = t282 * t1435;
     let t1545 = t1543 - t1544;
-    let t1546 = t433 * t1111;
-    let t1547 = t1545 - t1546;
-    let t1548 = t563 * t1137;
-    let t1549 = t1547 - t1548;
-    let t1550 = t583 * t1171;
-    let t1551 = t1549 + t1550;
-    let t1552 = t570 * t1190;
-    let t1553 = t1551 + t1552;
-    let t1554 = t428 * t1251;
-    let t1555 = t430 * t1272;
-    let t1556 = t1554 - t1555;
-    let t1557 = t433 * t1271;
-    let t1558 = t1556 + t1557;
-    let t1559 = t563 * t1286;
-    let t1560 = t1558 + t1559;
-    let t1561 = t583 * t1301;
-    let t1562 = t1560 + t1561;
-    let t1563 = t570 * t1311;
-    let t1564 = t1562 - t1563;
-    let t1565 = t428 * t1378;
-    let t1566 = t430 * t1391;
-    let t1567 = t1565 - t1566;
-    let t1568 = t433 * t1384;
-    let t1569 = t1567 + t1568;
-    let t1570 = t563 * t1360;
-    let t1571 = t1569 - t1570;
-    let t1572 = t583 * t1401;
-    let t1573 = t1571 + t1572;
-    let t1574 = t570 * t1410;
-    let t1575 = t1573 + t1574;
-    let t1576 = t428 * t1477;
-    let t1577 = t430 * t1490;
-    let t1578 = t1576 - t1577;
-    let t1579 = t433 * t1483;
-    let t1580 = t1578 + t1579;
-    let t1581 = t563 * t1457;
-    let t1582 = t1580 - t1581;
-    let t1583 = t583 * t1441;
-    let t1584 = t1582 - t1583;
-    let t1585 = t570 * t1501;
+    let t1546 = t295 * t1482;
+    let t1547 = 5.151863922779921 * t879;
+    let t1548 = t1547 - t1546;
+    let t1549 = t352 * t1455;
+    let t1550 = t1548 - t1549;
+    let t1551 = t352 * t1438;
+    let t1552 = t1550 + t1551;
+    let t1553 = t252 * t1026;
+    let t1554 = t1552 + t1553;
+    let t1555 = t295 * t1489;
+    let t1556 = 5.151863922779921 * t1093;
+    let t1557 = t1556 - t1555;
+    let t1558 = t352 * t1460;
+    let t1559 = t1557 - t1558;
+    let t1560 = t352 * t1441;
+    let t1561 = t1559 - t1560;
+    let t1562 = t252 * t1162;
+    let t1563 = t1561 - t1562;
+    let t1564 = t295 * t1496;
+    let t1565 = 5.151863922779921 * t1234;
+    let t1566 = t1565 - t1564;
+    let t1567 = t352 * t1465;
+    let t1568 = t1566 + t1567;
+    let t1569 = t352 * t1444;
+    let t1570 = t1568 + t1569;
+    let t1571 = t252 * t1276;
+    let t1572 = t1570 + t1571;
+    let t1573 = t295 * t1503;
+    let t1574 = 5.151863922779921 * t1344;
+    let t1575 = t1574 + t1573;
+    let t1576 = t352 * t1470;
+    let t1577 = t1575 - t1576;
+    let t1578 = t352 * t1447;
+    let t1579 = t1577 - t1578;
+    let t1580 = t252 * t1382;
+    let t1581 = t1579 - t1580;
+    let t1582 = t295 * t1510;
+    let t1583 = 5.151863922779921 * t1397;
+    let t1584 = t1583 + t1582;
+    let t1585 = t352 * t1475;
     let t1586 = t1584 - t1585;
-    let t1587 = t428 * t1528;
-    let t1588 = t430 * t1532;
-    let t1589 = t1587 - t1588;
-    let t1590 = t433 * t1532;
-    let t1591 = t1589 + t1590;
-    let t1592 = t563 * t1526;
-    let t1593 = t1591 - t1592;
-    let t1594 = t583 * t1520;
+    let t1587 = t352 * t1450;
+    let t1588 = t1586 - t1587;
+    let t1589 = t252 * t1435;
+    let t1590 = t1588 - t1589;
+    let t1591 = sin_joint2_joint3 * t820;
+    let t1592 = t770 - t1591;
+    let t1593 = cos_joint2_joint3 * t824;
+    let t1594 = sin_joint2_joint3 * t827;
     let t1595 = t1593 + t1594;
-    let t1596 = t570 * t1513;
-    let t1597 = t1595 - t1596;
-    let t1598 = t478 * t1043;
-    let t1599 = t433 * t1099;
-    let t1600 = t1598 - t1599;
-    let t1601 = t219 * t1111;
-    let t1602 = t1600 - t1601;
-    let t1603 = t224 * t1137;
-    let t1604 = t1602 - t1603;
-    let t1605 = t545 * t1171;
-    let t1606 = t1604 + t1605;
-    let t1607 = t231 * t1190;
-    let t1608 = t1606 + t1607;
-    let t1609 = t478 * t1251;
-    let t1610 = t433 * t1272;
-    let t1611 = t1609 - t1610;
-    let t1612 = t219 * t1271;
-    let t1613 = t1611 + t1612;
-    let t1614 = t224 * t1286;
-    let t1615 = t1613 + t1614;
-    let t1616 = t545 * t1301;
-    let t1617 = t1615 + t1616;
-    let t1618 = t231 * t1311;
-    let t1619 = t1617 - t1618;
-    let t1620 = t478 * t1378;
-    let t1621 = t433 * t1391;
-    let t1622 = t1620 - t1621;
-    let t1623 = t219 * t1384;
-    let t1624 = t1622 + t1623;
-    let t1625 = t224 * t1360;
-    let t1626 = t1624 - t1625;
-    let t1627 = t545 * t1401;
+    let t1596 = cos_joint2 * t1595;
+    let t1597 = v[1] * sin_joint2;
+    let t1598 = 2.0 * t1597;
+    let t1599 = t456 * t1598;
+    let t1600 = t1596 + t1599;
+    let t1601 = t1592 + t1600;
+    let t1602 = t191 * t82;
+    let t1603 = t196 * t1015;
+    let t1604 = t1603 + t1602;
+    let t1605 = t1604 - t1601;
+    let t1606 = v[0] * 0.6949976841130152;
+    let t1607 = t997 * t1606;
+    let t1608 = t1605 + t1607;
+    let t1609 = t312 * t910;
+    let t1610 = t1036 - t1609;
+    let t1611 = t1603 - t1610;
+    let t1612 = t201 * t1015;
+    let t1613 = t1612 - t1011;
+    let t1614 = 0.3474988420565076 * t1613;
+    let t1615 = t1611 + t1614;
+    let t1616 = t1608 - t1615;
+    let t1617 = 5.8018217679508 + t1616;
+    let t1618 = sin_joint2_joint3 * t873;
+    let t1619 = cos_joint2_joint3 * t875;
+    let t1620 = t1618 + t1619;
+    let t1621 = t252 * t1620;
+    let t1622 = t1617 - t1621;
+    let t1623 = sin_joint2_joint3 * t902;
+    let t1624 = cos_joint2_joint3 * t906;
+    let t1625 = t1623 + t1624;
+    let t1626 = t279 * t910;
+    let t1627 = t266 * t1598;
     let t1628 = t1626 + t1627;
-    let t1629 = t231 * t1410;
-    let t1630 = t1628 + t1629;
-    let t1631 = t478 * t1477;
-    let t1632 = t433 * t1490;
-    let t1633 = t1631 - t1632;
-    let t1634 = t219 * t1483;
-    let t1635 = t1633 + t1634;
-    let t1636 = t224 * t1457;
-    let t1637 = t1635 - t1636;
-    let t1638 = t545 * t1441;
+    let t1629 = t1625 - t1628;
+    let t1630 = t266 * t1606;
+    let t1631 = t1629 + t1630;
+    let t1632 = t282 * t1631;
+    let t1633 = t1622 + t1632;
+    let t1634 = sin_joint2_joint3 * t931;
+    let t1635 = cos_joint2_joint3 * t934;
+    let t1636 = t1634 - t1635;
+    let t1637 = t313 * t910;
+    let t1638 = t298 * t1598;
     let t1639 = t1637 - t1638;
-    let t1640 = t231 * t1501;
-    let t1641 = t1639 - t1640;
-    let t1642 = t478 * t1528;
-    let t1643 = t1590 - t1642;
-    let t1644 = t219 * t1532;
-    let t1645 = t1643 - t1644;
-    let t1646 = t224 * t1526;
-    let t1647 = t1645 + t1646;
-    let t1648 = t545 * t1520;
-    let t1649 = t1647 - t1648;
-    let t1650 = t231 * t1513;
-    let t1651 = t1649 + t1650;
-    let t1652 = t594 * t1043;
-    let t1653 = t563 * t1099;
-    let t1654 = t1652 - t1653;
-    let t1655 = t224 * t1111;
-    let t1656 = t1654 - t1655;
-    let t1657 = t644 * t1137;
-    let t1658 = t1656 - t1657;
-    let t1659 = t664 * t1171;
-    let t1660 = t1658 + t1659;
-    let t1661 = t651 * t1190;
-    let t1662 = t1660 + t1661;
-    let t1663 = t594 * t1251;
-    let t1664 = t563 * t1272;
-    let t1665 = t1663 - t1664;
-    let t1666 = t224 * t1271;
-    let t1667 = t1665 + t1666;
-    let t1668 = t644 * t1286;
-    let t1669 = t1667 + t1668;
-    let t1670 = t664 * t1301;
-    let t1671 = t1669 + t1670;
-    let t1672 = t651 * t1311;
-    let t1673 = t1671 - t1672;
-    let t1674 = t594 * t1378;
-    let t1675 = t563 * t1391;
-    let t1676 = t1674 - t1675;
-    let t1677 = t224 * t1384;
-    let t1678 = t1676 + t1677;
-    let t1679 = t644 * t1360;
-    let t1680 = t1678 - t1679;
-    let t1681 = t664 * t1401;
-    let t1682 = t1680 + t1681;
-    let t1683 = t651 * t1410;
-    let t1684 = t1682 + t1683;
-    let t1685 = t594 * t1477;
-    let t1686 = t563 * t1490;
-    let t1687 = t1685 - t1686;
-    let t1688 = t224 * t1483;
-    let t1689 = t1687 + t1688;
-    let t1690 = t644 * t1457;
-    let t1691 = t1689 - t1690;
-    let t1692 = t664 * t1441;
-    let t1693 = t1691 - t1692;
-    let t1694 = t651 * t1501;
-    let t1695 = t1693 - t1694;
-    let t1696 = t594 * t1528;
-    let t1697 = t563 * t1532;
-    let t1698 = t1696 - t1697;
-    let t1699 = t224 * t1532;
-    let t1700 = t1698 + t1699;
-    let t1701 = t644 * t1526;
-    let t1702 = t1700 - t1701;
-    let t1703 = t664 * t1520;
-    let t1704 = t1702 + t1703;
-    let t1705 = t651 * t1513;
-    let t1706 = t1704 - t1705;
-    let t1707 = t614 * t1043;
-    let t1708 = t583 * t1099;
+    let t1640 = t1636 + t1639;
+    let t1641 = t298 * t1606;
+    let t1642 = t1640 + t1641;
+    let t1643 = t295 * t1620;
+    let t1644 = t1642 - t1643;
+    let t1645 = t322 * t1644;
+    let t1646 = t1633 + t1645;
+    let t1647 = sin_joint2_joint3 * t971;
+    let t1648 = cos_joint2_joint3 * t981;
+    let t1649 = t1647 + t1648;
+    let t1650 = t399 * t910;
+    let t1651 = t1649 - t1650;
+    let t1652 = t352 * t1620;
+    let t1653 = t1651 - t1652;
+    let t1654 = t358 * t1631;
+    let t1655 = t1653 - t1654;
+    let t1656 = t364 * t1644;
+    let t1657 = t1655 + t1656;
+    let t1658 = t408 * t1657;
+    let t1659 = t1646 + t1658;
+    let t1660 = t465 * t1657;
+    let t1661 = sin_joint2 * t1011;
+    let t1662 = t1661 - t1650;
+    let t1663 = t1649 + t1662;
+    let t1664 = t191 * t1015;
+    let t1665 = t1664 + t1663;
+    let t1666 = t1665 - t1652;
+    let t1667 = t441 * t1631;
+    let t1668 = t1666 - t1667;
+    let t1669 = t450 * t1644;
+    let t1670 = t1668 + t1669;
+    let t1671 = t1670 - t1660;
+    let t1672 = t503 * t1671;
+    let t1673 = t1659 - t1672;
+    let t1674 = inverse_d_joint1 * t1673;
+    let t1675 = t778 - t1591;
+    let t1676 = sin_joint2 * t829;
+    let t1677 = t399 * t832;
+    let t1678 = t1676 - t1677;
+    let t1679 = t1675 - t1678;
+    let t1680 = t1602 - t1679;
+    let t1681 = t1605 - t1680;
+    let t1682 = t1003 * t1015;
+    let t1683 = t1681 - t1682;
+    let t1684 = 9.496868641825001 + t1683;
+    let t1685 = cos_joint4 * t744;
+    let t1686 = sin_joint4 * t871;
+    let t1687 = t1686 + t1685;
+    let t1688 = t865 * t1015;
+    let t1689 = t1687 - t1688;
+    let t1690 = t352 * t1689;
+    let t1691 = t1684 - t1690;
+    let t1692 = sin_joint4 * t894;
+    let t1693 = cos_joint4 * t755;
+    let t1694 = t1692 + t1693;
+    let t1695 = t275 * t773;
+    let t1696 = t1694 + t1695;
+    let t1697 = t279 * t832;
+    let t1698 = t437 * t1598;
+    let t1699 = t1698 + t1697;
+    let t1700 = t1696 + t1699;
+    let t1701 = t889 * t1015;
+    let t1702 = t1700 + t1701;
+    let t1703 = t441 * t1702;
+    let t1704 = t1691 - t1703;
+    let t1705 = cos_joint4 * t785;
+    let t1706 = sin_joint4 * t791;
+    let t1707 = t1706 + t1705;
+    let t1708 = t312 * t773;
     let t1709 = t1707 - t1708;
-    let t1710 = t545 * t1111;
-    let t1711 = t1709 - t1710;
-    let t1712 = t664 * t1137;
-    let t1713 = t1711 - t1712;
-    let t1714 = t829 * t1171;
+    let t1710 = t313 * t832;
+    let t1711 = t445 * t1598;
+    let t1712 = t1711 + t1710;
+    let t1713 = t1709 - t1712;
+    let t1714 = t926 * t1015;
     let t1715 = t1713 + t1714;
-    let t1716 = t708 * t1190;
-    let t1717 = t1715 + t1716;
-    let t1718 = t614 * t1251;
-    let t1719 = t583 * t1272;
-    let t1720 = t1718 - t1719;
-    let t1721 = t545 * t1271;
+    let t1716 = t295 * t1689;
+    let t1717 = t1715 - t1716;
+    let t1718 = t450 * t1717;
+    let t1719 = t1704 + t1718;
+    let t1720 = t770 - t778;
+    let t1721 = t1599 - t1677;
     let t1722 = t1720 + t1721;
-    let t1723 = t664 * t1286;
-    let t1724 = t1722 + t1723;
-    let t1725 = t829 * t1301;
-    let t1726 = t1724 + t1725;
-    let t1727 = t708 * t1311;
-    let t1728 = t1726 - t1727;
-    let t1729 = t614 * t1378;
-    let t1730 = t583 * t1391;
-    let t1731 = t1729 - t1730;
-    let t1732 = t545 * t1384;
-    let t1733 = t1731 + t1732;
-    let t1734 = t664 * t1360;
-    let t1735 = t1733 - t1734;
-    let t1736 = t829 * t1401;
-    let t1737 = t1735 + t1736;
-    let t1738 = t708 * t1410;
-    let t1739 = t1737 + t1738;
-    let t1740 = t614 * t1477;
-    let t1741 = t583 * t1490;
-    let t1742 = t1740 - t1741;
-    let t1743 = t545 * t1483;
-    let t1744 = t1742 + t1743;
-    let t1745 = t664 * t1457;
-    let t1746 = t1744 - t1745;
-    let t1747 = t829 * t1441;
-    let t1748 = t1746 - t1747;
-    let t1749 = t708 * t1501;
+    let t1723 = t954 * t1015;
+    let t1724 = t1722 - t1723;
+    let t1725 = t1724 + t1690;
+    let t1726 = t358 * t1702;
+    let t1727 = t1725 + t1726;
+    let t1728 = t364 * t1717;
+    let t1729 = t1727 - t1728;
+    let t1730 = t465 * t1729;
+    let t1731 = t1719 + t1730;
+    let t1732 = t503 * t1731;
+    let t1733 = t742 - t959;
+    let t1734 = omega_joint3_z * 0.009475200000000003;
+    let t1735 = t1734 - t1733;
+    let t1736 = sin_joint2_joint3 * t1735;
+    let t1737 = cos_joint2_joint3 * t1709;
+    let t1738 = t1736 + t1737;
+    let t1739 = t312 * t832;
+    let t1740 = t1738 - t1739;
+    let t1741 = t196 * t82;
+    let t1742 = t1741 - t1740;
+    let t1743 = t725 * t1015;
+    let t1744 = t1742 - t1743;
+    let t1745 = t201 * t82;
+    let t1746 = t1745 - t829;
+    let t1747 = 0.3474988420565076 * t1746;
+    let t1748 = t1747 + t1744;
+    let t1749 = t252 * t1689;
     let t1750 = t1748 - t1749;
-    let t1751 = t614 * t1528;
-    let t1752 = t583 * t1532;
-    let t1753 = t1751 - t1752;
-    let t1754 = t545 * t1532;
-    let t1755 = t1753 + t1754;
-    let t1756 = t664 * t1526;
-    let t1757 = t1755 - t1756;
-    let t1758 = t829 * t1520;
-    let t1759 = t1757 + t1758;
-    let t1760 = t708 * t1513;
-    let t1761 = t1759 - t1760;
-    let t1762 = t601 * t1043;
-    let t1763 = t570 * t1099;
-    let t1764 = t1762 - t1763;
-    let t1765 = t231 * t1111;
-    let t1766 = t1764 - t1765;
-    let t1767 = t651 * t1137;
-    let t1768 = t1766 - t1767;
-    let t1769 = t708 * t1171;
-    let t1770 = t1768 + t1769;
-    let t1771 = t746 * t1190;
-    let t1772 = t1770 + t1771;
-    let t1773 = t601 * t1251;
-    let t1774 = t570 * t1272;
-    let t1775 = t1773 - t1774;
-    let t1776 = t231 * t1271;
-    let t1777 = t1775 + t1776;
-    let t1778 = t651 * t1286;
-    let t1779 = t1777 + t1778;
-    let t1780 = t708 * t1301;
-    let t1781 = t1779 + t1780;
-    let t1782 = t746 * t1311;
+    let t1751 = t282 * t1702;
+    let t1752 = t1750 + t1751;
+    let t1753 = t322 * t1717;
+    let t1754 = t1752 + t1753;
+    let t1755 = t408 * t1729;
+    let t1756 = t1754 - t1755;
+    let t1757 = t1756 - t1732;
+    let t1758 = inverse_d_joint1 * t1757;
+    let t1759 = 2.0 * omega_joint3_y;
+    let t1760 = t390 * t1759;
+    let t1761 = 2.0 * omega_joint3_x;
+    let t1762 = t392 * t1761;
+    let t1763 = t1760 + t1762;
+    let t1764 = t1720 - t1763;
+    let t1765 = 3.9804259903721997 - t1764;
+    let t1766 = t249 * t1761;
+    let t1767 = t247 * t1759;
+    let t1768 = t1767 + t1766;
+    let t1769 = t1687 - t1768;
+    let t1770 = t352 * t1769;
+    let t1771 = t1765 - t1770;
+    let t1772 = t267 * t1761;
+    let t1773 = t270 * t1759;
+    let t1774 = t1773 + t1772;
+    let t1775 = t1696 + t1774;
+    let t1776 = t358 * t1775;
+    let t1777 = t1771 - t1776;
+    let t1778 = t303 * t1761;
+    let t1779 = t307 * t1759;
+    let t1780 = t1779 - t1778;
+    let t1781 = t1709 + t1780;
+    let t1782 = t295 * t1769;
     let t1783 = t1781 - t1782;
-    let t1784 = t601 * t1378;
-    let t1785 = t570 * t1391;
-    let t1786 = t1784 - t1785;
-    let t1787 = t231 * t1384;
-    let t1788 = t1786 + t1787;
-    let t1789 = t651 * t1360;
-    let t1790 = t1788 - t1789;
-    let t1791 = t708 * t1401;
-    let t1792 = t1790 + t1791;
-    let t1793 = t746 * t1410;
-    let t1794 = t1792 + t1793;
-    let t1795 = t601 * t1477;
-    let t1796 = t570 * t1490;
-    let t1797 = t1795 - t1796;
-    let t1798 = t231 * t1483;
-    let t1799 = t1797 + t1798;
-    let t1800 = t651 * t1457;
-    let t1801 = t1799 - t1800;
-    let t1802 = t708 * t1441;
-    let t1803 = t1801 - t1802;
-    let t1804 = t746 * t1501;
+    let t1784 = t364 * t1783;
+    let t1785 = t1777 + t1784;
+    let t1786 = t465 * t1785;
+    let t1787 = t312 * t1759;
+    let t1788 = t824 + t1787;
+    let t1789 = sin_joint2_joint3 * t1788;
+    let t1790 = t312 * t1761;
+    let t1791 = t827 + t1790;
+    let t1792 = cos_joint2_joint3 * t1791;
+    let t1793 = t1792 - t1789;
+    let t1794 = sin_joint2 * t1793;
+    let t1795 = cos_joint2_joint3 * t1788;
+    let t1796 = sin_joint2_joint3 * t1791;
+    let t1797 = t1796 + t1795;
+    let t1798 = cos_joint2 * t1797;
+    let t1799 = t1798 - t1794;
+    let t1800 = t1764 + t1799;
+    let t1801 = t1800 + t1770;
+    let t1802 = t441 * t1775;
+    let t1803 = t1801 + t1802;
+    let t1804 = t450 * t1783;
     let t1805 = t1803 - t1804;
-    let t1806 = t601 * t1528;
-    let t1807 = t570 * t1532;
-    let t1808 = t1806 - t1807;
-    let t1809 = t231 * t1532;
-    let t1810 = t1808 + t1809;
-    let t1811 = t651 * t1526;
-    let t1812 = t1810 - t1811;
-    let t1813 = t708 * t1520;
-    let t1814 = t1812 + t1813;
-    let t1815 = t746 * t1513;
-    let t1816 = t1814 - t1815;
-    let t1817 = sin_joint2_joint3 * t1184;
-    let t1818 = cos_joint2_joint3 * t1186;
-    let t1819 = t1817 + t1818;
-    let t1820 = t601 * t1819;
-    let t1821 = sin_joint2_joint3 * t1001;
-    let t1822 = t951 - t1821;
-    let t1823 = cos_joint2_joint3 * t1005;
-    let t1824 = sin_joint2_joint3 * t1008;
-    let t1825 = t1823 + t1824;
-    let t1826 = cos_joint2 * t1825;
-    let t1827 = v[1] * sin_joint2;
-    let t1828 = 2.0 * t1827;
-    let t1829 = t43 * t1828;
-    let t1830 = t1826 + t1829;
-    let t1831 = t1822 + t1830;
-    let t1832 = t456 * t316;
-    let t1833 = t517 * t1095;
-    let t1834 = t1833 + t1832;
-    let t1835 = t1834 - t1831;
-    let t1836 = v[0] * 0.6949976841130152;
-    let t1837 = t1045 * t1836;
-    let t1838 = t1835 + t1837;
-    let t1839 = t55 * t1091;
-    let t1840 = t1202 - t1839;
-    let t1841 = t1833 - t1840;
-    let t1842 = t461 * t1095;
-    let t1843 = t1842 - t1088;
-    let t1844 = 0.3474988420565076 * t1843;
-    let t1845 = t1841 + t1844;
-    let t1846 = t1838 - t1845;
-    let t1847 = 5.8018217679508 + t1846;
-    let t1848 = inverse_d_joint1 * t1847;
-    let t1849 = sin_joint2_joint3 * t1072;
-    let t1850 = cos_joint2_joint3 * t1082;
-    let t1851 = t1849 + t1850;
-    let t1852 = sin_joint2 * t1088;
-    let t1853 = t137 * t1091;
-    let t1854 = t1852 - t1853;
-    let t1855 = t1851 + t1854;
-    let t1856 = t456 * t1095;
-    let t1857 = t1856 + t1855;
-    let t1858 = t428 * t1857;
-    let t1859 = t1848 - t1858;
-    let t1860 = t1851 - t1853;
-    let t1861 = t478 * t1860;
-    let t1862 = t1859 + t1861;
-    let t1863 = sin_joint2_joint3 * t1126;
-    let t1864 = cos_joint2_joint3 * t1129;
-    let t1865 = t1863 - t1864;
-    let t1866 = t96 * t1091;
-    let t1867 = t17 * t1828;
-    let t1868 = t1866 - t1867;
-    let t1869 = t1865 + t1868;
-    let t1870 = t17 * t1836;
-    let t1871 = t1869 + t1870;
-    let t1872 = t594 * t1871;
-    let t1873 = t1862 + t1872;
-    let t1874 = sin_joint2_joint3 * t1159;
-    let t1875 = cos_joint2_joint3 * t1163;
-    let t1876 = t1874 + t1875;
-    let t1877 = t82 * t1091;
-    let t1878 = t70 * t1828;
-    let t1879 = t1877 + t1878;
-    let t1880 = t1876 - t1879;
-    let t1881 = t70 * t1836;
-    let t1882 = t1880 + t1881;
-    let t1883 = t614 * t1882;
-    let t1884 = t1873 - t1883;
-    let t1885 = t1884 - t1820;
-    let t1886 = cos_joint4 * t925;
-    let t1887 = sin_joint4 * t1182;
-    let t1888 = t1887 + t1886;
-    let t1889 = t1176 * t1095;
+    let t1806 = t1805 + t1786;
+    let t1807 = t503 * t1806;
+    let t1808 = t408 * t1785;
+    let t1809 = t1759 * t1046;
+    let t1810 = t510 * t1761;
+    let t1811 = t1809 + t1810;
+    let t1812 = t1735 + t1811;
+    let t1813 = sin_joint2_joint3 * t1812;
+    let t1814 = t1761 * t1029;
+    let t1815 = t510 * t1759;
+    let t1816 = t1814 + t1815;
+    let t1817 = t1709 - t1816;
+    let t1818 = cos_joint2_joint3 * t1817;
+    let t1819 = t1813 + t1818;
+    let t1820 = t395 * t1761;
+    let t1821 = t397 * t1759;
+    let t1822 = t1821 + t1820;
+    let t1823 = cos_joint2 * t1822;
+    let t1824 = t1819 - t1823;
+    let t1825 = 0.3474988420565076 * t1793;
+    let t1826 = t1824 - t1825;
+    let t1827 = t252 * t1769;
+    let t1828 = t1826 + t1827;
+    let t1829 = t282 * t1775;
+    let t1830 = t1828 - t1829;
+    let t1831 = t322 * t1783;
+    let t1832 = t1830 - t1831;
+    let t1833 = t1832 - t1808;
+    let t1834 = t1833 - t1807;
+    let t1835 = inverse_d_joint1 * t1834;
+    let t1836 = t740 * t1164;
+    let t1837 = t802 - t1836;
+    let t1838 = t761 - t803;
+    let t1839 = t1838 + t1837;
+    let t1840 = sin_joint4 * t1839;
+    let t1841 = t754 * t1177;
+    let t1842 = t808 + t1841;
+    let t1843 = t764 - t809;
+    let t1844 = t1843 + t1842;
+    let t1845 = cos_joint4 * t1844;
+    let t1846 = t1845 - t1840;
+    let t1847 = sin_joint2_joint3 * t1846;
+    let t1848 = cos_joint4 * t1843;
+    let t1849 = sin_joint4 * t1838;
+    let t1850 = t1849 - t1848;
+    let t1851 = 0.047012505789717454 * t1850;
+    let t1852 = t305 * t754;
+    let t1853 = t753 - t1852;
+    let t1854 = t1853 + t1851;
+    let t1855 = cos_joint2_joint3 * t1854;
+    let t1856 = t1847 + t1855;
+    let t1857 = cos_joint2 * t1850;
+    let t1858 = t1856 + t1857;
+    let t1859 = sin_joint4 * t1843;
+    let t1860 = cos_joint4 * t1838;
+    let t1861 = t1860 + t1859;
+    let t1862 = cos_joint2_joint3 * t1861;
+    let t1863 = sin_joint2_joint3 * t741;
+    let t1864 = t1862 + t1863;
+    let t1865 = 0.3474988420565076 * t1864;
+    let t1866 = t1858 + t1865;
+    let t1867 = t246 * t754;
+    let t1868 = t875 - t1867;
+    let t1869 = t252 * t1868;
+    let t1870 = t1866 - t1869;
+    let t1871 = omega_joint4_x * 0.00128432;
+    let t1872 = t802 - t1871;
+    let t1873 = t282 * t1872;
+    let t1874 = t1870 + t1873;
+    let t1875 = 0.41164522969715195 + t1853;
+    let t1876 = t295 * t1868;
+    let t1877 = t1875 + t1876;
+    let t1878 = t322 * t1877;
+    let t1879 = t1874 - t1878;
+    let t1880 = cos_joint4 * t1839;
+    let t1881 = sin_joint4 * t1844;
+    let t1882 = t1881 + t1880;
+    let t1883 = 0.047012505789717454 * t741;
+    let t1884 = t1882 + t1883;
+    let t1885 = t352 * t1868;
+    let t1886 = t1884 - t1885;
+    let t1887 = t358 * t1872;
+    let t1888 = t1886 - t1887;
+    let t1889 = t364 * t1877;
     let t1890 = t1888 - t1889;
-    let t1891 = t601 * t1890;
-    let t1892 = t959 - t1821;
-    let t1893 = sin_joint2 * t1010;
-    let t1894 = t137 * t1013;
-    let t1895 = t1893 - t1894;
-    let t1896 = t1892 - t1895;
-    let t1897 = t1832 - t1896;
-    let t1898 = t1835 - t1897;
-    let t1899 = t1054 * t1095;
-    let t1900 = t1898 - t1899;
-    let t1901 = 9.496868641825001 + t1900;
-    let t1902 = t428 * t1901;
-    let t1903 = t923 - t1059;
-    let t1904 = omega_joint3_z * 0.009475200000000003;
-    let t1905 = t1904 - t1903;
-    let t1906 = sin_joint2_joint3 * t1905;
-    let t1907 = cos_joint4 * t966;
-    let t1908 = sin_joint4 * t972;
-    let t1909 = t1908 + t1907;
-    let t1910 = t55 * t954;
-    let t1911 = t1909 - t1910;
-    let t1912 = cos_joint2_joint3 * t1911;
-    let t1913 = t1906 + t1912;
-    let t1914 = t55 * t1013;
-    let t1915 = t1913 - t1914;
-    let t1916 = t517 * t316;
-    let t1917 = t1916 - t1915;
-    let t1918 = t906 * t1095;
-    let t1919 = t1917 - t1918;
-    let t1920 = t461 * t316;
-    let t1921 = t1920 - t1010;
-    let t1922 = 0.3474988420565076 * t1921;
-    let t1923 = t1922 + t1919;
-    let t1924 = inverse_d_joint1 * t1923;
-    let t1925 = t1924 - t1902;
-    let t1926 = t951 - t959;
-    let t1927 = t1829 - t1894;
-    let t1928 = t1926 + t1927;
-    let t1929 = t1051 * t1095;
-    let t1930 = t1928 - t1929;
-    let t1931 = t478 * t1930;
-    let t1932 = t1925 - t1931;
-    let t1933 = t96 * t1013;
-    let t1934 = t163 * t1828;
-    let t1935 = t1934 + t1933;
-    let t1936 = t1911 - t1935;
-    let t1937 = t1121 * t1095;
+    let t1891 = t408 * t1890;
+    let t1892 = t1879 + t1891;
+    let t1893 = t465 * t1890;
+    let t1894 = sin_joint2 * t1864;
+    let t1895 = sin_joint2_joint3 * t1861;
+    let t1896 = cos_joint2_joint3 * t741;
+    let t1897 = t1895 - t1896;
+    let t1898 = cos_joint2 * t1897;
+    let t1899 = t1898 - t1894;
+    let t1900 = t1884 - t1899;
+    let t1901 = t1900 - t1885;
+    let t1902 = t441 * t1872;
+    let t1903 = t1901 - t1902;
+    let t1904 = t450 * t1877;
+    let t1905 = t1903 - t1904;
+    let t1906 = t1905 - t1893;
+    let t1907 = t503 * t1906;
+    let t1908 = t1892 - t1907;
+    let t1909 = inverse_d_joint1 * t1908;
+    let t1910 = omega_joint5_y * 0.00088432;
+    let t1911 = t731 + t1910;
+    let t1912 = cos_joint5 * t1911;
+    let t1913 = omega_joint5_x * 0.00044;
+    let t1914 = sin_joint5 * t1913;
+    let t1915 = t1912 - t1914;
+    let t1916 = 0.0024871679999999997 * omega_joint5_y;
+    let t1917 = t1916 + t1915;
+    let t1918 = cos_joint4 * t1917;
+    let t1919 = sin_joint4 * t771;
+    let t1920 = t1919 + t1918;
+    let t1921 = sin_joint2_joint3 * t1920;
+    let t1922 = sin_joint5 * t1911;
+    let t1923 = cos_joint5 * t1913;
+    let t1924 = t1922 + t1923;
+    let t1925 = cos_joint4 * t1916;
+    let t1926 = t1919 + t1925;
+    let t1927 = 0.047012505789717454 * t1926;
+    let t1928 = t1924 - t1927;
+    let t1929 = cos_joint2_joint3 * t1928;
+    let t1930 = t1921 + t1929;
+    let t1931 = cos_joint2 * t1926;
+    let t1932 = t1930 - t1931;
+    let t1933 = sin_joint4 * t1916;
+    let t1934 = cos_joint4 * t771;
+    let t1935 = t1934 - t1933;
+    let t1936 = cos_joint2_joint3 * t1935;
+    let t1937 = sin_joint2_joint3 * t764;
     let t1938 = t1936 + t1937;
-    let t1939 = t594 * t1938;
-    let t1940 = t1932 + t1939;
-    let t1941 = sin_joint4 * t1152;
-    let t1942 = cos_joint4 * t936;
-    let t1943 = t1941 + t1942;
-    let t1944 = t79 * t954;
-    let t1945 = t1943 + t1944;
-    let t1946 = t82 * t1013;
-    let t1947 = t156 * t1828;
-    let t1948 = t1947 + t1946;
-    let t1949 = t1945 + t1948;
-    let t1950 = t1147 * t1095;
-    let t1951 = t1949 + t1950;
-    let t1952 = t614 * t1951;
-    let t1953 = t1940 - t1952;
-    let t1954 = t1953 - t1891;
-    let t1955 = 2.0 * omega_joint3_x;
-    let t1956 = t64 * t1955;
-    let t1957 = 2.0 * omega_joint3_y;
-    let t1958 = t62 * t1957;
-    let t1959 = t1958 + t1956;
-    let t1960 = t1888 - t1959;
-    let t1961 = t601 * t1960;
-    let t1962 = t90 * t1955;
-    let t1963 = t29 * t1957;
-    let t1964 = t1963 - t1962;
-    let t1965 = t1911 + t1964;
-    let t1966 = t594 * t1965;
-    let t1967 = t130 * t1957;
-    let t1968 = t132 * t1955;
-    let t1969 = t1967 + t1968;
-    let t1970 = t1926 - t1969;
-    let t1971 = 3.9804259903721997 - t1970;
-    let t1972 = t478 * t1971;
-    let t1973 = t55 * t1957;
-    let t1974 = t1005 + t1973;
-    let t1975 = sin_joint2_joint3 * t1974;
-    let t1976 = t55 * t1955;
-    let t1977 = t1008 + t1976;
-    let t1978 = cos_joint2_joint3 * t1977;
-    let t1979 = t1978 - t1975;
-    let t1980 = sin_joint2 * t1979;
-    let t1981 = cos_joint2_joint3 * t1974;
-    let t1982 = sin_joint2_joint3 * t1977;
-    let t1983 = t1982 + t1981;
-    let t1984 = cos_joint2 * t1983;
-    let t1985 = t1984 - t1980;
-    let t1986 = t1970 + t1985;
-    let t1987 = t428 * t1986;
-    let t1988 = t1957 * t1212;
-    let t1989 = t32 * t1955;
-    let t1990 = t1988 + t1989;
-    let t1991 = t1905 + t1990;
-    let t1992 = sin_joint2_joint3 * t1991;
-    let t1993 = t1955 * t1195;
-    let t1994 = t32 * t1957;
-    let t1995 = t1993 + t1994;
-    let t1996 = t1911 - t1995;
-    let t1997 = cos_joint2_joint3 * t1996;
-    let t1998 = t1992 + t1997;
-    let t1999 = t38 * t1955;
+    let t1939 = 0.3474988420565076 * t1938;
+    let t1940 = t1932 - t1939;
+    let t1941 = t252 * t744;
+    let t1942 = t1940 + t1941;
+    let t1943 = t281 * 2.493649734231167;
+    let t1944 = t1942 + t1943;
+    let t1945 = t295 * t744;
+    let t1946 = t1924 - t1945;
+    let t1947 = t322 * t1946;
+    let t1948 = t1944 - t1947;
+    let t1949 = sin_joint4 * t1917;
+    let t1950 = t1934 - t1949;
+    let t1951 = 0.047012505789717454 * t764;
+    let t1952 = t1950 + t1951;
+    let t1953 = t352 * t744;
+    let t1954 = t1952 - t1953;
+    let t1955 = t357 * 2.493649734231167;
+    let t1956 = t1954 + t1955;
+    let t1957 = t364 * t1946;
+    let t1958 = t1956 + t1957;
+    let t1959 = t408 * t1958;
+    let t1960 = t1948 - t1959;
+    let t1961 = t465 * t1958;
+    let t1962 = sin_joint2 * t1938;
+    let t1963 = sin_joint2_joint3 * t1935;
+    let t1964 = cos_joint2_joint3 * t764;
+    let t1965 = t1963 - t1964;
+    let t1966 = cos_joint2 * t1965;
+    let t1967 = t1966 - t1962;
+    let t1968 = t1952 - t1967;
+    let t1969 = t1968 - t1953;
+    let t1970 = t440 * 2.493649734231167;
+    let t1971 = t1969 + t1970;
+    let t1972 = t450 * t1946;
+    let t1973 = t1971 + t1972;
+    let t1974 = t1973 - t1961;
+    let t1975 = t503 * t1974;
+    let t1976 = t1960 + t1975;
+    let t1977 = inverse_d_joint1 * t1976;
+    let t1978 = t351 * 1.1118920322351926;
+    let t1979 = t1687 - t1978;
+    let t1980 = t358 * t744;
+    let t1981 = t1979 - t1980;
+    let t1982 = cos_joint5 * 4.44756812894077e-5;
+    let t1983 = t875 + t1982;
+    let t1984 = t364 * t1983;
+    let t1985 = t1981 - t1984;
+    let t1986 = t465 * t1985;
+    let t1987 = t441 * t744;
+    let t1988 = t1979 - t1987;
+    let t1989 = t450 * t1983;
+    let t1990 = t1988 - t1989;
+    let t1991 = t1990 - t1986;
     [
-        sin_joint2,
-        cos_joint2,
-        sin_joint4,
-        cos_joint4,
-        sin_joint5,
-        cos_joint5,
-        sin_joint2_joint3,
-        cos_joint2_joint3,
-        t27,
-        t41,
-        t61,
-        t71,
-        t74,
-        inverse_d_joint1,
-        t219,
-        t224,
-        t231,
-        omega_joint4_x,
         omega_joint5_x,
-        omega_joint5_y,
-        t428,
-        t430,
-        t433,
-        t478,
+        t251,
+        t252,
+        t282,
+        t295,
+        inverse_d_joint4,
+        t322,
+        t352,
+        t358,
+        t364,
+        inverse_d_joint3,
+        t408,
+        t441,
+        t450,
+        t465,
+        inverse_d_joint2,
+        t503,
+        inverse_d_joint1,
+        t537,
+        t540,
         t545,
-        t558,
-        t563,
-        t570,
-        t583,
-        t586,
-        t594,
-        t601,
-        t614,
-        t617,
-        t644,
-        t651,
-        t664,
-        t667,
-        t708,
-        t746,
-        t748,
-        t829,
-        t832,
-        t912,
-        t921,
-        t922,
-        t925,
-        t934,
-        t935,
-        t942,
-        t945,
-        t952,
-        t983,
-        t984,
-        t989,
-        t990,
-        t1186,
-        t1192,
-        t1313,
-        t1315,
-        t1328,
-        t1412,
+        t552,
+        t577,
+        t636,
+        t744,
+        t1026,
+        t1162,
+        t1276,
+        t1382,
+        t1435,
+        t1438,
+        t1441,
+        t1444,
+        t1447,
+        t1450,
+        t1455,
+        t1460,
+        t1465,
+        t1470,
+        t1475,
+        t1482,
+        t1489,
+        t1496,
         t1503,
-        t1542,
-        t1553,
-        t1564,
-        t1575,
-        t1586,
-        t1597,
-        t1608,
-        t1619,
-        t1630,
-        t1641,
-        t1651,
-        t1662,
-        t1673,
-        t1684,
-        t1695,
-        t1706,
+        t1510,
+        t1517,
+        t1524,
+        t1531,
+        t1538,
+        t1545,
+        t1554,
+        t1563,
+        t1572,
+        t1581,
+        t1590,
+        t1620,
+        t1631,
+        t1644,
+        t1657,
+        t1671,
+        t1674,
+        t1689,
+        t1702,
         t1717,
-        t1728,
-        t1739,
-        t1750,
-        t1761,
-        t1772,
+        t1729,
+        t1731,
+        t1758,
+        t1769,
+        t1775,
         t1783,
-        t1794,
-        t1805,
-        t1816,
-        t1819,
-        t1820,
-        t1847,
-        t1857,
-        t1860,
-        t1871,
-        t1882,
-        t1885,
-        t1888,
+        t1785,
+        t1806,
+        t1835,
+        t1868,
+        t1872,
+        t1877,
         t1890,
-        t1901,
-        t1923,
-        t1930,
-        t1938,
-        t1945,
-        t1951,
-        t1954,
-        t1955,
-        t1957,
-        t1960,
-        t1961,
-        t1965,
-        t1966,
-        t1971,
-        t1972,
-        t1979,
-        t1986,
-        t1987,
-        t1998,
-        t1999,
+        t1906,
+        t1909,
+        t1946,
+        t1958,
+        t1974,
+        t1977,
+        t1983,
+        t1985,
+        t1991,
     ]
 }
 
@@ -11189,980 +11470,837 @@ fn linearize_part_2(
     y: &[f64; N],
     v: &[f64; N],
     u: &[f64; M],
-    [sin_joint2,
-    cos_joint2,
-    sin_joint4,
-    cos_joint4,
-    sin_joint5,
-    cos_joint5,
-    sin_joint2_joint3,
-    cos_joint2_joint3,
-    t27,
-    t41,
-    t61,
-    t71,
-    t74,
+    [omega_joint5_x,
+    t251,
+    t252,
+    t282,
+    t295,
+    inverse_d_joint4,
+    t322,
+    t352,
+    t358,
+    t364,
+    inverse_d_joint3,
+    t408,
+    t441,
+    t450,
+    t465,
+    inverse_d_joint2,
+    t503,
     inverse_d_joint1,
-    t219,
-    t224,
-    t231,
-    omega_joint4_x,
-    omega_joint5_x,
-    omega_joint5_y,
-    t428,
-    t430,
-    t433,
-    t478,
+    t537,
+    t540,
     t545,
-    t558,
-    t563,
-    t570,
-    t583,
-    t586,
-    t594,
-    t601,
-    t614,
-    t617,
-    t644,
-    t651,
-    t664,
-    t667,
-    t708,
-    t746,
-    t748,
-    t829,
-    t832,
-    t912,
-    t921,
-    t922,
-    t925,
-    t934,
-    t935,
-    t942,
-    t945,
-    t952,
-    t983,
-    t984,
-    t989,
-    t990,
-    t1186,
-    t1192,
-    t1313,
-    t1315,
-    t1328,
-    t1412,
+    t552,
+    t577,
+    t636,
+    t744,
+    t1026,
+    t1162,
+    t1276,
+    t1382,
+    t1435,
+    t1438,
+    t1441,
+    t1444,
+    t1447,
+    t1450,
+    t1455,
+    t1460,
+    t1465,
+    t1470,
+    t1475,
+    t1482,
+    t1489,
+    t1496,
     t1503,
-    t1542,
-    t1553,
-    t1564,
-    t1575,
-    t1586,
-    t1597,
-    t1608,
-    t1619,
-    t1630,
-    t1641,
-    t1651,
-    t1662,
-    t1673,
-    t1684,
-    t1695,
-    t1706,
+    t1510,
+    t1517,
+    t1524,
+    t1531,
+    t1538,
+    t1545,
+    t1554,
+    t1563,
+    t1572,
+    t1581,
+    t1590,
+    t1620,
+    t1631,
+    t1644,
+    t1657,
+    t1671,
+    t1674,
+    t1689,
+    t1702,
     t1717,
-    t1728,
-    t1739,
-    t1750,
-    t1761,
-    t1772,
+    t1729,
+    t1731,
+    t1758,
+    t1769,
+    t1775,
     t1783,
-    t1794,
-    t1805,
-    t1816,
-    t1819,
-    t1820,
-    t1847,
-    t1857,
-    t1860,
-    t1871,
-    t1882,
-    t1885,
-    t1888,
+    t1785,
+    t1806,
+    t1835,
+    t1868,
+    t1872,
+    t1877,
     t1890,
-    t1901,
-    t1923,
-    t1930,
-    t1938,
-    t1945,
-    t1951,
-    t1954,
-    t1955,
-    t1957,
-    t1960,
-    t1961,
-    t1965,
-    t1966,
-    t1971,
-    t1972,
-    t1979,
-    t1986,
-    t1987,
-    t1998,
-    t1999,
-    ]: [f64; 119],
-) -> [f64; 92] {
-    let t2000 = t41 * t1957;
-    let t2001 = t2000 + t1999;
-    let t2002 = cos_joint2 * t2001;
-    let t2003 = t1998 - t2002;
-    let t2004 = 0.3474988420565076 * t1979;
-    let t2005 = t2003 - t2004;
-    let t2006 = inverse_d_joint1 * t2005;
-    let t2007 = t2006 - t1987;
-    let t2008 = t2007 - t1972;
-    let t2009 = t2008 - t1966;
-    let t2010 = t71 * t1955;
-    let t2011 = t74 * t1957;
-    let t2012 = t2011 + t2010;
-    let t2013 = t1945 + t2012;
-    let t2014 = t614 * t2013;
-    let t2015 = t2009 + t2014;
-    let t2016 = t2015 + t1961;
-    let t2017 = t61 * t935;
-    let t2018 = t1186 - t2017;
-    let t2019 = t601 * t2018;
-    let t2020 = t27 * t935;
-    let t2021 = t934 - t2020;
-    let t2022 = 0.41164522969715195 + t2021;
-    let t2023 = t594 * t2022;
-    let t2024 = t921 * t1315;
-    let t2025 = t983 - t2024;
-    let t2026 = t942 - t984;
-    let t2027 = t2026 + t2025;
-    let t2028 = cos_joint4 * t2027;
-    let t2029 = t935 * t1328;
-    let t2030 = t989 + t2029;
-    let t2031 = t945 - t990;
-    let t2032 = t2031 + t2030;
-    let t2033 = sin_joint4 * t2032;
-    let t2034 = t2033 + t2028;
-    let t2035 = 0.047012505789717454 * t922;
-    let t2036 = t2034 + t2035;
-    let t2037 = t478 * t2036;
-    let t2038 = sin_joint4 * t2031;
-    let t2039 = cos_joint4 * t2026;
-    let t2040 = t2039 + t2038;
-    let t2041 = cos_joint2_joint3 * t2040;
-    let t2042 = sin_joint2_joint3 * t922;
-    let t2043 = t2041 + t2042;
-    let t2044 = sin_joint2 * t2043;
-    let t2045 = sin_joint2_joint3 * t2040;
-    let t2046 = cos_joint2_joint3 * t922;
-    let t2047 = t2045 - t2046;
-    let t2048 = cos_joint2 * t2047;
-    let t2049 = t2048 - t2044;
-    let t2050 = t2036 - t2049;
-    let t2051 = t428 * t2050;
-    let t2052 = sin_joint4 * t2027;
-    let t2053 = cos_joint4 * t2032;
-    let t2054 = t2053 - t2052;
-    let t2055 = sin_joint2_joint3 * t2054;
-    let t2056 = cos_joint4 * t2031;
-    let t2057 = sin_joint4 * t2026;
-    let t2058 = t2057 - t2056;
-    let t2059 = 0.047012505789717454 * t2058;
-    let t2060 = t2021 + t2059;
-    let t2061 = cos_joint2_joint3 * t2060;
-    let t2062 = t2055 + t2061;
-    let t2063 = cos_joint2 * t2058;
+    t1906,
+    t1909,
+    t1946,
+    t1958,
+    t1974,
+    t1977,
+    t1983,
+    t1985,
+    t1991,
+    ]: [f64; 86],
+) -> [f64; 88] {
+    let t1992 = t503 * t1991;
+    let t1993 = t408 * t1985;
+    let t1994 = t251 * 1.1118920322351926;
+    let t1995 = t1620 - t1994;
+    let t1996 = t282 * t744;
+    let t1997 = t1995 + t1996;
+    let t1998 = t322 * t1983;
+    let t1999 = t1997 - t1998;
+    let t2000 = t1999 + t1993;
+    let t2001 = t2000 - t1992;
+    let t2002 = inverse_d_joint1 * t2001;
+    let t2003 = t503 * t1674;
+    let t2004 = inverse_d_joint2 * t1671;
+    let t2005 = t2004 - t2003;
+    let t2006 = t503 * t1758;
+    let t2007 = inverse_d_joint2 * t1731;
+    let t2008 = t2007 - t2006;
+    let t2009 = t503 * t1835;
+    let t2010 = inverse_d_joint2 * t1806;
+    let t2011 = t2010 - t2009;
+    let t2012 = t503 * t1909;
+    let t2013 = inverse_d_joint2 * t1906;
+    let t2014 = t2013 - t2012;
+    let t2015 = t503 * t1977;
+    let t2016 = inverse_d_joint2 * t1974;
+    let t2017 = t2016 + t2015;
+    let t2018 = t503 * t2002;
+    let t2019 = inverse_d_joint2 * t1991;
+    let t2020 = t2019 - t2018;
+    let t2021 = t465 * t2005;
+    let t2022 = inverse_d_joint3 * t1657;
+    let t2023 = t2022 - t2021;
+    let t2024 = t408 * t1674;
+    let t2025 = t2023 + t2024;
+    let t2026 = t465 * t2008;
+    let t2027 = inverse_d_joint3 * t1729;
+    let t2028 = t2027 + t2026;
+    let t2029 = t408 * t1758;
+    let t2030 = t2028 - t2029;
+    let t2031 = t465 * t2011;
+    let t2032 = inverse_d_joint3 * t1785;
+    let t2033 = t2032 + t2031;
+    let t2034 = t408 * t1835;
+    let t2035 = t2033 - t2034;
+    let t2036 = t465 * t2014;
+    let t2037 = inverse_d_joint3 * t1890;
+    let t2038 = t2037 - t2036;
+    let t2039 = t408 * t1909;
+    let t2040 = t2038 + t2039;
+    let t2041 = t465 * t2017;
+    let t2042 = inverse_d_joint3 * t1958;
+    let t2043 = t2042 - t2041;
+    let t2044 = t408 * t1977;
+    let t2045 = t2043 - t2044;
+    let t2046 = t465 * t2020;
+    let t2047 = inverse_d_joint3 * t1985;
+    let t2048 = t2047 - t2046;
+    let t2049 = t408 * t2002;
+    let t2050 = t2048 + t2049;
+    let t2051 = t364 * t2025;
+    let t2052 = inverse_d_joint4 * t1644;
+    let t2053 = t2052 + t2051;
+    let t2054 = t450 * t2005;
+    let t2055 = t2053 + t2054;
+    let t2056 = t322 * t1674;
+    let t2057 = t2055 + t2056;
+    let t2058 = t364 * t2030;
+    let t2059 = inverse_d_joint4 * t1717;
+    let t2060 = t2059 - t2058;
+    let t2061 = t450 * t2008;
+    let t2062 = t2060 + t2061;
+    let t2063 = t322 * t1758;
     let t2064 = t2062 + t2063;
-    let t2065 = 0.3474988420565076 * t2043;
-    let t2066 = t2064 + t2065;
-    let t2067 = inverse_d_joint1 * t2066;
-    let t2068 = t2067 - t2051;
-    let t2069 = t2068 + t2037;
-    let t2070 = t2069 - t2023;
-    let t2071 = omega_joint4_x * 0.00128432;
-    let t2072 = t983 - t2071;
-    let t2073 = t614 * t2072;
-    let t2074 = t2070 - t2073;
-    let t2075 = t2074 - t2019;
-    let t2076 = t601 * t925;
-    let t2077 = omega_joint5_y * 0.00088432;
-    let t2078 = t912 + t2077;
-    let t2079 = sin_joint5 * t2078;
-    let t2080 = omega_joint5_x * 0.00044;
-    let t2081 = cos_joint5 * t2080;
-    let t2082 = t2079 + t2081;
-    let t2083 = t594 * t2082;
-    let t2084 = cos_joint5 * t2078;
-    let t2085 = sin_joint5 * t2080;
-    let t2086 = t2084 - t2085;
-    let t2087 = 0.0024871679999999997 * omega_joint5_y;
-    let t2088 = t2087 + t2086;
-    let t2089 = sin_joint4 * t2088;
-    let t2090 = cos_joint4 * t952;
-    let t2091 = t2090 - t2089;
-    let t2092 = 0.047012505789717454 * t945;
-    let t2093 = t2091 + t2092;
-    let t2094 = t478 * t2093;
-    let t2095 = sin_joint4 * t2087;
-    let t2096 = t2090 - t2095;
-    let t2097 = cos_joint2_joint3 * t2096;
-    let t2098 = sin_joint2_joint3 * t945;
+    let t2065 = t364 * t2035;
+    let t2066 = inverse_d_joint4 * t1783;
+    let t2067 = t2066 + t2065;
+    let t2068 = t450 * t2011;
+    let t2069 = t2067 - t2068;
+    let t2070 = t322 * t1835;
+    let t2071 = t2069 - t2070;
+    let t2072 = t364 * t2040;
+    let t2073 = inverse_d_joint4 * t1877;
+    let t2074 = t2073 - t2072;
+    let t2075 = t450 * t2014;
+    let t2076 = t2074 - t2075;
+    let t2077 = t322 * t1909;
+    let t2078 = t2076 - t2077;
+    let t2079 = t364 * t2045;
+    let t2080 = inverse_d_joint4 * t1946;
+    let t2081 = t2080 + t2079;
+    let t2082 = t450 * t2017;
+    let t2083 = t2081 + t2082;
+    let t2084 = t322 * t1977;
+    let t2085 = t2083 - t2084;
+    let t2086 = t364 * t2050;
+    let t2087 = inverse_d_joint4 * t1983;
+    let t2088 = t2087 - t2086;
+    let t2089 = t450 * t2020;
+    let t2090 = t2088 - t2089;
+    let t2091 = t322 * t2002;
+    let t2092 = t2090 - t2091;
+    let t2093 = t358 * t2025;
+    let t2094 = 5.83606090588883 * t1631;
+    let t2095 = t2094 - t2093;
+    let t2096 = t441 * t2005;
+    let t2097 = t2095 - t2096;
+    let t2098 = t282 * t1674;
     let t2099 = t2097 + t2098;
-    let t2100 = sin_joint2 * t2099;
-    let t2101 = sin_joint2_joint3 * t2096;
-    let t2102 = cos_joint2_joint3 * t945;
-    let t2103 = t2101 - t2102;
-    let t2104 = cos_joint2 * t2103;
-    let t2105 = t2104 - t2100;
-    let t2106 = t2093 - t2105;
-    let t2107 = t428 * t2106;
-    let t2108 = cos_joint4 * t2088;
-    let t2109 = sin_joint4 * t952;
-    let t2110 = t2109 + t2108;
-    let t2111 = sin_joint2_joint3 * t2110;
-    let t2112 = cos_joint4 * t2087;
-    let t2113 = t2109 + t2112;
-    let t2114 = 0.047012505789717454 * t2113;
-    let t2115 = t2082 - t2114;
-    let t2116 = cos_joint2_joint3 * t2115;
-    let t2117 = t2111 + t2116;
-    let t2118 = cos_joint2 * t2113;
-    let t2119 = t2117 - t2118;
-    let t2120 = 0.3474988420565076 * t2099;
-    let t2121 = t2119 - t2120;
-    let t2122 = inverse_d_joint1 * t2121;
-    let t2123 = t2122 + t2107;
-    let t2124 = t2123 - t2094;
-    let t2125 = t2124 - t2083;
-    let t2126 = t614 * 0.42728302093540005;
-    let t2127 = t2125 - t2126;
-    let t2128 = t2127 + t2076;
-    let t2129 = t601 * 0.2158232532732;
-    let t2130 = t594 * t1186;
-    let t2131 = t478 * t1888;
-    let t2132 = t428 * t1888;
-    let t2133 = inverse_d_joint1 * t1819;
-    let t2134 = t2133 - t2132;
-    let t2135 = t2134 + t2131;
-    let t2136 = t2135 - t2130;
-    let t2137 = t614 * t925;
+    let t2100 = t358 * t2030;
+    let t2101 = 5.83606090588883 * t1702;
+    let t2102 = t2101 + t2100;
+    let t2103 = t441 * t2008;
+    let t2104 = t2102 - t2103;
+    let t2105 = t282 * t1758;
+    let t2106 = t2104 + t2105;
+    let t2107 = t358 * t2035;
+    let t2108 = 5.83606090588883 * t1775;
+    let t2109 = t2108 - t2107;
+    let t2110 = t441 * t2011;
+    let t2111 = t2109 + t2110;
+    let t2112 = t282 * t1835;
+    let t2113 = t2111 - t2112;
+    let t2114 = t358 * t2040;
+    let t2115 = 5.83606090588883 * t1872;
+    let t2116 = t2115 - t2114;
+    let t2117 = t441 * t2014;
+    let t2118 = t2116 - t2117;
+    let t2119 = t282 * t1909;
+    let t2120 = t2118 + t2119;
+    let t2121 = t358 * t2045;
+    let t2122 = 2.493649734231167 + t2121;
+    let t2123 = t441 * t2017;
+    let t2124 = t2122 + t2123;
+    let t2125 = t282 * t1977;
+    let t2126 = t2124 + t2125;
+    let t2127 = t358 * t2050;
+    let t2128 = omega_joint5_x * 0.0002334424362355532;
+    let t2129 = t2128 - t2127;
+    let t2130 = t441 * t2020;
+    let t2131 = t2129 - t2130;
+    let t2132 = t282 * t2002;
+    let t2133 = t2131 + t2132;
+    let t2134 = t295 * t2057;
+    let t2135 = 5.151863922779921 * t1620;
+    let t2136 = t2135 - t2134;
+    let t2137 = t352 * t2025;
     let t2138 = t2136 - t2137;
-    let t2139 = t2138 - t2129;
-    let t2140 = t570 * t1819;
-    let t2141 = t563 * t1871;
-    let t2142 = t428 * t1847;
-    let t2143 = t430 * t1857;
-    let t2144 = t2142 - t2143;
-    let t2145 = t433 * t1860;
-    let t2146 = t2144 + t2145;
-    let t2147 = t2146 + t2141;
-    let t2148 = t583 * t1882;
+    let t2139 = t352 * t2005;
+    let t2140 = t2138 - t2139;
+    let t2141 = t252 * t1674;
+    let t2142 = t2140 - t2141;
+    let t2143 = t295 * t2064;
+    let t2144 = 5.151863922779921 * t1689;
+    let t2145 = t2144 - t2143;
+    let t2146 = t352 * t2030;
+    let t2147 = t2145 + t2146;
+    let t2148 = t352 * t2008;
     let t2149 = t2147 - t2148;
-    let t2150 = t2149 - t2140;
-    let t2151 = t570 * t1890;
-    let t2152 = t563 * t1938;
-    let t2153 = t430 * t1901;
-    let t2154 = t428 * t1923;
-    let t2155 = t2154 - t2153;
-    let t2156 = t433 * t1930;
-    let t2157 = t2155 - t2156;
-    let t2158 = t2157 + t2152;
-    let t2159 = t583 * t1951;
-    let t2160 = t2158 - t2159;
-    let t2161 = t2160 - t2151;
-    let t2162 = t570 * t1960;
-    let t2163 = t563 * t1965;
-    let t2164 = t433 * t1971;
-    let t2165 = t430 * t1986;
-    let t2166 = t428 * t2005;
-    let t2167 = t2166 - t2165;
-    let t2168 = t2167 - t2164;
-    let t2169 = t2168 - t2163;
-    let t2170 = t583 * t2013;
-    let t2171 = t2169 + t2170;
-    let t2172 = t2171 + t2162;
-    let t2173 = t570 * t2018;
-    let t2174 = t563 * t2022;
-    let t2175 = t433 * t2036;
-    let t2176 = t430 * t2050;
-    let t2177 = t428 * t2066;
-    let t2178 = t2177 - t2176;
-    let t2179 = t2178 + t2175;
-    let t2180 = t2179 - t2174;
-    let t2181 = t583 * t2072;
+    let t2150 = t252 * t1758;
+    let t2151 = t2149 - t2150;
+    let t2152 = t295 * t2071;
+    let t2153 = 5.151863922779921 * t1769;
+    let t2154 = t2153 - t2152;
+    let t2155 = t352 * t2035;
+    let t2156 = t2154 - t2155;
+    let t2157 = t352 * t2011;
+    let t2158 = t2156 + t2157;
+    let t2159 = t252 * t1835;
+    let t2160 = t2158 + t2159;
+    let t2161 = t295 * t2078;
+    let t2162 = 5.151863922779921 * t1868;
+    let t2163 = t2162 + t2161;
+    let t2164 = t352 * t2040;
+    let t2165 = t2163 - t2164;
+    let t2166 = t352 * t2014;
+    let t2167 = t2165 - t2166;
+    let t2168 = t252 * t1909;
+    let t2169 = t2167 - t2168;
+    let t2170 = t295 * t2085;
+    let t2171 = 0.0002060745569111968 * omega_joint5_x;
+    let t2172 = t2171 - t2170;
+    let t2173 = t352 * t2045;
+    let t2174 = t2172 - t2173;
+    let t2175 = t352 * t2017;
+    let t2176 = t2174 - t2175;
+    let t2177 = t252 * t1977;
+    let t2178 = t2176 + t2177;
+    let t2179 = t295 * t2092;
+    let t2180 = 1.1118920322351926 + t2179;
+    let t2181 = t352 * t2050;
     let t2182 = t2180 - t2181;
-    let t2183 = t2182 - t2173;
-    let t2184 = t570 * t925;
-    let t2185 = t563 * t2082;
-    let t2186 = t433 * t2093;
-    let t2187 = t430 * t2106;
-    let t2188 = t428 * t2121;
-    let t2189 = t2188 + t2187;
-    let t2190 = t2189 - t2186;
-    let t2191 = t2190 - t2185;
-    let t2192 = t583 * 0.42728302093540005;
-    let t2193 = t2191 - t2192;
-    let t2194 = t2193 + t2184;
-    let t2195 = t570 * 0.2158232532732;
-    let t2196 = t563 * t1186;
-    let t2197 = t433 * t1888;
-    let t2198 = t430 * t1888;
-    let t2199 = t428 * t1819;
-    let t2200 = t2199 - t2198;
-    let t2201 = t2200 + t2197;
-    let t2202 = t2201 - t2196;
-    let t2203 = t583 * t925;
+    let t2183 = t352 * t2020;
+    let t2184 = t2182 - t2183;
+    let t2185 = t252 * t2002;
+    let t2186 = t2184 - t2185;
+    let t2187 = 62.6111 * inverse_d_joint1;
+    let t2188 = t503 * inverse_d_joint1;
+    let t2189 = 107.815 * t2188;
+    let t2190 = t465 * t2188;
+    let t2191 = t408 * inverse_d_joint1;
+    let t2192 = t2190 + t2191;
+    let t2193 = 53.7063 * t2192;
+    let t2194 = t364 * t2192;
+    let t2195 = t450 * t2188;
+    let t2196 = t2194 - t2195;
+    let t2197 = t322 * inverse_d_joint1;
+    let t2198 = t2196 + t2197;
+    let t2199 = 76.0364 * t2198;
+    let t2200 = t358 * t2192;
+    let t2201 = t441 * t2188;
+    let t2202 = t2200 - t2201;
+    let t2203 = t282 * inverse_d_joint1;
     let t2204 = t2202 - t2203;
-    let t2205 = t2204 - t2195;
-    let t2206 = t231 * t1819;
-    let t2207 = t224 * t1871;
-    let t2208 = t478 * t1847;
-    let t2209 = t433 * t1857;
+    let t2205 = 71.923 * t2204;
+    let t2206 = t295 * t2198;
+    let t2207 = t352 * t2192;
+    let t2208 = t2206 + t2207;
+    let t2209 = t352 * t2188;
     let t2210 = t2208 - t2209;
-    let t2211 = t219 * t1860;
+    let t2211 = t252 * inverse_d_joint1;
     let t2212 = t2210 + t2211;
-    let t2213 = t2212 + t2207;
-    let t2214 = t545 * t1882;
-    let t2215 = t2213 - t2214;
-    let t2216 = t2215 - t2206;
-    let t2217 = t231 * t1890;
-    let t2218 = t224 * t1938;
-    let t2219 = t433 * t1901;
-    let t2220 = t478 * t1923;
-    let t2221 = t2220 - t2219;
-    let t2222 = t219 * t1930;
-    let t2223 = t2221 - t2222;
-    let t2224 = t2223 + t2218;
-    let t2225 = t545 * t1951;
-    let t2226 = t2224 - t2225;
-    let t2227 = t2226 - t2217;
-    let t2228 = t231 * t1960;
-    let t2229 = t224 * t1965;
-    let t2230 = t219 * t1971;
-    let t2231 = t433 * t1986;
-    let t2232 = t478 * t2005;
-    let t2233 = t2232 - t2231;
-    let t2234 = t2233 - t2230;
-    let t2235 = t2234 - t2229;
-    let t2236 = t545 * t2013;
-    let t2237 = t2235 + t2236;
-    let t2238 = t2237 + t2228;
-    let t2239 = t231 * t2018;
-    let t2240 = t224 * t2022;
-    let t2241 = t219 * t2036;
-    let t2242 = t433 * t2050;
-    let t2243 = t478 * t2066;
-    let t2244 = t2243 - t2242;
-    let t2245 = t2244 + t2241;
-    let t2246 = t2245 - t2240;
-    let t2247 = t545 * t2072;
-    let t2248 = t2246 - t2247;
-    let t2249 = t2248 - t2239;
-    let t2250 = t231 * t925;
-    let t2251 = t224 * t2082;
-    let t2252 = t219 * t2093;
-    let t2253 = t433 * t2106;
-    let t2254 = t478 * t2121;
-    let t2255 = t2254 + t2253;
-    let t2256 = t2255 - t2252;
-    let t2257 = t2256 - t2251;
-    let t2258 = t545 * 0.42728302093540005;
-    let t2259 = t2257 - t2258;
-    let t2260 = t2259 + t2250;
-    let t2261 = t231 * 0.2158232532732;
-    let t2262 = t224 * t1186;
-    let t2263 = t219 * t1888;
-    let t2264 = t478 * t1819;
-    let t2265 = t2197 - t2264;
-    let t2266 = t2265 - t2263;
-    let t2267 = t2266 + t2262;
-    let t2268 = t545 * t925;
+    let t2213 = 76.686 * t2212;
+    let t2214 = 62.6111 * t2188;
+    let t2215 = t503 * t2188;
+    let t2216 = inverse_d_joint2 + t2215;
+    let t2217 = 107.815 * t2216;
+    let t2218 = t465 * t2216;
+    let t2219 = t408 * t2188;
+    let t2220 = t2218 + t2219;
+    let t2221 = 53.7063 * t2220;
+    let t2222 = t364 * t2220;
+    let t2223 = t450 * t2216;
+    let t2224 = t2222 - t2223;
+    let t2225 = t322 * t2188;
+    let t2226 = t2224 + t2225;
+    let t2227 = 76.0364 * t2226;
+    let t2228 = t358 * t2220;
+    let t2229 = t441 * t2216;
+    let t2230 = t2228 - t2229;
+    let t2231 = t282 * t2188;
+    let t2232 = t2230 - t2231;
+    let t2233 = 71.923 * t2232;
+    let t2234 = t295 * t2226;
+    let t2235 = t352 * t2220;
+    let t2236 = t2234 + t2235;
+    let t2237 = t352 * t2216;
+    let t2238 = t2236 - t2237;
+    let t2239 = t252 * t2188;
+    let t2240 = t2238 + t2239;
+    let t2241 = 76.686 * t2240;
+    let t2242 = 62.6111 * t2192;
+    let t2243 = 107.815 * t2220;
+    let t2244 = t465 * t503;
+    let t2245 = t408 + t2244;
+    let t2246 = inverse_d_joint1 * t2245;
+    let t2247 = t503 * t2246;
+    let t2248 = t465 * inverse_d_joint2;
+    let t2249 = t2248 + t2247;
+    let t2250 = t465 * t2249;
+    let t2251 = inverse_d_joint3 + t2250;
+    let t2252 = t408 * t2246;
+    let t2253 = t2251 + t2252;
+    let t2254 = 53.7063 * t2253;
+    let t2255 = t364 * t2253;
+    let t2256 = t450 * t2249;
+    let t2257 = t2255 - t2256;
+    let t2258 = t322 * t2246;
+    let t2259 = t2257 + t2258;
+    let t2260 = 76.0364 * t2259;
+    let t2261 = t358 * t2253;
+    let t2262 = t441 * t2249;
+    let t2263 = t2261 - t2262;
+    let t2264 = t282 * t2246;
+    let t2265 = t2263 - t2264;
+    let t2266 = 71.923 * t2265;
+    let t2267 = t295 * t2259;
+    let t2268 = t352 * t2253;
     let t2269 = t2267 + t2268;
-    let t2270 = t2269 + t2261;
-    let t2271 = t651 * t1819;
-    let t2272 = t644 * t1871;
-    let t2273 = t224 * t1860;
-    let t2274 = t563 * t1857;
-    let t2275 = t594 * t1847;
-    let t2276 = t2275 - t2274;
-    let t2277 = t2276 + t2273;
-    let t2278 = t2277 + t2272;
-    let t2279 = t664 * t1882;
-    let t2280 = t2278 - t2279;
-    let t2281 = t2280 - t2271;
-    let t2282 = t651 * t1890;
-    let t2283 = t644 * t1938;
-    let t2284 = t224 * t1930;
-    let t2285 = t563 * t1901;
-    let t2286 = t594 * t1923;
+    let t2270 = t352 * t2249;
+    let t2271 = t2269 - t2270;
+    let t2272 = t252 * t2246;
+    let t2273 = t2271 + t2272;
+    let t2274 = 76.686 * t2273;
+    let t2275 = 62.6111 * t2198;
+    let t2276 = 107.815 * t2226;
+    let t2277 = 53.7063 * t2259;
+    let t2278 = t364 * t465;
+    let t2279 = t450 - t2278;
+    let t2280 = t503 * t2279;
+    let t2281 = t364 * t408;
+    let t2282 = t322 + t2281;
+    let t2283 = t2282 - t2280;
+    let t2284 = inverse_d_joint1 * t2283;
+    let t2285 = t503 * t2284;
+    let t2286 = inverse_d_joint2 * t2279;
     let t2287 = t2286 - t2285;
-    let t2288 = t2287 - t2284;
-    let t2289 = t2288 + t2283;
-    let t2290 = t664 * t1951;
-    let t2291 = t2289 - t2290;
-    let t2292 = t2291 - t2282;
-    let t2293 = t651 * t1960;
-    let t2294 = t644 * t1965;
-    let t2295 = t224 * t1971;
-    let t2296 = t563 * t1986;
-    let t2297 = t594 * t2005;
-    let t2298 = t2297 - t2296;
-    let t2299 = t2298 - t2295;
-    let t2300 = t2299 - t2294;
-    let t2301 = t664 * t2013;
+    let t2288 = t465 * t2287;
+    let t2289 = t364 * inverse_d_joint3;
+    let t2290 = t2289 - t2288;
+    let t2291 = t408 * t2284;
+    let t2292 = t2290 + t2291;
+    let t2293 = t364 * t2292;
+    let t2294 = inverse_d_joint4 + t2293;
+    let t2295 = t450 * t2287;
+    let t2296 = t2294 + t2295;
+    let t2297 = t322 * t2284;
+    let t2298 = t2296 + t2297;
+    let t2299 = 76.0364 * t2298;
+    let t2300 = t358 * t2292;
+    let t2301 = t441 * t2287;
     let t2302 = t2300 + t2301;
-    let t2303 = t2302 + t2293;
-    let t2304 = t651 * t2018;
-    let t2305 = t644 * t2022;
-    let t2306 = t224 * t2036;
-    let t2307 = t563 * t2050;
-    let t2308 = t594 * t2066;
-    let t2309 = t2308 - t2307;
-    let t2310 = t2309 + t2306;
-    let t2311 = t2310 - t2305;
-    let t2312 = t664 * t2072;
-    let t2313 = t2311 - t2312;
-    let t2314 = t2313 - t2304;
-    let t2315 = t651 * t925;
-    let t2316 = t644 * t2082;
-    let t2317 = t224 * t2093;
-    let t2318 = t563 * t2106;
-    let t2319 = t594 * t2121;
-    let t2320 = t2319 + t2318;
-    let t2321 = t2320 - t2317;
-    let t2322 = t2321 - t2316;
-    let t2323 = t664 * 0.42728302093540005;
-    let t2324 = t2322 - t2323;
-    let t2325 = t2324 + t2315;
-    let t2326 = t651 * 0.2158232532732;
-    let t2327 = t644 * t1186;
-    let t2328 = t224 * t1888;
-    let t2329 = t563 * t1888;
-    let t2330 = t594 * t1819;
-    let t2331 = t2330 - t2329;
-    let t2332 = t2331 + t2328;
-    let t2333 = t2332 - t2327;
-    let t2334 = t664 * t925;
-    let t2335 = t2333 - t2334;
-    let t2336 = t2335 - t2326;
-    let t2337 = t708 * t1819;
-    let t2338 = t545 * t1860;
-    let t2339 = t583 * t1857;
-    let t2340 = t614 * t1847;
-    let t2341 = t2340 - t2339;
-    let t2342 = t2341 + t2338;
-    let t2343 = t664 * t1871;
-    let t2344 = t2342 + t2343;
-    let t2345 = t829 * t1882;
-    let t2346 = t2344 - t2345;
-    let t2347 = t2346 - t2337;
-    let t2348 = t708 * t1890;
-    let t2349 = t545 * t1930;
-    let t2350 = t583 * t1901;
-    let t2351 = t614 * t1923;
-    let t2352 = t2351 - t2350;
-    let t2353 = t2352 - t2349;
-    let t2354 = t664 * t1938;
-    let t2355 = t2353 + t2354;
-    let t2356 = t829 * t1951;
-    let t2357 = t2355 - t2356;
-    let t2358 = t2357 - t2348;
-    let t2359 = t708 * t1960;
-    let t2360 = t545 * t1971;
-    let t2361 = t583 * t1986;
-    let t2362 = t614 * t2005;
-    let t2363 = t2362 - t2361;
-    let t2364 = t2363 - t2360;
-    let t2365 = t664 * t1965;
-    let t2366 = t2364 - t2365;
-    let t2367 = t829 * t2013;
-    let t2368 = t2366 + t2367;
-    let t2369 = t2368 + t2359;
-    let t2370 = t708 * t2018;
-    let t2371 = t545 * t2036;
-    let t2372 = t583 * t2050;
-    let t2373 = t614 * t2066;
-    let t2374 = t2373 - t2372;
-    let t2375 = t2374 + t2371;
-    let t2376 = t664 * t2022;
-    let t2377 = t2375 - t2376;
-    let t2378 = t829 * t2072;
-    let t2379 = t2377 - t2378;
-    let t2380 = t2379 - t2370;
-    let t2381 = t708 * t925;
-    let t2382 = t545 * t2093;
-    let t2383 = t583 * t2106;
-    let t2384 = t614 * t2121;
-    let t2385 = t2384 + t2383;
-    let t2386 = t2385 - t2382;
-    let t2387 = t664 * t2082;
-    let t2388 = t2386 - t2387;
-    let t2389 = t829 * 0.42728302093540005;
-    let t2390 = t2388 - t2389;
-    let t2391 = t2390 + t2381;
-    let t2392 = t708 * 0.2158232532732;
-    let t2393 = t545 * t1888;
-    let t2394 = t583 * t1888;
-    let t2395 = t614 * t1819;
-    let t2396 = t2395 - t2394;
-    let t2397 = t2396 + t2393;
-    let t2398 = t664 * t1186;
-    let t2399 = t2397 - t2398;
-    let t2400 = t829 * t925;
+    let t2303 = t282 * t2284;
+    let t2304 = t2302 - t2303;
+    let t2305 = 71.923 * t2304;
+    let t2306 = t295 * t2298;
+    let t2307 = t352 * t2292;
+    let t2308 = t2306 + t2307;
+    let t2309 = t352 * t2287;
+    let t2310 = t2308 + t2309;
+    let t2311 = t252 * t2284;
+    let t2312 = t2310 + t2311;
+    let t2313 = 76.686 * t2312;
+    let t2314 = 62.6111 * t2204;
+    let t2315 = 107.815 * t2232;
+    let t2316 = 53.7063 * t2265;
+    let t2317 = 76.0364 * t2304;
+    let t2318 = t358 * t465;
+    let t2319 = t441 - t2318;
+    let t2320 = t503 * t2319;
+    let t2321 = t358 * t408;
+    let t2322 = t282 - t2321;
+    let t2323 = t2322 + t2320;
+    let t2324 = inverse_d_joint1 * t2323;
+    let t2325 = t503 * t2324;
+    let t2326 = inverse_d_joint2 * t2319;
+    let t2327 = t2326 + t2325;
+    let t2328 = t465 * t2327;
+    let t2329 = t358 * inverse_d_joint3;
+    let t2330 = t2329 - t2328;
+    let t2331 = t408 * t2324;
+    let t2332 = t2330 - t2331;
+    let t2333 = t358 * t2332;
+    let t2334 = 5.83606090588883 + t2333;
+    let t2335 = t441 * t2327;
+    let t2336 = t2334 + t2335;
+    let t2337 = t282 * t2324;
+    let t2338 = t2336 + t2337;
+    let t2339 = 71.923 * t2338;
+    let t2340 = t364 * t2332;
+    let t2341 = t450 * t2327;
+    let t2342 = t2340 + t2341;
+    let t2343 = t322 * t2324;
+    let t2344 = t2342 - t2343;
+    let t2345 = t295 * t2344;
+    let t2346 = t352 * t2332;
+    let t2347 = t2345 + t2346;
+    let t2348 = t352 * t2327;
+    let t2349 = t2347 + t2348;
+    let t2350 = t252 * t2324;
+    let t2351 = t2349 - t2350;
+    let t2352 = 76.686 * t2351;
+    let t2353 = 62.6111 * t2212;
+    let t2354 = 107.815 * t2240;
+    let t2355 = 53.7063 * t2273;
+    let t2356 = 76.0364 * t2312;
+    let t2357 = 71.923 * t2351;
+    let t2358 = t295 * t364;
+    let t2359 = t352 + t2358;
+    let t2360 = t465 * t2359;
+    let t2361 = t295 * t450;
+    let t2362 = t352 + t2361;
+    let t2363 = t2362 - t2360;
+    let t2364 = t503 * t2363;
+    let t2365 = t408 * t2359;
+    let t2366 = t295 * t322;
+    let t2367 = t252 + t2366;
+    let t2368 = t2367 + t2365;
+    let t2369 = t2368 - t2364;
+    let t2370 = inverse_d_joint1 * t2369;
+    let t2371 = t503 * t2370;
+    let t2372 = inverse_d_joint2 * t2363;
+    let t2373 = t2372 - t2371;
+    let t2374 = t465 * t2373;
+    let t2375 = inverse_d_joint3 * t2359;
+    let t2376 = t2375 - t2374;
+    let t2377 = t408 * t2370;
+    let t2378 = t2376 + t2377;
+    let t2379 = t364 * t2378;
+    let t2380 = t295 * inverse_d_joint4;
+    let t2381 = t2380 + t2379;
+    let t2382 = t450 * t2373;
+    let t2383 = t2381 + t2382;
+    let t2384 = t322 * t2370;
+    let t2385 = t2383 + t2384;
+    let t2386 = t295 * t2385;
+    let t2387 = 5.151863922779921 + t2386;
+    let t2388 = t352 * t2378;
+    let t2389 = t2387 + t2388;
+    let t2390 = t352 * t2373;
+    let t2391 = t2389 + t2390;
+    let t2392 = t252 * t2370;
+    let t2393 = t2391 + t2392;
+    let t2394 = 76.686 * t2393;
+    let t2395 = y[1] * t1026;
+    let t2396 = y[2] * t1162;
+    let t2397 = t2395 + t2396;
+    let t2398 = y[3] * t1276;
+    let t2399 = t2397 + t2398;
+    let t2400 = y[4] * t1382;
     let t2401 = t2399 - t2400;
-    let t2402 = t2401 - t2392;
-    let t2403 = t651 * t1871;
-    let t2404 = t231 * t1860;
-    let t2405 = t570 * t1857;
-    let t2406 = t601 * t1847;
-    let t2407 = t2406 - t2405;
-    let t2408 = t2407 + t2404;
-    let t2409 = t2408 + t2403;
-    let t2410 = t708 * t1882;
-    let t2411 = t2409 - t2410;
-    let t2412 = t746 * t1819;
-    let t2413 = t2411 - t2412;
-    let t2414 = t651 * t1938;
-    let t2415 = t231 * t1930;
-    let t2416 = t570 * t1901;
-    let t2417 = t601 * t1923;
-    let t2418 = t2417 - t2416;
-    let t2419 = t2418 - t2415;
-    let t2420 = t2419 + t2414;
-    let t2421 = t708 * t1951;
-    let t2422 = t2420 - t2421;
-    let t2423 = t746 * t1890;
-    let t2424 = t2422 - t2423;
-    let t2425 = t651 * t1965;
-    let t2426 = t231 * t1971;
-    let t2427 = t570 * t1986;
-    let t2428 = t601 * t2005;
-    let t2429 = t2428 - t2427;
-    let t2430 = t2429 - t2426;
-    let t2431 = t2430 - t2425;
-    let t2432 = t708 * t2013;
+    let t2402 = y[5] * t1435;
+    let t2403 = t2401 - t2402;
+    let t2404 = v[1] * t1758;
+    let t2405 = v[0] * t1674;
+    let t2406 = t2405 - t2404;
+    let t2407 = v[2] * t1835;
+    let t2408 = t2406 + t2407;
+    let t2409 = v[3] * t1909;
+    let t2410 = t2408 + t2409;
+    let t2411 = v[4] * t1977;
+    let t2412 = t2410 - t2411;
+    let t2413 = v[5] * t2002;
+    let t2414 = t2412 - t2413;
+    let t2415 = t2403 - t2414;
+    let t2416 = u[5] * t2213;
+    let t2417 = u[3] * t2199;
+    let t2418 = u[2] * t2193;
+    let t2419 = u[1] * t2189;
+    let t2420 = u[0] * t2187;
+    let t2421 = t2420 - t2419;
+    let t2422 = t2421 - t2418;
+    let t2423 = t2422 + t2417;
+    let t2424 = u[4] * t2205;
+    let t2425 = t2423 - t2424;
+    let t2426 = t2425 - t2416;
+    let t2427 = t2415 - t2426;
+    let t2428 = t537 + t2427;
+    let t2429 = y[1] * t1438;
+    let t2430 = y[2] * t1441;
+    let t2431 = t2429 + t2430;
+    let t2432 = y[3] * t1444;
     let t2433 = t2431 + t2432;
-    let t2434 = t746 * t1960;
-    let t2435 = t2433 + t2434;
-    let t2436 = t651 * t2022;
-    let t2437 = t231 * t2036;
-    let t2438 = t570 * t2050;
-    let t2439 = t601 * t2066;
+    let t2434 = y[4] * t1447;
+    let t2435 = t2433 - t2434;
+    let t2436 = y[5] * t1450;
+    let t2437 = t2435 - t2436;
+    let t2438 = v[1] * t2008;
+    let t2439 = v[0] * t2005;
     let t2440 = t2439 - t2438;
-    let t2441 = t2440 + t2437;
-    let t2442 = t2441 - t2436;
-    let t2443 = t708 * t2072;
-    let t2444 = t2442 - t2443;
-    let t2445 = t746 * t2018;
-    let t2446 = t2444 - t2445;
-    let t2447 = t651 * t2082;
-    let t2448 = t231 * t2093;
-    let t2449 = t570 * t2106;
-    let t2450 = t601 * t2121;
-    let t2451 = t2450 + t2449;
-    let t2452 = t2451 - t2448;
-    let t2453 = t2452 - t2447;
-    let t2454 = t708 * 0.42728302093540005;
-    let t2455 = t2453 - t2454;
-    let t2456 = t746 * t925;
-    let t2457 = t2455 + t2456;
-    let t2458 = t651 * t1186;
-    let t2459 = t231 * t1888;
-    let t2460 = t570 * t1888;
-    let t2461 = t1820 - t2460;
-    let t2462 = t2461 + t2459;
-    let t2463 = t2462 - t2458;
-    let t2464 = t2381 - t2463;
-    let t2465 = t746 * 0.2158232532732;
-    let t2466 = t2464 + t2465;
-    let t2467 = 62.6111 * inverse_d_joint1;
-    let t2468 = 107.815 * t428;
-    let t2469 = 53.7063 * t478;
-    let t2470 = 76.0364 * t594;
-    let t2471 = 71.923 * t614;
-    let t2472 = 76.686 * t601;
-    let t2473 = 62.6111 * t428;
-    let t2474 = 107.815 * t430;
-    let t2475 = 53.7063 * t433;
-    let t2476 = 76.0364 * t563;
-    let t2477 = 71.923 * t583;
-    let t2478 = 76.686 * t570;
-    let t2479 = 62.6111 * t478;
-    let t2480 = 107.815 * t433;
-    let t2481 = 53.7063 * t219;
-    let t2482 = 76.0364 * t224;
-    let t2483 = 71.923 * t545;
-    let t2484 = 76.686 * t231;
-    let t2485 = 62.6111 * t594;
-    let t2486 = 107.815 * t563;
-    let t2487 = 53.7063 * t224;
-    let t2488 = 76.0364 * t644;
-    let t2489 = 71.923 * t664;
-    let t2490 = 76.686 * t651;
-    let t2491 = 62.6111 * t614;
-    let t2492 = 107.815 * t583;
-    let t2493 = 53.7063 * t545;
-    let t2494 = 76.0364 * t664;
-    let t2495 = 71.923 * t829;
-    let t2496 = 76.686 * t708;
-    let t2497 = 62.6111 * t601;
-    let t2498 = 107.815 * t570;
-    let t2499 = 53.7063 * t231;
-    let t2500 = 76.0364 * t651;
-    let t2501 = 71.923 * t708;
-    let t2502 = 76.686 * t746;
-    let t2503 = y[1] * t1192;
-    let t2504 = y[2] * t1313;
-    let t2505 = t2503 + t2504;
-    let t2506 = y[3] * t1412;
-    let t2507 = t2505 + t2506;
-    let t2508 = y[4] * t1503;
-    let t2509 = t2507 - t2508;
-    let t2510 = y[5] * t1542;
-    let t2511 = t2509 - t2510;
-    let t2512 = v[1] * t1954;
-    let t2513 = v[0] * t1885;
-    let t2514 = t2513 - t2512;
-    let t2515 = v[2] * t2016;
+    let t2441 = v[2] * t2011;
+    let t2442 = t2440 + t2441;
+    let t2443 = v[3] * t2014;
+    let t2444 = t2442 + t2443;
+    let t2445 = v[4] * t2017;
+    let t2446 = t2444 + t2445;
+    let t2447 = v[5] * t2020;
+    let t2448 = t2446 - t2447;
+    let t2449 = t2437 - t2448;
+    let t2450 = u[5] * t2241;
+    let t2451 = u[3] * t2227;
+    let t2452 = u[2] * t2221;
+    let t2453 = u[1] * t2217;
+    let t2454 = u[0] * t2214;
+    let t2455 = t2454 - t2453;
+    let t2456 = t2455 - t2452;
+    let t2457 = t2456 + t2451;
+    let t2458 = u[4] * t2233;
+    let t2459 = t2457 - t2458;
+    let t2460 = t2459 - t2450;
+    let t2461 = t2449 + t2460;
+    let t2462 = t540 + t2461;
+    let t2463 = y[1] * t1455;
+    let t2464 = y[2] * t1460;
+    let t2465 = t2463 - t2464;
+    let t2466 = y[3] * t1465;
+    let t2467 = t2465 - t2466;
+    let t2468 = y[4] * t1470;
+    let t2469 = t2467 + t2468;
+    let t2470 = y[5] * t1475;
+    let t2471 = t2469 + t2470;
+    let t2472 = v[1] * t2030;
+    let t2473 = v[0] * t2025;
+    let t2474 = t2473 + t2472;
+    let t2475 = v[2] * t2035;
+    let t2476 = t2474 - t2475;
+    let t2477 = v[3] * t2040;
+    let t2478 = t2476 + t2477;
+    let t2479 = v[4] * t2045;
+    let t2480 = t2478 + t2479;
+    let t2481 = v[5] * t2050;
+    let t2482 = t2480 - t2481;
+    let t2483 = t2471 + t2482;
+    let t2484 = u[5] * t2274;
+    let t2485 = u[3] * t2260;
+    let t2486 = u[2] * t2254;
+    let t2487 = u[1] * t2243;
+    let t2488 = u[0] * t2242;
+    let t2489 = t2488 - t2487;
+    let t2490 = t2489 - t2486;
+    let t2491 = t2490 + t2485;
+    let t2492 = u[4] * t2266;
+    let t2493 = t2491 - t2492;
+    let t2494 = t2493 - t2484;
+    let t2495 = t2483 + t2494;
+    let t2496 = t545 + t2495;
+    let t2497 = y[1] * t1482;
+    let t2498 = y[2] * t1489;
+    let t2499 = t2497 - t2498;
+    let t2500 = y[3] * t1496;
+    let t2501 = t2499 + t2500;
+    let t2502 = y[4] * t1503;
+    let t2503 = t2501 - t2502;
+    let t2504 = y[5] * t1510;
+    let t2505 = t2503 - t2504;
+    let t2506 = v[1] * t2064;
+    let t2507 = v[0] * t2057;
+    let t2508 = t2507 - t2506;
+    let t2509 = v[2] * t2071;
+    let t2510 = t2508 - t2509;
+    let t2511 = v[3] * t2078;
+    let t2512 = t2510 - t2511;
+    let t2513 = v[4] * t2085;
+    let t2514 = t2512 + t2513;
+    let t2515 = v[5] * t2092;
     let t2516 = t2514 + t2515;
-    let t2517 = v[3] * t2075;
-    let t2518 = t2516 + t2517;
-    let t2519 = v[4] * t2128;
-    let t2520 = t2518 - t2519;
-    let t2521 = v[5] * t2139;
-    let t2522 = t2520 - t2521;
-    let t2523 = t2511 - t2522;
-    let t2524 = u[5] * t2472;
-    let t2525 = u[3] * t2470;
-    let t2526 = u[2] * t2469;
-    let t2527 = u[1] * t2468;
-    let t2528 = u[0] * t2467;
-    let t2529 = t2528 - t2527;
-    let t2530 = t2529 - t2526;
-    let t2531 = t2530 + t2525;
-    let t2532 = u[4] * t2471;
-    let t2533 = t2531 - t2532;
-    let t2534 = t2533 - t2524;
-    let t2535 = t2523 - t2534;
-    let t2536 = t617 + t2535;
-    let t2537 = y[1] * t1553;
-    let t2538 = y[2] * t1564;
-    let t2539 = t2537 + t2538;
-    let t2540 = y[3] * t1575;
-    let t2541 = t2539 + t2540;
-    let t2542 = y[4] * t1586;
-    let t2543 = t2541 - t2542;
-    let t2544 = y[5] * t1597;
-    let t2545 = t2543 - t2544;
-    let t2546 = v[1] * t2161;
-    let t2547 = v[0] * t2150;
-    let t2548 = t2547 - t2546;
-    let t2549 = v[2] * t2172;
-    let t2550 = t2548 + t2549;
-    let t2551 = v[3] * t2183;
-    let t2552 = t2550 + t2551;
-    let t2553 = v[4] * t2194;
-    let t2554 = t2552 - t2553;
-    let t2555 = v[5] * t2205;
-    let t2556 = t2554 - t2555;
-    let t2557 = t2545 - t2556;
-    let t2558 = u[5] * t2478;
-    let t2559 = u[3] * t2476;
-    let t2560 = u[2] * t2475;
-    let t2561 = u[1] * t2474;
-    let t2562 = u[0] * t2473;
-    let t2563 = t2562 - t2561;
-    let t2564 = t2563 - t2560;
-    let t2565 = t2564 + t2559;
-    let t2566 = u[4] * t2477;
+    let t2517 = t2505 + t2516;
+    let t2518 = u[5] * t2313;
+    let t2519 = u[3] * t2299;
+    let t2520 = u[2] * t2277;
+    let t2521 = u[1] * t2276;
+    let t2522 = u[0] * t2275;
+    let t2523 = t2522 - t2521;
+    let t2524 = t2523 - t2520;
+    let t2525 = t2524 + t2519;
+    let t2526 = u[4] * t2305;
+    let t2527 = t2525 - t2526;
+    let t2528 = t2527 - t2518;
+    let t2529 = t2517 + t2528;
+    let t2530 = t552 - t2529;
+    let t2531 = y[1] * t1517;
+    let t2532 = y[2] * t1524;
+    let t2533 = t2531 + t2532;
+    let t2534 = y[3] * t1531;
+    let t2535 = t2533 + t2534;
+    let t2536 = y[4] * t1538;
+    let t2537 = t2535 + t2536;
+    let t2538 = y[5] * t1545;
+    let t2539 = t2537 - t2538;
+    let t2540 = v[1] * t2106;
+    let t2541 = v[0] * t2099;
+    let t2542 = t2541 - t2540;
+    let t2543 = v[2] * t2113;
+    let t2544 = t2542 - t2543;
+    let t2545 = v[3] * t2120;
+    let t2546 = t2544 + t2545;
+    let t2547 = v[4] * t2126;
+    let t2548 = t2546 - t2547;
+    let t2549 = v[5] * t2133;
+    let t2550 = t2548 - t2549;
+    let t2551 = t2539 + t2550;
+    let t2552 = u[5] * t2352;
+    let t2553 = u[2] * t2316;
+    let t2554 = u[1] * t2315;
+    let t2555 = u[0] * t2314;
+    let t2556 = t2555 - t2554;
+    let t2557 = t2556 - t2553;
+    let t2558 = u[3] * t2317;
+    let t2559 = t2557 + t2558;
+    let t2560 = u[4] * t2339;
+    let t2561 = t2559 - t2560;
+    let t2562 = t2561 - t2552;
+    let t2563 = t2551 - t2562;
+    let t2564 = t636 - t2563;
+    let t2565 = y[1] * t1554;
+    let t2566 = y[2] * t1563;
     let t2567 = t2565 - t2566;
-    let t2568 = t2567 - t2558;
-    let t2569 = t2557 - t2568;
-    let t2570 = t586 + t2569;
-    let t2571 = y[1] * t1608;
-    let t2572 = y[2] * t1619;
+    let t2568 = y[3] * t1572;
+    let t2569 = t2567 + t2568;
+    let t2570 = y[4] * t1581;
+    let t2571 = t2569 + t2570;
+    let t2572 = y[5] * t1590;
     let t2573 = t2571 + t2572;
-    let t2574 = y[3] * t1630;
-    let t2575 = t2573 + t2574;
-    let t2576 = y[4] * t1641;
-    let t2577 = t2575 - t2576;
-    let t2578 = y[5] * t1651;
-    let t2579 = t2577 + t2578;
-    let t2580 = v[1] * t2227;
-    let t2581 = v[0] * t2216;
-    let t2582 = t2581 - t2580;
-    let t2583 = v[2] * t2238;
-    let t2584 = t2582 + t2583;
-    let t2585 = v[3] * t2249;
-    let t2586 = t2584 + t2585;
-    let t2587 = v[4] * t2260;
-    let t2588 = t2586 - t2587;
-    let t2589 = v[5] * t2270;
-    let t2590 = t2588 + t2589;
-    let t2591 = t2579 - t2590;
-    let t2592 = u[5] * t2484;
-    let t2593 = u[3] * t2482;
-    let t2594 = u[2] * t2481;
-    let t2595 = u[1] * t2480;
-    let t2596 = u[0] * t2479;
-    let t2597 = t2596 - t2595;
-    let t2598 = t2597 - t2594;
-    let t2599 = t2598 + t2593;
-    let t2600 = u[4] * t2483;
-    let t2601 = t2599 - t2600;
-    let t2602 = t2601 - t2592;
-    let t2603 = t2591 - t2602;
-    let t2604 = t558 + t2603;
-    let t2605 = y[1] * t1662;
-    let t2606 = y[2] * t1673;
-    let t2607 = t2605 + t2606;
-    let t2608 = y[3] * t1684;
-    let t2609 = t2607 + t2608;
-    let t2610 = y[4] * t1695;
-    let t2611 = t2609 - t2610;
-    let t2612 = y[5] * t1706;
-    let t2613 = t2611 - t2612;
-    let t2614 = v[1] * t2292;
-    let t2615 = v[0] * t2281;
-    let t2616 = t2615 - t2614;
-    let t2617 = v[2] * t2303;
-    let t2618 = t2616 + t2617;
-    let t2619 = v[3] * t2314;
-    let t2620 = t2618 + t2619;
-    let t2621 = v[4] * t2325;
-    let t2622 = t2620 - t2621;
-    let t2623 = v[5] * t2336;
-    let t2624 = t2622 - t2623;
-    let t2625 = t2613 - t2624;
-    let t2626 = u[5] * t2490;
-    let t2627 = u[3] * t2488;
-    let t2628 = u[2] * t2487;
-    let t2629 = u[1] * t2486;
-    let t2630 = u[0] * t2485;
-    let t2631 = t2630 - t2629;
-    let t2632 = t2631 - t2628;
-    let t2633 = t2632 + t2627;
-    let t2634 = u[4] * t2489;
-    let t2635 = t2633 - t2634;
-    let t2636 = t2635 - t2626;
-    let t2637 = t2625 - t2636;
-    let t2638 = t667 + t2637;
-    let t2639 = y[1] * t1717;
-    let t2640 = y[2] * t1728;
-    let t2641 = t2639 + t2640;
-    let t2642 = y[3] * t1739;
-    let t2643 = t2641 + t2642;
-    let t2644 = y[4] * t1750;
-    let t2645 = t2643 - t2644;
-    let t2646 = y[5] * t1761;
-    let t2647 = t2645 - t2646;
-    let t2648 = v[1] * t2358;
-    let t2649 = v[0] * t2347;
-    let t2650 = t2649 - t2648;
-    let t2651 = v[2] * t2369;
-    let t2652 = t2650 + t2651;
-    let t2653 = v[3] * t2380;
-    let t2654 = t2652 + t2653;
-    let t2655 = v[4] * t2391;
-    let t2656 = t2654 - t2655;
-    let t2657 = v[5] * t2402;
-    let t2658 = t2656 - t2657;
-    let t2659 = t2647 - t2658;
-    let t2660 = u[5] * t2496;
-    let t2661 = u[2] * t2493;
-    let t2662 = u[1] * t2492;
-    let t2663 = u[0] * t2491;
-    let t2664 = t2663 - t2662;
-    let t2665 = t2664 - t2661;
-    let t2666 = u[3] * t2494;
-    let t2667 = t2665 + t2666;
-    let t2668 = u[4] * t2495;
-    let t2669 = t2667 - t2668;
-    let t2670 = t2669 - t2660;
-    let t2671 = t2659 - t2670;
-    let t2672 = t832 + t2671;
-    let t2673 = y[1] * t1772;
-    let t2674 = y[2] * t1783;
-    let t2675 = t2673 + t2674;
-    let t2676 = y[3] * t1794;
-    let t2677 = t2675 + t2676;
-    let t2678 = y[4] * t1805;
-    let t2679 = t2677 - t2678;
-    let t2680 = y[5] * t1816;
-    let t2681 = t2679 - t2680;
-    let t2682 = v[1] * t2424;
-    let t2683 = v[0] * t2413;
-    let t2684 = t2683 - t2682;
-    let t2685 = v[2] * t2435;
-    let t2686 = t2684 + t2685;
-    let t2687 = v[3] * t2446;
-    let t2688 = t2686 + t2687;
-    let t2689 = v[4] * t2457;
-    let t2690 = t2688 - t2689;
-    let t2691 = v[5] * t2466;
-    let t2692 = t2690 + t2691;
-    let t2693 = t2681 - t2692;
-    let t2694 = u[3] * t2500;
-    let t2695 = u[2] * t2499;
-    let t2696 = u[1] * t2498;
-    let t2697 = u[0] * t2497;
-    let t2698 = t2697 - t2696;
-    let t2699 = t2698 - t2695;
-    let t2700 = t2699 + t2694;
-    let t2701 = u[4] * t2501;
-    let t2702 = t2700 - t2701;
-    let t2703 = u[5] * t2502;
-    let t2704 = t2702 - t2703;
-    let t2705 = t2693 - t2704;
-    let t2706 = t748 + t2705;
-    let t2707 = -t1503;
-    let t2708 = -t1542;
-    let t2709 = -t1586;
-    let t2710 = -t1597;
-    let t2711 = -t1608;
-    let t2712 = -t1619;
-    let t2713 = -t1630;
-    let t2714 = -t1651;
-    let t2715 = -t1662;
-    let t2716 = -t1673;
-    let t2717 = -t1684;
-    let t2718 = -t1750;
-    let t2719 = -t1761;
-    let t2720 = -t1805;
-    let t2721 = -t1816;
-    let t2722 = -t1885;
-    let t2723 = -t2016;
-    let t2724 = -t2075;
-    let t2725 = -t2150;
-    let t2726 = -t2172;
-    let t2727 = -t2183;
-    let t2728 = -t2227;
-    let t2729 = -t2260;
-    let t2730 = -t2292;
-    let t2731 = -t2325;
-    let t2732 = -t2336;
-    let t2733 = -t2347;
-    let t2734 = -t2369;
-    let t2735 = -t2380;
-    let t2736 = -t2413;
-    let t2737 = -t2435;
-    let t2738 = -t2446;
-    let t2739 = -t2466;
-    let t2740 = -t2467;
-    let t2741 = -t2470;
-    let t2742 = -t2473;
-    let t2743 = -t2476;
-    let t2744 = -t2480;
-    let t2745 = -t2481;
-    let t2746 = -t2483;
-    let t2747 = -t2484;
-    let t2748 = -t2486;
-    let t2749 = -t2487;
-    let t2750 = -t2489;
-    let t2751 = -t2490;
-    let t2752 = -t2491;
-    let t2753 = -t2494;
-    let t2754 = -t2497;
-    let t2755 = -t2500;
-    let t2756 = -t2536;
-    let t2757 = -t2570;
-    let t2758 = -t2672;
-    let t2759 = -t2706;
+    let t2574 = v[1] * t2151;
+    let t2575 = v[0] * t2142;
+    let t2576 = t2575 - t2574;
+    let t2577 = v[2] * t2160;
+    let t2578 = t2576 - t2577;
+    let t2579 = v[3] * t2169;
+    let t2580 = t2578 + t2579;
+    let t2581 = v[4] * t2178;
+    let t2582 = t2580 + t2581;
+    let t2583 = v[5] * t2186;
+    let t2584 = t2582 - t2583;
+    let t2585 = t2573 + t2584;
+    let t2586 = u[3] * t2356;
+    let t2587 = u[2] * t2355;
+    let t2588 = u[1] * t2354;
+    let t2589 = u[0] * t2353;
+    let t2590 = t2589 - t2588;
+    let t2591 = t2590 - t2587;
+    let t2592 = t2591 + t2586;
+    let t2593 = u[4] * t2357;
+    let t2594 = t2592 - t2593;
+    let t2595 = u[5] * t2394;
+    let t2596 = t2594 - t2595;
+    let t2597 = t2585 - t2596;
+    let t2598 = t577 - t2597;
+    let t2599 = -t1382;
+    let t2600 = -t1435;
+    let t2601 = -t1438;
+    let t2602 = -t1441;
+    let t2603 = -t1444;
+    let t2604 = -t1460;
+    let t2605 = -t1465;
+    let t2606 = -t1489;
+    let t2607 = -t1503;
+    let t2608 = -t1510;
+    let t2609 = -t1545;
+    let t2610 = -t1563;
+    let t2611 = -t1674;
+    let t2612 = -t1835;
+    let t2613 = -t1909;
+    let t2614 = -t2008;
+    let t2615 = -t2020;
+    let t2616 = -t2035;
+    let t2617 = -t2050;
+    let t2618 = -t2064;
+    let t2619 = -t2071;
+    let t2620 = -t2078;
+    let t2621 = -t2106;
+    let t2622 = -t2113;
+    let t2623 = -t2126;
+    let t2624 = -t2133;
+    let t2625 = -t2151;
+    let t2626 = -t2160;
+    let t2627 = -t2186;
+    let t2628 = -t2187;
+    let t2629 = -t2199;
+    let t2630 = -t2214;
+    let t2631 = -t2227;
+    let t2632 = -t2243;
+    let t2633 = -t2254;
+    let t2634 = -t2266;
+    let t2635 = -t2274;
+    let t2636 = -t2276;
+    let t2637 = -t2277;
+    let t2638 = -t2305;
+    let t2639 = -t2313;
+    let t2640 = -t2314;
+    let t2641 = -t2317;
+    let t2642 = -t2353;
+    let t2643 = -t2356;
+    let t2644 = -t2428;
+    let t2645 = -t2496;
     [
-        t2128,
-        t2139,
-        t2161,
-        t2194,
+        t2002,
+        t2005,
+        t2011,
+        t2014,
+        t2017,
+        t2025,
+        t2030,
+        t2040,
+        t2045,
+        t2057,
+        t2085,
+        t2092,
+        t2099,
+        t2120,
+        t2142,
+        t2169,
+        t2178,
+        t2189,
+        t2193,
         t2205,
-        t2216,
-        t2238,
-        t2249,
-        t2270,
-        t2281,
-        t2303,
-        t2314,
-        t2358,
-        t2391,
-        t2402,
-        t2424,
-        t2457,
-        t2468,
-        t2469,
-        t2471,
-        t2472,
-        t2474,
-        t2475,
-        t2477,
-        t2478,
-        t2479,
-        t2482,
-        t2485,
-        t2488,
-        t2492,
-        t2493,
-        t2495,
-        t2496,
-        t2498,
-        t2499,
-        t2501,
-        t2502,
+        t2213,
+        t2217,
+        t2221,
+        t2233,
+        t2241,
+        t2242,
+        t2260,
+        t2275,
+        t2299,
+        t2315,
+        t2316,
+        t2339,
+        t2352,
+        t2354,
+        t2355,
+        t2357,
+        t2394,
+        t2462,
+        t2530,
+        t2564,
+        t2598,
+        t2599,
+        t2600,
+        t2601,
+        t2602,
+        t2603,
         t2604,
+        t2605,
+        t2606,
+        t2607,
+        t2608,
+        t2609,
+        t2610,
+        t2611,
+        t2612,
+        t2613,
+        t2614,
+        t2615,
+        t2616,
+        t2617,
+        t2618,
+        t2619,
+        t2620,
+        t2621,
+        t2622,
+        t2623,
+        t2624,
+        t2625,
+        t2626,
+        t2627,
+        t2628,
+        t2629,
+        t2630,
+        t2631,
+        t2632,
+        t2633,
+        t2634,
+        t2635,
+        t2636,
+        t2637,
         t2638,
-        t2707,
-        t2708,
-        t2709,
-        t2710,
-        t2711,
-        t2712,
-        t2713,
-        t2714,
-        t2715,
-        t2716,
-        t2717,
-        t2718,
-        t2719,
-        t2720,
-        t2721,
-        t2722,
-        t2723,
-        t2724,
-        t2725,
-        t2726,
-        t2727,
-        t2728,
-        t2729,
-        t2730,
-        t2731,
-        t2732,
-        t2733,
-        t2734,
-        t2735,
-        t2736,
-        t2737,
-        t2738,
-        t2739,
-        t2740,
-        t2741,
-        t2742,
-        t2743,
-        t2744,
-        t2745,
-        t2746,
-        t2747,
-        t2748,
-        t2749,
-        t2750,
-        t2751,
-        t2752,
-        t2753,
-        t2754,
-        t2755,
-        t2756,
-        t2757,
-        t2758,
-        t2759,
+        t2639,
+        t2640,
+        t2641,
+        t2642,
+        t2643,
+        t2644,
+        t2645,
     ]
 }
 
@@ -12554,8 +12692,31 @@ pub fn frame_tool_pose(y: &[f64; N]) -> ([f64; 3], [[f64; 3]; 3]) {
 /// - returns `J: [6 × N]`: rows: velocity of the origin, then angular velocity, in the axes of the base frame
 ///
 /// Cost: 41 multiplications, 25 additions, 0 divisions, 5 function calls (`sin_cos`).
+#[inline]
 #[must_use]
 pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
+    let mut j = [[0.0; 6]; 6];
+    frame_tool_jacobian_into(y, &mut j);
+    j
+}
+
+/// `frame_tool_jacobian` with its results written in place; nothing of what stood there is read.
+pub fn frame_tool_jacobian_into(y: &[f64; N], j: &mut [[f64; N]; 6]) {
+    j[0][3] = 0.0;
+    j[0][4] = 0.0;
+    j[0][5] = 0.0;
+    j[1][3] = 0.0;
+    j[1][4] = 0.0;
+    j[1][5] = 0.0;
+    j[2][0] = 0.0;
+    j[2][3] = 0.0;
+    j[2][4] = 0.0;
+    j[2][5] = 0.0;
+    j[3][0] = 0.0;
+    j[4][0] = 0.0;
+    j[5][0] = 1.0;
+    j[5][1] = 0.0;
+    j[5][2] = 0.0;
     let angle_joint2_joint3 = y[1] + y[2];
     let (
         [sin_joint1,
@@ -12570,6 +12731,9 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
         ],
     ) = math::sin_cos_4(y[0], y[1], y[3], y[4]);
     let (sin_joint2_joint3, cos_joint2_joint3) = math::sin_cos(angle_joint2_joint3);
+    j[3][1] = sin_joint1;
+    j[3][2] = sin_joint1;
+    j[5][3] = cos_joint2_joint3;
     let x_axis_joint3_y = sin_joint1 * cos_joint2_joint3;
     let t12 = 0.0203 * x_axis_joint3_y;
     let x_axis_joint2_y = sin_joint1 * cos_joint2;
@@ -12580,6 +12744,7 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let y_axis_joint3_y = sin_joint1 * sin_joint2_joint3;
     let t19 = 0.4318 * y_axis_joint3_y;
     let origin_joint4_y = t17 + t19;
+    j[0][0] = origin_joint4_y;
     let t21 = 0.0203 * sin_joint2_joint3;
     let t22 = 0.4318 * sin_joint2;
     let origin_joint3_z = 0.6718299999999999 + t22;
@@ -12588,8 +12753,10 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let origin_joint4_z = t24 + t25;
     let t27 = 0.6718299999999999 - origin_joint4_z;
     let t28 = cos_joint1 * t27;
+    j[0][1] = t28;
     let t29 = origin_joint3_z - origin_joint4_z;
     let t30 = cos_joint1 * t29;
+    j[0][2] = t30;
     let x_axis_joint3_x = cos_joint1 * cos_joint2_joint3;
     let t32 = 0.0203 * x_axis_joint3_x;
     let x_axis_joint2_x = cos_joint1 * cos_joint2;
@@ -12600,21 +12767,27 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let y_axis_joint3_x = cos_joint1 * sin_joint2_joint3;
     let t39 = 0.4318 * y_axis_joint3_x;
     let origin_joint4_x = t37 - t39;
+    j[1][0] = origin_joint4_x;
     let t41 = sin_joint1 * t27;
+    j[1][1] = t41;
     let t42 = sin_joint1 * t29;
+    j[1][2] = t42;
     let t43 = origin_joint2_x - origin_joint4_x;
     let t44 = cos_joint1 * t43;
     let t45 = origin_joint2_y - origin_joint4_y;
     let t46 = sin_joint1 * t45;
     let t47 = t46 - t44;
+    j[2][1] = t47;
     let t48 = origin_joint3_x - origin_joint4_x;
     let t49 = cos_joint1 * t48;
     let t50 = origin_joint3_y - origin_joint4_y;
     let t51 = sin_joint1 * t50;
     let t52 = t51 - t49;
+    j[2][2] = t52;
     let t53 = sin_joint4 * x_axis_joint3_x;
     let t54 = sin_joint1 * cos_joint4;
     let y_axis_joint4_x = t54 + t53;
+    j[3][4] = y_axis_joint4_x;
     let t56 = cos_joint4 * x_axis_joint3_x;
     let t57 = sin_joint1 * sin_joint4;
     let x_axis_joint4_x = t56 - t57;
@@ -12631,38 +12804,25 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let t69 = cos_joint5 * y_axis_joint3_y;
     let y_axis_joint5_y = t69 + t68;
     let y_axis_joint4_z = sin_joint2_joint3 * sin_joint4;
+    j[5][4] = y_axis_joint4_z;
     let x_axis_joint4_z = sin_joint2_joint3 * cos_joint4;
     let t73 = sin_joint5 * x_axis_joint4_z;
     let t74 = cos_joint2_joint3 * cos_joint5;
     let y_axis_joint5_z = t74 - t73;
+    j[5][5] = y_axis_joint5_z;
     let minus_y_axis_joint3_x = -y_axis_joint3_x;
+    j[3][3] = minus_y_axis_joint3_x;
     let minus_y_axis_joint5_x = -y_axis_joint5_x;
+    j[3][5] = minus_y_axis_joint5_x;
     let minus_cos_joint1 = -cos_joint1;
+    j[4][1] = minus_cos_joint1;
+    j[4][2] = minus_cos_joint1;
     let minus_y_axis_joint3_y = -y_axis_joint3_y;
+    j[4][3] = minus_y_axis_joint3_y;
     let minus_y_axis_joint4_y = -y_axis_joint4_y;
+    j[4][4] = minus_y_axis_joint4_y;
     let minus_y_axis_joint5_y = -y_axis_joint5_y;
-    [
-        [origin_joint4_y, t28, t30, 0.0, 0.0, 0.0],
-        [origin_joint4_x, t41, t42, 0.0, 0.0, 0.0],
-        [0.0, t47, t52, 0.0, 0.0, 0.0],
-        [
-            0.0,
-            sin_joint1,
-            sin_joint1,
-            minus_y_axis_joint3_x,
-            y_axis_joint4_x,
-            minus_y_axis_joint5_x,
-        ],
-        [
-            0.0,
-            minus_cos_joint1,
-            minus_cos_joint1,
-            minus_y_axis_joint3_y,
-            minus_y_axis_joint4_y,
-            minus_y_axis_joint5_y,
-        ],
-        [1.0, 0.0, 0.0, cos_joint2_joint3, y_axis_joint4_z, y_axis_joint5_z],
-    ]
+    j[4][5] = minus_y_axis_joint5_y;
 }
 
 /// Acceleration of the frame at ÿ = 0 `tool`.

@@ -102,8 +102,46 @@ pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 /// Cost: 38 multiplications, 39 additions, 0 divisions, 4 function calls (`sin_cos`).
 ///
 /// Composite rigid bodies (Walker and Orin 1982; Featherstone 2008, ch. 6), rotors included.
+#[inline]
 #[must_use]
 pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
+    let mut m = [[0.0; 7]; 7];
+    mass_matrix_into(y, &mut m);
+    m
+}
+
+/// `mass_matrix` with its results written in place; nothing of what stood there is read.
+pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
+    m[1][3] = 0.0;
+    m[1][4] = 0.0;
+    m[1][5] = 0.0;
+    m[1][6] = 0.0;
+    m[2][2] = 0.2821;
+    m[2][3] = 0.0;
+    m[2][4] = 0.0;
+    m[2][5] = 0.0;
+    m[2][6] = 0.0;
+    m[3][1] = 0.0;
+    m[3][2] = 0.0;
+    m[3][3] = 0.20120000000000002;
+    m[3][4] = 0.0;
+    m[3][5] = 0.0;
+    m[3][6] = 0.0;
+    m[4][1] = 0.0;
+    m[4][2] = 0.0;
+    m[4][3] = 0.0;
+    m[4][6] = 0.0;
+    m[5][1] = 0.0;
+    m[5][2] = 0.0;
+    m[5][3] = 0.0;
+    m[5][5] = 0.2821;
+    m[5][6] = 0.0;
+    m[6][1] = 0.0;
+    m[6][2] = 0.0;
+    m[6][3] = 0.0;
+    m[6][4] = 0.0;
+    m[6][5] = 0.0;
+    m[6][6] = 0.20120000000000002;
     let angle_right_shoulder_right_elbow = y[4] + y[5];
     let angle_left_shoulder_left_elbow = y[1] + y[2];
     let (
@@ -162,14 +200,21 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t46 = t45 + t40;
     let t47 = t28 + t46;
     let t48 = t47 + 0.46636;
+    m[0][0] = t48;
     let t49 = 0.0712 * cos_left_shoulder_left_elbow;
     let t50 = 0.0016 * sin_left_shoulder_left_elbow;
     let t51 = t50 + t49;
+    m[0][2] = t51;
+    m[2][0] = t51;
     let t52 = 0.1896 * cos_left_shoulder;
     let t53 = t52 + t51;
     let t54 = 0.0028799999999999997 * cos_left_shoulder;
     let t55 = t54 + t53;
+    m[0][1] = t55;
+    m[1][0] = t55;
     let t56 = cos_left_shoulder_left_elbow * 0.0031999999999999997;
+    m[0][3] = t56;
+    m[3][0] = t56;
     let t57 = 0.0712 * cos_right_shoulder_right_elbow;
     let t58 = 0.0016 * sin_right_shoulder_right_elbow;
     let t59 = t58 + t57;
@@ -178,6 +223,8 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t62 = 0.0028799999999999997 * cos_right_shoulder;
     let t63 = t62 + t61;
     let t64 = cos_right_shoulder_right_elbow * 0.0031999999999999997;
+    m[0][6] = t64;
+    m[6][0] = t64;
     let t65 = 1.4999999999999998 * cos_left_shoulder;
     let t66 = t65 * t51;
     let t67 = t33 - t66;
@@ -187,6 +234,7 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t71 = t45 + t70;
     let t72 = t71 + t69;
     let t73 = 0.2 + t72;
+    m[1][1] = t73;
     let t74 = t67 - 0.0841;
     let t75 = 1.4999999999999998 * cos_right_shoulder;
     let t76 = t75 * t59;
@@ -197,20 +245,20 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t81 = t26 + t80;
     let t82 = t81 + t79;
     let t83 = 0.2 + t82;
+    m[4][4] = t83;
     let t84 = t77 - 0.0841;
     let t85 = -t63;
+    m[0][4] = t85;
+    m[4][0] = t85;
     let t86 = -t59;
+    m[0][5] = t86;
+    m[5][0] = t86;
     let t87 = -t74;
+    m[1][2] = t87;
+    m[2][1] = t87;
     let t88 = -t84;
-    [
-        [t48, t55, t51, t56, t85, t86, t64],
-        [t55, t73, t87, 0.0, 0.0, 0.0, 0.0],
-        [t51, t87, 0.2821, 0.0, 0.0, 0.0, 0.0],
-        [t56, 0.0, 0.0, 0.20120000000000002, 0.0, 0.0, 0.0],
-        [t85, 0.0, 0.0, 0.0, t83, t88, 0.0],
-        [t86, 0.0, 0.0, 0.0, t88, 0.2821, 0.0],
-        [t64, 0.0, 0.0, 0.0, 0.0, 0.0, 0.20120000000000002],
-    ]
+    m[4][5] = t88;
+    m[5][4] = t88;
 }
 
 /// Coriolis, centrifugal and gyroscopic forces `k(y, ẏ)`.
@@ -931,15 +979,62 @@ pub fn bias_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 #[inline]
 #[must_use]
 pub fn input_matrix() -> [[f64; M]; N] {
-    [
-        [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-        [0.0, 100.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-        [0.0, 0.0, 100.0, 0.0, 0.0, 0.0, 0.0],
-        [0.0, 0.0, 0.0, 100.0, 0.0, 0.0, 0.0],
-        [0.0, 0.0, 0.0, 0.0, 100.0, 0.0, 0.0],
-        [0.0, 0.0, 0.0, 0.0, 0.0, 100.0, 0.0],
-        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 100.0],
-    ]
+    let mut b = [[0.0; 7]; 7];
+    input_matrix_into(&mut b);
+    b
+}
+
+/// `input_matrix` with its results written in place; nothing of what stood there is read.
+pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
+    b[0][0] = 1.0;
+    b[0][1] = 0.0;
+    b[0][2] = 0.0;
+    b[0][3] = 0.0;
+    b[0][4] = 0.0;
+    b[0][5] = 0.0;
+    b[0][6] = 0.0;
+    b[1][0] = 0.0;
+    b[1][1] = 100.0;
+    b[1][2] = 0.0;
+    b[1][3] = 0.0;
+    b[1][4] = 0.0;
+    b[1][5] = 0.0;
+    b[1][6] = 0.0;
+    b[2][0] = 0.0;
+    b[2][1] = 0.0;
+    b[2][2] = 100.0;
+    b[2][3] = 0.0;
+    b[2][4] = 0.0;
+    b[2][5] = 0.0;
+    b[2][6] = 0.0;
+    b[3][0] = 0.0;
+    b[3][1] = 0.0;
+    b[3][2] = 0.0;
+    b[3][3] = 100.0;
+    b[3][4] = 0.0;
+    b[3][5] = 0.0;
+    b[3][6] = 0.0;
+    b[4][0] = 0.0;
+    b[4][1] = 0.0;
+    b[4][2] = 0.0;
+    b[4][3] = 0.0;
+    b[4][4] = 100.0;
+    b[4][5] = 0.0;
+    b[4][6] = 0.0;
+    b[5][0] = 0.0;
+    b[5][1] = 0.0;
+    b[5][2] = 0.0;
+    b[5][3] = 0.0;
+    b[5][4] = 0.0;
+    b[5][5] = 100.0;
+    b[5][6] = 0.0;
+    b[6][0] = 0.0;
+    b[6][1] = 0.0;
+    b[6][2] = 0.0;
+    b[6][3] = 0.0;
+    b[6][4] = 0.0;
+    b[6][5] = 0.0;
+    b[6][6] = 100.0;
 }
 
 /// Mass matrix, Coriolis forces and applied forces at once.
@@ -957,11 +1052,58 @@ pub fn input_matrix() -> [[f64; M]; N] {
 /// Cost: 182 multiplications, 136 additions, 0 divisions, 4 function calls (`sin_cos`).
 ///
 /// What the three have in common is computed once.
+#[inline]
 #[must_use]
 pub fn equations_of_motion(
     y: &[f64; N],
     v: &[f64; N],
 ) -> ([[f64; N]; N], [f64; N], [f64; N]) {
+    let mut m = [[0.0; 7]; 7];
+    let mut k = [0.0; 7];
+    let mut q = [0.0; 7];
+    equations_of_motion_into(y, v, &mut m, &mut k, &mut q);
+    (m, k, q)
+}
+
+/// `equations_of_motion` with its results written in place; nothing of what stood there is read.
+pub fn equations_of_motion_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    m: &mut [[f64; N]; N],
+    k: &mut [f64; N],
+    q: &mut [f64; N],
+) {
+    m[1][3] = 0.0;
+    m[1][4] = 0.0;
+    m[1][5] = 0.0;
+    m[1][6] = 0.0;
+    m[2][2] = 0.2821;
+    m[2][3] = 0.0;
+    m[2][4] = 0.0;
+    m[2][5] = 0.0;
+    m[2][6] = 0.0;
+    m[3][1] = 0.0;
+    m[3][2] = 0.0;
+    m[3][3] = 0.20120000000000002;
+    m[3][4] = 0.0;
+    m[3][5] = 0.0;
+    m[3][6] = 0.0;
+    m[4][1] = 0.0;
+    m[4][2] = 0.0;
+    m[4][3] = 0.0;
+    m[4][6] = 0.0;
+    m[5][1] = 0.0;
+    m[5][2] = 0.0;
+    m[5][3] = 0.0;
+    m[5][5] = 0.2821;
+    m[5][6] = 0.0;
+    m[6][1] = 0.0;
+    m[6][2] = 0.0;
+    m[6][3] = 0.0;
+    m[6][4] = 0.0;
+    m[6][5] = 0.0;
+    m[6][6] = 0.20120000000000002;
+    q[0] = 0.0;
     let angle_right_shoulder_right_elbow = y[4] + y[5];
     let angle_left_shoulder_left_elbow = y[1] + y[2];
     let (
@@ -1020,14 +1162,21 @@ pub fn equations_of_motion(
     let t46 = t45 + t40;
     let t47 = t28 + t46;
     let t48 = t47 + 0.46636;
+    m[0][0] = t48;
     let t49 = cos_left_shoulder_left_elbow * 0.0712;
     let t50 = sin_left_shoulder_left_elbow * 0.0016;
     let t51 = t50 + t49;
+    m[0][2] = t51;
+    m[2][0] = t51;
     let t52 = cos_left_shoulder * 0.1896;
     let t53 = t52 + t51;
     let t54 = 0.0028799999999999997 * cos_left_shoulder;
     let t55 = t54 + t53;
+    m[0][1] = t55;
+    m[1][0] = t55;
     let t56 = cos_left_shoulder_left_elbow * 0.0031999999999999997;
+    m[0][3] = t56;
+    m[3][0] = t56;
     let t57 = cos_right_shoulder_right_elbow * 0.0712;
     let t58 = sin_right_shoulder_right_elbow * 0.0016;
     let t59 = t58 + t57;
@@ -1036,6 +1185,8 @@ pub fn equations_of_motion(
     let t62 = 0.0028799999999999997 * cos_right_shoulder;
     let t63 = t62 + t61;
     let t64 = cos_right_shoulder_right_elbow * 0.0031999999999999997;
+    m[0][6] = t64;
+    m[6][0] = t64;
     let t65 = cos_left_shoulder * 1.4999999999999998;
     let t66 = t65 * t51;
     let t67 = t33 - t66;
@@ -1045,6 +1196,7 @@ pub fn equations_of_motion(
     let t71 = t45 + t70;
     let t72 = t71 + t69;
     let t73 = 0.2 + t72;
+    m[1][1] = t73;
     let t74 = t67 - 0.0841;
     let t75 = cos_right_shoulder * 1.4999999999999998;
     let t76 = t75 * t59;
@@ -1055,6 +1207,7 @@ pub fn equations_of_motion(
     let t81 = t26 + t80;
     let t82 = t81 + t79;
     let t83 = 0.2 + t82;
+    m[4][4] = t83;
     let t84 = t77 - 0.0841;
     let omega_left_elbow_y = v[0] * cos_left_shoulder_left_elbow;
     let omega_left_elbow_z = v[1] + v[2];
@@ -1298,43 +1451,43 @@ pub fn equations_of_motion(
     let t324 = t323 - moment_right_elbow_z_2;
     let t325 = v[6] * 0.2;
     let t326 = -t63;
+    m[0][4] = t326;
+    m[4][0] = t326;
     let t327 = -t59;
+    m[0][5] = t327;
+    m[5][0] = t327;
     let t328 = -t74;
+    m[1][2] = t328;
+    m[2][1] = t328;
     let t329 = -t84;
+    m[4][5] = t329;
+    m[5][4] = t329;
     let minus_moment_torso_z = -moment_torso_z;
+    k[0] = minus_moment_torso_z;
     let minus_moment_left_shoulder_z = -moment_left_shoulder_z;
+    k[1] = minus_moment_left_shoulder_z;
     let minus_moment_left_elbow_z = -moment_left_elbow_z;
+    k[2] = minus_moment_left_elbow_z;
     let t333 = -t278;
+    k[3] = t333;
     let minus_moment_right_shoulder_z = -moment_right_shoulder_z;
+    k[4] = minus_moment_right_shoulder_z;
     let minus_moment_right_elbow_z = -moment_right_elbow_z;
+    k[5] = minus_moment_right_elbow_z;
     let t336 = -t305;
+    k[6] = t336;
     let t337 = -t312;
+    q[1] = t337;
     let t338 = -t314;
+    q[2] = t338;
     let t339 = -t315;
+    q[3] = t339;
     let t340 = -t322;
+    q[4] = t340;
     let t341 = -t324;
+    q[5] = t341;
     let t342 = -t325;
-    (
-        [
-            [t48, t55, t51, t56, t326, t327, t64],
-            [t55, t73, t328, 0.0, 0.0, 0.0, 0.0],
-            [t51, t328, 0.2821, 0.0, 0.0, 0.0, 0.0],
-            [t56, 0.0, 0.0, 0.20120000000000002, 0.0, 0.0, 0.0],
-            [t326, 0.0, 0.0, 0.0, t83, t329, 0.0],
-            [t327, 0.0, 0.0, 0.0, t329, 0.2821, 0.0],
-            [t64, 0.0, 0.0, 0.0, 0.0, 0.0, 0.20120000000000002],
-        ],
-        [
-            minus_moment_torso_z,
-            minus_moment_left_shoulder_z,
-            minus_moment_left_elbow_z,
-            t333,
-            minus_moment_right_shoulder_z,
-            minus_moment_right_elbow_z,
-            t336,
-        ],
-        [0.0, t337, t338, t339, t340, t341, t342],
-    )
+    q[6] = t342;
 }
 
 /// Inverse dynamics: the joint forces of a motion.
@@ -2158,11 +2311,55 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 /// Cost: 170 multiplications, 130 additions, 0 divisions, 4 function calls (`sin_cos`).
 ///
 /// What both have in common is computed once.
+#[inline]
 #[must_use]
 pub fn mass_matrix_and_bias_forces(
     y: &[f64; N],
     v: &[f64; N],
 ) -> ([[f64; N]; N], [f64; N]) {
+    let mut m = [[0.0; 7]; 7];
+    let mut b = [0.0; 7];
+    mass_matrix_and_bias_forces_into(y, v, &mut m, &mut b);
+    (m, b)
+}
+
+/// `mass_matrix_and_bias_forces` with its results written in place; nothing of what stood there is read.
+pub fn mass_matrix_and_bias_forces_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    m: &mut [[f64; N]; N],
+    b: &mut [f64; N],
+) {
+    m[1][3] = 0.0;
+    m[1][4] = 0.0;
+    m[1][5] = 0.0;
+    m[1][6] = 0.0;
+    m[2][2] = 0.2821;
+    m[2][3] = 0.0;
+    m[2][4] = 0.0;
+    m[2][5] = 0.0;
+    m[2][6] = 0.0;
+    m[3][1] = 0.0;
+    m[3][2] = 0.0;
+    m[3][3] = 0.20120000000000002;
+    m[3][4] = 0.0;
+    m[3][5] = 0.0;
+    m[3][6] = 0.0;
+    m[4][1] = 0.0;
+    m[4][2] = 0.0;
+    m[4][3] = 0.0;
+    m[4][6] = 0.0;
+    m[5][1] = 0.0;
+    m[5][2] = 0.0;
+    m[5][3] = 0.0;
+    m[5][5] = 0.2821;
+    m[5][6] = 0.0;
+    m[6][1] = 0.0;
+    m[6][2] = 0.0;
+    m[6][3] = 0.0;
+    m[6][4] = 0.0;
+    m[6][5] = 0.0;
+    m[6][6] = 0.20120000000000002;
     let angle_right_shoulder_right_elbow = y[4] + y[5];
     let angle_left_shoulder_left_elbow = y[1] + y[2];
     let (
@@ -2221,14 +2418,21 @@ pub fn mass_matrix_and_bias_forces(
     let t46 = t45 + t40;
     let t47 = t28 + t46;
     let t48 = t47 + 0.46636;
+    m[0][0] = t48;
     let t49 = 0.0712 * cos_left_shoulder_left_elbow;
     let t50 = 0.0016 * sin_left_shoulder_left_elbow;
     let t51 = t50 + t49;
+    m[0][2] = t51;
+    m[2][0] = t51;
     let t52 = 0.1896 * cos_left_shoulder;
     let t53 = t52 + t51;
     let t54 = 0.0028799999999999997 * cos_left_shoulder;
     let t55 = t54 + t53;
+    m[0][1] = t55;
+    m[1][0] = t55;
     let t56 = cos_left_shoulder_left_elbow * 0.0031999999999999997;
+    m[0][3] = t56;
+    m[3][0] = t56;
     let t57 = 0.0712 * cos_right_shoulder_right_elbow;
     let t58 = 0.0016 * sin_right_shoulder_right_elbow;
     let t59 = t58 + t57;
@@ -2237,6 +2441,8 @@ pub fn mass_matrix_and_bias_forces(
     let t62 = 0.0028799999999999997 * cos_right_shoulder;
     let t63 = t62 + t61;
     let t64 = cos_right_shoulder_right_elbow * 0.0031999999999999997;
+    m[0][6] = t64;
+    m[6][0] = t64;
     let t65 = 1.4999999999999998 * cos_left_shoulder;
     let t66 = t65 * t51;
     let t67 = t33 - t66;
@@ -2246,6 +2452,7 @@ pub fn mass_matrix_and_bias_forces(
     let t71 = t45 + t70;
     let t72 = t71 + t69;
     let t73 = 0.2 + t72;
+    m[1][1] = t73;
     let t74 = t67 - 0.0841;
     let t75 = 1.4999999999999998 * cos_right_shoulder;
     let t76 = t75 * t59;
@@ -2256,6 +2463,7 @@ pub fn mass_matrix_and_bias_forces(
     let t81 = t26 + t80;
     let t82 = t81 + t79;
     let t83 = 0.2 + t82;
+    m[4][4] = t83;
     let t84 = t77 - 0.0841;
     let omega_left_elbow_y = v[0] * cos_left_shoulder_left_elbow;
     let omega_left_elbow_z = v[1] + v[2];
@@ -2481,36 +2689,31 @@ pub fn mass_matrix_and_bias_forces(
     let moment_right_shoulder_z = t305 + t303;
     let t307 = 0.0031999999999999997 * t175;
     let t308 = -t63;
+    m[0][4] = t308;
+    m[4][0] = t308;
     let t309 = -t59;
+    m[0][5] = t309;
+    m[5][0] = t309;
     let t310 = -t74;
+    m[1][2] = t310;
+    m[2][1] = t310;
     let t311 = -t84;
+    m[4][5] = t311;
+    m[5][4] = t311;
     let minus_moment_torso_z = -moment_torso_z;
+    b[0] = minus_moment_torso_z;
     let minus_moment_left_shoulder_z = -moment_left_shoulder_z;
+    b[1] = minus_moment_left_shoulder_z;
     let minus_moment_left_elbow_z = -moment_left_elbow_z;
+    b[2] = minus_moment_left_elbow_z;
     let t315 = -t280;
+    b[3] = t315;
     let minus_moment_right_shoulder_z = -moment_right_shoulder_z;
+    b[4] = minus_moment_right_shoulder_z;
     let minus_moment_right_elbow_z = -moment_right_elbow_z;
+    b[5] = minus_moment_right_elbow_z;
     let t318 = -t307;
-    (
-        [
-            [t48, t55, t51, t56, t308, t309, t64],
-            [t55, t73, t310, 0.0, 0.0, 0.0, 0.0],
-            [t51, t310, 0.2821, 0.0, 0.0, 0.0, 0.0],
-            [t56, 0.0, 0.0, 0.20120000000000002, 0.0, 0.0, 0.0],
-            [t308, 0.0, 0.0, 0.0, t83, t311, 0.0],
-            [t309, 0.0, 0.0, 0.0, t311, 0.2821, 0.0],
-            [t64, 0.0, 0.0, 0.0, 0.0, 0.0, 0.20120000000000002],
-        ],
-        [
-            minus_moment_torso_z,
-            minus_moment_left_shoulder_z,
-            minus_moment_left_elbow_z,
-            t315,
-            minus_moment_right_shoulder_z,
-            minus_moment_right_elbow_z,
-            t318,
-        ],
-    )
+    b[6] = t318;
 }
 
 /// Inverse dynamics with its Jacobians.
@@ -2532,12 +2735,76 @@ pub fn mass_matrix_and_bias_forces(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 pub fn inverse_dynamics_derivatives(
     y: &[f64; N],
     v: &[f64; N],
     a: &[f64; N],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N]) {
+    let mut b_u = [0.0; 7];
+    let mut d_dy = [[0.0; 7]; 7];
+    let mut d_dv = [[0.0; 7]; 7];
+    inverse_dynamics_derivatives_into(y, v, a, &mut b_u, &mut d_dy, &mut d_dv);
+    (b_u, d_dy, d_dv)
+}
+
+/// `inverse_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+pub fn inverse_dynamics_derivatives_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    b_u: &mut [f64; N],
+    d_dy: &mut [[f64; N]; N],
+    d_dv: &mut [[f64; N]; N],
+) {
+    d_dy[0][0] = 0.0;
+    d_dy[1][0] = 0.0;
+    d_dy[1][4] = 0.0;
+    d_dy[1][5] = 0.0;
+    d_dy[1][6] = 0.0;
+    d_dy[2][0] = 0.0;
+    d_dy[2][4] = 0.0;
+    d_dy[2][5] = 0.0;
+    d_dy[2][6] = 0.0;
+    d_dy[3][0] = 0.0;
+    d_dy[3][4] = 0.0;
+    d_dy[3][5] = 0.0;
+    d_dy[3][6] = 0.0;
+    d_dy[4][0] = 0.0;
+    d_dy[4][1] = 0.0;
+    d_dy[4][2] = 0.0;
+    d_dy[4][3] = 0.0;
+    d_dy[5][0] = 0.0;
+    d_dy[5][1] = 0.0;
+    d_dy[5][2] = 0.0;
+    d_dy[5][3] = 0.0;
+    d_dy[6][0] = 0.0;
+    d_dy[6][1] = 0.0;
+    d_dy[6][2] = 0.0;
+    d_dy[6][3] = 0.0;
+    d_dv[1][4] = 0.0;
+    d_dv[1][5] = 0.0;
+    d_dv[1][6] = 0.0;
+    d_dv[2][2] = 0.2;
+    d_dv[2][4] = 0.0;
+    d_dv[2][5] = 0.0;
+    d_dv[2][6] = 0.0;
+    d_dv[3][3] = 0.2;
+    d_dv[3][4] = 0.0;
+    d_dv[3][5] = 0.0;
+    d_dv[3][6] = 0.0;
+    d_dv[4][1] = 0.0;
+    d_dv[4][2] = 0.0;
+    d_dv[4][3] = 0.0;
+    d_dv[5][1] = 0.0;
+    d_dv[5][2] = 0.0;
+    d_dv[5][3] = 0.0;
+    d_dv[5][5] = 0.2;
+    d_dv[6][1] = 0.0;
+    d_dv[6][2] = 0.0;
+    d_dv[6][3] = 0.0;
+    d_dv[6][6] = 0.2;
     let angle_right_shoulder_right_elbow = y[4] + y[5];
     let angle_left_shoulder_left_elbow = y[1] + y[2];
     let (
@@ -2767,6 +3034,7 @@ pub fn inverse_dynamics_derivatives(
     let force_left_shoulder_x = t216 - t212;
     let t218 = force_left_shoulder_x - moment_left_shoulder_y;
     let moment_torso_z = t115 - t218;
+    b_u[0] = moment_torso_z;
     let t220 = t208 - t197;
     let t221 = 0.0008800000000000001 * t220;
     let t222 = 0.0007999999999999998 * t201;
@@ -2824,12 +3092,14 @@ pub fn inverse_dynamics_derivatives(
     let t274 = t273 + moment_left_shoulder_z;
     let t275 = v[1] * 0.2;
     let t276 = t274 + t275;
+    b_u[1] = t276;
     let t277 = a[2] * 0.2;
     let t278 = a[1] * 0.002;
     let t279 = t278 + t277;
     let t280 = t279 + moment_left_elbow_z;
     let t281 = v[2] * 0.2;
     let t282 = t280 + t281;
+    b_u[2] = t282;
     let t283 = 0.002 * t142;
     let t284 = a[3] * 0.2;
     let t285 = t284 + t283;
@@ -2893,12 +3163,14 @@ pub fn inverse_dynamics_derivatives(
     let t343 = t342 + moment_right_shoulder_z;
     let t344 = v[4] * 0.2;
     let t345 = t343 + t344;
+    b_u[4] = t345;
     let t346 = a[5] * 0.2;
     let t347 = a[4] * 0.002;
     let t348 = t347 + t346;
     let t349 = t348 + moment_right_elbow_z;
     let t350 = v[5] * 0.2;
     let t351 = t349 + t350;
+    b_u[5] = t351;
     let t352 = 0.002 * t37;
     let t353 = a[6] * 0.2;
     let t354 = t353 + t352;
@@ -3021,6 +3293,7 @@ pub fn inverse_dynamics_derivatives(
     let t471 = cos_left_shoulder_left_elbow * t470;
     let t472 = t471 - t466;
     let t473 = t472 + t458;
+    d_dy[0][2] = t473;
     let t474 = 0.0012 * omega_left_wrist_z;
     let t475 = omega_left_elbow_x * t474;
     let t476 = 0.0006 * t205;
@@ -3036,6 +3309,7 @@ pub fn inverse_dynamics_derivatives(
     let t486 = t485 - t484;
     let t487 = cos_left_shoulder_left_elbow * t486;
     let t488 = t479 - t487;
+    d_dy[0][3] = t488;
     let t489 = sin_right_shoulder_right_elbow * moment_right_elbow_y;
     let t490 = cos_right_shoulder_right_elbow * moment_right_elbow_x;
     let t491 = t490 + t489;
@@ -3107,6 +3381,7 @@ pub fn inverse_dynamics_derivatives(
     let t557 = acceleration_left_shoulder_z * t556;
     let t558 = force_right_shoulder_y + t557;
     let t559 = t558 - t551;
+    d_dy[0][4] = t559;
     let t560 = omega_right_elbow_z * 0.0027999999999999995;
     let t561 = omega_right_elbow_y * t560;
     let t562 = omega_right_elbow_z * 0.0017600000000000003;
@@ -3165,6 +3440,7 @@ pub fn inverse_dynamics_derivatives(
     let t615 = t614 - t613;
     let t616 = cos_right_shoulder_right_elbow * t615;
     let t617 = t608 - t616;
+    d_dy[0][6] = t617;
     let t618 = omega_left_elbow_y * 0.0015999999999999996;
     let t619 = omega_left_elbow_x * 0.0017600000000000003;
     let t620 = t619 - t618;
@@ -3217,7 +3493,9 @@ pub fn inverse_dynamics_derivatives(
     let t667 = omega_left_elbow_x * t626;
     let t668 = t666 + t667;
     let t669 = t665 + t668;
+    d_dy[2][2] = t669;
     let t670 = t669 + t660;
+    d_dy[1][2] = t670;
     let t671 = omega_left_elbow_z * t474;
     let t672 = 0.0006 * t126;
     let t673 = t672 - t671;
@@ -3233,6 +3511,7 @@ pub fn inverse_dynamics_derivatives(
     let t683 = t682 + t681;
     let t684 = t680 + t683;
     let t685 = t684 + t678;
+    d_dy[2][1] = t685;
     let t686 = omega_left_elbow_z * 0.0031999999999999997;
     let t687 = cos_left_shoulder_left_elbow * t686;
     let t688 = v[0] * t687;
@@ -3278,6 +3557,7 @@ pub fn inverse_dynamics_derivatives(
     let t728 = t727 + t725;
     let t729 = t728 - t724;
     let t730 = t729 + t714;
+    d_dy[4][4] = t730;
     let t731 = t25 * t601;
     let t732 = cos_right_shoulder_right_elbow * t595;
     let t733 = sin_right_shoulder_right_elbow * t599;
@@ -3307,6 +3587,7 @@ pub fn inverse_dynamics_derivatives(
     let t757 = t756 - t755;
     let t758 = t754 + t757;
     let t759 = t758 + t752;
+    d_dy[5][4] = t759;
     let t760 = omega_right_elbow_z * 0.0031999999999999997;
     let t761 = cos_right_shoulder_right_elbow * t760;
     let t762 = v[0] * t761;
@@ -3397,6 +3678,7 @@ pub fn inverse_dynamics_derivatives(
     let t847 = t86 * t23;
     let t848 = t847 + t534;
     let t849 = t848 + t846;
+    d_dv[0][4] = t849;
     let t850 = omega_right_elbow_y * 0.1626;
     let t851 = t696 + t850;
     let t852 = t840 - t851;
@@ -3412,6 +3694,7 @@ pub fn inverse_dynamics_derivatives(
     let t862 = t27 * t861;
     let t863 = t858 - t862;
     let t864 = t534 - t863;
+    d_dv[0][5] = t864;
     let t865 = sin_right_shoulder_right_elbow * t760;
     let t866 = sin_left_shoulder_left_elbow * t622;
     let t867 = cos_left_shoulder_left_elbow * t626;
@@ -3422,6 +3705,7 @@ pub fn inverse_dynamics_derivatives(
     let t872 = t868 - t871;
     let t873 = t176 * t635;
     let t874 = t873 + t872;
+    d_dv[1][0] = t874;
     let t875 = t397 * t379;
     let t876 = t131 * t403;
     let t877 = t876 + t875;
@@ -3430,12 +3714,18 @@ pub fn inverse_dynamics_derivatives(
     let t880 = t783 + t879;
     let t881 = t781 - t880;
     let t882 = 0.2 - t881;
+    d_dv[1][1] = t882;
     let t883 = t775 - t876;
+    d_dv[1][2] = t883;
     let t884 = omega_left_elbow_x * 0.0031999999999999997;
+    d_dv[1][3] = t884;
+    d_dv[2][3] = t884;
     let t885 = t868 - t870;
+    d_dv[2][0] = t885;
     let t886 = t771 + t875;
     let t887 = t635 * t689;
     let t888 = t884 - t887;
+    d_dv[3][1] = t888;
     let t889 = sin_right_shoulder_right_elbow * t699;
     let t890 = cos_right_shoulder_right_elbow * t703;
     let t891 = t889 - t890;
@@ -3445,6 +3735,7 @@ pub fn inverse_dynamics_derivatives(
     let t895 = t891 - t894;
     let t896 = t71 * t635;
     let t897 = t896 + t895;
+    d_dv[4][0] = t897;
     let t898 = t528 * t510;
     let t899 = t25 * t534;
     let t900 = t899 + t898;
@@ -3453,57 +3744,70 @@ pub fn inverse_dynamics_derivatives(
     let t903 = t800 - t902;
     let t904 = t798 - t903;
     let t905 = 0.2 + t904;
+    d_dv[4][4] = t905;
     let t906 = t792 - t899;
+    d_dv[4][5] = t906;
     let t907 = omega_right_elbow_x * 0.0031999999999999997;
+    d_dv[4][6] = t907;
+    d_dv[5][6] = t907;
     let t908 = t891 - t893;
+    d_dv[5][0] = t908;
     let t909 = t788 + t898;
     let t910 = t635 * t763;
     let t911 = t907 - t910;
+    d_dv[6][4] = t911;
     let t912 = -t288;
+    b_u[3] = t912;
     let t913 = -t357;
+    b_u[6] = t913;
     let t914 = -t428;
+    d_dy[0][1] = t914;
     let t915 = -t602;
+    d_dy[0][5] = t915;
     let t916 = -t654;
+    d_dy[1][1] = t916;
     let t917 = -t674;
+    d_dy[1][3] = t917;
+    d_dy[2][3] = t917;
     let t918 = -t691;
+    d_dy[3][1] = t918;
     let t919 = -t694;
+    d_dy[3][2] = t919;
     let t920 = -t486;
+    d_dy[3][3] = t920;
     let t921 = -t745;
+    d_dy[4][5] = t921;
     let t922 = -t749;
+    d_dy[4][6] = t922;
+    d_dy[5][6] = t922;
     let t923 = -t744;
+    d_dy[5][5] = t923;
     let t924 = -t765;
+    d_dy[6][4] = t924;
     let t925 = -t768;
+    d_dy[6][5] = t925;
     let t926 = -t615;
+    d_dy[6][6] = t926;
     let t927 = -t811;
+    d_dv[0][0] = t927;
     let t928 = -t822;
+    d_dv[0][1] = t928;
     let t929 = -t837;
+    d_dv[0][2] = t929;
     let t930 = -t838;
+    d_dv[0][3] = t930;
+    d_dv[3][0] = t930;
     let t931 = -t865;
+    d_dv[0][6] = t931;
+    d_dv[6][0] = t931;
     let t932 = -t886;
+    d_dv[2][1] = t932;
     let t933 = -t884;
+    d_dv[3][2] = t933;
     let t934 = -t909;
+    d_dv[5][4] = t934;
     let t935 = -t907;
-    (
-        [moment_torso_z, t276, t282, t912, t345, t351, t913],
-        [
-            [0.0, t914, t473, t488, t559, t915, t617],
-            [0.0, t916, t670, t917, 0.0, 0.0, 0.0],
-            [0.0, t685, t669, t917, 0.0, 0.0, 0.0],
-            [0.0, t918, t919, t920, 0.0, 0.0, 0.0],
-            [0.0, 0.0, 0.0, 0.0, t730, t921, t922],
-            [0.0, 0.0, 0.0, 0.0, t759, t923, t922],
-            [0.0, 0.0, 0.0, 0.0, t924, t925, t926],
-        ],
-        [
-            [t927, t928, t929, t930, t849, t864, t931],
-            [t874, t882, t883, t884, 0.0, 0.0, 0.0],
-            [t885, t932, 0.2, t884, 0.0, 0.0, 0.0],
-            [t930, t888, t933, 0.2, 0.0, 0.0, 0.0],
-            [t897, 0.0, 0.0, 0.0, t905, t906, t907],
-            [t908, 0.0, 0.0, 0.0, t934, 0.2, t907],
-            [t931, 0.0, 0.0, 0.0, t911, t935, 0.2],
-        ],
-    )
+    d_dv[6][5] = t935;
 }
 
 /// Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.
@@ -3526,6 +3830,7 @@ pub fn inverse_dynamics_derivatives(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -3536,6 +3841,110 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     v: &[f64; N],
     a: &[f64; N],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
+    let mut b_u = [0.0; 7];
+    let mut d_dy = [[0.0; 7]; 7];
+    let mut d_dv = [[0.0; 7]; 7];
+    let mut m = [[0.0; 7]; 7];
+    inverse_dynamics_derivatives_and_mass_matrix_into(
+        y,
+        v,
+        a,
+        &mut b_u,
+        &mut d_dy,
+        &mut d_dv,
+        &mut m,
+    );
+    (b_u, d_dy, d_dv, m)
+}
+
+/// `inverse_dynamics_derivatives_and_mass_matrix` with its results written in place; nothing of what stood there
+/// is read.
+pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    b_u: &mut [f64; N],
+    d_dy: &mut [[f64; N]; N],
+    d_dv: &mut [[f64; N]; N],
+    m: &mut [[f64; N]; N],
+) {
+    d_dy[0][0] = 0.0;
+    d_dy[1][0] = 0.0;
+    d_dy[1][4] = 0.0;
+    d_dy[1][5] = 0.0;
+    d_dy[1][6] = 0.0;
+    d_dy[2][0] = 0.0;
+    d_dy[2][4] = 0.0;
+    d_dy[2][5] = 0.0;
+    d_dy[2][6] = 0.0;
+    d_dy[3][0] = 0.0;
+    d_dy[3][4] = 0.0;
+    d_dy[3][5] = 0.0;
+    d_dy[3][6] = 0.0;
+    d_dy[4][0] = 0.0;
+    d_dy[4][1] = 0.0;
+    d_dy[4][2] = 0.0;
+    d_dy[4][3] = 0.0;
+    d_dy[5][0] = 0.0;
+    d_dy[5][1] = 0.0;
+    d_dy[5][2] = 0.0;
+    d_dy[5][3] = 0.0;
+    d_dy[6][0] = 0.0;
+    d_dy[6][1] = 0.0;
+    d_dy[6][2] = 0.0;
+    d_dy[6][3] = 0.0;
+    d_dv[1][4] = 0.0;
+    d_dv[1][5] = 0.0;
+    d_dv[1][6] = 0.0;
+    d_dv[2][2] = 0.2;
+    d_dv[2][4] = 0.0;
+    d_dv[2][5] = 0.0;
+    d_dv[2][6] = 0.0;
+    d_dv[3][3] = 0.2;
+    d_dv[3][4] = 0.0;
+    d_dv[3][5] = 0.0;
+    d_dv[3][6] = 0.0;
+    d_dv[4][1] = 0.0;
+    d_dv[4][2] = 0.0;
+    d_dv[4][3] = 0.0;
+    d_dv[5][1] = 0.0;
+    d_dv[5][2] = 0.0;
+    d_dv[5][3] = 0.0;
+    d_dv[5][5] = 0.2;
+    d_dv[6][1] = 0.0;
+    d_dv[6][2] = 0.0;
+    d_dv[6][3] = 0.0;
+    d_dv[6][6] = 0.2;
+    m[1][3] = 0.0;
+    m[1][4] = 0.0;
+    m[1][5] = 0.0;
+    m[1][6] = 0.0;
+    m[2][2] = 0.2821;
+    m[2][3] = 0.0;
+    m[2][4] = 0.0;
+    m[2][5] = 0.0;
+    m[2][6] = 0.0;
+    m[3][1] = 0.0;
+    m[3][2] = 0.0;
+    m[3][3] = 0.20120000000000002;
+    m[3][4] = 0.0;
+    m[3][5] = 0.0;
+    m[3][6] = 0.0;
+    m[4][1] = 0.0;
+    m[4][2] = 0.0;
+    m[4][3] = 0.0;
+    m[4][6] = 0.0;
+    m[5][1] = 0.0;
+    m[5][2] = 0.0;
+    m[5][3] = 0.0;
+    m[5][5] = 0.2821;
+    m[5][6] = 0.0;
+    m[6][1] = 0.0;
+    m[6][2] = 0.0;
+    m[6][3] = 0.0;
+    m[6][4] = 0.0;
+    m[6][5] = 0.0;
+    m[6][6] = 0.20120000000000002;
     let angle_right_shoulder_right_elbow = y[4] + y[5];
     let angle_left_shoulder_left_elbow = y[1] + y[2];
     let (
@@ -3765,6 +4174,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let force_left_shoulder_x = t216 - t212;
     let t218 = force_left_shoulder_x - moment_left_shoulder_y;
     let moment_torso_z = t115 - t218;
+    b_u[0] = moment_torso_z;
     let t220 = t208 - t197;
     let t221 = 0.0008800000000000001 * t220;
     let t222 = 0.0007999999999999998 * t201;
@@ -3822,12 +4232,14 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t274 = t273 + moment_left_shoulder_z;
     let t275 = v[1] * 0.2;
     let t276 = t274 + t275;
+    b_u[1] = t276;
     let t277 = a[2] * 0.2;
     let t278 = a[1] * 0.002;
     let t279 = t278 + t277;
     let t280 = t279 + moment_left_elbow_z;
     let t281 = v[2] * 0.2;
     let t282 = t280 + t281;
+    b_u[2] = t282;
     let t283 = 0.002 * t142;
     let t284 = a[3] * 0.2;
     let t285 = t284 + t283;
@@ -3891,12 +4303,14 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t343 = t342 + moment_right_shoulder_z;
     let t344 = v[4] * 0.2;
     let t345 = t343 + t344;
+    b_u[4] = t345;
     let t346 = a[5] * 0.2;
     let t347 = a[4] * 0.002;
     let t348 = t347 + t346;
     let t349 = t348 + moment_right_elbow_z;
     let t350 = v[5] * 0.2;
     let t351 = t349 + t350;
+    b_u[5] = t351;
     let t352 = 0.002 * t37;
     let t353 = a[6] * 0.2;
     let t354 = t353 + t352;
@@ -3925,6 +4339,8 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t377 = 0.0712 * cos_left_shoulder_left_elbow;
     let t378 = 0.0016 * sin_left_shoulder_left_elbow;
     let t379 = t378 + t377;
+    m[0][2] = t379;
+    m[2][0] = t379;
     let t380 = t133 * t379;
     let t381 = 0.0712 * sin_left_shoulder_left_elbow;
     let t382 = 0.0016 * cos_left_shoulder_left_elbow;
@@ -4019,6 +4435,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t471 = cos_left_shoulder_left_elbow * t470;
     let t472 = t471 - t466;
     let t473 = t472 + t458;
+    d_dy[0][2] = t473;
     let t474 = 0.0012 * omega_left_wrist_z;
     let t475 = omega_left_elbow_x * t474;
     let t476 = 0.0006 * t205;
@@ -4034,6 +4451,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t486 = t485 - t484;
     let t487 = cos_left_shoulder_left_elbow * t486;
     let t488 = t479 - t487;
+    d_dy[0][3] = t488;
     let t489 = sin_right_shoulder_right_elbow * moment_right_elbow_y;
     let t490 = cos_right_shoulder_right_elbow * moment_right_elbow_x;
     let t491 = t490 + t489;
@@ -4105,6 +4523,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t557 = acceleration_left_shoulder_z * t556;
     let t558 = force_right_shoulder_y + t557;
     let t559 = t558 - t551;
+    d_dy[0][4] = t559;
     let t560 = omega_right_elbow_z * 0.0027999999999999995;
     let t561 = omega_right_elbow_y * t560;
     let t562 = omega_right_elbow_z * 0.0017600000000000003;
@@ -4163,6 +4582,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t615 = t614 - t613;
     let t616 = cos_right_shoulder_right_elbow * t615;
     let t617 = t608 - t616;
+    d_dy[0][6] = t617;
     let t618 = omega_left_elbow_y * 0.0015999999999999996;
     let t619 = omega_left_elbow_x * 0.0017600000000000003;
     let t620 = t619 - t618;
@@ -4215,7 +4635,9 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t667 = omega_left_elbow_x * t626;
     let t668 = t666 + t667;
     let t669 = t665 + t668;
+    d_dy[2][2] = t669;
     let t670 = t669 + t660;
+    d_dy[1][2] = t670;
     let t671 = omega_left_elbow_z * t474;
     let t672 = 0.0006 * t126;
     let t673 = t672 - t671;
@@ -4231,6 +4653,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t683 = t682 + t681;
     let t684 = t680 + t683;
     let t685 = t684 + t678;
+    d_dy[2][1] = t685;
     let t686 = omega_left_elbow_z * 0.0031999999999999997;
     let t687 = cos_left_shoulder_left_elbow * t686;
     let t688 = v[0] * t687;
@@ -4276,6 +4699,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t728 = t727 + t725;
     let t729 = t728 - t724;
     let t730 = t729 + t714;
+    d_dy[4][4] = t730;
     let t731 = t25 * t601;
     let t732 = cos_right_shoulder_right_elbow * t595;
     let t733 = sin_right_shoulder_right_elbow * t599;
@@ -4305,6 +4729,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t757 = t756 - t755;
     let t758 = t754 + t757;
     let t759 = t758 + t752;
+    d_dy[5][4] = t759;
     let t760 = omega_right_elbow_z * 0.0031999999999999997;
     let t761 = cos_right_shoulder_right_elbow * t760;
     let t762 = v[0] * t761;
@@ -4395,6 +4820,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t847 = t86 * t23;
     let t848 = t847 + t534;
     let t849 = t848 + t846;
+    d_dv[0][4] = t849;
     let t850 = omega_right_elbow_y * 0.1626;
     let t851 = t696 + t850;
     let t852 = t840 - t851;
@@ -4410,6 +4836,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t862 = t27 * t861;
     let t863 = t858 - t862;
     let t864 = t534 - t863;
+    d_dv[0][5] = t864;
     let t865 = sin_right_shoulder_right_elbow * t760;
     let t866 = sin_left_shoulder_left_elbow * t622;
     let t867 = cos_left_shoulder_left_elbow * t626;
@@ -4420,6 +4847,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t872 = t868 - t871;
     let t873 = t176 * t635;
     let t874 = t873 + t872;
+    d_dv[1][0] = t874;
     let t875 = t397 * t379;
     let t876 = t131 * t403;
     let t877 = t876 + t875;
@@ -4428,12 +4856,18 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t880 = t783 + t879;
     let t881 = t781 - t880;
     let t882 = 0.2 - t881;
+    d_dv[1][1] = t882;
     let t883 = t775 - t876;
+    d_dv[1][2] = t883;
     let t884 = omega_left_elbow_x * 0.0031999999999999997;
+    d_dv[1][3] = t884;
+    d_dv[2][3] = t884;
     let t885 = t868 - t870;
+    d_dv[2][0] = t885;
     let t886 = t771 + t875;
     let t887 = t635 * t689;
     let t888 = t884 - t887;
+    d_dv[3][1] = t888;
     let t889 = sin_right_shoulder_right_elbow * t699;
     let t890 = cos_right_shoulder_right_elbow * t703;
     let t891 = t889 - t890;
@@ -4443,6 +4877,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t895 = t891 - t894;
     let t896 = t71 * t635;
     let t897 = t896 + t895;
+    d_dv[4][0] = t897;
     let t898 = t528 * t510;
     let t899 = t25 * t534;
     let t900 = t899 + t898;
@@ -4451,12 +4886,18 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t903 = t800 - t902;
     let t904 = t798 - t903;
     let t905 = 0.2 + t904;
+    d_dv[4][4] = t905;
     let t906 = t792 - t899;
+    d_dv[4][5] = t906;
     let t907 = omega_right_elbow_x * 0.0031999999999999997;
+    d_dv[4][6] = t907;
+    d_dv[5][6] = t907;
     let t908 = t891 - t893;
+    d_dv[5][0] = t908;
     let t909 = t788 + t898;
     let t910 = t635 * t763;
     let t911 = t907 - t910;
+    d_dv[6][4] = t911;
     let t912 = 2.0 * t716;
     let t913 = sin_right_shoulder_right_elbow * t519;
     let t914 = 0.0013999999999999998 + t913;
@@ -4470,70 +4911,85 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t922 = t188 + t921;
     let t923 = t917 + t922;
     let t924 = t923 + 0.46636;
+    m[0][0] = t924;
     let t925 = t178 + t425;
+    m[0][1] = t925;
+    m[1][0] = t925;
     let t926 = cos_left_shoulder_left_elbow * 0.0031999999999999997;
+    m[0][3] = t926;
+    m[3][0] = t926;
     let t927 = t73 + t556;
     let t928 = cos_right_shoulder_right_elbow * 0.0031999999999999997;
+    m[0][6] = t928;
+    m[6][0] = t928;
     let t929 = 0.2 + t645;
+    m[1][1] = t929;
     let t930 = 0.2 + t721;
+    m[4][4] = t930;
     let t931 = -t288;
+    b_u[3] = t931;
     let t932 = -t357;
+    b_u[6] = t932;
     let t933 = -t428;
+    d_dy[0][1] = t933;
     let t934 = -t602;
+    d_dy[0][5] = t934;
     let t935 = -t654;
+    d_dy[1][1] = t935;
     let t936 = -t674;
+    d_dy[1][3] = t936;
+    d_dy[2][3] = t936;
     let t937 = -t691;
+    d_dy[3][1] = t937;
     let t938 = -t694;
+    d_dy[3][2] = t938;
     let t939 = -t486;
+    d_dy[3][3] = t939;
     let t940 = -t745;
+    d_dy[4][5] = t940;
     let t941 = -t749;
+    d_dy[4][6] = t941;
+    d_dy[5][6] = t941;
     let t942 = -t744;
+    d_dy[5][5] = t942;
     let t943 = -t765;
+    d_dy[6][4] = t943;
     let t944 = -t768;
+    d_dy[6][5] = t944;
     let t945 = -t615;
+    d_dy[6][6] = t945;
     let t946 = -t811;
+    d_dv[0][0] = t946;
     let t947 = -t822;
+    d_dv[0][1] = t947;
     let t948 = -t837;
+    d_dv[0][2] = t948;
     let t949 = -t838;
+    d_dv[0][3] = t949;
+    d_dv[3][0] = t949;
     let t950 = -t865;
+    d_dv[0][6] = t950;
+    d_dv[6][0] = t950;
     let t951 = -t886;
+    d_dv[2][1] = t951;
     let t952 = -t884;
+    d_dv[3][2] = t952;
     let t953 = -t909;
+    d_dv[5][4] = t953;
     let t954 = -t907;
+    d_dv[6][5] = t954;
     let t955 = -t927;
+    m[0][4] = t955;
+    m[4][0] = t955;
     let t956 = -t510;
+    m[0][5] = t956;
+    m[5][0] = t956;
     let t957 = -t679;
+    m[1][2] = t957;
+    m[2][1] = t957;
     let t958 = -t753;
-    (
-        [moment_torso_z, t276, t282, t931, t345, t351, t932],
-        [
-            [0.0, t933, t473, t488, t559, t934, t617],
-            [0.0, t935, t670, t936, 0.0, 0.0, 0.0],
-            [0.0, t685, t669, t936, 0.0, 0.0, 0.0],
-            [0.0, t937, t938, t939, 0.0, 0.0, 0.0],
-            [0.0, 0.0, 0.0, 0.0, t730, t940, t941],
-            [0.0, 0.0, 0.0, 0.0, t759, t942, t941],
-            [0.0, 0.0, 0.0, 0.0, t943, t944, t945],
-        ],
-        [
-            [t946, t947, t948, t949, t849, t864, t950],
-            [t874, t882, t883, t884, 0.0, 0.0, 0.0],
-            [t885, t951, 0.2, t884, 0.0, 0.0, 0.0],
-            [t949, t888, t952, 0.2, 0.0, 0.0, 0.0],
-            [t897, 0.0, 0.0, 0.0, t905, t906, t907],
-            [t908, 0.0, 0.0, 0.0, t953, 0.2, t907],
-            [t950, 0.0, 0.0, 0.0, t911, t954, 0.2],
-        ],
-        [
-            [t924, t925, t379, t926, t955, t956, t928],
-            [t925, t929, t957, 0.0, 0.0, 0.0, 0.0],
-            [t379, t957, 0.2821, 0.0, 0.0, 0.0, 0.0],
-            [t926, 0.0, 0.0, 0.20120000000000002, 0.0, 0.0, 0.0],
-            [t955, 0.0, 0.0, 0.0, t930, t958, 0.0],
-            [t956, 0.0, 0.0, 0.0, t958, 0.2821, 0.0],
-            [t928, 0.0, 0.0, 0.0, 0.0, 0.0, 0.20120000000000002],
-        ],
-    )
+    m[4][5] = t958;
+    m[5][4] = t958;
 }
 
 /// Forward dynamics with its Jacobians.
@@ -4551,11 +5007,12 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
 /// - returns `∂ÿ/∂ẏ: [N × N]`: row i = acceleration i
 /// - returns `M⁻¹: [N × N]`: symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B
 ///
-/// Cost: 992 multiplications, 809 additions, 3 divisions, 4 function calls (`sin_cos`).
+/// Cost: 808 multiplications, 613 additions, 3 divisions, 4 function calls (`sin_cos`).
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -4566,1920 +5023,1682 @@ pub fn forward_dynamics_derivatives(
     v: &[f64; N],
     u: &[f64; M],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
-    let angle_right_shoulder_right_elbow = y[4] + y[5];
+    let mut a = [0.0; 7];
+    let mut da_dy = [[0.0; 7]; 7];
+    let mut da_dv = [[0.0; 7]; 7];
+    let mut m_inverse = [[0.0; 7]; 7];
+    forward_dynamics_derivatives_into(
+        y,
+        v,
+        u,
+        &mut a,
+        &mut da_dy,
+        &mut da_dv,
+        &mut m_inverse,
+    );
+    (a, da_dy, da_dv, m_inverse)
+}
+
+/// `forward_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+pub fn forward_dynamics_derivatives_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    a: &mut [f64; N],
+    da_dy: &mut [[f64; N]; N],
+    da_dv: &mut [[f64; N]; N],
+    m_inverse: &mut [[f64; N]; N],
+) {
+    da_dy[0][0] = 0.0;
+    da_dy[1][0] = 0.0;
+    da_dy[2][0] = 0.0;
+    da_dy[3][0] = 0.0;
+    da_dy[4][0] = 0.0;
+    da_dy[5][0] = 0.0;
+    da_dy[6][0] = 0.0;
     let angle_left_shoulder_left_elbow = y[1] + y[2];
+    let angle_right_shoulder_right_elbow = y[4] + y[5];
     let (
         [sin_left_shoulder,
         sin_right_shoulder,
-        sin_right_shoulder_right_elbow,
         sin_left_shoulder_left_elbow,
+        sin_right_shoulder_right_elbow,
         ],
         [cos_left_shoulder,
         cos_right_shoulder,
-        cos_right_shoulder_right_elbow,
         cos_left_shoulder_left_elbow,
+        cos_right_shoulder_right_elbow,
         ],
     ) = math::sin_cos_4(
         y[1],
         y[4],
-        angle_right_shoulder_right_elbow,
         angle_left_shoulder_left_elbow,
+        angle_right_shoulder_right_elbow,
     );
-    let t10 = 0.0712 * cos_right_shoulder_right_elbow;
-    let t11 = 0.0016 * sin_right_shoulder_right_elbow;
-    let t12 = t11 + t10;
-    let t13 = 1.4999999999999998 * cos_right_shoulder;
-    let t14 = t13 * t12;
-    let t15 = 0.0712 * sin_right_shoulder_right_elbow;
-    let t16 = 0.0016 * cos_right_shoulder_right_elbow;
-    let t17 = t16 - t15;
-    let t18 = 1.4999999999999998 * sin_right_shoulder;
-    let t19 = t18 * t17;
-    let t20 = t19 - t14;
-    let t21 = 2.0 * t20;
-    let t22 = 0.08209999999999999 - t21;
-    let t23 = 0.001 * sin_right_shoulder;
-    let t24 = 0.24456 * cos_right_shoulder;
-    let t25 = t24 + t23;
-    let t26 = cos_right_shoulder * t25;
-    let t27 = 0.0015099999999999996 + t26;
-    let t28 = 0.24607 - t26;
-    let t29 = t28 + t27;
-    let t30 = t29 + t22;
-    let t31 = 0.2 + t30;
-    let t32 = t20 - 0.0841;
-    let t33 = t32 * 3.544842254519674;
-    let t34 = t32 * t33;
-    let t35 = t31 - t34;
-    let inverse_d_right_shoulder = 1.0 / t35;
-    let t37 = t12 * t33;
-    let t38 = 0.1896 * cos_right_shoulder;
-    let t39 = t38 + t12;
-    let t40 = 0.0028799999999999997 * cos_right_shoulder;
-    let t41 = t40 + t39;
-    let t42 = t41 + t37;
-    let t43 = t42 * inverse_d_right_shoulder;
-    let t44 = t42 * t43;
-    let t45 = 2.0 * t19;
-    let t46 = cos_right_shoulder_right_elbow * 0.0017600000000000003;
-    let t47 = sin_right_shoulder_right_elbow * 0.0793;
-    let t48 = t47 - t46;
-    let t49 = sin_right_shoulder_right_elbow * t48;
-    let t50 = 0.0013999999999999998 + t49;
-    let t51 = t50 - t45;
-    let t52 = t28 + t51;
-    let t53 = 0.051219999999999995 + t52;
-    let t54 = 0.0712 * sin_left_shoulder_left_elbow;
-    let t55 = 0.0016 * cos_left_shoulder_left_elbow;
-    let t56 = t55 - t54;
-    let t57 = 1.4999999999999998 * sin_left_shoulder;
-    let t58 = t57 * t56;
-    let t59 = 2.0 * t58;
-    let t60 = cos_left_shoulder_left_elbow * 0.0017600000000000003;
-    let t61 = sin_left_shoulder_left_elbow * 0.0793;
-    let t62 = t61 - t60;
-    let t63 = sin_left_shoulder_left_elbow * t62;
-    let t64 = 0.0013999999999999998 + t63;
-    let t65 = t64 - t59;
-    let t66 = sin_left_shoulder * 0.001;
-    let t67 = cos_left_shoulder * 0.24456;
-    let t68 = t67 + t66;
-    let t69 = cos_left_shoulder * t68;
-    let t70 = 0.24607 - t69;
-    let t71 = t70 + t65;
-    let t72 = t53 + t71;
-    let t73 = t72 + 0.46636;
-    let t74 = cos_right_shoulder_right_elbow * 0.015904572564612324;
-    let t75 = cos_right_shoulder_right_elbow * 0.0031999999999999997;
-    let t76 = t75 * t74;
-    let t77 = t73 - t76;
-    let t78 = t12 * 3.544842254519674;
-    let t79 = t12 * t78;
-    let t80 = t77 - t79;
-    let t81 = t80 - t44;
-    let t82 = cos_left_shoulder_left_elbow * 0.015904572564612324;
-    let t83 = cos_left_shoulder_left_elbow * 0.0031999999999999997;
-    let t84 = t83 * t82;
-    let t85 = t81 - t84;
-    let t86 = 0.0712 * cos_left_shoulder_left_elbow;
-    let t87 = 0.0016 * sin_left_shoulder_left_elbow;
-    let t88 = t87 + t86;
-    let t89 = t88 * 3.544842254519674;
-    let t90 = t88 * t89;
-    let t91 = t85 - t90;
-    let t92 = 1.4999999999999998 * cos_left_shoulder;
-    let t93 = t92 * t88;
-    let t94 = t58 - t93;
-    let t95 = 2.0 * t94;
-    let t96 = 0.08209999999999999 - t95;
-    let t97 = 0.0015099999999999996 + t69;
-    let t98 = t70 + t97;
-    let t99 = t98 + t96;
-    let t100 = 0.2 + t99;
-    let t101 = t94 - 0.0841;
-    let t102 = t101 * 3.544842254519674;
-    let t103 = t101 * t102;
-    let t104 = t100 - t103;
-    let inverse_d_left_shoulder = 1.0 / t104;
-    let t106 = t88 * t102;
-    let t107 = 0.1896 * cos_left_shoulder;
-    let t108 = t107 + t88;
-    let t109 = 0.0028799999999999997 * cos_left_shoulder;
-    let t110 = t109 + t108;
-    let t111 = t110 + t106;
-    let t112 = t111 * inverse_d_left_shoulder;
-    let t113 = t111 * t112;
-    let t114 = t91 - t113;
-    let inverse_d_torso = 1.0 / t114;
-    let t116 = t112 * inverse_d_torso;
-    let t117 = t102 * t116;
-    let t118 = t89 * inverse_d_torso;
-    let t119 = t117 + t118;
-    let omega_left_elbow_x = v[0] * sin_left_shoulder_left_elbow;
-    let t121 = omega_left_elbow_x * omega_left_elbow_x;
-    let omega_left_elbow_z = v[1] + v[2];
-    let t123 = omega_left_elbow_z * omega_left_elbow_z;
-    let t124 = t121 + t123;
     let omega_left_elbow_y = v[0] * cos_left_shoulder_left_elbow;
-    let t126 = omega_left_elbow_y * omega_left_elbow_y;
-    let t127 = t126 + t123;
-    let t128 = t127 - t124;
-    let t129 = 0.0008800000000000001 * t128;
-    let t130 = omega_left_elbow_x * omega_left_elbow_y;
-    let t131 = 0.0007999999999999998 * t130;
-    let t132 = t129 + t131;
-    let t133 = 0.0807 * t130;
-    let t134 = t132 - t133;
-    let t135 = v[1] * v[1];
-    let t136 = t92 * t135;
-    let t137 = 49.05 + t136;
-    let t138 = sin_left_shoulder_left_elbow * t137;
+    let omega_left_elbow_z = v[1] + v[2];
+    let t12 = 2.0 * omega_left_elbow_z;
+    let t13 = omega_left_elbow_y * t12;
+    let t14 = 0.0807 * t13;
+    let omega_left_elbow_x = v[0] * sin_left_shoulder_left_elbow;
+    let t16 = omega_left_elbow_x * t12;
+    let t17 = 0.0008800000000000001 * t16;
+    let t18 = t17 + t14;
+    let t19 = v[1] * 2.0;
+    let t20 = v[0] * t19;
+    let t21 = 1.4999999999999998 * cos_left_shoulder;
+    let t22 = t21 * t20;
     let acceleration_left_shoulder_z = v[0] * v[0];
-    let t140 = acceleration_left_shoulder_z + t135;
-    let t141 = t57 * t140;
-    let t142 = cos_left_shoulder_left_elbow * t141;
-    let acceleration_left_elbow_x = t142 - t138;
-    let t144 = 0.0712 * acceleration_left_elbow_x;
-    let t145 = cos_left_shoulder_left_elbow * t137;
-    let t146 = sin_left_shoulder_left_elbow * t141;
-    let acceleration_left_elbow_y = t146 + t145;
-    let t148 = 0.0016 * acceleration_left_elbow_y;
-    let t149 = t148 + t144;
-    let t150 = t149 - t134;
-    let t151 = v[3] * 0.002;
-    let t152 = omega_left_elbow_x * t151;
-    let t153 = t150 - t152;
+    let acceleration_left_elbow_z = acceleration_left_shoulder_z + t22;
+    let t25 = 0.0712 * acceleration_left_elbow_z;
+    let t26 = t25 + t18;
+    let t27 = v[3] * 0.002;
+    let t28 = omega_left_elbow_z * t27;
+    let t29 = t26 - t28;
     let omega_left_wrist_z = v[3] + omega_left_elbow_y;
-    let t155 = 2.0 * omega_left_wrist_z;
-    let t156 = omega_left_elbow_x * t155;
-    let t157 = t130 - t156;
-    let moment_left_wrist_y = 0.0006 * t157;
-    let moment_left_elbow_z = moment_left_wrist_y + t153;
-    let t160 = v[2] * 0.2;
-    let t161 = u[2] * 100.0;
-    let t162 = t161 - t160;
-    let t163 = t162 + moment_left_elbow_z;
-    let t164 = t119 * t163;
-    let t165 = 0.0712 * t124;
-    let t166 = 0.0016 * t130;
-    let force_left_elbow_y = t166 - t165;
-    let t168 = sin_left_shoulder_left_elbow * force_left_elbow_y;
-    let t169 = 0.0016 * t127;
-    let t170 = 0.0712 * t130;
-    let force_left_elbow_x = t169 - t170;
-    let t172 = cos_left_shoulder_left_elbow * force_left_elbow_x;
-    let t173 = t172 + t168;
-    let t174 = t92 * t173;
-    let t175 = cos_left_shoulder_left_elbow * force_left_elbow_y;
-    let t176 = sin_left_shoulder_left_elbow * force_left_elbow_x;
-    let t177 = t176 - t175;
-    let t178 = t57 * t177;
-    let t179 = t178 + t174;
-    let t180 = moment_left_elbow_z - t179;
-    let t181 = sin_left_shoulder * t68;
-    let t182 = 0.0005 - t181;
-    let t183 = t135 - t140;
-    let t184 = t182 * t183;
-    let t185 = sin_left_shoulder * 9.299879999999998;
-    let t186 = t185 - t184;
-    let moment_left_shoulder_z = t186 - t180;
-    let t188 = v[1] * 0.2;
-    let t189 = u[1] * 100.0;
-    let t190 = t189 - t188;
-    let t191 = t190 - moment_left_shoulder_z;
-    let t192 = t116 * t191;
-    let t193 = 2.0 * omega_left_elbow_z;
-    let t194 = omega_left_elbow_y * t193;
-    let t195 = 0.0807 * t194;
-    let t196 = omega_left_elbow_x * t193;
-    let t197 = 0.0008800000000000001 * t196;
-    let t198 = t197 + t195;
-    let t199 = v[1] * 2.0;
-    let t200 = v[0] * t199;
-    let t201 = t92 * t200;
-    let acceleration_left_elbow_z = acceleration_left_shoulder_z + t201;
-    let t203 = 0.0712 * acceleration_left_elbow_z;
-    let t204 = t203 + t198;
-    let t205 = omega_left_elbow_z * t151;
-    let t206 = t204 - t205;
-    let t207 = omega_left_elbow_z * t155;
-    let t208 = t194 - t207;
-    let moment_left_wrist_x = 0.0006 * t208;
-    let moment_left_elbow_x = moment_left_wrist_x + t206;
-    let t211 = sin_left_shoulder_left_elbow * moment_left_elbow_x;
-    let t212 = 0.0007999999999999998 * t196;
-    let t213 = 0.0008800000000000001 * t194;
-    let t214 = t213 + t212;
-    let t215 = 0.0016 * acceleration_left_elbow_z;
-    let t216 = t215 + t214;
-    let t217 = omega_left_elbow_z * omega_left_elbow_x;
-    let moment_left_wrist_z = 0.0012 * t217;
-    let moment_left_elbow_y = t216 + moment_left_wrist_z;
-    let t220 = cos_left_shoulder_left_elbow * moment_left_elbow_y;
-    let t221 = t211 - t220;
-    let t222 = 0.0712 * t194;
-    let t223 = 0.0016 * t196;
-    let force_left_elbow_z = t223 + t222;
-    let t225 = t57 * force_left_elbow_z;
-    let t226 = t221 + t225;
-    let t227 = t182 * t200;
-    let t228 = acceleration_left_shoulder_z - t140;
-    let t229 = 0.0028799999999999997 * sin_left_shoulder;
-    let t230 = t229 * t228;
-    let t231 = t227 - t230;
-    let t232 = 0.1896 * sin_left_shoulder;
-    let t233 = t232 * acceleration_left_shoulder_z;
-    let t234 = t233 - t231;
-    let moment_left_shoulder_y = t234 + t226;
-    let t236 = t232 * t140;
-    let force_left_shoulder_x = t236 - t173;
-    let t238 = force_left_shoulder_x - moment_left_shoulder_y;
+    let t31 = 2.0 * omega_left_wrist_z;
+    let t32 = omega_left_elbow_z * t31;
+    let t33 = t13 - t32;
+    let moment_left_wrist_x = 0.0006 * t33;
+    let moment_left_elbow_x = moment_left_wrist_x + t29;
+    let t36 = sin_left_shoulder_left_elbow * moment_left_elbow_x;
+    let t37 = 0.0007999999999999998 * t16;
+    let t38 = 0.0008800000000000001 * t13;
+    let t39 = t38 + t37;
+    let t40 = 0.0016 * acceleration_left_elbow_z;
+    let t41 = t40 + t39;
+    let t42 = omega_left_elbow_z * omega_left_elbow_x;
+    let moment_left_wrist_z = 0.0012 * t42;
+    let moment_left_elbow_y = t41 + moment_left_wrist_z;
+    let t45 = cos_left_shoulder_left_elbow * moment_left_elbow_y;
+    let t46 = t36 - t45;
+    let t47 = 0.0712 * t13;
+    let t48 = 0.0016 * t16;
+    let force_left_elbow_z = t48 + t47;
+    let t50 = 1.4999999999999998 * sin_left_shoulder;
+    let t51 = t50 * force_left_elbow_z;
+    let t52 = t46 + t51;
+    let t53 = sin_left_shoulder * 0.001;
+    let t54 = cos_left_shoulder * 0.24456;
+    let t55 = t54 + t53;
+    let t56 = sin_left_shoulder * t55;
+    let t57 = 0.0005 - t56;
+    let t58 = t57 * t20;
+    let t59 = v[1] * v[1];
+    let t60 = acceleration_left_shoulder_z + t59;
+    let t61 = acceleration_left_shoulder_z - t60;
+    let t62 = 0.0028799999999999997 * sin_left_shoulder;
+    let t63 = t62 * t61;
+    let t64 = t58 - t63;
+    let t65 = 0.1896 * sin_left_shoulder;
+    let t66 = t65 * acceleration_left_shoulder_z;
+    let t67 = t66 - t64;
+    let moment_left_shoulder_y = t67 + t52;
+    let t69 = omega_left_elbow_x * omega_left_elbow_x;
+    let t70 = omega_left_elbow_z * omega_left_elbow_z;
+    let t71 = t69 + t70;
+    let t72 = 0.0712 * t71;
+    let t73 = omega_left_elbow_x * omega_left_elbow_y;
+    let t74 = 0.0016 * t73;
+    let force_left_elbow_y = t74 - t72;
+    let t76 = sin_left_shoulder_left_elbow * force_left_elbow_y;
+    let t77 = omega_left_elbow_y * omega_left_elbow_y;
+    let t78 = t77 + t70;
+    let t79 = 0.0016 * t78;
+    let t80 = 0.0712 * t73;
+    let force_left_elbow_x = t79 - t80;
+    let t82 = cos_left_shoulder_left_elbow * force_left_elbow_x;
+    let t83 = t82 + t76;
+    let t84 = t65 * t60;
+    let force_left_shoulder_x = t84 - t83;
+    let t86 = force_left_shoulder_x - moment_left_shoulder_y;
     let omega_right_elbow_y = v[0] * cos_right_shoulder_right_elbow;
     let omega_right_elbow_z = v[4] + v[5];
-    let t241 = 2.0 * omega_right_elbow_z;
-    let t242 = omega_right_elbow_y * t241;
-    let t243 = 0.0807 * t242;
+    let t89 = 2.0 * omega_right_elbow_z;
+    let t90 = omega_right_elbow_y * t89;
+    let t91 = 0.0807 * t90;
     let omega_right_elbow_x = v[0] * sin_right_shoulder_right_elbow;
-    let t245 = omega_right_elbow_x * t241;
-    let t246 = 0.0008800000000000001 * t245;
-    let t247 = t246 + t243;
-    let t248 = v[4] * 2.0;
-    let t249 = v[0] * t248;
-    let t250 = t13 * t249;
-    let acceleration_right_elbow_z = acceleration_left_shoulder_z - t250;
-    let t252 = 0.0712 * acceleration_right_elbow_z;
-    let t253 = t252 - t247;
-    let t254 = v[6] * 0.002;
-    let t255 = omega_right_elbow_z * t254;
-    let t256 = t253 + t255;
+    let t93 = omega_right_elbow_x * t89;
+    let t94 = 0.0008800000000000001 * t93;
+    let t95 = t94 + t91;
+    let t96 = v[4] * 2.0;
+    let t97 = v[0] * t96;
+    let t98 = 1.4999999999999998 * cos_right_shoulder;
+    let t99 = t98 * t97;
+    let acceleration_right_elbow_z = acceleration_left_shoulder_z - t99;
+    let t101 = 0.0712 * acceleration_right_elbow_z;
+    let t102 = t101 - t95;
+    let t103 = v[6] * 0.002;
+    let t104 = omega_right_elbow_z * t103;
+    let t105 = t102 + t104;
     let omega_right_wrist_z = v[6] + omega_right_elbow_y;
-    let t258 = 2.0 * omega_right_wrist_z;
-    let t259 = omega_right_elbow_z * t258;
-    let t260 = t242 - t259;
-    let moment_right_wrist_x = 0.0006 * t260;
-    let moment_right_elbow_x = moment_right_wrist_x - t256;
-    let t263 = sin_right_shoulder_right_elbow * moment_right_elbow_x;
-    let t264 = 0.0007999999999999998 * t245;
-    let t265 = 0.0008800000000000001 * t242;
-    let t266 = t265 + t264;
-    let t267 = 0.0016 * acceleration_right_elbow_z;
-    let t268 = t267 - t266;
-    let t269 = omega_right_elbow_z * omega_right_elbow_x;
-    let moment_right_wrist_z = 0.0012 * t269;
-    let moment_right_elbow_y = t268 - moment_right_wrist_z;
-    let t272 = cos_right_shoulder_right_elbow * moment_right_elbow_y;
-    let t273 = t263 + t272;
-    let t274 = 0.0712 * t242;
-    let t275 = 0.0016 * t245;
-    let force_right_elbow_z = t275 + t274;
-    let t277 = t18 * force_right_elbow_z;
-    let t278 = t273 + t277;
-    let t279 = sin_right_shoulder * t25;
-    let t280 = 0.0005 - t279;
-    let t281 = t280 * t249;
-    let t282 = v[4] * v[4];
-    let t283 = acceleration_left_shoulder_z + t282;
-    let t284 = acceleration_left_shoulder_z - t283;
-    let t285 = 0.0028799999999999997 * sin_right_shoulder;
-    let t286 = t285 * t284;
-    let t287 = t281 + t286;
-    let t288 = 0.1896 * sin_right_shoulder;
-    let t289 = t288 * acceleration_left_shoulder_z;
-    let t290 = t289 + t287;
-    let moment_right_shoulder_y = t290 - t278;
-    let t292 = omega_right_elbow_x * omega_right_elbow_x;
-    let t293 = omega_right_elbow_z * omega_right_elbow_z;
-    let t294 = t292 + t293;
-    let t295 = 0.0712 * t294;
-    let t296 = omega_right_elbow_x * omega_right_elbow_y;
-    let t297 = 0.0016 * t296;
-    let force_right_elbow_y = t297 - t295;
-    let t299 = sin_right_shoulder_right_elbow * force_right_elbow_y;
-    let t300 = omega_right_elbow_y * omega_right_elbow_y;
-    let t301 = t300 + t293;
-    let t302 = 0.0016 * t301;
-    let t303 = 0.0712 * t296;
-    let force_right_elbow_x = t302 - t303;
-    let t305 = cos_right_shoulder_right_elbow * force_right_elbow_x;
-    let t306 = t305 + t299;
-    let t307 = t288 * t283;
-    let force_right_shoulder_x = t307 - t306;
-    let t309 = force_right_shoulder_x - moment_right_shoulder_y;
-    let moment_torso_z = t309 - t238;
-    let t311 = u[0] - moment_torso_z;
-    let t312 = inverse_d_torso * t311;
-    let t313 = t312 - t192;
-    let t314 = t313 - t164;
-    let t315 = t82 * inverse_d_torso;
-    let t316 = 0.0031999999999999997 * t217;
-    let t317 = v[3] * 0.2;
-    let t318 = u[3] * 100.0;
-    let t319 = t318 - t317;
-    let t320 = t319 + t316;
-    let t321 = t315 * t320;
-    let t322 = t314 - t321;
-    let t323 = t43 * inverse_d_torso;
-    let t324 = t301 - t294;
-    let t325 = 0.0008800000000000001 * t324;
-    let t326 = 0.0007999999999999998 * t296;
-    let t327 = t325 + t326;
-    let t328 = 0.0807 * t296;
-    let t329 = t327 - t328;
-    let t330 = t13 * t282;
-    let t331 = 49.05 + t330;
-    let t332 = sin_right_shoulder_right_elbow * t331;
-    let t333 = t18 * t283;
-    let t334 = cos_right_shoulder_right_elbow * t333;
-    let acceleration_right_elbow_x = t334 - t332;
-    let t336 = 0.0712 * acceleration_right_elbow_x;
-    let t337 = cos_right_shoulder_right_elbow * t331;
-    let t338 = sin_right_shoulder_right_elbow * t333;
-    let acceleration_right_elbow_y = t338 + t337;
-    let t340 = 0.0016 * acceleration_right_elbow_y;
-    let t341 = t340 + t336;
-    let t342 = t341 - t329;
-    let t343 = omega_right_elbow_x * t254;
-    let t344 = t342 - t343;
-    let t345 = omega_right_elbow_x * t258;
-    let t346 = t296 - t345;
-    let moment_right_wrist_y = 0.0006 * t346;
-    let moment_right_elbow_z = moment_right_wrist_y + t344;
-    let t349 = t13 * t306;
-    let t350 = cos_right_shoulder_right_elbow * force_right_elbow_y;
-    let t351 = sin_right_shoulder_right_elbow * force_right_elbow_x;
-    let t352 = t351 - t350;
-    let t353 = t18 * t352;
-    let t354 = t353 + t349;
-    let t355 = moment_right_elbow_z - t354;
-    let t356 = t282 - t283;
-    let t357 = t280 * t356;
-    let t358 = sin_right_shoulder * 9.299879999999998;
-    let t359 = t358 - t357;
-    let moment_right_shoulder_z = t359 - t355;
-    let t361 = v[4] * 0.2;
-    let t362 = u[4] * 100.0;
-    let t363 = t362 - t361;
-    let t364 = t363 - moment_right_shoulder_z;
-    let t365 = t323 * t364;
-    let t366 = t322 + t365;
-    let t367 = t33 * t323;
-    let t368 = t78 * inverse_d_torso;
-    let t369 = t367 + t368;
-    let t370 = v[5] * 0.2;
-    let t371 = u[5] * 100.0;
-    let t372 = t371 - t370;
-    let t373 = t372 + moment_right_elbow_z;
-    let t374 = t369 * t373;
-    let t375 = t366 + t374;
-    let t376 = t74 * inverse_d_torso;
-    let t377 = 0.0031999999999999997 * t269;
-    let t378 = v[6] * 0.2;
-    let t379 = u[6] * 100.0;
+    let t107 = 2.0 * omega_right_wrist_z;
+    let t108 = omega_right_elbow_z * t107;
+    let t109 = t90 - t108;
+    let moment_right_wrist_x = 0.0006 * t109;
+    let moment_right_elbow_x = moment_right_wrist_x - t105;
+    let t112 = sin_right_shoulder_right_elbow * moment_right_elbow_x;
+    let t113 = 0.0007999999999999998 * t93;
+    let t114 = 0.0008800000000000001 * t90;
+    let t115 = t114 + t113;
+    let t116 = 0.0016 * acceleration_right_elbow_z;
+    let t117 = t116 - t115;
+    let t118 = omega_right_elbow_z * omega_right_elbow_x;
+    let moment_right_wrist_z = 0.0012 * t118;
+    let moment_right_elbow_y = t117 - moment_right_wrist_z;
+    let t121 = cos_right_shoulder_right_elbow * moment_right_elbow_y;
+    let t122 = t112 + t121;
+    let t123 = 0.0712 * t90;
+    let t124 = 0.0016 * t93;
+    let force_right_elbow_z = t124 + t123;
+    let t126 = 1.4999999999999998 * sin_right_shoulder;
+    let t127 = t126 * force_right_elbow_z;
+    let t128 = t122 + t127;
+    let t129 = 0.001 * sin_right_shoulder;
+    let t130 = 0.24456 * cos_right_shoulder;
+    let t131 = t130 + t129;
+    let t132 = sin_right_shoulder * t131;
+    let t133 = 0.0005 - t132;
+    let t134 = t133 * t97;
+    let t135 = v[4] * v[4];
+    let t136 = acceleration_left_shoulder_z + t135;
+    let t137 = acceleration_left_shoulder_z - t136;
+    let t138 = 0.0028799999999999997 * sin_right_shoulder;
+    let t139 = t138 * t137;
+    let t140 = t134 + t139;
+    let t141 = 0.1896 * sin_right_shoulder;
+    let t142 = t141 * acceleration_left_shoulder_z;
+    let t143 = t142 + t140;
+    let moment_right_shoulder_y = t143 - t128;
+    let t145 = omega_right_elbow_x * omega_right_elbow_x;
+    let t146 = omega_right_elbow_z * omega_right_elbow_z;
+    let t147 = t145 + t146;
+    let t148 = 0.0712 * t147;
+    let t149 = omega_right_elbow_x * omega_right_elbow_y;
+    let t150 = 0.0016 * t149;
+    let force_right_elbow_y = t150 - t148;
+    let t152 = sin_right_shoulder_right_elbow * force_right_elbow_y;
+    let t153 = omega_right_elbow_y * omega_right_elbow_y;
+    let t154 = t153 + t146;
+    let t155 = 0.0016 * t154;
+    let t156 = 0.0712 * t149;
+    let force_right_elbow_x = t155 - t156;
+    let t158 = cos_right_shoulder_right_elbow * force_right_elbow_x;
+    let t159 = t158 + t152;
+    let t160 = t141 * t136;
+    let force_right_shoulder_x = t160 - t159;
+    let t162 = force_right_shoulder_x - moment_right_shoulder_y;
+    let moment_torso_z = t162 - t86;
+    let t164 = u[0] - moment_torso_z;
+    let t165 = 0.0031999999999999997 * t118;
+    let t166 = v[6] * 0.2;
+    let t167 = u[6] * 100.0;
+    let t168 = t167 - t166;
+    let t169 = t168 + t165;
+    let t170 = cos_right_shoulder_right_elbow * 0.015904572564612324;
+    let t171 = t170 * t169;
+    let t172 = t164 - t171;
+    let t173 = t154 - t147;
+    let t174 = 0.0008800000000000001 * t173;
+    let t175 = 0.0007999999999999998 * t149;
+    let t176 = t174 + t175;
+    let t177 = 0.0807 * t149;
+    let t178 = t176 - t177;
+    let t179 = t98 * t135;
+    let t180 = 49.05 + t179;
+    let t181 = sin_right_shoulder_right_elbow * t180;
+    let t182 = t126 * t136;
+    let t183 = cos_right_shoulder_right_elbow * t182;
+    let acceleration_right_elbow_x = t183 - t181;
+    let t185 = 0.0712 * acceleration_right_elbow_x;
+    let t186 = cos_right_shoulder_right_elbow * t180;
+    let t187 = sin_right_shoulder_right_elbow * t182;
+    let acceleration_right_elbow_y = t187 + t186;
+    let t189 = 0.0016 * acceleration_right_elbow_y;
+    let t190 = t189 + t185;
+    let t191 = t190 - t178;
+    let t192 = omega_right_elbow_x * t103;
+    let t193 = t191 - t192;
+    let t194 = omega_right_elbow_x * t107;
+    let t195 = t149 - t194;
+    let moment_right_wrist_y = 0.0006 * t195;
+    let moment_right_elbow_z = moment_right_wrist_y + t193;
+    let t198 = v[5] * 0.2;
+    let t199 = u[5] * 100.0;
+    let t200 = t199 - t198;
+    let t201 = t200 + moment_right_elbow_z;
+    let t202 = 0.0712 * cos_right_shoulder_right_elbow;
+    let t203 = 0.0016 * sin_right_shoulder_right_elbow;
+    let t204 = t203 + t202;
+    let t205 = t204 * 3.544842254519674;
+    let t206 = t205 * t201;
+    let t207 = t172 + t206;
+    let t208 = t98 * t159;
+    let t209 = cos_right_shoulder_right_elbow * force_right_elbow_y;
+    let t210 = sin_right_shoulder_right_elbow * force_right_elbow_x;
+    let t211 = t210 - t209;
+    let t212 = t126 * t211;
+    let t213 = t212 + t208;
+    let t214 = moment_right_elbow_z - t213;
+    let t215 = t135 - t136;
+    let t216 = t133 * t215;
+    let t217 = sin_right_shoulder * 9.299879999999998;
+    let t218 = t217 - t216;
+    let moment_right_shoulder_z = t218 - t214;
+    let t220 = v[4] * 0.2;
+    let t221 = u[4] * 100.0;
+    let t222 = t221 - t220;
+    let t223 = t222 - moment_right_shoulder_z;
+    let t224 = t98 * t204;
+    let t225 = 0.0712 * sin_right_shoulder_right_elbow;
+    let t226 = 0.0016 * cos_right_shoulder_right_elbow;
+    let t227 = t226 - t225;
+    let t228 = t126 * t227;
+    let t229 = t228 - t224;
+    let t230 = t229 - 0.0841;
+    let t231 = t230 * 3.544842254519674;
+    let t232 = t231 * t201;
+    let t233 = t223 + t232;
+    let t234 = 2.0 * t229;
+    let t235 = 0.08209999999999999 - t234;
+    let t236 = cos_right_shoulder * t131;
+    let t237 = 0.0015099999999999996 + t236;
+    let t238 = 0.24607 - t236;
+    let t239 = t238 + t237;
+    let t240 = t239 + t235;
+    let t241 = 0.2 + t240;
+    let t242 = t230 * t231;
+    let t243 = t241 - t242;
+    let inverse_d_right_shoulder = 1.0 / t243;
+    let t245 = t204 * t231;
+    let t246 = 0.1896 * cos_right_shoulder;
+    let t247 = t246 + t204;
+    let t248 = 0.0028799999999999997 * cos_right_shoulder;
+    let t249 = t248 + t247;
+    let t250 = t249 + t245;
+    let t251 = t250 * inverse_d_right_shoulder;
+    let t252 = t251 * t233;
+    let t253 = t207 + t252;
+    let t254 = 0.0031999999999999997 * t42;
+    let t255 = v[3] * 0.2;
+    let t256 = u[3] * 100.0;
+    let t257 = t256 - t255;
+    let t258 = t257 + t254;
+    let t259 = cos_left_shoulder_left_elbow * 0.015904572564612324;
+    let t260 = t259 * t258;
+    let t261 = t253 - t260;
+    let t262 = t78 - t71;
+    let t263 = 0.0008800000000000001 * t262;
+    let t264 = 0.0007999999999999998 * t73;
+    let t265 = t263 + t264;
+    let t266 = 0.0807 * t73;
+    let t267 = t265 - t266;
+    let t268 = t21 * t59;
+    let t269 = 49.05 + t268;
+    let t270 = sin_left_shoulder_left_elbow * t269;
+    let t271 = t50 * t60;
+    let t272 = cos_left_shoulder_left_elbow * t271;
+    let acceleration_left_elbow_x = t272 - t270;
+    let t274 = 0.0712 * acceleration_left_elbow_x;
+    let t275 = cos_left_shoulder_left_elbow * t269;
+    let t276 = sin_left_shoulder_left_elbow * t271;
+    let acceleration_left_elbow_y = t276 + t275;
+    let t278 = 0.0016 * acceleration_left_elbow_y;
+    let t279 = t278 + t274;
+    let t280 = t279 - t267;
+    let t281 = omega_left_elbow_x * t27;
+    let t282 = t280 - t281;
+    let t283 = omega_left_elbow_x * t31;
+    let t284 = t73 - t283;
+    let moment_left_wrist_y = 0.0006 * t284;
+    let moment_left_elbow_z = moment_left_wrist_y + t282;
+    let t287 = v[2] * 0.2;
+    let t288 = u[2] * 100.0;
+    let t289 = t288 - t287;
+    let t290 = t289 + moment_left_elbow_z;
+    let t291 = 0.0712 * cos_left_shoulder_left_elbow;
+    let t292 = 0.0016 * sin_left_shoulder_left_elbow;
+    let t293 = t292 + t291;
+    let t294 = t293 * 3.544842254519674;
+    let t295 = t294 * t290;
+    let t296 = t261 - t295;
+    let t297 = t21 * t83;
+    let t298 = cos_left_shoulder_left_elbow * force_left_elbow_y;
+    let t299 = sin_left_shoulder_left_elbow * force_left_elbow_x;
+    let t300 = t299 - t298;
+    let t301 = t50 * t300;
+    let t302 = t301 + t297;
+    let t303 = moment_left_elbow_z - t302;
+    let t304 = t59 - t60;
+    let t305 = t57 * t304;
+    let t306 = sin_left_shoulder * 9.299879999999998;
+    let t307 = t306 - t305;
+    let moment_left_shoulder_z = t307 - t303;
+    let t309 = v[1] * 0.2;
+    let t310 = u[1] * 100.0;
+    let t311 = t310 - t309;
+    let t312 = t311 - moment_left_shoulder_z;
+    let t313 = t21 * t293;
+    let t314 = 0.0712 * sin_left_shoulder_left_elbow;
+    let t315 = 0.0016 * cos_left_shoulder_left_elbow;
+    let t316 = t315 - t314;
+    let t317 = t50 * t316;
+    let t318 = t317 - t313;
+    let t319 = t318 - 0.0841;
+    let t320 = t319 * 3.544842254519674;
+    let t321 = t320 * t290;
+    let t322 = t312 + t321;
+    let t323 = 2.0 * t318;
+    let t324 = 0.08209999999999999 - t323;
+    let t325 = cos_left_shoulder * t55;
+    let t326 = 0.0015099999999999996 + t325;
+    let t327 = 0.24607 - t325;
+    let t328 = t327 + t326;
+    let t329 = t328 + t324;
+    let t330 = 0.2 + t329;
+    let t331 = t319 * t320;
+    let t332 = t330 - t331;
+    let inverse_d_left_shoulder = 1.0 / t332;
+    let t334 = t293 * t320;
+    let t335 = 0.1896 * cos_left_shoulder;
+    let t336 = t335 + t293;
+    let t337 = 0.0028799999999999997 * cos_left_shoulder;
+    let t338 = t337 + t336;
+    let t339 = t338 + t334;
+    let t340 = t339 * inverse_d_left_shoulder;
+    let t341 = t340 * t322;
+    let t342 = t296 - t341;
+    let t343 = t250 * t251;
+    let t344 = 2.0 * t228;
+    let t345 = cos_right_shoulder_right_elbow * 0.0017600000000000003;
+    let t346 = sin_right_shoulder_right_elbow * 0.0793;
+    let t347 = t346 - t345;
+    let t348 = sin_right_shoulder_right_elbow * t347;
+    let t349 = 0.0013999999999999998 + t348;
+    let t350 = t349 - t344;
+    let t351 = t238 + t350;
+    let t352 = 0.051219999999999995 + t351;
+    let t353 = 2.0 * t317;
+    let t354 = cos_left_shoulder_left_elbow * 0.0017600000000000003;
+    let t355 = sin_left_shoulder_left_elbow * 0.0793;
+    let t356 = t355 - t354;
+    let t357 = sin_left_shoulder_left_elbow * t356;
+    let t358 = 0.0013999999999999998 + t357;
+    let t359 = t358 - t353;
+    let t360 = t327 + t359;
+    let t361 = t352 + t360;
+    let t362 = t361 + 0.46636;
+    let t363 = cos_right_shoulder_right_elbow * 0.0031999999999999997;
+    let t364 = t363 * t170;
+    let t365 = t362 - t364;
+    let t366 = t204 * t205;
+    let t367 = t365 - t366;
+    let t368 = t367 - t343;
+    let t369 = cos_left_shoulder_left_elbow * 0.0031999999999999997;
+    let t370 = t369 * t259;
+    let t371 = t368 - t370;
+    let t372 = t293 * t294;
+    let t373 = t371 - t372;
+    let t374 = t339 * t340;
+    let t375 = t373 - t374;
+    let inverse_d_torso = 1.0 / t375;
+    m_inverse[0][0] = inverse_d_torso;
+    let acceleration_left_shoulder_x = inverse_d_torso * t342;
+    a[0] = acceleration_left_shoulder_x;
+    let t378 = t340 * acceleration_left_shoulder_x;
+    let t379 = inverse_d_left_shoulder * t322;
     let t380 = t379 - t378;
-    let t381 = t380 + t377;
-    let t382 = t376 * t381;
-    let acceleration_left_shoulder_x = t375 - t382;
-    let t384 = t112 * t116;
-    let t385 = inverse_d_left_shoulder + t384;
-    let t386 = t102 * t385;
-    let t387 = t89 * t116;
-    let t388 = t386 + t387;
-    let t389 = t388 * t163;
-    let t390 = t385 * t191;
-    let t391 = t116 * t311;
-    let t392 = t391 - t390;
-    let t393 = t392 - t389;
-    let t394 = t82 * t116;
-    let t395 = t394 * t320;
-    let t396 = t393 - t395;
-    let t397 = t43 * t116;
-    let t398 = t397 * t364;
-    let t399 = t396 + t398;
-    let t400 = t33 * t397;
-    let t401 = t78 * t116;
-    let t402 = t400 + t401;
-    let t403 = t402 * t373;
-    let t404 = t399 + t403;
-    let t405 = t74 * t116;
-    let t406 = t405 * t381;
-    let t407 = t404 - t406;
-    let t408 = t102 * t112;
-    let t409 = t89 + t408;
-    let t410 = inverse_d_torso * t409;
-    let t411 = t112 * t410;
-    let t412 = t102 * inverse_d_left_shoulder;
-    let t413 = t412 + t411;
-    let t414 = t102 * t413;
-    let t415 = 3.544842254519674 + t414;
-    let t416 = t89 * t410;
-    let t417 = t415 + t416;
-    let t418 = t417 * t163;
-    let t419 = t388 * t191;
-    let t420 = t119 * t311;
-    let t421 = t420 - t419;
-    let t422 = t421 - t418;
-    let t423 = t82 * t410;
-    let t424 = t423 * t320;
-    let t425 = t422 - t424;
-    let t426 = t43 * t410;
-    let t427 = t426 * t364;
-    let t428 = t425 + t427;
-    let t429 = t33 * t426;
-    let t430 = t78 * t410;
-    let t431 = t429 + t430;
-    let t432 = t431 * t373;
-    let t433 = t428 + t432;
-    let t434 = t74 * t410;
-    let t435 = t434 * t381;
-    let t436 = t433 - t435;
-    let t437 = t394 * t191;
-    let t438 = t315 * t311;
-    let t439 = t438 - t437;
-    let t440 = t423 * t163;
-    let t441 = t439 - t440;
-    let t442 = t82 * t315;
-    let t443 = 4.970178926441352 + t442;
-    let t444 = t443 * t320;
-    let t445 = t441 - t444;
-    let t446 = t43 * t315;
-    let t447 = t446 * t364;
-    let t448 = t445 + t447;
-    let t449 = t33 * t446;
-    let t450 = t78 * t315;
-    let t451 = t449 + t450;
-    let t452 = t451 * t373;
-    let t453 = t448 + t452;
-    let t454 = t74 * t315;
-    let t455 = t454 * t381;
-    let t456 = t453 - t455;
-    let t457 = t397 * t191;
-    let t458 = t323 * t311;
-    let t459 = t458 - t457;
-    let t460 = t426 * t163;
-    let t461 = t459 - t460;
-    let t462 = t446 * t320;
-    let t463 = t461 - t462;
-    let t464 = t43 * t323;
-    let t465 = inverse_d_right_shoulder + t464;
-    let t466 = t465 * t364;
-    let t467 = t463 + t466;
-    let t468 = t33 * t465;
-    let t469 = t78 * t323;
-    let t470 = t468 + t469;
-    let t471 = t470 * t373;
-    let t472 = t467 + t471;
-    let t473 = t74 * t323;
-    let t474 = t473 * t381;
-    let t475 = t472 - t474;
-    let t476 = t402 * t191;
-    let t477 = t369 * t311;
-    let t478 = t477 - t476;
-    let t479 = t431 * t163;
-    let t480 = t478 - t479;
-    let t481 = t451 * t320;
-    let t482 = t480 - t481;
-    let t483 = t470 * t364;
-    let t484 = t482 + t483;
-    let t485 = t33 * t43;
-    let t486 = t78 + t485;
-    let t487 = inverse_d_torso * t486;
-    let t488 = t43 * t487;
-    let t489 = t33 * inverse_d_right_shoulder;
-    let t490 = t489 + t488;
-    let t491 = t33 * t490;
-    let t492 = 3.544842254519674 + t491;
-    let t493 = t78 * t487;
-    let t494 = t492 + t493;
-    let t495 = t494 * t373;
-    let t496 = t484 + t495;
-    let t497 = t74 * t487;
-    let t498 = t497 * t381;
-    let t499 = t496 - t498;
-    let t500 = t405 * t191;
-    let t501 = t376 * t311;
-    let t502 = t501 - t500;
-    let t503 = t434 * t163;
-    let t504 = t502 - t503;
-    let t505 = t454 * t320;
-    let t506 = t504 - t505;
-    let t507 = t473 * t364;
-    let t508 = t506 + t507;
-    let t509 = t497 * t373;
-    let t510 = t508 + t509;
-    let t511 = t74 * t376;
-    let t512 = 4.970178926441352 + t511;
-    let t513 = t512 * t381;
-    let t514 = t510 - t513;
-    let t515 = cos_left_shoulder_left_elbow * acceleration_left_shoulder_x;
-    let t516 = t196 - t515;
-    let t517 = 0.0007999999999999998 * t516;
-    let t518 = sin_left_shoulder_left_elbow * acceleration_left_shoulder_x;
-    let t519 = t194 + t518;
-    let t520 = 0.0008800000000000001 * t519;
-    let t521 = t520 + t517;
-    let t522 = t57 * acceleration_left_shoulder_x;
-    let t523 = t201 + t522;
-    let acceleration_left_elbow_z_2 = acceleration_left_shoulder_z + t523;
-    let t525 = 0.0016 * acceleration_left_elbow_z_2;
-    let t526 = t525 + t521;
-    let t527 = 0.002 * t456;
-    let t528 = t526 + t527;
-    let t529 = t217 - t515;
-    let t530 = t456 + t529;
-    let t531 = t217 - t530;
-    let t532 = 0.0006 * t531;
-    let t533 = t217 + t530;
-    let t534 = 0.0006 * t533;
-    let moment_left_wrist_z_2 = t534 - t532;
-    let moment_left_elbow_y_2 = moment_left_wrist_z_2 + t528;
-    let t537 = sin_left_shoulder_left_elbow * moment_left_elbow_y_2;
-    let t538 = 0.0807 * t519;
-    let t539 = 0.0008800000000000001 * t516;
-    let t540 = t539 + t538;
-    let t541 = 0.0712 * acceleration_left_elbow_z_2;
-    let t542 = t541 + t540;
-    let t543 = t205 - t542;
-    let t544 = t207 - t519;
-    let moment_left_wrist_x_2 = 0.0006 * t544;
-    let moment_left_elbow_x_2 = moment_left_wrist_x_2 + t543;
-    let t547 = cos_left_shoulder_left_elbow * moment_left_elbow_x_2;
-    let t548 = t547 - t537;
-    let t549 = 0.0712 * t519;
-    let t550 = 0.0016 * t516;
-    let force_left_elbow_z_2 = t550 + t549;
-    let t552 = t92 * force_left_elbow_z_2;
-    let t553 = t548 - t552;
-    let t554 = t229 * t407;
-    let t555 = t182 * acceleration_left_shoulder_x;
-    let t556 = t555 - t554;
-    let t557 = acceleration_left_shoulder_z - t135;
-    let t558 = t109 * t557;
-    let t559 = t558 - t556;
-    let t560 = t97 * t200;
-    let t561 = t560 + t559;
-    let t562 = t107 * acceleration_left_shoulder_z;
-    let t563 = t562 + t561;
-    let t564 = v[2] * 0.002;
-    let t565 = v[0] * t564;
-    let t566 = t565 + t563;
-    let moment_left_shoulder_x = t566 - t553;
-    let t568 = t57 * t88;
-    let t569 = t92 * t56;
-    let t570 = t569 - t568;
-    let t571 = cos_left_shoulder_left_elbow * t62;
-    let t572 = 0.0008800000000000001 + t571;
-    let t573 = t572 - t570;
-    let t574 = t182 - t573;
-    let t575 = t574 * acceleration_left_shoulder_x;
-    let t576 = t109 * acceleration_left_shoulder_z;
-    let t577 = t575 + t576;
-    let t578 = v[1] * t57;
-    let t579 = 2.0 * t578;
-    let t580 = t56 * t579;
-    let t581 = omega_left_elbow_z * 0.0032;
-    let t582 = cos_left_shoulder_left_elbow * t581;
-    let t583 = omega_left_elbow_z * 0.1424;
-    let t584 = sin_left_shoulder_left_elbow * t583;
-    let t585 = t584 - t582;
-    let t586 = t57 * t585;
-    let t587 = t586 - t580;
-    let t588 = omega_left_elbow_z * 0.1586;
-    let t589 = cos_left_shoulder_left_elbow * t588;
-    let t590 = omega_left_elbow_z * 0.0035200000000000006;
-    let t591 = sin_left_shoulder_left_elbow * t590;
-    let t592 = t591 + t589;
-    let t593 = cos_left_shoulder_left_elbow * t592;
-    let t594 = omega_left_elbow_z * 0.1614;
-    let t595 = t594 - t593;
-    let t596 = t595 + t587;
-    let t597 = t70 * t199;
-    let t598 = t564 + t597;
-    let t599 = t598 + t596;
-    let t600 = v[0] * t599;
-    let t601 = t577 + t600;
-    let t602 = moment_left_shoulder_x - t601;
-    let t603 = t407 + t436;
-    let t604 = t130 - t603;
-    let t605 = 0.0016 * t604;
-    let force_left_elbow_y_2 = t165 - t605;
-    let t607 = cos_left_shoulder_left_elbow * force_left_elbow_y_2;
-    let t608 = t130 + t603;
-    let t609 = 0.0712 * t608;
-    let force_left_elbow_x_2 = t169 - t609;
-    let t611 = sin_left_shoulder_left_elbow * force_left_elbow_x_2;
-    let t612 = t611 + t607;
-    let t613 = t232 * t407;
-    let t614 = t107 * t135;
-    let t615 = t614 - t613;
-    let force_left_shoulder_y = t615 + t612;
-    let t617 = t108 * acceleration_left_shoulder_z;
-    let t618 = force_left_shoulder_y + t617;
-    let t619 = t618 - t602;
-    let t620 = inverse_d_torso * t619;
-    let t621 = t229 * acceleration_left_shoulder_x;
-    let t622 = t99 * acceleration_left_shoulder_z;
-    let t623 = t622 + t621;
-    let t624 = t232 - t56;
-    let t625 = t624 * acceleration_left_shoulder_x;
-    let t626 = t108 * 49.05;
-    let t627 = t625 - t626;
-    let t628 = t627 + t623;
-    let t629 = omega_left_elbow_y * 0.0015999999999999996;
-    let t630 = 0.0017600000000000003 * omega_left_elbow_x;
-    let t631 = t630 - t629;
-    let t632 = t151 - t631;
-    let t633 = 0.0012 * omega_left_wrist_z;
-    let t634 = t633 + t632;
-    let t635 = cos_left_shoulder_left_elbow * t634;
-    let t636 = 0.0017600000000000003 * omega_left_elbow_y;
-    let t637 = omega_left_elbow_x * 0.1614;
-    let t638 = t637 - t636;
-    let t639 = sin_left_shoulder_left_elbow * t638;
-    let t640 = t635 + t639;
-    let t641 = omega_left_elbow_y * 0.0032;
-    let t642 = omega_left_elbow_x * 0.1424;
-    let t643 = t642 - t641;
-    let t644 = t57 * t643;
-    let t645 = v[0] * t57;
-    let t646 = 2.0 * t645;
-    let t647 = t56 * t646;
-    let t648 = t644 - t647;
-    let t649 = t640 + t648;
-    let t650 = v[0] * 2.0;
-    let t651 = t70 * t650;
-    let t652 = t651 + t649;
-    let t653 = v[0] * t652;
-    let t654 = t628 - t653;
-    let t655 = t116 * t654;
-    let t656 = t620 - t655;
-    let t657 = t56 * acceleration_left_shoulder_x;
-    let t658 = t88 * 49.05;
-    let t659 = t658 + t657;
-    let t660 = t101 * acceleration_left_shoulder_z;
-    let t661 = t660 + t659;
-    let t662 = t640 - t647;
-    let t663 = v[0] * 0.002;
-    let t664 = t663 + t662;
-    let t665 = v[0] * t664;
-    let t666 = t661 + t665;
-    let t667 = t119 * t666;
-    let t668 = t656 + t667;
-    let t669 = sin_left_shoulder_left_elbow * 0.0031999999999999997;
-    let t670 = acceleration_left_shoulder_x * t669;
-    let t671 = 0.0031999999999999997 * omega_left_elbow_z;
-    let t672 = cos_left_shoulder_left_elbow * t671;
-    let t673 = v[0] * t672;
-    let t674 = t670 + t673;
-    let t675 = t315 * t674;
-    let t676 = t668 - t675;
-    let t677 = omega_left_elbow_y * t643;
-    let t678 = 0.0016 * acceleration_left_shoulder_z;
-    let t679 = t678 + t677;
-    let t680 = force_left_elbow_x_2 + t679;
-    let t681 = sin_left_shoulder_left_elbow * t680;
-    let t682 = omega_left_elbow_x * t643;
-    let t683 = 0.0712 * acceleration_left_shoulder_z;
-    let t684 = t683 - t682;
-    let t685 = force_left_elbow_y_2 + t684;
-    let t686 = cos_left_shoulder_left_elbow * t685;
-    let t687 = t686 + t681;
-    let t688 = t92 * t687;
-    let t689 = cos_left_shoulder_left_elbow * t680;
-    let t690 = sin_left_shoulder_left_elbow * t685;
-    let t691 = t690 - t689;
-    let t692 = t57 * t691;
-    let t693 = t692 + t688;
-    let t694 = t57 * t407;
-    let t695 = t136 - t694;
-    let t696 = 49.05 + t695;
-    let t697 = cos_left_shoulder_left_elbow * t696;
-    let t698 = t92 * t407;
-    let t699 = t141 + t698;
-    let t700 = acceleration_left_shoulder_x - t699;
-    let t701 = sin_left_shoulder_left_elbow * t700;
-    let acceleration_left_elbow_y_2 = t701 - t697;
-    let t703 = 0.0712 * acceleration_left_elbow_y_2;
-    let t704 = sin_left_shoulder_left_elbow * t696;
-    let t705 = cos_left_shoulder_left_elbow * t700;
-    let acceleration_left_elbow_x_2 = t705 + t704;
-    let t707 = 0.0016 * acceleration_left_elbow_x_2;
-    let t708 = t707 - t703;
-    let t709 = 0.08209999999999999 * acceleration_left_shoulder_z;
-    let t710 = t708 - t709;
-    let t711 = omega_left_elbow_y * t634;
-    let t712 = omega_left_elbow_x * t638;
-    let t713 = t711 + t712;
-    let t714 = t710 + t713;
-    let t715 = t714 - t693;
-    let t716 = t116 * t715;
-    let t717 = 0.0008800000000000001 * t515;
-    let t718 = t518 * 0.0019999999999999996;
-    let t719 = t718 + t717;
-    let t720 = omega_left_elbow_z * 0.0027999999999999995;
-    let t721 = omega_left_elbow_y * t720;
-    let t722 = 0.0017600000000000003 * omega_left_elbow_z;
-    let t723 = omega_left_elbow_x * t722;
-    let t724 = t723 - t721;
-    let t725 = t719 - t724;
-    let t726 = moment_left_elbow_x_2 + t725;
-    let t727 = cos_left_shoulder_left_elbow * t726;
-    let t728 = 0.0008800000000000001 * t518;
-    let t729 = t515 * 0.0813;
-    let t730 = t729 + t728;
-    let t731 = omega_left_elbow_x * t594;
-    let t732 = omega_left_elbow_y * t722;
-    let t733 = t732 - t731;
-    let t734 = t730 + t733;
-    let t735 = moment_left_elbow_y_2 + t734;
-    let t736 = sin_left_shoulder_left_elbow * t735;
-    let t737 = t736 - t727;
-    let t738 = 0.0016 * t518;
-    let t739 = 0.0712 * t515;
-    let t740 = t739 + t738;
-    let t741 = omega_left_elbow_x * t583;
-    let t742 = omega_left_elbow_y * t581;
-    let t743 = t742 - t741;
-    let t744 = t740 + t743;
-    let t745 = t57 * t744;
-    let t746 = t737 + t745;
-    let t747 = t687 - t746;
-    let t748 = inverse_d_torso * t747;
-    let t749 = t748 + t716;
-    let t750 = t119 * t714;
-    let t751 = t749 + t750;
-    let t752 = 0.0031999999999999997 * t518;
-    let t753 = omega_left_elbow_y * t671;
-    let t754 = t752 + t753;
-    let t755 = t315 * t754;
-    let t756 = t751 - t755;
-    let t757 = 0.0006 * t608;
-    let t758 = omega_left_elbow_x * t633;
-    let t759 = t757 - t758;
-    let t760 = t156 - t608;
-    let moment_left_wrist_y_2 = 0.0006 * t760;
-    let t762 = moment_left_wrist_y_2 + t759;
-    let t763 = sin_left_shoulder_left_elbow * t762;
-    let t764 = 0.0012 * omega_left_elbow_x;
-    let t765 = omega_left_elbow_x * t764;
-    let t766 = 0.0012 * omega_left_elbow_z;
-    let t767 = omega_left_elbow_z * t766;
+    a[1] = t380;
+    let t381 = t320 * t380;
+    let t382 = 3.544842254519674 * t290;
+    let t383 = t382 + t381;
+    let t384 = t294 * acceleration_left_shoulder_x;
+    let t385 = t383 - t384;
+    a[2] = t385;
+    let t386 = t259 * acceleration_left_shoulder_x;
+    let t387 = 4.970178926441352 * t258;
+    let t388 = t387 - t386;
+    a[3] = t388;
+    let t389 = t251 * acceleration_left_shoulder_x;
+    let t390 = inverse_d_right_shoulder * t233;
+    let t391 = t390 + t389;
+    a[4] = t391;
+    let t392 = t231 * t391;
+    let t393 = 3.544842254519674 * t201;
+    let t394 = t393 + t392;
+    let t395 = t205 * acceleration_left_shoulder_x;
+    let t396 = t394 + t395;
+    a[5] = t396;
+    let t397 = t170 * acceleration_left_shoulder_x;
+    let t398 = 4.970178926441352 * t169;
+    let t399 = t398 - t397;
+    a[6] = t399;
+    let t400 = t380 + t385;
+    let t401 = t73 + t400;
+    let t402 = 0.0016 * t401;
+    let force_left_elbow_y_2 = t72 - t402;
+    let t404 = cos_left_shoulder_left_elbow * force_left_elbow_y_2;
+    let t405 = t73 - t400;
+    let t406 = 0.0712 * t405;
+    let force_left_elbow_x_2 = t79 - t406;
+    let t408 = sin_left_shoulder_left_elbow * force_left_elbow_x_2;
+    let t409 = t408 + t404;
+    let t410 = t65 * t380;
+    let t411 = t335 * t59;
+    let t412 = t411 + t410;
+    let force_left_shoulder_y = t412 + t409;
+    let t414 = t336 * acceleration_left_shoulder_z;
+    let t415 = force_left_shoulder_y + t414;
+    let t416 = cos_left_shoulder_left_elbow * acceleration_left_shoulder_x;
+    let t417 = t16 - t416;
+    let t418 = 0.0007999999999999998 * t417;
+    let t419 = sin_left_shoulder_left_elbow * acceleration_left_shoulder_x;
+    let t420 = t13 + t419;
+    let t421 = 0.0008800000000000001 * t420;
+    let t422 = t421 + t418;
+    let t423 = t50 * acceleration_left_shoulder_x;
+    let t424 = t22 + t423;
+    let acceleration_left_elbow_z_2 = acceleration_left_shoulder_z + t424;
+    let t426 = 0.0016 * acceleration_left_elbow_z_2;
+    let t427 = t426 + t422;
+    let t428 = 0.002 * t388;
+    let t429 = t427 - t428;
+    let t430 = t42 - t416;
+    let t431 = t388 - t430;
+    let t432 = t42 + t431;
+    let t433 = 0.0006 * t432;
+    let t434 = t42 - t431;
+    let t435 = 0.0006 * t434;
+    let moment_left_wrist_z_2 = t435 - t433;
+    let moment_left_elbow_y_2 = moment_left_wrist_z_2 + t429;
+    let t438 = sin_left_shoulder_left_elbow * moment_left_elbow_y_2;
+    let t439 = 0.0807 * t420;
+    let t440 = 0.0008800000000000001 * t417;
+    let t441 = t440 + t439;
+    let t442 = 0.0712 * acceleration_left_elbow_z_2;
+    let t443 = t442 + t441;
+    let t444 = t28 - t443;
+    let t445 = t32 - t420;
+    let moment_left_wrist_x_2 = 0.0006 * t445;
+    let moment_left_elbow_x_2 = moment_left_wrist_x_2 + t444;
+    let t448 = cos_left_shoulder_left_elbow * moment_left_elbow_x_2;
+    let t449 = t448 - t438;
+    let t450 = 0.0712 * t420;
+    let t451 = 0.0016 * t417;
+    let force_left_elbow_z_2 = t451 + t450;
+    let t453 = t21 * force_left_elbow_z_2;
+    let t454 = t449 - t453;
+    let t455 = t62 * t380;
+    let t456 = t57 * acceleration_left_shoulder_x;
+    let t457 = t456 + t455;
+    let t458 = acceleration_left_shoulder_z - t59;
+    let t459 = t337 * t458;
+    let t460 = t459 - t457;
+    let t461 = t326 * t20;
+    let t462 = t461 + t460;
+    let t463 = t335 * acceleration_left_shoulder_z;
+    let t464 = t463 + t462;
+    let t465 = v[2] * 0.002;
+    let t466 = v[0] * t465;
+    let t467 = t466 + t464;
+    let moment_left_shoulder_x = t467 - t454;
+    let t469 = t50 * t293;
+    let t470 = t21 * t316;
+    let t471 = t470 - t469;
+    let t472 = cos_left_shoulder_left_elbow * t356;
+    let t473 = 0.0008800000000000001 + t472;
+    let t474 = t473 - t471;
+    let t475 = t57 - t474;
+    let t476 = t475 * acceleration_left_shoulder_x;
+    let t477 = t337 * acceleration_left_shoulder_z;
+    let t478 = t476 + t477;
+    let t479 = v[1] * t50;
+    let t480 = 2.0 * t479;
+    let t481 = t316 * t480;
+    let t482 = omega_left_elbow_z * 0.0032;
+    let t483 = cos_left_shoulder_left_elbow * t482;
+    let t484 = omega_left_elbow_z * 0.1424;
+    let t485 = sin_left_shoulder_left_elbow * t484;
+    let t486 = t485 - t483;
+    let t487 = t50 * t486;
+    let t488 = t487 - t481;
+    let t489 = omega_left_elbow_z * 0.1586;
+    let t490 = cos_left_shoulder_left_elbow * t489;
+    let t491 = omega_left_elbow_z * 0.0035200000000000006;
+    let t492 = sin_left_shoulder_left_elbow * t491;
+    let t493 = t492 + t490;
+    let t494 = cos_left_shoulder_left_elbow * t493;
+    let t495 = omega_left_elbow_z * 0.1614;
+    let t496 = t495 - t494;
+    let t497 = t496 + t488;
+    let t498 = t327 * t19;
+    let t499 = t465 + t498;
+    let t500 = t499 + t497;
+    let t501 = v[0] * t500;
+    let t502 = t478 + t501;
+    let t503 = moment_left_shoulder_x - t502;
+    let t504 = t415 - t503;
+    let t505 = sin_left_shoulder_left_elbow * 0.0031999999999999997;
+    let t506 = acceleration_left_shoulder_x * t505;
+    let t507 = 0.0031999999999999997 * omega_left_elbow_z;
+    let t508 = cos_left_shoulder_left_elbow * t507;
+    let t509 = v[0] * t508;
+    let t510 = t506 + t509;
+    let t511 = t259 * t510;
+    let t512 = t504 - t511;
+    let t513 = t316 * acceleration_left_shoulder_x;
+    let t514 = t293 * 49.05;
+    let t515 = t514 + t513;
+    let t516 = t319 * acceleration_left_shoulder_z;
+    let t517 = t516 + t515;
+    let t518 = omega_left_elbow_y * 0.0015999999999999996;
+    let t519 = 0.0017600000000000003 * omega_left_elbow_x;
+    let t520 = t519 - t518;
+    let t521 = t27 - t520;
+    let t522 = 0.0012 * omega_left_wrist_z;
+    let t523 = t522 + t521;
+    let t524 = cos_left_shoulder_left_elbow * t523;
+    let t525 = 0.0017600000000000003 * omega_left_elbow_y;
+    let t526 = omega_left_elbow_x * 0.1614;
+    let t527 = t526 - t525;
+    let t528 = sin_left_shoulder_left_elbow * t527;
+    let t529 = t524 + t528;
+    let t530 = v[0] * t50;
+    let t531 = 2.0 * t530;
+    let t532 = t316 * t531;
+    let t533 = t529 - t532;
+    let t534 = v[0] * 0.002;
+    let t535 = t534 + t533;
+    let t536 = v[0] * t535;
+    let t537 = t517 + t536;
+    let t538 = t294 * t537;
+    let t539 = t512 + t538;
+    let t540 = t320 * t537;
+    let t541 = t62 * acceleration_left_shoulder_x;
+    let t542 = t329 * acceleration_left_shoulder_z;
+    let t543 = t542 + t541;
+    let t544 = t65 - t316;
+    let t545 = t544 * acceleration_left_shoulder_x;
+    let t546 = t336 * 49.05;
+    let t547 = t545 - t546;
+    let t548 = t547 + t543;
+    let t549 = omega_left_elbow_y * 0.0032;
+    let t550 = omega_left_elbow_x * 0.1424;
+    let t551 = t550 - t549;
+    let t552 = t50 * t551;
+    let t553 = t552 - t532;
+    let t554 = t529 + t553;
+    let t555 = v[0] * 2.0;
+    let t556 = t327 * t555;
+    let t557 = t556 + t554;
+    let t558 = v[0] * t557;
+    let t559 = t548 - t558;
+    let t560 = t559 - t540;
+    let t561 = t340 * t560;
+    let t562 = t539 - t561;
+    let t563 = inverse_d_torso * t562;
+    da_dy[0][1] = t563;
+    let t564 = omega_left_elbow_y * t551;
+    let t565 = 0.0016 * acceleration_left_shoulder_z;
+    let t566 = t565 + t564;
+    let t567 = force_left_elbow_x_2 + t566;
+    let t568 = sin_left_shoulder_left_elbow * t567;
+    let t569 = omega_left_elbow_x * t551;
+    let t570 = 0.0712 * acceleration_left_shoulder_z;
+    let t571 = t570 - t569;
+    let t572 = force_left_elbow_y_2 + t571;
+    let t573 = cos_left_shoulder_left_elbow * t572;
+    let t574 = t573 + t568;
+    let t575 = t21 * t574;
+    let t576 = cos_left_shoulder_left_elbow * t567;
+    let t577 = sin_left_shoulder_left_elbow * t572;
+    let t578 = t577 - t576;
+    let t579 = t50 * t578;
+    let t580 = t579 + t575;
+    let t581 = t50 * t380;
+    let t582 = t268 + t581;
+    let t583 = 49.05 + t582;
+    let t584 = cos_left_shoulder_left_elbow * t583;
+    let t585 = t21 * t380;
+    let t586 = t271 - t585;
+    let t587 = acceleration_left_shoulder_x - t586;
+    let t588 = sin_left_shoulder_left_elbow * t587;
+    let acceleration_left_elbow_y_2 = t588 - t584;
+    let t590 = 0.0712 * acceleration_left_elbow_y_2;
+    let t591 = sin_left_shoulder_left_elbow * t583;
+    let t592 = cos_left_shoulder_left_elbow * t587;
+    let acceleration_left_elbow_x_2 = t592 + t591;
+    let t594 = 0.0016 * acceleration_left_elbow_x_2;
+    let t595 = t594 - t590;
+    let t596 = 0.08209999999999999 * acceleration_left_shoulder_z;
+    let t597 = t595 - t596;
+    let t598 = omega_left_elbow_y * t523;
+    let t599 = omega_left_elbow_x * t527;
+    let t600 = t598 + t599;
+    let t601 = t597 + t600;
+    let t602 = t601 - t580;
+    let t603 = t320 * t601;
+    let t604 = t602 + t603;
+    let t605 = t340 * t604;
+    let t606 = 0.0008800000000000001 * t416;
+    let t607 = t419 * 0.0019999999999999996;
+    let t608 = t607 + t606;
+    let t609 = omega_left_elbow_z * 0.0027999999999999995;
+    let t610 = omega_left_elbow_y * t609;
+    let t611 = 0.0017600000000000003 * omega_left_elbow_z;
+    let t612 = omega_left_elbow_x * t611;
+    let t613 = t612 - t610;
+    let t614 = t608 - t613;
+    let t615 = moment_left_elbow_x_2 + t614;
+    let t616 = cos_left_shoulder_left_elbow * t615;
+    let t617 = 0.0008800000000000001 * t419;
+    let t618 = t416 * 0.0813;
+    let t619 = t618 + t617;
+    let t620 = omega_left_elbow_x * t495;
+    let t621 = omega_left_elbow_y * t611;
+    let t622 = t621 - t620;
+    let t623 = t619 + t622;
+    let t624 = moment_left_elbow_y_2 + t623;
+    let t625 = sin_left_shoulder_left_elbow * t624;
+    let t626 = t625 - t616;
+    let t627 = 0.0016 * t419;
+    let t628 = 0.0712 * t416;
+    let t629 = t628 + t627;
+    let t630 = omega_left_elbow_x * t484;
+    let t631 = omega_left_elbow_y * t482;
+    let t632 = t631 - t630;
+    let t633 = t629 + t632;
+    let t634 = t50 * t633;
+    let t635 = t626 + t634;
+    let t636 = t574 - t635;
+    let t637 = 0.0031999999999999997 * t419;
+    let t638 = omega_left_elbow_y * t507;
+    let t639 = t637 + t638;
+    let t640 = t259 * t639;
+    let t641 = t636 - t640;
+    let t642 = t294 * t601;
+    let t643 = t641 + t642;
+    let t644 = t643 + t605;
+    let t645 = inverse_d_torso * t644;
+    da_dy[0][2] = t645;
+    let t646 = 0.0006 * t405;
+    let t647 = omega_left_elbow_x * t522;
+    let t648 = t646 - t647;
+    let t649 = t283 - t405;
+    let moment_left_wrist_y_2 = 0.0006 * t649;
+    let t651 = moment_left_wrist_y_2 + t648;
+    let t652 = sin_left_shoulder_left_elbow * t651;
+    let t653 = 0.0012 * omega_left_elbow_x;
+    let t654 = omega_left_elbow_x * t653;
+    let t655 = 0.0012 * omega_left_elbow_z;
+    let t656 = omega_left_elbow_z * t655;
+    let t657 = t656 + t654;
+    let t658 = 0.0012 * t71;
+    let t659 = t658 - t657;
+    let t660 = cos_left_shoulder_left_elbow * t659;
+    let t661 = t652 - t660;
+    let t662 = t259 * t659;
+    let t663 = t661 + t662;
+    let t664 = 0.0006 * t420;
+    let t665 = omega_left_elbow_z * t522;
+    let t666 = t664 - t665;
+    let t667 = moment_left_wrist_x_2 + t666;
+    let t668 = t294 * t667;
+    let t669 = t663 - t668;
+    let t670 = t320 * t667;
+    let t671 = t667 + t670;
+    let t672 = t340 * t671;
+    let t673 = t669 - t672;
+    let t674 = inverse_d_torso * t673;
+    let t675 = t391 + t396;
+    let t676 = t149 + t675;
+    let t677 = 0.0016 * t676;
+    let force_right_elbow_y_2 = t148 - t677;
+    let t679 = cos_right_shoulder_right_elbow * force_right_elbow_y_2;
+    let t680 = t149 - t675;
+    let t681 = 0.0712 * t680;
+    let force_right_elbow_x_2 = t155 - t681;
+    let t683 = sin_right_shoulder_right_elbow * force_right_elbow_x_2;
+    let t684 = t683 + t679;
+    let t685 = t141 * t391;
+    let t686 = t246 * t135;
+    let t687 = t686 + t685;
+    let force_right_shoulder_y = t687 + t684;
+    let t689 = t247 * acceleration_left_shoulder_z;
+    let t690 = force_right_shoulder_y + t689;
+    let t691 = cos_right_shoulder_right_elbow * acceleration_left_shoulder_x;
+    let t692 = t93 - t691;
+    let t693 = 0.0007999999999999998 * t692;
+    let t694 = sin_right_shoulder_right_elbow * acceleration_left_shoulder_x;
+    let t695 = t90 + t694;
+    let t696 = 0.0008800000000000001 * t695;
+    let t697 = t696 + t693;
+    let t698 = t126 * acceleration_left_shoulder_x;
+    let t699 = t99 + t698;
+    let acceleration_right_elbow_z_2 = acceleration_left_shoulder_z - t699;
+    let t701 = 0.0016 * acceleration_right_elbow_z_2;
+    let t702 = t701 - t697;
+    let t703 = 0.002 * t399;
+    let t704 = t702 + t703;
+    let t705 = t118 - t691;
+    let t706 = t399 - t705;
+    let t707 = t118 + t706;
+    let t708 = 0.0006 * t707;
+    let t709 = t118 - t706;
+    let t710 = 0.0006 * t709;
+    let moment_right_wrist_z_2 = t710 - t708;
+    let moment_right_elbow_y_2 = moment_right_wrist_z_2 - t704;
+    let t713 = sin_right_shoulder_right_elbow * moment_right_elbow_y_2;
+    let t714 = 0.0807 * t695;
+    let t715 = 0.0008800000000000001 * t692;
+    let t716 = t715 + t714;
+    let t717 = 0.0712 * acceleration_right_elbow_z_2;
+    let t718 = t717 - t716;
+    let t719 = t104 + t718;
+    let t720 = t108 - t695;
+    let moment_right_wrist_x_2 = 0.0006 * t720;
+    let moment_right_elbow_x_2 = moment_right_wrist_x_2 + t719;
+    let t723 = cos_right_shoulder_right_elbow * moment_right_elbow_x_2;
+    let t724 = t723 - t713;
+    let t725 = 0.0712 * t695;
+    let t726 = 0.0016 * t692;
+    let force_right_elbow_z_2 = t726 + t725;
+    let t728 = t98 * force_right_elbow_z_2;
+    let t729 = t724 - t728;
+    let t730 = t138 * t391;
+    let t731 = t133 * acceleration_left_shoulder_x;
+    let t732 = t731 - t730;
+    let t733 = acceleration_left_shoulder_z - t135;
+    let t734 = t248 * t733;
+    let t735 = t734 + t732;
+    let t736 = t237 * t97;
+    let t737 = t736 - t735;
+    let t738 = t246 * acceleration_left_shoulder_z;
+    let t739 = t738 - t737;
+    let t740 = v[5] * 0.002;
+    let t741 = v[0] * t740;
+    let t742 = t741 - t739;
+    let moment_right_shoulder_x = t742 - t729;
+    let t744 = t126 * t204;
+    let t745 = t98 * t227;
+    let t746 = t745 - t744;
+    let t747 = cos_right_shoulder_right_elbow * t347;
+    let t748 = 0.0008800000000000001 + t747;
+    let t749 = t748 - t746;
+    let t750 = t133 - t749;
+    let t751 = t750 * acceleration_left_shoulder_x;
+    let t752 = t248 * acceleration_left_shoulder_z;
+    let t753 = t751 - t752;
+    let t754 = v[4] * t126;
+    let t755 = 2.0 * t754;
+    let t756 = t227 * t755;
+    let t757 = omega_right_elbow_z * 0.0032;
+    let t758 = cos_right_shoulder_right_elbow * t757;
+    let t759 = omega_right_elbow_z * 0.1424;
+    let t760 = sin_right_shoulder_right_elbow * t759;
+    let t761 = t760 - t758;
+    let t762 = t126 * t761;
+    let t763 = t762 - t756;
+    let t764 = omega_right_elbow_z * 0.1586;
+    let t765 = cos_right_shoulder_right_elbow * t764;
+    let t766 = omega_right_elbow_z * 0.0035200000000000006;
+    let t767 = sin_right_shoulder_right_elbow * t766;
     let t768 = t767 + t765;
-    let t769 = 0.0012 * t124;
-    let t770 = t769 - t768;
-    let t771 = cos_left_shoulder_left_elbow * t770;
-    let t772 = t763 - t771;
-    let t773 = inverse_d_torso * t772;
-    let t774 = 0.0006 * t519;
-    let t775 = omega_left_elbow_z * t633;
-    let t776 = t774 - t775;
-    let t777 = moment_left_wrist_x_2 + t776;
-    let t778 = t116 * t777;
-    let t779 = t773 - t778;
-    let t780 = t119 * t777;
-    let t781 = t779 - t780;
-    let t782 = t315 * t770;
-    let t783 = t781 + t782;
-    let t784 = cos_right_shoulder_right_elbow * acceleration_left_shoulder_x;
-    let t785 = t245 - t784;
-    let t786 = 0.0007999999999999998 * t785;
-    let t787 = sin_right_shoulder_right_elbow * acceleration_left_shoulder_x;
-    let t788 = t242 + t787;
-    let t789 = 0.0008800000000000001 * t788;
-    let t790 = t789 + t786;
-    let t791 = t18 * acceleration_left_shoulder_x;
-    let t792 = t250 + t791;
-    let acceleration_right_elbow_z_2 = acceleration_left_shoulder_z - t792;
-    let t794 = 0.0016 * acceleration_right_elbow_z_2;
-    let t795 = t794 - t790;
-    let t796 = 0.002 * t514;
-    let t797 = t795 - t796;
-    let t798 = t269 - t784;
-    let t799 = t514 + t798;
-    let t800 = t269 - t799;
-    let t801 = 0.0006 * t800;
-    let t802 = t269 + t799;
-    let t803 = 0.0006 * t802;
-    let moment_right_wrist_z_2 = t803 - t801;
-    let moment_right_elbow_y_2 = moment_right_wrist_z_2 - t797;
-    let t806 = sin_right_shoulder_right_elbow * moment_right_elbow_y_2;
-    let t807 = 0.0807 * t788;
-    let t808 = 0.0008800000000000001 * t785;
-    let t809 = t808 + t807;
-    let t810 = 0.0712 * acceleration_right_elbow_z_2;
-    let t811 = t810 - t809;
-    let t812 = t255 + t811;
-    let t813 = t259 - t788;
-    let moment_right_wrist_x_2 = 0.0006 * t813;
-    let moment_right_elbow_x_2 = moment_right_wrist_x_2 + t812;
-    let t816 = cos_right_shoulder_right_elbow * moment_right_elbow_x_2;
-    let t817 = t816 - t806;
-    let t818 = 0.0712 * t788;
-    let t819 = 0.0016 * t785;
-    let force_right_elbow_z_2 = t819 + t818;
-    let t821 = t13 * force_right_elbow_z_2;
-    let t822 = t817 - t821;
-    let t823 = t285 * t475;
-    let t824 = t280 * acceleration_left_shoulder_x;
+    let t769 = cos_right_shoulder_right_elbow * t768;
+    let t770 = omega_right_elbow_z * 0.1614;
+    let t771 = t770 - t769;
+    let t772 = t771 + t763;
+    let t773 = t238 * t96;
+    let t774 = t740 + t773;
+    let t775 = t774 + t772;
+    let t776 = v[0] * t775;
+    let t777 = t753 + t776;
+    let t778 = moment_right_shoulder_x - t777;
+    let t779 = t690 + t778;
+    let t780 = sin_right_shoulder_right_elbow * 0.0031999999999999997;
+    let t781 = acceleration_left_shoulder_x * t780;
+    let t782 = 0.0031999999999999997 * omega_right_elbow_z;
+    let t783 = cos_right_shoulder_right_elbow * t782;
+    let t784 = v[0] * t783;
+    let t785 = t781 + t784;
+    let t786 = t170 * t785;
+    let t787 = t779 + t786;
+    let t788 = t227 * acceleration_left_shoulder_x;
+    let t789 = t204 * 49.05;
+    let t790 = t789 - t788;
+    let t791 = t230 * acceleration_left_shoulder_z;
+    let t792 = t791 + t790;
+    let t793 = omega_right_elbow_y * 0.0015999999999999996;
+    let t794 = 0.0017600000000000003 * omega_right_elbow_x;
+    let t795 = t794 - t793;
+    let t796 = t103 - t795;
+    let t797 = 0.0012 * omega_right_wrist_z;
+    let t798 = t797 + t796;
+    let t799 = cos_right_shoulder_right_elbow * t798;
+    let t800 = 0.0017600000000000003 * omega_right_elbow_y;
+    let t801 = omega_right_elbow_x * 0.1614;
+    let t802 = t801 - t800;
+    let t803 = sin_right_shoulder_right_elbow * t802;
+    let t804 = t799 + t803;
+    let t805 = v[0] * t126;
+    let t806 = 2.0 * t805;
+    let t807 = t227 * t806;
+    let t808 = t804 - t807;
+    let t809 = t534 + t808;
+    let t810 = v[0] * t809;
+    let t811 = t792 + t810;
+    let t812 = t205 * t811;
+    let t813 = t787 + t812;
+    let t814 = t231 * t811;
+    let t815 = t138 * acceleration_left_shoulder_x;
+    let t816 = t240 * acceleration_left_shoulder_z;
+    let t817 = t816 - t815;
+    let t818 = t141 - t227;
+    let t819 = t818 * acceleration_left_shoulder_x;
+    let t820 = t247 * 49.05;
+    let t821 = t819 + t820;
+    let t822 = t821 - t817;
+    let t823 = omega_right_elbow_y * 0.0032;
+    let t824 = omega_right_elbow_x * 0.1424;
     let t825 = t824 - t823;
-    let t826 = acceleration_left_shoulder_z - t282;
-    let t827 = t40 * t826;
-    let t828 = t827 + t825;
-    let t829 = t27 * t249;
-    let t830 = t829 - t828;
-    let t831 = t38 * acceleration_left_shoulder_z;
-    let t832 = t831 - t830;
-    let t833 = v[5] * 0.002;
-    let t834 = v[0] * t833;
-    let t835 = t834 - t832;
-    let moment_right_shoulder_x = t835 - t822;
-    let t837 = t18 * t12;
-    let t838 = t13 * t17;
-    let t839 = t838 - t837;
-    let t840 = cos_right_shoulder_right_elbow * t48;
-    let t841 = 0.0008800000000000001 + t840;
-    let t842 = t841 - t839;
-    let t843 = t280 - t842;
-    let t844 = t843 * acceleration_left_shoulder_x;
-    let t845 = t40 * acceleration_left_shoulder_z;
-    let t846 = t844 - t845;
-    let t847 = v[4] * t18;
-    let t848 = 2.0 * t847;
-    let t849 = t17 * t848;
-    let t850 = omega_right_elbow_z * 0.0032;
-    let t851 = cos_right_shoulder_right_elbow * t850;
-    let t852 = omega_right_elbow_z * 0.1424;
-    let t853 = sin_right_shoulder_right_elbow * t852;
-    let t854 = t853 - t851;
-    let t855 = t18 * t854;
-    let t856 = t855 - t849;
-    let t857 = omega_right_elbow_z * 0.1586;
-    let t858 = cos_right_shoulder_right_elbow * t857;
-    let t859 = omega_right_elbow_z * 0.0035200000000000006;
-    let t860 = sin_right_shoulder_right_elbow * t859;
-    let t861 = t860 + t858;
-    let t862 = cos_right_shoulder_right_elbow * t861;
-    let t863 = omega_right_elbow_z * 0.1614;
-    let t864 = t863 - t862;
-    let t865 = t864 + t856;
-    let t866 = t28 * t248;
-    let t867 = t833 + t866;
-    let t868 = t867 + t865;
-    let t869 = v[0] * t868;
-    let t870 = t846 + t869;
-    let t871 = moment_right_shoulder_x - t870;
-    let t872 = t475 + t499;
-    let t873 = t296 + t872;
-    let t874 = 0.0016 * t873;
-    let force_right_elbow_y_2 = t295 - t874;
-    let t876 = cos_right_shoulder_right_elbow * force_right_elbow_y_2;
-    let t877 = t296 - t872;
-    let t878 = 0.0712 * t877;
-    let force_right_elbow_x_2 = t302 - t878;
-    let t880 = sin_right_shoulder_right_elbow * force_right_elbow_x_2;
-    let t881 = t880 + t876;
-    let t882 = t288 * t475;
-    let t883 = t38 * t282;
-    let t884 = t883 + t882;
-    let force_right_shoulder_y = t884 + t881;
-    let t886 = t39 * acceleration_left_shoulder_z;
-    let t887 = force_right_shoulder_y + t886;
-    let t888 = t887 + t871;
-    let t889 = inverse_d_torso * t888;
-    let t890 = t285 * acceleration_left_shoulder_x;
-    let t891 = t30 * acceleration_left_shoulder_z;
+    let t826 = t126 * t825;
+    let t827 = t826 - t807;
+    let t828 = t804 + t827;
+    let t829 = t238 * t555;
+    let t830 = t829 + t828;
+    let t831 = v[0] * t830;
+    let t832 = t822 + t831;
+    let t833 = t832 + t814;
+    let t834 = t251 * t833;
+    let t835 = t813 + t834;
+    let t836 = inverse_d_torso * t835;
+    let t837 = omega_right_elbow_y * t825;
+    let t838 = t565 + t837;
+    let t839 = force_right_elbow_x_2 + t838;
+    let t840 = sin_right_shoulder_right_elbow * t839;
+    let t841 = omega_right_elbow_x * t825;
+    let t842 = t570 - t841;
+    let t843 = force_right_elbow_y_2 + t842;
+    let t844 = cos_right_shoulder_right_elbow * t843;
+    let t845 = t844 + t840;
+    let t846 = t98 * t845;
+    let t847 = cos_right_shoulder_right_elbow * t839;
+    let t848 = sin_right_shoulder_right_elbow * t843;
+    let t849 = t848 - t847;
+    let t850 = t126 * t849;
+    let t851 = t850 + t846;
+    let t852 = t126 * t391;
+    let t853 = t179 + t852;
+    let t854 = 49.05 + t853;
+    let t855 = cos_right_shoulder_right_elbow * t854;
+    let t856 = t98 * t391;
+    let t857 = t182 - t856;
+    let t858 = acceleration_left_shoulder_x + t857;
+    let t859 = sin_right_shoulder_right_elbow * t858;
+    let acceleration_right_elbow_y_2 = t859 + t855;
+    let t861 = 0.0712 * acceleration_right_elbow_y_2;
+    let t862 = sin_right_shoulder_right_elbow * t854;
+    let t863 = cos_right_shoulder_right_elbow * t858;
+    let acceleration_right_elbow_x_2 = t863 - t862;
+    let t865 = 0.0016 * acceleration_right_elbow_x_2;
+    let t866 = t865 - t861;
+    let t867 = t596 + t866;
+    let t868 = omega_right_elbow_y * t798;
+    let t869 = omega_right_elbow_x * t802;
+    let t870 = t868 + t869;
+    let t871 = t867 - t870;
+    let t872 = t871 + t851;
+    let t873 = t231 * t871;
+    let t874 = t872 + t873;
+    let t875 = t251 * t874;
+    let t876 = 0.0008800000000000001 * t691;
+    let t877 = t694 * 0.0019999999999999996;
+    let t878 = t877 + t876;
+    let t879 = omega_right_elbow_z * 0.0027999999999999995;
+    let t880 = omega_right_elbow_y * t879;
+    let t881 = 0.0017600000000000003 * omega_right_elbow_z;
+    let t882 = omega_right_elbow_x * t881;
+    let t883 = t882 - t880;
+    let t884 = t878 - t883;
+    let t885 = moment_right_elbow_x_2 + t884;
+    let t886 = cos_right_shoulder_right_elbow * t885;
+    let t887 = 0.0008800000000000001 * t694;
+    let t888 = t691 * 0.0813;
+    let t889 = t888 + t887;
+    let t890 = omega_right_elbow_x * t770;
+    let t891 = omega_right_elbow_y * t881;
     let t892 = t891 - t890;
-    let t893 = t288 - t17;
-    let t894 = t893 * acceleration_left_shoulder_x;
-    let t895 = t39 * 49.05;
-    let t896 = t894 + t895;
-    let t897 = t896 - t892;
-    let t898 = omega_right_elbow_y * 0.0015999999999999996;
-    let t899 = 0.0017600000000000003 * omega_right_elbow_x;
-    let t900 = t899 - t898;
-    let t901 = t254 - t900;
-    let t902 = 0.0012 * omega_right_wrist_z;
-    let t903 = t902 + t901;
-    let t904 = cos_right_shoulder_right_elbow * t903;
-    let t905 = 0.0017600000000000003 * omega_right_elbow_y;
-    let t906 = omega_right_elbow_x * 0.1614;
-    let t907 = t906 - t905;
-    let t908 = sin_right_shoulder_right_elbow * t907;
-    let t909 = t904 + t908;
-    let t910 = omega_right_elbow_y * 0.0032;
-    let t911 = omega_right_elbow_x * 0.1424;
-    let t912 = t911 - t910;
-    let t913 = t18 * t912;
-    let t914 = v[0] * t18;
-    let t915 = 2.0 * t914;
-    let t916 = t17 * t915;
-    let t917 = t913 - t916;
-    let t918 = t909 + t917;
-    let t919 = t28 * t650;
-    let t920 = t919 + t918;
-    let t921 = v[0] * t920;
-    let t922 = t897 + t921;
-    let t923 = t323 * t922;
-    let t924 = t889 + t923;
-    let t925 = t17 * acceleration_left_shoulder_x;
-    let t926 = t12 * 49.05;
-    let t927 = t926 - t925;
-    let t928 = t32 * acceleration_left_shoulder_z;
-    let t929 = t928 + t927;
-    let t930 = t909 - t916;
-    let t931 = t663 + t930;
-    let t932 = v[0] * t931;
-    let t933 = t929 + t932;
-    let t934 = t369 * t933;
-    let t935 = t924 + t934;
-    let t936 = sin_right_shoulder_right_elbow * 0.0031999999999999997;
-    let t937 = acceleration_left_shoulder_x * t936;
-    let t938 = 0.0031999999999999997 * omega_right_elbow_z;
-    let t939 = cos_right_shoulder_right_elbow * t938;
-    let t940 = v[0] * t939;
+    let t893 = t889 + t892;
+    let t894 = moment_right_elbow_y_2 + t893;
+    let t895 = sin_right_shoulder_right_elbow * t894;
+    let t896 = t895 - t886;
+    let t897 = 0.0016 * t694;
+    let t898 = 0.0712 * t691;
+    let t899 = t898 + t897;
+    let t900 = omega_right_elbow_x * t759;
+    let t901 = omega_right_elbow_y * t757;
+    let t902 = t901 - t900;
+    let t903 = t899 + t902;
+    let t904 = t126 * t903;
+    let t905 = t896 + t904;
+    let t906 = t845 + t905;
+    let t907 = 0.0031999999999999997 * t694;
+    let t908 = omega_right_elbow_y * t782;
+    let t909 = t907 + t908;
+    let t910 = t170 * t909;
+    let t911 = t906 + t910;
+    let t912 = t205 * t871;
+    let t913 = t911 - t912;
+    let t914 = t913 - t875;
+    let t915 = inverse_d_torso * t914;
+    let t916 = 0.0006 * t680;
+    let t917 = omega_right_elbow_x * t797;
+    let t918 = t916 - t917;
+    let t919 = t194 - t680;
+    let moment_right_wrist_y_2 = 0.0006 * t919;
+    let t921 = moment_right_wrist_y_2 + t918;
+    let t922 = sin_right_shoulder_right_elbow * t921;
+    let t923 = 0.0012 * omega_right_elbow_x;
+    let t924 = omega_right_elbow_x * t923;
+    let t925 = 0.0012 * omega_right_elbow_z;
+    let t926 = omega_right_elbow_z * t925;
+    let t927 = t926 + t924;
+    let t928 = 0.0012 * t147;
+    let t929 = t928 - t927;
+    let t930 = cos_right_shoulder_right_elbow * t929;
+    let t931 = t922 - t930;
+    let t932 = t170 * t929;
+    let t933 = t931 + t932;
+    let t934 = 0.0006 * t695;
+    let t935 = omega_right_elbow_z * t797;
+    let t936 = t934 - t935;
+    let t937 = moment_right_wrist_x_2 + t936;
+    let t938 = t205 * t937;
+    let t939 = t933 + t938;
+    let t940 = t231 * t937;
     let t941 = t937 + t940;
-    let t942 = t376 * t941;
-    let t943 = t935 + t942;
-    let t944 = omega_right_elbow_y * t912;
-    let t945 = t678 + t944;
-    let t946 = force_right_elbow_x_2 + t945;
-    let t947 = sin_right_shoulder_right_elbow * t946;
-    let t948 = omega_right_elbow_x * t912;
-    let t949 = t683 - t948;
-    let t950 = force_right_elbow_y_2 + t949;
-    let t951 = cos_right_shoulder_right_elbow * t950;
-    let t952 = t951 + t947;
-    let t953 = t13 * t952;
-    let t954 = cos_right_shoulder_right_elbow * t946;
-    let t955 = sin_right_shoulder_right_elbow * t950;
-    let t956 = t955 - t954;
-    let t957 = t18 * t956;
-    let t958 = t957 + t953;
-    let t959 = t18 * t475;
-    let t960 = t330 + t959;
-    let t961 = 49.05 + t960;
-    let t962 = cos_right_shoulder_right_elbow * t961;
-    let t963 = t13 * t475;
-    let t964 = t333 - t963;
-    let t965 = acceleration_left_shoulder_x + t964;
-    let t966 = sin_right_shoulder_right_elbow * t965;
-    let acceleration_right_elbow_y_2 = t966 + t962;
-    let t968 = 0.0712 * acceleration_right_elbow_y_2;
-    let t969 = sin_right_shoulder_right_elbow * t961;
-    let t970 = cos_right_shoulder_right_elbow * t965;
-    let acceleration_right_elbow_x_2 = t970 - t969;
-    let t972 = 0.0016 * acceleration_right_elbow_x_2;
-    let t973 = t972 - t968;
-    let t974 = t709 + t973;
-    let t975 = omega_right_elbow_y * t903;
-    let t976 = omega_right_elbow_x * t907;
+    let t942 = t251 * t941;
+    let t943 = t939 + t942;
+    let t944 = inverse_d_torso * t943;
+    let t945 = t340 * t563;
+    let t946 = inverse_d_left_shoulder * t560;
+    let t947 = t946 - t945;
+    da_dy[1][1] = t947;
+    let t948 = t340 * t645;
+    let t949 = inverse_d_left_shoulder * t604;
+    let t950 = t949 + t948;
+    let t951 = t340 * t674;
+    let t952 = inverse_d_left_shoulder * t671;
+    let t953 = t952 - t951;
+    let t954 = t340 * t836;
+    da_dy[1][4] = t954;
+    let t955 = t340 * t915;
+    da_dy[1][5] = t955;
+    let t956 = t340 * t944;
+    da_dy[1][6] = t956;
+    let t957 = t320 * t947;
+    let t958 = 3.544842254519674 * t537;
+    let t959 = t958 - t957;
+    let t960 = t294 * t563;
+    let t961 = t959 + t960;
+    let t962 = t320 * t950;
+    let t963 = 3.544842254519674 * t601;
+    let t964 = t963 + t962;
+    let t965 = t294 * t645;
+    let t966 = t964 + t965;
+    let t967 = t320 * t953;
+    let t968 = 3.544842254519674 * t667;
+    let t969 = t968 + t967;
+    let t970 = t294 * t674;
+    let t971 = t969 - t970;
+    let t972 = t320 * t954;
+    let t973 = t294 * t836;
+    let t974 = t972 + t973;
+    da_dy[2][4] = t974;
+    let t975 = t320 * t955;
+    let t976 = t294 * t915;
     let t977 = t975 + t976;
-    let t978 = t974 - t977;
-    let t979 = t978 + t958;
-    let t980 = t323 * t979;
-    let t981 = 0.0008800000000000001 * t784;
-    let t982 = t787 * 0.0019999999999999996;
-    let t983 = t982 + t981;
-    let t984 = omega_right_elbow_z * 0.0027999999999999995;
-    let t985 = omega_right_elbow_y * t984;
-    let t986 = 0.0017600000000000003 * omega_right_elbow_z;
-    let t987 = omega_right_elbow_x * t986;
-    let t988 = t987 - t985;
-    let t989 = t983 - t988;
-    let t990 = moment_right_elbow_x_2 + t989;
-    let t991 = cos_right_shoulder_right_elbow * t990;
-    let t992 = 0.0008800000000000001 * t787;
-    let t993 = t784 * 0.0813;
-    let t994 = t993 + t992;
-    let t995 = omega_right_elbow_x * t863;
-    let t996 = omega_right_elbow_y * t986;
-    let t997 = t996 - t995;
-    let t998 = t994 + t997;
-    let t999 = moment_right_elbow_y_2 + t998;
-    let t1000 = sin_right_shoulder_right_elbow * t999;
-    let t1001 = t1000 - t991;
-    let t1002 = 0.0016 * t787;
-    let t1003 = 0.0712 * t784;
+    da_dy[2][5] = t977;
+    let t978 = t320 * t956;
+    let t979 = t294 * t944;
+    let t980 = t978 + t979;
+    da_dy[2][6] = t980;
+    let t981 = t259 * t563;
+    let t982 = 4.970178926441352 * t510;
+    let t983 = t982 - t981;
+    da_dy[3][1] = t983;
+    let t984 = t259 * t645;
+    let t985 = 4.970178926441352 * t639;
+    let t986 = t985 - t984;
+    da_dy[3][2] = t986;
+    let t987 = t259 * t674;
+    let t988 = 4.970178926441352 * t659;
+    let t989 = t988 + t987;
+    da_dy[3][3] = t989;
+    let t990 = t259 * t836;
+    da_dy[3][4] = t990;
+    let t991 = t259 * t915;
+    da_dy[3][5] = t991;
+    let t992 = t259 * t944;
+    da_dy[3][6] = t992;
+    let t993 = t251 * t563;
+    da_dy[4][1] = t993;
+    let t994 = t251 * t645;
+    da_dy[4][2] = t994;
+    let t995 = t251 * t674;
+    let t996 = t251 * t836;
+    let t997 = inverse_d_right_shoulder * t833;
+    let t998 = t997 + t996;
+    let t999 = t251 * t915;
+    let t1000 = inverse_d_right_shoulder * t874;
+    let t1001 = t1000 - t999;
+    da_dy[4][5] = t1001;
+    let t1002 = t251 * t944;
+    let t1003 = inverse_d_right_shoulder * t941;
     let t1004 = t1003 + t1002;
-    let t1005 = omega_right_elbow_x * t852;
-    let t1006 = omega_right_elbow_y * t850;
-    let t1007 = t1006 - t1005;
-    let t1008 = t1004 + t1007;
-    let t1009 = t18 * t1008;
-    let t1010 = t1001 + t1009;
-    let t1011 = t952 + t1010;
-    let t1012 = inverse_d_torso * t1011;
-    let t1013 = t1012 - t980;
-    let t1014 = t369 * t978;
-    let t1015 = t1013 - t1014;
-    let t1016 = 0.0031999999999999997 * t787;
-    let t1017 = omega_right_elbow_y * t938;
+    let t1005 = t231 * t993;
+    let t1006 = t205 * t563;
+    let t1007 = t1005 + t1006;
+    da_dy[5][1] = t1007;
+    let t1008 = t231 * t994;
+    let t1009 = t205 * t645;
+    let t1010 = t1008 + t1009;
+    da_dy[5][2] = t1010;
+    let t1011 = t231 * t995;
+    let t1012 = t205 * t674;
+    let t1013 = t1011 + t1012;
+    let t1014 = t231 * t998;
+    let t1015 = 3.544842254519674 * t811;
+    let t1016 = t1015 + t1014;
+    let t1017 = t205 * t836;
     let t1018 = t1016 + t1017;
-    let t1019 = t376 * t1018;
-    let t1020 = t1015 + t1019;
-    let t1021 = 0.0006 * t877;
-    let t1022 = omega_right_elbow_x * t902;
+    let t1019 = t231 * t1001;
+    let t1020 = 3.544842254519674 * t871;
+    let t1021 = t1020 + t1019;
+    let t1022 = t205 * t915;
     let t1023 = t1021 - t1022;
-    let t1024 = t345 - t877;
-    let moment_right_wrist_y_2 = 0.0006 * t1024;
-    let t1026 = moment_right_wrist_y_2 + t1023;
-    let t1027 = sin_right_shoulder_right_elbow * t1026;
-    let t1028 = 0.0012 * omega_right_elbow_x;
-    let t1029 = omega_right_elbow_x * t1028;
-    let t1030 = 0.0012 * omega_right_elbow_z;
-    let t1031 = omega_right_elbow_z * t1030;
-    let t1032 = t1031 + t1029;
-    let t1033 = 0.0012 * t294;
-    let t1034 = t1033 - t1032;
-    let t1035 = cos_right_shoulder_right_elbow * t1034;
-    let t1036 = t1027 - t1035;
-    let t1037 = inverse_d_torso * t1036;
-    let t1038 = 0.0006 * t788;
-    let t1039 = omega_right_elbow_z * t902;
-    let t1040 = t1038 - t1039;
-    let t1041 = moment_right_wrist_x_2 + t1040;
-    let t1042 = t323 * t1041;
-    let t1043 = t1037 + t1042;
-    let t1044 = t369 * t1041;
-    let t1045 = t1043 + t1044;
-    let t1046 = t376 * t1034;
-    let t1047 = t1045 + t1046;
-    let t1048 = t116 * t619;
-    let t1049 = t385 * t654;
-    let t1050 = t1048 - t1049;
-    let t1051 = t388 * t666;
-    let t1052 = t1050 + t1051;
-    let t1053 = t394 * t674;
-    let t1054 = t1052 - t1053;
-    let t1055 = t385 * t715;
-    let t1056 = t116 * t747;
-    let t1057 = t1056 + t1055;
-    let t1058 = t388 * t714;
-    let t1059 = t1057 + t1058;
-    let t1060 = t394 * t754;
-    let t1061 = t1059 - t1060;
-    let t1062 = t116 * t772;
-    let t1063 = t385 * t777;
-    let t1064 = t1062 - t1063;
-    let t1065 = t388 * t777;
-    let t1066 = t1064 - t1065;
-    let t1067 = t394 * t770;
-    let t1068 = t1066 + t1067;
-    let t1069 = t116 * t888;
-    let t1070 = t397 * t922;
-    let t1071 = t1069 + t1070;
-    let t1072 = t402 * t933;
-    let t1073 = t1071 + t1072;
-    let t1074 = t405 * t941;
-    let t1075 = t1073 + t1074;
-    let t1076 = t397 * t979;
-    let t1077 = t116 * t1011;
-    let t1078 = t1077 - t1076;
-    let t1079 = t402 * t978;
-    let t1080 = t1078 - t1079;
-    let t1081 = t405 * t1018;
-    let t1082 = t1080 + t1081;
-    let t1083 = t116 * t1036;
-    let t1084 = t397 * t1041;
-    let t1085 = t1083 + t1084;
-    let t1086 = t402 * t1041;
+    da_dy[5][5] = t1023;
+    let t1024 = t231 * t1004;
+    let t1025 = 3.544842254519674 * t937;
+    let t1026 = t1025 + t1024;
+    let t1027 = t205 * t944;
+    let t1028 = t1026 + t1027;
+    let t1029 = t170 * t563;
+    let t1030 = t170 * t645;
+    let t1031 = t170 * t674;
+    da_dy[6][3] = t1031;
+    let t1032 = t170 * t836;
+    let t1033 = 4.970178926441352 * t785;
+    let t1034 = t1033 + t1032;
+    da_dy[6][4] = t1034;
+    let t1035 = t170 * t915;
+    let t1036 = 4.970178926441352 * t909;
+    let t1037 = t1036 + t1035;
+    da_dy[6][5] = t1037;
+    let t1038 = t170 * t944;
+    let t1039 = 4.970178926441352 * t929;
+    let t1040 = t1039 + t1038;
+    da_dy[6][6] = t1040;
+    let t1041 = sin_right_shoulder_right_elbow * t798;
+    let t1042 = cos_right_shoulder_right_elbow * t802;
+    let t1043 = t1041 - t1042;
+    let t1044 = t204 * t806;
+    let t1045 = t1043 - t1044;
+    let t1046 = t231 * t1045;
+    let t1047 = t98 * t825;
+    let t1048 = t1047 + t1044;
+    let t1049 = t1043 - t1048;
+    let t1050 = t133 * t555;
+    let t1051 = t1050 + t1049;
+    let t1052 = t1051 + t1046;
+    let t1053 = t251 * t1052;
+    let t1054 = v[1] * t21;
+    let t1055 = 2.0 * t1054;
+    let t1056 = t316 * t1055;
+    let t1057 = sin_left_shoulder_left_elbow * t482;
+    let t1058 = cos_left_shoulder_left_elbow * t484;
+    let t1059 = t1058 + t1057;
+    let t1060 = t50 * t1059;
+    let t1061 = t1060 - t1056;
+    let t1062 = sin_left_shoulder_left_elbow * t493;
+    let t1063 = t611 - t1062;
+    let t1064 = t1063 - t1061;
+    let t1065 = t57 * t19;
+    let t1066 = t62 * t555;
+    let t1067 = t1066 - t1065;
+    let t1068 = t1067 - t1064;
+    let t1069 = t544 * t555;
+    let t1070 = t1068 + t1069;
+    let t1071 = v[4] * t98;
+    let t1072 = 2.0 * t1071;
+    let t1073 = t227 * t1072;
+    let t1074 = sin_right_shoulder_right_elbow * t757;
+    let t1075 = cos_right_shoulder_right_elbow * t759;
+    let t1076 = t1075 + t1074;
+    let t1077 = t126 * t1076;
+    let t1078 = t1077 - t1073;
+    let t1079 = sin_right_shoulder_right_elbow * t768;
+    let t1080 = t881 - t1079;
+    let t1081 = t1080 - t1078;
+    let t1082 = t133 * t96;
+    let t1083 = t138 * t555;
+    let t1084 = t1083 + t1082;
+    let t1085 = t1084 + t1081;
+    let t1086 = t818 * t555;
     let t1087 = t1085 + t1086;
-    let t1088 = t405 * t1034;
-    let t1089 = t1087 + t1088;
-    let t1090 = t119 * t619;
-    let t1091 = t388 * t654;
-    let t1092 = t1090 - t1091;
-    let t1093 = t417 * t666;
-    let t1094 = t1092 + t1093;
-    let t1095 = t423 * t674;
-    let t1096 = t1094 - t1095;
-    let t1097 = t388 * t715;
-    let t1098 = t119 * t747;
-    let t1099 = t1098 + t1097;
-    let t1100 = t417 * t714;
-    let t1101 = t1099 + t1100;
-    let t1102 = t423 * t754;
-    let t1103 = t1101 - t1102;
-    let t1104 = t119 * t772;
-    let t1105 = t1065 - t1104;
-    let t1106 = t417 * t777;
-    let t1107 = t1105 + t1106;
-    let t1108 = t423 * t770;
-    let t1109 = t1107 - t1108;
-    let t1110 = t119 * t888;
-    let t1111 = t426 * t922;
-    let t1112 = t1110 + t1111;
-    let t1113 = t431 * t933;
-    let t1114 = t1112 + t1113;
-    let t1115 = t434 * t941;
-    let t1116 = t1114 + t1115;
-    let t1117 = t426 * t979;
-    let t1118 = t119 * t1011;
-    let t1119 = t1118 - t1117;
-    let t1120 = t431 * t978;
-    let t1121 = t1119 - t1120;
-    let t1122 = t434 * t1018;
-    let t1123 = t1121 + t1122;
-    let t1124 = t119 * t1036;
-    let t1125 = t426 * t1041;
-    let t1126 = t1124 + t1125;
-    let t1127 = t431 * t1041;
-    let t1128 = t1126 + t1127;
-    let t1129 = t434 * t1034;
-    let t1130 = t1128 + t1129;
-    let t1131 = t315 * t619;
-    let t1132 = t394 * t654;
-    let t1133 = t1131 - t1132;
-    let t1134 = t423 * t666;
-    let t1135 = t1133 + t1134;
-    let t1136 = t443 * t674;
-    let t1137 = t1135 - t1136;
-    let t1138 = t394 * t715;
-    let t1139 = t315 * t747;
-    let t1140 = t1139 + t1138;
-    let t1141 = t423 * t714;
-    let t1142 = t1140 + t1141;
-    let t1143 = t443 * t754;
-    let t1144 = t1142 - t1143;
-    let t1145 = t315 * t772;
-    let t1146 = t394 * t777;
-    let t1147 = t1145 - t1146;
-    let t1148 = t423 * t777;
-    let t1149 = t1147 - t1148;
-    let t1150 = t443 * t770;
-    let t1151 = t1149 + t1150;
-    let t1152 = t315 * t888;
-    let t1153 = t446 * t922;
-    let t1154 = t1152 + t1153;
-    let t1155 = t451 * t933;
-    let t1156 = t1154 + t1155;
-    let t1157 = t454 * t941;
-    let t1158 = t1156 + t1157;
-    let t1159 = t446 * t979;
-    let t1160 = t315 * t1011;
-    let t1161 = t1160 - t1159;
-    let t1162 = t451 * t978;
-    let t1163 = t1161 - t1162;
-    let t1164 = t454 * t1018;
-    let t1165 = t1163 + t1164;
-    let t1166 = t315 * t1036;
-    let t1167 = t446 * t1041;
-    let t1168 = t1166 + t1167;
-    let t1169 = t451 * t1041;
-    let t1170 = t1168 + t1169;
-    let t1171 = t454 * t1034;
-    let t1172 = t1170 + t1171;
-    let t1173 = t323 * t619;
-    let t1174 = t397 * t654;
+    let t1088 = t1087 - t1070;
+    let t1089 = t65 * t555;
+    let t1090 = t1089 + t551;
+    let t1091 = t1066 + t1090;
+    let t1092 = t141 * t555;
+    let t1093 = t1092 + t825;
+    let t1094 = t1083 + t1093;
+    let t1095 = t1094 - t1091;
+    let t1096 = t1088 - t1095;
+    let t1097 = sin_right_shoulder_right_elbow * t782;
+    let t1098 = t170 * t1097;
+    let t1099 = t1096 - t1098;
+    let t1100 = t205 * t1045;
+    let t1101 = t1099 - t1100;
+    let t1102 = t1101 - t1053;
+    let t1103 = sin_left_shoulder_left_elbow * t507;
+    let t1104 = t259 * t1103;
+    let t1105 = t1102 - t1104;
+    let t1106 = sin_left_shoulder_left_elbow * t523;
+    let t1107 = cos_left_shoulder_left_elbow * t527;
+    let t1108 = t1106 - t1107;
+    let t1109 = t293 * t531;
+    let t1110 = t1108 - t1109;
+    let t1111 = t294 * t1110;
+    let t1112 = t1105 + t1111;
+    let t1113 = t320 * t1110;
+    let t1114 = t21 * t551;
+    let t1115 = t1114 + t1109;
+    let t1116 = t1108 - t1115;
+    let t1117 = t57 * t555;
+    let t1118 = t1117 + t1116;
+    let t1119 = t1118 + t1113;
+    let t1120 = t340 * t1119;
+    let t1121 = t1112 + t1120;
+    let t1122 = inverse_d_torso * t1121;
+    da_dv[0][0] = t1122;
+    let t1123 = t293 * t480;
+    let t1124 = t21 * t486;
+    let t1125 = t1124 + t1123;
+    let t1126 = t1063 - t1125;
+    let t1127 = t1065 + t1126;
+    let t1128 = t1068 + t1127;
+    let t1129 = t1066 - t1128;
+    let t1130 = 0.2 - t1129;
+    let t1131 = t1056 + t1123;
+    let t1132 = t320 * t1131;
+    let t1133 = t1130 - t1132;
+    let t1134 = t340 * t1133;
+    let t1135 = t475 * t555;
+    let t1136 = t27 + t522;
+    let t1137 = sin_left_shoulder_left_elbow * t1136;
+    let t1138 = cos_left_shoulder_left_elbow * t653;
+    let t1139 = t1137 - t1138;
+    let t1140 = t62 * t19;
+    let t1141 = t1140 + t1139;
+    let t1142 = t1141 + t1135;
+    let t1143 = t65 * t19;
+    let t1144 = t1143 + t486;
+    let t1145 = t1144 + t1142;
+    let t1146 = t555 * t505;
+    let t1147 = 0.0031999999999999997 * omega_left_elbow_x;
+    let t1148 = t1147 - t1146;
+    let t1149 = t259 * t1148;
+    let t1150 = t1145 + t1149;
+    let t1151 = t294 * t1131;
+    let t1152 = t1150 - t1151;
+    let t1153 = t1152 + t1134;
+    let t1154 = inverse_d_torso * t1153;
+    da_dv[0][1] = t1154;
+    let t1155 = t319 * 0.7089684509039348;
+    let t1156 = t1060 - t1124;
+    let t1157 = t1156 + t1155;
+    let t1158 = t340 * t1157;
+    let t1159 = omega_left_elbow_y * 0.1626;
+    let t1160 = t519 + t1159;
+    let t1161 = t1136 - t1160;
+    let t1162 = sin_left_shoulder_left_elbow * t1161;
+    let t1163 = omega_left_elbow_x * 0.003999999999999999;
+    let t1164 = t525 + t1163;
+    let t1165 = t653 - t1164;
+    let t1166 = cos_left_shoulder_left_elbow * t1165;
+    let t1167 = t1162 - t1166;
+    let t1168 = omega_left_elbow_x * 0.0032;
+    let t1169 = omega_left_elbow_y * 0.1424;
+    let t1170 = t1169 + t1168;
+    let t1171 = t50 * t1170;
+    let t1172 = t1167 - t1171;
+    let t1173 = t486 + t1172;
+    let t1174 = t259 * t1147;
     let t1175 = t1173 - t1174;
-    let t1176 = t426 * t666;
+    let t1176 = t293 * 0.7089684509039348;
     let t1177 = t1175 + t1176;
-    let t1178 = t446 * t674;
-    let t1179 = t1177 - t1178;
-    let t1180 = t397 * t715;
-    let t1181 = t323 * t747;
-    let t1182 = t1181 + t1180;
-    let t1183 = t426 * t714;
-    let t1184 = t1182 + t1183;
-    let t1185 = t446 * t754;
-    let t1186 = t1184 - t1185;
-    let t1187 = t323 * t772;
-    let t1188 = t397 * t777;
-    let t1189 = t1187 - t1188;
-    let t1190 = t426 * t777;
-    let t1191 = t1189 - t1190;
-    let t1192 = t446 * t770;
-    let t1193 = t1191 + t1192;
-    let t1194 = t323 * t888;
-    let t1195 = t465 * t922;
-    let t1196 = t1194 + t1195;
-    let t1197 = t470 * t933;
-    let t1198 = t1196 + t1197;
-    let t1199 = t473 * t941;
-    let t1200 = t1198 + t1199;
-    let t1201 = t465 * t979;
-    let t1202 = t323 * t1011;
-    let t1203 = t1202 - t1201;
-    let t1204 = t470 * t978;
+    let t1178 = t1177 + t1158;
+    let t1179 = inverse_d_torso * t1178;
+    da_dv[0][2] = t1179;
+    let t1180 = t320 * t1147;
+    let t1181 = t1147 + t1180;
+    let t1182 = t340 * t1181;
+    let t1183 = t294 * t1147;
+    let t1184 = cos_left_shoulder_left_elbow * 0.003180914512922465;
+    let t1185 = t1103 + t1184;
+    let t1186 = t1185 + t1183;
+    let t1187 = t1186 + t1182;
+    let t1188 = inverse_d_torso * t1187;
+    da_dv[0][3] = t1188;
+    let t1189 = t204 * t755;
+    let t1190 = t98 * t761;
+    let t1191 = t1190 + t1189;
+    let t1192 = t1080 - t1191;
+    let t1193 = t1082 + t1192;
+    let t1194 = t1085 - t1193;
+    let t1195 = t1083 - t1194;
+    let t1196 = 0.2 + t1195;
+    let t1197 = t1073 + t1189;
+    let t1198 = t231 * t1197;
+    let t1199 = t1196 - t1198;
+    let t1200 = t251 * t1199;
+    let t1201 = t750 * t555;
+    let t1202 = t103 + t797;
+    let t1203 = sin_right_shoulder_right_elbow * t1202;
+    let t1204 = cos_right_shoulder_right_elbow * t923;
     let t1205 = t1203 - t1204;
-    let t1206 = t473 * t1018;
-    let t1207 = t1205 + t1206;
-    let t1208 = t323 * t1036;
-    let t1209 = t465 * t1041;
-    let t1210 = t1208 + t1209;
-    let t1211 = t470 * t1041;
-    let t1212 = t1210 + t1211;
-    let t1213 = t473 * t1034;
-    let t1214 = t1212 + t1213;
-    let t1215 = t369 * t619;
-    let t1216 = t402 * t654;
-    let t1217 = t1215 - t1216;
-    let t1218 = t431 * t666;
-    let t1219 = t1217 + t1218;
-    let t1220 = t451 * t674;
-    let t1221 = t1219 - t1220;
-    let t1222 = t402 * t715;
-    let t1223 = t369 * t747;
-    let t1224 = t1223 + t1222;
-    let t1225 = t431 * t714;
-    let t1226 = t1224 + t1225;
-    let t1227 = t451 * t754;
-    let t1228 = t1226 - t1227;
-    let t1229 = t369 * t772;
-    let t1230 = t402 * t777;
-    let t1231 = t1229 - t1230;
-    let t1232 = t431 * t777;
-    let t1233 = t1231 - t1232;
-    let t1234 = t451 * t770;
-    let t1235 = t1233 + t1234;
-    let t1236 = t369 * t888;
-    let t1237 = t470 * t922;
-    let t1238 = t1236 + t1237;
-    let t1239 = t494 * t933;
-    let t1240 = t1238 + t1239;
-    let t1241 = t497 * t941;
-    let t1242 = t1240 + t1241;
-    let t1243 = t470 * t979;
-    let t1244 = t369 * t1011;
-    let t1245 = t1244 - t1243;
-    let t1246 = t494 * t978;
-    let t1247 = t1245 - t1246;
-    let t1248 = t497 * t1018;
-    let t1249 = t1247 + t1248;
-    let t1250 = t369 * t1036;
-    let t1251 = t1211 + t1250;
-    let t1252 = t494 * t1041;
-    let t1253 = t1251 + t1252;
-    let t1254 = t497 * t1034;
-    let t1255 = t1253 + t1254;
-    let t1256 = t376 * t619;
-    let t1257 = t405 * t654;
-    let t1258 = t1256 - t1257;
-    let t1259 = t434 * t666;
-    let t1260 = t1258 + t1259;
-    let t1261 = t454 * t674;
-    let t1262 = t1260 - t1261;
-    let t1263 = t405 * t715;
-    let t1264 = t376 * t747;
-    let t1265 = t1264 + t1263;
-    let t1266 = t434 * t714;
-    let t1267 = t1265 + t1266;
-    let t1268 = t454 * t754;
-    let t1269 = t1267 - t1268;
-    let t1270 = t376 * t772;
-    let t1271 = t405 * t777;
-    let t1272 = t1270 - t1271;
-    let t1273 = t434 * t777;
-    let t1274 = t1272 - t1273;
-    let t1275 = t454 * t770;
-    let t1276 = t1274 + t1275;
-    let t1277 = t376 * t888;
-    let t1278 = t473 * t922;
-    let t1279 = t1277 + t1278;
-    let t1280 = t497 * t933;
-    let t1281 = t1279 + t1280;
-    let t1282 = t512 * t941;
+    let t1206 = t138 * t96;
+    let t1207 = t1206 - t1205;
+    let t1208 = t1207 - t1201;
+    let t1209 = t141 * t96;
+    let t1210 = t1209 + t761;
+    let t1211 = t1210 + t1208;
+    let t1212 = t555 * t780;
+    let t1213 = 0.0031999999999999997 * omega_right_elbow_x;
+    let t1214 = t1213 - t1212;
+    let t1215 = t170 * t1214;
+    let t1216 = t1211 - t1215;
+    let t1217 = t205 * t1197;
+    let t1218 = t1216 - t1217;
+    let t1219 = t1218 + t1200;
+    let t1220 = inverse_d_torso * t1219;
+    let t1221 = t230 * 0.7089684509039348;
+    let t1222 = t1077 - t1190;
+    let t1223 = t1222 + t1221;
+    let t1224 = t251 * t1223;
+    let t1225 = omega_right_elbow_y * 0.1626;
+    let t1226 = t794 + t1225;
+    let t1227 = t1202 - t1226;
+    let t1228 = sin_right_shoulder_right_elbow * t1227;
+    let t1229 = omega_right_elbow_x * 0.003999999999999999;
+    let t1230 = t800 + t1229;
+    let t1231 = t923 - t1230;
+    let t1232 = cos_right_shoulder_right_elbow * t1231;
+    let t1233 = t1228 - t1232;
+    let t1234 = omega_right_elbow_x * 0.0032;
+    let t1235 = omega_right_elbow_y * 0.1424;
+    let t1236 = t1235 + t1234;
+    let t1237 = t126 * t1236;
+    let t1238 = t1233 - t1237;
+    let t1239 = t761 - t1238;
+    let t1240 = t170 * t1213;
+    let t1241 = t1239 + t1240;
+    let t1242 = t204 * 0.7089684509039348;
+    let t1243 = t1241 + t1242;
+    let t1244 = t1243 + t1224;
+    let t1245 = inverse_d_torso * t1244;
+    let t1246 = t231 * t1213;
+    let t1247 = t1213 + t1246;
+    let t1248 = t251 * t1247;
+    let t1249 = t205 * t1213;
+    let t1250 = cos_right_shoulder_right_elbow * 0.003180914512922465;
+    let t1251 = t1097 + t1250;
+    let t1252 = t1251 - t1249;
+    let t1253 = t1252 - t1248;
+    let t1254 = inverse_d_torso * t1253;
+    da_dv[0][6] = t1254;
+    let t1255 = t340 * t1122;
+    let t1256 = inverse_d_left_shoulder * t1119;
+    let t1257 = t1256 + t1255;
+    let t1258 = t340 * t1154;
+    let t1259 = inverse_d_left_shoulder * t1133;
+    let t1260 = t1259 + t1258;
+    let t1261 = t340 * t1179;
+    let t1262 = inverse_d_left_shoulder * t1157;
+    let t1263 = t1262 + t1261;
+    let t1264 = t340 * t1188;
+    let t1265 = inverse_d_left_shoulder * t1181;
+    let t1266 = t1265 + t1264;
+    let t1267 = t340 * t1220;
+    da_dv[1][4] = t1267;
+    let t1268 = t340 * t1245;
+    da_dv[1][5] = t1268;
+    let t1269 = t340 * t1254;
+    let t1270 = t320 * t1257;
+    let t1271 = 3.544842254519674 * t1110;
+    let t1272 = t1271 + t1270;
+    let t1273 = t294 * t1122;
+    let t1274 = t1272 + t1273;
+    let t1275 = t320 * t1260;
+    let t1276 = 3.544842254519674 * t1131;
+    let t1277 = t1276 - t1275;
+    let t1278 = t294 * t1154;
+    let t1279 = t1277 - t1278;
+    da_dv[2][1] = t1279;
+    let t1280 = t320 * t1263;
+    let t1281 = 0.7089684509039348 + t1280;
+    let t1282 = t294 * t1179;
     let t1283 = t1281 + t1282;
-    let t1284 = t473 * t979;
-    let t1285 = t376 * t1011;
-    let t1286 = t1285 - t1284;
-    let t1287 = t497 * t978;
-    let t1288 = t1286 - t1287;
-    let t1289 = t512 * t1018;
-    let t1290 = t1288 + t1289;
-    let t1291 = t376 * t1036;
-    let t1292 = t473 * t1041;
-    let t1293 = t1291 + t1292;
-    let t1294 = t497 * t1041;
-    let t1295 = t1293 + t1294;
-    let t1296 = t512 * t1034;
+    let t1284 = t320 * t1266;
+    let t1285 = omega_left_elbow_x * 0.011343495214462955;
+    let t1286 = t1285 + t1284;
+    let t1287 = t294 * t1188;
+    let t1288 = t1286 + t1287;
+    let t1289 = t320 * t1267;
+    let t1290 = t294 * t1220;
+    let t1291 = t1289 + t1290;
+    da_dv[2][4] = t1291;
+    let t1292 = t320 * t1268;
+    let t1293 = t294 * t1245;
+    let t1294 = t1292 + t1293;
+    da_dv[2][5] = t1294;
+    let t1295 = t320 * t1269;
+    let t1296 = t294 * t1254;
     let t1297 = t1295 + t1296;
-    let t1298 = sin_left_shoulder_left_elbow * t634;
-    let t1299 = cos_left_shoulder_left_elbow * t638;
-    let t1300 = t1298 - t1299;
-    let t1301 = t88 * t646;
-    let t1302 = t1300 - t1301;
-    let t1303 = t119 * t1302;
-    let t1304 = t92 * t643;
-    let t1305 = t1304 + t1301;
-    let t1306 = t1300 - t1305;
-    let t1307 = t182 * t650;
-    let t1308 = t1307 + t1306;
-    let t1309 = t116 * t1308;
-    let t1310 = v[1] * t92;
-    let t1311 = 2.0 * t1310;
-    let t1312 = t56 * t1311;
-    let t1313 = sin_left_shoulder_left_elbow * t581;
-    let t1314 = cos_left_shoulder_left_elbow * t583;
-    let t1315 = t1314 + t1313;
-    let t1316 = t57 * t1315;
-    let t1317 = t1316 - t1312;
-    let t1318 = sin_left_shoulder_left_elbow * t592;
-    let t1319 = t722 - t1318;
-    let t1320 = t1319 - t1317;
-    let t1321 = t182 * t199;
-    let t1322 = t229 * t650;
-    let t1323 = t1322 - t1321;
-    let t1324 = t1323 - t1320;
-    let t1325 = t624 * t650;
-    let t1326 = t1324 + t1325;
-    let t1327 = v[4] * t13;
-    let t1328 = 2.0 * t1327;
-    let t1329 = t17 * t1328;
-    let t1330 = sin_right_shoulder_right_elbow * t850;
-    let t1331 = cos_right_shoulder_right_elbow * t852;
-    let t1332 = t1331 + t1330;
-    let t1333 = t18 * t1332;
-    let t1334 = t1333 - t1329;
-    let t1335 = sin_right_shoulder_right_elbow * t861;
-    let t1336 = t986 - t1335;
-    let t1337 = t1336 - t1334;
-    let t1338 = t280 * t248;
-    let t1339 = t285 * t650;
-    let t1340 = t1339 + t1338;
-    let t1341 = t1340 + t1337;
-    let t1342 = t893 * t650;
-    let t1343 = t1341 + t1342;
-    let t1344 = t1343 - t1326;
-    let t1345 = t232 * t650;
-    let t1346 = t1345 + t643;
-    let t1347 = t1322 + t1346;
-    let t1348 = t288 * t650;
-    let t1349 = t1348 + t912;
-    let t1350 = t1339 + t1349;
-    let t1351 = t1350 - t1347;
-    let t1352 = t1344 - t1351;
-    let t1353 = inverse_d_torso * t1352;
-    let t1354 = t1353 + t1309;
-    let t1355 = t1354 + t1303;
-    let t1356 = sin_left_shoulder_left_elbow * t671;
-    let t1357 = t315 * t1356;
-    let t1358 = t1355 - t1357;
-    let t1359 = sin_right_shoulder_right_elbow * t903;
-    let t1360 = cos_right_shoulder_right_elbow * t907;
-    let t1361 = t1359 - t1360;
-    let t1362 = t13 * t912;
-    let t1363 = t12 * t915;
-    let t1364 = t1362 + t1363;
-    let t1365 = t1361 - t1364;
-    let t1366 = t280 * t650;
-    let t1367 = t1366 + t1365;
-    let t1368 = t323 * t1367;
-    let t1369 = t1358 - t1368;
-    let t1370 = t1361 - t1363;
-    let t1371 = t369 * t1370;
-    let t1372 = t1369 - t1371;
-    let t1373 = sin_right_shoulder_right_elbow * t938;
-    let t1374 = t376 * t1373;
-    let t1375 = t1372 - t1374;
-    let t1376 = t88 * t579;
-    let t1377 = t1312 + t1376;
-    let t1378 = t119 * t1377;
-    let t1379 = t92 * t585;
-    let t1380 = t1379 + t1376;
-    let t1381 = t1319 - t1380;
-    let t1382 = t1321 + t1381;
-    let t1383 = t1324 + t1382;
-    let t1384 = t1322 - t1383;
-    let t1385 = 0.2 - t1384;
-    let t1386 = t116 * t1385;
-    let t1387 = t574 * t650;
-    let t1388 = t151 + t633;
-    let t1389 = sin_left_shoulder_left_elbow * t1388;
-    let t1390 = cos_left_shoulder_left_elbow * t764;
-    let t1391 = t1389 - t1390;
-    let t1392 = t229 * t199;
-    let t1393 = t1392 + t1391;
-    let t1394 = t1393 + t1387;
-    let t1395 = t232 * t199;
-    let t1396 = t1395 + t585;
-    let t1397 = t1396 + t1394;
-    let t1398 = inverse_d_torso * t1397;
-    let t1399 = t1398 + t1386;
-    let t1400 = t1399 - t1378;
-    let t1401 = t650 * t669;
-    let t1402 = 0.0031999999999999997 * omega_left_elbow_x;
-    let t1403 = t1402 - t1401;
-    let t1404 = t315 * t1403;
-    let t1405 = t1400 + t1404;
-    let t1406 = 0.2 * t119;
-    let t1407 = t1316 - t1379;
-    let t1408 = t116 * t1407;
-    let t1409 = omega_left_elbow_y * 0.1626;
-    let t1410 = t630 + t1409;
-    let t1411 = t1388 - t1410;
-    let t1412 = sin_left_shoulder_left_elbow * t1411;
-    let t1413 = omega_left_elbow_x * 0.003999999999999999;
-    let t1414 = t636 + t1413;
-    let t1415 = t764 - t1414;
-    let t1416 = cos_left_shoulder_left_elbow * t1415;
-    let t1417 = t1412 - t1416;
-    let t1418 = omega_left_elbow_x * 0.0032;
-    let t1419 = omega_left_elbow_y * 0.1424;
-    let t1420 = t1419 + t1418;
-    let t1421 = t57 * t1420;
-    let t1422 = t1417 - t1421;
-    let t1423 = t585 + t1422;
-    let t1424 = inverse_d_torso * t1423;
-    let t1425 = t1424 + t1408;
-    let t1426 = t1425 + t1406;
-    let t1427 = t315 * t1402;
-    let t1428 = t1426 - t1427;
-    let t1429 = t119 * t1402;
-    let t1430 = t116 * t1402;
-    let t1431 = inverse_d_torso * t1356;
-    let t1432 = t1431 + t1430;
-    let t1433 = t1432 + t1429;
-    let t1434 = 0.2 * t315;
-    let t1435 = t1433 + t1434;
-    let t1436 = t12 * t848;
-    let t1437 = t1329 + t1436;
-    let t1438 = t369 * t1437;
-    let t1439 = t13 * t854;
-    let t1440 = t1439 + t1436;
-    let t1441 = t1336 - t1440;
-    let t1442 = t1338 + t1441;
-    let t1443 = t1341 - t1442;
-    let t1444 = t1339 - t1443;
-    let t1445 = 0.2 + t1444;
-    let t1446 = t323 * t1445;
-    let t1447 = t843 * t650;
-    let t1448 = t254 + t902;
-    let t1449 = sin_right_shoulder_right_elbow * t1448;
-    let t1450 = cos_right_shoulder_right_elbow * t1028;
-    let t1451 = t1449 - t1450;
-    let t1452 = t285 * t248;
-    let t1453 = t1452 - t1451;
-    let t1454 = t1453 - t1447;
-    let t1455 = t288 * t248;
-    let t1456 = t1455 + t854;
-    let t1457 = t1456 + t1454;
-    let t1458 = inverse_d_torso * t1457;
-    let t1459 = t1458 + t1446;
-    let t1460 = t1459 - t1438;
-    let t1461 = t650 * t936;
-    let t1462 = 0.0031999999999999997 * omega_right_elbow_x;
-    let t1463 = t1462 - t1461;
-    let t1464 = t376 * t1463;
-    let t1465 = t1460 - t1464;
-    let t1466 = 0.2 * t369;
-    let t1467 = t1333 - t1439;
-    let t1468 = t323 * t1467;
-    let t1469 = omega_right_elbow_y * 0.1626;
-    let t1470 = t899 + t1469;
-    let t1471 = t1448 - t1470;
-    let t1472 = sin_right_shoulder_right_elbow * t1471;
-    let t1473 = omega_right_elbow_x * 0.003999999999999999;
-    let t1474 = t905 + t1473;
-    let t1475 = t1028 - t1474;
-    let t1476 = cos_right_shoulder_right_elbow * t1475;
-    let t1477 = t1472 - t1476;
-    let t1478 = omega_right_elbow_x * 0.0032;
-    let t1479 = omega_right_elbow_y * 0.1424;
-    let t1480 = t1479 + t1478;
-    let t1481 = t18 * t1480;
-    let t1482 = t1477 - t1481;
-    let t1483 = t854 - t1482;
-    let t1484 = inverse_d_torso * t1483;
-    let t1485 = t1484 + t1468;
-    let t1486 = t1485 + t1466;
-    let t1487 = t376 * t1462;
-    let t1488 = t1486 + t1487;
-    let t1489 = t369 * t1462;
-    let t1490 = t323 * t1462;
-    let t1491 = inverse_d_torso * t1373;
-    let t1492 = t1491 - t1490;
-    let t1493 = t1492 - t1489;
-    let t1494 = 0.2 * t376;
-    let t1495 = t1493 + t1494;
-    let t1496 = t388 * t1302;
-    let t1497 = t385 * t1308;
-    let t1498 = t116 * t1352;
-    let t1499 = t1498 + t1497;
-    let t1500 = t1499 + t1496;
-    let t1501 = t394 * t1356;
-    let t1502 = t1500 - t1501;
-    let t1503 = t397 * t1367;
-    let t1504 = t1502 - t1503;
-    let t1505 = t402 * t1370;
-    let t1506 = t1504 - t1505;
-    let t1507 = t405 * t1373;
-    let t1508 = t1506 - t1507;
-    let t1509 = t388 * t1377;
-    let t1510 = t385 * t1385;
-    let t1511 = t116 * t1397;
-    let t1512 = t1511 + t1510;
-    let t1513 = t1512 - t1509;
-    let t1514 = t394 * t1403;
-    let t1515 = t1513 + t1514;
-    let t1516 = 0.2 * t388;
-    let t1517 = t385 * t1407;
-    let t1518 = t116 * t1423;
-    let t1519 = t1518 + t1517;
-    let t1520 = t1519 + t1516;
-    let t1521 = t394 * t1402;
-    let t1522 = t1520 - t1521;
-    let t1523 = t388 * t1402;
-    let t1524 = t385 * t1402;
-    let t1525 = t116 * t1356;
-    let t1526 = t1525 + t1524;
-    let t1527 = t1526 + t1523;
-    let t1528 = 0.2 * t394;
-    let t1529 = t1527 + t1528;
-    let t1530 = t402 * t1437;
-    let t1531 = t397 * t1445;
-    let t1532 = t116 * t1457;
-    let t1533 = t1532 + t1531;
-    let t1534 = t1533 - t1530;
-    let t1535 = t405 * t1463;
-    let t1536 = t1534 - t1535;
-    let t1537 = 0.2 * t402;
-    let t1538 = t397 * t1467;
-    let t1539 = t116 * t1483;
-    let t1540 = t1539 + t1538;
-    let t1541 = t1540 + t1537;
-    let t1542 = t405 * t1462;
-    let t1543 = t1541 + t1542;
-    let t1544 = t402 * t1462;
-    let t1545 = t397 * t1462;
-    let t1546 = t116 * t1373;
-    let t1547 = t1546 - t1545;
-    let t1548 = t1547 - t1544;
-    let t1549 = 0.2 * t405;
-    let t1550 = t1548 + t1549;
-    let t1551 = t417 * t1302;
-    let t1552 = t388 * t1308;
-    let t1553 = t119 * t1352;
-    let t1554 = t1553 + t1552;
-    let t1555 = t1554 + t1551;
-    let t1556 = t423 * t1356;
-    let t1557 = t1555 - t1556;
-    let t1558 = t426 * t1367;
-    let t1559 = t1557 - t1558;
-    let t1560 = t431 * t1370;
-    let t1561 = t1559 - t1560;
-    let t1562 = t434 * t1373;
-    let t1563 = t1561 - t1562;
-    let t1564 = t417 * t1377;
-    let t1565 = t388 * t1385;
-    let t1566 = t119 * t1397;
-    let t1567 = t1566 + t1565;
-    let t1568 = t1567 - t1564;
-    let t1569 = t423 * t1403;
-    let t1570 = t1568 + t1569;
-    let t1571 = 0.2 * t417;
-    let t1572 = t388 * t1407;
-    let t1573 = t119 * t1423;
-    let t1574 = t1573 + t1572;
-    let t1575 = t1574 + t1571;
-    let t1576 = t423 * t1402;
-    let t1577 = t1575 - t1576;
-    let t1578 = t417 * t1402;
-    let t1579 = t119 * t1356;
-    let t1580 = t1523 + t1579;
-    let t1581 = t1580 + t1578;
-    let t1582 = 0.2 * t423;
-    let t1583 = t1581 + t1582;
-    let t1584 = t431 * t1437;
-    let t1585 = t119 * t1457;
-    let t1586 = t426 * t1445;
-    let t1587 = t1585 + t1586;
-    let t1588 = t1587 - t1584;
-    let t1589 = t434 * t1463;
-    let t1590 = t1588 - t1589;
-    let t1591 = 0.2 * t431;
-    let t1592 = t119 * t1483;
-    let t1593 = t426 * t1467;
-    let t1594 = t1592 + t1593;
-    let t1595 = t1594 + t1591;
-    let t1596 = t434 * t1462;
-    let t1597 = t1595 + t1596;
-    let t1598 = t431 * t1462;
-    let t1599 = t119 * t1373;
-    let t1600 = t426 * t1462;
-    let t1601 = t1599 - t1600;
-    let t1602 = t1601 - t1598;
-    let t1603 = 0.2 * t434;
-    let t1604 = t1602 + t1603;
-    let t1605 = t394 * t1308;
-    let t1606 = t315 * t1352;
-    let t1607 = t1606 + t1605;
-    let t1608 = t423 * t1302;
-    let t1609 = t1607 + t1608;
-    let t1610 = t443 * t1356;
-    let t1611 = t1609 - t1610;
-    let t1612 = t446 * t1367;
-    let t1613 = t1611 - t1612;
-    let t1614 = t451 * t1370;
-    let t1615 = t1613 - t1614;
-    let t1616 = t454 * t1373;
-    let t1617 = t1615 - t1616;
-    let t1618 = t394 * t1385;
-    let t1619 = t315 * t1397;
-    let t1620 = t1619 + t1618;
-    let t1621 = t423 * t1377;
-    let t1622 = t1620 - t1621;
-    let t1623 = t443 * t1403;
-    let t1624 = t1622 + t1623;
-    let t1625 = t394 * t1407;
-    let t1626 = t315 * t1423;
-    let t1627 = t1626 + t1625;
-    let t1628 = t1582 + t1627;
-    let t1629 = t443 * t1402;
-    let t1630 = t1628 - t1629;
-    let t1631 = t1357 + t1521;
-    let t1632 = t1576 + t1631;
-    let t1633 = 0.2 * t443;
-    let t1634 = t1632 + t1633;
-    let t1635 = t451 * t1437;
-    let t1636 = t446 * t1445;
-    let t1637 = t315 * t1457;
-    let t1638 = t1637 + t1636;
-    let t1639 = t1638 - t1635;
-    let t1640 = t454 * t1463;
-    let t1641 = t1639 - t1640;
-    let t1642 = 0.2 * t451;
-    let t1643 = t446 * t1467;
-    let t1644 = t315 * t1483;
-    let t1645 = t1644 + t1643;
-    let t1646 = t1645 + t1642;
-    let t1647 = t454 * t1462;
-    let t1648 = t1646 + t1647;
-    let t1649 = t451 * t1462;
-    let t1650 = t446 * t1462;
-    let t1651 = t315 * t1373;
-    let t1652 = t1651 - t1650;
-    let t1653 = t1652 - t1649;
-    let t1654 = 0.2 * t454;
-    let t1655 = t1653 + t1654;
-    let t1656 = t397 * t1308;
-    let t1657 = t323 * t1352;
-    let t1658 = t1657 + t1656;
-    let t1659 = t426 * t1302;
-    let t1660 = t1658 + t1659;
-    let t1661 = t446 * t1356;
-    let t1662 = t1660 - t1661;
-    let t1663 = t465 * t1367;
-    let t1664 = t1662 - t1663;
-    let t1665 = t470 * t1370;
-    let t1666 = t1664 - t1665;
-    let t1667 = t473 * t1373;
-    let t1668 = t1666 - t1667;
-    let t1669 = t397 * t1385;
-    let t1670 = t323 * t1397;
-    let t1671 = t1670 + t1669;
-    let t1672 = t426 * t1377;
-    let t1673 = t1671 - t1672;
-    let t1674 = t446 * t1403;
-    let t1675 = t1673 + t1674;
-    let t1676 = t397 * t1407;
-    let t1677 = t323 * t1423;
-    let t1678 = t1677 + t1676;
-    let t1679 = 0.2 * t426;
-    let t1680 = t1678 + t1679;
-    let t1681 = t446 * t1402;
-    let t1682 = t1680 - t1681;
-    let t1683 = t397 * t1402;
-    let t1684 = t323 * t1356;
-    let t1685 = t1684 + t1683;
-    let t1686 = t426 * t1402;
-    let t1687 = t1685 + t1686;
-    let t1688 = 0.2 * t446;
-    let t1689 = t1687 + t1688;
-    let t1690 = t470 * t1437;
-    let t1691 = t465 * t1445;
-    let t1692 = t323 * t1457;
-    let t1693 = t1692 + t1691;
-    let t1694 = t1693 - t1690;
-    let t1695 = t473 * t1463;
-    let t1696 = t1694 - t1695;
-    let t1697 = 0.2 * t470;
-    let t1698 = t465 * t1467;
-    let t1699 = t323 * t1483;
-    let t1700 = t1699 + t1698;
-    let t1701 = t1700 + t1697;
-    let t1702 = t473 * t1462;
-    let t1703 = t1701 + t1702;
-    let t1704 = t470 * t1462;
-    let t1705 = t465 * t1462;
-    let t1706 = t323 * t1373;
-    let t1707 = t1706 - t1705;
-    let t1708 = t1707 - t1704;
-    let t1709 = 0.2 * t473;
-    let t1710 = t1708 + t1709;
-    let t1711 = t402 * t1308;
-    let t1712 = t369 * t1352;
-    let t1713 = t1712 + t1711;
-    let t1714 = t431 * t1302;
-    let t1715 = t1713 + t1714;
-    let t1716 = t451 * t1356;
-    let t1717 = t1715 - t1716;
-    let t1718 = t470 * t1367;
-    let t1719 = t1717 - t1718;
-    let t1720 = t494 * t1370;
-    let t1721 = t1719 - t1720;
-    let t1722 = t497 * t1373;
-    let t1723 = t1721 - t1722;
-    let t1724 = t402 * t1385;
-    let t1725 = t369 * t1397;
-    let t1726 = t1725 + t1724;
-    let t1727 = t431 * t1377;
-    let t1728 = t1726 - t1727;
-    let t1729 = t451 * t1403;
-    let t1730 = t1728 + t1729;
-    let t1731 = t402 * t1407;
-    let t1732 = t369 * t1423;
-    let t1733 = t1732 + t1731;
-    let t1734 = t1591 + t1733;
-    let t1735 = t451 * t1402;
-    let t1736 = t1734 - t1735;
-    let t1737 = t402 * t1402;
-    let t1738 = t369 * t1356;
-    let t1739 = t1738 + t1737;
-    let t1740 = t431 * t1402;
-    let t1741 = t1739 + t1740;
-    let t1742 = t1642 + t1741;
-    let t1743 = t494 * t1437;
-    let t1744 = t470 * t1445;
-    let t1745 = t369 * t1457;
-    let t1746 = t1745 + t1744;
-    let t1747 = t1746 - t1743;
-    let t1748 = t497 * t1463;
-    let t1749 = t1747 - t1748;
-    let t1750 = 0.2 * t494;
-    let t1751 = t470 * t1467;
-    let t1752 = t369 * t1483;
-    let t1753 = t1752 + t1751;
-    let t1754 = t1753 + t1750;
-    let t1755 = t497 * t1462;
-    let t1756 = t1754 + t1755;
-    let t1757 = t494 * t1462;
-    let t1758 = t369 * t1373;
-    let t1759 = t1704 - t1758;
-    let t1760 = t1759 + t1757;
-    let t1761 = 0.2 * t497;
-    let t1762 = t1760 - t1761;
-    let t1763 = t405 * t1308;
-    let t1764 = t376 * t1352;
-    let t1765 = t1764 + t1763;
-    let t1766 = t434 * t1302;
-    let t1767 = t1765 + t1766;
-    let t1768 = t454 * t1356;
-    let t1769 = t1767 - t1768;
-    let t1770 = t473 * t1367;
-    let t1771 = t1769 - t1770;
-    let t1772 = t497 * t1370;
-    let t1773 = t1771 - t1772;
-    let t1774 = t512 * t1373;
-    let t1775 = t1773 - t1774;
-    let t1776 = t405 * t1385;
-    let t1777 = t376 * t1397;
-    let t1778 = t1777 + t1776;
-    let t1779 = t434 * t1377;
-    let t1780 = t1778 - t1779;
-    let t1781 = t454 * t1403;
-    let t1782 = t1780 + t1781;
-    let t1783 = t405 * t1407;
-    let t1784 = t376 * t1423;
-    let t1785 = t1784 + t1783;
-    let t1786 = t1603 + t1785;
-    let t1787 = t454 * t1402;
-    let t1788 = t1786 - t1787;
-    let t1789 = t405 * t1402;
-    let t1790 = t376 * t1356;
-    let t1791 = t1790 + t1789;
-    let t1792 = t434 * t1402;
-    let t1793 = t1791 + t1792;
-    let t1794 = t1654 + t1793;
-    let t1795 = t473 * t1445;
-    let t1796 = t376 * t1457;
-    let t1797 = t1796 + t1795;
-    let t1798 = t497 * t1437;
-    let t1799 = t1797 - t1798;
-    let t1800 = t512 * t1463;
-    let t1801 = t1799 - t1800;
-    let t1802 = t473 * t1467;
-    let t1803 = t376 * t1483;
-    let t1804 = t1803 + t1802;
-    let t1805 = t1761 + t1804;
-    let t1806 = t512 * t1462;
-    let t1807 = t1805 + t1806;
-    let t1808 = t1374 - t1702;
-    let t1809 = t1755 - t1808;
-    let t1810 = 0.2 * t512;
-    let t1811 = t1809 - t1810;
-    let t1812 = -t407;
-    let t1813 = -t436;
-    let t1814 = -t456;
-    let t1815 = -t514;
-    let t1816 = -t783;
-    let t1817 = -t943;
-    let t1818 = -t1020;
-    let t1819 = -t1047;
-    let t1820 = -t1054;
-    let t1821 = -t1061;
-    let t1822 = -t1096;
-    let t1823 = -t1103;
-    let t1824 = -t1109;
-    let t1825 = -t1137;
-    let t1826 = -t1144;
-    let t1827 = -t1193;
-    let t1828 = -t1200;
-    let t1829 = -t1207;
-    let t1830 = -t1214;
-    let t1831 = -t1235;
-    let t1832 = -t1242;
-    let t1833 = -t1249;
-    let t1834 = -t1255;
-    let t1835 = -t1262;
-    let t1836 = -t1269;
-    let t1837 = -t1465;
-    let t1838 = -t1488;
-    let t1839 = -t1508;
-    let t1840 = -t1515;
-    let t1841 = -t1522;
-    let t1842 = -t1529;
-    let t1843 = -t1550;
-    let t1844 = -t1563;
-    let t1845 = -t1570;
-    let t1846 = -t1577;
-    let t1847 = -t1583;
-    let t1848 = -t1604;
-    let t1849 = -t1617;
-    let t1850 = -t1624;
-    let t1851 = -t1630;
-    let t1852 = -t1634;
-    let t1853 = -t1655;
-    let t1854 = -t1696;
-    let t1855 = -t1703;
-    let t1856 = -t1749;
-    let t1857 = -t1756;
-    let t1858 = -t1762;
-    let t1859 = -t1775;
-    let t1860 = -t1782;
-    let t1861 = -t1788;
-    let t1862 = -t1794;
-    let t1863 = -t116;
-    let t1864 = -t119;
-    let t1865 = -t315;
-    let t1866 = -t376;
-    let t1867 = -t397;
-    let t1868 = -t402;
-    let t1869 = -t426;
-    let t1870 = -t431;
-    let t1871 = -t446;
-    let t1872 = -t451;
-    let t1873 = -t473;
-    let t1874 = -t497;
-    (
-        [acceleration_left_shoulder_x, t1812, t1813, t1814, t475, t499, t1815],
-        [
-            [0.0, t676, t756, t1816, t1817, t1818, t1819],
-            [0.0, t1820, t1821, t1068, t1075, t1082, t1089],
-            [0.0, t1822, t1823, t1824, t1116, t1123, t1130],
-            [0.0, t1825, t1826, t1151, t1158, t1165, t1172],
-            [0.0, t1179, t1186, t1827, t1828, t1829, t1830],
-            [0.0, t1221, t1228, t1831, t1832, t1833, t1834],
-            [0.0, t1835, t1836, t1276, t1283, t1290, t1297],
-        ],
-        [
-            [t1375, t1405, t1428, t1435, t1837, t1838, t1495],
-            [t1839, t1840, t1841, t1842, t1536, t1543, t1843],
-            [t1844, t1845, t1846, t1847, t1590, t1597, t1848],
-            [t1849, t1850, t1851, t1852, t1641, t1648, t1853],
-            [t1668, t1675, t1682, t1689, t1854, t1855, t1710],
-            [t1723, t1730, t1736, t1742, t1856, t1857, t1858],
-            [t1859, t1860, t1861, t1862, t1801, t1807, t1811],
-        ],
-        [
-            [inverse_d_torso, t1863, t1864, t1865, t323, t369, t1866],
-            [t1863, t385, t388, t394, t1867, t1868, t405],
-            [t1864, t388, t417, t423, t1869, t1870, t434],
-            [t1865, t394, t423, t443, t1871, t1872, t454],
-            [t323, t1867, t1869, t1871, t465, t470, t1873],
-            [t369, t1868, t1870, t1872, t470, t494, t1874],
-            [t1866, t405, t434, t454, t1873, t1874, t512],
-        ],
-    )
+    let t1298 = t259 * t1122;
+    let t1299 = 4.970178926441352 * t1103;
+    let t1300 = t1299 - t1298;
+    da_dv[3][0] = t1300;
+    let t1301 = t259 * t1154;
+    let t1302 = 4.970178926441352 * t1148;
+    let t1303 = t1302 + t1301;
+    let t1304 = t259 * t1179;
+    let t1305 = 0.015904572564612324 * omega_left_elbow_x;
+    let t1306 = t1305 - t1304;
+    da_dv[3][2] = t1306;
+    let t1307 = t259 * t1188;
+    let t1308 = 0.9940357852882704 + t1307;
+    let t1309 = t259 * t1220;
+    da_dv[3][4] = t1309;
+    let t1310 = t259 * t1245;
+    da_dv[3][5] = t1310;
+    let t1311 = t259 * t1254;
+    let t1312 = t251 * t1122;
+    let t1313 = inverse_d_right_shoulder * t1052;
+    let t1314 = t1313 - t1312;
+    let t1315 = t251 * t1154;
+    da_dv[4][1] = t1315;
+    let t1316 = t251 * t1179;
+    da_dv[4][2] = t1316;
+    let t1317 = t251 * t1188;
+    da_dv[4][3] = t1317;
+    let t1318 = t251 * t1220;
+    let t1319 = inverse_d_right_shoulder * t1199;
+    let t1320 = t1319 + t1318;
+    let t1321 = t251 * t1245;
+    let t1322 = inverse_d_right_shoulder * t1223;
+    let t1323 = t1322 + t1321;
+    let t1324 = t251 * t1254;
+    let t1325 = inverse_d_right_shoulder * t1247;
+    let t1326 = t1325 - t1324;
+    let t1327 = t231 * t1314;
+    let t1328 = 3.544842254519674 * t1045;
+    let t1329 = t1328 + t1327;
+    let t1330 = t205 * t1122;
+    let t1331 = t1329 - t1330;
+    let t1332 = t231 * t1315;
+    let t1333 = t205 * t1154;
+    let t1334 = t1332 + t1333;
+    da_dv[5][1] = t1334;
+    let t1335 = t231 * t1316;
+    let t1336 = t205 * t1179;
+    let t1337 = t1335 + t1336;
+    da_dv[5][2] = t1337;
+    let t1338 = t231 * t1317;
+    let t1339 = t205 * t1188;
+    let t1340 = t1338 + t1339;
+    da_dv[5][3] = t1340;
+    let t1341 = t231 * t1320;
+    let t1342 = 3.544842254519674 * t1197;
+    let t1343 = t1342 - t1341;
+    let t1344 = t205 * t1220;
+    let t1345 = t1343 - t1344;
+    da_dv[5][4] = t1345;
+    let t1346 = t231 * t1323;
+    let t1347 = 0.7089684509039348 + t1346;
+    let t1348 = t205 * t1245;
+    let t1349 = t1347 + t1348;
+    let t1350 = t231 * t1326;
+    let t1351 = omega_right_elbow_x * 0.011343495214462955;
+    let t1352 = t1351 + t1350;
+    let t1353 = t205 * t1254;
+    let t1354 = t1352 - t1353;
+    let t1355 = t170 * t1122;
+    let t1356 = 4.970178926441352 * t1097;
+    let t1357 = t1356 - t1355;
+    da_dv[6][0] = t1357;
+    let t1358 = t170 * t1154;
+    let t1359 = t170 * t1179;
+    let t1360 = t170 * t1188;
+    let t1361 = t170 * t1220;
+    let t1362 = 4.970178926441352 * t1214;
+    let t1363 = t1362 - t1361;
+    let t1364 = t170 * t1245;
+    let t1365 = 0.015904572564612324 * omega_right_elbow_x;
+    let t1366 = t1365 + t1364;
+    da_dv[6][5] = t1366;
+    let t1367 = t170 * t1254;
+    let t1368 = 0.9940357852882704 + t1367;
+    let t1369 = t340 * inverse_d_torso;
+    let t1370 = t320 * t1369;
+    let t1371 = t294 * inverse_d_torso;
+    let t1372 = t1370 + t1371;
+    let t1373 = t259 * inverse_d_torso;
+    let t1374 = t251 * inverse_d_torso;
+    m_inverse[0][4] = t1374;
+    m_inverse[4][0] = t1374;
+    let t1375 = t231 * t1374;
+    let t1376 = t205 * inverse_d_torso;
+    let t1377 = t1375 + t1376;
+    m_inverse[0][5] = t1377;
+    m_inverse[5][0] = t1377;
+    let t1378 = t170 * inverse_d_torso;
+    let t1379 = t340 * t1369;
+    let t1380 = inverse_d_left_shoulder + t1379;
+    m_inverse[1][1] = t1380;
+    let t1381 = t320 * t1380;
+    let t1382 = t294 * t1369;
+    let t1383 = t1381 + t1382;
+    m_inverse[1][2] = t1383;
+    m_inverse[2][1] = t1383;
+    let t1384 = t259 * t1369;
+    m_inverse[1][3] = t1384;
+    m_inverse[3][1] = t1384;
+    let t1385 = t251 * t1369;
+    let t1386 = t231 * t1385;
+    let t1387 = t205 * t1369;
+    let t1388 = t1386 + t1387;
+    let t1389 = t170 * t1369;
+    m_inverse[1][6] = t1389;
+    m_inverse[6][1] = t1389;
+    let t1390 = t320 * t340;
+    let t1391 = t294 + t1390;
+    let t1392 = inverse_d_torso * t1391;
+    let t1393 = t340 * t1392;
+    let t1394 = t320 * inverse_d_left_shoulder;
+    let t1395 = t1394 + t1393;
+    let t1396 = t320 * t1395;
+    let t1397 = 3.544842254519674 + t1396;
+    let t1398 = t294 * t1392;
+    let t1399 = t1397 + t1398;
+    m_inverse[2][2] = t1399;
+    let t1400 = t259 * t1392;
+    m_inverse[2][3] = t1400;
+    m_inverse[3][2] = t1400;
+    let t1401 = t251 * t1392;
+    let t1402 = t231 * t1401;
+    let t1403 = t205 * t1392;
+    let t1404 = t1402 + t1403;
+    let t1405 = t170 * t1392;
+    m_inverse[2][6] = t1405;
+    m_inverse[6][2] = t1405;
+    let t1406 = t259 * t1373;
+    let t1407 = 4.970178926441352 + t1406;
+    m_inverse[3][3] = t1407;
+    let t1408 = t251 * t1373;
+    let t1409 = t231 * t1408;
+    let t1410 = t205 * t1373;
+    let t1411 = t1409 + t1410;
+    let t1412 = t170 * t1373;
+    m_inverse[3][6] = t1412;
+    m_inverse[6][3] = t1412;
+    let t1413 = t251 * t1374;
+    let t1414 = inverse_d_right_shoulder + t1413;
+    m_inverse[4][4] = t1414;
+    let t1415 = t231 * t1414;
+    let t1416 = t205 * t1374;
+    let t1417 = t1415 + t1416;
+    m_inverse[4][5] = t1417;
+    m_inverse[5][4] = t1417;
+    let t1418 = t170 * t1374;
+    let t1419 = t231 * t251;
+    let t1420 = t205 + t1419;
+    let t1421 = inverse_d_torso * t1420;
+    let t1422 = t251 * t1421;
+    let t1423 = t231 * inverse_d_right_shoulder;
+    let t1424 = t1423 + t1422;
+    let t1425 = t231 * t1424;
+    let t1426 = 3.544842254519674 + t1425;
+    let t1427 = t205 * t1421;
+    let t1428 = t1426 + t1427;
+    m_inverse[5][5] = t1428;
+    let t1429 = t170 * t1421;
+    let t1430 = t170 * t1378;
+    let t1431 = 4.970178926441352 + t1430;
+    m_inverse[6][6] = t1431;
+    let t1432 = -t674;
+    da_dy[0][3] = t1432;
+    let t1433 = -t836;
+    da_dy[0][4] = t1433;
+    let t1434 = -t915;
+    da_dy[0][5] = t1434;
+    let t1435 = -t944;
+    da_dy[0][6] = t1435;
+    let t1436 = -t950;
+    da_dy[1][2] = t1436;
+    let t1437 = -t953;
+    da_dy[1][3] = t1437;
+    let t1438 = -t961;
+    da_dy[2][1] = t1438;
+    let t1439 = -t966;
+    da_dy[2][2] = t1439;
+    let t1440 = -t971;
+    da_dy[2][3] = t1440;
+    let t1441 = -t995;
+    da_dy[4][3] = t1441;
+    let t1442 = -t998;
+    da_dy[4][4] = t1442;
+    let t1443 = -t1004;
+    da_dy[4][6] = t1443;
+    let t1444 = -t1013;
+    da_dy[5][3] = t1444;
+    let t1445 = -t1018;
+    da_dy[5][4] = t1445;
+    let t1446 = -t1028;
+    da_dy[5][6] = t1446;
+    let t1447 = -t1029;
+    da_dy[6][1] = t1447;
+    let t1448 = -t1030;
+    da_dy[6][2] = t1448;
+    let t1449 = -t1220;
+    da_dv[0][4] = t1449;
+    let t1450 = -t1245;
+    da_dv[0][5] = t1450;
+    let t1451 = -t1257;
+    da_dv[1][0] = t1451;
+    let t1452 = -t1260;
+    da_dv[1][1] = t1452;
+    let t1453 = -t1263;
+    da_dv[1][2] = t1453;
+    let t1454 = -t1266;
+    da_dv[1][3] = t1454;
+    let t1455 = -t1269;
+    da_dv[1][6] = t1455;
+    let t1456 = -t1274;
+    da_dv[2][0] = t1456;
+    let t1457 = -t1283;
+    da_dv[2][2] = t1457;
+    let t1458 = -t1288;
+    da_dv[2][3] = t1458;
+    let t1459 = -t1297;
+    da_dv[2][6] = t1459;
+    let t1460 = -t1303;
+    da_dv[3][1] = t1460;
+    let t1461 = -t1308;
+    da_dv[3][3] = t1461;
+    let t1462 = -t1311;
+    da_dv[3][6] = t1462;
+    let t1463 = -t1314;
+    da_dv[4][0] = t1463;
+    let t1464 = -t1320;
+    da_dv[4][4] = t1464;
+    let t1465 = -t1323;
+    da_dv[4][5] = t1465;
+    let t1466 = -t1326;
+    da_dv[4][6] = t1466;
+    let t1467 = -t1331;
+    da_dv[5][0] = t1467;
+    let t1468 = -t1349;
+    da_dv[5][5] = t1468;
+    let t1469 = -t1354;
+    da_dv[5][6] = t1469;
+    let t1470 = -t1358;
+    da_dv[6][1] = t1470;
+    let t1471 = -t1359;
+    da_dv[6][2] = t1471;
+    let t1472 = -t1360;
+    da_dv[6][3] = t1472;
+    let t1473 = -t1363;
+    da_dv[6][4] = t1473;
+    let t1474 = -t1368;
+    da_dv[6][6] = t1474;
+    let t1475 = -t1369;
+    m_inverse[0][1] = t1475;
+    m_inverse[1][0] = t1475;
+    let t1476 = -t1372;
+    m_inverse[0][2] = t1476;
+    m_inverse[2][0] = t1476;
+    let t1477 = -t1373;
+    m_inverse[0][3] = t1477;
+    m_inverse[3][0] = t1477;
+    let t1478 = -t1378;
+    m_inverse[0][6] = t1478;
+    m_inverse[6][0] = t1478;
+    let t1479 = -t1385;
+    m_inverse[1][4] = t1479;
+    m_inverse[4][1] = t1479;
+    let t1480 = -t1388;
+    m_inverse[1][5] = t1480;
+    m_inverse[5][1] = t1480;
+    let t1481 = -t1401;
+    m_inverse[2][4] = t1481;
+    m_inverse[4][2] = t1481;
+    let t1482 = -t1404;
+    m_inverse[2][5] = t1482;
+    m_inverse[5][2] = t1482;
+    let t1483 = -t1408;
+    m_inverse[3][4] = t1483;
+    m_inverse[4][3] = t1483;
+    let t1484 = -t1411;
+    m_inverse[3][5] = t1484;
+    m_inverse[5][3] = t1484;
+    let t1485 = -t1418;
+    m_inverse[4][6] = t1485;
+    m_inverse[6][4] = t1485;
+    let t1486 = -t1429;
+    m_inverse[5][6] = t1486;
+    m_inverse[6][5] = t1486;
 }
 
 /// Linearization of the accelerations in continuous time.
@@ -6497,11 +6716,12 @@ pub fn forward_dynamics_derivatives(
 /// - returns `B_x: [N × M]`: ∂ÿ/∂u, row i = acceleration i
 /// - returns `c: [N]`: affine remainder ÿ − A\_y y − A\_v ẏ − B\_x u
 ///
-/// Cost: 1159 multiplications, 949 additions, 3 divisions, 4 function calls (`sin_cos`).
+/// Cost: 975 multiplications, 753 additions, 3 divisions, 4 function calls (`sin_cos`).
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -6512,2697 +6732,1985 @@ pub fn linearize(
     v: &[f64; N],
     u: &[f64; M],
 ) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
-    let [inverse_d_torso, t116, t119, t315, t323, t369, t376,
-    acceleration_left_shoulder_x, t396, t403, t407, t410, t415, t418, t420, t449, t452,
-    t460, t465, t468, t470, t526, t534, t539, t542, t544, t618, t698, t725, t745, t751,
-    t755, t757, t793, t798, t802, t867, t871, t943, t1020, t1047, t1054, t1061, t1068,
-    t1075, t1082, t1089, t1096, t1103, t1109, t1116, t1123, t1130, t1137, t1144, t1151,
-    t1158, t1165, t1172, t1179, t1186, t1193, t1200, t1207, t1214, t1221, t1228, t1235,
-    t1242, t1249, t1255, t1262, t1269, t1276, t1283, t1290, t1297, t1302, t1308, t1352,
-    t1356, t1357, t1367, t1370, t1373, t1374, t1375, t1377, t1385, t1397, t1402, t1403,
-    t1405, t1407, t1423, t1428, t1435, t1437, t1445, t1457, t1462, t1463, t1465, t1467,
-    t1483, t1488] = linearize_part_1(y, v, u);
-    let [t1495, t1536, t1543, t1590, t1597, t1641, t1648, t1668, t1675, t1682, t1689,
-    t1710, t1723, t1730, t1736, t1742, t1801, t1807, t1811, t1815, t1816, t1818, t1819,
-    t1820, t1823, t1824, t1825, t1828, t1829, t1832, t1833, t1834, t1836, t1838, t1878,
-    t2038, t2078, t2119, t2120, t2121, t2122, t2123, t2124, t2125, t2126, t2127, t2128,
-    t2129, t2130, t2131, t2132, t2133, t2134, t2135, t2136, t2137, t2138, t2139, t2140,
-    t2141, t2142, t2143, t2144, t2145, t2146, t2147, t2148, t2149, t2150, t2151, t2152,
-    t2153, t2154, t2155, t2156, t2157, t2158, t2159, t2160, t2161, t2162, t2163, t2164,
-    t2165, t2166, t2167, t2168, t2169, t2170, t2171, t2172, t2173, t2174, t2175, t2176,
-    t2177, t2178, t2179, t2180, t2181, t2182, t2183, t2184, t2185] = linearize_part_2(
-        y,
-        v,
-        u,
-        [
-            inverse_d_torso,
-            t116,
-            t119,
-            t315,
-            t323,
-            t369,
-            t376,
-            acceleration_left_shoulder_x,
-            t396,
-            t403,
-            t407,
-            t410,
-            t415,
-            t418,
-            t420,
-            t449,
-            t452,
-            t460,
-            t465,
-            t468,
-            t470,
-            t526,
-            t534,
-            t539,
-            t542,
-            t544,
-            t618,
-            t698,
-            t725,
-            t745,
-            t751,
-            t755,
-            t757,
-            t793,
-            t798,
-            t802,
-            t867,
-            t871,
-            t943,
-            t1020,
-            t1047,
-            t1054,
-            t1061,
-            t1068,
-            t1075,
-            t1082,
-            t1089,
-            t1096,
-            t1103,
-            t1109,
-            t1116,
-            t1123,
-            t1130,
-            t1137,
-            t1144,
-            t1151,
-            t1158,
-            t1165,
-            t1172,
-            t1179,
-            t1186,
-            t1193,
-            t1200,
-            t1207,
-            t1214,
-            t1221,
-            t1228,
-            t1235,
-            t1242,
-            t1249,
-            t1255,
-            t1262,
-            t1269,
-            t1276,
-            t1283,
-            t1290,
-            t1297,
-            t1302,
-            t1308,
-            t1352,
-            t1356,
-            t1357,
-            t1367,
-            t1370,
-            t1373,
-            t1374,
-            t1375,
-            t1377,
-            t1385,
-            t1397,
-            t1402,
-            t1403,
-            t1405,
-            t1407,
-            t1423,
-            t1428,
-            t1435,
-            t1437,
-            t1445,
-            t1457,
-            t1462,
-            t1463,
-            t1465,
-            t1467,
-            t1483,
-            t1488,
-        ],
-    );
-    (
-        [
-            [0.0, t618, t698, t2119, t2120, t2121, t2122],
-            [0.0, t2123, t2124, t1068, t1075, t1082, t1089],
-            [0.0, t2125, t2126, t2127, t1116, t1123, t1130],
-            [0.0, t2128, t2129, t1151, t1158, t1165, t1172],
-            [0.0, t1179, t1186, t2130, t2131, t2132, t2133],
-            [0.0, t1221, t1228, t2134, t2135, t2136, t2137],
-            [0.0, t2138, t2139, t1276, t1283, t1290, t1297],
-        ],
-        [
-            [t1375, t1405, t1428, t1435, t2140, t2141, t1495],
-            [t2142, t2143, t2144, t2145, t1536, t1543, t2146],
-            [t2147, t2148, t2149, t2150, t1590, t1597, t2151],
-            [t2152, t2153, t2154, t2155, t1641, t1648, t2156],
-            [t1668, t1675, t1682, t1689, t2157, t2158, t1710],
-            [t1723, t1730, t1736, t1742, t2159, t2160, t2161],
-            [t2162, t2163, t2164, t2165, t1801, t1807, t1811],
-        ],
-        [
-            [inverse_d_torso, t2166, t2167, t2168, t1815, t1816, t2169],
-            [t2170, t1818, t1819, t1820, t2171, t2172, t1823],
-            [t2173, t1819, t1824, t1825, t2174, t2175, t1828],
-            [t2176, t1820, t1825, t1829, t2177, t2178, t1832],
-            [t323, t2171, t2174, t2177, t1833, t1834, t2179],
-            [t369, t2172, t2175, t2178, t1834, t1836, t2180],
-            [t2181, t1823, t1828, t1832, t2179, t2180, t1838],
-        ],
-        [t1878, t2182, t2183, t2184, t2038, t2078, t2185],
-    )
+    let mut a_y = [[0.0; 7]; 7];
+    let mut a_v = [[0.0; 7]; 7];
+    let mut b_x = [[0.0; 7]; 7];
+    let mut c = [0.0; 7];
+    linearize_into(y, v, u, &mut a_y, &mut a_v, &mut b_x, &mut c);
+    (a_y, a_v, b_x, c)
 }
 
-/// Part 1 of `linearize`: values that later parts read.
-#[inline(never)]
-fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 106] {
-    let angle_right_shoulder_right_elbow = y[4] + y[5];
+/// `linearize` with its results written in place; nothing of what stood there is read.
+pub fn linearize_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    a_y: &mut [[f64; N]; N],
+    a_v: &mut [[f64; N]; N],
+    b_x: &mut [[f64; M]; N],
+    c: &mut [f64; N],
+) {
+    a_y[0][0] = 0.0;
+    a_y[1][0] = 0.0;
+    a_y[2][0] = 0.0;
+    a_y[3][0] = 0.0;
+    a_y[4][0] = 0.0;
+    a_y[5][0] = 0.0;
+    a_y[6][0] = 0.0;
     let angle_left_shoulder_left_elbow = y[1] + y[2];
+    let angle_right_shoulder_right_elbow = y[4] + y[5];
     let (
         [sin_left_shoulder,
         sin_right_shoulder,
-        sin_right_shoulder_right_elbow,
         sin_left_shoulder_left_elbow,
+        sin_right_shoulder_right_elbow,
         ],
         [cos_left_shoulder,
         cos_right_shoulder,
-        cos_right_shoulder_right_elbow,
         cos_left_shoulder_left_elbow,
+        cos_right_shoulder_right_elbow,
         ],
     ) = math::sin_cos_4(
         y[1],
         y[4],
-        angle_right_shoulder_right_elbow,
         angle_left_shoulder_left_elbow,
+        angle_right_shoulder_right_elbow,
     );
-    let t10 = 0.0712 * cos_right_shoulder_right_elbow;
-    let t11 = 0.0016 * sin_right_shoulder_right_elbow;
-    let t12 = t11 + t10;
-    let t13 = 1.4999999999999998 * cos_right_shoulder;
-    let t14 = t13 * t12;
-    let t15 = 0.0712 * sin_right_shoulder_right_elbow;
-    let t16 = 0.0016 * cos_right_shoulder_right_elbow;
-    let t17 = t16 - t15;
-    let t18 = 1.4999999999999998 * sin_right_shoulder;
-    let t19 = t18 * t17;
-    let t20 = t19 - t14;
-    let t21 = 2.0 * t20;
-    let t22 = 0.08209999999999999 - t21;
-    let t23 = 0.001 * sin_right_shoulder;
-    let t24 = 0.24456 * cos_right_shoulder;
-    let t25 = t24 + t23;
-    let t26 = cos_right_shoulder * t25;
-    let t27 = 0.0015099999999999996 + t26;
-    let t28 = 0.24607 - t26;
-    let t29 = t28 + t27;
-    let t30 = t29 + t22;
-    let t31 = 0.2 + t30;
-    let t32 = t20 - 0.0841;
-    let t33 = t32 * 3.544842254519674;
-    let t34 = t32 * t33;
-    let t35 = t31 - t34;
-    let inverse_d_right_shoulder = 1.0 / t35;
-    let t37 = t12 * t33;
-    let t38 = 0.1896 * cos_right_shoulder;
-    let t39 = t38 + t12;
-    let t40 = 0.0028799999999999997 * cos_right_shoulder;
-    let t41 = t40 + t39;
-    let t42 = t41 + t37;
-    let t43 = t42 * inverse_d_right_shoulder;
-    let t44 = t42 * t43;
-    let t45 = 2.0 * t19;
-    let t46 = cos_right_shoulder_right_elbow * 0.0017600000000000003;
-    let t47 = sin_right_shoulder_right_elbow * 0.0793;
-    let t48 = t47 - t46;
-    let t49 = sin_right_shoulder_right_elbow * t48;
-    let t50 = 0.0013999999999999998 + t49;
-    let t51 = t50 - t45;
-    let t52 = t28 + t51;
-    let t53 = 0.051219999999999995 + t52;
-    let t54 = 0.0712 * sin_left_shoulder_left_elbow;
-    let t55 = 0.0016 * cos_left_shoulder_left_elbow;
-    let t56 = t55 - t54;
-    let t57 = 1.4999999999999998 * sin_left_shoulder;
-    let t58 = t57 * t56;
-    let t59 = 2.0 * t58;
-    let t60 = cos_left_shoulder_left_elbow * 0.0017600000000000003;
-    let t61 = sin_left_shoulder_left_elbow * 0.0793;
-    let t62 = t61 - t60;
-    let t63 = sin_left_shoulder_left_elbow * t62;
-    let t64 = 0.0013999999999999998 + t63;
-    let t65 = t64 - t59;
-    let t66 = sin_left_shoulder * 0.001;
-    let t67 = cos_left_shoulder * 0.24456;
-    let t68 = t67 + t66;
-    let t69 = cos_left_shoulder * t68;
-    let t70 = 0.24607 - t69;
-    let t71 = t70 + t65;
-    let t72 = t53 + t71;
-    let t73 = t72 + 0.46636;
-    let t74 = cos_right_shoulder_right_elbow * 0.015904572564612324;
-    let t75 = cos_right_shoulder_right_elbow * 0.0031999999999999997;
-    let t76 = t75 * t74;
-    let t77 = t73 - t76;
-    let t78 = t12 * 3.544842254519674;
-    let t79 = t12 * t78;
-    let t80 = t77 - t79;
-    let t81 = t80 - t44;
-    let t82 = cos_left_shoulder_left_elbow * 0.015904572564612324;
-    let t83 = cos_left_shoulder_left_elbow * 0.0031999999999999997;
-    let t84 = t83 * t82;
-    let t85 = t81 - t84;
-    let t86 = 0.0712 * cos_left_shoulder_left_elbow;
-    let t87 = 0.0016 * sin_left_shoulder_left_elbow;
-    let t88 = t87 + t86;
-    let t89 = t88 * 3.544842254519674;
-    let t90 = t88 * t89;
-    let t91 = t85 - t90;
-    let t92 = 1.4999999999999998 * cos_left_shoulder;
-    let t93 = t92 * t88;
-    let t94 = t58 - t93;
-    let t95 = 2.0 * t94;
-    let t96 = 0.08209999999999999 - t95;
-    let t97 = 0.0015099999999999996 + t69;
-    let t98 = t70 + t97;
-    let t99 = t98 + t96;
-    let t100 = 0.2 + t99;
-    let t101 = t94 - 0.0841;
-    let t102 = t101 * 3.544842254519674;
-    let t103 = t101 * t102;
-    let t104 = t100 - t103;
-    let inverse_d_left_shoulder = 1.0 / t104;
-    let t106 = t88 * t102;
-    let t107 = 0.1896 * cos_left_shoulder;
-    let t108 = t107 + t88;
-    let t109 = 0.0028799999999999997 * cos_left_shoulder;
-    let t110 = t109 + t108;
-    let t111 = t110 + t106;
-    let t112 = t111 * inverse_d_left_shoulder;
-    let t113 = t111 * t112;
-    let t114 = t91 - t113;
-    let inverse_d_torso = 1.0 / t114;
-    let t116 = t112 * inverse_d_torso;
-    let t117 = t102 * t116;
-    let t118 = t89 * inverse_d_torso;
-    let t119 = t117 + t118;
-    let omega_left_elbow_x = v[0] * sin_left_shoulder_left_elbow;
-    let t121 = omega_left_elbow_x * omega_left_elbow_x;
-    let omega_left_elbow_z = v[1] + v[2];
-    let t123 = omega_left_elbow_z * omega_left_elbow_z;
-    let t124 = t121 + t123;
     let omega_left_elbow_y = v[0] * cos_left_shoulder_left_elbow;
-    let t126 = omega_left_elbow_y * omega_left_elbow_y;
-    let t127 = t126 + t123;
-    let t128 = t127 - t124;
-    let t129 = 0.0008800000000000001 * t128;
-    let t130 = omega_left_elbow_x * omega_left_elbow_y;
-    let t131 = 0.0007999999999999998 * t130;
-    let t132 = t129 + t131;
-    let t133 = 0.0807 * t130;
-    let t134 = t132 - t133;
-    let t135 = v[1] * v[1];
-    let t136 = t92 * t135;
-    let t137 = 49.05 + t136;
-    let t138 = sin_left_shoulder_left_elbow * t137;
+    let omega_left_elbow_z = v[1] + v[2];
+    let t12 = 2.0 * omega_left_elbow_z;
+    let t13 = omega_left_elbow_y * t12;
+    let t14 = 0.0807 * t13;
+    let omega_left_elbow_x = v[0] * sin_left_shoulder_left_elbow;
+    let t16 = omega_left_elbow_x * t12;
+    let t17 = 0.0008800000000000001 * t16;
+    let t18 = t17 + t14;
+    let t19 = v[1] * 2.0;
+    let t20 = v[0] * t19;
+    let t21 = 1.4999999999999998 * cos_left_shoulder;
+    let t22 = t21 * t20;
     let acceleration_left_shoulder_z = v[0] * v[0];
-    let t140 = acceleration_left_shoulder_z + t135;
-    let t141 = t57 * t140;
-    let t142 = cos_left_shoulder_left_elbow * t141;
-    let acceleration_left_elbow_x = t142 - t138;
-    let t144 = 0.0712 * acceleration_left_elbow_x;
-    let t145 = cos_left_shoulder_left_elbow * t137;
-    let t146 = sin_left_shoulder_left_elbow * t141;
-    let acceleration_left_elbow_y = t146 + t145;
-    let t148 = 0.0016 * acceleration_left_elbow_y;
-    let t149 = t148 + t144;
-    let t150 = t149 - t134;
-    let t151 = v[3] * 0.002;
-    let t152 = omega_left_elbow_x * t151;
-    let t153 = t150 - t152;
+    let acceleration_left_elbow_z = acceleration_left_shoulder_z + t22;
+    let t25 = 0.0712 * acceleration_left_elbow_z;
+    let t26 = t25 + t18;
+    let t27 = v[3] * 0.002;
+    let t28 = omega_left_elbow_z * t27;
+    let t29 = t26 - t28;
     let omega_left_wrist_z = v[3] + omega_left_elbow_y;
-    let t155 = 2.0 * omega_left_wrist_z;
-    let t156 = omega_left_elbow_x * t155;
-    let t157 = t130 - t156;
-    let moment_left_wrist_y = 0.0006 * t157;
-    let moment_left_elbow_z = moment_left_wrist_y + t153;
-    let t160 = v[2] * 0.2;
-    let t161 = u[2] * 100.0;
-    let t162 = t161 - t160;
-    let t163 = t162 + moment_left_elbow_z;
-    let t164 = t119 * t163;
-    let t165 = 0.0712 * t124;
-    let t166 = 0.0016 * t130;
-    let force_left_elbow_y = t166 - t165;
-    let t168 = sin_left_shoulder_left_elbow * force_left_elbow_y;
-    let t169 = 0.0016 * t127;
-    let t170 = 0.0712 * t130;
-    let force_left_elbow_x = t169 - t170;
-    let t172 = cos_left_shoulder_left_elbow * force_left_elbow_x;
-    let t173 = t172 + t168;
-    let t174 = t92 * t173;
-    let t175 = cos_left_shoulder_left_elbow * force_left_elbow_y;
-    let t176 = sin_left_shoulder_left_elbow * force_left_elbow_x;
-    let t177 = t176 - t175;
-    let t178 = t57 * t177;
-    let t179 = t178 + t174;
-    let t180 = moment_left_elbow_z - t179;
-    let t181 = sin_left_shoulder * t68;
-    let t182 = 0.0005 - t181;
-    let t183 = t135 - t140;
-    let t184 = t182 * t183;
-    let t185 = sin_left_shoulder * 9.299879999999998;
-    let t186 = t185 - t184;
-    let moment_left_shoulder_z = t186 - t180;
-    let t188 = v[1] * 0.2;
-    let t189 = u[1] * 100.0;
-    let t190 = t189 - t188;
-    let t191 = t190 - moment_left_shoulder_z;
-    let t192 = t116 * t191;
-    let t193 = 2.0 * omega_left_elbow_z;
-    let t194 = omega_left_elbow_y * t193;
-    let t195 = 0.0807 * t194;
-    let t196 = omega_left_elbow_x * t193;
-    let t197 = 0.0008800000000000001 * t196;
-    let t198 = t197 + t195;
-    let t199 = v[1] * 2.0;
-    let t200 = v[0] * t199;
-    let t201 = t92 * t200;
-    let acceleration_left_elbow_z = acceleration_left_shoulder_z + t201;
-    let t203 = 0.0712 * acceleration_left_elbow_z;
-    let t204 = t203 + t198;
-    let t205 = omega_left_elbow_z * t151;
-    let t206 = t204 - t205;
-    let t207 = omega_left_elbow_z * t155;
-    let t208 = t194 - t207;
-    let moment_left_wrist_x = 0.0006 * t208;
-    let moment_left_elbow_x = moment_left_wrist_x + t206;
-    let t211 = sin_left_shoulder_left_elbow * moment_left_elbow_x;
-    let t212 = 0.0007999999999999998 * t196;
-    let t213 = 0.0008800000000000001 * t194;
-    let t214 = t213 + t212;
-    let t215 = 0.0016 * acceleration_left_elbow_z;
-    let t216 = t215 + t214;
-    let t217 = omega_left_elbow_z * omega_left_elbow_x;
-    let moment_left_wrist_z = 0.0012 * t217;
-    let moment_left_elbow_y = t216 + moment_left_wrist_z;
-    let t220 = cos_left_shoulder_left_elbow * moment_left_elbow_y;
-    let t221 = t211 - t220;
-    let t222 = 0.0712 * t194;
-    let t223 = 0.0016 * t196;
-    let force_left_elbow_z = t223 + t222;
-    let t225 = t57 * force_left_elbow_z;
-    let t226 = t221 + t225;
-    let t227 = t182 * t200;
-    let t228 = acceleration_left_shoulder_z - t140;
-    let t229 = 0.0028799999999999997 * sin_left_shoulder;
-    let t230 = t229 * t228;
-    let t231 = t227 - t230;
-    let t232 = 0.1896 * sin_left_shoulder;
-    let t233 = t232 * acceleration_left_shoulder_z;
-    let t234 = t233 - t231;
-    let moment_left_shoulder_y = t234 + t226;
-    let t236 = t232 * t140;
-    let force_left_shoulder_x = t236 - t173;
-    let t238 = force_left_shoulder_x - moment_left_shoulder_y;
+    let t31 = 2.0 * omega_left_wrist_z;
+    let t32 = omega_left_elbow_z * t31;
+    let t33 = t13 - t32;
+    let moment_left_wrist_x = 0.0006 * t33;
+    let moment_left_elbow_x = moment_left_wrist_x + t29;
+    let t36 = sin_left_shoulder_left_elbow * moment_left_elbow_x;
+    let t37 = 0.0007999999999999998 * t16;
+    let t38 = 0.0008800000000000001 * t13;
+    let t39 = t38 + t37;
+    let t40 = 0.0016 * acceleration_left_elbow_z;
+    let t41 = t40 + t39;
+    let t42 = omega_left_elbow_z * omega_left_elbow_x;
+    let moment_left_wrist_z = 0.0012 * t42;
+    let moment_left_elbow_y = t41 + moment_left_wrist_z;
+    let t45 = cos_left_shoulder_left_elbow * moment_left_elbow_y;
+    let t46 = t36 - t45;
+    let t47 = 0.0712 * t13;
+    let t48 = 0.0016 * t16;
+    let force_left_elbow_z = t48 + t47;
+    let t50 = 1.4999999999999998 * sin_left_shoulder;
+    let t51 = t50 * force_left_elbow_z;
+    let t52 = t46 + t51;
+    let t53 = sin_left_shoulder * 0.001;
+    let t54 = cos_left_shoulder * 0.24456;
+    let t55 = t54 + t53;
+    let t56 = sin_left_shoulder * t55;
+    let t57 = 0.0005 - t56;
+    let t58 = t57 * t20;
+    let t59 = v[1] * v[1];
+    let t60 = acceleration_left_shoulder_z + t59;
+    let t61 = acceleration_left_shoulder_z - t60;
+    let t62 = 0.0028799999999999997 * sin_left_shoulder;
+    let t63 = t62 * t61;
+    let t64 = t58 - t63;
+    let t65 = 0.1896 * sin_left_shoulder;
+    let t66 = t65 * acceleration_left_shoulder_z;
+    let t67 = t66 - t64;
+    let moment_left_shoulder_y = t67 + t52;
+    let t69 = omega_left_elbow_x * omega_left_elbow_x;
+    let t70 = omega_left_elbow_z * omega_left_elbow_z;
+    let t71 = t69 + t70;
+    let t72 = 0.0712 * t71;
+    let t73 = omega_left_elbow_x * omega_left_elbow_y;
+    let t74 = 0.0016 * t73;
+    let force_left_elbow_y = t74 - t72;
+    let t76 = sin_left_shoulder_left_elbow * force_left_elbow_y;
+    let t77 = omega_left_elbow_y * omega_left_elbow_y;
+    let t78 = t77 + t70;
+    let t79 = 0.0016 * t78;
+    let t80 = 0.0712 * t73;
+    let force_left_elbow_x = t79 - t80;
+    let t82 = cos_left_shoulder_left_elbow * force_left_elbow_x;
+    let t83 = t82 + t76;
+    let t84 = t65 * t60;
+    let force_left_shoulder_x = t84 - t83;
+    let t86 = force_left_shoulder_x - moment_left_shoulder_y;
     let omega_right_elbow_y = v[0] * cos_right_shoulder_right_elbow;
     let omega_right_elbow_z = v[4] + v[5];
-    let t241 = 2.0 * omega_right_elbow_z;
-    let t242 = omega_right_elbow_y * t241;
-    let t243 = 0.0807 * t242;
+    let t89 = 2.0 * omega_right_elbow_z;
+    let t90 = omega_right_elbow_y * t89;
+    let t91 = 0.0807 * t90;
     let omega_right_elbow_x = v[0] * sin_right_shoulder_right_elbow;
-    let t245 = omega_right_elbow_x * t241;
-    let t246 = 0.0008800000000000001 * t245;
-    let t247 = t246 + t243;
-    let t248 = v[4] * 2.0;
-    let t249 = v[0] * t248;
-    let t250 = t13 * t249;
-    let acceleration_right_elbow_z = acceleration_left_shoulder_z - t250;
-    let t252 = 0.0712 * acceleration_right_elbow_z;
-    let t253 = t252 - t247;
-    let t254 = v[6] * 0.002;
-    let t255 = omega_right_elbow_z * t254;
-    let t256 = t253 + t255;
+    let t93 = omega_right_elbow_x * t89;
+    let t94 = 0.0008800000000000001 * t93;
+    let t95 = t94 + t91;
+    let t96 = v[4] * 2.0;
+    let t97 = v[0] * t96;
+    let t98 = 1.4999999999999998 * cos_right_shoulder;
+    let t99 = t98 * t97;
+    let acceleration_right_elbow_z = acceleration_left_shoulder_z - t99;
+    let t101 = 0.0712 * acceleration_right_elbow_z;
+    let t102 = t101 - t95;
+    let t103 = v[6] * 0.002;
+    let t104 = omega_right_elbow_z * t103;
+    let t105 = t102 + t104;
     let omega_right_wrist_z = v[6] + omega_right_elbow_y;
-    let t258 = 2.0 * omega_right_wrist_z;
-    let t259 = omega_right_elbow_z * t258;
-    let t260 = t242 - t259;
-    let moment_right_wrist_x = 0.0006 * t260;
-    let moment_right_elbow_x = moment_right_wrist_x - t256;
-    let t263 = sin_right_shoulder_right_elbow * moment_right_elbow_x;
-    let t264 = 0.0007999999999999998 * t245;
-    let t265 = 0.0008800000000000001 * t242;
-    let t266 = t265 + t264;
-    let t267 = 0.0016 * acceleration_right_elbow_z;
-    let t268 = t267 - t266;
-    let t269 = omega_right_elbow_z * omega_right_elbow_x;
-    let moment_right_wrist_z = 0.0012 * t269;
-    let moment_right_elbow_y = t268 - moment_right_wrist_z;
-    let t272 = cos_right_shoulder_right_elbow * moment_right_elbow_y;
-    let t273 = t263 + t272;
-    let t274 = 0.0712 * t242;
-    let t275 = 0.0016 * t245;
-    let force_right_elbow_z = t275 + t274;
-    let t277 = t18 * force_right_elbow_z;
-    let t278 = t273 + t277;
-    let t279 = sin_right_shoulder * t25;
-    let t280 = 0.0005 - t279;
-    let t281 = t280 * t249;
-    let t282 = v[4] * v[4];
-    let t283 = acceleration_left_shoulder_z + t282;
-    let t284 = acceleration_left_shoulder_z - t283;
-    let t285 = 0.0028799999999999997 * sin_right_shoulder;
-    let t286 = t285 * t284;
-    let t287 = t281 + t286;
-    let t288 = 0.1896 * sin_right_shoulder;
-    let t289 = t288 * acceleration_left_shoulder_z;
-    let t290 = t289 + t287;
-    let moment_right_shoulder_y = t290 - t278;
-    let t292 = omega_right_elbow_x * omega_right_elbow_x;
-    let t293 = omega_right_elbow_z * omega_right_elbow_z;
-    let t294 = t292 + t293;
-    let t295 = 0.0712 * t294;
-    let t296 = omega_right_elbow_x * omega_right_elbow_y;
-    let t297 = 0.0016 * t296;
-    let force_right_elbow_y = t297 - t295;
-    let t299 = sin_right_shoulder_right_elbow * force_right_elbow_y;
-    let t300 = omega_right_elbow_y * omega_right_elbow_y;
-    let t301 = t300 + t293;
-    let t302 = 0.0016 * t301;
-    let t303 = 0.0712 * t296;
-    let force_right_elbow_x = t302 - t303;
-    let t305 = cos_right_shoulder_right_elbow * force_right_elbow_x;
-    let t306 = t305 + t299;
-    let t307 = t288 * t283;
-    let force_right_shoulder_x = t307 - t306;
-    let t309 = force_right_shoulder_x - moment_right_shoulder_y;
-    let moment_torso_z = t309 - t238;
-    let t311 = u[0] - moment_torso_z;
-    let t312 = inverse_d_torso * t311;
-    let t313 = t312 - t192;
-    let t314 = t313 - t164;
-    let t315 = t82 * inverse_d_torso;
-    let t316 = 0.0031999999999999997 * t217;
-    let t317 = v[3] * 0.2;
-    let t318 = u[3] * 100.0;
-    let t319 = t318 - t317;
-    let t320 = t319 + t316;
-    let t321 = t315 * t320;
-    let t322 = t314 - t321;
-    let t323 = t43 * inverse_d_torso;
-    let t324 = t301 - t294;
-    let t325 = 0.0008800000000000001 * t324;
-    let t326 = 0.0007999999999999998 * t296;
-    let t327 = t325 + t326;
-    let t328 = 0.0807 * t296;
-    let t329 = t327 - t328;
-    let t330 = t13 * t282;
-    let t331 = 49.05 + t330;
-    let t332 = sin_right_shoulder_right_elbow * t331;
-    let t333 = t18 * t283;
-    let t334 = cos_right_shoulder_right_elbow * t333;
-    let acceleration_right_elbow_x = t334 - t332;
-    let t336 = 0.0712 * acceleration_right_elbow_x;
-    let t337 = cos_right_shoulder_right_elbow * t331;
-    let t338 = sin_right_shoulder_right_elbow * t333;
-    let acceleration_right_elbow_y = t338 + t337;
-    let t340 = 0.0016 * acceleration_right_elbow_y;
-    let t341 = t340 + t336;
-    let t342 = t341 - t329;
-    let t343 = omega_right_elbow_x * t254;
-    let t344 = t342 - t343;
-    let t345 = omega_right_elbow_x * t258;
-    let t346 = t296 - t345;
-    let moment_right_wrist_y = 0.0006 * t346;
-    let moment_right_elbow_z = moment_right_wrist_y + t344;
-    let t349 = t13 * t306;
-    let t350 = cos_right_shoulder_right_elbow * force_right_elbow_y;
-    let t351 = sin_right_shoulder_right_elbow * force_right_elbow_x;
-    let t352 = t351 - t350;
-    let t353 = t18 * t352;
-    let t354 = t353 + t349;
-    let t355 = moment_right_elbow_z - t354;
-    let t356 = t282 - t283;
-    let t357 = t280 * t356;
-    let t358 = sin_right_shoulder * 9.299879999999998;
-    let t359 = t358 - t357;
-    let moment_right_shoulder_z = t359 - t355;
-    let t361 = v[4] * 0.2;
-    let t362 = u[4] * 100.0;
-    let t363 = t362 - t361;
-    let t364 = t363 - moment_right_shoulder_z;
-    let t365 = t323 * t364;
-    let t366 = t322 + t365;
-    let t367 = t33 * t323;
-    let t368 = t78 * inverse_d_torso;
-    let t369 = t367 + t368;
-    let t370 = v[5] * 0.2;
-    let t371 = u[5] * 100.0;
-    let t372 = t371 - t370;
-    let t373 = t372 + moment_right_elbow_z;
-    let t374 = t369 * t373;
-    let t375 = t366 + t374;
-    let t376 = t74 * inverse_d_torso;
-    let t377 = 0.0031999999999999997 * t269;
-    let t378 = v[6] * 0.2;
-    let t379 = u[6] * 100.0;
+    let t107 = 2.0 * omega_right_wrist_z;
+    let t108 = omega_right_elbow_z * t107;
+    let t109 = t90 - t108;
+    let moment_right_wrist_x = 0.0006 * t109;
+    let moment_right_elbow_x = moment_right_wrist_x - t105;
+    let t112 = sin_right_shoulder_right_elbow * moment_right_elbow_x;
+    let t113 = 0.0007999999999999998 * t93;
+    let t114 = 0.0008800000000000001 * t90;
+    let t115 = t114 + t113;
+    let t116 = 0.0016 * acceleration_right_elbow_z;
+    let t117 = t116 - t115;
+    let t118 = omega_right_elbow_z * omega_right_elbow_x;
+    let moment_right_wrist_z = 0.0012 * t118;
+    let moment_right_elbow_y = t117 - moment_right_wrist_z;
+    let t121 = cos_right_shoulder_right_elbow * moment_right_elbow_y;
+    let t122 = t112 + t121;
+    let t123 = 0.0712 * t90;
+    let t124 = 0.0016 * t93;
+    let force_right_elbow_z = t124 + t123;
+    let t126 = 1.4999999999999998 * sin_right_shoulder;
+    let t127 = t126 * force_right_elbow_z;
+    let t128 = t122 + t127;
+    let t129 = 0.001 * sin_right_shoulder;
+    let t130 = 0.24456 * cos_right_shoulder;
+    let t131 = t130 + t129;
+    let t132 = sin_right_shoulder * t131;
+    let t133 = 0.0005 - t132;
+    let t134 = t133 * t97;
+    let t135 = v[4] * v[4];
+    let t136 = acceleration_left_shoulder_z + t135;
+    let t137 = acceleration_left_shoulder_z - t136;
+    let t138 = 0.0028799999999999997 * sin_right_shoulder;
+    let t139 = t138 * t137;
+    let t140 = t134 + t139;
+    let t141 = 0.1896 * sin_right_shoulder;
+    let t142 = t141 * acceleration_left_shoulder_z;
+    let t143 = t142 + t140;
+    let moment_right_shoulder_y = t143 - t128;
+    let t145 = omega_right_elbow_x * omega_right_elbow_x;
+    let t146 = omega_right_elbow_z * omega_right_elbow_z;
+    let t147 = t145 + t146;
+    let t148 = 0.0712 * t147;
+    let t149 = omega_right_elbow_x * omega_right_elbow_y;
+    let t150 = 0.0016 * t149;
+    let force_right_elbow_y = t150 - t148;
+    let t152 = sin_right_shoulder_right_elbow * force_right_elbow_y;
+    let t153 = omega_right_elbow_y * omega_right_elbow_y;
+    let t154 = t153 + t146;
+    let t155 = 0.0016 * t154;
+    let t156 = 0.0712 * t149;
+    let force_right_elbow_x = t155 - t156;
+    let t158 = cos_right_shoulder_right_elbow * force_right_elbow_x;
+    let t159 = t158 + t152;
+    let t160 = t141 * t136;
+    let force_right_shoulder_x = t160 - t159;
+    let t162 = force_right_shoulder_x - moment_right_shoulder_y;
+    let moment_torso_z = t162 - t86;
+    let t164 = u[0] - moment_torso_z;
+    let t165 = 0.0031999999999999997 * t118;
+    let t166 = v[6] * 0.2;
+    let t167 = u[6] * 100.0;
+    let t168 = t167 - t166;
+    let t169 = t168 + t165;
+    let t170 = cos_right_shoulder_right_elbow * 0.015904572564612324;
+    let t171 = t170 * t169;
+    let t172 = t164 - t171;
+    let t173 = t154 - t147;
+    let t174 = 0.0008800000000000001 * t173;
+    let t175 = 0.0007999999999999998 * t149;
+    let t176 = t174 + t175;
+    let t177 = 0.0807 * t149;
+    let t178 = t176 - t177;
+    let t179 = t98 * t135;
+    let t180 = 49.05 + t179;
+    let t181 = sin_right_shoulder_right_elbow * t180;
+    let t182 = t126 * t136;
+    let t183 = cos_right_shoulder_right_elbow * t182;
+    let acceleration_right_elbow_x = t183 - t181;
+    let t185 = 0.0712 * acceleration_right_elbow_x;
+    let t186 = cos_right_shoulder_right_elbow * t180;
+    let t187 = sin_right_shoulder_right_elbow * t182;
+    let acceleration_right_elbow_y = t187 + t186;
+    let t189 = 0.0016 * acceleration_right_elbow_y;
+    let t190 = t189 + t185;
+    let t191 = t190 - t178;
+    let t192 = omega_right_elbow_x * t103;
+    let t193 = t191 - t192;
+    let t194 = omega_right_elbow_x * t107;
+    let t195 = t149 - t194;
+    let moment_right_wrist_y = 0.0006 * t195;
+    let moment_right_elbow_z = moment_right_wrist_y + t193;
+    let t198 = v[5] * 0.2;
+    let t199 = u[5] * 100.0;
+    let t200 = t199 - t198;
+    let t201 = t200 + moment_right_elbow_z;
+    let t202 = 0.0712 * cos_right_shoulder_right_elbow;
+    let t203 = 0.0016 * sin_right_shoulder_right_elbow;
+    let t204 = t203 + t202;
+    let t205 = t204 * 3.544842254519674;
+    let t206 = t205 * t201;
+    let t207 = t172 + t206;
+    let t208 = t98 * t159;
+    let t209 = cos_right_shoulder_right_elbow * force_right_elbow_y;
+    let t210 = sin_right_shoulder_right_elbow * force_right_elbow_x;
+    let t211 = t210 - t209;
+    let t212 = t126 * t211;
+    let t213 = t212 + t208;
+    let t214 = moment_right_elbow_z - t213;
+    let t215 = t135 - t136;
+    let t216 = t133 * t215;
+    let t217 = sin_right_shoulder * 9.299879999999998;
+    let t218 = t217 - t216;
+    let moment_right_shoulder_z = t218 - t214;
+    let t220 = v[4] * 0.2;
+    let t221 = u[4] * 100.0;
+    let t222 = t221 - t220;
+    let t223 = t222 - moment_right_shoulder_z;
+    let t224 = t98 * t204;
+    let t225 = 0.0712 * sin_right_shoulder_right_elbow;
+    let t226 = 0.0016 * cos_right_shoulder_right_elbow;
+    let t227 = t226 - t225;
+    let t228 = t126 * t227;
+    let t229 = t228 - t224;
+    let t230 = t229 - 0.0841;
+    let t231 = t230 * 3.544842254519674;
+    let t232 = t231 * t201;
+    let t233 = t223 + t232;
+    let t234 = 2.0 * t229;
+    let t235 = 0.08209999999999999 - t234;
+    let t236 = cos_right_shoulder * t131;
+    let t237 = 0.0015099999999999996 + t236;
+    let t238 = 0.24607 - t236;
+    let t239 = t238 + t237;
+    let t240 = t239 + t235;
+    let t241 = 0.2 + t240;
+    let t242 = t230 * t231;
+    let t243 = t241 - t242;
+    let inverse_d_right_shoulder = 1.0 / t243;
+    let t245 = t204 * t231;
+    let t246 = 0.1896 * cos_right_shoulder;
+    let t247 = t246 + t204;
+    let t248 = 0.0028799999999999997 * cos_right_shoulder;
+    let t249 = t248 + t247;
+    let t250 = t249 + t245;
+    let t251 = t250 * inverse_d_right_shoulder;
+    let t252 = t251 * t233;
+    let t253 = t207 + t252;
+    let t254 = 0.0031999999999999997 * t42;
+    let t255 = v[3] * 0.2;
+    let t256 = u[3] * 100.0;
+    let t257 = t256 - t255;
+    let t258 = t257 + t254;
+    let t259 = cos_left_shoulder_left_elbow * 0.015904572564612324;
+    let t260 = t259 * t258;
+    let t261 = t253 - t260;
+    let t262 = t78 - t71;
+    let t263 = 0.0008800000000000001 * t262;
+    let t264 = 0.0007999999999999998 * t73;
+    let t265 = t263 + t264;
+    let t266 = 0.0807 * t73;
+    let t267 = t265 - t266;
+    let t268 = t21 * t59;
+    let t269 = 49.05 + t268;
+    let t270 = sin_left_shoulder_left_elbow * t269;
+    let t271 = t50 * t60;
+    let t272 = cos_left_shoulder_left_elbow * t271;
+    let acceleration_left_elbow_x = t272 - t270;
+    let t274 = 0.0712 * acceleration_left_elbow_x;
+    let t275 = cos_left_shoulder_left_elbow * t269;
+    let t276 = sin_left_shoulder_left_elbow * t271;
+    let acceleration_left_elbow_y = t276 + t275;
+    let t278 = 0.0016 * acceleration_left_elbow_y;
+    let t279 = t278 + t274;
+    let t280 = t279 - t267;
+    let t281 = omega_left_elbow_x * t27;
+    let t282 = t280 - t281;
+    let t283 = omega_left_elbow_x * t31;
+    let t284 = t73 - t283;
+    let moment_left_wrist_y = 0.0006 * t284;
+    let moment_left_elbow_z = moment_left_wrist_y + t282;
+    let t287 = v[2] * 0.2;
+    let t288 = u[2] * 100.0;
+    let t289 = t288 - t287;
+    let t290 = t289 + moment_left_elbow_z;
+    let t291 = 0.0712 * cos_left_shoulder_left_elbow;
+    let t292 = 0.0016 * sin_left_shoulder_left_elbow;
+    let t293 = t292 + t291;
+    let t294 = t293 * 3.544842254519674;
+    let t295 = t294 * t290;
+    let t296 = t261 - t295;
+    let t297 = t21 * t83;
+    let t298 = cos_left_shoulder_left_elbow * force_left_elbow_y;
+    let t299 = sin_left_shoulder_left_elbow * force_left_elbow_x;
+    let t300 = t299 - t298;
+    let t301 = t50 * t300;
+    let t302 = t301 + t297;
+    let t303 = moment_left_elbow_z - t302;
+    let t304 = t59 - t60;
+    let t305 = t57 * t304;
+    let t306 = sin_left_shoulder * 9.299879999999998;
+    let t307 = t306 - t305;
+    let moment_left_shoulder_z = t307 - t303;
+    let t309 = v[1] * 0.2;
+    let t310 = u[1] * 100.0;
+    let t311 = t310 - t309;
+    let t312 = t311 - moment_left_shoulder_z;
+    let t313 = t21 * t293;
+    let t314 = 0.0712 * sin_left_shoulder_left_elbow;
+    let t315 = 0.0016 * cos_left_shoulder_left_elbow;
+    let t316 = t315 - t314;
+    let t317 = t50 * t316;
+    let t318 = t317 - t313;
+    let t319 = t318 - 0.0841;
+    let t320 = t319 * 3.544842254519674;
+    let t321 = t320 * t290;
+    let t322 = t312 + t321;
+    let t323 = 2.0 * t318;
+    let t324 = 0.08209999999999999 - t323;
+    let t325 = cos_left_shoulder * t55;
+    let t326 = 0.0015099999999999996 + t325;
+    let t327 = 0.24607 - t325;
+    let t328 = t327 + t326;
+    let t329 = t328 + t324;
+    let t330 = 0.2 + t329;
+    let t331 = t319 * t320;
+    let t332 = t330 - t331;
+    let inverse_d_left_shoulder = 1.0 / t332;
+    let t334 = t293 * t320;
+    let t335 = 0.1896 * cos_left_shoulder;
+    let t336 = t335 + t293;
+    let t337 = 0.0028799999999999997 * cos_left_shoulder;
+    let t338 = t337 + t336;
+    let t339 = t338 + t334;
+    let t340 = t339 * inverse_d_left_shoulder;
+    let t341 = t340 * t322;
+    let t342 = t296 - t341;
+    let t343 = t250 * t251;
+    let t344 = 2.0 * t228;
+    let t345 = cos_right_shoulder_right_elbow * 0.0017600000000000003;
+    let t346 = sin_right_shoulder_right_elbow * 0.0793;
+    let t347 = t346 - t345;
+    let t348 = sin_right_shoulder_right_elbow * t347;
+    let t349 = 0.0013999999999999998 + t348;
+    let t350 = t349 - t344;
+    let t351 = t238 + t350;
+    let t352 = 0.051219999999999995 + t351;
+    let t353 = 2.0 * t317;
+    let t354 = cos_left_shoulder_left_elbow * 0.0017600000000000003;
+    let t355 = sin_left_shoulder_left_elbow * 0.0793;
+    let t356 = t355 - t354;
+    let t357 = sin_left_shoulder_left_elbow * t356;
+    let t358 = 0.0013999999999999998 + t357;
+    let t359 = t358 - t353;
+    let t360 = t327 + t359;
+    let t361 = t352 + t360;
+    let t362 = t361 + 0.46636;
+    let t363 = cos_right_shoulder_right_elbow * 0.0031999999999999997;
+    let t364 = t363 * t170;
+    let t365 = t362 - t364;
+    let t366 = t204 * t205;
+    let t367 = t365 - t366;
+    let t368 = t367 - t343;
+    let t369 = cos_left_shoulder_left_elbow * 0.0031999999999999997;
+    let t370 = t369 * t259;
+    let t371 = t368 - t370;
+    let t372 = t293 * t294;
+    let t373 = t371 - t372;
+    let t374 = t339 * t340;
+    let t375 = t373 - t374;
+    let inverse_d_torso = 1.0 / t375;
+    b_x[0][0] = inverse_d_torso;
+    let acceleration_left_shoulder_x = inverse_d_torso * t342;
+    let t378 = t340 * acceleration_left_shoulder_x;
+    let t379 = inverse_d_left_shoulder * t322;
     let t380 = t379 - t378;
-    let t381 = t380 + t377;
-    let t382 = t376 * t381;
-    let acceleration_left_shoulder_x = t375 - t382;
-    let t384 = cos_left_shoulder_left_elbow * acceleration_left_shoulder_x;
-    let t385 = t196 - t384;
-    let t386 = 0.0007999999999999998 * t385;
-    let t387 = sin_left_shoulder_left_elbow * acceleration_left_shoulder_x;
-    let t388 = t194 + t387;
-    let t389 = 0.0008800000000000001 * t388;
-    let t390 = t389 + t386;
-    let t391 = t57 * acceleration_left_shoulder_x;
-    let t392 = t201 + t391;
-    let acceleration_left_elbow_z_2 = acceleration_left_shoulder_z + t392;
-    let t394 = 0.0016 * acceleration_left_elbow_z_2;
+    let t381 = t320 * t380;
+    let t382 = 3.544842254519674 * t290;
+    let t383 = t382 + t381;
+    let t384 = t294 * acceleration_left_shoulder_x;
+    let t385 = t383 - t384;
+    let t386 = t380 + t385;
+    let t387 = t73 + t386;
+    let t388 = 0.0016 * t387;
+    let force_left_elbow_y_2 = t72 - t388;
+    let t390 = cos_left_shoulder_left_elbow * force_left_elbow_y_2;
+    let t391 = t73 - t386;
+    let t392 = 0.0712 * t391;
+    let force_left_elbow_x_2 = t79 - t392;
+    let t394 = sin_left_shoulder_left_elbow * force_left_elbow_x_2;
     let t395 = t394 + t390;
-    let t396 = t82 * t116;
-    let t397 = t396 * t191;
-    let t398 = t315 * t311;
-    let t399 = t398 - t397;
-    let t400 = t102 * t112;
-    let t401 = t89 + t400;
-    let t402 = inverse_d_torso * t401;
-    let t403 = t82 * t402;
-    let t404 = t403 * t163;
-    let t405 = t399 - t404;
-    let t406 = t82 * t315;
-    let t407 = 4.970178926441352 + t406;
-    let t408 = t407 * t320;
-    let t409 = t405 - t408;
-    let t410 = t43 * t315;
-    let t411 = t410 * t364;
-    let t412 = t409 + t411;
-    let t413 = t33 * t410;
-    let t414 = t78 * t315;
-    let t415 = t413 + t414;
-    let t416 = t415 * t373;
-    let t417 = t412 + t416;
-    let t418 = t74 * t315;
-    let t419 = t418 * t381;
-    let t420 = t417 - t419;
-    let t421 = 0.002 * t420;
-    let t422 = t395 + t421;
-    let t423 = t217 - t384;
-    let t424 = t420 + t423;
-    let t425 = t217 - t424;
-    let t426 = 0.0006 * t425;
-    let t427 = t217 + t424;
-    let t428 = 0.0006 * t427;
-    let moment_left_wrist_z_2 = t428 - t426;
-    let moment_left_elbow_y_2 = moment_left_wrist_z_2 + t422;
-    let t431 = sin_left_shoulder_left_elbow * moment_left_elbow_y_2;
-    let t432 = 0.0807 * t388;
-    let t433 = 0.0008800000000000001 * t385;
-    let t434 = t433 + t432;
-    let t435 = 0.0712 * acceleration_left_elbow_z_2;
-    let t436 = t435 + t434;
-    let t437 = t205 - t436;
-    let t438 = t207 - t388;
-    let moment_left_wrist_x_2 = 0.0006 * t438;
-    let moment_left_elbow_x_2 = moment_left_wrist_x_2 + t437;
-    let t441 = cos_left_shoulder_left_elbow * moment_left_elbow_x_2;
-    let t442 = t441 - t431;
-    let t443 = 0.0712 * t388;
-    let t444 = 0.0016 * t385;
-    let force_left_elbow_z_2 = t444 + t443;
-    let t446 = t92 * force_left_elbow_z_2;
-    let t447 = t442 - t446;
-    let t448 = t112 * t116;
-    let t449 = inverse_d_left_shoulder + t448;
-    let t450 = t102 * t449;
-    let t451 = t89 * t116;
-    let t452 = t450 + t451;
-    let t453 = t452 * t163;
-    let t454 = t449 * t191;
-    let t455 = t116 * t311;
-    let t456 = t455 - t454;
-    let t457 = t456 - t453;
-    let t458 = t396 * t320;
-    let t459 = t457 - t458;
-    let t460 = t43 * t116;
-    let t461 = t460 * t364;
-    let t462 = t459 + t461;
-    let t463 = t33 * t460;
-    let t464 = t78 * t116;
-    let t465 = t463 + t464;
-    let t466 = t465 * t373;
-    let t467 = t462 + t466;
-    let t468 = t74 * t116;
-    let t469 = t468 * t381;
-    let t470 = t467 - t469;
-    let t471 = t229 * t470;
-    let t472 = t182 * acceleration_left_shoulder_x;
-    let t473 = t472 - t471;
-    let t474 = acceleration_left_shoulder_z - t135;
-    let t475 = t109 * t474;
-    let t476 = t475 - t473;
-    let t477 = t97 * t200;
-    let t478 = t477 + t476;
-    let t479 = t107 * acceleration_left_shoulder_z;
-    let t480 = t479 + t478;
-    let t481 = v[2] * 0.002;
-    let t482 = v[0] * t481;
-    let t483 = t482 + t480;
-    let moment_left_shoulder_x = t483 - t447;
-    let t485 = t57 * t88;
-    let t486 = t92 * t56;
-    let t487 = t486 - t485;
-    let t488 = cos_left_shoulder_left_elbow * t62;
-    let t489 = 0.0008800000000000001 + t488;
-    let t490 = t489 - t487;
-    let t491 = t182 - t490;
-    let t492 = t491 * acceleration_left_shoulder_x;
-    let t493 = t109 * acceleration_left_shoulder_z;
-    let t494 = t492 + t493;
-    let t495 = v[1] * t57;
-    let t496 = 2.0 * t495;
-    let t497 = t56 * t496;
-    let t498 = omega_left_elbow_z * 0.0032;
-    let t499 = cos_left_shoulder_left_elbow * t498;
-    let t500 = omega_left_elbow_z * 0.1424;
-    let t501 = sin_left_shoulder_left_elbow * t500;
-    let t502 = t501 - t499;
-    let t503 = t57 * t502;
-    let t504 = t503 - t497;
-    let t505 = omega_left_elbow_z * 0.1586;
-    let t506 = cos_left_shoulder_left_elbow * t505;
-    let t507 = omega_left_elbow_z * 0.0035200000000000006;
-    let t508 = sin_left_shoulder_left_elbow * t507;
-    let t509 = t508 + t506;
-    let t510 = cos_left_shoulder_left_elbow * t509;
-    let t511 = omega_left_elbow_z * 0.1614;
-    let t512 = t511 - t510;
-    let t513 = t512 + t504;
-    let t514 = t70 * t199;
-    let t515 = t481 + t514;
-    let t516 = t515 + t513;
-    let t517 = v[0] * t516;
-    let t518 = t494 + t517;
-    let t519 = moment_left_shoulder_x - t518;
-    let t520 = t112 * t402;
-    let t521 = t102 * inverse_d_left_shoulder;
-    let t522 = t521 + t520;
-    let t523 = t102 * t522;
-    let t524 = 3.544842254519674 + t523;
-    let t525 = t89 * t402;
-    let t526 = t524 + t525;
-    let t527 = t526 * t163;
-    let t528 = t452 * t191;
-    let t529 = t119 * t311;
-    let t530 = t529 - t528;
-    let t531 = t530 - t527;
-    let t532 = t403 * t320;
-    let t533 = t531 - t532;
-    let t534 = t43 * t402;
-    let t535 = t534 * t364;
-    let t536 = t533 + t535;
-    let t537 = t33 * t534;
-    let t538 = t78 * t402;
-    let t539 = t537 + t538;
-    let t540 = t539 * t373;
-    let t541 = t536 + t540;
-    let t542 = t74 * t402;
-    let t543 = t542 * t381;
-    let t544 = t541 - t543;
-    let t545 = t470 + t544;
-    let t546 = t130 - t545;
-    let t547 = 0.0016 * t546;
-    let force_left_elbow_y_2 = t165 - t547;
-    let t549 = cos_left_shoulder_left_elbow * force_left_elbow_y_2;
-    let t550 = t130 + t545;
-    let t551 = 0.0712 * t550;
-    let force_left_elbow_x_2 = t169 - t551;
-    let t553 = sin_left_shoulder_left_elbow * force_left_elbow_x_2;
-    let t554 = t553 + t549;
-    let t555 = t232 * t470;
-    let t556 = t107 * t135;
-    let t557 = t556 - t555;
-    let force_left_shoulder_y = t557 + t554;
-    let t559 = t108 * acceleration_left_shoulder_z;
-    let t560 = force_left_shoulder_y + t559;
-    let t561 = t560 - t519;
-    let t562 = inverse_d_torso * t561;
-    let t563 = t229 * acceleration_left_shoulder_x;
-    let t564 = t99 * acceleration_left_shoulder_z;
-    let t565 = t564 + t563;
-    let t566 = t232 - t56;
-    let t567 = t566 * acceleration_left_shoulder_x;
-    let t568 = t108 * 49.05;
-    let t569 = t567 - t568;
-    let t570 = t569 + t565;
-    let t571 = omega_left_elbow_y * 0.0015999999999999996;
-    let t572 = 0.0017600000000000003 * omega_left_elbow_x;
-    let t573 = t572 - t571;
-    let t574 = t151 - t573;
-    let t575 = 0.0012 * omega_left_wrist_z;
-    let t576 = t575 + t574;
-    let t577 = cos_left_shoulder_left_elbow * t576;
-    let t578 = 0.0017600000000000003 * omega_left_elbow_y;
-    let t579 = omega_left_elbow_x * 0.1614;
-    let t580 = t579 - t578;
-    let t581 = sin_left_shoulder_left_elbow * t580;
-    let t582 = t577 + t581;
-    let t583 = omega_left_elbow_y * 0.0032;
-    let t584 = omega_left_elbow_x * 0.1424;
-    let t585 = t584 - t583;
-    let t586 = t57 * t585;
-    let t587 = v[0] * t57;
-    let t588 = 2.0 * t587;
-    let t589 = t56 * t588;
-    let t590 = t586 - t589;
-    let t591 = t582 + t590;
-    let t592 = v[0] * 2.0;
-    let t593 = t70 * t592;
-    let t594 = t593 + t591;
-    let t595 = v[0] * t594;
-    let t596 = t570 - t595;
-    let t597 = t116 * t596;
-    let t598 = t562 - t597;
-    let t599 = t56 * acceleration_left_shoulder_x;
-    let t600 = t88 * 49.05;
-    let t601 = t600 + t599;
-    let t602 = t101 * acceleration_left_shoulder_z;
-    let t603 = t602 + t601;
-    let t604 = t582 - t589;
-    let t605 = v[0] * 0.002;
-    let t606 = t605 + t604;
-    let t607 = v[0] * t606;
-    let t608 = t603 + t607;
-    let t609 = t119 * t608;
-    let t610 = t598 + t609;
-    let t611 = sin_left_shoulder_left_elbow * 0.0031999999999999997;
-    let t612 = acceleration_left_shoulder_x * t611;
-    let t613 = 0.0031999999999999997 * omega_left_elbow_z;
-    let t614 = cos_left_shoulder_left_elbow * t613;
-    let t615 = v[0] * t614;
-    let t616 = t612 + t615;
-    let t617 = t315 * t616;
-    let t618 = t610 - t617;
-    let t619 = omega_left_elbow_y * t585;
-    let t620 = 0.0016 * acceleration_left_shoulder_z;
-    let t621 = t620 + t619;
-    let t622 = force_left_elbow_x_2 + t621;
-    let t623 = sin_left_shoulder_left_elbow * t622;
-    let t624 = omega_left_elbow_x * t585;
-    let t625 = 0.0712 * acceleration_left_shoulder_z;
-    let t626 = t625 - t624;
-    let t627 = force_left_elbow_y_2 + t626;
-    let t628 = cos_left_shoulder_left_elbow * t627;
-    let t629 = t628 + t623;
-    let t630 = t92 * t629;
-    let t631 = cos_left_shoulder_left_elbow * t622;
-    let t632 = sin_left_shoulder_left_elbow * t627;
-    let t633 = t632 - t631;
-    let t634 = t57 * t633;
-    let t635 = t634 + t630;
-    let t636 = t57 * t470;
-    let t637 = t136 - t636;
-    let t638 = 49.05 + t637;
-    let t639 = cos_left_shoulder_left_elbow * t638;
-    let t640 = t92 * t470;
-    let t641 = t141 + t640;
-    let t642 = acceleration_left_shoulder_x - t641;
-    let t643 = sin_left_shoulder_left_elbow * t642;
-    let acceleration_left_elbow_y_2 = t643 - t639;
-    let t645 = 0.0712 * acceleration_left_elbow_y_2;
-    let t646 = sin_left_shoulder_left_elbow * t638;
-    let t647 = cos_left_shoulder_left_elbow * t642;
-    let acceleration_left_elbow_x_2 = t647 + t646;
-    let t649 = 0.0016 * acceleration_left_elbow_x_2;
-    let t650 = t649 - t645;
-    let t651 = 0.08209999999999999 * acceleration_left_shoulder_z;
-    let t652 = t650 - t651;
-    let t653 = omega_left_elbow_y * t576;
-    let t654 = omega_left_elbow_x * t580;
-    let t655 = t653 + t654;
-    let t656 = t652 + t655;
-    let t657 = t656 - t635;
-    let t658 = t116 * t657;
-    let t659 = 0.0008800000000000001 * t384;
-    let t660 = t387 * 0.0019999999999999996;
-    let t661 = t660 + t659;
-    let t662 = omega_left_elbow_z * 0.0027999999999999995;
-    let t663 = omega_left_elbow_y * t662;
-    let t664 = 0.0017600000000000003 * omega_left_elbow_z;
-    let t665 = omega_left_elbow_x * t664;
-    let t666 = t665 - t663;
-    let t667 = t661 - t666;
-    let t668 = moment_left_elbow_x_2 + t667;
-    let t669 = cos_left_shoulder_left_elbow * t668;
-    let t670 = 0.0008800000000000001 * t387;
-    let t671 = t384 * 0.0813;
-    let t672 = t671 + t670;
-    let t673 = omega_left_elbow_x * t511;
-    let t674 = omega_left_elbow_y * t664;
-    let t675 = t674 - t673;
-    let t676 = t672 + t675;
-    let t677 = moment_left_elbow_y_2 + t676;
-    let t678 = sin_left_shoulder_left_elbow * t677;
-    let t679 = t678 - t669;
-    let t680 = 0.0016 * t387;
-    let t681 = 0.0712 * t384;
-    let t682 = t681 + t680;
-    let t683 = omega_left_elbow_x * t500;
-    let t684 = omega_left_elbow_y * t498;
-    let t685 = t684 - t683;
-    let t686 = t682 + t685;
-    let t687 = t57 * t686;
-    let t688 = t679 + t687;
-    let t689 = t629 - t688;
-    let t690 = inverse_d_torso * t689;
-    let t691 = t690 + t658;
-    let t692 = t119 * t656;
-    let t693 = t691 + t692;
-    let t694 = 0.0031999999999999997 * t387;
-    let t695 = omega_left_elbow_y * t613;
-    let t696 = t694 + t695;
-    let t697 = t315 * t696;
-    let t698 = t693 - t697;
-    let t699 = 0.0006 * t550;
-    let t700 = omega_left_elbow_x * t575;
-    let t701 = t699 - t700;
-    let t702 = t156 - t550;
-    let moment_left_wrist_y_2 = 0.0006 * t702;
-    let t704 = moment_left_wrist_y_2 + t701;
-    let t705 = sin_left_shoulder_left_elbow * t704;
-    let t706 = 0.0012 * omega_left_elbow_x;
-    let t707 = omega_left_elbow_x * t706;
-    let t708 = 0.0012 * omega_left_elbow_z;
-    let t709 = omega_left_elbow_z * t708;
-    let t710 = t709 + t707;
-    let t711 = 0.0012 * t124;
-    let t712 = t711 - t710;
-    let t713 = cos_left_shoulder_left_elbow * t712;
-    let t714 = t705 - t713;
-    let t715 = inverse_d_torso * t714;
-    let t716 = 0.0006 * t388;
-    let t717 = omega_left_elbow_z * t575;
-    let t718 = t716 - t717;
-    let t719 = moment_left_wrist_x_2 + t718;
-    let t720 = t116 * t719;
-    let t721 = t715 - t720;
-    let t722 = t119 * t719;
-    let t723 = t721 - t722;
-    let t724 = t315 * t712;
-    let t725 = t723 + t724;
-    let t726 = cos_right_shoulder_right_elbow * acceleration_left_shoulder_x;
-    let t727 = t245 - t726;
-    let t728 = 0.0007999999999999998 * t727;
-    let t729 = sin_right_shoulder_right_elbow * acceleration_left_shoulder_x;
-    let t730 = t242 + t729;
-    let t731 = 0.0008800000000000001 * t730;
-    let t732 = t731 + t728;
-    let t733 = t18 * acceleration_left_shoulder_x;
-    let t734 = t250 + t733;
-    let acceleration_right_elbow_z_2 = acceleration_left_shoulder_z - t734;
-    let t736 = 0.0016 * acceleration_right_elbow_z_2;
-    let t737 = t736 - t732;
-    let t738 = t468 * t191;
-    let t739 = t376 * t311;
-    let t740 = t739 - t738;
-    let t741 = t542 * t163;
-    let t742 = t740 - t741;
-    let t743 = t418 * t320;
-    let t744 = t742 - t743;
-    let t745 = t74 * t323;
-    let t746 = t745 * t364;
-    let t747 = t744 + t746;
-    let t748 = t33 * t43;
-    let t749 = t78 + t748;
-    let t750 = inverse_d_torso * t749;
-    let t751 = t74 * t750;
-    let t752 = t751 * t373;
-    let t753 = t747 + t752;
-    let t754 = t74 * t376;
-    let t755 = 4.970178926441352 + t754;
-    let t756 = t755 * t381;
-    let t757 = t753 - t756;
-    let t758 = 0.002 * t757;
-    let t759 = t737 - t758;
-    let t760 = t269 - t726;
-    let t761 = t757 + t760;
-    let t762 = t269 - t761;
-    let t763 = 0.0006 * t762;
-    let t764 = t269 + t761;
-    let t765 = 0.0006 * t764;
-    let moment_right_wrist_z_2 = t765 - t763;
-    let moment_right_elbow_y_2 = moment_right_wrist_z_2 - t759;
-    let t768 = sin_right_shoulder_right_elbow * moment_right_elbow_y_2;
-    let t769 = 0.0807 * t730;
-    let t770 = 0.0008800000000000001 * t727;
-    let t771 = t770 + t769;
-    let t772 = 0.0712 * acceleration_right_elbow_z_2;
-    let t773 = t772 - t771;
-    let t774 = t255 + t773;
-    let t775 = t259 - t730;
-    let moment_right_wrist_x_2 = 0.0006 * t775;
-    let moment_right_elbow_x_2 = moment_right_wrist_x_2 + t774;
-    let t778 = cos_right_shoulder_right_elbow * moment_right_elbow_x_2;
-    let t779 = t778 - t768;
-    let t780 = 0.0712 * t730;
-    let t781 = 0.0016 * t727;
-    let force_right_elbow_z_2 = t781 + t780;
-    let t783 = t13 * force_right_elbow_z_2;
-    let t784 = t779 - t783;
-    let t785 = t460 * t191;
-    let t786 = t323 * t311;
-    let t787 = t786 - t785;
-    let t788 = t534 * t163;
-    let t789 = t787 - t788;
-    let t790 = t410 * t320;
-    let t791 = t789 - t790;
-    let t792 = t43 * t323;
-    let t793 = inverse_d_right_shoulder + t792;
-    let t794 = t793 * t364;
-    let t795 = t791 + t794;
-    let t796 = t33 * t793;
-    let t797 = t78 * t323;
-    let t798 = t796 + t797;
-    let t799 = t798 * t373;
-    let t800 = t795 + t799;
-    let t801 = t745 * t381;
-    let t802 = t800 - t801;
-    let t803 = t285 * t802;
-    let t804 = t280 * acceleration_left_shoulder_x;
-    let t805 = t804 - t803;
-    let t806 = acceleration_left_shoulder_z - t282;
-    let t807 = t40 * t806;
-    let t808 = t807 + t805;
-    let t809 = t27 * t249;
-    let t810 = t809 - t808;
-    let t811 = t38 * acceleration_left_shoulder_z;
-    let t812 = t811 - t810;
-    let t813 = v[5] * 0.002;
-    let t814 = v[0] * t813;
-    let t815 = t814 - t812;
-    let moment_right_shoulder_x = t815 - t784;
-    let t817 = t18 * t12;
-    let t818 = t13 * t17;
-    let t819 = t818 - t817;
-    let t820 = cos_right_shoulder_right_elbow * t48;
-    let t821 = 0.0008800000000000001 + t820;
-    let t822 = t821 - t819;
-    let t823 = t280 - t822;
-    let t824 = t823 * acceleration_left_shoulder_x;
-    let t825 = t40 * acceleration_left_shoulder_z;
-    let t826 = t824 - t825;
-    let t827 = v[4] * t18;
-    let t828 = 2.0 * t827;
-    let t829 = t17 * t828;
-    let t830 = omega_right_elbow_z * 0.0032;
-    let t831 = cos_right_shoulder_right_elbow * t830;
-    let t832 = omega_right_elbow_z * 0.1424;
-    let t833 = sin_right_shoulder_right_elbow * t832;
-    let t834 = t833 - t831;
-    let t835 = t18 * t834;
-    let t836 = t835 - t829;
-    let t837 = omega_right_elbow_z * 0.1586;
-    let t838 = cos_right_shoulder_right_elbow * t837;
-    let t839 = omega_right_elbow_z * 0.0035200000000000006;
+    let t396 = t65 * t380;
+    let t397 = t335 * t59;
+    let t398 = t397 + t396;
+    let force_left_shoulder_y = t398 + t395;
+    let t400 = t336 * acceleration_left_shoulder_z;
+    let t401 = force_left_shoulder_y + t400;
+    let t402 = cos_left_shoulder_left_elbow * acceleration_left_shoulder_x;
+    let t403 = t16 - t402;
+    let t404 = 0.0007999999999999998 * t403;
+    let t405 = sin_left_shoulder_left_elbow * acceleration_left_shoulder_x;
+    let t406 = t13 + t405;
+    let t407 = 0.0008800000000000001 * t406;
+    let t408 = t407 + t404;
+    let t409 = t50 * acceleration_left_shoulder_x;
+    let t410 = t22 + t409;
+    let acceleration_left_elbow_z_2 = acceleration_left_shoulder_z + t410;
+    let t412 = 0.0016 * acceleration_left_elbow_z_2;
+    let t413 = t412 + t408;
+    let t414 = t259 * acceleration_left_shoulder_x;
+    let t415 = 4.970178926441352 * t258;
+    let t416 = t415 - t414;
+    let t417 = 0.002 * t416;
+    let t418 = t413 - t417;
+    let t419 = t42 - t402;
+    let t420 = t416 - t419;
+    let t421 = t42 + t420;
+    let t422 = 0.0006 * t421;
+    let t423 = t42 - t420;
+    let t424 = 0.0006 * t423;
+    let moment_left_wrist_z_2 = t424 - t422;
+    let moment_left_elbow_y_2 = moment_left_wrist_z_2 + t418;
+    let t427 = sin_left_shoulder_left_elbow * moment_left_elbow_y_2;
+    let t428 = 0.0807 * t406;
+    let t429 = 0.0008800000000000001 * t403;
+    let t430 = t429 + t428;
+    let t431 = 0.0712 * acceleration_left_elbow_z_2;
+    let t432 = t431 + t430;
+    let t433 = t28 - t432;
+    let t434 = t32 - t406;
+    let moment_left_wrist_x_2 = 0.0006 * t434;
+    let moment_left_elbow_x_2 = moment_left_wrist_x_2 + t433;
+    let t437 = cos_left_shoulder_left_elbow * moment_left_elbow_x_2;
+    let t438 = t437 - t427;
+    let t439 = 0.0712 * t406;
+    let t440 = 0.0016 * t403;
+    let force_left_elbow_z_2 = t440 + t439;
+    let t442 = t21 * force_left_elbow_z_2;
+    let t443 = t438 - t442;
+    let t444 = t62 * t380;
+    let t445 = t57 * acceleration_left_shoulder_x;
+    let t446 = t445 + t444;
+    let t447 = acceleration_left_shoulder_z - t59;
+    let t448 = t337 * t447;
+    let t449 = t448 - t446;
+    let t450 = t326 * t20;
+    let t451 = t450 + t449;
+    let t452 = t335 * acceleration_left_shoulder_z;
+    let t453 = t452 + t451;
+    let t454 = v[2] * 0.002;
+    let t455 = v[0] * t454;
+    let t456 = t455 + t453;
+    let moment_left_shoulder_x = t456 - t443;
+    let t458 = t50 * t293;
+    let t459 = t21 * t316;
+    let t460 = t459 - t458;
+    let t461 = cos_left_shoulder_left_elbow * t356;
+    let t462 = 0.0008800000000000001 + t461;
+    let t463 = t462 - t460;
+    let t464 = t57 - t463;
+    let t465 = t464 * acceleration_left_shoulder_x;
+    let t466 = t337 * acceleration_left_shoulder_z;
+    let t467 = t465 + t466;
+    let t468 = v[1] * t50;
+    let t469 = 2.0 * t468;
+    let t470 = t316 * t469;
+    let t471 = omega_left_elbow_z * 0.0032;
+    let t472 = cos_left_shoulder_left_elbow * t471;
+    let t473 = omega_left_elbow_z * 0.1424;
+    let t474 = sin_left_shoulder_left_elbow * t473;
+    let t475 = t474 - t472;
+    let t476 = t50 * t475;
+    let t477 = t476 - t470;
+    let t478 = omega_left_elbow_z * 0.1586;
+    let t479 = cos_left_shoulder_left_elbow * t478;
+    let t480 = omega_left_elbow_z * 0.0035200000000000006;
+    let t481 = sin_left_shoulder_left_elbow * t480;
+    let t482 = t481 + t479;
+    let t483 = cos_left_shoulder_left_elbow * t482;
+    let t484 = omega_left_elbow_z * 0.1614;
+    let t485 = t484 - t483;
+    let t486 = t485 + t477;
+    let t487 = t327 * t19;
+    let t488 = t454 + t487;
+    let t489 = t488 + t486;
+    let t490 = v[0] * t489;
+    let t491 = t467 + t490;
+    let t492 = moment_left_shoulder_x - t491;
+    let t493 = t401 - t492;
+    let t494 = sin_left_shoulder_left_elbow * 0.0031999999999999997;
+    let t495 = acceleration_left_shoulder_x * t494;
+    let t496 = 0.0031999999999999997 * omega_left_elbow_z;
+    let t497 = cos_left_shoulder_left_elbow * t496;
+    let t498 = v[0] * t497;
+    let t499 = t495 + t498;
+    let t500 = t259 * t499;
+    let t501 = t493 - t500;
+    let t502 = t316 * acceleration_left_shoulder_x;
+    let t503 = t293 * 49.05;
+    let t504 = t503 + t502;
+    let t505 = t319 * acceleration_left_shoulder_z;
+    let t506 = t505 + t504;
+    let t507 = omega_left_elbow_y * 0.0015999999999999996;
+    let t508 = 0.0017600000000000003 * omega_left_elbow_x;
+    let t509 = t508 - t507;
+    let t510 = t27 - t509;
+    let t511 = 0.0012 * omega_left_wrist_z;
+    let t512 = t511 + t510;
+    let t513 = cos_left_shoulder_left_elbow * t512;
+    let t514 = 0.0017600000000000003 * omega_left_elbow_y;
+    let t515 = omega_left_elbow_x * 0.1614;
+    let t516 = t515 - t514;
+    let t517 = sin_left_shoulder_left_elbow * t516;
+    let t518 = t513 + t517;
+    let t519 = v[0] * t50;
+    let t520 = 2.0 * t519;
+    let t521 = t316 * t520;
+    let t522 = t518 - t521;
+    let t523 = v[0] * 0.002;
+    let t524 = t523 + t522;
+    let t525 = v[0] * t524;
+    let t526 = t506 + t525;
+    let t527 = t294 * t526;
+    let t528 = t501 + t527;
+    let t529 = t320 * t526;
+    let t530 = t62 * acceleration_left_shoulder_x;
+    let t531 = t329 * acceleration_left_shoulder_z;
+    let t532 = t531 + t530;
+    let t533 = t65 - t316;
+    let t534 = t533 * acceleration_left_shoulder_x;
+    let t535 = t336 * 49.05;
+    let t536 = t534 - t535;
+    let t537 = t536 + t532;
+    let t538 = omega_left_elbow_y * 0.0032;
+    let t539 = omega_left_elbow_x * 0.1424;
+    let t540 = t539 - t538;
+    let t541 = t50 * t540;
+    let t542 = t541 - t521;
+    let t543 = t518 + t542;
+    let t544 = v[0] * 2.0;
+    let t545 = t327 * t544;
+    let t546 = t545 + t543;
+    let t547 = v[0] * t546;
+    let t548 = t537 - t547;
+    let t549 = t548 - t529;
+    let t550 = t340 * t549;
+    let t551 = t528 - t550;
+    let t552 = inverse_d_torso * t551;
+    a_y[0][1] = t552;
+    let t553 = omega_left_elbow_y * t540;
+    let t554 = 0.0016 * acceleration_left_shoulder_z;
+    let t555 = t554 + t553;
+    let t556 = force_left_elbow_x_2 + t555;
+    let t557 = sin_left_shoulder_left_elbow * t556;
+    let t558 = omega_left_elbow_x * t540;
+    let t559 = 0.0712 * acceleration_left_shoulder_z;
+    let t560 = t559 - t558;
+    let t561 = force_left_elbow_y_2 + t560;
+    let t562 = cos_left_shoulder_left_elbow * t561;
+    let t563 = t562 + t557;
+    let t564 = t21 * t563;
+    let t565 = cos_left_shoulder_left_elbow * t556;
+    let t566 = sin_left_shoulder_left_elbow * t561;
+    let t567 = t566 - t565;
+    let t568 = t50 * t567;
+    let t569 = t568 + t564;
+    let t570 = t50 * t380;
+    let t571 = t268 + t570;
+    let t572 = 49.05 + t571;
+    let t573 = cos_left_shoulder_left_elbow * t572;
+    let t574 = t21 * t380;
+    let t575 = t271 - t574;
+    let t576 = acceleration_left_shoulder_x - t575;
+    let t577 = sin_left_shoulder_left_elbow * t576;
+    let acceleration_left_elbow_y_2 = t577 - t573;
+    let t579 = 0.0712 * acceleration_left_elbow_y_2;
+    let t580 = sin_left_shoulder_left_elbow * t572;
+    let t581 = cos_left_shoulder_left_elbow * t576;
+    let acceleration_left_elbow_x_2 = t581 + t580;
+    let t583 = 0.0016 * acceleration_left_elbow_x_2;
+    let t584 = t583 - t579;
+    let t585 = 0.08209999999999999 * acceleration_left_shoulder_z;
+    let t586 = t584 - t585;
+    let t587 = omega_left_elbow_y * t512;
+    let t588 = omega_left_elbow_x * t516;
+    let t589 = t587 + t588;
+    let t590 = t586 + t589;
+    let t591 = t590 - t569;
+    let t592 = t320 * t590;
+    let t593 = t591 + t592;
+    let t594 = t340 * t593;
+    let t595 = 0.0008800000000000001 * t402;
+    let t596 = t405 * 0.0019999999999999996;
+    let t597 = t596 + t595;
+    let t598 = omega_left_elbow_z * 0.0027999999999999995;
+    let t599 = omega_left_elbow_y * t598;
+    let t600 = 0.0017600000000000003 * omega_left_elbow_z;
+    let t601 = omega_left_elbow_x * t600;
+    let t602 = t601 - t599;
+    let t603 = t597 - t602;
+    let t604 = moment_left_elbow_x_2 + t603;
+    let t605 = cos_left_shoulder_left_elbow * t604;
+    let t606 = 0.0008800000000000001 * t405;
+    let t607 = t402 * 0.0813;
+    let t608 = t607 + t606;
+    let t609 = omega_left_elbow_x * t484;
+    let t610 = omega_left_elbow_y * t600;
+    let t611 = t610 - t609;
+    let t612 = t608 + t611;
+    let t613 = moment_left_elbow_y_2 + t612;
+    let t614 = sin_left_shoulder_left_elbow * t613;
+    let t615 = t614 - t605;
+    let t616 = 0.0016 * t405;
+    let t617 = 0.0712 * t402;
+    let t618 = t617 + t616;
+    let t619 = omega_left_elbow_x * t473;
+    let t620 = omega_left_elbow_y * t471;
+    let t621 = t620 - t619;
+    let t622 = t618 + t621;
+    let t623 = t50 * t622;
+    let t624 = t615 + t623;
+    let t625 = t563 - t624;
+    let t626 = 0.0031999999999999997 * t405;
+    let t627 = omega_left_elbow_y * t496;
+    let t628 = t626 + t627;
+    let t629 = t259 * t628;
+    let t630 = t625 - t629;
+    let t631 = t294 * t590;
+    let t632 = t630 + t631;
+    let t633 = t632 + t594;
+    let t634 = inverse_d_torso * t633;
+    a_y[0][2] = t634;
+    let t635 = 0.0006 * t391;
+    let t636 = omega_left_elbow_x * t511;
+    let t637 = t635 - t636;
+    let t638 = t283 - t391;
+    let moment_left_wrist_y_2 = 0.0006 * t638;
+    let t640 = moment_left_wrist_y_2 + t637;
+    let t641 = sin_left_shoulder_left_elbow * t640;
+    let t642 = 0.0012 * omega_left_elbow_x;
+    let t643 = omega_left_elbow_x * t642;
+    let t644 = 0.0012 * omega_left_elbow_z;
+    let t645 = omega_left_elbow_z * t644;
+    let t646 = t645 + t643;
+    let t647 = 0.0012 * t71;
+    let t648 = t647 - t646;
+    let t649 = cos_left_shoulder_left_elbow * t648;
+    let t650 = t641 - t649;
+    let t651 = t259 * t648;
+    let t652 = t650 + t651;
+    let t653 = 0.0006 * t406;
+    let t654 = omega_left_elbow_z * t511;
+    let t655 = t653 - t654;
+    let t656 = moment_left_wrist_x_2 + t655;
+    let t657 = t294 * t656;
+    let t658 = t652 - t657;
+    let t659 = t320 * t656;
+    let t660 = t656 + t659;
+    let t661 = t340 * t660;
+    let t662 = t658 - t661;
+    let t663 = inverse_d_torso * t662;
+    let t664 = t251 * acceleration_left_shoulder_x;
+    let t665 = inverse_d_right_shoulder * t233;
+    let t666 = t665 + t664;
+    let t667 = t231 * t666;
+    let t668 = 3.544842254519674 * t201;
+    let t669 = t668 + t667;
+    let t670 = t205 * acceleration_left_shoulder_x;
+    let t671 = t669 + t670;
+    let t672 = t666 + t671;
+    let t673 = t149 + t672;
+    let t674 = 0.0016 * t673;
+    let force_right_elbow_y_2 = t148 - t674;
+    let t676 = cos_right_shoulder_right_elbow * force_right_elbow_y_2;
+    let t677 = t149 - t672;
+    let t678 = 0.0712 * t677;
+    let force_right_elbow_x_2 = t155 - t678;
+    let t680 = sin_right_shoulder_right_elbow * force_right_elbow_x_2;
+    let t681 = t680 + t676;
+    let t682 = t141 * t666;
+    let t683 = t246 * t135;
+    let t684 = t683 + t682;
+    let force_right_shoulder_y = t684 + t681;
+    let t686 = t247 * acceleration_left_shoulder_z;
+    let t687 = force_right_shoulder_y + t686;
+    let t688 = cos_right_shoulder_right_elbow * acceleration_left_shoulder_x;
+    let t689 = t93 - t688;
+    let t690 = 0.0007999999999999998 * t689;
+    let t691 = sin_right_shoulder_right_elbow * acceleration_left_shoulder_x;
+    let t692 = t90 + t691;
+    let t693 = 0.0008800000000000001 * t692;
+    let t694 = t693 + t690;
+    let t695 = t126 * acceleration_left_shoulder_x;
+    let t696 = t99 + t695;
+    let acceleration_right_elbow_z_2 = acceleration_left_shoulder_z - t696;
+    let t698 = 0.0016 * acceleration_right_elbow_z_2;
+    let t699 = t698 - t694;
+    let t700 = t170 * acceleration_left_shoulder_x;
+    let t701 = 4.970178926441352 * t169;
+    let t702 = t701 - t700;
+    let t703 = 0.002 * t702;
+    let t704 = t699 + t703;
+    let t705 = t118 - t688;
+    let t706 = t702 - t705;
+    let t707 = t118 + t706;
+    let t708 = 0.0006 * t707;
+    let t709 = t118 - t706;
+    let t710 = 0.0006 * t709;
+    let moment_right_wrist_z_2 = t710 - t708;
+    let moment_right_elbow_y_2 = moment_right_wrist_z_2 - t704;
+    let t713 = sin_right_shoulder_right_elbow * moment_right_elbow_y_2;
+    let t714 = 0.0807 * t692;
+    let t715 = 0.0008800000000000001 * t689;
+    let t716 = t715 + t714;
+    let t717 = 0.0712 * acceleration_right_elbow_z_2;
+    let t718 = t717 - t716;
+    let t719 = t104 + t718;
+    let t720 = t108 - t692;
+    let moment_right_wrist_x_2 = 0.0006 * t720;
+    let moment_right_elbow_x_2 = moment_right_wrist_x_2 + t719;
+    let t723 = cos_right_shoulder_right_elbow * moment_right_elbow_x_2;
+    let t724 = t723 - t713;
+    let t725 = 0.0712 * t692;
+    let t726 = 0.0016 * t689;
+    let force_right_elbow_z_2 = t726 + t725;
+    let t728 = t98 * force_right_elbow_z_2;
+    let t729 = t724 - t728;
+    let t730 = t138 * t666;
+    let t731 = t133 * acceleration_left_shoulder_x;
+    let t732 = t731 - t730;
+    let t733 = acceleration_left_shoulder_z - t135;
+    let t734 = t248 * t733;
+    let t735 = t734 + t732;
+    let t736 = t237 * t97;
+    let t737 = t736 - t735;
+    let t738 = t246 * acceleration_left_shoulder_z;
+    let t739 = t738 - t737;
+    let t740 = v[5] * 0.002;
+    let t741 = v[0] * t740;
+    let t742 = t741 - t739;
+    let moment_right_shoulder_x = t742 - t729;
+    let t744 = t126 * t204;
+    let t745 = t98 * t227;
+    let t746 = t745 - t744;
+    let t747 = cos_right_shoulder_right_elbow * t347;
+    let t748 = 0.0008800000000000001 + t747;
+    let t749 = t748 - t746;
+    let t750 = t133 - t749;
+    let t751 = t750 * acceleration_left_shoulder_x;
+    let t752 = t248 * acceleration_left_shoulder_z;
+    let t753 = t751 - t752;
+    let t754 = v[4] * t126;
+    let t755 = 2.0 * t754;
+    let t756 = t227 * t755;
+    let t757 = omega_right_elbow_z * 0.0032;
+    let t758 = cos_right_shoulder_right_elbow * t757;
+    let t759 = omega_right_elbow_z * 0.1424;
+    let t760 = sin_right_shoulder_right_elbow * t759;
+    let t761 = t760 - t758;
+    let t762 = t126 * t761;
+    let t763 = t762 - t756;
+    let t764 = omega_right_elbow_z * 0.1586;
+    let t765 = cos_right_shoulder_right_elbow * t764;
+    let t766 = omega_right_elbow_z * 0.0035200000000000006;
+    let t767 = sin_right_shoulder_right_elbow * t766;
+    let t768 = t767 + t765;
+    let t769 = cos_right_shoulder_right_elbow * t768;
+    let t770 = omega_right_elbow_z * 0.1614;
+    let t771 = t770 - t769;
+    let t772 = t771 + t763;
+    let t773 = t238 * t96;
+    let t774 = t740 + t773;
+    let t775 = t774 + t772;
+    let t776 = v[0] * t775;
+    let t777 = t753 + t776;
+    let t778 = moment_right_shoulder_x - t777;
+    let t779 = t687 + t778;
+    let t780 = sin_right_shoulder_right_elbow * 0.0031999999999999997;
+    let t781 = acceleration_left_shoulder_x * t780;
+    let t782 = 0.0031999999999999997 * omega_right_elbow_z;
+    let t783 = cos_right_shoulder_right_elbow * t782;
+    let t784 = v[0] * t783;
+    let t785 = t781 + t784;
+    let t786 = t170 * t785;
+    let t787 = t779 + t786;
+    let t788 = t227 * acceleration_left_shoulder_x;
+    let t789 = t204 * 49.05;
+    let t790 = t789 - t788;
+    let t791 = t230 * acceleration_left_shoulder_z;
+    let t792 = t791 + t790;
+    let t793 = omega_right_elbow_y * 0.0015999999999999996;
+    let t794 = 0.0017600000000000003 * omega_right_elbow_x;
+    let t795 = t794 - t793;
+    let t796 = t103 - t795;
+    let t797 = 0.0012 * omega_right_wrist_z;
+    let t798 = t797 + t796;
+    let t799 = cos_right_shoulder_right_elbow * t798;
+    let t800 = 0.0017600000000000003 * omega_right_elbow_y;
+    let t801 = omega_right_elbow_x * 0.1614;
+    let t802 = t801 - t800;
+    let t803 = sin_right_shoulder_right_elbow * t802;
+    let t804 = t799 + t803;
+    let t805 = v[0] * t126;
+    let t806 = 2.0 * t805;
+    let t807 = t227 * t806;
+    let t808 = t804 - t807;
+    let t809 = t523 + t808;
+    let t810 = v[0] * t809;
+    let t811 = t792 + t810;
+    let t812 = t205 * t811;
+    let t813 = t787 + t812;
+    let t814 = t231 * t811;
+    let t815 = t138 * acceleration_left_shoulder_x;
+    let t816 = t240 * acceleration_left_shoulder_z;
+    let t817 = t816 - t815;
+    let t818 = t141 - t227;
+    let t819 = t818 * acceleration_left_shoulder_x;
+    let t820 = t247 * 49.05;
+    let t821 = t819 + t820;
+    let t822 = t821 - t817;
+    let t823 = omega_right_elbow_y * 0.0032;
+    let t824 = omega_right_elbow_x * 0.1424;
+    let t825 = t824 - t823;
+    let t826 = t126 * t825;
+    let t827 = t826 - t807;
+    let t828 = t804 + t827;
+    let t829 = t238 * t544;
+    let t830 = t829 + t828;
+    let t831 = v[0] * t830;
+    let t832 = t822 + t831;
+    let t833 = t832 + t814;
+    let t834 = t251 * t833;
+    let t835 = t813 + t834;
+    let t836 = inverse_d_torso * t835;
+    let t837 = omega_right_elbow_y * t825;
+    let t838 = t554 + t837;
+    let t839 = force_right_elbow_x_2 + t838;
     let t840 = sin_right_shoulder_right_elbow * t839;
-    let t841 = t840 + t838;
-    let t842 = cos_right_shoulder_right_elbow * t841;
-    let t843 = omega_right_elbow_z * 0.1614;
-    let t844 = t843 - t842;
-    let t845 = t844 + t836;
-    let t846 = t28 * t248;
-    let t847 = t813 + t846;
-    let t848 = t847 + t845;
-    let t849 = v[0] * t848;
-    let t850 = t826 + t849;
-    let t851 = moment_right_shoulder_x - t850;
-    let t852 = t465 * t191;
-    let t853 = t369 * t311;
-    let t854 = t853 - t852;
-    let t855 = t539 * t163;
-    let t856 = t854 - t855;
-    let t857 = t415 * t320;
-    let t858 = t856 - t857;
-    let t859 = t798 * t364;
-    let t860 = t858 + t859;
-    let t861 = t43 * t750;
-    let t862 = t33 * inverse_d_right_shoulder;
-    let t863 = t862 + t861;
-    let t864 = t33 * t863;
-    let t865 = 3.544842254519674 + t864;
-    let t866 = t78 * t750;
-    let t867 = t865 + t866;
-    let t868 = t867 * t373;
-    let t869 = t860 + t868;
-    let t870 = t751 * t381;
-    let t871 = t869 - t870;
-    let t872 = t802 + t871;
-    let t873 = t296 + t872;
-    let t874 = 0.0016 * t873;
-    let force_right_elbow_y_2 = t295 - t874;
-    let t876 = cos_right_shoulder_right_elbow * force_right_elbow_y_2;
-    let t877 = t296 - t872;
-    let t878 = 0.0712 * t877;
-    let force_right_elbow_x_2 = t302 - t878;
-    let t880 = sin_right_shoulder_right_elbow * force_right_elbow_x_2;
-    let t881 = t880 + t876;
-    let t882 = t288 * t802;
-    let t883 = t38 * t282;
-    let t884 = t883 + t882;
-    let force_right_shoulder_y = t884 + t881;
-    let t886 = t39 * acceleration_left_shoulder_z;
-    let t887 = force_right_shoulder_y + t886;
-    let t888 = t887 + t851;
-    let t889 = inverse_d_torso * t888;
-    let t890 = t285 * acceleration_left_shoulder_x;
-    let t891 = t30 * acceleration_left_shoulder_z;
+    let t841 = omega_right_elbow_x * t825;
+    let t842 = t559 - t841;
+    let t843 = force_right_elbow_y_2 + t842;
+    let t844 = cos_right_shoulder_right_elbow * t843;
+    let t845 = t844 + t840;
+    let t846 = t98 * t845;
+    let t847 = cos_right_shoulder_right_elbow * t839;
+    let t848 = sin_right_shoulder_right_elbow * t843;
+    let t849 = t848 - t847;
+    let t850 = t126 * t849;
+    let t851 = t850 + t846;
+    let t852 = t126 * t666;
+    let t853 = t179 + t852;
+    let t854 = 49.05 + t853;
+    let t855 = cos_right_shoulder_right_elbow * t854;
+    let t856 = t98 * t666;
+    let t857 = t182 - t856;
+    let t858 = acceleration_left_shoulder_x + t857;
+    let t859 = sin_right_shoulder_right_elbow * t858;
+    let acceleration_right_elbow_y_2 = t859 + t855;
+    let t861 = 0.0712 * acceleration_right_elbow_y_2;
+    let t862 = sin_right_shoulder_right_elbow * t854;
+    let t863 = cos_right_shoulder_right_elbow * t858;
+    let acceleration_right_elbow_x_2 = t863 - t862;
+    let t865 = 0.0016 * acceleration_right_elbow_x_2;
+    let t866 = t865 - t861;
+    let t867 = t585 + t866;
+    let t868 = omega_right_elbow_y * t798;
+    let t869 = omega_right_elbow_x * t802;
+    let t870 = t868 + t869;
+    let t871 = t867 - t870;
+    let t872 = t871 + t851;
+    let t873 = t231 * t871;
+    let t874 = t872 + t873;
+    let t875 = t251 * t874;
+    let t876 = 0.0008800000000000001 * t688;
+    let t877 = t691 * 0.0019999999999999996;
+    let t878 = t877 + t876;
+    let t879 = omega_right_elbow_z * 0.0027999999999999995;
+    let t880 = omega_right_elbow_y * t879;
+    let t881 = 0.0017600000000000003 * omega_right_elbow_z;
+    let t882 = omega_right_elbow_x * t881;
+    let t883 = t882 - t880;
+    let t884 = t878 - t883;
+    let t885 = moment_right_elbow_x_2 + t884;
+    let t886 = cos_right_shoulder_right_elbow * t885;
+    let t887 = 0.0008800000000000001 * t691;
+    let t888 = t688 * 0.0813;
+    let t889 = t888 + t887;
+    let t890 = omega_right_elbow_x * t770;
+    let t891 = omega_right_elbow_y * t881;
     let t892 = t891 - t890;
-    let t893 = t288 - t17;
-    let t894 = t893 * acceleration_left_shoulder_x;
-    let t895 = t39 * 49.05;
-    let t896 = t894 + t895;
-    let t897 = t896 - t892;
-    let t898 = omega_right_elbow_y * 0.0015999999999999996;
-    let t899 = 0.0017600000000000003 * omega_right_elbow_x;
-    let t900 = t899 - t898;
-    let t901 = t254 - t900;
-    let t902 = 0.0012 * omega_right_wrist_z;
-    let t903 = t902 + t901;
-    let t904 = cos_right_shoulder_right_elbow * t903;
-    let t905 = 0.0017600000000000003 * omega_right_elbow_y;
-    let t906 = omega_right_elbow_x * 0.1614;
-    let t907 = t906 - t905;
-    let t908 = sin_right_shoulder_right_elbow * t907;
-    let t909 = t904 + t908;
-    let t910 = omega_right_elbow_y * 0.0032;
-    let t911 = omega_right_elbow_x * 0.1424;
-    let t912 = t911 - t910;
-    let t913 = t18 * t912;
-    let t914 = v[0] * t18;
-    let t915 = 2.0 * t914;
-    let t916 = t17 * t915;
-    let t917 = t913 - t916;
-    let t918 = t909 + t917;
-    let t919 = t28 * t592;
-    let t920 = t919 + t918;
-    let t921 = v[0] * t920;
-    let t922 = t897 + t921;
-    let t923 = t323 * t922;
-    let t924 = t889 + t923;
-    let t925 = t17 * acceleration_left_shoulder_x;
-    let t926 = t12 * 49.05;
-    let t927 = t926 - t925;
-    let t928 = t32 * acceleration_left_shoulder_z;
-    let t929 = t928 + t927;
-    let t930 = t909 - t916;
-    let t931 = t605 + t930;
-    let t932 = v[0] * t931;
-    let t933 = t929 + t932;
-    let t934 = t369 * t933;
-    let t935 = t924 + t934;
-    let t936 = sin_right_shoulder_right_elbow * 0.0031999999999999997;
-    let t937 = acceleration_left_shoulder_x * t936;
-    let t938 = 0.0031999999999999997 * omega_right_elbow_z;
-    let t939 = cos_right_shoulder_right_elbow * t938;
-    let t940 = v[0] * t939;
+    let t893 = t889 + t892;
+    let t894 = moment_right_elbow_y_2 + t893;
+    let t895 = sin_right_shoulder_right_elbow * t894;
+    let t896 = t895 - t886;
+    let t897 = 0.0016 * t691;
+    let t898 = 0.0712 * t688;
+    let t899 = t898 + t897;
+    let t900 = omega_right_elbow_x * t759;
+    let t901 = omega_right_elbow_y * t757;
+    let t902 = t901 - t900;
+    let t903 = t899 + t902;
+    let t904 = t126 * t903;
+    let t905 = t896 + t904;
+    let t906 = t845 + t905;
+    let t907 = 0.0031999999999999997 * t691;
+    let t908 = omega_right_elbow_y * t782;
+    let t909 = t907 + t908;
+    let t910 = t170 * t909;
+    let t911 = t906 + t910;
+    let t912 = t205 * t871;
+    let t913 = t911 - t912;
+    let t914 = t913 - t875;
+    let t915 = inverse_d_torso * t914;
+    let t916 = 0.0006 * t677;
+    let t917 = omega_right_elbow_x * t797;
+    let t918 = t916 - t917;
+    let t919 = t194 - t677;
+    let moment_right_wrist_y_2 = 0.0006 * t919;
+    let t921 = moment_right_wrist_y_2 + t918;
+    let t922 = sin_right_shoulder_right_elbow * t921;
+    let t923 = 0.0012 * omega_right_elbow_x;
+    let t924 = omega_right_elbow_x * t923;
+    let t925 = 0.0012 * omega_right_elbow_z;
+    let t926 = omega_right_elbow_z * t925;
+    let t927 = t926 + t924;
+    let t928 = 0.0012 * t147;
+    let t929 = t928 - t927;
+    let t930 = cos_right_shoulder_right_elbow * t929;
+    let t931 = t922 - t930;
+    let t932 = t170 * t929;
+    let t933 = t931 + t932;
+    let t934 = 0.0006 * t692;
+    let t935 = omega_right_elbow_z * t797;
+    let t936 = t934 - t935;
+    let t937 = moment_right_wrist_x_2 + t936;
+    let t938 = t205 * t937;
+    let t939 = t933 + t938;
+    let t940 = t231 * t937;
     let t941 = t937 + t940;
-    let t942 = t376 * t941;
-    let t943 = t935 + t942;
-    let t944 = omega_right_elbow_y * t912;
-    let t945 = t620 + t944;
-    let t946 = force_right_elbow_x_2 + t945;
-    let t947 = sin_right_shoulder_right_elbow * t946;
-    let t948 = omega_right_elbow_x * t912;
-    let t949 = t625 - t948;
-    let t950 = force_right_elbow_y_2 + t949;
-    let t951 = cos_right_shoulder_right_elbow * t950;
-    let t952 = t951 + t947;
-    let t953 = t13 * t952;
-    let t954 = cos_right_shoulder_right_elbow * t946;
-    let t955 = sin_right_shoulder_right_elbow * t950;
-    let t956 = t955 - t954;
-    let t957 = t18 * t956;
-    let t958 = t957 + t953;
-    let t959 = t18 * t802;
-    let t960 = t330 + t959;
-    let t961 = 49.05 + t960;
-    let t962 = cos_right_shoulder_right_elbow * t961;
-    let t963 = t13 * t802;
-    let t964 = t333 - t963;
-    let t965 = acceleration_left_shoulder_x + t964;
-    let t966 = sin_right_shoulder_right_elbow * t965;
-    let acceleration_right_elbow_y_2 = t966 + t962;
-    let t968 = 0.0712 * acceleration_right_elbow_y_2;
-    let t969 = sin_right_shoulder_right_elbow * t961;
-    let t970 = cos_right_shoulder_right_elbow * t965;
-    let acceleration_right_elbow_x_2 = t970 - t969;
-    let t972 = 0.0016 * acceleration_right_elbow_x_2;
-    let t973 = t972 - t968;
-    let t974 = t651 + t973;
-    let t975 = omega_right_elbow_y * t903;
-    let t976 = omega_right_elbow_x * t907;
+    let t942 = t251 * t941;
+    let t943 = t939 + t942;
+    let t944 = inverse_d_torso * t943;
+    let t945 = t340 * t552;
+    let t946 = inverse_d_left_shoulder * t549;
+    let t947 = t946 - t945;
+    a_y[1][1] = t947;
+    let t948 = t340 * t634;
+    let t949 = inverse_d_left_shoulder * t593;
+    let t950 = t949 + t948;
+    let t951 = t340 * t663;
+    let t952 = inverse_d_left_shoulder * t660;
+    let t953 = t952 - t951;
+    let t954 = t340 * t836;
+    a_y[1][4] = t954;
+    let t955 = t340 * t915;
+    a_y[1][5] = t955;
+    let t956 = t340 * t944;
+    a_y[1][6] = t956;
+    let t957 = t320 * t947;
+    let t958 = 3.544842254519674 * t526;
+    let t959 = t958 - t957;
+    let t960 = t294 * t552;
+    let t961 = t959 + t960;
+    let t962 = t320 * t950;
+    let t963 = 3.544842254519674 * t590;
+    let t964 = t963 + t962;
+    let t965 = t294 * t634;
+    let t966 = t964 + t965;
+    let t967 = t320 * t953;
+    let t968 = 3.544842254519674 * t656;
+    let t969 = t968 + t967;
+    let t970 = t294 * t663;
+    let t971 = t969 - t970;
+    let t972 = t320 * t954;
+    let t973 = t294 * t836;
+    let t974 = t972 + t973;
+    a_y[2][4] = t974;
+    let t975 = t320 * t955;
+    let t976 = t294 * t915;
     let t977 = t975 + t976;
-    let t978 = t974 - t977;
-    let t979 = t978 + t958;
-    let t980 = t323 * t979;
-    let t981 = 0.0008800000000000001 * t726;
-    let t982 = t729 * 0.0019999999999999996;
-    let t983 = t982 + t981;
-    let t984 = omega_right_elbow_z * 0.0027999999999999995;
-    let t985 = omega_right_elbow_y * t984;
-    let t986 = 0.0017600000000000003 * omega_right_elbow_z;
-    let t987 = omega_right_elbow_x * t986;
-    let t988 = t987 - t985;
-    let t989 = t983 - t988;
-    let t990 = moment_right_elbow_x_2 + t989;
-    let t991 = cos_right_shoulder_right_elbow * t990;
-    let t992 = 0.0008800000000000001 * t729;
-    let t993 = t726 * 0.0813;
-    let t994 = t993 + t992;
-    let t995 = omega_right_elbow_x * t843;
-    let t996 = omega_right_elbow_y * t986;
-    let t997 = t996 - t995;
-    let t998 = t994 + t997;
-    let t999 = moment_right_elbow_y_2 + t998;
-    let t1000 = sin_right_shoulder_right_elbow * t999;
-    let t1001 = t1000 - t991;
-    let t1002 = 0.0016 * t729;
-    let t1003 = 0.0712 * t726;
+    a_y[2][5] = t977;
+    let t978 = t320 * t956;
+    let t979 = t294 * t944;
+    let t980 = t978 + t979;
+    a_y[2][6] = t980;
+    let t981 = t259 * t552;
+    let t982 = 4.970178926441352 * t499;
+    let t983 = t982 - t981;
+    a_y[3][1] = t983;
+    let t984 = t259 * t634;
+    let t985 = 4.970178926441352 * t628;
+    let t986 = t985 - t984;
+    a_y[3][2] = t986;
+    let t987 = t259 * t663;
+    let t988 = 4.970178926441352 * t648;
+    let t989 = t988 + t987;
+    a_y[3][3] = t989;
+    let t990 = t259 * t836;
+    a_y[3][4] = t990;
+    let t991 = t259 * t915;
+    a_y[3][5] = t991;
+    let t992 = t259 * t944;
+    a_y[3][6] = t992;
+    let t993 = t251 * t552;
+    a_y[4][1] = t993;
+    let t994 = t251 * t634;
+    a_y[4][2] = t994;
+    let t995 = t251 * t663;
+    let t996 = t251 * t836;
+    let t997 = inverse_d_right_shoulder * t833;
+    let t998 = t997 + t996;
+    let t999 = t251 * t915;
+    let t1000 = inverse_d_right_shoulder * t874;
+    let t1001 = t1000 - t999;
+    a_y[4][5] = t1001;
+    let t1002 = t251 * t944;
+    let t1003 = inverse_d_right_shoulder * t941;
     let t1004 = t1003 + t1002;
-    let t1005 = omega_right_elbow_x * t832;
-    let t1006 = omega_right_elbow_y * t830;
-    let t1007 = t1006 - t1005;
-    let t1008 = t1004 + t1007;
-    let t1009 = t18 * t1008;
-    let t1010 = t1001 + t1009;
-    let t1011 = t952 + t1010;
-    let t1012 = inverse_d_torso * t1011;
-    let t1013 = t1012 - t980;
-    let t1014 = t369 * t978;
-    let t1015 = t1013 - t1014;
-    let t1016 = 0.0031999999999999997 * t729;
-    let t1017 = omega_right_elbow_y * t938;
+    let t1005 = t231 * t993;
+    let t1006 = t205 * t552;
+    let t1007 = t1005 + t1006;
+    a_y[5][1] = t1007;
+    let t1008 = t231 * t994;
+    let t1009 = t205 * t634;
+    let t1010 = t1008 + t1009;
+    a_y[5][2] = t1010;
+    let t1011 = t231 * t995;
+    let t1012 = t205 * t663;
+    let t1013 = t1011 + t1012;
+    let t1014 = t231 * t998;
+    let t1015 = 3.544842254519674 * t811;
+    let t1016 = t1015 + t1014;
+    let t1017 = t205 * t836;
     let t1018 = t1016 + t1017;
-    let t1019 = t376 * t1018;
-    let t1020 = t1015 + t1019;
-    let t1021 = 0.0006 * t877;
-    let t1022 = omega_right_elbow_x * t902;
+    let t1019 = t231 * t1001;
+    let t1020 = 3.544842254519674 * t871;
+    let t1021 = t1020 + t1019;
+    let t1022 = t205 * t915;
     let t1023 = t1021 - t1022;
-    let t1024 = t345 - t877;
-    let moment_right_wrist_y_2 = 0.0006 * t1024;
-    let t1026 = moment_right_wrist_y_2 + t1023;
-    let t1027 = sin_right_shoulder_right_elbow * t1026;
-    let t1028 = 0.0012 * omega_right_elbow_x;
-    let t1029 = omega_right_elbow_x * t1028;
-    let t1030 = 0.0012 * omega_right_elbow_z;
-    let t1031 = omega_right_elbow_z * t1030;
-    let t1032 = t1031 + t1029;
-    let t1033 = 0.0012 * t294;
-    let t1034 = t1033 - t1032;
-    let t1035 = cos_right_shoulder_right_elbow * t1034;
-    let t1036 = t1027 - t1035;
-    let t1037 = inverse_d_torso * t1036;
-    let t1038 = 0.0006 * t730;
-    let t1039 = omega_right_elbow_z * t902;
-    let t1040 = t1038 - t1039;
-    let t1041 = moment_right_wrist_x_2 + t1040;
-    let t1042 = t323 * t1041;
-    let t1043 = t1037 + t1042;
-    let t1044 = t369 * t1041;
-    let t1045 = t1043 + t1044;
-    let t1046 = t376 * t1034;
-    let t1047 = t1045 + t1046;
-    let t1048 = t116 * t561;
-    let t1049 = t449 * t596;
-    let t1050 = t1048 - t1049;
-    let t1051 = t452 * t608;
-    let t1052 = t1050 + t1051;
-    let t1053 = t396 * t616;
-    let t1054 = t1052 - t1053;
-    let t1055 = t449 * t657;
-    let t1056 = t116 * t689;
-    let t1057 = t1056 + t1055;
-    let t1058 = t452 * t656;
-    let t1059 = t1057 + t1058;
-    let t1060 = t396 * t696;
-    let t1061 = t1059 - t1060;
-    let t1062 = t116 * t714;
-    let t1063 = t449 * t719;
-    let t1064 = t1062 - t1063;
-    let t1065 = t452 * t719;
-    let t1066 = t1064 - t1065;
-    let t1067 = t396 * t712;
-    let t1068 = t1066 + t1067;
-    let t1069 = t116 * t888;
-    let t1070 = t460 * t922;
-    let t1071 = t1069 + t1070;
-    let t1072 = t465 * t933;
-    let t1073 = t1071 + t1072;
-    let t1074 = t468 * t941;
-    let t1075 = t1073 + t1074;
-    let t1076 = t460 * t979;
-    let t1077 = t116 * t1011;
-    let t1078 = t1077 - t1076;
-    let t1079 = t465 * t978;
-    let t1080 = t1078 - t1079;
-    let t1081 = t468 * t1018;
-    let t1082 = t1080 + t1081;
-    let t1083 = t116 * t1036;
-    let t1084 = t460 * t1041;
-    let t1085 = t1083 + t1084;
-    let t1086 = t465 * t1041;
+    a_y[5][5] = t1023;
+    let t1024 = t231 * t1004;
+    let t1025 = 3.544842254519674 * t937;
+    let t1026 = t1025 + t1024;
+    let t1027 = t205 * t944;
+    let t1028 = t1026 + t1027;
+    let t1029 = t170 * t552;
+    let t1030 = t170 * t634;
+    let t1031 = t170 * t663;
+    a_y[6][3] = t1031;
+    let t1032 = t170 * t836;
+    let t1033 = 4.970178926441352 * t785;
+    let t1034 = t1033 + t1032;
+    a_y[6][4] = t1034;
+    let t1035 = t170 * t915;
+    let t1036 = 4.970178926441352 * t909;
+    let t1037 = t1036 + t1035;
+    a_y[6][5] = t1037;
+    let t1038 = t170 * t944;
+    let t1039 = 4.970178926441352 * t929;
+    let t1040 = t1039 + t1038;
+    a_y[6][6] = t1040;
+    let t1041 = sin_right_shoulder_right_elbow * t798;
+    let t1042 = cos_right_shoulder_right_elbow * t802;
+    let t1043 = t1041 - t1042;
+    let t1044 = t204 * t806;
+    let t1045 = t1043 - t1044;
+    let t1046 = t231 * t1045;
+    let t1047 = t98 * t825;
+    let t1048 = t1047 + t1044;
+    let t1049 = t1043 - t1048;
+    let t1050 = t133 * t544;
+    let t1051 = t1050 + t1049;
+    let t1052 = t1051 + t1046;
+    let t1053 = t251 * t1052;
+    let t1054 = v[1] * t21;
+    let t1055 = 2.0 * t1054;
+    let t1056 = t316 * t1055;
+    let t1057 = sin_left_shoulder_left_elbow * t471;
+    let t1058 = cos_left_shoulder_left_elbow * t473;
+    let t1059 = t1058 + t1057;
+    let t1060 = t50 * t1059;
+    let t1061 = t1060 - t1056;
+    let t1062 = sin_left_shoulder_left_elbow * t482;
+    let t1063 = t600 - t1062;
+    let t1064 = t1063 - t1061;
+    let t1065 = t57 * t19;
+    let t1066 = t62 * t544;
+    let t1067 = t1066 - t1065;
+    let t1068 = t1067 - t1064;
+    let t1069 = t533 * t544;
+    let t1070 = t1068 + t1069;
+    let t1071 = v[4] * t98;
+    let t1072 = 2.0 * t1071;
+    let t1073 = t227 * t1072;
+    let t1074 = sin_right_shoulder_right_elbow * t757;
+    let t1075 = cos_right_shoulder_right_elbow * t759;
+    let t1076 = t1075 + t1074;
+    let t1077 = t126 * t1076;
+    let t1078 = t1077 - t1073;
+    let t1079 = sin_right_shoulder_right_elbow * t768;
+    let t1080 = t881 - t1079;
+    let t1081 = t1080 - t1078;
+    let t1082 = t133 * t96;
+    let t1083 = t138 * t544;
+    let t1084 = t1083 + t1082;
+    let t1085 = t1084 + t1081;
+    let t1086 = t818 * t544;
     let t1087 = t1085 + t1086;
-    let t1088 = t468 * t1034;
-    let t1089 = t1087 + t1088;
-    let t1090 = t119 * t561;
-    let t1091 = t452 * t596;
-    let t1092 = t1090 - t1091;
-    let t1093 = t526 * t608;
-    let t1094 = t1092 + t1093;
-    let t1095 = t403 * t616;
-    let t1096 = t1094 - t1095;
-    let t1097 = t452 * t657;
-    let t1098 = t119 * t689;
-    let t1099 = t1098 + t1097;
-    let t1100 = t526 * t656;
-    let t1101 = t1099 + t1100;
-    let t1102 = t403 * t696;
-    let t1103 = t1101 - t1102;
-    let t1104 = t119 * t714;
-    let t1105 = t1065 - t1104;
-    let t1106 = t526 * t719;
-    let t1107 = t1105 + t1106;
-    let t1108 = t403 * t712;
-    let t1109 = t1107 - t1108;
-    let t1110 = t119 * t888;
-    let t1111 = t534 * t922;
-    let t1112 = t1110 + t1111;
-    let t1113 = t539 * t933;
-    let t1114 = t1112 + t1113;
-    let t1115 = t542 * t941;
-    let t1116 = t1114 + t1115;
-    let t1117 = t534 * t979;
-    let t1118 = t119 * t1011;
-    let t1119 = t1118 - t1117;
-    let t1120 = t539 * t978;
-    let t1121 = t1119 - t1120;
-    let t1122 = t542 * t1018;
-    let t1123 = t1121 + t1122;
-    let t1124 = t119 * t1036;
-    let t1125 = t534 * t1041;
-    let t1126 = t1124 + t1125;
-    let t1127 = t539 * t1041;
-    let t1128 = t1126 + t1127;
-    let t1129 = t542 * t1034;
-    let t1130 = t1128 + t1129;
-    let t1131 = t315 * t561;
-    let t1132 = t396 * t596;
-    let t1133 = t1131 - t1132;
-    let t1134 = t403 * t608;
-    let t1135 = t1133 + t1134;
-    let t1136 = t407 * t616;
-    let t1137 = t1135 - t1136;
-    let t1138 = t396 * t657;
-    let t1139 = t315 * t689;
-    let t1140 = t1139 + t1138;
-    let t1141 = t403 * t656;
-    let t1142 = t1140 + t1141;
-    let t1143 = t407 * t696;
-    let t1144 = t1142 - t1143;
-    let t1145 = t315 * t714;
-    let t1146 = t396 * t719;
-    let t1147 = t1145 - t1146;
-    let t1148 = t403 * t719;
-    let t1149 = t1147 - t1148;
-    let t1150 = t407 * t712;
-    let t1151 = t1149 + t1150;
-    let t1152 = t315 * t888;
-    let t1153 = t410 * t922;
-    let t1154 = t1152 + t1153;
-    let t1155 = t415 * t933;
-    let t1156 = t1154 + t1155;
-    let t1157 = t418 * t941;
-    let t1158 = t1156 + t1157;
-    let t1159 = t410 * t979;
-    let t1160 = t315 * t1011;
-    let t1161 = t1160 - t1159;
-    let t1162 = t415 * t978;
-    let t1163 = t1161 - t1162;
-    let t1164 = t418 * t1018;
-    let t1165 = t1163 + t1164;
-    let t1166 = t315 * t1036;
-    let t1167 = t410 * t1041;
-    let t1168 = t1166 + t1167;
-    let t1169 = t415 * t1041;
-    let t1170 = t1168 + t1169;
-    let t1171 = t418 * t1034;
-    let t1172 = t1170 + t1171;
-    let t1173 = t323 * t561;
-    let t1174 = t460 * t596;
+    let t1088 = t1087 - t1070;
+    let t1089 = t65 * t544;
+    let t1090 = t1089 + t540;
+    let t1091 = t1066 + t1090;
+    let t1092 = t141 * t544;
+    let t1093 = t1092 + t825;
+    let t1094 = t1083 + t1093;
+    let t1095 = t1094 - t1091;
+    let t1096 = t1088 - t1095;
+    let t1097 = sin_right_shoulder_right_elbow * t782;
+    let t1098 = t170 * t1097;
+    let t1099 = t1096 - t1098;
+    let t1100 = t205 * t1045;
+    let t1101 = t1099 - t1100;
+    let t1102 = t1101 - t1053;
+    let t1103 = sin_left_shoulder_left_elbow * t496;
+    let t1104 = t259 * t1103;
+    let t1105 = t1102 - t1104;
+    let t1106 = sin_left_shoulder_left_elbow * t512;
+    let t1107 = cos_left_shoulder_left_elbow * t516;
+    let t1108 = t1106 - t1107;
+    let t1109 = t293 * t520;
+    let t1110 = t1108 - t1109;
+    let t1111 = t294 * t1110;
+    let t1112 = t1105 + t1111;
+    let t1113 = t320 * t1110;
+    let t1114 = t21 * t540;
+    let t1115 = t1114 + t1109;
+    let t1116 = t1108 - t1115;
+    let t1117 = t57 * t544;
+    let t1118 = t1117 + t1116;
+    let t1119 = t1118 + t1113;
+    let t1120 = t340 * t1119;
+    let t1121 = t1112 + t1120;
+    let t1122 = inverse_d_torso * t1121;
+    a_v[0][0] = t1122;
+    let t1123 = t293 * t469;
+    let t1124 = t21 * t475;
+    let t1125 = t1124 + t1123;
+    let t1126 = t1063 - t1125;
+    let t1127 = t1065 + t1126;
+    let t1128 = t1068 + t1127;
+    let t1129 = t1066 - t1128;
+    let t1130 = 0.2 - t1129;
+    let t1131 = t1056 + t1123;
+    let t1132 = t320 * t1131;
+    let t1133 = t1130 - t1132;
+    let t1134 = t340 * t1133;
+    let t1135 = t464 * t544;
+    let t1136 = t27 + t511;
+    let t1137 = sin_left_shoulder_left_elbow * t1136;
+    let t1138 = cos_left_shoulder_left_elbow * t642;
+    let t1139 = t1137 - t1138;
+    let t1140 = t62 * t19;
+    let t1141 = t1140 + t1139;
+    let t1142 = t1141 + t1135;
+    let t1143 = t65 * t19;
+    let t1144 = t1143 + t475;
+    let t1145 = t1144 + t1142;
+    let t1146 = t544 * t494;
+    let t1147 = 0.0031999999999999997 * omega_left_elbow_x;
+    let t1148 = t1147 - t1146;
+    let t1149 = t259 * t1148;
+    let t1150 = t1145 + t1149;
+    let t1151 = t294 * t1131;
+    let t1152 = t1150 - t1151;
+    let t1153 = t1152 + t1134;
+    let t1154 = inverse_d_torso * t1153;
+    a_v[0][1] = t1154;
+    let t1155 = t319 * 0.7089684509039348;
+    let t1156 = t1060 - t1124;
+    let t1157 = t1156 + t1155;
+    let t1158 = t340 * t1157;
+    let t1159 = omega_left_elbow_y * 0.1626;
+    let t1160 = t508 + t1159;
+    let t1161 = t1136 - t1160;
+    let t1162 = sin_left_shoulder_left_elbow * t1161;
+    let t1163 = omega_left_elbow_x * 0.003999999999999999;
+    let t1164 = t514 + t1163;
+    let t1165 = t642 - t1164;
+    let t1166 = cos_left_shoulder_left_elbow * t1165;
+    let t1167 = t1162 - t1166;
+    let t1168 = omega_left_elbow_x * 0.0032;
+    let t1169 = omega_left_elbow_y * 0.1424;
+    let t1170 = t1169 + t1168;
+    let t1171 = t50 * t1170;
+    let t1172 = t1167 - t1171;
+    let t1173 = t475 + t1172;
+    let t1174 = t259 * t1147;
     let t1175 = t1173 - t1174;
-    let t1176 = t534 * t608;
+    let t1176 = t293 * 0.7089684509039348;
     let t1177 = t1175 + t1176;
-    let t1178 = t410 * t616;
-    let t1179 = t1177 - t1178;
-    let t1180 = t460 * t657;
-    let t1181 = t323 * t689;
-    let t1182 = t1181 + t1180;
-    let t1183 = t534 * t656;
-    let t1184 = t1182 + t1183;
-    let t1185 = t410 * t696;
-    let t1186 = t1184 - t1185;
-    let t1187 = t323 * t714;
-    let t1188 = t460 * t719;
-    let t1189 = t1187 - t1188;
-    let t1190 = t534 * t719;
-    let t1191 = t1189 - t1190;
-    let t1192 = t410 * t712;
-    let t1193 = t1191 + t1192;
-    let t1194 = t323 * t888;
-    let t1195 = t793 * t922;
-    let t1196 = t1194 + t1195;
-    let t1197 = t798 * t933;
-    let t1198 = t1196 + t1197;
-    let t1199 = t745 * t941;
-    let t1200 = t1198 + t1199;
-    let t1201 = t793 * t979;
-    let t1202 = t323 * t1011;
-    let t1203 = t1202 - t1201;
-    let t1204 = t798 * t978;
+    let t1178 = t1177 + t1158;
+    let t1179 = inverse_d_torso * t1178;
+    a_v[0][2] = t1179;
+    let t1180 = t320 * t1147;
+    let t1181 = t1147 + t1180;
+    let t1182 = t340 * t1181;
+    let t1183 = t294 * t1147;
+    let t1184 = cos_left_shoulder_left_elbow * 0.003180914512922465;
+    let t1185 = t1103 + t1184;
+    let t1186 = t1185 + t1183;
+    let t1187 = t1186 + t1182;
+    let t1188 = inverse_d_torso * t1187;
+    a_v[0][3] = t1188;
+    let t1189 = t204 * t755;
+    let t1190 = t98 * t761;
+    let t1191 = t1190 + t1189;
+    let t1192 = t1080 - t1191;
+    let t1193 = t1082 + t1192;
+    let t1194 = t1085 - t1193;
+    let t1195 = t1083 - t1194;
+    let t1196 = 0.2 + t1195;
+    let t1197 = t1073 + t1189;
+    let t1198 = t231 * t1197;
+    let t1199 = t1196 - t1198;
+    let t1200 = t251 * t1199;
+    let t1201 = t750 * t544;
+    let t1202 = t103 + t797;
+    let t1203 = sin_right_shoulder_right_elbow * t1202;
+    let t1204 = cos_right_shoulder_right_elbow * t923;
     let t1205 = t1203 - t1204;
-    let t1206 = t745 * t1018;
-    let t1207 = t1205 + t1206;
-    let t1208 = t323 * t1036;
-    let t1209 = t793 * t1041;
-    let t1210 = t1208 + t1209;
-    let t1211 = t798 * t1041;
-    let t1212 = t1210 + t1211;
-    let t1213 = t745 * t1034;
-    let t1214 = t1212 + t1213;
-    let t1215 = t369 * t561;
-    let t1216 = t465 * t596;
-    let t1217 = t1215 - t1216;
-    let t1218 = t539 * t608;
-    let t1219 = t1217 + t1218;
-    let t1220 = t415 * t616;
-    let t1221 = t1219 - t1220;
-    let t1222 = t465 * t657;
-    let t1223 = t369 * t689;
-    let t1224 = t1223 + t1222;
-    let t1225 = t539 * t656;
-    let t1226 = t1224 + t1225;
-    let t1227 = t415 * t696;
-    let t1228 = t1226 - t1227;
-    let t1229 = t369 * t714;
-    let t1230 = t465 * t719;
-    let t1231 = t1229 - t1230;
-    let t1232 = t539 * t719;
-    let t1233 = t1231 - t1232;
-    let t1234 = t415 * t712;
-    let t1235 = t1233 + t1234;
-    let t1236 = t369 * t888;
-    let t1237 = t798 * t922;
-    let t1238 = t1236 + t1237;
-    let t1239 = t867 * t933;
-    let t1240 = t1238 + t1239;
-    let t1241 = t751 * t941;
-    let t1242 = t1240 + t1241;
-    let t1243 = t798 * t979;
-    let t1244 = t369 * t1011;
-    let t1245 = t1244 - t1243;
-    let t1246 = t867 * t978;
-    let t1247 = t1245 - t1246;
-    let t1248 = t751 * t1018;
-    let t1249 = t1247 + t1248;
-    let t1250 = t369 * t1036;
-    let t1251 = t1211 + t1250;
-    let t1252 = t867 * t1041;
-    let t1253 = t1251 + t1252;
-    let t1254 = t751 * t1034;
-    let t1255 = t1253 + t1254;
-    let t1256 = t376 * t561;
-    let t1257 = t468 * t596;
-    let t1258 = t1256 - t1257;
-    let t1259 = t542 * t608;
-    let t1260 = t1258 + t1259;
-    let t1261 = t418 * t616;
-    let t1262 = t1260 - t1261;
-    let t1263 = t468 * t657;
-    let t1264 = t376 * t689;
-    let t1265 = t1264 + t1263;
-    let t1266 = t542 * t656;
-    let t1267 = t1265 + t1266;
-    let t1268 = t418 * t696;
-    let t1269 = t1267 - t1268;
-    let t1270 = t376 * t714;
-    let t1271 = t468 * t719;
-    let t1272 = t1270 - t1271;
-    let t1273 = t542 * t719;
-    let t1274 = t1272 - t1273;
-    let t1275 = t418 * t712;
-    let t1276 = t1274 + t1275;
-    let t1277 = t376 * t888;
-    let t1278 = t745 * t922;
-    let t1279 = t1277 + t1278;
-    let t1280 = t751 * t933;
-    let t1281 = t1279 + t1280;
-    let t1282 = t755 * t941;
+    let t1206 = t138 * t96;
+    let t1207 = t1206 - t1205;
+    let t1208 = t1207 - t1201;
+    let t1209 = t141 * t96;
+    let t1210 = t1209 + t761;
+    let t1211 = t1210 + t1208;
+    let t1212 = t544 * t780;
+    let t1213 = 0.0031999999999999997 * omega_right_elbow_x;
+    let t1214 = t1213 - t1212;
+    let t1215 = t170 * t1214;
+    let t1216 = t1211 - t1215;
+    let t1217 = t205 * t1197;
+    let t1218 = t1216 - t1217;
+    let t1219 = t1218 + t1200;
+    let t1220 = inverse_d_torso * t1219;
+    let t1221 = t230 * 0.7089684509039348;
+    let t1222 = t1077 - t1190;
+    let t1223 = t1222 + t1221;
+    let t1224 = t251 * t1223;
+    let t1225 = omega_right_elbow_y * 0.1626;
+    let t1226 = t794 + t1225;
+    let t1227 = t1202 - t1226;
+    let t1228 = sin_right_shoulder_right_elbow * t1227;
+    let t1229 = omega_right_elbow_x * 0.003999999999999999;
+    let t1230 = t800 + t1229;
+    let t1231 = t923 - t1230;
+    let t1232 = cos_right_shoulder_right_elbow * t1231;
+    let t1233 = t1228 - t1232;
+    let t1234 = omega_right_elbow_x * 0.0032;
+    let t1235 = omega_right_elbow_y * 0.1424;
+    let t1236 = t1235 + t1234;
+    let t1237 = t126 * t1236;
+    let t1238 = t1233 - t1237;
+    let t1239 = t761 - t1238;
+    let t1240 = t170 * t1213;
+    let t1241 = t1239 + t1240;
+    let t1242 = t204 * 0.7089684509039348;
+    let t1243 = t1241 + t1242;
+    let t1244 = t1243 + t1224;
+    let t1245 = inverse_d_torso * t1244;
+    let t1246 = t231 * t1213;
+    let t1247 = t1213 + t1246;
+    let t1248 = t251 * t1247;
+    let t1249 = t205 * t1213;
+    let t1250 = cos_right_shoulder_right_elbow * 0.003180914512922465;
+    let t1251 = t1097 + t1250;
+    let t1252 = t1251 - t1249;
+    let t1253 = t1252 - t1248;
+    let t1254 = inverse_d_torso * t1253;
+    a_v[0][6] = t1254;
+    let t1255 = t340 * t1122;
+    let t1256 = inverse_d_left_shoulder * t1119;
+    let t1257 = t1256 + t1255;
+    let t1258 = t340 * t1154;
+    let t1259 = inverse_d_left_shoulder * t1133;
+    let t1260 = t1259 + t1258;
+    let t1261 = t340 * t1179;
+    let t1262 = inverse_d_left_shoulder * t1157;
+    let t1263 = t1262 + t1261;
+    let t1264 = t340 * t1188;
+    let t1265 = inverse_d_left_shoulder * t1181;
+    let t1266 = t1265 + t1264;
+    let t1267 = t340 * t1220;
+    a_v[1][4] = t1267;
+    let t1268 = t340 * t1245;
+    a_v[1][5] = t1268;
+    let t1269 = t340 * t1254;
+    let t1270 = t320 * t1257;
+    let t1271 = 3.544842254519674 * t1110;
+    let t1272 = t1271 + t1270;
+    let t1273 = t294 * t1122;
+    let t1274 = t1272 + t1273;
+    let t1275 = t320 * t1260;
+    let t1276 = 3.544842254519674 * t1131;
+    let t1277 = t1276 - t1275;
+    let t1278 = t294 * t1154;
+    let t1279 = t1277 - t1278;
+    a_v[2][1] = t1279;
+    let t1280 = t320 * t1263;
+    let t1281 = 0.7089684509039348 + t1280;
+    let t1282 = t294 * t1179;
     let t1283 = t1281 + t1282;
-    let t1284 = t745 * t979;
-    let t1285 = t376 * t1011;
-    let t1286 = t1285 - t1284;
-    let t1287 = t751 * t978;
-    let t1288 = t1286 - t1287;
-    let t1289 = t755 * t1018;
-    let t1290 = t1288 + t1289;
-    let t1291 = t376 * t1036;
-    let t1292 = t745 * t1041;
-    let t1293 = t1291 + t1292;
-    let t1294 = t751 * t1041;
-    let t1295 = t1293 + t1294;
-    let t1296 = t755 * t1034;
+    let t1284 = t320 * t1266;
+    let t1285 = omega_left_elbow_x * 0.011343495214462955;
+    let t1286 = t1285 + t1284;
+    let t1287 = t294 * t1188;
+    let t1288 = t1286 + t1287;
+    let t1289 = t320 * t1267;
+    let t1290 = t294 * t1220;
+    let t1291 = t1289 + t1290;
+    a_v[2][4] = t1291;
+    let t1292 = t320 * t1268;
+    let t1293 = t294 * t1245;
+    let t1294 = t1292 + t1293;
+    a_v[2][5] = t1294;
+    let t1295 = t320 * t1269;
+    let t1296 = t294 * t1254;
     let t1297 = t1295 + t1296;
-    let t1298 = sin_left_shoulder_left_elbow * t576;
-    let t1299 = cos_left_shoulder_left_elbow * t580;
-    let t1300 = t1298 - t1299;
-    let t1301 = t88 * t588;
-    let t1302 = t1300 - t1301;
-    let t1303 = t119 * t1302;
-    let t1304 = t92 * t585;
-    let t1305 = t1304 + t1301;
-    let t1306 = t1300 - t1305;
-    let t1307 = t182 * t592;
-    let t1308 = t1307 + t1306;
-    let t1309 = t116 * t1308;
-    let t1310 = v[1] * t92;
-    let t1311 = 2.0 * t1310;
-    let t1312 = t56 * t1311;
-    let t1313 = sin_left_shoulder_left_elbow * t498;
-    let t1314 = cos_left_shoulder_left_elbow * t500;
-    let t1315 = t1314 + t1313;
-    let t1316 = t57 * t1315;
-    let t1317 = t1316 - t1312;
-    let t1318 = sin_left_shoulder_left_elbow * t509;
-    let t1319 = t664 - t1318;
-    let t1320 = t1319 - t1317;
-    let t1321 = t182 * t199;
-    let t1322 = t229 * t592;
-    let t1323 = t1322 - t1321;
-    let t1324 = t1323 - t1320;
-    let t1325 = t566 * t592;
-    let t1326 = t1324 + t1325;
-    let t1327 = v[4] * t13;
-    let t1328 = 2.0 * t1327;
-    let t1329 = t17 * t1328;
-    let t1330 = sin_right_shoulder_right_elbow * t830;
-    let t1331 = cos_right_shoulder_right_elbow * t832;
-    let t1332 = t1331 + t1330;
-    let t1333 = t18 * t1332;
-    let t1334 = t1333 - t1329;
-    let t1335 = sin_right_shoulder_right_elbow * t841;
-    let t1336 = t986 - t1335;
-    let t1337 = t1336 - t1334;
-    let t1338 = t280 * t248;
-    let t1339 = t285 * t592;
-    let t1340 = t1339 + t1338;
-    let t1341 = t1340 + t1337;
-    let t1342 = t893 * t592;
-    let t1343 = t1341 + t1342;
-    let t1344 = t1343 - t1326;
-    let t1345 = t232 * t592;
-    let t1346 = t1345 + t585;
-    let t1347 = t1322 + t1346;
-    let t1348 = t288 * t592;
-    let t1349 = t1348 + t912;
-    let t1350 = t1339 + t1349;
-    let t1351 = t1350 - t1347;
-    let t1352 = t1344 - t1351;
-    let t1353 = inverse_d_torso * t1352;
-    let t1354 = t1353 + t1309;
-    let t1355 = t1354 + t1303;
-    let t1356 = sin_left_shoulder_left_elbow * t613;
-    let t1357 = t315 * t1356;
-    let t1358 = t1355 - t1357;
-    let t1359 = sin_right_shoulder_right_elbow * t903;
-    let t1360 = cos_right_shoulder_right_elbow * t907;
-    let t1361 = t1359 - t1360;
-    let t1362 = t13 * t912;
-    let t1363 = t12 * t915;
-    let t1364 = t1362 + t1363;
-    let t1365 = t1361 - t1364;
-    let t1366 = t280 * t592;
-    let t1367 = t1366 + t1365;
-    let t1368 = t323 * t1367;
-    let t1369 = t1358 - t1368;
-    let t1370 = t1361 - t1363;
-    let t1371 = t369 * t1370;
-    let t1372 = t1369 - t1371;
-    let t1373 = sin_right_shoulder_right_elbow * t938;
-    let t1374 = t376 * t1373;
-    let t1375 = t1372 - t1374;
-    let t1376 = t88 * t496;
-    let t1377 = t1312 + t1376;
-    let t1378 = t119 * t1377;
-    let t1379 = t92 * t502;
-    let t1380 = t1379 + t1376;
-    let t1381 = t1319 - t1380;
-    let t1382 = t1321 + t1381;
-    let t1383 = t1324 + t1382;
-    let t1384 = t1322 - t1383;
-    let t1385 = 0.2 - t1384;
-    let t1386 = t116 * t1385;
-    let t1387 = t491 * t592;
-    let t1388 = t151 + t575;
-    let t1389 = sin_left_shoulder_left_elbow * t1388;
-    let t1390 = cos_left_shoulder_left_elbow * t706;
-    let t1391 = t1389 - t1390;
-    let t1392 = t229 * t199;
-    let t1393 = t1392 + t1391;
-    let t1394 = t1393 + t1387;
-    let t1395 = t232 * t199;
-    let t1396 = t1395 + t502;
-    let t1397 = t1396 + t1394;
-    let t1398 = inverse_d_torso * t1397;
-    let t1399 = t1398 + t1386;
-    let t1400 = t1399 - t1378;
-    let t1401 = t592 * t611;
-    let t1402 = 0.0031999999999999997 * omega_left_elbow_x;
-    let t1403 = t1402 - t1401;
-    let t1404 = t315 * t1403;
-    let t1405 = t1400 + t1404;
-    let t1406 = 0.2 * t119;
-    let t1407 = t1316 - t1379;
-    let t1408 = t116 * t1407;
-    let t1409 = omega_left_elbow_y * 0.1626;
-    let t1410 = t572 + t1409;
-    let t1411 = t1388 - t1410;
-    let t1412 = sin_left_shoulder_left_elbow * t1411;
-    let t1413 = omega_left_elbow_x * 0.003999999999999999;
-    let t1414 = t578 + t1413;
-    let t1415 = t706 - t1414;
-    let t1416 = cos_left_shoulder_left_elbow * t1415;
-    let t1417 = t1412 - t1416;
-    let t1418 = omega_left_elbow_x * 0.0032;
-    let t1419 = omega_left_elbow_y * 0.1424;
-    let t1420 = t1419 + t1418;
-    let t1421 = t57 * t1420;
-    let t1422 = t1417 - t1421;
-    let t1423 = t502 + t1422;
-    let t1424 = inverse_d_torso * t1423;
-    let t1425 = t1424 + t1408;
-    let t1426 = t1425 + t1406;
-    let t1427 = t315 * t1402;
-    let t1428 = t1426 - t1427;
-    let t1429 = t119 * t1402;
-    let t1430 = t116 * t1402;
-    let t1431 = inverse_d_torso * t1356;
-    let t1432 = t1431 + t1430;
-    let t1433 = t1432 + t1429;
-    let t1434 = 0.2 * t315;
-    let t1435 = t1433 + t1434;
-    let t1436 = t12 * t828;
-    let t1437 = t1329 + t1436;
-    let t1438 = t369 * t1437;
-    let t1439 = t13 * t834;
-    let t1440 = t1439 + t1436;
-    let t1441 = t1336 - t1440;
-    let t1442 = t1338 + t1441;
-    let t1443 = t1341 - t1442;
-    let t1444 = t1339 - t1443;
-    let t1445 = 0.2 + t1444;
-    let t1446 = t323 * t1445;
-    let t1447 = t823 * t592;
-    let t1448 = t254 + t902;
-    let t1449 = sin_right_shoulder_right_elbow * t1448;
-    let t1450 = cos_right_shoulder_right_elbow * t1028;
-    let t1451 = t1449 - t1450;
-    let t1452 = t285 * t248;
-    let t1453 = t1452 - t1451;
-    let t1454 = t1453 - t1447;
-    let t1455 = t288 * t248;
-    let t1456 = t1455 + t834;
-    let t1457 = t1456 + t1454;
-    let t1458 = inverse_d_torso * t1457;
-    let t1459 = t1458 + t1446;
-    let t1460 = t1459 - t1438;
-    let t1461 = t592 * t936;
-    let t1462 = 0.0031999999999999997 * omega_right_elbow_x;
-    let t1463 = t1462 - t1461;
-    let t1464 = t376 * t1463;
-    let t1465 = t1460 - t1464;
-    let t1466 = 0.2 * t369;
-    let t1467 = t1333 - t1439;
-    let t1468 = t323 * t1467;
-    let t1469 = omega_right_elbow_y * 0.1626;
-    let t1470 = t899 + t1469;
-    let t1471 = t1448 - t1470;
-    let t1472 = sin_right_shoulder_right_elbow * t1471;
-    let t1473 = omega_right_elbow_x * 0.003999999999999999;
-    let t1474 = t905 + t1473;
-    let t1475 = t1028 - t1474;
-    let t1476 = cos_right_shoulder_right_elbow * t1475;
-    let t1477 = t1472 - t1476;
-    let t1478 = omega_right_elbow_x * 0.0032;
-    let t1479 = omega_right_elbow_y * 0.1424;
-    let t1480 = t1479 + t1478;
-    let t1481 = t18 * t1480;
-    let t1482 = t1477 - t1481;
-    let t1483 = t834 - t1482;
-    let t1484 = inverse_d_torso * t1483;
-    let t1485 = t1484 + t1468;
-    let t1486 = t1485 + t1466;
-    let t1487 = t376 * t1462;
-    let t1488 = t1486 + t1487;
-    [
-        inverse_d_torso,
-        t116,
-        t119,
-        t315,
-        t323,
-        t369,
-        t376,
-        acceleration_left_shoulder_x,
-        t396,
-        t403,
-        t407,
-        t410,
-        t415,
-        t418,
-        t420,
-        t449,
-        t452,
-        t460,
-        t465,
-        t468,
-        t470,
-        t526,
-        t534,
-        t539,
-        t542,
-        t544,
-        t618,
-        t698,
-        t725,
-        t745,
-        t751,
-        t755,
-        t757,
-        t793,
-        t798,
-        t802,
-        t867,
-        t871,
-        t943,
-        t1020,
-        t1047,
-        t1054,
-        t1061,
-        t1068,
-        t1075,
-        t1082,
-        t1089,
-        t1096,
-        t1103,
-        t1109,
-        t1116,
-        t1123,
-        t1130,
-        t1137,
-        t1144,
-        t1151,
-        t1158,
-        t1165,
-        t1172,
-        t1179,
-        t1186,
-        t1193,
-        t1200,
-        t1207,
-        t1214,
-        t1221,
-        t1228,
-        t1235,
-        t1242,
-        t1249,
-        t1255,
-        t1262,
-        t1269,
-        t1276,
-        t1283,
-        t1290,
-        t1297,
-        t1302,
-        t1308,
-        t1352,
-        t1356,
-        t1357,
-        t1367,
-        t1370,
-        t1373,
-        t1374,
-        t1375,
-        t1377,
-        t1385,
-        t1397,
-        t1402,
-        t1403,
-        t1405,
-        t1407,
-        t1423,
-        t1428,
-        t1435,
-        t1437,
-        t1445,
-        t1457,
-        t1462,
-        t1463,
-        t1465,
-        t1467,
-        t1483,
-        t1488,
-    ]
-}
-
-/// Part 2 of `linearize`: values that later parts read.
-#[inline(never)]
-fn linearize_part_2(
-    y: &[f64; N],
-    v: &[f64; N],
-    u: &[f64; M],
-    [inverse_d_torso,
-    t116,
-    t119,
-    t315,
-    t323,
-    t369,
-    t376,
-    acceleration_left_shoulder_x,
-    t396,
-    t403,
-    t407,
-    t410,
-    t415,
-    t418,
-    t420,
-    t449,
-    t452,
-    t460,
-    t465,
-    t468,
-    t470,
-    t526,
-    t534,
-    t539,
-    t542,
-    t544,
-    t618,
-    t698,
-    t725,
-    t745,
-    t751,
-    t755,
-    t757,
-    t793,
-    t798,
-    t802,
-    t867,
-    t871,
-    t943,
-    t1020,
-    t1047,
-    t1054,
-    t1061,
-    t1068,
-    t1075,
-    t1082,
-    t1089,
-    t1096,
-    t1103,
-    t1109,
-    t1116,
-    t1123,
-    t1130,
-    t1137,
-    t1144,
-    t1151,
-    t1158,
-    t1165,
-    t1172,
-    t1179,
-    t1186,
-    t1193,
-    t1200,
-    t1207,
-    t1214,
-    t1221,
-    t1228,
-    t1235,
-    t1242,
-    t1249,
-    t1255,
-    t1262,
-    t1269,
-    t1276,
-    t1283,
-    t1290,
-    t1297,
-    t1302,
-    t1308,
-    t1352,
-    t1356,
-    t1357,
-    t1367,
-    t1370,
-    t1373,
-    t1374,
-    t1375,
-    t1377,
-    t1385,
-    t1397,
-    t1402,
-    t1403,
-    t1405,
-    t1407,
-    t1423,
-    t1428,
-    t1435,
-    t1437,
-    t1445,
-    t1457,
-    t1462,
-    t1463,
-    t1465,
-    t1467,
-    t1483,
-    t1488,
-    ]: [f64; 106],
-) -> [f64; 104] {
-    let t1489 = t369 * t1462;
-    let t1490 = t323 * t1462;
-    let t1491 = inverse_d_torso * t1373;
-    let t1492 = t1491 - t1490;
-    let t1493 = t1492 - t1489;
-    let t1494 = 0.2 * t376;
-    let t1495 = t1493 + t1494;
-    let t1496 = t452 * t1302;
-    let t1497 = t449 * t1308;
-    let t1498 = t116 * t1352;
-    let t1499 = t1498 + t1497;
-    let t1500 = t1499 + t1496;
-    let t1501 = t396 * t1356;
-    let t1502 = t1500 - t1501;
-    let t1503 = t460 * t1367;
-    let t1504 = t1502 - t1503;
-    let t1505 = t465 * t1370;
-    let t1506 = t1504 - t1505;
-    let t1507 = t468 * t1373;
-    let t1508 = t1506 - t1507;
-    let t1509 = t452 * t1377;
-    let t1510 = t449 * t1385;
-    let t1511 = t116 * t1397;
+    let t1298 = t259 * t1122;
+    let t1299 = 4.970178926441352 * t1103;
+    let t1300 = t1299 - t1298;
+    a_v[3][0] = t1300;
+    let t1301 = t259 * t1154;
+    let t1302 = 4.970178926441352 * t1148;
+    let t1303 = t1302 + t1301;
+    let t1304 = t259 * t1179;
+    let t1305 = 0.015904572564612324 * omega_left_elbow_x;
+    let t1306 = t1305 - t1304;
+    a_v[3][2] = t1306;
+    let t1307 = t259 * t1188;
+    let t1308 = 0.9940357852882704 + t1307;
+    let t1309 = t259 * t1220;
+    a_v[3][4] = t1309;
+    let t1310 = t259 * t1245;
+    a_v[3][5] = t1310;
+    let t1311 = t259 * t1254;
+    let t1312 = t251 * t1122;
+    let t1313 = inverse_d_right_shoulder * t1052;
+    let t1314 = t1313 - t1312;
+    let t1315 = t251 * t1154;
+    a_v[4][1] = t1315;
+    let t1316 = t251 * t1179;
+    a_v[4][2] = t1316;
+    let t1317 = t251 * t1188;
+    a_v[4][3] = t1317;
+    let t1318 = t251 * t1220;
+    let t1319 = inverse_d_right_shoulder * t1199;
+    let t1320 = t1319 + t1318;
+    let t1321 = t251 * t1245;
+    let t1322 = inverse_d_right_shoulder * t1223;
+    let t1323 = t1322 + t1321;
+    let t1324 = t251 * t1254;
+    let t1325 = inverse_d_right_shoulder * t1247;
+    let t1326 = t1325 - t1324;
+    let t1327 = t231 * t1314;
+    let t1328 = 3.544842254519674 * t1045;
+    let t1329 = t1328 + t1327;
+    let t1330 = t205 * t1122;
+    let t1331 = t1329 - t1330;
+    let t1332 = t231 * t1315;
+    let t1333 = t205 * t1154;
+    let t1334 = t1332 + t1333;
+    a_v[5][1] = t1334;
+    let t1335 = t231 * t1316;
+    let t1336 = t205 * t1179;
+    let t1337 = t1335 + t1336;
+    a_v[5][2] = t1337;
+    let t1338 = t231 * t1317;
+    let t1339 = t205 * t1188;
+    let t1340 = t1338 + t1339;
+    a_v[5][3] = t1340;
+    let t1341 = t231 * t1320;
+    let t1342 = 3.544842254519674 * t1197;
+    let t1343 = t1342 - t1341;
+    let t1344 = t205 * t1220;
+    let t1345 = t1343 - t1344;
+    a_v[5][4] = t1345;
+    let t1346 = t231 * t1323;
+    let t1347 = 0.7089684509039348 + t1346;
+    let t1348 = t205 * t1245;
+    let t1349 = t1347 + t1348;
+    let t1350 = t231 * t1326;
+    let t1351 = omega_right_elbow_x * 0.011343495214462955;
+    let t1352 = t1351 + t1350;
+    let t1353 = t205 * t1254;
+    let t1354 = t1352 - t1353;
+    let t1355 = t170 * t1122;
+    let t1356 = 4.970178926441352 * t1097;
+    let t1357 = t1356 - t1355;
+    a_v[6][0] = t1357;
+    let t1358 = t170 * t1154;
+    let t1359 = t170 * t1179;
+    let t1360 = t170 * t1188;
+    let t1361 = t170 * t1220;
+    let t1362 = 4.970178926441352 * t1214;
+    let t1363 = t1362 - t1361;
+    let t1364 = t170 * t1245;
+    let t1365 = 0.015904572564612324 * omega_right_elbow_x;
+    let t1366 = t1365 + t1364;
+    a_v[6][5] = t1366;
+    let t1367 = t170 * t1254;
+    let t1368 = 0.9940357852882704 + t1367;
+    let t1369 = t340 * inverse_d_torso;
+    let t1370 = 100.0 * t1369;
+    let t1371 = t320 * t1369;
+    let t1372 = t294 * inverse_d_torso;
+    let t1373 = t1371 + t1372;
+    let t1374 = 100.0 * t1373;
+    let t1375 = t259 * inverse_d_torso;
+    let t1376 = 100.0 * t1375;
+    let t1377 = t251 * inverse_d_torso;
+    b_x[4][0] = t1377;
+    let t1378 = 100.0 * t1377;
+    b_x[0][4] = t1378;
+    let t1379 = t231 * t1377;
+    let t1380 = t205 * inverse_d_torso;
+    let t1381 = t1379 + t1380;
+    b_x[5][0] = t1381;
+    let t1382 = 100.0 * t1381;
+    b_x[0][5] = t1382;
+    let t1383 = t170 * inverse_d_torso;
+    let t1384 = 100.0 * t1383;
+    let t1385 = t340 * t1369;
+    let t1386 = inverse_d_left_shoulder + t1385;
+    let t1387 = 100.0 * t1386;
+    b_x[1][1] = t1387;
+    let t1388 = t320 * t1386;
+    let t1389 = t294 * t1369;
+    let t1390 = t1388 + t1389;
+    let t1391 = 100.0 * t1390;
+    b_x[1][2] = t1391;
+    b_x[2][1] = t1391;
+    let t1392 = t259 * t1369;
+    let t1393 = 100.0 * t1392;
+    b_x[1][3] = t1393;
+    b_x[3][1] = t1393;
+    let t1394 = t251 * t1369;
+    let t1395 = 100.0 * t1394;
+    let t1396 = t231 * t1394;
+    let t1397 = t205 * t1369;
+    let t1398 = t1396 + t1397;
+    let t1399 = 100.0 * t1398;
+    let t1400 = t170 * t1369;
+    let t1401 = 100.0 * t1400;
+    b_x[1][6] = t1401;
+    b_x[6][1] = t1401;
+    let t1402 = t320 * t340;
+    let t1403 = t294 + t1402;
+    let t1404 = inverse_d_torso * t1403;
+    let t1405 = t340 * t1404;
+    let t1406 = t320 * inverse_d_left_shoulder;
+    let t1407 = t1406 + t1405;
+    let t1408 = t320 * t1407;
+    let t1409 = 3.544842254519674 + t1408;
+    let t1410 = t294 * t1404;
+    let t1411 = t1409 + t1410;
+    let t1412 = 100.0 * t1411;
+    b_x[2][2] = t1412;
+    let t1413 = t259 * t1404;
+    let t1414 = 100.0 * t1413;
+    b_x[2][3] = t1414;
+    b_x[3][2] = t1414;
+    let t1415 = t251 * t1404;
+    let t1416 = 100.0 * t1415;
+    let t1417 = t231 * t1415;
+    let t1418 = t205 * t1404;
+    let t1419 = t1417 + t1418;
+    let t1420 = 100.0 * t1419;
+    let t1421 = t170 * t1404;
+    let t1422 = 100.0 * t1421;
+    b_x[2][6] = t1422;
+    b_x[6][2] = t1422;
+    let t1423 = t259 * t1375;
+    let t1424 = 4.970178926441352 + t1423;
+    let t1425 = 100.0 * t1424;
+    b_x[3][3] = t1425;
+    let t1426 = t251 * t1375;
+    let t1427 = 100.0 * t1426;
+    let t1428 = t231 * t1426;
+    let t1429 = t205 * t1375;
+    let t1430 = t1428 + t1429;
+    let t1431 = 100.0 * t1430;
+    let t1432 = t170 * t1375;
+    let t1433 = 100.0 * t1432;
+    b_x[3][6] = t1433;
+    b_x[6][3] = t1433;
+    let t1434 = t251 * t1377;
+    let t1435 = inverse_d_right_shoulder + t1434;
+    let t1436 = 100.0 * t1435;
+    b_x[4][4] = t1436;
+    let t1437 = t231 * t1435;
+    let t1438 = t205 * t1377;
+    let t1439 = t1437 + t1438;
+    let t1440 = 100.0 * t1439;
+    b_x[4][5] = t1440;
+    b_x[5][4] = t1440;
+    let t1441 = t170 * t1377;
+    let t1442 = 100.0 * t1441;
+    let t1443 = t231 * t251;
+    let t1444 = t205 + t1443;
+    let t1445 = inverse_d_torso * t1444;
+    let t1446 = t251 * t1445;
+    let t1447 = t231 * inverse_d_right_shoulder;
+    let t1448 = t1447 + t1446;
+    let t1449 = t231 * t1448;
+    let t1450 = 3.544842254519674 + t1449;
+    let t1451 = t205 * t1445;
+    let t1452 = t1450 + t1451;
+    let t1453 = 100.0 * t1452;
+    b_x[5][5] = t1453;
+    let t1454 = t170 * t1445;
+    let t1455 = 100.0 * t1454;
+    let t1456 = t170 * t1383;
+    let t1457 = 4.970178926441352 + t1456;
+    let t1458 = 100.0 * t1457;
+    b_x[6][6] = t1458;
+    let t1459 = y[2] * t634;
+    let t1460 = y[1] * t552;
+    let t1461 = t1460 + t1459;
+    let t1462 = y[3] * t663;
+    let t1463 = t1461 - t1462;
+    let t1464 = y[4] * t836;
+    let t1465 = t1463 - t1464;
+    let t1466 = y[5] * t915;
+    let t1467 = t1465 - t1466;
+    let t1468 = y[6] * t944;
+    let t1469 = t1467 - t1468;
+    let t1470 = v[1] * t1154;
+    let t1471 = v[0] * t1122;
+    let t1472 = t1471 + t1470;
+    let t1473 = v[2] * t1179;
+    let t1474 = t1472 + t1473;
+    let t1475 = v[3] * t1188;
+    let t1476 = t1474 + t1475;
+    let t1477 = v[4] * t1220;
+    let t1478 = t1476 - t1477;
+    let t1479 = v[5] * t1245;
+    let t1480 = t1478 - t1479;
+    let t1481 = v[6] * t1254;
+    let t1482 = t1480 + t1481;
+    let t1483 = t1469 + t1482;
+    let t1484 = u[2] * t1374;
+    let t1485 = u[1] * t1370;
+    let t1486 = u[0] * inverse_d_torso;
+    let t1487 = t1486 - t1485;
+    let t1488 = t1487 - t1484;
+    let t1489 = u[3] * t1376;
+    let t1490 = t1488 - t1489;
+    let t1491 = u[4] * t1378;
+    let t1492 = t1490 + t1491;
+    let t1493 = u[5] * t1382;
+    let t1494 = t1492 + t1493;
+    let t1495 = u[6] * t1384;
+    let t1496 = t1494 - t1495;
+    let t1497 = t1483 + t1496;
+    let t1498 = acceleration_left_shoulder_x - t1497;
+    c[0] = t1498;
+    let t1499 = y[2] * t950;
+    let t1500 = y[1] * t947;
+    let t1501 = t1500 - t1499;
+    let t1502 = y[3] * t953;
+    let t1503 = t1501 - t1502;
+    let t1504 = y[4] * t954;
+    let t1505 = t1503 + t1504;
+    let t1506 = y[5] * t955;
+    let t1507 = t1505 + t1506;
+    let t1508 = y[6] * t956;
+    let t1509 = t1507 + t1508;
+    let t1510 = v[1] * t1260;
+    let t1511 = v[0] * t1257;
     let t1512 = t1511 + t1510;
-    let t1513 = t1512 - t1509;
-    let t1514 = t396 * t1403;
-    let t1515 = t1513 + t1514;
-    let t1516 = 0.2 * t452;
-    let t1517 = t449 * t1407;
-    let t1518 = t116 * t1423;
-    let t1519 = t1518 + t1517;
-    let t1520 = t1519 + t1516;
-    let t1521 = t396 * t1402;
-    let t1522 = t1520 - t1521;
-    let t1523 = t452 * t1402;
-    let t1524 = t449 * t1402;
-    let t1525 = t116 * t1356;
-    let t1526 = t1525 + t1524;
-    let t1527 = t1526 + t1523;
-    let t1528 = 0.2 * t396;
-    let t1529 = t1527 + t1528;
-    let t1530 = t465 * t1437;
-    let t1531 = t460 * t1445;
-    let t1532 = t116 * t1457;
-    let t1533 = t1532 + t1531;
-    let t1534 = t1533 - t1530;
-    let t1535 = t468 * t1463;
+    let t1513 = v[2] * t1263;
+    let t1514 = t1512 + t1513;
+    let t1515 = v[3] * t1266;
+    let t1516 = t1514 + t1515;
+    let t1517 = v[4] * t1267;
+    let t1518 = t1516 - t1517;
+    let t1519 = v[5] * t1268;
+    let t1520 = t1518 - t1519;
+    let t1521 = v[6] * t1269;
+    let t1522 = t1520 + t1521;
+    let t1523 = t1509 - t1522;
+    let t1524 = u[2] * t1391;
+    let t1525 = u[1] * t1387;
+    let t1526 = u[0] * t1369;
+    let t1527 = t1526 - t1525;
+    let t1528 = t1527 - t1524;
+    let t1529 = u[3] * t1393;
+    let t1530 = t1528 - t1529;
+    let t1531 = u[4] * t1395;
+    let t1532 = t1530 + t1531;
+    let t1533 = u[5] * t1399;
+    let t1534 = t1532 + t1533;
+    let t1535 = u[6] * t1401;
     let t1536 = t1534 - t1535;
-    let t1537 = 0.2 * t465;
-    let t1538 = t460 * t1467;
-    let t1539 = t116 * t1483;
-    let t1540 = t1539 + t1538;
-    let t1541 = t1540 + t1537;
-    let t1542 = t468 * t1462;
+    let t1537 = t1523 - t1536;
+    let t1538 = t380 - t1537;
+    c[1] = t1538;
+    let t1539 = y[2] * t966;
+    let t1540 = y[1] * t961;
+    let t1541 = t1540 + t1539;
+    let t1542 = y[3] * t971;
     let t1543 = t1541 + t1542;
-    let t1544 = t465 * t1462;
-    let t1545 = t460 * t1462;
-    let t1546 = t116 * t1373;
-    let t1547 = t1546 - t1545;
-    let t1548 = t1547 - t1544;
-    let t1549 = 0.2 * t468;
-    let t1550 = t1548 + t1549;
-    let t1551 = t526 * t1302;
-    let t1552 = t452 * t1308;
-    let t1553 = t119 * t1352;
-    let t1554 = t1553 + t1552;
-    let t1555 = t1554 + t1551;
-    let t1556 = t403 * t1356;
-    let t1557 = t1555 - t1556;
-    let t1558 = t534 * t1367;
-    let t1559 = t1557 - t1558;
-    let t1560 = t539 * t1370;
-    let t1561 = t1559 - t1560;
-    let t1562 = t542 * t1373;
-    let t1563 = t1561 - t1562;
-    let t1564 = t526 * t1377;
-    let t1565 = t452 * t1385;
-    let t1566 = t119 * t1397;
-    let t1567 = t1566 + t1565;
+    let t1544 = y[4] * t974;
+    let t1545 = t1543 - t1544;
+    let t1546 = y[5] * t977;
+    let t1547 = t1545 - t1546;
+    let t1548 = y[6] * t980;
+    let t1549 = t1547 - t1548;
+    let t1550 = v[1] * t1279;
+    let t1551 = v[0] * t1274;
+    let t1552 = t1551 - t1550;
+    let t1553 = v[2] * t1283;
+    let t1554 = t1552 + t1553;
+    let t1555 = v[3] * t1288;
+    let t1556 = t1554 + t1555;
+    let t1557 = v[4] * t1291;
+    let t1558 = t1556 - t1557;
+    let t1559 = v[5] * t1294;
+    let t1560 = t1558 - t1559;
+    let t1561 = v[6] * t1297;
+    let t1562 = t1560 + t1561;
+    let t1563 = t1549 + t1562;
+    let t1564 = u[2] * t1412;
+    let t1565 = u[1] * t1391;
+    let t1566 = u[0] * t1373;
+    let t1567 = t1566 - t1565;
     let t1568 = t1567 - t1564;
-    let t1569 = t403 * t1403;
-    let t1570 = t1568 + t1569;
-    let t1571 = 0.2 * t526;
-    let t1572 = t452 * t1407;
-    let t1573 = t119 * t1423;
-    let t1574 = t1573 + t1572;
-    let t1575 = t1574 + t1571;
-    let t1576 = t403 * t1402;
-    let t1577 = t1575 - t1576;
-    let t1578 = t526 * t1402;
-    let t1579 = t119 * t1356;
-    let t1580 = t1523 + t1579;
-    let t1581 = t1580 + t1578;
-    let t1582 = 0.2 * t403;
+    let t1569 = u[3] * t1414;
+    let t1570 = t1568 - t1569;
+    let t1571 = u[4] * t1416;
+    let t1572 = t1570 + t1571;
+    let t1573 = u[5] * t1420;
+    let t1574 = t1572 + t1573;
+    let t1575 = u[6] * t1422;
+    let t1576 = t1574 - t1575;
+    let t1577 = t1563 + t1576;
+    let t1578 = t385 + t1577;
+    c[2] = t1578;
+    let t1579 = y[2] * t986;
+    let t1580 = y[1] * t983;
+    let t1581 = t1580 + t1579;
+    let t1582 = y[3] * t989;
     let t1583 = t1581 + t1582;
-    let t1584 = t539 * t1437;
-    let t1585 = t119 * t1457;
-    let t1586 = t534 * t1445;
+    let t1584 = y[4] * t990;
+    let t1585 = t1583 + t1584;
+    let t1586 = y[5] * t991;
     let t1587 = t1585 + t1586;
-    let t1588 = t1587 - t1584;
-    let t1589 = t542 * t1463;
-    let t1590 = t1588 - t1589;
-    let t1591 = 0.2 * t539;
-    let t1592 = t119 * t1483;
-    let t1593 = t534 * t1467;
+    let t1588 = y[6] * t992;
+    let t1589 = t1587 + t1588;
+    let t1590 = v[1] * t1303;
+    let t1591 = v[0] * t1300;
+    let t1592 = t1591 - t1590;
+    let t1593 = v[2] * t1306;
     let t1594 = t1592 + t1593;
-    let t1595 = t1594 + t1591;
-    let t1596 = t542 * t1462;
-    let t1597 = t1595 + t1596;
-    let t1598 = t539 * t1462;
-    let t1599 = t119 * t1373;
-    let t1600 = t534 * t1462;
-    let t1601 = t1599 - t1600;
-    let t1602 = t1601 - t1598;
-    let t1603 = 0.2 * t542;
-    let t1604 = t1602 + t1603;
-    let t1605 = t396 * t1308;
-    let t1606 = t315 * t1352;
-    let t1607 = t1606 + t1605;
-    let t1608 = t403 * t1302;
-    let t1609 = t1607 + t1608;
-    let t1610 = t407 * t1356;
-    let t1611 = t1609 - t1610;
-    let t1612 = t410 * t1367;
-    let t1613 = t1611 - t1612;
-    let t1614 = t415 * t1370;
-    let t1615 = t1613 - t1614;
-    let t1616 = t418 * t1373;
-    let t1617 = t1615 - t1616;
-    let t1618 = t396 * t1385;
-    let t1619 = t315 * t1397;
-    let t1620 = t1619 + t1618;
-    let t1621 = t403 * t1377;
-    let t1622 = t1620 - t1621;
-    let t1623 = t407 * t1403;
-    let t1624 = t1622 + t1623;
-    let t1625 = t396 * t1407;
-    let t1626 = t315 * t1423;
-    let t1627 = t1626 + t1625;
-    let t1628 = t1582 + t1627;
-    let t1629 = t407 * t1402;
-    let t1630 = t1628 - t1629;
-    let t1631 = t1357 + t1521;
-    let t1632 = t1576 + t1631;
-    let t1633 = 0.2 * t407;
-    let t1634 = t1632 + t1633;
-    let t1635 = t415 * t1437;
-    let t1636 = t410 * t1445;
-    let t1637 = t315 * t1457;
-    let t1638 = t1637 + t1636;
-    let t1639 = t1638 - t1635;
-    let t1640 = t418 * t1463;
-    let t1641 = t1639 - t1640;
-    let t1642 = 0.2 * t415;
-    let t1643 = t410 * t1467;
-    let t1644 = t315 * t1483;
-    let t1645 = t1644 + t1643;
-    let t1646 = t1645 + t1642;
-    let t1647 = t418 * t1462;
-    let t1648 = t1646 + t1647;
-    let t1649 = t415 * t1462;
-    let t1650 = t410 * t1462;
-    let t1651 = t315 * t1373;
-    let t1652 = t1651 - t1650;
-    let t1653 = t1652 - t1649;
-    let t1654 = 0.2 * t418;
-    let t1655 = t1653 + t1654;
-    let t1656 = t460 * t1308;
-    let t1657 = t323 * t1352;
-    let t1658 = t1657 + t1656;
-    let t1659 = t534 * t1302;
-    let t1660 = t1658 + t1659;
-    let t1661 = t410 * t1356;
-    let t1662 = t1660 - t1661;
-    let t1663 = t793 * t1367;
-    let t1664 = t1662 - t1663;
-    let t1665 = t798 * t1370;
-    let t1666 = t1664 - t1665;
-    let t1667 = t745 * t1373;
-    let t1668 = t1666 - t1667;
-    let t1669 = t460 * t1385;
-    let t1670 = t323 * t1397;
-    let t1671 = t1670 + t1669;
-    let t1672 = t534 * t1377;
-    let t1673 = t1671 - t1672;
-    let t1674 = t410 * t1403;
-    let t1675 = t1673 + t1674;
-    let t1676 = t460 * t1407;
-    let t1677 = t323 * t1423;
-    let t1678 = t1677 + t1676;
-    let t1679 = 0.2 * t534;
+    let t1595 = v[3] * t1308;
+    let t1596 = t1594 - t1595;
+    let t1597 = v[4] * t1309;
+    let t1598 = t1596 + t1597;
+    let t1599 = v[5] * t1310;
+    let t1600 = t1598 + t1599;
+    let t1601 = v[6] * t1311;
+    let t1602 = t1600 - t1601;
+    let t1603 = t1589 + t1602;
+    let t1604 = u[1] * t1393;
+    let t1605 = u[0] * t1375;
+    let t1606 = t1605 - t1604;
+    let t1607 = u[2] * t1414;
+    let t1608 = t1606 - t1607;
+    let t1609 = u[3] * t1425;
+    let t1610 = t1608 - t1609;
+    let t1611 = u[4] * t1427;
+    let t1612 = t1610 + t1611;
+    let t1613 = u[5] * t1431;
+    let t1614 = t1612 + t1613;
+    let t1615 = u[6] * t1433;
+    let t1616 = t1614 - t1615;
+    let t1617 = t1603 - t1616;
+    let t1618 = t416 - t1617;
+    c[3] = t1618;
+    let t1619 = y[2] * t994;
+    let t1620 = y[1] * t993;
+    let t1621 = t1620 + t1619;
+    let t1622 = y[3] * t995;
+    let t1623 = t1621 - t1622;
+    let t1624 = y[4] * t998;
+    let t1625 = t1623 - t1624;
+    let t1626 = y[5] * t1001;
+    let t1627 = t1625 + t1626;
+    let t1628 = y[6] * t1004;
+    let t1629 = t1627 - t1628;
+    let t1630 = v[0] * t1314;
+    let t1631 = v[1] * t1315;
+    let t1632 = t1630 - t1631;
+    let t1633 = v[2] * t1316;
+    let t1634 = t1632 - t1633;
+    let t1635 = v[3] * t1317;
+    let t1636 = t1634 - t1635;
+    let t1637 = v[4] * t1320;
+    let t1638 = t1636 + t1637;
+    let t1639 = v[5] * t1323;
+    let t1640 = t1638 + t1639;
+    let t1641 = v[6] * t1326;
+    let t1642 = t1640 + t1641;
+    let t1643 = t1629 - t1642;
+    let t1644 = u[1] * t1395;
+    let t1645 = u[0] * t1377;
+    let t1646 = t1645 - t1644;
+    let t1647 = u[2] * t1416;
+    let t1648 = t1646 - t1647;
+    let t1649 = u[3] * t1427;
+    let t1650 = t1648 - t1649;
+    let t1651 = u[4] * t1436;
+    let t1652 = t1650 + t1651;
+    let t1653 = u[5] * t1440;
+    let t1654 = t1652 + t1653;
+    let t1655 = u[6] * t1442;
+    let t1656 = t1654 - t1655;
+    let t1657 = t1643 + t1656;
+    let t1658 = t666 - t1657;
+    c[4] = t1658;
+    let t1659 = y[2] * t1010;
+    let t1660 = y[1] * t1007;
+    let t1661 = t1660 + t1659;
+    let t1662 = y[3] * t1013;
+    let t1663 = t1661 - t1662;
+    let t1664 = y[4] * t1018;
+    let t1665 = t1663 - t1664;
+    let t1666 = y[5] * t1023;
+    let t1667 = t1665 + t1666;
+    let t1668 = y[6] * t1028;
+    let t1669 = t1667 - t1668;
+    let t1670 = v[0] * t1331;
+    let t1671 = v[1] * t1334;
+    let t1672 = t1670 - t1671;
+    let t1673 = v[2] * t1337;
+    let t1674 = t1672 - t1673;
+    let t1675 = v[3] * t1340;
+    let t1676 = t1674 - t1675;
+    let t1677 = v[4] * t1345;
+    let t1678 = t1676 - t1677;
+    let t1679 = v[5] * t1349;
     let t1680 = t1678 + t1679;
-    let t1681 = t410 * t1402;
-    let t1682 = t1680 - t1681;
-    let t1683 = t460 * t1402;
-    let t1684 = t323 * t1356;
-    let t1685 = t1684 + t1683;
-    let t1686 = t534 * t1402;
-    let t1687 = t1685 + t1686;
-    let t1688 = 0.2 * t410;
-    let t1689 = t1687 + t1688;
-    let t1690 = t798 * t1437;
-    let t1691 = t793 * t1445;
-    let t1692 = t323 * t1457;
-    let t1693 = t1692 + t1691;
-    let t1694 = t1693 - t1690;
-    let t1695 = t745 * t1463;
+    let t1681 = v[6] * t1354;
+    let t1682 = t1680 + t1681;
+    let t1683 = t1669 - t1682;
+    let t1684 = u[1] * t1399;
+    let t1685 = u[0] * t1381;
+    let t1686 = t1685 - t1684;
+    let t1687 = u[2] * t1420;
+    let t1688 = t1686 - t1687;
+    let t1689 = u[3] * t1431;
+    let t1690 = t1688 - t1689;
+    let t1691 = u[4] * t1440;
+    let t1692 = t1690 + t1691;
+    let t1693 = u[5] * t1453;
+    let t1694 = t1692 + t1693;
+    let t1695 = u[6] * t1455;
     let t1696 = t1694 - t1695;
-    let t1697 = 0.2 * t798;
-    let t1698 = t793 * t1467;
-    let t1699 = t323 * t1483;
-    let t1700 = t1699 + t1698;
-    let t1701 = t1700 + t1697;
-    let t1702 = t745 * t1462;
-    let t1703 = t1701 + t1702;
-    let t1704 = t798 * t1462;
-    let t1705 = t793 * t1462;
-    let t1706 = t323 * t1373;
-    let t1707 = t1706 - t1705;
-    let t1708 = t1707 - t1704;
-    let t1709 = 0.2 * t745;
-    let t1710 = t1708 + t1709;
-    let t1711 = t465 * t1308;
-    let t1712 = t369 * t1352;
-    let t1713 = t1712 + t1711;
-    let t1714 = t539 * t1302;
-    let t1715 = t1713 + t1714;
-    let t1716 = t415 * t1356;
-    let t1717 = t1715 - t1716;
-    let t1718 = t798 * t1367;
-    let t1719 = t1717 - t1718;
-    let t1720 = t867 * t1370;
-    let t1721 = t1719 - t1720;
-    let t1722 = t751 * t1373;
-    let t1723 = t1721 - t1722;
-    let t1724 = t465 * t1385;
-    let t1725 = t369 * t1397;
-    let t1726 = t1725 + t1724;
-    let t1727 = t539 * t1377;
+    let t1697 = t1683 + t1696;
+    let t1698 = t671 - t1697;
+    c[5] = t1698;
+    let t1699 = y[2] * t1030;
+    let t1700 = y[1] * t1029;
+    let t1701 = t1700 + t1699;
+    let t1702 = y[3] * t1031;
+    let t1703 = t1701 - t1702;
+    let t1704 = y[4] * t1034;
+    let t1705 = t1703 - t1704;
+    let t1706 = y[5] * t1037;
+    let t1707 = t1705 - t1706;
+    let t1708 = y[6] * t1040;
+    let t1709 = t1707 - t1708;
+    let t1710 = v[0] * t1357;
+    let t1711 = v[1] * t1358;
+    let t1712 = t1710 - t1711;
+    let t1713 = v[2] * t1359;
+    let t1714 = t1712 - t1713;
+    let t1715 = v[3] * t1360;
+    let t1716 = t1714 - t1715;
+    let t1717 = v[4] * t1363;
+    let t1718 = t1716 - t1717;
+    let t1719 = v[5] * t1366;
+    let t1720 = t1718 + t1719;
+    let t1721 = v[6] * t1368;
+    let t1722 = t1720 - t1721;
+    let t1723 = t1709 - t1722;
+    let t1724 = u[1] * t1401;
+    let t1725 = u[0] * t1383;
+    let t1726 = t1725 - t1724;
+    let t1727 = u[2] * t1422;
     let t1728 = t1726 - t1727;
-    let t1729 = t415 * t1403;
-    let t1730 = t1728 + t1729;
-    let t1731 = t465 * t1407;
-    let t1732 = t369 * t1423;
-    let t1733 = t1732 + t1731;
-    let t1734 = t1591 + t1733;
-    let t1735 = t415 * t1402;
+    let t1729 = u[3] * t1433;
+    let t1730 = t1728 - t1729;
+    let t1731 = u[4] * t1442;
+    let t1732 = t1730 + t1731;
+    let t1733 = u[5] * t1455;
+    let t1734 = t1732 + t1733;
+    let t1735 = u[6] * t1458;
     let t1736 = t1734 - t1735;
-    let t1737 = t465 * t1402;
-    let t1738 = t369 * t1356;
-    let t1739 = t1738 + t1737;
-    let t1740 = t539 * t1402;
-    let t1741 = t1739 + t1740;
-    let t1742 = t1642 + t1741;
-    let t1743 = t867 * t1437;
-    let t1744 = t798 * t1445;
-    let t1745 = t369 * t1457;
-    let t1746 = t1745 + t1744;
-    let t1747 = t1746 - t1743;
-    let t1748 = t751 * t1463;
-    let t1749 = t1747 - t1748;
-    let t1750 = 0.2 * t867;
-    let t1751 = t798 * t1467;
-    let t1752 = t369 * t1483;
-    let t1753 = t1752 + t1751;
-    let t1754 = t1753 + t1750;
-    let t1755 = t751 * t1462;
-    let t1756 = t1754 + t1755;
-    let t1757 = t867 * t1462;
-    let t1758 = t369 * t1373;
-    let t1759 = t1704 - t1758;
-    let t1760 = t1759 + t1757;
-    let t1761 = 0.2 * t751;
-    let t1762 = t1760 - t1761;
-    let t1763 = t468 * t1308;
-    let t1764 = t376 * t1352;
-    let t1765 = t1764 + t1763;
-    let t1766 = t542 * t1302;
-    let t1767 = t1765 + t1766;
-    let t1768 = t418 * t1356;
-    let t1769 = t1767 - t1768;
-    let t1770 = t745 * t1367;
-    let t1771 = t1769 - t1770;
-    let t1772 = t751 * t1370;
-    let t1773 = t1771 - t1772;
-    let t1774 = t755 * t1373;
-    let t1775 = t1773 - t1774;
-    let t1776 = t468 * t1385;
-    let t1777 = t376 * t1397;
-    let t1778 = t1777 + t1776;
-    let t1779 = t542 * t1377;
-    let t1780 = t1778 - t1779;
-    let t1781 = t418 * t1403;
-    let t1782 = t1780 + t1781;
-    let t1783 = t468 * t1407;
-    let t1784 = t376 * t1423;
-    let t1785 = t1784 + t1783;
-    let t1786 = t1603 + t1785;
-    let t1787 = t418 * t1402;
-    let t1788 = t1786 - t1787;
-    let t1789 = t468 * t1402;
-    let t1790 = t376 * t1356;
-    let t1791 = t1790 + t1789;
-    let t1792 = t542 * t1402;
-    let t1793 = t1791 + t1792;
-    let t1794 = t1654 + t1793;
-    let t1795 = t745 * t1445;
-    let t1796 = t376 * t1457;
-    let t1797 = t1796 + t1795;
-    let t1798 = t751 * t1437;
-    let t1799 = t1797 - t1798;
-    let t1800 = t755 * t1463;
-    let t1801 = t1799 - t1800;
-    let t1802 = t745 * t1467;
-    let t1803 = t376 * t1483;
-    let t1804 = t1803 + t1802;
-    let t1805 = t1761 + t1804;
-    let t1806 = t755 * t1462;
-    let t1807 = t1805 + t1806;
-    let t1808 = t1374 - t1702;
-    let t1809 = t1755 - t1808;
-    let t1810 = 0.2 * t755;
-    let t1811 = t1809 - t1810;
-    let t1812 = 100.0 * t116;
-    let t1813 = 100.0 * t119;
-    let t1814 = 100.0 * t315;
-    let t1815 = 100.0 * t323;
-    let t1816 = 100.0 * t369;
-    let t1817 = 100.0 * t376;
-    let t1818 = 100.0 * t449;
-    let t1819 = 100.0 * t452;
-    let t1820 = 100.0 * t396;
-    let t1821 = 100.0 * t460;
-    let t1822 = 100.0 * t465;
-    let t1823 = 100.0 * t468;
-    let t1824 = 100.0 * t526;
-    let t1825 = 100.0 * t403;
-    let t1826 = 100.0 * t534;
-    let t1827 = 100.0 * t539;
-    let t1828 = 100.0 * t542;
-    let t1829 = 100.0 * t407;
-    let t1830 = 100.0 * t410;
-    let t1831 = 100.0 * t415;
-    let t1832 = 100.0 * t418;
-    let t1833 = 100.0 * t793;
-    let t1834 = 100.0 * t798;
-    let t1835 = 100.0 * t745;
-    let t1836 = 100.0 * t867;
-    let t1837 = 100.0 * t751;
-    let t1838 = 100.0 * t755;
-    let t1839 = y[2] * t698;
-    let t1840 = y[1] * t618;
-    let t1841 = t1840 + t1839;
-    let t1842 = y[3] * t725;
-    let t1843 = t1841 - t1842;
-    let t1844 = y[4] * t943;
-    let t1845 = t1843 - t1844;
-    let t1846 = y[5] * t1020;
-    let t1847 = t1845 - t1846;
-    let t1848 = y[6] * t1047;
-    let t1849 = t1847 - t1848;
-    let t1850 = v[0] * t1375;
-    let t1851 = v[1] * t1405;
-    let t1852 = t1850 + t1851;
-    let t1853 = v[2] * t1428;
-    let t1854 = t1852 + t1853;
-    let t1855 = v[3] * t1435;
-    let t1856 = t1854 + t1855;
-    let t1857 = v[4] * t1465;
-    let t1858 = t1856 - t1857;
-    let t1859 = v[5] * t1488;
-    let t1860 = t1858 - t1859;
-    let t1861 = v[6] * t1495;
-    let t1862 = t1860 + t1861;
-    let t1863 = t1849 + t1862;
-    let t1864 = u[2] * t1813;
-    let t1865 = u[1] * t1812;
-    let t1866 = u[0] * inverse_d_torso;
-    let t1867 = t1866 - t1865;
-    let t1868 = t1867 - t1864;
-    let t1869 = u[3] * t1814;
-    let t1870 = t1868 - t1869;
-    let t1871 = u[4] * t1815;
-    let t1872 = t1870 + t1871;
-    let t1873 = u[5] * t1816;
-    let t1874 = t1872 + t1873;
-    let t1875 = u[6] * t1817;
-    let t1876 = t1874 - t1875;
-    let t1877 = t1863 + t1876;
-    let t1878 = acceleration_left_shoulder_x - t1877;
-    let t1879 = y[2] * t1061;
-    let t1880 = y[1] * t1054;
-    let t1881 = t1880 + t1879;
-    let t1882 = y[3] * t1068;
-    let t1883 = t1881 - t1882;
-    let t1884 = y[4] * t1075;
-    let t1885 = t1883 - t1884;
-    let t1886 = y[5] * t1082;
-    let t1887 = t1885 - t1886;
-    let t1888 = y[6] * t1089;
-    let t1889 = t1887 - t1888;
-    let t1890 = v[0] * t1508;
-    let t1891 = v[1] * t1515;
-    let t1892 = t1890 + t1891;
-    let t1893 = v[2] * t1522;
-    let t1894 = t1892 + t1893;
-    let t1895 = v[3] * t1529;
-    let t1896 = t1894 + t1895;
-    let t1897 = v[4] * t1536;
-    let t1898 = t1896 - t1897;
-    let t1899 = v[5] * t1543;
-    let t1900 = t1898 - t1899;
-    let t1901 = v[6] * t1550;
-    let t1902 = t1900 + t1901;
-    let t1903 = t1889 + t1902;
-    let t1904 = u[2] * t1819;
-    let t1905 = u[1] * t1818;
-    let t1906 = u[0] * t116;
-    let t1907 = t1906 - t1905;
-    let t1908 = t1907 - t1904;
-    let t1909 = u[3] * t1820;
-    let t1910 = t1908 - t1909;
-    let t1911 = u[4] * t1821;
-    let t1912 = t1910 + t1911;
-    let t1913 = u[5] * t1822;
-    let t1914 = t1912 + t1913;
-    let t1915 = u[6] * t1823;
-    let t1916 = t1914 - t1915;
-    let t1917 = t1903 + t1916;
-    let t1918 = t470 - t1917;
-    let t1919 = y[2] * t1103;
-    let t1920 = y[1] * t1096;
-    let t1921 = t1920 + t1919;
-    let t1922 = y[3] * t1109;
-    let t1923 = t1921 + t1922;
-    let t1924 = y[4] * t1116;
-    let t1925 = t1923 - t1924;
-    let t1926 = y[5] * t1123;
-    let t1927 = t1925 - t1926;
-    let t1928 = y[6] * t1130;
-    let t1929 = t1927 - t1928;
-    let t1930 = v[0] * t1563;
-    let t1931 = v[1] * t1570;
-    let t1932 = t1930 + t1931;
-    let t1933 = v[2] * t1577;
-    let t1934 = t1932 + t1933;
-    let t1935 = v[3] * t1583;
-    let t1936 = t1934 + t1935;
-    let t1937 = v[4] * t1590;
-    let t1938 = t1936 - t1937;
-    let t1939 = v[5] * t1597;
-    let t1940 = t1938 - t1939;
-    let t1941 = v[6] * t1604;
-    let t1942 = t1940 + t1941;
-    let t1943 = t1929 + t1942;
-    let t1944 = u[2] * t1824;
-    let t1945 = u[1] * t1819;
-    let t1946 = u[0] * t119;
-    let t1947 = t1946 - t1945;
-    let t1948 = t1947 - t1944;
-    let t1949 = u[3] * t1825;
-    let t1950 = t1948 - t1949;
-    let t1951 = u[4] * t1826;
-    let t1952 = t1950 + t1951;
-    let t1953 = u[5] * t1827;
-    let t1954 = t1952 + t1953;
-    let t1955 = u[6] * t1828;
-    let t1956 = t1954 - t1955;
-    let t1957 = t1943 + t1956;
-    let t1958 = t544 - t1957;
-    let t1959 = y[2] * t1144;
-    let t1960 = y[1] * t1137;
-    let t1961 = t1960 + t1959;
-    let t1962 = y[3] * t1151;
-    let t1963 = t1961 - t1962;
-    let t1964 = y[4] * t1158;
-    let t1965 = t1963 - t1964;
-    let t1966 = y[5] * t1165;
-    let t1967 = t1965 - t1966;
-    let t1968 = y[6] * t1172;
-    let t1969 = t1967 - t1968;
-    let t1970 = v[0] * t1617;
-    let t1971 = v[1] * t1624;
-    let t1972 = t1970 + t1971;
-    let t1973 = v[2] * t1630;
-    let t1974 = t1972 + t1973;
-    let t1975 = v[3] * t1634;
-    let t1976 = t1974 + t1975;
-    let t1977 = v[4] * t1641;
-    let t1978 = t1976 - t1977;
-    let t1979 = v[5] * t1648;
-    let t1980 = t1978 - t1979;
-    let t1981 = v[6] * t1655;
-    let t1982 = t1980 + t1981;
-    let t1983 = t1969 + t1982;
-    let t1984 = u[1] * t1820;
-    let t1985 = u[0] * t315;
-    let t1986 = t1985 - t1984;
-    let t1987 = u[2] * t1825;
-    let t1988 = t1986 - t1987;
-    let t1989 = u[3] * t1829;
-    let t1990 = t1988 - t1989;
-    let t1991 = u[4] * t1830;
-    let t1992 = t1990 + t1991;
-    let t1993 = u[5] * t1831;
-    let t1994 = t1992 + t1993;
-    let t1995 = u[6] * t1832;
-    let t1996 = t1994 - t1995;
-    let t1997 = t1983 + t1996;
-    let t1998 = t420 - t1997;
-    let t1999 = y[2] * t1186;
-    let t2000 = y[1] * t1179;
-    let t2001 = t2000 + t1999;
-    let t2002 = y[3] * t1193;
-    let t2003 = t2001 - t2002;
-    let t2004 = y[4] * t1200;
-    let t2005 = t2003 - t2004;
-    let t2006 = y[5] * t1207;
-    let t2007 = t2005 - t2006;
-    let t2008 = y[6] * t1214;
-    let t2009 = t2007 - t2008;
-    let t2010 = v[0] * t1668;
-    let t2011 = v[1] * t1675;
-    let t2012 = t2010 + t2011;
-    let t2013 = v[2] * t1682;
-    let t2014 = t2012 + t2013;
-    let t2015 = v[3] * t1689;
-    let t2016 = t2014 + t2015;
-    let t2017 = v[4] * t1696;
-    let t2018 = t2016 - t2017;
-    let t2019 = v[5] * t1703;
-    let t2020 = t2018 - t2019;
-    let t2021 = v[6] * t1710;
-    let t2022 = t2020 + t2021;
-    let t2023 = t2009 + t2022;
-    let t2024 = u[1] * t1821;
-    let t2025 = u[0] * t323;
-    let t2026 = t2025 - t2024;
-    let t2027 = u[2] * t1826;
-    let t2028 = t2026 - t2027;
-    let t2029 = u[3] * t1830;
-    let t2030 = t2028 - t2029;
-    let t2031 = u[4] * t1833;
-    let t2032 = t2030 + t2031;
-    let t2033 = u[5] * t1834;
-    let t2034 = t2032 + t2033;
-    let t2035 = u[6] * t1835;
-    let t2036 = t2034 - t2035;
-    let t2037 = t2023 + t2036;
-    let t2038 = t802 - t2037;
-    let t2039 = y[2] * t1228;
-    let t2040 = y[1] * t1221;
-    let t2041 = t2040 + t2039;
-    let t2042 = y[3] * t1235;
-    let t2043 = t2041 - t2042;
-    let t2044 = y[4] * t1242;
-    let t2045 = t2043 - t2044;
-    let t2046 = y[5] * t1249;
-    let t2047 = t2045 - t2046;
-    let t2048 = y[6] * t1255;
-    let t2049 = t2047 - t2048;
-    let t2050 = v[0] * t1723;
-    let t2051 = v[1] * t1730;
-    let t2052 = t2050 + t2051;
-    let t2053 = v[2] * t1736;
-    let t2054 = t2052 + t2053;
-    let t2055 = v[3] * t1742;
-    let t2056 = t2054 + t2055;
-    let t2057 = v[4] * t1749;
-    let t2058 = t2056 - t2057;
-    let t2059 = v[5] * t1756;
-    let t2060 = t2058 - t2059;
-    let t2061 = v[6] * t1762;
-    let t2062 = t2060 - t2061;
-    let t2063 = t2049 + t2062;
-    let t2064 = u[1] * t1822;
-    let t2065 = u[0] * t369;
-    let t2066 = t2065 - t2064;
-    let t2067 = u[2] * t1827;
-    let t2068 = t2066 - t2067;
-    let t2069 = u[3] * t1831;
-    let t2070 = t2068 - t2069;
-    let t2071 = u[4] * t1834;
-    let t2072 = t2070 + t2071;
-    let t2073 = u[5] * t1836;
-    let t2074 = t2072 + t2073;
-    let t2075 = u[6] * t1837;
-    let t2076 = t2074 - t2075;
-    let t2077 = t2063 + t2076;
-    let t2078 = t871 - t2077;
-    let t2079 = y[2] * t1269;
-    let t2080 = y[1] * t1262;
-    let t2081 = t2080 + t2079;
-    let t2082 = y[3] * t1276;
-    let t2083 = t2081 - t2082;
-    let t2084 = y[4] * t1283;
-    let t2085 = t2083 - t2084;
-    let t2086 = y[5] * t1290;
-    let t2087 = t2085 - t2086;
-    let t2088 = y[6] * t1297;
-    let t2089 = t2087 - t2088;
-    let t2090 = v[0] * t1775;
-    let t2091 = v[1] * t1782;
-    let t2092 = t2090 + t2091;
-    let t2093 = v[2] * t1788;
-    let t2094 = t2092 + t2093;
-    let t2095 = v[3] * t1794;
-    let t2096 = t2094 + t2095;
-    let t2097 = v[4] * t1801;
-    let t2098 = t2096 - t2097;
-    let t2099 = v[5] * t1807;
-    let t2100 = t2098 - t2099;
-    let t2101 = v[6] * t1811;
-    let t2102 = t2100 - t2101;
-    let t2103 = t2089 + t2102;
-    let t2104 = u[1] * t1823;
-    let t2105 = u[0] * t376;
-    let t2106 = t2105 - t2104;
-    let t2107 = u[2] * t1828;
-    let t2108 = t2106 - t2107;
-    let t2109 = u[3] * t1832;
-    let t2110 = t2108 - t2109;
-    let t2111 = u[4] * t1835;
-    let t2112 = t2110 + t2111;
-    let t2113 = u[5] * t1837;
-    let t2114 = t2112 + t2113;
-    let t2115 = u[6] * t1838;
-    let t2116 = t2114 - t2115;
-    let t2117 = t2103 + t2116;
-    let t2118 = t757 - t2117;
-    let t2119 = -t725;
-    let t2120 = -t943;
-    let t2121 = -t1020;
-    let t2122 = -t1047;
-    let t2123 = -t1054;
-    let t2124 = -t1061;
-    let t2125 = -t1096;
-    let t2126 = -t1103;
-    let t2127 = -t1109;
-    let t2128 = -t1137;
-    let t2129 = -t1144;
-    let t2130 = -t1193;
-    let t2131 = -t1200;
-    let t2132 = -t1207;
-    let t2133 = -t1214;
-    let t2134 = -t1235;
-    let t2135 = -t1242;
-    let t2136 = -t1249;
-    let t2137 = -t1255;
-    let t2138 = -t1262;
-    let t2139 = -t1269;
-    let t2140 = -t1465;
-    let t2141 = -t1488;
-    let t2142 = -t1508;
-    let t2143 = -t1515;
-    let t2144 = -t1522;
-    let t2145 = -t1529;
-    let t2146 = -t1550;
-    let t2147 = -t1563;
-    let t2148 = -t1570;
-    let t2149 = -t1577;
-    let t2150 = -t1583;
-    let t2151 = -t1604;
-    let t2152 = -t1617;
-    let t2153 = -t1624;
-    let t2154 = -t1630;
-    let t2155 = -t1634;
-    let t2156 = -t1655;
-    let t2157 = -t1696;
-    let t2158 = -t1703;
-    let t2159 = -t1749;
-    let t2160 = -t1756;
-    let t2161 = -t1762;
-    let t2162 = -t1775;
-    let t2163 = -t1782;
-    let t2164 = -t1788;
-    let t2165 = -t1794;
-    let t2166 = -t1812;
-    let t2167 = -t1813;
-    let t2168 = -t1814;
-    let t2169 = -t1817;
-    let t2170 = -t116;
-    let t2171 = -t1821;
-    let t2172 = -t1822;
-    let t2173 = -t119;
-    let t2174 = -t1826;
-    let t2175 = -t1827;
-    let t2176 = -t315;
-    let t2177 = -t1830;
-    let t2178 = -t1831;
-    let t2179 = -t1835;
-    let t2180 = -t1837;
-    let t2181 = -t376;
-    let t2182 = -t1918;
-    let t2183 = -t1958;
-    let t2184 = -t1998;
-    let t2185 = -t2118;
-    [
-        t1495,
-        t1536,
-        t1543,
-        t1590,
-        t1597,
-        t1641,
-        t1648,
-        t1668,
-        t1675,
-        t1682,
-        t1689,
-        t1710,
-        t1723,
-        t1730,
-        t1736,
-        t1742,
-        t1801,
-        t1807,
-        t1811,
-        t1815,
-        t1816,
-        t1818,
-        t1819,
-        t1820,
-        t1823,
-        t1824,
-        t1825,
-        t1828,
-        t1829,
-        t1832,
-        t1833,
-        t1834,
-        t1836,
-        t1838,
-        t1878,
-        t2038,
-        t2078,
-        t2119,
-        t2120,
-        t2121,
-        t2122,
-        t2123,
-        t2124,
-        t2125,
-        t2126,
-        t2127,
-        t2128,
-        t2129,
-        t2130,
-        t2131,
-        t2132,
-        t2133,
-        t2134,
-        t2135,
-        t2136,
-        t2137,
-        t2138,
-        t2139,
-        t2140,
-        t2141,
-        t2142,
-        t2143,
-        t2144,
-        t2145,
-        t2146,
-        t2147,
-        t2148,
-        t2149,
-        t2150,
-        t2151,
-        t2152,
-        t2153,
-        t2154,
-        t2155,
-        t2156,
-        t2157,
-        t2158,
-        t2159,
-        t2160,
-        t2161,
-        t2162,
-        t2163,
-        t2164,
-        t2165,
-        t2166,
-        t2167,
-        t2168,
-        t2169,
-        t2170,
-        t2171,
-        t2172,
-        t2173,
-        t2174,
-        t2175,
-        t2176,
-        t2177,
-        t2178,
-        t2179,
-        t2180,
-        t2181,
-        t2182,
-        t2183,
-        t2184,
-        t2185,
-    ]
+    let t1737 = t1723 + t1736;
+    let t1738 = t702 + t1737;
+    c[6] = t1738;
+    let t1739 = -t663;
+    a_y[0][3] = t1739;
+    let t1740 = -t836;
+    a_y[0][4] = t1740;
+    let t1741 = -t915;
+    a_y[0][5] = t1741;
+    let t1742 = -t944;
+    a_y[0][6] = t1742;
+    let t1743 = -t950;
+    a_y[1][2] = t1743;
+    let t1744 = -t953;
+    a_y[1][3] = t1744;
+    let t1745 = -t961;
+    a_y[2][1] = t1745;
+    let t1746 = -t966;
+    a_y[2][2] = t1746;
+    let t1747 = -t971;
+    a_y[2][3] = t1747;
+    let t1748 = -t995;
+    a_y[4][3] = t1748;
+    let t1749 = -t998;
+    a_y[4][4] = t1749;
+    let t1750 = -t1004;
+    a_y[4][6] = t1750;
+    let t1751 = -t1013;
+    a_y[5][3] = t1751;
+    let t1752 = -t1018;
+    a_y[5][4] = t1752;
+    let t1753 = -t1028;
+    a_y[5][6] = t1753;
+    let t1754 = -t1029;
+    a_y[6][1] = t1754;
+    let t1755 = -t1030;
+    a_y[6][2] = t1755;
+    let t1756 = -t1220;
+    a_v[0][4] = t1756;
+    let t1757 = -t1245;
+    a_v[0][5] = t1757;
+    let t1758 = -t1257;
+    a_v[1][0] = t1758;
+    let t1759 = -t1260;
+    a_v[1][1] = t1759;
+    let t1760 = -t1263;
+    a_v[1][2] = t1760;
+    let t1761 = -t1266;
+    a_v[1][3] = t1761;
+    let t1762 = -t1269;
+    a_v[1][6] = t1762;
+    let t1763 = -t1274;
+    a_v[2][0] = t1763;
+    let t1764 = -t1283;
+    a_v[2][2] = t1764;
+    let t1765 = -t1288;
+    a_v[2][3] = t1765;
+    let t1766 = -t1297;
+    a_v[2][6] = t1766;
+    let t1767 = -t1303;
+    a_v[3][1] = t1767;
+    let t1768 = -t1308;
+    a_v[3][3] = t1768;
+    let t1769 = -t1311;
+    a_v[3][6] = t1769;
+    let t1770 = -t1314;
+    a_v[4][0] = t1770;
+    let t1771 = -t1320;
+    a_v[4][4] = t1771;
+    let t1772 = -t1323;
+    a_v[4][5] = t1772;
+    let t1773 = -t1326;
+    a_v[4][6] = t1773;
+    let t1774 = -t1331;
+    a_v[5][0] = t1774;
+    let t1775 = -t1349;
+    a_v[5][5] = t1775;
+    let t1776 = -t1354;
+    a_v[5][6] = t1776;
+    let t1777 = -t1358;
+    a_v[6][1] = t1777;
+    let t1778 = -t1359;
+    a_v[6][2] = t1778;
+    let t1779 = -t1360;
+    a_v[6][3] = t1779;
+    let t1780 = -t1363;
+    a_v[6][4] = t1780;
+    let t1781 = -t1368;
+    a_v[6][6] = t1781;
+    let t1782 = -t1370;
+    b_x[0][1] = t1782;
+    let t1783 = -t1374;
+    b_x[0][2] = t1783;
+    let t1784 = -t1376;
+    b_x[0][3] = t1784;
+    let t1785 = -t1384;
+    b_x[0][6] = t1785;
+    let t1786 = -t1369;
+    b_x[1][0] = t1786;
+    let t1787 = -t1395;
+    b_x[1][4] = t1787;
+    b_x[4][1] = t1787;
+    let t1788 = -t1399;
+    b_x[1][5] = t1788;
+    b_x[5][1] = t1788;
+    let t1789 = -t1373;
+    b_x[2][0] = t1789;
+    let t1790 = -t1416;
+    b_x[2][4] = t1790;
+    b_x[4][2] = t1790;
+    let t1791 = -t1420;
+    b_x[2][5] = t1791;
+    b_x[5][2] = t1791;
+    let t1792 = -t1375;
+    b_x[3][0] = t1792;
+    let t1793 = -t1427;
+    b_x[3][4] = t1793;
+    b_x[4][3] = t1793;
+    let t1794 = -t1431;
+    b_x[3][5] = t1794;
+    b_x[5][3] = t1794;
+    let t1795 = -t1442;
+    b_x[4][6] = t1795;
+    b_x[6][4] = t1795;
+    let t1796 = -t1455;
+    b_x[5][6] = t1796;
+    b_x[6][5] = t1796;
+    let t1797 = -t1383;
+    b_x[6][0] = t1797;
 }
 
 /// Kinetic energy, rotors included.
@@ -9584,8 +9092,40 @@ pub fn frame_left_hand_pose(y: &[f64; N]) -> ([f64; 3], [[f64; 3]; 3]) {
 /// - returns `J: [6 × N]`: rows: velocity of the origin, then angular velocity, in the axes of the base frame
 ///
 /// Cost: 26 multiplications, 18 additions, 0 divisions, 3 function calls (`sin_cos`).
+#[inline]
 #[must_use]
 pub fn frame_left_hand_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
+    let mut j = [[0.0; 7]; 6];
+    frame_left_hand_jacobian_into(y, &mut j);
+    j
+}
+
+/// `frame_left_hand_jacobian` with its results written in place; nothing of what stood there is read.
+pub fn frame_left_hand_jacobian_into(y: &[f64; N], j: &mut [[f64; N]; 6]) {
+    j[0][4] = 0.0;
+    j[0][5] = 0.0;
+    j[0][6] = 0.0;
+    j[1][4] = 0.0;
+    j[1][5] = 0.0;
+    j[1][6] = 0.0;
+    j[2][0] = 0.0;
+    j[2][4] = 0.0;
+    j[2][5] = 0.0;
+    j[2][6] = 0.0;
+    j[3][0] = 0.0;
+    j[3][4] = 0.0;
+    j[3][5] = 0.0;
+    j[3][6] = 0.0;
+    j[4][0] = 0.0;
+    j[4][4] = 0.0;
+    j[4][5] = 0.0;
+    j[4][6] = 0.0;
+    j[5][0] = 1.0;
+    j[5][1] = 0.0;
+    j[5][2] = 0.0;
+    j[5][4] = 0.0;
+    j[5][5] = 0.0;
+    j[5][6] = 0.0;
     let angle_left_shoulder_left_elbow = y[1] + y[2];
     let (
         [sin_torso,
@@ -9599,7 +9139,11 @@ pub fn frame_left_hand_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
         ..,
         ],
     ) = math::sin_cos_4(y[0], y[1], angle_left_shoulder_left_elbow, 0.0);
+    j[4][1] = cos_torso;
+    j[4][2] = cos_torso;
+    j[5][3] = cos_left_shoulder_left_elbow;
     let y_axis_left_elbow_y = sin_torso * sin_left_shoulder_left_elbow;
+    j[4][3] = y_axis_left_elbow_y;
     let t8 = y_axis_left_elbow_y * 0.37;
     let x_axis_left_shoulder_y = sin_torso * sin_left_shoulder;
     let t10 = 0.3 * x_axis_left_shoulder_y;
@@ -9619,6 +9163,7 @@ pub fn frame_left_hand_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let t24 = y_axis_left_elbow_y * t20;
     let t25 = t24 - t23;
     let y_axis_left_elbow_x = cos_torso * sin_left_shoulder_left_elbow;
+    j[3][3] = y_axis_left_elbow_x;
     let t27 = y_axis_left_elbow_x * 0.37;
     let x_axis_left_shoulder_x = cos_torso * sin_left_shoulder;
     let t29 = 0.3 * x_axis_left_shoulder_x;
@@ -9631,34 +9176,39 @@ pub fn frame_left_hand_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let t36 = cos_left_shoulder_left_elbow * t35;
     let t37 = y_axis_left_elbow_x * t20;
     let t38 = t36 + t37;
+    j[1][3] = t38;
     let t39 = origin_left_shoulder_x - t32;
     let t40 = cos_torso * t39;
     let t41 = origin_left_shoulder_y - t13;
     let t42 = sin_torso * t41;
     let t43 = t42 - t40;
+    j[2][1] = t43;
     let t44 = cos_torso * t35;
     let t45 = sin_torso * t22;
     let t46 = t45 - t44;
+    j[2][2] = t46;
     let t47 = y_axis_left_elbow_y * t35;
     let t48 = y_axis_left_elbow_x * t22;
     let t49 = t48 + t47;
     let t50 = -t13;
+    j[0][0] = t50;
     let t51 = -t19;
+    j[0][1] = t51;
     let t52 = -t21;
+    j[0][2] = t52;
     let t53 = -t25;
+    j[0][3] = t53;
     let t54 = -t32;
+    j[1][0] = t54;
     let t55 = -t33;
+    j[1][1] = t55;
     let t56 = -t34;
+    j[1][2] = t56;
     let t57 = -t49;
+    j[2][3] = t57;
     let minus_sin_torso = -sin_torso;
-    [
-        [t50, t51, t52, t53, 0.0, 0.0, 0.0],
-        [t54, t55, t56, t38, 0.0, 0.0, 0.0],
-        [0.0, t43, t46, t57, 0.0, 0.0, 0.0],
-        [0.0, minus_sin_torso, minus_sin_torso, y_axis_left_elbow_x, 0.0, 0.0, 0.0],
-        [0.0, cos_torso, cos_torso, y_axis_left_elbow_y, 0.0, 0.0, 0.0],
-        [1.0, 0.0, 0.0, cos_left_shoulder_left_elbow, 0.0, 0.0, 0.0],
-    ]
+    j[3][1] = minus_sin_torso;
+    j[3][2] = minus_sin_torso;
 }
 
 /// Acceleration of the frame at ÿ = 0 `left_hand`.
@@ -9911,8 +9461,40 @@ pub fn frame_right_hand_pose(y: &[f64; N]) -> ([f64; 3], [[f64; 3]; 3]) {
 /// - returns `J: [6 × N]`: rows: velocity of the origin, then angular velocity, in the axes of the base frame
 ///
 /// Cost: 26 multiplications, 18 additions, 0 divisions, 3 function calls (`sin_cos`).
+#[inline]
 #[must_use]
 pub fn frame_right_hand_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
+    let mut j = [[0.0; 7]; 6];
+    frame_right_hand_jacobian_into(y, &mut j);
+    j
+}
+
+/// `frame_right_hand_jacobian` with its results written in place; nothing of what stood there is read.
+pub fn frame_right_hand_jacobian_into(y: &[f64; N], j: &mut [[f64; N]; 6]) {
+    j[0][1] = 0.0;
+    j[0][2] = 0.0;
+    j[0][3] = 0.0;
+    j[1][1] = 0.0;
+    j[1][2] = 0.0;
+    j[1][3] = 0.0;
+    j[2][0] = 0.0;
+    j[2][1] = 0.0;
+    j[2][2] = 0.0;
+    j[2][3] = 0.0;
+    j[3][0] = 0.0;
+    j[3][1] = 0.0;
+    j[3][2] = 0.0;
+    j[3][3] = 0.0;
+    j[4][0] = 0.0;
+    j[4][1] = 0.0;
+    j[4][2] = 0.0;
+    j[4][3] = 0.0;
+    j[5][0] = 1.0;
+    j[5][1] = 0.0;
+    j[5][2] = 0.0;
+    j[5][3] = 0.0;
+    j[5][4] = 0.0;
+    j[5][5] = 0.0;
     let angle_right_shoulder_right_elbow = y[4] + y[5];
     let (
         [sin_torso,
@@ -9926,13 +9508,18 @@ pub fn frame_right_hand_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
         ..,
         ],
     ) = math::sin_cos_4(y[0], y[4], angle_right_shoulder_right_elbow, 0.0);
+    j[4][4] = cos_torso;
+    j[4][5] = cos_torso;
+    j[5][6] = cos_right_shoulder_right_elbow;
     let y_axis_right_elbow_y = sin_torso * sin_right_shoulder_right_elbow;
+    j[4][6] = y_axis_right_elbow_y;
     let t8 = y_axis_right_elbow_y * 0.37;
     let x_axis_right_shoulder_y = sin_torso * sin_right_shoulder;
     let t10 = 0.3 * x_axis_right_shoulder_y;
     let origin_left_shoulder_y = 0.2 * cos_torso;
     let origin_right_elbow_y = origin_left_shoulder_y + t10;
     let t13 = origin_right_elbow_y + t8;
+    j[0][0] = t13;
     let t14 = cos_right_shoulder_right_elbow * 0.37;
     let t15 = 0.3 * cos_right_shoulder;
     let origin_right_elbow_z = 0.5 - t15;
@@ -9946,12 +9533,14 @@ pub fn frame_right_hand_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let t24 = y_axis_right_elbow_y * t20;
     let t25 = t24 + t23;
     let y_axis_right_elbow_x = cos_torso * sin_right_shoulder_right_elbow;
+    j[3][6] = y_axis_right_elbow_x;
     let t27 = y_axis_right_elbow_x * 0.37;
     let x_axis_right_shoulder_x = cos_torso * sin_right_shoulder;
     let t29 = 0.3 * x_axis_right_shoulder_x;
     let origin_left_shoulder_x = 0.2 * sin_torso;
     let origin_right_elbow_x = origin_left_shoulder_x - t29;
     let t32 = origin_right_elbow_x - t27;
+    j[1][0] = t32;
     let t33 = sin_torso * t18;
     let t34 = sin_torso * t20;
     let t35 = origin_right_elbow_x - t32;
@@ -9969,23 +9558,26 @@ pub fn frame_right_hand_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let t47 = y_axis_right_elbow_y * t35;
     let t48 = y_axis_right_elbow_x * t22;
     let t49 = t48 + t47;
+    j[2][6] = t49;
     let t50 = -t19;
+    j[0][4] = t50;
     let t51 = -t21;
+    j[0][5] = t51;
     let t52 = -t25;
+    j[0][6] = t52;
     let t53 = -t33;
+    j[1][4] = t53;
     let t54 = -t34;
+    j[1][5] = t54;
     let t55 = -t38;
+    j[1][6] = t55;
     let t56 = -t43;
+    j[2][4] = t56;
     let t57 = -t46;
+    j[2][5] = t57;
     let minus_sin_torso = -sin_torso;
-    [
-        [t13, 0.0, 0.0, 0.0, t50, t51, t52],
-        [t32, 0.0, 0.0, 0.0, t53, t54, t55],
-        [0.0, 0.0, 0.0, 0.0, t56, t57, t49],
-        [0.0, 0.0, 0.0, 0.0, minus_sin_torso, minus_sin_torso, y_axis_right_elbow_x],
-        [0.0, 0.0, 0.0, 0.0, cos_torso, cos_torso, y_axis_right_elbow_y],
-        [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, cos_right_shoulder_right_elbow],
-    ]
+    j[3][4] = minus_sin_torso;
+    j[3][5] = minus_sin_torso;
 }
 
 /// Acceleration of the frame at ÿ = 0 `right_hand`.

@@ -106,8 +106,19 @@ pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 /// Cost: 44 multiplications, 45 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///
 /// Composite rigid bodies (Walker and Orin 1982; Featherstone 2008, ch. 6), rotors included.
+#[inline]
 #[must_use]
 pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
+    let mut m = [[0.0; 6]; 6];
+    mass_matrix_into(y, &mut m);
+    m
+}
+
+/// `mass_matrix` with its results written in place; nothing of what stood there is read.
+pub fn mass_matrix_into(y: &[f64; N], m: &mut [[f64; N]; N]) {
+    m[4][5] = 0.0;
+    m[5][4] = 0.0;
+    m[5][5] = 0.017136473145400004;
     let angle_shoulder_lift_joint_elbow_joint = y[1] + y[2];
     let angle_shoulder_lift_joint_elbow_joint_wrist_1_joint = y[3]
         + angle_shoulder_lift_joint_elbow_joint;
@@ -170,9 +181,16 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t48 = 0.0033300000000000005 + t47;
     let t49 = t15 - 0.42182961244275;
     let t50 = t48 - t49;
+    m[0][0] = t50;
     let t51 = cos_wrist_2_joint * t14;
     let t52 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t51;
     let t53 = sin_wrist_2_joint * t22;
+    m[1][4] = t53;
+    m[2][4] = t53;
+    m[3][4] = t53;
+    m[4][1] = t53;
+    m[4][2] = t53;
+    m[4][3] = t53;
     let t54 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t53;
     let t55 = t52 - t54;
     let t56 = 0.09736195575 * sin_shoulder_lift_joint_elbow_joint;
@@ -185,12 +203,20 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t63 = 0.483853490875 * sin_shoulder_lift_joint;
     let t64 = t63 + t62;
     let t65 = t64 - t59;
+    m[0][1] = t65;
+    m[1][0] = t65;
     let t66 = t62 - t57;
+    m[0][2] = t66;
+    m[2][0] = t66;
     let t67 = t60 + t55;
+    m[0][3] = t67;
+    m[3][0] = t67;
     let t68 = t13 - 0.25324199999999997;
     let t69 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t68;
     let t70 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t23;
     let t71 = t70 + t69;
+    m[0][4] = t71;
+    m[4][0] = t71;
     let t72 = sin_wrist_2_joint * 0.017136473145400004;
     let t73 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t72;
     let t74 = t19 + t27;
@@ -207,27 +233,37 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
     let t85 = 0.0075536999999999965 + t45;
     let t86 = t85 + t84;
     let t87 = t47 + t86;
+    m[1][1] = t87;
     let t88 = t37 + t80;
+    m[2][2] = t88;
     let t89 = t41 + t82;
     let t90 = t88 + t89;
+    m[1][2] = t90;
+    m[2][1] = t90;
     let t91 = t18 + t19;
+    m[3][3] = t91;
     let t92 = t31 - t76;
     let t93 = t91 - t92;
+    m[2][3] = t93;
+    m[3][2] = t93;
     let t94 = t81 * t60;
     let t95 = t40 * t29;
     let t96 = t95 - t94;
     let t97 = t93 - t96;
+    m[1][3] = t97;
+    m[3][1] = t97;
     let t98 = cos_wrist_2_joint * 0.017136473145400004;
+    m[1][5] = t98;
+    m[2][5] = t98;
+    m[3][5] = t98;
+    m[5][1] = t98;
+    m[5][2] = t98;
+    m[5][3] = t98;
     let t99 = -t73;
+    m[0][5] = t99;
+    m[5][0] = t99;
     let t100 = -t68;
-    [
-        [t50, t65, t66, t67, t71, t99],
-        [t65, t87, t90, t97, t53, t98],
-        [t66, t90, t88, t93, t53, t98],
-        [t67, t97, t93, t91, t53, t98],
-        [t71, t53, t53, t53, t100, 0.0],
-        [t99, t98, t98, t98, 0.0, 0.017136473145400004],
-    ]
+    m[4][4] = t100;
 }
 
 /// Coriolis, centrifugal and gyroscopic forces `k(y, ẏ)`.
@@ -813,14 +849,49 @@ pub fn bias_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 #[inline]
 #[must_use]
 pub fn input_matrix() -> [[f64; M]; N] {
-    [
-        [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-        [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
-        [0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
-        [0.0, 0.0, 0.0, 1.0, 0.0, 0.0],
-        [0.0, 0.0, 0.0, 0.0, 1.0, 0.0],
-        [0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
-    ]
+    let mut b = [[0.0; 6]; 6];
+    input_matrix_into(&mut b);
+    b
+}
+
+/// `input_matrix` with its results written in place; nothing of what stood there is read.
+pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
+    b[0][0] = 1.0;
+    b[0][1] = 0.0;
+    b[0][2] = 0.0;
+    b[0][3] = 0.0;
+    b[0][4] = 0.0;
+    b[0][5] = 0.0;
+    b[1][0] = 0.0;
+    b[1][1] = 1.0;
+    b[1][2] = 0.0;
+    b[1][3] = 0.0;
+    b[1][4] = 0.0;
+    b[1][5] = 0.0;
+    b[2][0] = 0.0;
+    b[2][1] = 0.0;
+    b[2][2] = 1.0;
+    b[2][3] = 0.0;
+    b[2][4] = 0.0;
+    b[2][5] = 0.0;
+    b[3][0] = 0.0;
+    b[3][1] = 0.0;
+    b[3][2] = 0.0;
+    b[3][3] = 1.0;
+    b[3][4] = 0.0;
+    b[3][5] = 0.0;
+    b[4][0] = 0.0;
+    b[4][1] = 0.0;
+    b[4][2] = 0.0;
+    b[4][3] = 0.0;
+    b[4][4] = 1.0;
+    b[4][5] = 0.0;
+    b[5][0] = 0.0;
+    b[5][1] = 0.0;
+    b[5][2] = 0.0;
+    b[5][3] = 0.0;
+    b[5][4] = 0.0;
+    b[5][5] = 1.0;
 }
 
 /// Mass matrix, Coriolis forces and applied forces at once.
@@ -838,11 +909,33 @@ pub fn input_matrix() -> [[f64; M]; N] {
 /// Cost: 145 multiplications, 117 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///
 /// What the three have in common is computed once.
+#[inline]
 #[must_use]
 pub fn equations_of_motion(
     y: &[f64; N],
     v: &[f64; N],
 ) -> ([[f64; N]; N], [f64; N], [f64; N]) {
+    let mut m = [[0.0; 6]; 6];
+    let mut k = [0.0; 6];
+    let mut q = [0.0; 6];
+    equations_of_motion_into(y, v, &mut m, &mut k, &mut q);
+    (m, k, q)
+}
+
+/// `equations_of_motion` with its results written in place; nothing of what stood there is read.
+pub fn equations_of_motion_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    m: &mut [[f64; N]; N],
+    k: &mut [f64; N],
+    q: &mut [f64; N],
+) {
+    m[4][5] = 0.0;
+    m[5][4] = 0.0;
+    m[5][5] = 0.017136473145400004;
+    q[0] = 0.0;
+    q[4] = 0.0;
+    q[5] = 0.0;
     let angle_shoulder_lift_joint_elbow_joint = y[1] + y[2];
     let angle_shoulder_lift_joint_elbow_joint_wrist_1_joint = y[3]
         + angle_shoulder_lift_joint_elbow_joint;
@@ -905,9 +998,16 @@ pub fn equations_of_motion(
     let t48 = 0.0033300000000000005 + t47;
     let t49 = t15 - 0.42182961244275;
     let t50 = t48 - t49;
+    m[0][0] = t50;
     let t51 = cos_wrist_2_joint * t14;
     let t52 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t51;
     let t53 = sin_wrist_2_joint * t22;
+    m[1][4] = t53;
+    m[2][4] = t53;
+    m[3][4] = t53;
+    m[4][1] = t53;
+    m[4][2] = t53;
+    m[4][3] = t53;
     let t54 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t53;
     let t55 = t52 - t54;
     let t56 = 0.09736195575 * sin_shoulder_lift_joint_elbow_joint;
@@ -920,12 +1020,20 @@ pub fn equations_of_motion(
     let t63 = sin_shoulder_lift_joint * 0.483853490875;
     let t64 = t63 + t62;
     let t65 = t64 - t59;
+    m[0][1] = t65;
+    m[1][0] = t65;
     let t66 = t62 - t57;
+    m[0][2] = t66;
+    m[2][0] = t66;
     let t67 = t60 + t55;
+    m[0][3] = t67;
+    m[3][0] = t67;
     let t68 = t13 - 0.25324199999999997;
     let t69 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t68;
     let t70 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t23;
     let t71 = t70 + t69;
+    m[0][4] = t71;
+    m[4][0] = t71;
     let t72 = sin_wrist_2_joint * 0.017136473145400004;
     let t73 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t72;
     let t74 = t19 + t27;
@@ -942,17 +1050,32 @@ pub fn equations_of_motion(
     let t85 = 0.0075536999999999965 + t45;
     let t86 = t85 + t84;
     let t87 = t47 + t86;
+    m[1][1] = t87;
     let t88 = t37 + t80;
+    m[2][2] = t88;
     let t89 = t41 + t82;
     let t90 = t88 + t89;
+    m[1][2] = t90;
+    m[2][1] = t90;
     let t91 = t18 + t19;
+    m[3][3] = t91;
     let t92 = t31 - t76;
     let t93 = t91 - t92;
+    m[2][3] = t93;
+    m[3][2] = t93;
     let t94 = t81 * t60;
     let t95 = t40 * t29;
     let t96 = t95 - t94;
     let t97 = t93 - t96;
+    m[1][3] = t97;
+    m[3][1] = t97;
     let t98 = cos_wrist_2_joint * 0.017136473145400004;
+    m[1][5] = t98;
+    m[2][5] = t98;
+    m[3][5] = t98;
+    m[5][1] = t98;
+    m[5][2] = t98;
+    m[5][3] = t98;
     let omega_wrist_1_joint_x = v[0] * sin_shoulder_lift_joint_elbow_joint_wrist_1_joint;
     let t100 = sin_wrist_2_joint * omega_wrist_1_joint_x;
     let omega_elbow_joint_z = v[1] + v[2];
@@ -985,6 +1108,7 @@ pub fn equations_of_motion(
     let t128 = 0.0002254731454000014 + t13;
     let t129 = t128 * t127;
     let moment_wrist_3_joint_z = t126 - t129;
+    k[5] = moment_wrist_3_joint_z;
     let t131 = 0.10970999999999999 * t123;
     let moment_wrist_2_joint_y = t131 - moment_wrist_3_joint_z;
     let t133 = sin_wrist_2_joint * moment_wrist_2_joint_y;
@@ -1033,6 +1157,7 @@ pub fn equations_of_motion(
     let t175 = 0.10970999999999999 * t174;
     let t176 = t175 + t173;
     let moment_wrist_2_joint_z = t176 + moment_wrist_3_joint_y;
+    k[4] = moment_wrist_2_joint_z;
     let t178 = 0.21941999999999998 * t145;
     let moment_wrist_1_joint_y = t178 + moment_wrist_2_joint_z;
     let t180 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint
@@ -1097,6 +1222,7 @@ pub fn equations_of_motion(
     let force_elbow_joint_x = t237 + t236;
     let t239 = 0.2782664117272148 * force_elbow_joint_x;
     let moment_shoulder_pan_joint_z = moment_shoulder_lift_joint_y + t239;
+    k[0] = moment_shoulder_pan_joint_z;
     let t241 = cos_wrist_2_joint * moment_wrist_2_joint_y;
     let t242 = sin_wrist_2_joint * moment_wrist_2_joint_x;
     let t243 = t242 - t241;
@@ -1104,6 +1230,7 @@ pub fn equations_of_motion(
     let t245 = t232 * 0.10510116377024999;
     let t246 = t244 + t245;
     let moment_wrist_1_joint_z = t246 + t243;
+    k[3] = moment_wrist_1_joint_z;
     let t248 = sin_shoulder_lift_joint_elbow_joint * t236;
     let t249 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_y;
     let t250 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_x;
@@ -1114,6 +1241,7 @@ pub fn equations_of_motion(
     let t255 = t187 - t188;
     let t256 = t193 * t255;
     let moment_elbow_joint_z = t256 + t254;
+    k[2] = moment_elbow_joint_z;
     let t258 = t160 * force_elbow_joint_x;
     let t259 = 0.9777095753404411 * acceleration_elbow_joint_y;
     let force_elbow_joint_y = t259 + t251;
@@ -1123,41 +1251,22 @@ pub fn equations_of_motion(
     let t264 = t202 - t203;
     let t265 = t208 * t264;
     let moment_shoulder_lift_joint_z = t265 + t263;
+    k[1] = moment_shoulder_lift_joint_z;
     let moment_wrist_1_joint_z_2 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint
         * 0.1744682503500001;
     let t268 = cos_shoulder_lift_joint_elbow_joint * 15.68382848775;
     let moment_elbow_joint_z_2 = t268 - moment_wrist_1_joint_z_2;
+    q[2] = moment_elbow_joint_z_2;
     let t270 = cos_shoulder_lift_joint * 43.486969725;
     let moment_shoulder_lift_joint_z_2 = t270 + moment_elbow_joint_z_2;
+    q[1] = moment_shoulder_lift_joint_z_2;
     let t272 = -t73;
+    m[0][5] = t272;
+    m[5][0] = t272;
     let t273 = -t68;
+    m[4][4] = t273;
     let minus_moment_wrist_1_joint_z = -moment_wrist_1_joint_z_2;
-    (
-        [
-            [t50, t65, t66, t67, t71, t272],
-            [t65, t87, t90, t97, t53, t98],
-            [t66, t90, t88, t93, t53, t98],
-            [t67, t97, t93, t91, t53, t98],
-            [t71, t53, t53, t53, t273, 0.0],
-            [t272, t98, t98, t98, 0.0, 0.017136473145400004],
-        ],
-        [
-            moment_shoulder_pan_joint_z,
-            moment_shoulder_lift_joint_z,
-            moment_elbow_joint_z,
-            moment_wrist_1_joint_z,
-            moment_wrist_2_joint_z,
-            moment_wrist_3_joint_z,
-        ],
-        [
-            0.0,
-            moment_shoulder_lift_joint_z_2,
-            moment_elbow_joint_z_2,
-            minus_moment_wrist_1_joint_z,
-            0.0,
-            0.0,
-        ],
-    )
+    q[3] = minus_moment_wrist_1_joint_z;
 }
 
 /// Inverse dynamics: the joint forces of a motion.
@@ -1885,11 +1994,28 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 /// Cost: 142 multiplications, 116 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///
 /// What both have in common is computed once.
+#[inline]
 #[must_use]
 pub fn mass_matrix_and_bias_forces(
     y: &[f64; N],
     v: &[f64; N],
 ) -> ([[f64; N]; N], [f64; N]) {
+    let mut m = [[0.0; 6]; 6];
+    let mut b = [0.0; 6];
+    mass_matrix_and_bias_forces_into(y, v, &mut m, &mut b);
+    (m, b)
+}
+
+/// `mass_matrix_and_bias_forces` with its results written in place; nothing of what stood there is read.
+pub fn mass_matrix_and_bias_forces_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    m: &mut [[f64; N]; N],
+    b: &mut [f64; N],
+) {
+    m[4][5] = 0.0;
+    m[5][4] = 0.0;
+    m[5][5] = 0.017136473145400004;
     let angle_shoulder_lift_joint_elbow_joint = y[1] + y[2];
     let angle_shoulder_lift_joint_elbow_joint_wrist_1_joint = y[3]
         + angle_shoulder_lift_joint_elbow_joint;
@@ -1952,9 +2078,16 @@ pub fn mass_matrix_and_bias_forces(
     let t48 = 0.0033300000000000005 + t47;
     let t49 = t15 - 0.42182961244275;
     let t50 = t48 - t49;
+    m[0][0] = t50;
     let t51 = cos_wrist_2_joint * t14;
     let t52 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t51;
     let t53 = sin_wrist_2_joint * t22;
+    m[1][4] = t53;
+    m[2][4] = t53;
+    m[3][4] = t53;
+    m[4][1] = t53;
+    m[4][2] = t53;
+    m[4][3] = t53;
     let t54 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t53;
     let t55 = t52 - t54;
     let t56 = 0.09736195575 * sin_shoulder_lift_joint_elbow_joint;
@@ -1967,12 +2100,20 @@ pub fn mass_matrix_and_bias_forces(
     let t63 = 0.483853490875 * sin_shoulder_lift_joint;
     let t64 = t63 + t62;
     let t65 = t64 - t59;
+    m[0][1] = t65;
+    m[1][0] = t65;
     let t66 = t62 - t57;
+    m[0][2] = t66;
+    m[2][0] = t66;
     let t67 = t60 + t55;
+    m[0][3] = t67;
+    m[3][0] = t67;
     let t68 = t13 - 0.25324199999999997;
     let t69 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t68;
     let t70 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t23;
     let t71 = t70 + t69;
+    m[0][4] = t71;
+    m[4][0] = t71;
     let t72 = sin_wrist_2_joint * 0.017136473145400004;
     let t73 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t72;
     let t74 = t19 + t27;
@@ -1989,17 +2130,32 @@ pub fn mass_matrix_and_bias_forces(
     let t85 = 0.0075536999999999965 + t45;
     let t86 = t85 + t84;
     let t87 = t47 + t86;
+    m[1][1] = t87;
     let t88 = t37 + t80;
+    m[2][2] = t88;
     let t89 = t41 + t82;
     let t90 = t88 + t89;
+    m[1][2] = t90;
+    m[2][1] = t90;
     let t91 = t18 + t19;
+    m[3][3] = t91;
     let t92 = t31 - t76;
     let t93 = t91 - t92;
+    m[2][3] = t93;
+    m[3][2] = t93;
     let t94 = t81 * t60;
     let t95 = t40 * t29;
     let t96 = t95 - t94;
     let t97 = t93 - t96;
+    m[1][3] = t97;
+    m[3][1] = t97;
     let t98 = cos_wrist_2_joint * 0.017136473145400004;
+    m[1][5] = t98;
+    m[2][5] = t98;
+    m[3][5] = t98;
+    m[5][1] = t98;
+    m[5][2] = t98;
+    m[5][3] = t98;
     let omega_wrist_1_joint_x = v[0] * sin_shoulder_lift_joint_elbow_joint_wrist_1_joint;
     let t100 = sin_wrist_2_joint * omega_wrist_1_joint_x;
     let omega_elbow_joint_z = v[1] + v[2];
@@ -2032,6 +2188,7 @@ pub fn mass_matrix_and_bias_forces(
     let t128 = 0.0002254731454000014 + t13;
     let t129 = t128 * t127;
     let moment_wrist_3_joint_z = t126 - t129;
+    b[5] = moment_wrist_3_joint_z;
     let t131 = 0.10970999999999999 * t123;
     let moment_wrist_2_joint_y = t131 - moment_wrist_3_joint_z;
     let t133 = sin_wrist_2_joint * moment_wrist_2_joint_y;
@@ -2080,6 +2237,7 @@ pub fn mass_matrix_and_bias_forces(
     let t175 = 0.10970999999999999 * t174;
     let t176 = t175 + t173;
     let moment_wrist_2_joint_z = t176 + moment_wrist_3_joint_y;
+    b[4] = moment_wrist_2_joint_z;
     let t178 = 0.21941999999999998 * t145;
     let moment_wrist_1_joint_y = t178 + moment_wrist_2_joint_z;
     let t180 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint
@@ -2145,6 +2303,7 @@ pub fn mass_matrix_and_bias_forces(
     let force_elbow_joint_x = t238 + t237;
     let t240 = 0.2782664117272148 * force_elbow_joint_x;
     let moment_shoulder_pan_joint_z = moment_shoulder_lift_joint_y + t240;
+    b[0] = moment_shoulder_pan_joint_z;
     let t242 = cos_wrist_2_joint * moment_wrist_2_joint_y;
     let t243 = sin_wrist_2_joint * moment_wrist_2_joint_x;
     let t244 = t243 - t242;
@@ -2152,6 +2311,7 @@ pub fn mass_matrix_and_bias_forces(
     let t246 = t233 * 0.10510116377024999;
     let t247 = t245 + t246;
     let moment_wrist_1_joint_z = t247 + t244;
+    b[3] = moment_wrist_1_joint_z;
     let t249 = sin_shoulder_lift_joint_elbow_joint * t237;
     let t250 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_y;
     let t251 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_x;
@@ -2162,6 +2322,7 @@ pub fn mass_matrix_and_bias_forces(
     let t256 = t187 - t188;
     let t257 = t193 * t256;
     let moment_elbow_joint_z = t257 + t255;
+    b[2] = moment_elbow_joint_z;
     let t259 = t160 * force_elbow_joint_x;
     let t260 = 0.9777095753404411 * acceleration_elbow_joint_y;
     let force_elbow_joint_y = t260 + t252;
@@ -2171,26 +2332,12 @@ pub fn mass_matrix_and_bias_forces(
     let t265 = t202 - t203;
     let t266 = t208 * t265;
     let moment_shoulder_lift_joint_z = t266 + t264;
+    b[1] = moment_shoulder_lift_joint_z;
     let t268 = -t73;
+    m[0][5] = t268;
+    m[5][0] = t268;
     let t269 = -t68;
-    (
-        [
-            [t50, t65, t66, t67, t71, t268],
-            [t65, t87, t90, t97, t53, t98],
-            [t66, t90, t88, t93, t53, t98],
-            [t67, t97, t93, t91, t53, t98],
-            [t71, t53, t53, t53, t269, 0.0],
-            [t268, t98, t98, t98, 0.0, 0.017136473145400004],
-        ],
-        [
-            moment_shoulder_pan_joint_z,
-            moment_shoulder_lift_joint_z,
-            moment_elbow_joint_z,
-            moment_wrist_1_joint_z,
-            moment_wrist_2_joint_z,
-            moment_wrist_3_joint_z,
-        ],
-    )
+    m[4][4] = t269;
 }
 
 /// Inverse dynamics with its Jacobians.
@@ -2212,12 +2359,36 @@ pub fn mass_matrix_and_bias_forces(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 pub fn inverse_dynamics_derivatives(
     y: &[f64; N],
     v: &[f64; N],
     a: &[f64; N],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N]) {
+    let mut b_u = [0.0; 6];
+    let mut d_dy = [[0.0; 6]; 6];
+    let mut d_dv = [[0.0; 6]; 6];
+    inverse_dynamics_derivatives_into(y, v, a, &mut b_u, &mut d_dy, &mut d_dv);
+    (b_u, d_dy, d_dv)
+}
+
+/// `inverse_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+pub fn inverse_dynamics_derivatives_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    b_u: &mut [f64; N],
+    d_dy: &mut [[f64; N]; N],
+    d_dv: &mut [[f64; N]; N],
+) {
+    d_dy[0][0] = 0.0;
+    d_dy[1][0] = 0.0;
+    d_dy[2][0] = 0.0;
+    d_dy[3][0] = 0.0;
+    d_dy[4][0] = 0.0;
+    d_dy[5][0] = 0.0;
+    d_dv[5][5] = 0.0;
     let angle_shoulder_lift_joint_elbow_joint = y[1] + y[2];
     let angle_shoulder_lift_joint_elbow_joint_wrist_1_joint = y[3]
         + angle_shoulder_lift_joint_elbow_joint;
@@ -2285,6 +2456,7 @@ pub fn inverse_dynamics_derivatives(
     let t53 = 0.0002254731454000014 + t36;
     let t54 = t53 * t52;
     let moment_wrist_3_joint_z = t51 + t54;
+    b_u[5] = moment_wrist_3_joint_z;
     let t56 = 2.0 * omega_wrist_2_joint_z;
     let t57 = omega_wrist_2_joint_x * t56;
     let t58 = t26 - t57;
@@ -2345,6 +2517,7 @@ pub fn inverse_dynamics_derivatives(
     let t112 = 0.10970999999999999 * t111;
     let t113 = t112 + t110;
     let moment_wrist_2_joint_z = t113 + moment_wrist_3_joint_y;
+    b_u[4] = moment_wrist_2_joint_z;
     let t115 = omega_wrist_1_joint_x * t15;
     let t116 = t74 - t115;
     let t117 = 0.10970999999999999 * t116;
@@ -2434,6 +2607,7 @@ pub fn inverse_dynamics_derivatives(
     let t200 = force_elbow_joint_x - moment_shoulder_lift_joint_y;
     let t201 = a[0] * 0.1742736511980294;
     let moment_shoulder_pan_joint_z = t201 + t200;
+    b_u[0] = moment_shoulder_pan_joint_z;
     let t203 = cos_wrist_2_joint * moment_wrist_2_joint_y;
     let t204 = sin_wrist_2_joint * moment_wrist_2_joint_x;
     let t205 = t204 + t203;
@@ -2444,6 +2618,7 @@ pub fn inverse_dynamics_derivatives(
     let t210 = t209 + t207;
     let t211 = t206 + t210;
     let moment_wrist_1_joint_z = t211 + t205;
+    b_u[3] = moment_wrist_1_joint_z;
     let t213 = t88 * t197;
     let t214 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_y;
     let t215 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_x;
@@ -2683,6 +2858,7 @@ pub fn inverse_dynamics_derivatives(
     let t447 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t446;
     let t448 = t443 - t447;
     let t449 = t448 - t436;
+    d_dy[0][3] = t449;
     let t450 = omega_wrist_2_joint_y * t255;
     let t451 = omega_wrist_2_joint_x * t252;
     let t452 = t450 + t451;
@@ -2709,6 +2885,7 @@ pub fn inverse_dynamics_derivatives(
     let t473 = t186 * t472;
     let t474 = t473 + t471;
     let t475 = t474 + t470;
+    d_dy[4][4] = t475;
     let t476 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t475;
     let t477 = t467 + t476;
     let t478 = omega_wrist_2_joint_x * t275;
@@ -2740,6 +2917,7 @@ pub fn inverse_dynamics_derivatives(
     let t504 = moment_wrist_3_joint_x - t503;
     let t505 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t504;
     let t506 = t496 + t505;
+    d_dy[0][5] = t506;
     let t507 = cos_wrist_2_joint * t257;
     let t508 = t252 - t507;
     let t509 = 0.21941999999999998 * omega_wrist_1_joint_y;
@@ -2861,6 +3039,9 @@ pub fn inverse_dynamics_derivatives(
     let t625 = sin_wrist_2_joint * t485;
     let t626 = cos_wrist_2_joint * t493;
     let t627 = t625 - t626;
+    d_dy[1][5] = t627;
+    d_dy[2][5] = t627;
+    d_dy[3][5] = t627;
     let t628 = t529 + t535;
     let t629 = v[0] * t628;
     let t630 = t553 + t556;
@@ -2888,6 +3069,7 @@ pub fn inverse_dynamics_derivatives(
     let t652 = t651 - t650;
     let t653 = t649 + t652;
     let t654 = t653 + t641;
+    d_dy[3][1] = t654;
     let t655 = v[0] * t638;
     let t656 = acceleration_shoulder_lift_joint_z * t642;
     let t657 = t648 - t656;
@@ -2896,6 +3078,7 @@ pub fn inverse_dynamics_derivatives(
     let t660 = t659 - t658;
     let t661 = t657 + t660;
     let t662 = t661 + t655;
+    d_dy[3][2] = t662;
     let t663 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t268;
     let t664 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t255;
     let t665 = t663 + t664;
@@ -2967,6 +3150,7 @@ pub fn inverse_dynamics_derivatives(
     let t731 = t725 + t730;
     let t732 = t532 + t731;
     let t733 = t729 - t732;
+    d_dv[0][0] = t733;
     let t734 = t527 * t343;
     let t735 = t251 + t507;
     let t736 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t735;
@@ -3027,6 +3211,7 @@ pub fn inverse_dynamics_derivatives(
     let t791 = t272 - t790;
     let t792 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t791;
     let t793 = t789 + t792;
+    d_dv[0][5] = t793;
     let t794 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t510;
     let t795 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t516;
     let t796 = t794 - t795;
@@ -3056,30 +3241,39 @@ pub fn inverse_dynamics_derivatives(
     let t820 = t727 - t819;
     let t821 = t527 * t571;
     let t822 = t820 - t821;
+    d_dv[1][1] = t822;
     let t823 = t715 - t814;
     let t824 = t527 * t570;
     let t825 = t823 - t824;
+    d_dv[2][2] = t825;
     let t826 = t95 * t289;
     let t827 = t97 * t706;
     let t828 = t827 + t826;
     let t829 = t825 - t828;
+    d_dv[1][2] = t829;
     let t830 = t255 - t259;
     let t831 = t756 * t347;
     let t832 = t754 * t345;
     let t833 = t832 + t831;
     let t834 = t830 + t833;
+    d_dv[3][3] = t834;
     let t835 = t88 * t288;
     let t836 = t90 * t705;
     let t837 = t836 + t835;
     let t838 = t834 - t837;
+    d_dv[2][3] = t838;
     let t839 = t95 * t288;
     let t840 = t97 * t705;
     let t841 = t840 + t839;
     let t842 = t838 - t841;
+    d_dv[1][3] = t842;
     let t843 = cos_wrist_2_joint * t774;
     let t844 = sin_wrist_2_joint * t778;
     let t845 = t844 - t843;
     let t846 = sin_wrist_2_joint * t787;
+    d_dv[1][5] = t846;
+    d_dv[2][5] = t846;
+    d_dv[3][5] = t846;
     let t847 = t802 - t804;
     let t848 = t721 + t816;
     let t849 = t823 + t848;
@@ -3087,6 +3281,7 @@ pub fn inverse_dynamics_derivatives(
     let t851 = t796 + t798;
     let t852 = t534 * t325;
     let t853 = t851 + t852;
+    d_dv[3][0] = t853;
     let t854 = t709 + t811;
     let t855 = t830 + t854;
     let t856 = t304 * t325;
@@ -3095,7 +3290,9 @@ pub fn inverse_dynamics_derivatives(
     let t859 = t855 + t858;
     let t860 = t527 * t569;
     let t861 = t860 + t859;
+    d_dv[3][1] = t861;
     let t862 = t855 + t860;
+    d_dv[3][2] = t862;
     let t863 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t268;
     let t864 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t255;
     let t865 = t863 - t864;
@@ -3114,68 +3311,87 @@ pub fn inverse_dynamics_derivatives(
     let t878 = t874 + t877;
     let t879 = t246 * t491;
     let t880 = t273 - t879;
+    d_dv[5][4] = t880;
     let minus_moment_shoulder_lift_joint_z = -moment_shoulder_lift_joint_z;
+    b_u[1] = minus_moment_shoulder_lift_joint_z;
     let minus_moment_elbow_joint_z = -moment_elbow_joint_z;
+    b_u[2] = minus_moment_elbow_joint_z;
     let t883 = -t386;
+    d_dy[0][1] = t883;
     let t884 = -t402;
+    d_dy[0][2] = t884;
     let t885 = -t477;
+    d_dy[0][4] = t885;
     let t886 = -t580;
+    d_dy[1][1] = t886;
     let t887 = -t599;
+    d_dy[1][2] = t887;
     let t888 = -t621;
+    d_dy[1][3] = t888;
     let t889 = -t624;
+    d_dy[1][4] = t889;
+    d_dy[2][4] = t889;
+    d_dy[3][4] = t889;
     let t890 = -t637;
+    d_dy[2][1] = t890;
     let t891 = -t589;
+    d_dy[2][2] = t891;
     let t892 = -t617;
+    d_dy[2][3] = t892;
     let t893 = -t610;
+    d_dy[3][3] = t893;
     let t894 = -t672;
+    d_dy[4][1] = t894;
+    d_dy[4][2] = t894;
     let t895 = -t679;
+    d_dy[4][3] = t895;
     let t896 = -t504;
+    d_dy[4][5] = t896;
     let t897 = -t691;
+    d_dy[5][1] = t897;
+    d_dy[5][2] = t897;
     let t898 = -t697;
+    d_dy[5][3] = t898;
     let t899 = -t700;
+    d_dy[5][4] = t899;
     let t900 = -t493;
+    d_dy[5][5] = t900;
     let t901 = -t747;
+    d_dv[0][1] = t901;
     let t902 = -t753;
+    d_dv[0][2] = t902;
     let t903 = -t772;
+    d_dv[0][3] = t903;
     let t904 = -t785;
+    d_dv[0][4] = t904;
     let t905 = -t808;
+    d_dv[1][0] = t905;
     let t906 = -t845;
+    d_dv[1][4] = t906;
+    d_dv[2][4] = t906;
+    d_dv[3][4] = t906;
     let t907 = -t847;
+    d_dv[2][0] = t907;
     let t908 = -t850;
+    d_dv[2][1] = t908;
     let t909 = -t865;
+    d_dv[4][0] = t909;
     let t910 = -t867;
+    d_dv[4][1] = t910;
+    d_dv[4][2] = t910;
     let t911 = -t870;
+    d_dv[4][3] = t911;
     let t912 = -t783;
+    d_dv[4][4] = t912;
     let t913 = -t791;
+    d_dv[4][5] = t913;
     let t914 = -t873;
+    d_dv[5][0] = t914;
     let t915 = -t876;
+    d_dv[5][1] = t915;
+    d_dv[5][2] = t915;
     let t916 = -t878;
-    (
-        [
-            moment_shoulder_pan_joint_z,
-            minus_moment_shoulder_lift_joint_z,
-            minus_moment_elbow_joint_z,
-            moment_wrist_1_joint_z,
-            moment_wrist_2_joint_z,
-            moment_wrist_3_joint_z,
-        ],
-        [
-            [0.0, t883, t884, t449, t885, t506],
-            [0.0, t886, t887, t888, t889, t627],
-            [0.0, t890, t891, t892, t889, t627],
-            [0.0, t654, t662, t893, t889, t627],
-            [0.0, t894, t894, t895, t475, t896],
-            [0.0, t897, t897, t898, t899, t900],
-        ],
-        [
-            [t733, t901, t902, t903, t904, t793],
-            [t905, t822, t829, t842, t906, t846],
-            [t907, t908, t825, t838, t906, t846],
-            [t853, t861, t862, t834, t906, t846],
-            [t909, t910, t910, t911, t912, t913],
-            [t914, t915, t915, t916, t880, 0.0],
-        ],
-    )
+    d_dv[5][3] = t916;
 }
 
 /// Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.
@@ -3198,6 +3414,7 @@ pub fn inverse_dynamics_derivatives(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -3208,6 +3425,42 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     v: &[f64; N],
     a: &[f64; N],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
+    let mut b_u = [0.0; 6];
+    let mut d_dy = [[0.0; 6]; 6];
+    let mut d_dv = [[0.0; 6]; 6];
+    let mut m = [[0.0; 6]; 6];
+    inverse_dynamics_derivatives_and_mass_matrix_into(
+        y,
+        v,
+        a,
+        &mut b_u,
+        &mut d_dy,
+        &mut d_dv,
+        &mut m,
+    );
+    (b_u, d_dy, d_dv, m)
+}
+
+/// `inverse_dynamics_derivatives_and_mass_matrix` with its results written in place; nothing of what stood there
+/// is read.
+pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    b_u: &mut [f64; N],
+    d_dy: &mut [[f64; N]; N],
+    d_dv: &mut [[f64; N]; N],
+    m: &mut [[f64; N]; N],
+) {
+    d_dy[0][0] = 0.0;
+    d_dy[1][0] = 0.0;
+    d_dy[2][0] = 0.0;
+    d_dy[3][0] = 0.0;
+    d_dy[4][0] = 0.0;
+    d_dy[5][0] = 0.0;
+    d_dv[5][5] = 0.0;
+    m[4][5] = 0.0;
+    m[5][4] = 0.0;
     let angle_shoulder_lift_joint_elbow_joint = y[1] + y[2];
     let angle_shoulder_lift_joint_elbow_joint_wrist_1_joint = y[3]
         + angle_shoulder_lift_joint_elbow_joint;
@@ -3275,6 +3528,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t53 = 0.0002254731454000014 + t36;
     let t54 = t53 * t52;
     let moment_wrist_3_joint_z = t51 + t54;
+    b_u[5] = moment_wrist_3_joint_z;
     let t56 = 2.0 * omega_wrist_2_joint_z;
     let t57 = omega_wrist_2_joint_x * t56;
     let t58 = t26 - t57;
@@ -3335,6 +3589,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t112 = 0.10970999999999999 * t111;
     let t113 = t112 + t110;
     let moment_wrist_2_joint_z = t113 + moment_wrist_3_joint_y;
+    b_u[4] = moment_wrist_2_joint_z;
     let t115 = omega_wrist_1_joint_x * t15;
     let t116 = t74 - t115;
     let t117 = 0.10970999999999999 * t116;
@@ -3424,6 +3679,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t200 = force_elbow_joint_x - moment_shoulder_lift_joint_y;
     let t201 = a[0] * 0.1742736511980294;
     let moment_shoulder_pan_joint_z = t201 + t200;
+    b_u[0] = moment_shoulder_pan_joint_z;
     let t203 = cos_wrist_2_joint * moment_wrist_2_joint_y;
     let t204 = sin_wrist_2_joint * moment_wrist_2_joint_x;
     let t205 = t204 + t203;
@@ -3434,6 +3690,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t210 = t209 + t207;
     let t211 = t206 + t210;
     let moment_wrist_1_joint_z = t211 + t205;
+    b_u[3] = moment_wrist_1_joint_z;
     let t213 = t88 * t197;
     let t214 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_y;
     let t215 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_x;
@@ -3569,6 +3826,12 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t345 = cos_wrist_2_joint * t311;
     let t346 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t345;
     let t347 = sin_wrist_2_joint * t49;
+    m[1][4] = t347;
+    m[2][4] = t347;
+    m[3][4] = t347;
+    m[4][1] = t347;
+    m[4][2] = t347;
+    m[4][3] = t347;
     let t348 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t347;
     let t349 = t346 - t348;
     let t350 = t129 - t349;
@@ -3673,6 +3936,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t447 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t446;
     let t448 = t443 - t447;
     let t449 = t448 - t436;
+    d_dy[0][3] = t449;
     let t450 = omega_wrist_2_joint_y * t255;
     let t451 = omega_wrist_2_joint_x * t252;
     let t452 = t450 + t451;
@@ -3699,6 +3963,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t473 = t186 * t472;
     let t474 = t473 + t471;
     let t475 = t474 + t470;
+    d_dy[4][4] = t475;
     let t476 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t475;
     let t477 = t467 + t476;
     let t478 = omega_wrist_2_joint_x * t275;
@@ -3715,6 +3980,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t489 = t488 + t487;
     let t490 = t44 + t46;
     let t491 = t37 + t53;
+    m[5][5] = t491;
     let t492 = t490 * t491;
     let t493 = t492 - t489;
     let t494 = sin_wrist_2_joint * t493;
@@ -3730,6 +3996,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t504 = moment_wrist_3_joint_x - t503;
     let t505 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t504;
     let t506 = t496 + t505;
+    d_dy[0][5] = t506;
     let t507 = cos_wrist_2_joint * t257;
     let t508 = t252 - t507;
     let t509 = 0.21941999999999998 * omega_wrist_1_joint_y;
@@ -3765,6 +4032,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t539 = t538 + t537;
     let t540 = v[0] * t539;
     let t541 = t315 + t316;
+    m[3][3] = t541;
     let t542 = t88 * t325;
     let t543 = t90 * t292;
     let t544 = t543 - t542;
@@ -3851,6 +4119,9 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t625 = sin_wrist_2_joint * t485;
     let t626 = cos_wrist_2_joint * t493;
     let t627 = t625 - t626;
+    d_dy[1][5] = t627;
+    d_dy[2][5] = t627;
+    d_dy[3][5] = t627;
     let t628 = t529 + t535;
     let t629 = v[0] * t628;
     let t630 = t553 + t556;
@@ -3866,10 +4137,14 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t640 = t638 - t639;
     let t641 = v[0] * t640;
     let t642 = t541 - t544;
+    m[2][3] = t642;
+    m[3][2] = t642;
     let t643 = t95 * t325;
     let t644 = t97 * t292;
     let t645 = t644 - t643;
     let t646 = t642 - t645;
+    m[1][3] = t646;
+    m[3][1] = t646;
     let t647 = acceleration_shoulder_lift_joint_z * t646;
     let t648 = a[0] * t569;
     let t649 = t648 - t647;
@@ -3878,6 +4153,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t652 = t651 - t650;
     let t653 = t649 + t652;
     let t654 = t653 + t641;
+    d_dy[3][1] = t654;
     let t655 = v[0] * t638;
     let t656 = acceleration_shoulder_lift_joint_z * t642;
     let t657 = t648 - t656;
@@ -3886,6 +4162,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t660 = t659 - t658;
     let t661 = t657 + t660;
     let t662 = t661 + t655;
+    d_dy[3][2] = t662;
     let t663 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t268;
     let t664 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t255;
     let t665 = t663 + t664;
@@ -3912,6 +4189,12 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t686 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t685;
     let t687 = a[0] * t686;
     let t688 = cos_wrist_2_joint * t491;
+    m[1][5] = t688;
+    m[2][5] = t688;
+    m[3][5] = t688;
+    m[5][1] = t688;
+    m[5][2] = t688;
+    m[5][3] = t688;
     let t689 = acceleration_shoulder_lift_joint_z * t688;
     let t690 = t689 + t687;
     let t691 = t690 + t684;
@@ -3957,6 +4240,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t731 = t725 + t730;
     let t732 = t532 + t731;
     let t733 = t729 - t732;
+    d_dv[0][0] = t733;
     let t734 = t527 * t343;
     let t735 = t251 + t507;
     let t736 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t735;
@@ -4017,6 +4301,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t791 = t272 - t790;
     let t792 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t791;
     let t793 = t789 + t792;
+    d_dv[0][5] = t793;
     let t794 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t510;
     let t795 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t516;
     let t796 = t794 - t795;
@@ -4046,30 +4331,39 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t820 = t727 - t819;
     let t821 = t527 * t571;
     let t822 = t820 - t821;
+    d_dv[1][1] = t822;
     let t823 = t715 - t814;
     let t824 = t527 * t570;
     let t825 = t823 - t824;
+    d_dv[2][2] = t825;
     let t826 = t95 * t289;
     let t827 = t97 * t706;
     let t828 = t827 + t826;
     let t829 = t825 - t828;
+    d_dv[1][2] = t829;
     let t830 = t255 - t259;
     let t831 = t756 * t347;
     let t832 = t754 * t345;
     let t833 = t832 + t831;
     let t834 = t830 + t833;
+    d_dv[3][3] = t834;
     let t835 = t88 * t288;
     let t836 = t90 * t705;
     let t837 = t836 + t835;
     let t838 = t834 - t837;
+    d_dv[2][3] = t838;
     let t839 = t95 * t288;
     let t840 = t97 * t705;
     let t841 = t840 + t839;
     let t842 = t838 - t841;
+    d_dv[1][3] = t842;
     let t843 = cos_wrist_2_joint * t774;
     let t844 = sin_wrist_2_joint * t778;
     let t845 = t844 - t843;
     let t846 = sin_wrist_2_joint * t787;
+    d_dv[1][5] = t846;
+    d_dv[2][5] = t846;
+    d_dv[3][5] = t846;
     let t847 = t802 - t804;
     let t848 = t721 + t816;
     let t849 = t823 + t848;
@@ -4077,6 +4371,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t851 = t796 + t798;
     let t852 = t534 * t325;
     let t853 = t851 + t852;
+    d_dv[3][0] = t853;
     let t854 = t709 + t811;
     let t855 = t830 + t854;
     let t856 = t304 * t325;
@@ -4085,7 +4380,9 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t859 = t855 + t858;
     let t860 = t527 * t569;
     let t861 = t860 + t859;
+    d_dv[3][1] = t861;
     let t862 = t855 + t860;
+    d_dv[3][2] = t862;
     let t863 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t268;
     let t864 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t255;
     let t865 = t863 - t864;
@@ -4104,6 +4401,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t878 = t874 + t877;
     let t879 = t246 * t491;
     let t880 = t273 - t879;
+    d_dv[5][4] = t880;
     let t881 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t322;
     let t882 = t315 - t881;
     let t883 = 2.0 * t543;
@@ -4119,88 +4417,114 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t893 = 0.0033300000000000005 - t892;
     let t894 = t312 - 0.42182961244274997;
     let t895 = t893 - t894;
+    m[0][0] = t895;
     let t896 = t382 - t351;
+    m[0][1] = t896;
+    m[1][0] = t896;
     let t897 = t335 - t350;
+    m[0][2] = t897;
+    m[2][0] = t897;
     let t898 = t325 + t349;
+    m[0][3] = t898;
+    m[3][0] = t898;
     let t899 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t472;
     let t900 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t319;
     let t901 = t900 + t899;
+    m[0][4] = t901;
+    m[4][0] = t901;
     let t902 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t685;
     let minus_moment_shoulder_lift_joint_z = -moment_shoulder_lift_joint_z;
+    b_u[1] = minus_moment_shoulder_lift_joint_z;
     let minus_moment_elbow_joint_z = -moment_elbow_joint_z;
+    b_u[2] = minus_moment_elbow_joint_z;
     let t905 = -t386;
+    d_dy[0][1] = t905;
     let t906 = -t402;
+    d_dy[0][2] = t906;
     let t907 = -t477;
+    d_dy[0][4] = t907;
     let t908 = -t580;
+    d_dy[1][1] = t908;
     let t909 = -t599;
+    d_dy[1][2] = t909;
     let t910 = -t621;
+    d_dy[1][3] = t910;
     let t911 = -t624;
+    d_dy[1][4] = t911;
+    d_dy[2][4] = t911;
+    d_dy[3][4] = t911;
     let t912 = -t637;
+    d_dy[2][1] = t912;
     let t913 = -t589;
+    d_dy[2][2] = t913;
     let t914 = -t617;
+    d_dy[2][3] = t914;
     let t915 = -t610;
+    d_dy[3][3] = t915;
     let t916 = -t672;
+    d_dy[4][1] = t916;
+    d_dy[4][2] = t916;
     let t917 = -t679;
+    d_dy[4][3] = t917;
     let t918 = -t504;
+    d_dy[4][5] = t918;
     let t919 = -t691;
+    d_dy[5][1] = t919;
+    d_dy[5][2] = t919;
     let t920 = -t697;
+    d_dy[5][3] = t920;
     let t921 = -t700;
+    d_dy[5][4] = t921;
     let t922 = -t493;
+    d_dy[5][5] = t922;
     let t923 = -t747;
+    d_dv[0][1] = t923;
     let t924 = -t753;
+    d_dv[0][2] = t924;
     let t925 = -t772;
+    d_dv[0][3] = t925;
     let t926 = -t785;
+    d_dv[0][4] = t926;
     let t927 = -t808;
+    d_dv[1][0] = t927;
     let t928 = -t845;
+    d_dv[1][4] = t928;
+    d_dv[2][4] = t928;
+    d_dv[3][4] = t928;
     let t929 = -t847;
+    d_dv[2][0] = t929;
     let t930 = -t850;
+    d_dv[2][1] = t930;
     let t931 = -t865;
+    d_dv[4][0] = t931;
     let t932 = -t867;
+    d_dv[4][1] = t932;
+    d_dv[4][2] = t932;
     let t933 = -t870;
+    d_dv[4][3] = t933;
     let t934 = -t783;
+    d_dv[4][4] = t934;
     let t935 = -t791;
+    d_dv[4][5] = t935;
     let t936 = -t873;
+    d_dv[5][0] = t936;
     let t937 = -t876;
+    d_dv[5][1] = t937;
+    d_dv[5][2] = t937;
     let t938 = -t878;
+    d_dv[5][3] = t938;
     let t939 = -t902;
+    m[0][5] = t939;
+    m[5][0] = t939;
     let t940 = -t565;
+    m[1][1] = t940;
     let t941 = -t630;
+    m[1][2] = t941;
+    m[2][1] = t941;
     let t942 = -t553;
+    m[2][2] = t942;
     let t943 = -t472;
-    (
-        [
-            moment_shoulder_pan_joint_z,
-            minus_moment_shoulder_lift_joint_z,
-            minus_moment_elbow_joint_z,
-            moment_wrist_1_joint_z,
-            moment_wrist_2_joint_z,
-            moment_wrist_3_joint_z,
-        ],
-        [
-            [0.0, t905, t906, t449, t907, t506],
-            [0.0, t908, t909, t910, t911, t627],
-            [0.0, t912, t913, t914, t911, t627],
-            [0.0, t654, t662, t915, t911, t627],
-            [0.0, t916, t916, t917, t475, t918],
-            [0.0, t919, t919, t920, t921, t922],
-        ],
-        [
-            [t733, t923, t924, t925, t926, t793],
-            [t927, t822, t829, t842, t928, t846],
-            [t929, t930, t825, t838, t928, t846],
-            [t853, t861, t862, t834, t928, t846],
-            [t931, t932, t932, t933, t934, t935],
-            [t936, t937, t937, t938, t880, 0.0],
-        ],
-        [
-            [t895, t896, t897, t898, t901, t939],
-            [t896, t940, t941, t646, t347, t688],
-            [t897, t941, t942, t642, t347, t688],
-            [t898, t646, t642, t541, t347, t688],
-            [t901, t347, t347, t347, t943, 0.0],
-            [t939, t688, t688, t688, 0.0, t491],
-        ],
-    )
+    m[4][4] = t943;
 }
 
 /// Forward dynamics with its Jacobians.
@@ -4218,11 +4542,12 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
 /// - returns `∂ÿ/∂ẏ: [N × N]`: row i = acceleration i
 /// - returns `M⁻¹: [N × N]`: symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B
 ///
-/// Cost: 1017 multiplications, 920 additions, 6 divisions, 5 function calls (`sin_cos`).
+/// Cost: 972 multiplications, 883 additions, 6 divisions, 5 function calls (`sin_cos`).
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -4233,6 +4558,38 @@ pub fn forward_dynamics_derivatives(
     v: &[f64; N],
     u: &[f64; M],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
+    let mut a = [0.0; 6];
+    let mut da_dy = [[0.0; 6]; 6];
+    let mut da_dv = [[0.0; 6]; 6];
+    let mut m_inverse = [[0.0; 6]; 6];
+    forward_dynamics_derivatives_into(
+        y,
+        v,
+        u,
+        &mut a,
+        &mut da_dy,
+        &mut da_dv,
+        &mut m_inverse,
+    );
+    (a, da_dy, da_dv, m_inverse)
+}
+
+/// `forward_dynamics_derivatives` with its results written in place; nothing of what stood there is read.
+pub fn forward_dynamics_derivatives_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    a: &mut [f64; N],
+    da_dy: &mut [[f64; N]; N],
+    da_dv: &mut [[f64; N]; N],
+    m_inverse: &mut [[f64; N]; N],
+) {
+    da_dy[0][0] = 0.0;
+    da_dy[1][0] = 0.0;
+    da_dy[2][0] = 0.0;
+    da_dy[3][0] = 0.0;
+    da_dy[4][0] = 0.0;
+    da_dy[5][0] = 0.0;
     let angle_shoulder_lift_joint_elbow_joint = y[1] + y[2];
     let angle_shoulder_lift_joint_elbow_joint_wrist_1_joint = y[3]
         + angle_shoulder_lift_joint_elbow_joint;
@@ -4256,2028 +4613,2031 @@ pub fn forward_dynamics_derivatives(
     let (sin_shoulder_lift_joint_elbow_joint, cos_shoulder_lift_joint_elbow_joint) = math::sin_cos(
         angle_shoulder_lift_joint_elbow_joint,
     );
-    let t12 = sin_wrist_3_joint * 0.0166855268546;
-    let t13 = sin_wrist_3_joint * t12;
-    let t14 = sin_wrist_2_joint * t13;
-    let t15 = sin_wrist_2_joint * t14;
-    let t16 = 0.12662099999999998 - t13;
-    let t17 = t16 + t15;
-    let t18 = 0.10970999999999999 + t17;
-    let t19 = t13 + 0.0048343093751500085;
-    let t20 = t18 - t19;
-    let t21 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t20;
-    let t22 = cos_wrist_3_joint * t12;
-    let t23 = cos_wrist_2_joint * t22;
-    let t24 = 2.0 * t23;
-    let t25 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t24;
-    let t26 = t21 + t25;
-    let t27 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t26;
-    let t28 = t18 - t27;
-    let t29 = 0.001941203825250001 * sin_shoulder_lift_joint_elbow_joint_wrist_1_joint;
-    let t30 = 3.5936784241868986 * cos_shoulder_lift_joint_elbow_joint;
-    let t31 = t30 * t29;
-    let t32 = 2.0 * t31;
-    let t33 = t28 - t32;
-    let t34 = t30 * t30;
-    let t35 = 0.0485587618780145 * t34;
-    let t36 = t33 + t35;
-    let t37 = sin_shoulder_lift_joint_elbow_joint * 0.03555637394399993;
-    let t38 = sin_shoulder_lift_joint_elbow_joint * t37;
-    let t39 = 0.03350887394399993 - t38;
-    let t40 = t39 - t36;
-    let t41 = cos_shoulder_lift_joint_elbow_joint * 0.17450457486624998;
-    let t42 = t29 - t41;
-    let t43 = 3.8937242327072834 * cos_shoulder_lift_joint;
-    let t44 = t43 * t42;
-    let t45 = 2.0 * t44;
-    let t46 = t40 + t45;
-    let t47 = t43 * t43;
-    let t48 = 0.1242649612447206 * t47;
-    let t49 = t46 - t48;
-    let t50 = sin_shoulder_lift_joint * 0.12897252408999982;
-    let t51 = sin_shoulder_lift_joint * t50;
-    let t52 = 0.12141882408999982 - t51;
-    let t53 = t52 + t49;
-    let t54 = 0.0033300000000000005 - t53;
-    let t55 = t15 - 0.42182961244274997;
-    let t56 = t54 - t55;
-    let t57 = 0.0002254731454000014 + t13;
-    let t58 = 0.016911000000000002 - t13;
-    let t59 = t58 + t57;
-    let t60 = sin_wrist_2_joint * t59;
-    let t61 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t60;
-    let inverse_d_wrist_3_joint = 1.0 / t59;
-    let t63 = t61 * inverse_d_wrist_3_joint;
-    let t64 = t61 * t63;
-    let t65 = t56 - t64;
-    let t66 = t13 - 0.25324199999999997;
-    let t67 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t66;
-    let t68 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t23;
-    let t69 = t68 + t67;
-    let inverse_d_wrist_2_joint = 1.0 / t66;
-    let t71 = t69 * inverse_d_wrist_2_joint;
-    let t72 = t69 * t71;
-    let t73 = t65 + t72;
-    let t74 = cos_wrist_2_joint * t59;
-    let t75 = t74 * inverse_d_wrist_3_joint;
-    let t76 = t74 * t75;
-    let t77 = t18 + t19;
-    let t78 = t77 - t76;
-    let t79 = sin_wrist_2_joint * t22;
-    let t80 = t79 * inverse_d_wrist_2_joint;
-    let t81 = t79 * t80;
-    let t82 = t78 + t81;
-    let inverse_d_wrist_1_joint = 1.0 / t82;
-    let t84 = t61 * t75;
-    let t85 = cos_wrist_2_joint * t14;
-    let t86 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t85;
-    let t87 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t79;
-    let t88 = t86 - t87;
-    let t89 = 0.001941203825250001 * cos_shoulder_lift_joint_elbow_joint_wrist_1_joint;
-    let t90 = t89 + t88;
-    let t91 = t90 + t84;
-    let t92 = t69 * t80;
-    let t93 = t91 + t92;
-    let t94 = t93 * inverse_d_wrist_1_joint;
-    let t95 = t93 * t94;
-    let t96 = t73 - t95;
-    let t97 = 3.5936784241868986 * sin_shoulder_lift_joint_elbow_joint;
-    let t98 = t97 * t89;
-    let t99 = t31 - t98;
-    let t100 = t77 - t99;
-    let t101 = t100 - t76;
-    let t102 = t101 + t81;
-    let t103 = t102 * inverse_d_wrist_1_joint;
-    let t104 = t102 * t103;
-    let t105 = 2.0 * t99;
-    let t106 = t77 - t105;
-    let t107 = t97 * t97;
-    let t108 = t34 + t107;
-    let t109 = 0.0485587618780145 * t108;
-    let t110 = t109 + t106;
-    let t111 = 0.0020475000000000007 - t38;
-    let t112 = t39 - t111;
-    let t113 = t112 - t110;
-    let t114 = t113 + t76;
-    let t115 = t114 - t81;
-    let t116 = t115 + t104;
-    let inverse_d_elbow_joint = 1.0 / t116;
-    let t118 = t93 * t103;
-    let t119 = 0.09736195575 * sin_shoulder_lift_joint_elbow_joint;
-    let t120 = t119 - t88;
-    let t121 = sin_shoulder_lift_joint_elbow_joint * 0.17450457486624998;
-    let t122 = t89 + t121;
-    let t123 = t122 - t120;
-    let t124 = t123 + t84;
-    let t125 = t124 + t92;
-    let t126 = t125 - t118;
-    let t127 = t126 * inverse_d_elbow_joint;
-    let t128 = t126 * t127;
-    let t129 = t96 + t128;
-    let t130 = 3.8937242327072834 * sin_shoulder_lift_joint;
-    let t131 = t130 * t122;
-    let t132 = t44 - t131;
-    let t133 = t113 + t132;
-    let t134 = t133 + t76;
-    let t135 = t134 - t81;
-    let t136 = t130 * t89;
-    let t137 = t43 * t29;
-    let t138 = t137 - t136;
-    let t139 = t100 - t138;
-    let t140 = t139 - t76;
-    let t141 = t140 + t81;
-    let t142 = t141 * t103;
-    let t143 = t135 + t142;
-    let t144 = t143 * inverse_d_elbow_joint;
-    let t145 = t143 * t144;
-    let t146 = 2.0 * t132;
-    let t147 = t113 + t146;
-    let t148 = t130 * t130;
-    let t149 = t47 + t148;
-    let t150 = 0.1242649612447206 * t149;
-    let t151 = t150 - t147;
-    let t152 = 0.0075536999999999965 - t51;
-    let t153 = t52 - t152;
-    let t154 = t153 - t151;
-    let t155 = t154 + t76;
-    let t156 = t155 - t81;
-    let t157 = t141 * inverse_d_wrist_1_joint;
-    let t158 = t141 * t157;
-    let t159 = t156 + t158;
-    let t160 = t159 - t145;
-    let inverse_d_shoulder_lift_joint = 1.0 / t160;
-    let t162 = t126 * t144;
-    let t163 = t93 * t157;
-    let t164 = 0.075354282 * sin_shoulder_lift_joint;
-    let t165 = t164 + t120;
-    let t166 = sin_shoulder_lift_joint * 0.483853490875;
-    let t167 = t122 + t166;
-    let t168 = t167 - t165;
-    let t169 = t168 + t84;
-    let t170 = t169 + t92;
-    let t171 = t170 - t163;
-    let t172 = t171 - t162;
-    let t173 = t172 * inverse_d_shoulder_lift_joint;
-    let t174 = t172 * t173;
-    let t175 = t129 + t174;
-    let inverse_d_shoulder_pan_joint = 1.0 / t175;
-    let t177 = t173 * inverse_d_shoulder_pan_joint;
-    let t178 = t144 * t177;
-    let t179 = t127 * inverse_d_shoulder_pan_joint;
-    let t180 = t178 - t179;
-    let t181 = t103 * t180;
-    let t182 = t157 * t177;
-    let t183 = t181 - t182;
-    let t184 = t94 * inverse_d_shoulder_pan_joint;
-    let t185 = t183 - t184;
-    let t186 = t80 * t185;
-    let t187 = t80 * t180;
-    let t188 = t186 - t187;
-    let t189 = t80 * t177;
-    let t190 = t188 + t189;
-    let t191 = t71 * inverse_d_shoulder_pan_joint;
-    let t192 = t190 + t191;
     let omega_wrist_1_joint_x = v[0] * sin_shoulder_lift_joint_elbow_joint_wrist_1_joint;
-    let t194 = sin_wrist_2_joint * omega_wrist_1_joint_x;
+    let t13 = sin_wrist_2_joint * omega_wrist_1_joint_x;
     let omega_elbow_joint_z = v[1] + v[2];
     let omega_wrist_1_joint_z = v[3] + omega_elbow_joint_z;
-    let t197 = cos_wrist_2_joint * omega_wrist_1_joint_z;
-    let omega_wrist_2_joint_y = t194 - t197;
+    let t16 = cos_wrist_2_joint * omega_wrist_1_joint_z;
+    let omega_wrist_2_joint_y = t13 - t16;
     let omega_wrist_3_joint_z = v[5] - omega_wrist_2_joint_y;
-    let t200 = 2.0 * omega_wrist_3_joint_z;
-    let t201 = cos_wrist_2_joint * omega_wrist_1_joint_x;
-    let t202 = sin_wrist_2_joint * omega_wrist_1_joint_z;
-    let omega_wrist_2_joint_x = t201 + t202;
-    let t204 = omega_wrist_2_joint_x * t200;
-    let t205 = omega_wrist_2_joint_x * omega_wrist_2_joint_y;
-    let t206 = omega_wrist_1_joint_z * omega_wrist_1_joint_x;
-    let t207 = t206 + t205;
-    let t208 = t207 + t204;
-    let t209 = t58 * t208;
+    let t19 = omega_wrist_3_joint_z * omega_wrist_3_joint_z;
+    let t20 = cos_wrist_2_joint * omega_wrist_1_joint_x;
+    let t21 = sin_wrist_2_joint * omega_wrist_1_joint_z;
+    let omega_wrist_2_joint_x = t20 + t21;
+    let t23 = omega_wrist_2_joint_x * omega_wrist_2_joint_x;
+    let t24 = t23 + t19;
     let omega_wrist_1_joint_y = v[0] * cos_shoulder_lift_joint_elbow_joint_wrist_1_joint;
     let omega_wrist_2_joint_z = v[4] - omega_wrist_1_joint_y;
-    let t212 = omega_wrist_2_joint_z * t200;
-    let t213 = 2.0 * omega_wrist_2_joint_z;
-    let t214 = omega_wrist_2_joint_y * t213;
-    let t215 = 2.0 * omega_wrist_1_joint_z;
-    let t216 = omega_wrist_1_joint_y * t215;
-    let t217 = cos_wrist_2_joint * t216;
-    let t218 = omega_wrist_1_joint_x * omega_wrist_1_joint_y;
-    let t219 = sin_wrist_2_joint * t218;
-    let t220 = t219 - t217;
-    let t221 = t220 + t214;
-    let t222 = t221 + t212;
-    let t223 = t22 * t222;
-    let moment_wrist_3_joint_y = t223 - t209;
-    let t225 = 0.12662099999999998 * t207;
-    let t226 = t206 - t205;
-    let t227 = 0.10970999999999999 * t226;
-    let t228 = t227 + t225;
-    let moment_wrist_2_joint_z = t228 - moment_wrist_3_joint_y;
-    let t230 = u[4] - moment_wrist_2_joint_z;
-    let t231 = t192 * t230;
-    let t232 = omega_wrist_3_joint_z * omega_wrist_3_joint_z;
-    let t233 = omega_wrist_2_joint_x * omega_wrist_2_joint_x;
-    let t234 = t233 + t232;
-    let t235 = omega_wrist_2_joint_z * omega_wrist_2_joint_z;
-    let t236 = t235 + t232;
-    let t237 = t236 - t234;
-    let t238 = t22 * t237;
-    let t239 = omega_wrist_2_joint_x * omega_wrist_2_joint_z;
-    let t240 = sin_wrist_2_joint * t216;
-    let t241 = cos_wrist_2_joint * t218;
-    let t242 = t241 + t240;
-    let t243 = t242 + t239;
-    let t244 = t239 + t243;
-    let t245 = t58 * t244;
-    let t246 = t238 - t245;
-    let t247 = t239 - t243;
-    let t248 = t57 * t247;
-    let moment_wrist_3_joint_z = t246 + t248;
-    let t250 = omega_wrist_2_joint_x * t213;
-    let t251 = t242 + t250;
-    let t252 = 0.10970999999999999 * t251;
-    let moment_wrist_2_joint_y = t252 - moment_wrist_3_joint_z;
-    let t254 = cos_wrist_2_joint * moment_wrist_2_joint_y;
-    let t255 = t57 * t222;
-    let t256 = t22 * t208;
-    let moment_wrist_3_joint_x = t256 - t255;
-    let t258 = 0.12662099999999998 * t221;
-    let moment_wrist_2_joint_x = t258 - moment_wrist_3_joint_x;
-    let t260 = sin_wrist_2_joint * moment_wrist_2_joint_x;
-    let t261 = t260 + t254;
-    let t262 = omega_elbow_joint_z * omega_elbow_joint_z;
-    let t263 = t97 * t262;
-    let t264 = v[1] * v[1];
-    let t265 = t130 * t264;
-    let acceleration_elbow_joint_y = 89.87631699496107 + t265;
-    let t267 = acceleration_elbow_joint_y + t263;
-    let t268 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t267;
+    let t27 = omega_wrist_2_joint_z * omega_wrist_2_joint_z;
+    let t28 = t27 + t19;
+    let t29 = t28 - t24;
+    let t30 = sin_wrist_3_joint * 0.0166855268546;
+    let t31 = cos_wrist_3_joint * t30;
+    let t32 = t31 * t29;
+    let t33 = omega_wrist_2_joint_x * omega_wrist_2_joint_z;
+    let t34 = 2.0 * omega_wrist_1_joint_z;
+    let t35 = omega_wrist_1_joint_y * t34;
+    let t36 = sin_wrist_2_joint * t35;
+    let t37 = omega_wrist_1_joint_x * omega_wrist_1_joint_y;
+    let t38 = cos_wrist_2_joint * t37;
+    let t39 = t38 + t36;
+    let t40 = t39 + t33;
+    let t41 = t33 + t40;
+    let t42 = sin_wrist_3_joint * t30;
+    let t43 = 0.016911000000000002 - t42;
+    let t44 = t43 * t41;
+    let t45 = t32 - t44;
+    let t46 = t33 - t40;
+    let t47 = 0.0002254731454000014 + t42;
+    let t48 = t47 * t46;
+    let moment_wrist_3_joint_z = t45 + t48;
+    let t50 = 2.0 * omega_wrist_2_joint_z;
+    let t51 = omega_wrist_2_joint_x * t50;
+    let t52 = t39 + t51;
+    let t53 = 0.10970999999999999 * t52;
+    let moment_wrist_2_joint_y = t53 - moment_wrist_3_joint_z;
+    let t55 = sin_wrist_2_joint * moment_wrist_2_joint_y;
+    let t56 = 2.0 * omega_wrist_3_joint_z;
+    let t57 = omega_wrist_2_joint_z * t56;
+    let t58 = omega_wrist_2_joint_y * t50;
+    let t59 = cos_wrist_2_joint * t35;
+    let t60 = sin_wrist_2_joint * t37;
+    let t61 = t60 - t59;
+    let t62 = t61 + t58;
+    let t63 = t62 + t57;
+    let t64 = t47 * t63;
+    let t65 = omega_wrist_2_joint_x * t56;
+    let t66 = omega_wrist_2_joint_x * omega_wrist_2_joint_y;
+    let t67 = omega_wrist_1_joint_z * omega_wrist_1_joint_x;
+    let t68 = t67 + t66;
+    let t69 = t68 + t65;
+    let t70 = t31 * t69;
+    let moment_wrist_3_joint_x = t70 - t64;
+    let t72 = 0.12662099999999998 * t62;
+    let moment_wrist_2_joint_x = t72 - moment_wrist_3_joint_x;
+    let t74 = cos_wrist_2_joint * moment_wrist_2_joint_x;
+    let t75 = t74 - t55;
+    let t76 = 0.004608836229750007 * t35;
+    let t77 = 2.0 * omega_elbow_joint_z;
+    let t78 = v[0] * t77;
+    let t79 = 3.5936784241868986 * sin_shoulder_lift_joint_elbow_joint;
+    let t80 = t79 * t78;
+    let t81 = v[1] * 2.0;
+    let t82 = v[0] * t81;
+    let t83 = 3.8937242327072834 * sin_shoulder_lift_joint;
+    let t84 = t83 * t82;
     let acceleration_shoulder_lift_joint_z = v[0] * v[0];
-    let t270 = acceleration_shoulder_lift_joint_z + t262;
-    let t271 = t30 * t270;
-    let t272 = acceleration_shoulder_lift_joint_z + t264;
-    let acceleration_elbow_joint_x = t43 * t272;
-    let t274 = acceleration_elbow_joint_x + t271;
-    let t275 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t274;
-    let acceleration_wrist_1_joint_x = t275 + t268;
-    let t277 = 0.001941203825250001 * acceleration_wrist_1_joint_x;
-    let t278 = t218 * 0.10510116377024999;
-    let t279 = t277 + t278;
-    let moment_wrist_1_joint_z = t279 - t261;
-    let t281 = u[3] - moment_wrist_1_joint_z;
-    let t282 = t185 * t281;
-    let t283 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t267;
-    let t284 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t274;
-    let acceleration_wrist_1_joint_y = t284 - t283;
-    let t286 = 0.0485587618780145 * acceleration_wrist_1_joint_y;
-    let t287 = omega_wrist_1_joint_x * omega_wrist_1_joint_x;
-    let t288 = omega_wrist_1_joint_z * omega_wrist_1_joint_z;
-    let t289 = t287 + t288;
-    let t290 = 0.001941203825250001 * t289;
-    let force_wrist_1_joint_y = t286 - t290;
-    let t292 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_y;
-    let t293 = 0.0485587618780145 * acceleration_wrist_1_joint_x;
-    let t294 = 0.001941203825250001 * t218;
-    let force_wrist_1_joint_x = t293 - t294;
-    let t296 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_x;
-    let t297 = t296 + t292;
-    let t298 = t97 * t297;
-    let t299 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_y;
-    let t300 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_x;
-    let t301 = t300 - t299;
-    let t302 = t30 * t301;
-    let t303 = t302 - t298;
-    let t304 = moment_wrist_1_joint_z - t303;
-    let t305 = t262 - t270;
-    let t306 = cos_shoulder_lift_joint_elbow_joint * t37;
-    let t307 = t306 * t305;
-    let moment_elbow_joint_z = t307 + t304;
-    let t309 = u[2] - moment_elbow_joint_z;
-    let t310 = t180 * t309;
-    let t311 = 0.0757061993667061 * acceleration_elbow_joint_x;
-    let force_elbow_joint_x = t311 + t297;
-    let t313 = t130 * force_elbow_joint_x;
-    let t314 = 0.0757061993667061 * acceleration_elbow_joint_y;
-    let force_elbow_joint_y = t314 + t301;
-    let t316 = t43 * force_elbow_joint_y;
-    let t317 = t316 - t313;
-    let t318 = moment_elbow_joint_z - t317;
-    let t319 = t264 - t272;
-    let t320 = cos_shoulder_lift_joint * t50;
-    let t321 = t320 * t319;
-    let moment_shoulder_lift_joint_z = t321 + t318;
-    let t323 = u[1] - moment_shoulder_lift_joint_z;
-    let t324 = t177 * t323;
-    let t325 = sin_wrist_2_joint * moment_wrist_2_joint_y;
-    let t326 = cos_wrist_2_joint * moment_wrist_2_joint_x;
-    let t327 = t326 - t325;
-    let t328 = 0.004608836229750007 * t216;
-    let t329 = 2.0 * omega_elbow_joint_z;
-    let t330 = v[0] * t329;
-    let t331 = t97 * t330;
-    let t332 = v[1] * 2.0;
-    let t333 = v[0] * t332;
-    let t334 = t130 * t333;
-    let acceleration_elbow_joint_z = acceleration_shoulder_lift_joint_z + t334;
-    let acceleration_wrist_1_joint_z = acceleration_elbow_joint_z + t331;
-    let t337 = 0.001941203825250001 * acceleration_wrist_1_joint_z;
-    let t338 = t337 + t328;
-    let moment_wrist_1_joint_x = t338 - t327;
-    let t340 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint
-        * moment_wrist_1_joint_x;
-    let t341 = omega_wrist_1_joint_x * t215;
-    let t342 = 0.10970999999999999 * t341;
-    let moment_wrist_1_joint_y = t342 + moment_wrist_2_joint_z;
-    let t344 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint
+    let acceleration_elbow_joint_z = acceleration_shoulder_lift_joint_z + t84;
+    let acceleration_wrist_1_joint_z = acceleration_elbow_joint_z + t80;
+    let t88 = 0.001941203825250001 * acceleration_wrist_1_joint_z;
+    let t89 = t88 + t76;
+    let moment_wrist_1_joint_x = t89 - t75;
+    let t91 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * moment_wrist_1_joint_x;
+    let t92 = t43 * t69;
+    let t93 = t31 * t63;
+    let moment_wrist_3_joint_y = t93 - t92;
+    let t95 = 0.12662099999999998 * t68;
+    let t96 = t67 - t66;
+    let t97 = 0.10970999999999999 * t96;
+    let t98 = t97 + t95;
+    let moment_wrist_2_joint_z = t98 - moment_wrist_3_joint_y;
+    let t100 = omega_wrist_1_joint_x * t34;
+    let t101 = 0.10970999999999999 * t100;
+    let moment_wrist_1_joint_y = t101 + moment_wrist_2_joint_z;
+    let t103 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint
         * moment_wrist_1_joint_y;
-    let t345 = t340 - t344;
-    let t346 = 0.001941203825250001 * t216;
-    let t347 = 0.0485587618780145 * acceleration_wrist_1_joint_z;
-    let force_wrist_1_joint_z = t347 + t346;
-    let t349 = t30 * force_wrist_1_joint_z;
-    let t350 = t345 - t349;
-    let t351 = acceleration_shoulder_lift_joint_z - t270;
-    let t352 = 0.09736195575 * cos_shoulder_lift_joint_elbow_joint;
-    let t353 = t352 * t351;
-    let t354 = t306 * t330;
-    let t355 = t354 + t353;
-    let moment_elbow_joint_y = t355 + t350;
-    let t357 = 0.0757061993667061 * acceleration_elbow_joint_z;
-    let force_elbow_joint_z = t357 + force_wrist_1_joint_z;
-    let t359 = t43 * force_elbow_joint_z;
-    let t360 = moment_elbow_joint_y - t359;
-    let t361 = acceleration_shoulder_lift_joint_z - t272;
-    let t362 = 0.075354282 * cos_shoulder_lift_joint;
-    let t363 = t362 * t361;
-    let t364 = t320 * t333;
-    let t365 = t364 + t363;
-    let moment_shoulder_lift_joint_y = t365 + t360;
+    let t104 = t91 - t103;
+    let t105 = 0.001941203825250001 * t35;
+    let t106 = 0.0485587618780145 * acceleration_wrist_1_joint_z;
+    let force_wrist_1_joint_z = t106 + t105;
+    let t108 = 3.5936784241868986 * cos_shoulder_lift_joint_elbow_joint;
+    let t109 = t108 * force_wrist_1_joint_z;
+    let t110 = t104 - t109;
+    let t111 = omega_elbow_joint_z * omega_elbow_joint_z;
+    let t112 = acceleration_shoulder_lift_joint_z + t111;
+    let t113 = acceleration_shoulder_lift_joint_z - t112;
+    let t114 = 0.09736195575 * cos_shoulder_lift_joint_elbow_joint;
+    let t115 = t114 * t113;
+    let t116 = sin_shoulder_lift_joint_elbow_joint * 0.03555637394399993;
+    let t117 = cos_shoulder_lift_joint_elbow_joint * t116;
+    let t118 = t117 * t78;
+    let t119 = t118 + t115;
+    let moment_elbow_joint_y = t119 + t110;
+    let t121 = 0.0757061993667061 * acceleration_elbow_joint_z;
+    let force_elbow_joint_z = t121 + force_wrist_1_joint_z;
+    let t123 = 3.8937242327072834 * cos_shoulder_lift_joint;
+    let t124 = t123 * force_elbow_joint_z;
+    let t125 = moment_elbow_joint_y - t124;
+    let t126 = v[1] * v[1];
+    let t127 = acceleration_shoulder_lift_joint_z + t126;
+    let t128 = acceleration_shoulder_lift_joint_z - t127;
+    let t129 = 0.075354282 * cos_shoulder_lift_joint;
+    let t130 = t129 * t128;
+    let t131 = sin_shoulder_lift_joint * 0.12897252408999982;
+    let t132 = cos_shoulder_lift_joint * t131;
+    let t133 = t132 * t82;
+    let t134 = t133 + t130;
+    let moment_shoulder_lift_joint_y = t134 + t125;
+    let t136 = t79 * t111;
+    let t137 = t83 * t126;
+    let acceleration_elbow_joint_y = 89.87631699496107 + t137;
+    let t139 = acceleration_elbow_joint_y + t136;
+    let t140 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t139;
+    let t141 = t108 * t112;
+    let acceleration_elbow_joint_x = t123 * t127;
+    let t143 = acceleration_elbow_joint_x + t141;
+    let t144 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t143;
+    let acceleration_wrist_1_joint_y = t144 - t140;
+    let t146 = 0.0485587618780145 * acceleration_wrist_1_joint_y;
+    let t147 = omega_wrist_1_joint_x * omega_wrist_1_joint_x;
+    let t148 = omega_wrist_1_joint_z * omega_wrist_1_joint_z;
+    let t149 = t147 + t148;
+    let t150 = 0.001941203825250001 * t149;
+    let force_wrist_1_joint_y = t146 - t150;
+    let t152 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_y;
+    let t153 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t139;
+    let t154 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t143;
+    let acceleration_wrist_1_joint_x = t154 + t153;
+    let t156 = 0.0485587618780145 * acceleration_wrist_1_joint_x;
+    let t157 = 0.001941203825250001 * t37;
+    let force_wrist_1_joint_x = t156 - t157;
+    let t159 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_x;
+    let t160 = t159 + t152;
+    let t161 = 0.0757061993667061 * acceleration_elbow_joint_x;
+    let force_elbow_joint_x = t161 + t160;
     let moment_shoulder_pan_joint_z = force_elbow_joint_x + moment_shoulder_lift_joint_y;
-    let t368 = u[0] - moment_shoulder_pan_joint_z;
-    let t369 = inverse_d_shoulder_pan_joint * t368;
-    let t370 = t369 + t324;
-    let t371 = t370 - t310;
-    let t372 = t371 + t282;
-    let t373 = t372 + t231;
-    let t374 = t75 * t185;
-    let t375 = t75 * t180;
-    let t376 = t374 - t375;
-    let t377 = t75 * t177;
-    let t378 = t376 + t377;
-    let t379 = t63 * inverse_d_shoulder_pan_joint;
-    let t380 = t378 - t379;
-    let t381 = u[5] - moment_wrist_3_joint_z;
-    let t382 = t380 * t381;
-    let acceleration_shoulder_lift_joint_x = t373 - t382;
-    let t384 = t173 * t177;
-    let t385 = inverse_d_shoulder_lift_joint - t384;
-    let t386 = t144 * t385;
-    let t387 = t127 * t177;
-    let t388 = t386 + t387;
-    let t389 = t103 * t388;
-    let t390 = t157 * t385;
-    let t391 = t389 - t390;
-    let t392 = t94 * t177;
-    let t393 = t391 + t392;
-    let t394 = t80 * t393;
-    let t395 = t80 * t388;
-    let t396 = t394 - t395;
-    let t397 = t80 * t385;
-    let t398 = t396 + t397;
-    let t399 = t71 * t177;
-    let t400 = t398 - t399;
-    let t401 = t400 * t230;
-    let t402 = t393 * t281;
-    let t403 = t388 * t309;
-    let t404 = t385 * t323;
-    let t405 = t177 * t368;
-    let t406 = t405 - t404;
-    let t407 = t406 + t403;
-    let t408 = t407 - t402;
-    let t409 = t408 - t401;
-    let t410 = t75 * t393;
-    let t411 = t75 * t388;
-    let t412 = t410 - t411;
-    let t413 = t75 * t385;
-    let t414 = t412 + t413;
-    let t415 = t63 * t177;
-    let t416 = t414 + t415;
-    let t417 = t416 * t381;
-    let t418 = t409 + t417;
-    let t419 = t144 * t173;
-    let t420 = t127 - t419;
-    let t421 = inverse_d_shoulder_pan_joint * t420;
-    let t422 = t173 * t421;
-    let t423 = t144 * inverse_d_shoulder_lift_joint;
-    let t424 = t423 + t422;
-    let t425 = t144 * t424;
-    let t426 = inverse_d_elbow_joint + t425;
-    let t427 = t127 * t421;
-    let t428 = t426 - t427;
-    let t429 = t103 * t428;
-    let t430 = t157 * t424;
-    let t431 = t429 - t430;
-    let t432 = t94 * t421;
-    let t433 = t431 - t432;
-    let t434 = t80 * t433;
-    let t435 = t80 * t428;
+    let t164 = u[0] - moment_shoulder_pan_joint_z;
+    let t165 = u[5] - moment_wrist_3_joint_z;
+    let t166 = t43 + t47;
+    let t167 = sin_wrist_2_joint * t166;
+    let t168 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t167;
+    let inverse_d_wrist_3_joint = 1.0 / t166;
+    let t170 = t168 * inverse_d_wrist_3_joint;
+    let t171 = t170 * t165;
+    let t172 = t164 + t171;
+    let t173 = u[4] - moment_wrist_2_joint_z;
+    let t174 = t42 - 0.25324199999999997;
+    let t175 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t174;
+    let t176 = cos_wrist_2_joint * t31;
+    let t177 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t176;
+    let t178 = t177 + t175;
+    let inverse_d_wrist_2_joint = 1.0 / t174;
+    let t180 = t178 * inverse_d_wrist_2_joint;
+    let t181 = t180 * t173;
+    let t182 = t172 + t181;
+    let t183 = cos_wrist_2_joint * moment_wrist_2_joint_y;
+    let t184 = sin_wrist_2_joint * moment_wrist_2_joint_x;
+    let t185 = t184 + t183;
+    let t186 = 0.001941203825250001 * acceleration_wrist_1_joint_x;
+    let t187 = t37 * 0.10510116377024999;
+    let t188 = t186 + t187;
+    let moment_wrist_1_joint_z = t188 - t185;
+    let t190 = u[3] - moment_wrist_1_joint_z;
+    let t191 = cos_wrist_2_joint * t166;
+    let t192 = t191 * inverse_d_wrist_3_joint;
+    let t193 = t192 * t165;
+    let t194 = t190 - t193;
+    let t195 = sin_wrist_2_joint * t31;
+    let t196 = t195 * inverse_d_wrist_2_joint;
+    let t197 = t196 * t173;
+    let t198 = t194 + t197;
+    let t199 = t191 * t192;
+    let t200 = sin_wrist_2_joint * t42;
+    let t201 = sin_wrist_2_joint * t200;
+    let t202 = 0.12662099999999998 - t42;
+    let t203 = t202 + t201;
+    let t204 = 0.10970999999999999 + t203;
+    let t205 = t42 + 0.0048343093751500085;
+    let t206 = t204 + t205;
+    let t207 = t206 - t199;
+    let t208 = t195 * t196;
+    let t209 = t207 + t208;
+    let inverse_d_wrist_1_joint = 1.0 / t209;
+    let t211 = t168 * t192;
+    let t212 = cos_wrist_2_joint * t200;
+    let t213 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t212;
+    let t214 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t195;
+    let t215 = t213 - t214;
+    let t216 = 0.001941203825250001 * cos_shoulder_lift_joint_elbow_joint_wrist_1_joint;
+    let t217 = t216 + t215;
+    let t218 = t217 + t211;
+    let t219 = t178 * t196;
+    let t220 = t218 + t219;
+    let t221 = t220 * inverse_d_wrist_1_joint;
+    let t222 = t221 * t198;
+    let t223 = t182 - t222;
+    let t224 = t79 * t160;
+    let t225 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_y;
+    let t226 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_x;
+    let t227 = t226 - t225;
+    let t228 = t108 * t227;
+    let t229 = t228 - t224;
+    let t230 = moment_wrist_1_joint_z - t229;
+    let t231 = t111 - t112;
+    let t232 = t117 * t231;
+    let moment_elbow_joint_z = t232 + t230;
+    let t234 = u[2] - moment_elbow_joint_z;
+    let t235 = t234 - t193;
+    let t236 = t235 + t197;
+    let t237 = t79 * t216;
+    let t238 = 0.001941203825250001 * sin_shoulder_lift_joint_elbow_joint_wrist_1_joint;
+    let t239 = t108 * t238;
+    let t240 = t239 - t237;
+    let t241 = t206 - t240;
+    let t242 = t241 - t199;
+    let t243 = t242 + t208;
+    let t244 = t243 * inverse_d_wrist_1_joint;
+    let t245 = t244 * t198;
+    let t246 = t236 - t245;
+    let t247 = t243 * t244;
+    let t248 = 2.0 * t240;
+    let t249 = t206 - t248;
+    let t250 = t79 * t79;
+    let t251 = t108 * t108;
+    let t252 = t251 + t250;
+    let t253 = 0.0485587618780145 * t252;
+    let t254 = t253 + t249;
+    let t255 = sin_shoulder_lift_joint_elbow_joint * t116;
+    let t256 = 0.0020475000000000007 - t255;
+    let t257 = 0.03350887394399993 - t255;
+    let t258 = t257 - t256;
+    let t259 = t258 - t254;
+    let t260 = t259 + t199;
+    let t261 = t260 - t208;
+    let t262 = t261 + t247;
+    let inverse_d_elbow_joint = 1.0 / t262;
+    let t264 = t220 * t244;
+    let t265 = 0.09736195575 * sin_shoulder_lift_joint_elbow_joint;
+    let t266 = t265 - t215;
+    let t267 = sin_shoulder_lift_joint_elbow_joint * 0.17450457486624998;
+    let t268 = t216 + t267;
+    let t269 = t268 - t266;
+    let t270 = t269 + t211;
+    let t271 = t270 + t219;
+    let t272 = t271 - t264;
+    let t273 = t272 * inverse_d_elbow_joint;
+    let t274 = t273 * t246;
+    let t275 = t223 + t274;
+    let t276 = t83 * force_elbow_joint_x;
+    let t277 = 0.0757061993667061 * acceleration_elbow_joint_y;
+    let force_elbow_joint_y = t277 + t227;
+    let t279 = t123 * force_elbow_joint_y;
+    let t280 = t279 - t276;
+    let t281 = moment_elbow_joint_z - t280;
+    let t282 = t126 - t127;
+    let t283 = t132 * t282;
+    let moment_shoulder_lift_joint_z = t283 + t281;
+    let t285 = u[1] - moment_shoulder_lift_joint_z;
+    let t286 = t285 - t193;
+    let t287 = t286 + t197;
+    let t288 = t83 * t216;
+    let t289 = t123 * t238;
+    let t290 = t289 - t288;
+    let t291 = t241 - t290;
+    let t292 = t291 - t199;
+    let t293 = t292 + t208;
+    let t294 = t293 * inverse_d_wrist_1_joint;
+    let t295 = t294 * t198;
+    let t296 = t287 - t295;
+    let t297 = t83 * t268;
+    let t298 = cos_shoulder_lift_joint_elbow_joint * 0.17450457486624998;
+    let t299 = t238 - t298;
+    let t300 = t123 * t299;
+    let t301 = t300 - t297;
+    let t302 = t259 + t301;
+    let t303 = t302 + t199;
+    let t304 = t303 - t208;
+    let t305 = t293 * t244;
+    let t306 = t304 + t305;
+    let t307 = t306 * inverse_d_elbow_joint;
+    let t308 = t307 * t246;
+    let t309 = t296 - t308;
+    let t310 = t306 * t307;
+    let t311 = 2.0 * t301;
+    let t312 = t259 + t311;
+    let t313 = t83 * t83;
+    let t314 = t123 * t123;
+    let t315 = t314 + t313;
+    let t316 = 0.1242649612447206 * t315;
+    let t317 = t316 - t312;
+    let t318 = sin_shoulder_lift_joint * t131;
+    let t319 = 0.0075536999999999965 - t318;
+    let t320 = 0.12141882408999982 - t318;
+    let t321 = t320 - t319;
+    let t322 = t321 - t317;
+    let t323 = t322 + t199;
+    let t324 = t323 - t208;
+    let t325 = t293 * t294;
+    let t326 = t324 + t325;
+    let t327 = t326 - t310;
+    let inverse_d_shoulder_lift_joint = 1.0 / t327;
+    let t329 = t272 * t307;
+    let t330 = t220 * t294;
+    let t331 = 0.075354282 * sin_shoulder_lift_joint;
+    let t332 = t331 + t266;
+    let t333 = sin_shoulder_lift_joint * 0.483853490875;
+    let t334 = t268 + t333;
+    let t335 = t334 - t332;
+    let t336 = t335 + t211;
+    let t337 = t336 + t219;
+    let t338 = t337 - t330;
+    let t339 = t338 - t329;
+    let t340 = t339 * inverse_d_shoulder_lift_joint;
+    let t341 = t340 * t309;
+    let t342 = t275 + t341;
+    let t343 = t204 - t205;
+    let t344 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t343;
+    let t345 = 2.0 * t176;
+    let t346 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t345;
+    let t347 = t344 + t346;
+    let t348 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t347;
+    let t349 = t204 - t348;
+    let t350 = 2.0 * t239;
+    let t351 = t349 - t350;
+    let t352 = 0.0485587618780145 * t251;
+    let t353 = t351 + t352;
+    let t354 = t257 - t353;
+    let t355 = 2.0 * t300;
+    let t356 = t354 + t355;
+    let t357 = 0.1242649612447206 * t314;
+    let t358 = t356 - t357;
+    let t359 = t320 + t358;
+    let t360 = 0.0033300000000000005 - t359;
+    let t361 = t201 - 0.42182961244274997;
+    let t362 = t360 - t361;
+    let t363 = t168 * t170;
+    let t364 = t362 - t363;
+    let t365 = t178 * t180;
+    let t366 = t364 + t365;
+    let t367 = t220 * t221;
+    let t368 = t366 - t367;
+    let t369 = t272 * t273;
+    let t370 = t368 + t369;
+    let t371 = t339 * t340;
+    let t372 = t370 + t371;
+    let inverse_d_shoulder_pan_joint = 1.0 / t372;
+    m_inverse[0][0] = inverse_d_shoulder_pan_joint;
+    let acceleration_shoulder_lift_joint_x = inverse_d_shoulder_pan_joint * t342;
+    a[0] = acceleration_shoulder_lift_joint_x;
+    let t375 = t340 * acceleration_shoulder_lift_joint_x;
+    let t376 = inverse_d_shoulder_lift_joint * t309;
+    let t377 = t376 - t375;
+    let t378 = t307 * t377;
+    let t379 = inverse_d_elbow_joint * t246;
+    let t380 = t379 - t378;
+    let t381 = t273 * acceleration_shoulder_lift_joint_x;
+    let t382 = t380 - t381;
+    let t383 = t244 * t382;
+    let t384 = inverse_d_wrist_1_joint * t198;
+    let t385 = t384 + t383;
+    let t386 = t294 * t377;
+    let t387 = t385 + t386;
+    let t388 = t221 * acceleration_shoulder_lift_joint_x;
+    let t389 = t387 - t388;
+    a[3] = t389;
+    let t390 = t196 * t389;
+    let t391 = inverse_d_wrist_2_joint * t173;
+    let t392 = t391 - t390;
+    let t393 = t196 * t382;
+    let t394 = t392 + t393;
+    let t395 = t196 * t377;
+    let t396 = t394 + t395;
+    let t397 = t180 * acceleration_shoulder_lift_joint_x;
+    let t398 = t396 - t397;
+    let t399 = t192 * t389;
+    let t400 = inverse_d_wrist_3_joint * t165;
+    let t401 = t400 - t399;
+    let t402 = t192 * t382;
+    let t403 = t401 + t402;
+    let t404 = t192 * t377;
+    let t405 = t403 + t404;
+    let t406 = t170 * acceleration_shoulder_lift_joint_x;
+    let t407 = t405 + t406;
+    a[5] = t407;
+    let t408 = t377 + t382;
+    let t409 = t389 - t408;
+    let t410 = t37 - t409;
+    let t411 = cos_wrist_2_joint * t410;
+    let t412 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint
+        * acceleration_shoulder_lift_joint_x;
+    let t413 = t35 + t412;
+    let t414 = sin_wrist_2_joint * t413;
+    let t415 = t411 + t414;
+    let t416 = t33 + t415;
+    let t417 = t407 - t416;
+    let t418 = t33 - t417;
+    let t419 = t43 * t418;
+    let t420 = t32 - t419;
+    let t421 = t33 + t417;
+    let t422 = t47 * t421;
+    let moment_wrist_3_joint_z_2 = t420 + t422;
+    let t424 = t51 + t415;
+    let t425 = 0.10970999999999999 * t424;
+    let moment_wrist_2_joint_y_2 = t425 - moment_wrist_3_joint_z_2;
+    let t427 = sin_wrist_2_joint * moment_wrist_2_joint_y_2;
+    let t428 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint
+        * acceleration_shoulder_lift_joint_x;
+    let t429 = t67 - t428;
+    let t430 = t398 - t429;
+    let t431 = t66 - t430;
+    let t432 = t65 + t431;
+    let t433 = t31 * t432;
+    let t434 = sin_wrist_2_joint * t410;
+    let t435 = cos_wrist_2_joint * t413;
     let t436 = t434 - t435;
-    let t437 = t80 * t424;
-    let t438 = t436 + t437;
-    let t439 = t71 * t421;
-    let t440 = t438 + t439;
-    let t441 = t440 * t230;
-    let t442 = t433 * t281;
-    let t443 = t428 * t309;
-    let t444 = t388 * t323;
-    let t445 = t180 * t368;
-    let t446 = t445 - t444;
-    let t447 = t446 + t443;
-    let t448 = t447 - t442;
-    let t449 = t448 - t441;
-    let t450 = t75 * t433;
-    let t451 = t75 * t428;
-    let t452 = t450 - t451;
-    let t453 = t75 * t424;
-    let t454 = t452 + t453;
-    let t455 = t63 * t421;
-    let t456 = t454 - t455;
-    let t457 = t456 * t381;
-    let t458 = t449 + t457;
-    let t459 = t103 * t144;
-    let t460 = t157 - t459;
-    let t461 = t173 * t460;
-    let t462 = t103 * t127;
-    let t463 = t94 + t462;
-    let t464 = t463 + t461;
-    let t465 = inverse_d_shoulder_pan_joint * t464;
-    let t466 = t173 * t465;
-    let t467 = inverse_d_shoulder_lift_joint * t460;
-    let t468 = t467 - t466;
-    let t469 = t144 * t468;
-    let t470 = t103 * inverse_d_elbow_joint;
-    let t471 = t470 - t469;
-    let t472 = t127 * t465;
-    let t473 = t471 - t472;
-    let t474 = t103 * t473;
-    let t475 = inverse_d_wrist_1_joint - t474;
-    let t476 = t157 * t468;
-    let t477 = t475 - t476;
-    let t478 = t94 * t465;
-    let t479 = t477 + t478;
-    let t480 = t80 * t479;
-    let t481 = t80 * t473;
-    let t482 = t480 + t481;
-    let t483 = t80 * t468;
-    let t484 = t482 + t483;
-    let t485 = t71 * t465;
-    let t486 = t484 - t485;
-    let t487 = t486 * t230;
-    let t488 = t479 * t281;
-    let t489 = t433 * t309;
-    let t490 = t393 * t323;
-    let t491 = t185 * t368;
-    let t492 = t491 - t490;
-    let t493 = t492 + t489;
-    let t494 = t493 + t488;
-    let t495 = t494 + t487;
-    let t496 = t75 * t479;
-    let t497 = t75 * t473;
-    let t498 = t496 + t497;
-    let t499 = t75 * t468;
-    let t500 = t498 + t499;
-    let t501 = t63 * t465;
-    let t502 = t500 + t501;
-    let t503 = t502 * t381;
-    let t504 = t495 - t503;
-    let t505 = t80 * t103;
-    let t506 = t80 - t505;
-    let t507 = t144 * t506;
-    let t508 = t80 * t157;
-    let t509 = t80 - t508;
-    let t510 = t509 - t507;
-    let t511 = t173 * t510;
-    let t512 = t127 * t506;
-    let t513 = t80 * t94;
-    let t514 = t71 - t513;
-    let t515 = t514 + t512;
-    let t516 = t515 + t511;
-    let t517 = inverse_d_shoulder_pan_joint * t516;
-    let t518 = t173 * t517;
-    let t519 = inverse_d_shoulder_lift_joint * t510;
-    let t520 = t519 - t518;
-    let t521 = t144 * t520;
-    let t522 = inverse_d_elbow_joint * t506;
-    let t523 = t522 - t521;
-    let t524 = t127 * t517;
-    let t525 = t523 - t524;
-    let t526 = t103 * t525;
-    let t527 = t80 * inverse_d_wrist_1_joint;
-    let t528 = t527 + t526;
-    let t529 = t157 * t520;
-    let t530 = t528 + t529;
-    let t531 = t94 * t517;
-    let t532 = t530 - t531;
-    let t533 = t80 * t532;
-    let t534 = inverse_d_wrist_2_joint - t533;
-    let t535 = t80 * t525;
-    let t536 = t534 + t535;
-    let t537 = t80 * t520;
-    let t538 = t536 + t537;
-    let t539 = t71 * t517;
-    let t540 = t538 - t539;
-    let t541 = t540 * t230;
-    let t542 = t486 * t281;
-    let t543 = t440 * t309;
-    let t544 = t400 * t323;
-    let t545 = t192 * t368;
-    let t546 = t545 - t544;
-    let t547 = t546 + t543;
-    let t548 = t547 + t542;
-    let t549 = t548 - t541;
-    let t550 = t75 * t532;
-    let t551 = t75 * t525;
-    let t552 = t550 - t551;
-    let t553 = t75 * t520;
-    let t554 = t552 - t553;
-    let t555 = t63 * t517;
-    let t556 = t554 - t555;
-    let t557 = t556 * t381;
-    let t558 = t549 - t557;
-    let t559 = t502 * t281;
-    let t560 = t456 * t309;
-    let t561 = t416 * t323;
-    let t562 = t380 * t368;
-    let t563 = t562 - t561;
-    let t564 = t563 + t560;
-    let t565 = t564 + t559;
-    let t566 = t556 * t230;
-    let t567 = t565 + t566;
-    let t568 = t75 * t103;
-    let t569 = t75 - t568;
-    let t570 = t144 * t569;
-    let t571 = t75 * t157;
-    let t572 = t75 - t571;
-    let t573 = t572 - t570;
-    let t574 = t173 * t573;
-    let t575 = t127 * t569;
-    let t576 = t75 * t94;
-    let t577 = t63 + t576;
-    let t578 = t577 - t575;
-    let t579 = t578 - t574;
-    let t580 = inverse_d_shoulder_pan_joint * t579;
-    let t581 = t173 * t580;
-    let t582 = inverse_d_shoulder_lift_joint * t573;
-    let t583 = t582 + t581;
-    let t584 = t144 * t583;
-    let t585 = inverse_d_elbow_joint * t569;
-    let t586 = t585 - t584;
-    let t587 = t127 * t580;
-    let t588 = t586 + t587;
-    let t589 = t103 * t588;
-    let t590 = t75 * inverse_d_wrist_1_joint;
-    let t591 = t590 + t589;
-    let t592 = t157 * t583;
-    let t593 = t591 + t592;
-    let t594 = t94 * t580;
-    let t595 = t593 + t594;
-    let t596 = t75 * t595;
-    let t597 = inverse_d_wrist_3_joint + t596;
-    let t598 = t75 * t588;
-    let t599 = t597 - t598;
-    let t600 = t75 * t583;
-    let t601 = t599 - t600;
-    let t602 = t63 * t580;
-    let t603 = t601 + t602;
-    let t604 = t603 * t381;
-    let t605 = t567 - t604;
-    let t606 = t418 - t458;
-    let t607 = t504 + t606;
-    let t608 = t218 - t607;
-    let t609 = cos_wrist_2_joint * t608;
-    let t610 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint
-        * acceleration_shoulder_lift_joint_x;
-    let t611 = t216 + t610;
-    let t612 = sin_wrist_2_joint * t611;
-    let t613 = t609 + t612;
-    let t614 = t239 + t613;
-    let t615 = t605 + t614;
-    let t616 = t239 + t615;
-    let t617 = t58 * t616;
-    let t618 = t238 - t617;
-    let t619 = t239 - t615;
-    let t620 = t57 * t619;
-    let moment_wrist_3_joint_z_2 = t618 + t620;
-    let t622 = t250 + t613;
-    let t623 = 0.10970999999999999 * t622;
-    let moment_wrist_2_joint_y_2 = t623 - moment_wrist_3_joint_z_2;
-    let t625 = sin_wrist_2_joint * moment_wrist_2_joint_y_2;
-    let t626 = sin_wrist_2_joint * t608;
-    let t627 = cos_wrist_2_joint * t611;
-    let t628 = t626 - t627;
-    let t629 = t214 + t628;
-    let t630 = t212 + t629;
-    let t631 = t57 * t630;
-    let t632 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint
-        * acceleration_shoulder_lift_joint_x;
-    let t633 = t206 - t632;
-    let t634 = t558 + t633;
-    let t635 = t205 + t634;
-    let t636 = t204 + t635;
-    let t637 = t22 * t636;
-    let moment_wrist_3_joint_x_2 = t637 - t631;
-    let t639 = 0.12662099999999998 * t629;
-    let moment_wrist_2_joint_x_2 = t639 - moment_wrist_3_joint_x_2;
-    let t641 = cos_wrist_2_joint * moment_wrist_2_joint_x_2;
-    let t642 = t641 - t625;
-    let t643 = t43 * acceleration_shoulder_lift_joint_x;
-    let t644 = t334 - t643;
-    let acceleration_elbow_joint_z_2 = acceleration_shoulder_lift_joint_z + t644;
-    let t646 = t30 * acceleration_shoulder_lift_joint_x;
-    let t647 = t331 - t646;
-    let acceleration_wrist_1_joint_z_2 = acceleration_elbow_joint_z_2 + t647;
-    let t649 = 0.001941203825250001 * acceleration_wrist_1_joint_z_2;
-    let t650 = 0.004608836229750007 * t611;
-    let t651 = t649 + t650;
-    let moment_wrist_1_joint_x_2 = t651 - t642;
-    let t653 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint
+    let t437 = t58 + t436;
+    let t438 = t57 + t437;
+    let t439 = t47 * t438;
+    let moment_wrist_3_joint_x_2 = t433 - t439;
+    let t441 = 0.12662099999999998 * t437;
+    let moment_wrist_2_joint_x_2 = t441 - moment_wrist_3_joint_x_2;
+    let t443 = cos_wrist_2_joint * moment_wrist_2_joint_x_2;
+    let t444 = t443 - t427;
+    let t445 = t123 * acceleration_shoulder_lift_joint_x;
+    let t446 = t84 - t445;
+    let acceleration_elbow_joint_z_2 = acceleration_shoulder_lift_joint_z + t446;
+    let t448 = t108 * acceleration_shoulder_lift_joint_x;
+    let t449 = t80 - t448;
+    let acceleration_wrist_1_joint_z_2 = acceleration_elbow_joint_z_2 + t449;
+    let t451 = 0.001941203825250001 * acceleration_wrist_1_joint_z_2;
+    let t452 = 0.004608836229750007 * t413;
+    let t453 = t451 + t452;
+    let moment_wrist_1_joint_x_2 = t453 - t444;
+    let t455 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint
         * moment_wrist_1_joint_x_2;
-    let t654 = t22 * t630;
-    let t655 = t58 * t636;
-    let moment_wrist_3_joint_y_2 = t654 - t655;
-    let t657 = 0.12662099999999998 * t635;
-    let t658 = t205 - t634;
-    let t659 = 0.10970999999999999 * t658;
-    let t660 = t659 - t657;
-    let moment_wrist_2_joint_z_2 = t660 + moment_wrist_3_joint_y_2;
-    let t662 = t341 - t632;
-    let t663 = 0.10970999999999999 * t662;
-    let moment_wrist_1_joint_y_2 = t663 - moment_wrist_2_joint_z_2;
-    let t665 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint
+    let t456 = t43 * t432;
+    let t457 = t31 * t438;
+    let moment_wrist_3_joint_y_2 = t457 - t456;
+    let t459 = 0.12662099999999998 * t431;
+    let t460 = t66 + t430;
+    let t461 = 0.10970999999999999 * t460;
+    let t462 = t461 - t459;
+    let moment_wrist_2_joint_z_2 = t462 + moment_wrist_3_joint_y_2;
+    let t464 = t100 - t428;
+    let t465 = 0.10970999999999999 * t464;
+    let moment_wrist_1_joint_y_2 = t465 - moment_wrist_2_joint_z_2;
+    let t467 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint
         * moment_wrist_1_joint_y_2;
-    let t666 = t653 + t665;
-    let t667 = 0.0485587618780145 * acceleration_wrist_1_joint_z_2;
-    let t668 = 0.001941203825250001 * t611;
-    let force_wrist_1_joint_z_2 = t667 + t668;
-    let t670 = t97 * force_wrist_1_joint_z_2;
-    let t671 = t666 + t670;
-    let t672 = t352 * t606;
-    let t673 = t306 * acceleration_shoulder_lift_joint_x;
-    let t674 = t673 - t672;
-    let t675 = acceleration_shoulder_lift_joint_z - t262;
-    let t676 = t119 * t675;
-    let t677 = t676 - t674;
-    let t678 = t111 * t330;
+    let t468 = t455 + t467;
+    let t469 = 0.0485587618780145 * acceleration_wrist_1_joint_z_2;
+    let t470 = 0.001941203825250001 * t413;
+    let force_wrist_1_joint_z_2 = t469 + t470;
+    let t472 = t79 * force_wrist_1_joint_z_2;
+    let t473 = t468 + t472;
+    let t474 = t114 * t408;
+    let t475 = t117 * acceleration_shoulder_lift_joint_x;
+    let t476 = t475 + t474;
+    let t477 = acceleration_shoulder_lift_joint_z - t111;
+    let t478 = t265 * t477;
+    let t479 = t478 - t476;
+    let t480 = t256 * t78;
+    let t481 = t480 - t479;
+    let moment_elbow_joint_x = t481 + t473;
+    let t483 = 0.0757061993667061 * acceleration_elbow_joint_z_2;
+    let force_elbow_joint_z_2 = t483 + force_wrist_1_joint_z_2;
+    let t485 = t83 * force_elbow_joint_z_2;
+    let t486 = moment_elbow_joint_x + t485;
+    let t487 = t129 * t377;
+    let t488 = t132 * acceleration_shoulder_lift_joint_x;
+    let t489 = t488 + t487;
+    let t490 = acceleration_shoulder_lift_joint_z - t126;
+    let t491 = t331 * t490;
+    let t492 = t491 - t489;
+    let t493 = t319 * t82;
+    let t494 = t493 - t492;
+    let moment_shoulder_lift_joint_x = t494 + t486;
+    let t496 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t347;
+    let t497 = t176 - t496;
+    let t498 = t108 * t216;
+    let t499 = t79 * t238;
+    let t500 = t499 - t498;
+    let t501 = t497 + t500;
+    let t502 = t108 * t79;
+    let t503 = 0.0485587618780145 * t502;
+    let t504 = t501 - t503;
+    let t505 = t117 + t504;
+    let t506 = t123 * t268;
+    let t507 = t83 * t299;
+    let t508 = t507 - t506;
+    let t509 = t505 + t508;
+    let t510 = t123 * t83;
+    let t511 = 0.1242649612447206 * t510;
+    let t512 = t509 - t511;
+    let t513 = t132 + t512;
+    let t514 = t513 * acceleration_shoulder_lift_joint_x;
+    let t515 = t332 * acceleration_shoulder_lift_joint_z;
+    let t516 = t514 + t515;
+    let t517 = 2.0 * omega_wrist_2_joint_x;
+    let t518 = t31 * t517;
+    let t519 = t43 * t50;
+    let t520 = t518 + t519;
+    let t521 = 0.21941999999999998 * omega_wrist_2_joint_z;
+    let t522 = t521 + t520;
+    let t523 = 0.25324199999999997 * omega_wrist_2_joint_z;
+    let t524 = t523 - t522;
+    let t525 = cos_wrist_2_joint * t524;
+    let t526 = t31 * t56;
+    let t527 = sin_wrist_2_joint * t526;
+    let t528 = t527 + t525;
+    let t529 = sin_wrist_2_joint * t528;
+    let t530 = t526 - t529;
+    let t531 = t526 + t530;
+    let t532 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t531;
+    let t533 = t43 * t56;
+    let t534 = 0.21941999999999998 * omega_wrist_2_joint_y;
+    let t535 = t534 - t533;
+    let t536 = cos_wrist_2_joint * t535;
+    let t537 = 0.25324199999999997 * omega_wrist_2_joint_x;
+    let t538 = sin_wrist_2_joint * t537;
+    let t539 = t536 - t538;
+    let t540 = 0.21941999999999998 * omega_wrist_1_joint_z;
+    let t541 = t540 - t539;
+    let t542 = t47 * t517;
+    let t543 = t31 * t50;
+    let t544 = t542 + t543;
+    let t545 = sin_wrist_2_joint * t544;
+    let t546 = t47 * t56;
+    let t547 = cos_wrist_2_joint * t546;
+    let t548 = t547 + t545;
+    let t549 = omega_wrist_1_joint_z * 0.009217672459500014;
+    let t550 = t549 + t548;
+    let t551 = t550 - t541;
+    let t552 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t551;
+    let t553 = t532 + t552;
+    let t554 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t553;
+    let t555 = t550 - t554;
+    let t556 = t108 * omega_elbow_joint_z;
+    let t557 = t556 * 0.097117523756029;
+    let t558 = omega_wrist_1_joint_z * 0.003882407650500002;
+    let t559 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t558;
+    let t560 = t559 - t557;
+    let t561 = t108 * t560;
+    let t562 = 2.0 * t556;
+    let t563 = t238 * t562;
+    let t564 = t561 + t563;
+    let t565 = t555 - t564;
+    let t566 = t257 * t77;
+    let t567 = t566 - t565;
+    let t568 = v[1] * t123;
+    let t569 = t568 * 0.2485299224894412;
+    let t570 = t560 - t569;
+    let t571 = t123 * t570;
+    let t572 = 2.0 * t568;
+    let t573 = t299 * t572;
+    let t574 = t571 + t573;
+    let t575 = t567 + t574;
+    let t576 = t320 * t81;
+    let t577 = t576 + t575;
+    let t578 = v[0] * t577;
+    let t579 = t516 + t578;
+    let t580 = moment_shoulder_lift_joint_x + t579;
+    let t581 = t108 * t408;
+    let t582 = t136 + t581;
+    let t583 = t123 * t377;
+    let t584 = t137 + t583;
+    let acceleration_elbow_joint_y_2 = 89.87631699496107 + t584;
+    let t586 = acceleration_elbow_joint_y_2 + t582;
+    let t587 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t586;
+    let t588 = t79 * t408;
+    let t589 = t141 - t588;
+    let t590 = t83 * t377;
+    let t591 = acceleration_elbow_joint_x - t590;
+    let acceleration_elbow_joint_x_2 = acceleration_shoulder_lift_joint_x + t591;
+    let t593 = acceleration_elbow_joint_x_2 + t589;
+    let t594 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t593;
+    let acceleration_wrist_1_joint_y_2 = t594 - t587;
+    let t596 = 0.0485587618780145 * acceleration_wrist_1_joint_y_2;
+    let force_wrist_1_joint_y_2 = t150 - t596;
+    let t598 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint
+        * force_wrist_1_joint_y_2;
+    let t599 = 0.001941203825250001 * t410;
+    let t600 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t586;
+    let t601 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t593;
+    let acceleration_wrist_1_joint_x_2 = t601 + t600;
+    let t603 = 0.0485587618780145 * acceleration_wrist_1_joint_x_2;
+    let force_wrist_1_joint_x_2 = t603 - t599;
+    let t605 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint
+        * force_wrist_1_joint_x_2;
+    let t606 = t605 + t598;
+    let t607 = 0.0757061993667061 * acceleration_elbow_joint_y_2;
+    let force_elbow_joint_y_2 = t607 + t606;
+    let t609 = t334 * acceleration_shoulder_lift_joint_z;
+    let t610 = 11.168477048197062 - t609;
+    let t611 = force_elbow_joint_y_2 - t610;
+    let t612 = t611 - t580;
+    let t613 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t167;
+    let t614 = t613 * acceleration_shoulder_lift_joint_x;
+    let t615 = t191 * acceleration_shoulder_lift_joint_z;
+    let t616 = t615 + t614;
+    let t617 = cos_wrist_2_joint * t520;
+    let t618 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t617;
+    let t619 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t544;
+    let t620 = t618 - t619;
+    let t621 = v[0] * t620;
+    let t622 = t616 + t621;
+    let t623 = t170 * t622;
+    let t624 = t612 + t623;
+    let t625 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t174;
+    let t626 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t176;
+    let t627 = t626 - t625;
+    let t628 = t627 * acceleration_shoulder_lift_joint_x;
+    let t629 = t195 * acceleration_shoulder_lift_joint_z;
+    let t630 = t629 - t628;
+    let t631 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t539;
+    let t632 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t526;
+    let t633 = t631 + t632;
+    let t634 = v[0] * t633;
+    let t635 = t630 + t634;
+    let t636 = t180 * t635;
+    let t637 = t624 + t636;
+    let t638 = t192 * t622;
+    let t639 = t238 * acceleration_shoulder_lift_joint_x;
+    let t640 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * 0.1744682503500001;
+    let t641 = t640 - t639;
+    let t642 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t212;
+    let t643 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t195;
+    let t644 = t642 + t643;
+    let t645 = t644 * acceleration_shoulder_lift_joint_x;
+    let t646 = t291 * acceleration_shoulder_lift_joint_z;
+    let t647 = t645 - t646;
+    let t648 = t647 + t641;
+    let t649 = cos_wrist_2_joint * t528;
+    let t650 = t523 - t649;
+    let t651 = 0.21941999999999998 * omega_wrist_1_joint_y;
+    let t652 = t651 - t650;
+    let t653 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t652;
+    let t654 = cos_wrist_2_joint * t544;
+    let t655 = sin_wrist_2_joint * t546;
+    let t656 = t655 - t654;
+    let t657 = omega_wrist_1_joint_x * 0.009217672459500014;
+    let t658 = t657 - t656;
+    let t659 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t658;
+    let t660 = t653 + t659;
+    let t661 = v[0] * t108;
+    let t662 = 2.0 * t661;
+    let t663 = t238 * t662;
+    let t664 = t660 - t663;
+    let t665 = v[0] * t123;
+    let t666 = 2.0 * t665;
+    let t667 = t238 * t666;
+    let t668 = t664 - t667;
+    let t669 = v[0] * t668;
+    let t670 = t648 + t669;
+    let t671 = t670 + t638;
+    let t672 = t196 * t635;
+    let t673 = t671 - t672;
+    let t674 = t221 * t673;
+    let t675 = t637 + t674;
+    let t676 = t244 * t673;
+    let t677 = t299 * acceleration_shoulder_lift_joint_x;
+    let t678 = t268 * 89.87631699496107;
     let t679 = t678 - t677;
-    let moment_elbow_joint_x = t679 + t671;
-    let t681 = 0.0757061993667061 * acceleration_elbow_joint_z_2;
-    let force_elbow_joint_z_2 = t681 + force_wrist_1_joint_z_2;
-    let t683 = t130 * force_elbow_joint_z_2;
-    let t684 = moment_elbow_joint_x + t683;
-    let t685 = t362 * t418;
-    let t686 = t320 * acceleration_shoulder_lift_joint_x;
+    let t680 = t114 - t644;
+    let t681 = t680 * acceleration_shoulder_lift_joint_x;
+    let t682 = t302 * acceleration_shoulder_lift_joint_z;
+    let t683 = t681 - t682;
+    let t684 = t683 - t679;
+    let t685 = t661 * 0.097117523756029;
+    let t686 = omega_wrist_1_joint_x * 0.003882407650500002;
     let t687 = t686 - t685;
-    let t688 = acceleration_shoulder_lift_joint_z - t264;
-    let t689 = t164 * t688;
-    let t690 = t689 - t687;
-    let t691 = t152 * t333;
-    let t692 = t691 - t690;
-    let moment_shoulder_lift_joint_x = t692 + t684;
-    let t694 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t26;
-    let t695 = t23 - t694;
-    let t696 = t30 * t89;
-    let t697 = t97 * t29;
-    let t698 = t697 - t696;
-    let t699 = t695 + t698;
-    let t700 = t30 * t97;
-    let t701 = 0.0485587618780145 * t700;
-    let t702 = t699 - t701;
-    let t703 = t306 + t702;
-    let t704 = t43 * t122;
-    let t705 = t130 * t42;
-    let t706 = t705 - t704;
-    let t707 = t703 + t706;
-    let t708 = t43 * t130;
-    let t709 = 0.1242649612447206 * t708;
-    let t710 = t707 - t709;
-    let t711 = t320 + t710;
-    let t712 = t711 * acceleration_shoulder_lift_joint_x;
-    let t713 = t165 * acceleration_shoulder_lift_joint_z;
-    let t714 = t712 + t713;
-    let t715 = 2.0 * omega_wrist_2_joint_x;
-    let t716 = t22 * t715;
-    let t717 = t58 * t213;
-    let t718 = t716 + t717;
-    let t719 = 0.21941999999999998 * omega_wrist_2_joint_z;
-    let t720 = t719 + t718;
-    let t721 = 0.25324199999999997 * omega_wrist_2_joint_z;
-    let t722 = t721 - t720;
-    let t723 = cos_wrist_2_joint * t722;
-    let t724 = t22 * t200;
-    let t725 = sin_wrist_2_joint * t724;
-    let t726 = t725 + t723;
-    let t727 = sin_wrist_2_joint * t726;
-    let t728 = t724 - t727;
-    let t729 = t724 + t728;
-    let t730 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t729;
-    let t731 = t58 * t200;
-    let t732 = 0.21941999999999998 * omega_wrist_2_joint_y;
-    let t733 = t732 - t731;
-    let t734 = cos_wrist_2_joint * t733;
-    let t735 = 0.25324199999999997 * omega_wrist_2_joint_x;
-    let t736 = sin_wrist_2_joint * t735;
-    let t737 = t734 - t736;
-    let t738 = 0.21941999999999998 * omega_wrist_1_joint_z;
-    let t739 = t738 - t737;
-    let t740 = t57 * t715;
-    let t741 = t22 * t213;
-    let t742 = t740 + t741;
-    let t743 = sin_wrist_2_joint * t742;
-    let t744 = t57 * t200;
-    let t745 = cos_wrist_2_joint * t744;
-    let t746 = t745 + t743;
-    let t747 = omega_wrist_1_joint_z * 0.009217672459500014;
-    let t748 = t747 + t746;
-    let t749 = t748 - t739;
-    let t750 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t749;
-    let t751 = t730 + t750;
-    let t752 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t751;
-    let t753 = t748 - t752;
-    let t754 = t30 * omega_elbow_joint_z;
-    let t755 = t754 * 0.097117523756029;
-    let t756 = omega_wrist_1_joint_z * 0.003882407650500002;
-    let t757 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t756;
-    let t758 = t757 - t755;
-    let t759 = t30 * t758;
-    let t760 = 2.0 * t754;
-    let t761 = t29 * t760;
-    let t762 = t759 + t761;
-    let t763 = t753 - t762;
-    let t764 = t39 * t329;
-    let t765 = t764 - t763;
-    let t766 = v[1] * t43;
-    let t767 = t766 * 0.2485299224894412;
-    let t768 = t758 - t767;
-    let t769 = t43 * t768;
-    let t770 = 2.0 * t766;
-    let t771 = t42 * t770;
-    let t772 = t769 + t771;
-    let t773 = t765 + t772;
-    let t774 = t52 * t332;
-    let t775 = t774 + t773;
-    let t776 = v[0] * t775;
-    let t777 = t714 + t776;
-    let t778 = moment_shoulder_lift_joint_x + t777;
-    let t779 = t30 * t606;
-    let t780 = t263 - t779;
-    let t781 = t43 * t418;
-    let t782 = t265 - t781;
-    let acceleration_elbow_joint_y_2 = 89.87631699496107 + t782;
-    let t784 = acceleration_elbow_joint_y_2 + t780;
-    let t785 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t784;
-    let t786 = t97 * t606;
-    let t787 = t271 + t786;
-    let t788 = t130 * t418;
-    let t789 = acceleration_elbow_joint_x + t788;
-    let acceleration_elbow_joint_x_2 = acceleration_shoulder_lift_joint_x + t789;
-    let t791 = acceleration_elbow_joint_x_2 + t787;
-    let t792 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t791;
-    let acceleration_wrist_1_joint_y_2 = t792 - t785;
-    let t794 = 0.0485587618780145 * acceleration_wrist_1_joint_y_2;
-    let force_wrist_1_joint_y_2 = t290 - t794;
-    let t796 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint
+    let t688 = t108 * t687;
+    let t689 = t688 + t663;
+    let t690 = t660 - t689;
+    let t691 = v[0] * 2.0;
+    let t692 = t257 * t691;
+    let t693 = t692 - t690;
+    let t694 = t299 * t666;
+    let t695 = t693 + t694;
+    let t696 = v[0] * t695;
+    let t697 = t684 + t696;
+    let t698 = t697 - t638;
+    let t699 = t698 + t672;
+    let t700 = t699 + t676;
+    let t701 = t273 * t700;
+    let t702 = t675 + t701;
+    let t703 = t307 * t700;
+    let t704 = t294 * t673;
+    let t705 = t129 + t680;
+    let t706 = t705 * acceleration_shoulder_lift_joint_x;
+    let t707 = t322 * acceleration_shoulder_lift_joint_z;
+    let t708 = t707 - t706;
+    let t709 = cos_shoulder_lift_joint * 0.483853490875;
+    let t710 = t299 - t709;
+    let t711 = t710 * acceleration_shoulder_lift_joint_x;
+    let t712 = t334 * 89.87631699496107;
+    let t713 = t711 - t712;
+    let t714 = t713 - t708;
+    let t715 = t665 * 0.2485299224894412;
+    let t716 = t687 - t715;
+    let t717 = t123 * t716;
+    let t718 = t717 + t694;
+    let t719 = t693 + t718;
+    let t720 = t320 * t691;
+    let t721 = t720 + t719;
+    let t722 = v[0] * t721;
+    let t723 = t714 + t722;
+    let t724 = t723 - t638;
+    let t725 = t724 + t672;
+    let t726 = t725 + t704;
+    let t727 = t726 - t703;
+    let t728 = t340 * t727;
+    let t729 = t702 + t728;
+    let t730 = inverse_d_shoulder_pan_joint * t729;
+    da_dy[0][1] = t730;
+    let t731 = t505 * acceleration_shoulder_lift_joint_x;
+    let t732 = t266 * acceleration_shoulder_lift_joint_z;
+    let t733 = t731 + t732;
+    let t734 = v[0] * t567;
+    let t735 = t733 + t734;
+    let t736 = moment_elbow_joint_x + t735;
+    let t737 = t268 * acceleration_shoulder_lift_joint_x;
+    let t738 = v[0] * t560;
+    let t739 = t737 - t738;
+    let t740 = t123 * t739;
+    let t741 = t736 - t740;
+    let t742 = 0.1242649612447206 * acceleration_elbow_joint_y_2;
+    let t743 = t268 * acceleration_shoulder_lift_joint_z;
+    let t744 = t742 - t743;
+    let t745 = force_elbow_joint_y_2 - t744;
+    let t746 = t745 - t741;
+    let t747 = t746 + t623;
+    let t748 = t636 + t747;
+    let t749 = t238 * acceleration_elbow_joint_x_2;
+    let t750 = t216 * acceleration_elbow_joint_y_2;
+    let t751 = t750 - t749;
+    let t752 = t241 * acceleration_shoulder_lift_joint_z;
+    let t753 = t645 - t752;
+    let t754 = t753 + t751;
+    let t755 = v[0] * t664;
+    let t756 = t754 + t755;
+    let t757 = t756 + t638;
+    let t758 = t672 - t757;
+    let t759 = t221 * t758;
+    let t760 = t748 - t759;
+    let t761 = t244 * t758;
+    let t762 = t268 * acceleration_elbow_joint_y_2;
+    let t763 = t299 * acceleration_elbow_joint_x_2;
+    let t764 = t763 - t762;
+    let t765 = t259 * acceleration_shoulder_lift_joint_z;
+    let t766 = t765 - t681;
+    let t767 = t764 - t766;
+    let t768 = v[0] * t693;
+    let t769 = t767 + t768;
+    let t770 = t769 - t638;
+    let t771 = t672 + t770;
+    let t772 = t771 - t761;
+    let t773 = t273 * t772;
+    let t774 = t760 + t773;
+    let t775 = t83 * t745;
+    let t776 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint
         * force_wrist_1_joint_y_2;
-    let t797 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t784;
-    let t798 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t791;
-    let acceleration_wrist_1_joint_x_2 = t798 + t797;
-    let t800 = 0.0485587618780145 * acceleration_wrist_1_joint_x_2;
-    let t801 = 0.001941203825250001 * t608;
-    let force_wrist_1_joint_x_2 = t800 - t801;
-    let t803 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint
+    let t777 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint
         * force_wrist_1_joint_x_2;
-    let t804 = t803 + t796;
-    let t805 = 0.0757061993667061 * acceleration_elbow_joint_y_2;
-    let force_elbow_joint_y_2 = t805 + t804;
-    let t807 = t167 * acceleration_shoulder_lift_joint_z;
-    let t808 = 11.168477048197062 - t807;
-    let t809 = force_elbow_joint_y_2 - t808;
-    let t810 = t809 - t778;
-    let t811 = inverse_d_shoulder_pan_joint * t810;
-    let t812 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t85;
-    let t813 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t79;
-    let t814 = t812 + t813;
-    let t815 = t352 - t814;
-    let t816 = t362 + t815;
-    let t817 = t816 * acceleration_shoulder_lift_joint_x;
-    let t818 = t154 * acceleration_shoulder_lift_joint_z;
-    let t819 = t818 - t817;
-    let t820 = cos_shoulder_lift_joint * 0.483853490875;
-    let t821 = t42 - t820;
-    let t822 = t821 * acceleration_shoulder_lift_joint_x;
-    let t823 = t167 * 89.87631699496107;
-    let t824 = t822 - t823;
-    let t825 = t824 - t819;
-    let t826 = cos_wrist_2_joint * t726;
-    let t827 = t721 - t826;
-    let t828 = 0.21941999999999998 * omega_wrist_1_joint_y;
-    let t829 = t828 - t827;
-    let t830 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t829;
-    let t831 = cos_wrist_2_joint * t742;
-    let t832 = sin_wrist_2_joint * t744;
-    let t833 = t832 - t831;
-    let t834 = omega_wrist_1_joint_x * 0.009217672459500014;
-    let t835 = t834 - t833;
-    let t836 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t835;
-    let t837 = t830 + t836;
-    let t838 = v[0] * t30;
-    let t839 = t838 * 0.097117523756029;
-    let t840 = omega_wrist_1_joint_x * 0.003882407650500002;
-    let t841 = t840 - t839;
-    let t842 = t30 * t841;
-    let t843 = 2.0 * t838;
-    let t844 = t29 * t843;
-    let t845 = t842 + t844;
-    let t846 = t837 - t845;
-    let t847 = v[0] * 2.0;
-    let t848 = t39 * t847;
-    let t849 = t848 - t846;
-    let t850 = v[0] * t43;
-    let t851 = t850 * 0.2485299224894412;
-    let t852 = t841 - t851;
-    let t853 = t43 * t852;
-    let t854 = 2.0 * t850;
-    let t855 = t42 * t854;
-    let t856 = t853 + t855;
-    let t857 = t849 + t856;
-    let t858 = t52 * t847;
-    let t859 = t858 + t857;
-    let t860 = v[0] * t859;
-    let t861 = t825 + t860;
-    let t862 = t177 * t861;
-    let t863 = t811 + t862;
-    let t864 = t42 * acceleration_shoulder_lift_joint_x;
-    let t865 = t122 * 89.87631699496107;
-    let t866 = t865 - t864;
-    let t867 = t815 * acceleration_shoulder_lift_joint_x;
-    let t868 = t133 * acceleration_shoulder_lift_joint_z;
-    let t869 = t867 - t868;
-    let t870 = t869 - t866;
-    let t871 = t849 + t855;
-    let t872 = v[0] * t871;
-    let t873 = t870 + t872;
-    let t874 = t180 * t873;
-    let t875 = t863 - t874;
-    let t876 = t29 * acceleration_shoulder_lift_joint_x;
-    let t877 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * 0.1744682503500001;
-    let t878 = t877 - t876;
-    let t879 = t814 * acceleration_shoulder_lift_joint_x;
-    let t880 = t139 * acceleration_shoulder_lift_joint_z;
+    let t778 = t777 - t776;
+    let t779 = 0.0757061993667061 * acceleration_elbow_joint_x_2;
+    let force_elbow_joint_x_2 = t779 + t778;
+    let t781 = 0.1242649612447206 * acceleration_elbow_joint_x_2;
+    let t782 = t299 * acceleration_shoulder_lift_joint_z;
+    let t783 = t781 + t782;
+    let t784 = v[0] * t687;
+    let t785 = t783 - t784;
+    let t786 = force_elbow_joint_x_2 - t785;
+    let t787 = t123 * t786;
+    let t788 = t787 + t775;
+    let t789 = t769 + t788;
+    let t790 = t789 - t638;
+    let t791 = t672 + t790;
+    let t792 = t294 * t758;
+    let t793 = t791 - t792;
+    let t794 = t307 * t772;
+    let t795 = t793 - t794;
+    let t796 = t340 * t795;
+    let t797 = t774 + t796;
+    let t798 = inverse_d_shoulder_pan_joint * t797;
+    da_dy[0][2] = t798;
+    let t799 = t176 * t428;
+    let t800 = 0.12662099999999998 - t201;
+    let t801 = t800 + t204;
+    let t802 = t412 * t801;
+    let t803 = t802 + t799;
+    let t804 = t803 - t629;
+    let t805 = t529 + t530;
+    let t806 = omega_wrist_1_joint_x * t805;
+    let t807 = omega_wrist_1_joint_y * t541;
+    let t808 = t806 - t807;
+    let t809 = t804 - t808;
+    let t810 = moment_wrist_1_joint_x_2 - t809;
+    let t811 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t810;
+    let t812 = t176 * t412;
+    let t813 = t800 + t205;
+    let t814 = t428 * t813;
+    let t815 = t814 + t812;
+    let t816 = t212 * acceleration_shoulder_lift_joint_z;
+    let t817 = t815 - t816;
+    let t818 = omega_wrist_1_joint_y * t530;
+    let t819 = omega_wrist_1_joint_x * t550;
+    let t820 = t818 - t819;
+    let t821 = t817 + t820;
+    let t822 = moment_wrist_1_joint_y_2 + t821;
+    let t823 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t822;
+    let t824 = t823 + t811;
+    let t825 = 0.001941203825250001 * t428;
+    let t826 = omega_wrist_1_joint_x * t558;
+    let t827 = t825 - t826;
+    let t828 = t108 * t827;
+    let t829 = t824 - t828;
+    let t830 = t123 * t827;
+    let t831 = t829 - t830;
+    let t832 = 0.001941203825250001 * acceleration_shoulder_lift_joint_z;
+    let t833 = t596 + t832;
+    let t834 = omega_wrist_1_joint_x * t686;
+    let t835 = t833 - t834;
+    let t836 = force_wrist_1_joint_y_2 + t835;
+    let t837 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t836;
+    let t838 = omega_wrist_1_joint_y * t686;
+    let t839 = t603 - t838;
+    let t840 = force_wrist_1_joint_x_2 - t839;
+    let t841 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t840;
+    let t842 = t837 + t841;
+    let t843 = t842 - t831;
+    let t844 = t167 * t428;
+    let t845 = t844 + t615;
+    let t846 = omega_wrist_1_joint_y * t617;
+    let t847 = omega_wrist_1_joint_x * t544;
+    let t848 = t846 - t847;
+    let t849 = t845 + t848;
+    let t850 = t170 * t849;
+    let t851 = t843 + t850;
+    let t852 = t174 * t412;
+    let t853 = t799 - t852;
+    let t854 = t629 - t853;
+    let t855 = omega_wrist_1_joint_y * t539;
+    let t856 = omega_wrist_1_joint_x * t526;
+    let t857 = t855 + t856;
+    let t858 = t854 + t857;
+    let t859 = t180 * t858;
+    let t860 = t851 + t859;
+    let t861 = 0.001941203825250001 * acceleration_wrist_1_joint_y_2;
+    let t862 = t212 * t428;
+    let t863 = t206 * acceleration_shoulder_lift_joint_z;
+    let t864 = t863 - t862;
+    let t865 = t195 * t412;
+    let t866 = t864 - t865;
+    let t867 = t861 + t866;
+    let t868 = omega_wrist_1_joint_y * t652;
+    let t869 = omega_wrist_1_joint_x * t658;
+    let t870 = t868 + t869;
+    let t871 = t867 - t870;
+    let t872 = t192 * t849;
+    let t873 = t871 - t872;
+    let t874 = t196 * t858;
+    let t875 = t873 + t874;
+    let t876 = t221 * t875;
+    let t877 = t860 - t876;
+    let t878 = t79 * t842;
+    let t879 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t836;
+    let t880 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t840;
     let t881 = t879 - t880;
-    let t882 = t881 + t878;
-    let t883 = t837 - t844;
-    let t884 = t29 * t854;
-    let t885 = t883 - t884;
-    let t886 = v[0] * t885;
-    let t887 = t882 + t886;
-    let t888 = t185 * t887;
-    let t889 = t875 - t888;
-    let t890 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t66;
-    let t891 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t23;
-    let t892 = t891 - t890;
-    let t893 = t892 * acceleration_shoulder_lift_joint_x;
-    let t894 = t79 * acceleration_shoulder_lift_joint_z;
-    let t895 = t894 - t893;
-    let t896 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t737;
-    let t897 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t724;
-    let t898 = t896 + t897;
-    let t899 = v[0] * t898;
-    let t900 = t895 + t899;
-    let t901 = t192 * t900;
-    let t902 = t889 + t901;
-    let t903 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t60;
-    let t904 = t903 * acceleration_shoulder_lift_joint_x;
-    let t905 = t74 * acceleration_shoulder_lift_joint_z;
-    let t906 = t905 + t904;
-    let t907 = cos_wrist_2_joint * t718;
-    let t908 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t907;
-    let t909 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t742;
-    let t910 = t908 - t909;
-    let t911 = v[0] * t910;
-    let t912 = t906 + t911;
-    let t913 = t380 * t912;
-    let t914 = t902 - t913;
-    let t915 = t703 * acceleration_shoulder_lift_joint_x;
-    let t916 = t120 * acceleration_shoulder_lift_joint_z;
-    let t917 = t915 + t916;
-    let t918 = v[0] * t765;
-    let t919 = t917 + t918;
-    let t920 = moment_elbow_joint_x + t919;
-    let t921 = t122 * acceleration_shoulder_lift_joint_x;
-    let t922 = v[0] * t758;
-    let t923 = t921 - t922;
-    let t924 = t43 * t923;
+    let t882 = t108 * t881;
+    let t883 = t882 - t878;
+    let t884 = t871 - t883;
+    let t885 = t884 - t872;
+    let t886 = t885 + t874;
+    let t887 = t244 * t875;
+    let t888 = t886 - t887;
+    let t889 = t273 * t888;
+    let t890 = t877 + t889;
+    let t891 = t307 * t888;
+    let t892 = t83 * t842;
+    let t893 = t123 * t881;
+    let t894 = t893 - t892;
+    let t895 = t884 - t894;
+    let t896 = t895 - t872;
+    let t897 = t896 + t874;
+    let t898 = t294 * t875;
+    let t899 = t897 - t898;
+    let t900 = t899 - t891;
+    let t901 = t340 * t900;
+    let t902 = t890 + t901;
+    let t903 = inverse_d_shoulder_pan_joint * t902;
+    da_dy[0][3] = t903;
+    let t904 = t47 + t202;
+    let t905 = t436 * t904;
+    let t906 = omega_wrist_2_joint_y * t522;
+    let t907 = t905 + t906;
+    let t908 = moment_wrist_2_joint_x_2 - t907;
+    let t909 = cos_wrist_2_joint * t908;
+    let t910 = t42 + 0.12684647314539998;
+    let t911 = t415 * t910;
+    let t912 = t31 * t149;
+    let t913 = t911 + t912;
+    let t914 = omega_wrist_2_joint_y * t526;
+    let t915 = omega_wrist_2_joint_x * t523;
+    let t916 = t914 + t915;
+    let t917 = t913 + t916;
+    let t918 = moment_wrist_2_joint_y_2 - t917;
+    let t919 = sin_wrist_2_joint * t918;
+    let t920 = t919 - t909;
+    let t921 = t166 * t436;
+    let t922 = omega_wrist_2_joint_y * t520;
+    let t923 = t921 + t922;
+    let t924 = t192 * t923;
     let t925 = t920 - t924;
-    let t926 = 0.1242649612447206 * acceleration_elbow_joint_y_2;
-    let t927 = t122 * acceleration_shoulder_lift_joint_z;
-    let t928 = t926 - t927;
-    let t929 = force_elbow_joint_y_2 - t928;
-    let t930 = t929 - t925;
-    let t931 = inverse_d_shoulder_pan_joint * t930;
-    let t932 = t130 * t929;
-    let t933 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint
-        * force_wrist_1_joint_y_2;
-    let t934 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint
-        * force_wrist_1_joint_x_2;
-    let t935 = t934 - t933;
-    let t936 = 0.0757061993667061 * acceleration_elbow_joint_x_2;
-    let force_elbow_joint_x_2 = t936 + t935;
-    let t938 = 0.1242649612447206 * acceleration_elbow_joint_x_2;
-    let t939 = t42 * acceleration_shoulder_lift_joint_z;
-    let t940 = t938 + t939;
-    let t941 = v[0] * t841;
-    let t942 = t940 - t941;
-    let t943 = force_elbow_joint_x_2 - t942;
-    let t944 = t43 * t943;
-    let t945 = t944 + t932;
-    let t946 = t122 * acceleration_elbow_joint_y_2;
-    let t947 = t42 * acceleration_elbow_joint_x_2;
-    let t948 = t947 - t946;
-    let t949 = t113 * acceleration_shoulder_lift_joint_z;
-    let t950 = t949 - t867;
-    let t951 = t948 - t950;
-    let t952 = v[0] * t849;
-    let t953 = t951 + t952;
-    let t954 = t953 + t945;
-    let t955 = t177 * t954;
-    let t956 = t931 + t955;
-    let t957 = t180 * t953;
-    let t958 = t956 - t957;
-    let t959 = t29 * acceleration_elbow_joint_x_2;
-    let t960 = t89 * acceleration_elbow_joint_y_2;
-    let t961 = t960 - t959;
-    let t962 = t100 * acceleration_shoulder_lift_joint_z;
-    let t963 = t879 - t962;
-    let t964 = t963 + t961;
-    let t965 = v[0] * t883;
-    let t966 = t964 + t965;
-    let t967 = t185 * t966;
-    let t968 = t958 - t967;
-    let t969 = t901 + t968;
-    let t970 = t913 - t969;
-    let t971 = t23 * t632;
-    let t972 = 0.12662099999999998 - t15;
-    let t973 = t972 + t18;
-    let t974 = t610 * t973;
-    let t975 = t974 + t971;
-    let t976 = t975 - t894;
-    let t977 = t727 + t728;
-    let t978 = omega_wrist_1_joint_x * t977;
-    let t979 = omega_wrist_1_joint_y * t739;
-    let t980 = t978 - t979;
-    let t981 = t976 - t980;
-    let t982 = moment_wrist_1_joint_x_2 - t981;
-    let t983 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t982;
-    let t984 = t23 * t610;
-    let t985 = t972 + t19;
-    let t986 = t632 * t985;
-    let t987 = t986 + t984;
-    let t988 = t85 * acceleration_shoulder_lift_joint_z;
-    let t989 = t987 - t988;
-    let t990 = omega_wrist_1_joint_y * t728;
-    let t991 = omega_wrist_1_joint_x * t748;
-    let t992 = t990 - t991;
-    let t993 = t989 + t992;
-    let t994 = moment_wrist_1_joint_y_2 + t993;
-    let t995 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t994;
-    let t996 = t995 + t983;
-    let t997 = 0.001941203825250001 * t632;
-    let t998 = omega_wrist_1_joint_x * t756;
-    let t999 = t997 - t998;
-    let t1000 = t30 * t999;
-    let t1001 = t996 - t1000;
-    let t1002 = t43 * t999;
-    let t1003 = t1001 - t1002;
-    let t1004 = 0.001941203825250001 * acceleration_shoulder_lift_joint_z;
-    let t1005 = t794 + t1004;
-    let t1006 = omega_wrist_1_joint_x * t840;
-    let t1007 = t1005 - t1006;
-    let t1008 = force_wrist_1_joint_y_2 + t1007;
-    let t1009 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1008;
-    let t1010 = omega_wrist_1_joint_y * t840;
-    let t1011 = t800 - t1010;
-    let t1012 = force_wrist_1_joint_x_2 - t1011;
-    let t1013 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1012;
-    let t1014 = t1009 + t1013;
-    let t1015 = t1014 - t1003;
-    let t1016 = inverse_d_shoulder_pan_joint * t1015;
-    let t1017 = t97 * t1014;
-    let t1018 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1008;
-    let t1019 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1012;
-    let t1020 = t1018 - t1019;
-    let t1021 = t30 * t1020;
-    let t1022 = t1021 - t1017;
-    let t1023 = 0.001941203825250001 * acceleration_wrist_1_joint_y_2;
-    let t1024 = t85 * t632;
-    let t1025 = t77 * acceleration_shoulder_lift_joint_z;
-    let t1026 = t1025 - t1024;
-    let t1027 = t79 * t610;
-    let t1028 = t1026 - t1027;
-    let t1029 = t1023 + t1028;
-    let t1030 = omega_wrist_1_joint_y * t829;
-    let t1031 = omega_wrist_1_joint_x * t835;
-    let t1032 = t1030 + t1031;
-    let t1033 = t1029 - t1032;
-    let t1034 = t1033 - t1022;
-    let t1035 = t130 * t1014;
-    let t1036 = t43 * t1020;
+    let t926 = t31 * t415;
+    let t927 = t174 * t149;
+    let t928 = t927 - t926;
+    let t929 = omega_wrist_2_joint_y * t535;
+    let t930 = omega_wrist_2_joint_x * t537;
+    let t931 = t929 + t930;
+    let t932 = t928 + t931;
+    let t933 = t196 * t932;
+    let t934 = t925 + t933;
+    let t935 = t244 * t934;
+    let t936 = t934 - t935;
+    let t937 = t307 * t936;
+    let t938 = t294 * t934;
+    let t939 = t934 - t938;
+    let t940 = t939 - t937;
+    let t941 = t340 * t940;
+    let t942 = t273 * t936;
+    let t943 = sin_wrist_2_joint * t908;
+    let t944 = cos_wrist_2_joint * t918;
+    let t945 = t944 + t943;
+    let t946 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t945;
+    let t947 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t932;
+    let t948 = t946 - t947;
+    let t949 = t170 * t923;
+    let t950 = t948 + t949;
+    let t951 = t180 * t932;
+    let t952 = t950 + t951;
+    let t953 = t221 * t934;
+    let t954 = t952 - t953;
+    let t955 = t954 + t942;
+    let t956 = t955 + t941;
+    let t957 = inverse_d_shoulder_pan_joint * t956;
+    let t958 = t47 * t431;
+    let t959 = t31 * t437;
+    let t960 = t958 + t959;
+    let t961 = omega_wrist_2_joint_x * t546;
+    let t962 = omega_wrist_2_joint_z * t526;
+    let t963 = t962 + t961;
+    let t964 = t960 + t963;
+    let t965 = moment_wrist_3_joint_y_2 + t964;
+    let t966 = sin_wrist_2_joint * t965;
+    let t967 = omega_wrist_2_joint_x * t544;
+    let t968 = omega_wrist_2_joint_z * t520;
+    let t969 = t968 + t967;
+    let t970 = t23 + t27;
+    let t971 = t166 * t970;
+    let t972 = t971 - t969;
+    let t973 = cos_wrist_2_joint * t972;
+    let t974 = t966 + t973;
+    let t975 = t192 * t972;
+    let t976 = t974 - t975;
+    let t977 = t31 * t431;
+    let t978 = t43 * t437;
+    let t979 = t978 + t977;
+    let t980 = omega_wrist_2_joint_z * t533;
+    let t981 = omega_wrist_2_joint_x * t526;
+    let t982 = t981 + t980;
+    let t983 = t979 + t982;
+    let t984 = moment_wrist_3_joint_x_2 + t983;
+    let t985 = t196 * t984;
+    let t986 = t976 + t985;
+    let t987 = t244 * t986;
+    let t988 = t986 - t987;
+    let t989 = t307 * t988;
+    let t990 = t294 * t986;
+    let t991 = t986 - t990;
+    let t992 = t991 - t989;
+    let t993 = t340 * t992;
+    let t994 = t273 * t988;
+    let t995 = cos_wrist_2_joint * t965;
+    let t996 = sin_wrist_2_joint * t972;
+    let t997 = t995 - t996;
+    let t998 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t997;
+    let t999 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t984;
+    let t1000 = t998 - t999;
+    let t1001 = t170 * t972;
+    let t1002 = t1000 + t1001;
+    let t1003 = t180 * t984;
+    let t1004 = t1002 + t1003;
+    let t1005 = t221 * t986;
+    let t1006 = t1004 - t1005;
+    let t1007 = t1006 + t994;
+    let t1008 = t1007 + t993;
+    let t1009 = inverse_d_shoulder_pan_joint * t1008;
+    da_dy[0][5] = t1009;
+    let t1010 = t340 * t730;
+    let t1011 = inverse_d_shoulder_lift_joint * t727;
+    let t1012 = t1011 - t1010;
+    let t1013 = t340 * t798;
+    let t1014 = inverse_d_shoulder_lift_joint * t795;
+    let t1015 = t1014 - t1013;
+    let t1016 = t340 * t903;
+    let t1017 = inverse_d_shoulder_lift_joint * t900;
+    let t1018 = t1017 - t1016;
+    let t1019 = t340 * t957;
+    let t1020 = inverse_d_shoulder_lift_joint * t940;
+    let t1021 = t1020 - t1019;
+    da_dy[1][4] = t1021;
+    let t1022 = t340 * t1009;
+    let t1023 = inverse_d_shoulder_lift_joint * t992;
+    let t1024 = t1023 - t1022;
+    let t1025 = t307 * t1012;
+    let t1026 = inverse_d_elbow_joint * t700;
+    let t1027 = t1026 - t1025;
+    let t1028 = t273 * t730;
+    let t1029 = t1027 - t1028;
+    let t1030 = t307 * t1015;
+    let t1031 = inverse_d_elbow_joint * t772;
+    let t1032 = t1031 - t1030;
+    let t1033 = t273 * t798;
+    let t1034 = t1032 - t1033;
+    let t1035 = t307 * t1018;
+    let t1036 = inverse_d_elbow_joint * t888;
     let t1037 = t1036 - t1035;
-    let t1038 = t1034 - t1037;
-    let t1039 = t177 * t1038;
-    let t1040 = t1016 + t1039;
-    let t1041 = t180 * t1034;
-    let t1042 = t1040 - t1041;
-    let t1043 = t185 * t1033;
-    let t1044 = t1042 + t1043;
-    let t1045 = t66 * t610;
-    let t1046 = t971 - t1045;
-    let t1047 = t894 - t1046;
-    let t1048 = omega_wrist_1_joint_y * t737;
-    let t1049 = omega_wrist_1_joint_x * t724;
-    let t1050 = t1048 + t1049;
-    let t1051 = t1047 + t1050;
-    let t1052 = t192 * t1051;
-    let t1053 = t1044 + t1052;
-    let t1054 = t60 * t632;
-    let t1055 = t1054 + t905;
-    let t1056 = omega_wrist_1_joint_y * t907;
-    let t1057 = omega_wrist_1_joint_x * t742;
-    let t1058 = t1056 - t1057;
-    let t1059 = t1055 + t1058;
-    let t1060 = t380 * t1059;
-    let t1061 = t1053 - t1060;
-    let t1062 = t13 + 0.12684647314539998;
-    let t1063 = t613 * t1062;
-    let t1064 = t22 * t289;
-    let t1065 = t1063 + t1064;
-    let t1066 = omega_wrist_2_joint_y * t724;
-    let t1067 = omega_wrist_2_joint_x * t721;
+    let t1038 = t273 * t903;
+    let t1039 = t1037 - t1038;
+    let t1040 = t307 * t1021;
+    let t1041 = inverse_d_elbow_joint * t936;
+    let t1042 = t1041 - t1040;
+    let t1043 = t273 * t957;
+    let t1044 = t1042 - t1043;
+    da_dy[2][4] = t1044;
+    let t1045 = t307 * t1024;
+    let t1046 = inverse_d_elbow_joint * t988;
+    let t1047 = t1046 - t1045;
+    let t1048 = t273 * t1009;
+    let t1049 = t1047 - t1048;
+    let t1050 = t244 * t1029;
+    let t1051 = inverse_d_wrist_1_joint * t673;
+    let t1052 = t1051 - t1050;
+    let t1053 = t294 * t1012;
+    let t1054 = t1052 - t1053;
+    let t1055 = t221 * t730;
+    let t1056 = t1054 + t1055;
+    let t1057 = t244 * t1034;
+    let t1058 = inverse_d_wrist_1_joint * t758;
+    let t1059 = t1058 + t1057;
+    let t1060 = t294 * t1015;
+    let t1061 = t1059 + t1060;
+    let t1062 = t221 * t798;
+    let t1063 = t1061 - t1062;
+    da_dy[3][2] = t1063;
+    let t1064 = t244 * t1039;
+    let t1065 = inverse_d_wrist_1_joint * t875;
+    let t1066 = t1065 + t1064;
+    let t1067 = t294 * t1018;
     let t1068 = t1066 + t1067;
-    let t1069 = t1065 + t1068;
-    let t1070 = moment_wrist_2_joint_y_2 - t1069;
-    let t1071 = cos_wrist_2_joint * t1070;
-    let t1072 = t57 + t16;
-    let t1073 = t628 * t1072;
-    let t1074 = omega_wrist_2_joint_y * t720;
+    let t1069 = t221 * t903;
+    let t1070 = t1068 - t1069;
+    da_dy[3][3] = t1070;
+    let t1071 = t244 * t1044;
+    let t1072 = inverse_d_wrist_1_joint * t934;
+    let t1073 = t1072 + t1071;
+    let t1074 = t294 * t1021;
     let t1075 = t1073 + t1074;
-    let t1076 = moment_wrist_2_joint_x_2 - t1075;
-    let t1077 = sin_wrist_2_joint * t1076;
-    let t1078 = t1071 + t1077;
-    let t1079 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1078;
-    let t1080 = t22 * t613;
-    let t1081 = t66 * t289;
-    let t1082 = t1081 - t1080;
-    let t1083 = omega_wrist_2_joint_y * t733;
-    let t1084 = omega_wrist_2_joint_x * t735;
-    let t1085 = t1083 + t1084;
-    let t1086 = t1082 + t1085;
-    let t1087 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1086;
-    let t1088 = t1079 - t1087;
-    let t1089 = inverse_d_shoulder_pan_joint * t1088;
-    let t1090 = sin_wrist_2_joint * t1070;
-    let t1091 = cos_wrist_2_joint * t1076;
-    let t1092 = t1090 - t1091;
-    let t1093 = t177 * t1092;
-    let t1094 = t1089 + t1093;
-    let t1095 = t180 * t1092;
-    let t1096 = t1094 - t1095;
-    let t1097 = t185 * t1092;
-    let t1098 = t1096 + t1097;
-    let t1099 = t192 * t1086;
-    let t1100 = t1098 + t1099;
-    let t1101 = t59 * t628;
-    let t1102 = omega_wrist_2_joint_y * t718;
-    let t1103 = t1101 + t1102;
-    let t1104 = t380 * t1103;
-    let t1105 = t1100 - t1104;
-    let t1106 = t22 * t629;
-    let t1107 = t57 * t635;
-    let t1108 = t1107 + t1106;
-    let t1109 = omega_wrist_2_joint_x * t744;
-    let t1110 = omega_wrist_2_joint_z * t724;
-    let t1111 = t1110 + t1109;
-    let t1112 = t1108 + t1111;
-    let t1113 = moment_wrist_3_joint_y_2 + t1112;
-    let t1114 = cos_wrist_2_joint * t1113;
-    let t1115 = omega_wrist_2_joint_x * t742;
-    let t1116 = omega_wrist_2_joint_z * t718;
-    let t1117 = t1116 + t1115;
-    let t1118 = t233 + t235;
-    let t1119 = t59 * t1118;
-    let t1120 = t1119 - t1117;
-    let t1121 = sin_wrist_2_joint * t1120;
-    let t1122 = t1114 - t1121;
-    let t1123 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1122;
-    let t1124 = t58 * t629;
-    let t1125 = t22 * t635;
+    let t1076 = t221 * t957;
+    let t1077 = t1075 - t1076;
+    let t1078 = t244 * t1049;
+    let t1079 = inverse_d_wrist_1_joint * t986;
+    let t1080 = t1079 + t1078;
+    let t1081 = t294 * t1024;
+    let t1082 = t1080 + t1081;
+    let t1083 = t221 * t1009;
+    let t1084 = t1082 - t1083;
+    da_dy[3][5] = t1084;
+    let t1085 = t196 * t1056;
+    let t1086 = inverse_d_wrist_2_joint * t635;
+    let t1087 = t1086 + t1085;
+    let t1088 = t196 * t1029;
+    let t1089 = t1087 + t1088;
+    let t1090 = t196 * t1012;
+    let t1091 = t1089 + t1090;
+    let t1092 = t180 * t730;
+    let t1093 = t1091 - t1092;
+    let t1094 = t196 * t1063;
+    let t1095 = t1086 - t1094;
+    let t1096 = t196 * t1034;
+    let t1097 = t1095 + t1096;
+    let t1098 = t196 * t1015;
+    let t1099 = t1097 + t1098;
+    let t1100 = t180 * t798;
+    let t1101 = t1099 - t1100;
+    let t1102 = t196 * t1070;
+    let t1103 = inverse_d_wrist_2_joint * t858;
+    let t1104 = t1103 - t1102;
+    let t1105 = t196 * t1039;
+    let t1106 = t1104 + t1105;
+    let t1107 = t196 * t1018;
+    let t1108 = t1106 + t1107;
+    let t1109 = t180 * t903;
+    let t1110 = t1108 - t1109;
+    let t1111 = t196 * t1077;
+    let t1112 = inverse_d_wrist_2_joint * t932;
+    let t1113 = t1112 - t1111;
+    let t1114 = t196 * t1044;
+    let t1115 = t1113 + t1114;
+    let t1116 = t196 * t1021;
+    let t1117 = t1115 + t1116;
+    let t1118 = t180 * t957;
+    let t1119 = t1117 - t1118;
+    da_dy[4][4] = t1119;
+    let t1120 = t196 * t1084;
+    let t1121 = inverse_d_wrist_2_joint * t984;
+    let t1122 = t1121 - t1120;
+    let t1123 = t196 * t1049;
+    let t1124 = t1122 + t1123;
+    let t1125 = t196 * t1024;
     let t1126 = t1124 + t1125;
-    let t1127 = omega_wrist_2_joint_z * t731;
-    let t1128 = omega_wrist_2_joint_x * t724;
-    let t1129 = t1128 + t1127;
-    let t1130 = t1126 + t1129;
-    let t1131 = moment_wrist_3_joint_x_2 + t1130;
-    let t1132 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1131;
-    let t1133 = t1123 - t1132;
-    let t1134 = inverse_d_shoulder_pan_joint * t1133;
-    let t1135 = sin_wrist_2_joint * t1113;
-    let t1136 = cos_wrist_2_joint * t1120;
+    let t1127 = t180 * t1009;
+    let t1128 = t1126 - t1127;
+    let t1129 = t192 * t1056;
+    let t1130 = inverse_d_wrist_3_joint * t622;
+    let t1131 = t1130 + t1129;
+    let t1132 = t192 * t1029;
+    let t1133 = t1131 + t1132;
+    let t1134 = t192 * t1012;
+    let t1135 = t1133 + t1134;
+    let t1136 = t170 * t730;
     let t1137 = t1135 + t1136;
-    let t1138 = t177 * t1137;
-    let t1139 = t1134 + t1138;
-    let t1140 = t180 * t1137;
-    let t1141 = t1139 - t1140;
-    let t1142 = t185 * t1137;
+    da_dy[5][1] = t1137;
+    let t1138 = t192 * t1063;
+    let t1139 = t1130 - t1138;
+    let t1140 = t192 * t1034;
+    let t1141 = t1139 + t1140;
+    let t1142 = t192 * t1015;
     let t1143 = t1141 + t1142;
-    let t1144 = t192 * t1131;
+    let t1144 = t170 * t798;
     let t1145 = t1143 + t1144;
-    let t1146 = t380 * t1120;
-    let t1147 = t1145 - t1146;
-    let t1148 = t177 * t810;
-    let t1149 = t385 * t861;
-    let t1150 = t1148 - t1149;
-    let t1151 = t388 * t873;
+    da_dy[5][2] = t1145;
+    let t1146 = t192 * t1070;
+    let t1147 = inverse_d_wrist_3_joint * t849;
+    let t1148 = t1147 - t1146;
+    let t1149 = t192 * t1039;
+    let t1150 = t1148 + t1149;
+    let t1151 = t192 * t1018;
     let t1152 = t1150 + t1151;
-    let t1153 = t393 * t887;
+    let t1153 = t170 * t903;
     let t1154 = t1152 + t1153;
-    let t1155 = t400 * t900;
-    let t1156 = t1154 - t1155;
-    let t1157 = t416 * t912;
-    let t1158 = t1156 + t1157;
-    let t1159 = t177 * t930;
-    let t1160 = t385 * t954;
-    let t1161 = t1159 - t1160;
-    let t1162 = t388 * t953;
+    da_dy[5][3] = t1154;
+    let t1155 = t192 * t1077;
+    let t1156 = inverse_d_wrist_3_joint * t923;
+    let t1157 = t1156 - t1155;
+    let t1158 = t192 * t1044;
+    let t1159 = t1157 + t1158;
+    let t1160 = t192 * t1021;
+    let t1161 = t1159 + t1160;
+    let t1162 = t170 * t957;
     let t1163 = t1161 + t1162;
-    let t1164 = t393 * t966;
-    let t1165 = t1163 + t1164;
-    let t1166 = t1155 - t1165;
-    let t1167 = t1157 - t1166;
-    let t1168 = t177 * t1015;
-    let t1169 = t385 * t1038;
-    let t1170 = t1168 - t1169;
-    let t1171 = t388 * t1034;
+    let t1164 = t192 * t1084;
+    let t1165 = inverse_d_wrist_3_joint * t972;
+    let t1166 = t1165 - t1164;
+    let t1167 = t192 * t1049;
+    let t1168 = t1166 + t1167;
+    let t1169 = t192 * t1024;
+    let t1170 = t1168 + t1169;
+    let t1171 = t170 * t1009;
     let t1172 = t1170 + t1171;
-    let t1173 = t393 * t1033;
-    let t1174 = t1172 - t1173;
-    let t1175 = t400 * t1051;
-    let t1176 = t1174 - t1175;
-    let t1177 = t416 * t1059;
-    let t1178 = t1176 + t1177;
-    let t1179 = t177 * t1088;
-    let t1180 = t385 * t1092;
-    let t1181 = t1179 - t1180;
-    let t1182 = t388 * t1092;
-    let t1183 = t1181 + t1182;
-    let t1184 = t393 * t1092;
-    let t1185 = t1183 - t1184;
-    let t1186 = t400 * t1086;
-    let t1187 = t1185 - t1186;
-    let t1188 = t416 * t1103;
-    let t1189 = t1187 + t1188;
-    let t1190 = t177 * t1133;
-    let t1191 = t385 * t1137;
-    let t1192 = t1190 - t1191;
-    let t1193 = t388 * t1137;
-    let t1194 = t1192 + t1193;
-    let t1195 = t393 * t1137;
-    let t1196 = t1194 - t1195;
-    let t1197 = t400 * t1131;
-    let t1198 = t1196 - t1197;
-    let t1199 = t416 * t1120;
-    let t1200 = t1198 + t1199;
-    let t1201 = t180 * t810;
-    let t1202 = t388 * t861;
-    let t1203 = t1201 - t1202;
-    let t1204 = t428 * t873;
-    let t1205 = t1203 + t1204;
-    let t1206 = t433 * t887;
-    let t1207 = t1205 + t1206;
-    let t1208 = t440 * t900;
-    let t1209 = t1207 - t1208;
-    let t1210 = t456 * t912;
-    let t1211 = t1209 + t1210;
-    let t1212 = t180 * t930;
-    let t1213 = t388 * t954;
-    let t1214 = t1212 - t1213;
-    let t1215 = t428 * t953;
-    let t1216 = t1214 + t1215;
-    let t1217 = t433 * t966;
-    let t1218 = t1216 + t1217;
-    let t1219 = t1208 - t1218;
-    let t1220 = t1210 - t1219;
-    let t1221 = t180 * t1015;
-    let t1222 = t388 * t1038;
-    let t1223 = t1221 - t1222;
-    let t1224 = t428 * t1034;
-    let t1225 = t1223 + t1224;
-    let t1226 = t433 * t1033;
-    let t1227 = t1225 - t1226;
-    let t1228 = t440 * t1051;
-    let t1229 = t1227 - t1228;
-    let t1230 = t456 * t1059;
-    let t1231 = t1229 + t1230;
-    let t1232 = t180 * t1088;
-    let t1233 = t1182 - t1232;
-    let t1234 = t428 * t1092;
-    let t1235 = t1233 - t1234;
-    let t1236 = t433 * t1092;
-    let t1237 = t1235 + t1236;
-    let t1238 = t440 * t1086;
-    let t1239 = t1237 + t1238;
-    let t1240 = t456 * t1103;
-    let t1241 = t1239 - t1240;
-    let t1242 = t180 * t1133;
-    let t1243 = t1193 - t1242;
-    let t1244 = t428 * t1137;
-    let t1245 = t1243 - t1244;
-    let t1246 = t433 * t1137;
-    let t1247 = t1245 + t1246;
-    let t1248 = t440 * t1131;
-    let t1249 = t1247 + t1248;
-    let t1250 = t456 * t1120;
-    let t1251 = t1249 - t1250;
-    let t1252 = t185 * t810;
-    let t1253 = t393 * t861;
-    let t1254 = t1252 - t1253;
-    let t1255 = t433 * t873;
-    let t1256 = t1254 + t1255;
-    let t1257 = t479 * t887;
-    let t1258 = t1256 - t1257;
-    let t1259 = t486 * t900;
-    let t1260 = t1258 + t1259;
-    let t1261 = t502 * t912;
-    let t1262 = t1260 - t1261;
-    let t1263 = t185 * t930;
-    let t1264 = t393 * t954;
-    let t1265 = t1263 - t1264;
-    let t1266 = t433 * t953;
-    let t1267 = t1265 + t1266;
-    let t1268 = t479 * t966;
-    let t1269 = t1267 - t1268;
-    let t1270 = t1259 + t1269;
-    let t1271 = t1261 - t1270;
-    let t1272 = t185 * t1015;
-    let t1273 = t393 * t1038;
-    let t1274 = t1272 - t1273;
-    let t1275 = t433 * t1034;
-    let t1276 = t1274 + t1275;
-    let t1277 = t479 * t1033;
-    let t1278 = t1276 + t1277;
-    let t1279 = t486 * t1051;
-    let t1280 = t1278 + t1279;
-    let t1281 = t502 * t1059;
-    let t1282 = t1280 - t1281;
-    let t1283 = t185 * t1088;
-    let t1284 = t1184 - t1283;
-    let t1285 = t1236 - t1284;
-    let t1286 = t479 * t1092;
-    let t1287 = t1285 + t1286;
-    let t1288 = t486 * t1086;
-    let t1289 = t1287 + t1288;
-    let t1290 = t502 * t1103;
-    let t1291 = t1289 - t1290;
-    let t1292 = t185 * t1133;
-    let t1293 = t1195 - t1292;
-    let t1294 = t1246 - t1293;
-    let t1295 = t479 * t1137;
-    let t1296 = t1294 + t1295;
-    let t1297 = t486 * t1131;
-    let t1298 = t1296 + t1297;
-    let t1299 = t502 * t1120;
+    da_dy[5][5] = t1172;
+    let t1173 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t553;
+    let t1174 = t530 - t1173;
+    let t1175 = t79 * omega_elbow_joint_z;
+    let t1176 = t1175 * 0.097117523756029;
+    let t1177 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t558;
+    let t1178 = t1177 + t1176;
+    let t1179 = t108 * t1178;
+    let t1180 = 2.0 * t1175;
+    let t1181 = t238 * t1180;
+    let t1182 = t1179 - t1181;
+    let t1183 = t1174 + t1182;
+    let t1184 = t117 * t77;
+    let t1185 = t114 * t691;
+    let t1186 = t1185 + t1184;
+    let t1187 = t1186 - t1183;
+    let t1188 = v[1] * t83;
+    let t1189 = t1188 * 0.2485299224894412;
+    let t1190 = t1178 + t1189;
+    let t1191 = t123 * t1190;
+    let t1192 = 2.0 * t1188;
+    let t1193 = t299 * t1192;
+    let t1194 = t1191 - t1193;
+    let t1195 = t1187 - t1194;
+    let t1196 = t132 * t81;
+    let t1197 = t129 * t691;
+    let t1198 = t1197 + t1196;
+    let t1199 = t1198 + t1195;
+    let t1200 = t710 * t691;
+    let t1201 = t1199 + t1200;
+    let t1202 = t1185 + t529;
+    let t1203 = t1197 + t1202;
+    let t1204 = t716 + t1203;
+    let t1205 = t1201 - t1204;
+    let t1206 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t617;
+    let t1207 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t544;
+    let t1208 = t1206 + t1207;
+    let t1209 = t170 * t1208;
+    let t1210 = t1205 - t1209;
+    let t1211 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t539;
+    let t1212 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t526;
+    let t1213 = t1211 - t1212;
+    let t1214 = t180 * t1213;
+    let t1215 = t1210 - t1214;
+    let t1216 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t652;
+    let t1217 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t658;
+    let t1218 = t1216 - t1217;
+    let t1219 = t216 * t662;
+    let t1220 = t1218 + t1219;
+    let t1221 = t216 * t666;
+    let t1222 = t1220 + t1221;
+    let t1223 = t192 * t1208;
+    let t1224 = t1222 + t1223;
+    let t1225 = t196 * t1213;
+    let t1226 = t1224 - t1225;
+    let t1227 = t221 * t1226;
+    let t1228 = t1215 - t1227;
+    let t1229 = t244 * t1226;
+    let t1230 = t79 * t687;
+    let t1231 = t1230 - t1219;
+    let t1232 = t1218 - t1231;
+    let t1233 = t117 * t691;
+    let t1234 = t1233 - t1232;
+    let t1235 = t268 * t666;
+    let t1236 = t1234 - t1235;
+    let t1237 = t1236 - t1223;
+    let t1238 = t1237 + t1225;
+    let t1239 = t1238 + t1229;
+    let t1240 = t273 * t1239;
+    let t1241 = t1228 - t1240;
+    let t1242 = t307 * t1239;
+    let t1243 = t83 * t716;
+    let t1244 = t1243 - t1235;
+    let t1245 = t1234 + t1244;
+    let t1246 = t132 * t691;
+    let t1247 = t1246 + t1245;
+    let t1248 = t1247 - t1223;
+    let t1249 = t1248 + t1225;
+    let t1250 = t294 * t1226;
+    let t1251 = t1249 + t1250;
+    let t1252 = t1251 - t1242;
+    let t1253 = t340 * t1252;
+    let t1254 = t1241 - t1253;
+    let t1255 = inverse_d_shoulder_pan_joint * t1254;
+    let t1256 = t526 - t1173;
+    let t1257 = t79 * t560;
+    let t1258 = t216 * t562;
+    let t1259 = t1257 - t1258;
+    let t1260 = t1256 - t1259;
+    let t1261 = t1184 - t1260;
+    let t1262 = t1187 - t1261;
+    let t1263 = t268 * t572;
+    let t1264 = t1193 + t1263;
+    let t1265 = t1262 + t1264;
+    let t1266 = t680 * t691;
+    let t1267 = t1266 - t1265;
+    let t1268 = sin_wrist_2_joint * t520;
+    let t1269 = t613 * t691;
+    let t1270 = t1268 + t1269;
+    let t1271 = t192 * t1270;
+    let t1272 = t1267 - t1271;
+    let t1273 = sin_wrist_2_joint * t535;
+    let t1274 = cos_wrist_2_joint * t537;
+    let t1275 = t1273 + t1274;
+    let t1276 = t627 * t691;
+    let t1277 = t1275 - t1276;
+    let t1278 = t196 * t1277;
+    let t1279 = t1272 + t1278;
+    let t1280 = t526 - t530;
+    let t1281 = t1181 + t1258;
+    let t1282 = t1280 + t1281;
+    let t1283 = t216 * t572;
+    let t1284 = t238 * t1192;
+    let t1285 = t1284 + t1283;
+    let t1286 = t1282 + t1285;
+    let t1287 = t644 * t691;
+    let t1288 = t1287 + t1286;
+    let t1289 = t1288 + t1271;
+    let t1290 = t1289 - t1278;
+    let t1291 = t244 * t1290;
+    let t1292 = t1279 + t1291;
+    let t1293 = t307 * t1292;
+    let t1294 = t83 * t570;
+    let t1295 = t1294 - t1263;
+    let t1296 = t1261 + t1295;
+    let t1297 = t1196 + t1296;
+    let t1298 = t1199 - t1297;
+    let t1299 = t705 * t691;
     let t1300 = t1298 - t1299;
-    let t1301 = t192 * t810;
-    let t1302 = t400 * t861;
-    let t1303 = t1301 - t1302;
-    let t1304 = t440 * t873;
-    let t1305 = t1303 + t1304;
-    let t1306 = t486 * t887;
-    let t1307 = t1305 - t1306;
-    let t1308 = t540 * t900;
-    let t1309 = t1307 - t1308;
-    let t1310 = t556 * t912;
-    let t1311 = t1309 - t1310;
-    let t1312 = t192 * t930;
-    let t1313 = t400 * t954;
-    let t1314 = t1312 - t1313;
-    let t1315 = t440 * t953;
-    let t1316 = t1314 + t1315;
-    let t1317 = t486 * t966;
-    let t1318 = t1316 - t1317;
-    let t1319 = t1308 - t1318;
-    let t1320 = t1310 + t1319;
-    let t1321 = t192 * t1015;
-    let t1322 = t400 * t1038;
-    let t1323 = t1321 - t1322;
-    let t1324 = t440 * t1034;
-    let t1325 = t1323 + t1324;
-    let t1326 = t486 * t1033;
-    let t1327 = t1325 + t1326;
-    let t1328 = t540 * t1051;
-    let t1329 = t1327 - t1328;
-    let t1330 = t556 * t1059;
-    let t1331 = t1329 - t1330;
-    let t1332 = t192 * t1088;
-    let t1333 = t400 * t1092;
-    let t1334 = t1332 - t1333;
-    let t1335 = t440 * t1092;
-    let t1336 = t1334 + t1335;
-    let t1337 = t486 * t1092;
-    let t1338 = t1336 + t1337;
-    let t1339 = t540 * t1086;
-    let t1340 = t1338 - t1339;
-    let t1341 = t556 * t1103;
-    let t1342 = t1340 - t1341;
-    let t1343 = t192 * t1133;
-    let t1344 = t400 * t1137;
-    let t1345 = t1343 - t1344;
-    let t1346 = t440 * t1137;
-    let t1347 = t1345 + t1346;
-    let t1348 = t486 * t1137;
-    let t1349 = t1347 + t1348;
-    let t1350 = t540 * t1131;
-    let t1351 = t1349 - t1350;
-    let t1352 = t556 * t1120;
-    let t1353 = t1351 - t1352;
-    let t1354 = t380 * t810;
-    let t1355 = t416 * t861;
-    let t1356 = t1354 - t1355;
-    let t1357 = t456 * t873;
-    let t1358 = t1356 + t1357;
-    let t1359 = t502 * t887;
-    let t1360 = t1358 - t1359;
-    let t1361 = t556 * t900;
-    let t1362 = t1360 + t1361;
-    let t1363 = t603 * t912;
-    let t1364 = t1362 - t1363;
-    let t1365 = t380 * t930;
-    let t1366 = t416 * t954;
-    let t1367 = t1365 - t1366;
-    let t1368 = t456 * t953;
-    let t1369 = t1367 + t1368;
-    let t1370 = t502 * t966;
-    let t1371 = t1369 - t1370;
-    let t1372 = t1361 + t1371;
-    let t1373 = t1363 - t1372;
-    let t1374 = t380 * t1015;
-    let t1375 = t416 * t1038;
-    let t1376 = t1374 - t1375;
-    let t1377 = t456 * t1034;
-    let t1378 = t1376 + t1377;
-    let t1379 = t502 * t1033;
-    let t1380 = t1378 + t1379;
-    let t1381 = t556 * t1051;
-    let t1382 = t1380 + t1381;
-    let t1383 = t603 * t1059;
-    let t1384 = t1382 - t1383;
-    let t1385 = t380 * t1088;
-    let t1386 = t416 * t1092;
-    let t1387 = t1385 - t1386;
-    let t1388 = t456 * t1092;
-    let t1389 = t1387 + t1388;
-    let t1390 = t502 * t1092;
-    let t1391 = t1389 + t1390;
-    let t1392 = t556 * t1086;
-    let t1393 = t1391 + t1392;
-    let t1394 = t603 * t1103;
-    let t1395 = t1393 - t1394;
-    let t1396 = t380 * t1133;
-    let t1397 = t416 * t1137;
-    let t1398 = t1396 - t1397;
-    let t1399 = t456 * t1137;
-    let t1400 = t1398 + t1399;
-    let t1401 = t502 * t1137;
-    let t1402 = t1400 + t1401;
-    let t1403 = t556 * t1131;
-    let t1404 = t1402 + t1403;
-    let t1405 = t603 * t1120;
-    let t1406 = t1404 - t1405;
-    let t1407 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t737;
-    let t1408 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t724;
-    let t1409 = t1407 - t1408;
-    let t1410 = t192 * t1409;
-    let t1411 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t829;
-    let t1412 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t835;
-    let t1413 = t1411 - t1412;
-    let t1414 = t89 * t843;
-    let t1415 = t1413 + t1414;
-    let t1416 = t89 * t854;
-    let t1417 = t1415 + t1416;
-    let t1418 = t185 * t1417;
-    let t1419 = t97 * t841;
-    let t1420 = t1419 - t1414;
-    let t1421 = t1413 - t1420;
-    let t1422 = t306 * t847;
-    let t1423 = t1422 - t1421;
-    let t1424 = t122 * t854;
-    let t1425 = t1423 - t1424;
-    let t1426 = t180 * t1425;
-    let t1427 = t130 * t852;
-    let t1428 = t1427 - t1424;
-    let t1429 = t1423 + t1428;
-    let t1430 = t320 * t847;
-    let t1431 = t1430 + t1429;
-    let t1432 = t177 * t1431;
-    let t1433 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t751;
-    let t1434 = t728 - t1433;
-    let t1435 = t97 * omega_elbow_joint_z;
-    let t1436 = t1435 * 0.097117523756029;
-    let t1437 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t756;
-    let t1438 = t1437 + t1436;
-    let t1439 = t30 * t1438;
-    let t1440 = 2.0 * t1435;
-    let t1441 = t29 * t1440;
-    let t1442 = t1439 - t1441;
-    let t1443 = t1434 + t1442;
-    let t1444 = t306 * t329;
-    let t1445 = t352 * t847;
-    let t1446 = t1445 + t1444;
-    let t1447 = t1446 - t1443;
-    let t1448 = v[1] * t130;
-    let t1449 = t1448 * 0.2485299224894412;
-    let t1450 = t1438 + t1449;
-    let t1451 = t43 * t1450;
-    let t1452 = 2.0 * t1448;
-    let t1453 = t42 * t1452;
-    let t1454 = t1451 - t1453;
-    let t1455 = t1447 - t1454;
-    let t1456 = t320 * t332;
-    let t1457 = t362 * t847;
-    let t1458 = t1457 + t1456;
-    let t1459 = t1458 + t1455;
-    let t1460 = t821 * t847;
-    let t1461 = t1459 + t1460;
-    let t1462 = t1445 + t727;
-    let t1463 = t1457 + t1462;
-    let t1464 = t852 + t1463;
-    let t1465 = t1461 - t1464;
-    let t1466 = inverse_d_shoulder_pan_joint * t1465;
-    let t1467 = t1466 - t1432;
-    let t1468 = t1467 + t1426;
-    let t1469 = t1468 + t1418;
-    let t1470 = t1469 - t1410;
-    let t1471 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t907;
-    let t1472 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t742;
-    let t1473 = t1471 + t1472;
-    let t1474 = t380 * t1473;
-    let t1475 = t1470 + t1474;
-    let t1476 = sin_wrist_2_joint * t733;
-    let t1477 = cos_wrist_2_joint * t735;
-    let t1478 = t1476 + t1477;
-    let t1479 = t892 * t847;
-    let t1480 = t1478 - t1479;
-    let t1481 = t192 * t1480;
-    let t1482 = t724 - t728;
-    let t1483 = t89 * t760;
-    let t1484 = t1441 + t1483;
-    let t1485 = t1482 + t1484;
-    let t1486 = t89 * t770;
-    let t1487 = t29 * t1452;
-    let t1488 = t1487 + t1486;
-    let t1489 = t1485 + t1488;
-    let t1490 = t814 * t847;
-    let t1491 = t1490 + t1489;
-    let t1492 = t185 * t1491;
-    let t1493 = t724 - t1433;
-    let t1494 = t97 * t758;
-    let t1495 = t1494 - t1483;
-    let t1496 = t1493 - t1495;
-    let t1497 = t1444 - t1496;
-    let t1498 = t1447 - t1497;
-    let t1499 = t122 * t770;
-    let t1500 = t1453 + t1499;
-    let t1501 = t1498 + t1500;
-    let t1502 = t815 * t847;
-    let t1503 = t1502 - t1501;
-    let t1504 = t180 * t1503;
-    let t1505 = t130 * t768;
-    let t1506 = t1505 - t1499;
-    let t1507 = t1497 + t1506;
-    let t1508 = t1456 + t1507;
-    let t1509 = t1459 - t1508;
-    let t1510 = t816 * t847;
-    let t1511 = t1509 - t1510;
-    let t1512 = t177 * t1511;
-    let t1513 = t711 * t847;
-    let t1514 = t720 + t826;
-    let t1515 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1514;
-    let t1516 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1478;
-    let t1517 = t1515 + t1516;
-    let t1518 = t352 * t329;
-    let t1519 = t1518 - t1517;
-    let t1520 = t362 * t332;
-    let t1521 = t1520 + t1519;
-    let t1522 = t1521 - t1513;
-    let t1523 = t768 + t1522;
-    let t1524 = inverse_d_shoulder_pan_joint * t1523;
-    let t1525 = t1524 - t1512;
-    let t1526 = t1525 - t1504;
-    let t1527 = t1526 - t1492;
-    let t1528 = t1527 + t1481;
-    let t1529 = sin_wrist_2_joint * t718;
-    let t1530 = t903 * t847;
-    let t1531 = t1529 + t1530;
-    let t1532 = t380 * t1531;
-    let t1533 = t1528 - t1532;
-    let t1534 = t1485 + t1490;
-    let t1535 = t185 * t1534;
-    let t1536 = t1498 - t1502;
-    let t1537 = t180 * t1536;
-    let t1538 = t130 * t758;
-    let t1539 = t43 * t1438;
-    let t1540 = t1539 + t1538;
-    let t1541 = t1536 - t1540;
-    let t1542 = t177 * t1541;
-    let t1543 = t703 * t847;
-    let t1544 = t1519 - t1543;
-    let t1545 = t122 * t847;
-    let t1546 = t43 * t1545;
-    let t1547 = t1544 + t1546;
-    let t1548 = t758 + t1547;
-    let t1549 = inverse_d_shoulder_pan_joint * t1548;
-    let t1550 = t1549 - t1542;
-    let t1551 = t1550 + t1537;
-    let t1552 = t1551 - t1535;
-    let t1553 = t1481 + t1552;
-    let t1554 = t1532 - t1553;
-    let t1555 = 2.0 * omega_wrist_1_joint_x;
-    let t1556 = t66 * t1555;
-    let t1557 = 2.0 * omega_wrist_1_joint_y;
-    let t1558 = t23 * t1557;
-    let t1559 = t1558 - t1556;
-    let t1560 = t1478 - t1559;
-    let t1561 = t192 * t1560;
-    let t1562 = t79 * t1555;
-    let t1563 = t85 * t1557;
-    let t1564 = t1563 + t1562;
-    let t1565 = t1482 + t1564;
-    let t1566 = t185 * t1565;
-    let t1567 = t97 * t757;
-    let t1568 = t30 * t1437;
-    let t1569 = t1568 + t1567;
-    let t1570 = t1565 - t1569;
-    let t1571 = t180 * t1570;
-    let t1572 = t130 * t757;
-    let t1573 = t43 * t1437;
-    let t1574 = t1573 + t1572;
-    let t1575 = t1570 - t1574;
-    let t1576 = t177 * t1575;
-    let t1577 = t1557 * t985;
-    let t1578 = t23 * t1555;
-    let t1579 = t1577 + t1578;
-    let t1580 = t1514 + t1579;
-    let t1581 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1580;
-    let t1582 = t1555 * t973;
-    let t1583 = t1582 + t1558;
-    let t1584 = t1478 - t1583;
-    let t1585 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1584;
-    let t1586 = t1581 + t1585;
-    let t1587 = omega_wrist_1_joint_y * 0.003882407650500002;
-    let t1588 = t30 * t1587;
-    let t1589 = t1586 - t1588;
-    let t1590 = t43 * t1587;
-    let t1591 = t1589 - t1590;
-    let t1592 = t757 - t1591;
-    let t1593 = inverse_d_shoulder_pan_joint * t1592;
-    let t1594 = t1593 - t1576;
-    let t1595 = t1594 + t1571;
-    let t1596 = t1595 - t1566;
-    let t1597 = t1596 + t1561;
-    let t1598 = t60 * t1557;
-    let t1599 = t1529 + t1598;
-    let t1600 = t380 * t1599;
-    let t1601 = t1597 - t1600;
-    let t1602 = 2.0 * omega_wrist_2_joint_y;
-    let t1603 = t22 * t1602;
-    let t1604 = t724 + t1603;
-    let t1605 = t192 * t1604;
-    let t1606 = t715 * t1072;
-    let t1607 = t742 - t1606;
-    let t1608 = cos_wrist_2_joint * t1607;
-    let t1609 = t1602 * t1062;
-    let t1610 = t744 + t1609;
-    let t1611 = sin_wrist_2_joint * t1610;
-    let t1612 = t1611 - t1608;
-    let t1613 = t185 * t1612;
-    let t1614 = t180 * t1612;
-    let t1615 = t177 * t1612;
-    let t1616 = sin_wrist_2_joint * t1607;
-    let t1617 = cos_wrist_2_joint * t1610;
-    let t1618 = t1617 + t1616;
-    let t1619 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1618;
-    let t1620 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1604;
-    let t1621 = t1619 - t1620;
-    let t1622 = inverse_d_shoulder_pan_joint * t1621;
-    let t1623 = t1622 + t1615;
-    let t1624 = t1623 - t1614;
-    let t1625 = t1624 + t1613;
-    let t1626 = t1625 + t1605;
-    let t1627 = t59 * t715;
-    let t1628 = t742 - t1627;
-    let t1629 = t380 * t1628;
-    let t1630 = t1626 + t1629;
-    let t1631 = t58 * t715;
-    let t1632 = t741 - t1631;
-    let t1633 = t192 * t1632;
-    let t1634 = t57 * t213;
-    let t1635 = t716 - t1634;
-    let t1636 = sin_wrist_2_joint * t1635;
-    let t1637 = t185 * t1636;
-    let t1638 = t180 * t1636;
-    let t1639 = t177 * t1636;
-    let t1640 = cos_wrist_2_joint * t1635;
-    let t1641 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1640;
-    let t1642 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1632;
+    let t1301 = t1300 + t1271;
+    let t1302 = t1301 - t1278;
+    let t1303 = t294 * t1290;
+    let t1304 = t1302 - t1303;
+    let t1305 = t1304 + t1293;
+    let t1306 = t340 * t1305;
+    let t1307 = t273 * t1292;
+    let t1308 = t513 * t691;
+    let t1309 = t522 + t649;
+    let t1310 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1309;
+    let t1311 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1275;
+    let t1312 = t1310 + t1311;
+    let t1313 = t114 * t77;
+    let t1314 = t1313 - t1312;
+    let t1315 = t129 * t81;
+    let t1316 = t1315 + t1314;
+    let t1317 = t1316 - t1308;
+    let t1318 = t570 + t1317;
+    let t1319 = t170 * t1270;
+    let t1320 = t1318 + t1319;
+    let t1321 = t180 * t1277;
+    let t1322 = t1320 + t1321;
+    let t1323 = t221 * t1290;
+    let t1324 = t1322 + t1323;
+    let t1325 = t1324 + t1307;
+    let t1326 = t1325 - t1306;
+    let t1327 = inverse_d_shoulder_pan_joint * t1326;
+    da_dv[0][1] = t1327;
+    let t1328 = t1262 - t1266;
+    let t1329 = t1328 + t1271;
+    let t1330 = t1278 - t1329;
+    let t1331 = t1282 + t1287;
+    let t1332 = t1331 + t1271;
+    let t1333 = t1278 - t1332;
+    let t1334 = t244 * t1333;
+    let t1335 = t1330 - t1334;
+    let t1336 = t307 * t1335;
+    let t1337 = t83 * t560;
+    let t1338 = t123 * t1178;
+    let t1339 = t1338 + t1337;
+    let t1340 = t1328 - t1339;
+    let t1341 = t1340 + t1271;
+    let t1342 = t1278 - t1341;
+    let t1343 = t294 * t1333;
+    let t1344 = t1342 - t1343;
+    let t1345 = t1344 - t1336;
+    let t1346 = t340 * t1345;
+    let t1347 = t273 * t1335;
+    let t1348 = t505 * t691;
+    let t1349 = t1314 - t1348;
+    let t1350 = t268 * t691;
+    let t1351 = t123 * t1350;
+    let t1352 = t1349 + t1351;
+    let t1353 = t560 + t1352;
+    let t1354 = t1353 + t1319;
+    let t1355 = t1321 + t1354;
+    let t1356 = t221 * t1333;
+    let t1357 = t1355 - t1356;
+    let t1358 = t1357 + t1347;
+    let t1359 = t1358 + t1346;
+    let t1360 = inverse_d_shoulder_pan_joint * t1359;
+    da_dv[0][2] = t1360;
+    let t1361 = 2.0 * omega_wrist_1_joint_y;
+    let t1362 = t1361 * t813;
+    let t1363 = 2.0 * omega_wrist_1_joint_x;
+    let t1364 = t176 * t1363;
+    let t1365 = t1362 + t1364;
+    let t1366 = t1309 + t1365;
+    let t1367 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1366;
+    let t1368 = t1363 * t801;
+    let t1369 = t176 * t1361;
+    let t1370 = t1368 + t1369;
+    let t1371 = t1275 - t1370;
+    let t1372 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1371;
+    let t1373 = t1367 + t1372;
+    let t1374 = omega_wrist_1_joint_y * 0.003882407650500002;
+    let t1375 = t108 * t1374;
+    let t1376 = t1373 - t1375;
+    let t1377 = t123 * t1374;
+    let t1378 = t1376 - t1377;
+    let t1379 = t559 - t1378;
+    let t1380 = t167 * t1361;
+    let t1381 = t1268 + t1380;
+    let t1382 = t170 * t1381;
+    let t1383 = t1379 + t1382;
+    let t1384 = t174 * t1363;
+    let t1385 = t1369 - t1384;
+    let t1386 = t1275 - t1385;
+    let t1387 = t180 * t1386;
+    let t1388 = t1383 + t1387;
+    let t1389 = t195 * t1363;
+    let t1390 = t212 * t1361;
+    let t1391 = t1390 + t1389;
+    let t1392 = t1280 + t1391;
+    let t1393 = t192 * t1381;
+    let t1394 = t1392 + t1393;
+    let t1395 = t196 * t1386;
+    let t1396 = t1394 - t1395;
+    let t1397 = t221 * t1396;
+    let t1398 = t1388 + t1397;
+    let t1399 = t244 * t1396;
+    let t1400 = t79 * t559;
+    let t1401 = t108 * t1177;
+    let t1402 = t1401 + t1400;
+    let t1403 = t1392 - t1402;
+    let t1404 = t1403 + t1393;
+    let t1405 = t1404 - t1395;
+    let t1406 = t1405 - t1399;
+    let t1407 = t273 * t1406;
+    let t1408 = t1398 - t1407;
+    let t1409 = t307 * t1406;
+    let t1410 = t83 * t559;
+    let t1411 = t123 * t1177;
+    let t1412 = t1411 + t1410;
+    let t1413 = t1403 - t1412;
+    let t1414 = t1413 + t1393;
+    let t1415 = t1414 - t1395;
+    let t1416 = t294 * t1396;
+    let t1417 = t1415 - t1416;
+    let t1418 = t1417 - t1409;
+    let t1419 = t340 * t1418;
+    let t1420 = t1408 - t1419;
+    let t1421 = inverse_d_shoulder_pan_joint * t1420;
+    da_dv[0][3] = t1421;
+    let t1422 = t517 * t904;
+    let t1423 = t544 - t1422;
+    let t1424 = cos_wrist_2_joint * t1423;
+    let t1425 = 2.0 * omega_wrist_2_joint_y;
+    let t1426 = t1425 * t910;
+    let t1427 = t546 + t1426;
+    let t1428 = sin_wrist_2_joint * t1427;
+    let t1429 = t1428 - t1424;
+    let t1430 = t166 * t517;
+    let t1431 = t544 - t1430;
+    let t1432 = t192 * t1431;
+    let t1433 = t1429 + t1432;
+    let t1434 = t31 * t1425;
+    let t1435 = t526 + t1434;
+    let t1436 = t196 * t1435;
+    let t1437 = t1433 + t1436;
+    let t1438 = t244 * t1437;
+    let t1439 = t1437 - t1438;
+    let t1440 = t307 * t1439;
+    let t1441 = t294 * t1437;
+    let t1442 = t1437 - t1441;
+    let t1443 = t1442 - t1440;
+    let t1444 = t340 * t1443;
+    let t1445 = t273 * t1439;
+    let t1446 = sin_wrist_2_joint * t1423;
+    let t1447 = cos_wrist_2_joint * t1427;
+    let t1448 = t1447 + t1446;
+    let t1449 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1448;
+    let t1450 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1435;
+    let t1451 = t1449 - t1450;
+    let t1452 = t170 * t1431;
+    let t1453 = t1451 - t1452;
+    let t1454 = t180 * t1435;
+    let t1455 = t1453 + t1454;
+    let t1456 = t221 * t1437;
+    let t1457 = t1455 - t1456;
+    let t1458 = t1457 + t1445;
+    let t1459 = t1458 + t1444;
+    let t1460 = inverse_d_shoulder_pan_joint * t1459;
+    da_dv[0][4] = t1460;
+    let t1461 = t43 * t517;
+    let t1462 = t543 - t1461;
+    let t1463 = t196 * t1462;
+    let t1464 = t47 * t50;
+    let t1465 = t518 - t1464;
+    let t1466 = sin_wrist_2_joint * t1465;
+    let t1467 = t1466 - t1463;
+    let t1468 = t244 * t1467;
+    let t1469 = t1467 - t1468;
+    let t1470 = t307 * t1469;
+    let t1471 = t294 * t1467;
+    let t1472 = t1467 - t1471;
+    let t1473 = t1472 - t1470;
+    let t1474 = t340 * t1473;
+    let t1475 = t273 * t1469;
+    let t1476 = t221 * t1467;
+    let t1477 = cos_wrist_2_joint * t1465;
+    let t1478 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1477;
+    let t1479 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1462;
+    let t1480 = t1478 + t1479;
+    let t1481 = t180 * t1462;
+    let t1482 = t1480 - t1481;
+    let t1483 = t1482 - t1476;
+    let t1484 = t1483 + t1475;
+    let t1485 = t1484 + t1474;
+    let t1486 = inverse_d_shoulder_pan_joint * t1485;
+    let t1487 = t340 * t1255;
+    let t1488 = inverse_d_shoulder_lift_joint * t1252;
+    let t1489 = t1488 + t1487;
+    let t1490 = t340 * t1327;
+    let t1491 = inverse_d_shoulder_lift_joint * t1305;
+    let t1492 = t1491 + t1490;
+    da_dv[1][1] = t1492;
+    let t1493 = t340 * t1360;
+    let t1494 = inverse_d_shoulder_lift_joint * t1345;
+    let t1495 = t1494 - t1493;
+    let t1496 = t340 * t1421;
+    let t1497 = inverse_d_shoulder_lift_joint * t1418;
+    let t1498 = t1497 + t1496;
+    da_dv[1][3] = t1498;
+    let t1499 = t340 * t1460;
+    let t1500 = inverse_d_shoulder_lift_joint * t1443;
+    let t1501 = t1500 - t1499;
+    let t1502 = t340 * t1486;
+    let t1503 = inverse_d_shoulder_lift_joint * t1473;
+    let t1504 = t1503 - t1502;
+    da_dv[1][5] = t1504;
+    let t1505 = t307 * t1489;
+    let t1506 = inverse_d_elbow_joint * t1239;
+    let t1507 = t1506 - t1505;
+    let t1508 = t273 * t1255;
+    let t1509 = t1507 + t1508;
+    let t1510 = t307 * t1492;
+    let t1511 = inverse_d_elbow_joint * t1292;
+    let t1512 = t1511 + t1510;
+    let t1513 = t273 * t1327;
+    let t1514 = t1512 - t1513;
+    let t1515 = t307 * t1495;
+    let t1516 = inverse_d_elbow_joint * t1335;
+    let t1517 = t1516 - t1515;
+    let t1518 = t273 * t1360;
+    let t1519 = t1517 - t1518;
+    let t1520 = t307 * t1498;
+    let t1521 = inverse_d_elbow_joint * t1406;
+    let t1522 = t1521 - t1520;
+    let t1523 = t273 * t1421;
+    let t1524 = t1522 + t1523;
+    da_dv[2][3] = t1524;
+    let t1525 = t307 * t1501;
+    let t1526 = inverse_d_elbow_joint * t1439;
+    let t1527 = t1526 - t1525;
+    let t1528 = t273 * t1460;
+    let t1529 = t1527 - t1528;
+    let t1530 = t307 * t1504;
+    let t1531 = inverse_d_elbow_joint * t1469;
+    let t1532 = t1531 - t1530;
+    let t1533 = t273 * t1486;
+    let t1534 = t1532 - t1533;
+    da_dv[2][5] = t1534;
+    let t1535 = t244 * t1509;
+    let t1536 = inverse_d_wrist_1_joint * t1226;
+    let t1537 = t1536 - t1535;
+    let t1538 = t294 * t1489;
+    let t1539 = t1537 - t1538;
+    let t1540 = t221 * t1255;
+    let t1541 = t1539 - t1540;
+    let t1542 = t244 * t1514;
+    let t1543 = inverse_d_wrist_1_joint * t1290;
+    let t1544 = t1543 - t1542;
+    let t1545 = t294 * t1492;
+    let t1546 = t1544 + t1545;
+    let t1547 = t221 * t1327;
+    let t1548 = t1546 + t1547;
+    let t1549 = t244 * t1519;
+    let t1550 = inverse_d_wrist_1_joint * t1333;
+    let t1551 = t1550 + t1549;
+    let t1552 = t294 * t1495;
+    let t1553 = t1551 + t1552;
+    let t1554 = t221 * t1360;
+    let t1555 = t1553 - t1554;
+    da_dv[3][2] = t1555;
+    let t1556 = t244 * t1524;
+    let t1557 = inverse_d_wrist_1_joint * t1396;
+    let t1558 = t1557 + t1556;
+    let t1559 = t294 * t1498;
+    let t1560 = t1558 + t1559;
+    let t1561 = t221 * t1421;
+    let t1562 = t1560 + t1561;
+    let t1563 = t244 * t1529;
+    let t1564 = inverse_d_wrist_1_joint * t1437;
+    let t1565 = t1564 + t1563;
+    let t1566 = t294 * t1501;
+    let t1567 = t1565 + t1566;
+    let t1568 = t221 * t1460;
+    let t1569 = t1567 - t1568;
+    da_dv[3][4] = t1569;
+    let t1570 = t244 * t1534;
+    let t1571 = inverse_d_wrist_1_joint * t1467;
+    let t1572 = t1571 + t1570;
+    let t1573 = t294 * t1504;
+    let t1574 = t1572 + t1573;
+    let t1575 = t221 * t1486;
+    let t1576 = t1574 - t1575;
+    let t1577 = t196 * t1541;
+    let t1578 = inverse_d_wrist_2_joint * t1213;
+    let t1579 = t1578 + t1577;
+    let t1580 = t196 * t1509;
+    let t1581 = t1579 + t1580;
+    let t1582 = t196 * t1489;
+    let t1583 = t1581 + t1582;
+    let t1584 = t180 * t1255;
+    let t1585 = t1583 + t1584;
+    let t1586 = t196 * t1548;
+    let t1587 = inverse_d_wrist_2_joint * t1277;
+    let t1588 = t1587 + t1586;
+    let t1589 = t196 * t1514;
+    let t1590 = t1588 + t1589;
+    let t1591 = t196 * t1492;
+    let t1592 = t1590 - t1591;
+    let t1593 = t180 * t1327;
+    let t1594 = t1592 - t1593;
+    let t1595 = t196 * t1555;
+    let t1596 = t1587 - t1595;
+    let t1597 = t196 * t1519;
+    let t1598 = t1596 + t1597;
+    let t1599 = t196 * t1495;
+    let t1600 = t1598 + t1599;
+    let t1601 = t180 * t1360;
+    let t1602 = t1600 - t1601;
+    let t1603 = t196 * t1562;
+    let t1604 = inverse_d_wrist_2_joint * t1386;
+    let t1605 = t1604 + t1603;
+    let t1606 = t196 * t1524;
+    let t1607 = t1605 - t1606;
+    let t1608 = t196 * t1498;
+    let t1609 = t1607 - t1608;
+    let t1610 = t180 * t1421;
+    let t1611 = t1609 - t1610;
+    let t1612 = t196 * t1569;
+    let t1613 = inverse_d_wrist_2_joint * t1435;
+    let t1614 = t1613 - t1612;
+    let t1615 = t196 * t1529;
+    let t1616 = t1614 + t1615;
+    let t1617 = t196 * t1501;
+    let t1618 = t1616 + t1617;
+    let t1619 = t180 * t1460;
+    let t1620 = t1618 - t1619;
+    let t1621 = t196 * t1576;
+    let t1622 = inverse_d_wrist_2_joint * t1462;
+    let t1623 = t1622 + t1621;
+    let t1624 = t196 * t1534;
+    let t1625 = t1623 - t1624;
+    let t1626 = t196 * t1504;
+    let t1627 = t1625 - t1626;
+    let t1628 = t180 * t1486;
+    let t1629 = t1627 + t1628;
+    let t1630 = t192 * t1541;
+    let t1631 = inverse_d_wrist_3_joint * t1208;
+    let t1632 = t1631 + t1630;
+    let t1633 = t192 * t1509;
+    let t1634 = t1632 + t1633;
+    let t1635 = t192 * t1489;
+    let t1636 = t1634 + t1635;
+    let t1637 = t170 * t1255;
+    let t1638 = t1636 - t1637;
+    da_dv[5][0] = t1638;
+    let t1639 = t192 * t1548;
+    let t1640 = inverse_d_wrist_3_joint * t1270;
+    let t1641 = t1640 + t1639;
+    let t1642 = t192 * t1514;
     let t1643 = t1641 + t1642;
-    let t1644 = inverse_d_shoulder_pan_joint * t1643;
-    let t1645 = t1644 + t1639;
-    let t1646 = t1645 - t1638;
-    let t1647 = t1646 + t1637;
-    let t1648 = t1647 - t1633;
-    let t1649 = t400 * t1409;
-    let t1650 = t393 * t1417;
-    let t1651 = t388 * t1425;
-    let t1652 = t385 * t1431;
-    let t1653 = t177 * t1465;
-    let t1654 = t1653 + t1652;
-    let t1655 = t1654 - t1651;
-    let t1656 = t1655 - t1650;
-    let t1657 = t1656 + t1649;
-    let t1658 = t416 * t1473;
-    let t1659 = t1657 - t1658;
-    let t1660 = t400 * t1480;
-    let t1661 = t393 * t1491;
-    let t1662 = t388 * t1503;
-    let t1663 = t385 * t1511;
-    let t1664 = t177 * t1523;
-    let t1665 = t1664 + t1663;
-    let t1666 = t1665 + t1662;
-    let t1667 = t1666 + t1661;
-    let t1668 = t1667 - t1660;
-    let t1669 = t416 * t1531;
-    let t1670 = t1668 + t1669;
-    let t1671 = t393 * t1534;
-    let t1672 = t388 * t1536;
-    let t1673 = t385 * t1541;
-    let t1674 = t177 * t1548;
-    let t1675 = t1674 + t1673;
-    let t1676 = t1675 - t1672;
-    let t1677 = t1676 + t1671;
-    let t1678 = t1660 - t1677;
-    let t1679 = t1669 - t1678;
-    let t1680 = t400 * t1560;
-    let t1681 = t393 * t1565;
-    let t1682 = t388 * t1570;
-    let t1683 = t385 * t1575;
-    let t1684 = t177 * t1592;
-    let t1685 = t1684 + t1683;
-    let t1686 = t1685 - t1682;
-    let t1687 = t1686 + t1681;
-    let t1688 = t1687 - t1680;
-    let t1689 = t416 * t1599;
-    let t1690 = t1688 + t1689;
-    let t1691 = t400 * t1604;
-    let t1692 = t393 * t1612;
-    let t1693 = t388 * t1612;
-    let t1694 = t385 * t1612;
-    let t1695 = t177 * t1621;
-    let t1696 = t1695 - t1694;
-    let t1697 = t1696 + t1693;
-    let t1698 = t1697 - t1692;
-    let t1699 = t1698 - t1691;
-    let t1700 = t416 * t1628;
-    let t1701 = t1699 - t1700;
-    let t1702 = t400 * t1632;
-    let t1703 = t393 * t1636;
-    let t1704 = t388 * t1636;
-    let t1705 = t385 * t1636;
-    let t1706 = t177 * t1643;
-    let t1707 = t1706 - t1705;
-    let t1708 = t1707 + t1704;
-    let t1709 = t1708 - t1703;
-    let t1710 = t1709 + t1702;
-    let t1711 = t440 * t1409;
-    let t1712 = t433 * t1417;
-    let t1713 = t428 * t1425;
-    let t1714 = t388 * t1431;
-    let t1715 = t180 * t1465;
-    let t1716 = t1715 + t1714;
-    let t1717 = t1716 - t1713;
-    let t1718 = t1717 - t1712;
-    let t1719 = t1718 + t1711;
-    let t1720 = t456 * t1473;
-    let t1721 = t1719 - t1720;
-    let t1722 = t440 * t1480;
-    let t1723 = t433 * t1491;
-    let t1724 = t428 * t1503;
-    let t1725 = t388 * t1511;
-    let t1726 = t180 * t1523;
-    let t1727 = t1726 + t1725;
-    let t1728 = t1727 + t1724;
-    let t1729 = t1728 + t1723;
-    let t1730 = t1729 - t1722;
-    let t1731 = t456 * t1531;
-    let t1732 = t1730 + t1731;
-    let t1733 = t433 * t1534;
-    let t1734 = t428 * t1536;
-    let t1735 = t388 * t1541;
-    let t1736 = t180 * t1548;
-    let t1737 = t1736 + t1735;
-    let t1738 = t1737 - t1734;
-    let t1739 = t1738 + t1733;
-    let t1740 = t1722 - t1739;
-    let t1741 = t1731 - t1740;
-    let t1742 = t440 * t1560;
-    let t1743 = t433 * t1565;
-    let t1744 = t428 * t1570;
-    let t1745 = t388 * t1575;
-    let t1746 = t180 * t1592;
-    let t1747 = t1746 + t1745;
-    let t1748 = t1747 - t1744;
-    let t1749 = t1748 + t1743;
-    let t1750 = t1749 - t1742;
-    let t1751 = t456 * t1599;
-    let t1752 = t1750 + t1751;
-    let t1753 = t440 * t1604;
-    let t1754 = t433 * t1612;
-    let t1755 = t428 * t1612;
-    let t1756 = t180 * t1621;
-    let t1757 = t1693 - t1756;
-    let t1758 = t1757 - t1755;
-    let t1759 = t1758 + t1754;
-    let t1760 = t1759 + t1753;
-    let t1761 = t456 * t1628;
-    let t1762 = t1760 + t1761;
-    let t1763 = t440 * t1632;
-    let t1764 = t433 * t1636;
-    let t1765 = t428 * t1636;
-    let t1766 = t180 * t1643;
-    let t1767 = t1704 - t1766;
-    let t1768 = t1767 - t1765;
-    let t1769 = t1768 + t1764;
-    let t1770 = t1769 - t1763;
-    let t1771 = t486 * t1409;
-    let t1772 = t479 * t1417;
-    let t1773 = t433 * t1425;
-    let t1774 = t393 * t1431;
-    let t1775 = t185 * t1465;
-    let t1776 = t1775 + t1774;
-    let t1777 = t1776 - t1773;
-    let t1778 = t1777 + t1772;
-    let t1779 = t1778 - t1771;
-    let t1780 = t502 * t1473;
-    let t1781 = t1779 + t1780;
-    let t1782 = t486 * t1480;
-    let t1783 = t479 * t1491;
-    let t1784 = t433 * t1503;
-    let t1785 = t393 * t1511;
-    let t1786 = t185 * t1523;
-    let t1787 = t1786 + t1785;
-    let t1788 = t1787 + t1784;
-    let t1789 = t1788 - t1783;
-    let t1790 = t1789 + t1782;
-    let t1791 = t502 * t1531;
-    let t1792 = t1790 - t1791;
-    let t1793 = t479 * t1534;
-    let t1794 = t433 * t1536;
-    let t1795 = t393 * t1541;
-    let t1796 = t185 * t1548;
-    let t1797 = t1796 + t1795;
-    let t1798 = t1797 - t1794;
-    let t1799 = t1798 - t1793;
-    let t1800 = t1782 + t1799;
-    let t1801 = t1791 - t1800;
-    let t1802 = t486 * t1560;
-    let t1803 = t479 * t1565;
-    let t1804 = t433 * t1570;
-    let t1805 = t393 * t1575;
-    let t1806 = t185 * t1592;
-    let t1807 = t1806 + t1805;
-    let t1808 = t1807 - t1804;
-    let t1809 = t1808 - t1803;
-    let t1810 = t1809 + t1802;
-    let t1811 = t502 * t1599;
+    let t1644 = t192 * t1492;
+    let t1645 = t1643 - t1644;
+    let t1646 = t170 * t1327;
+    let t1647 = t1645 + t1646;
+    da_dv[5][1] = t1647;
+    let t1648 = t192 * t1555;
+    let t1649 = t1640 - t1648;
+    let t1650 = t192 * t1519;
+    let t1651 = t1649 + t1650;
+    let t1652 = t192 * t1495;
+    let t1653 = t1651 + t1652;
+    let t1654 = t170 * t1360;
+    let t1655 = t1653 + t1654;
+    da_dv[5][2] = t1655;
+    let t1656 = t192 * t1562;
+    let t1657 = inverse_d_wrist_3_joint * t1381;
+    let t1658 = t1657 + t1656;
+    let t1659 = t192 * t1524;
+    let t1660 = t1658 - t1659;
+    let t1661 = t192 * t1498;
+    let t1662 = t1660 - t1661;
+    let t1663 = t170 * t1421;
+    let t1664 = t1662 + t1663;
+    da_dv[5][3] = t1664;
+    let t1665 = t192 * t1569;
+    let t1666 = inverse_d_wrist_3_joint * t1431;
+    let t1667 = t1666 + t1665;
+    let t1668 = t192 * t1529;
+    let t1669 = t1667 - t1668;
+    let t1670 = t192 * t1501;
+    let t1671 = t1669 - t1670;
+    let t1672 = t170 * t1460;
+    let t1673 = t1671 - t1672;
+    let t1674 = t192 * t1576;
+    let t1675 = t192 * t1534;
+    let t1676 = t1674 - t1675;
+    let t1677 = t192 * t1504;
+    let t1678 = t1676 - t1677;
+    let t1679 = t170 * t1486;
+    let t1680 = t1678 - t1679;
+    da_dv[5][5] = t1680;
+    let t1681 = t340 * inverse_d_shoulder_pan_joint;
+    m_inverse[0][1] = t1681;
+    m_inverse[1][0] = t1681;
+    let t1682 = t307 * t1681;
+    let t1683 = t273 * inverse_d_shoulder_pan_joint;
+    let t1684 = t1682 - t1683;
+    let t1685 = t244 * t1684;
+    let t1686 = t294 * t1681;
+    let t1687 = t1685 - t1686;
+    let t1688 = t221 * inverse_d_shoulder_pan_joint;
+    let t1689 = t1687 - t1688;
+    m_inverse[0][3] = t1689;
+    m_inverse[3][0] = t1689;
+    let t1690 = t196 * t1689;
+    let t1691 = t196 * t1684;
+    let t1692 = t1690 - t1691;
+    let t1693 = t196 * t1681;
+    let t1694 = t1692 + t1693;
+    let t1695 = t180 * inverse_d_shoulder_pan_joint;
+    let t1696 = t1694 + t1695;
+    m_inverse[0][4] = t1696;
+    m_inverse[4][0] = t1696;
+    let t1697 = t192 * t1689;
+    let t1698 = t192 * t1684;
+    let t1699 = t1697 - t1698;
+    let t1700 = t192 * t1681;
+    let t1701 = t1699 + t1700;
+    let t1702 = t170 * inverse_d_shoulder_pan_joint;
+    let t1703 = t1701 - t1702;
+    let t1704 = t340 * t1681;
+    let t1705 = inverse_d_shoulder_lift_joint - t1704;
+    let t1706 = t307 * t1705;
+    let t1707 = t273 * t1681;
+    let t1708 = t1706 + t1707;
+    m_inverse[1][2] = t1708;
+    m_inverse[2][1] = t1708;
+    let t1709 = t244 * t1708;
+    let t1710 = t294 * t1705;
+    let t1711 = t1709 - t1710;
+    let t1712 = t221 * t1681;
+    let t1713 = t1711 + t1712;
+    let t1714 = t196 * t1713;
+    let t1715 = t196 * t1708;
+    let t1716 = t1714 - t1715;
+    let t1717 = t196 * t1705;
+    let t1718 = t1716 + t1717;
+    let t1719 = t180 * t1681;
+    let t1720 = t1718 - t1719;
+    let t1721 = t192 * t1713;
+    let t1722 = t192 * t1708;
+    let t1723 = t1721 - t1722;
+    let t1724 = t192 * t1705;
+    let t1725 = t1723 + t1724;
+    let t1726 = t170 * t1681;
+    let t1727 = t1725 + t1726;
+    m_inverse[1][5] = t1727;
+    m_inverse[5][1] = t1727;
+    let t1728 = t307 * t340;
+    let t1729 = t273 - t1728;
+    let t1730 = inverse_d_shoulder_pan_joint * t1729;
+    let t1731 = t340 * t1730;
+    let t1732 = t307 * inverse_d_shoulder_lift_joint;
+    let t1733 = t1732 + t1731;
+    let t1734 = t307 * t1733;
+    let t1735 = inverse_d_elbow_joint + t1734;
+    let t1736 = t273 * t1730;
+    let t1737 = t1735 - t1736;
+    let t1738 = t244 * t1737;
+    let t1739 = t294 * t1733;
+    let t1740 = t1738 - t1739;
+    let t1741 = t221 * t1730;
+    let t1742 = t1740 - t1741;
+    m_inverse[2][3] = t1742;
+    m_inverse[3][2] = t1742;
+    let t1743 = t196 * t1742;
+    let t1744 = t196 * t1737;
+    let t1745 = t1743 - t1744;
+    let t1746 = t196 * t1733;
+    let t1747 = t1745 + t1746;
+    let t1748 = t180 * t1730;
+    let t1749 = t1747 + t1748;
+    m_inverse[2][4] = t1749;
+    m_inverse[4][2] = t1749;
+    let t1750 = t192 * t1742;
+    let t1751 = t192 * t1737;
+    let t1752 = t1750 - t1751;
+    let t1753 = t192 * t1733;
+    let t1754 = t1752 + t1753;
+    let t1755 = t170 * t1730;
+    let t1756 = t1754 - t1755;
+    let t1757 = t244 * t307;
+    let t1758 = t294 - t1757;
+    let t1759 = t340 * t1758;
+    let t1760 = t244 * t273;
+    let t1761 = t221 + t1760;
+    let t1762 = t1761 + t1759;
+    let t1763 = inverse_d_shoulder_pan_joint * t1762;
+    let t1764 = t340 * t1763;
+    let t1765 = inverse_d_shoulder_lift_joint * t1758;
+    let t1766 = t1765 - t1764;
+    let t1767 = t307 * t1766;
+    let t1768 = t244 * inverse_d_elbow_joint;
+    let t1769 = t1768 - t1767;
+    let t1770 = t273 * t1763;
+    let t1771 = t1769 - t1770;
+    let t1772 = t244 * t1771;
+    let t1773 = inverse_d_wrist_1_joint - t1772;
+    let t1774 = t294 * t1766;
+    let t1775 = t1773 - t1774;
+    let t1776 = t221 * t1763;
+    let t1777 = t1775 + t1776;
+    m_inverse[3][3] = t1777;
+    let t1778 = t196 * t1777;
+    let t1779 = t196 * t1771;
+    let t1780 = t1778 + t1779;
+    let t1781 = t196 * t1766;
+    let t1782 = t1780 + t1781;
+    let t1783 = t180 * t1763;
+    let t1784 = t1782 - t1783;
+    m_inverse[3][4] = t1784;
+    m_inverse[4][3] = t1784;
+    let t1785 = t192 * t1777;
+    let t1786 = t192 * t1771;
+    let t1787 = t1785 + t1786;
+    let t1788 = t192 * t1766;
+    let t1789 = t1787 + t1788;
+    let t1790 = t170 * t1763;
+    let t1791 = t1789 + t1790;
+    let t1792 = t196 * t244;
+    let t1793 = t196 - t1792;
+    let t1794 = t307 * t1793;
+    let t1795 = t196 * t294;
+    let t1796 = t196 - t1795;
+    let t1797 = t1796 - t1794;
+    let t1798 = t340 * t1797;
+    let t1799 = t273 * t1793;
+    let t1800 = t196 * t221;
+    let t1801 = t180 - t1800;
+    let t1802 = t1801 + t1799;
+    let t1803 = t1802 + t1798;
+    let t1804 = inverse_d_shoulder_pan_joint * t1803;
+    let t1805 = t340 * t1804;
+    let t1806 = inverse_d_shoulder_lift_joint * t1797;
+    let t1807 = t1806 - t1805;
+    let t1808 = t307 * t1807;
+    let t1809 = inverse_d_elbow_joint * t1793;
+    let t1810 = t1809 - t1808;
+    let t1811 = t273 * t1804;
     let t1812 = t1810 - t1811;
-    let t1813 = t486 * t1604;
-    let t1814 = t479 * t1612;
-    let t1815 = t185 * t1621;
-    let t1816 = t1692 - t1815;
-    let t1817 = t1754 - t1816;
-    let t1818 = t1817 + t1814;
-    let t1819 = t1818 + t1813;
-    let t1820 = t502 * t1628;
-    let t1821 = t1819 + t1820;
-    let t1822 = t486 * t1632;
-    let t1823 = t479 * t1636;
-    let t1824 = t185 * t1643;
-    let t1825 = t1703 - t1824;
-    let t1826 = t1764 - t1825;
-    let t1827 = t1826 + t1823;
-    let t1828 = t1827 - t1822;
-    let t1829 = t540 * t1409;
-    let t1830 = t486 * t1417;
-    let t1831 = t440 * t1425;
-    let t1832 = t400 * t1431;
-    let t1833 = t192 * t1465;
-    let t1834 = t1833 + t1832;
-    let t1835 = t1834 - t1831;
-    let t1836 = t1835 + t1830;
-    let t1837 = t1836 + t1829;
-    let t1838 = t556 * t1473;
-    let t1839 = t1837 + t1838;
-    let t1840 = t540 * t1480;
-    let t1841 = t486 * t1491;
-    let t1842 = t440 * t1503;
-    let t1843 = t400 * t1511;
-    let t1844 = t192 * t1523;
-    let t1845 = t1844 + t1843;
-    let t1846 = t1845 + t1842;
-    let t1847 = t1846 - t1841;
-    let t1848 = t1847 - t1840;
-    let t1849 = t556 * t1531;
-    let t1850 = t1848 - t1849;
-    let t1851 = t486 * t1534;
-    let t1852 = t440 * t1536;
-    let t1853 = t400 * t1541;
-    let t1854 = t192 * t1548;
-    let t1855 = t1854 + t1853;
-    let t1856 = t1855 - t1852;
-    let t1857 = t1856 - t1851;
-    let t1858 = t1840 - t1857;
-    let t1859 = t1849 + t1858;
-    let t1860 = t540 * t1560;
-    let t1861 = t486 * t1565;
-    let t1862 = t440 * t1570;
-    let t1863 = t400 * t1575;
-    let t1864 = t192 * t1592;
-    let t1865 = t1864 + t1863;
-    let t1866 = t1865 - t1862;
-    let t1867 = t1866 - t1861;
-    let t1868 = t1867 - t1860;
-    let t1869 = t556 * t1599;
-    let t1870 = t1868 - t1869;
-    let t1871 = t540 * t1604;
-    let t1872 = t486 * t1612;
-    let t1873 = t440 * t1612;
-    let t1874 = t400 * t1612;
-    let t1875 = t192 * t1621;
-    let t1876 = t1875 - t1874;
-    let t1877 = t1876 + t1873;
-    let t1878 = t1877 + t1872;
-    let t1879 = t1878 - t1871;
-    let t1880 = t556 * t1628;
-    let t1881 = t1879 + t1880;
-    let t1882 = t540 * t1632;
-    let t1883 = t486 * t1636;
-    let t1884 = t440 * t1636;
-    let t1885 = t400 * t1636;
-    let t1886 = t192 * t1643;
-    let t1887 = t1886 - t1885;
-    let t1888 = t1887 + t1884;
-    let t1889 = t1888 + t1883;
-    let t1890 = t1889 + t1882;
-    let t1891 = t502 * t1417;
-    let t1892 = t456 * t1425;
-    let t1893 = t416 * t1431;
-    let t1894 = t380 * t1465;
-    let t1895 = t1894 + t1893;
-    let t1896 = t1895 - t1892;
-    let t1897 = t1896 + t1891;
-    let t1898 = t556 * t1409;
-    let t1899 = t1897 - t1898;
-    let t1900 = t603 * t1473;
-    let t1901 = t1899 + t1900;
-    let t1902 = t502 * t1491;
-    let t1903 = t456 * t1503;
-    let t1904 = t416 * t1511;
-    let t1905 = t380 * t1523;
-    let t1906 = t1905 + t1904;
-    let t1907 = t1906 + t1903;
-    let t1908 = t1907 - t1902;
-    let t1909 = t556 * t1480;
-    let t1910 = t1908 + t1909;
-    let t1911 = t603 * t1531;
-    let t1912 = t1910 - t1911;
-    let t1913 = t502 * t1534;
-    let t1914 = t456 * t1536;
-    let t1915 = t416 * t1541;
-    let t1916 = t380 * t1548;
-    let t1917 = t1916 + t1915;
-    let t1918 = t1917 - t1914;
-    let t1919 = t1918 - t1913;
-    let t1920 = t1909 + t1919;
-    let t1921 = t1911 - t1920;
-    let t1922 = t502 * t1565;
-    let t1923 = t456 * t1570;
-    let t1924 = t416 * t1575;
-    let t1925 = t380 * t1592;
-    let t1926 = t1925 + t1924;
-    let t1927 = t1926 - t1923;
-    let t1928 = t1927 - t1922;
-    let t1929 = t556 * t1560;
-    let t1930 = t1928 + t1929;
-    let t1931 = t603 * t1599;
-    let t1932 = t1930 - t1931;
-    let t1933 = t502 * t1612;
-    let t1934 = t456 * t1612;
-    let t1935 = t416 * t1612;
-    let t1936 = t380 * t1621;
-    let t1937 = t1936 - t1935;
-    let t1938 = t1937 + t1934;
-    let t1939 = t1938 + t1933;
-    let t1940 = t556 * t1604;
-    let t1941 = t1939 + t1940;
-    let t1942 = t603 * t1628;
-    let t1943 = t1941 + t1942;
-    let t1944 = t502 * t1636;
-    let t1945 = t456 * t1636;
-    let t1946 = t416 * t1636;
-    let t1947 = t380 * t1643;
-    let t1948 = t1947 - t1946;
-    let t1949 = t1948 + t1945;
-    let t1950 = t1949 + t1944;
-    let t1951 = t556 * t1632;
-    let t1952 = t1950 - t1951;
-    let t1953 = -t458;
-    let t1954 = -t605;
-    let t1955 = -t970;
-    let t1956 = -t1105;
-    let t1957 = -t1189;
-    let t1958 = -t1211;
-    let t1959 = -t1220;
-    let t1960 = -t1231;
-    let t1961 = -t1241;
-    let t1962 = -t1271;
-    let t1963 = -t1291;
-    let t1964 = -t1320;
-    let t1965 = -t1342;
-    let t1966 = -t1364;
-    let t1967 = -t1384;
-    let t1968 = -t1406;
-    let t1969 = -t1475;
-    let t1970 = -t1554;
-    let t1971 = -t1648;
-    let t1972 = -t1659;
-    let t1973 = -t1710;
-    let t1974 = -t1732;
-    let t1975 = -t1741;
-    let t1976 = -t1752;
-    let t1977 = -t1770;
-    let t1978 = -t1781;
-    let t1979 = -t1801;
-    let t1980 = -t1828;
-    let t1981 = -t1839;
-    let t1982 = -t1859;
-    let t1983 = -t1890;
-    let t1984 = -t1912;
-    let t1985 = -t1932;
-    let t1986 = -t1943;
-    let t1987 = -t180;
-    let t1988 = -t380;
-    let t1989 = -t385;
-    let t1990 = -t393;
-    let t1991 = -t400;
-    let t1992 = -t428;
-    let t1993 = -t456;
-    let t1994 = -t502;
-    let t1995 = -t540;
-    let t1996 = -t556;
-    (
-        [acceleration_shoulder_lift_joint_x, t418, t1953, t504, t558, t1954],
-        [
-            [0.0, t914, t1955, t1061, t1956, t1147],
-            [0.0, t1158, t1167, t1178, t1957, t1200],
-            [0.0, t1958, t1959, t1960, t1961, t1251],
-            [0.0, t1262, t1962, t1282, t1963, t1300],
-            [0.0, t1311, t1964, t1331, t1965, t1353],
-            [0.0, t1966, t1373, t1967, t1395, t1968],
-        ],
-        [
-            [t1969, t1533, t1970, t1601, t1630, t1971],
-            [t1972, t1670, t1679, t1690, t1701, t1973],
-            [t1721, t1974, t1975, t1976, t1762, t1977],
-            [t1978, t1792, t1979, t1812, t1821, t1980],
-            [t1981, t1850, t1982, t1870, t1881, t1983],
-            [t1901, t1984, t1921, t1985, t1986, t1952],
-        ],
-        [
-            [inverse_d_shoulder_pan_joint, t177, t1987, t185, t192, t1988],
-            [t177, t1989, t388, t1990, t1991, t416],
-            [t1987, t388, t1992, t433, t440, t1993],
-            [t185, t1990, t433, t479, t486, t1994],
-            [t192, t1991, t440, t486, t1995, t1996],
-            [t1988, t416, t1993, t1994, t1996, t603],
-        ],
-    )
+    let t1813 = t244 * t1812;
+    let t1814 = t196 * inverse_d_wrist_1_joint;
+    let t1815 = t1814 + t1813;
+    let t1816 = t294 * t1807;
+    let t1817 = t1815 + t1816;
+    let t1818 = t221 * t1804;
+    let t1819 = t1817 - t1818;
+    let t1820 = t196 * t1819;
+    let t1821 = inverse_d_wrist_2_joint - t1820;
+    let t1822 = t196 * t1812;
+    let t1823 = t1821 + t1822;
+    let t1824 = t196 * t1807;
+    let t1825 = t1823 + t1824;
+    let t1826 = t180 * t1804;
+    let t1827 = t1825 - t1826;
+    let t1828 = t192 * t1819;
+    let t1829 = t192 * t1812;
+    let t1830 = t1828 - t1829;
+    let t1831 = t192 * t1807;
+    let t1832 = t1830 - t1831;
+    let t1833 = t170 * t1804;
+    let t1834 = t1832 - t1833;
+    let t1835 = t192 * t244;
+    let t1836 = t192 - t1835;
+    let t1837 = t307 * t1836;
+    let t1838 = t192 * t294;
+    let t1839 = t192 - t1838;
+    let t1840 = t1839 - t1837;
+    let t1841 = t340 * t1840;
+    let t1842 = t273 * t1836;
+    let t1843 = t192 * t221;
+    let t1844 = t170 + t1843;
+    let t1845 = t1844 - t1842;
+    let t1846 = t1845 - t1841;
+    let t1847 = inverse_d_shoulder_pan_joint * t1846;
+    let t1848 = t340 * t1847;
+    let t1849 = inverse_d_shoulder_lift_joint * t1840;
+    let t1850 = t1849 + t1848;
+    let t1851 = t307 * t1850;
+    let t1852 = inverse_d_elbow_joint * t1836;
+    let t1853 = t1852 - t1851;
+    let t1854 = t273 * t1847;
+    let t1855 = t1853 + t1854;
+    let t1856 = t244 * t1855;
+    let t1857 = t192 * inverse_d_wrist_1_joint;
+    let t1858 = t1857 + t1856;
+    let t1859 = t294 * t1850;
+    let t1860 = t1858 + t1859;
+    let t1861 = t221 * t1847;
+    let t1862 = t1860 + t1861;
+    let t1863 = t192 * t1862;
+    let t1864 = inverse_d_wrist_3_joint + t1863;
+    let t1865 = t192 * t1855;
+    let t1866 = t1864 - t1865;
+    let t1867 = t192 * t1850;
+    let t1868 = t1866 - t1867;
+    let t1869 = t170 * t1847;
+    let t1870 = t1868 + t1869;
+    m_inverse[5][5] = t1870;
+    let t1871 = -t377;
+    a[1] = t1871;
+    let t1872 = -t382;
+    a[2] = t1872;
+    let t1873 = -t398;
+    a[4] = t1873;
+    let t1874 = -t957;
+    da_dy[0][4] = t1874;
+    let t1875 = -t1012;
+    da_dy[1][1] = t1875;
+    let t1876 = -t1015;
+    da_dy[1][2] = t1876;
+    let t1877 = -t1018;
+    da_dy[1][3] = t1877;
+    let t1878 = -t1024;
+    da_dy[1][5] = t1878;
+    let t1879 = -t1029;
+    da_dy[2][1] = t1879;
+    let t1880 = -t1034;
+    da_dy[2][2] = t1880;
+    let t1881 = -t1039;
+    da_dy[2][3] = t1881;
+    let t1882 = -t1049;
+    da_dy[2][5] = t1882;
+    let t1883 = -t1056;
+    da_dy[3][1] = t1883;
+    let t1884 = -t1077;
+    da_dy[3][4] = t1884;
+    let t1885 = -t1093;
+    da_dy[4][1] = t1885;
+    let t1886 = -t1101;
+    da_dy[4][2] = t1886;
+    let t1887 = -t1110;
+    da_dy[4][3] = t1887;
+    let t1888 = -t1128;
+    da_dy[4][5] = t1888;
+    let t1889 = -t1163;
+    da_dy[5][4] = t1889;
+    let t1890 = -t1255;
+    da_dv[0][0] = t1890;
+    let t1891 = -t1486;
+    da_dv[0][5] = t1891;
+    let t1892 = -t1489;
+    da_dv[1][0] = t1892;
+    let t1893 = -t1495;
+    da_dv[1][2] = t1893;
+    let t1894 = -t1501;
+    da_dv[1][4] = t1894;
+    let t1895 = -t1509;
+    da_dv[2][0] = t1895;
+    let t1896 = -t1514;
+    da_dv[2][1] = t1896;
+    let t1897 = -t1519;
+    da_dv[2][2] = t1897;
+    let t1898 = -t1529;
+    da_dv[2][4] = t1898;
+    let t1899 = -t1541;
+    da_dv[3][0] = t1899;
+    let t1900 = -t1548;
+    da_dv[3][1] = t1900;
+    let t1901 = -t1562;
+    da_dv[3][3] = t1901;
+    let t1902 = -t1576;
+    da_dv[3][5] = t1902;
+    let t1903 = -t1585;
+    da_dv[4][0] = t1903;
+    let t1904 = -t1594;
+    da_dv[4][1] = t1904;
+    let t1905 = -t1602;
+    da_dv[4][2] = t1905;
+    let t1906 = -t1611;
+    da_dv[4][3] = t1906;
+    let t1907 = -t1620;
+    da_dv[4][4] = t1907;
+    let t1908 = -t1629;
+    da_dv[4][5] = t1908;
+    let t1909 = -t1673;
+    da_dv[5][4] = t1909;
+    let t1910 = -t1684;
+    m_inverse[0][2] = t1910;
+    m_inverse[2][0] = t1910;
+    let t1911 = -t1703;
+    m_inverse[0][5] = t1911;
+    m_inverse[5][0] = t1911;
+    let t1912 = -t1705;
+    m_inverse[1][1] = t1912;
+    let t1913 = -t1713;
+    m_inverse[1][3] = t1913;
+    m_inverse[3][1] = t1913;
+    let t1914 = -t1720;
+    m_inverse[1][4] = t1914;
+    m_inverse[4][1] = t1914;
+    let t1915 = -t1737;
+    m_inverse[2][2] = t1915;
+    let t1916 = -t1756;
+    m_inverse[2][5] = t1916;
+    m_inverse[5][2] = t1916;
+    let t1917 = -t1791;
+    m_inverse[3][5] = t1917;
+    m_inverse[5][3] = t1917;
+    let t1918 = -t1827;
+    m_inverse[4][4] = t1918;
+    let t1919 = -t1834;
+    m_inverse[4][5] = t1919;
+    m_inverse[5][4] = t1919;
 }
 
 /// Linearization of the accelerations in continuous time.
@@ -6295,11 +6655,12 @@ pub fn forward_dynamics_derivatives(
 /// - returns `B_x: [N × M]`: ∂ÿ/∂u, row i = acceleration i
 /// - returns `c: [N]`: affine remainder ÿ − A\_y y − A\_v ẏ − B\_x u
 ///
-/// Cost: 1119 multiplications, 1022 additions, 6 divisions, 5 function calls (`sin_cos`).
+/// Cost: 1074 multiplications, 985 additions, 6 divisions, 5 function calls (`sin_cos`).
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+#[inline]
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -6310,151 +6671,250 @@ pub fn linearize(
     v: &[f64; N],
     u: &[f64; M],
 ) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
-    let [inverse_d_shoulder_pan_joint, t186, t191, t198, t317, t319, t322, t339, t395,
-    t398, t403, t410, t426, t428, t450, t457, t466, t478, t480, t490, t506,
-    acceleration_shoulder_lift_joint_x, t555, t593, t595, t620, t631, t914, t970, t1061,
-    t1105, t1147, t1158, t1167, t1178, t1189, t1200, t1211, t1220, t1231, t1241, t1251,
-    t1262, t1271, t1282, t1291, t1300, t1311, t1320, t1331, t1342, t1353, t1364, t1373,
-    t1384, t1395, t1406, t1409, t1417, t1425, t1431, t1465, t1473, t1475, t1480, t1491,
-    t1503, t1511, t1523, t1531, t1533, t1534, t1536, t1541, t1548, t1554, t1560, t1565,
-    t1570, t1575, t1592, t1599, t1601, t1604, t1612, t1621, t1628, t1630, t1632, t1636,
-    t1643, t1648] = linearize_part_1(y, v, u);
-    let [t1670, t1679, t1690, t1701, t1721, t1762, t1792, t1812, t1821, t1850, t1870,
-    t1881, t1901, t1921, t1952, t1986, t2020, t2088, t2122, t2157, t2158, t2159, t2160,
-    t2161, t2162, t2163, t2164, t2165, t2166, t2167, t2168, t2169, t2170, t2171, t2172,
-    t2173, t2174, t2175, t2176, t2177, t2178, t2179, t2180, t2181, t2182, t2183, t2184,
-    t2185, t2186, t2187, t2188, t2189, t2190, t2191, t2192, t2193, t2194, t2195, t2196,
-    t2197, t2198, t2199, t2200] = linearize_part_2(
+    let mut a_y = [[0.0; 6]; 6];
+    let mut a_v = [[0.0; 6]; 6];
+    let mut b_x = [[0.0; 6]; 6];
+    let mut c = [0.0; 6];
+    linearize_into(y, v, u, &mut a_y, &mut a_v, &mut b_x, &mut c);
+    (a_y, a_v, b_x, c)
+}
+
+/// `linearize` with its results written in place; nothing of what stood there is read.
+pub fn linearize_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    a_y: &mut [[f64; N]; N],
+    a_v: &mut [[f64; N]; N],
+    b_x: &mut [[f64; M]; N],
+    c: &mut [f64; N],
+) {
+    let [inverse_d_wrist_3_joint, t170, inverse_d_wrist_2_joint, t180, t192, t196,
+    inverse_d_wrist_1_joint, t221, t244, inverse_d_elbow_joint, t273, t294, t307,
+    inverse_d_shoulder_lift_joint, t340, inverse_d_shoulder_pan_joint,
+    acceleration_shoulder_lift_joint_x, t377, t382, t389, t407, t427, t730, t798, t903,
+    t957, t1009, t1012, t1015, t1018, t1021, t1024, t1029, t1034, t1039, t1044, t1049,
+    t1056, t1063, t1070, t1077, t1084, t1093, t1101, t1110, t1119, t1128, t1137, t1145,
+    t1154, t1163, t1172, t1208, t1255, t1270, t1277, t1327, t1360, t1381, t1386, t1421,
+    t1431, t1435, t1460, t1462, t1486, t1489, t1492, t1495, t1498, t1501, t1504, t1509,
+    t1514, t1519, t1524, t1529, t1534, t1541, t1548, t1555, t1562, t1569, t1576, t1585,
+    ] = linearize_part_1(y, v, u);
+    let [t1638, t1647, t1655, t1664, t1680, t1681, t1689, t1696, t1708, t1727, t1742,
+    t1749, t1777, t1784, t1870, t1904, t2006, t2074, t2075, t2076, t2077, t2078, t2079,
+    t2080, t2081, t2082, t2083, t2084, t2085, t2086, t2087, t2088, t2089, t2090, t2091,
+    t2092, t2093, t2094, t2095, t2096, t2097, t2098, t2099, t2100, t2101, t2102, t2103,
+    t2104, t2105, t2106, t2107, t2108, t2109, t2110, t2111, t2112, t2113, t2114, t2115,
+    t2116, t2117, t2118, t2119, t2120, t2121, t2122, t2123] = linearize_part_2(
         y,
         v,
         u,
         [
+            inverse_d_wrist_3_joint,
+            t170,
+            inverse_d_wrist_2_joint,
+            t180,
+            t192,
+            t196,
+            inverse_d_wrist_1_joint,
+            t221,
+            t244,
+            inverse_d_elbow_joint,
+            t273,
+            t294,
+            t307,
+            inverse_d_shoulder_lift_joint,
+            t340,
             inverse_d_shoulder_pan_joint,
-            t186,
-            t191,
-            t198,
-            t317,
-            t319,
-            t322,
-            t339,
-            t395,
-            t398,
-            t403,
-            t410,
-            t426,
-            t428,
-            t450,
-            t457,
-            t466,
-            t478,
-            t480,
-            t490,
-            t506,
             acceleration_shoulder_lift_joint_x,
-            t555,
-            t593,
-            t595,
-            t620,
-            t631,
-            t914,
-            t970,
-            t1061,
-            t1105,
-            t1147,
-            t1158,
-            t1167,
-            t1178,
-            t1189,
-            t1200,
-            t1211,
-            t1220,
-            t1231,
-            t1241,
-            t1251,
-            t1262,
-            t1271,
-            t1282,
-            t1291,
-            t1300,
-            t1311,
-            t1320,
-            t1331,
-            t1342,
-            t1353,
-            t1364,
-            t1373,
-            t1384,
-            t1395,
-            t1406,
-            t1409,
-            t1417,
-            t1425,
+            t377,
+            t382,
+            t389,
+            t407,
+            t427,
+            t730,
+            t798,
+            t903,
+            t957,
+            t1009,
+            t1012,
+            t1015,
+            t1018,
+            t1021,
+            t1024,
+            t1029,
+            t1034,
+            t1039,
+            t1044,
+            t1049,
+            t1056,
+            t1063,
+            t1070,
+            t1077,
+            t1084,
+            t1093,
+            t1101,
+            t1110,
+            t1119,
+            t1128,
+            t1137,
+            t1145,
+            t1154,
+            t1163,
+            t1172,
+            t1208,
+            t1255,
+            t1270,
+            t1277,
+            t1327,
+            t1360,
+            t1381,
+            t1386,
+            t1421,
             t1431,
-            t1465,
-            t1473,
-            t1475,
-            t1480,
-            t1491,
-            t1503,
-            t1511,
-            t1523,
-            t1531,
-            t1533,
+            t1435,
+            t1460,
+            t1462,
+            t1486,
+            t1489,
+            t1492,
+            t1495,
+            t1498,
+            t1501,
+            t1504,
+            t1509,
+            t1514,
+            t1519,
+            t1524,
+            t1529,
             t1534,
-            t1536,
             t1541,
             t1548,
-            t1554,
-            t1560,
-            t1565,
-            t1570,
-            t1575,
-            t1592,
-            t1599,
-            t1601,
-            t1604,
-            t1612,
-            t1621,
-            t1628,
-            t1630,
-            t1632,
-            t1636,
-            t1643,
-            t1648,
+            t1555,
+            t1562,
+            t1569,
+            t1576,
+            t1585,
         ],
     );
-    (
-        [
-            [0.0, t914, t2157, t1061, t2158, t1147],
-            [0.0, t1158, t1167, t1178, t2159, t1200],
-            [0.0, t2160, t2161, t2162, t2163, t1251],
-            [0.0, t1262, t2164, t1282, t2165, t1300],
-            [0.0, t1311, t2166, t1331, t2167, t1353],
-            [0.0, t2168, t1373, t2169, t1395, t2170],
-        ],
-        [
-            [t2171, t1533, t2172, t1601, t1630, t2173],
-            [t2174, t1670, t1679, t1690, t1701, t2175],
-            [t1721, t2176, t2177, t2178, t1762, t2179],
-            [t2180, t1792, t2181, t1812, t1821, t2182],
-            [t2183, t1850, t2184, t1870, t1881, t2185],
-            [t1901, t2186, t1921, t2187, t2188, t1952],
-        ],
-        [
-            [inverse_d_shoulder_pan_joint, t317, t2189, t466, t490, t2190],
-            [t317, t2191, t322, t2192, t2193, t426],
-            [t2189, t322, t2194, t191, t198, t2195],
-            [t466, t2192, t191, t450, t457, t2196],
-            [t490, t2193, t198, t457, t2197, t2198],
-            [t2190, t426, t2195, t2196, t2198, t593],
-        ],
-        [t1986, t2020, t2199, t2088, t2122, t2200],
-    )
+    a_y[0][0] = 0.0;
+    a_y[0][1] = t730;
+    a_y[0][2] = t798;
+    a_y[0][3] = t903;
+    a_y[0][4] = t2075;
+    a_y[0][5] = t1009;
+    a_y[1][0] = 0.0;
+    a_y[1][1] = t2076;
+    a_y[1][2] = t2077;
+    a_y[1][3] = t2078;
+    a_y[1][4] = t1021;
+    a_y[1][5] = t2079;
+    a_y[2][0] = 0.0;
+    a_y[2][1] = t2080;
+    a_y[2][2] = t2081;
+    a_y[2][3] = t2082;
+    a_y[2][4] = t1044;
+    a_y[2][5] = t2083;
+    a_y[3][0] = 0.0;
+    a_y[3][1] = t2084;
+    a_y[3][2] = t1063;
+    a_y[3][3] = t1070;
+    a_y[3][4] = t2085;
+    a_y[3][5] = t1084;
+    a_y[4][0] = 0.0;
+    a_y[4][1] = t2086;
+    a_y[4][2] = t2087;
+    a_y[4][3] = t2088;
+    a_y[4][4] = t1119;
+    a_y[4][5] = t2089;
+    a_y[5][0] = 0.0;
+    a_y[5][1] = t1137;
+    a_y[5][2] = t1145;
+    a_y[5][3] = t1154;
+    a_y[5][4] = t2090;
+    a_y[5][5] = t1172;
+    a_v[0][0] = t2091;
+    a_v[0][1] = t1327;
+    a_v[0][2] = t1360;
+    a_v[0][3] = t1421;
+    a_v[0][4] = t1460;
+    a_v[0][5] = t2092;
+    a_v[1][0] = t2093;
+    a_v[1][1] = t1492;
+    a_v[1][2] = t2094;
+    a_v[1][3] = t1498;
+    a_v[1][4] = t2095;
+    a_v[1][5] = t1504;
+    a_v[2][0] = t2096;
+    a_v[2][1] = t2097;
+    a_v[2][2] = t2098;
+    a_v[2][3] = t1524;
+    a_v[2][4] = t2099;
+    a_v[2][5] = t1534;
+    a_v[3][0] = t2100;
+    a_v[3][1] = t2101;
+    a_v[3][2] = t1555;
+    a_v[3][3] = t2102;
+    a_v[3][4] = t1569;
+    a_v[3][5] = t2103;
+    a_v[4][0] = t2104;
+    a_v[4][1] = t2105;
+    a_v[4][2] = t2106;
+    a_v[4][3] = t2107;
+    a_v[4][4] = t2108;
+    a_v[4][5] = t2109;
+    a_v[5][0] = t1638;
+    a_v[5][1] = t1647;
+    a_v[5][2] = t1655;
+    a_v[5][3] = t1664;
+    a_v[5][4] = t2110;
+    a_v[5][5] = t1680;
+    b_x[0][0] = inverse_d_shoulder_pan_joint;
+    b_x[0][1] = t1681;
+    b_x[0][2] = t2111;
+    b_x[0][3] = t1689;
+    b_x[0][4] = t1696;
+    b_x[0][5] = t2112;
+    b_x[1][0] = t1681;
+    b_x[1][1] = t2113;
+    b_x[1][2] = t1708;
+    b_x[1][3] = t2114;
+    b_x[1][4] = t2115;
+    b_x[1][5] = t1727;
+    b_x[2][0] = t2111;
+    b_x[2][1] = t1708;
+    b_x[2][2] = t2116;
+    b_x[2][3] = t1742;
+    b_x[2][4] = t1749;
+    b_x[2][5] = t2117;
+    b_x[3][0] = t1689;
+    b_x[3][1] = t2114;
+    b_x[3][2] = t1742;
+    b_x[3][3] = t1777;
+    b_x[3][4] = t1784;
+    b_x[3][5] = t2118;
+    b_x[4][0] = t1696;
+    b_x[4][1] = t2115;
+    b_x[4][2] = t1749;
+    b_x[4][3] = t1784;
+    b_x[4][4] = t2119;
+    b_x[4][5] = t2120;
+    b_x[5][0] = t2112;
+    b_x[5][1] = t1727;
+    b_x[5][2] = t2117;
+    b_x[5][3] = t2118;
+    b_x[5][4] = t2120;
+    b_x[5][5] = t1870;
+    c[0] = t1904;
+    c[1] = t2121;
+    c[2] = t2122;
+    c[3] = t2006;
+    c[4] = t2123;
+    c[5] = t2074;
 }
 
 /// Part 1 of `linearize`: values that later parts read.
 #[inline(never)]
-fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 92] {
+fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 85] {
     let angle_shoulder_lift_joint_elbow_joint = y[1] + y[2];
     let angle_shoulder_lift_joint_elbow_joint_wrist_1_joint = y[3]
         + angle_shoulder_lift_joint_elbow_joint;
@@ -6478,1746 +6938,1675 @@ fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 92] {
     let (sin_shoulder_lift_joint_elbow_joint, cos_shoulder_lift_joint_elbow_joint) = math::sin_cos(
         angle_shoulder_lift_joint_elbow_joint,
     );
-    let t12 = sin_wrist_3_joint * 0.0166855268546;
-    let t13 = sin_wrist_3_joint * t12;
-    let t14 = sin_wrist_2_joint * t13;
-    let t15 = sin_wrist_2_joint * t14;
-    let t16 = 0.12662099999999998 - t13;
-    let t17 = t16 + t15;
-    let t18 = 0.10970999999999999 + t17;
-    let t19 = t13 + 0.0048343093751500085;
-    let t20 = t18 - t19;
-    let t21 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t20;
-    let t22 = cos_wrist_3_joint * t12;
-    let t23 = cos_wrist_2_joint * t22;
-    let t24 = 2.0 * t23;
-    let t25 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t24;
-    let t26 = t21 + t25;
-    let t27 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t26;
-    let t28 = t18 - t27;
-    let t29 = 0.001941203825250001 * sin_shoulder_lift_joint_elbow_joint_wrist_1_joint;
-    let t30 = 3.5936784241868986 * cos_shoulder_lift_joint_elbow_joint;
-    let t31 = t30 * t29;
-    let t32 = 2.0 * t31;
-    let t33 = t28 - t32;
-    let t34 = t30 * t30;
-    let t35 = 0.0485587618780145 * t34;
-    let t36 = t33 + t35;
-    let t37 = sin_shoulder_lift_joint_elbow_joint * 0.03555637394399993;
-    let t38 = sin_shoulder_lift_joint_elbow_joint * t37;
-    let t39 = 0.03350887394399993 - t38;
-    let t40 = t39 - t36;
-    let t41 = cos_shoulder_lift_joint_elbow_joint * 0.17450457486624998;
-    let t42 = t29 - t41;
-    let t43 = 3.8937242327072834 * cos_shoulder_lift_joint;
-    let t44 = t43 * t42;
-    let t45 = 2.0 * t44;
-    let t46 = t40 + t45;
-    let t47 = t43 * t43;
-    let t48 = 0.1242649612447206 * t47;
-    let t49 = t46 - t48;
-    let t50 = sin_shoulder_lift_joint * 0.12897252408999982;
-    let t51 = sin_shoulder_lift_joint * t50;
-    let t52 = 0.12141882408999982 - t51;
-    let t53 = t52 + t49;
-    let t54 = 0.0033300000000000005 - t53;
-    let t55 = t15 - 0.42182961244274997;
-    let t56 = t54 - t55;
-    let t57 = 0.0002254731454000014 + t13;
-    let t58 = 0.016911000000000002 - t13;
-    let t59 = t58 + t57;
-    let t60 = sin_wrist_2_joint * t59;
-    let t61 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t60;
-    let inverse_d_wrist_3_joint = 1.0 / t59;
-    let t63 = t61 * inverse_d_wrist_3_joint;
-    let t64 = t61 * t63;
-    let t65 = t56 - t64;
-    let t66 = t13 - 0.25324199999999997;
-    let t67 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t66;
-    let t68 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t23;
-    let t69 = t68 + t67;
-    let inverse_d_wrist_2_joint = 1.0 / t66;
-    let t71 = t69 * inverse_d_wrist_2_joint;
-    let t72 = t69 * t71;
-    let t73 = t65 + t72;
-    let t74 = cos_wrist_2_joint * t59;
-    let t75 = t74 * inverse_d_wrist_3_joint;
-    let t76 = t74 * t75;
-    let t77 = t18 + t19;
-    let t78 = t77 - t76;
-    let t79 = sin_wrist_2_joint * t22;
-    let t80 = t79 * inverse_d_wrist_2_joint;
-    let t81 = t79 * t80;
-    let t82 = t78 + t81;
-    let inverse_d_wrist_1_joint = 1.0 / t82;
-    let t84 = t61 * t75;
-    let t85 = cos_wrist_2_joint * t14;
-    let t86 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t85;
-    let t87 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t79;
-    let t88 = t86 - t87;
-    let t89 = 0.001941203825250001 * cos_shoulder_lift_joint_elbow_joint_wrist_1_joint;
-    let t90 = t89 + t88;
-    let t91 = t90 + t84;
-    let t92 = t69 * t80;
-    let t93 = t91 + t92;
-    let t94 = t93 * inverse_d_wrist_1_joint;
-    let t95 = t93 * t94;
-    let t96 = t73 - t95;
-    let t97 = 3.5936784241868986 * sin_shoulder_lift_joint_elbow_joint;
-    let t98 = t97 * t89;
-    let t99 = t31 - t98;
-    let t100 = t77 - t99;
-    let t101 = t100 - t76;
-    let t102 = t101 + t81;
-    let t103 = t102 * inverse_d_wrist_1_joint;
-    let t104 = t102 * t103;
-    let t105 = 2.0 * t99;
-    let t106 = t77 - t105;
-    let t107 = t97 * t97;
-    let t108 = t34 + t107;
-    let t109 = 0.0485587618780145 * t108;
-    let t110 = t109 + t106;
-    let t111 = 0.0020475000000000007 - t38;
-    let t112 = t39 - t111;
-    let t113 = t112 - t110;
-    let t114 = t113 + t76;
-    let t115 = t114 - t81;
-    let t116 = t115 + t104;
-    let inverse_d_elbow_joint = 1.0 / t116;
-    let t118 = t93 * t103;
-    let t119 = 0.09736195575 * sin_shoulder_lift_joint_elbow_joint;
-    let t120 = t119 - t88;
-    let t121 = sin_shoulder_lift_joint_elbow_joint * 0.17450457486624998;
-    let t122 = t89 + t121;
-    let t123 = t122 - t120;
-    let t124 = t123 + t84;
-    let t125 = t124 + t92;
-    let t126 = t125 - t118;
-    let t127 = t126 * inverse_d_elbow_joint;
-    let t128 = t126 * t127;
-    let t129 = t96 + t128;
-    let t130 = 3.8937242327072834 * sin_shoulder_lift_joint;
-    let t131 = t130 * t122;
-    let t132 = t44 - t131;
-    let t133 = t113 + t132;
-    let t134 = t133 + t76;
-    let t135 = t134 - t81;
-    let t136 = t130 * t89;
-    let t137 = t43 * t29;
-    let t138 = t137 - t136;
-    let t139 = t100 - t138;
-    let t140 = t139 - t76;
-    let t141 = t140 + t81;
-    let t142 = t141 * t103;
-    let t143 = t135 + t142;
-    let t144 = t143 * inverse_d_elbow_joint;
-    let t145 = t143 * t144;
-    let t146 = 2.0 * t132;
-    let t147 = t113 + t146;
-    let t148 = t130 * t130;
-    let t149 = t47 + t148;
-    let t150 = 0.1242649612447206 * t149;
-    let t151 = t150 - t147;
-    let t152 = 0.0075536999999999965 - t51;
-    let t153 = t52 - t152;
-    let t154 = t153 - t151;
-    let t155 = t154 + t76;
-    let t156 = t155 - t81;
-    let t157 = t141 * inverse_d_wrist_1_joint;
-    let t158 = t141 * t157;
-    let t159 = t156 + t158;
-    let t160 = t159 - t145;
-    let inverse_d_shoulder_lift_joint = 1.0 / t160;
-    let t162 = t126 * t144;
-    let t163 = t93 * t157;
-    let t164 = 0.075354282 * sin_shoulder_lift_joint;
-    let t165 = t164 + t120;
-    let t166 = sin_shoulder_lift_joint * 0.483853490875;
-    let t167 = t122 + t166;
-    let t168 = t167 - t165;
-    let t169 = t168 + t84;
-    let t170 = t169 + t92;
-    let t171 = t170 - t163;
-    let t172 = t171 - t162;
-    let t173 = t172 * inverse_d_shoulder_lift_joint;
-    let t174 = t172 * t173;
-    let t175 = t129 + t174;
-    let inverse_d_shoulder_pan_joint = 1.0 / t175;
-    let t177 = t144 * t173;
-    let t178 = t127 - t177;
-    let t179 = inverse_d_shoulder_pan_joint * t178;
-    let t180 = t173 * t179;
-    let t181 = t144 * inverse_d_shoulder_lift_joint;
-    let t182 = t181 + t180;
-    let t183 = t144 * t182;
-    let t184 = inverse_d_elbow_joint + t183;
-    let t185 = t127 * t179;
-    let t186 = t184 - t185;
-    let t187 = t103 * t186;
-    let t188 = t157 * t182;
-    let t189 = t187 - t188;
-    let t190 = t94 * t179;
-    let t191 = t189 - t190;
-    let t192 = t80 * t191;
-    let t193 = t80 * t186;
-    let t194 = t192 - t193;
-    let t195 = t80 * t182;
-    let t196 = t194 + t195;
-    let t197 = t71 * t179;
-    let t198 = t196 + t197;
     let omega_wrist_1_joint_x = v[0] * sin_shoulder_lift_joint_elbow_joint_wrist_1_joint;
-    let t200 = sin_wrist_2_joint * omega_wrist_1_joint_x;
+    let t13 = sin_wrist_2_joint * omega_wrist_1_joint_x;
     let omega_elbow_joint_z = v[1] + v[2];
     let omega_wrist_1_joint_z = v[3] + omega_elbow_joint_z;
-    let t203 = cos_wrist_2_joint * omega_wrist_1_joint_z;
-    let omega_wrist_2_joint_y = t200 - t203;
+    let t16 = cos_wrist_2_joint * omega_wrist_1_joint_z;
+    let omega_wrist_2_joint_y = t13 - t16;
     let omega_wrist_3_joint_z = v[5] - omega_wrist_2_joint_y;
-    let t206 = 2.0 * omega_wrist_3_joint_z;
-    let t207 = cos_wrist_2_joint * omega_wrist_1_joint_x;
-    let t208 = sin_wrist_2_joint * omega_wrist_1_joint_z;
-    let omega_wrist_2_joint_x = t207 + t208;
-    let t210 = omega_wrist_2_joint_x * t206;
-    let t211 = omega_wrist_2_joint_x * omega_wrist_2_joint_y;
-    let t212 = omega_wrist_1_joint_z * omega_wrist_1_joint_x;
-    let t213 = t212 + t211;
-    let t214 = t213 + t210;
-    let t215 = t58 * t214;
+    let t19 = omega_wrist_3_joint_z * omega_wrist_3_joint_z;
+    let t20 = cos_wrist_2_joint * omega_wrist_1_joint_x;
+    let t21 = sin_wrist_2_joint * omega_wrist_1_joint_z;
+    let omega_wrist_2_joint_x = t20 + t21;
+    let t23 = omega_wrist_2_joint_x * omega_wrist_2_joint_x;
+    let t24 = t23 + t19;
     let omega_wrist_1_joint_y = v[0] * cos_shoulder_lift_joint_elbow_joint_wrist_1_joint;
     let omega_wrist_2_joint_z = v[4] - omega_wrist_1_joint_y;
-    let t218 = omega_wrist_2_joint_z * t206;
-    let t219 = 2.0 * omega_wrist_2_joint_z;
-    let t220 = omega_wrist_2_joint_y * t219;
-    let t221 = 2.0 * omega_wrist_1_joint_z;
-    let t222 = omega_wrist_1_joint_y * t221;
-    let t223 = cos_wrist_2_joint * t222;
-    let t224 = omega_wrist_1_joint_x * omega_wrist_1_joint_y;
-    let t225 = sin_wrist_2_joint * t224;
-    let t226 = t225 - t223;
-    let t227 = t226 + t220;
-    let t228 = t227 + t218;
-    let t229 = t22 * t228;
-    let moment_wrist_3_joint_y = t229 - t215;
-    let t231 = 0.12662099999999998 * t213;
-    let t232 = t212 - t211;
-    let t233 = 0.10970999999999999 * t232;
-    let t234 = t233 + t231;
-    let moment_wrist_2_joint_z = t234 - moment_wrist_3_joint_y;
-    let t236 = u[4] - moment_wrist_2_joint_z;
-    let t237 = t198 * t236;
-    let t238 = omega_wrist_3_joint_z * omega_wrist_3_joint_z;
-    let t239 = omega_wrist_2_joint_x * omega_wrist_2_joint_x;
-    let t240 = t239 + t238;
-    let t241 = omega_wrist_2_joint_z * omega_wrist_2_joint_z;
-    let t242 = t241 + t238;
-    let t243 = t242 - t240;
-    let t244 = t22 * t243;
-    let t245 = omega_wrist_2_joint_x * omega_wrist_2_joint_z;
-    let t246 = sin_wrist_2_joint * t222;
-    let t247 = cos_wrist_2_joint * t224;
-    let t248 = t247 + t246;
-    let t249 = t248 + t245;
-    let t250 = t245 + t249;
-    let t251 = t58 * t250;
-    let t252 = t244 - t251;
-    let t253 = t245 - t249;
-    let t254 = t57 * t253;
-    let moment_wrist_3_joint_z = t252 + t254;
-    let t256 = omega_wrist_2_joint_x * t219;
-    let t257 = t248 + t256;
-    let t258 = 0.10970999999999999 * t257;
-    let moment_wrist_2_joint_y = t258 - moment_wrist_3_joint_z;
-    let t260 = cos_wrist_2_joint * moment_wrist_2_joint_y;
-    let t261 = t57 * t228;
-    let t262 = t22 * t214;
-    let moment_wrist_3_joint_x = t262 - t261;
-    let t264 = 0.12662099999999998 * t227;
-    let moment_wrist_2_joint_x = t264 - moment_wrist_3_joint_x;
-    let t266 = sin_wrist_2_joint * moment_wrist_2_joint_x;
-    let t267 = t266 + t260;
-    let t268 = omega_elbow_joint_z * omega_elbow_joint_z;
-    let t269 = t97 * t268;
-    let t270 = v[1] * v[1];
-    let t271 = t130 * t270;
-    let acceleration_elbow_joint_y = 89.87631699496107 + t271;
-    let t273 = acceleration_elbow_joint_y + t269;
-    let t274 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t273;
+    let t27 = omega_wrist_2_joint_z * omega_wrist_2_joint_z;
+    let t28 = t27 + t19;
+    let t29 = t28 - t24;
+    let t30 = sin_wrist_3_joint * 0.0166855268546;
+    let t31 = cos_wrist_3_joint * t30;
+    let t32 = t31 * t29;
+    let t33 = omega_wrist_2_joint_x * omega_wrist_2_joint_z;
+    let t34 = 2.0 * omega_wrist_1_joint_z;
+    let t35 = omega_wrist_1_joint_y * t34;
+    let t36 = sin_wrist_2_joint * t35;
+    let t37 = omega_wrist_1_joint_x * omega_wrist_1_joint_y;
+    let t38 = cos_wrist_2_joint * t37;
+    let t39 = t38 + t36;
+    let t40 = t39 + t33;
+    let t41 = t33 + t40;
+    let t42 = sin_wrist_3_joint * t30;
+    let t43 = 0.016911000000000002 - t42;
+    let t44 = t43 * t41;
+    let t45 = t32 - t44;
+    let t46 = t33 - t40;
+    let t47 = 0.0002254731454000014 + t42;
+    let t48 = t47 * t46;
+    let moment_wrist_3_joint_z = t45 + t48;
+    let t50 = 2.0 * omega_wrist_2_joint_z;
+    let t51 = omega_wrist_2_joint_x * t50;
+    let t52 = t39 + t51;
+    let t53 = 0.10970999999999999 * t52;
+    let moment_wrist_2_joint_y = t53 - moment_wrist_3_joint_z;
+    let t55 = sin_wrist_2_joint * moment_wrist_2_joint_y;
+    let t56 = 2.0 * omega_wrist_3_joint_z;
+    let t57 = omega_wrist_2_joint_z * t56;
+    let t58 = omega_wrist_2_joint_y * t50;
+    let t59 = cos_wrist_2_joint * t35;
+    let t60 = sin_wrist_2_joint * t37;
+    let t61 = t60 - t59;
+    let t62 = t61 + t58;
+    let t63 = t62 + t57;
+    let t64 = t47 * t63;
+    let t65 = omega_wrist_2_joint_x * t56;
+    let t66 = omega_wrist_2_joint_x * omega_wrist_2_joint_y;
+    let t67 = omega_wrist_1_joint_z * omega_wrist_1_joint_x;
+    let t68 = t67 + t66;
+    let t69 = t68 + t65;
+    let t70 = t31 * t69;
+    let moment_wrist_3_joint_x = t70 - t64;
+    let t72 = 0.12662099999999998 * t62;
+    let moment_wrist_2_joint_x = t72 - moment_wrist_3_joint_x;
+    let t74 = cos_wrist_2_joint * moment_wrist_2_joint_x;
+    let t75 = t74 - t55;
+    let t76 = 0.004608836229750007 * t35;
+    let t77 = 2.0 * omega_elbow_joint_z;
+    let t78 = v[0] * t77;
+    let t79 = 3.5936784241868986 * sin_shoulder_lift_joint_elbow_joint;
+    let t80 = t79 * t78;
+    let t81 = v[1] * 2.0;
+    let t82 = v[0] * t81;
+    let t83 = 3.8937242327072834 * sin_shoulder_lift_joint;
+    let t84 = t83 * t82;
     let acceleration_shoulder_lift_joint_z = v[0] * v[0];
-    let t276 = acceleration_shoulder_lift_joint_z + t268;
-    let t277 = t30 * t276;
-    let t278 = acceleration_shoulder_lift_joint_z + t270;
-    let acceleration_elbow_joint_x = t43 * t278;
-    let t280 = acceleration_elbow_joint_x + t277;
-    let t281 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t280;
-    let acceleration_wrist_1_joint_x = t281 + t274;
-    let t283 = 0.001941203825250001 * acceleration_wrist_1_joint_x;
-    let t284 = t224 * 0.10510116377024999;
-    let t285 = t283 + t284;
-    let moment_wrist_1_joint_z = t285 - t267;
-    let t287 = u[3] - moment_wrist_1_joint_z;
-    let t288 = t191 * t287;
-    let t289 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t273;
-    let t290 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t280;
-    let acceleration_wrist_1_joint_y = t290 - t289;
-    let t292 = 0.0485587618780145 * acceleration_wrist_1_joint_y;
-    let t293 = omega_wrist_1_joint_x * omega_wrist_1_joint_x;
-    let t294 = omega_wrist_1_joint_z * omega_wrist_1_joint_z;
-    let t295 = t293 + t294;
-    let t296 = 0.001941203825250001 * t295;
-    let force_wrist_1_joint_y = t292 - t296;
-    let t298 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_y;
-    let t299 = 0.0485587618780145 * acceleration_wrist_1_joint_x;
-    let t300 = 0.001941203825250001 * t224;
-    let force_wrist_1_joint_x = t299 - t300;
-    let t302 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_x;
-    let t303 = t302 + t298;
-    let t304 = t97 * t303;
-    let t305 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_y;
-    let t306 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_x;
-    let t307 = t306 - t305;
-    let t308 = t30 * t307;
-    let t309 = t308 - t304;
-    let t310 = moment_wrist_1_joint_z - t309;
-    let t311 = t268 - t276;
-    let t312 = cos_shoulder_lift_joint_elbow_joint * t37;
-    let t313 = t312 * t311;
-    let moment_elbow_joint_z = t313 + t310;
-    let t315 = u[2] - moment_elbow_joint_z;
-    let t316 = t186 * t315;
-    let t317 = t173 * inverse_d_shoulder_pan_joint;
-    let t318 = t173 * t317;
-    let t319 = inverse_d_shoulder_lift_joint - t318;
-    let t320 = t144 * t319;
-    let t321 = t127 * t317;
-    let t322 = t320 + t321;
-    let t323 = 0.0757061993667061 * acceleration_elbow_joint_x;
-    let force_elbow_joint_x = t323 + t303;
-    let t325 = t130 * force_elbow_joint_x;
-    let t326 = 0.0757061993667061 * acceleration_elbow_joint_y;
-    let force_elbow_joint_y = t326 + t307;
-    let t328 = t43 * force_elbow_joint_y;
-    let t329 = t328 - t325;
-    let t330 = moment_elbow_joint_z - t329;
-    let t331 = t270 - t278;
-    let t332 = cos_shoulder_lift_joint * t50;
-    let t333 = t332 * t331;
-    let moment_shoulder_lift_joint_z = t333 + t330;
-    let t335 = u[1] - moment_shoulder_lift_joint_z;
-    let t336 = t322 * t335;
-    let t337 = t144 * t317;
-    let t338 = t127 * inverse_d_shoulder_pan_joint;
-    let t339 = t337 - t338;
-    let t340 = sin_wrist_2_joint * moment_wrist_2_joint_y;
-    let t341 = cos_wrist_2_joint * moment_wrist_2_joint_x;
-    let t342 = t341 - t340;
-    let t343 = 0.004608836229750007 * t222;
-    let t344 = 2.0 * omega_elbow_joint_z;
-    let t345 = v[0] * t344;
-    let t346 = t97 * t345;
-    let t347 = v[1] * 2.0;
-    let t348 = v[0] * t347;
-    let t349 = t130 * t348;
-    let acceleration_elbow_joint_z = acceleration_shoulder_lift_joint_z + t349;
-    let acceleration_wrist_1_joint_z = acceleration_elbow_joint_z + t346;
-    let t352 = 0.001941203825250001 * acceleration_wrist_1_joint_z;
-    let t353 = t352 + t343;
-    let moment_wrist_1_joint_x = t353 - t342;
-    let t355 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint
-        * moment_wrist_1_joint_x;
-    let t356 = omega_wrist_1_joint_x * t221;
-    let t357 = 0.10970999999999999 * t356;
-    let moment_wrist_1_joint_y = t357 + moment_wrist_2_joint_z;
-    let t359 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint
+    let acceleration_elbow_joint_z = acceleration_shoulder_lift_joint_z + t84;
+    let acceleration_wrist_1_joint_z = acceleration_elbow_joint_z + t80;
+    let t88 = 0.001941203825250001 * acceleration_wrist_1_joint_z;
+    let t89 = t88 + t76;
+    let moment_wrist_1_joint_x = t89 - t75;
+    let t91 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * moment_wrist_1_joint_x;
+    let t92 = t43 * t69;
+    let t93 = t31 * t63;
+    let moment_wrist_3_joint_y = t93 - t92;
+    let t95 = 0.12662099999999998 * t68;
+    let t96 = t67 - t66;
+    let t97 = 0.10970999999999999 * t96;
+    let t98 = t97 + t95;
+    let moment_wrist_2_joint_z = t98 - moment_wrist_3_joint_y;
+    let t100 = omega_wrist_1_joint_x * t34;
+    let t101 = 0.10970999999999999 * t100;
+    let moment_wrist_1_joint_y = t101 + moment_wrist_2_joint_z;
+    let t103 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint
         * moment_wrist_1_joint_y;
-    let t360 = t355 - t359;
-    let t361 = 0.001941203825250001 * t222;
-    let t362 = 0.0485587618780145 * acceleration_wrist_1_joint_z;
-    let force_wrist_1_joint_z = t362 + t361;
-    let t364 = t30 * force_wrist_1_joint_z;
-    let t365 = t360 - t364;
-    let t366 = acceleration_shoulder_lift_joint_z - t276;
-    let t367 = 0.09736195575 * cos_shoulder_lift_joint_elbow_joint;
-    let t368 = t367 * t366;
-    let t369 = t312 * t345;
-    let t370 = t369 + t368;
-    let moment_elbow_joint_y = t370 + t365;
-    let t372 = 0.0757061993667061 * acceleration_elbow_joint_z;
-    let force_elbow_joint_z = t372 + force_wrist_1_joint_z;
-    let t374 = t43 * force_elbow_joint_z;
-    let t375 = moment_elbow_joint_y - t374;
-    let t376 = acceleration_shoulder_lift_joint_z - t278;
-    let t377 = 0.075354282 * cos_shoulder_lift_joint;
-    let t378 = t377 * t376;
-    let t379 = t332 * t348;
-    let t380 = t379 + t378;
-    let moment_shoulder_lift_joint_y = t380 + t375;
+    let t104 = t91 - t103;
+    let t105 = 0.001941203825250001 * t35;
+    let t106 = 0.0485587618780145 * acceleration_wrist_1_joint_z;
+    let force_wrist_1_joint_z = t106 + t105;
+    let t108 = 3.5936784241868986 * cos_shoulder_lift_joint_elbow_joint;
+    let t109 = t108 * force_wrist_1_joint_z;
+    let t110 = t104 - t109;
+    let t111 = omega_elbow_joint_z * omega_elbow_joint_z;
+    let t112 = acceleration_shoulder_lift_joint_z + t111;
+    let t113 = acceleration_shoulder_lift_joint_z - t112;
+    let t114 = 0.09736195575 * cos_shoulder_lift_joint_elbow_joint;
+    let t115 = t114 * t113;
+    let t116 = sin_shoulder_lift_joint_elbow_joint * 0.03555637394399993;
+    let t117 = cos_shoulder_lift_joint_elbow_joint * t116;
+    let t118 = t117 * t78;
+    let t119 = t118 + t115;
+    let moment_elbow_joint_y = t119 + t110;
+    let t121 = 0.0757061993667061 * acceleration_elbow_joint_z;
+    let force_elbow_joint_z = t121 + force_wrist_1_joint_z;
+    let t123 = 3.8937242327072834 * cos_shoulder_lift_joint;
+    let t124 = t123 * force_elbow_joint_z;
+    let t125 = moment_elbow_joint_y - t124;
+    let t126 = v[1] * v[1];
+    let t127 = acceleration_shoulder_lift_joint_z + t126;
+    let t128 = acceleration_shoulder_lift_joint_z - t127;
+    let t129 = 0.075354282 * cos_shoulder_lift_joint;
+    let t130 = t129 * t128;
+    let t131 = sin_shoulder_lift_joint * 0.12897252408999982;
+    let t132 = cos_shoulder_lift_joint * t131;
+    let t133 = t132 * t82;
+    let t134 = t133 + t130;
+    let moment_shoulder_lift_joint_y = t134 + t125;
+    let t136 = t79 * t111;
+    let t137 = t83 * t126;
+    let acceleration_elbow_joint_y = 89.87631699496107 + t137;
+    let t139 = acceleration_elbow_joint_y + t136;
+    let t140 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t139;
+    let t141 = t108 * t112;
+    let acceleration_elbow_joint_x = t123 * t127;
+    let t143 = acceleration_elbow_joint_x + t141;
+    let t144 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t143;
+    let acceleration_wrist_1_joint_y = t144 - t140;
+    let t146 = 0.0485587618780145 * acceleration_wrist_1_joint_y;
+    let t147 = omega_wrist_1_joint_x * omega_wrist_1_joint_x;
+    let t148 = omega_wrist_1_joint_z * omega_wrist_1_joint_z;
+    let t149 = t147 + t148;
+    let t150 = 0.001941203825250001 * t149;
+    let force_wrist_1_joint_y = t146 - t150;
+    let t152 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_y;
+    let t153 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t139;
+    let t154 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t143;
+    let acceleration_wrist_1_joint_x = t154 + t153;
+    let t156 = 0.0485587618780145 * acceleration_wrist_1_joint_x;
+    let t157 = 0.001941203825250001 * t37;
+    let force_wrist_1_joint_x = t156 - t157;
+    let t159 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_x;
+    let t160 = t159 + t152;
+    let t161 = 0.0757061993667061 * acceleration_elbow_joint_x;
+    let force_elbow_joint_x = t161 + t160;
     let moment_shoulder_pan_joint_z = force_elbow_joint_x + moment_shoulder_lift_joint_y;
-    let t383 = u[0] - moment_shoulder_pan_joint_z;
-    let t384 = t339 * t383;
-    let t385 = t384 - t336;
-    let t386 = t385 + t316;
-    let t387 = t386 - t288;
-    let t388 = t387 - t237;
-    let t389 = t75 * t191;
-    let t390 = t75 * t186;
+    let t164 = u[0] - moment_shoulder_pan_joint_z;
+    let t165 = u[5] - moment_wrist_3_joint_z;
+    let t166 = t43 + t47;
+    let t167 = sin_wrist_2_joint * t166;
+    let t168 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t167;
+    let inverse_d_wrist_3_joint = 1.0 / t166;
+    let t170 = t168 * inverse_d_wrist_3_joint;
+    let t171 = t170 * t165;
+    let t172 = t164 + t171;
+    let t173 = u[4] - moment_wrist_2_joint_z;
+    let t174 = t42 - 0.25324199999999997;
+    let t175 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t174;
+    let t176 = cos_wrist_2_joint * t31;
+    let t177 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t176;
+    let t178 = t177 + t175;
+    let inverse_d_wrist_2_joint = 1.0 / t174;
+    let t180 = t178 * inverse_d_wrist_2_joint;
+    let t181 = t180 * t173;
+    let t182 = t172 + t181;
+    let t183 = cos_wrist_2_joint * moment_wrist_2_joint_y;
+    let t184 = sin_wrist_2_joint * moment_wrist_2_joint_x;
+    let t185 = t184 + t183;
+    let t186 = 0.001941203825250001 * acceleration_wrist_1_joint_x;
+    let t187 = t37 * 0.10510116377024999;
+    let t188 = t186 + t187;
+    let moment_wrist_1_joint_z = t188 - t185;
+    let t190 = u[3] - moment_wrist_1_joint_z;
+    let t191 = cos_wrist_2_joint * t166;
+    let t192 = t191 * inverse_d_wrist_3_joint;
+    let t193 = t192 * t165;
+    let t194 = t190 - t193;
+    let t195 = sin_wrist_2_joint * t31;
+    let t196 = t195 * inverse_d_wrist_2_joint;
+    let t197 = t196 * t173;
+    let t198 = t194 + t197;
+    let t199 = t191 * t192;
+    let t200 = sin_wrist_2_joint * t42;
+    let t201 = sin_wrist_2_joint * t200;
+    let t202 = 0.12662099999999998 - t42;
+    let t203 = t202 + t201;
+    let t204 = 0.10970999999999999 + t203;
+    let t205 = t42 + 0.0048343093751500085;
+    let t206 = t204 + t205;
+    let t207 = t206 - t199;
+    let t208 = t195 * t196;
+    let t209 = t207 + t208;
+    let inverse_d_wrist_1_joint = 1.0 / t209;
+    let t211 = t168 * t192;
+    let t212 = cos_wrist_2_joint * t200;
+    let t213 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t212;
+    let t214 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t195;
+    let t215 = t213 - t214;
+    let t216 = 0.001941203825250001 * cos_shoulder_lift_joint_elbow_joint_wrist_1_joint;
+    let t217 = t216 + t215;
+    let t218 = t217 + t211;
+    let t219 = t178 * t196;
+    let t220 = t218 + t219;
+    let t221 = t220 * inverse_d_wrist_1_joint;
+    let t222 = t221 * t198;
+    let t223 = t182 - t222;
+    let t224 = t79 * t160;
+    let t225 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_y;
+    let t226 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * force_wrist_1_joint_x;
+    let t227 = t226 - t225;
+    let t228 = t108 * t227;
+    let t229 = t228 - t224;
+    let t230 = moment_wrist_1_joint_z - t229;
+    let t231 = t111 - t112;
+    let t232 = t117 * t231;
+    let moment_elbow_joint_z = t232 + t230;
+    let t234 = u[2] - moment_elbow_joint_z;
+    let t235 = t234 - t193;
+    let t236 = t235 + t197;
+    let t237 = t79 * t216;
+    let t238 = 0.001941203825250001 * sin_shoulder_lift_joint_elbow_joint_wrist_1_joint;
+    let t239 = t108 * t238;
+    let t240 = t239 - t237;
+    let t241 = t206 - t240;
+    let t242 = t241 - t199;
+    let t243 = t242 + t208;
+    let t244 = t243 * inverse_d_wrist_1_joint;
+    let t245 = t244 * t198;
+    let t246 = t236 - t245;
+    let t247 = t243 * t244;
+    let t248 = 2.0 * t240;
+    let t249 = t206 - t248;
+    let t250 = t79 * t79;
+    let t251 = t108 * t108;
+    let t252 = t251 + t250;
+    let t253 = 0.0485587618780145 * t252;
+    let t254 = t253 + t249;
+    let t255 = sin_shoulder_lift_joint_elbow_joint * t116;
+    let t256 = 0.0020475000000000007 - t255;
+    let t257 = 0.03350887394399993 - t255;
+    let t258 = t257 - t256;
+    let t259 = t258 - t254;
+    let t260 = t259 + t199;
+    let t261 = t260 - t208;
+    let t262 = t261 + t247;
+    let inverse_d_elbow_joint = 1.0 / t262;
+    let t264 = t220 * t244;
+    let t265 = 0.09736195575 * sin_shoulder_lift_joint_elbow_joint;
+    let t266 = t265 - t215;
+    let t267 = sin_shoulder_lift_joint_elbow_joint * 0.17450457486624998;
+    let t268 = t216 + t267;
+    let t269 = t268 - t266;
+    let t270 = t269 + t211;
+    let t271 = t270 + t219;
+    let t272 = t271 - t264;
+    let t273 = t272 * inverse_d_elbow_joint;
+    let t274 = t273 * t246;
+    let t275 = t223 + t274;
+    let t276 = t83 * force_elbow_joint_x;
+    let t277 = 0.0757061993667061 * acceleration_elbow_joint_y;
+    let force_elbow_joint_y = t277 + t227;
+    let t279 = t123 * force_elbow_joint_y;
+    let t280 = t279 - t276;
+    let t281 = moment_elbow_joint_z - t280;
+    let t282 = t126 - t127;
+    let t283 = t132 * t282;
+    let moment_shoulder_lift_joint_z = t283 + t281;
+    let t285 = u[1] - moment_shoulder_lift_joint_z;
+    let t286 = t285 - t193;
+    let t287 = t286 + t197;
+    let t288 = t83 * t216;
+    let t289 = t123 * t238;
+    let t290 = t289 - t288;
+    let t291 = t241 - t290;
+    let t292 = t291 - t199;
+    let t293 = t292 + t208;
+    let t294 = t293 * inverse_d_wrist_1_joint;
+    let t295 = t294 * t198;
+    let t296 = t287 - t295;
+    let t297 = t83 * t268;
+    let t298 = cos_shoulder_lift_joint_elbow_joint * 0.17450457486624998;
+    let t299 = t238 - t298;
+    let t300 = t123 * t299;
+    let t301 = t300 - t297;
+    let t302 = t259 + t301;
+    let t303 = t302 + t199;
+    let t304 = t303 - t208;
+    let t305 = t293 * t244;
+    let t306 = t304 + t305;
+    let t307 = t306 * inverse_d_elbow_joint;
+    let t308 = t307 * t246;
+    let t309 = t296 - t308;
+    let t310 = t306 * t307;
+    let t311 = 2.0 * t301;
+    let t312 = t259 + t311;
+    let t313 = t83 * t83;
+    let t314 = t123 * t123;
+    let t315 = t314 + t313;
+    let t316 = 0.1242649612447206 * t315;
+    let t317 = t316 - t312;
+    let t318 = sin_shoulder_lift_joint * t131;
+    let t319 = 0.0075536999999999965 - t318;
+    let t320 = 0.12141882408999982 - t318;
+    let t321 = t320 - t319;
+    let t322 = t321 - t317;
+    let t323 = t322 + t199;
+    let t324 = t323 - t208;
+    let t325 = t293 * t294;
+    let t326 = t324 + t325;
+    let t327 = t326 - t310;
+    let inverse_d_shoulder_lift_joint = 1.0 / t327;
+    let t329 = t272 * t307;
+    let t330 = t220 * t294;
+    let t331 = 0.075354282 * sin_shoulder_lift_joint;
+    let t332 = t331 + t266;
+    let t333 = sin_shoulder_lift_joint * 0.483853490875;
+    let t334 = t268 + t333;
+    let t335 = t334 - t332;
+    let t336 = t335 + t211;
+    let t337 = t336 + t219;
+    let t338 = t337 - t330;
+    let t339 = t338 - t329;
+    let t340 = t339 * inverse_d_shoulder_lift_joint;
+    let t341 = t340 * t309;
+    let t342 = t275 + t341;
+    let t343 = t204 - t205;
+    let t344 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t343;
+    let t345 = 2.0 * t176;
+    let t346 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t345;
+    let t347 = t344 + t346;
+    let t348 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t347;
+    let t349 = t204 - t348;
+    let t350 = 2.0 * t239;
+    let t351 = t349 - t350;
+    let t352 = 0.0485587618780145 * t251;
+    let t353 = t351 + t352;
+    let t354 = t257 - t353;
+    let t355 = 2.0 * t300;
+    let t356 = t354 + t355;
+    let t357 = 0.1242649612447206 * t314;
+    let t358 = t356 - t357;
+    let t359 = t320 + t358;
+    let t360 = 0.0033300000000000005 - t359;
+    let t361 = t201 - 0.42182961244274997;
+    let t362 = t360 - t361;
+    let t363 = t168 * t170;
+    let t364 = t362 - t363;
+    let t365 = t178 * t180;
+    let t366 = t364 + t365;
+    let t367 = t220 * t221;
+    let t368 = t366 - t367;
+    let t369 = t272 * t273;
+    let t370 = t368 + t369;
+    let t371 = t339 * t340;
+    let t372 = t370 + t371;
+    let inverse_d_shoulder_pan_joint = 1.0 / t372;
+    let acceleration_shoulder_lift_joint_x = inverse_d_shoulder_pan_joint * t342;
+    let t375 = t340 * acceleration_shoulder_lift_joint_x;
+    let t376 = inverse_d_shoulder_lift_joint * t309;
+    let t377 = t376 - t375;
+    let t378 = t307 * t377;
+    let t379 = inverse_d_elbow_joint * t246;
+    let t380 = t379 - t378;
+    let t381 = t273 * acceleration_shoulder_lift_joint_x;
+    let t382 = t380 - t381;
+    let t383 = t244 * t382;
+    let t384 = inverse_d_wrist_1_joint * t198;
+    let t385 = t384 + t383;
+    let t386 = t294 * t377;
+    let t387 = t385 + t386;
+    let t388 = t221 * acceleration_shoulder_lift_joint_x;
+    let t389 = t387 - t388;
+    let t390 = t377 + t382;
     let t391 = t389 - t390;
-    let t392 = t75 * t182;
-    let t393 = t391 + t392;
-    let t394 = t63 * t179;
-    let t395 = t393 - t394;
-    let t396 = u[5] - moment_wrist_3_joint_z;
-    let t397 = t395 * t396;
-    let t398 = t388 + t397;
-    let t399 = t103 * t322;
-    let t400 = t157 * t319;
-    let t401 = t399 - t400;
-    let t402 = t94 * t317;
+    let t392 = t37 - t391;
+    let t393 = cos_wrist_2_joint * t392;
+    let t394 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint
+        * acceleration_shoulder_lift_joint_x;
+    let t395 = t35 + t394;
+    let t396 = sin_wrist_2_joint * t395;
+    let t397 = t393 + t396;
+    let t398 = t33 + t397;
+    let t399 = t192 * t389;
+    let t400 = inverse_d_wrist_3_joint * t165;
+    let t401 = t400 - t399;
+    let t402 = t192 * t382;
     let t403 = t401 + t402;
-    let t404 = t80 * t403;
-    let t405 = t80 * t322;
-    let t406 = t404 - t405;
-    let t407 = t80 * t319;
-    let t408 = t406 + t407;
-    let t409 = t71 * t317;
-    let t410 = t408 - t409;
-    let t411 = t410 * t236;
-    let t412 = t403 * t287;
-    let t413 = t322 * t315;
-    let t414 = t319 * t335;
-    let t415 = t317 * t383;
-    let t416 = t415 - t414;
-    let t417 = t416 + t413;
-    let t418 = t417 - t412;
-    let t419 = t418 - t411;
-    let t420 = t75 * t403;
-    let t421 = t75 * t322;
-    let t422 = t420 - t421;
-    let t423 = t75 * t319;
-    let t424 = t422 + t423;
-    let t425 = t63 * t317;
-    let t426 = t424 + t425;
-    let t427 = t426 * t396;
-    let t428 = t419 + t427;
-    let t429 = t428 - t398;
-    let t430 = t103 * t144;
-    let t431 = t157 - t430;
-    let t432 = t173 * t431;
-    let t433 = t103 * t127;
-    let t434 = t94 + t433;
-    let t435 = t434 + t432;
-    let t436 = inverse_d_shoulder_pan_joint * t435;
-    let t437 = t173 * t436;
-    let t438 = inverse_d_shoulder_lift_joint * t431;
-    let t439 = t438 - t437;
-    let t440 = t144 * t439;
-    let t441 = t103 * inverse_d_elbow_joint;
-    let t442 = t441 - t440;
-    let t443 = t127 * t436;
-    let t444 = t442 - t443;
-    let t445 = t103 * t444;
-    let t446 = inverse_d_wrist_1_joint - t445;
-    let t447 = t157 * t439;
-    let t448 = t446 - t447;
-    let t449 = t94 * t436;
-    let t450 = t448 + t449;
-    let t451 = t80 * t450;
-    let t452 = t80 * t444;
+    let t404 = t192 * t377;
+    let t405 = t403 + t404;
+    let t406 = t170 * acceleration_shoulder_lift_joint_x;
+    let t407 = t405 + t406;
+    let t408 = t407 - t398;
+    let t409 = t33 - t408;
+    let t410 = t43 * t409;
+    let t411 = t32 - t410;
+    let t412 = t33 + t408;
+    let t413 = t47 * t412;
+    let moment_wrist_3_joint_z_2 = t411 + t413;
+    let t415 = t51 + t397;
+    let t416 = 0.10970999999999999 * t415;
+    let moment_wrist_2_joint_y_2 = t416 - moment_wrist_3_joint_z_2;
+    let t418 = sin_wrist_2_joint * moment_wrist_2_joint_y_2;
+    let t419 = t196 * t389;
+    let t420 = inverse_d_wrist_2_joint * t173;
+    let t421 = t420 - t419;
+    let t422 = t196 * t382;
+    let t423 = t421 + t422;
+    let t424 = t196 * t377;
+    let t425 = t423 + t424;
+    let t426 = t180 * acceleration_shoulder_lift_joint_x;
+    let t427 = t425 - t426;
+    let t428 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint
+        * acceleration_shoulder_lift_joint_x;
+    let t429 = t67 - t428;
+    let t430 = t427 - t429;
+    let t431 = t66 - t430;
+    let t432 = t65 + t431;
+    let t433 = t31 * t432;
+    let t434 = sin_wrist_2_joint * t392;
+    let t435 = cos_wrist_2_joint * t395;
+    let t436 = t434 - t435;
+    let t437 = t58 + t436;
+    let t438 = t57 + t437;
+    let t439 = t47 * t438;
+    let moment_wrist_3_joint_x_2 = t433 - t439;
+    let t441 = 0.12662099999999998 * t437;
+    let moment_wrist_2_joint_x_2 = t441 - moment_wrist_3_joint_x_2;
+    let t443 = cos_wrist_2_joint * moment_wrist_2_joint_x_2;
+    let t444 = t443 - t418;
+    let t445 = t123 * acceleration_shoulder_lift_joint_x;
+    let t446 = t84 - t445;
+    let acceleration_elbow_joint_z_2 = acceleration_shoulder_lift_joint_z + t446;
+    let t448 = t108 * acceleration_shoulder_lift_joint_x;
+    let t449 = t80 - t448;
+    let acceleration_wrist_1_joint_z_2 = acceleration_elbow_joint_z_2 + t449;
+    let t451 = 0.001941203825250001 * acceleration_wrist_1_joint_z_2;
+    let t452 = 0.004608836229750007 * t395;
     let t453 = t451 + t452;
-    let t454 = t80 * t439;
-    let t455 = t453 + t454;
-    let t456 = t71 * t436;
-    let t457 = t455 - t456;
-    let t458 = t457 * t236;
-    let t459 = t450 * t287;
-    let t460 = t191 * t315;
-    let t461 = t403 * t335;
-    let t462 = t103 * t339;
-    let t463 = t157 * t317;
-    let t464 = t462 - t463;
-    let t465 = t94 * inverse_d_shoulder_pan_joint;
-    let t466 = t464 - t465;
-    let t467 = t466 * t383;
-    let t468 = t467 - t461;
-    let t469 = t468 + t460;
-    let t470 = t469 + t459;
-    let t471 = t470 + t458;
-    let t472 = t75 * t450;
-    let t473 = t75 * t444;
-    let t474 = t472 + t473;
-    let t475 = t75 * t439;
-    let t476 = t474 + t475;
-    let t477 = t63 * t436;
-    let t478 = t476 + t477;
-    let t479 = t478 * t396;
-    let t480 = t471 - t479;
-    let t481 = t480 + t429;
-    let t482 = t224 - t481;
-    let t483 = cos_wrist_2_joint * t482;
-    let t484 = t80 * t466;
-    let t485 = t80 * t339;
-    let t486 = t484 - t485;
-    let t487 = t80 * t317;
-    let t488 = t486 + t487;
-    let t489 = t71 * inverse_d_shoulder_pan_joint;
-    let t490 = t488 + t489;
-    let t491 = t490 * t236;
-    let t492 = t466 * t287;
-    let t493 = t339 * t315;
-    let t494 = t317 * t335;
-    let t495 = inverse_d_shoulder_pan_joint * t383;
-    let t496 = t495 + t494;
-    let t497 = t496 - t493;
-    let t498 = t497 + t492;
-    let t499 = t498 + t491;
-    let t500 = t75 * t466;
-    let t501 = t75 * t339;
-    let t502 = t500 - t501;
-    let t503 = t75 * t317;
-    let t504 = t502 + t503;
-    let t505 = t63 * inverse_d_shoulder_pan_joint;
-    let t506 = t504 - t505;
-    let t507 = t506 * t396;
-    let acceleration_shoulder_lift_joint_x = t499 - t507;
-    let t509 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint
-        * acceleration_shoulder_lift_joint_x;
-    let t510 = t222 + t509;
-    let t511 = sin_wrist_2_joint * t510;
-    let t512 = t483 + t511;
-    let t513 = t245 + t512;
-    let t514 = t478 * t287;
-    let t515 = t395 * t315;
-    let t516 = t426 * t335;
-    let t517 = t506 * t383;
-    let t518 = t517 - t516;
-    let t519 = t518 + t515;
-    let t520 = t519 + t514;
-    let t521 = t80 * t103;
-    let t522 = t80 - t521;
-    let t523 = t144 * t522;
-    let t524 = t80 * t157;
-    let t525 = t80 - t524;
-    let t526 = t525 - t523;
-    let t527 = t173 * t526;
-    let t528 = t127 * t522;
-    let t529 = t80 * t94;
-    let t530 = t71 - t529;
-    let t531 = t530 + t528;
-    let t532 = t531 + t527;
-    let t533 = inverse_d_shoulder_pan_joint * t532;
-    let t534 = t173 * t533;
-    let t535 = inverse_d_shoulder_lift_joint * t526;
-    let t536 = t535 - t534;
-    let t537 = t144 * t536;
-    let t538 = inverse_d_elbow_joint * t522;
-    let t539 = t538 - t537;
-    let t540 = t127 * t533;
-    let t541 = t539 - t540;
-    let t542 = t103 * t541;
-    let t543 = t80 * inverse_d_wrist_1_joint;
-    let t544 = t543 + t542;
-    let t545 = t157 * t536;
-    let t546 = t544 + t545;
-    let t547 = t94 * t533;
-    let t548 = t546 - t547;
-    let t549 = t75 * t548;
-    let t550 = t75 * t541;
-    let t551 = t549 - t550;
-    let t552 = t75 * t536;
-    let t553 = t551 - t552;
-    let t554 = t63 * t533;
-    let t555 = t553 - t554;
-    let t556 = t555 * t236;
-    let t557 = t520 + t556;
-    let t558 = t75 * t103;
-    let t559 = t75 - t558;
-    let t560 = t144 * t559;
-    let t561 = t75 * t157;
-    let t562 = t75 - t561;
-    let t563 = t562 - t560;
-    let t564 = t173 * t563;
-    let t565 = t127 * t559;
-    let t566 = t75 * t94;
-    let t567 = t63 + t566;
-    let t568 = t567 - t565;
-    let t569 = t568 - t564;
-    let t570 = inverse_d_shoulder_pan_joint * t569;
-    let t571 = t173 * t570;
-    let t572 = inverse_d_shoulder_lift_joint * t563;
-    let t573 = t572 + t571;
-    let t574 = t144 * t573;
-    let t575 = inverse_d_elbow_joint * t559;
-    let t576 = t575 - t574;
-    let t577 = t127 * t570;
-    let t578 = t576 + t577;
-    let t579 = t103 * t578;
-    let t580 = t75 * inverse_d_wrist_1_joint;
-    let t581 = t580 + t579;
-    let t582 = t157 * t573;
-    let t583 = t581 + t582;
-    let t584 = t94 * t570;
-    let t585 = t583 + t584;
-    let t586 = t75 * t585;
-    let t587 = inverse_d_wrist_3_joint + t586;
-    let t588 = t75 * t578;
-    let t589 = t587 - t588;
-    let t590 = t75 * t573;
-    let t591 = t589 - t590;
-    let t592 = t63 * t570;
-    let t593 = t591 + t592;
-    let t594 = t593 * t396;
-    let t595 = t557 - t594;
-    let t596 = t595 + t513;
-    let t597 = t245 + t596;
-    let t598 = t58 * t597;
-    let t599 = t244 - t598;
-    let t600 = t245 - t596;
-    let t601 = t57 * t600;
-    let moment_wrist_3_joint_z_2 = t599 + t601;
-    let t603 = t256 + t512;
-    let t604 = 0.10970999999999999 * t603;
-    let moment_wrist_2_joint_y_2 = t604 - moment_wrist_3_joint_z_2;
-    let t606 = sin_wrist_2_joint * moment_wrist_2_joint_y_2;
-    let t607 = sin_wrist_2_joint * t482;
-    let t608 = cos_wrist_2_joint * t510;
-    let t609 = t607 - t608;
-    let t610 = t220 + t609;
-    let t611 = t218 + t610;
-    let t612 = t57 * t611;
-    let t613 = t80 * t548;
-    let t614 = inverse_d_wrist_2_joint - t613;
-    let t615 = t80 * t541;
-    let t616 = t614 + t615;
-    let t617 = t80 * t536;
-    let t618 = t616 + t617;
-    let t619 = t71 * t533;
-    let t620 = t618 - t619;
-    let t621 = t620 * t236;
-    let t622 = t457 * t287;
-    let t623 = t198 * t315;
-    let t624 = t410 * t335;
-    let t625 = t490 * t383;
-    let t626 = t625 - t624;
-    let t627 = t626 + t623;
-    let t628 = t627 + t622;
-    let t629 = t628 - t621;
-    let t630 = t555 * t396;
-    let t631 = t629 - t630;
-    let t632 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint
-        * acceleration_shoulder_lift_joint_x;
-    let t633 = t212 - t632;
-    let t634 = t631 + t633;
-    let t635 = t211 + t634;
-    let t636 = t210 + t635;
-    let t637 = t22 * t636;
-    let moment_wrist_3_joint_x_2 = t637 - t612;
-    let t639 = 0.12662099999999998 * t610;
-    let moment_wrist_2_joint_x_2 = t639 - moment_wrist_3_joint_x_2;
-    let t641 = cos_wrist_2_joint * moment_wrist_2_joint_x_2;
-    let t642 = t641 - t606;
-    let t643 = t43 * acceleration_shoulder_lift_joint_x;
-    let t644 = t349 - t643;
-    let acceleration_elbow_joint_z_2 = acceleration_shoulder_lift_joint_z + t644;
-    let t646 = t30 * acceleration_shoulder_lift_joint_x;
-    let t647 = t346 - t646;
-    let acceleration_wrist_1_joint_z_2 = acceleration_elbow_joint_z_2 + t647;
-    let t649 = 0.001941203825250001 * acceleration_wrist_1_joint_z_2;
-    let t650 = 0.004608836229750007 * t510;
-    let t651 = t649 + t650;
-    let moment_wrist_1_joint_x_2 = t651 - t642;
-    let t653 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint
+    let moment_wrist_1_joint_x_2 = t453 - t444;
+    let t455 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint
         * moment_wrist_1_joint_x_2;
-    let t654 = t22 * t611;
-    let t655 = t58 * t636;
-    let moment_wrist_3_joint_y_2 = t654 - t655;
-    let t657 = 0.12662099999999998 * t635;
-    let t658 = t211 - t634;
-    let t659 = 0.10970999999999999 * t658;
-    let t660 = t659 - t657;
-    let moment_wrist_2_joint_z_2 = t660 + moment_wrist_3_joint_y_2;
-    let t662 = t356 - t632;
-    let t663 = 0.10970999999999999 * t662;
-    let moment_wrist_1_joint_y_2 = t663 - moment_wrist_2_joint_z_2;
-    let t665 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint
+    let t456 = t43 * t432;
+    let t457 = t31 * t438;
+    let moment_wrist_3_joint_y_2 = t457 - t456;
+    let t459 = 0.12662099999999998 * t431;
+    let t460 = t66 + t430;
+    let t461 = 0.10970999999999999 * t460;
+    let t462 = t461 - t459;
+    let moment_wrist_2_joint_z_2 = t462 + moment_wrist_3_joint_y_2;
+    let t464 = t100 - t428;
+    let t465 = 0.10970999999999999 * t464;
+    let moment_wrist_1_joint_y_2 = t465 - moment_wrist_2_joint_z_2;
+    let t467 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint
         * moment_wrist_1_joint_y_2;
-    let t666 = t653 + t665;
-    let t667 = 0.0485587618780145 * acceleration_wrist_1_joint_z_2;
-    let t668 = 0.001941203825250001 * t510;
-    let force_wrist_1_joint_z_2 = t667 + t668;
-    let t670 = t97 * force_wrist_1_joint_z_2;
-    let t671 = t666 + t670;
-    let t672 = t367 * t429;
-    let t673 = t312 * acceleration_shoulder_lift_joint_x;
-    let t674 = t673 - t672;
-    let t675 = acceleration_shoulder_lift_joint_z - t268;
-    let t676 = t119 * t675;
-    let t677 = t676 - t674;
-    let t678 = t111 * t345;
+    let t468 = t455 + t467;
+    let t469 = 0.0485587618780145 * acceleration_wrist_1_joint_z_2;
+    let t470 = 0.001941203825250001 * t395;
+    let force_wrist_1_joint_z_2 = t469 + t470;
+    let t472 = t79 * force_wrist_1_joint_z_2;
+    let t473 = t468 + t472;
+    let t474 = t114 * t390;
+    let t475 = t117 * acceleration_shoulder_lift_joint_x;
+    let t476 = t475 + t474;
+    let t477 = acceleration_shoulder_lift_joint_z - t111;
+    let t478 = t265 * t477;
+    let t479 = t478 - t476;
+    let t480 = t256 * t78;
+    let t481 = t480 - t479;
+    let moment_elbow_joint_x = t481 + t473;
+    let t483 = 0.0757061993667061 * acceleration_elbow_joint_z_2;
+    let force_elbow_joint_z_2 = t483 + force_wrist_1_joint_z_2;
+    let t485 = t83 * force_elbow_joint_z_2;
+    let t486 = moment_elbow_joint_x + t485;
+    let t487 = t129 * t377;
+    let t488 = t132 * acceleration_shoulder_lift_joint_x;
+    let t489 = t488 + t487;
+    let t490 = acceleration_shoulder_lift_joint_z - t126;
+    let t491 = t331 * t490;
+    let t492 = t491 - t489;
+    let t493 = t319 * t82;
+    let t494 = t493 - t492;
+    let moment_shoulder_lift_joint_x = t494 + t486;
+    let t496 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t347;
+    let t497 = t176 - t496;
+    let t498 = t108 * t216;
+    let t499 = t79 * t238;
+    let t500 = t499 - t498;
+    let t501 = t497 + t500;
+    let t502 = t108 * t79;
+    let t503 = 0.0485587618780145 * t502;
+    let t504 = t501 - t503;
+    let t505 = t117 + t504;
+    let t506 = t123 * t268;
+    let t507 = t83 * t299;
+    let t508 = t507 - t506;
+    let t509 = t505 + t508;
+    let t510 = t123 * t83;
+    let t511 = 0.1242649612447206 * t510;
+    let t512 = t509 - t511;
+    let t513 = t132 + t512;
+    let t514 = t513 * acceleration_shoulder_lift_joint_x;
+    let t515 = t332 * acceleration_shoulder_lift_joint_z;
+    let t516 = t514 + t515;
+    let t517 = 2.0 * omega_wrist_2_joint_x;
+    let t518 = t31 * t517;
+    let t519 = t43 * t50;
+    let t520 = t518 + t519;
+    let t521 = 0.21941999999999998 * omega_wrist_2_joint_z;
+    let t522 = t521 + t520;
+    let t523 = 0.25324199999999997 * omega_wrist_2_joint_z;
+    let t524 = t523 - t522;
+    let t525 = cos_wrist_2_joint * t524;
+    let t526 = t31 * t56;
+    let t527 = sin_wrist_2_joint * t526;
+    let t528 = t527 + t525;
+    let t529 = sin_wrist_2_joint * t528;
+    let t530 = t526 - t529;
+    let t531 = t526 + t530;
+    let t532 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t531;
+    let t533 = t43 * t56;
+    let t534 = 0.21941999999999998 * omega_wrist_2_joint_y;
+    let t535 = t534 - t533;
+    let t536 = cos_wrist_2_joint * t535;
+    let t537 = 0.25324199999999997 * omega_wrist_2_joint_x;
+    let t538 = sin_wrist_2_joint * t537;
+    let t539 = t536 - t538;
+    let t540 = 0.21941999999999998 * omega_wrist_1_joint_z;
+    let t541 = t540 - t539;
+    let t542 = t47 * t517;
+    let t543 = t31 * t50;
+    let t544 = t542 + t543;
+    let t545 = sin_wrist_2_joint * t544;
+    let t546 = t47 * t56;
+    let t547 = cos_wrist_2_joint * t546;
+    let t548 = t547 + t545;
+    let t549 = omega_wrist_1_joint_z * 0.009217672459500014;
+    let t550 = t549 + t548;
+    let t551 = t550 - t541;
+    let t552 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t551;
+    let t553 = t532 + t552;
+    let t554 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t553;
+    let t555 = t550 - t554;
+    let t556 = t108 * omega_elbow_joint_z;
+    let t557 = t556 * 0.097117523756029;
+    let t558 = omega_wrist_1_joint_z * 0.003882407650500002;
+    let t559 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t558;
+    let t560 = t559 - t557;
+    let t561 = t108 * t560;
+    let t562 = 2.0 * t556;
+    let t563 = t238 * t562;
+    let t564 = t561 + t563;
+    let t565 = t555 - t564;
+    let t566 = t257 * t77;
+    let t567 = t566 - t565;
+    let t568 = v[1] * t123;
+    let t569 = t568 * 0.2485299224894412;
+    let t570 = t560 - t569;
+    let t571 = t123 * t570;
+    let t572 = 2.0 * t568;
+    let t573 = t299 * t572;
+    let t574 = t571 + t573;
+    let t575 = t567 + t574;
+    let t576 = t320 * t81;
+    let t577 = t576 + t575;
+    let t578 = v[0] * t577;
+    let t579 = t516 + t578;
+    let t580 = moment_shoulder_lift_joint_x + t579;
+    let t581 = t108 * t390;
+    let t582 = t136 + t581;
+    let t583 = t123 * t377;
+    let t584 = t137 + t583;
+    let acceleration_elbow_joint_y_2 = 89.87631699496107 + t584;
+    let t586 = acceleration_elbow_joint_y_2 + t582;
+    let t587 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t586;
+    let t588 = t79 * t390;
+    let t589 = t141 - t588;
+    let t590 = t83 * t377;
+    let t591 = acceleration_elbow_joint_x - t590;
+    let acceleration_elbow_joint_x_2 = acceleration_shoulder_lift_joint_x + t591;
+    let t593 = acceleration_elbow_joint_x_2 + t589;
+    let t594 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t593;
+    let acceleration_wrist_1_joint_y_2 = t594 - t587;
+    let t596 = 0.0485587618780145 * acceleration_wrist_1_joint_y_2;
+    let force_wrist_1_joint_y_2 = t150 - t596;
+    let t598 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint
+        * force_wrist_1_joint_y_2;
+    let t599 = 0.001941203825250001 * t392;
+    let t600 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t586;
+    let t601 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t593;
+    let acceleration_wrist_1_joint_x_2 = t601 + t600;
+    let t603 = 0.0485587618780145 * acceleration_wrist_1_joint_x_2;
+    let force_wrist_1_joint_x_2 = t603 - t599;
+    let t605 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint
+        * force_wrist_1_joint_x_2;
+    let t606 = t605 + t598;
+    let t607 = 0.0757061993667061 * acceleration_elbow_joint_y_2;
+    let force_elbow_joint_y_2 = t607 + t606;
+    let t609 = t334 * acceleration_shoulder_lift_joint_z;
+    let t610 = 11.168477048197062 - t609;
+    let t611 = force_elbow_joint_y_2 - t610;
+    let t612 = t611 - t580;
+    let t613 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t167;
+    let t614 = t613 * acceleration_shoulder_lift_joint_x;
+    let t615 = t191 * acceleration_shoulder_lift_joint_z;
+    let t616 = t615 + t614;
+    let t617 = cos_wrist_2_joint * t520;
+    let t618 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t617;
+    let t619 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t544;
+    let t620 = t618 - t619;
+    let t621 = v[0] * t620;
+    let t622 = t616 + t621;
+    let t623 = t170 * t622;
+    let t624 = t612 + t623;
+    let t625 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t174;
+    let t626 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t176;
+    let t627 = t626 - t625;
+    let t628 = t627 * acceleration_shoulder_lift_joint_x;
+    let t629 = t195 * acceleration_shoulder_lift_joint_z;
+    let t630 = t629 - t628;
+    let t631 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t539;
+    let t632 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t526;
+    let t633 = t631 + t632;
+    let t634 = v[0] * t633;
+    let t635 = t630 + t634;
+    let t636 = t180 * t635;
+    let t637 = t624 + t636;
+    let t638 = t192 * t622;
+    let t639 = t238 * acceleration_shoulder_lift_joint_x;
+    let t640 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * 0.1744682503500001;
+    let t641 = t640 - t639;
+    let t642 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t212;
+    let t643 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t195;
+    let t644 = t642 + t643;
+    let t645 = t644 * acceleration_shoulder_lift_joint_x;
+    let t646 = t291 * acceleration_shoulder_lift_joint_z;
+    let t647 = t645 - t646;
+    let t648 = t647 + t641;
+    let t649 = cos_wrist_2_joint * t528;
+    let t650 = t523 - t649;
+    let t651 = 0.21941999999999998 * omega_wrist_1_joint_y;
+    let t652 = t651 - t650;
+    let t653 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t652;
+    let t654 = cos_wrist_2_joint * t544;
+    let t655 = sin_wrist_2_joint * t546;
+    let t656 = t655 - t654;
+    let t657 = omega_wrist_1_joint_x * 0.009217672459500014;
+    let t658 = t657 - t656;
+    let t659 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t658;
+    let t660 = t653 + t659;
+    let t661 = v[0] * t108;
+    let t662 = 2.0 * t661;
+    let t663 = t238 * t662;
+    let t664 = t660 - t663;
+    let t665 = v[0] * t123;
+    let t666 = 2.0 * t665;
+    let t667 = t238 * t666;
+    let t668 = t664 - t667;
+    let t669 = v[0] * t668;
+    let t670 = t648 + t669;
+    let t671 = t670 + t638;
+    let t672 = t196 * t635;
+    let t673 = t671 - t672;
+    let t674 = t221 * t673;
+    let t675 = t637 + t674;
+    let t676 = t244 * t673;
+    let t677 = t299 * acceleration_shoulder_lift_joint_x;
+    let t678 = t268 * 89.87631699496107;
     let t679 = t678 - t677;
-    let moment_elbow_joint_x = t679 + t671;
-    let t681 = 0.0757061993667061 * acceleration_elbow_joint_z_2;
-    let force_elbow_joint_z_2 = t681 + force_wrist_1_joint_z_2;
-    let t683 = t130 * force_elbow_joint_z_2;
-    let t684 = moment_elbow_joint_x + t683;
-    let t685 = t377 * t428;
-    let t686 = t332 * acceleration_shoulder_lift_joint_x;
+    let t680 = t114 - t644;
+    let t681 = t680 * acceleration_shoulder_lift_joint_x;
+    let t682 = t302 * acceleration_shoulder_lift_joint_z;
+    let t683 = t681 - t682;
+    let t684 = t683 - t679;
+    let t685 = t661 * 0.097117523756029;
+    let t686 = omega_wrist_1_joint_x * 0.003882407650500002;
     let t687 = t686 - t685;
-    let t688 = acceleration_shoulder_lift_joint_z - t270;
-    let t689 = t164 * t688;
-    let t690 = t689 - t687;
-    let t691 = t152 * t348;
-    let t692 = t691 - t690;
-    let moment_shoulder_lift_joint_x = t692 + t684;
-    let t694 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t26;
-    let t695 = t23 - t694;
-    let t696 = t30 * t89;
-    let t697 = t97 * t29;
-    let t698 = t697 - t696;
-    let t699 = t695 + t698;
-    let t700 = t30 * t97;
-    let t701 = 0.0485587618780145 * t700;
-    let t702 = t699 - t701;
-    let t703 = t312 + t702;
-    let t704 = t43 * t122;
-    let t705 = t130 * t42;
-    let t706 = t705 - t704;
-    let t707 = t703 + t706;
-    let t708 = t43 * t130;
-    let t709 = 0.1242649612447206 * t708;
-    let t710 = t707 - t709;
-    let t711 = t332 + t710;
-    let t712 = t711 * acceleration_shoulder_lift_joint_x;
-    let t713 = t165 * acceleration_shoulder_lift_joint_z;
-    let t714 = t712 + t713;
-    let t715 = 2.0 * omega_wrist_2_joint_x;
-    let t716 = t22 * t715;
-    let t717 = t58 * t219;
-    let t718 = t716 + t717;
-    let t719 = 0.21941999999999998 * omega_wrist_2_joint_z;
-    let t720 = t719 + t718;
-    let t721 = 0.25324199999999997 * omega_wrist_2_joint_z;
-    let t722 = t721 - t720;
-    let t723 = cos_wrist_2_joint * t722;
-    let t724 = t22 * t206;
-    let t725 = sin_wrist_2_joint * t724;
-    let t726 = t725 + t723;
-    let t727 = sin_wrist_2_joint * t726;
-    let t728 = t724 - t727;
-    let t729 = t724 + t728;
-    let t730 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t729;
-    let t731 = t58 * t206;
-    let t732 = 0.21941999999999998 * omega_wrist_2_joint_y;
-    let t733 = t732 - t731;
-    let t734 = cos_wrist_2_joint * t733;
-    let t735 = 0.25324199999999997 * omega_wrist_2_joint_x;
-    let t736 = sin_wrist_2_joint * t735;
-    let t737 = t734 - t736;
-    let t738 = 0.21941999999999998 * omega_wrist_1_joint_z;
-    let t739 = t738 - t737;
-    let t740 = t57 * t715;
-    let t741 = t22 * t219;
-    let t742 = t740 + t741;
-    let t743 = sin_wrist_2_joint * t742;
-    let t744 = t57 * t206;
-    let t745 = cos_wrist_2_joint * t744;
-    let t746 = t745 + t743;
-    let t747 = omega_wrist_1_joint_z * 0.009217672459500014;
-    let t748 = t747 + t746;
-    let t749 = t748 - t739;
-    let t750 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t749;
-    let t751 = t730 + t750;
-    let t752 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t751;
-    let t753 = t748 - t752;
-    let t754 = t30 * omega_elbow_joint_z;
-    let t755 = t754 * 0.097117523756029;
-    let t756 = omega_wrist_1_joint_z * 0.003882407650500002;
-    let t757 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t756;
-    let t758 = t757 - t755;
-    let t759 = t30 * t758;
-    let t760 = 2.0 * t754;
-    let t761 = t29 * t760;
-    let t762 = t759 + t761;
-    let t763 = t753 - t762;
-    let t764 = t39 * t344;
-    let t765 = t764 - t763;
-    let t766 = v[1] * t43;
-    let t767 = t766 * 0.2485299224894412;
-    let t768 = t758 - t767;
-    let t769 = t43 * t768;
-    let t770 = 2.0 * t766;
-    let t771 = t42 * t770;
-    let t772 = t769 + t771;
-    let t773 = t765 + t772;
-    let t774 = t52 * t347;
-    let t775 = t774 + t773;
-    let t776 = v[0] * t775;
-    let t777 = t714 + t776;
-    let t778 = moment_shoulder_lift_joint_x + t777;
-    let t779 = t30 * t429;
-    let t780 = t269 - t779;
-    let t781 = t43 * t428;
-    let t782 = t271 - t781;
-    let acceleration_elbow_joint_y_2 = 89.87631699496107 + t782;
-    let t784 = acceleration_elbow_joint_y_2 + t780;
-    let t785 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t784;
-    let t786 = t97 * t429;
-    let t787 = t277 + t786;
-    let t788 = t130 * t428;
-    let t789 = acceleration_elbow_joint_x + t788;
-    let acceleration_elbow_joint_x_2 = acceleration_shoulder_lift_joint_x + t789;
-    let t791 = acceleration_elbow_joint_x_2 + t787;
-    let t792 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t791;
-    let acceleration_wrist_1_joint_y_2 = t792 - t785;
-    let t794 = 0.0485587618780145 * acceleration_wrist_1_joint_y_2;
-    let force_wrist_1_joint_y_2 = t296 - t794;
-    let t796 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint
+    let t688 = t108 * t687;
+    let t689 = t688 + t663;
+    let t690 = t660 - t689;
+    let t691 = v[0] * 2.0;
+    let t692 = t257 * t691;
+    let t693 = t692 - t690;
+    let t694 = t299 * t666;
+    let t695 = t693 + t694;
+    let t696 = v[0] * t695;
+    let t697 = t684 + t696;
+    let t698 = t697 - t638;
+    let t699 = t698 + t672;
+    let t700 = t699 + t676;
+    let t701 = t273 * t700;
+    let t702 = t675 + t701;
+    let t703 = t307 * t700;
+    let t704 = t294 * t673;
+    let t705 = t129 + t680;
+    let t706 = t705 * acceleration_shoulder_lift_joint_x;
+    let t707 = t322 * acceleration_shoulder_lift_joint_z;
+    let t708 = t707 - t706;
+    let t709 = cos_shoulder_lift_joint * 0.483853490875;
+    let t710 = t299 - t709;
+    let t711 = t710 * acceleration_shoulder_lift_joint_x;
+    let t712 = t334 * 89.87631699496107;
+    let t713 = t711 - t712;
+    let t714 = t713 - t708;
+    let t715 = t665 * 0.2485299224894412;
+    let t716 = t687 - t715;
+    let t717 = t123 * t716;
+    let t718 = t717 + t694;
+    let t719 = t693 + t718;
+    let t720 = t320 * t691;
+    let t721 = t720 + t719;
+    let t722 = v[0] * t721;
+    let t723 = t714 + t722;
+    let t724 = t723 - t638;
+    let t725 = t724 + t672;
+    let t726 = t725 + t704;
+    let t727 = t726 - t703;
+    let t728 = t340 * t727;
+    let t729 = t702 + t728;
+    let t730 = inverse_d_shoulder_pan_joint * t729;
+    let t731 = t505 * acceleration_shoulder_lift_joint_x;
+    let t732 = t266 * acceleration_shoulder_lift_joint_z;
+    let t733 = t731 + t732;
+    let t734 = v[0] * t567;
+    let t735 = t733 + t734;
+    let t736 = moment_elbow_joint_x + t735;
+    let t737 = t268 * acceleration_shoulder_lift_joint_x;
+    let t738 = v[0] * t560;
+    let t739 = t737 - t738;
+    let t740 = t123 * t739;
+    let t741 = t736 - t740;
+    let t742 = 0.1242649612447206 * acceleration_elbow_joint_y_2;
+    let t743 = t268 * acceleration_shoulder_lift_joint_z;
+    let t744 = t742 - t743;
+    let t745 = force_elbow_joint_y_2 - t744;
+    let t746 = t745 - t741;
+    let t747 = t746 + t623;
+    let t748 = t636 + t747;
+    let t749 = t238 * acceleration_elbow_joint_x_2;
+    let t750 = t216 * acceleration_elbow_joint_y_2;
+    let t751 = t750 - t749;
+    let t752 = t241 * acceleration_shoulder_lift_joint_z;
+    let t753 = t645 - t752;
+    let t754 = t753 + t751;
+    let t755 = v[0] * t664;
+    let t756 = t754 + t755;
+    let t757 = t756 + t638;
+    let t758 = t672 - t757;
+    let t759 = t221 * t758;
+    let t760 = t748 - t759;
+    let t761 = t244 * t758;
+    let t762 = t268 * acceleration_elbow_joint_y_2;
+    let t763 = t299 * acceleration_elbow_joint_x_2;
+    let t764 = t763 - t762;
+    let t765 = t259 * acceleration_shoulder_lift_joint_z;
+    let t766 = t765 - t681;
+    let t767 = t764 - t766;
+    let t768 = v[0] * t693;
+    let t769 = t767 + t768;
+    let t770 = t769 - t638;
+    let t771 = t672 + t770;
+    let t772 = t771 - t761;
+    let t773 = t273 * t772;
+    let t774 = t760 + t773;
+    let t775 = t83 * t745;
+    let t776 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint
         * force_wrist_1_joint_y_2;
-    let t797 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t784;
-    let t798 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t791;
-    let acceleration_wrist_1_joint_x_2 = t798 + t797;
-    let t800 = 0.0485587618780145 * acceleration_wrist_1_joint_x_2;
-    let t801 = 0.001941203825250001 * t482;
-    let force_wrist_1_joint_x_2 = t800 - t801;
-    let t803 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint
+    let t777 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint
         * force_wrist_1_joint_x_2;
-    let t804 = t803 + t796;
-    let t805 = 0.0757061993667061 * acceleration_elbow_joint_y_2;
-    let force_elbow_joint_y_2 = t805 + t804;
-    let t807 = t167 * acceleration_shoulder_lift_joint_z;
-    let t808 = 11.168477048197062 - t807;
-    let t809 = force_elbow_joint_y_2 - t808;
-    let t810 = t809 - t778;
-    let t811 = inverse_d_shoulder_pan_joint * t810;
-    let t812 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t85;
-    let t813 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t79;
-    let t814 = t812 + t813;
-    let t815 = t367 - t814;
-    let t816 = t377 + t815;
-    let t817 = t816 * acceleration_shoulder_lift_joint_x;
-    let t818 = t154 * acceleration_shoulder_lift_joint_z;
-    let t819 = t818 - t817;
-    let t820 = cos_shoulder_lift_joint * 0.483853490875;
-    let t821 = t42 - t820;
-    let t822 = t821 * acceleration_shoulder_lift_joint_x;
-    let t823 = t167 * 89.87631699496107;
-    let t824 = t822 - t823;
-    let t825 = t824 - t819;
-    let t826 = cos_wrist_2_joint * t726;
-    let t827 = t721 - t826;
-    let t828 = 0.21941999999999998 * omega_wrist_1_joint_y;
-    let t829 = t828 - t827;
-    let t830 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t829;
-    let t831 = cos_wrist_2_joint * t742;
-    let t832 = sin_wrist_2_joint * t744;
-    let t833 = t832 - t831;
-    let t834 = omega_wrist_1_joint_x * 0.009217672459500014;
-    let t835 = t834 - t833;
-    let t836 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t835;
-    let t837 = t830 + t836;
-    let t838 = v[0] * t30;
-    let t839 = t838 * 0.097117523756029;
-    let t840 = omega_wrist_1_joint_x * 0.003882407650500002;
-    let t841 = t840 - t839;
-    let t842 = t30 * t841;
-    let t843 = 2.0 * t838;
-    let t844 = t29 * t843;
-    let t845 = t842 + t844;
-    let t846 = t837 - t845;
-    let t847 = v[0] * 2.0;
-    let t848 = t39 * t847;
-    let t849 = t848 - t846;
-    let t850 = v[0] * t43;
-    let t851 = t850 * 0.2485299224894412;
-    let t852 = t841 - t851;
-    let t853 = t43 * t852;
-    let t854 = 2.0 * t850;
-    let t855 = t42 * t854;
-    let t856 = t853 + t855;
-    let t857 = t849 + t856;
-    let t858 = t52 * t847;
-    let t859 = t858 + t857;
-    let t860 = v[0] * t859;
-    let t861 = t825 + t860;
-    let t862 = t317 * t861;
-    let t863 = t811 + t862;
-    let t864 = t42 * acceleration_shoulder_lift_joint_x;
-    let t865 = t122 * 89.87631699496107;
-    let t866 = t865 - t864;
-    let t867 = t815 * acceleration_shoulder_lift_joint_x;
-    let t868 = t133 * acceleration_shoulder_lift_joint_z;
-    let t869 = t867 - t868;
-    let t870 = t869 - t866;
-    let t871 = t849 + t855;
-    let t872 = v[0] * t871;
-    let t873 = t870 + t872;
-    let t874 = t339 * t873;
-    let t875 = t863 - t874;
-    let t876 = t29 * acceleration_shoulder_lift_joint_x;
-    let t877 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * 0.1744682503500001;
-    let t878 = t877 - t876;
-    let t879 = t814 * acceleration_shoulder_lift_joint_x;
-    let t880 = t139 * acceleration_shoulder_lift_joint_z;
+    let t778 = t777 - t776;
+    let t779 = 0.0757061993667061 * acceleration_elbow_joint_x_2;
+    let force_elbow_joint_x_2 = t779 + t778;
+    let t781 = 0.1242649612447206 * acceleration_elbow_joint_x_2;
+    let t782 = t299 * acceleration_shoulder_lift_joint_z;
+    let t783 = t781 + t782;
+    let t784 = v[0] * t687;
+    let t785 = t783 - t784;
+    let t786 = force_elbow_joint_x_2 - t785;
+    let t787 = t123 * t786;
+    let t788 = t787 + t775;
+    let t789 = t769 + t788;
+    let t790 = t789 - t638;
+    let t791 = t672 + t790;
+    let t792 = t294 * t758;
+    let t793 = t791 - t792;
+    let t794 = t307 * t772;
+    let t795 = t793 - t794;
+    let t796 = t340 * t795;
+    let t797 = t774 + t796;
+    let t798 = inverse_d_shoulder_pan_joint * t797;
+    let t799 = t176 * t428;
+    let t800 = 0.12662099999999998 - t201;
+    let t801 = t800 + t204;
+    let t802 = t394 * t801;
+    let t803 = t802 + t799;
+    let t804 = t803 - t629;
+    let t805 = t529 + t530;
+    let t806 = omega_wrist_1_joint_x * t805;
+    let t807 = omega_wrist_1_joint_y * t541;
+    let t808 = t806 - t807;
+    let t809 = t804 - t808;
+    let t810 = moment_wrist_1_joint_x_2 - t809;
+    let t811 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t810;
+    let t812 = t176 * t394;
+    let t813 = t800 + t205;
+    let t814 = t428 * t813;
+    let t815 = t814 + t812;
+    let t816 = t212 * acceleration_shoulder_lift_joint_z;
+    let t817 = t815 - t816;
+    let t818 = omega_wrist_1_joint_y * t530;
+    let t819 = omega_wrist_1_joint_x * t550;
+    let t820 = t818 - t819;
+    let t821 = t817 + t820;
+    let t822 = moment_wrist_1_joint_y_2 + t821;
+    let t823 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t822;
+    let t824 = t823 + t811;
+    let t825 = 0.001941203825250001 * t428;
+    let t826 = omega_wrist_1_joint_x * t558;
+    let t827 = t825 - t826;
+    let t828 = t108 * t827;
+    let t829 = t824 - t828;
+    let t830 = t123 * t827;
+    let t831 = t829 - t830;
+    let t832 = 0.001941203825250001 * acceleration_shoulder_lift_joint_z;
+    let t833 = t596 + t832;
+    let t834 = omega_wrist_1_joint_x * t686;
+    let t835 = t833 - t834;
+    let t836 = force_wrist_1_joint_y_2 + t835;
+    let t837 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t836;
+    let t838 = omega_wrist_1_joint_y * t686;
+    let t839 = t603 - t838;
+    let t840 = force_wrist_1_joint_x_2 - t839;
+    let t841 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t840;
+    let t842 = t837 + t841;
+    let t843 = t842 - t831;
+    let t844 = t167 * t428;
+    let t845 = t844 + t615;
+    let t846 = omega_wrist_1_joint_y * t617;
+    let t847 = omega_wrist_1_joint_x * t544;
+    let t848 = t846 - t847;
+    let t849 = t845 + t848;
+    let t850 = t170 * t849;
+    let t851 = t843 + t850;
+    let t852 = t174 * t394;
+    let t853 = t799 - t852;
+    let t854 = t629 - t853;
+    let t855 = omega_wrist_1_joint_y * t539;
+    let t856 = omega_wrist_1_joint_x * t526;
+    let t857 = t855 + t856;
+    let t858 = t854 + t857;
+    let t859 = t180 * t858;
+    let t860 = t851 + t859;
+    let t861 = 0.001941203825250001 * acceleration_wrist_1_joint_y_2;
+    let t862 = t212 * t428;
+    let t863 = t206 * acceleration_shoulder_lift_joint_z;
+    let t864 = t863 - t862;
+    let t865 = t195 * t394;
+    let t866 = t864 - t865;
+    let t867 = t861 + t866;
+    let t868 = omega_wrist_1_joint_y * t652;
+    let t869 = omega_wrist_1_joint_x * t658;
+    let t870 = t868 + t869;
+    let t871 = t867 - t870;
+    let t872 = t192 * t849;
+    let t873 = t871 - t872;
+    let t874 = t196 * t858;
+    let t875 = t873 + t874;
+    let t876 = t221 * t875;
+    let t877 = t860 - t876;
+    let t878 = t79 * t842;
+    let t879 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t836;
+    let t880 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t840;
     let t881 = t879 - t880;
-    let t882 = t881 + t878;
-    let t883 = t837 - t844;
-    let t884 = t29 * t854;
-    let t885 = t883 - t884;
-    let t886 = v[0] * t885;
-    let t887 = t882 + t886;
-    let t888 = t466 * t887;
-    let t889 = t875 - t888;
-    let t890 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t66;
-    let t891 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t23;
-    let t892 = t891 - t890;
-    let t893 = t892 * acceleration_shoulder_lift_joint_x;
-    let t894 = t79 * acceleration_shoulder_lift_joint_z;
-    let t895 = t894 - t893;
-    let t896 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t737;
-    let t897 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t724;
-    let t898 = t896 + t897;
-    let t899 = v[0] * t898;
-    let t900 = t895 + t899;
-    let t901 = t490 * t900;
-    let t902 = t889 + t901;
-    let t903 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t60;
-    let t904 = t903 * acceleration_shoulder_lift_joint_x;
-    let t905 = t74 * acceleration_shoulder_lift_joint_z;
-    let t906 = t905 + t904;
-    let t907 = cos_wrist_2_joint * t718;
-    let t908 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t907;
-    let t909 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t742;
-    let t910 = t908 - t909;
-    let t911 = v[0] * t910;
-    let t912 = t906 + t911;
-    let t913 = t506 * t912;
-    let t914 = t902 - t913;
-    let t915 = t703 * acceleration_shoulder_lift_joint_x;
-    let t916 = t120 * acceleration_shoulder_lift_joint_z;
-    let t917 = t915 + t916;
-    let t918 = v[0] * t765;
-    let t919 = t917 + t918;
-    let t920 = moment_elbow_joint_x + t919;
-    let t921 = t122 * acceleration_shoulder_lift_joint_x;
-    let t922 = v[0] * t758;
-    let t923 = t921 - t922;
-    let t924 = t43 * t923;
+    let t882 = t108 * t881;
+    let t883 = t882 - t878;
+    let t884 = t871 - t883;
+    let t885 = t884 - t872;
+    let t886 = t885 + t874;
+    let t887 = t244 * t875;
+    let t888 = t886 - t887;
+    let t889 = t273 * t888;
+    let t890 = t877 + t889;
+    let t891 = t307 * t888;
+    let t892 = t83 * t842;
+    let t893 = t123 * t881;
+    let t894 = t893 - t892;
+    let t895 = t884 - t894;
+    let t896 = t895 - t872;
+    let t897 = t896 + t874;
+    let t898 = t294 * t875;
+    let t899 = t897 - t898;
+    let t900 = t899 - t891;
+    let t901 = t340 * t900;
+    let t902 = t890 + t901;
+    let t903 = inverse_d_shoulder_pan_joint * t902;
+    let t904 = t47 + t202;
+    let t905 = t436 * t904;
+    let t906 = omega_wrist_2_joint_y * t522;
+    let t907 = t905 + t906;
+    let t908 = moment_wrist_2_joint_x_2 - t907;
+    let t909 = cos_wrist_2_joint * t908;
+    let t910 = t42 + 0.12684647314539998;
+    let t911 = t397 * t910;
+    let t912 = t31 * t149;
+    let t913 = t911 + t912;
+    let t914 = omega_wrist_2_joint_y * t526;
+    let t915 = omega_wrist_2_joint_x * t523;
+    let t916 = t914 + t915;
+    let t917 = t913 + t916;
+    let t918 = moment_wrist_2_joint_y_2 - t917;
+    let t919 = sin_wrist_2_joint * t918;
+    let t920 = t919 - t909;
+    let t921 = t166 * t436;
+    let t922 = omega_wrist_2_joint_y * t520;
+    let t923 = t921 + t922;
+    let t924 = t192 * t923;
     let t925 = t920 - t924;
-    let t926 = 0.1242649612447206 * acceleration_elbow_joint_y_2;
-    let t927 = t122 * acceleration_shoulder_lift_joint_z;
-    let t928 = t926 - t927;
-    let t929 = force_elbow_joint_y_2 - t928;
-    let t930 = t929 - t925;
-    let t931 = inverse_d_shoulder_pan_joint * t930;
-    let t932 = t130 * t929;
-    let t933 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint
-        * force_wrist_1_joint_y_2;
-    let t934 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint
-        * force_wrist_1_joint_x_2;
-    let t935 = t934 - t933;
-    let t936 = 0.0757061993667061 * acceleration_elbow_joint_x_2;
-    let force_elbow_joint_x_2 = t936 + t935;
-    let t938 = 0.1242649612447206 * acceleration_elbow_joint_x_2;
-    let t939 = t42 * acceleration_shoulder_lift_joint_z;
-    let t940 = t938 + t939;
-    let t941 = v[0] * t841;
-    let t942 = t940 - t941;
-    let t943 = force_elbow_joint_x_2 - t942;
-    let t944 = t43 * t943;
-    let t945 = t944 + t932;
-    let t946 = t122 * acceleration_elbow_joint_y_2;
-    let t947 = t42 * acceleration_elbow_joint_x_2;
-    let t948 = t947 - t946;
-    let t949 = t113 * acceleration_shoulder_lift_joint_z;
-    let t950 = t949 - t867;
-    let t951 = t948 - t950;
-    let t952 = v[0] * t849;
-    let t953 = t951 + t952;
-    let t954 = t953 + t945;
-    let t955 = t317 * t954;
-    let t956 = t931 + t955;
-    let t957 = t339 * t953;
-    let t958 = t956 - t957;
-    let t959 = t29 * acceleration_elbow_joint_x_2;
-    let t960 = t89 * acceleration_elbow_joint_y_2;
-    let t961 = t960 - t959;
-    let t962 = t100 * acceleration_shoulder_lift_joint_z;
-    let t963 = t879 - t962;
-    let t964 = t963 + t961;
-    let t965 = v[0] * t883;
-    let t966 = t964 + t965;
-    let t967 = t466 * t966;
-    let t968 = t958 - t967;
-    let t969 = t901 + t968;
-    let t970 = t913 - t969;
-    let t971 = t23 * t632;
-    let t972 = 0.12662099999999998 - t15;
-    let t973 = t972 + t18;
-    let t974 = t509 * t973;
-    let t975 = t974 + t971;
-    let t976 = t975 - t894;
-    let t977 = t727 + t728;
-    let t978 = omega_wrist_1_joint_x * t977;
-    let t979 = omega_wrist_1_joint_y * t739;
-    let t980 = t978 - t979;
-    let t981 = t976 - t980;
-    let t982 = moment_wrist_1_joint_x_2 - t981;
-    let t983 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t982;
-    let t984 = t23 * t509;
-    let t985 = t972 + t19;
-    let t986 = t632 * t985;
-    let t987 = t986 + t984;
-    let t988 = t85 * acceleration_shoulder_lift_joint_z;
-    let t989 = t987 - t988;
-    let t990 = omega_wrist_1_joint_y * t728;
-    let t991 = omega_wrist_1_joint_x * t748;
-    let t992 = t990 - t991;
-    let t993 = t989 + t992;
-    let t994 = moment_wrist_1_joint_y_2 + t993;
-    let t995 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t994;
-    let t996 = t995 + t983;
-    let t997 = 0.001941203825250001 * t632;
-    let t998 = omega_wrist_1_joint_x * t756;
-    let t999 = t997 - t998;
-    let t1000 = t30 * t999;
-    let t1001 = t996 - t1000;
-    let t1002 = t43 * t999;
-    let t1003 = t1001 - t1002;
-    let t1004 = 0.001941203825250001 * acceleration_shoulder_lift_joint_z;
-    let t1005 = t794 + t1004;
-    let t1006 = omega_wrist_1_joint_x * t840;
-    let t1007 = t1005 - t1006;
-    let t1008 = force_wrist_1_joint_y_2 + t1007;
-    let t1009 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1008;
-    let t1010 = omega_wrist_1_joint_y * t840;
-    let t1011 = t800 - t1010;
-    let t1012 = force_wrist_1_joint_x_2 - t1011;
-    let t1013 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1012;
-    let t1014 = t1009 + t1013;
-    let t1015 = t1014 - t1003;
-    let t1016 = inverse_d_shoulder_pan_joint * t1015;
-    let t1017 = t97 * t1014;
-    let t1018 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1008;
-    let t1019 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1012;
-    let t1020 = t1018 - t1019;
-    let t1021 = t30 * t1020;
-    let t1022 = t1021 - t1017;
-    let t1023 = 0.001941203825250001 * acceleration_wrist_1_joint_y_2;
-    let t1024 = t85 * t632;
-    let t1025 = t77 * acceleration_shoulder_lift_joint_z;
-    let t1026 = t1025 - t1024;
-    let t1027 = t79 * t509;
-    let t1028 = t1026 - t1027;
-    let t1029 = t1023 + t1028;
-    let t1030 = omega_wrist_1_joint_y * t829;
-    let t1031 = omega_wrist_1_joint_x * t835;
-    let t1032 = t1030 + t1031;
-    let t1033 = t1029 - t1032;
-    let t1034 = t1033 - t1022;
-    let t1035 = t130 * t1014;
-    let t1036 = t43 * t1020;
+    let t926 = t31 * t397;
+    let t927 = t174 * t149;
+    let t928 = t927 - t926;
+    let t929 = omega_wrist_2_joint_y * t535;
+    let t930 = omega_wrist_2_joint_x * t537;
+    let t931 = t929 + t930;
+    let t932 = t928 + t931;
+    let t933 = t196 * t932;
+    let t934 = t925 + t933;
+    let t935 = t244 * t934;
+    let t936 = t934 - t935;
+    let t937 = t307 * t936;
+    let t938 = t294 * t934;
+    let t939 = t934 - t938;
+    let t940 = t939 - t937;
+    let t941 = t340 * t940;
+    let t942 = t273 * t936;
+    let t943 = sin_wrist_2_joint * t908;
+    let t944 = cos_wrist_2_joint * t918;
+    let t945 = t944 + t943;
+    let t946 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t945;
+    let t947 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t932;
+    let t948 = t946 - t947;
+    let t949 = t170 * t923;
+    let t950 = t948 + t949;
+    let t951 = t180 * t932;
+    let t952 = t950 + t951;
+    let t953 = t221 * t934;
+    let t954 = t952 - t953;
+    let t955 = t954 + t942;
+    let t956 = t955 + t941;
+    let t957 = inverse_d_shoulder_pan_joint * t956;
+    let t958 = t47 * t431;
+    let t959 = t31 * t437;
+    let t960 = t958 + t959;
+    let t961 = omega_wrist_2_joint_x * t546;
+    let t962 = omega_wrist_2_joint_z * t526;
+    let t963 = t962 + t961;
+    let t964 = t960 + t963;
+    let t965 = moment_wrist_3_joint_y_2 + t964;
+    let t966 = sin_wrist_2_joint * t965;
+    let t967 = omega_wrist_2_joint_x * t544;
+    let t968 = omega_wrist_2_joint_z * t520;
+    let t969 = t968 + t967;
+    let t970 = t23 + t27;
+    let t971 = t166 * t970;
+    let t972 = t971 - t969;
+    let t973 = cos_wrist_2_joint * t972;
+    let t974 = t966 + t973;
+    let t975 = t192 * t972;
+    let t976 = t974 - t975;
+    let t977 = t31 * t431;
+    let t978 = t43 * t437;
+    let t979 = t978 + t977;
+    let t980 = omega_wrist_2_joint_z * t533;
+    let t981 = omega_wrist_2_joint_x * t526;
+    let t982 = t981 + t980;
+    let t983 = t979 + t982;
+    let t984 = moment_wrist_3_joint_x_2 + t983;
+    let t985 = t196 * t984;
+    let t986 = t976 + t985;
+    let t987 = t244 * t986;
+    let t988 = t986 - t987;
+    let t989 = t307 * t988;
+    let t990 = t294 * t986;
+    let t991 = t986 - t990;
+    let t992 = t991 - t989;
+    let t993 = t340 * t992;
+    let t994 = t273 * t988;
+    let t995 = cos_wrist_2_joint * t965;
+    let t996 = sin_wrist_2_joint * t972;
+    let t997 = t995 - t996;
+    let t998 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t997;
+    let t999 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t984;
+    let t1000 = t998 - t999;
+    let t1001 = t170 * t972;
+    let t1002 = t1000 + t1001;
+    let t1003 = t180 * t984;
+    let t1004 = t1002 + t1003;
+    let t1005 = t221 * t986;
+    let t1006 = t1004 - t1005;
+    let t1007 = t1006 + t994;
+    let t1008 = t1007 + t993;
+    let t1009 = inverse_d_shoulder_pan_joint * t1008;
+    let t1010 = t340 * t730;
+    let t1011 = inverse_d_shoulder_lift_joint * t727;
+    let t1012 = t1011 - t1010;
+    let t1013 = t340 * t798;
+    let t1014 = inverse_d_shoulder_lift_joint * t795;
+    let t1015 = t1014 - t1013;
+    let t1016 = t340 * t903;
+    let t1017 = inverse_d_shoulder_lift_joint * t900;
+    let t1018 = t1017 - t1016;
+    let t1019 = t340 * t957;
+    let t1020 = inverse_d_shoulder_lift_joint * t940;
+    let t1021 = t1020 - t1019;
+    let t1022 = t340 * t1009;
+    let t1023 = inverse_d_shoulder_lift_joint * t992;
+    let t1024 = t1023 - t1022;
+    let t1025 = t307 * t1012;
+    let t1026 = inverse_d_elbow_joint * t700;
+    let t1027 = t1026 - t1025;
+    let t1028 = t273 * t730;
+    let t1029 = t1027 - t1028;
+    let t1030 = t307 * t1015;
+    let t1031 = inverse_d_elbow_joint * t772;
+    let t1032 = t1031 - t1030;
+    let t1033 = t273 * t798;
+    let t1034 = t1032 - t1033;
+    let t1035 = t307 * t1018;
+    let t1036 = inverse_d_elbow_joint * t888;
     let t1037 = t1036 - t1035;
-    let t1038 = t1034 - t1037;
-    let t1039 = t317 * t1038;
-    let t1040 = t1016 + t1039;
-    let t1041 = t339 * t1034;
-    let t1042 = t1040 - t1041;
-    let t1043 = t466 * t1033;
-    let t1044 = t1042 + t1043;
-    let t1045 = t66 * t509;
-    let t1046 = t971 - t1045;
-    let t1047 = t894 - t1046;
-    let t1048 = omega_wrist_1_joint_y * t737;
-    let t1049 = omega_wrist_1_joint_x * t724;
-    let t1050 = t1048 + t1049;
-    let t1051 = t1047 + t1050;
-    let t1052 = t490 * t1051;
-    let t1053 = t1044 + t1052;
-    let t1054 = t60 * t632;
-    let t1055 = t1054 + t905;
-    let t1056 = omega_wrist_1_joint_y * t907;
-    let t1057 = omega_wrist_1_joint_x * t742;
-    let t1058 = t1056 - t1057;
-    let t1059 = t1055 + t1058;
-    let t1060 = t506 * t1059;
-    let t1061 = t1053 - t1060;
-    let t1062 = t13 + 0.12684647314539998;
-    let t1063 = t512 * t1062;
-    let t1064 = t22 * t295;
-    let t1065 = t1063 + t1064;
-    let t1066 = omega_wrist_2_joint_y * t724;
-    let t1067 = omega_wrist_2_joint_x * t721;
+    let t1038 = t273 * t903;
+    let t1039 = t1037 - t1038;
+    let t1040 = t307 * t1021;
+    let t1041 = inverse_d_elbow_joint * t936;
+    let t1042 = t1041 - t1040;
+    let t1043 = t273 * t957;
+    let t1044 = t1042 - t1043;
+    let t1045 = t307 * t1024;
+    let t1046 = inverse_d_elbow_joint * t988;
+    let t1047 = t1046 - t1045;
+    let t1048 = t273 * t1009;
+    let t1049 = t1047 - t1048;
+    let t1050 = t244 * t1029;
+    let t1051 = inverse_d_wrist_1_joint * t673;
+    let t1052 = t1051 - t1050;
+    let t1053 = t294 * t1012;
+    let t1054 = t1052 - t1053;
+    let t1055 = t221 * t730;
+    let t1056 = t1054 + t1055;
+    let t1057 = t244 * t1034;
+    let t1058 = inverse_d_wrist_1_joint * t758;
+    let t1059 = t1058 + t1057;
+    let t1060 = t294 * t1015;
+    let t1061 = t1059 + t1060;
+    let t1062 = t221 * t798;
+    let t1063 = t1061 - t1062;
+    let t1064 = t244 * t1039;
+    let t1065 = inverse_d_wrist_1_joint * t875;
+    let t1066 = t1065 + t1064;
+    let t1067 = t294 * t1018;
     let t1068 = t1066 + t1067;
-    let t1069 = t1065 + t1068;
-    let t1070 = moment_wrist_2_joint_y_2 - t1069;
-    let t1071 = cos_wrist_2_joint * t1070;
-    let t1072 = t57 + t16;
-    let t1073 = t609 * t1072;
-    let t1074 = omega_wrist_2_joint_y * t720;
+    let t1069 = t221 * t903;
+    let t1070 = t1068 - t1069;
+    let t1071 = t244 * t1044;
+    let t1072 = inverse_d_wrist_1_joint * t934;
+    let t1073 = t1072 + t1071;
+    let t1074 = t294 * t1021;
     let t1075 = t1073 + t1074;
-    let t1076 = moment_wrist_2_joint_x_2 - t1075;
-    let t1077 = sin_wrist_2_joint * t1076;
-    let t1078 = t1071 + t1077;
-    let t1079 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1078;
-    let t1080 = t22 * t512;
-    let t1081 = t66 * t295;
-    let t1082 = t1081 - t1080;
-    let t1083 = omega_wrist_2_joint_y * t733;
-    let t1084 = omega_wrist_2_joint_x * t735;
-    let t1085 = t1083 + t1084;
-    let t1086 = t1082 + t1085;
-    let t1087 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1086;
-    let t1088 = t1079 - t1087;
-    let t1089 = inverse_d_shoulder_pan_joint * t1088;
-    let t1090 = sin_wrist_2_joint * t1070;
-    let t1091 = cos_wrist_2_joint * t1076;
-    let t1092 = t1090 - t1091;
-    let t1093 = t317 * t1092;
-    let t1094 = t1089 + t1093;
-    let t1095 = t339 * t1092;
-    let t1096 = t1094 - t1095;
-    let t1097 = t466 * t1092;
-    let t1098 = t1096 + t1097;
-    let t1099 = t490 * t1086;
-    let t1100 = t1098 + t1099;
-    let t1101 = t59 * t609;
-    let t1102 = omega_wrist_2_joint_y * t718;
-    let t1103 = t1101 + t1102;
-    let t1104 = t506 * t1103;
-    let t1105 = t1100 - t1104;
-    let t1106 = t22 * t610;
-    let t1107 = t57 * t635;
-    let t1108 = t1107 + t1106;
-    let t1109 = omega_wrist_2_joint_x * t744;
-    let t1110 = omega_wrist_2_joint_z * t724;
-    let t1111 = t1110 + t1109;
-    let t1112 = t1108 + t1111;
-    let t1113 = moment_wrist_3_joint_y_2 + t1112;
-    let t1114 = cos_wrist_2_joint * t1113;
-    let t1115 = omega_wrist_2_joint_x * t742;
-    let t1116 = omega_wrist_2_joint_z * t718;
-    let t1117 = t1116 + t1115;
-    let t1118 = t239 + t241;
-    let t1119 = t59 * t1118;
-    let t1120 = t1119 - t1117;
-    let t1121 = sin_wrist_2_joint * t1120;
-    let t1122 = t1114 - t1121;
-    let t1123 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1122;
-    let t1124 = t58 * t610;
-    let t1125 = t22 * t635;
+    let t1076 = t221 * t957;
+    let t1077 = t1075 - t1076;
+    let t1078 = t244 * t1049;
+    let t1079 = inverse_d_wrist_1_joint * t986;
+    let t1080 = t1079 + t1078;
+    let t1081 = t294 * t1024;
+    let t1082 = t1080 + t1081;
+    let t1083 = t221 * t1009;
+    let t1084 = t1082 - t1083;
+    let t1085 = t196 * t1056;
+    let t1086 = inverse_d_wrist_2_joint * t635;
+    let t1087 = t1086 + t1085;
+    let t1088 = t196 * t1029;
+    let t1089 = t1087 + t1088;
+    let t1090 = t196 * t1012;
+    let t1091 = t1089 + t1090;
+    let t1092 = t180 * t730;
+    let t1093 = t1091 - t1092;
+    let t1094 = t196 * t1063;
+    let t1095 = t1086 - t1094;
+    let t1096 = t196 * t1034;
+    let t1097 = t1095 + t1096;
+    let t1098 = t196 * t1015;
+    let t1099 = t1097 + t1098;
+    let t1100 = t180 * t798;
+    let t1101 = t1099 - t1100;
+    let t1102 = t196 * t1070;
+    let t1103 = inverse_d_wrist_2_joint * t858;
+    let t1104 = t1103 - t1102;
+    let t1105 = t196 * t1039;
+    let t1106 = t1104 + t1105;
+    let t1107 = t196 * t1018;
+    let t1108 = t1106 + t1107;
+    let t1109 = t180 * t903;
+    let t1110 = t1108 - t1109;
+    let t1111 = t196 * t1077;
+    let t1112 = inverse_d_wrist_2_joint * t932;
+    let t1113 = t1112 - t1111;
+    let t1114 = t196 * t1044;
+    let t1115 = t1113 + t1114;
+    let t1116 = t196 * t1021;
+    let t1117 = t1115 + t1116;
+    let t1118 = t180 * t957;
+    let t1119 = t1117 - t1118;
+    let t1120 = t196 * t1084;
+    let t1121 = inverse_d_wrist_2_joint * t984;
+    let t1122 = t1121 - t1120;
+    let t1123 = t196 * t1049;
+    let t1124 = t1122 + t1123;
+    let t1125 = t196 * t1024;
     let t1126 = t1124 + t1125;
-    let t1127 = omega_wrist_2_joint_z * t731;
-    let t1128 = omega_wrist_2_joint_x * t724;
-    let t1129 = t1128 + t1127;
-    let t1130 = t1126 + t1129;
-    let t1131 = moment_wrist_3_joint_x_2 + t1130;
-    let t1132 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1131;
-    let t1133 = t1123 - t1132;
-    let t1134 = inverse_d_shoulder_pan_joint * t1133;
-    let t1135 = sin_wrist_2_joint * t1113;
-    let t1136 = cos_wrist_2_joint * t1120;
+    let t1127 = t180 * t1009;
+    let t1128 = t1126 - t1127;
+    let t1129 = t192 * t1056;
+    let t1130 = inverse_d_wrist_3_joint * t622;
+    let t1131 = t1130 + t1129;
+    let t1132 = t192 * t1029;
+    let t1133 = t1131 + t1132;
+    let t1134 = t192 * t1012;
+    let t1135 = t1133 + t1134;
+    let t1136 = t170 * t730;
     let t1137 = t1135 + t1136;
-    let t1138 = t317 * t1137;
-    let t1139 = t1134 + t1138;
-    let t1140 = t339 * t1137;
-    let t1141 = t1139 - t1140;
-    let t1142 = t466 * t1137;
+    let t1138 = t192 * t1063;
+    let t1139 = t1130 - t1138;
+    let t1140 = t192 * t1034;
+    let t1141 = t1139 + t1140;
+    let t1142 = t192 * t1015;
     let t1143 = t1141 + t1142;
-    let t1144 = t490 * t1131;
+    let t1144 = t170 * t798;
     let t1145 = t1143 + t1144;
-    let t1146 = t506 * t1120;
-    let t1147 = t1145 - t1146;
-    let t1148 = t317 * t810;
-    let t1149 = t319 * t861;
-    let t1150 = t1148 - t1149;
-    let t1151 = t322 * t873;
+    let t1146 = t192 * t1070;
+    let t1147 = inverse_d_wrist_3_joint * t849;
+    let t1148 = t1147 - t1146;
+    let t1149 = t192 * t1039;
+    let t1150 = t1148 + t1149;
+    let t1151 = t192 * t1018;
     let t1152 = t1150 + t1151;
-    let t1153 = t403 * t887;
+    let t1153 = t170 * t903;
     let t1154 = t1152 + t1153;
-    let t1155 = t410 * t900;
-    let t1156 = t1154 - t1155;
-    let t1157 = t426 * t912;
-    let t1158 = t1156 + t1157;
-    let t1159 = t317 * t930;
-    let t1160 = t319 * t954;
-    let t1161 = t1159 - t1160;
-    let t1162 = t322 * t953;
+    let t1155 = t192 * t1077;
+    let t1156 = inverse_d_wrist_3_joint * t923;
+    let t1157 = t1156 - t1155;
+    let t1158 = t192 * t1044;
+    let t1159 = t1157 + t1158;
+    let t1160 = t192 * t1021;
+    let t1161 = t1159 + t1160;
+    let t1162 = t170 * t957;
     let t1163 = t1161 + t1162;
-    let t1164 = t403 * t966;
-    let t1165 = t1163 + t1164;
-    let t1166 = t1155 - t1165;
-    let t1167 = t1157 - t1166;
-    let t1168 = t317 * t1015;
-    let t1169 = t319 * t1038;
-    let t1170 = t1168 - t1169;
-    let t1171 = t322 * t1034;
+    let t1164 = t192 * t1084;
+    let t1165 = inverse_d_wrist_3_joint * t972;
+    let t1166 = t1165 - t1164;
+    let t1167 = t192 * t1049;
+    let t1168 = t1166 + t1167;
+    let t1169 = t192 * t1024;
+    let t1170 = t1168 + t1169;
+    let t1171 = t170 * t1009;
     let t1172 = t1170 + t1171;
-    let t1173 = t403 * t1033;
-    let t1174 = t1172 - t1173;
-    let t1175 = t410 * t1051;
-    let t1176 = t1174 - t1175;
-    let t1177 = t426 * t1059;
-    let t1178 = t1176 + t1177;
-    let t1179 = t317 * t1088;
-    let t1180 = t319 * t1092;
-    let t1181 = t1179 - t1180;
-    let t1182 = t322 * t1092;
-    let t1183 = t1181 + t1182;
-    let t1184 = t403 * t1092;
-    let t1185 = t1183 - t1184;
-    let t1186 = t410 * t1086;
-    let t1187 = t1185 - t1186;
-    let t1188 = t426 * t1103;
-    let t1189 = t1187 + t1188;
-    let t1190 = t317 * t1133;
-    let t1191 = t319 * t1137;
-    let t1192 = t1190 - t1191;
-    let t1193 = t322 * t1137;
-    let t1194 = t1192 + t1193;
-    let t1195 = t403 * t1137;
-    let t1196 = t1194 - t1195;
-    let t1197 = t410 * t1131;
-    let t1198 = t1196 - t1197;
-    let t1199 = t426 * t1120;
-    let t1200 = t1198 + t1199;
-    let t1201 = t339 * t810;
-    let t1202 = t322 * t861;
-    let t1203 = t1201 - t1202;
-    let t1204 = t186 * t873;
-    let t1205 = t1203 + t1204;
-    let t1206 = t191 * t887;
-    let t1207 = t1205 + t1206;
-    let t1208 = t198 * t900;
-    let t1209 = t1207 - t1208;
-    let t1210 = t395 * t912;
-    let t1211 = t1209 + t1210;
-    let t1212 = t339 * t930;
-    let t1213 = t322 * t954;
-    let t1214 = t1212 - t1213;
-    let t1215 = t186 * t953;
-    let t1216 = t1214 + t1215;
-    let t1217 = t191 * t966;
-    let t1218 = t1216 + t1217;
-    let t1219 = t1208 - t1218;
-    let t1220 = t1210 - t1219;
-    let t1221 = t339 * t1015;
-    let t1222 = t322 * t1038;
-    let t1223 = t1221 - t1222;
-    let t1224 = t186 * t1034;
-    let t1225 = t1223 + t1224;
-    let t1226 = t191 * t1033;
-    let t1227 = t1225 - t1226;
-    let t1228 = t198 * t1051;
-    let t1229 = t1227 - t1228;
-    let t1230 = t395 * t1059;
-    let t1231 = t1229 + t1230;
-    let t1232 = t339 * t1088;
-    let t1233 = t1182 - t1232;
-    let t1234 = t186 * t1092;
-    let t1235 = t1233 - t1234;
-    let t1236 = t191 * t1092;
-    let t1237 = t1235 + t1236;
-    let t1238 = t198 * t1086;
-    let t1239 = t1237 + t1238;
-    let t1240 = t395 * t1103;
-    let t1241 = t1239 - t1240;
-    let t1242 = t339 * t1133;
-    let t1243 = t1193 - t1242;
-    let t1244 = t186 * t1137;
-    let t1245 = t1243 - t1244;
-    let t1246 = t191 * t1137;
-    let t1247 = t1245 + t1246;
-    let t1248 = t198 * t1131;
-    let t1249 = t1247 + t1248;
-    let t1250 = t395 * t1120;
-    let t1251 = t1249 - t1250;
-    let t1252 = t466 * t810;
-    let t1253 = t403 * t861;
-    let t1254 = t1252 - t1253;
-    let t1255 = t191 * t873;
-    let t1256 = t1254 + t1255;
-    let t1257 = t450 * t887;
-    let t1258 = t1256 - t1257;
-    let t1259 = t457 * t900;
-    let t1260 = t1258 + t1259;
-    let t1261 = t478 * t912;
-    let t1262 = t1260 - t1261;
-    let t1263 = t466 * t930;
-    let t1264 = t403 * t954;
-    let t1265 = t1263 - t1264;
-    let t1266 = t191 * t953;
-    let t1267 = t1265 + t1266;
-    let t1268 = t450 * t966;
-    let t1269 = t1267 - t1268;
-    let t1270 = t1259 + t1269;
-    let t1271 = t1261 - t1270;
-    let t1272 = t466 * t1015;
-    let t1273 = t403 * t1038;
-    let t1274 = t1272 - t1273;
-    let t1275 = t191 * t1034;
-    let t1276 = t1274 + t1275;
-    let t1277 = t450 * t1033;
-    let t1278 = t1276 + t1277;
-    let t1279 = t457 * t1051;
-    let t1280 = t1278 + t1279;
-    let t1281 = t478 * t1059;
-    let t1282 = t1280 - t1281;
-    let t1283 = t466 * t1088;
-    let t1284 = t1184 - t1283;
-    let t1285 = t1236 - t1284;
-    let t1286 = t450 * t1092;
-    let t1287 = t1285 + t1286;
-    let t1288 = t457 * t1086;
-    let t1289 = t1287 + t1288;
-    let t1290 = t478 * t1103;
-    let t1291 = t1289 - t1290;
-    let t1292 = t466 * t1133;
-    let t1293 = t1195 - t1292;
-    let t1294 = t1246 - t1293;
-    let t1295 = t450 * t1137;
-    let t1296 = t1294 + t1295;
-    let t1297 = t457 * t1131;
-    let t1298 = t1296 + t1297;
-    let t1299 = t478 * t1120;
+    let t1173 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t553;
+    let t1174 = t530 - t1173;
+    let t1175 = t79 * omega_elbow_joint_z;
+    let t1176 = t1175 * 0.097117523756029;
+    let t1177 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t558;
+    let t1178 = t1177 + t1176;
+    let t1179 = t108 * t1178;
+    let t1180 = 2.0 * t1175;
+    let t1181 = t238 * t1180;
+    let t1182 = t1179 - t1181;
+    let t1183 = t1174 + t1182;
+    let t1184 = t117 * t77;
+    let t1185 = t114 * t691;
+    let t1186 = t1185 + t1184;
+    let t1187 = t1186 - t1183;
+    let t1188 = v[1] * t83;
+    let t1189 = t1188 * 0.2485299224894412;
+    let t1190 = t1178 + t1189;
+    let t1191 = t123 * t1190;
+    let t1192 = 2.0 * t1188;
+    let t1193 = t299 * t1192;
+    let t1194 = t1191 - t1193;
+    let t1195 = t1187 - t1194;
+    let t1196 = t132 * t81;
+    let t1197 = t129 * t691;
+    let t1198 = t1197 + t1196;
+    let t1199 = t1198 + t1195;
+    let t1200 = t710 * t691;
+    let t1201 = t1199 + t1200;
+    let t1202 = t1185 + t529;
+    let t1203 = t1197 + t1202;
+    let t1204 = t716 + t1203;
+    let t1205 = t1201 - t1204;
+    let t1206 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t617;
+    let t1207 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t544;
+    let t1208 = t1206 + t1207;
+    let t1209 = t170 * t1208;
+    let t1210 = t1205 - t1209;
+    let t1211 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t539;
+    let t1212 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t526;
+    let t1213 = t1211 - t1212;
+    let t1214 = t180 * t1213;
+    let t1215 = t1210 - t1214;
+    let t1216 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t652;
+    let t1217 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t658;
+    let t1218 = t1216 - t1217;
+    let t1219 = t216 * t662;
+    let t1220 = t1218 + t1219;
+    let t1221 = t216 * t666;
+    let t1222 = t1220 + t1221;
+    let t1223 = t192 * t1208;
+    let t1224 = t1222 + t1223;
+    let t1225 = t196 * t1213;
+    let t1226 = t1224 - t1225;
+    let t1227 = t221 * t1226;
+    let t1228 = t1215 - t1227;
+    let t1229 = t244 * t1226;
+    let t1230 = t79 * t687;
+    let t1231 = t1230 - t1219;
+    let t1232 = t1218 - t1231;
+    let t1233 = t117 * t691;
+    let t1234 = t1233 - t1232;
+    let t1235 = t268 * t666;
+    let t1236 = t1234 - t1235;
+    let t1237 = t1236 - t1223;
+    let t1238 = t1237 + t1225;
+    let t1239 = t1238 + t1229;
+    let t1240 = t273 * t1239;
+    let t1241 = t1228 - t1240;
+    let t1242 = t307 * t1239;
+    let t1243 = t83 * t716;
+    let t1244 = t1243 - t1235;
+    let t1245 = t1234 + t1244;
+    let t1246 = t132 * t691;
+    let t1247 = t1246 + t1245;
+    let t1248 = t1247 - t1223;
+    let t1249 = t1248 + t1225;
+    let t1250 = t294 * t1226;
+    let t1251 = t1249 + t1250;
+    let t1252 = t1251 - t1242;
+    let t1253 = t340 * t1252;
+    let t1254 = t1241 - t1253;
+    let t1255 = inverse_d_shoulder_pan_joint * t1254;
+    let t1256 = t526 - t1173;
+    let t1257 = t79 * t560;
+    let t1258 = t216 * t562;
+    let t1259 = t1257 - t1258;
+    let t1260 = t1256 - t1259;
+    let t1261 = t1184 - t1260;
+    let t1262 = t1187 - t1261;
+    let t1263 = t268 * t572;
+    let t1264 = t1193 + t1263;
+    let t1265 = t1262 + t1264;
+    let t1266 = t680 * t691;
+    let t1267 = t1266 - t1265;
+    let t1268 = sin_wrist_2_joint * t520;
+    let t1269 = t613 * t691;
+    let t1270 = t1268 + t1269;
+    let t1271 = t192 * t1270;
+    let t1272 = t1267 - t1271;
+    let t1273 = sin_wrist_2_joint * t535;
+    let t1274 = cos_wrist_2_joint * t537;
+    let t1275 = t1273 + t1274;
+    let t1276 = t627 * t691;
+    let t1277 = t1275 - t1276;
+    let t1278 = t196 * t1277;
+    let t1279 = t1272 + t1278;
+    let t1280 = t526 - t530;
+    let t1281 = t1181 + t1258;
+    let t1282 = t1280 + t1281;
+    let t1283 = t216 * t572;
+    let t1284 = t238 * t1192;
+    let t1285 = t1284 + t1283;
+    let t1286 = t1282 + t1285;
+    let t1287 = t644 * t691;
+    let t1288 = t1287 + t1286;
+    let t1289 = t1288 + t1271;
+    let t1290 = t1289 - t1278;
+    let t1291 = t244 * t1290;
+    let t1292 = t1279 + t1291;
+    let t1293 = t307 * t1292;
+    let t1294 = t83 * t570;
+    let t1295 = t1294 - t1263;
+    let t1296 = t1261 + t1295;
+    let t1297 = t1196 + t1296;
+    let t1298 = t1199 - t1297;
+    let t1299 = t705 * t691;
     let t1300 = t1298 - t1299;
-    let t1301 = t490 * t810;
-    let t1302 = t410 * t861;
-    let t1303 = t1301 - t1302;
-    let t1304 = t198 * t873;
-    let t1305 = t1303 + t1304;
-    let t1306 = t457 * t887;
-    let t1307 = t1305 - t1306;
-    let t1308 = t620 * t900;
-    let t1309 = t1307 - t1308;
-    let t1310 = t555 * t912;
-    let t1311 = t1309 - t1310;
-    let t1312 = t490 * t930;
-    let t1313 = t410 * t954;
-    let t1314 = t1312 - t1313;
-    let t1315 = t198 * t953;
-    let t1316 = t1314 + t1315;
-    let t1317 = t457 * t966;
-    let t1318 = t1316 - t1317;
-    let t1319 = t1308 - t1318;
-    let t1320 = t1310 + t1319;
-    let t1321 = t490 * t1015;
-    let t1322 = t410 * t1038;
-    let t1323 = t1321 - t1322;
-    let t1324 = t198 * t1034;
-    let t1325 = t1323 + t1324;
-    let t1326 = t457 * t1033;
-    let t1327 = t1325 + t1326;
-    let t1328 = t620 * t1051;
-    let t1329 = t1327 - t1328;
-    let t1330 = t555 * t1059;
-    let t1331 = t1329 - t1330;
-    let t1332 = t490 * t1088;
-    let t1333 = t410 * t1092;
-    let t1334 = t1332 - t1333;
-    let t1335 = t198 * t1092;
-    let t1336 = t1334 + t1335;
-    let t1337 = t457 * t1092;
-    let t1338 = t1336 + t1337;
-    let t1339 = t620 * t1086;
-    let t1340 = t1338 - t1339;
-    let t1341 = t555 * t1103;
-    let t1342 = t1340 - t1341;
-    let t1343 = t490 * t1133;
-    let t1344 = t410 * t1137;
-    let t1345 = t1343 - t1344;
-    let t1346 = t198 * t1137;
-    let t1347 = t1345 + t1346;
-    let t1348 = t457 * t1137;
-    let t1349 = t1347 + t1348;
-    let t1350 = t620 * t1131;
-    let t1351 = t1349 - t1350;
-    let t1352 = t555 * t1120;
-    let t1353 = t1351 - t1352;
-    let t1354 = t506 * t810;
-    let t1355 = t426 * t861;
-    let t1356 = t1354 - t1355;
-    let t1357 = t395 * t873;
-    let t1358 = t1356 + t1357;
-    let t1359 = t478 * t887;
-    let t1360 = t1358 - t1359;
-    let t1361 = t555 * t900;
-    let t1362 = t1360 + t1361;
-    let t1363 = t593 * t912;
-    let t1364 = t1362 - t1363;
-    let t1365 = t506 * t930;
-    let t1366 = t426 * t954;
-    let t1367 = t1365 - t1366;
-    let t1368 = t395 * t953;
-    let t1369 = t1367 + t1368;
-    let t1370 = t478 * t966;
-    let t1371 = t1369 - t1370;
-    let t1372 = t1361 + t1371;
-    let t1373 = t1363 - t1372;
-    let t1374 = t506 * t1015;
-    let t1375 = t426 * t1038;
-    let t1376 = t1374 - t1375;
-    let t1377 = t395 * t1034;
-    let t1378 = t1376 + t1377;
-    let t1379 = t478 * t1033;
-    let t1380 = t1378 + t1379;
-    let t1381 = t555 * t1051;
-    let t1382 = t1380 + t1381;
-    let t1383 = t593 * t1059;
-    let t1384 = t1382 - t1383;
-    let t1385 = t506 * t1088;
-    let t1386 = t426 * t1092;
-    let t1387 = t1385 - t1386;
-    let t1388 = t395 * t1092;
-    let t1389 = t1387 + t1388;
-    let t1390 = t478 * t1092;
-    let t1391 = t1389 + t1390;
-    let t1392 = t555 * t1086;
-    let t1393 = t1391 + t1392;
-    let t1394 = t593 * t1103;
-    let t1395 = t1393 - t1394;
-    let t1396 = t506 * t1133;
-    let t1397 = t426 * t1137;
-    let t1398 = t1396 - t1397;
-    let t1399 = t395 * t1137;
-    let t1400 = t1398 + t1399;
-    let t1401 = t478 * t1137;
-    let t1402 = t1400 + t1401;
-    let t1403 = t555 * t1131;
-    let t1404 = t1402 + t1403;
-    let t1405 = t593 * t1120;
-    let t1406 = t1404 - t1405;
-    let t1407 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t737;
-    let t1408 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t724;
-    let t1409 = t1407 - t1408;
-    let t1410 = t490 * t1409;
-    let t1411 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t829;
-    let t1412 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t835;
-    let t1413 = t1411 - t1412;
-    let t1414 = t89 * t843;
-    let t1415 = t1413 + t1414;
-    let t1416 = t89 * t854;
-    let t1417 = t1415 + t1416;
-    let t1418 = t466 * t1417;
-    let t1419 = t97 * t841;
-    let t1420 = t1419 - t1414;
-    let t1421 = t1413 - t1420;
-    let t1422 = t312 * t847;
-    let t1423 = t1422 - t1421;
-    let t1424 = t122 * t854;
-    let t1425 = t1423 - t1424;
-    let t1426 = t339 * t1425;
-    let t1427 = t130 * t852;
-    let t1428 = t1427 - t1424;
-    let t1429 = t1423 + t1428;
-    let t1430 = t332 * t847;
-    let t1431 = t1430 + t1429;
-    let t1432 = t317 * t1431;
-    let t1433 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t751;
-    let t1434 = t728 - t1433;
-    let t1435 = t97 * omega_elbow_joint_z;
-    let t1436 = t1435 * 0.097117523756029;
-    let t1437 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t756;
-    let t1438 = t1437 + t1436;
-    let t1439 = t30 * t1438;
-    let t1440 = 2.0 * t1435;
-    let t1441 = t29 * t1440;
-    let t1442 = t1439 - t1441;
-    let t1443 = t1434 + t1442;
-    let t1444 = t312 * t344;
-    let t1445 = t367 * t847;
-    let t1446 = t1445 + t1444;
-    let t1447 = t1446 - t1443;
-    let t1448 = v[1] * t130;
-    let t1449 = t1448 * 0.2485299224894412;
-    let t1450 = t1438 + t1449;
-    let t1451 = t43 * t1450;
-    let t1452 = 2.0 * t1448;
-    let t1453 = t42 * t1452;
-    let t1454 = t1451 - t1453;
-    let t1455 = t1447 - t1454;
-    let t1456 = t332 * t347;
-    let t1457 = t377 * t847;
-    let t1458 = t1457 + t1456;
-    let t1459 = t1458 + t1455;
-    let t1460 = t821 * t847;
-    let t1461 = t1459 + t1460;
-    let t1462 = t1445 + t727;
-    let t1463 = t1457 + t1462;
-    let t1464 = t852 + t1463;
-    let t1465 = t1461 - t1464;
-    let t1466 = inverse_d_shoulder_pan_joint * t1465;
-    let t1467 = t1466 - t1432;
-    let t1468 = t1467 + t1426;
-    let t1469 = t1468 + t1418;
-    let t1470 = t1469 - t1410;
-    let t1471 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t907;
-    let t1472 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t742;
-    let t1473 = t1471 + t1472;
-    let t1474 = t506 * t1473;
-    let t1475 = t1470 + t1474;
-    let t1476 = sin_wrist_2_joint * t733;
-    let t1477 = cos_wrist_2_joint * t735;
-    let t1478 = t1476 + t1477;
-    let t1479 = t892 * t847;
-    let t1480 = t1478 - t1479;
-    let t1481 = t490 * t1480;
-    let t1482 = t724 - t728;
-    let t1483 = t89 * t760;
-    let t1484 = t1441 + t1483;
-    let t1485 = t1482 + t1484;
-    let t1486 = t89 * t770;
-    let t1487 = t29 * t1452;
-    let t1488 = t1487 + t1486;
-    let t1489 = t1485 + t1488;
-    let t1490 = t814 * t847;
-    let t1491 = t1490 + t1489;
-    let t1492 = t466 * t1491;
-    let t1493 = t724 - t1433;
-    let t1494 = t97 * t758;
-    let t1495 = t1494 - t1483;
-    let t1496 = t1493 - t1495;
-    let t1497 = t1444 - t1496;
-    let t1498 = t1447 - t1497;
-    let t1499 = t122 * t770;
-    let t1500 = t1453 + t1499;
-    let t1501 = t1498 + t1500;
-    let t1502 = t815 * t847;
-    let t1503 = t1502 - t1501;
-    let t1504 = t339 * t1503;
-    let t1505 = t130 * t768;
-    let t1506 = t1505 - t1499;
-    let t1507 = t1497 + t1506;
-    let t1508 = t1456 + t1507;
-    let t1509 = t1459 - t1508;
-    let t1510 = t816 * t847;
-    let t1511 = t1509 - t1510;
-    let t1512 = t317 * t1511;
-    let t1513 = t711 * t847;
-    let t1514 = t720 + t826;
-    let t1515 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1514;
-    let t1516 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1478;
-    let t1517 = t1515 + t1516;
-    let t1518 = t367 * t344;
-    let t1519 = t1518 - t1517;
-    let t1520 = t377 * t347;
-    let t1521 = t1520 + t1519;
-    let t1522 = t1521 - t1513;
-    let t1523 = t768 + t1522;
-    let t1524 = inverse_d_shoulder_pan_joint * t1523;
-    let t1525 = t1524 - t1512;
-    let t1526 = t1525 - t1504;
-    let t1527 = t1526 - t1492;
-    let t1528 = t1527 + t1481;
-    let t1529 = sin_wrist_2_joint * t718;
-    let t1530 = t903 * t847;
-    let t1531 = t1529 + t1530;
-    let t1532 = t506 * t1531;
-    let t1533 = t1528 - t1532;
-    let t1534 = t1485 + t1490;
-    let t1535 = t466 * t1534;
-    let t1536 = t1498 - t1502;
-    let t1537 = t339 * t1536;
-    let t1538 = t130 * t758;
-    let t1539 = t43 * t1438;
-    let t1540 = t1539 + t1538;
-    let t1541 = t1536 - t1540;
-    let t1542 = t317 * t1541;
-    let t1543 = t703 * t847;
-    let t1544 = t1519 - t1543;
-    let t1545 = t122 * t847;
-    let t1546 = t43 * t1545;
-    let t1547 = t1544 + t1546;
-    let t1548 = t758 + t1547;
-    let t1549 = inverse_d_shoulder_pan_joint * t1548;
-    let t1550 = t1549 - t1542;
-    let t1551 = t1550 + t1537;
-    let t1552 = t1551 - t1535;
-    let t1553 = t1481 + t1552;
-    let t1554 = t1532 - t1553;
-    let t1555 = 2.0 * omega_wrist_1_joint_x;
-    let t1556 = t66 * t1555;
-    let t1557 = 2.0 * omega_wrist_1_joint_y;
-    let t1558 = t23 * t1557;
-    let t1559 = t1558 - t1556;
-    let t1560 = t1478 - t1559;
-    let t1561 = t490 * t1560;
-    let t1562 = t79 * t1555;
-    let t1563 = t85 * t1557;
-    let t1564 = t1563 + t1562;
-    let t1565 = t1482 + t1564;
-    let t1566 = t466 * t1565;
-    let t1567 = t97 * t757;
-    let t1568 = t30 * t1437;
-    let t1569 = t1568 + t1567;
-    let t1570 = t1565 - t1569;
-    let t1571 = t339 * t1570;
-    let t1572 = t130 * t757;
-    let t1573 = t43 * t1437;
-    let t1574 = t1573 + t1572;
-    let t1575 = t1570 - t1574;
-    let t1576 = t317 * t1575;
-    let t1577 = t1557 * t985;
-    let t1578 = t23 * t1555;
-    let t1579 = t1577 + t1578;
-    let t1580 = t1514 + t1579;
-    let t1581 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1580;
-    let t1582 = t1555 * t973;
-    let t1583 = t1582 + t1558;
-    let t1584 = t1478 - t1583;
-    let t1585 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1584;
-    let t1586 = t1581 + t1585;
-    let t1587 = omega_wrist_1_joint_y * 0.003882407650500002;
-    let t1588 = t30 * t1587;
-    let t1589 = t1586 - t1588;
-    let t1590 = t43 * t1587;
-    let t1591 = t1589 - t1590;
-    let t1592 = t757 - t1591;
-    let t1593 = inverse_d_shoulder_pan_joint * t1592;
-    let t1594 = t1593 - t1576;
-    let t1595 = t1594 + t1571;
-    let t1596 = t1595 - t1566;
-    let t1597 = t1596 + t1561;
-    let t1598 = t60 * t1557;
-    let t1599 = t1529 + t1598;
-    let t1600 = t506 * t1599;
-    let t1601 = t1597 - t1600;
-    let t1602 = 2.0 * omega_wrist_2_joint_y;
-    let t1603 = t22 * t1602;
-    let t1604 = t724 + t1603;
-    let t1605 = t490 * t1604;
-    let t1606 = t715 * t1072;
-    let t1607 = t742 - t1606;
-    let t1608 = cos_wrist_2_joint * t1607;
-    let t1609 = t1602 * t1062;
-    let t1610 = t744 + t1609;
-    let t1611 = sin_wrist_2_joint * t1610;
-    let t1612 = t1611 - t1608;
-    let t1613 = t466 * t1612;
-    let t1614 = t339 * t1612;
-    let t1615 = t317 * t1612;
-    let t1616 = sin_wrist_2_joint * t1607;
-    let t1617 = cos_wrist_2_joint * t1610;
-    let t1618 = t1617 + t1616;
-    let t1619 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1618;
-    let t1620 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1604;
-    let t1621 = t1619 - t1620;
-    let t1622 = inverse_d_shoulder_pan_joint * t1621;
-    let t1623 = t1622 + t1615;
-    let t1624 = t1623 - t1614;
-    let t1625 = t1624 + t1613;
-    let t1626 = t1625 + t1605;
-    let t1627 = t59 * t715;
-    let t1628 = t742 - t1627;
-    let t1629 = t506 * t1628;
-    let t1630 = t1626 + t1629;
-    let t1631 = t58 * t715;
-    let t1632 = t741 - t1631;
-    let t1633 = t490 * t1632;
-    let t1634 = t57 * t219;
-    let t1635 = t716 - t1634;
-    let t1636 = sin_wrist_2_joint * t1635;
-    let t1637 = t466 * t1636;
-    let t1638 = t339 * t1636;
-    let t1639 = t317 * t1636;
-    let t1640 = cos_wrist_2_joint * t1635;
-    let t1641 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1640;
-    let t1642 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1632;
-    let t1643 = t1641 + t1642;
-    let t1644 = inverse_d_shoulder_pan_joint * t1643;
-    let t1645 = t1644 + t1639;
-    let t1646 = t1645 - t1638;
-    let t1647 = t1646 + t1637;
-    let t1648 = t1647 - t1633;
+    let t1301 = t1300 + t1271;
+    let t1302 = t1301 - t1278;
+    let t1303 = t294 * t1290;
+    let t1304 = t1302 - t1303;
+    let t1305 = t1304 + t1293;
+    let t1306 = t340 * t1305;
+    let t1307 = t273 * t1292;
+    let t1308 = t513 * t691;
+    let t1309 = t522 + t649;
+    let t1310 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1309;
+    let t1311 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1275;
+    let t1312 = t1310 + t1311;
+    let t1313 = t114 * t77;
+    let t1314 = t1313 - t1312;
+    let t1315 = t129 * t81;
+    let t1316 = t1315 + t1314;
+    let t1317 = t1316 - t1308;
+    let t1318 = t570 + t1317;
+    let t1319 = t170 * t1270;
+    let t1320 = t1318 + t1319;
+    let t1321 = t180 * t1277;
+    let t1322 = t1320 + t1321;
+    let t1323 = t221 * t1290;
+    let t1324 = t1322 + t1323;
+    let t1325 = t1324 + t1307;
+    let t1326 = t1325 - t1306;
+    let t1327 = inverse_d_shoulder_pan_joint * t1326;
+    let t1328 = t1262 - t1266;
+    let t1329 = t1328 + t1271;
+    let t1330 = t1278 - t1329;
+    let t1331 = t1282 + t1287;
+    let t1332 = t1331 + t1271;
+    let t1333 = t1278 - t1332;
+    let t1334 = t244 * t1333;
+    let t1335 = t1330 - t1334;
+    let t1336 = t307 * t1335;
+    let t1337 = t83 * t560;
+    let t1338 = t123 * t1178;
+    let t1339 = t1338 + t1337;
+    let t1340 = t1328 - t1339;
+    let t1341 = t1340 + t1271;
+    let t1342 = t1278 - t1341;
+    let t1343 = t294 * t1333;
+    let t1344 = t1342 - t1343;
+    let t1345 = t1344 - t1336;
+    let t1346 = t340 * t1345;
+    let t1347 = t273 * t1335;
+    let t1348 = t505 * t691;
+    let t1349 = t1314 - t1348;
+    let t1350 = t268 * t691;
+    let t1351 = t123 * t1350;
+    let t1352 = t1349 + t1351;
+    let t1353 = t560 + t1352;
+    let t1354 = t1353 + t1319;
+    let t1355 = t1321 + t1354;
+    let t1356 = t221 * t1333;
+    let t1357 = t1355 - t1356;
+    let t1358 = t1357 + t1347;
+    let t1359 = t1358 + t1346;
+    let t1360 = inverse_d_shoulder_pan_joint * t1359;
+    let t1361 = 2.0 * omega_wrist_1_joint_y;
+    let t1362 = t1361 * t813;
+    let t1363 = 2.0 * omega_wrist_1_joint_x;
+    let t1364 = t176 * t1363;
+    let t1365 = t1362 + t1364;
+    let t1366 = t1309 + t1365;
+    let t1367 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1366;
+    let t1368 = t1363 * t801;
+    let t1369 = t176 * t1361;
+    let t1370 = t1368 + t1369;
+    let t1371 = t1275 - t1370;
+    let t1372 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1371;
+    let t1373 = t1367 + t1372;
+    let t1374 = omega_wrist_1_joint_y * 0.003882407650500002;
+    let t1375 = t108 * t1374;
+    let t1376 = t1373 - t1375;
+    let t1377 = t123 * t1374;
+    let t1378 = t1376 - t1377;
+    let t1379 = t559 - t1378;
+    let t1380 = t167 * t1361;
+    let t1381 = t1268 + t1380;
+    let t1382 = t170 * t1381;
+    let t1383 = t1379 + t1382;
+    let t1384 = t174 * t1363;
+    let t1385 = t1369 - t1384;
+    let t1386 = t1275 - t1385;
+    let t1387 = t180 * t1386;
+    let t1388 = t1383 + t1387;
+    let t1389 = t195 * t1363;
+    let t1390 = t212 * t1361;
+    let t1391 = t1390 + t1389;
+    let t1392 = t1280 + t1391;
+    let t1393 = t192 * t1381;
+    let t1394 = t1392 + t1393;
+    let t1395 = t196 * t1386;
+    let t1396 = t1394 - t1395;
+    let t1397 = t221 * t1396;
+    let t1398 = t1388 + t1397;
+    let t1399 = t244 * t1396;
+    let t1400 = t79 * t559;
+    let t1401 = t108 * t1177;
+    let t1402 = t1401 + t1400;
+    let t1403 = t1392 - t1402;
+    let t1404 = t1403 + t1393;
+    let t1405 = t1404 - t1395;
+    let t1406 = t1405 - t1399;
+    let t1407 = t273 * t1406;
+    let t1408 = t1398 - t1407;
+    let t1409 = t307 * t1406;
+    let t1410 = t83 * t559;
+    let t1411 = t123 * t1177;
+    let t1412 = t1411 + t1410;
+    let t1413 = t1403 - t1412;
+    let t1414 = t1413 + t1393;
+    let t1415 = t1414 - t1395;
+    let t1416 = t294 * t1396;
+    let t1417 = t1415 - t1416;
+    let t1418 = t1417 - t1409;
+    let t1419 = t340 * t1418;
+    let t1420 = t1408 - t1419;
+    let t1421 = inverse_d_shoulder_pan_joint * t1420;
+    let t1422 = t517 * t904;
+    let t1423 = t544 - t1422;
+    let t1424 = cos_wrist_2_joint * t1423;
+    let t1425 = 2.0 * omega_wrist_2_joint_y;
+    let t1426 = t1425 * t910;
+    let t1427 = t546 + t1426;
+    let t1428 = sin_wrist_2_joint * t1427;
+    let t1429 = t1428 - t1424;
+    let t1430 = t166 * t517;
+    let t1431 = t544 - t1430;
+    let t1432 = t192 * t1431;
+    let t1433 = t1429 + t1432;
+    let t1434 = t31 * t1425;
+    let t1435 = t526 + t1434;
+    let t1436 = t196 * t1435;
+    let t1437 = t1433 + t1436;
+    let t1438 = t244 * t1437;
+    let t1439 = t1437 - t1438;
+    let t1440 = t307 * t1439;
+    let t1441 = t294 * t1437;
+    let t1442 = t1437 - t1441;
+    let t1443 = t1442 - t1440;
+    let t1444 = t340 * t1443;
+    let t1445 = t273 * t1439;
+    let t1446 = sin_wrist_2_joint * t1423;
+    let t1447 = cos_wrist_2_joint * t1427;
+    let t1448 = t1447 + t1446;
+    let t1449 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1448;
+    let t1450 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1435;
+    let t1451 = t1449 - t1450;
+    let t1452 = t170 * t1431;
+    let t1453 = t1451 - t1452;
+    let t1454 = t180 * t1435;
+    let t1455 = t1453 + t1454;
+    let t1456 = t221 * t1437;
+    let t1457 = t1455 - t1456;
+    let t1458 = t1457 + t1445;
+    let t1459 = t1458 + t1444;
+    let t1460 = inverse_d_shoulder_pan_joint * t1459;
+    let t1461 = t43 * t517;
+    let t1462 = t543 - t1461;
+    let t1463 = t196 * t1462;
+    let t1464 = t47 * t50;
+    let t1465 = t518 - t1464;
+    let t1466 = sin_wrist_2_joint * t1465;
+    let t1467 = t1466 - t1463;
+    let t1468 = t244 * t1467;
+    let t1469 = t1467 - t1468;
+    let t1470 = t307 * t1469;
+    let t1471 = t294 * t1467;
+    let t1472 = t1467 - t1471;
+    let t1473 = t1472 - t1470;
+    let t1474 = t340 * t1473;
+    let t1475 = t273 * t1469;
+    let t1476 = t221 * t1467;
+    let t1477 = cos_wrist_2_joint * t1465;
+    let t1478 = sin_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1477;
+    let t1479 = cos_shoulder_lift_joint_elbow_joint_wrist_1_joint * t1462;
+    let t1480 = t1478 + t1479;
+    let t1481 = t180 * t1462;
+    let t1482 = t1480 - t1481;
+    let t1483 = t1482 - t1476;
+    let t1484 = t1483 + t1475;
+    let t1485 = t1484 + t1474;
+    let t1486 = inverse_d_shoulder_pan_joint * t1485;
+    let t1487 = t340 * t1255;
+    let t1488 = inverse_d_shoulder_lift_joint * t1252;
+    let t1489 = t1488 + t1487;
+    let t1490 = t340 * t1327;
+    let t1491 = inverse_d_shoulder_lift_joint * t1305;
+    let t1492 = t1491 + t1490;
+    let t1493 = t340 * t1360;
+    let t1494 = inverse_d_shoulder_lift_joint * t1345;
+    let t1495 = t1494 - t1493;
+    let t1496 = t340 * t1421;
+    let t1497 = inverse_d_shoulder_lift_joint * t1418;
+    let t1498 = t1497 + t1496;
+    let t1499 = t340 * t1460;
+    let t1500 = inverse_d_shoulder_lift_joint * t1443;
+    let t1501 = t1500 - t1499;
+    let t1502 = t340 * t1486;
+    let t1503 = inverse_d_shoulder_lift_joint * t1473;
+    let t1504 = t1503 - t1502;
+    let t1505 = t307 * t1489;
+    let t1506 = inverse_d_elbow_joint * t1239;
+    let t1507 = t1506 - t1505;
+    let t1508 = t273 * t1255;
+    let t1509 = t1507 + t1508;
+    let t1510 = t307 * t1492;
+    let t1511 = inverse_d_elbow_joint * t1292;
+    let t1512 = t1511 + t1510;
+    let t1513 = t273 * t1327;
+    let t1514 = t1512 - t1513;
+    let t1515 = t307 * t1495;
+    let t1516 = inverse_d_elbow_joint * t1335;
+    let t1517 = t1516 - t1515;
+    let t1518 = t273 * t1360;
+    let t1519 = t1517 - t1518;
+    let t1520 = t307 * t1498;
+    let t1521 = inverse_d_elbow_joint * t1406;
+    let t1522 = t1521 - t1520;
+    let t1523 = t273 * t1421;
+    let t1524 = t1522 + t1523;
+    let t1525 = t307 * t1501;
+    let t1526 = inverse_d_elbow_joint * t1439;
+    let t1527 = t1526 - t1525;
+    let t1528 = t273 * t1460;
+    let t1529 = t1527 - t1528;
+    let t1530 = t307 * t1504;
+    let t1531 = inverse_d_elbow_joint * t1469;
+    let t1532 = t1531 - t1530;
+    let t1533 = t273 * t1486;
+    let t1534 = t1532 - t1533;
+    let t1535 = t244 * t1509;
+    let t1536 = inverse_d_wrist_1_joint * t1226;
+    let t1537 = t1536 - t1535;
+    let t1538 = t294 * t1489;
+    let t1539 = t1537 - t1538;
+    let t1540 = t221 * t1255;
+    let t1541 = t1539 - t1540;
+    let t1542 = t244 * t1514;
+    let t1543 = inverse_d_wrist_1_joint * t1290;
+    let t1544 = t1543 - t1542;
+    let t1545 = t294 * t1492;
+    let t1546 = t1544 + t1545;
+    let t1547 = t221 * t1327;
+    let t1548 = t1546 + t1547;
+    let t1549 = t244 * t1519;
+    let t1550 = inverse_d_wrist_1_joint * t1333;
+    let t1551 = t1550 + t1549;
+    let t1552 = t294 * t1495;
+    let t1553 = t1551 + t1552;
+    let t1554 = t221 * t1360;
+    let t1555 = t1553 - t1554;
+    let t1556 = t244 * t1524;
+    let t1557 = inverse_d_wrist_1_joint * t1396;
+    let t1558 = t1557 + t1556;
+    let t1559 = t294 * t1498;
+    let t1560 = t1558 + t1559;
+    let t1561 = t221 * t1421;
+    let t1562 = t1560 + t1561;
+    let t1563 = t244 * t1529;
+    let t1564 = inverse_d_wrist_1_joint * t1437;
+    let t1565 = t1564 + t1563;
+    let t1566 = t294 * t1501;
+    let t1567 = t1565 + t1566;
+    let t1568 = t221 * t1460;
+    let t1569 = t1567 - t1568;
+    let t1570 = t244 * t1534;
+    let t1571 = inverse_d_wrist_1_joint * t1467;
+    let t1572 = t1571 + t1570;
+    let t1573 = t294 * t1504;
+    let t1574 = t1572 + t1573;
+    let t1575 = t221 * t1486;
+    let t1576 = t1574 - t1575;
+    let t1577 = t196 * t1541;
+    let t1578 = inverse_d_wrist_2_joint * t1213;
+    let t1579 = t1578 + t1577;
+    let t1580 = t196 * t1509;
+    let t1581 = t1579 + t1580;
+    let t1582 = t196 * t1489;
+    let t1583 = t1581 + t1582;
+    let t1584 = t180 * t1255;
+    let t1585 = t1583 + t1584;
     [
+        inverse_d_wrist_3_joint,
+        t170,
+        inverse_d_wrist_2_joint,
+        t180,
+        t192,
+        t196,
+        inverse_d_wrist_1_joint,
+        t221,
+        t244,
+        inverse_d_elbow_joint,
+        t273,
+        t294,
+        t307,
+        inverse_d_shoulder_lift_joint,
+        t340,
         inverse_d_shoulder_pan_joint,
-        t186,
-        t191,
-        t198,
-        t317,
-        t319,
-        t322,
-        t339,
-        t395,
-        t398,
-        t403,
-        t410,
-        t426,
-        t428,
-        t450,
-        t457,
-        t466,
-        t478,
-        t480,
-        t490,
-        t506,
         acceleration_shoulder_lift_joint_x,
-        t555,
-        t593,
-        t595,
-        t620,
-        t631,
-        t914,
-        t970,
-        t1061,
-        t1105,
-        t1147,
-        t1158,
-        t1167,
-        t1178,
-        t1189,
-        t1200,
-        t1211,
-        t1220,
-        t1231,
-        t1241,
-        t1251,
-        t1262,
-        t1271,
-        t1282,
-        t1291,
-        t1300,
-        t1311,
-        t1320,
-        t1331,
-        t1342,
-        t1353,
-        t1364,
-        t1373,
-        t1384,
-        t1395,
-        t1406,
-        t1409,
-        t1417,
-        t1425,
+        t377,
+        t382,
+        t389,
+        t407,
+        t427,
+        t730,
+        t798,
+        t903,
+        t957,
+        t1009,
+        t1012,
+        t1015,
+        t1018,
+        t1021,
+        t1024,
+        t1029,
+        t1034,
+        t1039,
+        t1044,
+        t1049,
+        t1056,
+        t1063,
+        t1070,
+        t1077,
+        t1084,
+        t1093,
+        t1101,
+        t1110,
+        t1119,
+        t1128,
+        t1137,
+        t1145,
+        t1154,
+        t1163,
+        t1172,
+        t1208,
+        t1255,
+        t1270,
+        t1277,
+        t1327,
+        t1360,
+        t1381,
+        t1386,
+        t1421,
         t1431,
-        t1465,
-        t1473,
-        t1475,
-        t1480,
-        t1491,
-        t1503,
-        t1511,
-        t1523,
-        t1531,
-        t1533,
+        t1435,
+        t1460,
+        t1462,
+        t1486,
+        t1489,
+        t1492,
+        t1495,
+        t1498,
+        t1501,
+        t1504,
+        t1509,
+        t1514,
+        t1519,
+        t1524,
+        t1529,
         t1534,
-        t1536,
         t1541,
         t1548,
-        t1554,
-        t1560,
-        t1565,
-        t1570,
-        t1575,
-        t1592,
-        t1599,
-        t1601,
-        t1604,
-        t1612,
-        t1621,
-        t1628,
-        t1630,
-        t1632,
-        t1636,
-        t1643,
-        t1648,
+        t1555,
+        t1562,
+        t1569,
+        t1576,
+        t1585,
     ]
 }
 
@@ -8227,716 +8616,699 @@ fn linearize_part_2(
     y: &[f64; N],
     v: &[f64; N],
     u: &[f64; M],
-    [inverse_d_shoulder_pan_joint,
-    t186,
-    t191,
-    t198,
-    t317,
-    t319,
-    t322,
-    t339,
-    t395,
-    t398,
-    t403,
-    t410,
-    t426,
-    t428,
-    t450,
-    t457,
-    t466,
-    t478,
-    t480,
-    t490,
-    t506,
+    [inverse_d_wrist_3_joint,
+    t170,
+    inverse_d_wrist_2_joint,
+    t180,
+    t192,
+    t196,
+    inverse_d_wrist_1_joint,
+    t221,
+    t244,
+    inverse_d_elbow_joint,
+    t273,
+    t294,
+    t307,
+    inverse_d_shoulder_lift_joint,
+    t340,
+    inverse_d_shoulder_pan_joint,
     acceleration_shoulder_lift_joint_x,
-    t555,
-    t593,
-    t595,
-    t620,
-    t631,
-    t914,
-    t970,
-    t1061,
-    t1105,
-    t1147,
-    t1158,
-    t1167,
-    t1178,
-    t1189,
-    t1200,
-    t1211,
-    t1220,
-    t1231,
-    t1241,
-    t1251,
-    t1262,
-    t1271,
-    t1282,
-    t1291,
-    t1300,
-    t1311,
-    t1320,
-    t1331,
-    t1342,
-    t1353,
-    t1364,
-    t1373,
-    t1384,
-    t1395,
-    t1406,
-    t1409,
-    t1417,
-    t1425,
+    t377,
+    t382,
+    t389,
+    t407,
+    t427,
+    t730,
+    t798,
+    t903,
+    t957,
+    t1009,
+    t1012,
+    t1015,
+    t1018,
+    t1021,
+    t1024,
+    t1029,
+    t1034,
+    t1039,
+    t1044,
+    t1049,
+    t1056,
+    t1063,
+    t1070,
+    t1077,
+    t1084,
+    t1093,
+    t1101,
+    t1110,
+    t1119,
+    t1128,
+    t1137,
+    t1145,
+    t1154,
+    t1163,
+    t1172,
+    t1208,
+    t1255,
+    t1270,
+    t1277,
+    t1327,
+    t1360,
+    t1381,
+    t1386,
+    t1421,
     t1431,
-    t1465,
-    t1473,
-    t1475,
-    t1480,
-    t1491,
-    t1503,
-    t1511,
-    t1523,
-    t1531,
-    t1533,
+    t1435,
+    t1460,
+    t1462,
+    t1486,
+    t1489,
+    t1492,
+    t1495,
+    t1498,
+    t1501,
+    t1504,
+    t1509,
+    t1514,
+    t1519,
+    t1524,
+    t1529,
     t1534,
-    t1536,
     t1541,
     t1548,
-    t1554,
-    t1560,
-    t1565,
-    t1570,
-    t1575,
-    t1592,
-    t1599,
-    t1601,
-    t1604,
-    t1612,
-    t1621,
-    t1628,
-    t1630,
-    t1632,
-    t1636,
-    t1643,
-    t1648,
-    ]: [f64; 92],
-) -> [f64; 63] {
-    let t1649 = t410 * t1409;
-    let t1650 = t403 * t1417;
-    let t1651 = t322 * t1425;
-    let t1652 = t319 * t1431;
-    let t1653 = t317 * t1465;
-    let t1654 = t1653 + t1652;
-    let t1655 = t1654 - t1651;
-    let t1656 = t1655 - t1650;
-    let t1657 = t1656 + t1649;
-    let t1658 = t426 * t1473;
-    let t1659 = t1657 - t1658;
-    let t1660 = t410 * t1480;
-    let t1661 = t403 * t1491;
-    let t1662 = t322 * t1503;
-    let t1663 = t319 * t1511;
-    let t1664 = t317 * t1523;
-    let t1665 = t1664 + t1663;
-    let t1666 = t1665 + t1662;
-    let t1667 = t1666 + t1661;
-    let t1668 = t1667 - t1660;
-    let t1669 = t426 * t1531;
-    let t1670 = t1668 + t1669;
-    let t1671 = t403 * t1534;
-    let t1672 = t322 * t1536;
-    let t1673 = t319 * t1541;
-    let t1674 = t317 * t1548;
-    let t1675 = t1674 + t1673;
-    let t1676 = t1675 - t1672;
-    let t1677 = t1676 + t1671;
-    let t1678 = t1660 - t1677;
-    let t1679 = t1669 - t1678;
-    let t1680 = t410 * t1560;
-    let t1681 = t403 * t1565;
-    let t1682 = t322 * t1570;
-    let t1683 = t319 * t1575;
-    let t1684 = t317 * t1592;
-    let t1685 = t1684 + t1683;
-    let t1686 = t1685 - t1682;
-    let t1687 = t1686 + t1681;
-    let t1688 = t1687 - t1680;
-    let t1689 = t426 * t1599;
-    let t1690 = t1688 + t1689;
-    let t1691 = t410 * t1604;
-    let t1692 = t403 * t1612;
-    let t1693 = t322 * t1612;
-    let t1694 = t319 * t1612;
-    let t1695 = t317 * t1621;
-    let t1696 = t1695 - t1694;
-    let t1697 = t1696 + t1693;
-    let t1698 = t1697 - t1692;
-    let t1699 = t1698 - t1691;
-    let t1700 = t426 * t1628;
-    let t1701 = t1699 - t1700;
-    let t1702 = t410 * t1632;
-    let t1703 = t403 * t1636;
-    let t1704 = t322 * t1636;
-    let t1705 = t319 * t1636;
-    let t1706 = t317 * t1643;
-    let t1707 = t1706 - t1705;
-    let t1708 = t1707 + t1704;
-    let t1709 = t1708 - t1703;
-    let t1710 = t1709 + t1702;
-    let t1711 = t198 * t1409;
-    let t1712 = t191 * t1417;
-    let t1713 = t186 * t1425;
-    let t1714 = t322 * t1431;
-    let t1715 = t339 * t1465;
-    let t1716 = t1715 + t1714;
-    let t1717 = t1716 - t1713;
-    let t1718 = t1717 - t1712;
-    let t1719 = t1718 + t1711;
-    let t1720 = t395 * t1473;
-    let t1721 = t1719 - t1720;
-    let t1722 = t198 * t1480;
-    let t1723 = t191 * t1491;
-    let t1724 = t186 * t1503;
-    let t1725 = t322 * t1511;
-    let t1726 = t339 * t1523;
-    let t1727 = t1726 + t1725;
-    let t1728 = t1727 + t1724;
-    let t1729 = t1728 + t1723;
-    let t1730 = t1729 - t1722;
-    let t1731 = t395 * t1531;
-    let t1732 = t1730 + t1731;
-    let t1733 = t191 * t1534;
-    let t1734 = t186 * t1536;
-    let t1735 = t322 * t1541;
-    let t1736 = t339 * t1548;
-    let t1737 = t1736 + t1735;
-    let t1738 = t1737 - t1734;
-    let t1739 = t1738 + t1733;
-    let t1740 = t1722 - t1739;
-    let t1741 = t1731 - t1740;
-    let t1742 = t198 * t1560;
-    let t1743 = t191 * t1565;
-    let t1744 = t186 * t1570;
-    let t1745 = t322 * t1575;
-    let t1746 = t339 * t1592;
-    let t1747 = t1746 + t1745;
-    let t1748 = t1747 - t1744;
-    let t1749 = t1748 + t1743;
-    let t1750 = t1749 - t1742;
-    let t1751 = t395 * t1599;
-    let t1752 = t1750 + t1751;
-    let t1753 = t198 * t1604;
-    let t1754 = t191 * t1612;
-    let t1755 = t186 * t1612;
-    let t1756 = t339 * t1621;
-    let t1757 = t1693 - t1756;
-    let t1758 = t1757 - t1755;
-    let t1759 = t1758 + t1754;
-    let t1760 = t1759 + t1753;
-    let t1761 = t395 * t1628;
-    let t1762 = t1760 + t1761;
-    let t1763 = t198 * t1632;
-    let t1764 = t191 * t1636;
-    let t1765 = t186 * t1636;
-    let t1766 = t339 * t1643;
-    let t1767 = t1704 - t1766;
-    let t1768 = t1767 - t1765;
-    let t1769 = t1768 + t1764;
-    let t1770 = t1769 - t1763;
-    let t1771 = t457 * t1409;
-    let t1772 = t450 * t1417;
-    let t1773 = t191 * t1425;
-    let t1774 = t403 * t1431;
-    let t1775 = t466 * t1465;
-    let t1776 = t1775 + t1774;
-    let t1777 = t1776 - t1773;
-    let t1778 = t1777 + t1772;
-    let t1779 = t1778 - t1771;
-    let t1780 = t478 * t1473;
-    let t1781 = t1779 + t1780;
-    let t1782 = t457 * t1480;
-    let t1783 = t450 * t1491;
-    let t1784 = t191 * t1503;
-    let t1785 = t403 * t1511;
-    let t1786 = t466 * t1523;
-    let t1787 = t1786 + t1785;
-    let t1788 = t1787 + t1784;
-    let t1789 = t1788 - t1783;
-    let t1790 = t1789 + t1782;
-    let t1791 = t478 * t1531;
-    let t1792 = t1790 - t1791;
-    let t1793 = t450 * t1534;
-    let t1794 = t191 * t1536;
-    let t1795 = t403 * t1541;
-    let t1796 = t466 * t1548;
-    let t1797 = t1796 + t1795;
-    let t1798 = t1797 - t1794;
-    let t1799 = t1798 - t1793;
-    let t1800 = t1782 + t1799;
-    let t1801 = t1791 - t1800;
-    let t1802 = t457 * t1560;
-    let t1803 = t450 * t1565;
-    let t1804 = t191 * t1570;
-    let t1805 = t403 * t1575;
-    let t1806 = t466 * t1592;
-    let t1807 = t1806 + t1805;
-    let t1808 = t1807 - t1804;
-    let t1809 = t1808 - t1803;
-    let t1810 = t1809 + t1802;
-    let t1811 = t478 * t1599;
+    t1555,
+    t1562,
+    t1569,
+    t1576,
+    t1585,
+    ]: [f64; 85],
+) -> [f64; 67] {
+    let t1586 = t196 * t1548;
+    let t1587 = inverse_d_wrist_2_joint * t1277;
+    let t1588 = t1587 + t1586;
+    let t1589 = t196 * t1514;
+    let t1590 = t1588 + t1589;
+    let t1591 = t196 * t1492;
+    let t1592 = t1590 - t1591;
+    let t1593 = t180 * t1327;
+    let t1594 = t1592 - t1593;
+    let t1595 = t196 * t1555;
+    let t1596 = t1587 - t1595;
+    let t1597 = t196 * t1519;
+    let t1598 = t1596 + t1597;
+    let t1599 = t196 * t1495;
+    let t1600 = t1598 + t1599;
+    let t1601 = t180 * t1360;
+    let t1602 = t1600 - t1601;
+    let t1603 = t196 * t1562;
+    let t1604 = inverse_d_wrist_2_joint * t1386;
+    let t1605 = t1604 + t1603;
+    let t1606 = t196 * t1524;
+    let t1607 = t1605 - t1606;
+    let t1608 = t196 * t1498;
+    let t1609 = t1607 - t1608;
+    let t1610 = t180 * t1421;
+    let t1611 = t1609 - t1610;
+    let t1612 = t196 * t1569;
+    let t1613 = inverse_d_wrist_2_joint * t1435;
+    let t1614 = t1613 - t1612;
+    let t1615 = t196 * t1529;
+    let t1616 = t1614 + t1615;
+    let t1617 = t196 * t1501;
+    let t1618 = t1616 + t1617;
+    let t1619 = t180 * t1460;
+    let t1620 = t1618 - t1619;
+    let t1621 = t196 * t1576;
+    let t1622 = inverse_d_wrist_2_joint * t1462;
+    let t1623 = t1622 + t1621;
+    let t1624 = t196 * t1534;
+    let t1625 = t1623 - t1624;
+    let t1626 = t196 * t1504;
+    let t1627 = t1625 - t1626;
+    let t1628 = t180 * t1486;
+    let t1629 = t1627 + t1628;
+    let t1630 = t192 * t1541;
+    let t1631 = inverse_d_wrist_3_joint * t1208;
+    let t1632 = t1631 + t1630;
+    let t1633 = t192 * t1509;
+    let t1634 = t1632 + t1633;
+    let t1635 = t192 * t1489;
+    let t1636 = t1634 + t1635;
+    let t1637 = t170 * t1255;
+    let t1638 = t1636 - t1637;
+    let t1639 = t192 * t1548;
+    let t1640 = inverse_d_wrist_3_joint * t1270;
+    let t1641 = t1640 + t1639;
+    let t1642 = t192 * t1514;
+    let t1643 = t1641 + t1642;
+    let t1644 = t192 * t1492;
+    let t1645 = t1643 - t1644;
+    let t1646 = t170 * t1327;
+    let t1647 = t1645 + t1646;
+    let t1648 = t192 * t1555;
+    let t1649 = t1640 - t1648;
+    let t1650 = t192 * t1519;
+    let t1651 = t1649 + t1650;
+    let t1652 = t192 * t1495;
+    let t1653 = t1651 + t1652;
+    let t1654 = t170 * t1360;
+    let t1655 = t1653 + t1654;
+    let t1656 = t192 * t1562;
+    let t1657 = inverse_d_wrist_3_joint * t1381;
+    let t1658 = t1657 + t1656;
+    let t1659 = t192 * t1524;
+    let t1660 = t1658 - t1659;
+    let t1661 = t192 * t1498;
+    let t1662 = t1660 - t1661;
+    let t1663 = t170 * t1421;
+    let t1664 = t1662 + t1663;
+    let t1665 = t192 * t1569;
+    let t1666 = inverse_d_wrist_3_joint * t1431;
+    let t1667 = t1666 + t1665;
+    let t1668 = t192 * t1529;
+    let t1669 = t1667 - t1668;
+    let t1670 = t192 * t1501;
+    let t1671 = t1669 - t1670;
+    let t1672 = t170 * t1460;
+    let t1673 = t1671 - t1672;
+    let t1674 = t192 * t1576;
+    let t1675 = t192 * t1534;
+    let t1676 = t1674 - t1675;
+    let t1677 = t192 * t1504;
+    let t1678 = t1676 - t1677;
+    let t1679 = t170 * t1486;
+    let t1680 = t1678 - t1679;
+    let t1681 = t340 * inverse_d_shoulder_pan_joint;
+    let t1682 = t307 * t1681;
+    let t1683 = t273 * inverse_d_shoulder_pan_joint;
+    let t1684 = t1682 - t1683;
+    let t1685 = t244 * t1684;
+    let t1686 = t294 * t1681;
+    let t1687 = t1685 - t1686;
+    let t1688 = t221 * inverse_d_shoulder_pan_joint;
+    let t1689 = t1687 - t1688;
+    let t1690 = t196 * t1689;
+    let t1691 = t196 * t1684;
+    let t1692 = t1690 - t1691;
+    let t1693 = t196 * t1681;
+    let t1694 = t1692 + t1693;
+    let t1695 = t180 * inverse_d_shoulder_pan_joint;
+    let t1696 = t1694 + t1695;
+    let t1697 = t192 * t1689;
+    let t1698 = t192 * t1684;
+    let t1699 = t1697 - t1698;
+    let t1700 = t192 * t1681;
+    let t1701 = t1699 + t1700;
+    let t1702 = t170 * inverse_d_shoulder_pan_joint;
+    let t1703 = t1701 - t1702;
+    let t1704 = t340 * t1681;
+    let t1705 = inverse_d_shoulder_lift_joint - t1704;
+    let t1706 = t307 * t1705;
+    let t1707 = t273 * t1681;
+    let t1708 = t1706 + t1707;
+    let t1709 = t244 * t1708;
+    let t1710 = t294 * t1705;
+    let t1711 = t1709 - t1710;
+    let t1712 = t221 * t1681;
+    let t1713 = t1711 + t1712;
+    let t1714 = t196 * t1713;
+    let t1715 = t196 * t1708;
+    let t1716 = t1714 - t1715;
+    let t1717 = t196 * t1705;
+    let t1718 = t1716 + t1717;
+    let t1719 = t180 * t1681;
+    let t1720 = t1718 - t1719;
+    let t1721 = t192 * t1713;
+    let t1722 = t192 * t1708;
+    let t1723 = t1721 - t1722;
+    let t1724 = t192 * t1705;
+    let t1725 = t1723 + t1724;
+    let t1726 = t170 * t1681;
+    let t1727 = t1725 + t1726;
+    let t1728 = t307 * t340;
+    let t1729 = t273 - t1728;
+    let t1730 = inverse_d_shoulder_pan_joint * t1729;
+    let t1731 = t340 * t1730;
+    let t1732 = t307 * inverse_d_shoulder_lift_joint;
+    let t1733 = t1732 + t1731;
+    let t1734 = t307 * t1733;
+    let t1735 = inverse_d_elbow_joint + t1734;
+    let t1736 = t273 * t1730;
+    let t1737 = t1735 - t1736;
+    let t1738 = t244 * t1737;
+    let t1739 = t294 * t1733;
+    let t1740 = t1738 - t1739;
+    let t1741 = t221 * t1730;
+    let t1742 = t1740 - t1741;
+    let t1743 = t196 * t1742;
+    let t1744 = t196 * t1737;
+    let t1745 = t1743 - t1744;
+    let t1746 = t196 * t1733;
+    let t1747 = t1745 + t1746;
+    let t1748 = t180 * t1730;
+    let t1749 = t1747 + t1748;
+    let t1750 = t192 * t1742;
+    let t1751 = t192 * t1737;
+    let t1752 = t1750 - t1751;
+    let t1753 = t192 * t1733;
+    let t1754 = t1752 + t1753;
+    let t1755 = t170 * t1730;
+    let t1756 = t1754 - t1755;
+    let t1757 = t244 * t307;
+    let t1758 = t294 - t1757;
+    let t1759 = t340 * t1758;
+    let t1760 = t244 * t273;
+    let t1761 = t221 + t1760;
+    let t1762 = t1761 + t1759;
+    let t1763 = inverse_d_shoulder_pan_joint * t1762;
+    let t1764 = t340 * t1763;
+    let t1765 = inverse_d_shoulder_lift_joint * t1758;
+    let t1766 = t1765 - t1764;
+    let t1767 = t307 * t1766;
+    let t1768 = t244 * inverse_d_elbow_joint;
+    let t1769 = t1768 - t1767;
+    let t1770 = t273 * t1763;
+    let t1771 = t1769 - t1770;
+    let t1772 = t244 * t1771;
+    let t1773 = inverse_d_wrist_1_joint - t1772;
+    let t1774 = t294 * t1766;
+    let t1775 = t1773 - t1774;
+    let t1776 = t221 * t1763;
+    let t1777 = t1775 + t1776;
+    let t1778 = t196 * t1777;
+    let t1779 = t196 * t1771;
+    let t1780 = t1778 + t1779;
+    let t1781 = t196 * t1766;
+    let t1782 = t1780 + t1781;
+    let t1783 = t180 * t1763;
+    let t1784 = t1782 - t1783;
+    let t1785 = t192 * t1777;
+    let t1786 = t192 * t1771;
+    let t1787 = t1785 + t1786;
+    let t1788 = t192 * t1766;
+    let t1789 = t1787 + t1788;
+    let t1790 = t170 * t1763;
+    let t1791 = t1789 + t1790;
+    let t1792 = t196 * t244;
+    let t1793 = t196 - t1792;
+    let t1794 = t307 * t1793;
+    let t1795 = t196 * t294;
+    let t1796 = t196 - t1795;
+    let t1797 = t1796 - t1794;
+    let t1798 = t340 * t1797;
+    let t1799 = t273 * t1793;
+    let t1800 = t196 * t221;
+    let t1801 = t180 - t1800;
+    let t1802 = t1801 + t1799;
+    let t1803 = t1802 + t1798;
+    let t1804 = inverse_d_shoulder_pan_joint * t1803;
+    let t1805 = t340 * t1804;
+    let t1806 = inverse_d_shoulder_lift_joint * t1797;
+    let t1807 = t1806 - t1805;
+    let t1808 = t307 * t1807;
+    let t1809 = inverse_d_elbow_joint * t1793;
+    let t1810 = t1809 - t1808;
+    let t1811 = t273 * t1804;
     let t1812 = t1810 - t1811;
-    let t1813 = t457 * t1604;
-    let t1814 = t450 * t1612;
-    let t1815 = t466 * t1621;
-    let t1816 = t1692 - t1815;
-    let t1817 = t1754 - t1816;
-    let t1818 = t1817 + t1814;
-    let t1819 = t1818 + t1813;
-    let t1820 = t478 * t1628;
-    let t1821 = t1819 + t1820;
-    let t1822 = t457 * t1632;
-    let t1823 = t450 * t1636;
-    let t1824 = t466 * t1643;
-    let t1825 = t1703 - t1824;
-    let t1826 = t1764 - t1825;
-    let t1827 = t1826 + t1823;
-    let t1828 = t1827 - t1822;
-    let t1829 = t620 * t1409;
-    let t1830 = t457 * t1417;
-    let t1831 = t198 * t1425;
-    let t1832 = t410 * t1431;
-    let t1833 = t490 * t1465;
-    let t1834 = t1833 + t1832;
-    let t1835 = t1834 - t1831;
-    let t1836 = t1835 + t1830;
-    let t1837 = t1836 + t1829;
-    let t1838 = t555 * t1473;
-    let t1839 = t1837 + t1838;
-    let t1840 = t620 * t1480;
-    let t1841 = t457 * t1491;
-    let t1842 = t198 * t1503;
-    let t1843 = t410 * t1511;
-    let t1844 = t490 * t1523;
-    let t1845 = t1844 + t1843;
-    let t1846 = t1845 + t1842;
-    let t1847 = t1846 - t1841;
-    let t1848 = t1847 - t1840;
-    let t1849 = t555 * t1531;
-    let t1850 = t1848 - t1849;
-    let t1851 = t457 * t1534;
-    let t1852 = t198 * t1536;
-    let t1853 = t410 * t1541;
-    let t1854 = t490 * t1548;
-    let t1855 = t1854 + t1853;
-    let t1856 = t1855 - t1852;
-    let t1857 = t1856 - t1851;
-    let t1858 = t1840 - t1857;
-    let t1859 = t1849 + t1858;
-    let t1860 = t620 * t1560;
-    let t1861 = t457 * t1565;
-    let t1862 = t198 * t1570;
-    let t1863 = t410 * t1575;
-    let t1864 = t490 * t1592;
-    let t1865 = t1864 + t1863;
-    let t1866 = t1865 - t1862;
-    let t1867 = t1866 - t1861;
-    let t1868 = t1867 - t1860;
-    let t1869 = t555 * t1599;
-    let t1870 = t1868 - t1869;
-    let t1871 = t620 * t1604;
-    let t1872 = t457 * t1612;
-    let t1873 = t198 * t1612;
-    let t1874 = t410 * t1612;
-    let t1875 = t490 * t1621;
-    let t1876 = t1875 - t1874;
-    let t1877 = t1876 + t1873;
-    let t1878 = t1877 + t1872;
-    let t1879 = t1878 - t1871;
-    let t1880 = t555 * t1628;
-    let t1881 = t1879 + t1880;
-    let t1882 = t620 * t1632;
-    let t1883 = t457 * t1636;
-    let t1884 = t198 * t1636;
-    let t1885 = t410 * t1636;
-    let t1886 = t490 * t1643;
-    let t1887 = t1886 - t1885;
-    let t1888 = t1887 + t1884;
-    let t1889 = t1888 + t1883;
-    let t1890 = t1889 + t1882;
-    let t1891 = t478 * t1417;
-    let t1892 = t395 * t1425;
-    let t1893 = t426 * t1431;
-    let t1894 = t506 * t1465;
-    let t1895 = t1894 + t1893;
-    let t1896 = t1895 - t1892;
-    let t1897 = t1896 + t1891;
-    let t1898 = t555 * t1409;
-    let t1899 = t1897 - t1898;
-    let t1900 = t593 * t1473;
-    let t1901 = t1899 + t1900;
-    let t1902 = t478 * t1491;
-    let t1903 = t395 * t1503;
-    let t1904 = t426 * t1511;
-    let t1905 = t506 * t1523;
-    let t1906 = t1905 + t1904;
-    let t1907 = t1906 + t1903;
-    let t1908 = t1907 - t1902;
-    let t1909 = t555 * t1480;
-    let t1910 = t1908 + t1909;
-    let t1911 = t593 * t1531;
-    let t1912 = t1910 - t1911;
-    let t1913 = t478 * t1534;
-    let t1914 = t395 * t1536;
-    let t1915 = t426 * t1541;
-    let t1916 = t506 * t1548;
-    let t1917 = t1916 + t1915;
-    let t1918 = t1917 - t1914;
-    let t1919 = t1918 - t1913;
-    let t1920 = t1909 + t1919;
-    let t1921 = t1911 - t1920;
-    let t1922 = t478 * t1565;
-    let t1923 = t395 * t1570;
-    let t1924 = t426 * t1575;
-    let t1925 = t506 * t1592;
-    let t1926 = t1925 + t1924;
-    let t1927 = t1926 - t1923;
-    let t1928 = t1927 - t1922;
-    let t1929 = t555 * t1560;
-    let t1930 = t1928 + t1929;
-    let t1931 = t593 * t1599;
-    let t1932 = t1930 - t1931;
-    let t1933 = t478 * t1612;
-    let t1934 = t395 * t1612;
-    let t1935 = t426 * t1612;
-    let t1936 = t506 * t1621;
-    let t1937 = t1936 - t1935;
-    let t1938 = t1937 + t1934;
-    let t1939 = t1938 + t1933;
-    let t1940 = t555 * t1604;
+    let t1813 = t244 * t1812;
+    let t1814 = t196 * inverse_d_wrist_1_joint;
+    let t1815 = t1814 + t1813;
+    let t1816 = t294 * t1807;
+    let t1817 = t1815 + t1816;
+    let t1818 = t221 * t1804;
+    let t1819 = t1817 - t1818;
+    let t1820 = t196 * t1819;
+    let t1821 = inverse_d_wrist_2_joint - t1820;
+    let t1822 = t196 * t1812;
+    let t1823 = t1821 + t1822;
+    let t1824 = t196 * t1807;
+    let t1825 = t1823 + t1824;
+    let t1826 = t180 * t1804;
+    let t1827 = t1825 - t1826;
+    let t1828 = t192 * t1819;
+    let t1829 = t192 * t1812;
+    let t1830 = t1828 - t1829;
+    let t1831 = t192 * t1807;
+    let t1832 = t1830 - t1831;
+    let t1833 = t170 * t1804;
+    let t1834 = t1832 - t1833;
+    let t1835 = t192 * t244;
+    let t1836 = t192 - t1835;
+    let t1837 = t307 * t1836;
+    let t1838 = t192 * t294;
+    let t1839 = t192 - t1838;
+    let t1840 = t1839 - t1837;
+    let t1841 = t340 * t1840;
+    let t1842 = t273 * t1836;
+    let t1843 = t192 * t221;
+    let t1844 = t170 + t1843;
+    let t1845 = t1844 - t1842;
+    let t1846 = t1845 - t1841;
+    let t1847 = inverse_d_shoulder_pan_joint * t1846;
+    let t1848 = t340 * t1847;
+    let t1849 = inverse_d_shoulder_lift_joint * t1840;
+    let t1850 = t1849 + t1848;
+    let t1851 = t307 * t1850;
+    let t1852 = inverse_d_elbow_joint * t1836;
+    let t1853 = t1852 - t1851;
+    let t1854 = t273 * t1847;
+    let t1855 = t1853 + t1854;
+    let t1856 = t244 * t1855;
+    let t1857 = t192 * inverse_d_wrist_1_joint;
+    let t1858 = t1857 + t1856;
+    let t1859 = t294 * t1850;
+    let t1860 = t1858 + t1859;
+    let t1861 = t221 * t1847;
+    let t1862 = t1860 + t1861;
+    let t1863 = t192 * t1862;
+    let t1864 = inverse_d_wrist_3_joint + t1863;
+    let t1865 = t192 * t1855;
+    let t1866 = t1864 - t1865;
+    let t1867 = t192 * t1850;
+    let t1868 = t1866 - t1867;
+    let t1869 = t170 * t1847;
+    let t1870 = t1868 + t1869;
+    let t1871 = y[1] * t730;
+    let t1872 = y[2] * t798;
+    let t1873 = t1871 + t1872;
+    let t1874 = y[3] * t903;
+    let t1875 = t1873 + t1874;
+    let t1876 = y[4] * t957;
+    let t1877 = t1875 - t1876;
+    let t1878 = y[5] * t1009;
+    let t1879 = t1877 + t1878;
+    let t1880 = v[1] * t1327;
+    let t1881 = v[0] * t1255;
+    let t1882 = t1881 - t1880;
+    let t1883 = v[2] * t1360;
+    let t1884 = t1882 - t1883;
+    let t1885 = v[3] * t1421;
+    let t1886 = t1884 - t1885;
+    let t1887 = v[4] * t1460;
+    let t1888 = t1886 - t1887;
+    let t1889 = v[5] * t1486;
+    let t1890 = t1888 + t1889;
+    let t1891 = t1879 - t1890;
+    let t1892 = u[4] * t1696;
+    let t1893 = u[3] * t1689;
+    let t1894 = u[2] * t1684;
+    let t1895 = u[1] * t1681;
+    let t1896 = u[0] * inverse_d_shoulder_pan_joint;
+    let t1897 = t1896 + t1895;
+    let t1898 = t1897 - t1894;
+    let t1899 = t1898 + t1893;
+    let t1900 = t1899 + t1892;
+    let t1901 = u[5] * t1703;
+    let t1902 = t1900 - t1901;
+    let t1903 = t1891 + t1902;
+    let t1904 = acceleration_shoulder_lift_joint_x - t1903;
+    let t1905 = y[1] * t1012;
+    let t1906 = y[2] * t1015;
+    let t1907 = t1905 + t1906;
+    let t1908 = y[3] * t1018;
+    let t1909 = t1907 + t1908;
+    let t1910 = y[4] * t1021;
+    let t1911 = t1909 - t1910;
+    let t1912 = y[5] * t1024;
+    let t1913 = t1911 + t1912;
+    let t1914 = v[1] * t1492;
+    let t1915 = v[0] * t1489;
+    let t1916 = t1915 - t1914;
+    let t1917 = v[2] * t1495;
+    let t1918 = t1916 + t1917;
+    let t1919 = v[3] * t1498;
+    let t1920 = t1918 - t1919;
+    let t1921 = v[4] * t1501;
+    let t1922 = t1920 + t1921;
+    let t1923 = v[5] * t1504;
+    let t1924 = t1922 - t1923;
+    let t1925 = t1913 + t1924;
+    let t1926 = u[4] * t1720;
+    let t1927 = u[3] * t1713;
+    let t1928 = u[2] * t1708;
+    let t1929 = u[1] * t1705;
+    let t1930 = u[0] * t1681;
+    let t1931 = t1930 - t1929;
+    let t1932 = t1931 + t1928;
+    let t1933 = t1932 - t1927;
+    let t1934 = t1933 - t1926;
+    let t1935 = u[5] * t1727;
+    let t1936 = t1934 + t1935;
+    let t1937 = t1925 - t1936;
+    let t1938 = t377 - t1937;
+    let t1939 = y[1] * t1029;
+    let t1940 = y[2] * t1034;
     let t1941 = t1939 + t1940;
-    let t1942 = t593 * t1628;
+    let t1942 = y[3] * t1039;
     let t1943 = t1941 + t1942;
-    let t1944 = t478 * t1636;
-    let t1945 = t395 * t1636;
-    let t1946 = t426 * t1636;
-    let t1947 = t506 * t1643;
-    let t1948 = t1947 - t1946;
-    let t1949 = t1948 + t1945;
-    let t1950 = t1949 + t1944;
-    let t1951 = t555 * t1632;
-    let t1952 = t1950 - t1951;
-    let t1953 = y[1] * t914;
-    let t1954 = y[2] * t970;
-    let t1955 = t1953 - t1954;
-    let t1956 = y[3] * t1061;
-    let t1957 = t1955 + t1956;
-    let t1958 = y[4] * t1105;
-    let t1959 = t1957 - t1958;
-    let t1960 = y[5] * t1147;
-    let t1961 = t1959 + t1960;
-    let t1962 = v[1] * t1533;
-    let t1963 = v[0] * t1475;
-    let t1964 = t1963 - t1962;
-    let t1965 = v[2] * t1554;
-    let t1966 = t1964 + t1965;
-    let t1967 = v[3] * t1601;
-    let t1968 = t1966 - t1967;
-    let t1969 = v[4] * t1630;
-    let t1970 = t1968 - t1969;
-    let t1971 = v[5] * t1648;
-    let t1972 = t1970 + t1971;
-    let t1973 = t1961 - t1972;
-    let t1974 = u[4] * t490;
-    let t1975 = u[3] * t466;
-    let t1976 = u[2] * t339;
-    let t1977 = u[1] * t317;
-    let t1978 = u[0] * inverse_d_shoulder_pan_joint;
-    let t1979 = t1978 + t1977;
-    let t1980 = t1979 - t1976;
-    let t1981 = t1980 + t1975;
-    let t1982 = t1981 + t1974;
-    let t1983 = u[5] * t506;
-    let t1984 = t1982 - t1983;
-    let t1985 = t1973 + t1984;
-    let t1986 = acceleration_shoulder_lift_joint_x - t1985;
-    let t1987 = y[1] * t1158;
-    let t1988 = y[2] * t1167;
-    let t1989 = t1987 + t1988;
-    let t1990 = y[3] * t1178;
-    let t1991 = t1989 + t1990;
-    let t1992 = y[4] * t1189;
-    let t1993 = t1991 - t1992;
-    let t1994 = y[5] * t1200;
-    let t1995 = t1993 + t1994;
-    let t1996 = v[1] * t1670;
-    let t1997 = v[0] * t1659;
-    let t1998 = t1997 - t1996;
-    let t1999 = v[2] * t1679;
-    let t2000 = t1998 - t1999;
-    let t2001 = v[3] * t1690;
-    let t2002 = t2000 - t2001;
-    let t2003 = v[4] * t1701;
+    let t1944 = y[4] * t1044;
+    let t1945 = t1943 - t1944;
+    let t1946 = y[5] * t1049;
+    let t1947 = t1945 + t1946;
+    let t1948 = v[1] * t1514;
+    let t1949 = v[0] * t1509;
+    let t1950 = t1949 + t1948;
+    let t1951 = v[2] * t1519;
+    let t1952 = t1950 + t1951;
+    let t1953 = v[3] * t1524;
+    let t1954 = t1952 - t1953;
+    let t1955 = v[4] * t1529;
+    let t1956 = t1954 + t1955;
+    let t1957 = v[5] * t1534;
+    let t1958 = t1956 - t1957;
+    let t1959 = t1947 + t1958;
+    let t1960 = u[4] * t1749;
+    let t1961 = u[3] * t1742;
+    let t1962 = u[2] * t1737;
+    let t1963 = u[1] * t1708;
+    let t1964 = u[0] * t1684;
+    let t1965 = t1964 - t1963;
+    let t1966 = t1965 + t1962;
+    let t1967 = t1966 - t1961;
+    let t1968 = t1967 - t1960;
+    let t1969 = u[5] * t1756;
+    let t1970 = t1968 + t1969;
+    let t1971 = t1959 + t1970;
+    let t1972 = t382 - t1971;
+    let t1973 = y[1] * t1056;
+    let t1974 = y[2] * t1063;
+    let t1975 = t1973 - t1974;
+    let t1976 = y[3] * t1070;
+    let t1977 = t1975 - t1976;
+    let t1978 = y[4] * t1077;
+    let t1979 = t1977 + t1978;
+    let t1980 = y[5] * t1084;
+    let t1981 = t1979 - t1980;
+    let t1982 = v[1] * t1548;
+    let t1983 = v[0] * t1541;
+    let t1984 = t1983 + t1982;
+    let t1985 = v[2] * t1555;
+    let t1986 = t1984 - t1985;
+    let t1987 = v[3] * t1562;
+    let t1988 = t1986 + t1987;
+    let t1989 = v[4] * t1569;
+    let t1990 = t1988 - t1989;
+    let t1991 = v[5] * t1576;
+    let t1992 = t1990 + t1991;
+    let t1993 = t1981 + t1992;
+    let t1994 = u[4] * t1784;
+    let t1995 = u[3] * t1777;
+    let t1996 = u[2] * t1742;
+    let t1997 = u[1] * t1713;
+    let t1998 = u[0] * t1689;
+    let t1999 = t1998 - t1997;
+    let t2000 = t1999 + t1996;
+    let t2001 = t2000 + t1995;
+    let t2002 = t2001 + t1994;
+    let t2003 = u[5] * t1791;
     let t2004 = t2002 - t2003;
-    let t2005 = v[5] * t1710;
-    let t2006 = t2004 + t2005;
-    let t2007 = t1995 - t2006;
-    let t2008 = u[4] * t410;
-    let t2009 = u[3] * t403;
-    let t2010 = u[2] * t322;
-    let t2011 = u[1] * t319;
-    let t2012 = u[0] * t317;
-    let t2013 = t2012 - t2011;
-    let t2014 = t2013 + t2010;
-    let t2015 = t2014 - t2009;
-    let t2016 = t2015 - t2008;
-    let t2017 = u[5] * t426;
-    let t2018 = t2016 + t2017;
-    let t2019 = t2007 + t2018;
-    let t2020 = t428 - t2019;
-    let t2021 = y[1] * t1211;
-    let t2022 = y[2] * t1220;
-    let t2023 = t2021 + t2022;
-    let t2024 = y[3] * t1231;
-    let t2025 = t2023 + t2024;
-    let t2026 = y[4] * t1241;
-    let t2027 = t2025 + t2026;
-    let t2028 = y[5] * t1251;
-    let t2029 = t2027 - t2028;
-    let t2030 = v[1] * t1732;
-    let t2031 = v[0] * t1721;
-    let t2032 = t2031 - t2030;
-    let t2033 = v[2] * t1741;
-    let t2034 = t2032 - t2033;
-    let t2035 = v[3] * t1752;
-    let t2036 = t2034 - t2035;
-    let t2037 = v[4] * t1762;
-    let t2038 = t2036 + t2037;
-    let t2039 = v[5] * t1770;
-    let t2040 = t2038 - t2039;
-    let t2041 = t2029 - t2040;
-    let t2042 = u[4] * t198;
-    let t2043 = u[3] * t191;
-    let t2044 = u[2] * t186;
-    let t2045 = u[1] * t322;
-    let t2046 = u[0] * t339;
-    let t2047 = t2046 - t2045;
-    let t2048 = t2047 + t2044;
-    let t2049 = t2048 - t2043;
-    let t2050 = t2049 - t2042;
-    let t2051 = u[5] * t395;
-    let t2052 = t2050 + t2051;
-    let t2053 = t2041 + t2052;
-    let t2054 = t398 - t2053;
-    let t2055 = y[1] * t1262;
-    let t2056 = y[2] * t1271;
-    let t2057 = t2055 - t2056;
-    let t2058 = y[3] * t1282;
-    let t2059 = t2057 + t2058;
-    let t2060 = y[4] * t1291;
-    let t2061 = t2059 - t2060;
-    let t2062 = y[5] * t1300;
-    let t2063 = t2061 + t2062;
-    let t2064 = v[1] * t1792;
-    let t2065 = v[0] * t1781;
+    let t2005 = t1993 - t2004;
+    let t2006 = t389 + t2005;
+    let t2007 = y[1] * t1093;
+    let t2008 = y[2] * t1101;
+    let t2009 = t2007 + t2008;
+    let t2010 = y[3] * t1110;
+    let t2011 = t2009 + t2010;
+    let t2012 = y[4] * t1119;
+    let t2013 = t2011 - t2012;
+    let t2014 = y[5] * t1128;
+    let t2015 = t2013 + t2014;
+    let t2016 = v[1] * t1594;
+    let t2017 = v[0] * t1585;
+    let t2018 = t2017 + t2016;
+    let t2019 = v[2] * t1602;
+    let t2020 = t2018 + t2019;
+    let t2021 = v[3] * t1611;
+    let t2022 = t2020 + t2021;
+    let t2023 = v[4] * t1620;
+    let t2024 = t2022 + t2023;
+    let t2025 = v[5] * t1629;
+    let t2026 = t2024 + t2025;
+    let t2027 = t2015 + t2026;
+    let t2028 = u[4] * t1827;
+    let t2029 = u[3] * t1784;
+    let t2030 = u[2] * t1749;
+    let t2031 = u[1] * t1720;
+    let t2032 = u[0] * t1696;
+    let t2033 = t2032 - t2031;
+    let t2034 = t2033 + t2030;
+    let t2035 = t2034 + t2029;
+    let t2036 = t2035 - t2028;
+    let t2037 = u[5] * t1834;
+    let t2038 = t2036 - t2037;
+    let t2039 = t2027 - t2038;
+    let t2040 = t427 - t2039;
+    let t2041 = y[1] * t1137;
+    let t2042 = y[2] * t1145;
+    let t2043 = t2041 + t2042;
+    let t2044 = y[3] * t1154;
+    let t2045 = t2043 + t2044;
+    let t2046 = y[4] * t1163;
+    let t2047 = t2045 - t2046;
+    let t2048 = y[5] * t1172;
+    let t2049 = t2047 + t2048;
+    let t2050 = v[1] * t1647;
+    let t2051 = v[0] * t1638;
+    let t2052 = t2051 + t2050;
+    let t2053 = v[2] * t1655;
+    let t2054 = t2052 + t2053;
+    let t2055 = v[3] * t1664;
+    let t2056 = t2054 + t2055;
+    let t2057 = v[4] * t1673;
+    let t2058 = t2056 - t2057;
+    let t2059 = v[5] * t1680;
+    let t2060 = t2058 + t2059;
+    let t2061 = t2049 + t2060;
+    let t2062 = u[3] * t1791;
+    let t2063 = u[2] * t1756;
+    let t2064 = u[1] * t1727;
+    let t2065 = u[0] * t1703;
     let t2066 = t2065 - t2064;
-    let t2067 = v[2] * t1801;
-    let t2068 = t2066 + t2067;
-    let t2069 = v[3] * t1812;
-    let t2070 = t2068 - t2069;
-    let t2071 = v[4] * t1821;
+    let t2067 = t2066 + t2063;
+    let t2068 = t2067 + t2062;
+    let t2069 = u[4] * t1834;
+    let t2070 = t2068 + t2069;
+    let t2071 = u[5] * t1870;
     let t2072 = t2070 - t2071;
-    let t2073 = v[5] * t1828;
-    let t2074 = t2072 + t2073;
-    let t2075 = t2063 - t2074;
-    let t2076 = u[4] * t457;
-    let t2077 = u[3] * t450;
-    let t2078 = u[2] * t191;
-    let t2079 = u[1] * t403;
-    let t2080 = u[0] * t466;
-    let t2081 = t2080 - t2079;
-    let t2082 = t2081 + t2078;
-    let t2083 = t2082 + t2077;
-    let t2084 = t2083 + t2076;
-    let t2085 = u[5] * t478;
-    let t2086 = t2084 - t2085;
-    let t2087 = t2075 + t2086;
-    let t2088 = t480 - t2087;
-    let t2089 = y[1] * t1311;
-    let t2090 = y[2] * t1320;
-    let t2091 = t2089 - t2090;
-    let t2092 = y[3] * t1331;
-    let t2093 = t2091 + t2092;
-    let t2094 = y[4] * t1342;
-    let t2095 = t2093 - t2094;
-    let t2096 = y[5] * t1353;
-    let t2097 = t2095 + t2096;
-    let t2098 = v[1] * t1850;
-    let t2099 = v[0] * t1839;
-    let t2100 = t2099 - t2098;
-    let t2101 = v[2] * t1859;
-    let t2102 = t2100 + t2101;
-    let t2103 = v[3] * t1870;
-    let t2104 = t2102 - t2103;
-    let t2105 = v[4] * t1881;
-    let t2106 = t2104 - t2105;
-    let t2107 = v[5] * t1890;
-    let t2108 = t2106 + t2107;
-    let t2109 = t2097 - t2108;
-    let t2110 = u[4] * t620;
-    let t2111 = u[3] * t457;
-    let t2112 = u[2] * t198;
-    let t2113 = u[1] * t410;
-    let t2114 = u[0] * t490;
-    let t2115 = t2114 - t2113;
-    let t2116 = t2115 + t2112;
-    let t2117 = t2116 + t2111;
-    let t2118 = t2117 - t2110;
-    let t2119 = u[5] * t555;
-    let t2120 = t2118 - t2119;
-    let t2121 = t2109 + t2120;
-    let t2122 = t631 - t2121;
-    let t2123 = y[1] * t1364;
-    let t2124 = y[2] * t1373;
-    let t2125 = t2123 - t2124;
-    let t2126 = y[3] * t1384;
-    let t2127 = t2125 + t2126;
-    let t2128 = y[4] * t1395;
-    let t2129 = t2127 - t2128;
-    let t2130 = y[5] * t1406;
-    let t2131 = t2129 + t2130;
-    let t2132 = v[1] * t1912;
-    let t2133 = v[0] * t1901;
-    let t2134 = t2133 - t2132;
-    let t2135 = v[2] * t1921;
-    let t2136 = t2134 + t2135;
-    let t2137 = v[3] * t1932;
-    let t2138 = t2136 - t2137;
-    let t2139 = v[4] * t1943;
-    let t2140 = t2138 - t2139;
-    let t2141 = v[5] * t1952;
-    let t2142 = t2140 + t2141;
-    let t2143 = t2131 - t2142;
-    let t2144 = u[3] * t478;
-    let t2145 = u[2] * t395;
-    let t2146 = u[1] * t426;
-    let t2147 = u[0] * t506;
-    let t2148 = t2147 - t2146;
-    let t2149 = t2148 + t2145;
-    let t2150 = t2149 + t2144;
-    let t2151 = u[4] * t555;
-    let t2152 = t2150 + t2151;
-    let t2153 = u[5] * t593;
-    let t2154 = t2152 - t2153;
-    let t2155 = t2143 + t2154;
-    let t2156 = t595 - t2155;
-    let t2157 = -t970;
-    let t2158 = -t1105;
-    let t2159 = -t1189;
-    let t2160 = -t1211;
-    let t2161 = -t1220;
-    let t2162 = -t1231;
-    let t2163 = -t1241;
-    let t2164 = -t1271;
-    let t2165 = -t1291;
-    let t2166 = -t1320;
-    let t2167 = -t1342;
-    let t2168 = -t1364;
-    let t2169 = -t1384;
-    let t2170 = -t1406;
-    let t2171 = -t1475;
-    let t2172 = -t1554;
-    let t2173 = -t1648;
-    let t2174 = -t1659;
-    let t2175 = -t1710;
-    let t2176 = -t1732;
-    let t2177 = -t1741;
-    let t2178 = -t1752;
-    let t2179 = -t1770;
-    let t2180 = -t1781;
-    let t2181 = -t1801;
-    let t2182 = -t1828;
-    let t2183 = -t1839;
-    let t2184 = -t1859;
-    let t2185 = -t1890;
-    let t2186 = -t1912;
-    let t2187 = -t1932;
-    let t2188 = -t1943;
-    let t2189 = -t339;
-    let t2190 = -t506;
-    let t2191 = -t319;
-    let t2192 = -t403;
-    let t2193 = -t410;
-    let t2194 = -t186;
-    let t2195 = -t395;
-    let t2196 = -t478;
-    let t2197 = -t620;
-    let t2198 = -t555;
-    let t2199 = -t2054;
-    let t2200 = -t2156;
+    let t2073 = t2061 - t2072;
+    let t2074 = t407 - t2073;
+    let t2075 = -t957;
+    let t2076 = -t1012;
+    let t2077 = -t1015;
+    let t2078 = -t1018;
+    let t2079 = -t1024;
+    let t2080 = -t1029;
+    let t2081 = -t1034;
+    let t2082 = -t1039;
+    let t2083 = -t1049;
+    let t2084 = -t1056;
+    let t2085 = -t1077;
+    let t2086 = -t1093;
+    let t2087 = -t1101;
+    let t2088 = -t1110;
+    let t2089 = -t1128;
+    let t2090 = -t1163;
+    let t2091 = -t1255;
+    let t2092 = -t1486;
+    let t2093 = -t1489;
+    let t2094 = -t1495;
+    let t2095 = -t1501;
+    let t2096 = -t1509;
+    let t2097 = -t1514;
+    let t2098 = -t1519;
+    let t2099 = -t1529;
+    let t2100 = -t1541;
+    let t2101 = -t1548;
+    let t2102 = -t1562;
+    let t2103 = -t1576;
+    let t2104 = -t1585;
+    let t2105 = -t1594;
+    let t2106 = -t1602;
+    let t2107 = -t1611;
+    let t2108 = -t1620;
+    let t2109 = -t1629;
+    let t2110 = -t1673;
+    let t2111 = -t1684;
+    let t2112 = -t1703;
+    let t2113 = -t1705;
+    let t2114 = -t1713;
+    let t2115 = -t1720;
+    let t2116 = -t1737;
+    let t2117 = -t1756;
+    let t2118 = -t1791;
+    let t2119 = -t1827;
+    let t2120 = -t1834;
+    let t2121 = -t1938;
+    let t2122 = -t1972;
+    let t2123 = -t2040;
     [
-        t1670,
-        t1679,
-        t1690,
-        t1701,
-        t1721,
-        t1762,
-        t1792,
-        t1812,
-        t1821,
-        t1850,
+        t1638,
+        t1647,
+        t1655,
+        t1664,
+        t1680,
+        t1681,
+        t1689,
+        t1696,
+        t1708,
+        t1727,
+        t1742,
+        t1749,
+        t1777,
+        t1784,
         t1870,
-        t1881,
-        t1901,
-        t1921,
-        t1952,
-        t1986,
-        t2020,
+        t1904,
+        t2006,
+        t2074,
+        t2075,
+        t2076,
+        t2077,
+        t2078,
+        t2079,
+        t2080,
+        t2081,
+        t2082,
+        t2083,
+        t2084,
+        t2085,
+        t2086,
+        t2087,
         t2088,
+        t2089,
+        t2090,
+        t2091,
+        t2092,
+        t2093,
+        t2094,
+        t2095,
+        t2096,
+        t2097,
+        t2098,
+        t2099,
+        t2100,
+        t2101,
+        t2102,
+        t2103,
+        t2104,
+        t2105,
+        t2106,
+        t2107,
+        t2108,
+        t2109,
+        t2110,
+        t2111,
+        t2112,
+        t2113,
+        t2114,
+        t2115,
+        t2116,
+        t2117,
+        t2118,
+        t2119,
+        t2120,
+        t2121,
         t2122,
-        t2157,
-        t2158,
-        t2159,
-        t2160,
-        t2161,
-        t2162,
-        t2163,
-        t2164,
-        t2165,
-        t2166,
-        t2167,
-        t2168,
-        t2169,
-        t2170,
-        t2171,
-        t2172,
-        t2173,
-        t2174,
-        t2175,
-        t2176,
-        t2177,
-        t2178,
-        t2179,
-        t2180,
-        t2181,
-        t2182,
-        t2183,
-        t2184,
-        t2185,
-        t2186,
-        t2187,
-        t2188,
-        t2189,
-        t2190,
-        t2191,
-        t2192,
-        t2193,
-        t2194,
-        t2195,
-        t2196,
-        t2197,
-        t2198,
-        t2199,
-        t2200,
+        t2123,
     ]
 }
 
@@ -9315,8 +9687,23 @@ pub fn frame_tool_pose(y: &[f64; N]) -> ([f64; 3], [[f64; 3]; 3]) {
 /// - returns `J: [6 × N]`: rows: velocity of the origin, then angular velocity, in the axes of the base frame
 ///
 /// Cost: 51 multiplications, 37 additions, 0 divisions, 5 function calls (`sin_cos`).
+#[inline]
 #[must_use]
 pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
+    let mut j = [[0.0; 6]; 6];
+    frame_tool_jacobian_into(y, &mut j);
+    j
+}
+
+/// `frame_tool_jacobian` with its results written in place; nothing of what stood there is read.
+pub fn frame_tool_jacobian_into(y: &[f64; N], j: &mut [[f64; N]; 6]) {
+    j[2][0] = 0.0;
+    j[3][0] = 0.0;
+    j[4][0] = 0.0;
+    j[5][0] = 1.0;
+    j[5][1] = 0.0;
+    j[5][2] = 0.0;
+    j[5][3] = 0.0;
     let angle_shoulder_lift_joint_elbow_joint = y[1] + y[2];
     let angle_shoulder_lift_joint_elbow_joint_wrist_1_joint = y[3]
         + angle_shoulder_lift_joint_elbow_joint;
@@ -9340,11 +9727,15 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let (sin_shoulder_lift_joint_elbow_joint, cos_shoulder_lift_joint_elbow_joint) = math::sin_cos(
         angle_shoulder_lift_joint_elbow_joint,
     );
+    j[4][1] = cos_shoulder_pan_joint;
+    j[4][2] = cos_shoulder_pan_joint;
+    j[4][3] = cos_shoulder_pan_joint;
     let x_axis_wrist_1_joint_y = sin_shoulder_pan_joint
         * cos_shoulder_lift_joint_elbow_joint_wrist_1_joint;
     let t13 = sin_wrist_2_joint * x_axis_wrist_1_joint_y;
     let t14 = cos_shoulder_pan_joint * cos_wrist_2_joint;
     let y_axis_wrist_2_joint_y = t14 + t13;
+    j[4][5] = y_axis_wrist_2_joint_y;
     let t16 = 0.0823 * y_axis_wrist_2_joint_y;
     let y_axis_wrist_1_joint_y = sin_shoulder_pan_joint
         * sin_shoulder_lift_joint_elbow_joint_wrist_1_joint;
@@ -9380,6 +9771,7 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let t45 = origin_wrist_2_joint_z - t36;
     let t46 = y_axis_wrist_1_joint_y * t45;
     let t47 = t46 - t44;
+    j[0][4] = t47;
     let t48 = y_axis_wrist_2_joint_z * t43;
     let t49 = y_axis_wrist_2_joint_y * t45;
     let t50 = t49 + t48;
@@ -9417,68 +9809,63 @@ pub fn frame_tool_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let t79 = origin_shoulder_lift_joint_y - t27;
     let t80 = sin_shoulder_pan_joint * t79;
     let t81 = t80 - t78;
+    j[2][1] = t81;
     let t82 = origin_elbow_joint_x - t66;
     let t83 = cos_shoulder_pan_joint * t82;
     let t84 = origin_elbow_joint_y - t27;
     let t85 = sin_shoulder_pan_joint * t84;
     let t86 = t85 - t83;
+    j[2][2] = t86;
     let t87 = origin_wrist_1_joint_x - t66;
     let t88 = cos_shoulder_pan_joint * t87;
     let t89 = origin_wrist_1_joint_y - t27;
     let t90 = sin_shoulder_pan_joint * t89;
     let t91 = t90 - t88;
+    j[2][3] = t91;
     let t92 = y_axis_wrist_1_joint_y * t70;
     let t93 = y_axis_wrist_1_joint_x * t43;
     let t94 = t93 + t92;
+    j[2][4] = t94;
     let t95 = y_axis_wrist_2_joint_y * t70;
     let t96 = y_axis_wrist_2_joint_x * t43;
     let t97 = t96 - t95;
+    j[2][5] = t97;
     let t98 = -t27;
+    j[0][0] = t98;
     let t99 = -t38;
+    j[0][1] = t99;
     let t100 = -t40;
+    j[0][2] = t100;
     let t101 = -t42;
+    j[0][3] = t101;
     let t102 = -t50;
+    j[0][5] = t102;
     let t103 = -t66;
+    j[1][0] = t103;
     let t104 = -t67;
+    j[1][1] = t104;
     let t105 = -t68;
+    j[1][2] = t105;
     let t106 = -t69;
+    j[1][3] = t106;
     let t107 = -t73;
+    j[1][4] = t107;
     let t108 = -t76;
+    j[1][5] = t108;
     let minus_sin_shoulder_pan_joint = -sin_shoulder_pan_joint;
+    j[3][1] = minus_sin_shoulder_pan_joint;
+    j[3][2] = minus_sin_shoulder_pan_joint;
+    j[3][3] = minus_sin_shoulder_pan_joint;
     let minus_y_axis_wrist_1_joint_x = -y_axis_wrist_1_joint_x;
+    j[3][4] = minus_y_axis_wrist_1_joint_x;
     let minus_y_axis_wrist_2_joint_x = -y_axis_wrist_2_joint_x;
+    j[3][5] = minus_y_axis_wrist_2_joint_x;
     let minus_y_axis_wrist_1_joint_y = -y_axis_wrist_1_joint_y;
+    j[4][4] = minus_y_axis_wrist_1_joint_y;
     let minus_cos_shoulder_lift_joint_elbow_joint_wrist_1_joint = -cos_shoulder_lift_joint_elbow_joint_wrist_1_joint;
+    j[5][4] = minus_cos_shoulder_lift_joint_elbow_joint_wrist_1_joint;
     let minus_y_axis_wrist_2_joint_z = -y_axis_wrist_2_joint_z;
-    [
-        [t98, t99, t100, t101, t47, t102],
-        [t103, t104, t105, t106, t107, t108],
-        [0.0, t81, t86, t91, t94, t97],
-        [
-            0.0,
-            minus_sin_shoulder_pan_joint,
-            minus_sin_shoulder_pan_joint,
-            minus_sin_shoulder_pan_joint,
-            minus_y_axis_wrist_1_joint_x,
-            minus_y_axis_wrist_2_joint_x,
-        ],
-        [
-            0.0,
-            cos_shoulder_pan_joint,
-            cos_shoulder_pan_joint,
-            cos_shoulder_pan_joint,
-            minus_y_axis_wrist_1_joint_y,
-            y_axis_wrist_2_joint_y,
-        ],
-        [
-            1.0,
-            0.0,
-            0.0,
-            0.0,
-            minus_cos_shoulder_lift_joint_elbow_joint_wrist_1_joint,
-            minus_y_axis_wrist_2_joint_z,
-        ],
-    ]
+    j[5][5] = minus_y_axis_wrist_2_joint_z;
 }
 
 /// Acceleration of the frame at ÿ = 0 `tool`.

@@ -2,5 +2,6 @@
 
 pub mod dynamics;
 pub mod identification;
+pub mod lanes;
 pub mod lqr;
 pub mod qp;

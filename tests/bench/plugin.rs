@@ -1,7 +1,7 @@
 //! A generated module behind the C interface of the comparison of rigid-body libraries: one shared object per robot.
 //!
 //! `dynamics.sh` compiles it, with the module's path in `GELENK_MODULE` and one `--cfg` for each function that may be
-//! missing. Matrices leave column by column; of symmetric ones both triangles.
+//! missing. Matrices leave column by column.
 
 #[allow(dead_code, reason = "the comparison calls some of the functions")]
 mod robot {
@@ -21,17 +21,20 @@ type Matrix = [[f64; N]; N];
 pub unsafe extern "C" fn rbd_init(path: *const std::ffi::c_char) -> i32 {
     // SAFETY: as this function demands.
     let path = unsafe { std::ffi::CStr::from_ptr(path) };
-    let text = path.to_str().ok().and_then(|path| std::fs::read_to_string(path).ok());
+    let text = path
+        .to_str()
+        .ok()
+        .and_then(|path| std::fs::read_to_string(path).ok());
     let count = text.and_then(|text| text.split_whitespace().next()?.parse::<usize>().ok());
     if count == Some(N) { N as i32 } else { -1 }
 }
 
-/// Writes the columns of a matrix.
+/// Exchanges rows and columns.
 #[inline(always)]
-fn write(to: &mut Matrix, matrix: &Matrix) {
-    for (i, row) in matrix.iter().enumerate() {
-        for (j, entry) in row.iter().enumerate() {
-            to[j][i] = *entry;
+fn transpose(matrix: &mut Matrix) {
+    for i in 0..N {
+        for j in 0..i {
+            (matrix[i][j], matrix[j][i]) = (matrix[j][i], matrix[i][j]);
         }
     }
 }
@@ -48,13 +51,13 @@ pub extern "C" fn rbd_bias(y: &Vector, v: &Vector, forces: &mut Vector) {
 
 #[unsafe(no_mangle)]
 pub extern "C" fn rbd_crba(y: &Vector, mass: &mut Matrix) {
-    *mass = robot::mass_matrix(y);
+    robot::mass_matrix_into(y, mass);
 }
 
 #[cfg(has_mass_matrix_and_bias_forces)]
 #[unsafe(no_mangle)]
 pub extern "C" fn rbd_mk(y: &Vector, v: &Vector, mass: &mut Matrix, forces: &mut Vector) {
-    (*mass, *forces) = robot::mass_matrix_and_bias_forces(y, v);
+    robot::mass_matrix_and_bias_forces_into(y, v, mass, forces);
 }
 
 /// Without friction and springs q is gravity alone.
@@ -83,10 +86,18 @@ pub extern "C" fn rbd_rnea_der(
     by_velocities: &mut Matrix,
     mass: &mut Matrix,
 ) {
-    let (_, dy, dv, matrix) = robot::inverse_dynamics_derivatives_and_mass_matrix(y, v, a);
-    write(by_coordinates, &dy);
-    write(by_velocities, &dv);
-    *mass = matrix;
+    let mut forces = [0.0; N];
+    robot::inverse_dynamics_derivatives_and_mass_matrix_into(
+        y,
+        v,
+        a,
+        &mut forces,
+        by_coordinates,
+        by_velocities,
+        mass,
+    );
+    transpose(by_coordinates);
+    transpose(by_velocities);
 }
 
 #[cfg(has_forward_dynamics_derivatives)]
@@ -99,8 +110,16 @@ pub extern "C" fn rbd_fd_der(
     by_velocities: &mut Matrix,
     by_inputs: &mut Matrix,
 ) {
-    let (_, dy, dv, du) = robot::forward_dynamics_derivatives(y, v, u);
-    write(by_coordinates, &dy);
-    write(by_velocities, &dv);
-    *by_inputs = du;
+    let mut accelerations = [0.0; N];
+    robot::forward_dynamics_derivatives_into(
+        y,
+        v,
+        u,
+        &mut accelerations,
+        by_coordinates,
+        by_velocities,
+        by_inputs,
+    );
+    transpose(by_coordinates);
+    transpose(by_velocities);
 }

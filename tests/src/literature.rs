@@ -1,9 +1,7 @@
 //! Geometries that the literature counts operations for, with full inertias and general centres of mass.
 
 use gelenk_codegen::formula::Formula;
-use gelenk_codegen::model::{
-    Body, Joint, JointKind, Limits, Link, Model, Motion, Options, Pose,
-};
+use gelenk_codegen::model::{Body, Joint, JointKind, Limits, Link, Model, Motion, Options, Pose};
 
 /// A row of modified Denavit–Hartenberg parameters: α [°], d, r [m].
 pub type Row = (f64, f64, f64);
@@ -114,7 +112,11 @@ fn body(k: usize) -> Body {
     Body {
         name: format!("body{}", k + 1),
         mass: vary(3.0, 1.0, 0.1),
-        center_of_mass: [vary(0.2, 0.05, 0.2), vary(0.0, 0.05, 0.9), vary(0.07, 0.03, 1.3)],
+        center_of_mass: [
+            vary(0.2, 0.05, 0.2),
+            vary(0.0, 0.05, 0.9),
+            vary(0.07, 0.03, 1.3),
+        ],
         inertia: [
             vary(0.11, 0.01, 0.3),
             vary(0.0, 0.013, 0.7),

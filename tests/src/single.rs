@@ -137,7 +137,11 @@ impl Arithmetic for Bounded {
             },
             Function::Sign => Self {
                 value: if x == 0.0 { 0.0 } else { x.signum() },
-                error: if a.error < x.abs() || a.error == 0.0 { 0.0 } else { 2.0 },
+                error: if a.error < x.abs() || a.error == 0.0 {
+                    0.0
+                } else {
+                    2.0
+                },
             },
         }
     }

@@ -30,7 +30,11 @@ fn copy_sample(to: &Path) {
 /// The folder that this test was compiled into, so that dependencies are not compiled again.
 fn target() -> PathBuf {
     let program = std::env::current_exe().expect("this program");
-    program.ancestors().nth(3).expect("target/debug/deps").to_owned()
+    program
+        .ancestors()
+        .nth(3)
+        .expect("target/debug/deps")
+        .to_owned()
 }
 
 fn cargo(folder: &Path, command: &str) -> Output {

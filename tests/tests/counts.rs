@@ -31,7 +31,10 @@ fn assert_within(what: &str, model: Model, bars: &[(&str, usize, usize)]) {
     let mut above = String::new();
     for &(name, multiplications, additions) in bars {
         let found = operations(&robot, name);
-        let line = format!("{what} {name}: {}/{}, bar {multiplications}/{additions}", found.0, found.1);
+        let line = format!(
+            "{what} {name}: {}/{}, bar {multiplications}/{additions}",
+            found.0, found.1
+        );
         println!("{line}");
         if found.0 > multiplications || found.1 > additions {
             let _ = writeln!(above, "{line}");
@@ -42,7 +45,11 @@ fn assert_within(what: &str, model: Model, bars: &[(&str, usize, usize)]) {
 
 #[test]
 fn planar_arm() {
-    let bars = [("mass_matrix", 3, 3), ("bias_forces", 17, 9), ("inverse_dynamics", 23, 15)];
+    let bars = [
+        ("mass_matrix", 3, 3),
+        ("bias_forces", 17, 9),
+        ("inverse_dynamics", 23, 15),
+    ];
     assert_within("planar 2R", chain(&PLANAR, ACROSS), &bars);
 }
 
@@ -65,18 +72,31 @@ fn puma560_geometry() {
     ];
     assert_within("Puma 560", chain(&PUMA, DOWN), &bars);
     let robot = Robot::of_model(chain(&PUMA, DOWN), &["mass_matrix", "bias_forces"]);
-    let (mass, bias) = (operations(&robot, "mass_matrix"), operations(&robot, "bias_forces"));
-    assert!(mass.0 + bias.0 <= 410 && mass.1 + bias.1 <= 355, "{mass:?} {bias:?}");
+    let (mass, bias) = (
+        operations(&robot, "mass_matrix"),
+        operations(&robot, "bias_forces"),
+    );
+    assert!(
+        mass.0 + bias.0 <= 410 && mass.1 + bias.1 <= 355,
+        "{mass:?} {bias:?}"
+    );
 }
 
 #[test]
 fn general_arm() {
-    assert_within("general 6R", chain(&GENERAL, DOWN), &[("inverse_dynamics", 407, 342)]);
+    assert_within(
+        "general 6R",
+        chain(&GENERAL, DOWN),
+        &[("inverse_dynamics", 407, 342)],
+    );
 }
 
 #[test]
 fn thirty_joints() {
-    let bars = [("inverse_dynamics", 1757, 1663), ("mass_matrix", 4756, 3755)];
+    let bars = [
+        ("inverse_dynamics", 1757, 1663),
+        ("mass_matrix", 4756, 3755),
+    ];
     assert_within("30 joints", chain(&right_angles(30), DOWN), &bars);
 }
 
@@ -84,14 +104,24 @@ fn thirty_joints() {
 #[test]
 fn puma560_with_diagonal_inertias() {
     let path = workspace().join("models/puma560.toml");
-    let mut model = read(&path, &ReadOptions::default()).expect("the model").model;
+    let mut model = read(&path, &ReadOptions::default())
+        .expect("the model")
+        .model;
     for drive in &mut model.drives {
         drive.rotor_inertia = Formula::Number(0.0);
     }
-    for joint in model.links.iter_mut().filter_map(|link| link.joint.as_mut()) {
+    for joint in model
+        .links
+        .iter_mut()
+        .filter_map(|link| link.joint.as_mut())
+    {
         joint.friction.clear();
     }
-    assert_within("Puma 560 (Armstrong)", model, &[("inverse_dynamics", 192, 163)]);
+    assert_within(
+        "Puma 560 (Armstrong)",
+        model,
+        &[("inverse_dynamics", 192, 163)],
+    );
 }
 
 /// M, k and q of the published arm without friction: by hand 8 multiplications and 7 additions, with sin y1, sin y2,
@@ -99,8 +129,14 @@ fn puma560_with_diagonal_inertias() {
 #[test]
 fn powercube() {
     let path = workspace().join("models/powercube.toml");
-    let mut model = read(&path, &ReadOptions::default()).expect("the model").model;
-    for joint in model.links.iter_mut().filter_map(|link| link.joint.as_mut()) {
+    let mut model = read(&path, &ReadOptions::default())
+        .expect("the model")
+        .model;
+    for joint in model
+        .links
+        .iter_mut()
+        .filter_map(|link| link.joint.as_mut())
+    {
         joint.friction.clear();
     }
     assert_within("PowerCube", model, &[("equations_of_motion", 10, 8)]);

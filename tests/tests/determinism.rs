@@ -74,10 +74,18 @@ fn in_a_process(current: &Path, home: &str) -> Vec<(String, String)> {
     assert!(output.status.success(), "{output:?}");
     let entries = std::fs::read_dir(folder.path()).expect("the folder");
     let read = |path: PathBuf| {
-        let name = path.file_name().expect("a name").to_string_lossy().into_owned();
+        let name = path
+            .file_name()
+            .expect("a name")
+            .to_string_lossy()
+            .into_owned();
         (name, std::fs::read_to_string(&path).expect("a text"))
     };
-    sorted(entries.map(|entry| read(entry.expect("an entry").path())).collect())
+    sorted(
+        entries
+            .map(|entry| read(entry.expect("an entry").path()))
+            .collect(),
+    )
 }
 
 #[test]

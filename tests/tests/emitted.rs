@@ -28,13 +28,17 @@ fn random_inputs(rng: &mut Rng, function: &Function) -> Vec<Vec<f64>> {
         _ => 6.0 * (rng.f64() - 0.5),
     };
     let inputs = function.program.inputs.iter();
-    inputs.map(|array| (0..array.len).map(|_| entry()).collect()).collect()
+    inputs
+        .map(|array| (0..array.len).map(|_| entry()).collect())
+        .collect()
 }
 
 /// Near the described values.
 fn random_parameters(rng: &mut Rng, model: &Model) -> Vec<f64> {
     let parameters = model.parameters.iter();
-    parameters.map(|parameter| parameter.default * (0.5 + rng.f64())).collect()
+    parameters
+        .map(|parameter| parameter.default * (0.5 + rng.f64()))
+        .collect()
 }
 
 fn slices(arrays: &[Vec<f64>]) -> Vec<&[f64]> {
@@ -98,7 +102,10 @@ fn modules_compile_without_a_warning() {
             let alone = [&check[..], &["-D", "warnings"]].concat();
             let result = rustc(folder.path(), &name, &source.text, &alone);
             result.unwrap_or_else(|message| panic!("{name}: {message}"));
-            let _ = writeln!(outer, "/// Robot.\npub mod {name} {{ include!(\"{name}.rs\"); }}");
+            let _ = writeln!(
+                outer,
+                "/// Robot.\npub mod {name} {{ include!(\"{name}.rs\"); }}"
+            );
         }
     }
     let result = clippy(folder.path(), "outer", &outer, &check);
@@ -115,7 +122,11 @@ fn build_f32(folder: &Path, robots: &[Generated]) {
         let name = &source.name;
         std::fs::write(folder.join(format!("{name}.rs")), &source.text).expect("a file");
         let _ = writeln!(modules, "pub mod {name} {{ include!(\"{name}.rs\"); }}");
-        table.push_str(&table::entry(name, &format!("robots::{name}"), &source.text));
+        table.push_str(&table::entry(
+            name,
+            &format!("robots::{name}"),
+            &source.text,
+        ));
     }
     let main = format!(
         "mod flat;\nmod robots {{\n{modules}}}\nuse flat::*;\nconst ROBOTS: &[Robot] = &[\n{table}];\n{MAIN}"
@@ -165,7 +176,12 @@ fn run(folder: &Path, requests: String) -> Vec<Vec<f64>> {
     let text = String::from_utf8(output.stdout).expect("numbers");
     let number = |bits: &str| f64::from_bits(bits.parse().expect("bits"));
     text.lines()
-        .map(|line| line.split(',').filter(|word| !word.is_empty()).map(number).collect())
+        .map(|line| {
+            line.split(',')
+                .filter(|word| !word.is_empty())
+                .map(number)
+                .collect()
+        })
         .collect()
 }
 
@@ -173,8 +189,10 @@ fn run(folder: &Path, requests: String) -> Vec<Vec<f64>> {
 fn f32_modules_agree_within_their_rounding() {
     let folder = tempfile::tempdir().expect("a folder");
     let paths = descriptions();
-    let robots: Vec<Generated> =
-        paths.iter().map(|path| generate_model(path, Scalar::F32)).collect();
+    let robots: Vec<Generated> = paths
+        .iter()
+        .map(|path| generate_model(path, Scalar::F32))
+        .collect();
     build_f32(folder.path(), &robots);
     let mut rng = Rng::with_seed(2);
     let (mut requests, mut samples) = (String::new(), Vec::new());
@@ -190,7 +208,9 @@ fn f32_modules_agree_within_their_rounding() {
             let parameters: Vec<f64> = parameters.into_iter().map(short).collect();
             let words: Vec<String> = inputs.iter().map(|array| joined(array)).collect();
             let _ = write!(requests, "{index}|{at}|{}", joined(&parameters));
-            words.iter().for_each(|word| requests.push_str(&format!("|{word}")));
+            words
+                .iter()
+                .for_each(|word| requests.push_str(&format!("|{word}")));
             requests.push('\n');
             samples.push((robot, function, inputs, parameters));
         }
@@ -202,9 +222,14 @@ fn f32_modules_agree_within_their_rounding() {
         let expected = single::interpret(&function.program, inputs, parameters);
         assert_same_bits(&what, &found, &expected);
         for (x, Bounded { value, error }) in
-            found.iter().zip(single::bounds(&function.program, inputs, parameters))
+            found
+                .iter()
+                .zip(single::bounds(&function.program, inputs, parameters))
         {
-            assert!((x - value).abs() <= error, "{what}: {x} is not {value} ± {error:e}");
+            assert!(
+                (x - value).abs() <= error,
+                "{what}: {x} is not {value} ± {error:e}"
+            );
         }
     }
 }

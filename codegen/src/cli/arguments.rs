@@ -37,6 +37,7 @@ const INSPECT_EXAMPLES: &str = "\
 Examples:
   gelenk inspect model arm.urdf
   gelenk inspect counts models/ur5.toml --format json
+  gelenk inspect counts models/ur5.toml --bytes
   gelenk inspect program models/powercube.toml --functions mass_matrix --latex
   gelenk inspect --closed-form models/powercube.toml";
 
@@ -83,6 +84,9 @@ pub(super) struct Inspect {
     pub(super) what: Option<Stage>,
     /// TOML or URDF
     pub(super) description: PathBuf,
+    /// Beside the counts, the bytes of machine code that rustc makes at opt-level 3 (counts only)
+    #[arg(long)]
+    pub(super) bytes: bool,
     /// As LaTeX (program and closed forms only)
     #[arg(long)]
     pub(super) latex: bool,
@@ -115,6 +119,9 @@ pub(super) struct Choices {
     /// Make mimic joints independent coordinates
     #[arg(long)]
     pub(super) ignore_mimic: bool,
+    /// Functions that are also written over eight states at once, separated by commas
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub(super) lanes: Vec<String>,
     /// Contract products and sums to fused multiply-adds; the module then compiles only for processors that have them
     #[arg(long)]
     pub(super) fused_multiply_add: bool,

@@ -57,7 +57,7 @@ pub(super) fn generate(arguments: &Generate, format: Format) -> Result<ExitCode,
             print::out(&format!(
                 "{}\n{}",
                 line(&robot, &path, outcome),
-                print::counts_table(&robot.functions)
+                print::counts_table(&robot.functions, &[])
             ))?;
             Ok(ExitCode::SUCCESS)
         }
@@ -254,6 +254,7 @@ fn options(choices: &Choices, command: String) -> GenerateOptions {
         emit: EmitOptions {
             scalar: choices.scalar.into(),
             command,
+            lanes: choices.lanes.clone(),
             ..EmitOptions::default()
         },
     }
@@ -279,6 +280,9 @@ pub(super) fn command(
             "--functions {}",
             quoted(&choices.functions.join(","))
         ));
+    }
+    if !choices.lanes.is_empty() {
+        words.push(format!("--lanes {}", quoted(&choices.lanes.join(","))));
     }
     if choices.scalar == ScalarName::F32 {
         words.push("--scalar f32".to_owned());
@@ -370,7 +374,7 @@ fn result(robot: &Generated, path: &Path, outcome: Outcome) -> Value {
         "written": outcome == Outcome::Written,
         "coordinates": robot.model.coordinates.len(),
         "inputs": inputs(robot),
-        "functions": print::counts(&robot.functions),
+        "functions": print::counts(&robot.functions, &[]),
         "notes": print::diagnostics(&robot.notes),
     })
 }
@@ -403,6 +407,7 @@ mod tests {
             snap_angles: Some(1e-4),
             no_friction: true,
             ignore_mimic: false,
+            lanes: vec![],
             fused_multiply_add: false,
         };
         let command = command(

@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use super::Failure;
 use super::arguments::{Format, Inspect, Stage};
+use super::bytes::CodeSizes;
 use super::place::Workspace;
 use super::{generate, print};
 use crate::dynamics::function::Function;
@@ -32,10 +33,34 @@ pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, F
     );
     let robot = generate::derive(&arguments.description, &arguments.choices, command)?;
     generate::say_notes(&robot, format);
+    if arguments.bytes {
+        return counts_and_bytes(&robot, what, format);
+    }
     match format {
         Format::Json => print::json(&as_json(&robot, what, arguments.latex)),
         Format::Text => {
             print::out(&as_text(&robot, what, arguments.latex)).map(|()| ExitCode::SUCCESS)
+        }
+    }
+}
+
+/// Operation counts, and the bytes of machine code beside them.
+fn counts_and_bytes(robot: &Generated, what: Stage, format: Format) -> Result<ExitCode, Failure> {
+    if what != Stage::Counts {
+        return Err(Failure::Usage(
+            "--bytes goes with `inspect counts`".to_owned(),
+        ));
+    }
+    let sizes = CodeSizes::measure(&robot.source)?;
+    let bytes: Vec<Option<u64>> = robot
+        .functions
+        .iter()
+        .map(|function| sizes.of(function))
+        .collect();
+    match format {
+        Format::Json => print::json(&print::counts(&robot.functions, &bytes)),
+        Format::Text => {
+            print::out(&print::counts_table(&robot.functions, &bytes)).map(|()| ExitCode::SUCCESS)
         }
     }
 }
@@ -61,7 +86,7 @@ fn as_text(robot: &Generated, what: Stage, latex: bool) -> String {
     let notation = notation(&robot.model);
     match what {
         Stage::Model => model_text(&robot.model),
-        Stage::Counts => print::counts_table(&robot.functions),
+        Stage::Counts => print::counts_table(&robot.functions, &[]),
         Stage::Source => robot.source.text.clone(),
         Stage::Program => {
             let show = if latex { display::latex } else { display::text };
@@ -93,7 +118,7 @@ fn as_json(robot: &Generated, what: Stage, latex: bool) -> Value {
     let notation = notation(&robot.model);
     match what {
         Stage::Model => model_json(&robot.model),
-        Stage::Counts => print::counts(&robot.functions),
+        Stage::Counts => print::counts(&robot.functions, &[]),
         Stage::Source => json!({ "name": robot.source.name, "text": robot.source.text }),
         Stage::Program => {
             let show = if latex { display::latex } else { display::text };

@@ -1,6 +1,7 @@
 //! The program `gelenk`.
 
 mod arguments;
+mod bytes;
 #[cfg(feature = "symbolica")]
 mod closed_form;
 mod generate;

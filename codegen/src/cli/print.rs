@@ -72,18 +72,18 @@ fn diagnostic(entry: &Diagnostic) -> Value {
     })
 }
 
-/// Operation counts of functions as a table.
-pub(super) fn counts_table(functions: &[Function]) -> String {
-    let head = [
+/// Operation counts of functions as a table, with their bytes of machine code where these are given.
+pub(super) fn counts_table(functions: &[Function], bytes: &[Option<u64>]) -> String {
+    let mut head = vec![
         "function",
         "multiplications",
         "additions",
         "divisions",
         "calls",
-    ]
-    .map(str::to_owned)
-    .to_vec();
-    let rows = functions.iter().map(|function| {
+    ];
+    head.extend((!bytes.is_empty()).then_some("bytes"));
+    let head = head.into_iter().map(str::to_owned).collect();
+    let rows = functions.iter().enumerate().map(|(index, function)| {
         let cost = cost::count(&function.program);
         let counts = [
             cost.multiplications,
@@ -91,17 +91,23 @@ pub(super) fn counts_table(functions: &[Function]) -> String {
             cost.divisions,
             cost.calls(),
         ];
+        let size = bytes.get(index).map(|size| match size {
+            Some(size) => size.to_string(),
+            None => "inlined".to_owned(),
+        });
         [function.name.clone()]
             .into_iter()
             .chain(counts.iter().map(ToString::to_string))
+            .chain(size)
             .collect()
     });
     table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())
 }
 
-/// Operation counts of functions as JSON.
-pub(super) fn counts(functions: &[Function]) -> Value {
-    let entry = |function: &Function| {
+/// Operation counts of functions as JSON, with their bytes of machine code where these are given; null where a function
+/// is left to be inlined.
+pub(super) fn counts(functions: &[Function], bytes: &[Option<u64>]) -> Value {
+    let entry = |(index, function): (usize, &Function)| {
         let Cost {
             multiplications,
             additions,
@@ -110,7 +116,7 @@ pub(super) fn counts(functions: &[Function]) -> Value {
             other_calls,
             selections,
         } = cost::count(&function.program);
-        json!({
+        let mut entry = json!({
             "function": function.name,
             "multiplications": multiplications,
             "additions": additions,
@@ -118,9 +124,13 @@ pub(super) fn counts(functions: &[Function]) -> Value {
             "sin_cos": sin_cos,
             "other_calls": other_calls,
             "selections": selections,
-        })
+        });
+        if let Some(size) = bytes.get(index) {
+            entry["bytes"] = json!(size);
+        }
+        entry
     };
-    functions.iter().map(entry).collect()
+    functions.iter().enumerate().map(entry).collect()
 }
 
 /// Rows of cells in columns, below a head; columns of numbers to the right.

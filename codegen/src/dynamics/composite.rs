@@ -4,7 +4,7 @@
 //! it (Walker and Orin 1982; Featherstone 2008, ch. 6), with moments of mass in place of spatial inertias.
 
 use super::formulation::{Formulation, RunLink};
-use super::placement::{Placement, place};
+use super::placement::{Placement, ends_at_root, place};
 use crate::graph::{Scalar, Vector3};
 use crate::kinematics::{JointAxis, MassMoments, Mechanism};
 
@@ -147,6 +147,17 @@ impl<'g> Column<'_, 'g> {
             matrix[row.coordinate][column.coordinate] = entry;
             matrix[column.coordinate][row.coordinate] = entry;
             let Some(parent) = row.parent else { break };
+            if ends_at_root(self.mechanism, index) {
+                let root = &self.mechanism.bodies[parent];
+                let (angular, linear) = self.placements[index].parent_screw(&row.twist);
+                let share = angular.dot(wrench.moment)
+                    + linear.dot(wrench.force)
+                    + row.twist.to_parent(wrench.transverse)[2];
+                let entry = share.signed(root.direction * column.direction);
+                matrix[root.coordinate][column.coordinate] = entry;
+                matrix[column.coordinate][root.coordinate] = entry;
+                break;
+            }
             wrench = self.pass_on(index, wrench);
             index = parent;
         }

@@ -39,6 +39,15 @@ fn id<'g>(
     inverse_dynamics(&f.mechanism(graph, model), f, input)
 }
 
+fn mass<'g>(
+    graph: &'g Graph,
+    model: &Model,
+    f: &Formulation,
+    input: MotionInput<'_, 'g>,
+) -> Vec<Scalar<'g>> {
+    super::composite::mass_matrix(&f.mechanism(graph, model), f, input.y).concat()
+}
+
 fn analytic<'g>(
     graph: &'g Graph,
     model: &Model,
@@ -180,6 +189,7 @@ fn explore() {
         let space = SearchSpace::new(model);
         for (what, build) in [
             ("id", id as Build),
+            ("M", mass),
             ("der", analytic),
             ("der+M", analytic_m),
             ("forward", forward),

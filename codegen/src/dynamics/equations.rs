@@ -535,24 +535,63 @@ impl<'g> Equations<'_, 'g> {
     ) -> AccelerationDerivatives<'g> {
         let (mass, bias) = self.formulations.mass_and_bias_beside_derivatives();
         let matrix = self.mass_matrix_by(mass, y);
-        let inverse = Factorization::new(&Mechanism::new(self.graph, self.model), &matrix)
-            .inverse(self.graph);
+        let factorization = Factorization::new(&Mechanism::new(self.graph, self.model), &matrix);
+        let inverse = factorization.inverse(self.graph);
         let accelerating = subtract(&self.driving_forces(y, v, u), &self.bias_by(bias, y, v));
-        let accelerations: Vec<_> = inverse
-            .iter()
-            .map(|row| dot(self.graph, row, &accelerating))
-            .collect();
+        let by_inverse = self.weighs_less_by_inverse(&factorization, &inverse);
+        let solve = |right: &[Scalar<'g>]| match by_inverse {
+            true => inverse
+                .iter()
+                .map(|row| dot(self.graph, row, right))
+                .collect(),
+            false => factorization.solve(right),
+        };
+        let solve_negative = |right: &Matrix<'g>| {
+            let columns: Vec<Vec<_>> = (0..y.len())
+                .map(|j| solve(&right.iter().map(|row| -row[j]).collect::<Vec<_>>()))
+                .collect();
+            (0..y.len())
+                .map(|i| columns.iter().map(|column| column[i]).collect())
+                .collect()
+        };
+        let accelerations = solve(&accelerating);
         let forces = self.inverse_dynamics_derivatives(MotionInput {
             y,
             v,
             a: &accelerations,
         });
         AccelerationDerivatives {
-            by_coordinates: negative_product(self.graph, &inverse, &forces.by_coordinates),
-            by_velocities: negative_product(self.graph, &inverse, &forces.by_velocities),
+            by_coordinates: solve_negative(&forces.by_coordinates),
+            by_velocities: solve_negative(&forces.by_velocities),
             inverse,
             accelerations,
         }
+    }
+
+    /// Whether products with M⁻¹ cost no more than solutions by the factors. The products are preferred where both
+    /// cost the same: their terms do not wait for each other.
+    fn weighs_less_by_inverse(
+        &self,
+        factorization: &Factorization<'g>,
+        inverse: &Matrix<'g>,
+    ) -> bool {
+        let right: Vec<_> = (0..inverse.len())
+            .map(|k| self.graph.input(FREE_ACCELERATIONS, k))
+            .collect();
+        let weight = |results: Vec<Scalar<'g>>| {
+            let all: Vec<Edge> = inverse
+                .concat()
+                .iter()
+                .chain(&results)
+                .map(|result| result.edge())
+                .collect();
+            Cost::of(self.graph, &all).weight()
+        };
+        let product = inverse
+            .iter()
+            .map(|row| dot(self.graph, row, &right))
+            .collect();
+        weight(product) <= weight(factorization.solve(&right))
     }
 
     /// `ÿ = A_y y + A_v ẏ + B_x u + c` at a state and input.
@@ -664,20 +703,6 @@ impl<'g> Equations<'_, 'g> {
     pub fn base_poses(&self, y: &[Scalar<'g>]) -> BasePoses<'g> {
         BasePoses::new(Mechanism::new(self.graph, self.model), y)
     }
-}
-
-/// `−a b`
-fn negative_product<'g>(graph: &'g Graph, a: &Matrix<'g>, b: &Matrix<'g>) -> Matrix<'g> {
-    let column = |j: usize| b.iter().map(|row| -row[j]).collect::<Vec<_>>();
-    let columns: Vec<_> = (0..b.len()).map(column).collect();
-    a.iter()
-        .map(|row| {
-            columns
-                .iter()
-                .map(|column| dot(graph, row, column))
-                .collect()
-        })
-        .collect()
 }
 
 /// `a − b`

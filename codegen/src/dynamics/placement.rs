@@ -127,6 +127,15 @@ fn turn_between<'g>(
     Some(offset.advance((sine, cosine)))
 }
 
+/// Whether a body's parent is a revolute joint on the base with another direction: nothing but its own torque then needs
+/// what arrives there.
+pub fn ends_at_root(mechanism: &Mechanism<'_>, body: usize) -> bool {
+    let child = &mechanism.bodies[body];
+    let root = child.parent.map(|parent| &mechanism.bodies[parent]);
+    !child.twist.is_none()
+        && root.is_some_and(|root| root.parent.is_none() && root.axis == JointAxis::Revolute)
+}
+
 /// The bodies of the run that ends with `member`, from its first body on.
 fn run_chain(mechanism: &Mechanism<'_>, member: usize) -> Vec<usize> {
     let mut chain = vec![member];
@@ -165,6 +174,18 @@ impl<'g> Placement<'g> {
     /// A force or first moment from this working frame and unit to the frame before the joint and the parent's unit.
     pub fn before_joint_unit(&self, v: Vector3<'g>) -> Vector3<'g> {
         self.scaled_turn(v, |v, turn| v.turned(turn))
+    }
+
+    /// What a unit of the parent's angular velocity about its z axis does to this body: angular velocity, and velocity
+    /// of the origin, in this working frame and unit. Their products with a moment and a force are the parent's share
+    /// along z, in fewer operations than passing both on.
+    pub fn parent_screw(&self, twist: &Twist) -> (Vector3<'g>, Vector3<'g>) {
+        let zero = self.extension.constant(0.0);
+        let z = Vector3([zero, zero, zero.constant(1.0)]);
+        let angular = self.to_child(twist, z);
+        let lift = Vector3([zero, zero, self.extension]);
+        let linear = self.to_child_unit(twist, z.cross(self.translation)) + angular.cross(lift);
+        (angular, linear)
     }
 
     /// Turns, with the change of unit inside the sine and cosine.

@@ -7,7 +7,7 @@ use quote::quote;
 
 use super::literal::Scalar;
 use super::math::Math;
-use super::{Context, math, names};
+use super::{Context, into, math, names};
 use crate::dynamics::function::Function;
 use crate::program::flow::{Flow, operands};
 use crate::program::{Operand, Operation, Output, Program, Shape};
@@ -20,8 +20,12 @@ pub(super) struct Body<'a> {
     pub(super) flow: Flow,
     /// Names of the input arrays.
     pub(super) arguments: Vec<Ident>,
+    /// Names of the results, where they are written in place.
+    pub(super) results: Vec<Ident>,
     /// Name of each value.
     names: Vec<Ident>,
+    /// Whether each value is an entry of a result that is written in place.
+    entries: Vec<bool>,
 }
 
 impl<'a> Body<'a> {
@@ -34,17 +38,31 @@ impl<'a> Body<'a> {
             &taken,
         );
         taken.extend(arguments.iter().map(ToString::to_string));
+        let results = match into::is_large(program) {
+            true => into::result_names(program, &taken),
+            false => vec![],
+        };
+        taken.extend(results.iter().map(ToString::to_string));
         let values = program
             .instructions
             .iter()
             .map(|instruction| instruction.name.as_str());
         let names = names::distinct(values, &taken);
+        let flow = Flow::new(program);
+        let mut entries = vec![false; program.instructions.len()];
+        for entry in program.outputs.iter().flat_map(|output| &output.entries) {
+            if let (Operand::Value(value), false) = (entry, results.is_empty()) {
+                entries[flow.canonical(*value)] = true;
+            }
+        }
         Self {
             context,
             scalar: context.options.scalar,
             program,
-            flow: Flow::new(program),
+            flow,
+            entries,
             arguments,
+            results,
             names,
         }
     }
@@ -79,22 +97,47 @@ impl<'a> Body<'a> {
         })
     }
 
+    /// From now on statements do not store into the results.
+    pub(super) fn stop_storing(&mut self) {
+        self.entries.clear();
+    }
+
     /// The statements of a run of instructions.
     pub(super) fn statements(&self, range: Range<usize>) -> Vec<TokenStream> {
-        let made: Vec<usize> = range.filter(|&index| self.flow.is_made(index)).collect();
+        self.statements_among(range, |_| true)
+    }
+
+    /// Those statements of a run whose instructions are wanted.
+    pub(super) fn statements_among(
+        &self,
+        mut range: Range<usize>,
+        is_wanted: impl Fn(usize) -> bool,
+    ) -> Vec<TokenStream> {
+        let is_made = |index: &usize| self.flow.is_made(*index) && is_wanted(*index);
+        let made: Vec<usize> = range.by_ref().filter(is_made).collect();
         let mut statements = Vec::with_capacity(made.len());
         let mut rest = made.as_slice();
         while let Some((&first, others)) = rest.split_first() {
             let (angles, after) = rest.split_at(self.leading_angles(rest));
             if angles.len() > 1 {
                 statements.extend(self.angles(angles));
+                statements.extend(angles.iter().flat_map(|&angle| self.stores(angle)));
                 rest = after;
             } else {
                 statements.extend(self.statement(first));
+                statements.extend(self.stores(first));
                 rest = others;
             }
         }
         statements
+    }
+
+    /// What the results take from a new value, where they are written in place.
+    fn stores(&self, index: usize) -> Vec<TokenStream> {
+        match self.entries.get(index) {
+            Some(true) => into::stores(self, |made| made == Some(index)),
+            _ => vec![],
+        }
     }
 
     /// How many of the first instructions make sine and cosine of angles that are known before all of them.
@@ -248,6 +291,43 @@ impl<'a> Body<'a> {
         }
     }
 
+    /// An operand where inputs are arrays of lanes.
+    pub(super) fn operand_in_lane(&self, operand: Operand) -> TokenStream {
+        let value = self.operand(operand);
+        match operand {
+            Operand::Input(..) => quote!(#value.0[lane]),
+            _ => value,
+        }
+    }
+
+    /// Statements of sums, differences and the like where inputs are arrays of lanes.
+    pub(super) fn statements_in_lane(
+        &self,
+        instructions: impl Iterator<Item = usize>,
+    ) -> Vec<TokenStream> {
+        let made = instructions.filter_map(|index| {
+            let lane = |operand| self.operand_in_lane(operand);
+            let value = match self.program.instructions[index].operation {
+                Operation::Add(a, b) => binary(lane(a), quote!(+), lane(b)),
+                Operation::Subtract(a, b) => binary(lane(a), quote!(-), lane(b)),
+                Operation::Multiply(a, b) => binary(lane(a), quote!(*), lane(b)),
+                Operation::Divide(a, b) => binary(lane(a), quote!(/), lane(b)),
+                Operation::Negate(a) => {
+                    let a = lane(a);
+                    quote!(-#a)
+                }
+                Operation::MultiplyAdd(a, b, c) => {
+                    let (a, b, c) = (lane(a), lane(b), lane(c));
+                    quote!(#a.mul_add(#b, #c))
+                }
+                _ => return None,
+            };
+            let name = &self.names[index];
+            Some(quote!(let #name = #value;))
+        });
+        made.collect()
+    }
+
     /// An operand that a method is called on.
     fn receiver(&self, operand: Operand) -> TokenStream {
         match operand {
@@ -257,7 +337,7 @@ impl<'a> Body<'a> {
     }
 
     /// The results as one expression: a value, or a tuple of several.
-    pub(super) fn results(&self) -> TokenStream {
+    pub(super) fn returned(&self) -> TokenStream {
         let outputs = self
             .program
             .outputs
@@ -284,6 +364,10 @@ impl<'a> Body<'a> {
             }
         }
     }
+}
+
+fn binary(a: TokenStream, operator: TokenStream, b: TokenStream) -> TokenStream {
+    quote!(#a #operator #b)
 }
 
 fn or_nothing(name: Option<&Ident>) -> TokenStream {

@@ -36,6 +36,12 @@ impl DocComment {
         self.lines.extend(wrap(&markdown(text), ""));
     }
 
+    /// A section of its own, as rustdoc knows it: `Safety`, `Errors`.
+    pub(super) fn heading(&mut self, title: &str) {
+        self.gap();
+        self.lines.push(format!("# {title}"));
+    }
+
     /// A list item of Markdown. `gap` separates a list from what stands above.
     pub(super) fn item(&mut self, text: &str) {
         self.lines

@@ -6,7 +6,7 @@ use quote::{format_ident, quote};
 use super::body::Body;
 use super::doc_comment::{DocComment, code};
 use super::split::{self, Part};
-use super::{Context, lints};
+use super::{Context, into, lanes, lints};
 use crate::dynamics::function::Function;
 use crate::model::{JointKind, Model};
 use crate::program::{Operation, Shape, cost};
@@ -14,33 +14,45 @@ use crate::program::{Operation, Shape, cost};
 /// Up to so many instructions a function is offered to inlining in other crates: a call costs as much as they do.
 const INLINE_UP_TO: usize = 40;
 
-/// The public function, then the private ones it is split into.
+/// The public function, its variant with results in place, then the private ones it is split into.
 pub(super) fn items(context: &Context<'_>, function: &Function, name: &Ident) -> Vec<TokenStream> {
-    let body = Body::new(context, function);
+    let mut body = Body::new(context, function);
     let parts = split::parts(body.program, &body.flow, context.options.longest_function);
-    let statements = if parts.len() == 1 {
-        plain_body(&body)
-    } else {
-        calls(context, &body, name, &parts)
-    };
+    if parts.len() > 1 {
+        body.stop_storing();
+    }
     let signature = Signature::new(context, &body, function);
-    let documentation = documentation(context, function, &body).tokens();
-    let allowed = [
-        lints::for_names(body.value_names().chain(&body.arguments).chain([name])),
-        lints::for_numbers(body.numbers()),
-        lints::for_result(&signature.dimensions),
-    ];
-    let allowed = allowed.iter().flatten();
-    let inline = (body.program.instructions.len() <= INLINE_UP_TO).then(|| quote!(#[inline]));
+    let lanes = match parts.len() == 1 && context.options.lanes.contains(&function.name) {
+        true => lanes::Split::new(context, &body),
+        false => None,
+    };
+    let statements = match (parts.len(), body.results.is_empty()) {
+        _ if let Some(split) = &lanes => lanes::scalar_statements(context, &body, name, split),
+        (1, true) => plain_body(&body),
+        (1, false) => storing_body(&body),
+        _ => calls(context, &body, name, &parts),
+    };
     let unused = unused(context, &body, &parts);
-    let (arguments, result) = (&signature.arguments, &signature.result);
-    let mut items = vec![quote! {
-        #documentation
-        #inline
-        #[must_use]
-        #(#allowed)*
-        pub fn #name(#(#arguments),*) -> #result { #(let _ = #unused;)* #statements }
-    }];
+    let statements = quote!(#(let _ = #unused;)* #statements);
+    let mut items = if body.results.is_empty() {
+        vec![public(
+            context,
+            function,
+            &body,
+            name,
+            &signature,
+            &statements,
+        )]
+    } else {
+        let returning = into::returning(context, &body, name);
+        vec![
+            public(context, function, &body, name, &signature, &returning),
+            into::item(&body, name, &signature, &statements),
+        ]
+    };
+    if let Some(split) = &lanes {
+        items.extend(lanes::items(context, &body, name, &signature, split));
+    }
     if parts.len() > 1 {
         items.extend(
             parts
@@ -52,6 +64,41 @@ pub(super) fn items(context: &Context<'_>, function: &Function, name: &Ident) ->
     items
 }
 
+/// The function that returns its results.
+fn public(
+    context: &Context<'_>,
+    function: &Function,
+    body: &Body<'_>,
+    name: &Ident,
+    signature: &Signature,
+    statements: &TokenStream,
+) -> TokenStream {
+    let documentation = documentation(context, function, body).tokens();
+    let allowed = [
+        lints::for_names(body.value_names().chain(&body.arguments).chain([name])),
+        lints::for_numbers(body.numbers()),
+        lints::for_result(&signature.dimensions),
+    ];
+    let allowed = allowed.iter().flatten();
+    let is_short = body.program.instructions.len() <= INLINE_UP_TO || !body.results.is_empty();
+    let inline = is_short.then(|| quote!(#[inline]));
+    let (arguments, result) = (&signature.arguments, &signature.result);
+    quote! {
+        #documentation
+        #inline
+        #[must_use]
+        #(#allowed)*
+        pub fn #name(#(#arguments),*) -> #result { #statements }
+    }
+}
+
+/// All statements, each entry of the results stored as soon as it is known: fewer values are alive.
+fn storing_body(body: &Body<'_>) -> TokenStream {
+    let constants = into::stores(body, |made| made.is_none());
+    let statements = body.statements(0..body.program.instructions.len());
+    quote!(#(#constants)* #(#statements)*)
+}
+
 /// All statements and the results.
 fn plain_body(body: &Body<'_>) -> TokenStream {
     let mut statements = body.statements(0..body.program.instructions.len());
@@ -61,7 +108,7 @@ fn plain_body(body: &Body<'_>) -> TokenStream {
         statements.pop();
         return quote!(#(#statements)* #value);
     }
-    let results = body.results();
+    let results = body.returned();
     quote!(#(#statements)* #results)
 }
 
@@ -103,8 +150,12 @@ fn calls(context: &Context<'_>, body: &Body<'_>, name: &Ident, parts: &[Part]) -
         let returns = part.returns.iter().map(|&value| body.name(value));
         quote!(let [#(#returns),*] = #callee(#(#arguments),*);)
     });
-    let results = body.results();
-    quote!(#(#calls)* #results)
+    if body.results.is_empty() {
+        let results = body.returned();
+        return quote!(#(#calls)* #results);
+    }
+    let stores = into::stores(body, |_| true);
+    quote!(#(#calls)* #(#stores)*)
 }
 
 fn part_name(name: &Ident, index: usize) -> Ident {
@@ -181,11 +232,17 @@ fn unused(context: &Context<'_>, body: &Body<'_>, parts: &[Part]) -> Vec<TokenSt
 }
 
 /// Arguments and result of a function as text.
-struct Signature {
-    arguments: Vec<TokenStream>,
-    result: TokenStream,
+pub(super) struct Signature {
+    pub(super) arguments: Vec<TokenStream>,
+    pub(super) result: TokenStream,
+    /// Length of each input array.
+    pub(super) lengths: Vec<TokenStream>,
+    /// Lengths of each result, rows first.
+    pub(super) shapes: Vec<Vec<TokenStream>>,
+    /// Type of each result.
+    pub(super) results: Vec<TokenStream>,
     /// How many dimensions each result has.
-    dimensions: Vec<usize>,
+    pub(super) dimensions: Vec<usize>,
 }
 
 impl Signature {
@@ -212,13 +269,28 @@ impl Signature {
                     quote!([#entry; #len])
                 })
         });
+        let results: Vec<TokenStream> = results.collect();
         let result = match body.program.outputs.len() {
             1 => quote!(#(#results)*),
             _ => quote!((#(#results),*)),
         };
         Self {
             arguments: inputs.chain(parameters).collect(),
+            lengths: body
+                .program
+                .inputs
+                .iter()
+                .map(|input| sizes.input(&input.name, input.len).tokens())
+                .collect(),
+            shapes: body
+                .program
+                .outputs
+                .iter()
+                .map(|output| sizes.result(&output.name, output.shape))
+                .map(|sizes| sizes.into_iter().map(Size::tokens).collect())
+                .collect(),
             result,
+            results,
             dimensions: body
                 .program
                 .outputs

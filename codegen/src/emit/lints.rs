@@ -23,6 +23,13 @@ pub(super) fn for_names<'a>(
         .then(|| quote!(#[allow(non_snake_case, reason = "names as the description gives them")]))
 }
 
+/// Allows more arguments than clippy's limit of seven.
+pub(super) fn for_arguments(count: usize) -> Option<TokenStream> {
+    (count > 7).then(
+        || quote!(#[allow(clippy::too_many_arguments, reason = "blocks of fixed size need no type of their own")]),
+    )
+}
+
 /// Allows a tuple of matrices as result. Clippy's score: each type counts 10 times its depth; 250 is its limit.
 pub(super) fn for_result(dimensions: &[usize]) -> Option<TokenStream> {
     let depth = if dimensions.len() > 1 { 1 } else { 0 };

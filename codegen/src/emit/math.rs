@@ -95,6 +95,15 @@ pub(super) fn sin_cos_of(
     own(context, kernels, &quote!(#(#arguments),*))
 }
 
+/// Sines and cosines of an array of angles.
+pub(super) fn sin_cos_array(context: &Context<'_>, angles: &TokenStream) -> TokenStream {
+    own(
+        context,
+        [Kernel::SinCosArray, Kernel::SinCosArrayF32],
+        angles,
+    )
+}
+
 /// A call of a pasted function; of its text for f64 and for f32.
 fn own(context: &Context<'_>, kernels: [Kernel; 2], arguments: &TokenStream) -> TokenStream {
     let kernel = match context.options.scalar {

@@ -10,6 +10,8 @@ mod constants;
 mod doc_comment;
 mod function;
 mod header;
+mod into;
+mod lanes;
 mod lints;
 mod literal;
 mod math;
@@ -43,6 +45,8 @@ pub struct EmitOptions {
     pub command: String,
     /// Programs with more statements than this are split into private functions of at most so many.
     pub longest_function: usize,
+    /// Functions that are also written over eight states at once.
+    pub lanes: Vec<String>,
 }
 
 impl Default for EmitOptions {
@@ -52,6 +56,7 @@ impl Default for EmitOptions {
             math: Math::Embedded,
             command: "gelenk generate".to_owned(),
             longest_function: LONGEST_FUNCTION,
+            lanes: vec![],
         }
     }
 }
@@ -74,6 +79,9 @@ pub fn module(model: &Model, functions: &[Function], options: &EmitOptions) -> S
     let mut text = header::comment(model, options);
     push_items(&mut text, constants::items(&context));
     push_items(&mut text, parameters::items(&context));
+    if !options.lanes.is_empty() {
+        push_items(&mut text, [lanes::item(&context)]);
+    }
     for (index, function) in functions.iter().enumerate() {
         // One function at a time: the syntax tree of a large one takes far more memory than its text.
         push_items(
@@ -118,6 +126,7 @@ impl<'a> Context<'a> {
         let mut reserved: Vec<String> =
             math::RESERVED.iter().map(|&name| name.to_owned()).collect();
         reserved.extend(constants::NAMES.iter().map(|&name| name.to_owned()));
+        reserved.extend(lanes::RESERVED.iter().map(|&name| name.to_owned()));
         let functions = names::distinct(
             functions.iter().map(|function| function.name.as_str()),
             &reserved,

@@ -120,6 +120,13 @@ impl Builder {
         self
     }
 
+    /// Writes these functions also over eight states at once.
+    #[must_use]
+    pub fn lanes<S: Into<String>>(mut self, names: impl IntoIterator<Item = S>) -> Self {
+        self.options.emit.lanes = names.into_iter().map(Into::into).collect();
+        self
+    }
+
     /// Contracts products and sums to fused multiply-adds; the modules then compile only for processors that have them.
     #[must_use]
     pub fn fused_multiply_add(mut self) -> Self {

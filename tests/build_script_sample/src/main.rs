@@ -24,9 +24,7 @@ gelenk_runtime::dynamics!(
 
 fn main() {
     let crane = Crane {
-        parameters: crane::Parameters {
-            payload_mass: 2.0,
-        },
+        parameters: crane::Parameters { payload_mass: 2.0 },
     };
     let torque = crane.inverse_dynamics(&[0.0; 2], &[0.0; 2], &[0.0; 2])[1];
     println!("crane: {torque:.4} N·m hold the boom with 2 kg");

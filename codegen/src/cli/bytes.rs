@@ -1,0 +1,102 @@
+//! Bytes of machine code of each generated function, by compiling the module with rustc.
+
+use std::collections::BTreeMap;
+use std::process::Command;
+
+use object::{Object, ObjectSymbol};
+
+use super::Failure;
+use crate::dynamics::function::Function;
+use crate::emit::SourceFile;
+
+/// Sizes of a module's functions for the processor that rustc takes by default.
+#[derive(Debug)]
+pub(super) struct CodeSizes {
+    /// Bytes by the name of the symbol.
+    symbols: BTreeMap<String, u64>,
+}
+
+impl CodeSizes {
+    /// Compiles a module at opt-level 3, with the rustc of the environment variable `RUSTC` or of the path.
+    pub(super) fn measure(source: &SourceFile) -> Result<Self, Failure> {
+        let folder = tempfile::tempdir()?;
+        let (text, object) = (
+            folder.path().join("robot.rs"),
+            folder.path().join("robot.o"),
+        );
+        std::fs::write(&text, &source.text)?;
+        let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+        let mut command = Command::new(&rustc);
+        command
+            .args([
+                "--edition",
+                "2024",
+                "--crate-type",
+                "lib",
+                "--crate-name",
+                "robot",
+            ])
+            .args(["-Copt-level=3", "-Ccodegen-units=1", "--emit", "obj", "-o"])
+            .arg(&object)
+            .arg(&text);
+        if source.text.contains("target_feature = \"fma\"") && cfg!(target_arch = "x86_64") {
+            command.arg("-Ctarget-feature=+fma");
+        }
+        let output = command.output().map_err(|error| {
+            Failure::Problem(format!("{}: {error}; set RUSTC", rustc.to_string_lossy()))
+        })?;
+        if !output.status.success() {
+            let message = String::from_utf8_lossy(&output.stderr).into_owned();
+            return Err(Failure::Problem(message));
+        }
+        let data = std::fs::read(&object)?;
+        let file = object::File::parse(data.as_slice())?;
+        let symbols = file.symbols().filter(|symbol| symbol.size() > 0);
+        let symbols =
+            symbols.filter_map(|symbol| Some((symbol.name().ok()?.to_owned(), symbol.size())));
+        Ok(Self {
+            symbols: symbols.collect(),
+        })
+    }
+
+    /// Bytes of a function with what it is split into; `None` where it is left to be inlined. Elementary functions are
+    /// counted with none.
+    pub(super) fn of(&self, function: &Function) -> Option<u64> {
+        let parts = |name: &str| {
+            name == function.name
+                || ["_into", "_body", "_part_"].iter().any(|suffix| {
+                    name.strip_prefix(function.name.as_str())
+                        .is_some_and(|rest| rest.starts_with(suffix))
+                })
+        };
+        let sizes = self
+            .symbols
+            .iter()
+            .filter(|(symbol, _)| path(symbol).is_some_and(parts));
+        let sizes: Vec<u64> = sizes.map(|(_, &size)| size).collect();
+        (!sizes.is_empty()).then(|| sizes.iter().sum())
+    }
+}
+
+/// The function's name within the module from a mangled symbol, `…5robot11mass_matrix…`.
+fn path(symbol: &str) -> Option<&str> {
+    let rest = &symbol[symbol.find("5robot")? + 6..];
+    let digits = rest.chars().take_while(char::is_ascii_digit).count();
+    let length: usize = rest.get(..digits)?.parse().ok()?;
+    rest.get(digits..digits + length)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_found_in_mangled_symbols() {
+        assert_eq!(path("_ZN5robot11mass_matrix17h0d3bE"), Some("mass_matrix"));
+        assert_eq!(
+            path("_RNvCs1_5robot16mass_matrix_into"),
+            Some("mass_matrix_into")
+        );
+        assert_eq!(path("memcpy"), None);
+    }
+}
