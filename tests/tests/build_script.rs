@@ -65,9 +65,9 @@ fn a_faulty_description_is_a_readable_build_error() {
     let message = text(&output.stderr);
     assert!(!output.status.success());
     for expected in [
-        "crane.toml:8:11",
+        "crane.toml:7:11",
         "did you mean `gear_ratio`",
-        "crane.toml:23:8",
+        "crane.toml:22:8",
         "-4",
     ] {
         assert!(message.contains(expected), "no {expected:?} in:\n{message}");

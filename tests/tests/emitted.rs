@@ -92,7 +92,7 @@ fn modules_compile_without_a_warning() {
     let check = ["--crate-type", "lib", "--emit", "metadata"];
     let mut outer = String::from(
         "#![deny(warnings, missing_docs, clippy::all, nonstandard_style, future_incompatible)]\n\
-         #![no_std]\n//! Robots.\n#[cfg(true)] extern crate std;\n",
+         #![no_std]\n//! Robots.\n",
     );
     for scalar in [Scalar::F64, Scalar::F32] {
         for description in descriptions() {
