@@ -19,7 +19,9 @@ pub fn entry(name: &str, path: &str, text: &str) -> String {
         let syn::Item::Fn(function) = item else {
             continue;
         };
-        if matches!(function.vis, syn::Visibility::Public(_)) {
+        // What writes into its arguments is called by the function of the same name that returns the results.
+        let returns = matches!(function.sig.output, syn::ReturnType::Type(..));
+        if returns && matches!(function.vis, syn::Visibility::Public(_)) {
             let call = call(path, function, &parameters);
             let _ = writeln!(
                 entry,
