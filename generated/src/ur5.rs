@@ -4601,11 +4601,11 @@ pub fn forward_dynamics_derivatives_into(
     t235, t263, t265, acceleration_shoulder_lift_joint_z, t271,
     acceleration_elbow_joint_x, t289, t290, t306, t320, t329, t332, t352, t362, t380,
     acceleration_shoulder_lift_joint_x, t385, t388, t393, t400, t416, t418, t428, t433,
-    t440, t456, t458, t479, t486, t502, t504, t540, t556, t558, t603, t605, t606, t608,
-    t610, t613, moment_wrist_2_joint_y_2, t628, t629, t632, t635,
-    moment_wrist_3_joint_x_2, moment_wrist_2_joint_x_2, moment_wrist_1_joint_x_2,
-    moment_wrist_3_joint_y_2, moment_wrist_1_joint_y_2, moment_elbow_joint_x,
-    moment_shoulder_lift_joint_x, t703] = {
+    t440, t456, t458, t479, t486, t502, t540, t556, t603, t605, t606, t608, t610, t613,
+    moment_wrist_2_joint_y_2, t628, t629, t632, t635, moment_wrist_3_joint_x_2,
+    moment_wrist_2_joint_x_2, moment_wrist_1_joint_x_2, moment_wrist_3_joint_y_2,
+    moment_wrist_1_joint_y_2, moment_elbow_joint_x, moment_shoulder_lift_joint_x, t703,
+    ] = {
         let angle_shoulder_lift_joint_elbow_joint = y[1] + y[2];
         let angle_shoulder_lift_joint_elbow_joint_wrist_1_joint = y[3]
             + angle_shoulder_lift_joint_elbow_joint;
@@ -5444,10 +5444,8 @@ pub fn forward_dynamics_derivatives_into(
             t479,
             t486,
             t502,
-            t504,
             t540,
             t556,
-            t558,
             t603,
             t605,
             t606,
@@ -5469,12 +5467,10 @@ pub fn forward_dynamics_derivatives_into(
             t703,
         ]
     };
-    let [t914, t970, t1061, t1105, t1147, t1158, t1167, t1178, t1189, t1200, t1211,
-    t1220, t1231, t1241, t1251, t1262, t1271, t1282, t1291, t1300, t1311, t1320, t1331,
-    t1342, t1353, t1364, t1373, t1384, t1395, t1406, t1409, t1417, t1425, t1431, t1465,
-    t1473, t1475, t1480, t1491, t1503, t1511, t1523, t1531, t1533, t1534, t1536, t1541,
-    t1548, t1554, t1560, t1565, t1570, t1575, t1592, t1599, t1601, t1604, t1612, t1621,
-    t1628, t1630, t1632, t1636, t1643, t1648] = {
+    let [t970, t1105, t1189, t1211, t1220, t1231, t1241, t1271, t1291, t1320, t1342,
+    t1364, t1384, t1406, t1409, t1417, t1425, t1431, t1465, t1473, t1475, t1480, t1491,
+    t1503, t1511, t1523, t1531, t1534, t1536, t1541, t1548, t1554, t1560, t1565, t1570,
+    t1575, t1592, t1599, t1604, t1612, t1621, t1628, t1632, t1636, t1643, t1648] = {
         let t704 = t43 * t122;
         let t705 = t130 * t42;
         let t706 = t705 - t704;
@@ -6445,35 +6441,19 @@ pub fn forward_dynamics_derivatives_into(
         let t1647 = t1646 + t1637;
         let t1648 = t1647 - t1633;
         [
-            t914,
             t970,
-            t1061,
             t1105,
-            t1147,
-            t1158,
-            t1167,
-            t1178,
             t1189,
-            t1200,
             t1211,
             t1220,
             t1231,
             t1241,
-            t1251,
-            t1262,
             t1271,
-            t1282,
             t1291,
-            t1300,
-            t1311,
             t1320,
-            t1331,
             t1342,
-            t1353,
             t1364,
-            t1373,
             t1384,
-            t1395,
             t1406,
             t1409,
             t1417,
@@ -6488,7 +6468,6 @@ pub fn forward_dynamics_derivatives_into(
             t1511,
             t1523,
             t1531,
-            t1533,
             t1534,
             t1536,
             t1541,
@@ -6500,12 +6479,10 @@ pub fn forward_dynamics_derivatives_into(
             t1575,
             t1592,
             t1599,
-            t1601,
             t1604,
             t1612,
             t1621,
             t1628,
-            t1630,
             t1632,
             t1636,
             t1643,
