@@ -108,7 +108,17 @@ pub(super) fn blocks(body: &Body<'_>, is_wanted: impl Fn(usize) -> bool) -> Toke
     let parts = split::parts(body.program, &body.flow, LONGEST_BLOCK);
     let blocks = parts.iter().enumerate().map(|(index, part)| {
         let statements = body.statements_among(part.range.clone(), &is_wanted);
-        let returns = part.returns.iter().filter(|&&value| is_wanted(value));
+        // What is stored in place already needs no name afterwards.
+        let is_read = |value: &usize| {
+            body.results.is_empty()
+                || parts[index + 1..]
+                    .iter()
+                    .any(|part| part.takes.contains(value))
+        };
+        let returns = part
+            .returns
+            .iter()
+            .filter(|&value| is_wanted(*value) && is_read(value));
         let returns: Vec<_> = returns.map(|&value| body.name(value)).collect();
         match (index + 1 == parts.len(), returns.is_empty()) {
             (true, _) => quote!(#(#statements)*),
