@@ -3181,897 +3181,1049 @@ pub fn inverse_dynamics_derivatives_into(
     d_dy[3][0] = 0.0;
     d_dy[4][0] = 0.0;
     d_dy[5][0] = 0.0;
-    let angle_beta_gamma = y[1] + y[2];
-    let (
-        [sin_beta,
-        sin_delta,
-        sin_epsilon,
-        sin_zeta,
-        ],
-        [cos_beta,
-        cos_delta,
-        cos_epsilon,
-        cos_zeta,
-        ],
-    ) = math::sin_cos_4(y[1], y[3], y[4], y[5]);
-    let (sin_beta_gamma, cos_beta_gamma) = math::sin_cos(angle_beta_gamma);
-    let omega_gamma_y = v[0] * cos_beta_gamma;
-    let omega_gamma_z = v[1] + v[2];
-    let t13 = 2.0 * omega_gamma_z;
-    let t14 = omega_gamma_y * t13;
-    let t15 = a[0] * sin_beta_gamma;
-    let t16 = t15 + t14;
-    let t17 = cos_delta * t16;
-    let omega_gamma_x = v[0] * sin_beta_gamma;
-    let t19 = omega_gamma_x * omega_gamma_y;
-    let t20 = a[1] + a[2];
-    let t21 = t20 - t19;
-    let t22 = sin_delta * t21;
-    let t23 = t22 - t17;
-    let omega_delta_z = v[3] + omega_gamma_y;
-    let t25 = 2.0 * omega_delta_z;
-    let t26 = sin_delta * omega_gamma_x;
-    let t27 = cos_delta * omega_gamma_z;
-    let omega_delta_y = t26 + t27;
-    let t29 = omega_delta_y * t25;
-    let t30 = t23 + t29;
-    let t31 = sin_epsilon * t30;
-    let t32 = cos_delta * omega_gamma_x;
-    let t33 = sin_delta * omega_gamma_z;
-    let omega_delta_x = t32 - t33;
-    let t35 = omega_delta_x * omega_delta_y;
-    let t36 = omega_gamma_z * omega_gamma_x;
-    let t37 = a[0] * cos_beta_gamma;
-    let t38 = t37 - t36;
-    let t39 = a[3] + t38;
-    let t40 = t39 + t35;
-    let t41 = cos_epsilon * t40;
-    let t42 = t41 + t31;
-    let t43 = cos_epsilon * omega_delta_x;
-    let t44 = sin_epsilon * omega_delta_z;
-    let omega_epsilon_x = t43 + t44;
-    let omega_epsilon_z = v[4] + omega_delta_y;
-    let t47 = omega_epsilon_x * omega_epsilon_z;
-    let t48 = t42 - t47;
-    let t49 = a[5] + t48;
-    let t50 = t47 - t49;
-    let t51 = sin_zeta * 9.103999999999991e-5;
-    let t52 = sin_zeta * t51;
-    let t53 = 0.00048000000000000007 + t52;
-    let t54 = t53 * t50;
-    let t55 = sin_epsilon * omega_delta_x;
-    let t56 = cos_epsilon * omega_delta_z;
-    let omega_epsilon_y = t55 - t56;
-    let omega_zeta_z = v[5] - omega_epsilon_y;
-    let t59 = omega_zeta_z * omega_zeta_z;
-    let t60 = omega_epsilon_x * omega_epsilon_x;
-    let t61 = t60 + t59;
-    let t62 = omega_epsilon_z * omega_epsilon_z;
-    let t63 = t62 + t59;
-    let t64 = t63 - t61;
-    let t65 = cos_zeta * t51;
-    let t66 = t65 * t64;
-    let t67 = t66 + t54;
-    let t68 = t47 + t49;
-    let t69 = 0.00057104 - t52;
-    let t70 = t69 * t68;
-    let moment_zeta_z = t67 - t70;
-    let t72 = 2.0 * omega_epsilon_z;
-    let t73 = omega_epsilon_x * t72;
-    let t74 = t42 - t73;
-    let t75 = 0.0004025 * t74;
-    let t76 = a[5] * 0.000255;
-    let t77 = t75 + t76;
-    let moment_epsilon_y = moment_zeta_z - t77;
-    let t79 = sin_epsilon * moment_epsilon_y;
-    let t80 = cos_epsilon * t30;
-    let t81 = sin_epsilon * t40;
-    let t82 = t81 - t80;
-    let t83 = omega_epsilon_y * t72;
-    let t84 = t82 - t83;
-    let t85 = 0.004194997041000001 * t84;
-    let t86 = 0.3875551727850145 * cos_beta;
-    let t87 = v[1] * v[1];
-    let t88 = t86 * t87;
-    let t89 = 0.3875551727850145 * sin_beta;
-    let t90 = a[1] * t89;
-    let t91 = t90 + t88;
-    let t92 = 21.1145440844009 - t91;
-    let t93 = sin_beta_gamma * t92;
-    let t94 = a[1] * t86;
-    let t95 = v[0] * v[0];
-    let t96 = t95 + t87;
-    let t97 = t89 * t96;
-    let t98 = t97 - t94;
-    let t99 = cos_beta_gamma * t98;
-    let acceleration_gamma_x = t99 + t93;
-    let t101 = sin_delta * acceleration_gamma_x;
-    let t102 = v[1] * 2.0;
-    let t103 = v[0] * t102;
-    let t104 = t86 * t103;
-    let t105 = a[0] * t89;
-    let acceleration_gamma_z = t105 + t104;
-    let t107 = cos_delta * acceleration_gamma_z;
-    let t108 = t101 + t107;
-    let acceleration_delta_y = t108 - t23;
-    let t110 = 0.009952485403000002 * acceleration_delta_y;
-    let t111 = t110 + t85;
-    let t112 = v[5] * 0.000255;
-    let t113 = omega_epsilon_z * t112;
-    let t114 = t111 - t113;
-    let t115 = 2.0 * omega_zeta_z;
-    let t116 = omega_epsilon_z * t115;
-    let t117 = t84 - t116;
-    let t118 = t69 * t117;
-    let t119 = omega_epsilon_x * t115;
-    let t120 = sin_delta * t16;
-    let t121 = cos_delta * t21;
-    let t122 = t121 + t120;
-    let t123 = omega_delta_x * omega_delta_z;
-    let t124 = t122 + t123;
-    let t125 = a[4] + t124;
-    let t126 = omega_epsilon_x * omega_epsilon_y;
-    let t127 = t125 + t126;
-    let t128 = t127 + t119;
-    let t129 = t65 * t128;
-    let moment_zeta_x = t129 - t118;
-    let moment_epsilon_x = moment_zeta_x - t114;
-    let t132 = cos_epsilon * moment_epsilon_x;
-    let t133 = t132 - t79;
-    let t134 = 0.0029975 * t30;
-    let t135 = v[4] * 0.00101;
-    let t136 = omega_delta_z * t135;
-    let t137 = t134 - t136;
-    let moment_delta_x = t137 + t133;
-    let force_epsilon_z = 0.009952485403000002 * t84;
-    let t140 = force_epsilon_z - moment_delta_x;
-    let t141 = cos_delta * t140;
-    let t142 = cos_delta * acceleration_gamma_x;
-    let t143 = sin_delta * acceleration_gamma_z;
-    let t144 = t142 - t143;
-    let acceleration_delta_x = t144 - t122;
-    let t146 = cos_epsilon * acceleration_delta_x;
-    let t147 = cos_beta_gamma * t92;
-    let t148 = sin_beta_gamma * t98;
-    let acceleration_gamma_y = t148 - t147;
-    let t150 = omega_gamma_x * omega_gamma_x;
-    let t151 = omega_gamma_z * omega_gamma_z;
-    let t152 = t150 + t151;
-    let acceleration_delta_z = acceleration_gamma_y + t152;
-    let t154 = sin_epsilon * acceleration_delta_z;
-    let acceleration_epsilon_x = t146 - t154;
-    let t156 = 0.009952485403000002 * acceleration_epsilon_x;
-    let t157 = 0.004194997041000001 * t127;
-    let t158 = t125 - t126;
-    let t159 = 0.0004025 * t158;
-    let t160 = t159 + t157;
-    let t161 = t156 - t160;
-    let t162 = omega_epsilon_x * t112;
-    let t163 = t161 - t162;
-    let t164 = t65 * t117;
-    let t165 = t53 * t128;
-    let moment_zeta_y = t164 - t165;
-    let moment_epsilon_z = moment_zeta_y + t163;
-    let t168 = omega_delta_x * t25;
-    let t169 = t122 + t168;
-    let t170 = 0.0026049999999999997 * t169;
-    let t171 = a[4] * 0.00101;
-    let t172 = t170 + t171;
-    let moment_delta_y = t172 - moment_epsilon_z;
-    let force_epsilon_x = 0.009952485403000002 * t127;
-    let t175 = cos_epsilon * force_epsilon_x;
-    let t176 = t60 + t62;
-    let force_epsilon_y = 0.009952485403000002 * t176;
-    let t178 = sin_epsilon * force_epsilon_y;
-    let force_delta_x = t175 - t178;
-    let t180 = force_delta_x + moment_delta_y;
-    let t181 = sin_delta * t180;
-    let t182 = t141 + t181;
-    let t183 = 0.6291534673095002 * t16;
-    let t184 = 0.7918816998225002 * acceleration_gamma_z;
-    let t185 = t184 + t183;
-    let t186 = v[3] * 0.001515;
-    let t187 = omega_gamma_z * t186;
-    let t188 = t185 - t187;
-    let moment_gamma_x = t188 + t182;
-    let t190 = sin_beta_gamma * moment_gamma_x;
-    let t191 = cos_epsilon * moment_epsilon_y;
-    let t192 = sin_epsilon * moment_epsilon_x;
-    let t193 = t192 + t191;
-    let t194 = 0.0029975 * t40;
-    let t195 = t39 - t35;
-    let t196 = 0.0026049999999999997 * t195;
-    let t197 = t196 + t194;
-    let t198 = omega_delta_x * t135;
-    let t199 = t197 - t198;
-    let moment_delta_z = t199 - t193;
-    let t201 = omega_gamma_x * t13;
-    let t202 = t37 - t201;
-    let t203 = 0.0041575 * t202;
-    let t204 = a[3] * 0.001515;
-    let t205 = t203 + t204;
-    let moment_gamma_y = t205 + moment_delta_z;
-    let t207 = cos_beta_gamma * moment_gamma_y;
-    let t208 = t190 + t207;
-    let t209 = sin_delta * force_delta_x;
-    let t210 = cos_delta * force_epsilon_z;
-    let t211 = t209 + t210;
-    let t212 = 0.7918816998225002 * t16;
-    let force_gamma_z = t212 + t211;
-    let t214 = t89 * force_gamma_z;
-    let t215 = t208 + t214;
-    let t216 = cos_beta * 0.28909494;
-    let t217 = cos_beta * t216;
-    let t218 = 0.292121275 - t217;
-    let t219 = a[0] * t218;
-    let t220 = sin_beta * t216;
-    let t221 = t220 * t103;
-    let t222 = t221 + t219;
-    let moment_beta_y = t222 + t215;
-    let t224 = a[0] * 0.015131164999999999;
-    let moment_alpha_z = t224 + moment_beta_y;
-    let t226 = a[0] * 1.36525907;
-    let t227 = t226 + moment_alpha_z;
-    let t228 = v[0] * 20.0;
-    let t229 = math::tanh(t228);
-    let t230 = t229 * 10.0;
-    let t231 = v[0] * 60.0;
-    let t232 = t231 + t230;
-    let t233 = t227 + t232;
-    b_u[0] = t233;
-    let t234 = sin_delta * t140;
-    let t235 = cos_delta * t180;
-    let t236 = t234 - t235;
-    let t237 = 0.7918816998225002 * acceleration_gamma_x;
-    let t238 = 0.6291534673095002 * t21;
-    let t239 = t20 + t19;
-    let t240 = 0.0041575 * t239;
-    let t241 = t240 + t238;
-    let t242 = t237 - t241;
-    let t243 = omega_gamma_x * t186;
-    let t244 = t242 - t243;
-    let moment_gamma_z = t244 + t236;
-    let t246 = cos_delta * force_delta_x;
-    let t247 = sin_delta * force_epsilon_z;
-    let t248 = t246 - t247;
-    let t249 = 0.7918816998225002 * t21;
-    let force_gamma_x = t249 + t248;
-    let t251 = cos_beta_gamma * force_gamma_x;
-    let t252 = sin_epsilon * force_epsilon_x;
-    let t253 = cos_epsilon * force_epsilon_y;
-    let force_delta_z = t252 + t253;
-    let t255 = 0.7918816998225002 * t152;
-    let force_gamma_y = t255 + force_delta_z;
-    let t257 = sin_beta_gamma * force_gamma_y;
-    let t258 = t251 - t257;
-    let t259 = t86 * t258;
-    let t260 = sin_beta_gamma * force_gamma_x;
-    let t261 = cos_beta_gamma * force_gamma_y;
-    let t262 = t260 + t261;
-    let t263 = t89 * t262;
-    let t264 = t263 + t259;
-    let t265 = moment_gamma_z - t264;
-    let t266 = a[1] * t218;
-    let t267 = t87 - t96;
-    let t268 = t220 * t267;
-    let t269 = t268 + t266;
-    let t270 = 0.0030263349999999994 + t217;
-    let t271 = a[1] * t270;
-    let t272 = t269 + t271;
-    let t273 = sin_beta * 15.9469662177;
-    let t274 = t273 - t272;
-    let t275 = a[2] * 0.00847987;
-    let t276 = t274 - t275;
-    let moment_beta_z = t276 + t265;
-    let t278 = a[1] * 1.36525907;
-    let t279 = t278 - moment_beta_z;
-    let t280 = v[1] * 5.0;
-    let t281 = math::tanh(t280);
-    let t282 = t281 * 3.924;
-    let t283 = v[1] * 76.556;
-    let t284 = t283 + t282;
-    let t285 = v[1] * 10.0;
-    let t286 = math::tanh(t285);
-    let t287 = t286 * 10.838;
-    let t288 = t284 + t287;
-    let t289 = v[1] * 20.0;
-    let t290 = math::tanh(t289);
-    let t291 = t290 * 2.236;
-    let t292 = t288 + t291;
-    let t293 = t279 + t292;
-    b_u[1] = t293;
-    let t294 = a[2] * 1.36525907;
-    let t295 = a[1] * 0.00847987;
-    let t296 = t295 + t294;
-    let t297 = t296 - moment_gamma_z;
-    let t298 = v[2] * 5.0;
-    let t299 = math::tanh(t298);
-    let t300 = t299 * 0.368;
-    let t301 = v[2] * 56.231;
-    let t302 = t301 + t300;
-    let t303 = v[2] * 10.0;
-    let t304 = math::tanh(t303);
-    let t305 = 0.368 * t304;
-    let t306 = t302 + t305;
-    let t307 = v[2] * 100.0;
-    let t308 = math::tanh(t307);
-    let t309 = t308 * 8.342;
-    let t310 = t306 + t309;
-    let t311 = sign(v[2]);
-    let t312 = t311 * 0.492;
-    let t313 = t310 + t312;
-    let t314 = t297 + t313;
-    b_u[2] = t314;
-    let t315 = t38 * 0.001515;
-    let t316 = a[3] * 0.153015;
-    let t317 = t316 + t315;
-    let t318 = t317 + moment_delta_z;
-    let t319 = v[3] * 20.0;
-    let t320 = math::tanh(t319);
-    let t321 = 2.0 * t320;
-    let t322 = v[3] * 10.0;
-    let t323 = t322 + t321;
-    let t324 = t318 + t323;
-    b_u[3] = t324;
-    let t325 = t124 * 0.00101;
-    let t326 = a[4] * 0.10201;
-    let t327 = t326 + t325;
-    let t328 = t327 - moment_epsilon_z;
-    let t329 = v[4] * 20.0;
-    let t330 = math::tanh(t329);
-    let t331 = t330 * 1.5;
-    let t332 = v[4] * 8.0;
-    let t333 = t332 + t331;
-    let t334 = t328 + t333;
-    b_u[4] = t334;
-    let t335 = t48 * 0.000255;
-    let t336 = a[5] * 0.013005000000000001;
-    let t337 = t336 + t335;
-    let t338 = moment_zeta_z - t337;
-    let t339 = v[5] * 20.0;
-    let t340 = math::tanh(t339);
-    let t341 = t340 * 0.4;
-    let t342 = v[5] * 2.0;
-    let t343 = t342 + t341;
-    let t344 = t338 - t343;
-    let t345 = 2.0 * omega_epsilon_x;
-    let t346 = t65 * t345;
-    let t347 = t53 * t72;
-    let t348 = t346 - t347;
-    let t349 = omega_epsilon_z * 0.000805;
-    let t350 = t349 - t348;
-    let t351 = omega_epsilon_z * 0.008389994082000002;
-    let t352 = t351 - t350;
-    let t353 = cos_epsilon * t352;
-    let t354 = t65 * t115;
-    let t355 = sin_epsilon * t354;
-    let t356 = t355 - t353;
-    let t357 = sin_epsilon * t356;
-    let t358 = t354 - t357;
-    let t359 = 2.0 * omega_delta_y;
-    let t360 = 0.009952485403000002 * sin_epsilon;
-    let t361 = t359 * t360;
-    let t362 = t358 + t361;
-    let t363 = t354 + t362;
-    let t364 = sin_delta * t363;
-    let t365 = t53 * t115;
-    let t366 = omega_epsilon_y * 0.000805;
-    let t367 = t112 - t366;
-    let t368 = t365 + t367;
-    let t369 = cos_epsilon * t368;
-    let t370 = omega_epsilon_x * 0.008389994082000002;
-    let t371 = sin_epsilon * t370;
-    let t372 = t369 + t371;
-    let t373 = omega_delta_z * 0.005209999999999999;
-    let t374 = t373 + t372;
-    let t375 = 2.0 * omega_delta_x;
-    let t376 = t375 * t360;
-    let t377 = t374 + t376;
-    let t378 = t69 * t115;
-    let t379 = t112 + t378;
-    let t380 = cos_epsilon * t379;
-    let t381 = t69 * t345;
-    let t382 = t65 * t72;
-    let t383 = t381 - t382;
-    let t384 = sin_epsilon * t383;
-    let t385 = t380 + t384;
-    let t386 = omega_delta_z * 0.005995;
-    let t387 = t386 + t385;
-    let t388 = t387 - t377;
-    let t389 = cos_delta * t388;
-    let t390 = t364 - t389;
-    let t391 = sin_delta * t390;
-    let t392 = t362 - t391;
-    let t393 = omega_epsilon_z * 0.019904970806000004;
-    let t394 = sin_epsilon * t393;
-    let t395 = t394 - t357;
-    let t396 = t395 + t392;
-    let t397 = sin_beta_gamma * t396;
-    let t398 = cos_epsilon * t356;
-    let t399 = t350 - t398;
-    let t400 = t135 + t399;
-    let t401 = cos_epsilon * t393;
-    let t402 = 0.009952485403000002 * cos_epsilon;
-    let t403 = t359 * t402;
-    let t404 = t401 + t403;
-    let t405 = t400 + t404;
-    let t406 = cos_delta * t405;
-    let t407 = sin_epsilon * t368;
-    let t408 = cos_epsilon * t370;
-    let t409 = t407 - t408;
-    let t410 = omega_epsilon_x * 0.019904970806000004;
-    let t411 = t375 * t402;
-    let t412 = t410 + t411;
-    let t413 = t409 - t412;
-    let t414 = sin_delta * t413;
-    let t415 = t406 + t414;
-    let t416 = omega_gamma_z * 1.2583069346190003;
-    let t417 = t416 + t415;
-    let t418 = t351 + t398;
-    let t419 = omega_delta_y * 0.005209999999999999;
-    let t420 = t135 + t419;
-    let t421 = t420 + t418;
-    let t422 = cos_delta * t421;
-    let t423 = sin_epsilon * t379;
-    let t424 = cos_epsilon * t383;
-    let t425 = t423 - t424;
-    let t426 = omega_delta_x * 0.005995;
-    let t427 = t426 - t425;
-    let t428 = sin_delta * t427;
-    let t429 = t422 - t428;
-    let t430 = omega_gamma_z * 0.008315;
-    let t431 = t430 + t429;
-    let t432 = t417 - t431;
-    let t433 = cos_beta_gamma * t432;
-    let t434 = t397 - t433;
-    let t435 = cos_beta_gamma * t434;
-    let t436 = t417 + t435;
-    let t437 = sin_delta * t410;
-    let t438 = cos_delta * t401;
-    let t439 = t438 - t437;
-    let t440 = omega_gamma_z * 1.5837633996450005;
-    let t441 = t440 + t439;
-    let t442 = sin_beta_gamma * t441;
-    let t443 = cos_beta_gamma * t394;
-    let t444 = t442 + t443;
-    let t445 = t89 * t444;
-    let t446 = 0.7918816998225002 + t402;
-    let t447 = sin_beta_gamma * t446;
-    let t448 = cos_delta * t360;
-    let t449 = cos_beta_gamma * t448;
-    let t450 = t449 + t447;
-    let t451 = v[1] * t89;
-    let t452 = 2.0 * t451;
-    let t453 = t452 * t450;
-    let t454 = t445 + t453;
-    let t455 = t436 + t454;
-    let t456 = t218 * t102;
-    let t457 = v[2] * 0.00847987;
-    let t458 = t457 + t456;
-    let t459 = t458 + t455;
-    let t460 = v[0] * t459;
-    let t461 = t52 - 0.003312497041000001;
-    let t462 = sin_epsilon * t461;
-    let t463 = sin_epsilon * t462;
-    let t464 = t52 + 0.0008825;
-    let t465 = t464 - t463;
-    let t466 = 0.0026049999999999997 + t465;
-    let t467 = t52 - 0.0035685400000000003;
-    let t468 = t466 + t467;
-    let t469 = sin_delta * t468;
-    let t470 = cos_epsilon * t65;
-    let t471 = 2.0 * t470;
-    let t472 = cos_delta * t471;
-    let t473 = t469 - t472;
-    let t474 = sin_delta * t473;
-    let t475 = t466 - t474;
-    let t476 = 0.0041575 + t475;
-    let t477 = 0.004194997041000001 + t463;
-    let t478 = cos_epsilon * 0.019904970806000004;
-    let t479 = t477 + t478;
-    let t480 = 0.6291534673095002 + t479;
-    let t481 = t476 - t480;
-    let t482 = sin_beta_gamma * t481;
-    let t483 = cos_epsilon * t462;
-    let t484 = t360 - t483;
-    let t485 = cos_delta * t484;
-    let t486 = sin_epsilon * t65;
-    let t487 = sin_delta * t486;
-    let t488 = t485 - t487;
-    let t489 = 2.0 * t488;
-    let t490 = cos_beta_gamma * t489;
-    let t491 = t482 - t490;
-    let t492 = cos_beta_gamma * t491;
-    let t493 = t488 + t492;
-    let t494 = cos_beta_gamma * t446;
-    let t495 = sin_beta_gamma * t448;
-    let t496 = t495 - t494;
-    let t497 = t89 * t496;
-    let t498 = t86 * t450;
-    let t499 = t498 - t497;
-    let t500 = t493 - t499;
-    let t501 = t220 - t500;
-    let t502 = a[0] * t501;
-    let t503 = cos_delta * t473;
-    let t504 = t470 + t503;
-    let t505 = sin_beta_gamma * t504;
-    let t506 = sin_delta * t484;
-    let t507 = cos_delta * t486;
-    let t508 = t506 + t507;
-    let t509 = cos_beta_gamma * t508;
-    let t510 = t505 - t509;
-    let t511 = sin_delta * t360;
-    let t512 = t86 * t511;
-    let t513 = t510 - t512;
-    let t514 = t95 * t513;
-    let t515 = t502 - t514;
-    let t516 = 21.1145440844009 * t511;
-    let t517 = t516 + t515;
-    let t518 = t517 - t460;
-    let t519 = cos_beta_gamma * moment_gamma_x;
-    let t520 = sin_beta_gamma * moment_gamma_y;
-    let t521 = t519 - t520;
-    let t522 = t86 * force_gamma_z;
-    let t523 = t521 + t522;
-    let t524 = t270 * t103;
-    let t525 = a[0] * t220;
-    let t526 = t525 + t524;
-    let t527 = v[0] * t457;
-    let t528 = t526 + t527;
-    let moment_beta_x = t528 + t523;
-    let t530 = moment_beta_x + t518;
-    d_dy[0][1] = t530;
-    let t531 = t354 - t391;
-    let t532 = t392 - t531;
-    let t533 = omega_gamma_x * t532;
-    let t534 = omega_gamma_y * t431;
-    let t535 = t533 + t534;
-    let t536 = t467 - t474;
-    let t537 = t536 - t476;
-    let t538 = t15 * t537;
-    let t539 = t37 * t488;
-    let t540 = t538 + t539;
-    let t541 = t95 * t508;
-    let t542 = t540 + t541;
-    let t543 = acceleration_gamma_y * t511;
-    let t544 = t543 - t542;
-    let t545 = t544 + t535;
-    let t546 = moment_gamma_x - t545;
-    let t547 = cos_beta_gamma * t546;
-    let t548 = t395 + t531;
-    let t549 = omega_gamma_y * t548;
-    let t550 = omega_gamma_x * t417;
-    let t551 = t549 + t550;
-    let t552 = t536 - t480;
-    let t553 = t37 * t552;
-    let t554 = t15 * t488;
-    let t555 = t553 + t554;
-    let t556 = t95 * t504;
-    let t557 = t555 + t556;
-    let t558 = acceleration_gamma_x * t511;
-    let t559 = t558 - t557;
-    let t560 = t559 - t551;
-    let t561 = moment_gamma_y - t560;
-    let t562 = sin_beta_gamma * t561;
-    let t563 = t562 - t547;
-    let t564 = omega_gamma_x * t441;
-    let t565 = omega_gamma_y * t394;
-    let t566 = t565 + t564;
-    let t567 = t15 * t448;
-    let t568 = t37 * t446;
-    let t569 = t568 - t567;
-    let t570 = t569 - t566;
-    let t571 = t89 * t570;
-    let t572 = t563 - t571;
-    let t573 = t357 + t358;
-    let t574 = omega_delta_x * t573;
-    let t575 = omega_delta_y * t374;
-    let t576 = t574 - t575;
-    let t577 = t477 + t466;
-    let t578 = t23 * t577;
-    let t579 = t122 * t470;
-    let t580 = t578 - t579;
-    let t581 = t152 * t486;
-    let t582 = t580 - t581;
-    let t583 = acceleration_delta_y * t402;
-    let t584 = t583 - t582;
-    let t585 = t584 + t576;
-    let t586 = moment_delta_x + t585;
-    let t587 = omega_delta_x * t394;
-    let t588 = t23 * t402;
-    let t589 = t588 + t587;
-    let t590 = force_epsilon_z + t589;
-    let t591 = t590 - t586;
-    let t592 = sin_delta * t591;
-    let t593 = omega_delta_y * t358;
-    let t594 = omega_delta_x * t387;
-    let t595 = t593 - t594;
-    let t596 = t477 - t467;
-    let t597 = t122 * t596;
-    let t598 = t23 * t470;
-    let t599 = t597 - t598;
-    let t600 = t152 * t483;
-    let t601 = t599 - t600;
-    let t602 = acceleration_delta_x * t402;
-    let t603 = t602 - t601;
-    let t604 = t603 + t595;
-    let t605 = moment_delta_y + t604;
-    let t606 = omega_delta_y * t394;
-    let t607 = t122 * t402;
-    let t608 = t152 * t360;
-    let t609 = t608 + t607;
-    let t610 = t609 - t606;
-    let t611 = force_delta_x - t610;
-    let t612 = t611 + t605;
-    let t613 = cos_delta * t612;
-    let t614 = t613 - t592;
-    let t615 = sin_beta_gamma * t614;
-    let t616 = omega_delta_y * t421;
-    let t617 = omega_delta_x * t427;
-    let t618 = t616 + t617;
-    let t619 = t466 - t467;
-    let t620 = t152 * t619;
-    let t621 = t122 * t483;
-    let t622 = t620 - t621;
-    let t623 = t23 * t486;
-    let t624 = t622 - t623;
-    let t625 = acceleration_delta_x * t360;
-    let t626 = t625 - t624;
-    let t627 = t626 + t618;
-    d_dy[3][3] = t627;
-    let t628 = cos_beta_gamma * t627;
-    let t629 = t615 + t628;
-    let t630 = cos_delta * t611;
-    let t631 = sin_delta * t590;
-    let t632 = t631 - t630;
-    let t633 = t89 * t632;
-    let t634 = t629 - t633;
-    d_dy[0][3] = t634;
-    let t635 = omega_epsilon_y * t354;
-    let t636 = omega_epsilon_x * t351;
-    let t637 = t635 - t636;
-    let t638 = t52 - 0.004766037041000001;
-    let t639 = t42 * t638;
-    let t640 = omega_delta_x * omega_delta_x;
-    let t641 = omega_delta_z * omega_delta_z;
-    let t642 = t640 + t641;
-    let t643 = t65 * t642;
-    let t644 = t639 - t643;
-    let t645 = t644 - t637;
-    let t646 = moment_epsilon_y - t645;
-    let t647 = cos_epsilon * t646;
-    let t648 = omega_epsilon_y * t350;
-    let t649 = t69 + t464;
-    let t650 = t82 * t649;
-    let t651 = t650 - t648;
-    let t652 = moment_epsilon_x + t651;
-    let t653 = sin_epsilon * t652;
-    let t654 = t647 + t653;
-    let t655 = 0.009952485403000002 * t42;
-    let t656 = omega_epsilon_x * t393;
-    let t657 = t655 - t656;
-    let t658 = t657 + t654;
-    let t659 = cos_delta * t658;
-    let t660 = sin_epsilon * acceleration_delta_x;
-    let t661 = cos_epsilon * acceleration_delta_z;
-    let acceleration_epsilon_y = t660 + t661;
-    let t663 = 0.009952485403000002 * acceleration_epsilon_y;
-    let t664 = t65 * t42;
-    let t665 = t52 + 0.0050774970410000005;
-    let t666 = t642 * t665;
-    let t667 = t666 + t664;
-    let t668 = t663 - t667;
-    let t669 = omega_epsilon_y * t368;
-    let t670 = omega_epsilon_x * t370;
-    let t671 = t669 - t670;
-    let t672 = t668 - t671;
-    d_dy[4][4] = t672;
-    let t673 = omega_epsilon_y * t410;
-    let t674 = force_epsilon_x - t673;
-    let t675 = sin_epsilon * t674;
-    let t676 = omega_epsilon_x * t410;
-    let t677 = 0.009952485403000002 * t642;
-    let t678 = t677 - t676;
-    let t679 = force_epsilon_y + t678;
-    let t680 = cos_epsilon * t679;
-    let t681 = t680 + t675;
-    let t682 = t672 - t681;
-    let t683 = sin_delta * t682;
-    let t684 = t659 + t683;
-    let t685 = sin_beta_gamma * t684;
-    let t686 = sin_epsilon * t646;
-    let t687 = cos_epsilon * t652;
-    let t688 = t686 - t687;
-    d_dy[3][4] = t688;
-    let t689 = cos_beta_gamma * t688;
-    let t690 = t685 + t689;
-    let t691 = sin_delta * t681;
-    let t692 = cos_delta * t657;
-    let t693 = t691 - t692;
-    let t694 = t89 * t693;
-    let t695 = t690 - t694;
-    d_dy[0][4] = t695;
-    let t696 = t65 * t84;
-    let t697 = t69 * t127;
-    let t698 = t697 + t696;
-    let t699 = omega_epsilon_x * t378;
-    let t700 = omega_epsilon_z * t354;
-    let t701 = t700 - t699;
-    let t702 = t698 - t701;
-    let t703 = moment_zeta_y + t702;
-    let t704 = cos_epsilon * t703;
-    let t705 = omega_epsilon_x * t383;
-    let t706 = omega_epsilon_z * t348;
-    let t707 = t706 - t705;
-    let t708 = t53 + t69;
-    let t709 = t176 * t708;
-    let t710 = t709 + t707;
-    let t711 = sin_epsilon * t710;
-    let t712 = t704 - t711;
-    let t713 = cos_delta * t712;
-    let t714 = t53 * t84;
-    let t715 = t65 * t127;
-    let t716 = t714 + t715;
-    let t717 = omega_epsilon_z * t365;
-    let t718 = omega_epsilon_x * t354;
-    let t719 = t718 - t717;
-    let t720 = t716 + t719;
-    let t721 = moment_zeta_x + t720;
-    d_dy[4][5] = t721;
-    let t722 = sin_delta * t721;
-    let t723 = t713 - t722;
-    let t724 = sin_beta_gamma * t723;
-    let t725 = sin_epsilon * t703;
-    let t726 = cos_epsilon * t710;
-    let t727 = t725 + t726;
-    let t728 = cos_beta_gamma * t727;
-    let t729 = t724 + t728;
-    let t730 = cos_delta * t390;
-    let t731 = t387 + t730;
-    let t732 = omega_gamma_y * 0.008315;
-    let t733 = t186 + t732;
-    let t734 = t733 + t731;
-    let t735 = cos_beta_gamma * t734;
-    let t736 = sin_delta * t405;
-    let t737 = cos_delta * t413;
-    let t738 = t736 - t737;
-    let t739 = omega_gamma_x * 1.2583069346190003;
-    let t740 = t739 + t738;
-    let t741 = sin_beta_gamma * t740;
-    let t742 = t735 + t741;
-    let t743 = cos_delta * t410;
-    let t744 = sin_delta * t401;
-    let t745 = t744 + t743;
-    let t746 = omega_gamma_x * 1.5837633996450005;
-    let t747 = t746 + t745;
-    let t748 = t89 * t747;
-    let t749 = v[0] * t89;
-    let t750 = 2.0 * t749;
-    let t751 = t750 * t450;
-    let t752 = t748 + t751;
-    let t753 = t742 + t752;
-    let t754 = v[0] * 2.0;
-    let t755 = t218 * t754;
-    let t756 = t755 + t753;
-    let t757 = v[0] * t756;
-    let t758 = t476 + t480;
-    let t759 = t86 * t496;
-    let t760 = t89 * t450;
-    let t761 = t760 - t759;
-    let t762 = 2.0 * t761;
-    let t763 = t758 + t762;
-    let t764 = t218 + t270;
-    let t765 = t764 + t763;
-    let t766 = t95 * t765;
-    let t767 = cos_beta_gamma * t504;
-    let t768 = sin_beta_gamma * t508;
-    let t769 = t767 + t768;
-    let t770 = t89 * t511;
-    let t771 = t769 + t770;
-    let t772 = a[0] * t771;
-    let t773 = t766 - t772;
-    let t774 = 0.7552597941000001 * cos_beta;
-    let t775 = t774 - t496;
-    let t776 = 21.1145440844009 * t775;
-    let t777 = t776 + t773;
-    let t778 = t777 - t757;
-    let t779 = omega_gamma_y * t734;
-    let t780 = omega_gamma_x * t740;
-    let t781 = t779 + t780;
-    let t782 = t95 * t758;
-    let t783 = t37 * t504;
-    let t784 = t782 - t783;
-    let t785 = t15 * t508;
-    let t786 = t784 - t785;
-    let t787 = acceleration_gamma_y * t446;
-    let t788 = acceleration_gamma_x * t448;
-    let t789 = t788 + t787;
-    let t790 = t789 - t786;
-    let t791 = t790 + t781;
-    d_dy[2][2] = t791;
-    let t792 = omega_gamma_y * t747;
-    let t793 = t37 * t511;
-    let t794 = t95 * t448;
-    let t795 = t794 - t793;
-    let t796 = t795 - t792;
-    let t797 = force_gamma_x - t796;
-    let t798 = sin_beta_gamma * t797;
-    let t799 = omega_gamma_x * t747;
-    let t800 = t95 * t446;
-    let t801 = t15 * t511;
-    let t802 = t801 - t800;
-    let t803 = t802 + t799;
-    let t804 = force_gamma_y - t803;
-    let t805 = cos_beta_gamma * t804;
-    let t806 = t805 + t798;
-    let t807 = t86 * t806;
-    let t808 = cos_beta_gamma * t797;
-    let t809 = sin_beta_gamma * t804;
-    let t810 = t809 - t808;
-    let t811 = t89 * t810;
-    let t812 = t811 + t807;
-    let t813 = t791 - t812;
-    d_dy[1][2] = t813;
-    let t814 = cos_delta * t591;
-    let t815 = sin_delta * t612;
-    let t816 = t815 + t814;
-    let t817 = sin_delta * t611;
-    let t818 = cos_delta * t590;
-    let t819 = t818 + t817;
-    let t820 = cos_beta_gamma * t819;
-    let t821 = omega_delta_x * t401;
-    let t822 = omega_delta_y * t410;
-    let t823 = t822 - t821;
-    let t824 = t23 * t360;
-    let t825 = t824 + t823;
-    let t826 = sin_beta_gamma * t825;
-    let t827 = t820 - t826;
-    let t828 = t86 * t827;
-    let t829 = sin_beta_gamma * t819;
-    let t830 = cos_beta_gamma * t825;
-    let t831 = t829 + t830;
-    let t832 = t89 * t831;
-    let t833 = t832 + t828;
-    let t834 = t816 + t833;
-    let t835 = sin_delta * t658;
-    let t836 = cos_delta * t682;
-    let t837 = t835 - t836;
-    let t838 = cos_delta * t681;
-    let t839 = sin_delta * t657;
-    let t840 = t838 + t839;
-    let t841 = cos_beta_gamma * t840;
-    let t842 = cos_epsilon * t674;
-    let t843 = sin_epsilon * t679;
-    let t844 = t843 - t842;
-    let t845 = sin_beta_gamma * t844;
-    let t846 = t841 - t845;
-    let t847 = t86 * t846;
-    let t848 = sin_beta_gamma * t840;
-    let t849 = cos_beta_gamma * t844;
-    let t850 = t848 + t849;
-    let t851 = t89 * t850;
-    let t852 = t851 + t847;
-    let t853 = t837 + t852;
-    let t854 = sin_delta * t712;
-    let t855 = cos_delta * t721;
-    let t856 = t854 + t855;
-    d_dy[1][5] = t856;
-    d_dy[2][5] = t856;
-    let t857 = t742 + t751;
-    let t858 = v[0] * 0.00847987;
-    let t859 = t858 + t857;
-    let t860 = v[0] * t859;
-    let t861 = t758 + t761;
-    let t862 = 0.00847987 + t861;
-    let t863 = t95 * t862;
-    let t864 = a[0] * t769;
-    let t865 = t864 - t863;
-    let t866 = 21.1145440844009 * t496;
-    let t867 = t865 + t866;
-    let t868 = t867 + t860;
-    d_dy[2][1] = t868;
-    let t869 = omega_gamma_z * 0.001515;
-    let t870 = t429 + t869;
+    let [sin_delta, cos_delta, sin_epsilon, cos_epsilon, sin_beta_gamma, cos_beta_gamma,
+    omega_gamma_y, t15, omega_gamma_x, t23, omega_delta_z, omega_delta_y, omega_delta_x,
+    t37, omega_epsilon_x, omega_epsilon_z, t52, t53, omega_epsilon_y, t65, t69, t72, t82,
+    t86, t89, t95, acceleration_gamma_x, t102, t122, acceleration_gamma_y, t152, t186,
+    t220, t229, t233, t281, t286, t290, t293, t299, t304, t308, t314, t320, t324, t330,
+    t334, t340, t344, t345, t346, t348, t354, t358, t359, t360, t361, t372, t375, t376,
+    t377, t379, t382, t383, t392, t394, t395, t400, t401, t402, t403, t409, t410, t411,
+    t421, t427, t434, t441, t444, t446, t448, t450, t452, t470, t483, t486, t488, t496,
+    t501, t504, t508, t511, t530, t531, t537, t539, t541, t543, t552, t572, t577, t579,
+    t581, t583, t596, t619, t627, t634, t638, t649, t672, t688, t695, t708, t710, t721,
+    t727, t729, t730, t734, t740, t747, t750, t754, t769, t771, t778, t791, t813, t816,
+    t834, t837, t853, t856, t868, t869, t870] = {
+        let angle_beta_gamma = y[1] + y[2];
+        let (
+            [sin_beta,
+            sin_delta,
+            sin_epsilon,
+            sin_zeta,
+            ],
+            [cos_beta,
+            cos_delta,
+            cos_epsilon,
+            cos_zeta,
+            ],
+        ) = math::sin_cos_4(y[1], y[3], y[4], y[5]);
+        let (sin_beta_gamma, cos_beta_gamma) = math::sin_cos(angle_beta_gamma);
+        let omega_gamma_y = v[0] * cos_beta_gamma;
+        let omega_gamma_z = v[1] + v[2];
+        let t13 = 2.0 * omega_gamma_z;
+        let t14 = omega_gamma_y * t13;
+        let t15 = a[0] * sin_beta_gamma;
+        let t16 = t15 + t14;
+        let t17 = cos_delta * t16;
+        let omega_gamma_x = v[0] * sin_beta_gamma;
+        let t19 = omega_gamma_x * omega_gamma_y;
+        let t20 = a[1] + a[2];
+        let t21 = t20 - t19;
+        let t22 = sin_delta * t21;
+        let t23 = t22 - t17;
+        let omega_delta_z = v[3] + omega_gamma_y;
+        let t25 = 2.0 * omega_delta_z;
+        let t26 = sin_delta * omega_gamma_x;
+        let t27 = cos_delta * omega_gamma_z;
+        let omega_delta_y = t26 + t27;
+        let t29 = omega_delta_y * t25;
+        let t30 = t23 + t29;
+        let t31 = sin_epsilon * t30;
+        let t32 = cos_delta * omega_gamma_x;
+        let t33 = sin_delta * omega_gamma_z;
+        let omega_delta_x = t32 - t33;
+        let t35 = omega_delta_x * omega_delta_y;
+        let t36 = omega_gamma_z * omega_gamma_x;
+        let t37 = a[0] * cos_beta_gamma;
+        let t38 = t37 - t36;
+        let t39 = a[3] + t38;
+        let t40 = t39 + t35;
+        let t41 = cos_epsilon * t40;
+        let t42 = t41 + t31;
+        let t43 = cos_epsilon * omega_delta_x;
+        let t44 = sin_epsilon * omega_delta_z;
+        let omega_epsilon_x = t43 + t44;
+        let omega_epsilon_z = v[4] + omega_delta_y;
+        let t47 = omega_epsilon_x * omega_epsilon_z;
+        let t48 = t42 - t47;
+        let t49 = a[5] + t48;
+        let t50 = t47 - t49;
+        let t51 = sin_zeta * 9.103999999999991e-5;
+        let t52 = sin_zeta * t51;
+        let t53 = 0.00048000000000000007 + t52;
+        let t54 = t53 * t50;
+        let t55 = sin_epsilon * omega_delta_x;
+        let t56 = cos_epsilon * omega_delta_z;
+        let omega_epsilon_y = t55 - t56;
+        let omega_zeta_z = v[5] - omega_epsilon_y;
+        let t59 = omega_zeta_z * omega_zeta_z;
+        let t60 = omega_epsilon_x * omega_epsilon_x;
+        let t61 = t60 + t59;
+        let t62 = omega_epsilon_z * omega_epsilon_z;
+        let t63 = t62 + t59;
+        let t64 = t63 - t61;
+        let t65 = cos_zeta * t51;
+        let t66 = t65 * t64;
+        let t67 = t66 + t54;
+        let t68 = t47 + t49;
+        let t69 = 0.00057104 - t52;
+        let t70 = t69 * t68;
+        let moment_zeta_z = t67 - t70;
+        let t72 = 2.0 * omega_epsilon_z;
+        let t73 = omega_epsilon_x * t72;
+        let t74 = t42 - t73;
+        let t75 = 0.0004025 * t74;
+        let t76 = a[5] * 0.000255;
+        let t77 = t75 + t76;
+        let moment_epsilon_y = moment_zeta_z - t77;
+        let t79 = sin_epsilon * moment_epsilon_y;
+        let t80 = cos_epsilon * t30;
+        let t81 = sin_epsilon * t40;
+        let t82 = t81 - t80;
+        let t83 = omega_epsilon_y * t72;
+        let t84 = t82 - t83;
+        let t85 = 0.004194997041000001 * t84;
+        let t86 = 0.3875551727850145 * cos_beta;
+        let t87 = v[1] * v[1];
+        let t88 = t86 * t87;
+        let t89 = 0.3875551727850145 * sin_beta;
+        let t90 = a[1] * t89;
+        let t91 = t90 + t88;
+        let t92 = 21.1145440844009 - t91;
+        let t93 = sin_beta_gamma * t92;
+        let t94 = a[1] * t86;
+        let t95 = v[0] * v[0];
+        let t96 = t95 + t87;
+        let t97 = t89 * t96;
+        let t98 = t97 - t94;
+        let t99 = cos_beta_gamma * t98;
+        let acceleration_gamma_x = t99 + t93;
+        let t101 = sin_delta * acceleration_gamma_x;
+        let t102 = v[1] * 2.0;
+        let t103 = v[0] * t102;
+        let t104 = t86 * t103;
+        let t105 = a[0] * t89;
+        let acceleration_gamma_z = t105 + t104;
+        let t107 = cos_delta * acceleration_gamma_z;
+        let t108 = t101 + t107;
+        let acceleration_delta_y = t108 - t23;
+        let t110 = 0.009952485403000002 * acceleration_delta_y;
+        let t111 = t110 + t85;
+        let t112 = v[5] * 0.000255;
+        let t113 = omega_epsilon_z * t112;
+        let t114 = t111 - t113;
+        let t115 = 2.0 * omega_zeta_z;
+        let t116 = omega_epsilon_z * t115;
+        let t117 = t84 - t116;
+        let t118 = t69 * t117;
+        let t119 = omega_epsilon_x * t115;
+        let t120 = sin_delta * t16;
+        let t121 = cos_delta * t21;
+        let t122 = t121 + t120;
+        let t123 = omega_delta_x * omega_delta_z;
+        let t124 = t122 + t123;
+        let t125 = a[4] + t124;
+        let t126 = omega_epsilon_x * omega_epsilon_y;
+        let t127 = t125 + t126;
+        let t128 = t127 + t119;
+        let t129 = t65 * t128;
+        let moment_zeta_x = t129 - t118;
+        let moment_epsilon_x = moment_zeta_x - t114;
+        let t132 = cos_epsilon * moment_epsilon_x;
+        let t133 = t132 - t79;
+        let t134 = 0.0029975 * t30;
+        let t135 = v[4] * 0.00101;
+        let t136 = omega_delta_z * t135;
+        let t137 = t134 - t136;
+        let moment_delta_x = t137 + t133;
+        let force_epsilon_z = 0.009952485403000002 * t84;
+        let t140 = force_epsilon_z - moment_delta_x;
+        let t141 = cos_delta * t140;
+        let t142 = cos_delta * acceleration_gamma_x;
+        let t143 = sin_delta * acceleration_gamma_z;
+        let t144 = t142 - t143;
+        let acceleration_delta_x = t144 - t122;
+        let t146 = cos_epsilon * acceleration_delta_x;
+        let t147 = cos_beta_gamma * t92;
+        let t148 = sin_beta_gamma * t98;
+        let acceleration_gamma_y = t148 - t147;
+        let t150 = omega_gamma_x * omega_gamma_x;
+        let t151 = omega_gamma_z * omega_gamma_z;
+        let t152 = t150 + t151;
+        let acceleration_delta_z = acceleration_gamma_y + t152;
+        let t154 = sin_epsilon * acceleration_delta_z;
+        let acceleration_epsilon_x = t146 - t154;
+        let t156 = 0.009952485403000002 * acceleration_epsilon_x;
+        let t157 = 0.004194997041000001 * t127;
+        let t158 = t125 - t126;
+        let t159 = 0.0004025 * t158;
+        let t160 = t159 + t157;
+        let t161 = t156 - t160;
+        let t162 = omega_epsilon_x * t112;
+        let t163 = t161 - t162;
+        let t164 = t65 * t117;
+        let t165 = t53 * t128;
+        let moment_zeta_y = t164 - t165;
+        let moment_epsilon_z = moment_zeta_y + t163;
+        let t168 = omega_delta_x * t25;
+        let t169 = t122 + t168;
+        let t170 = 0.0026049999999999997 * t169;
+        let t171 = a[4] * 0.00101;
+        let t172 = t170 + t171;
+        let moment_delta_y = t172 - moment_epsilon_z;
+        let force_epsilon_x = 0.009952485403000002 * t127;
+        let t175 = cos_epsilon * force_epsilon_x;
+        let t176 = t60 + t62;
+        let force_epsilon_y = 0.009952485403000002 * t176;
+        let t178 = sin_epsilon * force_epsilon_y;
+        let force_delta_x = t175 - t178;
+        let t180 = force_delta_x + moment_delta_y;
+        let t181 = sin_delta * t180;
+        let t182 = t141 + t181;
+        let t183 = 0.6291534673095002 * t16;
+        let t184 = 0.7918816998225002 * acceleration_gamma_z;
+        let t185 = t184 + t183;
+        let t186 = v[3] * 0.001515;
+        let t187 = omega_gamma_z * t186;
+        let t188 = t185 - t187;
+        let moment_gamma_x = t188 + t182;
+        let t190 = sin_beta_gamma * moment_gamma_x;
+        let t191 = cos_epsilon * moment_epsilon_y;
+        let t192 = sin_epsilon * moment_epsilon_x;
+        let t193 = t192 + t191;
+        let t194 = 0.0029975 * t40;
+        let t195 = t39 - t35;
+        let t196 = 0.0026049999999999997 * t195;
+        let t197 = t196 + t194;
+        let t198 = omega_delta_x * t135;
+        let t199 = t197 - t198;
+        let moment_delta_z = t199 - t193;
+        let t201 = omega_gamma_x * t13;
+        let t202 = t37 - t201;
+        let t203 = 0.0041575 * t202;
+        let t204 = a[3] * 0.001515;
+        let t205 = t203 + t204;
+        let moment_gamma_y = t205 + moment_delta_z;
+        let t207 = cos_beta_gamma * moment_gamma_y;
+        let t208 = t190 + t207;
+        let t209 = sin_delta * force_delta_x;
+        let t210 = cos_delta * force_epsilon_z;
+        let t211 = t209 + t210;
+        let t212 = 0.7918816998225002 * t16;
+        let force_gamma_z = t212 + t211;
+        let t214 = t89 * force_gamma_z;
+        let t215 = t208 + t214;
+        let t216 = cos_beta * 0.28909494;
+        let t217 = cos_beta * t216;
+        let t218 = 0.292121275 - t217;
+        let t219 = a[0] * t218;
+        let t220 = sin_beta * t216;
+        let t221 = t220 * t103;
+        let t222 = t221 + t219;
+        let moment_beta_y = t222 + t215;
+        let t224 = a[0] * 0.015131164999999999;
+        let moment_alpha_z = t224 + moment_beta_y;
+        let t226 = a[0] * 1.36525907;
+        let t227 = t226 + moment_alpha_z;
+        let t228 = v[0] * 20.0;
+        let t229 = math::tanh(t228);
+        let t230 = t229 * 10.0;
+        let t231 = v[0] * 60.0;
+        let t232 = t231 + t230;
+        let t233 = t227 + t232;
+        b_u[0] = t233;
+        let t234 = sin_delta * t140;
+        let t235 = cos_delta * t180;
+        let t236 = t234 - t235;
+        let t237 = 0.7918816998225002 * acceleration_gamma_x;
+        let t238 = 0.6291534673095002 * t21;
+        let t239 = t20 + t19;
+        let t240 = 0.0041575 * t239;
+        let t241 = t240 + t238;
+        let t242 = t237 - t241;
+        let t243 = omega_gamma_x * t186;
+        let t244 = t242 - t243;
+        let moment_gamma_z = t244 + t236;
+        let t246 = cos_delta * force_delta_x;
+        let t247 = sin_delta * force_epsilon_z;
+        let t248 = t246 - t247;
+        let t249 = 0.7918816998225002 * t21;
+        let force_gamma_x = t249 + t248;
+        let t251 = cos_beta_gamma * force_gamma_x;
+        let t252 = sin_epsilon * force_epsilon_x;
+        let t253 = cos_epsilon * force_epsilon_y;
+        let force_delta_z = t252 + t253;
+        let t255 = 0.7918816998225002 * t152;
+        let force_gamma_y = t255 + force_delta_z;
+        let t257 = sin_beta_gamma * force_gamma_y;
+        let t258 = t251 - t257;
+        let t259 = t86 * t258;
+        let t260 = sin_beta_gamma * force_gamma_x;
+        let t261 = cos_beta_gamma * force_gamma_y;
+        let t262 = t260 + t261;
+        let t263 = t89 * t262;
+        let t264 = t263 + t259;
+        let t265 = moment_gamma_z - t264;
+        let t266 = a[1] * t218;
+        let t267 = t87 - t96;
+        let t268 = t220 * t267;
+        let t269 = t268 + t266;
+        let t270 = 0.0030263349999999994 + t217;
+        let t271 = a[1] * t270;
+        let t272 = t269 + t271;
+        let t273 = sin_beta * 15.9469662177;
+        let t274 = t273 - t272;
+        let t275 = a[2] * 0.00847987;
+        let t276 = t274 - t275;
+        let moment_beta_z = t276 + t265;
+        let t278 = a[1] * 1.36525907;
+        let t279 = t278 - moment_beta_z;
+        let t280 = v[1] * 5.0;
+        let t281 = math::tanh(t280);
+        let t282 = t281 * 3.924;
+        let t283 = v[1] * 76.556;
+        let t284 = t283 + t282;
+        let t285 = v[1] * 10.0;
+        let t286 = math::tanh(t285);
+        let t287 = t286 * 10.838;
+        let t288 = t284 + t287;
+        let t289 = v[1] * 20.0;
+        let t290 = math::tanh(t289);
+        let t291 = t290 * 2.236;
+        let t292 = t288 + t291;
+        let t293 = t279 + t292;
+        b_u[1] = t293;
+        let t294 = a[2] * 1.36525907;
+        let t295 = a[1] * 0.00847987;
+        let t296 = t295 + t294;
+        let t297 = t296 - moment_gamma_z;
+        let t298 = v[2] * 5.0;
+        let t299 = math::tanh(t298);
+        let t300 = t299 * 0.368;
+        let t301 = v[2] * 56.231;
+        let t302 = t301 + t300;
+        let t303 = v[2] * 10.0;
+        let t304 = math::tanh(t303);
+        let t305 = 0.368 * t304;
+        let t306 = t302 + t305;
+        let t307 = v[2] * 100.0;
+        let t308 = math::tanh(t307);
+        let t309 = t308 * 8.342;
+        let t310 = t306 + t309;
+        let t311 = sign(v[2]);
+        let t312 = t311 * 0.492;
+        let t313 = t310 + t312;
+        let t314 = t297 + t313;
+        b_u[2] = t314;
+        let t315 = t38 * 0.001515;
+        let t316 = a[3] * 0.153015;
+        let t317 = t316 + t315;
+        let t318 = t317 + moment_delta_z;
+        let t319 = v[3] * 20.0;
+        let t320 = math::tanh(t319);
+        let t321 = 2.0 * t320;
+        let t322 = v[3] * 10.0;
+        let t323 = t322 + t321;
+        let t324 = t318 + t323;
+        b_u[3] = t324;
+        let t325 = t124 * 0.00101;
+        let t326 = a[4] * 0.10201;
+        let t327 = t326 + t325;
+        let t328 = t327 - moment_epsilon_z;
+        let t329 = v[4] * 20.0;
+        let t330 = math::tanh(t329);
+        let t331 = t330 * 1.5;
+        let t332 = v[4] * 8.0;
+        let t333 = t332 + t331;
+        let t334 = t328 + t333;
+        b_u[4] = t334;
+        let t335 = t48 * 0.000255;
+        let t336 = a[5] * 0.013005000000000001;
+        let t337 = t336 + t335;
+        let t338 = moment_zeta_z - t337;
+        let t339 = v[5] * 20.0;
+        let t340 = math::tanh(t339);
+        let t341 = t340 * 0.4;
+        let t342 = v[5] * 2.0;
+        let t343 = t342 + t341;
+        let t344 = t338 - t343;
+        let t345 = 2.0 * omega_epsilon_x;
+        let t346 = t65 * t345;
+        let t347 = t53 * t72;
+        let t348 = t346 - t347;
+        let t349 = omega_epsilon_z * 0.000805;
+        let t350 = t349 - t348;
+        let t351 = omega_epsilon_z * 0.008389994082000002;
+        let t352 = t351 - t350;
+        let t353 = cos_epsilon * t352;
+        let t354 = t65 * t115;
+        let t355 = sin_epsilon * t354;
+        let t356 = t355 - t353;
+        let t357 = sin_epsilon * t356;
+        let t358 = t354 - t357;
+        let t359 = 2.0 * omega_delta_y;
+        let t360 = 0.009952485403000002 * sin_epsilon;
+        let t361 = t359 * t360;
+        let t362 = t358 + t361;
+        let t363 = t354 + t362;
+        let t364 = sin_delta * t363;
+        let t365 = t53 * t115;
+        let t366 = omega_epsilon_y * 0.000805;
+        let t367 = t112 - t366;
+        let t368 = t365 + t367;
+        let t369 = cos_epsilon * t368;
+        let t370 = omega_epsilon_x * 0.008389994082000002;
+        let t371 = sin_epsilon * t370;
+        let t372 = t369 + t371;
+        let t373 = omega_delta_z * 0.005209999999999999;
+        let t374 = t373 + t372;
+        let t375 = 2.0 * omega_delta_x;
+        let t376 = t375 * t360;
+        let t377 = t374 + t376;
+        let t378 = t69 * t115;
+        let t379 = t112 + t378;
+        let t380 = cos_epsilon * t379;
+        let t381 = t69 * t345;
+        let t382 = t65 * t72;
+        let t383 = t381 - t382;
+        let t384 = sin_epsilon * t383;
+        let t385 = t380 + t384;
+        let t386 = omega_delta_z * 0.005995;
+        let t387 = t386 + t385;
+        let t388 = t387 - t377;
+        let t389 = cos_delta * t388;
+        let t390 = t364 - t389;
+        let t391 = sin_delta * t390;
+        let t392 = t362 - t391;
+        let t393 = omega_epsilon_z * 0.019904970806000004;
+        let t394 = sin_epsilon * t393;
+        let t395 = t394 - t357;
+        let t396 = t395 + t392;
+        let t397 = sin_beta_gamma * t396;
+        let t398 = cos_epsilon * t356;
+        let t399 = t350 - t398;
+        let t400 = t135 + t399;
+        let t401 = cos_epsilon * t393;
+        let t402 = 0.009952485403000002 * cos_epsilon;
+        let t403 = t359 * t402;
+        let t404 = t401 + t403;
+        let t405 = t400 + t404;
+        let t406 = cos_delta * t405;
+        let t407 = sin_epsilon * t368;
+        let t408 = cos_epsilon * t370;
+        let t409 = t407 - t408;
+        let t410 = omega_epsilon_x * 0.019904970806000004;
+        let t411 = t375 * t402;
+        let t412 = t410 + t411;
+        let t413 = t409 - t412;
+        let t414 = sin_delta * t413;
+        let t415 = t406 + t414;
+        let t416 = omega_gamma_z * 1.2583069346190003;
+        let t417 = t416 + t415;
+        let t418 = t351 + t398;
+        let t419 = omega_delta_y * 0.005209999999999999;
+        let t420 = t135 + t419;
+        let t421 = t420 + t418;
+        let t422 = cos_delta * t421;
+        let t423 = sin_epsilon * t379;
+        let t424 = cos_epsilon * t383;
+        let t425 = t423 - t424;
+        let t426 = omega_delta_x * 0.005995;
+        let t427 = t426 - t425;
+        let t428 = sin_delta * t427;
+        let t429 = t422 - t428;
+        let t430 = omega_gamma_z * 0.008315;
+        let t431 = t430 + t429;
+        let t432 = t417 - t431;
+        let t433 = cos_beta_gamma * t432;
+        let t434 = t397 - t433;
+        let t435 = cos_beta_gamma * t434;
+        let t436 = t417 + t435;
+        let t437 = sin_delta * t410;
+        let t438 = cos_delta * t401;
+        let t439 = t438 - t437;
+        let t440 = omega_gamma_z * 1.5837633996450005;
+        let t441 = t440 + t439;
+        let t442 = sin_beta_gamma * t441;
+        let t443 = cos_beta_gamma * t394;
+        let t444 = t442 + t443;
+        let t445 = t89 * t444;
+        let t446 = 0.7918816998225002 + t402;
+        let t447 = sin_beta_gamma * t446;
+        let t448 = cos_delta * t360;
+        let t449 = cos_beta_gamma * t448;
+        let t450 = t449 + t447;
+        let t451 = v[1] * t89;
+        let t452 = 2.0 * t451;
+        let t453 = t452 * t450;
+        let t454 = t445 + t453;
+        let t455 = t436 + t454;
+        let t456 = t218 * t102;
+        let t457 = v[2] * 0.00847987;
+        let t458 = t457 + t456;
+        let t459 = t458 + t455;
+        let t460 = v[0] * t459;
+        let t461 = t52 - 0.003312497041000001;
+        let t462 = sin_epsilon * t461;
+        let t463 = sin_epsilon * t462;
+        let t464 = t52 + 0.0008825;
+        let t465 = t464 - t463;
+        let t466 = 0.0026049999999999997 + t465;
+        let t467 = t52 - 0.0035685400000000003;
+        let t468 = t466 + t467;
+        let t469 = sin_delta * t468;
+        let t470 = cos_epsilon * t65;
+        let t471 = 2.0 * t470;
+        let t472 = cos_delta * t471;
+        let t473 = t469 - t472;
+        let t474 = sin_delta * t473;
+        let t475 = t466 - t474;
+        let t476 = 0.0041575 + t475;
+        let t477 = 0.004194997041000001 + t463;
+        let t478 = cos_epsilon * 0.019904970806000004;
+        let t479 = t477 + t478;
+        let t480 = 0.6291534673095002 + t479;
+        let t481 = t476 - t480;
+        let t482 = sin_beta_gamma * t481;
+        let t483 = cos_epsilon * t462;
+        let t484 = t360 - t483;
+        let t485 = cos_delta * t484;
+        let t486 = sin_epsilon * t65;
+        let t487 = sin_delta * t486;
+        let t488 = t485 - t487;
+        let t489 = 2.0 * t488;
+        let t490 = cos_beta_gamma * t489;
+        let t491 = t482 - t490;
+        let t492 = cos_beta_gamma * t491;
+        let t493 = t488 + t492;
+        let t494 = cos_beta_gamma * t446;
+        let t495 = sin_beta_gamma * t448;
+        let t496 = t495 - t494;
+        let t497 = t89 * t496;
+        let t498 = t86 * t450;
+        let t499 = t498 - t497;
+        let t500 = t493 - t499;
+        let t501 = t220 - t500;
+        let t502 = a[0] * t501;
+        let t503 = cos_delta * t473;
+        let t504 = t470 + t503;
+        let t505 = sin_beta_gamma * t504;
+        let t506 = sin_delta * t484;
+        let t507 = cos_delta * t486;
+        let t508 = t506 + t507;
+        let t509 = cos_beta_gamma * t508;
+        let t510 = t505 - t509;
+        let t511 = sin_delta * t360;
+        let t512 = t86 * t511;
+        let t513 = t510 - t512;
+        let t514 = t95 * t513;
+        let t515 = t502 - t514;
+        let t516 = 21.1145440844009 * t511;
+        let t517 = t516 + t515;
+        let t518 = t517 - t460;
+        let t519 = cos_beta_gamma * moment_gamma_x;
+        let t520 = sin_beta_gamma * moment_gamma_y;
+        let t521 = t519 - t520;
+        let t522 = t86 * force_gamma_z;
+        let t523 = t521 + t522;
+        let t524 = t270 * t103;
+        let t525 = a[0] * t220;
+        let t526 = t525 + t524;
+        let t527 = v[0] * t457;
+        let t528 = t526 + t527;
+        let moment_beta_x = t528 + t523;
+        let t530 = moment_beta_x + t518;
+        d_dy[0][1] = t530;
+        let t531 = t354 - t391;
+        let t532 = t392 - t531;
+        let t533 = omega_gamma_x * t532;
+        let t534 = omega_gamma_y * t431;
+        let t535 = t533 + t534;
+        let t536 = t467 - t474;
+        let t537 = t536 - t476;
+        let t538 = t15 * t537;
+        let t539 = t37 * t488;
+        let t540 = t538 + t539;
+        let t541 = t95 * t508;
+        let t542 = t540 + t541;
+        let t543 = acceleration_gamma_y * t511;
+        let t544 = t543 - t542;
+        let t545 = t544 + t535;
+        let t546 = moment_gamma_x - t545;
+        let t547 = cos_beta_gamma * t546;
+        let t548 = t395 + t531;
+        let t549 = omega_gamma_y * t548;
+        let t550 = omega_gamma_x * t417;
+        let t551 = t549 + t550;
+        let t552 = t536 - t480;
+        let t553 = t37 * t552;
+        let t554 = t15 * t488;
+        let t555 = t553 + t554;
+        let t556 = t95 * t504;
+        let t557 = t555 + t556;
+        let t558 = acceleration_gamma_x * t511;
+        let t559 = t558 - t557;
+        let t560 = t559 - t551;
+        let t561 = moment_gamma_y - t560;
+        let t562 = sin_beta_gamma * t561;
+        let t563 = t562 - t547;
+        let t564 = omega_gamma_x * t441;
+        let t565 = omega_gamma_y * t394;
+        let t566 = t565 + t564;
+        let t567 = t15 * t448;
+        let t568 = t37 * t446;
+        let t569 = t568 - t567;
+        let t570 = t569 - t566;
+        let t571 = t89 * t570;
+        let t572 = t563 - t571;
+        let t573 = t357 + t358;
+        let t574 = omega_delta_x * t573;
+        let t575 = omega_delta_y * t374;
+        let t576 = t574 - t575;
+        let t577 = t477 + t466;
+        let t578 = t23 * t577;
+        let t579 = t122 * t470;
+        let t580 = t578 - t579;
+        let t581 = t152 * t486;
+        let t582 = t580 - t581;
+        let t583 = acceleration_delta_y * t402;
+        let t584 = t583 - t582;
+        let t585 = t584 + t576;
+        let t586 = moment_delta_x + t585;
+        let t587 = omega_delta_x * t394;
+        let t588 = t23 * t402;
+        let t589 = t588 + t587;
+        let t590 = force_epsilon_z + t589;
+        let t591 = t590 - t586;
+        let t592 = sin_delta * t591;
+        let t593 = omega_delta_y * t358;
+        let t594 = omega_delta_x * t387;
+        let t595 = t593 - t594;
+        let t596 = t477 - t467;
+        let t597 = t122 * t596;
+        let t598 = t23 * t470;
+        let t599 = t597 - t598;
+        let t600 = t152 * t483;
+        let t601 = t599 - t600;
+        let t602 = acceleration_delta_x * t402;
+        let t603 = t602 - t601;
+        let t604 = t603 + t595;
+        let t605 = moment_delta_y + t604;
+        let t606 = omega_delta_y * t394;
+        let t607 = t122 * t402;
+        let t608 = t152 * t360;
+        let t609 = t608 + t607;
+        let t610 = t609 - t606;
+        let t611 = force_delta_x - t610;
+        let t612 = t611 + t605;
+        let t613 = cos_delta * t612;
+        let t614 = t613 - t592;
+        let t615 = sin_beta_gamma * t614;
+        let t616 = omega_delta_y * t421;
+        let t617 = omega_delta_x * t427;
+        let t618 = t616 + t617;
+        let t619 = t466 - t467;
+        let t620 = t152 * t619;
+        let t621 = t122 * t483;
+        let t622 = t620 - t621;
+        let t623 = t23 * t486;
+        let t624 = t622 - t623;
+        let t625 = acceleration_delta_x * t360;
+        let t626 = t625 - t624;
+        let t627 = t626 + t618;
+        d_dy[3][3] = t627;
+        let t628 = cos_beta_gamma * t627;
+        let t629 = t615 + t628;
+        let t630 = cos_delta * t611;
+        let t631 = sin_delta * t590;
+        let t632 = t631 - t630;
+        let t633 = t89 * t632;
+        let t634 = t629 - t633;
+        d_dy[0][3] = t634;
+        let t635 = omega_epsilon_y * t354;
+        let t636 = omega_epsilon_x * t351;
+        let t637 = t635 - t636;
+        let t638 = t52 - 0.004766037041000001;
+        let t639 = t42 * t638;
+        let t640 = omega_delta_x * omega_delta_x;
+        let t641 = omega_delta_z * omega_delta_z;
+        let t642 = t640 + t641;
+        let t643 = t65 * t642;
+        let t644 = t639 - t643;
+        let t645 = t644 - t637;
+        let t646 = moment_epsilon_y - t645;
+        let t647 = cos_epsilon * t646;
+        let t648 = omega_epsilon_y * t350;
+        let t649 = t69 + t464;
+        let t650 = t82 * t649;
+        let t651 = t650 - t648;
+        let t652 = moment_epsilon_x + t651;
+        let t653 = sin_epsilon * t652;
+        let t654 = t647 + t653;
+        let t655 = 0.009952485403000002 * t42;
+        let t656 = omega_epsilon_x * t393;
+        let t657 = t655 - t656;
+        let t658 = t657 + t654;
+        let t659 = cos_delta * t658;
+        let t660 = sin_epsilon * acceleration_delta_x;
+        let t661 = cos_epsilon * acceleration_delta_z;
+        let acceleration_epsilon_y = t660 + t661;
+        let t663 = 0.009952485403000002 * acceleration_epsilon_y;
+        let t664 = t65 * t42;
+        let t665 = t52 + 0.0050774970410000005;
+        let t666 = t642 * t665;
+        let t667 = t666 + t664;
+        let t668 = t663 - t667;
+        let t669 = omega_epsilon_y * t368;
+        let t670 = omega_epsilon_x * t370;
+        let t671 = t669 - t670;
+        let t672 = t668 - t671;
+        d_dy[4][4] = t672;
+        let t673 = omega_epsilon_y * t410;
+        let t674 = force_epsilon_x - t673;
+        let t675 = sin_epsilon * t674;
+        let t676 = omega_epsilon_x * t410;
+        let t677 = 0.009952485403000002 * t642;
+        let t678 = t677 - t676;
+        let t679 = force_epsilon_y + t678;
+        let t680 = cos_epsilon * t679;
+        let t681 = t680 + t675;
+        let t682 = t672 - t681;
+        let t683 = sin_delta * t682;
+        let t684 = t659 + t683;
+        let t685 = sin_beta_gamma * t684;
+        let t686 = sin_epsilon * t646;
+        let t687 = cos_epsilon * t652;
+        let t688 = t686 - t687;
+        d_dy[3][4] = t688;
+        let t689 = cos_beta_gamma * t688;
+        let t690 = t685 + t689;
+        let t691 = sin_delta * t681;
+        let t692 = cos_delta * t657;
+        let t693 = t691 - t692;
+        let t694 = t89 * t693;
+        let t695 = t690 - t694;
+        d_dy[0][4] = t695;
+        let t696 = t65 * t84;
+        let t697 = t69 * t127;
+        let t698 = t697 + t696;
+        let t699 = omega_epsilon_x * t378;
+        let t700 = omega_epsilon_z * t354;
+        let t701 = t700 - t699;
+        let t702 = t698 - t701;
+        let t703 = moment_zeta_y + t702;
+        let t704 = cos_epsilon * t703;
+        let t705 = omega_epsilon_x * t383;
+        let t706 = omega_epsilon_z * t348;
+        let t707 = t706 - t705;
+        let t708 = t53 + t69;
+        let t709 = t176 * t708;
+        let t710 = t709 + t707;
+        let t711 = sin_epsilon * t710;
+        let t712 = t704 - t711;
+        let t713 = cos_delta * t712;
+        let t714 = t53 * t84;
+        let t715 = t65 * t127;
+        let t716 = t714 + t715;
+        let t717 = omega_epsilon_z * t365;
+        let t718 = omega_epsilon_x * t354;
+        let t719 = t718 - t717;
+        let t720 = t716 + t719;
+        let t721 = moment_zeta_x + t720;
+        d_dy[4][5] = t721;
+        let t722 = sin_delta * t721;
+        let t723 = t713 - t722;
+        let t724 = sin_beta_gamma * t723;
+        let t725 = sin_epsilon * t703;
+        let t726 = cos_epsilon * t710;
+        let t727 = t725 + t726;
+        let t728 = cos_beta_gamma * t727;
+        let t729 = t724 + t728;
+        let t730 = cos_delta * t390;
+        let t731 = t387 + t730;
+        let t732 = omega_gamma_y * 0.008315;
+        let t733 = t186 + t732;
+        let t734 = t733 + t731;
+        let t735 = cos_beta_gamma * t734;
+        let t736 = sin_delta * t405;
+        let t737 = cos_delta * t413;
+        let t738 = t736 - t737;
+        let t739 = omega_gamma_x * 1.2583069346190003;
+        let t740 = t739 + t738;
+        let t741 = sin_beta_gamma * t740;
+        let t742 = t735 + t741;
+        let t743 = cos_delta * t410;
+        let t744 = sin_delta * t401;
+        let t745 = t744 + t743;
+        let t746 = omega_gamma_x * 1.5837633996450005;
+        let t747 = t746 + t745;
+        let t748 = t89 * t747;
+        let t749 = v[0] * t89;
+        let t750 = 2.0 * t749;
+        let t751 = t750 * t450;
+        let t752 = t748 + t751;
+        let t753 = t742 + t752;
+        let t754 = v[0] * 2.0;
+        let t755 = t218 * t754;
+        let t756 = t755 + t753;
+        let t757 = v[0] * t756;
+        let t758 = t476 + t480;
+        let t759 = t86 * t496;
+        let t760 = t89 * t450;
+        let t761 = t760 - t759;
+        let t762 = 2.0 * t761;
+        let t763 = t758 + t762;
+        let t764 = t218 + t270;
+        let t765 = t764 + t763;
+        let t766 = t95 * t765;
+        let t767 = cos_beta_gamma * t504;
+        let t768 = sin_beta_gamma * t508;
+        let t769 = t767 + t768;
+        let t770 = t89 * t511;
+        let t771 = t769 + t770;
+        let t772 = a[0] * t771;
+        let t773 = t766 - t772;
+        let t774 = 0.7552597941000001 * cos_beta;
+        let t775 = t774 - t496;
+        let t776 = 21.1145440844009 * t775;
+        let t777 = t776 + t773;
+        let t778 = t777 - t757;
+        let t779 = omega_gamma_y * t734;
+        let t780 = omega_gamma_x * t740;
+        let t781 = t779 + t780;
+        let t782 = t95 * t758;
+        let t783 = t37 * t504;
+        let t784 = t782 - t783;
+        let t785 = t15 * t508;
+        let t786 = t784 - t785;
+        let t787 = acceleration_gamma_y * t446;
+        let t788 = acceleration_gamma_x * t448;
+        let t789 = t788 + t787;
+        let t790 = t789 - t786;
+        let t791 = t790 + t781;
+        d_dy[2][2] = t791;
+        let t792 = omega_gamma_y * t747;
+        let t793 = t37 * t511;
+        let t794 = t95 * t448;
+        let t795 = t794 - t793;
+        let t796 = t795 - t792;
+        let t797 = force_gamma_x - t796;
+        let t798 = sin_beta_gamma * t797;
+        let t799 = omega_gamma_x * t747;
+        let t800 = t95 * t446;
+        let t801 = t15 * t511;
+        let t802 = t801 - t800;
+        let t803 = t802 + t799;
+        let t804 = force_gamma_y - t803;
+        let t805 = cos_beta_gamma * t804;
+        let t806 = t805 + t798;
+        let t807 = t86 * t806;
+        let t808 = cos_beta_gamma * t797;
+        let t809 = sin_beta_gamma * t804;
+        let t810 = t809 - t808;
+        let t811 = t89 * t810;
+        let t812 = t811 + t807;
+        let t813 = t791 - t812;
+        d_dy[1][2] = t813;
+        let t814 = cos_delta * t591;
+        let t815 = sin_delta * t612;
+        let t816 = t815 + t814;
+        let t817 = sin_delta * t611;
+        let t818 = cos_delta * t590;
+        let t819 = t818 + t817;
+        let t820 = cos_beta_gamma * t819;
+        let t821 = omega_delta_x * t401;
+        let t822 = omega_delta_y * t410;
+        let t823 = t822 - t821;
+        let t824 = t23 * t360;
+        let t825 = t824 + t823;
+        let t826 = sin_beta_gamma * t825;
+        let t827 = t820 - t826;
+        let t828 = t86 * t827;
+        let t829 = sin_beta_gamma * t819;
+        let t830 = cos_beta_gamma * t825;
+        let t831 = t829 + t830;
+        let t832 = t89 * t831;
+        let t833 = t832 + t828;
+        let t834 = t816 + t833;
+        let t835 = sin_delta * t658;
+        let t836 = cos_delta * t682;
+        let t837 = t835 - t836;
+        let t838 = cos_delta * t681;
+        let t839 = sin_delta * t657;
+        let t840 = t838 + t839;
+        let t841 = cos_beta_gamma * t840;
+        let t842 = cos_epsilon * t674;
+        let t843 = sin_epsilon * t679;
+        let t844 = t843 - t842;
+        let t845 = sin_beta_gamma * t844;
+        let t846 = t841 - t845;
+        let t847 = t86 * t846;
+        let t848 = sin_beta_gamma * t840;
+        let t849 = cos_beta_gamma * t844;
+        let t850 = t848 + t849;
+        let t851 = t89 * t850;
+        let t852 = t851 + t847;
+        let t853 = t837 + t852;
+        let t854 = sin_delta * t712;
+        let t855 = cos_delta * t721;
+        let t856 = t854 + t855;
+        d_dy[1][5] = t856;
+        d_dy[2][5] = t856;
+        let t857 = t742 + t751;
+        let t858 = v[0] * 0.00847987;
+        let t859 = t858 + t857;
+        let t860 = v[0] * t859;
+        let t861 = t758 + t761;
+        let t862 = 0.00847987 + t861;
+        let t863 = t95 * t862;
+        let t864 = a[0] * t769;
+        let t865 = t864 - t863;
+        let t866 = 21.1145440844009 * t496;
+        let t867 = t865 + t866;
+        let t868 = t867 + t860;
+        d_dy[2][1] = t868;
+        let t869 = omega_gamma_z * 0.001515;
+        let t870 = t429 + t869;
+        [
+            sin_delta,
+            cos_delta,
+            sin_epsilon,
+            cos_epsilon,
+            sin_beta_gamma,
+            cos_beta_gamma,
+            omega_gamma_y,
+            t15,
+            omega_gamma_x,
+            t23,
+            omega_delta_z,
+            omega_delta_y,
+            omega_delta_x,
+            t37,
+            omega_epsilon_x,
+            omega_epsilon_z,
+            t52,
+            t53,
+            omega_epsilon_y,
+            t65,
+            t69,
+            t72,
+            t82,
+            t86,
+            t89,
+            t95,
+            acceleration_gamma_x,
+            t102,
+            t122,
+            acceleration_gamma_y,
+            t152,
+            t186,
+            t220,
+            t229,
+            t233,
+            t281,
+            t286,
+            t290,
+            t293,
+            t299,
+            t304,
+            t308,
+            t314,
+            t320,
+            t324,
+            t330,
+            t334,
+            t340,
+            t344,
+            t345,
+            t346,
+            t348,
+            t354,
+            t358,
+            t359,
+            t360,
+            t361,
+            t372,
+            t375,
+            t376,
+            t377,
+            t379,
+            t382,
+            t383,
+            t392,
+            t394,
+            t395,
+            t400,
+            t401,
+            t402,
+            t403,
+            t409,
+            t410,
+            t411,
+            t421,
+            t427,
+            t434,
+            t441,
+            t444,
+            t446,
+            t448,
+            t450,
+            t452,
+            t470,
+            t483,
+            t486,
+            t488,
+            t496,
+            t501,
+            t504,
+            t508,
+            t511,
+            t530,
+            t531,
+            t537,
+            t539,
+            t541,
+            t543,
+            t552,
+            t572,
+            t577,
+            t579,
+            t581,
+            t583,
+            t596,
+            t619,
+            t627,
+            t634,
+            t638,
+            t649,
+            t672,
+            t688,
+            t695,
+            t708,
+            t710,
+            t721,
+            t727,
+            t729,
+            t730,
+            t734,
+            t740,
+            t747,
+            t750,
+            t754,
+            t769,
+            t771,
+            t778,
+            t791,
+            t813,
+            t816,
+            t834,
+            t837,
+            t853,
+            t856,
+            t868,
+            t869,
+            t870,
+        ]
+    };
     let t871 = cos_beta_gamma * t870;
     let t872 = t354 - t358;
     let t873 = t361 - t872;
@@ -4673,556 +4825,720 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
     d_dy[5][0] = 0.0;
     m[4][5] = 0.0;
     m[5][4] = 0.0;
-    let angle_beta_gamma = y[1] + y[2];
-    let (
-        [sin_beta,
-        sin_delta,
-        sin_epsilon,
-        sin_zeta,
-        ],
-        [cos_beta,
-        cos_delta,
-        cos_epsilon,
-        cos_zeta,
-        ],
-    ) = math::sin_cos_4(y[1], y[3], y[4], y[5]);
-    let (sin_beta_gamma, cos_beta_gamma) = math::sin_cos(angle_beta_gamma);
-    let omega_gamma_y = v[0] * cos_beta_gamma;
-    let omega_gamma_z = v[1] + v[2];
-    let t13 = 2.0 * omega_gamma_z;
-    let t14 = omega_gamma_y * t13;
-    let t15 = a[0] * sin_beta_gamma;
-    let t16 = t15 + t14;
-    let t17 = cos_delta * t16;
-    let omega_gamma_x = v[0] * sin_beta_gamma;
-    let t19 = omega_gamma_x * omega_gamma_y;
-    let t20 = a[1] + a[2];
-    let t21 = t20 - t19;
-    let t22 = sin_delta * t21;
-    let t23 = t22 - t17;
-    let omega_delta_z = v[3] + omega_gamma_y;
-    let t25 = 2.0 * omega_delta_z;
-    let t26 = sin_delta * omega_gamma_x;
-    let t27 = cos_delta * omega_gamma_z;
-    let omega_delta_y = t26 + t27;
-    let t29 = omega_delta_y * t25;
-    let t30 = t23 + t29;
-    let t31 = sin_epsilon * t30;
-    let t32 = cos_delta * omega_gamma_x;
-    let t33 = sin_delta * omega_gamma_z;
-    let omega_delta_x = t32 - t33;
-    let t35 = omega_delta_x * omega_delta_y;
-    let t36 = omega_gamma_z * omega_gamma_x;
-    let t37 = a[0] * cos_beta_gamma;
-    let t38 = t37 - t36;
-    let t39 = a[3] + t38;
-    let t40 = t39 + t35;
-    let t41 = cos_epsilon * t40;
-    let t42 = t41 + t31;
-    let t43 = cos_epsilon * omega_delta_x;
-    let t44 = sin_epsilon * omega_delta_z;
-    let omega_epsilon_x = t43 + t44;
-    let omega_epsilon_z = v[4] + omega_delta_y;
-    let t47 = omega_epsilon_x * omega_epsilon_z;
-    let t48 = t42 - t47;
-    let t49 = a[5] + t48;
-    let t50 = t47 - t49;
-    let t51 = sin_zeta * 9.103999999999991e-5;
-    let t52 = sin_zeta * t51;
-    let t53 = 0.00048000000000000007 + t52;
-    let t54 = t53 * t50;
-    let t55 = sin_epsilon * omega_delta_x;
-    let t56 = cos_epsilon * omega_delta_z;
-    let omega_epsilon_y = t55 - t56;
-    let omega_zeta_z = v[5] - omega_epsilon_y;
-    let t59 = omega_zeta_z * omega_zeta_z;
-    let t60 = omega_epsilon_x * omega_epsilon_x;
-    let t61 = t60 + t59;
-    let t62 = omega_epsilon_z * omega_epsilon_z;
-    let t63 = t62 + t59;
-    let t64 = t63 - t61;
-    let t65 = cos_zeta * t51;
-    let t66 = t65 * t64;
-    let t67 = t66 + t54;
-    let t68 = t47 + t49;
-    let t69 = 0.00057104 - t52;
-    let t70 = t69 * t68;
-    let moment_zeta_z = t67 - t70;
-    let t72 = 2.0 * omega_epsilon_z;
-    let t73 = omega_epsilon_x * t72;
-    let t74 = t42 - t73;
-    let t75 = 0.0004025 * t74;
-    let t76 = a[5] * 0.000255;
-    let t77 = t75 + t76;
-    let moment_epsilon_y = moment_zeta_z - t77;
-    let t79 = sin_epsilon * moment_epsilon_y;
-    let t80 = cos_epsilon * t30;
-    let t81 = sin_epsilon * t40;
-    let t82 = t81 - t80;
-    let t83 = omega_epsilon_y * t72;
-    let t84 = t82 - t83;
-    let t85 = 0.004194997041000001 * t84;
-    let t86 = 0.3875551727850145 * cos_beta;
-    let t87 = v[1] * v[1];
-    let t88 = t86 * t87;
-    let t89 = 0.3875551727850145 * sin_beta;
-    let t90 = a[1] * t89;
-    let t91 = t90 + t88;
-    let t92 = 21.1145440844009 - t91;
-    let t93 = sin_beta_gamma * t92;
-    let t94 = a[1] * t86;
-    let t95 = v[0] * v[0];
-    let t96 = t95 + t87;
-    let t97 = t89 * t96;
-    let t98 = t97 - t94;
-    let t99 = cos_beta_gamma * t98;
-    let acceleration_gamma_x = t99 + t93;
-    let t101 = sin_delta * acceleration_gamma_x;
-    let t102 = v[1] * 2.0;
-    let t103 = v[0] * t102;
-    let t104 = t86 * t103;
-    let t105 = a[0] * t89;
-    let acceleration_gamma_z = t105 + t104;
-    let t107 = cos_delta * acceleration_gamma_z;
-    let t108 = t101 + t107;
-    let acceleration_delta_y = t108 - t23;
-    let t110 = 0.009952485403000002 * acceleration_delta_y;
-    let t111 = t110 + t85;
-    let t112 = v[5] * 0.000255;
-    let t113 = omega_epsilon_z * t112;
-    let t114 = t111 - t113;
-    let t115 = 2.0 * omega_zeta_z;
-    let t116 = omega_epsilon_z * t115;
-    let t117 = t84 - t116;
-    let t118 = t69 * t117;
-    let t119 = omega_epsilon_x * t115;
-    let t120 = sin_delta * t16;
-    let t121 = cos_delta * t21;
-    let t122 = t121 + t120;
-    let t123 = omega_delta_x * omega_delta_z;
-    let t124 = t122 + t123;
-    let t125 = a[4] + t124;
-    let t126 = omega_epsilon_x * omega_epsilon_y;
-    let t127 = t125 + t126;
-    let t128 = t127 + t119;
-    let t129 = t65 * t128;
-    let moment_zeta_x = t129 - t118;
-    let moment_epsilon_x = moment_zeta_x - t114;
-    let t132 = cos_epsilon * moment_epsilon_x;
-    let t133 = t132 - t79;
-    let t134 = 0.0029975 * t30;
-    let t135 = v[4] * 0.00101;
-    let t136 = omega_delta_z * t135;
-    let t137 = t134 - t136;
-    let moment_delta_x = t137 + t133;
-    let force_epsilon_z = 0.009952485403000002 * t84;
-    let t140 = force_epsilon_z - moment_delta_x;
-    let t141 = cos_delta * t140;
-    let t142 = cos_delta * acceleration_gamma_x;
-    let t143 = sin_delta * acceleration_gamma_z;
-    let t144 = t142 - t143;
-    let acceleration_delta_x = t144 - t122;
-    let t146 = cos_epsilon * acceleration_delta_x;
-    let t147 = cos_beta_gamma * t92;
-    let t148 = sin_beta_gamma * t98;
-    let acceleration_gamma_y = t148 - t147;
-    let t150 = omega_gamma_x * omega_gamma_x;
-    let t151 = omega_gamma_z * omega_gamma_z;
-    let t152 = t150 + t151;
-    let acceleration_delta_z = acceleration_gamma_y + t152;
-    let t154 = sin_epsilon * acceleration_delta_z;
-    let acceleration_epsilon_x = t146 - t154;
-    let t156 = 0.009952485403000002 * acceleration_epsilon_x;
-    let t157 = 0.004194997041000001 * t127;
-    let t158 = t125 - t126;
-    let t159 = 0.0004025 * t158;
-    let t160 = t159 + t157;
-    let t161 = t156 - t160;
-    let t162 = omega_epsilon_x * t112;
-    let t163 = t161 - t162;
-    let t164 = t65 * t117;
-    let t165 = t53 * t128;
-    let moment_zeta_y = t164 - t165;
-    let moment_epsilon_z = moment_zeta_y + t163;
-    let t168 = omega_delta_x * t25;
-    let t169 = t122 + t168;
-    let t170 = 0.0026049999999999997 * t169;
-    let t171 = a[4] * 0.00101;
-    let t172 = t170 + t171;
-    let moment_delta_y = t172 - moment_epsilon_z;
-    let force_epsilon_x = 0.009952485403000002 * t127;
-    let t175 = cos_epsilon * force_epsilon_x;
-    let t176 = t60 + t62;
-    let force_epsilon_y = 0.009952485403000002 * t176;
-    let t178 = sin_epsilon * force_epsilon_y;
-    let force_delta_x = t175 - t178;
-    let t180 = force_delta_x + moment_delta_y;
-    let t181 = sin_delta * t180;
-    let t182 = t141 + t181;
-    let t183 = 0.6291534673095002 * t16;
-    let t184 = 0.7918816998225002 * acceleration_gamma_z;
-    let t185 = t184 + t183;
-    let t186 = v[3] * 0.001515;
-    let t187 = omega_gamma_z * t186;
-    let t188 = t185 - t187;
-    let moment_gamma_x = t188 + t182;
-    let t190 = sin_beta_gamma * moment_gamma_x;
-    let t191 = cos_epsilon * moment_epsilon_y;
-    let t192 = sin_epsilon * moment_epsilon_x;
-    let t193 = t192 + t191;
-    let t194 = 0.0029975 * t40;
-    let t195 = t39 - t35;
-    let t196 = 0.0026049999999999997 * t195;
-    let t197 = t196 + t194;
-    let t198 = omega_delta_x * t135;
-    let t199 = t197 - t198;
-    let moment_delta_z = t199 - t193;
-    let t201 = omega_gamma_x * t13;
-    let t202 = t37 - t201;
-    let t203 = 0.0041575 * t202;
-    let t204 = a[3] * 0.001515;
-    let t205 = t203 + t204;
-    let moment_gamma_y = t205 + moment_delta_z;
-    let t207 = cos_beta_gamma * moment_gamma_y;
-    let t208 = t190 + t207;
-    let t209 = sin_delta * force_delta_x;
-    let t210 = cos_delta * force_epsilon_z;
-    let t211 = t209 + t210;
-    let t212 = 0.7918816998225002 * t16;
-    let force_gamma_z = t212 + t211;
-    let t214 = t89 * force_gamma_z;
-    let t215 = t208 + t214;
-    let t216 = cos_beta * 0.28909494;
-    let t217 = cos_beta * t216;
-    let t218 = 0.292121275 - t217;
-    let t219 = a[0] * t218;
-    let t220 = sin_beta * t216;
-    let t221 = t220 * t103;
-    let t222 = t221 + t219;
-    let moment_beta_y = t222 + t215;
-    let t224 = a[0] * 0.015131164999999999;
-    let moment_alpha_z = t224 + moment_beta_y;
-    let t226 = a[0] * 1.36525907;
-    let t227 = t226 + moment_alpha_z;
-    let t228 = v[0] * 20.0;
-    let t229 = math::tanh(t228);
-    let t230 = t229 * 10.0;
-    let t231 = v[0] * 60.0;
-    let t232 = t231 + t230;
-    let t233 = t227 + t232;
-    b_u[0] = t233;
-    let t234 = sin_delta * t140;
-    let t235 = cos_delta * t180;
-    let t236 = t234 - t235;
-    let t237 = 0.7918816998225002 * acceleration_gamma_x;
-    let t238 = 0.6291534673095002 * t21;
-    let t239 = t20 + t19;
-    let t240 = 0.0041575 * t239;
-    let t241 = t240 + t238;
-    let t242 = t237 - t241;
-    let t243 = omega_gamma_x * t186;
-    let t244 = t242 - t243;
-    let moment_gamma_z = t244 + t236;
-    let t246 = cos_delta * force_delta_x;
-    let t247 = sin_delta * force_epsilon_z;
-    let t248 = t246 - t247;
-    let t249 = 0.7918816998225002 * t21;
-    let force_gamma_x = t249 + t248;
-    let t251 = cos_beta_gamma * force_gamma_x;
-    let t252 = sin_epsilon * force_epsilon_x;
-    let t253 = cos_epsilon * force_epsilon_y;
-    let force_delta_z = t252 + t253;
-    let t255 = 0.7918816998225002 * t152;
-    let force_gamma_y = t255 + force_delta_z;
-    let t257 = sin_beta_gamma * force_gamma_y;
-    let t258 = t251 - t257;
-    let t259 = t86 * t258;
-    let t260 = sin_beta_gamma * force_gamma_x;
-    let t261 = cos_beta_gamma * force_gamma_y;
-    let t262 = t260 + t261;
-    let t263 = t89 * t262;
-    let t264 = t263 + t259;
-    let t265 = moment_gamma_z - t264;
-    let t266 = a[1] * t218;
-    let t267 = t87 - t96;
-    let t268 = t220 * t267;
-    let t269 = t268 + t266;
-    let t270 = 0.0030263349999999994 + t217;
-    let t271 = a[1] * t270;
-    let t272 = t269 + t271;
-    let t273 = sin_beta * 15.9469662177;
-    let t274 = t273 - t272;
-    let t275 = a[2] * 0.00847987;
-    let t276 = t274 - t275;
-    let moment_beta_z = t276 + t265;
-    let t278 = a[1] * 1.36525907;
-    let t279 = t278 - moment_beta_z;
-    let t280 = v[1] * 5.0;
-    let t281 = math::tanh(t280);
-    let t282 = t281 * 3.924;
-    let t283 = v[1] * 76.556;
-    let t284 = t283 + t282;
-    let t285 = v[1] * 10.0;
-    let t286 = math::tanh(t285);
-    let t287 = t286 * 10.838;
-    let t288 = t284 + t287;
-    let t289 = v[1] * 20.0;
-    let t290 = math::tanh(t289);
-    let t291 = t290 * 2.236;
-    let t292 = t288 + t291;
-    let t293 = t279 + t292;
-    b_u[1] = t293;
-    let t294 = a[2] * 1.36525907;
-    let t295 = a[1] * 0.00847987;
-    let t296 = t295 + t294;
-    let t297 = t296 - moment_gamma_z;
-    let t298 = v[2] * 5.0;
-    let t299 = math::tanh(t298);
-    let t300 = t299 * 0.368;
-    let t301 = v[2] * 56.231;
-    let t302 = t301 + t300;
-    let t303 = v[2] * 10.0;
-    let t304 = math::tanh(t303);
-    let t305 = 0.368 * t304;
-    let t306 = t302 + t305;
-    let t307 = v[2] * 100.0;
-    let t308 = math::tanh(t307);
-    let t309 = t308 * 8.342;
-    let t310 = t306 + t309;
-    let t311 = sign(v[2]);
-    let t312 = t311 * 0.492;
-    let t313 = t310 + t312;
-    let t314 = t297 + t313;
-    b_u[2] = t314;
-    let t315 = t38 * 0.001515;
-    let t316 = a[3] * 0.153015;
-    let t317 = t316 + t315;
-    let t318 = t317 + moment_delta_z;
-    let t319 = v[3] * 20.0;
-    let t320 = math::tanh(t319);
-    let t321 = 2.0 * t320;
-    let t322 = v[3] * 10.0;
-    let t323 = t322 + t321;
-    let t324 = t318 + t323;
-    b_u[3] = t324;
-    let t325 = t124 * 0.00101;
-    let t326 = a[4] * 0.10201;
-    let t327 = t326 + t325;
-    let t328 = t327 - moment_epsilon_z;
-    let t329 = v[4] * 20.0;
-    let t330 = math::tanh(t329);
-    let t331 = t330 * 1.5;
-    let t332 = v[4] * 8.0;
-    let t333 = t332 + t331;
-    let t334 = t328 + t333;
-    b_u[4] = t334;
-    let t335 = t48 * 0.000255;
-    let t336 = a[5] * 0.013005000000000001;
-    let t337 = t336 + t335;
-    let t338 = moment_zeta_z - t337;
-    let t339 = v[5] * 20.0;
-    let t340 = math::tanh(t339);
-    let t341 = t340 * 0.4;
-    let t342 = v[5] * 2.0;
-    let t343 = t342 + t341;
-    let t344 = t338 - t343;
-    let t345 = 2.0 * omega_epsilon_x;
-    let t346 = t65 * t345;
-    let t347 = t53 * t72;
-    let t348 = t346 - t347;
-    let t349 = omega_epsilon_z * 0.000805;
-    let t350 = t349 - t348;
-    let t351 = omega_epsilon_z * 0.008389994082000002;
-    let t352 = t351 - t350;
-    let t353 = cos_epsilon * t352;
-    let t354 = t65 * t115;
-    let t355 = sin_epsilon * t354;
-    let t356 = t355 - t353;
-    let t357 = sin_epsilon * t356;
-    let t358 = t354 - t357;
-    let t359 = 2.0 * omega_delta_y;
-    let t360 = 0.009952485403000002 * sin_epsilon;
-    let t361 = t359 * t360;
-    let t362 = t358 + t361;
-    let t363 = t354 + t362;
-    let t364 = sin_delta * t363;
-    let t365 = t53 * t115;
-    let t366 = omega_epsilon_y * 0.000805;
-    let t367 = t112 - t366;
-    let t368 = t365 + t367;
-    let t369 = cos_epsilon * t368;
-    let t370 = omega_epsilon_x * 0.008389994082000002;
-    let t371 = sin_epsilon * t370;
-    let t372 = t369 + t371;
-    let t373 = omega_delta_z * 0.005209999999999999;
-    let t374 = t373 + t372;
-    let t375 = 2.0 * omega_delta_x;
-    let t376 = t375 * t360;
-    let t377 = t374 + t376;
-    let t378 = t69 * t115;
-    let t379 = t112 + t378;
-    let t380 = cos_epsilon * t379;
-    let t381 = t69 * t345;
-    let t382 = t65 * t72;
-    let t383 = t381 - t382;
-    let t384 = sin_epsilon * t383;
-    let t385 = t380 + t384;
-    let t386 = omega_delta_z * 0.005995;
-    let t387 = t386 + t385;
-    let t388 = t387 - t377;
-    let t389 = cos_delta * t388;
-    let t390 = t364 - t389;
-    let t391 = sin_delta * t390;
-    let t392 = t362 - t391;
-    let t393 = omega_epsilon_z * 0.019904970806000004;
-    let t394 = sin_epsilon * t393;
-    let t395 = t394 - t357;
-    let t396 = t395 + t392;
-    let t397 = sin_beta_gamma * t396;
-    let t398 = cos_epsilon * t356;
-    let t399 = t350 - t398;
-    let t400 = t135 + t399;
-    let t401 = cos_epsilon * t393;
-    let t402 = 0.009952485403000002 * cos_epsilon;
-    let t403 = t359 * t402;
-    let t404 = t401 + t403;
-    let t405 = t400 + t404;
-    let t406 = cos_delta * t405;
-    let t407 = sin_epsilon * t368;
-    let t408 = cos_epsilon * t370;
-    let t409 = t407 - t408;
-    let t410 = omega_epsilon_x * 0.019904970806000004;
-    let t411 = t375 * t402;
-    let t412 = t410 + t411;
-    let t413 = t409 - t412;
-    let t414 = sin_delta * t413;
-    let t415 = t406 + t414;
-    let t416 = omega_gamma_z * 1.2583069346190003;
-    let t417 = t416 + t415;
-    let t418 = t351 + t398;
-    let t419 = omega_delta_y * 0.005209999999999999;
-    let t420 = t135 + t419;
-    let t421 = t420 + t418;
-    let t422 = cos_delta * t421;
-    let t423 = sin_epsilon * t379;
-    let t424 = cos_epsilon * t383;
-    let t425 = t423 - t424;
-    let t426 = omega_delta_x * 0.005995;
-    let t427 = t426 - t425;
-    let t428 = sin_delta * t427;
-    let t429 = t422 - t428;
-    let t430 = omega_gamma_z * 0.008315;
-    let t431 = t430 + t429;
-    let t432 = t417 - t431;
-    let t433 = cos_beta_gamma * t432;
-    let t434 = t397 - t433;
-    let t435 = cos_beta_gamma * t434;
-    let t436 = t417 + t435;
-    let t437 = sin_delta * t410;
-    let t438 = cos_delta * t401;
-    let t439 = t438 - t437;
-    let t440 = omega_gamma_z * 1.5837633996450005;
-    let t441 = t440 + t439;
-    let t442 = sin_beta_gamma * t441;
-    let t443 = cos_beta_gamma * t394;
-    let t444 = t442 + t443;
-    let t445 = t89 * t444;
-    let t446 = 0.7918816998225002 + t402;
-    let t447 = sin_beta_gamma * t446;
-    let t448 = cos_delta * t360;
-    let t449 = cos_beta_gamma * t448;
-    let t450 = t449 + t447;
-    let t451 = v[1] * t89;
-    let t452 = 2.0 * t451;
-    let t453 = t452 * t450;
-    let t454 = t445 + t453;
-    let t455 = t436 + t454;
-    let t456 = t218 * t102;
-    let t457 = v[2] * 0.00847987;
-    let t458 = t457 + t456;
-    let t459 = t458 + t455;
-    let t460 = v[0] * t459;
-    let t461 = t52 - 0.003312497041000001;
-    let t462 = sin_epsilon * t461;
-    let t463 = sin_epsilon * t462;
-    let t464 = t52 + 0.0008825;
-    let t465 = t464 - t463;
-    let t466 = 0.0026049999999999997 + t465;
-    let t467 = t52 - 0.0035685400000000003;
-    let t468 = t466 + t467;
-    let t469 = sin_delta * t468;
-    let t470 = cos_epsilon * t65;
-    let t471 = 2.0 * t470;
-    let t472 = cos_delta * t471;
-    let t473 = t469 - t472;
-    let t474 = sin_delta * t473;
-    let t475 = t466 - t474;
-    let t476 = 0.0041575 + t475;
-    let t477 = 0.004194997041000001 + t463;
-    let t478 = cos_epsilon * 0.019904970806000004;
-    let t479 = t477 + t478;
-    let t480 = 0.6291534673095002 + t479;
-    let t481 = t476 - t480;
-    let t482 = sin_beta_gamma * t481;
-    let t483 = cos_epsilon * t462;
-    let t484 = t360 - t483;
-    let t485 = cos_delta * t484;
-    let t486 = sin_epsilon * t65;
-    let t487 = sin_delta * t486;
-    let t488 = t485 - t487;
-    let t489 = 2.0 * t488;
-    let t490 = cos_beta_gamma * t489;
-    let t491 = t482 - t490;
-    let t492 = cos_beta_gamma * t491;
-    let t493 = t488 + t492;
-    let t494 = cos_beta_gamma * t446;
-    let t495 = sin_beta_gamma * t448;
-    let t496 = t495 - t494;
-    let t497 = t89 * t496;
-    let t498 = t86 * t450;
-    let t499 = t498 - t497;
-    let t500 = t493 - t499;
-    let t501 = t220 - t500;
-    let t502 = a[0] * t501;
-    let t503 = cos_delta * t473;
-    let t504 = t470 + t503;
-    let t505 = sin_beta_gamma * t504;
-    let t506 = sin_delta * t484;
-    let t507 = cos_delta * t486;
-    let t508 = t506 + t507;
-    let t509 = cos_beta_gamma * t508;
-    let t510 = t505 - t509;
-    m[0][2] = t510;
-    m[2][0] = t510;
-    let t511 = sin_delta * t360;
-    let t512 = t86 * t511;
-    let t513 = t510 - t512;
-    m[0][1] = t513;
-    m[1][0] = t513;
-    let t514 = t95 * t513;
-    let t515 = t502 - t514;
-    let t516 = 21.1145440844009 * t511;
-    let t517 = t516 + t515;
-    let t518 = t517 - t460;
-    let t519 = cos_beta_gamma * moment_gamma_x;
-    let t520 = sin_beta_gamma * moment_gamma_y;
-    let t521 = t519 - t520;
-    let t522 = t86 * force_gamma_z;
-    let t523 = t521 + t522;
-    let t524 = t270 * t103;
-    let t525 = a[0] * t220;
-    let t526 = t525 + t524;
-    let t527 = v[0] * t457;
-    let t528 = t526 + t527;
-    let moment_beta_x = t528 + t523;
-    let t530 = moment_beta_x + t518;
-    d_dy[0][1] = t530;
-    let t531 = t354 - t391;
-    let t532 = t392 - t531;
-    let t533 = omega_gamma_x * t532;
-    let t534 = omega_gamma_y * t431;
-    let t535 = t533 + t534;
-    let t536 = t467 - t474;
+    let [cos_beta, sin_delta, cos_delta, sin_epsilon, cos_epsilon, sin_beta_gamma,
+    cos_beta_gamma, omega_gamma_y, omega_gamma_z, t15, omega_gamma_x, t23, omega_delta_z,
+    omega_delta_y, omega_delta_x, t37, t42, omega_epsilon_x, omega_epsilon_z, t52, t53,
+    omega_epsilon_y, t65, t69, t72, moment_epsilon_y, t82, t84, t86, t89, t95,
+    acceleration_gamma_x, t102, acceleration_delta_y, t122, t127, moment_zeta_x,
+    moment_epsilon_x, moment_delta_x, force_epsilon_z, acceleration_delta_x,
+    acceleration_gamma_y, t152, acceleration_delta_z, moment_zeta_y, moment_delta_y,
+    force_epsilon_x, t176, force_epsilon_y, force_delta_x, t186, moment_gamma_x,
+    moment_gamma_y, t218, t220, t229, t233, force_gamma_x, force_gamma_y, t270, t281,
+    t286, t290, t293, t299, t304, t308, t314, t320, t324, t330, t334, t340, t344, t345,
+    t346, t348, t350, t351, t354, t357, t358, t359, t360, t361, t365, t368, t370, t372,
+    t374, t375, t376, t377, t378, t379, t382, t383, t387, t390, t392, t393, t394, t395,
+    t400, t401, t402, t403, t405, t409, t410, t411, t413, t417, t421, t427, t429, t434,
+    t441, t444, t446, t448, t450, t452, t464, t466, t467, t470, t476, t477, t480, t483,
+    t486, t488, t491, t496, t501, t504, t508, t510, t511, t513, t530, t531, t535, t536,
+    ] = {
+        let angle_beta_gamma = y[1] + y[2];
+        let (
+            [sin_beta,
+            sin_delta,
+            sin_epsilon,
+            sin_zeta,
+            ],
+            [cos_beta,
+            cos_delta,
+            cos_epsilon,
+            cos_zeta,
+            ],
+        ) = math::sin_cos_4(y[1], y[3], y[4], y[5]);
+        let (sin_beta_gamma, cos_beta_gamma) = math::sin_cos(angle_beta_gamma);
+        let omega_gamma_y = v[0] * cos_beta_gamma;
+        let omega_gamma_z = v[1] + v[2];
+        let t13 = 2.0 * omega_gamma_z;
+        let t14 = omega_gamma_y * t13;
+        let t15 = a[0] * sin_beta_gamma;
+        let t16 = t15 + t14;
+        let t17 = cos_delta * t16;
+        let omega_gamma_x = v[0] * sin_beta_gamma;
+        let t19 = omega_gamma_x * omega_gamma_y;
+        let t20 = a[1] + a[2];
+        let t21 = t20 - t19;
+        let t22 = sin_delta * t21;
+        let t23 = t22 - t17;
+        let omega_delta_z = v[3] + omega_gamma_y;
+        let t25 = 2.0 * omega_delta_z;
+        let t26 = sin_delta * omega_gamma_x;
+        let t27 = cos_delta * omega_gamma_z;
+        let omega_delta_y = t26 + t27;
+        let t29 = omega_delta_y * t25;
+        let t30 = t23 + t29;
+        let t31 = sin_epsilon * t30;
+        let t32 = cos_delta * omega_gamma_x;
+        let t33 = sin_delta * omega_gamma_z;
+        let omega_delta_x = t32 - t33;
+        let t35 = omega_delta_x * omega_delta_y;
+        let t36 = omega_gamma_z * omega_gamma_x;
+        let t37 = a[0] * cos_beta_gamma;
+        let t38 = t37 - t36;
+        let t39 = a[3] + t38;
+        let t40 = t39 + t35;
+        let t41 = cos_epsilon * t40;
+        let t42 = t41 + t31;
+        let t43 = cos_epsilon * omega_delta_x;
+        let t44 = sin_epsilon * omega_delta_z;
+        let omega_epsilon_x = t43 + t44;
+        let omega_epsilon_z = v[4] + omega_delta_y;
+        let t47 = omega_epsilon_x * omega_epsilon_z;
+        let t48 = t42 - t47;
+        let t49 = a[5] + t48;
+        let t50 = t47 - t49;
+        let t51 = sin_zeta * 9.103999999999991e-5;
+        let t52 = sin_zeta * t51;
+        let t53 = 0.00048000000000000007 + t52;
+        let t54 = t53 * t50;
+        let t55 = sin_epsilon * omega_delta_x;
+        let t56 = cos_epsilon * omega_delta_z;
+        let omega_epsilon_y = t55 - t56;
+        let omega_zeta_z = v[5] - omega_epsilon_y;
+        let t59 = omega_zeta_z * omega_zeta_z;
+        let t60 = omega_epsilon_x * omega_epsilon_x;
+        let t61 = t60 + t59;
+        let t62 = omega_epsilon_z * omega_epsilon_z;
+        let t63 = t62 + t59;
+        let t64 = t63 - t61;
+        let t65 = cos_zeta * t51;
+        let t66 = t65 * t64;
+        let t67 = t66 + t54;
+        let t68 = t47 + t49;
+        let t69 = 0.00057104 - t52;
+        let t70 = t69 * t68;
+        let moment_zeta_z = t67 - t70;
+        let t72 = 2.0 * omega_epsilon_z;
+        let t73 = omega_epsilon_x * t72;
+        let t74 = t42 - t73;
+        let t75 = 0.0004025 * t74;
+        let t76 = a[5] * 0.000255;
+        let t77 = t75 + t76;
+        let moment_epsilon_y = moment_zeta_z - t77;
+        let t79 = sin_epsilon * moment_epsilon_y;
+        let t80 = cos_epsilon * t30;
+        let t81 = sin_epsilon * t40;
+        let t82 = t81 - t80;
+        let t83 = omega_epsilon_y * t72;
+        let t84 = t82 - t83;
+        let t85 = 0.004194997041000001 * t84;
+        let t86 = 0.3875551727850145 * cos_beta;
+        let t87 = v[1] * v[1];
+        let t88 = t86 * t87;
+        let t89 = 0.3875551727850145 * sin_beta;
+        let t90 = a[1] * t89;
+        let t91 = t90 + t88;
+        let t92 = 21.1145440844009 - t91;
+        let t93 = sin_beta_gamma * t92;
+        let t94 = a[1] * t86;
+        let t95 = v[0] * v[0];
+        let t96 = t95 + t87;
+        let t97 = t89 * t96;
+        let t98 = t97 - t94;
+        let t99 = cos_beta_gamma * t98;
+        let acceleration_gamma_x = t99 + t93;
+        let t101 = sin_delta * acceleration_gamma_x;
+        let t102 = v[1] * 2.0;
+        let t103 = v[0] * t102;
+        let t104 = t86 * t103;
+        let t105 = a[0] * t89;
+        let acceleration_gamma_z = t105 + t104;
+        let t107 = cos_delta * acceleration_gamma_z;
+        let t108 = t101 + t107;
+        let acceleration_delta_y = t108 - t23;
+        let t110 = 0.009952485403000002 * acceleration_delta_y;
+        let t111 = t110 + t85;
+        let t112 = v[5] * 0.000255;
+        let t113 = omega_epsilon_z * t112;
+        let t114 = t111 - t113;
+        let t115 = 2.0 * omega_zeta_z;
+        let t116 = omega_epsilon_z * t115;
+        let t117 = t84 - t116;
+        let t118 = t69 * t117;
+        let t119 = omega_epsilon_x * t115;
+        let t120 = sin_delta * t16;
+        let t121 = cos_delta * t21;
+        let t122 = t121 + t120;
+        let t123 = omega_delta_x * omega_delta_z;
+        let t124 = t122 + t123;
+        let t125 = a[4] + t124;
+        let t126 = omega_epsilon_x * omega_epsilon_y;
+        let t127 = t125 + t126;
+        let t128 = t127 + t119;
+        let t129 = t65 * t128;
+        let moment_zeta_x = t129 - t118;
+        let moment_epsilon_x = moment_zeta_x - t114;
+        let t132 = cos_epsilon * moment_epsilon_x;
+        let t133 = t132 - t79;
+        let t134 = 0.0029975 * t30;
+        let t135 = v[4] * 0.00101;
+        let t136 = omega_delta_z * t135;
+        let t137 = t134 - t136;
+        let moment_delta_x = t137 + t133;
+        let force_epsilon_z = 0.009952485403000002 * t84;
+        let t140 = force_epsilon_z - moment_delta_x;
+        let t141 = cos_delta * t140;
+        let t142 = cos_delta * acceleration_gamma_x;
+        let t143 = sin_delta * acceleration_gamma_z;
+        let t144 = t142 - t143;
+        let acceleration_delta_x = t144 - t122;
+        let t146 = cos_epsilon * acceleration_delta_x;
+        let t147 = cos_beta_gamma * t92;
+        let t148 = sin_beta_gamma * t98;
+        let acceleration_gamma_y = t148 - t147;
+        let t150 = omega_gamma_x * omega_gamma_x;
+        let t151 = omega_gamma_z * omega_gamma_z;
+        let t152 = t150 + t151;
+        let acceleration_delta_z = acceleration_gamma_y + t152;
+        let t154 = sin_epsilon * acceleration_delta_z;
+        let acceleration_epsilon_x = t146 - t154;
+        let t156 = 0.009952485403000002 * acceleration_epsilon_x;
+        let t157 = 0.004194997041000001 * t127;
+        let t158 = t125 - t126;
+        let t159 = 0.0004025 * t158;
+        let t160 = t159 + t157;
+        let t161 = t156 - t160;
+        let t162 = omega_epsilon_x * t112;
+        let t163 = t161 - t162;
+        let t164 = t65 * t117;
+        let t165 = t53 * t128;
+        let moment_zeta_y = t164 - t165;
+        let moment_epsilon_z = moment_zeta_y + t163;
+        let t168 = omega_delta_x * t25;
+        let t169 = t122 + t168;
+        let t170 = 0.0026049999999999997 * t169;
+        let t171 = a[4] * 0.00101;
+        let t172 = t170 + t171;
+        let moment_delta_y = t172 - moment_epsilon_z;
+        let force_epsilon_x = 0.009952485403000002 * t127;
+        let t175 = cos_epsilon * force_epsilon_x;
+        let t176 = t60 + t62;
+        let force_epsilon_y = 0.009952485403000002 * t176;
+        let t178 = sin_epsilon * force_epsilon_y;
+        let force_delta_x = t175 - t178;
+        let t180 = force_delta_x + moment_delta_y;
+        let t181 = sin_delta * t180;
+        let t182 = t141 + t181;
+        let t183 = 0.6291534673095002 * t16;
+        let t184 = 0.7918816998225002 * acceleration_gamma_z;
+        let t185 = t184 + t183;
+        let t186 = v[3] * 0.001515;
+        let t187 = omega_gamma_z * t186;
+        let t188 = t185 - t187;
+        let moment_gamma_x = t188 + t182;
+        let t190 = sin_beta_gamma * moment_gamma_x;
+        let t191 = cos_epsilon * moment_epsilon_y;
+        let t192 = sin_epsilon * moment_epsilon_x;
+        let t193 = t192 + t191;
+        let t194 = 0.0029975 * t40;
+        let t195 = t39 - t35;
+        let t196 = 0.0026049999999999997 * t195;
+        let t197 = t196 + t194;
+        let t198 = omega_delta_x * t135;
+        let t199 = t197 - t198;
+        let moment_delta_z = t199 - t193;
+        let t201 = omega_gamma_x * t13;
+        let t202 = t37 - t201;
+        let t203 = 0.0041575 * t202;
+        let t204 = a[3] * 0.001515;
+        let t205 = t203 + t204;
+        let moment_gamma_y = t205 + moment_delta_z;
+        let t207 = cos_beta_gamma * moment_gamma_y;
+        let t208 = t190 + t207;
+        let t209 = sin_delta * force_delta_x;
+        let t210 = cos_delta * force_epsilon_z;
+        let t211 = t209 + t210;
+        let t212 = 0.7918816998225002 * t16;
+        let force_gamma_z = t212 + t211;
+        let t214 = t89 * force_gamma_z;
+        let t215 = t208 + t214;
+        let t216 = cos_beta * 0.28909494;
+        let t217 = cos_beta * t216;
+        let t218 = 0.292121275 - t217;
+        let t219 = a[0] * t218;
+        let t220 = sin_beta * t216;
+        let t221 = t220 * t103;
+        let t222 = t221 + t219;
+        let moment_beta_y = t222 + t215;
+        let t224 = a[0] * 0.015131164999999999;
+        let moment_alpha_z = t224 + moment_beta_y;
+        let t226 = a[0] * 1.36525907;
+        let t227 = t226 + moment_alpha_z;
+        let t228 = v[0] * 20.0;
+        let t229 = math::tanh(t228);
+        let t230 = t229 * 10.0;
+        let t231 = v[0] * 60.0;
+        let t232 = t231 + t230;
+        let t233 = t227 + t232;
+        b_u[0] = t233;
+        let t234 = sin_delta * t140;
+        let t235 = cos_delta * t180;
+        let t236 = t234 - t235;
+        let t237 = 0.7918816998225002 * acceleration_gamma_x;
+        let t238 = 0.6291534673095002 * t21;
+        let t239 = t20 + t19;
+        let t240 = 0.0041575 * t239;
+        let t241 = t240 + t238;
+        let t242 = t237 - t241;
+        let t243 = omega_gamma_x * t186;
+        let t244 = t242 - t243;
+        let moment_gamma_z = t244 + t236;
+        let t246 = cos_delta * force_delta_x;
+        let t247 = sin_delta * force_epsilon_z;
+        let t248 = t246 - t247;
+        let t249 = 0.7918816998225002 * t21;
+        let force_gamma_x = t249 + t248;
+        let t251 = cos_beta_gamma * force_gamma_x;
+        let t252 = sin_epsilon * force_epsilon_x;
+        let t253 = cos_epsilon * force_epsilon_y;
+        let force_delta_z = t252 + t253;
+        let t255 = 0.7918816998225002 * t152;
+        let force_gamma_y = t255 + force_delta_z;
+        let t257 = sin_beta_gamma * force_gamma_y;
+        let t258 = t251 - t257;
+        let t259 = t86 * t258;
+        let t260 = sin_beta_gamma * force_gamma_x;
+        let t261 = cos_beta_gamma * force_gamma_y;
+        let t262 = t260 + t261;
+        let t263 = t89 * t262;
+        let t264 = t263 + t259;
+        let t265 = moment_gamma_z - t264;
+        let t266 = a[1] * t218;
+        let t267 = t87 - t96;
+        let t268 = t220 * t267;
+        let t269 = t268 + t266;
+        let t270 = 0.0030263349999999994 + t217;
+        let t271 = a[1] * t270;
+        let t272 = t269 + t271;
+        let t273 = sin_beta * 15.9469662177;
+        let t274 = t273 - t272;
+        let t275 = a[2] * 0.00847987;
+        let t276 = t274 - t275;
+        let moment_beta_z = t276 + t265;
+        let t278 = a[1] * 1.36525907;
+        let t279 = t278 - moment_beta_z;
+        let t280 = v[1] * 5.0;
+        let t281 = math::tanh(t280);
+        let t282 = t281 * 3.924;
+        let t283 = v[1] * 76.556;
+        let t284 = t283 + t282;
+        let t285 = v[1] * 10.0;
+        let t286 = math::tanh(t285);
+        let t287 = t286 * 10.838;
+        let t288 = t284 + t287;
+        let t289 = v[1] * 20.0;
+        let t290 = math::tanh(t289);
+        let t291 = t290 * 2.236;
+        let t292 = t288 + t291;
+        let t293 = t279 + t292;
+        b_u[1] = t293;
+        let t294 = a[2] * 1.36525907;
+        let t295 = a[1] * 0.00847987;
+        let t296 = t295 + t294;
+        let t297 = t296 - moment_gamma_z;
+        let t298 = v[2] * 5.0;
+        let t299 = math::tanh(t298);
+        let t300 = t299 * 0.368;
+        let t301 = v[2] * 56.231;
+        let t302 = t301 + t300;
+        let t303 = v[2] * 10.0;
+        let t304 = math::tanh(t303);
+        let t305 = 0.368 * t304;
+        let t306 = t302 + t305;
+        let t307 = v[2] * 100.0;
+        let t308 = math::tanh(t307);
+        let t309 = t308 * 8.342;
+        let t310 = t306 + t309;
+        let t311 = sign(v[2]);
+        let t312 = t311 * 0.492;
+        let t313 = t310 + t312;
+        let t314 = t297 + t313;
+        b_u[2] = t314;
+        let t315 = t38 * 0.001515;
+        let t316 = a[3] * 0.153015;
+        let t317 = t316 + t315;
+        let t318 = t317 + moment_delta_z;
+        let t319 = v[3] * 20.0;
+        let t320 = math::tanh(t319);
+        let t321 = 2.0 * t320;
+        let t322 = v[3] * 10.0;
+        let t323 = t322 + t321;
+        let t324 = t318 + t323;
+        b_u[3] = t324;
+        let t325 = t124 * 0.00101;
+        let t326 = a[4] * 0.10201;
+        let t327 = t326 + t325;
+        let t328 = t327 - moment_epsilon_z;
+        let t329 = v[4] * 20.0;
+        let t330 = math::tanh(t329);
+        let t331 = t330 * 1.5;
+        let t332 = v[4] * 8.0;
+        let t333 = t332 + t331;
+        let t334 = t328 + t333;
+        b_u[4] = t334;
+        let t335 = t48 * 0.000255;
+        let t336 = a[5] * 0.013005000000000001;
+        let t337 = t336 + t335;
+        let t338 = moment_zeta_z - t337;
+        let t339 = v[5] * 20.0;
+        let t340 = math::tanh(t339);
+        let t341 = t340 * 0.4;
+        let t342 = v[5] * 2.0;
+        let t343 = t342 + t341;
+        let t344 = t338 - t343;
+        let t345 = 2.0 * omega_epsilon_x;
+        let t346 = t65 * t345;
+        let t347 = t53 * t72;
+        let t348 = t346 - t347;
+        let t349 = omega_epsilon_z * 0.000805;
+        let t350 = t349 - t348;
+        let t351 = omega_epsilon_z * 0.008389994082000002;
+        let t352 = t351 - t350;
+        let t353 = cos_epsilon * t352;
+        let t354 = t65 * t115;
+        let t355 = sin_epsilon * t354;
+        let t356 = t355 - t353;
+        let t357 = sin_epsilon * t356;
+        let t358 = t354 - t357;
+        let t359 = 2.0 * omega_delta_y;
+        let t360 = 0.009952485403000002 * sin_epsilon;
+        let t361 = t359 * t360;
+        let t362 = t358 + t361;
+        let t363 = t354 + t362;
+        let t364 = sin_delta * t363;
+        let t365 = t53 * t115;
+        let t366 = omega_epsilon_y * 0.000805;
+        let t367 = t112 - t366;
+        let t368 = t365 + t367;
+        let t369 = cos_epsilon * t368;
+        let t370 = omega_epsilon_x * 0.008389994082000002;
+        let t371 = sin_epsilon * t370;
+        let t372 = t369 + t371;
+        let t373 = omega_delta_z * 0.005209999999999999;
+        let t374 = t373 + t372;
+        let t375 = 2.0 * omega_delta_x;
+        let t376 = t375 * t360;
+        let t377 = t374 + t376;
+        let t378 = t69 * t115;
+        let t379 = t112 + t378;
+        let t380 = cos_epsilon * t379;
+        let t381 = t69 * t345;
+        let t382 = t65 * t72;
+        let t383 = t381 - t382;
+        let t384 = sin_epsilon * t383;
+        let t385 = t380 + t384;
+        let t386 = omega_delta_z * 0.005995;
+        let t387 = t386 + t385;
+        let t388 = t387 - t377;
+        let t389 = cos_delta * t388;
+        let t390 = t364 - t389;
+        let t391 = sin_delta * t390;
+        let t392 = t362 - t391;
+        let t393 = omega_epsilon_z * 0.019904970806000004;
+        let t394 = sin_epsilon * t393;
+        let t395 = t394 - t357;
+        let t396 = t395 + t392;
+        let t397 = sin_beta_gamma * t396;
+        let t398 = cos_epsilon * t356;
+        let t399 = t350 - t398;
+        let t400 = t135 + t399;
+        let t401 = cos_epsilon * t393;
+        let t402 = 0.009952485403000002 * cos_epsilon;
+        let t403 = t359 * t402;
+        let t404 = t401 + t403;
+        let t405 = t400 + t404;
+        let t406 = cos_delta * t405;
+        let t407 = sin_epsilon * t368;
+        let t408 = cos_epsilon * t370;
+        let t409 = t407 - t408;
+        let t410 = omega_epsilon_x * 0.019904970806000004;
+        let t411 = t375 * t402;
+        let t412 = t410 + t411;
+        let t413 = t409 - t412;
+        let t414 = sin_delta * t413;
+        let t415 = t406 + t414;
+        let t416 = omega_gamma_z * 1.2583069346190003;
+        let t417 = t416 + t415;
+        let t418 = t351 + t398;
+        let t419 = omega_delta_y * 0.005209999999999999;
+        let t420 = t135 + t419;
+        let t421 = t420 + t418;
+        let t422 = cos_delta * t421;
+        let t423 = sin_epsilon * t379;
+        let t424 = cos_epsilon * t383;
+        let t425 = t423 - t424;
+        let t426 = omega_delta_x * 0.005995;
+        let t427 = t426 - t425;
+        let t428 = sin_delta * t427;
+        let t429 = t422 - t428;
+        let t430 = omega_gamma_z * 0.008315;
+        let t431 = t430 + t429;
+        let t432 = t417 - t431;
+        let t433 = cos_beta_gamma * t432;
+        let t434 = t397 - t433;
+        let t435 = cos_beta_gamma * t434;
+        let t436 = t417 + t435;
+        let t437 = sin_delta * t410;
+        let t438 = cos_delta * t401;
+        let t439 = t438 - t437;
+        let t440 = omega_gamma_z * 1.5837633996450005;
+        let t441 = t440 + t439;
+        let t442 = sin_beta_gamma * t441;
+        let t443 = cos_beta_gamma * t394;
+        let t444 = t442 + t443;
+        let t445 = t89 * t444;
+        let t446 = 0.7918816998225002 + t402;
+        let t447 = sin_beta_gamma * t446;
+        let t448 = cos_delta * t360;
+        let t449 = cos_beta_gamma * t448;
+        let t450 = t449 + t447;
+        let t451 = v[1] * t89;
+        let t452 = 2.0 * t451;
+        let t453 = t452 * t450;
+        let t454 = t445 + t453;
+        let t455 = t436 + t454;
+        let t456 = t218 * t102;
+        let t457 = v[2] * 0.00847987;
+        let t458 = t457 + t456;
+        let t459 = t458 + t455;
+        let t460 = v[0] * t459;
+        let t461 = t52 - 0.003312497041000001;
+        let t462 = sin_epsilon * t461;
+        let t463 = sin_epsilon * t462;
+        let t464 = t52 + 0.0008825;
+        let t465 = t464 - t463;
+        let t466 = 0.0026049999999999997 + t465;
+        let t467 = t52 - 0.0035685400000000003;
+        let t468 = t466 + t467;
+        let t469 = sin_delta * t468;
+        let t470 = cos_epsilon * t65;
+        let t471 = 2.0 * t470;
+        let t472 = cos_delta * t471;
+        let t473 = t469 - t472;
+        let t474 = sin_delta * t473;
+        let t475 = t466 - t474;
+        let t476 = 0.0041575 + t475;
+        let t477 = 0.004194997041000001 + t463;
+        let t478 = cos_epsilon * 0.019904970806000004;
+        let t479 = t477 + t478;
+        let t480 = 0.6291534673095002 + t479;
+        let t481 = t476 - t480;
+        let t482 = sin_beta_gamma * t481;
+        let t483 = cos_epsilon * t462;
+        let t484 = t360 - t483;
+        let t485 = cos_delta * t484;
+        let t486 = sin_epsilon * t65;
+        let t487 = sin_delta * t486;
+        let t488 = t485 - t487;
+        let t489 = 2.0 * t488;
+        let t490 = cos_beta_gamma * t489;
+        let t491 = t482 - t490;
+        let t492 = cos_beta_gamma * t491;
+        let t493 = t488 + t492;
+        let t494 = cos_beta_gamma * t446;
+        let t495 = sin_beta_gamma * t448;
+        let t496 = t495 - t494;
+        let t497 = t89 * t496;
+        let t498 = t86 * t450;
+        let t499 = t498 - t497;
+        let t500 = t493 - t499;
+        let t501 = t220 - t500;
+        let t502 = a[0] * t501;
+        let t503 = cos_delta * t473;
+        let t504 = t470 + t503;
+        let t505 = sin_beta_gamma * t504;
+        let t506 = sin_delta * t484;
+        let t507 = cos_delta * t486;
+        let t508 = t506 + t507;
+        let t509 = cos_beta_gamma * t508;
+        let t510 = t505 - t509;
+        m[0][2] = t510;
+        m[2][0] = t510;
+        let t511 = sin_delta * t360;
+        let t512 = t86 * t511;
+        let t513 = t510 - t512;
+        m[0][1] = t513;
+        m[1][0] = t513;
+        let t514 = t95 * t513;
+        let t515 = t502 - t514;
+        let t516 = 21.1145440844009 * t511;
+        let t517 = t516 + t515;
+        let t518 = t517 - t460;
+        let t519 = cos_beta_gamma * moment_gamma_x;
+        let t520 = sin_beta_gamma * moment_gamma_y;
+        let t521 = t519 - t520;
+        let t522 = t86 * force_gamma_z;
+        let t523 = t521 + t522;
+        let t524 = t270 * t103;
+        let t525 = a[0] * t220;
+        let t526 = t525 + t524;
+        let t527 = v[0] * t457;
+        let t528 = t526 + t527;
+        let moment_beta_x = t528 + t523;
+        let t530 = moment_beta_x + t518;
+        d_dy[0][1] = t530;
+        let t531 = t354 - t391;
+        let t532 = t392 - t531;
+        let t533 = omega_gamma_x * t532;
+        let t534 = omega_gamma_y * t431;
+        let t535 = t533 + t534;
+        let t536 = t467 - t474;
+        [
+            cos_beta,
+            sin_delta,
+            cos_delta,
+            sin_epsilon,
+            cos_epsilon,
+            sin_beta_gamma,
+            cos_beta_gamma,
+            omega_gamma_y,
+            omega_gamma_z,
+            t15,
+            omega_gamma_x,
+            t23,
+            omega_delta_z,
+            omega_delta_y,
+            omega_delta_x,
+            t37,
+            t42,
+            omega_epsilon_x,
+            omega_epsilon_z,
+            t52,
+            t53,
+            omega_epsilon_y,
+            t65,
+            t69,
+            t72,
+            moment_epsilon_y,
+            t82,
+            t84,
+            t86,
+            t89,
+            t95,
+            acceleration_gamma_x,
+            t102,
+            acceleration_delta_y,
+            t122,
+            t127,
+            moment_zeta_x,
+            moment_epsilon_x,
+            moment_delta_x,
+            force_epsilon_z,
+            acceleration_delta_x,
+            acceleration_gamma_y,
+            t152,
+            acceleration_delta_z,
+            moment_zeta_y,
+            moment_delta_y,
+            force_epsilon_x,
+            t176,
+            force_epsilon_y,
+            force_delta_x,
+            t186,
+            moment_gamma_x,
+            moment_gamma_y,
+            t218,
+            t220,
+            t229,
+            t233,
+            force_gamma_x,
+            force_gamma_y,
+            t270,
+            t281,
+            t286,
+            t290,
+            t293,
+            t299,
+            t304,
+            t308,
+            t314,
+            t320,
+            t324,
+            t330,
+            t334,
+            t340,
+            t344,
+            t345,
+            t346,
+            t348,
+            t350,
+            t351,
+            t354,
+            t357,
+            t358,
+            t359,
+            t360,
+            t361,
+            t365,
+            t368,
+            t370,
+            t372,
+            t374,
+            t375,
+            t376,
+            t377,
+            t378,
+            t379,
+            t382,
+            t383,
+            t387,
+            t390,
+            t392,
+            t393,
+            t394,
+            t395,
+            t400,
+            t401,
+            t402,
+            t403,
+            t405,
+            t409,
+            t410,
+            t411,
+            t413,
+            t417,
+            t421,
+            t427,
+            t429,
+            t434,
+            t441,
+            t444,
+            t446,
+            t448,
+            t450,
+            t452,
+            t464,
+            t466,
+            t467,
+            t470,
+            t476,
+            t477,
+            t480,
+            t483,
+            t486,
+            t488,
+            t491,
+            t496,
+            t501,
+            t504,
+            t508,
+            t510,
+            t511,
+            t513,
+            t530,
+            t531,
+            t535,
+            t536,
+        ]
+    };
     let t537 = t536 - t476;
     let t538 = t15 * t537;
     let t539 = t37 * t488;

@@ -14,6 +14,10 @@ use crate::program::{Operation, Shape, cost};
 /// Up to so many instructions a function is offered to inlining in other crates: a call costs as much as they do.
 const INLINE_UP_TO: usize = 40;
 
+/// So many statements stay one block. Each `let` opens a scope within the last one, and with full debug information
+/// rustc 1.95 describes scopes recursively: 4 600 of them overflow its stack. Blocks cost nothing once optimized.
+const LONGEST_BLOCK: usize = 1000;
+
 /// The public function, its variant with results in place, then the private ones it is split into.
 pub(super) fn items(context: &Context<'_>, function: &Function, name: &Ident) -> Vec<TokenStream> {
     let mut body = Body::new(context, function);
@@ -95,12 +99,32 @@ fn public(
 /// All statements, each entry of the results stored as soon as it is known: fewer values are alive.
 fn storing_body(body: &Body<'_>) -> TokenStream {
     let constants = into::stores(body, |made| made.is_none());
-    let statements = body.statements(0..body.program.instructions.len());
-    quote!(#(#constants)* #(#statements)*)
+    let statements = blocks(body, |_| true);
+    quote!(#(#constants)* #statements)
+}
+
+/// The wanted statements, a long run of them as blocks that hand on what later ones read.
+pub(super) fn blocks(body: &Body<'_>, is_wanted: impl Fn(usize) -> bool) -> TokenStream {
+    let parts = split::parts(body.program, &body.flow, LONGEST_BLOCK);
+    let blocks = parts.iter().enumerate().map(|(index, part)| {
+        let statements = body.statements_among(part.range.clone(), &is_wanted);
+        let returns = part.returns.iter().filter(|&&value| is_wanted(value));
+        let returns: Vec<_> = returns.map(|&value| body.name(value)).collect();
+        match (index + 1 == parts.len(), returns.is_empty()) {
+            (true, _) => quote!(#(#statements)*),
+            (false, true) => quote!({ #(#statements)* }),
+            (false, false) => quote!(let [#(#returns),*] = { #(#statements)* [#(#returns),*] };),
+        }
+    });
+    quote!(#(#blocks)*)
 }
 
 /// All statements and the results.
 fn plain_body(body: &Body<'_>) -> TokenStream {
+    if body.program.instructions.len() > LONGEST_BLOCK {
+        let (statements, results) = (blocks(body, |_| true), body.returned());
+        return quote!(#statements #results);
+    }
     let mut statements = body.statements(0..body.program.instructions.len());
     if let Some(last) = returned_value(body)
         && let Some(value) = body.expression(body.program.instructions[last].operation)

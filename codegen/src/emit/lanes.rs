@@ -9,7 +9,7 @@ use quote::{format_ident, quote};
 
 use super::body::Body;
 use super::doc_comment::DocComment;
-use super::function::Signature;
+use super::function::{Signature, blocks};
 use super::math::{self, Math};
 use super::{Context, into, lints};
 use crate::program::flow::operands;
@@ -226,9 +226,7 @@ fn body_item(
     } else {
         constants
     };
-    let statements = body.statements_among(0..body.program.instructions.len(), |index| {
-        split.body.binary_search(&index).is_ok()
-    });
+    let statements = blocks(body, |index| split.body.binary_search(&index).is_ok());
     let documentation = DocComment::new(&format!("`{name}` from sines and cosines.")).tokens();
     let allowed = [
         lints::for_names(body.value_names().chain(&body.arguments).chain([name])),
@@ -242,7 +240,7 @@ fn body_item(
         #[inline(always)]
         #(#allowed)*
         fn #callee([#(#takes),*]: [#ty; #count], #(#inputs,)* #parameters #(#results),*) #arrow {
-            #(#constants)* #(#taken_results)* #(#statements)* #value
+            #(#constants)* #(#taken_results)* #statements #value
         }
     }
 }
