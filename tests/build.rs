@@ -4,6 +4,7 @@ use std::path::Path;
 use std::{env, fs};
 
 #[path = "src/table.rs"]
+#[allow(dead_code, reason = "the tests need all of it")]
 mod table;
 
 fn main() {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::diagnostic::Diagnostics;
 use crate::dynamics::catalogue;
 use crate::dynamics::function::Function;
+use crate::dynamics::size::MOST_OPERATIONS;
 use crate::emit::{self, EmitOptions, SourceFile};
 use crate::model::{self, Loaded, Model, ReadOptions};
 use crate::program::fuse_multiply_adds;
@@ -23,6 +24,8 @@ pub struct GenerateOptions {
     /// Contracts products and sums to fused multiply-adds, rounded once: faster where the processor has them, and
     /// compiled only there.
     pub fused_multiply_add: bool,
+    /// Operations of the largest function that is wanted; by default [`MOST_OPERATIONS`].
+    pub max_operations: Option<usize>,
     /// How the module is written.
     pub emit: EmitOptions,
 }
@@ -83,7 +86,11 @@ fn derive(model: &Model, options: &GenerateOptions) -> Result<Vec<Function>, Dia
         true => &model.options.functions,
         false => &options.functions,
     };
-    let mut functions = catalogue::derive(model, selection)?;
+    let mut functions = catalogue::derive(
+        model,
+        selection,
+        options.max_operations.unwrap_or(MOST_OPERATIONS),
+    )?;
     if options.fused_multiply_add {
         for function in &mut functions {
             function.program = fuse_multiply_adds(&function.program);

@@ -48,6 +48,35 @@ pub fn number<T: Scalar>(x: f64) -> T {
     T::from_f64(x)
 }
 
+/// A result to be written to.
+pub trait Blank {
+    /// NaN everywhere, so that an entry which is not written shows.
+    fn blank() -> Self;
+}
+
+impl Blank for f64 {
+    fn blank() -> Self {
+        Self::NAN
+    }
+}
+
+impl Blank for f32 {
+    fn blank() -> Self {
+        Self::NAN
+    }
+}
+
+impl<T: Blank, const N: usize> Blank for [T; N] {
+    fn blank() -> Self {
+        core::array::from_fn(|_| T::blank())
+    }
+}
+
+/// A result to be written to.
+pub fn blank<T: Blank>() -> T {
+    T::blank()
+}
+
 /// A result: a number, arrays of results, or a tuple of them.
 pub trait Flat {
     /// Appends all numbers in their order.

@@ -13,7 +13,9 @@ pub mod table;
 
 use std::path::{Path, PathBuf};
 
+use gelenk_codegen::dynamics::catalogue;
 use gelenk_codegen::dynamics::function::Function;
+use gelenk_codegen::dynamics::size::MOST_OPERATIONS;
 use gelenk_codegen::emit::{EmitOptions, Scalar};
 use gelenk_codegen::model::Model;
 use gelenk_codegen::pipeline::{GenerateOptions, Generated, generate};
@@ -91,7 +93,7 @@ impl Robot {
     /// Derives selected functions of a model.
     pub fn of_model(model: Model, selection: &[&str]) -> Self {
         let selection: Vec<String> = selection.iter().map(|name| (*name).to_owned()).collect();
-        let functions = gelenk_codegen::dynamics::catalogue::derive(&model, &selection)
+        let functions = catalogue::derive(&model, &selection, MOST_OPERATIONS)
             .unwrap_or_else(|problems| panic!("{problems}"));
         Self { model, functions }
     }

@@ -33,6 +33,21 @@ pub fn entry(name: &str, path: &str, text: &str) -> String {
     entry + "]),\n"
 }
 
+/// Names of the public functions of a module, in the order of its table.
+///
+/// # Panics
+/// Where the source is no Rust.
+pub fn functions(text: &str) -> Vec<String> {
+    let file = syn::parse_file(text).unwrap_or_else(|error| panic!("{error}"));
+    let names = file.items.iter().filter_map(|item| match item {
+        syn::Item::Fn(function) if matches!(function.vis, syn::Visibility::Public(_)) => {
+            Some(function.sig.ident.to_string())
+        }
+        _ => None,
+    });
+    names.collect()
+}
+
 /// Fields of `Parameters`, in order.
 fn parameters(file: &syn::File) -> Vec<String> {
     let structs = file.items.iter().filter_map(|item| match item {
@@ -52,6 +67,8 @@ fn call(path: &str, function: &syn::ItemFn, parameters: &[String]) -> String {
         syn::FnArg::Typed(argument) => Some(&*argument.ty),
         _ => None,
     });
+    // What the function writes to.
+    let mut results = Vec::new();
     let arguments: Vec<String> = types
         .enumerate()
         .map(|(index, ty)| match ty {
@@ -62,9 +79,21 @@ fn call(path: &str, function: &syn::ItemFn, parameters: &[String]) -> String {
                     .collect();
                 format!("&{path}::Parameters {{ {} }}", fields.join(", "))
             }
+            syn::Type::Reference(to) if to.mutability.is_some() => {
+                results.push(format!("r{index}"));
+                format!("&mut r{index}")
+            }
             _ => format!("&array(&x[{index}])"),
         })
         .collect();
-    let name = &function.sig.ident;
-    format!("flat(&{path}::{name}({}))", arguments.join(", "))
+    let call = format!("{path}::{}({})", function.sig.ident, arguments.join(", "));
+    if results.is_empty() {
+        return format!("flat(&{call})");
+    }
+    let blank: String = results
+        .iter()
+        .map(|r| format!("let mut {r} = blank(); "))
+        .collect();
+    let flat: Vec<String> = results.iter().map(|r| format!("flat(&{r})")).collect();
+    format!("{blank}{call}; [{}].concat()", flat.join(", "))
 }

@@ -125,6 +125,9 @@ pub(super) struct Choices {
     /// Contract products and sums to fused multiply-adds; the module then compiles only for processors that have them
     #[arg(long)]
     pub(super) fused_multiply_add: bool,
+    /// Generate functions of up to so many operations [default: 300000]
+    #[arg(long, value_name = "COUNT")]
+    pub(super) max_operations: Option<usize>,
 }
 
 /// Format of what is printed.

@@ -251,6 +251,7 @@ fn options(choices: &Choices, command: String) -> GenerateOptions {
         no_friction: choices.no_friction,
         ignore_mimic: choices.ignore_mimic,
         fused_multiply_add: choices.fused_multiply_add,
+        max_operations: choices.max_operations,
         emit: EmitOptions {
             scalar: choices.scalar.into(),
             command,
@@ -297,6 +298,9 @@ pub(super) fn command(
             .fused_multiply_add
             .then(|| "--fused-multiply-add".to_owned()),
     );
+    if let Some(most) = choices.max_operations {
+        words.push(format!("--max-operations {most}"));
+    }
     words.join(" ")
 }
 
@@ -409,6 +413,7 @@ mod tests {
             ignore_mimic: false,
             lanes: vec![],
             fused_multiply_add: false,
+            max_operations: None,
         };
         let command = command(
             Path::new("my robots/arm.urdf"),

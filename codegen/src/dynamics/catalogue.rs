@@ -4,6 +4,7 @@ use super::equations::{Equations, Formulations, Matrix};
 use super::forces;
 use super::function::Function;
 use super::newton_euler::MotionInput;
+use super::size;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::ScalarPose;
@@ -490,29 +491,43 @@ fn frame_name(frame: &Frame, quantity: &FrameQuantity) -> String {
 
 /// Derives the selected functions of a model; an empty selection means all, `frames` all functions of named frames.
 ///
+/// - `most`: operations of the largest function that is wanted, see [`size::MOST_OPERATIONS`]
+///
 /// # Errors
-/// `unknown-function` for each name that the model does not have.
-pub fn derive(model: &Model, selection: &[String]) -> Result<Vec<Function>, Diagnostics> {
+/// `unknown-function` for each name that the model does not have; `too-large` for functions beyond the limit.
+pub fn derive(
+    model: &Model,
+    selection: &[String],
+    most: usize,
+) -> Result<Vec<Function>, Diagnostics> {
     check_names(model, selection)?;
     let is_selected = |name: &str| {
         let frames =
             name.starts_with("frame_") && selection.iter().any(|selected| selected == "frames");
         selection.is_empty() || frames || selection.iter().any(|selected| selected == name)
     };
+    let quantities = QUANTITIES.iter().map(|quantity| quantity.name);
+    let wanted: Vec<&str> = quantities.filter(|name| is_selected(name)).collect();
+    size::check_before(model, &wanted, most)?;
     let formulations = Formulations::new(model);
-    let mut functions = Vec::new();
+    let mut functions: Vec<Function> = Vec::new();
+    let mut add = |function: Function| -> Result<(), Diagnostics> {
+        size::check(model, &function, most)?;
+        functions.push(function);
+        Ok(())
+    };
     for quantity in QUANTITIES
         .iter()
         .filter(|quantity| is_selected(quantity.name))
     {
-        functions.push(derive_quantity(model, &formulations, quantity));
+        add(derive_quantity(model, &formulations, quantity))?;
     }
     for frame in &model.frames {
         for quantity in FRAME_QUANTITIES
             .iter()
             .filter(|quantity| is_selected(&frame_name(frame, quantity)))
         {
-            functions.push(derive_frame(model, &formulations, frame, quantity));
+            add(derive_frame(model, &formulations, frame, quantity))?;
         }
     }
     Ok(functions)

@@ -13,3 +13,4 @@ pub mod frame_motion;
 pub mod function;
 pub mod newton_euler;
 pub mod placement;
+pub mod size;

@@ -134,6 +134,14 @@ impl Builder {
         self
     }
 
+    /// Generates functions of up to so many operations, instead of
+    /// [`MOST_OPERATIONS`](crate::dynamics::size::MOST_OPERATIONS).
+    #[must_use]
+    pub fn max_operations(mut self, count: usize) -> Self {
+        self.options.max_operations = Some(count);
+        self
+    }
+
     /// Shows no notes about the descriptions; by default each becomes a warning of Cargo.
     #[must_use]
     pub fn hide_notes(mut self) -> Self {
