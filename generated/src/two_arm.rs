@@ -5065,7 +5065,7 @@ pub fn forward_dynamics_derivatives_into(
     t155, t170, t179, t182, t194, t204, t205, t227, t230, t231, t237, t238, t240,
     inverse_d_right_shoulder, t246, t247, t248, t251, t259, t268, t271, t283, t293, t294,
     t316, t319, t320, t327, t329, inverse_d_left_shoulder, t336, t340, t347,
-    inverse_d_torso, acceleration_left_shoulder_x, t380, t385, t388, t391, t396, t399,
+    inverse_d_torso, acceleration_left_shoulder_x, t380, t391, t396, t399,
     force_left_elbow_y_2, t405, force_left_elbow_x_2, t416, t419, t420,
     moment_left_elbow_y_2, moment_left_wrist_x_2, moment_left_elbow_x_2, t475, t480,
     t482, t484, t486, t493, t495, t504] = {
@@ -5667,8 +5667,6 @@ pub fn forward_dynamics_derivatives_into(
             inverse_d_torso,
             acceleration_left_shoulder_x,
             t380,
-            t385,
-            t388,
             t391,
             t396,
             t399,

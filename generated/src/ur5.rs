@@ -4602,8 +4602,8 @@ pub fn forward_dynamics_derivatives_into(
     inverse_d_wrist_1_joint, t212, t216, t221, t238, t241, t244, t257, t259,
     inverse_d_elbow_joint, t266, t268, t273, t291, t294, t299, t302, t307, t320, t322,
     inverse_d_shoulder_lift_joint, t332, t334, t340, inverse_d_shoulder_pan_joint,
-    acceleration_shoulder_lift_joint_x, t377, t382, t389, t398, t407, t408, t410, t412,
-    t415, moment_wrist_2_joint_y_2, t428, t431, t436, t437, moment_wrist_3_joint_x_2,
+    acceleration_shoulder_lift_joint_x, t377, t382, t398, t408, t410, t412, t415,
+    moment_wrist_2_joint_y_2, t428, t431, t436, t437, moment_wrist_3_joint_x_2,
     moment_wrist_2_joint_x_2, moment_wrist_1_joint_x_2, moment_wrist_3_joint_y_2,
     moment_wrist_1_joint_y_2, moment_elbow_joint_x, moment_shoulder_lift_joint_x, t505,
     ] = {
@@ -5226,9 +5226,7 @@ pub fn forward_dynamics_derivatives_into(
             acceleration_shoulder_lift_joint_x,
             t377,
             t382,
-            t389,
             t398,
-            t407,
             t408,
             t410,
             t412,
@@ -5248,12 +5246,11 @@ pub fn forward_dynamics_derivatives_into(
             t505,
         ]
     };
-    let [t730, t798, t903, t957, t1009, t1012, t1015, t1018, t1021, t1024, t1029, t1034,
-    t1039, t1044, t1049, t1056, t1063, t1070, t1077, t1084, t1093, t1101, t1110, t1119,
-    t1128, t1137, t1145, t1154, t1163, t1172, t1208, t1213, t1226, t1239, t1255, t1270,
-    t1277, t1290, t1292, t1327, t1333, t1335, t1360, t1381, t1386, t1396, t1406, t1421,
-    t1431, t1435, t1437, t1439, t1460, t1462, t1467, t1469, t1486, t1489, t1492, t1495,
-    t1498, t1501, t1504] = {
+    let [t957, t1012, t1015, t1018, t1024, t1029, t1034, t1039, t1049, t1056, t1077,
+    t1093, t1101, t1110, t1128, t1163, t1208, t1213, t1226, t1239, t1255, t1270, t1277,
+    t1290, t1292, t1327, t1333, t1335, t1360, t1381, t1386, t1396, t1406, t1421, t1431,
+    t1435, t1437, t1439, t1460, t1462, t1467, t1469, t1486, t1489, t1492, t1495, t1498,
+    t1501, t1504] = {
         let t506 = t123 * t268;
         let t507 = t83 * t299;
         let t508 = t507 - t506;
@@ -6280,36 +6277,22 @@ pub fn forward_dynamics_derivatives_into(
         let t1504 = t1503 - t1502;
         da_dv[1][5] = t1504;
         [
-            t730,
-            t798,
-            t903,
             t957,
-            t1009,
             t1012,
             t1015,
             t1018,
-            t1021,
             t1024,
             t1029,
             t1034,
             t1039,
-            t1044,
             t1049,
             t1056,
-            t1063,
-            t1070,
             t1077,
-            t1084,
             t1093,
             t1101,
             t1110,
-            t1119,
             t1128,
-            t1137,
-            t1145,
-            t1154,
             t1163,
-            t1172,
             t1208,
             t1213,
             t1226,
