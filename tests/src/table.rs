@@ -19,9 +19,7 @@ pub fn entry(name: &str, path: &str, text: &str) -> String {
         let syn::Item::Fn(function) = item else {
             continue;
         };
-        // What writes into its arguments is called by the function of the same name that returns the results.
-        let returns = matches!(function.sig.output, syn::ReturnType::Type(..));
-        if returns && matches!(function.vis, syn::Visibility::Public(_)) {
+        if is_listed(function) {
             let call = call(path, function, &parameters);
             let _ = writeln!(
                 entry,
@@ -40,12 +38,17 @@ pub fn entry(name: &str, path: &str, text: &str) -> String {
 pub fn functions(text: &str) -> Vec<String> {
     let file = syn::parse_file(text).unwrap_or_else(|error| panic!("{error}"));
     let names = file.items.iter().filter_map(|item| match item {
-        syn::Item::Fn(function) if matches!(function.vis, syn::Visibility::Public(_)) => {
-            Some(function.sig.ident.to_string())
-        }
+        syn::Item::Fn(function) if is_listed(function) => Some(function.sig.ident.to_string()),
         _ => None,
     });
     names.collect()
+}
+
+/// Public functions with results. What writes into its arguments is called by the function of the same name that returns
+/// them.
+fn is_listed(function: &syn::ItemFn) -> bool {
+    matches!(function.vis, syn::Visibility::Public(_))
+        && matches!(function.sig.output, syn::ReturnType::Type(..))
 }
 
 /// Fields of `Parameters`, in order.

@@ -67,7 +67,7 @@ mod tests {
 
     #[test]
     fn the_slewing_drive_turns_with_its_gear() {
-        let input_matrix = Crane::default().input_matrix(&[0.0; 2]);
+        let input_matrix = Crane::default().input_matrix();
         assert_eq!(input_matrix, [[160.0, 0.0], [0.0, 1.0]]);
         assert_eq!(Crane::default().friction_torques(&[2.0, 0.0]), [6.0, 0.0]);
     }

@@ -224,6 +224,9 @@ const UNIT_RATIOS: [f64; 3] = [
     30.0 / std::f64::consts::PI,
 ];
 
+/// Smaller jumps, as a share of the channel's range, have any ratio near a zero crossing and say nothing of units.
+const LEAST_UNIT_JUMP: f64 = 0.1;
+
 fn check_jumps(channel: &Channel, rows: Range<usize>, findings: &mut Findings) {
     let x = &channel.values[rows.clone()];
     let Some(typical) = median(
@@ -249,10 +252,9 @@ fn check_jumps(channel: &Channel, rows: Range<usize>, findings: &mut Findings) {
             .is_none_or(|next| (next - x[i]).abs() < 0.2 * jump.abs());
         let name = Some(channel.name.as_str());
         let ratio = (x[i] / x[i - 1]).abs().max((x[i - 1] / x[i]).abs());
-        if let Some(unit) = UNIT_RATIOS
-            .iter()
-            .find(|u| stays && is_near(ratio, **u, 0.03))
-        {
+        if let Some(unit) = UNIT_RATIOS.iter().find(|u| {
+            stays && jump.abs() > LEAST_UNIT_JUMP * (high - low) && is_near(ratio, **u, 0.03)
+        }) {
             findings.add(rows.start + i, name, FindingKind::MixedUnits, || {
                 format!(
                     "from {} to {}: a factor of {ratio:.2}, close to {unit:.2} between two units",
