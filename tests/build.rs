@@ -1,5 +1,10 @@
 //! Lists the functions of `generated/` for the tests that call all of them.
 
+#![allow(
+    clippy::expect_used,
+    reason = "a build script of tests: what is missing ends it"
+)]
+
 use std::path::Path;
 use std::{env, fs};
 

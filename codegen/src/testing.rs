@@ -3,7 +3,7 @@
 use crate::formula::Formula;
 use crate::model::*;
 
-/// A row of modified Denavit–Hartenberg parameters: α [°], d, r [m].
+/// A row of modified Denavit–Hartenberg parameters: α [°], d, r (m).
 pub type Row = (f64, f64, f64);
 
 /// The geometry of the Stäubli RX-90 (Khalil and Dombre 2002).

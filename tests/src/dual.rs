@@ -30,7 +30,9 @@ pub fn evaluate<T: Number>(program: &Program, inputs: &[&[T]], parameters: &[f64
                 cosines[index] = Some(cosine);
                 sine
             }
-            Operation::CosineOf(pair) => cosines[pair].expect("a cosine follows its sine"),
+            Operation::CosineOf(pair) => {
+                cosines[pair].unwrap_or_else(|| panic!("a cosine follows its sine"))
+            }
             Operation::Call(function, a) => call(function, of(a)),
         };
         values.push(value);

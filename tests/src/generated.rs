@@ -1,5 +1,5 @@
 //! The robots of `generated/`, as compiled.
 
-use crate::flat::{Robot, array, blank, flat, number};
+use crate::flat::{Robot, array, flat, number};
 
 include!(concat!(env!("OUT_DIR"), "/table.rs"));

@@ -3,7 +3,7 @@
 use gelenk_codegen::formula::Formula;
 use gelenk_codegen::model::{Body, Joint, JointKind, Limits, Link, Model, Motion, Options, Pose};
 
-/// A row of modified Denavit–Hartenberg parameters: α [°], d, r [m].
+/// A row of modified Denavit–Hartenberg parameters: α [°], d, r (m).
 pub type Row = (f64, f64, f64);
 
 /// Two parallel axes.

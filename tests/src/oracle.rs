@@ -21,7 +21,7 @@ pub type Matrix<T> = [[T; 3]; 3];
 /// Where a link is and how it moves, all in axes of the base.
 #[derive(Debug, Clone, Copy)]
 pub struct LinkState<T> {
-    /// Origin [m].
+    /// Origin (m).
     pub origin: Vector<T>,
     /// Columns are the link's axes.
     pub rotation: Matrix<T>,

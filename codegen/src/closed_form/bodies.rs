@@ -31,9 +31,9 @@ pub(super) struct MovingBody {
 /// A rigid mass in a body's frame.
 #[derive(Debug, Clone)]
 pub(super) struct Mass {
-    /// Mass [kg].
+    /// Mass (kg).
     pub mass: Formula,
-    /// Centre of mass [m].
+    /// Centre of mass (m).
     pub center: [Formula; 3],
     /// About the centre: xx, xy, xz, yy, yz, zz [kg m²].
     pub inertia: [Formula; 6],

@@ -58,7 +58,7 @@ pub struct BodyChoices {
     pub regroup: RegroupChoice,
     /// Alignment of a leaf's frame.
     pub leaf: LeafAlignment,
-    /// Unit of length of forces and accelerations [m].
+    /// Unit of length of forces and accelerations (m).
     pub length_unit: f64,
 }
 

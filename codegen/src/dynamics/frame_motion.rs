@@ -11,7 +11,7 @@ use crate::kinematics::{JointAxis, Mechanism, ScalarPose, rotate};
 /// A pose over the graph: origin, and the frame's axes as columns.
 #[derive(Debug, Clone, Copy)]
 pub struct FramePose<'g> {
-    /// Origin in the base frame [m].
+    /// Origin in the base frame (m).
     pub origin: Vector3<'g>,
     /// Axes x, y, z in the base frame.
     pub axes: [Vector3<'g>; 3],

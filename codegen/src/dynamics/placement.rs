@@ -13,7 +13,7 @@ pub type Turn<'g> = (Scalar<'g>, Scalar<'g>);
 pub struct Placement<'g> {
     /// Turn about z from the parent's working frame, after the twist; `None` where the frames coincide.
     pub turn: Option<Turn<'g>>,
-    /// Origin in the parent's working frame [m].
+    /// Origin in the parent's working frame (m).
     pub translation: Vector3<'g>,
     /// Displacement along z: constant for revolute joints, with the coordinate for prismatic ones.
     pub extension: Scalar<'g>,

@@ -509,7 +509,7 @@ fn inputs(model: &Model, len: usize) -> String {
     }))
 }
 
-/// `a, b [rad], c [m]`: neighbours with one unit share it.
+/// `a, b (rad), c (m)`: neighbours with one unit share it.
 fn list<'a>(entries: impl Iterator<Item = (&'a str, &'a str)>) -> String {
     let entries: Vec<_> = entries.collect();
     let shown = entries.iter().enumerate().map(|(i, (name, unit))| {

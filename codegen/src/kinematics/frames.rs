@@ -19,7 +19,7 @@ const PARALLEL: f64 = 1e-12;
 /// there would lose digits (a vendor's 1.5708 for 90° puts it kilometres away).
 const NEARLY_PARALLEL: f64 = 1e-2;
 
-/// Lengths below this are rounding [m].
+/// Lengths below this are rounding (m).
 const ROUNDING: f64 = 1e-14;
 
 /// A frame in the described frame of its body; `None` where the tree leaves it free.

@@ -13,7 +13,7 @@ use crate::model;
 /// the three moments of mass on a joint's axis are simply m, h_z and Σ_zz.
 #[derive(Debug, Clone, Copy)]
 pub struct MassMoments<'g> {
-    /// Mass m [kg].
+    /// Mass m (kg).
     pub mass: Scalar<'g>,
     /// First moment h = m c [kg m].
     pub first: Vector3<'g>,
@@ -249,7 +249,7 @@ fn second_only(moments: MassMoments<'_>) -> MassMoments<'_> {
     }
 }
 
-/// Balancing over a shorter lever [m] takes masses so large that digits are lost.
+/// Balancing over a shorter lever (m) takes masses so large that digits are lost.
 pub const SHORTEST_LEVER: f64 = 1e-3;
 
 /// Shifts mass between a revolute joint's origin and its parent until the parent's h_x vanishes.

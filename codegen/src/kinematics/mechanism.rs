@@ -48,7 +48,7 @@ pub struct Body<'g> {
     pub offset: Angle,
     /// Moments of its mass, in this body's unit of length.
     pub moments: MassMoments<'g>,
-    /// Unit of length [m] in which forces, accelerations, masses and the children's translations are expressed.
+    /// Unit of length (m) in which forces, accelerations, masses and the children's translations are expressed.
     pub length_unit: f64,
     /// The parent's unit of length over this one; 1 where the base carries the joint.
     pub unit_ratio: f64,
@@ -68,7 +68,7 @@ pub enum JointAxis {
 pub struct Angle {
     /// Quarter turns, 0 to 3.
     pub quarters: u8,
-    /// The rest [rad].
+    /// The rest (rad).
     pub remainder: f64,
 }
 
@@ -224,7 +224,7 @@ impl std::ops::Add for Angle {
 }
 
 impl<'g> Mechanism<'g> {
-    /// Gives each body its own unit of length [m], so that one length in it becomes 1: moments of force keep their
+    /// Gives each body its own unit of length (m), so that one length in it becomes 1: moments of force keep their
     /// values, forces and accelerations scale. Only where every joint is revolute.
     pub fn in_length_units(mut self, units: &[f64]) -> Self {
         for (body, &unit) in self.bodies.iter_mut().zip(units) {

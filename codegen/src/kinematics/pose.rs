@@ -14,7 +14,7 @@ const ROTATION_ROUNDING: f64 = 1e-14;
 pub struct ScalarPose<'g> {
     /// Rotation matrix; its columns are the frame's axes.
     pub rotation: Matrix3<f64>,
-    /// Origin [m].
+    /// Origin (m).
     pub translation: Vector3<'g>,
 }
 
