@@ -26929,7 +26929,10 @@ mod math {
     // Never inlined: among scalar code the compiler would undo the lanes.
 
     /// Sines and cosines of 8 angles, the same bits as [`sin_cos`] of each.
-    #[allow(clippy::too_many_arguments, reason = "an array would pass through memory")]
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "an array would pass through memory"
+    )]
     #[inline(never)]
     pub fn sin_cos_8(
         a: f64,
