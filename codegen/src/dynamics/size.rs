@@ -9,7 +9,7 @@ use crate::model::Model;
 use crate::program::cost::count;
 
 /// Operations up to which a function is generated, unless more are asked for: `linearize` of 30 joints takes two thirds
-/// of it, and rustc about a minute for it.
+/// of it; how long rustc takes for it is not measured yet.
 pub const MOST_OPERATIONS: usize = 300_000;
 
 /// Functions that do at least the work of the mass matrix, whose size grows with the square of the joints' number.
