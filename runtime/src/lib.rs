@@ -1,5 +1,6 @@
 //! Control and identification of generated robots.
 
+pub mod control_loop;
 pub mod dynamics;
 pub mod identification;
 pub mod lanes;

@@ -1,0 +1,93 @@
+//! What the loop asks of a controller.
+
+use std::fmt;
+
+/// What a controller learns at the start of a period.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cycle<const N: usize, const M: usize> {
+    /// Time on the trajectory at the start of this period [s]; 0 at its start.
+    pub time: f64,
+    /// Periods since the previous call; 1 unless the loop was stalled. The input stayed the same over all of them.
+    pub periods: u32,
+    /// Positions measured at `time` [rad or m], finite and plausible; `None` where nothing arrived, or nothing believable.
+    pub positions: Option<[f64; N]>,
+    /// Input that the loop wrote last, after its limits. Without delay it acted until now; with one period of delay it
+    /// acts from now on, and the input computed now acts from `time + period` on.
+    pub last_inputs: [f64; M],
+}
+
+/// What a controller proposes; the loop checks it before anything is written.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Command<const M: usize> {
+    /// Inputs u [N m, N or A: the model's units].
+    pub inputs: [f64; M],
+    /// Iterations of an optimizer, for the log; 0 where there is none.
+    pub iterations: u32,
+}
+
+/// Why a controller proposes nothing in this period. The loop then goes down its fallback chain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ControllerFault {
+    /// The measurement is missing, and this controller cannot predict the state without it.
+    NoMeasurement,
+    /// The optimizer ended without a usable input.
+    NoSolution {
+        /// Iterations that it took.
+        iterations: u32,
+    },
+    /// The state or the model's equations gave numbers that are not finite.
+    NotFinite,
+}
+
+impl fmt::Display for ControllerFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoMeasurement => write!(f, "no measurement to control by"),
+            Self::NoSolution { iterations } => {
+                write!(f, "no usable input after {iterations} iterations")
+            }
+            Self::NotFinite => write!(f, "state or equations of motion are not finite"),
+        }
+    }
+}
+
+impl std::error::Error for ControllerFault {}
+
+/// A state as a controller estimates it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate<const N: usize> {
+    /// y [rad or m].
+    pub positions: [f64; N],
+    /// ẏ [rad/s or m/s].
+    pub velocities: [f64; N],
+}
+
+/// A controller of a robot with `N` coordinates and `M` inputs. It knows its model and its trajectory; the loop knows
+/// clock, transport, limits and faults.
+///
+/// No method may allocate, block, or run for longer than its budget: a real-time thread calls them.
+pub trait Controller<const N: usize, const M: usize> {
+    /// Begins at rest at `positions`, at time 0 of the trajectory, with nothing carried over. `inputs` is what the loop
+    /// writes until the first step.
+    fn reset(&mut self, positions: &[f64; N], inputs: &[f64; M]);
+
+    /// Takes in what happened since the last call and proposes the input of this period. Called once for every period
+    /// that the loop sees, also where the measurement is missing or an earlier proposal was not used.
+    ///
+    /// # Errors
+    /// [`ControllerFault`] where there is no input to propose. The controller must remain able to go on with the next
+    /// period.
+    fn step(&mut self, cycle: &Cycle<N, M>) -> Result<Command<M>, ControllerFault>;
+
+    /// Input that the plan of the last successful step holds for `periods` ≥ 1 periods after that step; `None` beyond its
+    /// end, and for controllers without a plan.
+    fn planned(&self, periods: u32) -> Option<[f64; M]> {
+        let _ = periods;
+        None
+    }
+
+    /// Estimate of the state after the last step, for the log and the loop's checks; `None` for controllers without one.
+    fn estimate(&self) -> Option<Estimate<N>> {
+        None
+    }
+}
