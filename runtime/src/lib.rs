@@ -1,8 +1,15 @@
 //! Control and identification of generated robots.
+//!
+//! The features `control`, `identification` and `report` are all on by default. A module of the first two stands behind
+//! its feature: what the program `gelenk` builds, `report` alone, must compile without them.
 
 pub mod control_loop;
 pub mod dynamics;
+#[cfg(feature = "identification")]
 pub mod identification;
+#[cfg(feature = "control")]
 pub mod lanes;
+#[cfg(feature = "control")]
 pub mod lqr;
+#[cfg(feature = "control")]
 pub mod qp;
