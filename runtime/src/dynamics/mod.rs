@@ -1,0 +1,16 @@
+//! The bridge between generated modules and generic code: [`Dynamics`], [`Differentiable`], [`Discretizable`], and the macros that wrap a
+//! module in one line.
+//!
+//! Generated files have no dependencies, so they cannot implement a trait themselves. [`dynamics!`](crate::dynamics!)
+//! does it for them; every method then is a call of the generated function, nothing else.
+
+mod discretization;
+mod macros;
+mod solve;
+#[cfg(test)]
+mod tests;
+mod traits;
+mod types;
+
+pub use traits::{Differentiable, Discretizable, Dynamics};
+pub use types::{Discretization, ForceDerivatives, Limits, Linearization, Step};

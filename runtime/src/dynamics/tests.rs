@@ -1,0 +1,401 @@
+use super::solve::{product, solve_positive_definite};
+use super::*;
+
+/// A cart-pole with unit masses and length, written by hand like a generated module: ideal force on the cart.
+/// Equations: Barto, Sutton and Anderson 1983, frictionless, point mass, angle from upright.
+mod cart_pole {
+    pub const N: usize = 2;
+    pub const M: usize = 1;
+    pub const POSITION_LIMITS: [[f64; 2]; N] = [[-1.0, 1.0], [f64::NEG_INFINITY, f64::INFINITY]];
+    pub const VELOCITY_LIMITS: [f64; N] = [f64::INFINITY; N];
+    pub const EFFORT_LIMITS: [f64; N] = [f64::INFINITY; N];
+    pub const PEAK_EFFORT_LIMITS: [f64; N] = [f64::INFINITY; N];
+    pub const INPUT_LIMITS: [f64; M] = [10.0];
+    pub const PEAK_INPUT_LIMITS: [f64; M] = [20.0];
+
+    pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
+        [[2.0, y[1].cos()], [y[1].cos(), 1.0]]
+    }
+    pub fn coriolis_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
+        [-y[1].sin() * v[1] * v[1], 0.0]
+    }
+    pub fn gravity_forces(y: &[f64; N]) -> [f64; N] {
+        [0.0, 9.81 * y[1].sin()]
+    }
+    pub fn spring_forces(_: &[f64; N], _: &[f64; N]) -> [f64; N] {
+        [0.0; N]
+    }
+    pub fn friction_torques(v: &[f64; N]) -> [f64; N] {
+        [0.5 * v[0], 0.0]
+    }
+    pub fn input_matrix() -> [[f64; M]; N] {
+        [[1.0], [0.0]]
+    }
+}
+
+/// A module with all functions of the trait; those here are marked by impossible values.
+mod full {
+    pub use super::cart_pole::*;
+
+    pub fn applied_forces(_: &[f64; N], _: &[f64; N]) -> [f64; N] {
+        [1.0; N]
+    }
+    pub fn bias_forces(_: &[f64; N], _: &[f64; N]) -> [f64; N] {
+        [2.0; N]
+    }
+    pub fn equations_of_motion(_: &[f64; N], _: &[f64; N]) -> ([[f64; N]; N], [f64; N], [f64; N]) {
+        ([[3.0; N]; N], [3.0; N], [3.0; N])
+    }
+    pub fn inverse_dynamics(_: &[f64; N], _: &[f64; N], _: &[f64; N]) -> [f64; N] {
+        [4.0; N]
+    }
+    pub fn forward_dynamics(_: &[f64; N], _: &[f64; N], _: &[f64; M]) -> [f64; N] {
+        [5.0; N]
+    }
+    pub fn kinetic_energy(_: &[f64; N], _: &[f64; N]) -> f64 {
+        6.0
+    }
+}
+
+/// The same with a free friction coefficient.
+mod free {
+    pub use super::cart_pole::*;
+
+    #[derive(Debug, Clone, Copy, PartialEq, Default)]
+    pub struct Parameters {
+        pub friction: f64,
+    }
+    pub fn mass_matrix(y: &[f64; N], _: &Parameters) -> [[f64; N]; N] {
+        super::cart_pole::mass_matrix(y)
+    }
+    pub fn coriolis_forces(y: &[f64; N], v: &[f64; N], _: &Parameters) -> [f64; N] {
+        super::cart_pole::coriolis_forces(y, v)
+    }
+    pub fn gravity_forces(y: &[f64; N], _: &Parameters) -> [f64; N] {
+        super::cart_pole::gravity_forces(y)
+    }
+    pub fn spring_forces(y: &[f64; N], v: &[f64; N], _: &Parameters) -> [f64; N] {
+        super::cart_pole::spring_forces(y, v)
+    }
+    pub fn friction_torques(v: &[f64; N], p: &Parameters) -> [f64; N] {
+        [p.friction * v[0], 0.0]
+    }
+    pub fn input_matrix(_: &Parameters) -> [[f64; M]; N] {
+        super::cart_pole::input_matrix()
+    }
+    pub fn inverse_dynamics_derivatives(
+        _: &[f64; N],
+        _: &[f64; N],
+        _: &[f64; N],
+        _: &Parameters,
+    ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N]) {
+        ([1.0; N], [[2.0; N]; N], [[3.0; N]; N])
+    }
+    #[allow(clippy::type_complexity, reason = "as generated")]
+    pub fn linearize(
+        _: &[f64; N],
+        _: &[f64; N],
+        _: &[f64; M],
+        p: &Parameters,
+    ) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
+        ([[1.0; N]; N], [[2.0; N]; N], [[3.0; M]; N], [p.friction; N])
+    }
+    pub const SUBSTEPS: usize = 9;
+    #[allow(clippy::type_complexity, reason = "as generated")]
+    pub fn discretize(
+        _: &[f64; N],
+        _: &[f64; N],
+        _: &[f64; M],
+        period: f64,
+        p: &Parameters,
+    ) -> ([[[[f64; N]; N]; 2]; 2], [[[f64; M]; N]; 2], [[f64; N]; 2]) {
+        (
+            [[[[period; N]; N]; 2]; 2],
+            [[[p.friction; M]; N]; 2],
+            [[8.0; N]; 2],
+        )
+    }
+    pub fn step(
+        _: &[f64; N],
+        _: &[f64; N],
+        _: &[f64; M],
+        period: f64,
+        p: &Parameters,
+    ) -> ([f64; N], [f64; N]) {
+        ([period; N], [p.friction; N])
+    }
+    #[allow(clippy::type_complexity, reason = "as generated")]
+    pub fn step_derivatives(
+        _: &[f64; N],
+        _: &[f64; N],
+        _: &[f64; M],
+        period: f64,
+        p: &Parameters,
+    ) -> (
+        [f64; N],
+        [f64; N],
+        [[[[f64; N]; N]; 2]; 2],
+        [[[f64; M]; N]; 2],
+    ) {
+        (
+            [1.0; N],
+            [2.0; N],
+            [[[[period; N]; N]; 2]; 2],
+            [[[p.friction; M]; N]; 2],
+        )
+    }
+}
+
+crate::dynamics!(
+    /// The robot under test.
+    pub struct CartPole = cart_pole: Dynamics [
+        mass_matrix, coriolis_forces, gravity_forces, spring_forces, friction_torques, input_matrix
+    ]
+);
+crate::dynamics!(struct Free { parameters } = free: Dynamics [
+    mass_matrix, coriolis_forces, gravity_forces, spring_forces, friction_torques, input_matrix
+] + Differentiable + Discretizable);
+
+crate::dynamics!(struct Full = full);
+
+const Y: [f64; 2] = [0.1, 0.7];
+const V: [f64; 2] = [-0.3, 1.1];
+
+/// Published closed form of the accelerations, solved for θ̈ and ẍ.
+fn published(force: f64) -> [f64; 2] {
+    let (sin, cos) = Y[1].sin_cos();
+    let pushed = force - 0.5 * V[0] + V[1] * V[1] * sin;
+    let x = (pushed - 9.81 * sin * cos) / (2.0 - cos * cos);
+    [x, 9.81 * sin - x * cos]
+}
+
+#[test]
+fn accelerations_follow_the_published_closed_form() {
+    let computed = CartPole.forward_dynamics(&Y, &V, &[4.0]);
+    for (a, b) in computed.iter().zip(published(4.0)) {
+        assert!((a - b).abs() < 1e-13, "{a} and {b}");
+    }
+}
+
+#[test]
+fn inverse_dynamics_gives_the_input_back() {
+    let forces = CartPole.inverse_dynamics(&Y, &V, &published(4.0));
+    assert!(
+        (forces[0] - 4.0).abs() < 1e-13 && forces[1].abs() < 1e-13,
+        "{forces:?}"
+    );
+}
+
+#[test]
+fn an_indefinite_mass_matrix_gives_nan() {
+    let x = solve_positive_definite([[1.0, 2.0], [2.0, 1.0]], [1.0, 1.0]);
+    assert!(x.iter().all(|x| x.is_nan()));
+}
+
+#[test]
+fn a_system_of_three_is_solved() {
+    // Moler matrix with α = −1: x was chosen, b = A x by hand.
+    let a = [[1.0, -1.0, -1.0], [-1.0, 2.0, 0.0], [-1.0, 0.0, 3.0]];
+    assert_eq!(
+        solve_positive_definite(a, [-4.0, 3.0, 8.0]),
+        [1.0, 2.0, 3.0]
+    );
+}
+
+#[test]
+fn parameters_and_blocks_are_passed_on() {
+    let robot = Free {
+        parameters: free::Parameters { friction: 7.0 },
+    };
+    assert_eq!(robot.friction_torques(&[2.0, 0.0]), [14.0, 0.0]);
+    assert_eq!(Free::default().friction_torques(&[2.0, 0.0]), [0.0, 0.0]);
+    let linear = robot.linearize(&Y, &V, &[0.0]);
+    assert_eq!(
+        linear.accelerations(&[1.0, 1.0], &[1.0, 1.0], &[1.0]),
+        [2.0 + 4.0 + 3.0 + 7.0; 2]
+    );
+    assert_eq!(
+        robot.inverse_dynamics_derivatives(&Y, &V, &V).by_velocities,
+        [[3.0; 2]; 2]
+    );
+    assert_eq!(robot.limits().peak_input, [20.0]);
+}
+
+#[test]
+fn what_a_module_has_is_called() {
+    assert_eq!(Full.applied_forces(&Y, &V), [1.0; 2]);
+    assert_eq!(Full.bias_forces(&Y, &V), [2.0; 2]);
+    assert_eq!(Full.equations_of_motion(&Y, &V).0, [[3.0; 2]; 2]);
+    assert_eq!(Full.inverse_dynamics(&Y, &V, &V), [4.0; 2]);
+    assert_eq!(Full.forward_dynamics(&Y, &V, &[0.0]), [5.0; 2]);
+    assert_eq!(Full.kinetic_energy(&Y, &V), 6.0);
+}
+
+#[test]
+fn generic_code_needs_only_the_trait() {
+    fn power<const N: usize, const M: usize>(robot: &impl Dynamics<N, M>, v: &[f64; N]) -> f64 {
+        product(&robot.friction_torques(v), v)
+    }
+    assert_eq!(power(&CartPole, &[2.0, 0.0]), 2.0);
+}
+
+/// Two masses on springs and dampers, `M ÿ = −K y − D ẏ + B u + f`, in physical units; linear, so that the zero-order
+/// hold and the sensitivities of a step are those of the robot itself.
+mod masses {
+    pub use super::cart_pole::{
+        EFFORT_LIMITS, INPUT_LIMITS, PEAK_EFFORT_LIMITS, PEAK_INPUT_LIMITS, POSITION_LIMITS,
+        VELOCITY_LIMITS,
+    };
+    pub const N: usize = 2;
+    pub const M: usize = 1;
+    pub const STIFFNESS: [[f64; N]; N] = [[3.0, -1.0], [-1.0, 2.0]];
+    pub const DAMPING: [[f64; N]; N] = [[0.5, -0.25], [-0.125, 0.75]];
+
+    pub fn mass_matrix(_: &[f64; N]) -> [[f64; N]; N] {
+        [[1.0, 0.0], [0.0, 1.0]]
+    }
+    pub fn coriolis_forces(_: &[f64; N], _: &[f64; N]) -> [f64; N] {
+        [0.0; N]
+    }
+    pub fn gravity_forces(_: &[f64; N]) -> [f64; N] {
+        [0.5, -0.25]
+    }
+    pub fn spring_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
+        [0, 1].map(|i| {
+            -(STIFFNESS[i][0] * y[0]
+                + STIFFNESS[i][1] * y[1]
+                + DAMPING[i][0] * v[0]
+                + DAMPING[i][1] * v[1])
+        })
+    }
+    pub fn friction_torques(_: &[f64; N]) -> [f64; N] {
+        [0.0; N]
+    }
+    pub fn input_matrix() -> [[f64; M]; N] {
+        [[1.0], [2.0]]
+    }
+    pub fn inverse_dynamics_derivatives(
+        _: &[f64; N],
+        _: &[f64; N],
+        _: &[f64; N],
+    ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N]) {
+        ([0.0; N], STIFFNESS, DAMPING)
+    }
+    #[allow(clippy::type_complexity, reason = "as generated")]
+    pub fn linearize(
+        _: &[f64; N],
+        _: &[f64; N],
+        _: &[f64; M],
+    ) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
+        let negative = |a: [[f64; N]; N]| a.map(|row| row.map(|x| -x));
+        let gravity = gravity_forces(&[0.0; N]);
+        (
+            negative(STIFFNESS),
+            negative(DAMPING),
+            input_matrix(),
+            gravity,
+        )
+    }
+}
+
+crate::dynamics!(struct Masses = masses: Dynamics [
+    mass_matrix, coriolis_forces, gravity_forces, spring_forces, friction_torques, input_matrix
+] + Differentiable + Discretizable []);
+
+#[test]
+fn functions_of_discrete_time_are_passed_on() {
+    let robot = Free {
+        parameters: free::Parameters { friction: 7.0 },
+    };
+    let u = [0.0];
+    let discrete = robot.discretize(&Y, &V, &u, 0.5);
+    assert_eq!(discrete.state, [[[[0.5; 2]; 2]; 2]; 2]);
+    assert_eq!(
+        (discrete.input, discrete.affine),
+        ([[[7.0]; 2]; 2], [[8.0; 2]; 2])
+    );
+    assert_eq!(robot.step(&Y, &V, &u, 0.5), ([0.5; 2], [7.0; 2]));
+    let step = robot.step_derivatives(&Y, &V, &u, 0.5);
+    assert_eq!((step.coordinates, step.velocities), ([1.0; 2], [2.0; 2]));
+    assert_eq!(
+        (step.state, step.input),
+        (discrete.state, [[[7.0; 1]; 2]; 2])
+    );
+    assert_eq!(Free::SUBSTEPS, 9);
+}
+
+/// The same robot as one matrix, lifted by u and 1, for nalgebra's exponential (Padé, Higham 2005).
+fn lifted_exponential(period: f64) -> nalgebra::SMatrix<f64, 6, 6> {
+    let mut lifted = nalgebra::SMatrix::<f64, 6, 6>::zeros();
+    let (by_y, by_v, by_u, affine) = masses::linearize(&Y, &V, &[0.0]);
+    for i in 0..2 {
+        lifted[(i, 2 + i)] = 1.0;
+        lifted[(2 + i, 4)] = by_u[i][0];
+        lifted[(2 + i, 5)] = affine[i];
+        for j in 0..2 {
+            lifted[(2 + i, j)] = by_y[i][j];
+            lifted[(2 + i, 2 + j)] = by_v[i][j];
+        }
+    }
+    (lifted * period).exp()
+}
+
+#[test]
+fn the_zero_order_hold_is_the_exponential_of_the_lifted_matrix() {
+    for period in [0.0, 0.02, 1.0, 5.0] {
+        let discrete = Masses.discretize(&Y, &V, &[0.0], period);
+        let expected = lifted_exponential(period);
+        for (row, (half, i)) in [(0, 0), (0, 1), (1, 0), (1, 1)].into_iter().enumerate() {
+            let [by_y, by_v] = discrete.state[half];
+            let entries = [
+                by_y[i][0],
+                by_y[i][1],
+                by_v[i][0],
+                by_v[i][1],
+                discrete.input[half][i][0],
+                discrete.affine[half][i],
+            ];
+            for (column, entry) in entries.into_iter().enumerate() {
+                let difference = entry - expected[(row, column)];
+                assert!(
+                    difference.abs() < 1e-14,
+                    "{period} s, ({row}, {column}): {difference}"
+                );
+            }
+        }
+    }
+}
+
+/// On a linear robot a step of length h is the Taylor polynomial of degree 4 of the exponential: error h⁵/120 ‖A‖⁵.
+#[test]
+fn a_step_of_a_linear_robot_is_its_exponential_to_order_four() {
+    let (u, period) = ([1.5], 0.01);
+    let discrete = Masses.discretize(&Y, &V, &u, period);
+    let (coordinates, velocities) = discrete.step(&Y, &V, &u);
+    let (y, v) = Masses.step(&Y, &V, &u, period);
+    let step = Masses.step_derivatives(&Y, &V, &u, period);
+    for i in 0..2 {
+        assert!((y[i] - coordinates[i]).abs() < 1e-9);
+        assert!((v[i] - velocities[i]).abs() < 1e-9);
+        assert!((y[i] - step.coordinates[i]).abs() < 1e-15);
+        assert!((v[i] - step.velocities[i]).abs() < 1e-15);
+    }
+    for (a, b) in step
+        .state
+        .iter()
+        .flatten()
+        .zip(discrete.state.iter().flatten())
+    {
+        for (a, b) in a.iter().flatten().zip(b.iter().flatten()) {
+            assert!((a - b).abs() < 1e-9, "{a} and {b}");
+        }
+    }
+    for (a, b) in step
+        .input
+        .iter()
+        .flatten()
+        .zip(discrete.input.iter().flatten())
+    {
+        assert!((a[0] - b[0]).abs() < 1e-9, "{a:?} and {b:?}");
+    }
+}

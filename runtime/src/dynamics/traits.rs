@@ -1,0 +1,160 @@
+//! What generic code asks of a robot.
+
+use super::discretization;
+use super::solve::{product, solve_positive_definite};
+use super::types::{Discretization, ForceDerivatives, Limits, Linearization, Step};
+
+/// Equations of motion `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` of a robot with `N` coordinates and `M` inputs, with
+/// `q = gravity + springs − friction`.
+///
+/// Arrays are indexed by coordinate or input in the order of the module's `JOINT_NAMES` and `INPUT_NAMES`, matrices rows
+/// first; units are rad or m, s, N m or N. `y`, `v`, `a`, `u` are the coordinates, velocities, accelerations and inputs.
+///
+/// The methods with a body combine the others, for modules that were generated without these functions. What a module
+/// has is faster, because it shares work.
+pub trait Dynamics<const N: usize, const M: usize> {
+    /// Limits of joints and inputs.
+    fn limits(&self) -> Limits<N, M>;
+
+    /// Mass matrix `M(y)`, symmetric and positive definite.
+    fn mass_matrix(&self, y: &[f64; N]) -> [[f64; N]; N];
+
+    /// Coriolis, centrifugal and gyroscopic forces `k(y, ẏ)`, on the left-hand side.
+    fn coriolis_forces(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N];
+
+    /// Generalized forces of gravity, a part of q.
+    fn gravity_forces(&self, y: &[f64; N]) -> [f64; N];
+
+    /// Generalized forces of springs and dampers, a part of q.
+    fn spring_forces(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N];
+
+    /// Joint friction `τ(ẏ)`, positive for positive velocity; q holds −τ.
+    fn friction_torques(&self, v: &[f64; N]) -> [f64; N];
+
+    /// Input matrix `B`, constant; holds the gear ratios.
+    fn input_matrix(&self) -> [[f64; M]; N];
+
+    /// Applied forces `q(y, ẏ) = gravity + springs − τ`.
+    fn applied_forces(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N] {
+        let (gravity, springs) = (self.gravity_forces(y), self.spring_forces(y, v));
+        let friction = self.friction_torques(v);
+        core::array::from_fn(|i| gravity[i] + springs[i] - friction[i])
+    }
+
+    /// Bias forces `k − gravity`, what other libraries call `nle`.
+    fn bias_forces(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N] {
+        let (coriolis, gravity) = (self.coriolis_forces(y, v), self.gravity_forces(y));
+        core::array::from_fn(|i| coriolis[i] - gravity[i])
+    }
+
+    /// M, k and q at once.
+    fn equations_of_motion(
+        &self,
+        y: &[f64; N],
+        v: &[f64; N],
+    ) -> ([[f64; N]; N], [f64; N], [f64; N]) {
+        (
+            self.mass_matrix(y),
+            self.coriolis_forces(y, v),
+            self.applied_forces(y, v),
+        )
+    }
+
+    /// Forces `M ÿ + k − q` that the inputs must make at the joints.
+    fn inverse_dynamics(&self, y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
+        let (mass, coriolis, applied) = self.equations_of_motion(y, v);
+        core::array::from_fn(|i| product(&mass[i], a) + coriolis[i] - applied[i])
+    }
+
+    /// Accelerations `ÿ = M⁻¹ (q + B u − k)`; NaN where M is not positive definite.
+    fn forward_dynamics(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
+        let (mass, coriolis, applied) = self.equations_of_motion(y, v);
+        let input_matrix = self.input_matrix();
+        let forces =
+            core::array::from_fn(|i| applied[i] + product(&input_matrix[i], u) - coriolis[i]);
+        solve_positive_definite(mass, forces)
+    }
+
+    /// Kinetic energy `½ ẏᵀ M ẏ` in J.
+    fn kinetic_energy(&self, y: &[f64; N], v: &[f64; N]) -> f64 {
+        let mass = self.mass_matrix(y);
+        let momentum: [f64; N] = core::array::from_fn(|i| product(&mass[i], v));
+        0.5 * product(&momentum, v)
+    }
+}
+
+/// Analytic derivatives of the equations of motion.
+pub trait Differentiable<const N: usize, const M: usize>: Dynamics<N, M> {
+    /// Inverse dynamics with its derivatives by coordinates and by velocities; row i belongs to force i. The third, by
+    /// accelerations, is the mass matrix.
+    fn inverse_dynamics_derivatives(
+        &self,
+        y: &[f64; N],
+        v: &[f64; N],
+        a: &[f64; N],
+    ) -> ForceDerivatives<N>;
+
+    /// Linearization of the forward dynamics about a state and an input.
+    fn linearize(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> Linearization<N, M>;
+}
+
+/// The robot in discrete time. Periods are in s; inputs are held over them.
+///
+/// All methods have a body, built from [`Differentiable::linearize`] and [`Dynamics::forward_dynamics`]; generated
+/// modules have the same functions.
+pub trait Discretizable<const N: usize, const M: usize>: Differentiable<N, M> {
+    /// Runge–Kutta steps in one period of [`Self::step`]. The method is stable while `period / SUBSTEPS` times the
+    /// fastest rate of the robot [1/s] stays below 2.7; steep friction at standstill makes this rate large.
+    const SUBSTEPS: usize = 1;
+
+    /// Exact zero-order hold of the linearization at `(y, ẏ, u)`: `x⁺ = A_d x + B_d u + c_d`.
+    ///
+    /// Scaling and squaring with fixed counts: a Taylor polynomial of degree 17 over 1/64 of the period, six doublings.
+    /// With a = ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖ in any norm of matrices, no part of the robot is faster than
+    /// ν = (b + √(b² + 4a))/2. For ν · period ≤ 64 the truncated terms are below 2⁻⁵³ of the integrals over 1/64 of the
+    /// period, so that only rounding is left; beyond, they grow like (ν · period / 64)¹⁸.
+    fn discretize(
+        &self,
+        y: &[f64; N],
+        v: &[f64; N],
+        u: &[f64; M],
+        period: f64,
+    ) -> Discretization<N, M> {
+        self.linearize(y, v, u).discretize(period)
+    }
+
+    /// State after a period of the nonlinear robot: [`Self::SUBSTEPS`] steps of the classical Runge–Kutta method of
+    /// order 4.
+    fn step(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M], period: f64) -> ([f64; N], [f64; N]) {
+        discretization::runge_kutta(*y, *v, period, Self::SUBSTEPS, |y, v| {
+            self.forward_dynamics(y, v, u)
+        })
+    }
+
+    /// [`Self::step`] with the exact derivatives of its result, by the chain rule over the stages.
+    fn step_derivatives(
+        &self,
+        y: &[f64; N],
+        v: &[f64; N],
+        u: &[f64; M],
+        period: f64,
+    ) -> Step<N, M> {
+        let linearize = |y: &[f64; N], v: &[f64; N]| {
+            let linear = self.linearize(y, v, u);
+            (
+                linear.by_coordinates,
+                linear.by_velocities,
+                linear.by_inputs,
+                linear.affine,
+            )
+        };
+        let (y, v) =
+            discretization::runge_kutta_derivatives(y, v, u, period, Self::SUBSTEPS, linearize);
+        Step {
+            coordinates: y.value,
+            velocities: v.value,
+            state: [[y.by_y, y.by_v], [v.by_y, v.by_v]],
+            input: [y.by_u, v.by_u],
+        }
+    }
+}
