@@ -12,4 +12,8 @@ pub mod lanes;
 #[cfg(feature = "control")]
 pub mod lqr;
 #[cfg(feature = "control")]
+pub mod plant;
+#[cfg(feature = "control")]
 pub mod qp;
+#[cfg(feature = "control")]
+pub mod trajectory;

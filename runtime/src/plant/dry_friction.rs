@@ -1,0 +1,212 @@
+//! Dry friction and brakes, exactly: joints that slide, and joints that stick.
+//!
+//! Friction with `sign ẏ` jumps at ẏ = 0. A method with error control grinds to a halt there, and a joint at rest would chatter. Here each
+//! joint with a jump is in one of three modes. Sliding forward or backward, its friction is continued smoothly beyond ẏ = 0, and the
+//! integration stops where ẏ changes its sign. Sticking, ÿ = 0 and the friction is what holds the joint; it must lie between the friction of
+//! either direction, and the integration stops where it leaves that range:
+//!
+//! ```text
+//!     M ÿ + k = q + B u − σ        ẏ_i = ÿ_i = 0 and τ_i(0−) ≤ σ_i + τ_i(0) ≤ τ_i(0+) for joints that stick,  σ_i = 0 for others
+//! ```
+//!
+//! An engaged brake is more of the same friction. Which joints at rest stick is a linear complementarity problem, solved by exchanging the
+//! worst violation (Pfeiffer, Glocker, *Multibody Dynamics with Unilateral Contacts*, 1996, section 5; Filippov, *Differential Equations with
+//! Discontinuous Righthand Sides*, 1988, chapter 2).
+
+use super::integrator::{Flow, Motion};
+use crate::dynamics::Dynamics;
+use nalgebra::{SMatrix, SVector};
+
+/// Speed that stands for "just moving": friction laws see their direction, all else sees rest.
+const JUST_MOVING: f64 = 1e-300;
+/// Part of the friction's range by which a sticking joint must be overloaded to break loose.
+const BREAK_LOOSE: f64 = 1e-9;
+
+/// How a joint moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Mode {
+    /// No jump in its friction.
+    Smooth,
+    Forward,
+    Backward,
+    Stuck,
+}
+
+impl Mode {
+    fn direction(self) -> f64 {
+        match self {
+            Self::Smooth | Self::Stuck => 0.0,
+            Self::Forward => 1.0,
+            Self::Backward => -1.0,
+        }
+    }
+}
+
+/// Equations of motion with the mode of each joint.
+pub(super) struct Joints<'d, D, const N: usize, const M: usize> {
+    pub model: &'d D,
+    pub inputs: &'d [f64; M],
+    /// Torques of the engaged brakes.
+    pub brakes: &'d [f64; N],
+    pub modes: [Mode; N],
+    /// Speed that the integration cannot resolve. A joint has turned beyond it, and rests below twice as much: where it turned, it rests.
+    pub rest: f64,
+}
+
+impl<D: Dynamics<N, M>, const N: usize, const M: usize> Joints<'_, D, N, M> {
+    /// Friction just before and just after rest, brakes included.
+    fn friction_range(&self) -> [[f64; 2]; N] {
+        let backward = self.model.friction_torques(&[-JUST_MOVING; N]);
+        let forward = self.model.friction_torques(&[JUST_MOVING; N]);
+        core::array::from_fn(|i| [backward[i] - self.brakes[i], forward[i] + self.brakes[i]])
+    }
+
+    /// Sets the modes for a motion, and speeds of joints at rest to zero.
+    pub fn settle(&mut self, motion: &mut Motion<N>) {
+        let range = self.friction_range();
+        let mut at_rest = [false; N];
+        for i in 0..N {
+            let [low, high] = range[i];
+            // A smooth law changes by its slope times 1e-300.
+            let jumps = high - low > 1e-200;
+            at_rest[i] =
+                jumps && (motion.velocities[i].abs() <= 2.0 * self.rest || high == f64::INFINITY);
+            self.modes[i] = match (jumps, at_rest[i]) {
+                (false, _) => Mode::Smooth,
+                (true, true) => Mode::Stuck,
+                (true, false) if motion.velocities[i] > 0.0 => Mode::Forward,
+                (true, false) => Mode::Backward,
+            };
+            if at_rest[i] {
+                motion.velocities[i] = 0.0;
+            }
+        }
+        // Each exchange repairs the worst joint; a positive definite M needs few. The bound is a guard against rounding.
+        for _ in 0..4 * N {
+            let Some((joint, mode)) = self.worst(motion, &range, &at_rest) else {
+                return;
+            };
+            self.modes[joint] = mode;
+        }
+    }
+
+    /// The resting joint that violates its mode most, and the mode that it should have.
+    fn worst(
+        &self,
+        motion: &Motion<N>,
+        range: &[[f64; 2]; N],
+        at_rest: &[bool; N],
+    ) -> Option<(usize, Mode)> {
+        let (accelerations, friction) = self.solve(motion);
+        let mut worst = None;
+        let mut largest = 0.0;
+        for i in (0..N).filter(|i| at_rest[*i]) {
+            let violation = match self.modes[i] {
+                Mode::Stuck => overload(friction[i], range[i]).abs(),
+                mode => {
+                    let [low, high] = range[i];
+                    let against = -mode.direction() * accelerations[i];
+                    // In torques, to compare with overloads: the joint alone, as if all others stood.
+                    against * self.model.mass_matrix(&motion.positions)[i][i]
+                        - BREAK_LOOSE * (high - low)
+                }
+            };
+            if violation > largest {
+                largest = violation;
+                let next = match self.modes[i] {
+                    Mode::Stuck if friction[i] > range[i][1] => Mode::Forward,
+                    Mode::Stuck => Mode::Backward,
+                    _ => Mode::Stuck,
+                };
+                worst = Some((i, next));
+            }
+        }
+        worst
+    }
+
+    /// Accelerations, and the friction torques of joints that stick.
+    fn solve(&self, motion: &Motion<N>) -> ([f64; N], [f64; N]) {
+        let y = &motion.positions;
+        let v = self.directed(&motion.velocities);
+        let (mass, coriolis, applied) = self.model.equations_of_motion(y, &v);
+        let input_matrix = self.model.input_matrix();
+        let forces: [f64; N] = core::array::from_fn(|i| {
+            let input: f64 = input_matrix[i]
+                .iter()
+                .zip(self.inputs)
+                .map(|(b, u)| b * u)
+                .sum();
+            // A sticking brake holds as part of the friction that is solved for.
+            let brake = match self.modes[i].direction() {
+                0.0 => 0.0,
+                direction => direction * self.brakes[i],
+            };
+            applied[i] + input - coriolis[i] - brake
+        });
+        let stuck = |i: usize| self.modes[i] == Mode::Stuck;
+        let reduced = SMatrix::<f64, N, N>::from_fn(|i, j| match (stuck(i) || stuck(j), i == j) {
+            (true, true) => 1.0,
+            (true, false) => 0.0,
+            (false, _) => mass[i][j],
+        });
+        let right = SVector::<f64, N>::from_fn(|i, _| if stuck(i) { 0.0 } else { forces[i] });
+        let Some(cholesky) = reduced.cholesky() else {
+            return ([f64::NAN; N], [f64::NAN; N]);
+        };
+        let solution = cholesky.solve(&right);
+        let a: [f64; N] = core::array::from_fn(|i| solution[i]);
+        let at_rest = self.model.friction_torques(&v);
+        let friction = core::array::from_fn(|i| {
+            let inertial: f64 = mass[i].iter().zip(&a).map(|(m, a)| m * a).sum();
+            forces[i] - inertial + at_rest[i]
+        });
+        (a, friction)
+    }
+
+    /// Velocities as friction laws should see them: joints that slide never leave their direction.
+    fn directed(&self, v: &[f64; N]) -> [f64; N] {
+        core::array::from_fn(|i| match self.modes[i] {
+            Mode::Smooth => v[i],
+            Mode::Stuck => 0.0,
+            Mode::Forward => v[i].max(JUST_MOVING),
+            Mode::Backward => v[i].min(-JUST_MOVING),
+        })
+    }
+}
+
+/// By how much a sticking joint's friction exceeds its range; 0 within.
+fn overload(friction: f64, [low, high]: [f64; 2]) -> f64 {
+    let margin = BREAK_LOOSE * (high - low);
+    if friction > high + margin {
+        friction - high
+    } else if friction < low - margin {
+        friction - low
+    } else {
+        0.0
+    }
+}
+
+impl<D: Dynamics<N, M>, const N: usize, const M: usize> Flow<N> for Joints<'_, D, N, M> {
+    fn accelerations(&self, motion: &Motion<N>) -> [f64; N] {
+        let braked = self.brakes.iter().any(|b| *b > 0.0);
+        if braked || self.modes.contains(&Mode::Stuck) {
+            return self.solve(motion).0;
+        }
+        let v = self.directed(&motion.velocities);
+        self.model
+            .forward_dynamics(&motion.positions, &v, self.inputs)
+    }
+
+    fn has_ended(&self, motion: &Motion<N>) -> bool {
+        let turned = |i: usize| self.modes[i].direction() * motion.velocities[i] < -self.rest;
+        if (0..N).any(turned) {
+            return true;
+        }
+        if !self.modes.contains(&Mode::Stuck) {
+            return false;
+        }
+        let (_, friction) = self.solve(motion);
+        let range = self.friction_range();
+        (0..N).any(|i| self.modes[i] == Mode::Stuck && overload(friction[i], range[i]) != 0.0)
+    }
+}

@@ -1,0 +1,213 @@
+//! Integration with error control, up to the end of a period or to the first event.
+//!
+//! The method is DOP853, order 8(5,3) with dense output of order 7 (Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, 1993,
+//! sections II.5 and II.6), of the crate `differential-equations`. Its parts for one step are driven here, because its own loop collects
+//! solutions in vectors.
+
+use differential_equations::interpolate::Interpolation;
+use differential_equations::methods::{DormandPrince, ExplicitRungeKutta, Ordinary};
+use differential_equations::ode::{ODE, OrdinaryNumericalMethod};
+use differential_equations::status::Status;
+use differential_equations::traits::State;
+
+/// Steps in one period after which the integration gives up; a smooth robot needs about ten.
+const MAX_STEPS: usize = 20_000;
+const TOO_SMALL: &str =
+    "its steps became too small: accelerations that are not finite, or a stiff or jumping model";
+/// Halvings that locate an event: to the last bit of a period.
+const BISECTIONS: usize = 60;
+
+/// Positions and velocities; also their derivatives, in the same places.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Motion<const N: usize> {
+    pub positions: [f64; N],
+    pub velocities: [f64; N],
+}
+
+impl<const N: usize> Motion<N> {
+    pub fn is_finite(&self) -> bool {
+        let all = self.positions.iter().chain(&self.velocities);
+        all.into_iter().all(|x| x.is_finite())
+    }
+}
+
+impl<const N: usize> State<f64> for Motion<N> {
+    fn len(&self) -> usize {
+        2 * N
+    }
+
+    fn get_component(&self, index: usize) -> f64 {
+        if index < N {
+            self.positions[index]
+        } else {
+            self.velocities[index - N]
+        }
+    }
+
+    fn set_component(&mut self, index: usize, value: f64) {
+        if index < N {
+            self.positions[index] = value;
+        } else {
+            self.velocities[index - N] = value;
+        }
+    }
+
+    fn map_components_mut<F: FnMut(usize, &mut f64)>(&mut self, mut f: F) {
+        let all = self.positions.iter_mut().chain(&mut self.velocities);
+        for (i, x) in all.enumerate() {
+            f(i, x);
+        }
+    }
+
+    fn zeros_like(&self) -> Self {
+        Self::zeros()
+    }
+
+    fn zeros() -> Self {
+        Self {
+            positions: [0.0; N],
+            velocities: [0.0; N],
+        }
+    }
+
+    fn mul_add_assign(&mut self, alpha: f64, other: &Self) {
+        self.map_components_mut(|i, x| *x += alpha * other.get_component(i));
+    }
+
+    fn scale_mut(&mut self, alpha: f64) {
+        self.map_components_mut(|_, x| *x *= alpha);
+    }
+}
+
+/// A motion that is smooth until an event.
+pub(super) trait Flow<const N: usize> {
+    /// ÿ.
+    fn accelerations(&self, motion: &Motion<N>) -> [f64; N];
+
+    /// True once an event has happened.
+    fn has_ended(&self, motion: &Motion<N>) -> bool;
+}
+
+struct Equations<'f, F>(&'f F);
+
+impl<const N: usize, F: Flow<N>> ODE<f64, Motion<N>> for Equations<'_, F> {
+    fn diff(&self, _: f64, motion: &Motion<N>, derivative: &mut Motion<N>) {
+        derivative.positions = motion.velocities;
+        derivative.velocities = self.0.accelerations(motion);
+    }
+}
+
+/// Where an integration ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Arrival<const N: usize> {
+    pub time: f64,
+    pub motion: Motion<N>,
+    pub by_event: bool,
+}
+
+type Method<const N: usize> =
+    ExplicitRungeKutta<Ordinary, DormandPrince, f64, Motion<N>, 8, 12, 16>;
+
+#[derive(Clone)]
+pub(super) struct Integrator<const N: usize> {
+    method: Method<N>,
+    /// Step that the error control proposed last; the first guess for the next call.
+    step: f64,
+}
+
+impl<const N: usize> Integrator<N> {
+    pub fn new(relative_tolerance: f64, absolute_tolerance: f64) -> Self {
+        let method = Method::dop853()
+            .rtol(relative_tolerance)
+            .atol(absolute_tolerance)
+            // The method counts over its whole life; calls are bounded in `advance`.
+            .max_steps(usize::MAX);
+        Self { method, step: 1e-3 }
+    }
+
+    /// From `start` to `end` [s], or to the first event of `flow`.
+    ///
+    /// # Errors
+    /// Why it cannot go on.
+    pub fn advance(
+        &mut self,
+        flow: &impl Flow<N>,
+        motion: &Motion<N>,
+        start: f64,
+        end: f64,
+    ) -> Result<Arrival<N>, &'static str> {
+        let equations = Equations(flow);
+        let negligible = 4.0 * f64::EPSILON * end.abs();
+        if end - start <= negligible {
+            return Ok(Arrival {
+                time: end,
+                motion: *motion,
+                by_event: false,
+            });
+        }
+        self.method.h0 = self.step.min(end - start);
+        self.method
+            .init(&equations, start, end, motion)
+            .map_err(|_| "the first step size is not usable")?;
+        for _ in 0..MAX_STEPS {
+            let remaining = end - self.method.t();
+            if remaining <= negligible {
+                return Ok(Arrival {
+                    time: end,
+                    motion: *self.method.y(),
+                    by_event: false,
+                });
+            }
+            let proposed = self.method.h();
+            if proposed < negligible.max(f64::MIN_POSITIVE) {
+                return Err(TOO_SMALL);
+            }
+            let taken = proposed.min(remaining);
+            self.method.set_h(taken);
+            self.method
+                .step(&equations)
+                .map_err(|_| "the model is too stiff for an explicit method")?;
+            let next = self.method.h();
+            if matches!(self.method.status(), Status::RejectedStep) {
+                self.step = next;
+                continue;
+            }
+            // A step cut short by the end of the period says little about the next one.
+            self.step = if taken < proposed {
+                proposed.max(next)
+            } else {
+                next
+            };
+            if !self.method.y().is_finite() {
+                return Err("positions or velocities are no longer finite");
+            }
+            if flow.has_ended(self.method.y()) {
+                return Ok(self.locate(flow));
+            }
+        }
+        Err("it took more than 20000 steps")
+    }
+
+    /// The event in the last step, by bisection on the dense output.
+    fn locate(&mut self, flow: &impl Flow<N>) -> Arrival<N> {
+        let (mut before, mut after) = (self.method.t_prev(), self.method.t());
+        let mut motion = *self.method.y();
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (before + after);
+            // Fails only outside the step.
+            let Ok(there) = self.method.interpolate(middle) else {
+                break;
+            };
+            if flow.has_ended(&there) {
+                (after, motion) = (middle, there);
+            } else {
+                before = middle;
+            }
+        }
+        Arrival {
+            time: after,
+            motion,
+            by_event: true,
+        }
+    }
+}

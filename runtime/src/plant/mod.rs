@@ -1,0 +1,332 @@
+//! A simulated robot to try controllers on: exact motion, imperfect inputs and measurements.
+//!
+//! ```text
+//!     M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u_applied        u_applied constant over a period
+//! ```
+//!
+//! The model of the plant is its own: any [`Dynamics`], with other masses or friction than the controller's, with exact `sign` where the
+//! controller's is smooth. See [`PlantOptions`] for what happens to inputs and measurements.
+
+mod dry_friction;
+mod integrator;
+mod options;
+
+pub use options::{PlantError, PlantOptions};
+
+use crate::dynamics::Dynamics;
+use dry_friction::{Joints, Mode};
+use integrator::{Integrator, Motion};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::StandardNormal;
+use std::collections::VecDeque;
+
+/// Changes between sticking and sliding in one period after which the integration gives up.
+const MAX_EVENTS: usize = 1000;
+/// Brakes hold this many times the peak effort of their joint, where the options do not say.
+const BRAKE_RESERVE: f64 = 2.0;
+
+/// What the encoders said last.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measurement<const N: usize> {
+    /// When it was measured [s]. Older than the plant's time where a measurement was lost.
+    pub time: f64,
+    /// Positions of the joints [rad or m], rounded and noisy as the encoders make them.
+    pub positions: [f64; N],
+}
+
+/// A robot that moves in periods with constant inputs.
+///
+/// ```
+/// use gelenk_runtime::plant::{Plant, PlantOptions};
+///
+/// gelenk_runtime::dynamics!(pub struct PowerCube = gelenk_generated::powercube);
+///
+/// let options = PlantOptions { encoder_resolution: [1e-4; 2], delay: 1, ..PlantOptions::default() };
+/// let mut plant = Plant::new(PowerCube, options)?;
+/// plant.reset([0.1, 0.0], [0.0; 2])?;
+/// plant.apply(&[0.0; 2], 0.02)?;
+/// assert!(plant.state().0[0] > 0.1, "it falls");
+/// # Ok::<(), gelenk_runtime::plant::PlantError>(())
+/// ```
+#[derive(Clone)]
+pub struct Plant<D, const N: usize, const M: usize> {
+    model: D,
+    options: PlantOptions<N, M>,
+    brake_torque: [f64; N],
+    brakes_engaged: bool,
+    integrator: Integrator<N>,
+    /// Time at the start of the last reset's clock is 0.
+    time: f64,
+    motion: Motion<N>,
+    measurement: Measurement<N>,
+    /// Inputs under way, the oldest first; always `delay` many between calls.
+    queue: VecDeque<[f64; M]>,
+    /// What last arrived, before noise, rounding and limit.
+    received: [f64; M],
+    applied: [f64; M],
+    encoder_noise: ChaCha8Rng,
+    input_noise: ChaCha8Rng,
+    losses: ChaCha8Rng,
+}
+
+impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
+    /// A plant at y = 0, at rest, its brakes released. All memory is allocated here.
+    ///
+    /// # Errors
+    /// [`PlantError::Option`].
+    pub fn new(model: D, options: PlantOptions<N, M>) -> Result<Self, PlantError> {
+        options.check()?;
+        let brake_torque = options
+            .brake_torque
+            .unwrap_or_else(|| default_brakes(&model));
+        // Separate streams: an option that draws more does not change what the others see.
+        let stream = |number| {
+            let mut generator = ChaCha8Rng::seed_from_u64(options.seed);
+            generator.set_stream(number);
+            generator
+        };
+        let mut plant = Self {
+            model,
+            brake_torque,
+            brakes_engaged: false,
+            integrator: Integrator::new(options.relative_tolerance, options.absolute_tolerance),
+            time: 0.0,
+            motion: Motion {
+                positions: [0.0; N],
+                velocities: [0.0; N],
+            },
+            measurement: Measurement {
+                time: 0.0,
+                positions: [0.0; N],
+            },
+            queue: VecDeque::with_capacity(options.delay + 1),
+            received: [0.0; M],
+            applied: [0.0; M],
+            encoder_noise: stream(0),
+            input_noise: stream(1),
+            losses: stream(2),
+            options,
+        };
+        plant.reset([0.0; N], [0.0; N])?;
+        Ok(plant)
+    }
+
+    /// Puts the plant at positions and velocities at time 0, brakes released, inputs under way zero, and measures there. The random streams go on.
+    ///
+    /// # Errors
+    /// [`PlantError::Start`] for values that are not finite.
+    pub fn reset(&mut self, positions: [f64; N], velocities: [f64; N]) -> Result<(), PlantError> {
+        for i in 0..N {
+            if !(positions[i].is_finite() && velocities[i].is_finite()) {
+                return Err(PlantError::Start {
+                    coordinate: i,
+                    position: positions[i],
+                    velocity: velocities[i],
+                });
+            }
+        }
+        self.motion = Motion {
+            positions,
+            velocities,
+        };
+        self.time = 0.0;
+        self.brakes_engaged = false;
+        self.applied = [0.0; M];
+        self.preload([0.0; M]);
+        self.measurement = self.read_encoders();
+        Ok(())
+    }
+
+    /// Makes `inputs` what is under way and what was received last, for a start in the middle of a motion.
+    pub fn preload(&mut self, inputs: [f64; M]) {
+        self.received = inputs;
+        self.queue.clear();
+        self.queue.extend((0..self.options.delay).map(|_| inputs));
+    }
+
+    /// The last measurement that arrived. Calling twice in a period gives the same.
+    #[must_use]
+    pub fn measure(&self) -> Measurement<N> {
+        self.measurement
+    }
+
+    /// Sends `inputs` and moves on by `period` [s] with the ones that arrive: the same, or with a delay those sent `delay` periods ago.
+    /// While brakes are engaged the drives are off.
+    ///
+    /// # Errors
+    /// [`PlantError::Input`], [`PlantError::Period`], [`PlantError::Integration`]; the plant then has not moved.
+    pub fn apply(&mut self, inputs: &[f64; M], period: f64) -> Result<(), PlantError> {
+        if let Some(input) = inputs.iter().position(|u| !u.is_finite()) {
+            return Err(PlantError::Input {
+                input,
+                value: inputs[input],
+            });
+        }
+        require_period(period)?;
+        self.queue.push_back(*inputs);
+        let arriving = self.queue.pop_front().unwrap_or(*inputs);
+        if !chance(&mut self.losses, self.options.input_loss) {
+            self.received = arriving;
+        }
+        self.advance(period)
+    }
+
+    /// Moves on by `period` [s] without a new input: what was received last is held. Inputs under way stay under way.
+    ///
+    /// # Errors
+    /// [`PlantError::Period`], [`PlantError::Integration`]; the plant then has not moved.
+    pub fn hold(&mut self, period: f64) -> Result<(), PlantError> {
+        require_period(period)?;
+        self.advance(period)
+    }
+
+    /// Engages the brakes and switches the drives off.
+    pub fn brake(&mut self) {
+        self.brakes_engaged = true;
+    }
+
+    /// Releases the brakes; inputs act again.
+    pub fn release(&mut self) {
+        self.brakes_engaged = false;
+    }
+
+    /// True while the brakes are engaged.
+    #[must_use]
+    pub fn is_braked(&self) -> bool {
+        self.brakes_engaged
+    }
+
+    /// True positions and velocities, which no controller sees.
+    #[must_use]
+    pub fn state(&self) -> ([f64; N], [f64; N]) {
+        (self.motion.positions, self.motion.velocities)
+    }
+
+    /// Time since the last reset [s].
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Inputs that acted in the last period, after noise, rounding and limit; zero while braked.
+    #[must_use]
+    pub fn applied(&self) -> [f64; M] {
+        self.applied
+    }
+
+    /// The true model.
+    #[must_use]
+    pub fn model(&self) -> &D {
+        &self.model
+    }
+
+    fn advance(&mut self, period: f64) -> Result<(), PlantError> {
+        let applied = self.actuate();
+        let motion = self.integrate(&applied, period)?;
+        self.applied = applied;
+        self.motion = motion;
+        self.time += period;
+        let measurement = self.read_encoders();
+        if !chance(&mut self.losses, self.options.measurement_loss) {
+            self.measurement = measurement;
+        }
+        Ok(())
+    }
+
+    fn actuate(&mut self) -> [f64; M] {
+        let noise = normals::<M>(&mut self.input_noise);
+        if self.brakes_engaged {
+            return [0.0; M];
+        }
+        core::array::from_fn(|i| {
+            let noisy = self.received[i] + self.options.input_noise[i] * noise[i];
+            let limit = self.options.input_limit[i];
+            // The limit last: rounding must not exceed it.
+            quantized(noisy, self.options.input_resolution[i]).clamp(-limit, limit)
+        })
+    }
+
+    fn read_encoders(&mut self) -> Measurement<N> {
+        let noise = normals::<N>(&mut self.encoder_noise);
+        let positions = core::array::from_fn(|i| {
+            let noisy = self.motion.positions[i] + self.options.encoder_noise[i] * noise[i];
+            quantized(noisy, self.options.encoder_resolution[i])
+        });
+        Measurement {
+            time: self.time,
+            positions,
+        }
+    }
+
+    fn integrate(&mut self, inputs: &[f64; M], period: f64) -> Result<Motion<N>, PlantError> {
+        let brakes = if self.brakes_engaged {
+            self.brake_torque
+        } else {
+            [0.0; N]
+        };
+        let mut joints = Joints {
+            model: &self.model,
+            inputs,
+            brakes: &brakes,
+            modes: [Mode::Smooth; N],
+            rest: self.options.absolute_tolerance,
+        };
+        let (mut time, mut motion) = (0.0, self.motion);
+        for _ in 0..MAX_EVENTS {
+            joints.settle(&mut motion);
+            let arrival = self
+                .integrator
+                .advance(&joints, &motion, time, period)
+                .map_err(|reason| PlantError::Integration {
+                    time: self.time + time,
+                    reason,
+                })?;
+            (time, motion) = (arrival.time, arrival.motion);
+            if !arrival.by_event {
+                return Ok(motion);
+            }
+        }
+        Err(PlantError::Integration {
+            time: self.time + time,
+            reason: "joints changed between sticking and sliding more than 1000 times",
+        })
+    }
+}
+
+fn default_brakes<const N: usize, const M: usize>(model: &impl Dynamics<N, M>) -> [f64; N] {
+    let (limits, input_matrix) = (model.limits(), model.input_matrix());
+    core::array::from_fn(|i| {
+        if input_matrix[i].iter().all(|b| *b == 0.0) {
+            0.0
+        } else {
+            BRAKE_RESERVE * limits.peak_effort[i]
+        }
+    })
+}
+
+fn require_period(period: f64) -> Result<(), PlantError> {
+    if period.is_finite() && period > 0.0 {
+        Ok(())
+    } else {
+        Err(PlantError::Period(period))
+    }
+}
+
+fn quantized(x: f64, resolution: f64) -> f64 {
+    if resolution > 0.0 {
+        (x / resolution).round() * resolution
+    } else {
+        x
+    }
+}
+
+/// Drawn also where nothing can be lost, so that the streams do not depend on the options.
+fn chance(generator: &mut ChaCha8Rng, probability: f64) -> bool {
+    generator.random::<f64>() < probability
+}
+
+fn normals<const L: usize>(generator: &mut ChaCha8Rng) -> [f64; L] {
+    core::array::from_fn(|_| generator.sample(StandardNormal))
+}

@@ -1,0 +1,162 @@
+//! What a plant does to inputs and measurements, and what can go wrong.
+
+use thiserror::Error;
+
+/// Imperfections of a [`Plant`](super::Plant). The default has none: exact encoders, exact and unlimited inputs, no delay, nothing lost.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlantOptions<const N: usize, const M: usize> {
+    /// Step of each encoder at its joint [rad or m]; measured positions are rounded to its multiples. 0: exact.
+    pub encoder_resolution: [f64; N],
+    /// Standard deviation of the normal noise on each position, before rounding [rad or m].
+    pub encoder_noise: [f64; N],
+    /// Step of each input, in its unit; what is applied is rounded to its multiples. 0: exact.
+    pub input_resolution: [f64; M],
+    /// Largest magnitude of each input, in its unit; more is cut off. Infinite: no limit.
+    pub input_limit: [f64; M],
+    /// Standard deviation of the normal noise on each input, drawn once a period, before the limit.
+    pub input_noise: [f64; M],
+    /// Periods between [`Plant::apply`](super::Plant::apply) and the effect of its input.
+    pub delay: usize,
+    /// Probability that an input is lost; the one before is then held.
+    pub input_loss: f64,
+    /// Probability that a measurement is lost; [`Plant::measure`](super::Plant::measure) then returns the one before.
+    pub measurement_loss: f64,
+    /// Friction torque of each engaged brake [N m or N]. Infinite: the joint locks at once. None: twice the peak effort of the model for
+    /// joints that an input acts on (infinite where the model gives no effort), no brake on the others.
+    pub brake_torque: Option<[f64; N]>,
+    /// Relative error that the integration allows in one of its steps.
+    pub relative_tolerance: f64,
+    /// Absolute error that the integration allows in one of its steps [rad, m, rad/s or m/s].
+    pub absolute_tolerance: f64,
+    /// Seed of all randomness: the same seed and inputs give the same motion.
+    pub seed: u64,
+}
+
+impl<const N: usize, const M: usize> Default for PlantOptions<N, M> {
+    fn default() -> Self {
+        Self {
+            encoder_resolution: [0.0; N],
+            encoder_noise: [0.0; N],
+            input_resolution: [0.0; M],
+            input_limit: [f64::INFINITY; M],
+            input_noise: [0.0; M],
+            delay: 0,
+            input_loss: 0.0,
+            measurement_loss: 0.0,
+            brake_torque: None,
+            relative_tolerance: 1e-10,
+            absolute_tolerance: 1e-10,
+            seed: 0,
+        }
+    }
+}
+
+/// Most periods of delay.
+const MAX_DELAY: usize = 1000;
+
+impl<const N: usize, const M: usize> PlantOptions<N, M> {
+    /// # Errors
+    /// [`PlantError::Option`] for the first value out of its range.
+    pub(super) fn check(&self) -> Result<(), PlantError> {
+        let sizes = [
+            ("encoder_resolution", &self.encoder_resolution[..]),
+            ("encoder_noise", &self.encoder_noise),
+            ("input_resolution", &self.input_resolution),
+            ("input_noise", &self.input_noise),
+        ];
+        for (option, values) in sizes {
+            require(option, values, "finite and not negative", |x| {
+                x.is_finite() && x >= 0.0
+            })?;
+        }
+        require("input_limit", &self.input_limit, "positive", |x| x > 0.0)?;
+        let brakes = self.brake_torque.as_ref().map_or(&[][..], |b| b);
+        require("brake_torque", brakes, "not negative", |x| x >= 0.0)?;
+        let losses = [
+            ("input_loss", self.input_loss),
+            ("measurement_loss", self.measurement_loss),
+        ];
+        for (option, value) in losses {
+            require(option, &[value], "a probability, 0 to 1", |x| {
+                (0.0..=1.0).contains(&x)
+            })?;
+        }
+        let tolerances = [
+            ("relative_tolerance", self.relative_tolerance),
+            ("absolute_tolerance", self.absolute_tolerance),
+        ];
+        for (option, value) in tolerances {
+            require(option, &[value], "1e-14 to 1e-2", |x| {
+                (1e-14..=1e-2).contains(&x)
+            })?;
+        }
+        require("delay", &[self.delay as f64], "at most 1000 periods", |x| {
+            x <= MAX_DELAY as f64
+        })
+    }
+}
+
+fn require(
+    option: &'static str,
+    values: &[f64],
+    range: &'static str,
+    holds: impl Fn(f64) -> bool,
+) -> Result<(), PlantError> {
+    match values.iter().position(|x| !holds(*x)) {
+        None => Ok(()),
+        Some(index) => Err(PlantError::Option {
+            option,
+            index,
+            value: values[index],
+            range,
+        }),
+    }
+}
+
+/// Why a plant could not be made or moved. After an error the plant stands where it stood before the call.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum PlantError {
+    /// An option is out of its range.
+    #[error("plant option {option}[{index}] is {value}; it must be {range}")]
+    Option {
+        /// Name of the option.
+        option: &'static str,
+        /// Its component, 0 for scalars.
+        index: usize,
+        /// What was given.
+        value: f64,
+        /// What is allowed.
+        range: &'static str,
+    },
+    /// A start position or speed is NaN or infinite.
+    #[error(
+        "coordinate {coordinate} cannot start at {position} with speed {velocity}: both must be finite"
+    )]
+    Start {
+        /// Index of the coordinate.
+        coordinate: usize,
+        /// Its position [rad or m].
+        position: f64,
+        /// Its speed [rad/s or m/s].
+        velocity: f64,
+    },
+    /// An input is NaN or infinite.
+    #[error("input {input} is {value}; only finite inputs can be applied")]
+    Input {
+        /// Index of the input.
+        input: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// A period is not positive and finite.
+    #[error("period is {0} s; it must be positive and finite")]
+    Period(f64),
+    /// The integration cannot go on: the model's accelerations are not finite, or the steps became too many or too small.
+    #[error("the integration stopped at {time} s: {reason}")]
+    Integration {
+        /// Time of the plant [s].
+        time: f64,
+        /// What happened.
+        reason: &'static str,
+    },
+}

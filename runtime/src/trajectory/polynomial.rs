@@ -1,0 +1,147 @@
+//! Polynomials of degree five, given by position, velocity and acceleration at both ends.
+
+use super::{Sample, Trajectory, TrajectoryError, require_finite, require_positive};
+use crate::dynamics::Limits;
+
+/// Position, velocity and acceleration of one coordinate.
+pub(super) type End = [f64; 3];
+
+/// One coordinate: the polynomial of degree five between two ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Quintic {
+    /// Of 1, t, … t⁵.
+    coefficients: [f64; 6],
+}
+
+impl Quintic {
+    /// From `start` at t = 0 to `end` at t = `duration` (Craig, *Introduction to Robotics*, 2005, section 7.3).
+    pub fn new(start: End, end: End, duration: f64) -> Self {
+        let [p, v, a] = start;
+        let t = duration;
+        // What the quadratic Taylor polynomial of the start misses at the end.
+        let dp = end[0] - (p + v * t + 0.5 * a * t * t);
+        let dv = (end[1] - (v + a * t)) * t;
+        let da = (end[2] - a) * t * t;
+        let c3 = (10.0 * dp - 4.0 * dv + 0.5 * da) / (t * t * t);
+        let c4 = (-15.0 * dp + 7.0 * dv - da) / (t * t * t * t);
+        let c5 = (6.0 * dp - 3.0 * dv + 0.5 * da) / (t * t * t * t * t);
+        Self {
+            coefficients: [p, v, 0.5 * a, c3, c4, c5],
+        }
+    }
+
+    /// Position, velocity and acceleration at `t`.
+    pub fn at(&self, t: f64) -> End {
+        let c = &self.coefficients;
+        let p = c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * (c[4] + t * c[5]))));
+        let v = c[1] + t * (2.0 * c[2] + t * (3.0 * c[3] + t * (4.0 * c[4] + t * 5.0 * c[5])));
+        let a = 2.0 * c[2] + t * (6.0 * c[3] + t * (12.0 * c[4] + t * 20.0 * c[5]));
+        [p, v, a]
+    }
+}
+
+/// Straight in joint space from rest to rest, all coordinates at once:
+///
+/// ```text
+///     y(t) = y_0 + (y_1 − y_0) s(t/T)        s(x) = 10 x³ − 15 x⁴ + 6 x⁵
+/// ```
+///
+/// Velocities and accelerations vanish at both ends. The largest speed is 15/8 |y_1 − y_0|/T, in the middle; the largest acceleration
+/// 10/√3 |y_1 − y_0|/T². (Flash, Hogan, *The coordination of arm movements*, J. Neurosci. 5, 1985: the motion of least jerk.)
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RestToRest<const N: usize> {
+    start: [f64; N],
+    end: [f64; N],
+    duration: f64,
+}
+
+/// Largest s'(x) and s''(x).
+const PEAK_SPEED: f64 = 15.0 / 8.0;
+const PEAK_ACCELERATION: f64 = 5.773_502_691_896_258; // 10/√3
+
+impl<const N: usize> RestToRest<N> {
+    /// From `start` to `end` [rad or m] in `duration` [s].
+    ///
+    /// # Errors
+    /// Numbers that are not finite, a duration that is not positive.
+    pub fn new(start: [f64; N], end: [f64; N], duration: f64) -> Result<Self, TrajectoryError> {
+        require_finite("start", &start)?;
+        require_finite("end", &end)?;
+        require_positive("duration", duration)?;
+        Ok(Self {
+            start,
+            end,
+            duration,
+        })
+    }
+
+    /// The fastest one that keeps within speeds and accelerations (infinite: no limit), and takes at least `shortest` [s].
+    ///
+    /// # Errors
+    /// As [`RestToRest::new`]; limits that are not positive.
+    pub fn within(
+        start: [f64; N],
+        end: [f64; N],
+        speeds: &[f64; N],
+        accelerations: &[f64; N],
+        shortest: f64,
+    ) -> Result<Self, TrajectoryError> {
+        let mut duration = shortest;
+        for i in 0..N {
+            for (what, limit) in [("speed", speeds[i]), ("acceleration", accelerations[i])] {
+                if limit.is_nan() || limit <= 0.0 {
+                    return Err(TrajectoryError::NotPositive {
+                        what: format!("{what} limit {i}"),
+                        value: limit,
+                    });
+                }
+            }
+            let way = (end[i] - start[i]).abs();
+            duration = duration
+                .max(PEAK_SPEED * way / speeds[i])
+                .max((PEAK_ACCELERATION * way / accelerations[i]).sqrt());
+        }
+        Self::new(start, end, duration)
+    }
+
+    /// The fastest one within a share (0 to 1) of a model's speed limits, and within `accelerations`.
+    ///
+    /// # Errors
+    /// As [`RestToRest::within`].
+    pub fn within_limits<const M: usize>(
+        start: [f64; N],
+        end: [f64; N],
+        limits: &Limits<N, M>,
+        share: f64,
+        accelerations: &[f64; N],
+    ) -> Result<Self, TrajectoryError> {
+        let speeds = limits.velocity.map(|v| v * share);
+        // A motion over no distance still needs a length.
+        Self::within(start, end, &speeds, accelerations, 1e-3)
+    }
+}
+
+impl<const N: usize> Trajectory<N> for RestToRest<N> {
+    fn duration(&self) -> f64 {
+        self.duration
+    }
+
+    fn sample(&self, t: f64) -> Sample<N> {
+        let x = t / self.duration;
+        if x >= 1.0 {
+            return Sample::at_rest(self.end);
+        }
+        if x.is_nan() || x <= 0.0 {
+            return Sample::at_rest(self.start);
+        }
+        let s = x * x * x * (10.0 + x * (-15.0 + x * 6.0));
+        let ds = 30.0 * x * x * (1.0 - x) * (1.0 - x) / self.duration;
+        let dds = 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) / (self.duration * self.duration);
+        let way: [f64; N] = core::array::from_fn(|i| self.end[i] - self.start[i]);
+        Sample {
+            positions: core::array::from_fn(|i| self.start[i] + way[i] * s),
+            velocities: way.map(|w| w * ds),
+            accelerations: way.map(|w| w * dds),
+        }
+    }
+}

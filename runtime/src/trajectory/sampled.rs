@@ -1,0 +1,94 @@
+//! Samples at a fixed period with polynomials between them.
+
+use super::polynomial::Quintic;
+use super::{Sample, Trajectory, TrajectoryError, require_finite, require_positive};
+
+/// A motion given by samples at times 0, T, 2T, …; between them polynomials of degree five that meet positions, velocities and accelerations
+/// of both neighbours, so that the whole is C².
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sampled<const N: usize> {
+    samples: Vec<Sample<N>>,
+    period: f64,
+}
+
+impl<const N: usize> Sampled<N> {
+    /// The motion through `samples`, `period` [s] apart. Positions, velocities and accelerations must already agree; see the smoothing of
+    /// this module for those that do not.
+    ///
+    /// # Errors
+    /// Fewer than two samples, numbers that are not finite, a period that is not positive.
+    pub fn new(samples: Vec<Sample<N>>, period: f64) -> Result<Self, TrajectoryError> {
+        require_positive("period", period)?;
+        if samples.len() < 2 {
+            return Err(TrajectoryError::TooFew {
+                what: "samples",
+                needed: 2,
+                given: samples.len(),
+            });
+        }
+        for (i, sample) in samples.iter().enumerate() {
+            require_finite(&format!("positions of sample {i}, "), &sample.positions)?;
+            require_finite(&format!("velocities of sample {i}, "), &sample.velocities)?;
+            require_finite(
+                &format!("accelerations of sample {i}, "),
+                &sample.accelerations,
+            )?;
+        }
+        Ok(Self { samples, period })
+    }
+
+    /// Another trajectory, sampled at `period` [s]; its last sample is at or after the end.
+    ///
+    /// # Errors
+    /// As [`Sampled::new`].
+    pub fn of(trajectory: &impl Trajectory<N>, period: f64) -> Result<Self, TrajectoryError> {
+        require_positive("period", period)?;
+        let last = (trajectory.duration() / period).ceil().max(1.0) as usize;
+        let samples = (0..=last)
+            .map(|k| trajectory.sample(k as f64 * period))
+            .collect();
+        Self::new(samples, period)
+    }
+
+    /// The samples.
+    #[must_use]
+    pub fn samples(&self) -> &[Sample<N>] {
+        &self.samples
+    }
+
+    /// Time between two samples [s].
+    #[must_use]
+    pub fn period(&self) -> f64 {
+        self.period
+    }
+}
+
+impl<const N: usize> Trajectory<N> for Sampled<N> {
+    fn duration(&self) -> f64 {
+        (self.samples.len() - 1) as f64 * self.period
+    }
+
+    fn sample(&self, t: f64) -> Sample<N> {
+        let last = self.samples.len() - 1;
+        if t.is_nan() || t < 0.0 {
+            return Sample::at_rest(self.samples[0].positions);
+        }
+        if t > self.duration() {
+            return Sample::at_rest(self.samples[last].positions);
+        }
+        // Truncation is meant; the last sample belongs to the last interval.
+        let k = ((t / self.period) as usize).min(last - 1);
+        let (a, b) = (&self.samples[k], &self.samples[k + 1]);
+        let local = t - k as f64 * self.period;
+        let mut sample = *a;
+        for i in 0..N {
+            let start = [a.positions[i], a.velocities[i], a.accelerations[i]];
+            let end = [b.positions[i], b.velocities[i], b.accelerations[i]];
+            let [p, v, acceleration] = Quintic::new(start, end, self.period).at(local);
+            sample.positions[i] = p;
+            sample.velocities[i] = v;
+            sample.accelerations[i] = acceleration;
+        }
+        sample
+    }
+}
