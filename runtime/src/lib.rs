@@ -3,6 +3,7 @@
 //! The features `control`, `identification` and `report` are all on by default. A module of the first two stands behind
 //! its feature: what the program `gelenk` builds, `report` alone, must compile without them.
 
+#[cfg(feature = "control")]
 pub mod control_loop;
 pub mod dynamics;
 #[cfg(feature = "identification")]
@@ -17,3 +18,5 @@ pub mod plant;
 pub mod qp;
 #[cfg(feature = "control")]
 pub mod trajectory;
+#[cfg(feature = "control")]
+pub mod transport;

@@ -1,4 +1,4 @@
-//! Random optimal-control QPs, and Clarabel as their oracle.
+//! What test binaries share: random optimal-control QPs with Clarabel as their oracle, a robot with its loop.
 #![allow(dead_code, reason = "each test binary uses its own part")]
 #![allow(
     clippy::unwrap_used,
@@ -7,3 +7,4 @@
 
 pub mod oracle;
 pub mod random_qp;
+pub mod robot;

@@ -1,0 +1,111 @@
+//! Time of the loop: the monotonic clock, and a virtual one for tests.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+/// A clock that never goes back. Times are spans since a fixed moment in the past.
+pub trait Clock {
+    /// Present time.
+    fn now(&self) -> Duration;
+
+    /// Returns at `wake`, or at once where that is past. Absolute, so that the time spent since the last call does not
+    /// add up to drift.
+    fn sleep_until(&self, wake: Duration);
+}
+
+/// `CLOCK_MONOTONIC`, with `clock_nanosleep` to absolute times.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct MonotonicClock;
+
+#[cfg(target_os = "linux")]
+impl Clock for MonotonicClock {
+    fn now(&self) -> Duration {
+        let time = rustix::time::clock_gettime(rustix::time::ClockId::Monotonic);
+        // The monotonic clock starts at 0 when the machine does.
+        Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
+    }
+
+    fn sleep_until(&self, wake: Duration) {
+        let request = rustix::time::Timespec {
+            tv_sec: wake.as_secs() as _,
+            tv_nsec: wake.subsec_nanos().into(),
+        };
+        // A signal ends the sleep early; the time to wake at stays.
+        while let Err(rustix::io::Errno::INTR) =
+            rustix::thread::clock_nanosleep_absolute(rustix::thread::ClockId::Monotonic, &request)
+        {
+        }
+    }
+}
+
+/// Elsewhere the standard library's clock, and relative sleep to the absolute time.
+#[cfg(not(target_os = "linux"))]
+impl Clock for MonotonicClock {
+    fn now(&self) -> Duration {
+        static START: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();
+        START.get_or_init(std::time::Instant::now).elapsed()
+    }
+
+    fn sleep_until(&self, wake: Duration) {
+        std::thread::sleep(wake.saturating_sub(self.now()));
+    }
+}
+
+/// Time that passes only by [`sleep_until`](Clock::sleep_until) and [`advance`](VirtualClock::advance): a loop on it runs
+/// as fast as the machine allows and does the same every time. Clones show the same time.
+#[derive(Debug, Clone, Default)]
+pub struct VirtualClock(Arc<AtomicU64>);
+
+impl VirtualClock {
+    /// A clock at 0.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Lets time pass, as a computation or a stall would.
+    pub fn advance(&self, span: Duration) {
+        self.0.fetch_add(nanoseconds(span), Ordering::Relaxed);
+    }
+}
+
+impl Clock for VirtualClock {
+    fn now(&self) -> Duration {
+        Duration::from_nanos(self.0.load(Ordering::Relaxed))
+    }
+
+    fn sleep_until(&self, wake: Duration) {
+        self.0.fetch_max(nanoseconds(wake), Ordering::Relaxed);
+    }
+}
+
+/// 584 years are enough for a loop.
+fn nanoseconds(span: Duration) -> u64 {
+    u64::try_from(span.as_nanos()).unwrap_or(u64::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_virtual_clock_moves_when_told() {
+        let clock = VirtualClock::new();
+        let other = clock.clone();
+        clock.sleep_until(Duration::from_millis(20));
+        other.advance(Duration::from_millis(7));
+        assert_eq!(clock.now(), Duration::from_millis(27));
+        clock.sleep_until(Duration::from_millis(5));
+        assert_eq!(other.now(), Duration::from_millis(27), "never back");
+    }
+
+    #[test]
+    fn the_monotonic_clock_does_not_wake_early() {
+        let clock = MonotonicClock;
+        let wake = clock.now() + Duration::from_millis(2);
+        clock.sleep_until(wake);
+        assert!(clock.now() >= wake);
+        clock.sleep_until(Duration::ZERO);
+    }
+}

@@ -1,0 +1,250 @@
+//! What the loop decides in a period: whether to believe, whom to follow, when to stop.
+
+use super::clock::Clock;
+use super::controller::{Controller, ControllerFault, Cycle};
+use super::guard::EncoderFault;
+use super::monitor::{check_state, limit_inputs};
+use super::report::{Counts, End, STAGES, Source, StopReason};
+use super::run::{ControlLoop, Phase};
+use crate::dynamics::Dynamics;
+use crate::trajectory::{Sample, Trajectory};
+use crate::transport::{Brakes, Transport, TransportError};
+use std::time::Duration;
+
+/// A reading and what the guard thinks of it.
+pub(super) struct Judged<const N: usize> {
+    /// As read; NaN where nothing arrived.
+    pub positions: [f64; N],
+    /// The same, if it is believed.
+    pub believed: Option<[f64; N]>,
+}
+
+/// Inputs before the limits.
+pub(super) struct Proposal<const M: usize> {
+    pub inputs: [f64; M],
+    pub source: Source,
+    pub iterations: u32,
+}
+
+impl<D, R, C, T, K, const N: usize, const M: usize> ControlLoop<D, R, C, T, K, N, M>
+where
+    D: Dynamics<N, M>,
+    R: Trajectory<N>,
+    C: Controller<N, M>,
+    T: Transport<N, M>,
+    K: Clock,
+{
+    /// Reads and judges positions. Too long without a believable one, and it brakes.
+    pub(super) fn read(&mut self, desired: &[f64; N], periods: u32) -> Judged<N> {
+        let missing = Judged {
+            positions: [f64::NAN; N],
+            believed: None,
+        };
+        let reading = match self.transport.read() {
+            Ok(Some(reading)) => reading,
+            Ok(None) => {
+                self.state.counts.missing += 1;
+                self.go_unmeasured(periods, StopReason::NoMeasurement);
+                return missing;
+            }
+            Err(TransportError::Restarted) => {
+                self.engage(End::Stopped(StopReason::Restarted));
+                return missing;
+            }
+            Err(_) => {
+                self.state.counts.missing += 1;
+                self.state.counts.transport_errors += 1;
+                self.go_unmeasured(periods, StopReason::NoMeasurement);
+                return missing;
+            }
+        };
+        self.state.brakes = reading.brakes;
+        if reading.brakes == Brakes::Engaged && self.state.reference.time() >= 0.0 {
+            self.engage(End::Stopped(StopReason::BrakedByRobot));
+        }
+        let positions = reading.positions;
+        let (_, age) = self.state.guard.believed();
+        let believed = match self.state.guard.check(&positions, desired) {
+            Ok(()) => {
+                self.state.unmeasured = 0;
+                self.state.filter.update(&positions, age);
+                Some(positions)
+            }
+            Err(fault) => {
+                self.state.counts.take_encoder_fault(&fault);
+                self.go_unmeasured(periods, StopReason::Encoder(fault));
+                None
+            }
+        };
+        Judged {
+            positions,
+            believed,
+        }
+    }
+
+    fn go_unmeasured(&mut self, periods: u32, reason: StopReason) {
+        self.state.unmeasured = self.state.unmeasured.saturating_add(periods);
+        if self.state.unmeasured > self.settings.hold_periods {
+            self.engage(End::Stopped(reason));
+        }
+    }
+
+    /// Inputs from the controller, or from what stands in for it. Always finite.
+    pub(super) fn propose(
+        &mut self,
+        desired: &Sample<N>,
+        positions: Option<[f64; N]>,
+        periods: u32,
+    ) -> Proposal<M> {
+        match self.state.phase {
+            Phase::Running => self.follow_controller(desired, positions, periods),
+            Phase::Stopping(_) => self.follow_feed_forward_pd(desired, positions),
+            _ => self.hold(),
+        }
+    }
+
+    fn follow_controller(
+        &mut self,
+        desired: &Sample<N>,
+        positions: Option<[f64; N]>,
+        periods: u32,
+    ) -> Proposal<M> {
+        let cycle = Cycle {
+            time: self.state.reference.time(),
+            periods,
+            positions,
+            last_inputs: self.state.inputs,
+        };
+        let fault = match self.controller.step(&cycle) {
+            Ok(command) if is_finite(&command.inputs) => {
+                self.state.failures = 0;
+                return Proposal {
+                    inputs: command.inputs,
+                    source: Source::Controller,
+                    iterations: command.iterations,
+                };
+            }
+            Ok(_) => ControllerFault::NotFinite,
+            Err(fault) => fault,
+        };
+        self.state.counts.controller_faults += 1;
+        self.state.failures = self.state.failures.saturating_add(periods);
+        if self.state.failures > self.settings.fallback_periods {
+            self.slow_down(StopReason::Controller(fault));
+        }
+        self.follow_plan()
+            .unwrap_or_else(|| self.follow_feed_forward_pd(desired, positions))
+    }
+
+    fn follow_plan(&self) -> Option<Proposal<M>> {
+        let failures = self.state.failures;
+        if failures > self.settings.plan_periods {
+            return None;
+        }
+        let inputs = self.controller.planned(failures)?;
+        is_finite(&inputs).then_some(Proposal {
+            inputs,
+            source: Source::Plan,
+            iterations: 0,
+        })
+    }
+
+    fn follow_feed_forward_pd(
+        &self,
+        desired: &Sample<N>,
+        positions: Option<[f64; N]>,
+    ) -> Proposal<M> {
+        let velocities = self.state.filter.velocities();
+        let inputs = positions.and_then(|y| self.fallback.inputs(desired, &y, velocities).ok());
+        inputs.map_or_else(
+            || self.hold(),
+            |inputs| Proposal {
+                inputs,
+                source: Source::FeedForwardPd,
+                iterations: 0,
+            },
+        )
+    }
+
+    fn hold(&self) -> Proposal<M> {
+        Proposal {
+            inputs: self.state.inputs,
+            source: Source::Held,
+            iterations: 0,
+        }
+    }
+
+    /// Limits the inputs, and brakes where the state is outside its limits, or at the end of the motion.
+    pub(super) fn check(&mut self, desired: &[f64; N], mut inputs: [f64; M]) -> [f64; M] {
+        self.state.counts.limited_inputs += limit_inputs(&mut inputs, &self.settings.input_limit);
+        let (positions, age) = self.state.guard.believed();
+        let velocities = self.state.filter.velocities();
+        if let Err(fault) = check_state(&self.settings, &positions, velocities, age, desired) {
+            self.engage(End::Stopped(StopReason::Limit(fault)));
+        } else if let Some(end) = self.end_of_motion() {
+            self.engage(end);
+        }
+        inputs
+    }
+
+    /// The motion is over where the reference stands and the robot does too, or has had its time for it.
+    fn end_of_motion(&self) -> Option<End> {
+        let (standing, end) = match self.state.phase {
+            Phase::Running => {
+                let over = self.trajectory.duration() + self.settings.settling_time;
+                (self.state.reference.time() - over, End::Finished)
+            }
+            Phase::Stopping(reason) => (self.state.reference.standing()?, End::Stopped(reason)),
+            _ => return None,
+        };
+        let velocities = self.state.filter.velocities().iter();
+        let at_rest = velocities
+            .zip(&self.settings.standstill_speed)
+            .all(|(v, limit)| v.abs() <= *limit);
+        (standing >= 0.0 && (at_rest || standing >= self.settings.stop_time)).then_some(end)
+    }
+
+    /// Begins a controlled stop on the path.
+    pub(super) fn slow_down(&mut self, reason: StopReason) {
+        if self.state.phase == Phase::Running {
+            self.state.phase = Phase::Stopping(reason);
+            self.state.reference.stop(self.settings.stop_time);
+        }
+    }
+
+    pub(super) fn velocities(&self) -> [f64; N] {
+        let estimate = self.controller.estimate();
+        estimate.map_or(*self.state.filter.velocities(), |e| e.velocities)
+    }
+}
+
+impl Counts {
+    pub(super) fn take_encoder_fault(&mut self, fault: &EncoderFault) {
+        match fault {
+            EncoderFault::NotFinite { .. } => self.not_finite += 1,
+            EncoderFault::Jump { .. } => self.jumps += 1,
+            EncoderFault::Frozen { .. } => self.frozen += 1,
+        }
+    }
+
+    pub(super) fn take_source(&mut self, source: Source) {
+        match source {
+            Source::Controller => self.controller += 1,
+            Source::Plan => self.plan += 1,
+            Source::FeedForwardPd => self.feed_forward_pd += 1,
+            Source::Held => self.held += 1,
+            Source::Late | Source::Brake => {}
+        }
+    }
+
+    pub(super) fn take_times(&mut self, stages: &[Duration; STAGES], budgets: &[Duration; STAGES]) {
+        for i in 0..STAGES {
+            self.longest[i] = self.longest[i].max(stages[i]);
+            self.budget_overruns[i] += u64::from(stages[i] > budgets[i]);
+        }
+    }
+}
+
+fn is_finite<const M: usize>(inputs: &[f64; M]) -> bool {
+    inputs.iter().all(|u| u.is_finite())
+}

@@ -1,0 +1,179 @@
+//! Real-time scheduling and locked memory, as far as the system permits.
+
+use std::fmt;
+use thread_priority::{
+    RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue, ThreadSchedulePolicy,
+};
+
+/// What became of a request.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Grant {
+    /// The system does it.
+    Granted,
+    /// Nobody asked.
+    NotRequested,
+    /// The system refused, and says why.
+    Refused(String),
+}
+
+impl fmt::Display for Grant {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Granted => write!(f, "granted"),
+            Self::NotRequested => write!(f, "not requested"),
+            Self::Refused(reason) => write!(f, "refused: {reason}"),
+        }
+    }
+}
+
+/// What the thread of the loop asks the system for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RealtimeRequest {
+    /// Priority 1 to 98 of `SCHED_FIFO`; None: the usual scheduling.
+    pub priority: Option<u8>,
+    /// Keep all memory of the process in RAM.
+    pub lock_memory: bool,
+}
+
+impl Default for RealtimeRequest {
+    /// Priority 80, memory locked: above interrupt threads of disks and network cards (50), below the kernel's own.
+    fn default() -> Self {
+        Self {
+            priority: Some(80),
+            lock_memory: true,
+        }
+    }
+}
+
+/// What was granted. Show it to the operator: a loop without real-time scheduling runs, but misses deadlines on a busy
+/// machine.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RealtimeReport {
+    /// `SCHED_FIFO` for the calling thread.
+    pub scheduling: Grant,
+    /// Locked memory of the process.
+    pub memory: Grant,
+}
+
+impl fmt::Display for RealtimeReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "SCHED_FIFO {}; locked memory {}",
+            self.scheduling, self.memory
+        )
+    }
+}
+
+impl RealtimeRequest {
+    /// Asks for both on behalf of the calling thread. Call it after everything is constructed, in the thread that runs the
+    /// loop: threads started later would inherit the priority, and only memory that exists now is locked, which is all that
+    /// the loop touches.
+    ///
+    /// Needs `CAP_SYS_NICE` and `CAP_IPC_LOCK`, or limits (`rtprio`, `memlock` in `/etc/security/limits.conf`).
+    #[must_use]
+    pub fn apply(&self) -> RealtimeReport {
+        RealtimeReport {
+            scheduling: self
+                .priority
+                .map_or(Grant::NotRequested, request_scheduling),
+            memory: if self.lock_memory {
+                lock_memory()
+            } else {
+                Grant::NotRequested
+            },
+        }
+    }
+}
+
+#[cfg(target_os = "linux")]
+fn request_scheduling(priority: u8) -> Grant {
+    // The crate counts 99 as an error, and 99 belongs to the kernel's watchdogs anyway.
+    let Ok(value) = ThreadPriorityValue::try_from(priority) else {
+        return Grant::Refused(format!("priority {priority} is not 1 to 98"));
+    };
+    if !(1..=98).contains(&priority) {
+        return Grant::Refused(format!("priority {priority} is not 1 to 98"));
+    }
+    let granted = thread_priority::set_thread_priority_and_policy(
+        thread_priority::thread_native_id(),
+        ThreadPriority::Crossplatform(value),
+        ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo),
+    );
+    match granted {
+        Ok(()) => Grant::Granted,
+        Err(thread_priority::Error::OS(code)) => {
+            Grant::Refused(std::io::Error::from_raw_os_error(code).to_string())
+        }
+        Err(e) => Grant::Refused(format!("{e:?}")),
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+fn request_scheduling(_: u8) -> Grant {
+    Grant::Refused("only known on Linux".into())
+}
+
+/// `MCL_CURRENT` alone: with `MCL_FUTURE` and a small limit, the first allocation of another thread would end the process.
+#[cfg(target_os = "linux")]
+fn lock_memory() -> Grant {
+    match rustix::mm::mlockall(rustix::mm::MlockAllFlags::CURRENT) {
+        Ok(()) => Grant::Granted,
+        Err(e) => Grant::Refused(std::io::Error::from(e).to_string()),
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+fn lock_memory() -> Grant {
+    Grant::Refused("only known on Linux".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_report_says_what_was_granted() {
+        let request = RealtimeRequest {
+            priority: None,
+            lock_memory: false,
+        };
+        assert_eq!(
+            request.apply().to_string(),
+            "SCHED_FIFO not requested; locked memory not requested"
+        );
+    }
+
+    /// In a thread of its own, so that no other test inherits what is granted.
+    #[test]
+    fn a_request_ends_in_a_grant_or_a_reason() {
+        let report = std::thread::spawn(|| {
+            let priority = Some(10);
+            RealtimeRequest {
+                priority,
+                lock_memory: false,
+            }
+            .apply()
+        })
+        .join()
+        .unwrap();
+        match report.scheduling {
+            Grant::Granted => {}
+            Grant::Refused(reason) => assert!(!reason.is_empty()),
+            Grant::NotRequested => panic!("it was requested"),
+        }
+    }
+
+    #[test]
+    fn a_priority_out_of_range_is_refused() {
+        let report = RealtimeRequest {
+            priority: Some(100),
+            lock_memory: false,
+        }
+        .apply();
+        assert_eq!(
+            report.scheduling,
+            Grant::Refused("priority 100 is not 1 to 98".into())
+        );
+    }
+}

@@ -1,0 +1,252 @@
+//! What the loop did, and why it ended.
+
+use super::controller::ControllerFault;
+use super::guard::EncoderFault;
+use super::monitor::LimitFault;
+use crate::transport::{Brakes, TransportError};
+use std::fmt;
+use std::time::Duration;
+
+/// Parts of a period, in their order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// Reading positions and judging them.
+    Read,
+    /// The controller, and what stands in for it.
+    Control,
+    /// Limits of inputs and states.
+    Check,
+    /// Writing inputs.
+    Write,
+    /// Handing the record over to the log.
+    Log,
+}
+
+/// Number of stages.
+pub const STAGES: usize = 5;
+
+/// Where the inputs of a period came from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// The controller.
+    Controller,
+    /// The controller's last plan, shifted.
+    Plan,
+    /// Feed-forward with joint PD.
+    FeedForwardPd,
+    /// The period before: nothing better was there.
+    Held,
+    /// Nothing was written: the deadline was missed, and the robot holds what it has.
+    Late,
+    /// The brakes.
+    Brake,
+}
+
+impl Source {
+    /// Name in the log.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Controller => "controller",
+            Self::Plan => "plan",
+            Self::FeedForwardPd => "feed-forward PD",
+            Self::Held => "held",
+            Self::Late => "late",
+            Self::Brake => "brake",
+        }
+    }
+}
+
+/// Why the loop stopped the robot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum StopReason {
+    /// A signal or another thread asked for it.
+    Requested,
+    /// The controller failed for too long.
+    Controller(ControllerFault),
+    /// Too many periods in a row without a reading.
+    NoMeasurement,
+    /// Too many periods in a row without a believable reading.
+    Encoder(EncoderFault),
+    /// Too many deadlines in a row were missed.
+    DeadlineMissed,
+    /// A limit was reached.
+    Limit(LimitFault),
+    /// The robot's side restarted.
+    Restarted,
+    /// The brakes were engaged, but not by this loop.
+    BrakedByRobot,
+}
+
+impl fmt::Display for StopReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Requested => write!(f, "asked to stop"),
+            Self::Controller(fault) => write!(f, "controller: {fault}"),
+            Self::NoMeasurement => write!(f, "no measurement arrived for too long"),
+            Self::Encoder(fault) => write!(f, "{fault}"),
+            Self::DeadlineMissed => write!(f, "too many deadlines missed in a row"),
+            Self::Limit(fault) => write!(f, "{fault}"),
+            Self::Restarted => write!(f, "the robot's side restarted during the motion"),
+            Self::BrakedByRobot => write!(f, "the robot engaged its brakes by itself"),
+        }
+    }
+}
+
+/// Why the loop did not start; the brakes stay engaged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Refusal {
+    /// Nothing believable was read.
+    NoMeasurement,
+    /// Somebody asked to stop before the start.
+    Requested,
+    /// The robot is outside its limits.
+    Limit(LimitFault),
+    /// The robot is not where the trajectory begins.
+    Start {
+        /// Index of the coordinate.
+        joint: usize,
+        /// Measured position [rad or m].
+        position: f64,
+        /// Position at which the trajectory begins [rad or m].
+        start: f64,
+    },
+    /// The inputs cannot hold the robot where it is.
+    Torque {
+        /// Index of the input.
+        input: usize,
+        /// What would hold it, in the input's unit; NaN where the model has no answer.
+        needed: f64,
+        /// What is allowed.
+        limit: f64,
+    },
+    /// The robot could not be reached.
+    Transport(TransportError),
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoMeasurement => write!(f, "no finite measurement arrived"),
+            Self::Requested => write!(f, "asked to stop before the start"),
+            Self::Limit(fault) => write!(f, "{fault}"),
+            Self::Start {
+                joint,
+                position,
+                start,
+            } => write!(
+                f,
+                "joint {joint} is at {position:.4}, but the trajectory begins at {start:.4}: move the robot there first"
+            ),
+            Self::Torque {
+                input,
+                needed,
+                limit,
+            } => write!(
+                f,
+                "input {input} would need {needed:.4} to hold the robot, more than its limit {limit:.4}"
+            ),
+            Self::Transport(e) => write!(f, "{e}"),
+        }
+    }
+}
+
+/// How the loop ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum End {
+    /// At the end of the trajectory.
+    Finished,
+    /// Before it.
+    Stopped(StopReason),
+    /// It never started.
+    Refused(Refusal),
+}
+
+impl fmt::Display for End {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Finished => write!(f, "finished"),
+            Self::Stopped(reason) => write!(f, "stopped: {reason}"),
+            Self::Refused(refusal) => write!(f, "refused to start: {refusal}"),
+        }
+    }
+}
+
+/// Counts of one run.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Counts {
+    /// Periods that the loop saw, braking included.
+    pub periods: u64,
+    /// Periods controlled by the controller.
+    pub controller: u64,
+    /// Periods on the shifted plan.
+    pub plan: u64,
+    /// Periods of feed-forward with joint PD.
+    pub feed_forward_pd: u64,
+    /// Periods with the inputs of the period before.
+    pub held: u64,
+    /// Deadlines missed: periods whose inputs were not written before the next began, slept through ones included.
+    pub deadline_misses: u64,
+    /// The longest row of missed deadlines.
+    pub longest_miss: u64,
+    /// Readings that did not arrive.
+    pub missing: u64,
+    /// Readings with NaN or infinity.
+    pub not_finite: u64,
+    /// Readings that jumped.
+    pub jumps: u64,
+    /// Readings that froze.
+    pub frozen: u64,
+    /// Inputs that were cut off at their limit.
+    pub limited_inputs: u64,
+    /// Steps of the controller that failed or gave numbers that are not finite.
+    pub controller_faults: u64,
+    /// Writes, readings and brake commands that the transport could not do.
+    pub transport_errors: u64,
+    /// Stages that took longer than their budget, by [`Stage`].
+    pub budget_overruns: [u64; STAGES],
+    /// Longest time of each stage.
+    pub longest: [Duration; STAGES],
+    /// Longest lateness of a wake-up.
+    pub latest_wake: Duration,
+}
+
+/// Result of [`ControlLoop::run`](super::ControlLoop::run).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoopReport {
+    /// How it ended.
+    pub end: End,
+    /// Brakes as the robot last reported them. Anything but engaged after a run needs a look at the robot.
+    pub brakes: Brakes,
+    /// What was counted.
+    pub counts: Counts,
+}
+
+impl fmt::Display for LoopReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let c = &self.counts;
+        writeln!(f, "{}; brakes {:?}", self.end, self.brakes)?;
+        writeln!(
+            f,
+            "{} periods: {} controller, {} plan, {} feed-forward PD, {} held; {} deadlines missed (at most {} in a row)",
+            c.periods,
+            c.controller,
+            c.plan,
+            c.feed_forward_pd,
+            c.held,
+            c.deadline_misses,
+            c.longest_miss
+        )?;
+        write!(
+            f,
+            "{} readings missing, {} not finite, {} jumped, {} frozen; {} inputs limited; {} controller faults; {} transport errors",
+            c.missing,
+            c.not_finite,
+            c.jumps,
+            c.frozen,
+            c.limited_inputs,
+            c.controller_faults,
+            c.transport_errors
+        )
+    }
+}

@@ -1,0 +1,475 @@
+//! The loop itself: when things happen.
+
+use super::clock::Clock;
+use super::controller::Controller;
+use super::feed_forward_pd::JointPd;
+use super::guard::EncoderGuard;
+use super::log::{LogRecord, LogSink};
+use super::monitor::{VelocityFilter, check_positions};
+use super::reference::Reference;
+use super::report::{Counts, End, LoopReport, Refusal, STAGES, Source, Stage, StopReason};
+use super::settings::{LoopSettings, SettingError};
+use super::stop_request::StopRequest;
+use crate::dynamics::Dynamics;
+use crate::trajectory::{Sample, Trajectory};
+use crate::transport::{Brakes, Transport};
+use std::time::Duration;
+
+/// Where the loop is in its life.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Phase {
+    /// Not started; brakes engaged as far as the loop had a say.
+    Idle,
+    /// Along the trajectory.
+    Running,
+    /// Slowing down on the path, then braking for this reason.
+    Stopping(StopReason),
+    /// Asking for the brakes, for so many periods more at most.
+    Braking { end: End, left: u32 },
+    /// Over.
+    Ended(End),
+}
+
+/// What changes while the loop runs.
+#[derive(Debug, Clone)]
+pub(super) struct State<const N: usize, const M: usize> {
+    pub phase: Phase,
+    /// Clock at the start of period 0.
+    pub origin: Duration,
+    /// Number of the period.
+    pub index: u64,
+    pub reference: Reference,
+    pub guard: EncoderGuard<N>,
+    pub filter: VelocityFilter<N>,
+    /// What the robot holds.
+    pub inputs: [f64; M],
+    /// Periods in a row without a believable measurement.
+    pub unmeasured: u32,
+    /// Periods in a row without a good step of the controller.
+    pub failures: u32,
+    /// Periods in a row in which nothing was written.
+    pub unwritten: u64,
+    pub brakes: Brakes,
+    pub counts: Counts,
+}
+
+/// Drives a robot along a trajectory at a fixed rate; see the [module](super) for what it does in which case.
+///
+/// It owns its parts; a transport or controller that is needed afterwards is passed as `&mut`.
+pub struct ControlLoop<D, R, C, T, K, const N: usize, const M: usize>
+where
+    D: Dynamics<N, M>,
+    R: Trajectory<N>,
+    C: Controller<N, M>,
+    T: Transport<N, M>,
+    K: Clock,
+{
+    pub(super) settings: LoopSettings<N, M>,
+    period: Duration,
+    /// The same [s].
+    pub(super) seconds: f64,
+    pub(super) fallback: JointPd<D, N, M>,
+    pub(super) trajectory: R,
+    pub(super) controller: C,
+    pub(super) transport: T,
+    clock: K,
+    log: Option<LogSink<N, M>>,
+    stop: StopRequest,
+    pub(super) state: State<N, M>,
+}
+
+impl<D, R, C, T, K, const N: usize, const M: usize> ControlLoop<D, R, C, T, K, N, M>
+where
+    D: Dynamics<N, M>,
+    R: Trajectory<N>,
+    C: Controller<N, M>,
+    T: Transport<N, M>,
+    K: Clock,
+{
+    /// A loop that has not touched the robot yet. `fallback` takes over where the controller fails, and makes the controlled
+    /// stop.
+    ///
+    /// # Errors
+    /// [`SettingError`] for settings out of their range.
+    pub fn new(
+        settings: LoopSettings<N, M>,
+        fallback: JointPd<D, N, M>,
+        trajectory: R,
+        controller: C,
+        transport: T,
+        clock: K,
+    ) -> Result<Self, SettingError> {
+        settings.check()?;
+        let period = settings.period();
+        let start = trajectory.sample(0.0).positions;
+        let state = State {
+            phase: Phase::Idle,
+            origin: Duration::ZERO,
+            index: 0,
+            reference: Reference::Running { time: 0.0 },
+            guard: EncoderGuard::new(settings.guard, start, start),
+            filter: VelocityFilter::new(settings.velocity_time_constant, start),
+            inputs: [0.0; M],
+            unmeasured: 0,
+            failures: 0,
+            unwritten: 0,
+            brakes: Brakes::Unknown,
+            counts: Counts::default(),
+        };
+        Ok(Self {
+            period,
+            seconds: period.as_secs_f64(),
+            settings,
+            fallback,
+            trajectory,
+            controller,
+            transport,
+            clock,
+            log: None,
+            stop: StopRequest::new(),
+            state,
+        })
+    }
+
+    /// Writes a record of every period to this log.
+    #[must_use]
+    pub fn with_log(mut self, log: LogSink<N, M>) -> Self {
+        self.log = Some(log);
+        self
+    }
+
+    /// Stops when this is raised.
+    #[must_use]
+    pub fn with_stop_request(mut self, stop: StopRequest) -> Self {
+        self.stop = stop;
+        self
+    }
+
+    /// The transport, e.g. to look at a simulated robot.
+    pub fn transport(&self) -> &T {
+        &self.transport
+    }
+
+    /// The controller.
+    pub fn controller(&self) -> &C {
+        &self.controller
+    }
+
+    /// Starts, runs period after period, brakes, and says how it went.
+    pub fn run(&mut self) -> LoopReport {
+        if self.start().is_ok() {
+            while self.period() {}
+        }
+        self.report()
+    }
+
+    /// What happened so far; before the end, [`End::Finished`] stands for "not ended".
+    #[must_use]
+    pub fn report(&self) -> LoopReport {
+        let end = match self.state.phase {
+            Phase::Idle | Phase::Running => End::Finished,
+            Phase::Stopping(reason) => End::Stopped(reason),
+            Phase::Braking { end, .. } | Phase::Ended(end) => end,
+        };
+        LoopReport {
+            end,
+            brakes: self.state.brakes,
+            counts: self.state.counts,
+        }
+    }
+
+    /// Reads where the robot is, checks that it may start there, writes the inputs that hold it, and releases the brakes.
+    /// [`run`](Self::run) does it; call it only to make the periods yourself.
+    ///
+    /// # Errors
+    /// [`Refusal`]; the brakes then are engaged.
+    pub fn start(&mut self) -> Result<(), Refusal> {
+        let started = self.try_start();
+        if let Err(refusal) = started {
+            self.brake();
+            self.state.phase = Phase::Ended(End::Refused(refusal));
+        }
+        started
+    }
+
+    fn try_start(&mut self) -> Result<(), Refusal> {
+        self.transport.brake().map_err(Refusal::Transport)?;
+        let positions = self.first_reading()?;
+        check_positions(&self.settings, &positions).map_err(Refusal::Limit)?;
+        let start = self.trajectory.sample(0.0).positions;
+        for joint in 0..N {
+            let distance = (positions[joint] - start[joint]).abs();
+            // Written so that a trajectory of NaN is refused.
+            let near = distance <= self.settings.start_tolerance[joint];
+            if !near {
+                return Err(Refusal::Start {
+                    joint,
+                    position: positions[joint],
+                    start: start[joint],
+                });
+            }
+        }
+        let inputs = self.holding_inputs(&positions)?;
+        self.controller.reset(&positions, &inputs);
+        self.transport.write(&inputs).map_err(Refusal::Transport)?;
+        self.transport.release().map_err(Refusal::Transport)?;
+        let time = -self.release_time();
+        let (settings, state) = (&self.settings, &mut self.state);
+        state.guard = EncoderGuard::new(settings.guard, positions, start);
+        state.filter = VelocityFilter::new(settings.velocity_time_constant, positions);
+        state.reference = Reference::Running { time };
+        state.inputs = inputs;
+        (state.unmeasured, state.failures, state.unwritten) = (0, 0, 0);
+        (state.origin, state.index) = (self.clock.now() + self.period, 0);
+        state.phase = Phase::Running;
+        Ok(())
+    }
+
+    fn first_reading(&mut self) -> Result<[f64; N], Refusal> {
+        for _ in 0..=self.settings.start_periods {
+            if self.stop.is_raised() {
+                return Err(Refusal::Requested);
+            }
+            // Errors too are waited out: a robot that was just switched on reports its restart here.
+            if let Ok(Some(reading)) = self.transport.read() {
+                self.state.brakes = reading.brakes;
+                if reading.positions.iter().all(|y| y.is_finite()) {
+                    return Ok(reading.positions);
+                }
+            }
+            self.clock.sleep_until(self.clock.now() + self.period);
+        }
+        Err(Refusal::NoMeasurement)
+    }
+
+    fn holding_inputs(&self, positions: &[f64; N]) -> Result<[f64; M], Refusal> {
+        let rest = Sample::at_rest(*positions);
+        let inputs = self
+            .fallback
+            .inputs(&rest, positions, &[0.0; N])
+            .unwrap_or([f64::NAN; M]);
+        for (input, (needed, limit)) in inputs.iter().zip(self.settings.input_limit).enumerate() {
+            let possible = needed.abs() <= limit;
+            if !possible {
+                return Err(Refusal::Torque {
+                    input,
+                    needed: *needed,
+                    limit,
+                });
+            }
+        }
+        Ok(inputs)
+    }
+
+    /// Sleeps until the next period begins and runs it. False once the loop has ended.
+    pub fn period(&mut self) -> bool {
+        if matches!(self.state.phase, Phase::Idle | Phase::Ended(_)) {
+            return false;
+        }
+        let wake = self.beginning_of(self.state.index);
+        self.clock.sleep_until(wake);
+        let begin = self.clock.now();
+        let lateness = begin.saturating_sub(wake);
+        // A sleep that lasted beyond whole periods: they are gone, and the grid of times stays.
+        let skipped = (lateness.as_nanos() / self.period.as_nanos()) as u64;
+        self.state.index += skipped;
+        let counts = &mut self.state.counts;
+        counts.periods += 1;
+        counts.latest_wake = counts.latest_wake.max(lateness);
+        let mut watch = Stopwatch::new(begin);
+        let record = match self.state.phase {
+            Phase::Braking { end, left } => self.brake_again(end, left),
+            _ => self.drive(skipped, &mut watch),
+        };
+        if let Some(log) = &mut self.log {
+            log.push(LogRecord {
+                lateness: nanoseconds(lateness),
+                stages: core::array::from_fn(|i| nanoseconds(watch.stages[i])),
+                ..record
+            });
+        }
+        watch.lap(Stage::Log, self.clock.now());
+        self.state.index += 1;
+        self.state
+            .counts
+            .take_times(&watch.stages, &self.settings.budgets);
+        !matches!(self.state.phase, Phase::Ended(_))
+    }
+
+    /// One period of control. The deadline is the beginning of the next.
+    fn drive(&mut self, skipped: u64, watch: &mut Stopwatch) -> LogRecord<N, M> {
+        let deadline = self.beginning_of(self.state.index + 1);
+        let periods = u32::try_from(skipped).unwrap_or(u32::MAX).saturating_add(1);
+        self.miss(skipped);
+        let time = self.state.index as f64 * self.seconds - self.release_time();
+        let span = f64::from(periods) * self.seconds;
+        self.state.reference.advance(time, span);
+        self.state.guard.elapse(span);
+        if self.stop.is_raised() && self.state.phase == Phase::Running {
+            self.slow_down(StopReason::Requested);
+        }
+        let desired = self.state.reference.sample(&self.trajectory);
+        let reading = self.read(&desired.positions, periods);
+        watch.lap(Stage::Read, self.clock.now());
+        let proposal = self.propose(&desired, reading.believed, periods);
+        watch.lap(Stage::Control, self.clock.now());
+        let inputs = self.check(&desired.positions, proposal.inputs);
+        watch.lap(Stage::Check, self.clock.now());
+        let mut source = proposal.source;
+        if self.is_driving() {
+            let late = self.clock.now() >= deadline;
+            if !self.write(&inputs, late) {
+                source = Source::Late;
+            }
+        }
+        watch.lap(Stage::Write, self.clock.now());
+        if self.is_driving() {
+            self.state.counts.take_source(source);
+        } else {
+            source = Source::Brake;
+        }
+        LogRecord {
+            time: self.state.reference.time(),
+            positions: reading.positions,
+            velocities: self.velocities(),
+            desired: desired.positions,
+            inputs: self.state.inputs,
+            source,
+            believed: reading.believed.is_some(),
+            iterations: proposal.iterations,
+            lateness: 0,
+            stages: [0; 4],
+        }
+    }
+
+    /// True if written. What is late is not: it was computed for a period that is over.
+    fn write(&mut self, inputs: &[f64; M], late: bool) -> bool {
+        if late {
+            self.miss(1);
+            return false;
+        }
+        if self.transport.write(inputs).is_ok() {
+            self.state.unwritten = 0;
+            self.state.inputs = *inputs;
+            return true;
+        }
+        self.state.counts.transport_errors += 1;
+        self.leave_unwritten(1);
+        false
+    }
+
+    fn miss(&mut self, periods: u64) {
+        if periods > 0 {
+            self.state.counts.deadline_misses += periods;
+            self.leave_unwritten(periods);
+            let counts = &mut self.state.counts;
+            counts.longest_miss = counts.longest_miss.max(self.state.unwritten);
+        }
+    }
+
+    fn leave_unwritten(&mut self, periods: u64) {
+        self.state.unwritten += periods;
+        if self.state.unwritten > u64::from(self.settings.hold_periods) {
+            self.engage(End::Stopped(StopReason::DeadlineMissed));
+        }
+    }
+
+    /// Engages the brakes now, and asks for them again in the periods that follow. Does nothing if already done.
+    pub(super) fn engage(&mut self, end: End) {
+        if self.is_driving() {
+            let left = self.settings.brake_periods;
+            self.state.phase = Phase::Braking { end, left };
+            self.state.inputs = [0.0; M];
+            self.brake();
+        }
+    }
+
+    fn brake(&mut self) {
+        if self.transport.brake().is_err() {
+            self.state.counts.transport_errors += 1;
+        }
+    }
+
+    fn brake_again(&mut self, end: End, left: u32) -> LogRecord<N, M> {
+        self.brake();
+        let mut positions = [f64::NAN; N];
+        if let Ok(Some(reading)) = self.transport.read() {
+            (positions, self.state.brakes) = (reading.positions, reading.brakes);
+        }
+        self.state.phase = if self.state.brakes == Brakes::Engaged || left == 0 {
+            Phase::Ended(end)
+        } else {
+            Phase::Braking {
+                end,
+                left: left - 1,
+            }
+        };
+        LogRecord {
+            time: self.state.reference.time(),
+            positions,
+            velocities: *self.state.filter.velocities(),
+            desired: self.state.reference.sample(&self.trajectory).positions,
+            inputs: [0.0; M],
+            source: Source::Brake,
+            believed: false,
+            iterations: 0,
+            lateness: 0,
+            stages: [0; 4],
+        }
+    }
+
+    /// True while inputs are written: brakes neither engaged nor asked for.
+    pub(super) fn is_driving(&self) -> bool {
+        matches!(self.state.phase, Phase::Running | Phase::Stopping(_))
+    }
+
+    fn beginning_of(&self, index: u64) -> Duration {
+        let nanos = nanoseconds(self.period).saturating_mul(index);
+        self.state.origin + Duration::from_nanos(nanos)
+    }
+
+    /// In whole periods, so that time 0 of the trajectory is the beginning of one [s].
+    pub(super) fn release_time(&self) -> f64 {
+        (self.settings.release_time / self.seconds).ceil() * self.seconds
+    }
+}
+
+/// Whatever ends the loop early, a panic included: the robot does not stay without brakes.
+impl<D, R, C, T, K, const N: usize, const M: usize> Drop for ControlLoop<D, R, C, T, K, N, M>
+where
+    D: Dynamics<N, M>,
+    R: Trajectory<N>,
+    C: Controller<N, M>,
+    T: Transport<N, M>,
+    K: Clock,
+{
+    fn drop(&mut self) {
+        if !matches!(self.state.phase, Phase::Idle | Phase::Ended(_)) {
+            self.brake();
+        }
+    }
+}
+
+/// Time of each stage.
+struct Stopwatch {
+    last: Duration,
+    stages: [Duration; STAGES],
+}
+
+impl Stopwatch {
+    fn new(now: Duration) -> Self {
+        Self {
+            last: now,
+            stages: [Duration::ZERO; STAGES],
+        }
+    }
+
+    fn lap(&mut self, stage: Stage, now: Duration) {
+        self.stages[stage as usize] = now.saturating_sub(self.last);
+        self.last = now;
+    }
+}
+
+fn nanoseconds(span: Duration) -> u64 {
+    u64::try_from(span.as_nanos()).unwrap_or(u64::MAX)
+}

@@ -1,0 +1,184 @@
+//! What the loop is told before it runs.
+
+use super::guard::GuardSettings;
+use super::report::{STAGES, Stage};
+use crate::dynamics::Limits;
+use std::time::Duration;
+use thiserror::Error;
+
+/// Rates that the loop accepts [Hz].
+pub const RATES: std::ops::RangeInclusive<f64> = 50.0..=1000.0;
+
+/// Settings of a [`ControlLoop`](super::ControlLoop). Start from [`for_limits`](Self::for_limits) and change what differs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoopSettings<const N: usize, const M: usize> {
+    /// Periods per second, 50 to 1000 [Hz].
+    pub rate: f64,
+    /// Periods in a row that are bridged without a believable measurement, or with a missed deadline; the robot then holds
+    /// its inputs or follows the controller's prediction. One more and the loop brakes.
+    pub hold_periods: u32,
+    /// Periods in a row for which the plan of the last good step is followed when the controller fails.
+    pub plan_periods: u32,
+    /// Periods in a row without a good step of the controller, plan and joint PD together, after which the loop stops.
+    pub fallback_periods: u32,
+    /// Positions in which the robot may be [rad or m].
+    pub position_limits: [[f64; 2]; N],
+    /// Speeds at which the loop brakes [rad/s or m/s].
+    pub speed_limit: [f64; N],
+    /// Deceleration that the brakes are sure to reach [rad/s² or m/s²]: the loop brakes where the robot would otherwise come
+    /// to rest outside `position_limits`. Infinite: no looking ahead.
+    pub braking_deceleration: [f64; N],
+    /// Distance from the desired position at which the loop brakes [rad or m]. This is what stops a drive with a wrong sign.
+    pub following_error: [f64; N],
+    /// Distance from the start of the trajectory at which the loop refuses to start [rad or m].
+    pub start_tolerance: [f64; N],
+    /// Largest magnitude of each input, in its unit; more is cut off, whatever the controller says.
+    pub input_limit: [f64; M],
+    /// What is believed of encoders.
+    pub guard: GuardSettings<N>,
+    /// Time constant of the velocity estimate from positions, for speed check and joint PD [s].
+    pub velocity_time_constant: f64,
+    /// Speed below which a robot stands [rad/s or m/s].
+    pub standstill_speed: [f64; N],
+    /// Time in which a controlled stop slows the trajectory down to a stand [s].
+    pub stop_time: f64,
+    /// Time after the end of the trajectory before the brakes are engaged [s].
+    pub settling_time: f64,
+    /// Time that the brakes need to release, in which the start position is held [s].
+    pub release_time: f64,
+    /// Periods to wait for a first reading before the loop refuses to start.
+    pub start_periods: u32,
+    /// Periods in which the loop asks for the brakes until they are confirmed.
+    pub brake_periods: u32,
+    /// Budget of each stage; overruns are counted. A missed deadline is what the loop acts on.
+    pub budgets: [Duration; STAGES],
+}
+
+impl<const N: usize, const M: usize> LoopSettings<N, M> {
+    /// Settings for a robot with these limits: inputs up to the peak, positions and speeds up to their limits.
+    ///
+    /// Bridges 3 periods, falls back for 25 at most, of which 5 on the plan; brakes at a following error of 0.1 rad (or m),
+    /// starts within 0.05, believes jumps up to twice the highest speed and 0.001, and stillness over 0.02 of desired
+    /// motion; reckons with brakes that stop the highest speed within 0.2 s; slows down within 0.5 s. For joints in metres,
+    /// and for robots without speed limits, set your own.
+    #[must_use]
+    pub fn for_limits(rate: f64, limits: &Limits<N, M>) -> Self {
+        // A rate out of range is refused when the loop is made, not here.
+        let period = 1.0
+            / if RATES.contains(&rate) {
+                rate
+            } else {
+                *RATES.start()
+            };
+        let share = |part: f64| Duration::from_secs_f64(part * period);
+        let mut budgets = [share(0.05); STAGES];
+        budgets[Stage::Read as usize] = share(0.25);
+        budgets[Stage::Control as usize] = share(0.5);
+        Self {
+            rate,
+            hold_periods: 3,
+            plan_periods: 5,
+            fallback_periods: 25,
+            position_limits: limits.position,
+            speed_limit: limits.velocity,
+            braking_deceleration: limits.velocity.map(|v| v / 0.2),
+            following_error: [0.1; N],
+            start_tolerance: [0.05; N],
+            input_limit: limits.peak_input,
+            guard: GuardSettings {
+                jump_speed: limits.velocity.map(|v| 2.0 * v),
+                jump_margin: [1e-3; N],
+                frozen_motion: [0.02; N],
+            },
+            velocity_time_constant: 0.01,
+            standstill_speed: [0.01; N],
+            stop_time: 0.5,
+            settling_time: 0.1,
+            release_time: 0.0,
+            start_periods: 50,
+            brake_periods: 10,
+            budgets,
+        }
+    }
+
+    /// Length of a period, to the nanosecond.
+    #[must_use]
+    pub fn period(&self) -> Duration {
+        Duration::from_nanos((1e9 / self.rate).round() as u64)
+    }
+
+    /// # Errors
+    /// [`SettingError`] for the first setting out of its range.
+    pub(super) fn check(&self) -> Result<(), SettingError> {
+        require("rate", &[self.rate], "50 to 1000 Hz", |x| {
+            RATES.contains(&x)
+        })?;
+        let intervals = self.position_limits.map(|[low, high]| high - low);
+        require(
+            "position_limits (upper minus lower)",
+            &intervals,
+            "positive",
+            |x| x > 0.0,
+        )?;
+        let positive: [(&str, &[f64]); 8] = [
+            ("speed_limit", &self.speed_limit),
+            ("braking_deceleration", &self.braking_deceleration),
+            ("following_error", &self.following_error),
+            ("start_tolerance", &self.start_tolerance),
+            ("input_limit", &self.input_limit),
+            ("guard.jump_speed", &self.guard.jump_speed),
+            ("guard.frozen_motion", &self.guard.frozen_motion),
+            ("standstill_speed", &self.standstill_speed),
+        ];
+        for (name, values) in positive {
+            require(name, values, "positive", |x| x > 0.0)?;
+        }
+        require(
+            "guard.jump_margin",
+            &self.guard.jump_margin,
+            "not negative",
+            |x| x >= 0.0,
+        )?;
+        let times = [
+            ("velocity_time_constant", self.velocity_time_constant),
+            ("stop_time", self.stop_time),
+            ("settling_time", self.settling_time),
+            ("release_time", self.release_time),
+        ];
+        for (name, value) in times {
+            require(name, &[value], "0 to 60 s", |x| (0.0..=60.0).contains(&x))?;
+        }
+        Ok(())
+    }
+}
+
+/// A setting out of its range.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error("setting {name}[{index}] of the loop is {value}; it must be {range}")]
+pub struct SettingError {
+    /// Name of the setting.
+    pub name: &'static str,
+    /// Its component, 0 for scalars.
+    pub index: usize,
+    /// What was given.
+    pub value: f64,
+    /// What is allowed.
+    pub range: &'static str,
+}
+
+pub(super) fn require(
+    name: &'static str,
+    values: &[f64],
+    range: &'static str,
+    holds: impl Fn(f64) -> bool,
+) -> Result<(), SettingError> {
+    match values.iter().position(|x| !holds(*x)) {
+        None => Ok(()),
+        Some(index) => Err(SettingError {
+            name,
+            index,
+            value: values[index],
+            range,
+        }),
+    }
+}

@@ -1,0 +1,487 @@
+//! Datagrams between a controller and a plant process.
+//!
+//! All numbers little-endian:
+//!
+//! | bytes | content |
+//! |---|---|
+//! | 0–3 | `GLNK` |
+//! | 4 | version, 1 |
+//! | 5 | kind, see [`Message`] |
+//! | 6, 7 | N, M |
+//! | 8–11 | session: which start of the plant process answers; 0 from the controller |
+//! | 12–19 | sequence number |
+//! | 20 | brakes: 0 unknown, 1 released, 2 engaged |
+//! | 21–23 | 0 |
+//! | 24… | values, 8 bytes each, as many as the kind has |
+//! | last 4 | CRC-32 (IEEE 802.3) of everything before |
+//!
+//! A datagram is taken only if every byte is as it must be; lengths are exact. Positions may be NaN, which the loop's guard
+//! judges; inputs must be finite.
+
+use super::Brakes;
+use thiserror::Error;
+
+/// First bytes of every datagram.
+const MAGIC: [u8; 4] = *b"GLNK";
+/// Version of this layout.
+pub const VERSION: u8 = 1;
+const HEADER: usize = 24;
+const CHECKSUM: usize = 4;
+/// Most values in a datagram: it fits in one Ethernet frame.
+const MAX_VALUES: usize = 180;
+/// Length of the longest datagram.
+pub const MAX_DATAGRAM: usize = HEADER + 8 * MAX_VALUES + CHECKSUM;
+
+/// True motion of a simulated robot, which no controller sees; for tests and displays.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrueState<const N: usize> {
+    /// Positions [rad or m].
+    pub positions: [f64; N],
+    /// Velocities [rad/s or m/s].
+    pub velocities: [f64; N],
+    /// Lowest positions since the start [rad or m].
+    pub lowest: [f64; N],
+    /// Highest positions since the start [rad or m].
+    pub highest: [f64; N],
+    /// Highest speeds since the start [rad/s or m/s].
+    pub fastest: [f64; N],
+}
+
+/// What a datagram says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Message<const N: usize, const M: usize> {
+    /// Kind 1, to the plant: where are you? In lock-step, a period passes first.
+    Query,
+    /// Kind 2, to the plant: inputs from now on, in the model's units.
+    Inputs([f64; M]),
+    /// Kind 3, to the plant: release the brakes.
+    Release,
+    /// Kind 4, to the plant: engage the brakes.
+    Brake,
+    /// Kind 5, to the plant: send your true state. No time passes.
+    Inspect,
+    /// Kind 6, from the plant, answers a query: positions.
+    Positions([f64; N]),
+    /// Kind 7, from the plant in lock-step, answers a query whose answer was lost on purpose: the period is over.
+    Lost,
+    /// Kind 8, from the plant, answers an inspection.
+    TrueState(TrueState<N>),
+}
+
+/// A message with its envelope.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Datagram<const N: usize, const M: usize> {
+    /// Start of the plant process that answers; 0 from the controller.
+    pub session: u32,
+    /// Number of the question; an answer bears that of its question.
+    pub sequence: u64,
+    /// Brakes, from the plant.
+    pub brakes: Brakes,
+    /// Content.
+    pub message: Message<N, M>,
+}
+
+/// Why a datagram was not taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum DatagramError {
+    /// Shorter than any datagram, or not as long as its kind.
+    #[error("{given} bytes instead of {needed}")]
+    Length {
+        /// Bytes received.
+        given: usize,
+        /// Bytes needed.
+        needed: usize,
+    },
+    /// Not a datagram of this protocol.
+    #[error("does not begin with GLNK")]
+    Magic,
+    /// Another version of the protocol.
+    #[error("version {0} instead of {VERSION}")]
+    Version(u8),
+    /// For another robot.
+    #[error("for {given:?} coordinates and inputs instead of {needed:?}")]
+    Sizes {
+        /// N and M received.
+        given: [u8; 2],
+        /// N and M here.
+        needed: [usize; 2],
+    },
+    /// Damaged on the way.
+    #[error("checksum does not match")]
+    Checksum,
+    /// Kind, brakes or padding that do not exist.
+    #[error("byte {position} is {value}")]
+    Byte {
+        /// Index of the byte.
+        position: usize,
+        /// Its value.
+        value: u8,
+    },
+    /// An input is NaN or infinite.
+    #[error("input {input} is not finite")]
+    Input {
+        /// Index of the input.
+        input: usize,
+    },
+    /// More coordinates or inputs than fit in a datagram.
+    #[error("{values} values do not fit in a datagram of at most {MAX_VALUES}")]
+    TooLarge {
+        /// How many values it would hold.
+        values: usize,
+    },
+}
+
+impl<const N: usize, const M: usize> Message<N, M> {
+    fn kind(&self) -> u8 {
+        match self {
+            Self::Query => 1,
+            Self::Inputs(_) => 2,
+            Self::Release => 3,
+            Self::Brake => 4,
+            Self::Inspect => 5,
+            Self::Positions(_) => 6,
+            Self::Lost => 7,
+            Self::TrueState(_) => 8,
+        }
+    }
+
+    /// Number of values of a kind; None if there is no such kind.
+    fn values(kind: u8) -> Option<usize> {
+        match kind {
+            1 | 3 | 4 | 5 | 7 => Some(0),
+            2 => Some(M),
+            6 => Some(N),
+            8 => Some(5 * N),
+            _ => None,
+        }
+    }
+}
+
+impl<const N: usize, const M: usize> Datagram<N, M> {
+    /// Writes the datagram into `buffer`; returns its bytes.
+    ///
+    /// # Errors
+    /// [`DatagramError::TooLarge`] for more values than fit; [`DatagramError::Input`] for inputs that are not finite.
+    pub fn encode<'a>(
+        &self,
+        buffer: &'a mut [u8; MAX_DATAGRAM],
+    ) -> Result<&'a [u8], DatagramError> {
+        let (n, m) = sizes::<N, M>()?;
+        let kind = self.message.kind();
+        buffer[..4].copy_from_slice(&MAGIC);
+        (buffer[4], buffer[5], buffer[6], buffer[7]) = (VERSION, kind, n, m);
+        buffer[8..12].copy_from_slice(&self.session.to_le_bytes());
+        buffer[12..20].copy_from_slice(&self.sequence.to_le_bytes());
+        buffer[20] = self.brakes as u8;
+        buffer[21..24].fill(0);
+        let mut end = HEADER;
+        let mut put = |values: &[f64]| {
+            for value in values {
+                buffer[end..end + 8].copy_from_slice(&value.to_le_bytes());
+                end += 8;
+            }
+        };
+        match &self.message {
+            Message::Inputs(inputs) => {
+                require_finite(inputs)?;
+                put(inputs);
+            }
+            Message::Positions(positions) => put(positions),
+            Message::TrueState(state) => {
+                put(&state.positions);
+                put(&state.velocities);
+                put(&state.lowest);
+                put(&state.highest);
+                put(&state.fastest);
+            }
+            Message::Query
+            | Message::Release
+            | Message::Brake
+            | Message::Inspect
+            | Message::Lost => {}
+        }
+        let checksum = crc32fast::hash(&buffer[..end]);
+        buffer[end..end + CHECKSUM].copy_from_slice(&checksum.to_le_bytes());
+        Ok(&buffer[..end + CHECKSUM])
+    }
+
+    /// Reads a datagram. Any bytes may come in; none makes it panic.
+    ///
+    /// # Errors
+    /// [`DatagramError`] for the first byte that is not as it must be.
+    pub fn decode(bytes: &[u8]) -> Result<Self, DatagramError> {
+        let (n, m) = sizes::<N, M>()?;
+        let shortest = HEADER + CHECKSUM;
+        let wrong_length = |needed| DatagramError::Length {
+            given: bytes.len(),
+            needed,
+        };
+        if bytes.len() < shortest {
+            return Err(wrong_length(shortest));
+        }
+        if bytes[..4] != MAGIC {
+            return Err(DatagramError::Magic);
+        }
+        if bytes[4] != VERSION {
+            return Err(DatagramError::Version(bytes[4]));
+        }
+        let kind = bytes[5];
+        if [bytes[6], bytes[7]] != [n, m] {
+            return Err(DatagramError::Sizes {
+                given: [bytes[6], bytes[7]],
+                needed: [N, M],
+            });
+        }
+        let unknown = |position: usize| DatagramError::Byte {
+            position,
+            value: bytes[position],
+        };
+        let values = Message::<N, M>::values(kind).ok_or(unknown(5))?;
+        let end = HEADER + 8 * values;
+        if bytes.len() != end + CHECKSUM {
+            return Err(wrong_length(end + CHECKSUM));
+        }
+        if array(&bytes[end..]) != crc32fast::hash(&bytes[..end]).to_le_bytes() {
+            return Err(DatagramError::Checksum);
+        }
+        if let Some(i) = (21..24).find(|i| bytes[*i] != 0) {
+            return Err(unknown(i));
+        }
+        Ok(Self {
+            session: u32::from_le_bytes(array(&bytes[8..])),
+            sequence: u64::from_le_bytes(array(&bytes[12..])),
+            brakes: match bytes[20] {
+                0 => Brakes::Unknown,
+                1 => Brakes::Released,
+                2 => Brakes::Engaged,
+                _ => return Err(unknown(20)),
+            },
+            message: message(kind, &bytes[HEADER..end])?,
+        })
+    }
+}
+
+/// The content of a known kind, with as many values as it has.
+fn message<const N: usize, const M: usize>(
+    kind: u8,
+    bytes: &[u8],
+) -> Result<Message<N, M>, DatagramError> {
+    Ok(match kind {
+        1 => Message::Query,
+        2 => {
+            let inputs = floats(bytes, 0);
+            require_finite(&inputs)?;
+            Message::Inputs(inputs)
+        }
+        3 => Message::Release,
+        4 => Message::Brake,
+        5 => Message::Inspect,
+        6 => Message::Positions(floats(bytes, 0)),
+        7 => Message::Lost,
+        _ => Message::TrueState(TrueState {
+            positions: floats(bytes, 0),
+            velocities: floats(bytes, N),
+            lowest: floats(bytes, 2 * N),
+            highest: floats(bytes, 3 * N),
+            fastest: floats(bytes, 4 * N),
+        }),
+    })
+}
+
+fn sizes<const N: usize, const M: usize>() -> Result<(u8, u8), DatagramError> {
+    let values = (5 * N).max(M);
+    match (u8::try_from(N), u8::try_from(M)) {
+        (Ok(n), Ok(m)) if values <= MAX_VALUES => Ok((n, m)),
+        _ => Err(DatagramError::TooLarge { values }),
+    }
+}
+
+fn require_finite(inputs: &[f64]) -> Result<(), DatagramError> {
+    match inputs.iter().position(|u| !u.is_finite()) {
+        None => Ok(()),
+        Some(input) => Err(DatagramError::Input { input }),
+    }
+}
+
+/// The first L bytes; zeros where there are fewer, which the checks of length exclude.
+fn array<const L: usize>(bytes: &[u8]) -> [u8; L] {
+    core::array::from_fn(|i| bytes.get(i).copied().unwrap_or(0))
+}
+
+fn floats<const L: usize>(bytes: &[u8], first: usize) -> [f64; L] {
+    core::array::from_fn(|i| {
+        let rest = bytes.get(8 * (first + i)..).unwrap_or(&[]);
+        f64::from_le_bytes(array(rest))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{Rng, RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    type Small = Datagram<3, 2>;
+
+    fn messages() -> [Message<3, 2>; 8] {
+        [
+            Message::Query,
+            Message::Inputs([0.5, -1e300]),
+            Message::Release,
+            Message::Brake,
+            Message::Inspect,
+            Message::Positions([1.0, -0.0, 1e-300]),
+            Message::Lost,
+            Message::TrueState(TrueState {
+                positions: [1.0, 2.0, 3.0],
+                velocities: [4.0, 5.0, 6.0],
+                lowest: [7.0, 8.0, 9.0],
+                highest: [10.0, 11.0, 12.0],
+                fastest: [13.0, 14.0, 15.0],
+            }),
+        ]
+    }
+
+    fn datagram(message: Message<3, 2>) -> Small {
+        Small {
+            session: 0xdead_beef,
+            sequence: u64::MAX - 1,
+            brakes: Brakes::Engaged,
+            message,
+        }
+    }
+
+    #[test]
+    fn what_is_encoded_is_decoded() {
+        for message in messages() {
+            let mut buffer = [0xff; MAX_DATAGRAM];
+            let sent = datagram(message);
+            let bytes = sent.encode(&mut buffer).unwrap();
+            assert_eq!(Small::decode(bytes), Ok(sent));
+        }
+    }
+
+    #[test]
+    fn the_layout_is_the_documented_one() {
+        let mut buffer = [0; MAX_DATAGRAM];
+        let sent = Datagram::<1, 1> {
+            session: 1,
+            sequence: 2,
+            brakes: Brakes::Released,
+            message: Message::Inputs([1.0]),
+        };
+        let bytes = sent.encode(&mut buffer).unwrap();
+        let head = b"GLNK\x01\x02\x01\x01\x01\0\0\0\x02\0\0\0\0\0\0\0\x01\0\0\0";
+        assert_eq!(&bytes[..24], head);
+        assert_eq!(&bytes[24..32], 1.0f64.to_le_bytes());
+        // The CRC's published check value: the same function over "123456789".
+        assert_eq!(crc32fast::hash(b"123456789"), 0xcbf4_3926);
+        assert_eq!(bytes.len(), 36);
+    }
+
+    #[test]
+    fn positions_may_be_nan_inputs_not() {
+        let mut buffer = [0; MAX_DATAGRAM];
+        let nan = datagram(Message::Positions([f64::NAN, 0.0, 0.0]));
+        let decoded = Small::decode(nan.encode(&mut buffer).unwrap()).unwrap();
+        assert!(matches!(decoded.message, Message::Positions([x, ..]) if x.is_nan()));
+        let nan = datagram(Message::Inputs([0.0, f64::NAN]));
+        assert_eq!(
+            nan.encode(&mut buffer),
+            Err(DatagramError::Input { input: 1 })
+        );
+        // Written by somebody else, with the right checksum.
+        let good = datagram(Message::Inputs([0.0, 0.0]));
+        let length = good.encode(&mut buffer).unwrap().len();
+        buffer[32..40].copy_from_slice(&f64::INFINITY.to_le_bytes());
+        seal(&mut buffer[..length]);
+        assert_eq!(
+            Small::decode(&buffer[..length]),
+            Err(DatagramError::Input { input: 1 })
+        );
+    }
+
+    fn seal(bytes: &mut [u8]) {
+        let end = bytes.len() - CHECKSUM;
+        let checksum = crc32fast::hash(&bytes[..end]);
+        bytes[end..].copy_from_slice(&checksum.to_le_bytes());
+    }
+
+    #[test]
+    fn every_changed_bit_is_found() {
+        for message in messages() {
+            let mut buffer = [0; MAX_DATAGRAM];
+            let length = datagram(message).encode(&mut buffer).unwrap().len();
+            for bit in 0..8 * length {
+                let mut bytes = buffer[..length].to_vec();
+                bytes[bit / 8] ^= 1 << (bit % 8);
+                assert!(Small::decode(&bytes).is_err(), "bit {bit}");
+            }
+            for cut in 0..length {
+                assert!(Small::decode(&buffer[..cut]).is_err(), "{cut} bytes");
+            }
+            assert!(Small::decode(&buffer[..=length]).is_err());
+        }
+    }
+
+    #[test]
+    fn other_versions_and_robots_are_named() {
+        let mut buffer = [0; MAX_DATAGRAM];
+        let length = datagram(Message::Query).encode(&mut buffer).unwrap().len();
+        let bytes = &mut buffer[..length];
+        assert_eq!(
+            Datagram::<2, 2>::decode(bytes),
+            Err(DatagramError::Sizes {
+                given: [3, 2],
+                needed: [2, 2]
+            })
+        );
+        bytes[4] = 2;
+        seal(bytes);
+        let error = Small::decode(bytes).unwrap_err();
+        assert_eq!(error.to_string(), "version 2 instead of 1");
+        bytes[4] = VERSION;
+        bytes[20] = 3;
+        seal(bytes);
+        let error = Small::decode(bytes).unwrap_err();
+        assert_eq!(error.to_string(), "byte 20 is 3");
+    }
+
+    #[test]
+    fn a_robot_too_large_is_an_error() {
+        let sent = Datagram::<40, 2> {
+            session: 0,
+            sequence: 0,
+            brakes: Brakes::Unknown,
+            message: Message::Query,
+        };
+        assert_eq!(
+            sent.encode(&mut [0; MAX_DATAGRAM]),
+            Err(DatagramError::TooLarge { values: 200 })
+        );
+        assert!(Datagram::<300, 2>::decode(&[0; 100]).is_err());
+    }
+
+    /// Noise, noise behind a true header, and noise with a true checksum: an answer always, a panic never.
+    #[test]
+    fn arbitrary_bytes_do_not_panic() {
+        let mut generator = ChaCha8Rng::seed_from_u64(4);
+        let mut taken = 0;
+        for round in 0..200_000 {
+            let length = generator.random_range(0..200);
+            let mut bytes = vec![0; length];
+            generator.fill_bytes(&mut bytes);
+            if round % 3 > 0 && length >= 8 {
+                bytes[..8].copy_from_slice(b"GLNK\x01\x01\x03\x02");
+                bytes[5] = generator.random_range(0..10);
+            }
+            if round % 3 > 1 && length >= HEADER + CHECKSUM {
+                bytes[20] %= 4;
+                bytes[21..24].fill(0);
+                seal(&mut bytes);
+            }
+            taken += u32::from(Small::decode(&bytes).is_ok());
+        }
+        assert!(taken > 100, "{taken}: the third kind reaches the values");
+    }
+}

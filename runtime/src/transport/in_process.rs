@@ -1,0 +1,102 @@
+//! A simulated robot in the same process.
+
+use super::{Brakes, Reading, Transport, TransportError};
+use crate::control_loop::Clock;
+use crate::dynamics::Dynamics;
+use crate::plant::Plant;
+use std::time::Duration;
+
+/// A [`Plant`] that moves with a clock. On a [`VirtualClock`](crate::control_loop::VirtualClock) that it shares with the
+/// loop, a run takes no longer than its computations, and a stall of the loop is one for the plant too: the robot moves on
+/// with the inputs that it has.
+///
+/// Inputs act from the end of the period of the plant in which they are written. A measurement that the plant's options lose
+/// does not arrive.
+pub struct InProcess<D, K, const N: usize, const M: usize> {
+    plant: Plant<D, N, M>,
+    clock: K,
+    period: Duration,
+    /// Clock time that the plant has reached.
+    reached: Duration,
+    /// Written since the plant last moved.
+    written: Option<[f64; M]>,
+    /// Plant time of the last reading.
+    last: Option<f64>,
+}
+
+impl<D: Dynamics<N, M>, K: Clock, const N: usize, const M: usize> InProcess<D, K, N, M> {
+    /// A plant that moves in steps of `period` > 0 from now on. Give it the period of the loop.
+    #[must_use]
+    pub fn new(plant: Plant<D, N, M>, clock: K, period: Duration) -> Self {
+        Self {
+            plant,
+            reached: clock.now(),
+            clock,
+            period: period.max(Duration::from_nanos(1)),
+            written: None,
+            last: None,
+        }
+    }
+
+    /// The plant, as far as it has moved.
+    pub fn plant(&self) -> &Plant<D, N, M> {
+        &self.plant
+    }
+
+    fn catch_up(&mut self) -> Result<(), TransportError> {
+        let now = self.clock.now();
+        while self.reached + self.period <= now {
+            self.reached += self.period;
+            let period = self.period.as_secs_f64();
+            let moved = match self.written.take() {
+                Some(inputs) => self.plant.apply(&inputs, period),
+                None => self.plant.hold(period),
+            };
+            moved.map_err(|_| TransportError::Simulation)?;
+        }
+        Ok(())
+    }
+}
+
+impl<D: Dynamics<N, M>, K: Clock, const N: usize, const M: usize> Transport<N, M>
+    for InProcess<D, K, N, M>
+{
+    fn read(&mut self) -> Result<Option<Reading<N>>, TransportError> {
+        self.catch_up()?;
+        let measurement = self.plant.measure();
+        if self.last == Some(measurement.time) {
+            return Ok(None);
+        }
+        self.last = Some(measurement.time);
+        Ok(Some(Reading {
+            positions: measurement.positions,
+            brakes: if self.plant.is_braked() {
+                Brakes::Engaged
+            } else {
+                Brakes::Released
+            },
+        }))
+    }
+
+    fn write(&mut self, inputs: &[f64; M]) -> Result<(), TransportError> {
+        if let Some(input) = inputs.iter().position(|u| !u.is_finite()) {
+            return Err(TransportError::Input { input });
+        }
+        self.catch_up()?;
+        self.written = Some(*inputs);
+        Ok(())
+    }
+
+    fn release(&mut self) -> Result<(), TransportError> {
+        self.catch_up()?;
+        self.plant.release();
+        Ok(())
+    }
+
+    fn brake(&mut self) -> Result<(), TransportError> {
+        // Braked even where the simulation cannot go on.
+        let caught_up = self.catch_up();
+        self.plant.brake();
+        caught_up
+    }
+}

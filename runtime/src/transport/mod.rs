@@ -1,0 +1,123 @@
+//! How positions come from a robot and inputs get there.
+
+pub mod can_frame;
+pub mod datagram;
+mod in_process;
+mod plant_server;
+#[cfg(all(feature = "socketcan", target_os = "linux"))]
+mod socketcan;
+mod udp;
+
+pub use in_process::InProcess;
+pub use plant_server::{Pace, PlantServer, ServerError, ServerOptions};
+#[cfg(all(feature = "socketcan", target_os = "linux"))]
+pub use socketcan::CanTransport;
+pub use udp::UdpTransport;
+
+use std::fmt;
+use std::io;
+
+/// Where the brakes are, as far as the robot tells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Brakes {
+    /// The robot does not say.
+    #[default]
+    Unknown,
+    /// All are released.
+    Released,
+    /// At least one is engaged.
+    Engaged,
+}
+
+/// What arrived from the robot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reading<const N: usize> {
+    /// Positions in the order, units and sense of the model's coordinates [rad or m]; not yet checked in any way.
+    pub positions: [f64; N],
+    /// Brakes at the time of the measurement.
+    pub brakes: Brakes,
+}
+
+/// Why a transport could not do what it was asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TransportError {
+    /// The robot's side started anew since the last reading: its brakes, positions and inputs are not what they were.
+    Restarted,
+    /// The operating system failed to send or receive.
+    Io(io::ErrorKind),
+    /// The simulated robot cannot go on.
+    Simulation,
+    /// An input is not finite, or too large to be encoded; nothing was sent.
+    Input {
+        /// Index of the input.
+        input: usize,
+    },
+}
+
+impl fmt::Display for TransportError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Restarted => write!(f, "the robot's side restarted"),
+            Self::Io(kind) => write!(f, "transport: {kind}"),
+            Self::Simulation => write!(f, "the simulated robot cannot go on"),
+            Self::Input { input } => write!(f, "input {input} cannot be encoded"),
+        }
+    }
+}
+
+impl std::error::Error for TransportError {}
+
+impl From<io::Error> for TransportError {
+    fn from(e: io::Error) -> Self {
+        Self::Io(e.kind())
+    }
+}
+
+/// Connection to a robot with `N` measured coordinates and `M` inputs.
+///
+/// No method may allocate, or block for longer than a fraction of the period: a real-time thread calls them.
+pub trait Transport<const N: usize, const M: usize> {
+    /// Positions now. `None` where nothing arrived in time, or nothing new; a reading is never returned twice.
+    ///
+    /// # Errors
+    /// [`TransportError::Restarted`] once after each restart of the robot's side; others where the connection fails. The
+    /// loop treats those like a missing reading and goes on asking.
+    fn read(&mut self) -> Result<Option<Reading<N>>, TransportError>;
+
+    /// Sends inputs; the robot holds them until the next ones. Never releases a brake.
+    ///
+    /// # Errors
+    /// Where the connection fails. The loop goes on: the robot holds what it has.
+    fn write(&mut self, inputs: &[f64; M]) -> Result<(), TransportError>;
+
+    /// Releases the brakes and switches the drives on. The loop writes the inputs that hold the robot before it calls this.
+    ///
+    /// # Errors
+    /// Where the connection fails.
+    fn release(&mut self) -> Result<(), TransportError>;
+
+    /// Engages the brakes and switches the drives off, in this order where both take time. The loop calls it again every
+    /// period until [`Reading::brakes`] confirms it.
+    ///
+    /// # Errors
+    /// Where the connection fails.
+    fn brake(&mut self) -> Result<(), TransportError>;
+}
+
+impl<const N: usize, const M: usize, T: Transport<N, M> + ?Sized> Transport<N, M> for &mut T {
+    fn read(&mut self) -> Result<Option<Reading<N>>, TransportError> {
+        (**self).read()
+    }
+
+    fn write(&mut self, inputs: &[f64; M]) -> Result<(), TransportError> {
+        (**self).write(inputs)
+    }
+
+    fn release(&mut self) -> Result<(), TransportError> {
+        (**self).release()
+    }
+
+    fn brake(&mut self) -> Result<(), TransportError> {
+        (**self).brake()
+    }
+}

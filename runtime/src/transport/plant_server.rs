@@ -1,0 +1,273 @@
+//! The robot's side of the UDP connection: a plant process.
+
+use super::Brakes;
+use super::datagram::{Datagram, MAX_DATAGRAM, Message, TrueState};
+use super::udp::is_timeout;
+use crate::dynamics::Dynamics;
+use crate::plant::{Plant, PlantError};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::io;
+use std::net::{SocketAddr, ToSocketAddrs, UdpSocket};
+use std::ops::Range;
+use std::time::{Duration, Instant};
+use thiserror::Error;
+
+/// What makes time pass for the plant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pace {
+    /// Each query: a period. A slow machine makes no difference; nothing moves without a controller.
+    LockStep,
+    /// The monotonic clock.
+    RealTime,
+}
+
+/// Settings of a [`PlantServer`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct ServerOptions {
+    /// Step of the plant [s].
+    pub period: f64,
+    /// What makes time pass.
+    pub pace: Pace,
+    /// Periods without inputs after which the plant brakes by itself, as drives do when the bus falls silent.
+    pub watchdog_periods: u32,
+    /// Probability that a datagram is lost, in either direction.
+    pub loss: f64,
+    /// Periods in which nothing arrives and nothing is answered, counted from the first query.
+    pub silence: Range<u64>,
+    /// Seed of the losses.
+    pub seed: u64,
+    /// Tells one start of the process from another.
+    pub session: u32,
+}
+
+impl Default for ServerOptions {
+    /// 20 ms in real time, a watchdog of 5 periods, nothing lost; the session is the id of the process.
+    fn default() -> Self {
+        Self {
+            period: 0.02,
+            pace: Pace::RealTime,
+            watchdog_periods: 5,
+            loss: 0.0,
+            silence: 0..0,
+            seed: 0,
+            session: std::process::id(),
+        }
+    }
+}
+
+/// Why a plant process ended.
+#[derive(Debug, Error)]
+pub enum ServerError {
+    /// The socket.
+    #[error("socket: {0}")]
+    Io(#[from] io::Error),
+    /// The simulation.
+    #[error(transparent)]
+    Plant(#[from] PlantError),
+    /// A period that is not positive.
+    #[error("the period is {0} s; it must be positive and finite")]
+    Period(f64),
+}
+
+/// A plant that answers controllers over UDP. It begins with its brakes engaged.
+pub struct PlantServer<D, const N: usize, const M: usize> {
+    plant: Plant<D, N, M>,
+    socket: UdpSocket,
+    options: ServerOptions,
+    losses: ChaCha8Rng,
+    /// Received since the plant last moved.
+    received: Option<[f64; M]>,
+    periods: u64,
+    /// Since inputs last arrived.
+    silent_periods: u32,
+    /// Since the plant was made, in real time.
+    reached: Instant,
+    observed: TrueState<N>,
+}
+
+impl<D: Dynamics<N, M>, const N: usize, const M: usize> PlantServer<D, N, M> {
+    /// Binds a socket, port 0 for any, and engages the plant's brakes.
+    ///
+    /// # Errors
+    /// [`ServerError`].
+    pub fn bind(
+        mut plant: Plant<D, N, M>,
+        address: impl ToSocketAddrs,
+        options: ServerOptions,
+    ) -> Result<Self, ServerError> {
+        if !(options.period.is_finite() && options.period > 0.0) {
+            return Err(ServerError::Period(options.period));
+        }
+        plant.brake();
+        let (positions, velocities) = plant.state();
+        Ok(Self {
+            socket: UdpSocket::bind(address)?,
+            losses: ChaCha8Rng::seed_from_u64(options.seed),
+            received: None,
+            periods: 0,
+            silent_periods: 0,
+            reached: Instant::now(),
+            observed: TrueState {
+                positions,
+                velocities,
+                lowest: positions,
+                highest: positions,
+                fastest: velocities.map(f64::abs),
+            },
+            plant,
+            options,
+        })
+    }
+
+    /// Where it listens.
+    ///
+    /// # Errors
+    /// [`io::Error`].
+    pub fn local_address(&self) -> io::Result<SocketAddr> {
+        self.socket.local_addr()
+    }
+
+    /// The plant.
+    pub fn plant(&self) -> &Plant<D, N, M> {
+        &self.plant
+    }
+
+    /// Answers until nothing arrived for `idle`.
+    ///
+    /// # Errors
+    /// [`ServerError`].
+    pub fn serve(&mut self, idle: Duration) -> Result<(), ServerError> {
+        let mut last = Instant::now();
+        while last.elapsed() < idle {
+            if self.serve_one()? {
+                last = Instant::now();
+            }
+        }
+        Ok(())
+    }
+
+    /// Waits a period at most for a datagram, and answers it. True if a valid one arrived.
+    ///
+    /// # Errors
+    /// [`ServerError`].
+    pub fn serve_one(&mut self) -> Result<bool, ServerError> {
+        let wait = Duration::from_secs_f64(self.options.period.clamp(1e-4, 1.0));
+        self.socket.set_read_timeout(Some(wait))?;
+        let mut buffer = [0; MAX_DATAGRAM + 1];
+        let received = self.socket.recv_from(&mut buffer);
+        if self.options.pace == Pace::RealTime {
+            self.catch_up()?;
+        }
+        let (length, from) = match received {
+            Ok(received) => received,
+            // A controller that is gone is no fault of ours.
+            Err(e) if is_timeout(&e) || e.kind() == io::ErrorKind::ConnectionRefused => {
+                return Ok(false);
+            }
+            Err(e) if e.kind() == io::ErrorKind::Interrupted => return Ok(false),
+            Err(e) => return Err(e.into()),
+        };
+        let Ok(question) = Datagram::<N, M>::decode(&buffer[..length]) else {
+            return Ok(false);
+        };
+        if let Some(message) = self.answer(&question)? {
+            let answer = Datagram {
+                session: self.options.session,
+                sequence: question.sequence,
+                brakes: self.brakes(),
+                message,
+            };
+            let mut buffer = [0; MAX_DATAGRAM];
+            if let Ok(bytes) = answer.encode(&mut buffer) {
+                // What cannot be sent is lost, as on any network.
+                let _ = self.socket.send_to(bytes, from);
+            }
+        }
+        Ok(true)
+    }
+
+    fn answer(&mut self, question: &Datagram<N, M>) -> Result<Option<Message<N, M>>, ServerError> {
+        let lost = self.is_lost();
+        let lock_step = self.options.pace == Pace::LockStep;
+        match question.message {
+            Message::Query => {
+                if lock_step {
+                    self.advance()?;
+                }
+                let unanswered = lock_step.then_some(Message::Lost);
+                Ok(if lost {
+                    unanswered
+                } else {
+                    Some(Message::Positions(self.plant.measure().positions))
+                })
+            }
+            // No time passes here, so in lock-step a lost one can only be told, too.
+            Message::Release if lost => Ok(lock_step.then_some(Message::Lost)),
+            Message::Release => {
+                self.plant.release();
+                self.silent_periods = 0;
+                Ok(Some(Message::Positions(self.plant.measure().positions)))
+            }
+            Message::Inputs(inputs) if !lost => {
+                self.received = Some(inputs);
+                self.silent_periods = 0;
+                Ok(None)
+            }
+            Message::Brake if !lost => {
+                self.plant.brake();
+                Ok(None)
+            }
+            Message::Inspect => Ok(Some(Message::TrueState(self.observed))),
+            // Lost, or an answer where a question is expected.
+            _ => Ok(None),
+        }
+    }
+
+    fn is_lost(&mut self) -> bool {
+        let lost = self.losses.random::<f64>() < self.options.loss;
+        lost || self.options.silence.contains(&self.periods)
+    }
+
+    fn brakes(&self) -> Brakes {
+        if self.plant.is_braked() {
+            Brakes::Engaged
+        } else {
+            Brakes::Released
+        }
+    }
+
+    fn catch_up(&mut self) -> Result<(), ServerError> {
+        let period = Duration::from_secs_f64(self.options.period);
+        while self.reached + period <= Instant::now() {
+            self.reached += period;
+            self.advance()?;
+        }
+        Ok(())
+    }
+
+    fn advance(&mut self) -> Result<(), ServerError> {
+        match self.received.take() {
+            Some(inputs) => self.plant.apply(&inputs, self.options.period)?,
+            None => self.plant.hold(self.options.period)?,
+        }
+        self.periods += 1;
+        self.silent_periods = self.silent_periods.saturating_add(1);
+        if self.silent_periods > self.options.watchdog_periods {
+            self.plant.brake();
+        }
+        self.observe();
+        Ok(())
+    }
+
+    fn observe(&mut self) {
+        let (positions, velocities) = self.plant.state();
+        let seen = &mut self.observed;
+        (seen.positions, seen.velocities) = (positions, velocities);
+        for i in 0..N {
+            seen.lowest[i] = seen.lowest[i].min(positions[i]);
+            seen.highest[i] = seen.highest[i].max(positions[i]);
+            seen.fastest[i] = seen.fastest[i].max(velocities[i].abs());
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! A robot on a CAN bus, through the SocketCAN interface of Linux.
+
+use super::can_frame::{CanCodec, CanMessage, Frame, PositionSet};
+use super::{Reading, Transport, TransportError};
+use socketcan::{CanFrame, CanSocket, EmbeddedFrame, Frame as _, Socket, StandardId};
+use std::io;
+
+/// Frames taken from the socket in one reading: a babbling node must not hold the loop up.
+const MAX_FRAMES: usize = 1024;
+
+/// Transport over a SocketCAN interface, with the frames of [`can_frame`](super::can_frame).
+#[derive(Debug)]
+pub struct CanTransport<const N: usize, const M: usize> {
+    socket: CanSocket,
+    codec: CanCodec<N, M>,
+    positions: PositionSet<N>,
+    sequence: u8,
+}
+
+impl<const N: usize, const M: usize> CanTransport<N, M> {
+    /// Opens an interface, e.g. `can0`, that `ip link` has set up. The queue of the interface must hold the frames of a
+    /// period: `ip link set can0 txqueuelen 64`.
+    ///
+    /// # Errors
+    /// [`io::Error`] where there is no such interface.
+    pub fn open(interface: &str, codec: CanCodec<N, M>) -> io::Result<Self> {
+        let socket = CanSocket::open(interface)?;
+        socket.set_nonblocking(true)?;
+        Ok(Self {
+            socket,
+            codec,
+            positions: PositionSet::default(),
+            sequence: 0,
+        })
+    }
+
+    fn send(&self, message: &CanMessage) -> Result<(), TransportError> {
+        let frame = self.codec.encode(message).map_err(|_| match message {
+            CanMessage::Input { index, .. } => TransportError::Input { input: *index },
+            _ => TransportError::Io(io::ErrorKind::InvalidInput),
+        })?;
+        let invalid = TransportError::Io(io::ErrorKind::InvalidData);
+        let identifier = StandardId::new(frame.identifier).ok_or(invalid)?;
+        let frame = CanFrame::new(identifier, frame.bytes()).ok_or(invalid)?;
+        Ok(self.socket.write_frame(&frame)?)
+    }
+}
+
+impl<const N: usize, const M: usize> Transport<N, M> for CanTransport<N, M> {
+    /// The newest complete set of positions that has arrived.
+    fn read(&mut self) -> Result<Option<Reading<N>>, TransportError> {
+        let mut newest = None;
+        for _ in 0..MAX_FRAMES {
+            let frame = match self.socket.read_frame() {
+                Ok(frame) => frame,
+                Err(e) if e.kind() == io::ErrorKind::WouldBlock => break,
+                Err(e) => return Err(e.into()),
+            };
+            // Identifiers of 29 bits, remote and error frames are other traffic.
+            let Some(frame) = standard(&frame) else {
+                continue;
+            };
+            if let Ok(CanMessage::Position {
+                index,
+                value,
+                sequence,
+                brake,
+            }) = self.codec.decode(&frame)
+            {
+                newest = self
+                    .positions
+                    .take(index, value, sequence, brake)
+                    .or(newest);
+            }
+        }
+        Ok(newest.map(|(positions, brakes)| Reading { positions, brakes }))
+    }
+
+    fn write(&mut self, inputs: &[f64; M]) -> Result<(), TransportError> {
+        self.sequence = self.sequence.wrapping_add(1);
+        for (index, value) in inputs.iter().enumerate() {
+            self.send(&CanMessage::Input {
+                index,
+                value: *value,
+                sequence: self.sequence,
+            })?;
+        }
+        Ok(())
+    }
+
+    fn release(&mut self) -> Result<(), TransportError> {
+        self.send(&CanMessage::Release)
+    }
+
+    fn brake(&mut self) -> Result<(), TransportError> {
+        self.send(&CanMessage::Brake)
+    }
+}
+
+fn standard(frame: &CanFrame) -> Option<Frame> {
+    match frame {
+        CanFrame::Data(data) if !data.is_extended() => {
+            Frame::new(u16::try_from(data.raw_id()).ok()?, data.data())
+        }
+        _ => None,
+    }
+}

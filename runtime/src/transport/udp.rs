@@ -1,0 +1,161 @@
+//! The controller's side of the UDP connection.
+
+use super::datagram::{Datagram, DatagramError, MAX_DATAGRAM, Message, TrueState};
+use super::{Brakes, Reading, Transport, TransportError};
+use std::io;
+use std::net::{ToSocketAddrs, UdpSocket};
+use std::time::{Duration, Instant};
+
+/// Attempts to release the brakes: the one command that is neither repeated by the loop nor harmless to lose.
+const RELEASE_ATTEMPTS: u32 = 20;
+
+/// A robot behind a UDP socket, in the datagrams of [`datagram`](super::datagram).
+///
+/// A reading is a question and its answer: old, foreign, damaged and doubled datagrams do not fit the question and are
+/// dropped, so that the robot's positions are always those of this period.
+#[derive(Debug)]
+pub struct UdpTransport<const N: usize, const M: usize> {
+    socket: UdpSocket,
+    timeout: Duration,
+    sequence: u64,
+    session: Option<u32>,
+}
+
+impl<const N: usize, const M: usize> UdpTransport<N, M> {
+    /// Connects to a plant process, which need not run yet. `timeout` is how long a reading waits for its answer: a quarter
+    /// of the period in real time; seconds in lock-step, where nothing moves meanwhile.
+    ///
+    /// # Errors
+    /// [`io::Error`] where the address or socket cannot be had, `timeout` is zero, or the robot has more coordinates than fit
+    /// in a datagram.
+    pub fn connect(address: impl ToSocketAddrs, timeout: Duration) -> io::Result<Self> {
+        let socket = UdpSocket::bind(("0.0.0.0", 0))?;
+        socket.connect(address)?;
+        socket.set_read_timeout(Some(timeout))?;
+        let transport = Self {
+            socket,
+            timeout,
+            sequence: 0,
+            session: None,
+        };
+        let question = transport.question(Message::Query);
+        question
+            .encode(&mut [0; MAX_DATAGRAM])
+            .map_err(io::Error::other)?;
+        Ok(transport)
+    }
+
+    /// True state of a simulated robot; for tests and displays, not for control. None where no answer came in time.
+    ///
+    /// # Errors
+    /// [`TransportError::Io`].
+    pub fn inspect(&mut self) -> Result<Option<(TrueState<N>, Brakes)>, TransportError> {
+        let answer = self.ask(Message::Inspect)?;
+        Ok(answer.and_then(|answer| match answer.message {
+            Message::TrueState(state) => Some((state, answer.brakes)),
+            _ => None,
+        }))
+    }
+
+    fn question(&self, message: Message<N, M>) -> Datagram<N, M> {
+        Datagram {
+            session: 0,
+            sequence: self.sequence,
+            brakes: Brakes::Unknown,
+            message,
+        }
+    }
+
+    fn send(&mut self, message: Message<N, M>) -> Result<(), TransportError> {
+        self.sequence += 1;
+        let mut buffer = [0; MAX_DATAGRAM];
+        let datagram = self.question(message);
+        let bytes = datagram.encode(&mut buffer).map_err(|e| match e {
+            DatagramError::Input { input } => TransportError::Input { input },
+            _ => TransportError::Io(io::ErrorKind::InvalidInput),
+        })?;
+        match self.socket.send(bytes) {
+            // This reports that an earlier datagram found nobody; this one was not sent.
+            Err(e) if e.kind() == io::ErrorKind::ConnectionRefused => {
+                self.socket.send(bytes).map(drop)?;
+            }
+            sent => sent.map(drop)?,
+        }
+        Ok(())
+    }
+
+    /// The answer to a question; None where it does not come in time.
+    fn ask(&mut self, message: Message<N, M>) -> Result<Option<Datagram<N, M>>, TransportError> {
+        self.send(message)?;
+        let deadline = Instant::now() + self.timeout;
+        let mut remaining = self.timeout;
+        loop {
+            self.socket.set_read_timeout(Some(remaining))?;
+            // A byte more than the longest, so that too long ones are not cut to a right length.
+            let mut buffer = [0; MAX_DATAGRAM + 1];
+            let length = match self.socket.recv(&mut buffer) {
+                Ok(length) => length,
+                Err(e) if is_timeout(&e) => return Ok(None),
+                Err(e) if e.kind() == io::ErrorKind::Interrupted => 0,
+                Err(e) => return Err(e.into()),
+            };
+            if let Ok(answer) = Datagram::decode(&buffer[..length])
+                && answer.sequence == self.sequence
+            {
+                self.notice_restart(answer.session)?;
+                return Ok(Some(answer));
+            }
+            remaining = deadline.saturating_duration_since(Instant::now());
+            if remaining.is_zero() {
+                return Ok(None);
+            }
+        }
+    }
+
+    fn notice_restart(&mut self, session: u32) -> Result<(), TransportError> {
+        match self.session.replace(session) {
+            Some(known) if known != session => Err(TransportError::Restarted),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl<const N: usize, const M: usize> Transport<N, M> for UdpTransport<N, M> {
+    fn read(&mut self) -> Result<Option<Reading<N>>, TransportError> {
+        let answer = self.ask(Message::Query)?;
+        Ok(answer.and_then(|answer| match answer.message {
+            Message::Positions(positions) => Some(Reading {
+                positions,
+                brakes: answer.brakes,
+            }),
+            _ => None,
+        }))
+    }
+
+    fn write(&mut self, inputs: &[f64; M]) -> Result<(), TransportError> {
+        self.send(Message::Inputs(*inputs))
+    }
+
+    /// Waits for the confirmation, and asks again where it is lost.
+    fn release(&mut self) -> Result<(), TransportError> {
+        for _ in 0..RELEASE_ATTEMPTS {
+            let answer = self.ask(Message::Release)?;
+            if answer.is_some_and(|answer| answer.brakes == Brakes::Released) {
+                return Ok(());
+            }
+        }
+        Err(TransportError::Io(io::ErrorKind::TimedOut))
+    }
+
+    fn brake(&mut self) -> Result<(), TransportError> {
+        self.send(Message::Brake)
+    }
+}
+
+/// Which of the two the system reports depends on the system.
+pub(super) fn is_timeout(e: &io::Error) -> bool {
+    matches!(
+        e.kind(),
+        io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut
+    )
+}

@@ -1,0 +1,198 @@
+//! The PowerCube with its loop, and a transport that watches the plant's own state.
+
+use gelenk_runtime::control_loop::{
+    Clock, FeedForwardPd, JointGains, JointPd, LoopSettings, VirtualClock,
+};
+use gelenk_runtime::dynamics::Dynamics;
+use gelenk_runtime::plant::{Plant, PlantOptions};
+use gelenk_runtime::trajectory::RestToRest;
+use gelenk_runtime::transport::{InProcess, Reading, Transport, TransportError};
+use std::time::Duration;
+
+gelenk_runtime::dynamics!(pub struct PowerCube = gelenk_generated::powercube);
+
+/// Positions that the tests allow [rad]; the description has no limits.
+pub const LIMITS: [[f64; 2]; 2] = [[-1.0, 1.2], [-1.0, 1.0]];
+pub const START: [f64; 2] = [-0.6, 0.4];
+pub const END: [f64; 2] = [0.8, -0.5];
+/// Length of the motion [s].
+pub const DURATION: f64 = 5.0;
+
+pub type Law = JointPd<PowerCube, 2, 2>;
+pub type Pd = FeedForwardPd<PowerCube, RestToRest<2>, 2, 2>;
+pub type Simulated = InProcess<PowerCube, VirtualClock, 2, 2>;
+
+pub fn motion() -> RestToRest<2> {
+    RestToRest::new(START, END, DURATION).unwrap()
+}
+
+pub fn settings(rate: f64) -> LoopSettings<2, 2> {
+    LoopSettings {
+        position_limits: LIMITS,
+        ..LoopSettings::for_limits(rate, &PowerCube.limits())
+    }
+}
+
+pub fn law() -> Law {
+    let gains = JointGains::from_bandwidth(&PowerCube, &START, 10.0, 0.7);
+    JointPd::new(PowerCube, gains).unwrap()
+}
+
+pub fn pd(rate: f64) -> Pd {
+    FeedForwardPd::new(law(), motion(), 1.0 / rate, 0.01)
+}
+
+pub fn plant_options() -> PlantOptions<2, 2> {
+    PlantOptions {
+        encoder_resolution: [1e-4; 2],
+        input_limit: [0.5; 2],
+        ..PlantOptions::default()
+    }
+}
+
+pub fn plant_at(positions: [f64; 2], options: PlantOptions<2, 2>) -> Plant<PowerCube, 2, 2> {
+    let mut plant = Plant::new(PowerCube, options).unwrap();
+    plant.reset(positions, [0.0; 2]).unwrap();
+    plant
+}
+
+/// Extremes of the true motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seen {
+    pub lowest: [f64; 2],
+    pub highest: [f64; 2],
+    pub fastest: [f64; 2],
+}
+
+impl Seen {
+    /// The arm stayed within positions, and within the speed of its drives.
+    pub fn assert_within_limits(&self) {
+        let speeds = PowerCube.limits().velocity;
+        for i in 0..2 {
+            assert!(
+                self.lowest[i] >= LIMITS[i][0]
+                    && self.highest[i] <= LIMITS[i][1]
+                    && self.fastest[i] <= speeds[i],
+                "joint {i}: {self:?}"
+            );
+        }
+    }
+}
+
+/// What happens to a reading on its way; gets the number of the reading, 0 for the one at the start.
+pub type Fault = Box<dyn FnMut(u64, Reading<2>) -> Option<Reading<2>>>;
+
+/// A simulated robot with faults, watched.
+pub struct Watched {
+    pub robot: Simulated,
+    pub clock: VirtualClock,
+    pub fault: Fault,
+    /// Turns inputs around, as wrongly wired drives do.
+    pub input_sign: f64,
+    pub reads: u64,
+    pub releases: u64,
+    pub seen: Seen,
+}
+
+impl Watched {
+    pub fn new(rate: f64, plant: Plant<PowerCube, 2, 2>) -> Self {
+        let clock = VirtualClock::new();
+        let positions = plant.state().0;
+        Self {
+            robot: InProcess::new(plant, clock.clone(), Duration::from_secs_f64(1.0 / rate)),
+            clock,
+            fault: Box::new(|_, reading| Some(reading)),
+            input_sign: 1.0,
+            reads: 0,
+            releases: 0,
+            seen: Seen {
+                lowest: positions,
+                highest: positions,
+                fastest: [0.0; 2],
+            },
+        }
+    }
+
+    /// At the start of the motion, with the usual encoders.
+    pub fn at_start(rate: f64) -> Self {
+        Self::new(rate, plant_at(START, plant_options()))
+    }
+
+    pub fn with_fault(
+        mut self,
+        fault: impl FnMut(u64, Reading<2>) -> Option<Reading<2>> + 'static,
+    ) -> Self {
+        self.fault = Box::new(fault);
+        self
+    }
+
+    pub fn state(&self) -> ([f64; 2], [f64; 2]) {
+        self.robot.plant().state()
+    }
+
+    /// Two seconds on: braked, at rest, and within limits all the time.
+    pub fn assert_stopped_safely(&mut self) {
+        for _ in 0..100 {
+            self.clock.advance(Duration::from_millis(20));
+            let _ = self.robot.read();
+            self.watch();
+        }
+        assert!(self.robot.plant().is_braked());
+        let (_, velocities) = self.state();
+        assert!(velocities.iter().all(|v| v.abs() < 1e-6), "{velocities:?}");
+        self.seen.assert_within_limits();
+    }
+
+    fn watch(&mut self) {
+        let (positions, velocities) = self.state();
+        for i in 0..2 {
+            self.seen.lowest[i] = self.seen.lowest[i].min(positions[i]);
+            self.seen.highest[i] = self.seen.highest[i].max(positions[i]);
+            self.seen.fastest[i] = self.seen.fastest[i].max(velocities[i].abs());
+        }
+    }
+}
+
+impl Transport<2, 2> for Watched {
+    fn read(&mut self) -> Result<Option<Reading<2>>, TransportError> {
+        let reading = self.robot.read()?;
+        self.watch();
+        let number = self.reads;
+        self.reads += 1;
+        Ok(reading.and_then(|reading| (self.fault)(number, reading)))
+    }
+
+    fn write(&mut self, inputs: &[f64; 2]) -> Result<(), TransportError> {
+        self.robot.write(&inputs.map(|u| u * self.input_sign))
+    }
+
+    fn release(&mut self) -> Result<(), TransportError> {
+        self.releases += 1;
+        self.robot.release()
+    }
+
+    fn brake(&mut self) -> Result<(), TransportError> {
+        self.robot.brake()
+    }
+}
+
+/// Oversleeps once by a span, as a busy machine does.
+pub struct Oversleeping {
+    pub clock: VirtualClock,
+    pub at: Duration,
+    pub by: Duration,
+}
+
+impl Clock for Oversleeping {
+    fn now(&self) -> Duration {
+        self.clock.now()
+    }
+
+    fn sleep_until(&self, wake: Duration) {
+        let asleep = self.clock.now() < self.at;
+        self.clock.sleep_until(wake);
+        if asleep && wake >= self.at {
+            self.clock.advance(self.by);
+        }
+    }
+}
