@@ -6,6 +6,8 @@
 #[cfg(feature = "control")]
 pub mod control_loop;
 pub mod dynamics;
+#[cfg(feature = "control")]
+pub mod feed_forward;
 #[cfg(feature = "identification")]
 pub mod identification;
 #[cfg(feature = "control")]

@@ -4,10 +4,14 @@
 //! model predictive control rely on it.
 
 mod polynomial;
+mod recording;
 mod sampled;
+mod smoothing;
 
 pub use polynomial::RestToRest;
+pub use recording::{Columns, Inconsistency, Recording};
 pub use sampled::Sampled;
+pub use smoothing::{Smoothed, Smoothing};
 
 use thiserror::Error;
 
@@ -99,6 +103,24 @@ pub enum TrajectoryError {
         needed: usize,
         /// How many there are.
         given: usize,
+    },
+    /// A number lies outside what is allowed.
+    #[error("{what} is {value}; it must be {range}")]
+    OutOfRange {
+        /// Which number.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        range: &'static str,
+    },
+    /// A file cannot be read.
+    #[error("{place}: {message}")]
+    File {
+        /// File, and row where known.
+        place: String,
+        /// What is wrong with it.
+        message: String,
     },
 }
 

@@ -38,6 +38,12 @@ impl Quintic {
         let a = 2.0 * c[2] + t * (6.0 * c[3] + t * (12.0 * c[4] + t * 20.0 * c[5]));
         [p, v, a]
     }
+
+    /// Third derivative at `t`.
+    pub fn jerk(&self, t: f64) -> f64 {
+        let c = &self.coefficients;
+        6.0 * c[3] + t * (24.0 * c[4] + t * 60.0 * c[5])
+    }
 }
 
 /// Straight in joint space from rest to rest, all coordinates at once:

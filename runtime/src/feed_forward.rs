@@ -1,0 +1,181 @@
+//! Feed-forward: the inputs that make the model follow a trajectory exactly.
+//!
+//! ```text
+//!     u_ff = B⁻¹ (M ÿ + k − q)        along y(t), ẏ(t), ÿ(t)
+//! ```
+//!
+//! Inverse dynamics, also called computed torque (Craig, *Introduction to Robotics*, 2005, section 10.4). Where B is not square and regular
+//! u_ff = B⁺ (M ÿ + k − q), the least-squares solution with the smallest inputs, and the residual r = (M ÿ + k − q) − B u_ff is what no input
+//! can make: a trajectory with r ≠ 0 is not feasible for the passive coordinates.
+
+use crate::dynamics::Dynamics;
+use crate::trajectory::{Sample, Trajectory};
+use nalgebra::DMatrix;
+use thiserror::Error;
+
+/// Singular values of B below this part of the largest count as zero.
+const RANK_TOLERANCE: f64 = 1e-12;
+
+/// Inputs for a state, and what they cannot make.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FeedForwardInput<const N: usize, const M: usize> {
+    /// u_ff, in the units of the model's inputs.
+    pub inputs: [f64; M],
+    /// r = M ÿ + k − q − B u_ff [N m or N]: zero where B is regular.
+    pub residual: [f64; N],
+}
+
+/// Why there is no feed-forward.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum FeedForwardError {
+    /// A component of B is NaN or infinite, or B is zero.
+    #[error("the input matrix is zero or not finite: no input acts on the robot")]
+    InputMatrix,
+    /// The trajectory asks for forces that no input makes.
+    #[error(
+        "the trajectory is not feasible: at {time} s coordinate {coordinate} would need {residual} N m (or N) that no input makes, more \
+         than the tolerance of {tolerance}; let this coordinate move as its equation of motion demands"
+    )]
+    Infeasible {
+        /// Where the residual is largest [s].
+        time: f64,
+        /// The coordinate with the largest residual.
+        coordinate: usize,
+        /// It [N m or N].
+        residual: f64,
+        /// What was allowed.
+        tolerance: f64,
+    },
+    /// Positions, velocities or the equations of motion are not finite.
+    #[error("at {time} s the trajectory or the equations of motion are not finite")]
+    NotFinite {
+        /// When [s].
+        time: f64,
+    },
+    /// The sampling period is not positive and finite.
+    #[error("period is {0} s; it must be positive and finite")]
+    Period(f64),
+}
+
+/// Feed-forward for a model.
+///
+/// ```
+/// use gelenk_runtime::feed_forward::FeedForward;
+/// use gelenk_runtime::trajectory::{RestToRest, Trajectory};
+///
+/// gelenk_runtime::dynamics!(pub struct PowerCube = gelenk_generated::powercube);
+///
+/// let motion = RestToRest::new([0.0, 0.0], [0.3, 0.4], 2.0)?;
+/// let feed_forward = FeedForward::new(PowerCube)?;
+/// let input = feed_forward.at(&motion.sample(1.0));
+/// assert!(input.inputs[0].abs() < 0.5, "the motor's peak torque");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FeedForward<D, const N: usize, const M: usize> {
+    model: D,
+    input_matrix: [[f64; M]; N],
+    /// B⁺.
+    inverse: [[f64; N]; M],
+}
+
+impl<D: Dynamics<N, M>, const N: usize, const M: usize> FeedForward<D, N, M> {
+    /// Inverts the input matrix of `model`, once: it is constant.
+    ///
+    /// # Errors
+    /// [`FeedForwardError::InputMatrix`].
+    pub fn new(model: D) -> Result<Self, FeedForwardError> {
+        let input_matrix = model.input_matrix();
+        let inverse = pseudo_inverse(&input_matrix).ok_or(FeedForwardError::InputMatrix)?;
+        Ok(Self {
+            model,
+            input_matrix,
+            inverse,
+        })
+    }
+
+    /// The model.
+    pub fn model(&self) -> &D {
+        &self.model
+    }
+
+    /// Inputs for one sample. Allocates nothing.
+    #[must_use]
+    pub fn at(&self, sample: &Sample<N>) -> FeedForwardInput<N, M> {
+        let forces = self.model.inverse_dynamics(
+            &sample.positions,
+            &sample.velocities,
+            &sample.accelerations,
+        );
+        let inputs = self.inverse.map(|row| product(&row, &forces));
+        let residual =
+            core::array::from_fn(|i| forces[i] - product(&self.input_matrix[i], &inputs));
+        FeedForwardInput { inputs, residual }
+    }
+
+    /// Inputs at times 0, `period`, 2 `period`, … up to the end of `trajectory`, to be held over the period that follows.
+    ///
+    /// # Errors
+    /// [`FeedForwardError::Infeasible`] where a residual exceeds `tolerance` [N m or N], with the largest; [`FeedForwardError::NotFinite`].
+    pub fn along(
+        &self,
+        trajectory: &impl Trajectory<N>,
+        period: f64,
+        tolerance: f64,
+    ) -> Result<Vec<[f64; M]>, FeedForwardError> {
+        if !(period.is_finite() && period > 0.0) {
+            return Err(FeedForwardError::Period(period));
+        }
+        let steps = (trajectory.duration() / period).ceil() as usize;
+        let mut inputs = Vec::with_capacity(steps);
+        let mut worst = (0.0, 0, 0.0_f64);
+        for k in 0..steps {
+            let time = k as f64 * period;
+            let input = self.at(&trajectory.sample(time));
+            if !input
+                .inputs
+                .iter()
+                .chain(&input.residual)
+                .all(|x| x.is_finite())
+            {
+                return Err(FeedForwardError::NotFinite { time });
+            }
+            for (i, residual) in input.residual.iter().enumerate() {
+                if residual.abs() > worst.2.abs() {
+                    worst = (time, i, *residual);
+                }
+            }
+            inputs.push(input.inputs);
+        }
+        let (time, coordinate, residual) = worst;
+        if residual.abs() > tolerance {
+            return Err(FeedForwardError::Infeasible {
+                time,
+                coordinate,
+                residual,
+                tolerance,
+            });
+        }
+        Ok(inputs)
+    }
+}
+
+fn product<const L: usize>(a: &[f64; L], b: &[f64; L]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// None for matrices that are zero or not finite.
+fn pseudo_inverse<const N: usize, const M: usize>(matrix: &[[f64; M]; N]) -> Option<[[f64; N]; M]> {
+    if !matrix.iter().flatten().all(|x| x.is_finite()) {
+        return None;
+    }
+    let svd = DMatrix::from_fn(N, M, |i, j| matrix[i][j]).svd(true, true);
+    let largest = svd.singular_values.iter().copied().fold(0.0, f64::max);
+    if largest == 0.0 {
+        return None;
+    }
+    let inverse = svd.pseudo_inverse(RANK_TOLERANCE * largest).ok()?;
+    Some(core::array::from_fn(|j| {
+        core::array::from_fn(|i| inverse[(j, i)])
+    }))
+}

@@ -1,0 +1,268 @@
+//! Samples from a file: reading, and finding those whose positions contradict their velocities.
+
+use super::{Sample, Sampled, TrajectoryError, require_finite, require_positive};
+use std::io::Read;
+use std::path::Path;
+
+/// Part of the period by which a time in a file may be off.
+const TIME_TOLERANCE: f64 = 1e-3;
+
+/// Names of the columns of a file, one position and at most one velocity for each coordinate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Columns<'c, const N: usize> {
+    /// Times [s].
+    pub time: &'c str,
+    /// Positions [rad or m].
+    pub positions: [&'c str; N],
+    /// Velocities [rad/s or m/s], where the file has them.
+    pub velocities: Option<[&'c str; N]>,
+}
+
+/// Positions, and velocities where known, at times 0, T, 2T, …, as recorded or as somebody else computed them. They need not agree.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording<const N: usize> {
+    period: f64,
+    positions: Vec<[f64; N]>,
+    velocities: Option<Vec<[f64; N]>>,
+}
+
+/// A step over which positions change by something else than their velocities say.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Inconsistency {
+    /// The sample before the step.
+    pub sample: usize,
+    /// Its time [s].
+    pub time: f64,
+    /// The coordinate.
+    pub coordinate: usize,
+    /// How far the position goes beyond the integral of the velocities [rad or m].
+    pub defect: f64,
+}
+
+impl<const N: usize> Recording<N> {
+    /// Checks and keeps samples `period` [s] apart.
+    ///
+    /// # Errors
+    /// Fewer than three samples, another number of velocities than of positions, numbers that are not finite, a period that is not positive.
+    pub fn new(
+        period: f64,
+        positions: Vec<[f64; N]>,
+        velocities: Option<Vec<[f64; N]>>,
+    ) -> Result<Self, TrajectoryError> {
+        require_positive("period", period)?;
+        let too_few = |what, needed, given| {
+            Err(TrajectoryError::TooFew {
+                what,
+                needed,
+                given,
+            })
+        };
+        if positions.len() < 3 {
+            return too_few("samples", 3, positions.len());
+        }
+        for (k, row) in positions.iter().enumerate() {
+            require_finite(&format!("positions of sample {k}, "), row)?;
+        }
+        if let Some(velocities) = &velocities {
+            if velocities.len() != positions.len() {
+                return too_few("velocities", positions.len(), velocities.len());
+            }
+            for (k, row) in velocities.iter().enumerate() {
+                require_finite(&format!("velocities of sample {k}, "), row)?;
+            }
+        }
+        Ok(Self {
+            period,
+            positions,
+            velocities,
+        })
+    }
+
+    /// Reads a CSV file with a head. Times must be evenly spaced; the first counts as 0.
+    ///
+    /// # Errors
+    /// [`TrajectoryError::File`] with the row for what cannot be read; as [`Recording::new`].
+    pub fn open(path: impl AsRef<Path>, columns: &Columns<N>) -> Result<Self, TrajectoryError> {
+        let path = path.as_ref();
+        let file = std::fs::File::open(path).map_err(|e| TrajectoryError::File {
+            place: path.display().to_string(),
+            message: e.to_string(),
+        })?;
+        Self::read(file, &path.display().to_string(), columns)
+    }
+
+    /// As [`Recording::open`], from any reader; `place` names it in errors.
+    ///
+    /// # Errors
+    /// As [`Recording::open`].
+    pub fn read(
+        reader: impl Read,
+        place: &str,
+        columns: &Columns<N>,
+    ) -> Result<Self, TrajectoryError> {
+        let fault = |row: usize, message: String| TrajectoryError::File {
+            place: if row == 0 {
+                place.to_owned()
+            } else {
+                format!("{place}, row {row}")
+            },
+            message,
+        };
+        let mut csv = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .from_reader(reader);
+        let head = csv.headers().map_err(|e| fault(0, e.to_string()))?.clone();
+        let find = |name: &str| {
+            let found = head.iter().position(|h| h == name);
+            found.ok_or_else(|| {
+                let names: Vec<&str> = head.iter().collect();
+                fault(
+                    0,
+                    format!("no column {name}; there are {}", names.join(", ")),
+                )
+            })
+        };
+        let time = find(columns.time)?;
+        let positions = find_all(&columns.positions, &find)?;
+        let velocities = match &columns.velocities {
+            Some(names) => Some(find_all(names, &find)?),
+            None => None,
+        };
+        let (mut times, mut y, mut v) = (Vec::new(), Vec::new(), Vec::new());
+        for (k, record) in csv.records().enumerate() {
+            let record = record.map_err(|e| fault(k + 1, e.to_string()))?;
+            let number = |column: usize| {
+                let text = record.get(column).unwrap_or_default();
+                text.parse::<f64>().map_err(|_| {
+                    fault(
+                        k + 1,
+                        format!("{text:?} in column {} is no number", &head[column]),
+                    )
+                })
+            };
+            let row = |columns: &[usize; N]| -> Result<[f64; N], TrajectoryError> {
+                let mut values = [0.0; N];
+                for (value, column) in values.iter_mut().zip(columns) {
+                    *value = number(*column)?;
+                }
+                Ok(values)
+            };
+            times.push(number(time)?);
+            y.push(row(&positions)?);
+            if let Some(columns) = &velocities {
+                v.push(row(columns)?);
+            }
+        }
+        if times.len() < 3 {
+            return Self::new(1.0, y, None);
+        }
+        let period = (times[times.len() - 1] - times[0]) / (times.len() - 1) as f64;
+        require_positive("period", period)?;
+        let uneven = |k: &usize| {
+            let expected = times[0] + *k as f64 * period;
+            // Written so that NaN counts as uneven.
+            let even = (times[*k] - expected).abs() <= TIME_TOLERANCE * period;
+            !even
+        };
+        if let Some(k) = (0..times.len()).find(uneven) {
+            let message = format!(
+                "time is {} s where an even spacing of {period} s gives {} s; resample the file",
+                times[k],
+                times[0] + k as f64 * period
+            );
+            return Err(fault(k + 1, message));
+        }
+        Self::new(period, y, velocities.is_some().then_some(v))
+    }
+
+    /// Time between two samples [s].
+    #[must_use]
+    pub fn period(&self) -> f64 {
+        self.period
+    }
+
+    /// Positions as recorded.
+    #[must_use]
+    pub fn positions(&self) -> &[[f64; N]] {
+        &self.positions
+    }
+
+    /// Velocities as recorded.
+    #[must_use]
+    pub fn velocities(&self) -> Option<&[[f64; N]]> {
+        self.velocities.as_deref()
+    }
+
+    /// Steps whose defect
+    ///
+    /// ```text
+    ///     d_k = y_{k+1} − y_k − T/2 (v_k + v_{k+1})
+    /// ```
+    ///
+    /// exceeds `tolerance` [rad or m] in magnitude. Samples of one smooth motion have defects of T³/12 times its jerk. Empty where no
+    /// velocities were recorded.
+    #[must_use]
+    pub fn inconsistencies(&self, tolerance: f64) -> Vec<Inconsistency> {
+        let Some(v) = &self.velocities else {
+            return Vec::new();
+        };
+        let mut found = Vec::new();
+        for k in 0..self.positions.len() - 1 {
+            for i in 0..N {
+                let step = self.positions[k + 1][i] - self.positions[k][i];
+                let defect = step - 0.5 * self.period * (v[k][i] + v[k + 1][i]);
+                if defect.abs() > tolerance {
+                    found.push(Inconsistency {
+                        sample: k,
+                        time: k as f64 * self.period,
+                        coordinate: i,
+                        defect,
+                    });
+                }
+            }
+        }
+        found
+    }
+
+    /// The recording as it is: its velocities where it has them, else central differences; accelerations by central differences, at the ends
+    /// by one-sided ones. What is inconsistent stays so; compare [`Recording::smoothed`].
+    ///
+    /// # Errors
+    /// None that [`Recording::new`] lets through.
+    pub fn raw(&self) -> Result<Sampled<N>, TrajectoryError> {
+        let velocities = match &self.velocities {
+            Some(v) => v.clone(),
+            None => differences(&self.positions, self.period),
+        };
+        let accelerations = differences(&velocities, self.period);
+        let samples = (0..self.positions.len())
+            .map(|k| Sample {
+                positions: self.positions[k],
+                velocities: velocities[k],
+                accelerations: accelerations[k],
+            })
+            .collect();
+        Sampled::new(samples, self.period)
+    }
+}
+
+fn find_all<const N: usize>(
+    names: &[&str; N],
+    find: &impl Fn(&str) -> Result<usize, TrajectoryError>,
+) -> Result<[usize; N], TrajectoryError> {
+    let mut columns = [0; N];
+    for (column, name) in columns.iter_mut().zip(names) {
+        *column = find(name)?;
+    }
+    Ok(columns)
+}
+
+fn differences<const N: usize>(x: &[[f64; N]], period: f64) -> Vec<[f64; N]> {
+    let last = x.len() - 1;
+    (0..=last)
+        .map(|k| {
+            let (a, b) = (k.saturating_sub(1), (k + 1).min(last));
+            core::array::from_fn(|i| (x[b][i] - x[a][i]) / ((b - a) as f64 * period))
+        })
+        .collect()
+}

@@ -1,0 +1,264 @@
+//! A smooth motion through samples that contradict each other.
+
+use super::polynomial::Quintic;
+use super::{Recording, Sample, Sampled, TrajectoryError};
+use nalgebra::{Matrix3, Vector3};
+
+/// How [`Recording::smoothed`] weighs samples and smoothness.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Smoothing {
+    /// τ [s]: what happens faster is smoothed away; 1 to 20 periods.
+    pub time_constant: f64,
+    /// ρ [s]: time in which the motion, following the velocities, returns to positions that contradict them; at least τ. Without meaning for a
+    /// recording without velocities.
+    pub correction_time: f64,
+}
+
+impl Smoothing {
+    /// Two periods, and half a second: for samples that were computed, and contradict each other but carry no noise. Measured ones want a longer
+    /// time constant.
+    #[must_use]
+    pub fn of(period: f64) -> Self {
+        Self {
+            time_constant: 2.0 * period,
+            correction_time: 0.5_f64.max(2.0 * period),
+        }
+    }
+}
+
+/// A smoothed recording, and how far it went from it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Smoothed<const N: usize> {
+    /// The motion, from rest to rest, at the period of the recording.
+    pub trajectory: Sampled<N>,
+    /// Largest distance from a recorded position [rad or m].
+    pub position_deviation: [f64; N],
+    /// Largest distance from a recorded velocity [rad/s or m/s]; 0 where there are none.
+    pub velocity_deviation: [f64; N],
+}
+
+/// Most periods of the time constant: beyond, rounding shows in the solution.
+const MAX_PERIODS: f64 = 20.0;
+
+/// y, T ẏ, T² ÿ of one coordinate at one sample.
+type Node = Vector3<f64>;
+
+impl<const N: usize> Recording<N> {
+    /// The motion that minimizes, for each coordinate,
+    ///
+    /// ```text
+    ///     Σ_k T [(y(t_k) − p_k)²/ρ² + (ẏ(t_k) − v_k)²] + τ⁴ ∫ y‴² dt        with velocities v_k
+    ///     Σ_k T (y(t_k) − p_k)² + τ⁶ ∫ y‴² dt                              without
+    /// ```
+    ///
+    /// among all that begin in the first position and begin and end at rest (ẏ = ÿ = 0; a recording that ends moving is slowed down within
+    /// the last τ). It is a spline of degree five with its knots at the samples, so positions, velocities and accelerations agree exactly.
+    /// Velocities pass a low-pass filter without delay, 1/(1 + (ωτ)⁴), positions alone 1/(1 + (ωτ)⁶). (Wahba, *Spline Models for Observational
+    /// Data*, 1990, chapter 1.)
+    ///
+    /// # Errors
+    /// A time constant that is not 1 to 20 periods, a correction time that is not τ to 1000 s.
+    pub fn smoothed(&self, smoothing: &Smoothing) -> Result<Smoothed<N>, TrajectoryError> {
+        let ratio = smoothing.time_constant / self.period();
+        if !(1.0..=MAX_PERIODS).contains(&ratio) {
+            return Err(TrajectoryError::OutOfRange {
+                what: "time constant in periods",
+                value: ratio,
+                range: "1 to 20",
+            });
+        }
+        if !(smoothing.time_constant..=1e3).contains(&smoothing.correction_time) {
+            return Err(TrajectoryError::OutOfRange {
+                what: "correction time",
+                value: smoothing.correction_time,
+                range: "at least the time constant, at most 1000 s",
+            });
+        }
+        // In units of the period, divided by the weight of positions.
+        let trust = smoothing.correction_time / self.period();
+        let weights = match self.velocities() {
+            Some(_) => Weights {
+                velocity: trust.powi(2),
+                jerk: trust.powi(2) * ratio.powi(4),
+            },
+            None => Weights {
+                velocity: 0.0,
+                jerk: ratio.powi(6),
+            },
+        };
+        let count = self.positions().len();
+        let mut samples = vec![Sample::at_rest([0.0; N]); count];
+        for i in 0..N {
+            let nodes = smooth(&self.coordinate(i), &weights);
+            for (sample, node) in samples.iter_mut().zip(nodes) {
+                sample.positions[i] = node[0];
+                sample.velocities[i] = node[1] / self.period();
+                sample.accelerations[i] = node[2] / (self.period() * self.period());
+            }
+        }
+        let deviation = |of: &dyn Fn(usize, usize) -> f64| {
+            core::array::from_fn(|i| (0..count).map(|k| of(k, i).abs()).fold(0.0, f64::max))
+        };
+        let position_deviation =
+            deviation(&|k, i| samples[k].positions[i] - self.positions()[k][i]);
+        let velocity_deviation = match self.velocities() {
+            Some(v) => deviation(&|k, i| samples[k].velocities[i] - v[k][i]),
+            None => [0.0; N],
+        };
+        Ok(Smoothed {
+            trajectory: Sampled::new(samples, self.period())?,
+            position_deviation,
+            velocity_deviation,
+        })
+    }
+
+    /// Position and T·velocity of each sample; zero where there is no velocity.
+    fn coordinate(&self, i: usize) -> Vec<[f64; 2]> {
+        let velocity = |k: usize| self.velocities().map_or(0.0, |v| self.period() * v[k][i]);
+        let rows = self.positions().iter().enumerate();
+        rows.map(|(k, y)| [y[i], velocity(k)]).collect()
+    }
+}
+
+/// Weights beside that of a position, 1, with the period as unit of time.
+struct Weights {
+    velocity: f64,
+    jerk: f64,
+}
+
+fn smooth(data: &[[f64; 2]], weights: &Weights) -> Vec<Node> {
+    let [[first, coupling], [_, second]] = jerk_energy();
+    let last = data.len() - 1;
+    let mut system = BlockTridiagonal {
+        diagonal: Vec::with_capacity(data.len()),
+        coupling: vec![coupling * weights.jerk; last],
+    };
+    let mut right = Vec::with_capacity(data.len());
+    for (k, [position, velocity]) in data.iter().enumerate() {
+        let mut block = Matrix3::zeros();
+        if k > 0 {
+            block += second * weights.jerk;
+        }
+        if k < last {
+            block += first * weights.jerk;
+        }
+        block[(0, 0)] += 1.0;
+        block[(1, 1)] += weights.velocity;
+        let load = Node::new(*position, weights.velocity * velocity, 0.0);
+        system.diagonal.push(block);
+        right.push(load);
+    }
+    // Relative to the first position, whose node then is zero and falls out together with the speeds at the ends.
+    let origin = data[0][0];
+    for load in &mut right {
+        load[0] -= origin;
+    }
+    system.fix(0, &[0, 1, 2], &mut right);
+    system.fix(last, &[1, 2], &mut right);
+    let mut nodes = system.solve(&right);
+    for node in &mut nodes {
+        node[0] += origin;
+    }
+    nodes
+}
+
+/// ∫₀¹ y‴² dt of a polynomial of degree five as a quadratic form in its end values (y, ẏ, ÿ at 0; at 1), by blocks. The integrand has degree
+/// four: three Gauss points are exact.
+fn jerk_energy() -> [[Matrix3<f64>; 2]; 2] {
+    let half_width = (3.0_f64 / 5.0).sqrt() / 2.0;
+    let points = [
+        (0.5 - half_width, 5.0 / 18.0),
+        (0.5, 8.0 / 18.0),
+        (0.5 + half_width, 5.0 / 18.0),
+    ];
+    let mut blocks = [[Matrix3::zeros(); 2]; 2];
+    for (t, weight) in points {
+        let mut jerks = [Node::zeros(); 2];
+        for i in 0..3 {
+            let mut unit = [0.0; 3];
+            unit[i] = 1.0;
+            jerks[0][i] = Quintic::new(unit, [0.0; 3], 1.0).jerk(t);
+            jerks[1][i] = Quintic::new([0.0; 3], unit, 1.0).jerk(t);
+        }
+        for r in 0..2 {
+            for c in 0..2 {
+                blocks[r][c] += jerks[r] * jerks[c].transpose() * weight;
+            }
+        }
+    }
+    blocks
+}
+
+/// A symmetric positive definite matrix of 3 × 3 blocks.
+struct BlockTridiagonal {
+    diagonal: Vec<Matrix3<f64>>,
+    /// From node k (rows) to node k + 1 (columns).
+    coupling: Vec<Matrix3<f64>>,
+}
+
+impl BlockTridiagonal {
+    /// Takes components of a node, which shall be zero, out of the system.
+    fn fix(&mut self, node: usize, components: &[usize], right: &mut [Node]) {
+        for &i in components {
+            self.diagonal[node].row_mut(i).fill(0.0);
+            self.diagonal[node].column_mut(i).fill(0.0);
+            self.diagonal[node][(i, i)] = 1.0;
+            right[node][i] = 0.0;
+            if node > 0 {
+                self.coupling[node - 1].column_mut(i).fill(0.0);
+            }
+            if let Some(next) = self.coupling.get_mut(node) {
+                next.row_mut(i).fill(0.0);
+            }
+        }
+    }
+
+    /// Block elimination, then one step of iterative refinement.
+    fn solve(&self, right: &[Node]) -> Vec<Node> {
+        let n = self.diagonal.len();
+        // Pivots D_k = A_k − Cᵀ D_{k−1}⁻¹ C of a positive definite matrix are positive definite.
+        let mut inverses: Vec<Matrix3<f64>> = Vec::with_capacity(n);
+        for k in 0..n {
+            let mut pivot = self.diagonal[k];
+            if k > 0 {
+                pivot -= self.coupling[k - 1].transpose() * inverses[k - 1] * self.coupling[k - 1];
+            }
+            inverses.push(pivot.try_inverse().unwrap_or_else(Matrix3::zeros));
+        }
+        let mut x = self.substitute(&inverses, right);
+        let residual: Vec<Node> = (0..n).map(|k| right[k] - self.row(k, &x)).collect();
+        for (x, correction) in x.iter_mut().zip(self.substitute(&inverses, &residual)) {
+            *x += correction;
+        }
+        x
+    }
+
+    fn substitute(&self, inverses: &[Matrix3<f64>], right: &[Node]) -> Vec<Node> {
+        let n = right.len();
+        let mut x = right.to_vec();
+        for k in 1..n {
+            let before = inverses[k - 1] * x[k - 1];
+            x[k] -= self.coupling[k - 1].transpose() * before;
+        }
+        for k in (0..n).rev() {
+            let known = if k + 1 < n {
+                self.coupling[k] * x[k + 1]
+            } else {
+                Node::zeros()
+            };
+            x[k] = inverses[k] * (x[k] - known);
+        }
+        x
+    }
+
+    fn row(&self, k: usize, x: &[Node]) -> Node {
+        let mut sum = self.diagonal[k] * x[k];
+        if k > 0 {
+            sum += self.coupling[k - 1].transpose() * x[k - 1];
+        }
+        if k + 1 < x.len() {
+            sum += self.coupling[k] * x[k + 1];
+        }
+        sum
+    }
+}
