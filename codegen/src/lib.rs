@@ -24,6 +24,7 @@ pub mod model;
 pub mod output;
 pub mod pipeline;
 pub mod program;
+mod snapping;
 #[cfg(test)]
 mod testing;
 

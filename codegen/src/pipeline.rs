@@ -9,6 +9,7 @@ use crate::dynamics::size::MOST_OPERATIONS;
 use crate::emit::{self, EmitOptions, SourceFile};
 use crate::model::{self, Loaded, Model, ReadOptions};
 use crate::program::fuse_multiply_adds;
+use crate::snapping;
 
 /// What the caller may ask for beyond the description.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -50,24 +51,7 @@ pub struct Generated {
 /// # Errors
 /// All [`Diagnostics`] of the first stage that found the description at fault.
 pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generated, Diagnostics> {
-    let (model, notes, files) = read(description, options)?;
-    let functions = derive(&model, options)?;
-    let source = emit::module(&model, &functions, &options.emit);
-    Ok(Generated {
-        model,
-        functions,
-        source,
-        notes,
-        files,
-    })
-}
-
-/// Stage 1.
-fn read(
-    description: &Path,
-    options: &GenerateOptions,
-) -> Result<(Model, Diagnostics, Vec<PathBuf>), Diagnostics> {
-    let options = ReadOptions {
+    let read_options = ReadOptions {
         ignore_mimic: options.ignore_mimic,
         snap_angles: options.snap_angles,
         no_friction: options.no_friction,
@@ -76,8 +60,17 @@ fn read(
         model,
         notes,
         files,
-    } = model::read(description, &options)?;
-    Ok((model, notes, files))
+    } = model::read(description, &read_options)?;
+    let functions = derive(&model, options)?;
+    let notes = snapping::priced(notes, description, &read_options, &functions);
+    let source = emit::module(&model, &functions, &options.emit);
+    Ok(Generated {
+        model,
+        functions,
+        source,
+        notes,
+        files,
+    })
 }
 
 /// Stages 2 to 4.

@@ -92,6 +92,47 @@ fn closed_forms_say_what_they_need() {
     insta::assert_snapshot!(shown(&output));
 }
 
+/// What stands in front of a derivation, with the numbers of a real arm.
+#[test]
+fn mechanism_of_the_powercube() {
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
+    let output = gelenk(&models, &["inspect", "mechanism", "powercube.toml"]);
+    insta::assert_snapshot!(shown(&output));
+}
+
+/// The vendor's 1.57079632679 is noted with the operations that taking it for π/2 saves, and those are the snapped ones.
+#[test]
+fn snapping_is_priced() {
+    let urdf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/urdf");
+    let count = |options: &[&str]| {
+        let arguments = [
+            &[
+                "inspect",
+                "counts",
+                "ur5.urdf",
+                "--functions",
+                "inverse_dynamics",
+            ],
+            options,
+        ]
+        .concat();
+        let output = gelenk(&urdf, &arguments);
+        let table = String::from_utf8_lossy(&output.stdout).into_owned();
+        let row = table.lines().nth(1).unwrap_or_default();
+        let cells: Vec<&str> = row.split_whitespace().skip(1).take(2).collect();
+        (
+            cells.join("/"),
+            String::from_utf8_lossy(&output.stderr).into_owned(),
+        )
+    };
+    let (described, notes) = count(&[]);
+    let (snapped, none) = count(&["--snap-angles", "1e-4"]);
+    assert_ne!(described, snapped);
+    let price = format!("`inverse_dynamics` {snapped} instead of {described}");
+    assert!(notes.contains(&price), "{price} is not in {notes}");
+    assert!(!none.contains("instead of"), "{none}");
+}
+
 #[test]
 fn a_closed_pipe_is_no_panic() {
     use std::io::Read;

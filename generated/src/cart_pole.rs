@@ -260,16 +260,16 @@ pub fn equations_of_motion(
 #[must_use]
 pub fn inverse_dynamics(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
     let (sin_pole, cos_pole) = math::sin_cos(y[1]);
-    let t2 = v[1] * v[1];
-    let force_pole_x = 0.05 * t2;
-    let t4 = sin_pole * force_pole_x;
     let force_pole_y = a[1] * 0.05;
-    let t6 = cos_pole * force_pole_y;
-    let t7 = t4 - t6;
-    let t8 = a[0] * 1.1;
-    let force_cart_z = t8 - t7;
+    let t3 = cos_pole * force_pole_y;
+    let t4 = a[0] * 1.1;
+    let t5 = t4 + t3;
+    let t6 = v[1] * v[1];
+    let force_pole_x = 0.05 * t6;
+    let t8 = sin_pole * force_pole_x;
+    let force_cart_z = t8 - t5;
     let t10 = v[0] * 0.1;
-    let t11 = force_cart_z + t10;
+    let t11 = t10 - force_cart_z;
     let t12 = a[0] * cos_pole;
     let t13 = 9.81 * sin_pole;
     let acceleration_pole_y = t13 - t12;
@@ -374,16 +374,16 @@ pub fn inverse_dynamics_derivatives(
     a: &[f64; N],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N]) {
     let (sin_pole, cos_pole) = math::sin_cos(y[1]);
-    let t2 = v[1] * v[1];
-    let force_pole_x = 0.05 * t2;
-    let t4 = sin_pole * force_pole_x;
     let force_pole_y = a[1] * 0.05;
-    let t6 = cos_pole * force_pole_y;
-    let t7 = t4 - t6;
-    let t8 = a[0] * 1.1;
-    let force_cart_z = t8 - t7;
+    let t3 = cos_pole * force_pole_y;
+    let t4 = a[0] * 1.1;
+    let t5 = t4 + t3;
+    let t6 = v[1] * v[1];
+    let force_pole_x = 0.05 * t6;
+    let t8 = sin_pole * force_pole_x;
+    let force_cart_z = t8 - t5;
     let t10 = v[0] * 0.1;
-    let t11 = force_cart_z + t10;
+    let t11 = t10 - force_cart_z;
     let t12 = a[0] * cos_pole;
     let t13 = 9.81 * sin_pole;
     let acceleration_pole_y = t13 - t12;
@@ -437,16 +437,16 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     a: &[f64; N],
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
     let (sin_pole, cos_pole) = math::sin_cos(y[1]);
-    let t2 = v[1] * v[1];
-    let force_pole_x = 0.05 * t2;
-    let t4 = sin_pole * force_pole_x;
     let force_pole_y = a[1] * 0.05;
-    let t6 = cos_pole * force_pole_y;
-    let t7 = t4 - t6;
-    let t8 = a[0] * 1.1;
-    let force_cart_z = t8 - t7;
+    let t3 = cos_pole * force_pole_y;
+    let t4 = a[0] * 1.1;
+    let t5 = t4 + t3;
+    let t6 = v[1] * v[1];
+    let force_pole_x = 0.05 * t6;
+    let t8 = sin_pole * force_pole_x;
+    let force_cart_z = t8 - t5;
     let t10 = v[0] * 0.1;
-    let t11 = force_cart_z + t10;
+    let t11 = t10 - force_cart_z;
     let t12 = a[0] * cos_pole;
     let t13 = 9.81 * sin_pole;
     let acceleration_pole_y = t13 - t12;
@@ -641,31 +641,31 @@ pub fn linearize(
     let t47 = t7 * t42;
     let t48 = t47 + t46;
     let t49 = y[1] * t35;
-    let t50 = v[1] * t44;
-    let t51 = v[0] * t39;
-    let t52 = t51 - t50;
-    let t53 = t49 - t52;
-    let t54 = u[0] * inverse_d_cart;
-    let t55 = t53 + t54;
-    let t56 = acceleration_cart_z - t55;
+    let t50 = v[0] * t39;
+    let t51 = u[0] * inverse_d_cart;
+    let t52 = t50 - t51;
+    let t53 = acceleration_cart_z + t52;
+    let t54 = v[1] * t44;
+    let t55 = t54 - t53;
+    let t56 = t49 + t55;
     let t57 = y[1] * t38;
-    let t58 = v[1] * t48;
-    let t59 = v[0] * t45;
-    let t60 = t59 - t58;
-    let t61 = t57 - t60;
-    let t62 = u[0] * t7;
-    let t63 = t61 + t62;
-    let t64 = t21 - t63;
+    let t58 = v[0] * t45;
+    let t59 = u[0] * t7;
+    let t60 = t58 - t59;
+    let t61 = t21 + t60;
+    let t62 = v[1] * t48;
+    let t63 = t62 - t61;
+    let t64 = t57 + t63;
     let t65 = -t38;
     let t66 = -t39;
     let t67 = -t48;
     let t68 = -t7;
-    let t69 = -t64;
+    let t69 = -t56;
     (
         [[0.0, t35], [0.0, t65]],
         [[t66, t44], [t45, t67]],
         [[inverse_d_cart], [t68]],
-        [t56, t69],
+        [t69, t64],
     )
 }
 
@@ -740,14 +740,20 @@ pub fn frame_tip_pose(y: &[f64; N]) -> ([f64; 3], [[f64; 3]; 3]) {
 /// - `y: [N]`: coordinates: `cart` in m, `pole` in rad
 /// - returns `J: [6 × N]`: rows: velocity of the origin, then angular velocity, in the axes of the base frame
 ///
-/// Cost: 0 multiplications, 2 additions, 0 divisions, 1 function call (`sin_cos`).
+/// Cost: 0 multiplications, 0 additions, 0 divisions, 1 function call (`sin_cos`).
 #[inline]
 #[must_use]
 pub fn frame_tip_jacobian(y: &[f64; N]) -> [[f64; N]; 6] {
     let (sin_pole, cos_pole) = math::sin_cos(y[1]);
-    let t2 = y[0] + sin_pole;
-    let t3 = y[0] - t2;
-    [[1.0, cos_pole], [0.0, 0.0], [0.0, t3], [0.0, 0.0], [0.0, 1.0], [0.0, 0.0]]
+    let minus_sin_pole = -sin_pole;
+    [
+        [1.0, cos_pole],
+        [0.0, 0.0],
+        [0.0, minus_sin_pole],
+        [0.0, 0.0],
+        [0.0, 1.0],
+        [0.0, 0.0],
+    ]
 }
 
 /// Acceleration of the frame at ÿ = 0 `tip`.

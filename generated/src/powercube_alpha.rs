@@ -249,9 +249,9 @@ pub fn inverse_dynamics(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
     let t1 = math::tanh(t0);
     let t2 = t1 * 10.0;
     let t3 = v[0] * 60.0;
-    let t4 = t3 + t2;
-    let t5 = a[0] * 2.9508434575565006;
-    let t6 = t5 + t4;
+    let t4 = a[0] * 2.9508434575565006;
+    let t5 = t4 + t3;
+    let t6 = t2 + t5;
     [t6]
 }
 
@@ -275,11 +275,12 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t1 = math::tanh(t0);
     let t2 = t1 * 10.0;
     let t3 = v[0] * 60.0;
-    let t4 = t3 + t2;
-    let t5 = u[0] * 161.0;
-    let t6 = t5 - t4;
+    let t4 = u[0] * 161.0;
+    let t5 = t4 - t3;
+    let t6 = t2 - t5;
     let t7 = 0.33888615725758225 * t6;
-    [t7]
+    let t8 = -t7;
+    [t8]
 }
 
 /// Mass matrix and bias forces at once.
@@ -333,9 +334,9 @@ pub fn inverse_dynamics_derivatives(
     let t1 = math::tanh(t0);
     let t2 = t1 * 10.0;
     let t3 = v[0] * 60.0;
-    let t4 = t3 + t2;
-    let t5 = a[0] * 2.9508434575565006;
-    let t6 = t5 + t4;
+    let t4 = a[0] * 2.9508434575565006;
+    let t5 = t4 + t3;
+    let t6 = t2 + t5;
     let t7 = t1 * t1;
     let t8 = 1.0 - t7;
     let t9 = t8 * 200.0;
@@ -376,9 +377,9 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     let t1 = math::tanh(t0);
     let t2 = t1 * 10.0;
     let t3 = v[0] * 60.0;
-    let t4 = t3 + t2;
-    let t5 = a[0] * 2.9508434575565006;
-    let t6 = t5 + t4;
+    let t4 = a[0] * 2.9508434575565006;
+    let t5 = t4 + t3;
+    let t6 = t2 + t5;
     let t7 = t1 * t1;
     let t8 = 1.0 - t7;
     let t9 = t8 * 200.0;
@@ -419,17 +420,18 @@ pub fn forward_dynamics_derivatives(
     let t1 = math::tanh(t0);
     let t2 = t1 * 10.0;
     let t3 = v[0] * 60.0;
-    let t4 = t3 + t2;
-    let t5 = u[0] * 161.0;
-    let t6 = t5 - t4;
+    let t4 = u[0] * 161.0;
+    let t5 = t4 - t3;
+    let t6 = t2 - t5;
     let t7 = 0.33888615725758225 * t6;
     let t8 = t1 * t1;
     let t9 = 1.0 - t8;
     let t10 = t9 * 200.0;
     let t11 = 60.0 + t10;
     let t12 = 0.33888615725758225 * t11;
-    let t13 = -t12;
-    ([t7], [[0.0]], [[t13]], [[0.33888615725758225]])
+    let t13 = -t7;
+    let t14 = -t12;
+    ([t13], [[0.0]], [[t14]], [[0.33888615725758225]])
 }
 
 /// Linearization of the accelerations in continuous time.
@@ -469,15 +471,15 @@ pub fn linearize(
     let t5 = 60.0 + t4;
     let t6 = 0.33888615725758225 * t5;
     let t7 = v[0] * t6;
-    let t8 = u[0] * 54.560671318470746;
-    let t9 = t7 - t8;
-    let t10 = t1 * 10.0;
-    let t11 = v[0] * 60.0;
-    let t12 = t11 + t10;
-    let t13 = u[0] * 161.0;
-    let t14 = t13 - t12;
-    let t15 = 0.33888615725758225 * t14;
-    let t16 = t15 + t9;
+    let t8 = t1 * 10.0;
+    let t9 = v[0] * 60.0;
+    let t10 = u[0] * 161.0;
+    let t11 = t10 - t9;
+    let t12 = t8 - t11;
+    let t13 = 0.33888615725758225 * t12;
+    let t14 = u[0] * 54.560671318470746;
+    let t15 = t14 + t13;
+    let t16 = t7 - t15;
     let t17 = -t6;
     ([[0.0]], [[t17]], [[54.560671318470746]], [t16])
 }

@@ -157,6 +157,8 @@ impl From<ScalarName> for Scalar {
 pub(super) enum Stage {
     /// Links, joints, drives and parameters
     Model,
+    /// Frames and regrouped masses that the derivation starts from
+    Mechanism,
     /// Operation counts of each function
     Counts,
     /// The straight-line programs with their abbreviations

@@ -8,7 +8,7 @@ use super::Failure;
 use super::arguments::{Format, Inspect, Stage};
 use super::bytes::CodeSizes;
 use super::place::Workspace;
-use super::{generate, print};
+use super::{generate, mechanism, print};
 use crate::dynamics::function::Function;
 use crate::model::{JointKind, Model, Motion};
 use crate::pipeline::Generated;
@@ -86,6 +86,7 @@ fn as_text(robot: &Generated, what: Stage, latex: bool) -> String {
     let notation = notation(&robot.model);
     match what {
         Stage::Model => model_text(&robot.model),
+        Stage::Mechanism => mechanism::as_text(&robot.model),
         Stage::Counts => print::counts_table(&robot.functions, &[]),
         Stage::Source => robot.source.text.clone(),
         Stage::Program => {
@@ -118,6 +119,7 @@ fn as_json(robot: &Generated, what: Stage, latex: bool) -> Value {
     let notation = notation(&robot.model);
     match what {
         Stage::Model => model_json(&robot.model),
+        Stage::Mechanism => mechanism::as_json(&robot.model),
         Stage::Counts => print::counts(&robot.functions, &[]),
         Stage::Source => json!({ "name": robot.source.name, "text": robot.source.text }),
         Stage::Program => {

@@ -6,6 +6,7 @@ mod bytes;
 mod closed_form;
 mod generate;
 mod inspect;
+mod mechanism;
 mod place;
 mod print;
 mod progress;

@@ -2,9 +2,9 @@
 
 pub mod catalogue;
 pub mod composite;
-#[cfg(test)]
-mod counts;
 pub mod derivatives;
+#[cfg(test)]
+mod derivatives_test;
 pub mod equations;
 pub mod factorization;
 pub mod forces;

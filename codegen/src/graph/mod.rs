@@ -3,6 +3,7 @@
 //! A [`Graph`] owns the nodes; a [`Scalar`] is a signed reference to one, so that negation costs nothing and `a − b`
 //! shares its node with `b − a`. Nothing is ever expanded: a rule fires only where it removes operations.
 
+mod balance;
 mod build;
 mod cost;
 mod differentiate;
@@ -10,6 +11,7 @@ mod node;
 mod scalar;
 mod vector;
 
+pub use balance::balanced;
 pub use build::Graph;
 pub use cost::Cost;
 pub use differentiate::{differentiate, substitute};

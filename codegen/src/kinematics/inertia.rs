@@ -158,8 +158,6 @@ fn second_moments(inertia: Symmetric3<'_>) -> Symmetric3<'_> {
         yz,
         zz,
     } = inertia;
-    let half = |x: Scalar<'_>| x.edge();
-    let _ = half;
     Symmetric3 {
         xx: (yy + zz - xx) * 0.5,
         xy: -xy,

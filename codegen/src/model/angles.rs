@@ -4,7 +4,9 @@ use super::pose::{Rotation, from_quaternion, from_rpy, is_nearly_right, snapped}
 use crate::diagnostic::{At, Report, Span};
 
 /// Angles this close to a multiple of 90° (rad) are worth a note.
-const WORTH_A_NOTE: f64 = 1e-4;
+pub const NEARLY_RIGHT: f64 = 1e-4;
+/// Code of that note.
+pub const NEARLY_RIGHT_ANGLE: &str = "nearly-right-angle";
 /// So many angles are listed.
 const LISTED: usize = 6;
 
@@ -25,7 +27,7 @@ impl Angles {
             self.remember(angle, rpy.span, owner);
         }
         let rotation = from_rpy(angles);
-        let exact = from_rpy(angles.map(|angle| snapped(angle, WORTH_A_NOTE)));
+        let exact = from_rpy(angles.map(|angle| snapped(angle, NEARLY_RIGHT)));
         self.gained += trivial_entries(&exact).saturating_sub(trivial_entries(&rotation));
         rotation
     }
@@ -50,7 +52,7 @@ impl Angles {
     }
 
     fn remember(&mut self, angle: f64, span: Span, owner: &str) -> bool {
-        let near = is_nearly_right(angle, WORTH_A_NOTE);
+        let near = is_nearly_right(angle, NEARLY_RIGHT);
         if near {
             self.near.push((span, owner.to_owned(), angle));
         }
@@ -83,7 +85,7 @@ impl Angles {
         );
         let help = "`--snap-angles 1e-4` or the key `snap_angles = 1e-4` does it";
         report
-            .note(Some(*first), "nearly-right-angle", message)
+            .note(Some(*first), NEARLY_RIGHT_ANGLE, message)
             .help(help);
     }
 }
@@ -91,7 +93,7 @@ impl Angles {
 fn list(owner: &str, angle: f64) -> String {
     format!(
         "{owner} {angle} (off by {:.1e})",
-        angle - snapped(angle, WORTH_A_NOTE)
+        angle - snapped(angle, NEARLY_RIGHT)
     )
 }
 

@@ -20,6 +20,7 @@ mod tree;
 mod urdf;
 mod validate;
 
+pub use angles::{NEARLY_RIGHT, NEARLY_RIGHT_ANGLE};
 pub use options::{FUNCTIONS, is_known_function};
 pub use read::{Load, Loaded, ReadOptions, from_toml, from_urdf, read};
 

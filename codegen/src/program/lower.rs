@@ -7,9 +7,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::angles::angles_first;
+use super::doubling::add_instead_of_doubling;
 use super::{InputArray, Instruction, Operand, Operation, Output, Program, Shape};
 use crate::formula::Function;
-use crate::graph::{Edge, Graph, Node};
+use crate::graph::{Edge, Graph, Node, balanced};
 
 /// A result of a function: its name, shape and entries in the graph, rows first.
 #[derive(Debug, Clone)]
@@ -28,16 +29,18 @@ pub fn lower(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOutput]) ->
         .iter()
         .flat_map(|output| output.entries.iter().copied())
         .collect();
+    let results = balanced(graph, &results);
     let mut lowering = Lowering::new(graph, &results);
     for edge in &results {
         lowering.visit(*edge);
     }
+    let mut entries = results.iter();
     let outputs = outputs.iter().map(|output| Output {
         name: output.name.clone(),
         shape: output.shape,
-        entries: output
-            .entries
-            .iter()
+        entries: entries
+            .by_ref()
+            .take(output.entries.len())
             .map(|&edge| lowering.signed(edge))
             .collect(),
     });
@@ -47,6 +50,7 @@ pub fn lower(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOutput]) ->
         instructions: lowering.instructions,
         outputs,
     });
+    add_instead_of_doubling(&mut program);
     give_names(&mut program);
     program
 }

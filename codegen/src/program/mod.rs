@@ -12,6 +12,7 @@ pub(crate) mod letters;
 use crate::formula::Function;
 
 mod angles;
+mod doubling;
 mod fuse;
 mod lower;
 

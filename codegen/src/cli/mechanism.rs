@@ -1,0 +1,125 @@
+//! `gelenk inspect mechanism`: the frames and the masses that the derivation starts from.
+
+use serde_json::{Value, json};
+
+use super::print;
+use crate::graph::{Graph, Scalar};
+use crate::kinematics::{Body, JointAxis, Mechanism, RegroupChoice};
+use crate::model::Model;
+
+pub(super) fn as_text(model: &Model) -> String {
+    let graph = Graph::new();
+    let mechanism = mechanism(&graph, model);
+    format!(
+        "Modified Denavit–Hartenberg frames: R_z(gamma) R_x(alpha) and the shift x y z lead from the parent's frame to the \
+         joint's axis,\n`lift` along it to the origin (m, degrees)\n\n{}\nMoments of mass about the origins, what acts \
+         only through its sum moved towards the base\n(kg, kg m, kg m²; `free` depends on parameters)\n\n{}",
+        print::table(&frames(&mechanism)),
+        print::table(&moments(&mechanism)),
+    )
+}
+
+pub(super) fn as_json(model: &Model) -> Value {
+    let graph = Graph::new();
+    let mechanism = mechanism(&graph, model);
+    let numbers = |entries: &[Scalar<'_>]| entries.iter().map(|x| x.value()).collect::<Vec<_>>();
+    let body = |body: &Body<'_>| {
+        json!({
+            "joint": body.name,
+            "parent": parent(&mechanism, body),
+            "kind": kind(body.axis),
+            "direction": body.direction,
+            "gamma": degrees(body.twist.gamma),
+            "alpha": degrees(body.twist.alpha),
+            "translation": numbers(&body.translation.0),
+            "lift": body.lift.value(),
+            "offset": body.offset.radians().to_degrees(),
+            "mass": body.moments.mass.value(),
+            "first_moment": numbers(&body.moments.first.0),
+            "second_moment": numbers(&body.moments.second.entries()),
+        })
+    };
+    mechanism.bodies.iter().map(body).collect()
+}
+
+/// The plain formulation; the cheapest one differs from function to function.
+fn mechanism<'g>(graph: &'g Graph, model: &Model) -> Mechanism<'g> {
+    let mechanism = Mechanism::new(graph, model);
+    let choices = vec![RegroupChoice::Massless; mechanism.len()];
+    mechanism.regrouped(&choices)
+}
+
+fn frames(mechanism: &Mechanism<'_>) -> Vec<Vec<String>> {
+    let head = [
+        "joint",
+        "parent",
+        "kind",
+        "direction",
+        "gamma",
+        "alpha",
+        "x",
+        "y",
+        "z",
+        "lift",
+        "offset",
+    ];
+    let rows = mechanism.bodies.iter().map(|body| {
+        let [x, y, z] = body.translation.0.map(shown);
+        vec![
+            body.name.clone(),
+            parent(mechanism, body).to_owned(),
+            kind(body.axis).to_owned(),
+            number(body.direction),
+            number(degrees(body.twist.gamma)),
+            number(degrees(body.twist.alpha)),
+            x,
+            y,
+            z,
+            shown(body.lift),
+            number(body.offset.radians().to_degrees()),
+        ]
+    });
+    with_head(&head, rows)
+}
+
+fn moments(mechanism: &Mechanism<'_>) -> Vec<Vec<String>> {
+    let head = [
+        "body", "m", "h_x", "h_y", "h_z", "S_xx", "S_xy", "S_xz", "S_yy", "S_yz", "S_zz",
+    ];
+    let rows = mechanism.bodies.iter().map(|body| {
+        let entries = body.moments.entries().map(shown);
+        std::iter::once(body.name.clone()).chain(entries).collect()
+    });
+    with_head(&head, rows)
+}
+
+fn with_head(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> Vec<Vec<String>> {
+    let head = head.iter().map(|&title| title.to_owned()).collect();
+    std::iter::once(head).chain(rows).collect()
+}
+
+fn parent<'a>(mechanism: &'a Mechanism<'_>, body: &Body<'_>) -> &'a str {
+    body.parent
+        .map_or("base", |parent| mechanism.bodies[parent].name.as_str())
+}
+
+fn kind(axis: JointAxis) -> &'static str {
+    match axis {
+        JointAxis::Revolute => "revolute",
+        JointAxis::Prismatic => "prismatic",
+    }
+}
+
+fn degrees((sine, cosine): (f64, f64)) -> f64 {
+    sine.atan2(cosine).to_degrees()
+}
+
+fn shown(x: Scalar<'_>) -> String {
+    x.value().map_or_else(|| "free".to_owned(), number)
+}
+
+/// Six digits: this is for reading, the generated code holds all of them.
+fn number(x: f64) -> String {
+    let rounded: f64 = format!("{x:.5e}").parse().unwrap_or(x);
+    format!("{}", rounded + 0.0)
+}

@@ -1,0 +1,67 @@
+//! What it would save to take nearly right angles for right ones, in operations.
+
+use std::path::Path;
+
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::dynamics::catalogue;
+use crate::dynamics::function::Function;
+use crate::model::{self, NEARLY_RIGHT, NEARLY_RIGHT_ANGLE, ReadOptions};
+use crate::program::cost::count;
+
+/// The functions that are counted for the note, where they are generated at all.
+const COUNTED: [&str; 2] = ["inverse_dynamics", "mass_matrix"];
+
+/// The notes, the one about nearly right angles with the operations that snapping would save.
+pub fn priced(
+    notes: Diagnostics,
+    description: &Path,
+    options: &ReadOptions,
+    functions: &[Function],
+) -> Diagnostics {
+    let concerns = |note: &Diagnostic| note.code == NEARLY_RIGHT_ANGLE;
+    if !notes.entries().iter().any(concerns) {
+        return notes;
+    }
+    let Some(savings) = savings(description, options, functions) else {
+        return notes;
+    };
+    let mut entries = notes.into_entries();
+    for note in entries.iter_mut().filter(|note| concerns(note)) {
+        note.message = format!("{}: {savings}", note.message);
+    }
+    Diagnostics::new(entries)
+}
+
+/// Counts of the functions with the angles snapped and as they are; `None` where none of them is generated.
+fn savings(description: &Path, options: &ReadOptions, functions: &[Function]) -> Option<String> {
+    let described: Vec<&Function> = functions
+        .iter()
+        .filter(|function| COUNTED.contains(&function.name.as_str()))
+        .collect();
+    let names: Vec<String> = described.iter().map(|f| f.name.clone()).collect();
+    if names.is_empty() {
+        return None;
+    }
+    let options = ReadOptions {
+        snap_angles: Some(NEARLY_RIGHT),
+        ..*options
+    };
+    let snapped = model::read(description, &options).ok()?.model;
+    let snapped = catalogue::derive(&snapped, &names, usize::MAX).ok()?;
+    let lines: Vec<String> = described
+        .iter()
+        .filter_map(|function| {
+            let other = snapped.iter().find(|other| other.name == function.name)?;
+            let (now, then) = (count(&function.program), count(&other.program));
+            Some(format!(
+                "`{}` {}/{} instead of {}/{}",
+                function.name,
+                then.multiplications,
+                then.additions,
+                now.multiplications,
+                now.additions
+            ))
+        })
+        .collect();
+    Some(format!("{} (multiplications/additions)", lines.join(", ")))
+}
