@@ -31,6 +31,10 @@ pub mod powercube_six_axis;
 #[rustfmt::skip]
 pub mod puma560;
 
+/// The robot `schunk_lwa4p`.
+#[rustfmt::skip]
+pub mod schunk_lwa4p;
+
 /// The robot `two_arm`.
 #[rustfmt::skip]
 pub mod two_arm;

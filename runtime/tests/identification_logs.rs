@@ -1,23 +1,11 @@
 //! Logs: the measured Schunk runs, and a log of a million rows.
 
+#[path = "support/data.rs"]
+mod data;
+
+use data::shared;
 use gelenk_runtime::identification::log::{FindingKind, Log, LogSchema, Quantity};
 use std::fmt::Write;
-use std::path::PathBuf;
-
-/// The shared reference data: `$GELENK_SHARED`, or the folder `shared` beside the repository.
-fn shared(path: &str) -> Option<PathBuf> {
-    let folder = std::env::var_os("GELENK_SHARED").map(PathBuf::from);
-    let beside = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared");
-    let file = folder.unwrap_or(beside).join(path);
-    if file.exists() {
-        return Some(file);
-    }
-    println!(
-        "skipped: {} is not there; set GELENK_SHARED",
-        file.display()
-    );
-    None
-}
 
 #[test]
 fn the_schunk_runs_are_read_with_their_known_gaps() {

@@ -3,6 +3,7 @@
 //! 50 Hz, encoder resolution 1e-4 rad, 60 s per joint, worst of twenty seeds. The law has several tanh terms that
 //! nearly coincide at these speeds, so the curve is judged, not the coefficients.
 
+use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::identification::Result;
 use gelenk_runtime::identification::differentiation::{KalmanSmoother, quantization_noise};
 use gelenk_runtime::identification::least_squares::Reduced;
@@ -10,38 +11,13 @@ use gelenk_runtime::identification::library::Library;
 use gelenk_runtime::identification::moments::Samples;
 use gelenk_runtime::identification::random::SplitMix64;
 use gelenk_runtime::identification::thresholding::Thresholding;
-use gelenk_runtime::identification::torque::{FrictionlessDynamics, Motion, friction_torques};
+use gelenk_runtime::identification::torque::{Motion, friction_torques};
 
 const I: f64 = 161.0;
-const ROTOR: f64 = 5.267e-5;
-const H: f64 = 0.310_754_986_2;
-const G: f64 = 9.80665;
 const STEP: f64 = 0.02;
 const SAMPLES: usize = 3000;
 
-struct PowerCube;
-
-impl FrictionlessDynamics<2, 2> for PowerCube {
-    fn rigid_forces(&self, y: &[f64; 2], v: &[f64; 2], a: &[f64; 2]) -> [f64; 2] {
-        let m11 = ROTOR * I * I + 2.0 * H * y[1].cos() + 0.956_037_516_856_5;
-        let m12 = ROTOR * I + H * y[1].cos() + 0.660_889_906_856_5;
-        let m22 = ROTOR * I * I + 0.660_889_906_856_5;
-        let k = [
-            -H * y[1].sin() * (2.0 * v[0] * v[1] + v[1] * v[1]),
-            H * v[0] * v[0] * y[1].sin(),
-        ];
-        let second = 1.72641659 * G * (y[0] + y[1]).sin();
-        let q = [1.626138 * G * y[0].sin() + second, second];
-        [
-            m11 * a[0] + m12 * a[1] + k[0] - q[0],
-            m12 * a[0] + m22 * a[1] + k[1] - q[1],
-        ]
-    }
-
-    fn drive_forces(&self, _: &[f64; 2], u: &[f64; 2]) -> [f64; 2] {
-        u.map(|u| I * u)
-    }
-}
+gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);
 
 /// The published friction torques.
 fn friction(joint: usize, v: f64) -> f64 {
@@ -99,9 +75,10 @@ fn inputs(motion: &[[Vec<f64>; 3]; 2]) -> [Vec<f64>; 2] {
     let mut inputs = [Vec::new(), Vec::new()];
     for i in 0..SAMPLES {
         let at = |k: usize| [motion[0][k][i], motion[1][k][i]];
-        let rigid = PowerCube.rigid_forces(&at(0), &at(1), &at(2));
+        let rigid = PowerCube.inverse_dynamics(&at(0), &at(1), &at(2));
+        let own = PowerCube.friction_torques(&at(1));
         for j in 0..2 {
-            inputs[j].push((rigid[j] + friction(j, at(1)[j])) / I);
+            inputs[j].push((rigid[j] - own[j] + friction(j, at(1)[j])) / I);
         }
     }
     inputs

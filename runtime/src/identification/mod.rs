@@ -6,10 +6,13 @@
 
 pub mod constrained;
 pub mod cross_validation;
+pub mod description;
 pub mod differentiation;
 pub mod ensemble;
 pub mod error;
+pub mod excitation;
 pub mod expression;
+pub mod friction;
 pub mod inertial;
 mod kernel;
 pub mod lasso;
@@ -23,6 +26,7 @@ pub mod recursive;
 pub mod result;
 pub mod sparse_dynamics;
 pub mod stribeck;
+pub mod subset;
 pub mod thresholding;
 pub mod torque;
 

@@ -15,84 +15,77 @@ const MOST_POINTS: usize = 4_000;
 
 /// Measured friction torque over velocity, with the identified law.
 ///
-/// - `velocities`, `torques`: the data [rad/s, N·m]
-/// - `law`: τ(v)
-/// - `caption`: joint, data hash, settings
+/// - `velocities`, `torques`: the data; `units`: theirs, e.g. `["rad/s", "N·m"]`
+/// - `law`: velocities and torques of the curve, ascending
+/// - `caption`: a title line, then joint, data hash, settings in lines of their own
 ///
 /// # Errors
 /// No samples, lengths that disagree, or values that are not finite.
 pub fn friction_plot(
     velocities: &[f64],
     torques: &[f64],
-    law: impl Fn(f64) -> f64,
+    law: (&[f64], &[f64]),
+    units: [&str; 2],
     caption: &str,
 ) -> Result<String> {
     check(velocities, torques)?;
-    let v = span(velocities.iter().copied());
-    let curve: Vec<(f64, f64)> = (0..=600)
-        .map(|i| v.start + (v.end - v.start) * f64::from(i) / 600.0)
-        .map(|v| (v, law(v)))
-        .collect();
-    let values: Vec<f64> = curve.iter().map(|p| p.1).collect();
-    require_finite("the friction law", &values)?;
-    let range = span(torques.iter().copied().chain(values));
+    check(law.0, law.1)?;
+    let x = span(velocities.iter().chain(law.0).copied());
+    let y = span(torques.iter().chain(law.1).copied());
+    let curve: Vec<(f64, f64)> = law.0.iter().copied().zip(law.1.iter().copied()).collect();
+    let labels = labels(["velocity", "friction torque"], units);
     draw(caption, |area| {
-        let mut chart = axes(
-            area,
-            caption,
-            v,
-            range,
-            "velocity [rad/s]",
-            "friction torque [N m]",
-        )?;
-        chart.draw_series(points(velocities, torques))?;
-        chart.draw_series(LineSeries::new(curve, RED.stroke_width(2)))?;
-        Ok(())
+        let mut chart = axes(area, x, y, &labels)?;
+        chart
+            .draw_series(points(velocities, torques))?
+            .label("data")
+            .legend(|(x, y)| Circle::new((x + 10, y), 3, BLUE.mix(0.6).filled()));
+        chart
+            .draw_series(LineSeries::new(curve, RED.stroke_width(2)))?
+            .label("identified law")
+            .legend(|(x, y)| PathElement::new([(x, y), (x + 20, y)], RED.stroke_width(2)));
+        legend(&mut chart, SeriesLabelPosition::UpperLeft)
     })
 }
 
-/// Residuals over velocity.
+/// Residuals (torque minus law) over velocity.
 ///
 /// # Errors
 /// As [`friction_plot`].
-pub fn residual_plot(velocities: &[f64], residuals: &[f64], caption: &str) -> Result<String> {
+pub fn residual_plot(
+    velocities: &[f64],
+    residuals: &[f64],
+    units: [&str; 2],
+    caption: &str,
+) -> Result<String> {
     check(velocities, residuals)?;
-    let (v, r) = (
-        span(velocities.iter().copied()),
-        span(residuals.iter().copied()),
-    );
+    let x = span(velocities.iter().copied());
+    let y = span(residuals.iter().copied());
+    let zero = [(x.start, 0.0), (x.end, 0.0)];
+    let labels = labels(["velocity", "torque minus law"], units);
     draw(caption, |area| {
-        let mut chart = axes(
-            area,
-            caption,
-            v.clone(),
-            r,
-            "velocity [rad/s]",
-            "residual [N m]",
-        )?;
+        let mut chart = axes(area, x.clone(), y, &labels)?;
         chart.draw_series(points(velocities, residuals))?;
-        chart.draw_series(LineSeries::new(
-            [(v.start, 0.0), (v.end, 0.0)],
-            BLACK.stroke_width(1),
-        ))?;
+        chart.draw_series(LineSeries::new(zero, BLACK.stroke_width(1)))?;
         Ok(())
     })
 }
 
-/// Root mean squared errors over log₁₀ λ, with vertical lines at the two choices.
+/// Root mean squared errors over log₁₀ λ, with vertical lines at the two choices and the number of terms above.
 ///
-/// - `front`: the points; `minimum`, `one_standard_error`: indices of the choices
+/// - `front`: the points, λ descending; `choices`: indices of the least error and of the one-standard-error choice
+/// - `unit`: of the target, e.g. `N·m`
 ///
 /// # Errors
 /// No points, a choice out of range, or values that are not finite.
 pub fn pareto_plot(
     front: &[ParetoPoint],
-    minimum: usize,
-    one_standard_error: usize,
+    choices: [usize; 2],
+    unit: &str,
     caption: &str,
 ) -> Result<String> {
     require_samples("the Pareto front", 1, front.len())?;
-    let furthest = minimum.max(one_standard_error);
+    let furthest = choices[0].max(choices[1]);
     if furthest >= front.len() {
         require_length("points of the front", furthest + 1, front.len())?;
     }
@@ -100,39 +93,51 @@ pub fn pareto_plot(
     let series = |f: &dyn Fn(&ParetoPoint) -> f64| -> Vec<f64> {
         front.iter().map(|p| f(p).sqrt()).collect()
     };
-    let validation = series(&|p| p.validation_error.unwrap_or(p.lasso_error));
-    let refit = series(&|p| p.refit_error);
-    check(&x, &validation)?;
-    require_finite("the refit error", &refit)?;
-    let (range, errors) = (
-        span(x.iter().copied()),
-        span(validation.iter().chain(&refit).copied()),
-    );
+    let curves = [
+        ("left-out blocks", series(&|p| p.validation_error.unwrap_or(p.lasso_error)), BLUE),
+        ("least squares on the chosen terms", series(&|p| p.refit_error), RED),
+    ];
+    for (_, values, _) in &curves {
+        check(&x, values)?;
+    }
+    let range = span(x.iter().copied());
+    let errors = span(curves.iter().flat_map(|c| c.1.iter().copied()).chain([0.0]));
+    let marks = [("least error", choices[0], BLACK.mix(1.0)), ("one standard error", choices[1], GREEN.mix(1.0))];
+    let labels = [
+        "log10 of lambda, in 1/(2N) |y - T x|² + lambda |x|".to_string(),
+        format!("rms error [{unit}]; above: number of terms"),
+    ];
     draw(caption, |area| {
-        let mut chart = axes(
-            area,
-            caption,
-            range,
-            errors.clone(),
-            "log10 of lambda (1/(2N) convention)",
-            "rms error [N m]: validated (blue), refit (red)",
-        )?;
-        chart.draw_series(LineSeries::new(
-            x.iter().copied().zip(validation),
-            BLUE.stroke_width(2),
-        ))?;
-        chart.draw_series(LineSeries::new(
-            x.iter().copied().zip(refit),
-            RED.stroke_width(2),
-        ))?;
-        for index in [minimum, one_standard_error] {
-            chart.draw_series(LineSeries::new(
-                [(x[index], errors.start), (x[index], errors.end)],
-                BLACK.stroke_width(1),
-            ))?;
+        let mut chart = axes(area, range, errors.clone(), &labels)?;
+        for (name, values, color) in curves {
+            let line = x.iter().copied().zip(values);
+            chart
+                .draw_series(LineSeries::new(line, color.stroke_width(2)))?
+                .label(name)
+                .legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], color.stroke_width(2)));
         }
-        Ok(())
+        for (name, index, color) in marks {
+            let line = [(x[index], errors.start), (x[index], errors.end)];
+            chart
+                .draw_series(LineSeries::new(line, color.stroke_width(1)))?
+                .label(name)
+                .legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], color.stroke_width(1)));
+        }
+        chart.draw_series(term_counts(front, &x, errors.end))?;
+        legend(&mut chart, SeriesLabelPosition::LowerRight)
     })
+}
+
+/// The number of terms, where it changes along the front.
+fn term_counts<'t>(
+    front: &'t [ParetoPoint],
+    x: &'t [f64],
+    y: f64,
+) -> impl Iterator<Item = Text<'static, (f64, f64), String>> + 't {
+    let count = |i: usize| front[i].active.len();
+    (0..front.len())
+        .filter(move |&i| i == 0 || count(i) != count(i - 1))
+        .map(move |i| Text::new(count(i).to_string(), (x[i], y), ("sans-serif", 12)))
 }
 
 type Chart<'a, 'b> = ChartContext<
@@ -142,6 +147,11 @@ type Chart<'a, 'b> = ChartContext<
 >;
 type Drawn<T> = std::result::Result<T, DrawingAreaErrorKind<std::io::Error>>;
 
+fn labels(quantities: [&str; 2], units: [&str; 2]) -> [String; 2] {
+    std::array::from_fn(|i| format!("{} [{}]", quantities[i], units[i]))
+}
+
+/// The caption's lines at the top, the first as a title, and the content below.
 fn draw(
     caption: &str,
     content: impl FnOnce(&DrawingArea<SVGBackend, Shift>) -> Drawn<()>,
@@ -154,7 +164,14 @@ fn draw(
     {
         let area = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
         area.fill(&WHITE).map_err(|e| fault(&e))?;
-        content(&area).map_err(|e| fault(&e))?;
+        let mut y = 10;
+        for (i, line) in caption.lines().enumerate() {
+            let size = if i == 0 { 16 } else { 12 };
+            let line = Text::new(line.to_string(), (16, y), ("sans-serif", size));
+            area.draw(&line).map_err(|e| fault(&e))?;
+            y += size + 4;
+        }
+        content(&area.split_vertically(y).1).map_err(|e| fault(&e))?;
         area.present().map_err(|e| fault(&e))?;
     }
     Ok(text)
@@ -162,24 +179,30 @@ fn draw(
 
 fn axes<'a, 'b>(
     area: &'a DrawingArea<SVGBackend<'b>, Shift>,
-    caption: &str,
     x: Range<f64>,
     y: Range<f64>,
-    x_label: &str,
-    y_label: &str,
+    labels: &[String; 2],
 ) -> Drawn<Chart<'a, 'b>> {
     let mut chart = ChartBuilder::on(area)
-        .caption(caption, ("sans-serif", 16))
         .margin(12)
         .x_label_area_size(44)
         .y_label_area_size(70)
         .build_cartesian_2d(x, y)?;
     chart
         .configure_mesh()
-        .x_desc(x_label)
-        .y_desc(y_label)
+        .x_desc(&labels[0])
+        .y_desc(&labels[1])
         .draw()?;
     Ok(chart)
+}
+
+fn legend(chart: &mut Chart, position: SeriesLabelPosition) -> Drawn<()> {
+    chart
+        .configure_series_labels()
+        .position(position)
+        .background_style(WHITE.mix(0.8))
+        .border_style(BLACK.mix(0.4))
+        .draw()
 }
 
 fn points<'p>(x: &'p [f64], y: &'p [f64]) -> impl Iterator<Item = Circle<(f64, f64), i32>> + 'p {
@@ -218,18 +241,20 @@ mod tests {
     fn plots_hold_data_law_and_escaped_caption() {
         let v: Vec<f64> = (0..10_000).map(|i| (0.01 * f64::from(i)).sin()).collect();
         let torque: Vec<f64> = v.iter().map(|v| 3.0 * v).collect();
-        let svg = friction_plot(&v, &torque, |v| 3.0 * v, "beta <2>, sha256 ab12").unwrap();
+        let law = ([-1.0, 1.0].as_slice(), [-3.0, 3.0].as_slice());
+        let svg = friction_plot(&v, &torque, law, ["rad/s", "N·m"], "beta <2>\nsha256 ab12").unwrap();
         assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
-        assert!(svg.contains("beta &lt;2&gt;, sha256 ab12"));
+        assert!(svg.contains("beta &lt;2&gt;") && svg.contains("sha256 ab12"));
+        assert!(svg.contains("velocity [rad/s]") && svg.contains("friction torque [N·m]"));
         let circles = svg.matches("<circle").count();
         assert!((3_000..=MOST_POINTS).contains(&circles), "{circles}");
         assert!(svg.contains("<polyline"));
         assert_eq!(
             svg,
-            friction_plot(&v, &torque, |v| 3.0 * v, "beta <2>, sha256 ab12").unwrap()
+            friction_plot(&v, &torque, law, ["rad/s", "N·m"], "beta <2>\nsha256 ab12").unwrap()
         );
         assert!(
-            residual_plot(&v[..1], &[0.0], "one")
+            residual_plot(&v[..1], &[0.0], ["rad/s", "N·m"], "one")
                 .unwrap()
                 .contains("<circle")
         );
@@ -246,17 +271,17 @@ mod tests {
             validation_error: Some(lambda * 1.5),
         };
         let front: Vec<ParetoPoint> = [1.0, 0.1, 0.01].map(point).to_vec();
-        let svg = pareto_plot(&front, 2, 1, "front").unwrap();
+        let svg = pareto_plot(&front, [2, 1], "N·m", "front").unwrap();
         assert!(svg.matches("<polyline").count() >= 4);
         assert!(
-            pareto_plot(&front, 3, 0, "front")
+            pareto_plot(&front, [3, 0], "N·m", "front")
                 .unwrap_err()
                 .to_string()
                 .contains("4 expected, 3 given")
         );
-        assert!(friction_plot(&[0.0], &[f64::NAN], |v| v, "x").is_err());
+        assert!(friction_plot(&[0.0], &[f64::NAN], (&[0.0], &[0.0]), ["", ""], "x").is_err());
         assert!(
-            friction_plot(&[], &[], |v| v, "x")
+            friction_plot(&[], &[], (&[], &[]), ["", ""], "x")
                 .unwrap_err()
                 .to_string()
                 .contains("empty")

@@ -1,6 +1,8 @@
-//! Identified friction as a table, as TOML for the generator, with units, data hash and settings.
+//! Identified friction: the law, how far to trust it, and a table of both. As TOML: [`super::description`].
 
-use super::error::{IdentificationError, Result};
+use super::error::Result;
+use super::library::Library;
+use super::stribeck::stribeck_torque;
 use std::fmt::Write;
 
 /// One term of a friction law with what is known about its coefficient.
@@ -16,15 +18,109 @@ pub struct FrictionTerm {
     pub inclusion: Option<f64>,
 }
 
+/// Friction τ(v) of a joint, in a form that descriptions have.
+#[derive(Debug, Clone, PartialEq)]
+pub enum FrictionLaw {
+    /// `Σ coefficient · basis(v)`.
+    Terms(Vec<FrictionTerm>),
+    /// `a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)`.
+    Stribeck {
+        /// a1 … a5.
+        parameters: [f64; 5],
+        /// Standard errors; `None` where a parameter is not identifiable.
+        standard_errors: [Option<f64>; 5],
+    },
+}
+
+impl FrictionLaw {
+    /// Torques at `velocities`.
+    ///
+    /// # Errors
+    /// A basis that is no expression in `v`, or no term.
+    pub fn torques(&self, velocities: &[f64]) -> Result<Vec<f64>> {
+        let terms = match self {
+            Self::Stribeck { parameters, .. } => {
+                let law = |v: &f64| stribeck_torque(*v, parameters);
+                return Ok(velocities.iter().map(law).collect());
+            }
+            Self::Terms(terms) => terms,
+        };
+        let bases: Vec<&str> = terms.iter().map(|t| t.basis.as_str()).collect();
+        let theta = Library::new(&bases, &["v"])?.matrix(&[velocities])?;
+        let mut torques = vec![0.0; velocities.len()];
+        for (column, term) in theta.column_iter().zip(terms) {
+            for (torque, value) in torques.iter_mut().zip(column.iter()) {
+                *torque += term.coefficient * value;
+            }
+        }
+        Ok(torques)
+    }
+
+    /// The law as one line of text.
+    pub fn formula(&self) -> String {
+        let product = |basis: &str, factor: f64| format!("{factor:.6}*{basis}");
+        let terms: Vec<String> = match self {
+            Self::Terms(terms) => terms
+                .iter()
+                .map(|t| product(&t.basis, t.coefficient))
+                .collect(),
+            Self::Stribeck {
+                parameters: [a1, a2, a3, a4, a5],
+                ..
+            } => vec![
+                product("v", *a1),
+                product(&format!("tanh({a3:.6}*v)"), *a2),
+                product(
+                    &format!("exp(-{a5:.6}*abs(v))*tanh({:.6}*v)", 3.0 * a3),
+                    *a4,
+                ),
+            ],
+        };
+        terms.join(" + ").replace("+ -", "- ")
+    }
+
+    /// Name, value, standard error and inclusion of each coefficient.
+    fn rows(&self) -> Vec<(&str, f64, Option<f64>, Option<f64>)> {
+        match self {
+            Self::Terms(terms) => terms
+                .iter()
+                .map(|t| {
+                    (
+                        t.basis.as_str(),
+                        t.coefficient,
+                        t.standard_error,
+                        t.inclusion,
+                    )
+                })
+                .collect(),
+            Self::Stribeck {
+                parameters,
+                standard_errors,
+            } => (0..5)
+                .map(|i| {
+                    (
+                        super::stribeck::NAMES[i],
+                        parameters[i],
+                        standard_errors[i],
+                        None,
+                    )
+                })
+                .collect(),
+        }
+    }
+}
+
 /// The friction law of one joint and how it was found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrictionResult {
     /// Name of the joint in the description.
     pub joint: String,
-    /// Unit of the torque, `N*m` or `N`.
+    /// Unit of the torque, `N·m` or `N`.
     pub unit: String,
-    /// Terms that were chosen.
-    pub terms: Vec<FrictionTerm>,
+    /// Unit of the velocity, `rad/s` or `m/s`.
+    pub velocity_unit: String,
+    /// The law.
+    pub law: FrictionLaw,
     /// Samples used.
     pub samples: usize,
     /// Range of the velocities in the data; outside the law is extrapolated.
@@ -42,47 +138,29 @@ pub struct FrictionResult {
 }
 
 impl FrictionResult {
-    /// Value of the law is Σ coefficient · basis; here as one line of text.
-    pub fn formula(&self) -> String {
-        let terms: Vec<String> = self
-            .terms
-            .iter()
-            .map(|t| format!("{:.6}*{}", t.coefficient, t.basis))
-            .collect();
-        terms.join(" + ").replace("+ -", "- ")
-    }
-
     /// A table for people.
     pub fn table(&self) -> String {
         let mut text = String::new();
-        let width = self
-            .terms
-            .iter()
-            .map(|t| t.basis.chars().count())
-            .max()
-            .unwrap_or(4)
-            .max(4);
-        let number = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{x:.6}"));
+        let rows = self.law.rows();
+        let width = rows.iter().map(|r| r.0.chars().count()).max();
+        let width = width.unwrap_or(0).max(4);
+        let [slowest, fastest] = self.velocity_range;
         let _ = writeln!(
             text,
-            "friction of {} [{}], {} samples, {:.4} to {:.4} rad/s",
-            self.joint, self.unit, self.samples, self.velocity_range[0], self.velocity_range[1]
+            "friction of {} [{}], {} samples, {slowest:.4} to {fastest:.4} {}",
+            self.joint, self.unit, self.samples, self.velocity_unit
         );
         let _ = writeln!(
             text,
             "{:<width$}  {:>14}  {:>12}  {:>9}",
             "term", "coefficient", "std. error", "inclusion"
         );
-        for t in &self.terms {
-            let inclusion = t
-                .inclusion
-                .map_or_else(|| "-".into(), |x| format!("{:.0} %", 100.0 * x));
+        for (name, value, error, inclusion) in rows {
+            let error = error.map_or_else(|| "-".into(), |x| format!("{x:.6}"));
+            let inclusion = inclusion.map_or_else(|| "-".into(), |x| format!("{:.0} %", 100.0 * x));
             let _ = writeln!(
                 text,
-                "{:<width$}  {:>14.6}  {:>12}  {inclusion:>9}",
-                t.basis,
-                t.coefficient,
-                number(t.standard_error)
+                "{name:<width$}  {value:>14.6}  {error:>12}  {inclusion:>9}"
             );
         }
         let _ = writeln!(
@@ -97,91 +175,8 @@ impl FrictionResult {
     }
 }
 
-/// Friction of several joints as TOML for the generator, with its origin in comments.
-///
-/// # Errors
-/// No terms, or a coefficient that is not finite: it would end as silent nonsense in generated code.
-pub fn friction_toml(results: &[FrictionResult]) -> Result<String> {
-    let mut text = String::new();
-    for result in results {
-        if result.terms.is_empty() {
-            return Err(IdentificationError::Empty {
-                what: format!("the friction law of {}", result.joint),
-            });
-        }
-        for (row, t) in result.terms.iter().enumerate() {
-            if !t.coefficient.is_finite() {
-                return Err(IdentificationError::NotFinite {
-                    what: format!("the coefficient of {} of joint {}", t.basis, result.joint),
-                    row,
-                    value: t.coefficient,
-                    count: 1,
-                    samples: result.terms.len(),
-                });
-            }
-        }
-        comments(result, &mut text);
-        joint_toml(result, &mut text);
-        text.push('\n');
-    }
-    Ok(text)
-}
-
-/// The keys that the generator reads; the one place that knows them.
-fn joint_toml(result: &FrictionResult, text: &mut String) {
-    let terms: Vec<String> = result
-        .terms
-        .iter()
-        .map(|t| format!("[{}, {:?}]", quoted(&t.basis), t.coefficient))
-        .collect();
-    let _ = writeln!(text, "[[friction]]");
-    let _ = writeln!(text, "joint = {}", quoted(&result.joint));
-    let _ = writeln!(text, "terms = [{}]", terms.join(", "));
-}
-
-fn comments(result: &FrictionResult, text: &mut String) {
-    let mut line = |content: String| {
-        // A newline in a name or setting must not end the comment.
-        let _ = writeln!(text, "# {}", content.replace(|c: char| c.is_control(), " "));
-    };
-    line(format!(
-        "identified from {}, {} samples",
-        result.data, result.samples
-    ));
-    line(format!(
-        "velocities {:.6} to {:.6} rad/s; torque in {}",
-        result.velocity_range[0], result.velocity_range[1], result.unit
-    ));
-    line(format!(
-        "residual {:.6} {} rms, R² {:.6}",
-        result.residual, result.unit, result.r_squared
-    ));
-    result.settings.iter().for_each(|s| line(s.clone()));
-    result
-        .warnings
-        .iter()
-        .for_each(|w| line(format!("warning: {w}")));
-}
-
-/// A TOML basic string.
-fn quoted(text: &str) -> String {
-    let mut out = String::from("\"");
-    for c in text.chars() {
-        match c {
-            '"' => out.push_str("\\\""),
-            '\\' => out.push_str("\\\\"),
-            c if c.is_control() => {
-                let _ = write!(out, "\\u{:04X}", c as u32);
-            }
-            c => out.push(c),
-        }
-    }
-    out.push('"');
-    out
-}
-
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
     pub(crate) fn example() -> FrictionResult {
@@ -192,9 +187,10 @@ mod tests {
             inclusion: Some(0.985),
         };
         FrictionResult {
-            joint: "beta \"2\"".into(),
-            unit: "N*m".into(),
-            terms: vec![term("v", 76.556), term("tanh(5*v)", -3.924e-7)],
+            joint: "beta".into(),
+            unit: "N·m".into(),
+            velocity_unit: "rad/s".into(),
+            law: FrictionLaw::Terms(vec![term("v", 76.556), term("tanh(5*v)", -3.924e-7)]),
             samples: 3000,
             velocity_range: [-0.7, 0.71],
             residual: 0.1234,
@@ -206,30 +202,33 @@ mod tests {
     }
 
     #[test]
-    fn toml_is_read_back_unchanged() {
-        let text = friction_toml(&[example()]).unwrap();
-        let table: toml::Table = toml::from_str(&text).unwrap();
-        let friction = &table["friction"][0];
-        assert_eq!(friction["joint"].as_str(), Some("beta \"2\""));
-        assert_eq!(friction["terms"][0][0].as_str(), Some("v"));
-        assert_eq!(friction["terms"][1][1].as_float(), Some(-3.924e-7));
-        assert!(text.contains("# two lines\n") && text.contains("sha256 00ff"));
-        let mut bad = example();
-        bad.terms[1].coefficient = f64::NAN;
-        let message = friction_toml(&[bad]).unwrap_err().to_string();
-        assert!(
-            message
-                .contains("the coefficient of tanh(5*v) of joint beta \"2\" is not finite (NaN)")
-        );
-    }
-
-    #[test]
     fn the_table_names_units_and_numbers() {
         let table = example().table();
         assert!(
-            table.contains("friction of beta \"2\" [N*m], 3000 samples, -0.7000 to 0.7100 rad/s")
+            table.contains("friction of beta [N·m], 3000 samples, -0.7000 to 0.7100 rad/s"),
+            "{table}"
         );
         assert!(table.lines().nth(2).unwrap().ends_with("98 %"), "{table}");
-        assert_eq!(example().formula(), "76.556000*v - 0.000000*tanh(5*v)");
+        assert_eq!(example().law.formula(), "76.556000*v - 0.000000*tanh(5*v)");
+    }
+
+    #[test]
+    fn a_stribeck_law_and_its_formula_agree() {
+        let parameters = [2.1, 1.4, 20.0, 0.9, 8.0];
+        let law = FrictionLaw::Stribeck {
+            parameters,
+            standard_errors: [Some(0.1), None, None, None, None],
+        };
+        let v = [-0.5, 0.0, 0.02, 1.3];
+        let formula = Library::new(&[law.formula()], &["v"]).unwrap();
+        let by_formula = formula.matrix(&[&v]).unwrap();
+        for (a, b) in law.torques(&v).unwrap().iter().zip(by_formula.iter()) {
+            assert!((a - b).abs() < 1e-12, "{a} {b}");
+        }
+        let table = FrictionResult { law, ..example() }.table();
+        assert!(
+            table.lines().count() == 8 && table.contains("a5"),
+            "{table}"
+        );
     }
 }

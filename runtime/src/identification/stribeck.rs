@@ -11,7 +11,7 @@ use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::{Dyn, Matrix3, OMatrix, OVector, Owned, SMatrix, SVector, U5, Vector3, Vector5};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-const NAMES: [&str; 5] = ["a1", "a2", "a3", "a4", "a5"];
+pub(super) const NAMES: [&str; 5] = ["a1", "a2", "a3", "a4", "a5"];
 const BINS: usize = 400;
 
 /// The law's value at velocity `v` [N·m or N].

@@ -4,6 +4,7 @@ use super::error::{IdentificationError, Result, require_finite, require_length, 
 use super::least_squares::{Reduced, Solution};
 use super::library::Library;
 use super::moments::Samples;
+use crate::dynamics::Dynamics;
 
 /// A recorded motion: one column of samples per joint and input.
 #[derive(Debug, Clone)]
@@ -14,27 +15,18 @@ pub struct Motion<'a, const N: usize, const M: usize> {
     pub velocities: [&'a [f64]; N],
     /// ÿ.
     pub accelerations: [&'a [f64]; N],
-    /// u, motor torques [N·m].
+    /// u, motor torques [N·m] or forces [N].
     pub inputs: [&'a [f64]; M],
 }
 
-/// What friction identification needs of a model.
+/// Forces `M ÿ + k − q_s` at the joints: what the motion needs without friction, one column per joint.
 ///
-/// For a generated module: `rigid_forces` is `inverse_dynamics(y, v, a) − friction_torques(v)`, and `drive_forces` is
-/// `input_matrix · u`.
-pub trait FrictionlessDynamics<const N: usize, const M: usize> {
-    /// `M(y) ÿ + k(y, ẏ) − q_s(y, ẏ)`, on the joint side, without friction.
-    fn rigid_forces(&self, y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N];
-    /// `B(y) u`.
-    fn drive_forces(&self, y: &[f64; N], u: &[f64; M]) -> [f64; N];
-}
-
-/// Friction torque `τ = q_s + B u − M ÿ − k`, one column per joint.
+/// Whatever friction the model has is taken out again: `inverse_dynamics(y, ẏ, ÿ) − friction_torques(ẏ)`.
 ///
 /// # Errors
 /// Columns of different length, no samples, or values that are not finite.
-pub fn friction_torques<const N: usize, const M: usize>(
-    model: &impl FrictionlessDynamics<N, M>,
+pub fn rigid_forces<const N: usize, const M: usize>(
+    model: &impl Dynamics<N, M>,
     motion: &Motion<N, M>,
 ) -> Result<[Vec<f64>; N]> {
     let m = motion.positions.first().map_or(0, |c| c.len());
@@ -49,20 +41,44 @@ pub fn friction_torques<const N: usize, const M: usize>(
             require_column(&format!("{kind} of joint {joint}"), m, column)?;
         }
     }
+    let mut forces: [Vec<f64>; N] = std::array::from_fn(|_| Vec::with_capacity(m));
+    for i in 0..m {
+        let v = motion.velocities.map(|c| c[i]);
+        let all = model.inverse_dynamics(
+            &motion.positions.map(|c| c[i]),
+            &v,
+            &motion.accelerations.map(|c| c[i]),
+        );
+        let friction = model.friction_torques(&v);
+        for (joint, force) in forces.iter_mut().enumerate() {
+            force.push(all[joint] - friction[joint]);
+        }
+    }
+    Ok(forces)
+}
+
+/// Friction torque `τ = q_s + B u − M ÿ − k`, one column per joint.
+///
+/// # Errors
+/// As [`rigid_forces`], for the inputs too.
+pub fn friction_torques<const N: usize, const M: usize>(
+    model: &impl Dynamics<N, M>,
+    motion: &Motion<N, M>,
+) -> Result<[Vec<f64>; N]> {
+    let mut torques = rigid_forces(model, motion)?;
+    let m = torques.first().map_or(0, Vec::len);
     for (k, column) in motion.inputs.iter().enumerate() {
         require_column(&format!("input {k}"), m, column)?;
     }
-    let mut torques: [Vec<f64>; N] = std::array::from_fn(|_| Vec::with_capacity(m));
-    for i in 0..m {
-        let y = motion.positions.map(|c| c[i]);
-        let rigid = model.rigid_forces(
-            &y,
-            &motion.velocities.map(|c| c[i]),
-            &motion.accelerations.map(|c| c[i]),
-        );
-        let drive = model.drive_forces(&y, &motion.inputs.map(|c| c[i]));
-        for (joint, torque) in torques.iter_mut().enumerate() {
-            torque.push(drive[joint] - rigid[joint]);
+    let input_matrix = model.input_matrix();
+    for (torque, gears) in torques.iter_mut().zip(&input_matrix) {
+        for (i, torque) in torque.iter_mut().enumerate() {
+            let drive: f64 = gears
+                .iter()
+                .zip(&motion.inputs)
+                .map(|(b, u)| b * u[i])
+                .sum();
+            *torque = drive - *torque;
         }
     }
     Ok(torques)
@@ -112,34 +128,26 @@ mod tests {
     use super::super::random::SplitMix64;
     use super::*;
 
-    /// The published reduced PowerCube without friction.
-    struct PowerCube;
+    crate::dynamics!(struct PowerCube = gelenk_generated::powercube);
 
     const I: f64 = 161.0;
-    const ROTOR: f64 = 5.267e-5;
-    const H: f64 = 0.310_754_986_2;
-    const G: f64 = 9.80665;
 
-    impl FrictionlessDynamics<2, 2> for PowerCube {
-        fn rigid_forces(&self, y: &[f64; 2], v: &[f64; 2], a: &[f64; 2]) -> [f64; 2] {
-            let m11 = ROTOR * I * I + 2.0 * H * y[1].cos() + 0.956_037_516_856_5;
-            let m12 = ROTOR * I + H * y[1].cos() + 0.660_889_906_856_5;
-            let m22 = ROTOR * I * I + 0.660_889_906_856_5;
-            let k = [
-                -H * y[1].sin() * (2.0 * v[0] * v[1] + v[1] * v[1]),
-                H * v[0] * v[0] * y[1].sin(),
-            ];
-            let second = 1.72641659 * G * (y[0] + y[1]).sin();
-            let q = [1.626138 * G * y[0].sin() + second, second];
-            [
-                m11 * a[0] + m12 * a[1] + k[0] - q[0],
-                m12 * a[0] + m22 * a[1] + k[1] - q[1],
-            ]
-        }
-
-        fn drive_forces(&self, _: &[f64; 2], u: &[f64; 2]) -> [f64; 2] {
-            u.map(|u| I * u)
-        }
+    /// M ÿ + k − q_s of the reduced PowerCube, as published (Neweul-M²; Nicodemus et al., 2022).
+    fn published_forces(y: &[f64; 2], v: &[f64; 2], a: &[f64; 2]) -> [f64; 2] {
+        let (rotor, h, g) = (5.267e-5, 0.310_754_986_2, 9.80665);
+        let m11 = rotor * I * I + 2.0 * h * y[1].cos() + 0.956_037_516_856_5;
+        let m12 = rotor * I + h * y[1].cos() + 0.660_889_906_856_5;
+        let m22 = rotor * I * I + 0.660_889_906_856_5;
+        let k = [
+            -h * y[1].sin() * (2.0 * v[0] * v[1] + v[1] * v[1]),
+            h * v[0] * v[0] * y[1].sin(),
+        ];
+        let second = 1.72641659 * g * (y[0] + y[1]).sin();
+        let q = [1.626138 * g * y[0].sin() + second, second];
+        [
+            m11 * a[0] + m12 * a[1] + k[0] - q[0],
+            m12 * a[0] + m22 * a[1] + k[1] - q[1],
+        ]
     }
 
     #[test]
@@ -158,11 +166,8 @@ mod tests {
         let friction = |v: f64| 76.556 * v + 3.924 * (5.0 * v).tanh();
         let (mut u, mut load) = ([vec![], vec![]], vec![]);
         for i in 0..m {
-            let rigid = PowerCube.rigid_forces(
-                &[b[0][i], g[0][i]],
-                &[b[1][i], g[1][i]],
-                &[b[2][i], g[2][i]],
-            );
+            let (y, v) = ([b[0][i], g[0][i]], [b[1][i], g[1][i]]);
+            let rigid = published_forces(&y, &v, &[b[2][i], g[2][i]]);
             u[0].push((rigid[0] + friction(b[1][i])) / I);
             u[1].push((rigid[1] + friction(g[1][i])) / I);
             load.push(rigid[0]);
@@ -174,8 +179,10 @@ mod tests {
             inputs: [&u[0], &u[1]],
         };
         let torques = friction_torques(&PowerCube, &motion).unwrap();
+        let known = rigid_forces(&PowerCube, &motion).unwrap();
         for i in 0..m {
-            assert!((torques[1][i] - friction(g[1][i])).abs() < 1e-10);
+            assert!((torques[1][i] - friction(g[1][i])).abs() < 1e-8);
+            assert!((known[0][i] - load[i]).abs() < 1e-8);
         }
         let mut random = SplitMix64::new(1);
         let currents: Vec<f64> = u[0]

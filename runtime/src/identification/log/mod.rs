@@ -4,10 +4,12 @@
 //! are [`Finding`]s, and the caller decides (select rows, [`Log::unwrap_counter`], split).
 
 mod check;
+mod motion;
 mod read;
 mod schema;
 
 pub use check::{Finding, FindingKind, check};
+pub use motion::{Differentiation, MotionColumns};
 pub use schema::{ChannelSchema, LogSchema, Quantity};
 
 use super::error::{IdentificationError, Result, require_setting};

@@ -1,0 +1,180 @@
+//! From a log to a friction description and plots.
+//!
+//!     cargo run --release -p gelenk-runtime --example identify [-- LOG.csv [FOLDER]]
+//!
+//! The log has the columns `t [s]`, `q1 [rad]`, `q2 [rad]`, `u1 [N*m]`, `u2 [N*m]` of a PowerCube reduced to two joints
+//! (torques at the motors). Without one, the published arm is simulated along an excitation motion: 60 s at 50 Hz,
+//! encoders of 1e-4 rad, motor torques of 1e-4 N·m noise. Written to FOLDER (`target/identify`): the log, a description
+//! that `gelenk generate` takes unchanged, and the plots. `GELENK_EXAMPLE_SHORT=1` searches and draws less.
+
+use gelenk_runtime::dynamics::Dynamics;
+use gelenk_runtime::identification::description::description_toml;
+use gelenk_runtime::identification::differentiation::{KalmanSmoother, quantization_noise};
+use gelenk_runtime::identification::excitation::{Excitation, ExcitationLimits, FourierMotion};
+use gelenk_runtime::identification::friction::{
+    FrictionData, FrictionIdentification, FrictionMethod, FrictionReport, LambdaChoice,
+};
+use gelenk_runtime::identification::lasso::Lasso;
+use gelenk_runtime::identification::log::{Differentiation, Log, LogSchema};
+use gelenk_runtime::identification::plot::{friction_plot, pareto_plot, residual_plot};
+use gelenk_runtime::identification::random::SplitMix64;
+use gelenk_runtime::identification::torque::friction_torques;
+use std::error::Error;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);
+
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+const JOINTS: [&str; 2] = gelenk_generated::powercube::JOINT_NAMES;
+const RESOLUTION: f64 = 1e-4;
+const STEP: f64 = 0.02;
+const SAMPLES: usize = 3000;
+/// Samples left out at both ends, one second: there the smoother sees one side only.
+const MARGIN: usize = 50;
+const SELECTION: &str = "abs(q1_velocity) < 2 && abs(q2_velocity) < 2";
+
+fn main() -> Outcome<()> {
+    let short = std::env::var_os("GELENK_EXAMPLE_SHORT").is_some();
+    let mut arguments = std::env::args_os().skip(1).map(PathBuf::from);
+    let given = arguments.next();
+    let folder = arguments.next().unwrap_or_else(|| "target/identify".into());
+    std::fs::create_dir_all(&folder)?;
+    let path = match given {
+        Some(path) => path,
+        None => simulated_log(&folder, short)?,
+    };
+    let (mut log, findings) = Log::open(&path, &LogSchema::default())?;
+    println!("{}: {} rows, sha256 {}", log.source(), log.rows(), log.hash());
+    findings.iter().for_each(|finding| println!("  {finding}"));
+
+    let reports = identify(&mut log, if short { 50 } else { 500 })?;
+    for report in &reports {
+        println!("\n{}", report.result.table());
+        write_plots(report, &log, &folder)?;
+    }
+    let results: Vec<_> = reports.into_iter().map(|r| r.result).collect();
+    let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/powercube.toml");
+    let base = base.canonicalize()?.display().to_string();
+    let description = folder.join("powercube_identified.toml");
+    std::fs::write(&description, description_toml("powercube_identified", &base, &results)?)?;
+    println!("\nwritten to {}; next:", folder.display());
+    println!("  cargo run --release -- generate {}", description.display());
+    Ok(())
+}
+
+/// Friction of both joints: smooth, select, take the rigid arm's torque off, choose terms.
+fn identify(log: &mut Log, draws: usize) -> Outcome<Vec<FrictionReport>> {
+    let smoother = KalmanSmoother::from_noise(quantization_noise(RESOLUTION));
+    for position in ["q1", "q2"] {
+        log.differentiate(position, &Differentiation::KalmanSmoother(smoother))?;
+    }
+    let rows = log.inner_rows(&log.select(SELECTION)?, MARGIN)?;
+    let columns = log.motion(&["q1", "q2"], &["u1", "u2"], &rows)?;
+    let torques = friction_torques(&PowerCube, &columns.motion())?;
+    let lasso = Lasso {
+        standardize: true,
+        ..Default::default()
+    };
+    let settings = FrictionIdentification {
+        method: FrictionMethod::Lasso(lasso, LambdaChoice::OneStandardError),
+        draws,
+        ..FrictionIdentification::new()?
+    };
+    let data = format!("{}, sha256 {}", log.source(), log.hash());
+    let preparation = [
+        format!("Kalman smoother for encoders of {RESOLUTION} rad, {MARGIN} samples left out at both ends"),
+        format!("selection {SELECTION}"),
+    ];
+    let one = |joint: usize| {
+        settings.identify(&FrictionData {
+            joint: JOINTS[joint],
+            unit: "N·m",
+            velocity_unit: "rad/s",
+            velocities: &columns.velocities[joint],
+            torques: &torques[joint],
+            weights: None,
+            data: &data,
+            settings: &preparation,
+        })
+    };
+    Ok(vec![one(0)?, one(1)?])
+}
+
+fn write_plots(report: &FrictionReport, log: &Log, folder: &Path) -> Outcome<()> {
+    let result = &report.result;
+    let rows = log.inner_rows(&log.select(SELECTION)?, MARGIN)?;
+    let channel = format!("q{}_velocity", if result.joint == JOINTS[0] { 1 } else { 2 });
+    let velocities = log.values(&channel, &rows)?;
+    let law = result.law.torques(&velocities)?;
+    let torques: Vec<f64> = law.iter().zip(&report.residuals).map(|(l, r)| l + r).collect();
+    let [slowest, fastest] = result.velocity_range;
+    let grid: Vec<f64> = (0..=600)
+        .map(|i| slowest + (fastest - slowest) * f64::from(i) / 600.0)
+        .collect();
+    let curve = result.law.torques(&grid)?;
+    let caption = |title: &str| {
+        let mut text = format!("{title} of {}\n{}", result.joint, result.data);
+        result.settings.iter().for_each(|s| text += &format!("\n{s}"));
+        text
+    };
+    let units = [result.velocity_unit.as_str(), result.unit.as_str()];
+    let plots = [
+        ("friction", friction_plot(&velocities, &torques, (&grid, &curve), units, &caption("Friction"))?),
+        ("residuals", residual_plot(&velocities, &report.residuals, units, &caption("Residuals"))?),
+    ];
+    for (name, svg) in plots {
+        std::fs::write(folder.join(format!("{name}_{}.svg", result.joint)), svg)?;
+    }
+    if let Some(validation) = &report.validation {
+        let choices = [validation.minimum, validation.one_standard_error];
+        let svg = pareto_plot(&report.front, choices, &result.unit, &caption("Error and number of terms"))?;
+        std::fs::write(folder.join(format!("pareto_{}.svg", result.joint)), svg)?;
+    }
+    Ok(())
+}
+
+/// A motion that tells viscous friction from steps at standstill, within what the motors can do.
+fn excitation(short: bool) -> Outcome<FourierMotion<2>> {
+    let settings = Excitation {
+        iterations: if short { 50 } else { 1000 },
+        ..Default::default()
+    };
+    let limits = [ExcitationLimits {
+        position: [-0.6, 0.6],
+        velocity: 0.65,
+        acceleration: 2.0,
+    }; 2];
+    let found = settings.search(&limits, [2, 6], |_, v, _, out| {
+        out.fill(0.0);
+        for (joint, v) in v.iter().enumerate() {
+            let terms = [*v, (5.0 * v).tanh(), (20.0 * v).tanh()];
+            out[9 * joint..9 * joint + 3].copy_from_slice(&terms);
+        }
+    })?;
+    println!(
+        "excitation: condition number {:.1}, {:.1} before the search",
+        found.condition, found.start
+    );
+    Ok(found.motion)
+}
+
+/// What encoders and torque sensors would record of the published arm along the excitation.
+fn simulated_log(folder: &Path, short: bool) -> Outcome<PathBuf> {
+    let motion = excitation(short)?;
+    let gear = PowerCube.input_matrix()[0][0];
+    let mut random = SplitMix64::new(1);
+    let mut text = String::from("t [s],q1 [rad],q2 [rad],u1 [N*m],u2 [N*m]\n");
+    for i in 0..SAMPLES {
+        let t = STEP * i as f64;
+        let [y, v, a] = motion.at(t);
+        let torques = PowerCube.inverse_dynamics(&y, &v, &a);
+        let [q1, q2] = y.map(|y| (y / RESOLUTION).round() * RESOLUTION);
+        let [u1, u2] = torques.map(|torque| torque / gear + 1e-4 * random.normal());
+        writeln!(text, "{t:.2},{q1:.4},{q2:.4},{u1:.6},{u2:.6}")?;
+    }
+    let path = folder.join("log.csv");
+    std::fs::write(&path, text)?;
+    Ok(path)
+}

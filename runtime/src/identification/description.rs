@@ -1,0 +1,328 @@
+//! Identified friction as a robot description: TOML that `gelenk generate` takes unchanged.
+//!
+//! The description extends the one that the data were evaluated with and replaces the friction of the identified
+//! joints; everything else stays:
+//!
+//! ```toml
+//! name = "arm_identified"
+//! extends = "arm.toml"
+//!
+//! [[joints]]
+//! name = "beta"
+//! friction = { terms = [["v", 76.5], ["tanh(10*v)", 16.9]] }
+//! ```
+
+use super::error::{IdentificationError, Result};
+use super::result::{FrictionLaw, FrictionResult, FrictionTerm};
+use std::fmt::Write;
+use syn::Expr;
+
+/// What a description knows beside numbers, `v`, `pi`, `+ - * /` and brackets.
+const FUNCTIONS: [&str; 8] = ["sin", "cos", "tanh", "exp", "abs", "sign", "pow", "powi"];
+/// Largest exponent of a description's formula.
+const LARGEST_EXPONENT: u32 = 16;
+
+/// A description with identified friction.
+///
+/// - `name`: of the module to be generated
+/// - `extends`: path of the description that the data were evaluated with, a URDF or a TOML, relative to where this
+///   text will lie
+///
+/// # Errors
+/// No joint, a joint twice, a law without terms, a coefficient that is not finite, or a term that a description cannot
+/// hold: all would end as nonsense in generated code.
+pub fn description_toml(name: &str, extends: &str, results: &[FrictionResult]) -> Result<String> {
+    if results.is_empty() {
+        return Err(IdentificationError::Empty {
+            what: format!("the list of identified joints of {name}"),
+        });
+    }
+    let key = if extends.to_ascii_lowercase().ends_with(".urdf") {
+        "urdf"
+    } else {
+        "extends"
+    };
+    let mut text = format!("name = {}\n{key} = {}\n", quoted(name), quoted(extends));
+    for (i, result) in results.iter().enumerate() {
+        if results[..i].iter().any(|r| r.joint == result.joint) {
+            return Err(IdentificationError::Expression {
+                text: result.joint.clone(),
+                message: "this joint stands twice among the results".into(),
+            });
+        }
+        let friction = friction_value(result)?;
+        text.push_str("\n[[joints]]\n");
+        comments(result, &mut text);
+        let _ = writeln!(text, "name = {}", quoted(&result.joint));
+        let _ = writeln!(text, "friction = {friction}");
+    }
+    Ok(text)
+}
+
+/// The value of a joint's key `friction`.
+fn friction_value(result: &FrictionResult) -> Result<String> {
+    match &result.law {
+        FrictionLaw::Terms(terms) if terms.is_empty() => Err(IdentificationError::Empty {
+            what: format!("the friction law of {}", result.joint),
+        }),
+        FrictionLaw::Terms(terms) => {
+            let values = terms.iter().map(|t| t.coefficient);
+            require_finite(&result.joint, values, |i| terms[i].basis.clone())?;
+            let pair = |t: &FrictionTerm| {
+                Ok(format!(
+                    "[{}, {:?}]",
+                    quoted(&basis(&t.basis)?),
+                    t.coefficient
+                ))
+            };
+            let pairs: Vec<String> = terms.iter().map(pair).collect::<Result<_>>()?;
+            Ok(format!("{{ terms = [{}] }}", pairs.join(", ")))
+        }
+        FrictionLaw::Stribeck { parameters, .. } => {
+            let name = |i: usize| super::stribeck::NAMES[i].to_string();
+            require_finite(&result.joint, parameters.iter().copied(), name)?;
+            let pairs: Vec<String> = (0..5)
+                .map(|i| format!("{} = {:?}", name(i), parameters[i]))
+                .collect();
+            Ok(format!("{{ stribeck = {{ {} }} }}", pairs.join(", ")))
+        }
+    }
+}
+
+fn require_finite(
+    joint: &str,
+    values: impl ExactSizeIterator<Item = f64>,
+    name: impl Fn(usize) -> String,
+) -> Result<()> {
+    let samples = values.len();
+    for (row, value) in values.enumerate() {
+        if !value.is_finite() {
+            return Err(IdentificationError::NotFinite {
+                what: format!("the coefficient of {} of joint {joint}", name(row)),
+                row,
+                value,
+                count: 1,
+                samples,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// A library term in the language of descriptions, which is a part of the language of libraries.
+fn basis(text: &str) -> Result<String> {
+    let fault = |message: String| IdentificationError::Expression {
+        text: text.into(),
+        message,
+    };
+    let tree: Expr = syn::parse_str(text).map_err(|e| fault(e.to_string()))?;
+    check_basis(&tree).map_err(|part| {
+        fault(format!(
+            "{part} cannot stand in the friction of a description, which knows numbers, v, pi, + - * /, {}; \
+             identify with a library of such terms",
+            FUNCTIONS.join(", ")
+        ))
+    })?;
+    Ok(spelled(text))
+}
+
+/// Fails with the part that a description does not know.
+fn check_basis(tree: &Expr) -> std::result::Result<(), String> {
+    match tree {
+        Expr::Lit(e) => match &e.lit {
+            syn::Lit::Int(_) | syn::Lit::Float(_) => Ok(()),
+            _ => Err("a literal that is no number".into()),
+        },
+        Expr::Path(e) => match e.path.get_ident().map(ToString::to_string).as_deref() {
+            Some("v" | "pi") => Ok(()),
+            Some(name) => Err(format!("`{name}`")),
+            None => Err("a path".into()),
+        },
+        Expr::Paren(e) => check_basis(&e.expr),
+        Expr::Group(e) => check_basis(&e.expr),
+        Expr::Unary(e) if matches!(e.op, syn::UnOp::Neg(_)) => check_basis(&e.expr),
+        Expr::Binary(e) => {
+            use syn::BinOp::{Add, Div, Mul, Sub};
+            if !matches!(e.op, Add(_) | Sub(_) | Mul(_) | Div(_)) {
+                return Err("a comparison".into());
+            }
+            check_basis(&e.left)?;
+            check_basis(&e.right)
+        }
+        Expr::Call(e) => match &*e.func {
+            Expr::Path(path) => check_call(
+                &path
+                    .path
+                    .get_ident()
+                    .map(ToString::to_string)
+                    .unwrap_or_default(),
+                &e.args.iter().collect::<Vec<_>>(),
+            ),
+            _ => Err("a call of something without a name".into()),
+        },
+        Expr::MethodCall(e) => {
+            let mut arguments = vec![&*e.receiver];
+            arguments.extend(&e.args);
+            check_call(&e.method.to_string(), &arguments)
+        }
+        _ => Err("this kind of expression".into()),
+    }
+}
+
+fn check_call(name: &str, arguments: &[&Expr]) -> std::result::Result<(), String> {
+    if name != "sgn" && !FUNCTIONS.contains(&name) {
+        return Err(format!("the function `{name}`"));
+    }
+    if let [_, Expr::Lit(exponent)] = arguments {
+        let small = match &exponent.lit {
+            syn::Lit::Int(n) => n.base10_parse::<u32>().is_ok_and(|n| n <= LARGEST_EXPONENT),
+            _ => false,
+        };
+        if !small {
+            return Err(format!("an exponent other than 0 to {LARGEST_EXPONENT}"));
+        }
+    }
+    arguments.iter().try_for_each(|a| check_basis(a))
+}
+
+/// `sgn` is `sign` in descriptions.
+fn spelled(text: &str) -> String {
+    let mut out = String::new();
+    let mut rest = text;
+    while !rest.is_empty() {
+        let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        let inside = rest.starts_with(is_name);
+        let end = rest.find(|c| is_name(c) != inside).unwrap_or(rest.len());
+        out.push_str(match &rest[..end] {
+            "sgn" => "sign",
+            other => other,
+        });
+        rest = &rest[end..];
+    }
+    out
+}
+
+fn comments(result: &FrictionResult, text: &mut String) {
+    let mut line = |content: String| {
+        // A newline in a name or setting must not end the comment.
+        let _ = writeln!(text, "# {}", content.replace(|c: char| c.is_control(), " "));
+    };
+    let [slowest, fastest] = result.velocity_range;
+    line(format!(
+        "identified from {}, {} samples",
+        result.data, result.samples
+    ));
+    line(format!(
+        "velocities {slowest:.6} to {fastest:.6} {}; torque in {}",
+        result.velocity_unit, result.unit
+    ));
+    line(format!(
+        "residual {:.6} {} rms, R² {:.6}",
+        result.residual, result.unit, result.r_squared
+    ));
+    result.settings.iter().for_each(|s| line(s.clone()));
+    result
+        .warnings
+        .iter()
+        .for_each(|w| line(format!("warning: {w}")));
+}
+
+/// A TOML basic string.
+fn quoted(text: &str) -> String {
+    let mut out = String::from("\"");
+    for c in text.chars() {
+        match c {
+            '"' => out.push_str("\\\""),
+            '\\' => out.push_str("\\\\"),
+            c if c.is_control() => {
+                let _ = write!(out, "\\u{:04X}", c as u32);
+            }
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::result::tests::example;
+    use super::*;
+
+    #[test]
+    fn toml_is_read_back_unchanged() {
+        let named = FrictionResult {
+            joint: "beta \"2\"".into(),
+            ..example()
+        };
+        let text = description_toml("arm_identified", "arm.toml", &[named, example()]).unwrap();
+        let table: toml::Table = toml::from_str(&text).unwrap();
+        assert_eq!(table["extends"].as_str(), Some("arm.toml"));
+        let joint = &table["joints"][0];
+        assert_eq!(joint["name"].as_str(), Some("beta \"2\""));
+        let terms = &joint["friction"]["terms"];
+        assert_eq!(terms[0][0].as_str(), Some("v"));
+        assert_eq!(terms[1][1].as_float(), Some(-3.924e-7));
+        assert!(text.contains("# two lines\n") && text.contains("sha256 00ff"));
+    }
+
+    #[test]
+    fn a_stribeck_law_keeps_every_digit() {
+        let parameters = [2.1, 1.4, 20.0 / 3.0, 0.9, 8e-17];
+        let result = FrictionResult {
+            law: FrictionLaw::Stribeck {
+                parameters,
+                standard_errors: [None; 5],
+            },
+            ..example()
+        };
+        let text = description_toml("a", "arm.urdf", &[result]).unwrap();
+        let table: toml::Table = toml::from_str(&text).unwrap();
+        assert_eq!(table["urdf"].as_str(), Some("arm.urdf"));
+        let law = &table["joints"][0]["friction"]["stribeck"];
+        for (i, a) in parameters.iter().enumerate() {
+            assert_eq!(law[super::super::stribeck::NAMES[i]].as_float(), Some(*a));
+        }
+    }
+
+    #[test]
+    fn what_a_description_cannot_hold_is_refused() {
+        let with = |basis: &str, coefficient: f64| {
+            let mut result = example();
+            result.law = FrictionLaw::Terms(vec![FrictionTerm {
+                basis: basis.into(),
+                coefficient,
+                standard_error: None,
+                inclusion: None,
+            }]);
+            description_toml("a", "b.toml", &[result])
+        };
+        let message = |basis: &str| with(basis, 1.0).unwrap_err().to_string();
+        assert!(message("sqrt(abs(v))").contains("the function `sqrt` cannot stand"));
+        assert!(message("v*y").contains("`y` cannot stand"));
+        assert!(message("powi(v, 40)").contains("an exponent other than 0 to 16"));
+        assert!(message("v*(v").contains("expression `v*(v`"));
+        let nan = with("v", f64::NAN).unwrap_err().to_string();
+        assert!(
+            nan.contains("the coefficient of v of joint beta is not finite (NaN)"),
+            "{nan}"
+        );
+        let spelled = with("sgn(v)*exp(-2*abs(v)) + v.powi(3)", 1.0).unwrap();
+        assert!(
+            spelled.contains("\"sign(v)*exp(-2*abs(v)) + v.powi(3)\""),
+            "{spelled}"
+        );
+        let empty = FrictionResult {
+            law: FrictionLaw::Terms(vec![]),
+            ..example()
+        };
+        let text = |results: &[FrictionResult]| {
+            description_toml("a", "b.toml", results)
+                .unwrap_err()
+                .to_string()
+        };
+        assert!(text(&[empty]).starts_with("the friction law of beta is empty"));
+        assert!(text(&[]).starts_with("the list of identified joints of a is empty"));
+        assert!(text(&[example(), example()]).contains("stands twice"));
+    }
+}

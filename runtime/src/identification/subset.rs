@@ -1,0 +1,247 @@
+//! Best subset of a small library: every subset is fitted on all folds but one and judged on the one left out.
+//!
+//! With p terms and k folds these are k·2ᵖ solves of at most p × p normal equations, free of λ and of the LASSO's bias
+//! (Hocking and Leslie 1967; the one-standard-error rule is Breiman's, 1984).
+
+use super::error::{IdentificationError, Result, require_length, require_setting};
+use super::least_squares::solve_scaled;
+use super::moments::Moments;
+use nalgebra::DVector;
+
+/// Largest library: 4095 subsets.
+pub const MOST_TERMS: usize = 12;
+
+/// A subset with its error on left-out folds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ValidatedSubset {
+    /// Terms, ascending.
+    pub active: Vec<usize>,
+    /// Mean squared error on the left-out fold, averaged over the folds.
+    pub mean_error: f64,
+    /// Standard error of that mean.
+    pub standard_error: f64,
+}
+
+/// The best subset of each size, from one term to all, and two choices among them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SubsetValidation {
+    /// Index + 1 = number of terms; sizes that no solvable subset has are left out.
+    pub best: Vec<ValidatedSubset>,
+    /// Index of the least error.
+    pub minimum: usize,
+    /// Index of the fewest terms whose error is within one standard error of the least.
+    pub one_standard_error: usize,
+}
+
+impl SubsetValidation {
+    /// Judges all subsets.
+    ///
+    /// - `folds`: moments of contiguous blocks, [`Moments::blocks`]
+    ///
+    /// # Errors
+    /// Fewer than two folds, more than [`MOST_TERMS`] terms, or no subset that can be solved.
+    pub fn new(folds: &[Moments], target: usize) -> Result<Self> {
+        let p = folds.first().map_or(0, Moments::terms);
+        let count = folds.len() as f64;
+        require_setting(
+            "number of folds",
+            count,
+            folds.len() >= 2,
+            "at least two are needed",
+        )?;
+        require_setting(
+            "number of terms",
+            p as f64,
+            (1..=MOST_TERMS).contains(&p),
+            "all subsets are tried for one to twelve terms; use the LASSO for larger libraries",
+        )?;
+        if target >= folds[0].targets() {
+            require_length("targets", target + 1, folds[0].targets())?;
+        }
+        let training = (0..folds.len())
+            .map(|k| {
+                Moments::sum(
+                    folds
+                        .iter()
+                        .enumerate()
+                        .filter(|(i, _)| *i != k)
+                        .map(|f| f.1),
+                )
+            })
+            .collect::<Result<Vec<_>>>()?;
+        let mut best: Vec<Option<ValidatedSubset>> = vec![None; p];
+        for bits in 1_u32..1 << p {
+            let active: Vec<usize> = (0..p).filter(|i| bits >> i & 1 == 1).collect();
+            let Some(subset) = validate(active, &training, folds, target) else {
+                continue;
+            };
+            let slot = &mut best[subset.active.len() - 1];
+            if slot
+                .as_ref()
+                .is_none_or(|b| subset.mean_error < b.mean_error)
+            {
+                *slot = Some(subset);
+            }
+        }
+        Self::choose(best.into_iter().flatten().collect(), folds[0].names())
+    }
+
+    fn choose(best: Vec<ValidatedSubset>, names: &[String]) -> Result<Self> {
+        let error = |i: &usize| best[*i].mean_error;
+        let minimum = (0..best.len()).min_by(|i, j| error(i).total_cmp(&error(j)));
+        let Some(minimum) = minimum else {
+            return Err(IdentificationError::Collinear {
+                terms: names.to_vec(),
+                condition: f64::INFINITY,
+                limit: 1e7,
+            });
+        };
+        let bound = best[minimum].mean_error + best[minimum].standard_error;
+        let one_standard_error = (0..best.len())
+            .find(|i| error(i) <= bound)
+            .unwrap_or(minimum);
+        Ok(Self {
+            best,
+            minimum,
+            one_standard_error,
+        })
+    }
+}
+
+/// None where the normal equations of a fold are singular.
+fn validate(
+    active: Vec<usize>,
+    training: &[Moments],
+    folds: &[Moments],
+    target: usize,
+) -> Option<ValidatedSubset> {
+    let mut errors = Vec::with_capacity(folds.len());
+    for (training, fold) in training.iter().zip(folds) {
+        let coefficients = fit(training, target, &active)?;
+        errors.push(fold.residual(target, &coefficients) / fold.samples() as f64);
+    }
+    let n = errors.len() as f64;
+    let mean = errors.iter().sum::<f64>() / n;
+    let variance = errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    Some(ValidatedSubset {
+        active,
+        mean_error: mean,
+        standard_error: (variance / n).sqrt(),
+    })
+}
+
+fn fit(moments: &Moments, target: usize, active: &[usize]) -> Option<DVector<f64>> {
+    let small = solve_scaled(&moments.gram(), &moments.projection(target), active, 0.0)?;
+    let mut coefficients = DVector::zeros(moments.terms());
+    for (&i, x) in active.iter().zip(small.iter()) {
+        coefficients[i] = *x;
+    }
+    coefficients
+        .iter()
+        .all(|x| x.is_finite())
+        .then_some(coefficients)
+}
+
+/// The subset of `size` terms with the least residual, for bootstraps of the choice.
+///
+/// # Errors
+/// A size that no solvable subset has.
+pub fn best_of_size(moments: &Moments, target: usize, size: usize) -> Result<DVector<f64>> {
+    let p = moments.terms();
+    let mut best: Option<(f64, DVector<f64>)> = None;
+    for bits in (1_u32..1 << p.min(MOST_TERMS)).filter(|b| b.count_ones() as usize == size) {
+        let active: Vec<usize> = (0..p).filter(|i| bits >> i & 1 == 1).collect();
+        let Some(coefficients) = fit(moments, target, &active) else {
+            continue;
+        };
+        let residual = moments.residual(target, &coefficients);
+        if best.as_ref().is_none_or(|b| residual < b.0) {
+            best = Some((residual, coefficients));
+        }
+    }
+    best.map(|b| b.1)
+        .ok_or_else(|| IdentificationError::Collinear {
+            terms: moments.names().to_vec(),
+            condition: moments.condition(),
+            limit: 1e7,
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::library::Library;
+    use super::super::moments::Samples;
+    use super::super::random::SplitMix64;
+    use super::*;
+
+    fn folds(library: &Library, noise: f64) -> Vec<Moments> {
+        let mut random = SplitMix64::new(4);
+        let v: Vec<f64> = (0..5000)
+            .map(|i| 0.8 * (0.01 * f64::from(i)).sin() + 0.3 * (0.037 * f64::from(i)).sin())
+            .collect();
+        let y: Vec<f64> = v
+            .iter()
+            .map(|v| 4.0 * v + 0.7 * (10.0 * v).tanh() + noise * random.normal())
+            .collect();
+        let samples = Samples::from_library(library, vec![&v], vec![&y]).unwrap();
+        Moments::blocks(&samples, 10).unwrap()
+    }
+
+    #[test]
+    fn the_one_standard_error_rule_finds_the_terms_that_made_the_data() {
+        let folds = folds(&Library::friction().unwrap(), 0.3);
+        let found = SubsetValidation::new(&folds, 0).unwrap();
+        assert_eq!(found.best.len(), 7);
+        assert_eq!(found.best[found.one_standard_error].active, [1, 4]);
+        assert!(found.one_standard_error <= found.minimum);
+        let all = Moments::sum(&folds).unwrap();
+        let two = best_of_size(&all, 0, 2).unwrap();
+        assert!(
+            (two[1] - 4.0).abs() < 0.05 && (two[4] - 0.7).abs() < 0.05,
+            "{two}"
+        );
+    }
+
+    #[test]
+    fn errors_agree_with_the_residual_of_a_single_fit() {
+        let library = Library::new(&["v", "sign(v)"], &["v"]).unwrap();
+        let folds = folds(&library, 0.0);
+        let found = SubsetValidation::new(&folds, 0).unwrap();
+        let mut sum = 0.0;
+        for k in 0..10 {
+            let rest = Moments::sum(folds.iter().enumerate().filter(|f| f.0 != k).map(|f| f.1));
+            let rest = rest.unwrap();
+            let slope = rest.projection(0)[0] / rest.gram()[(0, 0)];
+            let w = DVector::from_column_slice(&[slope, 0.0]);
+            sum += folds[k].residual(0, &w) / folds[k].samples() as f64;
+        }
+        assert!((found.best[0].mean_error / (sum / 10.0) - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_cannot_be_tried_has_a_message() {
+        let terms: Vec<String> = (1..=13).map(|i| format!("sin({i}*v)")).collect();
+        let library = Library::new(&terms, &["v"]).unwrap();
+        let message = SubsetValidation::new(&folds(&library, 0.1), 0)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            message.starts_with("number of terms = 13 is not possible"),
+            "{message}"
+        );
+        let one = &folds(&Library::friction().unwrap(), 0.1)[..1];
+        let message = SubsetValidation::new(one, 0).unwrap_err().to_string();
+        assert!(
+            message.starts_with("number of folds = 1 is not possible"),
+            "{message}"
+        );
+        let zero = Library::new(&["0*v"], &["v"]).unwrap();
+        let message = SubsetValidation::new(&folds(&zero, 0.1), 0)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            message.starts_with("the terms 0*v are collinear"),
+            "{message}"
+        );
+    }
+}

@@ -1,0 +1,169 @@
+//! The loop identify → regenerate → track: friction found in a log becomes a description, a build script makes a module
+//! of it, and a program that links the runtime tracks a reference on the published arm with it.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use gelenk_generated::powercube;
+use gelenk_runtime::dynamics::Dynamics;
+use gelenk_runtime::identification::description::description_toml;
+use gelenk_runtime::identification::differentiation::{KalmanSmoother, quantization_noise};
+use gelenk_runtime::identification::friction::{
+    FrictionData, FrictionIdentification, FrictionMethod,
+};
+use gelenk_runtime::identification::log::{Differentiation, Log, LogSchema};
+use gelenk_runtime::identification::result::{FrictionLaw, FrictionResult};
+use gelenk_runtime::identification::stribeck::StribeckRegression;
+use gelenk_runtime::identification::torque::friction_torques;
+use gelenk_tests::workspace;
+
+gelenk_runtime::dynamics!(struct Arm = powercube);
+
+const RESOLUTION: f64 = 1e-4;
+
+/// 40 s at 50 Hz of the published arm, as encoders and torque sensors see it.
+fn log() -> Log {
+    let mut text = String::from("t,q1,q2,u1,u2\n");
+    for i in 0..2000 {
+        let t = 0.02 * f64::from(i);
+        let wave = |a: f64, w: f64, b: f64, x: f64| {
+            [
+                a * (w * t).sin() + b * (x * t).cos(),
+                a * w * (w * t).cos() - b * x * (x * t).sin(),
+                -a * w * w * (w * t).sin() - b * x * x * (x * t).cos(),
+            ]
+        };
+        let (first, second) = (wave(0.4, 1.1, 0.1, 2.3), wave(0.5, 0.9, 0.15, 1.9));
+        let at = |k: usize| [first[k], second[k]];
+        let torques = Arm.inverse_dynamics(&at(0), &at(1), &at(2));
+        let [q1, q2] = at(0).map(|y| (y / RESOLUTION).round() * RESOLUTION);
+        let [u1, u2] = torques.map(|torque| torque / powercube::input_matrix()[0][0]);
+        let _ = writeln!(text, "{t:.2},{q1:.4},{q2:.4},{u1:.9},{u2:.9}");
+    }
+    let schema = LogSchema::default();
+    Log::read(text.as_bytes(), "simulated", &schema).expect("a log").0
+}
+
+/// Friction of both joints: terms of the library for the first, a Stribeck law for the second.
+fn identified() -> [FrictionResult; 2] {
+    let mut log = log();
+    let smoother = KalmanSmoother::from_noise(quantization_noise(RESOLUTION));
+    for position in ["q1", "q2"] {
+        let method = Differentiation::KalmanSmoother(smoother);
+        log.differentiate(position, &method).expect("derivatives");
+    }
+    let rows = log.select("t > 1 && t < 39").expect("rows");
+    let columns = log.motion(&["q1", "q2"], &["u1", "u2"], &rows).expect("a motion");
+    let torques = friction_torques(&Arm, &columns.motion()).expect("friction torques");
+    let methods = [
+        FrictionMethod::BestSubset,
+        FrictionMethod::Stribeck(StribeckRegression::default()),
+    ];
+    let mut joint = 0;
+    methods.map(|method| {
+        let settings = FrictionIdentification {
+            method,
+            draws: 0,
+            ..FrictionIdentification::new().expect("settings")
+        };
+        let data = FrictionData {
+            joint: powercube::JOINT_NAMES[joint],
+            unit: "N·m",
+            velocity_unit: "rad/s",
+            velocities: &columns.velocities[joint],
+            torques: &torques[joint],
+            weights: None,
+            data: log.hash(),
+            settings: &[],
+        };
+        joint += 1;
+        settings.identify(&data).expect("a friction law").result
+    })
+}
+
+/// The largest coefficient of the first law made half as large again.
+fn altered(results: &[FrictionResult; 2]) -> [FrictionResult; 2] {
+    let mut altered = results.clone();
+    let FrictionLaw::Terms(terms) = &mut altered[0].law else {
+        panic!("a law of terms");
+    };
+    let viscous = terms.iter_mut().find(|term| term.basis == "v");
+    viscous.expect("viscous friction").coefficient *= 1.5;
+    altered
+}
+
+fn write_package(folder: &Path, results: &[FrictionResult; 2]) {
+    let write = |name: &str, text: &str| fs::write(folder.join(name), text).expect("a file");
+    fs::create_dir(folder.join("src")).expect("a folder");
+    let models = workspace().join("models/powercube.toml");
+    fs::copy(models, folder.join("powercube.toml")).expect("the description");
+    let toml = |name: &str, results: &[FrictionResult]| {
+        description_toml(name, "powercube.toml", results).expect("a description")
+    };
+    write("identified.toml", &toml("identified", results));
+    write("altered.toml", &toml("altered", &altered(results)));
+    write(
+        "build.rs",
+        "fn main() {\n    gelenk_codegen::build(\"identified.toml\");\n    gelenk_codegen::build(\"altered.toml\");\n}\n",
+    );
+    write("src/main.rs", include_str!("../identified_loop/main.rs"));
+    let path = |name: &str| workspace().join(name).display().to_string();
+    let manifest = format!(
+        "[workspace]\n[package]\nname = \"tracking\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\
+         [dependencies]\ngelenk-runtime = {{ path = {:?} }}\ngelenk-generated = {{ path = {:?} }}\n\
+         [build-dependencies]\ngelenk-codegen = {{ path = {:?}, default-features = false }}\n",
+        path("runtime"),
+        path("generated"),
+        path("codegen"),
+    );
+    write("Cargo.toml", &manifest);
+    // The same versions as here: they are at hand without a network.
+    fs::copy(workspace().join("Cargo.lock"), folder.join("Cargo.lock")).expect("the lock file");
+}
+
+/// The folder that this test was compiled into, so that dependencies are not compiled again.
+fn target() -> PathBuf {
+    let program = std::env::current_exe().expect("this program");
+    program.ancestors().nth(3).expect("target/debug/deps").to_owned()
+}
+
+/// Builds and runs the program; its tracking errors by model, rms in rad.
+fn track(folder: &Path) -> Vec<(String, f64)> {
+    let output = Command::new(env!("CARGO"))
+        .args(["run", "--offline", "--quiet"])
+        .env("CARGO_TARGET_DIR", target())
+        .current_dir(folder)
+        .output()
+        .expect("cargo starts");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{message}");
+    let text = String::from_utf8(output.stdout).expect("text");
+    print!("{text}");
+    text.lines()
+        .map(|line| {
+            let (name, error) = line.split_once(' ').expect("a name and an error");
+            (name.to_owned(), error.parse().expect("a number"))
+        })
+        .collect()
+}
+
+#[test]
+fn identified_friction_tracks_and_a_changed_coefficient_shows() {
+    let results = identified();
+    for result in &results {
+        println!("{}", result.table());
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    write_package(folder.path(), &results);
+    let errors = track(folder.path());
+    let error = |name: &str| {
+        let found = errors.iter().find(|(model, _)| model == name);
+        found.unwrap_or_else(|| panic!("no line of {name}")).1
+    };
+    let (published, identified) = (error("published"), error("identified"));
+    assert!(identified < 1.2 * published, "{errors:?}");
+    assert!(error("altered") > 2.0 * identified, "{errors:?}");
+    assert!(error("frictionless") > error("altered"), "{errors:?}");
+}
