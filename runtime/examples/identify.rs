@@ -46,7 +46,12 @@ fn main() -> Outcome<()> {
         None => simulated_log(&folder, short)?,
     };
     let (mut log, findings) = Log::open(&path, &LogSchema::default())?;
-    println!("{}: {} rows, sha256 {}", log.source(), log.rows(), log.hash());
+    println!(
+        "{}: {} rows, sha256 {}",
+        log.source(),
+        log.rows(),
+        log.hash()
+    );
     findings.iter().for_each(|finding| println!("  {finding}"));
 
     let reports = identify(&mut log, if short { 50 } else { 500 })?;
@@ -58,9 +63,15 @@ fn main() -> Outcome<()> {
     let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/powercube.toml");
     let base = base.canonicalize()?.display().to_string();
     let description = folder.join("powercube_identified.toml");
-    std::fs::write(&description, description_toml("powercube_identified", &base, &results)?)?;
+    std::fs::write(
+        &description,
+        description_toml("powercube_identified", &base, &results)?,
+    )?;
     println!("\nwritten to {}; next:", folder.display());
-    println!("  cargo run --release -- generate {}", description.display());
+    println!(
+        "  cargo run --release -- generate {}",
+        description.display()
+    );
     Ok(())
 }
 
@@ -84,7 +95,9 @@ fn identify(log: &mut Log, draws: usize) -> Outcome<Vec<FrictionReport>> {
     };
     let data = format!("{}, sha256 {}", log.source(), log.hash());
     let preparation = [
-        format!("Kalman smoother for encoders of {RESOLUTION} rad, {MARGIN} samples left out at both ends"),
+        format!(
+            "Kalman smoother for encoders of {RESOLUTION} rad, {MARGIN} samples left out at both ends"
+        ),
         format!("selection {SELECTION}"),
     ];
     let one = |joint: usize| {
@@ -95,6 +108,7 @@ fn identify(log: &mut Log, draws: usize) -> Outcome<Vec<FrictionReport>> {
             velocities: &columns.velocities[joint],
             torques: &torques[joint],
             weights: None,
+            folds: None,
             data: &data,
             settings: &preparation,
         })
@@ -105,10 +119,17 @@ fn identify(log: &mut Log, draws: usize) -> Outcome<Vec<FrictionReport>> {
 fn write_plots(report: &FrictionReport, log: &Log, folder: &Path) -> Outcome<()> {
     let result = &report.result;
     let rows = log.inner_rows(&log.select(SELECTION)?, MARGIN)?;
-    let channel = format!("q{}_velocity", if result.joint == JOINTS[0] { 1 } else { 2 });
+    let channel = format!(
+        "q{}_velocity",
+        if result.joint == JOINTS[0] { 1 } else { 2 }
+    );
     let velocities = log.values(&channel, &rows)?;
     let law = result.law.torques(&velocities)?;
-    let torques: Vec<f64> = law.iter().zip(&report.residuals).map(|(l, r)| l + r).collect();
+    let torques: Vec<f64> = law
+        .iter()
+        .zip(&report.residuals)
+        .map(|(l, r)| l + r)
+        .collect();
     let [slowest, fastest] = result.velocity_range;
     let grid: Vec<f64> = (0..=600)
         .map(|i| slowest + (fastest - slowest) * f64::from(i) / 600.0)
@@ -116,20 +137,40 @@ fn write_plots(report: &FrictionReport, log: &Log, folder: &Path) -> Outcome<()>
     let curve = result.law.torques(&grid)?;
     let caption = |title: &str| {
         let mut text = format!("{title} of {}\n{}", result.joint, result.data);
-        result.settings.iter().for_each(|s| text += &format!("\n{s}"));
+        result
+            .settings
+            .iter()
+            .for_each(|s| text += &format!("\n{s}"));
         text
     };
     let units = [result.velocity_unit.as_str(), result.unit.as_str()];
     let plots = [
-        ("friction", friction_plot(&velocities, &torques, (&grid, &curve), units, &caption("Friction"))?),
-        ("residuals", residual_plot(&velocities, &report.residuals, units, &caption("Residuals"))?),
+        (
+            "friction",
+            friction_plot(
+                &velocities,
+                &torques,
+                (&grid, &curve),
+                units,
+                &caption("Friction"),
+            )?,
+        ),
+        (
+            "residuals",
+            residual_plot(&velocities, &report.residuals, units, &caption("Residuals"))?,
+        ),
     ];
     for (name, svg) in plots {
         std::fs::write(folder.join(format!("{name}_{}.svg", result.joint)), svg)?;
     }
     if let Some(validation) = &report.validation {
         let choices = [validation.minimum, validation.one_standard_error];
-        let svg = pareto_plot(&report.front, choices, &result.unit, &caption("Error and number of terms"))?;
+        let svg = pareto_plot(
+            &report.front,
+            choices,
+            &result.unit,
+            &caption("Error and number of terms"),
+        )?;
         std::fs::write(folder.join(format!("pareto_{}.svg", result.joint)), svg)?;
     }
     Ok(())

@@ -43,7 +43,9 @@ fn log() -> Log {
         let _ = writeln!(text, "{t:.2},{q1:.4},{q2:.4},{u1:.9},{u2:.9}");
     }
     let schema = LogSchema::default();
-    Log::read(text.as_bytes(), "simulated", &schema).expect("a log").0
+    Log::read(text.as_bytes(), "simulated", &schema)
+        .expect("a log")
+        .0
 }
 
 /// Friction of both joints: terms of the library for the first, a Stribeck law for the second.
@@ -55,7 +57,9 @@ fn identified() -> [FrictionResult; 2] {
         log.differentiate(position, &method).expect("derivatives");
     }
     let rows = log.select("t > 1 && t < 39").expect("rows");
-    let columns = log.motion(&["q1", "q2"], &["u1", "u2"], &rows).expect("a motion");
+    let columns = log
+        .motion(&["q1", "q2"], &["u1", "u2"], &rows)
+        .expect("a motion");
     let torques = friction_torques(&Arm, &columns.motion()).expect("friction torques");
     let methods = [
         FrictionMethod::BestSubset,
@@ -75,6 +79,7 @@ fn identified() -> [FrictionResult; 2] {
             velocities: &columns.velocities[joint],
             torques: &torques[joint],
             weights: None,
+            folds: None,
             data: log.hash(),
             settings: &[],
         };
@@ -126,7 +131,11 @@ fn write_package(folder: &Path, results: &[FrictionResult; 2]) {
 /// The folder that this test was compiled into, so that dependencies are not compiled again.
 fn target() -> PathBuf {
     let program = std::env::current_exe().expect("this program");
-    program.ancestors().nth(3).expect("target/debug/deps").to_owned()
+    program
+        .ancestors()
+        .nth(3)
+        .expect("target/debug/deps")
+        .to_owned()
 }
 
 /// Builds and runs the program; its tracking errors by model, rms in rad.

@@ -339,12 +339,7 @@ mod tests {
         };
         let found = settings.search(&LIMITS, [2, 5], planar).unwrap();
         println!("condition {} from {}", found.condition, found.start);
-        assert!(
-            found.condition < 0.5 * found.start,
-            "{} {}",
-            found.condition,
-            found.start
-        );
+        assert!(found.start > 2.0 && found.condition < 1.5);
         for i in 0..5000 {
             let [y, v, a] = found.motion.at(0.002 * f64::from(i));
             for j in 0..2 {

@@ -61,7 +61,7 @@ enum Binary {
 }
 
 const FUNCTIONS: &str =
-    "abs, sign (or sgn), sqrt, exp, ln, sin, cos, tanh, powi(x, n), min(x, y), max(x, y)";
+    "abs, sign (or sgn), sqrt, exp, ln, sin, cos, tanh, pow(x, n), min(x, y), max(x, y)";
 
 /// Several expressions over the same channels, ready to be evaluated.
 #[derive(Debug, Clone)]
@@ -380,7 +380,7 @@ impl Compiler<'_> {
             BinOp::Ne(_) => (Binary::NotEqual, Kind::Truth),
             BinOp::And(_) => (Binary::And, Kind::Truth),
             BinOp::Or(_) => (Binary::Or, Kind::Truth),
-            BinOp::BitXor(_) => return Err(self.fault("a power is written powi(x, n), not x^n")),
+            BinOp::BitXor(_) => return Err(self.fault("a power is written pow(x, n), not x^n")),
             _ => return Err(self.fault("this operator is not possible")),
         };
         let logical = matches!(f, Binary::And | Binary::Or);
@@ -402,7 +402,7 @@ impl Compiler<'_> {
             "sin" => Unary::Sin,
             "cos" => Unary::Cos,
             "tanh" => Unary::Tanh,
-            "powi" | "min" | "max" => return self.call_with_two(name, arguments),
+            "powi" | "pow" | "min" | "max" => return self.call_with_two(name, arguments),
             _ => {
                 return Err(self.fault(format!("unknown function `{name}`; known are {FUNCTIONS}")));
             }
@@ -426,7 +426,7 @@ impl Compiler<'_> {
         };
         let a = self.number(first)?;
         let operation = match name {
-            "powi" => Operation::Power(a, self.exponent(second)?),
+            "powi" | "pow" => Operation::Power(a, self.exponent(second)?),
             "min" => Operation::Binary(Binary::Min, a, self.number(second)?),
             _ => Operation::Binary(Binary::Max, a, self.number(second)?),
         };
@@ -459,7 +459,7 @@ pub(crate) fn sign(x: f64) -> f64 {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2+fma"))]
 fn unary(f: Unary, a: &[f64], out: &mut [f64]) {
     let map = |f: fn(f64) -> f64, out: &mut [f64]| {
         for (o, a) in out.iter_mut().zip(a) {
@@ -480,7 +480,7 @@ fn unary(f: Unary, a: &[f64], out: &mut [f64]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2+fma"))]
 fn binary(f: Binary, a: &[f64], b: &[f64], out: &mut [f64]) {
     #[inline(always)]
     fn map(a: &[f64], b: &[f64], out: &mut [f64], f: impl Fn(f64, f64) -> f64) {
@@ -586,7 +586,7 @@ mod tests {
             message("tanh(5*w)"),
             "there is no channel `w`; known are beta, v"
         );
-        assert!(message("v^2").contains("powi(x, n)"));
+        assert!(message("v^2").contains("pow(x, n)"));
         assert!(message("tan(v)").contains("unknown function `tan`; known are abs"));
         assert!(message("v + (v < 1)").contains("a truth value stands where a number is needed"));
         assert!(message("v + ").starts_with("expression `v + `"));

@@ -17,6 +17,7 @@ use super::stribeck::StribeckRegression;
 use super::subset::{SubsetValidation, best_of_size};
 use super::thresholding::Thresholding;
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 
 /// Condition number of the library above which coefficients are doubted (the curve need not be).
 const DOUBTFUL_CONDITION: f64 = 100.0;
@@ -36,6 +37,9 @@ pub struct FrictionData<'a> {
     pub torques: &'a [f64],
     /// Weights of the samples, 1 where absent.
     pub weights: Option<&'a [f64]>,
+    /// Folds of the cross-validation, e.g. runs, or groups of runs that repeat one motion; contiguous blocks of equal
+    /// size where absent.
+    pub folds: Option<&'a [Range<usize>]>,
     /// Source and hash of the log.
     pub data: &'a str,
     /// How these samples were made: differentiation, selection.
@@ -74,7 +78,7 @@ pub struct FrictionIdentification {
     pub library: Library,
     /// How the law is found.
     pub method: FrictionMethod,
-    /// Contiguous blocks of the cross-validation.
+    /// Contiguous blocks of the cross-validation, where the data name no folds.
     pub folds: usize,
     /// Bootstrap draws; 0 for none.
     pub draws: usize,
@@ -256,7 +260,7 @@ impl Work<'_> {
             }
             FrictionMethod::Lasso(lasso, choice) => self.select_by_lasso(reduced, lasso, *choice),
             FrictionMethod::BestSubset => {
-                let folds = Moments::blocks(&self.samples, self.settings.folds)?;
+                let folds = self.folds()?;
                 let subsets = SubsetValidation::new(&folds, 0)?;
                 let chosen = &subsets.best[subsets.one_standard_error];
                 self.notes.push(format!(
@@ -273,13 +277,20 @@ impl Work<'_> {
         }
     }
 
+    fn folds(&self) -> Result<Vec<Moments>> {
+        match self.data.folds {
+            Some(ranges) => Moments::ranges(&self.samples, ranges),
+            None => Moments::blocks(&self.samples, self.settings.folds),
+        }
+    }
+
     fn select_by_lasso(
         &mut self,
         reduced: &Reduced,
         lasso: &Lasso,
         choice: LambdaChoice,
     ) -> Result<(Selection, Solution, Option<CrossValidation>)> {
-        let folds = Moments::blocks(&self.samples, self.settings.folds)?;
+        let folds = self.folds()?;
         let grid = lasso.lambda_grid(reduced.moments(), 0, 100, 1e-4)?;
         let validation = CrossValidation::new(lasso, &folds, 0, &grid)?;
         let (index, name) = match choice {
@@ -290,7 +301,7 @@ impl Work<'_> {
         self.notes.push(format!(
             "LASSO, {} contiguous folds, choice by {name}: λ = {lambda:.4e} in 1/(2N)‖·‖² + λ‖·‖₁{}, {:.4e} in \
              ‖·‖² + λ‖·‖₁; then least squares on the chosen terms",
-            self.settings.folds,
+            folds.len(),
             if lasso.standardize { " (terms in units of their rms)" } else { "" },
             paper_lambda(lambda, reduced.moments().samples())
         ));
@@ -476,6 +487,7 @@ mod tests {
             velocities: v,
             torques: torque,
             weights: None,
+            folds: None,
             data: "here (sha256 0)",
             settings: &["made by hand".into()],
         })

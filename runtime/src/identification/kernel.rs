@@ -1,7 +1,8 @@
 //! Inner loops over blocks of samples: elementary functions and sums of products.
 //!
 //! Each loop is compiled for AVX-512, AVX2 and the base target and chosen at run time. Sums run in eight fixed
-//! lanes and multiplications are never fused, so all versions give the same bits.
+//! lanes, and where a product is fused with a sum it is so in all versions, so they give the same bits. A processor
+//! without fused multiply-adds (x86-64 before 2013) computes them in software, correctly and slowly.
 
 use multiversion::multiversion;
 
@@ -36,28 +37,32 @@ const EXP_SERIES: [f64; 13] = [
 fn reduced_exponential(x: f64) -> (f64, f64) {
     let x = if x < -708.0 { -708.0 } else { x };
     let x = if x > 709.0 { 709.0 } else { x };
-    let k = (x * std::f64::consts::LOG2_E + ROUND) - ROUND;
-    let r = (x - k * LN2_HIGH) - k * LN2_LOW;
+    let k = x.mul_add(std::f64::consts::LOG2_E, ROUND) - ROUND;
+    let r = (-k).mul_add(LN2_LOW, (-k).mul_add(LN2_HIGH, x));
     let mut s = EXP_SERIES[12];
     for i in (0..12).rev() {
-        s = s * r + EXP_SERIES[i];
+        s = s.mul_add(r, EXP_SERIES[i]);
     }
     let scale = f64::from_bits((k + (ROUND + 1023.0)).to_bits() << 52);
-    (r + r * r * s, scale)
+    ((r * r).mul_add(s, r), scale)
 }
 
 /// eˣ for x ≤ 709, clamped beyond; 0 below −708.
 #[inline(always)]
 pub(crate) fn exp(x: f64) -> f64 {
     let (p, scale) = reduced_exponential(x);
-    if x < -708.0 { 0.0 } else { scale + scale * p }
+    if x < -708.0 {
+        0.0
+    } else {
+        scale.mul_add(p, scale)
+    }
 }
 
 /// tanh x from expm1(−2|x|), accurate to a few units in the last place also near zero.
 #[inline(always)]
 pub(crate) fn tanh(x: f64) -> f64 {
     let (p, scale) = reduced_exponential(-2.0 * x.abs());
-    let e = scale * p + (scale - 1.0);
+    let e = scale.mul_add(p, scale - 1.0);
     (-e / (2.0 + e)).copysign(x)
 }
 
@@ -88,18 +93,18 @@ const SIN_SERIES: [f64; 11] = [
 /// sin x for |x| ≤ [`LARGEST_REDUCED`]; NaN stays NaN.
 #[inline(always)]
 fn sin_reduced(x: f64) -> f64 {
-    let k = (x * std::f64::consts::FRAC_1_PI + ROUND) - ROUND;
-    let r = ((x - k * PI_PARTS[0]) - k * PI_PARTS[1]) - k * PI_PARTS[2];
+    let k = x.mul_add(std::f64::consts::FRAC_1_PI, ROUND) - ROUND;
+    let r = PI_PARTS.iter().fold(x, |r, part| (-k).mul_add(*part, r));
     let z = r * r;
     let mut s = SIN_SERIES[10];
     for i in (0..10).rev() {
-        s = s * z + SIN_SERIES[i];
+        s = s.mul_add(z, SIN_SERIES[i]);
     }
     let odd = (k + ROUND).to_bits() << 63;
-    f64::from_bits((r + r * z * s).to_bits() ^ odd)
+    f64::from_bits((r * z).mul_add(s, r).to_bits() ^ odd)
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2+fma"))]
 pub(crate) fn exp_block(x: &[f64], out: &mut [f64]) {
     for (o, &x) in out.iter_mut().zip(x) {
         *o = exp(x);
@@ -118,14 +123,14 @@ fn exp_outliers(x: &[f64], out: &mut [f64]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2+fma"))]
 pub(crate) fn tanh_block(x: &[f64], out: &mut [f64]) {
     for (o, &x) in out.iter_mut().zip(x) {
         *o = tanh(x);
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2+fma"))]
 fn sin_block_reduced(x: &[f64], out: &mut [f64]) {
     for (o, &x) in out.iter_mut().zip(x) {
         *o = sin_reduced(x);
@@ -147,7 +152,7 @@ pub(crate) fn sin_block(x: &[f64], out: &mut [f64]) {
 ///
 /// - `columns`: q slices of the same length, at most [`BLOCK`]
 /// - `sums`: q × q, row by row, lower triangle
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2+fma"))]
 pub(crate) fn add_products(columns: &[&[f64]], sums: &mut [f64]) {
     let q = columns.len();
     for j in 0..q {
@@ -192,12 +197,12 @@ fn horizontal_sums(lanes: &[[f64; LANES]; 4]) -> [f64; 4] {
 #[inline(always)]
 fn add_product(sum: &mut [f64; LANES], a: [f64; LANES], b: [f64; LANES]) {
     for l in 0..LANES {
-        sum[l] += a[l] * b[l];
+        sum[l] = a[l].mul_add(b[l], sum[l]);
     }
 }
 
 /// Columns ∂τ/∂a and residual of the Stribeck law over one block, see [`super::stribeck`].
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2+fma"))]
 pub(crate) fn stribeck_block(
     v: &[f64],
     torque: &[f64],

@@ -240,8 +240,21 @@ impl Moments {
             count.max(1),
             samples.len(),
         )?;
-        let mut blocks = Vec::with_capacity(count);
-        for rows in contiguous_blocks(samples.len(), count.max(1)) {
+        let ranges: Vec<_> = contiguous_blocks(samples.len(), count.max(1)).collect();
+        Self::ranges(samples, &ranges)
+    }
+
+    /// Sums over given ranges of samples, e.g. the runs of a log, or groups of runs that repeat one motion.
+    ///
+    /// # Errors
+    /// A range that is empty or ends behind the samples, or NaN or infinite values.
+    pub fn ranges(samples: &Samples, ranges: &[Range<usize>]) -> Result<Vec<Self>> {
+        let mut blocks = Vec::with_capacity(ranges.len());
+        for rows in ranges.iter().cloned() {
+            require_samples("a range of samples", 1, rows.len())?;
+            if rows.end > samples.len() {
+                require_length("samples up to the end of a range", rows.end, samples.len())?;
+            }
             let block = Self::over(samples, rows);
             if block.products.iter().any(|x| !x.is_finite()) {
                 return Err(samples.explain_not_finite());
@@ -411,6 +424,14 @@ mod tests {
             [143; 7]
         );
         assert!((Moments::sum(&blocks).unwrap().gram() - plain.gram()).amax() < 1e-11);
+        let runs = Moments::ranges(&samples, &[0..143, 143..1001]).unwrap();
+        assert_eq!(runs[0], blocks[0]);
+        let message = |range: Range<usize>| {
+            let runs = Moments::ranges(&samples, &[range]);
+            runs.unwrap_err().to_string()
+        };
+        assert!(message(900..1002).contains("1002 expected, 1001 given"));
+        assert!(message(5..5).starts_with("a range of samples is empty"));
     }
 
     #[test]

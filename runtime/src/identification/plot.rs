@@ -94,15 +94,26 @@ pub fn pareto_plot(
         front.iter().map(|p| f(p).sqrt()).collect()
     };
     let curves = [
-        ("left-out blocks", series(&|p| p.validation_error.unwrap_or(p.lasso_error)), BLUE),
-        ("least squares on the chosen terms", series(&|p| p.refit_error), RED),
+        (
+            "left-out blocks",
+            series(&|p| p.validation_error.unwrap_or(p.lasso_error)),
+            BLUE,
+        ),
+        (
+            "least squares on the chosen terms",
+            series(&|p| p.refit_error),
+            RED,
+        ),
     ];
     for (_, values, _) in &curves {
         check(&x, values)?;
     }
     let range = span(x.iter().copied());
     let errors = span(curves.iter().flat_map(|c| c.1.iter().copied()).chain([0.0]));
-    let marks = [("least error", choices[0], BLACK.mix(1.0)), ("one standard error", choices[1], GREEN.mix(1.0))];
+    let marks = [
+        ("least error", choices[0], BLACK.mix(1.0)),
+        ("one standard error", choices[1], GREEN.mix(1.0)),
+    ];
     let labels = [
         "log10 of lambda, in 1/(2N) |y - T x|² + lambda |x|".to_string(),
         format!("rms error [{unit}]; above: number of terms"),
@@ -114,14 +125,18 @@ pub fn pareto_plot(
             chart
                 .draw_series(LineSeries::new(line, color.stroke_width(2)))?
                 .label(name)
-                .legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], color.stroke_width(2)));
+                .legend(move |(x, y)| {
+                    PathElement::new([(x, y), (x + 20, y)], color.stroke_width(2))
+                });
         }
         for (name, index, color) in marks {
             let line = [(x[index], errors.start), (x[index], errors.end)];
             chart
                 .draw_series(LineSeries::new(line, color.stroke_width(1)))?
                 .label(name)
-                .legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], color.stroke_width(1)));
+                .legend(move |(x, y)| {
+                    PathElement::new([(x, y), (x + 20, y)], color.stroke_width(1))
+                });
         }
         chart.draw_series(term_counts(front, &x, errors.end))?;
         legend(&mut chart, SeriesLabelPosition::LowerRight)
@@ -196,7 +211,7 @@ fn axes<'a, 'b>(
     Ok(chart)
 }
 
-fn legend(chart: &mut Chart, position: SeriesLabelPosition) -> Drawn<()> {
+fn legend<'a, 'b: 'a>(chart: &mut Chart<'a, 'b>, position: SeriesLabelPosition) -> Drawn<()> {
     chart
         .configure_series_labels()
         .position(position)
@@ -242,7 +257,8 @@ mod tests {
         let v: Vec<f64> = (0..10_000).map(|i| (0.01 * f64::from(i)).sin()).collect();
         let torque: Vec<f64> = v.iter().map(|v| 3.0 * v).collect();
         let law = ([-1.0, 1.0].as_slice(), [-3.0, 3.0].as_slice());
-        let svg = friction_plot(&v, &torque, law, ["rad/s", "N·m"], "beta <2>\nsha256 ab12").unwrap();
+        let svg =
+            friction_plot(&v, &torque, law, ["rad/s", "N·m"], "beta <2>\nsha256 ab12").unwrap();
         assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
         assert!(svg.contains("beta &lt;2&gt;") && svg.contains("sha256 ab12"));
         assert!(svg.contains("velocity [rad/s]") && svg.contains("friction torque [N·m]"));
