@@ -1,4 +1,9 @@
 //! Bad logs and impossible settings: each ends in a message with its numbers, none in a panic or a silent NaN.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "test code: what cannot be set up ends the test"
+)]
 
 use gelenk_runtime::identification::cross_validation::{CrossValidation, refit};
 use gelenk_runtime::identification::differentiation::KalmanSmoother;

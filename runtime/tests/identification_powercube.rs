@@ -2,10 +2,17 @@
 //!
 //! 50 Hz, encoder resolution 1e-4 rad, 60 s per joint, worst of twenty seeds. The law has several tanh terms that
 //! nearly coincide at these speeds, so the curve is judged, not the coefficients.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "test code: what cannot be set up ends the test"
+)]
 
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::identification::Result;
 use gelenk_runtime::identification::differentiation::{KalmanSmoother, quantization_noise};
+use gelenk_runtime::identification::excitation::{Excitation, ExcitationLimits};
+use gelenk_runtime::identification::inertial::InertialRegression;
 use gelenk_runtime::identification::least_squares::Reduced;
 use gelenk_runtime::identification::library::Library;
 use gelenk_runtime::identification::moments::Samples;
@@ -14,6 +21,7 @@ use gelenk_runtime::identification::thresholding::Thresholding;
 use gelenk_runtime::identification::torque::{Motion, friction_torques};
 
 const I: f64 = 161.0;
+const G: f64 = 9.80665;
 const STEP: f64 = 0.02;
 const SAMPLES: usize = 3000;
 
@@ -159,5 +167,93 @@ fn terms_are_exact_without_noise() {
     for seed in 1..=20 {
         assert_eq!(identify(0, seed, None).unwrap().active, [1, 3, 4, 5]);
         assert_eq!(identify(1, seed, None).unwrap().active, [1, 2, 3, 4, 6]);
+    }
+}
+
+/// Base parameters (J1, J2, h, g1, g2) of the planar arm, in the order of the published numbers.
+fn planar_regressor(y: &[f64; 2], v: &[f64; 2], a: &[f64; 2], out: &mut [f64]) {
+    let (s, c) = y[1].sin_cos();
+    let second = (y[0] + y[1]).sin();
+    out.copy_from_slice(&[
+        a[0],
+        I * a[1],
+        c * (2.0 * a[0] + a[1]) - s * (2.0 * v[0] * v[1] + v[1] * v[1]),
+        -G * y[0].sin(),
+        -G * second,
+        a[1],
+        0.0,
+        I * a[0] + I * I * a[1],
+        c * a[0] + s * v[0] * v[0],
+        0.0,
+        -G * second,
+        a[0] + a[1],
+    ]);
+}
+
+/// Excitation, log, regression: the published base parameters come back from encoders and noisy torques.
+#[test]
+fn base_parameters_are_recovered_along_an_excitation() {
+    let limits = [ExcitationLimits {
+        position: [-1.2, 1.2],
+        velocity: 2.0,
+        acceleration: 6.0,
+    }; 2];
+    let settings = Excitation {
+        iterations: 200,
+        starts: 2,
+        ..Default::default()
+    };
+    let excitation = settings.search(&limits, [2, 6], planar_regressor).unwrap();
+    println!(
+        "condition {:.2} from {:.2}",
+        excitation.condition, excitation.start
+    );
+    let instants: Vec<[[f64; 2]; 3]> = (0..SAMPLES)
+        .map(|i| excitation.motion.at(STEP * i as f64))
+        .collect();
+    let column = |k: usize, j: usize| -> Vec<f64> { instants.iter().map(|x| x[k][j]).collect() };
+    let measured = [0, 1].map(|j| measure(&column(0, j), 1e-4).unwrap());
+    let mut random = SplitMix64::new(5);
+    let torques: [Vec<f64>; 2] = [0, 1].map(|j| {
+        let rigid = |x: &[[f64; 2]; 3]| {
+            PowerCube.inverse_dynamics(&x[0], &x[1], &x[2])[j]
+                - PowerCube.friction_torques(&x[1])[j]
+        };
+        instants
+            .iter()
+            .map(|x| rigid(x) + 0.1 * random.normal())
+            .collect()
+    });
+    let inner = 50..SAMPLES - 50;
+    let columns = |k: usize| [0, 1].map(|j: usize| &measured[j][k][inner.clone()]);
+    let nothing: &[f64] = &[];
+    let motion = Motion {
+        positions: columns(0),
+        velocities: columns(1),
+        accelerations: columns(2),
+        inputs: [nothing; 2],
+    };
+    let torques = torques.map(|t| t[inner.clone()].to_vec());
+    let names = ["J1", "rotor of gamma", "h", "g1", "g2", "J2"].map(String::from);
+    let regression =
+        InertialRegression::from_motion(&names, &motion, &torques, None, planar_regressor).unwrap();
+    let base = regression.base_parameters(1e-9).unwrap();
+    assert_eq!(base.independent, [0, 1, 2, 3, 4, 5]);
+    let rotor = 5.267e-5;
+    let published = [
+        rotor * I * I + 0.956_037_516_856_5 - 0.660_889_906_856_5,
+        rotor,
+        0.310_754_986_2,
+        1.626138,
+        1.72641659,
+        0.660_889_906_856_5,
+    ];
+    for (i, truth) in published.iter().enumerate() {
+        let (value, error) = (base.values[i], base.standard_errors[i]);
+        println!(
+            "{}: {value:.6} ± {error:.6}, published {truth:.6}",
+            names[i]
+        );
+        assert!((value - truth).abs() < 4.0 * error + 1e-3 * truth);
     }
 }

@@ -3,6 +3,11 @@
 //! The recorded torques exclude gravity and Coulomb friction, which the robot compensated itself; so the arm here has no
 //! gravity. The runs of one group replay one input; the last run of each group is never used for fitting, and once more
 //! whole groups are left out.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "test code: what cannot be set up ends the test"
+)]
 
 #[path = "support/data.rs"]
 mod data;

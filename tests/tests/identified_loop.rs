@@ -172,7 +172,8 @@ fn identified_friction_tracks_and_a_changed_coefficient_shows() {
         found.unwrap_or_else(|| panic!("no line of {name}")).1
     };
     let (published, identified) = (error("published"), error("identified"));
-    assert!(identified < 1.2 * published, "{errors:?}");
-    assert!(error("altered") > 2.0 * identified, "{errors:?}");
+    // Worse by less than half a step of the encoders that the log was recorded with.
+    assert!(identified < published + 0.5 * RESOLUTION, "{errors:?}");
+    assert!(error("altered") > 100.0 * identified, "{errors:?}");
     assert!(error("frictionless") > error("altered"), "{errors:?}");
 }

@@ -1,7 +1,7 @@
 //! Inertial parameters from a regressor, `W π = M ÿ + k − q_gravity`: base parameters, and physically consistent ones.
 //!
 //! π has ten numbers per body, all in the body's frame: m, m cₓ, m c_y, m c_z, then Ixx, Ixy, Ixz, Iyy, Iyz, Izz about
-//! the frame's origin. A body exists with these numbers if and only if its pseudo-inertia
+//! the frame's origin. Further parameters (rotor inertias) may stand behind those of the bodies. A body exists with these numbers if and only if its pseudo-inertia
 //! `[[Σ, m c], [m cᵀ, m]]`, `Σ = ½ tr(I) 1 − I`, is positive definite (Wensing, Kim, Slotine 2017).
 
 use super::error::{
@@ -9,6 +9,7 @@ use super::error::{
 };
 use super::least_squares::triangular_factor;
 use super::moments::Samples;
+use super::torque::Motion;
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::{DMatrix, DVector, Dyn, Matrix3, Matrix4, OMatrix, OVector, Owned};
 
@@ -80,6 +81,51 @@ impl InertialRegression {
         })
     }
 
+    /// Stacks the regressor's rows along a motion.
+    ///
+    /// - `torques`: `M ÿ + k − q_gravity` by joint, as measured: `B u − τ` with known friction τ
+    /// - `weights`: of each joint's equations, e.g. 1/σ²
+    /// - `regressor`: writes W at y, ẏ, ÿ row by row, `N` rows of `names.len()` entries, e.g. the generated
+    ///   `inertial_regressor` or `base_regressor`
+    ///
+    /// # Errors
+    /// As [`Self::new`], or columns of different length.
+    pub fn from_motion<const N: usize, const M: usize>(
+        names: &[String],
+        motion: &Motion<N, M>,
+        torques: &[Vec<f64>; N],
+        weights: Option<&[f64; N]>,
+        mut regressor: impl FnMut(&[f64; N], &[f64; N], &[f64; N], &mut [f64]),
+    ) -> Result<Self> {
+        let (samples, p) = (motion.positions.first().map_or(0, |c| c.len()), names.len());
+        let columns = [motion.positions, motion.velocities, motion.accelerations];
+        let torque_columns = torques.each_ref().map(Vec::as_slice);
+        for column in columns.iter().chain([&torque_columns]).flatten() {
+            require_length("samples of a column of the motion", samples, column.len())?;
+        }
+        let mut matrix = DMatrix::zeros(N * samples, p);
+        let mut rows = vec![0.0; N * p];
+        for i in 0..samples {
+            let [y, v, a] = columns.map(|kind| kind.map(|c| c[i]));
+            rows.fill(0.0);
+            regressor(&y, &v, &a, &mut rows);
+            for (joint, row) in rows.chunks_exact(p.max(1)).enumerate() {
+                for (column, value) in row.iter().enumerate() {
+                    matrix[(i * N + joint, column)] = *value;
+                }
+            }
+        }
+        let stack = |column: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
+            (0..samples)
+                .flat_map(|i| (0..N).map(move |j| (i, j)))
+                .map(|(i, j)| column(i, j))
+                .collect()
+        };
+        let right = stack(&|i, j| torques[j][i]);
+        let weights = weights.map(|weights| stack(&|_, j| weights[j]));
+        Self::new(names, &matrix, &right, weights.as_deref())
+    }
+
     /// Base parameters by a column-pivoted factorization of R.
     ///
     /// - `tolerance`: a column counts as dependent if what it adds is below this share of the largest, e.g. 1e-9
@@ -142,14 +188,24 @@ impl InertialRegression {
     /// Parameters of bodies that can exist, nearest to the data, in log-Cholesky coordinates (Rucker, Wensing 2022):
     /// `min ‖W π − τ‖² + weight · Σ ((π − π₀)/s)²`, s the size of the prior's entries.
     ///
-    /// - `prior`: π₀ of all bodies, physically consistent, e.g. the description's
+    /// - `prior`: π₀ of all bodies, physically consistent, e.g. the description's; behind them further parameters, which
+    ///   are positive and stay so
+    /// - `bodies`: how many bodies there are
     /// - `weight`: how strongly directions that the data do not show are held at the prior, small and positive
     ///
     /// # Errors
     /// Wrong length, a prior that is not consistent, or a search that does not end.
-    pub fn consistent_estimate(&self, prior: &[f64], weight: f64) -> Result<Vec<f64>> {
+    pub fn consistent_estimate(
+        &self,
+        prior: &[f64],
+        bodies: usize,
+        weight: f64,
+    ) -> Result<Vec<f64>> {
         require_length("prior parameters", self.triangle.ncols(), prior.len())?;
-        require_length("parameters, a multiple of ten", 0, prior.len() % PER_BODY)?;
+        if prior.len() < bodies * PER_BODY {
+            require_length("parameters, ten per body", bodies * PER_BODY, prior.len())?;
+        }
+        let (of_bodies, others) = prior.split_at(bodies * PER_BODY);
         require_setting(
             "weight of the prior",
             weight,
@@ -157,15 +213,22 @@ impl InertialRegression {
             "it must be positive",
         )?;
         let mut coordinates = Vec::with_capacity(prior.len());
-        for (body, pi) in prior.chunks_exact(PER_BODY).enumerate() {
+        for (body, pi) in of_bodies.chunks_exact(PER_BODY).enumerate() {
             coordinates.extend(log_cholesky(body, pi)?);
+        }
+        for (i, &value) in others.iter().enumerate() {
+            let name = format!("prior of parameter {} behind the bodies", i + 1);
+            require_setting(&name, value, value > 0.0, "it must be positive")?;
+            coordinates.push(value.ln());
         }
         let problem = ConsistentProblem {
             regression: self,
             prior: DVector::from_column_slice(prior),
-            scale: prior
+            bodies,
+            scale: of_bodies
                 .chunks_exact(PER_BODY)
                 .flat_map(sizes)
+                .chain(others.iter().copied())
                 .map(|s| weight.sqrt() / s)
                 .collect(),
             coordinates: DVector::from_vec(coordinates),
@@ -349,6 +412,7 @@ fn sizes(pi: &[f64]) -> [f64; PER_BODY] {
 
 struct ConsistentProblem<'a> {
     regression: &'a InertialRegression,
+    bodies: usize,
     prior: DVector<f64>,
     scale: Vec<f64>,
     coordinates: DVector<f64>,
@@ -360,25 +424,25 @@ impl ConsistentProblem<'_> {
             let u = upper_factor(x);
             from_pseudo_inertia(&(u * u.transpose()))
         };
-        let all: Vec<f64> = self
-            .coordinates
-            .as_slice()
-            .chunks_exact(PER_BODY)
-            .flat_map(body)
-            .collect();
-        DVector::from_vec(all)
+        let (bodies, others) = self.split();
+        let all = bodies.chunks_exact(PER_BODY).flat_map(body);
+        DVector::from_vec(all.chain(others.iter().map(|x| x.exp())).collect())
     }
 
-    /// ∂π/∂x, one 10 × 10 block per body.
+    /// Coordinates of the bodies, and logarithms of the other parameters.
+    fn split(&self) -> (&[f64], &[f64]) {
+        self.coordinates.as_slice().split_at(self.bodies * PER_BODY)
+    }
+
+    /// ∂π/∂x, one 10 × 10 block per body, then a diagonal.
     fn parameter_jacobian(&self) -> DMatrix<f64> {
         let p = self.coordinates.len();
         let mut jacobian = DMatrix::zeros(p, p);
-        for (body, x) in self
-            .coordinates
-            .as_slice()
-            .chunks_exact(PER_BODY)
-            .enumerate()
-        {
+        let (bodies, others) = self.split();
+        for (i, x) in others.iter().enumerate() {
+            jacobian[(bodies.len() + i, bodies.len() + i)] = x.exp();
+        }
+        for (body, x) in bodies.chunks_exact(PER_BODY).enumerate() {
             let u = upper_factor(x);
             for k in 0..PER_BODY {
                 let d = upper_factor_derivative(x, k) * u.transpose();
@@ -531,7 +595,7 @@ mod tests {
             .map(|t| t + 0.05 * random.normal())
             .collect();
         let regression = InertialRegression::new(&names(20), &w, &torque, None).unwrap();
-        let estimate = regression.consistent_estimate(&other, 1e-4).unwrap();
+        let estimate = regression.consistent_estimate(&other, 2, 1e-4).unwrap();
         for pi in estimate.chunks_exact(PER_BODY) {
             assert!(is_physically_consistent(pi.try_into().unwrap()));
         }
@@ -543,7 +607,25 @@ mod tests {
             fitted < 1.1 * 400.0 * 0.05 * 0.05 && fitted < 1e-2 * prior,
             "{fitted} {prior}"
         );
-        let again = regression.consistent_estimate(&estimate, 1e3).unwrap();
+        // A rotor's inertia behind the bodies: the last column scaled, so that it can be told from the rest.
+        let mut with_rotor = w.clone().insert_column(20, 0.0).insert_row(400, 0.0);
+        with_rotor[(400, 20)] = 10.0;
+        let mut torque = torque;
+        torque.push(10.0 * 0.7);
+        let larger = InertialRegression::new(&names(21), &with_rotor, &torque, None).unwrap();
+        let prior = [other.clone(), vec![0.1]].concat();
+        let found = larger.consistent_estimate(&prior, 2, 1e-4).unwrap();
+        assert!((found[20] - 0.7).abs() < 0.01, "{}", found[20]);
+        let prior = [other.clone(), vec![-0.1]].concat();
+        let message = larger
+            .consistent_estimate(&prior, 2, 1e-4)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            message.starts_with("prior of parameter 1 behind the bodies = -0.1"),
+            "{message}"
+        );
+        let again = regression.consistent_estimate(&estimate, 2, 1e3).unwrap();
         for (a, b) in again.iter().zip(&estimate) {
             assert!((a - b).abs() < 1e-3);
         }
@@ -565,6 +647,6 @@ mod tests {
                 .to_string()
                 .contains("is zero in all 30 samples")
         );
-        assert!(regression.consistent_estimate(&[0.0; 10], 1.0).is_err());
+        assert!(regression.consistent_estimate(&[0.0; 10], 1, 1.0).is_err());
     }
 }
