@@ -107,10 +107,16 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> FeedForward<D, N, M> {
             &sample.velocities,
             &sample.accelerations,
         );
-        let inputs = self.inverse.map(|row| product(&row, &forces));
+        let inputs = self.inputs_for(&forces);
         let residual =
             core::array::from_fn(|i| forces[i] - product(&self.input_matrix[i], &inputs));
         FeedForwardInput { inputs, residual }
+    }
+
+    /// B⁺ f: inputs that make generalized forces f [N m or N], or come closest to them.
+    #[must_use]
+    pub fn inputs_for(&self, forces: &[f64; N]) -> [f64; M] {
+        self.inverse.map(|row| product(&row, forces))
     }
 
     /// Inputs at times 0, `period`, 2 `period`, … up to the end of `trajectory`, to be held over the period that follows.

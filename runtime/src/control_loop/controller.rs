@@ -5,7 +5,7 @@ use std::fmt;
 /// What a controller learns at the start of a period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cycle<const N: usize, const M: usize> {
-    /// Time on the trajectory at the start of this period [s]; 0 at its start.
+    /// Time on the trajectory at the start of this period (s); 0 at its start.
     pub time: f64,
     /// Periods since the previous call; 1 unless the loop was stalled. The input stayed the same over all of them.
     pub periods: u32,

@@ -4,8 +4,9 @@ use super::controller::{Command, Controller, ControllerFault, Cycle, Estimate};
 use super::monitor::VelocityFilter;
 use super::settings::{SettingError, require};
 use crate::dynamics::Dynamics;
+use crate::feed_forward::{FeedForward, FeedForwardError};
 use crate::trajectory::{Sample, Trajectory};
-use nalgebra::SMatrix;
+use thiserror::Error;
 
 /// Gains of the joint PD, by coordinate.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,53 +36,46 @@ impl<const N: usize> JointGains<N> {
     }
 }
 
+/// Why there is no joint PD.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum JointPdError {
+    /// Gains that are negative or not finite.
+    #[error(transparent)]
+    Gains(#[from] SettingError),
+    /// The model has no feed-forward.
+    #[error(transparent)]
+    FeedForward(#[from] FeedForwardError),
+}
+
 /// The control law, without memory:
 ///
 /// ```text
-///     u = B⁺ (M ÿ_d + k − q + K_p (y_d − y) + K_d (ẏ_d − ẏ))        M, k, q at (y_d, ẏ_d)
+///     u = u_ff(y_d, ẏ_d, ÿ_d) + B⁺ (K_p (y_d − y) + K_d (ẏ_d − ẏ))
 /// ```
 ///
-/// B⁺ is the inverse where B is square, and the least-squares inverse where there are fewer inputs than coordinates.
+/// with the [`FeedForward`] u_ff and its B⁺.
 #[derive(Debug, Clone)]
 pub struct JointPd<D, const N: usize, const M: usize> {
-    model: D,
+    feed_forward: FeedForward<D, N, M>,
     gains: JointGains<N>,
-    /// B⁺.
-    allocation: [[f64; N]; M],
 }
 
 impl<D: Dynamics<N, M>, const N: usize, const M: usize> JointPd<D, N, M> {
     /// The law for a model.
     ///
     /// # Errors
-    /// [`SettingError`] for gains that are negative or not finite, and for an input that moves nothing.
-    pub fn new(model: D, gains: JointGains<N>) -> Result<Self, SettingError> {
-        let finite = |x: f64| x.is_finite() && x >= 0.0;
-        require(
-            "gains.position",
-            &gains.position,
-            "finite and not negative",
-            finite,
-        )?;
-        require(
-            "gains.velocity",
-            &gains.velocity,
-            "finite and not negative",
-            finite,
-        )?;
-        let rows = model.input_matrix();
-        let b = SMatrix::<f64, N, M>::from_fn(|i, j| rows[i][j]);
-        let normal = b.transpose() * b;
-        let inverse = normal.try_inverse().ok_or(SettingError {
-            name: "model: det(BᵀB)",
-            index: 0,
-            value: 0.0,
-            range: "not 0: every input must move the robot in a way of its own",
-        })?;
-        let inverse = inverse * b.transpose();
+    /// [`JointPdError`].
+    pub fn new(model: D, gains: JointGains<N>) -> Result<Self, JointPdError> {
+        for (name, values) in [
+            ("gains.position", &gains.position),
+            ("gains.velocity", &gains.velocity),
+        ] {
+            require(name, values, "finite and not negative", |x| {
+                x.is_finite() && x >= 0.0
+            })?;
+        }
         Ok(Self {
-            allocation: core::array::from_fn(|j| core::array::from_fn(|i| inverse[(j, i)])),
-            model,
+            feed_forward: FeedForward::new(model)?,
             gains,
         })
     }
@@ -96,16 +90,15 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> JointPd<D, N, M> {
         positions: &[f64; N],
         velocities: &[f64; N],
     ) -> Result<[f64; M], ControllerFault> {
-        let (y, v) = (&desired.positions, &desired.velocities);
-        let mut forces = self.model.inverse_dynamics(y, v, &desired.accelerations);
-        for i in 0..N {
-            forces[i] += self.gains.position[i] * (y[i] - positions[i])
-                + self.gains.velocity[i] * (v[i] - velocities[i]);
+        let correction = self.feed_forward.inputs_for(&core::array::from_fn(|i| {
+            self.gains.position[i] * (desired.positions[i] - positions[i])
+                + self.gains.velocity[i] * (desired.velocities[i] - velocities[i])
+        }));
+        let mut inputs = self.feed_forward.at(desired).inputs;
+        for (u, du) in inputs.iter_mut().zip(correction) {
+            *u += du;
         }
-        let inputs = self
-            .allocation
-            .map(|row| row.iter().zip(&forces).map(|(b, f)| b * f).sum());
-        if inputs.iter().all(|u: &f64| u.is_finite()) {
+        if inputs.iter().all(|u| u.is_finite()) {
             Ok(inputs)
         } else {
             Err(ControllerFault::NotFinite)
@@ -128,7 +121,7 @@ pub struct FeedForwardPd<D, R, const N: usize, const M: usize> {
 impl<D: Dynamics<N, M>, R: Trajectory<N>, const N: usize, const M: usize>
     FeedForwardPd<D, R, N, M>
 {
-    /// The controller for periods of `period` seconds; velocities are smoothed with `time_constant` [s].
+    /// The controller for periods of `period` seconds; velocities are smoothed with `time_constant` (s).
     #[must_use]
     pub fn new(law: JointPd<D, N, M>, trajectory: R, period: f64, time_constant: f64) -> Self {
         let start = trajectory.sample(0.0).positions;
@@ -172,5 +165,45 @@ impl<D: Dynamics<N, M>, R: Trajectory<N>, const N: usize, const M: usize> Contro
             positions: *self.filter.positions(),
             velocities: *self.filter.velocities(),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trajectory::RestToRest;
+
+    crate::dynamics!(struct PowerCube = gelenk_generated::powercube);
+
+    #[test]
+    fn the_law_is_feed_forward_plus_gains_through_the_gears() {
+        let gains = JointGains {
+            position: [100.0, 50.0],
+            velocity: [10.0, 5.0],
+        };
+        let law = JointPd::new(PowerCube, gains).unwrap();
+        let motion = RestToRest::new([0.0, 0.1], [1.0, 0.5], 2.0).unwrap();
+        let desired = motion.sample(0.7);
+        let (y, v) = (&desired.positions, &desired.velocities);
+        let exact = law.inputs(&desired, y, v).unwrap();
+        let off = law
+            .inputs(&desired, &[y[0] - 0.161, y[1]], &[v[0], v[1] + 0.322])
+            .unwrap();
+        // 100 · 0.161 / 161 and −5 · 0.322 / 161: the gear ratio is 161.
+        assert!((off[0] - exact[0] - 0.1).abs() < 1e-12);
+        assert!((off[1] - exact[1] + 0.01).abs() < 1e-12);
+    }
+
+    #[test]
+    fn gains_must_be_numbers() {
+        let gains = JointGains {
+            position: [1.0, f64::NAN],
+            velocity: [1.0; 2],
+        };
+        let error = JointPd::new(PowerCube, gains).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "setting gains.position[1] of the loop is NaN; it must be finite and not negative"
+        );
     }
 }

@@ -66,7 +66,7 @@ pub struct GuardSettings<const N: usize> {
 pub struct EncoderGuard<const N: usize> {
     settings: GuardSettings<N>,
     believed: [f64; N],
-    /// Time since `believed` was measured [s].
+    /// Time since `believed` was measured (s).
     age: f64,
     last_reading: [f64; N],
     /// Desired position when the reading last changed.
@@ -91,7 +91,7 @@ impl<const N: usize> EncoderGuard<N> {
         self.age += span;
     }
 
-    /// Last position that was believed [rad or m], and its age [s].
+    /// Last position that was believed [rad or m], and its age (s).
     #[must_use]
     pub fn believed(&self) -> ([f64; N], f64) {
         (self.believed, self.age)

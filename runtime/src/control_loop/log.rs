@@ -16,7 +16,7 @@ const IDLE: Duration = Duration::from_millis(5);
 /// One period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LogRecord<const N: usize, const M: usize> {
-    /// Time on the trajectory [s].
+    /// Time on the trajectory (s).
     pub time: f64,
     /// Positions as read, also where they were not believed [rad or m]; NaN where nothing arrived.
     pub positions: [f64; N],
@@ -32,9 +32,9 @@ pub struct LogRecord<const N: usize, const M: usize> {
     pub believed: bool,
     /// Iterations of the controller's optimizer.
     pub iterations: u32,
-    /// Lateness of the wake-up [ns].
+    /// Lateness of the wake-up (ns).
     pub lateness: u64,
-    /// Time of read, control, check and write [ns].
+    /// Time of read, control, check and write (ns).
     pub stages: [u64; 4],
 }
 

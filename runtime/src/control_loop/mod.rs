@@ -1,4 +1,52 @@
-//! The loop that drives a robot at a fixed rate.
+//! The loop that drives a robot at a fixed rate, 50 Hz to 1 kHz.
+//!
+//! ```text
+//!        sleep until t_k = t_0 + k T, absolute
+//!          │
+//!        read ── missing, NaN, jump, frozen ──► n periods bridged, then brakes
+//!          │
+//!        control ── fails ──► shifted plan ──► feed-forward with joint PD ──► controlled stop
+//!          │
+//!        check: inputs cut off; position, braking distance, speed, following error ──► brakes
+//!          │
+//!        write, unless t_{k+1} has come ──► deadline missed: n periods held, then brakes
+//!          │
+//!        log: a queue without locks, a thread that writes CSV
+//! ```
+//!
+//! [`ControlLoop`] joins a [`Controller`], a [`Transport`](crate::transport::Transport) and a [`Clock`]. The limits and guards
+//! are its own and do not trust the controller. What it does on each fault is listed in
+//! [`attaching_hardware`](crate::transport::attaching_hardware); the [`LoopReport`] says what happened.
+//!
+//! In real time, call [`RealtimeRequest::apply`] in the loop's thread, after everything is made. In tests, a [`VirtualClock`]
+//! makes a run exact and quick:
+//!
+//! ```
+//! use gelenk_runtime::control_loop::{
+//!     ControlLoop, End, FeedForwardPd, JointGains, JointPd, LoopSettings, VirtualClock,
+//! };
+//! use gelenk_runtime::dynamics::Dynamics;
+//! use gelenk_runtime::plant::{Plant, PlantOptions};
+//! use gelenk_runtime::trajectory::RestToRest;
+//! use gelenk_runtime::transport::{Brakes, InProcess};
+//!
+//! gelenk_runtime::dynamics!(pub struct PowerCube = gelenk_generated::powercube);
+//!
+//! let motion = RestToRest::new([0.0, 0.0], [0.2, -0.1], 1.0)?;
+//! let settings = LoopSettings::for_limits(50.0, &PowerCube.limits());
+//! let law = JointPd::new(PowerCube, JointGains::from_bandwidth(&PowerCube, &[0.0; 2], 10.0, 0.7))?;
+//! let controller = FeedForwardPd::new(law.clone(), motion, 0.02, 0.01);
+//! let clock = VirtualClock::new();
+//! let plant = Plant::new(PowerCube, PlantOptions::default())?;
+//! let robot = InProcess::new(plant, clock.clone(), settings.period());
+//!
+//! let mut control: ControlLoop<_, _, _, _, _, 2, 2> =
+//!     ControlLoop::new(settings, law, motion, controller, robot, clock)?;
+//! let report = control.run();
+//! assert_eq!(report.end, End::Finished);
+//! assert_eq!(report.brakes, Brakes::Engaged);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod clock;
 mod controller;
@@ -16,7 +64,7 @@ mod stop_request;
 
 pub use clock::{Clock, MonotonicClock, VirtualClock};
 pub use controller::{Command, Controller, ControllerFault, Cycle, Estimate};
-pub use feed_forward_pd::{FeedForwardPd, JointGains, JointPd};
+pub use feed_forward_pd::{FeedForwardPd, JointGains, JointPd, JointPdError};
 pub use guard::{EncoderFault, EncoderGuard, GuardSettings};
 pub use log::{LogRecord, LogSink, LogSummary, LogWriter, log_to, log_to_file};
 pub use monitor::LimitFault;

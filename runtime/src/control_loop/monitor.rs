@@ -93,7 +93,7 @@ pub(super) fn check_positions<const N: usize, const M: usize>(
     check_stop(settings, positions, positions)
 }
 
-/// All limits of the state: `age` is the time since `positions` were measured [s].
+/// All limits of the state: `age` is the time since `positions` were measured (s).
 ///
 /// # Errors
 /// The first [`LimitFault`].

@@ -13,9 +13,9 @@ use crate::trajectory::{Sample, Trajectory};
 /// Trans. Robotics and Automation 6 (1990)).
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Reference {
-    /// As planned, at this time [s].
+    /// As planned, at this time (s).
     Running { time: f64 },
-    /// Slowing down since `since` [s], for `elapsed` of `span` [s].
+    /// Slowing down since `since` (s), for `elapsed` of `span` (s).
     Stopping { since: f64, elapsed: f64, span: f64 },
 }
 
@@ -39,7 +39,7 @@ impl Reference {
         }
     }
 
-    /// Time on the trajectory [s].
+    /// Time on the trajectory (s).
     pub fn time(&self) -> f64 {
         match *self {
             Self::Running { time } => time,
@@ -60,7 +60,7 @@ impl Reference {
         }
     }
 
-    /// Time since the trajectory came to its stand [s]; None before.
+    /// Time since the trajectory came to its stand (s); None before.
     pub fn standing(&self) -> Option<f64> {
         match *self {
             Self::Stopping { elapsed, span, .. } if elapsed >= span => Some(elapsed - span),

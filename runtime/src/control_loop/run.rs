@@ -66,7 +66,7 @@ where
 {
     pub(super) settings: LoopSettings<N, M>,
     period: Duration,
-    /// The same [s].
+    /// The same (s).
     pub(super) seconds: f64,
     pub(super) fallback: JointPd<D, N, M>,
     pub(super) trajectory: R,
@@ -428,7 +428,7 @@ where
         self.state.origin + Duration::from_nanos(nanos)
     }
 
-    /// In whole periods, so that time 0 of the trajectory is the beginning of one [s].
+    /// In whole periods, so that time 0 of the trajectory is the beginning of one (s).
     pub(super) fn release_time(&self) -> f64 {
         (self.settings.release_time / self.seconds).ceil() * self.seconds
     }

@@ -6,13 +6,13 @@ use crate::dynamics::Limits;
 use std::time::Duration;
 use thiserror::Error;
 
-/// Rates that the loop accepts [Hz].
+/// Rates that the loop accepts (Hz).
 pub const RATES: std::ops::RangeInclusive<f64> = 50.0..=1000.0;
 
 /// Settings of a [`ControlLoop`](super::ControlLoop). Start from [`for_limits`](Self::for_limits) and change what differs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoopSettings<const N: usize, const M: usize> {
-    /// Periods per second, 50 to 1000 [Hz].
+    /// Periods per second, 50 to 1000 (Hz).
     pub rate: f64,
     /// Periods in a row that are bridged without a believable measurement, or with a missed deadline; the robot then holds
     /// its inputs or follows the controller's prediction. One more and the loop brakes.
@@ -36,15 +36,15 @@ pub struct LoopSettings<const N: usize, const M: usize> {
     pub input_limit: [f64; M],
     /// What is believed of encoders.
     pub guard: GuardSettings<N>,
-    /// Time constant of the velocity estimate from positions, for speed check and joint PD [s].
+    /// Time constant of the velocity estimate from positions, for speed check and joint PD (s).
     pub velocity_time_constant: f64,
     /// Speed below which a robot stands [rad/s or m/s].
     pub standstill_speed: [f64; N],
-    /// Time in which a controlled stop slows the trajectory down to a stand [s].
+    /// Time in which a controlled stop slows the trajectory down to a stand (s).
     pub stop_time: f64,
-    /// Time after the end of the trajectory before the brakes are engaged [s].
+    /// Time after the end of the trajectory before the brakes are engaged (s).
     pub settling_time: f64,
-    /// Time that the brakes need to release, in which the start position is held [s].
+    /// Time that the brakes need to release, in which the start position is held (s).
     pub release_time: f64,
     /// Periods to wait for a first reading before the loop refuses to start.
     pub start_periods: u32,

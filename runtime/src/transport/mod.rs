@@ -1,5 +1,8 @@
-//! How positions come from a robot and inputs get there.
+//! How positions come from a robot and inputs get there: in process, over UDP, over a CAN bus, or through your own
+//! [`Transport`]. Read [`attaching_hardware`] before an arm moves.
 
+#[doc = include_str!("attaching_hardware.md")]
+pub mod attaching_hardware {}
 pub mod can_frame;
 pub mod datagram;
 mod in_process;

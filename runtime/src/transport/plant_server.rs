@@ -25,11 +25,11 @@ pub enum Pace {
 /// Settings of a [`PlantServer`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct ServerOptions {
-    /// Step of the plant [s].
+    /// Step of the plant (s).
     pub period: f64,
     /// What makes time pass.
     pub pace: Pace,
-    /// Periods without inputs after which the plant brakes by itself, as drives do when the bus falls silent.
+    /// Periods in a row without inputs that the plant bears; then it brakes by itself, as drives do when the bus falls silent.
     pub watchdog_periods: u32,
     /// Probability that a datagram is lost, in either direction.
     pub loss: f64,
@@ -79,7 +79,7 @@ pub struct PlantServer<D, const N: usize, const M: usize> {
     /// Received since the plant last moved.
     received: Option<[f64; M]>,
     periods: u64,
-    /// Since inputs last arrived.
+    /// In a row without inputs.
     silent_periods: u32,
     /// Since the plant was made, in real time.
     reached: Instant,
@@ -211,7 +211,6 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> PlantServer<D, N, M> {
             }
             Message::Inputs(inputs) if !lost => {
                 self.received = Some(inputs);
-                self.silent_periods = 0;
                 Ok(None)
             }
             Message::Brake if !lost => {
@@ -247,15 +246,18 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> PlantServer<D, N, M> {
     }
 
     fn advance(&mut self) -> Result<(), ServerError> {
-        match self.received.take() {
-            Some(inputs) => self.plant.apply(&inputs, self.options.period)?,
-            None => self.plant.hold(self.options.period)?,
+        let period = self.options.period;
+        if let Some(inputs) = self.received.take() {
+            self.silent_periods = 0;
+            self.plant.apply(&inputs, period)?;
+        } else {
+            self.silent_periods = self.silent_periods.saturating_add(1);
+            if self.silent_periods > self.options.watchdog_periods {
+                self.plant.brake();
+            }
+            self.plant.hold(period)?;
         }
         self.periods += 1;
-        self.silent_periods = self.silent_periods.saturating_add(1);
-        if self.silent_periods > self.options.watchdog_periods {
-            self.plant.brake();
-        }
         self.observe();
         Ok(())
     }

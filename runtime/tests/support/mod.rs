@@ -1,4 +1,4 @@
-//! What test binaries share: random optimal-control QPs with Clarabel as their oracle, a robot with its loop.
+//! What test binaries share: random optimal-control QPs with Clarabel as their oracle, a robot with its loop, its plant process.
 #![allow(dead_code, reason = "each test binary uses its own part")]
 #![allow(
     clippy::unwrap_used,
@@ -6,5 +6,6 @@
 )]
 
 pub mod oracle;
+pub mod plant_process;
 pub mod random_qp;
 pub mod robot;

@@ -1,0 +1,117 @@
+//! The loop allocates when it is made, not when it runs: in process, over UDP, with its log.
+
+#![allow(clippy::unwrap_used, reason = "test code")]
+
+mod support;
+
+use gelenk_runtime::control_loop::{
+    Clock, ControlLoop, Controller, FeedForwardPd, LoopSettings, MonotonicClock, VirtualClock,
+    log_to,
+};
+use gelenk_runtime::trajectory::RestToRest;
+use gelenk_runtime::transport::{
+    InProcess, Pace, PlantServer, ServerOptions, Transport, UdpTransport,
+};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::time::Duration;
+use support::robot::{END, PowerCube, START, law, plant_at, plant_options, settings};
+
+struct Counting;
+
+thread_local! {
+    /// Of this thread alone: the log's writer and the plant's server allocate in theirs.
+    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+// SAFETY: every call goes to the system allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
+        // SAFETY: the caller's promise is passed on.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
+        // SAFETY: the caller's promise is passed on.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the caller's promise is passed on.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static GLOBAL: Counting = Counting;
+
+const RATE: f64 = 1000.0;
+
+/// Long enough for 10 000 periods.
+fn motion() -> RestToRest<2> {
+    RestToRest::new(START, END, 12.0).unwrap()
+}
+
+fn controller() -> impl Controller<2, 2> {
+    FeedForwardPd::new(law(), motion(), 1.0 / RATE, 0.01)
+}
+
+/// Allocations in so many periods, and records written and dropped.
+fn allocations(transport: impl Transport<2, 2>, clock: VirtualClock, periods: u64) -> (u64, u64) {
+    let (sink, writer) = log_to(std::io::sink(), 20_000).unwrap();
+    let settings = LoopSettings {
+        // A machine that stalls the server for long shall not end this.
+        hold_periods: 1_000_000,
+        ..settings(RATE)
+    };
+    let mut control: ControlLoop<PowerCube, _, _, _, _, 2, 2> =
+        ControlLoop::new(settings, law(), motion(), controller(), transport, clock)
+            .unwrap()
+            .with_log(sink);
+    let before = ALLOCATIONS.get();
+    control.start().unwrap();
+    for _ in 0..periods {
+        assert!(control.period());
+    }
+    let counted = ALLOCATIONS.get() - before;
+    drop(control);
+    let summary = writer.finish().unwrap();
+    (counted, summary.written + summary.dropped)
+}
+
+#[test]
+fn ten_thousand_periods_in_process_do_not_allocate() {
+    let clock = VirtualClock::new();
+    let plant = plant_at(START, plant_options());
+    let robot = InProcess::new(plant, clock.clone(), Duration::from_millis(1));
+    assert_eq!(allocations(robot, clock, 10_000), (0, 10_000));
+}
+
+#[test]
+fn two_thousand_periods_over_udp_do_not_allocate() {
+    let options = ServerOptions {
+        period: 1.0 / RATE,
+        pace: Pace::LockStep,
+        ..ServerOptions::default()
+    };
+    let plant = plant_at(START, plant_options());
+    let mut server = PlantServer::bind(plant, "127.0.0.1:0", options).unwrap();
+    let address = server.local_address().unwrap();
+    let serving = std::thread::spawn(move || server.serve(Duration::from_secs(1)));
+    let link: UdpTransport<2, 2> = UdpTransport::connect(address, Duration::from_secs(30)).unwrap();
+    assert_eq!(allocations(link, VirtualClock::new(), 2000), (0, 2000));
+    serving.join().unwrap().unwrap();
+}
+
+/// The real clock, too; three periods are enough to see whether it does.
+#[test]
+fn sleeping_does_not_allocate() {
+    let clock = MonotonicClock;
+    let before = ALLOCATIONS.get();
+    for _ in 0..3 {
+        clock.sleep_until(clock.now() + Duration::from_millis(1));
+    }
+    assert_eq!(ALLOCATIONS.get() - before, 0);
+}

@@ -1,0 +1,283 @@
+//! The loop against a plant process, a program of its own, over UDP. Loop and plant move in lock-step on virtual time, so that
+//! a busy machine makes these tests slow, but not fail; assertions are on the plant's own state.
+
+#![allow(clippy::unwrap_used, reason = "test code")]
+
+mod support;
+
+use gelenk_runtime::control_loop::{
+    ControlLoop, End, LoopReport, LoopSettings, StopReason, VirtualClock,
+};
+use gelenk_runtime::dynamics::Dynamics;
+use gelenk_runtime::transport::datagram::TrueState;
+use gelenk_runtime::transport::{Brakes, Transport, TransportError, UdpTransport};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::net::{SocketAddr, UdpSocket};
+use std::time::Duration;
+use support::plant_process::{PlantProcess, program};
+use support::robot::{END, LIMITS, PowerCube, START, Watched, law, motion, pd, settings};
+
+/// Nothing moves while a controller waits, so this may be long.
+const PATIENCE: Duration = Duration::from_secs(30);
+const RATE: f64 = 50.0;
+
+type Link = UdpTransport<2, 2>;
+type Loop<'a> = ControlLoop<
+    PowerCube,
+    gelenk_runtime::trajectory::RestToRest<2>,
+    support::robot::Pd,
+    &'a mut Link,
+    VirtualClock,
+    2,
+    2,
+>;
+
+fn start(arguments: &[&str]) -> PlantProcess {
+    let mut all = vec!["--lock-step"];
+    all.extend(arguments);
+    PlantProcess::start(&program(), &all)
+}
+
+fn connect(address: SocketAddr) -> Link {
+    UdpTransport::connect(address, PATIENCE).unwrap()
+}
+
+fn control(link: &mut Link, settings: LoopSettings<2, 2>) -> Loop<'_> {
+    let clock = VirtualClock::new();
+    ControlLoop::new(settings, law(), motion(), pd(RATE), link, clock).unwrap()
+}
+
+fn run(link: &mut Link) -> LoopReport {
+    control(link, settings(RATE)).run()
+}
+
+/// The true state two seconds later: within limits, braked, at rest.
+fn assert_stopped_safely(link: &mut Link) -> TrueState<2> {
+    for _ in 0..100 {
+        let _ = link.read();
+    }
+    let (state, brakes) = link.inspect().unwrap().unwrap();
+    assert_eq!(brakes, Brakes::Engaged);
+    let speeds = PowerCube.limits().velocity;
+    for i in 0..2 {
+        assert!(state.velocities[i].abs() < 1e-6, "{state:?}");
+        assert!(state.lowest[i] >= LIMITS[i][0] && state.highest[i] <= LIMITS[i][1]);
+        assert!(state.fastest[i] <= speeds[i], "{state:?}");
+    }
+    state
+}
+
+#[test]
+fn over_udp_the_motion_is_the_same_as_in_process() {
+    let plant = start(&[]);
+    let mut link = connect(plant.address);
+    let report = run(&mut link);
+    assert_eq!(report.end, End::Finished, "{report}");
+    let there = assert_stopped_safely(&mut link);
+    let mut robot = Watched::at_start(RATE);
+    let clock = robot.clock.clone();
+    // The process begins with its brakes engaged, and in lock-step its first query already lets a period pass.
+    robot.brake().unwrap();
+    clock.advance(Duration::from_millis(20));
+    let here: LoopReport =
+        ControlLoop::new(settings(RATE), law(), motion(), pd(RATE), &mut robot, clock)
+            .unwrap()
+            .run();
+    robot.assert_stopped_safely();
+    assert_eq!(report, here);
+    assert_eq!(there.positions, robot.state().0, "bit for bit");
+    for i in 0..2 {
+        assert!((there.positions[i] - END[i]).abs() < 5e-3);
+    }
+}
+
+#[test]
+fn a_fifth_of_the_datagrams_may_be_lost() {
+    let mut finished = 0;
+    for seed in ["1", "2", "3", "4", "5", "6"] {
+        let plant = start(&["--loss", "0.2", "--seed", seed]);
+        let mut link = connect(plant.address);
+        let report = run(&mut link);
+        match report.end {
+            End::Finished => {
+                finished += 1;
+                assert!(report.counts.missing > 20, "{report}");
+            }
+            // Four measurements lost in a row, or six inputs, which the plant's watchdog does not bear.
+            End::Stopped(StopReason::NoMeasurement | StopReason::BrakedByRobot) => {}
+            _ => panic!("{report}"),
+        }
+        assert_stopped_safely(&mut link);
+    }
+    assert!(finished >= 2, "{finished} of 6");
+}
+
+#[test]
+fn three_periods_of_silence_are_bridged_longer_ones_stop() {
+    for (silence, end) in [
+        ("100,103", End::Finished),
+        ("100,120", End::Stopped(StopReason::NoMeasurement)),
+    ] {
+        let plant = start(&["--silence", silence]);
+        let mut link = connect(plant.address);
+        let report = run(&mut link);
+        assert_eq!(report.end, end, "{report}");
+        assert_stopped_safely(&mut link);
+    }
+}
+
+/// The plant dies in the middle of the motion; a new one comes up after the loop gave up, braked, and stays so.
+#[test]
+fn a_killed_plant_stops_the_loop_and_comes_back_braked() {
+    let plant = start(&[]);
+    let mut link = connect(plant.address);
+    let mut control = control(&mut link, settings(RATE));
+    control.start().unwrap();
+    for _ in 0..80 {
+        assert!(control.period());
+    }
+    let address = plant.kill();
+    while control.period() {}
+    let report = control.report();
+    drop(control);
+    assert_eq!(report.end, End::Stopped(StopReason::NoMeasurement));
+    assert_eq!(report.counts.held, 3, "{report}");
+    assert_ne!(report.brakes, Brakes::Engaged, "nobody confirmed them");
+
+    let port = address.port().to_string();
+    let _restarted = start(&["--port", &port]);
+    assert_eq!(link.read(), Err(TransportError::Restarted));
+    let state = assert_stopped_safely(&mut link);
+    assert_eq!(state.positions, START);
+}
+
+/// The plant dies and is back within the three periods that the loop bridges: it must not be driven on.
+#[test]
+fn a_plant_that_restarts_at_once_is_not_driven_on() {
+    let plant = start(&[]);
+    let mut link = connect(plant.address);
+    let mut control = control(&mut link, settings(RATE));
+    control.start().unwrap();
+    for _ in 0..80 {
+        assert!(control.period());
+    }
+    let port = plant.kill().port().to_string();
+    assert!(control.period(), "one period without it");
+    let _restarted = start(&["--port", &port]);
+    while control.period() {}
+    let report = control.report();
+    drop(control);
+    assert_eq!(report.end, End::Stopped(StopReason::Restarted), "{report}");
+    assert_eq!(report.brakes, Brakes::Engaged);
+    assert_eq!(assert_stopped_safely(&mut link).positions, START);
+
+    // Once more, from the start.
+    let report = run(&mut link);
+    assert_eq!(report.end, End::Finished, "{report}");
+    assert_stopped_safely(&mut link);
+}
+
+/// The controller dies instead: the plant's own watchdog brakes.
+#[test]
+fn a_plant_without_a_controller_brakes() {
+    let plant = start(&["--watchdog", "5"]);
+    let mut link = connect(plant.address);
+    let mut control = control(&mut link, settings(RATE));
+    control.start().unwrap();
+    for _ in 0..80 {
+        assert!(control.period());
+    }
+    // What a killed process does: nothing, not even its destructors.
+    std::mem::forget(control);
+    let mut observer = connect(plant.address);
+    assert_stopped_safely(&mut observer);
+}
+
+/// Noise from another socket before and during the motion.
+#[test]
+fn arbitrary_datagrams_disturb_nothing() {
+    let plant = start(&[]);
+    let noise = UdpSocket::bind("127.0.0.1:0").unwrap();
+    noise.connect(plant.address).unwrap();
+    let mut generator = ChaCha8Rng::seed_from_u64(1);
+    let mut disturb = |datagrams: usize| {
+        for _ in 0..datagrams {
+            let mut bytes = vec![0; generator.random_range(0..100)];
+            generator.fill_bytes(&mut bytes);
+            if bytes.len() > 8 && generator.random_bool(0.5) {
+                bytes[..8].copy_from_slice(b"GLNK\x01\x02\x02\x02");
+            }
+            let _ = noise.send(&bytes);
+        }
+    };
+    let mut link = connect(plant.address);
+    let mut control = control(&mut link, settings(RATE));
+    disturb(50);
+    control.start().unwrap();
+    while control.period() {
+        disturb(5);
+    }
+    let report = control.report();
+    drop(control);
+    assert_eq!(report.end, End::Finished, "{report}");
+    assert_eq!(report.counts.missing, 0);
+    assert_stopped_safely(&mut link);
+}
+
+/// Answers that are late, damaged, foreign or doubled are dropped, and the one that fits is taken.
+#[test]
+fn only_the_answer_to_the_question_is_a_reading() {
+    use gelenk_runtime::transport::datagram::{Datagram, MAX_DATAGRAM, Message};
+    let robot = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let mut link: Link = connect(robot.local_addr().unwrap());
+    let answering = std::thread::spawn(move || {
+        let mut buffer = [0; MAX_DATAGRAM];
+        for _ in 0..3 {
+            let (length, from) = robot.recv_from(&mut buffer).unwrap();
+            let question = Datagram::<2, 2>::decode(&buffer[..length]).unwrap();
+            let answer = |sequence, position| Datagram::<2, 2> {
+                session: 1,
+                sequence,
+                brakes: Brakes::Released,
+                message: Message::Positions([position; 2]),
+            };
+            let send = |datagram: Datagram<2, 2>| {
+                let mut buffer = [0; MAX_DATAGRAM];
+                robot
+                    .send_to(datagram.encode(&mut buffer).unwrap(), from)
+                    .unwrap();
+            };
+            send(answer(question.sequence - 1, 9.0));
+            send(answer(question.sequence + 1, 9.0));
+            robot.send_to(b"", from).unwrap();
+            robot.send_to(&[0x47; 4000], from).unwrap();
+            let mut damaged = [0; MAX_DATAGRAM];
+            let length = answer(question.sequence, 9.0)
+                .encode(&mut damaged)
+                .unwrap()
+                .len();
+            damaged[30] ^= 1;
+            robot.send_to(&damaged[..length], from).unwrap();
+            send(answer(question.sequence, 0.5));
+            send(answer(question.sequence, 0.5));
+        }
+    });
+    for _ in 0..3 {
+        let reading = link.read().unwrap().unwrap();
+        assert_eq!(reading.positions, [0.5; 2]);
+    }
+    answering.join().unwrap();
+}
+
+#[test]
+fn inputs_that_are_not_finite_are_not_sent() {
+    let robot = UdpSocket::bind("127.0.0.1:0").unwrap();
+    robot.set_nonblocking(true).unwrap();
+    let mut link: Link = connect(robot.local_addr().unwrap());
+    assert_eq!(
+        link.write(&[0.0, f64::NAN]),
+        Err(TransportError::Input { input: 1 })
+    );
+    assert!(robot.recv(&mut [0; 100]).is_err(), "nothing arrived");
+}
