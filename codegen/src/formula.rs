@@ -5,6 +5,7 @@
 //! dynamics turn it into nodes of the expression graph, where it is folded, shared and differentiated.
 
 mod arithmetic;
+mod display;
 pub(crate) mod parse;
 mod terms;
 

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::diagnostic::Diagnostics;
+use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::dynamics::catalogue;
 use crate::dynamics::function::Function;
 use crate::dynamics::size::MOST_OPERATIONS;
@@ -22,6 +22,8 @@ pub struct GenerateOptions {
     pub no_friction: bool,
     /// Makes mimic joints independent coordinates.
     pub ignore_mimic: bool,
+    /// `tanh` of so many times the argument for `sign` in friction and springs; by default what the description says.
+    pub smooth_sign: Option<f64>,
     /// Contracts products and sums to fused multiply-adds, rounded once: faster where the processor has them, and
     /// compiled only there.
     pub fused_multiply_add: bool,
@@ -51,10 +53,12 @@ pub struct Generated {
 /// # Errors
 /// All [`Diagnostics`] of the first stage that found the description at fault.
 pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generated, Diagnostics> {
+    check_slope(options.smooth_sign)?;
     let read_options = ReadOptions {
         ignore_mimic: options.ignore_mimic,
         snap_angles: options.snap_angles,
         no_friction: options.no_friction,
+        smooth_sign: options.smooth_sign,
     };
     let Loaded {
         model,
@@ -71,6 +75,17 @@ pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generat
         notes,
         files,
     })
+}
+
+fn check_slope(slope: Option<f64>) -> Result<(), Diagnostics> {
+    match slope {
+        Some(slope) if slope <= 0.0 || !slope.is_finite() => {
+            let message = format!("the slope of the smooth sign is {slope}");
+            let problem = Diagnostic::error("not-positive", message);
+            Err(problem.help("a positive number, e.g. 100").into())
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Stages 2 to 4.

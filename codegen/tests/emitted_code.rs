@@ -342,6 +342,7 @@ fn zeros(name: &str, inputs: &[(&str, usize)], results: &[(&str, Shape)]) -> Fun
         arguments: vec![],
         results: vec![],
         notes: vec![],
+        constants: vec![],
         program: Program {
             inputs: inputs
                 .iter()

@@ -63,6 +63,9 @@ pub const ROTOR_INERTIAS: [f64; M] = [5.267e-5, 5.267e-5];
 /// Gravitational acceleration in the base frame (m/s²).
 pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.80665];
 
+/// Structure of `M`: `false` where the entry is zero in every state; 4 of 4 are not.
+pub const MASS_MATRIX_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
+
 /// Mass matrix `M(y)`.
 ///
 /// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`
@@ -155,7 +158,8 @@ pub fn spring_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 ///
 /// Cost: 15 multiplications, 7 additions, 0 divisions, 6 function calls, 1 selection.
 ///
-/// `sign` is exact: it jumps at zero velocity, and its derivative is taken as zero.
+/// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
+/// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
 #[inline]
 #[must_use]
 pub fn friction_torques(v: &[f64; N]) -> [f64; N] {
@@ -200,6 +204,9 @@ pub fn friction_torques(v: &[f64; N]) -> [f64; N] {
 /// - returns `q: [N]`: on the right-hand side, without the inputs
 ///
 /// Cost: 17 multiplications, 11 additions, 0 divisions, 8 function calls (2 `sin_cos`, 6 other), 1 selection.
+///
+/// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
+/// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
 #[inline]
 #[must_use]
 pub fn applied_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
@@ -303,6 +310,9 @@ pub fn input_matrix() -> [[f64; M]; N] {
 /// Cost: 25 multiplications, 15 additions, 0 divisions, 9 function calls (3 `sin_cos`, 6 other), 1 selection.
 ///
 /// What the three have in common is computed once.
+///
+/// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
+/// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
 #[must_use]
 pub fn equations_of_motion(
     y: &[f64; N],
@@ -376,6 +386,9 @@ pub fn equations_of_motion(
 /// Cost: 33 multiplications, 23 additions, 0 divisions, 8 function calls (2 `sin_cos`, 6 other), 1 selection.
 ///
 /// Recursive Newton–Euler equations (Luh, Walker and Paul 1980) with base parameters.
+///
+/// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
+/// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
 #[must_use]
 pub fn inverse_dynamics(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
     let ([sin_beta, sin_gamma], [cos_beta, cos_gamma]) = math::sin_cos_2(y[0], y[1]);
@@ -458,7 +471,10 @@ pub fn inverse_dynamics(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
 ///
 /// Cost: 35 multiplications, 21 additions, 1 division, 8 function calls (2 `sin_cos`, 6 other), 1 selection.
 ///
-/// M = Lᵀ D L along the branches of the tree (Featherstone 2005).
+/// M = Lᵀ D L along the branches of the tree (Featherstone 2005) was cheaper than articulated bodies.
+///
+/// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
+/// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
 #[must_use]
 pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let ([sin_beta, sin_gamma], [cos_beta, cos_gamma]) = math::sin_cos_2(y[0], y[1]);
@@ -589,6 +605,9 @@ pub fn mass_matrix_and_bias_forces(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Forward differentiation of the inverse dynamics was cheapest.
+///
+/// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
+/// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
 #[must_use]
 pub fn inverse_dynamics_derivatives(
     y: &[f64; N],
@@ -728,6 +747,9 @@ pub fn inverse_dynamics_derivatives(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Forward differentiation of the inverse dynamics was cheapest.
+///
+/// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
+/// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -880,6 +902,9 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Forward differentiation of the inverse dynamics was cheapest.
+///
+/// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
+/// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -1044,6 +1069,15 @@ pub fn forward_dynamics_derivatives(
     )
 }
 
+/// Structure of `A_y`: `false` where the entry is zero in every state; 4 of 4 are not.
+pub const A_Y_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
+
+/// Structure of `A_v`: `false` where the entry is zero in every state; 4 of 4 are not.
+pub const A_V_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
+
+/// Structure of `B_x`: `false` where the entry is zero in every state; 4 of 4 are not.
+pub const B_X_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
+
 /// Linearization of the accelerations in continuous time.
 ///
 /// `ÿ ≈ A_y y + A_v ẏ + B_x u + c; with x = (y, ẏ) the upper halves of A, B_x and c are [0 I], 0 and 0`
@@ -1061,6 +1095,9 @@ pub fn forward_dynamics_derivatives(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Forward differentiation of the inverse dynamics was cheapest.
+///
+/// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
+/// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -1309,6 +1346,368 @@ pub fn potential_energy(y: &[f64; N]) -> f64 {
     let t8 = sin_beta * t7;
     let t9 = t6 - t8;
     9.80665 * t9
+}
+
+/// Inertial parameters π, the columns of `inertial_regressor`. For each link, in the order of the coordinates and
+/// in the link's frame of the description, with all that is fixed to it: mass m (kg), first moments mcx, mcy, mcz
+/// (kg m), and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the frame's origin (kg m²), entries of the matrix (Ixy = −∫ x y
+/// dm). Then J, the axial inertia of the rotor of each drive that has one (kg m²).
+pub const INERTIAL_PARAMETER_NAMES: [&str; 22] = [
+    "m_beta",
+    "mcx_beta",
+    "mcy_beta",
+    "mcz_beta",
+    "Ixx_beta",
+    "Ixy_beta",
+    "Iyy_beta",
+    "Ixz_beta",
+    "Iyz_beta",
+    "Izz_beta",
+    "m_gamma",
+    "mcx_gamma",
+    "mcy_gamma",
+    "mcz_gamma",
+    "Ixx_gamma",
+    "Ixy_gamma",
+    "Iyy_gamma",
+    "Ixz_gamma",
+    "Iyz_gamma",
+    "Izz_gamma",
+    "J_beta",
+    "J_gamma",
+];
+
+/// Inertial parameters `π` of links and rotors as described.
+///
+/// `W(y, ẏ, ÿ) π = M ÿ + k − q_gravity`
+///
+/// - returns `π: [22]`: in the order of `INERTIAL_PARAMETER_NAMES`
+///
+/// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
+#[inline]
+#[must_use]
+pub fn inertial_parameters() -> [f64; 22] {
+    let mut pi = [0.0; 22];
+    inertial_parameters_into(&mut pi);
+    pi
+}
+
+/// `inertial_parameters` with its results written in place; nothing of what stood there is read.
+pub fn inertial_parameters_into(pi: &mut [f64; 22]) {
+    pi[0] = 3.3777;
+    pi[1] = 0.0;
+    pi[2] = 0.0;
+    pi[3] = 0.33777;
+    pi[4] = 0.06318870000000001;
+    pi[5] = 0.0;
+    pi[6] = 0.06318870000000001;
+    pi[7] = 0.0;
+    pi[8] = 0.0;
+    pi[9] = 0.0294117;
+    pi[10] = 7.1576;
+    pi[11] = 0.0;
+    pi[12] = 0.0;
+    pi[13] = 1.72641659;
+    pi[14] = 0.6608899068565;
+    pi[15] = 0.0;
+    pi[16] = 0.6608899068565;
+    pi[17] = 0.0;
+    pi[18] = 0.0;
+    pi[19] = 0.0200614717;
+    pi[20] = 5.267e-5;
+    pi[21] = 5.267e-5;
+}
+
+/// Regressor `W` of the inertial parameters.
+///
+/// `W(y, ẏ, ÿ) π = M ÿ + k − q_gravity`
+///
+/// - `y: [N]`: coordinates: `beta`, `gamma` in rad
+/// - `v: [N]`: velocities ẏ: `beta`, `gamma` in rad/s
+/// - `a: [N]`: accelerations ÿ: `beta`, `gamma` in rad/s²
+/// - returns `W: [N × 22]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; those of
+///   rotors stand last
+///
+/// Cost: 21 multiplications, 12 additions, 0 divisions, 2 function calls (`sin_cos`).
+///
+/// The inverse dynamics are `W π + τ − springs`, with friction τ and the springs' forces. Independent of the
+/// described inertias (Atkeson, An and Hollerbach 1986).
+#[inline]
+#[must_use]
+pub fn inertial_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 22]; N] {
+    let mut w = [[0.0; 22]; 2];
+    inertial_regressor_into(y, v, a, &mut w);
+    w
+}
+
+/// `inertial_regressor` with its results written in place; nothing of what stood there is read.
+pub fn inertial_regressor_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    w: &mut [[f64; 22]; N],
+) {
+    w[0][0] = 0.0;
+    w[0][2] = 0.0;
+    w[0][4] = 0.0;
+    w[0][5] = 0.0;
+    w[0][6] = a[0];
+    w[0][7] = 0.0;
+    w[0][8] = 0.0;
+    w[0][9] = 0.0;
+    w[0][12] = 0.0;
+    w[0][14] = 0.0;
+    w[0][15] = 0.0;
+    w[0][17] = 0.0;
+    w[0][18] = 0.0;
+    w[0][19] = 0.0;
+    w[1][0] = 0.0;
+    w[1][1] = 0.0;
+    w[1][2] = 0.0;
+    w[1][3] = 0.0;
+    w[1][4] = 0.0;
+    w[1][5] = 0.0;
+    w[1][6] = 0.0;
+    w[1][7] = 0.0;
+    w[1][8] = 0.0;
+    w[1][9] = 0.0;
+    w[1][10] = 0.0;
+    w[1][12] = 0.0;
+    w[1][14] = 0.0;
+    w[1][15] = 0.0;
+    w[1][17] = 0.0;
+    w[1][18] = 0.0;
+    w[1][19] = 0.0;
+    w[1][20] = 0.0;
+    let ([sin_beta, sin_gamma], [cos_beta, cos_gamma]) = math::sin_cos_2(y[0], y[1]);
+    let acceleration_beta_x = 9.80665 * cos_beta;
+    let acceleration_beta_y = 9.80665 * sin_beta;
+    let t6 = a[0] * 0.18;
+    let t7 = acceleration_beta_y - t6;
+    let t8 = sin_gamma * t7;
+    let t9 = v[0] * v[0];
+    let t10 = 0.18 * t9;
+    let t11 = acceleration_beta_x - t10;
+    let t12 = cos_gamma * t11;
+    let acceleration_gamma_x = t12 - t8;
+    let t14 = 0.18 * sin_gamma;
+    let t15 = acceleration_gamma_x * t14;
+    let t16 = cos_gamma * t7;
+    let t17 = sin_gamma * t11;
+    let acceleration_gamma_y = t17 + t16;
+    let t19 = 0.18 * cos_gamma;
+    let t20 = acceleration_gamma_y * t19;
+    let t21 = t20 - t15;
+    let t22 = a[0] + a[1];
+    w[0][16] = t22;
+    w[1][16] = t22;
+    let t23 = t22 * t14;
+    let omega_gamma_z = v[0] + v[1];
+    let t25 = omega_gamma_z * omega_gamma_z;
+    let t26 = t25 * t19;
+    let t27 = t26 + t23;
+    let t28 = acceleration_gamma_x + t27;
+    let t29 = t25 * t14;
+    let t30 = t22 * t19;
+    let t31 = t30 - t29;
+    let t32 = acceleration_gamma_y - t31;
+    let t33 = a[0] * 25921.0;
+    w[0][20] = t33;
+    let t34 = a[1] * 161.0;
+    let t35 = a[0] + t34;
+    w[0][21] = t35;
+    let t36 = 161.0 * t35;
+    w[1][21] = t36;
+    let minus_acceleration_beta_x = -acceleration_beta_x;
+    w[0][1] = minus_acceleration_beta_x;
+    let minus_acceleration_beta_y = -acceleration_beta_y;
+    w[0][3] = minus_acceleration_beta_y;
+    let t39 = -t21;
+    w[0][10] = t39;
+    let t40 = -t28;
+    w[0][11] = t40;
+    let t41 = -t32;
+    w[0][13] = t41;
+    let minus_acceleration_gamma_x = -acceleration_gamma_x;
+    w[1][11] = minus_acceleration_gamma_x;
+    let minus_acceleration_gamma_y = -acceleration_gamma_y;
+    w[1][13] = minus_acceleration_gamma_y;
+}
+
+/// Base parameters β, the columns of `base_regressor`, each named after the inertial parameter that leads its
+/// group. 15 of 22 parameters enter the motion only in these sums:
+///
+/// - `mcx_beta`
+/// - `mcz_beta + 0.18 m_gamma`
+/// - `Iyy_beta + 0.0324 m_gamma + 25921 J_beta`
+/// - `mcx_gamma`
+/// - `mcz_gamma`
+/// - `Iyy_gamma`
+/// - `J_gamma`
+pub const BASE_PARAMETER_NAMES: [&str; 7] = [
+    "mcx_beta",
+    "mcz_beta",
+    "Iyy_beta",
+    "mcx_gamma",
+    "mcz_gamma",
+    "Iyy_gamma",
+    "J_gamma",
+];
+
+/// Map from the inertial parameters to the base parameters: β(i) = Σ c π(j) over all (i, j, c). Found at the
+/// described values of free parameters; where lengths or gravity are free, it holds for these values alone.
+pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 10] = [
+    (0, 1, 1.0),
+    (1, 3, 1.0),
+    (1, 10, 0.18),
+    (2, 6, 1.0),
+    (2, 10, 0.0324),
+    (2, 20, 25921.0),
+    (3, 11, 1.0),
+    (4, 13, 1.0),
+    (5, 16, 1.0),
+    (6, 21, 1.0),
+];
+
+/// Regressor `W_b` of the base parameters: the independent columns of `inertial_regressor`.
+///
+/// `W_b(y, ẏ, ÿ) β = W π = M ÿ + k − q_gravity`
+///
+/// - `y: [N]`: coordinates: `beta`, `gamma` in rad
+/// - `v: [N]`: velocities ẏ: `beta`, `gamma` in rad/s
+/// - `a: [N]`: accelerations ÿ: `beta`, `gamma` in rad/s²
+/// - returns `W_b: [N × 7]`: rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`
+///
+/// Cost: 18 multiplications, 11 additions, 0 divisions, 2 function calls (`sin_cos`).
+///
+/// Columns that depend on earlier ones were found numerically (Gautier 1991); stacked over states that excite the
+/// robot, W\_b has full rank.
+#[inline]
+#[must_use]
+pub fn base_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 7]; N] {
+    let ([sin_beta, sin_gamma], [cos_beta, cos_gamma]) = math::sin_cos_2(y[0], y[1]);
+    let acceleration_beta_x = 9.80665 * cos_beta;
+    let acceleration_beta_y = 9.80665 * sin_beta;
+    let t6 = a[0] * 0.18;
+    let t7 = acceleration_beta_y - t6;
+    let t8 = sin_gamma * t7;
+    let t9 = v[0] * v[0];
+    let t10 = 0.18 * t9;
+    let t11 = acceleration_beta_x - t10;
+    let t12 = cos_gamma * t11;
+    let acceleration_gamma_x = t12 - t8;
+    let t14 = 0.18 * sin_gamma;
+    let t15 = a[0] + a[1];
+    let t16 = t15 * t14;
+    let t17 = 0.18 * cos_gamma;
+    let omega_gamma_z = v[0] + v[1];
+    let t19 = omega_gamma_z * omega_gamma_z;
+    let t20 = t19 * t17;
+    let t21 = t20 + t16;
+    let t22 = acceleration_gamma_x + t21;
+    let t23 = cos_gamma * t7;
+    let t24 = sin_gamma * t11;
+    let acceleration_gamma_y = t24 + t23;
+    let t26 = t19 * t14;
+    let t27 = t15 * t17;
+    let t28 = t27 - t26;
+    let t29 = acceleration_gamma_y - t28;
+    let t30 = a[1] * 161.0;
+    let t31 = a[0] + t30;
+    let t32 = 161.0 * t31;
+    let minus_acceleration_beta_x = -acceleration_beta_x;
+    let minus_acceleration_beta_y = -acceleration_beta_y;
+    let t35 = -t22;
+    let t36 = -t29;
+    let minus_acceleration_gamma_x = -acceleration_gamma_x;
+    let minus_acceleration_gamma_y = -acceleration_gamma_y;
+    [
+        [minus_acceleration_beta_x, minus_acceleration_beta_y, a[0], t35, t36, t15, t31],
+        [0.0, 0.0, 0.0, minus_acceleration_gamma_x, minus_acceleration_gamma_y, t15, t32],
+    ]
+}
+
+/// Friction parameters, the columns of `friction_regressor`: joint, and the function of its velocity that the
+/// parameter multiplies.
+pub const FRICTION_PARAMETER_NAMES: [&str; 9] = [
+    "beta: v",
+    "beta: tanh(5*v)",
+    "beta: tanh(10*v)",
+    "beta: tanh(20*v)",
+    "gamma: v",
+    "gamma: tanh(5*v)",
+    "gamma: tanh(10*v)",
+    "gamma: tanh(100*v)",
+    "gamma: sign(v)",
+];
+
+/// Friction parameters as described: the coefficients of `friction_regressor`.
+///
+/// `τ(ẏ) = friction_regressor(ẏ) · friction_parameters`
+///
+/// - returns `φ: [9]`: in the order of `FRICTION_PARAMETER_NAMES`
+///
+/// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
+#[inline]
+#[must_use]
+pub fn friction_parameters() -> [f64; 9] {
+    [76.556, 3.924, 10.838, 2.236, 56.231, 0.368, 0.368, 8.342, 0.492]
+}
+
+/// Regressor of the friction parameters.
+///
+/// `τ(ẏ) = friction_regressor(ẏ) · friction_parameters`
+///
+/// - `v: [N]`: velocities ẏ: `beta`, `gamma` in rad/s
+/// - returns `R: [N × 9]`: rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
+///
+/// Cost: 6 multiplications, 0 additions, 0 divisions, 6 function calls, 1 selection.
+///
+/// What enters nonlinearly is held at its described value: a3 and a5 of the Stribeck form, slopes of tanh.
+///
+/// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
+/// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
+#[inline]
+#[must_use]
+pub fn friction_regressor(v: &[f64; N]) -> [[f64; 9]; N] {
+    let mut r = [[0.0; 9]; 2];
+    friction_regressor_into(v, &mut r);
+    r
+}
+
+/// `friction_regressor` with its results written in place; nothing of what stood there is read.
+pub fn friction_regressor_into(v: &[f64; N], r: &mut [[f64; 9]; N]) {
+    r[0][0] = v[0];
+    r[0][4] = 0.0;
+    r[0][5] = 0.0;
+    r[0][6] = 0.0;
+    r[0][7] = 0.0;
+    r[0][8] = 0.0;
+    r[1][0] = 0.0;
+    r[1][1] = 0.0;
+    r[1][2] = 0.0;
+    r[1][3] = 0.0;
+    r[1][4] = v[1];
+    let t0 = v[0] * 5.0;
+    let t1 = math::tanh(t0);
+    r[0][1] = t1;
+    let t2 = v[0] * 10.0;
+    let t3 = math::tanh(t2);
+    r[0][2] = t3;
+    let t4 = v[0] * 20.0;
+    let t5 = math::tanh(t4);
+    r[0][3] = t5;
+    let t6 = v[1] * 5.0;
+    let t7 = math::tanh(t6);
+    r[1][5] = t7;
+    let t8 = v[1] * 10.0;
+    let t9 = math::tanh(t8);
+    r[1][6] = t9;
+    let t10 = v[1] * 100.0;
+    let t11 = math::tanh(t10);
+    r[1][7] = t11;
+    let t12 = sign(v[1]);
+    r[1][8] = t12;
 }
 
 /// Pose of the frame `tool`.

@@ -102,6 +102,16 @@ pub const ROTOR_INERTIAS: [f64; M] = [5.267e-5, 5.267e-5, 5.267e-5, 1.5e-5, 1e-5
 /// Gravitational acceleration in the base frame (m/s²).
 pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.80665];
 
+/// Structure of `M`: `false` where the entry is zero in every state; 34 of 36 are not.
+pub const MASS_MATRIX_NONZERO: [[bool; 6]; 6] = [
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, false],
+    [true, true, true, true, false, true],
+];
+
 /// Mass matrix `M(y)`.
 ///
 /// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`
@@ -663,7 +673,8 @@ pub fn spring_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 ///
 /// Cost: 27 multiplications, 11 additions, 0 divisions, 10 function calls, 1 selection.
 ///
-/// `sign` is exact: it jumps at zero velocity, and its derivative is taken as zero.
+/// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
+/// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
 #[must_use]
 pub fn friction_torques(v: &[f64; N]) -> [f64; N] {
     let t0 = v[0] * 20.0;
@@ -727,6 +738,9 @@ pub fn friction_torques(v: &[f64; N]) -> [f64; N] {
 /// - returns `q: [N]`: on the right-hand side, without the inputs
 ///
 /// Cost: 43 multiplications, 23 additions, 0 divisions, 14 function calls (4 `sin_cos`, 10 other), 1 selection.
+///
+/// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
+/// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
 #[must_use]
 pub fn applied_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
     let angle_beta_gamma = y[1] + y[2];
@@ -1153,6 +1167,9 @@ pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
 /// Cost: 244 multiplications, 183 additions, 0 divisions, 15 function calls (5 `sin_cos`, 10 other), 1 selection.
 ///
 /// What the three have in common is computed once.
+///
+/// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
+/// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
 #[inline]
 #[must_use]
 pub fn equations_of_motion(
@@ -1700,6 +1717,9 @@ pub fn equations_of_motion_into(
 /// Cost: 180 multiplications, 143 additions, 0 divisions, 15 function calls (5 `sin_cos`, 10 other), 1 selection.
 ///
 /// Recursive Newton–Euler equations (Luh, Walker and Paul 1980) with base parameters.
+///
+/// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
+/// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
 #[must_use]
 pub fn inverse_dynamics(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
     let angle_beta_gamma = y[1] + y[2];
@@ -2064,7 +2084,10 @@ pub fn inverse_dynamics(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
 ///
 /// Cost: 308 multiplications, 244 additions, 5 divisions, 15 function calls (5 `sin_cos`, 10 other), 1 selection.
 ///
-/// M = Lᵀ D L along the branches of the tree (Featherstone 2005).
+/// M = Lᵀ D L along the branches of the tree (Featherstone 2005) was cheaper than articulated bodies.
+///
+/// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
+/// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
 #[must_use]
 pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let angle_beta_gamma = y[1] + y[2];
@@ -3132,6 +3155,9 @@ pub fn mass_matrix_and_bias_forces_into(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+///
+/// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
+/// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
 #[inline]
 #[must_use]
 pub fn inverse_dynamics_derivatives(
@@ -4751,6 +4777,9 @@ pub fn inverse_dynamics_derivatives_into(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+///
+/// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
+/// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
 #[inline]
 #[must_use]
 #[allow(
@@ -6471,6 +6500,9 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+///
+/// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
+/// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
 #[inline]
 #[must_use]
 #[allow(
@@ -9527,6 +9559,36 @@ fn forward_dynamics_derivatives_part_2(
     ]
 }
 
+/// Structure of `A_y`: `false` where the entry is zero in every state; 30 of 36 are not.
+pub const A_Y_NONZERO: [[bool; 6]; 6] = [
+    [false, true, true, true, true, true],
+    [false, true, true, true, true, true],
+    [false, true, true, true, true, true],
+    [false, true, true, true, true, true],
+    [false, true, true, true, true, true],
+    [false, true, true, true, true, true],
+];
+
+/// Structure of `A_v`: `false` where the entry is zero in every state; 36 of 36 are not.
+pub const A_V_NONZERO: [[bool; 6]; 6] = [
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, true],
+];
+
+/// Structure of `B_x`: `false` where the entry is zero in every state; 36 of 36 are not.
+pub const B_X_NONZERO: [[bool; 6]; 6] = [
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, true],
+];
+
 /// Linearization of the accelerations in continuous time.
 ///
 /// `ÿ ≈ A_y y + A_v ẏ + B_x u + c; with x = (y, ẏ) the upper halves of A, B_x and c are [0 I], 0 and 0`
@@ -9545,6 +9607,9 @@ fn forward_dynamics_derivatives_part_2(
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
+///
+/// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
+/// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
 #[inline]
 #[must_use]
 #[allow(
@@ -13136,6 +13201,3020 @@ pub fn potential_energy(y: &[f64; N]) -> f64 {
     let t22 = t21 - t16;
     let t23 = 9.80665 * t22;
     -t23
+}
+
+/// Inertial parameters π, the columns of `inertial_regressor`. For each link, in the order of the coordinates and
+/// in the link's frame of the description, with all that is fixed to it: mass m (kg), first moments mcx, mcy, mcz
+/// (kg m), and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the frame's origin (kg m²), entries of the matrix (Ixy = −∫ x y
+/// dm). Then J, the axial inertia of the rotor of each drive that has one (kg m²).
+pub const INERTIAL_PARAMETER_NAMES: [&str; 66] = [
+    "m_alpha",
+    "mcx_alpha",
+    "mcy_alpha",
+    "mcz_alpha",
+    "Ixx_alpha",
+    "Ixy_alpha",
+    "Iyy_alpha",
+    "Ixz_alpha",
+    "Iyz_alpha",
+    "Izz_alpha",
+    "m_beta",
+    "mcx_beta",
+    "mcy_beta",
+    "mcz_beta",
+    "Ixx_beta",
+    "Ixy_beta",
+    "Iyy_beta",
+    "Ixz_beta",
+    "Iyz_beta",
+    "Izz_beta",
+    "m_gamma",
+    "mcx_gamma",
+    "mcy_gamma",
+    "mcz_gamma",
+    "Ixx_gamma",
+    "Ixy_gamma",
+    "Iyy_gamma",
+    "Ixz_gamma",
+    "Iyz_gamma",
+    "Izz_gamma",
+    "m_delta",
+    "mcx_delta",
+    "mcy_delta",
+    "mcz_delta",
+    "Ixx_delta",
+    "Ixy_delta",
+    "Iyy_delta",
+    "Ixz_delta",
+    "Iyz_delta",
+    "Izz_delta",
+    "m_epsilon",
+    "mcx_epsilon",
+    "mcy_epsilon",
+    "mcz_epsilon",
+    "Ixx_epsilon",
+    "Ixy_epsilon",
+    "Iyy_epsilon",
+    "Ixz_epsilon",
+    "Iyz_epsilon",
+    "Izz_epsilon",
+    "m_zeta",
+    "mcx_zeta",
+    "mcy_zeta",
+    "mcz_zeta",
+    "Ixx_zeta",
+    "Ixy_zeta",
+    "Iyy_zeta",
+    "Ixz_zeta",
+    "Iyz_zeta",
+    "Izz_zeta",
+    "J_alpha",
+    "J_beta",
+    "J_gamma",
+    "J_delta",
+    "J_epsilon",
+    "J_zeta",
+];
+
+/// Inertial parameters `π` of links and rotors as described.
+///
+/// `W(y, ẏ, ÿ) π = M ÿ + k − q_gravity`
+///
+/// - returns `π: [66]`: in the order of `INERTIAL_PARAMETER_NAMES`
+///
+/// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
+#[inline]
+#[must_use]
+pub fn inertial_parameters() -> [f64; 66] {
+    let mut pi = [0.0; 66];
+    inertial_parameters_into(&mut pi);
+    pi
+}
+
+/// `inertial_parameters` with its results written in place; nothing of what stood there is read.
+pub fn inertial_parameters_into(pi: &mut [f64; 66]) {
+    pi[0] = 3.2;
+    pi[1] = 0.0;
+    pi[2] = 0.0;
+    pi[3] = 0.16000000000000003;
+    pi[4] = 0.016;
+    pi[5] = 0.0;
+    pi[6] = 0.016;
+    pi[7] = 0.0;
+    pi[8] = 0.0;
+    pi[9] = 0.008;
+    pi[10] = 3.3777;
+    pi[11] = 0.0;
+    pi[12] = 0.0;
+    pi[13] = 0.33777;
+    pi[14] = 0.06318870000000001;
+    pi[15] = 0.0;
+    pi[16] = 0.06318870000000001;
+    pi[17] = 0.0;
+    pi[18] = 0.0;
+    pi[19] = 0.005999999999999998;
+    pi[20] = 4.282;
+    pi[21] = 0.0;
+    pi[22] = 0.0;
+    pi[23] = 0.49032192999999996;
+    pi[24] = 0.10475789837550001;
+    pi[25] = 0.0;
+    pi[26] = 0.10475789837550001;
+    pi[27] = 0.0;
+    pi[28] = 0.0;
+    pi[29] = 0.0083;
+    pi[30] = 2.0340000000000003;
+    pi[31] = 0.0;
+    pi[32] = 0.0;
+    pi[33] = 0.33029592;
+    pi[34] = 0.06960021993960001;
+    pi[35] = 0.0;
+    pi[36] = 0.06960021993960001;
+    pi[37] = 0.0;
+    pi[38] = 0.0;
+    pi[39] = 0.0052;
+    pi[40] = 0.3;
+    pi[41] = 0.0;
+    pi[42] = 0.0;
+    pi[43] = 0.0;
+    pi[44] = 0.0008;
+    pi[45] = 0.0;
+    pi[46] = 0.0008;
+    pi[47] = 0.0;
+    pi[48] = 0.0;
+    pi[49] = 0.0008;
+    pi[50] = 0.5416;
+    pi[51] = 0.0;
+    pi[52] = 0.0;
+    pi[53] = 0.021428540000000003;
+    pi[54] = 0.004368537041000001;
+    pi[55] = 0.0;
+    pi[56] = 0.004277497041000001;
+    pi[57] = 0.0;
+    pi[58] = 0.0;
+    pi[59] = 0.00105104;
+    pi[60] = 5.267e-5;
+    pi[61] = 5.267e-5;
+    pi[62] = 5.267e-5;
+    pi[63] = 1.5e-5;
+    pi[64] = 1e-5;
+    pi[65] = 5e-6;
+}
+
+/// Regressor `W` of the inertial parameters.
+///
+/// `W(y, ẏ, ÿ) π = M ÿ + k − q_gravity`
+///
+/// - `y: [N]`: coordinates: `alpha`, `beta`, `gamma`, `delta`, `epsilon`, `zeta` in rad
+/// - `v: [N]`: velocities ẏ: `alpha`, `beta`, `gamma`, `delta`, `epsilon`, `zeta` in rad/s
+/// - `a: [N]`: accelerations ÿ: `alpha`, `beta`, `gamma`, `delta`, `epsilon`, `zeta` in rad/s²
+/// - returns `W: [N × 66]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; those of
+///   rotors stand last
+///
+/// Cost: 502 multiplications, 377 additions, 0 divisions, 5 function calls (`sin_cos`).
+///
+/// The inverse dynamics are `W π + τ − springs`, with friction τ and the springs' forces. Independent of the
+/// described inertias (Atkeson, An and Hollerbach 1986).
+#[inline]
+#[must_use]
+pub fn inertial_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 66]; N] {
+    let mut w = [[0.0; 66]; 6];
+    inertial_regressor_into(y, v, a, &mut w);
+    w
+}
+
+/// `inertial_regressor` with its results written in place; nothing of what stood there is read.
+pub fn inertial_regressor_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    w: &mut [[f64; 66]; N],
+) {
+    w[0][0] = 0.0;
+    w[0][1] = 0.0;
+    w[0][2] = 0.0;
+    w[0][3] = 0.0;
+    w[0][4] = 0.0;
+    w[0][5] = 0.0;
+    w[0][6] = 0.0;
+    w[0][7] = 0.0;
+    w[0][8] = 0.0;
+    w[0][9] = a[0];
+    w[0][10] = 0.0;
+    w[0][11] = 0.0;
+    w[0][13] = 0.0;
+    w[0][61] = 0.0;
+    w[1][0] = 0.0;
+    w[1][1] = 0.0;
+    w[1][2] = 0.0;
+    w[1][3] = 0.0;
+    w[1][4] = 0.0;
+    w[1][5] = 0.0;
+    w[1][6] = 0.0;
+    w[1][7] = 0.0;
+    w[1][8] = 0.0;
+    w[1][9] = 0.0;
+    w[1][10] = 0.0;
+    w[1][12] = 0.0;
+    w[1][16] = a[1];
+    w[1][60] = 0.0;
+    w[2][0] = 0.0;
+    w[2][1] = 0.0;
+    w[2][2] = 0.0;
+    w[2][3] = 0.0;
+    w[2][4] = 0.0;
+    w[2][5] = 0.0;
+    w[2][6] = 0.0;
+    w[2][7] = 0.0;
+    w[2][8] = 0.0;
+    w[2][9] = 0.0;
+    w[2][10] = 0.0;
+    w[2][11] = 0.0;
+    w[2][12] = 0.0;
+    w[2][13] = 0.0;
+    w[2][14] = 0.0;
+    w[2][15] = 0.0;
+    w[2][16] = 0.0;
+    w[2][17] = 0.0;
+    w[2][18] = 0.0;
+    w[2][19] = 0.0;
+    w[2][20] = 0.0;
+    w[2][22] = 0.0;
+    w[2][60] = 0.0;
+    w[2][61] = 0.0;
+    w[3][0] = 0.0;
+    w[3][1] = 0.0;
+    w[3][2] = 0.0;
+    w[3][3] = 0.0;
+    w[3][4] = 0.0;
+    w[3][5] = 0.0;
+    w[3][6] = 0.0;
+    w[3][7] = 0.0;
+    w[3][8] = 0.0;
+    w[3][9] = 0.0;
+    w[3][10] = 0.0;
+    w[3][11] = 0.0;
+    w[3][12] = 0.0;
+    w[3][13] = 0.0;
+    w[3][14] = 0.0;
+    w[3][15] = 0.0;
+    w[3][16] = 0.0;
+    w[3][17] = 0.0;
+    w[3][18] = 0.0;
+    w[3][19] = 0.0;
+    w[3][20] = 0.0;
+    w[3][21] = 0.0;
+    w[3][22] = 0.0;
+    w[3][23] = 0.0;
+    w[3][24] = 0.0;
+    w[3][25] = 0.0;
+    w[3][26] = 0.0;
+    w[3][27] = 0.0;
+    w[3][28] = 0.0;
+    w[3][29] = 0.0;
+    w[3][30] = 0.0;
+    w[3][33] = 0.0;
+    w[3][40] = 0.0;
+    w[3][50] = 0.0;
+    w[3][60] = 0.0;
+    w[3][61] = 0.0;
+    w[3][62] = 0.0;
+    w[4][0] = 0.0;
+    w[4][1] = 0.0;
+    w[4][2] = 0.0;
+    w[4][3] = 0.0;
+    w[4][4] = 0.0;
+    w[4][5] = 0.0;
+    w[4][6] = 0.0;
+    w[4][7] = 0.0;
+    w[4][8] = 0.0;
+    w[4][9] = 0.0;
+    w[4][10] = 0.0;
+    w[4][11] = 0.0;
+    w[4][12] = 0.0;
+    w[4][13] = 0.0;
+    w[4][14] = 0.0;
+    w[4][15] = 0.0;
+    w[4][16] = 0.0;
+    w[4][17] = 0.0;
+    w[4][18] = 0.0;
+    w[4][19] = 0.0;
+    w[4][20] = 0.0;
+    w[4][21] = 0.0;
+    w[4][22] = 0.0;
+    w[4][23] = 0.0;
+    w[4][24] = 0.0;
+    w[4][25] = 0.0;
+    w[4][26] = 0.0;
+    w[4][27] = 0.0;
+    w[4][28] = 0.0;
+    w[4][29] = 0.0;
+    w[4][30] = 0.0;
+    w[4][31] = 0.0;
+    w[4][32] = 0.0;
+    w[4][33] = 0.0;
+    w[4][34] = 0.0;
+    w[4][35] = 0.0;
+    w[4][36] = 0.0;
+    w[4][37] = 0.0;
+    w[4][38] = 0.0;
+    w[4][39] = 0.0;
+    w[4][40] = 0.0;
+    w[4][42] = 0.0;
+    w[4][50] = 0.0;
+    w[4][60] = 0.0;
+    w[4][61] = 0.0;
+    w[4][62] = 0.0;
+    w[4][63] = 0.0;
+    w[5][0] = 0.0;
+    w[5][1] = 0.0;
+    w[5][2] = 0.0;
+    w[5][3] = 0.0;
+    w[5][4] = 0.0;
+    w[5][5] = 0.0;
+    w[5][6] = 0.0;
+    w[5][7] = 0.0;
+    w[5][8] = 0.0;
+    w[5][9] = 0.0;
+    w[5][10] = 0.0;
+    w[5][11] = 0.0;
+    w[5][12] = 0.0;
+    w[5][13] = 0.0;
+    w[5][14] = 0.0;
+    w[5][15] = 0.0;
+    w[5][16] = 0.0;
+    w[5][17] = 0.0;
+    w[5][18] = 0.0;
+    w[5][19] = 0.0;
+    w[5][20] = 0.0;
+    w[5][21] = 0.0;
+    w[5][22] = 0.0;
+    w[5][23] = 0.0;
+    w[5][24] = 0.0;
+    w[5][25] = 0.0;
+    w[5][26] = 0.0;
+    w[5][27] = 0.0;
+    w[5][28] = 0.0;
+    w[5][29] = 0.0;
+    w[5][30] = 0.0;
+    w[5][31] = 0.0;
+    w[5][32] = 0.0;
+    w[5][33] = 0.0;
+    w[5][34] = 0.0;
+    w[5][35] = 0.0;
+    w[5][36] = 0.0;
+    w[5][37] = 0.0;
+    w[5][38] = 0.0;
+    w[5][39] = 0.0;
+    w[5][40] = 0.0;
+    w[5][41] = 0.0;
+    w[5][42] = 0.0;
+    w[5][43] = 0.0;
+    w[5][44] = 0.0;
+    w[5][45] = 0.0;
+    w[5][46] = 0.0;
+    w[5][47] = 0.0;
+    w[5][48] = 0.0;
+    w[5][49] = 0.0;
+    w[5][50] = 0.0;
+    w[5][53] = 0.0;
+    w[5][60] = 0.0;
+    w[5][61] = 0.0;
+    w[5][62] = 0.0;
+    w[5][63] = 0.0;
+    w[5][64] = 0.0;
+    let (
+        [sin_beta,
+        sin_gamma,
+        sin_delta,
+        sin_epsilon,
+        ],
+        [cos_beta,
+        cos_gamma,
+        cos_delta,
+        cos_epsilon,
+        ],
+    ) = math::sin_cos_4(y[1], y[2], y[3], y[4]);
+    let (sin_zeta, cos_zeta) = math::sin_cos(y[5]);
+    let acceleration_beta_y = 9.80665 * sin_beta;
+    let t11 = cos_beta * acceleration_beta_y;
+    let acceleration_beta_x = 9.80665 * cos_beta;
+    let t13 = sin_beta * acceleration_beta_x;
+    let t14 = t13 - t11;
+    let omega_beta_x = v[0] * cos_beta;
+    let t16 = v[1] * omega_beta_x;
+    let t17 = a[0] * sin_beta;
+    let t18 = t17 + t16;
+    let t19 = sin_beta * t18;
+    let omega_beta_y = v[0] * sin_beta;
+    let t21 = v[1] * omega_beta_y;
+    let t22 = cos_beta * t21;
+    let t23 = t19 + t22;
+    w[0][14] = t23;
+    let t24 = omega_beta_y * omega_beta_y;
+    let t25 = omega_beta_x * omega_beta_x;
+    let t26 = t25 + t24;
+    let t27 = v[1] * v[1];
+    let t28 = t25 + t27;
+    let t29 = t28 - t26;
+    let t30 = cos_beta * t29;
+    let t31 = omega_beta_x * omega_beta_y;
+    w[1][19] = t31;
+    let t32 = a[1] + t31;
+    let t33 = sin_beta * t32;
+    let t34 = t33 + t30;
+    let t35 = sin_beta * t16;
+    let t36 = t22 - t35;
+    let t37 = t16 + t18;
+    let t38 = cos_beta * t37;
+    let t39 = a[0] * cos_beta;
+    let t40 = t39 - t21;
+    let t41 = t21 - t40;
+    let t42 = sin_beta * t41;
+    let t43 = t42 - t38;
+    w[0][17] = t43;
+    let t44 = t24 + t27;
+    let t45 = t44 - t26;
+    let t46 = sin_beta * t45;
+    let t47 = a[1] - t31;
+    let t48 = cos_beta * t47;
+    let t49 = t46 - t48;
+    let t50 = cos_beta * t40;
+    let t51 = t35 - t50;
+    let acceleration_gamma_z = 0.18 * t37;
+    let t53 = 0.18 * sin_beta;
+    let t54 = acceleration_gamma_z * t53;
+    w[0][20] = t54;
+    let t55 = cos_gamma * omega_beta_y;
+    let t56 = sin_gamma * omega_beta_x;
+    let omega_gamma_x = t56 + t55;
+    let t58 = v[2] * omega_gamma_x;
+    let t59 = sin_gamma * t18;
+    let t60 = t59 + t58;
+    let t61 = cos_gamma * t40;
+    let t62 = t61 - t60;
+    let omega_gamma_z = v[1] + v[2];
+    let t64 = omega_gamma_x * omega_gamma_z;
+    let t65 = t64 - t62;
+    let t66 = t53 * t65;
+    let t67 = sin_beta * sin_gamma;
+    let t68 = cos_beta * cos_gamma;
+    let t69 = t68 - t67;
+    let t70 = acceleration_gamma_z * t69;
+    let t71 = t70 - t66;
+    w[0][21] = t71;
+    let t72 = 0.18 * t47;
+    let t73 = acceleration_beta_y - t72;
+    let t74 = cos_gamma * t73;
+    let t75 = 0.18 * t44;
+    let t76 = acceleration_beta_x - t75;
+    let t77 = sin_gamma * t76;
+    let acceleration_gamma_x = t77 + t74;
+    let t79 = acceleration_gamma_x * t69;
+    let t80 = sin_gamma * omega_beta_y;
+    let t81 = cos_gamma * omega_beta_x;
+    let omega_gamma_y = t81 - t80;
+    let t83 = omega_gamma_y * omega_gamma_y;
+    let t84 = omega_gamma_x * omega_gamma_x;
+    let t85 = t84 + t83;
+    let t86 = t85 * t53;
+    let t87 = t86 - t79;
+    let t88 = sin_gamma * t73;
+    let t89 = cos_gamma * t76;
+    let acceleration_gamma_y = t89 - t88;
+    let t91 = sin_beta * cos_gamma;
+    let t92 = cos_beta * sin_gamma;
+    let t93 = t92 + t91;
+    let t94 = acceleration_gamma_y * t93;
+    let t95 = t94 + t87;
+    let t96 = v[2] * omega_gamma_y;
+    let t97 = cos_gamma * t18;
+    let t98 = t97 + t96;
+    let t99 = sin_gamma * t40;
+    let t100 = t99 + t98;
+    let t101 = omega_gamma_y * omega_gamma_z;
+    let t102 = t101 + t100;
+    let t103 = t53 * t102;
+    let t104 = acceleration_gamma_z * t93;
+    let t105 = t104 + t103;
+    w[0][23] = t105;
+    let t106 = t93 * t100;
+    let t107 = t64 * t69;
+    let t108 = t107 + t106;
+    w[0][24] = t108;
+    let t109 = omega_gamma_z * omega_gamma_z;
+    let t110 = t83 + t109;
+    let t111 = t110 - t85;
+    let t112 = t69 * t111;
+    let t113 = omega_gamma_x * omega_gamma_y;
+    w[1][29] = t113;
+    w[2][29] = t113;
+    let t114 = a[1] + a[2];
+    w[1][26] = t114;
+    w[2][26] = t114;
+    let t115 = t114 + t113;
+    let t116 = t115 * t93;
+    let t117 = t116 + t112;
+    let t118 = t101 * t93;
+    let t119 = t107 - t118;
+    let t120 = t69 * t102;
+    let t121 = t93 * t65;
+    let t122 = t121 - t120;
+    w[0][27] = t122;
+    let t123 = t84 + t109;
+    let t124 = t123 - t85;
+    let t125 = t93 * t124;
+    let t126 = t114 - t113;
+    let t127 = t126 * t69;
+    let t128 = t125 - t127;
+    let t129 = t69 * t62;
+    let t130 = t118 - t129;
+    let t131 = sin_delta * omega_gamma_x;
+    let t132 = cos_delta * omega_gamma_z;
+    let omega_delta_y = t131 + t132;
+    let t134 = v[3] * omega_delta_y;
+    let t135 = sin_delta * t114;
+    let t136 = t135 + t134;
+    let t137 = cos_delta * t100;
+    let t138 = t137 - t136;
+    let omega_delta_z = v[3] + omega_gamma_y;
+    let t140 = omega_delta_y * omega_delta_z;
+    let t141 = t140 + t138;
+    let t142 = 0.46445000000000003 * t141;
+    let t143 = sin_delta * acceleration_gamma_x;
+    let t144 = cos_delta * acceleration_gamma_z;
+    let t145 = t143 + t144;
+    let acceleration_delta_y = t145 + t142;
+    let t147 = 0.22183 * t141;
+    let t148 = acceleration_delta_y - t147;
+    w[3][31] = t148;
+    let t149 = cos_delta * t93;
+    let t150 = 0.46445000000000003 * t149;
+    let t151 = cos_delta * t53;
+    let t152 = t151 + t150;
+    let t153 = 0.22183 * t149;
+    let t154 = t152 - t153;
+    let t155 = t154 * t148;
+    let t156 = cos_delta * omega_gamma_x;
+    let t157 = sin_delta * omega_gamma_z;
+    let omega_delta_x = t156 - t157;
+    let t159 = v[3] * omega_delta_x;
+    let t160 = cos_delta * t114;
+    let t161 = t160 + t159;
+    let t162 = sin_delta * t100;
+    let t163 = t162 + t161;
+    let t164 = omega_delta_x * omega_delta_z;
+    let t165 = t164 - t163;
+    let t166 = 0.46445000000000003 * t165;
+    let t167 = cos_delta * acceleration_gamma_x;
+    let t168 = sin_delta * acceleration_gamma_z;
+    let t169 = t167 - t168;
+    let acceleration_delta_x = t169 + t166;
+    let t171 = 0.22183 * t165;
+    let t172 = acceleration_delta_x - t171;
+    w[3][32] = t172;
+    let t173 = sin_delta * t93;
+    let t174 = 0.46445000000000003 * t173;
+    let t175 = sin_delta * t53;
+    let t176 = t175 + t174;
+    let t177 = 0.22183 * t173;
+    let t178 = t176 - t177;
+    let t179 = t178 * t172;
+    let t180 = t179 - t155;
+    let t181 = t69 * t148;
+    let t182 = omega_delta_y * omega_delta_y;
+    let t183 = omega_delta_x * omega_delta_x;
+    let t184 = t183 + t182;
+    let t185 = 0.46445000000000003 * t184;
+    let acceleration_delta_z = acceleration_gamma_y - t185;
+    let t187 = 0.22183 * t184;
+    let t188 = acceleration_delta_z + t187;
+    let t189 = t173 * t188;
+    let t190 = a[3] + t62;
+    w[3][39] = t190;
+    let t191 = omega_delta_x * omega_delta_y;
+    w[3][34] = t191;
+    let t192 = t191 - t190;
+    let t193 = t154 * t192;
+    let t194 = omega_delta_z * omega_delta_z;
+    let t195 = t182 + t194;
+    let t196 = t195 * t178;
+    let t197 = t196 + t193;
+    let t198 = t189 + t197;
+    let t199 = t181 - t198;
+    w[0][31] = t199;
+    let t200 = t69 * t172;
+    let t201 = t149 * t188;
+    let t202 = t191 + t190;
+    let t203 = t178 * t202;
+    let t204 = t183 + t194;
+    let t205 = t204 * t154;
+    let t206 = t205 + t203;
+    let t207 = t201 + t206;
+    let t208 = t200 - t207;
+    w[0][32] = t208;
+    let t209 = t149 * t148;
+    let t210 = t154 * t141;
+    let t211 = t178 * t165;
+    let t212 = t211 - t210;
+    let t213 = t209 - t212;
+    let t214 = t173 * t172;
+    let t215 = t214 - t213;
+    let t216 = t149 * t138;
+    let t217 = t191 * t69;
+    let t218 = t164 * t173;
+    let t219 = t218 - t217;
+    let t220 = t216 - t219;
+    w[0][34] = t220;
+    let t221 = t140 - t138;
+    let t222 = t173 * t221;
+    let t223 = t195 - t204;
+    let t224 = t69 * t223;
+    let t225 = t224 - t222;
+    let t226 = t164 + t163;
+    let t227 = t149 * t226;
+    let t228 = t227 + t225;
+    let t229 = t173 * t163;
+    let t230 = t140 * t149;
+    let t231 = t217 - t230;
+    let t232 = t229 - t231;
+    w[0][36] = t232;
+    let t233 = t149 * t192;
+    let t234 = t195 - t184;
+    let t235 = t173 * t234;
+    let t236 = t235 + t233;
+    let t237 = t69 * t141;
+    let t238 = t237 - t236;
+    let t239 = t173 * t202;
+    let t240 = t204 - t184;
+    let t241 = t149 * t240;
+    let t242 = t241 + t239;
+    let t243 = t69 * t165;
+    let t244 = t243 - t242;
+    let t245 = t69 * t190;
+    let t246 = t218 - t230;
+    let t247 = t246 + t245;
+    w[0][39] = t247;
+    let t248 = sin_epsilon * acceleration_delta_x;
+    let t249 = cos_epsilon * acceleration_delta_z;
+    let acceleration_epsilon_y = t249 - t248;
+    let t251 = sin_epsilon * t176;
+    let t252 = t251 * acceleration_epsilon_y;
+    let t253 = t152 * acceleration_delta_y;
+    let t254 = t253 + t252;
+    let t255 = cos_epsilon * acceleration_delta_x;
+    let t256 = sin_epsilon * acceleration_delta_z;
+    let acceleration_epsilon_x = t256 + t255;
+    let t258 = cos_epsilon * t176;
+    let t259 = t258 * acceleration_epsilon_x;
+    let t260 = t259 - t254;
+    let t261 = a[4] + t163;
+    w[4][46] = t261;
+    let t262 = sin_epsilon * omega_delta_x;
+    let t263 = cos_epsilon * omega_delta_z;
+    let omega_epsilon_y = t262 - t263;
+    let t265 = cos_epsilon * omega_delta_x;
+    let t266 = sin_epsilon * omega_delta_z;
+    let omega_epsilon_x = t265 + t266;
+    let t268 = omega_epsilon_x * omega_epsilon_y;
+    w[4][44] = t268;
+    let t269 = t268 - t261;
+    let t270 = t251 * t269;
+    let t271 = omega_epsilon_y * omega_epsilon_y;
+    let omega_epsilon_z = v[4] + omega_delta_y;
+    let t273 = omega_epsilon_z * omega_epsilon_z;
+    let t274 = t271 + t273;
+    let t275 = t274 * t258;
+    let t276 = t275 - t270;
+    let t277 = sin_epsilon * t149;
+    let t278 = cos_epsilon * t69;
+    let t279 = t277 - t278;
+    let t280 = t279 * acceleration_delta_y;
+    let t281 = t280 + t276;
+    let t282 = cos_epsilon * t190;
+    let t283 = v[4] * omega_epsilon_x;
+    let t284 = t283 - t282;
+    let t285 = sin_epsilon * t138;
+    let t286 = t285 + t284;
+    let t287 = omega_epsilon_x * omega_epsilon_z;
+    let t288 = t287 + t286;
+    let t289 = t152 * t288;
+    let t290 = t289 + t281;
+    let t291 = t173 * acceleration_epsilon_y;
+    let t292 = t291 + t290;
+    let t293 = sin_epsilon * t190;
+    let t294 = v[4] * omega_epsilon_y;
+    let t295 = t294 - t293;
+    let t296 = cos_epsilon * t138;
+    let t297 = t296 - t295;
+    let t298 = omega_epsilon_y * omega_epsilon_z;
+    let t299 = t298 + t297;
+    let t300 = t251 * t299;
+    let t301 = omega_epsilon_x * omega_epsilon_x;
+    let t302 = t301 + t271;
+    let t303 = t302 * t152;
+    let t304 = t303 + t300;
+    let t305 = t287 - t286;
+    w[4][48] = t305;
+    let t306 = t258 * t305;
+    let t307 = t306 + t304;
+    let t308 = t279 * acceleration_epsilon_x;
+    let t309 = t308 + t307;
+    let t310 = cos_epsilon * t149;
+    let t311 = sin_epsilon * t69;
+    let t312 = t310 + t311;
+    let t313 = t312 * acceleration_epsilon_y;
+    let t314 = t313 + t309;
+    let t315 = t268 + t261;
+    let t316 = t258 * t315;
+    let t317 = t301 + t273;
+    let t318 = t317 * t251;
+    let t319 = t318 - t316;
+    let t320 = t312 * acceleration_delta_y;
+    let t321 = t320 - t319;
+    let t322 = t298 - t297;
+    let t323 = t152 * t322;
+    let t324 = t323 - t321;
+    let t325 = t173 * acceleration_epsilon_x;
+    let t326 = t325 + t324;
+    let t327 = t312 * t297;
+    let t328 = t287 * t279;
+    let t329 = t268 * t173;
+    let t330 = t329 - t328;
+    let t331 = t327 + t330;
+    w[0][44] = t331;
+    let t332 = t312 * t269;
+    let t333 = t274 - t302;
+    let t334 = t279 * t333;
+    let t335 = t334 + t332;
+    let t336 = t173 * t299;
+    let t337 = t336 - t335;
+    let t338 = t298 * t312;
+    let t339 = t328 - t338;
+    let t340 = t173 * t261;
+    let t341 = t340 + t339;
+    w[0][46] = t341;
+    let t342 = t279 * t322;
+    let t343 = t274 - t317;
+    w[4][47] = t343;
+    let t344 = t173 * t343;
+    let t345 = t344 - t342;
+    let t346 = t312 * t288;
+    let t347 = t346 + t345;
+    w[0][47] = t347;
+    let t348 = t279 * t315;
+    let t349 = t317 - t302;
+    let t350 = t312 * t349;
+    let t351 = t350 + t348;
+    let t352 = t173 * t305;
+    let t353 = t352 - t351;
+    w[0][48] = t353;
+    let t354 = t279 * t286;
+    let t355 = t329 - t338;
+    let t356 = t355 - t354;
+    let t357 = sin_zeta * acceleration_epsilon_x;
+    let t358 = cos_zeta * acceleration_delta_y;
+    let acceleration_zeta_y = t357 + t358;
+    w[5][51] = acceleration_zeta_y;
+    let t360 = sin_zeta * t258;
+    let t361 = cos_zeta * t152;
+    let t362 = t360 - t361;
+    let t363 = t362 * acceleration_zeta_y;
+    let t364 = t252 - t363;
+    let t365 = cos_zeta * acceleration_epsilon_x;
+    let t366 = sin_zeta * acceleration_delta_y;
+    let acceleration_zeta_x = t365 - t366;
+    w[5][52] = acceleration_zeta_x;
+    let t368 = cos_zeta * t258;
+    let t369 = sin_zeta * t152;
+    let t370 = t368 + t369;
+    let t371 = t370 * acceleration_zeta_x;
+    let t372 = t371 - t364;
+    let t373 = a[5] - t286;
+    w[5][59] = t373;
+    let t374 = sin_zeta * omega_epsilon_x;
+    let t375 = cos_zeta * omega_epsilon_z;
+    let omega_zeta_y = t374 + t375;
+    let t377 = cos_zeta * omega_epsilon_x;
+    let t378 = sin_zeta * omega_epsilon_z;
+    let omega_zeta_x = t377 - t378;
+    let t380 = omega_zeta_x * omega_zeta_y;
+    w[5][54] = t380;
+    let t381 = t380 - t373;
+    let t382 = t362 * t381;
+    let t383 = omega_zeta_y * omega_zeta_y;
+    let omega_zeta_z = v[5] - omega_epsilon_y;
+    let t385 = omega_zeta_z * omega_zeta_z;
+    let t386 = t383 + t385;
+    let t387 = t386 * t370;
+    let t388 = t387 - t382;
+    let t389 = sin_zeta * t312;
+    let t390 = cos_zeta * t173;
+    let t391 = t389 + t390;
+    let t392 = t391 * acceleration_epsilon_y;
+    let t393 = t392 + t388;
+    let t394 = cos_zeta * t261;
+    let t395 = v[5] * omega_zeta_x;
+    let t396 = t395 + t394;
+    let t397 = sin_zeta * t297;
+    let t398 = t397 + t396;
+    let t399 = omega_zeta_x * omega_zeta_z;
+    let t400 = t399 + t398;
+    let t401 = t251 * t400;
+    let t402 = t401 + t393;
+    let t403 = t279 * acceleration_zeta_y;
+    let t404 = t403 + t402;
+    let t405 = t380 + t373;
+    let t406 = t370 * t405;
+    let t407 = omega_zeta_x * omega_zeta_x;
+    let t408 = t407 + t385;
+    let t409 = t408 * t362;
+    let t410 = t409 - t406;
+    let t411 = cos_zeta * t312;
+    let t412 = sin_zeta * t173;
+    let t413 = t411 - t412;
+    let t414 = t413 * acceleration_epsilon_y;
+    let t415 = t414 - t410;
+    let t416 = sin_zeta * t261;
+    let t417 = v[5] * omega_zeta_y;
+    let t418 = t417 + t416;
+    let t419 = cos_zeta * t297;
+    let t420 = t419 - t418;
+    let t421 = omega_zeta_y * omega_zeta_z;
+    let t422 = t421 - t420;
+    let t423 = t251 * t422;
+    let t424 = t423 - t415;
+    let t425 = t279 * acceleration_zeta_x;
+    let t426 = t425 - t424;
+    let t427 = t421 + t420;
+    let t428 = t362 * t427;
+    let t429 = t407 + t383;
+    let t430 = t429 * t251;
+    let t431 = t430 + t428;
+    let t432 = t399 - t398;
+    let t433 = t370 * t432;
+    let t434 = t433 + t431;
+    let t435 = t413 * acceleration_zeta_y;
+    let t436 = t435 - t434;
+    let t437 = t391 * acceleration_zeta_x;
+    let t438 = t437 - t436;
+    let t439 = t413 * t420;
+    let t440 = t380 * t279;
+    let t441 = t399 * t391;
+    let t442 = t441 + t440;
+    let t443 = t439 - t442;
+    w[0][54] = t443;
+    let t444 = t391 * t422;
+    let t445 = t386 - t408;
+    let t446 = t279 * t445;
+    let t447 = t446 + t444;
+    let t448 = t413 * t400;
+    let t449 = t448 - t447;
+    let t450 = t391 * t398;
+    let t451 = t421 * t413;
+    let t452 = t440 + t451;
+    let t453 = t450 + t452;
+    w[0][56] = t453;
+    let t454 = t413 * t381;
+    let t455 = t386 - t429;
+    let t456 = t391 * t455;
+    let t457 = t456 + t454;
+    let t458 = t279 * t427;
+    let t459 = t458 + t457;
+    w[0][57] = t459;
+    let t460 = t391 * t405;
+    let t461 = t408 - t429;
+    let t462 = t413 * t461;
+    let t463 = t462 + t460;
+    let t464 = t279 * t432;
+    let t465 = t464 + t463;
+    w[0][58] = t465;
+    let t466 = t279 * t373;
+    let t467 = t441 - t451;
+    let t468 = t467 - t466;
+    w[0][59] = t468;
+    let t469 = a[0] * 25921.0;
+    w[0][60] = t469;
+    let t470 = v[2] * 161.0;
+    let t471 = v[1] + t470;
+    let t472 = omega_beta_x * t471;
+    let t473 = sin_beta * t472;
+    let t474 = omega_beta_y * t471;
+    let t475 = cos_beta * t474;
+    let t476 = t475 - t473;
+    let t477 = a[3] * 101.0;
+    let t478 = t477 + t62;
+    let t479 = t69 * t478;
+    let t480 = v[3] * 101.0;
+    let t481 = omega_gamma_y + t480;
+    let t482 = omega_gamma_z * t481;
+    let t483 = t93 * t482;
+    let t484 = t483 - t479;
+    let t485 = a[4] * 101.0;
+    let t486 = t485 + t163;
+    let t487 = t173 * t486;
+    let t488 = v[4] * 101.0;
+    let t489 = omega_delta_y + t488;
+    let t490 = omega_delta_x * t489;
+    let t491 = t69 * t490;
+    let t492 = omega_delta_z * t489;
+    let t493 = t149 * t492;
+    let t494 = t493 - t491;
+    let t495 = t487 + t494;
+    w[0][64] = t495;
+    let t496 = a[5] * 51.0;
+    let t497 = t496 - t286;
+    let t498 = t279 * t497;
+    let t499 = v[5] * 51.0;
+    let t500 = omega_epsilon_y - t499;
+    let t501 = omega_epsilon_x * t500;
+    let t502 = t173 * t501;
+    let t503 = omega_epsilon_z * t500;
+    let t504 = t312 * t503;
+    let t505 = t504 - t502;
+    let t506 = t498 - t505;
+    let t507 = t16 - t18;
+    w[1][15] = t507;
+    let t508 = t44 - t28;
+    let t509 = t21 + t40;
+    w[1][18] = t509;
+    let t510 = 0.18 * sin_gamma;
+    let t511 = acceleration_gamma_y * t510;
+    let t512 = 0.18 * cos_gamma;
+    let t513 = acceleration_gamma_x * t512;
+    let t514 = t513 - t511;
+    let t515 = t115 * t510;
+    let t516 = t110 * t512;
+    let t517 = t516 + t515;
+    let t518 = acceleration_gamma_y + t517;
+    let t519 = t101 - t100;
+    w[1][25] = t519;
+    w[2][25] = t519;
+    let t520 = t510 * t519;
+    let t521 = t64 + t62;
+    w[1][28] = t521;
+    w[2][28] = t521;
+    let t522 = t512 * t521;
+    let t523 = t522 - t520;
+    let t524 = t123 * t510;
+    let t525 = t126 * t512;
+    let t526 = t525 - t524;
+    let t527 = acceleration_gamma_x - t526;
+    let t528 = t110 - t123;
+    w[1][27] = t528;
+    w[2][27] = t528;
+    let t529 = sin_delta * t512;
+    let t530 = 0.46445000000000003 * sin_delta;
+    let t531 = t529 + t530;
+    let t532 = 0.22183 * sin_delta;
+    let t533 = t531 - t532;
+    let t534 = t533 * t148;
+    let t535 = t510 * t188;
+    let t536 = t535 - t534;
+    let t537 = cos_delta * t512;
+    let t538 = 0.46445000000000003 * cos_delta;
+    let t539 = t537 + t538;
+    let t540 = 0.22183 * cos_delta;
+    let t541 = t539 - t540;
+    let t542 = t541 * t172;
+    let t543 = t542 - t536;
+    let t544 = t533 * t192;
+    let t545 = t195 * t541;
+    let t546 = t545 - t544;
+    let t547 = t510 * t226;
+    let t548 = t547 + t546;
+    let t549 = cos_delta * t188;
+    let t550 = t549 + t548;
+    let t551 = t541 * t202;
+    let t552 = t204 * t533;
+    let t553 = t552 - t551;
+    let t554 = t510 * t221;
+    let t555 = t554 + t553;
+    let t556 = sin_delta * t188;
+    let t557 = t556 + t555;
+    w[1][32] = t557;
+    let t558 = sin_delta * t148;
+    let t559 = cos_delta * t172;
+    let t560 = t559 + t558;
+    let t561 = t533 * t141;
+    let t562 = t184 * t510;
+    let t563 = t562 + t561;
+    let t564 = t541 * t165;
+    let t565 = t564 + t563;
+    let t566 = t560 + t565;
+    let t567 = sin_delta * t138;
+    let t568 = cos_delta * t164;
+    let t569 = t568 + t567;
+    let t570 = cos_delta * t221;
+    let t571 = sin_delta * t226;
+    let t572 = t571 + t570;
+    w[1][35] = t572;
+    w[2][35] = t572;
+    let t573 = cos_delta * t163;
+    let t574 = sin_delta * t140;
+    let t575 = t574 - t573;
+    let t576 = sin_delta * t192;
+    let t577 = cos_delta * t234;
+    let t578 = t577 - t576;
+    w[1][37] = t578;
+    w[2][37] = t578;
+    let t579 = cos_delta * t202;
+    let t580 = sin_delta * t240;
+    let t581 = t580 - t579;
+    let t582 = t568 + t574;
+    w[1][39] = t582;
+    w[2][39] = t582;
+    let t583 = sin_epsilon * t539;
+    let t584 = cos_epsilon * t510;
+    let t585 = t583 + t584;
+    let t586 = t585 * acceleration_epsilon_y;
+    let t587 = t531 * acceleration_delta_y;
+    let t588 = t587 - t586;
+    let t589 = cos_epsilon * t539;
+    let t590 = sin_epsilon * t510;
+    let t591 = t589 - t590;
+    let t592 = t591 * acceleration_epsilon_x;
+    let t593 = t592 + t588;
+    let t594 = cos_delta * acceleration_epsilon_y;
+    let t595 = sin_delta * sin_epsilon;
+    let t596 = t595 * acceleration_delta_y;
+    let t597 = t596 - t594;
+    let t598 = t585 * t269;
+    let t599 = t274 * t591;
+    let t600 = t599 - t598;
+    let t601 = t531 * t288;
+    let t602 = t601 - t600;
+    let t603 = t597 + t602;
+    w[1][41] = t603;
+    let t604 = t595 * acceleration_epsilon_x;
+    let t605 = sin_delta * cos_epsilon;
+    let t606 = t605 * acceleration_epsilon_y;
+    let t607 = t606 + t604;
+    let t608 = t585 * t299;
+    let t609 = t302 * t531;
+    let t610 = t609 - t608;
+    let t611 = t591 * t305;
+    let t612 = t611 - t610;
+    let t613 = t607 - t612;
+    w[1][42] = t613;
+    let t614 = cos_delta * acceleration_epsilon_x;
+    let t615 = t605 * acceleration_delta_y;
+    let t616 = t614 + t615;
+    let t617 = t591 * t315;
+    let t618 = t317 * t585;
+    let t619 = t618 - t617;
+    let t620 = t531 * t322;
+    let t621 = t620 - t619;
+    let t622 = t616 - t621;
+    let t623 = t605 * t297;
+    let t624 = t287 * t595;
+    let t625 = cos_delta * t268;
+    let t626 = t625 + t624;
+    let t627 = t623 - t626;
+    let t628 = t605 * t269;
+    let t629 = t595 * t333;
+    let t630 = t629 + t628;
+    let t631 = cos_delta * t299;
+    let t632 = t631 + t630;
+    let t633 = t298 * t605;
+    let t634 = t624 - t633;
+    let t635 = cos_delta * t261;
+    let t636 = t635 - t634;
+    w[1][46] = t636;
+    w[2][46] = t636;
+    let t637 = t595 * t322;
+    let t638 = cos_delta * t343;
+    let t639 = t638 + t637;
+    let t640 = t605 * t288;
+    let t641 = t640 - t639;
+    let t642 = t595 * t315;
+    let t643 = t605 * t349;
+    let t644 = t643 + t642;
+    let t645 = cos_delta * t305;
+    let t646 = t645 + t644;
+    w[1][48] = t646;
+    w[2][48] = t646;
+    let t647 = t595 * t286;
+    let t648 = t625 + t633;
+    let t649 = t648 + t647;
+    let t650 = sin_zeta * t591;
+    let t651 = cos_zeta * t531;
+    let t652 = t650 + t651;
+    let t653 = t652 * acceleration_zeta_y;
+    let t654 = t586 - t653;
+    let t655 = cos_zeta * t591;
+    let t656 = sin_zeta * t531;
+    let t657 = t655 - t656;
+    let t658 = t657 * acceleration_zeta_x;
+    let t659 = t658 - t654;
+    let t660 = t595 * acceleration_zeta_y;
+    let t661 = sin_zeta * t605;
+    let t662 = cos_delta * cos_zeta;
+    let t663 = t661 - t662;
+    let t664 = t663 * acceleration_epsilon_y;
+    let t665 = t660 + t664;
+    let t666 = t652 * t381;
+    let t667 = t386 * t657;
+    let t668 = t667 - t666;
+    let t669 = t585 * t400;
+    let t670 = t669 + t668;
+    let t671 = t665 - t670;
+    w[1][51] = t671;
+    let t672 = t595 * acceleration_zeta_x;
+    let t673 = cos_zeta * t605;
+    let t674 = cos_delta * sin_zeta;
+    let t675 = t673 + t674;
+    let t676 = t675 * acceleration_epsilon_y;
+    let t677 = t676 + t672;
+    let t678 = t657 * t405;
+    let t679 = t408 * t652;
+    let t680 = t679 - t678;
+    let t681 = t585 * t422;
+    let t682 = t681 + t680;
+    let t683 = t677 + t682;
+    w[1][52] = t683;
+    let t684 = t675 * acceleration_zeta_y;
+    let t685 = t663 * acceleration_zeta_x;
+    let t686 = t685 - t684;
+    let t687 = t652 * t427;
+    let t688 = t429 * t585;
+    let t689 = t688 + t687;
+    let t690 = t657 * t432;
+    let t691 = t690 + t689;
+    let t692 = t686 - t691;
+    w[1][53] = t692;
+    let t693 = t675 * t420;
+    let t694 = t380 * t595;
+    let t695 = t399 * t663;
+    let t696 = t695 + t694;
+    let t697 = t693 - t696;
+    let t698 = t663 * t422;
+    let t699 = t595 * t445;
+    let t700 = t699 + t698;
+    let t701 = t675 * t400;
+    let t702 = t701 - t700;
+    w[1][55] = t702;
+    w[2][55] = t702;
+    let t703 = t663 * t398;
+    let t704 = t421 * t675;
+    let t705 = t694 + t704;
+    let t706 = t703 + t705;
+    let t707 = t675 * t381;
+    let t708 = t663 * t455;
+    let t709 = t708 + t707;
+    let t710 = t595 * t427;
+    let t711 = t710 + t709;
+    let t712 = t663 * t405;
+    let t713 = t675 * t461;
+    let t714 = t713 + t712;
+    let t715 = t595 * t432;
+    let t716 = t715 + t714;
+    let t717 = t595 * t373;
+    let t718 = t695 - t704;
+    let t719 = t718 - t717;
+    let t720 = a[1] * 25921.0;
+    w[1][61] = t720;
+    let t721 = a[2] * 161.0;
+    let t722 = a[1] + t721;
+    w[1][62] = t722;
+    let t723 = omega_gamma_x * t481;
+    w[1][63] = t723;
+    w[2][63] = t723;
+    let t724 = cos_delta * t486;
+    let t725 = sin_delta * t492;
+    let t726 = t725 - t724;
+    let t727 = t595 * t497;
+    let t728 = cos_delta * t501;
+    let t729 = t605 * t503;
+    let t730 = t729 + t728;
+    let t731 = t727 - t730;
+    w[1][65] = t731;
+    w[2][65] = t731;
+    let t732 = sin_delta * 0.24262000000000003;
+    let t733 = t732 * t148;
+    let t734 = cos_delta * 0.24262000000000003;
+    let t735 = t734 * t172;
+    let t736 = t735 + t733;
+    let t737 = t732 * t192;
+    let t738 = t195 * t734;
+    let t739 = t738 - t737;
+    let t740 = t549 + t739;
+    let t741 = t734 * t202;
+    let t742 = t204 * t732;
+    let t743 = t742 - t741;
+    let t744 = t556 + t743;
+    w[2][32] = t744;
+    let t745 = t732 * t141;
+    let t746 = t734 * t165;
+    let t747 = t746 + t745;
+    let t748 = t560 + t747;
+    let t749 = sin_epsilon * t538;
+    let t750 = t749 * acceleration_epsilon_y;
+    let t751 = t530 * acceleration_delta_y;
+    let t752 = t751 - t750;
+    let t753 = cos_epsilon * t538;
+    let t754 = t753 * acceleration_epsilon_x;
+    let t755 = t754 + t752;
+    let t756 = t749 * t269;
+    let t757 = t274 * t753;
+    let t758 = t757 - t756;
+    let t759 = t530 * t288;
+    let t760 = t759 - t758;
+    let t761 = t597 + t760;
+    w[2][41] = t761;
+    let t762 = t749 * t299;
+    let t763 = t302 * t530;
+    let t764 = t763 - t762;
+    let t765 = t753 * t305;
+    let t766 = t765 - t764;
+    let t767 = t607 - t766;
+    w[2][42] = t767;
+    let t768 = t753 * t315;
+    let t769 = t317 * t749;
+    let t770 = t769 - t768;
+    let t771 = t530 * t322;
+    let t772 = t771 - t770;
+    let t773 = t616 - t772;
+    let t774 = sin_zeta * t753;
+    let t775 = cos_zeta * t530;
+    let t776 = t774 + t775;
+    let t777 = t776 * acceleration_zeta_y;
+    let t778 = t750 - t777;
+    let t779 = cos_zeta * t753;
+    let t780 = sin_zeta * t530;
+    let t781 = t779 - t780;
+    let t782 = t781 * acceleration_zeta_x;
+    let t783 = t782 - t778;
+    let t784 = t776 * t381;
+    let t785 = t386 * t781;
+    let t786 = t785 - t784;
+    let t787 = t749 * t400;
+    let t788 = t787 + t786;
+    let t789 = t665 - t788;
+    w[2][51] = t789;
+    let t790 = t781 * t405;
+    let t791 = t408 * t776;
+    let t792 = t791 - t790;
+    let t793 = t749 * t422;
+    let t794 = t793 + t792;
+    let t795 = t677 + t794;
+    w[2][52] = t795;
+    let t796 = t776 * t427;
+    let t797 = t429 * t749;
+    let t798 = t797 + t796;
+    let t799 = t781 * t432;
+    let t800 = t799 + t798;
+    let t801 = t686 - t800;
+    w[2][53] = t801;
+    let t802 = 161.0 * t722;
+    w[2][62] = t802;
+    let t803 = cos_epsilon * acceleration_delta_y;
+    w[3][41] = t803;
+    let t804 = cos_epsilon * acceleration_epsilon_x;
+    let t805 = sin_epsilon * acceleration_epsilon_y;
+    let t806 = t805 - t804;
+    let t807 = sin_epsilon * acceleration_delta_y;
+    w[3][43] = t807;
+    let t808 = sin_epsilon * t297;
+    let t809 = cos_epsilon * t287;
+    let t810 = t809 + t808;
+    w[3][44] = t810;
+    let t811 = sin_epsilon * t269;
+    let t812 = cos_epsilon * t333;
+    let t813 = t812 - t811;
+    let t814 = sin_epsilon * t298;
+    let t815 = t809 + t814;
+    let t816 = cos_epsilon * t322;
+    let t817 = sin_epsilon * t288;
+    let t818 = t817 + t816;
+    w[3][47] = t818;
+    let t819 = cos_epsilon * t315;
+    let t820 = sin_epsilon * t349;
+    let t821 = t820 - t819;
+    let t822 = cos_epsilon * t286;
+    let t823 = t814 - t822;
+    w[3][49] = t823;
+    let t824 = cos_epsilon * acceleration_zeta_y;
+    let t825 = sin_epsilon * sin_zeta;
+    let t826 = t825 * acceleration_epsilon_y;
+    let t827 = t824 - t826;
+    w[3][51] = t827;
+    let t828 = cos_epsilon * acceleration_zeta_x;
+    let t829 = sin_epsilon * cos_zeta;
+    let t830 = t829 * acceleration_epsilon_y;
+    let t831 = t830 - t828;
+    let t832 = t829 * acceleration_zeta_y;
+    let t833 = t825 * acceleration_zeta_x;
+    let t834 = t833 - t832;
+    let t835 = t829 * t420;
+    let t836 = cos_epsilon * t380;
+    let t837 = t399 * t825;
+    let t838 = t837 - t836;
+    let t839 = t835 - t838;
+    w[3][54] = t839;
+    let t840 = t825 * t422;
+    let t841 = cos_epsilon * t445;
+    let t842 = t841 - t840;
+    let t843 = t829 * t400;
+    let t844 = t843 + t842;
+    let t845 = t825 * t398;
+    let t846 = t421 * t829;
+    let t847 = t836 - t846;
+    let t848 = t845 - t847;
+    w[3][56] = t848;
+    let t849 = t829 * t381;
+    let t850 = t825 * t455;
+    let t851 = t850 + t849;
+    let t852 = cos_epsilon * t427;
+    let t853 = t852 - t851;
+    let t854 = t825 * t405;
+    let t855 = t829 * t461;
+    let t856 = t855 + t854;
+    let t857 = cos_epsilon * t432;
+    let t858 = t857 - t856;
+    let t859 = cos_epsilon * t373;
+    let t860 = t837 - t846;
+    let t861 = t860 + t859;
+    w[3][59] = t861;
+    let t862 = 101.0 * t478;
+    w[3][63] = t862;
+    let t863 = cos_epsilon * t497;
+    let t864 = sin_epsilon * t503;
+    let t865 = t864 + t863;
+    w[3][65] = t865;
+    let t866 = cos_zeta * acceleration_epsilon_y;
+    let t867 = sin_zeta * acceleration_epsilon_y;
+    w[4][52] = t867;
+    let t868 = sin_zeta * acceleration_zeta_y;
+    let t869 = cos_zeta * acceleration_zeta_x;
+    let t870 = t869 + t868;
+    let t871 = sin_zeta * t420;
+    let t872 = cos_zeta * t399;
+    let t873 = t872 + t871;
+    let t874 = cos_zeta * t422;
+    let t875 = sin_zeta * t400;
+    let t876 = t875 + t874;
+    w[4][55] = t876;
+    let t877 = cos_zeta * t398;
+    let t878 = sin_zeta * t421;
+    let t879 = t878 - t877;
+    let t880 = sin_zeta * t381;
+    let t881 = cos_zeta * t455;
+    let t882 = t881 - t880;
+    w[4][57] = t882;
+    let t883 = cos_zeta * t405;
+    let t884 = sin_zeta * t461;
+    let t885 = t884 - t883;
+    let t886 = t872 + t878;
+    w[4][59] = t886;
+    let t887 = 101.0 * t486;
+    w[4][64] = t887;
+    let t888 = 51.0 * t497;
+    w[5][65] = t888;
+    let t889 = -t14;
+    w[0][12] = t889;
+    let t890 = -t34;
+    w[0][15] = t890;
+    let t891 = -t36;
+    w[0][16] = t891;
+    let t892 = -t49;
+    w[0][18] = t892;
+    let t893 = -t51;
+    w[0][19] = t893;
+    let t894 = -t95;
+    w[0][22] = t894;
+    let t895 = -t117;
+    w[0][25] = t895;
+    let t896 = -t119;
+    w[0][26] = t896;
+    let t897 = -t128;
+    w[0][28] = t897;
+    let t898 = -t130;
+    w[0][29] = t898;
+    let t899 = -t180;
+    w[0][30] = t899;
+    let t900 = -t215;
+    w[0][33] = t900;
+    let t901 = -t228;
+    w[0][35] = t901;
+    let t902 = -t238;
+    w[0][37] = t902;
+    let t903 = -t244;
+    w[0][38] = t903;
+    let t904 = -t260;
+    w[0][40] = t904;
+    let t905 = -t292;
+    w[0][41] = t905;
+    let t906 = -t314;
+    w[0][42] = t906;
+    let t907 = -t326;
+    w[0][43] = t907;
+    let t908 = -t337;
+    w[0][45] = t908;
+    let t909 = -t356;
+    w[0][49] = t909;
+    let t910 = -t372;
+    w[0][50] = t910;
+    let t911 = -t404;
+    w[0][51] = t911;
+    let t912 = -t426;
+    w[0][52] = t912;
+    let t913 = -t438;
+    w[0][53] = t913;
+    let t914 = -t449;
+    w[0][55] = t914;
+    let t915 = -t476;
+    w[0][62] = t915;
+    let t916 = -t484;
+    w[0][63] = t916;
+    let t917 = -t506;
+    w[0][65] = t917;
+    let minus_acceleration_beta_x = -acceleration_beta_x;
+    w[1][11] = minus_acceleration_beta_x;
+    let minus_acceleration_beta_y = -acceleration_beta_y;
+    w[1][13] = minus_acceleration_beta_y;
+    let t920 = -t31;
+    w[1][14] = t920;
+    let t921 = -t508;
+    w[1][17] = t921;
+    let t922 = -t514;
+    w[1][20] = t922;
+    let t923 = -t518;
+    w[1][21] = t923;
+    let t924 = -t523;
+    w[1][22] = t924;
+    let t925 = -t527;
+    w[1][23] = t925;
+    let t926 = -t113;
+    w[1][24] = t926;
+    w[2][24] = t926;
+    let t927 = -t543;
+    w[1][30] = t927;
+    let t928 = -t550;
+    w[1][31] = t928;
+    let t929 = -t566;
+    w[1][33] = t929;
+    let t930 = -t569;
+    w[1][34] = t930;
+    w[2][34] = t930;
+    let t931 = -t575;
+    w[1][36] = t931;
+    w[2][36] = t931;
+    let t932 = -t581;
+    w[1][38] = t932;
+    w[2][38] = t932;
+    let t933 = -t593;
+    w[1][40] = t933;
+    let t934 = -t622;
+    w[1][43] = t934;
+    let t935 = -t627;
+    w[1][44] = t935;
+    w[2][44] = t935;
+    let t936 = -t632;
+    w[1][45] = t936;
+    w[2][45] = t936;
+    let t937 = -t641;
+    w[1][47] = t937;
+    w[2][47] = t937;
+    let t938 = -t649;
+    w[1][49] = t938;
+    w[2][49] = t938;
+    let t939 = -t659;
+    w[1][50] = t939;
+    let t940 = -t697;
+    w[1][54] = t940;
+    w[2][54] = t940;
+    let t941 = -t706;
+    w[1][56] = t941;
+    w[2][56] = t941;
+    let t942 = -t711;
+    w[1][57] = t942;
+    w[2][57] = t942;
+    let t943 = -t716;
+    w[1][58] = t943;
+    w[2][58] = t943;
+    let t944 = -t719;
+    w[1][59] = t944;
+    w[2][59] = t944;
+    let t945 = -t726;
+    w[1][64] = t945;
+    w[2][64] = t945;
+    let minus_acceleration_gamma_y = -acceleration_gamma_y;
+    w[2][21] = minus_acceleration_gamma_y;
+    let minus_acceleration_gamma_x = -acceleration_gamma_x;
+    w[2][23] = minus_acceleration_gamma_x;
+    let t948 = -t736;
+    w[2][30] = t948;
+    let t949 = -t740;
+    w[2][31] = t949;
+    let t950 = -t748;
+    w[2][33] = t950;
+    let t951 = -t755;
+    w[2][40] = t951;
+    let t952 = -t773;
+    w[2][43] = t952;
+    let t953 = -t783;
+    w[2][50] = t953;
+    let t954 = -t223;
+    w[3][35] = t954;
+    let t955 = -t191;
+    w[3][36] = t955;
+    let t956 = -t141;
+    w[3][37] = t956;
+    let t957 = -t165;
+    w[3][38] = t957;
+    let t958 = -t806;
+    w[3][42] = t958;
+    let t959 = -t813;
+    w[3][45] = t959;
+    let t960 = -t815;
+    w[3][46] = t960;
+    let t961 = -t821;
+    w[3][48] = t961;
+    let t962 = -t831;
+    w[3][52] = t962;
+    let t963 = -t834;
+    w[3][53] = t963;
+    let t964 = -t844;
+    w[3][55] = t964;
+    let t965 = -t853;
+    w[3][57] = t965;
+    let t966 = -t858;
+    w[3][58] = t966;
+    let t967 = -t490;
+    w[3][64] = t967;
+    let minus_acceleration_epsilon_y = -acceleration_epsilon_y;
+    w[4][41] = minus_acceleration_epsilon_y;
+    let minus_acceleration_epsilon_x = -acceleration_epsilon_x;
+    w[4][43] = minus_acceleration_epsilon_x;
+    let t970 = -t299;
+    w[4][45] = t970;
+    let t971 = -t268;
+    w[4][49] = t971;
+    let t972 = -t866;
+    w[4][51] = t972;
+    let t973 = -t870;
+    w[4][53] = t973;
+    let t974 = -t873;
+    w[4][54] = t974;
+    let t975 = -t879;
+    w[4][56] = t975;
+    let t976 = -t885;
+    w[4][58] = t976;
+    let t977 = -t501;
+    w[4][65] = t977;
+    let t978 = -t445;
+    w[5][55] = t978;
+    let t979 = -t380;
+    w[5][56] = t979;
+    let t980 = -t427;
+    w[5][57] = t980;
+    let t981 = -t432;
+    w[5][58] = t981;
+}
+
+/// Base parameters β, the columns of `base_regressor`, each named after the inertial parameter that leads its
+/// group. 26 of 66 parameters enter the motion only in these sums:
+///
+/// - `Izz_alpha + Izz_beta + Izz_gamma + 25921 J_alpha`
+/// - `mcx_beta`
+/// - `mcz_beta + 0.18 m_gamma + 0.18 m_delta + 0.18 m_epsilon + 0.18 m_zeta`
+/// - `Ixx_beta − Izz_beta + 0.0324 m_gamma + 0.0324 m_delta + 0.0324 m_epsilon + 0.0324 m_zeta`
+/// - `Ixy_beta`
+/// - `Iyy_beta + 0.0324 m_gamma + 0.0324 m_delta + 0.0324 m_epsilon + 0.0324 m_zeta + 25921 J_beta`
+/// - `Ixz_beta`
+/// - `Iyz_beta − 0.18 mcy_gamma`
+/// - `mcx_gamma`
+/// - `mcz_gamma + 0.24262 m_delta + mcz_delta + 0.46445 m_epsilon + 0.46445 m_zeta`
+/// - `Ixx_gamma − Izz_gamma + 0.0588644644 m_delta + 0.48524 mcz_delta + Iyy_delta + 0.2157138025 m_epsilon + 0.2157138025 m_zeta`
+/// - `Ixy_gamma`
+/// - `Iyy_gamma + 0.0588644644 m_delta + 0.48524 mcz_delta + Iyy_delta + 0.2157138025 m_epsilon + 0.2157138025 m_zeta`
+/// - `Ixz_gamma`
+/// - `Iyz_gamma`
+/// - `mcx_delta`
+/// - `mcy_delta + mcy_epsilon`
+/// - `Ixx_delta − Iyy_delta + Izz_epsilon`
+/// - `Ixy_delta`
+/// - `Ixz_delta`
+/// - `Iyz_delta − 0.22183 mcy_epsilon`
+/// - `Izz_delta + Izz_epsilon`
+/// - `mcx_epsilon`
+/// - `mcz_epsilon + mcz_zeta`
+/// - `Ixx_epsilon − Izz_epsilon + Iyy_zeta`
+/// - `Ixy_epsilon`
+/// - `Iyy_epsilon + Iyy_zeta`
+/// - `Ixz_epsilon`
+/// - `Iyz_epsilon`
+/// - `mcx_zeta`
+/// - `mcy_zeta`
+/// - `Ixx_zeta − Iyy_zeta`
+/// - `Ixy_zeta`
+/// - `Ixz_zeta`
+/// - `Iyz_zeta`
+/// - `Izz_zeta`
+/// - `J_gamma`
+/// - `J_delta`
+/// - `J_epsilon`
+/// - `J_zeta`
+pub const BASE_PARAMETER_NAMES: [&str; 40] = [
+    "Izz_alpha",
+    "mcx_beta",
+    "mcz_beta",
+    "Ixx_beta",
+    "Ixy_beta",
+    "Iyy_beta",
+    "Ixz_beta",
+    "Iyz_beta",
+    "mcx_gamma",
+    "mcz_gamma",
+    "Ixx_gamma",
+    "Ixy_gamma",
+    "Iyy_gamma",
+    "Ixz_gamma",
+    "Iyz_gamma",
+    "mcx_delta",
+    "mcy_delta",
+    "Ixx_delta",
+    "Ixy_delta",
+    "Ixz_delta",
+    "Iyz_delta",
+    "Izz_delta",
+    "mcx_epsilon",
+    "mcz_epsilon",
+    "Ixx_epsilon",
+    "Ixy_epsilon",
+    "Iyy_epsilon",
+    "Ixz_epsilon",
+    "Iyz_epsilon",
+    "mcx_zeta",
+    "mcy_zeta",
+    "Ixx_zeta",
+    "Ixy_zeta",
+    "Ixz_zeta",
+    "Iyz_zeta",
+    "Izz_zeta",
+    "J_gamma",
+    "J_delta",
+    "J_epsilon",
+    "J_zeta",
+];
+
+/// Map from the inertial parameters to the base parameters: β(i) = Σ c π(j) over all (i, j, c). Found at the
+/// described values of free parameters; where lengths or gravity are free, it holds for these values alone.
+pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 83] = [
+    (0, 9, 1.0),
+    (0, 19, 1.0),
+    (0, 29, 1.0),
+    (0, 60, 25921.0),
+    (1, 11, 1.0),
+    (2, 13, 1.0),
+    (2, 20, 0.18),
+    (2, 30, 0.18),
+    (2, 40, 0.18),
+    (2, 50, 0.18),
+    (3, 14, 1.0),
+    (3, 19, -1.0),
+    (3, 20, 0.0324),
+    (3, 30, 0.0324),
+    (3, 40, 0.0324),
+    (3, 50, 0.0324),
+    (4, 15, 1.0),
+    (5, 16, 1.0),
+    (5, 20, 0.0324),
+    (5, 30, 0.0324),
+    (5, 40, 0.0324),
+    (5, 50, 0.0324),
+    (5, 61, 25921.0),
+    (6, 17, 1.0),
+    (7, 18, 1.0),
+    (7, 22, -0.18),
+    (8, 21, 1.0),
+    (9, 23, 1.0),
+    (9, 30, 0.24262),
+    (9, 33, 1.0),
+    (9, 40, 0.46445),
+    (9, 50, 0.46445),
+    (10, 24, 1.0),
+    (10, 29, -1.0),
+    (10, 30, 0.0588644644),
+    (10, 33, 0.48524),
+    (10, 36, 1.0),
+    (10, 40, 0.2157138025),
+    (10, 50, 0.2157138025),
+    (11, 25, 1.0),
+    (12, 26, 1.0),
+    (12, 30, 0.0588644644),
+    (12, 33, 0.48524),
+    (12, 36, 1.0),
+    (12, 40, 0.2157138025),
+    (12, 50, 0.2157138025),
+    (13, 27, 1.0),
+    (14, 28, 1.0),
+    (15, 31, 1.0),
+    (16, 32, 1.0),
+    (16, 42, 1.0),
+    (17, 34, 1.0),
+    (17, 36, -1.0),
+    (17, 49, 1.0),
+    (18, 35, 1.0),
+    (19, 37, 1.0),
+    (20, 38, 1.0),
+    (20, 42, -0.22183),
+    (21, 39, 1.0),
+    (21, 49, 1.0),
+    (22, 41, 1.0),
+    (23, 43, 1.0),
+    (23, 53, 1.0),
+    (24, 44, 1.0),
+    (24, 49, -1.0),
+    (24, 56, 1.0),
+    (25, 45, 1.0),
+    (26, 46, 1.0),
+    (26, 56, 1.0),
+    (27, 47, 1.0),
+    (28, 48, 1.0),
+    (29, 51, 1.0),
+    (30, 52, 1.0),
+    (31, 54, 1.0),
+    (31, 56, -1.0),
+    (32, 55, 1.0),
+    (33, 57, 1.0),
+    (34, 58, 1.0),
+    (35, 59, 1.0),
+    (36, 62, 1.0),
+    (37, 63, 1.0),
+    (38, 64, 1.0),
+    (39, 65, 1.0),
+];
+
+/// Regressor `W_b` of the base parameters: the independent columns of `inertial_regressor`.
+///
+/// `W_b(y, ẏ, ÿ) β = W π = M ÿ + k − q_gravity`
+///
+/// - `y: [N]`: coordinates: `alpha`, `beta`, `gamma`, `delta`, `epsilon`, `zeta` in rad
+/// - `v: [N]`: velocities ẏ: `alpha`, `beta`, `gamma`, `delta`, `epsilon`, `zeta` in rad/s
+/// - `a: [N]`: accelerations ÿ: `alpha`, `beta`, `gamma`, `delta`, `epsilon`, `zeta` in rad/s²
+/// - returns `W_b: [N × 40]`: rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`
+///
+/// Cost: 414 multiplications, 305 additions, 0 divisions, 5 function calls (`sin_cos`).
+///
+/// Columns that depend on earlier ones were found numerically (Gautier 1991); stacked over states that excite the
+/// robot, W\_b has full rank.
+#[inline]
+#[must_use]
+pub fn base_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 40]; N] {
+    let mut w_b = [[0.0; 40]; 6];
+    base_regressor_into(y, v, a, &mut w_b);
+    w_b
+}
+
+/// `base_regressor` with its results written in place; nothing of what stood there is read.
+pub fn base_regressor_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    w_b: &mut [[f64; 40]; N],
+) {
+    w_b[0][0] = a[0];
+    w_b[0][1] = 0.0;
+    w_b[0][2] = 0.0;
+    w_b[1][0] = 0.0;
+    w_b[1][5] = a[1];
+    w_b[2][0] = 0.0;
+    w_b[2][1] = 0.0;
+    w_b[2][2] = 0.0;
+    w_b[2][3] = 0.0;
+    w_b[2][4] = 0.0;
+    w_b[2][5] = 0.0;
+    w_b[2][6] = 0.0;
+    w_b[2][7] = 0.0;
+    w_b[3][0] = 0.0;
+    w_b[3][1] = 0.0;
+    w_b[3][2] = 0.0;
+    w_b[3][3] = 0.0;
+    w_b[3][4] = 0.0;
+    w_b[3][5] = 0.0;
+    w_b[3][6] = 0.0;
+    w_b[3][7] = 0.0;
+    w_b[3][8] = 0.0;
+    w_b[3][9] = 0.0;
+    w_b[3][10] = 0.0;
+    w_b[3][11] = 0.0;
+    w_b[3][12] = 0.0;
+    w_b[3][13] = 0.0;
+    w_b[3][14] = 0.0;
+    w_b[3][36] = 0.0;
+    w_b[4][0] = 0.0;
+    w_b[4][1] = 0.0;
+    w_b[4][2] = 0.0;
+    w_b[4][3] = 0.0;
+    w_b[4][4] = 0.0;
+    w_b[4][5] = 0.0;
+    w_b[4][6] = 0.0;
+    w_b[4][7] = 0.0;
+    w_b[4][8] = 0.0;
+    w_b[4][9] = 0.0;
+    w_b[4][10] = 0.0;
+    w_b[4][11] = 0.0;
+    w_b[4][12] = 0.0;
+    w_b[4][13] = 0.0;
+    w_b[4][14] = 0.0;
+    w_b[4][15] = 0.0;
+    w_b[4][16] = 0.0;
+    w_b[4][17] = 0.0;
+    w_b[4][18] = 0.0;
+    w_b[4][19] = 0.0;
+    w_b[4][20] = 0.0;
+    w_b[4][21] = 0.0;
+    w_b[4][36] = 0.0;
+    w_b[4][37] = 0.0;
+    w_b[5][0] = 0.0;
+    w_b[5][1] = 0.0;
+    w_b[5][2] = 0.0;
+    w_b[5][3] = 0.0;
+    w_b[5][4] = 0.0;
+    w_b[5][5] = 0.0;
+    w_b[5][6] = 0.0;
+    w_b[5][7] = 0.0;
+    w_b[5][8] = 0.0;
+    w_b[5][9] = 0.0;
+    w_b[5][10] = 0.0;
+    w_b[5][11] = 0.0;
+    w_b[5][12] = 0.0;
+    w_b[5][13] = 0.0;
+    w_b[5][14] = 0.0;
+    w_b[5][15] = 0.0;
+    w_b[5][16] = 0.0;
+    w_b[5][17] = 0.0;
+    w_b[5][18] = 0.0;
+    w_b[5][19] = 0.0;
+    w_b[5][20] = 0.0;
+    w_b[5][21] = 0.0;
+    w_b[5][22] = 0.0;
+    w_b[5][23] = 0.0;
+    w_b[5][24] = 0.0;
+    w_b[5][25] = 0.0;
+    w_b[5][26] = 0.0;
+    w_b[5][27] = 0.0;
+    w_b[5][28] = 0.0;
+    w_b[5][36] = 0.0;
+    w_b[5][37] = 0.0;
+    w_b[5][38] = 0.0;
+    let (
+        [sin_beta,
+        sin_gamma,
+        sin_delta,
+        sin_epsilon,
+        ],
+        [cos_beta,
+        cos_gamma,
+        cos_delta,
+        cos_epsilon,
+        ],
+    ) = math::sin_cos_4(y[1], y[2], y[3], y[4]);
+    let (sin_zeta, cos_zeta) = math::sin_cos(y[5]);
+    let omega_beta_x = v[0] * cos_beta;
+    let t11 = v[1] * omega_beta_x;
+    let t12 = a[0] * sin_beta;
+    let t13 = t12 + t11;
+    let t14 = sin_beta * t13;
+    let omega_beta_y = v[0] * sin_beta;
+    let t16 = v[1] * omega_beta_y;
+    let t17 = cos_beta * t16;
+    let t18 = t14 + t17;
+    w_b[0][3] = t18;
+    let t19 = omega_beta_y * omega_beta_y;
+    let t20 = omega_beta_x * omega_beta_x;
+    let t21 = t20 + t19;
+    let t22 = v[1] * v[1];
+    let t23 = t20 + t22;
+    let t24 = t23 - t21;
+    let t25 = cos_beta * t24;
+    let t26 = omega_beta_x * omega_beta_y;
+    let t27 = a[1] + t26;
+    let t28 = sin_beta * t27;
+    let t29 = t28 + t25;
+    let t30 = sin_beta * t11;
+    let t31 = t17 - t30;
+    let t32 = t11 + t13;
+    let t33 = cos_beta * t32;
+    let t34 = a[0] * cos_beta;
+    let t35 = t34 - t16;
+    let t36 = t16 - t35;
+    let t37 = sin_beta * t36;
+    let t38 = t37 - t33;
+    w_b[0][6] = t38;
+    let t39 = t19 + t22;
+    let t40 = t39 - t21;
+    let t41 = sin_beta * t40;
+    let t42 = a[1] - t26;
+    let t43 = cos_beta * t42;
+    let t44 = t41 - t43;
+    let t45 = cos_gamma * omega_beta_y;
+    let t46 = sin_gamma * omega_beta_x;
+    let omega_gamma_x = t46 + t45;
+    let t48 = v[2] * omega_gamma_x;
+    let t49 = sin_gamma * t13;
+    let t50 = t49 + t48;
+    let t51 = cos_gamma * t35;
+    let t52 = t51 - t50;
+    let omega_gamma_z = v[1] + v[2];
+    let t54 = omega_gamma_x * omega_gamma_z;
+    let t55 = t54 - t52;
+    let t56 = 0.18 * sin_beta;
+    let t57 = t56 * t55;
+    let acceleration_gamma_z = 0.18 * t32;
+    let t59 = sin_beta * sin_gamma;
+    let t60 = cos_beta * cos_gamma;
+    let t61 = t60 - t59;
+    let t62 = acceleration_gamma_z * t61;
+    let t63 = t62 - t57;
+    w_b[0][8] = t63;
+    let t64 = sin_gamma * omega_beta_y;
+    let t65 = cos_gamma * omega_beta_x;
+    let omega_gamma_y = t65 - t64;
+    let t67 = v[2] * omega_gamma_y;
+    let t68 = cos_gamma * t13;
+    let t69 = t68 + t67;
+    let t70 = sin_gamma * t35;
+    let t71 = t70 + t69;
+    let t72 = omega_gamma_y * omega_gamma_z;
+    let t73 = t72 + t71;
+    let t74 = t56 * t73;
+    let t75 = sin_beta * cos_gamma;
+    let t76 = cos_beta * sin_gamma;
+    let t77 = t76 + t75;
+    let t78 = acceleration_gamma_z * t77;
+    let t79 = t78 + t74;
+    w_b[0][9] = t79;
+    let t80 = t77 * t71;
+    let t81 = t54 * t61;
+    let t82 = t81 + t80;
+    w_b[0][10] = t82;
+    let t83 = omega_gamma_y * omega_gamma_y;
+    let t84 = omega_gamma_x * omega_gamma_x;
+    let t85 = t84 + t83;
+    let t86 = omega_gamma_z * omega_gamma_z;
+    let t87 = t83 + t86;
+    let t88 = t87 - t85;
+    let t89 = t61 * t88;
+    let t90 = omega_gamma_x * omega_gamma_y;
+    let t91 = a[1] + a[2];
+    w_b[1][12] = t91;
+    w_b[2][12] = t91;
+    let t92 = t91 + t90;
+    let t93 = t92 * t77;
+    let t94 = t93 + t89;
+    let t95 = t72 * t77;
+    let t96 = t81 - t95;
+    let t97 = t61 * t73;
+    let t98 = t77 * t55;
+    let t99 = t98 - t97;
+    w_b[0][13] = t99;
+    let t100 = t84 + t86;
+    let t101 = t100 - t85;
+    let t102 = t77 * t101;
+    let t103 = t91 - t90;
+    let t104 = t103 * t61;
+    let t105 = t102 - t104;
+    let t106 = sin_delta * omega_gamma_x;
+    let t107 = cos_delta * omega_gamma_z;
+    let omega_delta_y = t106 + t107;
+    let t109 = v[3] * omega_delta_y;
+    let t110 = sin_delta * t91;
+    let t111 = t110 + t109;
+    let t112 = cos_delta * t71;
+    let t113 = t112 - t111;
+    let omega_delta_z = v[3] + omega_gamma_y;
+    let t115 = omega_delta_y * omega_delta_z;
+    let t116 = t115 + t113;
+    let t117 = 0.46445000000000003 * t116;
+    let t118 = 0.18 * t42;
+    let acceleration_beta_y = 9.80665 * sin_beta;
+    let t120 = acceleration_beta_y - t118;
+    let t121 = cos_gamma * t120;
+    let t122 = 0.18 * t39;
+    let acceleration_beta_x = 9.80665 * cos_beta;
+    let t124 = acceleration_beta_x - t122;
+    let t125 = sin_gamma * t124;
+    let acceleration_gamma_x = t125 + t121;
+    let t127 = sin_delta * acceleration_gamma_x;
+    let t128 = cos_delta * acceleration_gamma_z;
+    let t129 = t127 + t128;
+    let acceleration_delta_y = t129 + t117;
+    let t131 = 0.22183 * t116;
+    let t132 = acceleration_delta_y - t131;
+    w_b[3][15] = t132;
+    let t133 = t61 * t132;
+    let t134 = omega_delta_y * omega_delta_y;
+    let t135 = cos_delta * omega_gamma_x;
+    let t136 = sin_delta * omega_gamma_z;
+    let omega_delta_x = t135 - t136;
+    let t138 = omega_delta_x * omega_delta_x;
+    let t139 = t138 + t134;
+    let t140 = 0.46445000000000003 * t139;
+    let t141 = sin_gamma * t120;
+    let t142 = cos_gamma * t124;
+    let acceleration_gamma_y = t142 - t141;
+    let acceleration_delta_z = acceleration_gamma_y - t140;
+    let t145 = 0.22183 * t139;
+    let t146 = acceleration_delta_z + t145;
+    let t147 = sin_delta * t77;
+    let t148 = t147 * t146;
+    let t149 = a[3] + t52;
+    w_b[3][21] = t149;
+    let t150 = omega_delta_x * omega_delta_y;
+    w_b[3][17] = t150;
+    let t151 = t150 - t149;
+    let t152 = cos_delta * t77;
+    let t153 = 0.46445000000000003 * t152;
+    let t154 = cos_delta * t56;
+    let t155 = t154 + t153;
+    let t156 = 0.22183 * t152;
+    let t157 = t155 - t156;
+    let t158 = t157 * t151;
+    let t159 = omega_delta_z * omega_delta_z;
+    let t160 = t134 + t159;
+    let t161 = 0.46445000000000003 * t147;
+    let t162 = sin_delta * t56;
+    let t163 = t162 + t161;
+    let t164 = 0.22183 * t147;
+    let t165 = t163 - t164;
+    let t166 = t160 * t165;
+    let t167 = t166 + t158;
+    let t168 = t148 + t167;
+    let t169 = t133 - t168;
+    w_b[0][15] = t169;
+    let t170 = v[3] * omega_delta_x;
+    let t171 = cos_delta * t91;
+    let t172 = t171 + t170;
+    let t173 = sin_delta * t71;
+    let t174 = t173 + t172;
+    let t175 = omega_delta_x * omega_delta_z;
+    let t176 = t175 - t174;
+    let t177 = 0.46445000000000003 * t176;
+    let t178 = cos_delta * acceleration_gamma_x;
+    let t179 = sin_delta * acceleration_gamma_z;
+    let t180 = t178 - t179;
+    let acceleration_delta_x = t180 + t177;
+    let t182 = 0.22183 * t176;
+    let t183 = acceleration_delta_x - t182;
+    w_b[3][16] = t183;
+    let t184 = t61 * t183;
+    let t185 = t152 * t146;
+    let t186 = t150 + t149;
+    let t187 = t165 * t186;
+    let t188 = t138 + t159;
+    let t189 = t188 * t157;
+    let t190 = t189 + t187;
+    let t191 = t185 + t190;
+    let t192 = t184 - t191;
+    w_b[0][16] = t192;
+    let t193 = t152 * t113;
+    let t194 = t150 * t61;
+    let t195 = t175 * t147;
+    let t196 = t195 - t194;
+    let t197 = t193 - t196;
+    w_b[0][17] = t197;
+    let t198 = t115 - t113;
+    let t199 = t147 * t198;
+    let t200 = t160 - t188;
+    let t201 = t61 * t200;
+    let t202 = t201 - t199;
+    let t203 = t175 + t174;
+    let t204 = t152 * t203;
+    let t205 = t204 + t202;
+    let t206 = t152 * t151;
+    let t207 = t160 - t139;
+    let t208 = t147 * t207;
+    let t209 = t208 + t206;
+    let t210 = t61 * t116;
+    let t211 = t210 - t209;
+    let t212 = t147 * t186;
+    let t213 = t188 - t139;
+    let t214 = t152 * t213;
+    let t215 = t214 + t212;
+    let t216 = t61 * t176;
+    let t217 = t216 - t215;
+    let t218 = t61 * t149;
+    let t219 = t115 * t152;
+    let t220 = t195 - t219;
+    let t221 = t220 + t218;
+    w_b[0][21] = t221;
+    let t222 = a[4] + t174;
+    w_b[4][26] = t222;
+    let t223 = sin_epsilon * omega_delta_x;
+    let t224 = cos_epsilon * omega_delta_z;
+    let omega_epsilon_y = t223 - t224;
+    let t226 = cos_epsilon * omega_delta_x;
+    let t227 = sin_epsilon * omega_delta_z;
+    let omega_epsilon_x = t226 + t227;
+    let t229 = omega_epsilon_x * omega_epsilon_y;
+    w_b[4][24] = t229;
+    let t230 = t229 - t222;
+    let t231 = sin_epsilon * t163;
+    let t232 = t231 * t230;
+    let t233 = omega_epsilon_y * omega_epsilon_y;
+    let omega_epsilon_z = v[4] + omega_delta_y;
+    let t235 = omega_epsilon_z * omega_epsilon_z;
+    let t236 = t233 + t235;
+    let t237 = cos_epsilon * t163;
+    let t238 = t236 * t237;
+    let t239 = t238 - t232;
+    let t240 = sin_epsilon * t152;
+    let t241 = cos_epsilon * t61;
+    let t242 = t240 - t241;
+    let t243 = t242 * acceleration_delta_y;
+    let t244 = t243 + t239;
+    let t245 = cos_epsilon * t149;
+    let t246 = v[4] * omega_epsilon_x;
+    let t247 = t246 - t245;
+    let t248 = sin_epsilon * t113;
+    let t249 = t248 + t247;
+    let t250 = omega_epsilon_x * omega_epsilon_z;
+    let t251 = t250 + t249;
+    let t252 = t155 * t251;
+    let t253 = t252 + t244;
+    let t254 = sin_epsilon * acceleration_delta_x;
+    let t255 = cos_epsilon * acceleration_delta_z;
+    let acceleration_epsilon_y = t255 - t254;
+    let t257 = t147 * acceleration_epsilon_y;
+    let t258 = t257 + t253;
+    let t259 = t229 + t222;
+    let t260 = t237 * t259;
+    let t261 = omega_epsilon_x * omega_epsilon_x;
+    let t262 = t261 + t235;
+    let t263 = t262 * t231;
+    let t264 = t263 - t260;
+    let t265 = cos_epsilon * t152;
+    let t266 = sin_epsilon * t61;
+    let t267 = t265 + t266;
+    let t268 = t267 * acceleration_delta_y;
+    let t269 = t268 - t264;
+    let t270 = sin_epsilon * t149;
+    let t271 = v[4] * omega_epsilon_y;
+    let t272 = t271 - t270;
+    let t273 = cos_epsilon * t113;
+    let t274 = t273 - t272;
+    let t275 = omega_epsilon_y * omega_epsilon_z;
+    let t276 = t275 - t274;
+    let t277 = t155 * t276;
+    let t278 = t277 - t269;
+    let t279 = cos_epsilon * acceleration_delta_x;
+    let t280 = sin_epsilon * acceleration_delta_z;
+    let acceleration_epsilon_x = t280 + t279;
+    let t282 = t147 * acceleration_epsilon_x;
+    let t283 = t282 + t278;
+    let t284 = t267 * t274;
+    let t285 = t250 * t242;
+    let t286 = t229 * t147;
+    let t287 = t286 - t285;
+    let t288 = t284 + t287;
+    w_b[0][24] = t288;
+    let t289 = t267 * t230;
+    let t290 = t261 + t233;
+    let t291 = t236 - t290;
+    let t292 = t242 * t291;
+    let t293 = t292 + t289;
+    let t294 = t275 + t274;
+    let t295 = t147 * t294;
+    let t296 = t295 - t293;
+    let t297 = t275 * t267;
+    let t298 = t285 - t297;
+    let t299 = t147 * t222;
+    let t300 = t299 + t298;
+    w_b[0][26] = t300;
+    let t301 = t242 * t276;
+    let t302 = t236 - t262;
+    w_b[4][27] = t302;
+    let t303 = t147 * t302;
+    let t304 = t303 - t301;
+    let t305 = t267 * t251;
+    let t306 = t305 + t304;
+    w_b[0][27] = t306;
+    let t307 = t242 * t259;
+    let t308 = t262 - t290;
+    let t309 = t267 * t308;
+    let t310 = t309 + t307;
+    let t311 = t250 - t249;
+    w_b[4][28] = t311;
+    let t312 = t147 * t311;
+    let t313 = t312 - t310;
+    w_b[0][28] = t313;
+    let t314 = a[5] - t249;
+    w_b[5][35] = t314;
+    let t315 = sin_zeta * omega_epsilon_x;
+    let t316 = cos_zeta * omega_epsilon_z;
+    let omega_zeta_y = t315 + t316;
+    let t318 = cos_zeta * omega_epsilon_x;
+    let t319 = sin_zeta * omega_epsilon_z;
+    let omega_zeta_x = t318 - t319;
+    let t321 = omega_zeta_x * omega_zeta_y;
+    w_b[5][31] = t321;
+    let t322 = t321 - t314;
+    let t323 = sin_zeta * t237;
+    let t324 = cos_zeta * t155;
+    let t325 = t323 - t324;
+    let t326 = t325 * t322;
+    let t327 = omega_zeta_y * omega_zeta_y;
+    let omega_zeta_z = v[5] - omega_epsilon_y;
+    let t329 = omega_zeta_z * omega_zeta_z;
+    let t330 = t327 + t329;
+    let t331 = cos_zeta * t237;
+    let t332 = sin_zeta * t155;
+    let t333 = t331 + t332;
+    let t334 = t330 * t333;
+    let t335 = t334 - t326;
+    let t336 = sin_zeta * t267;
+    let t337 = cos_zeta * t147;
+    let t338 = t336 + t337;
+    let t339 = t338 * acceleration_epsilon_y;
+    let t340 = t339 + t335;
+    let t341 = cos_zeta * t222;
+    let t342 = v[5] * omega_zeta_x;
+    let t343 = t342 + t341;
+    let t344 = sin_zeta * t274;
+    let t345 = t344 + t343;
+    let t346 = omega_zeta_x * omega_zeta_z;
+    let t347 = t346 + t345;
+    let t348 = t231 * t347;
+    let t349 = t348 + t340;
+    let t350 = sin_zeta * acceleration_epsilon_x;
+    let t351 = cos_zeta * acceleration_delta_y;
+    let acceleration_zeta_y = t350 + t351;
+    w_b[5][29] = acceleration_zeta_y;
+    let t353 = t242 * acceleration_zeta_y;
+    let t354 = t353 + t349;
+    let t355 = t321 + t314;
+    let t356 = t333 * t355;
+    let t357 = omega_zeta_x * omega_zeta_x;
+    let t358 = t357 + t329;
+    let t359 = t358 * t325;
+    let t360 = t359 - t356;
+    let t361 = cos_zeta * t267;
+    let t362 = sin_zeta * t147;
+    let t363 = t361 - t362;
+    let t364 = t363 * acceleration_epsilon_y;
+    let t365 = t364 - t360;
+    let t366 = sin_zeta * t222;
+    let t367 = v[5] * omega_zeta_y;
+    let t368 = t367 + t366;
+    let t369 = cos_zeta * t274;
+    let t370 = t369 - t368;
+    let t371 = omega_zeta_y * omega_zeta_z;
+    let t372 = t371 - t370;
+    let t373 = t231 * t372;
+    let t374 = t373 - t365;
+    let t375 = cos_zeta * acceleration_epsilon_x;
+    let t376 = sin_zeta * acceleration_delta_y;
+    let acceleration_zeta_x = t375 - t376;
+    w_b[5][30] = acceleration_zeta_x;
+    let t378 = t242 * acceleration_zeta_x;
+    let t379 = t378 - t374;
+    let t380 = t363 * t370;
+    let t381 = t321 * t242;
+    let t382 = t346 * t338;
+    let t383 = t382 + t381;
+    let t384 = t380 - t383;
+    w_b[0][31] = t384;
+    let t385 = t338 * t372;
+    let t386 = t330 - t358;
+    let t387 = t242 * t386;
+    let t388 = t387 + t385;
+    let t389 = t363 * t347;
+    let t390 = t389 - t388;
+    let t391 = t363 * t322;
+    let t392 = t357 + t327;
+    let t393 = t330 - t392;
+    let t394 = t338 * t393;
+    let t395 = t394 + t391;
+    let t396 = t371 + t370;
+    let t397 = t242 * t396;
+    let t398 = t397 + t395;
+    w_b[0][33] = t398;
+    let t399 = t338 * t355;
+    let t400 = t358 - t392;
+    let t401 = t363 * t400;
+    let t402 = t401 + t399;
+    let t403 = t346 - t345;
+    let t404 = t242 * t403;
+    let t405 = t404 + t402;
+    w_b[0][34] = t405;
+    let t406 = t242 * t314;
+    let t407 = t371 * t363;
+    let t408 = t382 - t407;
+    let t409 = t408 - t406;
+    w_b[0][35] = t409;
+    let t410 = v[2] * 161.0;
+    let t411 = v[1] + t410;
+    let t412 = omega_beta_x * t411;
+    let t413 = sin_beta * t412;
+    let t414 = omega_beta_y * t411;
+    let t415 = cos_beta * t414;
+    let t416 = t415 - t413;
+    let t417 = a[3] * 101.0;
+    let t418 = t417 + t52;
+    let t419 = t61 * t418;
+    let t420 = v[3] * 101.0;
+    let t421 = omega_gamma_y + t420;
+    let t422 = omega_gamma_z * t421;
+    let t423 = t77 * t422;
+    let t424 = t423 - t419;
+    let t425 = a[4] * 101.0;
+    let t426 = t425 + t174;
+    let t427 = t147 * t426;
+    let t428 = v[4] * 101.0;
+    let t429 = omega_delta_y + t428;
+    let t430 = omega_delta_x * t429;
+    let t431 = t61 * t430;
+    let t432 = omega_delta_z * t429;
+    let t433 = t152 * t432;
+    let t434 = t433 - t431;
+    let t435 = t427 + t434;
+    w_b[0][38] = t435;
+    let t436 = a[5] * 51.0;
+    let t437 = t436 - t249;
+    let t438 = t242 * t437;
+    let t439 = v[5] * 51.0;
+    let t440 = omega_epsilon_y - t439;
+    let t441 = omega_epsilon_x * t440;
+    let t442 = t147 * t441;
+    let t443 = omega_epsilon_z * t440;
+    let t444 = t267 * t443;
+    let t445 = t444 - t442;
+    let t446 = t438 - t445;
+    let t447 = t11 - t13;
+    w_b[1][4] = t447;
+    let t448 = t39 - t23;
+    let t449 = t16 + t35;
+    w_b[1][7] = t449;
+    let t450 = 0.18 * sin_gamma;
+    let t451 = t92 * t450;
+    let t452 = 0.18 * cos_gamma;
+    let t453 = t87 * t452;
+    let t454 = t453 + t451;
+    let t455 = acceleration_gamma_y + t454;
+    let t456 = t100 * t450;
+    let t457 = t103 * t452;
+    let t458 = t457 - t456;
+    let t459 = acceleration_gamma_x - t458;
+    let t460 = t72 - t71;
+    w_b[1][11] = t460;
+    w_b[2][11] = t460;
+    let t461 = t87 - t100;
+    w_b[1][13] = t461;
+    w_b[2][13] = t461;
+    let t462 = t54 + t52;
+    w_b[1][14] = t462;
+    w_b[2][14] = t462;
+    let t463 = sin_delta * t452;
+    let t464 = 0.46445000000000003 * sin_delta;
+    let t465 = t463 + t464;
+    let t466 = 0.22183 * sin_delta;
+    let t467 = t465 - t466;
+    let t468 = t467 * t151;
+    let t469 = cos_delta * t452;
+    let t470 = 0.46445000000000003 * cos_delta;
+    let t471 = t469 + t470;
+    let t472 = 0.22183 * cos_delta;
+    let t473 = t471 - t472;
+    let t474 = t160 * t473;
+    let t475 = t474 - t468;
+    let t476 = t450 * t203;
+    let t477 = t476 + t475;
+    let t478 = cos_delta * t146;
+    let t479 = t478 + t477;
+    let t480 = t473 * t186;
+    let t481 = t188 * t467;
+    let t482 = t481 - t480;
+    let t483 = t450 * t198;
+    let t484 = t483 + t482;
+    let t485 = sin_delta * t146;
+    let t486 = t485 + t484;
+    w_b[1][16] = t486;
+    let t487 = sin_delta * t113;
+    let t488 = cos_delta * t175;
+    let t489 = t488 + t487;
+    let t490 = cos_delta * t198;
+    let t491 = sin_delta * t203;
+    let t492 = t491 + t490;
+    w_b[1][18] = t492;
+    w_b[2][18] = t492;
+    let t493 = sin_delta * t151;
+    let t494 = cos_delta * t207;
+    let t495 = t494 - t493;
+    w_b[1][19] = t495;
+    w_b[2][19] = t495;
+    let t496 = cos_delta * t186;
+    let t497 = sin_delta * t213;
+    let t498 = t497 - t496;
+    let t499 = sin_delta * t115;
+    let t500 = t488 + t499;
+    w_b[1][21] = t500;
+    w_b[2][21] = t500;
+    let t501 = cos_delta * acceleration_epsilon_y;
+    let t502 = sin_delta * sin_epsilon;
+    let t503 = t502 * acceleration_delta_y;
+    let t504 = t503 - t501;
+    let t505 = sin_epsilon * t471;
+    let t506 = cos_epsilon * t450;
+    let t507 = t505 + t506;
+    let t508 = t507 * t230;
+    let t509 = cos_epsilon * t471;
+    let t510 = sin_epsilon * t450;
+    let t511 = t509 - t510;
+    let t512 = t236 * t511;
+    let t513 = t512 - t508;
+    let t514 = t465 * t251;
+    let t515 = t514 - t513;
+    let t516 = t504 + t515;
+    w_b[1][22] = t516;
+    let t517 = cos_delta * acceleration_epsilon_x;
+    let t518 = sin_delta * cos_epsilon;
+    let t519 = t518 * acceleration_delta_y;
+    let t520 = t517 + t519;
+    let t521 = t511 * t259;
+    let t522 = t262 * t507;
+    let t523 = t522 - t521;
+    let t524 = t465 * t276;
+    let t525 = t524 - t523;
+    let t526 = t520 - t525;
+    let t527 = t518 * t274;
+    let t528 = t250 * t502;
+    let t529 = cos_delta * t229;
+    let t530 = t529 + t528;
+    let t531 = t527 - t530;
+    let t532 = t518 * t230;
+    let t533 = t502 * t291;
+    let t534 = t533 + t532;
+    let t535 = cos_delta * t294;
+    let t536 = t535 + t534;
+    let t537 = t275 * t518;
+    let t538 = t528 - t537;
+    let t539 = cos_delta * t222;
+    let t540 = t539 - t538;
+    w_b[1][26] = t540;
+    w_b[2][26] = t540;
+    let t541 = t502 * t276;
+    let t542 = cos_delta * t302;
+    let t543 = t542 + t541;
+    let t544 = t518 * t251;
+    let t545 = t544 - t543;
+    let t546 = t502 * t259;
+    let t547 = t518 * t308;
+    let t548 = t547 + t546;
+    let t549 = cos_delta * t311;
+    let t550 = t549 + t548;
+    w_b[1][28] = t550;
+    w_b[2][28] = t550;
+    let t551 = t502 * acceleration_zeta_y;
+    let t552 = sin_zeta * t518;
+    let t553 = cos_delta * cos_zeta;
+    let t554 = t552 - t553;
+    let t555 = t554 * acceleration_epsilon_y;
+    let t556 = t551 + t555;
+    let t557 = sin_zeta * t511;
+    let t558 = cos_zeta * t465;
+    let t559 = t557 + t558;
+    let t560 = t559 * t322;
+    let t561 = cos_zeta * t511;
+    let t562 = sin_zeta * t465;
+    let t563 = t561 - t562;
+    let t564 = t330 * t563;
+    let t565 = t564 - t560;
+    let t566 = t507 * t347;
+    let t567 = t566 + t565;
+    let t568 = t556 - t567;
+    w_b[1][29] = t568;
+    let t569 = t502 * acceleration_zeta_x;
+    let t570 = cos_zeta * t518;
+    let t571 = cos_delta * sin_zeta;
+    let t572 = t570 + t571;
+    let t573 = t572 * acceleration_epsilon_y;
+    let t574 = t573 + t569;
+    let t575 = t563 * t355;
+    let t576 = t358 * t559;
+    let t577 = t576 - t575;
+    let t578 = t507 * t372;
+    let t579 = t578 + t577;
+    let t580 = t574 + t579;
+    w_b[1][30] = t580;
+    let t581 = t572 * t370;
+    let t582 = t321 * t502;
+    let t583 = t346 * t554;
+    let t584 = t583 + t582;
+    let t585 = t581 - t584;
+    let t586 = t554 * t372;
+    let t587 = t502 * t386;
+    let t588 = t587 + t586;
+    let t589 = t572 * t347;
+    let t590 = t589 - t588;
+    w_b[1][32] = t590;
+    w_b[2][32] = t590;
+    let t591 = t572 * t322;
+    let t592 = t554 * t393;
+    let t593 = t592 + t591;
+    let t594 = t502 * t396;
+    let t595 = t594 + t593;
+    let t596 = t554 * t355;
+    let t597 = t572 * t400;
+    let t598 = t597 + t596;
+    let t599 = t502 * t403;
+    let t600 = t599 + t598;
+    let t601 = t502 * t314;
+    let t602 = t371 * t572;
+    let t603 = t583 - t602;
+    let t604 = t603 - t601;
+    let t605 = a[2] * 161.0;
+    let t606 = a[1] + t605;
+    w_b[1][36] = t606;
+    let t607 = omega_gamma_x * t421;
+    w_b[1][37] = t607;
+    w_b[2][37] = t607;
+    let t608 = cos_delta * t426;
+    let t609 = sin_delta * t432;
+    let t610 = t609 - t608;
+    let t611 = t502 * t437;
+    let t612 = cos_delta * t441;
+    let t613 = t518 * t443;
+    let t614 = t613 + t612;
+    let t615 = t611 - t614;
+    w_b[1][39] = t615;
+    w_b[2][39] = t615;
+    let t616 = sin_delta * 0.24262000000000003;
+    let t617 = t616 * t151;
+    let t618 = cos_delta * 0.24262000000000003;
+    let t619 = t160 * t618;
+    let t620 = t619 - t617;
+    let t621 = t478 + t620;
+    let t622 = t618 * t186;
+    let t623 = t188 * t616;
+    let t624 = t623 - t622;
+    let t625 = t485 + t624;
+    w_b[2][16] = t625;
+    let t626 = sin_epsilon * t470;
+    let t627 = t626 * t230;
+    let t628 = cos_epsilon * t470;
+    let t629 = t236 * t628;
+    let t630 = t629 - t627;
+    let t631 = t464 * t251;
+    let t632 = t631 - t630;
+    let t633 = t504 + t632;
+    w_b[2][22] = t633;
+    let t634 = t628 * t259;
+    let t635 = t262 * t626;
+    let t636 = t635 - t634;
+    let t637 = t464 * t276;
+    let t638 = t637 - t636;
+    let t639 = t520 - t638;
+    let t640 = sin_zeta * t628;
+    let t641 = cos_zeta * t464;
+    let t642 = t640 + t641;
+    let t643 = t642 * t322;
+    let t644 = cos_zeta * t628;
+    let t645 = sin_zeta * t464;
+    let t646 = t644 - t645;
+    let t647 = t330 * t646;
+    let t648 = t647 - t643;
+    let t649 = t626 * t347;
+    let t650 = t649 + t648;
+    let t651 = t556 - t650;
+    w_b[2][29] = t651;
+    let t652 = t646 * t355;
+    let t653 = t358 * t642;
+    let t654 = t653 - t652;
+    let t655 = t626 * t372;
+    let t656 = t655 + t654;
+    let t657 = t574 + t656;
+    w_b[2][30] = t657;
+    let t658 = 161.0 * t606;
+    w_b[2][36] = t658;
+    let t659 = cos_epsilon * acceleration_delta_y;
+    w_b[3][22] = t659;
+    let t660 = sin_epsilon * acceleration_delta_y;
+    w_b[3][23] = t660;
+    let t661 = sin_epsilon * t274;
+    let t662 = cos_epsilon * t250;
+    let t663 = t662 + t661;
+    w_b[3][24] = t663;
+    let t664 = sin_epsilon * t230;
+    let t665 = cos_epsilon * t291;
+    let t666 = t665 - t664;
+    let t667 = sin_epsilon * t275;
+    let t668 = t662 + t667;
+    let t669 = cos_epsilon * t276;
+    let t670 = sin_epsilon * t251;
+    let t671 = t670 + t669;
+    w_b[3][27] = t671;
+    let t672 = cos_epsilon * t259;
+    let t673 = sin_epsilon * t308;
+    let t674 = t673 - t672;
+    let t675 = cos_epsilon * acceleration_zeta_y;
+    let t676 = sin_epsilon * sin_zeta;
+    let t677 = t676 * acceleration_epsilon_y;
+    let t678 = t675 - t677;
+    w_b[3][29] = t678;
+    let t679 = cos_epsilon * acceleration_zeta_x;
+    let t680 = sin_epsilon * cos_zeta;
+    let t681 = t680 * acceleration_epsilon_y;
+    let t682 = t681 - t679;
+    let t683 = t680 * t370;
+    let t684 = cos_epsilon * t321;
+    let t685 = t346 * t676;
+    let t686 = t685 - t684;
+    let t687 = t683 - t686;
+    w_b[3][31] = t687;
+    let t688 = t676 * t372;
+    let t689 = cos_epsilon * t386;
+    let t690 = t689 - t688;
+    let t691 = t680 * t347;
+    let t692 = t691 + t690;
+    let t693 = t680 * t322;
+    let t694 = t676 * t393;
+    let t695 = t694 + t693;
+    let t696 = cos_epsilon * t396;
+    let t697 = t696 - t695;
+    let t698 = t676 * t355;
+    let t699 = t680 * t400;
+    let t700 = t699 + t698;
+    let t701 = cos_epsilon * t403;
+    let t702 = t701 - t700;
+    let t703 = cos_epsilon * t314;
+    let t704 = t371 * t680;
+    let t705 = t685 - t704;
+    let t706 = t705 + t703;
+    w_b[3][35] = t706;
+    let t707 = 101.0 * t418;
+    w_b[3][37] = t707;
+    let t708 = cos_epsilon * t437;
+    let t709 = sin_epsilon * t443;
+    let t710 = t709 + t708;
+    w_b[3][39] = t710;
+    let t711 = cos_zeta * acceleration_epsilon_y;
+    let t712 = sin_zeta * acceleration_epsilon_y;
+    w_b[4][30] = t712;
+    let t713 = sin_zeta * t370;
+    let t714 = cos_zeta * t346;
+    let t715 = t714 + t713;
+    let t716 = cos_zeta * t372;
+    let t717 = sin_zeta * t347;
+    let t718 = t717 + t716;
+    w_b[4][32] = t718;
+    let t719 = sin_zeta * t322;
+    let t720 = cos_zeta * t393;
+    let t721 = t720 - t719;
+    w_b[4][33] = t721;
+    let t722 = cos_zeta * t355;
+    let t723 = sin_zeta * t400;
+    let t724 = t723 - t722;
+    let t725 = sin_zeta * t371;
+    let t726 = t714 + t725;
+    w_b[4][35] = t726;
+    let t727 = 101.0 * t426;
+    w_b[4][38] = t727;
+    let t728 = 51.0 * t437;
+    w_b[5][39] = t728;
+    let t729 = -t29;
+    w_b[0][4] = t729;
+    let t730 = -t31;
+    w_b[0][5] = t730;
+    let t731 = -t44;
+    w_b[0][7] = t731;
+    let t732 = -t94;
+    w_b[0][11] = t732;
+    let t733 = -t96;
+    w_b[0][12] = t733;
+    let t734 = -t105;
+    w_b[0][14] = t734;
+    let t735 = -t205;
+    w_b[0][18] = t735;
+    let t736 = -t211;
+    w_b[0][19] = t736;
+    let t737 = -t217;
+    w_b[0][20] = t737;
+    let t738 = -t258;
+    w_b[0][22] = t738;
+    let t739 = -t283;
+    w_b[0][23] = t739;
+    let t740 = -t296;
+    w_b[0][25] = t740;
+    let t741 = -t354;
+    w_b[0][29] = t741;
+    let t742 = -t379;
+    w_b[0][30] = t742;
+    let t743 = -t390;
+    w_b[0][32] = t743;
+    let t744 = -t416;
+    w_b[0][36] = t744;
+    let t745 = -t424;
+    w_b[0][37] = t745;
+    let t746 = -t446;
+    w_b[0][39] = t746;
+    let minus_acceleration_beta_x = -acceleration_beta_x;
+    w_b[1][1] = minus_acceleration_beta_x;
+    let minus_acceleration_beta_y = -acceleration_beta_y;
+    w_b[1][2] = minus_acceleration_beta_y;
+    let t749 = -t26;
+    w_b[1][3] = t749;
+    let t750 = -t448;
+    w_b[1][6] = t750;
+    let t751 = -t455;
+    w_b[1][8] = t751;
+    let t752 = -t459;
+    w_b[1][9] = t752;
+    let t753 = -t90;
+    w_b[1][10] = t753;
+    w_b[2][10] = t753;
+    let t754 = -t479;
+    w_b[1][15] = t754;
+    let t755 = -t489;
+    w_b[1][17] = t755;
+    w_b[2][17] = t755;
+    let t756 = -t498;
+    w_b[1][20] = t756;
+    w_b[2][20] = t756;
+    let t757 = -t526;
+    w_b[1][23] = t757;
+    let t758 = -t531;
+    w_b[1][24] = t758;
+    w_b[2][24] = t758;
+    let t759 = -t536;
+    w_b[1][25] = t759;
+    w_b[2][25] = t759;
+    let t760 = -t545;
+    w_b[1][27] = t760;
+    w_b[2][27] = t760;
+    let t761 = -t585;
+    w_b[1][31] = t761;
+    w_b[2][31] = t761;
+    let t762 = -t595;
+    w_b[1][33] = t762;
+    w_b[2][33] = t762;
+    let t763 = -t600;
+    w_b[1][34] = t763;
+    w_b[2][34] = t763;
+    let t764 = -t604;
+    w_b[1][35] = t764;
+    w_b[2][35] = t764;
+    let t765 = -t610;
+    w_b[1][38] = t765;
+    w_b[2][38] = t765;
+    let minus_acceleration_gamma_y = -acceleration_gamma_y;
+    w_b[2][8] = minus_acceleration_gamma_y;
+    let minus_acceleration_gamma_x = -acceleration_gamma_x;
+    w_b[2][9] = minus_acceleration_gamma_x;
+    let t768 = -t621;
+    w_b[2][15] = t768;
+    let t769 = -t639;
+    w_b[2][23] = t769;
+    let t770 = -t200;
+    w_b[3][18] = t770;
+    let t771 = -t116;
+    w_b[3][19] = t771;
+    let t772 = -t176;
+    w_b[3][20] = t772;
+    let t773 = -t666;
+    w_b[3][25] = t773;
+    let t774 = -t668;
+    w_b[3][26] = t774;
+    let t775 = -t674;
+    w_b[3][28] = t775;
+    let t776 = -t682;
+    w_b[3][30] = t776;
+    let t777 = -t692;
+    w_b[3][32] = t777;
+    let t778 = -t697;
+    w_b[3][33] = t778;
+    let t779 = -t702;
+    w_b[3][34] = t779;
+    let t780 = -t430;
+    w_b[3][38] = t780;
+    let minus_acceleration_epsilon_y = -acceleration_epsilon_y;
+    w_b[4][22] = minus_acceleration_epsilon_y;
+    let minus_acceleration_epsilon_x = -acceleration_epsilon_x;
+    w_b[4][23] = minus_acceleration_epsilon_x;
+    let t783 = -t294;
+    w_b[4][25] = t783;
+    let t784 = -t711;
+    w_b[4][29] = t784;
+    let t785 = -t715;
+    w_b[4][31] = t785;
+    let t786 = -t724;
+    w_b[4][34] = t786;
+    let t787 = -t441;
+    w_b[4][39] = t787;
+    let t788 = -t386;
+    w_b[5][32] = t788;
+    let t789 = -t396;
+    w_b[5][33] = t789;
+    let t790 = -t403;
+    w_b[5][34] = t790;
+}
+
+/// Friction parameters, the columns of `friction_regressor`: joint, and the function of its velocity that the
+/// parameter multiplies.
+pub const FRICTION_PARAMETER_NAMES: [&str; 17] = [
+    "alpha: v",
+    "alpha: tanh(20*v)",
+    "beta: v",
+    "beta: tanh(5*v)",
+    "beta: tanh(10*v)",
+    "beta: tanh(20*v)",
+    "gamma: v",
+    "gamma: tanh(5*v)",
+    "gamma: tanh(10*v)",
+    "gamma: tanh(100*v)",
+    "gamma: sign(v)",
+    "delta: v",
+    "delta: tanh(20*v)",
+    "epsilon: v",
+    "epsilon: tanh(20*v)",
+    "zeta: v",
+    "zeta: tanh(20*v)",
+];
+
+/// Friction parameters as described: the coefficients of `friction_regressor`.
+///
+/// `τ(ẏ) = friction_regressor(ẏ) · friction_parameters`
+///
+/// - returns `φ: [17]`: in the order of `FRICTION_PARAMETER_NAMES`
+///
+/// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
+#[inline]
+#[must_use]
+pub fn friction_parameters() -> [f64; 17] {
+    let mut phi = [0.0; 17];
+    friction_parameters_into(&mut phi);
+    phi
+}
+
+/// `friction_parameters` with its results written in place; nothing of what stood there is read.
+pub fn friction_parameters_into(phi: &mut [f64; 17]) {
+    phi[0] = 60.0;
+    phi[1] = 10.0;
+    phi[2] = 76.556;
+    phi[3] = 3.924;
+    phi[4] = 10.838;
+    phi[5] = 2.236;
+    phi[6] = 56.231;
+    phi[7] = 0.368;
+    phi[8] = 0.368;
+    phi[9] = 8.342;
+    phi[10] = 0.492;
+    phi[11] = 10.0;
+    phi[12] = 2.0;
+    phi[13] = 8.0;
+    phi[14] = 1.5;
+    phi[15] = 2.0;
+    phi[16] = 0.4;
+}
+
+/// Regressor of the friction parameters.
+///
+/// `τ(ẏ) = friction_regressor(ẏ) · friction_parameters`
+///
+/// - `v: [N]`: velocities ẏ: `alpha`, `beta`, `gamma`, `delta`, `epsilon`, `zeta` in rad/s
+/// - returns `R: [N × 17]`: rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
+///
+/// Cost: 10 multiplications, 0 additions, 0 divisions, 10 function calls, 1 selection.
+///
+/// What enters nonlinearly is held at its described value: a3 and a5 of the Stribeck form, slopes of tanh.
+///
+/// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
+/// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
+#[inline]
+#[must_use]
+pub fn friction_regressor(v: &[f64; N]) -> [[f64; 17]; N] {
+    let mut r = [[0.0; 17]; 6];
+    friction_regressor_into(v, &mut r);
+    r
+}
+
+/// `friction_regressor` with its results written in place; nothing of what stood there is read.
+pub fn friction_regressor_into(v: &[f64; N], r: &mut [[f64; 17]; N]) {
+    r[0][0] = v[0];
+    r[0][2] = 0.0;
+    r[0][3] = 0.0;
+    r[0][4] = 0.0;
+    r[0][5] = 0.0;
+    r[0][6] = 0.0;
+    r[0][7] = 0.0;
+    r[0][8] = 0.0;
+    r[0][9] = 0.0;
+    r[0][10] = 0.0;
+    r[0][11] = 0.0;
+    r[0][12] = 0.0;
+    r[0][13] = 0.0;
+    r[0][14] = 0.0;
+    r[0][15] = 0.0;
+    r[0][16] = 0.0;
+    r[1][0] = 0.0;
+    r[1][1] = 0.0;
+    r[1][2] = v[1];
+    r[1][6] = 0.0;
+    r[1][7] = 0.0;
+    r[1][8] = 0.0;
+    r[1][9] = 0.0;
+    r[1][10] = 0.0;
+    r[1][11] = 0.0;
+    r[1][12] = 0.0;
+    r[1][13] = 0.0;
+    r[1][14] = 0.0;
+    r[1][15] = 0.0;
+    r[1][16] = 0.0;
+    r[2][0] = 0.0;
+    r[2][1] = 0.0;
+    r[2][2] = 0.0;
+    r[2][3] = 0.0;
+    r[2][4] = 0.0;
+    r[2][5] = 0.0;
+    r[2][6] = v[2];
+    r[2][11] = 0.0;
+    r[2][12] = 0.0;
+    r[2][13] = 0.0;
+    r[2][14] = 0.0;
+    r[2][15] = 0.0;
+    r[2][16] = 0.0;
+    r[3][0] = 0.0;
+    r[3][1] = 0.0;
+    r[3][2] = 0.0;
+    r[3][3] = 0.0;
+    r[3][4] = 0.0;
+    r[3][5] = 0.0;
+    r[3][6] = 0.0;
+    r[3][7] = 0.0;
+    r[3][8] = 0.0;
+    r[3][9] = 0.0;
+    r[3][10] = 0.0;
+    r[3][11] = v[3];
+    r[3][13] = 0.0;
+    r[3][14] = 0.0;
+    r[3][15] = 0.0;
+    r[3][16] = 0.0;
+    r[4][0] = 0.0;
+    r[4][1] = 0.0;
+    r[4][2] = 0.0;
+    r[4][3] = 0.0;
+    r[4][4] = 0.0;
+    r[4][5] = 0.0;
+    r[4][6] = 0.0;
+    r[4][7] = 0.0;
+    r[4][8] = 0.0;
+    r[4][9] = 0.0;
+    r[4][10] = 0.0;
+    r[4][11] = 0.0;
+    r[4][12] = 0.0;
+    r[4][13] = v[4];
+    r[4][15] = 0.0;
+    r[4][16] = 0.0;
+    r[5][0] = 0.0;
+    r[5][1] = 0.0;
+    r[5][2] = 0.0;
+    r[5][3] = 0.0;
+    r[5][4] = 0.0;
+    r[5][5] = 0.0;
+    r[5][6] = 0.0;
+    r[5][7] = 0.0;
+    r[5][8] = 0.0;
+    r[5][9] = 0.0;
+    r[5][10] = 0.0;
+    r[5][11] = 0.0;
+    r[5][12] = 0.0;
+    r[5][13] = 0.0;
+    r[5][14] = 0.0;
+    r[5][15] = v[5];
+    let t0 = v[0] * 20.0;
+    let t1 = math::tanh(t0);
+    r[0][1] = t1;
+    let t2 = v[1] * 5.0;
+    let t3 = math::tanh(t2);
+    r[1][3] = t3;
+    let t4 = v[1] * 10.0;
+    let t5 = math::tanh(t4);
+    r[1][4] = t5;
+    let t6 = v[1] * 20.0;
+    let t7 = math::tanh(t6);
+    r[1][5] = t7;
+    let t8 = v[2] * 5.0;
+    let t9 = math::tanh(t8);
+    r[2][7] = t9;
+    let t10 = v[2] * 10.0;
+    let t11 = math::tanh(t10);
+    r[2][8] = t11;
+    let t12 = v[2] * 100.0;
+    let t13 = math::tanh(t12);
+    r[2][9] = t13;
+    let t14 = sign(v[2]);
+    r[2][10] = t14;
+    let t15 = v[3] * 20.0;
+    let t16 = math::tanh(t15);
+    r[3][12] = t16;
+    let t17 = v[4] * 20.0;
+    let t18 = math::tanh(t17);
+    r[4][14] = t18;
+    let t19 = v[5] * 20.0;
+    let t20 = math::tanh(t19);
+    r[5][16] = t20;
 }
 
 /// Pose of the frame `tool`.

@@ -91,6 +91,17 @@ pub const ROTOR_INERTIAS: [f64; M] = [0.0, 2e-5, 2e-5, 2e-5, 2e-5, 2e-5, 2e-5];
 /// Gravitational acceleration in the base frame (m/s²).
 pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
+/// Structure of `M`: `false` where the entry is zero in every state; 23 of 49 are not.
+pub const MASS_MATRIX_NONZERO: [[bool; 7]; 7] = [
+    [true, true, true, true, true, true, true],
+    [true, true, true, false, false, false, false],
+    [true, true, true, false, false, false, false],
+    [true, false, false, true, false, false, false],
+    [true, false, false, false, true, true, false],
+    [true, false, false, false, true, true, false],
+    [true, false, false, false, false, false, true],
+];
+
 /// Mass matrix `M(y)`.
 ///
 /// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`
@@ -1861,7 +1872,7 @@ pub fn inverse_dynamics(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
 ///
 /// Cost: 217 multiplications, 164 additions, 3 divisions, 4 function calls (`sin_cos`).
 ///
-/// M = Lᵀ D L along the branches of the tree (Featherstone 2005).
+/// M = Lᵀ D L along the branches of the tree (Featherstone 2005) was cheaper than articulated bodies.
 #[must_use]
 pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let angle_left_shoulder_left_elbow = y[1] + y[2];
@@ -6773,6 +6784,39 @@ pub fn forward_dynamics_derivatives_into(
     m_inverse[6][5] = t1484;
 }
 
+/// Structure of `A_y`: `false` where the entry is zero in every state; 42 of 49 are not.
+pub const A_Y_NONZERO: [[bool; 7]; 7] = [
+    [false, true, true, true, true, true, true],
+    [false, true, true, true, true, true, true],
+    [false, true, true, true, true, true, true],
+    [false, true, true, true, true, true, true],
+    [false, true, true, true, true, true, true],
+    [false, true, true, true, true, true, true],
+    [false, true, true, true, true, true, true],
+];
+
+/// Structure of `A_v`: `false` where the entry is zero in every state; 49 of 49 are not.
+pub const A_V_NONZERO: [[bool; 7]; 7] = [
+    [true, true, true, true, true, true, true],
+    [true, true, true, true, true, true, true],
+    [true, true, true, true, true, true, true],
+    [true, true, true, true, true, true, true],
+    [true, true, true, true, true, true, true],
+    [true, true, true, true, true, true, true],
+    [true, true, true, true, true, true, true],
+];
+
+/// Structure of `B_x`: `false` where the entry is zero in every state; 49 of 49 are not.
+pub const B_X_NONZERO: [[bool; 7]; 7] = [
+    [true, true, true, true, true, true, true],
+    [true, true, true, true, true, true, true],
+    [true, true, true, true, true, true, true],
+    [true, true, true, true, true, true, true],
+    [true, true, true, true, true, true, true],
+    [true, true, true, true, true, true, true],
+    [true, true, true, true, true, true, true],
+];
+
 /// Linearization of the accelerations in continuous time.
 ///
 /// `ÿ ≈ A_y y + A_v ẏ + B_x u + c; with x = (y, ẏ) the upper halves of A, B_x and c are [0 I], 0 and 0`
@@ -9265,6 +9309,3004 @@ pub fn potential_energy(y: &[f64; N]) -> f64 {
     -t30
 }
 
+/// Inertial parameters π, the columns of `inertial_regressor`. For each link, in the order of the coordinates and
+/// in the link's frame of the description, with all that is fixed to it: mass m (kg), first moments mcx, mcy, mcz
+/// (kg m), and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the frame's origin (kg m²), entries of the matrix (Ixy = −∫ x y
+/// dm). Then J, the axial inertia of the rotor of each drive that has one (kg m²).
+pub const INERTIAL_PARAMETER_NAMES: [&str; 76] = [
+    "m_torso",
+    "mcx_torso",
+    "mcy_torso",
+    "mcz_torso",
+    "Ixx_torso",
+    "Ixy_torso",
+    "Iyy_torso",
+    "Ixz_torso",
+    "Iyz_torso",
+    "Izz_torso",
+    "m_left_shoulder",
+    "mcx_left_shoulder",
+    "mcy_left_shoulder",
+    "mcz_left_shoulder",
+    "Ixx_left_shoulder",
+    "Ixy_left_shoulder",
+    "Iyy_left_shoulder",
+    "Ixz_left_shoulder",
+    "Iyz_left_shoulder",
+    "Izz_left_shoulder",
+    "m_left_elbow",
+    "mcx_left_elbow",
+    "mcy_left_elbow",
+    "mcz_left_elbow",
+    "Ixx_left_elbow",
+    "Ixy_left_elbow",
+    "Iyy_left_elbow",
+    "Ixz_left_elbow",
+    "Iyz_left_elbow",
+    "Izz_left_elbow",
+    "m_left_wrist",
+    "mcx_left_wrist",
+    "mcy_left_wrist",
+    "mcz_left_wrist",
+    "Ixx_left_wrist",
+    "Ixy_left_wrist",
+    "Iyy_left_wrist",
+    "Ixz_left_wrist",
+    "Iyz_left_wrist",
+    "Izz_left_wrist",
+    "m_right_shoulder",
+    "mcx_right_shoulder",
+    "mcy_right_shoulder",
+    "mcz_right_shoulder",
+    "Ixx_right_shoulder",
+    "Ixy_right_shoulder",
+    "Iyy_right_shoulder",
+    "Ixz_right_shoulder",
+    "Iyz_right_shoulder",
+    "Izz_right_shoulder",
+    "m_right_elbow",
+    "mcx_right_elbow",
+    "mcy_right_elbow",
+    "mcz_right_elbow",
+    "Ixx_right_elbow",
+    "Ixy_right_elbow",
+    "Iyy_right_elbow",
+    "Ixz_right_elbow",
+    "Iyz_right_elbow",
+    "Izz_right_elbow",
+    "m_right_wrist",
+    "mcx_right_wrist",
+    "mcy_right_wrist",
+    "mcz_right_wrist",
+    "Ixx_right_wrist",
+    "Ixy_right_wrist",
+    "Iyy_right_wrist",
+    "Ixz_right_wrist",
+    "Iyz_right_wrist",
+    "Izz_right_wrist",
+    "J_left_shoulder",
+    "J_left_elbow",
+    "J_left_wrist",
+    "J_right_shoulder",
+    "J_right_elbow",
+    "J_right_wrist",
+];
+
+/// Inertial parameters `π` of links and rotors as described.
+///
+/// `W(y, ẏ, ÿ) π = M ÿ + k − q_gravity`
+///
+/// - returns `π: [76]`: in the order of `INERTIAL_PARAMETER_NAMES`
+///
+/// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
+#[inline]
+#[must_use]
+pub fn inertial_parameters() -> [f64; 76] {
+    let mut pi = [0.0; 76];
+    inertial_parameters_into(&mut pi);
+    pi
+}
+
+/// `inertial_parameters` with its results written in place; nothing of what stood there is read.
+pub fn inertial_parameters_into(pi: &mut [f64; 76]) {
+    pi[0] = 12.0;
+    pi[1] = 0.12;
+    pi[2] = 0.0;
+    pi[3] = 3.5999999999999996;
+    pi[4] = 1.4800000000000002;
+    pi[5] = 0.0;
+    pi[6] = 1.4612;
+    pi[7] = -0.036000000000000004;
+    pi[8] = 0.0;
+    pi[9] = 0.1212;
+    pi[10] = 2.4;
+    pi[11] = 0.0;
+    pi[12] = 0.024;
+    pi[13] = -0.288;
+    pi[14] = 0.0508;
+    pi[15] = 0.0;
+    pi[16] = 0.04956;
+    pi[17] = 0.0005;
+    pi[18] = 0.0028799999999999997;
+    pi[19] = 0.004240000000000001;
+    pi[20] = 1.6;
+    pi[21] = 0.008;
+    pi[22] = 0.0;
+    pi[23] = -0.17600000000000002;
+    pi[24] = 0.027360000000000002;
+    pi[25] = 0.0;
+    pi[26] = 0.0269;
+    pi[27] = 0.0008800000000000001;
+    pi[28] = 0.0;
+    pi[29] = 0.00204;
+    pi[30] = 0.6;
+    pi[31] = 0.0;
+    pi[32] = 0.0;
+    pi[33] = -0.03;
+    pi[34] = 0.0027;
+    pi[35] = 0.0;
+    pi[36] = 0.0027;
+    pi[37] = 0.0;
+    pi[38] = 0.0;
+    pi[39] = 0.0012;
+    pi[40] = 2.4;
+    pi[41] = 0.0;
+    pi[42] = -0.024;
+    pi[43] = -0.288;
+    pi[44] = 0.0508;
+    pi[45] = 0.0;
+    pi[46] = 0.04956;
+    pi[47] = 0.0005;
+    pi[48] = -0.0028799999999999997;
+    pi[49] = 0.004240000000000001;
+    pi[50] = 1.6;
+    pi[51] = 0.008;
+    pi[52] = 0.0;
+    pi[53] = -0.17600000000000002;
+    pi[54] = 0.027360000000000002;
+    pi[55] = 0.0;
+    pi[56] = 0.0269;
+    pi[57] = 0.0008800000000000001;
+    pi[58] = 0.0;
+    pi[59] = 0.00204;
+    pi[60] = 0.6;
+    pi[61] = 0.0;
+    pi[62] = 0.0;
+    pi[63] = -0.03;
+    pi[64] = 0.0027;
+    pi[65] = 0.0;
+    pi[66] = 0.0027;
+    pi[67] = 0.0;
+    pi[68] = 0.0;
+    pi[69] = 0.0012;
+    pi[70] = 2e-5;
+    pi[71] = 2e-5;
+    pi[72] = 2e-5;
+    pi[73] = 2e-5;
+    pi[74] = 2e-5;
+    pi[75] = 2e-5;
+}
+
+/// Regressor `W` of the inertial parameters.
+///
+/// `W(y, ẏ, ÿ) π = M ÿ + k − q_gravity`
+///
+/// - `y: [N]`: coordinates: `torso`, `left_shoulder`, `left_elbow`, `left_wrist`, `right_shoulder`,
+///   `right_elbow`, `right_wrist` in rad
+/// - `v: [N]`: velocities ẏ: `torso`, `left_shoulder`, `left_elbow`, `left_wrist`, `right_shoulder`,
+///   `right_elbow`, `right_wrist` in rad/s
+/// - `a: [N]`: accelerations ÿ: `torso`, `left_shoulder`, `left_elbow`, `left_wrist`, `right_shoulder`,
+///   `right_elbow`, `right_wrist` in rad/s²
+/// - returns `W: [N × 76]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; those of
+///   rotors stand last
+///
+/// Cost: 448 multiplications, 342 additions, 0 divisions, 6 function calls (`sin_cos`).
+///
+/// The inverse dynamics are `W π + τ − springs`, with friction τ and the springs' forces. Independent of the
+/// described inertias (Atkeson, An and Hollerbach 1986).
+#[inline]
+#[must_use]
+pub fn inertial_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 76]; N] {
+    let mut w = [[0.0; 76]; 7];
+    inertial_regressor_into(y, v, a, &mut w);
+    w
+}
+
+/// `inertial_regressor` with its results written in place; nothing of what stood there is read.
+pub fn inertial_regressor_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    w: &mut [[f64; 76]; N],
+) {
+    w[0][0] = 0.0;
+    w[0][1] = 0.0;
+    w[0][2] = 0.0;
+    w[0][3] = 0.0;
+    w[0][4] = 0.0;
+    w[0][5] = 0.0;
+    w[0][6] = 0.0;
+    w[0][7] = 0.0;
+    w[0][8] = 0.0;
+    w[0][9] = a[0];
+    w[0][70] = 0.0;
+    w[0][73] = 0.0;
+    w[1][0] = 0.0;
+    w[1][1] = 0.0;
+    w[1][2] = 0.0;
+    w[1][3] = 0.0;
+    w[1][4] = 0.0;
+    w[1][5] = 0.0;
+    w[1][6] = 0.0;
+    w[1][7] = 0.0;
+    w[1][8] = 0.0;
+    w[1][9] = 0.0;
+    w[1][10] = 0.0;
+    w[1][12] = 0.0;
+    w[1][16] = a[1];
+    w[1][40] = 0.0;
+    w[1][41] = 0.0;
+    w[1][42] = 0.0;
+    w[1][43] = 0.0;
+    w[1][44] = 0.0;
+    w[1][45] = 0.0;
+    w[1][46] = 0.0;
+    w[1][47] = 0.0;
+    w[1][48] = 0.0;
+    w[1][49] = 0.0;
+    w[1][50] = 0.0;
+    w[1][51] = 0.0;
+    w[1][52] = 0.0;
+    w[1][53] = 0.0;
+    w[1][54] = 0.0;
+    w[1][55] = 0.0;
+    w[1][56] = 0.0;
+    w[1][57] = 0.0;
+    w[1][58] = 0.0;
+    w[1][59] = 0.0;
+    w[1][60] = 0.0;
+    w[1][61] = 0.0;
+    w[1][62] = 0.0;
+    w[1][63] = 0.0;
+    w[1][64] = 0.0;
+    w[1][65] = 0.0;
+    w[1][66] = 0.0;
+    w[1][67] = 0.0;
+    w[1][68] = 0.0;
+    w[1][69] = 0.0;
+    w[1][73] = 0.0;
+    w[1][74] = 0.0;
+    w[1][75] = 0.0;
+    w[2][0] = 0.0;
+    w[2][1] = 0.0;
+    w[2][2] = 0.0;
+    w[2][3] = 0.0;
+    w[2][4] = 0.0;
+    w[2][5] = 0.0;
+    w[2][6] = 0.0;
+    w[2][7] = 0.0;
+    w[2][8] = 0.0;
+    w[2][9] = 0.0;
+    w[2][10] = 0.0;
+    w[2][11] = 0.0;
+    w[2][12] = 0.0;
+    w[2][13] = 0.0;
+    w[2][14] = 0.0;
+    w[2][15] = 0.0;
+    w[2][16] = 0.0;
+    w[2][17] = 0.0;
+    w[2][18] = 0.0;
+    w[2][19] = 0.0;
+    w[2][20] = 0.0;
+    w[2][22] = 0.0;
+    w[2][40] = 0.0;
+    w[2][41] = 0.0;
+    w[2][42] = 0.0;
+    w[2][43] = 0.0;
+    w[2][44] = 0.0;
+    w[2][45] = 0.0;
+    w[2][46] = 0.0;
+    w[2][47] = 0.0;
+    w[2][48] = 0.0;
+    w[2][49] = 0.0;
+    w[2][50] = 0.0;
+    w[2][51] = 0.0;
+    w[2][52] = 0.0;
+    w[2][53] = 0.0;
+    w[2][54] = 0.0;
+    w[2][55] = 0.0;
+    w[2][56] = 0.0;
+    w[2][57] = 0.0;
+    w[2][58] = 0.0;
+    w[2][59] = 0.0;
+    w[2][60] = 0.0;
+    w[2][61] = 0.0;
+    w[2][62] = 0.0;
+    w[2][63] = 0.0;
+    w[2][64] = 0.0;
+    w[2][65] = 0.0;
+    w[2][66] = 0.0;
+    w[2][67] = 0.0;
+    w[2][68] = 0.0;
+    w[2][69] = 0.0;
+    w[2][70] = 0.0;
+    w[2][73] = 0.0;
+    w[2][74] = 0.0;
+    w[2][75] = 0.0;
+    w[3][0] = 0.0;
+    w[3][1] = 0.0;
+    w[3][2] = 0.0;
+    w[3][3] = 0.0;
+    w[3][4] = 0.0;
+    w[3][5] = 0.0;
+    w[3][6] = 0.0;
+    w[3][7] = 0.0;
+    w[3][8] = 0.0;
+    w[3][9] = 0.0;
+    w[3][10] = 0.0;
+    w[3][11] = 0.0;
+    w[3][12] = 0.0;
+    w[3][13] = 0.0;
+    w[3][14] = 0.0;
+    w[3][15] = 0.0;
+    w[3][16] = 0.0;
+    w[3][17] = 0.0;
+    w[3][18] = 0.0;
+    w[3][19] = 0.0;
+    w[3][20] = 0.0;
+    w[3][21] = 0.0;
+    w[3][22] = 0.0;
+    w[3][23] = 0.0;
+    w[3][24] = 0.0;
+    w[3][25] = 0.0;
+    w[3][26] = 0.0;
+    w[3][27] = 0.0;
+    w[3][28] = 0.0;
+    w[3][29] = 0.0;
+    w[3][30] = 0.0;
+    w[3][33] = 0.0;
+    w[3][40] = 0.0;
+    w[3][41] = 0.0;
+    w[3][42] = 0.0;
+    w[3][43] = 0.0;
+    w[3][44] = 0.0;
+    w[3][45] = 0.0;
+    w[3][46] = 0.0;
+    w[3][47] = 0.0;
+    w[3][48] = 0.0;
+    w[3][49] = 0.0;
+    w[3][50] = 0.0;
+    w[3][51] = 0.0;
+    w[3][52] = 0.0;
+    w[3][53] = 0.0;
+    w[3][54] = 0.0;
+    w[3][55] = 0.0;
+    w[3][56] = 0.0;
+    w[3][57] = 0.0;
+    w[3][58] = 0.0;
+    w[3][59] = 0.0;
+    w[3][60] = 0.0;
+    w[3][61] = 0.0;
+    w[3][62] = 0.0;
+    w[3][63] = 0.0;
+    w[3][64] = 0.0;
+    w[3][65] = 0.0;
+    w[3][66] = 0.0;
+    w[3][67] = 0.0;
+    w[3][68] = 0.0;
+    w[3][69] = 0.0;
+    w[3][70] = 0.0;
+    w[3][71] = 0.0;
+    w[3][73] = 0.0;
+    w[3][74] = 0.0;
+    w[3][75] = 0.0;
+    w[4][0] = 0.0;
+    w[4][1] = 0.0;
+    w[4][2] = 0.0;
+    w[4][3] = 0.0;
+    w[4][4] = 0.0;
+    w[4][5] = 0.0;
+    w[4][6] = 0.0;
+    w[4][7] = 0.0;
+    w[4][8] = 0.0;
+    w[4][9] = 0.0;
+    w[4][10] = 0.0;
+    w[4][11] = 0.0;
+    w[4][12] = 0.0;
+    w[4][13] = 0.0;
+    w[4][14] = 0.0;
+    w[4][15] = 0.0;
+    w[4][16] = 0.0;
+    w[4][17] = 0.0;
+    w[4][18] = 0.0;
+    w[4][19] = 0.0;
+    w[4][20] = 0.0;
+    w[4][21] = 0.0;
+    w[4][22] = 0.0;
+    w[4][23] = 0.0;
+    w[4][24] = 0.0;
+    w[4][25] = 0.0;
+    w[4][26] = 0.0;
+    w[4][27] = 0.0;
+    w[4][28] = 0.0;
+    w[4][29] = 0.0;
+    w[4][30] = 0.0;
+    w[4][31] = 0.0;
+    w[4][32] = 0.0;
+    w[4][33] = 0.0;
+    w[4][34] = 0.0;
+    w[4][35] = 0.0;
+    w[4][36] = 0.0;
+    w[4][37] = 0.0;
+    w[4][38] = 0.0;
+    w[4][39] = 0.0;
+    w[4][40] = 0.0;
+    w[4][42] = 0.0;
+    w[4][46] = a[4];
+    w[4][70] = 0.0;
+    w[4][71] = 0.0;
+    w[4][72] = 0.0;
+    w[5][0] = 0.0;
+    w[5][1] = 0.0;
+    w[5][2] = 0.0;
+    w[5][3] = 0.0;
+    w[5][4] = 0.0;
+    w[5][5] = 0.0;
+    w[5][6] = 0.0;
+    w[5][7] = 0.0;
+    w[5][8] = 0.0;
+    w[5][9] = 0.0;
+    w[5][10] = 0.0;
+    w[5][11] = 0.0;
+    w[5][12] = 0.0;
+    w[5][13] = 0.0;
+    w[5][14] = 0.0;
+    w[5][15] = 0.0;
+    w[5][16] = 0.0;
+    w[5][17] = 0.0;
+    w[5][18] = 0.0;
+    w[5][19] = 0.0;
+    w[5][20] = 0.0;
+    w[5][21] = 0.0;
+    w[5][22] = 0.0;
+    w[5][23] = 0.0;
+    w[5][24] = 0.0;
+    w[5][25] = 0.0;
+    w[5][26] = 0.0;
+    w[5][27] = 0.0;
+    w[5][28] = 0.0;
+    w[5][29] = 0.0;
+    w[5][30] = 0.0;
+    w[5][31] = 0.0;
+    w[5][32] = 0.0;
+    w[5][33] = 0.0;
+    w[5][34] = 0.0;
+    w[5][35] = 0.0;
+    w[5][36] = 0.0;
+    w[5][37] = 0.0;
+    w[5][38] = 0.0;
+    w[5][39] = 0.0;
+    w[5][40] = 0.0;
+    w[5][41] = 0.0;
+    w[5][42] = 0.0;
+    w[5][43] = 0.0;
+    w[5][44] = 0.0;
+    w[5][45] = 0.0;
+    w[5][46] = 0.0;
+    w[5][47] = 0.0;
+    w[5][48] = 0.0;
+    w[5][49] = 0.0;
+    w[5][50] = 0.0;
+    w[5][52] = 0.0;
+    w[5][70] = 0.0;
+    w[5][71] = 0.0;
+    w[5][72] = 0.0;
+    w[5][73] = 0.0;
+    w[6][0] = 0.0;
+    w[6][1] = 0.0;
+    w[6][2] = 0.0;
+    w[6][3] = 0.0;
+    w[6][4] = 0.0;
+    w[6][5] = 0.0;
+    w[6][6] = 0.0;
+    w[6][7] = 0.0;
+    w[6][8] = 0.0;
+    w[6][9] = 0.0;
+    w[6][10] = 0.0;
+    w[6][11] = 0.0;
+    w[6][12] = 0.0;
+    w[6][13] = 0.0;
+    w[6][14] = 0.0;
+    w[6][15] = 0.0;
+    w[6][16] = 0.0;
+    w[6][17] = 0.0;
+    w[6][18] = 0.0;
+    w[6][19] = 0.0;
+    w[6][20] = 0.0;
+    w[6][21] = 0.0;
+    w[6][22] = 0.0;
+    w[6][23] = 0.0;
+    w[6][24] = 0.0;
+    w[6][25] = 0.0;
+    w[6][26] = 0.0;
+    w[6][27] = 0.0;
+    w[6][28] = 0.0;
+    w[6][29] = 0.0;
+    w[6][30] = 0.0;
+    w[6][31] = 0.0;
+    w[6][32] = 0.0;
+    w[6][33] = 0.0;
+    w[6][34] = 0.0;
+    w[6][35] = 0.0;
+    w[6][36] = 0.0;
+    w[6][37] = 0.0;
+    w[6][38] = 0.0;
+    w[6][39] = 0.0;
+    w[6][40] = 0.0;
+    w[6][41] = 0.0;
+    w[6][42] = 0.0;
+    w[6][43] = 0.0;
+    w[6][44] = 0.0;
+    w[6][45] = 0.0;
+    w[6][46] = 0.0;
+    w[6][47] = 0.0;
+    w[6][48] = 0.0;
+    w[6][49] = 0.0;
+    w[6][50] = 0.0;
+    w[6][51] = 0.0;
+    w[6][52] = 0.0;
+    w[6][53] = 0.0;
+    w[6][54] = 0.0;
+    w[6][55] = 0.0;
+    w[6][56] = 0.0;
+    w[6][57] = 0.0;
+    w[6][58] = 0.0;
+    w[6][59] = 0.0;
+    w[6][60] = 0.0;
+    w[6][63] = 0.0;
+    w[6][70] = 0.0;
+    w[6][71] = 0.0;
+    w[6][72] = 0.0;
+    w[6][73] = 0.0;
+    w[6][74] = 0.0;
+    let (
+        [sin_left_shoulder,
+        sin_left_elbow,
+        sin_left_wrist,
+        sin_right_shoulder,
+        ],
+        [cos_left_shoulder,
+        cos_left_elbow,
+        cos_left_wrist,
+        cos_right_shoulder,
+        ],
+    ) = math::sin_cos_4(y[1], y[2], y[3], y[4]);
+    let ([sin_right_elbow, sin_right_wrist], [cos_right_elbow, cos_right_wrist]) = math::sin_cos_2(
+        y[5],
+        y[6],
+    );
+    let omega_left_shoulder_x = v[0] * cos_left_shoulder;
+    let t13 = v[1] * omega_left_shoulder_x;
+    let t14 = a[0] * sin_left_shoulder;
+    let t15 = t14 + t13;
+    let t16 = t13 - t15;
+    w[1][15] = t16;
+    let t17 = 0.2 * t16;
+    let t18 = 9.81 * cos_left_shoulder;
+    let acceleration_left_shoulder_x = t18 + t17;
+    let t20 = 0.2 * sin_left_shoulder;
+    let t21 = acceleration_left_shoulder_x * t20;
+    let omega_left_shoulder_y = v[0] * sin_left_shoulder;
+    let t23 = v[1] * omega_left_shoulder_y;
+    let t24 = a[0] * cos_left_shoulder;
+    let t25 = t24 - t23;
+    let t26 = t23 + t25;
+    w[1][18] = t26;
+    let t27 = 0.2 * t26;
+    let t28 = 9.81 * sin_left_shoulder;
+    let acceleration_left_shoulder_y = t28 + t27;
+    let t30 = 0.2 * cos_left_shoulder;
+    let t31 = acceleration_left_shoulder_y * t30;
+    let t32 = t31 - t21;
+    w[0][10] = t32;
+    let t33 = omega_left_shoulder_y * omega_left_shoulder_y;
+    let t34 = omega_left_shoulder_x * omega_left_shoulder_x;
+    let t35 = t34 + t33;
+    let acceleration_left_shoulder_z = 0.2 * t35;
+    let t37 = cos_left_shoulder * acceleration_left_shoulder_z;
+    let t38 = omega_left_shoulder_x * omega_left_shoulder_y;
+    w[1][19] = t38;
+    let t39 = a[1] + t38;
+    let t40 = t39 * t20;
+    let t41 = v[1] * v[1];
+    let t42 = t34 + t41;
+    let t43 = t42 * t30;
+    let t44 = t43 + t40;
+    let t45 = t44 - t37;
+    w[0][11] = t45;
+    let t46 = cos_left_shoulder * acceleration_left_shoulder_y;
+    let t47 = t16 * t20;
+    let t48 = t26 * t30;
+    let t49 = t48 - t47;
+    let t50 = t49 + t46;
+    let t51 = sin_left_shoulder * acceleration_left_shoulder_x;
+    let t52 = t51 - t50;
+    let t53 = sin_left_shoulder * acceleration_left_shoulder_z;
+    let t54 = t33 + t41;
+    let t55 = t54 * t20;
+    let t56 = a[1] - t38;
+    let t57 = t56 * t30;
+    let t58 = t57 - t55;
+    let t59 = t58 + t53;
+    let t60 = sin_left_shoulder * t15;
+    let t61 = cos_left_shoulder * t23;
+    let t62 = t60 + t61;
+    w[0][14] = t62;
+    let t63 = t42 - t35;
+    let t64 = cos_left_shoulder * t63;
+    let t65 = sin_left_shoulder * t39;
+    let t66 = t65 + t64;
+    let t67 = sin_left_shoulder * t13;
+    let t68 = t61 - t67;
+    let t69 = t13 + t15;
+    let t70 = cos_left_shoulder * t69;
+    let t71 = t23 - t25;
+    let t72 = sin_left_shoulder * t71;
+    let t73 = t72 - t70;
+    w[0][17] = t73;
+    let t74 = t54 - t35;
+    let t75 = sin_left_shoulder * t74;
+    let t76 = cos_left_shoulder * t56;
+    let t77 = t75 - t76;
+    let t78 = cos_left_shoulder * t25;
+    let t79 = t67 - t78;
+    let t80 = 0.3 * t56;
+    let t81 = acceleration_left_shoulder_y + t80;
+    let t82 = sin_left_elbow * t81;
+    let t83 = 0.3 * t54;
+    let t84 = acceleration_left_shoulder_x + t83;
+    let t85 = cos_left_elbow * t84;
+    let acceleration_left_elbow_y = t85 - t82;
+    let t87 = sin_left_elbow * t30;
+    let t88 = cos_left_elbow * t20;
+    let t89 = t88 + t87;
+    let t90 = acceleration_left_elbow_y * t89;
+    let t91 = 0.3 * t69;
+    let acceleration_left_elbow_z = acceleration_left_shoulder_z + t91;
+    let t93 = 0.3 * sin_left_shoulder;
+    let t94 = acceleration_left_elbow_z * t93;
+    let t95 = t94 - t90;
+    let t96 = cos_left_elbow * t81;
+    let t97 = sin_left_elbow * t84;
+    let acceleration_left_elbow_x = t97 + t96;
+    let t99 = cos_left_elbow * t30;
+    let t100 = sin_left_elbow * t20;
+    let t101 = t100 - t99;
+    let t102 = acceleration_left_elbow_x * t101;
+    let t103 = t102 - t95;
+    let t104 = sin_left_elbow * omega_left_shoulder_y;
+    let t105 = cos_left_elbow * omega_left_shoulder_x;
+    let omega_left_elbow_y = t105 - t104;
+    let t107 = cos_left_elbow * omega_left_shoulder_y;
+    let t108 = sin_left_elbow * omega_left_shoulder_x;
+    let omega_left_elbow_x = t108 + t107;
+    let t110 = omega_left_elbow_x * omega_left_elbow_y;
+    w[1][29] = t110;
+    w[2][29] = t110;
+    let t111 = a[1] + a[2];
+    w[1][26] = t111;
+    w[2][26] = t111;
+    let t112 = t111 + t110;
+    let t113 = t112 * t89;
+    let t114 = omega_left_elbow_y * omega_left_elbow_y;
+    let omega_left_elbow_z = v[1] + v[2];
+    let t116 = omega_left_elbow_z * omega_left_elbow_z;
+    let t117 = t114 + t116;
+    let t118 = t117 * t101;
+    let t119 = t118 - t113;
+    let t120 = sin_left_shoulder * sin_left_elbow;
+    let t121 = cos_left_shoulder * cos_left_elbow;
+    let t122 = t121 - t120;
+    let t123 = acceleration_left_elbow_z * t122;
+    let t124 = t123 + t119;
+    let t125 = v[2] * omega_left_elbow_x;
+    let t126 = sin_left_elbow * t15;
+    let t127 = t126 + t125;
+    let t128 = cos_left_elbow * t25;
+    let t129 = t128 - t127;
+    let t130 = omega_left_elbow_x * omega_left_elbow_z;
+    let t131 = t130 - t129;
+    let t132 = t93 * t131;
+    let t133 = t132 - t124;
+    w[0][21] = t133;
+    let t134 = v[2] * omega_left_elbow_y;
+    let t135 = cos_left_elbow * t15;
+    let t136 = t135 + t134;
+    let t137 = sin_left_elbow * t25;
+    let t138 = t137 + t136;
+    let t139 = omega_left_elbow_y * omega_left_elbow_z;
+    let t140 = t139 - t138;
+    w[1][25] = t140;
+    w[2][25] = t140;
+    let t141 = t89 * t140;
+    let t142 = omega_left_elbow_x * omega_left_elbow_x;
+    let t143 = t142 + t114;
+    let t144 = t143 * t93;
+    let t145 = t144 - t141;
+    let t146 = t130 + t129;
+    w[1][28] = t146;
+    w[2][28] = t146;
+    let t147 = t101 * t146;
+    let t148 = t147 - t145;
+    let t149 = acceleration_left_elbow_x * t122;
+    let t150 = t149 - t148;
+    let t151 = sin_left_shoulder * cos_left_elbow;
+    let t152 = cos_left_shoulder * sin_left_elbow;
+    let t153 = t152 + t151;
+    let t154 = acceleration_left_elbow_y * t153;
+    let t155 = t154 - t150;
+    let t156 = t142 + t116;
+    let t157 = t156 * t89;
+    let t158 = t111 - t110;
+    let t159 = t158 * t101;
+    let t160 = t159 + t157;
+    let t161 = acceleration_left_elbow_z * t153;
+    let t162 = t161 - t160;
+    let t163 = t139 + t138;
+    let t164 = t93 * t163;
+    let t165 = t164 + t162;
+    let t166 = t153 * t138;
+    let t167 = t130 * t122;
+    let t168 = t167 + t166;
+    w[0][24] = t168;
+    let t169 = t117 - t143;
+    let t170 = t122 * t169;
+    let t171 = t112 * t153;
+    let t172 = t171 + t170;
+    let t173 = t139 * t153;
+    let t174 = t167 - t173;
+    let t175 = t122 * t163;
+    let t176 = t153 * t131;
+    let t177 = t176 - t175;
+    w[0][27] = t177;
+    let t178 = t156 - t143;
+    let t179 = t153 * t178;
+    let t180 = t158 * t122;
+    let t181 = t179 - t180;
+    let t182 = t122 * t129;
+    let t183 = t173 - t182;
+    let t184 = sin_left_wrist * acceleration_left_elbow_x;
+    let t185 = cos_left_wrist * acceleration_left_elbow_z;
+    let acceleration_left_wrist_y = t184 - t185;
+    let t187 = sin_left_wrist * omega_left_elbow_x;
+    let t188 = cos_left_wrist * omega_left_elbow_z;
+    let omega_left_wrist_y = t187 + t188;
+    let t190 = v[3] * omega_left_wrist_y;
+    let t191 = sin_left_wrist * t111;
+    let t192 = t191 + t190;
+    let t193 = cos_left_wrist * t138;
+    let t194 = t193 - t192;
+    let omega_left_wrist_z = v[3] + omega_left_elbow_y;
+    let t196 = omega_left_wrist_y * omega_left_wrist_z;
+    let t197 = t196 + t194;
+    let t198 = 0.25 * t197;
+    let t199 = acceleration_left_wrist_y - t198;
+    w[3][31] = t199;
+    let t200 = cos_left_wrist * t153;
+    let t201 = 0.25 * t200;
+    let t202 = cos_left_wrist * t93;
+    let t203 = t202 + t201;
+    let t204 = sin_left_wrist * t101;
+    let t205 = t204 + t203;
+    let t206 = t199 * t205;
+    let t207 = omega_left_wrist_y * omega_left_wrist_y;
+    let t208 = cos_left_wrist * omega_left_elbow_x;
+    let t209 = sin_left_wrist * omega_left_elbow_z;
+    let omega_left_wrist_x = t208 - t209;
+    let t211 = omega_left_wrist_x * omega_left_wrist_x;
+    let t212 = t211 + t207;
+    let t213 = 0.25 * t212;
+    let t214 = acceleration_left_elbow_y + t213;
+    let t215 = t89 * t214;
+    let t216 = t215 + t206;
+    let t217 = cos_left_wrist * acceleration_left_elbow_x;
+    let t218 = sin_left_wrist * acceleration_left_elbow_z;
+    let acceleration_left_wrist_x = t217 + t218;
+    let t220 = v[3] * omega_left_wrist_x;
+    let t221 = cos_left_wrist * t111;
+    let t222 = t221 + t220;
+    let t223 = sin_left_wrist * t138;
+    let t224 = t223 + t222;
+    let t225 = omega_left_wrist_x * omega_left_wrist_z;
+    let t226 = t225 - t224;
+    let t227 = 0.25 * t226;
+    let t228 = acceleration_left_wrist_x - t227;
+    w[3][32] = t228;
+    let t229 = sin_left_wrist * t153;
+    let t230 = 0.25 * t229;
+    let t231 = sin_left_wrist * t93;
+    let t232 = t231 + t230;
+    let t233 = cos_left_wrist * t101;
+    let t234 = t233 - t232;
+    let t235 = t228 * t234;
+    let t236 = t235 + t216;
+    let t237 = t122 * t199;
+    let t238 = a[3] + t129;
+    w[3][39] = t238;
+    let t239 = omega_left_wrist_x * omega_left_wrist_y;
+    w[3][34] = t239;
+    let t240 = t239 - t238;
+    let t241 = t240 * t205;
+    let t242 = omega_left_wrist_z * omega_left_wrist_z;
+    let t243 = t207 + t242;
+    let t244 = t243 * t234;
+    let t245 = t244 - t241;
+    let t246 = t225 + t224;
+    let t247 = t89 * t246;
+    let t248 = t247 - t245;
+    let t249 = t229 * t214;
+    let t250 = t249 - t248;
+    let t251 = t237 - t250;
+    w[0][31] = t251;
+    let t252 = t122 * t228;
+    let t253 = t239 + t238;
+    let t254 = t253 * t234;
+    let t255 = t211 + t242;
+    let t256 = t255 * t205;
+    let t257 = t254 - t256;
+    let t258 = t196 - t194;
+    let t259 = t89 * t258;
+    let t260 = t259 + t257;
+    let t261 = t200 * t214;
+    let t262 = t261 + t260;
+    let t263 = t252 - t262;
+    w[0][32] = t263;
+    let t264 = t200 * t199;
+    let t265 = t197 * t205;
+    let t266 = t212 * t89;
+    let t267 = t266 - t265;
+    let t268 = t226 * t234;
+    let t269 = t268 - t267;
+    let t270 = t264 - t269;
+    let t271 = t229 * t228;
+    let t272 = t271 - t270;
+    let t273 = t200 * t194;
+    let t274 = t239 * t122;
+    let t275 = t225 * t229;
+    let t276 = t275 - t274;
+    let t277 = t273 - t276;
+    w[0][34] = t277;
+    let t278 = t229 * t258;
+    let t279 = t243 - t255;
+    let t280 = t122 * t279;
+    let t281 = t280 - t278;
+    let t282 = t200 * t246;
+    let t283 = t282 + t281;
+    let t284 = t229 * t224;
+    let t285 = t196 * t200;
+    let t286 = t274 - t285;
+    let t287 = t284 - t286;
+    w[0][36] = t287;
+    let t288 = t200 * t240;
+    let t289 = t243 - t212;
+    let t290 = t229 * t289;
+    let t291 = t290 + t288;
+    let t292 = t122 * t197;
+    let t293 = t292 - t291;
+    let t294 = t229 * t253;
+    let t295 = t255 - t212;
+    let t296 = t200 * t295;
+    let t297 = t296 + t294;
+    let t298 = t122 * t226;
+    let t299 = t298 - t297;
+    let t300 = t122 * t238;
+    let t301 = t275 - t285;
+    let t302 = t301 + t300;
+    w[0][39] = t302;
+    let omega_right_shoulder_x = v[0] * cos_right_shoulder;
+    let t304 = v[4] * omega_right_shoulder_x;
+    let t305 = a[0] * sin_right_shoulder;
+    let t306 = t305 + t304;
+    let t307 = t304 - t306;
+    w[4][45] = t307;
+    let t308 = 0.2 * t307;
+    let t309 = 9.81 * cos_right_shoulder;
+    let acceleration_right_shoulder_x = t309 - t308;
+    let t311 = 0.2 * sin_right_shoulder;
+    let t312 = acceleration_right_shoulder_x * t311;
+    let omega_right_shoulder_y = v[0] * sin_right_shoulder;
+    let t314 = v[4] * omega_right_shoulder_y;
+    let t315 = a[0] * cos_right_shoulder;
+    let t316 = t315 - t314;
+    let t317 = t314 + t316;
+    w[4][48] = t317;
+    let t318 = 0.2 * t317;
+    let t319 = 9.81 * sin_right_shoulder;
+    let acceleration_right_shoulder_y = t319 - t318;
+    let t321 = 0.2 * cos_right_shoulder;
+    let t322 = acceleration_right_shoulder_y * t321;
+    let t323 = t322 - t312;
+    let t324 = omega_right_shoulder_y * omega_right_shoulder_y;
+    let t325 = omega_right_shoulder_x * omega_right_shoulder_x;
+    let t326 = t325 + t324;
+    let acceleration_right_shoulder_z = 0.2 * t326;
+    let t328 = cos_right_shoulder * acceleration_right_shoulder_z;
+    let t329 = omega_right_shoulder_x * omega_right_shoulder_y;
+    w[4][49] = t329;
+    let t330 = a[4] + t329;
+    let t331 = t330 * t311;
+    let t332 = v[4] * v[4];
+    let t333 = t325 + t332;
+    let t334 = t333 * t321;
+    let t335 = t334 + t331;
+    let t336 = t335 - t328;
+    let t337 = cos_right_shoulder * acceleration_right_shoulder_y;
+    let t338 = t307 * t311;
+    let t339 = t317 * t321;
+    let t340 = t339 - t338;
+    let t341 = t340 - t337;
+    let t342 = sin_right_shoulder * acceleration_right_shoulder_x;
+    let t343 = t342 + t341;
+    let t344 = sin_right_shoulder * acceleration_right_shoulder_z;
+    let t345 = t324 + t332;
+    let t346 = t345 * t311;
+    let t347 = a[4] - t329;
+    let t348 = t347 * t321;
+    let t349 = t348 - t346;
+    let t350 = t349 + t344;
+    w[0][43] = t350;
+    let t351 = sin_right_shoulder * t306;
+    let t352 = cos_right_shoulder * t314;
+    let t353 = t351 + t352;
+    w[0][44] = t353;
+    let t354 = t333 - t326;
+    let t355 = cos_right_shoulder * t354;
+    let t356 = sin_right_shoulder * t330;
+    let t357 = t356 + t355;
+    let t358 = sin_right_shoulder * t304;
+    let t359 = t352 - t358;
+    let t360 = t304 + t306;
+    let t361 = cos_right_shoulder * t360;
+    let t362 = t314 - t316;
+    let t363 = sin_right_shoulder * t362;
+    let t364 = t363 - t361;
+    w[0][47] = t364;
+    let t365 = t345 - t326;
+    let t366 = sin_right_shoulder * t365;
+    let t367 = cos_right_shoulder * t347;
+    let t368 = t366 - t367;
+    let t369 = cos_right_shoulder * t316;
+    let t370 = t358 - t369;
+    let t371 = 0.3 * t347;
+    let t372 = acceleration_right_shoulder_y + t371;
+    let t373 = sin_right_elbow * t372;
+    let t374 = 0.3 * t345;
+    let t375 = acceleration_right_shoulder_x + t374;
+    let t376 = cos_right_elbow * t375;
+    let acceleration_right_elbow_y = t376 - t373;
+    let t378 = sin_right_elbow * t321;
+    let t379 = cos_right_elbow * t311;
+    let t380 = t379 + t378;
+    let t381 = acceleration_right_elbow_y * t380;
+    let t382 = 0.3 * t360;
+    let acceleration_right_elbow_z = acceleration_right_shoulder_z - t382;
+    let t384 = 0.3 * sin_right_shoulder;
+    let t385 = acceleration_right_elbow_z * t384;
+    let t386 = t385 - t381;
+    let t387 = cos_right_elbow * t372;
+    let t388 = sin_right_elbow * t375;
+    let acceleration_right_elbow_x = t388 + t387;
+    let t390 = cos_right_elbow * t321;
+    let t391 = sin_right_elbow * t311;
+    let t392 = t391 - t390;
+    let t393 = acceleration_right_elbow_x * t392;
+    let t394 = t393 - t386;
+    w[0][50] = t394;
+    let t395 = sin_right_elbow * omega_right_shoulder_y;
+    let t396 = cos_right_elbow * omega_right_shoulder_x;
+    let omega_right_elbow_y = t396 - t395;
+    let t398 = cos_right_elbow * omega_right_shoulder_y;
+    let t399 = sin_right_elbow * omega_right_shoulder_x;
+    let omega_right_elbow_x = t399 + t398;
+    let t401 = omega_right_elbow_x * omega_right_elbow_y;
+    w[4][59] = t401;
+    w[5][59] = t401;
+    let t402 = a[4] + a[5];
+    w[4][56] = t402;
+    w[5][56] = t402;
+    let t403 = t402 + t401;
+    let t404 = t403 * t380;
+    let t405 = omega_right_elbow_y * omega_right_elbow_y;
+    let omega_right_elbow_z = v[4] + v[5];
+    let t407 = omega_right_elbow_z * omega_right_elbow_z;
+    let t408 = t405 + t407;
+    let t409 = t408 * t392;
+    let t410 = t409 - t404;
+    let t411 = sin_right_shoulder * sin_right_elbow;
+    let t412 = cos_right_shoulder * cos_right_elbow;
+    let t413 = t412 - t411;
+    let t414 = acceleration_right_elbow_z * t413;
+    let t415 = t414 + t410;
+    let t416 = v[5] * omega_right_elbow_x;
+    let t417 = sin_right_elbow * t306;
+    let t418 = t417 + t416;
+    let t419 = cos_right_elbow * t316;
+    let t420 = t419 - t418;
+    let t421 = omega_right_elbow_x * omega_right_elbow_z;
+    let t422 = t421 - t420;
+    let t423 = t384 * t422;
+    let t424 = t423 + t415;
+    w[0][51] = t424;
+    let t425 = v[5] * omega_right_elbow_y;
+    let t426 = cos_right_elbow * t306;
+    let t427 = t426 + t425;
+    let t428 = sin_right_elbow * t316;
+    let t429 = t428 + t427;
+    let t430 = omega_right_elbow_y * omega_right_elbow_z;
+    let t431 = t430 - t429;
+    w[4][55] = t431;
+    w[5][55] = t431;
+    let t432 = t380 * t431;
+    let t433 = omega_right_elbow_x * omega_right_elbow_x;
+    let t434 = t433 + t405;
+    let t435 = t434 * t384;
+    let t436 = t435 + t432;
+    let t437 = t421 + t420;
+    w[4][58] = t437;
+    w[5][58] = t437;
+    let t438 = t392 * t437;
+    let t439 = t438 + t436;
+    let t440 = acceleration_right_elbow_x * t413;
+    let t441 = t440 + t439;
+    let t442 = sin_right_shoulder * cos_right_elbow;
+    let t443 = cos_right_shoulder * sin_right_elbow;
+    let t444 = t443 + t442;
+    let t445 = acceleration_right_elbow_y * t444;
+    let t446 = t445 - t441;
+    let t447 = t433 + t407;
+    let t448 = t447 * t380;
+    let t449 = t402 - t401;
+    let t450 = t449 * t392;
+    let t451 = t450 + t448;
+    let t452 = acceleration_right_elbow_z * t444;
+    let t453 = t452 - t451;
+    let t454 = t430 + t429;
+    let t455 = t384 * t454;
+    let t456 = t455 - t453;
+    let t457 = t444 * t429;
+    let t458 = t421 * t413;
+    let t459 = t458 + t457;
+    w[0][54] = t459;
+    let t460 = t408 - t434;
+    let t461 = t413 * t460;
+    let t462 = t403 * t444;
+    let t463 = t462 + t461;
+    let t464 = t430 * t444;
+    let t465 = t458 - t464;
+    let t466 = t413 * t454;
+    let t467 = t444 * t422;
+    let t468 = t467 - t466;
+    w[0][57] = t468;
+    let t469 = t447 - t434;
+    let t470 = t444 * t469;
+    let t471 = t449 * t413;
+    let t472 = t470 - t471;
+    let t473 = t413 * t420;
+    let t474 = t464 - t473;
+    let t475 = sin_right_wrist * acceleration_right_elbow_x;
+    let t476 = cos_right_wrist * acceleration_right_elbow_z;
+    let acceleration_right_wrist_y = t475 + t476;
+    let t478 = sin_right_wrist * omega_right_elbow_x;
+    let t479 = cos_right_wrist * omega_right_elbow_z;
+    let omega_right_wrist_y = t478 + t479;
+    let t481 = v[6] * omega_right_wrist_y;
+    let t482 = sin_right_wrist * t402;
+    let t483 = t482 + t481;
+    let t484 = cos_right_wrist * t429;
+    let t485 = t484 - t483;
+    let omega_right_wrist_z = v[6] + omega_right_elbow_y;
+    let t487 = omega_right_wrist_y * omega_right_wrist_z;
+    let t488 = t487 + t485;
+    let t489 = 0.25 * t488;
+    let t490 = acceleration_right_wrist_y - t489;
+    w[6][61] = t490;
+    let t491 = cos_right_wrist * t444;
+    let t492 = 0.25 * t491;
+    let t493 = cos_right_wrist * t384;
+    let t494 = t493 + t492;
+    let t495 = sin_right_wrist * t392;
+    let t496 = t495 - t494;
+    let t497 = t490 * t496;
+    let t498 = omega_right_wrist_y * omega_right_wrist_y;
+    let t499 = cos_right_wrist * omega_right_elbow_x;
+    let t500 = sin_right_wrist * omega_right_elbow_z;
+    let omega_right_wrist_x = t499 - t500;
+    let t502 = omega_right_wrist_x * omega_right_wrist_x;
+    let t503 = t502 + t498;
+    let t504 = 0.25 * t503;
+    let t505 = acceleration_right_elbow_y + t504;
+    let t506 = t380 * t505;
+    let t507 = t506 + t497;
+    let t508 = cos_right_wrist * acceleration_right_elbow_x;
+    let t509 = sin_right_wrist * acceleration_right_elbow_z;
+    let acceleration_right_wrist_x = t508 - t509;
+    let t511 = v[6] * omega_right_wrist_x;
+    let t512 = cos_right_wrist * t402;
+    let t513 = t512 + t511;
+    let t514 = sin_right_wrist * t429;
+    let t515 = t514 + t513;
+    let t516 = omega_right_wrist_x * omega_right_wrist_z;
+    let t517 = t516 - t515;
+    let t518 = 0.25 * t517;
+    let t519 = acceleration_right_wrist_x - t518;
+    w[6][62] = t519;
+    let t520 = sin_right_wrist * t444;
+    let t521 = 0.25 * t520;
+    let t522 = sin_right_wrist * t384;
+    let t523 = t522 + t521;
+    let t524 = cos_right_wrist * t392;
+    let t525 = t524 + t523;
+    let t526 = t519 * t525;
+    let t527 = t526 + t507;
+    w[0][60] = t527;
+    let t528 = t413 * t490;
+    let t529 = a[6] + t420;
+    w[6][69] = t529;
+    let t530 = omega_right_wrist_x * omega_right_wrist_y;
+    w[6][64] = t530;
+    let t531 = t530 - t529;
+    let t532 = t531 * t496;
+    let t533 = omega_right_wrist_z * omega_right_wrist_z;
+    let t534 = t498 + t533;
+    let t535 = t534 * t525;
+    let t536 = t535 - t532;
+    let t537 = t516 + t515;
+    let t538 = t380 * t537;
+    let t539 = t538 - t536;
+    let t540 = t520 * t505;
+    let t541 = t540 + t539;
+    let t542 = t528 - t541;
+    w[0][61] = t542;
+    let t543 = t413 * t519;
+    let t544 = t530 + t529;
+    let t545 = t544 * t525;
+    let t546 = t502 + t533;
+    let t547 = t546 * t496;
+    let t548 = t545 - t547;
+    let t549 = t487 - t485;
+    let t550 = t380 * t549;
+    let t551 = t550 + t548;
+    let t552 = t491 * t505;
+    let t553 = t552 - t551;
+    let t554 = t543 - t553;
+    w[0][62] = t554;
+    let t555 = t491 * t490;
+    let t556 = t488 * t496;
+    let t557 = t503 * t380;
+    let t558 = t557 - t556;
+    let t559 = t517 * t525;
+    let t560 = t559 - t558;
+    let t561 = t555 + t560;
+    let t562 = t520 * t519;
+    let t563 = t562 - t561;
+    let t564 = t491 * t485;
+    let t565 = t530 * t413;
+    let t566 = t516 * t520;
+    let t567 = t566 - t565;
+    let t568 = t564 - t567;
+    w[0][64] = t568;
+    let t569 = t520 * t549;
+    let t570 = t534 - t546;
+    let t571 = t413 * t570;
+    let t572 = t571 - t569;
+    let t573 = t491 * t537;
+    let t574 = t573 + t572;
+    let t575 = t520 * t515;
+    let t576 = t487 * t491;
+    let t577 = t565 - t576;
+    let t578 = t575 - t577;
+    w[0][66] = t578;
+    let t579 = t491 * t531;
+    let t580 = t534 - t503;
+    let t581 = t520 * t580;
+    let t582 = t581 + t579;
+    let t583 = t413 * t488;
+    let t584 = t583 - t582;
+    let t585 = t520 * t544;
+    let t586 = t546 - t503;
+    let t587 = t491 * t586;
+    let t588 = t587 + t585;
+    let t589 = t413 * t517;
+    let t590 = t589 - t588;
+    let t591 = t413 * t529;
+    let t592 = t566 - t576;
+    let t593 = t592 + t591;
+    w[0][69] = t593;
+    let t594 = v[2] * 100.0;
+    let t595 = v[1] + t594;
+    let t596 = omega_left_shoulder_x * t595;
+    let t597 = sin_left_shoulder * t596;
+    let t598 = omega_left_shoulder_y * t595;
+    let t599 = cos_left_shoulder * t598;
+    let t600 = t599 - t597;
+    let t601 = a[3] * 100.0;
+    let t602 = t601 + t129;
+    let t603 = t122 * t602;
+    let t604 = v[3] * 100.0;
+    let t605 = omega_left_elbow_y + t604;
+    let t606 = omega_left_elbow_z * t605;
+    let t607 = t153 * t606;
+    let t608 = t607 - t603;
+    let t609 = v[5] * 100.0;
+    let t610 = v[4] + t609;
+    let t611 = omega_right_shoulder_x * t610;
+    let t612 = sin_right_shoulder * t611;
+    let t613 = omega_right_shoulder_y * t610;
+    let t614 = cos_right_shoulder * t613;
+    let t615 = t614 - t612;
+    let t616 = a[6] * 100.0;
+    let t617 = t616 + t420;
+    let t618 = t413 * t617;
+    let t619 = v[6] * 100.0;
+    let t620 = omega_right_elbow_y + t619;
+    let t621 = omega_right_elbow_z * t620;
+    let t622 = t444 * t621;
+    let t623 = t622 - t618;
+    let t624 = t54 - t42;
+    let t625 = 0.3 * sin_left_elbow;
+    let t626 = acceleration_left_elbow_y * t625;
+    let t627 = 0.3 * cos_left_elbow;
+    let t628 = acceleration_left_elbow_x * t627;
+    let t629 = t628 - t626;
+    w[1][20] = t629;
+    let t630 = t112 * t625;
+    let t631 = t117 * t627;
+    let t632 = t631 + t630;
+    let t633 = acceleration_left_elbow_y - t632;
+    let t634 = t625 * t140;
+    let t635 = t627 * t146;
+    let t636 = t635 - t634;
+    w[1][22] = t636;
+    let t637 = t156 * t625;
+    let t638 = t158 * t627;
+    let t639 = t638 - t637;
+    let t640 = acceleration_left_elbow_x + t639;
+    let t641 = t117 - t156;
+    w[1][27] = t641;
+    w[2][27] = t641;
+    let t642 = sin_left_wrist * t627;
+    let t643 = 0.25 * sin_left_wrist;
+    let t644 = t642 + t643;
+    let t645 = t644 * t199;
+    let t646 = t625 * t214;
+    let t647 = t646 - t645;
+    let t648 = cos_left_wrist * t627;
+    let t649 = 0.25 * cos_left_wrist;
+    let t650 = t648 + t649;
+    let t651 = t650 * t228;
+    let t652 = t651 - t647;
+    w[1][30] = t652;
+    let t653 = t644 * t240;
+    let t654 = t243 * t650;
+    let t655 = t654 - t653;
+    let t656 = t625 * t246;
+    let t657 = t656 + t655;
+    let t658 = cos_left_wrist * t214;
+    let t659 = t658 - t657;
+    let t660 = t650 * t253;
+    let t661 = t255 * t644;
+    let t662 = t661 - t660;
+    let t663 = t625 * t258;
+    let t664 = t663 + t662;
+    let t665 = sin_left_wrist * t214;
+    let t666 = t665 - t664;
+    w[1][32] = t666;
+    let t667 = sin_left_wrist * t199;
+    let t668 = cos_left_wrist * t228;
+    let t669 = t668 + t667;
+    let t670 = t644 * t197;
+    let t671 = t212 * t625;
+    let t672 = t671 + t670;
+    let t673 = t650 * t226;
+    let t674 = t673 + t672;
+    let t675 = t669 - t674;
+    let t676 = sin_left_wrist * t194;
+    let t677 = cos_left_wrist * t225;
+    let t678 = t677 + t676;
+    let t679 = cos_left_wrist * t258;
+    let t680 = sin_left_wrist * t246;
+    let t681 = t680 + t679;
+    w[1][35] = t681;
+    w[2][35] = t681;
+    let t682 = cos_left_wrist * t224;
+    let t683 = sin_left_wrist * t196;
+    let t684 = t683 - t682;
+    let t685 = sin_left_wrist * t240;
+    let t686 = cos_left_wrist * t289;
+    let t687 = t686 - t685;
+    w[1][37] = t687;
+    w[2][37] = t687;
+    let t688 = cos_left_wrist * t253;
+    let t689 = sin_left_wrist * t295;
+    let t690 = t689 - t688;
+    let t691 = t677 + t683;
+    w[1][39] = t691;
+    w[2][39] = t691;
+    let t692 = a[1] * 10000.0;
+    w[1][70] = t692;
+    let t693 = a[2] * 100.0;
+    let t694 = a[1] + t693;
+    w[1][71] = t694;
+    let t695 = omega_left_elbow_x * t605;
+    w[1][72] = t695;
+    w[2][72] = t695;
+    let t696 = t643 * t199;
+    let t697 = t649 * t228;
+    let t698 = t697 + t696;
+    w[2][30] = t698;
+    let t699 = t643 * t240;
+    let t700 = t243 * t649;
+    let t701 = t700 - t699;
+    let t702 = t658 - t701;
+    let t703 = t649 * t253;
+    let t704 = t255 * t643;
+    let t705 = t704 - t703;
+    let t706 = t665 - t705;
+    w[2][32] = t706;
+    let t707 = t643 * t197;
+    let t708 = t649 * t226;
+    let t709 = t708 + t707;
+    let t710 = t669 - t709;
+    let t711 = 100.0 * t694;
+    w[2][71] = t711;
+    let t712 = 100.0 * t602;
+    w[3][72] = t712;
+    let t713 = t345 - t333;
+    let t714 = 0.3 * sin_right_elbow;
+    let t715 = acceleration_right_elbow_y * t714;
+    let t716 = 0.3 * cos_right_elbow;
+    let t717 = acceleration_right_elbow_x * t716;
+    let t718 = t717 - t715;
+    w[4][50] = t718;
+    let t719 = t403 * t714;
+    let t720 = t408 * t716;
+    let t721 = t720 + t719;
+    let t722 = acceleration_right_elbow_y - t721;
+    let t723 = t714 * t431;
+    let t724 = t716 * t437;
+    let t725 = t724 - t723;
+    w[4][52] = t725;
+    let t726 = t447 * t714;
+    let t727 = t449 * t716;
+    let t728 = t727 - t726;
+    let t729 = acceleration_right_elbow_x + t728;
+    let t730 = t408 - t447;
+    w[4][57] = t730;
+    w[5][57] = t730;
+    let t731 = sin_right_wrist * t716;
+    let t732 = 0.25 * sin_right_wrist;
+    let t733 = t731 + t732;
+    let t734 = t733 * t490;
+    let t735 = t714 * t505;
+    let t736 = t735 - t734;
+    let t737 = cos_right_wrist * t716;
+    let t738 = 0.25 * cos_right_wrist;
+    let t739 = t737 + t738;
+    let t740 = t739 * t519;
+    let t741 = t740 - t736;
+    w[4][60] = t741;
+    let t742 = t733 * t531;
+    let t743 = t534 * t739;
+    let t744 = t743 - t742;
+    let t745 = t714 * t537;
+    let t746 = t745 + t744;
+    let t747 = cos_right_wrist * t505;
+    let t748 = t747 - t746;
+    let t749 = t739 * t544;
+    let t750 = t546 * t733;
+    let t751 = t750 - t749;
+    let t752 = t714 * t549;
+    let t753 = t752 + t751;
+    let t754 = sin_right_wrist * t505;
+    let t755 = t754 - t753;
+    w[4][62] = t755;
+    let t756 = sin_right_wrist * t490;
+    let t757 = cos_right_wrist * t519;
+    let t758 = t757 + t756;
+    let t759 = t733 * t488;
+    let t760 = t503 * t714;
+    let t761 = t760 + t759;
+    let t762 = t739 * t517;
+    let t763 = t762 + t761;
+    let t764 = t758 - t763;
+    let t765 = sin_right_wrist * t485;
+    let t766 = cos_right_wrist * t516;
+    let t767 = t766 + t765;
+    let t768 = cos_right_wrist * t549;
+    let t769 = sin_right_wrist * t537;
+    let t770 = t769 + t768;
+    w[4][65] = t770;
+    w[5][65] = t770;
+    let t771 = cos_right_wrist * t515;
+    let t772 = sin_right_wrist * t487;
+    let t773 = t772 - t771;
+    let t774 = sin_right_wrist * t531;
+    let t775 = cos_right_wrist * t580;
+    let t776 = t775 - t774;
+    w[4][67] = t776;
+    w[5][67] = t776;
+    let t777 = cos_right_wrist * t544;
+    let t778 = sin_right_wrist * t586;
+    let t779 = t778 - t777;
+    let t780 = t766 + t772;
+    w[4][69] = t780;
+    w[5][69] = t780;
+    let t781 = a[4] * 10000.0;
+    w[4][73] = t781;
+    let t782 = a[5] * 100.0;
+    let t783 = a[4] + t782;
+    w[4][74] = t783;
+    let t784 = omega_right_elbow_x * t620;
+    w[4][75] = t784;
+    w[5][75] = t784;
+    let t785 = t732 * t490;
+    let t786 = t738 * t519;
+    let t787 = t786 + t785;
+    w[5][60] = t787;
+    let t788 = t732 * t531;
+    let t789 = t534 * t738;
+    let t790 = t789 - t788;
+    let t791 = t747 - t790;
+    let t792 = t738 * t544;
+    let t793 = t546 * t732;
+    let t794 = t793 - t792;
+    let t795 = t754 - t794;
+    w[5][62] = t795;
+    let t796 = t732 * t488;
+    let t797 = t738 * t517;
+    let t798 = t797 + t796;
+    let t799 = t758 - t798;
+    let t800 = 100.0 * t783;
+    w[5][74] = t800;
+    let t801 = 100.0 * t617;
+    w[6][75] = t801;
+    let t802 = -t52;
+    w[0][12] = t802;
+    let t803 = -t59;
+    w[0][13] = t803;
+    let t804 = -t66;
+    w[0][15] = t804;
+    let t805 = -t68;
+    w[0][16] = t805;
+    let t806 = -t77;
+    w[0][18] = t806;
+    let t807 = -t79;
+    w[0][19] = t807;
+    let t808 = -t103;
+    w[0][20] = t808;
+    let t809 = -t155;
+    w[0][22] = t809;
+    let t810 = -t165;
+    w[0][23] = t810;
+    let t811 = -t172;
+    w[0][25] = t811;
+    let t812 = -t174;
+    w[0][26] = t812;
+    let t813 = -t181;
+    w[0][28] = t813;
+    let t814 = -t183;
+    w[0][29] = t814;
+    let t815 = -t236;
+    w[0][30] = t815;
+    let t816 = -t272;
+    w[0][33] = t816;
+    let t817 = -t283;
+    w[0][35] = t817;
+    let t818 = -t293;
+    w[0][37] = t818;
+    let t819 = -t299;
+    w[0][38] = t819;
+    let t820 = -t323;
+    w[0][40] = t820;
+    let t821 = -t336;
+    w[0][41] = t821;
+    let t822 = -t343;
+    w[0][42] = t822;
+    let t823 = -t357;
+    w[0][45] = t823;
+    let t824 = -t359;
+    w[0][46] = t824;
+    let t825 = -t368;
+    w[0][48] = t825;
+    let t826 = -t370;
+    w[0][49] = t826;
+    let t827 = -t446;
+    w[0][52] = t827;
+    let t828 = -t456;
+    w[0][53] = t828;
+    let t829 = -t463;
+    w[0][55] = t829;
+    let t830 = -t465;
+    w[0][56] = t830;
+    let t831 = -t472;
+    w[0][58] = t831;
+    let t832 = -t474;
+    w[0][59] = t832;
+    let t833 = -t563;
+    w[0][63] = t833;
+    let t834 = -t574;
+    w[0][65] = t834;
+    let t835 = -t584;
+    w[0][67] = t835;
+    let t836 = -t590;
+    w[0][68] = t836;
+    let t837 = -t600;
+    w[0][71] = t837;
+    let t838 = -t608;
+    w[0][72] = t838;
+    let t839 = -t615;
+    w[0][74] = t839;
+    let t840 = -t623;
+    w[0][75] = t840;
+    let minus_acceleration_left_shoulder_x = -acceleration_left_shoulder_x;
+    w[1][11] = minus_acceleration_left_shoulder_x;
+    let minus_acceleration_left_shoulder_y = -acceleration_left_shoulder_y;
+    w[1][13] = minus_acceleration_left_shoulder_y;
+    let t843 = -t38;
+    w[1][14] = t843;
+    let t844 = -t624;
+    w[1][17] = t844;
+    let t845 = -t633;
+    w[1][21] = t845;
+    let t846 = -t640;
+    w[1][23] = t846;
+    let t847 = -t110;
+    w[1][24] = t847;
+    w[2][24] = t847;
+    let t848 = -t659;
+    w[1][31] = t848;
+    let t849 = -t675;
+    w[1][33] = t849;
+    let t850 = -t678;
+    w[1][34] = t850;
+    w[2][34] = t850;
+    let t851 = -t684;
+    w[1][36] = t851;
+    w[2][36] = t851;
+    let t852 = -t690;
+    w[1][38] = t852;
+    w[2][38] = t852;
+    let minus_acceleration_left_elbow_y = -acceleration_left_elbow_y;
+    w[2][21] = minus_acceleration_left_elbow_y;
+    let minus_acceleration_left_elbow_x = -acceleration_left_elbow_x;
+    w[2][23] = minus_acceleration_left_elbow_x;
+    let t855 = -t702;
+    w[2][31] = t855;
+    let t856 = -t710;
+    w[2][33] = t856;
+    let t857 = -t279;
+    w[3][35] = t857;
+    let t858 = -t239;
+    w[3][36] = t858;
+    let t859 = -t197;
+    w[3][37] = t859;
+    let t860 = -t226;
+    w[3][38] = t860;
+    let minus_acceleration_right_shoulder_x = -acceleration_right_shoulder_x;
+    w[4][41] = minus_acceleration_right_shoulder_x;
+    let minus_acceleration_right_shoulder_y = -acceleration_right_shoulder_y;
+    w[4][43] = minus_acceleration_right_shoulder_y;
+    let t863 = -t329;
+    w[4][44] = t863;
+    let t864 = -t713;
+    w[4][47] = t864;
+    let t865 = -t722;
+    w[4][51] = t865;
+    let t866 = -t729;
+    w[4][53] = t866;
+    let t867 = -t401;
+    w[4][54] = t867;
+    w[5][54] = t867;
+    let t868 = -t748;
+    w[4][61] = t868;
+    let t869 = -t764;
+    w[4][63] = t869;
+    let t870 = -t767;
+    w[4][64] = t870;
+    w[5][64] = t870;
+    let t871 = -t773;
+    w[4][66] = t871;
+    w[5][66] = t871;
+    let t872 = -t779;
+    w[4][68] = t872;
+    w[5][68] = t872;
+    let minus_acceleration_right_elbow_y = -acceleration_right_elbow_y;
+    w[5][51] = minus_acceleration_right_elbow_y;
+    let minus_acceleration_right_elbow_x = -acceleration_right_elbow_x;
+    w[5][53] = minus_acceleration_right_elbow_x;
+    let t875 = -t791;
+    w[5][61] = t875;
+    let t876 = -t799;
+    w[5][63] = t876;
+    let t877 = -t570;
+    w[6][65] = t877;
+    let t878 = -t530;
+    w[6][66] = t878;
+    let t879 = -t488;
+    w[6][67] = t879;
+    let t880 = -t517;
+    w[6][68] = t880;
+}
+
+/// Base parameters β, the columns of `base_regressor`, each named after the inertial parameter that leads its
+/// group. 29 of 76 parameters enter the motion only in these sums:
+///
+/// - `Izz_torso + 0.04 m_left_shoulder + 0.4 mcy_left_shoulder + Izz_left_shoulder + 0.04 m_left_elbow + 0.4 mcy_left_elbow + Izz_left_elbow + 0.04 m_left_wrist + 0.04 m_right_shoulder − 0.4 mcy_right_shoulder + Izz_right_shoulder + 0.04 m_right_elbow − 0.4 mcy_right_elbow + Izz_right_elbow + 0.04 m_right_wrist`
+/// - `mcx_left_shoulder`
+/// - `mcz_left_shoulder − 0.3 m_left_elbow − 0.3 m_left_wrist`
+/// - `Ixx_left_shoulder − Izz_left_shoulder + 0.09 m_left_elbow + 0.09 m_left_wrist`
+/// - `Ixy_left_shoulder`
+/// - `Iyy_left_shoulder + 0.09 m_left_elbow + 0.09 m_left_wrist + 10000.000000000002 J_left_shoulder`
+/// - `Ixz_left_shoulder`
+/// - `Iyz_left_shoulder + 0.3 mcy_left_elbow`
+/// - `mcx_left_elbow`
+/// - `mcz_left_elbow − 0.25 m_left_wrist + mcz_left_wrist`
+/// - `Ixx_left_elbow − Izz_left_elbow + 0.0625 m_left_wrist − 0.5 mcz_left_wrist + Iyy_left_wrist`
+/// - `Ixy_left_elbow`
+/// - `Iyy_left_elbow + 0.0625 m_left_wrist − 0.5 mcz_left_wrist + Iyy_left_wrist`
+/// - `Ixz_left_elbow`
+/// - `Iyz_left_elbow`
+/// - `mcx_left_wrist`
+/// - `mcy_left_wrist`
+/// - `Ixx_left_wrist − Iyy_left_wrist`
+/// - `Ixy_left_wrist`
+/// - `Ixz_left_wrist`
+/// - `Iyz_left_wrist`
+/// - `Izz_left_wrist`
+/// - `mcx_right_shoulder`
+/// - `mcz_right_shoulder − 0.3 m_right_elbow − 0.3 m_right_wrist`
+/// - `Ixx_right_shoulder − Izz_right_shoulder + 0.09 m_right_elbow + 0.09 m_right_wrist`
+/// - `Ixy_right_shoulder`
+/// - `Iyy_right_shoulder + 0.09 m_right_elbow + 0.09 m_right_wrist + 10000.000000000002 J_right_shoulder`
+/// - `Ixz_right_shoulder`
+/// - `Iyz_right_shoulder + 0.3 mcy_right_elbow`
+/// - `mcx_right_elbow`
+/// - `mcz_right_elbow − 0.25 m_right_wrist + mcz_right_wrist`
+/// - `Ixx_right_elbow − Izz_right_elbow + 0.0625 m_right_wrist − 0.5 mcz_right_wrist + Iyy_right_wrist`
+/// - `Ixy_right_elbow`
+/// - `Iyy_right_elbow + 0.0625 m_right_wrist − 0.5 mcz_right_wrist + Iyy_right_wrist`
+/// - `Ixz_right_elbow`
+/// - `Iyz_right_elbow`
+/// - `mcx_right_wrist`
+/// - `mcy_right_wrist`
+/// - `Ixx_right_wrist − Iyy_right_wrist`
+/// - `Ixy_right_wrist`
+/// - `Ixz_right_wrist`
+/// - `Iyz_right_wrist`
+/// - `Izz_right_wrist`
+/// - `J_left_elbow`
+/// - `J_left_wrist`
+/// - `J_right_elbow`
+/// - `J_right_wrist`
+pub const BASE_PARAMETER_NAMES: [&str; 47] = [
+    "Izz_torso",
+    "mcx_left_shoulder",
+    "mcz_left_shoulder",
+    "Ixx_left_shoulder",
+    "Ixy_left_shoulder",
+    "Iyy_left_shoulder",
+    "Ixz_left_shoulder",
+    "Iyz_left_shoulder",
+    "mcx_left_elbow",
+    "mcz_left_elbow",
+    "Ixx_left_elbow",
+    "Ixy_left_elbow",
+    "Iyy_left_elbow",
+    "Ixz_left_elbow",
+    "Iyz_left_elbow",
+    "mcx_left_wrist",
+    "mcy_left_wrist",
+    "Ixx_left_wrist",
+    "Ixy_left_wrist",
+    "Ixz_left_wrist",
+    "Iyz_left_wrist",
+    "Izz_left_wrist",
+    "mcx_right_shoulder",
+    "mcz_right_shoulder",
+    "Ixx_right_shoulder",
+    "Ixy_right_shoulder",
+    "Iyy_right_shoulder",
+    "Ixz_right_shoulder",
+    "Iyz_right_shoulder",
+    "mcx_right_elbow",
+    "mcz_right_elbow",
+    "Ixx_right_elbow",
+    "Ixy_right_elbow",
+    "Iyy_right_elbow",
+    "Ixz_right_elbow",
+    "Iyz_right_elbow",
+    "mcx_right_wrist",
+    "mcy_right_wrist",
+    "Ixx_right_wrist",
+    "Ixy_right_wrist",
+    "Ixz_right_wrist",
+    "Iyz_right_wrist",
+    "Izz_right_wrist",
+    "J_left_elbow",
+    "J_left_wrist",
+    "J_right_elbow",
+    "J_right_wrist",
+];
+
+/// Map from the inertial parameters to the base parameters: β(i) = Σ c π(j) over all (i, j, c). Found at the
+/// described values of free parameters; where lengths or gravity are free, it holds for these values alone.
+pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 99] = [
+    (0, 9, 1.0),
+    (0, 10, 0.04),
+    (0, 12, 0.4),
+    (0, 19, 1.0),
+    (0, 20, 0.04),
+    (0, 22, 0.4),
+    (0, 29, 1.0),
+    (0, 30, 0.04),
+    (0, 40, 0.04),
+    (0, 42, -0.4),
+    (0, 49, 1.0),
+    (0, 50, 0.04),
+    (0, 52, -0.4),
+    (0, 59, 1.0),
+    (0, 60, 0.04),
+    (1, 11, 1.0),
+    (2, 13, 1.0),
+    (2, 20, -0.3),
+    (2, 30, -0.3),
+    (3, 14, 1.0),
+    (3, 19, -1.0),
+    (3, 20, 0.09),
+    (3, 30, 0.09),
+    (4, 15, 1.0),
+    (5, 16, 1.0),
+    (5, 20, 0.09),
+    (5, 30, 0.09),
+    (5, 70, 10000.000000000002),
+    (6, 17, 1.0),
+    (7, 18, 1.0),
+    (7, 22, 0.3),
+    (8, 21, 1.0),
+    (9, 23, 1.0),
+    (9, 30, -0.25),
+    (9, 33, 1.0),
+    (10, 24, 1.0),
+    (10, 29, -1.0),
+    (10, 30, 0.0625),
+    (10, 33, -0.5),
+    (10, 36, 1.0),
+    (11, 25, 1.0),
+    (12, 26, 1.0),
+    (12, 30, 0.0625),
+    (12, 33, -0.5),
+    (12, 36, 1.0),
+    (13, 27, 1.0),
+    (14, 28, 1.0),
+    (15, 31, 1.0),
+    (16, 32, 1.0),
+    (17, 34, 1.0),
+    (17, 36, -1.0),
+    (18, 35, 1.0),
+    (19, 37, 1.0),
+    (20, 38, 1.0),
+    (21, 39, 1.0),
+    (22, 41, 1.0),
+    (23, 43, 1.0),
+    (23, 50, -0.3),
+    (23, 60, -0.3),
+    (24, 44, 1.0),
+    (24, 49, -1.0),
+    (24, 50, 0.09),
+    (24, 60, 0.09),
+    (25, 45, 1.0),
+    (26, 46, 1.0),
+    (26, 50, 0.09),
+    (26, 60, 0.09),
+    (26, 73, 10000.000000000002),
+    (27, 47, 1.0),
+    (28, 48, 1.0),
+    (28, 52, 0.3),
+    (29, 51, 1.0),
+    (30, 53, 1.0),
+    (30, 60, -0.25),
+    (30, 63, 1.0),
+    (31, 54, 1.0),
+    (31, 59, -1.0),
+    (31, 60, 0.0625),
+    (31, 63, -0.5),
+    (31, 66, 1.0),
+    (32, 55, 1.0),
+    (33, 56, 1.0),
+    (33, 60, 0.0625),
+    (33, 63, -0.5),
+    (33, 66, 1.0),
+    (34, 57, 1.0),
+    (35, 58, 1.0),
+    (36, 61, 1.0),
+    (37, 62, 1.0),
+    (38, 64, 1.0),
+    (38, 66, -1.0),
+    (39, 65, 1.0),
+    (40, 67, 1.0),
+    (41, 68, 1.0),
+    (42, 69, 1.0),
+    (43, 71, 1.0),
+    (44, 72, 1.0),
+    (45, 74, 1.0),
+    (46, 75, 1.0),
+];
+
+/// Regressor `W_b` of the base parameters: the independent columns of `inertial_regressor`.
+///
+/// `W_b(y, ẏ, ÿ) β = W π = M ÿ + k − q_gravity`
+///
+/// - `y: [N]`: coordinates: `torso`, `left_shoulder`, `left_elbow`, `left_wrist`, `right_shoulder`,
+///   `right_elbow`, `right_wrist` in rad
+/// - `v: [N]`: velocities ẏ: `torso`, `left_shoulder`, `left_elbow`, `left_wrist`, `right_shoulder`,
+///   `right_elbow`, `right_wrist` in rad/s
+/// - `a: [N]`: accelerations ÿ: `torso`, `left_shoulder`, `left_elbow`, `left_wrist`, `right_shoulder`,
+///   `right_elbow`, `right_wrist` in rad/s²
+/// - returns `W_b: [N × 47]`: rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`
+///
+/// Cost: 362 multiplications, 278 additions, 0 divisions, 6 function calls (`sin_cos`).
+///
+/// Columns that depend on earlier ones were found numerically (Gautier 1991); stacked over states that excite the
+/// robot, W\_b has full rank.
+#[inline]
+#[must_use]
+pub fn base_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 47]; N] {
+    let mut w_b = [[0.0; 47]; 7];
+    base_regressor_into(y, v, a, &mut w_b);
+    w_b
+}
+
+/// `base_regressor` with its results written in place; nothing of what stood there is read.
+pub fn base_regressor_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    w_b: &mut [[f64; 47]; N],
+) {
+    w_b[0][0] = a[0];
+    w_b[1][0] = 0.0;
+    w_b[1][5] = a[1];
+    w_b[1][22] = 0.0;
+    w_b[1][23] = 0.0;
+    w_b[1][24] = 0.0;
+    w_b[1][25] = 0.0;
+    w_b[1][26] = 0.0;
+    w_b[1][27] = 0.0;
+    w_b[1][28] = 0.0;
+    w_b[1][29] = 0.0;
+    w_b[1][30] = 0.0;
+    w_b[1][31] = 0.0;
+    w_b[1][32] = 0.0;
+    w_b[1][33] = 0.0;
+    w_b[1][34] = 0.0;
+    w_b[1][35] = 0.0;
+    w_b[1][36] = 0.0;
+    w_b[1][37] = 0.0;
+    w_b[1][38] = 0.0;
+    w_b[1][39] = 0.0;
+    w_b[1][40] = 0.0;
+    w_b[1][41] = 0.0;
+    w_b[1][42] = 0.0;
+    w_b[1][45] = 0.0;
+    w_b[1][46] = 0.0;
+    w_b[2][0] = 0.0;
+    w_b[2][1] = 0.0;
+    w_b[2][2] = 0.0;
+    w_b[2][3] = 0.0;
+    w_b[2][4] = 0.0;
+    w_b[2][5] = 0.0;
+    w_b[2][6] = 0.0;
+    w_b[2][7] = 0.0;
+    w_b[2][22] = 0.0;
+    w_b[2][23] = 0.0;
+    w_b[2][24] = 0.0;
+    w_b[2][25] = 0.0;
+    w_b[2][26] = 0.0;
+    w_b[2][27] = 0.0;
+    w_b[2][28] = 0.0;
+    w_b[2][29] = 0.0;
+    w_b[2][30] = 0.0;
+    w_b[2][31] = 0.0;
+    w_b[2][32] = 0.0;
+    w_b[2][33] = 0.0;
+    w_b[2][34] = 0.0;
+    w_b[2][35] = 0.0;
+    w_b[2][36] = 0.0;
+    w_b[2][37] = 0.0;
+    w_b[2][38] = 0.0;
+    w_b[2][39] = 0.0;
+    w_b[2][40] = 0.0;
+    w_b[2][41] = 0.0;
+    w_b[2][42] = 0.0;
+    w_b[2][45] = 0.0;
+    w_b[2][46] = 0.0;
+    w_b[3][0] = 0.0;
+    w_b[3][1] = 0.0;
+    w_b[3][2] = 0.0;
+    w_b[3][3] = 0.0;
+    w_b[3][4] = 0.0;
+    w_b[3][5] = 0.0;
+    w_b[3][6] = 0.0;
+    w_b[3][7] = 0.0;
+    w_b[3][8] = 0.0;
+    w_b[3][9] = 0.0;
+    w_b[3][10] = 0.0;
+    w_b[3][11] = 0.0;
+    w_b[3][12] = 0.0;
+    w_b[3][13] = 0.0;
+    w_b[3][14] = 0.0;
+    w_b[3][22] = 0.0;
+    w_b[3][23] = 0.0;
+    w_b[3][24] = 0.0;
+    w_b[3][25] = 0.0;
+    w_b[3][26] = 0.0;
+    w_b[3][27] = 0.0;
+    w_b[3][28] = 0.0;
+    w_b[3][29] = 0.0;
+    w_b[3][30] = 0.0;
+    w_b[3][31] = 0.0;
+    w_b[3][32] = 0.0;
+    w_b[3][33] = 0.0;
+    w_b[3][34] = 0.0;
+    w_b[3][35] = 0.0;
+    w_b[3][36] = 0.0;
+    w_b[3][37] = 0.0;
+    w_b[3][38] = 0.0;
+    w_b[3][39] = 0.0;
+    w_b[3][40] = 0.0;
+    w_b[3][41] = 0.0;
+    w_b[3][42] = 0.0;
+    w_b[3][43] = 0.0;
+    w_b[3][45] = 0.0;
+    w_b[3][46] = 0.0;
+    w_b[4][0] = 0.0;
+    w_b[4][1] = 0.0;
+    w_b[4][2] = 0.0;
+    w_b[4][3] = 0.0;
+    w_b[4][4] = 0.0;
+    w_b[4][5] = 0.0;
+    w_b[4][6] = 0.0;
+    w_b[4][7] = 0.0;
+    w_b[4][8] = 0.0;
+    w_b[4][9] = 0.0;
+    w_b[4][10] = 0.0;
+    w_b[4][11] = 0.0;
+    w_b[4][12] = 0.0;
+    w_b[4][13] = 0.0;
+    w_b[4][14] = 0.0;
+    w_b[4][15] = 0.0;
+    w_b[4][16] = 0.0;
+    w_b[4][17] = 0.0;
+    w_b[4][18] = 0.0;
+    w_b[4][19] = 0.0;
+    w_b[4][20] = 0.0;
+    w_b[4][21] = 0.0;
+    w_b[4][26] = a[4];
+    w_b[4][43] = 0.0;
+    w_b[4][44] = 0.0;
+    w_b[5][0] = 0.0;
+    w_b[5][1] = 0.0;
+    w_b[5][2] = 0.0;
+    w_b[5][3] = 0.0;
+    w_b[5][4] = 0.0;
+    w_b[5][5] = 0.0;
+    w_b[5][6] = 0.0;
+    w_b[5][7] = 0.0;
+    w_b[5][8] = 0.0;
+    w_b[5][9] = 0.0;
+    w_b[5][10] = 0.0;
+    w_b[5][11] = 0.0;
+    w_b[5][12] = 0.0;
+    w_b[5][13] = 0.0;
+    w_b[5][14] = 0.0;
+    w_b[5][15] = 0.0;
+    w_b[5][16] = 0.0;
+    w_b[5][17] = 0.0;
+    w_b[5][18] = 0.0;
+    w_b[5][19] = 0.0;
+    w_b[5][20] = 0.0;
+    w_b[5][21] = 0.0;
+    w_b[5][22] = 0.0;
+    w_b[5][23] = 0.0;
+    w_b[5][24] = 0.0;
+    w_b[5][25] = 0.0;
+    w_b[5][26] = 0.0;
+    w_b[5][27] = 0.0;
+    w_b[5][28] = 0.0;
+    w_b[5][43] = 0.0;
+    w_b[5][44] = 0.0;
+    w_b[6][0] = 0.0;
+    w_b[6][1] = 0.0;
+    w_b[6][2] = 0.0;
+    w_b[6][3] = 0.0;
+    w_b[6][4] = 0.0;
+    w_b[6][5] = 0.0;
+    w_b[6][6] = 0.0;
+    w_b[6][7] = 0.0;
+    w_b[6][8] = 0.0;
+    w_b[6][9] = 0.0;
+    w_b[6][10] = 0.0;
+    w_b[6][11] = 0.0;
+    w_b[6][12] = 0.0;
+    w_b[6][13] = 0.0;
+    w_b[6][14] = 0.0;
+    w_b[6][15] = 0.0;
+    w_b[6][16] = 0.0;
+    w_b[6][17] = 0.0;
+    w_b[6][18] = 0.0;
+    w_b[6][19] = 0.0;
+    w_b[6][20] = 0.0;
+    w_b[6][21] = 0.0;
+    w_b[6][22] = 0.0;
+    w_b[6][23] = 0.0;
+    w_b[6][24] = 0.0;
+    w_b[6][25] = 0.0;
+    w_b[6][26] = 0.0;
+    w_b[6][27] = 0.0;
+    w_b[6][28] = 0.0;
+    w_b[6][29] = 0.0;
+    w_b[6][30] = 0.0;
+    w_b[6][31] = 0.0;
+    w_b[6][32] = 0.0;
+    w_b[6][33] = 0.0;
+    w_b[6][34] = 0.0;
+    w_b[6][35] = 0.0;
+    w_b[6][43] = 0.0;
+    w_b[6][44] = 0.0;
+    w_b[6][45] = 0.0;
+    let (
+        [sin_left_shoulder,
+        sin_left_elbow,
+        sin_left_wrist,
+        sin_right_shoulder,
+        ],
+        [cos_left_shoulder,
+        cos_left_elbow,
+        cos_left_wrist,
+        cos_right_shoulder,
+        ],
+    ) = math::sin_cos_4(y[1], y[2], y[3], y[4]);
+    let ([sin_right_elbow, sin_right_wrist], [cos_right_elbow, cos_right_wrist]) = math::sin_cos_2(
+        y[5],
+        y[6],
+    );
+    let omega_left_shoulder_y = v[0] * sin_left_shoulder;
+    let t13 = omega_left_shoulder_y * omega_left_shoulder_y;
+    let omega_left_shoulder_x = v[0] * cos_left_shoulder;
+    let t15 = omega_left_shoulder_x * omega_left_shoulder_x;
+    let t16 = t15 + t13;
+    let acceleration_left_shoulder_z = 0.2 * t16;
+    let t18 = cos_left_shoulder * acceleration_left_shoulder_z;
+    let t19 = omega_left_shoulder_x * omega_left_shoulder_y;
+    let t20 = a[1] + t19;
+    let t21 = 0.2 * sin_left_shoulder;
+    let t22 = t20 * t21;
+    let t23 = v[1] * v[1];
+    let t24 = t15 + t23;
+    let t25 = 0.2 * cos_left_shoulder;
+    let t26 = t24 * t25;
+    let t27 = t26 + t22;
+    let t28 = t27 - t18;
+    w_b[0][1] = t28;
+    let t29 = sin_left_shoulder * acceleration_left_shoulder_z;
+    let t30 = t13 + t23;
+    let t31 = t30 * t21;
+    let t32 = a[1] - t19;
+    let t33 = t32 * t25;
+    let t34 = t33 - t31;
+    let t35 = t34 + t29;
+    let t36 = v[1] * omega_left_shoulder_x;
+    let t37 = a[0] * sin_left_shoulder;
+    let t38 = t37 + t36;
+    let t39 = sin_left_shoulder * t38;
+    let t40 = v[1] * omega_left_shoulder_y;
+    let t41 = cos_left_shoulder * t40;
+    let t42 = t39 + t41;
+    w_b[0][3] = t42;
+    let t43 = t24 - t16;
+    let t44 = cos_left_shoulder * t43;
+    let t45 = sin_left_shoulder * t20;
+    let t46 = t45 + t44;
+    let t47 = sin_left_shoulder * t36;
+    let t48 = t41 - t47;
+    let t49 = t36 + t38;
+    let t50 = cos_left_shoulder * t49;
+    let t51 = a[0] * cos_left_shoulder;
+    let t52 = t51 - t40;
+    let t53 = t40 - t52;
+    let t54 = sin_left_shoulder * t53;
+    let t55 = t54 - t50;
+    w_b[0][6] = t55;
+    let t56 = t30 - t16;
+    let t57 = sin_left_shoulder * t56;
+    let t58 = cos_left_shoulder * t32;
+    let t59 = t57 - t58;
+    let t60 = sin_left_elbow * omega_left_shoulder_y;
+    let t61 = cos_left_elbow * omega_left_shoulder_x;
+    let omega_left_elbow_y = t61 - t60;
+    let t63 = cos_left_elbow * omega_left_shoulder_y;
+    let t64 = sin_left_elbow * omega_left_shoulder_x;
+    let omega_left_elbow_x = t64 + t63;
+    let t66 = omega_left_elbow_x * omega_left_elbow_y;
+    let t67 = a[1] + a[2];
+    w_b[1][12] = t67;
+    w_b[2][12] = t67;
+    let t68 = t67 + t66;
+    let t69 = sin_left_elbow * t25;
+    let t70 = cos_left_elbow * t21;
+    let t71 = t70 + t69;
+    let t72 = t68 * t71;
+    let t73 = omega_left_elbow_y * omega_left_elbow_y;
+    let omega_left_elbow_z = v[1] + v[2];
+    let t75 = omega_left_elbow_z * omega_left_elbow_z;
+    let t76 = t73 + t75;
+    let t77 = cos_left_elbow * t25;
+    let t78 = sin_left_elbow * t21;
+    let t79 = t78 - t77;
+    let t80 = t76 * t79;
+    let t81 = t80 - t72;
+    let t82 = 0.3 * t49;
+    let acceleration_left_elbow_z = acceleration_left_shoulder_z + t82;
+    let t84 = sin_left_shoulder * sin_left_elbow;
+    let t85 = cos_left_shoulder * cos_left_elbow;
+    let t86 = t85 - t84;
+    let t87 = acceleration_left_elbow_z * t86;
+    let t88 = t87 + t81;
+    let t89 = v[2] * omega_left_elbow_x;
+    let t90 = sin_left_elbow * t38;
+    let t91 = t90 + t89;
+    let t92 = cos_left_elbow * t52;
+    let t93 = t92 - t91;
+    let t94 = omega_left_elbow_x * omega_left_elbow_z;
+    let t95 = t94 - t93;
+    let t96 = 0.3 * sin_left_shoulder;
+    let t97 = t96 * t95;
+    let t98 = t97 - t88;
+    w_b[0][8] = t98;
+    let t99 = omega_left_elbow_x * omega_left_elbow_x;
+    let t100 = t99 + t75;
+    let t101 = t100 * t71;
+    let t102 = t67 - t66;
+    let t103 = t102 * t79;
+    let t104 = t103 + t101;
+    let t105 = sin_left_shoulder * cos_left_elbow;
+    let t106 = cos_left_shoulder * sin_left_elbow;
+    let t107 = t106 + t105;
+    let t108 = acceleration_left_elbow_z * t107;
+    let t109 = t108 - t104;
+    let t110 = v[2] * omega_left_elbow_y;
+    let t111 = cos_left_elbow * t38;
+    let t112 = t111 + t110;
+    let t113 = sin_left_elbow * t52;
+    let t114 = t113 + t112;
+    let t115 = omega_left_elbow_y * omega_left_elbow_z;
+    let t116 = t115 + t114;
+    let t117 = t96 * t116;
+    let t118 = t117 + t109;
+    let t119 = t107 * t114;
+    let t120 = t94 * t86;
+    let t121 = t120 + t119;
+    w_b[0][10] = t121;
+    let t122 = t99 + t73;
+    let t123 = t76 - t122;
+    let t124 = t86 * t123;
+    let t125 = t68 * t107;
+    let t126 = t125 + t124;
+    let t127 = t115 * t107;
+    let t128 = t120 - t127;
+    let t129 = t86 * t116;
+    let t130 = t107 * t95;
+    let t131 = t130 - t129;
+    w_b[0][13] = t131;
+    let t132 = t100 - t122;
+    let t133 = t107 * t132;
+    let t134 = t102 * t86;
+    let t135 = t133 - t134;
+    let t136 = t40 + t52;
+    w_b[1][7] = t136;
+    let t137 = 0.2 * t136;
+    let t138 = 9.81 * sin_left_shoulder;
+    let acceleration_left_shoulder_y = t138 + t137;
+    let t140 = 0.3 * t32;
+    let t141 = acceleration_left_shoulder_y + t140;
+    let t142 = cos_left_elbow * t141;
+    let t143 = t36 - t38;
+    w_b[1][4] = t143;
+    let t144 = 0.2 * t143;
+    let t145 = 9.81 * cos_left_shoulder;
+    let acceleration_left_shoulder_x = t145 + t144;
+    let t147 = 0.3 * t30;
+    let t148 = acceleration_left_shoulder_x + t147;
+    let t149 = sin_left_elbow * t148;
+    let acceleration_left_elbow_x = t149 + t142;
+    let t151 = sin_left_wrist * acceleration_left_elbow_x;
+    let t152 = cos_left_wrist * acceleration_left_elbow_z;
+    let acceleration_left_wrist_y = t151 - t152;
+    let t154 = sin_left_wrist * omega_left_elbow_x;
+    let t155 = cos_left_wrist * omega_left_elbow_z;
+    let omega_left_wrist_y = t154 + t155;
+    let t157 = v[3] * omega_left_wrist_y;
+    let t158 = sin_left_wrist * t67;
+    let t159 = t158 + t157;
+    let t160 = cos_left_wrist * t114;
+    let t161 = t160 - t159;
+    let omega_left_wrist_z = v[3] + omega_left_elbow_y;
+    let t163 = omega_left_wrist_y * omega_left_wrist_z;
+    let t164 = t163 + t161;
+    let t165 = 0.25 * t164;
+    let t166 = acceleration_left_wrist_y - t165;
+    w_b[3][15] = t166;
+    let t167 = t86 * t166;
+    let t168 = a[3] + t93;
+    w_b[3][21] = t168;
+    let t169 = cos_left_wrist * omega_left_elbow_x;
+    let t170 = sin_left_wrist * omega_left_elbow_z;
+    let omega_left_wrist_x = t169 - t170;
+    let t172 = omega_left_wrist_x * omega_left_wrist_y;
+    w_b[3][17] = t172;
+    let t173 = t172 - t168;
+    let t174 = cos_left_wrist * t107;
+    let t175 = 0.25 * t174;
+    let t176 = cos_left_wrist * t96;
+    let t177 = t176 + t175;
+    let t178 = sin_left_wrist * t79;
+    let t179 = t178 + t177;
+    let t180 = t173 * t179;
+    let t181 = omega_left_wrist_y * omega_left_wrist_y;
+    let t182 = omega_left_wrist_z * omega_left_wrist_z;
+    let t183 = t181 + t182;
+    let t184 = sin_left_wrist * t107;
+    let t185 = 0.25 * t184;
+    let t186 = sin_left_wrist * t96;
+    let t187 = t186 + t185;
+    let t188 = cos_left_wrist * t79;
+    let t189 = t188 - t187;
+    let t190 = t183 * t189;
+    let t191 = t190 - t180;
+    let t192 = v[3] * omega_left_wrist_x;
+    let t193 = cos_left_wrist * t67;
+    let t194 = t193 + t192;
+    let t195 = sin_left_wrist * t114;
+    let t196 = t195 + t194;
+    let t197 = omega_left_wrist_x * omega_left_wrist_z;
+    let t198 = t197 + t196;
+    let t199 = t71 * t198;
+    let t200 = t199 - t191;
+    let t201 = sin_left_elbow * t141;
+    let t202 = cos_left_elbow * t148;
+    let acceleration_left_elbow_y = t202 - t201;
+    let t204 = omega_left_wrist_x * omega_left_wrist_x;
+    let t205 = t204 + t181;
+    let t206 = 0.25 * t205;
+    let t207 = acceleration_left_elbow_y + t206;
+    let t208 = t184 * t207;
+    let t209 = t208 - t200;
+    let t210 = t167 - t209;
+    w_b[0][15] = t210;
+    let t211 = cos_left_wrist * acceleration_left_elbow_x;
+    let t212 = sin_left_wrist * acceleration_left_elbow_z;
+    let acceleration_left_wrist_x = t211 + t212;
+    let t214 = t197 - t196;
+    let t215 = 0.25 * t214;
+    let t216 = acceleration_left_wrist_x - t215;
+    w_b[3][16] = t216;
+    let t217 = t86 * t216;
+    let t218 = t172 + t168;
+    let t219 = t218 * t189;
+    let t220 = t204 + t182;
+    let t221 = t220 * t179;
+    let t222 = t219 - t221;
+    let t223 = t163 - t161;
+    let t224 = t71 * t223;
+    let t225 = t224 + t222;
+    let t226 = t174 * t207;
+    let t227 = t226 + t225;
+    let t228 = t217 - t227;
+    w_b[0][16] = t228;
+    let t229 = t174 * t161;
+    let t230 = t172 * t86;
+    let t231 = t197 * t184;
+    let t232 = t231 - t230;
+    let t233 = t229 - t232;
+    w_b[0][17] = t233;
+    let t234 = t184 * t223;
+    let t235 = t183 - t220;
+    let t236 = t86 * t235;
+    let t237 = t236 - t234;
+    let t238 = t174 * t198;
+    let t239 = t238 + t237;
+    let t240 = t174 * t173;
+    let t241 = t183 - t205;
+    let t242 = t184 * t241;
+    let t243 = t242 + t240;
+    let t244 = t86 * t164;
+    let t245 = t244 - t243;
+    let t246 = t184 * t218;
+    let t247 = t220 - t205;
+    let t248 = t174 * t247;
+    let t249 = t248 + t246;
+    let t250 = t86 * t214;
+    let t251 = t250 - t249;
+    let t252 = t86 * t168;
+    let t253 = t163 * t174;
+    let t254 = t231 - t253;
+    let t255 = t254 + t252;
+    w_b[0][21] = t255;
+    let omega_right_shoulder_y = v[0] * sin_right_shoulder;
+    let t257 = omega_right_shoulder_y * omega_right_shoulder_y;
+    let omega_right_shoulder_x = v[0] * cos_right_shoulder;
+    let t259 = omega_right_shoulder_x * omega_right_shoulder_x;
+    let t260 = t259 + t257;
+    let acceleration_right_shoulder_z = 0.2 * t260;
+    let t262 = cos_right_shoulder * acceleration_right_shoulder_z;
+    let t263 = omega_right_shoulder_x * omega_right_shoulder_y;
+    let t264 = a[4] + t263;
+    let t265 = 0.2 * sin_right_shoulder;
+    let t266 = t264 * t265;
+    let t267 = v[4] * v[4];
+    let t268 = t259 + t267;
+    let t269 = 0.2 * cos_right_shoulder;
+    let t270 = t268 * t269;
+    let t271 = t270 + t266;
+    let t272 = t271 - t262;
+    let t273 = sin_right_shoulder * acceleration_right_shoulder_z;
+    let t274 = t257 + t267;
+    let t275 = t274 * t265;
+    let t276 = a[4] - t263;
+    let t277 = t276 * t269;
+    let t278 = t277 - t275;
+    let t279 = t278 + t273;
+    w_b[0][23] = t279;
+    let t280 = v[4] * omega_right_shoulder_x;
+    let t281 = a[0] * sin_right_shoulder;
+    let t282 = t281 + t280;
+    let t283 = sin_right_shoulder * t282;
+    let t284 = v[4] * omega_right_shoulder_y;
+    let t285 = cos_right_shoulder * t284;
+    let t286 = t283 + t285;
+    w_b[0][24] = t286;
+    let t287 = t268 - t260;
+    let t288 = cos_right_shoulder * t287;
+    let t289 = sin_right_shoulder * t264;
+    let t290 = t289 + t288;
+    let t291 = sin_right_shoulder * t280;
+    let t292 = t285 - t291;
+    let t293 = t280 + t282;
+    let t294 = cos_right_shoulder * t293;
+    let t295 = a[0] * cos_right_shoulder;
+    let t296 = t295 - t284;
+    let t297 = t284 - t296;
+    let t298 = sin_right_shoulder * t297;
+    let t299 = t298 - t294;
+    w_b[0][27] = t299;
+    let t300 = t274 - t260;
+    let t301 = sin_right_shoulder * t300;
+    let t302 = cos_right_shoulder * t276;
+    let t303 = t301 - t302;
+    let t304 = sin_right_elbow * omega_right_shoulder_y;
+    let t305 = cos_right_elbow * omega_right_shoulder_x;
+    let omega_right_elbow_y = t305 - t304;
+    let t307 = cos_right_elbow * omega_right_shoulder_y;
+    let t308 = sin_right_elbow * omega_right_shoulder_x;
+    let omega_right_elbow_x = t308 + t307;
+    let t310 = omega_right_elbow_x * omega_right_elbow_y;
+    let t311 = a[4] + a[5];
+    w_b[4][33] = t311;
+    w_b[5][33] = t311;
+    let t312 = t311 + t310;
+    let t313 = sin_right_elbow * t269;
+    let t314 = cos_right_elbow * t265;
+    let t315 = t314 + t313;
+    let t316 = t312 * t315;
+    let t317 = omega_right_elbow_y * omega_right_elbow_y;
+    let omega_right_elbow_z = v[4] + v[5];
+    let t319 = omega_right_elbow_z * omega_right_elbow_z;
+    let t320 = t317 + t319;
+    let t321 = cos_right_elbow * t269;
+    let t322 = sin_right_elbow * t265;
+    let t323 = t322 - t321;
+    let t324 = t320 * t323;
+    let t325 = t324 - t316;
+    let t326 = 0.3 * t293;
+    let acceleration_right_elbow_z = acceleration_right_shoulder_z - t326;
+    let t328 = sin_right_shoulder * sin_right_elbow;
+    let t329 = cos_right_shoulder * cos_right_elbow;
+    let t330 = t329 - t328;
+    let t331 = acceleration_right_elbow_z * t330;
+    let t332 = t331 + t325;
+    let t333 = v[5] * omega_right_elbow_x;
+    let t334 = sin_right_elbow * t282;
+    let t335 = t334 + t333;
+    let t336 = cos_right_elbow * t296;
+    let t337 = t336 - t335;
+    let t338 = omega_right_elbow_x * omega_right_elbow_z;
+    let t339 = t338 - t337;
+    let t340 = 0.3 * sin_right_shoulder;
+    let t341 = t340 * t339;
+    let t342 = t341 + t332;
+    w_b[0][29] = t342;
+    let t343 = omega_right_elbow_x * omega_right_elbow_x;
+    let t344 = t343 + t319;
+    let t345 = t344 * t315;
+    let t346 = t311 - t310;
+    let t347 = t346 * t323;
+    let t348 = t347 + t345;
+    let t349 = sin_right_shoulder * cos_right_elbow;
+    let t350 = cos_right_shoulder * sin_right_elbow;
+    let t351 = t350 + t349;
+    let t352 = acceleration_right_elbow_z * t351;
+    let t353 = t352 - t348;
+    let t354 = v[5] * omega_right_elbow_y;
+    let t355 = cos_right_elbow * t282;
+    let t356 = t355 + t354;
+    let t357 = sin_right_elbow * t296;
+    let t358 = t357 + t356;
+    let t359 = omega_right_elbow_y * omega_right_elbow_z;
+    let t360 = t359 + t358;
+    let t361 = t340 * t360;
+    let t362 = t361 - t353;
+    let t363 = t351 * t358;
+    let t364 = t338 * t330;
+    let t365 = t364 + t363;
+    w_b[0][31] = t365;
+    let t366 = t343 + t317;
+    let t367 = t320 - t366;
+    let t368 = t330 * t367;
+    let t369 = t312 * t351;
+    let t370 = t369 + t368;
+    let t371 = t359 * t351;
+    let t372 = t364 - t371;
+    let t373 = t330 * t360;
+    let t374 = t351 * t339;
+    let t375 = t374 - t373;
+    w_b[0][34] = t375;
+    let t376 = t344 - t366;
+    let t377 = t351 * t376;
+    let t378 = t346 * t330;
+    let t379 = t377 - t378;
+    let t380 = t284 + t296;
+    w_b[4][28] = t380;
+    let t381 = 0.2 * t380;
+    let t382 = 9.81 * sin_right_shoulder;
+    let acceleration_right_shoulder_y = t382 - t381;
+    let t384 = 0.3 * t276;
+    let t385 = acceleration_right_shoulder_y + t384;
+    let t386 = cos_right_elbow * t385;
+    let t387 = t280 - t282;
+    w_b[4][25] = t387;
+    let t388 = 0.2 * t387;
+    let t389 = 9.81 * cos_right_shoulder;
+    let acceleration_right_shoulder_x = t389 - t388;
+    let t391 = 0.3 * t274;
+    let t392 = acceleration_right_shoulder_x + t391;
+    let t393 = sin_right_elbow * t392;
+    let acceleration_right_elbow_x = t393 + t386;
+    let t395 = sin_right_wrist * acceleration_right_elbow_x;
+    let t396 = cos_right_wrist * acceleration_right_elbow_z;
+    let acceleration_right_wrist_y = t395 + t396;
+    let t398 = sin_right_wrist * omega_right_elbow_x;
+    let t399 = cos_right_wrist * omega_right_elbow_z;
+    let omega_right_wrist_y = t398 + t399;
+    let t401 = v[6] * omega_right_wrist_y;
+    let t402 = sin_right_wrist * t311;
+    let t403 = t402 + t401;
+    let t404 = cos_right_wrist * t358;
+    let t405 = t404 - t403;
+    let omega_right_wrist_z = v[6] + omega_right_elbow_y;
+    let t407 = omega_right_wrist_y * omega_right_wrist_z;
+    let t408 = t407 + t405;
+    let t409 = 0.25 * t408;
+    let t410 = acceleration_right_wrist_y - t409;
+    w_b[6][36] = t410;
+    let t411 = t330 * t410;
+    let t412 = a[6] + t337;
+    w_b[6][42] = t412;
+    let t413 = cos_right_wrist * omega_right_elbow_x;
+    let t414 = sin_right_wrist * omega_right_elbow_z;
+    let omega_right_wrist_x = t413 - t414;
+    let t416 = omega_right_wrist_x * omega_right_wrist_y;
+    w_b[6][38] = t416;
+    let t417 = t416 - t412;
+    let t418 = cos_right_wrist * t351;
+    let t419 = 0.25 * t418;
+    let t420 = cos_right_wrist * t340;
+    let t421 = t420 + t419;
+    let t422 = sin_right_wrist * t323;
+    let t423 = t422 - t421;
+    let t424 = t417 * t423;
+    let t425 = omega_right_wrist_y * omega_right_wrist_y;
+    let t426 = omega_right_wrist_z * omega_right_wrist_z;
+    let t427 = t425 + t426;
+    let t428 = sin_right_wrist * t351;
+    let t429 = 0.25 * t428;
+    let t430 = sin_right_wrist * t340;
+    let t431 = t430 + t429;
+    let t432 = cos_right_wrist * t323;
+    let t433 = t432 + t431;
+    let t434 = t427 * t433;
+    let t435 = t434 - t424;
+    let t436 = v[6] * omega_right_wrist_x;
+    let t437 = cos_right_wrist * t311;
+    let t438 = t437 + t436;
+    let t439 = sin_right_wrist * t358;
+    let t440 = t439 + t438;
+    let t441 = omega_right_wrist_x * omega_right_wrist_z;
+    let t442 = t441 + t440;
+    let t443 = t315 * t442;
+    let t444 = t443 - t435;
+    let t445 = sin_right_elbow * t385;
+    let t446 = cos_right_elbow * t392;
+    let acceleration_right_elbow_y = t446 - t445;
+    let t448 = omega_right_wrist_x * omega_right_wrist_x;
+    let t449 = t448 + t425;
+    let t450 = 0.25 * t449;
+    let t451 = acceleration_right_elbow_y + t450;
+    let t452 = t428 * t451;
+    let t453 = t452 + t444;
+    let t454 = t411 - t453;
+    w_b[0][36] = t454;
+    let t455 = cos_right_wrist * acceleration_right_elbow_x;
+    let t456 = sin_right_wrist * acceleration_right_elbow_z;
+    let acceleration_right_wrist_x = t455 - t456;
+    let t458 = t441 - t440;
+    let t459 = 0.25 * t458;
+    let t460 = acceleration_right_wrist_x - t459;
+    w_b[6][37] = t460;
+    let t461 = t330 * t460;
+    let t462 = t416 + t412;
+    let t463 = t462 * t433;
+    let t464 = t448 + t426;
+    let t465 = t464 * t423;
+    let t466 = t463 - t465;
+    let t467 = t407 - t405;
+    let t468 = t315 * t467;
+    let t469 = t468 + t466;
+    let t470 = t418 * t451;
+    let t471 = t470 - t469;
+    let t472 = t461 - t471;
+    w_b[0][37] = t472;
+    let t473 = t418 * t405;
+    let t474 = t416 * t330;
+    let t475 = t441 * t428;
+    let t476 = t475 - t474;
+    let t477 = t473 - t476;
+    w_b[0][38] = t477;
+    let t478 = t428 * t467;
+    let t479 = t427 - t464;
+    let t480 = t330 * t479;
+    let t481 = t480 - t478;
+    let t482 = t418 * t442;
+    let t483 = t482 + t481;
+    let t484 = t418 * t417;
+    let t485 = t427 - t449;
+    let t486 = t428 * t485;
+    let t487 = t486 + t484;
+    let t488 = t330 * t408;
+    let t489 = t488 - t487;
+    let t490 = t428 * t462;
+    let t491 = t464 - t449;
+    let t492 = t418 * t491;
+    let t493 = t492 + t490;
+    let t494 = t330 * t458;
+    let t495 = t494 - t493;
+    let t496 = t330 * t412;
+    let t497 = t407 * t418;
+    let t498 = t475 - t497;
+    let t499 = t498 + t496;
+    w_b[0][42] = t499;
+    let t500 = v[2] * 100.0;
+    let t501 = v[1] + t500;
+    let t502 = omega_left_shoulder_x * t501;
+    let t503 = sin_left_shoulder * t502;
+    let t504 = omega_left_shoulder_y * t501;
+    let t505 = cos_left_shoulder * t504;
+    let t506 = t505 - t503;
+    let t507 = a[3] * 100.0;
+    let t508 = t507 + t93;
+    let t509 = t86 * t508;
+    let t510 = v[3] * 100.0;
+    let t511 = omega_left_elbow_y + t510;
+    let t512 = omega_left_elbow_z * t511;
+    let t513 = t107 * t512;
+    let t514 = t513 - t509;
+    let t515 = v[5] * 100.0;
+    let t516 = v[4] + t515;
+    let t517 = omega_right_shoulder_x * t516;
+    let t518 = sin_right_shoulder * t517;
+    let t519 = omega_right_shoulder_y * t516;
+    let t520 = cos_right_shoulder * t519;
+    let t521 = t520 - t518;
+    let t522 = a[6] * 100.0;
+    let t523 = t522 + t337;
+    let t524 = t330 * t523;
+    let t525 = v[6] * 100.0;
+    let t526 = omega_right_elbow_y + t525;
+    let t527 = omega_right_elbow_z * t526;
+    let t528 = t351 * t527;
+    let t529 = t528 - t524;
+    let t530 = t30 - t24;
+    let t531 = 0.3 * sin_left_elbow;
+    let t532 = t68 * t531;
+    let t533 = 0.3 * cos_left_elbow;
+    let t534 = t76 * t533;
+    let t535 = t534 + t532;
+    let t536 = acceleration_left_elbow_y - t535;
+    let t537 = t100 * t531;
+    let t538 = t102 * t533;
+    let t539 = t538 - t537;
+    let t540 = acceleration_left_elbow_x + t539;
+    let t541 = t115 - t114;
+    w_b[1][11] = t541;
+    w_b[2][11] = t541;
+    let t542 = t76 - t100;
+    w_b[1][13] = t542;
+    w_b[2][13] = t542;
+    let t543 = t94 + t93;
+    w_b[1][14] = t543;
+    w_b[2][14] = t543;
+    let t544 = sin_left_wrist * t533;
+    let t545 = 0.25 * sin_left_wrist;
+    let t546 = t544 + t545;
+    let t547 = t546 * t173;
+    let t548 = cos_left_wrist * t533;
+    let t549 = 0.25 * cos_left_wrist;
+    let t550 = t548 + t549;
+    let t551 = t183 * t550;
+    let t552 = t551 - t547;
+    let t553 = t531 * t198;
+    let t554 = t553 + t552;
+    let t555 = cos_left_wrist * t207;
+    let t556 = t555 - t554;
+    let t557 = t550 * t218;
+    let t558 = t220 * t546;
+    let t559 = t558 - t557;
+    let t560 = t531 * t223;
+    let t561 = t560 + t559;
+    let t562 = sin_left_wrist * t207;
+    let t563 = t562 - t561;
+    w_b[1][16] = t563;
+    let t564 = sin_left_wrist * t161;
+    let t565 = cos_left_wrist * t197;
+    let t566 = t565 + t564;
+    let t567 = cos_left_wrist * t223;
+    let t568 = sin_left_wrist * t198;
+    let t569 = t568 + t567;
+    w_b[1][18] = t569;
+    w_b[2][18] = t569;
+    let t570 = sin_left_wrist * t173;
+    let t571 = cos_left_wrist * t241;
+    let t572 = t571 - t570;
+    w_b[1][19] = t572;
+    w_b[2][19] = t572;
+    let t573 = cos_left_wrist * t218;
+    let t574 = sin_left_wrist * t247;
+    let t575 = t574 - t573;
+    let t576 = sin_left_wrist * t163;
+    let t577 = t565 + t576;
+    w_b[1][21] = t577;
+    w_b[2][21] = t577;
+    let t578 = a[2] * 100.0;
+    let t579 = a[1] + t578;
+    w_b[1][43] = t579;
+    let t580 = omega_left_elbow_x * t511;
+    w_b[1][44] = t580;
+    w_b[2][44] = t580;
+    let t581 = t545 * t173;
+    let t582 = t183 * t549;
+    let t583 = t582 - t581;
+    let t584 = t555 - t583;
+    let t585 = t549 * t218;
+    let t586 = t220 * t545;
+    let t587 = t586 - t585;
+    let t588 = t562 - t587;
+    w_b[2][16] = t588;
+    let t589 = 100.0 * t579;
+    w_b[2][43] = t589;
+    let t590 = 100.0 * t508;
+    w_b[3][44] = t590;
+    let t591 = t274 - t268;
+    let t592 = 0.3 * sin_right_elbow;
+    let t593 = t312 * t592;
+    let t594 = 0.3 * cos_right_elbow;
+    let t595 = t320 * t594;
+    let t596 = t595 + t593;
+    let t597 = acceleration_right_elbow_y - t596;
+    let t598 = t344 * t592;
+    let t599 = t346 * t594;
+    let t600 = t599 - t598;
+    let t601 = acceleration_right_elbow_x + t600;
+    let t602 = t359 - t358;
+    w_b[4][32] = t602;
+    w_b[5][32] = t602;
+    let t603 = t320 - t344;
+    w_b[4][34] = t603;
+    w_b[5][34] = t603;
+    let t604 = t338 + t337;
+    w_b[4][35] = t604;
+    w_b[5][35] = t604;
+    let t605 = sin_right_wrist * t594;
+    let t606 = 0.25 * sin_right_wrist;
+    let t607 = t605 + t606;
+    let t608 = t607 * t417;
+    let t609 = cos_right_wrist * t594;
+    let t610 = 0.25 * cos_right_wrist;
+    let t611 = t609 + t610;
+    let t612 = t427 * t611;
+    let t613 = t612 - t608;
+    let t614 = t592 * t442;
+    let t615 = t614 + t613;
+    let t616 = cos_right_wrist * t451;
+    let t617 = t616 - t615;
+    let t618 = t611 * t462;
+    let t619 = t464 * t607;
+    let t620 = t619 - t618;
+    let t621 = t592 * t467;
+    let t622 = t621 + t620;
+    let t623 = sin_right_wrist * t451;
+    let t624 = t623 - t622;
+    w_b[4][37] = t624;
+    let t625 = sin_right_wrist * t405;
+    let t626 = cos_right_wrist * t441;
+    let t627 = t626 + t625;
+    let t628 = cos_right_wrist * t467;
+    let t629 = sin_right_wrist * t442;
+    let t630 = t629 + t628;
+    w_b[4][39] = t630;
+    w_b[5][39] = t630;
+    let t631 = sin_right_wrist * t417;
+    let t632 = cos_right_wrist * t485;
+    let t633 = t632 - t631;
+    w_b[4][40] = t633;
+    w_b[5][40] = t633;
+    let t634 = cos_right_wrist * t462;
+    let t635 = sin_right_wrist * t491;
+    let t636 = t635 - t634;
+    let t637 = sin_right_wrist * t407;
+    let t638 = t626 + t637;
+    w_b[4][42] = t638;
+    w_b[5][42] = t638;
+    let t639 = a[5] * 100.0;
+    let t640 = a[4] + t639;
+    w_b[4][45] = t640;
+    let t641 = omega_right_elbow_x * t526;
+    w_b[4][46] = t641;
+    w_b[5][46] = t641;
+    let t642 = t606 * t417;
+    let t643 = t427 * t610;
+    let t644 = t643 - t642;
+    let t645 = t616 - t644;
+    let t646 = t610 * t462;
+    let t647 = t464 * t606;
+    let t648 = t647 - t646;
+    let t649 = t623 - t648;
+    w_b[5][37] = t649;
+    let t650 = 100.0 * t640;
+    w_b[5][45] = t650;
+    let t651 = 100.0 * t523;
+    w_b[6][46] = t651;
+    let t652 = -t35;
+    w_b[0][2] = t652;
+    let t653 = -t46;
+    w_b[0][4] = t653;
+    let t654 = -t48;
+    w_b[0][5] = t654;
+    let t655 = -t59;
+    w_b[0][7] = t655;
+    let t656 = -t118;
+    w_b[0][9] = t656;
+    let t657 = -t126;
+    w_b[0][11] = t657;
+    let t658 = -t128;
+    w_b[0][12] = t658;
+    let t659 = -t135;
+    w_b[0][14] = t659;
+    let t660 = -t239;
+    w_b[0][18] = t660;
+    let t661 = -t245;
+    w_b[0][19] = t661;
+    let t662 = -t251;
+    w_b[0][20] = t662;
+    let t663 = -t272;
+    w_b[0][22] = t663;
+    let t664 = -t290;
+    w_b[0][25] = t664;
+    let t665 = -t292;
+    w_b[0][26] = t665;
+    let t666 = -t303;
+    w_b[0][28] = t666;
+    let t667 = -t362;
+    w_b[0][30] = t667;
+    let t668 = -t370;
+    w_b[0][32] = t668;
+    let t669 = -t372;
+    w_b[0][33] = t669;
+    let t670 = -t379;
+    w_b[0][35] = t670;
+    let t671 = -t483;
+    w_b[0][39] = t671;
+    let t672 = -t489;
+    w_b[0][40] = t672;
+    let t673 = -t495;
+    w_b[0][41] = t673;
+    let t674 = -t506;
+    w_b[0][43] = t674;
+    let t675 = -t514;
+    w_b[0][44] = t675;
+    let t676 = -t521;
+    w_b[0][45] = t676;
+    let t677 = -t529;
+    w_b[0][46] = t677;
+    let minus_acceleration_left_shoulder_x = -acceleration_left_shoulder_x;
+    w_b[1][1] = minus_acceleration_left_shoulder_x;
+    let minus_acceleration_left_shoulder_y = -acceleration_left_shoulder_y;
+    w_b[1][2] = minus_acceleration_left_shoulder_y;
+    let t680 = -t19;
+    w_b[1][3] = t680;
+    let t681 = -t530;
+    w_b[1][6] = t681;
+    let t682 = -t536;
+    w_b[1][8] = t682;
+    let t683 = -t540;
+    w_b[1][9] = t683;
+    let t684 = -t66;
+    w_b[1][10] = t684;
+    w_b[2][10] = t684;
+    let t685 = -t556;
+    w_b[1][15] = t685;
+    let t686 = -t566;
+    w_b[1][17] = t686;
+    w_b[2][17] = t686;
+    let t687 = -t575;
+    w_b[1][20] = t687;
+    w_b[2][20] = t687;
+    let minus_acceleration_left_elbow_y = -acceleration_left_elbow_y;
+    w_b[2][8] = minus_acceleration_left_elbow_y;
+    let minus_acceleration_left_elbow_x = -acceleration_left_elbow_x;
+    w_b[2][9] = minus_acceleration_left_elbow_x;
+    let t690 = -t584;
+    w_b[2][15] = t690;
+    let t691 = -t235;
+    w_b[3][18] = t691;
+    let t692 = -t164;
+    w_b[3][19] = t692;
+    let t693 = -t214;
+    w_b[3][20] = t693;
+    let minus_acceleration_right_shoulder_x = -acceleration_right_shoulder_x;
+    w_b[4][22] = minus_acceleration_right_shoulder_x;
+    let minus_acceleration_right_shoulder_y = -acceleration_right_shoulder_y;
+    w_b[4][23] = minus_acceleration_right_shoulder_y;
+    let t696 = -t263;
+    w_b[4][24] = t696;
+    let t697 = -t591;
+    w_b[4][27] = t697;
+    let t698 = -t597;
+    w_b[4][29] = t698;
+    let t699 = -t601;
+    w_b[4][30] = t699;
+    let t700 = -t310;
+    w_b[4][31] = t700;
+    w_b[5][31] = t700;
+    let t701 = -t617;
+    w_b[4][36] = t701;
+    let t702 = -t627;
+    w_b[4][38] = t702;
+    w_b[5][38] = t702;
+    let t703 = -t636;
+    w_b[4][41] = t703;
+    w_b[5][41] = t703;
+    let minus_acceleration_right_elbow_y = -acceleration_right_elbow_y;
+    w_b[5][29] = minus_acceleration_right_elbow_y;
+    let minus_acceleration_right_elbow_x = -acceleration_right_elbow_x;
+    w_b[5][30] = minus_acceleration_right_elbow_x;
+    let t706 = -t645;
+    w_b[5][36] = t706;
+    let t707 = -t479;
+    w_b[6][39] = t707;
+    let t708 = -t408;
+    w_b[6][40] = t708;
+    let t709 = -t458;
+    w_b[6][41] = t709;
+}
+
+/// Friction parameters, the columns of `friction_regressor`: joint, and the function of its velocity that the
+/// parameter multiplies.
+pub const FRICTION_PARAMETER_NAMES: [&str; 6] = [
+    "left_shoulder: v",
+    "left_elbow: v",
+    "left_wrist: v",
+    "right_shoulder: v",
+    "right_elbow: v",
+    "right_wrist: v",
+];
+
+/// Friction parameters as described: the coefficients of `friction_regressor`.
+///
+/// `τ(ẏ) = friction_regressor(ẏ) · friction_parameters`
+///
+/// - returns `φ: [6]`: in the order of `FRICTION_PARAMETER_NAMES`
+///
+/// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
+#[inline]
+#[must_use]
+pub fn friction_parameters() -> [f64; 6] {
+    [0.2, 0.2, 0.2, 0.2, 0.2, 0.2]
+}
+
+/// Regressor of the friction parameters.
+///
+/// `τ(ẏ) = friction_regressor(ẏ) · friction_parameters`
+///
+/// - `v: [N]`: velocities ẏ: `torso`, `left_shoulder`, `left_elbow`, `left_wrist`, `right_shoulder`,
+///   `right_elbow`, `right_wrist` in rad/s
+/// - returns `R: [N × 6]`: rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
+///
+/// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
+///
+/// What enters nonlinearly is held at its described value: a3 and a5 of the Stribeck form, slopes of tanh.
+#[inline]
+#[must_use]
+pub fn friction_regressor(v: &[f64; N]) -> [[f64; 6]; N] {
+    let mut r = [[0.0; 6]; 7];
+    friction_regressor_into(v, &mut r);
+    r
+}
+
+/// `friction_regressor` with its results written in place; nothing of what stood there is read.
+pub fn friction_regressor_into(v: &[f64; N], r: &mut [[f64; 6]; N]) {
+    r[0][0] = 0.0;
+    r[0][1] = 0.0;
+    r[0][2] = 0.0;
+    r[0][3] = 0.0;
+    r[0][4] = 0.0;
+    r[0][5] = 0.0;
+    r[1][0] = v[1];
+    r[1][1] = 0.0;
+    r[1][2] = 0.0;
+    r[1][3] = 0.0;
+    r[1][4] = 0.0;
+    r[1][5] = 0.0;
+    r[2][0] = 0.0;
+    r[2][1] = v[2];
+    r[2][2] = 0.0;
+    r[2][3] = 0.0;
+    r[2][4] = 0.0;
+    r[2][5] = 0.0;
+    r[3][0] = 0.0;
+    r[3][1] = 0.0;
+    r[3][2] = v[3];
+    r[3][3] = 0.0;
+    r[3][4] = 0.0;
+    r[3][5] = 0.0;
+    r[4][0] = 0.0;
+    r[4][1] = 0.0;
+    r[4][2] = 0.0;
+    r[4][3] = v[4];
+    r[4][4] = 0.0;
+    r[4][5] = 0.0;
+    r[5][0] = 0.0;
+    r[5][1] = 0.0;
+    r[5][2] = 0.0;
+    r[5][3] = 0.0;
+    r[5][4] = v[5];
+    r[5][5] = 0.0;
+    r[6][0] = 0.0;
+    r[6][1] = 0.0;
+    r[6][2] = 0.0;
+    r[6][3] = 0.0;
+    r[6][4] = 0.0;
+    r[6][5] = v[6];
+}
+
 /// Pose of the frame `left_hand`.
 ///
 /// `r_base = p + R r_frame`
@@ -10157,6 +13199,15 @@ mod math {
     fn sin_cos_array_large<const L: usize>(x: [f64; L]) -> ([f64; L], [f64; L]) {
         let pairs = x.map(sin_cos);
         (pairs.map(|pair| pair.0), pairs.map(|pair| pair.1))
+    }
+
+    // Sine and cosine of 2 angles that arrive in registers (after sin_cos_array.rs).
+    // Never inlined: among scalar code the compiler would undo the lanes.
+
+    /// Sines and cosines of 2 angles, the same bits as [`sin_cos`] of each.
+    #[inline(never)]
+    pub fn sin_cos_2(a: f64, b: f64) -> ([f64; 2], [f64; 2]) {
+        sin_cos_array([a, b])
     }
 
     // Sine and cosine of 4 angles that arrive in registers (after sin_cos_array.rs).

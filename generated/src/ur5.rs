@@ -95,6 +95,16 @@ pub const ROTOR_INERTIAS: [f64; M] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
 /// Gravitational acceleration in the base frame (m/s²).
 pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
+/// Structure of `M`: `false` where the entry is zero in every state; 34 of 36 are not.
+pub const MASS_MATRIX_NONZERO: [[bool; 6]; 6] = [
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, false],
+    [true, true, true, true, false, true],
+];
+
 /// Mass matrix `M(y)`.
 ///
 /// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`
@@ -1583,7 +1593,7 @@ pub fn inverse_dynamics(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
 ///
 /// Cost: 196 multiplications, 177 additions, 5 divisions, 5 function calls (`sin_cos`).
 ///
-/// M = Lᵀ D L along the branches of the tree (Featherstone 2005).
+/// M = Lᵀ D L along the branches of the tree (Featherstone 2005) was cheaper than articulated bodies.
 #[must_use]
 pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let angle_shoulder_lift_joint_elbow_joint = y[1] + y[2];
@@ -6805,6 +6815,36 @@ pub fn forward_dynamics_derivatives_into(
     m_inverse[5][4] = t1907;
 }
 
+/// Structure of `A_y`: `false` where the entry is zero in every state; 30 of 36 are not.
+pub const A_Y_NONZERO: [[bool; 6]; 6] = [
+    [false, true, true, true, true, true],
+    [false, true, true, true, true, true],
+    [false, true, true, true, true, true],
+    [false, true, true, true, true, true],
+    [false, true, true, true, true, true],
+    [false, true, true, true, true, true],
+];
+
+/// Structure of `A_v`: `false` where the entry is zero in every state; 36 of 36 are not.
+pub const A_V_NONZERO: [[bool; 6]; 6] = [
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, true],
+];
+
+/// Structure of `B_x`: `false` where the entry is zero in every state; 36 of 36 are not.
+pub const B_X_NONZERO: [[bool; 6]; 6] = [
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, true],
+    [true, true, true, true, true, true],
+];
+
 /// Linearization of the accelerations in continuous time.
 ///
 /// `ÿ ≈ A_y y + A_v ẏ + B_x u + c; with x = (y, ẏ) the upper halves of A, B_x and c are [0 I], 0 and 0`
@@ -9687,6 +9727,2614 @@ pub fn potential_energy(y: &[f64; N]) -> f64 {
     let t19 = t18 - t13;
     let t20 = 9.81 * t19;
     -t20
+}
+
+/// Inertial parameters π, the columns of `inertial_regressor`. For each link, in the order of the coordinates and
+/// in the link's frame of the description, with all that is fixed to it: mass m (kg), first moments mcx, mcy, mcz
+/// (kg m), and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the frame's origin (kg m²), entries of the matrix (Ixy = −∫ x y
+/// dm). Then J, the axial inertia of the rotor of each drive that has one (kg m²).
+pub const INERTIAL_PARAMETER_NAMES: [&str; 60] = [
+    "m_shoulder_pan_joint",
+    "mcx_shoulder_pan_joint",
+    "mcy_shoulder_pan_joint",
+    "mcz_shoulder_pan_joint",
+    "Ixx_shoulder_pan_joint",
+    "Ixy_shoulder_pan_joint",
+    "Iyy_shoulder_pan_joint",
+    "Ixz_shoulder_pan_joint",
+    "Iyz_shoulder_pan_joint",
+    "Izz_shoulder_pan_joint",
+    "m_shoulder_lift_joint",
+    "mcx_shoulder_lift_joint",
+    "mcy_shoulder_lift_joint",
+    "mcz_shoulder_lift_joint",
+    "Ixx_shoulder_lift_joint",
+    "Ixy_shoulder_lift_joint",
+    "Iyy_shoulder_lift_joint",
+    "Ixz_shoulder_lift_joint",
+    "Iyz_shoulder_lift_joint",
+    "Izz_shoulder_lift_joint",
+    "m_elbow_joint",
+    "mcx_elbow_joint",
+    "mcy_elbow_joint",
+    "mcz_elbow_joint",
+    "Ixx_elbow_joint",
+    "Ixy_elbow_joint",
+    "Iyy_elbow_joint",
+    "Ixz_elbow_joint",
+    "Iyz_elbow_joint",
+    "Izz_elbow_joint",
+    "m_wrist_1_joint",
+    "mcx_wrist_1_joint",
+    "mcy_wrist_1_joint",
+    "mcz_wrist_1_joint",
+    "Ixx_wrist_1_joint",
+    "Ixy_wrist_1_joint",
+    "Iyy_wrist_1_joint",
+    "Ixz_wrist_1_joint",
+    "Iyz_wrist_1_joint",
+    "Izz_wrist_1_joint",
+    "m_wrist_2_joint",
+    "mcx_wrist_2_joint",
+    "mcy_wrist_2_joint",
+    "mcz_wrist_2_joint",
+    "Ixx_wrist_2_joint",
+    "Ixy_wrist_2_joint",
+    "Iyy_wrist_2_joint",
+    "Ixz_wrist_2_joint",
+    "Iyz_wrist_2_joint",
+    "Izz_wrist_2_joint",
+    "m_wrist_3_joint",
+    "mcx_wrist_3_joint",
+    "mcy_wrist_3_joint",
+    "mcz_wrist_3_joint",
+    "Ixx_wrist_3_joint",
+    "Ixy_wrist_3_joint",
+    "Iyy_wrist_3_joint",
+    "Ixz_wrist_3_joint",
+    "Iyz_wrist_3_joint",
+    "Izz_wrist_3_joint",
+];
+
+/// Inertial parameters `π` of links and rotors as described.
+///
+/// `W(y, ẏ, ÿ) π = M ÿ + k − q_gravity`
+///
+/// - returns `π: [60]`: in the order of `INERTIAL_PARAMETER_NAMES`
+///
+/// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
+#[inline]
+#[must_use]
+pub fn inertial_parameters() -> [f64; 60] {
+    let mut pi = [0.0; 60];
+    inertial_parameters_into(&mut pi);
+    pi
+}
+
+/// `inertial_parameters` with its results written in place; nothing of what stood there is read.
+pub fn inertial_parameters_into(pi: &mut [f64; 60]) {
+    pi[0] = 3.7;
+    pi[1] = 0.0;
+    pi[2] = 0.0;
+    pi[3] = 0.0;
+    pi[4] = 0.010267495893000002;
+    pi[5] = 0.0;
+    pi[6] = 0.010267495893000002;
+    pi[7] = 0.0;
+    pi[8] = 0.0;
+    pi[9] = 0.006660000000000001;
+    pi[10] = 8.393;
+    pi[11] = 0.0;
+    pi[12] = 0.0;
+    pi[13] = 2.3500400000000004;
+    pi[14] = 0.8849018759100001;
+    pi[15] = 0.0;
+    pi[16] = 0.8849018759100001;
+    pi[17] = 0.0;
+    pi[18] = 0.0;
+    pi[19] = 0.015107399999999993;
+    pi[20] = 2.275;
+    pi[21] = 0.0;
+    pi[22] = 0.0;
+    pi[23] = 0.56875;
+    pi[24] = 0.191630813556;
+    pi[25] = 0.0;
+    pi[26] = 0.191630813556;
+    pi[27] = 0.0;
+    pi[28] = 0.0;
+    pi[29] = 0.004095000000000001;
+    pi[30] = 1.219;
+    pi[31] = 0.0;
+    pi[32] = 0.0;
+    pi[33] = 0.0;
+    pi[34] = 0.11117275553099999;
+    pi[35] = 0.0;
+    pi[36] = 0.11117275553099999;
+    pi[37] = 0.0;
+    pi[38] = 0.0;
+    pi[39] = 0.21941999999999998;
+    pi[40] = 1.219;
+    pi[41] = 0.0;
+    pi[42] = 0.0;
+    pi[43] = 0.0;
+    pi[44] = 0.11117275553099999;
+    pi[45] = 0.0;
+    pi[46] = 0.11117275553099999;
+    pi[47] = 0.0;
+    pi[48] = 0.0;
+    pi[49] = 0.21941999999999998;
+    pi[50] = 0.1879;
+    pi[51] = 0.0;
+    pi[52] = 0.0;
+    pi[53] = 0.0;
+    pi[54] = 0.017136473145400004;
+    pi[55] = 0.0;
+    pi[56] = 0.017136473145400004;
+    pi[57] = 0.0;
+    pi[58] = 0.0;
+    pi[59] = 0.033822000000000005;
+}
+
+/// Regressor `W` of the inertial parameters.
+///
+/// `W(y, ẏ, ÿ) π = M ÿ + k − q_gravity`
+///
+/// - `y: [N]`: coordinates: `shoulder_pan_joint`, `shoulder_lift_joint`, `elbow_joint`, `wrist_1_joint`,
+///   `wrist_2_joint`, `wrist_3_joint` in rad
+/// - `v: [N]`: velocities ẏ: `shoulder_pan_joint`, `shoulder_lift_joint`, `elbow_joint`, `wrist_1_joint`,
+///   `wrist_2_joint`, `wrist_3_joint` in rad/s
+/// - `a: [N]`: accelerations ÿ: `shoulder_pan_joint`, `shoulder_lift_joint`, `elbow_joint`, `wrist_1_joint`,
+///   `wrist_2_joint`, `wrist_3_joint` in rad/s²
+/// - returns `W: [N × 60]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; those of
+///   rotors stand last
+///
+/// Cost: 454 multiplications, 366 additions, 0 divisions, 5 function calls (`sin_cos`).
+///
+/// The inverse dynamics are `W π + τ − springs`, with friction τ and the springs' forces. Independent of the
+/// described inertias (Atkeson, An and Hollerbach 1986).
+#[inline]
+#[must_use]
+pub fn inertial_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 60]; N] {
+    let mut w = [[0.0; 60]; 6];
+    inertial_regressor_into(y, v, a, &mut w);
+    w
+}
+
+/// `inertial_regressor` with its results written in place; nothing of what stood there is read.
+pub fn inertial_regressor_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    w: &mut [[f64; 60]; N],
+) {
+    w[0][0] = 0.0;
+    w[0][1] = 0.0;
+    w[0][2] = 0.0;
+    w[0][3] = 0.0;
+    w[0][4] = 0.0;
+    w[0][5] = 0.0;
+    w[0][6] = 0.0;
+    w[0][7] = 0.0;
+    w[0][8] = 0.0;
+    w[0][9] = a[0];
+    w[1][0] = 0.0;
+    w[1][1] = 0.0;
+    w[1][2] = 0.0;
+    w[1][3] = 0.0;
+    w[1][4] = 0.0;
+    w[1][5] = 0.0;
+    w[1][6] = 0.0;
+    w[1][7] = 0.0;
+    w[1][8] = 0.0;
+    w[1][9] = 0.0;
+    w[1][10] = 0.0;
+    w[1][12] = 0.0;
+    w[1][16] = a[1];
+    w[2][0] = 0.0;
+    w[2][1] = 0.0;
+    w[2][2] = 0.0;
+    w[2][3] = 0.0;
+    w[2][4] = 0.0;
+    w[2][5] = 0.0;
+    w[2][6] = 0.0;
+    w[2][7] = 0.0;
+    w[2][8] = 0.0;
+    w[2][9] = 0.0;
+    w[2][10] = 0.0;
+    w[2][11] = 0.0;
+    w[2][12] = 0.0;
+    w[2][13] = 0.0;
+    w[2][14] = 0.0;
+    w[2][15] = 0.0;
+    w[2][16] = 0.0;
+    w[2][17] = 0.0;
+    w[2][18] = 0.0;
+    w[2][19] = 0.0;
+    w[2][20] = 0.0;
+    w[2][22] = 0.0;
+    w[3][0] = 0.0;
+    w[3][1] = 0.0;
+    w[3][2] = 0.0;
+    w[3][3] = 0.0;
+    w[3][4] = 0.0;
+    w[3][5] = 0.0;
+    w[3][6] = 0.0;
+    w[3][7] = 0.0;
+    w[3][8] = 0.0;
+    w[3][9] = 0.0;
+    w[3][10] = 0.0;
+    w[3][11] = 0.0;
+    w[3][12] = 0.0;
+    w[3][13] = 0.0;
+    w[3][14] = 0.0;
+    w[3][15] = 0.0;
+    w[3][16] = 0.0;
+    w[3][17] = 0.0;
+    w[3][18] = 0.0;
+    w[3][19] = 0.0;
+    w[3][20] = 0.0;
+    w[3][21] = 0.0;
+    w[3][22] = 0.0;
+    w[3][23] = 0.0;
+    w[3][24] = 0.0;
+    w[3][25] = 0.0;
+    w[3][26] = 0.0;
+    w[3][27] = 0.0;
+    w[3][28] = 0.0;
+    w[3][29] = 0.0;
+    w[3][30] = 0.0;
+    w[3][32] = 0.0;
+    w[3][40] = 0.0;
+    w[4][0] = 0.0;
+    w[4][1] = 0.0;
+    w[4][2] = 0.0;
+    w[4][3] = 0.0;
+    w[4][4] = 0.0;
+    w[4][5] = 0.0;
+    w[4][6] = 0.0;
+    w[4][7] = 0.0;
+    w[4][8] = 0.0;
+    w[4][9] = 0.0;
+    w[4][10] = 0.0;
+    w[4][11] = 0.0;
+    w[4][12] = 0.0;
+    w[4][13] = 0.0;
+    w[4][14] = 0.0;
+    w[4][15] = 0.0;
+    w[4][16] = 0.0;
+    w[4][17] = 0.0;
+    w[4][18] = 0.0;
+    w[4][19] = 0.0;
+    w[4][20] = 0.0;
+    w[4][21] = 0.0;
+    w[4][22] = 0.0;
+    w[4][23] = 0.0;
+    w[4][24] = 0.0;
+    w[4][25] = 0.0;
+    w[4][26] = 0.0;
+    w[4][27] = 0.0;
+    w[4][28] = 0.0;
+    w[4][29] = 0.0;
+    w[4][30] = 0.0;
+    w[4][31] = 0.0;
+    w[4][32] = 0.0;
+    w[4][33] = 0.0;
+    w[4][34] = 0.0;
+    w[4][35] = 0.0;
+    w[4][36] = 0.0;
+    w[4][37] = 0.0;
+    w[4][38] = 0.0;
+    w[4][39] = 0.0;
+    w[4][40] = 0.0;
+    w[4][43] = 0.0;
+    w[4][50] = 0.0;
+    w[5][0] = 0.0;
+    w[5][1] = 0.0;
+    w[5][2] = 0.0;
+    w[5][3] = 0.0;
+    w[5][4] = 0.0;
+    w[5][5] = 0.0;
+    w[5][6] = 0.0;
+    w[5][7] = 0.0;
+    w[5][8] = 0.0;
+    w[5][9] = 0.0;
+    w[5][10] = 0.0;
+    w[5][11] = 0.0;
+    w[5][12] = 0.0;
+    w[5][13] = 0.0;
+    w[5][14] = 0.0;
+    w[5][15] = 0.0;
+    w[5][16] = 0.0;
+    w[5][17] = 0.0;
+    w[5][18] = 0.0;
+    w[5][19] = 0.0;
+    w[5][20] = 0.0;
+    w[5][21] = 0.0;
+    w[5][22] = 0.0;
+    w[5][23] = 0.0;
+    w[5][24] = 0.0;
+    w[5][25] = 0.0;
+    w[5][26] = 0.0;
+    w[5][27] = 0.0;
+    w[5][28] = 0.0;
+    w[5][29] = 0.0;
+    w[5][30] = 0.0;
+    w[5][31] = 0.0;
+    w[5][32] = 0.0;
+    w[5][33] = 0.0;
+    w[5][34] = 0.0;
+    w[5][35] = 0.0;
+    w[5][36] = 0.0;
+    w[5][37] = 0.0;
+    w[5][38] = 0.0;
+    w[5][39] = 0.0;
+    w[5][40] = 0.0;
+    w[5][41] = 0.0;
+    w[5][42] = 0.0;
+    w[5][43] = 0.0;
+    w[5][44] = 0.0;
+    w[5][45] = 0.0;
+    w[5][46] = 0.0;
+    w[5][47] = 0.0;
+    w[5][48] = 0.0;
+    w[5][49] = 0.0;
+    w[5][50] = 0.0;
+    w[5][52] = 0.0;
+    let (
+        [sin_shoulder_lift_joint,
+        sin_elbow_joint,
+        sin_wrist_1_joint,
+        sin_wrist_2_joint,
+        ],
+        [cos_shoulder_lift_joint,
+        cos_elbow_joint,
+        cos_wrist_1_joint,
+        cos_wrist_2_joint,
+        ],
+    ) = math::sin_cos_4(y[1], y[2], y[3], y[4]);
+    let (sin_wrist_3_joint, cos_wrist_3_joint) = math::sin_cos(y[5]);
+    let omega_shoulder_lift_joint_x = v[0] * sin_shoulder_lift_joint;
+    let t11 = v[1] * omega_shoulder_lift_joint_x;
+    let t12 = a[0] * cos_shoulder_lift_joint;
+    let t13 = t12 - t11;
+    let t14 = t11 + t13;
+    let t15 = 0.10915 * t14;
+    let t16 = 9.81 * sin_shoulder_lift_joint;
+    let acceleration_shoulder_lift_joint_x = t16 + t15;
+    let t18 = 0.0267 * t14;
+    let t19 = acceleration_shoulder_lift_joint_x + t18;
+    w[1][11] = t19;
+    let t20 = 0.13585 * cos_shoulder_lift_joint;
+    let t21 = t19 * t20;
+    let omega_shoulder_lift_joint_y = v[0] * cos_shoulder_lift_joint;
+    let t23 = v[1] * omega_shoulder_lift_joint_y;
+    let t24 = a[0] * sin_shoulder_lift_joint;
+    let t25 = t24 + t23;
+    let t26 = t23 - t25;
+    w[1][18] = t26;
+    let t27 = 0.10915 * t26;
+    let t28 = 9.81 * cos_shoulder_lift_joint;
+    let acceleration_shoulder_lift_joint_y = t28 + t27;
+    let t30 = 0.0267 * t26;
+    let t31 = acceleration_shoulder_lift_joint_y + t30;
+    let t32 = 0.13585 * sin_shoulder_lift_joint;
+    let t33 = t31 * t32;
+    let t34 = t33 - t21;
+    let t35 = omega_shoulder_lift_joint_y * omega_shoulder_lift_joint_y;
+    let t36 = omega_shoulder_lift_joint_x * omega_shoulder_lift_joint_x;
+    let t37 = t36 + t35;
+    let t38 = 0.13585 * t37;
+    let t39 = sin_shoulder_lift_joint * t38;
+    let t40 = omega_shoulder_lift_joint_x * omega_shoulder_lift_joint_y;
+    w[1][14] = t40;
+    let t41 = a[1] - t40;
+    let t42 = t41 * t20;
+    let t43 = v[1] * v[1];
+    let t44 = t36 + t43;
+    let t45 = t44 * t32;
+    let t46 = t45 - t42;
+    let t47 = t46 - t39;
+    let t48 = sin_shoulder_lift_joint * t31;
+    let t49 = t14 * t20;
+    let t50 = t26 * t32;
+    let t51 = t50 - t49;
+    let t52 = t51 + t48;
+    let t53 = cos_shoulder_lift_joint * t19;
+    let t54 = t53 - t52;
+    w[0][12] = t54;
+    let t55 = cos_shoulder_lift_joint * t38;
+    let t56 = t35 + t43;
+    let t57 = t56 * t20;
+    let t58 = a[1] + t40;
+    let t59 = t58 * t32;
+    let t60 = t59 + t57;
+    let t61 = t60 - t55;
+    w[0][13] = t61;
+    let t62 = cos_shoulder_lift_joint * t13;
+    let t63 = sin_shoulder_lift_joint * t23;
+    let t64 = t62 - t63;
+    w[0][14] = t64;
+    let t65 = t44 - t37;
+    let t66 = sin_shoulder_lift_joint * t65;
+    let t67 = cos_shoulder_lift_joint * t41;
+    let t68 = t67 - t66;
+    let t69 = cos_shoulder_lift_joint * t11;
+    let t70 = t63 - t69;
+    w[0][16] = t70;
+    let t71 = t11 - t13;
+    let t72 = sin_shoulder_lift_joint * t71;
+    let t73 = t23 + t25;
+    let t74 = cos_shoulder_lift_joint * t73;
+    let t75 = t74 - t72;
+    w[0][17] = t75;
+    let t76 = t56 - t37;
+    let t77 = cos_shoulder_lift_joint * t76;
+    let t78 = sin_shoulder_lift_joint * t58;
+    let t79 = t77 + t78;
+    let t80 = sin_shoulder_lift_joint * t25;
+    let t81 = t69 + t80;
+    w[0][19] = t81;
+    let t82 = 0.425 * t58;
+    let t83 = acceleration_shoulder_lift_joint_y - t82;
+    let t84 = sin_elbow_joint * t83;
+    let t85 = 0.425 * t56;
+    let t86 = acceleration_shoulder_lift_joint_x + t85;
+    let t87 = cos_elbow_joint * t86;
+    let acceleration_elbow_joint_x = t87 + t84;
+    let t89 = sin_elbow_joint * omega_shoulder_lift_joint_y;
+    let t90 = cos_elbow_joint * omega_shoulder_lift_joint_x;
+    let omega_elbow_joint_x = t90 + t89;
+    let t92 = v[2] * omega_elbow_joint_x;
+    let t93 = cos_elbow_joint * t13;
+    let t94 = t93 - t92;
+    let t95 = sin_elbow_joint * t25;
+    let t96 = t95 - t94;
+    let omega_elbow_joint_z = v[1] + v[2];
+    let t98 = omega_elbow_joint_x * omega_elbow_joint_z;
+    let t99 = t98 - t96;
+    let t100 = 0.093 * t99;
+    let t101 = acceleration_elbow_joint_x - t100;
+    w[2][21] = t101;
+    let t102 = cos_shoulder_lift_joint * cos_elbow_joint;
+    let t103 = sin_shoulder_lift_joint * sin_elbow_joint;
+    let t104 = t103 - t102;
+    let t105 = 0.093 * t104;
+    let t106 = 0.10915 * sin_shoulder_lift_joint;
+    let t107 = sin_elbow_joint * t106;
+    let t108 = 0.10915 * cos_shoulder_lift_joint;
+    let t109 = cos_elbow_joint * t108;
+    let t110 = t109 - t107;
+    let t111 = t110 + t105;
+    let t112 = t111 * t101;
+    let t113 = cos_elbow_joint * omega_shoulder_lift_joint_y;
+    let t114 = sin_elbow_joint * omega_shoulder_lift_joint_x;
+    let omega_elbow_joint_y = t114 - t113;
+    let t116 = omega_elbow_joint_y * omega_elbow_joint_y;
+    let t117 = omega_elbow_joint_x * omega_elbow_joint_x;
+    let t118 = t117 + t116;
+    let t119 = 0.093 * t118;
+    let t120 = 0.425 * t71;
+    let acceleration_shoulder_lift_joint_z = 0.10915 * t37;
+    let acceleration_elbow_joint_z = acceleration_shoulder_lift_joint_z + t120;
+    let t123 = acceleration_elbow_joint_z - t119;
+    let t124 = 0.425 * cos_shoulder_lift_joint;
+    let t125 = t124 * t123;
+    let t126 = t125 - t112;
+    let t127 = cos_elbow_joint * t83;
+    let t128 = sin_elbow_joint * t86;
+    let acceleration_elbow_joint_y = t128 - t127;
+    let t130 = v[2] * omega_elbow_joint_y;
+    let t131 = sin_elbow_joint * t13;
+    let t132 = t131 - t130;
+    let t133 = cos_elbow_joint * t25;
+    let t134 = t133 + t132;
+    let t135 = omega_elbow_joint_y * omega_elbow_joint_z;
+    let t136 = t135 + t134;
+    let t137 = 0.093 * t136;
+    let t138 = acceleration_elbow_joint_y - t137;
+    w[2][23] = t138;
+    let t139 = cos_shoulder_lift_joint * sin_elbow_joint;
+    let t140 = sin_shoulder_lift_joint * cos_elbow_joint;
+    let t141 = t140 + t139;
+    let t142 = 0.093 * t141;
+    let t143 = cos_elbow_joint * t106;
+    let t144 = sin_elbow_joint * t108;
+    let t145 = t144 + t143;
+    let t146 = t145 - t142;
+    let t147 = t146 * t138;
+    let t148 = t147 - t126;
+    w[0][20] = t148;
+    let t149 = t141 * t123;
+    let t150 = omega_elbow_joint_x * omega_elbow_joint_y;
+    w[1][29] = t150;
+    w[2][29] = t150;
+    let t151 = a[1] + a[2];
+    w[1][26] = t151;
+    w[2][26] = t151;
+    let t152 = t151 + t150;
+    let t153 = t152 * t111;
+    let t154 = omega_elbow_joint_z * omega_elbow_joint_z;
+    let t155 = t117 + t154;
+    let t156 = t155 * t146;
+    let t157 = t156 - t153;
+    let t158 = t149 - t157;
+    let t159 = t135 - t134;
+    let t160 = t124 * t159;
+    let t161 = t160 + t158;
+    w[0][21] = t161;
+    let t162 = t141 * t138;
+    let t163 = t111 * t99;
+    let t164 = t118 * t124;
+    let t165 = t164 - t163;
+    let t166 = t146 * t136;
+    let t167 = t166 - t165;
+    let t168 = t162 + t167;
+    let t169 = t104 * t101;
+    let t170 = t169 - t168;
+    let t171 = t104 * t123;
+    let t172 = t116 + t154;
+    let t173 = t172 * t111;
+    let t174 = t151 - t150;
+    let t175 = t174 * t146;
+    let t176 = t175 + t173;
+    let t177 = t171 + t176;
+    let t178 = t98 + t96;
+    let t179 = t124 * t178;
+    let t180 = t179 - t177;
+    let t181 = t104 * t96;
+    let t182 = t135 * t141;
+    let t183 = t182 + t181;
+    w[0][24] = t183;
+    let t184 = t155 - t118;
+    let t185 = t141 * t184;
+    let t186 = t152 * t104;
+    let t187 = t186 + t185;
+    w[0][25] = t187;
+    let t188 = t98 * t104;
+    let t189 = t182 - t188;
+    let t190 = t141 * t178;
+    let t191 = t104 * t159;
+    let t192 = t191 - t190;
+    w[0][27] = t192;
+    let t193 = t172 - t118;
+    let t194 = t104 * t193;
+    let t195 = t174 * t141;
+    let t196 = t194 - t195;
+    w[0][28] = t196;
+    let t197 = t141 * t134;
+    let t198 = t188 - t197;
+    let t199 = 0.39225 * t174;
+    let t200 = acceleration_elbow_joint_y + t199;
+    let t201 = cos_wrist_1_joint * t200;
+    let t202 = 0.39225 * t172;
+    let t203 = acceleration_elbow_joint_x + t202;
+    let t204 = sin_wrist_1_joint * t203;
+    let acceleration_wrist_1_joint_y = t204 + t201;
+    let t206 = sin_wrist_1_joint * t96;
+    let t207 = cos_wrist_1_joint * omega_elbow_joint_y;
+    let t208 = sin_wrist_1_joint * omega_elbow_joint_x;
+    let omega_wrist_1_joint_y = t208 + t207;
+    let t210 = v[3] * omega_wrist_1_joint_y;
+    let t211 = t210 + t206;
+    let t212 = cos_wrist_1_joint * t134;
+    let t213 = t212 - t211;
+    let omega_wrist_1_joint_z = v[3] + omega_elbow_joint_z;
+    let t215 = omega_wrist_1_joint_y * omega_wrist_1_joint_z;
+    let t216 = t215 + t213;
+    w[1][35] = t216;
+    w[2][35] = t216;
+    w[3][35] = t216;
+    let t217 = 0.093 * t216;
+    let t218 = acceleration_wrist_1_joint_y - t217;
+    let t219 = sin_wrist_1_joint * t104;
+    let t220 = cos_wrist_1_joint * t141;
+    let t221 = t220 - t219;
+    let t222 = 0.093 * t221;
+    let t223 = cos_wrist_1_joint * t145;
+    let t224 = sin_wrist_1_joint * t110;
+    let t225 = t224 + t223;
+    let t226 = t225 - t222;
+    let t227 = t226 * t218;
+    let t228 = 0.39225 * t178;
+    let acceleration_wrist_1_joint_z = acceleration_elbow_joint_z + t228;
+    let t230 = omega_wrist_1_joint_y * omega_wrist_1_joint_y;
+    let t231 = sin_wrist_1_joint * omega_elbow_joint_y;
+    let t232 = cos_wrist_1_joint * omega_elbow_joint_x;
+    let omega_wrist_1_joint_x = t232 - t231;
+    let t234 = omega_wrist_1_joint_x * omega_wrist_1_joint_x;
+    let t235 = t234 + t230;
+    let t236 = 0.093 * t235;
+    let t237 = t236 - acceleration_wrist_1_joint_z;
+    let t238 = 0.39225 * t104;
+    let t239 = t124 - t238;
+    let t240 = t239 * t237;
+    let t241 = t240 + t227;
+    let t242 = sin_wrist_1_joint * t200;
+    let t243 = cos_wrist_1_joint * t203;
+    let acceleration_wrist_1_joint_x = t243 - t242;
+    let t245 = cos_wrist_1_joint * t96;
+    let t246 = v[3] * omega_wrist_1_joint_x;
+    let t247 = t246 + t245;
+    let t248 = sin_wrist_1_joint * t134;
+    let t249 = t248 + t247;
+    let t250 = omega_wrist_1_joint_x * omega_wrist_1_joint_z;
+    let t251 = t250 - t249;
+    let t252 = 0.093 * t251;
+    let t253 = acceleration_wrist_1_joint_x - t252;
+    w[3][33] = t253;
+    let t254 = cos_wrist_1_joint * t104;
+    let t255 = sin_wrist_1_joint * t141;
+    let t256 = t255 + t254;
+    let t257 = 0.093 * t256;
+    let t258 = sin_wrist_1_joint * t145;
+    let t259 = cos_wrist_1_joint * t110;
+    let t260 = t259 - t258;
+    let t261 = t260 + t257;
+    let t262 = t261 * t253;
+    let t263 = t262 + t241;
+    w[0][30] = t263;
+    let t264 = t256 * t237;
+    let t265 = omega_wrist_1_joint_x * omega_wrist_1_joint_y;
+    w[1][34] = t265;
+    w[2][34] = t265;
+    w[3][34] = t265;
+    let t266 = a[3] + t151;
+    w[1][36] = t266;
+    w[2][36] = t266;
+    w[3][36] = t266;
+    let t267 = t266 - t265;
+    let t268 = t267 * t226;
+    let t269 = omega_wrist_1_joint_z * omega_wrist_1_joint_z;
+    let t270 = t230 + t269;
+    let t271 = t270 * t261;
+    let t272 = t271 + t268;
+    let t273 = t264 - t272;
+    let t274 = t250 + t249;
+    let t275 = t239 * t274;
+    let t276 = t275 + t273;
+    w[0][31] = t276;
+    let t277 = t256 * t253;
+    let t278 = t226 * t216;
+    let t279 = t235 * t239;
+    let t280 = t279 - t278;
+    let t281 = t261 * t251;
+    let t282 = t281 - t280;
+    let t283 = t277 - t282;
+    let t284 = t221 * t218;
+    let t285 = t284 - t283;
+    w[0][32] = t285;
+    let t286 = t221 * t237;
+    let t287 = t234 + t269;
+    let t288 = t287 * t226;
+    let t289 = t266 + t265;
+    let t290 = t289 * t261;
+    let t291 = t290 - t288;
+    let t292 = t286 - t291;
+    let t293 = t215 - t213;
+    let t294 = t239 * t293;
+    let t295 = t294 - t292;
+    w[0][33] = t295;
+    let t296 = t221 * t213;
+    let t297 = t250 * t256;
+    let t298 = t297 - t296;
+    let t299 = t270 - t235;
+    let t300 = t256 * t299;
+    let t301 = t267 * t221;
+    let t302 = t301 - t300;
+    w[0][35] = t302;
+    let t303 = t215 * t221;
+    let t304 = t297 - t303;
+    w[0][36] = t304;
+    let t305 = t256 * t293;
+    let t306 = t221 * t274;
+    let t307 = t306 - t305;
+    w[0][37] = t307;
+    let t308 = t287 - t235;
+    let t309 = t221 * t308;
+    let t310 = t289 * t256;
+    let t311 = t309 + t310;
+    w[0][38] = t311;
+    let t312 = t256 * t249;
+    let t313 = t303 + t312;
+    w[0][39] = t313;
+    let t314 = cos_wrist_2_joint * t213;
+    let t315 = sin_wrist_2_joint * omega_wrist_1_joint_x;
+    let t316 = cos_wrist_2_joint * omega_wrist_1_joint_z;
+    let omega_wrist_2_joint_y = t315 - t316;
+    let t318 = v[4] * omega_wrist_2_joint_y;
+    let t319 = sin_wrist_2_joint * t266;
+    let t320 = t319 - t318;
+    let t321 = t314 + t320;
+    let omega_wrist_2_joint_z = v[4] + omega_wrist_1_joint_y;
+    let t323 = omega_wrist_2_joint_y * omega_wrist_2_joint_z;
+    let t324 = t323 + t321;
+    w[4][47] = t324;
+    let t325 = 0.09465 * t324;
+    let t326 = cos_wrist_2_joint * acceleration_wrist_1_joint_z;
+    let t327 = t326 + t325;
+    let t328 = sin_wrist_2_joint * acceleration_wrist_1_joint_x;
+    let acceleration_wrist_2_joint_y = t328 + t327;
+    let t330 = t325 - acceleration_wrist_2_joint_y;
+    w[4][41] = t330;
+    let t331 = cos_wrist_2_joint * t221;
+    let t332 = 0.09465 * t331;
+    let t333 = cos_wrist_2_joint * t239;
+    let t334 = t333 - t332;
+    let t335 = sin_wrist_2_joint * t260;
+    let t336 = t335 - t334;
+    let t337 = t332 - t336;
+    let t338 = t330 * t337;
+    let t339 = omega_wrist_2_joint_y * omega_wrist_2_joint_y;
+    let t340 = cos_wrist_2_joint * omega_wrist_1_joint_x;
+    let t341 = sin_wrist_2_joint * omega_wrist_1_joint_z;
+    let omega_wrist_2_joint_x = t340 + t341;
+    let t343 = omega_wrist_2_joint_x * omega_wrist_2_joint_x;
+    let t344 = t343 + t339;
+    let t345 = 0.09465 * t344;
+    let acceleration_wrist_2_joint_z = acceleration_wrist_1_joint_y - t345;
+    let t347 = t345 + acceleration_wrist_2_joint_z;
+    let t348 = t225 * t347;
+    let t349 = t348 + t338;
+    let t350 = sin_wrist_2_joint * t213;
+    let t351 = v[4] * omega_wrist_2_joint_x;
+    let t352 = cos_wrist_2_joint * t266;
+    let t353 = t352 - t351;
+    let t354 = t350 - t353;
+    let t355 = omega_wrist_2_joint_x * omega_wrist_2_joint_z;
+    let t356 = t355 - t354;
+    w[4][48] = t356;
+    let t357 = 0.09465 * t356;
+    let t358 = sin_wrist_2_joint * acceleration_wrist_1_joint_z;
+    let t359 = t358 - t357;
+    let t360 = cos_wrist_2_joint * acceleration_wrist_1_joint_x;
+    let acceleration_wrist_2_joint_x = t360 - t359;
+    let t362 = t357 - acceleration_wrist_2_joint_x;
+    w[4][42] = t362;
+    let t363 = sin_wrist_2_joint * t221;
+    let t364 = 0.09465 * t363;
+    let t365 = sin_wrist_2_joint * t239;
+    let t366 = t365 - t364;
+    let t367 = cos_wrist_2_joint * t260;
+    let t368 = t367 + t366;
+    let t369 = t364 + t368;
+    let t370 = t362 * t369;
+    let t371 = t370 - t349;
+    let t372 = t256 * t330;
+    let t373 = t363 * t347;
+    let t374 = a[4] + t249;
+    w[4][49] = t374;
+    let t375 = omega_wrist_2_joint_x * omega_wrist_2_joint_y;
+    w[4][44] = t375;
+    let t376 = t375 - t374;
+    let t377 = t376 * t337;
+    let t378 = omega_wrist_2_joint_z * omega_wrist_2_joint_z;
+    let t379 = t339 + t378;
+    let t380 = t379 * t369;
+    let t381 = t380 + t377;
+    let t382 = t355 + t354;
+    let t383 = t225 * t382;
+    let t384 = t383 - t381;
+    let t385 = t373 + t384;
+    let t386 = t372 + t385;
+    w[0][41] = t386;
+    let t387 = t256 * t362;
+    let t388 = t331 * t347;
+    let t389 = t375 + t374;
+    let t390 = t389 * t369;
+    let t391 = t343 + t378;
+    let t392 = t391 * t337;
+    let t393 = t390 + t392;
+    let t394 = t323 - t321;
+    let t395 = t225 * t394;
+    let t396 = t395 + t393;
+    let t397 = t388 - t396;
+    let t398 = t387 + t397;
+    w[0][42] = t398;
+    let t399 = t331 * t330;
+    let t400 = t324 * t337;
+    let t401 = t344 * t225;
+    let t402 = t401 + t400;
+    let t403 = t356 * t369;
+    let t404 = t403 - t402;
+    let t405 = t399 - t404;
+    let t406 = t363 * t362;
+    let t407 = t406 - t405;
+    w[0][43] = t407;
+    let t408 = t331 * t321;
+    let t409 = t375 * t256;
+    let t410 = t355 * t363;
+    let t411 = t410 - t409;
+    let t412 = t408 - t411;
+    w[0][44] = t412;
+    let t413 = t363 * t394;
+    let t414 = t379 - t391;
+    let t415 = t256 * t414;
+    let t416 = t415 - t413;
+    let t417 = t331 * t382;
+    let t418 = t417 + t416;
+    let t419 = t363 * t354;
+    let t420 = t323 * t331;
+    let t421 = t409 - t420;
+    let t422 = t419 - t421;
+    w[0][46] = t422;
+    let t423 = t331 * t376;
+    let t424 = t379 - t344;
+    let t425 = t363 * t424;
+    let t426 = t425 + t423;
+    let t427 = t256 * t324;
+    let t428 = t427 - t426;
+    w[0][47] = t428;
+    let t429 = t363 * t389;
+    let t430 = t391 - t344;
+    let t431 = t331 * t430;
+    let t432 = t431 + t429;
+    let t433 = t256 * t356;
+    let t434 = t433 - t432;
+    w[0][48] = t434;
+    let t435 = t256 * t374;
+    let t436 = t410 - t420;
+    let t437 = t436 + t435;
+    w[0][49] = t437;
+    let t438 = sin_wrist_3_joint * acceleration_wrist_2_joint_x;
+    let t439 = cos_wrist_3_joint * acceleration_wrist_2_joint_z;
+    let acceleration_wrist_3_joint_y = t439 + t438;
+    let t441 = sin_wrist_3_joint * t368;
+    let t442 = cos_wrist_3_joint * t225;
+    let t443 = t442 + t441;
+    let t444 = acceleration_wrist_3_joint_y * t443;
+    let t445 = acceleration_wrist_2_joint_y * t336;
+    let t446 = t445 + t444;
+    let t447 = cos_wrist_3_joint * acceleration_wrist_2_joint_x;
+    let t448 = sin_wrist_3_joint * acceleration_wrist_2_joint_z;
+    let acceleration_wrist_3_joint_x = t448 - t447;
+    let t450 = cos_wrist_3_joint * t368;
+    let t451 = sin_wrist_3_joint * t225;
+    let t452 = t451 - t450;
+    let t453 = acceleration_wrist_3_joint_x * t452;
+    let t454 = t453 + t446;
+    w[0][50] = t454;
+    let t455 = t363 * acceleration_wrist_3_joint_y;
+    let t456 = a[5] - t354;
+    w[5][56] = t456;
+    let t457 = sin_wrist_3_joint * omega_wrist_2_joint_x;
+    let t458 = cos_wrist_3_joint * omega_wrist_2_joint_z;
+    let omega_wrist_3_joint_y = t457 + t458;
+    let t460 = cos_wrist_3_joint * omega_wrist_2_joint_x;
+    let t461 = sin_wrist_3_joint * omega_wrist_2_joint_z;
+    let omega_wrist_3_joint_x = t460 - t461;
+    let t463 = omega_wrist_3_joint_x * omega_wrist_3_joint_y;
+    w[5][54] = t463;
+    let t464 = t463 - t456;
+    let t465 = t464 * t443;
+    let t466 = omega_wrist_3_joint_y * omega_wrist_3_joint_y;
+    let omega_wrist_3_joint_z = v[5] - omega_wrist_2_joint_y;
+    let t468 = omega_wrist_3_joint_z * omega_wrist_3_joint_z;
+    let t469 = t466 + t468;
+    let t470 = t469 * t452;
+    let t471 = t470 + t465;
+    let t472 = cos_wrist_3_joint * t374;
+    let t473 = v[5] * omega_wrist_3_joint_x;
+    let t474 = t473 + t472;
+    let t475 = sin_wrist_3_joint * t321;
+    let t476 = t475 + t474;
+    let t477 = omega_wrist_3_joint_x * omega_wrist_3_joint_z;
+    let t478 = t477 + t476;
+    let t479 = t478 * t336;
+    let t480 = t479 - t471;
+    let t481 = sin_wrist_3_joint * t331;
+    let t482 = cos_wrist_3_joint * t256;
+    let t483 = t481 + t482;
+    let t484 = t483 * acceleration_wrist_2_joint_y;
+    let t485 = t484 + t480;
+    let t486 = t455 - t485;
+    w[0][51] = t486;
+    let t487 = t483 * acceleration_wrist_3_joint_x;
+    let t488 = sin_wrist_3_joint * t374;
+    let t489 = v[5] * omega_wrist_3_joint_y;
+    let t490 = t489 + t488;
+    let t491 = cos_wrist_3_joint * t321;
+    let t492 = t491 - t490;
+    let t493 = omega_wrist_3_joint_y * omega_wrist_3_joint_z;
+    let t494 = t493 + t492;
+    w[5][55] = t494;
+    let t495 = t494 * t443;
+    let t496 = omega_wrist_3_joint_x * omega_wrist_3_joint_x;
+    let t497 = t496 + t466;
+    let t498 = t497 * t336;
+    let t499 = t498 + t495;
+    let t500 = t477 - t476;
+    let t501 = t500 * t452;
+    let t502 = t501 - t499;
+    let t503 = t487 - t502;
+    let t504 = cos_wrist_3_joint * t331;
+    let t505 = sin_wrist_3_joint * t256;
+    let t506 = t504 - t505;
+    let t507 = t506 * acceleration_wrist_3_joint_y;
+    let t508 = t507 + t503;
+    w[0][52] = t508;
+    let t509 = t363 * acceleration_wrist_3_joint_x;
+    let t510 = t463 + t456;
+    let t511 = t510 * t452;
+    let t512 = t496 + t468;
+    let t513 = t512 * t443;
+    let t514 = t511 + t513;
+    let t515 = t493 - t492;
+    let t516 = t515 * t336;
+    let t517 = t516 + t514;
+    let t518 = t506 * acceleration_wrist_2_joint_y;
+    let t519 = t518 - t517;
+    let t520 = t509 + t519;
+    w[0][53] = t520;
+    let t521 = t506 * t492;
+    let t522 = t477 * t483;
+    let t523 = t463 * t363;
+    let t524 = t523 + t522;
+    let t525 = t521 - t524;
+    w[0][54] = t525;
+    let t526 = t506 * t464;
+    let t527 = t469 - t497;
+    let t528 = t483 * t527;
+    let t529 = t528 + t526;
+    let t530 = t363 * t494;
+    let t531 = t530 + t529;
+    let t532 = t363 * t456;
+    let t533 = t493 * t506;
+    let t534 = t522 - t533;
+    let t535 = t532 - t534;
+    let t536 = t483 * t515;
+    let t537 = t469 - t512;
+    w[5][57] = t537;
+    let t538 = t363 * t537;
+    let t539 = t538 + t536;
+    let t540 = t506 * t478;
+    let t541 = t540 - t539;
+    w[0][57] = t541;
+    let t542 = t483 * t510;
+    let t543 = t512 - t497;
+    let t544 = t506 * t543;
+    let t545 = t544 + t542;
+    let t546 = t363 * t500;
+    let t547 = t546 + t545;
+    w[0][58] = t547;
+    let t548 = t483 * t476;
+    let t549 = t523 + t533;
+    let t550 = t549 + t548;
+    w[0][59] = t550;
+    let t551 = t56 - t44;
+    let t552 = 0.425 * sin_elbow_joint;
+    let t553 = t552 * t101;
+    let t554 = 0.425 * cos_elbow_joint;
+    let t555 = t554 * t138;
+    let t556 = t555 - t553;
+    w[1][20] = t556;
+    let t557 = t152 * t552;
+    let t558 = t155 * t554;
+    let t559 = t558 + t557;
+    let t560 = t559 - t101;
+    let t561 = t552 * t99;
+    let t562 = t554 * t136;
+    let t563 = t562 - t561;
+    w[1][22] = t563;
+    let t564 = t172 * t552;
+    let t565 = t174 * t554;
+    let t566 = t565 - t564;
+    let t567 = t566 + t138;
+    w[1][23] = t567;
+    let t568 = t172 - t155;
+    let t569 = 0.39225 + t554;
+    let t570 = cos_wrist_1_joint * t569;
+    let t571 = sin_wrist_1_joint * t552;
+    let t572 = t571 - t570;
+    let t573 = t572 * t218;
+    let t574 = sin_wrist_1_joint * t569;
+    let t575 = cos_wrist_1_joint * t552;
+    let t576 = t575 + t574;
+    let t577 = t576 * t253;
+    let t578 = t577 + t573;
+    let t579 = t267 * t572;
+    let t580 = t270 * t576;
+    let t581 = t580 + t579;
+    let t582 = t581 - t218;
+    w[1][31] = t582;
+    let t583 = t572 * t216;
+    let t584 = t576 * t251;
+    let t585 = t584 + t583;
+    let t586 = t287 * t572;
+    let t587 = t289 * t576;
+    let t588 = t587 - t586;
+    let t589 = t588 - t253;
+    let t590 = t270 - t287;
+    w[1][37] = t590;
+    w[2][37] = t590;
+    w[3][37] = t590;
+    let t591 = sin_wrist_2_joint * t576;
+    let t592 = 0.09465 * sin_wrist_2_joint;
+    let t593 = t591 - t592;
+    let t594 = t592 + t593;
+    let t595 = t594 * t330;
+    let t596 = t572 * t347;
+    let t597 = t596 - t595;
+    let t598 = cos_wrist_2_joint * t576;
+    let t599 = 0.09465 * cos_wrist_2_joint;
+    let t600 = t598 - t599;
+    let t601 = t599 + t600;
+    let t602 = t601 * t362;
+    let t603 = t602 - t597;
+    w[1][40] = t603;
+    let t604 = cos_wrist_2_joint * t347;
+    let t605 = t594 * t376;
+    let t606 = t379 * t601;
+    let t607 = t606 - t605;
+    let t608 = t572 * t382;
+    let t609 = t608 - t607;
+    let t610 = t604 + t609;
+    let t611 = sin_wrist_2_joint * t347;
+    w[3][42] = t611;
+    let t612 = t601 * t389;
+    let t613 = t391 * t594;
+    let t614 = t613 - t612;
+    let t615 = t572 * t394;
+    let t616 = t615 - t614;
+    let t617 = t611 + t616;
+    w[1][42] = t617;
+    let t618 = sin_wrist_2_joint * t330;
+    let t619 = cos_wrist_2_joint * t362;
+    let t620 = t619 + t618;
+    let t621 = t594 * t324;
+    let t622 = t344 * t572;
+    let t623 = t622 - t621;
+    let t624 = t601 * t356;
+    let t625 = t624 - t623;
+    let t626 = t620 + t625;
+    let t627 = sin_wrist_2_joint * t321;
+    let t628 = cos_wrist_2_joint * t355;
+    let t629 = t628 + t627;
+    w[1][44] = t629;
+    w[2][44] = t629;
+    w[3][44] = t629;
+    let t630 = cos_wrist_2_joint * t394;
+    let t631 = sin_wrist_2_joint * t382;
+    let t632 = t631 + t630;
+    let t633 = cos_wrist_2_joint * t354;
+    let t634 = sin_wrist_2_joint * t323;
+    let t635 = t634 - t633;
+    w[1][46] = t635;
+    w[2][46] = t635;
+    w[3][46] = t635;
+    let t636 = sin_wrist_2_joint * t376;
+    let t637 = cos_wrist_2_joint * t424;
+    let t638 = t637 - t636;
+    w[1][47] = t638;
+    w[2][47] = t638;
+    w[3][47] = t638;
+    let t639 = cos_wrist_2_joint * t389;
+    let t640 = sin_wrist_2_joint * t430;
+    let t641 = t640 - t639;
+    let t642 = t628 + t634;
+    let t643 = sin_wrist_3_joint * t600;
+    let t644 = cos_wrist_3_joint * t572;
+    let t645 = t643 + t644;
+    let t646 = t645 * acceleration_wrist_3_joint_y;
+    let t647 = t593 * acceleration_wrist_2_joint_y;
+    let t648 = t647 + t646;
+    let t649 = cos_wrist_3_joint * t600;
+    let t650 = sin_wrist_3_joint * t572;
+    let t651 = t649 - t650;
+    let t652 = t651 * acceleration_wrist_3_joint_x;
+    let t653 = t652 - t648;
+    w[1][50] = t653;
+    let t654 = cos_wrist_2_joint * acceleration_wrist_3_joint_y;
+    let t655 = sin_wrist_2_joint * sin_wrist_3_joint;
+    let t656 = t655 * acceleration_wrist_2_joint_y;
+    let t657 = t656 + t654;
+    let t658 = t645 * t464;
+    let t659 = t469 * t651;
+    let t660 = t659 - t658;
+    let t661 = t593 * t478;
+    let t662 = t661 + t660;
+    let t663 = t657 - t662;
+    let t664 = t655 * acceleration_wrist_3_joint_x;
+    let t665 = sin_wrist_2_joint * cos_wrist_3_joint;
+    let t666 = t665 * acceleration_wrist_3_joint_y;
+    let t667 = t666 + t664;
+    let t668 = t645 * t494;
+    let t669 = t497 * t593;
+    let t670 = t669 + t668;
+    let t671 = t651 * t500;
+    let t672 = t671 + t670;
+    let t673 = t667 - t672;
+    w[1][52] = t673;
+    let t674 = cos_wrist_2_joint * acceleration_wrist_3_joint_x;
+    let t675 = t665 * acceleration_wrist_2_joint_y;
+    let t676 = t674 - t675;
+    let t677 = t651 * t510;
+    let t678 = t512 * t645;
+    let t679 = t678 - t677;
+    let t680 = t593 * t515;
+    let t681 = t680 + t679;
+    let t682 = t676 - t681;
+    let t683 = t665 * t492;
+    let t684 = t477 * t655;
+    let t685 = cos_wrist_2_joint * t463;
+    let t686 = t685 - t684;
+    let t687 = t683 + t686;
+    w[1][54] = t687;
+    w[2][54] = t687;
+    w[3][54] = t687;
+    let t688 = t665 * t464;
+    let t689 = t655 * t527;
+    let t690 = t689 + t688;
+    let t691 = cos_wrist_2_joint * t494;
+    let t692 = t691 - t690;
+    w[1][55] = t692;
+    w[2][55] = t692;
+    w[3][55] = t692;
+    let t693 = cos_wrist_2_joint * t456;
+    let t694 = t493 * t665;
+    let t695 = t684 - t694;
+    let t696 = t693 + t695;
+    w[1][56] = t696;
+    w[2][56] = t696;
+    w[3][56] = t696;
+    let t697 = t655 * t515;
+    let t698 = cos_wrist_2_joint * t537;
+    let t699 = t698 - t697;
+    let t700 = t665 * t478;
+    let t701 = t700 + t699;
+    w[1][57] = t701;
+    w[2][57] = t701;
+    w[3][57] = t701;
+    let t702 = t655 * t510;
+    let t703 = t665 * t543;
+    let t704 = t703 + t702;
+    let t705 = cos_wrist_2_joint * t500;
+    let t706 = t705 - t704;
+    let t707 = t655 * t476;
+    let t708 = t685 - t694;
+    let t709 = t708 - t707;
+    let t710 = 0.39225 * cos_wrist_1_joint;
+    let t711 = t710 * t218;
+    let t712 = 0.39225 * sin_wrist_1_joint;
+    let t713 = t712 * t253;
+    let t714 = t713 - t711;
+    let t715 = t267 * t710;
+    let t716 = t270 * t712;
+    let t717 = t716 - t715;
+    let t718 = t717 - t218;
+    w[2][31] = t718;
+    let t719 = t710 * t216;
+    let t720 = t712 * t251;
+    let t721 = t720 - t719;
+    let t722 = t287 * t710;
+    let t723 = t289 * t712;
+    let t724 = t723 + t722;
+    let t725 = t724 - t253;
+    let t726 = sin_wrist_2_joint * t712;
+    let t727 = t592 - t726;
+    let t728 = t592 - t727;
+    let t729 = t728 * t330;
+    let t730 = t710 * t347;
+    let t731 = t730 + t729;
+    let t732 = cos_wrist_2_joint * t712;
+    let t733 = t599 - t732;
+    let t734 = t599 - t733;
+    let t735 = t734 * t362;
+    let t736 = t735 + t731;
+    w[2][40] = t736;
+    let t737 = t728 * t376;
+    let t738 = t379 * t734;
+    let t739 = t738 - t737;
+    let t740 = t710 * t382;
+    let t741 = t740 + t739;
+    let t742 = t604 - t741;
+    let t743 = t734 * t389;
+    let t744 = t391 * t728;
+    let t745 = t744 - t743;
+    let t746 = t710 * t394;
+    let t747 = t746 + t745;
+    let t748 = t611 - t747;
+    w[2][42] = t748;
+    let t749 = t728 * t324;
+    let t750 = t344 * t710;
+    let t751 = t750 + t749;
+    let t752 = t734 * t356;
+    let t753 = t752 + t751;
+    let t754 = t620 + t753;
+    let t755 = sin_wrist_3_joint * t733;
+    let t756 = cos_wrist_3_joint * t710;
+    let t757 = t755 + t756;
+    let t758 = t757 * acceleration_wrist_3_joint_y;
+    let t759 = t727 * acceleration_wrist_2_joint_y;
+    let t760 = t759 + t758;
+    let t761 = cos_wrist_3_joint * t733;
+    let t762 = sin_wrist_3_joint * t710;
+    let t763 = t761 - t762;
+    let t764 = t763 * acceleration_wrist_3_joint_x;
+    let t765 = t764 - t760;
+    let t766 = t757 * t464;
+    let t767 = t469 * t763;
+    let t768 = t767 - t766;
+    let t769 = t727 * t478;
+    let t770 = t769 + t768;
+    let t771 = t657 + t770;
+    let t772 = t757 * t494;
+    let t773 = t497 * t727;
+    let t774 = t773 + t772;
+    let t775 = t763 * t500;
+    let t776 = t775 + t774;
+    let t777 = t667 + t776;
+    w[2][52] = t777;
+    let t778 = t763 * t510;
+    let t779 = t512 * t757;
+    let t780 = t779 - t778;
+    let t781 = t727 * t515;
+    let t782 = t781 + t780;
+    let t783 = t676 + t782;
+    let t784 = sin_wrist_3_joint * t599;
+    let t785 = t784 * acceleration_wrist_3_joint_y;
+    let t786 = t592 * acceleration_wrist_2_joint_y;
+    let t787 = t786 + t785;
+    let t788 = cos_wrist_3_joint * t599;
+    let t789 = t788 * acceleration_wrist_3_joint_x;
+    let t790 = t789 - t787;
+    let t791 = t784 * t464;
+    let t792 = t469 * t788;
+    let t793 = t792 - t791;
+    let t794 = t592 * t478;
+    let t795 = t794 + t793;
+    let t796 = t657 + t795;
+    let t797 = t784 * t494;
+    let t798 = t497 * t592;
+    let t799 = t798 + t797;
+    let t800 = t788 * t500;
+    let t801 = t800 + t799;
+    let t802 = t667 + t801;
+    w[3][52] = t802;
+    let t803 = t788 * t510;
+    let t804 = t512 * t784;
+    let t805 = t804 - t803;
+    let t806 = t592 * t515;
+    let t807 = t806 + t805;
+    let t808 = t676 + t807;
+    let t809 = cos_wrist_3_joint * acceleration_wrist_2_joint_y;
+    let t810 = cos_wrist_3_joint * acceleration_wrist_3_joint_x;
+    let t811 = sin_wrist_3_joint * acceleration_wrist_3_joint_y;
+    let t812 = t811 - t810;
+    let t813 = sin_wrist_3_joint * acceleration_wrist_2_joint_y;
+    let t814 = sin_wrist_3_joint * t492;
+    let t815 = cos_wrist_3_joint * t477;
+    let t816 = t815 + t814;
+    let t817 = sin_wrist_3_joint * t464;
+    let t818 = cos_wrist_3_joint * t527;
+    let t819 = t818 - t817;
+    let t820 = sin_wrist_3_joint * t493;
+    let t821 = t815 + t820;
+    w[4][56] = t821;
+    let t822 = cos_wrist_3_joint * t515;
+    let t823 = sin_wrist_3_joint * t478;
+    let t824 = t823 + t822;
+    let t825 = cos_wrist_3_joint * t510;
+    let t826 = sin_wrist_3_joint * t543;
+    let t827 = t826 - t825;
+    let t828 = cos_wrist_3_joint * t476;
+    let t829 = t820 - t828;
+    let t830 = -t34;
+    w[0][10] = t830;
+    let t831 = -t47;
+    w[0][11] = t831;
+    let t832 = -t68;
+    w[0][15] = t832;
+    let t833 = -t79;
+    w[0][18] = t833;
+    let t834 = -t170;
+    w[0][22] = t834;
+    let t835 = -t180;
+    w[0][23] = t835;
+    let t836 = -t189;
+    w[0][26] = t836;
+    let t837 = -t198;
+    w[0][29] = t837;
+    let t838 = -t298;
+    w[0][34] = t838;
+    let t839 = -t371;
+    w[0][40] = t839;
+    let t840 = -t418;
+    w[0][45] = t840;
+    let t841 = -t531;
+    w[0][55] = t841;
+    let t842 = -t535;
+    w[0][56] = t842;
+    let t843 = -t31;
+    w[1][13] = t843;
+    let t844 = -t14;
+    w[1][15] = t844;
+    let t845 = -t551;
+    w[1][17] = t845;
+    let t846 = -t40;
+    w[1][19] = t846;
+    let t847 = -t560;
+    w[1][21] = t847;
+    let t848 = -t150;
+    w[1][24] = t848;
+    w[2][24] = t848;
+    let t849 = -t99;
+    w[1][25] = t849;
+    w[2][25] = t849;
+    let t850 = -t568;
+    w[1][27] = t850;
+    w[2][27] = t850;
+    let t851 = -t136;
+    w[1][28] = t851;
+    w[2][28] = t851;
+    let t852 = -t578;
+    w[1][30] = t852;
+    let t853 = -t585;
+    w[1][32] = t853;
+    let t854 = -t589;
+    w[1][33] = t854;
+    let t855 = -t251;
+    w[1][38] = t855;
+    w[2][38] = t855;
+    w[3][38] = t855;
+    let t856 = -t265;
+    w[1][39] = t856;
+    w[2][39] = t856;
+    w[3][39] = t856;
+    let t857 = -t610;
+    w[1][41] = t857;
+    let t858 = -t626;
+    w[1][43] = t858;
+    let t859 = -t632;
+    w[1][45] = t859;
+    w[2][45] = t859;
+    w[3][45] = t859;
+    let t860 = -t641;
+    w[1][48] = t860;
+    w[2][48] = t860;
+    w[3][48] = t860;
+    let t861 = -t642;
+    w[1][49] = t861;
+    w[2][49] = t861;
+    w[3][49] = t861;
+    let t862 = -t663;
+    w[1][51] = t862;
+    let t863 = -t682;
+    w[1][53] = t863;
+    let t864 = -t706;
+    w[1][58] = t864;
+    w[2][58] = t864;
+    w[3][58] = t864;
+    let t865 = -t709;
+    w[1][59] = t865;
+    w[2][59] = t865;
+    w[3][59] = t865;
+    let t866 = -t714;
+    w[2][30] = t866;
+    let t867 = -t721;
+    w[2][32] = t867;
+    let t868 = -t725;
+    w[2][33] = t868;
+    let t869 = -t742;
+    w[2][41] = t869;
+    let t870 = -t754;
+    w[2][43] = t870;
+    let t871 = -t765;
+    w[2][50] = t871;
+    let t872 = -t771;
+    w[2][51] = t872;
+    let t873 = -t783;
+    w[2][53] = t873;
+    let t874 = -t218;
+    w[3][31] = t874;
+    let t875 = -t604;
+    w[3][41] = t875;
+    let t876 = -t620;
+    w[3][43] = t876;
+    let t877 = -t790;
+    w[3][50] = t877;
+    let t878 = -t796;
+    w[3][51] = t878;
+    let t879 = -t808;
+    w[3][53] = t879;
+    let t880 = -t414;
+    w[4][45] = t880;
+    let t881 = -t375;
+    w[4][46] = t881;
+    let t882 = -t809;
+    w[4][51] = t882;
+    let t883 = -t812;
+    w[4][52] = t883;
+    let t884 = -t813;
+    w[4][53] = t884;
+    let t885 = -t816;
+    w[4][54] = t885;
+    let t886 = -t819;
+    w[4][55] = t886;
+    let t887 = -t824;
+    w[4][57] = t887;
+    let t888 = -t827;
+    w[4][58] = t888;
+    let t889 = -t829;
+    w[4][59] = t889;
+    let minus_acceleration_wrist_3_joint_y = -acceleration_wrist_3_joint_y;
+    w[5][51] = minus_acceleration_wrist_3_joint_y;
+    let minus_acceleration_wrist_3_joint_x = -acceleration_wrist_3_joint_x;
+    w[5][53] = minus_acceleration_wrist_3_joint_x;
+    let t892 = -t500;
+    w[5][58] = t892;
+    let t893 = -t463;
+    w[5][59] = t893;
+}
+
+/// Base parameters β, the columns of `base_regressor`, each named after the inertial parameter that leads its
+/// group. 24 of 60 parameters enter the motion only in these sums:
+///
+/// - `Izz_shoulder_pan_joint + 0.0184552225 m_shoulder_lift_joint + 0.2717 mcy_shoulder_lift_joint + Izz_shoulder_lift_joint + 0.0002608225 m_elbow_joint + 0.0323 mcy_elbow_joint + Izz_elbow_joint + 0.0002608225 m_wrist_1_joint + 0.0323 mcy_wrist_1_joint + Izz_wrist_1_joint + 0.0119137225 m_wrist_2_joint + 0.0119137225 m_wrist_3_joint`
+/// - `mcx_shoulder_lift_joint`
+/// - `mcz_shoulder_lift_joint + 0.425 m_elbow_joint + 0.425 m_wrist_1_joint + 0.425 m_wrist_2_joint + 0.425 m_wrist_3_joint`
+/// - `Ixx_shoulder_lift_joint − Izz_shoulder_lift_joint + 0.180625 m_elbow_joint + 0.180625 m_wrist_1_joint + 0.180625 m_wrist_2_joint + 0.180625 m_wrist_3_joint`
+/// - `Ixy_shoulder_lift_joint`
+/// - `Iyy_shoulder_lift_joint + 0.180625 m_elbow_joint + 0.180625 m_wrist_1_joint + 0.180625 m_wrist_2_joint + 0.180625 m_wrist_3_joint`
+/// - `Ixz_shoulder_lift_joint`
+/// - `Iyz_shoulder_lift_joint + 0.0508725 m_elbow_joint − 0.425 mcy_elbow_joint + 0.0508725 m_wrist_1_joint − 0.425 mcy_wrist_1_joint + 0.0113475 m_wrist_2_joint + 0.0113475 m_wrist_3_joint`
+/// - `mcx_elbow_joint`
+/// - `mcz_elbow_joint + 0.39225 m_wrist_1_joint + 0.39225 m_wrist_2_joint + 0.39225 m_wrist_3_joint`
+/// - `Ixx_elbow_joint − Izz_elbow_joint + 0.1538600625 m_wrist_1_joint + 0.1538600625 m_wrist_2_joint + 0.1538600625 m_wrist_3_joint`
+/// - `Ixy_elbow_joint`
+/// - `Iyy_elbow_joint + 0.1538600625 m_wrist_1_joint + 0.1538600625 m_wrist_2_joint + 0.1538600625 m_wrist_3_joint`
+/// - `Ixz_elbow_joint`
+/// - `Iyz_elbow_joint − 0.39225 mcy_wrist_1_joint − 0.03647925 m_wrist_2_joint − 0.03647925 m_wrist_3_joint`
+/// - `mcx_wrist_1_joint`
+/// - `mcz_wrist_1_joint + mcz_wrist_2_joint + 0.09465 m_wrist_3_joint`
+/// - `Ixx_wrist_1_joint − Izz_wrist_1_joint + Iyy_wrist_2_joint + 0.0089586225 m_wrist_3_joint`
+/// - `Ixy_wrist_1_joint`
+/// - `Iyy_wrist_1_joint + Iyy_wrist_2_joint + 0.0089586225 m_wrist_3_joint`
+/// - `Ixz_wrist_1_joint`
+/// - `Iyz_wrist_1_joint − 0.093 mcz_wrist_2_joint − 0.00880245 m_wrist_3_joint`
+/// - `mcx_wrist_2_joint`
+/// - `mcy_wrist_2_joint + mcy_wrist_3_joint`
+/// - `Ixx_wrist_2_joint − Iyy_wrist_2_joint + Izz_wrist_3_joint`
+/// - `Ixy_wrist_2_joint`
+/// - `Ixz_wrist_2_joint`
+/// - `Iyz_wrist_2_joint − 0.09465 mcy_wrist_3_joint`
+/// - `Izz_wrist_2_joint + Izz_wrist_3_joint`
+/// - `mcx_wrist_3_joint`
+/// - `mcz_wrist_3_joint`
+/// - `Ixx_wrist_3_joint − Izz_wrist_3_joint`
+/// - `Ixy_wrist_3_joint`
+/// - `Iyy_wrist_3_joint`
+/// - `Ixz_wrist_3_joint`
+/// - `Iyz_wrist_3_joint`
+pub const BASE_PARAMETER_NAMES: [&str; 36] = [
+    "Izz_shoulder_pan_joint",
+    "mcx_shoulder_lift_joint",
+    "mcz_shoulder_lift_joint",
+    "Ixx_shoulder_lift_joint",
+    "Ixy_shoulder_lift_joint",
+    "Iyy_shoulder_lift_joint",
+    "Ixz_shoulder_lift_joint",
+    "Iyz_shoulder_lift_joint",
+    "mcx_elbow_joint",
+    "mcz_elbow_joint",
+    "Ixx_elbow_joint",
+    "Ixy_elbow_joint",
+    "Iyy_elbow_joint",
+    "Ixz_elbow_joint",
+    "Iyz_elbow_joint",
+    "mcx_wrist_1_joint",
+    "mcz_wrist_1_joint",
+    "Ixx_wrist_1_joint",
+    "Ixy_wrist_1_joint",
+    "Iyy_wrist_1_joint",
+    "Ixz_wrist_1_joint",
+    "Iyz_wrist_1_joint",
+    "mcx_wrist_2_joint",
+    "mcy_wrist_2_joint",
+    "Ixx_wrist_2_joint",
+    "Ixy_wrist_2_joint",
+    "Ixz_wrist_2_joint",
+    "Iyz_wrist_2_joint",
+    "Izz_wrist_2_joint",
+    "mcx_wrist_3_joint",
+    "mcz_wrist_3_joint",
+    "Ixx_wrist_3_joint",
+    "Ixy_wrist_3_joint",
+    "Iyy_wrist_3_joint",
+    "Ixz_wrist_3_joint",
+    "Iyz_wrist_3_joint",
+];
+
+/// Map from the inertial parameters to the base parameters: β(i) = Σ c π(j) over all (i, j, c). Found at the
+/// described values of free parameters; where lengths or gravity are free, it holds for these values alone.
+pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 94] = [
+    (0, 9, 1.0),
+    (0, 10, 0.0184552225),
+    (0, 12, 0.2717),
+    (0, 19, 1.0),
+    (0, 20, 0.0002608225),
+    (0, 22, 0.0323),
+    (0, 29, 1.0),
+    (0, 30, 0.0002608225),
+    (0, 32, 0.0323),
+    (0, 39, 1.0),
+    (0, 40, 0.0119137225),
+    (0, 50, 0.0119137225),
+    (1, 11, 1.0),
+    (2, 13, 1.0),
+    (2, 20, 0.425),
+    (2, 30, 0.425),
+    (2, 40, 0.425),
+    (2, 50, 0.425),
+    (3, 14, 1.0),
+    (3, 19, -1.0),
+    (3, 20, 0.180625),
+    (3, 30, 0.180625),
+    (3, 40, 0.180625),
+    (3, 50, 0.180625),
+    (4, 15, 1.0),
+    (5, 16, 1.0),
+    (5, 20, 0.180625),
+    (5, 30, 0.180625),
+    (5, 40, 0.180625),
+    (5, 50, 0.180625),
+    (6, 17, 1.0),
+    (7, 18, 1.0),
+    (7, 20, 0.0508725),
+    (7, 22, -0.425),
+    (7, 30, 0.0508725),
+    (7, 32, -0.425),
+    (7, 40, 0.0113475),
+    (7, 50, 0.0113475),
+    (8, 21, 1.0),
+    (9, 23, 1.0),
+    (9, 30, 0.39225),
+    (9, 40, 0.39225),
+    (9, 50, 0.39225),
+    (10, 24, 1.0),
+    (10, 29, -1.0),
+    (10, 30, 0.1538600625),
+    (10, 40, 0.1538600625),
+    (10, 50, 0.1538600625),
+    (11, 25, 1.0),
+    (12, 26, 1.0),
+    (12, 30, 0.1538600625),
+    (12, 40, 0.1538600625),
+    (12, 50, 0.1538600625),
+    (13, 27, 1.0),
+    (14, 28, 1.0),
+    (14, 32, -0.39225),
+    (14, 40, -0.03647925),
+    (14, 50, -0.03647925),
+    (15, 31, 1.0),
+    (16, 33, 1.0),
+    (16, 43, 1.0),
+    (16, 50, 0.09465),
+    (17, 34, 1.0),
+    (17, 39, -1.0),
+    (17, 46, 1.0),
+    (17, 50, 0.0089586225),
+    (18, 35, 1.0),
+    (19, 36, 1.0),
+    (19, 46, 1.0),
+    (19, 50, 0.0089586225),
+    (20, 37, 1.0),
+    (21, 38, 1.0),
+    (21, 43, -0.093),
+    (21, 50, -0.00880245),
+    (22, 41, 1.0),
+    (23, 42, 1.0),
+    (23, 52, 1.0),
+    (24, 44, 1.0),
+    (24, 46, -1.0),
+    (24, 59, 1.0),
+    (25, 45, 1.0),
+    (26, 47, 1.0),
+    (27, 48, 1.0),
+    (27, 52, -0.09465),
+    (28, 49, 1.0),
+    (28, 59, 1.0),
+    (29, 51, 1.0),
+    (30, 53, 1.0),
+    (31, 54, 1.0),
+    (31, 59, -1.0),
+    (32, 55, 1.0),
+    (33, 56, 1.0),
+    (34, 57, 1.0),
+    (35, 58, 1.0),
+];
+
+/// Regressor `W_b` of the base parameters: the independent columns of `inertial_regressor`.
+///
+/// `W_b(y, ẏ, ÿ) β = W π = M ÿ + k − q_gravity`
+///
+/// - `y: [N]`: coordinates: `shoulder_pan_joint`, `shoulder_lift_joint`, `elbow_joint`, `wrist_1_joint`,
+///   `wrist_2_joint`, `wrist_3_joint` in rad
+/// - `v: [N]`: velocities ẏ: `shoulder_pan_joint`, `shoulder_lift_joint`, `elbow_joint`, `wrist_1_joint`,
+///   `wrist_2_joint`, `wrist_3_joint` in rad/s
+/// - `a: [N]`: accelerations ÿ: `shoulder_pan_joint`, `shoulder_lift_joint`, `elbow_joint`, `wrist_1_joint`,
+///   `wrist_2_joint`, `wrist_3_joint` in rad/s²
+/// - returns `W_b: [N × 36]`: rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`
+///
+/// Cost: 360 multiplications, 293 additions, 0 divisions, 5 function calls (`sin_cos`).
+///
+/// Columns that depend on earlier ones were found numerically (Gautier 1991); stacked over states that excite the
+/// robot, W\_b has full rank.
+#[inline]
+#[must_use]
+pub fn base_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 36]; N] {
+    let mut w_b = [[0.0; 36]; 6];
+    base_regressor_into(y, v, a, &mut w_b);
+    w_b
+}
+
+/// `base_regressor` with its results written in place; nothing of what stood there is read.
+pub fn base_regressor_into(
+    y: &[f64; N],
+    v: &[f64; N],
+    a: &[f64; N],
+    w_b: &mut [[f64; 36]; N],
+) {
+    w_b[0][0] = a[0];
+    w_b[1][0] = 0.0;
+    w_b[1][5] = a[1];
+    w_b[2][0] = 0.0;
+    w_b[2][1] = 0.0;
+    w_b[2][2] = 0.0;
+    w_b[2][3] = 0.0;
+    w_b[2][4] = 0.0;
+    w_b[2][5] = 0.0;
+    w_b[2][6] = 0.0;
+    w_b[2][7] = 0.0;
+    w_b[3][0] = 0.0;
+    w_b[3][1] = 0.0;
+    w_b[3][2] = 0.0;
+    w_b[3][3] = 0.0;
+    w_b[3][4] = 0.0;
+    w_b[3][5] = 0.0;
+    w_b[3][6] = 0.0;
+    w_b[3][7] = 0.0;
+    w_b[3][8] = 0.0;
+    w_b[3][9] = 0.0;
+    w_b[3][10] = 0.0;
+    w_b[3][11] = 0.0;
+    w_b[3][12] = 0.0;
+    w_b[3][13] = 0.0;
+    w_b[3][14] = 0.0;
+    w_b[4][0] = 0.0;
+    w_b[4][1] = 0.0;
+    w_b[4][2] = 0.0;
+    w_b[4][3] = 0.0;
+    w_b[4][4] = 0.0;
+    w_b[4][5] = 0.0;
+    w_b[4][6] = 0.0;
+    w_b[4][7] = 0.0;
+    w_b[4][8] = 0.0;
+    w_b[4][9] = 0.0;
+    w_b[4][10] = 0.0;
+    w_b[4][11] = 0.0;
+    w_b[4][12] = 0.0;
+    w_b[4][13] = 0.0;
+    w_b[4][14] = 0.0;
+    w_b[4][15] = 0.0;
+    w_b[4][16] = 0.0;
+    w_b[4][17] = 0.0;
+    w_b[4][18] = 0.0;
+    w_b[4][19] = 0.0;
+    w_b[4][20] = 0.0;
+    w_b[4][21] = 0.0;
+    w_b[5][0] = 0.0;
+    w_b[5][1] = 0.0;
+    w_b[5][2] = 0.0;
+    w_b[5][3] = 0.0;
+    w_b[5][4] = 0.0;
+    w_b[5][5] = 0.0;
+    w_b[5][6] = 0.0;
+    w_b[5][7] = 0.0;
+    w_b[5][8] = 0.0;
+    w_b[5][9] = 0.0;
+    w_b[5][10] = 0.0;
+    w_b[5][11] = 0.0;
+    w_b[5][12] = 0.0;
+    w_b[5][13] = 0.0;
+    w_b[5][14] = 0.0;
+    w_b[5][15] = 0.0;
+    w_b[5][16] = 0.0;
+    w_b[5][17] = 0.0;
+    w_b[5][18] = 0.0;
+    w_b[5][19] = 0.0;
+    w_b[5][20] = 0.0;
+    w_b[5][21] = 0.0;
+    w_b[5][22] = 0.0;
+    w_b[5][23] = 0.0;
+    w_b[5][24] = 0.0;
+    w_b[5][25] = 0.0;
+    w_b[5][26] = 0.0;
+    w_b[5][27] = 0.0;
+    w_b[5][28] = 0.0;
+    let (
+        [sin_shoulder_lift_joint,
+        sin_elbow_joint,
+        sin_wrist_1_joint,
+        sin_wrist_2_joint,
+        ],
+        [cos_shoulder_lift_joint,
+        cos_elbow_joint,
+        cos_wrist_1_joint,
+        cos_wrist_2_joint,
+        ],
+    ) = math::sin_cos_4(y[1], y[2], y[3], y[4]);
+    let (sin_wrist_3_joint, cos_wrist_3_joint) = math::sin_cos(y[5]);
+    let omega_shoulder_lift_joint_y = v[0] * cos_shoulder_lift_joint;
+    let t11 = omega_shoulder_lift_joint_y * omega_shoulder_lift_joint_y;
+    let omega_shoulder_lift_joint_x = v[0] * sin_shoulder_lift_joint;
+    let t13 = omega_shoulder_lift_joint_x * omega_shoulder_lift_joint_x;
+    let t14 = t13 + t11;
+    let t15 = 0.13585 * t14;
+    let t16 = sin_shoulder_lift_joint * t15;
+    let t17 = omega_shoulder_lift_joint_x * omega_shoulder_lift_joint_y;
+    w_b[1][3] = t17;
+    let t18 = a[1] - t17;
+    let t19 = 0.13585 * cos_shoulder_lift_joint;
+    let t20 = t18 * t19;
+    let t21 = v[1] * v[1];
+    let t22 = t13 + t21;
+    let t23 = 0.13585 * sin_shoulder_lift_joint;
+    let t24 = t22 * t23;
+    let t25 = t24 - t20;
+    let t26 = t25 - t16;
+    let t27 = cos_shoulder_lift_joint * t15;
+    let t28 = t11 + t21;
+    let t29 = t28 * t19;
+    let t30 = a[1] + t17;
+    let t31 = t30 * t23;
+    let t32 = t31 + t29;
+    let t33 = t32 - t27;
+    w_b[0][2] = t33;
+    let t34 = v[1] * omega_shoulder_lift_joint_x;
+    let t35 = a[0] * cos_shoulder_lift_joint;
+    let t36 = t35 - t34;
+    let t37 = cos_shoulder_lift_joint * t36;
+    let t38 = v[1] * omega_shoulder_lift_joint_y;
+    let t39 = sin_shoulder_lift_joint * t38;
+    let t40 = t37 - t39;
+    w_b[0][3] = t40;
+    let t41 = t22 - t14;
+    let t42 = sin_shoulder_lift_joint * t41;
+    let t43 = cos_shoulder_lift_joint * t18;
+    let t44 = t43 - t42;
+    let t45 = cos_shoulder_lift_joint * t34;
+    let t46 = t39 - t45;
+    w_b[0][5] = t46;
+    let t47 = t34 - t36;
+    let t48 = sin_shoulder_lift_joint * t47;
+    let t49 = a[0] * sin_shoulder_lift_joint;
+    let t50 = t49 + t38;
+    let t51 = t38 + t50;
+    let t52 = cos_shoulder_lift_joint * t51;
+    let t53 = t52 - t48;
+    w_b[0][6] = t53;
+    let t54 = t28 - t14;
+    let t55 = cos_shoulder_lift_joint * t54;
+    let t56 = sin_shoulder_lift_joint * t30;
+    let t57 = t55 + t56;
+    let t58 = cos_elbow_joint * omega_shoulder_lift_joint_y;
+    let t59 = sin_elbow_joint * omega_shoulder_lift_joint_x;
+    let omega_elbow_joint_y = t59 - t58;
+    let t61 = omega_elbow_joint_y * omega_elbow_joint_y;
+    let t62 = sin_elbow_joint * omega_shoulder_lift_joint_y;
+    let t63 = cos_elbow_joint * omega_shoulder_lift_joint_x;
+    let omega_elbow_joint_x = t63 + t62;
+    let t65 = omega_elbow_joint_x * omega_elbow_joint_x;
+    let t66 = t65 + t61;
+    let t67 = 0.093 * t66;
+    let t68 = 0.425 * t47;
+    let acceleration_shoulder_lift_joint_z = 0.10915 * t14;
+    let acceleration_elbow_joint_z = acceleration_shoulder_lift_joint_z + t68;
+    let t71 = acceleration_elbow_joint_z - t67;
+    let t72 = cos_shoulder_lift_joint * sin_elbow_joint;
+    let t73 = sin_shoulder_lift_joint * cos_elbow_joint;
+    let t74 = t73 + t72;
+    let t75 = t74 * t71;
+    let t76 = omega_elbow_joint_x * omega_elbow_joint_y;
+    let t77 = a[1] + a[2];
+    w_b[1][12] = t77;
+    w_b[2][12] = t77;
+    let t78 = t77 + t76;
+    let t79 = cos_shoulder_lift_joint * cos_elbow_joint;
+    let t80 = sin_shoulder_lift_joint * sin_elbow_joint;
+    let t81 = t80 - t79;
+    let t82 = 0.093 * t81;
+    let t83 = 0.10915 * sin_shoulder_lift_joint;
+    let t84 = sin_elbow_joint * t83;
+    let t85 = 0.10915 * cos_shoulder_lift_joint;
+    let t86 = cos_elbow_joint * t85;
+    let t87 = t86 - t84;
+    let t88 = t87 + t82;
+    let t89 = t78 * t88;
+    let omega_elbow_joint_z = v[1] + v[2];
+    let t91 = omega_elbow_joint_z * omega_elbow_joint_z;
+    let t92 = t65 + t91;
+    let t93 = 0.093 * t74;
+    let t94 = cos_elbow_joint * t83;
+    let t95 = sin_elbow_joint * t85;
+    let t96 = t95 + t94;
+    let t97 = t96 - t93;
+    let t98 = t92 * t97;
+    let t99 = t98 - t89;
+    let t100 = t75 - t99;
+    let t101 = v[2] * omega_elbow_joint_y;
+    let t102 = sin_elbow_joint * t36;
+    let t103 = t102 - t101;
+    let t104 = cos_elbow_joint * t50;
+    let t105 = t104 + t103;
+    let t106 = omega_elbow_joint_y * omega_elbow_joint_z;
+    let t107 = t106 - t105;
+    let t108 = 0.425 * cos_shoulder_lift_joint;
+    let t109 = t108 * t107;
+    let t110 = t109 + t100;
+    w_b[0][8] = t110;
+    let t111 = t81 * t71;
+    let t112 = t61 + t91;
+    let t113 = t112 * t88;
+    let t114 = t77 - t76;
+    let t115 = t114 * t97;
+    let t116 = t115 + t113;
+    let t117 = t111 + t116;
+    let t118 = v[2] * omega_elbow_joint_x;
+    let t119 = cos_elbow_joint * t36;
+    let t120 = t119 - t118;
+    let t121 = sin_elbow_joint * t50;
+    let t122 = t121 - t120;
+    let t123 = omega_elbow_joint_x * omega_elbow_joint_z;
+    let t124 = t123 + t122;
+    let t125 = t108 * t124;
+    let t126 = t125 - t117;
+    let t127 = t81 * t122;
+    let t128 = t106 * t74;
+    let t129 = t128 + t127;
+    w_b[0][10] = t129;
+    let t130 = t92 - t66;
+    let t131 = t74 * t130;
+    let t132 = t78 * t81;
+    let t133 = t132 + t131;
+    w_b[0][11] = t133;
+    let t134 = t123 * t81;
+    let t135 = t128 - t134;
+    let t136 = t74 * t124;
+    let t137 = t81 * t107;
+    let t138 = t137 - t136;
+    w_b[0][13] = t138;
+    let t139 = t112 - t66;
+    let t140 = t81 * t139;
+    let t141 = t114 * t74;
+    let t142 = t140 - t141;
+    w_b[0][14] = t142;
+    let t143 = 0.39225 * t124;
+    let acceleration_wrist_1_joint_z = acceleration_elbow_joint_z + t143;
+    let t145 = cos_wrist_1_joint * omega_elbow_joint_y;
+    let t146 = sin_wrist_1_joint * omega_elbow_joint_x;
+    let omega_wrist_1_joint_y = t146 + t145;
+    let t148 = omega_wrist_1_joint_y * omega_wrist_1_joint_y;
+    let t149 = sin_wrist_1_joint * omega_elbow_joint_y;
+    let t150 = cos_wrist_1_joint * omega_elbow_joint_x;
+    let omega_wrist_1_joint_x = t150 - t149;
+    let t152 = omega_wrist_1_joint_x * omega_wrist_1_joint_x;
+    let t153 = t152 + t148;
+    let t154 = 0.093 * t153;
+    let t155 = t154 - acceleration_wrist_1_joint_z;
+    let t156 = cos_wrist_1_joint * t81;
+    let t157 = sin_wrist_1_joint * t74;
+    let t158 = t157 + t156;
+    let t159 = t158 * t155;
+    let t160 = omega_wrist_1_joint_x * omega_wrist_1_joint_y;
+    w_b[1][17] = t160;
+    w_b[2][17] = t160;
+    w_b[3][17] = t160;
+    let t161 = a[3] + t77;
+    w_b[1][19] = t161;
+    w_b[2][19] = t161;
+    w_b[3][19] = t161;
+    let t162 = t161 - t160;
+    let t163 = sin_wrist_1_joint * t81;
+    let t164 = cos_wrist_1_joint * t74;
+    let t165 = t164 - t163;
+    let t166 = 0.093 * t165;
+    let t167 = cos_wrist_1_joint * t96;
+    let t168 = sin_wrist_1_joint * t87;
+    let t169 = t168 + t167;
+    let t170 = t169 - t166;
+    let t171 = t162 * t170;
+    let omega_wrist_1_joint_z = v[3] + omega_elbow_joint_z;
+    let t173 = omega_wrist_1_joint_z * omega_wrist_1_joint_z;
+    let t174 = t148 + t173;
+    let t175 = 0.093 * t158;
+    let t176 = sin_wrist_1_joint * t96;
+    let t177 = cos_wrist_1_joint * t87;
+    let t178 = t177 - t176;
+    let t179 = t178 + t175;
+    let t180 = t174 * t179;
+    let t181 = t180 + t171;
+    let t182 = t159 - t181;
+    let t183 = cos_wrist_1_joint * t122;
+    let t184 = v[3] * omega_wrist_1_joint_x;
+    let t185 = t184 + t183;
+    let t186 = sin_wrist_1_joint * t105;
+    let t187 = t186 + t185;
+    let t188 = omega_wrist_1_joint_x * omega_wrist_1_joint_z;
+    let t189 = t188 + t187;
+    let t190 = 0.39225 * t81;
+    let t191 = t108 - t190;
+    let t192 = t191 * t189;
+    let t193 = t192 + t182;
+    w_b[0][15] = t193;
+    let t194 = t165 * t155;
+    let t195 = t152 + t173;
+    let t196 = t195 * t170;
+    let t197 = t161 + t160;
+    let t198 = t197 * t179;
+    let t199 = t198 - t196;
+    let t200 = t194 - t199;
+    let t201 = sin_wrist_1_joint * t122;
+    let t202 = v[3] * omega_wrist_1_joint_y;
+    let t203 = t202 + t201;
+    let t204 = cos_wrist_1_joint * t105;
+    let t205 = t204 - t203;
+    let t206 = omega_wrist_1_joint_y * omega_wrist_1_joint_z;
+    let t207 = t206 - t205;
+    let t208 = t191 * t207;
+    let t209 = t208 - t200;
+    w_b[0][16] = t209;
+    let t210 = t165 * t205;
+    let t211 = t188 * t158;
+    let t212 = t211 - t210;
+    let t213 = t174 - t153;
+    let t214 = t158 * t213;
+    let t215 = t162 * t165;
+    let t216 = t215 - t214;
+    w_b[0][18] = t216;
+    let t217 = t206 * t165;
+    let t218 = t211 - t217;
+    w_b[0][19] = t218;
+    let t219 = t158 * t207;
+    let t220 = t165 * t189;
+    let t221 = t220 - t219;
+    w_b[0][20] = t221;
+    let t222 = t195 - t153;
+    let t223 = t165 * t222;
+    let t224 = t197 * t158;
+    let t225 = t223 + t224;
+    w_b[0][21] = t225;
+    let t226 = cos_wrist_2_joint * t205;
+    let t227 = sin_wrist_2_joint * omega_wrist_1_joint_x;
+    let t228 = cos_wrist_2_joint * omega_wrist_1_joint_z;
+    let omega_wrist_2_joint_y = t227 - t228;
+    let t230 = v[4] * omega_wrist_2_joint_y;
+    let t231 = sin_wrist_2_joint * t161;
+    let t232 = t231 - t230;
+    let t233 = t226 + t232;
+    let omega_wrist_2_joint_z = v[4] + omega_wrist_1_joint_y;
+    let t235 = omega_wrist_2_joint_y * omega_wrist_2_joint_z;
+    let t236 = t235 + t233;
+    w_b[4][26] = t236;
+    let t237 = 0.09465 * t236;
+    let t238 = cos_wrist_2_joint * acceleration_wrist_1_joint_z;
+    let t239 = t238 + t237;
+    let t240 = t38 - t50;
+    w_b[1][7] = t240;
+    let t241 = 0.10915 * t240;
+    let t242 = 9.81 * cos_shoulder_lift_joint;
+    let acceleration_shoulder_lift_joint_y = t242 + t241;
+    let t244 = 0.425 * t30;
+    let t245 = acceleration_shoulder_lift_joint_y - t244;
+    let t246 = cos_elbow_joint * t245;
+    let t247 = t34 + t36;
+    let t248 = 0.10915 * t247;
+    let t249 = 9.81 * sin_shoulder_lift_joint;
+    let acceleration_shoulder_lift_joint_x = t249 + t248;
+    let t251 = 0.425 * t28;
+    let t252 = acceleration_shoulder_lift_joint_x + t251;
+    let t253 = sin_elbow_joint * t252;
+    let acceleration_elbow_joint_y = t253 - t246;
+    let t255 = 0.39225 * t114;
+    let t256 = acceleration_elbow_joint_y + t255;
+    let t257 = sin_wrist_1_joint * t256;
+    let t258 = sin_elbow_joint * t245;
+    let t259 = cos_elbow_joint * t252;
+    let acceleration_elbow_joint_x = t259 + t258;
+    let t261 = 0.39225 * t112;
+    let t262 = acceleration_elbow_joint_x + t261;
+    let t263 = cos_wrist_1_joint * t262;
+    let acceleration_wrist_1_joint_x = t263 - t257;
+    let t265 = sin_wrist_2_joint * acceleration_wrist_1_joint_x;
+    let acceleration_wrist_2_joint_y = t265 + t239;
+    let t267 = t237 - acceleration_wrist_2_joint_y;
+    w_b[4][22] = t267;
+    let t268 = t158 * t267;
+    let t269 = cos_wrist_1_joint * t256;
+    let t270 = sin_wrist_1_joint * t262;
+    let acceleration_wrist_1_joint_y = t270 + t269;
+    let t272 = omega_wrist_2_joint_y * omega_wrist_2_joint_y;
+    let t273 = cos_wrist_2_joint * omega_wrist_1_joint_x;
+    let t274 = sin_wrist_2_joint * omega_wrist_1_joint_z;
+    let omega_wrist_2_joint_x = t273 + t274;
+    let t276 = omega_wrist_2_joint_x * omega_wrist_2_joint_x;
+    let t277 = t276 + t272;
+    let t278 = 0.09465 * t277;
+    let acceleration_wrist_2_joint_z = acceleration_wrist_1_joint_y - t278;
+    let t280 = t278 + acceleration_wrist_2_joint_z;
+    let t281 = sin_wrist_2_joint * t165;
+    let t282 = t281 * t280;
+    let t283 = a[4] + t187;
+    w_b[4][28] = t283;
+    let t284 = omega_wrist_2_joint_x * omega_wrist_2_joint_y;
+    w_b[4][24] = t284;
+    let t285 = t284 - t283;
+    let t286 = cos_wrist_2_joint * t165;
+    let t287 = 0.09465 * t286;
+    let t288 = cos_wrist_2_joint * t191;
+    let t289 = t288 - t287;
+    let t290 = sin_wrist_2_joint * t178;
+    let t291 = t290 - t289;
+    let t292 = t287 - t291;
+    let t293 = t285 * t292;
+    let t294 = 0.09465 * t281;
+    let t295 = sin_wrist_2_joint * t191;
+    let t296 = t295 - t294;
+    let t297 = cos_wrist_2_joint * t178;
+    let t298 = t297 + t296;
+    let t299 = t294 + t298;
+    let t300 = omega_wrist_2_joint_z * omega_wrist_2_joint_z;
+    let t301 = t272 + t300;
+    let t302 = t301 * t299;
+    let t303 = t302 + t293;
+    let t304 = sin_wrist_2_joint * t205;
+    let t305 = v[4] * omega_wrist_2_joint_x;
+    let t306 = cos_wrist_2_joint * t161;
+    let t307 = t306 - t305;
+    let t308 = t304 - t307;
+    let t309 = omega_wrist_2_joint_x * omega_wrist_2_joint_z;
+    let t310 = t309 + t308;
+    let t311 = t169 * t310;
+    let t312 = t311 - t303;
+    let t313 = t282 + t312;
+    let t314 = t268 + t313;
+    w_b[0][22] = t314;
+    let t315 = t309 - t308;
+    w_b[4][27] = t315;
+    let t316 = 0.09465 * t315;
+    let t317 = sin_wrist_2_joint * acceleration_wrist_1_joint_z;
+    let t318 = t317 - t316;
+    let t319 = cos_wrist_2_joint * acceleration_wrist_1_joint_x;
+    let acceleration_wrist_2_joint_x = t319 - t318;
+    let t321 = t316 - acceleration_wrist_2_joint_x;
+    w_b[4][23] = t321;
+    let t322 = t158 * t321;
+    let t323 = t286 * t280;
+    let t324 = t284 + t283;
+    let t325 = t324 * t299;
+    let t326 = t276 + t300;
+    let t327 = t326 * t292;
+    let t328 = t325 + t327;
+    let t329 = t235 - t233;
+    let t330 = t169 * t329;
+    let t331 = t330 + t328;
+    let t332 = t323 - t331;
+    let t333 = t322 + t332;
+    w_b[0][23] = t333;
+    let t334 = t286 * t233;
+    let t335 = t284 * t158;
+    let t336 = t309 * t281;
+    let t337 = t336 - t335;
+    let t338 = t334 - t337;
+    w_b[0][24] = t338;
+    let t339 = t281 * t329;
+    let t340 = t301 - t326;
+    let t341 = t158 * t340;
+    let t342 = t341 - t339;
+    let t343 = t286 * t310;
+    let t344 = t343 + t342;
+    let t345 = t286 * t285;
+    let t346 = t301 - t277;
+    let t347 = t281 * t346;
+    let t348 = t347 + t345;
+    let t349 = t158 * t236;
+    let t350 = t349 - t348;
+    w_b[0][26] = t350;
+    let t351 = t281 * t324;
+    let t352 = t326 - t277;
+    let t353 = t286 * t352;
+    let t354 = t353 + t351;
+    let t355 = t158 * t315;
+    let t356 = t355 - t354;
+    w_b[0][27] = t356;
+    let t357 = t158 * t283;
+    let t358 = t235 * t286;
+    let t359 = t336 - t358;
+    let t360 = t359 + t357;
+    w_b[0][28] = t360;
+    let t361 = sin_wrist_3_joint * acceleration_wrist_2_joint_x;
+    let t362 = cos_wrist_3_joint * acceleration_wrist_2_joint_z;
+    let acceleration_wrist_3_joint_y = t362 + t361;
+    let t364 = t281 * acceleration_wrist_3_joint_y;
+    let t365 = a[5] - t308;
+    w_b[5][33] = t365;
+    let t366 = sin_wrist_3_joint * omega_wrist_2_joint_x;
+    let t367 = cos_wrist_3_joint * omega_wrist_2_joint_z;
+    let omega_wrist_3_joint_y = t366 + t367;
+    let t369 = cos_wrist_3_joint * omega_wrist_2_joint_x;
+    let t370 = sin_wrist_3_joint * omega_wrist_2_joint_z;
+    let omega_wrist_3_joint_x = t369 - t370;
+    let t372 = omega_wrist_3_joint_x * omega_wrist_3_joint_y;
+    w_b[5][31] = t372;
+    let t373 = t372 - t365;
+    let t374 = sin_wrist_3_joint * t298;
+    let t375 = cos_wrist_3_joint * t169;
+    let t376 = t375 + t374;
+    let t377 = t373 * t376;
+    let t378 = omega_wrist_3_joint_y * omega_wrist_3_joint_y;
+    let omega_wrist_3_joint_z = v[5] - omega_wrist_2_joint_y;
+    let t380 = omega_wrist_3_joint_z * omega_wrist_3_joint_z;
+    let t381 = t378 + t380;
+    let t382 = cos_wrist_3_joint * t298;
+    let t383 = sin_wrist_3_joint * t169;
+    let t384 = t383 - t382;
+    let t385 = t381 * t384;
+    let t386 = t385 + t377;
+    let t387 = cos_wrist_3_joint * t283;
+    let t388 = v[5] * omega_wrist_3_joint_x;
+    let t389 = t388 + t387;
+    let t390 = sin_wrist_3_joint * t233;
+    let t391 = t390 + t389;
+    let t392 = omega_wrist_3_joint_x * omega_wrist_3_joint_z;
+    let t393 = t392 + t391;
+    let t394 = t393 * t291;
+    let t395 = t394 - t386;
+    let t396 = sin_wrist_3_joint * t286;
+    let t397 = cos_wrist_3_joint * t158;
+    let t398 = t396 + t397;
+    let t399 = t398 * acceleration_wrist_2_joint_y;
+    let t400 = t399 + t395;
+    let t401 = t364 - t400;
+    w_b[0][29] = t401;
+    let t402 = cos_wrist_3_joint * acceleration_wrist_2_joint_x;
+    let t403 = sin_wrist_3_joint * acceleration_wrist_2_joint_z;
+    let acceleration_wrist_3_joint_x = t403 - t402;
+    let t405 = t281 * acceleration_wrist_3_joint_x;
+    let t406 = t372 + t365;
+    let t407 = t406 * t384;
+    let t408 = omega_wrist_3_joint_x * omega_wrist_3_joint_x;
+    let t409 = t408 + t380;
+    let t410 = t409 * t376;
+    let t411 = t407 + t410;
+    let t412 = sin_wrist_3_joint * t283;
+    let t413 = v[5] * omega_wrist_3_joint_y;
+    let t414 = t413 + t412;
+    let t415 = cos_wrist_3_joint * t233;
+    let t416 = t415 - t414;
+    let t417 = omega_wrist_3_joint_y * omega_wrist_3_joint_z;
+    let t418 = t417 - t416;
+    let t419 = t418 * t291;
+    let t420 = t419 + t411;
+    let t421 = cos_wrist_3_joint * t286;
+    let t422 = sin_wrist_3_joint * t158;
+    let t423 = t421 - t422;
+    let t424 = t423 * acceleration_wrist_2_joint_y;
+    let t425 = t424 - t420;
+    let t426 = t405 + t425;
+    w_b[0][30] = t426;
+    let t427 = t423 * t416;
+    let t428 = t392 * t398;
+    let t429 = t372 * t281;
+    let t430 = t429 + t428;
+    let t431 = t427 - t430;
+    w_b[0][31] = t431;
+    let t432 = t423 * t373;
+    let t433 = t408 + t378;
+    let t434 = t381 - t433;
+    let t435 = t398 * t434;
+    let t436 = t435 + t432;
+    let t437 = t417 + t416;
+    w_b[5][32] = t437;
+    let t438 = t281 * t437;
+    let t439 = t438 + t436;
+    let t440 = t281 * t365;
+    let t441 = t417 * t423;
+    let t442 = t428 - t441;
+    let t443 = t440 - t442;
+    let t444 = t398 * t418;
+    let t445 = t381 - t409;
+    w_b[5][34] = t445;
+    let t446 = t281 * t445;
+    let t447 = t446 + t444;
+    let t448 = t423 * t393;
+    let t449 = t448 - t447;
+    w_b[0][34] = t449;
+    let t450 = t398 * t406;
+    let t451 = t409 - t433;
+    let t452 = t423 * t451;
+    let t453 = t452 + t450;
+    let t454 = t392 - t391;
+    let t455 = t281 * t454;
+    let t456 = t455 + t453;
+    w_b[0][35] = t456;
+    let t457 = 0.0267 * t247;
+    let t458 = acceleration_shoulder_lift_joint_x + t457;
+    w_b[1][1] = t458;
+    let t459 = 0.0267 * t240;
+    let t460 = acceleration_shoulder_lift_joint_y + t459;
+    let t461 = t28 - t22;
+    let t462 = t123 - t122;
+    let t463 = 0.093 * t462;
+    let t464 = acceleration_elbow_joint_x - t463;
+    w_b[2][8] = t464;
+    let t465 = 0.425 * sin_elbow_joint;
+    let t466 = t78 * t465;
+    let t467 = 0.425 * cos_elbow_joint;
+    let t468 = t92 * t467;
+    let t469 = t468 + t466;
+    let t470 = t469 - t464;
+    let t471 = t106 + t105;
+    let t472 = 0.093 * t471;
+    let t473 = acceleration_elbow_joint_y - t472;
+    w_b[2][9] = t473;
+    let t474 = t112 * t465;
+    let t475 = t114 * t467;
+    let t476 = t475 - t474;
+    let t477 = t476 + t473;
+    w_b[1][9] = t477;
+    let t478 = t112 - t92;
+    let t479 = t206 + t205;
+    w_b[1][18] = t479;
+    w_b[2][18] = t479;
+    w_b[3][18] = t479;
+    let t480 = 0.093 * t479;
+    let t481 = acceleration_wrist_1_joint_y - t480;
+    let t482 = 0.39225 + t467;
+    let t483 = cos_wrist_1_joint * t482;
+    let t484 = sin_wrist_1_joint * t465;
+    let t485 = t484 - t483;
+    let t486 = t162 * t485;
+    let t487 = sin_wrist_1_joint * t482;
+    let t488 = cos_wrist_1_joint * t465;
+    let t489 = t488 + t487;
+    let t490 = t174 * t489;
+    let t491 = t490 + t486;
+    let t492 = t491 - t481;
+    w_b[1][15] = t492;
+    let t493 = t188 - t187;
+    let t494 = 0.093 * t493;
+    let t495 = acceleration_wrist_1_joint_x - t494;
+    w_b[3][16] = t495;
+    let t496 = t195 * t485;
+    let t497 = t197 * t489;
+    let t498 = t497 - t496;
+    let t499 = t498 - t495;
+    let t500 = t174 - t195;
+    w_b[1][20] = t500;
+    w_b[2][20] = t500;
+    w_b[3][20] = t500;
+    let t501 = cos_wrist_2_joint * t280;
+    let t502 = sin_wrist_2_joint * t489;
+    let t503 = 0.09465 * sin_wrist_2_joint;
+    let t504 = t502 - t503;
+    let t505 = t503 + t504;
+    let t506 = t505 * t285;
+    let t507 = cos_wrist_2_joint * t489;
+    let t508 = 0.09465 * cos_wrist_2_joint;
+    let t509 = t507 - t508;
+    let t510 = t508 + t509;
+    let t511 = t301 * t510;
+    let t512 = t511 - t506;
+    let t513 = t485 * t310;
+    let t514 = t513 - t512;
+    let t515 = t501 + t514;
+    let t516 = sin_wrist_2_joint * t280;
+    w_b[3][23] = t516;
+    let t517 = t510 * t324;
+    let t518 = t326 * t505;
+    let t519 = t518 - t517;
+    let t520 = t485 * t329;
+    let t521 = t520 - t519;
+    let t522 = t516 + t521;
+    w_b[1][23] = t522;
+    let t523 = sin_wrist_2_joint * t233;
+    let t524 = cos_wrist_2_joint * t309;
+    let t525 = t524 + t523;
+    w_b[1][24] = t525;
+    w_b[2][24] = t525;
+    w_b[3][24] = t525;
+    let t526 = cos_wrist_2_joint * t329;
+    let t527 = sin_wrist_2_joint * t310;
+    let t528 = t527 + t526;
+    let t529 = sin_wrist_2_joint * t285;
+    let t530 = cos_wrist_2_joint * t346;
+    let t531 = t530 - t529;
+    w_b[1][26] = t531;
+    w_b[2][26] = t531;
+    w_b[3][26] = t531;
+    let t532 = cos_wrist_2_joint * t324;
+    let t533 = sin_wrist_2_joint * t352;
+    let t534 = t533 - t532;
+    let t535 = sin_wrist_2_joint * t235;
+    let t536 = t524 + t535;
+    let t537 = cos_wrist_2_joint * acceleration_wrist_3_joint_y;
+    let t538 = sin_wrist_2_joint * sin_wrist_3_joint;
+    let t539 = t538 * acceleration_wrist_2_joint_y;
+    let t540 = t539 + t537;
+    let t541 = sin_wrist_3_joint * t509;
+    let t542 = cos_wrist_3_joint * t485;
+    let t543 = t541 + t542;
+    let t544 = t543 * t373;
+    let t545 = cos_wrist_3_joint * t509;
+    let t546 = sin_wrist_3_joint * t485;
+    let t547 = t545 - t546;
+    let t548 = t381 * t547;
+    let t549 = t548 - t544;
+    let t550 = t504 * t393;
+    let t551 = t550 + t549;
+    let t552 = t540 - t551;
+    let t553 = cos_wrist_2_joint * acceleration_wrist_3_joint_x;
+    let t554 = sin_wrist_2_joint * cos_wrist_3_joint;
+    let t555 = t554 * acceleration_wrist_2_joint_y;
+    let t556 = t553 - t555;
+    let t557 = t547 * t406;
+    let t558 = t409 * t543;
+    let t559 = t558 - t557;
+    let t560 = t504 * t418;
+    let t561 = t560 + t559;
+    let t562 = t556 - t561;
+    let t563 = t554 * t416;
+    let t564 = t392 * t538;
+    let t565 = cos_wrist_2_joint * t372;
+    let t566 = t565 - t564;
+    let t567 = t563 + t566;
+    w_b[1][31] = t567;
+    w_b[2][31] = t567;
+    w_b[3][31] = t567;
+    let t568 = t554 * t373;
+    let t569 = t538 * t434;
+    let t570 = t569 + t568;
+    let t571 = cos_wrist_2_joint * t437;
+    let t572 = t571 - t570;
+    w_b[1][32] = t572;
+    w_b[2][32] = t572;
+    w_b[3][32] = t572;
+    let t573 = cos_wrist_2_joint * t365;
+    let t574 = t417 * t554;
+    let t575 = t564 - t574;
+    let t576 = t573 + t575;
+    w_b[1][33] = t576;
+    w_b[2][33] = t576;
+    w_b[3][33] = t576;
+    let t577 = t538 * t418;
+    let t578 = cos_wrist_2_joint * t445;
+    let t579 = t578 - t577;
+    let t580 = t554 * t393;
+    let t581 = t580 + t579;
+    w_b[1][34] = t581;
+    w_b[2][34] = t581;
+    w_b[3][34] = t581;
+    let t582 = t538 * t406;
+    let t583 = t554 * t451;
+    let t584 = t583 + t582;
+    let t585 = cos_wrist_2_joint * t454;
+    let t586 = t585 - t584;
+    let t587 = 0.39225 * cos_wrist_1_joint;
+    let t588 = t162 * t587;
+    let t589 = 0.39225 * sin_wrist_1_joint;
+    let t590 = t174 * t589;
+    let t591 = t590 - t588;
+    let t592 = t591 - t481;
+    w_b[2][15] = t592;
+    let t593 = t195 * t587;
+    let t594 = t197 * t589;
+    let t595 = t594 + t593;
+    let t596 = t595 - t495;
+    let t597 = sin_wrist_2_joint * t589;
+    let t598 = t503 - t597;
+    let t599 = t503 - t598;
+    let t600 = t599 * t285;
+    let t601 = cos_wrist_2_joint * t589;
+    let t602 = t508 - t601;
+    let t603 = t508 - t602;
+    let t604 = t301 * t603;
+    let t605 = t604 - t600;
+    let t606 = t587 * t310;
+    let t607 = t606 + t605;
+    let t608 = t501 - t607;
+    let t609 = t603 * t324;
+    let t610 = t326 * t599;
+    let t611 = t610 - t609;
+    let t612 = t587 * t329;
+    let t613 = t612 + t611;
+    let t614 = t516 - t613;
+    w_b[2][23] = t614;
+    let t615 = sin_wrist_3_joint * t602;
+    let t616 = cos_wrist_3_joint * t587;
+    let t617 = t615 + t616;
+    let t618 = t617 * t373;
+    let t619 = cos_wrist_3_joint * t602;
+    let t620 = sin_wrist_3_joint * t587;
+    let t621 = t619 - t620;
+    let t622 = t381 * t621;
+    let t623 = t622 - t618;
+    let t624 = t598 * t393;
+    let t625 = t624 + t623;
+    let t626 = t540 + t625;
+    let t627 = t621 * t406;
+    let t628 = t409 * t617;
+    let t629 = t628 - t627;
+    let t630 = t598 * t418;
+    let t631 = t630 + t629;
+    let t632 = t556 + t631;
+    let t633 = sin_wrist_3_joint * t508;
+    let t634 = t633 * t373;
+    let t635 = cos_wrist_3_joint * t508;
+    let t636 = t381 * t635;
+    let t637 = t636 - t634;
+    let t638 = t503 * t393;
+    let t639 = t638 + t637;
+    let t640 = t540 + t639;
+    let t641 = t635 * t406;
+    let t642 = t409 * t633;
+    let t643 = t642 - t641;
+    let t644 = t503 * t418;
+    let t645 = t644 + t643;
+    let t646 = t556 + t645;
+    let t647 = cos_wrist_3_joint * acceleration_wrist_2_joint_y;
+    let t648 = sin_wrist_3_joint * acceleration_wrist_2_joint_y;
+    let t649 = sin_wrist_3_joint * t416;
+    let t650 = cos_wrist_3_joint * t392;
+    let t651 = t650 + t649;
+    let t652 = sin_wrist_3_joint * t373;
+    let t653 = cos_wrist_3_joint * t434;
+    let t654 = t653 - t652;
+    let t655 = sin_wrist_3_joint * t417;
+    let t656 = t650 + t655;
+    w_b[4][33] = t656;
+    let t657 = cos_wrist_3_joint * t418;
+    let t658 = sin_wrist_3_joint * t393;
+    let t659 = t658 + t657;
+    let t660 = cos_wrist_3_joint * t406;
+    let t661 = sin_wrist_3_joint * t451;
+    let t662 = t661 - t660;
+    let t663 = -t26;
+    w_b[0][1] = t663;
+    let t664 = -t44;
+    w_b[0][4] = t664;
+    let t665 = -t57;
+    w_b[0][7] = t665;
+    let t666 = -t126;
+    w_b[0][9] = t666;
+    let t667 = -t135;
+    w_b[0][12] = t667;
+    let t668 = -t212;
+    w_b[0][17] = t668;
+    let t669 = -t344;
+    w_b[0][25] = t669;
+    let t670 = -t439;
+    w_b[0][32] = t670;
+    let t671 = -t443;
+    w_b[0][33] = t671;
+    let t672 = -t460;
+    w_b[1][2] = t672;
+    let t673 = -t247;
+    w_b[1][4] = t673;
+    let t674 = -t461;
+    w_b[1][6] = t674;
+    let t675 = -t470;
+    w_b[1][8] = t675;
+    let t676 = -t76;
+    w_b[1][10] = t676;
+    w_b[2][10] = t676;
+    let t677 = -t462;
+    w_b[1][11] = t677;
+    w_b[2][11] = t677;
+    let t678 = -t478;
+    w_b[1][13] = t678;
+    w_b[2][13] = t678;
+    let t679 = -t471;
+    w_b[1][14] = t679;
+    w_b[2][14] = t679;
+    let t680 = -t499;
+    w_b[1][16] = t680;
+    let t681 = -t493;
+    w_b[1][21] = t681;
+    w_b[2][21] = t681;
+    w_b[3][21] = t681;
+    let t682 = -t515;
+    w_b[1][22] = t682;
+    let t683 = -t528;
+    w_b[1][25] = t683;
+    w_b[2][25] = t683;
+    w_b[3][25] = t683;
+    let t684 = -t534;
+    w_b[1][27] = t684;
+    w_b[2][27] = t684;
+    w_b[3][27] = t684;
+    let t685 = -t536;
+    w_b[1][28] = t685;
+    w_b[2][28] = t685;
+    w_b[3][28] = t685;
+    let t686 = -t552;
+    w_b[1][29] = t686;
+    let t687 = -t562;
+    w_b[1][30] = t687;
+    let t688 = -t586;
+    w_b[1][35] = t688;
+    w_b[2][35] = t688;
+    w_b[3][35] = t688;
+    let t689 = -t596;
+    w_b[2][16] = t689;
+    let t690 = -t608;
+    w_b[2][22] = t690;
+    let t691 = -t626;
+    w_b[2][29] = t691;
+    let t692 = -t632;
+    w_b[2][30] = t692;
+    let t693 = -t481;
+    w_b[3][15] = t693;
+    let t694 = -t501;
+    w_b[3][22] = t694;
+    let t695 = -t640;
+    w_b[3][29] = t695;
+    let t696 = -t646;
+    w_b[3][30] = t696;
+    let t697 = -t340;
+    w_b[4][25] = t697;
+    let t698 = -t647;
+    w_b[4][29] = t698;
+    let t699 = -t648;
+    w_b[4][30] = t699;
+    let t700 = -t651;
+    w_b[4][31] = t700;
+    let t701 = -t654;
+    w_b[4][32] = t701;
+    let t702 = -t659;
+    w_b[4][34] = t702;
+    let t703 = -t662;
+    w_b[4][35] = t703;
+    let minus_acceleration_wrist_3_joint_y = -acceleration_wrist_3_joint_y;
+    w_b[5][29] = minus_acceleration_wrist_3_joint_y;
+    let minus_acceleration_wrist_3_joint_x = -acceleration_wrist_3_joint_x;
+    w_b[5][30] = minus_acceleration_wrist_3_joint_x;
+    let t706 = -t454;
+    w_b[5][35] = t706;
+}
+
+/// Friction parameters, the columns of `friction_regressor`: joint, and the function of its velocity that the
+/// parameter multiplies.
+pub const FRICTION_PARAMETER_NAMES: [&str; 0] = [];
+
+/// Friction parameters as described: the coefficients of `friction_regressor`.
+///
+/// `τ(ẏ) = friction_regressor(ẏ) · friction_parameters`
+///
+/// - returns `φ: [0]`: in the order of `FRICTION_PARAMETER_NAMES`
+///
+/// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
+#[inline]
+#[must_use]
+pub fn friction_parameters() -> [f64; 0] {
+    []
+}
+
+/// Regressor of the friction parameters.
+///
+/// `τ(ẏ) = friction_regressor(ẏ) · friction_parameters`
+///
+/// - `v: [N]`: velocities ẏ: `shoulder_pan_joint`, `shoulder_lift_joint`, `elbow_joint`, `wrist_1_joint`,
+///   `wrist_2_joint`, `wrist_3_joint` in rad/s
+/// - returns `R: [N × 0]`: rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
+///
+/// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
+///
+/// What enters nonlinearly is held at its described value: a3 and a5 of the Stribeck form, slopes of tanh.
+#[inline]
+#[must_use]
+pub fn friction_regressor(v: &[f64; N]) -> [[f64; 0]; N] {
+    let _ = v;
+    [[], [], [], [], [], []]
 }
 
 /// Pose of the frame `tool`.

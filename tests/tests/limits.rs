@@ -36,7 +36,7 @@ fn large_functions_are_refused_with_their_count_and_the_option() {
         .iter()
         .map(|problem| problem.code)
         .collect();
-    assert_eq!(refused, vec!["too-large"; 8]);
+    assert_eq!(refused, vec!["too-large"; 10]);
     let model = chain(&right_angles(12), DOWN);
     let names = selection(&["mass_matrix", "bias_forces"]);
     let problems = catalogue::derive(&model, &names, 700).expect_err("too large");

@@ -191,6 +191,10 @@ fn agrees_with_pinocchio(name: &str) {
         check("k of all", &all[1], &c, TOLERANCE);
         check("q of all", &all[2], &negative(&g), TOLERANCE);
         derivatives_agree(&robot, sample);
+        if sample.get("regressor").is_some() {
+            let regressor = robot.first("inertial_regressor", &[&y, &v, &a]);
+            check("W", &regressor, &get("regressor"), TOLERANCE);
+        }
         let pose = robot.call("frame_last_pose", &[&y]);
         check("p", &pose[0], &get("p"), TOLERANCE);
         check("R", &pose[1], &get("R"), TOLERANCE);

@@ -104,7 +104,8 @@ pub(super) struct Inspect {
 /// Choices that change what is generated; the header of the file names them.
 #[derive(Debug, Args)]
 pub(super) struct Choices {
-    /// Functions to generate, separated by commas [default: those of the description, else all]
+    /// Functions to generate, separated by commas [default: those of the description, else all but
+    /// inverse_dynamics_hessian]
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub(super) functions: Vec<String>,
     /// Number type of the module
@@ -119,6 +120,10 @@ pub(super) struct Choices {
     /// Make mimic joints independent coordinates
     #[arg(long)]
     pub(super) ignore_mimic: bool,
+    /// Smooth friction: tanh(SLOPE · v) for sign(v), whose derivative is zero [default: that of the description, else
+    /// the exact sign]
+    #[arg(long, value_name = "SLOPE", value_parser = positive)]
+    pub(super) smooth_sign: Option<f64>,
     /// Functions that are also written over eight states at once, separated by commas
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub(super) lanes: Vec<String>,
@@ -172,5 +177,12 @@ fn small_angle(text: &str) -> Result<f64, String> {
         Ok(angle) if (0.0..=0.1).contains(&angle) => Ok(angle),
         Ok(_) => Err("must be from 0 to 0.1 rad".to_owned()),
         Err(_) => Err("must be a number of radians, e.g. 1e-4".to_owned()),
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
+        _ => Err("must be a positive number, e.g. 100".to_owned()),
     }
 }

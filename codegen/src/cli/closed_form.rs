@@ -34,6 +34,7 @@ fn read(arguments: &Inspect) -> Result<Loaded, Failure> {
         ignore_mimic: arguments.choices.ignore_mimic,
         snap_angles: arguments.choices.snap_angles,
         no_friction: arguments.choices.no_friction,
+        smooth_sign: arguments.choices.smooth_sign,
     };
     model::read(&arguments.description, &options).map_err(problem)
 }

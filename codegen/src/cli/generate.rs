@@ -250,6 +250,7 @@ fn options(choices: &Choices, command: String) -> GenerateOptions {
         snap_angles: choices.snap_angles,
         no_friction: choices.no_friction,
         ignore_mimic: choices.ignore_mimic,
+        smooth_sign: choices.smooth_sign,
         fused_multiply_add: choices.fused_multiply_add,
         max_operations: choices.max_operations,
         emit: EmitOptions {
@@ -290,6 +291,9 @@ pub(super) fn command(
     }
     if let Some(angle) = choices.snap_angles {
         words.push(format!("--snap-angles {angle:?}"));
+    }
+    if let Some(slope) = choices.smooth_sign {
+        words.push(format!("--smooth-sign {slope:?}"));
     }
     words.extend(choices.no_friction.then(|| "--no-friction".to_owned()));
     words.extend(choices.ignore_mimic.then(|| "--ignore-mimic".to_owned()));
@@ -411,6 +415,7 @@ mod tests {
             snap_angles: Some(1e-4),
             no_friction: true,
             ignore_mimic: false,
+            smooth_sign: Some(100.0),
             lanes: vec![],
             fused_multiply_add: false,
             max_operations: None,
@@ -424,7 +429,7 @@ mod tests {
         assert_eq!(
             command,
             "gelenk generate 'my robots/arm.urdf' --output src/arm.rs --functions mass_matrix,bias_forces \
-             --scalar f32 --snap-angles 0.0001 --no-friction"
+             --scalar f32 --snap-angles 0.0001 --smooth-sign 100.0 --no-friction"
         );
     }
 }

@@ -4,7 +4,7 @@ use super::equations::{Equations, Formulations, Matrix};
 use super::forces;
 use super::function::Function;
 use super::newton_euler::MotionInput;
-use super::size;
+use super::{hessian, module_constants, regressor_quantities, size};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::ScalarPose;
@@ -22,9 +22,11 @@ pub enum Argument {
     Accelerations,
     /// u
     Inputs,
+    /// λ
+    Multipliers,
 }
 
-use Argument::{Accelerations, Coordinates, Inputs, Velocities};
+use Argument::{Accelerations, Coordinates, Inputs, Multipliers, Velocities};
 
 impl Argument {
     fn name(self) -> &'static str {
@@ -33,6 +35,7 @@ impl Argument {
             Velocities => "v",
             Accelerations => "a",
             Inputs => "u",
+            Multipliers => "lambda",
         }
     }
 
@@ -42,6 +45,7 @@ impl Argument {
             Velocities => "velocities ẏ",
             Accelerations => "accelerations ÿ",
             Inputs => "inputs",
+            Multipliers => "multipliers λ, one for each force",
         }
     }
 
@@ -52,17 +56,18 @@ impl Argument {
                 .iter()
                 .filter(|drive| drive.coordinate.is_some())
                 .count(),
-            Coordinates | Velocities | Accelerations => model.coordinates.len(),
+            Coordinates | Velocities | Accelerations | Multipliers => model.coordinates.len(),
         }
     }
 }
 
 /// Scalars of the arguments of a function.
 pub struct Arguments<'g> {
-    y: Vec<Scalar<'g>>,
-    v: Vec<Scalar<'g>>,
-    a: Vec<Scalar<'g>>,
-    u: Vec<Scalar<'g>>,
+    pub(super) y: Vec<Scalar<'g>>,
+    pub(super) v: Vec<Scalar<'g>>,
+    pub(super) a: Vec<Scalar<'g>>,
+    pub(super) u: Vec<Scalar<'g>>,
+    pub(super) lambda: Vec<Scalar<'g>>,
 }
 
 /// A result in the making.
@@ -71,21 +76,21 @@ pub struct Value<'g> {
     entries: Vec<Scalar<'g>>,
 }
 
-fn scalar(x: Scalar<'_>) -> Value<'_> {
+pub(super) fn scalar(x: Scalar<'_>) -> Value<'_> {
     Value {
         shape: Shape::Scalar,
         entries: vec![x],
     }
 }
 
-fn vector(entries: Vec<Scalar<'_>>) -> Value<'_> {
+pub(super) fn vector(entries: Vec<Scalar<'_>>) -> Value<'_> {
     Value {
         shape: Shape::Vector(entries.len()),
         entries,
     }
 }
 
-fn matrix(rows: Matrix<'_>) -> Value<'_> {
+pub(super) fn matrix(rows: Matrix<'_>) -> Value<'_> {
     let shape = Shape::Matrix(rows.len(), rows.first().map_or(0, Vec::len));
     Value {
         shape,
@@ -94,23 +99,28 @@ fn matrix(rows: Matrix<'_>) -> Value<'_> {
 }
 
 /// How a quantity is built from the equations of motion.
-type Build = for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>) -> Vec<Value<'g>>;
+pub(super) type Build = for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>) -> Vec<Value<'g>>;
 
 /// A row of the catalogue.
 pub struct Quantity {
     /// Name of the generated function.
     pub name: &'static str,
-    summary: &'static str,
-    equation: &'static str,
-    arguments: &'static [Argument],
+    pub(super) summary: &'static str,
+    pub(super) equation: &'static str,
+    pub(super) arguments: &'static [Argument],
     /// Symbol and meaning of each result.
-    results: &'static [(&'static str, &'static str)],
-    notes: &'static [&'static str],
-    build: Build,
+    pub(super) results: &'static [(&'static str, &'static str)],
+    pub(super) notes: &'static [&'static str],
+    pub(super) build: Build,
 }
 
 /// Every function but those of named frames, in the order of the generated module.
-pub const QUANTITIES: &[Quantity] = &[
+pub fn quantities() -> impl Iterator<Item = &'static Quantity> {
+    QUANTITIES.iter().chain(regressor_quantities::QUANTITIES)
+}
+
+/// The equations of motion and what follows from them.
+const QUANTITIES: &[Quantity] = &[
     Quantity {
         name: "mass_matrix",
         summary: "Mass matrix `M(y)`.",
@@ -262,7 +272,7 @@ pub const QUANTITIES: &[Quantity] = &[
         equation: "ÿ = M⁻¹ (q + B u − k)",
         arguments: &[Coordinates, Velocities, Inputs],
         results: &[("ÿ", "accelerations")],
-        notes: &["M = Lᵀ D L along the branches of the tree (Featherstone 2005)."],
+        notes: &[],
         build: |equations, arguments| {
             vec![vector(equations.forward_dynamics(
                 &arguments.y,
@@ -406,6 +416,9 @@ pub const QUANTITIES: &[Quantity] = &[
     },
 ];
 
+/// Functions that are derived where they are asked for by name: they are large, and few need them.
+const ON_REQUEST: &[Quantity] = &[hessian::QUANTITY];
+
 const DERIVATIVE_NOTES: &[&str] = &[
     "Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).",
 ];
@@ -477,7 +490,8 @@ const FRAME_QUANTITIES: &[FrameQuantity] = &[
 
 /// Names of all functions of a model, in the order of the generated module.
 pub fn names(model: &Model) -> Vec<String> {
-    let quantities = QUANTITIES.iter().map(|quantity| quantity.name.to_owned());
+    let quantities = quantities().chain(ON_REQUEST);
+    let quantities = quantities.map(|quantity| quantity.name.to_owned());
     let frames = model
         .frames
         .iter()
@@ -489,7 +503,8 @@ fn frame_name(frame: &Frame, quantity: &FrameQuantity) -> String {
     format!("frame_{}_{}", frame.name, quantity.suffix)
 }
 
-/// Derives the selected functions of a model; an empty selection means all, `frames` all functions of named frames.
+/// Derives the selected functions of a model; an empty selection means all but those on request, `frames` all functions
+/// of named frames.
 ///
 /// - `most`: operations of the largest function that is wanted, see [`size::MOST_OPERATIONS`]
 ///
@@ -506,8 +521,12 @@ pub fn derive(
             name.starts_with("frame_") && selection.iter().any(|selected| selected == "frames");
         selection.is_empty() || frames || selection.iter().any(|selected| selected == name)
     };
-    let quantities = QUANTITIES.iter().map(|quantity| quantity.name);
-    let wanted: Vec<&str> = quantities.filter(|name| is_selected(name)).collect();
+    let requested = ON_REQUEST
+        .iter()
+        .filter(|quantity| selection.iter().any(|name| name == quantity.name));
+    let selected = quantities().filter(|quantity| is_selected(quantity.name));
+    let quantities: Vec<&Quantity> = selected.chain(requested).collect();
+    let wanted: Vec<&str> = quantities.iter().map(|quantity| quantity.name).collect();
     size::check_before(model, &wanted, most)?;
     let formulations = Formulations::new(model);
     let mut functions: Vec<Function> = Vec::new();
@@ -516,10 +535,7 @@ pub fn derive(
         functions.push(function);
         Ok(())
     };
-    for quantity in QUANTITIES
-        .iter()
-        .filter(|quantity| is_selected(quantity.name))
-    {
+    for quantity in quantities {
         add(derive_quantity(model, &formulations, quantity))?;
     }
     for frame in &model.frames {
@@ -557,19 +573,13 @@ fn derive_quantity(
     quantity: &Quantity,
 ) -> Function {
     let mut notes: Vec<String> = quantity.notes.iter().map(|&note| note.to_owned()).collect();
-    if quantity.arguments.contains(&Velocities)
-        && quantity.name.ends_with("friction_torques")
-        && forces::has_jumps(model)
-    {
-        notes.push(
-            "`sign` is exact: it jumps at zero velocity, and its derivative is taken as zero."
-                .to_owned(),
-        );
-    }
     if quantity.notes == DERIVATIVE_NOTES {
         notes.push(formulations.derivatives().description().to_owned());
     }
-    assemble(
+    if quantity.name == "forward_dynamics" {
+        notes.push(formulations.forward_dynamics().description().to_owned());
+    }
+    let mut function = assemble(
         model,
         formulations,
         quantity.arguments,
@@ -581,7 +591,13 @@ fn derive_quantity(
         quantity.summary.to_owned(),
         quantity.equation,
         notes,
-    )
+    );
+    function
+        .notes
+        .extend(forces::jump_note(model, &function.program));
+    function.constants =
+        module_constants::of_function(quantity.name, model, formulations, &function.program);
+    function
 }
 
 fn derive_frame(
@@ -635,6 +651,7 @@ fn assemble(
             v: scalars(Velocities),
             a: scalars(Accelerations),
             u: scalars(Inputs),
+            lambda: scalars(Multipliers),
         },
     );
     let outputs: Vec<_> = values
@@ -666,6 +683,7 @@ fn assemble(
             .map(|(_, meaning)| (*meaning).to_owned())
             .collect(),
         notes: Vec::new(),
+        constants: Vec::new(),
         program: lower(&graph, inputs, &outputs),
     }
 }
@@ -679,5 +697,21 @@ impl Function {
             notes,
             ..self
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::FUNCTIONS;
+
+    #[test]
+    fn descriptions_may_ask_for_every_function() {
+        let names = quantities().chain(ON_REQUEST).map(|quantity| quantity.name);
+        let mut names: Vec<&str> = names.chain(["frames"]).collect();
+        let mut known = FUNCTIONS.to_vec();
+        names.sort_unstable();
+        known.sort_unstable();
+        assert_eq!(names, known);
     }
 }

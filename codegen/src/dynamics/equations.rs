@@ -2,6 +2,8 @@
 
 use std::cell::OnceCell;
 
+use super::articulated;
+use super::base_parameters::BaseParameters;
 use super::composite;
 use super::derivatives::{ForceDerivatives, PairFrame, inverse_dynamics_derivatives};
 use super::factorization::Factorization;
@@ -9,6 +11,7 @@ use super::forces;
 use super::formulation::{Formulation, SearchSpace, cheapest};
 use super::frame_motion::BasePoses;
 use super::newton_euler::{self, MotionInput};
+use super::regressor;
 use crate::graph::{Cost, Edge, Graph, Scalar, Vector3, differentiate, substitute};
 use crate::kinematics::{Mechanism, RegroupChoice};
 use crate::model::Model;
@@ -28,6 +31,31 @@ pub struct Formulations<'m> {
     derivatives: OnceCell<DerivativeRoute>,
     mass_and_bias: OnceCell<(Formulation, Formulation)>,
     beside_derivatives: OnceCell<(Formulation, Formulation)>,
+    base_parameters: OnceCell<BaseParameters>,
+    forward_dynamics: OnceCell<ForwardRoute>,
+}
+
+/// How the accelerations are solved for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ForwardRoute {
+    /// By M and its factors.
+    Factorization,
+    /// By articulated bodies.
+    ArticulatedBodies,
+}
+
+impl ForwardRoute {
+    /// What the documentation says about it.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Factorization => {
+                "M = Lᵀ D L along the branches of the tree (Featherstone 2005) was cheaper than articulated bodies."
+            }
+            Self::ArticulatedBodies => {
+                "Articulated bodies (Featherstone 2008, section 7.3) were cheaper than M and its factors."
+            }
+        }
+    }
 }
 
 /// How the inverse dynamics are differentiated.
@@ -52,7 +80,41 @@ impl<'m> Formulations<'m> {
             derivatives: OnceCell::new(),
             mass_and_bias: OnceCell::new(),
             beside_derivatives: OnceCell::new(),
+            base_parameters: OnceCell::new(),
+            forward_dynamics: OnceCell::new(),
         }
+    }
+
+    /// The cheaper way to the accelerations.
+    pub fn forward_dynamics(&self) -> ForwardRoute {
+        *self.forward_dynamics.get_or_init(|| {
+            let is_possible = {
+                let graph = Graph::new();
+                articulated::is_possible(&Mechanism::new(&graph, self.model))
+            };
+            let weight = |route| {
+                let weighed = weigh(self.model, |graph, input| {
+                    let equations = Equations {
+                        graph,
+                        model: self.model,
+                        formulations: self,
+                    };
+                    equations.accelerations(route, input.y, input.v, || input.a.to_vec())
+                });
+                weighed.0
+            };
+            let routes = [ForwardRoute::ArticulatedBodies, ForwardRoute::Factorization];
+            match is_possible && weight(routes[0]) < weight(routes[1]) {
+                true => routes[0],
+                false => routes[1],
+            }
+        })
+    }
+
+    /// The base parameters.
+    pub fn base_parameters(&self) -> &BaseParameters {
+        self.base_parameters
+            .get_or_init(|| BaseParameters::new(self.model))
     }
 
     /// Of the inverse dynamics.
@@ -654,10 +716,29 @@ impl<'g> Equations<'_, 'g> {
         v: &[Scalar<'g>],
         u: &[Scalar<'g>],
     ) -> Vec<Scalar<'g>> {
-        let (matrix, bias) = self.mass_matrix_and_bias(y, v);
-        let mechanism = Mechanism::new(self.graph, self.model);
-        Factorization::new(&mechanism, &matrix)
-            .solve(&subtract(&self.driving_forces(y, v, u), &bias))
+        let route = self.formulations.forward_dynamics();
+        self.accelerations(route, y, v, || self.driving_forces(y, v, u))
+    }
+
+    /// What joint forces, gravity and motion make of the accelerations.
+    fn accelerations(
+        &self,
+        route: ForwardRoute,
+        y: &[Scalar<'g>],
+        v: &[Scalar<'g>],
+        forces: impl FnOnce() -> Vec<Scalar<'g>>,
+    ) -> Vec<Scalar<'g>> {
+        match route {
+            ForwardRoute::Factorization => {
+                let (matrix, bias) = self.mass_matrix_and_bias(y, v);
+                let mechanism = Mechanism::new(self.graph, self.model);
+                Factorization::new(&mechanism, &matrix).solve(&subtract(&forces(), &bias))
+            }
+            ForwardRoute::ArticulatedBodies => {
+                let mechanism = Formulation::plain(y.len()).mechanism(self.graph, self.model);
+                articulated::forward_dynamics(&mechanism, y, v, &forces())
+            }
+        }
     }
 
     /// `B u`, springs and friction.
@@ -671,6 +752,20 @@ impl<'g> Equations<'_, 'g> {
             .into_iter()
             .zip(self.joint_forces(y, v))
             .map(|(a, b)| a + b)
+            .collect()
+    }
+
+    /// W with `W π = M ÿ + k − q_gravity`
+    pub fn inertial_regressor(&self, input: MotionInput<'_, 'g>) -> Matrix<'g> {
+        let mechanism = Mechanism::new(self.graph, self.model);
+        regressor::inertial_regressor(&mechanism, self.model, input)
+    }
+
+    /// The columns of W that lead a group of base parameters.
+    pub fn base_regressor(&self, input: MotionInput<'_, 'g>) -> Matrix<'g> {
+        let leaders = &self.formulations.base_parameters().leaders;
+        let rows = self.inertial_regressor(input).into_iter();
+        rows.map(|row| leaders.iter().map(|&column| row[column]).collect())
             .collect()
     }
 

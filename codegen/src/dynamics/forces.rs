@@ -1,9 +1,10 @@
 //! Forces that act on single joints: springs, friction, drives.
 
-use crate::formula::Function;
+use crate::formula::{Formula, Function};
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::{lower, lower_with};
-use crate::model::{Input, Joint, Model};
+use crate::model::{FrictionTerm, Input, Joint, Model};
+use crate::program::{Instruction, Operation, Program};
 
 /// The joint of each coordinate.
 fn joints(model: &Model) -> impl Iterator<Item = &Joint> {
@@ -33,33 +34,79 @@ pub fn spring_forces<'g>(
 
 /// Friction torques τ(ẏ) by coordinate; they are subtracted from q.
 pub fn friction_torques<'g>(graph: &'g Graph, model: &Model, v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
-    let terms = friction_terms(graph, model, v);
-    let zero = graph.constant(0.0);
-    terms
-        .iter()
-        .map(|terms| {
-            terms
-                .iter()
-                .fold(zero, |sum, &(factor, basis)| sum + factor * basis)
-        })
-        .collect()
+    let mut torques = vec![graph.constant(0.0); model.coordinates.len()];
+    for (index, joint) in joints(model).enumerate() {
+        for term in &joint.friction {
+            let basis = friction_basis(graph, term, v[index]);
+            torques[index] = torques[index] + lower(graph, &term.coefficient) * basis;
+        }
+    }
+    torques
 }
 
-/// Coefficient and basis function of each friction term, by coordinate.
-pub fn friction_terms<'g>(
+fn friction_basis<'g>(graph: &'g Graph, term: &FrictionTerm, v: Scalar<'g>) -> Scalar<'g> {
+    lower_with(graph, &term.basis, graph.constant(0.0), v)
+}
+
+/// A column of the friction regressor.
+#[derive(Debug, Clone, Copy)]
+pub struct FrictionColumn<'g> {
+    /// Coordinate that it brakes.
+    pub coordinate: usize,
+    /// Described coefficient.
+    pub coefficient: Scalar<'g>,
+    /// Function of the velocity.
+    pub basis: Scalar<'g>,
+}
+
+/// The terms of all friction laws by coordinate, those of one basis function added up. Without velocities the basis
+/// functions are zero.
+pub fn friction_columns<'g>(
     graph: &'g Graph,
     model: &Model,
-    v: &[Scalar<'g>],
-) -> Vec<Vec<(Scalar<'g>, Scalar<'g>)>> {
-    let zero = graph.constant(0.0);
-    let lowered = |(index, joint): (usize, &Joint)| {
-        let terms = joint.friction.iter().map(|term| {
-            let basis = lower_with(graph, &term.basis, zero, v[index]);
-            (lower(graph, &term.coefficient), basis)
-        });
-        terms.collect()
+    v: Option<&[Scalar<'g>]>,
+) -> Vec<FrictionColumn<'g>> {
+    let mut columns = Vec::new();
+    for (coordinate, joint) in joints(model).enumerate() {
+        for (_, terms) in terms_by_basis(joint) {
+            let coefficients = terms.iter().map(|term| lower(graph, &term.coefficient));
+            let coefficient = coefficients.fold(graph.constant(0.0), |sum, c| sum + c);
+            let basis = match v {
+                Some(v) => friction_basis(graph, terms[0], v[coordinate]),
+                None => graph.constant(0.0),
+            };
+            columns.push(FrictionColumn {
+                coordinate,
+                coefficient,
+                basis,
+            });
+        }
+    }
+    columns
+}
+
+/// Names of the columns: `joint: tanh(10*v)`.
+pub fn friction_names(model: &Model) -> Vec<String> {
+    let parameters: Vec<&str> = model.parameters.iter().map(|p| p.name.as_str()).collect();
+    let names = |joint| {
+        let bases = terms_by_basis(joint).into_iter();
+        let name =
+            |(basis, _): (&Formula, _)| format!("{}: {}", joint.name, basis.text(&parameters));
+        bases.map(name).collect::<Vec<_>>()
     };
-    joints(model).enumerate().map(lowered).collect()
+    joints(model).flat_map(names).collect()
+}
+
+/// Basis functions of a joint in their order, each with its terms.
+fn terms_by_basis(joint: &Joint) -> Vec<(&Formula, Vec<&FrictionTerm>)> {
+    let mut groups: Vec<(&Formula, Vec<&FrictionTerm>)> = Vec::new();
+    for term in &joint.friction {
+        match groups.iter_mut().find(|(basis, _)| **basis == term.basis) {
+            Some((_, terms)) => terms.push(term),
+            None => groups.push((&term.basis, vec![term])),
+        }
+    }
+    groups
 }
 
 /// Input matrix B, rows first: gear ratio, times the motor constant where the input is a current.
@@ -84,8 +131,18 @@ pub fn input_matrix<'g>(graph: &'g Graph, model: &Model) -> Vec<Vec<Scalar<'g>>>
     matrix
 }
 
-/// Whether any friction law has a term that jumps.
-pub fn has_jumps(model: &Model) -> bool {
+/// What the documentation says where a force law jumps.
+pub fn jump_note(model: &Model, program: &Program) -> Option<String> {
+    let is_sign = |step: &Instruction| matches!(step.operation, Operation::Call(Function::Sign, _));
+    (has_jumps(model) && program.instructions.iter().any(is_sign)).then(|| {
+        "`sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or \
+         `smooth_sign` in the description, makes it `tanh(SLOPE v)`."
+            .to_owned()
+    })
+}
+
+/// Whether any friction or spring has a term that jumps.
+fn has_jumps(model: &Model) -> bool {
     joints(model).any(|joint| {
         let bases = joint.friction.iter().map(|term| &term.basis);
         bases

@@ -17,6 +17,32 @@ pub struct Function {
     pub results: Vec<String>,
     /// Further sentences: which formulation was cheapest, limits, sources.
     pub notes: Vec<String>,
+    /// What users of this function need beside it.
+    pub constants: Vec<Constant>,
     /// The body.
     pub program: Program,
+}
+
+/// A constant that stands before a function in its module.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Constant {
+    /// Rust identifier, one of [`super::module_constants::NAMES`].
+    pub name: &'static str,
+    /// What it says.
+    pub summary: String,
+    /// A list below, may be empty.
+    pub items: Vec<String>,
+    /// Its value.
+    pub value: ConstantValue,
+}
+
+/// Value of a constant.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ConstantValue {
+    /// `[&str; n]`
+    Names(Vec<String>),
+    /// `[(usize, usize, f64); n]`: row, column and value of the entries that are not zero.
+    Sparse(Vec<(usize, usize, f64)>),
+    /// `[[bool; columns]; rows]`
+    Pattern(Vec<Vec<bool>>),
 }

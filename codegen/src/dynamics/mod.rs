@@ -1,5 +1,7 @@
 //! Stage 3: kinematics become the functions to emit, each with its program and what its documentation says.
 
+pub mod articulated;
+pub mod base_parameters;
 pub mod catalogue;
 pub mod composite;
 pub mod derivatives;
@@ -11,6 +13,10 @@ pub mod forces;
 pub mod formulation;
 pub mod frame_motion;
 pub mod function;
+pub mod hessian;
+pub mod module_constants;
 pub mod newton_euler;
 pub mod placement;
+pub mod regressor;
+pub mod regressor_quantities;
 pub mod size;

@@ -123,7 +123,7 @@ pub fn frame_acceleration<'g>(
     )
 }
 
-fn motions<'g>(
+pub(super) fn motions<'g>(
     mechanism: &Mechanism<'g>,
     formulation: &Formulation,
     placements: &[Placement<'g>],
@@ -181,7 +181,7 @@ impl<'g> Motion<'g> {
     }
 
     /// Angular acceleration ω̇, where it is not known from the antisymmetric part of U.
-    fn angular_acceleration(&self) -> Vector3<'g> {
+    pub(super) fn angular_acceleration(&self) -> Vector3<'g> {
         let (u, w) = (&self.spread, self.omega);
         let from_spread = [
             u[2][1] - w[1] * w[2],
@@ -317,12 +317,12 @@ fn unit_z(any: Scalar<'_>) -> Vector3<'_> {
 }
 
 /// `matrix · v`
-fn times<'g>(matrix: &Matrix3<'g>, v: Vector3<'g>) -> Vector3<'g> {
+pub(super) fn times<'g>(matrix: &Matrix3<'g>, v: Vector3<'g>) -> Vector3<'g> {
     Vector3(matrix.map(|row| Vector3(row).dot(v)))
 }
 
 /// `U = ω̇× + ω× ω×`
-fn spread_of<'g>(omega: Vector3<'g>, angular: Vector3<'g>) -> Matrix3<'g> {
+pub(super) fn spread_of<'g>(omega: Vector3<'g>, angular: Vector3<'g>) -> Matrix3<'g> {
     let (w, e) = (omega, angular);
     let (xx, yy, zz) = (w[0].squared(), w[1].squared(), w[2].squared());
     let (xy, xz, yz) = (w[0] * w[1], w[0] * w[2], w[1] * w[2]);

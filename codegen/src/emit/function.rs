@@ -383,13 +383,19 @@ impl Sizes<'_> {
     fn result(&self, name: &str, shape: Shape) -> Vec<Size> {
         // A frame's vectors and rotation have 3 or 6 entries, whatever N is.
         let in_space = self.function.name.starts_with("frame_");
+        let by_parameters = ["_parameters", "_regressor"]
+            .iter()
+            .any(|end| self.function.name.ends_with(end));
         match shape {
             Shape::Scalar => vec![],
-            Shape::Vector(len) if in_space => vec![Size::Number(len)],
+            Shape::Vector(len) if in_space || by_parameters => vec![Size::Number(len)],
             Shape::Vector(len) => vec![self.coordinates(len)],
             Shape::Matrix(3, 3) if in_space => vec![Size::Number(3), Size::Number(3)],
             Shape::Matrix(rows, columns) if in_space => {
                 vec![Size::Number(rows), self.coordinates(columns)]
+            }
+            Shape::Matrix(rows, columns) if by_parameters => {
+                vec![self.coordinates(rows), Size::Number(columns)]
             }
             Shape::Matrix(rows, columns)
                 if self.is_by_inputs(name) && columns == self.context.inputs =>

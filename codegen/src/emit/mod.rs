@@ -9,6 +9,7 @@ mod body;
 mod constants;
 mod doc_comment;
 mod function;
+mod function_constants;
 mod header;
 mod into;
 mod lanes;
@@ -26,6 +27,7 @@ pub use math::Math;
 use proc_macro2::{Ident, TokenStream};
 
 use crate::dynamics::function::Function;
+use crate::dynamics::module_constants;
 use crate::model::Model;
 
 /// So many statements stay one function. With debug information, as in Cargo's dev profile, rustc 1.95 nests one scope
@@ -83,6 +85,7 @@ pub fn module(model: &Model, functions: &[Function], options: &EmitOptions) -> S
         push_items(&mut text, [lanes::item(&context)]);
     }
     for (index, function) in functions.iter().enumerate() {
+        push_items(&mut text, function_constants::items(&context, function));
         // One function at a time: the syntax tree of a large one takes far more memory than its text.
         push_items(
             &mut text,
@@ -126,6 +129,7 @@ impl<'a> Context<'a> {
         let mut reserved: Vec<String> =
             math::RESERVED.iter().map(|&name| name.to_owned()).collect();
         reserved.extend(constants::NAMES.iter().map(|&name| name.to_owned()));
+        reserved.extend(module_constants::NAMES.iter().map(|&name| name.to_owned()));
         reserved.extend(lanes::RESERVED.iter().map(|&name| name.to_owned()));
         let functions = names::distinct(
             functions.iter().map(|function| function.name.as_str()),

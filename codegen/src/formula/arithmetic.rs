@@ -126,6 +126,30 @@ impl Formula {
         }
     }
 
+    /// The formula with `tanh(slope · x)` for `sign x`, and its square for `|sign x|`, which so stays smooth.
+    pub fn with_smooth_sign(&self, slope: f64) -> Self {
+        let go = |part: &Self| Box::new(part.with_smooth_sign(slope));
+        let smooth = |x: &Self| {
+            let x = x.with_smooth_sign(slope);
+            Self::call(Function::Tanh, Self::product(Self::Number(slope), x))
+        };
+        match self {
+            Self::Number(_) | Self::Parameter(_) | Self::Position | Self::Velocity => self.clone(),
+            Self::Negate(a) => Self::Negate(go(a)),
+            Self::Add(a, b) => Self::Add(go(a), go(b)),
+            Self::Subtract(a, b) => Self::Subtract(go(a), go(b)),
+            Self::Multiply(a, b) => Self::Multiply(go(a), go(b)),
+            Self::Divide(a, b) => Self::Divide(go(a), go(b)),
+            Self::Power(a, exponent) => Self::Power(go(a), *exponent),
+            Self::Call(Function::Sign, x) => smooth(x),
+            Self::Call(Function::Abs, a) => match &**a {
+                Self::Call(Function::Sign, x) => Self::power(smooth(x), 2),
+                _ => Self::Call(Function::Abs, go(a)),
+            },
+            Self::Call(function, a) => Self::Call(*function, go(a)),
+        }
+    }
+
     /// `f(a)`
     pub fn call(function: Function, a: Self) -> Self {
         match a {

@@ -1,4 +1,4 @@
-//! Forward differentiation of a graph.
+//! Forward and reverse differentiation of a graph.
 
 use super::build::Graph;
 use super::node::{Edge, Node};
@@ -38,6 +38,51 @@ pub fn differentiate<'g>(
             derivatives[x.edge().index()].signed(if x.edge().is_negative() { -1.0 } else { 1.0 })
         })
         .collect()
+}
+
+/// Derivatives of one result by many inputs, on the same graph: as many operations for all of them as a few evaluations
+/// of the result take. `sign` as in [`differentiate`].
+pub fn gradient<'g>(
+    graph: &'g Graph,
+    result: Scalar<'g>,
+    variables: &[Scalar<'g>],
+) -> Vec<Scalar<'g>> {
+    let zero = graph.constant(0.0);
+    let mut adjoints = vec![zero; graph.len()];
+    let signed = |x: Scalar<'g>, edge: Edge| match edge.is_negative() {
+        true => -x,
+        false => x,
+    };
+    adjoints[result.edge().index()] = signed(graph.constant(1.0), result.edge());
+    for edge in graph.reachable(&[result.edge()]).into_iter().rev() {
+        let adjoint = adjoints[edge.index()];
+        let value = |operand: Edge| graph.scalar(operand);
+        let mut add = |operand: Edge, share: Scalar<'g>| {
+            let sum = &mut adjoints[operand.index()];
+            *sum = *sum + signed(share, operand);
+        };
+        match graph.node(edge) {
+            _ if adjoint.is_zero() => {}
+            Node::Constant(_) | Node::Input(..) | Node::Parameter(_) => {}
+            Node::Sum(a, b) => {
+                add(a, adjoint);
+                add(b, adjoint);
+            }
+            Node::Product(a, b) if a == b => add(a, (adjoint * value(a)) * 2.0),
+            Node::Product(a, b) => {
+                add(a, adjoint * value(b));
+                add(b, adjoint * value(a));
+            }
+            Node::Quotient(a, b) => {
+                let share = adjoint.divided_by(value(b));
+                add(a, share);
+                add(b, -(share * value(edge)));
+            }
+            Node::Call(function, a) => add(a, adjoint * outer(function, value(a), value(edge))),
+        }
+    }
+    let of = |variable: &Scalar<'g>| adjoints[variable.edge().index()];
+    variables.iter().map(of).collect()
 }
 
 /// `f'(x)`, with `f(x)` at hand.
@@ -87,4 +132,59 @@ pub fn substitute<'g>(
 fn signed_value<'g>(graph: &'g Graph, replaced: &[Option<Scalar<'g>>], edge: Edge) -> Scalar<'g> {
     let value = replaced[edge.index()].unwrap_or_else(|| graph.scalar(edge.abs()));
     if edge.is_negative() { -value } else { value }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reverse_and_forward_differentiation_agree() {
+        let graph = Graph::new();
+        let x: Vec<_> = (0..4).map(|k| graph.input(0, k)).collect();
+        let angle = x[0] * x[1] - x[2];
+        let smooth = angle
+            .call(Function::Tanh)
+            .divided_by(x[2].squared() + graph.constant(1.5));
+        let waves = x[0].call(Function::Sin) * angle.call(Function::Cos) * x[3];
+        let edges =
+            x[2].call(Function::Abs) * x[1].call(Function::Sign) - (-x[3]).call(Function::Exp);
+        let result = -(smooth * smooth + waves - edges * 0.3);
+        let backwards = gradient(&graph, result, &x);
+        for point in [[0.3, -1.2, 0.7, 0.1], [-2.0, 0.4, -0.6, 1.1]] {
+            for (variable, backwards) in x.iter().zip(&backwards) {
+                let forwards = differentiate(&graph, &[result], *variable)[0];
+                let (found, expected) = (value(*backwards, &point), value(forwards, &point));
+                assert!(
+                    (found - expected).abs() < 1e-14,
+                    "{found} is not {expected}"
+                );
+            }
+        }
+        // What does not depend on a variable has the derivative 0 exactly.
+        assert!(
+            gradient(&graph, x[0] * x[1], &x[2..])
+                .iter()
+                .all(|d| d.is_zero())
+        );
+    }
+
+    fn value(x: Scalar<'_>, point: &[f64]) -> f64 {
+        let graph = x.graph();
+        let of = |edge: Edge| value(graph.scalar(edge), point);
+        let magnitude = match graph.node(x.edge()) {
+            Node::Constant(bits) => f64::from_bits(bits),
+            Node::Input(_, index) => point[index as usize],
+            Node::Parameter(_) => f64::NAN,
+            Node::Sum(a, b) => of(a) + of(b),
+            Node::Product(a, b) => of(a) * of(b),
+            Node::Quotient(a, b) => of(a) / of(b),
+            Node::Call(function, a) => function.evaluate(of(a)),
+        };
+        if x.edge().is_negative() {
+            -magnitude
+        } else {
+            magnitude
+        }
+    }
 }

@@ -14,7 +14,7 @@ mod vector;
 pub use balance::balanced;
 pub use build::Graph;
 pub use cost::Cost;
-pub use differentiate::{differentiate, substitute};
+pub use differentiate::{differentiate, gradient, substitute};
 pub use node::{Edge, Node};
 pub use scalar::Scalar;
 pub use vector::{Symmetric3, Vector3};

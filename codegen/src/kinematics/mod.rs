@@ -16,3 +16,4 @@ pub use mechanism::{Angle, Body, JointAxis, Mechanism, Rotor, Twist};
 #[cfg(test)]
 pub use pose::exact_sin_cos;
 pub use pose::{ScalarPose, lower, lower_with, rotate};
+pub use tree::described_moments;

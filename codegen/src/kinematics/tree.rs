@@ -1,9 +1,9 @@
 //! The moving bodies of a model in the frames of its description, with everything fixed or held lumped into them.
 
 use super::inertia::MassMoments;
-use super::pose::{ScalarPose, rotation_about};
+use super::pose::{ScalarPose, lower, rotate, rotation_about};
 use crate::graph::{Graph, Vector3};
-use crate::model::{Joint, JointKind, Model, Motion};
+use crate::model::{Joint, JointKind, Model, Motion, RotorCoupling};
 
 /// The tree of moving bodies as described.
 pub struct DescribedTree<'g> {
@@ -50,6 +50,30 @@ pub fn moving_bodies<'g>(graph: &'g Graph, model: &Model) -> DescribedTree<'g> {
         }
     }
     tree
+}
+
+/// Moments of each moving body in the described frame of its link, by coordinate; rotors of held joints included.
+pub fn described_moments<'g>(graph: &'g Graph, model: &Model) -> Vec<MassMoments<'g>> {
+    let tree = moving_bodies(graph, model);
+    let mut moments = vec![MassMoments::zero(graph); tree.bodies.len()];
+    for body in &tree.bodies {
+        moments[body.coordinate] = body.moments;
+    }
+    let held = model
+        .drives
+        .iter()
+        .filter(|drive| drive.coordinate.is_none() && drive.coupling == RotorCoupling::Body);
+    for drive in held {
+        let (Some(index), pose) = tree.links[drive.carrier] else {
+            continue;
+        };
+        let axis = Vector3(drive.axis.map(|x| graph.constant(x)));
+        let axis = rotate(&pose.rotation, axis);
+        let own = MassMoments::of_axial_inertia(lower(graph, &drive.rotor_inertia), axis);
+        let coordinate = tree.bodies[index].coordinate;
+        moments[coordinate] = moments[coordinate] + own;
+    }
+    moments
 }
 
 impl<'g> DescribedTree<'g> {

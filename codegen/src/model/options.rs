@@ -1,20 +1,31 @@
 //! Names of the functions that a description may ask for.
 
 /// What `[generate] functions` may list: the functions of every robot, and `frames` for all of those of named frames.
-pub const FUNCTIONS: [&str; 14] = [
+pub const FUNCTIONS: [&str; 25] = [
     "mass_matrix",
     "coriolis_forces",
-    "bias_forces",
     "gravity_forces",
     "spring_forces",
     "friction_torques",
     "applied_forces",
+    "bias_forces",
     "input_matrix",
     "equations_of_motion",
     "inverse_dynamics",
     "forward_dynamics",
+    "mass_matrix_and_bias_forces",
+    "inverse_dynamics_derivatives",
+    "inverse_dynamics_derivatives_and_mass_matrix",
+    "forward_dynamics_derivatives",
+    "linearize",
     "kinetic_energy",
     "potential_energy",
+    "inertial_parameters",
+    "inertial_regressor",
+    "base_regressor",
+    "friction_parameters",
+    "friction_regressor",
+    "inverse_dynamics_hessian",
     "frames",
 ];
 

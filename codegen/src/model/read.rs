@@ -20,6 +20,8 @@ pub struct ReadOptions {
     pub snap_angles: Option<f64>,
     /// All friction is left out.
     pub no_friction: bool,
+    /// `tanh` of so many times the argument for `sign`, in friction and springs.
+    pub smooth_sign: Option<f64>,
 }
 
 /// A description that was read.
@@ -143,6 +145,28 @@ pub fn from_urdf(
     finish(reader, robot, options)
 }
 
+/// What the caller asks for beyond the description.
+fn apply(options: &ReadOptions, model: &mut Model) {
+    model.options.smooth_sign = options.smooth_sign.or(model.options.smooth_sign);
+    let slope = model.options.smooth_sign;
+    let joints = model
+        .links
+        .iter_mut()
+        .filter_map(|link| link.joint.as_mut());
+    for joint in joints {
+        if options.no_friction {
+            joint.friction.clear();
+        }
+        let Some(slope) = slope else { continue };
+        for term in &mut joint.friction {
+            term.basis = term.basis.with_smooth_sign(slope);
+        }
+        for spring in &mut joint.springs {
+            *spring = spring.with_smooth_sign(slope);
+        }
+    }
+}
+
 fn finish(
     mut reader: Reader,
     robot: Option<RobotDescription>,
@@ -153,12 +177,8 @@ fn finish(
         validate::model(&robot, &mut reader.report)
     });
     reader.angles.report(&mut reader.report);
-    if let Some(model) = model.as_mut().filter(|_| options.no_friction) {
-        let joints = model
-            .links
-            .iter_mut()
-            .filter_map(|link| link.joint.as_mut());
-        joints.for_each(|joint| joint.friction.clear());
+    if let Some(model) = &mut model {
+        apply(options, model);
     }
     let failed = reader.report.has_errors();
     let diagnostics = reader.report.finish();
@@ -205,6 +225,7 @@ fn read_toml(
         ignore_mimic: options.ignore_mimic || preamble.ignore_mimic,
         no_friction: options.no_friction || preamble.no_friction,
         snap_angles: options.snap_angles.or(preamble.snap_angles),
+        ..*options
     };
     reader.angles.snap = reader.angles.snap.or(options.snap_angles);
     let Some(file) = preamble.extends else {

@@ -120,6 +120,13 @@ impl Builder {
         self
     }
 
+    /// `tanh(slope · v)` for `sign(v)` in friction and springs; the slope is positive.
+    #[must_use]
+    pub fn smooth_sign(mut self, slope: f64) -> Self {
+        self.options.smooth_sign = Some(slope);
+        self
+    }
+
     /// Writes these functions also over eight states at once.
     #[must_use]
     pub fn lanes<S: Into<String>>(mut self, names: impl IntoIterator<Item = S>) -> Self {

@@ -174,6 +174,7 @@ pub fn mass_matrix() -> Function {
         arguments: vec!["coordinates".into()],
         results: vec!["symmetric [kg m²]".into()],
         notes: vec!["Composite rigid bodies in link frames were cheapest.".into()],
+        constants: vec![],
         program,
     }
 }
@@ -214,6 +215,7 @@ pub fn every_operation() -> Function {
         arguments: vec!["numbers".into(), "never read".into()],
         results: vec!["a number".into()],
         notes: vec![],
+        constants: vec![],
         program: Program {
             inputs: vec![input("y", 2), input("v", 2)],
             instructions,
@@ -285,6 +287,7 @@ pub fn synthetic_with(length: usize, seed: u64, window: usize) -> Function {
         arguments: vec![],
         results: vec![],
         notes: vec![],
+        constants: vec![],
         program: Program {
             inputs: vec![input("y", 6), input("v", 6), input("a", 6)],
             instructions,

@@ -1,8 +1,10 @@
 //! Inertial parameters from a regressor, `W π = M ÿ + k − q_gravity`: base parameters, and physically consistent ones.
 //!
-//! π has ten numbers per body, all in the body's frame: m, m cₓ, m c_y, m c_z, then Ixx, Ixy, Ixz, Iyy, Iyz, Izz about
-//! the frame's origin. Further parameters (rotor inertias) may stand behind those of the bodies. A body exists with these numbers if and only if its pseudo-inertia
-//! `[[Σ, m c], [m cᵀ, m]]`, `Σ = ½ tr(I) 1 − I`, is positive definite (Wensing, Kim, Slotine 2017).
+//! π has ten numbers per body, all in the body's frame: m, m cₓ, m c_y, m c_z, then Ixx, Ixy, Iyy, Ixz, Iyz, Izz about
+//! the frame's origin, in the order of a generated module's `INERTIAL_PARAMETER_NAMES`; W stacks its
+//! `inertial_regressor` at all samples. Further parameters (rotor inertias) may stand behind those of the bodies. A body
+//! exists with these numbers if and only if its pseudo-inertia `[[Σ, m c], [m cᵀ, m]]`, `Σ = ½ tr(I) 1 − I`, is positive
+//! definite (Wensing, Kim, Slotine 2017).
 
 use super::error::{
     IdentificationError, Result, require_finite, require_length, require_samples, require_setting,
@@ -293,7 +295,7 @@ fn pivoted_order(triangle: &DMatrix<f64>, tolerance: f64) -> (Vec<usize>, Vec<us
 
 /// Pseudo-inertia of ten parameters [kg, kg m, kg m²].
 pub fn pseudo_inertia(pi: &[f64; PER_BODY]) -> Matrix4<f64> {
-    let [m, hx, hy, hz, xx, xy, xz, yy, yz, zz] = *pi;
+    let [m, hx, hy, hz, xx, xy, yy, xz, yz, zz] = *pi;
     let inertia = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
     let sigma = Matrix3::from_diagonal_element(0.5 * inertia.trace()) - inertia;
     let mut j = Matrix4::zeros();
@@ -316,8 +318,8 @@ fn from_pseudo_inertia(j: &Matrix4<f64>) -> [f64; PER_BODY] {
         j[(2, 3)],
         trace - j[(0, 0)],
         -j[(0, 1)],
-        -j[(0, 2)],
         trace - j[(1, 1)],
+        -j[(0, 2)],
         -j[(1, 2)],
         trace - j[(2, 2)],
     ]
@@ -402,7 +404,7 @@ fn upper_factor_derivative(x: &[f64], k: usize) -> Matrix4<f64> {
 /// Sizes of a body's parameters: m, m·r, m·r², with r the radius of gyration of the prior.
 fn sizes(pi: &[f64]) -> [f64; PER_BODY] {
     let mass = pi[0];
-    let radius = ((pi[4] + pi[7] + pi[9]) / (2.0 * mass)).sqrt();
+    let radius = ((pi[4] + pi[6] + pi[9]) / (2.0 * mass)).sqrt();
     std::array::from_fn(|i| match i {
         0 => mass,
         1..=3 => mass * radius,
@@ -545,7 +547,7 @@ mod tests {
         }
         // Triangle inequality broken: Izz > Ixx + Iyy.
         assert!(!is_physically_consistent(&[
-            1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 2.5
+            1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 2.5
         ]));
         assert!(
             log_cholesky(3, &[-1.0; 10])
@@ -588,7 +590,11 @@ mod tests {
             [body(&mut random), body(&mut random)].concat(),
         );
         // A regressor that shows 14 of the 20 directions, and noise that makes plain least squares impossible.
-        let mixing = DMatrix::from_fn(14, 20, |_, _| random.normal());
+        let mut mixing = DMatrix::from_fn(14, 20, |_, _| random.normal());
+        for body in [0, PER_BODY] {
+            // Drawn row by row of the inertia; π goes through the columns of its upper triangle.
+            mixing.swap_columns(body + 5, body + 6);
+        }
         let w = DMatrix::from_fn(400, 14, |_, _| random.normal()) * mixing;
         let torque: Vec<f64> = (&w * DVector::from_column_slice(&truth))
             .iter()

@@ -1,0 +1,485 @@
+//! Forward dynamics by articulated bodies (Featherstone 2008, section 7.3), with the joint's own accelerations.
+//!
+//! With ω̇ and the acceleration a of its origin, minus gravity, a body and all that it carries freely need
+//!
+//! ```text
+//! n = J ω̇ + C a + n₀          F = Cᵀ ω̇ + M a + F₀
+//! ```
+//!
+//! Beginning at the leaves, a joint's equation gives its acceleration from those of its parent, which leaves an
+//! articulated body with fewer inertia terms to the parent. The work grows with the number of joints, where that of the
+//! mass matrix and its factorization grows with its square and its cube.
+
+use super::formulation::Formulation;
+use super::newton_euler::times;
+use super::placement::{Placement, Turn, place};
+use crate::graph::{Scalar, Vector3};
+use crate::kinematics::{Body, JointAxis, Mechanism, Twist};
+
+/// A 3 × 3 matrix, rows first.
+type Matrix3<'g> = [[Scalar<'g>; 3]; 3];
+
+/// Whether each rotor sits on the parent of the body that it drives, or on the base: the coupling of others reaches
+/// beyond neighbours.
+pub fn is_possible(mechanism: &Mechanism<'_>) -> bool {
+    mechanism.rotors.iter().all(|rotor| {
+        let driven = mechanism
+            .bodies
+            .iter()
+            .find(|body| body.coordinate == rotor.coordinate);
+        rotor.carrier.is_none() || driven.is_some_and(|body| body.parent == rotor.carrier)
+    })
+}
+
+/// Accelerations that joint forces cause, by coordinate; the mechanism is in metres, and [`is_possible`].
+pub fn forward_dynamics<'g>(
+    mechanism: &Mechanism<'g>,
+    y: &[Scalar<'g>],
+    v: &[Scalar<'g>],
+    forces: &[Scalar<'g>],
+) -> Vec<Scalar<'g>> {
+    let couplings = RotorCoupling::of_bodies(mechanism);
+    let placements = place(mechanism, &Formulation::plain(mechanism.len()), y);
+    let tree = Tree {
+        mechanism,
+        placements: &placements,
+        couplings: &couplings,
+        rates: rates(mechanism, &placements, v),
+    };
+    let joints = tree.eliminate(forces);
+    tree.accelerate(&joints)
+}
+
+/// What rotors do at one joint.
+#[derive(Clone, Copy)]
+struct RotorCoupling<'g> {
+    /// `i J_R a` of rotors on the parent, in the parent's frame.
+    axial: Vector3<'g>,
+    /// `i² J_R` of all its rotors.
+    inertia: Scalar<'g>,
+}
+
+impl<'g> RotorCoupling<'g> {
+    fn of_bodies(mechanism: &Mechanism<'g>) -> Vec<Self> {
+        let zero = mechanism.graph.constant(0.0);
+        let of_body = |body: &Body<'g>| {
+            let mut coupling = Self {
+                axial: Vector3::zero(zero),
+                inertia: zero,
+            };
+            let own = mechanism.rotors.iter();
+            for rotor in own.filter(|rotor| rotor.coordinate == body.coordinate) {
+                let reflected = rotor.ratio * rotor.inertia;
+                coupling.inertia = coupling.inertia + rotor.ratio * reflected;
+                if rotor.carrier.is_some() {
+                    // The joint's velocity may count against the coordinate.
+                    let axial = rotor.axis.scaled(reflected.signed(body.direction));
+                    coupling.axial = coupling.axial + axial;
+                }
+            }
+            coupling
+        };
+        mechanism.bodies.iter().map(of_body).collect()
+    }
+}
+
+/// Velocities of a body in its own frame.
+#[derive(Clone, Copy)]
+struct Rates<'g> {
+    /// Angular velocity of the parent.
+    carried: Vector3<'g>,
+    /// Angular velocity ω.
+    omega: Vector3<'g>,
+    /// Velocity of the joint.
+    joint: Scalar<'g>,
+    /// What the joint's velocity adds to ω̇ for revolute, to the origin's acceleration for prismatic joints.
+    coriolis: Vector3<'g>,
+}
+
+fn rates<'g>(
+    mechanism: &Mechanism<'g>,
+    placements: &[Placement<'g>],
+    v: &[Scalar<'g>],
+) -> Vec<Rates<'g>> {
+    let zero = mechanism.graph.constant(0.0);
+    let mut rates: Vec<Rates<'g>> = Vec::with_capacity(mechanism.len());
+    for (index, body) in mechanism.bodies.iter().enumerate() {
+        let parent = body
+            .parent
+            .map_or(Vector3::zero(zero), |parent| rates[parent].omega);
+        let carried = placements[index].to_child(&body.twist, parent);
+        let joint = v[body.coordinate].signed(body.direction);
+        let across = |rate: Scalar<'g>| Vector3([carried[1] * rate, -(carried[0] * rate), zero]);
+        let (omega, coriolis) = match body.axis {
+            JointAxis::Revolute => (carried + Vector3([zero, zero, joint]), across(joint)),
+            JointAxis::Prismatic => (carried, across(joint * 2.0)),
+        };
+        omega.named(&format!("omega_{}", body.name));
+        rates.push(Rates {
+            carried,
+            omega,
+            joint,
+            coriolis,
+        });
+    }
+    rates
+}
+
+/// What a body and all that it carries need.
+#[derive(Clone, Copy)]
+struct Articulated<'g> {
+    /// J, symmetric.
+    inertia: Matrix3<'g>,
+    /// C
+    coupling: Matrix3<'g>,
+    /// M, symmetric.
+    mass: Matrix3<'g>,
+    /// n₀
+    moment: Vector3<'g>,
+    /// F₀
+    force: Vector3<'g>,
+}
+
+/// A joint's equation: `ÿ = known − per_angular · ω̇ − per_linear · a`, with the accelerations that its parent gives it.
+#[derive(Clone, Copy)]
+struct JointEquation<'g> {
+    known: Scalar<'g>,
+    per_angular: Vector3<'g>,
+    per_linear: Vector3<'g>,
+}
+
+struct Tree<'a, 'g> {
+    mechanism: &'a Mechanism<'g>,
+    placements: &'a [Placement<'g>],
+    couplings: &'a [RotorCoupling<'g>],
+    rates: Vec<Rates<'g>>,
+}
+
+impl<'g> Tree<'_, 'g> {
+    /// From the leaves to the base.
+    fn eliminate(&self, forces: &[Scalar<'g>]) -> Vec<JointEquation<'g>> {
+        let mut bodies: Vec<Articulated<'g>> =
+            (0..self.mechanism.len()).map(|k| self.rigid(k)).collect();
+        let mut joints = Vec::with_capacity(bodies.len());
+        for (index, body) in self.mechanism.bodies.iter().enumerate().rev() {
+            let force = forces[body.coordinate].signed(body.direction);
+            let (joint, rest) = self.eliminate_joint(index, &bodies[index], force);
+            joints.push(joint);
+            if let Some(parent) = body.parent {
+                let arrived = self.pass_on(index, rest);
+                let coupling = self.couplings[index].axial;
+                let gyroscopic = self.rates[parent].omega.cross(coupling);
+                bodies[parent] = bodies[parent].plus(&arrived);
+                bodies[parent].moment =
+                    bodies[parent].moment + gyroscopic.scaled(self.rates[index].joint);
+            }
+        }
+        joints.reverse();
+        joints
+    }
+
+    /// The body alone.
+    fn rigid(&self, index: usize) -> Articulated<'g> {
+        let (moments, omega) = (self.placements[index].moments, self.rates[index].omega);
+        let (zero, m, s) = (moments.mass.constant(0.0), moments.mass, moments.second);
+        let inertia = [
+            [s.yy + s.zz, -s.xy, -s.xz],
+            [-s.xy, s.xx + s.zz, -s.yz],
+            [-s.xz, -s.yz, s.xx + s.yy],
+        ];
+        let angular_momentum = times(&inertia, omega);
+        Articulated {
+            inertia,
+            coupling: cross_matrix(moments.first),
+            mass: [[m, zero, zero], [zero, m, zero], [zero, zero, m]],
+            moment: omega.cross(angular_momentum),
+            force: omega.cross(omega.cross(moments.first)),
+        }
+    }
+
+    /// Solves a joint's equation for its acceleration; the rest is what its parent feels.
+    fn eliminate_joint(
+        &self,
+        index: usize,
+        body: &Articulated<'g>,
+        force: Scalar<'g>,
+    ) -> (JointEquation<'g>, Articulated<'g>) {
+        let revolute = self.mechanism.bodies[index].axis == JointAxis::Revolute;
+        let (rates, coupling) = (&self.rates[index], &self.couplings[index]);
+        let described = &self.mechanism.bodies[index];
+        let axial = self.placements[index].to_child(&described.twist, coupling.axial);
+        let (by_angular, by_linear, own) = match revolute {
+            true => (
+                column(&body.inertia, 2),
+                Vector3(body.coupling[2]),
+                body.inertia[2][2],
+            ),
+            false => (
+                column(&body.coupling, 2),
+                Vector3(body.mass[2]),
+                body.mass[2][2],
+            ),
+        };
+        let by_angular = by_angular + axial;
+        let (moment, bias) = match revolute {
+            true => (
+                body.moment + times(&body.inertia, rates.coriolis),
+                body.force + transposed_times(&body.coupling, rates.coriolis),
+            ),
+            false => (
+                body.moment + times(&body.coupling, rates.coriolis),
+                body.force + times(&body.mass, rates.coriolis),
+            ),
+        };
+        let own = own + coupling.inertia;
+        let reciprocal = own
+            .constant(1.0)
+            .divided_by(own)
+            .named(|| format!("inverse_d_{}", described.name));
+        // Exactly 1 where only the body resists: what is eliminated then vanishes exactly.
+        let per = |x: Scalar<'g>| match x == own {
+            true => own.constant(1.0),
+            false => x * reciprocal,
+        };
+        let (per_angular, per_linear) = (by_angular.map(per), by_linear.map(per));
+        let known = (force - if revolute { moment[2] } else { bias[2] }) * reciprocal;
+        let joint = JointEquation {
+            known,
+            per_angular,
+            per_linear,
+        };
+        let mut rest = Articulated {
+            inertia: minus_symmetric(&body.inertia, by_angular, per_angular),
+            coupling: minus_product(
+                &body.coupling,
+                by_angular,
+                per_angular,
+                by_linear,
+                per_linear,
+            ),
+            mass: minus_symmetric(&body.mass, by_linear, per_linear),
+            moment: moment + by_angular.scaled(known),
+            force: bias + by_linear.scaled(known),
+        };
+        if coupling.inertia.is_zero() {
+            // All of the joint's force, and nothing else, passes along its axis.
+            match revolute {
+                true => rest.moment.0[2] = force,
+                false => rest.force.0[2] = force,
+            }
+        }
+        (joint, rest)
+    }
+
+    /// About the parent's origin, in the parent's frame.
+    fn pass_on(&self, index: usize, rest: Articulated<'g>) -> Articulated<'g> {
+        let (body, placement) = (&self.mechanism.bodies[index], &self.placements[index]);
+        let zero = placement.extension.constant(0.0);
+        let lift = Vector3([zero, zero, placement.extension]);
+        let turned = rest
+            .shifted(lift, self.rates[index].carried)
+            .turned(placement.turn, &body.twist);
+        let omega = body
+            .parent
+            .map_or(Vector3::zero(zero), |parent| self.rates[parent].omega);
+        turned.shifted(placement.translation, omega)
+    }
+
+    /// From the base to the leaves.
+    fn accelerate(&self, joints: &[JointEquation<'g>]) -> Vec<Scalar<'g>> {
+        let zero = self.mechanism.graph.constant(0.0);
+        let mut result = vec![zero; joints.len()];
+        let mut motions: Vec<(Vector3<'g>, Vector3<'g>)> = Vec::with_capacity(joints.len());
+        for (index, body) in self.mechanism.bodies.iter().enumerate() {
+            let (angular, linear) = self.carried(index, body, &motions);
+            let joint = &joints[index];
+            let acceleration =
+                joint.known - joint.per_angular.dot(angular) - joint.per_linear.dot(linear);
+            result[body.coordinate] = acceleration
+                .signed(body.direction)
+                .named(|| format!("acceleration_{}", body.name));
+            let own = self.rates[index].coriolis + Vector3([zero, zero, acceleration]);
+            motions.push(match body.axis {
+                JointAxis::Revolute => (angular + own, linear),
+                JointAxis::Prismatic => (angular, linear + own),
+            });
+        }
+        result
+    }
+
+    /// Angular acceleration, and acceleration of the origin, that the parent gives a body.
+    fn carried(
+        &self,
+        index: usize,
+        body: &Body<'g>,
+        motions: &[(Vector3<'g>, Vector3<'g>)],
+    ) -> (Vector3<'g>, Vector3<'g>) {
+        let placement = &self.placements[index];
+        let zero = placement.extension.constant(0.0);
+        let (angular, linear, omega) = match body.parent {
+            Some(parent) => (
+                motions[parent].0,
+                motions[parent].1,
+                self.rates[parent].omega,
+            ),
+            None => (
+                Vector3::zero(zero),
+                -self.mechanism.gravity,
+                Vector3::zero(zero),
+            ),
+        };
+        let at_joint = linear
+            + angular.cross(placement.translation)
+            + omega.cross(omega.cross(placement.translation));
+        let turned = placement.to_child(&body.twist, angular);
+        let (lift, carried) = (
+            Vector3([zero, zero, placement.extension]),
+            self.rates[index].carried,
+        );
+        let origin = placement.to_child(&body.twist, at_joint)
+            + turned.cross(lift)
+            + carried.cross(carried.cross(lift));
+        (turned, origin)
+    }
+}
+
+impl<'g> Articulated<'g> {
+    fn plus(&self, other: &Self) -> Self {
+        Self {
+            inertia: combined(&self.inertia, &other.inertia, |a, b| a + b),
+            coupling: combined(&self.coupling, &other.coupling, |a, b| a + b),
+            mass: combined(&self.mass, &other.mass, |a, b| a + b),
+            moment: self.moment + other.moment,
+            force: self.force + other.force,
+        }
+    }
+
+    /// About a point that is nearer by the lever `d`: `a = a' + ω̇ × d + ω × (ω × d)`, `n' = n + d × F`.
+    fn shifted(self, d: Vector3<'g>, omega: Vector3<'g>) -> Self {
+        if d.is_zero() {
+            return self;
+        }
+        let lever = cross_matrix(d);
+        let centripetal = omega.cross(omega.cross(d));
+        let force = self.force + times(&self.mass, centripetal);
+        let moment = self.moment + times(&self.coupling, centripetal) + d.cross(force);
+        let coupling = combined(&self.coupling, &product(&lever, &self.mass), |a, b| a + b);
+        // J − C d× + d× C'ᵀ; the last is the transpose of −C' d×.
+        let (before, after) = (product(&self.coupling, &lever), product(&coupling, &lever));
+        let mut inertia = self.inertia;
+        for i in 0..3 {
+            for j in 0..=i {
+                inertia[i][j] = inertia[i][j] - before[i][j] - after[j][i];
+                inertia[j][i] = inertia[i][j];
+            }
+        }
+        Self {
+            inertia,
+            coupling,
+            mass: self.mass,
+            moment,
+            force,
+        }
+    }
+
+    /// In the axes before the joint's turn and twist.
+    fn turned(self, turn: Option<Turn<'g>>, twist: &Twist) -> Self {
+        let vector = |v: Vector3<'g>| twist.to_parent(turn.map_or(v, |turn| v.turned(turn)));
+        let matrix = |a: &Matrix3<'g>| {
+            let turned = turn.map_or(*a, |turn| turned_about_z(a, turn));
+            let half = transposed(&turned.map(|row| twist.to_parent(Vector3(row)).0));
+            transposed(&half.map(|row| twist.to_parent(Vector3(row)).0))
+        };
+        let symmetric = |a: &Matrix3<'g>| {
+            let mut turned = matrix(a);
+            for i in 0..3 {
+                for j in 0..i {
+                    turned[j][i] = turned[i][j];
+                }
+            }
+            turned
+        };
+        Self {
+            inertia: symmetric(&self.inertia),
+            coupling: matrix(&self.coupling),
+            mass: symmetric(&self.mass),
+            moment: vector(self.moment),
+            force: vector(self.force),
+        }
+    }
+}
+
+/// `R_z A R_zᵀ` in 12 multiplications and 11 additions: the antisymmetric part and the trace of the block across z stay.
+fn turned_about_z<'g>(a: &Matrix3<'g>, (s, c): Turn<'g>) -> Matrix3<'g> {
+    let across = s * (a[0][0] - a[1][1]) + (a[0][1] + a[1][0]) * c;
+    let (moved, sheared) = (s * across, c * across);
+    let column = Vector3([a[0][2], a[1][2], a[2][2]]).turned((s, c));
+    let row = Vector3(a[2]).turned((s, c));
+    [
+        [a[0][0] - moved, sheared - a[1][0], column[0]],
+        [sheared - a[0][1], a[1][1] + moved, column[1]],
+        row.0,
+    ]
+}
+
+/// `v×`
+fn cross_matrix(v: Vector3<'_>) -> Matrix3<'_> {
+    let zero = v[0].constant(0.0);
+    [
+        [zero, -v[2], v[1]],
+        [v[2], zero, -v[0]],
+        [-v[1], v[0], zero],
+    ]
+}
+
+fn column<'g>(matrix: &Matrix3<'g>, k: usize) -> Vector3<'g> {
+    Vector3([matrix[0][k], matrix[1][k], matrix[2][k]])
+}
+
+fn transposed<'g>(matrix: &Matrix3<'g>) -> Matrix3<'g> {
+    [0, 1, 2].map(|k| column(matrix, k).0)
+}
+
+fn transposed_times<'g>(matrix: &Matrix3<'g>, v: Vector3<'g>) -> Vector3<'g> {
+    Vector3([0, 1, 2].map(|k| column(matrix, k).dot(v)))
+}
+
+fn product<'g>(a: &Matrix3<'g>, b: &Matrix3<'g>) -> Matrix3<'g> {
+    a.map(|row| transposed_times(b, Vector3(row)).0)
+}
+
+fn combined<'g>(
+    a: &Matrix3<'g>,
+    b: &Matrix3<'g>,
+    f: impl Fn(Scalar<'g>, Scalar<'g>) -> Scalar<'g>,
+) -> Matrix3<'g> {
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| f(a[i][j], b[i][j])))
+}
+
+/// `A − u uᵀ/d` with `per = u/d`; the lower triangle serves both.
+fn minus_symmetric<'g>(a: &Matrix3<'g>, u: Vector3<'g>, per: Vector3<'g>) -> Matrix3<'g> {
+    let mut result = *a;
+    for i in 0..3 {
+        for j in 0..=i {
+            result[i][j] = a[i][j] - per[i] * u[j];
+            result[j][i] = result[i][j];
+        }
+    }
+    result
+}
+
+/// `A − u wᵀ/d` with `u/d` and `w/d` at hand; exact zeros where one of them is 1.
+fn minus_product<'g>(
+    a: &Matrix3<'g>,
+    u: Vector3<'g>,
+    per_u: Vector3<'g>,
+    w: Vector3<'g>,
+    per_w: Vector3<'g>,
+) -> Matrix3<'g> {
+    [0, 1, 2].map(|i| {
+        [0, 1, 2].map(|j| match per_u[i].value() == Some(1.0) {
+            true => a[i][j] - w[j],
+            false => a[i][j] - u[i] * per_w[j],
+        })
+    })
+}

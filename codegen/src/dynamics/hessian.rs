@@ -1,0 +1,168 @@
+//! Second derivatives of the inverse dynamics, contracted with multipliers: what a sequential quadratic program with
+//! exact Hessians needs of the constraint `M ÿ + k − q = B u`.
+//!
+//! The gradient of `λᵀ (M ÿ + k − q)` comes from reverse differentiation of the recursive equations, or from λ times the
+//! analytic Jacobians; each column of the Hessian then from forward differentiation of the gradient.
+
+use super::catalogue::Argument::{Accelerations, Coordinates, Multipliers, Velocities};
+use super::catalogue::{Arguments, Quantity, matrix};
+use super::equations::{Equations, Matrix, dot};
+use super::newton_euler::MotionInput;
+use crate::graph::{Cost, Edge, Scalar, differentiate, gradient};
+
+/// Its row of the catalogue.
+pub const QUANTITY: Quantity = Quantity {
+    name: "inverse_dynamics_hessian",
+    summary: "Hessian of `λᵀ (M ÿ + k − q)`, for sequential quadratic programs with exact Hessians.",
+    equation: "with (y, ẏ, ÿ): [[H_yy, H_yv, H_ya], [H_yvᵀ, H_vv, 0], [H_yaᵀ, 0, 0]]",
+    arguments: &[Coordinates, Velocities, Accelerations, Multipliers],
+    results: &[
+        ("H_yy", "∂²/∂y², symmetric, both triangles filled"),
+        ("H_yv", "∂²/∂y ∂ẏ, row i = coordinate i"),
+        (
+            "H_vv",
+            "∂²/∂ẏ², symmetric, both triangles filled; friction included",
+        ),
+        (
+            "H_ya",
+            "∂²/∂y ∂ÿ, row i = coordinate i: the derivative of M λ",
+        ),
+    ],
+    notes: &[
+        "The constraint `M ÿ + k − q = B u` with multipliers λ adds exactly these blocks to the Hessian of the \
+         Lagrangian; it is linear in u. The gradient comes from reverse differentiation of the inverse dynamics or from \
+         λ times its analytic Jacobians, whichever costs less in the end; its forward derivatives are the Hessian.",
+    ],
+    build: |equations,
+            Arguments {
+                y, v, a, lambda, ..
+            }| {
+        let hessian = inverse_dynamics_hessian(equations, MotionInput { y, v, a }, lambda);
+        let blocks = [
+            hessian.by_coordinates,
+            hessian.mixed,
+            hessian.by_velocities,
+            hessian.by_accelerations,
+        ];
+        blocks.map(matrix).into()
+    },
+};
+
+/// Blocks of the Hessian of `λᵀ (M ÿ + k − q)`. Those by ẏ ÿ and ÿ ÿ are zero.
+#[derive(Debug, Clone)]
+pub struct Hessian<'g> {
+    /// ∂²/∂y²
+    pub by_coordinates: Matrix<'g>,
+    /// ∂²/∂y ∂ẏ, rows by y.
+    pub mixed: Matrix<'g>,
+    /// ∂²/∂ẏ²
+    pub by_velocities: Matrix<'g>,
+    /// ∂²/∂y ∂ÿ, rows by y.
+    pub by_accelerations: Matrix<'g>,
+}
+
+impl<'g> Hessian<'g> {
+    fn weight(&self, equations: &Equations<'_, 'g>) -> u64 {
+        let blocks = [
+            &self.by_coordinates,
+            &self.mixed,
+            &self.by_velocities,
+            &self.by_accelerations,
+        ];
+        let edges: Vec<Edge> = blocks
+            .iter()
+            .flat_map(|block| block.iter().flatten().map(|x| x.edge()))
+            .collect();
+        Cost::of(equations.graph, &edges).weight()
+    }
+}
+
+/// The Hessian by whichever gradient costs less.
+pub fn inverse_dynamics_hessian<'g>(
+    equations: &Equations<'_, 'g>,
+    input: MotionInput<'_, 'g>,
+    multipliers: &[Scalar<'g>],
+) -> Hessian<'g> {
+    let reverse = second(
+        equations,
+        input,
+        reverse_gradient(equations, input, multipliers),
+    );
+    let analytic = second(
+        equations,
+        input,
+        analytic_gradient(equations, input, multipliers),
+    );
+    match reverse.weight(equations) <= analytic.weight(equations) {
+        true => reverse,
+        false => analytic,
+    }
+}
+
+/// Gradients by y and ẏ.
+type Gradient<'g> = (Vec<Scalar<'g>>, Vec<Scalar<'g>>);
+
+fn reverse_gradient<'g>(
+    equations: &Equations<'_, 'g>,
+    MotionInput { y, v, a }: MotionInput<'_, 'g>,
+    multipliers: &[Scalar<'g>],
+) -> Gradient<'g> {
+    let forces = equations.inverse_dynamics(y, v, a);
+    let work = dot(equations.graph, &forces, multipliers);
+    let mut both = gradient(equations.graph, work, &[y, v].concat());
+    let by_velocities = both.split_off(y.len());
+    (both, by_velocities)
+}
+
+fn analytic_gradient<'g>(
+    equations: &Equations<'_, 'g>,
+    input: MotionInput<'_, 'g>,
+    multipliers: &[Scalar<'g>],
+) -> Gradient<'g> {
+    let derivatives = equations.inverse_dynamics_derivatives(input);
+    let contract = |matrix: &Matrix<'g>| {
+        let column = |j: usize| {
+            let column: Vec<_> = matrix.iter().map(|row| row[j]).collect();
+            dot(equations.graph, &column, multipliers)
+        };
+        (0..multipliers.len()).map(column).collect()
+    };
+    (
+        contract(&derivatives.by_coordinates),
+        contract(&derivatives.by_velocities),
+    )
+}
+
+fn second<'g>(
+    equations: &Equations<'_, 'g>,
+    MotionInput { y, v, a }: MotionInput<'_, 'g>,
+    (by_y, by_v): Gradient<'g>,
+) -> Hessian<'g> {
+    let graph = equations.graph;
+    let zeros = vec![vec![graph.constant(0.0); y.len()]; y.len()];
+    let mut hessian = Hessian {
+        by_coordinates: zeros.clone(),
+        mixed: zeros.clone(),
+        by_velocities: zeros.clone(),
+        by_accelerations: zeros,
+    };
+    for j in 0..y.len() {
+        // Symmetric: the entries from the diagonal on serve both triangles.
+        let later: Vec<_> = by_y[j..].iter().chain(&by_v).copied().collect();
+        let column = differentiate(graph, &later, y[j]);
+        let (own, mixed) = column.split_at(by_y.len() - j);
+        for (i, &entry) in (j..).zip(own) {
+            hessian.by_coordinates[i][j] = entry;
+            hessian.by_coordinates[j][i] = entry;
+        }
+        hessian.mixed[j] = mixed.to_vec();
+        for (i, entry) in (j..).zip(differentiate(graph, &by_v[j..], v[j])) {
+            hessian.by_velocities[i][j] = entry;
+            hessian.by_velocities[j][i] = entry;
+        }
+        for (row, entry) in differentiate(graph, &by_y, a[j]).into_iter().enumerate() {
+            hessian.by_accelerations[row][j] = entry;
+        }
+    }
+    hessian
+}

@@ -1,0 +1,158 @@
+//! Constants that explain functions: names of columns, groups of parameters, zeros of matrices.
+
+use super::base_parameters::BaseParameters;
+use super::equations::Formulations;
+use super::forces;
+use super::function::{Constant, ConstantValue};
+use super::regressor;
+use crate::model::Model;
+use crate::program::{Operand, Program, Shape};
+
+/// Names of all such constants.
+pub const NAMES: [&str; 8] = [
+    "INERTIAL_PARAMETER_NAMES",
+    "BASE_PARAMETER_NAMES",
+    "BASE_PARAMETER_TERMS",
+    "FRICTION_PARAMETER_NAMES",
+    "MASS_MATRIX_NONZERO",
+    "A_Y_NONZERO",
+    "A_V_NONZERO",
+    "B_X_NONZERO",
+];
+
+/// Beyond so many terms the groups stand in `BASE_PARAMETER_TERMS` alone: nobody reads pages of sums.
+const MOST_TERMS: usize = 1000;
+
+/// The constants of a function.
+pub fn of_function(
+    name: &str,
+    model: &Model,
+    formulations: &Formulations<'_>,
+    program: &Program,
+) -> Vec<Constant> {
+    match name {
+        "inertial_parameters" => vec![inertial_names(model)],
+        "base_regressor" => base_parameters(model, formulations.base_parameters()),
+        "friction_parameters" => vec![friction_names(model)],
+        "mass_matrix" => patterns(program, &[("MASS_MATRIX_NONZERO", "M")]),
+        "linearize" => {
+            let blocks = [
+                ("A_Y_NONZERO", "A_y"),
+                ("A_V_NONZERO", "A_v"),
+                ("B_X_NONZERO", "B_x"),
+            ];
+            patterns(program, &blocks)
+        }
+        _ => Vec::new(),
+    }
+}
+
+fn inertial_names(model: &Model) -> Constant {
+    let summary = "Inertial parameters π, the columns of `inertial_regressor`. For each link, in the order of the \
+         coordinates and in the link's frame of the description, with all that is fixed to it: mass m [kg], first \
+         moments mcx, mcy, mcz [kg m], and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the frame's origin [kg m²], entries of the \
+         matrix (Ixy = −∫ x y dm). Then J, the axial inertia of the rotor of each drive that has one [kg m²].";
+    Constant {
+        name: "INERTIAL_PARAMETER_NAMES",
+        summary: summary.to_owned(),
+        items: Vec::new(),
+        value: ConstantValue::Names(regressor::parameter_names(model)),
+    }
+}
+
+fn friction_names(model: &Model) -> Constant {
+    let summary = "Friction parameters, the columns of `friction_regressor`: joint, and the function of its velocity \
+         that the parameter multiplies.";
+    Constant {
+        name: "FRICTION_PARAMETER_NAMES",
+        summary: summary.to_owned(),
+        items: Vec::new(),
+        value: ConstantValue::Names(forces::friction_names(model)),
+    }
+}
+
+fn base_parameters(model: &Model, base: &BaseParameters) -> Vec<Constant> {
+    let names = regressor::parameter_names(model);
+    let leaders = base.leaders.iter().map(|&leader| names[leader].clone());
+    let groups = base.groups().map(|group| group_text(group, &names));
+    let items = match base.terms.len() <= MOST_TERMS {
+        true => groups.collect(),
+        false => Vec::new(),
+    };
+    let summary = format!(
+        "Base parameters β, the columns of `base_regressor`, each named after the inertial parameter that leads its \
+         group. {} of {} parameters enter the motion only in these sums{}:",
+        names.len() - base.leaders.len(),
+        names.len(),
+        if items.is_empty() {
+            ", see `BASE_PARAMETER_TERMS`"
+        } else {
+            ""
+        }
+    );
+    let terms = "Map from the inertial parameters to the base parameters: β[i] = Σ c π[j] over all (i, j, c). Found at the \
+         described values of free parameters; where lengths or gravity are free, it holds for these values alone.";
+    vec![
+        Constant {
+            name: "BASE_PARAMETER_NAMES",
+            summary: summary
+                .trim_end_matches(if items.is_empty() { ":" } else { "" })
+                .to_owned(),
+            items,
+            value: ConstantValue::Names(leaders.collect()),
+        },
+        Constant {
+            name: "BASE_PARAMETER_TERMS",
+            summary: terms.to_owned(),
+            items: Vec::new(),
+            value: ConstantValue::Sparse(base.terms.clone()),
+        },
+    ]
+}
+
+/// `Izz_1 + 0.09 m_2 − Ixx_2`
+fn group_text(group: &[(usize, usize, f64)], names: &[String]) -> String {
+    let mut text = String::new();
+    for (position, &(_, parameter, coefficient)) in group.iter().enumerate() {
+        text.push_str(match (position, coefficient < 0.0) {
+            (0, false) => "",
+            (0, true) => "−",
+            (_, false) => " + ",
+            (_, true) => " − ",
+        });
+        if coefficient.abs() != 1.0 {
+            text.push_str(&format!("{} ", coefficient.abs()));
+        }
+        text.push_str(&names[parameter]);
+    }
+    format!("`{text}`")
+}
+
+/// Which entries of results can be other than zero.
+fn patterns(program: &Program, blocks: &[(&'static str, &str)]) -> Vec<Constant> {
+    let pattern = |&(name, output): &(&'static str, &str)| {
+        let found = program.outputs.iter().find(|found| found.name == output)?;
+        let Shape::Matrix(_, columns) = found.shape else {
+            return None;
+        };
+        let is_nonzero =
+            |entry: &Operand| !matches!(entry, Operand::Constant(value) if *value == 0.0);
+        let nonzero: Vec<bool> = found.entries.iter().map(is_nonzero).collect();
+        let count = nonzero.iter().filter(|entry| **entry).count();
+        let rows = match columns {
+            0 => Vec::new(),
+            _ => nonzero.chunks(columns).map(<[bool]>::to_vec).collect(),
+        };
+        let summary = format!(
+            "Structure of `{output}`: `false` where the entry is zero in every state; {count} of {} are not.",
+            found.entries.len()
+        );
+        Some(Constant {
+            name,
+            summary,
+            items: Vec::new(),
+            value: ConstantValue::Pattern(rows),
+        })
+    };
+    blocks.iter().filter_map(pattern).collect()
+}

@@ -1,0 +1,252 @@
+//! Regressor of the inertial parameters: `W π = M ÿ + k − q_gravity`.
+//!
+//! Each link has ten parameters in its own described frame, everything fixed to it or held on it included: m, m c_x,
+//! m c_y, m c_z, I_xx, I_xy, I_yy, I_xz, I_yz, I_zz about the frame's origin (the order of Pinocchio). A unit of each
+//! needs the force and moment
+//!
+//! ```text
+//! m: F = a          m c: F = U e, n = e × a          I: n = E ω̇ + ω × E ω
+//! ```
+//!
+//! with the acceleration a of the origin, minus gravity, and U = ω̇× + ω× ω× (Atkeson, An and Hollerbach 1986). The row
+//! of a joint is their power at a unit of its velocity, so that no wrench is carried towards the base: the screws of
+//! the joints are carried outwards instead. Rotors add one column each.
+
+use super::equations::Matrix;
+use super::formulation::Formulation;
+use super::newton_euler::{Motion, MotionInput, motions, spread_of, times};
+use super::placement::{Placement, place};
+use crate::formula::Formula;
+use crate::graph::{Graph, Scalar, Vector3};
+use crate::kinematics::{JointAxis, Mechanism, described_moments, lower, rotate};
+use crate::model::{Drive, Model, RotorCoupling};
+
+/// Parameters of a link.
+pub const PER_LINK: usize = 10;
+
+/// Their symbols.
+pub const SYMBOLS: [&str; PER_LINK] = [
+    "m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz",
+];
+
+/// Drives with a rotor, in the order of the inputs: all but ideal ones.
+pub fn drives_with_rotor(model: &Model) -> impl Iterator<Item = &Drive> {
+    model
+        .drives
+        .iter()
+        .filter(|drive| drive.coordinate.is_some() && !is_ideal(drive))
+}
+
+fn is_ideal(drive: &Drive) -> bool {
+    drive.gear_ratio == Formula::ONE && drive.rotor_inertia == Formula::ZERO
+}
+
+/// Names of all parameters: those of the links by coordinate, then those of the rotors.
+pub fn parameter_names(model: &Model) -> Vec<String> {
+    let joints = model
+        .coordinates
+        .iter()
+        .filter_map(|&link| model.links[link].joint.as_ref());
+    let links = joints.flat_map(|joint| SYMBOLS.map(|symbol| format!("{symbol}_{}", joint.name)));
+    let rotors = drives_with_rotor(model).map(|drive| format!("J_{}", drive.name));
+    links.chain(rotors).collect()
+}
+
+/// π: values of all parameters, in the order of [`parameter_names`].
+pub fn inertial_parameters<'g>(graph: &'g Graph, model: &Model) -> Vec<Scalar<'g>> {
+    let links = described_moments(graph, model)
+        .into_iter()
+        .flat_map(|link| {
+            let (h, s) = (link.first, link.second);
+            let (xx, yy, zz) = (s.yy + s.zz, s.xx + s.zz, s.xx + s.yy);
+            [link.mass, h[0], h[1], h[2], xx, -s.xy, yy, -s.xz, -s.yz, zz]
+        });
+    let rotors = drives_with_rotor(model).map(|drive| lower(graph, &drive.rotor_inertia));
+    links.chain(rotors).collect()
+}
+
+/// `W`, rows by coordinate, columns in the order of [`parameter_names`]. The mechanism is in metres and not regrouped.
+pub fn inertial_regressor<'g>(
+    mechanism: &Mechanism<'g>,
+    model: &Model,
+    input: MotionInput<'_, 'g>,
+) -> Matrix<'g> {
+    let formulation = Formulation::plain(mechanism.len());
+    let placements = place(mechanism, &formulation, input.y);
+    let motions = motions(mechanism, &formulation, &placements, input);
+    let screws = joint_screws(mechanism, &placements);
+    let zero = mechanism.graph.constant(0.0);
+    let rotors: Vec<&Drive> = drives_with_rotor(model).collect();
+    let columns = PER_LINK * mechanism.len() + rotors.len();
+    let mut matrix = vec![vec![zero; columns]; mechanism.len()];
+    for (index, body) in mechanism.bodies.iter().enumerate() {
+        let link = LinkMotion::new(mechanism, model, index, &motions[index]);
+        for screw in &screws[index] {
+            let joint = &mechanism.bodies[screw.joint];
+            let entries = link.powers(&link.screw(screw));
+            for (k, entry) in entries.into_iter().enumerate() {
+                let column = PER_LINK * body.coordinate + k;
+                matrix[joint.coordinate][column] = entry.signed(joint.direction);
+            }
+        }
+    }
+    for (k, drive) in rotors.into_iter().enumerate() {
+        let column = rotor_column(mechanism, drive, &motions, &screws, input);
+        for (row, entry) in matrix.iter_mut().zip(column) {
+            row[PER_LINK * mechanism.len() + k] = entry;
+        }
+    }
+    matrix
+}
+
+/// What a unit of a joint's velocity does to a body, in the body's frame, along the joint's z axis.
+#[derive(Clone, Copy)]
+struct Screw<'g> {
+    joint: usize,
+    /// Angular velocity.
+    angular: Vector3<'g>,
+    /// Velocity of the body's origin.
+    linear: Vector3<'g>,
+}
+
+/// For each body the screws of all joints that move it.
+fn joint_screws<'g>(
+    mechanism: &Mechanism<'g>,
+    placements: &[Placement<'g>],
+) -> Vec<Vec<Screw<'g>>> {
+    let (zero, one) = (mechanism.graph.constant(0.0), mechanism.graph.constant(1.0));
+    let (still, z) = (Vector3::zero(zero), Vector3([zero, zero, one]));
+    let mut screws: Vec<Vec<Screw<'g>>> = Vec::with_capacity(mechanism.len());
+    for (index, body) in mechanism.bodies.iter().enumerate() {
+        let placement = &placements[index];
+        let lift = Vector3([zero, zero, placement.extension]);
+        let carried = |screw: &Screw<'g>| {
+            let at_joint = screw.linear + screw.angular.cross(placement.translation);
+            let angular = placement.to_child(&body.twist, screw.angular);
+            Screw {
+                joint: screw.joint,
+                angular,
+                linear: placement.to_child(&body.twist, at_joint) + angular.cross(lift),
+            }
+        };
+        let parents = body
+            .parent
+            .map_or(&[][..], |parent| screws[parent].as_slice());
+        let mut all: Vec<Screw<'g>> = parents.iter().map(carried).collect();
+        let (angular, linear) = match body.axis {
+            JointAxis::Revolute => (z, still),
+            JointAxis::Prismatic => (still, z),
+        };
+        all.push(Screw {
+            joint: index,
+            angular,
+            linear,
+        });
+        screws.push(all);
+    }
+    screws
+}
+
+/// Motion of a link in its described frame.
+struct LinkMotion<'g> {
+    /// From the body's axes to those of the described frame.
+    rotation: nalgebra::Matrix3<f64>,
+    /// Origin of the described frame in the body's.
+    origin: Vector3<'g>,
+    /// Acceleration of the origin, minus gravity.
+    acceleration: Vector3<'g>,
+    omega: Vector3<'g>,
+    /// ω̇
+    angular: Vector3<'g>,
+    /// U
+    spread: [[Scalar<'g>; 3]; 3],
+}
+
+impl<'g> LinkMotion<'g> {
+    fn new(mechanism: &Mechanism<'g>, model: &Model, index: usize, motion: &Motion<'g>) -> Self {
+        let link = model.coordinates[mechanism.bodies[index].coordinate];
+        let pose = mechanism.links[link].1;
+        let rotation = pose.rotation.transpose();
+        let origin = pose.translation;
+        let omega = rotate(&rotation, motion.omega);
+        let angular = rotate(&rotation, motion.angular_acceleration());
+        let acceleration = motion.acceleration + times(&motion.spread, origin);
+        Self {
+            acceleration: rotate(&rotation, acceleration),
+            spread: spread_of(omega, angular),
+            rotation,
+            origin,
+            omega,
+            angular,
+        }
+    }
+
+    /// A screw of the body in the described frame.
+    fn screw(&self, screw: &Screw<'g>) -> Screw<'g> {
+        let at_origin = screw.linear + screw.angular.cross(self.origin);
+        Screw {
+            joint: screw.joint,
+            angular: rotate(&self.rotation, screw.angular),
+            linear: rotate(&self.rotation, at_origin),
+        }
+    }
+
+    /// Powers of what a unit of each parameter needs, at a screw.
+    fn powers(&self, screw: &Screw<'g>) -> [Scalar<'g>; PER_LINK] {
+        let (a, u, turn) = (self.acceleration, &self.spread, screw.angular);
+        let by_force = Vector3([0, 1, 2].map(|k| {
+            let column = Vector3([u[0][k], u[1][k], u[2][k]]);
+            column.dot(screw.linear)
+        }));
+        let first = by_force + a.cross(turn);
+        let [xx, xy, yy, xz, yz, zz] = self.inertia_moments().map(|moment| moment.dot(turn));
+        let mass = a.dot(screw.linear);
+        [mass, first[0], first[1], first[2], xx, xy, yy, xz, yz, zz]
+    }
+
+    /// Moments that units of I_xx, I_xy, I_yy, I_xz, I_yz, I_zz need; most of their components stand in U.
+    fn inertia_moments(&self) -> [Vector3<'g>; 6] {
+        let (u, w, e) = (&self.spread, self.omega, self.angular);
+        let (xy, xz, yz) = (w[0] * w[1], w[0] * w[2], w[1] * w[2]);
+        [
+            Vector3([e[0], xz, -xy]),
+            Vector3([-u[2][0], u[2][1], u[0][0] - u[1][1]]),
+            Vector3([-yz, e[1], xy]),
+            Vector3([u[1][0], u[2][2] - u[0][0], -u[1][2]]),
+            Vector3([u[1][1] - u[2][2], -u[0][1], u[0][2]]),
+            Vector3([yz, -xz, e[2]]),
+        ]
+    }
+}
+
+/// Forces that a unit of a rotor's axial inertia needs. Spinning with `a · ω + i ẏ` about its axis a it needs the
+/// moment `a (a · ω̇ + i ÿ) + ω × a (a · ω + i ẏ)` on its carrier and `i (a · ω̇ + i ÿ)` at its joint.
+fn rotor_column<'g>(
+    mechanism: &Mechanism<'g>,
+    drive: &Drive,
+    motions: &[Motion<'g>],
+    screws: &[Vec<Screw<'g>>],
+    input: MotionInput<'_, 'g>,
+) -> Vec<Scalar<'g>> {
+    let mut column = vec![mechanism.graph.constant(0.0); mechanism.len()];
+    let Some(coordinate) = drive.coordinate else {
+        return column;
+    };
+    let ratio = lower(mechanism.graph, &drive.gear_ratio);
+    let (mut spin, mut spin_rate) = (ratio * input.v[coordinate], ratio * input.a[coordinate]);
+    let (body, pose) = mechanism.links[drive.carrier];
+    if let Some(carrier) = body.filter(|_| drive.coupling == RotorCoupling::Body) {
+        let axis = Vector3(drive.axis.map(|x| mechanism.graph.constant(x)));
+        let axis = rotate(&pose.rotation, axis);
+        let omega = motions[carrier].omega;
+        spin = spin + axis.dot(omega);
+        spin_rate = spin_rate + axis.dot(motions[carrier].angular_acceleration());
+        let moment = axis.scaled(spin_rate) + omega.cross(axis).scaled(spin);
+        for screw in &screws[carrier] {
+            let joint = &mechanism.bodies[screw.joint];
+            column[joint.coordinate] = screw.angular.dot(moment).signed(joint.direction);
+        }
+    }
+    column[coordinate] = column[coordinate] + ratio * spin_rate;
+    column
+}

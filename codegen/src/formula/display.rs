@@ -1,0 +1,82 @@
+//! Formulas as text, in the syntax in which descriptions write them.
+
+use super::Formula;
+
+/// How tightly an operator binds.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Binding {
+    Sum,
+    Product,
+    Sign,
+    Atom,
+}
+
+impl Formula {
+    /// The formula as a description would write it; `parameters` are the names of the free parameters.
+    pub fn text(&self, parameters: &[&str]) -> String {
+        self.bound(parameters).0
+    }
+
+    fn bound(&self, parameters: &[&str]) -> (String, Binding) {
+        use Binding::{Atom, Product, Sign, Sum};
+        let at_least = |part: &Self, binding: Binding| match part.bound(parameters) {
+            (text, found) if found >= binding => text,
+            (text, _) => format!("({text})"),
+        };
+        match self {
+            Self::Number(value) if *value < 0.0 => (format!("{value}"), Sign),
+            Self::Number(value) => (format!("{value}"), Atom),
+            Self::Parameter(index) => {
+                let name = parameters.get(*index).copied().unwrap_or("?");
+                (name.to_owned(), Atom)
+            }
+            Self::Position => ("y".to_owned(), Atom),
+            Self::Velocity => ("v".to_owned(), Atom),
+            Self::Negate(a) => (format!("-{}", at_least(a, Atom)), Sign),
+            Self::Add(a, b) => (
+                format!("{} + {}", at_least(a, Sum), at_least(b, Product)),
+                Sum,
+            ),
+            Self::Subtract(a, b) => (
+                format!("{} - {}", at_least(a, Sum), at_least(b, Product)),
+                Sum,
+            ),
+            Self::Multiply(a, b) => (
+                format!("{}*{}", at_least(a, Product), at_least(b, Sign)),
+                Product,
+            ),
+            Self::Divide(a, b) => (
+                format!("{}/{}", at_least(a, Product), at_least(b, Atom)),
+                Product,
+            ),
+            Self::Power(a, exponent) => (format!("pow({}, {exponent})", a.text(parameters)), Atom),
+            Self::Call(function, a) => {
+                (format!("{}({})", function.name(), a.text(parameters)), Atom)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::parse::{Allowed, parse};
+    use std::collections::BTreeMap;
+
+    #[test]
+    fn text_reads_back_as_the_same_formula() {
+        let parameters = BTreeMap::from([("a".to_owned(), 0), ("b".to_owned(), 1)]);
+        for text in [
+            "tanh(5*v)",
+            "exp(-(a*abs(v)))*tanh(3*a*v)",
+            "-a - (b - v)",
+            "a/(b*v)/v",
+            "pow(tanh(100*v), 2)",
+            "(a + b)*v - -v",
+            "0.1*v + 200*sign(v - a)",
+        ] {
+            let formula = parse(text, Allowed::Motion, &parameters).unwrap();
+            let again = parse(&formula.text(&["a", "b"]), Allowed::Motion, &parameters).unwrap();
+            assert_eq!(again, formula, "{text}: {}", formula.text(&["a", "b"]));
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! Friction that jumps: exact in the value, derivative zero; and smooth where that is asked for.
+
+use std::path::PathBuf;
+
+use gelenk_codegen::pipeline::GenerateOptions;
+use gelenk_tests::Robot;
+
+const DESCRIPTION: &str = r#"
+gravity = [0, 0, 0]
+
+[[joints]]
+name = "slide"
+type = "prismatic"
+drive = "ideal"
+friction = { viscous = 3, coulomb = 2 }
+
+[[joints]]
+name = "turn"
+drive = "ideal"
+friction = { coulomb = { positive = 0.5, negative = -0.3 } }
+spring = "-0.7*sign(v)"
+
+[[bodies]]
+link = "slide"
+mass = 4
+
+[[bodies]]
+link = "turn"
+mass = 1
+inertia = 0.5
+"#;
+
+const COULOMB: f64 = 2.0;
+const VISCOUS: f64 = 3.0;
+
+fn robot(generate: &str, smooth_sign: Option<f64>) -> Robot {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path: PathBuf = folder.path().join("robot.toml");
+    std::fs::write(&path, format!("{DESCRIPTION}{generate}")).expect("a file");
+    let options = GenerateOptions {
+        smooth_sign,
+        ..GenerateOptions::default()
+    };
+    Robot::derive(&path, &options)
+}
+
+#[test]
+fn sign_is_exact_and_its_derivative_zero() {
+    let robot = robot("", None);
+    for (rate, torques) in [(0.1, [2.3, 0.5]), (0.0, [0.0, 0.0]), (-0.1, [-2.3, -0.3])] {
+        let v = [rate, rate];
+        let found = robot.first("friction_torques", &[&v]);
+        for (found, expected) in found.iter().zip(torques) {
+            assert!((found - expected).abs() < 1e-14, "{rate}: {found}");
+        }
+        let zero = [0.0, 0.0];
+        let inverse = robot.call("inverse_dynamics_derivatives", &[&zero, &v, &zero]);
+        // Nothing else depends on these velocities.
+        assert_eq!(inverse[2], [VISCOUS, 0.0, 0.0, 0.0]);
+        let linear = robot.call("linearize", &[&zero, &v, &zero]);
+        assert!((linear[1][0] + VISCOUS / 5.0).abs() < 1e-14);
+        assert_eq!(linear[1][1..], [0.0, 0.0, 0.0]);
+        // The affine remainder carries the value: at u = 0 the braked accelerations.
+        let springs = robot.first("spring_forces", &[&zero, &v]);
+        let accelerations = robot.first("forward_dynamics", &[&zero, &v, &zero]);
+        assert!((accelerations[0] + torques[0] / 5.0).abs() < 1e-14);
+        assert!((accelerations[1] - (springs[1] - torques[1]) / 0.5).abs() < 1e-14);
+        assert!((linear[3][0] - (accelerations[0] + VISCOUS / 5.0 * rate)).abs() < 1e-14);
+    }
+    let notes = &robot.function("linearize").notes;
+    assert!(
+        notes
+            .iter()
+            .any(|note| note.contains("derivative is taken as zero"))
+    );
+}
+
+#[test]
+fn smooth_sign_is_a_tanh_with_its_derivative() {
+    let slope: f64 = 40.0;
+    let by_option = robot("", Some(slope));
+    let by_description = robot("[generate]\nsmooth_sign = 40\n", None);
+    let overridden = robot("[generate]\nsmooth_sign = 7\n", Some(slope));
+    let zero = [0.0, 0.0];
+    for robot in [by_option, by_description, overridden] {
+        for rate in [0.03, 0.0, -0.01, -2.0] {
+            let v = [rate, rate];
+            let smooth = (slope * rate).tanh();
+            let edge = slope * (1.0 - smooth * smooth);
+            let friction = robot.first("friction_torques", &[&v]);
+            let springs = robot.first("spring_forces", &[&zero, &v]);
+            let slopes = robot
+                .call("inverse_dynamics_derivatives", &[&zero, &v, &zero])
+                .swap_remove(2);
+            let close = |found: f64, expected: f64| {
+                assert!(
+                    (found - expected).abs() < 1e-13,
+                    "at {rate}: {found}, {expected}"
+                );
+            };
+            close(friction[0], VISCOUS * rate + COULOMB * smooth);
+            // The mean of both sides times the odd part, and half their difference times the even one.
+            close(friction[1], 0.4 * smooth + 0.1 * smooth * smooth);
+            close(springs[1], -0.7 * smooth);
+            close(slopes[0], VISCOUS + COULOMB * edge);
+            close(slopes[3], (0.4 + 0.2 * smooth + 0.7) * edge);
+        }
+        let notes = &robot.function("linearize").notes;
+        assert!(
+            !notes
+                .iter()
+                .any(|note| note.contains("derivative is taken as zero"))
+        );
+    }
+}

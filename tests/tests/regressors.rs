@@ -1,0 +1,300 @@
+//! Functions that are linear in parameters: regressors against the inverse dynamics and friction that they stand for,
+//! base parameters against the rank of stacked regressors.
+
+use fastrand::Rng;
+use gelenk_codegen::dynamics::function::ConstantValue;
+use gelenk_codegen::model::{ReadOptions, read};
+use gelenk_runtime::identification::inertial::{
+    InertialRegression, PER_BODY, is_physically_consistent,
+};
+use gelenk_tests::random_model::{Sample, random_model, random_sample};
+use gelenk_tests::{Robot, descriptions};
+use nalgebra::DMatrix;
+
+const FUNCTIONS: [&str; 8] = [
+    "inertial_parameters",
+    "inertial_regressor",
+    "base_regressor",
+    "friction_parameters",
+    "friction_regressor",
+    "friction_torques",
+    "spring_forces",
+    "inverse_dynamics",
+];
+
+/// Of rounding, relative to the sum of what is added up.
+const TOLERANCE: f64 = 1e-12;
+
+/// Base parameters are rounded to 1e-12 for each parameter.
+const BASE_TOLERANCE: f64 = 1e-10;
+
+/// Robots of models/ and random trees of up to 12 joints of every kind.
+fn robots() -> Vec<Robot> {
+    let described = descriptions().into_iter().map(|path| {
+        let loaded = read(&path, &ReadOptions::default());
+        loaded.unwrap_or_else(|problems| panic!("{problems}")).model
+    });
+    let random = (100..140).map(|seed| random_model(seed, 12));
+    described
+        .chain(random)
+        .map(|model| Robot::of_model(model, &FUNCTIONS))
+        .collect()
+}
+
+fn names<'r>(robot: &'r Robot, function: &str) -> &'r [String] {
+    let constants = &robot.function(function).constants;
+    let names = constants.iter().find_map(|constant| match &constant.value {
+        ConstantValue::Names(names) => Some(names),
+        _ => None,
+    });
+    names.expect("names of columns")
+}
+
+fn base_terms(robot: &Robot) -> &[(usize, usize, f64)] {
+    let constants = &robot.function("base_regressor").constants;
+    let terms = constants.iter().find_map(|constant| match &constant.value {
+        ConstantValue::Sparse(terms) => Some(terms),
+        _ => None,
+    });
+    terms.expect("terms of the base parameters")
+}
+
+/// `matrix · x`, and the sum of the products' magnitudes.
+fn times(matrix: &[f64], x: &[f64]) -> Vec<(f64, f64)> {
+    let row = |row: &[f64]| {
+        let products = row.iter().zip(x).map(|(w, x)| w * x);
+        products.fold((0.0, 0.0), |(sum, size): (f64, f64), p| {
+            (sum + p, size + p.abs())
+        })
+    };
+    matrix.chunks(x.len().max(1)).map(row).collect()
+}
+
+fn close(what: &str, name: &str, found: f64, expected: f64, size: f64, tolerance: f64) {
+    let error = (found - expected).abs();
+    assert!(
+        error <= tolerance * size,
+        "{name}, {what}: {found} is not {expected}, of sums as large as {size}"
+    );
+}
+
+#[test]
+fn inertial_regressor_times_parameters_is_the_inverse_dynamics() {
+    for robot in robots() {
+        let name = &robot.model.name;
+        let mut rng = Rng::with_seed(7);
+        for _ in 0..5 {
+            let Sample {
+                y,
+                v,
+                a,
+                parameters,
+                ..
+            } = random_sample(&mut rng, &robot.model);
+            let first =
+                |name, inputs: &[&[f64]]| robot.call_with(name, inputs, &parameters).swap_remove(0);
+            let pi = first("inertial_parameters", &[]);
+            assert_eq!(pi.len(), names(&robot, "inertial_parameters").len());
+            let bodies = times(&first("inertial_regressor", &[&y, &v, &a]), &pi);
+            let friction = first("friction_torques", &[&v]);
+            let springs = first("spring_forces", &[&y, &v]);
+            let forces = first("inverse_dynamics", &[&y, &v, &a]);
+            for (i, &(sum, size)) in bodies.iter().enumerate() {
+                let found = sum + friction[i] - springs[i];
+                let size = size + friction[i].abs() + springs[i].abs() + largest(&forces);
+                close("W π + τ − springs", name, found, forces[i], size, TOLERANCE);
+            }
+        }
+    }
+}
+
+fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |most: f64, x| most.max(x.abs()))
+}
+
+#[test]
+fn friction_regressor_times_parameters_is_the_friction() {
+    let mut columns = 0;
+    for robot in robots() {
+        let mut rng = Rng::with_seed(8);
+        let sample = random_sample(&mut rng, &robot.model);
+        let first = |name, inputs: &[&[f64]]| {
+            robot
+                .call_with(name, inputs, &sample.parameters)
+                .swap_remove(0)
+        };
+        let coefficients = first("friction_parameters", &[]);
+        assert_eq!(
+            coefficients.len(),
+            names(&robot, "friction_parameters").len()
+        );
+        columns += coefficients.len();
+        let found = match coefficients.is_empty() {
+            true => vec![(0.0, 0.0); sample.v.len()],
+            false => times(&first("friction_regressor", &[&sample.v]), &coefficients),
+        };
+        for ((sum, size), expected) in found
+            .into_iter()
+            .zip(first("friction_torques", &[&sample.v]))
+        {
+            close("R φ", &robot.model.name, sum, expected, size, TOLERANCE);
+        }
+    }
+    assert!(columns > 100, "{columns} columns in all");
+}
+
+/// A regressor over random states, one below the other, at the described parameters.
+fn stacked(robot: &Robot, function: &str, rng: &mut Rng) -> DMatrix<f64> {
+    let model = &robot.model;
+    let mut rows = Vec::new();
+    for _ in 0..40 {
+        let Sample { y, v, a, .. } = random_sample(rng, model);
+        rows.extend(robot.first(function, &[&y, &v, &a]));
+    }
+    let count = 40 * model.coordinates.len();
+    DMatrix::from_row_slice(count, rows.len() / count, &rows)
+}
+
+/// Numerical rank of a matrix whose columns are scaled to length 1.
+fn rank(mut matrix: DMatrix<f64>) -> usize {
+    for mut column in matrix.column_iter_mut() {
+        let length = column.norm();
+        if length > 0.0 {
+            column /= length;
+        }
+    }
+    let values = matrix.singular_values();
+    values
+        .iter()
+        .filter(|value| **value > 1e-9 * values.max())
+        .count()
+}
+
+#[test]
+fn base_regressor_has_full_rank_and_no_column_more() {
+    for robot in robots() {
+        let name = &robot.model.name;
+        let base = stacked(&robot, "base_regressor", &mut Rng::with_seed(9));
+        let full = stacked(&robot, "inertial_regressor", &mut Rng::with_seed(9));
+        let count = base.ncols();
+        assert_eq!(count, names(&robot, "base_regressor").len());
+        assert_eq!(rank(base.clone()), count, "{name}: full rank");
+        let longest = full.column_iter().map(|column| column.norm());
+        // Columns that are zero but for rounding have no direction.
+        let rounding = 1e-13 * longest.fold(0.0, f64::max);
+        let directions = base.qr().q();
+        for column in full.column_iter() {
+            let shares = directions.transpose() * column;
+            let left = (column - &directions * shares).norm();
+            assert!(
+                left <= rounding.max(1e-9 * column.norm()),
+                "{name}: one more column leaves {left:e}"
+            );
+        }
+    }
+}
+
+#[test]
+fn base_regressor_times_base_parameters_is_all_that_moves() {
+    for robot in robots() {
+        let name = &robot.model.name;
+        let pi = robot.first("inertial_parameters", &[]);
+        let leaders = names(&robot, "base_regressor");
+        let mut beta = vec![0.0; leaders.len()];
+        let mut sizes = beta.clone();
+        for &(group, parameter, coefficient) in base_terms(&robot) {
+            beta[group] += coefficient * pi[parameter];
+            sizes[group] += (coefficient * pi[parameter]).abs();
+        }
+        let all = names(&robot, "inertial_parameters");
+        for (group, leader) in leaders.iter().enumerate() {
+            let first = base_terms(&robot).iter().find(|term| term.0 == group);
+            assert_eq!(
+                first.map(|term| (&all[term.1], term.2)),
+                Some((leader, 1.0))
+            );
+        }
+        let mut rng = Rng::with_seed(10);
+        for _ in 0..5 {
+            let Sample { y, v, a, .. } = random_sample(&mut rng, &robot.model);
+            let full = times(&robot.first("inertial_regressor", &[&y, &v, &a]), &pi);
+            let y = robot.first("base_regressor", &[&y, &v, &a]);
+            let sums = times(&y, &sizes);
+            for ((found, expected), size) in times(&y, &beta).iter().zip(&full).zip(sums) {
+                let size = expected.1 + size.1;
+                close("Y β", name, found.0, expected.0, size, BASE_TOLERANCE);
+            }
+        }
+    }
+}
+
+/// The runtime factorizes with pivots of its own: as many base parameters, and the described bodies explain the forces.
+#[test]
+fn identification_sees_the_same_base_parameters() {
+    for name in ["powercube", "puma560", "ur5", "two_arm"] {
+        let path = gelenk_tests::workspace().join(format!("models/{name}.toml"));
+        let model = read(&path, &ReadOptions::default())
+            .expect("the model")
+            .model;
+        let robot = Robot::of_model(model, &FUNCTIONS);
+        let regressor = stacked(&robot, "inertial_regressor", &mut Rng::with_seed(11));
+        let pi = robot.first("inertial_parameters", &[]);
+        let forces = &regressor * nalgebra::DVector::from_column_slice(&pi);
+        let names = names(&robot, "inertial_parameters");
+        let regression = InertialRegression::new(names, &regressor, forces.as_slice(), None);
+        let regression = regression.expect("a regression");
+        let base = regression.base_parameters(1e-11).expect("base parameters");
+        let leaders = robot.function("base_regressor").program.outputs[0]
+            .entries
+            .len();
+        let leaders = leaders / robot.model.coordinates.len();
+        assert_eq!(base.independent.len(), leaders, "{name}");
+        let residual = regression.residual(&pi).expect("as many parameters");
+        assert!(
+            residual <= 1e-20 * forces.norm_squared(),
+            "{name}: {residual:e}"
+        );
+        if name == "ur5" {
+            for link in pi.chunks_exact(PER_BODY) {
+                let link = link.try_into().expect("ten parameters");
+                assert!(is_physically_consistent(link), "{link:?}");
+            }
+        }
+    }
+}
+
+/// Both axes are horizontal and parallel: of each link the two first moments across them count, and one moment of
+/// inertia. The rotor of the first drive only adds to the latter; that of the second couples both joints.
+#[test]
+fn base_parameters_of_the_published_arm() {
+    let path = gelenk_tests::workspace().join("models/powercube.toml");
+    let model = read(&path, &ReadOptions::default())
+        .expect("the model")
+        .model;
+    let robot = Robot::of_model(model, &FUNCTIONS);
+    let expected = [
+        "mcx_beta",
+        "mcz_beta",
+        "Iyy_beta",
+        "mcx_gamma",
+        "mcz_gamma",
+        "Iyy_gamma",
+        "J_gamma",
+    ];
+    assert_eq!(names(&robot, "base_regressor"), expected);
+    // The published equations: M22 less its rotor, and h over the distance between the axes.
+    let pi = robot.first("inertial_parameters", &[]);
+    let group = |name: &str| {
+        let group = expected
+            .iter()
+            .position(|found| *found == name)
+            .expect(name);
+        let terms = base_terms(&robot).iter().filter(|term| term.0 == group);
+        terms
+            .map(|&(_, parameter, c)| c * pi[parameter])
+            .sum::<f64>()
+    };
+    assert!((group("Iyy_gamma") - 0.6608899068565).abs() < 1e-12);
+    assert!((group("mcz_gamma") - 0.3107549862 / 0.18).abs() < 1e-12);
+    assert!((group("J_gamma") - 5.267e-5).abs() < 1e-18);
+}
