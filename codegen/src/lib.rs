@@ -24,6 +24,8 @@ pub mod model;
 pub mod output;
 pub mod pipeline;
 pub mod program;
+#[cfg(feature = "cli")]
+pub mod report;
 mod snapping;
 #[cfg(test)]
 mod testing;

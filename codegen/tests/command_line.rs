@@ -31,6 +31,8 @@ fn help_of_all_commands() {
         ("help_generate", vec!["generate", "--help"]),
         ("help_check", vec!["check", "--help"]),
         ("help_inspect", vec!["inspect", "--help"]),
+        ("help_new", vec!["new", "--help"]),
+        ("help_report", vec!["report", "--help"]),
     ] {
         insta::assert_snapshot!(name, shown(&gelenk(folder.path(), &arguments)));
     }
@@ -82,6 +84,123 @@ fn diagnostics_as_json() {
     assert_eq!(output.status.code(), Some(1));
     let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(value["diagnostics"][0]["severity"], "error");
+}
+
+#[test]
+fn a_new_crate_is_made_once_and_only_under_a_good_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let made = gelenk(folder.path(), &["new", "my-arm", "--format", "json"]);
+    assert_eq!(made.status.code(), Some(0), "{}", shown(&made));
+    let said: serde_json::Value = serde_json::from_slice(&made.stdout).unwrap();
+    assert_eq!(said["package"], "my-arm");
+    for file in said["files"].as_array().unwrap() {
+        assert!(
+            folder
+                .path()
+                .join("my-arm")
+                .join(file.as_str().unwrap())
+                .is_file(),
+            "{file}"
+        );
+    }
+    for (arguments, code, message) in [
+        (vec!["new", "my-arm"], 1, "my-arm exists already"),
+        (vec!["new", "2nd"], 2, "must begin with a letter"),
+        (vec!["new", "a b"], 2, "letters from a to z"),
+        (vec!["new", "fn"], 2, "a word of Rust"),
+        (vec!["new", ".."], 2, "does not end in a name"),
+        (
+            vec!["new", "other", "--checkout", "."],
+            1,
+            "no checkout of gelenk",
+        ),
+        (
+            vec!["new", "other", "--git", "x", "--version", "1"],
+            2,
+            "cannot be used with",
+        ),
+    ] {
+        let refused = gelenk(folder.path(), &arguments);
+        assert_eq!(refused.status.code(), Some(code), "{}", shown(&refused));
+        let stderr = String::from_utf8_lossy(&refused.stderr);
+        assert!(stderr.contains(message), "{stderr}");
+    }
+    // Nothing is left behind by what was refused.
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    let made = gelenk(
+        folder.path(),
+        &[
+            "new",
+            "elsewhere",
+            "--git",
+            "https://example.org/gelenk.git",
+        ],
+    );
+    assert_eq!(made.status.code(), Some(0));
+    let manifest = std::fs::read_to_string(folder.path().join("elsewhere/Cargo.toml")).unwrap();
+    assert_eq!(
+        manifest
+            .matches("git = \"https://example.org/gelenk.git\"")
+            .count(),
+        2
+    );
+}
+
+/// A pendulum: small enough that its page is made in no time.
+const PENDULUM: &str = "[[joints]]\nname = \"swing\"\naxis = [0, 1, 0]\ndrive = \"ideal\"\nfriction = \"0.1*v\"\n\
+    [[bodies]]\nlink = \"swing\"\nmass = 1\ncenter_of_mass = [0, 0, -0.5]\n";
+
+#[test]
+fn a_page_and_its_numbers_are_written() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("pendulum.toml"), PENDULUM).unwrap();
+    let output = gelenk(
+        folder.path(),
+        &["report", "pendulum.toml", "--format", "json"],
+    );
+    assert_eq!(output.status.code(), Some(0), "{}", shown(&output));
+    let said: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(said["files"][0], "report/pendulum/index.html");
+    for check in said["self_check"].as_array().unwrap() {
+        assert_eq!(check["verdict"], "holds", "{check}");
+    }
+    let read = |name: &str| {
+        std::fs::read_to_string(folder.path().join("report/pendulum").join(name)).unwrap()
+    };
+    let data: serde_json::Value = serde_json::from_str(&read("report.json")).unwrap();
+    assert_eq!(data["title"], "The robot pendulum");
+    assert!(read("index.html").contains("gelenk report pendulum.toml"));
+    assert!(
+        read("bodies.csv").starts_with("body,link,mass [kg],c_x [m]"),
+        "{}",
+        read("bodies.csv")
+    );
+    // The same description, the same bytes.
+    let first = read("index.html");
+    gelenk(
+        folder.path(),
+        &["report", "pendulum.toml", "--output", "again"],
+    );
+    assert_eq!(
+        first,
+        std::fs::read_to_string(folder.path().join("again/index.html")).unwrap()
+    );
+}
+
+#[test]
+fn a_page_that_cannot_be_written_ends_with_1() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("pendulum.toml"), PENDULUM).unwrap();
+    std::fs::write(folder.path().join("taken"), "").unwrap();
+    let output = gelenk(
+        folder.path(),
+        &["report", "pendulum.toml", "--output", "taken"],
+    );
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("cannot write taken"));
+    let output = gelenk(folder.path(), &["report", "none.toml"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(!folder.path().join("report").exists());
 }
 
 #[cfg(not(feature = "symbolica"))]

@@ -18,6 +18,8 @@ pub mod lqr;
 pub mod plant;
 #[cfg(feature = "control")]
 pub mod qp;
+#[cfg(feature = "report")]
+pub mod report;
 #[cfg(feature = "control")]
 pub mod trajectory;
 #[cfg(feature = "control")]

@@ -1,6 +1,7 @@
 //! What the tests that cross crates share: reference data, random robots, an independent derivation of their equations,
 //! and evaluation of derived functions.
 
+pub mod browser;
 pub mod compiler;
 pub mod dual;
 pub mod flat;

@@ -24,6 +24,8 @@ Examples:
   gelenk generate                              everything in models/
   gelenk check                                 is generated/ fresh?
   gelenk inspect counts models/ur5.toml        operation counts of all functions
+  gelenk report models/ur5.toml                a page about the robot
+  gelenk new my_arm                            a crate to begin with
 
 Exit codes: 0 success, 1 the description is at fault or the output is stale, 2 wrong command line.";
 
@@ -41,6 +43,20 @@ Examples:
   gelenk inspect program models/powercube.toml --functions mass_matrix --latex
   gelenk inspect --closed-form models/powercube.toml";
 
+const NEW_EXAMPLES: &str = "\
+Examples:
+  gelenk new my_arm                              on this program's own checkout
+  gelenk new my_arm --git https://example.org/gelenk.git
+
+Exit codes: 0 success, 1 the folder exists or cannot be made, 2 wrong command line.";
+
+const REPORT_EXAMPLES: &str = "\
+Examples:
+  gelenk report models/powercube.toml            writes report/powercube/index.html
+  gelenk report arm.urdf --output /tmp/arm
+
+Exit codes: 0 success, 1 the description is at fault or the self-check fails, 2 wrong command line.";
+
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
     /// Write the Rust module of a description, or of everything in models/
@@ -51,6 +67,12 @@ pub(super) enum Command {
     /// Show the model, the operation counts, the program or the Rust text
     #[command(after_help = INSPECT_EXAMPLES)]
     Inspect(Inspect),
+    /// Make a small crate with a robot, its build script and a simulation
+    #[command(after_help = NEW_EXAMPLES)]
+    New(New),
+    /// Write a page about a robot: drawing, parameters, equations, costs, a self-check
+    #[command(after_help = REPORT_EXAMPLES)]
+    Report(Report),
 }
 
 #[derive(Debug, Args)]
@@ -99,6 +121,43 @@ pub(super) struct Inspect {
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
     pub(super) choices: Choices,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct New {
+    /// Folder to make; its last part names the crate
+    #[arg(value_name = "NAME")]
+    pub(super) folder: PathBuf,
+    /// Depend on the crates of this checkout [default: the one this program was built from]
+    #[arg(long, value_name = "FOLDER")]
+    pub(super) checkout: Option<PathBuf>,
+    /// Depend on the crates of this repository
+    #[arg(long, value_name = "URL", conflicts_with = "checkout")]
+    pub(super) git: Option<String>,
+    /// Depend on this version of the crates in the registry
+    #[arg(long, value_name = "VERSION", conflicts_with_all = ["checkout", "git"])]
+    pub(super) version: Option<String>,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Report {
+    /// TOML or URDF
+    pub(super) description: PathBuf,
+    /// Folder for the page (index.html) and its numbers (report.json, CSV files) [default: report/<NAME>]
+    #[arg(long, short, value_name = "FOLDER")]
+    pub(super) output: Option<PathBuf>,
+    /// Take angles within so many radians of a multiple of 90° for it
+    #[arg(long, value_name = "RAD", value_parser = small_angle)]
+    pub(super) snap_angles: Option<f64>,
+    /// Leave out friction
+    #[arg(long)]
+    pub(super) no_friction: bool,
+    /// Make mimic joints independent coordinates
+    #[arg(long)]
+    pub(super) ignore_mimic: bool,
+    /// Derive functions of up to so many operations [default: 300000]
+    #[arg(long, value_name = "COUNT")]
+    pub(super) max_operations: Option<usize>,
 }
 
 /// Choices that change what is generated; the header of the file names them.

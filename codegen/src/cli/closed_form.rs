@@ -8,16 +8,17 @@ use std::io;
 use std::path::Path;
 use std::process::{Command, ExitCode, Stdio};
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::Failure;
-use super::arguments::{Format, Inspect};
+use super::arguments::{self, Format, Inspect};
 use super::print;
 use super::progress::Progress;
 use crate::closed_form::{self, Instance, display};
 use crate::diagnostic::Diagnostics;
 use crate::model::{self, Loaded, Model, ReadOptions};
 use crate::output;
+use crate::report::{ClosedForm, Symbol};
 
 /// Shows M, k, q and B in closed form.
 pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, Failure> {
@@ -41,6 +42,62 @@ fn read(arguments: &Inspect) -> Result<Loaded, Failure> {
 
 fn problem(diagnostics: Diagnostics) -> Failure {
     Failure::Descriptions(vec![diagnostics])
+}
+
+/// Closed forms for the page of a robot, made in a process of their own; none for robots of more joints than can be read,
+/// and none, with a message, where the computer algebra cannot work.
+pub(super) fn for_page(
+    arguments: &arguments::Report,
+    loaded: &Loaded,
+) -> Result<Option<ClosedForm>, Failure> {
+    if closed_form::check_size(&loaded.model).is_err() {
+        return Ok(None);
+    }
+    let folder = tempfile::tempdir()?;
+    let output = folder.path().join("closed_form");
+    let mut command = Command::new(std::env::current_exe()?);
+    command
+        .args(["inspect", "--closed-form", "--format", "json", "--output"])
+        .arg(&output);
+    if let Some(angle) = arguments.snap_angles {
+        command.arg("--snap-angles").arg(format!("{angle:?}"));
+    }
+    for (is_set, option) in [
+        (arguments.no_friction, "--no-friction"),
+        (arguments.ignore_mimic, "--ignore-mimic"),
+    ] {
+        command.args(is_set.then_some(option));
+    }
+    let status = command
+        .arg("--")
+        .arg(&arguments.description)
+        .stdin(Stdio::null())
+        .stdout(io::stderr())
+        .status()?;
+    if !status.success() {
+        print::err(&format!(
+            "gelenk: the page goes without closed forms: the computer algebra ended with {status}\n"
+        ));
+        return Ok(None);
+    }
+    let value: Value = serde_json::from_str(&std::fs::read_to_string(&output)?)?;
+    Ok(Some(from_json(&value)))
+}
+
+fn from_json(value: &Value) -> ClosedForm {
+    let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+    let entries = |value: &Value| value.as_array().cloned().unwrap_or_default();
+    let texts = |name: &str| entries(&value[name]).iter().map(text).collect();
+    let symbol = |entry: &Value| Symbol {
+        name: text(&entry[0]),
+        value: text(&entry[1]),
+        meaning: text(&entry[2]),
+    };
+    ClosedForm {
+        equations: texts("equations"),
+        constants: texts("constants"),
+        symbols: entries(&value["symbols"]).iter().map(symbol).collect(),
+    }
 }
 
 /// Runs this command again with `--output` and prints what came out.
@@ -87,8 +144,12 @@ fn write(
         (Format::Text, false) => display::text(&forms, &defaults),
         (Format::Text, true) => display::latex(&forms, &defaults),
         (Format::Json, _) => {
+            let parts = display::latex_parts(&forms, &defaults);
             let value = json!({
                 "robot": forms.robot,
+                "equations": parts.equations.iter().map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>(),
+                "constants": parts.constants.iter().map(|(name, sum, value)| format!("{name} = {sum} = {value}")).collect::<Vec<_>>(),
+                "symbols": parts.symbols,
                 "text": display::text(&forms, &defaults),
                 "latex": display::latex(&forms, &defaults),
                 "notes": print::diagnostics(&loaded.notes),

@@ -309,7 +309,7 @@ pub(super) fn command(
 }
 
 /// A word for the shell, in single quotes where it needs them.
-fn quoted(word: &str) -> String {
+pub(super) fn quoted(word: &str) -> String {
     let is_plain = |letter: char| letter.is_alphanumeric() || "_-./,".contains(letter);
     if !word.is_empty() && word.chars().all(is_plain) {
         return word.to_owned();

@@ -7,9 +7,11 @@ mod closed_form;
 mod generate;
 mod inspect;
 mod mechanism;
+mod new;
 mod place;
 mod print;
 mod progress;
+mod report;
 
 use std::process::ExitCode;
 
@@ -28,6 +30,8 @@ pub fn run() -> ExitCode {
         Command::Generate(what) => generate::generate(what, arguments.format),
         Command::Check(what) => generate::check(what, arguments.format),
         Command::Inspect(what) => inspect::inspect(what, arguments.format),
+        Command::New(what) => new::new(what, arguments.format),
+        Command::Report(what) => report::write(what, arguments.format),
     };
     match result {
         Ok(code) => code,

@@ -57,28 +57,46 @@ pub fn text(forms: &ClosedForms, parameters: &[f64]) -> String {
 /// - `parameters`: values of the free parameters
 #[must_use]
 pub fn latex(forms: &ClosedForms, parameters: &[f64]) -> String {
-    let printer = Printer {
-        forms,
-        style: Style::Latex,
-    };
-    let entries = printer.entries();
-    let entries = entries
-        .iter()
-        .map(|(name, value)| format!("  {name} &= {value}"));
-    let constants = printer.constants(parameters);
-    let constants = constants
-        .iter()
-        .map(|(name, sum, value)| format!("  {name} &= {sum} = {value}"));
-    let lines: Vec<String> = entries.chain(constants).collect();
-    let symbols = printer.symbols(parameters);
-    let symbols = symbols
-        .iter()
-        .map(|[name, value, meaning]| format!("% {name} = {value}: {meaning}\n"));
+    let parts = latex_parts(forms, parameters);
+    let equations = parts.equations.iter();
+    let equations = equations.map(|(name, value)| format!("  {name} &= {value}"));
+    let constants = parts.constants.iter();
+    let constants = constants.map(|(name, sum, value)| format!("  {name} &= {sum} = {value}"));
+    let lines: Vec<String> = equations.chain(constants).collect();
+    let symbols = parts.symbols.iter();
+    let symbols = symbols.map(|[name, value, meaning]| format!("% {name} = {value}: {meaning}\n"));
     format!(
         "\\begin{{align*}}\n{}\n\\end{{align*}}\n{}",
         lines.join(" \\\\\n"),
         symbols.collect::<String>()
     )
+}
+
+/// Closed forms in LaTeX, equation by equation.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LatexParts {
+    /// Name and value of every entry of M, k, q and B.
+    pub equations: Vec<(String, String)>,
+    /// Name, definition and value of the lumped constants.
+    pub constants: Vec<(String, String, String)>,
+    /// Name, value and meaning of the letters.
+    pub symbols: Vec<[String; 3]>,
+}
+
+/// The equations in LaTeX one by one, for pages that place each.
+///
+/// - `parameters`: values of the free parameters
+#[must_use]
+pub fn latex_parts(forms: &ClosedForms, parameters: &[f64]) -> LatexParts {
+    let printer = Printer {
+        forms,
+        style: Style::Latex,
+    };
+    LatexParts {
+        equations: printer.entries(),
+        constants: printer.constants(parameters),
+        symbols: printer.symbols(parameters),
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]

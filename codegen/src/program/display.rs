@@ -42,24 +42,43 @@ pub fn text(program: &Program, notation: &Notation) -> String {
 /// The program as an `align*` environment of LaTeX (amsmath).
 #[must_use]
 pub fn latex(program: &Program, notation: &Notation) -> String {
+    let LatexEquations {
+        abbreviations,
+        results,
+    } = latex_equations(program, notation);
+    let lines: Vec<String> = abbreviations
+        .into_iter()
+        .chain(results)
+        .map(|(name, value)| format!("  {name} &= {value}"))
+        .collect();
+    format!(
+        "\\begin{{align*}}\n{}\n\\end{{align*}}\n",
+        lines.join(" \\\\\n")
+    )
+}
+
+/// A program in LaTeX, equation by equation: left-hand and right-hand sides.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LatexEquations {
+    /// What is computed on the way.
+    pub abbreviations: Vec<(String, String)>,
+    /// The results, made of abbreviations.
+    pub results: Vec<(String, String)>,
+}
+
+/// The program as single equations of LaTeX, for pages that place each one.
+#[must_use]
+pub fn latex_equations(program: &Program, notation: &Notation) -> LatexEquations {
     let printer = Printer {
         program,
         notation,
         style: Style::Latex,
     };
-    let equations = printer
-        .equations()
-        .into_iter()
-        .map(|(name, value)| format!("  {name} &= {value}"));
-    let results = program
-        .outputs
-        .iter()
-        .map(|output| printer.latex_result(output));
-    let lines: Vec<String> = equations.chain(results).collect();
-    format!(
-        "\\begin{{align*}}\n{}\n\\end{{align*}}\n",
-        lines.join(" \\\\\n")
-    )
+    let outputs = program.outputs.iter();
+    LatexEquations {
+        abbreviations: printer.equations(),
+        results: outputs.map(|output| printer.latex_result(output)).collect(),
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -94,6 +113,11 @@ impl Printer<'_> {
         match operation {
             Operation::Add(a, b) => format!("{} + {}", first(a), other(b)),
             Operation::Subtract(a, b) => format!("{} {} {}", first(a), self.minus(), other(b)),
+            Operation::Multiply(a, b) if a == b && latex => format!("{}^{{2}}", first(a)),
+            // A number stands in front, where people look for it; the product is the same.
+            Operation::Multiply(a, b @ Operand::Constant(_)) if !is_constant(a) => {
+                self.product(first(b), &other(a))
+            }
             Operation::Multiply(a, b) => self.product(first(a), &other(b)),
             Operation::Divide(a, b) if latex => format!("\\frac{{{}}}{{{}}}", first(a), first(b)),
             Operation::Divide(a, b) => format!("{} / {}", first(a), other(b)),
@@ -181,15 +205,9 @@ impl Printer<'_> {
     }
 
     fn number(&self, number: f64) -> String {
-        let shortest = format!("{number:?}");
-        let shortest = shortest.strip_suffix(".0").unwrap_or(&shortest);
-        let Some((digits, exponent)) = shortest.split_once('e') else {
-            return shortest.replace('-', self.minus());
-        };
-        let digits = digits.replace('-', self.minus());
         match self.style {
-            Style::Text => format!("{digits}·10{}", superscript(exponent)),
-            Style::Latex => format!("{digits} \\cdot 10^{{{exponent}}}"),
+            Style::Text => text_number(number),
+            Style::Latex => latex_number(number),
         }
     }
 
@@ -211,18 +229,9 @@ impl Printer<'_> {
 
     /// A name as letters: `beta_2` is β₂, `s12` is s₁₂.
     fn letters(&self, name: &str) -> String {
-        let stem_end = name
-            .find(|c: char| c == '_' || c.is_ascii_digit())
-            .unwrap_or(name.len());
-        let (stem, index) = name.split_at(stem_end);
-        let index = index.trim_matches('_');
         match self.style {
-            _ if stem.is_empty() => name.to_owned(),
-            Style::Text => match subscript(index) {
-                Some(index) => format!("{}{index}", greek(stem)),
-                None => name.to_owned(),
-            },
-            Style::Latex => latex_subscript(&latex_letter(stem), &index.replace('_', ",")),
+            Style::Text => text_letters(name),
+            Style::Latex => latex_letters(name),
         }
     }
 
@@ -266,18 +275,75 @@ impl Printer<'_> {
         format!("\n{}", lines.collect::<String>())
     }
 
-    fn latex_result(&self, output: &Output) -> String {
+    fn latex_result(&self, output: &Output) -> (String, String) {
         let rows = self.rows(output);
         let name = self.letters(&output.name);
         if output.shape == Shape::Scalar {
-            return format!("  {name} &= {}", rows.concat().concat());
+            return (name, rows.concat().concat());
         }
         let rows: Vec<String> = rows.iter().map(|row| row.join(" & ")).collect();
-        format!(
-            "  {name} &= \\begin{{bmatrix}} {} \\end{{bmatrix}}",
+        let matrix = format!(
+            "\\begin{{bmatrix}} {} \\end{{bmatrix}}",
             rows.join(" \\\\ ")
-        )
+        );
+        (name, matrix)
     }
+}
+
+fn text_letters(name: &str) -> String {
+    let (stem, index) = stem_and_index(name);
+    match subscript(index) {
+        Some(index) if !stem.is_empty() => format!("{}{index}", greek(stem)),
+        _ => name.to_owned(),
+    }
+}
+
+/// A name as letters of LaTeX.
+pub(crate) fn latex_letters(name: &str) -> String {
+    match stem_and_index(name) {
+        ("", _) => name.to_owned(),
+        (stem, index) => latex_subscript(&latex_letter(stem), &index.replace('_', ",")),
+    }
+}
+
+fn stem_and_index(name: &str) -> (&str, &str) {
+    let stem_end = name
+        .find(|c: char| c == '_' || c.is_ascii_digit())
+        .unwrap_or(name.len());
+    let (stem, index) = name.split_at(stem_end);
+    (stem, index.trim_matches('_'))
+}
+
+fn text_number(number: f64) -> String {
+    match digits_and_exponent(number) {
+        (digits, None) => digits.replace('-', "−"),
+        (digits, Some(exponent)) => {
+            let digits = digits.replace('-', "−");
+            format!("{digits}·10{}", superscript(&exponent))
+        }
+    }
+}
+
+/// A number in LaTeX, with all its digits.
+pub(crate) fn latex_number(number: f64) -> String {
+    match digits_and_exponent(number) {
+        (digits, None) => digits,
+        (digits, Some(exponent)) => format!("{digits} \\cdot 10^{{{exponent}}}"),
+    }
+}
+
+/// The shortest digits that tell the number from its neighbours.
+fn digits_and_exponent(number: f64) -> (String, Option<String>) {
+    let shortest = format!("{number:?}");
+    let shortest = shortest.strip_suffix(".0").unwrap_or(&shortest);
+    match shortest.split_once('e') {
+        Some((digits, exponent)) => (digits.to_owned(), Some(exponent.to_owned())),
+        None => (shortest.to_owned(), None),
+    }
+}
+
+fn is_constant(operand: Operand) -> bool {
+    matches!(operand, Operand::Constant(_))
 }
 
 fn space(width: usize, text: &str) -> String {
@@ -300,11 +366,21 @@ fn latex_letter(stem: &str) -> String {
 }
 
 fn latex_subscript(stem: &str, index: &str) -> String {
-    let is_word = index.chars().filter(|c| c.is_alphabetic()).count() > 1;
-    match index {
-        "" => stem.to_owned(),
-        word if is_word => format!("{stem}_{{\\mathrm{{{word}}}}}"),
-        index => format!("{stem}_{{{index}}}"),
+    if index.is_empty() {
+        return stem.to_owned();
+    }
+    let parts: Vec<String> = index.split(',').map(latex_index).collect();
+    format!("{stem}_{{{}}}", parts.join(","))
+}
+
+/// Words stand upright, letters and numbers as they are.
+fn latex_index(part: &str) -> String {
+    match greek_letter(part) {
+        Some(_) => latex_letter(part),
+        None if part.chars().filter(|c| c.is_alphabetic()).count() > 1 => {
+            format!("\\mathrm{{{part}}}")
+        }
+        None => part.to_owned(),
     }
 }
 

@@ -1,0 +1,138 @@
+//! `gelenk report`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use gelenk_runtime::report::{Report, Verdict};
+use serde_json::{Value, json};
+
+use super::Failure;
+use super::arguments::{self, Format};
+use super::place::{Workspace, shown};
+use super::print;
+use super::progress::Progress;
+use crate::diagnostic::Diagnostics;
+use crate::dynamics::catalogue;
+use crate::dynamics::size::MOST_OPERATIONS;
+use crate::model::{self, Loaded, ReadOptions};
+use crate::report::{ClosedForm, Contents, report};
+
+/// Writes the page of a robot. Exit code 1 where its functions disagree with each other.
+pub(super) fn write(arguments: &arguments::Report, format: Format) -> Result<ExitCode, Failure> {
+    let progress = Progress::start(arguments.description.display().to_string());
+    let loaded = read(arguments)?;
+    let page = page(arguments, &loaded)?;
+    let folder = match &arguments.output {
+        Some(folder) => folder.clone(),
+        None => Path::new("report").join(&loaded.model.name),
+    };
+    let files = page
+        .write(&folder)
+        .map_err(|error| Failure::Problem(error.to_string()))?;
+    drop(progress);
+    match format {
+        Format::Json => {
+            print::json(&result(&loaded, &page, &files))?;
+        }
+        Format::Text => say(&loaded, &page, &files)?,
+    }
+    let failed = page
+        .claims()
+        .any(|claim| claim.verdict() == Verdict::DoesNotHold);
+    Ok(ExitCode::from(u8::from(failed)))
+}
+
+fn read(arguments: &arguments::Report) -> Result<Loaded, Failure> {
+    let options = ReadOptions {
+        ignore_mimic: arguments.ignore_mimic,
+        snap_angles: arguments.snap_angles,
+        no_friction: arguments.no_friction,
+    };
+    model::read(&arguments.description, &options).map_err(problem)
+}
+
+fn problem(diagnostics: Diagnostics) -> Failure {
+    Failure::Descriptions(vec![diagnostics])
+}
+
+fn page(arguments: &arguments::Report, loaded: &Loaded) -> Result<Report, Failure> {
+    let most = arguments.max_operations.unwrap_or(MOST_OPERATIONS);
+    // All functions, whatever the description asks to generate.
+    let functions = catalogue::derive(&loaded.model, &[], most).map_err(problem)?;
+    let closed_form = closed_form(arguments, loaded)?;
+    let contents = Contents {
+        model: &loaded.model,
+        functions: &functions,
+        notes: &loaded.notes,
+        closed_form: closed_form.as_ref(),
+        command: &command(arguments),
+    };
+    report(&contents).map_err(|error| Failure::Problem(error.to_string()))
+}
+
+#[cfg(feature = "symbolica")]
+fn closed_form(
+    arguments: &arguments::Report,
+    loaded: &Loaded,
+) -> Result<Option<ClosedForm>, Failure> {
+    super::closed_form::for_page(arguments, loaded)
+}
+
+/// Closed forms are Symbolica's work, which this build leaves out.
+#[cfg(not(feature = "symbolica"))]
+#[expect(clippy::unnecessary_wraps, reason = "as with the feature")]
+fn closed_form(_: &arguments::Report, _: &Loaded) -> Result<Option<ClosedForm>, Failure> {
+    Ok(None)
+}
+
+/// The command for the foot of the page: the same on every machine.
+fn command(arguments: &arguments::Report) -> String {
+    let description = shown(&arguments.description, Workspace::find().as_ref());
+    let mut words = vec![
+        "gelenk report".to_owned(),
+        super::generate::quoted(&description),
+    ];
+    if let Some(angle) = arguments.snap_angles {
+        words.push(format!("--snap-angles {angle:?}"));
+    }
+    words.extend(arguments.no_friction.then(|| "--no-friction".to_owned()));
+    words.extend(arguments.ignore_mimic.then(|| "--ignore-mimic".to_owned()));
+    words.join(" ")
+}
+
+fn say(loaded: &Loaded, page: &Report, files: &[PathBuf]) -> Result<(), Failure> {
+    if !loaded.notes.is_empty() {
+        print::err(&format!("{}\n\n", loaded.notes));
+    }
+    let page_file = files.first().map(|file| file.display().to_string());
+    let mut text = format!(
+        "wrote {} and {} files of its numbers\n",
+        page_file.unwrap_or_default(),
+        files.len().saturating_sub(1)
+    );
+    let all = page.claims().count();
+    let held = page
+        .claims()
+        .filter(|claim| claim.verdict() == Verdict::Holds);
+    text.push_str(&format!("self-check: {} of {all} hold\n", held.count()));
+    for claim in page
+        .claims()
+        .filter(|claim| claim.verdict() != Verdict::Holds)
+    {
+        text.push_str(&format!("  {}: {}\n", claim.id, claim.verdict()));
+    }
+    print::out(&text)
+}
+
+fn result(loaded: &Loaded, page: &Report, files: &[PathBuf]) -> Value {
+    let files = files.iter().map(|file| file.display().to_string());
+    let checks = page
+        .claims()
+        .map(|claim| json!({ "id": claim.id, "verdict": claim.verdict().to_string() }));
+    json!({
+        "robot": loaded.model.name,
+        "files": files.collect::<Value>(),
+        "self_check": checks.collect::<Value>(),
+        "notes": print::diagnostics(&loaded.notes),
+    })
+}

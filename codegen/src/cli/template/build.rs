@@ -1,0 +1,5 @@
+//! Generates the robot's equations of motion from its description.
+
+fn main() {
+    gelenk_codegen::build("robot.toml");
+}

@@ -1,0 +1,244 @@
+//! The equations, typeset.
+
+use gelenk_runtime::report::{
+    Axis, Block, Cell, Equation, Figure, Inline, Marks, Plot, ReportError, Table, code, plain, text,
+};
+
+use super::formula;
+use super::robot::Robot;
+use crate::dynamics::function::Function;
+use crate::formula::Formula;
+use crate::model::{FrictionTerm, Joint, JointKind};
+use crate::program::display::{self, Notation};
+
+/// Closed forms in LaTeX, free of what made them.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct ClosedForm {
+    /// Entries of M, k, q and B.
+    pub equations: Vec<String>,
+    /// Lumped constants.
+    pub constants: Vec<String>,
+    /// The letters.
+    pub symbols: Vec<Symbol>,
+}
+
+/// A letter of a closed form.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Symbol {
+    /// The letter in LaTeX.
+    pub name: String,
+    /// Its value in LaTeX.
+    pub value: String,
+    /// What it stands for.
+    pub meaning: String,
+}
+
+/// So many abbreviations are shown at once; more are folded away.
+const MOST_OPEN: usize = 60;
+/// So many are typeset at all; a browser needs seconds for tens of thousands.
+const MOST: usize = 1_500;
+/// Joints in one plot.
+const CURVES: usize = 6;
+
+/// The equations of motion and what their letters are.
+pub(super) fn legend() -> Result<Vec<Block>, ReportError> {
+    let equation = Equation::new(r"M(y)\,\ddot{y} + k(y,\dot{y}) = q(y,\dot{y}) + B\,u")?;
+    Ok(vec![
+        Block::Equations(vec![equation]),
+        text(
+            "with coordinates $y_i$ and inputs $u_j$ in the order of the tables above, in SI units.",
+        ),
+        text(
+            "Each function computes abbreviations from earlier ones, as in Neweul-M², and its result from them: nothing is computed \
+             twice. The generated code holds these lines in this order.",
+        ),
+    ])
+}
+
+/// A function with its abbreviations.
+pub(super) fn program(robot: &Robot<'_>, function: &Function) -> Vec<Block> {
+    let heading = Block::Heading(vec![
+        Inline::Text(
+            function
+                .summary
+                .replace('`', "")
+                .trim_end_matches('.')
+                .to_owned(),
+        ),
+        Inline::Text(" — ".to_owned()),
+        code(&function.name),
+    ]);
+    let notation = Notation {
+        parameters: robot.parameter_names.clone(),
+    };
+    let equations = display::latex_equations(&function.program, &notation);
+    let count = equations.abbreviations.len();
+    if count > MOST {
+        let words = format!(
+            "{count} abbreviations, too many to typeset; `gelenk inspect program --functions {}` prints them.",
+            function.name
+        );
+        return vec![heading, text(&words)];
+    }
+    let joined = |pairs: Vec<(String, String)>| {
+        pairs
+            .into_iter()
+            .map(|(name, value)| format!("{name} = {value}"))
+    };
+    let abbreviations: Vec<String> = joined(equations.abbreviations).collect();
+    let results: Vec<String> = joined(equations.results).collect();
+    // A name that no LaTeX can hold is rare, and the program as text is as good.
+    let (Ok(abbreviations), Ok(results)) = (all(&abbreviations), all(&results)) else {
+        let text = display::text(&function.program, &notation);
+        return vec![heading, Block::Code(text)];
+    };
+    let mut blocks = vec![heading];
+    if count > 0 {
+        let plural = if count == 1 {
+            "abbreviation"
+        } else {
+            "abbreviations"
+        };
+        blocks.push(Block::Details {
+            summary: vec![Inline::Text(format!("{count} {plural}"))],
+            is_open: count <= MOST_OPEN,
+            blocks: vec![Block::Abbreviations(abbreviations)],
+        });
+    }
+    blocks.push(Block::Equations(results));
+    blocks
+}
+
+fn all(latex: &[String]) -> Result<Vec<Equation>, ReportError> {
+    latex.iter().map(Equation::new).collect()
+}
+
+/// Equations that may hold names of descriptions: typeset where they can be, else as text.
+pub(super) fn set(latex: &[String]) -> Block {
+    match all(latex) {
+        Ok(equations) => Block::Equations(equations),
+        Err(_) => Block::Code(latex.join("\n")),
+    }
+}
+
+/// Friction laws of the joints that have one.
+pub(super) fn friction_laws(robot: &Robot<'_>) -> Vec<String> {
+    let joints = robot.joints().into_iter().enumerate();
+    let rubbing = joints.filter(|(_, joint)| !joint.friction.is_empty());
+    rubbing
+        .map(|(index, joint)| law(robot, index + 1, joint))
+        .collect()
+}
+
+fn law(robot: &Robot<'_>, number: usize, joint: &Joint) -> String {
+    let print = |part: &Formula| formula::latex(part, &robot.parameter_names, number);
+    let bracketed = |part: &Formula| formula::factor(part, &robot.parameter_names, number);
+    let term = |term: &FrictionTerm| match (term.coefficient.as_number(), term.basis.as_number()) {
+        (Some(1.0), _) => print(&term.basis),
+        (_, Some(1.0)) => print(&term.coefficient),
+        _ => format!(
+            "{} \\, {}",
+            bracketed(&term.coefficient),
+            bracketed(&term.basis)
+        ),
+    };
+    let terms: Vec<String> = joint.friction.iter().map(term).collect();
+    format!("\\tau_{{{number}}} = {}", terms.join(" + "))
+}
+
+/// Friction over velocity, as the generated function computes it.
+pub(super) fn friction_figure(robot: &Robot<'_>) -> Option<Figure> {
+    let joints = robot.joints().into_iter().enumerate();
+    let rubbing: Vec<(usize, &Joint)> = joints
+        .filter(|(_, joint)| !joint.friction.is_empty())
+        .collect();
+    let mut figure = Figure::new(
+        "friction-curves",
+        "Friction over velocity, up to the velocity limit (1 where there is none), with the other joints at rest.",
+    );
+    for prismatic in [false, true] {
+        let of_kind: Vec<&(usize, &Joint)> = rubbing
+            .iter()
+            .filter(|(_, joint)| (joint.kind == JointKind::Prismatic) == prismatic)
+            .collect();
+        for group in of_kind.chunks(CURVES) {
+            figure = figure.plot(friction_plot(robot, group, prismatic)?);
+        }
+    }
+    (!figure.plots.is_empty()).then_some(figure)
+}
+
+fn friction_plot(robot: &Robot<'_>, joints: &[&(usize, &Joint)], prismatic: bool) -> Option<Plot> {
+    let (velocity, force) = if prismatic {
+        (
+            Axis::new("velocity", "m/s"),
+            Axis::new("friction force", "N"),
+        )
+    } else {
+        (
+            Axis::new("velocity", "rad/s"),
+            Axis::new("friction torque", "N m"),
+        )
+    };
+    let mut plot = Plot::new("", velocity, force);
+    for (index, joint) in joints {
+        let points = friction_curve(robot, *index, joint)?;
+        plot = plot.series(joint.name.clone(), Marks::Line, points);
+    }
+    Some(plot)
+}
+
+/// Velocities are spaced more closely around 0, where laws are steep.
+fn friction_curve(robot: &Robot<'_>, index: usize, joint: &Joint) -> Option<Vec<[f64; 2]>> {
+    const HALF: i32 = 200;
+    let most = joint.limits.velocity.unwrap_or(1.0);
+    let point = |k: i32| {
+        let part = f64::from(k) / f64::from(HALF);
+        let mut velocities = vec![0.0; robot.n()];
+        *velocities.get_mut(index)? = most * part.powi(3);
+        let velocity = *velocities.get(index)?;
+        let torques = robot.first("friction_torques", &[&velocities])?;
+        Some([velocity, *torques.get(index)?])
+    };
+    (-HALF..=HALF).map(point).collect()
+}
+
+/// Closed forms as blocks.
+pub(super) struct ClosedFormText<'a>(pub &'a ClosedForm);
+
+impl ClosedFormText<'_> {
+    pub fn blocks(&self) -> Result<Vec<Block>, ReportError> {
+        let ClosedForm {
+            equations,
+            constants,
+            symbols,
+        } = self.0;
+        let mut blocks = vec![
+            Block::Heading(vec![Inline::Text("In closed form".to_owned())]),
+            text(
+                "The same equations with letters for the numbers of the description, derived a second time from Lagrange's equations by the \
+                 computer algebra system Symbolica.",
+            ),
+            Block::Equations(all(equations)?),
+        ];
+        if !constants.is_empty() {
+            blocks.extend([plain("with"), Block::Equations(all(constants)?)]);
+        }
+        if !symbols.is_empty() {
+            let rows = symbols.iter().map(|symbol| {
+                vec![
+                    Cell::Line(vec![Inline::Math(symbol.name.clone())]),
+                    Cell::Line(vec![Inline::Math(symbol.value.clone())]),
+                    Cell::text(symbol.meaning.clone()),
+                ]
+            });
+            let table = Table::new("closed-form-symbols", "The letters, in SI units.")
+                .column("letter", "letter", "")
+                .column("value", "value", "")
+                .column("meaning", "meaning", "")
+                .rows(rows);
+            blocks.push(Block::Table(table));
+        }
+        Ok(blocks)
+    }
+}

@@ -1,0 +1,144 @@
+//! Formulas of descriptions in LaTeX.
+
+use crate::formula::{Formula, Function};
+use crate::program::display::{latex_letters, latex_number};
+
+/// A formula in LaTeX.
+///
+/// - `parameters`: names of the free parameters
+/// - `coordinate`: index, from 1, of the joint whose y and ẏ it means
+pub(super) fn latex(formula: &Formula, parameters: &[String], coordinate: usize) -> String {
+    Printer {
+        parameters,
+        coordinate,
+    }
+    .print(formula, Binding::Sum)
+}
+
+/// As [`latex`], in brackets where it is not a factor.
+pub(super) fn factor(formula: &Formula, parameters: &[String], coordinate: usize) -> String {
+    Printer {
+        parameters,
+        coordinate,
+    }
+    .print(formula, Binding::Product)
+}
+
+/// How tightly a formula holds together, and what its place asks for; one that is looser gets brackets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Binding {
+    /// A sum, or what begins with a sign.
+    Sum,
+    /// A product, a quotient, a call.
+    Product,
+    /// One letter or number, as under an exponent.
+    Letter,
+}
+
+struct Printer<'a> {
+    parameters: &'a [String],
+    coordinate: usize,
+}
+
+impl Printer<'_> {
+    fn print(&self, formula: &Formula, place: Binding) -> String {
+        let text = self.bare(formula);
+        if binding(formula) >= place {
+            text
+        } else {
+            format!("\\left({text}\\right)")
+        }
+    }
+
+    fn bare(&self, formula: &Formula) -> String {
+        let sum = |part: &Formula| self.print(part, Binding::Sum);
+        let factor = |part: &Formula| self.print(part, Binding::Product);
+        match formula {
+            Formula::Number(value) => latex_number(*value),
+            Formula::Parameter(index) => self
+                .parameters
+                .get(*index)
+                .map_or_else(|| "?".to_owned(), |name| latex_letters(name)),
+            Formula::Position => format!("y_{{{}}}", self.coordinate),
+            Formula::Velocity => format!("\\dot{{y}}_{{{}}}", self.coordinate),
+            Formula::Negate(a) => format!("-{}", factor(a)),
+            Formula::Add(a, b) => format!("{} + {}", sum(a), factor_of_sum(self, b)),
+            Formula::Subtract(a, b) => format!("{} - {}", sum(a), factor(b)),
+            Formula::Multiply(a, b) => format!("{} \\, {}", factor(a), factor(b)),
+            Formula::Divide(a, b) => format!("\\frac{{{}}}{{{}}}", sum(a), sum(b)),
+            Formula::Power(a, exponent) => {
+                format!("{}^{{{exponent}}}", self.print(a, Binding::Letter))
+            }
+            Formula::Call(Function::Abs, a) => format!("\\left|{}\\right|", sum(a)),
+            Formula::Call(Function::Sign, a) => {
+                format!("\\operatorname{{sign}}\\left({}\\right)", sum(a))
+            }
+            Formula::Call(function, a) => format!("\\{}\\left({}\\right)", function.name(), sum(a)),
+        }
+    }
+}
+
+/// What is added needs brackets only where it begins with a sign.
+fn factor_of_sum(printer: &Printer<'_>, formula: &Formula) -> String {
+    match formula {
+        Formula::Negate(_) => printer.print(formula, Binding::Product),
+        Formula::Number(value) if value.is_sign_negative() => {
+            printer.print(formula, Binding::Product)
+        }
+        _ => printer.print(formula, Binding::Sum),
+    }
+}
+
+fn binding(formula: &Formula) -> Binding {
+    match formula {
+        Formula::Add(..) | Formula::Subtract(..) | Formula::Negate(_) => Binding::Sum,
+        Formula::Number(value) if value.is_sign_negative() => Binding::Sum,
+        Formula::Number(value) if format!("{value:?}").contains('e') => Binding::Product,
+        Formula::Number(_) | Formula::Parameter(_) | Formula::Position | Formula::Velocity => {
+            Binding::Letter
+        }
+        _ => Binding::Product,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn brackets_stand_where_they_are_needed() {
+        let (v, a) = (|| Formula::Velocity, || Formula::Parameter(0));
+        let sum = || Formula::Add(Box::new(v()), Box::new(a()));
+        let negative = || Formula::Number(-2.0);
+        let cases = [
+            (
+                Formula::Multiply(Box::new(a()), Box::new(sum())),
+                r"a_{1} \, \left(\dot{y}_{2} + a_{1}\right)",
+            ),
+            (
+                Formula::Power(Box::new(sum()), 2),
+                r"\left(\dot{y}_{2} + a_{1}\right)^{2}",
+            ),
+            (Formula::Power(Box::new(v()), 3), r"\dot{y}_{2}^{3}"),
+            (
+                Formula::Add(Box::new(sum()), Box::new(negative())),
+                r"\dot{y}_{2} + a_{1} + \left(-2\right)",
+            ),
+            (
+                Formula::Subtract(Box::new(v()), Box::new(sum())),
+                r"\dot{y}_{2} - \left(\dot{y}_{2} + a_{1}\right)",
+            ),
+            (
+                Formula::Divide(Box::new(sum()), Box::new(Formula::Number(5e-9))),
+                r"\frac{\dot{y}_{2} + a_{1}}{5 \cdot 10^{-9}}",
+            ),
+            (
+                Formula::Call(Function::Abs, Box::new(v())),
+                r"\left|\dot{y}_{2}\right|",
+            ),
+        ];
+        for (formula, expected) in cases {
+            assert_eq!(latex(&formula, &["a1".to_owned()], 2), expected);
+        }
+    }
+}

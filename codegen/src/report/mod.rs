@@ -1,0 +1,294 @@
+//! The page of a robot: what it is made of, its equations, what they cost, and whether they agree with each other.
+//!
+//! The page is written by [`gelenk_runtime::report`], as are those of the runtime's examples; here are its contents.
+
+mod equations;
+mod formula;
+mod robot;
+mod scene;
+mod self_check;
+mod sparsity;
+mod states;
+mod tables;
+
+use gelenk_runtime::report::{Block, Report, ReportError, Section, plain, text};
+
+use crate::diagnostic::Diagnostics;
+use crate::dynamics::function::Function;
+use crate::model::Model;
+use equations::ClosedFormText;
+use robot::Robot;
+
+pub use equations::{ClosedForm, Symbol};
+
+/// What a page is made of.
+#[derive(Debug, Clone, Copy)]
+pub struct Contents<'a> {
+    /// The robot.
+    pub model: &'a Model,
+    /// All its functions.
+    pub functions: &'a [Function],
+    /// What is worth knowing about the description.
+    pub notes: &'a Diagnostics,
+    /// Closed forms, where they were made.
+    pub closed_form: Option<&'a ClosedForm>,
+    /// The command that makes the page.
+    pub command: &'a str,
+}
+
+/// The page of a robot.
+///
+/// # Errors
+/// [`ReportError`] where something cannot be set or drawn.
+pub fn report(contents: &Contents<'_>) -> Result<Report, ReportError> {
+    let robot = Robot::new(contents.model, contents.functions);
+    let mut report = head(&robot);
+    report.made_by = contents.command.to_owned();
+    report = report
+        .section(robot_section(&robot))
+        .section(parameters_section(&robot));
+    report = report.section(equations_section(&robot, contents.closed_form)?);
+    if let Some(section) = friction_section(&robot)? {
+        report = report.section(section);
+    }
+    report = report
+        .section(structure_section(&robot))
+        .section(self_check_section(&robot));
+    if !contents.notes.is_empty() {
+        let notes = Section::new("notes", "Notes on the description")
+            .block(Block::Table(tables::notes(contents.notes)));
+        report = report.section(notes);
+    }
+    Ok(report)
+}
+
+fn head(robot: &Robot<'_>) -> Report {
+    let model = robot.model;
+    let mut report = Report::new(format!("The robot {}", model.name))
+        .lead("Equations of motion $M(y)\\,\\ddot y + k(y,\\dot y) = q(y,\\dot y) + B\\,u$, as the generated code computes them.")
+        .fact("coordinates", robot.n().to_string())
+        .fact("inputs", robot.inputs().len().to_string())
+        .fact("bodies", robot.bodies().len().to_string());
+    if !model.parameters.is_empty() {
+        report = report.fact("free parameters", model.parameters.len().to_string());
+    }
+    report
+}
+
+fn robot_section(robot: &Robot<'_>) -> Section {
+    let description = robot.model.description.join(" ");
+    let mut section = Section::new("robot", "The robot");
+    if !description.trim().is_empty() {
+        section = section.block(plain(description.trim()));
+    }
+    let scene = scene::scene(robot);
+    section
+        .block(Block::Scene(scene.clone()))
+        .block(text("The kinematic tree: circles turn, squares slide, bars are fixed or held; what a drive moves is filled."))
+        .block(Block::Tree(scene))
+}
+
+fn parameters_section(robot: &Robot<'_>) -> Section {
+    let mut section = Section::new("parameters", "Parameters and limits");
+    section = section.block(Block::Table(tables::coordinates(robot)));
+    for table in [
+        tables::drives(robot),
+        tables::bodies(robot),
+        tables::inertias(robot),
+        tables::geometry(robot),
+        tables::frames(robot),
+        tables::parameters(robot),
+    ]
+    .into_iter()
+    .flatten()
+    {
+        section = section.block(Block::Table(table));
+    }
+    section.block(text(&format!(
+        "Gravity is {} in the base frame.",
+        tables::gravity(robot)
+    )))
+}
+
+fn equations_section(
+    robot: &Robot<'_>,
+    closed_form: Option<&ClosedForm>,
+) -> Result<Section, ReportError> {
+    let mut section = Section::new("equations", "Equations of motion").blocks(equations::legend()?);
+    for function in [
+        "mass_matrix",
+        "coriolis_forces",
+        "applied_forces",
+        "input_matrix",
+    ] {
+        if let Some(function) = robot.function(function) {
+            section = section.blocks(equations::program(robot, function));
+        }
+    }
+    if let Some(closed_form) = closed_form {
+        section = section.blocks(ClosedFormText(closed_form).blocks()?);
+    }
+    Ok(section)
+}
+
+fn friction_section(robot: &Robot<'_>) -> Result<Option<Section>, ReportError> {
+    let laws = equations::friction_laws(robot);
+    if laws.is_empty() {
+        return Ok(None);
+    }
+    let mut section = Section::new("friction", "Friction").block(text(
+        "Friction torque (or force) at the joint, positive for positive velocity; it is subtracted from the applied forces.",
+    ));
+    section = section.block(equations::set(&laws));
+    if let Some(figure) = equations::friction_figure(robot) {
+        section = section.block(Block::Figure(figure));
+    }
+    Ok(Some(section))
+}
+
+fn structure_section(robot: &Robot<'_>) -> Section {
+    Section::new("structure", "Sparsity and cost")
+        .block(text(
+            "Entries that are 0 for every state are not computed. Filled are the others; $f = M \\ddot y + k - q$ are the forces of \
+             the inverse dynamics.",
+        ))
+        .block(Block::Patterns(sparsity::patterns(robot)))
+        .block(Block::Table(tables::counts(robot.functions)))
+}
+
+fn self_check_section(robot: &Robot<'_>) -> Section {
+    Section::new("self-check", "Self-check")
+        .block(text(&format!(
+            "The programs of the generated functions, interpreted at {} seeded states within the limits. Each row compares \
+             functions that are derived on separate ways, or with differences (five points); the threshold is what rounding \
+             and the differences leave.",
+            self_check::STATES
+        )))
+        .block(Block::Claims(self_check::claims(robot)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dynamics::catalogue;
+    use crate::dynamics::size::MOST_OPERATIONS;
+    use crate::model::{ReadOptions, from_toml};
+    use gelenk_runtime::report::Verdict;
+
+    const ARM: &str = r#"
+        [[joints]]
+        name = "lift"
+        type = "prismatic"
+        drive = "ideal"
+        friction = "2*v + 0.5*tanh(20*v)"
+        [[joints]]
+        name = "swing"
+        axis = [0, 1, 0]
+        drive = { gear_ratio = 50, rotor_inertia = 1e-5 }
+        [[bodies]]
+        link = "lift"
+        mass = 2
+        [[bodies]]
+        link = "swing"
+        mass = 1
+        center_of_mass = [0.1, 0, -0.3]
+        inertia = 0.01
+        [[frames]]
+        name = "tip"
+        link = "swing"
+        origin = { xyz = [0, 0, -0.5] }
+    "#;
+
+    fn arm(text: &str) -> (Model, Vec<Function>) {
+        let mut load = |_: &str| Err(Diagnostics::default());
+        let loaded = from_toml(text, "arm.toml", &ReadOptions::default(), &mut load);
+        let (model, _) = loaded.unwrap_or_else(|problems| panic!("{problems}"));
+        let functions = catalogue::derive(&model, &[], MOST_OPERATIONS);
+        let functions = functions.unwrap_or_else(|problems| panic!("{problems}"));
+        (model, functions)
+    }
+
+    fn verdicts(model: &Model, functions: &[Function]) -> Vec<(String, Verdict)> {
+        let claims = self_check::claims(&Robot::new(model, functions));
+        claims
+            .into_iter()
+            .map(|claim| (claim.id.clone(), claim.verdict()))
+            .collect()
+    }
+
+    #[test]
+    fn a_right_robot_passes_its_self_check() {
+        let (model, functions) = arm(ARM);
+        let verdicts = verdicts(&model, &functions);
+        assert_eq!(verdicts.len(), 8);
+        for (id, verdict) in verdicts {
+            assert_eq!(verdict, Verdict::Holds, "{id}");
+        }
+    }
+
+    /// Functions of another robot under this one's: each check notices the one that is its own.
+    #[test]
+    fn each_check_fails_on_what_would_flip_it() {
+        let (model, functions) = arm(ARM);
+        let heavier = ARM.replace("center_of_mass = [0.1", "center_of_mass = [0.2");
+        let (_, others) = arm(&heavier.replace("[0, 0, -0.5]", "[0, 0, -0.6]"));
+        for (function, check) in [
+            ("inverse_dynamics", "check-inverse"),
+            ("inverse_dynamics", "check-parts"),
+            ("coriolis_forces", "check-parts"),
+            ("kinetic_energy", "check-power"),
+            ("potential_energy", "check-gravity"),
+            ("linearize", "check-linearize"),
+            ("frame_tip_jacobian", "check-frames"),
+        ] {
+            let mixed: Vec<Function> = functions
+                .iter()
+                .zip(&others)
+                .map(|(own, other)| if own.name == function { other } else { own })
+                .cloned()
+                .collect();
+            let verdicts = verdicts(&model, &mixed);
+            let found = verdicts.iter().find(|(id, _)| id == check);
+            let failed = (check.to_owned(), Verdict::DoesNotHold);
+            assert_eq!(found, Some(&failed), "{function}");
+        }
+    }
+
+    #[test]
+    fn an_indefinite_or_lopsided_mass_matrix_is_noticed() {
+        let (model, mut functions) = arm(ARM);
+        let mass = &mut functions[0].program.outputs[0].entries;
+        mass[1] = crate::program::Operand::Constant(1e6);
+        let found = verdicts(&model, &functions);
+        assert_eq!(
+            found[1],
+            ("check-symmetric".to_owned(), Verdict::DoesNotHold)
+        );
+        functions[0].program.outputs[0].entries[2] = crate::program::Operand::Constant(1e6);
+        let found = verdicts(&model, &functions);
+        assert_eq!(
+            found[0],
+            ("check-definite".to_owned(), Verdict::DoesNotHold)
+        );
+    }
+
+    #[test]
+    fn no_text_of_a_description_becomes_markup() {
+        let hostile = ARM
+            .replace("[[joints]]\n        name = \"lift\"", "description = \"</script><script>alert(1)</script> $x^$ `\"\n[[joints]]\n        name = \"lift\"")
+            .replace("link = \"lift\"\n        mass = 2", "name = \"<img src=x onerror=alert(1)>\"\n link = \"lift\"\n mass = 2");
+        let (model, functions) = arm(&hostile);
+        let contents = Contents {
+            model: &model,
+            functions: &functions,
+            notes: &Diagnostics::default(),
+            closed_form: None,
+            command: "gelenk report '</code><script>'",
+        };
+        let page = report(&contents).and_then(|page| page.html());
+        let page = page.unwrap_or_else(|error| panic!("{error}"));
+        assert!(!page.contains("<img") && !page.contains("alert(1)</script>"));
+        // The data and the view's script, nothing else.
+        assert_eq!(page.matches("<script").count(), 2);
+    }
+}

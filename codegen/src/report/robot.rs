@@ -1,0 +1,82 @@
+//! A robot with its functions, evaluated by the interpreter.
+
+use crate::dynamics::function::Function;
+use crate::formula::Formula;
+use crate::model::{Body, Drive, Joint, Link, Model};
+use crate::program::interpret::{Functions, interpret};
+
+/// A robot with its functions, at the described values of its parameters.
+#[derive(Debug)]
+pub(super) struct Robot<'a> {
+    pub model: &'a Model,
+    pub functions: &'a [Function],
+    /// Described values of the free parameters.
+    pub parameters: Vec<f64>,
+    /// Names of the free parameters.
+    pub parameter_names: Vec<String>,
+}
+
+impl<'a> Robot<'a> {
+    pub fn new(model: &'a Model, functions: &'a [Function]) -> Self {
+        let parameters = model.parameters.iter();
+        Self {
+            model,
+            functions,
+            parameters: parameters.clone().map(|one| one.default).collect(),
+            parameter_names: parameters.map(|one| one.name.clone()).collect(),
+        }
+    }
+
+    /// Number of coordinates.
+    pub fn n(&self) -> usize {
+        self.model.coordinates.len()
+    }
+
+    /// Joints in the order of the coordinates.
+    pub fn joints(&self) -> Vec<&'a Joint> {
+        let links = self.model.coordinates.iter();
+        links
+            .filter_map(|&link| self.model.links.get(link)?.joint.as_ref())
+            .collect()
+    }
+
+    /// Drives that are inputs, in their order.
+    pub fn inputs(&self) -> Vec<&'a Drive> {
+        let drives = self.model.drives.iter();
+        drives.filter(|drive| drive.coordinate.is_some()).collect()
+    }
+
+    /// All bodies with their links.
+    pub fn bodies(&self) -> Vec<(&'a Link, &'a Body)> {
+        let links = self.model.links.iter();
+        links
+            .flat_map(|link| link.bodies.iter().map(move |body| (link, body)))
+            .collect()
+    }
+
+    /// Value of a formula of parameters.
+    pub fn value(&self, formula: &Formula) -> f64 {
+        formula.evaluate(&self.parameters, 0.0, 0.0)
+    }
+
+    /// Values of three formulas.
+    pub fn vector(&self, formulas: &[Formula; 3]) -> [f64; 3] {
+        formulas.each_ref().map(|formula| self.value(formula))
+    }
+
+    /// A function by name.
+    pub fn function(&self, name: &str) -> Option<&'a Function> {
+        self.functions.iter().find(|function| function.name == name)
+    }
+
+    /// Results of a function, each flat, rows first; `None` where there is none of that name or inputs do not fit.
+    pub fn call(&self, name: &str, inputs: &[&[f64]]) -> Option<Vec<Vec<f64>>> {
+        let program = &self.function(name)?.program;
+        interpret(program, inputs, &self.parameters, &Functions::EMBEDDED).ok()
+    }
+
+    /// First result of a function.
+    pub fn first(&self, name: &str, inputs: &[&[f64]]) -> Option<Vec<f64>> {
+        self.call(name, inputs)?.into_iter().next()
+    }
+}

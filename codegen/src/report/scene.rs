@@ -1,0 +1,71 @@
+//! The robot as the page's view of it needs it.
+
+use gelenk_runtime::report::{Scene, SceneBody, SceneFrame, SceneJoint, SceneMotion};
+
+use super::robot::Robot;
+use crate::model::{Joint, JointKind, Link, Motion};
+
+pub(super) fn scene(robot: &Robot<'_>) -> Scene {
+    let model = robot.model;
+    let links = model.links.iter().enumerate();
+    let joints = links
+        .clone()
+        .filter_map(|(_, link)| Some(scene_joint(robot, link, link.joint.as_ref()?)));
+    let bodies = links.flat_map(|(index, link)| link.bodies.iter().map(move |body| (index, body)));
+    Scene {
+        name: model.name.clone(),
+        base: model
+            .links
+            .first()
+            .map_or_else(String::new, |base| base.name.clone()),
+        gravity: robot.vector(&model.gravity),
+        joints: joints.collect(),
+        bodies: bodies
+            .map(|(link, body)| SceneBody {
+                name: body.name.clone(),
+                joint: joint_of(link),
+                mass: robot.value(&body.mass),
+                center: robot.vector(&body.center_of_mass),
+            })
+            .collect(),
+        frames: model
+            .frames
+            .iter()
+            .map(|frame| SceneFrame {
+                name: frame.name.clone(),
+                joint: joint_of(frame.link),
+                translation: robot.vector(&frame.pose.translation),
+                rotation: frame.pose.rotation,
+            })
+            .collect(),
+    }
+}
+
+/// Every link but the base has one joint, so that joints are counted from the second link.
+fn joint_of(link: usize) -> Option<usize> {
+    link.checked_sub(1)
+}
+
+fn scene_joint(robot: &Robot<'_>, link: &Link, joint: &Joint) -> SceneJoint {
+    let motion = match joint.motion {
+        Motion::Fixed => SceneMotion::Fixed,
+        Motion::Held(position) => SceneMotion::Held(position),
+        Motion::Coordinate(index) => SceneMotion::Coordinate(index),
+    };
+    let drive = robot.inputs().into_iter().find(|drive| match joint.motion {
+        Motion::Coordinate(index) => drive.coordinate == Some(index),
+        _ => false,
+    });
+    SceneJoint {
+        name: joint.name.clone(),
+        link: link.name.clone(),
+        parent: joint_of(joint.parent),
+        translation: robot.vector(&joint.origin.translation),
+        rotation: joint.origin.rotation,
+        axis: joint.axis,
+        is_prismatic: joint.kind == JointKind::Prismatic,
+        motion,
+        limits: joint.limits.position,
+        input: drive.map(|drive| drive.name.clone()),
+    }
+}

@@ -1,0 +1,313 @@
+//! Do the functions agree with each other? Evaluated at seeded states by the interpreter.
+
+use gelenk_runtime::report::{Claim, Criterion};
+use nalgebra::{DMatrix, SymmetricEigen};
+
+use super::robot::Robot;
+use super::states::{Random, State};
+
+/// So many states are tried.
+pub(super) const STATES: usize = 25;
+const SEED: u64 = 20_220_519;
+
+/// Step of the differences: small beside the width of steep friction laws, large beside rounding.
+const STEP: f64 = 1e-5;
+
+/// Measures one disagreement at a state; `None` where the robot lacks a function.
+type Measure = fn(&Robot<'_>, &State) -> Option<f64>;
+
+/// One row: identifier, statement, what is measured, threshold, what would flip it.
+struct Check {
+    id: &'static str,
+    statement: &'static str,
+    name: &'static str,
+    bound: f64,
+    flipped_by: &'static str,
+    measure: Measure,
+}
+
+/// Thresholds of differences are far above their error (10⁻¹¹ of rounding at this step) and far below any mistake.
+const CHECKS: &[Check] = &[
+    Check {
+        id: "check-symmetric",
+        statement: "The mass matrix is symmetric: $M = M^T$.",
+        name: "largest relative difference",
+        bound: 1e-13,
+        flipped_by: "one entry that differs from its mirror image",
+        measure: asymmetry,
+    },
+    Check {
+        id: "check-inverse",
+        statement: "Inverse dynamics undoes forward dynamics: the forces of the accelerations that $u$ causes are $B u$.",
+        name: "largest relative difference",
+        bound: 1e-9,
+        flipped_by: "a term that only one of the two has",
+        measure: inverse_of_forward,
+    },
+    Check {
+        id: "check-parts",
+        statement: "Inverse dynamics, a recursion of its own, is $M \\ddot y + k - q$.",
+        name: "largest relative difference",
+        bound: 1e-10,
+        flipped_by: "another sign of k or q in one of the functions",
+        measure: parts,
+    },
+    Check {
+        id: "check-power",
+        statement: "Energy balance: the kinetic energy changes by the power of the forces, $\\dot T = \\dot y^T (q + B u)$; so $k$ does what $\\dot M$ asks for.",
+        name: "largest relative difference",
+        bound: 1e-7,
+        flipped_by: "a missing or doubled Coriolis term",
+        measure: power,
+    },
+    Check {
+        id: "check-gravity",
+        statement: "Gravity is the gradient of the potential energy: $q_\\text{gravity} = -\\partial V/\\partial y$.",
+        name: "largest relative difference",
+        bound: 1e-7,
+        flipped_by: "a centre of mass that only one of the two knows",
+        measure: gravity,
+    },
+    Check {
+        id: "check-linearize",
+        statement: "The analytic linearization agrees with differences of the forward dynamics.",
+        name: "largest relative difference",
+        bound: 1e-6,
+        flipped_by: "a derivative that is missing, friction's included",
+        measure: linearization,
+    },
+    Check {
+        id: "check-frames",
+        statement: "Jacobians of the named frames agree with differences of their poses.",
+        name: "largest relative difference",
+        bound: 1e-7,
+        flipped_by: "a Jacobian in other axes, or about another point",
+        measure: frames,
+    },
+];
+
+/// The rows of the self-check.
+pub(super) fn claims(robot: &Robot<'_>) -> Vec<Claim> {
+    let mut random = Random::new(SEED);
+    let states: Vec<State> = (0..STATES)
+        .map(|_| State::seeded(robot, &mut random))
+        .collect();
+    let mut claims: Vec<Claim> = definiteness(robot, &states).into_iter().collect();
+    for check in CHECKS {
+        let measured: Option<Vec<f64>> = states
+            .iter()
+            .map(|state| (check.measure)(robot, state))
+            .collect();
+        if let Some(measured) = measured {
+            let criterion = Criterion::at_most(check.name, worst(&measured), check.bound, "");
+            let claim = Claim::new(check.id, check.statement).criterion(criterion);
+            claims.push(claim.flipped_by(check.flipped_by));
+        }
+    }
+    claims
+}
+
+fn worst(measured: &[f64]) -> f64 {
+    // `max` would drop a NaN.
+    measured.iter().copied().fold(
+        0.0,
+        |worst, value| {
+            if value <= worst { worst } else { value }
+        },
+    )
+}
+
+fn definiteness(robot: &Robot<'_>, states: &[State]) -> Option<Claim> {
+    let ratios: Option<Vec<f64>> = states
+        .iter()
+        .map(|state| definiteness_at(robot, state))
+        .collect();
+    let least = ratios?.into_iter().fold(
+        f64::INFINITY,
+        |least, value| if value >= least { least } else { value },
+    );
+    let criterion = Criterion::at_least("smallest eigenvalue over the largest", least, 1e-12, "");
+    Some(
+        Claim::new("check-definite", "The mass matrix is positive definite.")
+            .criterion(criterion)
+            .flipped_by("a negative mass, or a joint that moves nothing"),
+    )
+}
+
+fn definiteness_at(robot: &Robot<'_>, state: &State) -> Option<f64> {
+    let n = robot.n();
+    let mass = DMatrix::from_row_slice(n, n, &robot.first("mass_matrix", &[&state.y])?);
+    let eigenvalues = SymmetricEigen::new(mass).eigenvalues;
+    Some(eigenvalues.min() / eigenvalues.max())
+}
+
+fn asymmetry(robot: &Robot<'_>, state: &State) -> Option<f64> {
+    let n = robot.n();
+    let mass = DMatrix::from_row_slice(n, n, &robot.first("mass_matrix", &[&state.y])?);
+    Some((&mass - mass.transpose()).amax() / mass.amax())
+}
+
+/// `B u`
+fn joint_forces(robot: &Robot<'_>, u: &[f64]) -> Option<Vec<f64>> {
+    if u.is_empty() {
+        return Some(vec![0.0; robot.n()]);
+    }
+    let input_matrix = robot.first("input_matrix", &[])?;
+    let rows = input_matrix.chunks(u.len());
+    Some(rows.map(|row| product(row, u)).collect())
+}
+
+/// Size of the forces at a state, beside which differences are judged.
+fn size_of_forces(robot: &Robot<'_>, state: &State, a: &[f64]) -> Option<f64> {
+    let (y, v) = (&state.y, &state.v);
+    let parts = [
+        matrix_times(&robot.first("mass_matrix", &[y])?, a),
+        robot.first("coriolis_forces", &[y, v])?,
+        robot.first("applied_forces", &[y, v])?,
+        joint_forces(robot, &state.u)?,
+    ];
+    Some(parts.iter().map(|part| largest(part)).fold(0.0, f64::max))
+}
+
+fn inverse_of_forward(robot: &Robot<'_>, state: &State) -> Option<f64> {
+    let (y, v) = (&state.y, &state.v);
+    let a = robot.first("forward_dynamics", &[y, v, &state.u])?;
+    let forces = robot.first("inverse_dynamics", &[y, v, &a])?;
+    let expected = joint_forces(robot, &state.u)?;
+    Some(difference(&forces, &expected) / size_of_forces(robot, state, &a)?)
+}
+
+fn parts(robot: &Robot<'_>, state: &State) -> Option<f64> {
+    let (y, v, a) = (&state.y, &state.v, &state.a);
+    let forces = robot.first("inverse_dynamics", &[y, v, a])?;
+    let inertial = matrix_times(&robot.first("mass_matrix", &[y])?, a);
+    let coriolis = robot.first("coriolis_forces", &[y, v])?;
+    let applied = robot.first("applied_forces", &[y, v])?;
+    let expected: Vec<f64> = (0..robot.n())
+        .map(|i| inertial[i] + coriolis[i] - applied[i])
+        .collect();
+    Some(difference(&forces, &expected) / size_of_forces(robot, state, a)?)
+}
+
+fn power(robot: &Robot<'_>, state: &State) -> Option<f64> {
+    let (y, v) = (&state.y, &state.v);
+    let a = robot.first("forward_dynamics", &[y, v, &state.u])?;
+    let energy = |t: f64| {
+        let (y, v) = (moved(y, t, v), moved(v, t, &a));
+        robot.first("kinetic_energy", &[&y, &v])
+    };
+    let rate = derivative(energy)?[0];
+    let applied = robot.first("applied_forces", &[y, v])?;
+    let forces = joint_forces(robot, &state.u)?;
+    let expected = product(v, &applied) + product(v, &forces);
+    let size = size_of_forces(robot, state, &a)? * v.iter().map(|v| v.abs()).sum::<f64>();
+    Some((rate - expected).abs() / size)
+}
+
+fn gravity(robot: &Robot<'_>, state: &State) -> Option<f64> {
+    let along = &state.v;
+    let rate = derivative(|t| robot.first("potential_energy", &[&moved(&state.y, t, along)]))?[0];
+    let forces = robot.first("gravity_forces", &[&state.y])?;
+    let energy = robot.first("potential_energy", &[&state.y])?[0].abs();
+    let size = (largest(&forces) * largest(along)).max(energy);
+    let error = (rate + product(along, &forces)).abs();
+    // A robot that knows no gravity has neither energy nor forces.
+    Some(if error == 0.0 { 0.0 } else { error / size })
+}
+
+/// Along one direction, which mixes coordinates, velocities and inputs.
+fn linearization(robot: &Robot<'_>, state: &State) -> Option<f64> {
+    let State { y, v, a, u } = state;
+    let blocks = robot.call("linearize", &[y, v, u])?;
+    let [by_y, by_v, by_u, _] = <[Vec<f64>; 4]>::try_from(blocks).ok()?;
+    let along = |t: f64| {
+        let (y, v, u) = (moved(y, t, v), moved(v, t, a), moved(u, t, u));
+        robot.first("forward_dynamics", &[&y, &v, &u])
+    };
+    let found = derivative(along)?;
+    let parts = [
+        matrix_times(&by_y, v),
+        matrix_times(&by_v, a),
+        if u.is_empty() {
+            vec![0.0; y.len()]
+        } else {
+            by_u.chunks(u.len()).map(|row| product(row, u)).collect()
+        },
+    ];
+    let expected: Vec<f64> = (0..y.len())
+        .map(|i| parts.iter().map(|part| part[i]).sum())
+        .collect();
+    let size = parts.iter().map(|part| largest(part)).fold(0.0, f64::max);
+    // What rounding of the accelerations themselves leaves.
+    let accelerations = robot.first("forward_dynamics", &[y, v, u])?;
+    Some(difference(&found, &expected) / size.max(largest(&accelerations)))
+}
+
+fn frames(robot: &Robot<'_>, state: &State) -> Option<f64> {
+    let mut worst = 0.0;
+    for frame in &robot.model.frames {
+        let error = frame_error(robot, state, &frame.name)?;
+        worst = if error <= worst { worst } else { error };
+    }
+    (!robot.model.frames.is_empty()).then_some(worst)
+}
+
+fn frame_error(robot: &Robot<'_>, state: &State, name: &str) -> Option<f64> {
+    let (pose, jacobian) = (
+        format!("frame_{name}_pose"),
+        format!("frame_{name}_jacobian"),
+    );
+    let along = |t: f64| {
+        let mut results = robot
+            .call(&pose, &[&moved(&state.y, t, &state.v)])?
+            .into_iter();
+        let (mut origin, rotation) = (results.next()?, results.next()?);
+        origin.extend(rotation);
+        Some(origin)
+    };
+    let rates = derivative(along)?;
+    let rotation = along(0.0)?.split_off(3);
+    // Ṙ Rᵀ is the matrix of ω ×.
+    let spin =
+        |i: usize, j: usize| product(&rates[3 + 3 * i..6 + 3 * i], &rotation[3 * j..3 * j + 3]);
+    let found = [
+        rates[0],
+        rates[1],
+        rates[2],
+        spin(2, 1),
+        spin(0, 2),
+        spin(1, 0),
+    ];
+    let expected = matrix_times(&robot.first(&jacobian, &[&state.y])?, &state.v);
+    Some(difference(&found, &expected) / largest(&expected).max(largest(&state.v)))
+}
+
+/// `f′(0)` by five points; its error is h⁴ f⁗′/30.
+fn derivative(f: impl Fn(f64) -> Option<Vec<f64>>) -> Option<Vec<f64>> {
+    let at = [f(-2.0 * STEP)?, f(-STEP)?, f(STEP)?, f(2.0 * STEP)?];
+    let slope = |i: usize| (at[0][i] - 8.0 * at[1][i] + 8.0 * at[2][i] - at[3][i]) / (12.0 * STEP);
+    Some((0..at[0].len()).map(slope).collect())
+}
+
+fn moved(from: &[f64], by: f64, along: &[f64]) -> Vec<f64> {
+    from.iter().zip(along).map(|(x, d)| x + by * d).collect()
+}
+
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// A matrix, flat and rows first, times a vector that is not empty.
+fn matrix_times(matrix: &[f64], vector: &[f64]) -> Vec<f64> {
+    let rows = matrix.chunks(vector.len().max(1));
+    rows.map(|row| product(row, vector)).collect()
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, value| most.max(value.abs()))
+}
+
+fn difference(a: &[f64], b: &[f64]) -> f64 {
+    let differences: Vec<f64> = a.iter().zip(b).map(|(a, b)| (a - b).abs()).collect();
+    worst(&differences)
+}

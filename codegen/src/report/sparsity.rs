@@ -1,0 +1,82 @@
+//! Which entries of the matrices are there at all.
+
+use gelenk_runtime::report::Pattern;
+
+use super::robot::Robot;
+use crate::program::{Operand, Output, Shape};
+
+/// Function, place among its results, identifier, title.
+const MATRICES: &[(&str, usize, &str, &str)] = &[
+    ("mass_matrix", 0, "pattern-m", "$M$"),
+    ("input_matrix", 0, "pattern-b", "$B$"),
+    (
+        "inverse_dynamics_derivatives",
+        1,
+        "pattern-f-y",
+        r"$\partial f/\partial y$",
+    ),
+    (
+        "inverse_dynamics_derivatives",
+        2,
+        "pattern-f-v",
+        r"$\partial f/\partial \dot y$",
+    ),
+    (
+        "linearize",
+        0,
+        "pattern-a-y",
+        r"$\partial \ddot y/\partial y$",
+    ),
+    (
+        "linearize",
+        1,
+        "pattern-a-v",
+        r"$\partial \ddot y/\partial \dot y$",
+    ),
+    (
+        "linearize",
+        2,
+        "pattern-b-x",
+        r"$\partial \ddot y/\partial u$",
+    ),
+];
+
+/// Patterns of all matrices that have entries.
+pub(super) fn patterns(robot: &Robot<'_>) -> Vec<Pattern> {
+    let joints: Vec<String> = robot
+        .joints()
+        .iter()
+        .map(|joint| joint.name.clone())
+        .collect();
+    let drives: Vec<String> = robot
+        .inputs()
+        .iter()
+        .map(|drive| drive.name.clone())
+        .collect();
+    let pattern = |&(function, result, id, title): &(&str, usize, &str, &str)| {
+        let output = robot.function(function)?.program.outputs.get(result)?;
+        let entries = entries(output)?;
+        let is_by_inputs = matches!(id, "pattern-b" | "pattern-b-x");
+        let columns = if is_by_inputs { &drives } else { &joints };
+        Some(Pattern::new(
+            id,
+            title,
+            joints.clone(),
+            columns.clone(),
+            entries,
+        ))
+    };
+    MATRICES.iter().filter_map(pattern).collect()
+}
+
+fn entries(output: &Output) -> Option<Vec<Vec<bool>>> {
+    let Shape::Matrix(_, columns) = output.shape else {
+        return None;
+    };
+    if columns == 0 {
+        return None;
+    }
+    let is_there = |entry: &Operand| *entry != Operand::Constant(0.0);
+    let rows = output.entries.chunks(columns);
+    Some(rows.map(|row| row.iter().map(is_there).collect()).collect())
+}

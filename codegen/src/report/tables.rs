@@ -1,0 +1,363 @@
+//! The numbers of a robot, with their units.
+
+use gelenk_runtime::report::{Cell, Inline, Table};
+
+use super::formula;
+use super::robot::Robot;
+use crate::diagnostic::Diagnostics;
+use crate::dynamics::function::Function;
+use crate::formula::Formula;
+use crate::model::{Drive, Input, Joint, JointKind, Motion, Pose, RotorCoupling};
+use crate::program::cost;
+
+/// Joints that are coordinates, with their limits.
+pub(super) fn coordinates(robot: &Robot<'_>) -> Table {
+    let table = Table::new(
+        "coordinates",
+        "Coordinates and limits at the joint; rad, rad/s and N m where a joint turns, m, m/s and N where it slides.",
+    )
+    .column("", "index", "")
+    .column("joint", "joint", "")
+    .column("kind", "kind", "")
+    .column("lowest", "lowest position", "")
+    .column("highest", "highest position", "")
+    .column("speed", "velocity limit", "")
+    .column("effort", "effort limit", "")
+    .column("peak effort", "peak effort limit", "");
+    let joints = robot.joints().into_iter().enumerate();
+    table.rows(joints.map(|(index, joint)| {
+        let limits = joint.limits;
+        let position = limits.position;
+        vec![
+            Cell::Line(vec![Inline::Math(format!("y_{{{}}}", index + 1))]),
+            Cell::Text(joint.name.clone()),
+            Cell::Text(kind(joint.kind).to_owned()),
+            Cell::exact_or_empty(position.map(|[low, _]| low)),
+            Cell::exact_or_empty(position.map(|[_, high]| high)),
+            Cell::exact_or_empty(limits.velocity),
+            Cell::exact_or_empty(limits.effort),
+            Cell::exact_or_empty(limits.peak_effort),
+        ]
+    }))
+}
+
+fn kind(kind: JointKind) -> &'static str {
+    match kind {
+        JointKind::Fixed => "fixed",
+        JointKind::Revolute => "revolute",
+        JointKind::Continuous => "continuous",
+        JointKind::Prismatic => "prismatic",
+    }
+}
+
+/// A number, or a formula of free parameters.
+fn cell(robot: &Robot<'_>, value: &Formula) -> Cell {
+    match value.as_number() {
+        Some(number) => Cell::Exact(number),
+        None => {
+            let latex = formula::latex(value, &robot.parameter_names, 0);
+            Cell::Line(vec![Inline::Math(latex)])
+        }
+    }
+}
+
+fn cells(robot: &Robot<'_>, values: &[Formula]) -> Vec<Cell> {
+    values.iter().map(|value| cell(robot, value)).collect()
+}
+
+fn link_name(robot: &Robot<'_>, link: usize) -> Cell {
+    let name = robot.model.links.get(link).map(|link| link.name.as_str());
+    Cell::text(name.unwrap_or_default())
+}
+
+/// Motors and gears.
+pub(super) fn drives(robot: &Robot<'_>) -> Option<Table> {
+    let drives = &robot.model.drives;
+    if drives.is_empty() {
+        return None;
+    }
+    let table = Table::new("drives", "Drives and inputs. Torques are at the motor.")
+        .column("", "index", "")
+        .column("drive", "drive", "")
+        .column("joint", "joint", "")
+        .column("gear ratio $i$", "gear ratio", "")
+        .column("rotor inertia $J_R$", "rotor inertia", "kg m²")
+        .column("carried by", "carrier", "")
+        .column("rotor in $M$", "coupling", "")
+        .column("input is", "input kind", "")
+        .column("nominal torque", "nominal torque", "N m")
+        .column("peak torque", "peak torque", "N m");
+    let rows = drives.iter().map(|drive| {
+        let mut inputs = robot.inputs().into_iter();
+        let index = match inputs.position(|input| input.name == drive.name) {
+            Some(index) => Cell::Line(vec![Inline::Math(format!("u_{{{}}}", index + 1))]),
+            None => Cell::Empty,
+        };
+        std::iter::once(index)
+            .chain(drive_row(robot, drive))
+            .collect()
+    });
+    Some(table.rows(rows))
+}
+
+fn drive_row(robot: &Robot<'_>, drive: &Drive) -> Vec<Cell> {
+    let joint = drive
+        .coordinate
+        .and_then(|index| robot.joints().get(index).copied());
+    let coupling = match drive.coupling {
+        RotorCoupling::Body => "a body",
+        RotorCoupling::Diagonal => "diagonal only",
+    };
+    let input = match (&drive.input, drive.coordinate) {
+        (_, None) => Cell::text("none: the joint is held"),
+        (Input::Torque, _) => Cell::text("torque"),
+        (Input::Current(constant), _) => match constant.as_number() {
+            Some(value) => Cell::text(format!("current, {value} N m/A")),
+            None => Cell::text("current"),
+        },
+    };
+    vec![
+        Cell::Text(drive.name.clone()),
+        Cell::text(joint.map_or("", |joint| joint.name.as_str())),
+        cell(robot, &drive.gear_ratio),
+        cell(robot, &drive.rotor_inertia),
+        link_name(robot, drive.carrier),
+        Cell::text(coupling),
+        input,
+        Cell::exact_or_empty(drive.torque.nominal),
+        Cell::exact_or_empty(drive.torque.peak),
+    ]
+}
+
+/// Masses and centres of mass.
+pub(super) fn bodies(robot: &Robot<'_>) -> Option<Table> {
+    let caption = "Bodies: mass, and centre of mass in the frame of the link.";
+    let mut table = Table::new("bodies", caption)
+        .column("body", "body", "")
+        .column("link", "link", "")
+        .column("mass", "mass", "kg");
+    for axis in ["x", "y", "z"] {
+        table = table.column(&format!("$c_{axis}$"), format!("c_{axis}"), "m");
+    }
+    let bodies = robot.bodies();
+    let rows = bodies.iter().map(|(link, body)| {
+        let mut row = vec![
+            Cell::Text(body.name.clone()),
+            Cell::Text(link.name.clone()),
+            cell(robot, &body.mass),
+        ];
+        row.extend(cells(robot, &body.center_of_mass));
+        row
+    });
+    (!bodies.is_empty()).then(|| table.rows(rows))
+}
+
+/// Inertias.
+pub(super) fn inertias(robot: &Robot<'_>) -> Option<Table> {
+    let caption = "Inertia of the bodies about their centres of mass, in axes of the links ($I_{xy} = -\\int x\\,y\\,\\mathrm{d}m$).";
+    let mut table = Table::new("inertias", caption).column("body", "body", "");
+    for entry in ["xx", "xy", "xz", "yy", "yz", "zz"] {
+        table = table.column(&format!("$I_{{{entry}}}$"), format!("I_{entry}"), "kg m²");
+    }
+    let bodies = robot.bodies();
+    let rows = bodies.iter().map(|(_, body)| {
+        let mut row = vec![Cell::Text(body.name.clone())];
+        row.extend(cells(robot, &body.inertia));
+        row
+    });
+    (!bodies.is_empty()).then(|| table.rows(rows))
+}
+
+/// Where joints are and how they point.
+pub(super) fn geometry(robot: &Robot<'_>) -> Option<Table> {
+    let joints: Vec<&Joint> = robot
+        .model
+        .links
+        .iter()
+        .filter_map(|link| link.joint.as_ref())
+        .collect();
+    if joints.is_empty() {
+        return None;
+    }
+    let table = Table::new(
+        "geometry",
+        "Joints: origin of the joint frame in the parent link's frame, its roll, pitch and yaw there ($R = R_z R_y R_x$), and the axis in the \
+         joint frame.",
+    )
+    .column("joint", "joint", "")
+    .column("parent", "parent", "")
+    .column("motion", "motion", "");
+    let table = pose_columns(table).column("axis", "axis", "");
+    Some(table.rows(joints.into_iter().map(|joint| {
+        let motion = match joint.motion {
+            Motion::Fixed => Cell::text("fixed"),
+            Motion::Held(position) => Cell::text(format!("held at {position}")),
+            Motion::Coordinate(index) => {
+                Cell::Line(vec![Inline::Math(format!("y_{{{}}}", index + 1))])
+            }
+        };
+        let mut row = vec![
+            Cell::Text(joint.name.clone()),
+            link_name(robot, joint.parent),
+            motion,
+        ];
+        row.extend(pose_cells(robot, &joint.origin));
+        let axis = joint.axis.map(|x| short(x).to_string()).join(", ");
+        row.push(Cell::Text(axis.replace('-', "−")));
+        row
+    })))
+}
+
+/// Named frames.
+pub(super) fn frames(robot: &Robot<'_>) -> Option<Table> {
+    let frames = &robot.model.frames;
+    if frames.is_empty() {
+        return None;
+    }
+    let table = Table::new("frames", "Named frames in the frames of their links.")
+        .column("frame", "frame", "")
+        .column("link", "link", "");
+    Some(pose_columns(table).rows(frames.iter().map(|frame| {
+        let mut row = vec![Cell::Text(frame.name.clone()), link_name(robot, frame.link)];
+        row.extend(pose_cells(robot, &frame.pose));
+        row
+    })))
+}
+
+fn pose_columns(table: Table) -> Table {
+    let table = ["x", "y", "z"].iter().fold(table, |table, axis| {
+        table.column(&format!("${axis}$"), *axis, "m")
+    });
+    ["roll", "pitch", "yaw"]
+        .iter()
+        .fold(table, |table, angle| table.column(angle, *angle, "rad"))
+}
+
+fn pose_cells(robot: &Robot<'_>, pose: &Pose) -> Vec<Cell> {
+    let mut row = cells(robot, &pose.translation);
+    row.extend(roll_pitch_yaw(&pose.rotation).map(|angle| Cell::Exact(short(angle))));
+    row
+}
+
+/// `R = R_z(yaw) R_y(pitch) R_x(roll)`; where pitch is ±90° roll is taken as 0.
+fn roll_pitch_yaw(r: &[[f64; 3]; 3]) -> [f64; 3] {
+    let cosine = r[0][0].hypot(r[1][0]);
+    let pitch = (-r[2][0]).atan2(cosine);
+    if cosine < 1e-9 {
+        return [0.0, pitch, (-r[0][1]).atan2(r[1][1])];
+    }
+    [r[2][1].atan2(r[2][2]), pitch, r[1][0].atan2(r[0][0])]
+}
+
+/// Nine decimals: what rotation matrices leave beyond them is rounding.
+fn short(value: f64) -> f64 {
+    let rounded = (value * 1e9).round() / 1e9;
+    // No negative zero.
+    rounded + 0.0
+}
+
+/// Free parameters.
+pub(super) fn parameters(robot: &Robot<'_>) -> Option<Table> {
+    let parameters = &robot.model.parameters;
+    if parameters.is_empty() {
+        return None;
+    }
+    let table = Table::new(
+        "free-parameters",
+        "Free parameters: fields of `Parameters`, which every generated function takes.",
+    )
+    .column("name", "name", "")
+    .column("described value", "described value", "")
+    .column("unit", "unit", "")
+    .column("meaning", "meaning", "");
+    Some(table.rows(parameters.iter().map(|one| {
+        vec![
+            Cell::Code(one.name.clone()),
+            Cell::Exact(one.default),
+            Cell::text(one.unit.clone()),
+            Cell::text(one.description.clone()),
+        ]
+    })))
+}
+
+/// `(0, 0, −9.81) m/s²`
+pub(super) fn gravity(robot: &Robot<'_>) -> String {
+    let numbers = robot
+        .vector(&robot.model.gravity)
+        .map(|x| (x + 0.0).to_string());
+    format!("({}) m/s²", numbers.join(", ").replace('-', "−"))
+}
+
+/// Operation counts of all functions.
+pub(super) fn counts(functions: &[Function]) -> Table {
+    let table = Table::new(
+        "operations",
+        "Operations of each generated function, counted as robotics papers count them: a subtraction is an addition; sine and cosine of one \
+         angle are made by one call.",
+    )
+    .column("function", "function", "")
+    .column("multiplications", "multiplications", "")
+    .column("additions", "additions", "")
+    .column("divisions", "divisions", "")
+    .column("sin and cos", "sin_cos", "")
+    .column("other calls", "other calls", "")
+    .column("selections", "selections", "");
+    table.rows(functions.iter().map(|function| {
+        let cost = cost::count(&function.program);
+        let counts = [
+            cost.multiplications,
+            cost.additions,
+            cost.divisions,
+            cost.sin_cos,
+            cost.other_calls,
+            cost.selections,
+        ];
+        let mut row = vec![Cell::Code(function.name.clone())];
+        row.extend(counts.map(Cell::Count));
+        row
+    }))
+}
+
+/// Notes on the description.
+pub(super) fn notes(notes: &Diagnostics) -> Table {
+    let table = Table::new(
+        "description-notes",
+        "What was skipped, changed or is worth knowing.",
+    )
+    .column("place", "place", "")
+    .column("note", "note", "")
+    .column("what to do", "help", "");
+    table.rows(notes.entries().iter().map(|note| {
+        let place = note
+            .location
+            .as_ref()
+            .map(|at| format!("{}:{}", at.file, at.line));
+        vec![
+            Cell::text(place.unwrap_or_default()),
+            Cell::text(note.message.clone()),
+            Cell::text(note.help.clone().unwrap_or_default()),
+        ]
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_of_rotations() {
+        let close = |found: [f64; 3], expected: [f64; 3]| {
+            found
+                .iter()
+                .zip(expected)
+                .all(|(a, b)| (a - b).abs() < 1e-12)
+        };
+        let quarter = std::f64::consts::FRAC_PI_2;
+        let identity = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        assert!(close(roll_pitch_yaw(&identity), [0.0; 3]));
+        let about_z = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+        assert!(close(roll_pitch_yaw(&about_z), [0.0, 0.0, quarter]));
+        let about_y = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]];
+        assert!(close(roll_pitch_yaw(&about_y), [0.0, quarter, 0.0]));
+    }
+}

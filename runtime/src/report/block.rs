@@ -1,0 +1,190 @@
+//! Sections and what stands in them.
+
+use super::{Claim, Equation, Figure, Pattern, Scene, Table};
+
+/// A section of the page.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Section {
+    /// Anchor on the page: letters, digits, hyphens and underscores.
+    pub id: String,
+    /// Heading.
+    pub title: String,
+    /// Contents in order.
+    pub blocks: Vec<Block>,
+}
+
+/// A part of a section.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Block {
+    /// A paragraph.
+    Text(Vec<Inline>),
+    /// A heading within the section.
+    Heading(Vec<Inline>),
+    /// Equations on lines of their own.
+    Equations(Vec<Equation>),
+    /// Short equations side by side where there is room: abbreviations.
+    Abbreviations(Vec<Equation>),
+    /// A table of values.
+    Table(Table),
+    /// Statements with verdicts.
+    Claims(Vec<Claim>),
+    /// Which entries of matrices are there, side by side.
+    Patterns(Vec<Pattern>),
+    /// Plots with a caption.
+    Figure(Figure),
+    /// The kinematic tree of a robot as a drawing.
+    Tree(Scene),
+    /// The robot to turn and move.
+    Scene(Scene),
+    /// Text as it stands, in letters of one width.
+    Code(String),
+    /// What is folded away until asked for; not printed while closed.
+    Details {
+        /// What is shown while closed.
+        summary: Vec<Inline>,
+        /// Whether it starts open.
+        is_open: bool,
+        /// What is inside.
+        blocks: Vec<Block>,
+    },
+}
+
+/// A part of a line.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Inline {
+    /// Text, taken literally.
+    Text(String),
+    /// An equation in LaTeX.
+    Math(String),
+    /// A name from code.
+    Code(String),
+}
+
+/// A paragraph of the author's own words: `$…$` is LaTeX, `` `…` `` code. Text from elsewhere goes through [`plain`].
+#[must_use]
+pub fn text(source: &str) -> Block {
+    Block::Text(inlines(source))
+}
+
+/// A paragraph in which no sign means anything: for text from descriptions and files.
+#[must_use]
+pub fn plain(source: impl Into<String>) -> Block {
+    Block::Text(vec![Inline::Text(source.into())])
+}
+
+/// A name from code within a line.
+#[must_use]
+pub fn code(source: impl Into<String>) -> Inline {
+    Inline::Code(source.into())
+}
+
+/// Splits at `$` and backticks; one that is never closed is itself.
+pub(super) fn inlines(source: &str) -> Vec<Inline> {
+    let mut parts = Vec::new();
+    let mut plain = String::new();
+    let mut rest = source;
+    while let Some(sign) = rest.chars().next() {
+        let after = &rest[sign.len_utf8()..];
+        let end = if matches!(sign, '$' | '`') {
+            after.find(sign)
+        } else {
+            None
+        };
+        let Some(end) = end else {
+            plain.push(sign);
+            rest = after;
+            continue;
+        };
+        if !plain.is_empty() {
+            parts.push(Inline::Text(std::mem::take(&mut plain)));
+        }
+        let inner = after[..end].to_owned();
+        parts.push(match sign {
+            '$' => Inline::Math(inner),
+            _ => Inline::Code(inner),
+        });
+        rest = &after[end + sign.len_utf8()..];
+    }
+    if !plain.is_empty() {
+        parts.push(Inline::Text(plain));
+    }
+    parts
+}
+
+impl Section {
+    /// An empty section.
+    #[must_use]
+    pub fn new(id: impl Into<String>, title: impl Into<String>) -> Self {
+        Self {
+            id: id.into(),
+            title: title.into(),
+            blocks: Vec::new(),
+        }
+    }
+
+    /// Adds a block.
+    #[must_use]
+    pub fn block(mut self, block: Block) -> Self {
+        self.blocks.push(block);
+        self
+    }
+
+    /// Adds several blocks.
+    #[must_use]
+    pub fn blocks(mut self, blocks: impl IntoIterator<Item = Block>) -> Self {
+        self.blocks.extend(blocks);
+        self
+    }
+
+    /// All blocks, those that are folded away included, in order.
+    pub(super) fn all_blocks(&self) -> Vec<&Block> {
+        let mut all = Vec::new();
+        collect(&self.blocks, &mut all);
+        all
+    }
+
+    /// Identifiers of the section and its parts.
+    pub(super) fn ids(&self) -> Vec<&str> {
+        let parts = self.all_blocks().into_iter().flat_map(Block::ids);
+        std::iter::once(self.id.as_str()).chain(parts).collect()
+    }
+}
+
+fn collect<'a>(blocks: &'a [Block], into: &mut Vec<&'a Block>) {
+    for block in blocks {
+        into.push(block);
+        if let Block::Details { blocks, .. } = block {
+            collect(blocks, into);
+        }
+    }
+}
+
+impl Block {
+    fn ids(&self) -> Vec<&str> {
+        match self {
+            Self::Table(table) => vec![&table.id],
+            Self::Figure(figure) => vec![&figure.id],
+            Self::Patterns(patterns) => patterns.iter().map(|one| one.id.as_str()).collect(),
+            Self::Claims(claims) => claims.iter().map(|claim| claim.id.as_str()).collect(),
+            _ => Vec::new(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_hold_equations_and_code() {
+        let parts = inlines("M is `mass_matrix`, $M(y)$; costs 3 $ each");
+        let expected = [
+            Inline::Text("M is ".into()),
+            Inline::Code("mass_matrix".into()),
+            Inline::Text(", ".into()),
+            Inline::Math("M(y)".into()),
+            Inline::Text("; costs 3 $ each".into()),
+        ];
+        assert_eq!(parts, expected);
+    }
+}

@@ -1,0 +1,216 @@
+//! Claims and their verdicts, which follow from numbers and thresholds.
+
+use std::fmt;
+
+use super::number::{DIGITS, rounded};
+
+/// A statement, what was measured, and what follows.
+///
+/// The verdict cannot be set: it follows from the criteria. A claim without criteria does not hold.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Claim {
+    /// Anchor on the page and name in the data.
+    pub id: String,
+    /// What is claimed; `$…$` is an equation.
+    pub statement: String,
+    /// Numbers with their thresholds; all must be met.
+    pub criteria: Vec<Criterion>,
+    /// The condition under which the claim was found to hold, where it does not hold without.
+    pub condition: Option<String>,
+    /// What would flip the verdict.
+    pub flipped_by: String,
+    /// Further words: what was found, and why.
+    pub remark: String,
+    /// Identifier of the figure or table that it stands for.
+    pub shown_in: Option<String>,
+}
+
+/// A measured number and its threshold.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Criterion {
+    /// What was measured.
+    pub name: String,
+    /// The number.
+    pub value: f64,
+    /// The threshold.
+    pub bound: Bound,
+    /// Unit of both, empty where there is none.
+    pub unit: String,
+}
+
+/// A threshold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Bound {
+    /// Met by this and anything smaller.
+    AtMost(f64),
+    /// Met by this and anything larger.
+    AtLeast(f64),
+}
+
+/// What follows from the criteria.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Verdict {
+    /// All criteria are met.
+    Holds,
+    /// All criteria are met, under the stated condition.
+    HoldsConditionally,
+    /// Not all criteria are met.
+    DoesNotHold,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Holds => "holds",
+            Self::HoldsConditionally => "holds under a condition",
+            Self::DoesNotHold => "does not hold",
+        })
+    }
+}
+
+impl Claim {
+    /// A claim without criteria yet; `$…$` in the statement is an equation.
+    #[must_use]
+    pub fn new(id: impl Into<String>, statement: impl Into<String>) -> Self {
+        Self {
+            id: id.into(),
+            statement: statement.into(),
+            criteria: Vec::new(),
+            condition: None,
+            flipped_by: String::new(),
+            remark: String::new(),
+            shown_in: None,
+        }
+    }
+
+    /// Adds a number that decides.
+    #[must_use]
+    pub fn criterion(mut self, criterion: Criterion) -> Self {
+        self.criteria.push(criterion);
+        self
+    }
+
+    /// States the condition under which the claim holds.
+    #[must_use]
+    pub fn under(mut self, condition: impl Into<String>) -> Self {
+        self.condition = Some(condition.into());
+        self
+    }
+
+    /// Names what would flip the verdict.
+    #[must_use]
+    pub fn flipped_by(mut self, cause: impl Into<String>) -> Self {
+        self.flipped_by = cause.into();
+        self
+    }
+
+    /// Adds words of explanation.
+    #[must_use]
+    pub fn remark(mut self, remark: impl Into<String>) -> Self {
+        self.remark = remark.into();
+        self
+    }
+
+    /// Names the figure or table that it stands for.
+    #[must_use]
+    pub fn shown_in(mut self, id: impl Into<String>) -> Self {
+        self.shown_in = Some(id.into());
+        self
+    }
+
+    /// What follows from the criteria and the condition.
+    #[must_use]
+    pub fn verdict(&self) -> Verdict {
+        let is_met = !self.criteria.is_empty() && self.criteria.iter().all(Criterion::is_met);
+        match (is_met, &self.condition) {
+            (false, _) => Verdict::DoesNotHold,
+            (true, None) => Verdict::Holds,
+            (true, Some(_)) => Verdict::HoldsConditionally,
+        }
+    }
+}
+
+impl Criterion {
+    /// Met where `value ≤ bound`.
+    #[must_use]
+    pub fn at_most(
+        name: impl Into<String>,
+        value: f64,
+        bound: f64,
+        unit: impl Into<String>,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            value,
+            bound: Bound::AtMost(bound),
+            unit: unit.into(),
+        }
+    }
+
+    /// Met where `value ≥ bound`.
+    #[must_use]
+    pub fn at_least(
+        name: impl Into<String>,
+        value: f64,
+        bound: f64,
+        unit: impl Into<String>,
+    ) -> Self {
+        Self {
+            bound: Bound::AtLeast(bound),
+            ..Self::at_most(name, value, bound, unit)
+        }
+    }
+
+    /// Whether the number keeps its threshold; not-a-number never does.
+    #[must_use]
+    pub fn is_met(&self) -> bool {
+        match self.bound {
+            Bound::AtMost(bound) => self.value <= bound,
+            Bound::AtLeast(bound) => self.value >= bound,
+        }
+    }
+
+    /// `≤ 0.01 rad`
+    pub(super) fn threshold(&self) -> String {
+        let (sign, bound) = match self.bound {
+            Bound::AtMost(bound) => ("≤", bound),
+            Bound::AtLeast(bound) => ("≥", bound),
+        };
+        format!(
+            "{sign} {}",
+            with_unit(super::number::exact(bound), &self.unit)
+        )
+    }
+
+    /// `0.00412 rad`
+    pub(super) fn measured(&self) -> String {
+        with_unit(rounded(self.value, DIGITS), &self.unit)
+    }
+}
+
+fn with_unit(number: String, unit: &str) -> String {
+    match unit {
+        "" => number,
+        unit => format!("{number}\u{a0}{unit}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn claim(value: f64) -> Claim {
+        Claim::new("c", "c").criterion(Criterion::at_most("error", value, 1.0, "rad"))
+    }
+
+    #[test]
+    fn verdicts_follow_from_numbers() {
+        assert_eq!(claim(1.0).verdict(), Verdict::Holds);
+        assert_eq!(claim(1.0).under("x").verdict(), Verdict::HoldsConditionally);
+        assert_eq!(claim(1.1).under("x").verdict(), Verdict::DoesNotHold);
+        assert_eq!(claim(f64::NAN).verdict(), Verdict::DoesNotHold);
+        assert_eq!(Claim::new("c", "c").verdict(), Verdict::DoesNotHold);
+        let gain = Criterion::at_least("gain", f64::NAN, 0.0, "");
+        assert_eq!(claim(0.0).criterion(gain).verdict(), Verdict::DoesNotHold);
+    }
+}

@@ -1,0 +1,102 @@
+//! Numbers for people: rounded, with a real minus sign and powers of ten.
+
+/// So many digits are shown where nothing else is asked for.
+pub(super) const DIGITS: usize = 4;
+
+/// `value` with so many significant digits; zeros at the end of a fraction stay, because they were measured.
+pub(super) fn rounded(value: f64, digits: usize) -> String {
+    if !value.is_finite() {
+        return unusual(value);
+    }
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let digits = digits.clamp(1, 17);
+    let scientific = format!("{value:.*e}", digits - 1);
+    let Some((mantissa, exponent)) = scientific.split_once('e') else {
+        return scientific;
+    };
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    let last = i32::try_from(digits).unwrap_or(i32::MAX);
+    let text = if (-4..last.max(6)).contains(&exponent) {
+        let decimals = usize::try_from(last - 1 - exponent).unwrap_or(0);
+        format!("{value:.decimals$}")
+    } else {
+        format!("{mantissa}·10{}", superscript(exponent))
+    };
+    text.replace('-', "−")
+}
+
+/// So many digits of a described number are shown; the data hold all.
+const MOST_DIGITS: usize = 9;
+
+/// `value` as described: its own digits, or the first ones of a number that has many.
+pub(super) fn exact(value: f64) -> String {
+    if !value.is_finite() {
+        return unusual(value);
+    }
+    let shown: f64 = format!("{value:.*e}", MOST_DIGITS - 1)
+        .parse()
+        .unwrap_or(value);
+    let shortest = format!("{shown:?}");
+    let text = match shortest.split_once('e') {
+        Some((digits, exponent)) => {
+            let exponent = exponent.parse().map_or_else(|_| String::new(), superscript);
+            format!("{digits}·10{exponent}")
+        }
+        None => shortest.strip_suffix(".0").unwrap_or(&shortest).to_owned(),
+    };
+    text.replace('-', "−")
+}
+
+fn unusual(value: f64) -> String {
+    let text = match value {
+        value if value.is_nan() => "not a number",
+        value if value > 0.0 => "∞",
+        _ => "−∞",
+    };
+    text.to_owned()
+}
+
+fn superscript(exponent: i32) -> String {
+    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let small = |c: char| match c.to_digit(10) {
+        Some(digit) => DIGITS.get(digit as usize).copied().unwrap_or(c),
+        None => '⁻',
+    };
+    exponent.to_string().chars().map(small).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_rounded_for_people() {
+        for (value, digits, shown) in [
+            (0.0, 4, "0"),
+            (44.8, 4, "44.80"),
+            (-0.000_123_45, 3, "−0.000123"),
+            (1.0e-7, 2, "1.0·10⁻⁷"),
+            (123_456.0, 3, "123456"),
+            (1.5e9, 3, "1.50·10⁹"),
+            (9.9996, 4, "10.00"),
+            (f64::NAN, 4, "not a number"),
+            (f64::NEG_INFINITY, 4, "−∞"),
+        ] {
+            assert_eq!(rounded(value, digits), shown);
+        }
+    }
+
+    #[test]
+    fn described_numbers_keep_their_digits() {
+        for (value, shown) in [
+            (161.0, "161"),
+            (5.267e-5, "5.267·10⁻⁵"),
+            (-9.80665, "−9.80665"),
+            (2.617_993_877_991_494_4, "2.61799388"),
+        ] {
+            assert_eq!(exact(value), shown);
+        }
+    }
+}

@@ -1,0 +1,449 @@
+//! Plots as SVG, in the colours of the page.
+
+use std::fmt::Display;
+use std::ops::Range;
+
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+
+use super::ReportError;
+use super::block::{Inline, inlines};
+
+/// Plots with a common caption.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    /// Anchor on the page and name of the CSV file: letters, digits, hyphens and underscores.
+    pub id: String,
+    /// Sentences below the plots.
+    pub caption: Vec<Inline>,
+    /// The plots, side by side where there is room.
+    pub plots: Vec<Plot>,
+}
+
+/// Curves over one pair of axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plot {
+    /// A few words above the plot, may be empty.
+    pub title: String,
+    /// Abscissa.
+    pub x: Axis,
+    /// Ordinate.
+    pub y: Axis,
+    /// The curves, at least one with a finite point.
+    pub series: Vec<Series>,
+}
+
+/// An axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// Its quantity.
+    pub label: String,
+    /// Unit, empty where there is none.
+    pub unit: String,
+    /// Shown range; by default that of the data. Points outside are left out.
+    pub range: Option<[f64; 2]>,
+    /// Whether decades are equally long; values that are not positive are left out then.
+    pub is_logarithmic: bool,
+}
+
+/// A curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// What it shows, for the legend.
+    pub name: String,
+    /// How it is drawn.
+    pub marks: Marks,
+    /// Its points; one that is not finite is a gap.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// How a curve is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Marks {
+    /// A line through the points.
+    Line,
+    /// A dashed line.
+    Dashed,
+    /// The points alone.
+    Points,
+    /// Each value is held until the next, as a controller's output is.
+    Steps,
+}
+
+impl Figure {
+    /// A figure without plots yet; `$…$` in the caption is an equation.
+    #[must_use]
+    pub fn new(id: impl Into<String>, caption: &str) -> Self {
+        Self {
+            id: id.into(),
+            caption: inlines(caption),
+            plots: Vec::new(),
+        }
+    }
+
+    /// Adds a plot.
+    #[must_use]
+    pub fn plot(mut self, plot: Plot) -> Self {
+        self.plots.push(plot);
+        self
+    }
+}
+
+impl Plot {
+    /// A plot without curves yet.
+    #[must_use]
+    pub fn new(title: impl Into<String>, x: Axis, y: Axis) -> Self {
+        Self {
+            title: title.into(),
+            x,
+            y,
+            series: Vec::new(),
+        }
+    }
+
+    /// Adds a curve.
+    #[must_use]
+    pub fn series(mut self, name: impl Into<String>, marks: Marks, points: Vec<[f64; 2]>) -> Self {
+        self.series.push(Series {
+            name: name.into(),
+            marks,
+            points,
+        });
+        self
+    }
+}
+
+impl Axis {
+    /// A linear axis over the range of the data.
+    #[must_use]
+    pub fn new(label: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self {
+            label: label.into(),
+            unit: unit.into(),
+            range: None,
+            is_logarithmic: false,
+        }
+    }
+
+    /// The same with a logarithmic scale.
+    #[must_use]
+    pub fn logarithmic(mut self) -> Self {
+        self.is_logarithmic = true;
+        self
+    }
+
+    /// The same with a fixed range.
+    #[must_use]
+    pub fn over(mut self, low: f64, high: f64) -> Self {
+        self.range = Some([low, high]);
+        self
+    }
+
+    /// `friction torque [N m]`
+    pub(super) fn title(&self) -> String {
+        match self.unit.as_str() {
+            "" => self.label.clone(),
+            unit => format!("{} [{unit}]", self.label),
+        }
+    }
+
+    fn scaled(&self, value: f64) -> f64 {
+        if self.is_logarithmic {
+            value.log10()
+        } else {
+            value
+        }
+    }
+
+    /// Shown range in scaled values.
+    fn span(&self, values: impl Iterator<Item = f64>) -> Option<Range<f64>> {
+        if let Some([low, high]) = self.range {
+            let (low, high) = (self.scaled(low), self.scaled(high));
+            return (low < high && (high - low).is_finite()).then_some(low..high);
+        }
+        let finite = values.filter(|value| value.is_finite());
+        let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(x), high.max(x))
+        });
+        if low > high || !(high - low).is_finite() {
+            return None;
+        }
+        // Steps below the resolution of the numbers would leave no room between two ticks.
+        let least = 1e-9 * low.abs().max(high.abs());
+        let margin = match high - low {
+            width if width > least => 0.04 * width,
+            _ => (0.1 * high.abs()).max(1e-3),
+        };
+        Some(low - margin..high + margin)
+    }
+
+    fn tick(&self, scaled: f64) -> String {
+        if !self.is_logarithmic {
+            return tick(scaled);
+        }
+        let value = 10_f64.powf(scaled);
+        tick(format!("{value:.1e}").parse().unwrap_or(value))
+    }
+}
+
+/// A number at an axis: nothing beyond what tells it from its neighbours.
+fn tick(value: f64) -> String {
+    let size = value.abs();
+    if size != 0.0 && !(1e-3..1e5).contains(&size) {
+        return super::number::exact(format!("{value:.5e}").parse().unwrap_or(value));
+    }
+    let fixed = format!("{value:.6}");
+    let short = fixed.trim_end_matches('0').trim_end_matches('.');
+    match short {
+        "" | "-0" => "0".to_owned(),
+        short => short.replace('-', "−"),
+    }
+}
+
+/// Size on the page in CSS pixels.
+const SIZE: (u32, u32) = (600, 350);
+/// The library draws at whole pixels: on a larger canvas they are fine enough.
+const SCALE: u32 = 8;
+/// More points than this on a curve are thinned: a page of a million circles helps nobody.
+const MOST_POINTS: usize = 3_000;
+/// Curves are told apart by so many colours.
+pub(super) const COLOURS: usize = 6;
+
+// Stand-ins, which become the page's own colours.
+const INK: RGBColor = RGBColor(1, 1, 1);
+const GRID: RGBColor = RGBColor(2, 2, 2);
+const FIRST: u8 = 0x10;
+
+fn colour(series: usize, marks: Marks) -> RGBColor {
+    let index = u8::try_from(series % COLOURS).unwrap_or(0);
+    match marks {
+        Marks::Dashed => RGBColor(3, 4, FIRST + index),
+        _ => RGBColor(3, 3, FIRST + index),
+    }
+}
+
+/// The plot as an `svg` element that takes its colours from the page.
+///
+/// - `id`: of the figure, for the message
+pub(super) fn svg(plot: &Plot, id: &str) -> Result<String, ReportError> {
+    let fault = |message: &dyn Display| ReportError::Plot {
+        id: id.to_owned(),
+        message: message.to_string(),
+    };
+    let curves: Vec<Vec<[f64; 2]>> = plot.series.iter().map(|one| scaled(plot, one)).collect();
+    let values = |axis: usize| {
+        let shown = curves.iter().flatten();
+        shown
+            .filter(|point| point.iter().all(|x| x.is_finite()))
+            .map(move |point| point[axis])
+    };
+    let (Some(x), Some(y)) = (plot.x.span(values(0)), plot.y.span(values(1))) else {
+        return Err(fault(
+            &"no finite points, or a range that is empty: give at least one",
+        ));
+    };
+    let mut text = String::new();
+    draw(plot, &curves, x, y, &mut text).map_err(|error| fault(&error))?;
+    Ok(themed(&text, &description(plot)))
+}
+
+/// Points in the axes' scales.
+fn scaled(plot: &Plot, series: &Series) -> Vec<[f64; 2]> {
+    let points = series.points.iter();
+    points
+        .map(|&[x, y]| [plot.x.scaled(x), plot.y.scaled(y)])
+        .collect()
+}
+
+type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+fn draw(
+    plot: &Plot,
+    curves: &[Vec<[f64; 2]>],
+    x: Range<f64>,
+    y: Range<f64>,
+    text: &mut String,
+) -> Result<(), DrawingAreaErrorKind<std::io::Error>> {
+    let area = SVGBackend::with_string(text, (SIZE.0 * SCALE, SIZE.1 * SCALE)).into_drawing_area();
+    let pixels = |length: u32| length * SCALE;
+    // The library divides sizes of letters by 1.24.
+    let letters = |size: f64| ("sans-serif", size * f64::from(SCALE) * 1.24).into_font();
+    let mut chart = ChartBuilder::on(&area)
+        .margin(pixels(6))
+        .x_label_area_size(pixels(42))
+        .y_label_area_size(pixels(62))
+        .build_cartesian_2d(x.clone(), y.clone())?;
+    chart
+        .configure_mesh()
+        .x_desc(plot.x.title())
+        .y_desc(plot.y.title())
+        .x_labels(8)
+        .y_labels(7)
+        .x_label_formatter(&|value| plot.x.tick(*value))
+        .y_label_formatter(&|value| plot.y.tick(*value))
+        .axis_style(INK.stroke_width(SCALE))
+        .bold_line_style(GRID.stroke_width(SCALE))
+        .light_line_style(TRANSPARENT)
+        .label_style(letters(12.0).color(&INK))
+        .axis_desc_style(letters(13.0).color(&INK))
+        .set_all_tick_mark_size(pixels(4))
+        .draw()?;
+    for (index, (series, points)) in plot.series.iter().zip(curves).enumerate() {
+        let style = colour(index, series.marks).stroke_width(SCALE * 7 / 4);
+        let shown = |point: &[f64; 2]| x.contains(&point[0]) && y.contains(&point[1]);
+        curve(&mut chart, series.marks, points, style, &shown)?;
+    }
+    area.present()
+}
+
+fn curve(
+    chart: &mut Chart<'_, '_>,
+    marks: Marks,
+    points: &[[f64; 2]],
+    style: ShapeStyle,
+    shown: &dyn Fn(&[f64; 2]) -> bool,
+) -> Result<(), DrawingAreaErrorKind<std::io::Error>> {
+    let stride = points.len().div_ceil(MOST_POINTS).max(1);
+    if marks == Marks::Points {
+        let dots = points.iter().step_by(stride).filter(|point| shown(point));
+        let dot = |&[x, y]: &[f64; 2]| Circle::new((x, y), SCALE * 3 / 2, style.filled());
+        chart.draw_series(dots.map(dot))?;
+        return Ok(());
+    }
+    for piece in points.split(|point| !shown(point)) {
+        let last = piece.last().into_iter();
+        let kept = piece.iter().step_by(stride).chain(last);
+        let line: Vec<(f64, f64)> = match marks {
+            Marks::Steps => steps(kept),
+            _ => kept.map(|&[x, y]| (x, y)).collect(),
+        };
+        chart.draw_series(LineSeries::new(line, style))?;
+    }
+    Ok(())
+}
+
+fn steps<'p>(points: impl Iterator<Item = &'p [f64; 2]>) -> Vec<(f64, f64)> {
+    let mut line: Vec<(f64, f64)> = Vec::new();
+    for &[x, y] in points {
+        if let Some(&(_, held)) = line.last() {
+            line.push((x, held));
+        }
+        line.push((x, y));
+    }
+    line
+}
+
+/// For whoever cannot see it.
+fn description(plot: &Plot) -> String {
+    let names: Vec<&str> = plot.series.iter().map(|one| one.name.as_str()).collect();
+    let title = match plot.title.as_str() {
+        "" => String::new(),
+        title => format!("{title}: "),
+    };
+    format!(
+        "{title}{} over {}; {}",
+        plot.y.title(),
+        plot.x.title(),
+        names.join(", ")
+    )
+}
+
+/// Stand-ins become the page's colours; the size is left to the page.
+fn themed(svg: &str, description: &str) -> String {
+    let body = svg.find(">\n").map_or(svg, |end| &svg[end + 1..]);
+    let label = maud::html! { (description) }.into_string();
+    let hex = |RGBColor(r, g, b): RGBColor| format!("#{r:02X}{g:02X}{b:02X}");
+    let mut body = body
+        .replace(&hex(INK), "currentColor")
+        .replace(&hex(GRID), "var(--grid)")
+        .replace(" font-family=\"sans-serif\"", "")
+        .replace(" opacity=\"1\"", "");
+    for index in 0..COLOURS {
+        let own = format!("var(--series-{})", index + 1);
+        let dashed = hex(colour(index, Marks::Dashed));
+        let dashes = format!("{own}\" stroke-dasharray=\"{} {}", 7 * SCALE, 4 * SCALE);
+        body = body
+            .replace(&dashed, &dashes)
+            .replace(&hex(colour(index, Marks::Line)), &own);
+    }
+    format!(
+        "<svg class=\"plot\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{label}\">{body}",
+        SIZE.0 * SCALE,
+        SIZE.1 * SCALE,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plot(points: Vec<[f64; 2]>) -> Plot {
+        Plot::new("", Axis::new("time", "s"), Axis::new("torque <τ>", "N m"))
+            .series("measured & filtered", Marks::Line, points.clone())
+            .series("model", Marks::Dashed, points.clone())
+            .series("samples", Marks::Points, points.clone())
+            .series("input", Marks::Steps, points)
+    }
+
+    fn drawn(plot: &Plot) -> Result<String, String> {
+        svg(plot, "f").map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn curves_take_the_colours_of_the_page() {
+        let points = (0..50).map(|i| [f64::from(i), f64::from(i * i) - 300.0]);
+        let svg = drawn(&plot(points.collect())).unwrap();
+        for part in [
+            "var(--series-1)",
+            "stroke-dasharray",
+            "var(--grid)",
+            "−200",
+            "&lt;τ&gt;",
+        ] {
+            assert!(svg.contains(part), "no {part}");
+        }
+        assert!(!svg.contains("#0") && !svg.contains("<τ>"), "{svg}");
+        assert_eq!(svg.matches("<circle").count(), 50);
+    }
+
+    #[test]
+    fn gaps_break_lines_and_nothing_is_an_error() {
+        let gap = vec![
+            [0.0, 1.0],
+            [1.0, 2.0],
+            [2.0, f64::NAN],
+            [3.0, 1.0],
+            [4.0, 5.0],
+        ];
+        let lines = drawn(&plot(gap)).unwrap();
+        assert_eq!(lines.matches("stroke=\"var(--series-1)\"").count(), 2);
+        assert!(drawn(&plot(vec![[f64::NAN, 0.0]])).is_err());
+        assert!(drawn(&plot(vec![])).is_err());
+    }
+
+    #[test]
+    fn any_finite_values_can_be_drawn() {
+        for value in [0.0, -1e300, 1e300, 5e-324, 1e-12, 9.8] {
+            for second in [value, -value, value * (1.0 + 1e-15), 1.0] {
+                // Widths beyond the largest number are refused, everything else is drawn.
+                let _ = drawn(&plot(vec![[value, second], [second, value]]));
+            }
+        }
+        let mut logarithmic = plot(vec![[1e-3, 1.0], [1e3, 10.0], [0.0, 1.0], [-1.0, 2.0]]);
+        logarithmic.x = logarithmic.x.logarithmic();
+        assert!(drawn(&logarithmic).unwrap().contains("1000"));
+    }
+
+    #[test]
+    fn ticks_are_short() {
+        for (value, shown) in [
+            (0.1 + 0.2, "0.3"),
+            (-0.0, "0"),
+            (-12.5, "−12.5"),
+            (200.0, "200"),
+            (1e-5, "1·10⁻⁵"),
+        ] {
+            assert_eq!(tick(value), shown);
+        }
+    }
+}

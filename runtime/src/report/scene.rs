@@ -1,0 +1,161 @@
+//! A robot as the page's view of it needs it: poses, axes, masses, limits.
+
+use serde_json::{Value, json};
+
+/// A robot to turn and move; lengths in m, masses in kg.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Scene {
+    /// Name of the robot.
+    pub name: String,
+    /// Name of the base link.
+    pub base: String,
+    /// Gravitational acceleration in the base frame (m/s²).
+    pub gravity: [f64; 3],
+    /// Joints, each with the link that it carries; parents stand before their children.
+    pub joints: Vec<SceneJoint>,
+    /// Bodies on the links.
+    pub bodies: Vec<SceneBody>,
+    /// Named frames.
+    pub frames: Vec<SceneFrame>,
+}
+
+/// A joint and its link.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SceneJoint {
+    /// Name of the joint.
+    pub name: String,
+    /// Name of the link that it carries.
+    pub link: String,
+    /// Index of the joint whose link carries it; `None` for the base.
+    pub parent: Option<usize>,
+    /// Origin in the parent link's frame.
+    pub translation: [f64; 3],
+    /// Rotation matrix in the parent link's frame, rows first.
+    pub rotation: [[f64; 3]; 3],
+    /// Axis in the joint frame, unit length.
+    pub axis: [f64; 3],
+    /// Whether it slides along the axis instead of turning about it.
+    pub is_prismatic: bool,
+    /// Whether it moves.
+    pub motion: SceneMotion,
+    /// Lowest and highest position (rad or m).
+    pub limits: Option<[f64; 2]>,
+    /// Name of the input that drives it.
+    pub input: Option<String>,
+}
+
+/// Whether a joint moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SceneMotion {
+    /// A fixed joint.
+    Fixed,
+    /// Held at a position.
+    Held(f64),
+    /// A coordinate, counted from 0.
+    Coordinate(usize),
+}
+
+/// A body: a point with a mass.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SceneBody {
+    /// Name of the body.
+    pub name: String,
+    /// Index of the joint whose link carries it; `None` for the base.
+    pub joint: Option<usize>,
+    /// Mass (kg).
+    pub mass: f64,
+    /// Centre of mass in the link's frame (m).
+    pub center: [f64; 3],
+}
+
+/// A named frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SceneFrame {
+    /// Its name.
+    pub name: String,
+    /// Index of the joint whose link carries it; `None` for the base.
+    pub joint: Option<usize>,
+    /// Origin in the link's frame (m).
+    pub translation: [f64; 3],
+    /// Rotation matrix in the link's frame, rows first.
+    pub rotation: [[f64; 3]; 3],
+}
+
+/// Range of a slider for a joint without limits: a turn to each side, or half a metre.
+const TURN: f64 = std::f64::consts::PI;
+const SLIDE: f64 = 0.5;
+
+impl SceneJoint {
+    /// `rad` or `m`.
+    pub(super) fn unit(&self) -> &'static str {
+        if self.is_prismatic { "m" } else { "rad" }
+    }
+
+    /// Lowest and highest position of its slider.
+    pub(super) fn range(&self) -> [f64; 2] {
+        let free = if self.is_prismatic { SLIDE } else { TURN };
+        match self.limits {
+            Some([low, high]) if low.is_finite() && high.is_finite() && low < high => [low, high],
+            _ => [-free, free],
+        }
+    }
+
+    /// Where its slider starts: 0 where the limits allow that.
+    pub(super) fn start(&self) -> f64 {
+        let [low, high] = self.range();
+        0.0_f64.clamp(low, high)
+    }
+}
+
+impl Scene {
+    /// Joints that are coordinates, in the order of the coordinates.
+    pub(super) fn coordinates(&self) -> Vec<&SceneJoint> {
+        let mut moving: Vec<(usize, &SceneJoint)> = self
+            .joints
+            .iter()
+            .filter_map(|joint| match joint.motion {
+                SceneMotion::Coordinate(index) => Some((index, joint)),
+                _ => None,
+            })
+            .collect();
+        moving.sort_by_key(|(index, _)| *index);
+        moving.into_iter().map(|(_, joint)| joint).collect()
+    }
+
+    /// What the script reads.
+    pub(super) fn json(&self) -> Value {
+        let joint = |joint: &SceneJoint| {
+            let (coordinate, position) = match joint.motion {
+                SceneMotion::Fixed => (None, 0.0),
+                SceneMotion::Held(position) => (None, position),
+                SceneMotion::Coordinate(index) => (Some(index), 0.0),
+            };
+            json!({
+                "name": joint.name,
+                "parent": joint.parent,
+                "translation": joint.translation,
+                "rotation": joint.rotation,
+                "axis": joint.axis,
+                "slides": joint.is_prismatic,
+                "moves": joint.motion != SceneMotion::Fixed,
+                "coordinate": coordinate,
+                "position": position,
+            })
+        };
+        let body = |body: &SceneBody| json!({ "joint": body.joint, "mass": body.mass, "center": body.center });
+        let frame = |frame: &SceneFrame| {
+            json!({
+                "name": frame.name,
+                "joint": frame.joint,
+                "translation": frame.translation,
+                "rotation": frame.rotation,
+            })
+        };
+        json!({
+            "gravity": self.gravity,
+            "joints": self.joints.iter().map(joint).collect::<Value>(),
+            "bodies": self.bodies.iter().map(body).collect::<Value>(),
+            "frames": self.frames.iter().map(frame).collect::<Value>(),
+        })
+    }
+}

@@ -1,0 +1,136 @@
+//! Tables of values.
+
+use super::block::{Inline, inlines};
+use super::number;
+
+/// A table: columns with names and units, rows of cells.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Table {
+    /// Anchor on the page and name of the CSV file: letters, digits, hyphens and underscores.
+    pub id: String,
+    /// Sentence above the table.
+    pub caption: Vec<Inline>,
+    /// The columns.
+    pub columns: Vec<Column>,
+    /// The rows, as long as there are columns.
+    pub rows: Vec<Vec<Cell>>,
+}
+
+/// A column of a table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// Heading on the page; may hold an equation.
+    pub heading: Vec<Inline>,
+    /// Name in JSON and CSV.
+    pub name: String,
+    /// Unit of its numbers, empty where there is none.
+    pub unit: String,
+}
+
+/// A cell of a table.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Cell {
+    /// Nothing to say.
+    Empty,
+    /// Text, taken literally.
+    Text(String),
+    /// A name from code.
+    Code(String),
+    /// A line with equations.
+    Line(Vec<Inline>),
+    /// A measured number, shown with so many significant digits.
+    Rounded(f64, usize),
+    /// A described number, shown with its own digits, up to nine.
+    Exact(f64),
+    /// A count.
+    Count(usize),
+}
+
+impl Table {
+    /// A table without columns and rows yet; `$…$` in the caption is an equation.
+    #[must_use]
+    pub fn new(id: impl Into<String>, caption: &str) -> Self {
+        Self {
+            id: id.into(),
+            caption: inlines(caption),
+            ..Self::default()
+        }
+    }
+
+    /// Adds a column; `$…$` in the heading is an equation, the name stands in JSON and CSV.
+    #[must_use]
+    pub fn column(
+        mut self,
+        heading: &str,
+        name: impl Into<String>,
+        unit: impl Into<String>,
+    ) -> Self {
+        self.columns.push(Column {
+            heading: inlines(heading),
+            name: name.into(),
+            unit: unit.into(),
+        });
+        self
+    }
+
+    /// Adds a row.
+    #[must_use]
+    pub fn row(mut self, cells: impl IntoIterator<Item = Cell>) -> Self {
+        self.rows.push(cells.into_iter().collect());
+        self
+    }
+
+    /// Adds several rows.
+    #[must_use]
+    pub fn rows(mut self, rows: impl IntoIterator<Item = Vec<Cell>>) -> Self {
+        self.rows.extend(rows);
+        self
+    }
+
+    /// Whether the column holds numbers alone, and is set to the right.
+    pub(super) fn is_numeric(&self, column: usize) -> bool {
+        let mut cells = self.rows.iter().filter_map(|row| row.get(column));
+        let is_number = |cell: &Cell| {
+            matches!(
+                cell,
+                Cell::Rounded(..) | Cell::Exact(_) | Cell::Count(_) | Cell::Empty
+            )
+        };
+        cells.all(is_number)
+            && self
+                .rows
+                .iter()
+                .any(|row| row.get(column).is_some_and(|cell| *cell != Cell::Empty))
+    }
+}
+
+impl Cell {
+    /// A measured number with the usual number of digits.
+    #[must_use]
+    pub fn number(value: f64) -> Self {
+        Self::Rounded(value, number::DIGITS)
+    }
+
+    /// A described number, or nothing.
+    #[must_use]
+    pub fn exact_or_empty(value: Option<f64>) -> Self {
+        value.map_or(Self::Empty, Self::Exact)
+    }
+
+    /// Text, or nothing where it is empty.
+    #[must_use]
+    pub fn text(text: impl Into<String>) -> Self {
+        let text = text.into();
+        if text.is_empty() {
+            Self::Empty
+        } else {
+            Self::Text(text)
+        }
+    }
+
+    /// The author's own words; `$…$` is an equation, `` `…` `` code.
+    #[must_use]
+    pub fn line(source: &str) -> Self {
+        Self::Line(inlines(source))
+    }
+}

@@ -1,0 +1,370 @@
+//! Pages of reports in a real browser: nothing is loaded, nothing fails, everything is there and answers.
+
+use gelenk_codegen::dynamics::catalogue;
+use gelenk_codegen::dynamics::size::MOST_OPERATIONS;
+use gelenk_codegen::model::{ReadOptions, read};
+use gelenk_codegen::report::{Contents, report};
+use gelenk_runtime::report::{
+    Axis, Block, Claim, Criterion, Equation, Figure, Marks, Pattern, Plot, Report, Section, Table,
+    text,
+};
+use gelenk_tests::browser::{Browser, Findings, Window};
+use gelenk_tests::{FUNCTIONS, workspace};
+use serde_json::{Value, json};
+
+const WIDE: Window = Window {
+    width: 1400,
+    height: 900,
+    is_dark: false,
+};
+const NARROW: Window = Window {
+    width: 500,
+    height: 900,
+    is_dark: true,
+};
+
+/// What every page must keep.
+const COMMON: &str = r##"
+    await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+    const all = (selector) => [...document.querySelectorAll(selector)];
+    const ids = all("[id]").map((element) => element.id);
+    const empty = all("main svg, main canvas, main math, main table, figure").filter((element) => {
+        if (element.closest("details:not([open])")) return false;
+        const box = element.getBoundingClientRect();
+        return box.width < 1 || box.height < 1;
+    });
+    const findings = {
+        title: document.title,
+        loaded: performance.getEntriesByType("resource").map((entry) => entry.name),
+        repeatedIds: ids.filter((id, k) => ids.indexOf(id) !== k),
+        deadLinks: all("a[href^='#']").map((a) => a.getAttribute("href").slice(1))
+            .filter((id) => !document.getElementById(id)),
+        mathErrors: all("merror").length,
+        empty: empty.map((element) => element.outerHTML.slice(0, 120)),
+        nameless: all("[role=img], input, button").filter((element) =>
+            !(element.getAttribute("aria-label") || element.labels?.[0]?.textContent || element.textContent).trim())
+            .map((element) => element.outerHTML.slice(0, 120)),
+        overflow: document.documentElement.scrollWidth - innerWidth,
+        background: getComputedStyle(document.documentElement).backgroundColor,
+        math: all("math").length,
+        plots: all("svg.plot").length,
+        curves: all("svg.plot").every((svg) => {
+            const line = svg.querySelector("[stroke^='var(--series'], [fill^='var(--series']");
+            const style = line && getComputedStyle(line);
+            return style && [style.stroke, style.fill].some((paint) => paint.startsWith("rgb"));
+        }),
+        verdicts: all(".verdict").map((verdict) => verdict.textContent.trim()),
+    };
+"##;
+
+/// Moves a robot as a reader with a keyboard would.
+const ROBOT: &str = r##"
+    const canvas = document.querySelector(".scene canvas"), context = canvas.getContext("2d");
+    const settled = () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+    const picture = () => canvas.toDataURL();
+    const colours = () => {
+        const data = new Uint32Array(context.getImageData(0, 0, canvas.width, canvas.height).data.buffer);
+        return new Set(data).size;
+    };
+    const key = async (name) => {
+        canvas.focus();
+        canvas.dispatchEvent(new KeyboardEvent("keydown", { key: name, bubbles: true, cancelable: true }));
+        await settled();
+        return picture();
+    };
+    findings.focusable = canvas.tabIndex === 0 && (canvas.focus(), document.activeElement === canvas);
+    const start = picture();
+    findings.colours = colours();
+    findings.turned = (await key("ArrowRight")) !== start;
+    findings.zoomed = (await key("+")) !== start;
+    findings.reset = (await key("0")) === start;
+    const sliders = all(".slider input");
+    POSITIONS.forEach((position, k) => {
+        sliders[k].value = position;
+        sliders[k].dispatchEvent(new Event("input", { bubbles: true }));
+    });
+    await settled();
+    findings.moved = picture() !== start;
+    findings.positions = sliders.map((slider) => Number(slider.value));
+    findings.spoken = sliders.every((slider) => slider.getAttribute("aria-valuetext"));
+    findings.origins = all("output[data-frame]").map((output) => JSON.parse(output.dataset.origin));
+    document.querySelector(".home").click();
+    await settled();
+    findings.home = picture() === start;
+"##;
+
+fn check_common(name: &str, findings: &Findings) {
+    let Findings { result, console } = findings;
+    assert_eq!(
+        console,
+        &Vec::<String>::new(),
+        "{name}: messages of the console"
+    );
+    assert_eq!(result["failed"], Value::Null, "{name}");
+    for nothing in ["loaded", "repeatedIds", "deadLinks", "empty", "nameless"] {
+        assert_eq!(result[nothing], json!([]), "{name}: {nothing}");
+    }
+    assert_eq!(result["mathErrors"], 0, "{name}");
+    assert_eq!(result["curves"], true, "{name}: curves without colour");
+    let overflow = result["overflow"].as_i64().expect("a width");
+    assert!(overflow <= 0, "{name}: {overflow} px wider than the window");
+}
+
+/// A page with one of everything.
+fn sample() -> String {
+    let line = |f: fn(f64) -> f64| {
+        (0..200)
+            .map(|k| 0.05 * f64::from(k))
+            .map(|x| [x, f(x)])
+            .collect()
+    };
+    let plot = Plot::new("Torque", Axis::new("time", "s"), Axis::new("torque", "N m"))
+        .series("feed-forward", Marks::Line, line(f64::sin))
+        .series("controller", Marks::Dashed, line(f64::cos))
+        .series("held", Marks::Steps, line(|x| x.sin().round()))
+        .series("samples", Marks::Points, line(|x| 0.3 * x.cos()));
+    let pareto = Plot::new(
+        "",
+        Axis::new("λ", "").logarithmic(),
+        Axis::new("error", "rad").logarithmic(),
+    )
+    .series(
+        "front",
+        Marks::Line,
+        (1..50)
+            .map(|k| [f64::from(k), 1.0 / f64::from(k)])
+            .collect(),
+    );
+    let claim = |id: &str, value: f64| {
+        Claim::new(id, "The error $e$ is small.")
+            .criterion(Criterion::at_most("error", value, 1.0, "rad"))
+            .flipped_by("no delay")
+            .shown_in("torques")
+    };
+    let rows = (0..4).map(|k| {
+        vec![
+            gelenk_runtime::report::Cell::Count(k),
+            gelenk_runtime::report::Cell::number(0.1),
+        ]
+    });
+    let identity = (0..12).map(|i| (0..12).map(|j| i == j).collect()).collect();
+    Report::new("Everything <at> once")
+        .lead("With $\\dot x = A x + B_x u + c$ and `code`.")
+        .fact("samples", "1220")
+        .section(
+            Section::new("claims", "Claims").block(Block::Claims(vec![
+                claim("first", 0.5),
+                claim("second", 0.5).under("the delay is known"),
+                claim("third", 2.0).remark("It is `not` small."),
+                claim("fourth", f64::NAN),
+            ])),
+        )
+        .section(
+            Section::new("rest", "The rest")
+                .block(Block::Equations(vec![
+                    Equation::new(r"\begin{bmatrix} a_{11} & \frac{1}{2} \\ 0 & \sum_{k=1}^{N} \|r_k\|^2 \end{bmatrix}")
+                        .expect("an equation"),
+                ]))
+                .block(Block::Figure(
+                    Figure::new("torques", "Torques over time.").plot(plot).plot(pareto),
+                ))
+                .block(Block::Patterns(vec![Pattern::new("eye", "$I$", vec![], vec![], identity)]))
+                .block(Block::Table(
+                    Table::new("table", "Values of $x$.").column("", "index", "").column("$x$", "x", "m").rows(rows),
+                ))
+                .block(Block::Details {
+                    summary: vec![],
+                    is_open: false,
+                    blocks: vec![text("folded $x^2$")],
+                })
+                .block(Block::Code("let x = 1 < 2;".to_owned())),
+        )
+        .html()
+        .expect("the page")
+}
+
+#[test]
+fn a_page_with_everything_is_sound() {
+    let Some(browser) = Browser::find() else {
+        return;
+    };
+    let page = sample();
+    let script = format!("{COMMON} return findings;");
+    let light = browser.visit(&page, &script, WIDE);
+    let dark = browser.visit(&page, &script, NARROW);
+    for (name, findings) in [("light", &light), ("dark", &dark)] {
+        check_common(name, findings);
+        assert_eq!(findings.result["title"], "Everything <at> once");
+        assert_eq!(findings.result["plots"], 2);
+        let verdicts = [
+            "✓ holds",
+            "◐ holds under a condition",
+            "✗ does not hold",
+            "✗ does not hold",
+        ];
+        assert_eq!(findings.result["verdicts"], json!(verdicts));
+    }
+    assert_ne!(light.result["background"], dark.result["background"]);
+}
+
+/// What the checks above are worth: each mistake is found.
+#[test]
+fn mistakes_are_found() {
+    let Some(browser) = Browser::find() else {
+        return;
+    };
+    let script = format!("{COMMON} return findings;");
+    let mistake = |tag: &str| {
+        let page = sample().replace("</main>", &format!("{tag}</main>"));
+        browser.visit(&page, &script, NARROW)
+    };
+    let loads = mistake("<img alt='x' src='https://example.org/x.png'>");
+    assert!(
+        !loads.console.is_empty(),
+        "the browser says nothing about a refused load"
+    );
+    assert!(
+        !mistake("<script>nothing.at.all()</script>")
+            .console
+            .is_empty()
+    );
+    let wide = mistake("<div style='width: 900px; height: 1px'></div>");
+    assert!(wide.result["overflow"].as_i64().expect("a width") > 0);
+    assert_ne!(
+        mistake("<a href='#nowhere'>x</a>").result["deadLinks"],
+        json!([])
+    );
+    assert_ne!(
+        mistake("<canvas width='0' height='0'></canvas>").result["empty"],
+        json!([])
+    );
+    assert_ne!(mistake("<button></button>").result["nameless"], json!([]));
+}
+
+struct RobotPage {
+    html: String,
+    /// Positions within the limits, and the origins of the named frames there.
+    positions: Vec<f64>,
+    origins: Vec<Vec<f64>>,
+}
+
+fn robot_page(name: &str) -> RobotPage {
+    let path = workspace().join("models").join(format!("{name}.toml"));
+    let loaded =
+        read(&path, &ReadOptions::default()).unwrap_or_else(|problems| panic!("{problems}"));
+    let functions = catalogue::derive(&loaded.model, &[], MOST_OPERATIONS)
+        .unwrap_or_else(|problems| panic!("{problems}"));
+    let contents = Contents {
+        model: &loaded.model,
+        functions: &functions,
+        notes: &loaded.notes,
+        closed_form: None,
+        command: "gelenk report",
+    };
+    let html = report(&contents)
+        .and_then(|page| page.html())
+        .expect("the page");
+    let model = &loaded.model;
+    let joints = model
+        .coordinates
+        .iter()
+        .filter_map(|&link| model.links[link].joint.as_ref());
+    let positions: Vec<f64> = joints
+        .map(|joint| {
+            let [low, high] = joint.limits.position.unwrap_or([-0.5, 0.5]);
+            low + 0.6 * (high - low)
+        })
+        .collect();
+    let parameters: Vec<f64> = model.parameters.iter().map(|one| one.default).collect();
+    let origin = |frame: &gelenk_codegen::model::Frame| {
+        let name = format!("frame_{}_pose", frame.name);
+        let function = functions
+            .iter()
+            .find(|function| function.name == name)
+            .expect("a pose");
+        gelenk_codegen::program::interpret::interpret(
+            &function.program,
+            &[&positions],
+            &parameters,
+            &FUNCTIONS,
+        )
+        .expect("a pose")
+        .swap_remove(0)
+    };
+    RobotPage {
+        origins: model.frames.iter().map(origin).collect(),
+        positions,
+        html,
+    }
+}
+
+/// The view's own kinematics are those of the generated code.
+fn check_robot(browser: &Browser, name: &str, window: Window) {
+    let page = robot_page(name);
+    let positions = json!(page.positions);
+    let script = format!("const POSITIONS = {positions}; {COMMON} {ROBOT} return findings;");
+    let findings = browser.visit(&page.html, &script, window);
+    check_common(name, &findings);
+    let result = &findings.result;
+    for yes in [
+        "focusable",
+        "turned",
+        "zoomed",
+        "reset",
+        "moved",
+        "spoken",
+        "home",
+    ] {
+        assert_eq!(result[yes], true, "{name}: {yes}");
+    }
+    assert!(
+        result["colours"].as_u64() > Some(20),
+        "{name}: an empty view"
+    );
+    assert_eq!(result["positions"], positions, "{name}");
+    let origins = result["origins"].as_array().expect("origins");
+    assert_eq!(origins.len(), page.origins.len(), "{name}");
+    for (found, expected) in origins.iter().zip(&page.origins) {
+        for (axis, expected) in expected.iter().enumerate() {
+            let found = found[axis].as_f64().expect("a number");
+            assert!(
+                (found - expected).abs() < 1e-12,
+                "{name}: {found}, not {expected}"
+            );
+        }
+    }
+    let verdicts = result["verdicts"].as_array().expect("verdicts");
+    assert!(verdicts.len() >= 7, "{name}: {verdicts:?}");
+    assert!(
+        verdicts.iter().all(|verdict| verdict == "✓ holds"),
+        "{name}: {verdicts:?}"
+    );
+}
+
+#[test]
+fn pages_of_robots_are_sound_and_move() {
+    let Some(browser) = Browser::find() else {
+        return;
+    };
+    for name in [
+        "powercube",
+        "cart_pole",
+        "puma560",
+        "two_arm",
+        "panda",
+        "double_pendulum",
+    ] {
+        check_robot(&browser, name, WIDE);
+    }
+    check_robot(&browser, "powercube", NARROW);
+    check_robot(&browser, "ur5", NARROW);
+}
+
+#[test]
+fn pages_can_be_printed() {
+    let Some(browser) = Browser::find() else {
+        return;
+    };
+    let pages = browser.print(&robot_page("powercube").html);
+    assert!((3..=12).contains(&pages), "{pages} pages");
+}
