@@ -74,27 +74,33 @@ impl<'a> Body<'a> {
 
     /// Names of all values that the text mentions.
     pub(super) fn value_names(&self) -> impl Iterator<Item = &Ident> {
-        (0..self.names.len())
+        self.value_names_in(0..self.names.len())
+    }
+
+    /// Names of the values that these instructions define, as far as they are mentioned.
+    pub(super) fn value_names_in(&self, range: Range<usize>) -> impl Iterator<Item = &Ident> {
+        range
             .filter(|&index| self.flow.is_read[index])
             .map(|index| &self.names[index])
     }
 
     /// All numbers in the text.
     pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
-        let read = self
-            .program
-            .instructions
-            .iter()
-            .flat_map(|instruction| operands(instruction.operation));
         let results = self
             .program
             .outputs
             .iter()
             .flat_map(|output| output.entries.iter().copied());
-        read.chain(results).filter_map(|operand| match operand {
-            Operand::Constant(number) => Some(number),
-            _ => None,
-        })
+        self.numbers_in(0..self.program.instructions.len())
+            .chain(results.filter_map(constant))
+    }
+
+    /// The numbers in these instructions.
+    pub(super) fn numbers_in(&self, range: Range<usize>) -> impl Iterator<Item = f64> {
+        self.program.instructions[range]
+            .iter()
+            .flat_map(|instruction| operands(instruction.operation))
+            .filter_map(constant)
     }
 
     /// From now on statements do not store into the results.
@@ -382,4 +388,11 @@ fn pattern(mut names: Vec<Option<&Ident>>, len: usize) -> TokenStream {
     let rest = (names.len() < len).then(|| quote!(..));
     let names = names.into_iter().map(or_nothing).chain(rest);
     quote!([#(#names),*])
+}
+
+fn constant(operand: Operand) -> Option<f64> {
+    match operand {
+        Operand::Constant(number) => Some(number),
+        _ => None,
+    }
 }

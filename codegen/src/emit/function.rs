@@ -211,7 +211,13 @@ fn private(
         .inputs
         .iter()
         .map(|&input| signature.arguments[input].clone());
-    let takes = part.takes.iter().map(|&value| body.name(value));
+    let takes: Vec<&Ident> = part.takes.iter().map(|&value| body.name(value)).collect();
+    let names = body.value_names_in(part.range.clone());
+    let names = names.chain(takes.iter().copied()).chain([name]);
+    let allowed = [
+        lints::for_names(names),
+        lints::for_numbers(body.numbers_in(part.range.clone())),
+    ];
     let count = Literal::usize_unsuffixed(part.takes.len());
     let takes = (!part.takes.is_empty()).then(|| quote!([#(#takes),*]: [#ty; #count]));
     let parameters =
@@ -225,10 +231,6 @@ fn private(
         index + 1
     ));
     let documentation = documentation.tokens();
-    let allowed = [
-        lints::for_names(body.value_names().chain([name])),
-        lints::for_numbers(body.numbers()),
-    ];
     let allowed = allowed.iter().flatten();
     quote! {
         #documentation
