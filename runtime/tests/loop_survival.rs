@@ -7,7 +7,9 @@ mod support;
 use gelenk_runtime::control_loop::{
     Clock, Command, ControlLoop, Controller, ControllerFault, Counts, Cycle, EncoderFault, End,
     Estimate, LimitFault, LoopReport, LoopSettings, Refusal, StopReason, StopRequest, VirtualClock,
+    log_to_file,
 };
+use gelenk_runtime::identification::log::{Log, LogSchema};
 use gelenk_runtime::plant::PlantOptions;
 use gelenk_runtime::trajectory::RestToRest;
 use gelenk_runtime::transport::{Brakes, Reading};
@@ -559,6 +561,36 @@ fn brakes_that_take_time_to_release_are_waited_for() {
     assert_eq!(report.end, End::Finished, "{report}");
     assert_eq!(report.counts.controller, periods(RATE) + 6);
     robot.assert_stopped_safely();
+}
+
+#[test]
+fn the_log_has_every_period_and_identification_reads_it() {
+    let path = std::env::temp_dir().join(format!("gelenk_loop_{}.csv", std::process::id()));
+    let (sink, writer) = log_to_file(&path, 10_000).unwrap();
+    let mut robot = Watched::at_start(RATE);
+    let report = loop_with(settings(RATE), pd(RATE), &mut robot)
+        .with_log(sink)
+        .run();
+    let summary = writer.finish().unwrap();
+    assert_eq!(summary.written, report.counts.periods);
+    assert_eq!(summary.dropped, 0);
+    let channels = ["time", "q1", "q2", "dq1", "u1"];
+    let schema: String = channels
+        .map(|name| format!("[[channel]]\nname = \"{name}\"\n"))
+        .concat();
+    let (log, _) = Log::open(&path, &LogSchema::from_toml(&schema).unwrap()).unwrap();
+    std::fs::remove_file(&path).unwrap();
+    assert_eq!(log.rows() as u64, report.counts.periods);
+    let time = log.time().unwrap();
+    for k in 0..time.len() {
+        assert!((time[k] - 0.02 * k as f64).abs() < 1e-9);
+    }
+    let q = log.channel("q1").unwrap();
+    assert!((q[0] - START[0]).abs() < 1e-3 && (q[time.len() - 1] - END[0]).abs() < 5e-3);
+    // Half-way it is fastest, at 15/8 of the mean speed.
+    let speed = log.channel("dq1").unwrap()[125];
+    assert!((speed - 1.875 * 1.4 / 5.0).abs() < 0.02, "{speed}");
+    assert!(log.channel("u1").unwrap().iter().all(|u| u.abs() <= 0.5));
 }
 
 #[test]

@@ -6,7 +6,8 @@
 mod support;
 
 use gelenk_runtime::control_loop::{
-    ControlLoop, End, LoopReport, LoopSettings, StopReason, VirtualClock,
+    ControlLoop, End, FeedForwardPd, LoopReport, LoopSettings, MonotonicClock, StopReason,
+    VirtualClock,
 };
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::transport::datagram::TrueState;
@@ -192,6 +193,45 @@ fn a_plant_without_a_controller_brakes() {
     std::mem::forget(control);
     let mut observer = connect(plant.address);
     assert_stopped_safely(&mut observer);
+}
+
+/// On the real clock. A busy machine may miss deadlines and stop the motion early; the arm is safe either way.
+#[test]
+fn in_real_time_the_arm_ends_braked_and_at_rest() {
+    let plant = PlantProcess::start(&program(), &[]);
+    let mut link: Link = UdpTransport::connect(plant.address, Duration::from_millis(5)).unwrap();
+    let near = START.map(|y| y + 0.02);
+    let motion = gelenk_runtime::trajectory::RestToRest::new(START, near, 0.3).unwrap();
+    let mut control: ControlLoop<PowerCube, _, _, _, _, 2, 2> = ControlLoop::new(
+        settings(RATE),
+        law(),
+        motion,
+        FeedForwardPd::new(law(), motion, 1.0 / RATE, 0.01),
+        &mut link,
+        MonotonicClock,
+    )
+    .unwrap();
+    let report = control.run();
+    drop(control);
+    assert!(
+        !matches!(
+            report.end,
+            End::Running | End::Stopped(StopReason::Limit(_))
+        ),
+        "{report}"
+    );
+    // Patient: the process may be the one that is kept waiting.
+    let mut observer: Link = connect(plant.address);
+    let at_rest = |state: &TrueState<2>| state.velocities.iter().all(|v| v.abs() < 1e-6);
+    let stopped = (0..500).find_map(|_| {
+        std::thread::sleep(Duration::from_millis(20));
+        let (state, brakes) = observer.inspect().unwrap()?;
+        (brakes == Brakes::Engaged && at_rest(&state)).then_some(state)
+    });
+    let state = stopped.expect("braked and at rest within 10 s");
+    for i in 0..2 {
+        assert!(state.lowest[i] >= LIMITS[i][0] && state.highest[i] <= LIMITS[i][1]);
+    }
 }
 
 /// Noise from another socket before and during the motion.

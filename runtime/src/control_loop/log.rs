@@ -16,7 +16,7 @@ const IDLE: Duration = Duration::from_millis(5);
 /// One period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LogRecord<const N: usize, const M: usize> {
-    /// Time on the trajectory (s).
+    /// Time since the trajectory began, by the clock, which goes on while a stop slows the trajectory down (s).
     pub time: f64,
     /// Positions as read, also where they were not believed [rad or m]; NaN where nothing arrived.
     pub positions: [f64; N],

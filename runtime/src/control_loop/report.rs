@@ -154,6 +154,8 @@ impl fmt::Display for Refusal {
 /// How the loop ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum End {
+    /// Not yet.
+    Running,
     /// At the end of the trajectory.
     Finished,
     /// Before it.
@@ -165,6 +167,7 @@ pub enum End {
 impl fmt::Display for End {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Running => write!(f, "running"),
             Self::Finished => write!(f, "finished"),
             Self::Stopped(reason) => write!(f, "stopped: {reason}"),
             Self::Refused(refusal) => write!(f, "refused to start: {refusal}"),
@@ -211,7 +214,7 @@ pub struct Counts {
     pub latest_wake: Duration,
 }
 
-/// Result of [`ControlLoop::run`](super::ControlLoop::run).
+/// Result of [`ControlLoop::run`](super::ControlLoop::run), or what happened so far.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoopReport {
     /// How it ended.

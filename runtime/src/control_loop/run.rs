@@ -163,12 +163,11 @@ where
         self.report()
     }
 
-    /// What happened so far; before the end, [`End::Finished`] stands for "not ended".
+    /// What happened so far.
     #[must_use]
     pub fn report(&self) -> LoopReport {
         let end = match self.state.phase {
-            Phase::Idle | Phase::Running => End::Finished,
-            Phase::Stopping(reason) => End::Stopped(reason),
+            Phase::Idle | Phase::Running | Phase::Stopping(_) => End::Running,
             Phase::Braking { end, .. } | Phase::Ended(end) => end,
         };
         LoopReport {
@@ -301,7 +300,7 @@ where
         let deadline = self.beginning_of(self.state.index + 1);
         let periods = u32::try_from(skipped).unwrap_or(u32::MAX).saturating_add(1);
         self.miss(skipped);
-        let time = self.state.index as f64 * self.seconds - self.release_time();
+        let time = self.time();
         let span = f64::from(periods) * self.seconds;
         self.state.reference.advance(time, span);
         self.state.guard.elapse(span);
@@ -329,7 +328,7 @@ where
             source = Source::Brake;
         }
         LogRecord {
-            time: self.state.reference.time(),
+            time,
             positions: reading.positions,
             velocities: self.velocities(),
             desired: desired.positions,
@@ -405,7 +404,7 @@ where
             }
         };
         LogRecord {
-            time: self.state.reference.time(),
+            time: self.time(),
             positions,
             velocities: *self.state.filter.velocities(),
             desired: self.state.reference.sample(&self.trajectory).positions,
@@ -428,8 +427,13 @@ where
         self.state.origin + Duration::from_nanos(nanos)
     }
 
+    /// Time since the trajectory began, negative while the brakes release (s).
+    fn time(&self) -> f64 {
+        self.state.index as f64 * self.seconds - self.release_time()
+    }
+
     /// In whole periods, so that time 0 of the trajectory is the beginning of one (s).
-    pub(super) fn release_time(&self) -> f64 {
+    fn release_time(&self) -> f64 {
         (self.settings.release_time / self.seconds).ceil() * self.seconds
     }
 }

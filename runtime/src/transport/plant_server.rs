@@ -70,7 +70,8 @@ pub enum ServerError {
     Period(f64),
 }
 
-/// A plant that answers controllers over UDP. It begins with its brakes engaged.
+/// A plant that answers controllers over UDP. It begins with its brakes engaged. Whoever reaches its port can drive it: bind it
+/// to this machine (`127.0.0.1`) or to a network of its own.
 pub struct PlantServer<D, const N: usize, const M: usize> {
     plant: Plant<D, N, M>,
     socket: UdpSocket,

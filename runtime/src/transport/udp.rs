@@ -3,7 +3,7 @@
 use super::datagram::{Datagram, DatagramError, MAX_DATAGRAM, Message, TrueState};
 use super::{Brakes, Reading, Transport, TransportError};
 use std::io;
-use std::net::{ToSocketAddrs, UdpSocket};
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, ToSocketAddrs, UdpSocket};
 use std::time::{Duration, Instant};
 
 /// Attempts to release the brakes: the one command that is neither repeated by the loop nor harmless to lose.
@@ -29,7 +29,14 @@ impl<const N: usize, const M: usize> UdpTransport<N, M> {
     /// [`io::Error`] where the address or socket cannot be had, `timeout` is zero, or the robot has more coordinates than fit
     /// in a datagram.
     pub fn connect(address: impl ToSocketAddrs, timeout: Duration) -> io::Result<Self> {
-        let socket = UdpSocket::bind(("0.0.0.0", 0))?;
+        let mut addresses = address.to_socket_addrs()?;
+        let address = addresses.next().ok_or(io::ErrorKind::AddrNotAvailable)?;
+        let any: IpAddr = if address.is_ipv4() {
+            Ipv4Addr::UNSPECIFIED.into()
+        } else {
+            Ipv6Addr::UNSPECIFIED.into()
+        };
+        let socket = UdpSocket::bind((any, 0))?;
         socket.connect(address)?;
         socket.set_read_timeout(Some(timeout))?;
         let transport = Self {
