@@ -47,6 +47,7 @@ fn read(arguments: &arguments::Report) -> Result<Loaded, Failure> {
         ignore_mimic: arguments.ignore_mimic,
         snap_angles: arguments.snap_angles,
         no_friction: arguments.no_friction,
+        smooth_sign: None,
     };
     model::read(&arguments.description, &options).map_err(problem)
 }
