@@ -8803,7 +8803,6 @@ fn forward_dynamics_derivatives_part_1(
 
 /// Part 2 of `forward_dynamics_derivatives`: values that later parts read.
 #[inline(never)]
-#[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 fn forward_dynamics_derivatives_part_2(
     [omega_joint5_x,
     t55,
@@ -11756,7 +11755,6 @@ fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 85] {
 
 /// Part 2 of `linearize`: values that later parts read.
 #[inline(never)]
-#[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 fn linearize_part_2(
     y: &[f64; N],
     v: &[f64; N],
