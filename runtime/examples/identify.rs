@@ -8,6 +8,7 @@
 //! that `gelenk generate` takes unchanged, and the plots. `GELENK_EXAMPLE_SHORT=1` searches and draws less.
 
 use gelenk_runtime::dynamics::Dynamics;
+use gelenk_runtime::identification::cross_validation::pareto_table;
 use gelenk_runtime::identification::description::description_toml;
 use gelenk_runtime::identification::differentiation::{KalmanSmoother, quantization_noise};
 use gelenk_runtime::identification::excitation::{Excitation, ExcitationLimits, FourierMotion};
@@ -15,6 +16,7 @@ use gelenk_runtime::identification::friction::{
     FrictionData, FrictionIdentification, FrictionMethod, FrictionReport, LambdaChoice,
 };
 use gelenk_runtime::identification::lasso::Lasso;
+use gelenk_runtime::identification::library::Library;
 use gelenk_runtime::identification::log::{Differentiation, Log, LogSchema};
 use gelenk_runtime::identification::plot::{friction_plot, pareto_plot, residual_plot};
 use gelenk_runtime::identification::random::SplitMix64;
@@ -57,6 +59,14 @@ fn main() -> Outcome<()> {
     let reports = identify(&mut log, if short { 50 } else { 500 })?;
     for report in &reports {
         println!("\n{}", report.result.table());
+        if let Some(validation) = &report.validation {
+            let names = Library::friction()?.terms().to_vec();
+            let choices = [validation.minimum, validation.one_standard_error];
+            println!(
+                "{}",
+                pareto_table(&report.front, &names, report.result.samples, choices)
+            );
+        }
         write_plots(report, &log, &folder)?;
     }
     let results: Vec<_> = reports.into_iter().map(|r| r.result).collect();
@@ -187,11 +197,13 @@ fn excitation(short: bool) -> Outcome<FourierMotion<2>> {
         velocity: 0.65,
         acceleration: 2.0,
     }; 2];
-    let found = settings.search(&limits, [2, 6], |_, v, _, out| {
+    // Steps at standstill and slopes, each direction by itself, so that the motion shows both.
+    let found = settings.search(&limits, [2, 8], |_, v, _, out| {
         out.fill(0.0);
         for (joint, v) in v.iter().enumerate() {
-            let terms = [*v, (5.0 * v).tanh(), (20.0 * v).tanh()];
-            out[9 * joint..9 * joint + 3].copy_from_slice(&terms);
+            let step = (20.0 * v).tanh();
+            let terms = [v.max(0.0), v.min(0.0), step.max(0.0), step.min(0.0)];
+            out[12 * joint..12 * joint + 4].copy_from_slice(&terms);
         }
     })?;
     println!(

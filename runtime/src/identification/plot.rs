@@ -12,6 +12,8 @@ use std::ops::Range;
 const SIZE: (u32, u32) = (900, 600);
 /// More points than this are thinned evenly: an SVG of a million circles helps nobody.
 const MOST_POINTS: usize = 4_000;
+/// Characters of a caption's line.
+const LONGEST_LINE: usize = 130;
 
 /// Measured friction torque over velocity, with the identified law.
 ///
@@ -71,7 +73,7 @@ pub fn residual_plot(
     })
 }
 
-/// Root mean squared errors over log₁₀ λ, with vertical lines at the two choices and the number of terms above.
+/// Root mean squared errors over λ, both as logarithms, with vertical lines at the two choices and the number of terms above.
 ///
 /// - `front`: the points, λ descending; `choices`: indices of the least error and of the one-standard-error choice
 /// - `unit`: of the target, e.g. `N·m`
@@ -90,8 +92,16 @@ pub fn pareto_plot(
         require_length("points of the front", furthest + 1, front.len())?;
     }
     let x: Vec<f64> = front.iter().map(|p| p.lambda.log10()).collect();
+    // An exact fit has no logarithm; twelve digits below the largest error is as good as exact.
+    let largest = front
+        .iter()
+        .map(|p| p.lasso_error)
+        .fold(f64::MIN_POSITIVE, f64::max);
     let series = |f: &dyn Fn(&ParetoPoint) -> f64| -> Vec<f64> {
-        front.iter().map(|p| f(p).sqrt()).collect()
+        front
+            .iter()
+            .map(|p| 0.5 * f(p).max(1e-24 * largest).log10())
+            .collect()
     };
     let curves = [
         (
@@ -109,14 +119,14 @@ pub fn pareto_plot(
         check(&x, values)?;
     }
     let range = span(x.iter().copied());
-    let errors = span(curves.iter().flat_map(|c| c.1.iter().copied()).chain([0.0]));
+    let errors = span(curves.iter().flat_map(|c| c.1.iter().copied()));
     let marks = [
         ("least error", choices[0], BLACK.mix(1.0)),
         ("one standard error", choices[1], GREEN.mix(1.0)),
     ];
     let labels = [
         "log10 of lambda, in 1/(2N) |y - T x|² + lambda |x|".to_string(),
-        format!("rms error [{unit}]; above: number of terms"),
+        format!("log10 of the rms error [{unit}]; above: number of terms"),
     ];
     draw(caption, |area| {
         let mut chart = axes(area, range, errors.clone(), &labels)?;
@@ -182,14 +192,33 @@ fn draw(
         let mut y = 10;
         for (i, line) in caption.lines().enumerate() {
             let size = if i == 0 { 16 } else { 12 };
-            let line = Text::new(line.to_string(), (16, y), ("sans-serif", size));
-            area.draw(&line).map_err(|e| fault(&e))?;
-            y += size + 4;
+            for part in wrapped(line) {
+                let text = Text::new(part, (16, y), ("sans-serif", size));
+                area.draw(&text).map_err(|e| fault(&e))?;
+                y += size + 4;
+            }
         }
         content(&area.split_vertically(y).1).map_err(|e| fault(&e))?;
         area.present().map_err(|e| fault(&e))?;
     }
     Ok(text)
+}
+
+/// A line of the caption in parts that fit the width, broken at spaces.
+fn wrapped(line: &str) -> Vec<String> {
+    let mut parts = vec![String::new()];
+    for word in line.split(' ') {
+        let length = |text: &str| text.chars().count();
+        match parts.last_mut() {
+            Some(last) if last.is_empty() => last.push_str(word),
+            Some(last) if length(last) + 1 + length(word) <= LONGEST_LINE => {
+                last.push(' ');
+                last.push_str(word);
+            }
+            _ => parts.push(word.to_string()),
+        }
+    }
+    parts
 }
 
 fn axes<'a, 'b>(
@@ -207,8 +236,16 @@ fn axes<'a, 'b>(
         .configure_mesh()
         .x_desc(&labels[0])
         .y_desc(&labels[1])
+        .x_label_formatter(&number)
+        .y_label_formatter(&number)
+        .max_light_lines(2)
         .draw()?;
     Ok(chart)
+}
+
+/// A number at an axis, without the sign of a zero or digits of rounding.
+fn number(x: &f64) -> String {
+    format!("{}", (x * 1e9).round() / 1e9 + 0.0)
 }
 
 fn legend<'a, 'b: 'a>(chart: &mut Chart<'a, 'b>, position: SeriesLabelPosition) -> Drawn<()> {
@@ -225,7 +262,7 @@ fn points<'p>(x: &'p [f64], y: &'p [f64]) -> impl Iterator<Item = Circle<(f64, f
     x.iter()
         .zip(y)
         .step_by(stride)
-        .map(|(x, y)| Circle::new((*x, *y), 1, BLUE.mix(0.4).filled()))
+        .map(|(x, y)| Circle::new((*x, *y), 2, BLUE.mix(0.4).filled()))
 }
 
 /// Range of the values with a margin; never empty.

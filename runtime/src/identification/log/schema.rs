@@ -1,6 +1,6 @@
 //! Which column of a CSV file is which channel, in which unit.
 
-use super::super::error::{IdentificationError, Result};
+use super::super::error::{IdentificationError, Result, require_setting};
 use serde::Deserialize;
 
 /// What a channel measures.
@@ -43,6 +43,8 @@ pub struct ChannelSchema {
     pub scale: Option<f64>,
     /// Number added after scaling, in the file's unit.
     pub offset: Option<f64>,
+    /// K_M in N·m/A: the column is a motor current i, the channel becomes the torque u = K_M i.
+    pub motor_constant: Option<f64>,
 }
 
 /// Mapping of columns to channels.
@@ -132,7 +134,7 @@ impl Column {
         let quantity = schema.quantity.unwrap_or_else(|| guess(&schema.name));
         let unit = schema.unit.as_deref().unwrap_or("");
         let (scale, offset) = (schema.scale.unwrap_or(1.0), schema.offset.unwrap_or(0.0));
-        Self::new(
+        let column = Self::new(
             index,
             schema.name.clone(),
             quantity,
@@ -140,7 +142,37 @@ impl Column {
             schema.joint,
             scale,
             offset,
-        )
+        )?;
+        match schema.motor_constant {
+            Some(constant) => column.driven(constant),
+            None => Ok(column),
+        }
+    }
+
+    /// The torque of a motor instead of its current.
+    fn driven(self, motor_constant: f64) -> Result<Self> {
+        require_setting(
+            &format!("motor_constant of channel {}", self.name),
+            motor_constant,
+            motor_constant != 0.0,
+            "it must be finite and not zero",
+        )?;
+        if self.quantity != Quantity::Current || self.unit != "A" {
+            return Err(IdentificationError::Expression {
+                text: self.name,
+                message: format!(
+                    "a channel with a motor_constant must be a current in A or mA, this is {:?} in {}",
+                    self.quantity, self.unit
+                ),
+            });
+        }
+        Ok(Self {
+            quantity: Quantity::Torque,
+            unit: "N*m".into(),
+            factor: self.factor * motor_constant,
+            offset: self.offset * motor_constant,
+            ..self
+        })
     }
 
     fn new(
@@ -319,6 +351,30 @@ mod tests {
         assert!(
             message.contains("line 3") && message.contains("unti"),
             "{message}"
+        );
+    }
+
+    #[test]
+    fn currents_become_torques_by_the_motor_constant() {
+        let schema = |more: &str| {
+            let text = format!("[[channel]]\nname = \"u1\"\ncolumn = \"i1\"\n{more}");
+            LogSchema::from_toml(&text).unwrap().resolve(&["i1".into()])
+        };
+        let current = "quantity = \"current\"\nunit = \"mA\"\n";
+        let column = &schema(&format!("{current}motor_constant = 0.12")).unwrap()[0];
+        assert_eq!(
+            (column.quantity, column.unit.as_str()),
+            (Quantity::Torque, "N*m")
+        );
+        assert!((column.factor - 1.2e-4).abs() < 1e-18);
+        let message = |more: &str| schema(more).unwrap_err().to_string();
+        assert!(
+            message(&format!("{current}motor_constant = 0.0"))
+                .starts_with("motor_constant of channel u1 = 0")
+        );
+        assert!(
+            message("motor_constant = 0.12")
+                .contains("must be a current in A or mA, this is Torque")
         );
     }
 }
