@@ -11,6 +11,8 @@ pub mod feed_forward;
 #[cfg(feature = "identification")]
 pub mod identification;
 #[cfg(feature = "control")]
+pub mod kinematics;
+#[cfg(feature = "control")]
 pub mod lanes;
 #[cfg(feature = "control")]
 pub mod lqr;

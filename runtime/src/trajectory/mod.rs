@@ -3,14 +3,24 @@
 //! Everything here is C²: positions, velocities and accelerations are continuous, and each is the derivative of the one before. Feed-forward and
 //! model predictive control rely on it.
 
+mod along;
+mod cartesian;
+mod limits;
+mod points;
 mod polynomial;
 mod recording;
 mod sampled;
+mod sine;
 mod smoothing;
 
+pub use along::Along;
+pub use cartesian::{CartesianError, joint_points, pose_sequence, straight_ways};
+pub use limits::{CheckError, Quantity, Rating, Violation, violations};
+pub use points::PointSequence;
 pub use polynomial::RestToRest;
 pub use recording::{Columns, Inconsistency, Recording};
 pub use sampled::Sampled;
+pub use sine::{IdentificationMotion, IdentificationSine};
 pub use smoothing::{Smoothed, Smoothing};
 
 use thiserror::Error;

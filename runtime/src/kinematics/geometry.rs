@@ -1,0 +1,212 @@
+//! Joint axes of a serial arm, found from its pose function.
+
+use super::{Pose, matrix, rotation, rows, skew, vector};
+use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
+use thiserror::Error;
+
+/// Disagreement above which a pose function is not that of the geometry found [m, 1].
+const TOLERANCE: f64 = 1e-9;
+/// Turn of one joint that shows its axis [rad].
+const PROBE: f64 = 1.0;
+
+/// Why a pose function is not that of an arm that can be inverted here.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum GeometryError {
+    /// A joint does not turn its frame about an axis by its coordinate.
+    #[error("joint {joint} is not revolute with the frame turning by its coordinate")]
+    NotRevolute {
+        /// Index of the joint.
+        joint: usize,
+    },
+    /// The pose is not a product of turns about six axes.
+    #[error(
+        "the pose function differs by {error} from that of six revolute joints in series, the last of which carries the frame"
+    )]
+    NotSerial {
+        /// The largest difference found [m, 1].
+        error: f64,
+    },
+    /// The last three axes do not meet in one point, with the middle one across.
+    #[error(
+        "the axes of the last three joints miss a common point by {distance} m: no spherical wrist"
+    )]
+    NoSphericalWrist {
+        /// Largest distance of an axis from the point [m].
+        distance: f64,
+    },
+    /// The second and third axes are not parallel, or the first is parallel to them.
+    #[error("the arm before the wrist is not of the kind that is solved here: {condition}")]
+    NotSolved {
+        /// What does not hold.
+        condition: &'static str,
+    },
+}
+
+/// An arm as a product of exponentials,
+///
+/// ```text
+///     T(y) = exp(ξ_1 y_1) … exp(ξ_6 y_6) T(0)
+/// ```
+///
+/// each joint a rotation about an axis that is fixed at y = 0 (Murray, Li, Sastry, *A Mathematical Introduction to Robotic Manipulation*, 1994,
+/// section 3.2).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Screws {
+    /// Unit vectors along the axes at y = 0, in the base frame.
+    pub(super) axes: [Vector3<f64>; 6],
+    /// A point on each.
+    pub(super) points: [Vector3<f64>; 6],
+    /// Pose of the frame at y = 0.
+    pub(super) home_position: Vector3<f64>,
+    pub(super) home_rotation: Matrix3<f64>,
+}
+
+impl Screws {
+    /// Reads the axes off a pose function: the pose with one joint turned, seen from the pose at zero, is a rotation about its axis.
+    ///
+    /// # Errors
+    /// [`GeometryError::NotRevolute`]; [`GeometryError::NotSerial`] where other configurations are not the product of these rotations.
+    pub fn from_poses(pose: impl Fn(&[f64; 6]) -> Pose) -> Result<Self, GeometryError> {
+        let (home_position, home_rotation) = pose(&[0.0; 6]);
+        let mut screws = Self {
+            axes: [Vector3::zeros(); 6],
+            points: [Vector3::zeros(); 6],
+            home_position: vector(&home_position),
+            home_rotation: matrix(&home_rotation),
+        };
+        for joint in 0..6 {
+            let mut y = [0.0; 6];
+            y[joint] = PROBE;
+            let (axis, point) = screws
+                .axis(&pose(&y))
+                .ok_or(GeometryError::NotRevolute { joint })?;
+            screws.axes[joint] = axis;
+            screws.points[joint] = point;
+        }
+        let error = screws.largest_error(pose);
+        // Written so that NaN counts as a difference.
+        if error <= TOLERANCE {
+            Ok(screws)
+        } else {
+            Err(GeometryError::NotSerial { error })
+        }
+    }
+
+    /// Axis and the point on it closest to the origin, of the rotation by [`PROBE`] from the home pose to `turned`.
+    fn axis(&self, turned: &Pose) -> Option<(Vector3<f64>, Vector3<f64>)> {
+        let turn = matrix(&turned.1) * self.home_rotation.transpose();
+        let antisymmetric = (turn - turn.transpose()) * 0.5;
+        let sine = Vector3::new(
+            antisymmetric[(2, 1)],
+            antisymmetric[(0, 2)],
+            antisymmetric[(1, 0)],
+        );
+        let axis = sine / PROBE.sin();
+        let shift = vector(&turned.0) - turn * self.home_position;
+        let unit = (axis.norm() - 1.0).abs() <= TOLERANCE;
+        let no_slide = axis.dot(&shift).abs() <= TOLERANCE;
+        // (I − R) p = shift, for p across the axis.
+        let point = (shift + axis.cross(&shift) / (0.5 * PROBE).tan()) * 0.5;
+        (unit && no_slide).then_some((axis.normalize(), point))
+    }
+
+    /// Over configurations in which every joint is turned, by amounts without a pattern.
+    fn largest_error(&self, pose: impl Fn(&[f64; 6]) -> Pose) -> f64 {
+        (1..=5).fold(0.0_f64, |largest, k| {
+            let y = core::array::from_fn(|j| (f64::from(k) * (2.7 + j as f64 * 1.9)).sin() * 3.0);
+            let ((p, r), (q, s)) = (pose(&y), self.pose(&y));
+            let position = (vector(&p) - vector(&q)).amax();
+            let rotation = (matrix(&r) - matrix(&s)).amax();
+            if (position + rotation).is_nan() {
+                f64::NAN
+            } else {
+                largest.max(position).max(rotation)
+            }
+        })
+    }
+
+    /// Pose of the frame.
+    #[must_use]
+    pub fn pose(&self, y: &[f64; 6]) -> Pose {
+        let (p, r) = self.transform(y, 0..6);
+        let position = r * self.home_position + p;
+        (position.into(), rows(&(r * self.home_rotation)))
+    }
+
+    /// exp(ξ_i y_i) … over a range of joints, as displacement and rotation.
+    pub(super) fn transform(
+        &self,
+        y: &[f64; 6],
+        joints: core::ops::Range<usize>,
+    ) -> (Vector3<f64>, Matrix3<f64>) {
+        let (mut p, mut r) = (Vector3::zeros(), Matrix3::identity());
+        for j in joints {
+            let turn = rotation(&self.axes[j], y[j]);
+            p += r * (self.points[j] - turn * self.points[j]);
+            r *= turn;
+        }
+        (p, r)
+    }
+
+    /// Velocities and accelerations of the joints that move the frame's origin with `velocity` and `acceleration`, linear parts first, in the
+    /// base frame: `ẏ = J⁻¹ V`, `ÿ = J⁻¹ (A − J̇ ẏ)`. None where J is singular.
+    #[must_use]
+    pub fn rates(
+        &self,
+        y: &[f64; 6],
+        velocity: &[f64; 6],
+        acceleration: &[f64; 6],
+    ) -> Option<([f64; 6], [f64; 6])> {
+        let (origin, _) = self.pose(y);
+        let origin = vector(&origin);
+        let mut axes = [Vector3::zeros(); 6];
+        let mut arms = [Vector3::zeros(); 6];
+        for j in 0..6 {
+            let (p, r) = self.transform(y, 0..j);
+            axes[j] = r * self.axes[j];
+            arms[j] = origin - (r * self.points[j] + p);
+        }
+        let jacobian = Matrix6::from_fn(|i, j| {
+            if i < 3 {
+                axes[j].cross(&arms[j])[i]
+            } else {
+                axes[j][i - 3]
+            }
+        });
+        let lu = jacobian.lu();
+        let rates = lu.solve(&Vector6::from(*velocity))?;
+        let bias = bias(&axes, &arms, &rates);
+        let accelerations = lu.solve(&(Vector6::from(*acceleration) - bias))?;
+        let (rates, accelerations): ([f64; 6], [f64; 6]) = (rates.into(), accelerations.into());
+        let finite = rates.iter().chain(&accelerations).all(|x| x.is_finite());
+        finite.then_some((rates, accelerations))
+    }
+}
+
+/// J̇ ẏ: acceleration of the frame where joints do not accelerate, from link to link (Craig, *Introduction to Robotics*, 2005, section 6.2).
+fn bias(axes: &[Vector3<f64>; 6], arms: &[Vector3<f64>; 6], rates: &Vector6<f64>) -> Vector6<f64> {
+    let (mut linear, mut angular, mut omega) =
+        (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
+    for j in 0..6 {
+        // The axis turns with all joints before it.
+        let spin = axes[j] * rates[j];
+        let change = skew(&omega) * spin;
+        linear += change.cross(&arms[j]);
+        angular += change;
+        omega += spin;
+    }
+    // Centripetal parts: each arm turns with its axis' link and all after it.
+    for j in 0..6 {
+        let spin = axes[j] * rates[j];
+        let end_velocity: Vector3<f64> = (j..6)
+            .map(|k| (axes[k] * rates[k]).cross(&arms[k]))
+            .sum::<Vector3<f64>>()
+            + (0..j)
+                .map(|k| (axes[k] * rates[k]).cross(&arms[j]))
+                .sum::<Vector3<f64>>();
+        linear += spin.cross(&end_velocity);
+    }
+    Vector6::new(
+        linear.x, linear.y, linear.z, angular.x, angular.y, angular.z,
+    )
+}

@@ -1,0 +1,508 @@
+//! Analytic inverse kinematics of six-axis arms with a spherical wrist.
+//!
+//! The wrist's centre does not depend on the last three joints, the rotation beyond the third not on the position. With parallel second and third
+//! axes each part is a chain of the equation `a cos y + b sin y = c` (Pieper, *The Kinematics of Manipulators under Computer Control*, 1968;
+//! the subproblems of Paden and Kahan in Murray, Li, Sastry, *A Mathematical Introduction to Robotic Manipulation*, 1994, section 3.3).
+
+use super::geometry::{GeometryError, Screws};
+use super::{Pose, matrix, rotation, vector};
+use nalgebra::{Matrix3, Vector3};
+use std::f64::consts::{PI, TAU};
+use thiserror::Error;
+
+/// Distances [m] and deviations of directions below this are none.
+const GEOMETRY: f64 = 1e-8;
+/// Part of its largest value below which the lever of a joint counts as vanished. There two solutions fall together or a joint is free.
+const SINGULAR: f64 = 1e-6;
+/// Part by which a target may lie beyond the reach from rounding; it is then stretched out to.
+const REACH: f64 = 1e-12;
+
+/// A configuration in which joints cannot move the frame in every direction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Singularity {
+    /// The wrist's centre lies on the first axis: that joint is free.
+    Shoulder,
+    /// The arm is stretched out or folded: its two elbow solutions are one.
+    Elbow,
+    /// The fourth and sixth axes are in line: only the sum or difference of these joints matters.
+    Wrist,
+}
+
+/// One of the eight ways to reach a pose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Branch {
+    /// Which of the two solutions for the first joint.
+    pub shoulder: bool,
+    /// Which of the two for the third.
+    pub elbow: bool,
+    /// Which of the two for the fifth.
+    pub wrist: bool,
+}
+
+/// Joint angles that reach a pose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Solution {
+    /// The angles [rad], each the nearest to the given ones among those that differ by full turns.
+    pub positions: [f64; 6],
+    /// Its branch.
+    pub branch: Branch,
+    /// Singular in the shoulder, elbow, wrist. A free joint then has the given angle.
+    pub singular: [bool; 3],
+}
+
+impl Solution {
+    /// The singularities it lies in.
+    pub fn singularities(&self) -> impl Iterator<Item = Singularity> + '_ {
+        let all = [
+            Singularity::Shoulder,
+            Singularity::Elbow,
+            Singularity::Wrist,
+        ];
+        all.into_iter()
+            .zip(self.singular)
+            .filter_map(|(s, on)| on.then_some(s))
+    }
+}
+
+/// Why a pose cannot be reached.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum KinematicsError {
+    /// The wrist's centre would be too close to the first axis.
+    #[error(
+        "the wrist's centre would lie {distance} m from the first axis; the arm cannot come closer than {least} m"
+    )]
+    TooCloseToFirstAxis {
+        /// Its distance [m].
+        distance: f64,
+        /// What the arm's sideways offset demands [m].
+        least: f64,
+    },
+    /// The wrist's centre would be too far from, or too close to, the second axis.
+    #[error(
+        "the wrist's centre would lie {distance} m from the second axis; the arm reaches {least} to {most} m"
+    )]
+    OutOfReach {
+        /// Its distance across that axis [m].
+        distance: f64,
+        /// The shortest [m].
+        least: f64,
+        /// The longest [m].
+        most: f64,
+    },
+    /// No fifth angle gives the orientation: axes of the wrist that are not at right angles cannot turn everywhere.
+    #[error("the wrist cannot turn to this orientation")]
+    Orientation,
+    /// Position, rotation or the given angles are not finite, or the rotation matrix is not one.
+    #[error(
+        "the pose is no pose: numbers that are not finite, or a matrix that is no rotation (off by {0})"
+    )]
+    NotAPose(f64),
+    /// All solutions violate the limits.
+    #[error(
+        "no solution keeps within the joint limits; the closest is {excess} rad beyond that of joint {joint}"
+    )]
+    Limits {
+        /// The joint that is beyond its limit in the best solution.
+        joint: usize,
+        /// By how much [rad].
+        excess: f64,
+    },
+}
+
+/// An arm whose inverse kinematics is solved here: second and third axes parallel, the first not parallel to them, the last three meeting in a
+/// point. The six-axis PowerCube and the Puma 560 are of this kind, as are most industrial arms.
+///
+/// ```
+/// use gelenk_generated::puma560;
+/// use gelenk_runtime::kinematics::SphericalWrist;
+///
+/// let arm = SphericalWrist::from_poses(puma560::frame_tool_pose)?;
+/// let y = [0.3, 0.5, -0.4, 0.2, 0.7, -0.1];
+/// let solutions = arm.solve(&puma560::frame_tool_pose(&y), &y)?;
+/// assert_eq!(solutions.all().count(), 8);
+/// let closest = solutions.closest(&y);
+/// assert!(closest.positions.iter().zip(&y).all(|(a, b)| (a - b).abs() < 1e-9));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SphericalWrist {
+    screws: Screws,
+    /// The wrist's centre at y = 0.
+    center: Vector3<f64>,
+}
+
+/// The solutions for a pose; at least one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InverseKinematics {
+    solutions: [Option<Solution>; 8],
+    first: Solution,
+}
+
+impl InverseKinematics {
+    /// All of them, in the order of their branches: up to eight, all different.
+    pub fn all(&self) -> impl Iterator<Item = &Solution> {
+        self.solutions.iter().flatten()
+    }
+
+    /// The one whose largest distance from `positions`, over the joints, is smallest.
+    #[must_use]
+    pub fn closest(&self, positions: &[f64; 6]) -> Solution {
+        let mut best = self.first;
+        for solution in self.all() {
+            if distance(&solution.positions, positions) < distance(&best.positions, positions) {
+                best = *solution;
+            }
+        }
+        best
+    }
+
+    /// The closest to `positions` among those within `limits` [rad]; angles may be moved by full turns to get there.
+    ///
+    /// # Errors
+    /// [`KinematicsError::Limits`].
+    pub fn within(
+        &self,
+        limits: &[[f64; 2]; 6],
+        positions: &[f64; 6],
+    ) -> Result<Solution, KinematicsError> {
+        let mut best: Option<Solution> = None;
+        let mut least = (f64::INFINITY, 0);
+        for solution in self.all() {
+            let mut moved = *solution;
+            let mut excess = (0.0, 0);
+            for (j, y) in moved.positions.iter_mut().enumerate() {
+                let [low, high] = limits[j];
+                if *y > high {
+                    *y -= ((*y - high) / TAU).ceil() * TAU;
+                } else if *y < low {
+                    *y += ((low - *y) / TAU).ceil() * TAU;
+                }
+                let beyond = (low - *y).max(*y - high);
+                if beyond > excess.0 {
+                    excess = (beyond, j);
+                }
+            }
+            if excess.0 > 0.0 {
+                if excess.0 < least.0 {
+                    least = excess;
+                }
+                continue;
+            }
+            let nearer = best.is_none_or(|b| {
+                distance(&moved.positions, positions) < distance(&b.positions, positions)
+            });
+            if nearer {
+                best = Some(moved);
+            }
+        }
+        best.ok_or(KinematicsError::Limits {
+            joint: least.1,
+            excess: least.0,
+        })
+    }
+}
+
+impl SphericalWrist {
+    /// Reads the geometry off a pose function, at y = 0 and with single joints turned, and checks it in other configurations.
+    ///
+    /// # Errors
+    /// [`GeometryError`] for other kinds of arms.
+    pub fn from_poses(pose: impl Fn(&[f64; 6]) -> Pose) -> Result<Self, GeometryError> {
+        Self::new(Screws::from_poses(pose)?)
+    }
+
+    /// Checks that the axes are of the kind that is solved here.
+    ///
+    /// # Errors
+    /// [`GeometryError::NoSphericalWrist`], [`GeometryError::NotSolved`].
+    pub fn new(screws: Screws) -> Result<Self, GeometryError> {
+        let axes = &screws.axes;
+        let across = |i: usize, j: usize| axes[i].cross(&axes[j]).norm();
+        if across(1, 2) > GEOMETRY {
+            return Err(GeometryError::NotSolved {
+                condition: "its second and third axes must be parallel",
+            });
+        }
+        if across(0, 1) < SINGULAR {
+            return Err(GeometryError::NotSolved {
+                condition: "its first axis must not be parallel to the second",
+            });
+        }
+        if across(3, 4) < SINGULAR || across(4, 5) < SINGULAR {
+            return Err(GeometryError::NotSolved {
+                condition: "its fifth axis must not be parallel to the fourth or sixth",
+            });
+        }
+        let center = meeting_point(&screws, 3, 4);
+        let distance = (3..6)
+            .map(|j| off_axis(&screws, j, &center).norm())
+            .fold(0.0, f64::max);
+        if distance > GEOMETRY {
+            return Err(GeometryError::NoSphericalWrist { distance });
+        }
+        let arm = Self { screws, center };
+        let lengths = [arm.upper_arm().norm(), arm.forearm().norm()];
+        if lengths.iter().any(|l| *l < SINGULAR) {
+            return Err(GeometryError::NotSolved {
+                condition: "its third axis must lie apart from the second, and the wrist's centre apart from the third",
+            });
+        }
+        Ok(arm)
+    }
+
+    /// Its joint axes.
+    #[must_use]
+    pub fn screws(&self) -> &Screws {
+        &self.screws
+    }
+
+    /// From the second to the third axis at y = 0, across both.
+    fn upper_arm(&self) -> Vector3<f64> {
+        off_axis(&self.screws, 1, &self.screws.points[2])
+    }
+
+    /// From the third axis to the wrist's centre at y = 0, across the axis.
+    fn forearm(&self) -> Vector3<f64> {
+        off_axis(&self.screws, 2, &self.center)
+    }
+
+    /// All joint angles that reach `pose`. `near` decides between full turns, and for joints that a singularity leaves free.
+    ///
+    /// # Errors
+    /// [`KinematicsError`] where there is none.
+    pub fn solve(
+        &self,
+        pose: &Pose,
+        near: &[f64; 6],
+    ) -> Result<InverseKinematics, KinematicsError> {
+        let (position, target) = (vector(&pose.0), matrix(&pose.1));
+        let off = (target.transpose() * target - Matrix3::identity()).amax()
+            + (target.determinant() - 1.0).abs();
+        let finite = near.iter().chain(&pose.0).all(|x| x.is_finite());
+        // Written so that NaN is refused.
+        if !(finite && off <= 1e-6) {
+            return Err(KinematicsError::NotAPose(off));
+        }
+        let turn = target * self.screws.home_rotation.transpose();
+        let center = position + turn * (self.center - self.screws.home_position);
+        let mut found = Found::default();
+        let first = self.first(&center, near[0])?;
+        for (shoulder, y1) in first.angles() {
+            match self.elbow(&center, y1) {
+                Ok((third, p)) => {
+                    for (elbow, y3) in third.angles() {
+                        let y2 = self.second(&p, y3);
+                        let arm = [y1, y2, y3];
+                        let singular = [first.singular, third.singular];
+                        self.wrist(&turn, arm, [shoulder, elbow], singular, near, &mut found);
+                    }
+                }
+                Err(error) => found.error = found.error.or(Some(error)),
+            }
+        }
+        match found.solutions.iter().flatten().next() {
+            Some(first) => Ok(InverseKinematics {
+                first: *first,
+                solutions: found.solutions,
+            }),
+            None => Err(found.error.unwrap_or(KinematicsError::Orientation)),
+        }
+    }
+
+    /// Joint 1: what it leaves of the wrist's centre along the second axis, the other joints cannot change.
+    fn first(&self, center: &Vector3<f64>, near: f64) -> Result<Pair, KinematicsError> {
+        let (axes, points) = (&self.screws.axes, &self.screws.points);
+        let r = center - points[0];
+        let (along, across) = split(&r, &axes[0]);
+        // ω2 · (along + across cos y1 − (ω1 × across) sin y1) = ω2 · (center_0 − point_1).
+        let offset = axes[1].dot(&(self.center - points[0] - along));
+        let a = axes[1].dot(&across);
+        let b = -axes[1].dot(&axes[0].cross(&across));
+        let scale = self.upper_arm().norm() + self.forearm().norm();
+        let tilt = split(&axes[1], &axes[0]).1.norm();
+        solve_cos_sin(a, b, offset, scale * tilt, near).ok_or(
+            KinematicsError::TooCloseToFirstAxis {
+                distance: across.norm(),
+                least: offset.abs() / tilt,
+            },
+        )
+    }
+
+    /// Joint 3, by the distance of the wrist's centre from the second axis; and the centre as seen before joint 1 has turned it.
+    fn elbow(
+        &self,
+        center: &Vector3<f64>,
+        y1: f64,
+    ) -> Result<(Pair, Vector3<f64>), KinematicsError> {
+        let (axes, points) = (&self.screws.axes, &self.screws.points);
+        let p = points[0] + rotation(&axes[0], -y1) * (center - points[0]);
+        let (upper, fore) = (self.upper_arm(), self.forearm());
+        let distance = off_axis(&self.screws, 1, &p).norm();
+        // |upper + R(y3) fore|² = distance².
+        let a = upper.dot(&fore);
+        let b = upper.dot(&axes[2].cross(&fore));
+        let c = 0.5 * (distance * distance - upper.norm_squared() - fore.norm_squared());
+        let (u, f) = (upper.norm(), fore.norm());
+        let pair = solve_cos_sin(a, b, c, u * f, 0.0).ok_or(KinematicsError::OutOfReach {
+            distance,
+            least: (u - f).abs(),
+            most: u + f,
+        })?;
+        Ok((pair, p))
+    }
+
+    /// Joint 2 turns the bent arm to the wrist's centre.
+    fn second(&self, p: &Vector3<f64>, y3: f64) -> f64 {
+        let bent = self.upper_arm() + rotation(&self.screws.axes[2], y3) * self.forearm();
+        angle_about(&self.screws.axes[1], &bent, &off_axis(&self.screws, 1, p))
+    }
+
+    /// Joints 4, 5, 6 make up for the rotation that the first three leave.
+    fn wrist(
+        &self,
+        turn: &Matrix3<f64>,
+        arm: [f64; 3],
+        [shoulder, elbow]: [bool; 2],
+        singular: [bool; 2],
+        near: &[f64; 6],
+        found: &mut Found,
+    ) {
+        let axes = &self.screws.axes;
+        let before = [arm[0], arm[1], arm[2], 0.0, 0.0, 0.0];
+        let rest = self.screws.transform(&before, 0..3).1.transpose() * turn;
+        // ω4 · R5 ω6 = ω4 · rest ω6.
+        let goal = rest * axes[5];
+        let (along, across) = split(&axes[5], &axes[4]);
+        let a = axes[3].dot(&across);
+        let b = axes[3].dot(&axes[4].cross(&across));
+        let c = axes[3].dot(&goal) - axes[3].dot(&along);
+        let size = across.norm() * split(&axes[3], &axes[4]).1.norm();
+        let Some(fifth) = solve_cos_sin(a, b, c, size, 0.0) else {
+            return;
+        };
+        for (wrist, y5) in fifth.angles() {
+            let sixth_axis = rotation(&axes[4], y5) * axes[5];
+            // The fifth solutions fall together where axes 4, 5, 6 lie in a plane; only axes 4 and 6 in line free a joint.
+            let aligned = axes[3].cross(&sixth_axis).norm() < SINGULAR;
+            let y4 = if aligned {
+                near[3]
+            } else {
+                angle_about(&axes[3], &sixth_axis, &goal)
+            };
+            let last = (rotation(&axes[3], y4) * rotation(&axes[4], y5)).transpose() * rest;
+            let mark = split(&axes[4], &axes[5]).1;
+            let y6 = angle_about(&axes[5], &mark, &(last * mark));
+            let angles = [arm[0], arm[1], arm[2], y4, y5, y6];
+            found.add(Solution {
+                positions: core::array::from_fn(|j| nearest_turn(angles[j], near[j])),
+                branch: Branch {
+                    shoulder,
+                    elbow,
+                    wrist,
+                },
+                singular: [singular[0], singular[1], aligned],
+            });
+            if aligned {
+                break;
+            }
+        }
+    }
+}
+
+#[derive(Default)]
+struct Found {
+    solutions: [Option<Solution>; 8],
+    count: usize,
+    error: Option<KinematicsError>,
+}
+
+impl Found {
+    fn add(&mut self, solution: Solution) {
+        if let Some(free) = self.solutions.get_mut(self.count) {
+            *free = Some(solution);
+            self.count += 1;
+        }
+    }
+}
+
+/// Two angles, or one where both fall together.
+struct Pair {
+    first: f64,
+    second: Option<f64>,
+    singular: bool,
+}
+
+impl Pair {
+    fn angles(&self) -> impl Iterator<Item = (bool, f64)> {
+        core::iter::once((false, self.first)).chain(self.second.map(|y| (true, y)))
+    }
+}
+
+/// Solutions of `a cos y + b sin y = c`, where |(a, b)| is at most `size` in some configuration. Where a and b vanish with c, every y is one, and
+/// `free` is taken. None where |c| is too large.
+fn solve_cos_sin(a: f64, b: f64, c: f64, size: f64, free: f64) -> Option<Pair> {
+    let length = a.hypot(b);
+    if length < SINGULAR * size && c.abs() < SINGULAR * size {
+        return Some(Pair {
+            first: free,
+            second: None,
+            singular: true,
+        });
+    }
+    let cosine = c / length;
+    if cosine.abs() > 1.0 + REACH {
+        return None;
+    }
+    let (middle, half) = (b.atan2(a), cosine.clamp(-1.0, 1.0).acos());
+    // Half the distance of the solutions is also the lever that is left.
+    if half.sin() < SINGULAR {
+        let first = if cosine > 0.0 { middle } else { middle + PI };
+        return Some(Pair {
+            first,
+            second: None,
+            singular: true,
+        });
+    }
+    Some(Pair {
+        first: middle + half,
+        second: Some(middle - half),
+        singular: false,
+    })
+}
+
+/// Parts of `v` along and across a unit vector.
+fn split(v: &Vector3<f64>, axis: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+    let along = axis * axis.dot(v);
+    (along, v - along)
+}
+
+/// From an axis to a point, across the axis.
+fn off_axis(screws: &Screws, joint: usize, point: &Vector3<f64>) -> Vector3<f64> {
+    split(&(point - screws.points[joint]), &screws.axes[joint]).1
+}
+
+/// Angle about `axis` that turns `from` to `to`, across the axis.
+fn angle_about(axis: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> f64 {
+    let (from, to) = (split(from, axis).1, split(to, axis).1);
+    axis.dot(&from.cross(&to)).atan2(from.dot(&to))
+}
+
+/// The point of axis `i` that is closest to axis `j`.
+fn meeting_point(screws: &Screws, i: usize, j: usize) -> Vector3<f64> {
+    let (w, v) = (screws.axes[i], screws.axes[j]);
+    let between = screws.points[j] - screws.points[i];
+    let cosine = w.dot(&v);
+    let along = (w.dot(&between) - cosine * v.dot(&between)) / (1.0 - cosine * cosine);
+    screws.points[i] + w * along
+}
+
+fn nearest_turn(angle: f64, near: f64) -> f64 {
+    angle + ((near - angle) / TAU).round() * TAU
+}
+
+fn distance(a: &[f64; 6], b: &[f64; 6]) -> f64 {
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max)
+}

@@ -1,0 +1,57 @@
+//! One motion for several coordinates.
+
+use super::{Sample, Trajectory, TrajectoryError, require_finite};
+
+/// All coordinates follow one motion s(t), each in its own direction and share: `y(t) = y_0 + d s(t)`.
+///
+/// With d = (1, −1), two parallel axes turn against each other and whatever the second carries keeps its orientation: the compensated motion
+/// β = −γ, in which gravity on the second joint stays almost constant. See [`Along::compensated`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Along<T, const N: usize> {
+    offset: [f64; N],
+    direction: [f64; N],
+    motion: T,
+}
+
+impl<T: Trajectory<1>, const N: usize> Along<T, N> {
+    /// `offset` is y_0 [rad or m], `direction` d.
+    ///
+    /// # Errors
+    /// Numbers that are not finite.
+    pub fn new(offset: [f64; N], direction: [f64; N], motion: T) -> Result<Self, TrajectoryError> {
+        require_finite("offset", &offset)?;
+        require_finite("direction", &direction)?;
+        Ok(Self {
+            offset,
+            direction,
+            motion,
+        })
+    }
+}
+
+impl<T: Trajectory<1>> Along<T, 2> {
+    /// The compensated motion β = β_0 + s(t), γ = γ_0 − s(t): β + γ is constant.
+    ///
+    /// # Errors
+    /// Numbers that are not finite.
+    pub fn compensated(offset: [f64; 2], motion: T) -> Result<Self, TrajectoryError> {
+        Self::new(offset, [1.0, -1.0], motion)
+    }
+}
+
+impl<T: Trajectory<1>, const N: usize> Trajectory<N> for Along<T, N> {
+    fn duration(&self) -> f64 {
+        self.motion.duration()
+    }
+
+    fn sample(&self, t: f64) -> Sample<N> {
+        let s = self.motion.sample(t);
+        Sample {
+            positions: core::array::from_fn(|i| {
+                self.offset[i] + self.direction[i] * s.positions[0]
+            }),
+            velocities: self.direction.map(|d| d * s.velocities[0]),
+            accelerations: self.direction.map(|d| d * s.accelerations[0]),
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! Poses one after the other, for arms with a spherical wrist.
+
+use super::polynomial::RestToRest;
+use super::{PointSequence, Sample, Sampled, Trajectory, TrajectoryError, require_positive};
+use crate::kinematics::{KinematicsError, Pose, Singularity, SphericalWrist};
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use thiserror::Error;
+
+/// Largest step of a joint between two samples of a straight way [rad]; more is a jump to another branch or a passage by a singularity.
+const LARGEST_STEP: f64 = 0.2;
+
+/// Why a sequence of poses cannot be driven.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum CartesianError {
+    /// Not enough poses, a duration that is not positive, …
+    #[error(transparent)]
+    Trajectory(#[from] TrajectoryError),
+    /// A pose cannot be reached.
+    #[error("pose {pose}: {source}")]
+    Unreachable {
+        /// Index of the pose.
+        pose: usize,
+        /// Why not.
+        source: KinematicsError,
+    },
+    /// The straight way to a pose leaves what the arm reaches.
+    #[error("on the way to pose {pose}, after {time} s: {source}")]
+    WayUnreachable {
+        /// Index of the pose at its end.
+        pose: usize,
+        /// Time since its begin [s].
+        time: f64,
+        /// Why not.
+        source: KinematicsError,
+    },
+    /// The straight way to a pose runs into a singularity.
+    #[error(
+        "on the way to pose {pose}, after {time} s, the arm is singular in {singularity:?}; choose another way or a motion in joint space"
+    )]
+    Singular {
+        /// Index of the pose at its end.
+        pose: usize,
+        /// Time since its begin [s].
+        time: f64,
+        /// Which one.
+        singularity: Singularity,
+    },
+    /// A joint would have to jump on the straight way to a pose: the way passes close by a singularity.
+    #[error(
+        "on the way to pose {pose}, after {time} s, joint {joint} would turn by {step} rad in one sample; the way passes close by a singularity"
+    )]
+    Jump {
+        /// Index of the pose at its end.
+        pose: usize,
+        /// Time since its begin [s].
+        time: f64,
+        /// The joint.
+        joint: usize,
+        /// Its step [rad].
+        step: f64,
+    },
+}
+
+/// Joint angles for `poses`, each the closest solution to the one before and within `limits` [rad]; the first the closest to `start`.
+///
+/// # Errors
+/// [`CartesianError::Unreachable`]. Singular poses are no error: the joints that are free stay where they were.
+pub fn joint_points(
+    arm: &SphericalWrist,
+    poses: &[Pose],
+    limits: &[[f64; 2]; 6],
+    start: &[f64; 6],
+) -> Result<Vec<[f64; 6]>, CartesianError> {
+    let mut near = *start;
+    let mut points = Vec::with_capacity(poses.len());
+    for (k, pose) in poses.iter().enumerate() {
+        let solution = arm
+            .solve(pose, &near)
+            .and_then(|found| found.within(limits, &near))
+            .map_err(|source| CartesianError::Unreachable { pose: k, source })?;
+        near = solution.positions;
+        points.push(near);
+    }
+    Ok(points)
+}
+
+/// Rest to rest from pose to pose, straight in joint space between them.
+///
+/// # Errors
+/// As [`joint_points`] and [`PointSequence::within`].
+pub fn pose_sequence(
+    arm: &SphericalWrist,
+    poses: &[Pose],
+    limits: &[[f64; 2]; 6],
+    start: &[f64; 6],
+    speeds: &[f64; 6],
+    accelerations: &[f64; 6],
+) -> Result<PointSequence<6>, CartesianError> {
+    let points = joint_points(arm, poses, limits, start)?;
+    Ok(PointSequence::within(&points, speeds, accelerations, 0.0)?)
+}
+
+/// Rest to rest from pose to pose, straight in space: the frame's origin moves on a line and the frame turns about one axis, both with the course
+/// s(t/T) of [`RestToRest`], in `durations` [s]. Joint positions every `period` [s] come from the inverse kinematics, velocities and accelerations
+/// from the Jacobian: `ẏ = J⁻¹ V`, `ÿ = J⁻¹ (A − J̇ ẏ)`. The first pose is the one of `start`.
+///
+/// # Errors
+/// [`CartesianError`]; half a turn or more between two poses turns the shorter way, exactly half a turn about an axis that rounding decides.
+pub fn straight_ways(
+    arm: &SphericalWrist,
+    start: &[f64; 6],
+    poses: &[Pose],
+    durations: &[f64],
+    period: f64,
+) -> Result<Sampled<6>, CartesianError> {
+    require_positive("period", period)?;
+    if durations.len() != poses.len() {
+        return Err(CartesianError::Trajectory(TrajectoryError::TooFew {
+            what: "durations",
+            needed: poses.len(),
+            given: durations.len(),
+        }));
+    }
+    let mut samples = vec![Sample::at_rest(*start)];
+    let mut from = arm.screws().pose(start);
+    let mut near = *start;
+    for (k, (to, duration)) in poses.iter().zip(durations).enumerate() {
+        require_positive("duration", *duration)?;
+        let steps = (duration / period).ceil().max(1.0) as usize;
+        // A whole number of periods, so that each way ends in a sample.
+        let way = Way::new(&from, to, steps as f64 * period)?;
+        for step in 1..=steps {
+            let time = step as f64 * period;
+            let sample = way.sample(arm, time, &near, k)?;
+            near = sample.positions;
+            samples.push(sample);
+        }
+        from = *to;
+    }
+    Ok(Sampled::new(samples, period)?)
+}
+
+/// One straight way.
+struct Way {
+    from: Vector3<f64>,
+    line: Vector3<f64>,
+    rotation: Matrix3<f64>,
+    /// Axis times angle, in the base frame.
+    turn: Vector3<f64>,
+    course: RestToRest<1>,
+}
+
+impl Way {
+    fn new(from: &Pose, to: &Pose, duration: f64) -> Result<Self, TrajectoryError> {
+        let matrix = |pose: &Pose| Matrix3::from_fn(|i, j| pose.1[i][j]);
+        let rotation = matrix(from);
+        let turn = Rotation3::from_matrix_unchecked(matrix(to) * rotation.transpose());
+        Ok(Self {
+            from: Vector3::from(from.0),
+            line: Vector3::from(to.0) - Vector3::from(from.0),
+            rotation,
+            turn: turn.scaled_axis(),
+            course: RestToRest::new([0.0], [1.0], duration)?,
+        })
+    }
+
+    fn sample(
+        &self,
+        arm: &SphericalWrist,
+        time: f64,
+        near: &[f64; 6],
+        pose: usize,
+    ) -> Result<Sample<6>, CartesianError> {
+        let course = self.course.sample(time);
+        let s = course.positions[0];
+        let rotation = Rotation3::new(self.turn * s).into_inner() * self.rotation;
+        let target = (
+            (self.from + self.line * s).into(),
+            core::array::from_fn(|i| core::array::from_fn(|j| rotation[(i, j)])),
+        );
+        let solution = arm
+            .solve(&target, near)
+            .map_err(|source| CartesianError::WayUnreachable { pose, time, source })?
+            .closest(near);
+        if let Some(singularity) = solution.singularities().next() {
+            return Err(CartesianError::Singular {
+                pose,
+                time,
+                singularity,
+            });
+        }
+        for joint in 0..6 {
+            let step = solution.positions[joint] - near[joint];
+            if step.abs() > LARGEST_STEP {
+                return Err(CartesianError::Jump {
+                    pose,
+                    time,
+                    joint,
+                    step,
+                });
+            }
+        }
+        let frame = |rate: f64| -> [f64; 6] {
+            core::array::from_fn(|i| {
+                if i < 3 {
+                    self.line[i] * rate
+                } else {
+                    self.turn[i - 3] * rate
+                }
+            })
+        };
+        let (velocity, acceleration) =
+            (frame(course.velocities[0]), frame(course.accelerations[0]));
+        let (velocities, accelerations) = arm
+            .screws()
+            .rates(&solution.positions, &velocity, &acceleration)
+            .ok_or(CartesianError::Singular {
+                pose,
+                time,
+                singularity: Singularity::Elbow,
+            })?;
+        Ok(Sample {
+            positions: solution.positions,
+            velocities,
+            accelerations,
+        })
+    }
+}

@@ -1,0 +1,188 @@
+//! A trajectory against the limits of a model.
+
+use super::{Trajectory, TrajectoryError, require_positive};
+use crate::dynamics::Dynamics;
+use crate::feed_forward::{FeedForward, FeedForwardError};
+use std::fmt;
+use thiserror::Error;
+
+/// Which of the model's torque limits must hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rating {
+    /// What the drives bear continuously.
+    Nominal,
+    /// What they bear for a short time.
+    Peak,
+}
+
+/// What a limit is on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// Position of a coordinate [rad or m].
+    Position,
+    /// Speed of a coordinate [rad/s or m/s].
+    Velocity,
+    /// Force of the drive at its joint, (B u)_i [N m or N].
+    Effort,
+    /// Input, in its unit.
+    Input,
+    /// Force on a coordinate that no input can make [N m or N]: the trajectory is not feasible there.
+    Unreachable,
+}
+
+/// A time span over which a limit is broken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Violation {
+    /// What is beyond its limit.
+    pub quantity: Quantity,
+    /// Of which coordinate or input.
+    pub index: usize,
+    /// First and last sample beyond the limit [s].
+    pub from: f64,
+    /// See `from`.
+    pub to: f64,
+    /// When it is furthest beyond [s].
+    pub worst_time: f64,
+    /// The value there.
+    pub value: f64,
+    /// The limit that it breaks.
+    pub limit: f64,
+}
+
+impl fmt::Display for Violation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let what = match self.quantity {
+            Quantity::Position => "position",
+            Quantity::Velocity => "velocity",
+            Quantity::Effort => "joint effort",
+            Quantity::Input => "input",
+            Quantity::Unreachable => "force that no input makes",
+        };
+        write!(
+            f,
+            "{what} {} is beyond {:.6} from {:.3} s to {:.3} s, {:.6} at {:.3} s",
+            self.index, self.limit, self.from, self.to, self.value, self.worst_time
+        )
+    }
+}
+
+/// Why a trajectory could not be checked.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum CheckError {
+    /// The period is not positive.
+    #[error(transparent)]
+    Trajectory(#[from] TrajectoryError),
+    /// The model has no feed-forward.
+    #[error(transparent)]
+    FeedForward(#[from] FeedForwardError),
+}
+
+/// Force on a passive coordinate that counts as none [N m or N].
+const FEASIBLE: f64 = 1e-6;
+
+/// Where `trajectory`, seen every `period` [s], breaks position, speed and torque limits of `model`; empty where it keeps them all. Torques are
+/// those of the feed-forward.
+///
+/// # Errors
+/// [`CheckError`]; numbers that are not finite count as violations instead.
+pub fn violations<D: Dynamics<N, M>, const N: usize, const M: usize>(
+    trajectory: &impl Trajectory<N>,
+    model: D,
+    rating: Rating,
+    period: f64,
+) -> Result<Vec<Violation>, CheckError> {
+    require_positive("period", period)?;
+    let limits = model.limits();
+    let input_matrix = model.input_matrix();
+    let (effort, input) = match rating {
+        Rating::Nominal => (limits.effort, limits.input),
+        Rating::Peak => (limits.peak_effort, limits.peak_input),
+    };
+    let feed_forward = FeedForward::new(model)?;
+    let mut watch = Watch::default();
+    let steps = (trajectory.duration() / period).ceil() as usize;
+    for k in 0..=steps {
+        let time = (k as f64 * period).min(trajectory.duration());
+        let sample = trajectory.sample(time);
+        let command = feed_forward.at(&sample);
+        watch.time = time;
+        for i in 0..N {
+            let [low, high] = limits.position[i];
+            let bound = |speed: f64| [-speed, speed];
+            let force: f64 = input_matrix[i]
+                .iter()
+                .zip(&command.inputs)
+                .map(|(b, u)| b * u)
+                .sum();
+            watch.see(Quantity::Position, i, sample.positions[i], [low, high]);
+            watch.see(
+                Quantity::Velocity,
+                i,
+                sample.velocities[i],
+                bound(limits.velocity[i]),
+            );
+            watch.see(Quantity::Effort, i, force, bound(effort[i]));
+            watch.see(
+                Quantity::Unreachable,
+                i,
+                command.residual[i],
+                bound(FEASIBLE),
+            );
+        }
+        for j in 0..M {
+            watch.see(Quantity::Input, j, command.inputs[j], [-input[j], input[j]]);
+        }
+    }
+    Ok(watch.finish())
+}
+
+/// Collects violations; those that go on from the sample before stand in `open`.
+#[derive(Default)]
+struct Watch {
+    time: f64,
+    open: Vec<Violation>,
+    closed: Vec<Violation>,
+}
+
+impl Watch {
+    fn see(&mut self, quantity: Quantity, index: usize, value: f64, [low, high]: [f64; 2]) {
+        let place = self
+            .open
+            .iter()
+            .position(|v| v.quantity == quantity && v.index == index);
+        // Rounding at a limit that is just touched is no violation. NaN is.
+        let slack = 1e-9 * low.abs().min(high.abs()).min(1e9);
+        let within = value >= low - slack && value <= high + slack;
+        if within {
+            if let Some(place) = place {
+                self.closed.push(self.open.remove(place));
+            }
+            return;
+        }
+        let limit = if value > high { high } else { low };
+        let now = Violation {
+            quantity,
+            index,
+            from: self.time,
+            to: self.time,
+            worst_time: self.time,
+            value,
+            limit,
+        };
+        let Some(place) = place else {
+            self.open.push(now);
+            return;
+        };
+        let open = &mut self.open[place];
+        open.to = self.time;
+        if (value - limit).abs() > (open.value - open.limit).abs() {
+            (open.worst_time, open.value, open.limit) = (self.time, value, limit);
+        }
+    }
+
+    fn finish(mut self) -> Vec<Violation> {
+        self.closed.append(&mut self.open);
+        self.closed.sort_by(|a, b| a.from.total_cmp(&b.from));
+        self.closed
+    }
+}

@@ -1,0 +1,108 @@
+//! Point after point, with a stop at each.
+
+use super::{RestToRest, Sample, Trajectory, TrajectoryError, require_positive};
+
+/// Motions from rest to rest between points in joint space, one after the other.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PointSequence<const N: usize> {
+    pieces: Vec<RestToRest<N>>,
+    /// When each piece begins [s]; the last entry is the end.
+    times: Vec<f64>,
+}
+
+impl<const N: usize> PointSequence<N> {
+    /// Through `points` [rad or m], each way as fast as `speeds` and `accelerations` allow (see [`RestToRest::within`]), resting `dwell` ≥ 0 [s] at
+    /// every point between.
+    ///
+    /// # Errors
+    /// Fewer than two points; as [`RestToRest::within`]; a dwell that is negative or not finite.
+    pub fn within(
+        points: &[[f64; N]],
+        speeds: &[f64; N],
+        accelerations: &[f64; N],
+        dwell: f64,
+    ) -> Result<Self, TrajectoryError> {
+        let pieces = points
+            .windows(2)
+            .map(|w| RestToRest::within(w[0], w[1], speeds, accelerations, SHORTEST))
+            .collect::<Result<_, _>>()?;
+        Self::chain(pieces, points.len(), dwell)
+    }
+
+    /// Through `points`, each way in the time of `durations` [s].
+    ///
+    /// # Errors
+    /// Fewer than two points, not one duration for each way; as [`RestToRest::new`]; a dwell that is negative or not finite.
+    pub fn timed(
+        points: &[[f64; N]],
+        durations: &[f64],
+        dwell: f64,
+    ) -> Result<Self, TrajectoryError> {
+        if durations.len() + 1 != points.len() {
+            return Err(TrajectoryError::TooFew {
+                what: "points for the durations",
+                needed: durations.len() + 1,
+                given: points.len(),
+            });
+        }
+        let ways = points.windows(2).zip(durations);
+        let pieces = ways
+            .map(|(w, duration)| RestToRest::new(w[0], w[1], *duration))
+            .collect::<Result<_, _>>()?;
+        Self::chain(pieces, points.len(), dwell)
+    }
+
+    fn chain(
+        pieces: Vec<RestToRest<N>>,
+        points: usize,
+        dwell: f64,
+    ) -> Result<Self, TrajectoryError> {
+        if points < 2 {
+            return Err(TrajectoryError::TooFew {
+                what: "points",
+                needed: 2,
+                given: points,
+            });
+        }
+        if dwell != 0.0 {
+            require_positive("dwell", dwell)?;
+        }
+        let mut times = vec![0.0];
+        let mut end = 0.0;
+        for (k, piece) in pieces.iter().enumerate() {
+            end += piece.duration();
+            if k + 1 < pieces.len() {
+                end += dwell;
+            }
+            times.push(end);
+        }
+        Ok(Self { pieces, times })
+    }
+
+    /// When the way to each point begins, and the end [s].
+    #[must_use]
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+}
+
+/// Length of a way between two equal points [s].
+const SHORTEST: f64 = 1e-3;
+
+impl<const N: usize> Trajectory<N> for PointSequence<N> {
+    fn duration(&self) -> f64 {
+        self.times[self.times.len() - 1]
+    }
+
+    fn sample(&self, t: f64) -> Sample<N> {
+        // Each piece rests at its last point after its end; NaN falls on the first.
+        let begun = self
+            .times
+            .iter()
+            .skip(1)
+            .take_while(|begin| **begin <= t)
+            .count();
+        let k = begun.min(self.pieces.len() - 1);
+        self.pieces[k].sample(t - self.times[k])
+    }
+}

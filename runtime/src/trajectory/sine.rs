@@ -1,0 +1,115 @@
+//! The identification sine: it excites a joint over speeds and directions, and begins and ends at rest.
+
+use super::polynomial::{End, Quintic};
+use super::{Sample, Trajectory, TrajectoryError, require_finite, require_positive};
+
+/// A sine of variable frequency with polynomial run-in and run-out, each coordinate with its own:
+///
+/// ```text
+///     y(t) = y_c + â sin(ω(t) t)        ω(t) = ω_0 + (ω_1 − ω_0) t/T,   0 ≤ t ≤ T
+/// ```
+///
+/// Before it, a polynomial of degree five leads from rest to the position, velocity and acceleration of the sine at t = 0, after it another
+/// from those at t = T to rest, so that the whole is C². The rest positions lie back by half of what the sine's speed would cover in the run-in,
+/// y_c − ½ â ω_0 T_in, and ahead accordingly at the end: the speed then rises and falls without turning back.
+///
+/// The speed is â cos(ω(t) t) (ω_0 + 2 (ω_1 − ω_0) t/T): at the end the frequency that is felt has changed by twice ω_1 − ω_0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct IdentificationSine<const N: usize> {
+    /// y_c [rad or m].
+    pub center: [f64; N],
+    /// â [rad or m]; 0 keeps a coordinate at its centre.
+    pub amplitude: [f64; N],
+    /// ω_0 [rad/s].
+    pub first_frequency: [f64; N],
+    /// ω_1 [rad/s].
+    pub last_frequency: [f64; N],
+    /// T, length of the sine [s].
+    pub sine_duration: f64,
+    /// T_in, length of the run-in, and of the run-out [s].
+    pub run_in: f64,
+}
+
+/// The motion of an [`IdentificationSine`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct IdentificationMotion<const N: usize> {
+    sine: IdentificationSine<N>,
+    run_in: [Quintic; N],
+    run_out: [Quintic; N],
+    rest: [[f64; N]; 2],
+}
+
+impl<const N: usize> IdentificationSine<N> {
+    /// The motion; it lasts `sine_duration` + 2 `run_in`.
+    ///
+    /// # Errors
+    /// Numbers that are not finite, durations that are not positive.
+    pub fn motion(self) -> Result<IdentificationMotion<N>, TrajectoryError> {
+        require_finite("center", &self.center)?;
+        require_finite("amplitude", &self.amplitude)?;
+        require_finite("first_frequency", &self.first_frequency)?;
+        require_finite("last_frequency", &self.last_frequency)?;
+        require_positive("sine_duration", self.sine_duration)?;
+        require_positive("run_in", self.run_in)?;
+        let ends: [[End; 2]; N] =
+            core::array::from_fn(|i| [self.at(i, 0.0), self.at(i, self.sine_duration)]);
+        let way = |end: &End| 0.5 * end[1] * self.run_in;
+        let rest = [
+            ends.map(|[first, _]| first[0] - way(&first)),
+            ends.map(|[_, last]| last[0] + way(&last)),
+        ];
+        Ok(IdentificationMotion {
+            sine: self,
+            run_in: core::array::from_fn(|i| {
+                Quintic::new([rest[0][i], 0.0, 0.0], ends[i][0], self.run_in)
+            }),
+            run_out: core::array::from_fn(|i| {
+                Quintic::new(ends[i][1], [rest[1][i], 0.0, 0.0], self.run_in)
+            }),
+            rest,
+        })
+    }
+
+    fn at(&self, i: usize, t: f64) -> End {
+        let change = (self.last_frequency[i] - self.first_frequency[i]) / self.sine_duration;
+        let rate = self.first_frequency[i] + 2.0 * change * t;
+        let (sin, cos) = ((self.first_frequency[i] + change * t) * t).sin_cos();
+        let a = self.amplitude[i];
+        [
+            self.center[i] + a * sin,
+            a * cos * rate,
+            a * (2.0 * change * cos - rate * rate * sin),
+        ]
+    }
+}
+
+impl<const N: usize> Trajectory<N> for IdentificationMotion<N> {
+    fn duration(&self) -> f64 {
+        self.sine.sine_duration + 2.0 * self.sine.run_in
+    }
+
+    fn sample(&self, t: f64) -> Sample<N> {
+        if t.is_nan() || t <= 0.0 {
+            return Sample::at_rest(self.rest[0]);
+        }
+        if t >= self.duration() {
+            return Sample::at_rest(self.rest[1]);
+        }
+        let in_sine = t - self.sine.run_in;
+        let after = in_sine - self.sine.sine_duration;
+        let states: [End; N] = core::array::from_fn(|i| {
+            if in_sine < 0.0 {
+                self.run_in[i].at(t)
+            } else if after > 0.0 {
+                self.run_out[i].at(after)
+            } else {
+                self.sine.at(i, in_sine)
+            }
+        });
+        Sample {
+            positions: states.map(|s| s[0]),
+            velocities: states.map(|s| s[1]),
+            accelerations: states.map(|s| s[2]),
+        }
+    }
+}
