@@ -84,11 +84,12 @@ impl Folder {
                     .x_label_area_size(36)
                     .y_label_area_size(70)
                     .build_cartesian_2d(
-                        span(all().map(|p| p.0), 0.0),
+                        beside(span(all().map(|p| p.0), 0.0)),
                         span(all().map(|p| p.1), 0.05),
                     )?;
                 chart
                     .configure_mesh()
+                    .max_light_lines(0)
                     .x_desc("time [s]")
                     .y_desc(*label)
                     .draw()?;
@@ -113,6 +114,12 @@ impl Folder {
         println!("  plot: {}", path.display());
         Ok(())
     }
+}
+
+/// With room for the names of the lines at the right.
+fn beside(x: Range<f64>) -> Range<f64> {
+    let room = 0.16 * (x.end - x.start);
+    x.start..x.end + room
 }
 
 fn span(values: impl Iterator<Item = f64>, margin: f64) -> Range<f64> {
