@@ -57,7 +57,7 @@ pub struct Plant<D, const N: usize, const M: usize> {
     brake_torque: [f64; N],
     brakes_engaged: bool,
     integrator: Integrator<N>,
-    /// Time at the start of the last reset's clock is 0.
+    /// Since the last reset [s].
     time: f64,
     motion: Motion<N>,
     measurement: Measurement<N>,

@@ -156,22 +156,7 @@ impl<const N: usize> Recording<N> {
         if times.len() < 3 {
             return Self::new(1.0, y, None);
         }
-        let period = (times[times.len() - 1] - times[0]) / (times.len() - 1) as f64;
-        require_positive("period", period)?;
-        let uneven = |k: &usize| {
-            let expected = times[0] + *k as f64 * period;
-            // Written so that NaN counts as uneven.
-            let even = (times[*k] - expected).abs() <= TIME_TOLERANCE * period;
-            !even
-        };
-        if let Some(k) = (0..times.len()).find(uneven) {
-            let message = format!(
-                "time is {} s where an even spacing of {period} s gives {} s; resample the file",
-                times[k],
-                times[0] + k as f64 * period
-            );
-            return Err(fault(k + 1, message));
-        }
+        let period = even_period(&times, &fault)?;
         Self::new(period, y, velocities.is_some().then_some(v))
     }
 
@@ -243,6 +228,29 @@ impl<const N: usize> Recording<N> {
             })
             .collect();
         Sampled::new(samples, self.period)
+    }
+}
+
+/// Spacing of `times`.
+fn even_period(
+    times: &[f64],
+    fault: &impl Fn(usize, String) -> TrajectoryError,
+) -> Result<f64, TrajectoryError> {
+    let last = times.len() - 1;
+    let period = (times[last] - times[0]) / last as f64;
+    require_positive("period", period)?;
+    let expected = |k: usize| times[0] + k as f64 * period;
+    // Written so that NaN counts as uneven.
+    let is_even = |k: &usize| (times[*k] - expected(*k)).abs() <= TIME_TOLERANCE * period;
+    match (0..=last).find(|k| !is_even(k)) {
+        None => Ok(period),
+        Some(k) => {
+            let (time, due) = (times[k], expected(k));
+            let message = format!(
+                "time is {time} s where an even spacing of {period} s gives {due} s; resample the file"
+            );
+            Err(fault(k + 1, message))
+        }
     }
 }
 
