@@ -14,6 +14,7 @@ pub mod cli;
 #[cfg(feature = "symbolica")]
 pub mod closed_form;
 pub mod diagnostic;
+pub mod discrete_time;
 pub mod dynamics;
 pub mod emit;
 pub mod formula;

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::dynamics::catalogue;
+use crate::dynamics::composition::Composition;
 use crate::dynamics::function::Function;
 use crate::dynamics::size::MOST_OPERATIONS;
 use crate::emit::{self, EmitOptions, SourceFile};
@@ -40,6 +41,8 @@ pub struct Generated {
     pub model: Model,
     /// Its functions.
     pub functions: Vec<Function>,
+    /// Those that call them.
+    pub compositions: Vec<Composition>,
     /// The module.
     pub source: SourceFile,
     /// What is worth knowing about the description.
@@ -67,10 +70,12 @@ pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generat
     } = model::read(description, &read_options)?;
     let functions = derive(&model, options)?;
     let notes = snapping::priced(notes, description, &read_options, &functions);
-    let source = emit::module(&model, &functions, &options.emit);
+    let compositions = catalogue::compositions(selection(&model, options));
+    let source = emit::module(&model, &functions, &compositions, &options.emit);
     Ok(Generated {
         model,
         functions,
+        compositions,
         source,
         notes,
         files,
@@ -90,13 +95,9 @@ fn check_slope(slope: Option<f64>) -> Result<(), Diagnostics> {
 
 /// Stages 2 to 4.
 fn derive(model: &Model, options: &GenerateOptions) -> Result<Vec<Function>, Diagnostics> {
-    let selection = match options.functions.is_empty() {
-        true => &model.options.functions,
-        false => &options.functions,
-    };
     let mut functions = catalogue::derive(
         model,
-        selection,
+        selection(model, options),
         options.max_operations.unwrap_or(MOST_OPERATIONS),
     )?;
     if options.fused_multiply_add {
@@ -105,4 +106,12 @@ fn derive(model: &Model, options: &GenerateOptions) -> Result<Vec<Function>, Dia
         }
     }
     Ok(functions)
+}
+
+/// The functions that are asked for; none means all.
+fn selection<'a>(model: &'a Model, options: &'a GenerateOptions) -> &'a [String] {
+    match options.functions.is_empty() {
+        true => &model.options.functions,
+        false => &options.functions,
+    }
 }

@@ -30,7 +30,7 @@ fn emit_with(
         ..EmitOptions::default()
     };
     change(&mut options);
-    emit::module(model, functions, &options).text
+    emit::module(model, functions, &[], &options).text
 }
 
 /// Compiles alone and through `include!` in a crate that denies all warnings; clippy too, where there is one.

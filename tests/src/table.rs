@@ -44,11 +44,16 @@ pub fn functions(text: &str) -> Vec<String> {
     names.collect()
 }
 
-/// Public functions with results. What writes into its arguments is called by the function of the same name that returns
-/// them.
+/// Public functions with results that are programs. What writes into its arguments is called by the function of the same
+/// name that returns them; functions over a sample time, a number by value, call others.
 fn is_listed(function: &syn::ItemFn) -> bool {
     matches!(function.vis, syn::Visibility::Public(_))
         && matches!(function.sig.output, syn::ReturnType::Type(..))
+        && !function.sig.inputs.iter().any(is_number)
+}
+
+fn is_number(argument: &syn::FnArg) -> bool {
+    matches!(argument, syn::FnArg::Typed(argument) if matches!(*argument.ty, syn::Type::Path(_)))
 }
 
 /// Fields of `Parameters`, in order.

@@ -51,7 +51,7 @@ fn modules_of_30_joints_compile_with_debug_information() {
     let names = selection(&["mass_matrix", "inverse_dynamics"]);
     let functions = catalogue::derive(&model, &names, MOST_OPERATIONS);
     let functions = functions.unwrap_or_else(|problems| panic!("{problems}"));
-    let source = gelenk_codegen::emit::module(&model, &functions, &Default::default());
+    let source = gelenk_codegen::emit::module(&model, &functions, &[], &Default::default());
     let folder = tempfile::tempdir().expect("a folder");
     let arguments = ["--crate-type", "lib", "-C", "debuginfo=2"];
     let result = rustc(folder.path(), "robot", &source.text, &arguments);

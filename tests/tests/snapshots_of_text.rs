@@ -44,7 +44,7 @@ fn snapshots(name: &str) {
         format!("# {}\n{text}\n", function.name)
     });
     insta::assert_snapshot!(format!("{name}_2_programs"), programs.collect::<String>());
-    let text = emit::module(&model, &functions, &Default::default()).text;
+    let text = emit::module(&model, &functions, &[], &Default::default()).text;
     insta::assert_snapshot!(format!("{name}_3_module"), text);
 }
 

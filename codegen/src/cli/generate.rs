@@ -361,7 +361,7 @@ fn line(robot: &Generated, path: &Path, outcome: Outcome) -> String {
         relative(path),
         plural(n, "coordinate"),
         plural(m, "input"),
-        plural(robot.functions.len(), "function"),
+        plural(robot.functions.len() + robot.compositions.len(), "function"),
         robot.source.text.lines().count(),
     )
 }

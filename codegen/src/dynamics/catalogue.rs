@@ -1,5 +1,6 @@
 //! The functions that can be generated: one row each, with what their documentation says.
 
+use super::composition::Composition;
 use super::equations::{Equations, Formulations, Matrix};
 use super::forces;
 use super::function::Function;
@@ -496,15 +497,24 @@ pub fn names(model: &Model) -> Vec<String> {
         .frames
         .iter()
         .flat_map(|frame| FRAME_QUANTITIES.iter().map(|q| frame_name(frame, q)));
-    quantities.chain(frames).collect()
+    let compositions = Composition::ALL.iter().map(|each| each.name().to_owned());
+    quantities.chain(frames).chain(compositions).collect()
 }
 
 fn frame_name(frame: &Frame, quantity: &FrameQuantity) -> String {
     format!("frame_{}_{}", frame.name, quantity.suffix)
 }
 
-/// Derives the selected functions of a model; an empty selection means all but those on request, `frames` all functions
-/// of named frames.
+/// The selected functions that call others; an empty selection means all.
+pub fn compositions(selection: &[String]) -> Vec<Composition> {
+    let is_selected = |each: &Composition| {
+        selection.is_empty() || selection.iter().any(|name| name == each.name())
+    };
+    Composition::ALL.into_iter().filter(is_selected).collect()
+}
+
+/// Derives the selected functions of a model, and those that selected ones call; an empty selection means all but those
+/// on request, `frames` all functions of named frames.
 ///
 /// - `most`: operations of the largest function that is wanted, see [`size::MOST_OPERATIONS`]
 ///
@@ -516,10 +526,17 @@ pub fn derive(
     most: usize,
 ) -> Result<Vec<Function>, Diagnostics> {
     check_names(model, selection)?;
+    let called: Vec<&str> = compositions(selection)
+        .iter()
+        .map(|each| each.calls())
+        .collect();
     let is_selected = |name: &str| {
         let frames =
             name.starts_with("frame_") && selection.iter().any(|selected| selected == "frames");
-        selection.is_empty() || frames || selection.iter().any(|selected| selected == name)
+        selection.is_empty()
+            || frames
+            || called.contains(&name)
+            || selection.iter().any(|selected| selected == name)
     };
     let requested = ON_REQUEST
         .iter()

@@ -4,6 +4,7 @@ pub mod articulated;
 pub mod base_parameters;
 pub mod catalogue;
 pub mod composite;
+pub mod composition;
 pub mod derivatives;
 #[cfg(test)]
 mod derivatives_test;

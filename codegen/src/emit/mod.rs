@@ -7,6 +7,7 @@
 
 mod body;
 mod constants;
+mod discrete_time;
 mod doc_comment;
 mod function;
 mod function_constants;
@@ -26,6 +27,7 @@ pub use math::Math;
 
 use proc_macro2::{Ident, TokenStream};
 
+use crate::dynamics::composition::Composition;
 use crate::dynamics::function::Function;
 use crate::dynamics::module_constants;
 use crate::model::Model;
@@ -72,11 +74,16 @@ pub struct SourceFile {
     pub text: String,
 }
 
-/// Writes `functions` of `model` as one Rust module.
+/// Writes `functions` of `model` as one Rust module, and `compositions`, which call them.
 ///
 /// The text depends on the arguments alone. It needs no crate, has no inner attributes and names only `core::` paths.
 #[must_use]
-pub fn module(model: &Model, functions: &[Function], options: &EmitOptions) -> SourceFile {
+pub fn module(
+    model: &Model,
+    functions: &[Function],
+    compositions: &[Composition],
+    options: &EmitOptions,
+) -> SourceFile {
     let context = Context::new(model, functions, options);
     let mut text = header::comment(model, options);
     push_items(&mut text, constants::items(&context));
@@ -92,7 +99,9 @@ pub fn module(model: &Model, functions: &[Function], options: &EmitOptions) -> S
             function::items(&context, function, &context.functions[index]),
         );
     }
+    push_items(&mut text, discrete_time::items(&context, compositions));
     text.push_str(&math::text(&context));
+    text.push_str(&discrete_time::text(options.scalar, compositions));
     text.push_str(math::guard(functions));
     SourceFile {
         name: context.name,
@@ -130,6 +139,8 @@ impl<'a> Context<'a> {
             math::RESERVED.iter().map(|&name| name.to_owned()).collect();
         reserved.extend(constants::NAMES.iter().map(|&name| name.to_owned()));
         reserved.extend(module_constants::NAMES.iter().map(|&name| name.to_owned()));
+        reserved.extend(discrete_time::RESERVED.iter().map(|&name| name.to_owned()));
+        reserved.extend(Composition::ALL.iter().map(|each| each.name().to_owned()));
         reserved.extend(lanes::RESERVED.iter().map(|&name| name.to_owned()));
         let functions = names::distinct(
             functions.iter().map(|function| function.name.as_str()),

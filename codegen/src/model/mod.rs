@@ -232,4 +232,6 @@ pub struct Options {
     pub functions: Vec<String>,
     /// Replace exact `sign` by a smooth `tanh` of this slope in generated code.
     pub smooth_sign: Option<f64>,
+    /// Runge–Kutta steps in one period of the generated `step`; 1 where absent.
+    pub substeps: Option<usize>,
 }

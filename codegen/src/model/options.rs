@@ -1,7 +1,7 @@
 //! Names of the functions that a description may ask for.
 
 /// What `[generate] functions` may list: the functions of every robot, and `frames` for all of those of named frames.
-pub const FUNCTIONS: [&str; 25] = [
+pub const FUNCTIONS: [&str; 28] = [
     "mass_matrix",
     "coriolis_forces",
     "gravity_forces",
@@ -18,6 +18,9 @@ pub const FUNCTIONS: [&str; 25] = [
     "inverse_dynamics_derivatives_and_mass_matrix",
     "forward_dynamics_derivatives",
     "linearize",
+    "discretize",
+    "step",
+    "step_derivatives",
     "kinetic_energy",
     "potential_energy",
     "inertial_parameters",

@@ -257,7 +257,7 @@ fn read_parameter(reader: &mut Reader, item: Item<'_>) {
 fn read_options(reader: &mut Reader, item: Item<'_>) -> Options {
     let Some(table) = item.table(
         "what to generate",
-        &["functions", "smooth_sign"],
+        &["functions", "smooth_sign", "substeps"],
         &mut reader.report,
     ) else {
         return Options::default();
@@ -286,7 +286,29 @@ fn read_options(reader: &mut Reader, item: Item<'_>) -> Options {
     Options {
         functions: functions.into_iter().map(|name| name.value).collect(),
         smooth_sign,
+        substeps: table
+            .get("substeps")
+            .and_then(|item| substeps(reader, item)),
     }
+}
+
+/// Most Runge–Kutta steps in one period: more is a stiff robot that wants a shorter period.
+const MOST_SUBSTEPS: usize = 1000;
+
+fn substeps(reader: &mut Reader, item: Item<'_>) -> Option<usize> {
+    let number = reader.positive(item)?;
+    let count = (1..=MOST_SUBSTEPS).find(|&count| count as f64 == number.value);
+    if count.is_none() {
+        reader.report.error(
+            number.span,
+            "bad-count",
+            format!("`substeps` is {}", number.value),
+        );
+        reader
+            .report
+            .help(format!("give a whole number from 1 to {MOST_SUBSTEPS}"));
+    }
+    count
 }
 
 fn read_bodies(reader: &mut Reader, top: &Table<'_>) -> Vec<BodyDescription> {

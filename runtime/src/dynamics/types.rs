@@ -1,6 +1,6 @@
 //! Results with named blocks.
 
-use super::discretization;
+use super::discrete_time;
 use super::solve::product;
 
 /// Inverse dynamics and its derivatives.
@@ -50,7 +50,7 @@ impl<const N: usize, const M: usize> Linearization<N, M> {
             self.by_inputs,
             self.affine,
         );
-        let (state, input, affine) = discretization::zero_order_hold(&linear, period);
+        let (state, input, affine) = discrete_time::zero_order_hold(&linear, period);
         Discretization {
             state,
             input,

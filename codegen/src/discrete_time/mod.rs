@@ -1,0 +1,41 @@
+//! Discrete time: the exact zero-order hold of an affine system, and Runge–Kutta steps with their sensitivities.
+//!
+//! The text of each file is compiled here and pasted into generated modules ([`Text`]); for f32 every `f64` in it is
+//! replaced. Constraints on it: `core` alone, no allocation, no panic, loops over N and M or constants only, no inner
+//! attributes or inner doc comments.
+//!
+//! `gelenk-runtime` has the same files for modules that were generated without these functions.
+
+include!("sums.rs");
+include!("halves.rs");
+include!("zero_order_hold.rs");
+include!("runge_kutta.rs");
+include!("sensitivities.rs");
+
+/// A text, in the order in which they are pasted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Text {
+    /// Sums of arrays.
+    Sums,
+    /// Halves of matrices over the state, and their products.
+    Halves,
+    /// [`zero_order_hold`]
+    ZeroOrderHold,
+    /// [`runge_kutta`]
+    RungeKutta,
+    /// [`runge_kutta_derivatives`]
+    Sensitivities,
+}
+
+impl Text {
+    /// The Rust items.
+    pub fn source(self) -> &'static str {
+        match self {
+            Self::Sums => include_str!("sums.rs"),
+            Self::Halves => include_str!("halves.rs"),
+            Self::ZeroOrderHold => include_str!("zero_order_hold.rs"),
+            Self::RungeKutta => include_str!("runge_kutta.rs"),
+            Self::Sensitivities => include_str!("sensitivities.rs"),
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! `discretize`, `step` and `step_derivatives` of every generated robot, against methods that share nothing with them.
+
+mod emitted_code;
+mod exponential;
+mod integrator;
+mod sensitivities;
+
+mod zero_order_hold;
+
+use fastrand::Rng;
+use gelenk_tests::workspace;
+
+/// One type per robot.
+mod robots {
+    gelenk_runtime::dynamics!(pub struct CartPole = gelenk_generated::cart_pole: Dynamics + Differentiable + Discretizable);
+    gelenk_runtime::dynamics!(pub struct DoublePendulum { parameters } = gelenk_generated::double_pendulum: Dynamics + Differentiable + Discretizable);
+    gelenk_runtime::dynamics!(pub struct Panda = gelenk_generated::panda: Dynamics + Differentiable + Discretizable);
+    gelenk_runtime::dynamics!(pub struct PowerCube = gelenk_generated::powercube: Dynamics + Differentiable + Discretizable);
+    gelenk_runtime::dynamics!(pub struct PowerCubeAlpha = gelenk_generated::powercube_alpha: Dynamics + Differentiable + Discretizable);
+    gelenk_runtime::dynamics!(pub struct PowerCubeSixAxis = gelenk_generated::powercube_six_axis: Dynamics + Differentiable + Discretizable);
+    gelenk_runtime::dynamics!(pub struct Puma560 = gelenk_generated::puma560: Dynamics + Differentiable + Discretizable);
+    gelenk_runtime::dynamics!(pub struct SchunkLwa4p = gelenk_generated::schunk_lwa4p: Dynamics + Differentiable + Discretizable);
+    gelenk_runtime::dynamics!(pub struct TwoArm = gelenk_generated::two_arm: Dynamics + Differentiable + Discretizable);
+    gelenk_runtime::dynamics!(pub struct Ur5 = gelenk_generated::ur5: Dynamics + Differentiable + Discretizable);
+}
+
+/// Calls a generic function for each robot, with its name.
+macro_rules! for_each_robot {
+    ($check:path) => {
+        $check("cart_pole", &robots::CartPole);
+        $check("double_pendulum", &robots::DoublePendulum::default());
+        $check("panda", &robots::Panda);
+        $check("powercube", &robots::PowerCube);
+        $check("powercube_alpha", &robots::PowerCubeAlpha);
+        $check("powercube_six_axis", &robots::PowerCubeSixAxis);
+        $check("puma560", &robots::Puma560);
+        $check("schunk_lwa4p", &robots::SchunkLwa4p);
+        $check("two_arm", &robots::TwoArm);
+        $check("ur5", &robots::Ur5);
+    };
+}
+use for_each_robot;
+
+/// A state and inputs: coordinates up to 2, speeds from 0.3 to 1, away from the jumps of `sign`.
+fn random_state<const N: usize, const M: usize>(rng: &mut Rng) -> ([f64; N], [f64; N], [f64; M]) {
+    let mut signed = |low: f64, high: f64| {
+        let size = low + (high - low) * rng.f64();
+        if rng.bool() { size } else { -size }
+    };
+    let y = core::array::from_fn(|_| signed(0.0, 2.0));
+    let v = core::array::from_fn(|_| signed(0.3, 1.0));
+    (y, v, core::array::from_fn(|_| signed(0.0, 0.2)))
+}
+
+/// Derivatives of a step as one matrix, rows (y⁺, ẏ⁺), columns (y, ẏ, u).
+fn rows<const N: usize, const M: usize>(
+    state: &[[[[f64; N]; N]; 2]; 2],
+    input: &[[[f64; M]; N]; 2],
+) -> Vec<Vec<f64>> {
+    let half = |half: usize| {
+        let row = move |i: usize| {
+            let [by_y, by_v] = &state[half];
+            [&by_y[i][..], &by_v[i], &input[half][i]].concat()
+        };
+        (0..N).map(row)
+    };
+    half(0).chain(half(1)).collect()
+}
+
+#[test]
+fn no_robot_is_forgotten() {
+    let text = include_str!("main.rs");
+    for file in std::fs::read_dir(workspace().join("generated/src")).expect("generated/src") {
+        let path = file.expect("a file").path();
+        let name = path
+            .file_stem()
+            .and_then(|name| name.to_str())
+            .expect("a name");
+        let listed = text.contains(&format!("gelenk_generated::{name}:"));
+        let checked = text.contains(&format!("$check(\"{name}\""));
+        assert!(name == "lib" || (listed && checked), "{name}");
+    }
+}
+
+/// The runtime has the generator's texts, for modules without these functions.
+#[test]
+fn generator_and_runtime_have_the_same_texts() {
+    for file in [
+        "sums",
+        "halves",
+        "zero_order_hold",
+        "runge_kutta",
+        "sensitivities",
+    ] {
+        let text = |folder: &str| {
+            let path = workspace().join(folder).join(format!("{file}.rs"));
+            std::fs::read_to_string(&path)
+                .unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+        };
+        let ours = text("codegen/src/discrete_time");
+        assert_eq!(
+            ours,
+            text("runtime/src/dynamics/discrete_time"),
+            "{file}.rs"
+        );
+    }
+}
