@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// As fast as a motion within 60 % of 25 rpm, from leaning to leaning over the top.
 fn rest_to_rest(folder: &Folder) -> Result<(), Box<dyn Error>> {
     let speeds = [0.6 * 2.618; 2];
-    let motion = RestToRest::within([-0.6, -0.8], [0.7, 0.5], &speeds, &[4.0; 2], 0.1)?;
+    let motion = RestToRest::within([-0.6, -0.4], [0.7, 0.5], &speeds, &[4.0; 2], 0.1)?;
     report("rest to rest", &motion)?;
     folder.plot(
         "rest_to_rest.svg",

@@ -37,7 +37,7 @@ pub enum FeedForwardError {
          than the tolerance of {tolerance}; let this coordinate move as its equation of motion demands"
     )]
     Infeasible {
-        /// Where the residual is largest [s].
+        /// Where the residual is largest (s).
         time: f64,
         /// The coordinate with the largest residual.
         coordinate: usize,
@@ -49,7 +49,7 @@ pub enum FeedForwardError {
     /// Positions, velocities or the equations of motion are not finite.
     #[error("at {time} s the trajectory or the equations of motion are not finite")]
     NotFinite {
-        /// When [s].
+        /// When (s).
         time: f64,
     },
     /// The sampling period is not positive and finite.

@@ -6,7 +6,7 @@ use thiserror::Error;
 
 /// Disagreement above which a pose function is not that of the geometry found [m, 1].
 const TOLERANCE: f64 = 1e-9;
-/// Turn of one joint that shows its axis [rad].
+/// Turn of one joint that shows its axis (rad).
 const PROBE: f64 = 1.0;
 
 /// Why a pose function is not that of an arm that can be inverted here.
@@ -31,7 +31,7 @@ pub enum GeometryError {
         "the axes of the last three joints miss a common point by {distance} m: no spherical wrist"
     )]
     NoSphericalWrist {
-        /// Largest distance of an axis from the point [m].
+        /// Largest distance of an axis from the point (m).
         distance: f64,
     },
     /// The second and third axes are not parallel, or the first is parallel to them.

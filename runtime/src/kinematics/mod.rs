@@ -12,7 +12,7 @@ pub use spherical_wrist::{
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Position [m] and rotation matrix (columns are the frame's axes) of a frame in the base frame: what generated pose functions return.
+/// Position (m) and rotation matrix (columns are the frame's axes) of a frame in the base frame: what generated pose functions return.
 pub type Pose = ([f64; 3], [[f64; 3]; 3]);
 
 fn vector(p: &[f64; 3]) -> Vector3<f64> {

@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{PI, TAU};
 use thiserror::Error;
 
-/// Distances [m] and deviations of directions below this are none.
+/// Distances (m) and deviations of directions below this are none.
 const GEOMETRY: f64 = 1e-8;
 /// Part of its largest value below which the lever of a joint counts as vanished. There two solutions fall together or a joint is free.
 const SINGULAR: f64 = 1e-6;
@@ -42,7 +42,7 @@ pub struct Branch {
 /// Joint angles that reach a pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Solution {
-    /// The angles [rad], each the nearest to the given ones among those that differ by full turns.
+    /// The angles (rad), each the nearest to the given ones among those that differ by full turns.
     pub positions: [f64; 6],
     /// Its branch.
     pub branch: Branch,
@@ -72,9 +72,9 @@ pub enum KinematicsError {
         "the wrist's centre would lie {distance} m from the first axis; the arm cannot come closer than {least} m"
     )]
     TooCloseToFirstAxis {
-        /// Its distance [m].
+        /// Its distance (m).
         distance: f64,
-        /// What the arm's sideways offset demands [m].
+        /// What the arm's sideways offset demands (m).
         least: f64,
     },
     /// The wrist's centre would be too far from, or too close to, the second axis.
@@ -82,11 +82,11 @@ pub enum KinematicsError {
         "the wrist's centre would lie {distance} m from the second axis; the arm reaches {least} to {most} m"
     )]
     OutOfReach {
-        /// Its distance across that axis [m].
+        /// Its distance across that axis (m).
         distance: f64,
-        /// The shortest [m].
+        /// The shortest (m).
         least: f64,
-        /// The longest [m].
+        /// The longest (m).
         most: f64,
     },
     /// No fifth angle gives the orientation: axes of the wrist that are not at right angles cannot turn everywhere.
@@ -104,7 +104,7 @@ pub enum KinematicsError {
     Limits {
         /// The joint that is beyond its limit in the best solution.
         joint: usize,
-        /// By how much [rad].
+        /// By how much (rad).
         excess: f64,
     },
 }
@@ -156,7 +156,7 @@ impl InverseKinematics {
         best
     }
 
-    /// The closest to `positions` among those within `limits` [rad]; angles may be moved by full turns to get there.
+    /// The closest to `positions` among those within `limits` (rad); angles may be moved by full turns to get there.
     ///
     /// # Errors
     /// [`KinematicsError::Limits`].

@@ -125,7 +125,7 @@ impl<const N: usize> Integrator<N> {
         Self { method, step: 1e-3 }
     }
 
-    /// From `start` to `end` [s], or to the first event of `flow`.
+    /// From `start` to `end` (s), or to the first event of `flow`.
     ///
     /// # Errors
     /// Why it cannot go on.

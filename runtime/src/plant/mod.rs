@@ -30,7 +30,7 @@ const BRAKE_RESERVE: f64 = 2.0;
 /// What the encoders said last.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measurement<const N: usize> {
-    /// When it was measured [s]. Older than the plant's time where a measurement was lost.
+    /// When it was measured (s). Older than the plant's time where a measurement was lost.
     pub time: f64,
     /// Positions of the joints [rad or m], rounded and noisy as the encoders make them.
     pub positions: [f64; N],
@@ -57,7 +57,7 @@ pub struct Plant<D, const N: usize, const M: usize> {
     brake_torque: [f64; N],
     brakes_engaged: bool,
     integrator: Integrator<N>,
-    /// Since the last reset [s].
+    /// Since the last reset (s).
     time: f64,
     motion: Motion<N>,
     measurement: Measurement<N>,
@@ -152,7 +152,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
         self.measurement
     }
 
-    /// Sends `inputs` and moves on by `period` [s] with the ones that arrive: the same, or with a delay those sent `delay` periods ago.
+    /// Sends `inputs` and moves on by `period` (s) with the ones that arrive: the same, or with a delay those sent `delay` periods ago.
     /// While brakes are engaged the drives are off.
     ///
     /// # Errors
@@ -173,7 +173,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
         self.advance(period)
     }
 
-    /// Moves on by `period` [s] without a new input: what was received last is held. Inputs under way stay under way.
+    /// Moves on by `period` (s) without a new input: what was received last is held. Inputs under way stay under way.
     ///
     /// # Errors
     /// [`PlantError::Period`], [`PlantError::Integration`]; the plant then has not moved.
@@ -204,7 +204,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
         (self.motion.positions, self.motion.velocities)
     }
 
-    /// Time since the last reset [s].
+    /// Time since the last reset (s).
     #[must_use]
     pub fn time(&self) -> f64 {
         self.time

@@ -154,7 +154,7 @@ pub enum PlantError {
     /// The integration cannot go on: the model's accelerations are not finite, or the steps became too many or too small.
     #[error("the integration stopped at {time} s: {reason}")]
     Integration {
-        /// Time of the plant [s].
+        /// Time of the plant (s).
         time: f64,
         /// What happened.
         reason: &'static str,

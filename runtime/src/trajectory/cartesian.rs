@@ -6,7 +6,7 @@ use crate::kinematics::{KinematicsError, Pose, Singularity, SphericalWrist};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use thiserror::Error;
 
-/// Largest step of a joint between two samples of a straight way [rad]; more is a jump to another branch or a passage by a singularity.
+/// Largest step of a joint between two samples of a straight way (rad); more is a jump to another branch or a passage by a singularity.
 const LARGEST_STEP: f64 = 0.2;
 
 /// Why a sequence of poses cannot be driven.
@@ -28,7 +28,7 @@ pub enum CartesianError {
     WayUnreachable {
         /// Index of the pose at its end.
         pose: usize,
-        /// Time since its begin [s].
+        /// Time since its begin (s).
         time: f64,
         /// Why not.
         source: KinematicsError,
@@ -40,7 +40,7 @@ pub enum CartesianError {
     Singular {
         /// Index of the pose at its end.
         pose: usize,
-        /// Time since its begin [s].
+        /// Time since its begin (s).
         time: f64,
         /// Which one.
         singularity: Singularity,
@@ -52,16 +52,16 @@ pub enum CartesianError {
     Jump {
         /// Index of the pose at its end.
         pose: usize,
-        /// Time since its begin [s].
+        /// Time since its begin (s).
         time: f64,
         /// The joint.
         joint: usize,
-        /// Its step [rad].
+        /// Its step (rad).
         step: f64,
     },
 }
 
-/// Joint angles for `poses`, each the closest solution to the one before and within `limits` [rad]; the first the closest to `start`.
+/// Joint angles for `poses`, each the closest solution to the one before and within `limits` (rad); the first the closest to `start`.
 ///
 /// # Errors
 /// [`CartesianError::Unreachable`]. Singular poses are no error: the joints that are free stay where they were.
@@ -101,7 +101,7 @@ pub fn pose_sequence(
 }
 
 /// Rest to rest from pose to pose, straight in space: the frame's origin moves on a line and the frame turns about one axis, both with the course
-/// s(t/T) of [`RestToRest`], in `durations` [s]. Joint positions every `period` [s] come from the inverse kinematics, velocities and accelerations
+/// s(t/T) of [`RestToRest`], in `durations` (s). Joint positions every `period` (s) come from the inverse kinematics, velocities and accelerations
 /// from the Jacobian: `ẏ = J⁻¹ V`, `ÿ = J⁻¹ (A − J̇ ẏ)`. The first pose is the one of `start`.
 ///
 /// # Errors

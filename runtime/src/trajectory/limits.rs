@@ -37,11 +37,11 @@ pub struct Violation {
     pub quantity: Quantity,
     /// Of which coordinate or input.
     pub index: usize,
-    /// First and last sample beyond the limit [s].
+    /// First and last sample beyond the limit (s).
     pub from: f64,
     /// See `from`.
     pub to: f64,
-    /// When it is furthest beyond [s].
+    /// When it is furthest beyond (s).
     pub worst_time: f64,
     /// The value there.
     pub value: f64,
@@ -80,7 +80,7 @@ pub enum CheckError {
 /// Force on a passive coordinate that counts as none [N m or N].
 const FEASIBLE: f64 = 1e-6;
 
-/// Where `trajectory`, seen every `period` [s], breaks position, speed and torque limits of `model`; empty where it keeps them all. Torques are
+/// Where `trajectory`, seen every `period` (s), breaks position, speed and torque limits of `model`; empty where it keeps them all. Torques are
 /// those of the feed-forward.
 ///
 /// # Errors

@@ -57,10 +57,10 @@ impl<const N: usize> Sample<N> {
 
 /// A motion from time 0 to [`duration`](Self::duration).
 pub trait Trajectory<const N: usize> {
-    /// Its length [s].
+    /// Its length (s).
     fn duration(&self) -> f64;
 
-    /// Desired state at `t` [s]. Before the start and after the end the robot rests at the first or last position; a time that is NaN counts
+    /// Desired state at `t` (s). Before the start and after the end the robot rests at the first or last position; a time that is NaN counts
     /// as before the start.
     fn sample(&self, t: f64) -> Sample<N>;
 }

@@ -6,12 +6,12 @@ use super::{RestToRest, Sample, Trajectory, TrajectoryError, require_positive};
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointSequence<const N: usize> {
     pieces: Vec<RestToRest<N>>,
-    /// When each piece begins [s]; the last entry is the end.
+    /// When each piece begins (s); the last entry is the end.
     times: Vec<f64>,
 }
 
 impl<const N: usize> PointSequence<N> {
-    /// Through `points` [rad or m], each way as fast as `speeds` and `accelerations` allow (see [`RestToRest::within`]), resting `dwell` ≥ 0 [s] at
+    /// Through `points` [rad or m], each way as fast as `speeds` and `accelerations` allow (see [`RestToRest::within`]), resting `dwell` ≥ 0 (s) at
     /// every point between.
     ///
     /// # Errors
@@ -29,7 +29,7 @@ impl<const N: usize> PointSequence<N> {
         Self::chain(pieces, points.len(), dwell)
     }
 
-    /// Through `points`, each way in the time of `durations` [s].
+    /// Through `points`, each way in the time of `durations` (s).
     ///
     /// # Errors
     /// Fewer than two points, not one duration for each way; as [`RestToRest::new`]; a dwell that is negative or not finite.
@@ -79,14 +79,14 @@ impl<const N: usize> PointSequence<N> {
         Ok(Self { pieces, times })
     }
 
-    /// When the way to each point begins, and the end [s].
+    /// When the way to each point begins, and the end (s).
     #[must_use]
     pub fn times(&self) -> &[f64] {
         &self.times
     }
 }
 
-/// Length of a way between two equal points [s].
+/// Length of a way between two equal points (s).
 const SHORTEST: f64 = 1e-3;
 
 impl<const N: usize> Trajectory<N> for PointSequence<N> {

@@ -66,7 +66,7 @@ const PEAK_SPEED: f64 = 15.0 / 8.0;
 const PEAK_ACCELERATION: f64 = 5.773_502_691_896_258; // 10/√3
 
 impl<const N: usize> RestToRest<N> {
-    /// From `start` to `end` [rad or m] in `duration` [s].
+    /// From `start` to `end` [rad or m] in `duration` (s).
     ///
     /// # Errors
     /// Numbers that are not finite, a duration that is not positive.
@@ -81,7 +81,7 @@ impl<const N: usize> RestToRest<N> {
         })
     }
 
-    /// The fastest one that keeps within speeds and accelerations (infinite: no limit), and takes at least `shortest` [s].
+    /// The fastest one that keeps within speeds and accelerations (infinite: no limit), and takes at least `shortest` (s).
     ///
     /// # Errors
     /// As [`RestToRest::new`]; limits that are not positive.

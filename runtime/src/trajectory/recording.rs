@@ -10,7 +10,7 @@ const TIME_TOLERANCE: f64 = 1e-3;
 /// Names of the columns of a file, one position and at most one velocity for each coordinate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Columns<'c, const N: usize> {
-    /// Times [s].
+    /// Times (s).
     pub time: &'c str,
     /// Positions [rad or m].
     pub positions: [&'c str; N],
@@ -31,7 +31,7 @@ pub struct Recording<const N: usize> {
 pub struct Inconsistency {
     /// The sample before the step.
     pub sample: usize,
-    /// Its time [s].
+    /// Its time (s).
     pub time: f64,
     /// The coordinate.
     pub coordinate: usize,
@@ -40,7 +40,7 @@ pub struct Inconsistency {
 }
 
 impl<const N: usize> Recording<N> {
-    /// Checks and keeps samples `period` [s] apart.
+    /// Checks and keeps samples `period` (s) apart.
     ///
     /// # Errors
     /// Fewer than three samples, another number of velocities than of positions, numbers that are not finite, a period that is not positive.
@@ -160,7 +160,7 @@ impl<const N: usize> Recording<N> {
         Self::new(period, y, velocities.is_some().then_some(v))
     }
 
-    /// Time between two samples [s].
+    /// Time between two samples (s).
     #[must_use]
     pub fn period(&self) -> f64 {
         self.period

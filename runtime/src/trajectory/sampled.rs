@@ -12,7 +12,7 @@ pub struct Sampled<const N: usize> {
 }
 
 impl<const N: usize> Sampled<N> {
-    /// The motion through `samples`, `period` [s] apart. Positions, velocities and accelerations must already agree; see the smoothing of
+    /// The motion through `samples`, `period` (s) apart. Positions, velocities and accelerations must already agree; see the smoothing of
     /// this module for those that do not.
     ///
     /// # Errors
@@ -37,7 +37,7 @@ impl<const N: usize> Sampled<N> {
         Ok(Self { samples, period })
     }
 
-    /// Another trajectory, sampled at `period` [s]; its last sample is at or after the end.
+    /// Another trajectory, sampled at `period` (s); its last sample is at or after the end.
     ///
     /// # Errors
     /// As [`Sampled::new`].
@@ -56,7 +56,7 @@ impl<const N: usize> Sampled<N> {
         &self.samples
     }
 
-    /// Time between two samples [s].
+    /// Time between two samples (s).
     #[must_use]
     pub fn period(&self) -> f64 {
         self.period

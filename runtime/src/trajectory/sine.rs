@@ -24,9 +24,9 @@ pub struct IdentificationSine<const N: usize> {
     pub first_frequency: [f64; N],
     /// ω_1 [rad/s].
     pub last_frequency: [f64; N],
-    /// T, length of the sine [s].
+    /// T, length of the sine (s).
     pub sine_duration: f64,
-    /// T_in, length of the run-in, and of the run-out [s].
+    /// T_in, length of the run-in, and of the run-out (s).
     pub run_in: f64,
 }
 

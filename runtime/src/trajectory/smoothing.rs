@@ -7,9 +7,9 @@ use nalgebra::{Matrix3, Vector3};
 /// How [`Recording::smoothed`] weighs samples and smoothness.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Smoothing {
-    /// τ [s]: what happens faster is smoothed away; 1 to 20 periods.
+    /// τ (s): what happens faster is smoothed away; 1 to 20 periods.
     pub time_constant: f64,
-    /// ρ [s]: time in which the motion, following the velocities, returns to positions that contradict them; at least τ. Without meaning for a
+    /// ρ (s): time in which the motion, following the velocities, returns to positions that contradict them; at least τ. Without meaning for a
     /// recording without velocities.
     pub correction_time: f64,
 }
