@@ -40,7 +40,7 @@ impl<const N: usize, const M: usize> Linearization<N, M> {
         })
     }
 
-    /// Exact solution over a period [s] in which the inputs are held: the zero-order hold. What
+    /// Exact solution over a period (s) in which the inputs are held: the zero-order hold. What
     /// [`Discretizable::discretize`](super::Discretizable::discretize) says of its error holds here.
     #[must_use]
     pub fn discretize(&self, period: f64) -> Discretization<N, M> {

@@ -25,7 +25,7 @@ pub struct ExcitationLimits {
 /// Settings of the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Excitation {
-    /// Period T of the motion [s]; ω = 2π/T.
+    /// Period T of the motion (s); ω = 2π/T.
     pub period: f64,
     /// Number of harmonics.
     pub harmonics: usize,
@@ -55,7 +55,7 @@ impl Default for Excitation {
 /// A periodic motion of `N` joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FourierMotion<const N: usize> {
-    /// T [s].
+    /// T (s).
     pub period: f64,
     /// cᵢ.
     pub center: [f64; N],

@@ -15,7 +15,7 @@ pub struct Motion<'a, const N: usize, const M: usize> {
     pub velocities: [&'a [f64]; N],
     /// ÿ.
     pub accelerations: [&'a [f64]; N],
-    /// u, motor torques [N·m] or forces [N].
+    /// u, motor torques (N m) or forces (N).
     pub inputs: [&'a [f64]; M],
 }
 
