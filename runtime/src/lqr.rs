@@ -4,12 +4,14 @@
 //!     P = Q + AᵀPA − AᵀPB (R + BᵀPB)⁻¹ BᵀPA        K = −(R + BᵀPB)⁻¹ BᵀPA        u = K x
 //! ```
 //!
-//! The equation is solved by the structure-preserving doubling algorithm, which converges quadratically, and its solution is then passed through the
-//! Riccati recursion of the QP ([`crate::qp`]), whose gain is returned: the residual of the equation is what that last step changes.
+//! The equation is solved by the structure-preserving doubling algorithm, which converges quadratically, and its solution is then refined by the
+//! Riccati recursion of the QP ([`crate::qp`]), whose gain is returned: weights far apart cost the doubling digits, and the recursion, which
+//! contracts by the closed loop, wins them back. The residual of the equation is what its last step changes.
 //!
 //! Sources: Anderson, Moore, *Optimal Control: Linear Quadratic Methods*, 1990, chapters 2 and 4; Chu, Fan, Lin, Wang, *Structure-preserving
 //! algorithms for periodic discrete-time algebraic Riccati equations*, Int. J. Control 77 (2004), section 2.
 
+use crate::qp::lanes::Portable;
 use crate::qp::riccati::Riccati;
 use crate::qp::{MAX_HORIZON, MAX_SIZE};
 use nalgebra::SMatrix;
@@ -17,6 +19,8 @@ use std::fmt;
 
 /// Doublings after which a Riccati equation without a stabilizing solution is given up; each squares the closed loop.
 const MAX_DOUBLINGS: usize = 60;
+/// Steps of the recursion after the doubling, at most.
+const MAX_REFINEMENTS: usize = 50;
 /// Largest residual of the Riccati equation, relative to P.
 const RESIDUAL: f64 = 1e-9;
 
@@ -87,16 +91,31 @@ impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
         if !states.chain(inputs).all(|v| v.is_finite()) {
             return Err(LqrError::NotFinite);
         }
-        let p = doubling(state_matrix, input_matrix, state_weight, input_weight)?;
+        let mut p = doubling(state_matrix, input_matrix, state_weight, input_weight)?;
         let mut last = TimeVaryingLqr::new(1)?;
         last.set_stage(0, state_matrix, input_matrix);
-        last.solve(state_weight, input_weight, &p)
-            .map_err(|_| LqrError::NotStabilizable(f64::NAN))?;
-        let (gain, cost_to_go) = (last.gain(0), last.cost_to_go());
-        let size = largest(&cost_to_go).max(f64::MIN_POSITIVE);
-        let residual = largest::<NX, NX>(&core::array::from_fn(|i| {
-            core::array::from_fn(|j| cost_to_go[i][j] - p[i][j])
-        })) / size;
+        let (mut gain, mut cost_to_go, mut residual) = ([[0.0; NX]; NU], p, f64::INFINITY);
+        for _ in 0..MAX_REFINEMENTS {
+            last.solve(state_weight, input_weight, &p)
+                .map_err(|_| LqrError::NotStabilizable(f64::NAN))?;
+            let k = last.gain(0);
+            let next = closed_loop_cost(
+                state_matrix,
+                input_matrix,
+                state_weight,
+                input_weight,
+                &k,
+                &p,
+            );
+            let change = distance(&next, &p);
+            // Written so that NaN ends it.
+            let better = change < 0.9 * residual;
+            if !better {
+                break;
+            }
+            (gain, cost_to_go, residual) = (k, next, change);
+            p = next;
+        }
         // Written so that NaN counts as failure.
         let solved = residual <= RESIDUAL && is_stable(state_matrix, input_matrix, &gain);
         if solved {
@@ -121,7 +140,7 @@ impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
 #[derive(Debug, Clone)]
 pub struct TimeVaryingLqr<const NX: usize, const NU: usize> {
     horizon: usize,
-    riccati: Riccati<NX, NU>,
+    riccati: Riccati<Portable, NX, NU>,
 }
 
 impl<const NX: usize, const NU: usize> TimeVaryingLqr<NX, NU> {
@@ -194,6 +213,30 @@ fn largest<const R: usize, const C: usize>(m: &[[f64; C]; R]) -> f64 {
             max.max(v.abs())
         }
     })
+}
+
+/// `Q + KᵀRK + (A + BK)ᵀ P (A + BK)`: the right-hand side of the equation at its optimal gain, without the cancellation of the usual form, to which an
+/// error of K contributes in second order only (Anderson, Moore 1990, section 3.3).
+fn closed_loop_cost<const NX: usize, const NU: usize>(
+    a: &[[f64; NX]; NX],
+    b: &[[f64; NU]; NX],
+    q: &[[f64; NX]; NX],
+    r: &[[f64; NU]; NU],
+    k: &[[f64; NX]; NU],
+    p: &[[f64; NX]; NX],
+) -> [[f64; NX]; NX] {
+    let (k, p) = (matrix(k), matrix(p));
+    let closed = matrix(a) + matrix(b) * k;
+    let cost = matrix(q) + k.transpose() * matrix(r) * k + closed.transpose() * p * closed;
+    core::array::from_fn(|i| core::array::from_fn(|j| 0.5 * (cost[(i, j)] + cost[(j, i)])))
+}
+
+/// Largest difference, relative to the largest entry of the first.
+fn distance<const N: usize>(a: &[[f64; N]; N], b: &[[f64; N]; N]) -> f64 {
+    let size = largest(a).max(f64::MIN_POSITIVE);
+    largest::<N, N>(&core::array::from_fn(|i| {
+        core::array::from_fn(|j| a[i][j] - b[i][j])
+    })) / size
 }
 
 fn matrix<const R: usize, const C: usize>(rows: &[[f64; C]; R]) -> SMatrix<f64, R, C> {

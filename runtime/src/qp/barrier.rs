@@ -13,12 +13,12 @@
 //! Source: Wright, *Primal-Dual Interior-Point Methods*, SIAM 1997, chapters 1 and 10; the elimination of soft bounds as in
 //! Frison, Diehl, *HPIPM*, IFAC 2020, section 3.
 
-use super::lanes::{Lane, WIDTH, largest};
+use super::lanes::{Vector, WIDTH, flat, flat_mut, largest};
 
 /// Bounds that are closer to each other are treated as this far apart when the method starts.
 const MIN_WIDTH: f64 = 1e-6;
 
-const VIOLATION_SHARE: Lane = Lane::new([0.1; WIDTH]);
+const VIOLATION_SHARE: f64 = 0.1;
 
 /// Bounds that are closer (relative to their size if that exceeds 1), equal ones above all, are moved apart by this much: an interior-point method
 /// needs an interior. It stays below the violation that is allowed to hard bounds, and inputs are clipped to the true bounds in the end.
@@ -26,58 +26,58 @@ const LEAST_WIDTH: f64 = 1e-9;
 
 /// One side of four bounds.
 #[derive(Debug, Clone, Copy)]
-struct Side {
+struct Side<V> {
     /// Bound, and 1 where it is finite, 0 elsewhere (the bound is then stored as 0, slack and multiplier stay 1).
-    bound: Lane,
-    active: Lane,
-    slack: Lane,
-    multiplier: Lane,
+    bound: V,
+    active: V,
+    slack: V,
+    multiplier: V,
     /// Primal residual `r`.
-    residual: Lane,
+    residual: V,
     /// `W`, `1/s`, `1/λ` of the present iterate.
-    weight: Lane,
-    inverse_slack: Lane,
-    inverse_multiplier: Lane,
+    weight: V,
+    inverse_slack: V,
+    inverse_multiplier: V,
     /// `1/s̃` and `s̃ − s`: the slack of the Newton system, `s̃ = max(s, λ/W_max)`, see [`Bounds::cap_weights`].
-    inverse_damped: Lane,
-    excess: Lane,
+    inverse_damped: V,
+    excess: V,
     /// Steps; after the predictor the affine ones.
-    ds: Lane,
-    dl: Lane,
+    ds: V,
+    dl: V,
 }
 
 /// What a soft bound has beyond a hard one.
 #[derive(Debug, Clone, Copy)]
-struct Softening {
+struct Softening<V> {
     /// 1 where the bound is soft, 0 where it is hard.
-    active: Lane,
+    active: V,
     /// 1 where the bound is hard but softened by [`Bounds::soften`].
-    relaxed: Lane,
-    w1: Lane,
-    w2: Lane,
-    t: Lane,
-    nu: Lane,
+    relaxed: V,
+    w1: V,
+    w2: V,
+    t: V,
+    nu: V,
     /// `D` and `1/Δ`.
-    d: Lane,
-    inverse_delta: Lane,
-    inverse_t: Lane,
-    inverse_nu: Lane,
-    dt: Lane,
-    dnu: Lane,
+    d: V,
+    inverse_delta: V,
+    inverse_t: V,
+    inverse_nu: V,
+    dt: V,
+    dnu: V,
 }
 
 /// Sums and maxima over the bounds, gathered by the passes below.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Tally {
-    sum: Lane,
-    max: Lane,
+pub(super) struct Tally<V> {
+    sum: V,
+    max: V,
 }
 
-impl Tally {
+impl<V: Vector> Tally<V> {
     pub(super) fn new() -> Self {
         Self {
-            sum: Lane::ZERO,
-            max: Lane::ZERO,
+            sum: V::zero(),
+            max: V::zero(),
         }
     }
     #[inline(always)]
@@ -90,10 +90,10 @@ impl Tally {
     }
 }
 
-impl Default for Side {
+impl<V: Vector> Default for Side<V> {
     /// An inert bound: slack and multiplier 1 keep the arithmetic finite.
     fn default() -> Self {
-        let (zero, one) = (Lane::ZERO, Lane::ONE);
+        let (zero, one) = (V::zero(), V::one());
         Self {
             bound: zero,
             active: zero,
@@ -111,10 +111,10 @@ impl Default for Side {
     }
 }
 
-impl Default for Softening {
+impl<V: Vector> Default for Softening<V> {
     /// A hard bound: t and ν of 1 keep the arithmetic finite.
     fn default() -> Self {
-        let (zero, one) = (Lane::ZERO, Lane::ONE);
+        let (zero, one) = (V::zero(), V::one());
         Self {
             active: zero,
             relaxed: zero,
@@ -133,9 +133,9 @@ impl Default for Softening {
 }
 
 /// The arithmetic of one side; `SOFT` tells whether `soft` counts, `UPPER` which side it is.
-impl Side {
+impl<V: Vector> Side<V> {
     #[inline(always)]
-    fn signed<const UPPER: bool>(v: Lane) -> Lane {
+    fn signed<const UPPER: bool>(v: V) -> V {
         if UPPER { -v } else { v }
     }
 
@@ -143,20 +143,20 @@ impl Side {
     #[inline(always)]
     fn linearize<const UPPER: bool, const SOFT: bool>(
         &mut self,
-        soft: &mut Softening,
-        z: Lane,
-        cap: [Lane; 2],
-        tally: &mut Tally,
-    ) -> Lane {
+        soft: &mut Softening<V>,
+        z: V,
+        cap: [V; 2],
+        tally: &mut Tally<V>,
+    ) -> V {
         let (s, l) = (self.slack, self.multiplier);
         let product = s * l;
-        let inverse = Lane::ONE / product;
+        let inverse = V::one() / product;
         self.inverse_slack = l * inverse;
         self.inverse_multiplier = s * inverse;
         self.inverse_damped = self
             .inverse_slack
             .fast_min(cap[0] * self.inverse_multiplier);
-        self.excess = (l * cap[1] - s).fast_max(Lane::ZERO);
+        self.excess = (l * cap[1] - s).fast_max(V::zero());
         tally.sum = product.mul_add(self.active, tally.sum);
         let gap = Self::signed::<UPPER>(z - self.bound) - s;
         if SOFT {
@@ -173,7 +173,7 @@ impl Side {
 
     /// `λ + dλ` of the affine step at `dz = 0`.
     #[inline(always)]
-    fn base<const SOFT: bool>(&self, soft: &Softening) -> Lane {
+    fn base<const SOFT: bool>(&self, soft: &Softening<V>) -> V {
         if SOFT {
             let (l, t) = (self.multiplier, soft.active * soft.t);
             return self.active
@@ -189,10 +189,10 @@ impl Side {
     #[inline(always)]
     fn steps<const UPPER: bool, const SOFT: bool>(
         &mut self,
-        soft: &mut Softening,
-        dz: Lane,
-        rc1: Lane,
-        rc2: Lane,
+        soft: &mut Softening<V>,
+        dz: V,
+        rc1: V,
+        rc2: V,
     ) {
         let (s, l) = (self.slack + self.excess, self.multiplier);
         let rho = self.active * (Self::signed::<UPPER>(dz) + self.residual);
@@ -212,7 +212,7 @@ impl Side {
 
     /// Largest `−ds/s`, `−dλ/λ`, `−dt/t`, `−dν/ν`: the inverse of the step to the boundary.
     #[inline(always)]
-    fn inverse_step<const SOFT: bool>(&self, soft: &Softening, max: Lane) -> Lane {
+    fn inverse_step<const SOFT: bool>(&self, soft: &Softening<V>, max: V) -> V {
         let max = max
             .fast_max(-(self.ds * self.inverse_slack))
             .fast_max(-(self.dl * self.inverse_multiplier));
@@ -227,9 +227,9 @@ impl Side {
     #[inline(always)]
     fn predictor<const UPPER: bool, const SOFT: bool>(
         &mut self,
-        soft: &mut Softening,
-        dz: Lane,
-        tally: &mut Tally,
+        soft: &mut Softening<V>,
+        dz: V,
+        tally: &mut Tally<V>,
     ) {
         self.steps::<UPPER, SOFT>(soft, dz, self.slack * self.multiplier, soft.t * soft.nu);
         tally.max = self.inverse_step::<SOFT>(soft, tally.max);
@@ -241,7 +241,7 @@ impl Side {
 
     /// `λ + dλ` at `dz = 0` with centring and second-order correction.
     #[inline(always)]
-    fn centred<const SOFT: bool>(&self, soft: &Softening, target: Lane, correction: Lane) -> Lane {
+    fn centred<const SOFT: bool>(&self, soft: &Softening<V>, target: V, correction: V) -> V {
         let lift = target - correction * self.ds * self.dl;
         if SOFT {
             let soft_lift = soft.active * (target - correction * soft.dt * soft.dnu);
@@ -254,10 +254,10 @@ impl Side {
     #[inline(always)]
     fn corrector<const UPPER: bool, const SOFT: bool>(
         &mut self,
-        soft: &mut Softening,
-        dz: Lane,
-        target: [Lane; 2],
-        tally: &mut Tally,
+        soft: &mut Softening<V>,
+        dz: V,
+        target: [V; 2],
+        tally: &mut Tally<V>,
     ) {
         let [target, correction] = target;
         let rc1 = self.slack * self.multiplier - target + correction * self.ds * self.dl;
@@ -267,17 +267,17 @@ impl Side {
     }
 
     #[inline(always)]
-    fn start<const SOFT: bool>(&mut self, soft: &mut Softening, gap: Lane, least: Lane, mu: Lane) {
-        let inert = Lane::ONE - self.active;
+    fn start<const SOFT: bool>(&mut self, soft: &mut Softening<V>, gap: V, least: V, mu: V) {
+        let inert = V::one() - self.active;
         let mut slack = gap.fast_max(least);
         let mut multiplier = mu / slack;
         if SOFT {
-            let hard = Lane::ONE - soft.active;
+            let hard = V::one() - soft.active;
             soft.t = soft.active * (least - gap).fast_max(least) + hard;
             slack = soft.active * (gap + soft.t) + hard * slack;
             multiplier = mu / slack;
             multiplier =
-                soft.active * multiplier.fast_min(Lane::splat(0.5) * soft.w1) + hard * multiplier;
+                soft.active * multiplier.fast_min(V::splat(0.5) * soft.w1) + hard * multiplier;
             soft.nu = soft.active * (soft.w1 + soft.w2 * soft.t - multiplier) + hard;
         }
         self.slack = self.active * slack + inert;
@@ -285,7 +285,7 @@ impl Side {
     }
 
     #[inline(always)]
-    fn advance<const SOFT: bool>(&mut self, soft: &mut Softening, length: Lane) {
+    fn advance<const SOFT: bool>(&mut self, soft: &mut Softening<V>, length: V) {
         self.slack = self.ds.mul_add(length, self.slack);
         self.multiplier = self.dl.mul_add(length, self.multiplier);
         if SOFT {
@@ -295,84 +295,78 @@ impl Side {
     }
 }
 
-impl Softening {
+impl<V: Vector> Softening<V> {
     /// Inverses at the iterate.
     #[inline(always)]
-    fn linearize(&mut self, s: Lane, l: Lane, tally: &mut Tally) {
+    fn linearize(&mut self, s: V, l: V, tally: &mut Tally<V>) {
         let product = self.t * self.nu;
-        let inverse = Lane::ONE / product;
+        let inverse = V::one() / product;
         self.inverse_t = self.nu * inverse;
         self.inverse_nu = self.t * inverse;
         tally.sum = product.mul_add(self.active, tally.sum);
-        self.d = self.active * self.w2.mul_add(self.t, self.nu) + (Lane::ONE - self.active);
-        self.inverse_delta = Lane::ONE / (self.d * s + self.active * self.t * l);
+        self.d = self.active * self.w2.mul_add(self.t, self.nu) + (V::one() - self.active);
+        self.inverse_delta = V::one() / (self.d * s + self.active * self.t * l);
     }
 }
 
 /// All bounds of one kind of variable (inputs, or states), and the passes of an interior-point iteration over them.
 #[derive(Debug, Clone)]
-pub(super) struct Bounds {
-    sides: Vec<[Side; 2]>,
-    soft: Vec<[Softening; 2]>,
+pub(super) struct Bounds<V> {
+    sides: Vec<[Side<V>; 2]>,
+    soft: Vec<[Softening<V>; 2]>,
     /// `W_max` and its inverse.
-    cap: [Lane; 2],
+    cap: [V; 2],
 }
 
-impl Bounds {
+impl<V: Vector> Bounds<V> {
     pub(super) fn new(lanes: usize) -> Self {
         Self {
             sides: vec![Default::default(); lanes],
             soft: vec![Default::default(); lanes],
-            cap: [Lane::ONE; 2],
-        }
-    }
-
-    #[inline(always)]
-    fn each<const SOFT: bool>(
-        &mut self,
-        mut pass: impl FnMut(usize, &mut [Side; 2], &mut [Softening; 2]),
-    ) {
-        let mut unused = [Softening::default(); 2];
-        for (i, sides) in self.sides.iter_mut().enumerate() {
-            pass(i, sides, if SOFT { &mut self.soft[i] } else { &mut unused });
+            cap: [V::one(); 2],
         }
     }
 
     /// Largest diagonal term of the Newton system. Beyond it, digits of the weights would be lost beside it (`R` beside `BᵀWB`); a step that takes
     /// the slack for `λ/W_max` instead is still a Newton step to second order, since `dλ` vanishes at the optimum.
+    #[inline(always)]
     pub(super) fn cap_weights(&mut self, cap: f64) {
-        self.cap = [Lane::splat(cap), Lane::splat(1.0 / cap)];
+        self.cap = [V::splat(cap), V::splat(1.0 / cap)];
     }
 
     /// First pass: `weight` becomes the diagonal barrier term, `rhs` the gradient of the affine step. Returns `Σ sλ` and `max |r|`.
     #[inline(always)]
     pub(super) fn linearize<const SOFT: bool>(
         &mut self,
-        z: &[Lane],
-        gradient: &[Lane],
-        weight: &mut [Lane],
-        rhs: &mut [Lane],
-    ) -> Tally {
+        z: &[V],
+        gradient: &[V],
+        weight: &mut [V],
+        rhs: &mut [V],
+    ) -> Tally<V> {
         let mut tally = Tally::new();
         let cap = self.cap;
-        self.each::<SOFT>(|i, [lower, upper], [soft_lower, soft_upper]| {
+        for i in 0..self.sides.len() {
+            let ([lower, upper], [soft_lower, soft_upper]) =
+                (&mut self.sides[i], &mut self.soft[i]);
             let from_below = lower.linearize::<false, SOFT>(soft_lower, z[i], cap, &mut tally);
             let pull =
                 from_below - upper.linearize::<true, SOFT>(soft_upper, z[i], cap, &mut tally);
             weight[i] = lower.weight + upper.weight;
             rhs[i] = gradient[i] - pull;
-        });
+        }
         tally
     }
 
     /// Second pass: affine steps. Returns `Σ ds dλ` and the inverse step to the boundary.
     #[inline(always)]
-    pub(super) fn predictor<const SOFT: bool>(&mut self, dz: &[Lane]) -> Tally {
+    pub(super) fn predictor<const SOFT: bool>(&mut self, dz: &[V]) -> Tally<V> {
         let mut tally = Tally::new();
-        self.each::<SOFT>(|i, [lower, upper], [soft_lower, soft_upper]| {
+        for i in 0..self.sides.len() {
+            let ([lower, upper], [soft_lower, soft_upper]) =
+                (&mut self.sides[i], &mut self.soft[i]);
             lower.predictor::<false, SOFT>(soft_lower, dz[i], &mut tally);
             upper.predictor::<true, SOFT>(soft_upper, dz[i], &mut tally);
-        });
+        }
         tally
     }
 
@@ -380,43 +374,49 @@ impl Bounds {
     #[inline(always)]
     pub(super) fn centre<const SOFT: bool>(
         &mut self,
-        gradient: &[Lane],
+        gradient: &[V],
         target: f64,
         correction: f64,
-        rhs: &mut [Lane],
+        rhs: &mut [V],
     ) {
-        let (target, correction) = (Lane::splat(target), Lane::splat(correction));
-        self.each::<SOFT>(|i, [lower, upper], [soft_lower, soft_upper]| {
+        let (target, correction) = (V::splat(target), V::splat(correction));
+        for i in 0..self.sides.len() {
+            let ([lower, upper], [soft_lower, soft_upper]) =
+                (&mut self.sides[i], &mut self.soft[i]);
             rhs[i] = gradient[i] - lower.centred::<SOFT>(soft_lower, target, correction)
                 + upper.centred::<SOFT>(soft_upper, target, correction);
-        });
+        }
     }
 
     /// Fourth pass: the steps proper. Returns the inverse step to the boundary.
     #[inline(always)]
     pub(super) fn corrector<const SOFT: bool>(
         &mut self,
-        dz: &[Lane],
+        dz: &[V],
         target: f64,
         correction: f64,
-    ) -> Tally {
+    ) -> Tally<V> {
         let mut tally = Tally::new();
-        let target = [Lane::splat(target), Lane::splat(correction)];
-        self.each::<SOFT>(|i, [lower, upper], [soft_lower, soft_upper]| {
+        let target = [V::splat(target), V::splat(correction)];
+        for i in 0..self.sides.len() {
+            let ([lower, upper], [soft_lower, soft_upper]) =
+                (&mut self.sides[i], &mut self.soft[i]);
             lower.corrector::<false, SOFT>(soft_lower, dz[i], target, &mut tally);
             upper.corrector::<true, SOFT>(soft_upper, dz[i], target, &mut tally);
-        });
+        }
         tally
     }
 
     /// Fifth pass: the step is taken.
     #[inline(always)]
     pub(super) fn advance<const SOFT: bool>(&mut self, length: f64) {
-        let length = Lane::splat(length);
-        self.each::<SOFT>(|_, [lower, upper], [soft_lower, soft_upper]| {
+        let length = V::splat(length);
+        for i in 0..self.sides.len() {
+            let ([lower, upper], [soft_lower, soft_upper]) =
+                (&mut self.sides[i], &mut self.soft[i]);
             lower.advance::<SOFT>(soft_lower, length);
             upper.advance::<SOFT>(soft_upper, length);
-        });
+        }
     }
 
     /// Bounds of number `i` of the padded variables, made inert where infinite, and the penalty weights `(w₁, w₂)` if it is soft.
@@ -432,28 +432,30 @@ impl Bounds {
         for (side, bound) in [(0, lower), (1, upper)] {
             let finite = bound.is_finite();
             let s = &mut self.sides[lane][side];
-            s.bound.as_mut_array()[i] = if finite { bound } else { 0.0 };
-            s.active.as_mut_array()[i] = f64::from(u8::from(finite));
+            flat_mut(core::slice::from_mut(&mut s.bound))[i] = if finite { bound } else { 0.0 };
+            flat_mut(core::slice::from_mut(&mut s.active))[i] = f64::from(u8::from(finite));
             if let Some((w1, w2)) = penalty {
                 let soft = &mut self.soft[lane][side];
-                soft.active.as_mut_array()[i] = f64::from(u8::from(finite));
-                soft.w1.as_mut_array()[i] = w1;
-                soft.w2.as_mut_array()[i] = w2;
+                flat_mut(core::slice::from_mut(&mut soft.active))[i] = f64::from(u8::from(finite));
+                flat_mut(core::slice::from_mut(&mut soft.w1))[i] = w1;
+                flat_mut(core::slice::from_mut(&mut soft.w2))[i] = w2;
             }
         }
     }
 
     /// Forgets all softening, before the bounds of a new problem are set.
+    #[inline(always)]
     pub(super) fn harden(&mut self) {
         self.soft.fill([Softening::default(); 2]);
     }
 
     /// Gives every bound that is still hard the penalty `linear · v`.
+    #[inline(always)]
     pub(super) fn soften(&mut self, linear: f64) {
         for (sides, soft) in self.sides.iter().zip(&mut self.soft) {
             for (side, soft) in sides.iter().zip(soft) {
-                let hard = side.active * (Lane::ONE - soft.active);
-                soft.w1 = (Lane::ONE - hard) * soft.w1 + hard * Lane::splat(linear);
+                let hard = side.active * (V::one() - soft.active);
+                soft.w1 = (V::one() - hard) * soft.w1 + hard * V::splat(linear);
                 soft.active = side.active;
                 soft.relaxed = hard;
             }
@@ -461,29 +463,30 @@ impl Bounds {
     }
 
     /// Number of complementarity pairs.
+    #[inline(always)]
     pub(super) fn count(&self) -> f64 {
-        let sides = self.sides.iter().flatten().map(|s| s.active);
-        let soft = self.soft.iter().flatten().map(|s| s.active);
-        sides
-            .chain(soft)
-            .fold(Lane::ZERO, |sum, a| sum + a)
-            .reduce_add()
+        let mut sum = V::zero();
+        for (sides, soft) in self.sides.iter().zip(&self.soft) {
+            for side in 0..2 {
+                sum += sides[side].active + soft[side].active;
+            }
+        }
+        sum.reduce_add()
     }
 
     /// Largest violation of a bound by `z`, of the hard bounds alone if `hard`; 0 if all are kept.
     #[inline(always)]
-    pub(super) fn violation(&self, z: &[Lane], hard: bool) -> f64 {
-        let mut max = Lane::ZERO;
+    pub(super) fn violation(&self, z: &[V], hard: bool) -> f64 {
+        let mut max = V::zero();
         for (i, ([lower, upper], z)) in self.sides.iter().zip(z).enumerate() {
             let mut excess = [
                 lower.active * (lower.bound - *z),
                 upper.active * (*z - upper.bound),
             ];
             if hard {
-                excess = core::array::from_fn(|side| {
-                    (Lane::ONE - self.soft[i][side].active + self.soft[i][side].relaxed)
-                        * excess[side]
-                });
+                for (excess, soft) in excess.iter_mut().zip(&self.soft[i]) {
+                    *excess = (V::one() - soft.active + soft.relaxed) * *excess;
+                }
             }
             max = max.fast_max(excess[0]).fast_max(excess[1]);
         }
@@ -492,20 +495,21 @@ impl Bounds {
 
     /// Projects `z` onto the bounds. Exact: what is returned equals a bound or the number given.
     #[inline(always)]
-    pub(super) fn clip(&self, z: &mut [Lane]) {
+    pub(super) fn clip(&self, z: &mut [V]) {
         for ([lower, upper], z) in self.sides.iter().zip(z) {
-            *z = lower.active * z.fast_max(lower.bound) + (Lane::ONE - lower.active) * *z;
-            *z = upper.active * z.fast_min(upper.bound) + (Lane::ONE - upper.active) * *z;
+            *z = lower.active * z.fast_max(lower.bound) + (V::one() - lower.active) * *z;
+            *z = upper.active * z.fast_min(upper.bound) + (V::one() - upper.active) * *z;
         }
     }
 
     /// Cost of the violation of soft bounds by `z`.
-    pub(super) fn penalty(&self, z: &[Lane]) -> f64 {
-        let mut sum = Lane::ZERO;
+    #[inline(always)]
+    pub(super) fn penalty(&self, z: &[V]) -> f64 {
+        let mut sum = V::zero();
         for (([lower, upper], soft), z) in self.sides.iter().zip(&self.soft).zip(z) {
             for (soft, excess) in soft.iter().zip([lower.bound - *z, *z - upper.bound]) {
-                let v = (soft.active - soft.relaxed) * excess.fast_max(Lane::ZERO);
-                sum += v * (soft.w1 + soft.w2 * v * Lane::splat(0.5));
+                let v = (soft.active - soft.relaxed) * excess.fast_max(V::zero());
+                sum += v * (soft.w1 + soft.w2 * v * V::splat(0.5));
             }
         }
         sum.reduce_add()
@@ -513,80 +517,98 @@ impl Bounds {
 
     /// The point to start from: slacks as the variables `z` have them but at least `share` of the distance between the bounds (of 1 + |z| for a
     /// one-sided bound), multipliers `μ/s`, soft bounds primal feasible.
-    pub(super) fn start<const SOFT: bool>(&mut self, z: &[Lane], mu: f64, share: f64) {
-        let mu = Lane::splat(mu);
-        self.each::<SOFT>(|i, [lower, upper], [soft_lower, soft_upper]| {
+    #[inline(always)]
+    pub(super) fn start<const SOFT: bool>(&mut self, z: &[V], mu: f64, share: f64) {
+        let mu = V::splat(mu);
+        for i in 0..self.sides.len() {
+            let ([lower, upper], [soft_lower, soft_upper]) =
+                (&mut self.sides[i], &mut self.soft[i]);
             let both = lower.active * upper.active;
             let width =
-                both * (upper.bound - lower.bound) + (Lane::ONE - both) * (Lane::ONE + z[i].abs());
-            let least = width.fast_max(Lane::splat(MIN_WIDTH)) * Lane::splat(share);
+                both * (upper.bound - lower.bound) + (V::one() - both) * (V::one() + z[i].abs());
+            let least = width.fast_max(V::splat(MIN_WIDTH)) * V::splat(share);
             let (below, above) = (z[i] - lower.bound, upper.bound - z[i]);
             // Between bounds that are close to each other beside their violation, slacks by their distance alone would be far too small.
-            let least = least.fast_max(VIOLATION_SHARE * (-below.fast_min(above)));
+            let least = least.fast_max(V::splat(VIOLATION_SHARE) * (-below.fast_min(above)));
             lower.start::<SOFT>(soft_lower, below, least, mu);
             upper.start::<SOFT>(soft_upper, above, least, mu);
-        });
+        }
     }
 
     /// Raises the multipliers of a start to what they were at the last solution.
-    pub(super) fn remember<const SOFT: bool>(&mut self, last: &Multipliers) {
-        self.each::<SOFT>(|i, sides, softs| {
+    #[inline(always)]
+    pub(super) fn remember<const SOFT: bool>(&mut self, last: &Multipliers<V>) {
+        for i in 0..self.sides.len() {
+            let (sides, softs) = (&mut self.sides[i], &mut self.soft[i]);
             for ((bound, soft), kept) in sides.iter_mut().zip(softs).zip(last.0[i]) {
                 let mut multiplier = bound.multiplier.fast_max(kept);
                 if SOFT {
-                    let hard = Lane::ONE - soft.active;
-                    multiplier = soft.active * multiplier.fast_min(Lane::splat(0.9) * soft.w1)
+                    let hard = V::one() - soft.active;
+                    multiplier = soft.active * multiplier.fast_min(V::splat(0.9) * soft.w1)
                         + hard * multiplier;
                     soft.nu = soft.active * (soft.w1 + soft.w2 * soft.t - multiplier) + hard;
                 }
-                bound.multiplier = bound.active * multiplier + (Lane::ONE - bound.active);
+                bound.multiplier = bound.active * multiplier + (V::one() - bound.active);
             }
-        });
+        }
     }
 
     /// Multipliers of all bounds, zero for inert ones.
-    pub(super) fn multipliers(&self, out: &mut Multipliers) {
+    #[inline(always)]
+    pub(super) fn multipliers(&self, out: &mut Multipliers<V>) {
         for (out, sides) in out.0.iter_mut().zip(&self.sides) {
-            *out = core::array::from_fn(|side| sides[side].active * sides[side].multiplier);
+            for side in 0..2 {
+                out[side] = sides[side].active * sides[side].multiplier;
+            }
         }
     }
 }
 
 /// Multipliers of the lower and upper bounds.
 #[derive(Debug, Clone)]
-pub(super) struct Multipliers(Vec<[Lane; 2]>);
+pub(super) struct Multipliers<V>(Vec<[V; 2]>);
 
-impl Multipliers {
+impl<V: Vector> Multipliers<V> {
     pub(super) fn new(lanes: usize) -> Self {
-        Self(vec![[Lane::ZERO; 2]; lanes])
+        Self(vec![[V::zero(); 2]; lanes])
     }
 
+    #[inline(always)]
     pub(super) fn clear(&mut self) {
-        self.0.fill([Lane::ZERO; 2]);
+        self.0.fill([V::zero(); 2]);
     }
 
+    #[inline(always)]
     pub(super) fn copy_from(&mut self, other: &Self) {
         self.0.copy_from_slice(&other.0);
     }
 
     /// Subtracts the forces of the bounds, `λ_lower − λ_upper`, from a gradient.
-    pub(super) fn subtract_from(&self, gradient: &mut [Lane]) {
+    #[inline(always)]
+    pub(super) fn subtract_from(&self, gradient: &mut [V]) {
         for (g, [lower, upper]) in gradient.iter_mut().zip(&self.0) {
             *g += *upper - *lower;
         }
     }
 
     /// Multipliers `[lower, upper]` of number `i` of the padded variables.
+    #[inline(always)]
     pub(super) fn get(&self, i: usize) -> [f64; 2] {
-        self.0[i / WIDTH].map(|lane| lane.as_array()[i % WIDTH])
+        let [lower, upper] = &self.0[i / WIDTH];
+        [
+            flat(core::slice::from_ref(lower))[i % WIDTH],
+            flat(core::slice::from_ref(upper))[i % WIDTH],
+        ]
     }
 
     /// Moves stage `k + 1` to stage `k`, `stride` numbers each; the last stage stays.
+    #[inline(always)]
     pub(super) fn shift(&mut self, stride: usize, count: usize) {
         for i in 0..count.saturating_sub(stride) {
             let next = self.get(i + stride);
             for side in 0..2 {
-                self.0[i / WIDTH][side].as_mut_array()[i % WIDTH] = next[side];
+                flat_mut(core::slice::from_mut(&mut self.0[i / WIDTH][side]))[i % WIDTH] =
+                    next[side];
             }
         }
     }

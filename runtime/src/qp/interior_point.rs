@@ -8,9 +8,9 @@
 //! Interior-Point Methods*, SIAM 1997, chapter 10; Rao, Wright, Rawlings, JOTA 99 (1998), for the structure of the problem.
 
 use super::barrier::Tally;
-use super::lanes::largest;
-use super::riccati::NotPositive;
-use super::solver::QpSolver;
+use super::core::Core;
+use super::lanes::{Vector, largest};
+use super::ldl::NotPositive;
 use super::status::QpStatus;
 
 /// Gap at the start, relative to the cost that keeping the bounds may add. Large: a start far inside takes fewer iterations than one near the boundary.
@@ -80,6 +80,7 @@ const LATE: usize = 12;
 const STALL_PERIOD: usize = 6;
 
 impl Run {
+    #[inline(always)]
     fn note(&mut self, merit: f64) {
         self.progress = if merit < 0.9 * self.progress.0 {
             (merit, 0)
@@ -94,29 +95,54 @@ impl Run {
 const PATIENCE: usize = 3;
 const SAFE_CENTRING: f64 = 0.3;
 
-impl<const NX: usize, const NU: usize> QpSolver<NX, NU> {
-    /// Runs the method on the data in memory.
-    pub(super) fn run<const SOFT: bool>(&mut self, start: Start) -> Result<Outcome, NotPositive> {
-        if start == Start::Cold {
-            self.unconstrained()?;
-            let violation = self
-                .input_bounds
-                .violation(&self.iterate.u, false)
-                .max(self.state_bounds.violation(&self.iterate.x, false));
-            if violation <= 0.0 {
+impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
+    /// Solves the problem in memory, `soft` if it has soft bounds. Where its hard state bounds prove out of reach, solves it again with exact
+    /// penalties in their place.
+    #[inline(always)]
+    pub(super) fn optimize(&mut self, soft: bool, start: Start) -> Result<Outcome, NotPositive> {
+        let (mut soft, mut start, mut failed) = (soft, start, None);
+        loop {
+            if start == Start::Cold {
+                self.unconstrained()?;
+                if failed.is_some() {
+                    self.soften();
+                }
+            } else {
+                self.input_bounds.clip(&mut self.iterate.u);
+                self.riccati.roll_out(&mut self.iterate, &self.affine);
+            }
+            let outcome = if start == Start::Cold && self.keeps_bounds() {
                 self.multipliers[0].clear();
                 self.multipliers[1].clear();
-                return Ok(Outcome {
+                Outcome {
                     status: QpStatus::Solved,
                     iterations: 0,
                     gap: 0.0,
                     feasible: true,
-                });
+                }
+            } else if soft {
+                self.run::<true>(start)
+            } else {
+                self.run::<false>(start)
+            };
+            match failed {
+                Some(before) => return Ok(self.relaxed(before, outcome)),
+                None if outcome.feasible => return Ok(outcome),
+                None => (soft, start, failed) = (true, Start::Cold, Some(outcome.iterations)),
             }
-        } else {
-            self.input_bounds.clip(&mut self.iterate.u);
-            self.riccati.roll_out(&mut self.iterate, &self.affine);
         }
+    }
+
+    /// True if the iterate keeps all bounds.
+    #[inline(always)]
+    fn keeps_bounds(&self) -> bool {
+        let inputs = self.input_bounds.violation(&self.iterate.u, false);
+        inputs.max(self.state_bounds.violation(&self.iterate.x, false)) <= 0.0
+    }
+
+    /// Runs the method from the iterate in memory.
+    #[inline(always)]
+    fn run<const SOFT: bool>(&mut self, start: Start) -> Outcome {
         let mut run = self.begin::<SOFT>(start);
         let mut iterations = 0;
         loop {
@@ -125,12 +151,12 @@ impl<const NX: usize, const NU: usize> QpSolver<NX, NU> {
             if merit <= 1.0 {
                 self.input_bounds.multipliers(&mut self.multipliers[0]);
                 self.state_bounds.multipliers(&mut self.multipliers[1]);
-                return Ok(Outcome {
+                return Outcome {
                     status: QpStatus::Solved,
                     iterations,
                     gap: state.gap,
                     feasible: true,
-                });
+                };
             }
             run.note(merit);
             if iterations >= LATE || iterations == 0 {
@@ -151,15 +177,16 @@ impl<const NX: usize, const NU: usize> QpSolver<NX, NU> {
             kept.copy_from(best);
         }
         let feasible = state.residual <= self.settings.feasibility;
-        Ok(Outcome {
+        Outcome {
             status: QpStatus::IterationLimit,
             iterations,
             gap: state.gap,
             feasible,
-        })
+        }
     }
 
     /// The optimum without bounds, by one factorization.
+    #[inline(always)]
     fn unconstrained(&mut self) -> Result<(), NotPositive> {
         self.weight.clear();
         self.riccati.factorize(&self.weight, Some(&self.affine))?;
@@ -169,6 +196,7 @@ impl<const NX: usize, const NU: usize> QpSolver<NX, NU> {
     }
 
     /// Slacks and multipliers for the first iterate.
+    #[inline(always)]
     fn begin<const SOFT: bool>(&mut self, start: Start) -> Run {
         let count = self.input_bounds.count() + self.state_bounds.count();
         let level = if start == Start::Warm {
@@ -206,6 +234,7 @@ impl<const NX: usize, const NU: usize> QpSolver<NX, NU> {
     }
 
     /// Cost of the iterate, without penalties.
+    #[inline(always)]
     fn cost(&mut self) -> f64 {
         let (quadratic, linear) =
             self.riccati
@@ -214,6 +243,7 @@ impl<const NX: usize, const NU: usize> QpSolver<NX, NU> {
     }
 
     /// What moving the iterate into its bounds, number by number, would cost if it were the optimum without them: the scale of the multipliers.
+    #[inline(always)]
     fn excess_energy(&mut self) -> f64 {
         self.step.copy_from(&self.iterate);
         self.input_bounds.clip(&mut self.step.u);
@@ -254,6 +284,7 @@ impl<const NX: usize, const NU: usize> QpSolver<NX, NU> {
     }
 
     /// At most 1 where the tolerances are met.
+    #[inline(always)]
     fn merit(&self, state: &State, run: &Run) -> f64 {
         let scale = state
             .cost
@@ -270,6 +301,7 @@ impl<const NX: usize, const NU: usize> QpSolver<NX, NU> {
     }
 
     /// Keeps the iterate if it is the best so far.
+    #[inline(always)]
     fn keep_best(&mut self, merit: f64, state: &State, run: &mut Run) {
         if merit < run.best.0 || run.best.0.is_infinite() {
             run.best = (merit, *state);
@@ -280,6 +312,7 @@ impl<const NX: usize, const NU: usize> QpSolver<NX, NU> {
     }
 
     /// True if the residual of the bounds has ceased to fall, as it does where they cannot be kept.
+    #[inline(always)]
     fn stalled(&self, iterations: usize, state: &State, run: &mut Run) -> bool {
         if iterations < LATE || !iterations.is_multiple_of(STALL_PERIOD) {
             return false;
@@ -341,37 +374,39 @@ impl<const NX: usize, const NU: usize> QpSolver<NX, NU> {
         }
     }
 
-    /// Solves again with exact penalties in place of all hard state bounds, after these have proved out of reach.
-    pub(super) fn relax(&mut self, failed: Outcome) -> Result<Outcome, NotPositive> {
-        self.unconstrained()?;
+    /// Exact penalties in place of all hard state bounds, from the unconstrained optimum in memory.
+    #[inline(always)]
+    fn soften(&mut self) {
         self.riccati
             .gradient(&self.iterate, &self.linear, &mut self.gradient);
-        let slope = self
-            .gradient
-            .x
-            .iter()
-            .map(|g| largest(g.abs()))
-            .fold(0.0, f64::max);
+        let mut slope = 0.0_f64;
+        for g in &self.gradient.x {
+            slope = slope.max(largest(g.abs()));
+        }
         let weight = RELAXATION * slope.max(self.riccati.largest_weight());
         self.state_bounds.soften(weight);
-        let outcome = self.run::<true>(Start::Cold)?;
+    }
+
+    /// The outcome of a softened problem after `before` iterations on the hard one.
+    #[inline(always)]
+    fn relaxed(&self, before: usize, outcome: Outcome) -> Outcome {
         let violation = self.state_bounds.violation(&self.iterate.x, true);
         let kept = violation <= self.settings.feasibility;
         let status = match outcome.status {
             QpStatus::Solved if !kept => QpStatus::Relaxed,
             status => status,
         };
-        Ok(Outcome {
+        Outcome {
             status,
-            iterations: failed.iterations + outcome.iterations,
+            iterations: before + outcome.iterations,
             feasible: true,
             ..outcome
-        })
+        }
     }
 }
 
 /// Inverse of the step to the boundary.
 #[inline(always)]
-fn inverse_step(inputs: &Tally, states: &Tally) -> f64 {
+fn inverse_step<V: Vector>(inputs: &Tally<V>, states: &Tally<V>) -> f64 {
     inputs.max().max(states.max())
 }

@@ -1,13 +1,86 @@
-//! Vectors of four numbers, and the few dense kernels of the Riccati recursion on them.
+//! Vectors of four numbers.
 //!
 //! A vector of length `n` is stored as `⌈n/4⌉` lanes, padded with zeros; a matrix as a sequence of such vectors (its rows or its columns, said at
-//! each field). Padding stays zero under every operation here, so no kernel needs a remainder loop. `wide` compiles the lanes to the vector unit that
-//! the compiler may use (`-C target-cpu=native` brings AVX and fused multiply-add) and to pairs of SSE2 registers otherwise.
+//! each field). Padding stays zero under every operation here, so no kernel needs a remainder loop. The method is generic over the lanes:
+//! [`Portable`] compiles to the vector unit that the compiler may use anyway, [`Avx2`](super::avx2::Avx2) to that of newer x86-64 processors,
+//! chosen when a solver is made.
 
-pub(super) use wide::f64x4 as Lane;
+use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 /// Numbers per lane.
 pub(super) const WIDTH: usize = 4;
+
+/// Lanes that need no feature beyond those the crate is compiled for.
+pub(crate) type Portable = wide::f64x4;
+
+/// Four numbers. All functions are inlined, so that they become instructions of the function that they end up in.
+pub(crate) trait Vector:
+    bytemuck::Pod
+    + core::fmt::Debug
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+{
+    fn splat(value: f64) -> Self;
+    /// `self · factor + term`; rounded once where the processor can.
+    fn mul_add(self, factor: Self, term: Self) -> Self;
+    /// `term − self · factor`.
+    fn mul_neg_add(self, factor: Self, term: Self) -> Self;
+    fn abs(self) -> Self;
+    /// The larger numbers; unspecified where one is NaN.
+    fn fast_max(self, other: Self) -> Self;
+    /// The smaller numbers; unspecified where one is NaN.
+    fn fast_min(self, other: Self) -> Self;
+    fn reduce_add(self) -> f64;
+    fn transpose(v: [Self; WIDTH]) -> [Self; WIDTH];
+
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::zeroed()
+    }
+    #[inline(always)]
+    fn one() -> Self {
+        Self::splat(1.0)
+    }
+}
+
+impl Vector for Portable {
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        Self::splat(value)
+    }
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        self.mul_add(factor, term)
+    }
+    #[inline(always)]
+    fn mul_neg_add(self, factor: Self, term: Self) -> Self {
+        self.mul_neg_add(factor, term)
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.abs()
+    }
+    #[inline(always)]
+    fn fast_max(self, other: Self) -> Self {
+        self.fast_max(other)
+    }
+    #[inline(always)]
+    fn fast_min(self, other: Self) -> Self {
+        self.fast_min(other)
+    }
+    #[inline(always)]
+    fn reduce_add(self) -> f64 {
+        self.reduce_add()
+    }
+    #[inline(always)]
+    fn transpose(v: [Self; WIDTH]) -> [Self; WIDTH] {
+        Self::transpose(v)
+    }
+}
 
 /// Lanes that hold `n` numbers.
 pub(super) const fn lanes(n: usize) -> usize {
@@ -15,57 +88,37 @@ pub(super) const fn lanes(n: usize) -> usize {
 }
 
 /// `n` zero lanes.
-pub(super) fn zeros(n: usize) -> Vec<Lane> {
-    vec![Lane::ZERO; n]
+pub(super) fn zeros<V: Vector>(n: usize) -> Vec<V> {
+    vec![V::zero(); n]
 }
 
 /// The number at position `i` of a padded vector.
 #[inline(always)]
-pub(super) fn at(v: &[Lane], i: usize) -> f64 {
-    v[i / WIDTH].as_array()[i % WIDTH]
+pub(super) fn at<V: Vector>(v: &[V], i: usize) -> f64 {
+    flat(v)[i]
 }
 
 /// Writes `values` into a padded vector; the padding is left as it is.
 #[inline(always)]
-pub(super) fn pack(v: &mut [Lane], values: &[f64]) {
-    let flat: &mut [f64] = bytemuck::cast_slice_mut(v);
-    flat[..values.len()].copy_from_slice(values);
+pub(super) fn pack<V: Vector>(v: &mut [V], values: &[f64]) {
+    flat_mut(v)[..values.len()].copy_from_slice(values);
 }
 
 /// The numbers of a padded vector, padding included.
 #[inline(always)]
-pub(super) fn flat(v: &[Lane]) -> &[f64] {
+pub(super) fn flat<V: Vector>(v: &[V]) -> &[f64] {
     bytemuck::cast_slice(v)
 }
 
 /// The numbers of a padded vector, padding included, to be written.
 #[inline(always)]
-pub(super) fn flat_mut(v: &mut [Lane]) -> &mut [f64] {
+pub(super) fn flat_mut<V: Vector>(v: &mut [V]) -> &mut [f64] {
     bytemuck::cast_slice_mut(v)
-}
-
-/// `acc[c][r] += Σ_i left(i)[first + r] · right(i, c)` for `i` in `0..depth`: a block of a matrix product in registers.
-#[inline(always)]
-pub(super) fn accumulate<const R: usize, const C: usize>(
-    acc: &mut [[Lane; R]; C],
-    depth: usize,
-    left: impl Fn(usize, usize) -> Lane,
-    right: impl Fn(usize, usize) -> f64,
-) {
-    for i in 0..depth {
-        let column: [Lane; R] = core::array::from_fn(|r| left(i, r));
-        for c in 0..C {
-            let factor = Lane::splat(right(i, c));
-            for r in 0..R {
-                acc[c][r] = column[r].mul_add(factor, acc[c][r]);
-            }
-        }
-    }
 }
 
 /// `Σ_r a[r] · b[r]` over padded vectors.
 #[inline(always)]
-pub(super) fn dot(a: &[Lane], b: &[Lane]) -> f64 {
+pub(super) fn dot<V: Vector>(a: &[V], b: &[V]) -> f64 {
     let mut sum = a[0] * b[0];
     for r in 1..a.len().min(b.len()) {
         sum = a[r].mul_add(b[r], sum);
@@ -75,14 +128,15 @@ pub(super) fn dot(a: &[Lane], b: &[Lane]) -> f64 {
 
 /// The sums over each of four lanes, as one lane.
 #[inline(always)]
-pub(super) fn reduce4(v: [Lane; 4]) -> Lane {
-    let t = Lane::transpose(v);
+pub(super) fn reduce4<V: Vector>(v: [V; 4]) -> V {
+    let t = V::transpose(v);
     (t[0] + t[1]) + (t[2] + t[3])
 }
 
 /// Largest number of a lane.
 #[inline(always)]
-pub(super) fn largest(v: Lane) -> f64 {
-    let a = v.to_array();
+pub(super) fn largest<V: Vector>(v: V) -> f64 {
+    let v = [v];
+    let a = flat(&v);
     (a[0].max(a[1])).max(a[2].max(a[3]))
 }

@@ -6,19 +6,27 @@
 //! |---|---|
 //! | `interior_point` | Mehrotra's predictor–corrector iteration, starts, safeguards, the relaxed problem |
 //! | `barrier` | bounds, hard and soft: slacks, multipliers, their Newton steps |
-//! | `riccati` | the factorization of the Newton system stage by stage, and its sweeps |
-//! | `trajectory`, `lanes` | memory layout, and vectors of four numbers |
+//! | `core`, `solver` | memory and loading of a problem; the public face, which chooses the lanes |
+//! | `riccati`, `sweeps` | the factorization of the Newton system stage by stage, and its solutions |
+//! | `kernels`, `ldl` | matrix products in registers, small factorizations |
+//! | `trajectory`, `lanes`, `avx2` | memory layout, and vectors of four numbers |
 //!
 //! Every iterate satisfies the dynamics, and inputs returned satisfy their bounds exactly. Hard state bounds out of reach are found out within a
 //! bounded number of iterations, and replaced by exact penalties ([`QpStatus::Relaxed`]).
 
+#[cfg(target_arch = "x86_64")]
+mod avx2;
 mod barrier;
+mod core;
 mod interior_point;
-mod lanes;
+mod kernels;
+pub(crate) mod lanes;
+mod ldl;
 mod problem;
 pub(crate) mod riccati;
 mod solver;
 mod status;
+mod sweeps;
 pub(crate) mod trajectory;
 
 pub use problem::{Penalty, QpProblem, QpStage};

@@ -26,61 +26,61 @@
 //! Frison, Jørgensen, *Efficient implementation of the Riccati recursion for solving linear-quadratic control problems*, CCA 2013 (symmetric
 //! updates, fused products); Frison, Diehl, *HPIPM*, IFAC 2020.
 
-use super::lanes::{Lane, WIDTH, accumulate, at, dot, flat, flat_mut, lanes, pack, reduce4, zeros};
+use super::kernels::{Right, Term, add_combination, product};
+use super::lanes::{Vector, WIDTH, at, dot, flat, flat_mut, lanes, pack, zeros};
+use super::ldl::{NotPositive, factor_ldl, solve_ldl};
 use super::trajectory::Trajectory;
 
-/// Columns of a block of a product held in registers at once.
-const COLUMNS: usize = 4;
-/// Lanes of a column of a block of a product held in registers at once.
-const ROWS: usize = 3;
-/// Lanes of the largest state vector.
-const MAX_LANES: usize = 8;
+/// Lanes of the largest vector of states or inputs.
+pub(super) const MAX_LANES: usize = 8;
 
 /// Data and factors of the recursion over one horizon. All memory is allocated by [`Riccati::new`].
 #[derive(Debug, Clone)]
-pub(crate) struct Riccati<const NX: usize, const NU: usize> {
-    horizon: usize,
+pub(crate) struct Riccati<V, const NX: usize, const NU: usize> {
+    pub(super) horizon: usize,
     /// Rows of `A_k`, `NX` padded rows per stage.
-    a: Vec<Lane>,
+    pub(super) a: Vec<V>,
     /// Columns of `B_k`, `NU` padded columns per stage.
-    b: Vec<Lane>,
+    pub(super) b: Vec<V>,
+    /// Rows of `B_k`, `NX` padded rows per stage.
+    pub(super) b_rows: Vec<V>,
     /// Columns of Q, of the terminal weight, and rows of R.
-    q: Vec<Lane>,
-    terminal: Vec<Lane>,
-    r: [[f64; NU]; NU],
+    pub(super) q: Vec<V>,
+    pub(super) terminal: Vec<V>,
+    pub(super) r: [[f64; NU]; NU],
     /// W, if the change of the input has a weight.
-    rate: Option<[[f64; NU]; NU]>,
+    pub(super) rate: Option<[[f64; NU]; NU]>,
     /// Rows of the gains `K_k`.
-    k: Vec<Lane>,
+    pub(super) k: Vec<V>,
     /// Rows of the closed-loop matrices `Φ_k = A_k + B_k K_k`.
-    phi: Vec<Lane>,
+    pub(super) phi: Vec<V>,
     /// `Λ` strictly below the diagonal, `D⁻¹` on it.
-    ldl: Vec<[[f64; NU]; NU]>,
+    pub(super) ldl: Vec<[[f64; NU]; NU]>,
     /// Columns of `P⁺` and, after a stage, of `P`.
-    p: Vec<Lane>,
+    p: Vec<V>,
     /// Columns of `P⁺ A` and `P⁺ B`.
-    pa: Vec<Lane>,
-    pb: Vec<Lane>,
-    /// Rows of `Y` and of `D⁻¹Y`.
-    y: Vec<Lane>,
-    z: Vec<Lane>,
+    pa: Vec<V>,
+    pb: Vec<V>,
+    /// Columns of `R̃ + BᵀP⁺B`, its lower triangle.
+    h: Vec<V>,
+    /// Rows of `Y` and of `−D⁻¹Y`.
+    y: Vec<V>,
+    z: Vec<V>,
     /// Columns of `S`; `V`; `K_v` per stage.
-    s: Vec<Lane>,
+    s: Vec<V>,
     v: [[f64; NU]; NU],
-    kv: Vec<[[f64; NU]; NU]>,
+    pub(super) kv: Vec<[[f64; NU]; NU]>,
     /// `P_{k+1} c_k`, for the problem with affine dynamics.
-    pc: Vec<Lane>,
+    pub(super) pc: Vec<V>,
     /// `S_{k+1}ᵀ c_k`, likewise.
-    sc: Vec<[f64; NU]>,
+    pub(super) sc: Vec<[f64; NU]>,
 }
 
-/// A pivot of `R̃ + BᵀPB` was not positive: the weights are not positive (semi)definite as required, or not finite.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct NotPositive;
-
-impl<const NX: usize, const NU: usize> Riccati<NX, NU> {
+impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
     /// Lanes of a state vector.
     pub(crate) const RX: usize = lanes(NX);
+    /// Lanes of an input vector.
+    pub(super) const RU: usize = lanes(NU);
 
     pub(crate) fn new(horizon: usize) -> Self {
         let x = Self::RX;
@@ -88,6 +88,7 @@ impl<const NX: usize, const NU: usize> Riccati<NX, NU> {
             horizon,
             a: zeros(horizon * NX * x),
             b: zeros(horizon * NU * x),
+            b_rows: zeros(horizon * NX * Self::RU),
             q: zeros(NX * x),
             terminal: zeros(NX * x),
             r: [[0.0; NU]; NU],
@@ -98,6 +99,7 @@ impl<const NX: usize, const NU: usize> Riccati<NX, NU> {
             p: zeros(NX * x),
             pa: zeros(NX * x),
             pb: zeros(NU * x),
+            h: zeros(NU * Self::RU),
             y: zeros(NU * x),
             z: zeros(NU * x),
             s: zeros(NU * x),
@@ -109,6 +111,7 @@ impl<const NX: usize, const NU: usize> Riccati<NX, NU> {
     }
 
     /// Constant weights Q, R, P and W, of which only the symmetric part counts; W = 0 is no weight of the input's change.
+    #[inline(always)]
     pub(crate) fn set_weights(
         &mut self,
         q: &[[f64; NX]; NX],
@@ -143,6 +146,12 @@ impl<const NX: usize, const NU: usize> Riccati<NX, NU> {
             let column: [f64; NX] = core::array::from_fn(|i| b[i][j]);
             pack(lanes, &column);
         }
+        for (row, lanes) in b
+            .iter()
+            .zip(self.b_rows[k * NX * Self::RU..][..NX * Self::RU].chunks_exact_mut(Self::RU))
+        {
+            pack(lanes, row);
+        }
     }
 
     /// Factorizes with the diagonal terms of inputs and states in `weight`. With `affine`, the terms c_k of `x⁺ = A x + B u + c` (`A_0 x_0`
@@ -150,8 +159,8 @@ impl<const NX: usize, const NU: usize> Riccati<NX, NU> {
     #[inline(always)]
     pub(crate) fn factorize(
         &mut self,
-        weight: &Trajectory,
-        affine: Option<&[Lane]>,
+        weight: &Trajectory<V>,
+        affine: Option<&[V]>,
     ) -> Result<(), NotPositive> {
         let x = Self::RX;
         let rho = flat(&weight.u);
@@ -172,8 +181,9 @@ impl<const NX: usize, const NU: usize> Riccati<NX, NU> {
     }
 
     /// The recursion without barrier terms down to P_0, so that K_0 exists too: a linear-quadratic regulator over the horizon.
+    #[inline(always)]
     pub(crate) fn regulate(&mut self) -> Result<(), NotPositive> {
-        self.begin(&[Lane::ZERO; MAX_LANES][..Self::RX]);
+        self.begin(&[V::zero(); MAX_LANES][..Self::RX]);
         for k in (0..self.horizon).rev() {
             self.stage_pivot(k, &[0.0; NU])?;
             self.stage_gain(k);
@@ -184,12 +194,14 @@ impl<const NX: usize, const NU: usize> Riccati<NX, NU> {
     }
 
     /// The gain K_k of the last factorization, rows first.
+    #[inline(always)]
     pub(crate) fn gain(&self, k: usize) -> [[f64; NX]; NU] {
         let rows = &self.k[k * NU * Self::RX..][..NU * Self::RX];
         core::array::from_fn(|i| core::array::from_fn(|j| at(&rows[i * Self::RX..][..Self::RX], j)))
     }
 
     /// The cost-to-go matrix that the last factorization ended with.
+    #[inline(always)]
     pub(crate) fn cost_to_go(&self) -> [[f64; NX]; NX] {
         core::array::from_fn(|i| {
             core::array::from_fn(|j| at(&self.p[j * Self::RX..][..Self::RX], i))
@@ -198,34 +210,31 @@ impl<const NX: usize, const NU: usize> Riccati<NX, NU> {
 
     /// The terminal cost-to-go.
     #[inline(always)]
-    fn begin(&mut self, sigma: &[Lane]) {
+    fn begin(&mut self, sigma: &[V]) {
         self.p.copy_from_slice(&self.terminal);
         Self::add_diagonal(&mut self.p, sigma);
         if self.rate.is_some() {
-            self.s.fill(Lane::ZERO);
+            self.s.fill(V::zero());
             self.v = [[0.0; NU]; NU];
         }
     }
 
     /// `P⁺c`, for the linear part of the cost-to-go of `x⁺ = A x + B u + c`.
-    fn stage_affine(&mut self, k: usize, c: &[Lane]) {
+    #[inline(always)]
+    fn stage_affine(&mut self, k: usize, c: &[V]) {
         let x = Self::RX;
-        let p = &self.p[..];
-        product::<NX, 1, false>(
-            &mut self.pc[k * x..][..x],
-            x,
-            NX,
-            |i, r| p[i * x + r],
-            |i, _| at(c, i),
-            |_, _| Lane::ZERO,
-        );
+        let pc = &mut self.pc[k * x..][..x];
+        pc.fill(V::zero());
+        add_combination(pc, &self.p, &flat(c)[..NX], x);
         if self.rate.is_some() {
-            self.sc[k] = core::array::from_fn(|j| dot(&self.s[j * x..][..x], c));
+            for j in 0..NU {
+                self.sc[k][j] = dot(&self.s[j * x..][..x], c);
+            }
         }
     }
 
     #[inline(always)]
-    fn add_diagonal(p: &mut [Lane], sigma: &[Lane]) {
+    fn add_diagonal(p: &mut [V], sigma: &[V]) {
         let sigma = flat(sigma);
         let p = flat_mut(p);
         for i in 0..NX {
@@ -238,21 +247,32 @@ impl<const NX: usize, const NU: usize> Riccati<NX, NU> {
     fn stage_pivot(&mut self, k: usize, rho: &[f64]) -> Result<(), NotPositive> {
         let x = Self::RX;
         let b = &self.b[k * NU * x..][..NU * x];
-        let (p, s, rate) = (&self.p[..], &self.s[..], self.rate.is_some());
-        product::<NX, NU, false>(
+        let b_rows = &self.b_rows[k * NX * Self::RU..][..NX * Self::RU];
+        product::<V, NX, NU, false, 1>(
             &mut self.pb,
-            x,
-            NX,
-            |i, r| p[i * x + r],
-            |i, c| at(&b[c * x..][..x], i),
-            |c, r| if rate { s[c * x + r] } else { Lane::ZERO },
+            self.rate.is_some().then_some(&self.s),
+            [Term {
+                left: &self.p,
+                right: Right::columns(flat(b), x * WIDTH),
+                depth: NX,
+            }],
+        );
+        product::<V, NU, NU, true, 1>(
+            &mut self.h,
+            None,
+            [Term {
+                left: b_rows,
+                right: Right::columns(flat(&self.pb), x * WIDTH),
+                depth: NX,
+            }],
         );
         let mut h = self.r;
-        for i in 0..NU {
-            for j in 0..=i {
-                h[i][j] += dot(&b[i * x..][..x], &self.pb[j * x..][..x]);
+        for j in 0..NU {
+            let column = &flat(&self.h)[j * Self::RU * WIDTH..][..NU];
+            for i in j..NU {
+                h[i][j] += column[i];
             }
-            h[i][i] += rho[i];
+            h[j][j] += rho[j];
         }
         if let Some(w) = &self.rate {
             for i in 0..NU {
@@ -271,14 +291,14 @@ impl<const NX: usize, const NU: usize> Riccati<NX, NU> {
     fn stage_gain(&mut self, k: usize) {
         let x = Self::RX;
         let a = &self.a[k * NX * x..][..NX * x];
-        let pb = &self.pb[..];
-        product::<NX, NU, false>(
+        product::<V, NX, NU, false, 1>(
             &mut self.y,
-            x,
-            NX,
-            |i, r| a[i * x + r],
-            |i, c| at(&pb[c * x..][..x], i),
-            |_, _| Lane::ZERO,
+            None,
+            [Term {
+                left: a,
+                right: Right::columns(flat(&self.pb), x * WIDTH),
+                depth: NX,
+            }],
         );
         let l = &self.ldl[k];
         let gain = &mut self.k[k * NU * x..][..NU * x];
@@ -286,15 +306,15 @@ impl<const NX: usize, const NU: usize> Riccati<NX, NU> {
             for i in 0..NU {
                 let mut sum = self.y[i * x + r];
                 for j in 0..i {
-                    sum = self.y[j * x + r].mul_neg_add(Lane::splat(l[i][j]), sum);
+                    sum = self.y[j * x + r].mul_neg_add(V::splat(l[i][j]), sum);
                 }
                 self.y[i * x + r] = sum;
-                self.z[i * x + r] = sum * Lane::splat(-l[i][i]);
+                self.z[i * x + r] = sum * V::splat(-l[i][i]);
             }
             for i in (0..NU).rev() {
                 let mut sum = self.z[i * x + r];
                 for j in i + 1..NU {
-                    sum = gain[j * x + r].mul_neg_add(Lane::splat(l[j][i]), sum);
+                    sum = gain[j * x + r].mul_neg_add(V::splat(l[j][i]), sum);
                 }
                 gain[i * x + r] = sum;
             }
@@ -318,14 +338,17 @@ impl<const NX: usize, const NU: usize> Riccati<NX, NU> {
         }
         for j in 0..NU {
             for r in 0..x {
-                let mut sum = Lane::ZERO;
+                let mut sum = V::zero();
                 for i in 0..NU {
-                    sum = gain[i * x + r].mul_neg_add(Lane::splat(w[i][j]), sum);
+                    sum = gain[i * x + r].mul_neg_add(V::splat(w[i][j]), sum);
                 }
                 self.s[j * x + r] = sum;
             }
             for i in 0..=j {
-                let v = w[i][j] - (0..NU).map(|m| w[i][m] * kv[m][j]).sum::<f64>();
+                let mut v = w[i][j];
+                for m in 0..NU {
+                    v -= w[i][m] * kv[m][j];
+                }
                 self.v[i][j] = v;
                 self.v[j][i] = v;
             }
@@ -339,13 +362,14 @@ impl<const NX: usize, const NU: usize> Riccati<NX, NU> {
         let a = &self.a[k * NX * x..][..NX * x];
         let b = &self.b[k * NU * x..][..NU * x];
         let gain = &self.k[k * NU * x..][..NU * x];
-        product::<NX, NX, false>(
+        product::<V, NX, NX, false, 1>(
             &mut self.phi[k * NX * x..][..NX * x],
-            x,
-            NU,
-            |j, r| gain[j * x + r],
-            |j, c| at(&b[j * x..][..x], c),
-            |c, r| a[c * x + r],
+            Some(a),
+            [Term {
+                left: gain,
+                right: Right::rows(flat(b), x * WIDTH),
+                depth: NU,
+            }],
         );
     }
 
@@ -354,451 +378,66 @@ impl<const NX: usize, const NU: usize> Riccati<NX, NU> {
     fn stage_cost_to_go(&mut self, k: usize) {
         let x = Self::RX;
         let a = &self.a[k * NX * x..][..NX * x];
-        let p = &self.p[..];
-        product::<NX, NX, false>(
+        product::<V, NX, NX, false, 1>(
             &mut self.pa,
-            x,
-            NX,
-            |i, r| p[i * x + r],
-            |i, c| at(&a[i * x..][..x], c),
-            |_, _| Lane::ZERO,
+            None,
+            [Term {
+                left: &self.p,
+                right: Right::rows(flat(a), x * WIDTH),
+                depth: NX,
+            }],
         );
-        let (pa, y, z, q) = (&self.pa[..], &self.y[..], &self.z[..], &self.q[..]);
-        product::<NX, NX, true>(
+        product::<V, NX, NX, true, 2>(
             &mut self.p,
-            x,
-            NX + NU,
-            |i, r| {
-                if i < NX {
-                    a[i * x + r]
-                } else {
-                    y[(i - NX) * x + r]
-                }
-            },
-            |i, c| {
-                if i < NX {
-                    at(&pa[c * x..][..x], i)
-                } else {
-                    at(&z[(i - NX) * x..][..x], c)
-                }
-            },
-            |c, r| q[c * x + r],
+            Some(&self.q),
+            [
+                Term {
+                    left: a,
+                    right: Right::columns(flat(&self.pa), x * WIDTH),
+                    depth: NX,
+                },
+                Term {
+                    left: &self.y,
+                    right: Right::rows(flat(&self.z), x * WIDTH),
+                    depth: NU,
+                },
+            ],
         );
-        mirror::<NX>(&mut self.p, x);
-    }
-
-    /// The minimizer `step` for the linear costs `gradient`; `affine` as for [`Self::factorize`].
-    #[inline(always)]
-    pub(crate) fn solve(
-        &self,
-        gradient: &Trajectory,
-        step: &mut Trajectory,
-        affine: Option<&[Lane]>,
-    ) {
-        self.backward(gradient, flat_mut(&mut step.u), affine.is_some());
-        self.forward(flat_mut(&mut step.u), &mut step.x, affine);
-    }
-
-    /// The backward sweep: feed-forward terms `d_k` into `d`.
-    #[inline(always)]
-    fn backward(&self, gradient: &Trajectory, d: &mut [f64], affine: bool) {
-        let n = Self::RX;
-        let rate = self.rate.is_some();
-        let mut p = [Lane::ZERO; MAX_LANES];
-        let mut pv = [0.0; NU];
-        p[..n].copy_from_slice(&gradient.x[(self.horizon - 1) * n..][..n]);
-        for k in (0..self.horizon).rev() {
-            let mut e: [f64; NU] = core::array::from_fn(|j| flat(&gradient.u)[k * NU + j]);
-            if rate {
-                e = core::array::from_fn(|j| e[j] + pv[j]);
-            }
-            if affine {
-                for r in 0..n {
-                    p[r] += self.pc[k * n + r];
-                }
-                if rate {
-                    let s = &self.sc[k];
-                    e = core::array::from_fn(|j| e[j] + s[j]);
-                }
-            }
-            let b = &self.b[k * NU * n..][..NU * n];
-            let w: [f64; NU] = core::array::from_fn(|j| e[j] + dot(&b[j * n..][..n], &p[..n]));
-            let step = solve_ldl(&self.ldl[k], &w);
-            for j in 0..NU {
-                d[k * NU + j] = -step[j];
-            }
-            if k == 0 {
-                break;
-            }
-            if rate {
-                pv = core::array::from_fn(|j| (0..NU).map(|i| self.kv[k][i][j] * w[i]).sum());
-            }
-            self.costate(k, &gradient.x[(k - 1) * n..][..n], &e, &mut p);
-        }
-    }
-
-    /// `p = g + Kᵀe + Φᵀp⁺`.
-    #[inline(always)]
-    fn costate(&self, k: usize, g: &[Lane], e: &[f64; NU], p: &mut [Lane; MAX_LANES]) {
-        let n = Self::RX;
-        let phi = &self.phi[k * NX * n..][..NX * n];
-        let gain = &self.k[k * NU * n..][..NU * n];
-        let old = *p;
-        for r in 0..n {
-            let mut sum = [g[r], Lane::ZERO];
-            for j in 0..NU {
-                sum[0] = gain[j * n + r].mul_add(Lane::splat(e[j]), sum[0]);
-            }
-            for i in 0..NX {
-                sum[i % 2] = phi[i * n + r].mul_add(Lane::splat(at(&old, i)), sum[i % 2]);
-            }
-            p[r] = sum[0] + sum[1];
-        }
-    }
-
-    /// The forward sweep: from the feed-forward terms in `u` to inputs and states.
-    #[inline(always)]
-    fn forward(&self, u: &mut [f64], x: &mut [Lane], affine: Option<&[Lane]>) {
-        let n = Self::RX;
-        let rate = self.rate.is_some();
-        let mut state = [Lane::ZERO; MAX_LANES];
-        let mut last = [0.0; NU];
-        for k in 0..self.horizon {
-            let b = &self.b[k * NU * n..][..NU * n];
-            let u = &mut u[k * NU..][..NU];
-            if rate && k > 0 {
-                for i in 0..NU {
-                    u[i] += (0..NU).map(|j| self.kv[k][i][j] * last[j]).sum::<f64>();
-                }
-            }
-            let mut next = [Lane::ZERO; MAX_LANES];
-            if let Some(c) = affine {
-                next[..n].copy_from_slice(&c[k * n..][..n]);
-            }
-            if k > 0 {
-                add_product::<NX>(&self.phi[k * NX * n..][..NX * n], &state, &mut next, n);
-            }
-            for j in 0..NU {
-                for r in 0..n {
-                    next[r] = b[j * n + r].mul_add(Lane::splat(u[j]), next[r]);
-                }
-            }
-            if k > 0 {
-                let gain = &self.k[k * NU * n..][..NU * n];
-                for j in 0..NU {
-                    u[j] += dot(&gain[j * n..][..n], &state[..n]);
-                }
-            }
-            last = core::array::from_fn(|j| u[j]);
-            x[k * n..][..n].copy_from_slice(&next[..n]);
-            state = next;
-        }
-    }
-
-    /// States of `x⁺ = A x + B u + c` for given inputs, `A_0 x_0` included in c_0.
-    pub(crate) fn roll_out(&self, z: &mut Trajectory, affine: &[Lane]) {
-        let n = Self::RX;
-        let mut state = [Lane::ZERO; MAX_LANES];
-        for k in 0..self.horizon {
-            let mut next = [Lane::ZERO; MAX_LANES];
-            next[..n].copy_from_slice(&affine[k * n..][..n]);
-            if k > 0 {
-                add_product::<NX>(&self.a[k * NX * n..][..NX * n], &state, &mut next, n);
-            }
-            let u: [f64; NU] = z.input(k);
-            for j in 0..NU {
-                for r in 0..n {
-                    next[r] = self.b[(k * NU + j) * n + r].mul_add(Lane::splat(u[j]), next[r]);
-                }
-            }
-            z.x[k * n..][..n].copy_from_slice(&next[..n]);
-            state = next;
-        }
-    }
-
-    /// `gradient = H z + linear` for the weights (without barrier terms). Returns `(zᵀHz, linearᵀz)`.
-    #[inline(always)]
-    pub(crate) fn gradient(
-        &self,
-        z: &Trajectory,
-        linear: &Trajectory,
-        gradient: &mut Trajectory,
-    ) -> (f64, f64) {
-        let n = Self::RX;
-        for k in 0..self.horizon {
-            let weight = if k + 1 == self.horizon {
-                &self.terminal
-            } else {
-                &self.q
-            };
-            let state = &z.x[k * n..][..n];
-            for r in 0..n {
-                let mut sum = [linear.x[k * n + r], Lane::ZERO];
-                for j in 0..NX {
-                    sum[j % 2] = weight[j * n + r].mul_add(Lane::splat(at(state, j)), sum[j % 2]);
-                }
-                gradient.x[k * n + r] = sum[0] + sum[1];
-            }
-        }
-        self.input_gradient(flat(&z.u), flat(&linear.u), flat_mut(&mut gradient.u));
-        let (mut both, mut line) = (Lane::ZERO, Lane::ZERO);
-        for ((z, g), l) in
-            z.x.iter()
-                .zip(&gradient.x)
-                .zip(&linear.x)
-                .chain(z.u.iter().zip(&gradient.u).zip(&linear.u))
-        {
-            both = g.mul_add(*z, both);
-            line = l.mul_add(*z, line);
-        }
-        let line = line.reduce_add();
-        (both.reduce_add() - line, line)
-    }
-
-    #[inline(always)]
-    fn input_gradient(&self, u: &[f64], linear: &[f64], gradient: &mut [f64]) {
-        for (k, (u, g)) in u
-            .chunks_exact(NU)
-            .zip(gradient.chunks_exact_mut(NU))
-            .take(self.horizon)
-            .enumerate()
-        {
-            for i in 0..NU {
-                g[i] = linear[k * NU + i] + (0..NU).map(|j| self.r[i][j] * u[j]).sum::<f64>();
-            }
-        }
-        if let Some(w) = &self.rate {
-            let change =
-                |k: usize, j: usize| u[k * NU + j] - if k > 0 { u[(k - 1) * NU + j] } else { 0.0 };
-            for k in 0..self.horizon {
-                for i in 0..NU {
-                    let force: f64 = (0..NU).map(|j| w[i][j] * change(k, j)).sum();
-                    gradient[k * NU + i] += force;
-                    if k > 0 {
-                        gradient[(k - 1) * NU + i] -= force;
-                    }
-                }
-            }
-        }
-    }
-
-    /// `½ Σ_k Δu_kᵀ (Λ D Λᵀ)_k Δu_k` of the last factorization: what moving the inputs costs above the minimum.
-    pub(crate) fn input_energy(&self, u: &Trajectory) -> f64 {
-        let mut sum = 0.0;
-        for (k, l) in self.ldl.iter().enumerate() {
-            let v: [f64; NU] = u.input(k);
-            for j in 0..NU {
-                let w = v[j] + (j + 1..NU).map(|i| l[i][j] * v[i]).sum::<f64>();
-                sum += 0.5 * w * w / l[j][j];
-            }
-        }
-        sum
-    }
-
-    /// Largest entry of Q, P and R.
-    pub(crate) fn largest_weight(&self) -> f64 {
-        let entries = flat(&self.q)
-            .iter()
-            .chain(flat(&self.terminal))
-            .chain(self.r.iter().flatten());
-        entries.fold(0.0, |max, w| w.abs().max(max))
-    }
-
-    /// Largest reduced gradient of the inputs, `|h + Bᵀp|` with the costate `p = g + Aᵀp⁺`, for the gradients of the Lagrangian without dynamics.
-    pub(crate) fn reduced_gradient(&self, gradient: &Trajectory) -> f64 {
-        let n = Self::RX;
-        let mut p = [Lane::ZERO; MAX_LANES];
-        let mut worst = 0.0_f64;
-        for k in (0..self.horizon).rev() {
-            let mut next = [Lane::ZERO; MAX_LANES];
-            for r in 0..n {
-                next[r] = gradient.x[k * n + r];
-                if k + 1 < self.horizon {
-                    for i in 0..NX {
-                        next[r] = self.a[((k + 1) * NX + i) * n + r]
-                            .mul_add(Lane::splat(at(&p, i)), next[r]);
-                    }
-                }
-            }
-            p = next;
-            let h: [f64; NU] = gradient.input(k);
-            for j in 0..NU {
-                let reduced = h[j] + dot(&self.b[(k * NU + j) * n..][..n], &p[..n]);
-                worst = if reduced.is_nan() {
-                    f64::NAN
-                } else {
-                    worst.max(reduced.abs())
-                };
-            }
-        }
-        worst
+        mirror::<V, NX>(&mut self.p, x);
     }
 }
 
 /// Mean of a matrix and its transpose.
+#[inline(always)]
 fn symmetric<const N: usize>(m: &[[f64; N]; N]) -> [[f64; N]; N] {
     core::array::from_fn(|i| core::array::from_fn(|j| 0.5 * (m[i][j] + m[j][i])))
-}
-
-/// `next += M state`, the rows of M given.
-#[inline(always)]
-fn add_product<const NX: usize>(
-    rows: &[Lane],
-    state: &[Lane; MAX_LANES],
-    next: &mut [Lane; MAX_LANES],
-    n: usize,
-) {
-    for r in 0..n {
-        next[r] += reduce4(core::array::from_fn(|i| {
-            rows_dot::<NX>(rows, r * WIDTH + i, n, state)
-        }));
-    }
-}
-
-/// Lane-wise products of row `i` with a state, not yet summed over the lane; zero for padding rows.
-#[inline(always)]
-fn rows_dot<const NX: usize>(rows: &[Lane], i: usize, n: usize, state: &[Lane; MAX_LANES]) -> Lane {
-    if i >= NX {
-        return Lane::ZERO;
-    }
-    let mut sum = rows[i * n] * state[0];
-    for r in 1..n {
-        sum = rows[i * n + r].mul_add(state[r], sum);
-    }
-    sum
-}
-
-/// `out[c][r] = start(c, r) + Σ_i left(i, r) right(i, c)`, `CN` columns of `n` lanes; with `LOWER` only the blocks on and below the diagonal.
-#[inline(always)]
-fn product<const NX: usize, const CN: usize, const LOWER: bool>(
-    out: &mut [Lane],
-    n: usize,
-    depth: usize,
-    left: impl Fn(usize, usize) -> Lane,
-    right: impl Fn(usize, usize) -> f64,
-    start: impl Fn(usize, usize) -> Lane,
-) {
-    let mut c0 = 0;
-    while c0 < CN {
-        let mut r0 = if LOWER { c0 / 4 } else { 0 };
-        while r0 < n {
-            match ((n - r0).min(ROWS), (CN - c0).min(COLUMNS)) {
-                (1, 1) => block::<1, 1>(out, n, depth, r0, c0, &left, &right, &start),
-                (1, 2) => block::<1, 2>(out, n, depth, r0, c0, &left, &right, &start),
-                (1, 3) => block::<1, 3>(out, n, depth, r0, c0, &left, &right, &start),
-                (1, _) => block::<1, 4>(out, n, depth, r0, c0, &left, &right, &start),
-                (2, 1) => block::<2, 1>(out, n, depth, r0, c0, &left, &right, &start),
-                (2, 2) => block::<2, 2>(out, n, depth, r0, c0, &left, &right, &start),
-                (2, 3) => block::<2, 3>(out, n, depth, r0, c0, &left, &right, &start),
-                (2, _) => block::<2, 4>(out, n, depth, r0, c0, &left, &right, &start),
-                (_, 1) => block::<3, 1>(out, n, depth, r0, c0, &left, &right, &start),
-                (_, 2) => block::<3, 2>(out, n, depth, r0, c0, &left, &right, &start),
-                (_, 3) => block::<3, 3>(out, n, depth, r0, c0, &left, &right, &start),
-                (_, _) => block::<3, 4>(out, n, depth, r0, c0, &left, &right, &start),
-            }
-            r0 += ROWS;
-        }
-        c0 += COLUMNS;
-    }
-}
-
-/// One block of [`product`], accumulated in registers.
-#[inline(always)]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "the inner kernel of `product`, inlined into it"
-)]
-fn block<const R: usize, const C: usize>(
-    out: &mut [Lane],
-    n: usize,
-    depth: usize,
-    r0: usize,
-    c0: usize,
-    left: &impl Fn(usize, usize) -> Lane,
-    right: &impl Fn(usize, usize) -> f64,
-    start: &impl Fn(usize, usize) -> Lane,
-) {
-    let mut acc: [[Lane; R]; C] =
-        core::array::from_fn(|c| core::array::from_fn(|r| start(c0 + c, r0 + r)));
-    accumulate(
-        &mut acc,
-        depth,
-        |i, r| left(i, r0 + r),
-        |i, c| right(i, c0 + c),
-    );
-    for c in 0..C {
-        for r in 0..R {
-            out[(c0 + c) * n + r0 + r] = acc[c][r];
-        }
-    }
 }
 
 /// Makes a matrix of `NX` padded columns symmetric: blocks above the diagonal from those below, blocks on it by the mean with their transpose.
 /// Needed, not cosmetic: rounding leaves an antisymmetric part E, which the recursion would carry on as `AᵀEA`, by the open loop.
 #[inline(always)]
-fn mirror<const NX: usize>(p: &mut [Lane], n: usize) {
+fn mirror<V: Vector, const NX: usize>(p: &mut [V], n: usize) {
     for rb in 0..n {
         let width = (NX - rb * WIDTH).min(WIDTH);
-        let block: [Lane; WIDTH] = core::array::from_fn(|j| {
-            if j < width {
-                p[(rb * WIDTH + j) * n + rb]
-            } else {
-                Lane::ZERO
-            }
-        });
-        let transposed = Lane::transpose(block);
+        let mut block = [V::zero(); WIDTH];
         for j in 0..width {
-            p[(rb * WIDTH + j) * n + rb] = (block[j] + transposed[j]) * Lane::HALF;
+            block[j] = p[(rb * WIDTH + j) * n + rb];
+        }
+        let transposed = V::transpose(block);
+        for j in 0..width {
+            p[(rb * WIDTH + j) * n + rb] = (block[j] + transposed[j]) * V::splat(0.5);
         }
     }
     for rb in 1..n {
         for cb in 0..rb {
-            let below = Lane::transpose(core::array::from_fn(|j| p[(cb * 4 + j) * n + rb]));
+            let mut block = [V::zero(); WIDTH];
+            for j in 0..WIDTH {
+                block[j] = p[(cb * WIDTH + j) * n + rb];
+            }
+            let below = V::transpose(block);
             for j in 0..(NX - rb * 4).min(4) {
                 p[(rb * 4 + j) * n + cb] = below[j];
             }
         }
     }
-}
-
-/// `Λ` strictly below the diagonal and `D⁻¹` on it, of the symmetric matrix whose lower triangle is given.
-#[inline(always)]
-fn factor_ldl<const NU: usize>(mut h: [[f64; NU]; NU]) -> Result<[[f64; NU]; NU], NotPositive> {
-    let mut positive = true;
-    for j in 0..NU {
-        let pivot = h[j][j];
-        positive &= pivot > 0.0;
-        let inverse = 1.0 / pivot;
-        for i in j + 1..NU {
-            let l = h[i][j] * inverse;
-            for m in j + 1..=i {
-                h[i][m] -= l * h[m][j];
-            }
-        }
-        for i in j + 1..NU {
-            h[i][j] *= inverse;
-        }
-        h[j][j] = inverse;
-    }
-    if positive { Ok(h) } else { Err(NotPositive) }
-}
-
-/// `(Λ D Λᵀ)⁻¹ w`.
-#[inline(always)]
-fn solve_ldl<const NU: usize>(l: &[[f64; NU]; NU], w: &[f64; NU]) -> [f64; NU] {
-    let mut v = *w;
-    for i in 0..NU {
-        for j in 0..i {
-            v[i] -= l[i][j] * v[j];
-        }
-    }
-    for i in 0..NU {
-        v[i] *= l[i][i];
-    }
-    for i in (0..NU).rev() {
-        for j in i + 1..NU {
-            v[i] -= l[j][i] * v[j];
-        }
-    }
-    v
 }

@@ -1,15 +1,15 @@
 //! Inputs and states over the horizon, as lanes.
 
-use super::lanes::{Lane, flat, flat_mut, lanes, zeros};
+use super::lanes::{Vector, flat, flat_mut, lanes, zeros};
 
 /// Numbers for u_0 … u_{N−1}, contiguous without padding between stages, and for x_1 … x_N, each stage padded to whole lanes.
 #[derive(Debug, Clone)]
-pub(crate) struct Trajectory {
-    pub(crate) u: Vec<Lane>,
-    pub(crate) x: Vec<Lane>,
+pub(crate) struct Trajectory<V> {
+    pub(crate) u: Vec<V>,
+    pub(crate) x: Vec<V>,
 }
 
-impl Trajectory {
+impl<V: Vector> Trajectory<V> {
     pub(crate) fn new(horizon: usize, nx: usize, nu: usize) -> Self {
         Self {
             u: zeros(lanes(horizon * nu)),
@@ -18,21 +18,23 @@ impl Trajectory {
     }
 
     /// Takes the numbers of another trajectory of the same shape.
+    #[inline(always)]
     pub(super) fn copy_from(&mut self, other: &Self) {
         self.u.copy_from_slice(&other.u);
         self.x.copy_from_slice(&other.x);
     }
 
     /// Sets all numbers to zero.
+    #[inline(always)]
     pub(super) fn clear(&mut self) {
-        self.u.fill(Lane::ZERO);
-        self.x.fill(Lane::ZERO);
+        self.u.fill(V::zero());
+        self.x.fill(V::zero());
     }
 
     /// `self += length · step`.
     #[inline(always)]
     pub(super) fn advance(&mut self, step: &Self, length: f64) {
-        let length = Lane::splat(length);
+        let length = V::splat(length);
         for (z, d) in self.u.iter_mut().zip(&step.u) {
             *z = d.mul_add(length, *z);
         }
@@ -44,14 +46,18 @@ impl Trajectory {
     /// `u_k`.
     #[inline(always)]
     pub(super) fn input<const NU: usize>(&self, k: usize) -> [f64; NU] {
-        core::array::from_fn(|i| flat(&self.u)[k * NU + i])
+        let mut u = [0.0; NU];
+        u.copy_from_slice(&flat(&self.u)[k * NU..][..NU]);
+        u
     }
 
     /// `x_{k+1}`.
     #[inline(always)]
     pub(super) fn state<const NX: usize>(&self, k: usize) -> [f64; NX] {
         let x = lanes(NX);
-        core::array::from_fn(|i| flat(&self.x[k * x..][..x])[i])
+        let mut state = [0.0; NX];
+        state.copy_from_slice(&flat(&self.x[k * x..][..x])[..NX]);
+        state
     }
 
     #[inline(always)]

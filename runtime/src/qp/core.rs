@@ -1,0 +1,264 @@
+//! The method's memory, generic over the lanes, and the loading of a problem into it.
+
+use super::barrier::{Bounds, Multipliers};
+use super::interior_point::{Outcome, Start};
+use super::lanes::{Vector, WIDTH, flat_mut, lanes, zeros};
+use super::ldl::NotPositive;
+use super::problem::{QpProblem, QpStage};
+use super::riccati::Riccati;
+use super::status::{KktResiduals, QpReport, QpSettings, QpStatus};
+use super::trajectory::Trajectory;
+
+#[derive(Debug, Clone)]
+pub(super) struct Core<V, const NX: usize, const NU: usize> {
+    pub(super) horizon: usize,
+    pub(super) settings: QpSettings,
+    pub(super) riccati: Riccati<V, NX, NU>,
+    pub(super) input_bounds: Bounds<V>,
+    pub(super) state_bounds: Bounds<V>,
+    /// `c_k`, with `A_0 x_0` in c_0.
+    pub(super) affine: Vec<V>,
+    /// Linear cost.
+    pub(super) linear: Trajectory<V>,
+    /// Iterate; after a solve the solution.
+    pub(super) iterate: Trajectory<V>,
+    pub(super) step: Trajectory<V>,
+    /// Gradient of the cost at the iterate.
+    pub(super) gradient: Trajectory<V>,
+    /// Gradient of the Newton step, and its diagonal barrier terms.
+    pub(super) rhs: Trajectory<V>,
+    pub(super) weight: Trajectory<V>,
+    /// Multipliers of the solution.
+    pub(super) multipliers: [Multipliers<V>; 2],
+    /// The iterate with the smallest residuals, kept once a solve takes long.
+    pub(super) best: Trajectory<V>,
+    pub(super) best_multipliers: [Multipliers<V>; 2],
+    solved: bool,
+}
+
+impl<V: Vector, const NX: usize, const NU: usize> Core<V, NX, NU> {
+    const RX: usize = lanes(NX);
+
+    /// Memory for `horizon` stages.
+    pub(super) fn new(horizon: usize, settings: QpSettings) -> Self {
+        let (nu, nx) = (lanes(horizon * NU), horizon * Self::RX);
+        let trajectory = Trajectory::new(horizon, NX, NU);
+        let multipliers = [Multipliers::new(nu), Multipliers::new(nx)];
+        Self {
+            horizon,
+            settings,
+            riccati: Riccati::new(horizon),
+            input_bounds: Bounds::new(nu),
+            state_bounds: Bounds::new(nx),
+            affine: zeros(nx),
+            linear: trajectory.clone(),
+            iterate: trajectory.clone(),
+            step: trajectory.clone(),
+            gradient: trajectory.clone(),
+            rhs: trajectory.clone(),
+            weight: trajectory.clone(),
+            multipliers: multipliers.clone(),
+            best: trajectory,
+            best_multipliers: multipliers,
+            solved: false,
+        }
+    }
+
+    /// Moves the last solution on by one stage, its last stage repeated, as the start of the next [`Self::solve_warm`] in a receding horizon.
+    #[inline(always)]
+    pub(super) fn shift(&mut self) {
+        let padded = Self::RX * WIDTH;
+        let u = flat_mut(&mut self.iterate.u);
+        u.copy_within(NU..self.horizon * NU, 0);
+        self.multipliers[0].shift(NU, self.horizon * NU);
+        self.multipliers[1].shift(padded, self.horizon * padded);
+    }
+
+    /// `u_k` of the solution; zeros for `k ≥ N`.
+    #[inline(always)]
+    pub(super) fn input(&self, k: usize) -> [f64; NU] {
+        if k < self.horizon {
+            self.iterate.input(k)
+        } else {
+            [0.0; NU]
+        }
+    }
+
+    /// `x_k` of the solution, `1 ≤ k ≤ N`, rolled out from the inputs through the dynamics; zeros for other `k`.
+    #[inline(always)]
+    pub(super) fn state(&self, k: usize) -> [f64; NX] {
+        if (1..=self.horizon).contains(&k) {
+            self.iterate.state(k - 1)
+        } else {
+            [0.0; NX]
+        }
+    }
+
+    /// Multipliers `[lower, upper]` of the bounds of `u_k`, all ≥ 0.
+    #[inline(always)]
+    pub(super) fn input_multipliers(&self, k: usize) -> [[f64; 2]; NU] {
+        core::array::from_fn(|i| {
+            if k < self.horizon {
+                self.multipliers[0].get(k * NU + i)
+            } else {
+                [0.0; 2]
+            }
+        })
+    }
+
+    /// Multipliers `[lower, upper]` of the bounds of `x_k`, `1 ≤ k ≤ N`, all ≥ 0.
+    #[inline(always)]
+    pub(super) fn state_multipliers(&self, k: usize) -> [[f64; 2]; NX] {
+        let padded = Self::RX * WIDTH;
+        let inside = (1..=self.horizon).contains(&k);
+        core::array::from_fn(|i| {
+            if inside {
+                self.multipliers[1].get((k - 1) * padded + i)
+            } else {
+                [0.0; 2]
+            }
+        })
+    }
+
+    /// Solves from the start asked for; from a cold one if there is no solution in memory.
+    #[inline(always)]
+    pub(super) fn solve_from(&mut self, problem: &QpProblem<NX, NU>, start: Start) -> QpReport {
+        let start = if self.solved { start } else { Start::Cold };
+        let valid = problem.stages.len() == self.horizon && problem.is_valid();
+        if !valid {
+            return self.invalid(problem);
+        }
+        let soft = self.load(problem);
+        match self.optimize(soft, start) {
+            Ok(outcome) => self.finish(problem, outcome),
+            Err(NotPositive) => self.invalid(problem),
+        }
+    }
+
+    /// Takes over the data. Returns whether there are soft bounds.
+    #[inline(always)]
+    fn load(&mut self, problem: &QpProblem<NX, NU>) -> bool {
+        let p = problem;
+        self.riccati.set_weights(
+            &p.state_weight,
+            &p.input_weight,
+            &p.terminal_weight,
+            &p.input_rate_weight,
+        );
+        let penalty = p.state_penalty.map(|p| p.map(|p| (p.linear, p.quadratic)));
+        self.state_bounds.harden();
+        for (k, stage) in p.stages.iter().enumerate() {
+            self.load_stage(k, stage, &penalty);
+        }
+        let first = &p.stages[0];
+        let mut c = first.affine;
+        let mut r = first.input_gradient;
+        for i in 0..NX {
+            for j in 0..NX {
+                c[i] += first.state_matrix[i][j] * p.initial_state[j];
+            }
+        }
+        for i in 0..NU {
+            for j in 0..NU {
+                r[i] -= 0.5
+                    * (p.input_rate_weight[i][j] + p.input_rate_weight[j][i])
+                    * p.previous_input[j];
+            }
+        }
+        flat_mut(&mut self.affine[..Self::RX])[..NX].copy_from_slice(&c);
+        self.linear.set_input(0, &r);
+        penalty.iter().any(Option::is_some)
+    }
+
+    #[inline(always)]
+    fn load_stage(
+        &mut self,
+        k: usize,
+        stage: &QpStage<NX, NU>,
+        penalty: &[Option<(f64, f64)>; NX],
+    ) {
+        let padded = Self::RX * WIDTH;
+        self.riccati
+            .set_stage(k, &stage.state_matrix, &stage.input_matrix);
+        self.linear.set_input(k, &stage.input_gradient);
+        self.linear.set_state(k, &stage.state_gradient);
+        flat_mut(&mut self.affine[k * Self::RX..][..Self::RX])[..NX].copy_from_slice(&stage.affine);
+        for i in 0..NU {
+            self.input_bounds
+                .set(k * NU + i, stage.input_lower[i], stage.input_upper[i], None);
+        }
+        for i in 0..NX {
+            self.state_bounds.set(
+                k * padded + i,
+                stage.state_lower[i],
+                stage.state_upper[i],
+                penalty[i],
+            );
+        }
+    }
+
+    /// Inputs into their bounds, states from the dynamics, residuals from both.
+    #[inline(always)]
+    fn finish(&mut self, problem: &QpProblem<NX, NU>, outcome: Outcome) -> QpReport {
+        for (k, stage) in problem.stages.iter().enumerate() {
+            let u: [f64; NU] = self.iterate.input(k);
+            let clipped =
+                core::array::from_fn(|i| u[i].max(stage.input_lower[i]).min(stage.input_upper[i]));
+            self.iterate.set_input::<NU>(k, &clipped);
+        }
+        self.riccati.roll_out(&mut self.iterate, &self.affine);
+        let (quadratic, linear) =
+            self.riccati
+                .gradient(&self.iterate, &self.linear, &mut self.gradient);
+        self.multipliers[0].subtract_from(&mut self.gradient.u);
+        self.multipliers[1].subtract_from(&mut self.gradient.x);
+        let residuals = KktResiduals {
+            stationarity: self.riccati.reduced_gradient(&self.gradient),
+            primal: self.state_bounds.violation(&self.iterate.x, true),
+            gap: outcome.gap,
+        };
+        self.solved = outcome.status == QpStatus::Solved || outcome.status == QpStatus::Relaxed;
+        let cost = 0.5 * quadratic + linear + self.state_bounds.penalty(&self.iterate.x);
+        QpReport {
+            status: outcome.status,
+            iterations: outcome.iterations,
+            cost,
+            residuals,
+        }
+    }
+
+    /// The answer where there is no QP to solve: inputs nearest zero within those bounds that make sense.
+    #[inline(always)]
+    fn invalid(&mut self, problem: &QpProblem<NX, NU>) -> QpReport {
+        self.solved = false;
+        self.iterate.clear();
+        self.multipliers[0].clear();
+        self.multipliers[1].clear();
+        for (k, stage) in problem.stages.iter().take(self.horizon).enumerate() {
+            let u =
+                core::array::from_fn(|i| nearest_zero(stage.input_lower[i], stage.input_upper[i]));
+            self.iterate.set_input::<NU>(k, &u);
+        }
+        let nan = f64::NAN;
+        QpReport {
+            status: QpStatus::Invalid,
+            iterations: 0,
+            cost: nan,
+            residuals: KktResiduals {
+                stationarity: nan,
+                primal: nan,
+                gap: nan,
+            },
+        }
+    }
+}
+
+/// The number nearest zero between two bounds, or zero if they are not in order.
+fn nearest_zero(lower: f64, upper: f64) -> f64 {
+    let nearest = if lower <= upper {
+        0.0_f64.max(lower).min(upper)
+    } else {
+        0.0
+    };
+    if nearest.is_finite() { nearest } else { 0.0 }
+}

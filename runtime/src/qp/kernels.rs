@@ -1,0 +1,171 @@
+//! Matrix products in registers: the work of the Riccati recursion.
+
+use super::lanes::{Vector, WIDTH, lanes};
+
+/// Columns of a block held in registers at once.
+const COLUMNS: usize = 4;
+
+/// The right factor of a product: entry (i, c) is `numbers[i · by_row + c · by_column]`.
+#[derive(Clone, Copy)]
+pub(super) struct Right<'a> {
+    numbers: &'a [f64],
+    by_row: usize,
+    by_column: usize,
+}
+
+impl<'a> Right<'a> {
+    /// Of a matrix given by its padded columns, or the transpose of one given by its padded rows.
+    #[inline(always)]
+    pub(super) fn columns(numbers: &'a [f64], stride: usize) -> Self {
+        Self {
+            numbers,
+            by_row: 1,
+            by_column: stride,
+        }
+    }
+    /// Of a matrix given by its padded rows.
+    #[inline(always)]
+    pub(super) fn rows(numbers: &'a [f64], stride: usize) -> Self {
+        Self {
+            numbers,
+            by_row: stride,
+            by_column: 1,
+        }
+    }
+}
+
+/// One product of a sum: `Σ_i left[i] · right(i, c)`, `left` being `depth` vectors.
+#[derive(Clone, Copy)]
+pub(super) struct Term<'a, V> {
+    pub(super) left: &'a [V],
+    pub(super) right: Right<'a>,
+    pub(super) depth: usize,
+}
+
+impl<V: Vector> Term<'_, V> {
+    /// True if all entries that a product of `columns` columns of `n` lanes reads exist.
+    #[inline(always)]
+    fn covers(&self, n: usize, columns: usize) -> bool {
+        let last = (self.depth - 1) * self.right.by_row + (columns - 1) * self.right.by_column;
+        self.depth * n <= self.left.len() && last < self.right.numbers.len()
+    }
+}
+
+/// `out[c] = start[c] + Σ terms`, for `columns` columns of `lanes(ROWS)` lanes; with `LOWER` only the lanes on and below the diagonal.
+#[inline(always)]
+pub(super) fn product<
+    V: Vector,
+    const ROWS: usize,
+    const COLS: usize,
+    const LOWER: bool,
+    const TERMS: usize,
+>(
+    out: &mut [V],
+    start: Option<&[V]>,
+    terms: [Term<'_, V>; TERMS],
+) {
+    let n = lanes(ROWS);
+    assert!(out.len() >= COLS * n && start.is_none_or(|s| s.len() >= COLS * n));
+    assert!(terms.iter().all(|t| t.covers(n, COLS)));
+    let mut c = 0;
+    while c + COLUMNS <= COLS {
+        // SAFETY: the entries exist by the assertions above, for columns below COLS and lanes below n.
+        unsafe { strip::<V, COLUMNS, LOWER, TERMS>(out, start, &terms, n, c) };
+        c += COLUMNS;
+    }
+    // SAFETY: as above.
+    unsafe {
+        match const { COLS % COLUMNS } {
+            1 => strip::<V, 1, LOWER, TERMS>(out, start, &terms, n, c),
+            2 => strip::<V, 2, LOWER, TERMS>(out, start, &terms, n, c),
+            3 => strip::<V, 3, LOWER, TERMS>(out, start, &terms, n, c),
+            _ => {}
+        }
+    }
+}
+
+/// `C` columns from column `c`: blocks of three lanes, the last ones of two or one, since four by four do not fit the registers.
+///
+/// # Safety
+/// As for [`block`], for all its lanes below `n`.
+#[inline(always)]
+unsafe fn strip<V: Vector, const C: usize, const LOWER: bool, const TERMS: usize>(
+    out: &mut [V],
+    start: Option<&[V]>,
+    terms: &[Term<'_, V>; TERMS],
+    n: usize,
+    c: usize,
+) {
+    let mut r = if LOWER { c / WIDTH } else { 0 };
+    // SAFETY: by this function's contract.
+    unsafe {
+        while n - r > 4 || n - r == 3 {
+            block::<V, 3, C, TERMS>(out, start, terms, n, [r, c]);
+            r += 3;
+        }
+        while n - r >= 2 {
+            block::<V, 2, C, TERMS>(out, start, terms, n, [r, c]);
+            r += 2;
+        }
+        if n - r == 1 {
+            block::<V, 1, C, TERMS>(out, start, terms, n, [r, c]);
+        }
+    }
+}
+
+/// A block of `R` lanes by `C` columns, accumulated in registers.
+///
+/// # Safety
+/// `out` and `start` must hold `(c + C) n` lanes with `r + R ≤ n`, and each term [`Term::covers`] `c + C` columns.
+#[inline(always)]
+unsafe fn block<V: Vector, const R: usize, const C: usize, const TERMS: usize>(
+    out: &mut [V],
+    start: Option<&[V]>,
+    terms: &[Term<'_, V>; TERMS],
+    n: usize,
+    [r0, c0]: [usize; 2],
+) {
+    let mut sums = [[V::zero(); R]; C];
+    // SAFETY: all indices by this function's contract.
+    unsafe {
+        if let Some(start) = start {
+            for c in 0..C {
+                for r in 0..R {
+                    sums[c][r] = *start.get_unchecked((c0 + c) * n + r0 + r);
+                }
+            }
+        }
+        for term in terms {
+            let right = term.right;
+            for i in 0..term.depth {
+                let mut column = [V::zero(); R];
+                for r in 0..R {
+                    column[r] = *term.left.get_unchecked(i * n + r0 + r);
+                }
+                for c in 0..C {
+                    let index = i * right.by_row + (c0 + c) * right.by_column;
+                    let factor = V::splat(*right.numbers.get_unchecked(index));
+                    for r in 0..R {
+                        sums[c][r] = column[r].mul_add(factor, sums[c][r]);
+                    }
+                }
+            }
+        }
+        for c in 0..C {
+            for r in 0..R {
+                *out.get_unchecked_mut((c0 + c) * n + r0 + r) = sums[c][r];
+            }
+        }
+    }
+}
+
+/// `sums += Σ_i left[i] factors[i]`: a matrix given by its padded columns times a vector, `n` lanes.
+#[inline(always)]
+pub(super) fn add_combination<V: Vector>(sums: &mut [V], left: &[V], factors: &[f64], n: usize) {
+    for (column, factor) in left.chunks_exact(n).zip(factors) {
+        let factor = V::splat(*factor);
+        for r in 0..n {
+            sums[r] = column[r].mul_add(factor, sums[r]);
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! Factorization of the small symmetric matrices of the inputs.
+
+/// A pivot of `R̃ + BᵀPB` was not positive: the weights are not positive (semi)definite as required, or not finite.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct NotPositive;
+
+/// `Λ` strictly below the diagonal and `D⁻¹` on it, of the symmetric matrix whose lower triangle is given.
+#[inline(always)]
+pub(super) fn factor_ldl<const NU: usize>(
+    mut h: [[f64; NU]; NU],
+) -> Result<[[f64; NU]; NU], NotPositive> {
+    let mut positive = true;
+    for j in 0..NU {
+        let pivot = h[j][j];
+        positive &= pivot > 0.0;
+        let inverse = 1.0 / pivot;
+        for i in j + 1..NU {
+            let l = h[i][j] * inverse;
+            for m in j + 1..=i {
+                h[i][m] -= l * h[m][j];
+            }
+        }
+        for i in j + 1..NU {
+            h[i][j] *= inverse;
+        }
+        h[j][j] = inverse;
+    }
+    if positive { Ok(h) } else { Err(NotPositive) }
+}
+
+/// `(Λ D Λᵀ)⁻¹ w`.
+#[inline(always)]
+pub(super) fn solve_ldl<const NU: usize>(l: &[[f64; NU]; NU], w: &[f64; NU]) -> [f64; NU] {
+    let mut v = *w;
+    for i in 0..NU {
+        for j in 0..i {
+            v[i] -= l[i][j] * v[j];
+        }
+    }
+    for i in 0..NU {
+        v[i] *= l[i][i];
+    }
+    for i in (0..NU).rev() {
+        for j in i + 1..NU {
+            v[i] -= l[j][i] * v[j];
+        }
+    }
+    v
+}

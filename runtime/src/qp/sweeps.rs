@@ -1,0 +1,314 @@
+//! The sweeps of the Riccati recursion: solutions for a right-hand side, gradients, roll-outs.
+
+use super::lanes::{Vector, WIDTH, at, dot, flat, flat_mut, reduce4};
+use super::ldl::solve_ldl;
+use super::riccati::{MAX_LANES, Riccati};
+use super::trajectory::Trajectory;
+
+impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
+    /// The minimizer `step` for the linear costs `gradient`; `affine` as for [`Self::factorize`].
+    #[inline(always)]
+    pub(crate) fn solve(
+        &self,
+        gradient: &Trajectory<V>,
+        step: &mut Trajectory<V>,
+        affine: Option<&[V]>,
+    ) {
+        self.backward(gradient, flat_mut(&mut step.u), affine.is_some());
+        self.forward(flat_mut(&mut step.u), &mut step.x, affine);
+    }
+
+    /// The backward sweep: feed-forward terms `d_k` into `d`.
+    #[inline(always)]
+    fn backward(&self, gradient: &Trajectory<V>, d: &mut [f64], affine: bool) {
+        let n = Self::RX;
+        let rate = self.rate.is_some();
+        let mut p = [V::zero(); MAX_LANES];
+        let mut pv = [0.0; NU];
+        p[..n].copy_from_slice(&gradient.x[(self.horizon - 1) * n..][..n]);
+        for k in (0..self.horizon).rev() {
+            let mut e = gradient.input::<NU>(k);
+            if rate {
+                for j in 0..NU {
+                    e[j] += pv[j];
+                }
+            }
+            if affine {
+                for r in 0..n {
+                    p[r] += self.pc[k * n + r];
+                }
+                if rate {
+                    let s = &self.sc[k];
+                    for j in 0..NU {
+                        e[j] += s[j];
+                    }
+                }
+            }
+            let b = &self.b[k * NU * n..][..NU * n];
+            let mut w = e;
+            for j in 0..NU {
+                w[j] += dot(&b[j * n..][..n], &p[..n]);
+            }
+            let step = solve_ldl(&self.ldl[k], &w);
+            for j in 0..NU {
+                d[k * NU + j] = -step[j];
+            }
+            if k == 0 {
+                break;
+            }
+            if rate {
+                pv = [0.0; NU];
+                for i in 0..NU {
+                    for j in 0..NU {
+                        pv[j] += self.kv[k][i][j] * w[i];
+                    }
+                }
+            }
+            self.costate(k, &gradient.x[(k - 1) * n..][..n], &e, &mut p);
+        }
+    }
+
+    /// `p = g + Kᵀe + Φᵀp⁺`.
+    #[inline(always)]
+    fn costate(&self, k: usize, g: &[V], e: &[f64; NU], p: &mut [V; MAX_LANES]) {
+        let n = Self::RX;
+        let phi = &self.phi[k * NX * n..][..NX * n];
+        let gain = &self.k[k * NU * n..][..NU * n];
+        let old = *p;
+        for r in 0..n {
+            let mut sum = [g[r], V::zero()];
+            for j in 0..NU {
+                sum[0] = gain[j * n + r].mul_add(V::splat(e[j]), sum[0]);
+            }
+            for i in 0..NX {
+                sum[i % 2] = phi[i * n + r].mul_add(V::splat(at(&old, i)), sum[i % 2]);
+            }
+            p[r] = sum[0] + sum[1];
+        }
+    }
+
+    /// The forward sweep: from the feed-forward terms in `u` to inputs and states.
+    #[inline(always)]
+    fn forward(&self, u: &mut [f64], x: &mut [V], affine: Option<&[V]>) {
+        let n = Self::RX;
+        let rate = self.rate.is_some();
+        let mut state = [V::zero(); MAX_LANES];
+        let mut last = [0.0; NU];
+        for k in 0..self.horizon {
+            let b = &self.b[k * NU * n..][..NU * n];
+            let u = &mut u[k * NU..][..NU];
+            if rate && k > 0 {
+                for i in 0..NU {
+                    for j in 0..NU {
+                        u[i] += self.kv[k][i][j] * last[j];
+                    }
+                }
+            }
+            let mut next = [V::zero(); MAX_LANES];
+            if let Some(c) = affine {
+                next[..n].copy_from_slice(&c[k * n..][..n]);
+            }
+            if k > 0 {
+                add_product::<V, NX>(&self.phi[k * NX * n..][..NX * n], &state, &mut next, n);
+            }
+            for j in 0..NU {
+                for r in 0..n {
+                    next[r] = b[j * n + r].mul_add(V::splat(u[j]), next[r]);
+                }
+            }
+            if k > 0 {
+                let gain = &self.k[k * NU * n..][..NU * n];
+                for j in 0..NU {
+                    u[j] += dot(&gain[j * n..][..n], &state[..n]);
+                }
+            }
+            last.copy_from_slice(u);
+            x[k * n..][..n].copy_from_slice(&next[..n]);
+            state = next;
+        }
+    }
+
+    /// States of `x⁺ = A x + B u + c` for given inputs, `A_0 x_0` included in c_0.
+    #[inline(always)]
+    pub(crate) fn roll_out(&self, z: &mut Trajectory<V>, affine: &[V]) {
+        let n = Self::RX;
+        let mut state = [V::zero(); MAX_LANES];
+        for k in 0..self.horizon {
+            let mut next = [V::zero(); MAX_LANES];
+            next[..n].copy_from_slice(&affine[k * n..][..n]);
+            if k > 0 {
+                add_product::<V, NX>(&self.a[k * NX * n..][..NX * n], &state, &mut next, n);
+            }
+            let u: [f64; NU] = z.input(k);
+            for j in 0..NU {
+                for r in 0..n {
+                    next[r] = self.b[(k * NU + j) * n + r].mul_add(V::splat(u[j]), next[r]);
+                }
+            }
+            z.x[k * n..][..n].copy_from_slice(&next[..n]);
+            state = next;
+        }
+    }
+
+    /// `gradient = H z + linear` for the weights (without barrier terms). Returns `(zᵀHz, linearᵀz)`.
+    #[inline(always)]
+    pub(crate) fn gradient(
+        &self,
+        z: &Trajectory<V>,
+        linear: &Trajectory<V>,
+        gradient: &mut Trajectory<V>,
+    ) -> (f64, f64) {
+        let n = Self::RX;
+        for k in 0..self.horizon {
+            let weight = if k + 1 == self.horizon {
+                &self.terminal
+            } else {
+                &self.q
+            };
+            let state = &z.x[k * n..][..n];
+            for r in 0..n {
+                let mut sum = [linear.x[k * n + r], V::zero()];
+                for j in 0..NX {
+                    sum[j % 2] = weight[j * n + r].mul_add(V::splat(at(state, j)), sum[j % 2]);
+                }
+                gradient.x[k * n + r] = sum[0] + sum[1];
+            }
+        }
+        self.input_gradient(flat(&z.u), flat(&linear.u), flat_mut(&mut gradient.u));
+        let (mut both, mut line) = (V::zero(), V::zero());
+        for ((z, g), l) in
+            z.x.iter()
+                .zip(&gradient.x)
+                .zip(&linear.x)
+                .chain(z.u.iter().zip(&gradient.u).zip(&linear.u))
+        {
+            both = g.mul_add(*z, both);
+            line = l.mul_add(*z, line);
+        }
+        let line = line.reduce_add();
+        (both.reduce_add() - line, line)
+    }
+
+    #[inline(always)]
+    fn input_gradient(&self, u: &[f64], linear: &[f64], gradient: &mut [f64]) {
+        for (k, (u, g)) in u
+            .chunks_exact(NU)
+            .zip(gradient.chunks_exact_mut(NU))
+            .take(self.horizon)
+            .enumerate()
+        {
+            for i in 0..NU {
+                g[i] = linear[k * NU + i];
+                for j in 0..NU {
+                    g[i] += self.r[i][j] * u[j];
+                }
+            }
+        }
+        if let Some(w) = &self.rate {
+            let change =
+                |k: usize, j: usize| u[k * NU + j] - if k > 0 { u[(k - 1) * NU + j] } else { 0.0 };
+            for k in 0..self.horizon {
+                for i in 0..NU {
+                    let force: f64 = (0..NU).map(|j| w[i][j] * change(k, j)).sum();
+                    gradient[k * NU + i] += force;
+                    if k > 0 {
+                        gradient[(k - 1) * NU + i] -= force;
+                    }
+                }
+            }
+        }
+    }
+
+    /// `½ Σ_k Δu_kᵀ (Λ D Λᵀ)_k Δu_k` of the last factorization: what moving the inputs costs above the minimum.
+    #[inline(always)]
+    pub(crate) fn input_energy(&self, u: &Trajectory<V>) -> f64 {
+        let mut sum = 0.0;
+        for (k, l) in self.ldl.iter().enumerate() {
+            let v: [f64; NU] = u.input(k);
+            for j in 0..NU {
+                let mut w = v[j];
+                for i in j + 1..NU {
+                    w += l[i][j] * v[i];
+                }
+                sum += 0.5 * w * w / l[j][j];
+            }
+        }
+        sum
+    }
+
+    /// Largest entry of Q, P and R.
+    #[inline(always)]
+    pub(crate) fn largest_weight(&self) -> f64 {
+        let entries = flat(&self.q)
+            .iter()
+            .chain(flat(&self.terminal))
+            .chain(self.r.iter().flatten());
+        entries.fold(0.0, |max, w| w.abs().max(max))
+    }
+
+    /// Largest reduced gradient of the inputs, `|h + Bᵀp|` with the costate `p = g + Aᵀp⁺`, for the gradients of the Lagrangian without dynamics.
+    #[inline(always)]
+    pub(crate) fn reduced_gradient(&self, gradient: &Trajectory<V>) -> f64 {
+        let n = Self::RX;
+        let mut p = [V::zero(); MAX_LANES];
+        let mut worst = 0.0_f64;
+        for k in (0..self.horizon).rev() {
+            let mut next = [V::zero(); MAX_LANES];
+            for r in 0..n {
+                next[r] = gradient.x[k * n + r];
+                if k + 1 < self.horizon {
+                    for i in 0..NX {
+                        next[r] = self.a[((k + 1) * NX + i) * n + r]
+                            .mul_add(V::splat(at(&p, i)), next[r]);
+                    }
+                }
+            }
+            p = next;
+            let h: [f64; NU] = gradient.input(k);
+            for j in 0..NU {
+                let reduced = h[j] + dot(&self.b[(k * NU + j) * n..][..n], &p[..n]);
+                worst = if reduced.is_nan() {
+                    f64::NAN
+                } else {
+                    worst.max(reduced.abs())
+                };
+            }
+        }
+        worst
+    }
+}
+
+/// `next += M state`, the rows of M given.
+#[inline(always)]
+fn add_product<V: Vector, const ROWS: usize>(
+    rows: &[V],
+    state: &[V; MAX_LANES],
+    next: &mut [V; MAX_LANES],
+    n: usize,
+) {
+    for r in 0..n {
+        let mut sums = [V::zero(); WIDTH];
+        for i in 0..WIDTH {
+            sums[i] = rows_dot::<V, ROWS>(rows, r * WIDTH + i, n, state);
+        }
+        next[r] += reduce4(sums);
+    }
+}
+
+/// Lane-wise products of row `i` with a state, not yet summed over the lane; zero for padding rows.
+#[inline(always)]
+fn rows_dot<V: Vector, const ROWS: usize>(
+    rows: &[V],
+    i: usize,
+    n: usize,
+    state: &[V; MAX_LANES],
+) -> V {
+    if i >= ROWS {
+        return V::zero();
+    }
+    let mut sum = rows[i * n] * state[0];
+    for r in 1..n {
+        sum = rows[i * n + r].mul_add(state[r], sum);
+    }
+    sum
+}
