@@ -23,6 +23,10 @@ pub mod powercube;
 #[rustfmt::skip]
 pub mod powercube_alpha;
 
+/// The robot `powercube_parameters`.
+#[rustfmt::skip]
+pub mod powercube_parameters;
+
 /// The robot `powercube_six_axis`.
 #[rustfmt::skip]
 pub mod powercube_six_axis;
