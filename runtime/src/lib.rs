@@ -17,6 +17,8 @@ pub mod lanes;
 #[cfg(feature = "control")]
 pub mod lqr;
 #[cfg(feature = "control")]
+pub mod mpc;
+#[cfg(feature = "control")]
 pub mod plant;
 #[cfg(feature = "control")]
 pub mod qp;

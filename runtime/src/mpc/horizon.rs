@@ -1,0 +1,350 @@
+//! What the predictive controllers share: estimate, reference over the horizon, QP, plan.
+
+use super::integrate::{flat_input, flat_state, join, split, substeps};
+use super::observer::DisturbanceObserver;
+use super::options::{MpcError, MpcOptions};
+use crate::control_loop::{Command, ControllerFault, Cycle, Estimate};
+use crate::dynamics::Discretizable;
+use crate::feed_forward::FeedForward;
+use crate::lqr::Lqr;
+use crate::qp::{QpProblem, QpSolver, QpStage, QpStatus};
+use crate::trajectory::{Sample, Trajectory};
+
+/// Intervals of the trajectory at whose ends terminal weights are computed.
+const TERMINAL_INTERVALS: usize = 32;
+
+/// Linear prediction of one period, `x⁺ = A x + B (u + d) + c`.
+pub(super) struct Prediction<'a, const N: usize, const M: usize> {
+    pub state: &'a [[[[f64; N]; N]; 2]; 2],
+    pub input: &'a [[[f64; M]; N]; 2],
+    /// x⁺ for the state and the input `at`.
+    pub next: ([f64; N], [f64; N]),
+    pub at: ([f64; N], [f64; N], [f64; M]),
+}
+
+/// The plan of the last solved problem: states x_0 … x_K and inputs `u + d` of K periods.
+#[derive(Debug, Clone)]
+pub(super) struct Plan<const M: usize, const NX: usize> {
+    pub states: Vec<[f64; NX]>,
+    pub inputs: Vec<[f64; M]>,
+    disturbance: [f64; M],
+    /// When it begins on the trajectory [s]; NaN while there is none.
+    pub start: f64,
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Horizon<D, T, const N: usize, const M: usize, const NX: usize> {
+    feed_forward: FeedForward<D, N, M>,
+    trajectory: T,
+    pub options: MpcOptions<N, M>,
+    pub observer: DisturbanceObserver<N, M>,
+    /// Runge–Kutta steps in a period.
+    pub substeps: usize,
+    problem: QpProblem<NX, M>,
+    solver: QpSolver<NX, M>,
+    /// P at `TERMINAL_INTERVALS + 1` times evenly over the trajectory.
+    terminal: Vec<[[f64; NX]; NX]>,
+    /// x_ref at the K + 1 nodes and u_ff in the middle of the K periods.
+    pub reference: Vec<[f64; NX]>,
+    pub inputs: Vec<[f64; M]>,
+    pub plan: Plan<M, NX>,
+    /// The input that acts from now on, if it acts one period late.
+    under_way: [f64; M],
+}
+
+impl<D, T, const N: usize, const M: usize, const NX: usize> Horizon<D, T, N, M, NX>
+where
+    D: Discretizable<N, M>,
+    T: Trajectory<N>,
+{
+    pub fn new(model: D, trajectory: T, options: MpcOptions<N, M>) -> Result<Self, MpcError> {
+        const { assert!(NX == 2 * N, "NX must be 2 N") };
+        options.check()?;
+        let stages = options.horizon;
+        let mut horizon = Self {
+            feed_forward: FeedForward::new(model)?,
+            observer: DisturbanceObserver::new(options.observer)?,
+            substeps: 1,
+            problem: QpProblem::new(stages),
+            solver: QpSolver::new(stages, options.qp)?,
+            terminal: Vec::with_capacity(TERMINAL_INTERVALS + 1),
+            reference: vec![[0.0; NX]; stages + 1],
+            inputs: vec![[0.0; M]; stages],
+            plan: Plan {
+                states: vec![[0.0; NX]; stages + 1],
+                inputs: vec![[0.0; M]; stages],
+                disturbance: [0.0; M],
+                start: f64::NAN,
+            },
+            under_way: [0.0; M],
+            trajectory,
+            options,
+        };
+        horizon.set_weights();
+        horizon.look_along()?;
+        Ok(horizon)
+    }
+
+    pub fn model(&self) -> &D {
+        self.feed_forward.model()
+    }
+
+    fn set_weights(&mut self) {
+        let (options, problem) = (&self.options, &mut self.problem);
+        for i in 0..N {
+            problem.state_weight[i][i] = options.position_weight[i];
+            problem.state_weight[N + i][N + i] = options.velocity_weight[i];
+            problem.state_penalty[i] = Some(options.limit_penalty);
+            problem.state_penalty[N + i] = Some(options.limit_penalty);
+        }
+        let square = options.period * options.period;
+        for i in 0..M {
+            problem.input_weight[i][i] = options.input_weight[i];
+            problem.input_rate_weight[i][i] = options.input_rate_weight[i] / square;
+        }
+    }
+
+    /// Terminal weights and Runge–Kutta steps along the trajectory.
+    fn look_along(&mut self) -> Result<(), MpcError> {
+        let mut input_weight = self.problem.input_weight;
+        for i in 0..M {
+            input_weight[i][i] += self.problem.input_rate_weight[i][i];
+        }
+        let duration = self.trajectory.duration();
+        for k in 0..=TERMINAL_INTERVALS {
+            let time = duration * k as f64 / TERMINAL_INTERVALS as f64;
+            let sample = self.trajectory.sample(time);
+            let inputs = self.feed_forward.at(&sample).inputs;
+            if !sample.is_finite() || inputs.iter().any(|u| !u.is_finite()) {
+                return Err(MpcError::NotFinite { time });
+            }
+            let (y, v) = (&sample.positions, &sample.velocities);
+            let linear = self.model().linearize(y, v, &inputs);
+            // At rest friction is steepest: the robot must be integrated there too, wherever it comes to stand.
+            let resting = self.model().linearize(y, &[0.0; N], &inputs);
+            let period = self.options.period;
+            let needed = substeps(&linear, period).max(substeps(&resting, period));
+            self.substeps = self.substeps.max(needed);
+            let discrete = self.model().discretize(y, v, &inputs, period);
+            let (mut a, mut b) = ([[0.0; NX]; NX], [[0.0; M]; NX]);
+            flat_state(&discrete.state, &mut a);
+            flat_input(&discrete.input, &mut b);
+            let regulator = Lqr::new(&a, &b, &self.problem.state_weight, &input_weight)
+                .map_err(|reason| MpcError::Terminal { time, reason })?;
+            self.terminal.push(regulator.cost_to_go);
+        }
+        Ok(())
+    }
+
+    pub fn reset(&mut self, positions: &[f64; N], inputs: &[f64; M]) {
+        self.observer.reset(positions, &[0.0; N]);
+        self.under_way = *inputs;
+        self.plan.start = f64::NAN;
+    }
+
+    /// Takes in the measurement. Returns when the horizon begins on the trajectory, and in which state.
+    pub fn observe(&mut self, cycle: &Cycle<N, M>) -> (f64, [f64; NX]) {
+        let (period, substeps) = (self.options.period, self.substeps);
+        let acted = if self.options.delay {
+            self.under_way
+        } else {
+            cycle.last_inputs
+        };
+        let model = self.feed_forward.model();
+        for _ in 0..cycle.periods {
+            self.observer.predict(model, &acted, period, substeps);
+        }
+        if let Some(positions) = &cycle.positions {
+            self.observer.correct(positions);
+        }
+        self.under_way = cycle.last_inputs;
+        let (y, v) = (*self.observer.positions(), *self.observer.velocities());
+        if !self.options.delay {
+            return (cycle.time, join(&y, &v));
+        }
+        let mut ahead = (y, v);
+        let disturbance = self.observer.disturbance();
+        let total: [f64; M] = core::array::from_fn(|i| self.under_way[i] + disturbance[i]);
+        let length = period / substeps as f64;
+        for _ in 0..substeps {
+            ahead = model.step(&ahead.0, &ahead.1, &total, length);
+        }
+        (cycle.time + period, join(&ahead.0, &ahead.1))
+    }
+
+    /// Desired states and feed-forward from `start` [s] on.
+    pub fn look_ahead(&mut self, start: f64) {
+        let period = self.options.period;
+        for k in 0..=self.options.horizon {
+            let sample = self.trajectory.sample(start + k as f64 * period);
+            self.reference[k] = join(&sample.positions, &sample.velocities);
+        }
+        for k in 0..self.options.horizon {
+            self.inputs[k] = self.feed_forward.at(&self.middle(start, k)).inputs;
+        }
+    }
+
+    /// The desired state in the middle of period `k`.
+    pub fn middle(&self, start: f64, k: usize) -> Sample<N> {
+        self.trajectory
+            .sample(start + (k as f64 + 0.5) * self.options.period)
+    }
+
+    /// Moves the plan to begin at `start` [s]: shifted, its end filled with the feed-forward and the reference; all of it, if there is no plan.
+    pub fn shift_plan(&mut self, start: f64) {
+        let stages = self.options.horizon;
+        let periods = ((start - self.plan.start) / self.options.period).round();
+        // NaN, a jump back and a gap of a whole horizon leave nothing to keep.
+        let kept = if (0.0..=stages as f64).contains(&periods) {
+            stages - periods as usize
+        } else {
+            0
+        };
+        let moved = stages - kept;
+        self.plan.states.copy_within(moved.., 0);
+        self.plan.inputs.copy_within(moved.., 0);
+        if kept == 0 {
+            self.plan.states[0] = self.reference[0];
+        }
+        for k in kept..stages {
+            self.plan.inputs[k] = self.inputs[k];
+            self.plan.states[k + 1] = self.reference[k + 1];
+        }
+        self.plan.start = start;
+    }
+
+    /// Stage `k` of the QP, in deviations from the reference.
+    pub fn set_stage(&mut self, k: usize, prediction: &Prediction<'_, N, M>) {
+        let stage = &mut self.problem.stages[k];
+        flat_state(prediction.state, &mut stage.state_matrix);
+        flat_input(prediction.input, &mut stage.input_matrix);
+        let (y, v, u) = &prediction.at;
+        let at: [f64; NX] = join(y, v);
+        let next: [f64; NX] = join(&prediction.next.0, &prediction.next.1);
+        for i in 0..NX {
+            let mut sum = next[i] - self.reference[k + 1][i];
+            for j in 0..NX {
+                sum += stage.state_matrix[i][j] * (self.reference[k][j] - at[j]);
+            }
+            for j in 0..M {
+                sum += stage.input_matrix[i][j] * (self.inputs[k][j] - u[j]);
+            }
+            stage.affine[i] = sum;
+        }
+    }
+
+    /// Solves from `state` at `start` [s] on; the stages are set.
+    pub fn solve(&mut self, start: f64, state: &[f64; NX]) -> Result<Command<M>, ControllerFault> {
+        let disturbance = *self.observer.disturbance();
+        for i in 0..NX {
+            self.problem.initial_state[i] = state[i] - self.reference[0][i];
+        }
+        for i in 0..M {
+            self.problem.previous_input[i] = self.under_way[i] + disturbance[i] - self.inputs[0][i];
+        }
+        self.set_bounds(&disturbance);
+        self.set_terminal(start);
+        let report = self.solver.solve(&self.problem);
+        if report.status == QpStatus::Invalid {
+            self.plan.start = f64::NAN;
+            return Err(if report.residuals.gap.is_nan() && finite(state) {
+                ControllerFault::NoSolution {
+                    iterations: report.iterations as u32,
+                }
+            } else {
+                ControllerFault::NotFinite
+            });
+        }
+        self.keep_plan(start, state, &disturbance);
+        Ok(Command {
+            inputs: self.input(0),
+            iterations: report.iterations as u32,
+        })
+    }
+
+    fn set_bounds(&mut self, disturbance: &[f64; M]) {
+        let options = &self.options;
+        let rate = self.problem.input_rate_weight;
+        let change = |k: usize, i: usize| {
+            if (1..options.horizon).contains(&k) {
+                rate[i][i] * (self.inputs[k][i] - self.inputs[k - 1][i])
+            } else {
+                0.0
+            }
+        };
+        for (k, stage) in self.problem.stages.iter_mut().enumerate() {
+            let QpStage {
+                input_lower,
+                input_upper,
+                state_lower,
+                state_upper,
+                input_gradient,
+                ..
+            } = stage;
+            for i in 0..M {
+                let offset = disturbance[i] - self.inputs[k][i];
+                [input_lower[i], input_upper[i]] = options.input_limits[i].map(|b| b + offset);
+                input_gradient[i] = change(k, i) - change(k + 1, i);
+            }
+            let reference = &self.reference[k + 1];
+            for i in 0..N {
+                let [low, high] = options.position_limits[i];
+                (state_lower[i], state_upper[i]) = (low - reference[i], high - reference[i]);
+                let speed = options.velocity_limits[i];
+                (state_lower[N + i], state_upper[N + i]) =
+                    (-speed - reference[N + i], speed - reference[N + i]);
+            }
+        }
+    }
+
+    /// The terminal weight computed nearest to the end of the horizon.
+    fn set_terminal(&mut self, start: f64) {
+        let end = start + self.options.horizon as f64 * self.options.period;
+        let share = (end / self.trajectory.duration()).clamp(0.0, 1.0);
+        // A trajectory without duration has one weight, whichever: NaN becomes 0.
+        let index = (share * TERMINAL_INTERVALS as f64).round() as usize;
+        self.problem.terminal_weight = self.terminal[index.min(TERMINAL_INTERVALS)];
+    }
+
+    fn keep_plan(&mut self, start: f64, state: &[f64; NX], disturbance: &[f64; M]) {
+        self.plan.start = start;
+        self.plan.disturbance = *disturbance;
+        self.plan.states[0] = *state;
+        for k in 0..self.options.horizon {
+            let (input, next) = (self.solver.input(k), self.solver.state(k + 1));
+            self.plan.inputs[k] = core::array::from_fn(|i| self.inputs[k][i] + input[i]);
+            self.plan.states[k + 1] = core::array::from_fn(|i| self.reference[k + 1][i] + next[i]);
+        }
+    }
+
+    /// Input of period `k` of the plan, within its bounds to the last bit.
+    fn input(&self, k: usize) -> [f64; M] {
+        core::array::from_fn(|i| {
+            let [low, high] = self.options.input_limits[i];
+            (self.plan.inputs[k][i] - self.plan.disturbance[i]).clamp(low, high)
+        })
+    }
+
+    pub fn planned(&self, periods: u32) -> Option<[f64; M]> {
+        let k = usize::try_from(periods).ok()?;
+        let exists = self.plan.start.is_finite() && k < self.options.horizon;
+        exists.then(|| self.input(k))
+    }
+
+    pub fn estimate(&self) -> Estimate<N> {
+        Estimate {
+            positions: *self.observer.positions(),
+            velocities: *self.observer.velocities(),
+        }
+    }
+
+    /// State `k` and input `u + d` of the plan.
+    pub fn planned_point(&self, k: usize) -> ([f64; N], [f64; N], [f64; M]) {
+        let (y, v) = split(&self.plan.states[k]);
+        (y, v, self.plan.inputs[k])
+    }
+}
+
+fn finite(state: &[f64]) -> bool {
+    state.iter().all(|x| x.is_finite())
+}

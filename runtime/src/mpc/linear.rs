@@ -1,0 +1,119 @@
+//! Linear time-varying model predictive control.
+
+use super::DisturbanceObserver;
+use super::horizon::{Horizon, Prediction};
+use super::options::{LinearizationPoint, MpcError, MpcOptions};
+use crate::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate};
+use crate::dynamics::Discretizable;
+use crate::trajectory::Trajectory;
+
+/// Linear time-varying MPC: predictions by the exact zero-order hold of the affine linearization in the middle of each period, of the desired
+/// trajectory with its feed-forward or of the previous plan. See the [module](super).
+///
+/// ```
+/// use gelenk_runtime::control_loop::{Controller, Cycle};
+/// use gelenk_runtime::mpc::{LtvMpc, MpcOptions};
+/// use gelenk_runtime::trajectory::RestToRest;
+///
+/// gelenk_runtime::dynamics!(
+///     pub struct PowerCube = gelenk_generated::powercube: Dynamics + Differentiable + Discretizable
+/// );
+///
+/// let motion = RestToRest::new([0.0, 0.0], [0.3, 0.4], 2.0)?;
+/// let options = MpcOptions::new(&PowerCube, 0.02, 20);
+/// let mut mpc = LtvMpc::<_, _, 2, 2, 4>::new(PowerCube, motion, options)?;
+/// mpc.reset(&[0.0; 2], &[0.0; 2]);
+/// let cycle = Cycle { time: 0.0, periods: 0, positions: Some([0.0; 2]), last_inputs: [0.0; 2] };
+/// let command = mpc.step(&cycle)?;
+/// assert!(command.inputs.iter().all(|u| u.abs() <= 0.5), "the motor's peak torque");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct LtvMpc<D, T, const N: usize, const M: usize, const NX: usize> {
+    horizon: Horizon<D, T, N, M, NX>,
+}
+
+impl<D, T, const N: usize, const M: usize, const NX: usize> LtvMpc<D, T, N, M, NX>
+where
+    D: Discretizable<N, M>,
+    T: Trajectory<N>,
+{
+    /// A controller of `model` along `trajectory`. All memory is allocated here, and all terminal weights are computed.
+    ///
+    /// # Errors
+    /// [`MpcError`].
+    pub fn new(model: D, trajectory: T, options: MpcOptions<N, M>) -> Result<Self, MpcError> {
+        Ok(Self {
+            horizon: Horizon::new(model, trajectory, options)?,
+        })
+    }
+
+    /// The observer with its estimates.
+    pub fn observer(&self) -> &DisturbanceObserver<N, M> {
+        &self.horizon.observer
+    }
+
+    /// Linearizes and discretizes the horizon that begins at `start`.
+    fn predict(&mut self, start: f64) {
+        let period = self.horizon.options.period;
+        let around_plan = self.horizon.options.linearization == LinearizationPoint::Plan;
+        if around_plan {
+            self.horizon.shift_plan(start);
+        }
+        for k in 0..self.horizon.options.horizon {
+            let (y, v, u) = if around_plan {
+                self.middle_of_plan(k)
+            } else {
+                let sample = self.horizon.middle(start, k);
+                (sample.positions, sample.velocities, self.horizon.inputs[k])
+            };
+            let discrete = self.horizon.model().discretize(&y, &v, &u, period);
+            let prediction = Prediction {
+                state: &discrete.state,
+                input: &discrete.input,
+                next: discrete.step(&y, &v, &u),
+                at: (y, v, u),
+            };
+            self.horizon.set_stage(k, &prediction);
+        }
+    }
+
+    fn middle_of_plan(&self, k: usize) -> ([f64; N], [f64; N], [f64; M]) {
+        let (y, v, u) = self.horizon.planned_point(k);
+        let (next_y, next_v) = {
+            let states = &self.horizon.plan.states[k + 1];
+            super::integrate::split::<N, NX>(states)
+        };
+        (
+            core::array::from_fn(|i| 0.5 * (y[i] + next_y[i])),
+            core::array::from_fn(|i| 0.5 * (v[i] + next_v[i])),
+            u,
+        )
+    }
+}
+
+impl<D, T, const N: usize, const M: usize, const NX: usize> Controller<N, M>
+    for LtvMpc<D, T, N, M, NX>
+where
+    D: Discretizable<N, M>,
+    T: Trajectory<N>,
+{
+    fn reset(&mut self, positions: &[f64; N], inputs: &[f64; M]) {
+        self.horizon.reset(positions, inputs);
+    }
+
+    fn step(&mut self, cycle: &Cycle<N, M>) -> Result<Command<M>, ControllerFault> {
+        let (start, state) = self.horizon.observe(cycle);
+        self.horizon.look_ahead(start);
+        self.predict(start);
+        self.horizon.solve(start, &state)
+    }
+
+    fn planned(&self, periods: u32) -> Option<[f64; M]> {
+        self.horizon.planned(periods)
+    }
+
+    fn estimate(&self) -> Option<Estimate<N>> {
+        Some(self.horizon.estimate())
+    }
+}

@@ -1,0 +1,110 @@
+//! Nonlinear model predictive control.
+
+use super::DisturbanceObserver;
+use super::horizon::{Horizon, Prediction};
+use super::integrate::integrate;
+use super::options::{MpcError, MpcOptions};
+use crate::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate};
+use crate::dynamics::Discretizable;
+use crate::trajectory::Trajectory;
+
+/// Nonlinear MPC: multiple shooting with Runge–Kutta integration, a Gauss–Newton step of sequential quadratic programming per period (real-time
+/// iteration), exact sensitivities. See the [module](super).
+///
+/// A period has two parts. [`prepare`](Self::prepare) integrates and differentiates the shifted plan and needs no measurement;
+/// [`feedback`](Self::feedback) takes the measurement and solves the QP, so that only this lies between measurement and input.
+/// [`Controller::step`] does both, the first only where it has not been done.
+#[derive(Debug, Clone)]
+pub struct Nmpc<D, T, const N: usize, const M: usize, const NX: usize> {
+    horizon: Horizon<D, T, N, M, NX>,
+    /// Start of the prepared horizon [s]; NaN if none is.
+    prepared: f64,
+}
+
+impl<D, T, const N: usize, const M: usize, const NX: usize> Nmpc<D, T, N, M, NX>
+where
+    D: Discretizable<N, M>,
+    T: Trajectory<N>,
+{
+    /// A controller of `model` along `trajectory`. All memory is allocated here, and all terminal weights are computed.
+    /// [`MpcOptions::linearization`] has no influence.
+    ///
+    /// # Errors
+    /// [`MpcError`].
+    pub fn new(model: D, trajectory: T, options: MpcOptions<N, M>) -> Result<Self, MpcError> {
+        Ok(Self {
+            horizon: Horizon::new(model, trajectory, options)?,
+            prepared: f64::NAN,
+        })
+    }
+
+    /// The observer with its estimates.
+    pub fn observer(&self) -> &DisturbanceObserver<N, M> {
+        &self.horizon.observer
+    }
+
+    /// Prepares the next period, which follows `time` [s], the one of the last [`feedback`](Self::feedback).
+    pub fn prepare(&mut self, time: f64) {
+        let period = self.horizon.options.period;
+        let ahead = if self.horizon.options.delay { 2.0 } else { 1.0 };
+        self.predict(time + ahead * period);
+    }
+
+    /// Integrates and differentiates the plan, shifted to begin at `start`.
+    fn predict(&mut self, start: f64) {
+        let horizon = &mut self.horizon;
+        horizon.look_ahead(start);
+        horizon.shift_plan(start);
+        for k in 0..horizon.options.horizon {
+            let (y, v, u) = horizon.planned_point(k);
+            let (period, substeps) = (horizon.options.period, horizon.substeps);
+            let step = integrate(horizon.model(), &y, &v, &u, period, substeps);
+            let prediction = Prediction {
+                state: &step.state,
+                input: &step.input,
+                next: (step.coordinates, step.velocities),
+                at: (y, v, u),
+            };
+            horizon.set_stage(k, &prediction);
+        }
+        self.prepared = start;
+    }
+
+    /// Takes in the measurement and gives the input of this period.
+    ///
+    /// # Errors
+    /// As [`Controller::step`].
+    pub fn feedback(&mut self, cycle: &Cycle<N, M>) -> Result<Command<M>, ControllerFault> {
+        let (start, state) = self.horizon.observe(cycle);
+        let late = (start - self.prepared).abs() > 1e-6 * self.horizon.options.period;
+        if late || self.prepared.is_nan() {
+            self.predict(start);
+        }
+        self.prepared = f64::NAN;
+        self.horizon.solve(start, &state)
+    }
+}
+
+impl<D, T, const N: usize, const M: usize, const NX: usize> Controller<N, M>
+    for Nmpc<D, T, N, M, NX>
+where
+    D: Discretizable<N, M>,
+    T: Trajectory<N>,
+{
+    fn reset(&mut self, positions: &[f64; N], inputs: &[f64; M]) {
+        self.horizon.reset(positions, inputs);
+        self.prepared = f64::NAN;
+    }
+
+    fn step(&mut self, cycle: &Cycle<N, M>) -> Result<Command<M>, ControllerFault> {
+        self.feedback(cycle)
+    }
+
+    fn planned(&self, periods: u32) -> Option<[f64; M]> {
+        self.horizon.planned(periods)
+    }
+
+    fn estimate(&self) -> Option<Estimate<N>> {
+        Some(self.horizon.estimate())
+    }
+}

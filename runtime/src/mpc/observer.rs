@@ -1,0 +1,226 @@
+//! State and input disturbance from encoder angles.
+
+use super::integrate::integrate;
+use super::options::{MpcError, require};
+use crate::dynamics::Discretizable;
+
+/// Noise that the filter reckons with: standard deviations, random per period.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ObserverOptions<const N: usize, const M: usize> {
+    /// Of a measured position [rad or m]: the encoder's step over √12, plus noise. > 0.
+    pub encoder_noise: [f64; N],
+    /// Of the velocity's change in a period that the model does not explain [rad/s or m/s]. ≥ 0.
+    pub velocity_noise: [f64; N],
+    /// Of the disturbance's change in a period, in units of the input. 0: no disturbance is estimated.
+    pub disturbance_noise: [f64; M],
+}
+
+impl<const N: usize, const M: usize> Default for ObserverOptions<N, M> {
+    /// Encoders of 1e-5 rad, velocity changes of 1e-3 rad/s, no disturbance.
+    fn default() -> Self {
+        Self {
+            encoder_noise: [1e-5; N],
+            velocity_noise: [1e-3; N],
+            disturbance_noise: [0.0; M],
+        }
+    }
+}
+
+impl<const N: usize, const M: usize> ObserverOptions<N, M> {
+    pub(super) fn check(&self) -> Result<(), MpcError> {
+        let positive = |x: f64| x.is_finite() && x > 0.0;
+        let weight = |x: f64| x.is_finite() && x >= 0.0;
+        require("encoder_noise", &self.encoder_noise, "positive", positive)?;
+        require(
+            "velocity_noise",
+            &self.velocity_noise,
+            "not negative",
+            weight,
+        )?;
+        require(
+            "disturbance_noise",
+            &self.disturbance_noise,
+            "not negative",
+            weight,
+        )
+    }
+}
+
+/// Kalman filter on the augmented state (y, ẏ, d), where the disturbance d acts like an input and is constant but for its noise:
+///
+/// ```text
+///     (y, ẏ)⁺ = f(y, ẏ, u + d)     d⁺ = d     measured: y
+/// ```
+///
+/// Extended: prediction by the nonlinear robot, covariance by its exact sensitivities (Anderson, Moore, *Optimal Filtering*, 1979, section 8.2);
+/// the disturbance model for offset-free control as in Pannocchia, Rawlings, *AIChE J.* 49 (2003). Positions are taken one after another,
+/// which is the same as all at once, their noise being independent.
+#[derive(Debug, Clone)]
+pub struct DisturbanceObserver<const N: usize, const M: usize> {
+    options: ObserverOptions<N, M>,
+    positions: [f64; N],
+    velocities: [f64; N],
+    disturbance: [f64; M],
+    /// Covariance, rows of 2 N + M numbers, and memory for its prediction.
+    covariance: Vec<f64>,
+    work: Vec<f64>,
+}
+
+impl<const N: usize, const M: usize> DisturbanceObserver<N, M> {
+    const SIZE: usize = 2 * N + M;
+
+    /// At rest at y = 0, with memory allocated.
+    ///
+    /// # Errors
+    /// [`MpcError::Option`].
+    pub fn new(options: ObserverOptions<N, M>) -> Result<Self, MpcError> {
+        options.check()?;
+        let mut observer = Self {
+            options,
+            positions: [0.0; N],
+            velocities: [0.0; N],
+            disturbance: [0.0; M],
+            covariance: vec![0.0; Self::SIZE * Self::SIZE],
+            work: vec![0.0; Self::SIZE * Self::SIZE],
+        };
+        observer.reset(&[0.0; N], &[0.0; N]);
+        Ok(observer)
+    }
+
+    /// Begins at a known state without disturbance; uncertain by one period's noise.
+    pub fn reset(&mut self, positions: &[f64; N], velocities: &[f64; N]) {
+        (self.positions, self.velocities) = (*positions, *velocities);
+        self.disturbance = [0.0; M];
+        self.covariance.fill(0.0);
+        for i in 0..Self::SIZE {
+            let measured = if i < N {
+                self.options.encoder_noise[i]
+            } else {
+                0.0
+            };
+            self.covariance[i * Self::SIZE + i] = self.noise(i) + measured * measured;
+        }
+    }
+
+    /// Variance that a period adds to number `i` of the augmented state.
+    fn noise(&self, i: usize) -> f64 {
+        let deviation = if i < N {
+            0.0
+        } else if i < 2 * N {
+            self.options.velocity_noise[i - N]
+        } else {
+            self.options.disturbance_noise[i - 2 * N]
+        };
+        deviation * deviation
+    }
+
+    /// Moves on by `period` [s], over which `inputs` acted, in `substeps` Runge–Kutta steps.
+    pub fn predict(
+        &mut self,
+        model: &impl Discretizable<N, M>,
+        inputs: &[f64; M],
+        period: f64,
+        substeps: usize,
+    ) {
+        let total: [f64; M] = core::array::from_fn(|i| inputs[i] + self.disturbance[i]);
+        let step = integrate(
+            model,
+            &self.positions,
+            &self.velocities,
+            &total,
+            period,
+            substeps.max(1),
+        );
+        (self.positions, self.velocities) = (step.coordinates, step.velocities);
+        // F P, of which only the rows of y and ẏ differ from P, then (F P) Fᵀ likewise.
+        let n = Self::SIZE;
+        for row in 0..2 * N {
+            let factors = row_of(&step.state, &step.input, row);
+            for j in 0..n {
+                let mut sum = 0.0;
+                for k in 0..n {
+                    sum += factors(k) * self.covariance[k * n + j];
+                }
+                self.work[row * n + j] = sum;
+            }
+        }
+        self.work[2 * N * n..].copy_from_slice(&self.covariance[2 * N * n..]);
+        for column in 0..2 * N {
+            let factors = row_of(&step.state, &step.input, column);
+            for i in 0..n {
+                let mut sum = 0.0;
+                for k in 0..n {
+                    sum += self.work[i * n + k] * factors(k);
+                }
+                self.covariance[i * n + column] = sum;
+            }
+        }
+        for i in 0..n {
+            for j in 2 * N..n {
+                self.covariance[i * n + j] = self.work[i * n + j];
+            }
+            self.covariance[i * n + i] += self.noise(i);
+        }
+    }
+
+    /// Takes in measured positions.
+    pub fn correct(&mut self, measured: &[f64; N]) {
+        let n = Self::SIZE;
+        for m in 0..N {
+            let noise = self.options.encoder_noise[m];
+            let variance = self.covariance[m * n + m] + noise * noise;
+            let innovation = measured[m] - self.positions[m];
+            self.work[..n].copy_from_slice(&self.covariance[m * n..][..n]);
+            for i in 0..n {
+                let gain = self.work[i] / variance;
+                self.add(i, gain * innovation);
+                for j in 0..=i {
+                    let value = self.covariance[i * n + j] - gain * self.work[j];
+                    self.covariance[i * n + j] = value;
+                    self.covariance[j * n + i] = value;
+                }
+            }
+        }
+    }
+
+    fn add(&mut self, i: usize, change: f64) {
+        if i < N {
+            self.positions[i] += change;
+        } else if i < 2 * N {
+            self.velocities[i - N] += change;
+        } else {
+            self.disturbance[i - 2 * N] += change;
+        }
+    }
+
+    /// Estimated y [rad or m].
+    pub fn positions(&self) -> &[f64; N] {
+        &self.positions
+    }
+
+    /// Estimated ẏ [rad/s or m/s].
+    pub fn velocities(&self) -> &[f64; N] {
+        &self.velocities
+    }
+
+    /// Estimated d, in units of the input.
+    pub fn disturbance(&self) -> &[f64; M] {
+        &self.disturbance
+    }
+}
+
+/// Row `row` of (A_d, B_d), by its numbers.
+fn row_of<'a, const N: usize, const M: usize>(
+    state: &'a [[[[f64; N]; N]; 2]; 2],
+    input: &'a [[[f64; M]; N]; 2],
+    row: usize,
+) -> impl Fn(usize) -> f64 + 'a {
+    let (half, i) = (row / N, row % N);
+    move |k| {
+        if k < 2 * N {
+            state[half][k / N][i][k % N]
+        } else {
+            input[half][i][k - 2 * N]
+        }
+    }
+}

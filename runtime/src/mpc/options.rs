@@ -1,0 +1,186 @@
+//! What a predictive controller is told, and why it may refuse.
+
+use super::observer::ObserverOptions;
+use crate::dynamics::Dynamics;
+use crate::feed_forward::FeedForwardError;
+use crate::lqr::LqrError;
+use crate::qp::{Penalty, QpError, QpSettings};
+use thiserror::Error;
+
+/// Where the linear predictions are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LinearizationPoint {
+    /// Along the desired trajectory and its feed-forward. Good while errors are small. Where friction is steep at rest, a joint that should rest
+    /// but does not is taken for one that hardly moves: far from its goal it is driven back and forth by full inputs (seen: 4 mrad on the
+    /// PowerCube after a motion that its torque was too small for).
+    Reference,
+    /// Along the plan of the step before, moved on by the time that has passed.
+    #[default]
+    Plan,
+}
+
+/// Weights, bounds and structure of a predictive controller of a robot with `N` coordinates and `M` inputs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MpcOptions<const N: usize, const M: usize> {
+    /// Sample time T [s].
+    pub period: f64,
+    /// Stages of the horizon, 1..=100.
+    pub horizon: usize,
+    /// Weights of position errors [1/rad² or 1/m²], ≥ 0.
+    pub position_weight: [f64; N],
+    /// Weights of velocity errors [s²/rad² or s²/m²], ≥ 0.
+    pub velocity_weight: [f64; N],
+    /// Weights of the deviation from the feed-forward [1/(N m)², 1/N² or 1/A²], ≥ 0; with the rate weight > 0.
+    pub input_weight: [f64; M],
+    /// Weights of the input's rate of change [s²/(N m)² …], ≥ 0.
+    pub input_rate_weight: [f64; M],
+    /// Hard lower and upper bounds of the inputs.
+    pub input_limits: [[f64; 2]; M],
+    /// Soft lower and upper bounds of the positions; infinite where there is none.
+    pub position_limits: [[f64; 2]; N],
+    /// Soft bounds of the speeds; infinite where there is none.
+    pub velocity_limits: [f64; N],
+    /// Penalty of a violated soft bound, per rad, m, rad/s or m/s.
+    pub limit_penalty: Penalty,
+    /// Where [`LtvMpc`](super::LtvMpc) linearizes.
+    pub linearization: LinearizationPoint,
+    /// True if an input acts one period after the measurement that it was computed from.
+    pub delay: bool,
+    /// The observer's noise.
+    pub observer: ObserverOptions<N, M>,
+    /// The QP solver's tolerances.
+    pub qp: QpSettings,
+}
+
+impl<const N: usize, const M: usize> MpcOptions<N, M> {
+    /// Options with the model's limits (peak inputs, positions, speeds) and weights for a robot in SI units: position errors 1e4, velocity errors
+    /// 1e2 (errors vanish with a time constant of 0.1 s), deviations of the input 1e-3 beside a full input. QP to a millionth of its cost. No delay, linearization around the plan.
+    pub fn new(model: &impl Dynamics<N, M>, period: f64, horizon: usize) -> Self {
+        let limits = model.limits();
+        let scale = limits
+            .peak_input
+            .map(|u| if u.is_finite() && u > 0.0 { u } else { 1.0 });
+        Self {
+            period,
+            horizon,
+            position_weight: [1e4; N],
+            velocity_weight: [1e2; N],
+            input_weight: scale.map(|u| 1e-3 / (u * u)),
+            input_rate_weight: [0.0; M],
+            input_limits: limits.peak_input.map(|u| [-u, u]),
+            position_limits: limits.position,
+            velocity_limits: limits.velocity,
+            limit_penalty: Penalty {
+                linear: 1e4,
+                quadratic: 1e5,
+            },
+            linearization: LinearizationPoint::Plan,
+            delay: false,
+            observer: ObserverOptions::default(),
+            qp: QpSettings {
+                tolerance: 1e-6,
+                ..QpSettings::default()
+            },
+        }
+    }
+
+    /// # Errors
+    /// [`MpcError::Option`] for the first value out of its range.
+    pub(super) fn check(&self) -> Result<(), MpcError> {
+        let positive = |x: f64| x.is_finite() && x > 0.0;
+        let weight = |x: f64| x.is_finite() && x >= 0.0;
+        require("period", &[self.period], "positive and finite", positive)?;
+        require(
+            "position_weight",
+            &self.position_weight,
+            NOT_NEGATIVE,
+            weight,
+        )?;
+        require(
+            "velocity_weight",
+            &self.velocity_weight,
+            NOT_NEGATIVE,
+            weight,
+        )?;
+        require("input_weight", &self.input_weight, NOT_NEGATIVE, weight)?;
+        require(
+            "input_rate_weight",
+            &self.input_rate_weight,
+            NOT_NEGATIVE,
+            weight,
+        )?;
+        let both: [f64; M] =
+            core::array::from_fn(|i| self.input_weight[i] + self.input_rate_weight[i]);
+        require(
+            "input_weight plus input_rate_weight",
+            &both,
+            "positive",
+            positive,
+        )?;
+        for limits in self.input_limits.iter().chain(&self.position_limits) {
+            require("a bound", limits, "a number, lower before upper", |x| {
+                !x.is_nan() && limits[0] <= limits[1]
+            })?;
+        }
+        require("velocity_limits", &self.velocity_limits, "positive", |x| {
+            x > 0.0
+        })?;
+        self.observer.check()
+    }
+}
+
+const NOT_NEGATIVE: &str = "finite and not negative";
+
+pub(super) fn require(
+    option: &'static str,
+    values: &[f64],
+    range: &'static str,
+    holds: impl Fn(f64) -> bool,
+) -> Result<(), MpcError> {
+    match values.iter().position(|x| !holds(*x)) {
+        None => Ok(()),
+        Some(index) => Err(MpcError::Option {
+            option,
+            index,
+            value: values[index],
+            range,
+        }),
+    }
+}
+
+/// Why there is no controller.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum MpcError {
+    /// An option is out of its range.
+    #[error("option {option}[{index}] is {value}; it must be {range}")]
+    Option {
+        /// Name of the option.
+        option: &'static str,
+        /// Its component, 0 for scalars.
+        index: usize,
+        /// What was given.
+        value: f64,
+        /// What is allowed.
+        range: &'static str,
+    },
+    /// Horizon or sizes do not suit the QP.
+    #[error(transparent)]
+    Qp(#[from] QpError),
+    /// There is no feed-forward for the model.
+    #[error(transparent)]
+    FeedForward(#[from] FeedForwardError),
+    /// The Riccati equation of the terminal weight has no solution.
+    #[error("no terminal weight at {time} s of the trajectory: {reason}")]
+    Terminal {
+        /// Where on the trajectory [s].
+        time: f64,
+        /// Why.
+        reason: LqrError,
+    },
+    /// Trajectory or equations of motion are not finite.
+    #[error("at {time} s trajectory or equations of motion are not finite")]
+    NotFinite {
+        /// Where on the trajectory [s].
+        time: f64,
+    },
+}

@@ -1,0 +1,130 @@
+//! Control allocates nothing: ten thousand steps of each controller.
+
+#![allow(clippy::unwrap_used, reason = "test code")]
+
+#[path = "support/tracking.rs"]
+mod tracking;
+
+use gelenk_runtime::control_loop::{Controller, Cycle};
+use gelenk_runtime::lqr::{Lqr, TimeVaryingLqr};
+use gelenk_runtime::mpc::{LinearizationPoint, LtvMpc, Nmpc};
+use gelenk_runtime::trajectory::RestToRest;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use tracking::{PERIOD, PowerCube, options};
+
+struct Counting;
+
+thread_local! {
+    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
+}
+
+// SAFETY: every call is handed to the system allocator unchanged; the counter is a plain thread-local number.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.with(|n| n.set(n.get() + 1));
+        // SAFETY: as this function's own contract.
+        unsafe { System.alloc(layout) }
+    }
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: as this function's own contract.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+fn allocations() -> usize {
+    ALLOCATIONS.with(Cell::get)
+}
+
+const STEPS: u32 = 10_000;
+
+/// Ten thousand steps with measurements that wander about the trajectory, are missing at times, and once are not numbers.
+fn drive(controller: &mut impl Controller<2, 2>, motion: &RestToRest<2>) {
+    use gelenk_runtime::trajectory::Trajectory;
+    let mut last = [0.0; 2];
+    controller.reset(&motion.sample(0.0).positions, &last);
+    let (mut solved, mut iterated, mut faults) = (0, 0, 0);
+    let before = allocations();
+    for k in 0..STEPS {
+        let time = f64::from(k % 150) * PERIOD;
+        if k % 150 == 0 {
+            controller.reset(&motion.sample(0.0).positions, &last);
+        }
+        let wobble = 0.05 * (f64::from(k) * 0.37).sin();
+        let mut positions = motion.sample(time).positions.map(|y| y + wobble);
+        if k == 777 {
+            positions[0] = f64::NAN;
+        }
+        let cycle = Cycle {
+            time,
+            periods: 1 + u32::from(k % 50 == 49),
+            positions: (k % 11 != 5).then_some(positions),
+            last_inputs: last,
+        };
+        match controller.step(&cycle) {
+            Ok(command) => {
+                last = command.inputs;
+                solved += 1;
+                iterated += u32::from(command.iterations > 0);
+            }
+            Err(_) => faults += 1,
+        }
+        std::hint::black_box((controller.planned(1), controller.estimate()));
+    }
+    assert_eq!(allocations(), before);
+    assert!(
+        solved > STEPS - 200 && iterated > 100 && faults > 0,
+        "{solved} {iterated} {faults}"
+    );
+}
+
+fn motion() -> RestToRest<2> {
+    RestToRest::new([0.1, -0.2], [0.5, 0.4], 2.0).unwrap()
+}
+
+#[test]
+fn linear_predictive_control_allocates_nothing() {
+    let mut options = options(&PowerCube, PERIOD, 5);
+    options.observer.disturbance_noise = [1e-3; 2];
+    options.input_rate_weight = [1e-6; 2];
+    for point in [LinearizationPoint::Reference, LinearizationPoint::Plan] {
+        options.linearization = point;
+        options.delay = point == LinearizationPoint::Plan;
+        let mut mpc = LtvMpc::<_, _, 2, 2, 4>::new(PowerCube, motion(), options.clone()).unwrap();
+        drive(&mut mpc, &motion());
+    }
+}
+
+#[test]
+fn nonlinear_predictive_control_allocates_nothing() {
+    let mut options = options(&PowerCube, PERIOD, 3);
+    options.observer.disturbance_noise = [1e-3; 2];
+    let mut mpc = Nmpc::<_, _, 2, 2, 4>::new(PowerCube, motion(), options).unwrap();
+    drive(&mut mpc, &motion());
+}
+
+#[test]
+fn linear_quadratic_regulators_allocate_nothing() {
+    let (a, b) = ([[1.0, 0.02], [0.1, 0.99]], [[0.0002], [0.02]]);
+    let (q, r) = ([[100.0, 0.0], [0.0, 1.0]], [[0.1]]);
+    let regulator = Lqr::new(&a, &b, &q, &r).unwrap();
+    let mut varying = TimeVaryingLqr::new(20).unwrap();
+    let before = allocations();
+    let mut state = [1.0, 0.0];
+    for k in 0..STEPS {
+        let u = regulator.input(&state);
+        state = core::array::from_fn(|i| a[i][0] * state[0] + a[i][1] * state[1] + b[i][0] * u[0]);
+        if k % 10 == 0 {
+            for stage in 0..20 {
+                varying.set_stage(stage, &a, &b);
+            }
+            varying.solve(&q, &r, &regulator.cost_to_go).unwrap();
+            std::hint::black_box(varying.gain(0));
+        }
+    }
+    assert_eq!(allocations(), before);
+    assert!(state[0].abs() < 1e-9);
+}
