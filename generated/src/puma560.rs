@@ -3191,7 +3191,7 @@ pub fn mass_matrix_and_bias_forces_into(
 /// - returns `∂/∂y: [N × N]`: row i = force i
 /// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
 ///
-/// Cost: 695 multiplications, 582 additions, 0 divisions, 4 function calls (`sin_cos`), 12 selections.
+/// Cost: 678 multiplications, 571 additions, 0 divisions, 4 function calls (`sin_cos`), 12 selections.
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
@@ -3225,27 +3225,32 @@ pub fn inverse_dynamics_derivatives_into(
     d_dv: &mut [[f64; N]; N],
 ) {
     d_dy[0][0] = 0.0;
+    d_dy[0][5] = 0.0;
     d_dy[1][0] = 0.0;
+    d_dy[1][5] = 0.0;
     d_dy[2][0] = 0.0;
+    d_dy[2][5] = 0.0;
     d_dy[3][0] = 0.0;
+    d_dy[3][5] = 0.0;
     d_dy[4][0] = 0.0;
+    d_dy[4][5] = 0.0;
     d_dy[5][0] = 0.0;
+    d_dy[5][5] = 0.0;
     d_dv[4][4] = 0.42728302093540005;
     d_dv[5][5] = 0.2158232532732;
     let [sin_joint2, cos_joint2, sin_joint4, cos_joint4, sin_joint5, cos_joint5,
     sin_joint2_joint3, cos_joint2_joint3, omega_joint3_y, omega_joint3_z, t13,
     omega_joint3_x, t21, omega_joint4_z, omega_joint4_y, omega_joint4_x, t34, t40,
-    omega_joint5_z, omega_joint5_y, t47, t52, t55, acceleration_joint2_x,
-    acceleration_joint3_x, acceleration_joint4_y, moment_joint6_x, moment_joint5_x, t97,
-    omega_joint5_x, moment_joint5_y, moment_joint4_x, force_joint5_z, t123, t126,
-    moment_joint6_y, acceleration_joint4_x, t142, acceleration_joint3_y,
-    acceleration_joint4_z, moment_joint4_y, force_joint5_x, t160, force_joint5_y,
-    force_joint4_x, moment_joint3_x, moment_joint3_y, t207, t211, t216, t223, t227,
-    force_joint3_x, force_joint3_y, t270, t281, t339, t359, t360, t362, t364, t366, t368,
-    t369, t370, t371, t372, t373, t378, t383, t384, t385, t386, t388, t389, t392, t394,
-    t395, t400, t401, t402, t403, t406, t409, t414, t415, t417, t420, t421, t422, t424,
-    t430, t435, t437, t440, t442, t444, t445, t449, t452, t455, t458, t460, t462, t464,
-    t466, t468, t475, moment_joint2_x, t498, t499, t502] = {
+    omega_joint5_z, omega_joint5_y, t52, t55, acceleration_joint2_x,
+    acceleration_joint3_x, acceleration_joint4_y, moment_joint5_x, t97, omega_joint5_x,
+    moment_joint5_y, moment_joint4_x, force_joint5_z, t123, acceleration_joint4_x, t142,
+    acceleration_joint3_y, acceleration_joint4_z, moment_joint4_y, force_joint5_x,
+    force_joint5_y, force_joint4_x, moment_joint3_x, moment_joint3_y, t207, t211, t216,
+    t223, t227, force_joint3_x, force_joint3_y, t270, t281, t339, t359, t360, t362, t364,
+    t366, t368, t369, t370, t371, t372, t373, t378, t383, t384, t385, t386, t388, t389,
+    t392, t394, t395, t400, t401, t402, t403, t406, t409, t414, t415, t417, t420, t421,
+    t422, t424, t430, t435, t437, t440, t442, t444, t445, t449, t452, t455, t458, t460,
+    t462, t464, t466, t468, t475, moment_joint2_x, t498, t499, t502] = {
         let angle_joint2_joint3 = y[1] + y[2];
         let (
             [sin_joint2,
@@ -3778,13 +3783,11 @@ pub fn inverse_dynamics_derivatives_into(
             t40,
             omega_joint5_z,
             omega_joint5_y,
-            t47,
             t52,
             t55,
             acceleration_joint2_x,
             acceleration_joint3_x,
             acceleration_joint4_y,
-            moment_joint6_x,
             moment_joint5_x,
             t97,
             omega_joint5_x,
@@ -3792,15 +3795,12 @@ pub fn inverse_dynamics_derivatives_into(
             moment_joint4_x,
             force_joint5_z,
             t123,
-            t126,
-            moment_joint6_y,
             acceleration_joint4_x,
             t142,
             acceleration_joint3_y,
             acceleration_joint4_z,
             moment_joint4_y,
             force_joint5_x,
-            t160,
             force_joint5_y,
             force_joint4_x,
             moment_joint3_x,
@@ -4128,639 +4128,602 @@ pub fn inverse_dynamics_derivatives_into(
     let t753 = sin_joint2_joint3 * t752;
     let t754 = t753 + t734;
     d_dy[0][4] = t754;
-    let t755 = 1.9999999999999998e-5 * t126;
-    let t756 = omega_joint5_x * t360;
-    let t757 = t756 + t755;
-    let t758 = moment_joint6_y - t757;
-    let t759 = cos_joint5 * t758;
-    let t760 = omega_joint5_x * t373;
-    let t761 = 3.9999999999999996e-5 * omega_joint5_z;
-    let t762 = omega_joint5_z * t761;
-    let t763 = t762 + t760;
-    let t764 = 3.9999999999999996e-5 * t160;
-    let t765 = t764 - t763;
-    let t766 = sin_joint5 * t765;
-    let t767 = t766 + t759;
-    let t768 = cos_joint4 * t767;
-    let t769 = 1.9999999999999998e-5 * t47;
-    let t770 = omega_joint5_z * t360;
-    let t771 = t770 + t769;
-    let t772 = moment_joint6_x - t771;
-    d_dy[4][5] = t772;
-    let t773 = sin_joint4 * t772;
-    let t774 = t768 + t773;
+    let t755 = cos_joint4 * t388;
+    let t756 = 0.047012505789717454 * t577;
+    let t757 = t567 * t444;
+    let t758 = omega_joint3_y * 0.03353022499999999;
+    let t759 = omega_joint3_x * 0.022546398000000002;
+    let t760 = t759 - t758;
+    let t761 = t760 + t757;
+    let t762 = t756 + t761;
+    let t763 = t378 - t762;
+    let t764 = t755 + t763;
+    let t765 = cos_joint2_joint3 * t764;
+    let t766 = cos_joint4 * t417;
+    let t767 = sin_joint4 * t424;
+    let t768 = t567 * t402;
+    let t769 = omega_joint3_y * 0.022546398000000002;
+    let t770 = omega_joint3_x * 0.6824699160000001;
+    let t771 = t770 - t769;
+    let t772 = t771 - t768;
+    let t773 = t767 + t772;
+    let t774 = t766 + t773;
     let t775 = sin_joint2_joint3 * t774;
-    let t776 = sin_joint5 * t758;
-    let t777 = cos_joint5 * t765;
-    let t778 = t777 - t776;
-    let t779 = cos_joint2_joint3 * t778;
-    let t780 = t775 - t779;
-    d_dy[0][5] = t780;
-    let t781 = cos_joint4 * t388;
-    let t782 = 0.047012505789717454 * t577;
-    let t783 = t567 * t444;
-    let t784 = omega_joint3_y * 0.03353022499999999;
-    let t785 = omega_joint3_x * 0.022546398000000002;
-    let t786 = t785 - t784;
-    let t787 = t786 + t783;
-    let t788 = t782 + t787;
-    let t789 = t378 - t788;
-    let t790 = t781 + t789;
-    let t791 = cos_joint2_joint3 * t790;
-    let t792 = cos_joint4 * t417;
-    let t793 = sin_joint4 * t424;
-    let t794 = t567 * t402;
-    let t795 = omega_joint3_y * 0.022546398000000002;
-    let t796 = omega_joint3_x * 0.6824699160000001;
-    let t797 = t796 - t795;
-    let t798 = t797 - t794;
-    let t799 = t793 + t798;
-    let t800 = t792 + t799;
-    let t801 = sin_joint2_joint3 * t800;
-    let t802 = t791 + t801;
-    let t803 = cos_joint2 * t581;
-    let t804 = v[0] * cos_joint2;
+    let t776 = t765 + t775;
+    let t777 = cos_joint2 * t581;
+    let t778 = v[0] * cos_joint2;
+    let t779 = 2.0 * t778;
+    let t780 = t779 * t466;
+    let t781 = v[0] * 2.0;
+    let t782 = t223 * t781;
+    let t783 = t782 + t780;
+    let t784 = t777 - t783;
+    let t785 = t776 - t784;
+    let t786 = v[0] * t785;
+    let t787 = cos_joint2_joint3 * t545;
+    let t788 = sin_joint2_joint3 * t537;
+    let t789 = t787 + t788;
+    let t790 = cos_joint2 * t539;
+    let t791 = t207 + t790;
+    let t792 = t789 - t791;
+    let t793 = a[0] * t792;
+    let t794 = 22.71885132005558 * t499;
+    let t795 = t216 + t466;
+    let t796 = acceleration_joint2_x * t795;
+    let t797 = t796 + t794;
+    let t798 = t797 - t793;
+    let t799 = t512 - t516;
+    let t800 = t223 + t281;
+    let t801 = t800 - t799;
+    let t802 = sin_joint2 * t498;
+    let t803 = cos_joint2 * t466;
+    let t804 = t803 + t802;
     let t805 = 2.0 * t804;
-    let t806 = t805 * t466;
-    let t807 = v[0] * 2.0;
-    let t808 = t223 * t807;
-    let t809 = t808 + t806;
-    let t810 = t803 - t809;
-    let t811 = t802 - t810;
-    let t812 = v[0] * t811;
-    let t813 = cos_joint2_joint3 * t545;
-    let t814 = sin_joint2_joint3 * t537;
-    let t815 = t813 + t814;
-    let t816 = cos_joint2 * t539;
-    let t817 = t207 + t816;
-    let t818 = t815 - t817;
-    let t819 = a[0] * t818;
-    let t820 = 22.71885132005558 * t499;
-    let t821 = t216 + t466;
-    let t822 = acceleration_joint2_x * t821;
-    let t823 = t822 + t820;
-    let t824 = t823 - t819;
-    let t825 = t512 - t516;
-    let t826 = t223 + t281;
-    let t827 = t826 - t825;
-    let t828 = sin_joint2 * t498;
-    let t829 = cos_joint2 * t466;
-    let t830 = t829 + t828;
-    let t831 = 2.0 * t830;
-    let t832 = t831 + t827;
-    let t833 = t55 * t832;
-    let t834 = t833 + t824;
-    let t835 = t812 - t834;
-    d_dy[1][1] = t835;
-    let t836 = omega_joint3_y * t790;
-    let t837 = omega_joint3_x * t800;
-    let t838 = t464 * acceleration_joint3_y;
-    let t839 = t13 * t537;
-    let t840 = t839 - t838;
-    let t841 = t462 * acceleration_joint3_x;
-    let t842 = t841 + t840;
-    let t843 = t34 * t545;
-    let t844 = t843 + t842;
-    let t845 = t55 * t825;
-    let t846 = t845 + t844;
-    let t847 = t837 + t846;
-    let t848 = t836 + t847;
-    d_dy[2][2] = t848;
-    let t849 = sin_joint2 * t596;
-    let t850 = cos_joint2_joint3 * t587;
-    let t851 = sin_joint2_joint3 * t594;
-    let t852 = t851 + t850;
-    let t853 = cos_joint2 * t852;
-    let t854 = t853 - t849;
-    let t855 = t848 - t854;
-    d_dy[1][2] = t855;
-    let t856 = cos_joint4 * t635;
-    let t857 = sin_joint4 * t654;
-    let t858 = 0.047012505789717454 * t666;
-    let t859 = t857 - t858;
-    let t860 = t856 + t859;
-    let t861 = sin_joint2 * t668;
-    let t862 = sin_joint2_joint3 * t660;
-    let t863 = cos_joint2_joint3 * t666;
-    let t864 = t862 + t863;
-    let t865 = cos_joint2 * t864;
-    let t866 = t865 - t861;
-    let t867 = t860 - t866;
-    let t868 = sin_joint4 * t738;
-    let t869 = cos_joint4 * t750;
-    let t870 = 0.047012505789717454 * t728;
-    let t871 = t869 - t870;
-    let t872 = t868 + t871;
-    let t873 = sin_joint2 * t730;
-    let t874 = sin_joint2_joint3 * t724;
-    let t875 = cos_joint2_joint3 * t728;
-    let t876 = t874 + t875;
-    let t877 = cos_joint2 * t876;
-    let t878 = t877 - t873;
-    let t879 = t872 - t878;
-    let t880 = sin_joint4 * t767;
-    let t881 = cos_joint4 * t772;
-    let t882 = t880 - t881;
-    let t883 = t806 + t802;
-    let t884 = v[0] * t883;
-    let t885 = t830 - t825;
-    let t886 = t55 * t885;
-    let t887 = acceleration_joint2_x * t466;
-    let t888 = 22.71885132005558 * t498;
-    let t889 = t888 + t887;
-    let t890 = t889 + t886;
-    let t891 = a[0] * t815;
+    let t806 = t805 + t801;
+    let t807 = t55 * t806;
+    let t808 = t807 + t798;
+    let t809 = t786 - t808;
+    d_dy[1][1] = t809;
+    let t810 = omega_joint3_y * t764;
+    let t811 = omega_joint3_x * t774;
+    let t812 = t464 * acceleration_joint3_y;
+    let t813 = t13 * t537;
+    let t814 = t813 - t812;
+    let t815 = t462 * acceleration_joint3_x;
+    let t816 = t815 + t814;
+    let t817 = t34 * t545;
+    let t818 = t817 + t816;
+    let t819 = t55 * t799;
+    let t820 = t819 + t818;
+    let t821 = t811 + t820;
+    let t822 = t810 + t821;
+    d_dy[2][2] = t822;
+    let t823 = sin_joint2 * t596;
+    let t824 = cos_joint2_joint3 * t587;
+    let t825 = sin_joint2_joint3 * t594;
+    let t826 = t825 + t824;
+    let t827 = cos_joint2 * t826;
+    let t828 = t827 - t823;
+    let t829 = t822 - t828;
+    d_dy[1][2] = t829;
+    let t830 = cos_joint4 * t635;
+    let t831 = sin_joint4 * t654;
+    let t832 = 0.047012505789717454 * t666;
+    let t833 = t831 - t832;
+    let t834 = t830 + t833;
+    let t835 = sin_joint2 * t668;
+    let t836 = sin_joint2_joint3 * t660;
+    let t837 = cos_joint2_joint3 * t666;
+    let t838 = t836 + t837;
+    let t839 = cos_joint2 * t838;
+    let t840 = t839 - t835;
+    let t841 = t834 - t840;
+    let t842 = sin_joint4 * t738;
+    let t843 = cos_joint4 * t750;
+    let t844 = 0.047012505789717454 * t728;
+    let t845 = t843 - t844;
+    let t846 = t842 + t845;
+    let t847 = sin_joint2 * t730;
+    let t848 = sin_joint2_joint3 * t724;
+    let t849 = cos_joint2_joint3 * t728;
+    let t850 = t848 + t849;
+    let t851 = cos_joint2 * t850;
+    let t852 = t851 - t847;
+    let t853 = t846 - t852;
+    let t854 = t780 + t776;
+    let t855 = v[0] * t854;
+    let t856 = t804 - t799;
+    let t857 = t55 * t856;
+    let t858 = acceleration_joint2_x * t466;
+    let t859 = 22.71885132005558 * t498;
+    let t860 = t859 + t858;
+    let t861 = t860 + t857;
+    let t862 = a[0] * t789;
+    let t863 = t862 - t861;
+    let t864 = t855 + t863;
+    d_dy[2][1] = t864;
+    let t865 = t445 + t442;
+    let t866 = cos_joint2_joint3 * t865;
+    let t867 = t386 - t568;
+    let t868 = sin_joint2_joint3 * t867;
+    let t869 = sin_joint2_joint3 * t539;
+    let t870 = t779 * t869;
+    let t871 = t468 * t444;
+    let t872 = t871 + t870;
+    let t873 = t868 - t872;
+    let t874 = t866 - t873;
+    let t875 = v[0] * t874;
+    let t876 = cos_joint2_joint3 * t539;
+    let t877 = sin_joint2 * t876;
+    let t878 = cos_joint2 * t869;
+    let t879 = t878 - t877;
+    let t880 = t536 - t879;
+    let t881 = t55 * t880;
+    let t882 = acceleration_joint2_x * t869;
+    let t883 = 22.71885132005558 * t876;
+    let t884 = t883 - t882;
+    let t885 = t881 + t884;
+    let t886 = 0.047012505789717454 * t444;
+    let t887 = t678 - t886;
+    let t888 = sin_joint2_joint3 * t887;
+    let t889 = sin_joint2 * t444;
+    let t890 = t888 - t889;
+    let t891 = cos_joint2_joint3 * t521;
     let t892 = t891 - t890;
-    let t893 = t884 + t892;
-    d_dy[2][1] = t893;
-    let t894 = t445 + t442;
-    let t895 = cos_joint2_joint3 * t894;
-    let t896 = t386 - t568;
-    let t897 = sin_joint2_joint3 * t896;
-    let t898 = sin_joint2_joint3 * t539;
-    let t899 = t805 * t898;
-    let t900 = t468 * t444;
-    let t901 = t900 + t899;
-    let t902 = t897 - t901;
-    let t903 = t895 - t902;
-    let t904 = v[0] * t903;
-    let t905 = cos_joint2_joint3 * t539;
-    let t906 = sin_joint2 * t905;
-    let t907 = cos_joint2 * t898;
-    let t908 = t907 - t906;
-    let t909 = t536 - t908;
-    let t910 = t55 * t909;
-    let t911 = acceleration_joint2_x * t898;
-    let t912 = 22.71885132005558 * t905;
-    let t913 = t912 - t911;
-    let t914 = t910 + t913;
-    let t915 = 0.047012505789717454 * t444;
-    let t916 = t678 - t915;
-    let t917 = sin_joint2_joint3 * t916;
-    let t918 = sin_joint2 * t444;
-    let t919 = t917 - t918;
-    let t920 = cos_joint2_joint3 * t521;
-    let t921 = t920 - t919;
-    let t922 = a[0] * t921;
-    let t923 = t922 + t914;
-    let t924 = t904 + t923;
-    d_dy[3][1] = t924;
-    let t925 = omega_joint3_y * t894;
-    let t926 = omega_joint3_x * t896;
-    let t927 = t55 * t536;
-    let t928 = t13 * t916;
-    let t929 = t928 - t927;
-    let t930 = t34 * t521;
-    let t931 = t930 - t929;
-    let t932 = t559 + t931;
-    let t933 = t926 - t932;
-    let t934 = t925 - t933;
-    d_dy[3][2] = t934;
-    let t935 = t366 - t371;
-    let t936 = cos_joint4 * t935;
-    let t937 = sin_joint4 * t385;
-    let t938 = t567 * t370;
-    let t939 = sin_joint4 * t402;
-    let t940 = t403 * t939;
-    let t941 = t940 - t938;
-    let t942 = t937 + t941;
-    let t943 = t936 - t942;
-    let t944 = cos_joint2_joint3 * t943;
-    let t945 = cos_joint4 * t402;
-    let t946 = t567 * t945;
-    let t947 = t415 - t946;
-    let t948 = t414 + t947;
-    let t949 = sin_joint2_joint3 * t948;
-    let t950 = sin_joint2_joint3 * t945;
-    let t951 = cos_joint2_joint3 * t370;
-    let t952 = t950 + t951;
-    let t953 = t805 * t952;
-    let t954 = t468 * t939;
-    let t955 = t954 - t953;
-    let t956 = t955 + t949;
-    let t957 = t944 - t956;
-    let t958 = v[0] * t957;
-    let t959 = 0.047012505789717454 * t939;
-    let t960 = sin_joint2_joint3 * t959;
-    let t961 = sin_joint2 * t939;
-    let t962 = t960 + t961;
-    let t963 = 0.00064216 + t402;
-    let t964 = sin_joint4 * t963;
-    let t965 = cos_joint2_joint3 * t964;
-    let t966 = t965 + t962;
-    let t967 = a[0] * t966;
-    let t968 = acceleration_joint2_x * t952;
-    let t969 = cos_joint2_joint3 * t945;
-    let t970 = sin_joint2_joint3 * t370;
-    let t971 = t969 - t970;
-    let t972 = 22.71885132005558 * t971;
-    let t973 = t972 - t968;
-    let t974 = t973 - t967;
-    let t975 = sin_joint2 * t971;
-    let t976 = cos_joint4 * t963;
-    let t977 = sin_joint5 * 5.846399999999998e-5;
-    let t978 = t976 - t977;
-    let t979 = t978 + t975;
-    let t980 = cos_joint2 * t952;
-    let t981 = t980 - t979;
-    let t982 = t55 * t981;
-    let t983 = t982 - t974;
-    let t984 = t958 - t983;
-    let t985 = omega_joint3_y * t943;
-    let t986 = omega_joint3_x * t948;
-    let t987 = t370 * acceleration_joint3_x;
-    let t988 = t55 * t978;
-    let t989 = t13 * t959;
-    let t990 = t34 * t964;
-    let t991 = t990 + t989;
-    let t992 = t991 - t988;
-    let t993 = t992 - t987;
-    let t994 = t945 * acceleration_joint3_y;
-    let t995 = t994 - t993;
-    let t996 = t986 - t995;
-    let t997 = t985 - t996;
-    let t998 = omega_joint4_y * t366;
-    let t999 = t21 * 0.00064216;
-    let t1000 = t999 + t628;
-    let t1001 = t998 - t1000;
-    d_dy[4][3] = t1001;
-    let t1002 = sin_joint4 * t373;
-    let t1003 = cos_joint5 * t761;
-    let t1004 = cos_joint4 * t1003;
-    let t1005 = t1004 - t1002;
-    let t1006 = cos_joint2_joint3 * t1005;
-    let t1007 = sin_joint5 * t761;
-    let t1008 = sin_joint2_joint3 * t1007;
-    let t1009 = t1006 - t1008;
-    let t1010 = v[0] * t1009;
-    let t1011 = 3.9999999999999996e-5 * sin_joint5;
-    let t1012 = cos_joint4 * t1011;
-    let t1013 = cos_joint2_joint3 * t1012;
-    let t1014 = 3.9999999999999996e-5 * cos_joint5;
-    let t1015 = sin_joint2_joint3 * t1014;
-    let t1016 = t1013 + t1015;
-    let t1017 = a[0] * t1016;
-    let t1018 = sin_joint4 * t1011;
-    let t1019 = t55 * t1018;
-    let t1020 = t1019 + t1017;
-    let t1021 = t1020 + t1010;
-    let t1022 = omega_joint3_y * t1005;
-    let t1023 = omega_joint3_x * t1007;
-    let t1024 = t13 * t1014;
-    let t1025 = t1024 + t1019;
-    let t1026 = t34 * t1012;
-    let t1027 = t1026 + t1025;
-    let t1028 = t1023 - t1027;
-    let t1029 = t1022 - t1028;
-    let t1030 = omega_joint4_x * t373;
-    let t1031 = t123 * t1011;
-    let t1032 = t142 * t1014;
-    let t1033 = t1031 - t1032;
-    let t1034 = t1033 + t1030;
-    let t1035 = omega_joint4_y * t1003;
-    let t1036 = t1035 + t1034;
-    d_dy[5][3] = t1036;
-    let t1037 = 3.9999999999999996e-5 * t40;
-    let t1038 = omega_joint5_y * t761;
-    let t1039 = t1038 + t1037;
-    d_dy[5][4] = t1039;
-    let t1040 = sin_joint2_joint3 * t452;
-    let t1041 = cos_joint2_joint3 * t455;
-    let t1042 = sin_joint2_joint3 * t458;
-    let t1043 = t1041 + t1042;
-    let t1044 = cos_joint2 * t1043;
-    let t1045 = v[1] * sin_joint2;
-    let t1046 = 2.0 * t1045;
-    let t1047 = t1046 * t466;
-    let t1048 = t227 * t52;
-    let t1049 = t207 * t807;
+    let t893 = a[0] * t892;
+    let t894 = t893 + t885;
+    let t895 = t875 + t894;
+    d_dy[3][1] = t895;
+    let t896 = omega_joint3_y * t865;
+    let t897 = omega_joint3_x * t867;
+    let t898 = t55 * t536;
+    let t899 = t13 * t887;
+    let t900 = t899 - t898;
+    let t901 = t34 * t521;
+    let t902 = t901 - t900;
+    let t903 = t559 + t902;
+    let t904 = t897 - t903;
+    let t905 = t896 - t904;
+    d_dy[3][2] = t905;
+    let t906 = t366 - t371;
+    let t907 = cos_joint4 * t906;
+    let t908 = sin_joint4 * t385;
+    let t909 = t567 * t370;
+    let t910 = sin_joint4 * t402;
+    let t911 = t403 * t910;
+    let t912 = t911 - t909;
+    let t913 = t908 + t912;
+    let t914 = t907 - t913;
+    let t915 = cos_joint2_joint3 * t914;
+    let t916 = cos_joint4 * t402;
+    let t917 = t567 * t916;
+    let t918 = t415 - t917;
+    let t919 = t414 + t918;
+    let t920 = sin_joint2_joint3 * t919;
+    let t921 = sin_joint2_joint3 * t916;
+    let t922 = cos_joint2_joint3 * t370;
+    let t923 = t921 + t922;
+    let t924 = t779 * t923;
+    let t925 = t468 * t910;
+    let t926 = t925 - t924;
+    let t927 = t926 + t920;
+    let t928 = t915 - t927;
+    let t929 = v[0] * t928;
+    let t930 = 0.047012505789717454 * t910;
+    let t931 = sin_joint2_joint3 * t930;
+    let t932 = sin_joint2 * t910;
+    let t933 = t931 + t932;
+    let t934 = 0.00064216 + t402;
+    let t935 = sin_joint4 * t934;
+    let t936 = cos_joint2_joint3 * t935;
+    let t937 = t936 + t933;
+    let t938 = a[0] * t937;
+    let t939 = acceleration_joint2_x * t923;
+    let t940 = cos_joint2_joint3 * t916;
+    let t941 = sin_joint2_joint3 * t370;
+    let t942 = t940 - t941;
+    let t943 = 22.71885132005558 * t942;
+    let t944 = t943 - t939;
+    let t945 = t944 - t938;
+    let t946 = sin_joint2 * t942;
+    let t947 = cos_joint4 * t934;
+    let t948 = sin_joint5 * 5.846399999999998e-5;
+    let t949 = t947 - t948;
+    let t950 = t949 + t946;
+    let t951 = cos_joint2 * t923;
+    let t952 = t951 - t950;
+    let t953 = t55 * t952;
+    let t954 = t953 - t945;
+    let t955 = t929 - t954;
+    let t956 = omega_joint3_y * t914;
+    let t957 = omega_joint3_x * t919;
+    let t958 = t370 * acceleration_joint3_x;
+    let t959 = t55 * t949;
+    let t960 = t13 * t930;
+    let t961 = t34 * t935;
+    let t962 = t961 + t960;
+    let t963 = t962 - t959;
+    let t964 = t963 - t958;
+    let t965 = t916 * acceleration_joint3_y;
+    let t966 = t965 - t964;
+    let t967 = t957 - t966;
+    let t968 = t956 - t967;
+    let t969 = omega_joint4_y * t366;
+    let t970 = t21 * 0.00064216;
+    let t971 = t970 + t628;
+    let t972 = t969 - t971;
+    d_dy[4][3] = t972;
+    let t973 = sin_joint4 * t373;
+    let t974 = 3.9999999999999996e-5 * omega_joint5_z;
+    let t975 = cos_joint5 * t974;
+    let t976 = cos_joint4 * t975;
+    let t977 = t976 - t973;
+    let t978 = cos_joint2_joint3 * t977;
+    let t979 = sin_joint5 * t974;
+    let t980 = sin_joint2_joint3 * t979;
+    let t981 = t978 - t980;
+    let t982 = v[0] * t981;
+    let t983 = 3.9999999999999996e-5 * sin_joint5;
+    let t984 = cos_joint4 * t983;
+    let t985 = cos_joint2_joint3 * t984;
+    let t986 = 3.9999999999999996e-5 * cos_joint5;
+    let t987 = sin_joint2_joint3 * t986;
+    let t988 = t985 + t987;
+    let t989 = a[0] * t988;
+    let t990 = sin_joint4 * t983;
+    let t991 = t55 * t990;
+    let t992 = t991 + t989;
+    let t993 = t992 + t982;
+    let t994 = omega_joint3_y * t977;
+    let t995 = omega_joint3_x * t979;
+    let t996 = t13 * t986;
+    let t997 = t996 + t991;
+    let t998 = t34 * t984;
+    let t999 = t998 + t997;
+    let t1000 = t995 - t999;
+    let t1001 = t994 - t1000;
+    let t1002 = omega_joint4_x * t373;
+    let t1003 = t123 * t983;
+    let t1004 = t142 * t986;
+    let t1005 = t1003 - t1004;
+    let t1006 = t1005 + t1002;
+    let t1007 = omega_joint4_y * t975;
+    let t1008 = t1007 + t1006;
+    d_dy[5][3] = t1008;
+    let t1009 = 3.9999999999999996e-5 * t40;
+    let t1010 = omega_joint5_y * t974;
+    let t1011 = t1010 + t1009;
+    d_dy[5][4] = t1011;
+    let t1012 = sin_joint2_joint3 * t452;
+    let t1013 = cos_joint2_joint3 * t455;
+    let t1014 = sin_joint2_joint3 * t458;
+    let t1015 = t1013 + t1014;
+    let t1016 = cos_joint2 * t1015;
+    let t1017 = v[1] * sin_joint2;
+    let t1018 = 2.0 * t1017;
+    let t1019 = t1018 * t466;
+    let t1020 = t227 * t52;
+    let t1021 = t207 * t781;
+    let t1022 = t1021 + t1020;
+    let t1023 = t1022 - t1019;
+    let t1024 = t1016 - t1023;
+    let t1025 = t400 + t1024;
+    let t1026 = t1012 - t1025;
+    let t1027 = t216 * t781;
+    let t1028 = t1027 - t581;
+    let t1029 = 0.3474988420565076 * t1028;
+    let t1030 = v[0] * 0.6949976841130152;
+    let t1031 = t1030 * t795;
+    let t1032 = t779 * t539;
+    let t1033 = t1032 - 5.8018217679508;
+    let t1034 = t1021 + t1033;
+    let t1035 = t1031 - t1034;
+    let t1036 = t1029 - t1035;
+    let t1037 = t570 - t1036;
+    let t1038 = t1026 + t1037;
+    d_dv[0][0] = t1038;
+    let t1039 = omega_joint3_z * 0.009475200000000003;
+    let t1040 = t1039 - t372;
+    let t1041 = t755 + t1040;
+    let t1042 = sin_joint2_joint3 * t1041;
+    let t1043 = t781 * t534;
+    let t1044 = t468 * t539;
+    let t1045 = t207 * t52;
+    let t1046 = t1045 + t1044;
+    let t1047 = t1043 - t1046;
+    let t1048 = sin_joint4 * t440;
+    let t1049 = t403 * t539;
     let t1050 = t1049 + t1048;
-    let t1051 = t1050 - t1047;
-    let t1052 = t1044 - t1051;
-    let t1053 = t400 + t1052;
-    let t1054 = t1040 - t1053;
-    let t1055 = t216 * t807;
-    let t1056 = t1055 - t581;
+    let t1051 = cos_joint4 * t435;
+    let t1052 = t1051 + t1050;
+    let t1053 = cos_joint2_joint3 * t1052;
+    let t1054 = t1053 - t1047;
+    let t1055 = t216 * t52;
+    let t1056 = t1055 - t460;
     let t1057 = 0.3474988420565076 * t1056;
-    let t1058 = v[0] * 0.6949976841130152;
-    let t1059 = t1058 * t821;
-    let t1060 = t805 * t539;
-    let t1061 = t1060 - 5.8018217679508;
-    let t1062 = t1049 + t1061;
-    let t1063 = t1059 - t1062;
-    let t1064 = t1057 - t1063;
-    let t1065 = t570 - t1064;
-    let t1066 = t1054 + t1065;
-    d_dv[0][0] = t1066;
-    let t1067 = omega_joint3_z * 0.009475200000000003;
-    let t1068 = t1067 - t372;
-    let t1069 = t781 + t1068;
-    let t1070 = sin_joint2_joint3 * t1069;
-    let t1071 = t807 * t534;
-    let t1072 = t468 * t539;
-    let t1073 = t207 * t52;
-    let t1074 = t1073 + t1072;
-    let t1075 = t1071 - t1074;
-    let t1076 = sin_joint4 * t440;
-    let t1077 = t403 * t539;
-    let t1078 = t1077 + t1076;
-    let t1079 = cos_joint4 * t435;
-    let t1080 = t1079 + t1078;
-    let t1081 = cos_joint2_joint3 * t1080;
-    let t1082 = t1081 - t1075;
-    let t1083 = t216 * t52;
-    let t1084 = t1083 - t460;
-    let t1085 = 0.3474988420565076 * t1084;
-    let t1086 = t1085 + t1082;
-    let t1087 = t1070 - t1086;
-    d_dv[0][1] = t1087;
-    let t1088 = 2.0 * omega_joint3_y;
-    let t1089 = t1088 * t616;
-    let t1090 = 2.0 * omega_joint3_x;
-    let t1091 = t1090 * t524;
-    let t1092 = t1089 - t1091;
-    let t1093 = t1069 + t1092;
-    let t1094 = sin_joint2_joint3 * t1093;
-    let t1095 = t1088 * t539;
-    let t1096 = t455 + t1095;
-    let t1097 = sin_joint2_joint3 * t1096;
-    let t1098 = t1090 * t539;
-    let t1099 = t458 + t1098;
-    let t1100 = cos_joint2_joint3 * t1099;
-    let t1101 = t1100 - t1097;
-    let t1102 = 0.3474988420565076 * t1101;
-    let t1103 = t1090 * t462;
-    let t1104 = t1088 * t464;
-    let t1105 = t1104 + t1103;
-    let t1106 = cos_joint2 * t1105;
-    let t1107 = t1106 + t1102;
-    let t1108 = t1090 * t562;
-    let t1109 = t1088 * t524;
-    let t1110 = t1108 - t1109;
-    let t1111 = t1080 + t1110;
-    let t1112 = cos_joint2_joint3 * t1111;
-    let t1113 = t1112 + t1107;
-    let t1114 = t1094 - t1113;
-    d_dv[0][2] = t1114;
-    let t1115 = t395 - t422;
-    let t1116 = sin_joint4 * t1115;
-    let t1117 = t392 - t415;
-    let t1118 = cos_joint4 * t1117;
-    let t1119 = t1118 + t1116;
-    let t1120 = cos_joint2_joint3 * t1119;
-    let t1121 = sin_joint2_joint3 * t371;
-    let t1122 = t1120 + t1121;
-    let t1123 = 0.3474988420565076 * t1122;
-    let t1124 = cos_joint4 * t1115;
-    let t1125 = sin_joint4 * t1117;
-    let t1126 = t1125 - t1124;
-    let t1127 = cos_joint2 * t1126;
-    let t1128 = t1127 + t1123;
-    let t1129 = 0.047012505789717454 * t1126;
-    let t1130 = t384 * t519;
-    let t1131 = t383 - t1130;
-    let t1132 = t1131 + t1129;
-    let t1133 = cos_joint2_joint3 * t1132;
-    let t1134 = t1133 + t1128;
-    let t1135 = t369 * t629;
-    let t1136 = t1117 - t1135;
-    let t1137 = t414 + t1136;
-    let t1138 = sin_joint4 * t1137;
-    let t1139 = t384 * t638;
-    let t1140 = t1115 + t1139;
-    let t1141 = t421 + t1140;
-    let t1142 = cos_joint4 * t1141;
-    let t1143 = t1142 - t1138;
-    let t1144 = sin_joint2_joint3 * t1143;
-    let t1145 = t1144 + t1134;
-    d_dv[0][3] = t1145;
-    let t1146 = omega_joint5_y * 0.0024871679999999997;
-    let t1147 = sin_joint4 * t1146;
-    let t1148 = cos_joint4 * t401;
-    let t1149 = t1148 - t1147;
-    let t1150 = cos_joint2_joint3 * t1149;
-    let t1151 = sin_joint2_joint3 * t395;
-    let t1152 = t1150 + t1151;
-    let t1153 = 0.3474988420565076 * t1152;
-    let t1154 = cos_joint4 * t1146;
-    let t1155 = sin_joint4 * t401;
-    let t1156 = t1155 + t1154;
-    let t1157 = cos_joint2 * t1156;
-    let t1158 = t1157 + t1153;
-    let t1159 = omega_joint5_y * 0.00088432;
-    let t1160 = t360 + t1159;
-    let t1161 = sin_joint5 * t1160;
-    let t1162 = omega_joint5_x * 0.00044;
-    let t1163 = cos_joint5 * t1162;
-    let t1164 = t1161 + t1163;
-    let t1165 = 0.047012505789717454 * t1156;
-    let t1166 = t1164 - t1165;
-    let t1167 = cos_joint2_joint3 * t1166;
-    let t1168 = t1167 - t1158;
-    let t1169 = cos_joint5 * t1160;
-    let t1170 = sin_joint5 * t1162;
-    let t1171 = t1146 - t1170;
-    let t1172 = t1169 + t1171;
-    let t1173 = cos_joint4 * t1172;
-    let t1174 = t1155 + t1173;
-    let t1175 = sin_joint2_joint3 * t1174;
-    let t1176 = t1175 + t1168;
-    let t1177 = sin_joint2_joint3 * t1005;
-    let t1178 = cos_joint2_joint3 * t1007;
-    let t1179 = t1177 + t1178;
-    let t1180 = sin_joint2_joint3 * t790;
-    let t1181 = cos_joint2_joint3 * t800;
-    let t1182 = t1180 - t1181;
-    let t1183 = sin_joint2 * t581;
-    let t1184 = t805 * t498;
-    let t1185 = t227 * t807;
-    let t1186 = t1185 - t1184;
+    let t1058 = t1057 + t1054;
+    let t1059 = t1042 - t1058;
+    d_dv[0][1] = t1059;
+    let t1060 = 2.0 * omega_joint3_y;
+    let t1061 = t1060 * t616;
+    let t1062 = 2.0 * omega_joint3_x;
+    let t1063 = t1062 * t524;
+    let t1064 = t1061 - t1063;
+    let t1065 = t1041 + t1064;
+    let t1066 = sin_joint2_joint3 * t1065;
+    let t1067 = t1060 * t539;
+    let t1068 = t455 + t1067;
+    let t1069 = sin_joint2_joint3 * t1068;
+    let t1070 = t1062 * t539;
+    let t1071 = t458 + t1070;
+    let t1072 = cos_joint2_joint3 * t1071;
+    let t1073 = t1072 - t1069;
+    let t1074 = 0.3474988420565076 * t1073;
+    let t1075 = t1062 * t462;
+    let t1076 = t1060 * t464;
+    let t1077 = t1076 + t1075;
+    let t1078 = cos_joint2 * t1077;
+    let t1079 = t1078 + t1074;
+    let t1080 = t1062 * t562;
+    let t1081 = t1060 * t524;
+    let t1082 = t1080 - t1081;
+    let t1083 = t1052 + t1082;
+    let t1084 = cos_joint2_joint3 * t1083;
+    let t1085 = t1084 + t1079;
+    let t1086 = t1066 - t1085;
+    d_dv[0][2] = t1086;
+    let t1087 = t395 - t422;
+    let t1088 = sin_joint4 * t1087;
+    let t1089 = t392 - t415;
+    let t1090 = cos_joint4 * t1089;
+    let t1091 = t1090 + t1088;
+    let t1092 = cos_joint2_joint3 * t1091;
+    let t1093 = sin_joint2_joint3 * t371;
+    let t1094 = t1092 + t1093;
+    let t1095 = 0.3474988420565076 * t1094;
+    let t1096 = cos_joint4 * t1087;
+    let t1097 = sin_joint4 * t1089;
+    let t1098 = t1097 - t1096;
+    let t1099 = cos_joint2 * t1098;
+    let t1100 = t1099 + t1095;
+    let t1101 = 0.047012505789717454 * t1098;
+    let t1102 = t384 * t519;
+    let t1103 = t383 - t1102;
+    let t1104 = t1103 + t1101;
+    let t1105 = cos_joint2_joint3 * t1104;
+    let t1106 = t1105 + t1100;
+    let t1107 = t369 * t629;
+    let t1108 = t1089 - t1107;
+    let t1109 = t414 + t1108;
+    let t1110 = sin_joint4 * t1109;
+    let t1111 = t384 * t638;
+    let t1112 = t1087 + t1111;
+    let t1113 = t421 + t1112;
+    let t1114 = cos_joint4 * t1113;
+    let t1115 = t1114 - t1110;
+    let t1116 = sin_joint2_joint3 * t1115;
+    let t1117 = t1116 + t1106;
+    d_dv[0][3] = t1117;
+    let t1118 = omega_joint5_y * 0.0024871679999999997;
+    let t1119 = sin_joint4 * t1118;
+    let t1120 = cos_joint4 * t401;
+    let t1121 = t1120 - t1119;
+    let t1122 = cos_joint2_joint3 * t1121;
+    let t1123 = sin_joint2_joint3 * t395;
+    let t1124 = t1122 + t1123;
+    let t1125 = 0.3474988420565076 * t1124;
+    let t1126 = cos_joint4 * t1118;
+    let t1127 = sin_joint4 * t401;
+    let t1128 = t1127 + t1126;
+    let t1129 = cos_joint2 * t1128;
+    let t1130 = t1129 + t1125;
+    let t1131 = omega_joint5_y * 0.00088432;
+    let t1132 = t360 + t1131;
+    let t1133 = sin_joint5 * t1132;
+    let t1134 = omega_joint5_x * 0.00044;
+    let t1135 = cos_joint5 * t1134;
+    let t1136 = t1133 + t1135;
+    let t1137 = 0.047012505789717454 * t1128;
+    let t1138 = t1136 - t1137;
+    let t1139 = cos_joint2_joint3 * t1138;
+    let t1140 = t1139 - t1130;
+    let t1141 = cos_joint5 * t1132;
+    let t1142 = sin_joint5 * t1134;
+    let t1143 = t1118 - t1142;
+    let t1144 = t1141 + t1143;
+    let t1145 = cos_joint4 * t1144;
+    let t1146 = t1127 + t1145;
+    let t1147 = sin_joint2_joint3 * t1146;
+    let t1148 = t1147 + t1140;
+    let t1149 = sin_joint2_joint3 * t977;
+    let t1150 = cos_joint2_joint3 * t979;
+    let t1151 = t1149 + t1150;
+    let t1152 = sin_joint2_joint3 * t764;
+    let t1153 = cos_joint2_joint3 * t774;
+    let t1154 = t1152 - t1153;
+    let t1155 = sin_joint2 * t581;
+    let t1156 = t779 * t498;
+    let t1157 = t227 * t781;
+    let t1158 = t1157 - t1156;
+    let t1159 = t1155 + t1158;
+    let t1160 = t1154 - t1159;
+    d_dv[1][0] = t1160;
+    let t1161 = sin_joint2 * t460;
+    let t1162 = t1020 - 9.496868641825001;
+    let t1163 = t468 * t498;
+    let t1164 = t1163 - t1162;
+    let t1165 = t409 - t1164;
+    let t1166 = t781 * t792;
+    let t1167 = t1166 - t1165;
+    let t1168 = t1161 - t1167;
+    let t1169 = t1012 + t1168;
+    let t1170 = t1026 - t1169;
+    d_dv[1][1] = t1170;
+    let t1171 = t400 + t409;
+    let t1172 = t1060 * t545;
+    let t1173 = t1062 * t537;
+    let t1174 = t1172 + t1173;
+    let t1175 = t1174 - t1171;
+    let t1176 = sin_joint2 * t1073;
+    let t1177 = cos_joint2_joint3 * t1068;
+    let t1178 = sin_joint2_joint3 * t1071;
+    let t1179 = t1178 + t1177;
+    let t1180 = cos_joint2 * t1179;
+    let t1181 = t1180 - t1176;
+    let t1182 = t1181 - t1175;
+    let t1183 = cos_joint4 * t1109;
+    let t1184 = sin_joint4 * t1113;
+    let t1185 = 0.047012505789717454 * t371;
+    let t1186 = t1185 + t1184;
     let t1187 = t1183 + t1186;
-    let t1188 = t1182 - t1187;
-    d_dv[1][0] = t1188;
-    let t1189 = sin_joint2 * t460;
-    let t1190 = t1048 - 9.496868641825001;
-    let t1191 = t468 * t498;
-    let t1192 = t1191 - t1190;
-    let t1193 = t409 - t1192;
-    let t1194 = t807 * t818;
-    let t1195 = t1194 - t1193;
-    let t1196 = t1189 - t1195;
-    let t1197 = t1040 + t1196;
-    let t1198 = t1054 - t1197;
-    d_dv[1][1] = t1198;
-    let t1199 = t400 + t409;
-    let t1200 = t1088 * t545;
-    let t1201 = t1090 * t537;
-    let t1202 = t1200 + t1201;
-    let t1203 = t1202 - t1199;
-    let t1204 = sin_joint2 * t1101;
-    let t1205 = cos_joint2_joint3 * t1096;
-    let t1206 = sin_joint2_joint3 * t1099;
-    let t1207 = t1206 + t1205;
-    let t1208 = cos_joint2 * t1207;
-    let t1209 = t1208 - t1204;
-    let t1210 = t1209 - t1203;
-    let t1211 = cos_joint4 * t1137;
-    let t1212 = sin_joint4 * t1141;
-    let t1213 = 0.047012505789717454 * t371;
-    let t1214 = t1213 + t1212;
-    let t1215 = t1211 + t1214;
-    let t1216 = sin_joint2 * t1122;
-    let t1217 = sin_joint2_joint3 * t1119;
-    let t1218 = cos_joint2_joint3 * t371;
-    let t1219 = t1217 - t1218;
-    let t1220 = cos_joint2 * t1219;
-    let t1221 = t1220 - t1216;
-    let t1222 = t1221 - t1215;
-    d_dv[1][3] = t1222;
-    let t1223 = sin_joint4 * t1172;
-    let t1224 = 0.047012505789717454 * t395;
-    let t1225 = t1148 + t1224;
-    let t1226 = t1223 - t1225;
-    d_dv[2][4] = t1226;
-    let t1227 = sin_joint2 * t1152;
-    let t1228 = sin_joint2_joint3 * t1149;
-    let t1229 = cos_joint2_joint3 * t395;
-    let t1230 = t1228 - t1229;
-    let t1231 = cos_joint2 * t1230;
-    let t1232 = t1231 - t1227;
-    let t1233 = t1232 + t1226;
-    d_dv[1][4] = t1233;
-    let t1234 = cos_joint4 * t373;
-    let t1235 = sin_joint4 * t1003;
-    let t1236 = t1235 + t1234;
-    d_dv[1][5] = t1236;
-    d_dv[2][5] = t1236;
-    let t1237 = t1184 + t1182;
-    d_dv[2][0] = t1237;
-    let t1238 = t807 * t815;
-    let t1239 = t1047 - t1191;
+    let t1188 = sin_joint2 * t1094;
+    let t1189 = sin_joint2_joint3 * t1091;
+    let t1190 = cos_joint2_joint3 * t371;
+    let t1191 = t1189 - t1190;
+    let t1192 = cos_joint2 * t1191;
+    let t1193 = t1192 - t1188;
+    let t1194 = t1193 - t1187;
+    d_dv[1][3] = t1194;
+    let t1195 = sin_joint4 * t1144;
+    let t1196 = 0.047012505789717454 * t395;
+    let t1197 = t1120 + t1196;
+    let t1198 = t1195 - t1197;
+    d_dv[2][4] = t1198;
+    let t1199 = sin_joint2 * t1124;
+    let t1200 = sin_joint2_joint3 * t1121;
+    let t1201 = cos_joint2_joint3 * t395;
+    let t1202 = t1200 - t1201;
+    let t1203 = cos_joint2 * t1202;
+    let t1204 = t1203 - t1199;
+    let t1205 = t1204 + t1198;
+    d_dv[1][4] = t1205;
+    let t1206 = cos_joint4 * t373;
+    let t1207 = sin_joint4 * t975;
+    let t1208 = t1207 + t1206;
+    d_dv[1][5] = t1208;
+    d_dv[2][5] = t1208;
+    let t1209 = t1156 + t1154;
+    d_dv[2][0] = t1209;
+    let t1210 = t781 * t789;
+    let t1211 = t1019 - t1163;
+    let t1212 = t1211 - t1210;
+    let t1213 = t1171 + t1212;
+    let t1214 = 3.9804259903721997 + t1175;
+    d_dv[2][2] = t1214;
+    let t1215 = sin_joint2_joint3 * t865;
+    let t1216 = cos_joint2_joint3 * t867;
+    let t1217 = t1030 * t444;
+    let t1218 = t1018 * t444;
+    let t1219 = t1218 - t1217;
+    let t1220 = t779 * t876;
+    let t1221 = t1220 - t1219;
+    let t1222 = t1216 - t1221;
+    let t1223 = t1215 + t1222;
+    d_dv[3][0] = t1223;
+    let t1224 = t781 * t892;
+    let t1225 = t468 * t876;
+    let t1226 = t1018 * t869;
+    let t1227 = t1226 + t1225;
+    let t1228 = t1227 - t1224;
+    let t1229 = t1052 + t1228;
+    let t1230 = t1062 * t887;
+    let t1231 = t1060 * t521;
+    let t1232 = t1231 - t1230;
+    let t1233 = t1232 - t1052;
+    d_dv[3][2] = t1233;
+    let t1234 = t1103 + 0.41164522969715195;
+    d_dv[3][3] = t1234;
+    let t1235 = sin_joint2_joint3 * t914;
+    let t1236 = cos_joint2_joint3 * t919;
+    let t1237 = t779 * t942;
+    let t1238 = t1030 * t910;
+    let t1239 = t1018 * t910;
     let t1240 = t1239 - t1238;
-    let t1241 = t1199 + t1240;
-    let t1242 = 3.9804259903721997 + t1203;
-    d_dv[2][2] = t1242;
-    let t1243 = sin_joint2_joint3 * t894;
-    let t1244 = cos_joint2_joint3 * t896;
-    let t1245 = t1058 * t444;
-    let t1246 = t1046 * t444;
-    let t1247 = t1246 - t1245;
-    let t1248 = t805 * t905;
-    let t1249 = t1248 - t1247;
-    let t1250 = t1244 - t1249;
-    let t1251 = t1243 + t1250;
-    d_dv[3][0] = t1251;
-    let t1252 = t807 * t921;
-    let t1253 = t468 * t905;
-    let t1254 = t1046 * t898;
-    let t1255 = t1254 + t1253;
-    let t1256 = t1255 - t1252;
-    let t1257 = t1080 + t1256;
-    let t1258 = t1090 * t916;
-    let t1259 = t1088 * t521;
-    let t1260 = t1259 - t1258;
-    let t1261 = t1260 - t1080;
-    d_dv[3][2] = t1261;
-    let t1262 = t1131 + 0.41164522969715195;
-    d_dv[3][3] = t1262;
-    let t1263 = sin_joint2_joint3 * t943;
-    let t1264 = cos_joint2_joint3 * t948;
-    let t1265 = t805 * t971;
-    let t1266 = t1058 * t939;
-    let t1267 = t1046 * t939;
-    let t1268 = t1267 - t1266;
-    let t1269 = t1265 + t1268;
-    let t1270 = t1264 - t1269;
-    let t1271 = t1263 + t1270;
-    let t1272 = sin_joint4 * t935;
-    let t1273 = cos_joint4 * t385;
-    let t1274 = t403 * t945;
-    let t1275 = t1273 + t1274;
-    let t1276 = t1272 + t1275;
-    let t1277 = t807 * t966;
-    let t1278 = t468 * t971;
-    let t1279 = t1046 * t952;
-    let t1280 = t1279 + t1278;
-    let t1281 = t1280 + t1277;
-    let t1282 = t1276 + t1281;
-    d_dv[4][1] = t1282;
-    let t1283 = t1090 * t959;
-    let t1284 = t1088 * t964;
-    let t1285 = t1284 + t1283;
-    let t1286 = t1285 + t1276;
-    d_dv[4][2] = t1286;
-    let t1287 = omega_joint4_x * 0.00128432;
-    let t1288 = t414 - t1287;
-    let t1289 = t807 * t1016;
-    let t1290 = t1236 - t1289;
-    d_dv[5][1] = t1290;
-    let t1291 = t1090 * t1014;
-    let t1292 = t1088 * t1012;
-    let t1293 = t1292 + t1291;
-    let t1294 = t1236 - t1293;
-    d_dv[5][2] = t1294;
-    let t1295 = t384 * t1011;
-    let t1296 = t1007 - t1295;
-    let t1297 = -t270;
-    b_u[0] = t1297;
-    let t1298 = -t339;
-    b_u[3] = t1298;
-    let t1299 = -t359;
-    b_u[5] = t1299;
-    let t1300 = -t623;
-    d_dy[0][2] = t1300;
-    let t1301 = -t867;
-    d_dy[1][3] = t1301;
-    let t1302 = -t879;
-    d_dy[1][4] = t1302;
-    let t1303 = -t882;
-    d_dy[1][5] = t1303;
-    d_dy[2][5] = t1303;
-    let t1304 = -t860;
-    d_dy[2][3] = t1304;
-    let t1305 = -t872;
-    d_dy[2][4] = t1305;
-    let t1306 = -t685;
-    d_dy[3][3] = t1306;
-    let t1307 = -t778;
-    d_dy[3][5] = t1307;
-    let t1308 = -t984;
-    d_dy[4][1] = t1308;
-    let t1309 = -t997;
-    d_dy[4][2] = t1309;
-    let t1310 = -t749;
-    d_dy[4][4] = t1310;
-    let t1311 = -t1021;
-    d_dy[5][1] = t1311;
-    let t1312 = -t1029;
-    d_dy[5][2] = t1312;
-    let t1313 = -t765;
-    d_dy[5][5] = t1313;
-    let t1314 = -t1176;
-    d_dv[0][4] = t1314;
-    let t1315 = -t1179;
-    d_dv[0][5] = t1315;
-    d_dv[5][0] = t1315;
-    let t1316 = -t1210;
-    d_dv[1][2] = t1316;
-    let t1317 = -t1241;
-    d_dv[2][1] = t1317;
-    let t1318 = -t1215;
-    d_dv[2][3] = t1318;
-    let t1319 = -t1257;
-    d_dv[3][1] = t1319;
-    let t1320 = -t1164;
-    d_dv[3][4] = t1320;
-    let t1321 = -t1007;
-    d_dv[3][5] = t1321;
-    let t1322 = -t1271;
-    d_dv[4][0] = t1322;
-    let t1323 = -t1288;
-    d_dv[4][3] = t1323;
-    let t1324 = -t1296;
-    d_dv[5][3] = t1324;
-    let t1325 = -t373;
-    d_dv[5][4] = t1325;
+    let t1241 = t1237 + t1240;
+    let t1242 = t1236 - t1241;
+    let t1243 = t1235 + t1242;
+    let t1244 = sin_joint4 * t906;
+    let t1245 = cos_joint4 * t385;
+    let t1246 = t403 * t916;
+    let t1247 = t1245 + t1246;
+    let t1248 = t1244 + t1247;
+    let t1249 = t781 * t937;
+    let t1250 = t468 * t942;
+    let t1251 = t1018 * t923;
+    let t1252 = t1251 + t1250;
+    let t1253 = t1252 + t1249;
+    let t1254 = t1248 + t1253;
+    d_dv[4][1] = t1254;
+    let t1255 = t1062 * t930;
+    let t1256 = t1060 * t935;
+    let t1257 = t1256 + t1255;
+    let t1258 = t1257 + t1248;
+    d_dv[4][2] = t1258;
+    let t1259 = omega_joint4_x * 0.00128432;
+    let t1260 = t414 - t1259;
+    let t1261 = t781 * t988;
+    let t1262 = t1208 - t1261;
+    d_dv[5][1] = t1262;
+    let t1263 = t1062 * t986;
+    let t1264 = t1060 * t984;
+    let t1265 = t1264 + t1263;
+    let t1266 = t1208 - t1265;
+    d_dv[5][2] = t1266;
+    let t1267 = t384 * t983;
+    let t1268 = t979 - t1267;
+    let t1269 = -t270;
+    b_u[0] = t1269;
+    let t1270 = -t339;
+    b_u[3] = t1270;
+    let t1271 = -t359;
+    b_u[5] = t1271;
+    let t1272 = -t623;
+    d_dy[0][2] = t1272;
+    let t1273 = -t841;
+    d_dy[1][3] = t1273;
+    let t1274 = -t853;
+    d_dy[1][4] = t1274;
+    let t1275 = -t834;
+    d_dy[2][3] = t1275;
+    let t1276 = -t846;
+    d_dy[2][4] = t1276;
+    let t1277 = -t685;
+    d_dy[3][3] = t1277;
+    let t1278 = -t955;
+    d_dy[4][1] = t1278;
+    let t1279 = -t968;
+    d_dy[4][2] = t1279;
+    let t1280 = -t749;
+    d_dy[4][4] = t1280;
+    let t1281 = -t993;
+    d_dy[5][1] = t1281;
+    let t1282 = -t1001;
+    d_dy[5][2] = t1282;
+    let t1283 = -t1148;
+    d_dv[0][4] = t1283;
+    let t1284 = -t1151;
+    d_dv[0][5] = t1284;
+    d_dv[5][0] = t1284;
+    let t1285 = -t1182;
+    d_dv[1][2] = t1285;
+    let t1286 = -t1213;
+    d_dv[2][1] = t1286;
+    let t1287 = -t1187;
+    d_dv[2][3] = t1287;
+    let t1288 = -t1229;
+    d_dv[3][1] = t1288;
+    let t1289 = -t1136;
+    d_dv[3][4] = t1289;
+    let t1290 = -t979;
+    d_dv[3][5] = t1290;
+    let t1291 = -t1243;
+    d_dv[4][0] = t1291;
+    let t1292 = -t1260;
+    d_dv[4][3] = t1292;
+    let t1293 = -t1268;
+    d_dv[5][3] = t1293;
+    let t1294 = -t373;
+    d_dv[5][4] = t1294;
 }
 
 /// Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.
@@ -4775,7 +4738,7 @@ pub fn inverse_dynamics_derivatives_into(
 /// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
 ///
-/// Cost: 710 multiplications, 600 additions, 0 divisions, 4 function calls (`sin_cos`), 12 selections.
+/// Cost: 693 multiplications, 589 additions, 0 divisions, 4 function calls (`sin_cos`), 12 selections.
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
@@ -4824,11 +4787,17 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
     m: &mut [[f64; N]; N],
 ) {
     d_dy[0][0] = 0.0;
+    d_dy[0][5] = 0.0;
     d_dy[1][0] = 0.0;
+    d_dy[1][5] = 0.0;
     d_dy[2][0] = 0.0;
+    d_dy[2][5] = 0.0;
     d_dy[3][0] = 0.0;
+    d_dy[3][5] = 0.0;
     d_dy[4][0] = 0.0;
+    d_dy[4][5] = 0.0;
     d_dy[5][0] = 0.0;
+    d_dy[5][5] = 0.0;
     d_dv[4][4] = 0.42728302093540005;
     d_dv[5][5] = 0.2158232532732;
     m[3][4] = 0.0;
@@ -4840,17 +4809,16 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
     let [sin_joint2, cos_joint2, sin_joint4, cos_joint4, sin_joint5, cos_joint5,
     sin_joint2_joint3, cos_joint2_joint3, omega_joint3_y, omega_joint3_z, t13,
     omega_joint3_x, t21, omega_joint4_z, omega_joint4_y, omega_joint4_x, t34, t40,
-    omega_joint5_z, omega_joint5_y, t47, t52, t55, acceleration_joint2_x,
-    acceleration_joint3_x, acceleration_joint4_y, moment_joint6_x, moment_joint5_x, t97,
-    omega_joint5_x, moment_joint5_y, moment_joint4_x, force_joint5_z, t123, t126,
-    moment_joint6_y, acceleration_joint4_x, t142, acceleration_joint3_y,
-    acceleration_joint4_z, moment_joint4_y, force_joint5_x, t160, force_joint5_y,
-    force_joint4_x, moment_joint3_x, moment_joint3_y, t207, t211, t216, t223, t227,
-    force_joint3_x, force_joint3_y, t270, t281, t339, t359, t360, t362, t364, t366, t368,
-    t369, t370, t371, t372, t373, t378, t383, t384, t385, t386, t388, t389, t392, t394,
-    t395, t400, t401, t402, t403, t406, t409, t414, t415, t417, t420, t421, t422, t424,
-    t430, t435, t437, t440, t442, t444, t445, t449, t452, t455, t458, t460, t462, t464,
-    t466, t468, t475, moment_joint2_x, t498, t499, t502] = {
+    omega_joint5_z, omega_joint5_y, t52, t55, acceleration_joint2_x,
+    acceleration_joint3_x, acceleration_joint4_y, moment_joint5_x, t97, omega_joint5_x,
+    moment_joint5_y, moment_joint4_x, force_joint5_z, t123, acceleration_joint4_x, t142,
+    acceleration_joint3_y, acceleration_joint4_z, moment_joint4_y, force_joint5_x,
+    force_joint5_y, force_joint4_x, moment_joint3_x, moment_joint3_y, t207, t211, t216,
+    t223, t227, force_joint3_x, force_joint3_y, t270, t281, t339, t359, t360, t362, t364,
+    t366, t368, t369, t370, t371, t372, t373, t378, t383, t384, t385, t386, t388, t389,
+    t392, t394, t395, t400, t401, t402, t403, t406, t409, t414, t415, t417, t420, t421,
+    t422, t424, t430, t435, t437, t440, t442, t444, t445, t449, t452, t455, t458, t460,
+    t462, t464, t466, t468, t475, moment_joint2_x, t498, t499, t502] = {
         let angle_joint2_joint3 = y[1] + y[2];
         let (
             [sin_joint2,
@@ -5383,13 +5351,11 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
             t40,
             omega_joint5_z,
             omega_joint5_y,
-            t47,
             t52,
             t55,
             acceleration_joint2_x,
             acceleration_joint3_x,
             acceleration_joint4_y,
-            moment_joint6_x,
             moment_joint5_x,
             t97,
             omega_joint5_x,
@@ -5397,15 +5363,12 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
             moment_joint4_x,
             force_joint5_z,
             t123,
-            t126,
-            moment_joint6_y,
             acceleration_joint4_x,
             t142,
             acceleration_joint3_y,
             acceleration_joint4_z,
             moment_joint4_y,
             force_joint5_x,
-            t160,
             force_joint5_y,
             force_joint4_x,
             moment_joint3_x,
@@ -5733,708 +5696,671 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
     let t753 = sin_joint2_joint3 * t752;
     let t754 = t753 + t734;
     d_dy[0][4] = t754;
-    let t755 = 1.9999999999999998e-5 * t126;
-    let t756 = omega_joint5_x * t360;
-    let t757 = t756 + t755;
-    let t758 = moment_joint6_y - t757;
-    let t759 = cos_joint5 * t758;
-    let t760 = omega_joint5_x * t373;
-    let t761 = 3.9999999999999996e-5 * omega_joint5_z;
-    let t762 = omega_joint5_z * t761;
-    let t763 = t762 + t760;
-    let t764 = 3.9999999999999996e-5 * t160;
-    let t765 = t764 - t763;
-    let t766 = sin_joint5 * t765;
-    let t767 = t766 + t759;
-    let t768 = cos_joint4 * t767;
-    let t769 = 1.9999999999999998e-5 * t47;
-    let t770 = omega_joint5_z * t360;
-    let t771 = t770 + t769;
-    let t772 = moment_joint6_x - t771;
-    d_dy[4][5] = t772;
-    let t773 = sin_joint4 * t772;
-    let t774 = t768 + t773;
+    let t755 = cos_joint4 * t388;
+    let t756 = 0.047012505789717454 * t577;
+    let t757 = t567 * t444;
+    let t758 = omega_joint3_y * 0.03353022499999999;
+    let t759 = omega_joint3_x * 0.022546398000000002;
+    let t760 = t759 - t758;
+    let t761 = t760 + t757;
+    let t762 = t756 + t761;
+    let t763 = t378 - t762;
+    let t764 = t755 + t763;
+    let t765 = cos_joint2_joint3 * t764;
+    let t766 = cos_joint4 * t417;
+    let t767 = sin_joint4 * t424;
+    let t768 = t567 * t402;
+    let t769 = omega_joint3_y * 0.022546398000000002;
+    let t770 = omega_joint3_x * 0.6824699160000001;
+    let t771 = t770 - t769;
+    let t772 = t771 - t768;
+    let t773 = t767 + t772;
+    let t774 = t766 + t773;
     let t775 = sin_joint2_joint3 * t774;
-    let t776 = sin_joint5 * t758;
-    let t777 = cos_joint5 * t765;
-    let t778 = t777 - t776;
-    let t779 = cos_joint2_joint3 * t778;
-    let t780 = t775 - t779;
-    d_dy[0][5] = t780;
-    let t781 = cos_joint4 * t388;
-    let t782 = 0.047012505789717454 * t577;
-    let t783 = t567 * t444;
-    let t784 = omega_joint3_y * 0.03353022499999999;
-    let t785 = omega_joint3_x * 0.022546398000000002;
-    let t786 = t785 - t784;
-    let t787 = t786 + t783;
-    let t788 = t782 + t787;
-    let t789 = t378 - t788;
-    let t790 = t781 + t789;
-    let t791 = cos_joint2_joint3 * t790;
-    let t792 = cos_joint4 * t417;
-    let t793 = sin_joint4 * t424;
-    let t794 = t567 * t402;
-    let t795 = omega_joint3_y * 0.022546398000000002;
-    let t796 = omega_joint3_x * 0.6824699160000001;
-    let t797 = t796 - t795;
-    let t798 = t797 - t794;
-    let t799 = t793 + t798;
-    let t800 = t792 + t799;
-    let t801 = sin_joint2_joint3 * t800;
-    let t802 = t791 + t801;
-    let t803 = cos_joint2 * t581;
-    let t804 = v[0] * cos_joint2;
+    let t776 = t765 + t775;
+    let t777 = cos_joint2 * t581;
+    let t778 = v[0] * cos_joint2;
+    let t779 = 2.0 * t778;
+    let t780 = t779 * t466;
+    let t781 = v[0] * 2.0;
+    let t782 = t223 * t781;
+    let t783 = t782 + t780;
+    let t784 = t777 - t783;
+    let t785 = t776 - t784;
+    let t786 = v[0] * t785;
+    let t787 = cos_joint2_joint3 * t539;
+    let t788 = sin_joint2_joint3 * t542;
+    let t789 = t787 + t788;
+    let t790 = cos_joint2 * t537;
+    let t791 = t207 + t790;
+    let t792 = t789 - t791;
+    let t793 = a[0] * t792;
+    let t794 = 22.71885132005558 * t499;
+    let t795 = t216 + t466;
+    let t796 = acceleration_joint2_x * t795;
+    let t797 = t796 + t794;
+    let t798 = t797 - t793;
+    let t799 = t512 - t516;
+    let t800 = t223 + t281;
+    let t801 = t800 - t799;
+    let t802 = sin_joint2 * t498;
+    let t803 = cos_joint2 * t466;
+    let t804 = t803 + t802;
     let t805 = 2.0 * t804;
-    let t806 = t805 * t466;
-    let t807 = v[0] * 2.0;
-    let t808 = t223 * t807;
-    let t809 = t808 + t806;
-    let t810 = t803 - t809;
-    let t811 = t802 - t810;
-    let t812 = v[0] * t811;
-    let t813 = cos_joint2_joint3 * t539;
-    let t814 = sin_joint2_joint3 * t542;
-    let t815 = t813 + t814;
-    let t816 = cos_joint2 * t537;
-    let t817 = t207 + t816;
-    let t818 = t815 - t817;
-    let t819 = a[0] * t818;
-    let t820 = 22.71885132005558 * t499;
-    let t821 = t216 + t466;
-    let t822 = acceleration_joint2_x * t821;
-    let t823 = t822 + t820;
-    let t824 = t823 - t819;
-    let t825 = t512 - t516;
-    let t826 = t223 + t281;
-    let t827 = t826 - t825;
-    let t828 = sin_joint2 * t498;
-    let t829 = cos_joint2 * t466;
-    let t830 = t829 + t828;
-    let t831 = 2.0 * t830;
-    let t832 = t831 + t827;
-    let t833 = t55 * t832;
-    let t834 = t833 + t824;
-    let t835 = t812 - t834;
-    d_dy[1][1] = t835;
-    let t836 = omega_joint3_y * t790;
-    let t837 = omega_joint3_x * t800;
-    let t838 = t464 * acceleration_joint3_y;
-    let t839 = t13 * t542;
-    let t840 = t839 - t838;
-    let t841 = t462 * acceleration_joint3_x;
-    let t842 = t841 + t840;
-    let t843 = t34 * t539;
-    let t844 = t843 + t842;
-    let t845 = t55 * t825;
-    let t846 = t845 + t844;
-    let t847 = t837 + t846;
-    let t848 = t836 + t847;
-    d_dy[2][2] = t848;
-    let t849 = sin_joint2 * t596;
-    let t850 = cos_joint2_joint3 * t587;
-    let t851 = sin_joint2_joint3 * t594;
-    let t852 = t851 + t850;
-    let t853 = cos_joint2 * t852;
-    let t854 = t853 - t849;
-    let t855 = t848 - t854;
-    d_dy[1][2] = t855;
-    let t856 = cos_joint4 * t635;
-    let t857 = sin_joint4 * t654;
-    let t858 = 0.047012505789717454 * t666;
-    let t859 = t857 - t858;
-    let t860 = t856 + t859;
-    let t861 = sin_joint2 * t668;
-    let t862 = sin_joint2_joint3 * t660;
-    let t863 = cos_joint2_joint3 * t666;
-    let t864 = t862 + t863;
-    let t865 = cos_joint2 * t864;
-    let t866 = t865 - t861;
-    let t867 = t860 - t866;
-    let t868 = sin_joint4 * t738;
-    let t869 = cos_joint4 * t750;
-    let t870 = 0.047012505789717454 * t728;
-    let t871 = t869 - t870;
-    let t872 = t868 + t871;
-    let t873 = sin_joint2 * t730;
-    let t874 = sin_joint2_joint3 * t724;
-    let t875 = cos_joint2_joint3 * t728;
-    let t876 = t874 + t875;
-    let t877 = cos_joint2 * t876;
-    let t878 = t877 - t873;
-    let t879 = t872 - t878;
-    let t880 = sin_joint4 * t767;
-    let t881 = cos_joint4 * t772;
-    let t882 = t880 - t881;
-    let t883 = t806 + t802;
-    let t884 = v[0] * t883;
-    let t885 = t830 - t825;
-    m[1][2] = t885;
-    m[2][1] = t885;
-    let t886 = t55 * t885;
-    let t887 = acceleration_joint2_x * t466;
-    let t888 = 22.71885132005558 * t498;
-    let t889 = t888 + t887;
-    let t890 = t889 + t886;
-    let t891 = a[0] * t815;
+    let t806 = t805 + t801;
+    let t807 = t55 * t806;
+    let t808 = t807 + t798;
+    let t809 = t786 - t808;
+    d_dy[1][1] = t809;
+    let t810 = omega_joint3_y * t764;
+    let t811 = omega_joint3_x * t774;
+    let t812 = t464 * acceleration_joint3_y;
+    let t813 = t13 * t542;
+    let t814 = t813 - t812;
+    let t815 = t462 * acceleration_joint3_x;
+    let t816 = t815 + t814;
+    let t817 = t34 * t539;
+    let t818 = t817 + t816;
+    let t819 = t55 * t799;
+    let t820 = t819 + t818;
+    let t821 = t811 + t820;
+    let t822 = t810 + t821;
+    d_dy[2][2] = t822;
+    let t823 = sin_joint2 * t596;
+    let t824 = cos_joint2_joint3 * t587;
+    let t825 = sin_joint2_joint3 * t594;
+    let t826 = t825 + t824;
+    let t827 = cos_joint2 * t826;
+    let t828 = t827 - t823;
+    let t829 = t822 - t828;
+    d_dy[1][2] = t829;
+    let t830 = cos_joint4 * t635;
+    let t831 = sin_joint4 * t654;
+    let t832 = 0.047012505789717454 * t666;
+    let t833 = t831 - t832;
+    let t834 = t830 + t833;
+    let t835 = sin_joint2 * t668;
+    let t836 = sin_joint2_joint3 * t660;
+    let t837 = cos_joint2_joint3 * t666;
+    let t838 = t836 + t837;
+    let t839 = cos_joint2 * t838;
+    let t840 = t839 - t835;
+    let t841 = t834 - t840;
+    let t842 = sin_joint4 * t738;
+    let t843 = cos_joint4 * t750;
+    let t844 = 0.047012505789717454 * t728;
+    let t845 = t843 - t844;
+    let t846 = t842 + t845;
+    let t847 = sin_joint2 * t730;
+    let t848 = sin_joint2_joint3 * t724;
+    let t849 = cos_joint2_joint3 * t728;
+    let t850 = t848 + t849;
+    let t851 = cos_joint2 * t850;
+    let t852 = t851 - t847;
+    let t853 = t846 - t852;
+    let t854 = t780 + t776;
+    let t855 = v[0] * t854;
+    let t856 = t804 - t799;
+    m[1][2] = t856;
+    m[2][1] = t856;
+    let t857 = t55 * t856;
+    let t858 = acceleration_joint2_x * t466;
+    let t859 = 22.71885132005558 * t498;
+    let t860 = t859 + t858;
+    let t861 = t860 + t857;
+    let t862 = a[0] * t789;
+    let t863 = t862 - t861;
+    let t864 = t855 + t863;
+    d_dy[2][1] = t864;
+    let t865 = t445 + t442;
+    let t866 = cos_joint2_joint3 * t865;
+    let t867 = t386 - t568;
+    let t868 = sin_joint2_joint3 * t867;
+    let t869 = sin_joint2_joint3 * t537;
+    let t870 = t779 * t869;
+    let t871 = t468 * t444;
+    let t872 = t871 + t870;
+    let t873 = t868 - t872;
+    let t874 = t866 - t873;
+    let t875 = v[0] * t874;
+    let t876 = cos_joint2_joint3 * t537;
+    let t877 = sin_joint2 * t876;
+    let t878 = cos_joint2 * t869;
+    let t879 = t878 - t877;
+    let t880 = t541 - t879;
+    let t881 = t55 * t880;
+    let t882 = acceleration_joint2_x * t869;
+    let t883 = 22.71885132005558 * t876;
+    let t884 = t883 - t882;
+    let t885 = t881 + t884;
+    let t886 = 0.047012505789717454 * t444;
+    let t887 = t678 - t886;
+    let t888 = sin_joint2_joint3 * t887;
+    let t889 = sin_joint2 * t444;
+    let t890 = t888 - t889;
+    let t891 = cos_joint2_joint3 * t521;
     let t892 = t891 - t890;
-    let t893 = t884 + t892;
-    d_dy[2][1] = t893;
-    let t894 = t445 + t442;
-    let t895 = cos_joint2_joint3 * t894;
-    let t896 = t386 - t568;
-    let t897 = sin_joint2_joint3 * t896;
-    let t898 = sin_joint2_joint3 * t537;
-    let t899 = t805 * t898;
-    let t900 = t468 * t444;
-    let t901 = t900 + t899;
-    let t902 = t897 - t901;
-    let t903 = t895 - t902;
-    let t904 = v[0] * t903;
-    let t905 = cos_joint2_joint3 * t537;
-    let t906 = sin_joint2 * t905;
-    let t907 = cos_joint2 * t898;
-    let t908 = t907 - t906;
-    let t909 = t541 - t908;
-    let t910 = t55 * t909;
-    let t911 = acceleration_joint2_x * t898;
-    let t912 = 22.71885132005558 * t905;
-    let t913 = t912 - t911;
-    let t914 = t910 + t913;
-    let t915 = 0.047012505789717454 * t444;
-    let t916 = t678 - t915;
-    let t917 = sin_joint2_joint3 * t916;
-    let t918 = sin_joint2 * t444;
-    let t919 = t917 - t918;
-    let t920 = cos_joint2_joint3 * t521;
-    let t921 = t920 - t919;
-    let t922 = a[0] * t921;
-    let t923 = t922 + t914;
-    let t924 = t904 + t923;
-    d_dy[3][1] = t924;
-    let t925 = omega_joint3_y * t894;
-    let t926 = omega_joint3_x * t896;
-    let t927 = t55 * t541;
-    let t928 = t13 * t916;
-    let t929 = t928 - t927;
-    let t930 = t34 * t521;
-    let t931 = t930 - t929;
-    let t932 = t559 + t931;
-    let t933 = t926 - t932;
-    let t934 = t925 - t933;
-    d_dy[3][2] = t934;
-    let t935 = t366 - t371;
-    let t936 = cos_joint4 * t935;
-    let t937 = sin_joint4 * t385;
-    let t938 = t567 * t370;
-    let t939 = sin_joint4 * t402;
-    let t940 = t403 * t939;
-    let t941 = t940 - t938;
-    let t942 = t937 + t941;
-    let t943 = t936 - t942;
-    let t944 = cos_joint2_joint3 * t943;
-    let t945 = cos_joint4 * t402;
-    let t946 = t567 * t945;
-    let t947 = t415 - t946;
-    let t948 = t414 + t947;
-    let t949 = sin_joint2_joint3 * t948;
-    let t950 = sin_joint2_joint3 * t945;
-    let t951 = cos_joint2_joint3 * t370;
-    let t952 = t950 + t951;
-    let t953 = t805 * t952;
-    let t954 = t468 * t939;
-    let t955 = t954 - t953;
-    let t956 = t955 + t949;
-    let t957 = t944 - t956;
-    let t958 = v[0] * t957;
-    let t959 = 0.047012505789717454 * t939;
-    let t960 = sin_joint2_joint3 * t959;
-    let t961 = sin_joint2 * t939;
-    let t962 = t960 + t961;
-    let t963 = 0.00064216 + t402;
-    let t964 = sin_joint4 * t963;
-    let t965 = cos_joint2_joint3 * t964;
-    let t966 = t965 + t962;
-    let t967 = a[0] * t966;
-    let t968 = acceleration_joint2_x * t952;
-    let t969 = cos_joint2_joint3 * t945;
-    let t970 = sin_joint2_joint3 * t370;
-    let t971 = t969 - t970;
-    let t972 = 22.71885132005558 * t971;
-    let t973 = t972 - t968;
-    let t974 = t973 - t967;
-    let t975 = sin_joint2 * t971;
-    let t976 = cos_joint4 * t963;
-    let t977 = sin_joint5 * 5.846399999999998e-5;
-    let t978 = t976 - t977;
-    m[2][4] = t978;
-    m[4][2] = t978;
-    let t979 = t978 + t975;
-    let t980 = cos_joint2 * t952;
-    let t981 = t980 - t979;
-    let t982 = t55 * t981;
-    let t983 = t982 - t974;
-    let t984 = t958 - t983;
-    let t985 = omega_joint3_y * t943;
-    let t986 = omega_joint3_x * t948;
-    let t987 = t370 * acceleration_joint3_x;
-    let t988 = t55 * t978;
-    let t989 = t13 * t959;
-    let t990 = t34 * t964;
-    let t991 = t990 + t989;
-    let t992 = t991 - t988;
-    let t993 = t992 - t987;
-    let t994 = t945 * acceleration_joint3_y;
-    let t995 = t994 - t993;
-    let t996 = t986 - t995;
-    let t997 = t985 - t996;
-    let t998 = omega_joint4_y * t366;
-    let t999 = t21 * 0.00064216;
-    let t1000 = t999 + t628;
-    let t1001 = t998 - t1000;
-    d_dy[4][3] = t1001;
-    let t1002 = sin_joint4 * t373;
-    let t1003 = cos_joint5 * t761;
-    let t1004 = cos_joint4 * t1003;
-    let t1005 = t1004 - t1002;
-    let t1006 = cos_joint2_joint3 * t1005;
-    let t1007 = sin_joint5 * t761;
-    let t1008 = sin_joint2_joint3 * t1007;
-    let t1009 = t1006 - t1008;
-    let t1010 = v[0] * t1009;
-    let t1011 = 3.9999999999999996e-5 * sin_joint5;
-    let t1012 = cos_joint4 * t1011;
-    let t1013 = cos_joint2_joint3 * t1012;
-    let t1014 = 3.9999999999999996e-5 * cos_joint5;
-    m[3][5] = t1014;
-    m[5][3] = t1014;
-    let t1015 = sin_joint2_joint3 * t1014;
-    let t1016 = t1013 + t1015;
-    let t1017 = a[0] * t1016;
-    let t1018 = sin_joint4 * t1011;
-    m[1][5] = t1018;
-    m[2][5] = t1018;
-    m[5][1] = t1018;
-    m[5][2] = t1018;
-    let t1019 = t55 * t1018;
-    let t1020 = t1019 + t1017;
-    let t1021 = t1020 + t1010;
-    let t1022 = omega_joint3_y * t1005;
-    let t1023 = omega_joint3_x * t1007;
-    let t1024 = t13 * t1014;
-    let t1025 = t1024 + t1019;
-    let t1026 = t34 * t1012;
-    let t1027 = t1026 + t1025;
-    let t1028 = t1023 - t1027;
-    let t1029 = t1022 - t1028;
-    let t1030 = omega_joint4_x * t373;
-    let t1031 = t123 * t1011;
-    let t1032 = t142 * t1014;
-    let t1033 = t1031 - t1032;
-    let t1034 = t1033 + t1030;
-    let t1035 = omega_joint4_y * t1003;
-    let t1036 = t1035 + t1034;
-    d_dy[5][3] = t1036;
-    let t1037 = 3.9999999999999996e-5 * t40;
-    let t1038 = omega_joint5_y * t761;
-    let t1039 = t1038 + t1037;
-    d_dy[5][4] = t1039;
-    let t1040 = sin_joint2_joint3 * t452;
-    let t1041 = cos_joint2_joint3 * t455;
-    let t1042 = sin_joint2_joint3 * t458;
-    let t1043 = t1041 + t1042;
-    let t1044 = cos_joint2 * t1043;
-    let t1045 = v[1] * sin_joint2;
-    let t1046 = 2.0 * t1045;
-    let t1047 = t1046 * t466;
-    let t1048 = t227 * t52;
-    let t1049 = t207 * t807;
+    let t893 = a[0] * t892;
+    let t894 = t893 + t885;
+    let t895 = t875 + t894;
+    d_dy[3][1] = t895;
+    let t896 = omega_joint3_y * t865;
+    let t897 = omega_joint3_x * t867;
+    let t898 = t55 * t541;
+    let t899 = t13 * t887;
+    let t900 = t899 - t898;
+    let t901 = t34 * t521;
+    let t902 = t901 - t900;
+    let t903 = t559 + t902;
+    let t904 = t897 - t903;
+    let t905 = t896 - t904;
+    d_dy[3][2] = t905;
+    let t906 = t366 - t371;
+    let t907 = cos_joint4 * t906;
+    let t908 = sin_joint4 * t385;
+    let t909 = t567 * t370;
+    let t910 = sin_joint4 * t402;
+    let t911 = t403 * t910;
+    let t912 = t911 - t909;
+    let t913 = t908 + t912;
+    let t914 = t907 - t913;
+    let t915 = cos_joint2_joint3 * t914;
+    let t916 = cos_joint4 * t402;
+    let t917 = t567 * t916;
+    let t918 = t415 - t917;
+    let t919 = t414 + t918;
+    let t920 = sin_joint2_joint3 * t919;
+    let t921 = sin_joint2_joint3 * t916;
+    let t922 = cos_joint2_joint3 * t370;
+    let t923 = t921 + t922;
+    let t924 = t779 * t923;
+    let t925 = t468 * t910;
+    let t926 = t925 - t924;
+    let t927 = t926 + t920;
+    let t928 = t915 - t927;
+    let t929 = v[0] * t928;
+    let t930 = 0.047012505789717454 * t910;
+    let t931 = sin_joint2_joint3 * t930;
+    let t932 = sin_joint2 * t910;
+    let t933 = t931 + t932;
+    let t934 = 0.00064216 + t402;
+    let t935 = sin_joint4 * t934;
+    let t936 = cos_joint2_joint3 * t935;
+    let t937 = t936 + t933;
+    let t938 = a[0] * t937;
+    let t939 = acceleration_joint2_x * t923;
+    let t940 = cos_joint2_joint3 * t916;
+    let t941 = sin_joint2_joint3 * t370;
+    let t942 = t940 - t941;
+    let t943 = 22.71885132005558 * t942;
+    let t944 = t943 - t939;
+    let t945 = t944 - t938;
+    let t946 = sin_joint2 * t942;
+    let t947 = cos_joint4 * t934;
+    let t948 = sin_joint5 * 5.846399999999998e-5;
+    let t949 = t947 - t948;
+    m[2][4] = t949;
+    m[4][2] = t949;
+    let t950 = t949 + t946;
+    let t951 = cos_joint2 * t923;
+    let t952 = t951 - t950;
+    let t953 = t55 * t952;
+    let t954 = t953 - t945;
+    let t955 = t929 - t954;
+    let t956 = omega_joint3_y * t914;
+    let t957 = omega_joint3_x * t919;
+    let t958 = t370 * acceleration_joint3_x;
+    let t959 = t55 * t949;
+    let t960 = t13 * t930;
+    let t961 = t34 * t935;
+    let t962 = t961 + t960;
+    let t963 = t962 - t959;
+    let t964 = t963 - t958;
+    let t965 = t916 * acceleration_joint3_y;
+    let t966 = t965 - t964;
+    let t967 = t957 - t966;
+    let t968 = t956 - t967;
+    let t969 = omega_joint4_y * t366;
+    let t970 = t21 * 0.00064216;
+    let t971 = t970 + t628;
+    let t972 = t969 - t971;
+    d_dy[4][3] = t972;
+    let t973 = sin_joint4 * t373;
+    let t974 = 3.9999999999999996e-5 * omega_joint5_z;
+    let t975 = cos_joint5 * t974;
+    let t976 = cos_joint4 * t975;
+    let t977 = t976 - t973;
+    let t978 = cos_joint2_joint3 * t977;
+    let t979 = sin_joint5 * t974;
+    let t980 = sin_joint2_joint3 * t979;
+    let t981 = t978 - t980;
+    let t982 = v[0] * t981;
+    let t983 = 3.9999999999999996e-5 * sin_joint5;
+    let t984 = cos_joint4 * t983;
+    let t985 = cos_joint2_joint3 * t984;
+    let t986 = 3.9999999999999996e-5 * cos_joint5;
+    m[3][5] = t986;
+    m[5][3] = t986;
+    let t987 = sin_joint2_joint3 * t986;
+    let t988 = t985 + t987;
+    let t989 = a[0] * t988;
+    let t990 = sin_joint4 * t983;
+    m[1][5] = t990;
+    m[2][5] = t990;
+    m[5][1] = t990;
+    m[5][2] = t990;
+    let t991 = t55 * t990;
+    let t992 = t991 + t989;
+    let t993 = t992 + t982;
+    let t994 = omega_joint3_y * t977;
+    let t995 = omega_joint3_x * t979;
+    let t996 = t13 * t986;
+    let t997 = t996 + t991;
+    let t998 = t34 * t984;
+    let t999 = t998 + t997;
+    let t1000 = t995 - t999;
+    let t1001 = t994 - t1000;
+    let t1002 = omega_joint4_x * t373;
+    let t1003 = t123 * t983;
+    let t1004 = t142 * t986;
+    let t1005 = t1003 - t1004;
+    let t1006 = t1005 + t1002;
+    let t1007 = omega_joint4_y * t975;
+    let t1008 = t1007 + t1006;
+    d_dy[5][3] = t1008;
+    let t1009 = 3.9999999999999996e-5 * t40;
+    let t1010 = omega_joint5_y * t974;
+    let t1011 = t1010 + t1009;
+    d_dy[5][4] = t1011;
+    let t1012 = sin_joint2_joint3 * t452;
+    let t1013 = cos_joint2_joint3 * t455;
+    let t1014 = sin_joint2_joint3 * t458;
+    let t1015 = t1013 + t1014;
+    let t1016 = cos_joint2 * t1015;
+    let t1017 = v[1] * sin_joint2;
+    let t1018 = 2.0 * t1017;
+    let t1019 = t1018 * t466;
+    let t1020 = t227 * t52;
+    let t1021 = t207 * t781;
+    let t1022 = t1021 + t1020;
+    let t1023 = t1022 - t1019;
+    let t1024 = t1016 - t1023;
+    let t1025 = t400 + t1024;
+    let t1026 = t1012 - t1025;
+    let t1027 = t216 * t781;
+    let t1028 = t1027 - t581;
+    let t1029 = 0.3474988420565076 * t1028;
+    let t1030 = v[0] * 0.6949976841130152;
+    let t1031 = t1030 * t795;
+    let t1032 = t779 * t537;
+    let t1033 = t1032 - 5.8018217679508;
+    let t1034 = t1021 + t1033;
+    let t1035 = t1031 - t1034;
+    let t1036 = t1029 - t1035;
+    let t1037 = t570 - t1036;
+    let t1038 = t1026 + t1037;
+    d_dv[0][0] = t1038;
+    let t1039 = omega_joint3_z * 0.009475200000000003;
+    let t1040 = t1039 - t372;
+    let t1041 = t755 + t1040;
+    let t1042 = sin_joint2_joint3 * t1041;
+    let t1043 = t781 * t534;
+    let t1044 = t468 * t537;
+    let t1045 = t207 * t52;
+    let t1046 = t1045 + t1044;
+    let t1047 = t1043 - t1046;
+    let t1048 = sin_joint4 * t440;
+    let t1049 = t403 * t537;
     let t1050 = t1049 + t1048;
-    let t1051 = t1050 - t1047;
-    let t1052 = t1044 - t1051;
-    let t1053 = t400 + t1052;
-    let t1054 = t1040 - t1053;
-    let t1055 = t216 * t807;
-    let t1056 = t1055 - t581;
+    let t1051 = cos_joint4 * t435;
+    let t1052 = t1051 + t1050;
+    let t1053 = cos_joint2_joint3 * t1052;
+    let t1054 = t1053 - t1047;
+    let t1055 = t216 * t52;
+    let t1056 = t1055 - t460;
     let t1057 = 0.3474988420565076 * t1056;
-    let t1058 = v[0] * 0.6949976841130152;
-    let t1059 = t1058 * t821;
-    let t1060 = t805 * t537;
-    let t1061 = t1060 - 5.8018217679508;
-    let t1062 = t1049 + t1061;
-    let t1063 = t1059 - t1062;
-    let t1064 = t1057 - t1063;
-    let t1065 = t570 - t1064;
-    let t1066 = t1054 + t1065;
-    d_dv[0][0] = t1066;
-    let t1067 = omega_joint3_z * 0.009475200000000003;
-    let t1068 = t1067 - t372;
-    let t1069 = t781 + t1068;
-    let t1070 = sin_joint2_joint3 * t1069;
-    let t1071 = t807 * t534;
-    let t1072 = t468 * t537;
-    let t1073 = t207 * t52;
-    let t1074 = t1073 + t1072;
-    let t1075 = t1071 - t1074;
-    let t1076 = sin_joint4 * t440;
-    let t1077 = t403 * t537;
-    let t1078 = t1077 + t1076;
-    let t1079 = cos_joint4 * t435;
-    let t1080 = t1079 + t1078;
-    let t1081 = cos_joint2_joint3 * t1080;
-    let t1082 = t1081 - t1075;
-    let t1083 = t216 * t52;
-    let t1084 = t1083 - t460;
-    let t1085 = 0.3474988420565076 * t1084;
-    let t1086 = t1085 + t1082;
-    let t1087 = t1070 - t1086;
-    d_dv[0][1] = t1087;
-    let t1088 = 2.0 * omega_joint3_y;
-    let t1089 = t1088 * t616;
-    let t1090 = 2.0 * omega_joint3_x;
-    let t1091 = t1090 * t524;
-    let t1092 = t1089 - t1091;
-    let t1093 = t1069 + t1092;
-    let t1094 = sin_joint2_joint3 * t1093;
-    let t1095 = t1088 * t537;
-    let t1096 = t455 + t1095;
-    let t1097 = sin_joint2_joint3 * t1096;
-    let t1098 = t1090 * t537;
-    let t1099 = t458 + t1098;
-    let t1100 = cos_joint2_joint3 * t1099;
-    let t1101 = t1100 - t1097;
-    let t1102 = 0.3474988420565076 * t1101;
-    let t1103 = t1090 * t462;
-    let t1104 = t1088 * t464;
-    let t1105 = t1104 + t1103;
-    let t1106 = cos_joint2 * t1105;
-    let t1107 = t1106 + t1102;
-    let t1108 = t1090 * t562;
-    let t1109 = t1088 * t524;
-    let t1110 = t1108 - t1109;
-    let t1111 = t1080 + t1110;
-    let t1112 = cos_joint2_joint3 * t1111;
-    let t1113 = t1112 + t1107;
-    let t1114 = t1094 - t1113;
-    d_dv[0][2] = t1114;
-    let t1115 = t395 - t422;
-    let t1116 = sin_joint4 * t1115;
-    let t1117 = t392 - t415;
-    let t1118 = cos_joint4 * t1117;
-    let t1119 = t1118 + t1116;
-    let t1120 = cos_joint2_joint3 * t1119;
-    let t1121 = sin_joint2_joint3 * t371;
-    let t1122 = t1120 + t1121;
-    let t1123 = 0.3474988420565076 * t1122;
-    let t1124 = cos_joint4 * t1115;
-    let t1125 = sin_joint4 * t1117;
-    let t1126 = t1125 - t1124;
-    let t1127 = cos_joint2 * t1126;
-    let t1128 = t1127 + t1123;
-    let t1129 = 0.047012505789717454 * t1126;
-    let t1130 = t384 * t519;
-    let t1131 = t383 - t1130;
-    let t1132 = t1131 + t1129;
-    let t1133 = cos_joint2_joint3 * t1132;
-    let t1134 = t1133 + t1128;
-    let t1135 = t369 * t629;
-    let t1136 = t1117 - t1135;
-    let t1137 = t414 + t1136;
-    let t1138 = sin_joint4 * t1137;
-    let t1139 = t384 * t638;
-    let t1140 = t1115 + t1139;
-    let t1141 = t421 + t1140;
-    let t1142 = cos_joint4 * t1141;
-    let t1143 = t1142 - t1138;
-    let t1144 = sin_joint2_joint3 * t1143;
-    let t1145 = t1144 + t1134;
-    d_dv[0][3] = t1145;
-    let t1146 = omega_joint5_y * 0.0024871679999999997;
-    let t1147 = sin_joint4 * t1146;
-    let t1148 = cos_joint4 * t401;
-    let t1149 = t1148 - t1147;
-    let t1150 = cos_joint2_joint3 * t1149;
-    let t1151 = sin_joint2_joint3 * t395;
-    let t1152 = t1150 + t1151;
-    let t1153 = 0.3474988420565076 * t1152;
-    let t1154 = cos_joint4 * t1146;
-    let t1155 = sin_joint4 * t401;
-    let t1156 = t1155 + t1154;
-    let t1157 = cos_joint2 * t1156;
-    let t1158 = t1157 + t1153;
-    let t1159 = omega_joint5_y * 0.00088432;
-    let t1160 = t360 + t1159;
-    let t1161 = sin_joint5 * t1160;
-    let t1162 = omega_joint5_x * 0.00044;
-    let t1163 = cos_joint5 * t1162;
-    let t1164 = t1161 + t1163;
-    let t1165 = 0.047012505789717454 * t1156;
-    let t1166 = t1164 - t1165;
-    let t1167 = cos_joint2_joint3 * t1166;
-    let t1168 = t1167 - t1158;
-    let t1169 = cos_joint5 * t1160;
-    let t1170 = sin_joint5 * t1162;
-    let t1171 = t1146 - t1170;
-    let t1172 = t1169 + t1171;
-    let t1173 = cos_joint4 * t1172;
-    let t1174 = t1155 + t1173;
-    let t1175 = sin_joint2_joint3 * t1174;
-    let t1176 = t1175 + t1168;
-    let t1177 = sin_joint2_joint3 * t1005;
-    let t1178 = cos_joint2_joint3 * t1007;
-    let t1179 = t1177 + t1178;
-    let t1180 = sin_joint2_joint3 * t790;
-    let t1181 = cos_joint2_joint3 * t800;
-    let t1182 = t1180 - t1181;
-    let t1183 = sin_joint2 * t581;
-    let t1184 = t805 * t498;
-    let t1185 = t227 * t807;
-    let t1186 = t1185 - t1184;
+    let t1058 = t1057 + t1054;
+    let t1059 = t1042 - t1058;
+    d_dv[0][1] = t1059;
+    let t1060 = 2.0 * omega_joint3_y;
+    let t1061 = t1060 * t616;
+    let t1062 = 2.0 * omega_joint3_x;
+    let t1063 = t1062 * t524;
+    let t1064 = t1061 - t1063;
+    let t1065 = t1041 + t1064;
+    let t1066 = sin_joint2_joint3 * t1065;
+    let t1067 = t1060 * t537;
+    let t1068 = t455 + t1067;
+    let t1069 = sin_joint2_joint3 * t1068;
+    let t1070 = t1062 * t537;
+    let t1071 = t458 + t1070;
+    let t1072 = cos_joint2_joint3 * t1071;
+    let t1073 = t1072 - t1069;
+    let t1074 = 0.3474988420565076 * t1073;
+    let t1075 = t1062 * t462;
+    let t1076 = t1060 * t464;
+    let t1077 = t1076 + t1075;
+    let t1078 = cos_joint2 * t1077;
+    let t1079 = t1078 + t1074;
+    let t1080 = t1062 * t562;
+    let t1081 = t1060 * t524;
+    let t1082 = t1080 - t1081;
+    let t1083 = t1052 + t1082;
+    let t1084 = cos_joint2_joint3 * t1083;
+    let t1085 = t1084 + t1079;
+    let t1086 = t1066 - t1085;
+    d_dv[0][2] = t1086;
+    let t1087 = t395 - t422;
+    let t1088 = sin_joint4 * t1087;
+    let t1089 = t392 - t415;
+    let t1090 = cos_joint4 * t1089;
+    let t1091 = t1090 + t1088;
+    let t1092 = cos_joint2_joint3 * t1091;
+    let t1093 = sin_joint2_joint3 * t371;
+    let t1094 = t1092 + t1093;
+    let t1095 = 0.3474988420565076 * t1094;
+    let t1096 = cos_joint4 * t1087;
+    let t1097 = sin_joint4 * t1089;
+    let t1098 = t1097 - t1096;
+    let t1099 = cos_joint2 * t1098;
+    let t1100 = t1099 + t1095;
+    let t1101 = 0.047012505789717454 * t1098;
+    let t1102 = t384 * t519;
+    let t1103 = t383 - t1102;
+    let t1104 = t1103 + t1101;
+    let t1105 = cos_joint2_joint3 * t1104;
+    let t1106 = t1105 + t1100;
+    let t1107 = t369 * t629;
+    let t1108 = t1089 - t1107;
+    let t1109 = t414 + t1108;
+    let t1110 = sin_joint4 * t1109;
+    let t1111 = t384 * t638;
+    let t1112 = t1087 + t1111;
+    let t1113 = t421 + t1112;
+    let t1114 = cos_joint4 * t1113;
+    let t1115 = t1114 - t1110;
+    let t1116 = sin_joint2_joint3 * t1115;
+    let t1117 = t1116 + t1106;
+    d_dv[0][3] = t1117;
+    let t1118 = omega_joint5_y * 0.0024871679999999997;
+    let t1119 = sin_joint4 * t1118;
+    let t1120 = cos_joint4 * t401;
+    let t1121 = t1120 - t1119;
+    let t1122 = cos_joint2_joint3 * t1121;
+    let t1123 = sin_joint2_joint3 * t395;
+    let t1124 = t1122 + t1123;
+    let t1125 = 0.3474988420565076 * t1124;
+    let t1126 = cos_joint4 * t1118;
+    let t1127 = sin_joint4 * t401;
+    let t1128 = t1127 + t1126;
+    let t1129 = cos_joint2 * t1128;
+    let t1130 = t1129 + t1125;
+    let t1131 = omega_joint5_y * 0.00088432;
+    let t1132 = t360 + t1131;
+    let t1133 = sin_joint5 * t1132;
+    let t1134 = omega_joint5_x * 0.00044;
+    let t1135 = cos_joint5 * t1134;
+    let t1136 = t1133 + t1135;
+    let t1137 = 0.047012505789717454 * t1128;
+    let t1138 = t1136 - t1137;
+    let t1139 = cos_joint2_joint3 * t1138;
+    let t1140 = t1139 - t1130;
+    let t1141 = cos_joint5 * t1132;
+    let t1142 = sin_joint5 * t1134;
+    let t1143 = t1118 - t1142;
+    let t1144 = t1141 + t1143;
+    let t1145 = cos_joint4 * t1144;
+    let t1146 = t1127 + t1145;
+    let t1147 = sin_joint2_joint3 * t1146;
+    let t1148 = t1147 + t1140;
+    let t1149 = sin_joint2_joint3 * t977;
+    let t1150 = cos_joint2_joint3 * t979;
+    let t1151 = t1149 + t1150;
+    let t1152 = sin_joint2_joint3 * t764;
+    let t1153 = cos_joint2_joint3 * t774;
+    let t1154 = t1152 - t1153;
+    let t1155 = sin_joint2 * t581;
+    let t1156 = t779 * t498;
+    let t1157 = t227 * t781;
+    let t1158 = t1157 - t1156;
+    let t1159 = t1155 + t1158;
+    let t1160 = t1154 - t1159;
+    d_dv[1][0] = t1160;
+    let t1161 = sin_joint2 * t460;
+    let t1162 = t1020 - 9.496868641825001;
+    let t1163 = t468 * t498;
+    let t1164 = t1163 - t1162;
+    let t1165 = t409 - t1164;
+    let t1166 = t781 * t792;
+    let t1167 = t1166 - t1165;
+    let t1168 = t1161 - t1167;
+    let t1169 = t1012 + t1168;
+    let t1170 = t1026 - t1169;
+    d_dv[1][1] = t1170;
+    let t1171 = t400 + t409;
+    let t1172 = t1060 * t539;
+    let t1173 = t1062 * t542;
+    let t1174 = t1172 + t1173;
+    let t1175 = t1174 - t1171;
+    let t1176 = sin_joint2 * t1073;
+    let t1177 = cos_joint2_joint3 * t1068;
+    let t1178 = sin_joint2_joint3 * t1071;
+    let t1179 = t1178 + t1177;
+    let t1180 = cos_joint2 * t1179;
+    let t1181 = t1180 - t1176;
+    let t1182 = t1181 - t1175;
+    let t1183 = cos_joint4 * t1109;
+    let t1184 = sin_joint4 * t1113;
+    let t1185 = 0.047012505789717454 * t371;
+    let t1186 = t1185 + t1184;
     let t1187 = t1183 + t1186;
-    let t1188 = t1182 - t1187;
-    d_dv[1][0] = t1188;
-    let t1189 = sin_joint2 * t460;
-    let t1190 = t1048 - 9.496868641825001;
-    let t1191 = t468 * t498;
-    let t1192 = t1191 - t1190;
-    let t1193 = t409 - t1192;
-    let t1194 = t807 * t818;
-    let t1195 = t1194 - t1193;
-    let t1196 = t1189 - t1195;
-    let t1197 = t1040 + t1196;
-    let t1198 = t1054 - t1197;
-    d_dv[1][1] = t1198;
-    let t1199 = t400 + t409;
-    let t1200 = t1088 * t539;
-    let t1201 = t1090 * t542;
-    let t1202 = t1200 + t1201;
-    let t1203 = t1202 - t1199;
-    let t1204 = sin_joint2 * t1101;
-    let t1205 = cos_joint2_joint3 * t1096;
-    let t1206 = sin_joint2_joint3 * t1099;
-    let t1207 = t1206 + t1205;
-    let t1208 = cos_joint2 * t1207;
-    let t1209 = t1208 - t1204;
-    let t1210 = t1209 - t1203;
-    let t1211 = cos_joint4 * t1137;
-    let t1212 = sin_joint4 * t1141;
-    let t1213 = 0.047012505789717454 * t371;
-    let t1214 = t1213 + t1212;
-    let t1215 = t1211 + t1214;
-    let t1216 = sin_joint2 * t1122;
-    let t1217 = sin_joint2_joint3 * t1119;
-    let t1218 = cos_joint2_joint3 * t371;
-    let t1219 = t1217 - t1218;
-    let t1220 = cos_joint2 * t1219;
-    let t1221 = t1220 - t1216;
-    let t1222 = t1221 - t1215;
-    d_dv[1][3] = t1222;
-    let t1223 = sin_joint4 * t1172;
-    let t1224 = 0.047012505789717454 * t395;
-    let t1225 = t1148 + t1224;
-    let t1226 = t1223 - t1225;
-    d_dv[2][4] = t1226;
-    let t1227 = sin_joint2 * t1152;
-    let t1228 = sin_joint2_joint3 * t1149;
-    let t1229 = cos_joint2_joint3 * t395;
-    let t1230 = t1228 - t1229;
-    let t1231 = cos_joint2 * t1230;
-    let t1232 = t1231 - t1227;
-    let t1233 = t1232 + t1226;
-    d_dv[1][4] = t1233;
-    let t1234 = cos_joint4 * t373;
-    let t1235 = sin_joint4 * t1003;
-    let t1236 = t1235 + t1234;
-    d_dv[1][5] = t1236;
-    d_dv[2][5] = t1236;
-    let t1237 = t1184 + t1182;
-    d_dv[2][0] = t1237;
-    let t1238 = t807 * t815;
-    let t1239 = t1047 - t1191;
+    let t1188 = sin_joint2 * t1094;
+    let t1189 = sin_joint2_joint3 * t1091;
+    let t1190 = cos_joint2_joint3 * t371;
+    let t1191 = t1189 - t1190;
+    let t1192 = cos_joint2 * t1191;
+    let t1193 = t1192 - t1188;
+    let t1194 = t1193 - t1187;
+    d_dv[1][3] = t1194;
+    let t1195 = sin_joint4 * t1144;
+    let t1196 = 0.047012505789717454 * t395;
+    let t1197 = t1120 + t1196;
+    let t1198 = t1195 - t1197;
+    d_dv[2][4] = t1198;
+    let t1199 = sin_joint2 * t1124;
+    let t1200 = sin_joint2_joint3 * t1121;
+    let t1201 = cos_joint2_joint3 * t395;
+    let t1202 = t1200 - t1201;
+    let t1203 = cos_joint2 * t1202;
+    let t1204 = t1203 - t1199;
+    let t1205 = t1204 + t1198;
+    d_dv[1][4] = t1205;
+    let t1206 = cos_joint4 * t373;
+    let t1207 = sin_joint4 * t975;
+    let t1208 = t1207 + t1206;
+    d_dv[1][5] = t1208;
+    d_dv[2][5] = t1208;
+    let t1209 = t1156 + t1154;
+    d_dv[2][0] = t1209;
+    let t1210 = t781 * t789;
+    let t1211 = t1019 - t1163;
+    let t1212 = t1211 - t1210;
+    let t1213 = t1171 + t1212;
+    let t1214 = 3.9804259903721997 + t1175;
+    d_dv[2][2] = t1214;
+    let t1215 = sin_joint2_joint3 * t865;
+    let t1216 = cos_joint2_joint3 * t867;
+    let t1217 = t1030 * t444;
+    let t1218 = t1018 * t444;
+    let t1219 = t1218 - t1217;
+    let t1220 = t779 * t876;
+    let t1221 = t1220 - t1219;
+    let t1222 = t1216 - t1221;
+    let t1223 = t1215 + t1222;
+    d_dv[3][0] = t1223;
+    let t1224 = t781 * t892;
+    let t1225 = t468 * t876;
+    let t1226 = t1018 * t869;
+    let t1227 = t1226 + t1225;
+    let t1228 = t1227 - t1224;
+    let t1229 = t1052 + t1228;
+    let t1230 = t1062 * t887;
+    let t1231 = t1060 * t521;
+    let t1232 = t1231 - t1230;
+    let t1233 = t1232 - t1052;
+    d_dv[3][2] = t1233;
+    let t1234 = t1103 + 0.41164522969715195;
+    d_dv[3][3] = t1234;
+    let t1235 = sin_joint2_joint3 * t914;
+    let t1236 = cos_joint2_joint3 * t919;
+    let t1237 = t779 * t942;
+    let t1238 = t1030 * t910;
+    let t1239 = t1018 * t910;
     let t1240 = t1239 - t1238;
-    let t1241 = t1199 + t1240;
-    let t1242 = 3.9804259903721997 + t1203;
-    d_dv[2][2] = t1242;
-    let t1243 = sin_joint2_joint3 * t894;
-    let t1244 = cos_joint2_joint3 * t896;
-    let t1245 = t1058 * t444;
-    let t1246 = t1046 * t444;
-    let t1247 = t1246 - t1245;
-    let t1248 = t805 * t905;
-    let t1249 = t1248 - t1247;
-    let t1250 = t1244 - t1249;
-    let t1251 = t1243 + t1250;
-    d_dv[3][0] = t1251;
-    let t1252 = t807 * t921;
-    let t1253 = t468 * t905;
-    let t1254 = t1046 * t898;
-    let t1255 = t1254 + t1253;
-    let t1256 = t1255 - t1252;
-    let t1257 = t1080 + t1256;
-    let t1258 = t1090 * t916;
-    let t1259 = t1088 * t521;
-    let t1260 = t1259 - t1258;
-    let t1261 = t1260 - t1080;
-    d_dv[3][2] = t1261;
-    let t1262 = t1131 + 0.41164522969715195;
-    d_dv[3][3] = t1262;
-    let t1263 = sin_joint2_joint3 * t943;
-    let t1264 = cos_joint2_joint3 * t948;
-    let t1265 = t805 * t971;
-    let t1266 = t1058 * t939;
-    let t1267 = t1046 * t939;
-    let t1268 = t1267 - t1266;
-    let t1269 = t1265 + t1268;
-    let t1270 = t1264 - t1269;
-    let t1271 = t1263 + t1270;
-    let t1272 = sin_joint4 * t935;
-    let t1273 = cos_joint4 * t385;
-    let t1274 = t403 * t945;
-    let t1275 = t1273 + t1274;
-    let t1276 = t1272 + t1275;
-    let t1277 = t807 * t966;
-    let t1278 = t468 * t971;
-    let t1279 = t1046 * t952;
-    let t1280 = t1279 + t1278;
-    let t1281 = t1280 + t1277;
-    let t1282 = t1276 + t1281;
-    d_dv[4][1] = t1282;
-    let t1283 = t1090 * t959;
-    let t1284 = t1088 * t964;
-    let t1285 = t1284 + t1283;
-    let t1286 = t1285 + t1276;
-    d_dv[4][2] = t1286;
-    let t1287 = omega_joint4_x * 0.00128432;
-    let t1288 = t414 - t1287;
-    let t1289 = t807 * t1016;
-    let t1290 = t1236 - t1289;
-    d_dv[5][1] = t1290;
-    let t1291 = t1090 * t1014;
-    let t1292 = t1088 * t1012;
-    let t1293 = t1292 + t1291;
-    let t1294 = t1236 - t1293;
-    d_dv[5][2] = t1294;
-    let t1295 = t384 * t1011;
-    let t1296 = t1007 - t1295;
-    let t1297 = sin_joint2_joint3 * t527;
-    let t1298 = 0.6949976841130152 * t537;
-    let t1299 = t1298 + 2.245819539767;
-    let t1300 = t223 + t1299;
-    let t1301 = t561 + t1300;
-    let t1302 = t512 - t1301;
-    let t1303 = 2.0 * t829;
-    let t1304 = t1303 - t1302;
-    let t1305 = t1297 + t1304;
-    m[0][0] = t1305;
-    let t1306 = 0.3474988420565076 * t499;
-    let t1307 = t1306 - t547;
-    let t1308 = 0.3474988420565076 * t498;
-    let t1309 = t544 - t1308;
-    m[0][2] = t1309;
-    m[2][0] = t1309;
-    let t1310 = 0.3474988420565076 * t905;
-    let t1311 = cos_joint2 * t444;
-    let t1312 = t1311 - t1310;
-    let t1313 = cos_joint2_joint3 * t916;
-    let t1314 = t1313 - t1312;
-    let t1315 = sin_joint2_joint3 * t521;
-    let t1316 = t1315 + t1314;
-    m[0][3] = t1316;
-    m[3][0] = t1316;
-    let t1317 = cos_joint2_joint3 * t959;
-    let t1318 = cos_joint2 * t939;
-    let t1319 = t1317 + t1318;
-    let t1320 = sin_joint2_joint3 * t964;
-    let t1321 = t1320 - t1319;
-    let t1322 = 0.3474988420565076 * t971;
-    let t1323 = t1322 - t1321;
-    let t1324 = sin_joint2_joint3 * t1012;
-    let t1325 = cos_joint2_joint3 * t1014;
-    let t1326 = t1324 - t1325;
-    let t1327 = 2.324814845 + t832;
-    m[1][1] = t1327;
-    let t1328 = 0.5768733319380001 - t825;
-    m[2][2] = t1328;
-    let t1329 = t506 + 0.19243062612368;
-    m[3][3] = t1329;
-    let t1330 = -t270;
-    b_u[0] = t1330;
-    let t1331 = -t339;
-    b_u[3] = t1331;
-    let t1332 = -t359;
-    b_u[5] = t1332;
-    let t1333 = -t623;
-    d_dy[0][2] = t1333;
-    let t1334 = -t867;
-    d_dy[1][3] = t1334;
-    let t1335 = -t879;
-    d_dy[1][4] = t1335;
-    let t1336 = -t882;
-    d_dy[1][5] = t1336;
-    d_dy[2][5] = t1336;
-    let t1337 = -t860;
-    d_dy[2][3] = t1337;
-    let t1338 = -t872;
-    d_dy[2][4] = t1338;
-    let t1339 = -t685;
-    d_dy[3][3] = t1339;
-    let t1340 = -t778;
-    d_dy[3][5] = t1340;
-    let t1341 = -t984;
-    d_dy[4][1] = t1341;
-    let t1342 = -t997;
-    d_dy[4][2] = t1342;
-    let t1343 = -t749;
-    d_dy[4][4] = t1343;
-    let t1344 = -t1021;
-    d_dy[5][1] = t1344;
-    let t1345 = -t1029;
-    d_dy[5][2] = t1345;
-    let t1346 = -t765;
-    d_dy[5][5] = t1346;
-    let t1347 = -t1176;
-    d_dv[0][4] = t1347;
-    let t1348 = -t1179;
-    d_dv[0][5] = t1348;
-    d_dv[5][0] = t1348;
-    let t1349 = -t1210;
-    d_dv[1][2] = t1349;
-    let t1350 = -t1241;
-    d_dv[2][1] = t1350;
-    let t1351 = -t1215;
-    d_dv[2][3] = t1351;
-    let t1352 = -t1257;
-    d_dv[3][1] = t1352;
-    let t1353 = -t1164;
-    d_dv[3][4] = t1353;
-    let t1354 = -t1007;
-    d_dv[3][5] = t1354;
-    let t1355 = -t1271;
-    d_dv[4][0] = t1355;
-    let t1356 = -t1288;
-    d_dv[4][3] = t1356;
-    let t1357 = -t1296;
-    d_dv[5][3] = t1357;
-    let t1358 = -t373;
-    d_dv[5][4] = t1358;
-    let t1359 = -t1307;
-    m[0][1] = t1359;
-    m[1][0] = t1359;
-    let t1360 = -t1323;
-    m[0][4] = t1360;
-    m[4][0] = t1360;
-    let t1361 = -t1326;
-    m[0][5] = t1361;
-    m[5][0] = t1361;
-    let t1362 = -t909;
-    m[1][3] = t1362;
-    m[3][1] = t1362;
-    let t1363 = -t981;
-    m[1][4] = t1363;
-    m[4][1] = t1363;
-    let t1364 = -t541;
-    m[2][3] = t1364;
-    m[3][2] = t1364;
+    let t1241 = t1237 + t1240;
+    let t1242 = t1236 - t1241;
+    let t1243 = t1235 + t1242;
+    let t1244 = sin_joint4 * t906;
+    let t1245 = cos_joint4 * t385;
+    let t1246 = t403 * t916;
+    let t1247 = t1245 + t1246;
+    let t1248 = t1244 + t1247;
+    let t1249 = t781 * t937;
+    let t1250 = t468 * t942;
+    let t1251 = t1018 * t923;
+    let t1252 = t1251 + t1250;
+    let t1253 = t1252 + t1249;
+    let t1254 = t1248 + t1253;
+    d_dv[4][1] = t1254;
+    let t1255 = t1062 * t930;
+    let t1256 = t1060 * t935;
+    let t1257 = t1256 + t1255;
+    let t1258 = t1257 + t1248;
+    d_dv[4][2] = t1258;
+    let t1259 = omega_joint4_x * 0.00128432;
+    let t1260 = t414 - t1259;
+    let t1261 = t781 * t988;
+    let t1262 = t1208 - t1261;
+    d_dv[5][1] = t1262;
+    let t1263 = t1062 * t986;
+    let t1264 = t1060 * t984;
+    let t1265 = t1264 + t1263;
+    let t1266 = t1208 - t1265;
+    d_dv[5][2] = t1266;
+    let t1267 = t384 * t983;
+    let t1268 = t979 - t1267;
+    let t1269 = sin_joint2_joint3 * t527;
+    let t1270 = 0.6949976841130152 * t537;
+    let t1271 = t1270 + 2.245819539767;
+    let t1272 = t223 + t1271;
+    let t1273 = t561 + t1272;
+    let t1274 = t512 - t1273;
+    let t1275 = 2.0 * t803;
+    let t1276 = t1275 - t1274;
+    let t1277 = t1269 + t1276;
+    m[0][0] = t1277;
+    let t1278 = 0.3474988420565076 * t499;
+    let t1279 = t1278 - t547;
+    let t1280 = 0.3474988420565076 * t498;
+    let t1281 = t544 - t1280;
+    m[0][2] = t1281;
+    m[2][0] = t1281;
+    let t1282 = 0.3474988420565076 * t876;
+    let t1283 = cos_joint2 * t444;
+    let t1284 = t1283 - t1282;
+    let t1285 = cos_joint2_joint3 * t887;
+    let t1286 = t1285 - t1284;
+    let t1287 = sin_joint2_joint3 * t521;
+    let t1288 = t1287 + t1286;
+    m[0][3] = t1288;
+    m[3][0] = t1288;
+    let t1289 = cos_joint2_joint3 * t930;
+    let t1290 = cos_joint2 * t910;
+    let t1291 = t1289 + t1290;
+    let t1292 = sin_joint2_joint3 * t935;
+    let t1293 = t1292 - t1291;
+    let t1294 = 0.3474988420565076 * t942;
+    let t1295 = t1294 - t1293;
+    let t1296 = sin_joint2_joint3 * t984;
+    let t1297 = cos_joint2_joint3 * t986;
+    let t1298 = t1296 - t1297;
+    let t1299 = 2.324814845 + t806;
+    m[1][1] = t1299;
+    let t1300 = 0.5768733319380001 - t799;
+    m[2][2] = t1300;
+    let t1301 = t506 + 0.19243062612368;
+    m[3][3] = t1301;
+    let t1302 = -t270;
+    b_u[0] = t1302;
+    let t1303 = -t339;
+    b_u[3] = t1303;
+    let t1304 = -t359;
+    b_u[5] = t1304;
+    let t1305 = -t623;
+    d_dy[0][2] = t1305;
+    let t1306 = -t841;
+    d_dy[1][3] = t1306;
+    let t1307 = -t853;
+    d_dy[1][4] = t1307;
+    let t1308 = -t834;
+    d_dy[2][3] = t1308;
+    let t1309 = -t846;
+    d_dy[2][4] = t1309;
+    let t1310 = -t685;
+    d_dy[3][3] = t1310;
+    let t1311 = -t955;
+    d_dy[4][1] = t1311;
+    let t1312 = -t968;
+    d_dy[4][2] = t1312;
+    let t1313 = -t749;
+    d_dy[4][4] = t1313;
+    let t1314 = -t993;
+    d_dy[5][1] = t1314;
+    let t1315 = -t1001;
+    d_dy[5][2] = t1315;
+    let t1316 = -t1148;
+    d_dv[0][4] = t1316;
+    let t1317 = -t1151;
+    d_dv[0][5] = t1317;
+    d_dv[5][0] = t1317;
+    let t1318 = -t1182;
+    d_dv[1][2] = t1318;
+    let t1319 = -t1213;
+    d_dv[2][1] = t1319;
+    let t1320 = -t1187;
+    d_dv[2][3] = t1320;
+    let t1321 = -t1229;
+    d_dv[3][1] = t1321;
+    let t1322 = -t1136;
+    d_dv[3][4] = t1322;
+    let t1323 = -t979;
+    d_dv[3][5] = t1323;
+    let t1324 = -t1243;
+    d_dv[4][0] = t1324;
+    let t1325 = -t1260;
+    d_dv[4][3] = t1325;
+    let t1326 = -t1268;
+    d_dv[5][3] = t1326;
+    let t1327 = -t373;
+    d_dv[5][4] = t1327;
+    let t1328 = -t1279;
+    m[0][1] = t1328;
+    m[1][0] = t1328;
+    let t1329 = -t1295;
+    m[0][4] = t1329;
+    m[4][0] = t1329;
+    let t1330 = -t1298;
+    m[0][5] = t1330;
+    m[5][0] = t1330;
+    let t1331 = -t880;
+    m[1][3] = t1331;
+    m[3][1] = t1331;
+    let t1332 = -t952;
+    m[1][4] = t1332;
+    m[4][1] = t1332;
+    let t1333 = -t541;
+    m[2][3] = t1333;
+    m[3][2] = t1333;
 }
 
 /// Forward dynamics with its Jacobians.
@@ -6449,7 +6375,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
 /// - returns `∂ÿ/∂ẏ: [N × N]`: row i = acceleration i
 /// - returns `M⁻¹: [N × N]`: symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B
 ///
-/// Cost: 1266 multiplications, 1062 additions, 4 divisions, 4 function calls (`sin_cos`), 12 selections.
+/// Cost: 1218 multiplications, 1026 additions, 4 divisions, 4 function calls (`sin_cos`), 12 selections.
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
@@ -6498,23 +6424,18 @@ pub fn forward_dynamics_derivatives_into(
 ) {
     let [omega_joint5_x, t55, inverse_d_joint4, t139, t141, t200, inverse_d_joint3, t317,
     t319, t321, t333, t427, t446, t463, inverse_d_joint2, t501, inverse_d_joint1, t533,
-    t536, t541, t548, t555, t564, t1020, t1155, t1269, t1375, t1428, t1431, t1434, t1437,
-    t1440, t1443, t1448, t1453, t1458, t1463, t1468, t1475, t1482, t1489, t1496, t1503,
-    t1510, t1517, t1524, t1531, t1538, t1547, t1556, t1565, t1574, t1583, t1600, t1603,
-    t1617, t1620, t1667, t1679, t1685, t1698, t1708, t1724, t1751, t1761, t1766, t1772,
-    t1778, t1799, t1828, t1830, t1835, t1840, t1874, t1876, t1902, t1910, t1926, t1945,
-    t1970, t1972, t1978, t1984, t1995, t1998] = forward_dynamics_derivatives_part_1(
-        y,
-        v,
-        u,
-    );
-    let [t2004, t2010, t2013, t2023, t2033, t2057, t2071, t2092, t2106, t2119, t2126,
-    t2135, t2153, t2171, t2179, t2183, t2188, t2202, t2215, t2222, t2232, t2237, t2275,
-    t2282, t2303, t2315, t2351, t2352, t2353, t2354, t2355, t2356, t2357, t2358, t2359,
-    t2360, t2361, t2362, t2363, t2364, t2365, t2366, t2367, t2368, t2369, t2370, t2371,
-    t2372, t2373, t2374, t2375, t2376, t2377, t2378, t2379, t2380, t2381, t2382, t2383,
-    t2384, t2385, t2386, t2387, t2388, t2389, minus_inverse_d_joint1, t2391, t2392,
-    t2393, t2394, t2395, t2396, t2397, t2398] = forward_dynamics_derivatives_part_2([
+    t536, t541, t548, t555, t564, t1020, t1155, t1269, t1375, t1378, t1381, t1384, t1387,
+    t1392, t1397, t1402, t1407, t1414, t1421, t1428, t1435, t1442, t1449, t1456, t1463,
+    t1472, t1481, t1490, t1499, t1516, t1533, t1583, t1595, t1601, t1667, t1677, t1682,
+    t1744, t1746, t1756, t1818, t1886, t1888, t1911, t1914, t1917, t1920, t1923, t1926,
+    t1929, t1934, t1939, t1944, t1949, t1954, t1959, t1966, t1973, t1980, t1987, t1994,
+    ] = forward_dynamics_derivatives_part_1(y, v, u);
+    let [t2008, t2022, t2035, t2042, t2051, t2069, t2087, t2095, t2099, t2104, t2118,
+    t2131, t2138, t2148, t2153, t2191, t2198, t2219, t2231, t2267, t2268, t2269, t2270,
+    t2271, t2272, t2273, t2274, t2275, t2276, t2277, t2278, t2279, t2280, t2281, t2282,
+    t2283, t2284, t2285, t2286, t2287, t2288, t2289, t2290, t2291, t2292, t2293, t2294,
+    t2295, t2296, t2297, t2298, t2299, t2300, t2301, t2302, minus_inverse_d_joint1,
+    t2304, t2305, t2306, t2307, t2308, t2309, t2310, t2311] = forward_dynamics_derivatives_part_2([
         omega_joint5_x,
         t55,
         inverse_d_joint4,
@@ -6537,168 +6458,165 @@ pub fn forward_dynamics_derivatives_into(
         t548,
         t1020,
         t1155,
-        t1431,
-        t1434,
-        t1437,
-        t1440,
-        t1443,
-        t1510,
-        t1517,
-        t1524,
-        t1531,
-        t1538,
-        t1547,
-        t1556,
-        t1565,
-        t1574,
+        t1378,
+        t1381,
+        t1384,
+        t1387,
+        t1442,
+        t1449,
+        t1456,
+        t1463,
+        t1472,
+        t1481,
+        t1490,
+        t1499,
+        t1516,
+        t1533,
         t1583,
-        t1600,
-        t1603,
-        t1617,
-        t1620,
+        t1595,
+        t1601,
         t1667,
-        t1679,
-        t1685,
-        t1698,
-        t1708,
-        t1724,
-        t1751,
-        t1761,
-        t1766,
-        t1772,
-        t1778,
-        t1799,
-        t1828,
-        t1830,
-        t1835,
-        t1840,
-        t1874,
-        t1876,
-        t1902,
-        t1910,
+        t1677,
+        t1682,
+        t1744,
+        t1746,
+        t1756,
+        t1818,
+        t1886,
+        t1888,
+        t1911,
+        t1914,
+        t1917,
+        t1920,
+        t1923,
         t1926,
-        t1945,
-        t1970,
-        t1972,
-        t1978,
-        t1984,
-        t1995,
-        t1998,
+        t1929,
+        t1934,
+        t1939,
+        t1944,
+        t1949,
+        t1954,
+        t1959,
+        t1966,
+        t1973,
+        t1980,
+        t1987,
+        t1994,
     ]);
-    a[0] = t2352;
+    a[0] = t2268;
     a[1] = t536;
-    a[2] = t2353;
-    a[3] = t2354;
+    a[2] = t2269;
+    a[3] = t2270;
     a[4] = t555;
     a[5] = t564;
     da_dy[0][0] = 0.0;
-    da_dy[0][1] = t2355;
-    da_dy[0][2] = t2356;
+    da_dy[0][1] = t2271;
+    da_dy[0][2] = t2272;
     da_dy[0][3] = t1269;
     da_dy[0][4] = t1375;
-    da_dy[0][5] = t1428;
+    da_dy[0][5] = 0.0;
     da_dy[1][0] = 0.0;
-    da_dy[1][1] = t2357;
-    da_dy[1][2] = t2358;
-    da_dy[1][3] = t2359;
-    da_dy[1][4] = t2360;
-    da_dy[1][5] = t2361;
+    da_dy[1][1] = t2273;
+    da_dy[1][2] = t2274;
+    da_dy[1][3] = t2275;
+    da_dy[1][4] = t2276;
+    da_dy[1][5] = 0.0;
     da_dy[2][0] = 0.0;
-    da_dy[2][1] = t1448;
-    da_dy[2][2] = t1453;
-    da_dy[2][3] = t1458;
-    da_dy[2][4] = t1463;
-    da_dy[2][5] = t1468;
+    da_dy[2][1] = t1392;
+    da_dy[2][2] = t1397;
+    da_dy[2][3] = t1402;
+    da_dy[2][4] = t1407;
+    da_dy[2][5] = 0.0;
     da_dy[3][0] = 0.0;
-    da_dy[3][1] = t1475;
-    da_dy[3][2] = t1482;
-    da_dy[3][3] = t1489;
-    da_dy[3][4] = t1496;
-    da_dy[3][5] = t1503;
+    da_dy[3][1] = t1414;
+    da_dy[3][2] = t1421;
+    da_dy[3][3] = t1428;
+    da_dy[3][4] = t1435;
+    da_dy[3][5] = 0.0;
     da_dy[4][0] = 0.0;
-    da_dy[4][1] = t2362;
-    da_dy[4][2] = t2363;
-    da_dy[4][3] = t2364;
-    da_dy[4][4] = t2365;
-    da_dy[4][5] = t2366;
+    da_dy[4][1] = t2277;
+    da_dy[4][2] = t2278;
+    da_dy[4][3] = t2279;
+    da_dy[4][4] = t2280;
+    da_dy[4][5] = 0.0;
     da_dy[5][0] = 0.0;
-    da_dy[5][1] = t2367;
-    da_dy[5][2] = t2368;
-    da_dy[5][3] = t2369;
-    da_dy[5][4] = t2370;
-    da_dy[5][5] = t2371;
-    da_dv[0][0] = t2372;
-    da_dv[0][1] = t1751;
-    da_dv[0][2] = t2373;
-    da_dv[0][3] = t1902;
-    da_dv[0][4] = t2374;
-    da_dv[0][5] = t2375;
-    da_dv[1][0] = t1998;
-    da_dv[1][1] = t2376;
-    da_dv[1][2] = t2004;
-    da_dv[1][3] = t2377;
-    da_dv[1][4] = t2010;
-    da_dv[1][5] = t2013;
-    da_dv[2][0] = t2378;
-    da_dv[2][1] = t2023;
-    da_dv[2][2] = t2379;
-    da_dv[2][3] = t2033;
-    da_dv[2][4] = t2380;
-    da_dv[2][5] = t2381;
-    da_dv[3][0] = t2382;
-    da_dv[3][1] = t2057;
-    da_dv[3][2] = t2383;
-    da_dv[3][3] = t2071;
-    da_dv[3][4] = t2384;
-    da_dv[3][5] = t2385;
-    da_dv[4][0] = t2092;
-    da_dv[4][1] = t2386;
-    da_dv[4][2] = t2106;
-    da_dv[4][3] = t2387;
-    da_dv[4][4] = t2119;
-    da_dv[4][5] = t2126;
-    da_dv[5][0] = t2135;
-    da_dv[5][1] = t2388;
-    da_dv[5][2] = t2153;
-    da_dv[5][3] = t2389;
-    da_dv[5][4] = t2171;
-    da_dv[5][5] = t2179;
+    da_dy[5][1] = t2281;
+    da_dy[5][2] = t2282;
+    da_dy[5][3] = t2283;
+    da_dy[5][4] = t2284;
+    da_dy[5][5] = 0.0;
+    da_dv[0][0] = t2285;
+    da_dv[0][1] = t1667;
+    da_dv[0][2] = t2286;
+    da_dv[0][3] = t1818;
+    da_dv[0][4] = t2287;
+    da_dv[0][5] = t2288;
+    da_dv[1][0] = t1914;
+    da_dv[1][1] = t2289;
+    da_dv[1][2] = t1920;
+    da_dv[1][3] = t2290;
+    da_dv[1][4] = t1926;
+    da_dv[1][5] = t1929;
+    da_dv[2][0] = t2291;
+    da_dv[2][1] = t1939;
+    da_dv[2][2] = t2292;
+    da_dv[2][3] = t1949;
+    da_dv[2][4] = t2293;
+    da_dv[2][5] = t2294;
+    da_dv[3][0] = t2295;
+    da_dv[3][1] = t1973;
+    da_dv[3][2] = t2296;
+    da_dv[3][3] = t1987;
+    da_dv[3][4] = t2297;
+    da_dv[3][5] = t2298;
+    da_dv[4][0] = t2008;
+    da_dv[4][1] = t2299;
+    da_dv[4][2] = t2022;
+    da_dv[4][3] = t2300;
+    da_dv[4][4] = t2035;
+    da_dv[4][5] = t2042;
+    da_dv[5][0] = t2051;
+    da_dv[5][1] = t2301;
+    da_dv[5][2] = t2069;
+    da_dv[5][3] = t2302;
+    da_dv[5][4] = t2087;
+    da_dv[5][5] = t2095;
     m_inverse[0][0] = minus_inverse_d_joint1;
-    m_inverse[0][1] = t2391;
-    m_inverse[0][2] = t2183;
-    m_inverse[0][3] = t2188;
-    m_inverse[0][4] = t2392;
-    m_inverse[0][5] = t2393;
-    m_inverse[1][0] = t2391;
-    m_inverse[1][1] = t2202;
-    m_inverse[1][2] = t2394;
-    m_inverse[1][3] = t2395;
-    m_inverse[1][4] = t2215;
-    m_inverse[1][5] = t2222;
-    m_inverse[2][0] = t2183;
-    m_inverse[2][1] = t2394;
-    m_inverse[2][2] = t2232;
-    m_inverse[2][3] = t2237;
-    m_inverse[2][4] = t2396;
-    m_inverse[2][5] = t2397;
-    m_inverse[3][0] = t2188;
-    m_inverse[3][1] = t2395;
-    m_inverse[3][2] = t2237;
-    m_inverse[3][3] = t2398;
-    m_inverse[3][4] = t2275;
-    m_inverse[3][5] = t2282;
-    m_inverse[4][0] = t2392;
-    m_inverse[4][1] = t2215;
-    m_inverse[4][2] = t2396;
-    m_inverse[4][3] = t2275;
-    m_inverse[4][4] = t2303;
-    m_inverse[4][5] = t2315;
-    m_inverse[5][0] = t2393;
-    m_inverse[5][1] = t2222;
-    m_inverse[5][2] = t2397;
-    m_inverse[5][3] = t2282;
-    m_inverse[5][4] = t2315;
-    m_inverse[5][5] = t2351;
+    m_inverse[0][1] = t2304;
+    m_inverse[0][2] = t2099;
+    m_inverse[0][3] = t2104;
+    m_inverse[0][4] = t2305;
+    m_inverse[0][5] = t2306;
+    m_inverse[1][0] = t2304;
+    m_inverse[1][1] = t2118;
+    m_inverse[1][2] = t2307;
+    m_inverse[1][3] = t2308;
+    m_inverse[1][4] = t2131;
+    m_inverse[1][5] = t2138;
+    m_inverse[2][0] = t2099;
+    m_inverse[2][1] = t2307;
+    m_inverse[2][2] = t2148;
+    m_inverse[2][3] = t2153;
+    m_inverse[2][4] = t2309;
+    m_inverse[2][5] = t2310;
+    m_inverse[3][0] = t2104;
+    m_inverse[3][1] = t2308;
+    m_inverse[3][2] = t2153;
+    m_inverse[3][3] = t2311;
+    m_inverse[3][4] = t2191;
+    m_inverse[3][5] = t2198;
+    m_inverse[4][0] = t2305;
+    m_inverse[4][1] = t2131;
+    m_inverse[4][2] = t2309;
+    m_inverse[4][3] = t2191;
+    m_inverse[4][4] = t2219;
+    m_inverse[4][5] = t2231;
+    m_inverse[5][0] = t2306;
+    m_inverse[5][1] = t2138;
+    m_inverse[5][2] = t2310;
+    m_inverse[5][3] = t2198;
+    m_inverse[5][4] = t2231;
+    m_inverse[5][5] = t2267;
 }
 
 /// Part 1 of `forward_dynamics_derivatives`: values that later parts read.
@@ -6708,7 +6626,7 @@ fn forward_dynamics_derivatives_part_1(
     y: &[f64; N],
     v: &[f64; N],
     u: &[f64; M],
-) -> [f64; 85] {
+) -> [f64; 79] {
     let angle_joint2_joint3 = y[1] + y[2];
     let (
         [sin_joint2,
@@ -8089,629 +8007,625 @@ fn forward_dynamics_derivatives_part_1(
     let t1373 = t1372 - t1371;
     let t1374 = t1350 - t1373;
     let t1375 = inverse_d_joint1 * t1374;
-    let t1376 = 1.9999999999999998e-5 * t632;
-    let t1377 = omega_joint5_x * t738;
+    let t1376 = t501 * t1020;
+    let t1377 = inverse_d_joint2 * t945;
     let t1378 = t1377 + t1376;
-    let t1379 = moment_joint6_y_2 - t1378;
-    let t1380 = sin_joint5 * t1379;
-    let t1381 = omega_joint5_x * t750;
-    let t1382 = omega_joint5_z * t824;
-    let t1383 = t1382 + t1381;
-    let t1384 = 3.9999999999999996e-5 * t210;
-    let t1385 = t1384 - t1383;
-    let t1386 = cos_joint5 * t1385;
-    let t1387 = t1386 - t1380;
-    let t1388 = t55 * t1385;
-    let t1389 = t1388 - t1387;
-    let t1390 = t139 * t1389;
-    let t1391 = 1.9999999999999998e-5 * t580;
-    let t1392 = omega_joint5_z * t738;
-    let t1393 = t1392 + t1391;
-    let t1394 = moment_joint6_x_2 - t1393;
-    let t1395 = t200 * t1394;
-    let t1396 = t1395 - t1390;
-    let t1397 = cos_joint4 * t1394;
-    let t1398 = t141 * t1385;
-    let t1399 = t1398 + t1397;
-    let t1400 = cos_joint5 * t1379;
-    let t1401 = sin_joint5 * t1385;
-    let t1402 = t1401 + t1400;
-    let t1403 = sin_joint4 * t1402;
-    let t1404 = t1403 - t1399;
-    let t1405 = t1404 + t1396;
-    let t1406 = t463 * t1405;
-    let t1407 = t427 * t1389;
-    let t1408 = t446 * t1394;
-    let t1409 = t1408 + t1407;
-    let t1410 = t1404 - t1409;
-    let t1411 = t1406 - t1410;
-    let t1412 = t501 * t1411;
-    let t1413 = t333 * t1394;
-    let t1414 = t321 * t1385;
-    let t1415 = t1414 - t1413;
-    let t1416 = cos_joint2_joint3 * t1387;
-    let t1417 = t1416 + t1415;
-    let t1418 = t319 * t1389;
-    let t1419 = t1418 + t1417;
-    let t1420 = sin_joint4 * t1394;
-    let t1421 = cos_joint4 * t1402;
-    let t1422 = t1421 + t1420;
-    let t1423 = sin_joint2_joint3 * t1422;
-    let t1424 = t1423 - t1419;
-    let t1425 = t317 * t1405;
+    let t1379 = t501 * t1155;
+    let t1380 = inverse_d_joint2 * t1102;
+    let t1381 = t1380 + t1379;
+    let t1382 = t501 * t1269;
+    let t1383 = inverse_d_joint2 * t1243;
+    let t1384 = t1383 - t1382;
+    let t1385 = t501 * t1375;
+    let t1386 = inverse_d_joint2 * t1349;
+    let t1387 = t1386 - t1385;
+    let t1388 = t463 * t1378;
+    let t1389 = t317 * t1020;
+    let t1390 = inverse_d_joint3 * t915;
+    let t1391 = t1390 + t1389;
+    let t1392 = t1388 - t1391;
+    let t1393 = t463 * t1381;
+    let t1394 = t317 * t1155;
+    let t1395 = inverse_d_joint3 * t1089;
+    let t1396 = t1395 - t1394;
+    let t1397 = t1393 + t1396;
+    let t1398 = t463 * t1384;
+    let t1399 = t317 * t1269;
+    let t1400 = inverse_d_joint3 * t1223;
+    let t1401 = t1400 - t1399;
+    let t1402 = t1398 - t1401;
+    let t1403 = t463 * t1387;
+    let t1404 = t317 * t1375;
+    let t1405 = inverse_d_joint3 * t1329;
+    let t1406 = t1405 - t1404;
+    let t1407 = t1403 - t1406;
+    let t1408 = t139 * t1392;
+    let t1409 = t427 * t1378;
+    let t1410 = t319 * t1020;
+    let t1411 = inverse_d_joint4 * t913;
+    let t1412 = t1411 + t1410;
+    let t1413 = t1409 - t1412;
+    let t1414 = t1408 - t1413;
+    let t1415 = t139 * t1397;
+    let t1416 = t427 * t1381;
+    let t1417 = t319 * t1155;
+    let t1418 = inverse_d_joint4 * t1057;
+    let t1419 = t1418 - t1417;
+    let t1420 = t1416 + t1419;
+    let t1421 = t1415 - t1420;
+    let t1422 = t139 * t1402;
+    let t1423 = t427 * t1384;
+    let t1424 = t319 * t1269;
+    let t1425 = inverse_d_joint4 * t1220;
     let t1426 = t1425 - t1424;
-    let t1427 = t1412 - t1426;
-    let t1428 = inverse_d_joint1 * t1427;
-    let t1429 = t501 * t1020;
-    let t1430 = inverse_d_joint2 * t945;
-    let t1431 = t1430 + t1429;
-    let t1432 = t501 * t1155;
-    let t1433 = inverse_d_joint2 * t1102;
-    let t1434 = t1433 + t1432;
-    let t1435 = t501 * t1269;
-    let t1436 = inverse_d_joint2 * t1243;
-    let t1437 = t1436 - t1435;
-    let t1438 = t501 * t1375;
-    let t1439 = inverse_d_joint2 * t1349;
+    let t1427 = t1423 - t1426;
+    let t1428 = t1422 - t1427;
+    let t1429 = t139 * t1407;
+    let t1430 = t427 * t1387;
+    let t1431 = t319 * t1375;
+    let t1432 = inverse_d_joint4 * t1285;
+    let t1433 = t1432 + t1431;
+    let t1434 = t1430 + t1433;
+    let t1435 = t1429 - t1434;
+    let t1436 = t200 * t1392;
+    let t1437 = t446 * t1378;
+    let t1438 = t333 * t1020;
+    let t1439 = 5.83606090588883 * t872;
     let t1440 = t1439 - t1438;
-    let t1441 = t501 * t1428;
-    let t1442 = inverse_d_joint2 * t1411;
-    let t1443 = t1442 - t1441;
-    let t1444 = t463 * t1431;
-    let t1445 = t317 * t1020;
-    let t1446 = inverse_d_joint3 * t915;
-    let t1447 = t1446 + t1445;
+    let t1441 = t1437 - t1440;
+    let t1442 = t1436 + t1441;
+    let t1443 = t200 * t1397;
+    let t1444 = t446 * t1381;
+    let t1445 = t333 * t1155;
+    let t1446 = 5.83606090588883 * t1087;
+    let t1447 = t1446 - t1445;
     let t1448 = t1444 - t1447;
-    let t1449 = t463 * t1434;
-    let t1450 = t317 * t1155;
-    let t1451 = inverse_d_joint3 * t1089;
-    let t1452 = t1451 - t1450;
-    let t1453 = t1449 + t1452;
-    let t1454 = t463 * t1437;
-    let t1455 = t317 * t1269;
-    let t1456 = inverse_d_joint3 * t1223;
-    let t1457 = t1456 - t1455;
-    let t1458 = t1454 - t1457;
-    let t1459 = t463 * t1440;
-    let t1460 = t317 * t1375;
-    let t1461 = inverse_d_joint3 * t1329;
-    let t1462 = t1461 - t1460;
-    let t1463 = t1459 - t1462;
-    let t1464 = t463 * t1443;
-    let t1465 = t317 * t1428;
-    let t1466 = inverse_d_joint3 * t1405;
-    let t1467 = t1466 - t1465;
-    let t1468 = t1464 - t1467;
-    let t1469 = t139 * t1448;
-    let t1470 = t427 * t1431;
-    let t1471 = t319 * t1020;
-    let t1472 = inverse_d_joint4 * t913;
-    let t1473 = t1472 + t1471;
-    let t1474 = t1470 - t1473;
-    let t1475 = t1469 - t1474;
-    let t1476 = t139 * t1453;
-    let t1477 = t427 * t1434;
-    let t1478 = t319 * t1155;
-    let t1479 = inverse_d_joint4 * t1057;
-    let t1480 = t1479 - t1478;
-    let t1481 = t1477 + t1480;
-    let t1482 = t1476 - t1481;
-    let t1483 = t139 * t1458;
-    let t1484 = t427 * t1437;
-    let t1485 = t319 * t1269;
-    let t1486 = inverse_d_joint4 * t1220;
-    let t1487 = t1486 - t1485;
-    let t1488 = t1484 - t1487;
+    let t1449 = t1443 + t1448;
+    let t1450 = t200 * t1402;
+    let t1451 = t446 * t1384;
+    let t1452 = t333 * t1269;
+    let t1453 = 5.83606090588883 * t1199;
+    let t1454 = t1453 + t1452;
+    let t1455 = t1451 - t1454;
+    let t1456 = t1450 + t1455;
+    let t1457 = t200 * t1407;
+    let t1458 = t446 * t1387;
+    let t1459 = t333 * t1375;
+    let t1460 = 5.83606090588883 * t1299;
+    let t1461 = t1460 + t1459;
+    let t1462 = t1458 - t1461;
+    let t1463 = t1457 + t1462;
+    let t1464 = t55 * t1414;
+    let t1465 = t141 * t1392;
+    let t1466 = t141 * t1378;
+    let t1467 = t321 * t1020;
+    let t1468 = 5.151863922779921 * t835;
+    let t1469 = t1468 + t1467;
+    let t1470 = t1466 - t1469;
+    let t1471 = t1465 - t1470;
+    let t1472 = t1464 + t1471;
+    let t1473 = t55 * t1421;
+    let t1474 = t141 * t1397;
+    let t1475 = t141 * t1381;
+    let t1476 = t321 * t1155;
+    let t1477 = 5.151863922779921 * t1045;
+    let t1478 = t1477 + t1476;
+    let t1479 = t1475 - t1478;
+    let t1480 = t1474 - t1479;
+    let t1481 = t1473 + t1480;
+    let t1482 = t55 * t1428;
+    let t1483 = t141 * t1402;
+    let t1484 = t141 * t1384;
+    let t1485 = t321 * t1269;
+    let t1486 = 5.151863922779921 * t1207;
+    let t1487 = t1486 + t1485;
+    let t1488 = t1484 + t1487;
     let t1489 = t1483 - t1488;
-    let t1490 = t139 * t1463;
-    let t1491 = t427 * t1440;
-    let t1492 = t319 * t1375;
-    let t1493 = inverse_d_joint4 * t1285;
-    let t1494 = t1493 + t1492;
-    let t1495 = t1491 + t1494;
-    let t1496 = t1490 - t1495;
-    let t1497 = t139 * t1468;
-    let t1498 = t427 * t1443;
-    let t1499 = t319 * t1428;
-    let t1500 = inverse_d_joint4 * t1389;
-    let t1501 = t1500 + t1499;
-    let t1502 = t1498 + t1501;
-    let t1503 = t1497 - t1502;
-    let t1504 = t200 * t1448;
-    let t1505 = t446 * t1431;
-    let t1506 = t333 * t1020;
-    let t1507 = 5.83606090588883 * t872;
-    let t1508 = t1507 - t1506;
-    let t1509 = t1505 - t1508;
-    let t1510 = t1504 + t1509;
-    let t1511 = t200 * t1453;
-    let t1512 = t446 * t1434;
-    let t1513 = t333 * t1155;
-    let t1514 = 5.83606090588883 * t1087;
-    let t1515 = t1514 - t1513;
-    let t1516 = t1512 - t1515;
-    let t1517 = t1511 + t1516;
-    let t1518 = t200 * t1458;
-    let t1519 = t446 * t1437;
-    let t1520 = t333 * t1269;
-    let t1521 = 5.83606090588883 * t1199;
-    let t1522 = t1521 + t1520;
-    let t1523 = t1519 - t1522;
-    let t1524 = t1518 + t1523;
-    let t1525 = t200 * t1463;
-    let t1526 = t446 * t1440;
-    let t1527 = t333 * t1375;
-    let t1528 = 5.83606090588883 * t1299;
-    let t1529 = t1528 + t1527;
-    let t1530 = t1526 - t1529;
-    let t1531 = t1525 + t1530;
-    let t1532 = t200 * t1468;
-    let t1533 = t446 * t1443;
-    let t1534 = t333 * t1428;
-    let t1535 = 5.83606090588883 * t1394;
-    let t1536 = t1535 - t1534;
-    let t1537 = t1533 + t1536;
-    let t1538 = t1532 + t1537;
-    let t1539 = t55 * t1475;
-    let t1540 = t141 * t1448;
-    let t1541 = t141 * t1431;
-    let t1542 = t321 * t1020;
-    let t1543 = 5.151863922779921 * t835;
-    let t1544 = t1543 + t1542;
-    let t1545 = t1541 - t1544;
-    let t1546 = t1540 - t1545;
-    let t1547 = t1539 + t1546;
-    let t1548 = t55 * t1482;
-    let t1549 = t141 * t1453;
-    let t1550 = t141 * t1434;
-    let t1551 = t321 * t1155;
-    let t1552 = 5.151863922779921 * t1045;
+    let t1490 = t1482 + t1489;
+    let t1491 = t55 * t1435;
+    let t1492 = t141 * t1407;
+    let t1493 = t141 * t1387;
+    let t1494 = t321 * t1375;
+    let t1495 = 5.151863922779921 * t1283;
+    let t1496 = t1495 - t1494;
+    let t1497 = t1493 - t1496;
+    let t1498 = t1492 - t1497;
+    let t1499 = t1491 + t1498;
+    let t1500 = sin_joint2_joint3 * t782;
+    let t1501 = cos_joint2_joint3 * t804;
+    let t1502 = t1500 - t1501;
+    let t1503 = sin_joint2_joint3 * t894;
+    let t1504 = cos_joint2_joint3 * t897;
+    let t1505 = v[0] * 0.6949976841130152;
+    let t1506 = t257 * t1505;
+    let t1507 = v[1] * sin_joint2;
+    let t1508 = 2.0 * t1507;
+    let t1509 = t257 * t1508;
+    let t1510 = t1509 - t1506;
+    let t1511 = t282 * t808;
+    let t1512 = t1511 - t1510;
+    let t1513 = t1504 - t1512;
+    let t1514 = sin_joint2_joint3 * t827;
+    let t1515 = cos_joint2_joint3 * t829;
+    let t1516 = t1514 + t1515;
+    let t1517 = t55 * t1516;
+    let t1518 = t1517 + t1513;
+    let t1519 = t1503 + t1518;
+    let t1520 = t139 * t1519;
+    let t1521 = t141 * t1516;
+    let t1522 = t262 * t808;
+    let t1523 = t1522 + t1521;
+    let t1524 = t1520 + t1523;
+    let t1525 = sin_joint2_joint3 * t852;
+    let t1526 = cos_joint2_joint3 * t856;
+    let t1527 = t253 * t808;
+    let t1528 = t242 * t1505;
+    let t1529 = t242 * t1508;
+    let t1530 = t1529 - t1528;
+    let t1531 = t1527 + t1530;
+    let t1532 = t1526 - t1531;
+    let t1533 = t1525 + t1532;
+    let t1534 = t200 * t1533;
+    let t1535 = t1534 + t1524;
+    let t1536 = t1502 + t1535;
+    let t1537 = t317 * t1536;
+    let t1538 = t319 * t1519;
+    let t1539 = t321 * t1516;
+    let t1540 = t937 * t1505;
+    let t1541 = t274 * t808;
+    let t1542 = 5.8018217679508 - t1541;
+    let t1543 = t379 * t926;
+    let t1544 = t1543 - t1542;
+    let t1545 = t1540 - t1544;
+    let t1546 = t1539 - t1545;
+    let t1547 = t383 * t926;
+    let t1548 = t1547 - t924;
+    let t1549 = 0.3474988420565076 * t1548;
+    let t1550 = t1549 + t1546;
+    let t1551 = t1538 + t1550;
+    let t1552 = t333 * t1533;
     let t1553 = t1552 + t1551;
-    let t1554 = t1550 - t1553;
-    let t1555 = t1549 - t1554;
-    let t1556 = t1548 + t1555;
-    let t1557 = t55 * t1489;
-    let t1558 = t141 * t1458;
-    let t1559 = t141 * t1437;
-    let t1560 = t321 * t1269;
-    let t1561 = 5.151863922779921 * t1207;
-    let t1562 = t1561 + t1560;
-    let t1563 = t1559 + t1562;
-    let t1564 = t1558 - t1563;
-    let t1565 = t1557 + t1564;
-    let t1566 = t55 * t1496;
-    let t1567 = t141 * t1463;
-    let t1568 = t141 * t1440;
-    let t1569 = t321 * t1375;
-    let t1570 = 5.151863922779921 * t1283;
-    let t1571 = t1570 - t1569;
-    let t1572 = t1568 - t1571;
-    let t1573 = t1567 - t1572;
-    let t1574 = t1566 + t1573;
-    let t1575 = t55 * t1503;
-    let t1576 = t141 * t1468;
-    let t1577 = t141 * t1443;
-    let t1578 = t321 * t1428;
-    let t1579 = 5.151863922779921 * t1385;
-    let t1580 = t1579 + t1578;
-    let t1581 = t1577 + t1580;
-    let t1582 = t1576 - t1581;
-    let t1583 = t1575 + t1582;
-    let t1584 = sin_joint2_joint3 * t782;
-    let t1585 = cos_joint2_joint3 * t804;
-    let t1586 = t1584 - t1585;
-    let t1587 = sin_joint2_joint3 * t894;
-    let t1588 = cos_joint2_joint3 * t897;
-    let t1589 = v[0] * 0.6949976841130152;
-    let t1590 = t257 * t1589;
-    let t1591 = v[1] * sin_joint2;
-    let t1592 = 2.0 * t1591;
-    let t1593 = t257 * t1592;
-    let t1594 = t1593 - t1590;
-    let t1595 = t282 * t808;
-    let t1596 = t1595 - t1594;
-    let t1597 = t1588 - t1596;
-    let t1598 = sin_joint2_joint3 * t827;
-    let t1599 = cos_joint2_joint3 * t829;
-    let t1600 = t1598 + t1599;
-    let t1601 = t55 * t1600;
-    let t1602 = t1601 + t1597;
-    let t1603 = t1587 + t1602;
-    let t1604 = t139 * t1603;
-    let t1605 = t141 * t1600;
-    let t1606 = t262 * t808;
-    let t1607 = t1606 + t1605;
-    let t1608 = t1604 + t1607;
-    let t1609 = sin_joint2_joint3 * t852;
-    let t1610 = cos_joint2_joint3 * t856;
-    let t1611 = t253 * t808;
-    let t1612 = t242 * t1589;
-    let t1613 = t242 * t1592;
-    let t1614 = t1613 - t1612;
-    let t1615 = t1611 + t1614;
-    let t1616 = t1610 - t1615;
-    let t1617 = t1609 + t1616;
-    let t1618 = t200 * t1617;
-    let t1619 = t1618 + t1608;
-    let t1620 = t1586 + t1619;
-    let t1621 = t317 * t1620;
-    let t1622 = t319 * t1603;
-    let t1623 = t321 * t1600;
-    let t1624 = t937 * t1589;
-    let t1625 = t274 * t808;
-    let t1626 = 5.8018217679508 - t1625;
-    let t1627 = t379 * t926;
-    let t1628 = t1627 - t1626;
-    let t1629 = t1624 - t1628;
-    let t1630 = t1623 - t1629;
-    let t1631 = t383 * t926;
-    let t1632 = t1631 - t924;
-    let t1633 = 0.3474988420565076 * t1632;
-    let t1634 = t1633 + t1630;
-    let t1635 = t1622 + t1634;
-    let t1636 = t333 * t1617;
-    let t1637 = t1636 + t1635;
-    let t1638 = t1125 - t1637;
-    let t1639 = t1621 + t1638;
-    let t1640 = sin_joint2_joint3 * t981;
-    let t1641 = cos_joint2_joint3 * t984;
-    let t1642 = sin_joint2_joint3 * t987;
-    let t1643 = t1641 + t1642;
-    let t1644 = cos_joint2 * t1643;
-    let t1645 = t456 * t1592;
-    let t1646 = t374 * t79;
-    let t1647 = t1627 + t1646;
-    let t1648 = t1647 - t1645;
-    let t1649 = t1644 - t1648;
-    let t1650 = t957 + t1649;
-    let t1651 = t1640 - t1650;
-    let t1652 = t1651 + t1639;
-    let t1653 = t463 * t1620;
-    let t1654 = t427 * t1603;
-    let t1655 = sin_joint2 * t924;
-    let t1656 = t374 * t926;
-    let t1657 = t1656 - t1606;
-    let t1658 = t1655 + t1657;
-    let t1659 = t1605 - t1658;
-    let t1660 = t1654 + t1659;
-    let t1661 = t446 * t1617;
-    let t1662 = t1661 - t1660;
-    let t1663 = t1586 - t1662;
-    let t1664 = t1653 - t1663;
-    let t1665 = t501 * t1664;
-    let t1666 = t1665 - t1652;
+    let t1554 = t1125 - t1553;
+    let t1555 = t1537 + t1554;
+    let t1556 = sin_joint2_joint3 * t981;
+    let t1557 = cos_joint2_joint3 * t984;
+    let t1558 = sin_joint2_joint3 * t987;
+    let t1559 = t1557 + t1558;
+    let t1560 = cos_joint2 * t1559;
+    let t1561 = t456 * t1508;
+    let t1562 = t374 * t79;
+    let t1563 = t1543 + t1562;
+    let t1564 = t1563 - t1561;
+    let t1565 = t1560 - t1564;
+    let t1566 = t957 + t1565;
+    let t1567 = t1556 - t1566;
+    let t1568 = t1567 + t1555;
+    let t1569 = t463 * t1536;
+    let t1570 = t427 * t1519;
+    let t1571 = sin_joint2 * t924;
+    let t1572 = t374 * t926;
+    let t1573 = t1572 - t1522;
+    let t1574 = t1571 + t1573;
+    let t1575 = t1521 - t1574;
+    let t1576 = t1570 + t1575;
+    let t1577 = t446 * t1533;
+    let t1578 = t1577 - t1576;
+    let t1579 = t1502 - t1578;
+    let t1580 = t1569 - t1579;
+    let t1581 = t501 * t1580;
+    let t1582 = t1581 - t1568;
+    let t1583 = inverse_d_joint1 * t1582;
+    let t1584 = t957 + t964;
+    let t1585 = sin_joint4 * t844;
+    let t1586 = cos_joint4 * t762;
+    let t1587 = t250 * t848;
+    let t1588 = t1586 + t1587;
+    let t1589 = t1585 + t1588;
+    let t1590 = t926 * t842;
+    let t1591 = t253 * t860;
+    let t1592 = t443 * t1508;
+    let t1593 = t1592 + t1591;
+    let t1594 = t1593 + t1590;
+    let t1595 = t1589 + t1594;
+    let t1596 = t200 * t1595;
+    let t1597 = cos_joint4 * t750;
+    let t1598 = sin_joint4 * t825;
+    let t1599 = t1598 + t1597;
+    let t1600 = t821 * t926;
+    let t1601 = t1599 - t1600;
+    let t1602 = t55 * t1601;
+    let t1603 = t926 * t879;
+    let t1604 = t282 * t860;
+    let t1605 = t422 * t1508;
+    let t1606 = t1605 + t1604;
+    let t1607 = t1606 - t1603;
+    let t1608 = t1602 + t1607;
+    let t1609 = sin_joint4 * t890;
+    let t1610 = t274 * t848;
+    let t1611 = t1610 + t1609;
+    let t1612 = cos_joint4 * t885;
+    let t1613 = t1612 + t1611;
+    let t1614 = t1613 + t1608;
+    let t1615 = t139 * t1614;
+    let t1616 = t141 * t1601;
+    let t1617 = t736 * t926;
+    let t1618 = t262 * t860;
+    let t1619 = t1561 - t1618;
+    let t1620 = t1619 - t1617;
+    let t1621 = t1616 + t1620;
+    let t1622 = t1615 + t1621;
+    let t1623 = t1596 + t1622;
+    let t1624 = t1584 + t1623;
+    let t1625 = t463 * t1624;
+    let t1626 = t446 * t1595;
+    let t1627 = sin_joint2 * t989;
+    let t1628 = 9.496868641825001 - t1562;
+    let t1629 = t1618 + t1628;
+    let t1630 = t964 - t1629;
+    let t1631 = t926 * t919;
+    let t1632 = t1631 - t1630;
+    let t1633 = t1616 - t1632;
+    let t1634 = t1627 + t1633;
+    let t1635 = t427 * t1614;
+    let t1636 = t1635 + t1634;
+    let t1637 = t1626 - t1636;
+    let t1638 = t1625 + t1637;
+    let t1639 = t1556 - t1638;
+    let t1640 = t1567 - t1639;
+    let t1641 = t501 * t1640;
+    let t1642 = t317 * t1624;
+    let t1643 = omega_joint3_z * 0.009475200000000003;
+    let t1644 = t1643 - t749;
+    let t1645 = t766 + t1644;
+    let t1646 = sin_joint2_joint3 * t1645;
+    let t1647 = t321 * t1601;
+    let t1648 = t274 * t860;
+    let t1649 = t379 * t79;
+    let t1650 = t1649 + t1648;
+    let t1651 = t1647 - t1650;
+    let t1652 = t926 * t1008;
+    let t1653 = t1652 + t1651;
+    let t1654 = cos_joint2_joint3 * t1613;
+    let t1655 = t1654 - t1653;
+    let t1656 = t319 * t1614;
+    let t1657 = t1656 - t1655;
+    let t1658 = t383 * t79;
+    let t1659 = t1658 - t989;
+    let t1660 = 0.3474988420565076 * t1659;
+    let t1661 = t1660 - t1657;
+    let t1662 = t333 * t1595;
+    let t1663 = t1662 - t1661;
+    let t1664 = t1646 + t1663;
+    let t1665 = t1642 - t1664;
+    let t1666 = t1641 - t1665;
     let t1667 = inverse_d_joint1 * t1666;
-    let t1668 = t957 + t964;
-    let t1669 = sin_joint4 * t844;
-    let t1670 = cos_joint4 * t762;
-    let t1671 = t250 * t848;
-    let t1672 = t1670 + t1671;
-    let t1673 = t1669 + t1672;
-    let t1674 = t926 * t842;
-    let t1675 = t253 * t860;
-    let t1676 = t443 * t1592;
-    let t1677 = t1676 + t1675;
-    let t1678 = t1677 + t1674;
-    let t1679 = t1673 + t1678;
-    let t1680 = t200 * t1679;
-    let t1681 = cos_joint4 * t750;
-    let t1682 = sin_joint4 * t825;
-    let t1683 = t1682 + t1681;
-    let t1684 = t821 * t926;
-    let t1685 = t1683 - t1684;
-    let t1686 = t55 * t1685;
-    let t1687 = t926 * t879;
-    let t1688 = t282 * t860;
-    let t1689 = t422 * t1592;
-    let t1690 = t1689 + t1688;
-    let t1691 = t1690 - t1687;
-    let t1692 = t1686 + t1691;
-    let t1693 = sin_joint4 * t890;
-    let t1694 = t274 * t848;
-    let t1695 = t1694 + t1693;
-    let t1696 = cos_joint4 * t885;
-    let t1697 = t1696 + t1695;
-    let t1698 = t1697 + t1692;
-    let t1699 = t139 * t1698;
-    let t1700 = t141 * t1685;
-    let t1701 = t736 * t926;
-    let t1702 = t262 * t860;
-    let t1703 = t1645 - t1702;
-    let t1704 = t1703 - t1701;
-    let t1705 = t1700 + t1704;
-    let t1706 = t1699 + t1705;
-    let t1707 = t1680 + t1706;
-    let t1708 = t1668 + t1707;
-    let t1709 = t463 * t1708;
-    let t1710 = t446 * t1679;
-    let t1711 = sin_joint2 * t989;
-    let t1712 = 9.496868641825001 - t1646;
-    let t1713 = t1702 + t1712;
-    let t1714 = t964 - t1713;
-    let t1715 = t926 * t919;
-    let t1716 = t1715 - t1714;
-    let t1717 = t1700 - t1716;
-    let t1718 = t1711 + t1717;
-    let t1719 = t427 * t1698;
-    let t1720 = t1719 + t1718;
-    let t1721 = t1710 - t1720;
-    let t1722 = t1709 + t1721;
-    let t1723 = t1640 - t1722;
-    let t1724 = t1651 - t1723;
-    let t1725 = t501 * t1724;
-    let t1726 = t317 * t1708;
-    let t1727 = omega_joint3_z * 0.009475200000000003;
-    let t1728 = t1727 - t749;
-    let t1729 = t766 + t1728;
-    let t1730 = sin_joint2_joint3 * t1729;
-    let t1731 = t321 * t1685;
-    let t1732 = t274 * t860;
-    let t1733 = t379 * t79;
+    let t1668 = 2.0 * omega_joint3_y;
+    let t1669 = t276 * t1668;
+    let t1670 = 2.0 * omega_joint3_x;
+    let t1671 = t278 * t1670;
+    let t1672 = t1669 + t1671;
+    let t1673 = t1672 - t1584;
+    let t1674 = t243 * t1670;
+    let t1675 = t247 * t1668;
+    let t1676 = t1675 + t1674;
+    let t1677 = t1676 + t1589;
+    let t1678 = t200 * t1677;
+    let t1679 = t124 * t1670;
+    let t1680 = t264 * t1668;
+    let t1681 = t1680 + t1679;
+    let t1682 = t1599 - t1681;
+    let t1683 = t55 * t1682;
+    let t1684 = t290 * t1670;
+    let t1685 = t292 * t1668;
+    let t1686 = t1685 - t1684;
+    let t1687 = t1686 - t1683;
+    let t1688 = t1613 - t1687;
+    let t1689 = t139 * t1688;
+    let t1690 = t141 * t1682;
+    let t1691 = 3.9804259903721997 - t1690;
+    let t1692 = t1689 - t1691;
+    let t1693 = t1678 + t1692;
+    let t1694 = t1673 - t1693;
+    let t1695 = t463 * t1694;
+    let t1696 = t427 * t1688;
+    let t1697 = t1690 + t1696;
+    let t1698 = t274 * t1668;
+    let t1699 = t984 + t1698;
+    let t1700 = sin_joint2_joint3 * t1699;
+    let t1701 = t274 * t1670;
+    let t1702 = t987 + t1701;
+    let t1703 = cos_joint2_joint3 * t1702;
+    let t1704 = t1703 - t1700;
+    let t1705 = sin_joint2 * t1704;
+    let t1706 = cos_joint2_joint3 * t1699;
+    let t1707 = sin_joint2_joint3 * t1702;
+    let t1708 = t1707 + t1706;
+    let t1709 = cos_joint2 * t1708;
+    let t1710 = t1709 - t1705;
+    let t1711 = t1710 + t1697;
+    let t1712 = t446 * t1677;
+    let t1713 = t1712 - t1711;
+    let t1714 = t1673 + t1713;
+    let t1715 = t1695 - t1714;
+    let t1716 = t501 * t1715;
+    let t1717 = t317 * t1694;
+    let t1718 = t1668 * t1133;
+    let t1719 = t1670 * t524;
+    let t1720 = t1718 - t1719;
+    let t1721 = t1645 + t1720;
+    let t1722 = sin_joint2_joint3 * t1721;
+    let t1723 = t1670 * t507;
+    let t1724 = t1668 * t524;
+    let t1725 = t1723 - t1724;
+    let t1726 = t1613 + t1725;
+    let t1727 = cos_joint2_joint3 * t1726;
+    let t1728 = 0.3474988420565076 * t1704;
+    let t1729 = t1728 + t1727;
+    let t1730 = t319 * t1688;
+    let t1731 = t321 * t1682;
+    let t1732 = t258 * t1670;
+    let t1733 = t260 * t1668;
     let t1734 = t1733 + t1732;
-    let t1735 = t1731 - t1734;
-    let t1736 = t926 * t1008;
-    let t1737 = t1736 + t1735;
-    let t1738 = cos_joint2_joint3 * t1697;
-    let t1739 = t1738 - t1737;
-    let t1740 = t319 * t1698;
-    let t1741 = t1740 - t1739;
-    let t1742 = t383 * t79;
-    let t1743 = t1742 - t989;
-    let t1744 = 0.3474988420565076 * t1743;
-    let t1745 = t1744 - t1741;
-    let t1746 = t333 * t1679;
-    let t1747 = t1746 - t1745;
-    let t1748 = t1730 + t1747;
-    let t1749 = t1726 - t1748;
-    let t1750 = t1725 - t1749;
-    let t1751 = inverse_d_joint1 * t1750;
-    let t1752 = 2.0 * omega_joint3_y;
-    let t1753 = t276 * t1752;
-    let t1754 = 2.0 * omega_joint3_x;
-    let t1755 = t278 * t1754;
-    let t1756 = t1753 + t1755;
-    let t1757 = t1756 - t1668;
-    let t1758 = t243 * t1754;
-    let t1759 = t247 * t1752;
-    let t1760 = t1759 + t1758;
-    let t1761 = t1760 + t1673;
-    let t1762 = t200 * t1761;
-    let t1763 = t124 * t1754;
-    let t1764 = t264 * t1752;
-    let t1765 = t1764 + t1763;
-    let t1766 = t1683 - t1765;
-    let t1767 = t55 * t1766;
-    let t1768 = t290 * t1754;
-    let t1769 = t292 * t1752;
-    let t1770 = t1769 - t1768;
-    let t1771 = t1770 - t1767;
-    let t1772 = t1697 - t1771;
-    let t1773 = t139 * t1772;
-    let t1774 = t141 * t1766;
-    let t1775 = 3.9804259903721997 - t1774;
-    let t1776 = t1773 - t1775;
-    let t1777 = t1762 + t1776;
-    let t1778 = t1757 - t1777;
-    let t1779 = t463 * t1778;
-    let t1780 = t427 * t1772;
-    let t1781 = t1774 + t1780;
-    let t1782 = t274 * t1752;
-    let t1783 = t984 + t1782;
-    let t1784 = sin_joint2_joint3 * t1783;
-    let t1785 = t274 * t1754;
-    let t1786 = t987 + t1785;
-    let t1787 = cos_joint2_joint3 * t1786;
-    let t1788 = t1787 - t1784;
-    let t1789 = sin_joint2 * t1788;
-    let t1790 = cos_joint2_joint3 * t1783;
-    let t1791 = sin_joint2_joint3 * t1786;
-    let t1792 = t1791 + t1790;
-    let t1793 = cos_joint2 * t1792;
-    let t1794 = t1793 - t1789;
-    let t1795 = t1794 + t1781;
-    let t1796 = t446 * t1761;
+    let t1735 = cos_joint2 * t1734;
+    let t1736 = t1735 - t1731;
+    let t1737 = t1730 - t1736;
+    let t1738 = t1737 - t1729;
+    let t1739 = t333 * t1677;
+    let t1740 = t1739 + t1738;
+    let t1741 = t1722 + t1740;
+    let t1742 = t1717 + t1741;
+    let t1743 = t1716 - t1742;
+    let t1744 = inverse_d_joint1 * t1743;
+    let t1745 = t135 * t761;
+    let t1746 = t829 - t1745;
+    let t1747 = t55 * t1746;
+    let t1748 = 0.41164522969715195 + t1747;
+    let t1749 = t131 * t761;
+    let t1750 = t760 - t1749;
+    let t1751 = t1750 + t1748;
+    let t1752 = t427 * t1751;
+    let t1753 = t141 * t1746;
+    let t1754 = t1753 + t1752;
+    let t1755 = omega_joint4_x * 0.00128432;
+    let t1756 = t786 - t1755;
+    let t1757 = t1756 * t446;
+    let t1758 = t1757 - t1754;
+    let t1759 = t770 - t794;
+    let t1760 = sin_joint4 * t1759;
+    let t1761 = t767 - t787;
+    let t1762 = cos_joint4 * t1761;
+    let t1763 = t1762 + t1760;
+    let t1764 = cos_joint2_joint3 * t1763;
+    let t1765 = sin_joint2_joint3 * t748;
+    let t1766 = t1764 + t1765;
+    let t1767 = sin_joint2 * t1766;
+    let t1768 = sin_joint2_joint3 * t1763;
+    let t1769 = cos_joint2_joint3 * t748;
+    let t1770 = t1768 - t1769;
+    let t1771 = cos_joint2 * t1770;
+    let t1772 = t1771 - t1767;
+    let t1773 = t1772 - t1758;
+    let t1774 = t747 * t1161;
+    let t1775 = t1761 - t1774;
+    let t1776 = t786 + t1775;
+    let t1777 = cos_joint4 * t1776;
+    let t1778 = t761 * t1176;
+    let t1779 = t1759 + t1778;
+    let t1780 = t793 + t1779;
+    let t1781 = sin_joint4 * t1780;
+    let t1782 = 0.047012505789717454 * t748;
+    let t1783 = t1782 + t1781;
+    let t1784 = t1777 + t1783;
+    let t1785 = t1784 - t1773;
+    let t1786 = t139 * t1751;
+    let t1787 = t1753 + t1786;
+    let t1788 = t200 * t1756;
+    let t1789 = t1788 + t1787;
+    let t1790 = t1784 - t1789;
+    let t1791 = t463 * t1790;
+    let t1792 = t1791 - t1785;
+    let t1793 = t501 * t1792;
+    let t1794 = 0.3474988420565076 * t1766;
+    let t1795 = cos_joint4 * t1759;
+    let t1796 = sin_joint4 * t1761;
     let t1797 = t1796 - t1795;
-    let t1798 = t1757 + t1797;
-    let t1799 = t1779 - t1798;
-    let t1800 = t501 * t1799;
-    let t1801 = t317 * t1778;
-    let t1802 = t1752 * t1133;
-    let t1803 = t1754 * t524;
+    let t1798 = 0.047012505789717454 * t1797;
+    let t1799 = t1750 + t1798;
+    let t1800 = cos_joint2_joint3 * t1799;
+    let t1801 = t1800 + t1794;
+    let t1802 = cos_joint2 * t1797;
+    let t1803 = t321 * t1746;
     let t1804 = t1802 - t1803;
-    let t1805 = t1729 + t1804;
-    let t1806 = sin_joint2_joint3 * t1805;
-    let t1807 = t1754 * t507;
-    let t1808 = t1752 * t524;
-    let t1809 = t1807 - t1808;
-    let t1810 = t1697 + t1809;
-    let t1811 = cos_joint2_joint3 * t1810;
-    let t1812 = 0.3474988420565076 * t1788;
-    let t1813 = t1812 + t1811;
-    let t1814 = t319 * t1772;
-    let t1815 = t321 * t1766;
-    let t1816 = t258 * t1754;
-    let t1817 = t260 * t1752;
-    let t1818 = t1817 + t1816;
-    let t1819 = cos_joint2 * t1818;
-    let t1820 = t1819 - t1815;
-    let t1821 = t1814 - t1820;
-    let t1822 = t1821 - t1813;
-    let t1823 = t333 * t1761;
-    let t1824 = t1823 + t1822;
-    let t1825 = t1806 + t1824;
-    let t1826 = t1801 + t1825;
-    let t1827 = t1800 - t1826;
-    let t1828 = inverse_d_joint1 * t1827;
-    let t1829 = t135 * t761;
-    let t1830 = t829 - t1829;
-    let t1831 = t55 * t1830;
-    let t1832 = 0.41164522969715195 + t1831;
-    let t1833 = t131 * t761;
-    let t1834 = t760 - t1833;
-    let t1835 = t1834 + t1832;
-    let t1836 = t427 * t1835;
-    let t1837 = t141 * t1830;
-    let t1838 = t1837 + t1836;
-    let t1839 = omega_joint4_x * 0.00128432;
-    let t1840 = t786 - t1839;
-    let t1841 = t1840 * t446;
-    let t1842 = t1841 - t1838;
-    let t1843 = t770 - t794;
-    let t1844 = sin_joint4 * t1843;
-    let t1845 = t767 - t787;
-    let t1846 = cos_joint4 * t1845;
-    let t1847 = t1846 + t1844;
+    let t1805 = t319 * t1751;
+    let t1806 = t1805 - t1804;
+    let t1807 = t1756 * t333;
+    let t1808 = t1807 + t1806;
+    let t1809 = t1808 - t1801;
+    let t1810 = sin_joint4 * t1776;
+    let t1811 = cos_joint4 * t1780;
+    let t1812 = t1811 - t1810;
+    let t1813 = sin_joint2_joint3 * t1812;
+    let t1814 = t1813 - t1809;
+    let t1815 = t317 * t1790;
+    let t1816 = t1815 - t1814;
+    let t1817 = t1793 - t1816;
+    let t1818 = inverse_d_joint1 * t1817;
+    let t1819 = omega_joint5_y * 0.00088432;
+    let t1820 = t738 + t1819;
+    let t1821 = sin_joint5 * t1820;
+    let t1822 = omega_joint5_x * 0.00044;
+    let t1823 = cos_joint5 * t1822;
+    let t1824 = t1821 + t1823;
+    let t1825 = t55 * t750;
+    let t1826 = t1824 - t1825;
+    let t1827 = t1826 * t139;
+    let t1828 = t141 * t750;
+    let t1829 = t199 * 2.493649734231167;
+    let t1830 = t1828 - t1829;
+    let t1831 = t1827 - t1830;
+    let t1832 = cos_joint5 * t1820;
+    let t1833 = sin_joint5 * t1822;
+    let t1834 = 0.0024871679999999997 * omega_joint5_y;
+    let t1835 = t1834 - t1833;
+    let t1836 = t1832 + t1835;
+    let t1837 = sin_joint4 * t1836;
+    let t1838 = 0.047012505789717454 * t770;
+    let t1839 = cos_joint4 * t958;
+    let t1840 = t1839 + t1838;
+    let t1841 = t1837 - t1840;
+    let t1842 = t1841 - t1831;
+    let t1843 = t463 * t1842;
+    let t1844 = t1826 * t427;
+    let t1845 = t1841 - t1844;
+    let t1846 = sin_joint4 * t1834;
+    let t1847 = t1839 - t1846;
     let t1848 = cos_joint2_joint3 * t1847;
-    let t1849 = sin_joint2_joint3 * t748;
+    let t1849 = sin_joint2_joint3 * t770;
     let t1850 = t1848 + t1849;
     let t1851 = sin_joint2 * t1850;
-    let t1852 = sin_joint2_joint3 * t1847;
-    let t1853 = cos_joint2_joint3 * t748;
-    let t1854 = t1852 - t1853;
-    let t1855 = cos_joint2 * t1854;
-    let t1856 = t1855 - t1851;
-    let t1857 = t1856 - t1842;
-    let t1858 = t747 * t1161;
-    let t1859 = t1845 - t1858;
-    let t1860 = t786 + t1859;
-    let t1861 = cos_joint4 * t1860;
-    let t1862 = t761 * t1176;
-    let t1863 = t1843 + t1862;
-    let t1864 = t793 + t1863;
-    let t1865 = sin_joint4 * t1864;
-    let t1866 = 0.047012505789717454 * t748;
-    let t1867 = t1866 + t1865;
-    let t1868 = t1861 + t1867;
-    let t1869 = t1868 - t1857;
-    let t1870 = t139 * t1835;
-    let t1871 = t1837 + t1870;
-    let t1872 = t200 * t1840;
-    let t1873 = t1872 + t1871;
-    let t1874 = t1868 - t1873;
-    let t1875 = t463 * t1874;
-    let t1876 = t1875 - t1869;
-    let t1877 = t501 * t1876;
-    let t1878 = 0.3474988420565076 * t1850;
-    let t1879 = cos_joint4 * t1843;
-    let t1880 = sin_joint4 * t1845;
-    let t1881 = t1880 - t1879;
-    let t1882 = 0.047012505789717454 * t1881;
-    let t1883 = t1834 + t1882;
-    let t1884 = cos_joint2_joint3 * t1883;
-    let t1885 = t1884 + t1878;
-    let t1886 = cos_joint2 * t1881;
-    let t1887 = t321 * t1830;
-    let t1888 = t1886 - t1887;
-    let t1889 = t319 * t1835;
-    let t1890 = t1889 - t1888;
-    let t1891 = t1840 * t333;
-    let t1892 = t1891 + t1890;
-    let t1893 = t1892 - t1885;
-    let t1894 = sin_joint4 * t1860;
-    let t1895 = cos_joint4 * t1864;
-    let t1896 = t1895 - t1894;
-    let t1897 = sin_joint2_joint3 * t1896;
-    let t1898 = t1897 - t1893;
-    let t1899 = t317 * t1874;
-    let t1900 = t1899 - t1898;
-    let t1901 = t1877 - t1900;
-    let t1902 = inverse_d_joint1 * t1901;
-    let t1903 = omega_joint5_y * 0.00088432;
-    let t1904 = t738 + t1903;
-    let t1905 = sin_joint5 * t1904;
-    let t1906 = omega_joint5_x * 0.00044;
-    let t1907 = cos_joint5 * t1906;
-    let t1908 = t1905 + t1907;
-    let t1909 = t55 * t750;
-    let t1910 = t1908 - t1909;
-    let t1911 = t1910 * t139;
-    let t1912 = t141 * t750;
-    let t1913 = t199 * 2.493649734231167;
-    let t1914 = t1912 - t1913;
-    let t1915 = t1911 - t1914;
-    let t1916 = cos_joint5 * t1904;
-    let t1917 = sin_joint5 * t1906;
-    let t1918 = 0.0024871679999999997 * omega_joint5_y;
-    let t1919 = t1918 - t1917;
-    let t1920 = t1916 + t1919;
-    let t1921 = sin_joint4 * t1920;
-    let t1922 = 0.047012505789717454 * t770;
-    let t1923 = cos_joint4 * t958;
-    let t1924 = t1923 + t1922;
-    let t1925 = t1921 - t1924;
-    let t1926 = t1925 - t1915;
-    let t1927 = t463 * t1926;
-    let t1928 = t1910 * t427;
-    let t1929 = t1925 - t1928;
-    let t1930 = sin_joint4 * t1918;
-    let t1931 = t1923 - t1930;
-    let t1932 = cos_joint2_joint3 * t1931;
-    let t1933 = sin_joint2_joint3 * t770;
-    let t1934 = t1932 + t1933;
-    let t1935 = sin_joint2 * t1934;
-    let t1936 = 2.493649734231167 * t445;
-    let t1937 = t1912 + t1936;
-    let t1938 = t1935 - t1937;
-    let t1939 = sin_joint2_joint3 * t1931;
-    let t1940 = cos_joint2_joint3 * t770;
-    let t1941 = t1939 - t1940;
-    let t1942 = cos_joint2 * t1941;
-    let t1943 = t1942 - t1938;
-    let t1944 = t1943 + t1929;
-    let t1945 = t1927 - t1944;
-    let t1946 = t501 * t1945;
-    let t1947 = 0.3474988420565076 * t1934;
-    let t1948 = cos_joint4 * t1918;
-    let t1949 = sin_joint4 * t958;
-    let t1950 = t1949 + t1948;
-    let t1951 = cos_joint2 * t1950;
-    let t1952 = 2.493649734231167 * t255;
-    let t1953 = t321 * t750;
-    let t1954 = t1953 - t1952;
-    let t1955 = t1951 - t1954;
-    let t1956 = t1947 + t1955;
-    let t1957 = t1910 * t319;
-    let t1958 = t1957 + t1956;
-    let t1959 = 0.047012505789717454 * t1950;
-    let t1960 = t1908 - t1959;
-    let t1961 = cos_joint2_joint3 * t1960;
-    let t1962 = t1961 - t1958;
-    let t1963 = cos_joint4 * t1920;
-    let t1964 = t1949 + t1963;
-    let t1965 = sin_joint2_joint3 * t1964;
-    let t1966 = t1965 + t1962;
-    let t1967 = t317 * t1926;
-    let t1968 = t1967 - t1966;
-    let t1969 = t1946 - t1968;
-    let t1970 = inverse_d_joint1 * t1969;
-    let t1971 = cos_joint5 * 4.44756812894077e-5;
-    let t1972 = t829 + t1971;
-    let t1973 = t1972 * t139;
-    let t1974 = t200 * t750;
-    let t1975 = t1974 + t1973;
-    let t1976 = t136 * 1.1118920322351926;
-    let t1977 = t1683 - t1976;
-    let t1978 = t1977 - t1975;
-    let t1979 = t463 * t1978;
-    let t1980 = t1972 * t427;
-    let t1981 = t750 * t446;
-    let t1982 = t1981 - t1980;
-    let t1983 = t1977 + t1982;
-    let t1984 = t1979 - t1983;
-    let t1985 = t501 * t1984;
-    let t1986 = t317 * t1978;
-    let t1987 = t750 * t333;
-    let t1988 = t267 * 1.1118920322351926;
-    let t1989 = t1988 + t1987;
-    let t1990 = t1972 * t319;
-    let t1991 = t1990 + t1989;
-    let t1992 = t1600 - t1991;
-    let t1993 = t1986 - t1992;
-    let t1994 = t1985 - t1993;
-    let t1995 = inverse_d_joint1 * t1994;
-    let t1996 = t501 * t1667;
-    let t1997 = inverse_d_joint2 * t1664;
-    let t1998 = t1997 - t1996;
+    let t1852 = 2.493649734231167 * t445;
+    let t1853 = t1828 + t1852;
+    let t1854 = t1851 - t1853;
+    let t1855 = sin_joint2_joint3 * t1847;
+    let t1856 = cos_joint2_joint3 * t770;
+    let t1857 = t1855 - t1856;
+    let t1858 = cos_joint2 * t1857;
+    let t1859 = t1858 - t1854;
+    let t1860 = t1859 + t1845;
+    let t1861 = t1843 - t1860;
+    let t1862 = t501 * t1861;
+    let t1863 = 0.3474988420565076 * t1850;
+    let t1864 = cos_joint4 * t1834;
+    let t1865 = sin_joint4 * t958;
+    let t1866 = t1865 + t1864;
+    let t1867 = cos_joint2 * t1866;
+    let t1868 = 2.493649734231167 * t255;
+    let t1869 = t321 * t750;
+    let t1870 = t1869 - t1868;
+    let t1871 = t1867 - t1870;
+    let t1872 = t1863 + t1871;
+    let t1873 = t1826 * t319;
+    let t1874 = t1873 + t1872;
+    let t1875 = 0.047012505789717454 * t1866;
+    let t1876 = t1824 - t1875;
+    let t1877 = cos_joint2_joint3 * t1876;
+    let t1878 = t1877 - t1874;
+    let t1879 = cos_joint4 * t1836;
+    let t1880 = t1865 + t1879;
+    let t1881 = sin_joint2_joint3 * t1880;
+    let t1882 = t1881 + t1878;
+    let t1883 = t317 * t1842;
+    let t1884 = t1883 - t1882;
+    let t1885 = t1862 - t1884;
+    let t1886 = inverse_d_joint1 * t1885;
+    let t1887 = cos_joint5 * 4.44756812894077e-5;
+    let t1888 = t829 + t1887;
+    let t1889 = t1888 * t139;
+    let t1890 = t200 * t750;
+    let t1891 = t1890 + t1889;
+    let t1892 = t136 * 1.1118920322351926;
+    let t1893 = t1599 - t1892;
+    let t1894 = t1893 - t1891;
+    let t1895 = t463 * t1894;
+    let t1896 = t1888 * t427;
+    let t1897 = t750 * t446;
+    let t1898 = t1897 - t1896;
+    let t1899 = t1893 + t1898;
+    let t1900 = t1895 - t1899;
+    let t1901 = t501 * t1900;
+    let t1902 = t317 * t1894;
+    let t1903 = t750 * t333;
+    let t1904 = t267 * 1.1118920322351926;
+    let t1905 = t1904 + t1903;
+    let t1906 = t1888 * t319;
+    let t1907 = t1906 + t1905;
+    let t1908 = t1516 - t1907;
+    let t1909 = t1902 - t1908;
+    let t1910 = t1901 - t1909;
+    let t1911 = inverse_d_joint1 * t1910;
+    let t1912 = t501 * t1583;
+    let t1913 = inverse_d_joint2 * t1580;
+    let t1914 = t1913 - t1912;
+    let t1915 = t501 * t1667;
+    let t1916 = inverse_d_joint2 * t1640;
+    let t1917 = t1916 - t1915;
+    let t1918 = t501 * t1744;
+    let t1919 = inverse_d_joint2 * t1715;
+    let t1920 = t1919 - t1918;
+    let t1921 = t501 * t1818;
+    let t1922 = inverse_d_joint2 * t1792;
+    let t1923 = t1922 - t1921;
+    let t1924 = t501 * t1886;
+    let t1925 = inverse_d_joint2 * t1861;
+    let t1926 = t1925 - t1924;
+    let t1927 = t501 * t1911;
+    let t1928 = inverse_d_joint2 * t1900;
+    let t1929 = t1928 - t1927;
+    let t1930 = t463 * t1914;
+    let t1931 = t317 * t1583;
+    let t1932 = inverse_d_joint3 * t1536;
+    let t1933 = t1932 - t1931;
+    let t1934 = t1930 - t1933;
+    let t1935 = t463 * t1917;
+    let t1936 = t317 * t1667;
+    let t1937 = inverse_d_joint3 * t1624;
+    let t1938 = t1937 - t1936;
+    let t1939 = t1935 - t1938;
+    let t1940 = t463 * t1920;
+    let t1941 = t317 * t1744;
+    let t1942 = inverse_d_joint3 * t1694;
+    let t1943 = t1942 - t1941;
+    let t1944 = t1940 - t1943;
+    let t1945 = t463 * t1923;
+    let t1946 = t317 * t1818;
+    let t1947 = inverse_d_joint3 * t1790;
+    let t1948 = t1947 - t1946;
+    let t1949 = t1945 - t1948;
+    let t1950 = t463 * t1926;
+    let t1951 = t317 * t1886;
+    let t1952 = inverse_d_joint3 * t1842;
+    let t1953 = t1952 - t1951;
+    let t1954 = t1950 - t1953;
+    let t1955 = t463 * t1929;
+    let t1956 = t317 * t1911;
+    let t1957 = inverse_d_joint3 * t1894;
+    let t1958 = t1957 - t1956;
+    let t1959 = t1955 - t1958;
+    let t1960 = t139 * t1934;
+    let t1961 = t427 * t1914;
+    let t1962 = t319 * t1583;
+    let t1963 = inverse_d_joint4 * t1519;
+    let t1964 = t1963 - t1962;
+    let t1965 = t1961 - t1964;
+    let t1966 = t1960 - t1965;
+    let t1967 = t139 * t1939;
+    let t1968 = t427 * t1917;
+    let t1969 = t319 * t1667;
+    let t1970 = inverse_d_joint4 * t1614;
+    let t1971 = t1970 - t1969;
+    let t1972 = t1968 - t1971;
+    let t1973 = t1967 - t1972;
+    let t1974 = t139 * t1944;
+    let t1975 = t427 * t1920;
+    let t1976 = t319 * t1744;
+    let t1977 = inverse_d_joint4 * t1688;
+    let t1978 = t1977 + t1976;
+    let t1979 = t1975 + t1978;
+    let t1980 = t1974 - t1979;
+    let t1981 = t139 * t1949;
+    let t1982 = t427 * t1923;
+    let t1983 = t319 * t1818;
+    let t1984 = inverse_d_joint4 * t1751;
+    let t1985 = t1984 + t1983;
+    let t1986 = t1982 + t1985;
+    let t1987 = t1981 - t1986;
+    let t1988 = t139 * t1954;
+    let t1989 = t427 * t1926;
+    let t1990 = t319 * t1886;
+    let t1991 = t1826 * inverse_d_joint4;
+    let t1992 = t1991 + t1990;
+    let t1993 = t1989 + t1992;
+    let t1994 = t1988 - t1993;
     [
         omega_joint5_x,
         t55,
@@ -8740,64 +8654,58 @@ fn forward_dynamics_derivatives_part_1(
         t1155,
         t1269,
         t1375,
+        t1378,
+        t1381,
+        t1384,
+        t1387,
+        t1392,
+        t1397,
+        t1402,
+        t1407,
+        t1414,
+        t1421,
         t1428,
-        t1431,
-        t1434,
-        t1437,
-        t1440,
-        t1443,
-        t1448,
-        t1453,
-        t1458,
+        t1435,
+        t1442,
+        t1449,
+        t1456,
         t1463,
-        t1468,
-        t1475,
-        t1482,
-        t1489,
-        t1496,
-        t1503,
-        t1510,
-        t1517,
-        t1524,
-        t1531,
-        t1538,
-        t1547,
-        t1556,
-        t1565,
-        t1574,
+        t1472,
+        t1481,
+        t1490,
+        t1499,
+        t1516,
+        t1533,
         t1583,
-        t1600,
-        t1603,
-        t1617,
-        t1620,
+        t1595,
+        t1601,
         t1667,
-        t1679,
-        t1685,
-        t1698,
-        t1708,
-        t1724,
-        t1751,
-        t1761,
-        t1766,
-        t1772,
-        t1778,
-        t1799,
-        t1828,
-        t1830,
-        t1835,
-        t1840,
-        t1874,
-        t1876,
-        t1902,
-        t1910,
+        t1677,
+        t1682,
+        t1744,
+        t1746,
+        t1756,
+        t1818,
+        t1886,
+        t1888,
+        t1911,
+        t1914,
+        t1917,
+        t1920,
+        t1923,
         t1926,
-        t1945,
-        t1970,
-        t1972,
-        t1978,
-        t1984,
-        t1995,
-        t1998,
+        t1929,
+        t1934,
+        t1939,
+        t1944,
+        t1949,
+        t1954,
+        t1959,
+        t1966,
+        t1973,
+        t1980,
+        t1987,
+        t1994,
     ]
 }
 
@@ -8826,541 +8734,445 @@ fn forward_dynamics_derivatives_part_2(
     t548,
     t1020,
     t1155,
-    t1431,
-    t1434,
-    t1437,
-    t1440,
-    t1443,
-    t1510,
-    t1517,
-    t1524,
-    t1531,
-    t1538,
-    t1547,
-    t1556,
-    t1565,
-    t1574,
+    t1378,
+    t1381,
+    t1384,
+    t1387,
+    t1442,
+    t1449,
+    t1456,
+    t1463,
+    t1472,
+    t1481,
+    t1490,
+    t1499,
+    t1516,
+    t1533,
     t1583,
-    t1600,
-    t1603,
-    t1617,
-    t1620,
+    t1595,
+    t1601,
     t1667,
-    t1679,
-    t1685,
-    t1698,
-    t1708,
-    t1724,
-    t1751,
-    t1761,
-    t1766,
-    t1772,
-    t1778,
-    t1799,
-    t1828,
-    t1830,
-    t1835,
-    t1840,
-    t1874,
-    t1876,
-    t1902,
-    t1910,
+    t1677,
+    t1682,
+    t1744,
+    t1746,
+    t1756,
+    t1818,
+    t1886,
+    t1888,
+    t1911,
+    t1914,
+    t1917,
+    t1920,
+    t1923,
     t1926,
-    t1945,
-    t1970,
-    t1972,
-    t1978,
-    t1984,
-    t1995,
-    t1998,
-    ]: [f64; 69],
-) -> [f64; 74] {
-    let t1999 = t501 * t1751;
-    let t2000 = inverse_d_joint2 * t1724;
-    let t2001 = t2000 - t1999;
-    let t2002 = t501 * t1828;
-    let t2003 = inverse_d_joint2 * t1799;
-    let t2004 = t2003 - t2002;
-    let t2005 = t501 * t1902;
-    let t2006 = inverse_d_joint2 * t1876;
-    let t2007 = t2006 - t2005;
-    let t2008 = t501 * t1970;
-    let t2009 = inverse_d_joint2 * t1945;
-    let t2010 = t2009 - t2008;
-    let t2011 = t501 * t1995;
-    let t2012 = inverse_d_joint2 * t1984;
+    t1929,
+    t1934,
+    t1939,
+    t1944,
+    t1949,
+    t1954,
+    t1959,
+    t1966,
+    t1973,
+    t1980,
+    t1987,
+    t1994,
+    ]: [f64; 66],
+) -> [f64; 64] {
+    let t1995 = t139 * t1959;
+    let t1996 = t427 * t1929;
+    let t1997 = t319 * t1911;
+    let t1998 = t1888 * inverse_d_joint4;
+    let t1999 = t1998 + t1997;
+    let t2000 = t1996 + t1999;
+    let t2001 = t1995 - t2000;
+    let t2002 = t200 * t1934;
+    let t2003 = t446 * t1914;
+    let t2004 = t333 * t1583;
+    let t2005 = 5.83606090588883 * t1533;
+    let t2006 = t2005 - t2004;
+    let t2007 = t2003 + t2006;
+    let t2008 = t2002 + t2007;
+    let t2009 = t200 * t1939;
+    let t2010 = t446 * t1917;
+    let t2011 = t333 * t1667;
+    let t2012 = 5.83606090588883 * t1595;
     let t2013 = t2012 - t2011;
-    let t2014 = t463 * t1998;
-    let t2015 = t317 * t1667;
-    let t2016 = inverse_d_joint3 * t1620;
-    let t2017 = t2016 - t2015;
-    let t2018 = t2014 - t2017;
-    let t2019 = t463 * t2001;
-    let t2020 = t317 * t1751;
-    let t2021 = inverse_d_joint3 * t1708;
-    let t2022 = t2021 - t2020;
-    let t2023 = t2019 - t2022;
-    let t2024 = t463 * t2004;
-    let t2025 = t317 * t1828;
-    let t2026 = inverse_d_joint3 * t1778;
-    let t2027 = t2026 - t2025;
+    let t2014 = t2010 + t2013;
+    let t2015 = t2009 + t2014;
+    let t2016 = t200 * t1944;
+    let t2017 = t446 * t1920;
+    let t2018 = t333 * t1744;
+    let t2019 = 5.83606090588883 * t1677;
+    let t2020 = t2019 + t2018;
+    let t2021 = t2017 - t2020;
+    let t2022 = t2016 + t2021;
+    let t2023 = t200 * t1949;
+    let t2024 = t446 * t1923;
+    let t2025 = t333 * t1818;
+    let t2026 = 5.83606090588883 * t1756;
+    let t2027 = t2026 + t2025;
     let t2028 = t2024 - t2027;
-    let t2029 = t463 * t2007;
-    let t2030 = t317 * t1902;
-    let t2031 = inverse_d_joint3 * t1874;
-    let t2032 = t2031 - t2030;
-    let t2033 = t2029 - t2032;
-    let t2034 = t463 * t2010;
-    let t2035 = t317 * t1970;
-    let t2036 = inverse_d_joint3 * t1926;
-    let t2037 = t2036 - t2035;
-    let t2038 = t2034 - t2037;
-    let t2039 = t463 * t2013;
-    let t2040 = t317 * t1995;
-    let t2041 = inverse_d_joint3 * t1978;
-    let t2042 = t2041 - t2040;
-    let t2043 = t2039 - t2042;
-    let t2044 = t139 * t2018;
-    let t2045 = t427 * t1998;
-    let t2046 = t319 * t1667;
-    let t2047 = inverse_d_joint4 * t1603;
+    let t2029 = t2023 + t2028;
+    let t2030 = t200 * t1954;
+    let t2031 = t446 * t1926;
+    let t2032 = t333 * t1886;
+    let t2033 = 2.493649734231167 + t2032;
+    let t2034 = t2031 - t2033;
+    let t2035 = t2030 + t2034;
+    let t2036 = t200 * t1959;
+    let t2037 = t446 * t1929;
+    let t2038 = t333 * t1911;
+    let t2039 = omega_joint5_x * 0.0002334424362355532;
+    let t2040 = t2039 + t2038;
+    let t2041 = t2037 - t2040;
+    let t2042 = t2036 + t2041;
+    let t2043 = t55 * t1966;
+    let t2044 = t141 * t1934;
+    let t2045 = t141 * t1914;
+    let t2046 = t321 * t1583;
+    let t2047 = 5.151863922779921 * t1516;
     let t2048 = t2047 - t2046;
     let t2049 = t2045 - t2048;
     let t2050 = t2044 - t2049;
-    let t2051 = t139 * t2023;
-    let t2052 = t427 * t2001;
-    let t2053 = t319 * t1751;
-    let t2054 = inverse_d_joint4 * t1698;
-    let t2055 = t2054 - t2053;
-    let t2056 = t2052 - t2055;
-    let t2057 = t2051 - t2056;
-    let t2058 = t139 * t2028;
-    let t2059 = t427 * t2004;
-    let t2060 = t319 * t1828;
-    let t2061 = inverse_d_joint4 * t1772;
-    let t2062 = t2061 + t2060;
-    let t2063 = t2059 + t2062;
-    let t2064 = t2058 - t2063;
-    let t2065 = t139 * t2033;
-    let t2066 = t427 * t2007;
-    let t2067 = t319 * t1902;
-    let t2068 = inverse_d_joint4 * t1835;
-    let t2069 = t2068 + t2067;
-    let t2070 = t2066 + t2069;
-    let t2071 = t2065 - t2070;
-    let t2072 = t139 * t2038;
-    let t2073 = t427 * t2010;
-    let t2074 = t319 * t1970;
-    let t2075 = t1910 * inverse_d_joint4;
-    let t2076 = t2075 + t2074;
-    let t2077 = t2073 + t2076;
-    let t2078 = t2072 - t2077;
-    let t2079 = t139 * t2043;
-    let t2080 = t427 * t2013;
-    let t2081 = t319 * t1995;
-    let t2082 = t1972 * inverse_d_joint4;
-    let t2083 = t2082 + t2081;
-    let t2084 = t2080 + t2083;
-    let t2085 = t2079 - t2084;
-    let t2086 = t200 * t2018;
-    let t2087 = t446 * t1998;
-    let t2088 = t333 * t1667;
-    let t2089 = 5.83606090588883 * t1617;
-    let t2090 = t2089 - t2088;
-    let t2091 = t2087 + t2090;
-    let t2092 = t2086 + t2091;
-    let t2093 = t200 * t2023;
-    let t2094 = t446 * t2001;
-    let t2095 = t333 * t1751;
-    let t2096 = 5.83606090588883 * t1679;
-    let t2097 = t2096 - t2095;
-    let t2098 = t2094 + t2097;
-    let t2099 = t2093 + t2098;
-    let t2100 = t200 * t2028;
-    let t2101 = t446 * t2004;
-    let t2102 = t333 * t1828;
-    let t2103 = 5.83606090588883 * t1761;
-    let t2104 = t2103 + t2102;
-    let t2105 = t2101 - t2104;
-    let t2106 = t2100 + t2105;
-    let t2107 = t200 * t2033;
-    let t2108 = t446 * t2007;
-    let t2109 = t333 * t1902;
-    let t2110 = 5.83606090588883 * t1840;
-    let t2111 = t2110 + t2109;
-    let t2112 = t2108 - t2111;
-    let t2113 = t2107 + t2112;
-    let t2114 = t200 * t2038;
-    let t2115 = t446 * t2010;
-    let t2116 = t333 * t1970;
-    let t2117 = 2.493649734231167 + t2116;
-    let t2118 = t2115 - t2117;
-    let t2119 = t2114 + t2118;
-    let t2120 = t200 * t2043;
-    let t2121 = t446 * t2013;
-    let t2122 = t333 * t1995;
-    let t2123 = omega_joint5_x * 0.0002334424362355532;
-    let t2124 = t2123 + t2122;
-    let t2125 = t2121 - t2124;
-    let t2126 = t2120 + t2125;
-    let t2127 = t55 * t2050;
-    let t2128 = t141 * t2018;
-    let t2129 = t141 * t1998;
-    let t2130 = t321 * t1667;
-    let t2131 = 5.151863922779921 * t1600;
-    let t2132 = t2131 - t2130;
-    let t2133 = t2129 - t2132;
-    let t2134 = t2128 - t2133;
-    let t2135 = t2127 + t2134;
-    let t2136 = t55 * t2057;
-    let t2137 = t141 * t2023;
-    let t2138 = t141 * t2001;
-    let t2139 = t321 * t1751;
-    let t2140 = 5.151863922779921 * t1685;
-    let t2141 = t2140 - t2139;
-    let t2142 = t2138 - t2141;
-    let t2143 = t2137 - t2142;
-    let t2144 = t2136 + t2143;
-    let t2145 = t55 * t2064;
-    let t2146 = t141 * t2028;
-    let t2147 = t141 * t2004;
-    let t2148 = t321 * t1828;
-    let t2149 = 5.151863922779921 * t1766;
-    let t2150 = t2149 + t2148;
-    let t2151 = t2147 + t2150;
-    let t2152 = t2146 - t2151;
-    let t2153 = t2145 + t2152;
-    let t2154 = t55 * t2071;
-    let t2155 = t141 * t2033;
-    let t2156 = t141 * t2007;
-    let t2157 = t321 * t1902;
-    let t2158 = 5.151863922779921 * t1830;
-    let t2159 = t2158 + t2157;
-    let t2160 = t2156 + t2159;
-    let t2161 = t2155 - t2160;
-    let t2162 = t2154 + t2161;
-    let t2163 = t55 * t2078;
-    let t2164 = t141 * t2038;
-    let t2165 = t141 * t2010;
-    let t2166 = t321 * t1970;
-    let t2167 = 0.0002060745569111968 * omega_joint5_x;
-    let t2168 = t2167 - t2166;
-    let t2169 = t2165 - t2168;
-    let t2170 = t2164 - t2169;
-    let t2171 = t2163 + t2170;
-    let t2172 = t55 * t2085;
-    let t2173 = t141 * t2043;
-    let t2174 = t141 * t2013;
-    let t2175 = t321 * t1995;
-    let t2176 = 1.1118920322351926 + t2175;
-    let t2177 = t2174 + t2176;
-    let t2178 = t2173 - t2177;
-    let t2179 = t2172 + t2178;
-    let t2180 = t501 * inverse_d_joint1;
-    let t2181 = t463 * t2180;
-    let t2182 = t317 * inverse_d_joint1;
-    let t2183 = t2181 - t2182;
-    let t2184 = t139 * t2183;
-    let t2185 = t427 * t2180;
-    let t2186 = t319 * inverse_d_joint1;
-    let t2187 = t2185 - t2186;
-    let t2188 = t2184 - t2187;
-    let t2189 = t200 * t2183;
-    let t2190 = t446 * t2180;
-    let t2191 = t333 * inverse_d_joint1;
-    let t2192 = t2190 + t2191;
-    let t2193 = t2189 + t2192;
-    let t2194 = t55 * t2188;
-    let t2195 = t141 * t2183;
-    let t2196 = t141 * t2180;
-    let t2197 = t321 * inverse_d_joint1;
-    let t2198 = t2196 - t2197;
-    let t2199 = t2195 - t2198;
-    let t2200 = t2194 + t2199;
-    let t2201 = t501 * t2180;
-    let t2202 = inverse_d_joint2 - t2201;
-    let t2203 = t463 * t2202;
-    let t2204 = t317 * t2180;
-    let t2205 = t2203 + t2204;
-    let t2206 = t139 * t2205;
-    let t2207 = t427 * t2202;
-    let t2208 = t319 * t2180;
-    let t2209 = t2207 + t2208;
-    let t2210 = t2206 - t2209;
-    let t2211 = t200 * t2205;
-    let t2212 = t446 * t2202;
-    let t2213 = t333 * t2180;
-    let t2214 = t2212 - t2213;
-    let t2215 = t2211 + t2214;
-    let t2216 = t55 * t2210;
-    let t2217 = t141 * t2205;
-    let t2218 = t141 * t2202;
-    let t2219 = t321 * t2180;
-    let t2220 = t2218 + t2219;
-    let t2221 = t2217 - t2220;
-    let t2222 = t2216 + t2221;
-    let t2223 = t463 * t501;
-    let t2224 = t317 - t2223;
-    let t2225 = inverse_d_joint1 * t2224;
-    let t2226 = t501 * t2225;
-    let t2227 = t463 * inverse_d_joint2;
-    let t2228 = t2227 + t2226;
-    let t2229 = t463 * t2228;
-    let t2230 = t317 * t2225;
-    let t2231 = inverse_d_joint3 + t2230;
-    let t2232 = t2229 - t2231;
-    let t2233 = t139 * t2232;
-    let t2234 = t427 * t2228;
-    let t2235 = t319 * t2225;
-    let t2236 = t2234 - t2235;
-    let t2237 = t2233 - t2236;
-    let t2238 = t200 * t2232;
-    let t2239 = t446 * t2228;
-    let t2240 = t333 * t2225;
-    let t2241 = t2239 + t2240;
-    let t2242 = t2238 + t2241;
-    let t2243 = t55 * t2237;
-    let t2244 = t141 * t2232;
-    let t2245 = t141 * t2228;
-    let t2246 = t321 * t2225;
-    let t2247 = t2245 - t2246;
-    let t2248 = t2244 - t2247;
-    let t2249 = t2243 + t2248;
-    let t2250 = t139 * t463;
-    let t2251 = t427 - t2250;
-    let t2252 = t501 * t2251;
-    let t2253 = t139 * t317;
-    let t2254 = t319 - t2253;
-    let t2255 = t2252 - t2254;
-    let t2256 = inverse_d_joint1 * t2255;
-    let t2257 = t501 * t2256;
-    let t2258 = inverse_d_joint2 * t2251;
-    let t2259 = t2258 - t2257;
-    let t2260 = t463 * t2259;
-    let t2261 = t317 * t2256;
-    let t2262 = t139 * inverse_d_joint3;
-    let t2263 = t2262 + t2261;
-    let t2264 = t2260 + t2263;
-    let t2265 = t139 * t2264;
-    let t2266 = t427 * t2259;
-    let t2267 = t319 * t2256;
-    let t2268 = inverse_d_joint4 + t2267;
-    let t2269 = t2266 + t2268;
-    let t2270 = t2265 - t2269;
-    let t2271 = t200 * t2264;
-    let t2272 = t446 * t2259;
-    let t2273 = t333 * t2256;
-    let t2274 = t2272 - t2273;
-    let t2275 = t2271 + t2274;
-    let t2276 = t55 * t2270;
-    let t2277 = t141 * t2264;
-    let t2278 = t141 * t2259;
-    let t2279 = t321 * t2256;
-    let t2280 = t2278 + t2279;
-    let t2281 = t2277 - t2280;
-    let t2282 = t2276 + t2281;
-    let t2283 = t200 * t463;
-    let t2284 = t446 + t2283;
-    let t2285 = t501 * t2284;
-    let t2286 = t200 * t317;
-    let t2287 = t333 - t2286;
-    let t2288 = t2285 + t2287;
-    let t2289 = inverse_d_joint1 * t2288;
-    let t2290 = t501 * t2289;
-    let t2291 = inverse_d_joint2 * t2284;
-    let t2292 = t2291 - t2290;
-    let t2293 = t463 * t2292;
-    let t2294 = t317 * t2289;
-    let t2295 = t200 * inverse_d_joint3;
-    let t2296 = t2295 - t2294;
-    let t2297 = t2293 - t2296;
-    let t2298 = t200 * t2297;
-    let t2299 = t446 * t2292;
-    let t2300 = t333 * t2289;
-    let t2301 = 5.83606090588883 - t2300;
-    let t2302 = t2299 + t2301;
-    let t2303 = t2298 + t2302;
-    let t2304 = t139 * t2297;
-    let t2305 = t427 * t2292;
-    let t2306 = t319 * t2289;
-    let t2307 = t2305 + t2306;
-    let t2308 = t2304 - t2307;
-    let t2309 = t55 * t2308;
-    let t2310 = t141 * t2297;
-    let t2311 = t141 * t2292;
-    let t2312 = t321 * t2289;
-    let t2313 = t2311 + t2312;
-    let t2314 = t2310 - t2313;
-    let t2315 = t2309 + t2314;
-    let t2316 = t55 * t139;
-    let t2317 = t141 + t2316;
-    let t2318 = t463 * t2317;
-    let t2319 = t55 * t427;
-    let t2320 = t141 + t2319;
-    let t2321 = t2318 - t2320;
-    let t2322 = t501 * t2321;
-    let t2323 = t317 * t2317;
-    let t2324 = t55 * t319;
-    let t2325 = t321 + t2324;
-    let t2326 = t2323 - t2325;
-    let t2327 = t2322 - t2326;
-    let t2328 = inverse_d_joint1 * t2327;
-    let t2329 = t501 * t2328;
-    let t2330 = inverse_d_joint2 * t2321;
-    let t2331 = t2330 - t2329;
-    let t2332 = t463 * t2331;
-    let t2333 = t317 * t2328;
-    let t2334 = inverse_d_joint3 * t2317;
-    let t2335 = t2334 - t2333;
-    let t2336 = t2332 - t2335;
-    let t2337 = t139 * t2336;
-    let t2338 = t427 * t2331;
-    let t2339 = t319 * t2328;
-    let t2340 = t55 * inverse_d_joint4;
-    let t2341 = t2340 - t2339;
-    let t2342 = t2338 - t2341;
-    let t2343 = t2337 - t2342;
-    let t2344 = t55 * t2343;
-    let t2345 = t141 * t2336;
-    let t2346 = t141 * t2331;
-    let t2347 = t321 * t2328;
-    let t2348 = 5.151863922779921 - t2347;
-    let t2349 = t2346 - t2348;
-    let t2350 = t2345 - t2349;
-    let t2351 = t2344 + t2350;
-    let t2352 = -t533;
-    let t2353 = -t541;
-    let t2354 = -t548;
-    let t2355 = -t1020;
-    let t2356 = -t1155;
-    let t2357 = -t1431;
-    let t2358 = -t1434;
-    let t2359 = -t1437;
-    let t2360 = -t1440;
-    let t2361 = -t1443;
-    let t2362 = -t1510;
-    let t2363 = -t1517;
-    let t2364 = -t1524;
-    let t2365 = -t1531;
-    let t2366 = -t1538;
-    let t2367 = -t1547;
-    let t2368 = -t1556;
-    let t2369 = -t1565;
-    let t2370 = -t1574;
-    let t2371 = -t1583;
-    let t2372 = -t1667;
-    let t2373 = -t1828;
-    let t2374 = -t1970;
-    let t2375 = -t1995;
-    let t2376 = -t2001;
-    let t2377 = -t2007;
-    let t2378 = -t2018;
-    let t2379 = -t2028;
-    let t2380 = -t2038;
-    let t2381 = -t2043;
-    let t2382 = -t2050;
-    let t2383 = -t2064;
-    let t2384 = -t2078;
-    let t2385 = -t2085;
-    let t2386 = -t2099;
-    let t2387 = -t2113;
-    let t2388 = -t2144;
-    let t2389 = -t2162;
+    let t2051 = t2043 + t2050;
+    let t2052 = t55 * t1973;
+    let t2053 = t141 * t1939;
+    let t2054 = t141 * t1917;
+    let t2055 = t321 * t1667;
+    let t2056 = 5.151863922779921 * t1601;
+    let t2057 = t2056 - t2055;
+    let t2058 = t2054 - t2057;
+    let t2059 = t2053 - t2058;
+    let t2060 = t2052 + t2059;
+    let t2061 = t55 * t1980;
+    let t2062 = t141 * t1944;
+    let t2063 = t141 * t1920;
+    let t2064 = t321 * t1744;
+    let t2065 = 5.151863922779921 * t1682;
+    let t2066 = t2065 + t2064;
+    let t2067 = t2063 + t2066;
+    let t2068 = t2062 - t2067;
+    let t2069 = t2061 + t2068;
+    let t2070 = t55 * t1987;
+    let t2071 = t141 * t1949;
+    let t2072 = t141 * t1923;
+    let t2073 = t321 * t1818;
+    let t2074 = 5.151863922779921 * t1746;
+    let t2075 = t2074 + t2073;
+    let t2076 = t2072 + t2075;
+    let t2077 = t2071 - t2076;
+    let t2078 = t2070 + t2077;
+    let t2079 = t55 * t1994;
+    let t2080 = t141 * t1954;
+    let t2081 = t141 * t1926;
+    let t2082 = t321 * t1886;
+    let t2083 = 0.0002060745569111968 * omega_joint5_x;
+    let t2084 = t2083 - t2082;
+    let t2085 = t2081 - t2084;
+    let t2086 = t2080 - t2085;
+    let t2087 = t2079 + t2086;
+    let t2088 = t55 * t2001;
+    let t2089 = t141 * t1959;
+    let t2090 = t141 * t1929;
+    let t2091 = t321 * t1911;
+    let t2092 = 1.1118920322351926 + t2091;
+    let t2093 = t2090 + t2092;
+    let t2094 = t2089 - t2093;
+    let t2095 = t2088 + t2094;
+    let t2096 = t501 * inverse_d_joint1;
+    let t2097 = t463 * t2096;
+    let t2098 = t317 * inverse_d_joint1;
+    let t2099 = t2097 - t2098;
+    let t2100 = t139 * t2099;
+    let t2101 = t427 * t2096;
+    let t2102 = t319 * inverse_d_joint1;
+    let t2103 = t2101 - t2102;
+    let t2104 = t2100 - t2103;
+    let t2105 = t200 * t2099;
+    let t2106 = t446 * t2096;
+    let t2107 = t333 * inverse_d_joint1;
+    let t2108 = t2106 + t2107;
+    let t2109 = t2105 + t2108;
+    let t2110 = t55 * t2104;
+    let t2111 = t141 * t2099;
+    let t2112 = t141 * t2096;
+    let t2113 = t321 * inverse_d_joint1;
+    let t2114 = t2112 - t2113;
+    let t2115 = t2111 - t2114;
+    let t2116 = t2110 + t2115;
+    let t2117 = t501 * t2096;
+    let t2118 = inverse_d_joint2 - t2117;
+    let t2119 = t463 * t2118;
+    let t2120 = t317 * t2096;
+    let t2121 = t2119 + t2120;
+    let t2122 = t139 * t2121;
+    let t2123 = t427 * t2118;
+    let t2124 = t319 * t2096;
+    let t2125 = t2123 + t2124;
+    let t2126 = t2122 - t2125;
+    let t2127 = t200 * t2121;
+    let t2128 = t446 * t2118;
+    let t2129 = t333 * t2096;
+    let t2130 = t2128 - t2129;
+    let t2131 = t2127 + t2130;
+    let t2132 = t55 * t2126;
+    let t2133 = t141 * t2121;
+    let t2134 = t141 * t2118;
+    let t2135 = t321 * t2096;
+    let t2136 = t2134 + t2135;
+    let t2137 = t2133 - t2136;
+    let t2138 = t2132 + t2137;
+    let t2139 = t463 * t501;
+    let t2140 = t317 - t2139;
+    let t2141 = inverse_d_joint1 * t2140;
+    let t2142 = t501 * t2141;
+    let t2143 = t463 * inverse_d_joint2;
+    let t2144 = t2143 + t2142;
+    let t2145 = t463 * t2144;
+    let t2146 = t317 * t2141;
+    let t2147 = inverse_d_joint3 + t2146;
+    let t2148 = t2145 - t2147;
+    let t2149 = t139 * t2148;
+    let t2150 = t427 * t2144;
+    let t2151 = t319 * t2141;
+    let t2152 = t2150 - t2151;
+    let t2153 = t2149 - t2152;
+    let t2154 = t200 * t2148;
+    let t2155 = t446 * t2144;
+    let t2156 = t333 * t2141;
+    let t2157 = t2155 + t2156;
+    let t2158 = t2154 + t2157;
+    let t2159 = t55 * t2153;
+    let t2160 = t141 * t2148;
+    let t2161 = t141 * t2144;
+    let t2162 = t321 * t2141;
+    let t2163 = t2161 - t2162;
+    let t2164 = t2160 - t2163;
+    let t2165 = t2159 + t2164;
+    let t2166 = t139 * t463;
+    let t2167 = t427 - t2166;
+    let t2168 = t501 * t2167;
+    let t2169 = t139 * t317;
+    let t2170 = t319 - t2169;
+    let t2171 = t2168 - t2170;
+    let t2172 = inverse_d_joint1 * t2171;
+    let t2173 = t501 * t2172;
+    let t2174 = inverse_d_joint2 * t2167;
+    let t2175 = t2174 - t2173;
+    let t2176 = t463 * t2175;
+    let t2177 = t317 * t2172;
+    let t2178 = t139 * inverse_d_joint3;
+    let t2179 = t2178 + t2177;
+    let t2180 = t2176 + t2179;
+    let t2181 = t139 * t2180;
+    let t2182 = t427 * t2175;
+    let t2183 = t319 * t2172;
+    let t2184 = inverse_d_joint4 + t2183;
+    let t2185 = t2182 + t2184;
+    let t2186 = t2181 - t2185;
+    let t2187 = t200 * t2180;
+    let t2188 = t446 * t2175;
+    let t2189 = t333 * t2172;
+    let t2190 = t2188 - t2189;
+    let t2191 = t2187 + t2190;
+    let t2192 = t55 * t2186;
+    let t2193 = t141 * t2180;
+    let t2194 = t141 * t2175;
+    let t2195 = t321 * t2172;
+    let t2196 = t2194 + t2195;
+    let t2197 = t2193 - t2196;
+    let t2198 = t2192 + t2197;
+    let t2199 = t200 * t463;
+    let t2200 = t446 + t2199;
+    let t2201 = t501 * t2200;
+    let t2202 = t200 * t317;
+    let t2203 = t333 - t2202;
+    let t2204 = t2201 + t2203;
+    let t2205 = inverse_d_joint1 * t2204;
+    let t2206 = t501 * t2205;
+    let t2207 = inverse_d_joint2 * t2200;
+    let t2208 = t2207 - t2206;
+    let t2209 = t463 * t2208;
+    let t2210 = t317 * t2205;
+    let t2211 = t200 * inverse_d_joint3;
+    let t2212 = t2211 - t2210;
+    let t2213 = t2209 - t2212;
+    let t2214 = t200 * t2213;
+    let t2215 = t446 * t2208;
+    let t2216 = t333 * t2205;
+    let t2217 = 5.83606090588883 - t2216;
+    let t2218 = t2215 + t2217;
+    let t2219 = t2214 + t2218;
+    let t2220 = t139 * t2213;
+    let t2221 = t427 * t2208;
+    let t2222 = t319 * t2205;
+    let t2223 = t2221 + t2222;
+    let t2224 = t2220 - t2223;
+    let t2225 = t55 * t2224;
+    let t2226 = t141 * t2213;
+    let t2227 = t141 * t2208;
+    let t2228 = t321 * t2205;
+    let t2229 = t2227 + t2228;
+    let t2230 = t2226 - t2229;
+    let t2231 = t2225 + t2230;
+    let t2232 = t55 * t139;
+    let t2233 = t141 + t2232;
+    let t2234 = t463 * t2233;
+    let t2235 = t55 * t427;
+    let t2236 = t141 + t2235;
+    let t2237 = t2234 - t2236;
+    let t2238 = t501 * t2237;
+    let t2239 = t317 * t2233;
+    let t2240 = t55 * t319;
+    let t2241 = t321 + t2240;
+    let t2242 = t2239 - t2241;
+    let t2243 = t2238 - t2242;
+    let t2244 = inverse_d_joint1 * t2243;
+    let t2245 = t501 * t2244;
+    let t2246 = inverse_d_joint2 * t2237;
+    let t2247 = t2246 - t2245;
+    let t2248 = t463 * t2247;
+    let t2249 = t317 * t2244;
+    let t2250 = inverse_d_joint3 * t2233;
+    let t2251 = t2250 - t2249;
+    let t2252 = t2248 - t2251;
+    let t2253 = t139 * t2252;
+    let t2254 = t427 * t2247;
+    let t2255 = t319 * t2244;
+    let t2256 = t55 * inverse_d_joint4;
+    let t2257 = t2256 - t2255;
+    let t2258 = t2254 - t2257;
+    let t2259 = t2253 - t2258;
+    let t2260 = t55 * t2259;
+    let t2261 = t141 * t2252;
+    let t2262 = t141 * t2247;
+    let t2263 = t321 * t2244;
+    let t2264 = 5.151863922779921 - t2263;
+    let t2265 = t2262 - t2264;
+    let t2266 = t2261 - t2265;
+    let t2267 = t2260 + t2266;
+    let t2268 = -t533;
+    let t2269 = -t541;
+    let t2270 = -t548;
+    let t2271 = -t1020;
+    let t2272 = -t1155;
+    let t2273 = -t1378;
+    let t2274 = -t1381;
+    let t2275 = -t1384;
+    let t2276 = -t1387;
+    let t2277 = -t1442;
+    let t2278 = -t1449;
+    let t2279 = -t1456;
+    let t2280 = -t1463;
+    let t2281 = -t1472;
+    let t2282 = -t1481;
+    let t2283 = -t1490;
+    let t2284 = -t1499;
+    let t2285 = -t1583;
+    let t2286 = -t1744;
+    let t2287 = -t1886;
+    let t2288 = -t1911;
+    let t2289 = -t1917;
+    let t2290 = -t1923;
+    let t2291 = -t1934;
+    let t2292 = -t1944;
+    let t2293 = -t1954;
+    let t2294 = -t1959;
+    let t2295 = -t1966;
+    let t2296 = -t1980;
+    let t2297 = -t1994;
+    let t2298 = -t2001;
+    let t2299 = -t2015;
+    let t2300 = -t2029;
+    let t2301 = -t2060;
+    let t2302 = -t2078;
     let minus_inverse_d_joint1 = -inverse_d_joint1;
-    let t2391 = -t2180;
-    let t2392 = -t2193;
-    let t2393 = -t2200;
-    let t2394 = -t2205;
-    let t2395 = -t2210;
-    let t2396 = -t2242;
-    let t2397 = -t2249;
-    let t2398 = -t2270;
+    let t2304 = -t2096;
+    let t2305 = -t2109;
+    let t2306 = -t2116;
+    let t2307 = -t2121;
+    let t2308 = -t2126;
+    let t2309 = -t2158;
+    let t2310 = -t2165;
+    let t2311 = -t2186;
     [
-        t2004,
-        t2010,
-        t2013,
-        t2023,
-        t2033,
-        t2057,
-        t2071,
-        t2092,
-        t2106,
-        t2119,
-        t2126,
-        t2135,
+        t2008,
+        t2022,
+        t2035,
+        t2042,
+        t2051,
+        t2069,
+        t2087,
+        t2095,
+        t2099,
+        t2104,
+        t2118,
+        t2131,
+        t2138,
+        t2148,
         t2153,
-        t2171,
-        t2179,
-        t2183,
-        t2188,
-        t2202,
-        t2215,
-        t2222,
-        t2232,
-        t2237,
+        t2191,
+        t2198,
+        t2219,
+        t2231,
+        t2267,
+        t2268,
+        t2269,
+        t2270,
+        t2271,
+        t2272,
+        t2273,
+        t2274,
         t2275,
+        t2276,
+        t2277,
+        t2278,
+        t2279,
+        t2280,
+        t2281,
         t2282,
-        t2303,
-        t2315,
-        t2351,
-        t2352,
-        t2353,
-        t2354,
-        t2355,
-        t2356,
-        t2357,
-        t2358,
-        t2359,
-        t2360,
-        t2361,
-        t2362,
-        t2363,
-        t2364,
-        t2365,
-        t2366,
-        t2367,
-        t2368,
-        t2369,
-        t2370,
-        t2371,
-        t2372,
-        t2373,
-        t2374,
-        t2375,
-        t2376,
-        t2377,
-        t2378,
-        t2379,
-        t2380,
-        t2381,
-        t2382,
-        t2383,
-        t2384,
-        t2385,
-        t2386,
-        t2387,
-        t2388,
-        t2389,
+        t2283,
+        t2284,
+        t2285,
+        t2286,
+        t2287,
+        t2288,
+        t2289,
+        t2290,
+        t2291,
+        t2292,
+        t2293,
+        t2294,
+        t2295,
+        t2296,
+        t2297,
+        t2298,
+        t2299,
+        t2300,
+        t2301,
+        t2302,
         minus_inverse_d_joint1,
-        t2391,
-        t2392,
-        t2393,
-        t2394,
-        t2395,
-        t2396,
-        t2397,
-        t2398,
+        t2304,
+        t2305,
+        t2306,
+        t2307,
+        t2308,
+        t2309,
+        t2310,
+        t2311,
     ]
 }
 
-/// Structure of `A_y`: `false` where the entry is zero in every state; 30 of 36 are not.
+/// Structure of `A_y`: `false` where the entry is zero in every state; 24 of 36 are not.
 pub const A_Y_NONZERO: [[bool; 6]; 6] = [
-    [false, true, true, true, true, true],
-    [false, true, true, true, true, true],
-    [false, true, true, true, true, true],
-    [false, true, true, true, true, true],
-    [false, true, true, true, true, true],
-    [false, true, true, true, true, true],
+    [false, true, true, true, true, false],
+    [false, true, true, true, true, false],
+    [false, true, true, true, true, false],
+    [false, true, true, true, true, false],
+    [false, true, true, true, true, false],
+    [false, true, true, true, true, false],
 ];
 
 /// Structure of `A_v`: `false` where the entry is zero in every state; 36 of 36 are not.
@@ -9395,7 +9207,7 @@ pub const B_X_NONZERO: [[bool; 6]; 6] = [
 /// - returns `B_x: [N × M]`: ∂ÿ/∂u, row i = acceleration i
 /// - returns `c: [N]`: affine remainder ÿ − A\_y y − A\_v ẏ − B\_x u
 ///
-/// Cost: 1404 multiplications, 1164 additions, 4 divisions, 4 function calls (`sin_cos`), 12 selections.
+/// Cost: 1350 multiplications, 1122 additions, 4 divisions, 4 function calls (`sin_cos`), 12 selections.
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
@@ -9436,20 +9248,19 @@ pub fn linearize_into(
 ) {
     let [omega_joint5_x, t55, inverse_d_joint4, t139, t141, t200, inverse_d_joint3, t317,
     t319, t321, t333, t427, t446, t463, inverse_d_joint2, t501, inverse_d_joint1, t533,
-    t536, t541, t557, t604, t629, t1020, t1155, t1269, t1375, t1428, t1431, t1434, t1437,
-    t1440, t1443, t1448, t1453, t1458, t1463, t1468, t1475, t1482, t1489, t1496, t1503,
-    t1510, t1517, t1524, t1531, t1538, t1547, t1556, t1565, t1574, t1583, t1600, t1603,
-    t1617, t1620, t1667, t1679, t1685, t1698, t1708, t1724, t1751, t1761, t1766, t1772,
-    t1778, t1799, t1828, t1830, t1835, t1840, t1874, t1876, t1902, t1910, t1926, t1945,
-    t1970, t1972, t1978, t1984, t1995, t1998] = linearize_part_1(y, v, u);
-    let [t2004, t2010, t2013, t2023, t2033, t2057, t2071, t2092, t2106, t2119, t2126,
-    t2135, t2153, t2171, t2179, t2180, t2192, t2207, t2210, t2214, t2226, t2234, t2253,
-    t2298, t2306, t2307, t2308, t2309, t2310, t2332, t2345, t2346, t2347, t2348, t2349,
-    t2350, t2387, t2455, t2557, t2591, t2592, t2593, t2594, t2595, t2596, t2597, t2598,
-    t2599, t2600, t2601, t2602, t2603, t2604, t2605, t2606, t2607, t2608, t2609, t2610,
-    t2611, t2612, t2613, t2614, t2615, t2616, t2617, t2618, t2619, t2620, t2621, t2622,
-    t2623, t2624, t2625, t2626, t2627, t2628, t2629, t2630, t2631, t2632, t2633, t2634,
-    t2635, t2636, t2637, t2638, t2639, t2640, t2641, t2642, t2643] = linearize_part_2(
+    t536, t541, t557, t604, t629, t1020, t1155, t1269, t1375, t1378, t1381, t1384, t1387,
+    t1392, t1397, t1402, t1407, t1414, t1421, t1428, t1435, t1442, t1449, t1456, t1463,
+    t1472, t1481, t1490, t1499, t1516, t1533, t1583, t1595, t1601, t1667, t1677, t1682,
+    t1744, t1746, t1756, t1818, t1886, t1888, t1911, t1914, t1917, t1920, t1923, t1926,
+    t1929, t1934, t1939, t1944, t1949, t1954, t1959, t1966, t1973, t1980, t1987, t1994,
+    ] = linearize_part_1(y, v, u);
+    let [t2008, t2022, t2035, t2042, t2051, t2069, t2087, t2095, t2096, t2108, t2123,
+    t2126, t2130, t2142, t2150, t2169, t2214, t2222, t2223, t2224, t2225, t2226, t2248,
+    t2261, t2262, t2263, t2264, t2265, t2266, t2303, t2367, t2463, t2495, t2496, t2497,
+    t2498, t2499, t2500, t2501, t2502, t2503, t2504, t2505, t2506, t2507, t2508, t2509,
+    t2510, t2511, t2512, t2513, t2514, t2515, t2516, t2517, t2518, t2519, t2520, t2521,
+    t2522, t2523, t2524, t2525, t2526, t2527, t2528, t2529, t2530, t2531, t2532, t2533,
+    t2534, t2535, t2536, t2537, t2538, t2539, t2540, t2541, t2542, t2543, t2544] = linearize_part_2(
         y,
         v,
         u,
@@ -9481,186 +9292,180 @@ pub fn linearize_into(
             t1155,
             t1269,
             t1375,
+            t1378,
+            t1381,
+            t1384,
+            t1387,
+            t1392,
+            t1397,
+            t1402,
+            t1407,
+            t1414,
+            t1421,
             t1428,
-            t1431,
-            t1434,
-            t1437,
-            t1440,
-            t1443,
-            t1448,
-            t1453,
-            t1458,
+            t1435,
+            t1442,
+            t1449,
+            t1456,
             t1463,
-            t1468,
-            t1475,
-            t1482,
-            t1489,
-            t1496,
-            t1503,
-            t1510,
-            t1517,
-            t1524,
-            t1531,
-            t1538,
-            t1547,
-            t1556,
-            t1565,
-            t1574,
+            t1472,
+            t1481,
+            t1490,
+            t1499,
+            t1516,
+            t1533,
             t1583,
-            t1600,
-            t1603,
-            t1617,
-            t1620,
+            t1595,
+            t1601,
             t1667,
-            t1679,
-            t1685,
-            t1698,
-            t1708,
-            t1724,
-            t1751,
-            t1761,
-            t1766,
-            t1772,
-            t1778,
-            t1799,
-            t1828,
-            t1830,
-            t1835,
-            t1840,
-            t1874,
-            t1876,
-            t1902,
-            t1910,
+            t1677,
+            t1682,
+            t1744,
+            t1746,
+            t1756,
+            t1818,
+            t1886,
+            t1888,
+            t1911,
+            t1914,
+            t1917,
+            t1920,
+            t1923,
             t1926,
-            t1945,
-            t1970,
-            t1972,
-            t1978,
-            t1984,
-            t1995,
-            t1998,
+            t1929,
+            t1934,
+            t1939,
+            t1944,
+            t1949,
+            t1954,
+            t1959,
+            t1966,
+            t1973,
+            t1980,
+            t1987,
+            t1994,
         ],
     );
     a_y[0][0] = 0.0;
-    a_y[0][1] = t2592;
-    a_y[0][2] = t2593;
+    a_y[0][1] = t2496;
+    a_y[0][2] = t2497;
     a_y[0][3] = t1269;
     a_y[0][4] = t1375;
-    a_y[0][5] = t1428;
+    a_y[0][5] = 0.0;
     a_y[1][0] = 0.0;
-    a_y[1][1] = t2594;
-    a_y[1][2] = t2595;
-    a_y[1][3] = t2596;
-    a_y[1][4] = t2597;
-    a_y[1][5] = t2598;
+    a_y[1][1] = t2498;
+    a_y[1][2] = t2499;
+    a_y[1][3] = t2500;
+    a_y[1][4] = t2501;
+    a_y[1][5] = 0.0;
     a_y[2][0] = 0.0;
-    a_y[2][1] = t1448;
-    a_y[2][2] = t1453;
-    a_y[2][3] = t1458;
-    a_y[2][4] = t1463;
-    a_y[2][5] = t1468;
+    a_y[2][1] = t1392;
+    a_y[2][2] = t1397;
+    a_y[2][3] = t1402;
+    a_y[2][4] = t1407;
+    a_y[2][5] = 0.0;
     a_y[3][0] = 0.0;
-    a_y[3][1] = t1475;
-    a_y[3][2] = t1482;
-    a_y[3][3] = t1489;
-    a_y[3][4] = t1496;
-    a_y[3][5] = t1503;
+    a_y[3][1] = t1414;
+    a_y[3][2] = t1421;
+    a_y[3][3] = t1428;
+    a_y[3][4] = t1435;
+    a_y[3][5] = 0.0;
     a_y[4][0] = 0.0;
-    a_y[4][1] = t2599;
-    a_y[4][2] = t2600;
-    a_y[4][3] = t2601;
-    a_y[4][4] = t2602;
-    a_y[4][5] = t2603;
+    a_y[4][1] = t2502;
+    a_y[4][2] = t2503;
+    a_y[4][3] = t2504;
+    a_y[4][4] = t2505;
+    a_y[4][5] = 0.0;
     a_y[5][0] = 0.0;
-    a_y[5][1] = t2604;
-    a_y[5][2] = t2605;
-    a_y[5][3] = t2606;
-    a_y[5][4] = t2607;
-    a_y[5][5] = t2608;
-    a_v[0][0] = t2609;
-    a_v[0][1] = t1751;
-    a_v[0][2] = t2610;
-    a_v[0][3] = t1902;
-    a_v[0][4] = t2611;
-    a_v[0][5] = t2612;
-    a_v[1][0] = t1998;
-    a_v[1][1] = t2613;
-    a_v[1][2] = t2004;
-    a_v[1][3] = t2614;
-    a_v[1][4] = t2010;
-    a_v[1][5] = t2013;
-    a_v[2][0] = t2615;
-    a_v[2][1] = t2023;
-    a_v[2][2] = t2616;
-    a_v[2][3] = t2033;
-    a_v[2][4] = t2617;
-    a_v[2][5] = t2618;
-    a_v[3][0] = t2619;
-    a_v[3][1] = t2057;
-    a_v[3][2] = t2620;
-    a_v[3][3] = t2071;
-    a_v[3][4] = t2621;
-    a_v[3][5] = t2622;
-    a_v[4][0] = t2092;
-    a_v[4][1] = t2623;
-    a_v[4][2] = t2106;
-    a_v[4][3] = t2624;
-    a_v[4][4] = t2119;
-    a_v[4][5] = t2126;
-    a_v[5][0] = t2135;
-    a_v[5][1] = t2625;
-    a_v[5][2] = t2153;
-    a_v[5][3] = t2626;
-    a_v[5][4] = t2171;
-    a_v[5][5] = t2179;
-    b_x[0][0] = t2180;
-    b_x[0][1] = t2627;
-    b_x[0][2] = t2628;
-    b_x[0][3] = t2192;
-    b_x[0][4] = t2629;
-    b_x[0][5] = t2630;
-    b_x[1][0] = t2207;
-    b_x[1][1] = t2210;
-    b_x[1][2] = t2214;
-    b_x[1][3] = t2631;
-    b_x[1][4] = t2226;
-    b_x[1][5] = t2234;
-    b_x[2][0] = t2632;
-    b_x[2][1] = t2633;
-    b_x[2][2] = t2634;
-    b_x[2][3] = t2253;
-    b_x[2][4] = t2635;
-    b_x[2][5] = t2636;
-    b_x[3][0] = t2637;
-    b_x[3][1] = t2638;
-    b_x[3][2] = t2639;
-    b_x[3][3] = t2640;
-    b_x[3][4] = t2298;
-    b_x[3][5] = t2306;
-    b_x[4][0] = t2307;
-    b_x[4][1] = t2308;
-    b_x[4][2] = t2309;
-    b_x[4][3] = t2310;
-    b_x[4][4] = t2332;
-    b_x[4][5] = t2345;
-    b_x[5][0] = t2346;
-    b_x[5][1] = t2347;
-    b_x[5][2] = t2348;
-    b_x[5][3] = t2349;
-    b_x[5][4] = t2350;
-    b_x[5][5] = t2387;
-    c[0] = t2641;
-    c[1] = t2455;
-    c[2] = t2642;
-    c[3] = t2643;
-    c[4] = t2557;
-    c[5] = t2591;
+    a_y[5][1] = t2506;
+    a_y[5][2] = t2507;
+    a_y[5][3] = t2508;
+    a_y[5][4] = t2509;
+    a_y[5][5] = 0.0;
+    a_v[0][0] = t2510;
+    a_v[0][1] = t1667;
+    a_v[0][2] = t2511;
+    a_v[0][3] = t1818;
+    a_v[0][4] = t2512;
+    a_v[0][5] = t2513;
+    a_v[1][0] = t1914;
+    a_v[1][1] = t2514;
+    a_v[1][2] = t1920;
+    a_v[1][3] = t2515;
+    a_v[1][4] = t1926;
+    a_v[1][5] = t1929;
+    a_v[2][0] = t2516;
+    a_v[2][1] = t1939;
+    a_v[2][2] = t2517;
+    a_v[2][3] = t1949;
+    a_v[2][4] = t2518;
+    a_v[2][5] = t2519;
+    a_v[3][0] = t2520;
+    a_v[3][1] = t1973;
+    a_v[3][2] = t2521;
+    a_v[3][3] = t1987;
+    a_v[3][4] = t2522;
+    a_v[3][5] = t2523;
+    a_v[4][0] = t2008;
+    a_v[4][1] = t2524;
+    a_v[4][2] = t2022;
+    a_v[4][3] = t2525;
+    a_v[4][4] = t2035;
+    a_v[4][5] = t2042;
+    a_v[5][0] = t2051;
+    a_v[5][1] = t2526;
+    a_v[5][2] = t2069;
+    a_v[5][3] = t2527;
+    a_v[5][4] = t2087;
+    a_v[5][5] = t2095;
+    b_x[0][0] = t2096;
+    b_x[0][1] = t2528;
+    b_x[0][2] = t2529;
+    b_x[0][3] = t2108;
+    b_x[0][4] = t2530;
+    b_x[0][5] = t2531;
+    b_x[1][0] = t2123;
+    b_x[1][1] = t2126;
+    b_x[1][2] = t2130;
+    b_x[1][3] = t2532;
+    b_x[1][4] = t2142;
+    b_x[1][5] = t2150;
+    b_x[2][0] = t2533;
+    b_x[2][1] = t2534;
+    b_x[2][2] = t2535;
+    b_x[2][3] = t2169;
+    b_x[2][4] = t2536;
+    b_x[2][5] = t2537;
+    b_x[3][0] = t2538;
+    b_x[3][1] = t2539;
+    b_x[3][2] = t2540;
+    b_x[3][3] = t2541;
+    b_x[3][4] = t2214;
+    b_x[3][5] = t2222;
+    b_x[4][0] = t2223;
+    b_x[4][1] = t2224;
+    b_x[4][2] = t2225;
+    b_x[4][3] = t2226;
+    b_x[4][4] = t2248;
+    b_x[4][5] = t2261;
+    b_x[5][0] = t2262;
+    b_x[5][1] = t2263;
+    b_x[5][2] = t2264;
+    b_x[5][3] = t2265;
+    b_x[5][4] = t2266;
+    b_x[5][5] = t2303;
+    c[0] = t2542;
+    c[1] = t2367;
+    c[2] = t2543;
+    c[3] = t2544;
+    c[4] = t2463;
+    c[5] = t2495;
 }
 
 /// Part 1 of `linearize`: values that later parts read.
 #[inline(never)]
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
-fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 85] {
+fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 79] {
     let angle_joint2_joint3 = y[1] + y[2];
     let (
         [sin_joint2,
@@ -11041,629 +10846,625 @@ fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 85] {
     let t1373 = t1372 - t1371;
     let t1374 = t1350 - t1373;
     let t1375 = inverse_d_joint1 * t1374;
-    let t1376 = 1.9999999999999998e-5 * t632;
-    let t1377 = omega_joint5_x * t738;
+    let t1376 = t501 * t1020;
+    let t1377 = inverse_d_joint2 * t945;
     let t1378 = t1377 + t1376;
-    let t1379 = moment_joint6_y_2 - t1378;
-    let t1380 = sin_joint5 * t1379;
-    let t1381 = omega_joint5_x * t750;
-    let t1382 = omega_joint5_z * t824;
-    let t1383 = t1382 + t1381;
-    let t1384 = 3.9999999999999996e-5 * t210;
-    let t1385 = t1384 - t1383;
-    let t1386 = cos_joint5 * t1385;
-    let t1387 = t1386 - t1380;
-    let t1388 = t55 * t1385;
-    let t1389 = t1388 - t1387;
-    let t1390 = t139 * t1389;
-    let t1391 = 1.9999999999999998e-5 * t564;
-    let t1392 = omega_joint5_z * t738;
-    let t1393 = t1392 + t1391;
-    let t1394 = moment_joint6_x_2 - t1393;
-    let t1395 = t200 * t1394;
-    let t1396 = t1395 - t1390;
-    let t1397 = cos_joint4 * t1394;
-    let t1398 = t141 * t1385;
-    let t1399 = t1398 + t1397;
-    let t1400 = cos_joint5 * t1379;
-    let t1401 = sin_joint5 * t1385;
-    let t1402 = t1401 + t1400;
-    let t1403 = sin_joint4 * t1402;
-    let t1404 = t1403 - t1399;
-    let t1405 = t1404 + t1396;
-    let t1406 = t463 * t1405;
-    let t1407 = t427 * t1389;
-    let t1408 = t446 * t1394;
-    let t1409 = t1408 + t1407;
-    let t1410 = t1404 - t1409;
-    let t1411 = t1406 - t1410;
-    let t1412 = t501 * t1411;
-    let t1413 = t333 * t1394;
-    let t1414 = t321 * t1385;
-    let t1415 = t1414 - t1413;
-    let t1416 = cos_joint2_joint3 * t1387;
-    let t1417 = t1416 + t1415;
-    let t1418 = t319 * t1389;
-    let t1419 = t1418 + t1417;
-    let t1420 = sin_joint4 * t1394;
-    let t1421 = cos_joint4 * t1402;
-    let t1422 = t1421 + t1420;
-    let t1423 = sin_joint2_joint3 * t1422;
-    let t1424 = t1423 - t1419;
-    let t1425 = t317 * t1405;
+    let t1379 = t501 * t1155;
+    let t1380 = inverse_d_joint2 * t1102;
+    let t1381 = t1380 + t1379;
+    let t1382 = t501 * t1269;
+    let t1383 = inverse_d_joint2 * t1243;
+    let t1384 = t1383 - t1382;
+    let t1385 = t501 * t1375;
+    let t1386 = inverse_d_joint2 * t1349;
+    let t1387 = t1386 - t1385;
+    let t1388 = t463 * t1378;
+    let t1389 = t317 * t1020;
+    let t1390 = inverse_d_joint3 * t915;
+    let t1391 = t1390 + t1389;
+    let t1392 = t1388 - t1391;
+    let t1393 = t463 * t1381;
+    let t1394 = t317 * t1155;
+    let t1395 = inverse_d_joint3 * t1089;
+    let t1396 = t1395 - t1394;
+    let t1397 = t1393 + t1396;
+    let t1398 = t463 * t1384;
+    let t1399 = t317 * t1269;
+    let t1400 = inverse_d_joint3 * t1223;
+    let t1401 = t1400 - t1399;
+    let t1402 = t1398 - t1401;
+    let t1403 = t463 * t1387;
+    let t1404 = t317 * t1375;
+    let t1405 = inverse_d_joint3 * t1329;
+    let t1406 = t1405 - t1404;
+    let t1407 = t1403 - t1406;
+    let t1408 = t139 * t1392;
+    let t1409 = t427 * t1378;
+    let t1410 = t319 * t1020;
+    let t1411 = inverse_d_joint4 * t913;
+    let t1412 = t1411 + t1410;
+    let t1413 = t1409 - t1412;
+    let t1414 = t1408 - t1413;
+    let t1415 = t139 * t1397;
+    let t1416 = t427 * t1381;
+    let t1417 = t319 * t1155;
+    let t1418 = inverse_d_joint4 * t1057;
+    let t1419 = t1418 - t1417;
+    let t1420 = t1416 + t1419;
+    let t1421 = t1415 - t1420;
+    let t1422 = t139 * t1402;
+    let t1423 = t427 * t1384;
+    let t1424 = t319 * t1269;
+    let t1425 = inverse_d_joint4 * t1220;
     let t1426 = t1425 - t1424;
-    let t1427 = t1412 - t1426;
-    let t1428 = inverse_d_joint1 * t1427;
-    let t1429 = t501 * t1020;
-    let t1430 = inverse_d_joint2 * t945;
-    let t1431 = t1430 + t1429;
-    let t1432 = t501 * t1155;
-    let t1433 = inverse_d_joint2 * t1102;
-    let t1434 = t1433 + t1432;
-    let t1435 = t501 * t1269;
-    let t1436 = inverse_d_joint2 * t1243;
-    let t1437 = t1436 - t1435;
-    let t1438 = t501 * t1375;
-    let t1439 = inverse_d_joint2 * t1349;
+    let t1427 = t1423 - t1426;
+    let t1428 = t1422 - t1427;
+    let t1429 = t139 * t1407;
+    let t1430 = t427 * t1387;
+    let t1431 = t319 * t1375;
+    let t1432 = inverse_d_joint4 * t1285;
+    let t1433 = t1432 + t1431;
+    let t1434 = t1430 + t1433;
+    let t1435 = t1429 - t1434;
+    let t1436 = t200 * t1392;
+    let t1437 = t446 * t1378;
+    let t1438 = t333 * t1020;
+    let t1439 = 5.83606090588883 * t872;
     let t1440 = t1439 - t1438;
-    let t1441 = t501 * t1428;
-    let t1442 = inverse_d_joint2 * t1411;
-    let t1443 = t1442 - t1441;
-    let t1444 = t463 * t1431;
-    let t1445 = t317 * t1020;
-    let t1446 = inverse_d_joint3 * t915;
-    let t1447 = t1446 + t1445;
+    let t1441 = t1437 - t1440;
+    let t1442 = t1436 + t1441;
+    let t1443 = t200 * t1397;
+    let t1444 = t446 * t1381;
+    let t1445 = t333 * t1155;
+    let t1446 = 5.83606090588883 * t1087;
+    let t1447 = t1446 - t1445;
     let t1448 = t1444 - t1447;
-    let t1449 = t463 * t1434;
-    let t1450 = t317 * t1155;
-    let t1451 = inverse_d_joint3 * t1089;
-    let t1452 = t1451 - t1450;
-    let t1453 = t1449 + t1452;
-    let t1454 = t463 * t1437;
-    let t1455 = t317 * t1269;
-    let t1456 = inverse_d_joint3 * t1223;
-    let t1457 = t1456 - t1455;
-    let t1458 = t1454 - t1457;
-    let t1459 = t463 * t1440;
-    let t1460 = t317 * t1375;
-    let t1461 = inverse_d_joint3 * t1329;
-    let t1462 = t1461 - t1460;
-    let t1463 = t1459 - t1462;
-    let t1464 = t463 * t1443;
-    let t1465 = t317 * t1428;
-    let t1466 = inverse_d_joint3 * t1405;
-    let t1467 = t1466 - t1465;
-    let t1468 = t1464 - t1467;
-    let t1469 = t139 * t1448;
-    let t1470 = t427 * t1431;
-    let t1471 = t319 * t1020;
-    let t1472 = inverse_d_joint4 * t913;
-    let t1473 = t1472 + t1471;
-    let t1474 = t1470 - t1473;
-    let t1475 = t1469 - t1474;
-    let t1476 = t139 * t1453;
-    let t1477 = t427 * t1434;
-    let t1478 = t319 * t1155;
-    let t1479 = inverse_d_joint4 * t1057;
-    let t1480 = t1479 - t1478;
-    let t1481 = t1477 + t1480;
-    let t1482 = t1476 - t1481;
-    let t1483 = t139 * t1458;
-    let t1484 = t427 * t1437;
-    let t1485 = t319 * t1269;
-    let t1486 = inverse_d_joint4 * t1220;
-    let t1487 = t1486 - t1485;
-    let t1488 = t1484 - t1487;
+    let t1449 = t1443 + t1448;
+    let t1450 = t200 * t1402;
+    let t1451 = t446 * t1384;
+    let t1452 = t333 * t1269;
+    let t1453 = 5.83606090588883 * t1199;
+    let t1454 = t1453 + t1452;
+    let t1455 = t1451 - t1454;
+    let t1456 = t1450 + t1455;
+    let t1457 = t200 * t1407;
+    let t1458 = t446 * t1387;
+    let t1459 = t333 * t1375;
+    let t1460 = 5.83606090588883 * t1299;
+    let t1461 = t1460 + t1459;
+    let t1462 = t1458 - t1461;
+    let t1463 = t1457 + t1462;
+    let t1464 = t55 * t1414;
+    let t1465 = t141 * t1392;
+    let t1466 = t141 * t1378;
+    let t1467 = t321 * t1020;
+    let t1468 = 5.151863922779921 * t835;
+    let t1469 = t1468 + t1467;
+    let t1470 = t1466 - t1469;
+    let t1471 = t1465 - t1470;
+    let t1472 = t1464 + t1471;
+    let t1473 = t55 * t1421;
+    let t1474 = t141 * t1397;
+    let t1475 = t141 * t1381;
+    let t1476 = t321 * t1155;
+    let t1477 = 5.151863922779921 * t1045;
+    let t1478 = t1477 + t1476;
+    let t1479 = t1475 - t1478;
+    let t1480 = t1474 - t1479;
+    let t1481 = t1473 + t1480;
+    let t1482 = t55 * t1428;
+    let t1483 = t141 * t1402;
+    let t1484 = t141 * t1384;
+    let t1485 = t321 * t1269;
+    let t1486 = 5.151863922779921 * t1207;
+    let t1487 = t1486 + t1485;
+    let t1488 = t1484 + t1487;
     let t1489 = t1483 - t1488;
-    let t1490 = t139 * t1463;
-    let t1491 = t427 * t1440;
-    let t1492 = t319 * t1375;
-    let t1493 = inverse_d_joint4 * t1285;
-    let t1494 = t1493 + t1492;
-    let t1495 = t1491 + t1494;
-    let t1496 = t1490 - t1495;
-    let t1497 = t139 * t1468;
-    let t1498 = t427 * t1443;
-    let t1499 = t319 * t1428;
-    let t1500 = inverse_d_joint4 * t1389;
-    let t1501 = t1500 + t1499;
-    let t1502 = t1498 + t1501;
-    let t1503 = t1497 - t1502;
-    let t1504 = t200 * t1448;
-    let t1505 = t446 * t1431;
-    let t1506 = t333 * t1020;
-    let t1507 = 5.83606090588883 * t872;
-    let t1508 = t1507 - t1506;
-    let t1509 = t1505 - t1508;
-    let t1510 = t1504 + t1509;
-    let t1511 = t200 * t1453;
-    let t1512 = t446 * t1434;
-    let t1513 = t333 * t1155;
-    let t1514 = 5.83606090588883 * t1087;
-    let t1515 = t1514 - t1513;
-    let t1516 = t1512 - t1515;
-    let t1517 = t1511 + t1516;
-    let t1518 = t200 * t1458;
-    let t1519 = t446 * t1437;
-    let t1520 = t333 * t1269;
-    let t1521 = 5.83606090588883 * t1199;
-    let t1522 = t1521 + t1520;
-    let t1523 = t1519 - t1522;
-    let t1524 = t1518 + t1523;
-    let t1525 = t200 * t1463;
-    let t1526 = t446 * t1440;
-    let t1527 = t333 * t1375;
-    let t1528 = 5.83606090588883 * t1299;
-    let t1529 = t1528 + t1527;
-    let t1530 = t1526 - t1529;
-    let t1531 = t1525 + t1530;
-    let t1532 = t200 * t1468;
-    let t1533 = t446 * t1443;
-    let t1534 = t333 * t1428;
-    let t1535 = 5.83606090588883 * t1394;
-    let t1536 = t1535 - t1534;
-    let t1537 = t1533 + t1536;
-    let t1538 = t1532 + t1537;
-    let t1539 = t55 * t1475;
-    let t1540 = t141 * t1448;
-    let t1541 = t141 * t1431;
-    let t1542 = t321 * t1020;
-    let t1543 = 5.151863922779921 * t835;
-    let t1544 = t1543 + t1542;
-    let t1545 = t1541 - t1544;
-    let t1546 = t1540 - t1545;
-    let t1547 = t1539 + t1546;
-    let t1548 = t55 * t1482;
-    let t1549 = t141 * t1453;
-    let t1550 = t141 * t1434;
-    let t1551 = t321 * t1155;
-    let t1552 = 5.151863922779921 * t1045;
+    let t1490 = t1482 + t1489;
+    let t1491 = t55 * t1435;
+    let t1492 = t141 * t1407;
+    let t1493 = t141 * t1387;
+    let t1494 = t321 * t1375;
+    let t1495 = 5.151863922779921 * t1283;
+    let t1496 = t1495 - t1494;
+    let t1497 = t1493 - t1496;
+    let t1498 = t1492 - t1497;
+    let t1499 = t1491 + t1498;
+    let t1500 = sin_joint2_joint3 * t782;
+    let t1501 = cos_joint2_joint3 * t804;
+    let t1502 = t1500 - t1501;
+    let t1503 = sin_joint2_joint3 * t894;
+    let t1504 = cos_joint2_joint3 * t897;
+    let t1505 = v[0] * 0.6949976841130152;
+    let t1506 = t257 * t1505;
+    let t1507 = v[1] * sin_joint2;
+    let t1508 = 2.0 * t1507;
+    let t1509 = t257 * t1508;
+    let t1510 = t1509 - t1506;
+    let t1511 = t282 * t808;
+    let t1512 = t1511 - t1510;
+    let t1513 = t1504 - t1512;
+    let t1514 = sin_joint2_joint3 * t827;
+    let t1515 = cos_joint2_joint3 * t829;
+    let t1516 = t1514 + t1515;
+    let t1517 = t55 * t1516;
+    let t1518 = t1517 + t1513;
+    let t1519 = t1503 + t1518;
+    let t1520 = t139 * t1519;
+    let t1521 = t141 * t1516;
+    let t1522 = t262 * t808;
+    let t1523 = t1522 + t1521;
+    let t1524 = t1520 + t1523;
+    let t1525 = sin_joint2_joint3 * t852;
+    let t1526 = cos_joint2_joint3 * t856;
+    let t1527 = t253 * t808;
+    let t1528 = t242 * t1505;
+    let t1529 = t242 * t1508;
+    let t1530 = t1529 - t1528;
+    let t1531 = t1527 + t1530;
+    let t1532 = t1526 - t1531;
+    let t1533 = t1525 + t1532;
+    let t1534 = t200 * t1533;
+    let t1535 = t1534 + t1524;
+    let t1536 = t1502 + t1535;
+    let t1537 = t317 * t1536;
+    let t1538 = t319 * t1519;
+    let t1539 = t321 * t1516;
+    let t1540 = t937 * t1505;
+    let t1541 = t274 * t808;
+    let t1542 = 5.8018217679508 - t1541;
+    let t1543 = t379 * t926;
+    let t1544 = t1543 - t1542;
+    let t1545 = t1540 - t1544;
+    let t1546 = t1539 - t1545;
+    let t1547 = t383 * t926;
+    let t1548 = t1547 - t924;
+    let t1549 = 0.3474988420565076 * t1548;
+    let t1550 = t1549 + t1546;
+    let t1551 = t1538 + t1550;
+    let t1552 = t333 * t1533;
     let t1553 = t1552 + t1551;
-    let t1554 = t1550 - t1553;
-    let t1555 = t1549 - t1554;
-    let t1556 = t1548 + t1555;
-    let t1557 = t55 * t1489;
-    let t1558 = t141 * t1458;
-    let t1559 = t141 * t1437;
-    let t1560 = t321 * t1269;
-    let t1561 = 5.151863922779921 * t1207;
-    let t1562 = t1561 + t1560;
-    let t1563 = t1559 + t1562;
-    let t1564 = t1558 - t1563;
-    let t1565 = t1557 + t1564;
-    let t1566 = t55 * t1496;
-    let t1567 = t141 * t1463;
-    let t1568 = t141 * t1440;
-    let t1569 = t321 * t1375;
-    let t1570 = 5.151863922779921 * t1283;
-    let t1571 = t1570 - t1569;
-    let t1572 = t1568 - t1571;
-    let t1573 = t1567 - t1572;
-    let t1574 = t1566 + t1573;
-    let t1575 = t55 * t1503;
-    let t1576 = t141 * t1468;
-    let t1577 = t141 * t1443;
-    let t1578 = t321 * t1428;
-    let t1579 = 5.151863922779921 * t1385;
-    let t1580 = t1579 + t1578;
-    let t1581 = t1577 + t1580;
-    let t1582 = t1576 - t1581;
-    let t1583 = t1575 + t1582;
-    let t1584 = sin_joint2_joint3 * t782;
-    let t1585 = cos_joint2_joint3 * t804;
-    let t1586 = t1584 - t1585;
-    let t1587 = sin_joint2_joint3 * t894;
-    let t1588 = cos_joint2_joint3 * t897;
-    let t1589 = v[0] * 0.6949976841130152;
-    let t1590 = t257 * t1589;
-    let t1591 = v[1] * sin_joint2;
-    let t1592 = 2.0 * t1591;
-    let t1593 = t257 * t1592;
-    let t1594 = t1593 - t1590;
-    let t1595 = t282 * t808;
-    let t1596 = t1595 - t1594;
-    let t1597 = t1588 - t1596;
-    let t1598 = sin_joint2_joint3 * t827;
-    let t1599 = cos_joint2_joint3 * t829;
-    let t1600 = t1598 + t1599;
-    let t1601 = t55 * t1600;
-    let t1602 = t1601 + t1597;
-    let t1603 = t1587 + t1602;
-    let t1604 = t139 * t1603;
-    let t1605 = t141 * t1600;
-    let t1606 = t262 * t808;
-    let t1607 = t1606 + t1605;
-    let t1608 = t1604 + t1607;
-    let t1609 = sin_joint2_joint3 * t852;
-    let t1610 = cos_joint2_joint3 * t856;
-    let t1611 = t253 * t808;
-    let t1612 = t242 * t1589;
-    let t1613 = t242 * t1592;
-    let t1614 = t1613 - t1612;
-    let t1615 = t1611 + t1614;
-    let t1616 = t1610 - t1615;
-    let t1617 = t1609 + t1616;
-    let t1618 = t200 * t1617;
-    let t1619 = t1618 + t1608;
-    let t1620 = t1586 + t1619;
-    let t1621 = t317 * t1620;
-    let t1622 = t319 * t1603;
-    let t1623 = t321 * t1600;
-    let t1624 = t937 * t1589;
-    let t1625 = t274 * t808;
-    let t1626 = 5.8018217679508 - t1625;
-    let t1627 = t379 * t926;
-    let t1628 = t1627 - t1626;
-    let t1629 = t1624 - t1628;
-    let t1630 = t1623 - t1629;
-    let t1631 = t383 * t926;
-    let t1632 = t1631 - t924;
-    let t1633 = 0.3474988420565076 * t1632;
-    let t1634 = t1633 + t1630;
-    let t1635 = t1622 + t1634;
-    let t1636 = t333 * t1617;
-    let t1637 = t1636 + t1635;
-    let t1638 = t1125 - t1637;
-    let t1639 = t1621 + t1638;
-    let t1640 = sin_joint2_joint3 * t981;
-    let t1641 = cos_joint2_joint3 * t984;
-    let t1642 = sin_joint2_joint3 * t987;
-    let t1643 = t1641 + t1642;
-    let t1644 = cos_joint2 * t1643;
-    let t1645 = t456 * t1592;
-    let t1646 = t374 * t79;
-    let t1647 = t1627 + t1646;
-    let t1648 = t1647 - t1645;
-    let t1649 = t1644 - t1648;
-    let t1650 = t957 + t1649;
-    let t1651 = t1640 - t1650;
-    let t1652 = t1651 + t1639;
-    let t1653 = t463 * t1620;
-    let t1654 = t427 * t1603;
-    let t1655 = sin_joint2 * t924;
-    let t1656 = t374 * t926;
-    let t1657 = t1656 - t1606;
-    let t1658 = t1655 + t1657;
-    let t1659 = t1605 - t1658;
-    let t1660 = t1654 + t1659;
-    let t1661 = t446 * t1617;
-    let t1662 = t1661 - t1660;
-    let t1663 = t1586 - t1662;
-    let t1664 = t1653 - t1663;
-    let t1665 = t501 * t1664;
-    let t1666 = t1665 - t1652;
+    let t1554 = t1125 - t1553;
+    let t1555 = t1537 + t1554;
+    let t1556 = sin_joint2_joint3 * t981;
+    let t1557 = cos_joint2_joint3 * t984;
+    let t1558 = sin_joint2_joint3 * t987;
+    let t1559 = t1557 + t1558;
+    let t1560 = cos_joint2 * t1559;
+    let t1561 = t456 * t1508;
+    let t1562 = t374 * t79;
+    let t1563 = t1543 + t1562;
+    let t1564 = t1563 - t1561;
+    let t1565 = t1560 - t1564;
+    let t1566 = t957 + t1565;
+    let t1567 = t1556 - t1566;
+    let t1568 = t1567 + t1555;
+    let t1569 = t463 * t1536;
+    let t1570 = t427 * t1519;
+    let t1571 = sin_joint2 * t924;
+    let t1572 = t374 * t926;
+    let t1573 = t1572 - t1522;
+    let t1574 = t1571 + t1573;
+    let t1575 = t1521 - t1574;
+    let t1576 = t1570 + t1575;
+    let t1577 = t446 * t1533;
+    let t1578 = t1577 - t1576;
+    let t1579 = t1502 - t1578;
+    let t1580 = t1569 - t1579;
+    let t1581 = t501 * t1580;
+    let t1582 = t1581 - t1568;
+    let t1583 = inverse_d_joint1 * t1582;
+    let t1584 = t957 + t964;
+    let t1585 = sin_joint4 * t844;
+    let t1586 = cos_joint4 * t762;
+    let t1587 = t250 * t848;
+    let t1588 = t1586 + t1587;
+    let t1589 = t1585 + t1588;
+    let t1590 = t926 * t842;
+    let t1591 = t253 * t860;
+    let t1592 = t443 * t1508;
+    let t1593 = t1592 + t1591;
+    let t1594 = t1593 + t1590;
+    let t1595 = t1589 + t1594;
+    let t1596 = t200 * t1595;
+    let t1597 = cos_joint4 * t750;
+    let t1598 = sin_joint4 * t825;
+    let t1599 = t1598 + t1597;
+    let t1600 = t821 * t926;
+    let t1601 = t1599 - t1600;
+    let t1602 = t55 * t1601;
+    let t1603 = t926 * t879;
+    let t1604 = t282 * t860;
+    let t1605 = t422 * t1508;
+    let t1606 = t1605 + t1604;
+    let t1607 = t1606 - t1603;
+    let t1608 = t1602 + t1607;
+    let t1609 = sin_joint4 * t890;
+    let t1610 = t274 * t848;
+    let t1611 = t1610 + t1609;
+    let t1612 = cos_joint4 * t885;
+    let t1613 = t1612 + t1611;
+    let t1614 = t1613 + t1608;
+    let t1615 = t139 * t1614;
+    let t1616 = t141 * t1601;
+    let t1617 = t736 * t926;
+    let t1618 = t262 * t860;
+    let t1619 = t1561 - t1618;
+    let t1620 = t1619 - t1617;
+    let t1621 = t1616 + t1620;
+    let t1622 = t1615 + t1621;
+    let t1623 = t1596 + t1622;
+    let t1624 = t1584 + t1623;
+    let t1625 = t463 * t1624;
+    let t1626 = t446 * t1595;
+    let t1627 = sin_joint2 * t989;
+    let t1628 = 9.496868641825001 - t1562;
+    let t1629 = t1618 + t1628;
+    let t1630 = t964 - t1629;
+    let t1631 = t926 * t919;
+    let t1632 = t1631 - t1630;
+    let t1633 = t1616 - t1632;
+    let t1634 = t1627 + t1633;
+    let t1635 = t427 * t1614;
+    let t1636 = t1635 + t1634;
+    let t1637 = t1626 - t1636;
+    let t1638 = t1625 + t1637;
+    let t1639 = t1556 - t1638;
+    let t1640 = t1567 - t1639;
+    let t1641 = t501 * t1640;
+    let t1642 = t317 * t1624;
+    let t1643 = omega_joint3_z * 0.009475200000000003;
+    let t1644 = t1643 - t749;
+    let t1645 = t766 + t1644;
+    let t1646 = sin_joint2_joint3 * t1645;
+    let t1647 = t321 * t1601;
+    let t1648 = t274 * t860;
+    let t1649 = t379 * t79;
+    let t1650 = t1649 + t1648;
+    let t1651 = t1647 - t1650;
+    let t1652 = t926 * t1008;
+    let t1653 = t1652 + t1651;
+    let t1654 = cos_joint2_joint3 * t1613;
+    let t1655 = t1654 - t1653;
+    let t1656 = t319 * t1614;
+    let t1657 = t1656 - t1655;
+    let t1658 = t383 * t79;
+    let t1659 = t1658 - t989;
+    let t1660 = 0.3474988420565076 * t1659;
+    let t1661 = t1660 - t1657;
+    let t1662 = t333 * t1595;
+    let t1663 = t1662 - t1661;
+    let t1664 = t1646 + t1663;
+    let t1665 = t1642 - t1664;
+    let t1666 = t1641 - t1665;
     let t1667 = inverse_d_joint1 * t1666;
-    let t1668 = t957 + t964;
-    let t1669 = sin_joint4 * t844;
-    let t1670 = cos_joint4 * t762;
-    let t1671 = t250 * t848;
-    let t1672 = t1670 + t1671;
-    let t1673 = t1669 + t1672;
-    let t1674 = t926 * t842;
-    let t1675 = t253 * t860;
-    let t1676 = t443 * t1592;
-    let t1677 = t1676 + t1675;
-    let t1678 = t1677 + t1674;
-    let t1679 = t1673 + t1678;
-    let t1680 = t200 * t1679;
-    let t1681 = cos_joint4 * t750;
-    let t1682 = sin_joint4 * t825;
-    let t1683 = t1682 + t1681;
-    let t1684 = t821 * t926;
-    let t1685 = t1683 - t1684;
-    let t1686 = t55 * t1685;
-    let t1687 = t926 * t879;
-    let t1688 = t282 * t860;
-    let t1689 = t422 * t1592;
-    let t1690 = t1689 + t1688;
-    let t1691 = t1690 - t1687;
-    let t1692 = t1686 + t1691;
-    let t1693 = sin_joint4 * t890;
-    let t1694 = t274 * t848;
-    let t1695 = t1694 + t1693;
-    let t1696 = cos_joint4 * t885;
-    let t1697 = t1696 + t1695;
-    let t1698 = t1697 + t1692;
-    let t1699 = t139 * t1698;
-    let t1700 = t141 * t1685;
-    let t1701 = t736 * t926;
-    let t1702 = t262 * t860;
-    let t1703 = t1645 - t1702;
-    let t1704 = t1703 - t1701;
-    let t1705 = t1700 + t1704;
-    let t1706 = t1699 + t1705;
-    let t1707 = t1680 + t1706;
-    let t1708 = t1668 + t1707;
-    let t1709 = t463 * t1708;
-    let t1710 = t446 * t1679;
-    let t1711 = sin_joint2 * t989;
-    let t1712 = 9.496868641825001 - t1646;
-    let t1713 = t1702 + t1712;
-    let t1714 = t964 - t1713;
-    let t1715 = t926 * t919;
-    let t1716 = t1715 - t1714;
-    let t1717 = t1700 - t1716;
-    let t1718 = t1711 + t1717;
-    let t1719 = t427 * t1698;
-    let t1720 = t1719 + t1718;
-    let t1721 = t1710 - t1720;
-    let t1722 = t1709 + t1721;
-    let t1723 = t1640 - t1722;
-    let t1724 = t1651 - t1723;
-    let t1725 = t501 * t1724;
-    let t1726 = t317 * t1708;
-    let t1727 = omega_joint3_z * 0.009475200000000003;
-    let t1728 = t1727 - t749;
-    let t1729 = t766 + t1728;
-    let t1730 = sin_joint2_joint3 * t1729;
-    let t1731 = t321 * t1685;
-    let t1732 = t274 * t860;
-    let t1733 = t379 * t79;
+    let t1668 = 2.0 * omega_joint3_y;
+    let t1669 = t276 * t1668;
+    let t1670 = 2.0 * omega_joint3_x;
+    let t1671 = t278 * t1670;
+    let t1672 = t1669 + t1671;
+    let t1673 = t1672 - t1584;
+    let t1674 = t243 * t1670;
+    let t1675 = t247 * t1668;
+    let t1676 = t1675 + t1674;
+    let t1677 = t1676 + t1589;
+    let t1678 = t200 * t1677;
+    let t1679 = t124 * t1670;
+    let t1680 = t264 * t1668;
+    let t1681 = t1680 + t1679;
+    let t1682 = t1599 - t1681;
+    let t1683 = t55 * t1682;
+    let t1684 = t290 * t1670;
+    let t1685 = t292 * t1668;
+    let t1686 = t1685 - t1684;
+    let t1687 = t1686 - t1683;
+    let t1688 = t1613 - t1687;
+    let t1689 = t139 * t1688;
+    let t1690 = t141 * t1682;
+    let t1691 = 3.9804259903721997 - t1690;
+    let t1692 = t1689 - t1691;
+    let t1693 = t1678 + t1692;
+    let t1694 = t1673 - t1693;
+    let t1695 = t463 * t1694;
+    let t1696 = t427 * t1688;
+    let t1697 = t1690 + t1696;
+    let t1698 = t274 * t1668;
+    let t1699 = t984 + t1698;
+    let t1700 = sin_joint2_joint3 * t1699;
+    let t1701 = t274 * t1670;
+    let t1702 = t987 + t1701;
+    let t1703 = cos_joint2_joint3 * t1702;
+    let t1704 = t1703 - t1700;
+    let t1705 = sin_joint2 * t1704;
+    let t1706 = cos_joint2_joint3 * t1699;
+    let t1707 = sin_joint2_joint3 * t1702;
+    let t1708 = t1707 + t1706;
+    let t1709 = cos_joint2 * t1708;
+    let t1710 = t1709 - t1705;
+    let t1711 = t1710 + t1697;
+    let t1712 = t446 * t1677;
+    let t1713 = t1712 - t1711;
+    let t1714 = t1673 + t1713;
+    let t1715 = t1695 - t1714;
+    let t1716 = t501 * t1715;
+    let t1717 = t317 * t1694;
+    let t1718 = t1668 * t1133;
+    let t1719 = t1670 * t524;
+    let t1720 = t1718 - t1719;
+    let t1721 = t1645 + t1720;
+    let t1722 = sin_joint2_joint3 * t1721;
+    let t1723 = t1670 * t507;
+    let t1724 = t1668 * t524;
+    let t1725 = t1723 - t1724;
+    let t1726 = t1613 + t1725;
+    let t1727 = cos_joint2_joint3 * t1726;
+    let t1728 = 0.3474988420565076 * t1704;
+    let t1729 = t1728 + t1727;
+    let t1730 = t319 * t1688;
+    let t1731 = t321 * t1682;
+    let t1732 = t258 * t1670;
+    let t1733 = t260 * t1668;
     let t1734 = t1733 + t1732;
-    let t1735 = t1731 - t1734;
-    let t1736 = t926 * t1008;
-    let t1737 = t1736 + t1735;
-    let t1738 = cos_joint2_joint3 * t1697;
-    let t1739 = t1738 - t1737;
-    let t1740 = t319 * t1698;
-    let t1741 = t1740 - t1739;
-    let t1742 = t383 * t79;
-    let t1743 = t1742 - t989;
-    let t1744 = 0.3474988420565076 * t1743;
-    let t1745 = t1744 - t1741;
-    let t1746 = t333 * t1679;
-    let t1747 = t1746 - t1745;
-    let t1748 = t1730 + t1747;
-    let t1749 = t1726 - t1748;
-    let t1750 = t1725 - t1749;
-    let t1751 = inverse_d_joint1 * t1750;
-    let t1752 = 2.0 * omega_joint3_y;
-    let t1753 = t276 * t1752;
-    let t1754 = 2.0 * omega_joint3_x;
-    let t1755 = t278 * t1754;
-    let t1756 = t1753 + t1755;
-    let t1757 = t1756 - t1668;
-    let t1758 = t243 * t1754;
-    let t1759 = t247 * t1752;
-    let t1760 = t1759 + t1758;
-    let t1761 = t1760 + t1673;
-    let t1762 = t200 * t1761;
-    let t1763 = t124 * t1754;
-    let t1764 = t264 * t1752;
-    let t1765 = t1764 + t1763;
-    let t1766 = t1683 - t1765;
-    let t1767 = t55 * t1766;
-    let t1768 = t290 * t1754;
-    let t1769 = t292 * t1752;
-    let t1770 = t1769 - t1768;
-    let t1771 = t1770 - t1767;
-    let t1772 = t1697 - t1771;
-    let t1773 = t139 * t1772;
-    let t1774 = t141 * t1766;
-    let t1775 = 3.9804259903721997 - t1774;
-    let t1776 = t1773 - t1775;
-    let t1777 = t1762 + t1776;
-    let t1778 = t1757 - t1777;
-    let t1779 = t463 * t1778;
-    let t1780 = t427 * t1772;
-    let t1781 = t1774 + t1780;
-    let t1782 = t274 * t1752;
-    let t1783 = t984 + t1782;
-    let t1784 = sin_joint2_joint3 * t1783;
-    let t1785 = t274 * t1754;
-    let t1786 = t987 + t1785;
-    let t1787 = cos_joint2_joint3 * t1786;
-    let t1788 = t1787 - t1784;
-    let t1789 = sin_joint2 * t1788;
-    let t1790 = cos_joint2_joint3 * t1783;
-    let t1791 = sin_joint2_joint3 * t1786;
-    let t1792 = t1791 + t1790;
-    let t1793 = cos_joint2 * t1792;
-    let t1794 = t1793 - t1789;
-    let t1795 = t1794 + t1781;
-    let t1796 = t446 * t1761;
+    let t1735 = cos_joint2 * t1734;
+    let t1736 = t1735 - t1731;
+    let t1737 = t1730 - t1736;
+    let t1738 = t1737 - t1729;
+    let t1739 = t333 * t1677;
+    let t1740 = t1739 + t1738;
+    let t1741 = t1722 + t1740;
+    let t1742 = t1717 + t1741;
+    let t1743 = t1716 - t1742;
+    let t1744 = inverse_d_joint1 * t1743;
+    let t1745 = t135 * t761;
+    let t1746 = t829 - t1745;
+    let t1747 = t55 * t1746;
+    let t1748 = 0.41164522969715195 + t1747;
+    let t1749 = t131 * t761;
+    let t1750 = t760 - t1749;
+    let t1751 = t1750 + t1748;
+    let t1752 = t427 * t1751;
+    let t1753 = t141 * t1746;
+    let t1754 = t1753 + t1752;
+    let t1755 = omega_joint4_x * 0.00128432;
+    let t1756 = t786 - t1755;
+    let t1757 = t1756 * t446;
+    let t1758 = t1757 - t1754;
+    let t1759 = t770 - t794;
+    let t1760 = sin_joint4 * t1759;
+    let t1761 = t767 - t787;
+    let t1762 = cos_joint4 * t1761;
+    let t1763 = t1762 + t1760;
+    let t1764 = cos_joint2_joint3 * t1763;
+    let t1765 = sin_joint2_joint3 * t748;
+    let t1766 = t1764 + t1765;
+    let t1767 = sin_joint2 * t1766;
+    let t1768 = sin_joint2_joint3 * t1763;
+    let t1769 = cos_joint2_joint3 * t748;
+    let t1770 = t1768 - t1769;
+    let t1771 = cos_joint2 * t1770;
+    let t1772 = t1771 - t1767;
+    let t1773 = t1772 - t1758;
+    let t1774 = t747 * t1161;
+    let t1775 = t1761 - t1774;
+    let t1776 = t786 + t1775;
+    let t1777 = cos_joint4 * t1776;
+    let t1778 = t761 * t1176;
+    let t1779 = t1759 + t1778;
+    let t1780 = t793 + t1779;
+    let t1781 = sin_joint4 * t1780;
+    let t1782 = 0.047012505789717454 * t748;
+    let t1783 = t1782 + t1781;
+    let t1784 = t1777 + t1783;
+    let t1785 = t1784 - t1773;
+    let t1786 = t139 * t1751;
+    let t1787 = t1753 + t1786;
+    let t1788 = t200 * t1756;
+    let t1789 = t1788 + t1787;
+    let t1790 = t1784 - t1789;
+    let t1791 = t463 * t1790;
+    let t1792 = t1791 - t1785;
+    let t1793 = t501 * t1792;
+    let t1794 = 0.3474988420565076 * t1766;
+    let t1795 = cos_joint4 * t1759;
+    let t1796 = sin_joint4 * t1761;
     let t1797 = t1796 - t1795;
-    let t1798 = t1757 + t1797;
-    let t1799 = t1779 - t1798;
-    let t1800 = t501 * t1799;
-    let t1801 = t317 * t1778;
-    let t1802 = t1752 * t1133;
-    let t1803 = t1754 * t524;
+    let t1798 = 0.047012505789717454 * t1797;
+    let t1799 = t1750 + t1798;
+    let t1800 = cos_joint2_joint3 * t1799;
+    let t1801 = t1800 + t1794;
+    let t1802 = cos_joint2 * t1797;
+    let t1803 = t321 * t1746;
     let t1804 = t1802 - t1803;
-    let t1805 = t1729 + t1804;
-    let t1806 = sin_joint2_joint3 * t1805;
-    let t1807 = t1754 * t507;
-    let t1808 = t1752 * t524;
-    let t1809 = t1807 - t1808;
-    let t1810 = t1697 + t1809;
-    let t1811 = cos_joint2_joint3 * t1810;
-    let t1812 = 0.3474988420565076 * t1788;
-    let t1813 = t1812 + t1811;
-    let t1814 = t319 * t1772;
-    let t1815 = t321 * t1766;
-    let t1816 = t258 * t1754;
-    let t1817 = t260 * t1752;
-    let t1818 = t1817 + t1816;
-    let t1819 = cos_joint2 * t1818;
-    let t1820 = t1819 - t1815;
-    let t1821 = t1814 - t1820;
-    let t1822 = t1821 - t1813;
-    let t1823 = t333 * t1761;
-    let t1824 = t1823 + t1822;
-    let t1825 = t1806 + t1824;
-    let t1826 = t1801 + t1825;
-    let t1827 = t1800 - t1826;
-    let t1828 = inverse_d_joint1 * t1827;
-    let t1829 = t135 * t761;
-    let t1830 = t829 - t1829;
-    let t1831 = t55 * t1830;
-    let t1832 = 0.41164522969715195 + t1831;
-    let t1833 = t131 * t761;
-    let t1834 = t760 - t1833;
-    let t1835 = t1834 + t1832;
-    let t1836 = t427 * t1835;
-    let t1837 = t141 * t1830;
-    let t1838 = t1837 + t1836;
-    let t1839 = omega_joint4_x * 0.00128432;
-    let t1840 = t786 - t1839;
-    let t1841 = t1840 * t446;
-    let t1842 = t1841 - t1838;
-    let t1843 = t770 - t794;
-    let t1844 = sin_joint4 * t1843;
-    let t1845 = t767 - t787;
-    let t1846 = cos_joint4 * t1845;
-    let t1847 = t1846 + t1844;
+    let t1805 = t319 * t1751;
+    let t1806 = t1805 - t1804;
+    let t1807 = t1756 * t333;
+    let t1808 = t1807 + t1806;
+    let t1809 = t1808 - t1801;
+    let t1810 = sin_joint4 * t1776;
+    let t1811 = cos_joint4 * t1780;
+    let t1812 = t1811 - t1810;
+    let t1813 = sin_joint2_joint3 * t1812;
+    let t1814 = t1813 - t1809;
+    let t1815 = t317 * t1790;
+    let t1816 = t1815 - t1814;
+    let t1817 = t1793 - t1816;
+    let t1818 = inverse_d_joint1 * t1817;
+    let t1819 = omega_joint5_y * 0.00088432;
+    let t1820 = t738 + t1819;
+    let t1821 = sin_joint5 * t1820;
+    let t1822 = omega_joint5_x * 0.00044;
+    let t1823 = cos_joint5 * t1822;
+    let t1824 = t1821 + t1823;
+    let t1825 = t55 * t750;
+    let t1826 = t1824 - t1825;
+    let t1827 = t1826 * t139;
+    let t1828 = t141 * t750;
+    let t1829 = t199 * 2.493649734231167;
+    let t1830 = t1828 - t1829;
+    let t1831 = t1827 - t1830;
+    let t1832 = cos_joint5 * t1820;
+    let t1833 = sin_joint5 * t1822;
+    let t1834 = 0.0024871679999999997 * omega_joint5_y;
+    let t1835 = t1834 - t1833;
+    let t1836 = t1832 + t1835;
+    let t1837 = sin_joint4 * t1836;
+    let t1838 = 0.047012505789717454 * t770;
+    let t1839 = cos_joint4 * t958;
+    let t1840 = t1839 + t1838;
+    let t1841 = t1837 - t1840;
+    let t1842 = t1841 - t1831;
+    let t1843 = t463 * t1842;
+    let t1844 = t1826 * t427;
+    let t1845 = t1841 - t1844;
+    let t1846 = sin_joint4 * t1834;
+    let t1847 = t1839 - t1846;
     let t1848 = cos_joint2_joint3 * t1847;
-    let t1849 = sin_joint2_joint3 * t748;
+    let t1849 = sin_joint2_joint3 * t770;
     let t1850 = t1848 + t1849;
     let t1851 = sin_joint2 * t1850;
-    let t1852 = sin_joint2_joint3 * t1847;
-    let t1853 = cos_joint2_joint3 * t748;
-    let t1854 = t1852 - t1853;
-    let t1855 = cos_joint2 * t1854;
-    let t1856 = t1855 - t1851;
-    let t1857 = t1856 - t1842;
-    let t1858 = t747 * t1161;
-    let t1859 = t1845 - t1858;
-    let t1860 = t786 + t1859;
-    let t1861 = cos_joint4 * t1860;
-    let t1862 = t761 * t1176;
-    let t1863 = t1843 + t1862;
-    let t1864 = t793 + t1863;
-    let t1865 = sin_joint4 * t1864;
-    let t1866 = 0.047012505789717454 * t748;
-    let t1867 = t1866 + t1865;
-    let t1868 = t1861 + t1867;
-    let t1869 = t1868 - t1857;
-    let t1870 = t139 * t1835;
-    let t1871 = t1837 + t1870;
-    let t1872 = t200 * t1840;
-    let t1873 = t1872 + t1871;
-    let t1874 = t1868 - t1873;
-    let t1875 = t463 * t1874;
-    let t1876 = t1875 - t1869;
-    let t1877 = t501 * t1876;
-    let t1878 = 0.3474988420565076 * t1850;
-    let t1879 = cos_joint4 * t1843;
-    let t1880 = sin_joint4 * t1845;
-    let t1881 = t1880 - t1879;
-    let t1882 = 0.047012505789717454 * t1881;
-    let t1883 = t1834 + t1882;
-    let t1884 = cos_joint2_joint3 * t1883;
-    let t1885 = t1884 + t1878;
-    let t1886 = cos_joint2 * t1881;
-    let t1887 = t321 * t1830;
-    let t1888 = t1886 - t1887;
-    let t1889 = t319 * t1835;
-    let t1890 = t1889 - t1888;
-    let t1891 = t1840 * t333;
-    let t1892 = t1891 + t1890;
-    let t1893 = t1892 - t1885;
-    let t1894 = sin_joint4 * t1860;
-    let t1895 = cos_joint4 * t1864;
-    let t1896 = t1895 - t1894;
-    let t1897 = sin_joint2_joint3 * t1896;
-    let t1898 = t1897 - t1893;
-    let t1899 = t317 * t1874;
-    let t1900 = t1899 - t1898;
-    let t1901 = t1877 - t1900;
-    let t1902 = inverse_d_joint1 * t1901;
-    let t1903 = omega_joint5_y * 0.00088432;
-    let t1904 = t738 + t1903;
-    let t1905 = sin_joint5 * t1904;
-    let t1906 = omega_joint5_x * 0.00044;
-    let t1907 = cos_joint5 * t1906;
-    let t1908 = t1905 + t1907;
-    let t1909 = t55 * t750;
-    let t1910 = t1908 - t1909;
-    let t1911 = t1910 * t139;
-    let t1912 = t141 * t750;
-    let t1913 = t199 * 2.493649734231167;
-    let t1914 = t1912 - t1913;
-    let t1915 = t1911 - t1914;
-    let t1916 = cos_joint5 * t1904;
-    let t1917 = sin_joint5 * t1906;
-    let t1918 = 0.0024871679999999997 * omega_joint5_y;
-    let t1919 = t1918 - t1917;
-    let t1920 = t1916 + t1919;
-    let t1921 = sin_joint4 * t1920;
-    let t1922 = 0.047012505789717454 * t770;
-    let t1923 = cos_joint4 * t958;
-    let t1924 = t1923 + t1922;
-    let t1925 = t1921 - t1924;
-    let t1926 = t1925 - t1915;
-    let t1927 = t463 * t1926;
-    let t1928 = t1910 * t427;
-    let t1929 = t1925 - t1928;
-    let t1930 = sin_joint4 * t1918;
-    let t1931 = t1923 - t1930;
-    let t1932 = cos_joint2_joint3 * t1931;
-    let t1933 = sin_joint2_joint3 * t770;
-    let t1934 = t1932 + t1933;
-    let t1935 = sin_joint2 * t1934;
-    let t1936 = 2.493649734231167 * t445;
-    let t1937 = t1912 + t1936;
-    let t1938 = t1935 - t1937;
-    let t1939 = sin_joint2_joint3 * t1931;
-    let t1940 = cos_joint2_joint3 * t770;
-    let t1941 = t1939 - t1940;
-    let t1942 = cos_joint2 * t1941;
-    let t1943 = t1942 - t1938;
-    let t1944 = t1943 + t1929;
-    let t1945 = t1927 - t1944;
-    let t1946 = t501 * t1945;
-    let t1947 = 0.3474988420565076 * t1934;
-    let t1948 = cos_joint4 * t1918;
-    let t1949 = sin_joint4 * t958;
-    let t1950 = t1949 + t1948;
-    let t1951 = cos_joint2 * t1950;
-    let t1952 = 2.493649734231167 * t255;
-    let t1953 = t321 * t750;
-    let t1954 = t1953 - t1952;
-    let t1955 = t1951 - t1954;
-    let t1956 = t1947 + t1955;
-    let t1957 = t1910 * t319;
-    let t1958 = t1957 + t1956;
-    let t1959 = 0.047012505789717454 * t1950;
-    let t1960 = t1908 - t1959;
-    let t1961 = cos_joint2_joint3 * t1960;
-    let t1962 = t1961 - t1958;
-    let t1963 = cos_joint4 * t1920;
-    let t1964 = t1949 + t1963;
-    let t1965 = sin_joint2_joint3 * t1964;
-    let t1966 = t1965 + t1962;
-    let t1967 = t317 * t1926;
-    let t1968 = t1967 - t1966;
-    let t1969 = t1946 - t1968;
-    let t1970 = inverse_d_joint1 * t1969;
-    let t1971 = cos_joint5 * 4.44756812894077e-5;
-    let t1972 = t829 + t1971;
-    let t1973 = t1972 * t139;
-    let t1974 = t200 * t750;
-    let t1975 = t1974 + t1973;
-    let t1976 = t136 * 1.1118920322351926;
-    let t1977 = t1683 - t1976;
-    let t1978 = t1977 - t1975;
-    let t1979 = t463 * t1978;
-    let t1980 = t1972 * t427;
-    let t1981 = t750 * t446;
-    let t1982 = t1981 - t1980;
-    let t1983 = t1977 + t1982;
-    let t1984 = t1979 - t1983;
-    let t1985 = t501 * t1984;
-    let t1986 = t317 * t1978;
-    let t1987 = t750 * t333;
-    let t1988 = t267 * 1.1118920322351926;
-    let t1989 = t1988 + t1987;
-    let t1990 = t1972 * t319;
-    let t1991 = t1990 + t1989;
-    let t1992 = t1600 - t1991;
-    let t1993 = t1986 - t1992;
-    let t1994 = t1985 - t1993;
-    let t1995 = inverse_d_joint1 * t1994;
-    let t1996 = t501 * t1667;
-    let t1997 = inverse_d_joint2 * t1664;
-    let t1998 = t1997 - t1996;
+    let t1852 = 2.493649734231167 * t445;
+    let t1853 = t1828 + t1852;
+    let t1854 = t1851 - t1853;
+    let t1855 = sin_joint2_joint3 * t1847;
+    let t1856 = cos_joint2_joint3 * t770;
+    let t1857 = t1855 - t1856;
+    let t1858 = cos_joint2 * t1857;
+    let t1859 = t1858 - t1854;
+    let t1860 = t1859 + t1845;
+    let t1861 = t1843 - t1860;
+    let t1862 = t501 * t1861;
+    let t1863 = 0.3474988420565076 * t1850;
+    let t1864 = cos_joint4 * t1834;
+    let t1865 = sin_joint4 * t958;
+    let t1866 = t1865 + t1864;
+    let t1867 = cos_joint2 * t1866;
+    let t1868 = 2.493649734231167 * t255;
+    let t1869 = t321 * t750;
+    let t1870 = t1869 - t1868;
+    let t1871 = t1867 - t1870;
+    let t1872 = t1863 + t1871;
+    let t1873 = t1826 * t319;
+    let t1874 = t1873 + t1872;
+    let t1875 = 0.047012505789717454 * t1866;
+    let t1876 = t1824 - t1875;
+    let t1877 = cos_joint2_joint3 * t1876;
+    let t1878 = t1877 - t1874;
+    let t1879 = cos_joint4 * t1836;
+    let t1880 = t1865 + t1879;
+    let t1881 = sin_joint2_joint3 * t1880;
+    let t1882 = t1881 + t1878;
+    let t1883 = t317 * t1842;
+    let t1884 = t1883 - t1882;
+    let t1885 = t1862 - t1884;
+    let t1886 = inverse_d_joint1 * t1885;
+    let t1887 = cos_joint5 * 4.44756812894077e-5;
+    let t1888 = t829 + t1887;
+    let t1889 = t1888 * t139;
+    let t1890 = t200 * t750;
+    let t1891 = t1890 + t1889;
+    let t1892 = t136 * 1.1118920322351926;
+    let t1893 = t1599 - t1892;
+    let t1894 = t1893 - t1891;
+    let t1895 = t463 * t1894;
+    let t1896 = t1888 * t427;
+    let t1897 = t750 * t446;
+    let t1898 = t1897 - t1896;
+    let t1899 = t1893 + t1898;
+    let t1900 = t1895 - t1899;
+    let t1901 = t501 * t1900;
+    let t1902 = t317 * t1894;
+    let t1903 = t750 * t333;
+    let t1904 = t267 * 1.1118920322351926;
+    let t1905 = t1904 + t1903;
+    let t1906 = t1888 * t319;
+    let t1907 = t1906 + t1905;
+    let t1908 = t1516 - t1907;
+    let t1909 = t1902 - t1908;
+    let t1910 = t1901 - t1909;
+    let t1911 = inverse_d_joint1 * t1910;
+    let t1912 = t501 * t1583;
+    let t1913 = inverse_d_joint2 * t1580;
+    let t1914 = t1913 - t1912;
+    let t1915 = t501 * t1667;
+    let t1916 = inverse_d_joint2 * t1640;
+    let t1917 = t1916 - t1915;
+    let t1918 = t501 * t1744;
+    let t1919 = inverse_d_joint2 * t1715;
+    let t1920 = t1919 - t1918;
+    let t1921 = t501 * t1818;
+    let t1922 = inverse_d_joint2 * t1792;
+    let t1923 = t1922 - t1921;
+    let t1924 = t501 * t1886;
+    let t1925 = inverse_d_joint2 * t1861;
+    let t1926 = t1925 - t1924;
+    let t1927 = t501 * t1911;
+    let t1928 = inverse_d_joint2 * t1900;
+    let t1929 = t1928 - t1927;
+    let t1930 = t463 * t1914;
+    let t1931 = t317 * t1583;
+    let t1932 = inverse_d_joint3 * t1536;
+    let t1933 = t1932 - t1931;
+    let t1934 = t1930 - t1933;
+    let t1935 = t463 * t1917;
+    let t1936 = t317 * t1667;
+    let t1937 = inverse_d_joint3 * t1624;
+    let t1938 = t1937 - t1936;
+    let t1939 = t1935 - t1938;
+    let t1940 = t463 * t1920;
+    let t1941 = t317 * t1744;
+    let t1942 = inverse_d_joint3 * t1694;
+    let t1943 = t1942 - t1941;
+    let t1944 = t1940 - t1943;
+    let t1945 = t463 * t1923;
+    let t1946 = t317 * t1818;
+    let t1947 = inverse_d_joint3 * t1790;
+    let t1948 = t1947 - t1946;
+    let t1949 = t1945 - t1948;
+    let t1950 = t463 * t1926;
+    let t1951 = t317 * t1886;
+    let t1952 = inverse_d_joint3 * t1842;
+    let t1953 = t1952 - t1951;
+    let t1954 = t1950 - t1953;
+    let t1955 = t463 * t1929;
+    let t1956 = t317 * t1911;
+    let t1957 = inverse_d_joint3 * t1894;
+    let t1958 = t1957 - t1956;
+    let t1959 = t1955 - t1958;
+    let t1960 = t139 * t1934;
+    let t1961 = t427 * t1914;
+    let t1962 = t319 * t1583;
+    let t1963 = inverse_d_joint4 * t1519;
+    let t1964 = t1963 - t1962;
+    let t1965 = t1961 - t1964;
+    let t1966 = t1960 - t1965;
+    let t1967 = t139 * t1939;
+    let t1968 = t427 * t1917;
+    let t1969 = t319 * t1667;
+    let t1970 = inverse_d_joint4 * t1614;
+    let t1971 = t1970 - t1969;
+    let t1972 = t1968 - t1971;
+    let t1973 = t1967 - t1972;
+    let t1974 = t139 * t1944;
+    let t1975 = t427 * t1920;
+    let t1976 = t319 * t1744;
+    let t1977 = inverse_d_joint4 * t1688;
+    let t1978 = t1977 + t1976;
+    let t1979 = t1975 + t1978;
+    let t1980 = t1974 - t1979;
+    let t1981 = t139 * t1949;
+    let t1982 = t427 * t1923;
+    let t1983 = t319 * t1818;
+    let t1984 = inverse_d_joint4 * t1751;
+    let t1985 = t1984 + t1983;
+    let t1986 = t1982 + t1985;
+    let t1987 = t1981 - t1986;
+    let t1988 = t139 * t1954;
+    let t1989 = t427 * t1926;
+    let t1990 = t319 * t1886;
+    let t1991 = t1826 * inverse_d_joint4;
+    let t1992 = t1991 + t1990;
+    let t1993 = t1989 + t1992;
+    let t1994 = t1988 - t1993;
     [
         omega_joint5_x,
         t55,
@@ -11692,64 +11493,58 @@ fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 85] {
         t1155,
         t1269,
         t1375,
+        t1378,
+        t1381,
+        t1384,
+        t1387,
+        t1392,
+        t1397,
+        t1402,
+        t1407,
+        t1414,
+        t1421,
         t1428,
-        t1431,
-        t1434,
-        t1437,
-        t1440,
-        t1443,
-        t1448,
-        t1453,
-        t1458,
+        t1435,
+        t1442,
+        t1449,
+        t1456,
         t1463,
-        t1468,
-        t1475,
-        t1482,
-        t1489,
-        t1496,
-        t1503,
-        t1510,
-        t1517,
-        t1524,
-        t1531,
-        t1538,
-        t1547,
-        t1556,
-        t1565,
-        t1574,
+        t1472,
+        t1481,
+        t1490,
+        t1499,
+        t1516,
+        t1533,
         t1583,
-        t1600,
-        t1603,
-        t1617,
-        t1620,
+        t1595,
+        t1601,
         t1667,
-        t1679,
-        t1685,
-        t1698,
-        t1708,
-        t1724,
-        t1751,
-        t1761,
-        t1766,
-        t1772,
-        t1778,
-        t1799,
-        t1828,
-        t1830,
-        t1835,
-        t1840,
-        t1874,
-        t1876,
-        t1902,
-        t1910,
+        t1677,
+        t1682,
+        t1744,
+        t1746,
+        t1756,
+        t1818,
+        t1886,
+        t1888,
+        t1911,
+        t1914,
+        t1917,
+        t1920,
+        t1923,
         t1926,
-        t1945,
-        t1970,
-        t1972,
-        t1978,
-        t1984,
-        t1995,
-        t1998,
+        t1929,
+        t1934,
+        t1939,
+        t1944,
+        t1949,
+        t1954,
+        t1959,
+        t1966,
+        t1973,
+        t1980,
+        t1987,
+        t1994,
     ]
 }
 
@@ -11786,804 +11581,693 @@ fn linearize_part_2(
     t1155,
     t1269,
     t1375,
+    t1378,
+    t1381,
+    t1384,
+    t1387,
+    t1392,
+    t1397,
+    t1402,
+    t1407,
+    t1414,
+    t1421,
     t1428,
-    t1431,
-    t1434,
-    t1437,
-    t1440,
-    t1443,
-    t1448,
-    t1453,
-    t1458,
+    t1435,
+    t1442,
+    t1449,
+    t1456,
     t1463,
-    t1468,
-    t1475,
-    t1482,
-    t1489,
-    t1496,
-    t1503,
-    t1510,
-    t1517,
-    t1524,
-    t1531,
-    t1538,
-    t1547,
-    t1556,
-    t1565,
-    t1574,
+    t1472,
+    t1481,
+    t1490,
+    t1499,
+    t1516,
+    t1533,
     t1583,
-    t1600,
-    t1603,
-    t1617,
-    t1620,
+    t1595,
+    t1601,
     t1667,
-    t1679,
-    t1685,
-    t1698,
-    t1708,
-    t1724,
-    t1751,
-    t1761,
-    t1766,
-    t1772,
-    t1778,
-    t1799,
-    t1828,
-    t1830,
-    t1835,
-    t1840,
-    t1874,
-    t1876,
-    t1902,
-    t1910,
+    t1677,
+    t1682,
+    t1744,
+    t1746,
+    t1756,
+    t1818,
+    t1886,
+    t1888,
+    t1911,
+    t1914,
+    t1917,
+    t1920,
+    t1923,
     t1926,
-    t1945,
-    t1970,
-    t1972,
-    t1978,
-    t1984,
-    t1995,
-    t1998,
-    ]: [f64; 85],
-) -> [f64; 92] {
-    let t1999 = t501 * t1751;
-    let t2000 = inverse_d_joint2 * t1724;
-    let t2001 = t2000 - t1999;
-    let t2002 = t501 * t1828;
-    let t2003 = inverse_d_joint2 * t1799;
-    let t2004 = t2003 - t2002;
-    let t2005 = t501 * t1902;
-    let t2006 = inverse_d_joint2 * t1876;
-    let t2007 = t2006 - t2005;
-    let t2008 = t501 * t1970;
-    let t2009 = inverse_d_joint2 * t1945;
-    let t2010 = t2009 - t2008;
-    let t2011 = t501 * t1995;
-    let t2012 = inverse_d_joint2 * t1984;
+    t1929,
+    t1934,
+    t1939,
+    t1944,
+    t1949,
+    t1954,
+    t1959,
+    t1966,
+    t1973,
+    t1980,
+    t1987,
+    t1994,
+    ]: [f64; 79],
+) -> [f64; 82] {
+    let t1995 = t139 * t1959;
+    let t1996 = t427 * t1929;
+    let t1997 = t319 * t1911;
+    let t1998 = t1888 * inverse_d_joint4;
+    let t1999 = t1998 + t1997;
+    let t2000 = t1996 + t1999;
+    let t2001 = t1995 - t2000;
+    let t2002 = t200 * t1934;
+    let t2003 = t446 * t1914;
+    let t2004 = t333 * t1583;
+    let t2005 = 5.83606090588883 * t1533;
+    let t2006 = t2005 - t2004;
+    let t2007 = t2003 + t2006;
+    let t2008 = t2002 + t2007;
+    let t2009 = t200 * t1939;
+    let t2010 = t446 * t1917;
+    let t2011 = t333 * t1667;
+    let t2012 = 5.83606090588883 * t1595;
     let t2013 = t2012 - t2011;
-    let t2014 = t463 * t1998;
-    let t2015 = t317 * t1667;
-    let t2016 = inverse_d_joint3 * t1620;
-    let t2017 = t2016 - t2015;
-    let t2018 = t2014 - t2017;
-    let t2019 = t463 * t2001;
-    let t2020 = t317 * t1751;
-    let t2021 = inverse_d_joint3 * t1708;
-    let t2022 = t2021 - t2020;
-    let t2023 = t2019 - t2022;
-    let t2024 = t463 * t2004;
-    let t2025 = t317 * t1828;
-    let t2026 = inverse_d_joint3 * t1778;
-    let t2027 = t2026 - t2025;
+    let t2014 = t2010 + t2013;
+    let t2015 = t2009 + t2014;
+    let t2016 = t200 * t1944;
+    let t2017 = t446 * t1920;
+    let t2018 = t333 * t1744;
+    let t2019 = 5.83606090588883 * t1677;
+    let t2020 = t2019 + t2018;
+    let t2021 = t2017 - t2020;
+    let t2022 = t2016 + t2021;
+    let t2023 = t200 * t1949;
+    let t2024 = t446 * t1923;
+    let t2025 = t333 * t1818;
+    let t2026 = 5.83606090588883 * t1756;
+    let t2027 = t2026 + t2025;
     let t2028 = t2024 - t2027;
-    let t2029 = t463 * t2007;
-    let t2030 = t317 * t1902;
-    let t2031 = inverse_d_joint3 * t1874;
-    let t2032 = t2031 - t2030;
-    let t2033 = t2029 - t2032;
-    let t2034 = t463 * t2010;
-    let t2035 = t317 * t1970;
-    let t2036 = inverse_d_joint3 * t1926;
-    let t2037 = t2036 - t2035;
-    let t2038 = t2034 - t2037;
-    let t2039 = t463 * t2013;
-    let t2040 = t317 * t1995;
-    let t2041 = inverse_d_joint3 * t1978;
-    let t2042 = t2041 - t2040;
-    let t2043 = t2039 - t2042;
-    let t2044 = t139 * t2018;
-    let t2045 = t427 * t1998;
-    let t2046 = t319 * t1667;
-    let t2047 = inverse_d_joint4 * t1603;
+    let t2029 = t2023 + t2028;
+    let t2030 = t200 * t1954;
+    let t2031 = t446 * t1926;
+    let t2032 = t333 * t1886;
+    let t2033 = 2.493649734231167 + t2032;
+    let t2034 = t2031 - t2033;
+    let t2035 = t2030 + t2034;
+    let t2036 = t200 * t1959;
+    let t2037 = t446 * t1929;
+    let t2038 = t333 * t1911;
+    let t2039 = omega_joint5_x * 0.0002334424362355532;
+    let t2040 = t2039 + t2038;
+    let t2041 = t2037 - t2040;
+    let t2042 = t2036 + t2041;
+    let t2043 = t55 * t1966;
+    let t2044 = t141 * t1934;
+    let t2045 = t141 * t1914;
+    let t2046 = t321 * t1583;
+    let t2047 = 5.151863922779921 * t1516;
     let t2048 = t2047 - t2046;
     let t2049 = t2045 - t2048;
     let t2050 = t2044 - t2049;
-    let t2051 = t139 * t2023;
-    let t2052 = t427 * t2001;
-    let t2053 = t319 * t1751;
-    let t2054 = inverse_d_joint4 * t1698;
-    let t2055 = t2054 - t2053;
-    let t2056 = t2052 - t2055;
-    let t2057 = t2051 - t2056;
-    let t2058 = t139 * t2028;
-    let t2059 = t427 * t2004;
-    let t2060 = t319 * t1828;
-    let t2061 = inverse_d_joint4 * t1772;
-    let t2062 = t2061 + t2060;
-    let t2063 = t2059 + t2062;
-    let t2064 = t2058 - t2063;
-    let t2065 = t139 * t2033;
-    let t2066 = t427 * t2007;
-    let t2067 = t319 * t1902;
-    let t2068 = inverse_d_joint4 * t1835;
-    let t2069 = t2068 + t2067;
-    let t2070 = t2066 + t2069;
-    let t2071 = t2065 - t2070;
-    let t2072 = t139 * t2038;
-    let t2073 = t427 * t2010;
-    let t2074 = t319 * t1970;
-    let t2075 = t1910 * inverse_d_joint4;
-    let t2076 = t2075 + t2074;
-    let t2077 = t2073 + t2076;
-    let t2078 = t2072 - t2077;
-    let t2079 = t139 * t2043;
-    let t2080 = t427 * t2013;
-    let t2081 = t319 * t1995;
-    let t2082 = t1972 * inverse_d_joint4;
-    let t2083 = t2082 + t2081;
-    let t2084 = t2080 + t2083;
-    let t2085 = t2079 - t2084;
-    let t2086 = t200 * t2018;
-    let t2087 = t446 * t1998;
-    let t2088 = t333 * t1667;
-    let t2089 = 5.83606090588883 * t1617;
-    let t2090 = t2089 - t2088;
-    let t2091 = t2087 + t2090;
-    let t2092 = t2086 + t2091;
-    let t2093 = t200 * t2023;
-    let t2094 = t446 * t2001;
-    let t2095 = t333 * t1751;
-    let t2096 = 5.83606090588883 * t1679;
-    let t2097 = t2096 - t2095;
-    let t2098 = t2094 + t2097;
-    let t2099 = t2093 + t2098;
-    let t2100 = t200 * t2028;
-    let t2101 = t446 * t2004;
-    let t2102 = t333 * t1828;
-    let t2103 = 5.83606090588883 * t1761;
-    let t2104 = t2103 + t2102;
-    let t2105 = t2101 - t2104;
-    let t2106 = t2100 + t2105;
-    let t2107 = t200 * t2033;
-    let t2108 = t446 * t2007;
-    let t2109 = t333 * t1902;
-    let t2110 = 5.83606090588883 * t1840;
-    let t2111 = t2110 + t2109;
-    let t2112 = t2108 - t2111;
-    let t2113 = t2107 + t2112;
-    let t2114 = t200 * t2038;
-    let t2115 = t446 * t2010;
-    let t2116 = t333 * t1970;
-    let t2117 = 2.493649734231167 + t2116;
-    let t2118 = t2115 - t2117;
-    let t2119 = t2114 + t2118;
-    let t2120 = t200 * t2043;
-    let t2121 = t446 * t2013;
-    let t2122 = t333 * t1995;
-    let t2123 = omega_joint5_x * 0.0002334424362355532;
-    let t2124 = t2123 + t2122;
-    let t2125 = t2121 - t2124;
-    let t2126 = t2120 + t2125;
-    let t2127 = t55 * t2050;
-    let t2128 = t141 * t2018;
-    let t2129 = t141 * t1998;
-    let t2130 = t321 * t1667;
-    let t2131 = 5.151863922779921 * t1600;
-    let t2132 = t2131 - t2130;
-    let t2133 = t2129 - t2132;
-    let t2134 = t2128 - t2133;
-    let t2135 = t2127 + t2134;
-    let t2136 = t55 * t2057;
-    let t2137 = t141 * t2023;
-    let t2138 = t141 * t2001;
-    let t2139 = t321 * t1751;
-    let t2140 = 5.151863922779921 * t1685;
-    let t2141 = t2140 - t2139;
-    let t2142 = t2138 - t2141;
-    let t2143 = t2137 - t2142;
-    let t2144 = t2136 + t2143;
-    let t2145 = t55 * t2064;
-    let t2146 = t141 * t2028;
-    let t2147 = t141 * t2004;
-    let t2148 = t321 * t1828;
-    let t2149 = 5.151863922779921 * t1766;
-    let t2150 = t2149 + t2148;
-    let t2151 = t2147 + t2150;
-    let t2152 = t2146 - t2151;
-    let t2153 = t2145 + t2152;
-    let t2154 = t55 * t2071;
-    let t2155 = t141 * t2033;
-    let t2156 = t141 * t2007;
-    let t2157 = t321 * t1902;
-    let t2158 = 5.151863922779921 * t1830;
-    let t2159 = t2158 + t2157;
-    let t2160 = t2156 + t2159;
-    let t2161 = t2155 - t2160;
-    let t2162 = t2154 + t2161;
-    let t2163 = t55 * t2078;
-    let t2164 = t141 * t2038;
-    let t2165 = t141 * t2010;
-    let t2166 = t321 * t1970;
-    let t2167 = 0.0002060745569111968 * omega_joint5_x;
-    let t2168 = t2167 - t2166;
-    let t2169 = t2165 - t2168;
-    let t2170 = t2164 - t2169;
-    let t2171 = t2163 + t2170;
-    let t2172 = t55 * t2085;
-    let t2173 = t141 * t2043;
-    let t2174 = t141 * t2013;
-    let t2175 = t321 * t1995;
-    let t2176 = 1.1118920322351926 + t2175;
-    let t2177 = t2174 + t2176;
-    let t2178 = t2173 - t2177;
-    let t2179 = t2172 + t2178;
-    let t2180 = 62.6111 * inverse_d_joint1;
-    let t2181 = t501 * inverse_d_joint1;
-    let t2182 = 107.815 * t2181;
-    let t2183 = t463 * t2181;
-    let t2184 = t317 * inverse_d_joint1;
-    let t2185 = t2183 - t2184;
-    let t2186 = 53.7063 * t2185;
-    let t2187 = t139 * t2185;
-    let t2188 = t427 * t2181;
-    let t2189 = t319 * inverse_d_joint1;
-    let t2190 = t2188 - t2189;
-    let t2191 = t2187 - t2190;
-    let t2192 = 76.0364 * t2191;
-    let t2193 = t200 * t2185;
-    let t2194 = t446 * t2181;
-    let t2195 = t333 * inverse_d_joint1;
-    let t2196 = t2194 + t2195;
-    let t2197 = t2193 + t2196;
-    let t2198 = 71.923 * t2197;
-    let t2199 = t55 * t2191;
-    let t2200 = t141 * t2185;
-    let t2201 = t141 * t2181;
-    let t2202 = t321 * inverse_d_joint1;
-    let t2203 = t2201 - t2202;
-    let t2204 = t2200 - t2203;
-    let t2205 = t2199 + t2204;
-    let t2206 = 76.686 * t2205;
-    let t2207 = 62.6111 * t2181;
-    let t2208 = t501 * t2181;
-    let t2209 = inverse_d_joint2 - t2208;
-    let t2210 = 107.815 * t2209;
-    let t2211 = t463 * t2209;
-    let t2212 = t317 * t2181;
-    let t2213 = t2211 + t2212;
-    let t2214 = 53.7063 * t2213;
-    let t2215 = t139 * t2213;
-    let t2216 = t427 * t2209;
-    let t2217 = t319 * t2181;
-    let t2218 = t2216 + t2217;
-    let t2219 = t2215 - t2218;
-    let t2220 = 76.0364 * t2219;
-    let t2221 = t200 * t2213;
-    let t2222 = t446 * t2209;
-    let t2223 = t333 * t2181;
-    let t2224 = t2222 - t2223;
-    let t2225 = t2221 + t2224;
-    let t2226 = 71.923 * t2225;
-    let t2227 = t55 * t2219;
-    let t2228 = t141 * t2213;
-    let t2229 = t141 * t2209;
-    let t2230 = t321 * t2181;
-    let t2231 = t2229 + t2230;
-    let t2232 = t2228 - t2231;
-    let t2233 = t2227 + t2232;
-    let t2234 = 76.686 * t2233;
-    let t2235 = 62.6111 * t2185;
-    let t2236 = 107.815 * t2213;
-    let t2237 = t463 * t501;
-    let t2238 = t317 - t2237;
-    let t2239 = inverse_d_joint1 * t2238;
-    let t2240 = t501 * t2239;
-    let t2241 = t463 * inverse_d_joint2;
-    let t2242 = t2241 + t2240;
-    let t2243 = t463 * t2242;
-    let t2244 = t317 * t2239;
-    let t2245 = inverse_d_joint3 + t2244;
-    let t2246 = t2243 - t2245;
-    let t2247 = 53.7063 * t2246;
-    let t2248 = t139 * t2246;
-    let t2249 = t427 * t2242;
-    let t2250 = t319 * t2239;
-    let t2251 = t2249 - t2250;
-    let t2252 = t2248 - t2251;
-    let t2253 = 76.0364 * t2252;
-    let t2254 = t200 * t2246;
-    let t2255 = t446 * t2242;
-    let t2256 = t333 * t2239;
-    let t2257 = t2255 + t2256;
-    let t2258 = t2254 + t2257;
-    let t2259 = 71.923 * t2258;
-    let t2260 = t55 * t2252;
-    let t2261 = t141 * t2246;
-    let t2262 = t141 * t2242;
-    let t2263 = t321 * t2239;
-    let t2264 = t2262 - t2263;
-    let t2265 = t2261 - t2264;
-    let t2266 = t2260 + t2265;
-    let t2267 = 76.686 * t2266;
-    let t2268 = 62.6111 * t2191;
-    let t2269 = 107.815 * t2219;
-    let t2270 = 53.7063 * t2252;
-    let t2271 = t139 * t463;
-    let t2272 = t427 - t2271;
+    let t2051 = t2043 + t2050;
+    let t2052 = t55 * t1973;
+    let t2053 = t141 * t1939;
+    let t2054 = t141 * t1917;
+    let t2055 = t321 * t1667;
+    let t2056 = 5.151863922779921 * t1601;
+    let t2057 = t2056 - t2055;
+    let t2058 = t2054 - t2057;
+    let t2059 = t2053 - t2058;
+    let t2060 = t2052 + t2059;
+    let t2061 = t55 * t1980;
+    let t2062 = t141 * t1944;
+    let t2063 = t141 * t1920;
+    let t2064 = t321 * t1744;
+    let t2065 = 5.151863922779921 * t1682;
+    let t2066 = t2065 + t2064;
+    let t2067 = t2063 + t2066;
+    let t2068 = t2062 - t2067;
+    let t2069 = t2061 + t2068;
+    let t2070 = t55 * t1987;
+    let t2071 = t141 * t1949;
+    let t2072 = t141 * t1923;
+    let t2073 = t321 * t1818;
+    let t2074 = 5.151863922779921 * t1746;
+    let t2075 = t2074 + t2073;
+    let t2076 = t2072 + t2075;
+    let t2077 = t2071 - t2076;
+    let t2078 = t2070 + t2077;
+    let t2079 = t55 * t1994;
+    let t2080 = t141 * t1954;
+    let t2081 = t141 * t1926;
+    let t2082 = t321 * t1886;
+    let t2083 = 0.0002060745569111968 * omega_joint5_x;
+    let t2084 = t2083 - t2082;
+    let t2085 = t2081 - t2084;
+    let t2086 = t2080 - t2085;
+    let t2087 = t2079 + t2086;
+    let t2088 = t55 * t2001;
+    let t2089 = t141 * t1959;
+    let t2090 = t141 * t1929;
+    let t2091 = t321 * t1911;
+    let t2092 = 1.1118920322351926 + t2091;
+    let t2093 = t2090 + t2092;
+    let t2094 = t2089 - t2093;
+    let t2095 = t2088 + t2094;
+    let t2096 = 62.6111 * inverse_d_joint1;
+    let t2097 = t501 * inverse_d_joint1;
+    let t2098 = 107.815 * t2097;
+    let t2099 = t463 * t2097;
+    let t2100 = t317 * inverse_d_joint1;
+    let t2101 = t2099 - t2100;
+    let t2102 = 53.7063 * t2101;
+    let t2103 = t139 * t2101;
+    let t2104 = t427 * t2097;
+    let t2105 = t319 * inverse_d_joint1;
+    let t2106 = t2104 - t2105;
+    let t2107 = t2103 - t2106;
+    let t2108 = 76.0364 * t2107;
+    let t2109 = t200 * t2101;
+    let t2110 = t446 * t2097;
+    let t2111 = t333 * inverse_d_joint1;
+    let t2112 = t2110 + t2111;
+    let t2113 = t2109 + t2112;
+    let t2114 = 71.923 * t2113;
+    let t2115 = t55 * t2107;
+    let t2116 = t141 * t2101;
+    let t2117 = t141 * t2097;
+    let t2118 = t321 * inverse_d_joint1;
+    let t2119 = t2117 - t2118;
+    let t2120 = t2116 - t2119;
+    let t2121 = t2115 + t2120;
+    let t2122 = 76.686 * t2121;
+    let t2123 = 62.6111 * t2097;
+    let t2124 = t501 * t2097;
+    let t2125 = inverse_d_joint2 - t2124;
+    let t2126 = 107.815 * t2125;
+    let t2127 = t463 * t2125;
+    let t2128 = t317 * t2097;
+    let t2129 = t2127 + t2128;
+    let t2130 = 53.7063 * t2129;
+    let t2131 = t139 * t2129;
+    let t2132 = t427 * t2125;
+    let t2133 = t319 * t2097;
+    let t2134 = t2132 + t2133;
+    let t2135 = t2131 - t2134;
+    let t2136 = 76.0364 * t2135;
+    let t2137 = t200 * t2129;
+    let t2138 = t446 * t2125;
+    let t2139 = t333 * t2097;
+    let t2140 = t2138 - t2139;
+    let t2141 = t2137 + t2140;
+    let t2142 = 71.923 * t2141;
+    let t2143 = t55 * t2135;
+    let t2144 = t141 * t2129;
+    let t2145 = t141 * t2125;
+    let t2146 = t321 * t2097;
+    let t2147 = t2145 + t2146;
+    let t2148 = t2144 - t2147;
+    let t2149 = t2143 + t2148;
+    let t2150 = 76.686 * t2149;
+    let t2151 = 62.6111 * t2101;
+    let t2152 = 107.815 * t2129;
+    let t2153 = t463 * t501;
+    let t2154 = t317 - t2153;
+    let t2155 = inverse_d_joint1 * t2154;
+    let t2156 = t501 * t2155;
+    let t2157 = t463 * inverse_d_joint2;
+    let t2158 = t2157 + t2156;
+    let t2159 = t463 * t2158;
+    let t2160 = t317 * t2155;
+    let t2161 = inverse_d_joint3 + t2160;
+    let t2162 = t2159 - t2161;
+    let t2163 = 53.7063 * t2162;
+    let t2164 = t139 * t2162;
+    let t2165 = t427 * t2158;
+    let t2166 = t319 * t2155;
+    let t2167 = t2165 - t2166;
+    let t2168 = t2164 - t2167;
+    let t2169 = 76.0364 * t2168;
+    let t2170 = t200 * t2162;
+    let t2171 = t446 * t2158;
+    let t2172 = t333 * t2155;
+    let t2173 = t2171 + t2172;
+    let t2174 = t2170 + t2173;
+    let t2175 = 71.923 * t2174;
+    let t2176 = t55 * t2168;
+    let t2177 = t141 * t2162;
+    let t2178 = t141 * t2158;
+    let t2179 = t321 * t2155;
+    let t2180 = t2178 - t2179;
+    let t2181 = t2177 - t2180;
+    let t2182 = t2176 + t2181;
+    let t2183 = 76.686 * t2182;
+    let t2184 = 62.6111 * t2107;
+    let t2185 = 107.815 * t2135;
+    let t2186 = 53.7063 * t2168;
+    let t2187 = t139 * t463;
+    let t2188 = t427 - t2187;
+    let t2189 = t501 * t2188;
+    let t2190 = t139 * t317;
+    let t2191 = t319 - t2190;
+    let t2192 = t2189 - t2191;
+    let t2193 = inverse_d_joint1 * t2192;
+    let t2194 = t501 * t2193;
+    let t2195 = inverse_d_joint2 * t2188;
+    let t2196 = t2195 - t2194;
+    let t2197 = t463 * t2196;
+    let t2198 = t317 * t2193;
+    let t2199 = t139 * inverse_d_joint3;
+    let t2200 = t2199 + t2198;
+    let t2201 = t2197 + t2200;
+    let t2202 = t139 * t2201;
+    let t2203 = t427 * t2196;
+    let t2204 = t319 * t2193;
+    let t2205 = inverse_d_joint4 + t2204;
+    let t2206 = t2203 + t2205;
+    let t2207 = t2202 - t2206;
+    let t2208 = 76.0364 * t2207;
+    let t2209 = t200 * t2201;
+    let t2210 = t446 * t2196;
+    let t2211 = t333 * t2193;
+    let t2212 = t2210 - t2211;
+    let t2213 = t2209 + t2212;
+    let t2214 = 71.923 * t2213;
+    let t2215 = t55 * t2207;
+    let t2216 = t141 * t2201;
+    let t2217 = t141 * t2196;
+    let t2218 = t321 * t2193;
+    let t2219 = t2217 + t2218;
+    let t2220 = t2216 - t2219;
+    let t2221 = t2215 + t2220;
+    let t2222 = 76.686 * t2221;
+    let t2223 = 62.6111 * t2113;
+    let t2224 = 107.815 * t2141;
+    let t2225 = 53.7063 * t2174;
+    let t2226 = 76.0364 * t2213;
+    let t2227 = t200 * t463;
+    let t2228 = t446 + t2227;
+    let t2229 = t501 * t2228;
+    let t2230 = t200 * t317;
+    let t2231 = t333 - t2230;
+    let t2232 = t2229 + t2231;
+    let t2233 = inverse_d_joint1 * t2232;
+    let t2234 = t501 * t2233;
+    let t2235 = inverse_d_joint2 * t2228;
+    let t2236 = t2235 - t2234;
+    let t2237 = t463 * t2236;
+    let t2238 = t317 * t2233;
+    let t2239 = t200 * inverse_d_joint3;
+    let t2240 = t2239 - t2238;
+    let t2241 = t2237 - t2240;
+    let t2242 = t200 * t2241;
+    let t2243 = t446 * t2236;
+    let t2244 = t333 * t2233;
+    let t2245 = 5.83606090588883 - t2244;
+    let t2246 = t2243 + t2245;
+    let t2247 = t2242 + t2246;
+    let t2248 = 71.923 * t2247;
+    let t2249 = t139 * t2241;
+    let t2250 = t427 * t2236;
+    let t2251 = t319 * t2233;
+    let t2252 = t2250 + t2251;
+    let t2253 = t2249 - t2252;
+    let t2254 = t55 * t2253;
+    let t2255 = t141 * t2241;
+    let t2256 = t141 * t2236;
+    let t2257 = t321 * t2233;
+    let t2258 = t2256 + t2257;
+    let t2259 = t2255 - t2258;
+    let t2260 = t2254 + t2259;
+    let t2261 = 76.686 * t2260;
+    let t2262 = 62.6111 * t2121;
+    let t2263 = 107.815 * t2149;
+    let t2264 = 53.7063 * t2182;
+    let t2265 = 76.0364 * t2221;
+    let t2266 = 71.923 * t2260;
+    let t2267 = t55 * t139;
+    let t2268 = t141 + t2267;
+    let t2269 = t463 * t2268;
+    let t2270 = t55 * t427;
+    let t2271 = t141 + t2270;
+    let t2272 = t2269 - t2271;
     let t2273 = t501 * t2272;
-    let t2274 = t139 * t317;
-    let t2275 = t319 - t2274;
-    let t2276 = t2273 - t2275;
-    let t2277 = inverse_d_joint1 * t2276;
-    let t2278 = t501 * t2277;
-    let t2279 = inverse_d_joint2 * t2272;
-    let t2280 = t2279 - t2278;
-    let t2281 = t463 * t2280;
-    let t2282 = t317 * t2277;
-    let t2283 = t139 * inverse_d_joint3;
-    let t2284 = t2283 + t2282;
-    let t2285 = t2281 + t2284;
-    let t2286 = t139 * t2285;
-    let t2287 = t427 * t2280;
-    let t2288 = t319 * t2277;
-    let t2289 = inverse_d_joint4 + t2288;
-    let t2290 = t2287 + t2289;
-    let t2291 = t2286 - t2290;
-    let t2292 = 76.0364 * t2291;
-    let t2293 = t200 * t2285;
-    let t2294 = t446 * t2280;
-    let t2295 = t333 * t2277;
-    let t2296 = t2294 - t2295;
-    let t2297 = t2293 + t2296;
-    let t2298 = 71.923 * t2297;
-    let t2299 = t55 * t2291;
-    let t2300 = t141 * t2285;
-    let t2301 = t141 * t2280;
-    let t2302 = t321 * t2277;
-    let t2303 = t2301 + t2302;
-    let t2304 = t2300 - t2303;
-    let t2305 = t2299 + t2304;
-    let t2306 = 76.686 * t2305;
-    let t2307 = 62.6111 * t2197;
-    let t2308 = 107.815 * t2225;
-    let t2309 = 53.7063 * t2258;
-    let t2310 = 76.0364 * t2297;
-    let t2311 = t200 * t463;
-    let t2312 = t446 + t2311;
-    let t2313 = t501 * t2312;
-    let t2314 = t200 * t317;
-    let t2315 = t333 - t2314;
-    let t2316 = t2313 + t2315;
-    let t2317 = inverse_d_joint1 * t2316;
-    let t2318 = t501 * t2317;
-    let t2319 = inverse_d_joint2 * t2312;
-    let t2320 = t2319 - t2318;
-    let t2321 = t463 * t2320;
-    let t2322 = t317 * t2317;
-    let t2323 = t200 * inverse_d_joint3;
-    let t2324 = t2323 - t2322;
-    let t2325 = t2321 - t2324;
-    let t2326 = t200 * t2325;
-    let t2327 = t446 * t2320;
-    let t2328 = t333 * t2317;
-    let t2329 = 5.83606090588883 - t2328;
-    let t2330 = t2327 + t2329;
-    let t2331 = t2326 + t2330;
-    let t2332 = 71.923 * t2331;
-    let t2333 = t139 * t2325;
-    let t2334 = t427 * t2320;
-    let t2335 = t319 * t2317;
-    let t2336 = t2334 + t2335;
-    let t2337 = t2333 - t2336;
-    let t2338 = t55 * t2337;
-    let t2339 = t141 * t2325;
-    let t2340 = t141 * t2320;
-    let t2341 = t321 * t2317;
-    let t2342 = t2340 + t2341;
-    let t2343 = t2339 - t2342;
-    let t2344 = t2338 + t2343;
-    let t2345 = 76.686 * t2344;
-    let t2346 = 62.6111 * t2205;
-    let t2347 = 107.815 * t2233;
-    let t2348 = 53.7063 * t2266;
-    let t2349 = 76.0364 * t2305;
-    let t2350 = 71.923 * t2344;
-    let t2351 = t55 * t139;
-    let t2352 = t141 + t2351;
-    let t2353 = t463 * t2352;
-    let t2354 = t55 * t427;
-    let t2355 = t141 + t2354;
-    let t2356 = t2353 - t2355;
-    let t2357 = t501 * t2356;
-    let t2358 = t317 * t2352;
-    let t2359 = t55 * t319;
-    let t2360 = t321 + t2359;
-    let t2361 = t2358 - t2360;
-    let t2362 = t2357 - t2361;
-    let t2363 = inverse_d_joint1 * t2362;
-    let t2364 = t501 * t2363;
-    let t2365 = inverse_d_joint2 * t2356;
-    let t2366 = t2365 - t2364;
-    let t2367 = t463 * t2366;
-    let t2368 = t317 * t2363;
-    let t2369 = inverse_d_joint3 * t2352;
-    let t2370 = t2369 - t2368;
-    let t2371 = t2367 - t2370;
-    let t2372 = t139 * t2371;
-    let t2373 = t427 * t2366;
-    let t2374 = t319 * t2363;
-    let t2375 = t55 * inverse_d_joint4;
-    let t2376 = t2375 - t2374;
-    let t2377 = t2373 - t2376;
-    let t2378 = t2372 - t2377;
-    let t2379 = t55 * t2378;
-    let t2380 = t141 * t2371;
-    let t2381 = t141 * t2366;
-    let t2382 = t321 * t2363;
-    let t2383 = 5.151863922779921 - t2382;
-    let t2384 = t2381 - t2383;
-    let t2385 = t2380 - t2384;
-    let t2386 = t2379 + t2385;
-    let t2387 = 76.686 * t2386;
-    let t2388 = y[5] * t1428;
-    let t2389 = v[1] * t1751;
-    let t2390 = v[0] * t1667;
-    let t2391 = t2390 - t2389;
-    let t2392 = v[2] * t1828;
-    let t2393 = v[3] * t1902;
-    let t2394 = t2392 - t2393;
-    let t2395 = t2394 + t2391;
-    let t2396 = u[0] * t2180;
-    let t2397 = t533 + t2396;
-    let t2398 = v[5] * t1995;
-    let t2399 = v[4] * t1970;
-    let t2400 = t2399 + t2398;
-    let t2401 = t2397 - t2400;
-    let t2402 = u[1] * t2182;
-    let t2403 = t2402 - t2401;
-    let t2404 = t2395 + t2403;
-    let t2405 = u[2] * t2186;
-    let t2406 = t2405 + t2404;
-    let t2407 = u[4] * t2198;
-    let t2408 = t2407 + t2406;
-    let t2409 = u[3] * t2192;
-    let t2410 = t2409 - t2408;
-    let t2411 = u[5] * t2206;
+    let t2274 = t317 * t2268;
+    let t2275 = t55 * t319;
+    let t2276 = t321 + t2275;
+    let t2277 = t2274 - t2276;
+    let t2278 = t2273 - t2277;
+    let t2279 = inverse_d_joint1 * t2278;
+    let t2280 = t501 * t2279;
+    let t2281 = inverse_d_joint2 * t2272;
+    let t2282 = t2281 - t2280;
+    let t2283 = t463 * t2282;
+    let t2284 = t317 * t2279;
+    let t2285 = inverse_d_joint3 * t2268;
+    let t2286 = t2285 - t2284;
+    let t2287 = t2283 - t2286;
+    let t2288 = t139 * t2287;
+    let t2289 = t427 * t2282;
+    let t2290 = t319 * t2279;
+    let t2291 = t55 * inverse_d_joint4;
+    let t2292 = t2291 - t2290;
+    let t2293 = t2289 - t2292;
+    let t2294 = t2288 - t2293;
+    let t2295 = t55 * t2294;
+    let t2296 = t141 * t2287;
+    let t2297 = t141 * t2282;
+    let t2298 = t321 * t2279;
+    let t2299 = 5.151863922779921 - t2298;
+    let t2300 = t2297 - t2299;
+    let t2301 = t2296 - t2300;
+    let t2302 = t2295 + t2301;
+    let t2303 = 76.686 * t2302;
+    let t2304 = y[1] * t1020;
+    let t2305 = v[1] * t1667;
+    let t2306 = v[0] * t1583;
+    let t2307 = t2306 - t2305;
+    let t2308 = v[2] * t1744;
+    let t2309 = v[3] * t1818;
+    let t2310 = t2308 - t2309;
+    let t2311 = t2310 + t2307;
+    let t2312 = u[0] * t2096;
+    let t2313 = t533 + t2312;
+    let t2314 = v[5] * t1911;
+    let t2315 = v[4] * t1886;
+    let t2316 = t2315 + t2314;
+    let t2317 = t2313 - t2316;
+    let t2318 = u[1] * t2098;
+    let t2319 = t2318 - t2317;
+    let t2320 = t2311 + t2319;
+    let t2321 = u[2] * t2102;
+    let t2322 = t2321 + t2320;
+    let t2323 = u[4] * t2114;
+    let t2324 = t2323 + t2322;
+    let t2325 = u[3] * t2108;
+    let t2326 = t2325 - t2324;
+    let t2327 = u[5] * t2122;
+    let t2328 = t2327 - t2326;
+    let t2329 = t2304 + t2328;
+    let t2330 = y[2] * t1155;
+    let t2331 = t2330 + t2329;
+    let t2332 = y[3] * t1269;
+    let t2333 = t2332 - t2331;
+    let t2334 = y[4] * t1375;
+    let t2335 = t2334 + t2333;
+    let t2336 = y[1] * t1378;
+    let t2337 = v[1] * t1917;
+    let t2338 = v[2] * t1920;
+    let t2339 = t2337 - t2338;
+    let t2340 = v[0] * t1914;
+    let t2341 = t2340 - t2339;
+    let t2342 = u[0] * t2123;
+    let t2343 = t536 - t2342;
+    let t2344 = v[5] * t1929;
+    let t2345 = t2344 - t2343;
+    let t2346 = v[4] * t1926;
+    let t2347 = v[3] * t1923;
+    let t2348 = t2347 - t2346;
+    let t2349 = t2345 - t2348;
+    let t2350 = u[1] * t2126;
+    let t2351 = t2350 + t2349;
+    let t2352 = t2341 + t2351;
+    let t2353 = u[2] * t2130;
+    let t2354 = t2353 + t2352;
+    let t2355 = u[4] * t2142;
+    let t2356 = t2355 + t2354;
+    let t2357 = u[3] * t2136;
+    let t2358 = t2357 - t2356;
+    let t2359 = u[5] * t2150;
+    let t2360 = t2359 - t2358;
+    let t2361 = t2336 - t2360;
+    let t2362 = y[2] * t1381;
+    let t2363 = t2362 + t2361;
+    let t2364 = y[3] * t1384;
+    let t2365 = t2364 + t2363;
+    let t2366 = y[4] * t1387;
+    let t2367 = t2366 + t2365;
+    let t2368 = y[1] * t1392;
+    let t2369 = v[1] * t1939;
+    let t2370 = v[2] * t1944;
+    let t2371 = t2369 - t2370;
+    let t2372 = v[0] * t1934;
+    let t2373 = t2372 - t2371;
+    let t2374 = u[0] * t2151;
+    let t2375 = t541 - t2374;
+    let t2376 = v[5] * t1959;
+    let t2377 = t2376 - t2375;
+    let t2378 = v[4] * t1954;
+    let t2379 = v[3] * t1949;
+    let t2380 = t2379 - t2378;
+    let t2381 = t2377 - t2380;
+    let t2382 = u[2] * t2163;
+    let t2383 = u[1] * t2152;
+    let t2384 = t2383 + t2382;
+    let t2385 = t2381 + t2384;
+    let t2386 = t2373 + t2385;
+    let t2387 = u[4] * t2175;
+    let t2388 = u[3] * t2169;
+    let t2389 = t2388 - t2387;
+    let t2390 = t2386 - t2389;
+    let t2391 = u[5] * t2183;
+    let t2392 = t2391 + t2390;
+    let t2393 = t2368 - t2392;
+    let t2394 = y[2] * t1397;
+    let t2395 = t2394 + t2393;
+    let t2396 = y[3] * t1402;
+    let t2397 = t2396 + t2395;
+    let t2398 = y[4] * t1407;
+    let t2399 = t2398 + t2397;
+    let t2400 = y[1] * t1414;
+    let t2401 = v[1] * t1973;
+    let t2402 = v[2] * t1980;
+    let t2403 = t2401 - t2402;
+    let t2404 = v[0] * t1966;
+    let t2405 = t2404 - t2403;
+    let t2406 = u[0] * t2184;
+    let t2407 = t557 - t2406;
+    let t2408 = v[5] * t2001;
+    let t2409 = t2408 - t2407;
+    let t2410 = v[4] * t1994;
+    let t2411 = v[3] * t1987;
     let t2412 = t2411 - t2410;
-    let t2413 = t2388 - t2412;
-    let t2414 = y[1] * t1020;
-    let t2415 = t2414 - t2413;
-    let t2416 = y[2] * t1155;
+    let t2413 = t2409 - t2412;
+    let t2414 = t2405 + t2413;
+    let t2415 = u[2] * t2186;
+    let t2416 = u[1] * t2185;
     let t2417 = t2416 + t2415;
-    let t2418 = y[3] * t1269;
-    let t2419 = t2418 - t2417;
-    let t2420 = y[4] * t1375;
-    let t2421 = t2420 + t2419;
-    let t2422 = y[5] * t1443;
-    let t2423 = v[1] * t2001;
-    let t2424 = v[2] * t2004;
-    let t2425 = t2423 - t2424;
-    let t2426 = v[0] * t1998;
-    let t2427 = t2426 - t2425;
-    let t2428 = u[0] * t2207;
-    let t2429 = t536 - t2428;
-    let t2430 = v[5] * t2013;
-    let t2431 = t2430 - t2429;
-    let t2432 = v[4] * t2010;
-    let t2433 = v[3] * t2007;
-    let t2434 = t2433 - t2432;
-    let t2435 = t2431 - t2434;
-    let t2436 = u[1] * t2210;
-    let t2437 = t2436 + t2435;
-    let t2438 = t2427 + t2437;
-    let t2439 = u[2] * t2214;
-    let t2440 = t2439 + t2438;
-    let t2441 = u[4] * t2226;
-    let t2442 = t2441 + t2440;
-    let t2443 = u[3] * t2220;
+    let t2418 = u[4] * t2214;
+    let t2419 = u[3] * t2208;
+    let t2420 = t2419 - t2418;
+    let t2421 = t2420 + t2417;
+    let t2422 = t2421 + t2414;
+    let t2423 = u[5] * t2222;
+    let t2424 = t2423 - t2422;
+    let t2425 = t2400 + t2424;
+    let t2426 = y[2] * t1421;
+    let t2427 = t2426 + t2425;
+    let t2428 = y[3] * t1428;
+    let t2429 = t2428 + t2427;
+    let t2430 = y[4] * t1435;
+    let t2431 = t2430 + t2429;
+    let t2432 = y[1] * t1442;
+    let t2433 = v[1] * t2015;
+    let t2434 = v[2] * t2022;
+    let t2435 = t2433 - t2434;
+    let t2436 = v[0] * t2008;
+    let t2437 = t2436 - t2435;
+    let t2438 = u[0] * t2223;
+    let t2439 = t629 - t2438;
+    let t2440 = v[5] * t2042;
+    let t2441 = t2440 - t2439;
+    let t2442 = v[4] * t2035;
+    let t2443 = v[3] * t2029;
     let t2444 = t2443 - t2442;
-    let t2445 = u[5] * t2234;
-    let t2446 = t2445 - t2444;
-    let t2447 = t2422 - t2446;
-    let t2448 = y[1] * t1431;
+    let t2445 = t2441 - t2444;
+    let t2446 = t2437 + t2445;
+    let t2447 = u[2] * t2225;
+    let t2448 = u[1] * t2224;
     let t2449 = t2448 + t2447;
-    let t2450 = y[2] * t1434;
-    let t2451 = t2450 + t2449;
-    let t2452 = y[3] * t1437;
-    let t2453 = t2452 + t2451;
-    let t2454 = y[4] * t1440;
-    let t2455 = t2454 + t2453;
-    let t2456 = y[5] * t1468;
-    let t2457 = v[1] * t2023;
-    let t2458 = v[2] * t2028;
-    let t2459 = t2457 - t2458;
-    let t2460 = v[0] * t2018;
-    let t2461 = t2460 - t2459;
-    let t2462 = u[0] * t2235;
-    let t2463 = t541 - t2462;
-    let t2464 = v[5] * t2043;
-    let t2465 = t2464 - t2463;
-    let t2466 = v[4] * t2038;
-    let t2467 = v[3] * t2033;
-    let t2468 = t2467 - t2466;
-    let t2469 = t2465 - t2468;
-    let t2470 = u[2] * t2247;
-    let t2471 = u[1] * t2236;
-    let t2472 = t2471 + t2470;
-    let t2473 = t2469 + t2472;
-    let t2474 = t2461 + t2473;
-    let t2475 = u[4] * t2259;
-    let t2476 = u[3] * t2253;
-    let t2477 = t2476 - t2475;
-    let t2478 = t2474 - t2477;
-    let t2479 = u[5] * t2267;
+    let t2450 = u[4] * t2248;
+    let t2451 = u[3] * t2226;
+    let t2452 = t2451 + t2450;
+    let t2453 = t2452 + t2449;
+    let t2454 = t2453 + t2446;
+    let t2455 = u[5] * t2261;
+    let t2456 = t2455 + t2454;
+    let t2457 = t2432 - t2456;
+    let t2458 = y[2] * t1449;
+    let t2459 = t2458 + t2457;
+    let t2460 = y[3] * t1456;
+    let t2461 = t2460 + t2459;
+    let t2462 = y[4] * t1463;
+    let t2463 = t2462 + t2461;
+    let t2464 = y[1] * t1472;
+    let t2465 = v[1] * t2060;
+    let t2466 = v[2] * t2069;
+    let t2467 = t2465 - t2466;
+    let t2468 = v[0] * t2051;
+    let t2469 = t2468 - t2467;
+    let t2470 = u[0] * t2262;
+    let t2471 = t604 - t2470;
+    let t2472 = v[5] * t2095;
+    let t2473 = t2472 - t2471;
+    let t2474 = v[4] * t2087;
+    let t2475 = v[3] * t2078;
+    let t2476 = t2475 - t2474;
+    let t2477 = t2473 - t2476;
+    let t2478 = u[5] * t2303;
+    let t2479 = u[4] * t2266;
     let t2480 = t2479 + t2478;
-    let t2481 = t2456 - t2480;
-    let t2482 = y[1] * t1448;
-    let t2483 = t2482 + t2481;
-    let t2484 = y[2] * t1453;
+    let t2481 = t2477 + t2480;
+    let t2482 = t2469 + t2481;
+    let t2483 = u[3] * t2265;
+    let t2484 = u[2] * t2264;
     let t2485 = t2484 + t2483;
-    let t2486 = y[3] * t1458;
+    let t2486 = u[1] * t2263;
     let t2487 = t2486 + t2485;
-    let t2488 = y[4] * t1463;
-    let t2489 = t2488 + t2487;
-    let t2490 = y[5] * t1503;
-    let t2491 = v[1] * t2057;
-    let t2492 = v[2] * t2064;
-    let t2493 = t2491 - t2492;
-    let t2494 = v[0] * t2050;
-    let t2495 = t2494 - t2493;
-    let t2496 = u[0] * t2268;
-    let t2497 = t557 - t2496;
-    let t2498 = v[5] * t2085;
-    let t2499 = t2498 - t2497;
-    let t2500 = v[4] * t2078;
-    let t2501 = v[3] * t2071;
-    let t2502 = t2501 - t2500;
-    let t2503 = t2499 - t2502;
-    let t2504 = t2495 + t2503;
-    let t2505 = u[2] * t2270;
-    let t2506 = u[1] * t2269;
-    let t2507 = t2506 + t2505;
-    let t2508 = u[4] * t2298;
-    let t2509 = u[3] * t2292;
-    let t2510 = t2509 - t2508;
-    let t2511 = t2510 + t2507;
-    let t2512 = t2511 + t2504;
-    let t2513 = u[5] * t2306;
-    let t2514 = t2513 - t2512;
-    let t2515 = t2490 + t2514;
-    let t2516 = y[1] * t1475;
-    let t2517 = t2516 + t2515;
-    let t2518 = y[2] * t1482;
-    let t2519 = t2518 + t2517;
-    let t2520 = y[3] * t1489;
-    let t2521 = t2520 + t2519;
-    let t2522 = y[4] * t1496;
-    let t2523 = t2522 + t2521;
-    let t2524 = y[5] * t1538;
-    let t2525 = v[1] * t2099;
-    let t2526 = v[2] * t2106;
-    let t2527 = t2525 - t2526;
-    let t2528 = v[0] * t2092;
-    let t2529 = t2528 - t2527;
-    let t2530 = u[0] * t2307;
-    let t2531 = t629 - t2530;
-    let t2532 = v[5] * t2126;
-    let t2533 = t2532 - t2531;
-    let t2534 = v[4] * t2119;
-    let t2535 = v[3] * t2113;
-    let t2536 = t2535 - t2534;
-    let t2537 = t2533 - t2536;
-    let t2538 = t2529 + t2537;
-    let t2539 = u[2] * t2309;
-    let t2540 = u[1] * t2308;
-    let t2541 = t2540 + t2539;
-    let t2542 = u[4] * t2332;
-    let t2543 = u[3] * t2310;
-    let t2544 = t2543 + t2542;
-    let t2545 = t2544 + t2541;
-    let t2546 = t2545 + t2538;
-    let t2547 = u[5] * t2345;
-    let t2548 = t2547 + t2546;
-    let t2549 = t2524 - t2548;
-    let t2550 = y[1] * t1510;
-    let t2551 = t2550 + t2549;
-    let t2552 = y[2] * t1517;
-    let t2553 = t2552 + t2551;
-    let t2554 = y[3] * t1524;
-    let t2555 = t2554 + t2553;
-    let t2556 = y[4] * t1531;
-    let t2557 = t2556 + t2555;
-    let t2558 = y[5] * t1583;
-    let t2559 = v[1] * t2144;
-    let t2560 = v[2] * t2153;
-    let t2561 = t2559 - t2560;
-    let t2562 = v[0] * t2135;
-    let t2563 = t2562 - t2561;
-    let t2564 = u[0] * t2346;
-    let t2565 = t604 - t2564;
-    let t2566 = v[5] * t2179;
-    let t2567 = t2566 - t2565;
-    let t2568 = v[4] * t2171;
-    let t2569 = v[3] * t2162;
-    let t2570 = t2569 - t2568;
-    let t2571 = t2567 - t2570;
-    let t2572 = u[5] * t2387;
-    let t2573 = u[4] * t2350;
-    let t2574 = t2573 + t2572;
-    let t2575 = t2571 + t2574;
-    let t2576 = t2563 + t2575;
-    let t2577 = u[3] * t2349;
-    let t2578 = u[2] * t2348;
-    let t2579 = t2578 + t2577;
-    let t2580 = u[1] * t2347;
-    let t2581 = t2580 + t2579;
-    let t2582 = t2581 + t2576;
-    let t2583 = t2558 - t2582;
-    let t2584 = y[1] * t1547;
-    let t2585 = t2584 + t2583;
-    let t2586 = y[2] * t1556;
-    let t2587 = t2586 + t2585;
-    let t2588 = y[3] * t1565;
-    let t2589 = t2588 + t2587;
-    let t2590 = y[4] * t1574;
-    let t2591 = t2590 + t2589;
-    let t2592 = -t1020;
-    let t2593 = -t1155;
-    let t2594 = -t1431;
-    let t2595 = -t1434;
-    let t2596 = -t1437;
-    let t2597 = -t1440;
-    let t2598 = -t1443;
-    let t2599 = -t1510;
-    let t2600 = -t1517;
-    let t2601 = -t1524;
-    let t2602 = -t1531;
-    let t2603 = -t1538;
-    let t2604 = -t1547;
-    let t2605 = -t1556;
-    let t2606 = -t1565;
-    let t2607 = -t1574;
-    let t2608 = -t1583;
-    let t2609 = -t1667;
-    let t2610 = -t1828;
-    let t2611 = -t1970;
-    let t2612 = -t1995;
-    let t2613 = -t2001;
-    let t2614 = -t2007;
-    let t2615 = -t2018;
-    let t2616 = -t2028;
-    let t2617 = -t2038;
-    let t2618 = -t2043;
-    let t2619 = -t2050;
-    let t2620 = -t2064;
-    let t2621 = -t2078;
-    let t2622 = -t2085;
-    let t2623 = -t2099;
-    let t2624 = -t2113;
-    let t2625 = -t2144;
-    let t2626 = -t2162;
-    let t2627 = -t2182;
-    let t2628 = -t2186;
-    let t2629 = -t2198;
-    let t2630 = -t2206;
-    let t2631 = -t2220;
-    let t2632 = -t2235;
-    let t2633 = -t2236;
-    let t2634 = -t2247;
-    let t2635 = -t2259;
-    let t2636 = -t2267;
-    let t2637 = -t2268;
-    let t2638 = -t2269;
-    let t2639 = -t2270;
-    let t2640 = -t2292;
-    let t2641 = -t2421;
-    let t2642 = -t2489;
-    let t2643 = -t2523;
+    let t2488 = t2487 + t2482;
+    let t2489 = t2464 - t2488;
+    let t2490 = y[2] * t1481;
+    let t2491 = t2490 + t2489;
+    let t2492 = y[3] * t1490;
+    let t2493 = t2492 + t2491;
+    let t2494 = y[4] * t1499;
+    let t2495 = t2494 + t2493;
+    let t2496 = -t1020;
+    let t2497 = -t1155;
+    let t2498 = -t1378;
+    let t2499 = -t1381;
+    let t2500 = -t1384;
+    let t2501 = -t1387;
+    let t2502 = -t1442;
+    let t2503 = -t1449;
+    let t2504 = -t1456;
+    let t2505 = -t1463;
+    let t2506 = -t1472;
+    let t2507 = -t1481;
+    let t2508 = -t1490;
+    let t2509 = -t1499;
+    let t2510 = -t1583;
+    let t2511 = -t1744;
+    let t2512 = -t1886;
+    let t2513 = -t1911;
+    let t2514 = -t1917;
+    let t2515 = -t1923;
+    let t2516 = -t1934;
+    let t2517 = -t1944;
+    let t2518 = -t1954;
+    let t2519 = -t1959;
+    let t2520 = -t1966;
+    let t2521 = -t1980;
+    let t2522 = -t1994;
+    let t2523 = -t2001;
+    let t2524 = -t2015;
+    let t2525 = -t2029;
+    let t2526 = -t2060;
+    let t2527 = -t2078;
+    let t2528 = -t2098;
+    let t2529 = -t2102;
+    let t2530 = -t2114;
+    let t2531 = -t2122;
+    let t2532 = -t2136;
+    let t2533 = -t2151;
+    let t2534 = -t2152;
+    let t2535 = -t2163;
+    let t2536 = -t2175;
+    let t2537 = -t2183;
+    let t2538 = -t2184;
+    let t2539 = -t2185;
+    let t2540 = -t2186;
+    let t2541 = -t2208;
+    let t2542 = -t2335;
+    let t2543 = -t2399;
+    let t2544 = -t2431;
     [
-        t2004,
-        t2010,
-        t2013,
-        t2023,
-        t2033,
-        t2057,
-        t2071,
-        t2092,
-        t2106,
-        t2119,
+        t2008,
+        t2022,
+        t2035,
+        t2042,
+        t2051,
+        t2069,
+        t2087,
+        t2095,
+        t2096,
+        t2108,
+        t2123,
         t2126,
-        t2135,
-        t2153,
-        t2171,
-        t2179,
-        t2180,
-        t2192,
-        t2207,
-        t2210,
+        t2130,
+        t2142,
+        t2150,
+        t2169,
         t2214,
+        t2222,
+        t2223,
+        t2224,
+        t2225,
         t2226,
-        t2234,
-        t2253,
-        t2298,
-        t2306,
-        t2307,
-        t2308,
-        t2309,
-        t2310,
-        t2332,
-        t2345,
-        t2346,
-        t2347,
-        t2348,
-        t2349,
-        t2350,
-        t2387,
-        t2455,
-        t2557,
-        t2591,
-        t2592,
-        t2593,
-        t2594,
-        t2595,
-        t2596,
-        t2597,
-        t2598,
-        t2599,
-        t2600,
-        t2601,
-        t2602,
-        t2603,
-        t2604,
-        t2605,
-        t2606,
-        t2607,
-        t2608,
-        t2609,
-        t2610,
-        t2611,
-        t2612,
-        t2613,
-        t2614,
-        t2615,
-        t2616,
-        t2617,
-        t2618,
-        t2619,
-        t2620,
-        t2621,
-        t2622,
-        t2623,
-        t2624,
-        t2625,
-        t2626,
-        t2627,
-        t2628,
-        t2629,
-        t2630,
-        t2631,
-        t2632,
-        t2633,
-        t2634,
-        t2635,
-        t2636,
-        t2637,
-        t2638,
-        t2639,
-        t2640,
-        t2641,
-        t2642,
-        t2643,
+        t2248,
+        t2261,
+        t2262,
+        t2263,
+        t2264,
+        t2265,
+        t2266,
+        t2303,
+        t2367,
+        t2463,
+        t2495,
+        t2496,
+        t2497,
+        t2498,
+        t2499,
+        t2500,
+        t2501,
+        t2502,
+        t2503,
+        t2504,
+        t2505,
+        t2506,
+        t2507,
+        t2508,
+        t2509,
+        t2510,
+        t2511,
+        t2512,
+        t2513,
+        t2514,
+        t2515,
+        t2516,
+        t2517,
+        t2518,
+        t2519,
+        t2520,
+        t2521,
+        t2522,
+        t2523,
+        t2524,
+        t2525,
+        t2526,
+        t2527,
+        t2528,
+        t2529,
+        t2530,
+        t2531,
+        t2532,
+        t2533,
+        t2534,
+        t2535,
+        t2536,
+        t2537,
+        t2538,
+        t2539,
+        t2540,
+        t2541,
+        t2542,
+        t2543,
+        t2544,
     ]
 }
 

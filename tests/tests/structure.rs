@@ -88,6 +88,17 @@ fn patterns_show_branches_and_upright_axes() {
         assert_eq!(*may, at % 6 != 0, "A_y[{}][{}]", at / 6, at % 6);
     }
     assert!(by_v.iter().all(|may| *may));
+    // Nor does anything see a turn of the Puma's last link, which is round.
+    let linear = patterns(robot("puma560.toml").function("linearize"));
+    for (at, may) in linear[0].1.iter().enumerate() {
+        assert_eq!(
+            *may,
+            at % 6 != 0 && at % 6 != 5,
+            "A_y[{}][{}]",
+            at / 6,
+            at % 6
+        );
+    }
 }
 
 /// The accelerations by articulated bodies as a program of y, v and the joint forces; `None` where rotors forbid it.

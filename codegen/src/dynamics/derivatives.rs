@@ -407,6 +407,10 @@ impl<'g> Tree<'_, 'g> {
                 flow.momentum.cross(z)
             }
         };
+        if self.looks_the_same_turned(index) {
+            // What it needs does not change with its angle; the sums above would only leave their rounding.
+            stiffness = (Vector3::zero(zero), Vector3::zero(zero));
+        }
         let sign = self.mechanism.bodies[index].direction;
         let signed = |(force, moment): Wrench<'g>| {
             (
@@ -420,6 +424,23 @@ impl<'g> Tree<'_, 'g> {
             stiffness: signed(stiffness),
             by_omega: by_omega.map(|x| x.signed(sign)),
         }
+    }
+
+    /// Whether a body that carries nothing has its masses around the axis of its revolute joint evenly.
+    fn looks_the_same_turned(&self, index: usize) -> bool {
+        let moments = self.placements[index].moments;
+        let (first, second) = (moments.first, moments.second);
+        let across = [first[0], first[1], second.xy, second.xz, second.yz];
+        let bodies = &self.mechanism.bodies;
+        bodies[index].axis == JointAxis::Revolute
+            && bodies.iter().all(|body| body.parent != Some(index))
+            && self
+                .mechanism
+                .rotors
+                .iter()
+                .all(|r| r.carrier != Some(index))
+            && across.iter().all(|x| x.is_zero())
+            && second.xx == second.yy
     }
 
     fn disturbance(&self, index: usize) -> Disturbance<'g> {
