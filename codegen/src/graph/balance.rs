@@ -19,7 +19,10 @@ pub fn balanced(graph: &Graph, results: &[Edge]) -> Vec<Edge> {
     for &edge in &reachable {
         balance.rebuild(edge);
     }
-    results.iter().map(|&edge| balance.new(edge)).collect()
+    results
+        .iter()
+        .map(|&edge| balance.successor(edge))
+        .collect()
 }
 
 /// Marks the sums that are only steps on the way to another sum. What has a name is read by people, and stays.
@@ -54,7 +57,7 @@ struct Balance<'g> {
 }
 
 impl Balance<'_> {
-    fn new(&self, old: Edge) -> Edge {
+    fn successor(&self, old: Edge) -> Edge {
         let edge = self.rebuilt[old.index()].unwrap_or(old.abs());
         edge.negate_if(old.is_negative())
     }
@@ -65,9 +68,9 @@ impl Balance<'_> {
             Node::Constant(_) | Node::Input(..) | Node::Parameter(_) => edge,
             Node::Sum(..) if self.is_part[edge.index()] => return,
             Node::Sum(..) => self.sum(edge),
-            Node::Product(a, b) => graph.mul(self.new(a), self.new(b)),
-            Node::Quotient(a, b) => graph.div(self.new(a), self.new(b)),
-            Node::Call(function, a) => graph.call(function, self.new(a)),
+            Node::Product(a, b) => graph.mul(self.successor(a), self.successor(b)),
+            Node::Quotient(a, b) => graph.div(self.successor(a), self.successor(b)),
+            Node::Call(function, a) => graph.call(function, self.successor(a)),
         };
         if let Some(label) = graph.label_of(edge) {
             graph.label(new, || label);
@@ -104,7 +107,7 @@ impl Balance<'_> {
                 Node::Sum(a, b) if edge.abs() == sum.abs() || self.is_part[edge.index()] => {
                     pending.extend([b, a].map(|x| x.negate_if(edge.is_negative())));
                 }
-                _ => terms.push(self.new(edge)),
+                _ => terms.push(self.successor(edge)),
             }
         }
     }
