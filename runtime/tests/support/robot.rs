@@ -9,7 +9,9 @@ use gelenk_runtime::trajectory::RestToRest;
 use gelenk_runtime::transport::{InProcess, Reading, Transport, TransportError};
 use std::time::Duration;
 
-gelenk_runtime::dynamics!(pub struct PowerCube = gelenk_generated::powercube);
+gelenk_runtime::dynamics!(
+    pub struct PowerCube = gelenk_generated::powercube: Dynamics + Differentiable + Discretizable []
+);
 
 /// Positions that the tests allow [rad]; the description has no limits.
 pub const LIMITS: [[f64; 2]; 2] = [[-1.0, 1.2], [-1.0, 1.0]];
