@@ -57,20 +57,6 @@ pub fn chain(rows: &[Row], gravity: [f64; 3]) -> Model {
     }
 }
 
-/// `count` joints with twists of ±90°.
-pub fn right_angles(count: usize) -> Vec<Row> {
-    let sign = |k: usize| if k.is_multiple_of(2) { 90.0 } else { -90.0 };
-    (0..count)
-        .map(|k| {
-            if k == 0 {
-                (0.0, 0.0, 0.0)
-            } else {
-                (sign(k), 0.1 + 0.01 * k as f64, 0.2 + 0.007 * k as f64)
-            }
-        })
-        .collect()
-}
-
 fn link(k: usize, (alpha, d, r): Row) -> Link {
     let x = k as f64;
     let (s, c) = crate::kinematics::exact_sin_cos(alpha);
