@@ -7,7 +7,8 @@
 //! gelenk_codegen::build("robot.toml");
 //! ```
 //!
-//! and [`Builder`] for the rest.
+//! and [`Builder`] for the rest. [`guide`] holds conventions and signs, how to read generated code, and how to add a joint
+//! type.
 
 #[cfg(feature = "cli")]
 pub mod cli;
@@ -19,6 +20,7 @@ pub mod dynamics;
 pub mod emit;
 pub mod formula;
 pub mod graph;
+pub mod guide;
 pub mod kinematics;
 pub mod math;
 pub mod model;
