@@ -28,7 +28,7 @@ pub(super) struct Plan<const M: usize, const NX: usize> {
     pub states: Vec<[f64; NX]>,
     pub inputs: Vec<[f64; M]>,
     disturbance: [f64; M],
-    /// When it begins on the trajectory [s]; NaN while there is none.
+    /// When it begins on the trajectory (s); NaN while there is none.
     pub start: f64,
 }
 
@@ -172,7 +172,7 @@ where
         (cycle.time + period, join(&ahead.0, &ahead.1))
     }
 
-    /// Desired states and feed-forward from `start` [s] on.
+    /// Desired states and feed-forward from `start` (s) on.
     pub fn look_ahead(&mut self, start: f64) {
         let period = self.options.period;
         for k in 0..=self.options.horizon {
@@ -190,7 +190,7 @@ where
             .sample(start + (k as f64 + 0.5) * self.options.period)
     }
 
-    /// Moves the plan to begin at `start` [s]: shifted, its end filled with the feed-forward and the reference; all of it, if there is no plan.
+    /// Moves the plan to begin at `start` (s): shifted, its end filled with the feed-forward and the reference; all of it, if there is no plan.
     pub fn shift_plan(&mut self, start: f64) {
         let stages = self.options.horizon;
         let periods = ((start - self.plan.start) / self.options.period).round();
@@ -233,7 +233,7 @@ where
         }
     }
 
-    /// Solves from `state` at `start` [s] on; the stages are set.
+    /// Solves from `state` at `start` (s) on; the stages are set.
     pub fn solve(&mut self, start: f64, state: &[f64; NX]) -> Result<Command<M>, ControllerFault> {
         let disturbance = *self.observer.disturbance();
         for i in 0..NX {

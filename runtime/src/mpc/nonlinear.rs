@@ -17,7 +17,7 @@ use crate::trajectory::Trajectory;
 #[derive(Debug, Clone)]
 pub struct Nmpc<D, T, const N: usize, const M: usize, const NX: usize> {
     horizon: Horizon<D, T, N, M, NX>,
-    /// Start of the prepared horizon [s]; NaN if none is.
+    /// Start of the prepared horizon (s); NaN if none is.
     prepared: f64,
 }
 
@@ -43,7 +43,7 @@ where
         &self.horizon.observer
     }
 
-    /// Prepares the next period, which follows `time` [s], the one of the last [`feedback`](Self::feedback).
+    /// Prepares the next period, which follows `time` (s), the one of the last [`feedback`](Self::feedback).
     pub fn prepare(&mut self, time: f64) {
         let period = self.horizon.options.period;
         let ahead = if self.horizon.options.delay { 2.0 } else { 1.0 };

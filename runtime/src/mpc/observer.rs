@@ -114,7 +114,7 @@ impl<const N: usize, const M: usize> DisturbanceObserver<N, M> {
         deviation * deviation
     }
 
-    /// Moves on by `period` [s], over which `inputs` acted, in `substeps` Runge–Kutta steps.
+    /// Moves on by `period` (s), over which `inputs` acted, in `substeps` Runge–Kutta steps.
     pub fn predict(
         &mut self,
         model: &impl Discretizable<N, M>,

@@ -22,7 +22,7 @@ pub enum LinearizationPoint {
 /// Weights, bounds and structure of a predictive controller of a robot with `N` coordinates and `M` inputs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MpcOptions<const N: usize, const M: usize> {
-    /// Sample time T [s].
+    /// Sample time T (s).
     pub period: f64,
     /// Stages of the horizon, 1..=100.
     pub horizon: usize,
@@ -172,7 +172,7 @@ pub enum MpcError {
     /// The Riccati equation of the terminal weight has no solution.
     #[error("no terminal weight at {time} s of the trajectory: {reason}")]
     Terminal {
-        /// Where on the trajectory [s].
+        /// Where on the trajectory (s).
         time: f64,
         /// Why.
         reason: LqrError,
@@ -180,7 +180,7 @@ pub enum MpcError {
     /// Trajectory or equations of motion are not finite.
     #[error("at {time} s trajectory or equations of motion are not finite")]
     NotFinite {
-        /// Where on the trajectory [s].
+        /// Where on the trajectory (s).
         time: f64,
     },
 }
