@@ -1,10 +1,11 @@
 #!/bin/sh
-# Time per call of the generated functions beside Pinocchio and CasADi, in one run, round by round.
+# Time per call of the generated functions beside Pinocchio and CasADi, in one run, round by round: as `gelenk generate`
+# writes them by default (gelenk), and with fused multiply-adds (gelenk_fma).
 #
 #     sh tests/bench/dynamics.sh [arguments of the comparison, e.g. --fn rnea,crba]
 #
 # GELENK_SHARED is the folder whose bench/run.sh makes the others; by default the folder `shared` beside the workspace.
-# LAB is where it keeps what it builds. Options of the generator, if any, stand in GELENK_OPTIONS.
+# LAB is where it keeps what it builds. Further options of the generator, if any, stand in GELENK_OPTIONS.
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 shared=${GELENK_SHARED:-$root/../shared}
@@ -13,15 +14,24 @@ work=${CARGO_TARGET_DIR:-$root/target}/bench
 mkdir -p "$work"
 (cd "$root" && cargo build --quiet --release -p gelenk-codegen)
 gelenk=${CARGO_TARGET_DIR:-$root/target}/release/gelenk
-for robot in ur5 panda; do
+
+# One robot as a shared object: name of the variant, robot, options of the generator.
+build() {
+  module=$work/$2_$1
   # The others know no friction.
-  "$gelenk" generate "$root/models/$robot.toml" --no-friction ${GELENK_OPTIONS:-} --output "$work/$robot.rs" >"$work/$robot.txt" 2>&1
+  # shellcheck disable=SC2086
+  "$gelenk" generate "$root/models/$2.toml" --no-friction ${GELENK_OPTIONS:-} $3 --output "$module.rs" >"$module.txt" 2>&1
   has=
   for function in mass_matrix_and_bias_forces inverse_dynamics_derivatives_and_mass_matrix forward_dynamics_derivatives; do
-    if grep -q "^pub fn $function(" "$work/$robot.rs"; then has="$has --cfg has_$function"; fi
+    if grep -q "^pub fn $function(" "$module.rs"; then has="$has --cfg has_$function"; fi
   done
   # shellcheck disable=SC2086
-  GELENK_MODULE="$work/$robot.rs" rustc --edition 2024 --crate-type cdylib -C opt-level=3 -C target-cpu=native -C panic=abort \
-    -A unexpected_cfgs $has -o "$work/$robot.so" "$root/tests/bench/plugin.rs"
+  GELENK_MODULE="$module.rs" rustc --edition 2024 --crate-type cdylib -C opt-level=3 -C target-cpu=native -C panic=abort \
+    -A unexpected_cfgs $has -o "$module.so" "$root/tests/bench/plugin.rs"
+}
+
+for robot in ur5 panda; do
+  build gelenk "$robot" ""
+  build gelenk_fma "$robot" --fused-multiply-add
 done
-sh "$shared/bench/run.sh" dynamics "${GELENK_NAME:-gelenk}=$work/{robot}.so" "$@"
+sh "$shared/bench/run.sh" dynamics gelenk="$work/{robot}_gelenk.so" gelenk_fma="$work/{robot}_gelenk_fma.so" "$@"
