@@ -720,12 +720,14 @@ impl Function {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dynamics::composition::Composition;
     use crate::model::FUNCTIONS;
 
     #[test]
     fn descriptions_may_ask_for_every_function() {
         let names = quantities().chain(ON_REQUEST).map(|quantity| quantity.name);
-        let mut names: Vec<&str> = names.chain(["frames"]).collect();
+        let composed = Composition::ALL.map(Composition::name);
+        let mut names: Vec<&str> = names.chain(composed).chain(["frames"]).collect();
         let mut known = FUNCTIONS.to_vec();
         names.sort_unstable();
         known.sort_unstable();
