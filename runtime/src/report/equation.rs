@@ -43,7 +43,8 @@ impl Equation {
                     // Fonts and sizes of brackets take no room.
                     let is_silent = ["left", "right", "mathrm", "operatorname", "dot", "ddot"];
                     width += match command.as_str() {
-                        "" => 0,
+                        // Escaped signs are seen, thin spaces are not.
+                        "" => usize::from(rest.next().is_some_and(|sign| "{}_%#&$".contains(sign))),
                         silent if is_silent.contains(&silent) => 0,
                         "sin" | "cos" | "tanh" | "exp" => 3,
                         _ => 1,
