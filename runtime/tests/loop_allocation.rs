@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
+#[path = "support/allocations.rs"]
+mod allocations;
 mod support;
 
 use gelenk_runtime::control_loop::{
@@ -12,40 +14,8 @@ use gelenk_runtime::trajectory::RestToRest;
 use gelenk_runtime::transport::{
     InProcess, Pace, PlantServer, ServerOptions, Transport, UdpTransport,
 };
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::time::Duration;
 use support::robot::{END, PowerCube, START, law, plant_at, plant_options, settings};
-
-struct Counting;
-
-thread_local! {
-    /// Of this thread alone: the log's writer and the plant's server allocate in theirs.
-    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
-}
-
-// SAFETY: every call goes to the system allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.realloc(pointer, layout, size) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static GLOBAL: Counting = Counting;
 
 const RATE: f64 = 1000.0;
 
@@ -59,7 +29,11 @@ fn controller() -> impl Controller<2, 2> {
 }
 
 /// Allocations in so many periods, and records written and dropped.
-fn allocations(transport: impl Transport<2, 2>, clock: VirtualClock, periods: u64) -> (u64, u64) {
+fn allocations_of(
+    transport: impl Transport<2, 2>,
+    clock: VirtualClock,
+    periods: u64,
+) -> (u64, u64) {
     let (sink, writer) = log_to(std::io::sink(), 20_000).unwrap();
     let settings = LoopSettings {
         // A machine that stalls the server for long shall not end this.
@@ -70,12 +44,12 @@ fn allocations(transport: impl Transport<2, 2>, clock: VirtualClock, periods: u6
         ControlLoop::new(settings, law(), motion(), controller(), transport, clock)
             .unwrap()
             .with_log(sink);
-    let before = ALLOCATIONS.get();
+    let before = allocations::count();
     control.start().unwrap();
     for _ in 0..periods {
         assert!(control.period());
     }
-    let counted = ALLOCATIONS.get() - before;
+    let counted = allocations::count() - before;
     drop(control);
     let summary = writer.finish().unwrap();
     (counted, summary.written + summary.dropped)
@@ -86,7 +60,7 @@ fn ten_thousand_periods_in_process_do_not_allocate() {
     let clock = VirtualClock::new();
     let plant = plant_at(START, plant_options());
     let robot = InProcess::new(plant, clock.clone(), Duration::from_millis(1));
-    assert_eq!(allocations(robot, clock, 10_000), (0, 10_000));
+    assert_eq!(allocations_of(robot, clock, 10_000), (0, 10_000));
 }
 
 #[test]
@@ -101,7 +75,7 @@ fn two_thousand_periods_over_udp_do_not_allocate() {
     let address = server.local_address().unwrap();
     let serving = std::thread::spawn(move || server.serve(Duration::from_secs(1)));
     let link: UdpTransport<2, 2> = UdpTransport::connect(address, Duration::from_secs(30)).unwrap();
-    assert_eq!(allocations(link, VirtualClock::new(), 2000), (0, 2000));
+    assert_eq!(allocations_of(link, VirtualClock::new(), 2000), (0, 2000));
     serving.join().unwrap().unwrap();
 }
 
@@ -109,9 +83,9 @@ fn two_thousand_periods_over_udp_do_not_allocate() {
 #[test]
 fn sleeping_does_not_allocate() {
     let clock = MonotonicClock;
-    let before = ALLOCATIONS.get();
+    let before = allocations::count();
     for _ in 0..3 {
         clock.sleep_until(clock.now() + Duration::from_millis(1));
     }
-    assert_eq!(ALLOCATIONS.get() - before, 0);
+    assert_eq!(allocations::count() - before, 0);
 }

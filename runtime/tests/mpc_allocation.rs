@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
+#[path = "support/allocations.rs"]
+mod allocations;
 #[path = "support/tracking.rs"]
 mod tracking;
 
@@ -9,35 +11,7 @@ use gelenk_runtime::control_loop::{Controller, Cycle};
 use gelenk_runtime::lqr::{Lqr, TimeVaryingLqr};
 use gelenk_runtime::mpc::{LinearizationPoint, LtvMpc, Nmpc};
 use gelenk_runtime::trajectory::RestToRest;
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use tracking::{PERIOD, PowerCube, options};
-
-struct Counting;
-
-thread_local! {
-    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
-}
-
-// SAFETY: every call is handed to the system allocator unchanged; the counter is a plain thread-local number.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.with(|n| n.set(n.get() + 1));
-        // SAFETY: as this function's own contract.
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: as this function's own contract.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
-
-fn allocations() -> usize {
-    ALLOCATIONS.with(Cell::get)
-}
 
 const STEPS: u32 = 10_000;
 
@@ -47,7 +21,7 @@ fn drive(controller: &mut impl Controller<2, 2>, motion: &RestToRest<2>) {
     let mut last = [0.0; 2];
     controller.reset(&motion.sample(0.0).positions, &last);
     let (mut solved, mut iterated, mut faults) = (0, 0, 0);
-    let before = allocations();
+    let before = allocations::count();
     for k in 0..STEPS {
         let time = f64::from(k % 150) * PERIOD;
         if k % 150 == 0 {
@@ -74,7 +48,7 @@ fn drive(controller: &mut impl Controller<2, 2>, motion: &RestToRest<2>) {
         }
         std::hint::black_box((controller.planned(1), controller.estimate()));
     }
-    assert_eq!(allocations(), before);
+    assert_eq!(allocations::count(), before);
     assert!(
         solved > STEPS - 200 && iterated > 100 && faults > 0,
         "{solved} {iterated} {faults}"
@@ -112,7 +86,7 @@ fn linear_quadratic_regulators_allocate_nothing() {
     let (q, r) = ([[100.0, 0.0], [0.0, 1.0]], [[0.1]]);
     let regulator = Lqr::new(&a, &b, &q, &r).unwrap();
     let mut varying = TimeVaryingLqr::new(20).unwrap();
-    let before = allocations();
+    let before = allocations::count();
     let mut state = [1.0, 0.0];
     for k in 0..STEPS {
         let u = regulator.input(&state);
@@ -125,6 +99,6 @@ fn linear_quadratic_regulators_allocate_nothing() {
             std::hint::black_box(varying.gain(0));
         }
     }
-    assert_eq!(allocations(), before);
+    assert_eq!(allocations::count(), before);
     assert!(state[0].abs() < 1e-9);
 }

@@ -1,33 +1,11 @@
 //! A solve allocates nothing, whatever its outcome.
 
+#[path = "support/allocations.rs"]
+mod allocations;
 mod support;
 
 use gelenk_runtime::qp::{QpProblem, QpSettings, QpSolver, QpStatus};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use support::random_qp;
-
-struct Counting;
-
-thread_local! {
-    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
-}
-
-// SAFETY: every call is handed to the system allocator unchanged; the counter is a plain thread-local number.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.with(|n| n.set(n.get() + 1));
-        // SAFETY: as this function's own contract.
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: as this function's own contract.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
 
 #[test]
 fn ten_thousand_solves_allocate_nothing() {
@@ -49,7 +27,7 @@ fn ten_thousand_solves_allocate_nothing() {
     kinds.push(invalid);
     let mut solver = QpSolver::<4, 2>::new(10, QpSettings::default()).unwrap();
     let (mut solved, mut relaxed, mut refused) = (0, 0, 0);
-    let before = ALLOCATIONS.with(Cell::get);
+    let before = allocations::count();
     for i in 0..10_000 {
         let problem = &kinds[i % kinds.len()];
         let report = if i % 3 == 0 {
@@ -65,12 +43,12 @@ fn ten_thousand_solves_allocate_nothing() {
         }
         solver.shift();
     }
-    let after = ALLOCATIONS.with(Cell::get);
+    let after = allocations::count();
     assert_eq!(after, before);
     assert!(
         solved > 8000 && relaxed > 500 && refused > 500,
         "{solved} {relaxed} {refused}"
     );
     drop(std::hint::black_box(vec![0_u8; 32]));
-    assert!(ALLOCATIONS.with(Cell::get) > after, "the counter counts");
+    assert!(allocations::count() > after, "the counter counts");
 }
