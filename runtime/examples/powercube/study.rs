@@ -1,0 +1,37 @@
+//! What all experiments share.
+
+use gelenk_runtime::report::{Claim, Section};
+use std::error::Error;
+
+pub type Outcome<T> = Result<T, Box<dyn Error>>;
+
+/// How much is computed.
+pub struct Study {
+    /// Fewer samples through the same code.
+    pub is_short: bool,
+}
+
+impl Study {
+    /// `GELENK_EXAMPLE_SHORT=1` asks for the short form.
+    pub fn from_environment() -> Self {
+        Self {
+            is_short: std::env::var_os("GELENK_EXAMPLE_SHORT").is_some(),
+        }
+    }
+
+    /// One number for the full run, another for the short one.
+    pub fn pick<T>(&self, full: T, short: T) -> T {
+        if self.is_short { short } else { full }
+    }
+}
+
+/// An experiment: a title for the terminal, and what runs it.
+pub type Experiment = (&'static str, fn(&Study) -> Outcome<Part>);
+
+/// What an experiment adds to the report.
+pub struct Part {
+    /// Its figures, tables and words.
+    pub section: Section,
+    /// What follows for the paper's claims; shown together at the top.
+    pub claims: Vec<Claim>,
+}

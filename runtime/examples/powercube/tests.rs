@@ -1,0 +1,1 @@
+//! Verdicts of the short form, each with the cause that flips it.
