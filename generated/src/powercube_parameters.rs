@@ -66,39 +66,54 @@ pub const ROTOR_INERTIAS: [f64; M] = [5.267e-5, 5.267e-5];
 pub struct Parameters {
     /// gravity (m/s²); described as 9.80665.
     pub g: f64,
+    /// Parameter `beta_constant` (N m); described as 0.0.
+    pub beta_constant: f64,
     /// Parameter `beta_viscous` (N m s); described as 76.556.
     pub beta_viscous: f64,
+    /// Parameter `beta_sign` (N m); described as 0.0.
+    pub beta_sign: f64,
     /// Parameter `beta_tanh_5` (N m); described as 3.924.
     pub beta_tanh_5: f64,
     /// Parameter `beta_tanh_10` (N m); described as 10.838.
     pub beta_tanh_10: f64,
     /// Parameter `beta_tanh_20` (N m); described as 2.236.
     pub beta_tanh_20: f64,
+    /// Parameter `beta_tanh_100` (N m); described as 0.0.
+    pub beta_tanh_100: f64,
+    /// Parameter `gamma_constant` (N m); described as 0.0.
+    pub gamma_constant: f64,
     /// Parameter `gamma_viscous` (N m s); described as 56.231.
     pub gamma_viscous: f64,
+    /// Parameter `gamma_sign` (N m); described as 0.492.
+    pub gamma_sign: f64,
     /// Parameter `gamma_tanh_5` (N m); described as 0.368.
     pub gamma_tanh_5: f64,
     /// Parameter `gamma_tanh_10` (N m); described as 0.368.
     pub gamma_tanh_10: f64,
+    /// Parameter `gamma_tanh_20` (N m); described as 0.0.
+    pub gamma_tanh_20: f64,
     /// Parameter `gamma_tanh_100` (N m); described as 8.342.
     pub gamma_tanh_100: f64,
-    /// Parameter `gamma_sign` (N m); described as 0.492.
-    pub gamma_sign: f64,
 }
 
 impl Parameters {
     /// The described values.
     pub const DESCRIBED: Self = Self {
         g: 9.80665,
+        beta_constant: 0.0,
         beta_viscous: 76.556,
+        beta_sign: 0.0,
         beta_tanh_5: 3.924,
         beta_tanh_10: 10.838,
         beta_tanh_20: 2.236,
+        beta_tanh_100: 0.0,
+        gamma_constant: 0.0,
         gamma_viscous: 56.231,
+        gamma_sign: 0.492,
         gamma_tanh_5: 0.368,
         gamma_tanh_10: 0.368,
+        gamma_tanh_20: 0.0,
         gamma_tanh_100: 8.342,
-        gamma_sign: 0.492,
     };
 }
 
@@ -211,43 +226,55 @@ pub fn spring_forces(y: &[f64; N], v: &[f64; N], p: &Parameters) -> [f64; N] {
 /// - `p`: free parameters
 /// - returns `τ: [N]`: positive for positive velocity, at the joint
 ///
-/// Cost: 15 multiplications, 7 additions, 0 divisions, 6 function calls, 1 selection.
+/// Cost: 20 multiplications, 12 additions, 0 divisions, 8 function calls, 2 selections.
 ///
 /// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
 /// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
-#[inline]
 #[must_use]
 pub fn friction_torques(v: &[f64; N], p: &Parameters) -> [f64; N] {
-    let t0 = v[0] * 10.0;
+    let t0 = v[0] * 20.0;
     let t1 = math::tanh(t0);
-    let t2 = t1 * p.beta_tanh_10;
-    let t3 = v[0] * 5.0;
+    let t2 = t1 * p.beta_tanh_20;
+    let t3 = v[0] * 10.0;
     let t4 = math::tanh(t3);
-    let t5 = t4 * p.beta_tanh_5;
+    let t5 = t4 * p.beta_tanh_10;
     let t6 = t5 + t2;
-    let t7 = v[0] * 20.0;
+    let t7 = v[0] * 5.0;
     let t8 = math::tanh(t7);
-    let t9 = t8 * p.beta_tanh_20;
-    let t10 = v[0] * p.beta_viscous;
-    let t11 = t10 + t9;
-    let t12 = t11 + t6;
-    let t13 = v[1] * 10.0;
-    let t14 = math::tanh(t13);
-    let t15 = t14 * p.gamma_tanh_10;
-    let t16 = v[1] * 5.0;
-    let t17 = math::tanh(t16);
-    let t18 = t17 * p.gamma_tanh_5;
-    let t19 = t18 + t15;
-    let t20 = sign(v[1]);
-    let t21 = t20 * p.gamma_sign;
-    let t22 = v[1] * p.gamma_viscous;
-    let t23 = t22 + t21;
-    let t24 = v[1] * 100.0;
+    let t9 = t8 * p.beta_tanh_5;
+    let t10 = t9 + t6;
+    let t11 = v[0] * 100.0;
+    let t12 = math::tanh(t11);
+    let t13 = t12 * p.beta_tanh_100;
+    let t14 = sign(v[0]);
+    let t15 = t14 * p.beta_sign;
+    let t16 = v[0] * p.beta_viscous;
+    let t17 = p.beta_constant + t16;
+    let t18 = t17 + t15;
+    let t19 = t18 + t13;
+    let t20 = t19 + t10;
+    let t21 = v[1] * 20.0;
+    let t22 = math::tanh(t21);
+    let t23 = t22 * p.gamma_tanh_20;
+    let t24 = v[1] * 10.0;
     let t25 = math::tanh(t24);
-    let t26 = t25 * p.gamma_tanh_100;
+    let t26 = t25 * p.gamma_tanh_10;
     let t27 = t26 + t23;
-    let t28 = t27 + t19;
-    [t12, t28]
+    let t28 = v[1] * 5.0;
+    let t29 = math::tanh(t28);
+    let t30 = t29 * p.gamma_tanh_5;
+    let t31 = t30 + t27;
+    let t32 = v[1] * 100.0;
+    let t33 = math::tanh(t32);
+    let t34 = t33 * p.gamma_tanh_100;
+    let t35 = sign(v[1]);
+    let t36 = t35 * p.gamma_sign;
+    let t37 = v[1] * p.gamma_viscous;
+    let t38 = p.gamma_constant + t37;
+    let t39 = t38 + t36;
+    let t40 = t39 + t34;
+    let t41 = t40 + t31;
+    [t20, t41]
 }
 
 /// Applied forces `q(y, ẏ)`.
@@ -259,52 +286,65 @@ pub fn friction_torques(v: &[f64; N], p: &Parameters) -> [f64; N] {
 /// - `p`: free parameters
 /// - returns `q: [N]`: on the right-hand side, without the inputs
 ///
-/// Cost: 19 multiplications, 11 additions, 0 divisions, 8 function calls (2 `sin_cos`, 6 other), 1 selection.
+/// Cost: 24 multiplications, 16 additions, 0 divisions, 10 function calls (2 `sin_cos`, 8 other), 2 selections.
 ///
 /// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
 /// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
-#[inline]
 #[must_use]
 pub fn applied_forces(y: &[f64; N], v: &[f64; N], p: &Parameters) -> [f64; N] {
     let angle_beta_gamma = y[0] + y[1];
     let ([sin_beta, sin_beta_gamma], [..]) = math::sin_cos_2(y[0], angle_beta_gamma);
-    let t3 = v[0] * 10.0;
+    let t3 = v[0] * 20.0;
     let t4 = math::tanh(t3);
-    let t5 = t4 * p.beta_tanh_10;
-    let t6 = v[0] * 5.0;
+    let t5 = t4 * p.beta_tanh_20;
+    let t6 = v[0] * 10.0;
     let t7 = math::tanh(t6);
-    let t8 = t7 * p.beta_tanh_5;
+    let t8 = t7 * p.beta_tanh_10;
     let t9 = t8 + t5;
-    let t10 = v[0] * 20.0;
+    let t10 = v[0] * 5.0;
     let t11 = math::tanh(t10);
-    let t12 = t11 * p.beta_tanh_20;
-    let t13 = v[0] * p.beta_viscous;
-    let t14 = t13 + t12;
-    let t15 = t14 + t9;
+    let t12 = t11 * p.beta_tanh_5;
+    let t13 = t12 + t9;
+    let t14 = v[0] * 100.0;
+    let t15 = math::tanh(t14);
+    let t16 = t15 * p.beta_tanh_100;
+    let t17 = sign(v[0]);
+    let t18 = t17 * p.beta_sign;
+    let t19 = v[0] * p.beta_viscous;
+    let t20 = p.beta_constant + t19;
+    let t21 = t20 + t18;
+    let t22 = t21 + t16;
+    let t23 = t22 + t13;
     let acceleration_gamma_y = p.g * sin_beta_gamma;
     let moment_gamma_z = 1.72641659 * acceleration_gamma_y;
-    let t18 = 1.626138 * sin_beta;
-    let t19 = p.g * t18;
-    let moment_beta_z = t19 + moment_gamma_z;
-    let t21 = moment_beta_z - t15;
-    let t22 = v[1] * 10.0;
-    let t23 = math::tanh(t22);
-    let t24 = t23 * p.gamma_tanh_10;
-    let t25 = v[1] * 5.0;
-    let t26 = math::tanh(t25);
-    let t27 = t26 * p.gamma_tanh_5;
-    let t28 = t27 + t24;
-    let t29 = sign(v[1]);
-    let t30 = t29 * p.gamma_sign;
-    let t31 = v[1] * p.gamma_viscous;
-    let t32 = t31 + t30;
-    let t33 = v[1] * 100.0;
-    let t34 = math::tanh(t33);
-    let t35 = t34 * p.gamma_tanh_100;
-    let t36 = t35 + t32;
-    let t37 = t36 + t28;
-    let t38 = moment_gamma_z - t37;
-    [t21, t38]
+    let t26 = 1.626138 * sin_beta;
+    let t27 = p.g * t26;
+    let moment_beta_z = t27 + moment_gamma_z;
+    let t29 = moment_beta_z - t23;
+    let t30 = v[1] * 100.0;
+    let t31 = math::tanh(t30);
+    let t32 = t31 * p.gamma_tanh_100;
+    let t33 = sign(v[1]);
+    let t34 = t33 * p.gamma_sign;
+    let t35 = v[1] * p.gamma_viscous;
+    let t36 = p.gamma_constant + t35;
+    let t37 = t36 + t34;
+    let t38 = t37 + t32;
+    let t39 = moment_gamma_z - t38;
+    let t40 = v[1] * 20.0;
+    let t41 = math::tanh(t40);
+    let t42 = t41 * p.gamma_tanh_20;
+    let t43 = v[1] * 10.0;
+    let t44 = math::tanh(t43);
+    let t45 = t44 * p.gamma_tanh_10;
+    let t46 = t45 + t42;
+    let t47 = v[1] * 5.0;
+    let t48 = math::tanh(t47);
+    let t49 = t48 * p.gamma_tanh_5;
+    let t50 = t49 + t46;
+    let t51 = t50 - t39;
+    let t52 = -t51;
+    [t29, t52]
 }
 
 /// Bias forces `k − q_gravity`.
@@ -370,7 +410,7 @@ pub fn input_matrix(p: &Parameters) -> [[f64; M]; N] {
 /// - returns `k: [N]`: Coriolis, centrifugal and gyroscopic forces
 /// - returns `q: [N]`: gravity, springs and friction
 ///
-/// Cost: 27 multiplications, 15 additions, 0 divisions, 9 function calls (3 `sin_cos`, 6 other), 1 selection.
+/// Cost: 32 multiplications, 20 additions, 0 divisions, 11 function calls (3 `sin_cos`, 8 other), 2 selections.
 ///
 /// What the three have in common is computed once.
 ///
@@ -401,43 +441,57 @@ pub fn equations_of_motion(
     let acceleration_gamma_y = sin_gamma * t13;
     let moment_gamma_z = 0.31075498619999997 * acceleration_gamma_y;
     let moment_beta_z = moment_gamma_z - force_beta_y;
-    let t17 = v[0] * 10.0;
+    let t17 = v[0] * 20.0;
     let t18 = math::tanh(t17);
-    let t19 = t18 * p.beta_tanh_10;
-    let t20 = v[0] * 5.0;
+    let t19 = t18 * p.beta_tanh_20;
+    let t20 = v[0] * 10.0;
     let t21 = math::tanh(t20);
-    let t22 = t21 * p.beta_tanh_5;
+    let t22 = t21 * p.beta_tanh_10;
     let t23 = t22 + t19;
-    let t24 = v[0] * 20.0;
+    let t24 = v[0] * 5.0;
     let t25 = math::tanh(t24);
-    let t26 = t25 * p.beta_tanh_20;
-    let t27 = v[0] * p.beta_viscous;
-    let t28 = t27 + t26;
-    let t29 = t28 + t23;
+    let t26 = t25 * p.beta_tanh_5;
+    let t27 = t26 + t23;
+    let t28 = v[0] * 100.0;
+    let t29 = math::tanh(t28);
+    let t30 = t29 * p.beta_tanh_100;
+    let t31 = sign(v[0]);
+    let t32 = t31 * p.beta_sign;
+    let t33 = v[0] * p.beta_viscous;
+    let t34 = p.beta_constant + t33;
+    let t35 = t34 + t32;
+    let t36 = t35 + t30;
+    let t37 = t36 + t27;
     let acceleration_gamma_y_2 = p.g * sin_beta_gamma;
     let moment_gamma_z_2 = 1.72641659 * acceleration_gamma_y_2;
-    let t32 = 1.626138 * sin_beta;
-    let t33 = p.g * t32;
-    let moment_beta_z_2 = t33 + moment_gamma_z_2;
-    let t35 = moment_beta_z_2 - t29;
-    let t36 = v[1] * 10.0;
-    let t37 = math::tanh(t36);
-    let t38 = t37 * p.gamma_tanh_10;
-    let t39 = v[1] * 5.0;
-    let t40 = math::tanh(t39);
-    let t41 = t40 * p.gamma_tanh_5;
-    let t42 = t41 + t38;
-    let t43 = sign(v[1]);
-    let t44 = t43 * p.gamma_sign;
-    let t45 = v[1] * p.gamma_viscous;
-    let t46 = t45 + t44;
-    let t47 = v[1] * 100.0;
-    let t48 = math::tanh(t47);
-    let t49 = t48 * p.gamma_tanh_100;
-    let t50 = t49 + t46;
-    let t51 = t50 + t42;
-    let t52 = moment_gamma_z_2 - t51;
-    ([[t6, t8], [t8, 2.0261489768564998]], [moment_beta_z, moment_gamma_z], [t35, t52])
+    let t40 = 1.626138 * sin_beta;
+    let t41 = p.g * t40;
+    let moment_beta_z_2 = t41 + moment_gamma_z_2;
+    let t43 = moment_beta_z_2 - t37;
+    let t44 = v[1] * 100.0;
+    let t45 = math::tanh(t44);
+    let t46 = t45 * p.gamma_tanh_100;
+    let t47 = sign(v[1]);
+    let t48 = t47 * p.gamma_sign;
+    let t49 = v[1] * p.gamma_viscous;
+    let t50 = p.gamma_constant + t49;
+    let t51 = t50 + t48;
+    let t52 = t51 + t46;
+    let t53 = moment_gamma_z_2 - t52;
+    let t54 = v[1] * 20.0;
+    let t55 = math::tanh(t54);
+    let t56 = t55 * p.gamma_tanh_20;
+    let t57 = v[1] * 10.0;
+    let t58 = math::tanh(t57);
+    let t59 = t58 * p.gamma_tanh_10;
+    let t60 = t59 + t56;
+    let t61 = v[1] * 5.0;
+    let t62 = math::tanh(t61);
+    let t63 = t62 * p.gamma_tanh_5;
+    let t64 = t63 + t60;
+    let t65 = t64 - t53;
+    let t66 = -t65;
+    ([[t6, t8], [t8, 2.0261489768564998]], [moment_beta_z, moment_gamma_z], [t43, t66])
 }
 
 /// Inverse dynamics: the joint forces of a motion.
@@ -450,7 +504,7 @@ pub fn equations_of_motion(
 /// - `p`: free parameters
 /// - returns `B u: [N]`: what the drives exert at the joints; u\_ff = B⁻¹ times it
 ///
-/// Cost: 34 multiplications, 23 additions, 0 divisions, 8 function calls (2 `sin_cos`, 6 other), 1 selection.
+/// Cost: 39 multiplications, 28 additions, 0 divisions, 10 function calls (2 `sin_cos`, 8 other), 2 selections.
 ///
 /// Recursive Newton–Euler equations (Luh, Walker and Paul 1980) with base parameters.
 ///
@@ -491,46 +545,59 @@ pub fn inverse_dynamics(
     let t28 = 0.29270484 * acceleration_beta_y;
     let t29 = t28 + t27;
     let moment_beta_z = moment_gamma_z + t29;
-    let t31 = v[0] * 10.0;
+    let t31 = v[0] * 20.0;
     let t32 = math::tanh(t31);
-    let t33 = t32 * p.beta_tanh_10;
-    let t34 = v[0] * 5.0;
+    let t33 = t32 * p.beta_tanh_20;
+    let t34 = v[0] * 10.0;
     let t35 = math::tanh(t34);
-    let t36 = t35 * p.beta_tanh_5;
+    let t36 = t35 * p.beta_tanh_10;
     let t37 = t36 + t33;
-    let t38 = v[0] * 20.0;
+    let t38 = v[0] * 5.0;
     let t39 = math::tanh(t38);
-    let t40 = t39 * p.beta_tanh_20;
-    let t41 = v[0] * p.beta_viscous;
-    let t42 = a[0] * 1.36525907;
-    let t43 = t42 + t41;
-    let t44 = t40 + t43;
-    let t45 = t44 + t37;
-    let t46 = moment_beta_z - t45;
-    let t47 = v[1] * p.gamma_viscous;
-    let t48 = a[0] * 0.00847987;
-    let t49 = t48 + t47;
-    let t50 = a[1] * 1.36525907;
-    let t51 = t50 + t49;
-    let t52 = sign(v[1]);
-    let t53 = t52 * p.gamma_sign;
-    let t54 = t53 + t51;
-    let t55 = v[1] * 100.0;
+    let t40 = t39 * p.beta_tanh_5;
+    let t41 = t40 + t37;
+    let t42 = v[0] * p.beta_viscous;
+    let t43 = p.beta_constant + t42;
+    let t44 = a[0] * 1.36525907;
+    let t45 = t44 + t43;
+    let t46 = sign(v[0]);
+    let t47 = t46 * p.beta_sign;
+    let t48 = t47 + t45;
+    let t49 = v[0] * 100.0;
+    let t50 = math::tanh(t49);
+    let t51 = t50 * p.beta_tanh_100;
+    let t52 = t51 + t48;
+    let t53 = t52 + t41;
+    let t54 = moment_beta_z - t53;
+    let t55 = v[1] * 20.0;
     let t56 = math::tanh(t55);
-    let t57 = t56 * p.gamma_tanh_100;
-    let t58 = t57 + t54;
-    let t59 = v[1] * 10.0;
-    let t60 = math::tanh(t59);
-    let t61 = t60 * p.gamma_tanh_10;
+    let t57 = t56 * p.gamma_tanh_20;
+    let t58 = v[1] * 10.0;
+    let t59 = math::tanh(t58);
+    let t60 = t59 * p.gamma_tanh_10;
+    let t61 = t60 + t57;
     let t62 = v[1] * 5.0;
     let t63 = math::tanh(t62);
     let t64 = t63 * p.gamma_tanh_5;
     let t65 = t64 + t61;
-    let t66 = t58 + t65;
-    let t67 = moment_gamma_z - t66;
-    let t68 = -t46;
-    let t69 = -t67;
-    [t68, t69]
+    let t66 = v[1] * p.gamma_viscous;
+    let t67 = p.gamma_constant + t66;
+    let t68 = a[0] * 0.00847987;
+    let t69 = a[1] * 1.36525907;
+    let t70 = t69 + t68;
+    let t71 = t70 + t67;
+    let t72 = sign(v[1]);
+    let t73 = t72 * p.gamma_sign;
+    let t74 = t73 + t71;
+    let t75 = v[1] * 100.0;
+    let t76 = math::tanh(t75);
+    let t77 = t76 * p.gamma_tanh_100;
+    let t78 = t77 + t74;
+    let t79 = t78 + t65;
+    let t80 = moment_gamma_z - t79;
+    let t81 = -t54;
+    let t82 = -t80;
+    [t81, t82]
 }
 
 /// Forward dynamics: the accelerations that inputs cause.
@@ -543,7 +610,7 @@ pub fn inverse_dynamics(
 /// - `p`: free parameters
 /// - returns `ÿ: [N]`: accelerations
 ///
-/// Cost: 36 multiplications, 21 additions, 1 division, 8 function calls (2 `sin_cos`, 6 other), 1 selection.
+/// Cost: 41 multiplications, 26 additions, 1 division, 10 function calls (2 `sin_cos`, 8 other), 2 selections.
 ///
 /// M = Lᵀ D L along the branches of the tree (Featherstone 2005) was cheaper than articulated bodies.
 ///
@@ -573,57 +640,70 @@ pub fn forward_dynamics(
     let t17 = 0.29270484 * acceleration_beta_y;
     let t18 = t17 + force_beta_y;
     let moment_beta_z = moment_gamma_z + t18;
-    let t20 = v[0] * 10.0;
+    let t20 = v[0] * 20.0;
     let t21 = math::tanh(t20);
-    let t22 = t21 * p.beta_tanh_10;
-    let t23 = v[0] * 5.0;
+    let t22 = t21 * p.beta_tanh_20;
+    let t23 = v[0] * 10.0;
     let t24 = math::tanh(t23);
-    let t25 = t24 * p.beta_tanh_5;
+    let t25 = t24 * p.beta_tanh_10;
     let t26 = t25 + t22;
-    let t27 = v[0] * 20.0;
+    let t27 = v[0] * 5.0;
     let t28 = math::tanh(t27);
-    let t29 = t28 * p.beta_tanh_20;
-    let t30 = v[0] * p.beta_viscous;
-    let t31 = u[0] * 161.0;
-    let t32 = t31 - t30;
-    let t33 = t29 - t32;
-    let t34 = t33 + t26;
-    let t35 = moment_beta_z - t34;
-    let t36 = v[1] * 10.0;
-    let t37 = math::tanh(t36);
-    let t38 = t37 * p.gamma_tanh_10;
-    let t39 = v[1] * 5.0;
-    let t40 = math::tanh(t39);
-    let t41 = t40 * p.gamma_tanh_5;
-    let t42 = t41 + t38;
-    let t43 = v[1] * p.gamma_viscous;
-    let t44 = u[1] * 161.0;
-    let t45 = t44 - t43;
-    let t46 = sign(v[1]);
-    let t47 = t46 * p.gamma_sign;
-    let t48 = t47 - t45;
-    let t49 = v[1] * 100.0;
-    let t50 = math::tanh(t49);
-    let t51 = t50 * p.gamma_tanh_100;
-    let t52 = t51 + t48;
-    let t53 = t52 + t42;
-    let t54 = moment_gamma_z - t53;
-    let t55 = cos_gamma * 0.31075498619999997;
-    let t56 = t55 + 0.6693697768564999;
-    let t57 = t56 * 0.4935471238405507;
-    let t58 = t57 * t54;
-    let t59 = t58 - t35;
-    let t60 = t56 * t57;
-    let t61 = cos_gamma * 0.6215099723999999;
-    let t62 = t61 + 2.3212965868565;
-    let t63 = t62 - t60;
-    let inverse_d_beta = 1.0 / t63;
-    let t65 = inverse_d_beta * t59;
-    let t66 = t57 * t65;
-    let t67 = 0.4935471238405507 * t54;
-    let t68 = t67 + t66;
-    let t69 = -t65;
-    [t69, t68]
+    let t29 = t28 * p.beta_tanh_5;
+    let t30 = t29 + t26;
+    let t31 = v[0] * p.beta_viscous;
+    let t32 = p.beta_constant + t31;
+    let t33 = u[0] * 161.0;
+    let t34 = t33 - t32;
+    let t35 = sign(v[0]);
+    let t36 = t35 * p.beta_sign;
+    let t37 = t36 - t34;
+    let t38 = v[0] * 100.0;
+    let t39 = math::tanh(t38);
+    let t40 = t39 * p.beta_tanh_100;
+    let t41 = t40 + t37;
+    let t42 = t41 + t30;
+    let t43 = moment_beta_z - t42;
+    let t44 = v[1] * 20.0;
+    let t45 = math::tanh(t44);
+    let t46 = t45 * p.gamma_tanh_20;
+    let t47 = v[1] * 10.0;
+    let t48 = math::tanh(t47);
+    let t49 = t48 * p.gamma_tanh_10;
+    let t50 = t49 + t46;
+    let t51 = v[1] * 5.0;
+    let t52 = math::tanh(t51);
+    let t53 = t52 * p.gamma_tanh_5;
+    let t54 = t53 + t50;
+    let t55 = v[1] * p.gamma_viscous;
+    let t56 = p.gamma_constant + t55;
+    let t57 = u[1] * 161.0;
+    let t58 = t57 - t56;
+    let t59 = sign(v[1]);
+    let t60 = t59 * p.gamma_sign;
+    let t61 = t60 - t58;
+    let t62 = v[1] * 100.0;
+    let t63 = math::tanh(t62);
+    let t64 = t63 * p.gamma_tanh_100;
+    let t65 = t64 + t61;
+    let t66 = t65 + t54;
+    let t67 = moment_gamma_z - t66;
+    let t68 = cos_gamma * 0.31075498619999997;
+    let t69 = t68 + 0.6693697768564999;
+    let t70 = t69 * 0.4935471238405507;
+    let t71 = t70 * t67;
+    let t72 = t71 - t43;
+    let t73 = t69 * t70;
+    let t74 = cos_gamma * 0.6215099723999999;
+    let t75 = t74 + 2.3212965868565;
+    let t76 = t75 - t73;
+    let inverse_d_beta = 1.0 / t76;
+    let t78 = inverse_d_beta * t72;
+    let t79 = t70 * t78;
+    let t80 = 0.4935471238405507 * t67;
+    let t81 = t80 + t79;
+    let t82 = -t78;
+    [t82, t81]
 }
 
 /// Mass matrix and bias forces at once.
@@ -684,7 +764,7 @@ pub fn mass_matrix_and_bias_forces(
 /// - returns `∂/∂y: [N × N]`: row i = force i
 /// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
 ///
-/// Cost: 64 multiplications, 42 additions, 0 divisions, 8 function calls (2 `sin_cos`, 6 other), 1 selection.
+/// Cost: 76 multiplications, 52 additions, 0 divisions, 10 function calls (2 `sin_cos`, 8 other), 2 selections.
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
@@ -700,126 +780,151 @@ pub fn inverse_dynamics_derivatives(
     p: &Parameters,
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N]) {
     let ([sin_beta, sin_gamma], [cos_beta, cos_gamma]) = math::sin_cos_2(y[0], y[1]);
-    let t4 = p.g * 5.555555555555555;
-    let acceleration_beta_y = sin_beta * t4;
-    let t6 = a[0] - acceleration_beta_y;
-    let t7 = cos_gamma * t6;
-    let acceleration_beta_x = cos_beta * t4;
-    let t9 = v[0] * v[0];
-    let t10 = acceleration_beta_x - t9;
-    let t11 = sin_gamma * t10;
-    let t12 = t11 - t7;
-    let t13 = 0.31075498619999997 * t12;
-    let t14 = a[0] + a[1];
-    let t15 = 0.6608899068565 * t14;
-    let t16 = t13 - t15;
-    let t17 = v[0] * 5.0;
-    let t18 = math::tanh(t17);
-    let t19 = t18 * p.beta_tanh_5;
-    let t20 = 0.29270484 * acceleration_beta_y;
-    let t21 = t20 - t19;
-    let t22 = v[0] * 20.0;
-    let t23 = math::tanh(t22);
-    let t24 = t23 * p.beta_tanh_20;
-    let t25 = v[0] * 10.0;
-    let t26 = math::tanh(t25);
-    let t27 = t26 * p.beta_tanh_10;
-    let t28 = t27 + t24;
-    let t29 = t28 - t21;
-    let t30 = v[0] * p.beta_viscous;
-    let t31 = a[1] * 0.00847987;
-    let t32 = t31 + t30;
-    let t33 = a[0] * 1.6604066800000001;
-    let t34 = t32 + t33;
-    let t35 = 0.31075498619999997 * t14;
-    let t36 = cos_gamma * t35;
-    let t37 = t36 + t34;
+    let t4 = a[1] * 0.00847987;
+    let t5 = a[0] * 0.29514761000000006;
+    let t6 = t5 + t4;
+    let t7 = a[0] * 1.36525907;
+    let t8 = t7 + t6;
+    let t9 = v[0] * p.beta_viscous;
+    let t10 = p.beta_constant + t9;
+    let t11 = t10 + t8;
+    let t12 = sign(v[0]);
+    let t13 = t12 * p.beta_sign;
+    let t14 = t13 + t11;
     let omega_gamma_z = v[0] + v[1];
-    let t39 = omega_gamma_z * omega_gamma_z;
-    let force_gamma_x = 0.31075498619999997 * t39;
-    let t41 = sin_gamma * force_gamma_x;
-    let t42 = t41 - t37;
-    let t43 = t42 - t29;
-    let t44 = t16 + t43;
-    let t45 = v[1] * p.gamma_viscous;
-    let t46 = a[0] * 0.00847987;
-    let t47 = t46 + t45;
-    let t48 = a[1] * 1.36525907;
-    let t49 = t48 + t47;
-    let t50 = sign(v[1]);
-    let t51 = t50 * p.gamma_sign;
-    let t52 = t51 + t49;
-    let t53 = v[1] * 100.0;
-    let t54 = math::tanh(t53);
-    let t55 = t54 * p.gamma_tanh_100;
-    let t56 = t55 + t52;
-    let t57 = v[1] * 10.0;
-    let t58 = math::tanh(t57);
-    let t59 = t58 * p.gamma_tanh_10;
-    let t60 = v[1] * 5.0;
-    let t61 = math::tanh(t60);
-    let t62 = t61 * p.gamma_tanh_5;
-    let t63 = t62 + t59;
-    let t64 = t56 + t63;
-    let t65 = t16 - t64;
-    let t66 = cos_gamma * acceleration_beta_x;
-    let t67 = sin_gamma * acceleration_beta_y;
-    let t68 = t67 - t66;
-    let t69 = 0.31075498619999997 * t68;
-    let t70 = 0.29270484 * acceleration_beta_x;
-    let t71 = t70 - t69;
-    let t72 = sin_gamma * t6;
-    let t73 = cos_gamma * t10;
-    let t74 = t73 + t72;
-    let t75 = 0.31075498619999997 * t74;
-    let t76 = cos_gamma * force_gamma_x;
-    let t77 = sin_gamma * t35;
-    let t78 = t76 + t77;
-    let t79 = t78 + t75;
-    let t80 = t26 * t26;
-    let t81 = 1.0 - t80;
-    let t82 = 10.0 * t81;
-    let t83 = p.beta_tanh_10 * t82;
-    let t84 = t18 * t18;
-    let t85 = 1.0 - t84;
-    let t86 = 5.0 * t85;
-    let t87 = p.beta_tanh_5 * t86;
-    let t88 = t87 + t83;
-    let t89 = t23 * t23;
-    let t90 = 1.0 - t89;
-    let t91 = 20.0 * t90;
-    let t92 = p.beta_tanh_20 * t91;
-    let t93 = omega_gamma_z * 0.6215099723999999;
-    let t94 = sin_gamma * t93;
-    let t95 = t94 - p.beta_viscous;
-    let t96 = v[0] + v[0];
-    let t97 = sin_gamma * t96;
-    let t98 = 0.31075498619999997 * t97;
-    let t99 = t98 - t95;
-    let t100 = t92 + t99;
-    let t101 = t100 + t88;
-    let t102 = t58 * t58;
-    let t103 = 1.0 - t102;
-    let t104 = 10.0 * t103;
-    let t105 = p.gamma_tanh_10 * t104;
-    let t106 = t61 * t61;
-    let t107 = 1.0 - t106;
-    let t108 = 5.0 * t107;
-    let t109 = p.gamma_tanh_5 * t108;
-    let t110 = t109 + t105;
-    let t111 = t54 * t54;
-    let t112 = 1.0 - t111;
-    let t113 = 100.0 * t112;
-    let t114 = p.gamma_tanh_100 * t113;
-    let t115 = p.gamma_viscous + t114;
-    let t116 = t115 + t110;
-    let t117 = -t44;
-    let t118 = -t65;
-    let t119 = -t71;
-    let t120 = -t79;
-    let t121 = -t75;
-    let t122 = -t94;
-    ([t117, t118], [[t119, t120], [t69, t121]], [[t101, t122], [t98, t116]])
+    let t16 = omega_gamma_z * omega_gamma_z;
+    let force_gamma_x = 0.31075498619999997 * t16;
+    let t18 = sin_gamma * force_gamma_x;
+    let t19 = a[0] + a[1];
+    let t20 = 0.31075498619999997 * t19;
+    let t21 = cos_gamma * t20;
+    let t22 = t18 - t21;
+    let t23 = t22 - t14;
+    let t24 = v[0] * 100.0;
+    let t25 = math::tanh(t24);
+    let t26 = t25 * p.beta_tanh_100;
+    let t27 = v[0] * 20.0;
+    let t28 = math::tanh(t27);
+    let t29 = t28 * p.beta_tanh_20;
+    let t30 = t29 + t26;
+    let t31 = t23 - t30;
+    let t32 = v[0] * 10.0;
+    let t33 = math::tanh(t32);
+    let t34 = t33 * p.beta_tanh_10;
+    let t35 = v[0] * 5.0;
+    let t36 = math::tanh(t35);
+    let t37 = t36 * p.beta_tanh_5;
+    let t38 = t37 + t34;
+    let t39 = p.g * 5.555555555555555;
+    let acceleration_beta_y = sin_beta * t39;
+    let t41 = 0.29270484 * acceleration_beta_y;
+    let t42 = t41 - t38;
+    let t43 = t42 + t31;
+    let t44 = a[0] - acceleration_beta_y;
+    let t45 = cos_gamma * t44;
+    let acceleration_beta_x = cos_beta * t39;
+    let t47 = v[0] * v[0];
+    let t48 = acceleration_beta_x - t47;
+    let t49 = sin_gamma * t48;
+    let t50 = t49 - t45;
+    let t51 = 0.31075498619999997 * t50;
+    let t52 = 0.6608899068565 * t19;
+    let t53 = t51 - t52;
+    let t54 = t53 + t43;
+    let t55 = v[1] * 20.0;
+    let t56 = math::tanh(t55);
+    let t57 = t56 * p.gamma_tanh_20;
+    let t58 = v[1] * 10.0;
+    let t59 = math::tanh(t58);
+    let t60 = t59 * p.gamma_tanh_10;
+    let t61 = t60 + t57;
+    let t62 = v[1] * 5.0;
+    let t63 = math::tanh(t62);
+    let t64 = t63 * p.gamma_tanh_5;
+    let t65 = t64 + t61;
+    let t66 = v[1] * p.gamma_viscous;
+    let t67 = p.gamma_constant + t66;
+    let t68 = a[0] * 0.00847987;
+    let t69 = a[1] * 1.36525907;
+    let t70 = t69 + t68;
+    let t71 = t70 + t67;
+    let t72 = sign(v[1]);
+    let t73 = t72 * p.gamma_sign;
+    let t74 = t73 + t71;
+    let t75 = v[1] * 100.0;
+    let t76 = math::tanh(t75);
+    let t77 = t76 * p.gamma_tanh_100;
+    let t78 = t77 + t74;
+    let t79 = t78 + t65;
+    let t80 = t53 - t79;
+    let t81 = cos_gamma * acceleration_beta_x;
+    let t82 = sin_gamma * acceleration_beta_y;
+    let t83 = t82 - t81;
+    let t84 = 0.31075498619999997 * t83;
+    let t85 = 0.29270484 * acceleration_beta_x;
+    let t86 = t85 - t84;
+    let t87 = sin_gamma * t44;
+    let t88 = cos_gamma * t48;
+    let t89 = t88 + t87;
+    let t90 = 0.31075498619999997 * t89;
+    let t91 = cos_gamma * force_gamma_x;
+    let t92 = sin_gamma * t20;
+    let t93 = t91 + t92;
+    let t94 = t93 + t90;
+    let t95 = t28 * t28;
+    let t96 = 1.0 - t95;
+    let t97 = 20.0 * t96;
+    let t98 = p.beta_tanh_20 * t97;
+    let t99 = t33 * t33;
+    let t100 = 1.0 - t99;
+    let t101 = 10.0 * t100;
+    let t102 = p.beta_tanh_10 * t101;
+    let t103 = t102 + t98;
+    let t104 = t36 * t36;
+    let t105 = 1.0 - t104;
+    let t106 = 5.0 * t105;
+    let t107 = p.beta_tanh_5 * t106;
+    let t108 = t107 + t103;
+    let t109 = t25 * t25;
+    let t110 = 1.0 - t109;
+    let t111 = 100.0 * t110;
+    let t112 = p.beta_tanh_100 * t111;
+    let t113 = omega_gamma_z * 0.6215099723999999;
+    let t114 = sin_gamma * t113;
+    let t115 = t114 - p.beta_viscous;
+    let t116 = v[0] + v[0];
+    let t117 = sin_gamma * t116;
+    let t118 = 0.31075498619999997 * t117;
+    let t119 = t118 - t115;
+    let t120 = t112 + t119;
+    let t121 = t120 + t108;
+    let t122 = t56 * t56;
+    let t123 = 1.0 - t122;
+    let t124 = 20.0 * t123;
+    let t125 = p.gamma_tanh_20 * t124;
+    let t126 = t59 * t59;
+    let t127 = 1.0 - t126;
+    let t128 = 10.0 * t127;
+    let t129 = p.gamma_tanh_10 * t128;
+    let t130 = t129 + t125;
+    let t131 = t63 * t63;
+    let t132 = 1.0 - t131;
+    let t133 = 5.0 * t132;
+    let t134 = p.gamma_tanh_5 * t133;
+    let t135 = t134 + t130;
+    let t136 = t76 * t76;
+    let t137 = 1.0 - t136;
+    let t138 = 100.0 * t137;
+    let t139 = p.gamma_tanh_100 * t138;
+    let t140 = p.gamma_viscous + t139;
+    let t141 = t140 + t135;
+    let t142 = -t54;
+    let t143 = -t80;
+    let t144 = -t86;
+    let t145 = -t94;
+    let t146 = -t90;
+    let t147 = -t114;
+    ([t142, t143], [[t144, t145], [t84, t146]], [[t121, t147], [t118, t141]])
 }
 
 /// Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.
@@ -835,7 +940,7 @@ pub fn inverse_dynamics_derivatives(
 /// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
 ///
-/// Cost: 65 multiplications, 45 additions, 0 divisions, 8 function calls (2 `sin_cos`, 6 other), 1 selection.
+/// Cost: 77 multiplications, 55 additions, 0 divisions, 10 function calls (2 `sin_cos`, 8 other), 2 selections.
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
@@ -855,134 +960,159 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
     p: &Parameters,
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
     let ([sin_beta, sin_gamma], [cos_beta, cos_gamma]) = math::sin_cos_2(y[0], y[1]);
-    let t4 = p.g * 5.555555555555555;
-    let acceleration_beta_y = sin_beta * t4;
-    let t6 = a[0] - acceleration_beta_y;
-    let t7 = cos_gamma * t6;
-    let acceleration_beta_x = cos_beta * t4;
-    let t9 = v[0] * v[0];
-    let t10 = acceleration_beta_x - t9;
-    let t11 = sin_gamma * t10;
-    let t12 = t11 - t7;
-    let t13 = 0.31075498619999997 * t12;
-    let t14 = a[0] + a[1];
-    let t15 = 0.6608899068565 * t14;
-    let t16 = t13 - t15;
-    let t17 = v[0] * 5.0;
-    let t18 = math::tanh(t17);
-    let t19 = t18 * p.beta_tanh_5;
-    let t20 = 0.29270484 * acceleration_beta_y;
-    let t21 = t20 - t19;
-    let t22 = v[0] * 20.0;
-    let t23 = math::tanh(t22);
-    let t24 = t23 * p.beta_tanh_20;
-    let t25 = v[0] * 10.0;
-    let t26 = math::tanh(t25);
-    let t27 = t26 * p.beta_tanh_10;
-    let t28 = t27 + t24;
-    let t29 = t28 - t21;
-    let t30 = v[0] * p.beta_viscous;
-    let t31 = a[1] * 0.00847987;
-    let t32 = t31 + t30;
-    let t33 = a[0] * 1.6604066800000001;
-    let t34 = t32 + t33;
-    let t35 = 0.31075498619999997 * t14;
-    let t36 = cos_gamma * t35;
-    let t37 = t36 + t34;
+    let t4 = a[1] * 0.00847987;
+    let t5 = a[0] * 0.29514761000000006;
+    let t6 = t5 + t4;
+    let t7 = a[0] * 1.36525907;
+    let t8 = t7 + t6;
+    let t9 = v[0] * p.beta_viscous;
+    let t10 = p.beta_constant + t9;
+    let t11 = t10 + t8;
+    let t12 = sign(v[0]);
+    let t13 = t12 * p.beta_sign;
+    let t14 = t13 + t11;
     let omega_gamma_z = v[0] + v[1];
-    let t39 = omega_gamma_z * omega_gamma_z;
-    let force_gamma_x = 0.31075498619999997 * t39;
-    let t41 = sin_gamma * force_gamma_x;
-    let t42 = t41 - t37;
-    let t43 = t42 - t29;
-    let t44 = t16 + t43;
-    let t45 = v[1] * p.gamma_viscous;
-    let t46 = a[0] * 0.00847987;
-    let t47 = t46 + t45;
-    let t48 = a[1] * 1.36525907;
-    let t49 = t48 + t47;
-    let t50 = sign(v[1]);
-    let t51 = t50 * p.gamma_sign;
-    let t52 = t51 + t49;
-    let t53 = v[1] * 100.0;
-    let t54 = math::tanh(t53);
-    let t55 = t54 * p.gamma_tanh_100;
-    let t56 = t55 + t52;
-    let t57 = v[1] * 10.0;
-    let t58 = math::tanh(t57);
-    let t59 = t58 * p.gamma_tanh_10;
-    let t60 = v[1] * 5.0;
-    let t61 = math::tanh(t60);
-    let t62 = t61 * p.gamma_tanh_5;
-    let t63 = t62 + t59;
-    let t64 = t56 + t63;
-    let t65 = t16 - t64;
-    let t66 = cos_gamma * acceleration_beta_x;
-    let t67 = sin_gamma * acceleration_beta_y;
-    let t68 = t67 - t66;
-    let t69 = 0.31075498619999997 * t68;
-    let t70 = 0.29270484 * acceleration_beta_x;
-    let t71 = t70 - t69;
-    let t72 = sin_gamma * t6;
-    let t73 = cos_gamma * t10;
-    let t74 = t73 + t72;
-    let t75 = 0.31075498619999997 * t74;
-    let t76 = cos_gamma * force_gamma_x;
-    let t77 = sin_gamma * t35;
-    let t78 = t76 + t77;
-    let t79 = t78 + t75;
-    let t80 = t26 * t26;
-    let t81 = 1.0 - t80;
-    let t82 = 10.0 * t81;
-    let t83 = p.beta_tanh_10 * t82;
-    let t84 = t18 * t18;
-    let t85 = 1.0 - t84;
-    let t86 = 5.0 * t85;
-    let t87 = p.beta_tanh_5 * t86;
-    let t88 = t87 + t83;
-    let t89 = t23 * t23;
-    let t90 = 1.0 - t89;
-    let t91 = 20.0 * t90;
-    let t92 = p.beta_tanh_20 * t91;
-    let t93 = omega_gamma_z * 0.6215099723999999;
-    let t94 = sin_gamma * t93;
-    let t95 = t94 - p.beta_viscous;
-    let t96 = v[0] + v[0];
-    let t97 = sin_gamma * t96;
-    let t98 = 0.31075498619999997 * t97;
-    let t99 = t98 - t95;
-    let t100 = t92 + t99;
-    let t101 = t100 + t88;
-    let t102 = t58 * t58;
-    let t103 = 1.0 - t102;
-    let t104 = 10.0 * t103;
-    let t105 = p.gamma_tanh_10 * t104;
-    let t106 = t61 * t61;
-    let t107 = 1.0 - t106;
-    let t108 = 5.0 * t107;
-    let t109 = p.gamma_tanh_5 * t108;
-    let t110 = t109 + t105;
-    let t111 = t54 * t54;
-    let t112 = 1.0 - t111;
-    let t113 = 100.0 * t112;
-    let t114 = p.gamma_tanh_100 * t113;
-    let t115 = p.gamma_viscous + t114;
-    let t116 = t115 + t110;
-    let t117 = 0.31075498619999997 * cos_gamma;
-    let t118 = t117 + 2.3212965868565;
-    let t119 = t117 + t118;
-    let t120 = t117 + 0.6693697768564999;
-    let t121 = -t44;
-    let t122 = -t65;
-    let t123 = -t71;
-    let t124 = -t79;
-    let t125 = -t75;
-    let t126 = -t94;
+    let t16 = omega_gamma_z * omega_gamma_z;
+    let force_gamma_x = 0.31075498619999997 * t16;
+    let t18 = sin_gamma * force_gamma_x;
+    let t19 = a[0] + a[1];
+    let t20 = 0.31075498619999997 * t19;
+    let t21 = cos_gamma * t20;
+    let t22 = t18 - t21;
+    let t23 = t22 - t14;
+    let t24 = v[0] * 100.0;
+    let t25 = math::tanh(t24);
+    let t26 = t25 * p.beta_tanh_100;
+    let t27 = v[0] * 20.0;
+    let t28 = math::tanh(t27);
+    let t29 = t28 * p.beta_tanh_20;
+    let t30 = t29 + t26;
+    let t31 = t23 - t30;
+    let t32 = v[0] * 10.0;
+    let t33 = math::tanh(t32);
+    let t34 = t33 * p.beta_tanh_10;
+    let t35 = v[0] * 5.0;
+    let t36 = math::tanh(t35);
+    let t37 = t36 * p.beta_tanh_5;
+    let t38 = t37 + t34;
+    let t39 = p.g * 5.555555555555555;
+    let acceleration_beta_y = sin_beta * t39;
+    let t41 = 0.29270484 * acceleration_beta_y;
+    let t42 = t41 - t38;
+    let t43 = t42 + t31;
+    let t44 = a[0] - acceleration_beta_y;
+    let t45 = cos_gamma * t44;
+    let acceleration_beta_x = cos_beta * t39;
+    let t47 = v[0] * v[0];
+    let t48 = acceleration_beta_x - t47;
+    let t49 = sin_gamma * t48;
+    let t50 = t49 - t45;
+    let t51 = 0.31075498619999997 * t50;
+    let t52 = 0.6608899068565 * t19;
+    let t53 = t51 - t52;
+    let t54 = t53 + t43;
+    let t55 = v[1] * 20.0;
+    let t56 = math::tanh(t55);
+    let t57 = t56 * p.gamma_tanh_20;
+    let t58 = v[1] * 10.0;
+    let t59 = math::tanh(t58);
+    let t60 = t59 * p.gamma_tanh_10;
+    let t61 = t60 + t57;
+    let t62 = v[1] * 5.0;
+    let t63 = math::tanh(t62);
+    let t64 = t63 * p.gamma_tanh_5;
+    let t65 = t64 + t61;
+    let t66 = v[1] * p.gamma_viscous;
+    let t67 = p.gamma_constant + t66;
+    let t68 = a[0] * 0.00847987;
+    let t69 = a[1] * 1.36525907;
+    let t70 = t69 + t68;
+    let t71 = t70 + t67;
+    let t72 = sign(v[1]);
+    let t73 = t72 * p.gamma_sign;
+    let t74 = t73 + t71;
+    let t75 = v[1] * 100.0;
+    let t76 = math::tanh(t75);
+    let t77 = t76 * p.gamma_tanh_100;
+    let t78 = t77 + t74;
+    let t79 = t78 + t65;
+    let t80 = t53 - t79;
+    let t81 = cos_gamma * acceleration_beta_x;
+    let t82 = sin_gamma * acceleration_beta_y;
+    let t83 = t82 - t81;
+    let t84 = 0.31075498619999997 * t83;
+    let t85 = 0.29270484 * acceleration_beta_x;
+    let t86 = t85 - t84;
+    let t87 = sin_gamma * t44;
+    let t88 = cos_gamma * t48;
+    let t89 = t88 + t87;
+    let t90 = 0.31075498619999997 * t89;
+    let t91 = cos_gamma * force_gamma_x;
+    let t92 = sin_gamma * t20;
+    let t93 = t91 + t92;
+    let t94 = t93 + t90;
+    let t95 = t28 * t28;
+    let t96 = 1.0 - t95;
+    let t97 = 20.0 * t96;
+    let t98 = p.beta_tanh_20 * t97;
+    let t99 = t33 * t33;
+    let t100 = 1.0 - t99;
+    let t101 = 10.0 * t100;
+    let t102 = p.beta_tanh_10 * t101;
+    let t103 = t102 + t98;
+    let t104 = t36 * t36;
+    let t105 = 1.0 - t104;
+    let t106 = 5.0 * t105;
+    let t107 = p.beta_tanh_5 * t106;
+    let t108 = t107 + t103;
+    let t109 = t25 * t25;
+    let t110 = 1.0 - t109;
+    let t111 = 100.0 * t110;
+    let t112 = p.beta_tanh_100 * t111;
+    let t113 = omega_gamma_z * 0.6215099723999999;
+    let t114 = sin_gamma * t113;
+    let t115 = t114 - p.beta_viscous;
+    let t116 = v[0] + v[0];
+    let t117 = sin_gamma * t116;
+    let t118 = 0.31075498619999997 * t117;
+    let t119 = t118 - t115;
+    let t120 = t112 + t119;
+    let t121 = t120 + t108;
+    let t122 = t56 * t56;
+    let t123 = 1.0 - t122;
+    let t124 = 20.0 * t123;
+    let t125 = p.gamma_tanh_20 * t124;
+    let t126 = t59 * t59;
+    let t127 = 1.0 - t126;
+    let t128 = 10.0 * t127;
+    let t129 = p.gamma_tanh_10 * t128;
+    let t130 = t129 + t125;
+    let t131 = t63 * t63;
+    let t132 = 1.0 - t131;
+    let t133 = 5.0 * t132;
+    let t134 = p.gamma_tanh_5 * t133;
+    let t135 = t134 + t130;
+    let t136 = t76 * t76;
+    let t137 = 1.0 - t136;
+    let t138 = 100.0 * t137;
+    let t139 = p.gamma_tanh_100 * t138;
+    let t140 = p.gamma_viscous + t139;
+    let t141 = t140 + t135;
+    let t142 = 0.31075498619999997 * cos_gamma;
+    let t143 = t142 + 2.3212965868565;
+    let t144 = t142 + t143;
+    let t145 = t142 + 0.6693697768564999;
+    let t146 = -t54;
+    let t147 = -t80;
+    let t148 = -t86;
+    let t149 = -t94;
+    let t150 = -t90;
+    let t151 = -t114;
     (
-        [t121, t122],
-        [[t123, t124], [t69, t125]],
-        [[t101, t126], [t98, t116]],
-        [[t119, t120], [t120, 2.0261489768564998]],
+        [t146, t147],
+        [[t148, t149], [t84, t150]],
+        [[t121, t151], [t118, t141]],
+        [[t144, t145], [t145, 2.0261489768564998]],
     )
 }
 
@@ -999,7 +1129,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
 /// - returns `∂ÿ/∂ẏ: [N × N]`: row i = acceleration i
 /// - returns `M⁻¹: [N × N]`: symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B
 ///
-/// Cost: 86 multiplications, 52 additions, 1 division, 8 function calls (2 `sin_cos`, 6 other), 1 selection.
+/// Cost: 97 multiplications, 61 additions, 1 division, 10 function calls (2 `sin_cos`, 8 other), 2 selections.
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
@@ -1028,154 +1158,177 @@ pub fn forward_dynamics_derivatives(
     let t10 = t9 - t7;
     let inverse_d_beta = 1.0 / t10;
     let t12 = t6 * inverse_d_beta;
-    let t13 = p.g * 5.555555555555555;
-    let acceleration_beta_x = cos_beta * t13;
-    let t15 = v[0] * v[0];
-    let t16 = acceleration_beta_x - t15;
-    let t17 = sin_gamma * t16;
-    let acceleration_beta_y = sin_beta * t13;
-    let t19 = cos_gamma * acceleration_beta_y;
-    let acceleration_gamma_y = t17 + t19;
+    let t13 = v[1] * 20.0;
+    let t14 = math::tanh(t13);
+    let t15 = t14 * p.gamma_tanh_20;
+    let t16 = v[1] * 10.0;
+    let t17 = math::tanh(t16);
+    let t18 = t17 * p.gamma_tanh_10;
+    let t19 = t18 + t15;
+    let t20 = v[1] * 5.0;
+    let t21 = math::tanh(t20);
+    let t22 = t21 * p.gamma_tanh_5;
+    let t23 = t22 + t19;
+    let t24 = v[1] * p.gamma_viscous;
+    let t25 = p.gamma_constant + t24;
+    let t26 = u[1] * 161.0;
+    let t27 = t26 - t25;
+    let t28 = sign(v[1]);
+    let t29 = t28 * p.gamma_sign;
+    let t30 = t29 - t27;
+    let t31 = v[1] * 100.0;
+    let t32 = math::tanh(t31);
+    let t33 = t32 * p.gamma_tanh_100;
+    let t34 = t33 + t30;
+    let t35 = t34 + t23;
+    let t36 = p.g * 5.555555555555555;
+    let acceleration_beta_x = cos_beta * t36;
+    let t38 = v[0] * v[0];
+    let t39 = acceleration_beta_x - t38;
+    let t40 = sin_gamma * t39;
+    let acceleration_beta_y = sin_beta * t36;
+    let t42 = cos_gamma * acceleration_beta_y;
+    let acceleration_gamma_y = t40 + t42;
     let moment_gamma_z = 0.31075498619999997 * acceleration_gamma_y;
-    let t22 = v[1] * 10.0;
-    let t23 = math::tanh(t22);
-    let t24 = t23 * p.gamma_tanh_10;
-    let t25 = v[1] * 5.0;
-    let t26 = math::tanh(t25);
-    let t27 = t26 * p.gamma_tanh_5;
-    let t28 = t27 + t24;
-    let t29 = v[1] * p.gamma_viscous;
-    let t30 = u[1] * 161.0;
-    let t31 = t30 - t29;
-    let t32 = sign(v[1]);
-    let t33 = t32 * p.gamma_sign;
-    let t34 = t33 - t31;
-    let t35 = v[1] * 100.0;
-    let t36 = math::tanh(t35);
-    let t37 = t36 * p.gamma_tanh_100;
-    let t38 = t37 + t34;
-    let t39 = t38 + t28;
-    let t40 = moment_gamma_z - t39;
-    let t41 = t12 * t40;
+    let t45 = moment_gamma_z - t35;
+    let t46 = t12 * t45;
     let omega_gamma_z = v[0] + v[1];
-    let t43 = omega_gamma_z * omega_gamma_z;
-    let force_gamma_x = 0.31075498619999997 * t43;
+    let t48 = omega_gamma_z * omega_gamma_z;
+    let force_gamma_x = 0.31075498619999997 * t48;
     let force_beta_y = sin_gamma * force_gamma_x;
-    let t46 = 0.29270484 * acceleration_beta_y;
-    let t47 = t46 + force_beta_y;
-    let moment_beta_z = moment_gamma_z + t47;
-    let t49 = v[0] * 10.0;
-    let t50 = math::tanh(t49);
-    let t51 = t50 * p.beta_tanh_10;
-    let t52 = v[0] * 5.0;
-    let t53 = math::tanh(t52);
-    let t54 = t53 * p.beta_tanh_5;
-    let t55 = t54 + t51;
-    let t56 = v[0] * 20.0;
-    let t57 = math::tanh(t56);
-    let t58 = t57 * p.beta_tanh_20;
-    let t59 = v[0] * p.beta_viscous;
-    let t60 = u[0] * 161.0;
-    let t61 = t60 - t59;
-    let t62 = t58 - t61;
-    let t63 = t62 + t55;
-    let t64 = moment_beta_z - t63;
-    let t65 = inverse_d_beta * t64;
-    let t66 = t65 - t41;
-    let t67 = t6 * t12;
-    let t68 = 0.4935471238405507 + t67;
-    let t69 = t68 * t40;
-    let t70 = t12 * t64;
-    let t71 = t70 - t69;
-    let t72 = cos_gamma * acceleration_beta_x;
-    let t73 = sin_gamma * acceleration_beta_y;
-    let t74 = t73 - t72;
-    let t75 = 0.31075498619999997 * t74;
-    let t76 = t12 * t75;
-    let t77 = 0.29270484 * acceleration_beta_x;
-    let t78 = t77 - t75;
-    let t79 = inverse_d_beta * t78;
-    let t80 = t79 + t76;
-    let t81 = acceleration_beta_y - t66;
-    let t82 = sin_gamma * t81;
-    let t83 = cos_gamma * t16;
+    let t51 = 0.29270484 * acceleration_beta_y;
+    let t52 = t51 + force_beta_y;
+    let moment_beta_z = moment_gamma_z + t52;
+    let t54 = v[0] * 20.0;
+    let t55 = math::tanh(t54);
+    let t56 = t55 * p.beta_tanh_20;
+    let t57 = v[0] * 10.0;
+    let t58 = math::tanh(t57);
+    let t59 = t58 * p.beta_tanh_10;
+    let t60 = t59 + t56;
+    let t61 = v[0] * 5.0;
+    let t62 = math::tanh(t61);
+    let t63 = t62 * p.beta_tanh_5;
+    let t64 = t63 + t60;
+    let t65 = v[0] * p.beta_viscous;
+    let t66 = p.beta_constant + t65;
+    let t67 = u[0] * 161.0;
+    let t68 = t67 - t66;
+    let t69 = sign(v[0]);
+    let t70 = t69 * p.beta_sign;
+    let t71 = t70 - t68;
+    let t72 = v[0] * 100.0;
+    let t73 = math::tanh(t72);
+    let t74 = t73 * p.beta_tanh_100;
+    let t75 = t74 + t71;
+    let t76 = t75 + t64;
+    let t77 = moment_beta_z - t76;
+    let t78 = inverse_d_beta * t77;
+    let t79 = t78 - t46;
+    let t80 = t6 * t12;
+    let t81 = 0.4935471238405507 + t80;
+    let t82 = t81 * t45;
+    let t83 = t12 * t77;
     let t84 = t83 - t82;
-    let t85 = 0.31075498619999997 * t84;
-    let t86 = cos_gamma * force_gamma_x;
-    let t87 = t86 + t85;
-    let t88 = t66 - t71;
-    let t89 = 0.31075498619999997 * t88;
-    let t90 = sin_gamma * t89;
-    let t91 = t90 + t87;
+    let t85 = cos_gamma * acceleration_beta_x;
+    let t86 = sin_gamma * acceleration_beta_y;
+    let t87 = t86 - t85;
+    let t88 = 0.31075498619999997 * t87;
+    let t89 = t12 * t88;
+    let t90 = 0.29270484 * acceleration_beta_x;
+    let t91 = t90 - t88;
     let t92 = inverse_d_beta * t91;
-    let t93 = t12 * t85;
-    let t94 = t92 - t93;
-    let t95 = t68 * t75;
-    let t96 = t12 * t78;
-    let t97 = t96 + t95;
-    let t98 = t12 * t91;
-    let t99 = t68 * t85;
-    let t100 = t98 - t99;
-    let t101 = t50 * t50;
-    let t102 = 1.0 - t101;
-    let t103 = 10.0 * t102;
-    let t104 = p.beta_tanh_10 * t103;
-    let t105 = t53 * t53;
-    let t106 = 1.0 - t105;
-    let t107 = 5.0 * t106;
-    let t108 = p.beta_tanh_5 * t107;
-    let t109 = t108 + t104;
-    let t110 = t57 * t57;
-    let t111 = 1.0 - t110;
-    let t112 = 20.0 * t111;
-    let t113 = p.beta_tanh_20 * t112;
-    let t114 = 0.6215099723999999 * omega_gamma_z;
-    let t115 = sin_gamma * t114;
-    let t116 = p.beta_viscous - t115;
-    let t117 = v[0] + v[0];
-    let t118 = sin_gamma * t117;
-    let t119 = 0.31075498619999997 * t118;
-    let t120 = t119 + t116;
-    let t121 = t113 + t120;
-    let t122 = t121 + t109;
-    let t123 = inverse_d_beta * t122;
-    let t124 = t12 * t119;
-    let t125 = t124 - t123;
-    let t126 = t23 * t23;
-    let t127 = 1.0 - t126;
-    let t128 = 10.0 * t127;
-    let t129 = p.gamma_tanh_10 * t128;
-    let t130 = t26 * t26;
-    let t131 = 1.0 - t130;
-    let t132 = 5.0 * t131;
-    let t133 = p.gamma_tanh_5 * t132;
-    let t134 = t133 + t129;
-    let t135 = t36 * t36;
-    let t136 = 1.0 - t135;
-    let t137 = 100.0 * t136;
-    let t138 = p.gamma_tanh_100 * t137;
-    let t139 = p.gamma_viscous + t138;
-    let t140 = t139 + t134;
-    let t141 = t12 * t140;
-    let t142 = inverse_d_beta * t115;
-    let t143 = t142 + t141;
-    let t144 = t68 * t119;
-    let t145 = t12 * t122;
-    let t146 = t144 - t145;
-    let t147 = t68 * t140;
-    let t148 = t12 * t115;
-    let t149 = t148 + t147;
-    let t150 = -t71;
-    let t151 = -t97;
-    let t152 = -t100;
-    let t153 = -t146;
-    let t154 = -t149;
-    let t155 = -t12;
+    let t93 = t92 + t89;
+    let t94 = acceleration_beta_y - t79;
+    let t95 = sin_gamma * t94;
+    let t96 = cos_gamma * t39;
+    let t97 = t96 - t95;
+    let t98 = 0.31075498619999997 * t97;
+    let t99 = cos_gamma * force_gamma_x;
+    let t100 = t99 + t98;
+    let t101 = t79 - t84;
+    let t102 = 0.31075498619999997 * t101;
+    let t103 = sin_gamma * t102;
+    let t104 = t103 + t100;
+    let t105 = inverse_d_beta * t104;
+    let t106 = t12 * t98;
+    let t107 = t105 - t106;
+    let t108 = t81 * t88;
+    let t109 = t12 * t91;
+    let t110 = t109 + t108;
+    let t111 = t12 * t104;
+    let t112 = t81 * t98;
+    let t113 = t111 - t112;
+    let t114 = t55 * t55;
+    let t115 = 1.0 - t114;
+    let t116 = 20.0 * t115;
+    let t117 = p.beta_tanh_20 * t116;
+    let t118 = t58 * t58;
+    let t119 = 1.0 - t118;
+    let t120 = 10.0 * t119;
+    let t121 = p.beta_tanh_10 * t120;
+    let t122 = t121 + t117;
+    let t123 = t62 * t62;
+    let t124 = 1.0 - t123;
+    let t125 = 5.0 * t124;
+    let t126 = p.beta_tanh_5 * t125;
+    let t127 = t126 + t122;
+    let t128 = t73 * t73;
+    let t129 = 1.0 - t128;
+    let t130 = 100.0 * t129;
+    let t131 = p.beta_tanh_100 * t130;
+    let t132 = 0.6215099723999999 * omega_gamma_z;
+    let t133 = sin_gamma * t132;
+    let t134 = p.beta_viscous - t133;
+    let t135 = v[0] + v[0];
+    let t136 = sin_gamma * t135;
+    let t137 = 0.31075498619999997 * t136;
+    let t138 = t137 + t134;
+    let t139 = t131 + t138;
+    let t140 = t139 + t127;
+    let t141 = inverse_d_beta * t140;
+    let t142 = t12 * t137;
+    let t143 = t142 - t141;
+    let t144 = t14 * t14;
+    let t145 = 1.0 - t144;
+    let t146 = 20.0 * t145;
+    let t147 = p.gamma_tanh_20 * t146;
+    let t148 = t17 * t17;
+    let t149 = 1.0 - t148;
+    let t150 = 10.0 * t149;
+    let t151 = p.gamma_tanh_10 * t150;
+    let t152 = t151 + t147;
+    let t153 = t21 * t21;
+    let t154 = 1.0 - t153;
+    let t155 = 5.0 * t154;
+    let t156 = p.gamma_tanh_5 * t155;
+    let t157 = t156 + t152;
+    let t158 = t32 * t32;
+    let t159 = 1.0 - t158;
+    let t160 = 100.0 * t159;
+    let t161 = p.gamma_tanh_100 * t160;
+    let t162 = p.gamma_viscous + t161;
+    let t163 = t162 + t157;
+    let t164 = t12 * t163;
+    let t165 = inverse_d_beta * t133;
+    let t166 = t165 + t164;
+    let t167 = t81 * t137;
+    let t168 = t12 * t140;
+    let t169 = t167 - t168;
+    let t170 = t81 * t163;
+    let t171 = t12 * t133;
+    let t172 = t171 + t170;
+    let t173 = -t84;
+    let t174 = -t110;
+    let t175 = -t113;
+    let t176 = -t169;
+    let t177 = -t172;
+    let t178 = -t12;
     (
-        [t66, t150],
-        [[t80, t94], [t151, t152]],
-        [[t125, t143], [t153, t154]],
-        [[inverse_d_beta, t155], [t155, t68]],
+        [t79, t173],
+        [[t93, t107], [t174, t175]],
+        [[t143, t166], [t176, t177]],
+        [[inverse_d_beta, t178], [t178, t81]],
     )
 }
 
@@ -1201,7 +1354,7 @@ pub const B_X_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
 /// - returns `B_x: [N × M]`: ∂ÿ/∂u, row i = acceleration i
 /// - returns `c: [N]`: affine remainder ÿ − A\_y y − A\_v ẏ − B\_x u
 ///
-/// Cost: 101 multiplications, 64 additions, 1 division, 8 function calls (2 `sin_cos`, 6 other), 1 selection.
+/// Cost: 112 multiplications, 73 additions, 1 division, 10 function calls (2 `sin_cos`, 8 other), 2 selections.
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
@@ -1242,169 +1395,192 @@ pub fn linearize(
     let t22 = t21 - t19;
     let t23 = inverse_d_beta * t22;
     let t24 = t23 + t20;
-    let t25 = v[0] * v[0];
-    let t26 = acceleration_beta_x - t25;
-    let t27 = sin_gamma * t26;
-    let t28 = cos_gamma * acceleration_beta_y;
-    let acceleration_gamma_y = t27 + t28;
+    let t25 = v[1] * 20.0;
+    let t26 = math::tanh(t25);
+    let t27 = t26 * p.gamma_tanh_20;
+    let t28 = v[1] * 10.0;
+    let t29 = math::tanh(t28);
+    let t30 = t29 * p.gamma_tanh_10;
+    let t31 = t30 + t27;
+    let t32 = v[1] * 5.0;
+    let t33 = math::tanh(t32);
+    let t34 = t33 * p.gamma_tanh_5;
+    let t35 = t34 + t31;
+    let t36 = v[1] * p.gamma_viscous;
+    let t37 = p.gamma_constant + t36;
+    let t38 = u[1] * 161.0;
+    let t39 = t38 - t37;
+    let t40 = sign(v[1]);
+    let t41 = t40 * p.gamma_sign;
+    let t42 = t41 - t39;
+    let t43 = v[1] * 100.0;
+    let t44 = math::tanh(t43);
+    let t45 = t44 * p.gamma_tanh_100;
+    let t46 = t45 + t42;
+    let t47 = t46 + t35;
+    let t48 = v[0] * v[0];
+    let t49 = acceleration_beta_x - t48;
+    let t50 = sin_gamma * t49;
+    let t51 = cos_gamma * acceleration_beta_y;
+    let acceleration_gamma_y = t50 + t51;
     let moment_gamma_z = 0.31075498619999997 * acceleration_gamma_y;
-    let t31 = v[1] * 10.0;
-    let t32 = math::tanh(t31);
-    let t33 = t32 * p.gamma_tanh_10;
-    let t34 = v[1] * 5.0;
-    let t35 = math::tanh(t34);
-    let t36 = t35 * p.gamma_tanh_5;
-    let t37 = t36 + t33;
-    let t38 = v[1] * p.gamma_viscous;
-    let t39 = u[1] * 161.0;
-    let t40 = t39 - t38;
-    let t41 = sign(v[1]);
-    let t42 = t41 * p.gamma_sign;
-    let t43 = t42 - t40;
-    let t44 = v[1] * 100.0;
-    let t45 = math::tanh(t44);
-    let t46 = t45 * p.gamma_tanh_100;
-    let t47 = t46 + t43;
-    let t48 = t47 + t37;
-    let t49 = moment_gamma_z - t48;
-    let t50 = t12 * t49;
+    let t54 = moment_gamma_z - t47;
+    let t55 = t12 * t54;
     let omega_gamma_z = v[0] + v[1];
-    let t52 = omega_gamma_z * omega_gamma_z;
-    let force_gamma_x = 0.31075498619999997 * t52;
+    let t57 = omega_gamma_z * omega_gamma_z;
+    let force_gamma_x = 0.31075498619999997 * t57;
     let force_beta_y = sin_gamma * force_gamma_x;
-    let t55 = 0.29270484 * acceleration_beta_y;
-    let t56 = t55 + force_beta_y;
-    let moment_beta_z = moment_gamma_z + t56;
-    let t58 = v[0] * 10.0;
-    let t59 = math::tanh(t58);
-    let t60 = t59 * p.beta_tanh_10;
-    let t61 = v[0] * 5.0;
-    let t62 = math::tanh(t61);
-    let t63 = t62 * p.beta_tanh_5;
-    let t64 = t63 + t60;
-    let t65 = v[0] * 20.0;
-    let t66 = math::tanh(t65);
-    let t67 = t66 * p.beta_tanh_20;
-    let t68 = v[0] * p.beta_viscous;
-    let t69 = u[0] * 161.0;
-    let t70 = t69 - t68;
-    let t71 = t67 - t70;
-    let t72 = t71 + t64;
-    let t73 = moment_beta_z - t72;
-    let t74 = inverse_d_beta * t73;
-    let t75 = t74 - t50;
-    let t76 = acceleration_beta_y - t75;
-    let t77 = sin_gamma * t76;
-    let t78 = cos_gamma * t26;
-    let t79 = t78 - t77;
-    let t80 = 0.31075498619999997 * t79;
-    let t81 = cos_gamma * force_gamma_x;
-    let t82 = t81 + t80;
-    let t83 = t6 * t12;
-    let t84 = 0.4935471238405507 + t83;
-    let t85 = t84 * t49;
-    let t86 = t12 * t73;
-    let t87 = t86 - t85;
-    let t88 = t75 - t87;
-    let t89 = 0.31075498619999997 * t88;
+    let t60 = 0.29270484 * acceleration_beta_y;
+    let t61 = t60 + force_beta_y;
+    let moment_beta_z = moment_gamma_z + t61;
+    let t63 = v[0] * 20.0;
+    let t64 = math::tanh(t63);
+    let t65 = t64 * p.beta_tanh_20;
+    let t66 = v[0] * 10.0;
+    let t67 = math::tanh(t66);
+    let t68 = t67 * p.beta_tanh_10;
+    let t69 = t68 + t65;
+    let t70 = v[0] * 5.0;
+    let t71 = math::tanh(t70);
+    let t72 = t71 * p.beta_tanh_5;
+    let t73 = t72 + t69;
+    let t74 = v[0] * p.beta_viscous;
+    let t75 = p.beta_constant + t74;
+    let t76 = u[0] * 161.0;
+    let t77 = t76 - t75;
+    let t78 = sign(v[0]);
+    let t79 = t78 * p.beta_sign;
+    let t80 = t79 - t77;
+    let t81 = v[0] * 100.0;
+    let t82 = math::tanh(t81);
+    let t83 = t82 * p.beta_tanh_100;
+    let t84 = t83 + t80;
+    let t85 = t84 + t73;
+    let t86 = moment_beta_z - t85;
+    let t87 = inverse_d_beta * t86;
+    let t88 = t87 - t55;
+    let t89 = acceleration_beta_y - t88;
     let t90 = sin_gamma * t89;
-    let t91 = t90 + t82;
-    let t92 = inverse_d_beta * t91;
-    let t93 = t12 * t80;
-    let t94 = t92 - t93;
-    let t95 = t84 * t19;
-    let t96 = t12 * t22;
-    let t97 = t96 + t95;
-    let t98 = t12 * t91;
-    let t99 = t84 * t80;
-    let t100 = t98 - t99;
-    let t101 = t59 * t59;
-    let t102 = 1.0 - t101;
-    let t103 = 10.0 * t102;
-    let t104 = p.beta_tanh_10 * t103;
-    let t105 = t62 * t62;
-    let t106 = 1.0 - t105;
-    let t107 = 5.0 * t106;
-    let t108 = p.beta_tanh_5 * t107;
-    let t109 = t108 + t104;
-    let t110 = t66 * t66;
-    let t111 = 1.0 - t110;
-    let t112 = 20.0 * t111;
-    let t113 = p.beta_tanh_20 * t112;
-    let t114 = 0.6215099723999999 * omega_gamma_z;
-    let t115 = sin_gamma * t114;
-    let t116 = p.beta_viscous - t115;
-    let t117 = v[0] + v[0];
-    let t118 = sin_gamma * t117;
-    let t119 = 0.31075498619999997 * t118;
-    let t120 = t119 + t116;
-    let t121 = t113 + t120;
-    let t122 = t121 + t109;
-    let t123 = inverse_d_beta * t122;
-    let t124 = t12 * t119;
-    let t125 = t124 - t123;
-    let t126 = t32 * t32;
-    let t127 = 1.0 - t126;
-    let t128 = 10.0 * t127;
-    let t129 = p.gamma_tanh_10 * t128;
-    let t130 = t35 * t35;
-    let t131 = 1.0 - t130;
-    let t132 = 5.0 * t131;
-    let t133 = p.gamma_tanh_5 * t132;
-    let t134 = t133 + t129;
-    let t135 = t45 * t45;
-    let t136 = 1.0 - t135;
-    let t137 = 100.0 * t136;
-    let t138 = p.gamma_tanh_100 * t137;
-    let t139 = p.gamma_viscous + t138;
-    let t140 = t139 + t134;
-    let t141 = t12 * t140;
-    let t142 = inverse_d_beta * t115;
-    let t143 = t142 + t141;
-    let t144 = t84 * t119;
-    let t145 = t12 * t122;
-    let t146 = t144 - t145;
-    let t147 = t84 * t140;
-    let t148 = t12 * t115;
-    let t149 = t148 + t147;
-    let t150 = 161.0 * inverse_d_beta;
-    let t151 = 161.0 * t12;
-    let t152 = 161.0 * t84;
-    let t153 = y[1] * t94;
-    let t154 = v[1] * t143;
-    let t155 = v[0] * t125;
-    let t156 = t155 + t154;
-    let t157 = y[0] * t24;
-    let t158 = t157 + t156;
-    let t159 = u[1] * t151;
-    let t160 = u[0] * t150;
-    let t161 = t160 - t159;
-    let t162 = t161 - t75;
-    let t163 = t162 + t158;
-    let t164 = t153 + t163;
-    let t165 = y[1] * t100;
-    let t166 = v[1] * t149;
-    let t167 = v[0] * t146;
-    let t168 = t167 + t166;
-    let t169 = y[0] * t97;
-    let t170 = t169 + t168;
-    let t171 = u[1] * t152;
-    let t172 = u[0] * t151;
-    let t173 = t172 - t171;
-    let t174 = t173 - t87;
-    let t175 = t174 + t170;
-    let t176 = t165 + t175;
-    let t177 = -t97;
-    let t178 = -t100;
-    let t179 = -t146;
-    let t180 = -t149;
-    let t181 = -t151;
-    let t182 = -t164;
+    let t91 = cos_gamma * t49;
+    let t92 = t91 - t90;
+    let t93 = 0.31075498619999997 * t92;
+    let t94 = cos_gamma * force_gamma_x;
+    let t95 = t94 + t93;
+    let t96 = t6 * t12;
+    let t97 = 0.4935471238405507 + t96;
+    let t98 = t97 * t54;
+    let t99 = t12 * t86;
+    let t100 = t99 - t98;
+    let t101 = t88 - t100;
+    let t102 = 0.31075498619999997 * t101;
+    let t103 = sin_gamma * t102;
+    let t104 = t103 + t95;
+    let t105 = inverse_d_beta * t104;
+    let t106 = t12 * t93;
+    let t107 = t105 - t106;
+    let t108 = t97 * t19;
+    let t109 = t12 * t22;
+    let t110 = t109 + t108;
+    let t111 = t12 * t104;
+    let t112 = t97 * t93;
+    let t113 = t111 - t112;
+    let t114 = t64 * t64;
+    let t115 = 1.0 - t114;
+    let t116 = 20.0 * t115;
+    let t117 = p.beta_tanh_20 * t116;
+    let t118 = t67 * t67;
+    let t119 = 1.0 - t118;
+    let t120 = 10.0 * t119;
+    let t121 = p.beta_tanh_10 * t120;
+    let t122 = t121 + t117;
+    let t123 = t71 * t71;
+    let t124 = 1.0 - t123;
+    let t125 = 5.0 * t124;
+    let t126 = p.beta_tanh_5 * t125;
+    let t127 = t126 + t122;
+    let t128 = t82 * t82;
+    let t129 = 1.0 - t128;
+    let t130 = 100.0 * t129;
+    let t131 = p.beta_tanh_100 * t130;
+    let t132 = 0.6215099723999999 * omega_gamma_z;
+    let t133 = sin_gamma * t132;
+    let t134 = p.beta_viscous - t133;
+    let t135 = v[0] + v[0];
+    let t136 = sin_gamma * t135;
+    let t137 = 0.31075498619999997 * t136;
+    let t138 = t137 + t134;
+    let t139 = t131 + t138;
+    let t140 = t139 + t127;
+    let t141 = inverse_d_beta * t140;
+    let t142 = t12 * t137;
+    let t143 = t142 - t141;
+    let t144 = t26 * t26;
+    let t145 = 1.0 - t144;
+    let t146 = 20.0 * t145;
+    let t147 = p.gamma_tanh_20 * t146;
+    let t148 = t29 * t29;
+    let t149 = 1.0 - t148;
+    let t150 = 10.0 * t149;
+    let t151 = p.gamma_tanh_10 * t150;
+    let t152 = t151 + t147;
+    let t153 = t33 * t33;
+    let t154 = 1.0 - t153;
+    let t155 = 5.0 * t154;
+    let t156 = p.gamma_tanh_5 * t155;
+    let t157 = t156 + t152;
+    let t158 = t44 * t44;
+    let t159 = 1.0 - t158;
+    let t160 = 100.0 * t159;
+    let t161 = p.gamma_tanh_100 * t160;
+    let t162 = p.gamma_viscous + t161;
+    let t163 = t162 + t157;
+    let t164 = t12 * t163;
+    let t165 = inverse_d_beta * t133;
+    let t166 = t165 + t164;
+    let t167 = t97 * t137;
+    let t168 = t12 * t140;
+    let t169 = t167 - t168;
+    let t170 = t97 * t163;
+    let t171 = t12 * t133;
+    let t172 = t171 + t170;
+    let t173 = 161.0 * inverse_d_beta;
+    let t174 = 161.0 * t12;
+    let t175 = 161.0 * t97;
+    let t176 = y[1] * t107;
+    let t177 = v[1] * t166;
+    let t178 = v[0] * t143;
+    let t179 = t178 + t177;
+    let t180 = y[0] * t24;
+    let t181 = t180 + t179;
+    let t182 = u[1] * t174;
+    let t183 = u[0] * t173;
+    let t184 = t183 - t182;
+    let t185 = t184 - t88;
+    let t186 = t185 + t181;
+    let t187 = t176 + t186;
+    let t188 = y[1] * t113;
+    let t189 = v[1] * t172;
+    let t190 = v[0] * t169;
+    let t191 = t190 + t189;
+    let t192 = y[0] * t110;
+    let t193 = t192 + t191;
+    let t194 = u[1] * t175;
+    let t195 = u[0] * t174;
+    let t196 = t195 - t194;
+    let t197 = t196 - t100;
+    let t198 = t197 + t193;
+    let t199 = t188 + t198;
+    let t200 = -t110;
+    let t201 = -t113;
+    let t202 = -t169;
+    let t203 = -t172;
+    let t204 = -t174;
+    let t205 = -t187;
     (
-        [[t24, t94], [t177, t178]],
-        [[t125, t143], [t179, t180]],
-        [[t150, t181], [t181, t152]],
-        [t182, t176],
+        [[t24, t107], [t200, t201]],
+        [[t143, t166], [t202, t203]],
+        [[t173, t204], [t204, t175]],
+        [t205, t199],
     )
 }
 
@@ -1766,16 +1942,21 @@ pub fn base_regressor(
 
 /// Friction parameters, the columns of `friction_regressor`: joint, and the function of its velocity that the
 /// parameter multiplies.
-pub const FRICTION_PARAMETER_NAMES: [&str; 9] = [
+pub const FRICTION_PARAMETER_NAMES: [&str; 14] = [
+    "beta: 1",
     "beta: v",
+    "beta: sign(v)",
     "beta: tanh(5*v)",
     "beta: tanh(10*v)",
     "beta: tanh(20*v)",
+    "beta: tanh(100*v)",
+    "gamma: 1",
     "gamma: v",
+    "gamma: sign(v)",
     "gamma: tanh(5*v)",
     "gamma: tanh(10*v)",
+    "gamma: tanh(20*v)",
     "gamma: tanh(100*v)",
-    "gamma: sign(v)",
 ];
 
 /// Friction parameters as described: the coefficients of `friction_regressor`.
@@ -1783,22 +1964,27 @@ pub const FRICTION_PARAMETER_NAMES: [&str; 9] = [
 /// `τ(ẏ) = friction_regressor(ẏ) · friction_parameters`
 ///
 /// - `p`: free parameters
-/// - returns `φ: [9]`: in the order of `FRICTION_PARAMETER_NAMES`
+/// - returns `φ: [14]`: in the order of `FRICTION_PARAMETER_NAMES`
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 #[inline]
 #[must_use]
-pub fn friction_parameters(p: &Parameters) -> [f64; 9] {
+pub fn friction_parameters(p: &Parameters) -> [f64; 14] {
     [
+        p.beta_constant,
         p.beta_viscous,
+        p.beta_sign,
         p.beta_tanh_5,
         p.beta_tanh_10,
         p.beta_tanh_20,
+        p.beta_tanh_100,
+        p.gamma_constant,
         p.gamma_viscous,
+        p.gamma_sign,
         p.gamma_tanh_5,
         p.gamma_tanh_10,
+        p.gamma_tanh_20,
         p.gamma_tanh_100,
-        p.gamma_sign,
     ]
 }
 
@@ -1808,9 +1994,9 @@ pub fn friction_parameters(p: &Parameters) -> [f64; 9] {
 ///
 /// - `v: [N]`: velocities ẏ: `beta`, `gamma` in rad/s
 /// - `p`: free parameters
-/// - returns `R: [N × 9]`: rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
+/// - returns `R: [N × 14]`: rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
 ///
-/// Cost: 6 multiplications, 0 additions, 0 divisions, 6 function calls, 1 selection.
+/// Cost: 8 multiplications, 0 additions, 0 divisions, 8 function calls, 2 selections.
 ///
 /// What enters nonlinearly is held at its described value: a3 and a5 of the Stribeck form, slopes of tanh.
 ///
@@ -1818,46 +2004,61 @@ pub fn friction_parameters(p: &Parameters) -> [f64; 9] {
 /// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
 #[inline]
 #[must_use]
-pub fn friction_regressor(v: &[f64; N], p: &Parameters) -> [[f64; 9]; N] {
-    let mut r = [[0.0; 9]; 2];
+pub fn friction_regressor(v: &[f64; N], p: &Parameters) -> [[f64; 14]; N] {
+    let mut r = [[0.0; 14]; 2];
     friction_regressor_into(v, p, &mut r);
     r
 }
 
 /// `friction_regressor` with its results written in place; nothing of what stood there is read.
-pub fn friction_regressor_into(v: &[f64; N], p: &Parameters, r: &mut [[f64; 9]; N]) {
+pub fn friction_regressor_into(v: &[f64; N], p: &Parameters, r: &mut [[f64; 14]; N]) {
     let _ = p;
-    r[0][0] = v[0];
-    r[0][4] = 0.0;
-    r[0][5] = 0.0;
-    r[0][6] = 0.0;
+    r[0][0] = 1.0;
+    r[0][1] = v[0];
     r[0][7] = 0.0;
     r[0][8] = 0.0;
+    r[0][9] = 0.0;
+    r[0][10] = 0.0;
+    r[0][11] = 0.0;
+    r[0][12] = 0.0;
+    r[0][13] = 0.0;
     r[1][0] = 0.0;
     r[1][1] = 0.0;
     r[1][2] = 0.0;
     r[1][3] = 0.0;
-    r[1][4] = v[1];
-    let t0 = v[0] * 5.0;
-    let t1 = math::tanh(t0);
-    r[0][1] = t1;
-    let t2 = v[0] * 10.0;
-    let t3 = math::tanh(t2);
-    r[0][2] = t3;
-    let t4 = v[0] * 20.0;
-    let t5 = math::tanh(t4);
-    r[0][3] = t5;
-    let t6 = v[1] * 5.0;
-    let t7 = math::tanh(t6);
-    r[1][5] = t7;
-    let t8 = v[1] * 10.0;
-    let t9 = math::tanh(t8);
-    r[1][6] = t9;
-    let t10 = v[1] * 100.0;
+    r[1][4] = 0.0;
+    r[1][5] = 0.0;
+    r[1][6] = 0.0;
+    r[1][7] = 1.0;
+    r[1][8] = v[1];
+    let t0 = sign(v[0]);
+    r[0][2] = t0;
+    let t1 = v[0] * 5.0;
+    let t2 = math::tanh(t1);
+    r[0][3] = t2;
+    let t3 = v[0] * 10.0;
+    let t4 = math::tanh(t3);
+    r[0][4] = t4;
+    let t5 = v[0] * 20.0;
+    let t6 = math::tanh(t5);
+    r[0][5] = t6;
+    let t7 = v[0] * 100.0;
+    let t8 = math::tanh(t7);
+    r[0][6] = t8;
+    let t9 = sign(v[1]);
+    r[1][9] = t9;
+    let t10 = v[1] * 5.0;
     let t11 = math::tanh(t10);
-    r[1][7] = t11;
-    let t12 = sign(v[1]);
-    r[1][8] = t12;
+    r[1][10] = t11;
+    let t12 = v[1] * 10.0;
+    let t13 = math::tanh(t12);
+    r[1][11] = t13;
+    let t14 = v[1] * 20.0;
+    let t15 = math::tanh(t14);
+    r[1][12] = t15;
+    let t16 = v[1] * 100.0;
+    let t17 = math::tanh(t16);
+    r[1][13] = t17;
 }
 
 /// Pose of the frame `tool`.

@@ -12,6 +12,7 @@
 //! Verdicts follow from numbers and thresholds; `tests.rs` asserts them, and flips each by what its claim names:
 //! `cargo test --release -p gelenk-runtime --example powercube`.
 
+mod arm;
 mod control;
 mod friction;
 mod study;
