@@ -1,0 +1,350 @@
+//! From a description whose parts are checked to the model.
+
+use super::super::description::{
+    DriveChoice, DriveDescription, FrameDescription, Name, RobotDescription,
+};
+use super::super::pose::{rotate_inertia, rotate_numbers};
+use super::super::tree::Tree;
+use super::super::{
+    Body, Drive, Frame, Input, Joint, JointKind, Limits, Link, Model, Motion, MotorTorque, Pose,
+    RotorCoupling,
+};
+use super::names::{JointNames, report_duplicates};
+use crate::diagnostic::{At, Report, nearest};
+use crate::formula::Formula;
+use std::collections::BTreeMap;
+
+/// Gravity where none is described (m/s²).
+const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
+
+pub(super) struct Builder<'d, 'r> {
+    pub(super) robot: &'d RobotDescription,
+    pub(super) report: &'r mut Report,
+    pub(super) names: JointNames,
+    pub(super) defaults: Vec<f64>,
+    pub(super) tree: Tree,
+    /// For each link its described frame in the frame of the model's link.
+    pub(super) offsets: Vec<Pose>,
+}
+
+impl Builder<'_, '_> {
+    pub(super) fn build(&mut self, name: String) -> Option<Model> {
+        let coordinates = self.coordinates()?;
+        let mut links = self.links(&coordinates);
+        self.attach_bodies(&mut links);
+        let drives = self.drives(&links);
+        let frames = self.frames();
+        let gravity = self
+            .robot
+            .gravity
+            .clone()
+            .unwrap_or(GRAVITY.map(Formula::Number));
+        Some(Model {
+            name,
+            description: self.robot.description.clone(),
+            gravity,
+            parameters: self
+                .robot
+                .parameters
+                .iter()
+                .map(|parameter| parameter.value.clone())
+                .collect(),
+            links,
+            coordinates,
+            drives,
+            frames,
+            options: self.robot.options.clone().unwrap_or_default(),
+        })
+    }
+
+    fn moves(&self, joint: usize) -> bool {
+        let joint = &self.robot.joints[joint];
+        joint.kind.is_some_and(|kind| kind != JointKind::Fixed) && joint.held.is_none()
+    }
+
+    /// Link indices of the moving joints: as listed, else as described, else in the order of the tree.
+    fn coordinates(&mut self) -> Option<Vec<usize>> {
+        let mut moving: Vec<(usize, usize)> = Vec::new();
+        for (link, joint) in self.tree.joints.iter().enumerate() {
+            moving.extend(
+                joint
+                    .filter(|joint| self.moves(*joint))
+                    .map(|joint| (joint, link)),
+            );
+        }
+        if moving.is_empty() {
+            self.report.error(
+                self.robot.name.span,
+                "no-moving-joint",
+                "no joint of the robot moves",
+            );
+            self.report.help("a model needs at least one revolute, continuous or prismatic joint that is not held");
+            return None;
+        }
+        if !self.robot.sort_joints {
+            moving.sort_unstable();
+        }
+        match &self.robot.coordinates {
+            Some(listed) => self.listed_coordinates(listed, &moving),
+            None => Some(moving.into_iter().map(|(_, link)| link).collect()),
+        }
+    }
+
+    fn listed_coordinates(
+        &mut self,
+        listed: &[Name],
+        moving: &[(usize, usize)],
+    ) -> Option<Vec<usize>> {
+        let joints = &self.robot.joints;
+        let by_name: BTreeMap<&str, usize> = moving
+            .iter()
+            .map(|(joint, link)| (joints[*joint].name.value.as_str(), *link))
+            .collect();
+        let before = self.report.error_count();
+        report_duplicates(listed.iter(), "coordinates", self.report);
+        let mut result = Vec::new();
+        for name in listed {
+            match by_name.get(name.value.as_str()) {
+                Some(link) => result.push(*link),
+                None => {
+                    let message = format!("`{}` is no moving joint", name.value);
+                    self.report.error(name.span, "unknown-joint", message);
+                    if let Some(help) = nearest(&name.value, by_name.keys().copied()) {
+                        self.report.help(help);
+                    }
+                }
+            }
+        }
+        for (name, _) in by_name.iter().filter(|(_, link)| !result.contains(link)) {
+            let span = listed
+                .first()
+                .map_or(self.robot.name.span, |first| first.span);
+            self.report.error(
+                span,
+                "missing-coordinate",
+                format!("`coordinates` lacks the moving joint `{name}`"),
+            );
+            self.report.help("list every moving joint, or hold it");
+        }
+        (self.report.error_count() == before).then_some(result)
+    }
+
+    fn links(&mut self, coordinates: &[usize]) -> Vec<Link> {
+        let mut order = vec![None; self.tree.links.len()];
+        for (coordinate, link) in coordinates.iter().enumerate() {
+            order[*link] = Some(coordinate);
+        }
+        let mut links = Vec::new();
+        for link in 0..self.tree.links.len() {
+            let joint = self.tree.joints[link]
+                .map(|joint| self.joint(joint, self.tree.parents[link], order[link]));
+            let described = self.tree.joints[link]
+                .and_then(|joint| self.robot.joints[joint].link_frame.clone());
+            self.offsets.push(described.unwrap_or_else(Pose::identity));
+            links.push(Link {
+                name: self.tree.links[link].value.clone(),
+                joint,
+                bodies: Vec::new(),
+            });
+        }
+        links
+    }
+
+    fn joint(&self, index: usize, parent: usize, coordinate: Option<usize>) -> Joint {
+        let described = &self.robot.joints[index];
+        let origin = described.origin.clone().unwrap_or_else(Pose::identity);
+        let motion = match (coordinate, described.held) {
+            (Some(coordinate), _) => Motion::Coordinate(coordinate),
+            (None, Some(position)) => Motion::Held(position),
+            (None, None) => Motion::Fixed,
+        };
+        let limits = &described.limits;
+        let value = |limit: &Option<At<f64>>| limit.as_ref().map(|limit| limit.value);
+        Joint {
+            name: self.names.joints[index].clone(),
+            parent,
+            kind: described.kind.unwrap_or(JointKind::Fixed),
+            origin: self.offsets[parent].then(&origin),
+            axis: described.axis.unwrap_or([0.0, 0.0, 1.0]),
+            motion,
+            limits: Limits {
+                position: limits.position.as_ref().map(|limit| limit.value),
+                velocity: value(&limits.velocity),
+                effort: value(&limits.effort),
+                peak_effort: value(&limits.peak_effort),
+            },
+            springs: described.springs.clone().unwrap_or_default(),
+            friction: described.friction.clone().unwrap_or_default(),
+        }
+    }
+
+    fn find_link(&mut self, name: &Name) -> Option<usize> {
+        let found = self.tree.index.get(&name.value).copied();
+        if found.is_none() {
+            self.report.error(
+                name.span,
+                "unknown-link",
+                format!("unknown link `{}`", name.value),
+            );
+            if let Some(help) = nearest(
+                &name.value,
+                self.tree.links.iter().map(|link| link.value.as_str()),
+            ) {
+                self.report.help(help);
+            }
+        }
+        found
+    }
+
+    fn attach_bodies(&mut self, links: &mut [Link]) {
+        for body in &self.robot.bodies {
+            let Some(link) = self.find_link(&body.link) else {
+                continue;
+            };
+            let offset = &self.offsets[link];
+            links[link].bodies.push(Body {
+                name: body.name.value.clone(),
+                mass: body
+                    .mass
+                    .as_ref()
+                    .map_or(Formula::ZERO, |mass| mass.value.clone()),
+                center_of_mass: offset.point(&body.center_in_link()),
+                inertia: rotate_inertia(&offset.rotation, &body.inertia_in_link()),
+            });
+        }
+    }
+
+    fn frames(&mut self) -> Vec<Frame> {
+        let names = self.names.frames.clone();
+        let described: Vec<(&FrameDescription, String)> =
+            self.robot.frames.iter().zip(names).collect();
+        let frame = |(frame, name): (&FrameDescription, String)| {
+            let link = self.find_link(&frame.link)?;
+            Some(Frame {
+                name,
+                link,
+                pose: self.offsets[link].then(&frame.pose),
+            })
+        };
+        described.into_iter().filter_map(frame).collect()
+    }
+
+    /// The inputs in the order of their coordinates, then the motors of held joints.
+    fn drives(&mut self, links: &[Link]) -> Vec<Drive> {
+        let mut drives: Vec<Drive> = (0..links.len())
+            .filter_map(|link| self.drive(link, &links[link]))
+            .collect();
+        drives.sort_by_key(|drive| drive.coordinate.unwrap_or(usize::MAX));
+        drives
+    }
+
+    fn drive(&mut self, link: usize, moved: &Link) -> Option<Drive> {
+        let index = self.tree.joints[link]?;
+        let joint = moved.joint.as_ref()?;
+        if joint.motion == Motion::Fixed {
+            return None;
+        }
+        let robot = self.robot;
+        let choice = robot.joints[index]
+            .drive
+            .as_ref()
+            .map_or(&robot.default_drive, |drive| &drive.value);
+        let coordinate = match joint.motion {
+            Motion::Coordinate(coordinate) => Some(coordinate),
+            _ => None,
+        };
+        match choice {
+            DriveChoice::Passive => None,
+            DriveChoice::Ideal => coordinate.map(|_| ideal_drive(joint, coordinate)),
+            DriveChoice::Motor(motor) => self.motor(motor, index, joint, coordinate),
+        }
+    }
+
+    fn motor(
+        &mut self,
+        motor: &DriveDescription,
+        index: usize,
+        joint: &Joint,
+        coordinate: Option<usize>,
+    ) -> Option<Drive> {
+        self.check_motor(motor);
+        let carrier = match &motor.carrier {
+            Some(name) => self.find_link(name)?,
+            None => joint.parent,
+        };
+        let axis = match motor.axis {
+            Some(axis) => rotate_numbers(&self.offsets[carrier].rotation, &axis),
+            None if carrier == joint.parent => rotate_numbers(&joint.origin.rotation, &joint.axis),
+            None => {
+                let span = motor
+                    .carrier
+                    .as_ref()
+                    .map_or(motor.gear_ratio.span, |name| name.span);
+                self.report.error(
+                    span,
+                    "missing-key",
+                    "a rotor on another link than the joint's parent needs `axis`",
+                );
+                self.report
+                    .help("`axis` is the rotor's axis in the frame of the link that carries it");
+                return None;
+            }
+        };
+        Some(Drive {
+            name: self.names.drives[index]
+                .clone()
+                .unwrap_or_else(|| joint.name.clone()),
+            coordinate,
+            gear_ratio: motor.gear_ratio.value.clone(),
+            rotor_inertia: motor.rotor_inertia.value.clone(),
+            carrier,
+            axis,
+            coupling: motor.coupling,
+            input: motor.input.clone(),
+            torque: motor.torque,
+        })
+    }
+
+    fn check_motor(&mut self, motor: &DriveDescription) {
+        let value = |formula: &Formula| formula.evaluate(&self.defaults, 0.0, 0.0);
+        let ratio = value(&motor.gear_ratio.value);
+        if ratio == 0.0 || !ratio.is_finite() {
+            self.report.error(
+                motor.gear_ratio.span,
+                "gear-ratio",
+                format!("the gear ratio is {ratio}"),
+            );
+            self.report
+                .help("motor angle over joint angle: finite and not 0");
+        }
+        let rotor = value(&motor.rotor_inertia.value);
+        if !rotor.is_finite() || rotor < 0.0 {
+            let message = format!("the rotor inertia is {rotor}");
+            self.report
+                .error(motor.rotor_inertia.span, "rotor-inertia", message);
+            self.report.help("kg m², finite and at least 0");
+        }
+        if let Input::Current(constant) = &motor.input
+            && !(value(constant).is_finite() && value(constant) != 0.0)
+        {
+            let message = format!("the motor constant is {}", value(constant));
+            self.report
+                .error(motor.gear_ratio.span, "motor-constant", message);
+        }
+    }
+}
+
+/// A torque or force at the joint itself.
+fn ideal_drive(joint: &Joint, coordinate: Option<usize>) -> Drive {
+    Drive {
+        name: joint.name.clone(),
+        coordinate,
+        gear_ratio: Formula::ONE,
+        rotor_inertia: Formula::ZERO,
+        carrier: joint.parent,
+        axis: rotate_numbers(&joint.origin.rotation, &joint.axis),
+        coupling: RotorCoupling::Diagonal,
+        input: Input::Torque,
+        torque: MotorTorque::default(),
+    }
+}

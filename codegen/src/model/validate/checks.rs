@@ -1,0 +1,229 @@
+//! What can be wrong with a joint, a body, or the whole tree.
+
+use super::super::description::{
+    BodyDescription, JointDescription, LimitsDescription, Name, RobotDescription,
+};
+use super::super::inertia::{self, Flaw};
+use super::super::regularity::singular_joints;
+use super::super::tree::Tree;
+use super::super::{JointKind, Model, Motion};
+use crate::diagnostic::{At, Report};
+use crate::formula::Formula;
+
+pub(super) fn joint(joint: &JointDescription, report: &mut Report) {
+    let name = &joint.name;
+    if let Some(position) = &joint.limits.position {
+        let [low, high] = position.value;
+        if joint.kind == Some(JointKind::Continuous) {
+            let message = format!(
+                "joint `{}` is continuous and has position limits",
+                name.value
+            );
+            report.error(position.span, "conflicting-keys", message);
+            report.help("a joint with position limits is \"revolute\"");
+        }
+        if low > high {
+            let message = format!(
+                "position limits of joint `{}` are reversed: {low} > {high}",
+                name.value
+            );
+            report.error(position.span, "limits-reversed", message);
+            report.help(format!(
+                "write {high} as the lower and {low} as the upper limit"
+            ));
+        }
+        if let Some(held) = joint
+            .held
+            .filter(|held| low <= high && !(low..=high).contains(held))
+        {
+            let message = format!(
+                "joint `{}` is held at {held}, outside of its limits {low} … {high}",
+                name.value
+            );
+            report.note(Some(name.span), "held-outside-limits", message);
+        }
+    }
+    amounts(&joint.limits, name, report);
+    if joint.kind == Some(JointKind::Fixed) {
+        fixed(joint, report);
+    } else if let Some(other) = joint.mimic.as_ref().filter(|_| joint.held.is_none()) {
+        let message = format!(
+            "joint `{}` mimics `{}`; coupled joints are not modelled",
+            name.value, other.value
+        );
+        report.error(other.span, "mimic-joint", message);
+        report.help("`--ignore-mimic` (or `ignore_mimic = true`) makes it independent; a TOML description can hold it");
+    }
+}
+
+fn amounts(limits: &LimitsDescription, name: &Name, report: &mut Report) {
+    let amounts = [
+        ("speed", &limits.velocity),
+        ("effort", &limits.effort),
+        ("peak effort", &limits.peak_effort),
+    ];
+    for (what, limit) in amounts {
+        if let Some(limit) = limit.as_ref().filter(|limit| limit.value <= 0.0) {
+            let message = format!(
+                "the {what} limit of joint `{}` is {}, not positive",
+                name.value, limit.value
+            );
+            report.error(limit.span, "not-positive", message);
+        }
+    }
+    if let (Some(nominal), Some(peak)) = (&limits.effort, &limits.peak_effort)
+        && nominal.value > peak.value
+    {
+        let message = format!(
+            "nominal effort {} of joint `{}` exceeds its peak {}",
+            nominal.value, name.value, peak.value
+        );
+        report.error(peak.span, "limits-reversed", message);
+    }
+}
+
+fn fixed(joint: &JointDescription, report: &mut Report) {
+    let what = if joint.held.is_some() {
+        "`held`"
+    } else if joint.drive.is_some() {
+        "a drive"
+    } else if joint.springs.is_some() {
+        "a spring"
+    } else if joint
+        .friction
+        .as_ref()
+        .is_some_and(|terms| !terms.is_empty())
+    {
+        "friction"
+    } else {
+        return;
+    };
+    let message = format!(
+        "joint `{}` is fixed; {what} has no meaning there",
+        joint.name.value
+    );
+    report.error(joint.name.span, "fixed-joint", message);
+    report.help("remove it, or give the joint a type that moves");
+}
+
+pub(super) fn body(body: &BodyDescription, defaults: &[f64], report: &mut Report) {
+    let value = |formula: &Formula| formula.evaluate(defaults, 0.0, 0.0);
+    let Some(mass) = &body.mass else {
+        let message = format!("body `{}` has no `mass`", body.name.value);
+        report.error(body.name.span, "missing-key", message);
+        report.help("write `mass = 0` for a body that only has inertia");
+        return;
+    };
+    let kilograms = value(&mass.value);
+    if !kilograms.is_finite() || kilograms < 0.0 {
+        let message = format!("body `{}` has mass {kilograms}", body.name.value);
+        report.error(mass.span, "mass-not-positive", message);
+        report.help("a mass is finite and at least 0");
+    }
+    if body
+        .center_in_link()
+        .iter()
+        .any(|entry| !value(entry).is_finite())
+    {
+        let message = format!(
+            "the centre of mass of body `{}` is not finite",
+            body.name.value
+        );
+        report.error(body.name.span, "number-not-finite", message);
+    }
+    let Some(inertia) = &body.inertia else { return };
+    let entries = std::array::from_fn(|k| value(&inertia.value[k]));
+    if entries.iter().any(|entry| !entry.is_finite()) {
+        let message = format!("the inertia of body `{}` is not finite", body.name.value);
+        report.error(inertia.span, "number-not-finite", message);
+        return;
+    }
+    if let Some(flaw) = inertia::check(entries) {
+        report_inertia(body, inertia, &flaw, report);
+    }
+}
+
+/// Six significant digits.
+fn short(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
+
+fn report_inertia(
+    body: &BodyDescription,
+    inertia: &At<[Formula; 6]>,
+    flaw: &Flaw,
+    report: &mut Report,
+) {
+    let name = &body.name.value;
+    let (code, message) = match flaw.moments().map(short) {
+        [low, middle, high] if flaw.is_triangle() => (
+            "inertia-triangle-inequality",
+            format!(
+                "inertia of body `{name}` belongs to no real body: principal moments \
+                 {low} + {middle} < {high}"
+            ),
+        ),
+        [low, middle, high] => (
+            "inertia-not-positive-definite",
+            format!(
+                "inertia of body `{name}` is not positive definite: principal moments \
+                 {low}, {middle}, {high}"
+            ),
+        ),
+    };
+    if body.accept_unphysical {
+        report.note(Some(inertia.span), code, message);
+        return;
+    }
+    report.error(inertia.span, code, message);
+    report.help(
+        "inertia counts about the centre of mass; `accept_unphysical = true` in a TOML body takes \
+         it as published",
+    );
+}
+
+pub(super) fn regularity(
+    model: &Model,
+    robot: &RobotDescription,
+    report: &mut Report,
+    tree: &Tree,
+) {
+    if report.has_errors() {
+        return;
+    }
+    for link in singular_joints(model) {
+        let Some(joint) = tree.joints[link].and_then(|joint| robot.joints.get(joint)) else {
+            continue;
+        };
+        let leaf = !carries_moving_joint(model, link);
+        let code = if leaf {
+            "massless-leaf"
+        } else {
+            "singular-mass-matrix"
+        };
+        let message = format!(
+            "joint `{}` moves nothing that has inertia along its axis: the mass matrix would be singular",
+            joint.name.value
+        );
+        report.error(joint.name.span, code, message);
+        report.help(
+            "give the links that move with it mass or inertia, give its drive a rotor inertia, or make the joint fixed",
+        );
+    }
+}
+
+/// Whether a moving joint stands on the link or on what is fixed to it.
+fn carries_moving_joint(model: &Model, link: usize) -> bool {
+    let mut beyond = vec![false; model.links.len()];
+    beyond[link] = true;
+    for (index, other) in model.links.iter().enumerate().skip(link + 1) {
+        let Some(joint) = other.joint.as_ref().filter(|joint| beyond[joint.parent]) else {
+            continue;
+        };
+        if matches!(joint.motion, Motion::Coordinate(_)) {
+            return true;
+        }
+        beyond[index] = true;
+    }
+    false
+}
