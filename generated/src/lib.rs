@@ -23,6 +23,10 @@ pub mod powercube;
 #[rustfmt::skip]
 pub mod powercube_alpha;
 
+/// The robot `powercube_alpha_parameters`.
+#[rustfmt::skip]
+pub mod powercube_alpha_parameters;
+
 /// The robot `powercube_parameters`.
 #[rustfmt::skip]
 pub mod powercube_parameters;

@@ -10,8 +10,8 @@ mod savitzky_golay;
 mod total_variation;
 
 pub use kalman::KalmanSmoother;
-pub use savitzky_golay::SavitzkyGolay;
-pub use total_variation::{TotalVariation, TotalVariationResult};
+pub use savitzky_golay::{SavitzkyGolay, Window};
+pub use total_variation::{Regularization, TotalVariation, TotalVariationResult};
 
 use super::error::{
     IdentificationError, Result, require_finite, require_length, require_samples, require_setting,
