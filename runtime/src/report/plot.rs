@@ -147,6 +147,16 @@ impl Axis {
         }
     }
 
+    /// How many ticks to ask for: on a logarithmic axis one a decade where there are several, `most` otherwise.
+    fn ticks(&self, span: &Range<f64>, most: usize) -> usize {
+        let decades = span.end - span.start;
+        if self.is_logarithmic && decades >= 2.0 {
+            most.min(decades as usize + 1)
+        } else {
+            most
+        }
+    }
+
     fn scaled(&self, value: f64) -> f64 {
         if self.is_logarithmic {
             value.log10()
@@ -177,9 +187,11 @@ impl Axis {
         Some(low - margin..high + margin)
     }
 
-    fn tick(&self, scaled: f64) -> String {
+    /// `span`: the shown range in scaled values, below whose resolution zero is meant.
+    fn tick(&self, scaled: f64, span: &Range<f64>) -> String {
         if !self.is_logarithmic {
-            return tick(scaled);
+            let is_zero = scaled.abs() < 1e-9 * (span.end - span.start);
+            return tick(if is_zero { 0.0 } else { scaled });
         }
         let value = 10_f64.powf(scaled);
         tick(format!("{value:.1e}").parse().unwrap_or(value))
@@ -206,6 +218,8 @@ const SIZE: (u32, u32) = (600, 350);
 const SCALE: u32 = 8;
 /// More points than this on a curve are thinned: a page of a million circles helps nobody.
 const MOST_POINTS: usize = 3_000;
+/// Up to so many points are drawn large.
+const FEW_POINTS: usize = 20;
 /// Curves are told apart by so many colours.
 pub(super) const COLOURS: usize = 6;
 
@@ -277,10 +291,10 @@ fn draw(
         .configure_mesh()
         .x_desc(plot.x.title())
         .y_desc(plot.y.title())
-        .x_labels(8)
-        .y_labels(7)
-        .x_label_formatter(&|value| plot.x.tick(*value))
-        .y_label_formatter(&|value| plot.y.tick(*value))
+        .x_labels(plot.x.ticks(&x, 8))
+        .y_labels(plot.y.ticks(&y, 7))
+        .x_label_formatter(&|value| plot.x.tick(*value, &x))
+        .y_label_formatter(&|value| plot.y.tick(*value, &y))
         .axis_style(INK.stroke_width(SCALE))
         .bold_line_style(GRID.stroke_width(SCALE))
         .light_line_style(TRANSPARENT)
@@ -306,7 +320,13 @@ fn curve(
     let stride = points.len().div_ceil(MOST_POINTS).max(1);
     if marks == Marks::Points {
         let dots = points.iter().step_by(stride).filter(|point| shown(point));
-        let dot = |&[x, y]: &[f64; 2]| Circle::new((x, y), SCALE * 3 / 2, style.filled());
+        // A few points stand for something; many are a cloud.
+        let radius = if points.len() <= FEW_POINTS {
+            SCALE * 4
+        } else {
+            SCALE * 3 / 2
+        };
+        let dot = |&[x, y]: &[f64; 2]| Circle::new((x, y), radius, style.filled());
         chart.draw_series(dots.map(dot))?;
         return Ok(());
     }
@@ -432,6 +452,19 @@ mod tests {
         let mut logarithmic = plot(vec![[1e-3, 1.0], [1e3, 10.0], [0.0, 1.0], [-1.0, 2.0]]);
         logarithmic.x = logarithmic.x.logarithmic();
         assert!(drawn(&logarithmic).unwrap().contains("1000"));
+    }
+
+    #[test]
+    fn zero_and_decades_are_named() {
+        let line = vec![[-0.6, 1e-2], [0.6, 1e2]];
+        let mut plot = plot(line);
+        plot.x = plot.x.over(-0.6, 0.6);
+        plot.y = plot.y.logarithmic();
+        let svg = drawn(&plot).unwrap();
+        assert!(!svg.contains("10⁻") && !svg.contains("3.2"), "{svg}");
+        for shown in [">\n0\n<", ">\n0.1\n<", ">\n100\n<"] {
+            assert!(svg.contains(shown), "no {shown} in {svg}");
+        }
     }
 
     #[test]

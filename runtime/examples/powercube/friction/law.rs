@@ -1,0 +1,118 @@
+//! The two ways to a friction law, and how far a law is from the truth.
+
+use super::data::{Samples, rms};
+use crate::arm::Friction;
+use crate::study::Outcome;
+use gelenk_runtime::identification::friction::{
+    FrictionData, FrictionIdentification, FrictionMethod, FrictionReport, LambdaChoice,
+};
+use gelenk_runtime::identification::lasso::Lasso;
+use gelenk_runtime::identification::library::Library;
+use gelenk_runtime::identification::result::FrictionLaw;
+use gelenk_runtime::identification::stribeck::StribeckRegression;
+use gelenk_runtime::identification::thresholding::Thresholding;
+
+/// How a law is found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Method {
+    /// SINDy by sequentially thresholded least squares, threshold 0.1.
+    Thresholding,
+    /// SINDy by LASSO, λ by ten folds and one standard error, then least squares on the chosen terms.
+    Lasso,
+    /// Nonlinear regression of the Stribeck form.
+    Stribeck,
+}
+
+impl Method {
+    pub const ALL: [Self; 3] = [Self::Thresholding, Self::Lasso, Self::Stribeck];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Thresholding => "SINDy, STLS",
+            Self::Lasso => "SINDy, LASSO",
+            Self::Stribeck => "nonlinear regression",
+        }
+    }
+
+    fn settings(self) -> FrictionMethod {
+        match self {
+            Self::Thresholding => FrictionMethod::Thresholding(Thresholding::default()),
+            Self::Lasso => FrictionMethod::Lasso(standardized(), LambdaChoice::OneStandardError),
+            Self::Stribeck => FrictionMethod::Stribeck(StribeckRegression::default()),
+        }
+    }
+
+    /// The law of these samples over the paper's library.
+    pub fn identify(self, samples: &Samples) -> Outcome<FrictionReport> {
+        self.identify_over(Friction::library()?, samples)
+    }
+
+    /// The law of these samples over another library.
+    pub fn identify_over(self, library: Library, samples: &Samples) -> Outcome<FrictionReport> {
+        let identification = FrictionIdentification {
+            library,
+            method: self.settings(),
+            draws: 0,
+            passive: false,
+            ..FrictionIdentification::new()?
+        };
+        Ok(identification.identify(&FrictionData {
+            joint: "joint",
+            unit: "N·m",
+            velocity_unit: "rad/s",
+            velocities: &samples.velocities,
+            torques: &samples.torques,
+            weights: None,
+            folds: None,
+            data: "simulated",
+            settings: &[],
+        })?)
+    }
+}
+
+/// The LASSO with each term in units of its root mean square.
+pub fn standardized() -> Lasso {
+    Lasso {
+        standardize: true,
+        ..Lasso::default()
+    }
+}
+
+/// Speeds from −`fastest` to `fastest`, zero among them.
+fn speeds(fastest: f64) -> Vec<f64> {
+    (-200..=200)
+        .map(|i| fastest * f64::from(i) / 200.0)
+        .collect()
+}
+
+/// A law as points of a curve.
+pub fn curve(law: &FrictionLaw, fastest: f64) -> Outcome<Vec<[f64; 2]>> {
+    let grid = speeds(fastest);
+    let torques = law.torques(&grid)?;
+    Ok(grid.into_iter().zip(torques).map(|(v, t)| [v, t]).collect())
+}
+
+/// Friction `truth` as points of a curve.
+pub fn true_curve(truth: impl Fn(f64) -> f64, fastest: f64) -> Vec<[f64; 2]> {
+    let grid = speeds(fastest);
+    grid.into_iter().map(|v| [v, truth(v)]).collect()
+}
+
+/// Law minus truth over the speeds up to `fastest` [N m].
+pub fn deviation(
+    law: &FrictionLaw,
+    truth: impl Fn(f64) -> f64,
+    fastest: f64,
+) -> Outcome<Vec<[f64; 2]>> {
+    let points = curve(law, fastest)?;
+    Ok(points
+        .into_iter()
+        .map(|[v, torque]| [v, torque - truth(v)])
+        .collect())
+}
+
+/// Root mean square of law minus truth over the speeds up to `fastest` [N m].
+pub fn curve_error(law: &FrictionLaw, truth: impl Fn(f64) -> f64, fastest: f64) -> Outcome<f64> {
+    let points = deviation(law, truth, fastest)?;
+    Ok(rms(points.iter().map(|[_, error]| *error)))
+}

@@ -1,0 +1,127 @@
+//! Plants with friction that the generated arm does not have: one that grows with the load, and Stribeck's law. The load as a term of the
+//! library.
+
+use super::data::Samples;
+use crate::arm::Arm;
+use crate::study::Outcome;
+use gelenk_runtime::dynamics::{Dynamics, Limits};
+use gelenk_runtime::identification::least_squares::Reduced;
+use gelenk_runtime::identification::library::Library;
+use gelenk_runtime::identification::moments::Samples as Columns;
+use gelenk_runtime::identification::stribeck::stribeck_torque;
+
+/// Slope of the load's friction at rest [s/rad].
+const SLOPE: f64 = 20.0;
+/// Terms of joint β's published law and the load.
+const TERMS: [&str; 5] = [
+    "v",
+    "tanh(5*v)",
+    "tanh(10*v)",
+    "tanh(20*v)",
+    "abs(load)*tanh(20*v)",
+];
+
+/// The arm with additional friction: `load_share · |q_g(y)| tanh 20v`, and Stribeck's law in some joints.
+pub struct MoreFriction {
+    /// The arm without it.
+    pub robot: Arm,
+    /// Part of the load that becomes friction, the same for both joints.
+    pub load_share: f64,
+    /// `a_1 v + a_2 tanh a_3 v + a_4 exp(−a_5 |v|) tanh 3 a_3 v`, by joint.
+    pub stribeck: [Option<[f64; 5]>; 2],
+}
+
+impl MoreFriction {
+    fn stribeck(&self, joint: usize, v: f64) -> f64 {
+        self.stribeck[joint].map_or(0.0, |law| stribeck_torque(v, &law))
+    }
+}
+
+/// Torques of gravity that the joints carry [N m].
+pub fn load(robot: &Arm, y: &[f64; 2]) -> [f64; 2] {
+    robot.gravity_forces(y)
+}
+
+impl Dynamics<2, 2> for MoreFriction {
+    fn limits(&self) -> Limits<2, 2> {
+        self.robot.limits()
+    }
+
+    fn mass_matrix(&self, y: &[f64; 2]) -> [[f64; 2]; 2] {
+        self.robot.mass_matrix(y)
+    }
+
+    fn coriolis_forces(&self, y: &[f64; 2], v: &[f64; 2]) -> [f64; 2] {
+        self.robot.coriolis_forces(y, v)
+    }
+
+    fn gravity_forces(&self, y: &[f64; 2]) -> [f64; 2] {
+        self.robot.gravity_forces(y)
+    }
+
+    fn spring_forces(&self, y: &[f64; 2], v: &[f64; 2]) -> [f64; 2] {
+        self.robot.spring_forces(y, v)
+    }
+
+    /// What depends on the speed alone; the plant looks here for jumps at standstill.
+    fn friction_torques(&self, v: &[f64; 2]) -> [f64; 2] {
+        let friction = self.robot.friction_torques(v);
+        std::array::from_fn(|i| friction[i] + self.stribeck(i, v[i]))
+    }
+
+    fn input_matrix(&self) -> [[f64; 2]; 2] {
+        self.robot.input_matrix()
+    }
+
+    fn applied_forces(&self, y: &[f64; 2], v: &[f64; 2]) -> [f64; 2] {
+        let (applied, load) = (self.robot.applied_forces(y, v), load(&self.robot, y));
+        std::array::from_fn(|i| {
+            let by_load = self.load_share * load[i].abs() * (SLOPE * v[i]).tanh();
+            applied[i] - by_load - self.stribeck(i, v[i])
+        })
+    }
+}
+
+/// A law with a term of the load.
+pub struct LawUnderLoad {
+    terms: [f64; 4],
+    /// Part of the load that was found as friction.
+    pub share: f64,
+    /// Its standard error for independent errors.
+    pub standard_error: f64,
+}
+
+/// Least squares on the terms of joint β's law and the load.
+pub fn law_under_load(samples: &Samples, loads: &[f64]) -> Outcome<LawUnderLoad> {
+    let library = Library::new(&TERMS, &["v", "load"])?;
+    let channels: Vec<&[f64]> = vec![&samples.velocities, loads];
+    let columns = Columns::from_library(&library, channels, vec![&samples.torques])?;
+    let fit = Reduced::new(&columns)?.fit(0, &[0, 1, 2, 3, 4])?;
+    Ok(LawUnderLoad {
+        terms: std::array::from_fn(|i| fit.coefficients[i]),
+        share: fit.coefficients[4],
+        standard_error: fit.standard_errors[4],
+    })
+}
+
+impl LawUnderLoad {
+    /// Friction due to load, in the direction of motion, over the load: at most `count` samples faster than 0.05 rad/s.
+    pub fn against_load(&self, samples: &Samples, loads: &[f64], count: usize) -> Vec<[f64; 2]> {
+        let [viscous, five, ten, twenty] = self.terms;
+        let rest = |i: usize| {
+            let v = samples.velocities[i];
+            let own = viscous * v
+                + five * (5.0 * v).tanh()
+                + ten * (10.0 * v).tanh()
+                + twenty * (20.0 * v).tanh();
+            [loads[i].abs(), (samples.torques[i] - own) * v.signum()]
+        };
+        let fast = |i: &usize| samples.velocities[*i].abs() > 0.05;
+        let stride = samples.len().div_ceil(count.max(1)).max(1);
+        (0..samples.len())
+            .step_by(stride)
+            .filter(fast)
+            .map(rest)
+            .collect()
+    }
+}
