@@ -28,6 +28,9 @@ fn main() {
             "more_than_three_joints_are_refused",
             more_than_three_joints_are_refused,
         ),
+        ("slanted_robots_are_refused", slanted_robots_are_refused),
+        ("pages_hold_closed_forms", pages_hold_closed_forms),
+        ("pages_say_why_they_hold_none", pages_say_why_they_hold_none),
         ("powercube_reads_as_published", powercube_reads_as_published),
         (
             "powercube_has_the_published_numbers",
@@ -126,6 +129,97 @@ fn more_than_three_joints_are_refused() {
     assert_eq!(output.status.code(), Some(1));
     assert!(output.stdout.is_empty());
     insta::assert_snapshot!("too_many_joints", String::from_utf8(output.stderr).unwrap());
+}
+
+/// Three joints in general position: hours of work, and formulas that nobody reads.
+fn slanted_robots_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("slanted.toml");
+    std::fs::write(&path, general_arm()).unwrap();
+    let output = gelenk(&[path.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(output.stdout.is_empty());
+    let message = String::from_utf8(output.stderr).unwrap();
+    insta::assert_snapshot!("too_many_angles", message);
+}
+
+fn general_arm() -> String {
+    let joint = |i: usize| {
+        format!(
+            "[[joints]]\nname = \"j{i}\"\naxis = [0.6, 0, 0.8]\ndrive = {{ rotor_inertia = 1e-5 }}\n\
+             origin = {{ xyz = [0.1, 0.2, 0.3], rpy = [0.3, 0.4, 0.{i}] }}\n\
+             [[bodies]]\nlink = \"j{i}\"\nmass = 1\ncenter_of_mass = [0.1, 0.2, 0.3]\ninertia = [0.3, 0.31, 0.32]\n"
+        )
+    };
+    (5..8).map(joint).collect()
+}
+
+/// What was written and printed.
+struct Page {
+    html: String,
+    /// The text of `report.json`.
+    data: String,
+    said: String,
+}
+
+fn page(description: &str, options: &[&str]) -> Page {
+    let folder = tempfile::tempdir().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_gelenk"))
+        .args(["report", description, "--output"])
+        .arg(folder.path())
+        .args(options)
+        .current_dir(models())
+        .output()
+        .unwrap();
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    Page {
+        html: read("index.html"),
+        data: read("report.json"),
+        said,
+    }
+}
+
+fn pages_hold_closed_forms() {
+    let Page { html, data, said } = page("powercube.toml", &[]);
+    assert!(html.contains("In closed form"));
+    // The banner of the computer algebra goes to standard error.
+    assert!(said.starts_with("wrote "), "{said}");
+    let json = |latex: &str| latex.replace('\\', "\\\\");
+    for expected in [
+        r"M_{12} = p_{3} + i_{2} \, J_{2} + p_{2} \, \cos\left(y_{2}\right)",
+        r"B_{22} = i_{2}",
+        r"d_{\mathrm{2e}} \, \operatorname{sign}",
+        "gear ratio of beta",
+    ] {
+        assert!(data.contains(&json(expected)), "no {expected} in {data}");
+    }
+    // Choices that change the equations reach the closed form, too.
+    let Page { data, .. } = page("powercube.toml", &["--no-friction"]);
+    assert!(!data.contains(&json(r"d_{\mathrm{1a}}")));
+    let Page { data, .. } = page("powercube.toml", &["--smooth-sign", "150"]);
+    assert!(!data.contains("operatorname{sign}"));
+    assert!(
+        data.contains(&json(r"d_{\mathrm{2e}} \, \tanh\left(150")),
+        "{data}"
+    );
+    for name in ["double_pendulum.toml", "cart_pole.toml"] {
+        let Page { data, .. } = page(name, &["--format", "json"]);
+        assert!(data.contains("closed-form-symbols"), "{name}");
+    }
+}
+
+fn pages_say_why_they_hold_none() {
+    let Page { html, data, said } = page("ur5.toml", &["--format", "json"]);
+    assert!(html.contains("up to 3 coordinates; <code>ur5</code> has 6"));
+    assert!(!data.contains("closed-form-symbols"));
+    let said: serde_json::Value = serde_json::from_str(&said).unwrap();
+    assert_eq!(said["robot"], "ur5");
 }
 
 fn powercube_reads_as_published() {

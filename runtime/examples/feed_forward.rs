@@ -9,10 +9,13 @@ use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::trajectory::{
     Columns, Rating, Recording, RestToRest, Smoothing, Trajectory, violations,
 };
-use std::error::Error;
+use outcome::Outcome;
 use std::path::PathBuf;
+use std::process::ExitCode;
 use support::{Folder, Line};
 
+#[path = "support/outcome.rs"]
+mod outcome;
 #[path = "support/motion_plot.rs"]
 mod support;
 
@@ -20,7 +23,11 @@ gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);
 
 const PERIOD: f64 = 0.02;
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    outcome::end(run())
+}
+
+fn run() -> Outcome<()> {
     let folder = Folder::from_arguments()?;
     let path = std::env::var_os("GELENK_SHARED")
         .map_or_else(
@@ -59,7 +66,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     drive(&folder, &smoothed.trajectory)
 }
 
-fn drive(folder: &Folder, motion: &impl Trajectory<2>) -> Result<(), Box<dyn Error>> {
+fn drive(folder: &Folder, motion: &impl Trajectory<2>) -> Outcome<()> {
     for violation in violations(motion, PowerCube, Rating::Peak, PERIOD)? {
         println!("  {violation}");
     }

@@ -21,13 +21,15 @@ use gelenk_runtime::identification::log::{Differentiation, Log, LogSchema};
 use gelenk_runtime::identification::plot::{friction_plot, pareto_plot, residual_plot};
 use gelenk_runtime::identification::random::SplitMix64;
 use gelenk_runtime::identification::torque::friction_torques;
-use std::error::Error;
+use outcome::Outcome;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+#[path = "support/outcome.rs"]
+mod outcome;
 
 gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);
-
-type Outcome<T> = Result<T, Box<dyn Error>>;
 
 const JOINTS: [&str; 2] = gelenk_generated::powercube::JOINT_NAMES;
 const RESOLUTION: f64 = 1e-4;
@@ -37,12 +39,16 @@ const SAMPLES: usize = 3000;
 const MARGIN: usize = 50;
 const SELECTION: &str = "abs(q1_velocity) < 2 && abs(q2_velocity) < 2";
 
-fn main() -> Outcome<()> {
+fn main() -> ExitCode {
+    outcome::end(run())
+}
+
+fn run() -> Outcome<()> {
     let short = std::env::var_os("GELENK_EXAMPLE_SHORT").is_some();
     let mut arguments = std::env::args_os().skip(1).map(PathBuf::from);
     let given = arguments.next();
     let folder = arguments.next().unwrap_or_else(|| "target/identify".into());
-    std::fs::create_dir_all(&folder)?;
+    std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let path = match given {
         Some(path) => path,
         None => simulated_log(&folder, short)?,
@@ -171,7 +177,7 @@ fn write_plots(report: &FrictionReport, log: &Log, folder: &Path) -> Outcome<()>
         ),
     ];
     for (name, svg) in plots {
-        std::fs::write(folder.join(format!("{name}_{}.svg", result.joint)), svg)?;
+        write(&folder.join(format!("{name}_{}.svg", result.joint)), &svg)?;
     }
     if let Some(validation) = &report.validation {
         let choices = [validation.minimum, validation.one_standard_error];
@@ -181,7 +187,7 @@ fn write_plots(report: &FrictionReport, log: &Log, folder: &Path) -> Outcome<()>
             &result.unit,
             &caption("Error and number of terms"),
         )?;
-        std::fs::write(folder.join(format!("pareto_{}.svg", result.joint)), svg)?;
+        write(&folder.join(format!("pareto_{}.svg", result.joint)), &svg)?;
     }
     Ok(())
 }
@@ -228,6 +234,10 @@ fn simulated_log(folder: &Path, short: bool) -> Outcome<PathBuf> {
         writeln!(text, "{t:.2},{q1:.4},{q2:.4},{u1:.6},{u2:.6}")?;
     }
     let path = folder.join("log.csv");
-    std::fs::write(&path, text)?;
+    write(&path, &text)?;
     Ok(path)
+}
+
+fn write(path: &Path, text: &str) -> Outcome<()> {
+    std::fs::write(path, text).map_err(|e| format!("{}: {e}", path.display()).into())
 }

@@ -14,13 +14,21 @@ use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::trajectory::RestToRest;
 use gelenk_runtime::transport::InProcess;
-use std::error::Error;
+use outcome::Outcome;
+use std::process::ExitCode;
+
+#[path = "support/outcome.rs"]
+mod outcome;
 
 gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);
 
 const RATE: f64 = 200.0;
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    outcome::end(run())
+}
+
+fn run() -> Outcome<()> {
     let short = std::env::var_os("GELENK_EXAMPLE_SHORT").is_some();
     let (start, end) = ([-0.2, 0.3], [0.2, 0.0]);
     let motion = RestToRest::new(start, end, 3.0)?;

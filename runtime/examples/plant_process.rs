@@ -10,10 +10,15 @@
 
 use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::transport::{Pace, PlantServer, ServerOptions};
+use outcome::Outcome;
 use std::error::Error;
 use std::io::Write;
+use std::process::ExitCode;
 use std::str::FromStr;
 use std::time::Duration;
+
+#[path = "support/outcome.rs"]
+mod outcome;
 
 gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);
 
@@ -36,7 +41,11 @@ struct Arguments {
     server: ServerOptions,
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    outcome::end(run())
+}
+
+fn run() -> Outcome<()> {
     let mut arguments = parse(std::env::args().skip(1))?;
     if std::env::var_os("GELENK_EXAMPLE_SHORT").is_some() {
         arguments.idle = 0.2;
@@ -58,44 +67,50 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn parse(mut words: impl Iterator<Item = String>) -> Result<Arguments, Box<dyn Error>> {
+fn parse(mut words: impl Iterator<Item = String>) -> Outcome<Arguments> {
     let mut arguments = Arguments {
         port: 0,
         start: [-0.6, 0.4],
         idle: 60.0,
         server: ServerOptions::default(),
     };
-    let server = &mut arguments.server;
     while let Some(option) = words.next() {
         if option == "--lock-step" {
-            server.pace = Pace::LockStep;
+            arguments.server.pace = Pace::LockStep;
             continue;
         }
         let value = words.next().ok_or_else(|| format!("{option}?\n{USAGE}"))?;
-        match option.as_str() {
-            "--port" => arguments.port = value.parse()?,
-            "--start" => arguments.start = pair(&value)?.into(),
-            "--period" => server.period = value.parse()?,
-            "--watchdog" => server.watchdog_periods = value.parse()?,
-            "--loss" => server.loss = value.parse()?,
-            "--silence" => {
-                let (first, end) = pair(&value)?;
-                server.silence = first..end;
-            }
-            "--seed" => server.seed = value.parse()?,
-            "--idle" => arguments.idle = value.parse()?,
-            _ => return Err(format!("unknown option {option}\n{USAGE}").into()),
-        }
+        set(&mut arguments, &option, &value)
+            .map_err(|error| format!("{option} {value}: {error}\n{USAGE}"))?;
     }
     Ok(arguments)
 }
 
-fn pair<T: FromStr>(text: &str) -> Result<(T, T), Box<dyn Error>>
+fn set(arguments: &mut Arguments, option: &str, value: &str) -> Outcome<()> {
+    let server = &mut arguments.server;
+    match option {
+        "--port" => arguments.port = value.parse()?,
+        "--start" => arguments.start = pair(value)?.into(),
+        "--period" => server.period = value.parse()?,
+        "--watchdog" => server.watchdog_periods = value.parse()?,
+        "--loss" => server.loss = value.parse()?,
+        "--silence" => {
+            let (first, end) = pair(value)?;
+            server.silence = first..end;
+        }
+        "--seed" => server.seed = value.parse()?,
+        "--idle" => arguments.idle = value.parse()?,
+        _ => return Err("there is no such option".into()),
+    }
+    Ok(())
+}
+
+fn pair<T: FromStr>(text: &str) -> Outcome<(T, T)>
 where
     T::Err: Error + 'static,
 {
     let (first, second) = text
         .split_once(',')
-        .ok_or_else(|| format!("{text} is not two values with a comma between"))?;
+        .ok_or("not two values with a comma between")?;
     Ok((first.parse()?, second.parse()?))
 }

@@ -15,16 +15,23 @@ use gelenk_runtime::control_loop::{
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::trajectory::RestToRest;
 use gelenk_runtime::transport::UdpTransport;
-use std::error::Error;
+use outcome::Outcome;
 use std::io::{BufRead, BufReader};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command, ExitCode, Stdio};
+
+#[path = "support/outcome.rs"]
+mod outcome;
 
 gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);
 
 const RATE: f64 = 50.0;
 const START: [f64; 2] = [-0.2, 0.3];
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    outcome::end(run())
+}
+
+fn run() -> Outcome<()> {
     let (plant, address) = match std::env::args().nth(1) {
         Some(address) => (None, address),
         None => start_plant().map(|(plant, address)| (Some(plant), address))?,
@@ -37,7 +44,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     outcome
 }
 
-fn drive(address: &str) -> Result<(), Box<dyn Error>> {
+fn drive(address: &str) -> Outcome<()> {
     let short = std::env::var_os("GELENK_EXAMPLE_SHORT").is_some();
     let motion = if short {
         RestToRest::new(START, [-0.14, 0.26], 0.4)?
@@ -51,7 +58,8 @@ fn drive(address: &str) -> Result<(), Box<dyn Error>> {
     let gains = JointGains::from_bandwidth(&PowerCube, &START, 10.0, 0.7);
     let law = JointPd::new(PowerCube, gains)?;
     let controller = FeedForwardPd::new(law.clone(), motion, 1.0 / RATE, 0.01);
-    let mut robot: UdpTransport<2, 2> = UdpTransport::connect(address, settings.period() / 4)?;
+    let mut robot: UdpTransport<2, 2> = UdpTransport::connect(address, settings.period() / 4)
+        .map_err(|e| format!("{address}: {e}"))?;
     let mut control: ControlLoop<_, _, _, _, _, 2, 2> = ControlLoop::new(
         settings,
         law,
@@ -72,7 +80,7 @@ fn drive(address: &str) -> Result<(), Box<dyn Error>> {
 }
 
 /// Starts the program beside this one.
-fn start_plant() -> Result<(Child, String), Box<dyn Error>> {
+fn start_plant() -> Outcome<(Child, String)> {
     let name = format!("plant_process{}", std::env::consts::EXE_SUFFIX);
     let program = std::env::current_exe()?.with_file_name(name);
     if !program.exists() {
@@ -94,7 +102,7 @@ fn start_plant() -> Result<(Child, String), Box<dyn Error>> {
 }
 
 /// `cargo run --example remote_loop` alone does not build its plant.
-fn build_plant() -> Result<(), Box<dyn Error>> {
+fn build_plant() -> Outcome<()> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut build = Command::new(cargo);
     build.args(["build", "--quiet", "--package", "gelenk-runtime"]);

@@ -11,9 +11,13 @@ use gelenk_runtime::feed_forward::FeedForward;
 use gelenk_runtime::mpc::{LinearizationPoint, LtvMpc, MpcOptions, Nmpc};
 use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::trajectory::{Columns, Recording, Sampled, Smoothing, Trajectory};
+use outcome::Outcome;
 use plotters::prelude::*;
-use std::error::Error;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+#[path = "support/outcome.rs"]
+mod outcome;
 
 gelenk_runtime::dynamics!(
     /// The controllers' model, and the plant's.
@@ -58,7 +62,7 @@ fn run(
     reference: (&'static str, &Sampled<2>),
     steps: usize,
     controller: &mut impl Controller<2, 2>,
-) -> Result<Run, Box<dyn Error>> {
+) -> Outcome<Run> {
     let (reference_name, reference) = reference;
     let options = PlantOptions {
         input_limit: [PEAK; 2],
@@ -123,12 +127,7 @@ fn print_table(runs: &[Run]) {
 type Curve<'c> = (&'c str, RGBColor, u32, Vec<f64>);
 
 /// Two panels, one for each joint.
-fn plot(
-    path: &Path,
-    title: &str,
-    unit: &str,
-    panels: [Vec<Curve<'_>>; 2],
-) -> Result<(), Box<dyn Error>> {
+fn plot(path: &Path, title: &str, unit: &str, panels: [Vec<Curve<'_>>; 2]) -> Outcome<()> {
     let area = SVGBackend::new(path, (900, 640)).into_drawing_area();
     area.fill(&WHITE)?;
     let area = area.titled(title, ("sans-serif", 20))?;
@@ -185,7 +184,7 @@ fn joint(values: &[[f64; 2]], i: usize, scale: f64) -> Vec<f64> {
     values.iter().map(|v| scale * v[i]).collect()
 }
 
-fn draw(folder: &Path, reference: &Sampled<2>, runs: &[Run]) -> Result<(), Box<dyn Error>> {
+fn draw(folder: &Path, reference: &Sampled<2>, runs: &[Run]) -> Outcome<()> {
     const COLOURS: [RGBColor; 4] = [
         RGBColor(200, 60, 40),
         RGBColor(30, 90, 200),
@@ -246,11 +245,15 @@ fn draw(folder: &Path, reference: &Sampled<2>, runs: &[Run]) -> Result<(), Box<d
     )
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    outcome::end(compare())
+}
+
+fn compare() -> Outcome<()> {
     let folder = std::env::args()
         .nth(1)
         .map_or_else(|| PathBuf::from("target/track"), PathBuf::from);
-    std::fs::create_dir_all(&folder)?;
+    std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let columns = Columns {
         time: "t",
         positions: ["y1", "y2"],

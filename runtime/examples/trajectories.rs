@@ -10,15 +10,22 @@ use gelenk_runtime::trajectory::{
     Along, IdentificationSine, PointSequence, Rating, RestToRest, Trajectory, straight_ways,
     violations,
 };
-use std::error::Error;
+use outcome::Outcome;
+use std::process::ExitCode;
 use support::Folder;
 
+#[path = "support/outcome.rs"]
+mod outcome;
 #[path = "support/motion_plot.rs"]
 mod support;
 
 gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    outcome::end(run())
+}
+
+fn run() -> Outcome<()> {
     let folder = Folder::from_arguments()?;
     rest_to_rest(&folder)?;
     identification(&folder)?;
@@ -27,7 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// As fast as a motion within 60 % of 25 rpm, from leaning to leaning over the top.
-fn rest_to_rest(folder: &Folder) -> Result<(), Box<dyn Error>> {
+fn rest_to_rest(folder: &Folder) -> Outcome<()> {
     let speeds = [0.6 * 2.618; 2];
     let motion = RestToRest::within([-0.6, -0.4], [0.7, 0.5], &speeds, &[4.0; 2], 0.1)?;
     report("rest to rest", &motion)?;
@@ -40,7 +47,7 @@ fn rest_to_rest(folder: &Folder) -> Result<(), Box<dyn Error>> {
 }
 
 /// The identification sine on both joints, compensated: β = −γ.
-fn identification(folder: &Folder) -> Result<(), Box<dyn Error>> {
+fn identification(folder: &Folder) -> Outcome<()> {
     let sine = IdentificationSine {
         center: [0.0],
         amplitude: [0.5],
@@ -59,7 +66,7 @@ fn identification(folder: &Folder) -> Result<(), Box<dyn Error>> {
     )
 }
 
-fn points(folder: &Folder) -> Result<(), Box<dyn Error>> {
+fn points(folder: &Folder) -> Outcome<()> {
     let points = [[0.0, 0.0], [0.4, 0.6], [-0.3, 0.9], [0.0, 0.0]];
     let motion = PointSequence::within(&points, &[0.5; 2], &[2.0; 2], 0.3)?;
     report("four points", &motion)?;
@@ -72,7 +79,7 @@ fn points(folder: &Folder) -> Result<(), Box<dyn Error>> {
 }
 
 /// The Puma's tool along two straight lines, by inverse kinematics.
-fn cartesian(folder: &Folder) -> Result<(), Box<dyn Error>> {
+fn cartesian(folder: &Folder) -> Outcome<()> {
     let arm = SphericalWrist::from_poses(puma560::frame_tool_pose)?;
     let start = [0.2, 0.5, -0.6, 0.1, 0.7, -0.2];
     let first = puma560::frame_tool_pose(&start);
@@ -101,7 +108,7 @@ fn cartesian(folder: &Folder) -> Result<(), Box<dyn Error>> {
     )
 }
 
-fn report(name: &str, motion: &impl Trajectory<2>) -> Result<(), Box<dyn Error>> {
+fn report(name: &str, motion: &impl Trajectory<2>) -> Outcome<()> {
     println!("{name}: {:.2} s", motion.duration());
     for violation in violations(motion, PowerCube, Rating::Peak, 0.01)? {
         println!("  {violation}");

@@ -4,16 +4,13 @@
 
 mod support;
 
-use gelenk_runtime::control_loop::{
-    ControlLoop, EncoderFault, End, LoopReport, LoopSettings, StopReason,
-};
+use gelenk_runtime::control_loop::{EncoderFault, End, LoopReport, LoopSettings, StopReason};
 use gelenk_runtime::mpc::{LtvMpc, MpcOptions};
-use gelenk_runtime::plant::PlantOptions;
 use gelenk_runtime::trajectory::RestToRest;
 use std::time::Duration;
 use support::robot::{
-    END, LIMITS, Oversleeping, PowerCube, START, Watched, law, motion, plant_at, plant_options,
-    settings,
+    LIMITS, PowerCube, START, Watched, loop_with, lossy, motion, plant_at, plant_options,
+    run_oversleeping, settings,
 };
 
 const RATE: f64 = 50.0;
@@ -29,18 +26,7 @@ fn mpc() -> Mpc {
 }
 
 fn run(settings: LoopSettings<2, 2>, robot: &mut Watched) -> LoopReport {
-    let clock = robot.clock.clone();
-    ControlLoop::new(settings, law(), motion(), mpc(), robot, clock)
-        .unwrap()
-        .run()
-}
-
-fn assert_at_end(robot: &Watched, tolerance: f64) {
-    let (positions, _) = robot.state();
-    for i in 0..2 {
-        let error = positions[i] - END[i];
-        assert!(error.abs() < tolerance, "joint {i} is off by {error}");
-    }
+    loop_with(settings, mpc(), robot).run()
 }
 
 #[test]
@@ -49,7 +35,7 @@ fn without_faults_it_ends_at_the_end() {
     let report = run(settings(RATE), &mut robot);
     assert_eq!(report.end, End::Finished, "{report}");
     assert_eq!(report.counts.controller_faults, 0);
-    assert_at_end(&robot, 2e-3);
+    robot.assert_at_end(2e-3);
     robot.assert_stopped_safely();
 }
 
@@ -57,13 +43,7 @@ fn without_faults_it_ends_at_the_end() {
 #[test]
 fn a_fifth_of_the_frames_may_be_lost() {
     for seed in 0..10 {
-        let options = PlantOptions {
-            measurement_loss: 0.2,
-            input_loss: 0.2,
-            seed,
-            ..plant_options()
-        };
-        let mut robot = Watched::new(RATE, plant_at(START, options));
+        let mut robot = Watched::new(RATE, plant_at(START, lossy(seed)));
         let settings = LoopSettings {
             hold_periods: 8,
             ..settings(RATE)
@@ -72,7 +52,7 @@ fn a_fifth_of_the_frames_may_be_lost() {
         assert_eq!(report.end, End::Finished, "{report}");
         assert_eq!(report.counts.held, 0, "{report}");
         assert!(report.counts.missing > 20, "{report}");
-        assert_at_end(&robot, 5e-3);
+        robot.assert_at_end(5e-3);
         robot.assert_stopped_safely();
     }
 }
@@ -92,7 +72,7 @@ fn bad_encoders_and_silence_are_bridged_then_stop() {
             let report = run(settings(RATE), &mut robot);
             if finished {
                 assert_eq!(report.end, End::Finished, "{report}");
-                assert_at_end(&robot, 2e-3);
+                robot.assert_at_end(2e-3);
             } else {
                 assert!(
                     matches!(report.end, End::Stopped(StopReason::Encoder(_))),
@@ -117,14 +97,7 @@ fn bad_encoders_and_silence_are_bridged_then_stop() {
 
 #[test]
 fn frozen_encoders_stop_the_arm() {
-    let mut held = [0.0; 2];
-    let mut robot = Watched::at_start(RATE).with_fault(move |k, mut reading| {
-        if k < 100 {
-            held = reading.positions;
-        }
-        reading.positions = held;
-        Some(reading)
-    });
+    let mut robot = Watched::at_start(RATE).frozen(&[0, 1], 100);
     let report = run(settings(RATE), &mut robot);
     assert!(
         matches!(
@@ -143,19 +116,12 @@ fn a_stall_of_100_ms_is_survived() {
         (5, End::Finished),
     ] {
         let mut robot = Watched::at_start(RATE);
-        let clock = Oversleeping {
-            clock: robot.clock.clone(),
-            at: Duration::from_millis(2000),
-            by: Duration::from_millis(100),
-        };
         let settings = LoopSettings {
             hold_periods: hold,
             ..settings(RATE)
         };
-        let mut control =
-            ControlLoop::new(settings, law(), motion(), mpc(), &mut robot, clock).unwrap();
-        let report = control.run();
-        drop(control);
+        let late = [2000, 100].map(Duration::from_millis);
+        let report = run_oversleeping(settings, mpc(), &mut robot, late);
         assert_eq!(report.end, end, "{report}");
         assert_eq!(report.counts.deadline_misses, 5);
         robot.assert_stopped_safely();
@@ -173,19 +139,9 @@ fn an_infeasible_start_is_recovered_from() {
         ..MpcOptions::new(&PowerCube, 1.0 / RATE, 20)
     };
     let controller: Mpc = LtvMpc::new(PowerCube, motion(), options).unwrap();
-    let clock = robot.clock.clone();
-    let report: LoopReport = ControlLoop::new(
-        settings(RATE),
-        law(),
-        motion(),
-        controller,
-        &mut robot,
-        clock,
-    )
-    .unwrap()
-    .run();
+    let report = loop_with(settings(RATE), controller, &mut robot).run();
     assert_eq!(report.end, End::Finished, "{report}");
     assert_eq!(report.counts.controller_faults, 0, "{report}");
-    assert_at_end(&robot, 2e-3);
+    robot.assert_at_end(2e-3);
     robot.assert_stopped_safely();
 }

@@ -10,27 +10,15 @@ use gelenk_runtime::control_loop::{
     log_to_file,
 };
 use gelenk_runtime::identification::log::{Log, LogSchema};
-use gelenk_runtime::plant::PlantOptions;
 use gelenk_runtime::trajectory::RestToRest;
 use gelenk_runtime::transport::{Brakes, Reading};
 use std::time::Duration;
 use support::robot::{
-    END, LIMITS, Law, Oversleeping, PowerCube, START, Watched, law, motion, pd, plant_at,
-    plant_options, settings,
+    END, LIMITS, Law, START, Watched, WatchedLoop, law, loop_with, lossy, motion, pd, plant_at,
+    plant_options, run_oversleeping, settings,
 };
 
-type Loop<'a, C, K> = ControlLoop<PowerCube, RestToRest<2>, C, &'a mut Watched, K, 2, 2>;
-
 const RATE: f64 = 50.0;
-
-fn loop_with<'a, C: Controller<2, 2>>(
-    settings: LoopSettings<2, 2>,
-    controller: C,
-    robot: &'a mut Watched,
-) -> Loop<'a, C, VirtualClock> {
-    let clock = robot.clock.clone();
-    ControlLoop::new(settings, law(), motion(), controller, robot, clock).unwrap()
-}
 
 fn run(settings: LoopSettings<2, 2>, robot: &mut Watched) -> LoopReport {
     let rate = settings.rate;
@@ -86,17 +74,6 @@ impl<F: FnMut(u64) -> Option<Result<Command<2>, ControllerFault>>> Controller<2,
     }
 }
 
-fn assert_at_end(robot: &Watched) {
-    let (positions, _) = robot.state();
-    for i in 0..2 {
-        assert!(
-            (positions[i] - END[i]).abs() < 5e-3,
-            "joint {i} ended at {}",
-            positions[i]
-        );
-    }
-}
-
 /// Motion and settling, in periods; the one in which the brakes are engaged writes nothing.
 fn periods(rate: f64) -> u64 {
     ((support::robot::DURATION + 0.1) * rate).round() as u64
@@ -115,7 +92,7 @@ fn without_faults_the_motion_is_finished_at_every_rate() {
             ..Counts::default()
         };
         assert_eq!(report.counts, expected, "{report}");
-        assert_at_end(&robot);
+        robot.assert_at_end(5e-3);
         robot.assert_stopped_safely();
     }
 }
@@ -123,13 +100,7 @@ fn without_faults_the_motion_is_finished_at_every_rate() {
 #[test]
 fn the_same_run_gives_the_same_motion() {
     let motion = || {
-        let options = PlantOptions {
-            measurement_loss: 0.2,
-            input_loss: 0.2,
-            seed: 3,
-            ..plant_options()
-        };
-        let mut robot = Watched::new(RATE, plant_at(START, options));
+        let mut robot = Watched::new(RATE, plant_at(START, lossy(3)));
         let report = run(settings(RATE), &mut robot);
         (report, robot.state(), robot.seen)
     };
@@ -174,24 +145,14 @@ fn three_nan_readings_are_bridged() {
     let report = run(settings(RATE), &mut robot);
     assert_eq!(report.end, End::Finished, "{report}");
     assert_eq!(report.counts.not_finite, 3);
-    assert_at_end(&robot);
+    robot.assert_at_end(5e-3);
     robot.assert_stopped_safely();
 }
 
 #[test]
 fn frozen_encoders_stop_the_arm() {
     for joints in [&[0][..], &[1], &[0, 1]] {
-        let mut held = [0.0; 2];
-        let joints = joints.to_vec();
-        let mut robot = Watched::at_start(RATE).with_fault(move |k, mut reading| {
-            for &i in &joints {
-                if k < 70 {
-                    held[i] = reading.positions[i];
-                }
-                reading.positions[i] = held[i];
-            }
-            Some(reading)
-        });
+        let mut robot = Watched::at_start(RATE).frozen(joints, 70);
         let report = run(settings(RATE), &mut robot);
         assert!(
             matches!(
@@ -235,19 +196,13 @@ fn a_single_jump_is_bridged_a_lasting_one_stops() {
 fn a_fifth_of_the_frames_may_be_lost() {
     let mut finished = 0;
     for seed in 0..20 {
-        let options = PlantOptions {
-            measurement_loss: 0.2,
-            input_loss: 0.2,
-            seed,
-            ..plant_options()
-        };
-        let mut robot = Watched::new(RATE, plant_at(START, options));
+        let mut robot = Watched::new(RATE, plant_at(START, lossy(seed)));
         let report = run(settings(RATE), &mut robot);
         match report.end {
             End::Finished => {
                 finished += 1;
                 assert!(report.counts.missing > 15, "{report}");
-                assert_at_end(&robot);
+                robot.assert_at_end(5e-3);
             }
             End::Stopped(StopReason::NoMeasurement) => {}
             _ => panic!("{report}"),
@@ -267,7 +222,7 @@ fn three_periods_of_silence_are_bridged_four_stop() {
         assert_eq!(report.counts.held, 3);
         if silence == 3 {
             assert_eq!(report.end, End::Finished, "{report}");
-            assert_at_end(&robot);
+            robot.assert_at_end(5e-3);
         } else {
             assert_eq!(report.end, End::Stopped(StopReason::NoMeasurement));
         }
@@ -348,7 +303,7 @@ fn a_stall_of_100_ms_is_survived() {
             assert_eq!(report.counts.deadline_misses, 5);
             assert_eq!(report.counts.longest_miss, 5);
             assert_eq!(report.counts.periods, periods(rate) + 2 - 4);
-            assert_at_end(&robot);
+            robot.assert_at_end(5e-3);
         } else {
             assert_eq!(report.end, End::Stopped(StopReason::DeadlineMissed));
             assert_eq!(report.counts.budget_overruns[1], 1, "of the controller");
@@ -365,19 +320,12 @@ fn a_late_wake_up_of_100_ms_is_survived() {
         (5, End::Finished),
     ] {
         let mut robot = Watched::at_start(RATE);
-        let clock = Oversleeping {
-            clock: robot.clock.clone(),
-            at: Duration::from_millis(1400),
-            by: Duration::from_millis(100),
-        };
         let settings = LoopSettings {
             hold_periods: hold,
             ..settings(RATE)
         };
-        let mut control =
-            ControlLoop::new(settings, law(), motion(), pd(RATE), &mut robot, clock).unwrap();
-        let report = control.run();
-        drop(control);
+        let late = [1400, 100].map(Duration::from_millis);
+        let report = run_oversleeping(settings, pd(RATE), &mut robot, late);
         assert_eq!(report.end, end, "{report}");
         assert_eq!(report.counts.deadline_misses, 5);
         assert_eq!(report.counts.latest_wake, Duration::from_millis(100));
@@ -398,7 +346,7 @@ fn a_failing_controller_is_replaced_by_its_plan_then_by_feed_forward_pd() {
     assert_eq!(report.counts.controller_faults, 15);
     assert_eq!(report.counts.plan, 3, "as long as the plan is");
     assert_eq!(report.counts.feed_forward_pd, 12);
-    assert_at_end(&robot);
+    robot.assert_at_end(5e-3);
     robot.assert_stopped_safely();
 }
 
@@ -607,7 +555,7 @@ fn settings_out_of_range_are_named() {
     ] {
         let mut robot = Watched::at_start(RATE);
         let clock = robot.clock.clone();
-        let control: Result<Loop<'_, _, _>, _> = ControlLoop::new(
+        let control: Result<WatchedLoop<'_, _, _>, _> = ControlLoop::new(
             settings(rate),
             law() as Law,
             motion(),

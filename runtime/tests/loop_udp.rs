@@ -16,7 +16,8 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::net::{SocketAddr, UdpSocket};
 use std::time::Duration;
-use support::plant_process::{PlantProcess, program};
+use support::example::program;
+use support::plant_process::PlantProcess;
 use support::robot::{END, LIMITS, PowerCube, START, Watched, law, motion, pd, settings};
 
 /// Nothing moves while a controller waits, so this may be long.
@@ -37,7 +38,7 @@ type Loop<'a> = ControlLoop<
 fn start(arguments: &[&str]) -> PlantProcess {
     let mut all = vec!["--lock-step"];
     all.extend(arguments);
-    PlantProcess::start(&program(), &all)
+    PlantProcess::start(&program("plant_process"), &all)
 }
 
 fn connect(address: SocketAddr) -> Link {
@@ -198,7 +199,7 @@ fn a_plant_without_a_controller_brakes() {
 /// On the real clock. A busy machine may miss deadlines and stop the motion early; the arm is safe either way.
 #[test]
 fn in_real_time_the_arm_ends_braked_and_at_rest() {
-    let plant = PlantProcess::start(&program(), &[]);
+    let plant = PlantProcess::start(&program("plant_process"), &[]);
     let mut link: Link = UdpTransport::connect(plant.address, Duration::from_millis(5)).unwrap();
     let near = START.map(|y| y + 0.02);
     let motion = gelenk_runtime::trajectory::RestToRest::new(START, near, 0.3).unwrap();

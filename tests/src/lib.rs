@@ -2,6 +2,7 @@
 //! and evaluation of derived functions.
 
 pub mod browser;
+pub mod cargo;
 pub mod compiler;
 pub mod dual;
 pub mod flat;

@@ -2,9 +2,9 @@
 //! at fault, and that mending it is enough.
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
 
+use gelenk_tests::cargo::{cargo, lock_like_here, success, text};
 use gelenk_tests::workspace;
 
 /// Copies the sample package to a folder of its own.
@@ -23,32 +23,7 @@ fn copy_sample(to: &Path) {
         path("codegen"),
     );
     fs::write(to.join("Cargo.toml"), manifest).expect("the manifest");
-    // The same versions as here: they are at hand without a network.
-    fs::copy(workspace().join("Cargo.lock"), to.join("Cargo.lock")).expect("the lock file");
-}
-
-/// The folder that this test was compiled into, so that dependencies are not compiled again.
-fn target() -> PathBuf {
-    let program = std::env::current_exe().expect("this program");
-    program
-        .ancestors()
-        .nth(3)
-        .expect("target/debug/deps")
-        .to_owned()
-}
-
-fn cargo(folder: &Path, command: &str) -> Output {
-    Command::new(env!("CARGO"))
-        .args([command, "--offline", "--quiet"])
-        .env("CARGO_TARGET_DIR", target())
-        .env("CARGO_TERM_COLOR", "never")
-        .current_dir(folder)
-        .output()
-        .expect("cargo starts")
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
+    lock_like_here(to);
 }
 
 #[test]
@@ -61,7 +36,7 @@ fn a_faulty_description_is_a_readable_build_error() {
         .replace("mass = 4\n", "mass = -4\n")
         .replace("gear_ratio", "gear_ration");
     fs::write(&crane, &wrong).expect("the description");
-    let output = cargo(folder.path(), "build");
+    let output = cargo(folder.path(), &["build"]);
     let message = text(&output.stderr);
     assert!(!output.status.success());
     for expected in [
@@ -76,9 +51,7 @@ fn a_faulty_description_is_a_readable_build_error() {
 
     // Cargo watches the description: mending it is enough.
     fs::write(&crane, &right).expect("the description");
-    let output = cargo(folder.path(), "run");
-    assert!(output.status.success(), "{}", text(&output.stderr));
-    let printed = text(&output.stdout);
+    let printed = success(&cargo(folder.path(), &["run"]));
     // −9.81 (4 · 0.6 + 2 · 1.2)
     assert!(printed.contains("crane: -47.0880 N·m"), "{printed}");
 }

@@ -3,8 +3,7 @@
 
 use std::fmt::Write as _;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::path::Path;
 
 use gelenk_generated::powercube;
 use gelenk_runtime::dynamics::Dynamics;
@@ -17,6 +16,7 @@ use gelenk_runtime::identification::log::{Differentiation, Log, LogSchema};
 use gelenk_runtime::identification::result::{FrictionLaw, FrictionResult};
 use gelenk_runtime::identification::stribeck::StribeckRegression;
 use gelenk_runtime::identification::torque::friction_torques;
+use gelenk_tests::cargo::{cargo, lock_like_here, success};
 use gelenk_tests::workspace;
 
 gelenk_runtime::dynamics!(struct Arm = powercube);
@@ -124,31 +124,12 @@ fn write_package(folder: &Path, results: &[FrictionResult; 2]) {
         path("codegen"),
     );
     write("Cargo.toml", &manifest);
-    // The same versions as here: they are at hand without a network.
-    fs::copy(workspace().join("Cargo.lock"), folder.join("Cargo.lock")).expect("the lock file");
-}
-
-/// The folder that this test was compiled into, so that dependencies are not compiled again.
-fn target() -> PathBuf {
-    let program = std::env::current_exe().expect("this program");
-    program
-        .ancestors()
-        .nth(3)
-        .expect("target/debug/deps")
-        .to_owned()
+    lock_like_here(folder);
 }
 
 /// Builds and runs the program; its tracking errors by model, rms in rad.
 fn track(folder: &Path) -> Vec<(String, f64)> {
-    let output = Command::new(env!("CARGO"))
-        .args(["run", "--offline", "--quiet"])
-        .env("CARGO_TARGET_DIR", target())
-        .current_dir(folder)
-        .output()
-        .expect("cargo starts");
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{message}");
-    let text = String::from_utf8(output.stdout).expect("text");
+    let text = success(&cargo(folder, &["run"]));
     print!("{text}");
     text.lines()
         .map(|line| {

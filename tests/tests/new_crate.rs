@@ -1,38 +1,9 @@
 //! `gelenk new` as a new user meets it: from an empty folder to a simulation that runs.
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
+use gelenk_tests::cargo::{cargo, lock_like_here, success, text};
 use gelenk_tests::workspace;
-
-/// The folder that this test was compiled into, so that dependencies are not compiled again.
-fn target() -> PathBuf {
-    let program = std::env::current_exe().expect("this program");
-    let folder = program.ancestors().nth(3).expect("target/debug/deps");
-    folder.to_owned()
-}
-
-fn cargo(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO"))
-        .args(arguments)
-        .arg("--offline")
-        .arg("--quiet")
-        .env("CARGO_TARGET_DIR", target())
-        .env("CARGO_TERM_COLOR", "never")
-        .current_dir(folder)
-        .output()
-        .expect("cargo starts")
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
-
-fn assert_success(output: &Output) -> String {
-    assert!(output.status.success(), "{}", text(&output.stderr));
-    text(&output.stdout)
-}
 
 /// Lines of numbers: time, joints, energy.
 fn rows(printed: &str) -> Vec<Vec<f64>> {
@@ -52,31 +23,17 @@ fn rows(printed: &str) -> Vec<Vec<f64>> {
 fn a_new_crate_builds_and_simulates() {
     let folder = tempfile::tempdir().expect("a folder");
     let made = folder.path().join("first-arm");
-    let output = Command::new(env!("CARGO"))
-        .args([
-            "run",
-            "--offline",
-            "--quiet",
-            "-p",
-            "gelenk-codegen",
-            "--",
-            "new",
-        ])
-        .arg(&made)
-        .env("CARGO_TARGET_DIR", target())
-        .current_dir(workspace())
-        .output()
-        .expect("cargo starts");
-    let said = assert_success(&output);
+    let path = made.to_string_lossy();
+    let gelenk = ["run", "-p", "gelenk-codegen", "--", "new", &path];
+    let said = success(&cargo(&workspace(), &gelenk));
     assert!(said.contains("cargo run"), "{said}");
 
-    // The same versions as here: they are at hand without a network.
-    fs::copy(workspace().join("Cargo.lock"), made.join("Cargo.lock")).expect("the lock file");
+    lock_like_here(&made);
     let build = cargo(&made, &["build"]);
-    assert_success(&build);
+    success(&build);
     assert_eq!(text(&build.stderr), "", "warnings greet a new user");
 
-    let rows = rows(&assert_success(&cargo(&made, &["run"])));
+    let rows = rows(&success(&cargo(&made, &["run"])));
     assert_eq!(rows.len(), 21);
     assert_eq!(rows[0][..3], [0.0, 1.0, 0.0]);
     // Without inputs, friction only takes energy; at rest at 1 rad it is V = -g (3 * 0.2 + 2 * 0.4) cos 1 - g 2 * 0.15 cos 1.

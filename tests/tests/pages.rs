@@ -258,7 +258,7 @@ fn robot_page(name: &str) -> RobotPage {
         model: &loaded.model,
         functions: &functions,
         notes: &loaded.notes,
-        closed_form: None,
+        closed_form: Err("None are made here."),
         command: "gelenk report",
     };
     let html = report(&contents)

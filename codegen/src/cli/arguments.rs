@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::emit::Scalar;
+use crate::model::ReadOptions;
 
 /// Robot dynamics as plain Rust: reads a kinematic description, derives the equations of motion, writes one module.
 #[derive(Debug, Parser)]
@@ -146,30 +147,16 @@ pub(super) struct Report {
     /// Folder for the page (index.html) and its numbers (report.json, CSV files) [default: report/<NAME>]
     #[arg(long, short, value_name = "FOLDER")]
     pub(super) output: Option<PathBuf>,
-    /// Take angles within so many radians of a multiple of 90° for it
-    #[arg(long, value_name = "RAD", value_parser = small_angle)]
-    pub(super) snap_angles: Option<f64>,
-    /// Leave out friction
-    #[arg(long)]
-    pub(super) no_friction: bool,
-    /// Make mimic joints independent coordinates
-    #[arg(long)]
-    pub(super) ignore_mimic: bool,
+    #[command(flatten)]
+    pub(super) reading: Reading,
     /// Derive functions of up to so many operations [default: 300000]
     #[arg(long, value_name = "COUNT")]
     pub(super) max_operations: Option<usize>,
 }
 
-/// Choices that change what is generated; the header of the file names them.
+/// How a description is read: choices that change the equations.
 #[derive(Debug, Args)]
-pub(super) struct Choices {
-    /// Functions to generate, separated by commas [default: those of the description, else all but
-    /// inverse_dynamics_hessian]
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
-    pub(super) functions: Vec<String>,
-    /// Number type of the module
-    #[arg(long, value_enum, default_value_t = ScalarName::F64)]
-    pub(super) scalar: ScalarName,
+pub(super) struct Reading {
     /// Take angles within so many radians of a multiple of 90° for it
     #[arg(long, value_name = "RAD", value_parser = small_angle)]
     pub(super) snap_angles: Option<f64>,
@@ -183,6 +170,46 @@ pub(super) struct Choices {
     /// the exact sign]
     #[arg(long, value_name = "SLOPE", value_parser = positive)]
     pub(super) smooth_sign: Option<f64>,
+}
+
+impl Reading {
+    pub(super) fn options(&self) -> ReadOptions {
+        ReadOptions {
+            ignore_mimic: self.ignore_mimic,
+            snap_angles: self.snap_angles,
+            no_friction: self.no_friction,
+            smooth_sign: self.smooth_sign,
+        }
+    }
+
+    /// The words of the command line that make these choices.
+    pub(super) fn words(&self) -> Vec<String> {
+        let number = |option: &str, value: Option<f64>| {
+            let words = value.map(|value| vec![option.to_owned(), format!("{value:?}")]);
+            words.unwrap_or_default()
+        };
+        let flag = |option: &str, is_set: bool| is_set.then(|| option.to_owned());
+        number("--snap-angles", self.snap_angles)
+            .into_iter()
+            .chain(number("--smooth-sign", self.smooth_sign))
+            .chain(flag("--no-friction", self.no_friction))
+            .chain(flag("--ignore-mimic", self.ignore_mimic))
+            .collect()
+    }
+}
+
+/// Choices that change what is generated; the header of the file names them.
+#[derive(Debug, Args)]
+pub(super) struct Choices {
+    /// Functions to generate, separated by commas [default: those of the description, else all but
+    /// inverse_dynamics_hessian]
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub(super) functions: Vec<String>,
+    /// Number type of the module
+    #[arg(long, value_enum, default_value_t = ScalarName::F64)]
+    pub(super) scalar: ScalarName,
+    #[command(flatten)]
+    pub(super) reading: Reading,
     /// Functions that are also written over eight states at once, separated by commas
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub(super) lanes: Vec<String>,

@@ -16,7 +16,7 @@ use super::print;
 use super::progress::Progress;
 use crate::closed_form::{self, Instance, display};
 use crate::diagnostic::Diagnostics;
-use crate::model::{self, Loaded, Model, ReadOptions};
+use crate::model::{self, Loaded, Model};
 use crate::output;
 use crate::report::{ClosedForm, Symbol};
 
@@ -31,12 +31,7 @@ pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, F
 }
 
 fn read(arguments: &Inspect) -> Result<Loaded, Failure> {
-    let options = ReadOptions {
-        ignore_mimic: arguments.choices.ignore_mimic,
-        snap_angles: arguments.choices.snap_angles,
-        no_friction: arguments.choices.no_friction,
-        smooth_sign: arguments.choices.smooth_sign,
-    };
+    let options = arguments.choices.reading.options();
     model::read(&arguments.description, &options).map_err(problem)
 }
 
@@ -44,31 +39,26 @@ fn problem(diagnostics: Diagnostics) -> Failure {
     Failure::Descriptions(vec![diagnostics])
 }
 
-/// Closed forms for the page of a robot, made in a process of their own; none for robots of more joints than can be read,
-/// and none, with a message, where the computer algebra cannot work.
+/// Closed forms for the page of a robot, made in a process of their own, or why there are none: robots of more joints than
+/// can be read, and where the computer algebra cannot work, which is also printed.
 pub(super) fn for_page(
     arguments: &arguments::Report,
     loaded: &Loaded,
-) -> Result<Option<ClosedForm>, Failure> {
-    if closed_form::check_size(&loaded.model).is_err() {
-        return Ok(None);
+) -> Result<Result<ClosedForm, String>, Failure> {
+    if let Err(problems) = closed_form::check_size(&loaded.model) {
+        let words = problems.entries().iter().map(|problem| &problem.message);
+        let words: Vec<&str> = words.map(String::as_str).collect();
+        return Ok(Err(format!(
+            "There are none: {}. The abbreviations above are its equations.",
+            words.join("; ")
+        )));
     }
     let folder = tempfile::tempdir()?;
     let output = folder.path().join("closed_form");
-    let mut command = Command::new(std::env::current_exe()?);
-    command
+    let status = Command::new(std::env::current_exe()?)
         .args(["inspect", "--closed-form", "--format", "json", "--output"])
-        .arg(&output);
-    if let Some(angle) = arguments.snap_angles {
-        command.arg("--snap-angles").arg(format!("{angle:?}"));
-    }
-    for (is_set, option) in [
-        (arguments.no_friction, "--no-friction"),
-        (arguments.ignore_mimic, "--ignore-mimic"),
-    ] {
-        command.args(is_set.then_some(option));
-    }
-    let status = command
+        .arg(&output)
+        .args(arguments.reading.words())
         .arg("--")
         .arg(&arguments.description)
         .stdin(Stdio::null())
@@ -78,10 +68,12 @@ pub(super) fn for_page(
         print::err(&format!(
             "gelenk: the page goes without closed forms: the computer algebra ended with {status}\n"
         ));
-        return Ok(None);
+        return Ok(Err(
+            "The computer algebra ended without a result when this page was made.".to_owned(),
+        ));
     }
     let value: Value = serde_json::from_str(&std::fs::read_to_string(&output)?)?;
-    Ok(Some(from_json(&value)))
+    Ok(Ok(from_json(&value)))
 }
 
 fn from_json(value: &Value) -> ClosedForm {

@@ -247,10 +247,10 @@ pub(super) fn say_notes(robot: &Generated, format: Format) {
 fn options(choices: &Choices, command: String) -> GenerateOptions {
     GenerateOptions {
         functions: choices.functions.clone(),
-        snap_angles: choices.snap_angles,
-        no_friction: choices.no_friction,
-        ignore_mimic: choices.ignore_mimic,
-        smooth_sign: choices.smooth_sign,
+        snap_angles: choices.reading.snap_angles,
+        no_friction: choices.reading.no_friction,
+        ignore_mimic: choices.reading.ignore_mimic,
+        smooth_sign: choices.reading.smooth_sign,
         fused_multiply_add: choices.fused_multiply_add,
         max_operations: choices.max_operations,
         emit: EmitOptions {
@@ -289,14 +289,7 @@ pub(super) fn command(
     if choices.scalar == ScalarName::F32 {
         words.push("--scalar f32".to_owned());
     }
-    if let Some(angle) = choices.snap_angles {
-        words.push(format!("--snap-angles {angle:?}"));
-    }
-    if let Some(slope) = choices.smooth_sign {
-        words.push(format!("--smooth-sign {slope:?}"));
-    }
-    words.extend(choices.no_friction.then(|| "--no-friction".to_owned()));
-    words.extend(choices.ignore_mimic.then(|| "--ignore-mimic".to_owned()));
+    words.extend(choices.reading.words());
     words.extend(
         choices
             .fused_multiply_add
@@ -405,6 +398,7 @@ fn no_workspace() -> Failure {
 
 #[cfg(test)]
 mod tests {
+    use super::super::arguments::Reading;
     use super::*;
 
     #[test]
@@ -412,10 +406,12 @@ mod tests {
         let choices = Choices {
             functions: vec!["mass_matrix".into(), "bias_forces".into()],
             scalar: ScalarName::F32,
-            snap_angles: Some(1e-4),
-            no_friction: true,
-            ignore_mimic: false,
-            smooth_sign: Some(100.0),
+            reading: Reading {
+                snap_angles: Some(1e-4),
+                no_friction: true,
+                ignore_mimic: false,
+                smooth_sign: Some(100.0),
+            },
             lanes: vec![],
             fused_multiply_add: false,
             max_operations: None,

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 
 use super::Failure;
 use super::arguments::{Format, New};
+use super::generate::quoted as quoted_word;
 use super::print;
 
 /// The files of the crate besides its manifest.
@@ -54,7 +55,7 @@ pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> 
         // Half a crate helps nobody; whether it could be removed changes nothing about the message.
         let _ = fs::remove_dir_all(folder);
         return Err(Failure::Problem(format!(
-            "cannot make {}: {error}",
+            "cannot make {}: {error}\n  = help: choose a folder in which you may write",
             folder.display()
         )));
     }
@@ -68,12 +69,21 @@ pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> 
         Format::Text => {
             print::out(&format!(
                 "made {0}: robot.toml describes the robot, build.rs generates its equations, src/main.rs simulates it\n\
-                 next: cd {0} && cargo run\n",
-                folder.display()
+                 next: cd {0} && cargo run\n\
+                 a page about the robot: {1} report {0}/robot.toml\n",
+                quoted_word(&folder.to_string_lossy()),
+                quoted_word(&this_program())
             ))?;
             Ok(ExitCode::SUCCESS)
         }
     }
+}
+
+/// As it was called.
+fn this_program() -> String {
+    std::env::args()
+        .next()
+        .unwrap_or_else(|| "gelenk".to_owned())
 }
 
 /// The package's name: the folder's, where Cargo takes it.
@@ -81,14 +91,14 @@ fn name(folder: &Path) -> Result<String, Failure> {
     let name = folder.file_name().and_then(|name| name.to_str());
     let Some(name) = name else {
         return Err(Failure::Usage(format!(
-            "`{}` does not end in a name for the crate",
+            "`{}` does not end in a name for the crate\n  = help: name a folder that is to be made, e.g. `gelenk new my_arm`",
             folder.display()
         )));
     };
     match fault(name) {
         None => Ok(name.to_owned()),
         Some(fault) => Err(Failure::Usage(format!(
-            "`{name}` cannot name a crate: {fault}"
+            "`{name}` cannot name a crate: {fault}\n  = help: the last part of the folder names the crate, e.g. `gelenk new my_arm`"
         ))),
     }
 }
@@ -124,10 +134,10 @@ enum Source {
 
 fn source(arguments: &New) -> Result<Source, Failure> {
     if let Some(url) = &arguments.git {
-        return Ok(Source::Git(url.clone()));
+        return git(url);
     }
     if let Some(version) = &arguments.version {
-        return Ok(Source::Version(version.clone()));
+        return registry(version);
     }
     // Where this program was built, unless that has moved.
     let built = Path::new(env!("CARGO_MANIFEST_DIR")).parent();
@@ -145,7 +155,45 @@ fn source(arguments: &New) -> Result<Source, Failure> {
             folder.display()
         )));
     }
-    Ok(Source::Path(fs::canonicalize(folder)?))
+    let folder = fs::canonicalize(folder)?;
+    if folder.to_str().is_none() {
+        return Err(Failure::Problem(format!(
+            "the path {} holds signs that no manifest can\n  = help: move the checkout to a folder whose path is valid Unicode",
+            folder.display()
+        )));
+    }
+    Ok(Source::Path(folder))
+}
+
+/// Cargo takes addresses with a scheme, none of the short form `git@host:path`.
+fn git(url: &str) -> Result<Source, Failure> {
+    let is_whole = url
+        .split_once("://")
+        .is_some_and(|(scheme, rest)| !scheme.is_empty() && !rest.is_empty());
+    if is_whole && !url.contains(char::is_whitespace) {
+        return Ok(Source::Git(url.to_owned()));
+    }
+    let ssh = url.split_once(':').map_or_else(
+        || "ssh://git@HOST/PATH".to_owned(),
+        |(host, path)| format!("ssh://{host}/{path}"),
+    );
+    Err(Failure::Usage(format!(
+        "`--git {url}` is no address that Cargo takes\n  = help: give it whole, e.g. https://HOST/PATH, {ssh} or file:///PATH"
+    )))
+}
+
+/// One to three numbers with what may follow, as Cargo asks for.
+fn registry(version: &str) -> Result<Source, Failure> {
+    let numbers = version.trim_start_matches(['^', '=', '~']);
+    let core = numbers.split(['-', '+']).next().unwrap_or_default();
+    let parts: Vec<&str> = core.split('.').collect();
+    let is_number = |part: &&str| part.parse::<u64>().is_ok();
+    if parts.len() <= 3 && parts.iter().all(is_number) {
+        return Ok(Source::Version(version.to_owned()));
+    }
+    Err(Failure::Usage(format!(
+        "`--version {version}` is no version\n  = help: give one to three numbers, e.g. `--version 0.1`"
+    )))
 }
 
 impl Source {
@@ -213,6 +261,37 @@ mod tests {
             "", "2arm", "-arm", "my arm", "arm!", "ärm", "test", "core", "fn", "a/b",
         ] {
             assert!(fault(bad).is_some(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn sources_are_those_that_cargo_takes() {
+        for good in [
+            "https://example.org/gelenk.git",
+            "ssh://git@host/a",
+            "file:///srv/gelenk",
+        ] {
+            assert!(git(good).is_ok(), "{good}");
+        }
+        for bad in [
+            "",
+            "x",
+            "git@host:a/b.git",
+            "../gelenk",
+            "https://a b",
+            "://x",
+        ] {
+            assert!(git(bad).is_err(), "{bad}");
+        }
+        let Err(Failure::Usage(message)) = git("git@host:a/b.git") else {
+            panic!("Cargo takes none of this form");
+        };
+        assert!(message.contains("ssh://git@host/a/b.git"), "{message}");
+        for good in ["1", "0.1", "=0.1.2", "^1.2.3", "0.1.0-alpha.1"] {
+            assert!(registry(good).is_ok(), "{good}");
+        }
+        for bad in ["", "banana", "1.", "1.2.3.4", "-1", "v1"] {
+            assert!(registry(bad).is_err(), "{bad}");
         }
     }
 

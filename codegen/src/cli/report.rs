@@ -14,7 +14,7 @@ use super::progress::Progress;
 use crate::diagnostic::Diagnostics;
 use crate::dynamics::catalogue;
 use crate::dynamics::size::MOST_OPERATIONS;
-use crate::model::{self, Loaded, ReadOptions};
+use crate::model::{self, Loaded};
 use crate::report::{ClosedForm, Contents, report};
 
 /// Writes the page of a robot. Exit code 1 where its functions disagree with each other.
@@ -43,13 +43,7 @@ pub(super) fn write(arguments: &arguments::Report, format: Format) -> Result<Exi
 }
 
 fn read(arguments: &arguments::Report) -> Result<Loaded, Failure> {
-    let options = ReadOptions {
-        ignore_mimic: arguments.ignore_mimic,
-        snap_angles: arguments.snap_angles,
-        no_friction: arguments.no_friction,
-        smooth_sign: None,
-    };
-    model::read(&arguments.description, &options).map_err(problem)
+    model::read(&arguments.description, &arguments.reading.options()).map_err(problem)
 }
 
 fn problem(diagnostics: Diagnostics) -> Failure {
@@ -65,25 +59,30 @@ fn page(arguments: &arguments::Report, loaded: &Loaded) -> Result<Report, Failur
         model: &loaded.model,
         functions: &functions,
         notes: &loaded.notes,
-        closed_form: closed_form.as_ref(),
+        closed_form: closed_form.as_ref().map_err(String::as_str),
         command: &command(arguments),
     };
     report(&contents).map_err(|error| Failure::Problem(error.to_string()))
 }
 
+/// Closed forms, or why the page goes without.
 #[cfg(feature = "symbolica")]
 fn closed_form(
     arguments: &arguments::Report,
     loaded: &Loaded,
-) -> Result<Option<ClosedForm>, Failure> {
+) -> Result<Result<ClosedForm, String>, Failure> {
     super::closed_form::for_page(arguments, loaded)
 }
 
 /// Closed forms are Symbolica's work, which this build leaves out.
 #[cfg(not(feature = "symbolica"))]
 #[expect(clippy::unnecessary_wraps, reason = "as with the feature")]
-fn closed_form(_: &arguments::Report, _: &Loaded) -> Result<Option<ClosedForm>, Failure> {
-    Ok(None)
+fn closed_form(_: &arguments::Report, _: &Loaded) -> Result<Result<ClosedForm, String>, Failure> {
+    Ok(Err(
+        "Formulas with letters for the numbers of the description, for robots with up to three coordinates, need a build of \
+         `gelenk` with the feature `symbolica`, which this page was made without."
+            .to_owned(),
+    ))
 }
 
 /// The command for the foot of the page: the same on every machine.
@@ -93,11 +92,10 @@ fn command(arguments: &arguments::Report) -> String {
         "gelenk report".to_owned(),
         super::generate::quoted(&description),
     ];
-    if let Some(angle) = arguments.snap_angles {
-        words.push(format!("--snap-angles {angle:?}"));
+    words.extend(arguments.reading.words());
+    if let Some(most) = arguments.max_operations {
+        words.push(format!("--max-operations {most}"));
     }
-    words.extend(arguments.no_friction.then(|| "--no-friction".to_owned()));
-    words.extend(arguments.ignore_mimic.then(|| "--ignore-mimic".to_owned()));
     words.join(" ")
 }
 

@@ -8,10 +8,10 @@ use std::f64::consts::FRAC_PI_2;
 use symbolica::atom::Atom;
 
 use super::algebra::{self, Kind, Matrix, Variables, Vector};
-use super::bodies::{Mass, MovingBody, PLACES};
+use super::bodies::{Bodies, Mass, MovingBody, PLACES};
 use super::symbols::{Symbol, Symbols};
 use crate::formula::Formula;
-use crate::model::{Input, Model};
+use crate::model::{Input, Joint, JointKind, Model};
 
 /// Angles closer than this to a quarter turn are meant to be one.
 const QUARTER_ROUNDING: f64 = 1e-12;
@@ -183,53 +183,45 @@ impl<'m> Letters<'m> {
     }
 
     /// `R_z(azimuth) R_y(polar)` turns z into the axis.
-    fn align(
-        &mut self,
-        [x, y, z]: [f64; 3],
-        stems: [&str; 2],
-        index: usize,
-        meaning: &str,
-    ) -> Matrix {
-        let (azimuth, polar) = (y.atan2(x), x.hypot(y).atan2(z));
+    fn align(&mut self, axis: [f64; 3], stems: [&str; 2], index: usize, meaning: &str) -> Matrix {
+        let [azimuth, polar] = spherical(axis);
         let (sine, cosine) = self.angle(azimuth, stems[0], index, &format!("azimuth, {meaning}"));
         let turn = algebra::rotation(2, &sine, &cosine);
         let (sine, cosine) = self.angle(polar, stems[1], index, &format!("polar angle, {meaning}"));
         algebra::product(&turn, &algebra::rotation(1, &sine, &cosine))
     }
 
-    /// Sine and cosine of an angle that does not move. Equal and opposite angles share their letter.
+    /// Sine and cosine of an angle that does not move. Equal and opposite angles, and those with quarter turns between them,
+    /// share their letter.
     fn angle(&mut self, value: f64, stem: &str, index: usize, meaning: &str) -> (Atom, Atom) {
         let quarters = (value / FRAC_PI_2).round();
-        if (value - quarters * FRAC_PI_2).abs() < QUARTER_ROUNDING {
-            let (sine, cosine) =
-                [(0, 1), (1, 0), (0, -1), (-1, 0)][quarters.rem_euclid(4.0) as usize];
-            return (Atom::num(sine), Atom::num(cosine));
+        if is_quarter(value) {
+            return turned(quarters, Atom::num(0), Atom::num(1));
         }
-        let is_close = |known: &Symbol, value: f64| {
-            let other = known.value.as_number().unwrap_or(f64::NAN);
-            (other - value).abs() < QUARTER_ROUNDING
-        };
-        let known = |value: f64| self.angles.iter().position(|known| is_close(known, value));
-        let (place, is_opposite) = match (known(value), known(-value)) {
-            (Some(place), _) => (place, false),
-            (None, Some(place)) => (place, true),
-            (None, None) => {
-                self.angles.push(Symbol {
-                    stem: stem.to_owned(),
-                    index: (index + 1).to_string(),
-                    value: Formula::Number(value),
-                    meaning: meaning.to_owned(),
-                    is_visible: true,
-                });
-                (self.angles.len() - 1, false)
+        let known = self.angles.iter().enumerate().find_map(|(place, known)| {
+            let other = known.value.as_number()?;
+            if is_quarter(value - other) {
+                Some((place, 1.0, ((value - other) / FRAC_PI_2).round()))
+            } else if is_quarter(value + other) {
+                Some((place, -1.0, ((value + other) / FRAC_PI_2).round()))
+            } else {
+                None
             }
-        };
+        });
+        let (place, sign, quarters) = known.unwrap_or_else(|| {
+            self.angles.push(Symbol {
+                stem: stem.to_owned(),
+                index: (index + 1).to_string(),
+                value: Formula::Number(value),
+                meaning: meaning.to_owned(),
+                is_visible: true,
+            });
+            (self.angles.len() - 1, 1.0, 0.0)
+        });
         let phase = self.model.coordinates.len() + place;
         let sine = self.variables.sine(phase);
-        (
-            if is_opposite { -sine } else { sine },
-            self.variables.cosine(phase),
-        )
+        let sine = if sign < 0.0 { -sine } else { sine };
+        turned(quarters, sine, self.variables.cosine(phase))
     }
 
     /// Mass, centre and inertia about it.
@@ -309,11 +301,7 @@ impl<'m> Letters<'m> {
             .collect()
     }
 
-    fn forces_of(
-        &mut self,
-        coordinate: usize,
-        joint: &crate::model::Joint,
-    ) -> Vec<(Atom, Formula)> {
+    fn forces_of(&mut self, coordinate: usize, joint: &Joint) -> Vec<(Atom, Formula)> {
         let springs = joint
             .springs
             .iter()
@@ -323,12 +311,12 @@ impl<'m> Letters<'m> {
         let mut forces = Vec::new();
         for (number, (coefficient, basis)) in springs.into_iter().enumerate() {
             let index = format!("{}{}", coordinate + 1, part(number));
-            let meaning = format!("spring or damper of {}", joint.name);
+            let meaning = format!("spring or damper of {}{}", joint.name, unit(joint, &basis));
             forces.push((self.visible(&coefficient, "s", &index, &meaning), basis));
         }
         for (number, term) in joint.friction.iter().enumerate() {
             let index = format!("{}{}", coordinate + 1, part(number));
-            let meaning = format!("friction of {}", joint.name);
+            let meaning = format!("friction of {}{}", joint.name, unit(joint, &term.basis));
             let coefficient = self.visible(&term.coefficient, "d", &index, &meaning);
             forces.push((-coefficient, term.basis.clone()));
         }
@@ -360,6 +348,59 @@ impl<'m> Letters<'m> {
         let link = self.model.coordinates.get(coordinate);
         let joint = link.and_then(|&link| self.model.links[link].joint.as_ref());
         joint.map_or_else(String::new, |joint| joint.name.clone())
+    }
+}
+
+/// `sin(α + 90° k), cos(α + 90° k)`
+fn turned(quarters: f64, sine: Atom, cosine: Atom) -> (Atom, Atom) {
+    // Angles are at most a few turns.
+    match quarters.rem_euclid(4.0) as u8 {
+        0 => (sine, cosine),
+        1 => (cosine, -sine),
+        2 => (-sine, -cosine),
+        _ => (-cosine, sine),
+    }
+}
+
+/// Number of letters that angles will get.
+pub(super) fn count_angles(bodies: &Bodies) -> usize {
+    let joints = bodies.bodies.iter().flat_map(|body| {
+        let origin = roll_pitch_yaw(&body.pose.rotation);
+        origin.into_iter().chain(spherical(body.axis))
+    });
+    let carried = bodies.rotors.iter().filter_map(|rotor| rotor.carrier);
+    let rotors = carried.flat_map(|(_, axis)| spherical(axis));
+    let mut angles: Vec<f64> = Vec::new();
+    for angle in joints.chain(rotors).filter(|&angle| !is_quarter(angle)) {
+        let is_same = |known: &f64| is_quarter(angle - known) || is_quarter(angle + known);
+        if !angles.iter().any(is_same) {
+            angles.push(angle);
+        }
+    }
+    angles.len()
+}
+
+fn is_quarter(angle: f64) -> bool {
+    let quarters = (angle / FRAC_PI_2).round();
+    (angle - quarters * FRAC_PI_2).abs() < QUARTER_ROUNDING
+}
+
+/// Azimuth and polar angle of an axis.
+fn spherical([x, y, z]: [f64; 3]) -> [f64; 2] {
+    [y.atan2(x), x.hypot(y).atan2(z)]
+}
+
+/// Unit of what is multiplied with a basis to a force; none where the basis is a power, say.
+fn unit(joint: &Joint, basis: &Formula) -> &'static str {
+    let slides = joint.kind == JointKind::Prismatic;
+    match (basis, slides) {
+        (Formula::Velocity, false) => " [N m s/rad]",
+        (Formula::Velocity, true) => " [N s/m]",
+        (Formula::Position, false) => " [N m/rad]",
+        (Formula::Position, true) => " [N/m]",
+        (Formula::Number(_) | Formula::Call(..), false) => " [N m]",
+        (Formula::Number(_) | Formula::Call(..), true) => " [N]",
+        _ => "",
     }
 }
 

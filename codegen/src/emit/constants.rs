@@ -114,7 +114,7 @@ fn names(model: &Model, joints: &[&Joint], inputs: &[&Drive]) -> Vec<TokenStream
 }
 
 /// Unit of an input: that of a motor's torque or current; a drive without gear on a prismatic joint is a force.
-pub(super) fn input_unit(model: &Model, drive: &Drive) -> &'static str {
+pub(crate) fn input_unit(model: &Model, drive: &Drive) -> &'static str {
     let joint = drive
         .coordinate
         .and_then(|coordinate| model.coordinates.get(coordinate))

@@ -6,7 +6,7 @@
 //! its own and through `include!`.
 
 mod body;
-mod constants;
+pub(crate) mod constants;
 mod discrete_time;
 mod doc_comment;
 mod function;

@@ -146,6 +146,20 @@ fn law(robot: &Robot<'_>, number: usize, joint: &Joint) -> String {
     format!("\\tau_{{{number}}} = {}", terms.join(" + "))
 }
 
+/// Forces of springs and dampers on the joints that have some.
+pub(super) fn spring_laws(robot: &Robot<'_>) -> Vec<String> {
+    let joints = robot.joints().into_iter().zip(1..);
+    let sprung = joints.filter(|(joint, _)| !joint.springs.is_empty());
+    let law = |(joint, number): (&Joint, usize)| {
+        let laws = joint.springs.iter();
+        let parts: Vec<String> = laws
+            .map(|law| formula::summand(law, &robot.parameter_names, number))
+            .collect();
+        format!("s_{{{number}}} = {}", parts.join(" + "))
+    };
+    sprung.map(law).collect()
+}
+
 /// Friction over velocity, as the generated function computes it.
 pub(super) fn friction_figure(robot: &Robot<'_>) -> Option<Figure> {
     let joints = robot.joints().into_iter().enumerate();
@@ -214,7 +228,6 @@ impl ClosedFormText<'_> {
             symbols,
         } = self.0;
         let mut blocks = vec![
-            Block::Heading(vec![Inline::Text("In closed form".to_owned())]),
             text(
                 "The same equations with letters for the numbers of the description, derived a second time from Lagrange's equations by the \
                  computer algebra system Symbolica.",

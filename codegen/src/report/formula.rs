@@ -24,6 +24,15 @@ pub(super) fn factor(formula: &Formula, parameters: &[String], coordinate: usize
     .print(formula, Binding::Product)
 }
 
+/// As [`latex`], in brackets where a sum cannot end with it.
+pub(super) fn summand(formula: &Formula, parameters: &[String], coordinate: usize) -> String {
+    let printer = Printer {
+        parameters,
+        coordinate,
+    };
+    factor_of_sum(&printer, formula)
+}
+
 /// How tightly a formula holds together, and what its place asks for; one that is looser gets brackets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Binding {

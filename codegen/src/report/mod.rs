@@ -11,7 +11,7 @@ mod sparsity;
 mod states;
 mod tables;
 
-use gelenk_runtime::report::{Block, Report, ReportError, Section, plain, text};
+use gelenk_runtime::report::{Block, Inline, Report, ReportError, Section, plain, text};
 
 use crate::diagnostic::Diagnostics;
 use crate::dynamics::function::Function;
@@ -30,8 +30,8 @@ pub struct Contents<'a> {
     pub functions: &'a [Function],
     /// What is worth knowing about the description.
     pub notes: &'a Diagnostics,
-    /// Closed forms, where they were made.
-    pub closed_form: Option<&'a ClosedForm>,
+    /// Closed forms, or why there are none, as text with marks.
+    pub closed_form: Result<&'a ClosedForm, &'a str>,
     /// The command that makes the page.
     pub command: &'a str,
 }
@@ -49,6 +49,15 @@ pub fn report(contents: &Contents<'_>) -> Result<Report, ReportError> {
         .section(parameters_section(&robot));
     report = report.section(equations_section(&robot, contents.closed_form)?);
     if let Some(section) = friction_section(&robot)? {
+        report = report.section(section);
+    }
+    let springs = equations::spring_laws(&robot);
+    if !springs.is_empty() {
+        let section = Section::new("springs", "Springs and dampers")
+            .block(text(
+                "Force (or torque) $s_i$ on joint $i$, part of the applied forces $q$.",
+            ))
+            .block(equations::set(&springs));
         report = report.section(section);
     }
     report = report
@@ -112,7 +121,7 @@ fn parameters_section(robot: &Robot<'_>) -> Section {
 
 fn equations_section(
     robot: &Robot<'_>,
-    closed_form: Option<&ClosedForm>,
+    closed_form: Result<&ClosedForm, &str>,
 ) -> Result<Section, ReportError> {
     let mut section = Section::new("equations", "Equations of motion").blocks(equations::legend()?);
     for function in [
@@ -125,9 +134,13 @@ fn equations_section(
             section = section.blocks(equations::program(robot, function));
         }
     }
-    if let Some(closed_form) = closed_form {
-        section = section.blocks(ClosedFormText(closed_form).blocks()?);
-    }
+    section = section.block(Block::Heading(vec![Inline::Text(
+        "In closed form".to_owned(),
+    )]));
+    section = match closed_form {
+        Ok(closed_form) => section.blocks(ClosedFormText(closed_form).blocks()?),
+        Err(reason) => section.block(text(reason)),
+    };
     Ok(section)
 }
 
@@ -282,7 +295,7 @@ mod tests {
             model: &model,
             functions: &functions,
             notes: &Diagnostics::default(),
-            closed_form: None,
+            closed_form: Err("none"),
             command: "gelenk report '</code><script>'",
         };
         let page = report(&contents).and_then(|page| page.html());

@@ -6,6 +6,7 @@ use super::formula;
 use super::robot::Robot;
 use crate::diagnostic::Diagnostics;
 use crate::dynamics::function::Function;
+use crate::emit::constants::input_unit;
 use crate::formula::Formula;
 use crate::model::{Drive, Input, Joint, JointKind, Motion, Pose, RotorCoupling};
 use crate::program::cost;
@@ -76,17 +77,20 @@ pub(super) fn drives(robot: &Robot<'_>) -> Option<Table> {
     if drives.is_empty() {
         return None;
     }
-    let table = Table::new("drives", "Drives and inputs. Torques are at the motor.")
-        .column("", "index", "")
-        .column("drive", "drive", "")
-        .column("joint", "joint", "")
-        .column("gear ratio $i$", "gear ratio", "")
-        .column("rotor inertia $J_R$", "rotor inertia", "kg m²")
-        .column("carried by", "carrier", "")
-        .column("rotor in $M$", "coupling", "")
-        .column("input is", "input kind", "")
-        .column("nominal torque", "nominal torque", "N m")
-        .column("peak torque", "peak torque", "N m");
+    let table = Table::new(
+        "drives",
+        "Drives and inputs. Torques are at the motor, forces at the joint.",
+    )
+    .column("", "index", "")
+    .column("drive", "drive", "")
+    .column("joint", "joint", "")
+    .column("gear ratio $i$", "gear ratio", "")
+    .column("rotor inertia $J_R$", "rotor inertia", "kg m²")
+    .column("carried by", "carrier", "")
+    .column("rotor in $M$", "coupling", "")
+    .column("input is", "input kind", "")
+    .column("nominal torque", "nominal torque", "N m")
+    .column("peak torque", "peak torque", "N m");
     let rows = drives.iter().map(|drive| {
         let mut inputs = robot.inputs().into_iter();
         let index = match inputs.position(|input| input.name == drive.name) {
@@ -110,6 +114,7 @@ fn drive_row(robot: &Robot<'_>, drive: &Drive) -> Vec<Cell> {
     };
     let input = match (&drive.input, drive.coordinate) {
         (_, None) => Cell::text("none: the joint is held"),
+        (Input::Torque, _) if input_unit(robot.model, drive) == "N" => Cell::text("force"),
         (Input::Torque, _) => Cell::text("torque"),
         (Input::Current(constant), _) => match constant.as_number() {
             Some(value) => Cell::text(format!("current, {value} N m/A")),
@@ -191,7 +196,15 @@ pub(super) fn geometry(robot: &Robot<'_>) -> Option<Table> {
     Some(table.rows(joints.into_iter().map(|joint| {
         let motion = match joint.motion {
             Motion::Fixed => Cell::text("fixed"),
-            Motion::Held(position) => Cell::text(format!("held at {position}")),
+            Motion::Held(position) => {
+                let position = short(position).to_string().replace('-', "−");
+                let unit = if joint.kind == JointKind::Prismatic {
+                    "m"
+                } else {
+                    "rad"
+                };
+                Cell::text(format!("held at {position} {unit}"))
+            }
             Motion::Coordinate(index) => {
                 Cell::Line(vec![Inline::Math(format!("y_{{{}}}", index + 1))])
             }
@@ -284,7 +297,7 @@ pub(super) fn parameters(robot: &Robot<'_>) -> Option<Table> {
 pub(super) fn gravity(robot: &Robot<'_>) -> String {
     let numbers = robot
         .vector(&robot.model.gravity)
-        .map(|x| (x + 0.0).to_string());
+        .map(|x| short(x).to_string());
     format!("({}) m/s²", numbers.join(", ").replace('-', "−"))
 }
 

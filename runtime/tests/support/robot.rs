@@ -1,7 +1,8 @@
 //! The PowerCube with its loop, and a transport that watches the plant's own state.
 
 use gelenk_runtime::control_loop::{
-    Clock, FeedForwardPd, JointGains, JointPd, LoopSettings, VirtualClock,
+    Clock, ControlLoop, Controller, FeedForwardPd, JointGains, JointPd, LoopReport, LoopSettings,
+    VirtualClock,
 };
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::plant::{Plant, PlantOptions};
@@ -49,6 +50,16 @@ pub fn plant_options() -> PlantOptions<2, 2> {
         encoder_resolution: [1e-4; 2],
         input_limit: [0.5; 2],
         ..PlantOptions::default()
+    }
+}
+
+/// One in five measurements and one in five inputs are lost.
+pub fn lossy(seed: u64) -> PlantOptions<2, 2> {
+    PlantOptions {
+        measurement_loss: 0.2,
+        input_loss: 0.2,
+        seed,
+        ..plant_options()
     }
 }
 
@@ -128,8 +139,32 @@ impl Watched {
         self
     }
 
+    /// Encoders of these joints freeze from a reading on.
+    pub fn frozen(self, joints: &[usize], from: u64) -> Self {
+        let joints = joints.to_vec();
+        let mut held = [0.0; 2];
+        self.with_fault(move |k, mut reading| {
+            for &i in &joints {
+                if k < from {
+                    held[i] = reading.positions[i];
+                }
+                reading.positions[i] = held[i];
+            }
+            Some(reading)
+        })
+    }
+
     pub fn state(&self) -> ([f64; 2], [f64; 2]) {
         self.robot.plant().state()
+    }
+
+    /// At the end of the motion.
+    pub fn assert_at_end(&self, tolerance: f64) {
+        let (positions, _) = self.state();
+        for i in 0..2 {
+            let error = positions[i] - END[i];
+            assert!(error.abs() < tolerance, "joint {i} is off by {error}");
+        }
     }
 
     /// Two seconds on: braked, at rest, and within limits all the time.
@@ -197,4 +232,33 @@ impl Clock for Oversleeping {
             self.clock.advance(self.by);
         }
     }
+}
+
+/// The loop of a controller on a watched robot and its clock.
+pub type WatchedLoop<'a, C, K> = ControlLoop<PowerCube, RestToRest<2>, C, &'a mut Watched, K, 2, 2>;
+
+pub fn loop_with<'a, C: Controller<2, 2>>(
+    settings: LoopSettings<2, 2>,
+    controller: C,
+    robot: &'a mut Watched,
+) -> WatchedLoop<'a, C, VirtualClock> {
+    let clock = robot.clock.clone();
+    ControlLoop::new(settings, law(), motion(), controller, robot, clock).unwrap()
+}
+
+/// Where the loop's thread oversleeps.
+pub fn run_oversleeping<C: Controller<2, 2>>(
+    settings: LoopSettings<2, 2>,
+    controller: C,
+    robot: &mut Watched,
+    [at, by]: [Duration; 2],
+) -> LoopReport {
+    let clock = Oversleeping {
+        clock: robot.clock.clone(),
+        at,
+        by,
+    };
+    let control: WatchedLoop<'_, _, _> =
+        ControlLoop::new(settings, law(), motion(), controller, robot, clock).unwrap();
+    { control }.run()
 }

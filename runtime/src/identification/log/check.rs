@@ -97,20 +97,41 @@ impl Findings {
         });
     }
 
-    pub(super) fn finish(self) -> Vec<Finding> {
+    /// The rows of a channel that have a finding.
+    fn rows_of(&self, channel: &Channel) -> Vec<bool> {
+        let mut rows = vec![false; channel.values.len()];
+        let name = Some(channel.name.as_str());
+        for finding in self.all.iter().filter(|f| f.channel.as_deref() == name) {
+            if let Some(found) = rows.get_mut(finding.first..=finding.last) {
+                found.fill(true);
+            }
+        }
+        rows
+    }
+
+    fn finish(self) -> Vec<Finding> {
         self.all
     }
 }
 
 /// Checks times and values of a log.
 pub fn check(log: &Log) -> Vec<Finding> {
-    let mut findings = Findings::default();
+    check_after(log, Findings::default())
+}
+
+/// As [`check`]; what reading the log has `found` comes first and is not said again.
+pub(super) fn check_after(log: &Log, found: Findings) -> Vec<Finding> {
+    let unread: Vec<Vec<bool>> = log.channels().iter().map(|c| found.rows_of(c)).collect();
+    let mut findings = Findings {
+        all: found.all,
+        open: Vec::new(),
+    };
     let time = log.channels().iter().find(|c| c.quantity == Quantity::Time);
     if let Some(time) = time {
         check_times(time, log.segments(), &mut findings);
     }
-    for channel in log.channels() {
-        check_values(channel, &mut findings);
+    for (channel, unread) in log.channels().iter().zip(&unread) {
+        check_values(channel, unread, &mut findings);
         let continuous = matches!(
             channel.quantity,
             Quantity::Position | Quantity::Velocity | Quantity::Torque
@@ -193,26 +214,30 @@ fn check_jitter(steps: &[(usize, f64)], median: f64, name: Option<&str>, finding
     }
 }
 
-fn check_values(channel: &Channel, findings: &mut Findings) {
+/// - `unread`: rows where no number was read, which is known already
+fn check_values(channel: &Channel, unread: &[bool], findings: &mut Findings) {
     let name = Some(channel.name.as_str());
     let count = channel.values.len();
-    let Some(first) = channel.values.iter().find(|x| x.is_finite()) else {
-        findings.add(0, name, FindingKind::NoValues, || {
-            format!("none of {count} values is a finite number")
-        });
+    let finite = channel.values.iter().filter(|x| x.is_finite());
+    let Some(first) = finite.clone().next() else {
+        if unread.contains(&false) {
+            findings.add(0, name, FindingKind::NoValues, || {
+                format!("none of {count} values is a finite number")
+            });
+        }
         return;
     };
-    for (row, x) in channel.values.iter().enumerate() {
-        if !x.is_finite() {
+    for (row, (x, unread)) in channel.values.iter().zip(unread).enumerate() {
+        if !x.is_finite() && !unread {
             findings.add(row, name, FindingKind::NotFinite, || {
                 format!("the value is {x}")
             });
         }
     }
-    let changes = channel.values.iter().any(|x| x.is_finite() && x != first);
-    if !changes && channel.quantity != Quantity::Segment {
-        findings.add(0, name, FindingKind::Constant, || {
-            format!("all {count} values are {first}")
+    if channel.quantity != Quantity::Segment && finite.clone().all(|x| x == first) {
+        findings.add(0, name, FindingKind::Constant, || match finite.count() {
+            equal if equal == count => format!("all {count} values are {first}"),
+            equal => format!("all {equal} finite values of {count} are {first}"),
         });
     }
 }

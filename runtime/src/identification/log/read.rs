@@ -1,7 +1,7 @@
 //! Reading CSV: one pass over the bytes, hashed as they come, parsed straight into columns.
 
 use super::super::error::{IdentificationError, Result};
-use super::check::{FindingKind, Findings, check};
+use super::check::{FindingKind, Findings, check_after};
 use super::schema::{Column, LogSchema, Quantity};
 use super::{Channel, Finding, Log};
 use sha2::{Digest, Sha256};
@@ -73,9 +73,8 @@ impl Log {
         }
         let hash = hexadecimal(&csv.into_inner().hasher.finalize());
         let log = assemble(columns, values, hash, source);
-        let mut all = findings.finish();
-        all.extend(check(&log));
-        Ok((log, all))
+        let findings = check_after(&log, findings);
+        Ok((log, findings))
     }
 }
 
@@ -202,6 +201,39 @@ mod tests {
         assert!(
             text[1].starts_with("rows 2 to 3, channel q1: the field is empty"),
             "{text:?}"
+        );
+    }
+
+    #[test]
+    fn one_fault_is_one_finding() {
+        let all = |text: &str| -> Vec<String> {
+            let (_, findings) = read(text).unwrap();
+            findings.iter().map(ToString::to_string).collect()
+        };
+        assert_eq!(
+            all("t,q1\n0,1\n0.1,abc\n0.2,2\n0.3,inf\n"),
+            [
+                "row 1, channel q1: `abc` is not a number",
+                "row 3, channel q1: the value is inf",
+            ]
+        );
+        assert_eq!(
+            all("t,q1\n0,0\n0.1,x\n0.2,0\n"),
+            [
+                "row 1, channel q1: `x` is not a number",
+                "row 0, channel q1: all 2 finite values of 3 are 0",
+            ]
+        );
+        assert_eq!(
+            all("t,q1\n0,\n0.1,\n"),
+            ["rows 0 to 1, channel q1: the field is empty"]
+        );
+        assert_eq!(
+            all("t,q1\n0,\n0.1,NaN\n"),
+            [
+                "row 0, channel q1: the field is empty",
+                "row 0, channel q1: none of 2 values is a finite number",
+            ]
         );
     }
 

@@ -1,0 +1,54 @@
+//! Packages outside the workspace, built as their authors would build them.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use crate::workspace;
+
+/// The folder that this test was compiled into, so that dependencies are not compiled again.
+///
+/// # Panics
+/// Where this program does not lie in `target/*/deps`.
+pub fn target() -> PathBuf {
+    let program = std::env::current_exe().expect("this program");
+    let folder = program.ancestors().nth(3).expect("target/debug/deps");
+    folder.to_owned()
+}
+
+/// Runs cargo in a folder, quietly and without a network.
+///
+/// # Panics
+/// Where cargo does not start.
+pub fn cargo(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO"))
+        .args(["--offline", "--quiet"])
+        .args(arguments)
+        .env("CARGO_TARGET_DIR", target())
+        .env("CARGO_TERM_COLOR", "never")
+        .current_dir(folder)
+        .output()
+        .expect("cargo starts")
+}
+
+/// Gives a package the versions of this workspace: they are at hand without a network.
+///
+/// # Panics
+/// Where the file cannot be copied.
+pub fn lock_like_here(folder: &Path) {
+    fs::copy(workspace().join("Cargo.lock"), folder.join("Cargo.lock")).expect("the lock file");
+}
+
+/// What was printed.
+pub fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// What was printed to standard output.
+///
+/// # Panics
+/// With what was printed to standard error, where the command has failed.
+pub fn success(output: &Output) -> String {
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    text(&output.stdout)
+}
