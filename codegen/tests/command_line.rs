@@ -110,6 +110,21 @@ fn a_new_crate_is_made_once_and_only_under_a_good_name() {
         (vec!["new", "fn"], 2, "a word of Rust"),
         (vec!["new", ".."], 2, "does not end in a name"),
         (
+            vec!["new", "other", "--git", "git@host:a/b"],
+            2,
+            "ssh://git@host/a/b",
+        ),
+        (
+            vec!["new", "other", "--version", "newest"],
+            2,
+            "is no version",
+        ),
+        (
+            vec!["new", "my-arm/robot.toml/arm"],
+            1,
+            "choose a folder in which you may write",
+        ),
+        (
             vec!["new", "other", "--checkout", "."],
             1,
             "no checkout of gelenk",
@@ -147,7 +162,7 @@ fn a_new_crate_is_made_once_and_only_under_a_good_name() {
 }
 
 /// A pendulum: small enough that its page is made in no time.
-const PENDULUM: &str = "[[joints]]\nname = \"swing\"\naxis = [0, 1, 0]\ndrive = \"ideal\"\nfriction = \"0.1*v\"\n\
+const PENDULUM: &str = "[[joints]]\nname = \"swing\"\naxis = [0, 1, 0]\ndrive = \"ideal\"\nfriction = \"0.1*v + 0.2*sign(v)\"\n\
     [[bodies]]\nlink = \"swing\"\nmass = 1\ncenter_of_mass = [0, 0, -0.5]\n";
 
 #[test]
@@ -175,6 +190,19 @@ fn a_page_and_its_numbers_are_written() {
         "{}",
         read("bodies.csv")
     );
+    // Choices that change the equations are those of `generate`, and stand at the foot of the page.
+    let smooth = [
+        "report",
+        "pendulum.toml",
+        "--smooth-sign",
+        "80",
+        "--output",
+        "smooth",
+    ];
+    assert_eq!(gelenk(folder.path(), &smooth).status.code(), Some(0));
+    let smooth = std::fs::read_to_string(folder.path().join("smooth/report.json")).unwrap();
+    assert!(smooth.contains(r"\\tanh\\left(80"), "{smooth}");
+    assert!(smooth.contains("gelenk report pendulum.toml --smooth-sign 80.0"));
     // The same description, the same bytes.
     let first = read("index.html");
     gelenk(
@@ -197,7 +225,11 @@ fn a_page_that_cannot_be_written_ends_with_1() {
         &["report", "pendulum.toml", "--output", "taken"],
     );
     assert_eq!(output.status.code(), Some(1));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("cannot write taken"));
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        said.contains("cannot write taken") && said.contains("--output FOLDER"),
+        "{said}"
+    );
     let output = gelenk(folder.path(), &["report", "none.toml"]);
     assert_eq!(output.status.code(), Some(1));
     assert!(!folder.path().join("report").exists());

@@ -70,9 +70,10 @@ pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> 
             print::out(&format!(
                 "made {0}: robot.toml describes the robot, build.rs generates its equations, src/main.rs simulates it\n\
                  next: cd {0} && cargo run\n\
-                 a page about the robot: {1} report {0}/robot.toml\n",
+                 a page about the robot: {1} report {2}\n",
                 quoted_word(&folder.to_string_lossy()),
-                quoted_word(&this_program())
+                quoted_word(&this_program()),
+                quoted_word(&folder.join("robot.toml").to_string_lossy())
             ))?;
             Ok(ExitCode::SUCCESS)
         }

@@ -28,7 +28,11 @@ pub(super) fn write(arguments: &arguments::Report, format: Format) -> Result<Exi
     };
     let files = page
         .write(&folder)
-        .map_err(|error| Failure::Problem(error.to_string()))?;
+        .map_err(|error| {
+            Failure::Problem(format!(
+                "{error}\n  = help: name a folder that is to be made, or in which you may write, with --output FOLDER"
+            ))
+        })?;
     drop(progress);
     match format {
         Format::Json => {

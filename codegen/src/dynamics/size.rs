@@ -95,7 +95,7 @@ fn refusal(model: &Model, name: &str, takes: &str, operations: usize, most: usiz
         format!("`{name}` of {joints} joints takes {takes}; {most} are the limit"),
     )
     .help(format!(
-        "select smaller functions (`--functions inverse_dynamics`), or lift the limit (`--max-operations {}`)",
+        "lift the limit (`--max-operations {}`), or generate smaller functions (`gelenk generate --functions inverse_dynamics`)",
         rounded_up(operations)
     ))
 }

@@ -78,10 +78,8 @@ fn without_mark(text: &str) -> &str {
 fn read_file(path: &Path) -> Result<String, Diagnostics> {
     let name = path.display().to_string();
     let unreadable = |why: String| {
-        Diagnostics::from(Diagnostic::error(
-            "file-unreadable",
-            format!("cannot read {name}: {why}"),
-        ))
+        let problem = Diagnostic::error("file-unreadable", format!("cannot read {name}: {why}"));
+        Diagnostics::from(problem.help("give the path of a TOML or URDF file that you may read"))
     };
     let file = std::fs::File::open(path).map_err(|why| unreadable(why.to_string()))?;
     let mut bytes = Vec::new();

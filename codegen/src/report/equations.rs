@@ -151,11 +151,8 @@ pub(super) fn spring_laws(robot: &Robot<'_>) -> Vec<String> {
     let joints = robot.joints().into_iter().zip(1..);
     let sprung = joints.filter(|(joint, _)| !joint.springs.is_empty());
     let law = |(joint, number): (&Joint, usize)| {
-        let laws = joint.springs.iter();
-        let parts: Vec<String> = laws
-            .map(|law| formula::summand(law, &robot.parameter_names, number))
-            .collect();
-        format!("s_{{{number}}} = {}", parts.join(" + "))
+        let forces = formula::sum(&joint.springs, &robot.parameter_names, number);
+        format!("s_{{{number}}} = {forces}")
     };
     sprung.map(law).collect()
 }

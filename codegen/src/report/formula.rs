@@ -24,13 +24,14 @@ pub(super) fn factor(formula: &Formula, parameters: &[String], coordinate: usize
     .print(formula, Binding::Product)
 }
 
-/// As [`latex`], in brackets where a sum cannot end with it.
-pub(super) fn summand(formula: &Formula, parameters: &[String], coordinate: usize) -> String {
-    let printer = Printer {
-        parameters,
-        coordinate,
-    };
-    factor_of_sum(&printer, formula)
+/// The sum of formulas in LaTeX.
+pub(super) fn sum(formulas: &[Formula], parameters: &[String], coordinate: usize) -> String {
+    let summands = formulas
+        .iter()
+        .map(|one| latex(one, parameters, coordinate));
+    summands
+        .reduce(|sum, summand| join(&sum, &summand))
+        .unwrap_or_default()
 }
 
 /// How tightly a formula holds together, and what its place asks for; one that is looser gets brackets.
@@ -71,8 +72,10 @@ impl Printer<'_> {
             Formula::Position => format!("y_{{{}}}", self.coordinate),
             Formula::Velocity => format!("\\dot{{y}}_{{{}}}", self.coordinate),
             Formula::Negate(a) => format!("-{}", factor(a)),
-            Formula::Add(a, b) => format!("{} + {}", sum(a), factor_of_sum(self, b)),
+            Formula::Add(a, b) => join(&sum(a), &sum(b)),
             Formula::Subtract(a, b) => format!("{} - {}", sum(a), factor(b)),
+            // A sign in front needs no brackets.
+            Formula::Multiply(a, b) if is_negative(a) => format!("{} \\, {}", sum(a), factor(b)),
             Formula::Multiply(a, b) => format!("{} \\, {}", factor(a), factor(b)),
             Formula::Divide(a, b) => format!("\\frac{{{}}}{{{}}}", sum(a), sum(b)),
             Formula::Power(a, exponent) => {
@@ -87,19 +90,21 @@ impl Printer<'_> {
     }
 }
 
-/// What is added needs brackets only where it begins with a sign.
-fn factor_of_sum(printer: &Printer<'_>, formula: &Formula) -> String {
-    match formula {
-        Formula::Negate(_) => printer.print(formula, Binding::Product),
-        Formula::Number(value) if value.is_sign_negative() => {
-            printer.print(formula, Binding::Product)
-        }
-        _ => printer.print(formula, Binding::Sum),
+/// A sum of two sums: the sign in front of the second is kept.
+fn join(a: &str, b: &str) -> String {
+    match b.strip_prefix('-') {
+        Some(subtracted) => format!("{a} - {subtracted}"),
+        None => format!("{a} + {b}"),
     }
+}
+
+fn is_negative(formula: &Formula) -> bool {
+    formula.as_number().is_some_and(f64::is_sign_negative)
 }
 
 fn binding(formula: &Formula) -> Binding {
     match formula {
+        Formula::Multiply(a, _) if is_negative(a) => Binding::Sum,
         Formula::Add(..) | Formula::Subtract(..) | Formula::Negate(_) => Binding::Sum,
         Formula::Number(value) if value.is_sign_negative() => Binding::Sum,
         Formula::Number(value) if format!("{value:?}").contains('e') => Binding::Product,
@@ -131,7 +136,7 @@ mod tests {
             (Formula::Power(Box::new(v()), 3), r"\dot{y}_{2}^{3}"),
             (
                 Formula::Add(Box::new(sum()), Box::new(negative())),
-                r"\dot{y}_{2} + a_{1} + \left(-2\right)",
+                r"\dot{y}_{2} + a_{1} - 2",
             ),
             (
                 Formula::Subtract(Box::new(v()), Box::new(sum())),
@@ -142,6 +147,17 @@ mod tests {
                 r"\frac{\dot{y}_{2} + a_{1}}{5 \cdot 10^{-9}}",
             ),
             (
+                Formula::Multiply(Box::new(negative()), Box::new(v())),
+                r"-2 \, \dot{y}_{2}",
+            ),
+            (
+                Formula::Multiply(
+                    Box::new(v()),
+                    Box::new(Formula::Multiply(Box::new(negative()), Box::new(a()))),
+                ),
+                r"\dot{y}_{2} \, \left(-2 \, a_{1}\right)",
+            ),
+            (
                 Formula::Call(Function::Abs, Box::new(v())),
                 r"\left|\dot{y}_{2}\right|",
             ),
@@ -149,5 +165,11 @@ mod tests {
         for (formula, expected) in cases {
             assert_eq!(latex(&formula, &["a1".to_owned()], 2), expected);
         }
+        let product = Formula::Multiply(Box::new(negative()), Box::new(v()));
+        let springs = [product.clone(), product, v()];
+        assert_eq!(
+            super::sum(&springs, &[], 1),
+            r"-2 \, \dot{y}_{1} - 2 \, \dot{y}_{1} + \dot{y}_{1}"
+        );
     }
 }
