@@ -99,6 +99,19 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> FeedForward<D, N, M> {
         &self.model
     }
 
+    /// Takes another model, e.g. one whose parameters were identified anew. Allocates nothing where its input matrix is the same.
+    ///
+    /// # Errors
+    /// [`FeedForwardError::InputMatrix`]; the model then stays.
+    pub fn set_model(&mut self, model: D) -> Result<(), FeedForwardError> {
+        if model.input_matrix() == self.input_matrix {
+            self.model = model;
+        } else {
+            *self = Self::new(model)?;
+        }
+        Ok(())
+    }
+
     /// Inputs for one sample. Allocates nothing.
     #[must_use]
     pub fn at(&self, sample: &Sample<N>) -> FeedForwardInput<N, M> {

@@ -116,6 +116,64 @@ fn a_wrong_friction_shows_as_a_gap_between_feedback_and_feed_forward() {
     }
 }
 
+/// Steps of a controller along `reference` on the published arm, with `change` called before each; i·(u − u_ff) at the joints [N m].
+fn corrections(
+    mpc: &mut Ltv<FreePowerCube, &Sampled<2>>,
+    reference: &Sampled<2>,
+    mut change: impl FnMut(usize, &mut Ltv<FreePowerCube, &Sampled<2>>),
+) -> Vec<[f64; 2]> {
+    let mut plant = Plant::new(PowerCube, exact()).unwrap();
+    let start = reference.sample(0.0);
+    plant.reset(start.positions, start.velocities).unwrap();
+    let mut last = feed_forward(PowerCube, reference)(0.0);
+    mpc.reset(&start.positions, &last);
+    let step = |k: usize| {
+        change(k, mpc);
+        let time = k as f64 * PERIOD;
+        let forward = feed_forward(*mpc.model(), reference)(time + 0.5 * PERIOD);
+        last = mpc
+            .step(&Cycle {
+                time,
+                periods: u32::from(k > 0),
+                positions: Some(plant.measure().positions),
+                last_inputs: last,
+            })
+            .unwrap()
+            .inputs;
+        plant.apply(&last, PERIOD).unwrap();
+        core::array::from_fn(|i| tracking::GEAR * (last[i] - forward[i]))
+    };
+    (0..600).map(step).collect()
+}
+
+#[test]
+fn a_model_that_is_replaced_in_operation_acts_from_the_next_step_on() {
+    let reference = reference();
+    let controller =
+        |model: FreePowerCube| Ltv::new(model, &reference, options(&model, PERIOD, 20)).unwrap();
+    let right = FreePowerCube::default();
+    // The same model changes nothing, not even a bit.
+    let kept = corrections(&mut controller(right), &reference, |_, _| {});
+    let renewed = corrections(&mut controller(right), &reference, |_, mpc| {
+        mpc.set_model(right).unwrap();
+    });
+    assert_eq!(kept, renewed);
+    // The right friction instead of the wrong one closes the gap.
+    let corrected = corrections(&mut controller(wrong_friction()), &reference, |k, mpc| {
+        if k == 300 {
+            mpc.set_model(right).unwrap();
+        }
+    });
+    let rms = |part: &[[f64; 2]], i: usize| {
+        (part.iter().map(|c| c[i] * c[i]).sum::<f64>() / part.len() as f64).sqrt()
+    };
+    for i in 0..2 {
+        let (before, after) = (rms(&corrected[..300], i), rms(&corrected[350..], i));
+        println!("joint {i}: {before} N m before, {after} N m after");
+        assert!(before > 2.0 && after < 0.05 * before, "{before} {after}");
+    }
+}
+
 /// Offset from a pose after ten seconds, with 10 % more gravity than the model knows.
 fn offset(disturbance_noise: f64) -> [f64; 2] {
     const GOAL: [f64; 2] = [0.6, 0.5];

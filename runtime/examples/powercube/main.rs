@@ -9,21 +9,23 @@
 //! (`report`): `index.html`, and its numbers as JSON and CSV. `GELENK_EXAMPLE_SHORT=1` takes fewer samples through the
 //! same code.
 //!
-//! Verdicts follow from numbers and thresholds; `tests.rs` asserts them, and flips each by what its claim names:
-//! `cargo test --release -p gelenk-runtime --example powercube`.
+//! Verdicts follow from numbers and thresholds; `control/tests.rs` and `friction/tests.rs` assert them, and flip each by
+//! what its claim names: `cargo test --release -p gelenk-runtime --example powercube`.
 
 mod arm;
 mod control;
+mod equations;
 mod friction;
+mod page;
 mod study;
-#[cfg(test)]
-mod tests;
 
-use gelenk_runtime::report::{Block, Report, Section, text};
+use gelenk_runtime::report::Report;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
-use study::{Outcome, Study};
+use study::{Experiment, Outcome, Part, Study};
 
 fn main() -> ExitCode {
     match run() {
@@ -42,7 +44,7 @@ fn run() -> Outcome<()> {
         .map_or_else(|| PathBuf::from("report"), PathBuf::from);
     let report = report(&study)?;
     for claim in report.claims() {
-        println!("{:<28} {}", claim.id, claim.verdict());
+        println!("{:<10} {}", claim.id, claim.verdict());
     }
     for file in report.write(&folder)? {
         if file.extension().is_some_and(|kind| kind == "html") {
@@ -52,27 +54,54 @@ fn run() -> Outcome<()> {
     Ok(())
 }
 
-/// Runs all experiments; progress goes to the terminal.
+/// Runs all experiments, several at a time; what they find does not depend on how many. Progress goes to the terminal.
 fn report(study: &Study) -> Outcome<Report> {
-    let experiments: Vec<_> = control::EXPERIMENTS
+    let experiments: Vec<Experiment> = control::EXPERIMENTS
         .iter()
         .chain(friction::EXPERIMENTS)
+        .copied()
         .collect();
-    let mut claims = Vec::new();
-    let mut sections = Vec::new();
-    for (number, (title, experiment)) in experiments.iter().enumerate() {
-        let start = Instant::now();
-        eprint!("[{:>2}/{}] {title} … ", number + 1, experiments.len());
-        let part = experiment(study)?;
-        eprintln!("{:.1} s", start.elapsed().as_secs_f64());
-        claims.extend(part.claims);
-        sections.push(part.section);
+    let found: Vec<_> = experiments.iter().map(|_| Mutex::new(None)).collect();
+    let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let workers = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| {
+        for _ in 0..workers.min(experiments.len()) {
+            scope.spawn(|| {
+                while let Some((place, experiment)) = taken(&next, &found, &experiments) {
+                    let start = Instant::now();
+                    // Errors stay in the thread, their text does not.
+                    let outcome = experiment.1(study).map_err(|error| error.to_string());
+                    eprintln!(
+                        "[{:>2}/{}] {}, {:.1} s",
+                        done.fetch_add(1, Ordering::Relaxed) + 1,
+                        experiments.len(),
+                        experiment.0,
+                        start.elapsed().as_secs_f64()
+                    );
+                    if let Ok(mut place) = place.lock() {
+                        *place = Some(outcome);
+                    }
+                }
+            });
+        }
+    });
+    let mut parts: Vec<Part> = Vec::new();
+    for (place, (title, _)) in found.into_iter().zip(experiments) {
+        let outcome = place.into_inner().map_err(|error| error.to_string())?;
+        let outcome = outcome.ok_or_else(|| format!("{title}: nothing came back"))?;
+        parts.push(outcome.map_err(|error| format!("{title}: {error}"))?);
     }
-    let report = Report::new("Friction models for the MPC of a PowerCube, reproduced")
-        .section(
-            Section::new("claims", "The claims")
-                .block(text("Each verdict follows from its numbers and thresholds; each names what would flip it."))
-                .block(Block::Claims(claims)),
-        );
-    Ok(sections.into_iter().fold(report, Report::section))
+    page::report(study, parts)
+}
+
+type Place = Mutex<Option<Result<Part, String>>>;
+
+/// The next experiment that nobody has begun, and where its outcome goes.
+fn taken<'e>(
+    next: &AtomicUsize,
+    found: &'e [Place],
+    experiments: &'e [Experiment],
+) -> Option<(&'e Place, &'e Experiment)> {
+    let k = next.fetch_add(1, Ordering::Relaxed);
+    Some((found.get(k)?, experiments.get(k)?))
 }

@@ -5,7 +5,7 @@ use super::observer::DisturbanceObserver;
 use super::options::{MpcError, MpcOptions};
 use crate::control_loop::{Command, ControllerFault, Cycle, Estimate};
 use crate::dynamics::Discretizable;
-use crate::feed_forward::FeedForward;
+use crate::feed_forward::{FeedForward, FeedForwardError};
 use crate::lqr::Lqr;
 use crate::qp::{QpProblem, QpSolver, QpStage, QpStatus};
 use crate::trajectory::{Sample, Trajectory};
@@ -87,6 +87,17 @@ where
 
     pub fn model(&self) -> &D {
         self.feed_forward.model()
+    }
+
+    /// Goes on with another model: estimate, plan and terminal weights stay, Runge–Kutta steps are added where the new
+    /// friction is steeper at rest.
+    pub fn set_model(&mut self, model: D) -> Result<(), FeedForwardError> {
+        self.feed_forward.set_model(model)?;
+        let (y, u) = (*self.observer.positions(), self.under_way);
+        let resting = self.model().linearize(&y, &[0.0; N], &u);
+        let needed = substeps(&resting, self.options.period);
+        self.substeps = self.substeps.max(needed);
+        Ok(())
     }
 
     fn set_weights(&mut self) {

@@ -5,6 +5,7 @@ use super::horizon::{Horizon, Prediction};
 use super::options::{LinearizationPoint, MpcError, MpcOptions};
 use crate::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate};
 use crate::dynamics::Discretizable;
+use crate::feed_forward::FeedForwardError;
 use crate::trajectory::Trajectory;
 
 /// Linear time-varying MPC: predictions by the exact zero-order hold of the affine linearization in the middle of each period, of the desired
@@ -46,6 +47,21 @@ where
         Ok(Self {
             horizon: Horizon::new(model, trajectory, options)?,
         })
+    }
+
+    /// The model.
+    pub fn model(&self) -> &D {
+        self.horizon.model()
+    }
+
+    /// Goes on with another model from the next step on, e.g. with friction that was identified in operation. Estimate and plan stay; so do the
+    /// terminal weights, which stand for what lies beyond the horizon and change little with friction. Allocates nothing where the input
+    /// matrix is the same.
+    ///
+    /// # Errors
+    /// [`FeedForwardError::InputMatrix`]; the model then stays.
+    pub fn set_model(&mut self, model: D) -> Result<(), FeedForwardError> {
+        self.horizon.set_model(model)
     }
 
     /// The observer with its estimates.

@@ -6,6 +6,7 @@ use super::integrate::integrate;
 use super::options::{MpcError, MpcOptions};
 use crate::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate};
 use crate::dynamics::Discretizable;
+use crate::feed_forward::FeedForwardError;
 use crate::trajectory::Trajectory;
 
 /// Nonlinear MPC: multiple shooting with Runge–Kutta integration, a Gauss–Newton step of sequential quadratic programming per period (real-time
@@ -36,6 +37,22 @@ where
             horizon: Horizon::new(model, trajectory, options)?,
             prepared: f64::NAN,
         })
+    }
+
+    /// The model.
+    pub fn model(&self) -> &D {
+        self.horizon.model()
+    }
+
+    /// Goes on with another model from the next step on, e.g. with friction that was identified in operation. Estimate and plan stay; so do the
+    /// terminal weights, which stand for what lies beyond the horizon and change little with friction. Allocates nothing where the input
+    /// matrix is the same.
+    ///
+    /// # Errors
+    /// [`FeedForwardError::InputMatrix`]; the model then stays.
+    pub fn set_model(&mut self, model: D) -> Result<(), FeedForwardError> {
+        self.prepared = f64::NAN;
+        self.horizon.set_model(model)
     }
 
     /// The observer with its estimates.

@@ -222,6 +222,11 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Plant<D, N, M> {
         &self.model
     }
 
+    /// Makes another model the true one from now on, as wear, load and temperature do. State and inputs under way stay.
+    pub fn set_model(&mut self, model: D) {
+        self.model = model;
+    }
+
     fn advance(&mut self, period: f64) -> Result<(), PlantError> {
         let applied = self.actuate();
         let motion = self.integrate(&applied, period)?;

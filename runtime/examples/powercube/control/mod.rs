@@ -1,6 +1,27 @@
 //! Experiments in which the arm is controlled: claims 1 to 4, and 10 to 12.
 
+mod adaptation;
+mod gap;
+mod identified;
+mod limits;
+mod nonlinear;
+mod regimes;
+mod run;
+mod show;
+#[cfg(test)]
+mod tests;
+mod timing;
+mod tracking;
+
 use crate::study::Experiment;
 
-/// In the order of the report.
-pub const EXPERIMENTS: &[Experiment] = &[];
+/// In the order of the report: before the experiments with friction.
+pub const EXPERIMENTS: &[Experiment] = &[
+    ("LTV-MPC and feed-forward alone", tracking::experiment),
+    ("old and identified friction", gap::experiment),
+    ("ideal and realistic regimes", regimes::experiment),
+    ("nonlinear MPC", nonlinear::experiment),
+    ("limits as constraints", limits::experiment),
+    ("time", timing::experiment),
+    ("friction that changes", adaptation::experiment),
+];

@@ -1,0 +1,296 @@
+//! Runs of a controller on the simulated arm, and what they show.
+
+use crate::arm::{Arm, GEAR, PEAK, PERIOD, Regime};
+use crate::study::Outcome;
+use gelenk_runtime::control_loop::{Command, Controller, ControllerFault, Cycle};
+use gelenk_runtime::feed_forward::FeedForward;
+use gelenk_runtime::mpc::{LinearizationPoint, LtvMpc, MpcOptions, Nmpc};
+use gelenk_runtime::plant::Plant;
+use gelenk_runtime::trajectory::{Sample, Sampled, Trajectory};
+
+pub type Ltv<T> = LtvMpc<Arm, T, 2, 2, 4>;
+pub type Nonlinear<T> = Nmpc<Arm, T, 2, 2, 4>;
+
+/// Stages of the horizon at 50 Hz.
+pub const HORIZON: usize = 20;
+
+/// As in the paper: linearized around the desired trajectory. Velocity errors weigh so little that positions return
+/// within about a period.
+pub fn options(model: &Arm, period: f64) -> MpcOptions<2, 2> {
+    // The same time ahead at all sample times, but at least eight stages.
+    let stages = (HORIZON as f64 * PERIOD / period).round() as usize;
+    MpcOptions {
+        velocity_weight: [5.0, 3.5],
+        linearization: LinearizationPoint::Reference,
+        ..MpcOptions::new(model, period, stages.clamp(8, HORIZON))
+    }
+}
+
+/// A controller that can say which model it uses.
+pub trait Modelled: Controller<2, 2> {
+    fn model(&self) -> Arm;
+}
+
+impl<T: Trajectory<2>> Modelled for Ltv<T> {
+    fn model(&self) -> Arm {
+        *LtvMpc::model(self)
+    }
+}
+
+impl<T: Trajectory<2>> Modelled for Nonlinear<T> {
+    fn model(&self) -> Arm {
+        *Nmpc::model(self)
+    }
+}
+
+/// No feedback at all.
+pub struct FeedForwardAlone<'t> {
+    feed_forward: FeedForward<Arm, 2, 2>,
+    reference: &'t Sampled<2>,
+    period: f64,
+}
+
+impl<'t> FeedForwardAlone<'t> {
+    pub fn new(model: Arm, reference: &'t Sampled<2>, period: f64) -> Outcome<Self> {
+        Ok(Self {
+            feed_forward: FeedForward::new(model)?,
+            reference,
+            period,
+        })
+    }
+}
+
+impl Controller<2, 2> for FeedForwardAlone<'_> {
+    fn reset(&mut self, _: &[f64; 2], _: &[f64; 2]) {}
+
+    /// What the middle of the period needs, which is the best that a held input can do.
+    fn step(&mut self, cycle: &Cycle<2, 2>) -> Result<Command<2>, ControllerFault> {
+        let sample = self.reference.sample(cycle.time + 0.5 * self.period);
+        Ok(Command {
+            inputs: limited(self.feed_forward.at(&sample).inputs),
+            iterations: 0,
+        })
+    }
+}
+
+impl Modelled for FeedForwardAlone<'_> {
+    fn model(&self) -> Arm {
+        *self.feed_forward.model()
+    }
+}
+
+fn limited(inputs: [f64; 2]) -> [f64; 2] {
+    inputs.map(|u| u.clamp(-PEAK, PEAK))
+}
+
+/// The plant of a run.
+#[derive(Clone, Copy)]
+pub struct Setup {
+    pub plant: Arm,
+    pub regime: Regime,
+    pub seed: u64,
+    /// How far beside the start of the reference the arm starts [rad].
+    pub offset: [f64; 2],
+    /// When (s) the plant becomes another one, and which.
+    pub change: Option<(f64, Arm)>,
+}
+
+impl Setup {
+    /// Starts on the reference, and stays the same.
+    pub fn new(plant: Arm, regime: Regime) -> Self {
+        Self {
+            plant,
+            regime,
+            seed: 1,
+            offset: [0.0; 2],
+            change: None,
+        }
+    }
+}
+
+/// The beginning of a period, and the inputs chosen for it.
+#[derive(Debug, Clone, Copy)]
+pub struct Row {
+    pub time: f64,
+    pub desired: [f64; 2],
+    /// True positions and velocities.
+    pub positions: [f64; 2],
+    pub velocities: [f64; 2],
+    /// Motor torques [N m], of the controller and of its model's feed-forward.
+    pub inputs: [f64; 2],
+    pub forward: [f64; 2],
+    /// What the encoders said.
+    pub measured: [f64; 2],
+    pub iterations: u32,
+}
+
+impl Row {
+    pub fn error(&self, i: usize) -> f64 {
+        self.positions[i] - self.desired[i]
+    }
+
+    /// Feedback's share of the torque at the joint [N m].
+    pub fn gap(&self, i: usize) -> f64 {
+        GEAR * (self.inputs[i] - self.forward[i])
+    }
+}
+
+/// What happened along a trajectory.
+#[derive(Debug, Clone)]
+pub struct Run {
+    pub rows: Vec<Row>,
+}
+
+impl Run {
+    fn rms(&self, value: impl Fn(&Row) -> f64) -> f64 {
+        let sum: f64 = self.rows.iter().map(|row| value(row).powi(2)).sum();
+        (sum / self.rows.len() as f64).sqrt()
+    }
+
+    fn largest(&self, value: impl Fn(&Row) -> f64) -> f64 {
+        let values = self.rows.iter().map(|row| value(row).abs());
+        values.fold(0.0, f64::max)
+    }
+
+    /// Root mean square of y − y_ref [rad].
+    pub fn rms_error(&self, i: usize) -> f64 {
+        self.rms(|row| row.error(i))
+    }
+
+    /// Largest |y − y_ref| [rad].
+    pub fn largest_error(&self, i: usize) -> f64 {
+        self.largest(|row| row.error(i))
+    }
+
+    /// i · rms(u − u_ff) [N m].
+    pub fn gap(&self, i: usize) -> f64 {
+        self.rms(|row| row.gap(i))
+    }
+
+    pub fn largest_torque(&self) -> f64 {
+        let largest = |i: usize| self.largest(|row| row.inputs[i]);
+        GEAR * largest(0).max(largest(1))
+    }
+
+    pub fn largest_speed(&self) -> f64 {
+        let largest = |i: usize| self.largest(|row| row.velocities[i]);
+        largest(0).max(largest(1))
+    }
+
+    pub fn most_iterations(&self) -> u32 {
+        self.rows
+            .iter()
+            .map(|row| row.iterations)
+            .max()
+            .unwrap_or(0)
+    }
+
+    /// The part of the run within times (s).
+    pub fn between(&self, from: f64, to: f64) -> Self {
+        let rows = self.rows.iter();
+        let rows = rows.filter(|row| (from..to).contains(&row.time));
+        Self {
+            rows: rows.copied().collect(),
+        }
+    }
+
+    /// Points over time for a figure.
+    pub fn points(&self, value: impl Fn(&Row) -> f64) -> Vec<[f64; 2]> {
+        self.rows.iter().map(|row| [row.time, value(row)]).collect()
+    }
+}
+
+/// Runs `controller` along `reference` to its end.
+pub fn drive(
+    setup: &Setup,
+    controller: &mut impl Modelled,
+    reference: &impl Trajectory<2>,
+) -> Outcome<Run> {
+    let period = setup.regime.period;
+    let mut plant = Plant::new(setup.plant, setup.regime.plant(setup.seed))?;
+    let start = reference.sample(0.0);
+    let positions = core::array::from_fn(|i| start.positions[i] + setup.offset[i]);
+    plant.reset(positions, start.velocities)?;
+    let mut last = limited(forward(controller, &start)?);
+    plant.preload(last);
+    controller.reset(&plant.measure().positions, &last);
+    let steps = (reference.duration() / period + 1e-9).floor() as usize;
+    let mut rows = Vec::with_capacity(steps);
+    for k in 0..steps {
+        let time = k as f64 * period;
+        if let Some((_, model)) = setup
+            .change
+            .filter(|(when, _)| (when - time).abs() < 0.5 * period)
+        {
+            plant.set_model(model);
+        }
+        let (positions, velocities) = plant.state();
+        let measured = plant.measure().positions;
+        let command = controller.step(&Cycle {
+            time,
+            periods: u32::from(k > 0),
+            positions: Some(measured),
+            last_inputs: last,
+        })?;
+        rows.push(Row {
+            time,
+            desired: reference.sample(time).positions,
+            positions,
+            velocities,
+            inputs: command.inputs,
+            forward: forward(controller, &reference.sample(time + 0.5 * period))?,
+            measured,
+            iterations: command.iterations,
+        });
+        last = command.inputs;
+        plant.apply(&last, period)?;
+    }
+    Ok(Run { rows })
+}
+
+fn forward(controller: &impl Modelled, sample: &Sample<2>) -> Outcome<[f64; 2]> {
+    Ok(FeedForward::new(controller.model())?.at(sample).inputs)
+}
+
+/// Runs the LTV-MPC with `model`.
+pub fn linear(
+    setup: &Setup,
+    model: Arm,
+    options: MpcOptions<2, 2>,
+    reference: &impl Trajectory<2>,
+) -> Outcome<Run> {
+    drive(setup, &mut Ltv::new(model, reference, options)?, reference)
+}
+
+/// Runs the nonlinear MPC with `model`.
+pub fn nonlinear(
+    setup: &Setup,
+    model: Arm,
+    options: MpcOptions<2, 2>,
+    reference: &impl Trajectory<2>,
+) -> Outcome<Run> {
+    let mut controller = Nonlinear::new(model, reference, options)?;
+    drive(setup, &mut controller, reference)
+}
+
+/// A motion run through `factor` times as fast.
+#[derive(Clone, Copy)]
+pub struct Faster<'t> {
+    pub motion: &'t Sampled<2>,
+    pub factor: f64,
+}
+
+impl Trajectory<2> for Faster<'_> {
+    fn duration(&self) -> f64 {
+        self.motion.duration() / self.factor
+    }
+
+    fn sample(&self, t: f64) -> Sample<2> {
+        let sample = self.motion.sample(self.factor * t);
+        Sample {
+            positions: sample.positions,
+            velocities: sample.velocities.map(|v| self.factor * v),
+            accelerations: sample.accelerations.map(|a| self.factor * self.factor * a),
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! Axes and curves that several experiments draw alike.
+
+use super::run::Run;
+use crate::arm::{GEAR, JOINTS};
+use gelenk_runtime::report::{Axis, Marks, Plot};
+
+pub fn time() -> Axis {
+    Axis::new("time", "s")
+}
+
+/// Torque at a joint over time: the controller's, and the feed-forward of its model.
+pub fn torques(title: &str, run: &Run, i: usize) -> Plot {
+    Plot::new(
+        format!("joint {}, {title}", JOINTS[i]),
+        time(),
+        Axis::new("torque at the joint", "N m"),
+    )
+    .series(
+        "LTV-MPC",
+        Marks::Steps,
+        run.points(|row| GEAR * row.inputs[i]),
+    )
+    .series(
+        "feed-forward",
+        Marks::Dashed,
+        run.points(|row| GEAR * row.forward[i]),
+    )
+}
+
+/// Errors of both joints over time.
+pub fn errors(title: &str, run: &Run) -> Plot {
+    let plot = Plot::new(title, time(), Axis::new("error", "mrad"));
+    (0..2).fold(plot, |plot, i| {
+        plot.series(JOINTS[i], Marks::Line, run.points(|row| 1e3 * row.error(i)))
+    })
+}
+
+/// The same limit either way, as one curve with a gap.
+pub fn limits(run: &Run, limit: f64) -> Vec<[f64; 2]> {
+    let gap = [f64::NAN; 2];
+    let mut points = run.points(|_| limit);
+    points.push(gap);
+    points.extend(run.points(|_| -limit));
+    points
+}

@@ -1,0 +1,81 @@
+//! The page: what all experiments found, claims first.
+
+use crate::equations;
+use crate::study::{Outcome, Part, Study};
+use gelenk_runtime::report::{Block, Claim, Report, Section, text};
+
+/// The command of the full run.
+pub const COMMAND: &str = "cargo run --release -p gelenk-runtime --example powercube";
+
+/// The report of all parts.
+pub fn report(study: &Study, parts: Vec<Part>) -> Outcome<Report> {
+    let mut claims = Vec::new();
+    let mut sections = Vec::new();
+    for part in parts {
+        claims.extend(part.claims);
+        sections.push(part.section);
+    }
+    claims.sort_by_key(number);
+    for claim in &mut claims {
+        claim.statement = format!("{}. {}", label(claim), claim.statement);
+    }
+    let report = Report::new("Friction models for the MPC of a PowerCube, reproduced")
+        .lead("The claims of J. Fehr, P. Kargl and H. Eschmann, “Identification of Friction Models for MPC-based Control of a PowerCube Serial Robot”, tried on the simulated arm: from its equations, with plants and controllers that do not share a model where model error is the matter.")
+        .fact("Robot", "Schunk PowerCube, joints β and γ")
+        .fact("Trajectory", "published, 1220 samples, 20 ms")
+        .fact("Form", study.pick("full", "short: fewer samples and seeds"))
+        .section(
+            Section::new("claims", "The claims")
+                .block(text("Each verdict follows from numbers and thresholds in the program; each names what would flip it, and a test flips it. Everything is simulated: “holds” means here, with these plants."))
+                .block(Block::Claims(claims)),
+        )
+        .section(equations::section()?);
+    let mut report = sections.into_iter().fold(report, Report::section);
+    report.made_by = study.pick(
+        COMMAND.to_owned(),
+        format!("GELENK_EXAMPLE_SHORT=1 {COMMAND}"),
+    );
+    Ok(report)
+}
+
+/// `8b` of the identifier `claim-8b`.
+fn label(claim: &Claim) -> &str {
+    claim.id.strip_prefix("claim-").unwrap_or(&claim.id)
+}
+
+/// Claims stand in the order of the paper's list, its parts by their letters.
+fn number(claim: &Claim) -> (u32, String) {
+    let label = label(claim);
+    let end = label
+        .find(|c: char| !c.is_ascii_digit())
+        .unwrap_or(label.len());
+    let (digits, rest) = label.split_at(end);
+    (digits.parse().unwrap_or(u32::MAX), rest.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn claims_stand_in_the_order_of_their_numbers() {
+        let part = |section: &str, ids: &[&str]| Part {
+            section: Section::new(section, section),
+            claims: ids.iter().map(|id| Claim::new(*id, "It holds.")).collect(),
+        };
+        let study = Study { is_short: true };
+        let parts = vec![
+            part("a", &["claim-10", "claim-2"]),
+            part("b", &["claim-8b", "claim-8a"]),
+        ];
+        let report = report(&study, parts).unwrap();
+        let statements: Vec<&str> = report.claims().map(|one| one.statement.as_str()).collect();
+        let expected = [
+            "2. It holds.",
+            "8a. It holds.",
+            "8b. It holds.",
+            "10. It holds.",
+        ];
+        assert_eq!(statements, expected);
+    }
+}

@@ -1,1 +1,0 @@
-//! Verdicts of the short form, each with the cause that flips it.
