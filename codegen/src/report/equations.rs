@@ -37,6 +37,8 @@ pub struct Symbol {
 const MOST_OPEN: usize = 60;
 /// So many are typeset at all; a browser needs seconds for tens of thousands.
 const MOST: usize = 1_500;
+/// So many letters stand on one line of a printed page.
+const LETTERS: usize = 85;
 /// Joints in one plot.
 const CURVES: usize = 6;
 
@@ -113,9 +115,18 @@ fn all(latex: &[String]) -> Result<Vec<Equation>, ReportError> {
     latex.iter().map(Equation::new).collect()
 }
 
+/// On lines that paper can hold.
+fn broken(latex: &[String]) -> Result<Vec<Equation>, ReportError> {
+    let lines: Result<Vec<Vec<Equation>>, ReportError> = latex
+        .iter()
+        .map(|one| Equation::broken(one, LETTERS))
+        .collect();
+    lines.map(|lines| lines.concat())
+}
+
 /// Equations that may hold names of descriptions: typeset where they can be, else as text.
 pub(super) fn set(latex: &[String]) -> Block {
-    match all(latex) {
+    match broken(latex) {
         Ok(equations) => Block::Equations(equations),
         Err(_) => Block::Code(latex.join("\n")),
     }
@@ -229,10 +240,10 @@ impl ClosedFormText<'_> {
                 "The same equations with letters for the numbers of the description, derived a second time from Lagrange's equations by the \
                  computer algebra system Symbolica.",
             ),
-            Block::Equations(all(equations)?),
+            Block::Equations(broken(equations)?),
         ];
         if !constants.is_empty() {
-            blocks.extend([plain("with"), Block::Equations(all(constants)?)]);
+            blocks.extend([plain("with"), Block::Equations(broken(constants)?)]);
         }
         if !symbols.is_empty() {
             let rows = symbols.iter().map(|symbol| {

@@ -23,6 +23,23 @@ impl Equation {
         Ok(Self { latex, mathml })
     }
 
+    /// An equation on as many lines as it needs: broken before signs of its outermost sum where a line would hold more
+    /// than so many letters. Pages scroll wide equations, paper does not.
+    ///
+    /// # Errors
+    /// [`ReportError::Equation`] where `latex` cannot be set.
+    pub fn broken(latex: &str, letters: usize) -> Result<Vec<Self>, ReportError> {
+        let mut lines: Vec<String> = Vec::new();
+        for summand in summands(latex) {
+            match lines.last_mut() {
+                Some(line) if width(line) + width(summand) <= letters => line.push_str(summand),
+                Some(_) => lines.push(format!("\\qquad{summand}")),
+                None => lines.push(summand.to_owned()),
+            }
+        }
+        lines.into_iter().map(Self::new).collect()
+    }
+
     /// The equation as it was given.
     #[must_use]
     pub fn latex(&self) -> &str {
@@ -31,31 +48,7 @@ impl Equation {
 
     /// Roughly how many letters wide it is: what is left when commands and braces are gone.
     pub(super) fn width(&self) -> usize {
-        let mut width = 0;
-        let mut rest = self.latex.chars().peekable();
-        while let Some(letter) = rest.next() {
-            match letter {
-                '\\' => {
-                    let mut command = String::new();
-                    while let Some(next) = rest.next_if(|c| c.is_ascii_alphabetic()) {
-                        command.push(next);
-                    }
-                    // Fonts and sizes of brackets take no room.
-                    let is_silent = ["left", "right", "mathrm", "operatorname", "dot", "ddot"];
-                    width += match command.as_str() {
-                        // Escaped signs are seen, thin spaces are not.
-                        "" => usize::from(rest.next().is_some_and(|sign| "{}_%#&$".contains(sign))),
-                        silent if is_silent.contains(&silent) => 0,
-                        "sin" | "cos" | "tanh" | "exp" => 3,
-                        _ => 1,
-                    };
-                }
-                '{' | '}' | '_' | '^' | ' ' | '$' => {}
-                '=' | '+' | '-' => width += 2,
-                _ => width += 1,
-            }
-        }
-        width
+        width(&self.latex)
     }
 
     /// A `math` element.
@@ -63,6 +56,55 @@ impl Equation {
     pub fn mathml(&self) -> &str {
         &self.mathml
     }
+}
+
+fn width(latex: &str) -> usize {
+    let mut width = 0;
+    let mut rest = latex.chars().peekable();
+    while let Some(letter) = rest.next() {
+        match letter {
+            '\\' => {
+                let mut command = String::new();
+                while let Some(next) = rest.next_if(|c| c.is_ascii_alphabetic()) {
+                    command.push(next);
+                }
+                // Fonts and sizes of brackets take no room.
+                let is_silent = ["left", "right", "mathrm", "operatorname", "dot", "ddot"];
+                width += match command.as_str() {
+                    // Escaped signs are seen, thin spaces are not.
+                    "" => usize::from(rest.next().is_some_and(|sign| "{}_%#&$".contains(sign))),
+                    silent if is_silent.contains(&silent) => 0,
+                    "sin" | "cos" | "tanh" | "exp" => 3,
+                    _ => 1,
+                };
+            }
+            '{' | '}' | '_' | '^' | ' ' | '$' => {}
+            '=' | '+' | '-' => width += 2,
+            _ => width += 1,
+        }
+    }
+    width
+}
+
+/// The parts of the outermost sum; each but the first begins with ` + ` or ` - `.
+fn summands(latex: &str) -> Vec<&str> {
+    let (mut depth, mut start, mut parts) = (0_i32, 0, Vec::new());
+    for (at, letter) in latex.char_indices() {
+        let rest = &latex[at..];
+        match letter {
+            '{' => depth += 1,
+            '}' => depth -= 1,
+            '\\' if rest.starts_with("\\left") => depth += 1,
+            '\\' if rest.starts_with("\\right") => depth -= 1,
+            ' ' if depth == 0 && at > 0 && (rest.starts_with(" + ") || rest.starts_with(" - ")) => {
+                parts.push(&latex[start..at]);
+                start = at;
+            }
+            _ => {}
+        }
+    }
+    parts.push(&latex[start..]);
+    parts
 }
 
 /// An equation within a line, as a `math` element.
@@ -94,6 +136,28 @@ fn mathml(latex: &str, display_mode: DisplayMode) -> Result<String, ReportError>
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn long_sums_are_broken_before_their_signs() {
+        let lines = |latex: &str, letters: usize| -> Vec<String> {
+            let lines = Equation::broken(latex, letters).map_err(|error| error.to_string());
+            lines
+                .unwrap()
+                .iter()
+                .map(|line| line.latex().to_owned())
+                .collect()
+        };
+        let sum = r"k = a_{1} + b \, \left(c - d\right) - \frac{e + f}{2} + g";
+        assert_eq!(lines(sum, 100), [sum]);
+        assert_eq!(
+            lines(sum, 12),
+            [
+                r"k = a_{1}",
+                r"\qquad + b \, \left(c - d\right)",
+                r"\qquad - \frac{e + f}{2} + g"
+            ]
+        );
+    }
 
     #[test]
     fn equations_become_mathml() {
