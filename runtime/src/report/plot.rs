@@ -284,8 +284,10 @@ fn draw(
     let letters = |size: f64| ("sans-serif", size * f64::from(SCALE) * 1.24).into_font();
     let mut chart = ChartBuilder::on(&area)
         .margin(pixels(6))
+        // Half of a label at the end of the axis.
+        .margin_right(pixels(18))
         .x_label_area_size(pixels(42))
-        .y_label_area_size(pixels(62))
+        .y_label_area_size(pixels(70))
         .build_cartesian_2d(x.clone(), y.clone())?;
     chart
         .configure_mesh()

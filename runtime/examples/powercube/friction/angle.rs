@@ -173,7 +173,7 @@ pub fn experiment(study: &Study) -> Outcome<Part> {
     let section = Section::new("angle", "6 · Friction that seems to depend on the angle")
         .block(text(
             "The identifying model has the plant's masses, but a gravity that is 8 % too large. What it calls friction then holds \
-             $0.08 \\, q_g(y)$, up to 2.6 N m at β.",
+             $0.08 \\, q_g(y)$, up to 1.8 N m at β.",
         ))
         .block(Block::Figure(frames()))
         .block(Block::Figure(figure))

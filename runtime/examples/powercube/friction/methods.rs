@@ -260,8 +260,8 @@ pub fn joint_c_claim(records: &[Case], stribeck: &[Case]) -> Claim {
         .under("the plant's friction is a sum of terms of the library, as the published law of C is")
         .flipped_by("a plant whose friction is the Stribeck law of nonlinear regression, with a step that the library does not have")
         .remark(format!(
-            "Errors {:.3} and {:.3} N m: the advantage is real, and far below what any controller would notice. With a plant of the other \
-             law the ratio is {:.2}.",
+            "Errors {:.3} and {:.3} N m: the advantage is real, and far below what any controller would notice. With a plant of that \
+             Stribeck law the ratio is {:.2}.",
             rms(records.iter().map(|case| case.error_or_nan(Method::Stribeck))),
             rms(records.iter().map(|case| case.error_or_nan(Method::Lasso))),
             ratio(stribeck),
