@@ -170,7 +170,7 @@ pub fn experiment(study: &Study) -> Outcome<Part> {
             Cell::number(curve_error(&law, |v| truth.at(v), fastest)?),
         ]);
     }
-    let section = Section::new("angle", "6 · Friction that seems to depend on the angle")
+    let section = Section::new("angle", "Friction that seems to depend on the angle")
         .block(text(
             "The identifying model has the plant's masses, but a gravity that is 8 % too large. What it calls friction then holds \
              $0.08 \\, q_g(y)$, up to 1.8 N m at β.",

@@ -153,7 +153,7 @@ pub fn experiment(study: &Study) -> Outcome<Part> {
         stand_in_claim(&laws)?,
         load_claim(&isolated, &assembled)?,
     ];
-    let section = Section::new("friction-of-joints", "9 · Equal modules, different friction, and load")
+    let section = Section::new("friction-of-joints", "Equal modules, different friction, and load")
         .block(text(
             "Each law is identified from a record of its joint (SINDy with LASSO). The old model's curve is a stand-in, \
              $45 \\, v + 9 \\tanh 10 v$ for all joints. For the influence of load the plant's friction gets an additional \

@@ -241,7 +241,7 @@ pub fn experiment(study: &Study) -> Outcome<Part> {
         front_claim(&fronts),
         choice_claim(&chosen),
     ];
-    let section = Section::new("library", "7 · The library and the choice of terms")
+    let section = Section::new("library", "The library and the choice of terms")
         .block(text(
             "The record of the experiment before, the identifying model's gravity right. The finer library adds tanh 7v, 14v, 30v, 50v and 70v.",
         ))

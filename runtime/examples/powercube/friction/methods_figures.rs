@@ -9,7 +9,7 @@ use std::time::Instant;
 
 /// `shown`: data with gravity 8 % wrong; `right`: all angles of A, B, C with the right gravity.
 pub fn section(study: &Study, shown: &[Case], right: &[Case]) -> Outcome<Section> {
-    Ok(Section::new("methods-section", "8 · SINDy and nonlinear regression side by side")
+    Ok(Section::new("methods-section", "SINDy and nonlinear regression side by side")
         .block(text(
             "SINDy chooses from the library, by sequentially thresholded least squares (STLS, threshold 0.1) or by LASSO with ten folds; \
              nonlinear regression fits $\\tau = a_1 v + a_2 \\tanh a_3 v + a_4 e^{-a_5 |v|} \\tanh 3 a_3 v$. Both see the same samples: the record \

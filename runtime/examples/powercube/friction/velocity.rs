@@ -365,7 +365,7 @@ fn section(
             Cell::number(smoothed),
         ]
     };
-    Section::new("differentiation", "5 · Velocities from encoders")
+    Section::new("differentiation", "Velocities from encoders")
         .block(text(
             "Joint β moves at up to 0.5 rad/s; its encoder counts 0.1 mrad and is read every 20 ms. TVDiff minimizes \
              $\\tfrac12 \\lVert s-f \\rVert^2 + \\gamma \\, \\Delta t \\sum \\sqrt{(D^3 s)^2 + \\varepsilon}$ over the smoothed \
