@@ -68,7 +68,7 @@ pub fn dependence(samples: &Samples) -> Outcome<f64> {
 pub fn seeming_claim([beta, gamma]: [&Samples; 2]) -> Outcome<Claim> {
     Ok(Claim::new(
         "claim-6a",
-        "With gravity 8 % wrong the friction of β and γ seems to depend on the angle",
+        "With gravity 8 % wrong the friction of β and γ seems to depend on the angle.",
     )
     .criterion(Criterion::at_least(
         "torque that depends on the angle, β, rms",
@@ -92,7 +92,7 @@ pub fn selection_claim(beta: &Samples, narrow: f64) -> Outcome<Claim> {
     let share = kept.len() as f64 / beta.len() as f64;
     Ok(Claim::new(
         "claim-6b",
-        "Keeping only |β| < 0.1 removes the dependence, at the price of data",
+        "Keeping only |β| < 0.1 removes the dependence, at the price of data.",
     )
     .criterion(Criterion::at_most(
         "torque that depends on the angle, β, rms",
@@ -114,7 +114,7 @@ pub fn selection_claim(beta: &Samples, narrow: f64) -> Outcome<Claim> {
 pub fn opposed_claim(gamma: &Samples) -> Outcome<Claim> {
     Ok(Claim::new(
         "claim-6c",
-        "Moving β = −γ removes it for γ without losing data",
+        "Moving β = −γ removes it for γ without losing data.",
     )
     .criterion(Criterion::at_most(
         "torque that depends on the angle, γ, rms, all data kept",

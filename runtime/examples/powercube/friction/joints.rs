@@ -57,7 +57,7 @@ fn stand_in_error(law: &FrictionLaw) -> Outcome<f64> {
 pub fn difference_claim(laws: &[FrictionLaw; 3]) -> Outcome<Claim> {
     Ok(Claim::new(
         "claim-9a",
-        "The modules are the same, their friction is not",
+        "The modules are the same, their friction is not.",
     )
     .criterion(Criterion::at_least(
         "least difference between two of the joints at 0.3 rad/s",
@@ -74,7 +74,7 @@ pub fn difference_claim(laws: &[FrictionLaw; 3]) -> Outcome<Claim> {
 pub fn stand_in_claim([_, b, c]: &[FrictionLaw; 3]) -> Outcome<Claim> {
     Ok(Claim::new(
         "claim-9b",
-        "One common curve, as in the old model, fits neither B nor C",
+        "One common curve, as in the old model, fits neither B nor C.",
     )
     .criterion(Criterion::at_least(
         "common curve minus B, rms",
@@ -122,7 +122,7 @@ pub fn load_claim(isolated: &Samples, assembled: &(Samples, Vec<f64>)) -> Outcom
         Ok(0.5 * (forward - backward))
     };
     let found = law_under_load(samples, loads)?;
-    Ok(Claim::new("claim-9c", "Load raises friction")
+    Ok(Claim::new("claim-9c", "Load raises friction.")
         .criterion(Criterion::at_least(
             "assembled minus isolated at 0.3 rad/s, mean of both directions",
             torque(samples)? - torque(isolated)?,

@@ -137,7 +137,7 @@ fn knee(front: &Front) -> f64 {
 pub fn fineness_claim(paper: &Fineness, finer: &Fineness) -> Claim {
     Claim::new(
         "claim-7a",
-        "The library [1, v, sgn v, tanh 5v, 10v, 20v, 100v] needs no finer slopes: they are nearly collinear and tell nothing new",
+        "The library [1, v, sgn v, tanh 5v, 10v, 20v, 100v] needs no finer slopes: they are nearly collinear and tell nothing new.",
     )
     .criterion(Criterion::at_least(
         "condition number of the finer library over that of the paper's",
@@ -169,7 +169,7 @@ pub fn front_claim(fronts: &[[Front; 2]; 3]) -> Claim {
     };
     Claim::new(
         "claim-7b",
-        "The Pareto fronts of STLS and LASSO bend early: few terms reach the error of all seven within 1 %",
+        "The Pareto fronts of STLS and LASSO bend early: few terms reach the error of all seven within 1 %.",
     )
     .criterion(Criterion::at_most("terms needed by STLS, worst joint", most(0), 4.0, ""))
     .criterion(Criterion::at_most("terms needed by LASSO, worst joint", most(1), 4.0, ""))
@@ -185,7 +185,7 @@ pub fn choice_claim(chosen: &[(FrictionReport, f64); 3]) -> Claim {
         .fold(0.0, |worst: f64, (_, error)| worst.max(*error));
     Claim::new(
         "claim-7c",
-        "LASSO with k folds chooses its terms alone, without a threshold set by hand",
+        "LASSO with k folds chooses its terms alone, without a threshold set by hand.",
     )
     .criterion(Criterion::at_most(
         "terms chosen, worst joint",

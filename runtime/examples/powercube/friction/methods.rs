@@ -204,7 +204,7 @@ pub fn ratio(cases: &[Case]) -> f64 {
 pub fn both_claim(cases: &[Case]) -> Claim {
     Claim::new(
         "claim-8a",
-        "Both SINDy and nonlinear regression find the friction of joints A, B and C",
+        "Both SINDy and nonlinear regression find the friction of joints A, B and C.",
     )
     .criterion(Criterion::at_most(
         "error of SINDy (LASSO), worst joint, rms",
@@ -228,7 +228,7 @@ pub fn both_claim(cases: &[Case]) -> Claim {
 pub fn unfiltered_claim(with_offset: &[Case], without: &[Case]) -> Claim {
     Claim::new(
         "claim-8b",
-        "Nonlinear regression fails on the data of B without selection by angle, SINDy does not",
+        "Nonlinear regression fails on the data of B without selection by angle, SINDy does not.",
     )
     .criterion(Criterion::at_least(
         "error of nonlinear regression over that of SINDy (LASSO)",
@@ -250,7 +250,7 @@ pub fn unfiltered_claim(with_offset: &[Case], without: &[Case]) -> Claim {
 
 /// Claim 8c on records of C; those of a plant with Stribeck's law stand beside it.
 pub fn joint_c_claim(records: &[Case], stribeck: &[Case]) -> Claim {
-    Claim::new("claim-8c", "SINDy is better on joint C")
+    Claim::new("claim-8c", "SINDy is better on joint C.")
         .criterion(Criterion::at_least(
             "error of nonlinear regression over that of SINDy (LASSO)",
             ratio(records),
@@ -272,7 +272,7 @@ pub fn joint_c_claim(records: &[Case], stribeck: &[Case]) -> Claim {
 /// Claim 8d from the first `seconds` of one record for each joint.
 pub fn short_claim(cases: &[Case], seconds: f64) -> Claim {
     let short: Vec<Case> = cases.iter().map(|case| case.first(seconds)).collect();
-    Claim::new("claim-8d", "One short trajectory suffices")
+    Claim::new("claim-8d", "One short trajectory suffices.")
         .criterion(Criterion::at_most(
             "error of SINDy (LASSO) from one cycle of 10 s, worst joint, rms",
             worst(&short, Method::Lasso),
@@ -318,7 +318,7 @@ pub fn outside_claim(cases: &[Case], slow: f64) -> Claim {
     };
     Claim::new(
         "claim-8e",
-        "Laws stay useful up to twice the speeds of the data",
+        "Laws stay useful up to twice the speeds of the data.",
     )
     .criterion(Criterion::at_most(
         "error of SINDy (LASSO) between 0.25 and 0.5 rad/s, worst joint, rms",
@@ -342,7 +342,7 @@ pub fn outside_claim(cases: &[Case], slow: f64) -> Claim {
 pub fn breaks_claim(narrow: &Case, with_offset: &[Case]) -> Claim {
     Claim::new(
         "claim-8f",
-        "Each method breaks at something else: STLS where the data show no slow speeds, nonlinear regression where the torque has an offset",
+        "Each method breaks at something else: STLS where the data show no slow speeds, nonlinear regression where the torque has an offset.",
     )
     .criterion(Criterion::at_least(
         "error of SINDy (STLS) over that of LASSO, B with |β| < 0.1, counted up to 1000",

@@ -219,7 +219,7 @@ pub fn encoder_claim([fine, coarse]: &[Comparison; 2], step: f64) -> Claim {
     let [differences, smoothed] = fine.errors();
     Claim::new(
         "claim-5a",
-        "The velocity that encoders give is coarse; total-variation regularized differentiation (TVDiff) makes it usable",
+        "The velocity that encoders give is coarse; total-variation regularized differentiation (TVDiff) makes it usable.",
     )
     .criterion(Criterion::at_least(
         "error of differences over that of TVDiff, rms",
@@ -248,7 +248,7 @@ pub fn encoder_claim([fine, coarse]: &[Comparison; 2], step: f64) -> Claim {
 pub fn synthetic_claim([first, second]: &[Comparison; 2]) -> Claim {
     Claim::new(
         "claim-5b",
-        "On noisy signals whose derivative is known TVDiff is far better than finite differences",
+        "On noisy signals whose derivative is known TVDiff is far better than finite differences.",
     )
     .criterion(Criterion::at_least(
         "error of central differences over that of TVDiff, first derivative",
@@ -270,7 +270,7 @@ pub fn synthetic_claim([first, second]: &[Comparison; 2]) -> Claim {
 pub fn low_pass_claim(filter: &LowPass) -> Outcome<Claim> {
     Ok(Claim::new(
         "claim-5c",
-        "TVDiff acts as a low-pass: it keeps the motion and takes what is faster",
+        "TVDiff acts as a low-pass: it keeps the motion and takes what is faster.",
     )
     .criterion(Criterion::at_least(
         "gain at the motion's highest frequency, 0.37 Hz",
