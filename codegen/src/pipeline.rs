@@ -3,12 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::dynamics::array_form::Form;
 use crate::dynamics::catalogue;
 use crate::dynamics::composition::Composition;
 use crate::dynamics::function::Function;
 use crate::dynamics::size::MOST_OPERATIONS;
 use crate::emit::{self, EmitOptions, SourceFile};
 use crate::model::{self, Loaded, Model, ReadOptions};
+use crate::program::arrays::ArrayForm;
 use crate::program::fuse_multiply_adds;
 use crate::snapping;
 
@@ -28,6 +30,8 @@ pub struct GenerateOptions {
     /// Contracts products and sums to fused multiply-adds, rounded once: faster where the processor has them, and
     /// compiled only there.
     pub fused_multiply_add: bool,
+    /// Form of functions that are large as straight-line code.
+    pub form: Form,
     /// Operations of the largest function that is wanted; by default [`MOST_OPERATIONS`].
     pub max_operations: Option<usize>,
     /// How the module is written.
@@ -95,14 +99,22 @@ fn check_slope(slope: Option<f64>) -> Result<(), Diagnostics> {
 
 /// Stages 2 to 4.
 fn derive(model: &Model, options: &GenerateOptions) -> Result<Vec<Function>, Diagnostics> {
-    let mut functions = catalogue::derive(
+    let mut functions = catalogue::derive_in_form(
         model,
         selection(model, options),
         options.max_operations.unwrap_or(MOST_OPERATIONS),
+        options.form,
+        &options.emit.lanes,
     )?;
     if options.fused_multiply_add {
         for function in &mut functions {
-            function.program = fuse_multiply_adds(&function.program);
+            match function.arrays.as_ref().map(ArrayForm::fused) {
+                Some(form) => {
+                    function.program = form.unrolled();
+                    function.arrays = Some(form);
+                }
+                None => function.program = fuse_multiply_adds(&function.program),
+            }
         }
     }
     Ok(functions)

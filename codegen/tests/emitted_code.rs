@@ -351,6 +351,7 @@ fn zeros(name: &str, inputs: &[(&str, usize)], results: &[(&str, Shape)]) -> Fun
             instructions: vec![],
             outputs: results.iter().map(output).collect(),
         },
+        arrays: None,
     }
 }
 

@@ -5677,11 +5677,11 @@ pub fn mass_matrix_and_bias_forces_into(
 /// - returns `∂/∂y: [N × N]`: row i = force i
 /// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
 ///
-/// Cost: 1278 multiplications, 1202 additions, 0 divisions, 6 function calls (`sin_cos`).
+/// Cost: 3546 multiplications, 3159 additions, 0 divisions, 7 function calls (`sin_cos`).
 ///
-/// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
-///
-/// Composite bodies with pairs of joints in link frames were cheapest.
+/// Loops over joints, with spatial vectors in the frame of the base (Singh, Russell and Wensing 2022):
+/// straight-line code would not fit into a processor's instruction cache. The cost counts each operation that
+/// contributes.
 #[inline]
 #[must_use]
 pub fn inverse_dynamics_derivatives(
@@ -5705,3387 +5705,607 @@ pub fn inverse_dynamics_derivatives_into(
     d_dy: &mut [[f64; N]; N],
     d_dv: &mut [[f64; N]; N],
 ) {
-    let [sin_panda_joint2, cos_panda_joint2, sin_panda_joint3, cos_panda_joint3,
-    sin_panda_joint4, cos_panda_joint4, sin_panda_joint5, cos_panda_joint5,
-    sin_panda_joint6, cos_panda_joint6, cos_panda_joint7, omega_panda_joint2_y, t16,
-    omega_panda_joint2_x, t23, t25, omega_panda_joint3_y, omega_panda_joint3_x, t36, t42,
-    t44, omega_panda_joint4_y, t55, omega_panda_joint4_x, t63, omega_panda_joint5_y, t74,
-    omega_panda_joint5_x, t84, t86, omega_panda_joint6_y, t96, t100,
-    omega_panda_joint6_x, t111, t122, t132, t148, t156, t184, t188, t205, t214,
-    acceleration_panda_joint2_y, acceleration_panda_joint2_x,
-    acceleration_panda_joint3_x, acceleration_panda_joint4_x,
-    acceleration_panda_joint4_y, acceleration_panda_joint3_y,
-    acceleration_panda_joint5_x, t299, t311, t316, t339, acceleration_panda_joint5_y,
-    t419, t446, t535, t555, t557, t559, t561, t563, t565, t566, t571, t572, t575, t577,
-    t579, t586, t593, t594, t596, t599, t609, t610, t613, t617, t618, t619, t626, t638,
-    t645, t651, t656, t659, t661, t662, t664, t674, t677, t684, t689, t691, t699, t720,
-    t745, t749, t750, t759, t760, t766, t768, t769, t783, t786, t795, t797, t801, t806,
-    t807, t808, t819, t860, t863, t869, t871, t888, t892, t899, t907, t917, t919, t923,
-    t929, t940, t942, t944, t945, t962, t967, t968, t971, t973, t980, t983, t990, t994,
-    t995, t997, t998, t1003, t1012, t1013, t1027, t1029, t1037, t1044, t1056, t1061,
-    t1063, t1073, t1075, t1077, t1087, t1094, t1101, t1108, t1118, t1140, t1166, t1170,
-    t1172, t1175, t1179, t1205, t1242, t1255, t1257, t1290, t1293, t1307, t1317, t1333,
-    t1341, t1357, t1359, t1400, t1406, t1412, t1416, t1436, t1444, t1457, t1473, t1475,
-    t1516, t1521, t1533, t1551, t1564, t1580, t1582, t1583, t1588, t1596, t1614, t1617,
-    t1620, t1623, t1626, t1629, t1630, t1632, t1642, t1645, t1647, t1650, t1652, t1654,
-    t1656, t1672, t1676, t1686, t1687, t1690] = inverse_dynamics_derivatives_part_1(
+    const MOMENTS: [[f64; 8]; 10] = [
+        [
+            4.970684,
+            0.646926,
+            3.228604,
+            3.587895,
+            1.225946,
+            1.666555,
+            1.4955219999999998,
+            0.0,
+        ],
+        [
+            -0.0192614005,
+            -0.002031994566,
+            0.088844724872,
+            0.19076837715,
+            -0.014653732538,
+            0.10024161669500001,
+            0.002573605371338203,
+            0.0,
+        ],
+        [
+            -0.010343993404000001,
+            -0.018579714719999998,
+            0.126729164208,
+            -0.374644408005,
+            0.05034347249,
+            -0.023526756935,
+            0.0020344399586617965,
+            0.0,
+        ],
+        [
+            -0.23670397208000002,
+            0.0022610063699999997,
+            -0.214708623208,
+            0.09850206933,
+            -0.047121686402,
+            -0.017527158935000002,
+            0.150277948634,
+            0.0,
+        ],
+        [
+            0.006253137926937475,
+            0.02307788249493181,
+            0.007316329139027697,
+            0.021154154613065503,
+            0.0014511560650267133,
+            0.009940933002587554,
+            0.002131604094419858,
+            0.0,
+        ],
+        [
+            0.00017908297444049997,
+            0.00398335888393552,
+            0.008248333140675744,
+            -0.02771584317362585,
+            0.0015152444733270301,
+            -0.001524110902883315,
+            -0.00039139128168424786,
+            0.0,
+        ],
+        [
+            0.007689227891810001,
+            -0.01026110182100817,
+            0.005487648106562256,
+            0.0039053550262761003,
+            0.004600245517563105,
+            0.00010375891721868492,
+            0.0009653051699191118,
+            0.0,
+        ],
+        [
+            0.00296002585027379,
+            0.0034571094067584007,
+            0.010932873153492416,
+            0.056431994439474095,
+            0.009418354697801846,
+            0.0018536272276513952,
+            0.004552547872941089,
+            0.0,
+        ],
+        [
+            0.019661580965898477,
+            -0.0007689361029464,
+            0.004377257121839584,
+            -0.0016444875773692705,
+            -0.0021640520520981297,
+            -9.3569097314605e-5,
+            0.001255536598272898,
+            0.0,
+        ],
+        [
+            0.7117033431504496,
+            0.0050464022172631495,
+            0.045562052860578406,
+            0.01124527581138582,
+            0.030009216260233673,
+            0.0006268331305193952,
+            0.0270807953180085,
+            0.0,
+        ],
+    ];
+    const GRAVITY: [[f64; 8]; 3] = [
+        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [9.81, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    ];
+    const ROTOR_INERTIA: [[f64; 8]; 1] = [[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]];
+    let mut screws = [[0.0; 8]; 6];
+    let mut axes = [[0.0; 8]; 9];
+    let mut origins = [[0.0; 8]; 3];
+    let mut rates = [[0.0; 8]; 1];
+    let mut accelerations = [[0.0; 8]; 1];
+    let mut joint_forces = [[0.0; 8]; 3];
+    inverse_dynamics_derivatives_setup(
         y,
         v,
         a,
+        &mut screws,
+        &mut axes,
+        &mut origins,
+        &mut rates,
+        &mut accelerations,
+        &mut joint_forces,
     );
-    let [t1873, t1886, t1899, t2032, t2045, t2058, t2071, t2093, t2114, t2140, t2183,
-    t2229, t2239, t2273, t2310, t2318, t2365, t2375, t2378, t2402, t2407, t2410, t2422,
-    t2432, t2440, t2441, t2444, t2455, t2463, t2464, t2467, t2478, t2482, t2486, t2490,
-    t2492, t2493, t2494, t2495, t2496, t2497, t2498, t2499, t2500, t2501, t2502, t2503,
-    t2504, t2505, t2506, t2507, t2508, t2509, t2510, t2511, t2512, t2513, t2514, t2515,
-    t2516, t2517, t2518, t2519, t2520, t2521, t2522, t2523, t2524, t2525, t2526, t2527,
-    t2528, t2529, t2530, t2531] = inverse_dynamics_derivatives_part_2(
-        v,
-        [
-            sin_panda_joint2,
-            cos_panda_joint2,
-            sin_panda_joint3,
-            cos_panda_joint3,
-            sin_panda_joint4,
-            cos_panda_joint4,
-            sin_panda_joint5,
-            cos_panda_joint5,
-            sin_panda_joint6,
-            cos_panda_joint6,
-            cos_panda_joint7,
-            omega_panda_joint2_y,
-            t16,
-            omega_panda_joint2_x,
-            t23,
-            t25,
-            omega_panda_joint3_y,
-            omega_panda_joint3_x,
-            t36,
-            t42,
-            t44,
-            omega_panda_joint4_y,
-            t55,
-            omega_panda_joint4_x,
-            t63,
-            omega_panda_joint5_y,
-            t74,
-            omega_panda_joint5_x,
-            t84,
-            t86,
-            omega_panda_joint6_y,
-            t96,
-            t100,
-            omega_panda_joint6_x,
-            t111,
-            t122,
-            t132,
-            t148,
-            t156,
-            t184,
-            t188,
-            t205,
-            t214,
-            acceleration_panda_joint2_y,
-            acceleration_panda_joint2_x,
-            acceleration_panda_joint3_x,
-            acceleration_panda_joint4_x,
-            acceleration_panda_joint4_y,
-            acceleration_panda_joint3_y,
-            acceleration_panda_joint5_x,
-            t299,
-            t311,
-            t316,
-            t339,
-            acceleration_panda_joint5_y,
-            t419,
-            t446,
-            t566,
-            t571,
-            t572,
-            t575,
-            t577,
-            t579,
-            t586,
-            t593,
-            t594,
-            t596,
-            t599,
-            t609,
-            t610,
-            t613,
-            t617,
-            t618,
-            t619,
-            t626,
-            t638,
-            t645,
-            t651,
-            t656,
-            t659,
-            t661,
-            t662,
-            t664,
-            t674,
-            t677,
-            t684,
-            t689,
-            t691,
-            t699,
-            t720,
-            t745,
-            t749,
-            t750,
-            t759,
-            t760,
-            t766,
-            t768,
-            t769,
-            t783,
-            t786,
-            t795,
-            t797,
-            t801,
-            t806,
-            t807,
-            t808,
-            t819,
-            t860,
-            t863,
-            t869,
-            t871,
-            t888,
-            t892,
-            t899,
-            t907,
-            t917,
-            t919,
-            t923,
-            t929,
-            t940,
-            t942,
-            t944,
-            t945,
-            t962,
-            t967,
-            t968,
-            t971,
-            t973,
-            t980,
-            t983,
-            t990,
-            t994,
-            t995,
-            t997,
-            t998,
-            t1003,
-            t1012,
-            t1013,
-            t1027,
-            t1029,
-            t1037,
-            t1044,
-            t1056,
-            t1061,
-            t1063,
-            t1073,
-            t1075,
-            t1077,
-            t1087,
-            t1094,
-            t1101,
-            t1118,
-            t1140,
-            t1166,
-            t1170,
-            t1175,
-            t1179,
-            t1205,
-            t1242,
-            t1257,
-            t1290,
-            t1293,
-            t1307,
-            t1317,
-            t1333,
-            t1341,
-            t1359,
-            t1400,
-            t1406,
-            t1412,
-            t1416,
-            t1436,
-            t1444,
-            t1475,
-            t1521,
-            t1564,
-            t1580,
-            t1583,
-            t1588,
-            t1596,
-            t1617,
-            t1629,
-            t1630,
-            t1632,
-            t1645,
-            t1647,
-            t1650,
-            t1652,
-            t1654,
-            t1656,
-            t1672,
-            t1686,
-            t1687,
-            t1690,
-        ],
+    let mut joint_velocity = [[0.0; 8]; 6];
+    joint_velocities(&screws, &rates, &mut joint_velocity);
+    let mut velocity = [[0.0; 8]; 6];
+    sum_ancestors(&joint_velocity, &mut velocity);
+    let mut inertia = [[0.0; 8]; 10];
+    let mut flow = [[0.0; 8]; 12];
+    let mut screw_rate = [[0.0; 8]; 6];
+    let mut joint_acceleration = [[0.0; 8]; 6];
+    let mut momentum_rate = [[0.0; 8]; 6];
+    bodies_in_motion(
+        &axes,
+        &origins,
+        &MOMENTS,
+        &screws,
+        &rates,
+        &GRAVITY,
+        &velocity,
+        &accelerations,
+        &mut inertia,
+        &mut flow,
+        &mut screw_rate,
+        &mut joint_acceleration,
+        &mut momentum_rate,
     );
-    b_u[0] = t535;
-    b_u[1] = t555;
-    b_u[2] = t557;
-    b_u[3] = t559;
-    b_u[4] = t561;
-    b_u[5] = t563;
-    b_u[6] = t565;
-    d_dy[0][0] = 0.0;
-    d_dy[0][1] = t1108;
-    d_dy[0][2] = t1172;
-    d_dy[0][3] = t2492;
-    d_dy[0][4] = t2493;
-    d_dy[0][5] = t2494;
-    d_dy[0][6] = t1582;
-    d_dy[1][0] = 0.0;
-    d_dy[1][1] = t1614;
-    d_dy[1][2] = t2495;
-    d_dy[1][3] = t1620;
-    d_dy[1][4] = t1623;
-    d_dy[1][5] = t1626;
-    d_dy[1][6] = t2496;
-    d_dy[2][0] = 0.0;
-    d_dy[2][1] = t1642;
-    d_dy[2][2] = t2497;
-    d_dy[2][3] = t1255;
-    d_dy[2][4] = t1357;
-    d_dy[2][5] = t1473;
-    d_dy[2][6] = t2498;
-    d_dy[3][0] = 0.0;
-    d_dy[3][1] = t1676;
-    d_dy[3][2] = t2499;
-    d_dy[3][3] = t2500;
-    d_dy[3][4] = t2501;
-    d_dy[3][5] = t2502;
-    d_dy[3][6] = t1551;
-    d_dy[4][0] = 0.0;
-    d_dy[4][1] = t2503;
-    d_dy[4][2] = t2504;
-    d_dy[4][3] = t2505;
-    d_dy[4][4] = t2506;
-    d_dy[4][5] = t1457;
-    d_dy[4][6] = t2507;
-    d_dy[5][0] = 0.0;
-    d_dy[5][1] = t1873;
-    d_dy[5][2] = t1886;
-    d_dy[5][3] = t1899;
-    d_dy[5][4] = t2508;
-    d_dy[5][5] = t2509;
-    d_dy[5][6] = t1516;
-    d_dy[6][0] = 0.0;
-    d_dy[6][1] = t2032;
-    d_dy[6][2] = t2045;
-    d_dy[6][3] = t2058;
-    d_dy[6][4] = t2071;
-    d_dy[6][5] = t2510;
-    d_dy[6][6] = t1533;
-    d_dv[0][0] = t2093;
-    d_dv[0][1] = t2114;
-    d_dv[0][2] = t2140;
-    d_dv[0][3] = t2183;
-    d_dv[0][4] = t2239;
-    d_dv[0][5] = t2310;
-    d_dv[0][6] = t2375;
-    d_dv[1][0] = t2378;
-    d_dv[1][1] = t2511;
-    d_dv[1][2] = t2512;
-    d_dv[1][3] = t2513;
-    d_dv[1][4] = t2514;
-    d_dv[1][5] = t2515;
-    d_dv[1][6] = t2516;
-    d_dv[2][0] = t2402;
-    d_dv[2][1] = t2517;
-    d_dv[2][2] = t2407;
-    d_dv[2][3] = t2518;
-    d_dv[2][4] = t2519;
-    d_dv[2][5] = t2520;
-    d_dv[2][6] = t2521;
-    d_dv[3][0] = t2410;
-    d_dv[3][1] = t2522;
-    d_dv[3][2] = t2523;
-    d_dv[3][3] = t2422;
-    d_dv[3][4] = t2229;
-    d_dv[3][5] = t2273;
-    d_dv[3][6] = t2365;
-    d_dv[4][0] = t2524;
-    d_dv[4][1] = t2432;
-    d_dv[4][2] = t2525;
-    d_dv[4][3] = t2440;
-    d_dv[4][4] = t2441;
-    d_dv[4][5] = t2526;
-    d_dv[4][6] = t2318;
-    d_dv[5][0] = t2444;
-    d_dv[5][1] = t2527;
-    d_dv[5][2] = t2455;
-    d_dv[5][3] = t2528;
-    d_dv[5][4] = t2463;
-    d_dv[5][5] = t2464;
-    d_dv[5][6] = t2529;
-    d_dv[6][0] = t2467;
-    d_dv[6][1] = t2530;
-    d_dv[6][2] = t2478;
-    d_dv[6][3] = t2482;
-    d_dv[6][4] = t2486;
-    d_dv[6][5] = t2490;
-    d_dv[6][6] = t2531;
+    let mut acceleration = [[0.0; 8]; 6];
+    sum_ancestors(&joint_acceleration, &mut acceleration);
+    let mut force = [[0.0; 8]; 6];
+    body_forces(&inertia, &acceleration, &momentum_rate, &mut force);
+    let mut composite_inertia = [[0.0; 8]; 10];
+    sum_subtrees(&inertia, &mut composite_inertia);
+    let mut composite_flow = [[0.0; 8]; 12];
+    sum_subtrees(&flow, &mut composite_flow);
+    let mut composite_force = [[0.0; 8]; 6];
+    sum_subtrees(&force, &mut composite_force);
+    let mut forces = [[0.0; 8]; 1];
+    forces_at_joints(
+        &screws,
+        &composite_force,
+        &ROTOR_INERTIA,
+        &accelerations,
+        &joint_forces,
+        &mut forces,
+    );
+    let mut gains = [[0.0; 8]; 9];
+    let mut by_coordinate = [[0.0; 8]; 9];
+    let mut by_velocity = [[0.0; 8]; 9];
+    let mut stiffness = [[0.0; 8]; 6];
+    let mut damping = [[0.0; 8]; 6];
+    let mut own_stiffness = [[0.0; 8]; 1];
+    let mut own_damping = [[0.0; 8]; 1];
+    disturbances(
+        &screws,
+        &screw_rate,
+        &velocity,
+        &acceleration,
+        &composite_inertia,
+        &composite_flow,
+        &composite_force,
+        &joint_forces,
+        &mut gains,
+        &mut by_coordinate,
+        &mut by_velocity,
+        &mut stiffness,
+        &mut damping,
+        &mut own_stiffness,
+        &mut own_damping,
+    );
+    arrays::pairs::<
+        _,
+        _,
+        _,
+        8,
+        _,
+        _,
+    >((&gains, &by_coordinate), (&screws, &stiffness), &own_stiffness, d_dy);
+    arrays::pairs::<
+        _,
+        _,
+        _,
+        8,
+        _,
+        _,
+    >((&gains, &by_velocity), (&screws, &damping), &own_damping, d_dv);
+    b_u.copy_from_slice(forces[0].split_at(7).0);
 }
 
-/// Part 1 of `inverse_dynamics_derivatives`: values that later parts read.
-#[inline(never)]
-fn inverse_dynamics_derivatives_part_1(
+/// Poses and single joints of `inverse_dynamics_derivatives`; the arrays hold zeros before.
+#[allow(
+    clippy::too_many_arguments,
+    reason = "blocks of fixed size need no type of their own"
+)]
+fn inverse_dynamics_derivatives_setup(
     y: &[f64; N],
     v: &[f64; N],
     a: &[f64; N],
-) -> [f64; 217] {
-    let angle_panda_joint7_offset = y[6] + 0.6689225306301614;
+    screws: &mut [[f64; 8]; 6],
+    axes: &mut [[f64; 8]; 9],
+    origins: &mut [[f64; 8]; 3],
+    rates: &mut [[f64; 8]; 1],
+    accelerations: &mut [[f64; 8]; 1],
+    joint_forces: &mut [[f64; 8]; 3],
+) {
+    screws[2][0] = 1.0;
+    axes[8][0] = 1.0;
+    origins[2][0] = 0.333;
+    origins[2][1] = 0.333;
+    rates[0][0] = v[0];
+    rates[0][1] = v[1];
+    rates[0][2] = v[2];
+    rates[0][3] = v[3];
+    rates[0][4] = v[4];
+    rates[0][5] = v[5];
+    rates[0][6] = v[6];
+    accelerations[0][0] = a[0];
+    accelerations[0][1] = a[1];
+    accelerations[0][2] = a[2];
+    accelerations[0][3] = a[3];
+    accelerations[0][4] = a[4];
+    accelerations[0][5] = a[5];
+    accelerations[0][6] = a[6];
+    joint_forces[1][0] = -0.003;
+    joint_forces[1][1] = -0.003;
+    joint_forces[1][2] = -0.003;
+    joint_forces[1][3] = -0.003;
+    joint_forces[1][4] = -0.003;
+    joint_forces[1][5] = -0.003;
+    joint_forces[1][6] = -0.003;
     let (
-        [sin_panda_joint2,
-        sin_panda_joint3,
-        sin_panda_joint4,
-        sin_panda_joint5,
-        ],
-        [cos_panda_joint2,
-        cos_panda_joint3,
-        cos_panda_joint4,
-        cos_panda_joint5,
-        ],
-    ) = math::sin_cos_4(y[1], y[2], y[3], y[4]);
-    let ([sin_panda_joint6, sin_panda_joint7], [cos_panda_joint6, cos_panda_joint7]) = math::sin_cos_2(
-        y[5],
-        angle_panda_joint7_offset,
-    );
-    let omega_panda_joint2_y = v[0] * cos_panda_joint2;
-    let t14 = v[1] * 2.0;
-    let t15 = omega_panda_joint2_y * t14;
-    let t16 = a[0] * sin_panda_joint2;
-    let t17 = t16 + t15;
-    let t18 = cos_panda_joint3 * t17;
-    let omega_panda_joint2_x = v[0] * sin_panda_joint2;
-    let t20 = omega_panda_joint2_x * omega_panda_joint2_y;
-    let t21 = a[1] - t20;
-    let t22 = sin_panda_joint3 * t21;
-    let t23 = t22 - t18;
-    let omega_panda_joint3_z = v[2] + omega_panda_joint2_y;
-    let t25 = 2.0 * omega_panda_joint3_z;
-    let t26 = sin_panda_joint3 * omega_panda_joint2_x;
-    let t27 = v[1] * cos_panda_joint3;
-    let omega_panda_joint3_y = t26 + t27;
-    let t29 = omega_panda_joint3_y * t25;
-    let t30 = t23 + t29;
-    let t31 = cos_panda_joint4 * t30;
-    let t32 = cos_panda_joint3 * omega_panda_joint2_x;
-    let t33 = v[1] * sin_panda_joint3;
-    let omega_panda_joint3_x = t32 - t33;
-    let t35 = omega_panda_joint3_x * omega_panda_joint3_y;
-    let t36 = a[0] * cos_panda_joint2;
-    let t37 = a[2] + t36;
-    let t38 = v[1] * omega_panda_joint2_x;
-    let t39 = t38 - t37;
-    let t40 = t35 - t39;
-    let t41 = sin_panda_joint4 * t40;
-    let t42 = t31 + t41;
-    let omega_panda_joint4_z = v[3] - omega_panda_joint3_y;
-    let t44 = 2.0 * omega_panda_joint4_z;
-    let t45 = sin_panda_joint4 * omega_panda_joint3_x;
-    let t46 = cos_panda_joint4 * omega_panda_joint3_z;
-    let omega_panda_joint4_y = t45 + t46;
-    let t48 = omega_panda_joint4_y * t44;
-    let t49 = t48 + t42;
-    let t50 = cos_panda_joint5 * t49;
-    let t51 = omega_panda_joint3_x * omega_panda_joint3_z;
-    let t52 = a[3] - t51;
-    let t53 = sin_panda_joint3 * t17;
-    let t54 = cos_panda_joint3 * t21;
-    let t55 = t54 + t53;
-    let t56 = t55 - t52;
-    let t57 = cos_panda_joint4 * omega_panda_joint3_x;
-    let t58 = sin_panda_joint4 * omega_panda_joint3_z;
-    let omega_panda_joint4_x = t57 - t58;
-    let t60 = omega_panda_joint4_x * omega_panda_joint4_y;
-    let t61 = t60 - t56;
-    let t62 = sin_panda_joint5 * t61;
-    let t63 = t62 - t50;
-    let omega_panda_joint5_z = v[4] + omega_panda_joint4_y;
-    let t65 = 2.0 * omega_panda_joint5_z;
-    let t66 = sin_panda_joint5 * omega_panda_joint4_x;
-    let t67 = cos_panda_joint5 * omega_panda_joint4_z;
-    let omega_panda_joint5_y = t66 - t67;
-    let t69 = omega_panda_joint5_y * t65;
-    let t70 = t69 - t63;
-    let t71 = cos_panda_joint6 * t70;
-    let t72 = sin_panda_joint4 * t30;
-    let t73 = cos_panda_joint4 * t40;
-    let t74 = t72 - t73;
-    let t75 = omega_panda_joint4_x * omega_panda_joint4_z;
-    let t76 = a[4] + t75;
-    let t77 = t74 - t76;
-    let t78 = cos_panda_joint5 * omega_panda_joint4_x;
-    let t79 = sin_panda_joint5 * omega_panda_joint4_z;
-    let omega_panda_joint5_x = t78 + t79;
-    let t81 = omega_panda_joint5_x * omega_panda_joint5_y;
-    let t82 = t81 - t77;
-    let t83 = sin_panda_joint6 * t82;
-    let t84 = t83 + t71;
-    let omega_panda_joint6_z = v[5] - omega_panda_joint5_y;
-    let t86 = 2.0 * omega_panda_joint6_z;
-    let t87 = sin_panda_joint6 * omega_panda_joint5_x;
-    let t88 = cos_panda_joint6 * omega_panda_joint5_z;
-    let omega_panda_joint6_y = t87 + t88;
-    let t90 = omega_panda_joint6_y * t86;
-    let t91 = t90 + t84;
-    let omega_panda_joint7_z = v[6] - omega_panda_joint6_y;
-    let t93 = 2.0 * omega_panda_joint7_z;
-    let t94 = omega_panda_joint6_z * t93;
-    let t95 = t94 + t91;
-    let t96 = 0.0002886935268424518 * sin_panda_joint7;
-    let t97 = t96 * t95;
-    let t98 = sin_panda_joint5 * t49;
-    let t99 = cos_panda_joint5 * t61;
-    let t100 = t99 + t98;
-    let t101 = omega_panda_joint5_x * omega_panda_joint5_z;
-    let t102 = a[5] - t101;
-    let t103 = t100 + t102;
-    let t104 = cos_panda_joint6 * omega_panda_joint5_x;
-    let t105 = sin_panda_joint6 * omega_panda_joint5_z;
-    let omega_panda_joint6_x = t104 - t105;
-    let t107 = omega_panda_joint6_x * omega_panda_joint6_y;
-    let t108 = t107 + t103;
-    let t109 = omega_panda_joint6_x * t93;
-    let t110 = t109 + t108;
-    let t111 = 0.0002886935268424518 * cos_panda_joint7;
-    let t112 = t111 * t110;
-    let force_panda_joint7_z = t112 - t97;
-    let t114 = t107 - t103;
-    let t115 = 0.020402584637159996 * t114;
-    let t116 = omega_panda_joint6_x * omega_panda_joint6_x;
-    let t117 = omega_panda_joint6_z * omega_panda_joint6_z;
-    let t118 = t116 + t117;
-    let t119 = 0.015294814090072 * t118;
-    let t120 = t119 - t115;
-    let force_panda_joint6_y = force_panda_joint7_z + t120;
-    let t122 = cos_panda_joint6 * 4.363636363636364;
-    let t123 = t122 * force_panda_joint6_y;
-    let t124 = 0.0260623224672 * t70;
-    let t125 = omega_panda_joint5_x * t65;
-    let t126 = t125 - t100;
-    let t127 = 0.005627033294592 * t126;
-    let t128 = t127 + t124;
-    let t129 = t123 + t128;
-    let t130 = sin_panda_joint6 * t70;
-    let t131 = cos_panda_joint6 * t82;
-    let t132 = t131 - t130;
-    let t133 = omega_panda_joint6_x * omega_panda_joint6_z;
-    let t134 = a[6] - t133;
-    let t135 = t132 - t134;
-    let t136 = t133 - t135;
-    let t137 = t96 * t136;
-    let t138 = omega_panda_joint7_z * omega_panda_joint7_z;
-    let t139 = t117 + t138;
-    let t140 = t111 * t139;
-    let force_panda_joint7_x = t140 + t137;
-    let t142 = 0.015294814090072 * t108;
-    let t143 = omega_panda_joint6_y * omega_panda_joint6_y;
-    let t144 = t143 + t117;
-    let t145 = 0.020402584637159996 * t144;
-    let t146 = t145 - t142;
-    let force_panda_joint6_x = force_panda_joint7_x + t146;
-    let t148 = sin_panda_joint6 * 4.363636363636364;
-    let t149 = t148 * force_panda_joint6_x;
-    let force_panda_joint5_z = t149 - t129;
-    let t151 = 0.21484375 * force_panda_joint5_z;
-    let t152 = t60 + t56;
-    let t153 = 0.04560437265862501 * t152;
-    let t154 = omega_panda_joint4_x * omega_panda_joint4_x;
-    let t155 = omega_panda_joint4_z * omega_panda_joint4_z;
-    let t156 = t154 + t155;
-    let t157 = 0.16603319317224752 * t156;
-    let t158 = t157 - t153;
-    let force_panda_joint4_y = t151 + t158;
-    let t160 = sin_panda_joint4 * force_panda_joint4_y;
-    let t161 = 0.002328735327435001 * t40;
-    let t162 = omega_panda_joint3_y * omega_panda_joint3_y;
-    let t163 = omega_panda_joint3_z * omega_panda_joint3_z;
-    let t164 = t162 + t163;
-    let t165 = 0.06161578168944001 * t164;
-    let t166 = t165 + t161;
-    let t167 = t160 - t166;
-    let t168 = t133 + t135;
-    let t169 = t111 * t168;
-    let t170 = t116 + t138;
-    let t171 = t96 * t170;
-    let force_panda_joint7_y = t171 + t169;
-    let t173 = 0.015294814090072 * t91;
-    let t174 = omega_panda_joint6_x * t86;
-    let t175 = t174 + t132;
-    let t176 = 0.020402584637159996 * t175;
-    let t177 = t176 + t173;
-    let force_panda_joint6_z = force_panda_joint7_y + t177;
-    let t179 = 4.363636363636364 * force_panda_joint6_z;
-    let t180 = t81 + t77;
-    let t181 = 0.005627033294592 * t180;
-    let t182 = omega_panda_joint5_x * omega_panda_joint5_x;
-    let t183 = omega_panda_joint5_z * omega_panda_joint5_z;
-    let t184 = t182 + t183;
-    let t185 = 0.0260623224672 * t184;
-    let t186 = t185 - t181;
-    let force_panda_joint5_y = t179 - t186;
-    let t188 = sin_panda_joint5 * 0.21484375;
-    let t189 = t188 * force_panda_joint5_y;
-    let t190 = 0.16603319317224752 * t61;
-    let t191 = omega_panda_joint4_y * omega_panda_joint4_y;
-    let t192 = t191 + t155;
-    let t193 = 0.04560437265862501 * t192;
-    let t194 = t193 - t190;
-    let t195 = t189 - t194;
-    let t196 = t148 * force_panda_joint6_y;
-    let t197 = 0.0260623224672 * t82;
-    let t198 = omega_panda_joint5_y * omega_panda_joint5_y;
-    let t199 = t198 + t183;
-    let t200 = 0.005627033294592 * t199;
-    let t201 = t200 - t197;
-    let t202 = t196 - t201;
-    let t203 = t122 * force_panda_joint6_x;
-    let force_panda_joint5_x = t203 + t202;
-    let t205 = cos_panda_joint5 * 0.21484375;
-    let t206 = t205 * force_panda_joint5_x;
-    let force_panda_joint4_x = t206 + t195;
-    let t208 = cos_panda_joint4 * force_panda_joint4_x;
-    let force_panda_joint3_x = t208 - t167;
-    let t210 = 3.83030303030303 * force_panda_joint3_x;
-    let t211 = cos_panda_joint4 * force_panda_joint4_y;
-    let t212 = omega_panda_joint2_x * omega_panda_joint2_x;
-    let t213 = v[1] * v[1];
-    let t214 = t212 + t213;
-    let t215 = t214 - t164;
-    let t216 = 0.005487648106562256 * t215;
-    let t217 = 0.00012191242095074308 * t30;
-    let t218 = t217 - t216;
-    let t219 = 0.004377257121839584 * t40;
-    let t220 = 3.83030303030303 * t214;
-    let acceleration_panda_joint2_y = cos_panda_joint2 * 118.9090909090909;
-    let acceleration_panda_joint3_z = acceleration_panda_joint2_y - t220;
-    let t223 = 0.06161578168944001 * acceleration_panda_joint3_z;
-    let t224 = t223 + t219;
-    let t225 = omega_panda_joint3_x * t25;
-    let t226 = t55 + t225;
-    let t227 = 0.0616024210265277 * t226;
-    let t228 = t227 - t224;
-    let t229 = t228 - t218;
-    let t230 = t211 + t229;
-    let t231 = sin_panda_joint4 * force_panda_joint4_x;
-    let t232 = t231 + t230;
-    let t233 = 0.0016444875773692705 * t74;
-    let t234 = 0.0039053550262761003 * t42;
-    let t235 = t234 + t233;
-    let t236 = 0.6972920750309719 * t61;
-    let t237 = 0.05102013615681551 * t152;
-    let t238 = t237 - t236;
-    let t239 = t192 - t156;
-    let t240 = 0.16284087268546088 * t239;
-    let t241 = t240 + t238;
-    let t242 = t241 - t235;
-    let t243 = 3.83030303030303 * t55;
-    let acceleration_panda_joint2_x = sin_panda_joint2 * 118.9090909090909;
-    let t245 = cos_panda_joint3 * acceleration_panda_joint2_x;
-    let acceleration_panda_joint3_x = t245 - t243;
-    let t247 = t164 + acceleration_panda_joint3_x;
-    let t248 = cos_panda_joint4 * t247;
-    let t249 = t226 - acceleration_panda_joint3_z;
-    let t250 = sin_panda_joint4 * t249;
-    let acceleration_panda_joint4_x = t248 + t250;
-    let t252 = 0.16603319317224752 * acceleration_panda_joint4_x;
-    let t253 = t252 - t242;
-    let t254 = sin_panda_joint4 * t247;
-    let t255 = cos_panda_joint4 * t249;
-    let acceleration_panda_joint4_y = t254 - t255;
-    let t257 = 0.04560437265862501 * acceleration_panda_joint4_y;
-    let t258 = t257 - t253;
-    let t259 = t151 - t258;
-    let t260 = acceleration_panda_joint4_y + t152;
-    let t261 = 0.21484375 * t260;
-    let acceleration_panda_joint5_z = t156 - t261;
-    let t263 = t148 * acceleration_panda_joint5_z;
-    let t264 = omega_panda_joint4_x * t44;
-    let t265 = t264 - t74;
-    let t266 = 3.83030303030303 * t23;
-    let t267 = sin_panda_joint3 * acceleration_panda_joint2_x;
-    let acceleration_panda_joint3_y = t267 - t266;
-    let t269 = t35 + t39;
-    let acceleration_panda_joint4_z = acceleration_panda_joint3_y - t269;
-    let t271 = acceleration_panda_joint4_z - t265;
-    let t272 = t188 * t271;
-    let t273 = t272 - t100;
-    let t274 = acceleration_panda_joint4_x - t192;
-    let t275 = t274 * t205;
-    let acceleration_panda_joint5_x = t275 - t273;
-    let t277 = t122 * acceleration_panda_joint5_x;
-    let acceleration_panda_joint6_x = t277 + t263;
-    let t279 = 0.015294814090072 * acceleration_panda_joint6_x;
-    let t280 = t122 * acceleration_panda_joint5_z;
-    let t281 = t148 * acceleration_panda_joint5_x;
-    let acceleration_panda_joint6_y = t281 - t280;
-    let t283 = 0.020402584637159996 * acceleration_panda_joint6_y;
-    let t284 = t283 - t279;
-    let t285 = 9.3569097314605e-5 * t132;
-    let t286 = 0.00010375891721868492 * t84;
-    let t287 = t286 - t285;
-    let t288 = 0.028934422545659894 * t108;
-    let t289 = t144 - t118;
-    let t290 = 0.014748570382675316 * t289;
-    let t291 = t290 - t288;
-    let t292 = 0.02152225537058755 * t114;
-    let t293 = t292 + t291;
-    let t294 = t293 + t287;
-    let t295 = t294 - t284;
-    let t296 = force_panda_joint7_z - t295;
-    let t297 = 0.00038633089444376715 * cos_panda_joint7;
-    let t298 = 0.001535882372017312 * sin_panda_joint7;
-    let t299 = t298 + t297;
-    let t300 = t299 * t136;
-    let acceleration_panda_joint7_z = acceleration_panda_joint6_y - t114;
-    let t302 = t111 * acceleration_panda_joint7_z;
-    let t303 = t302 - t300;
-    let t304 = cos_panda_joint7 * 0.0021748470602962725;
-    let t305 = sin_panda_joint7 * 0.0013205141364616554;
-    let t306 = t305 - t304;
-    let t307 = cos_panda_joint7 * t306;
-    let t308 = 0.0010874235301481362 + t307;
-    let t309 = t308 * t95;
-    let t310 = sin_panda_joint7 * t306;
-    let t311 = 0.0026818189154496457 + t310;
-    let t312 = t311 * t110;
-    let t313 = t118 - t139;
-    let t314 = 0.00038633089444376715 * sin_panda_joint7;
-    let t315 = 0.001535882372017312 * cos_panda_joint7;
-    let t316 = t315 - t314;
-    let t317 = t316 * t313;
-    let t318 = t317 + t312;
-    let t319 = t309 + t318;
-    let moment_panda_joint7_y = t319 + t303;
-    let moment_panda_joint6_z = moment_panda_joint7_y + t296;
-    let t322 = 0.0014511560650267133 * t126;
-    let t323 = 0.0021640520520981297 * t82;
-    let t324 = t156 - t199;
-    let t325 = 0.004600245517563105 * t324;
-    let t326 = t325 + t323;
-    let t327 = t322 + t326;
-    let t328 = 0.0015152444733270301 * t70;
-    let t329 = t328 - t327;
-    let t330 = 0.005627033294592 * acceleration_panda_joint5_z;
-    let t331 = t330 + t329;
-    let moment_panda_joint5_y = moment_panda_joint6_z + t331;
-    let t333 = force_panda_joint5_x + moment_panda_joint5_y;
-    let t334 = cos_panda_joint5 * t333;
-    let t335 = t334 + t259;
-    let t336 = t316 * t168;
-    let t337 = t96 * acceleration_panda_joint7_z;
-    let t338 = t337 - t336;
-    let t339 = 0.004002333051911301 - t310;
-    let t340 = t339 * t95;
-    let t341 = t308 * t110;
-    let t342 = t118 - t170;
-    let t343 = t299 * t342;
-    let t344 = t343 - t341;
-    let t345 = t340 - t344;
-    let moment_panda_joint7_x = t345 - t338;
-    let t347 = 0.00010375891721868492 * t114;
-    let t348 = t184 - t118;
-    let t349 = 9.3569097314605e-5 * t348;
-    let t350 = t349 + t347;
-    let t351 = t205 * t271;
-    let t352 = t351 + t63;
-    let t353 = t274 * t188;
-    let acceleration_panda_joint5_y = t353 + t352;
-    let t355 = 0.06674100693849601 * acceleration_panda_joint5_y;
-    let t356 = t355 + t350;
-    let t357 = 0.028934422545659894 * t91;
-    let t358 = t357 + t356;
-    let t359 = 0.014748570382675316 * t175;
-    let t360 = t359 + t358;
-    let moment_panda_joint6_x = moment_panda_joint7_x + t360;
-    let t362 = cos_panda_joint6 * moment_panda_joint6_x;
-    let t363 = 0.010045187828321242 * t70;
-    let t364 = 0.004600245517563105 * t180;
-    let t365 = t156 - t184;
-    let t366 = 0.0021640520520981297 * t365;
-    let t367 = t366 + t364;
-    let t368 = t363 + t367;
-    let t369 = 0.0015152444733270301 * t126;
-    let t370 = t369 - t368;
-    let t371 = 0.0260623224672 * acceleration_panda_joint5_z;
-    let t372 = t371 + t370;
-    let t373 = t362 - t372;
-    let t374 = t311 * t168;
-    let acceleration_panda_joint7_x = t144 + acceleration_panda_joint6_x;
-    let t376 = t96 * acceleration_panda_joint7_x;
-    let t377 = t376 - t374;
-    let acceleration_panda_joint6_z = 4.363636363636364 * acceleration_panda_joint5_y;
-    let acceleration_panda_joint7_y = acceleration_panda_joint6_z + t175;
-    let t380 = t111 * acceleration_panda_joint7_y;
-    let t381 = t380 - t377;
-    let t382 = t316 * t91;
-    let t383 = t299 * t108;
-    let t384 = t139 - t170;
-    let t385 = t308 * t384;
-    let t386 = t385 + t383;
-    let t387 = t382 + t386;
-    let t388 = t339 * t136;
-    let t389 = t388 - t387;
-    let moment_panda_joint7_z = t389 - t381;
-    let t391 = 9.3569097314605e-5 * t108;
-    let t392 = t184 - t144;
-    let t393 = 0.00010375891721868492 * t392;
-    let t394 = t393 + t391;
-    let t395 = 0.08902946023488 * acceleration_panda_joint5_y;
-    let t396 = t395 + t394;
-    let t397 = 0.02152225537058755 * t175;
-    let t398 = t397 + t396;
-    let t399 = 0.014748570382675316 * t91;
-    let t400 = t399 + t398;
-    let t401 = force_panda_joint7_y + t400;
-    let moment_panda_joint6_y = moment_panda_joint7_z - t401;
-    let t403 = sin_panda_joint6 * moment_panda_joint6_y;
-    let moment_panda_joint5_x = t403 + t373;
-    let t405 = force_panda_joint5_y - moment_panda_joint5_x;
-    let t406 = sin_panda_joint5 * t405;
-    let moment_panda_joint4_z = t406 + t335;
-    let moment_panda_joint3_y = moment_panda_joint4_z - t232;
-    let t409 = moment_panda_joint3_y + t210;
-    let t410 = sin_panda_joint3 * t409;
-    let t411 = 1.032162061231881 * t17;
-    let t412 = a[1] + t20;
-    let t413 = 0.01026110182100817 * t412;
-    let t414 = t413 - t411;
-    let t415 = omega_panda_joint2_x * t14;
-    let t416 = t36 - t415;
-    let t417 = 0.00398335888393552 * t416;
-    let t418 = t417 + t414;
-    let t419 = v[0] * v[0];
-    let t420 = t419 - t214;
-    let t421 = 0.0007689361029464 * t420;
-    let t422 = t421 + t418;
-    let t423 = t410 + t422;
-    let t424 = sin_panda_joint6 * moment_panda_joint6_x;
-    let t425 = 0.0021640520520981297 * t100;
-    let t426 = 0.004600245517563105 * t63;
-    let t427 = t426 - t425;
-    let t428 = 0.010045187828321242 * t82;
-    let t429 = 0.0014511560650267133 * t180;
-    let t430 = t429 - t428;
-    let t431 = t199 - t184;
-    let t432 = 0.0015152444733270301 * t431;
-    let t433 = t432 - t430;
-    let t434 = t433 + t427;
-    let t435 = 0.0260623224672 * acceleration_panda_joint5_x;
-    let t436 = t435 + t434;
-    let t437 = 0.005627033294592 * acceleration_panda_joint5_y;
-    let t438 = t437 - t436;
-    let t439 = t424 - t438;
-    let t440 = cos_panda_joint6 * moment_panda_joint6_y;
-    let moment_panda_joint5_z = t440 - t439;
-    let t442 = 0.05102013615681551 * t265;
-    let t443 = 0.16284087268546088 * t49;
-    let t444 = t443 + t442;
-    let t445 = omega_panda_joint3_x * omega_panda_joint3_x;
-    let t446 = t445 + t163;
-    let t447 = t446 - t192;
-    let t448 = 0.0039053550262761003 * t447;
-    let t449 = 0.0016444875773692705 * t61;
-    let t450 = t448 + t449;
-    let t451 = 0.04560437265862501 * acceleration_panda_joint4_z;
-    let t452 = t451 + t450;
-    let t453 = t452 - t444;
-    let t454 = moment_panda_joint5_z + t453;
-    let t455 = t188 * force_panda_joint5_x;
-    let t456 = t205 * force_panda_joint5_y;
-    let t457 = t455 - t456;
-    let moment_panda_joint4_y = t457 - t454;
-    let t459 = sin_panda_joint4 * moment_panda_joint4_y;
-    let t460 = t214 - t446;
-    let t461 = 0.004377257121839584 * t460;
-    let t462 = 0.00012191242095074308 * t226;
-    let t463 = t462 + t461;
-    let t464 = 0.005487648106562256 * t269;
-    let t465 = 0.002328735327435001 * acceleration_panda_joint3_z;
-    let t466 = t465 + t464;
-    let t467 = 0.022178148964878235 * t30;
-    let t468 = t467 + t466;
-    let t469 = t468 - t463;
-    let t470 = t459 - t469;
-    let t471 = sin_panda_joint5 * t333;
-    let t472 = 0.6972920750309719 * t49;
-    let t473 = 0.16284087268546088 * t265;
-    let t474 = t473 + t472;
-    let t475 = t446 - t156;
-    let t476 = 0.0016444875773692705 * t475;
-    let t477 = 0.0039053550262761003 * t152;
-    let t478 = t476 + t477;
-    let t479 = 0.16603319317224752 * acceleration_panda_joint4_z;
-    let t480 = t479 + t478;
-    let t481 = t480 - t474;
-    let t482 = t471 - t481;
-    let t483 = cos_panda_joint5 * t405;
-    let moment_panda_joint4_x = t483 - t482;
-    let t485 = cos_panda_joint4 * moment_panda_joint4_x;
-    let moment_panda_joint3_x = t485 + t470;
-    let t487 = 0.16603319317224752 * t49;
-    let t488 = 0.04560437265862501 * t265;
-    let t489 = t488 + t487;
-    let force_panda_joint4_z = t457 + t489;
-    let t491 = 0.06161578168944001 * t269;
-    let t492 = 0.002328735327435001 * t446;
-    let t493 = t492 + t491;
-    let force_panda_joint3_y = force_panda_joint4_z + t493;
-    let t495 = 3.83030303030303 * force_panda_joint3_y;
-    let t496 = moment_panda_joint3_x - t495;
-    let t497 = cos_panda_joint3 * t496;
-    let moment_panda_joint2_x = t497 - t423;
-    let t499 = sin_panda_joint2 * moment_panda_joint2_x;
-    let t500 = 0.022178148964878235 * t40;
-    let t501 = 0.0616024210265277 * t269;
-    let t502 = t501 - t500;
-    let t503 = 0.004377257121839584 * t55;
-    let t504 = 0.005487648106562256 * t23;
-    let t505 = t504 + t503;
-    let t506 = t505 + t502;
-    let t507 = t164 - t446;
-    let t508 = 0.00012191242095074308 * t507;
-    let t509 = t508 - t506;
-    let t510 = 0.002328735327435001 * acceleration_panda_joint3_x;
-    let t511 = 0.06161578168944001 * acceleration_panda_joint3_y;
-    let t512 = t511 + t510;
-    let t513 = t512 + t509;
-    let t514 = force_panda_joint4_z - t513;
-    let t515 = cos_panda_joint4 * moment_panda_joint4_y;
-    let t516 = t515 - t514;
-    let t517 = sin_panda_joint4 * moment_panda_joint4_x;
-    let moment_panda_joint3_z = t517 - t516;
-    let t519 = 0.02307788249493181 * t416;
-    let t520 = 0.00398335888393552 * t17;
-    let t521 = t520 - t519;
-    let t522 = 0.0007689361029464 * t21;
-    let t523 = t522 + t521;
-    let t524 = omega_panda_joint2_y * omega_panda_joint2_y;
-    let t525 = t524 + t213;
-    let t526 = t419 - t525;
-    let t527 = 0.01026110182100817 * t526;
-    let t528 = t527 - t523;
-    let moment_panda_joint2_y = moment_panda_joint3_z - t528;
-    let t530 = cos_panda_joint2 * moment_panda_joint2_y;
-    let t531 = a[0] * 0.014259565994474414;
-    let t532 = t531 - t530;
-    let moment_panda_joint1_z = t499 + t532;
-    let t534 = v[0] * 0.003;
-    let t535 = t534 + moment_panda_joint1_z;
-    let t536 = cos_panda_joint3 * t409;
-    let t537 = 0.0007689361029464 * t36;
-    let t538 = sin_panda_joint2 * 32.80954542685273;
-    let t539 = cos_panda_joint2 * 0.01993386669246;
-    let t540 = t539 - t538;
-    let t541 = t540 - t537;
-    let t542 = 0.01026110182100817 * t16;
-    let t543 = t542 - t541;
-    let t544 = 1.032162061231881 * t21;
-    let t545 = t544 - t543;
-    let t546 = 0.02307788249493181 * t412;
-    let t547 = t546 + t545;
-    let t548 = t525 - t214;
-    let t549 = 0.00398335888393552 * t548;
-    let t550 = t549 + t547;
-    let t551 = t536 - t550;
-    let t552 = sin_panda_joint3 * t496;
-    let moment_panda_joint2_z = t552 + t551;
-    let t554 = v[1] * 0.003;
-    let t555 = t554 - moment_panda_joint2_z;
-    let t556 = v[2] * 0.003;
-    let t557 = t556 - moment_panda_joint3_z;
-    let t558 = v[3] * 0.003;
-    let t559 = t558 + moment_panda_joint4_z;
-    let t560 = v[4] * 0.003;
-    let t561 = t560 - moment_panda_joint5_z;
-    let t562 = v[5] * 0.003;
-    let t563 = t562 + moment_panda_joint6_z;
-    let t564 = v[6] * 0.003;
-    let t565 = t564 + moment_panda_joint7_z;
-    let t566 = t111 * t86;
-    let t567 = omega_panda_joint6_z * 0.0430445107411751;
-    let t568 = t567 + t566;
-    let t569 = omega_panda_joint6_x * 0.00020751783443736984;
-    let t570 = t569 + t568;
-    let t571 = 2.0 * omega_panda_joint6_x;
-    let t572 = t96 * t571;
-    let t573 = t572 + t566;
-    let t574 = t573 + t570;
-    let t575 = t308 * t571;
-    let t576 = t311 * t86;
-    let t577 = t575 - t576;
-    let t578 = t577 - t574;
-    let t579 = t299 * t93;
-    let t580 = omega_panda_joint6_y * 0.00018713819462921;
-    let t581 = omega_panda_joint6_z * 0.05786884509131979;
-    let t582 = t580 + t581;
-    let t583 = t582 - t579;
-    let t584 = t583 + t578;
-    let t585 = cos_panda_joint6 * t584;
-    let t586 = t96 * t93;
-    let t587 = omega_panda_joint6_y * 0.00020751783443736984;
-    let t588 = omega_panda_joint6_z * 0.02949714076535063;
-    let t589 = t587 + t588;
-    let t590 = t589 - t586;
-    let t591 = t308 * t93;
-    let t592 = t316 * t86;
-    let t593 = t592 + t591;
-    let t594 = t593 + t590;
-    let t595 = t299 * t571;
-    let t596 = t592 + t595;
-    let t597 = omega_panda_joint6_x * 0.00018713819462921;
-    let t598 = t588 + t597;
-    let t599 = t598 + t596;
-    let t600 = t599 + t594;
-    let t601 = sin_panda_joint6 * t600;
-    let t602 = t601 - t585;
-    let t603 = sin_panda_joint6 * t602;
-    let t604 = omega_panda_joint5_y * 0.00920049103512621;
-    let t605 = omega_panda_joint5_z * 0.0030304889466540603;
-    let t606 = t604 - t605;
-    let t607 = t606 + t594;
-    let t608 = t603 - t607;
-    let t609 = 2.0 * omega_panda_joint5_y;
-    let t610 = 0.020402584637159996 + t111;
-    let t611 = t122 * t610;
-    let t612 = sin_panda_joint6 * 0.06674100693849601;
-    let t613 = t611 + t612;
-    let t614 = 0.005627033294592 - t613;
-    let t615 = t609 * t614;
-    let t616 = t615 + t608;
-    let t617 = t591 - t595;
-    let t618 = 2.0 * omega_panda_joint6_y;
-    let t619 = t96 * t618;
-    let t620 = t587 - t597;
-    let t621 = t620 + t619;
-    let t622 = t617 + t621;
-    let t623 = omega_panda_joint5_x * 0.004328104104196259;
-    let t624 = t605 - t623;
-    let t625 = t624 - t622;
-    let t626 = 2.0 * omega_panda_joint5_x;
-    let t627 = sin_panda_joint7 * 0.0012597535716761534;
-    let t628 = 0.0260623224672 - t627;
-    let t629 = t626 * t628;
-    let t630 = t629 + t625;
-    let t631 = t616 + t630;
-    let t632 = sin_panda_joint5 * t631;
-    let t633 = t111 * t618;
-    let t634 = omega_panda_joint6_y * 0.0430445107411751;
-    let t635 = omega_panda_joint6_x * 0.02949714076535063;
-    let t636 = t635 - t634;
-    let t637 = t636 - t633;
-    let t638 = t111 * t93;
-    let t639 = t638 + t637;
-    let t640 = t311 * t93;
-    let t641 = t316 * t571;
-    let t642 = t640 + t641;
-    let t643 = t642 + t639;
-    let t644 = cos_panda_joint6 * t643;
-    let t645 = t316 * t93;
-    let t646 = omega_panda_joint6_y * 0.02949714076535063;
-    let t647 = omega_panda_joint6_x * 0.05786884509131979;
-    let t648 = t647 - t646;
-    let t649 = t648 + t645;
-    let t650 = sin_panda_joint6 * t649;
-    let t651 = t650 + t644;
-    let t652 = omega_panda_joint5_x * 0.00920049103512621;
-    let t653 = omega_panda_joint5_z * 0.0029023121300534266;
-    let t654 = t653 + t652;
-    let t655 = t654 - t651;
-    let t656 = t626 * t614;
-    let t657 = t656 - t655;
-    let t658 = t339 * t571;
-    let t659 = t308 * t86;
-    let t660 = t658 - t659;
-    let t661 = t96 * t86;
-    let t662 = t660 + t661;
-    let t663 = omega_panda_joint6_z * 0.00020751783443736984;
-    let t664 = t663 + t662;
-    let t665 = sin_panda_joint6 * t664;
-    let t666 = omega_panda_joint5_y * 0.004328104104196259;
-    let t667 = omega_panda_joint5_z * 0.020090375656642484;
-    let t668 = t666 + t667;
-    let t669 = t668 - t665;
-    let t670 = t339 * t93;
-    let t671 = t299 * t86;
-    let t672 = t671 - t670;
-    let t673 = omega_panda_joint6_z * 0.00018713819462921;
-    let t674 = t673 + t672;
-    let t675 = cos_panda_joint6 * t674;
-    let t676 = t675 + t669;
-    let t677 = t609 * t628;
-    let t678 = t677 - t676;
-    let t679 = t678 - t657;
-    let t680 = cos_panda_joint5 * t679;
-    let t681 = t632 - t680;
-    let t682 = sin_panda_joint5 * t681;
-    let t683 = omega_panda_joint6_z * 0.04080516927431999;
-    let t684 = t683 + t573;
-    let t685 = t148 * t684;
-    let t686 = omega_panda_joint5_z * 0.0521246449344;
-    let t687 = t686 + t685;
-    let t688 = omega_panda_joint6_z * 0.030589628180144;
-    let t689 = t688 - t586;
-    let t690 = t122 * t689;
-    let t691 = t690 - t687;
-    let t692 = t205 * t691;
-    let t693 = omega_panda_joint6_y * 0.04080516927431999;
-    let t694 = omega_panda_joint6_x * 0.030589628180144;
-    let t695 = t694 - t693;
-    let t696 = t695 + t638;
-    let t697 = 4.363636363636364 * t696;
-    let t698 = omega_panda_joint5_z * 0.011254066589184;
-    let t699 = t698 + t697;
-    let t700 = t188 * t699;
-    let t701 = t700 + t692;
-    let t702 = omega_panda_joint4_y * 0.007810710052552201;
-    let t703 = omega_panda_joint4_z * 0.32568174537092176;
-    let t704 = t702 - t703;
-    let t705 = t704 + t701;
-    let t706 = t616 + t705;
-    let t707 = t682 - t706;
-    let t708 = t604 - t623;
-    let t709 = t708 + t599;
-    let t710 = t603 - t709;
-    let t711 = t122 * t684;
-    let t712 = omega_panda_joint5_y * 0.011254066589184;
-    let t713 = omega_panda_joint5_x * 0.0521246449344;
-    let t714 = t713 - t712;
-    let t715 = t714 - t711;
-    let t716 = t148 * t689;
-    let t717 = t716 - t715;
-    let t718 = t148 * t610;
-    let t719 = cos_panda_joint6 * 0.06674100693849601;
-    let t720 = t718 - t719;
-    let t721 = 0.21484375 * t720;
-    let t722 = t44 * t721;
-    let t723 = omega_panda_joint4_x * 0.003288975154738541;
-    let t724 = t703 - t723;
-    let t725 = t724 + t722;
-    let t726 = t717 - t725;
-    let t727 = t710 + t726;
-    let t728 = t707 - t727;
-    let t729 = sin_panda_joint4 * t728;
-    let t730 = cos_panda_joint6 * t602;
-    let t731 = omega_panda_joint5_y * 0.0029023121300534266;
-    let t732 = omega_panda_joint5_x * 0.0030304889466540603;
-    let t733 = t732 + t731;
-    let t734 = t733 - t583;
-    let t735 = t730 - t734;
-    let t736 = cos_panda_joint5 * t735;
-    let t737 = cos_panda_joint6 * t664;
-    let t738 = omega_panda_joint5_y * 0.0030304889466540603;
-    let t739 = omega_panda_joint5_x * 0.020090375656642484;
-    let t740 = t739 + t738;
-    let t741 = t740 + t737;
-    let t742 = sin_panda_joint6 * t674;
-    let t743 = t742 + t741;
-    let t744 = sin_panda_joint5 * t743;
-    let t745 = t736 + t744;
-    let t746 = 0.21484375 * t717;
-    let t747 = t205 * t614;
-    let t748 = t188 * t628;
-    let t749 = t747 + t748;
-    let t750 = t44 * t749;
-    let t751 = omega_panda_joint4_x * 0.007810710052552201;
-    let t752 = omega_panda_joint4_z * 0.10204027231363103;
-    let t753 = t752 - t751;
-    let t754 = t753 + t750;
-    let t755 = t746 - t754;
-    let t756 = t745 - t755;
-    let t757 = omega_panda_joint5_z * 0.004328104104196259;
-    let t758 = t757 + t578;
-    let t759 = t730 + t758;
-    let t760 = t609 * t720;
-    let t761 = t760 + t691;
-    let t762 = t759 + t761;
-    let t763 = cos_panda_joint5 * t762;
-    let t764 = sin_panda_joint6 * t643;
-    let t765 = cos_panda_joint6 * t649;
-    let t766 = t765 - t764;
-    let t767 = omega_panda_joint5_z * 0.00920049103512621;
-    let t768 = t767 + t766;
-    let t769 = t626 * t720;
-    let t770 = t699 - t769;
-    let t771 = t770 - t768;
-    let t772 = sin_panda_joint5 * t771;
-    let t773 = omega_panda_joint4_y * 0.003288975154738541;
-    let t774 = omega_panda_joint4_z * 1.3945841500619438;
-    let t775 = t773 - t774;
-    let t776 = t775 + t772;
-    let t777 = t763 + t776;
-    let t778 = t777 + t756;
-    let t779 = cos_panda_joint4 * t778;
-    let t780 = t729 + t779;
-    let t781 = sin_panda_joint4 * t780;
-    let t782 = omega_panda_joint4_z * 0.33206638634449503;
-    let t783 = t782 - t701;
-    let t784 = cos_panda_joint4 * t783;
-    let t785 = omega_panda_joint4_z * 0.09120874531725003;
-    let t786 = t785 - t746;
-    let t787 = sin_panda_joint4 * t786;
-    let t788 = t784 - t787;
-    let t789 = omega_panda_joint3_y * 0.010975296213124512;
-    let t790 = omega_panda_joint3_z * 0.00024382484190148615;
-    let t791 = t789 - t790;
-    let t792 = t791 - t788;
-    let t793 = t707 + t792;
-    let t794 = t781 - t793;
-    let t795 = 0.04560437265862501 + t749;
-    let t796 = cos_panda_joint4 * t795;
-    let t797 = 0.16603319317224752 + t721;
-    let t798 = sin_panda_joint4 * t797;
-    let t799 = t796 + t798;
-    let t800 = 0.06161578168944001 - t799;
-    let t801 = omega_panda_joint3_y * 7.66060606060606;
-    let t802 = t801 * t800;
-    let t803 = t802 - t794;
-    let t804 = t188 * t614;
-    let t805 = t205 * t628;
-    let t806 = t804 - t805;
-    let t807 = 2.0 * omega_panda_joint4_y;
-    let t808 = t807 * t806;
-    let t809 = t702 - t723;
-    let t810 = t809 + t808;
-    let t811 = t630 + t810;
-    let t812 = t682 - t811;
-    let t813 = t25 * t806;
-    let t814 = omega_panda_joint3_x * 0.008754514243679169;
-    let t815 = t790 + t814;
-    let t816 = t815 - t813;
-    let t817 = t812 - t816;
-    let t818 = 0.002328735327435001 - t806;
-    let t819 = omega_panda_joint3_x * 7.66060606060606;
-    let t820 = t819 * t818;
-    let t821 = t820 - t817;
-    let t822 = t803 - t821;
-    let t823 = sin_panda_joint3 * t822;
-    let t824 = cos_panda_joint5 * t681;
-    let t825 = t188 * t691;
-    let t826 = t205 * t699;
-    let t827 = t826 - t825;
-    let t828 = t807 * t749;
-    let t829 = omega_panda_joint4_y * 0.10204027231363103;
-    let t830 = omega_panda_joint4_x * 0.32568174537092176;
-    let t831 = t830 - t829;
-    let t832 = t831 - t828;
-    let t833 = t827 - t832;
-    let t834 = t678 - t833;
-    let t835 = t824 + t834;
-    let t836 = cos_panda_joint4 * t835;
-    let t837 = sin_panda_joint5 * t762;
-    let t838 = cos_panda_joint5 * t771;
-    let t839 = t807 * t721;
-    let t840 = omega_panda_joint4_y * 0.32568174537092176;
-    let t841 = omega_panda_joint4_x * 1.3945841500619438;
-    let t842 = t841 - t840;
-    let t843 = t842 - t839;
-    let t844 = t838 - t843;
-    let t845 = t837 - t844;
-    let t846 = sin_panda_joint4 * t845;
-    let t847 = t836 + t846;
-    let t848 = omega_panda_joint4_y * 0.09120874531725003;
-    let t849 = omega_panda_joint4_x * 0.33206638634449503;
-    let t850 = t849 - t848;
-    let t851 = t850 - t827;
-    let t852 = t25 * t799;
-    let t853 = omega_panda_joint3_x * 0.010975296213124512;
-    let t854 = omega_panda_joint3_z * 0.1232048420530554;
-    let t855 = t854 + t853;
-    let t856 = t855 - t852;
-    let t857 = t851 + t856;
-    let t858 = t847 - t857;
-    let t859 = t819 * t800;
-    let t860 = t859 - t858;
-    let t861 = omega_panda_joint4_z * 0.003288975154738541;
-    let t862 = t861 + t657;
-    let t863 = t824 - t862;
-    let t864 = cos_panda_joint4 * t863;
-    let t865 = sin_panda_joint5 * t735;
-    let t866 = cos_panda_joint5 * t743;
-    let t867 = t44 * t806;
-    let t868 = t867 - t866;
-    let t869 = t865 + t868;
-    let t870 = omega_panda_joint4_z * 0.007810710052552201;
-    let t871 = t870 + t869;
-    let t872 = sin_panda_joint4 * t871;
-    let t873 = omega_panda_joint3_y * 0.008754514243679169;
-    let t874 = omega_panda_joint3_z * 0.04435629792975647;
-    let t875 = t873 - t874;
-    let t876 = t875 - t872;
-    let t877 = t864 - t876;
-    let t878 = t801 * t818;
-    let t879 = t878 - t877;
-    let t880 = t879 + t860;
-    let t881 = cos_panda_joint3 * t880;
-    let t882 = t823 + t881;
-    let t883 = sin_panda_joint3 * t882;
-    let t884 = omega_panda_joint2_x * 0.0015378722058928;
-    let t885 = omega_panda_joint2_y * 0.02052220364201634;
-    let t886 = t885 - t884;
-    let t887 = t886 - t821;
-    let t888 = t883 - t887;
-    let t889 = v[1] * 0.00796671776787104;
-    let t890 = t885 - t889;
-    let t891 = t890 + t803;
-    let t892 = t883 - t891;
-    let t893 = t892 - t888;
-    let t894 = omega_panda_joint2_x * t893;
-    let t895 = cos_panda_joint4 * t780;
-    let t896 = sin_panda_joint4 * t783;
-    let t897 = cos_panda_joint4 * t786;
-    let t898 = t896 + t897;
-    let t899 = 2.0 * omega_panda_joint3_y;
-    let t900 = t899 * t799;
-    let t901 = omega_panda_joint3_y * 0.1232048420530554;
-    let t902 = omega_panda_joint3_x * 0.00024382484190148615;
-    let t903 = t902 + t901;
-    let t904 = t903 - t900;
-    let t905 = t898 + t904;
-    let t906 = t777 + t905;
-    let t907 = t895 - t906;
-    let t908 = cos_panda_joint3 * t907;
-    let t909 = sin_panda_joint4 * t863;
-    let t910 = cos_panda_joint4 * t871;
-    let t911 = t899 * t806;
-    let t912 = omega_panda_joint3_y * 0.00024382484190148615;
-    let t913 = omega_panda_joint3_x * 0.04435629792975647;
-    let t914 = t913 + t912;
-    let t915 = t914 - t911;
-    let t916 = t910 - t915;
-    let t917 = t909 - t916;
-    let t918 = sin_panda_joint3 * t917;
-    let t919 = t908 + t918;
-    let t920 = omega_panda_joint2_x * 0.02052220364201634;
-    let t921 = v[1] * 0.04615576498986362;
-    let t922 = t921 - t920;
-    let t923 = t922 - t919;
-    let t924 = omega_panda_joint2_y * t923;
-    let t925 = cos_panda_joint7 * 0.0005773870536849036;
-    let t926 = t311 + t925;
-    let t927 = t926 - 0.007412167175072343;
-    let t928 = sin_panda_joint6 * t927;
-    let t929 = 0.014748570382675316 + t316;
-    let t930 = 2.0 * t929;
-    let t931 = cos_panda_joint6 * t930;
-    let t932 = t928 - t931;
-    let t933 = sin_panda_joint6 * t932;
-    let t934 = t926 + 0.022973411435614263;
-    let t935 = t933 - t934;
-    let t936 = t310 - 0.014047520880232544;
-    let t937 = t936 - t935;
-    let t938 = sin_panda_joint5 * t937;
-    let t939 = 0.00010375891721868492 + t96;
-    let t940 = t308 - t939;
-    let t941 = cos_panda_joint6 * t940;
-    let t942 = 9.3569097314605e-5 + t299;
-    let t943 = sin_panda_joint6 * t942;
-    let t944 = t943 - t941;
-    let t945 = 0.0015152444733270301 - t944;
-    let t946 = 2.0 * t945;
-    let t947 = cos_panda_joint5 * t946;
-    let t948 = t938 + t947;
-    let t949 = sin_panda_joint5 * t948;
-    let t950 = 2.0 * t749;
-    let t951 = 0.05102013615681551 + t950;
-    let t952 = t935 - t951;
-    let t953 = t949 + t952;
-    let t954 = 0.028934422545659894 + t933;
-    let t955 = 2.0 * t720;
-    let t956 = 0.6972920750309719 + t955;
-    let t957 = t954 + t956;
-    let t958 = t953 + t957;
-    let t959 = sin_panda_joint4 * t958;
-    let t960 = cos_panda_joint6 * t932;
-    let t961 = t316 + 0.01934881590023842;
-    let t962 = t960 + t961;
-    let t963 = t614 - t962;
-    let t964 = cos_panda_joint5 * t963;
-    let t965 = sin_panda_joint6 * t940;
-    let t966 = cos_panda_joint6 * t942;
-    let t967 = t966 + t965;
-    let t968 = 0.0021640520520981297 - t967;
-    let t969 = t628 - t968;
-    let t970 = sin_panda_joint5 * t969;
-    let t971 = t964 + t970;
-    let t972 = 0.16284087268546088 + t721;
-    let t973 = t971 + t972;
-    let t974 = 2.0 * t973;
-    let t975 = cos_panda_joint4 * t974;
-    let t976 = t959 + t975;
-    let t977 = cos_panda_joint4 * t976;
-    let t978 = sin_panda_joint4 * t795;
-    let t979 = cos_panda_joint4 * t797;
-    let t980 = t978 - t979;
-    let t981 = 0.005487648106562256 - t980;
-    let t982 = t973 + t981;
-    let t983 = t977 - t982;
-    let t984 = 3.83030303030303 * t800;
-    let t985 = t984 - t983;
-    let t986 = sin_panda_joint3 * t985;
-    let t987 = cos_panda_joint5 * t948;
-    let t988 = 0.0039053550262761003 + t806;
-    let t989 = t945 - t988;
-    let t990 = t987 - t989;
-    let t991 = sin_panda_joint4 * t990;
-    let t992 = sin_panda_joint5 * t963;
-    let t993 = cos_panda_joint5 * t969;
-    let t994 = t992 - t993;
-    let t995 = 0.0016444875773692705 + t994;
-    let t996 = cos_panda_joint4 * t995;
-    let t997 = t991 - t996;
-    let t998 = 0.004377257121839584 + t997;
-    let t999 = 3.83030303030303 * t818;
-    let t1000 = t999 + t998;
-    let t1001 = cos_panda_joint3 * t1000;
-    let t1002 = t986 + t1001;
-    let t1003 = 0.0007689361029464 + t1002;
-    let t1004 = t419 * t1003;
-    let t1005 = sin_panda_joint3 * t800;
-    let t1006 = cos_panda_joint3 * t818;
-    let t1007 = t1005 + t1006;
-    let t1008 = acceleration_panda_joint2_y * t1007;
-    let t1009 = t1008 + t1004;
-    let t1010 = cos_panda_joint3 * t985;
-    let t1011 = sin_panda_joint3 * t1000;
-    let t1012 = t1010 - t1011;
-    let t1013 = 0.00398335888393552 - t1012;
-    let t1014 = t36 * t1013;
-    let t1015 = t1014 - t1009;
-    let t1016 = sin_panda_joint4 * t976;
-    let t1017 = 2.0 * t799;
-    let t1018 = 0.0616024210265277 - t1017;
-    let t1019 = t953 - t1018;
-    let t1020 = t1016 - t1019;
-    let t1021 = t936 - t949;
-    let t1022 = 0.022178148964878235 - t1021;
-    let t1023 = t1020 - t1022;
-    let t1024 = sin_panda_joint3 * t1023;
-    let t1025 = cos_panda_joint4 * t990;
-    let t1026 = sin_panda_joint4 * t995;
-    let t1027 = t1025 + t1026;
-    let t1028 = 0.00012191242095074308 - t806;
-    let t1029 = t1027 + t1028;
-    let t1030 = 2.0 * t1029;
-    let t1031 = cos_panda_joint3 * t1030;
-    let t1032 = t1024 + t1031;
-    let t1033 = sin_panda_joint3 * t1032;
-    let t1034 = 0.02307788249493181 + t1020;
-    let t1035 = t1033 - t1034;
-    let t1036 = t1022 + t1033;
-    let t1037 = t1036 - t1035;
-    let t1038 = t16 * t1037;
-    let t1039 = t1038 + t1015;
-    let t1040 = moment_panda_joint2_x - t1039;
-    let t1041 = t924 - t1040;
-    let t1042 = t894 - t1041;
-    let t1043 = cos_panda_joint2 * t1042;
-    let t1044 = t899 * t980;
-    let t1045 = t789 + t814;
-    let t1046 = t1045 - t1044;
-    let t1047 = t727 - t1046;
-    let t1048 = t781 + t1047;
-    let t1049 = omega_panda_joint3_y * 0.12323156337888003;
-    let t1050 = omega_panda_joint3_x * 0.004657470654870002;
-    let t1051 = t1050 + t1049;
-    let t1052 = t1051 + t898;
-    let t1053 = 3.83030303030303 * t1052;
-    let t1054 = t889 - t884;
-    let t1055 = t1054 - t1053;
-    let t1056 = t1048 + t1055;
-    let t1057 = t1056 + t888;
-    let t1058 = omega_panda_joint2_y * t1057;
-    let t1059 = omega_panda_joint3_z * 0.008754514243679169;
-    let t1060 = t1059 + t756;
-    let t1061 = t895 - t1060;
-    let t1062 = omega_panda_joint3_z * 0.004657470654870002;
-    let t1063 = t1062 + t788;
-    let t1064 = 3.83030303030303 * t1063;
-    let t1065 = t801 * t980;
-    let t1066 = t1065 + t1064;
-    let t1067 = t1061 - t1066;
-    let t1068 = cos_panda_joint3 * t1067;
-    let t1069 = sin_panda_joint4 * t835;
-    let t1070 = cos_panda_joint4 * t845;
-    let t1071 = t25 * t980;
-    let t1072 = t1071 - t1070;
-    let t1073 = t1069 + t1072;
-    let t1074 = omega_panda_joint3_z * 0.010975296213124512;
-    let t1075 = t1074 - t1073;
-    let t1076 = omega_panda_joint3_z * 0.12323156337888003;
-    let t1077 = t1076 + t851;
-    let t1078 = 3.83030303030303 * t1077;
-    let t1079 = t819 * t980;
-    let t1080 = t1079 - t1078;
-    let t1081 = t1075 - t1080;
-    let t1082 = sin_panda_joint3 * t1081;
-    let t1083 = omega_panda_joint2_y * 0.0015378722058928;
-    let t1084 = v[1] * 2.064324122463762;
-    let t1085 = t1083 - t1084;
-    let t1086 = t1085 + t1082;
-    let t1087 = t1068 - t1086;
-    let t1088 = omega_panda_joint2_x * t1087;
-    let t1089 = t16 * t1013;
-    let t1090 = acceleration_panda_joint2_x * t1007;
-    let t1091 = t1090 + t1089;
-    let t1092 = cos_panda_joint3 * t1032;
-    let t1093 = 0.01026110182100817 + t1029;
-    let t1094 = t1092 - t1093;
-    let t1095 = t419 * t1094;
-    let t1096 = t1095 - t1091;
-    let t1097 = t957 - t1016;
-    let t1098 = 7.66060606060606 * t980;
-    let t1099 = 1.032162061231881 - t1098;
-    let t1100 = t1097 + t1099;
-    let t1101 = t1036 + t1100;
-    let t1102 = t36 * t1101;
-    let t1103 = t1102 - t1096;
-    let t1104 = moment_panda_joint2_y + t1103;
-    let t1105 = t1088 - t1104;
-    let t1106 = t1058 - t1105;
-    let t1107 = sin_panda_joint2 * t1106;
-    let t1108 = t1107 + t1043;
-    let t1109 = t794 - t1048;
-    let t1110 = omega_panda_joint3_x * t1109;
-    let t1111 = omega_panda_joint3_x * t1052;
-    let t1112 = t23 * t980;
-    let t1113 = t214 * t818;
-    let t1114 = t1112 + t1113;
-    let t1115 = t1114 - t1111;
-    let t1116 = force_panda_joint3_y + t1115;
-    let t1117 = 3.83030303030303 * t1116;
-    let t1118 = t1097 + t1020;
-    let t1119 = t23 * t1118;
-    let t1120 = t214 * t998;
-    let t1121 = acceleration_panda_joint3_y * t980;
-    let t1122 = t1121 - t1120;
-    let t1123 = t55 * t1029;
-    let t1124 = t1123 + t1122;
-    let t1125 = t1119 + t1124;
-    let t1126 = t1117 - t1125;
-    let t1127 = moment_panda_joint3_x - t1126;
-    let t1128 = omega_panda_joint3_y * t858;
-    let t1129 = t1128 - t1127;
-    let t1130 = t1110 - t1129;
-    let t1131 = sin_panda_joint3 * t1130;
-    let t1132 = t817 - t1048;
-    let t1133 = omega_panda_joint3_y * t1132;
-    let t1134 = omega_panda_joint3_x * t877;
-    let t1135 = t214 * t983;
-    let t1136 = t23 * t1029;
-    let t1137 = acceleration_panda_joint3_x * t980;
-    let t1138 = t1137 + t1136;
-    let t1139 = t1135 - t1138;
-    let t1140 = t1097 + t1022;
-    let t1141 = t55 * t1140;
-    let t1142 = t1141 - t1139;
-    let t1143 = t1134 + t1142;
-    let t1144 = moment_panda_joint3_y + t1143;
-    let t1145 = omega_panda_joint3_y * t1052;
-    let t1146 = t214 * t800;
-    let t1147 = t55 * t980;
-    let t1148 = t1146 - t1147;
-    let t1149 = t1148 - t1145;
-    let t1150 = force_panda_joint3_x + t1149;
-    let t1151 = 3.83030303030303 * t1150;
-    let t1152 = t1151 + t1144;
-    let t1153 = t1133 - t1152;
-    let t1154 = cos_panda_joint3 * t1153;
-    let t1155 = t1154 - t1131;
-    let t1156 = sin_panda_joint2 * t1155;
-    let t1157 = omega_panda_joint3_y * t907;
-    let t1158 = omega_panda_joint3_x * t917;
-    let t1159 = t55 * t983;
-    let t1160 = t23 * t998;
-    let t1161 = acceleration_panda_joint3_x * t800;
-    let t1162 = acceleration_panda_joint3_y * t818;
-    let t1163 = t1161 - t1162;
-    let t1164 = t1163 + t1160;
-    let t1165 = t1159 + t1164;
-    let t1166 = t1020 + t1022;
-    let t1167 = t214 * t1166;
-    let t1168 = t1167 - t1165;
-    let t1169 = t1158 - t1168;
-    let t1170 = t1157 - t1169;
-    let t1171 = cos_panda_joint2 * t1170;
-    let t1172 = t1156 - t1171;
-    let t1173 = omega_panda_joint4_y * t756;
-    let t1174 = t446 * t995;
-    let t1175 = acceleration_panda_joint4_y * t806;
-    let t1176 = t1175 + t1174;
-    let t1177 = t74 * t973;
-    let t1178 = t1177 - t1176;
-    let t1179 = t1021 + t953;
-    let t1180 = t42 * t1179;
-    let t1181 = t1180 - t1178;
-    let t1182 = t1173 - t1181;
-    let t1183 = moment_panda_joint4_x + t1182;
-    let t1184 = t707 - t812;
-    let t1185 = omega_panda_joint4_x * t1184;
-    let t1186 = t1185 - t1183;
-    let t1187 = sin_panda_joint4 * t1186;
-    let t1188 = omega_panda_joint4_y * t786;
-    let t1189 = t795 * t42;
-    let t1190 = t797 * t74;
-    let t1191 = t1190 + t1189;
-    let t1192 = t1188 + t1191;
-    let t1193 = omega_panda_joint4_x * t783;
-    let t1194 = t1193 - t1192;
-    let t1195 = 3.83030303030303 * t1194;
-    let t1196 = t1187 - t1195;
-    let t1197 = t727 - t812;
-    let t1198 = omega_panda_joint4_y * t1197;
-    let t1199 = omega_panda_joint4_x * t777;
-    let t1200 = t42 * t973;
-    let t1201 = acceleration_panda_joint4_x * t806;
-    let t1202 = t1201 + t1200;
-    let t1203 = t446 * t990;
-    let t1204 = t1203 + t1202;
-    let t1205 = t1021 - t957;
-    let t1206 = t74 * t1205;
-    let t1207 = t1206 - t1204;
-    let t1208 = t1199 - t1207;
-    let t1209 = moment_panda_joint4_y + t1208;
-    let t1210 = t1198 - t1209;
-    let t1211 = cos_panda_joint4 * t1210;
-    let t1212 = t1211 - t1196;
-    let t1213 = cos_panda_joint3 * t1212;
-    let t1214 = omega_panda_joint4_y * t851;
-    let t1215 = t446 * t795;
-    let t1216 = t806 * t74;
-    let t1217 = t1215 + t1216;
-    let t1218 = t1214 + t1217;
-    let t1219 = force_panda_joint4_x - t1218;
-    let t1220 = cos_panda_joint4 * t1219;
-    let t1221 = omega_panda_joint4_x * t851;
-    let t1222 = t806 * t42;
-    let t1223 = t446 * t797;
-    let t1224 = t1223 - t1222;
-    let t1225 = t1221 - t1224;
-    let t1226 = force_panda_joint4_y - t1225;
-    let t1227 = sin_panda_joint4 * t1226;
-    let t1228 = t1227 - t1220;
-    let t1229 = omega_panda_joint4_y * t835;
-    let t1230 = omega_panda_joint4_x * t845;
-    let t1231 = t42 * t995;
-    let t1232 = acceleration_panda_joint4_y * t797;
-    let t1233 = acceleration_panda_joint4_x * t795;
-    let t1234 = t1233 + t1232;
-    let t1235 = t1234 - t1231;
-    let t1236 = t74 * t990;
-    let t1237 = t1236 + t1235;
-    let t1238 = t953 - t957;
-    let t1239 = t446 * t1238;
-    let t1240 = t1239 - t1237;
-    let t1241 = t1230 + t1240;
-    let t1242 = t1229 - t1241;
-    let t1243 = t1242 - t1228;
-    let t1244 = sin_panda_joint4 * t1219;
-    let t1245 = cos_panda_joint4 * t1226;
-    let t1246 = t1245 + t1244;
-    let t1247 = 3.83030303030303 * t1246;
-    let t1248 = t1247 + t1243;
-    let t1249 = sin_panda_joint3 * t1248;
-    let t1250 = t1213 - t1249;
-    let t1251 = sin_panda_joint2 * t1250;
-    let t1252 = cos_panda_joint4 * t1186;
-    let t1253 = t1194 - t1252;
-    let t1254 = sin_panda_joint4 * t1210;
-    let t1255 = t1254 - t1253;
-    let t1256 = cos_panda_joint2 * t1255;
-    let t1257 = t1251 - t1256;
-    let t1258 = omega_panda_joint5_y * t717;
-    let t1259 = t720 * t100;
-    let t1260 = t156 * t614;
-    let t1261 = t1260 + t1259;
-    let t1262 = t1258 - t1261;
-    let t1263 = force_panda_joint5_x + t1262;
-    let t1264 = t188 * t1263;
-    let t1265 = omega_panda_joint5_x * t717;
-    let t1266 = t720 * t63;
-    let t1267 = t156 * t628;
-    let t1268 = t1267 + t1266;
-    let t1269 = t1265 + t1268;
-    let t1270 = force_panda_joint5_y - t1269;
-    let t1271 = t205 * t1270;
-    let t1272 = t1271 - t1264;
-    let t1273 = sin_panda_joint4 * t1272;
-    let t1274 = omega_panda_joint5_y * t699;
-    let t1275 = t614 * t63;
-    let t1276 = t628 * t100;
-    let t1277 = t1276 - t1275;
-    let t1278 = t1274 + t1277;
-    let t1279 = omega_panda_joint5_x * t691;
-    let t1280 = t1279 + t1278;
-    let t1281 = 0.21484375 * t1280;
-    let t1282 = cos_panda_joint4 * t1281;
-    let t1283 = t1273 + t1282;
-    let t1284 = t608 - t710;
-    let t1285 = omega_panda_joint5_x * t1284;
-    let t1286 = omega_panda_joint5_y * t655;
-    let t1287 = t100 * t945;
-    let t1288 = t156 * t968;
-    let t1289 = t1287 - t1288;
-    let t1290 = t954 - t935;
-    let t1291 = t63 * t1290;
-    let t1292 = t1291 + t1289;
-    let t1293 = t720 * acceleration_panda_joint5_y;
-    let t1294 = t1293 + t1292;
-    let t1295 = t1286 - t1294;
-    let t1296 = t1285 + t1295;
-    let t1297 = t1270 + t1296;
-    let t1298 = moment_panda_joint5_x - t1297;
-    let t1299 = cos_panda_joint5 * t1298;
-    let t1300 = t1281 - t1299;
-    let t1301 = t625 + t710;
-    let t1302 = omega_panda_joint5_y * t1301;
-    let t1303 = omega_panda_joint5_x * t676;
-    let t1304 = t156 * t962;
-    let t1305 = t63 * t945;
-    let t1306 = t1305 - t1304;
-    let t1307 = t954 - t936;
-    let t1308 = t1307 * t100;
-    let t1309 = t1308 + t1306;
-    let t1310 = t720 * acceleration_panda_joint5_x;
-    let t1311 = t1310 + t1309;
-    let t1312 = t1303 - t1311;
-    let t1313 = t1302 + t1312;
-    let t1314 = moment_panda_joint5_y + t1313;
-    let t1315 = t1263 + t1314;
-    let t1316 = sin_panda_joint5 * t1315;
-    let t1317 = t1316 - t1300;
-    let t1318 = t1317 + t1283;
-    let t1319 = cos_panda_joint4 * t1272;
-    let t1320 = sin_panda_joint4 * t1281;
-    let t1321 = t1319 - t1320;
-    let t1322 = 3.83030303030303 * t1321;
-    let t1323 = t1322 - t1318;
-    let t1324 = sin_panda_joint3 * t1323;
-    let t1325 = t205 * t1263;
-    let t1326 = t188 * t1270;
-    let t1327 = t1326 + t1325;
-    let t1328 = omega_panda_joint5_y * t735;
-    let t1329 = omega_panda_joint5_x * t743;
-    let t1330 = t63 * t968;
-    let t1331 = t100 * t962;
-    let t1332 = t1331 + t1330;
-    let t1333 = t936 + t935;
-    let t1334 = t156 * t1333;
-    let t1335 = t1334 + t1332;
-    let t1336 = t628 * acceleration_panda_joint5_y;
-    let t1337 = t1336 - t1335;
-    let t1338 = t614 * acceleration_panda_joint5_x;
-    let t1339 = t1338 + t1337;
-    let t1340 = t1329 - t1339;
-    let t1341 = t1328 - t1340;
-    let t1342 = t1341 - t1327;
-    let t1343 = sin_panda_joint4 * t1342;
-    let t1344 = 3.83030303030303 * t1327;
-    let t1345 = t1343 + t1344;
-    let t1346 = sin_panda_joint5 * t1298;
-    let t1347 = cos_panda_joint5 * t1315;
-    let t1348 = t1347 - t1346;
-    let t1349 = cos_panda_joint4 * t1348;
-    let t1350 = t1349 + t1345;
-    let t1351 = cos_panda_joint3 * t1350;
-    let t1352 = t1351 + t1324;
-    let t1353 = sin_panda_joint2 * t1352;
-    let t1354 = cos_panda_joint4 * t1342;
-    let t1355 = t1327 + t1354;
-    let t1356 = sin_panda_joint4 * t1348;
-    let t1357 = t1356 - t1355;
-    let t1358 = cos_panda_joint2 * t1357;
-    let t1359 = t1353 - t1358;
-    let t1360 = omega_panda_joint6_y * t696;
-    let t1361 = t184 * t610;
-    let t1362 = t1361 + t1360;
-    let t1363 = t96 * t132;
-    let t1364 = t1363 + t1362;
-    let t1365 = force_panda_joint6_x + t1364;
-    let t1366 = t148 * t1365;
-    let t1367 = omega_panda_joint6_x * t696;
-    let t1368 = 0.015294814090072 * t184;
-    let t1369 = t1368 - t1367;
-    let t1370 = t96 * t84;
-    let t1371 = t1370 + t1369;
-    let t1372 = force_panda_joint6_y + t1371;
-    let t1373 = t122 * t1372;
-    let t1374 = t1373 - t1366;
-    let t1375 = t205 * t1374;
-    let t1376 = t610 * t84;
-    let t1377 = omega_panda_joint6_x * t689;
-    let t1378 = omega_panda_joint6_y * t684;
-    let t1379 = t1378 - t1377;
-    let t1380 = t1379 + t1376;
-    let t1381 = 0.015294814090072 * t132;
-    let t1382 = t1381 - t1380;
-    let t1383 = 4.363636363636364 * t1382;
-    let t1384 = t188 * t1383;
-    let t1385 = t1375 + t1384;
-    let t1386 = sin_panda_joint4 * t1385;
-    let t1387 = t122 * t1365;
-    let t1388 = t148 * t1372;
-    let t1389 = t1388 + t1387;
-    let t1390 = 0.21484375 * t1389;
-    let t1391 = cos_panda_joint4 * t1390;
-    let t1392 = t1386 + t1391;
-    let t1393 = 0.015294814090072 * acceleration_panda_joint6_y;
-    let t1394 = t610 * acceleration_panda_joint6_x;
-    let t1395 = t1394 + t1393;
-    let t1396 = t942 * t84;
-    let t1397 = t132 * t940;
-    let t1398 = t1397 - t1396;
-    let t1399 = omega_panda_joint6_x * t649;
-    let t1400 = 0.050456677916247444 + t926;
-    let t1401 = t184 * t1400;
-    let t1402 = t1401 - t1399;
-    let t1403 = omega_panda_joint6_y * t643;
-    let t1404 = t1403 + t1402;
-    let t1405 = t1404 - t1398;
-    let t1406 = t1405 - t1395;
-    let t1407 = t1406 - t1374;
-    let t1408 = cos_panda_joint5 * t1407;
-    let t1409 = t1390 - t1408;
-    let t1410 = t594 - t622;
-    let t1411 = omega_panda_joint6_x * t1410;
-    let t1412 = t96 * acceleration_panda_joint6_y;
-    let t1413 = t1412 + t1411;
-    let t1414 = t929 * t132;
-    let t1415 = 0.02152225537058755 + t926;
-    let t1416 = t339 + t1415;
-    let t1417 = t1416 * t84;
-    let t1418 = t1417 - t1414;
-    let t1419 = omega_panda_joint6_y * t578;
-    let t1420 = t184 * t942;
-    let t1421 = t1420 - t1419;
-    let t1422 = t1421 + t1418;
-    let t1423 = t1422 - t1413;
-    let t1424 = moment_panda_joint6_x - t1423;
-    let t1425 = sin_panda_joint6 * t1424;
-    let t1426 = t1383 + t1425;
-    let t1427 = t599 + t622;
-    let t1428 = omega_panda_joint6_y * t1427;
-    let t1429 = t96 * acceleration_panda_joint6_x;
-    let t1430 = t1429 + t1428;
-    let t1431 = omega_panda_joint6_x * t583;
-    let t1432 = t184 * t940;
-    let t1433 = t1431 - t1432;
-    let t1434 = t929 * t84;
-    let t1435 = t1434 - t1433;
-    let t1436 = t310 - 0.03293675559757119;
-    let t1437 = t1436 * t132;
-    let t1438 = t1437 + t1435;
-    let t1439 = t1438 + t1430;
-    let t1440 = moment_panda_joint6_y - t1439;
-    let t1441 = cos_panda_joint6 * t1440;
-    let t1442 = t1441 - t1426;
-    let t1443 = sin_panda_joint5 * t1442;
-    let t1444 = t1443 - t1409;
-    let t1445 = t1444 + t1392;
-    let t1446 = cos_panda_joint4 * t1385;
-    let t1447 = sin_panda_joint4 * t1390;
-    let t1448 = t1446 - t1447;
-    let t1449 = 3.83030303030303 * t1448;
-    let t1450 = t1449 - t1445;
-    let t1451 = sin_panda_joint3 * t1450;
-    let t1452 = t188 * t1374;
-    let t1453 = t205 * t1383;
-    let t1454 = t1452 - t1453;
-    let t1455 = sin_panda_joint6 * t1440;
-    let t1456 = cos_panda_joint6 * t1424;
-    let t1457 = t1455 + t1456;
-    let t1458 = t1457 + t1454;
-    let t1459 = sin_panda_joint4 * t1458;
-    let t1460 = 3.83030303030303 * t1454;
-    let t1461 = t1459 - t1460;
-    let t1462 = cos_panda_joint5 * t1442;
-    let t1463 = sin_panda_joint5 * t1407;
-    let t1464 = t1462 - t1463;
-    let t1465 = cos_panda_joint4 * t1464;
-    let t1466 = t1465 - t1461;
-    let t1467 = cos_panda_joint3 * t1466;
-    let t1468 = t1467 + t1451;
-    let t1469 = sin_panda_joint2 * t1468;
-    let t1470 = cos_panda_joint4 * t1458;
-    let t1471 = t1454 - t1470;
-    let t1472 = sin_panda_joint4 * t1464;
-    let t1473 = t1472 - t1471;
-    let t1474 = cos_panda_joint2 * t1473;
-    let t1475 = t1469 - t1474;
-    let t1476 = omega_panda_joint6_x * t573;
-    let t1477 = t96 * t118;
-    let t1478 = t1477 - t1476;
-    let t1479 = t1478 + force_panda_joint7_y;
-    let t1480 = t122 * t1479;
-    let t1481 = t111 * t91;
-    let t1482 = t96 * t108;
-    let t1483 = omega_panda_joint6_x * t586;
-    let t1484 = omega_panda_joint6_z * t638;
-    let t1485 = t1484 + t1483;
-    let t1486 = t1485 + t1482;
-    let t1487 = t1481 + t1486;
-    let t1488 = t148 * t1487;
-    let t1489 = t1480 + t1488;
-    let t1490 = t205 * t1489;
-    let t1491 = omega_panda_joint6_z * t573;
-    let t1492 = t111 * t118;
-    let t1493 = t1492 - t1491;
-    let t1494 = t1493 + force_panda_joint7_x;
-    let t1495 = 4.363636363636364 * t1494;
-    let t1496 = t188 * t1495;
-    let t1497 = t1490 - t1496;
-    let t1498 = sin_panda_joint4 * t1497;
-    let t1499 = t148 * t1479;
-    let t1500 = t122 * t1487;
-    let t1501 = t1499 - t1500;
-    let t1502 = 0.21484375 * t1501;
-    let t1503 = cos_panda_joint4 * t1502;
-    let t1504 = t1498 + t1503;
-    let t1505 = omega_panda_joint6_z * t642;
-    let t1506 = t299 * t118;
-    let t1507 = t1506 - t1505;
-    let t1508 = t308 * t108;
-    let t1509 = t1508 + t1507;
-    let t1510 = t593 - t596;
-    let t1511 = omega_panda_joint6_x * t1510;
-    let t1512 = t1511 + t1509;
-    let t1513 = t311 * t91;
-    let t1514 = t1513 - t1512;
-    let t1515 = t1487 + t1514;
-    let t1516 = moment_panda_joint7_x - t1515;
-    let t1517 = t1516 - t1489;
-    let t1518 = cos_panda_joint5 * t1517;
-    let t1519 = t1502 - t1518;
-    let t1520 = omega_panda_joint6_x * t660;
-    let t1521 = t311 + t339;
-    let t1522 = t118 * t1521;
-    let t1523 = t1522 - t1520;
-    let t1524 = omega_panda_joint6_z * t577;
-    let t1525 = t1524 + t1523;
-    let t1526 = t316 * t108;
-    let t1527 = t1526 + t1525;
-    let t1528 = t299 * t91;
-    let t1529 = t1528 - t1527;
-    let t1530 = t96 * acceleration_panda_joint7_y;
-    let t1531 = t1530 + t1529;
-    let t1532 = t111 * acceleration_panda_joint7_x;
-    let t1533 = t1532 + t1531;
-    let t1534 = t1533 - t1494;
-    let t1535 = sin_panda_joint6 * t1534;
-    let t1536 = t1495 - t1535;
-    let t1537 = omega_panda_joint6_x * t672;
-    let t1538 = t316 * t118;
-    let t1539 = t1538 - t1537;
-    let t1540 = t339 * t108;
-    let t1541 = t1540 + t1539;
-    let t1542 = t617 + t596;
-    let t1543 = omega_panda_joint6_z * t1542;
-    let t1544 = t1543 - t1541;
-    let t1545 = t308 * t91;
-    let t1546 = t1545 + t1544;
-    let t1547 = moment_panda_joint7_y + t1546;
-    let t1548 = cos_panda_joint6 * t1547;
-    let t1549 = t1548 + t1536;
-    let t1550 = sin_panda_joint5 * t1549;
-    let t1551 = t1550 - t1519;
-    let t1552 = t1551 + t1504;
-    let t1553 = cos_panda_joint4 * t1497;
-    let t1554 = sin_panda_joint4 * t1502;
-    let t1555 = t1553 - t1554;
-    let t1556 = 3.83030303030303 * t1555;
-    let t1557 = t1556 - t1552;
-    let t1558 = sin_panda_joint3 * t1557;
-    let t1559 = t188 * t1489;
-    let t1560 = t205 * t1495;
-    let t1561 = t1559 + t1560;
-    let t1562 = cos_panda_joint6 * t1534;
-    let t1563 = sin_panda_joint6 * t1547;
-    let t1564 = t1563 + t1562;
-    let t1565 = t1564 + t1561;
-    let t1566 = sin_panda_joint4 * t1565;
-    let t1567 = 3.83030303030303 * t1561;
-    let t1568 = t1566 - t1567;
-    let t1569 = cos_panda_joint5 * t1549;
-    let t1570 = sin_panda_joint5 * t1517;
-    let t1571 = t1569 - t1570;
-    let t1572 = cos_panda_joint4 * t1571;
-    let t1573 = t1572 - t1568;
-    let t1574 = cos_panda_joint3 * t1573;
-    let t1575 = t1574 + t1558;
-    let t1576 = sin_panda_joint2 * t1575;
-    let t1577 = cos_panda_joint4 * t1565;
-    let t1578 = t1561 - t1577;
-    let t1579 = sin_panda_joint4 * t1571;
-    let t1580 = t1579 - t1578;
-    let t1581 = cos_panda_joint2 * t1580;
-    let t1582 = t1576 - t1581;
-    let t1583 = cos_panda_joint3 * t882;
-    let t1584 = omega_panda_joint2_y * 0.04615576498986362;
-    let t1585 = omega_panda_joint2_x * 0.00796671776787104;
-    let t1586 = t1585 - t1584;
-    let t1587 = t1586 + t879;
-    let t1588 = t1583 - t1587;
-    let t1589 = omega_panda_joint2_y * t1588;
-    let t1590 = sin_panda_joint3 * t1067;
-    let t1591 = cos_panda_joint3 * t1081;
-    let t1592 = omega_panda_joint2_y * 0.00796671776787104;
-    let t1593 = omega_panda_joint2_x * 2.064324122463762;
-    let t1594 = t1593 - t1592;
-    let t1595 = t1594 + t1591;
-    let t1596 = t1590 + t1595;
-    let t1597 = omega_panda_joint2_x * t1596;
-    let t1598 = t16 * t1003;
-    let t1599 = cos_panda_joint3 * t800;
-    let t1600 = sin_panda_joint3 * t818;
-    let t1601 = 0.000167639551695 + t1600;
-    let t1602 = t1599 - t1601;
-    let t1603 = acceleration_panda_joint2_x * t1602;
-    let t1604 = 0.27592125358974007 - t980;
-    let t1605 = acceleration_panda_joint2_y * t1604;
-    let t1606 = t1605 - t1603;
-    let t1607 = t1598 - t1606;
-    let t1608 = t36 * t1094;
-    let t1609 = t1608 + t1607;
-    let t1610 = t1035 - t1100;
-    let t1611 = t419 * t1610;
-    let t1612 = t1611 + t1609;
-    let t1613 = t1597 + t1612;
-    let t1614 = t1589 + t1613;
-    let t1615 = cos_panda_joint3 * t1130;
-    let t1616 = sin_panda_joint3 * t1153;
-    let t1617 = t1616 + t1615;
-    let t1618 = sin_panda_joint3 * t1212;
-    let t1619 = cos_panda_joint3 * t1248;
-    let t1620 = t1618 + t1619;
-    let t1621 = cos_panda_joint3 * t1323;
-    let t1622 = sin_panda_joint3 * t1350;
-    let t1623 = t1622 - t1621;
-    let t1624 = cos_panda_joint3 * t1450;
-    let t1625 = sin_panda_joint3 * t1466;
-    let t1626 = t1625 - t1624;
-    let t1627 = cos_panda_joint3 * t1557;
-    let t1628 = sin_panda_joint3 * t1573;
-    let t1629 = t1628 - t1627;
-    let t1630 = t794 + t817;
-    let t1631 = t802 + t820;
-    let t1632 = t1631 - t1630;
-    let t1633 = omega_panda_joint2_x * t1632;
-    let t1634 = t419 * t1002;
-    let t1635 = t16 * t1166;
-    let t1636 = t1008 - t1635;
-    let t1637 = t1634 + t1636;
-    let t1638 = t36 * t1012;
-    let t1639 = t1638 + t1637;
-    let t1640 = t1633 - t1639;
-    let t1641 = omega_panda_joint2_y * t919;
-    let t1642 = t1641 - t1640;
-    let t1643 = t852 + t847;
-    let t1644 = t819 * t799;
-    let t1645 = t1644 + t1643;
-    let t1646 = cos_panda_joint3 * t1645;
-    let t1647 = t707 + t727;
-    let t1648 = t1044 + t1647;
-    let t1649 = t801 * t799;
-    let t1650 = t1649 - t1648;
-    let t1651 = sin_panda_joint3 * t1650;
-    let t1652 = t1646 + t1651;
-    let t1653 = omega_panda_joint2_y * t1652;
-    let t1654 = t1079 + t1073;
-    let t1655 = omega_panda_joint2_x * t1654;
-    let t1656 = t799 + t1238;
-    let t1657 = 3.83030303030303 * t980;
-    let t1658 = t1657 + t1656;
-    let t1659 = cos_panda_joint3 * t1658;
-    let t1660 = sin_panda_joint3 * t1027;
-    let t1661 = t1660 + t1659;
-    let t1662 = t419 * t1661;
-    let t1663 = t16 * t997;
-    let t1664 = cos_panda_joint3 * t980;
-    let t1665 = acceleration_panda_joint2_y * t1664;
-    let t1666 = acceleration_panda_joint2_x * t799;
-    let t1667 = t1665 - t1666;
-    let t1668 = t1667 + t1663;
-    let t1669 = t1662 + t1668;
-    let t1670 = sin_panda_joint3 * t1658;
-    let t1671 = cos_panda_joint3 * t1027;
-    let t1672 = t1671 - t1670;
-    let t1673 = t36 * t1672;
-    let t1674 = t1673 + t1669;
-    let t1675 = t1655 - t1674;
-    let t1676 = t1653 + t1675;
-    let t1677 = omega_panda_joint3_x * t1648;
-    let t1678 = t23 * t1656;
-    let t1679 = t55 * t1027;
-    let t1680 = t1679 - t1678;
-    let t1681 = t214 * t997;
-    let t1682 = t1121 - t1681;
-    let t1683 = t1682 + t1680;
-    let t1684 = t1677 - t1683;
-    let t1685 = omega_panda_joint3_y * t1643;
-    let t1686 = t1685 + t1684;
-    let t1687 = t608 - t625;
-    let t1688 = t615 - t629;
-    let t1689 = t808 - t1688;
-    let t1690 = t1687 - t1689;
-    [
+        [sin_panda_joint1,
         sin_panda_joint2,
-        cos_panda_joint2,
         sin_panda_joint3,
-        cos_panda_joint3,
         sin_panda_joint4,
-        cos_panda_joint4,
         sin_panda_joint5,
-        cos_panda_joint5,
         sin_panda_joint6,
+        sin_panda_joint7,
+        ..,
+        ],
+        [cos_panda_joint1,
+        cos_panda_joint2,
+        cos_panda_joint3,
+        cos_panda_joint4,
+        cos_panda_joint5,
         cos_panda_joint6,
         cos_panda_joint7,
-        omega_panda_joint2_y,
-        t16,
-        omega_panda_joint2_x,
-        t23,
-        t25,
-        omega_panda_joint3_y,
-        omega_panda_joint3_x,
-        t36,
-        t42,
-        t44,
-        omega_panda_joint4_y,
-        t55,
-        omega_panda_joint4_x,
-        t63,
-        omega_panda_joint5_y,
-        t74,
-        omega_panda_joint5_x,
-        t84,
-        t86,
-        omega_panda_joint6_y,
-        t96,
-        t100,
-        omega_panda_joint6_x,
-        t111,
-        t122,
-        t132,
-        t148,
-        t156,
-        t184,
-        t188,
-        t205,
-        t214,
-        acceleration_panda_joint2_y,
-        acceleration_panda_joint2_x,
-        acceleration_panda_joint3_x,
-        acceleration_panda_joint4_x,
-        acceleration_panda_joint4_y,
-        acceleration_panda_joint3_y,
-        acceleration_panda_joint5_x,
-        t299,
-        t311,
-        t316,
-        t339,
-        acceleration_panda_joint5_y,
-        t419,
-        t446,
-        t535,
-        t555,
-        t557,
-        t559,
-        t561,
-        t563,
-        t565,
-        t566,
-        t571,
-        t572,
-        t575,
-        t577,
-        t579,
-        t586,
-        t593,
-        t594,
-        t596,
-        t599,
-        t609,
-        t610,
-        t613,
-        t617,
-        t618,
-        t619,
-        t626,
-        t638,
-        t645,
-        t651,
-        t656,
-        t659,
-        t661,
-        t662,
-        t664,
-        t674,
-        t677,
-        t684,
-        t689,
-        t691,
-        t699,
-        t720,
-        t745,
-        t749,
-        t750,
-        t759,
-        t760,
-        t766,
-        t768,
-        t769,
-        t783,
-        t786,
-        t795,
-        t797,
-        t801,
-        t806,
-        t807,
-        t808,
-        t819,
-        t860,
-        t863,
-        t869,
-        t871,
-        t888,
-        t892,
-        t899,
-        t907,
-        t917,
-        t919,
-        t923,
-        t929,
-        t940,
-        t942,
-        t944,
-        t945,
-        t962,
-        t967,
-        t968,
-        t971,
-        t973,
-        t980,
-        t983,
-        t990,
-        t994,
-        t995,
-        t997,
-        t998,
-        t1003,
-        t1012,
-        t1013,
-        t1027,
-        t1029,
-        t1037,
-        t1044,
-        t1056,
-        t1061,
-        t1063,
-        t1073,
-        t1075,
-        t1077,
-        t1087,
-        t1094,
-        t1101,
-        t1108,
-        t1118,
-        t1140,
-        t1166,
-        t1170,
-        t1172,
-        t1175,
-        t1179,
-        t1205,
-        t1242,
-        t1255,
-        t1257,
-        t1290,
-        t1293,
-        t1307,
-        t1317,
-        t1333,
-        t1341,
-        t1357,
-        t1359,
-        t1400,
-        t1406,
-        t1412,
-        t1416,
-        t1436,
-        t1444,
-        t1457,
-        t1473,
-        t1475,
-        t1516,
-        t1521,
-        t1533,
-        t1551,
-        t1564,
-        t1580,
-        t1582,
-        t1583,
-        t1588,
-        t1596,
-        t1614,
-        t1617,
-        t1620,
-        t1623,
-        t1626,
-        t1629,
-        t1630,
-        t1632,
-        t1642,
-        t1645,
-        t1647,
-        t1650,
-        t1652,
-        t1654,
-        t1656,
-        t1672,
-        t1676,
-        t1686,
-        t1687,
-        t1690,
-    ]
-}
-
-/// Part 2 of `inverse_dynamics_derivatives`: values that later parts read.
-#[inline(never)]
-fn inverse_dynamics_derivatives_part_2(
-    v: &[f64; N],
-    [sin_panda_joint2,
-    cos_panda_joint2,
-    sin_panda_joint3,
-    cos_panda_joint3,
-    sin_panda_joint4,
-    cos_panda_joint4,
-    sin_panda_joint5,
-    cos_panda_joint5,
-    sin_panda_joint6,
-    cos_panda_joint6,
-    cos_panda_joint7,
-    omega_panda_joint2_y,
-    t16,
-    omega_panda_joint2_x,
-    t23,
-    t25,
-    omega_panda_joint3_y,
-    omega_panda_joint3_x,
-    t36,
-    t42,
-    t44,
-    omega_panda_joint4_y,
-    t55,
-    omega_panda_joint4_x,
-    t63,
-    omega_panda_joint5_y,
-    t74,
-    omega_panda_joint5_x,
-    t84,
-    t86,
-    omega_panda_joint6_y,
-    t96,
-    t100,
-    omega_panda_joint6_x,
-    t111,
-    t122,
-    t132,
-    t148,
-    t156,
-    t184,
-    t188,
-    t205,
-    t214,
-    acceleration_panda_joint2_y,
-    acceleration_panda_joint2_x,
-    acceleration_panda_joint3_x,
-    acceleration_panda_joint4_x,
-    acceleration_panda_joint4_y,
-    acceleration_panda_joint3_y,
-    acceleration_panda_joint5_x,
-    t299,
-    t311,
-    t316,
-    t339,
-    acceleration_panda_joint5_y,
-    t419,
-    t446,
-    t566,
-    t571,
-    t572,
-    t575,
-    t577,
-    t579,
-    t586,
-    t593,
-    t594,
-    t596,
-    t599,
-    t609,
-    t610,
-    t613,
-    t617,
-    t618,
-    t619,
-    t626,
-    t638,
-    t645,
-    t651,
-    t656,
-    t659,
-    t661,
-    t662,
-    t664,
-    t674,
-    t677,
-    t684,
-    t689,
-    t691,
-    t699,
-    t720,
-    t745,
-    t749,
-    t750,
-    t759,
-    t760,
-    t766,
-    t768,
-    t769,
-    t783,
-    t786,
-    t795,
-    t797,
-    t801,
-    t806,
-    t807,
-    t808,
-    t819,
-    t860,
-    t863,
-    t869,
-    t871,
-    t888,
-    t892,
-    t899,
-    t907,
-    t917,
-    t919,
-    t923,
-    t929,
-    t940,
-    t942,
-    t944,
-    t945,
-    t962,
-    t967,
-    t968,
-    t971,
-    t973,
-    t980,
-    t983,
-    t990,
-    t994,
-    t995,
-    t997,
-    t998,
-    t1003,
-    t1012,
-    t1013,
-    t1027,
-    t1029,
-    t1037,
-    t1044,
-    t1056,
-    t1061,
-    t1063,
-    t1073,
-    t1075,
-    t1077,
-    t1087,
-    t1094,
-    t1101,
-    t1118,
-    t1140,
-    t1166,
-    t1170,
-    t1175,
-    t1179,
-    t1205,
-    t1242,
-    t1257,
-    t1290,
-    t1293,
-    t1307,
-    t1317,
-    t1333,
-    t1341,
-    t1359,
-    t1400,
-    t1406,
-    t1412,
-    t1416,
-    t1436,
-    t1444,
-    t1475,
-    t1521,
-    t1564,
-    t1580,
-    t1583,
-    t1588,
-    t1596,
-    t1617,
-    t1629,
-    t1630,
-    t1632,
-    t1645,
-    t1647,
-    t1650,
-    t1652,
-    t1654,
-    t1656,
-    t1672,
-    t1686,
-    t1687,
-    t1690,
-    ]: [f64; 194],
-) -> [f64; 75] {
-    let t1691 = sin_panda_joint4 * t1690;
-    let t1692 = sin_panda_joint4 * t806;
-    let t1693 = t25 * t1692;
-    let t1694 = t899 * t749;
-    let t1695 = t1693 - t1694;
-    let t1696 = t1695 + t1691;
-    let t1697 = t750 + t745;
-    let t1698 = cos_panda_joint4 * t1697;
-    let t1699 = t1698 - t1696;
-    let t1700 = t819 * t1692;
-    let t1701 = t1700 - t1699;
-    let t1702 = cos_panda_joint3 * t1701;
-    let t1703 = cos_panda_joint4 * t806;
-    let t1704 = t899 * t1703;
-    let t1705 = t1704 + t869;
-    let t1706 = t801 * t1692;
-    let t1707 = t1706 + t1705;
-    let t1708 = sin_panda_joint3 * t1707;
-    let t1709 = t1702 + t1708;
-    let t1710 = omega_panda_joint2_y * t1709;
-    let t1711 = cos_panda_joint4 * t1690;
-    let t1712 = t25 * t1703;
-    let t1713 = t1712 + t1711;
-    let t1714 = sin_panda_joint4 * t1697;
-    let t1715 = t1714 + t1713;
-    let t1716 = t819 * t1703;
-    let t1717 = t801 * t749;
-    let t1718 = t1717 + t1716;
-    let t1719 = t1718 + t1715;
-    let t1720 = omega_panda_joint2_x * t1719;
-    let t1721 = cos_panda_joint4 * t971;
-    let t1722 = t749 - t1333;
-    let t1723 = sin_panda_joint4 * t1722;
-    let t1724 = t1721 - t1723;
-    let t1725 = 3.83030303030303 * t749;
-    let t1726 = t1725 + t1724;
-    let t1727 = sin_panda_joint3 * t1726;
-    let t1728 = t1692 - t994;
-    let t1729 = 3.83030303030303 * t1703;
-    let t1730 = t1729 - t1728;
-    let t1731 = cos_panda_joint3 * t1730;
-    let t1732 = t1727 + t1731;
-    let t1733 = t419 * t1732;
-    let t1734 = cos_panda_joint4 * t1722;
-    let t1735 = t749 - t1734;
-    let t1736 = sin_panda_joint4 * t971;
-    let t1737 = t1736 - t1735;
-    let t1738 = t16 * t1737;
-    let t1739 = cos_panda_joint3 * t1703;
-    let t1740 = sin_panda_joint3 * t749;
-    let t1741 = t1739 + t1740;
-    let t1742 = acceleration_panda_joint2_y * t1741;
-    let t1743 = acceleration_panda_joint2_x * t1692;
-    let t1744 = t1742 + t1743;
-    let t1745 = t1744 + t1738;
-    let t1746 = t1733 + t1745;
-    let t1747 = cos_panda_joint3 * t1726;
-    let t1748 = sin_panda_joint3 * t1730;
-    let t1749 = t1747 - t1748;
-    let t1750 = t36 * t1749;
-    let t1751 = t1750 + t1746;
-    let t1752 = t1720 - t1751;
-    let t1753 = t1710 - t1752;
-    let t1754 = omega_panda_joint3_y * t1699;
-    let t1755 = omega_panda_joint3_x * t1705;
-    let t1756 = t23 * t1728;
-    let t1757 = acceleration_panda_joint3_y * t1703;
-    let t1758 = acceleration_panda_joint3_x * t749;
-    let t1759 = t1757 - t1758;
-    let t1760 = t1759 + t1756;
-    let t1761 = t214 * t1737;
-    let t1762 = t1761 - t1760;
-    let t1763 = t55 * t1724;
-    let t1764 = t1763 - t1762;
-    let t1765 = t1755 - t1764;
-    let t1766 = t1754 + t1765;
-    let t1767 = omega_panda_joint4_x * t1690;
-    let t1768 = t42 * t1722;
-    let t1769 = t1175 - t1768;
-    let t1770 = t446 * t994;
-    let t1771 = t1770 + t1769;
-    let t1772 = t74 * t971;
-    let t1773 = t1772 - t1771;
-    let t1774 = t1767 + t1773;
-    let t1775 = omega_panda_joint4_y * t1697;
-    let t1776 = t1775 + t1774;
-    let t1777 = t599 - t594;
-    let t1778 = t609 * t613;
-    let t1779 = t1778 - t1777;
-    let t1780 = sin_panda_joint5 * t1779;
-    let t1781 = 0.21484375 * t613;
-    let t1782 = t807 * t1781;
-    let t1783 = t188 * t720;
-    let t1784 = t44 * t1783;
-    let t1785 = t1784 + t1782;
-    let t1786 = t1785 - t1780;
-    let t1787 = t626 * t613;
-    let t1788 = t1787 - t651;
-    let t1789 = cos_panda_joint5 * t1788;
-    let t1790 = t1789 - t1786;
-    let t1791 = cos_panda_joint4 * t1790;
-    let t1792 = t205 * t720;
-    let t1793 = t807 * t1792;
-    let t1794 = t769 - t1793;
-    let t1795 = t766 + t1794;
-    let t1796 = sin_panda_joint4 * t1795;
-    let t1797 = cos_panda_joint4 * t1781;
-    let t1798 = sin_panda_joint4 * t1792;
-    let t1799 = t1798 - t1797;
-    let t1800 = t25 * t1799;
-    let t1801 = t899 * t1783;
-    let t1802 = t1800 + t1801;
-    let t1803 = t1802 + t1796;
-    let t1804 = t1791 - t1803;
-    let t1805 = t819 * t1799;
-    let t1806 = t1805 - t1804;
-    let t1807 = cos_panda_joint3 * t1806;
-    let t1808 = cos_panda_joint5 * t1779;
-    let t1809 = t44 * t1792;
-    let t1810 = t1809 - t1808;
-    let t1811 = sin_panda_joint5 * t1788;
-    let t1812 = t1811 + t1810;
-    let t1813 = sin_panda_joint4 * t1781;
-    let t1814 = cos_panda_joint4 * t1792;
-    let t1815 = t1814 + t1813;
-    let t1816 = t899 * t1815;
-    let t1817 = t1816 + t1812;
-    let t1818 = t801 * t1799;
-    let t1819 = t1818 + t1817;
-    let t1820 = sin_panda_joint3 * t1819;
-    let t1821 = t1807 + t1820;
-    let t1822 = omega_panda_joint2_y * t1821;
-    let t1823 = sin_panda_joint4 * t1790;
-    let t1824 = cos_panda_joint4 * t1795;
-    let t1825 = t25 * t1815;
-    let t1826 = t1825 + t1824;
-    let t1827 = t1823 + t1826;
-    let t1828 = t819 * t1815;
-    let t1829 = t801 * t1783;
-    let t1830 = t1829 - t1828;
-    let t1831 = t1830 - t1827;
-    let t1832 = omega_panda_joint2_x * t1831;
-    let t1833 = t1400 + t720;
-    let t1834 = cos_panda_joint5 * t1833;
-    let t1835 = t1781 - t1834;
-    let t1836 = sin_panda_joint5 * t944;
-    let t1837 = t1836 - t1835;
-    let t1838 = t1799 - t1837;
-    let t1839 = 3.83030303030303 * t1815;
-    let t1840 = t1839 - t1838;
-    let t1841 = cos_panda_joint3 * t1840;
-    let t1842 = cos_panda_joint5 * t944;
-    let t1843 = sin_panda_joint5 * t1833;
-    let t1844 = t1843 - t1842;
-    let t1845 = cos_panda_joint4 * t1844;
-    let t1846 = t1783 + t967;
-    let t1847 = sin_panda_joint4 * t1846;
-    let t1848 = t1845 - t1847;
-    let t1849 = 3.83030303030303 * t1783;
-    let t1850 = t1849 + t1848;
-    let t1851 = sin_panda_joint3 * t1850;
-    let t1852 = t1851 - t1841;
-    let t1853 = t419 * t1852;
-    let t1854 = cos_panda_joint4 * t1846;
-    let t1855 = t1783 - t1854;
-    let t1856 = sin_panda_joint4 * t1844;
-    let t1857 = t1856 - t1855;
-    let t1858 = t16 * t1857;
-    let t1859 = cos_panda_joint3 * t1815;
-    let t1860 = sin_panda_joint3 * t1783;
-    let t1861 = t1859 - t1860;
-    let t1862 = acceleration_panda_joint2_y * t1861;
-    let t1863 = acceleration_panda_joint2_x * t1799;
-    let t1864 = t1862 + t1863;
-    let t1865 = t1864 - t1858;
-    let t1866 = t1853 - t1865;
-    let t1867 = sin_panda_joint3 * t1840;
-    let t1868 = cos_panda_joint3 * t1850;
-    let t1869 = t1868 + t1867;
-    let t1870 = t36 * t1869;
-    let t1871 = t1870 + t1866;
-    let t1872 = t1832 - t1871;
-    let t1873 = t1822 + t1872;
-    let t1874 = omega_panda_joint3_x * t1817;
-    let t1875 = t23 * t1838;
-    let t1876 = t55 * t1848;
-    let t1877 = t1876 - t1875;
-    let t1878 = t214 * t1857;
-    let t1879 = acceleration_panda_joint3_y * t1815;
-    let t1880 = acceleration_panda_joint3_x * t1783;
-    let t1881 = t1879 + t1880;
-    let t1882 = t1881 + t1878;
-    let t1883 = t1882 - t1877;
-    let t1884 = t1874 - t1883;
-    let t1885 = omega_panda_joint3_y * t1804;
-    let t1886 = t1885 + t1884;
-    let t1887 = omega_panda_joint4_y * t1790;
-    let t1888 = omega_panda_joint4_x * t1795;
-    let t1889 = t74 * t1844;
-    let t1890 = acceleration_panda_joint4_y * t1792;
-    let t1891 = t1890 + t1889;
-    let t1892 = acceleration_panda_joint4_x * t1781;
-    let t1893 = t42 * t1846;
-    let t1894 = t1892 - t1893;
-    let t1895 = t1894 - t1891;
-    let t1896 = t446 * t1837;
-    let t1897 = t1896 - t1895;
-    let t1898 = t1888 - t1897;
-    let t1899 = t1887 + t1898;
-    let t1900 = omega_panda_joint5_x * t1777;
-    let t1901 = t1400 * t63;
-    let t1902 = t156 * t967;
-    let t1903 = t1901 + t1902;
-    let t1904 = t100 * t944;
-    let t1905 = t1904 - t1903;
-    let t1906 = t1293 - t1905;
-    let t1907 = t1900 - t1906;
-    let t1908 = omega_panda_joint5_y * t651;
-    let t1909 = t1908 - t1907;
-    let t1910 = t593 - t617;
-    let t1911 = t619 - t1910;
-    let t1912 = sin_panda_joint6 * t1911;
-    let t1913 = t566 - t577;
-    let t1914 = cos_panda_joint6 * t1913;
-    let t1915 = t1914 - t1912;
-    let t1916 = t96 * t148;
-    let t1917 = t626 * t1916;
-    let t1918 = t1915 - t1917;
-    let t1919 = cos_panda_joint5 * t1918;
-    let t1920 = t609 * t1916;
-    let t1921 = t662 - t1920;
-    let t1922 = sin_panda_joint5 * t1921;
-    let t1923 = 0.21484375 * t1916;
-    let t1924 = t807 * t1923;
-    let t1925 = t96 * t122;
-    let t1926 = t188 * t1925;
-    let t1927 = cos_panda_joint7 * 0.0012597535716761534;
-    let t1928 = t205 * t1927;
-    let t1929 = t1926 + t1928;
-    let t1930 = t44 * t1929;
-    let t1931 = t1930 - t1924;
-    let t1932 = t1922 - t1931;
-    let t1933 = t1919 + t1932;
-    let t1934 = cos_panda_joint4 * t1933;
-    let t1935 = cos_panda_joint6 * t1911;
-    let t1936 = sin_panda_joint6 * t1913;
-    let t1937 = t1936 + t1935;
-    let t1938 = t626 * t1925;
-    let t1939 = t205 * t1925;
-    let t1940 = t188 * t1927;
-    let t1941 = t1939 - t1940;
-    let t1942 = t807 * t1941;
-    let t1943 = t1938 - t1942;
-    let t1944 = t609 * t1927;
-    let t1945 = t1944 - t1943;
-    let t1946 = t1937 - t1945;
-    let t1947 = sin_panda_joint4 * t1946;
-    let t1948 = sin_panda_joint4 * t1941;
-    let t1949 = cos_panda_joint4 * t1923;
-    let t1950 = t1948 + t1949;
-    let t1951 = t25 * t1950;
-    let t1952 = t899 * t1929;
-    let t1953 = t1951 + t1952;
-    let t1954 = t1953 + t1947;
-    let t1955 = t1934 - t1954;
-    let t1956 = t819 * t1950;
-    let t1957 = t1956 - t1955;
-    let t1958 = cos_panda_joint3 * t1957;
-    let t1959 = sin_panda_joint5 * t1918;
-    let t1960 = cos_panda_joint5 * t1921;
-    let t1961 = t44 * t1941;
-    let t1962 = t1960 - t1961;
-    let t1963 = t1959 - t1962;
-    let t1964 = cos_panda_joint4 * t1941;
-    let t1965 = sin_panda_joint4 * t1923;
-    let t1966 = t1964 - t1965;
-    let t1967 = t899 * t1966;
-    let t1968 = t1967 + t1963;
-    let t1969 = t801 * t1950;
-    let t1970 = t1969 + t1968;
-    let t1971 = sin_panda_joint3 * t1970;
-    let t1972 = t1958 + t1971;
-    let t1973 = omega_panda_joint2_y * t1972;
-    let t1974 = sin_panda_joint4 * t1933;
-    let t1975 = cos_panda_joint4 * t1946;
-    let t1976 = t25 * t1966;
-    let t1977 = t1976 + t1975;
-    let t1978 = t1974 + t1977;
-    let t1979 = t819 * t1966;
-    let t1980 = t801 * t1929;
-    let t1981 = t1980 - t1979;
-    let t1982 = t1981 - t1978;
-    let t1983 = omega_panda_joint2_x * t1982;
-    let t1984 = t111 + t1521;
-    let t1985 = sin_panda_joint6 * t1984;
-    let t1986 = cos_panda_joint6 * t316;
-    let t1987 = t1986 - t1985;
-    let t1988 = t1927 - t1987;
-    let t1989 = cos_panda_joint5 * t1988;
-    let t1990 = t299 - t1925;
-    let t1991 = sin_panda_joint5 * t1990;
-    let t1992 = t1989 - t1991;
-    let t1993 = cos_panda_joint4 * t1992;
-    let t1994 = cos_panda_joint6 * t1984;
-    let t1995 = sin_panda_joint6 * t316;
-    let t1996 = t1995 + t1994;
-    let t1997 = t1996 - t1929;
-    let t1998 = sin_panda_joint4 * t1997;
-    let t1999 = t1993 + t1998;
-    let t2000 = 3.83030303030303 * t1929;
-    let t2001 = t1999 + t2000;
-    let t2002 = sin_panda_joint3 * t2001;
-    let t2003 = sin_panda_joint5 * t1988;
-    let t2004 = cos_panda_joint5 * t1990;
-    let t2005 = t1923 - t2004;
-    let t2006 = t2003 - t2005;
-    let t2007 = t1950 + t2006;
-    let t2008 = 3.83030303030303 * t1966;
-    let t2009 = t2008 - t2007;
-    let t2010 = cos_panda_joint3 * t2009;
-    let t2011 = t2002 - t2010;
-    let t2012 = t419 * t2011;
-    let t2013 = sin_panda_joint4 * t1992;
-    let t2014 = cos_panda_joint4 * t1997;
-    let t2015 = t1929 + t2014;
-    let t2016 = t2013 - t2015;
-    let t2017 = t16 * t2016;
-    let t2018 = cos_panda_joint3 * t1966;
-    let t2019 = sin_panda_joint3 * t1929;
-    let t2020 = t2018 - t2019;
-    let t2021 = acceleration_panda_joint2_y * t2020;
-    let t2022 = acceleration_panda_joint2_x * t1950;
-    let t2023 = t2021 + t2022;
-    let t2024 = t2023 - t2017;
-    let t2025 = t2012 - t2024;
-    let t2026 = cos_panda_joint3 * t2001;
-    let t2027 = sin_panda_joint3 * t2009;
-    let t2028 = t2026 + t2027;
-    let t2029 = t36 * t2028;
-    let t2030 = t2029 + t2025;
-    let t2031 = t1983 - t2030;
-    let t2032 = t1973 + t2031;
-    let t2033 = omega_panda_joint3_x * t1968;
-    let t2034 = t23 * t2007;
-    let t2035 = acceleration_panda_joint3_x * t1929;
-    let t2036 = acceleration_panda_joint3_y * t1966;
-    let t2037 = t2036 + t2035;
-    let t2038 = t2037 + t2034;
-    let t2039 = t214 * t2016;
-    let t2040 = t2039 + t2038;
-    let t2041 = t55 * t1999;
-    let t2042 = t2041 - t2040;
-    let t2043 = t2033 + t2042;
-    let t2044 = omega_panda_joint3_y * t1955;
-    let t2045 = t2044 + t2043;
-    let t2046 = omega_panda_joint4_y * t1933;
-    let t2047 = omega_panda_joint4_x * t1946;
-    let t2048 = acceleration_panda_joint4_x * t1923;
-    let t2049 = acceleration_panda_joint4_y * t1941;
-    let t2050 = t2049 + t2048;
-    let t2051 = t1997 * t42;
-    let t2052 = t2050 - t2051;
-    let t2053 = t446 * t2006;
-    let t2054 = t2053 - t2052;
-    let t2055 = t1992 * t74;
-    let t2056 = t2055 - t2054;
-    let t2057 = t2047 - t2056;
-    let t2058 = t2046 + t2057;
-    let t2059 = omega_panda_joint5_y * t1915;
-    let t2060 = t1927 * acceleration_panda_joint5_x;
-    let t2061 = t1925 * acceleration_panda_joint5_y;
-    let t2062 = t2061 + t2060;
-    let t2063 = t299 * t63;
-    let t2064 = t156 * t1996;
-    let t2065 = t2064 + t2063;
-    let t2066 = t1987 * t100;
-    let t2067 = t2066 + t2065;
-    let t2068 = omega_panda_joint5_x * t662;
-    let t2069 = t2068 - t2067;
-    let t2070 = t2069 + t2062;
-    let t2071 = t2059 - t2070;
-    let t2072 = omega_panda_joint6_x * t1911;
-    let t2073 = t2072 - t1412;
-    let t2074 = omega_panda_joint6_y * t1913;
-    let t2075 = t299 * t184;
-    let t2076 = t2075 + t2074;
-    let t2077 = t1984 * t84;
-    let t2078 = t2077 + t2076;
-    let t2079 = t316 * t132;
-    let t2080 = t2079 - t2078;
-    let t2081 = t2080 - t2073;
-    let t2082 = t892 + t1056;
-    let t2083 = sin_panda_joint2 * t2082;
-    let t2084 = t1087 - t923;
-    let t2085 = cos_panda_joint2 * t2084;
-    let t2086 = t2083 + t2085;
-    let t2087 = sin_panda_joint2 * t2086;
-    let t2088 = v[0] * 0.00035816594888099995;
-    let t2089 = t2088 + 0.003;
-    let t2090 = t2088 - t2089;
-    let t2091 = t888 - t2090;
-    let t2092 = t892 - t2091;
-    let t2093 = t2087 - t2092;
-    let t2094 = 2.0 * omega_panda_joint2_y;
-    let t2095 = t2094 * t1101;
-    let t2096 = 2.0 * omega_panda_joint2_x;
-    let t2097 = t2096 * t1013;
-    let t2098 = v[1] * 0.0015378722058928;
-    let t2099 = t2098 + t2097;
-    let t2100 = t2095 + t2099;
-    let t2101 = t860 - t2100;
-    let t2102 = t1583 - t2101;
-    let t2103 = sin_panda_joint2 * t2102;
-    let t2104 = sin_panda_joint3 * t907;
-    let t2105 = cos_panda_joint3 * t917;
-    let t2106 = t2104 - t2105;
-    let t2107 = t2096 * t1037;
-    let t2108 = t2094 * t1013;
-    let t2109 = v[1] * 0.02052220364201634;
-    let t2110 = t2109 + t2108;
-    let t2111 = t2107 + t2110;
-    let t2112 = t2106 + t2111;
-    let t2113 = cos_panda_joint2 * t2112;
-    let t2114 = t2103 - t2113;
-    let t2115 = t899 * t1140;
-    let t2116 = 2.0 * omega_panda_joint3_x;
-    let t2117 = t2116 * t1029;
-    let t2118 = t2115 - t2117;
-    let t2119 = t1044 - t1063;
-    let t2120 = 3.83030303030303 * t2119;
-    let t2121 = t2120 - t2118;
-    let t2122 = t1061 + t2121;
-    let t2123 = cos_panda_joint3 * t2122;
-    let t2124 = t2116 * t980;
-    let t2125 = t2124 + t1077;
-    let t2126 = 3.83030303030303 * t2125;
-    let t2127 = t899 * t1029;
-    let t2128 = t2127 + t2126;
-    let t2129 = t2116 * t1118;
-    let t2130 = t2129 - t2128;
-    let t2131 = t1075 - t2130;
-    let t2132 = sin_panda_joint3 * t2131;
-    let t2133 = t2123 - t2132;
-    let t2134 = sin_panda_joint2 * t2133;
-    let t2135 = t899 * t983;
-    let t2136 = t2116 * t998;
-    let t2137 = t2135 - t2136;
-    let t2138 = t1630 - t2137;
-    let t2139 = cos_panda_joint2 * t2138;
-    let t2140 = t2134 - t2139;
-    let t2141 = t807 * t990;
-    let t2142 = 2.0 * omega_panda_joint4_x;
-    let t2143 = t2142 * t995;
-    let t2144 = t2141 - t2143;
-    let t2145 = t1647 + t2144;
-    let t2146 = t808 + t783;
-    let t2147 = sin_panda_joint4 * t2146;
-    let t2148 = t2142 * t806;
-    let t2149 = t2148 + t786;
-    let t2150 = cos_panda_joint4 * t2149;
-    let t2151 = t2150 + t2147;
-    let t2152 = 3.83030303030303 * t2151;
-    let t2153 = cos_panda_joint4 * t2146;
-    let t2154 = sin_panda_joint4 * t2149;
-    let t2155 = t2154 - t2153;
-    let t2156 = t2152 - t2155;
-    let t2157 = t2145 - t2156;
-    let t2158 = sin_panda_joint3 * t2157;
-    let t2159 = t807 * t1205;
-    let t2160 = t2142 * t973;
-    let t2161 = t2159 - t2160;
-    let t2162 = t863 + t2161;
-    let t2163 = cos_panda_joint4 * t2162;
-    let t2164 = t2142 * t1179;
-    let t2165 = t807 * t973;
-    let t2166 = t2164 - t2165;
-    let t2167 = t871 - t2166;
-    let t2168 = sin_panda_joint4 * t2167;
-    let t2169 = t2142 * t795;
-    let t2170 = t807 * t797;
-    let t2171 = t2170 + t2169;
-    let t2172 = 3.83030303030303 * t2171;
-    let t2173 = t2172 - t2168;
-    let t2174 = t2163 - t2173;
-    let t2175 = cos_panda_joint3 * t2174;
-    let t2176 = t2175 - t2158;
-    let t2177 = sin_panda_joint2 * t2176;
-    let t2178 = sin_panda_joint4 * t2162;
-    let t2179 = cos_panda_joint4 * t2167;
-    let t2180 = t2171 - t2179;
-    let t2181 = t2178 + t2180;
-    let t2182 = cos_panda_joint2 * t2181;
-    let t2183 = t2177 - t2182;
-    let t2184 = t609 * t962;
-    let t2185 = t626 * t968;
-    let t2186 = t2184 - t2185;
-    let t2187 = t1687 + t2186;
-    let t2188 = t760 - t691;
-    let t2189 = t205 * t2188;
-    let t2190 = t699 + t769;
-    let t2191 = t188 * t2190;
-    let t2192 = t2191 - t2189;
-    let t2193 = t2187 + t2192;
-    let t2194 = sin_panda_joint4 * t2193;
-    let t2195 = 3.83030303030303 * t2192;
-    let t2196 = t2194 - t2195;
-    let t2197 = t609 * t1307;
-    let t2198 = t626 * t945;
-    let t2199 = t2197 - t2198;
-    let t2200 = t2188 + t2199;
-    let t2201 = t759 - t2200;
-    let t2202 = cos_panda_joint5 * t2201;
-    let t2203 = t626 * t1290;
-    let t2204 = t609 * t945;
-    let t2205 = t2203 - t2204;
-    let t2206 = t2190 + t2205;
-    let t2207 = t768 - t2206;
-    let t2208 = sin_panda_joint5 * t2207;
-    let t2209 = t2202 - t2208;
-    let t2210 = cos_panda_joint4 * t2209;
-    let t2211 = t2210 - t2196;
-    let t2212 = cos_panda_joint3 * t2211;
-    let t2213 = t188 * t2188;
-    let t2214 = t205 * t2190;
-    let t2215 = t2214 + t2213;
-    let t2216 = cos_panda_joint4 * t2215;
-    let t2217 = t677 + t656;
-    let t2218 = 0.21484375 * t2217;
-    let t2219 = sin_panda_joint4 * t2218;
-    let t2220 = t2219 - t2216;
-    let t2221 = 3.83030303030303 * t2220;
-    let t2222 = sin_panda_joint4 * t2215;
-    let t2223 = cos_panda_joint4 * t2218;
-    let t2224 = t2223 + t2222;
-    let t2225 = t2221 + t2224;
-    let t2226 = sin_panda_joint5 * t2201;
-    let t2227 = cos_panda_joint5 * t2207;
-    let t2228 = t2218 - t2227;
-    let t2229 = t2226 - t2228;
-    let t2230 = t2229 + t2225;
-    let t2231 = sin_panda_joint3 * t2230;
-    let t2232 = t2212 - t2231;
-    let t2233 = sin_panda_joint2 * t2232;
-    let t2234 = cos_panda_joint4 * t2193;
-    let t2235 = t2192 - t2234;
-    let t2236 = sin_panda_joint4 * t2209;
-    let t2237 = t2236 - t2235;
-    let t2238 = cos_panda_joint2 * t2237;
-    let t2239 = t2233 - t2238;
-    let t2240 = t618 * t940;
-    let t2241 = t571 * t942;
-    let t2242 = t2241 + t2240;
-    let t2243 = t1777 - t2242;
-    let t2244 = t619 - t689;
-    let t2245 = t148 * t2244;
-    let t2246 = t572 - t684;
-    let t2247 = t122 * t2246;
-    let t2248 = t2247 + t2245;
-    let t2249 = t2248 + t2243;
-    let t2250 = cos_panda_joint5 * t2249;
-    let t2251 = t122 * t2244;
-    let t2252 = t148 * t2246;
-    let t2253 = t2252 - t2251;
-    let t2254 = 0.21484375 * t2253;
-    let t2255 = t2254 + t2250;
-    let t2256 = t618 * t929;
-    let t2257 = t571 * t1416;
-    let t2258 = t2257 + t2256;
-    let t2259 = t664 - t2258;
-    let t2260 = sin_panda_joint6 * t2259;
-    let t2261 = t571 * t610;
-    let t2262 = omega_panda_joint6_y * 0.030589628180144;
-    let t2263 = t2262 + t2261;
-    let t2264 = 4.363636363636364 * t2263;
-    let t2265 = t2264 - t2260;
-    let t2266 = t571 * t929;
-    let t2267 = t618 * t1436;
-    let t2268 = t2267 - t2266;
-    let t2269 = t674 + t2268;
-    let t2270 = cos_panda_joint6 * t2269;
-    let t2271 = t2270 + t2265;
-    let t2272 = sin_panda_joint5 * t2271;
-    let t2273 = t2272 - t2255;
-    let t2274 = t205 * t2248;
-    let t2275 = t188 * t2264;
-    let t2276 = t2274 - t2275;
-    let t2277 = sin_panda_joint4 * t2276;
-    let t2278 = cos_panda_joint4 * t2254;
-    let t2279 = t2277 + t2278;
-    let t2280 = t2279 + t2273;
-    let t2281 = cos_panda_joint4 * t2276;
-    let t2282 = sin_panda_joint4 * t2254;
-    let t2283 = t2281 - t2282;
-    let t2284 = 3.83030303030303 * t2283;
-    let t2285 = t2284 - t2280;
-    let t2286 = sin_panda_joint3 * t2285;
-    let t2287 = t188 * t2248;
-    let t2288 = t205 * t2264;
-    let t2289 = t2287 + t2288;
-    let t2290 = cos_panda_joint6 * t2259;
-    let t2291 = sin_panda_joint6 * t2269;
-    let t2292 = t2291 + t2290;
-    let t2293 = t2292 + t2289;
-    let t2294 = sin_panda_joint4 * t2293;
-    let t2295 = 3.83030303030303 * t2289;
-    let t2296 = t2294 - t2295;
-    let t2297 = cos_panda_joint5 * t2271;
-    let t2298 = sin_panda_joint5 * t2249;
-    let t2299 = t2297 + t2298;
-    let t2300 = cos_panda_joint4 * t2299;
-    let t2301 = t2300 - t2296;
-    let t2302 = cos_panda_joint3 * t2301;
-    let t2303 = t2302 + t2286;
-    let t2304 = sin_panda_joint2 * t2303;
-    let t2305 = cos_panda_joint4 * t2293;
-    let t2306 = t2289 - t2305;
-    let t2307 = sin_panda_joint4 * t2299;
-    let t2308 = t2307 - t2306;
-    let t2309 = cos_panda_joint2 * t2308;
-    let t2310 = t2304 - t2309;
-    let t2311 = t596 - t1910;
-    let t2312 = t586 + t2311;
-    let t2313 = cos_panda_joint6 * t2312;
-    let t2314 = t339 * t86;
-    let t2315 = t575 + t2314;
-    let t2316 = t579 + t2315;
-    let t2317 = sin_panda_joint6 * t2316;
-    let t2318 = t2317 + t2313;
-    let t2319 = t111 * t571;
-    let t2320 = t661 - t2319;
-    let t2321 = t148 * t2320;
-    let t2322 = t122 * t638;
-    let t2323 = t2322 - t2321;
-    let t2324 = t188 * t2323;
-    let t2325 = 4.363636363636364 * t586;
-    let t2326 = t205 * t2325;
-    let t2327 = t2324 - t2326;
-    let t2328 = t2318 + t2327;
-    let t2329 = sin_panda_joint4 * t2328;
-    let t2330 = 3.83030303030303 * t2327;
-    let t2331 = t2329 - t2330;
-    let t2332 = sin_panda_joint6 * t2312;
-    let t2333 = cos_panda_joint6 * t2316;
-    let t2334 = t2325 - t2333;
-    let t2335 = t2332 + t2334;
-    let t2336 = cos_panda_joint5 * t2335;
-    let t2337 = t311 * t571;
-    let t2338 = t659 + t2337;
-    let t2339 = t645 - t2338;
-    let t2340 = t2320 + t2339;
-    let t2341 = t2340 - t2323;
-    let t2342 = sin_panda_joint5 * t2341;
-    let t2343 = t2342 + t2336;
-    let t2344 = cos_panda_joint4 * t2343;
-    let t2345 = t2344 + t2331;
-    let t2346 = cos_panda_joint3 * t2345;
-    let t2347 = t205 * t2323;
-    let t2348 = t188 * t2325;
-    let t2349 = t2347 + t2348;
-    let t2350 = cos_panda_joint4 * t2349;
-    let t2351 = t122 * t2320;
-    let t2352 = t148 * t638;
-    let t2353 = t2352 + t2351;
-    let t2354 = 0.21484375 * t2353;
-    let t2355 = sin_panda_joint4 * t2354;
-    let t2356 = t2350 - t2355;
-    let t2357 = 3.83030303030303 * t2356;
-    let t2358 = sin_panda_joint4 * t2349;
-    let t2359 = cos_panda_joint4 * t2354;
-    let t2360 = t2358 + t2359;
-    let t2361 = t2360 - t2357;
-    let t2362 = sin_panda_joint5 * t2335;
-    let t2363 = cos_panda_joint5 * t2341;
-    let t2364 = t2354 - t2363;
-    let t2365 = t2362 + t2364;
-    let t2366 = t2365 - t2361;
-    let t2367 = sin_panda_joint3 * t2366;
-    let t2368 = t2346 - t2367;
-    let t2369 = sin_panda_joint2 * t2368;
-    let t2370 = cos_panda_joint4 * t2328;
-    let t2371 = t2327 - t2370;
-    let t2372 = sin_panda_joint4 * t2343;
-    let t2373 = t2372 + t2371;
-    let t2374 = cos_panda_joint2 * t2373;
-    let t2375 = t2369 - t2374;
-    let t2376 = sin_panda_joint2 * t1588;
-    let t2377 = cos_panda_joint2 * t1596;
-    let t2378 = t2376 - t2377;
-    let t2379 = t2096 * t1003;
-    let t2380 = 0.003 + t2379;
-    let t2381 = t2094 * t1094;
-    let t2382 = t2381 + t2380;
-    let t2383 = t1056 + t2382;
-    let t2384 = t892 - t2383;
-    let t2385 = sin_panda_joint3 * t2122;
-    let t2386 = cos_panda_joint3 * t2131;
-    let t2387 = t2385 + t2386;
-    let t2388 = cos_panda_joint3 * t2157;
-    let t2389 = sin_panda_joint3 * t2174;
-    let t2390 = t2389 + t2388;
-    let t2391 = sin_panda_joint3 * t2211;
-    let t2392 = cos_panda_joint3 * t2230;
-    let t2393 = t2391 + t2392;
-    let t2394 = cos_panda_joint3 * t2285;
-    let t2395 = sin_panda_joint3 * t2301;
-    let t2396 = t2395 - t2394;
-    let t2397 = sin_panda_joint3 * t2345;
-    let t2398 = cos_panda_joint3 * t2366;
-    let t2399 = t2397 + t2398;
-    let t2400 = cos_panda_joint2 * t1632;
-    let t2401 = sin_panda_joint2 * t919;
-    let t2402 = t2401 + t2400;
-    let t2403 = t2094 * t1012;
-    let t2404 = t2096 * t1166;
-    let t2405 = t2403 - t2404;
-    let t2406 = t2106 - t2405;
-    let t2407 = 0.003 - t2138;
-    let t2408 = sin_panda_joint2 * t1652;
-    let t2409 = cos_panda_joint2 * t1654;
-    let t2410 = t2408 - t2409;
-    let t2411 = cos_panda_joint3 * t1650;
-    let t2412 = t2094 * t1672;
-    let t2413 = t2096 * t997;
-    let t2414 = t2412 + t2413;
-    let t2415 = t2411 - t2414;
-    let t2416 = sin_panda_joint3 * t1645;
-    let t2417 = t2416 - t2415;
-    let t2418 = t2116 * t1656;
-    let t2419 = t899 * t1027;
-    let t2420 = t2419 + t2418;
-    let t2421 = t1073 - t2420;
-    let t2422 = 0.003 + t2145;
-    let t2423 = sin_panda_joint2 * t1709;
-    let t2424 = cos_panda_joint2 * t1719;
-    let t2425 = t2423 + t2424;
-    let t2426 = sin_panda_joint3 * t1701;
-    let t2427 = cos_panda_joint3 * t1707;
-    let t2428 = t2094 * t1749;
-    let t2429 = t2096 * t1737;
-    let t2430 = t2428 + t2429;
-    let t2431 = t2427 + t2430;
-    let t2432 = t2426 - t2431;
-    let t2433 = t899 * t1724;
-    let t2434 = t2116 * t1728;
-    let t2435 = t2433 - t2434;
-    let t2436 = t1715 - t2435;
-    let t2437 = t807 * t971;
-    let t2438 = t2142 * t1722;
-    let t2439 = t2437 + t2438;
-    let t2440 = t869 + t2439;
-    let t2441 = 0.003 - t2187;
-    let t2442 = sin_panda_joint2 * t1821;
-    let t2443 = cos_panda_joint2 * t1831;
-    let t2444 = t2442 - t2443;
-    let t2445 = cos_panda_joint3 * t1819;
-    let t2446 = t2094 * t1869;
-    let t2447 = t2096 * t1857;
-    let t2448 = t2446 + t2447;
-    let t2449 = t2445 - t2448;
-    let t2450 = sin_panda_joint3 * t1806;
-    let t2451 = t2450 - t2449;
-    let t2452 = t2116 * t1838;
-    let t2453 = t899 * t1848;
-    let t2454 = t2453 + t2452;
-    let t2455 = t1827 + t2454;
-    let t2456 = t807 * t1844;
-    let t2457 = t2142 * t1846;
-    let t2458 = t2456 + t2457;
-    let t2459 = t1812 - t2458;
-    let t2460 = t609 * t944;
-    let t2461 = t626 * t1400;
-    let t2462 = t2461 + t2460;
-    let t2463 = t766 - t2462;
-    let t2464 = 0.003 - t2243;
-    let t2465 = sin_panda_joint2 * t1972;
-    let t2466 = cos_panda_joint2 * t1982;
-    let t2467 = t2465 - t2466;
-    let t2468 = cos_panda_joint3 * t1970;
-    let t2469 = t2094 * t2028;
-    let t2470 = t2096 * t2016;
-    let t2471 = t2469 + t2470;
-    let t2472 = t2468 - t2471;
-    let t2473 = sin_panda_joint3 * t1957;
-    let t2474 = t2473 - t2472;
-    let t2475 = t899 * t1999;
-    let t2476 = t2116 * t2007;
-    let t2477 = t2475 + t2476;
-    let t2478 = t1978 + t2477;
-    let t2479 = t807 * t1992;
-    let t2480 = t2142 * t1997;
-    let t2481 = t2479 - t2480;
-    let t2482 = t2481 - t1963;
-    let t2483 = t609 * t1987;
-    let t2484 = t299 * t626;
-    let t2485 = t2483 - t2484;
-    let t2486 = t1937 - t2485;
-    let t2487 = t571 * t1984;
-    let t2488 = t316 * t618;
-    let t2489 = t2488 + t2487;
-    let t2490 = t662 - t2489;
-    let t2491 = t2311 - 0.003;
-    let t2492 = -t1257;
-    let t2493 = -t1359;
-    let t2494 = -t1475;
-    let t2495 = -t1617;
-    let t2496 = -t1629;
-    let t2497 = -t1170;
-    let t2498 = -t1580;
-    let t2499 = -t1686;
-    let t2500 = -t1242;
-    let t2501 = -t1317;
-    let t2502 = -t1444;
-    let t2503 = -t1753;
-    let t2504 = -t1766;
-    let t2505 = -t1776;
-    let t2506 = -t1341;
-    let t2507 = -t1564;
-    let t2508 = -t1909;
-    let t2509 = -t1406;
-    let t2510 = -t2081;
-    let t2511 = -t2384;
-    let t2512 = -t2387;
-    let t2513 = -t2390;
-    let t2514 = -t2393;
-    let t2515 = -t2396;
-    let t2516 = -t2399;
-    let t2517 = -t2406;
-    let t2518 = -t2181;
-    let t2519 = -t2237;
-    let t2520 = -t2308;
-    let t2521 = -t2373;
-    let t2522 = -t2417;
-    let t2523 = -t2421;
-    let t2524 = -t2425;
-    let t2525 = -t2436;
-    let t2526 = -t2292;
-    let t2527 = -t2451;
-    let t2528 = -t2459;
-    let t2529 = -t2340;
-    let t2530 = -t2474;
-    let t2531 = -t2491;
-    [
-        t1873,
-        t1886,
-        t1899,
-        t2032,
-        t2045,
-        t2058,
-        t2071,
-        t2093,
-        t2114,
-        t2140,
-        t2183,
-        t2229,
-        t2239,
-        t2273,
-        t2310,
-        t2318,
-        t2365,
-        t2375,
-        t2378,
-        t2402,
-        t2407,
-        t2410,
-        t2422,
-        t2432,
-        t2440,
-        t2441,
-        t2444,
-        t2455,
-        t2463,
-        t2464,
-        t2467,
-        t2478,
-        t2482,
-        t2486,
-        t2490,
-        t2492,
-        t2493,
-        t2494,
-        t2495,
-        t2496,
-        t2497,
-        t2498,
-        t2499,
-        t2500,
-        t2501,
-        t2502,
-        t2503,
-        t2504,
-        t2505,
-        t2506,
-        t2507,
-        t2508,
-        t2509,
-        t2510,
-        t2511,
-        t2512,
-        t2513,
-        t2514,
-        t2515,
-        t2516,
-        t2517,
-        t2518,
-        t2519,
-        t2520,
-        t2521,
-        t2522,
-        t2523,
-        t2524,
-        t2525,
-        t2526,
-        t2527,
-        t2528,
-        t2529,
-        t2530,
-        t2531,
-    ]
+        ..,
+        ],
+    ) = math::sin_cos_8(y[0], y[1], y[2], y[3], y[4], y[5], y[6], 0.0);
+    axes[3][0] = sin_panda_joint1;
+    screws[1][1] = cos_panda_joint1;
+    axes[7][1] = cos_panda_joint1;
+    screws[2][2] = cos_panda_joint2;
+    axes[8][2] = cos_panda_joint2;
+    let y_axis_panda_joint2_x = cos_panda_joint1 * sin_panda_joint2;
+    screws[0][2] = y_axis_panda_joint2_x;
+    axes[6][2] = y_axis_panda_joint2_x;
+    let x_axis_panda_joint2_x = cos_panda_joint1 * cos_panda_joint2;
+    axes[0][1] = x_axis_panda_joint2_x;
+    let t16 = sin_panda_joint3 * x_axis_panda_joint2_x;
+    let t17 = sin_panda_joint1 * cos_panda_joint3;
+    let y_axis_panda_joint3_x = t17 + t16;
+    screws[0][3] = y_axis_panda_joint3_x;
+    axes[6][3] = y_axis_panda_joint3_x;
+    let t19 = cos_panda_joint3 * x_axis_panda_joint2_x;
+    let t20 = sin_panda_joint1 * sin_panda_joint3;
+    let x_axis_panda_joint3_x = t19 - t20;
+    axes[0][2] = x_axis_panda_joint3_x;
+    let t22 = sin_panda_joint4 * x_axis_panda_joint3_x;
+    let t23 = cos_panda_joint4 * y_axis_panda_joint2_x;
+    let y_axis_panda_joint4_x = t23 - t22;
+    screws[0][4] = y_axis_panda_joint4_x;
+    axes[6][4] = y_axis_panda_joint4_x;
+    let t25 = cos_panda_joint4 * x_axis_panda_joint3_x;
+    let t26 = sin_panda_joint4 * y_axis_panda_joint2_x;
+    let x_axis_panda_joint4_x = t25 + t26;
+    let t28 = sin_panda_joint5 * x_axis_panda_joint4_x;
+    let t29 = cos_panda_joint5 * y_axis_panda_joint3_x;
+    let y_axis_panda_joint5_x = t29 + t28;
+    screws[0][5] = y_axis_panda_joint5_x;
+    axes[6][5] = y_axis_panda_joint5_x;
+    let t31 = cos_panda_joint5 * x_axis_panda_joint4_x;
+    let t32 = sin_panda_joint5 * y_axis_panda_joint3_x;
+    let x_axis_panda_joint5_x = t31 - t32;
+    axes[0][4] = x_axis_panda_joint5_x;
+    let t34 = sin_panda_joint6 * x_axis_panda_joint5_x;
+    let t35 = cos_panda_joint6 * y_axis_panda_joint4_x;
+    let y_axis_panda_joint6_x = t35 - t34;
+    axes[3][5] = y_axis_panda_joint6_x;
+    let y_axis_panda_joint2_y = sin_panda_joint1 * sin_panda_joint2;
+    screws[1][2] = y_axis_panda_joint2_y;
+    axes[7][2] = y_axis_panda_joint2_y;
+    let x_axis_panda_joint2_y = sin_panda_joint1 * cos_panda_joint2;
+    axes[1][1] = x_axis_panda_joint2_y;
+    let t39 = sin_panda_joint3 * x_axis_panda_joint2_y;
+    let t40 = cos_panda_joint1 * cos_panda_joint3;
+    let y_axis_panda_joint3_y = t40 - t39;
+    axes[4][2] = y_axis_panda_joint3_y;
+    let t42 = cos_panda_joint3 * x_axis_panda_joint2_y;
+    let t43 = cos_panda_joint1 * sin_panda_joint3;
+    let x_axis_panda_joint3_y = t42 + t43;
+    axes[1][2] = x_axis_panda_joint3_y;
+    let t45 = sin_panda_joint4 * x_axis_panda_joint3_y;
+    let t46 = cos_panda_joint4 * y_axis_panda_joint2_y;
+    let y_axis_panda_joint4_y = t46 - t45;
+    screws[1][4] = y_axis_panda_joint4_y;
+    axes[7][4] = y_axis_panda_joint4_y;
+    let t48 = cos_panda_joint4 * x_axis_panda_joint3_y;
+    let t49 = sin_panda_joint4 * y_axis_panda_joint2_y;
+    let x_axis_panda_joint4_y = t48 + t49;
+    let t51 = sin_panda_joint5 * x_axis_panda_joint4_y;
+    let t52 = cos_panda_joint5 * y_axis_panda_joint3_y;
+    let y_axis_panda_joint5_y = t52 - t51;
+    axes[4][4] = y_axis_panda_joint5_y;
+    let t54 = cos_panda_joint5 * x_axis_panda_joint4_y;
+    let t55 = sin_panda_joint5 * y_axis_panda_joint3_y;
+    let x_axis_panda_joint5_y = t54 + t55;
+    axes[1][4] = x_axis_panda_joint5_y;
+    let t57 = sin_panda_joint6 * x_axis_panda_joint5_y;
+    let t58 = cos_panda_joint6 * y_axis_panda_joint4_y;
+    let y_axis_panda_joint6_y = t58 - t57;
+    axes[4][5] = y_axis_panda_joint6_y;
+    let y_axis_panda_joint3_z = sin_panda_joint2 * sin_panda_joint3;
+    axes[5][2] = y_axis_panda_joint3_z;
+    let x_axis_panda_joint3_z = sin_panda_joint2 * cos_panda_joint3;
+    let t62 = sin_panda_joint4 * x_axis_panda_joint3_z;
+    let t63 = cos_panda_joint2 * cos_panda_joint4;
+    let y_axis_panda_joint4_z = t63 + t62;
+    screws[2][4] = y_axis_panda_joint4_z;
+    axes[8][4] = y_axis_panda_joint4_z;
+    let t65 = cos_panda_joint4 * x_axis_panda_joint3_z;
+    let t66 = cos_panda_joint2 * sin_panda_joint4;
+    let x_axis_panda_joint4_z = t65 - t66;
+    axes[2][3] = x_axis_panda_joint4_z;
+    let t68 = sin_panda_joint5 * x_axis_panda_joint4_z;
+    let t69 = cos_panda_joint5 * y_axis_panda_joint3_z;
+    let y_axis_panda_joint5_z = t69 + t68;
+    axes[5][4] = y_axis_panda_joint5_z;
+    let t71 = cos_panda_joint5 * x_axis_panda_joint4_z;
+    let t72 = sin_panda_joint5 * y_axis_panda_joint3_z;
+    let x_axis_panda_joint5_z = t71 - t72;
+    let t74 = sin_panda_joint6 * x_axis_panda_joint5_z;
+    let t75 = cos_panda_joint6 * y_axis_panda_joint4_z;
+    let y_axis_panda_joint6_z = t75 + t74;
+    axes[5][5] = y_axis_panda_joint6_z;
+    let t77 = 0.333 * cos_panda_joint1;
+    let t78 = 0.316 * cos_panda_joint2;
+    let origin_panda_joint3_z = 0.333 + t78;
+    origins[2][2] = origin_panda_joint3_z;
+    let t80 = y_axis_panda_joint2_y * origin_panda_joint3_z;
+    let origin_panda_joint3_y = 0.316 * y_axis_panda_joint2_y;
+    origins[1][2] = origin_panda_joint3_y;
+    let t82 = cos_panda_joint2 * origin_panda_joint3_y;
+    let t83 = t82 - t80;
+    screws[3][2] = t83;
+    let t84 = 0.0825 * x_axis_panda_joint3_y;
+    let origin_panda_joint4_y = origin_panda_joint3_y + t84;
+    origins[1][3] = origin_panda_joint4_y;
+    let t86 = y_axis_panda_joint3_z * origin_panda_joint4_y;
+    let t87 = 0.0825 * x_axis_panda_joint3_z;
+    let origin_panda_joint4_z = origin_panda_joint3_z - t87;
+    origins[2][3] = origin_panda_joint4_z;
+    let t89 = y_axis_panda_joint3_y * origin_panda_joint4_z;
+    let t90 = t86 - t89;
+    let t91 = 0.384 * y_axis_panda_joint4_y;
+    let t92 = origin_panda_joint4_y + t91;
+    let t93 = 0.0825 * x_axis_panda_joint4_y;
+    let origin_panda_joint5_y = t93 - t92;
+    let t95 = y_axis_panda_joint4_z * origin_panda_joint5_y;
+    let t96 = 0.384 * y_axis_panda_joint4_z;
+    let t97 = origin_panda_joint4_z + t96;
+    let t98 = 0.0825 * x_axis_panda_joint4_z;
+    let origin_panda_joint5_z = t98 + t97;
+    origins[2][4] = origin_panda_joint5_z;
+    origins[2][5] = origin_panda_joint5_z;
+    let t100 = y_axis_panda_joint4_y * origin_panda_joint5_z;
+    let t101 = t95 + t100;
+    let t102 = y_axis_panda_joint5_z * origin_panda_joint5_y;
+    let t103 = y_axis_panda_joint5_y * origin_panda_joint5_z;
+    let t104 = t102 + t103;
+    screws[3][5] = t104;
+    let t105 = cos_panda_joint6 * x_axis_panda_joint5_y;
+    let t106 = sin_panda_joint6 * y_axis_panda_joint4_y;
+    let x_axis_panda_joint6_y = t105 + t106;
+    axes[1][5] = x_axis_panda_joint6_y;
+    let t108 = 0.088 * x_axis_panda_joint6_y;
+    let origin_panda_joint7_y = t108 - origin_panda_joint5_y;
+    origins[1][6] = origin_panda_joint7_y;
+    let t110 = y_axis_panda_joint6_z * origin_panda_joint7_y;
+    let t111 = cos_panda_joint6 * x_axis_panda_joint5_z;
+    let t112 = sin_panda_joint6 * y_axis_panda_joint4_z;
+    let x_axis_panda_joint6_z = t111 - t112;
+    let t114 = 0.088 * x_axis_panda_joint6_z;
+    let origin_panda_joint7_z = t114 - origin_panda_joint5_z;
+    let t116 = y_axis_panda_joint6_y * origin_panda_joint7_z;
+    let t117 = t110 + t116;
+    let t118 = 0.333 * sin_panda_joint1;
+    let origin_panda_joint3_x = 0.316 * y_axis_panda_joint2_x;
+    origins[0][2] = origin_panda_joint3_x;
+    let t120 = cos_panda_joint2 * origin_panda_joint3_x;
+    let t121 = y_axis_panda_joint2_x * origin_panda_joint3_z;
+    let t122 = t121 - t120;
+    screws[4][2] = t122;
+    let t123 = 0.0825 * x_axis_panda_joint3_x;
+    let origin_panda_joint4_x = origin_panda_joint3_x + t123;
+    origins[0][3] = origin_panda_joint4_x;
+    let t125 = y_axis_panda_joint3_z * origin_panda_joint4_x;
+    let t126 = y_axis_panda_joint3_x * origin_panda_joint4_z;
+    let t127 = t126 + t125;
+    screws[4][3] = t127;
+    let t128 = 0.384 * y_axis_panda_joint4_x;
+    let t129 = origin_panda_joint4_x + t128;
+    let t130 = 0.0825 * x_axis_panda_joint4_x;
+    let origin_panda_joint5_x = t130 - t129;
+    let t132 = y_axis_panda_joint4_z * origin_panda_joint5_x;
+    let t133 = y_axis_panda_joint4_x * origin_panda_joint5_z;
+    let t134 = t133 + t132;
+    screws[4][4] = t134;
+    let t135 = y_axis_panda_joint5_z * origin_panda_joint5_x;
+    let t136 = y_axis_panda_joint5_x * origin_panda_joint5_z;
+    let t137 = t136 - t135;
+    screws[4][5] = t137;
+    let t138 = cos_panda_joint6 * x_axis_panda_joint5_x;
+    let t139 = sin_panda_joint6 * y_axis_panda_joint4_x;
+    let x_axis_panda_joint6_x = t138 + t139;
+    axes[0][5] = x_axis_panda_joint6_x;
+    let t141 = 0.088 * x_axis_panda_joint6_x;
+    let origin_panda_joint7_x = t141 - origin_panda_joint5_x;
+    origins[0][6] = origin_panda_joint7_x;
+    let t143 = y_axis_panda_joint6_z * origin_panda_joint7_x;
+    let t144 = y_axis_panda_joint6_x * origin_panda_joint7_z;
+    let t145 = t144 + t143;
+    screws[4][6] = t145;
+    let t146 = y_axis_panda_joint2_x * origin_panda_joint3_y;
+    let t147 = y_axis_panda_joint2_y * origin_panda_joint3_x;
+    let t148 = t147 - t146;
+    screws[5][2] = t148;
+    let t149 = y_axis_panda_joint3_x * origin_panda_joint4_y;
+    let t150 = y_axis_panda_joint3_y * origin_panda_joint4_x;
+    let t151 = t150 + t149;
+    let t152 = y_axis_panda_joint4_x * origin_panda_joint5_y;
+    let t153 = y_axis_panda_joint4_y * origin_panda_joint5_x;
+    let t154 = t153 - t152;
+    let t155 = y_axis_panda_joint5_x * origin_panda_joint5_y;
+    let t156 = y_axis_panda_joint5_y * origin_panda_joint5_x;
+    let t157 = t156 + t155;
+    screws[5][5] = t157;
+    let t158 = y_axis_panda_joint6_x * origin_panda_joint7_y;
+    let t159 = y_axis_panda_joint6_y * origin_panda_joint7_x;
+    let t160 = t159 - t158;
+    let t161 = cos_panda_joint7 * x_axis_panda_joint6_x;
+    let t162 = sin_panda_joint7 * y_axis_panda_joint5_x;
+    let x_axis_panda_joint7_x = t161 + t162;
+    axes[0][6] = x_axis_panda_joint7_x;
+    let t164 = cos_panda_joint7 * x_axis_panda_joint6_y;
+    let t165 = sin_panda_joint7 * y_axis_panda_joint5_y;
+    let x_axis_panda_joint7_y = t164 - t165;
+    axes[1][6] = x_axis_panda_joint7_y;
+    let t167 = cos_panda_joint7 * x_axis_panda_joint6_z;
+    let t168 = sin_panda_joint7 * y_axis_panda_joint5_z;
+    let x_axis_panda_joint7_z = t167 + t168;
+    let t170 = sin_panda_joint7 * x_axis_panda_joint6_x;
+    let t171 = cos_panda_joint7 * y_axis_panda_joint5_x;
+    let y_axis_panda_joint7_x = t171 - t170;
+    axes[3][6] = y_axis_panda_joint7_x;
+    let t173 = sin_panda_joint7 * x_axis_panda_joint6_y;
+    let t174 = cos_panda_joint7 * y_axis_panda_joint5_y;
+    let y_axis_panda_joint7_y = t174 + t173;
+    let t176 = sin_panda_joint7 * x_axis_panda_joint6_z;
+    let t177 = cos_panda_joint7 * y_axis_panda_joint5_z;
+    let y_axis_panda_joint7_z = t177 - t176;
+    let t179 = v[0] * 0.003;
+    let t180 = v[1] * 0.003;
+    let t181 = v[2] * 0.003;
+    let t182 = v[3] * 0.003;
+    let t183 = v[4] * 0.003;
+    let t184 = v[5] * 0.003;
+    let t185 = v[6] * 0.003;
+    let minus_sin_panda_joint1 = -sin_panda_joint1;
+    screws[0][1] = minus_sin_panda_joint1;
+    axes[1][0] = minus_sin_panda_joint1;
+    axes[6][1] = minus_sin_panda_joint1;
+    let minus_y_axis_panda_joint6_x = -y_axis_panda_joint6_x;
+    screws[0][6] = minus_y_axis_panda_joint6_x;
+    axes[6][6] = minus_y_axis_panda_joint6_x;
+    let minus_y_axis_panda_joint3_y = -y_axis_panda_joint3_y;
+    screws[1][3] = minus_y_axis_panda_joint3_y;
+    axes[7][3] = minus_y_axis_panda_joint3_y;
+    let minus_y_axis_panda_joint5_y = -y_axis_panda_joint5_y;
+    screws[1][5] = minus_y_axis_panda_joint5_y;
+    axes[7][5] = minus_y_axis_panda_joint5_y;
+    let minus_y_axis_panda_joint6_y = -y_axis_panda_joint6_y;
+    screws[1][6] = minus_y_axis_panda_joint6_y;
+    axes[7][6] = minus_y_axis_panda_joint6_y;
+    let minus_y_axis_panda_joint3_z = -y_axis_panda_joint3_z;
+    screws[2][3] = minus_y_axis_panda_joint3_z;
+    axes[8][3] = minus_y_axis_panda_joint3_z;
+    let minus_y_axis_panda_joint5_z = -y_axis_panda_joint5_z;
+    screws[2][5] = minus_y_axis_panda_joint5_z;
+    axes[8][5] = minus_y_axis_panda_joint5_z;
+    let minus_y_axis_panda_joint6_z = -y_axis_panda_joint6_z;
+    screws[2][6] = minus_y_axis_panda_joint6_z;
+    axes[8][6] = minus_y_axis_panda_joint6_z;
+    let t194 = -t77;
+    screws[3][1] = t194;
+    let t195 = -t90;
+    screws[3][3] = t195;
+    let t196 = -t101;
+    screws[3][4] = t196;
+    let t197 = -t117;
+    screws[3][6] = t197;
+    let t198 = -t118;
+    screws[4][1] = t198;
+    let t199 = -t151;
+    screws[5][3] = t199;
+    let t200 = -t154;
+    screws[5][4] = t200;
+    let t201 = -t160;
+    screws[5][6] = t201;
+    let minus_cos_panda_joint1 = -cos_panda_joint1;
+    axes[0][0] = minus_cos_panda_joint1;
+    axes[4][0] = minus_cos_panda_joint1;
+    let minus_x_axis_panda_joint4_x = -x_axis_panda_joint4_x;
+    axes[0][3] = minus_x_axis_panda_joint4_x;
+    let minus_x_axis_panda_joint4_y = -x_axis_panda_joint4_y;
+    axes[1][3] = minus_x_axis_panda_joint4_y;
+    let minus_sin_panda_joint2 = -sin_panda_joint2;
+    axes[2][1] = minus_sin_panda_joint2;
+    let minus_x_axis_panda_joint3_z = -x_axis_panda_joint3_z;
+    axes[2][2] = minus_x_axis_panda_joint3_z;
+    let minus_x_axis_panda_joint5_z = -x_axis_panda_joint5_z;
+    axes[2][4] = minus_x_axis_panda_joint5_z;
+    let minus_x_axis_panda_joint6_z = -x_axis_panda_joint6_z;
+    axes[2][5] = minus_x_axis_panda_joint6_z;
+    let minus_x_axis_panda_joint7_z = -x_axis_panda_joint7_z;
+    axes[2][6] = minus_x_axis_panda_joint7_z;
+    let minus_y_axis_panda_joint2_x = -y_axis_panda_joint2_x;
+    axes[3][1] = minus_y_axis_panda_joint2_x;
+    let minus_y_axis_panda_joint3_x = -y_axis_panda_joint3_x;
+    axes[3][2] = minus_y_axis_panda_joint3_x;
+    let minus_y_axis_panda_joint4_x = -y_axis_panda_joint4_x;
+    axes[3][3] = minus_y_axis_panda_joint4_x;
+    let minus_y_axis_panda_joint5_x = -y_axis_panda_joint5_x;
+    axes[3][4] = minus_y_axis_panda_joint5_x;
+    let minus_y_axis_panda_joint2_y = -y_axis_panda_joint2_y;
+    axes[4][1] = minus_y_axis_panda_joint2_y;
+    let minus_y_axis_panda_joint4_y = -y_axis_panda_joint4_y;
+    axes[4][3] = minus_y_axis_panda_joint4_y;
+    let minus_y_axis_panda_joint7_y = -y_axis_panda_joint7_y;
+    axes[4][6] = minus_y_axis_panda_joint7_y;
+    let minus_cos_panda_joint2 = -cos_panda_joint2;
+    axes[5][1] = minus_cos_panda_joint2;
+    let minus_y_axis_panda_joint4_z = -y_axis_panda_joint4_z;
+    axes[5][3] = minus_y_axis_panda_joint4_z;
+    let minus_y_axis_panda_joint7_z = -y_axis_panda_joint7_z;
+    axes[5][6] = minus_y_axis_panda_joint7_z;
+    let minus_origin_panda_joint5_x = -origin_panda_joint5_x;
+    origins[0][4] = minus_origin_panda_joint5_x;
+    origins[0][5] = minus_origin_panda_joint5_x;
+    let minus_origin_panda_joint5_y = -origin_panda_joint5_y;
+    origins[1][4] = minus_origin_panda_joint5_y;
+    origins[1][5] = minus_origin_panda_joint5_y;
+    let minus_origin_panda_joint7_z = -origin_panda_joint7_z;
+    origins[2][6] = minus_origin_panda_joint7_z;
+    let t223 = -t179;
+    joint_forces[2][0] = t223;
+    let t224 = -t180;
+    joint_forces[2][1] = t224;
+    let t225 = -t181;
+    joint_forces[2][2] = t225;
+    let t226 = -t182;
+    joint_forces[2][3] = t226;
+    let t227 = -t183;
+    joint_forces[2][4] = t227;
+    let t228 = -t184;
+    joint_forces[2][5] = t228;
+    let t229 = -t185;
+    joint_forces[2][6] = t229;
 }
 
 /// Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.
@@ -9103,11 +6323,11 @@ fn inverse_dynamics_derivatives_part_2(
 /// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
 ///
-/// Cost: 1294 multiplications, 1213 additions, 0 divisions, 6 function calls (`sin_cos`).
+/// Cost: 4008 multiplications, 3558 additions, 0 divisions, 7 function calls (`sin_cos`).
 ///
-/// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
-///
-/// Composite bodies with pairs of joints in link frames were cheapest.
+/// Loops over joints, with spatial vectors in the frame of the base (Singh, Russell and Wensing 2022):
+/// straight-line code would not fit into a processor's instruction cache. The cost counts each operation that
+/// contributes.
 #[inline]
 #[must_use]
 #[allow(
@@ -9146,3518 +6366,624 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
     d_dv: &mut [[f64; N]; N],
     m: &mut [[f64; N]; N],
 ) {
-    let [sin_panda_joint2, cos_panda_joint2, sin_panda_joint3, cos_panda_joint3,
-    sin_panda_joint4, cos_panda_joint4, sin_panda_joint5, cos_panda_joint5,
-    sin_panda_joint6, cos_panda_joint6, cos_panda_joint7, omega_panda_joint2_y, t16,
-    omega_panda_joint2_x, t23, t25, omega_panda_joint3_y, omega_panda_joint3_x, t36, t42,
-    t44, omega_panda_joint4_y, t55, omega_panda_joint4_x, t63, omega_panda_joint5_y, t74,
-    omega_panda_joint5_x, t84, t86, omega_panda_joint6_y, t96, t100,
-    omega_panda_joint6_x, t111, t122, t132, t148, t156, t184, t188, t205, t214,
-    acceleration_panda_joint2_y, acceleration_panda_joint2_x,
-    acceleration_panda_joint3_x, acceleration_panda_joint4_x,
-    acceleration_panda_joint4_y, acceleration_panda_joint3_y,
-    acceleration_panda_joint5_x, t299, t311, t316, t339, acceleration_panda_joint5_y,
-    t419, t446, t535, t555, t557, t559, t561, t563, t565, t566, t571, t572, t575, t577,
-    t579, t586, t593, t594, t596, t599, t608, t609, t610, t613, t615, t617, t618, t619,
-    t625, t626, t629, t638, t645, t651, t656, t659, t661, t662, t664, t674, t677, t684,
-    t689, t691, t699, t707, t720, t727, t745, t749, t750, t759, t760, t766, t768, t769,
-    t783, t786, t795, t797, t799, t801, t806, t807, t808, t819, t860, t863, t869, t871,
-    t888, t892, t899, t907, t917, t919, t923, t929, t940, t942, t944, t945, t962, t967,
-    t968, t971, t973, t980, t983, t990, t994, t995, t997, t998, t1002, t1003, t1012,
-    t1013, t1027, t1029, t1035, t1036, t1037, t1044, t1056, t1061, t1063, t1073, t1075,
-    t1077, t1079, t1087, t1094, t1100, t1101, t1108, t1118, t1121, t1140, t1166, t1170,
-    t1172, t1175, t1179, t1205, t1238, t1242, t1255, t1257, t1290, t1293, t1307, t1317,
-    t1333, t1341, t1357, t1359, t1400, t1406, t1412, t1416, t1436, t1444, t1457, t1473,
-    t1475, t1516, t1521, t1533, t1551, t1564, t1580, t1582, t1583, t1588, t1596, t1610,
-    t1614, t1617, t1620, t1623, t1626, t1629, t1630, t1632, t1642, t1643] = inverse_dynamics_derivatives_and_mass_matrix_part_1(
+    const MOMENTS: [[f64; 8]; 10] = [
+        [
+            4.970684,
+            0.646926,
+            3.228604,
+            3.587895,
+            1.225946,
+            1.666555,
+            1.4955219999999998,
+            0.0,
+        ],
+        [
+            -0.0192614005,
+            -0.002031994566,
+            0.088844724872,
+            0.19076837715,
+            -0.014653732538,
+            0.10024161669500001,
+            0.002573605371338203,
+            0.0,
+        ],
+        [
+            -0.010343993404000001,
+            -0.018579714719999998,
+            0.126729164208,
+            -0.374644408005,
+            0.05034347249,
+            -0.023526756935,
+            0.0020344399586617965,
+            0.0,
+        ],
+        [
+            -0.23670397208000002,
+            0.0022610063699999997,
+            -0.214708623208,
+            0.09850206933,
+            -0.047121686402,
+            -0.017527158935000002,
+            0.150277948634,
+            0.0,
+        ],
+        [
+            0.006253137926937475,
+            0.02307788249493181,
+            0.007316329139027697,
+            0.021154154613065503,
+            0.0014511560650267133,
+            0.009940933002587554,
+            0.002131604094419858,
+            0.0,
+        ],
+        [
+            0.00017908297444049997,
+            0.00398335888393552,
+            0.008248333140675744,
+            -0.02771584317362585,
+            0.0015152444733270301,
+            -0.001524110902883315,
+            -0.00039139128168424786,
+            0.0,
+        ],
+        [
+            0.007689227891810001,
+            -0.01026110182100817,
+            0.005487648106562256,
+            0.0039053550262761003,
+            0.004600245517563105,
+            0.00010375891721868492,
+            0.0009653051699191118,
+            0.0,
+        ],
+        [
+            0.00296002585027379,
+            0.0034571094067584007,
+            0.010932873153492416,
+            0.056431994439474095,
+            0.009418354697801846,
+            0.0018536272276513952,
+            0.004552547872941089,
+            0.0,
+        ],
+        [
+            0.019661580965898477,
+            -0.0007689361029464,
+            0.004377257121839584,
+            -0.0016444875773692705,
+            -0.0021640520520981297,
+            -9.3569097314605e-5,
+            0.001255536598272898,
+            0.0,
+        ],
+        [
+            0.7117033431504496,
+            0.0050464022172631495,
+            0.045562052860578406,
+            0.01124527581138582,
+            0.030009216260233673,
+            0.0006268331305193952,
+            0.0270807953180085,
+            0.0,
+        ],
+    ];
+    const GRAVITY: [[f64; 8]; 3] = [
+        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [9.81, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    ];
+    const ROTOR_INERTIA: [[f64; 8]; 1] = [[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]];
+    let mut screws = [[0.0; 8]; 6];
+    let mut axes = [[0.0; 8]; 9];
+    let mut origins = [[0.0; 8]; 3];
+    let mut rates = [[0.0; 8]; 1];
+    let mut accelerations = [[0.0; 8]; 1];
+    let mut joint_forces = [[0.0; 8]; 3];
+    inverse_dynamics_derivatives_and_mass_matrix_setup(
         y,
         v,
         a,
+        &mut screws,
+        &mut axes,
+        &mut origins,
+        &mut rates,
+        &mut accelerations,
+        &mut joint_forces,
     );
-    let [t1661, t1676, t1732, t1737, t1837, t1852, t1857, t1873, t1886, t1899, t2011,
-    t2016, t2032, t2045, t2058, t2071, t2093, t2114, t2140, t2183, t2229, t2239, t2273,
-    t2310, t2318, t2365, t2375, t2378, t2402, t2407, t2410, t2422, t2432, t2440, t2441,
-    t2444, t2455, t2463, t2464, t2467, t2478, t2482, t2486, t2490, t2500, t2503, t2506,
-    t2519, t2520, t2521, t2522, t2523, t2524, t2525, t2526, t2527, t2528, t2529, t2530,
-    t2531, t2532, t2533, t2534, t2535, t2536, t2537, t2538, t2539, t2540, t2541, t2542,
-    t2543, t2544, t2545, t2546, t2547, t2548, t2549, t2550, t2551, t2552, t2553, t2554,
-    t2555, t2556, t2557, t2558, t2559, t2560, t2561, t2562, t2563, t2564, t2565, t2566,
-    t2567, t2568, t2569, t2570] = inverse_dynamics_derivatives_and_mass_matrix_part_2(
-        v,
-        [
-            sin_panda_joint2,
-            cos_panda_joint2,
-            sin_panda_joint3,
-            cos_panda_joint3,
-            sin_panda_joint4,
-            cos_panda_joint4,
-            sin_panda_joint5,
-            cos_panda_joint5,
-            sin_panda_joint6,
-            cos_panda_joint6,
-            cos_panda_joint7,
-            omega_panda_joint2_y,
-            t16,
-            omega_panda_joint2_x,
-            t23,
-            t25,
-            omega_panda_joint3_y,
-            omega_panda_joint3_x,
-            t36,
-            t42,
-            t44,
-            omega_panda_joint4_y,
-            t55,
-            omega_panda_joint4_x,
-            t63,
-            omega_panda_joint5_y,
-            t74,
-            omega_panda_joint5_x,
-            t84,
-            t86,
-            omega_panda_joint6_y,
-            t96,
-            t100,
-            omega_panda_joint6_x,
-            t111,
-            t122,
-            t132,
-            t148,
-            t156,
-            t184,
-            t188,
-            t205,
-            t214,
-            acceleration_panda_joint2_y,
-            acceleration_panda_joint2_x,
-            acceleration_panda_joint3_x,
-            acceleration_panda_joint4_x,
-            acceleration_panda_joint4_y,
-            acceleration_panda_joint3_y,
-            acceleration_panda_joint5_x,
-            t299,
-            t311,
-            t316,
-            t339,
-            acceleration_panda_joint5_y,
-            t419,
-            t446,
-            t566,
-            t571,
-            t572,
-            t575,
-            t577,
-            t579,
-            t586,
-            t593,
-            t594,
-            t596,
-            t599,
-            t608,
-            t609,
-            t610,
-            t613,
-            t615,
-            t617,
-            t618,
-            t619,
-            t625,
-            t626,
-            t629,
-            t638,
-            t645,
-            t651,
-            t656,
-            t659,
-            t661,
-            t662,
-            t664,
-            t674,
-            t677,
-            t684,
-            t689,
-            t691,
-            t699,
-            t707,
-            t720,
-            t727,
-            t745,
-            t749,
-            t750,
-            t759,
-            t760,
-            t766,
-            t768,
-            t769,
-            t783,
-            t786,
-            t795,
-            t797,
-            t799,
-            t801,
-            t806,
-            t807,
-            t808,
-            t819,
-            t860,
-            t863,
-            t869,
-            t871,
-            t888,
-            t892,
-            t899,
-            t907,
-            t917,
-            t919,
-            t923,
-            t929,
-            t940,
-            t942,
-            t944,
-            t945,
-            t962,
-            t967,
-            t968,
-            t971,
-            t973,
-            t980,
-            t983,
-            t990,
-            t994,
-            t995,
-            t997,
-            t998,
-            t1002,
-            t1003,
-            t1012,
-            t1013,
-            t1027,
-            t1029,
-            t1035,
-            t1036,
-            t1037,
-            t1044,
-            t1056,
-            t1061,
-            t1063,
-            t1073,
-            t1075,
-            t1077,
-            t1079,
-            t1087,
-            t1094,
-            t1100,
-            t1101,
-            t1118,
-            t1121,
-            t1140,
-            t1166,
-            t1170,
-            t1175,
-            t1179,
-            t1205,
-            t1238,
-            t1242,
-            t1257,
-            t1290,
-            t1293,
-            t1307,
-            t1317,
-            t1333,
-            t1341,
-            t1359,
-            t1400,
-            t1406,
-            t1412,
-            t1416,
-            t1436,
-            t1444,
-            t1475,
-            t1521,
-            t1564,
-            t1580,
-            t1583,
-            t1588,
-            t1596,
-            t1610,
-            t1617,
-            t1629,
-            t1630,
-            t1632,
-            t1643,
-        ],
+    let mut joint_velocity = [[0.0; 8]; 6];
+    joint_velocities(&screws, &rates, &mut joint_velocity);
+    let mut velocity = [[0.0; 8]; 6];
+    sum_ancestors(&joint_velocity, &mut velocity);
+    let mut inertia = [[0.0; 8]; 10];
+    let mut flow = [[0.0; 8]; 12];
+    let mut screw_rate = [[0.0; 8]; 6];
+    let mut joint_acceleration = [[0.0; 8]; 6];
+    let mut momentum_rate = [[0.0; 8]; 6];
+    bodies_in_motion(
+        &axes,
+        &origins,
+        &MOMENTS,
+        &screws,
+        &rates,
+        &GRAVITY,
+        &velocity,
+        &accelerations,
+        &mut inertia,
+        &mut flow,
+        &mut screw_rate,
+        &mut joint_acceleration,
+        &mut momentum_rate,
     );
-    b_u[0] = t535;
-    b_u[1] = t555;
-    b_u[2] = t557;
-    b_u[3] = t559;
-    b_u[4] = t561;
-    b_u[5] = t563;
-    b_u[6] = t565;
-    d_dy[0][0] = 0.0;
-    d_dy[0][1] = t1108;
-    d_dy[0][2] = t1172;
-    d_dy[0][3] = t2519;
-    d_dy[0][4] = t2520;
-    d_dy[0][5] = t2521;
-    d_dy[0][6] = t1582;
-    d_dy[1][0] = 0.0;
-    d_dy[1][1] = t1614;
-    d_dy[1][2] = t2522;
-    d_dy[1][3] = t1620;
-    d_dy[1][4] = t1623;
-    d_dy[1][5] = t1626;
-    d_dy[1][6] = t2523;
-    d_dy[2][0] = 0.0;
-    d_dy[2][1] = t1642;
-    d_dy[2][2] = t2524;
-    d_dy[2][3] = t1255;
-    d_dy[2][4] = t1357;
-    d_dy[2][5] = t1473;
-    d_dy[2][6] = t2525;
-    d_dy[3][0] = 0.0;
-    d_dy[3][1] = t1676;
-    d_dy[3][2] = t2526;
-    d_dy[3][3] = t2527;
-    d_dy[3][4] = t2528;
-    d_dy[3][5] = t2529;
-    d_dy[3][6] = t1551;
-    d_dy[4][0] = 0.0;
-    d_dy[4][1] = t2530;
-    d_dy[4][2] = t2531;
-    d_dy[4][3] = t2532;
-    d_dy[4][4] = t2533;
-    d_dy[4][5] = t1457;
-    d_dy[4][6] = t2534;
-    d_dy[5][0] = 0.0;
-    d_dy[5][1] = t1873;
-    d_dy[5][2] = t1886;
-    d_dy[5][3] = t1899;
-    d_dy[5][4] = t2535;
-    d_dy[5][5] = t2536;
-    d_dy[5][6] = t1516;
-    d_dy[6][0] = 0.0;
-    d_dy[6][1] = t2032;
-    d_dy[6][2] = t2045;
-    d_dy[6][3] = t2058;
-    d_dy[6][4] = t2071;
-    d_dy[6][5] = t2537;
-    d_dy[6][6] = t1533;
-    d_dv[0][0] = t2093;
-    d_dv[0][1] = t2114;
-    d_dv[0][2] = t2140;
-    d_dv[0][3] = t2183;
-    d_dv[0][4] = t2239;
-    d_dv[0][5] = t2310;
-    d_dv[0][6] = t2375;
-    d_dv[1][0] = t2378;
-    d_dv[1][1] = t2538;
-    d_dv[1][2] = t2539;
-    d_dv[1][3] = t2540;
-    d_dv[1][4] = t2541;
-    d_dv[1][5] = t2542;
-    d_dv[1][6] = t2543;
-    d_dv[2][0] = t2402;
-    d_dv[2][1] = t2544;
-    d_dv[2][2] = t2407;
-    d_dv[2][3] = t2545;
-    d_dv[2][4] = t2546;
-    d_dv[2][5] = t2547;
-    d_dv[2][6] = t2548;
-    d_dv[3][0] = t2410;
-    d_dv[3][1] = t2549;
-    d_dv[3][2] = t2550;
-    d_dv[3][3] = t2422;
-    d_dv[3][4] = t2229;
-    d_dv[3][5] = t2273;
-    d_dv[3][6] = t2365;
-    d_dv[4][0] = t2551;
-    d_dv[4][1] = t2432;
-    d_dv[4][2] = t2552;
-    d_dv[4][3] = t2440;
-    d_dv[4][4] = t2441;
-    d_dv[4][5] = t2553;
-    d_dv[4][6] = t2318;
-    d_dv[5][0] = t2444;
-    d_dv[5][1] = t2554;
-    d_dv[5][2] = t2455;
-    d_dv[5][3] = t2555;
-    d_dv[5][4] = t2463;
-    d_dv[5][5] = t2464;
-    d_dv[5][6] = t2556;
-    d_dv[6][0] = t2467;
-    d_dv[6][1] = t2557;
-    d_dv[6][2] = t2478;
-    d_dv[6][3] = t2482;
-    d_dv[6][4] = t2486;
-    d_dv[6][5] = t2490;
-    d_dv[6][6] = t2558;
-    m[0][0] = t2500;
-    m[0][1] = t2503;
-    m[0][2] = t2506;
-    m[0][3] = t2559;
-    m[0][4] = t2560;
-    m[0][5] = t2561;
-    m[0][6] = t2562;
-    m[1][0] = t2503;
-    m[1][1] = t2563;
-    m[1][2] = t2564;
-    m[1][3] = t1661;
-    m[1][4] = t1732;
-    m[1][5] = t1852;
-    m[1][6] = t2011;
-    m[2][0] = t2506;
-    m[2][1] = t2564;
-    m[2][2] = t1166;
-    m[2][3] = t997;
-    m[2][4] = t1737;
-    m[2][5] = t1857;
-    m[2][6] = t2016;
-    m[3][0] = t2559;
-    m[3][1] = t1661;
-    m[3][2] = t997;
-    m[3][3] = t2565;
-    m[3][4] = t2566;
-    m[3][5] = t1837;
-    m[3][6] = t2567;
-    m[4][0] = t2560;
-    m[4][1] = t1732;
-    m[4][2] = t1737;
-    m[4][3] = t2566;
-    m[4][4] = t2568;
-    m[4][5] = t967;
-    m[4][6] = t2569;
-    m[5][0] = t2561;
-    m[5][1] = t1852;
-    m[5][2] = t1857;
-    m[5][3] = t1837;
-    m[5][4] = t967;
-    m[5][5] = t1400;
-    m[5][6] = t2570;
-    m[6][0] = t2562;
-    m[6][1] = t2011;
-    m[6][2] = t2016;
-    m[6][3] = t2567;
-    m[6][4] = t2569;
-    m[6][5] = t2570;
-    m[6][6] = t1521;
+    let mut acceleration = [[0.0; 8]; 6];
+    sum_ancestors(&joint_acceleration, &mut acceleration);
+    let mut force = [[0.0; 8]; 6];
+    body_forces(&inertia, &acceleration, &momentum_rate, &mut force);
+    let mut composite_inertia = [[0.0; 8]; 10];
+    sum_subtrees(&inertia, &mut composite_inertia);
+    let mut composite_flow = [[0.0; 8]; 12];
+    sum_subtrees(&flow, &mut composite_flow);
+    let mut composite_force = [[0.0; 8]; 6];
+    sum_subtrees(&force, &mut composite_force);
+    let mut forces = [[0.0; 8]; 1];
+    forces_at_joints(
+        &screws,
+        &composite_force,
+        &ROTOR_INERTIA,
+        &accelerations,
+        &joint_forces,
+        &mut forces,
+    );
+    let mut gains = [[0.0; 8]; 9];
+    let mut by_coordinate = [[0.0; 8]; 9];
+    let mut by_velocity = [[0.0; 8]; 9];
+    let mut stiffness = [[0.0; 8]; 6];
+    let mut damping = [[0.0; 8]; 6];
+    let mut own_stiffness = [[0.0; 8]; 1];
+    let mut own_damping = [[0.0; 8]; 1];
+    disturbances(
+        &screws,
+        &screw_rate,
+        &velocity,
+        &acceleration,
+        &composite_inertia,
+        &composite_flow,
+        &composite_force,
+        &joint_forces,
+        &mut gains,
+        &mut by_coordinate,
+        &mut by_velocity,
+        &mut stiffness,
+        &mut damping,
+        &mut own_stiffness,
+        &mut own_damping,
+    );
+    arrays::pairs::<
+        _,
+        _,
+        _,
+        8,
+        _,
+        _,
+    >((&gains, &by_coordinate), (&screws, &stiffness), &own_stiffness, d_dy);
+    arrays::pairs::<
+        _,
+        _,
+        _,
+        8,
+        _,
+        _,
+    >((&gains, &by_velocity), (&screws, &damping), &own_damping, d_dv);
+    let mut unit_force = [[0.0; 8]; 6];
+    let mut diagonal = [[0.0; 8]; 1];
+    unit_accelerations(
+        &screws,
+        &composite_inertia,
+        &ROTOR_INERTIA,
+        &mut unit_force,
+        &mut diagonal,
+    );
+    arrays::pairs::<
+        _,
+        _,
+        _,
+        8,
+        _,
+        _,
+    >((&unit_force, &screws), (&screws, &unit_force), &diagonal, m);
+    b_u.copy_from_slice(forces[0].split_at(7).0);
 }
 
-/// Part 1 of `inverse_dynamics_derivatives_and_mass_matrix`: values that later parts read.
-#[inline(never)]
-fn inverse_dynamics_derivatives_and_mass_matrix_part_1(
+/// Poses and single joints of `inverse_dynamics_derivatives_and_mass_matrix`; the arrays hold zeros before.
+#[allow(
+    clippy::too_many_arguments,
+    reason = "blocks of fixed size need no type of their own"
+)]
+fn inverse_dynamics_derivatives_and_mass_matrix_setup(
     y: &[f64; N],
     v: &[f64; N],
     a: &[f64; N],
-) -> [f64; 222] {
-    let angle_panda_joint7_offset = y[6] + 0.6689225306301614;
+    screws: &mut [[f64; 8]; 6],
+    axes: &mut [[f64; 8]; 9],
+    origins: &mut [[f64; 8]; 3],
+    rates: &mut [[f64; 8]; 1],
+    accelerations: &mut [[f64; 8]; 1],
+    joint_forces: &mut [[f64; 8]; 3],
+) {
+    screws[2][0] = 1.0;
+    axes[8][0] = 1.0;
+    origins[2][0] = 0.333;
+    origins[2][1] = 0.333;
+    rates[0][0] = v[0];
+    rates[0][1] = v[1];
+    rates[0][2] = v[2];
+    rates[0][3] = v[3];
+    rates[0][4] = v[4];
+    rates[0][5] = v[5];
+    rates[0][6] = v[6];
+    accelerations[0][0] = a[0];
+    accelerations[0][1] = a[1];
+    accelerations[0][2] = a[2];
+    accelerations[0][3] = a[3];
+    accelerations[0][4] = a[4];
+    accelerations[0][5] = a[5];
+    accelerations[0][6] = a[6];
+    joint_forces[1][0] = -0.003;
+    joint_forces[1][1] = -0.003;
+    joint_forces[1][2] = -0.003;
+    joint_forces[1][3] = -0.003;
+    joint_forces[1][4] = -0.003;
+    joint_forces[1][5] = -0.003;
+    joint_forces[1][6] = -0.003;
     let (
-        [sin_panda_joint2,
-        sin_panda_joint3,
-        sin_panda_joint4,
-        sin_panda_joint5,
-        ],
-        [cos_panda_joint2,
-        cos_panda_joint3,
-        cos_panda_joint4,
-        cos_panda_joint5,
-        ],
-    ) = math::sin_cos_4(y[1], y[2], y[3], y[4]);
-    let ([sin_panda_joint6, sin_panda_joint7], [cos_panda_joint6, cos_panda_joint7]) = math::sin_cos_2(
-        y[5],
-        angle_panda_joint7_offset,
-    );
-    let omega_panda_joint2_y = v[0] * cos_panda_joint2;
-    let t14 = v[1] * 2.0;
-    let t15 = omega_panda_joint2_y * t14;
-    let t16 = a[0] * sin_panda_joint2;
-    let t17 = t16 + t15;
-    let t18 = cos_panda_joint3 * t17;
-    let omega_panda_joint2_x = v[0] * sin_panda_joint2;
-    let t20 = omega_panda_joint2_x * omega_panda_joint2_y;
-    let t21 = a[1] - t20;
-    let t22 = sin_panda_joint3 * t21;
-    let t23 = t22 - t18;
-    let omega_panda_joint3_z = v[2] + omega_panda_joint2_y;
-    let t25 = 2.0 * omega_panda_joint3_z;
-    let t26 = sin_panda_joint3 * omega_panda_joint2_x;
-    let t27 = v[1] * cos_panda_joint3;
-    let omega_panda_joint3_y = t26 + t27;
-    let t29 = omega_panda_joint3_y * t25;
-    let t30 = t23 + t29;
-    let t31 = cos_panda_joint4 * t30;
-    let t32 = cos_panda_joint3 * omega_panda_joint2_x;
-    let t33 = v[1] * sin_panda_joint3;
-    let omega_panda_joint3_x = t32 - t33;
-    let t35 = omega_panda_joint3_x * omega_panda_joint3_y;
-    let t36 = a[0] * cos_panda_joint2;
-    let t37 = a[2] + t36;
-    let t38 = v[1] * omega_panda_joint2_x;
-    let t39 = t38 - t37;
-    let t40 = t35 - t39;
-    let t41 = sin_panda_joint4 * t40;
-    let t42 = t31 + t41;
-    let omega_panda_joint4_z = v[3] - omega_panda_joint3_y;
-    let t44 = 2.0 * omega_panda_joint4_z;
-    let t45 = sin_panda_joint4 * omega_panda_joint3_x;
-    let t46 = cos_panda_joint4 * omega_panda_joint3_z;
-    let omega_panda_joint4_y = t45 + t46;
-    let t48 = omega_panda_joint4_y * t44;
-    let t49 = t48 + t42;
-    let t50 = cos_panda_joint5 * t49;
-    let t51 = omega_panda_joint3_x * omega_panda_joint3_z;
-    let t52 = a[3] - t51;
-    let t53 = sin_panda_joint3 * t17;
-    let t54 = cos_panda_joint3 * t21;
-    let t55 = t54 + t53;
-    let t56 = t55 - t52;
-    let t57 = cos_panda_joint4 * omega_panda_joint3_x;
-    let t58 = sin_panda_joint4 * omega_panda_joint3_z;
-    let omega_panda_joint4_x = t57 - t58;
-    let t60 = omega_panda_joint4_x * omega_panda_joint4_y;
-    let t61 = t60 - t56;
-    let t62 = sin_panda_joint5 * t61;
-    let t63 = t62 - t50;
-    let omega_panda_joint5_z = v[4] + omega_panda_joint4_y;
-    let t65 = 2.0 * omega_panda_joint5_z;
-    let t66 = sin_panda_joint5 * omega_panda_joint4_x;
-    let t67 = cos_panda_joint5 * omega_panda_joint4_z;
-    let omega_panda_joint5_y = t66 - t67;
-    let t69 = omega_panda_joint5_y * t65;
-    let t70 = t69 - t63;
-    let t71 = cos_panda_joint6 * t70;
-    let t72 = sin_panda_joint4 * t30;
-    let t73 = cos_panda_joint4 * t40;
-    let t74 = t72 - t73;
-    let t75 = omega_panda_joint4_x * omega_panda_joint4_z;
-    let t76 = a[4] + t75;
-    let t77 = t74 - t76;
-    let t78 = cos_panda_joint5 * omega_panda_joint4_x;
-    let t79 = sin_panda_joint5 * omega_panda_joint4_z;
-    let omega_panda_joint5_x = t78 + t79;
-    let t81 = omega_panda_joint5_x * omega_panda_joint5_y;
-    let t82 = t81 - t77;
-    let t83 = sin_panda_joint6 * t82;
-    let t84 = t83 + t71;
-    let omega_panda_joint6_z = v[5] - omega_panda_joint5_y;
-    let t86 = 2.0 * omega_panda_joint6_z;
-    let t87 = sin_panda_joint6 * omega_panda_joint5_x;
-    let t88 = cos_panda_joint6 * omega_panda_joint5_z;
-    let omega_panda_joint6_y = t87 + t88;
-    let t90 = omega_panda_joint6_y * t86;
-    let t91 = t90 + t84;
-    let omega_panda_joint7_z = v[6] - omega_panda_joint6_y;
-    let t93 = 2.0 * omega_panda_joint7_z;
-    let t94 = omega_panda_joint6_z * t93;
-    let t95 = t94 + t91;
-    let t96 = 0.0002886935268424518 * sin_panda_joint7;
-    let t97 = t96 * t95;
-    let t98 = sin_panda_joint5 * t49;
-    let t99 = cos_panda_joint5 * t61;
-    let t100 = t99 + t98;
-    let t101 = omega_panda_joint5_x * omega_panda_joint5_z;
-    let t102 = a[5] - t101;
-    let t103 = t100 + t102;
-    let t104 = cos_panda_joint6 * omega_panda_joint5_x;
-    let t105 = sin_panda_joint6 * omega_panda_joint5_z;
-    let omega_panda_joint6_x = t104 - t105;
-    let t107 = omega_panda_joint6_x * omega_panda_joint6_y;
-    let t108 = t107 + t103;
-    let t109 = omega_panda_joint6_x * t93;
-    let t110 = t109 + t108;
-    let t111 = 0.0002886935268424518 * cos_panda_joint7;
-    let t112 = t111 * t110;
-    let force_panda_joint7_z = t112 - t97;
-    let t114 = t107 - t103;
-    let t115 = 0.020402584637159996 * t114;
-    let t116 = omega_panda_joint6_x * omega_panda_joint6_x;
-    let t117 = omega_panda_joint6_z * omega_panda_joint6_z;
-    let t118 = t116 + t117;
-    let t119 = 0.015294814090072 * t118;
-    let t120 = t119 - t115;
-    let force_panda_joint6_y = force_panda_joint7_z + t120;
-    let t122 = cos_panda_joint6 * 4.363636363636364;
-    let t123 = t122 * force_panda_joint6_y;
-    let t124 = 0.0260623224672 * t70;
-    let t125 = omega_panda_joint5_x * t65;
-    let t126 = t125 - t100;
-    let t127 = 0.005627033294592 * t126;
-    let t128 = t127 + t124;
-    let t129 = t123 + t128;
-    let t130 = sin_panda_joint6 * t70;
-    let t131 = cos_panda_joint6 * t82;
-    let t132 = t131 - t130;
-    let t133 = omega_panda_joint6_x * omega_panda_joint6_z;
-    let t134 = a[6] - t133;
-    let t135 = t132 - t134;
-    let t136 = t133 - t135;
-    let t137 = t96 * t136;
-    let t138 = omega_panda_joint7_z * omega_panda_joint7_z;
-    let t139 = t117 + t138;
-    let t140 = t111 * t139;
-    let force_panda_joint7_x = t140 + t137;
-    let t142 = 0.015294814090072 * t108;
-    let t143 = omega_panda_joint6_y * omega_panda_joint6_y;
-    let t144 = t143 + t117;
-    let t145 = 0.020402584637159996 * t144;
-    let t146 = t145 - t142;
-    let force_panda_joint6_x = force_panda_joint7_x + t146;
-    let t148 = sin_panda_joint6 * 4.363636363636364;
-    let t149 = t148 * force_panda_joint6_x;
-    let force_panda_joint5_z = t149 - t129;
-    let t151 = 0.21484375 * force_panda_joint5_z;
-    let t152 = t60 + t56;
-    let t153 = 0.04560437265862501 * t152;
-    let t154 = omega_panda_joint4_x * omega_panda_joint4_x;
-    let t155 = omega_panda_joint4_z * omega_panda_joint4_z;
-    let t156 = t154 + t155;
-    let t157 = 0.16603319317224752 * t156;
-    let t158 = t157 - t153;
-    let force_panda_joint4_y = t151 + t158;
-    let t160 = sin_panda_joint4 * force_panda_joint4_y;
-    let t161 = 0.002328735327435001 * t40;
-    let t162 = omega_panda_joint3_y * omega_panda_joint3_y;
-    let t163 = omega_panda_joint3_z * omega_panda_joint3_z;
-    let t164 = t162 + t163;
-    let t165 = 0.06161578168944001 * t164;
-    let t166 = t165 + t161;
-    let t167 = t160 - t166;
-    let t168 = t133 + t135;
-    let t169 = t111 * t168;
-    let t170 = t116 + t138;
-    let t171 = t96 * t170;
-    let force_panda_joint7_y = t171 + t169;
-    let t173 = 0.015294814090072 * t91;
-    let t174 = omega_panda_joint6_x * t86;
-    let t175 = t174 + t132;
-    let t176 = 0.020402584637159996 * t175;
-    let t177 = t176 + t173;
-    let force_panda_joint6_z = force_panda_joint7_y + t177;
-    let t179 = 4.363636363636364 * force_panda_joint6_z;
-    let t180 = t81 + t77;
-    let t181 = 0.005627033294592 * t180;
-    let t182 = omega_panda_joint5_x * omega_panda_joint5_x;
-    let t183 = omega_panda_joint5_z * omega_panda_joint5_z;
-    let t184 = t182 + t183;
-    let t185 = 0.0260623224672 * t184;
-    let t186 = t185 - t181;
-    let force_panda_joint5_y = t179 - t186;
-    let t188 = sin_panda_joint5 * 0.21484375;
-    let t189 = t188 * force_panda_joint5_y;
-    let t190 = 0.16603319317224752 * t61;
-    let t191 = omega_panda_joint4_y * omega_panda_joint4_y;
-    let t192 = t191 + t155;
-    let t193 = 0.04560437265862501 * t192;
-    let t194 = t193 - t190;
-    let t195 = t189 - t194;
-    let t196 = t148 * force_panda_joint6_y;
-    let t197 = 0.0260623224672 * t82;
-    let t198 = omega_panda_joint5_y * omega_panda_joint5_y;
-    let t199 = t198 + t183;
-    let t200 = 0.005627033294592 * t199;
-    let t201 = t200 - t197;
-    let t202 = t196 - t201;
-    let t203 = t122 * force_panda_joint6_x;
-    let force_panda_joint5_x = t203 + t202;
-    let t205 = cos_panda_joint5 * 0.21484375;
-    let t206 = t205 * force_panda_joint5_x;
-    let force_panda_joint4_x = t206 + t195;
-    let t208 = cos_panda_joint4 * force_panda_joint4_x;
-    let force_panda_joint3_x = t208 - t167;
-    let t210 = 3.83030303030303 * force_panda_joint3_x;
-    let t211 = cos_panda_joint4 * force_panda_joint4_y;
-    let t212 = omega_panda_joint2_x * omega_panda_joint2_x;
-    let t213 = v[1] * v[1];
-    let t214 = t212 + t213;
-    let t215 = t214 - t164;
-    let t216 = 0.005487648106562256 * t215;
-    let t217 = 0.00012191242095074308 * t30;
-    let t218 = t217 - t216;
-    let t219 = 0.004377257121839584 * t40;
-    let t220 = 3.83030303030303 * t214;
-    let acceleration_panda_joint2_y = cos_panda_joint2 * 118.9090909090909;
-    let acceleration_panda_joint3_z = acceleration_panda_joint2_y - t220;
-    let t223 = 0.06161578168944001 * acceleration_panda_joint3_z;
-    let t224 = t223 + t219;
-    let t225 = omega_panda_joint3_x * t25;
-    let t226 = t55 + t225;
-    let t227 = 0.0616024210265277 * t226;
-    let t228 = t227 - t224;
-    let t229 = t228 - t218;
-    let t230 = t211 + t229;
-    let t231 = sin_panda_joint4 * force_panda_joint4_x;
-    let t232 = t231 + t230;
-    let t233 = 0.0016444875773692705 * t74;
-    let t234 = 0.0039053550262761003 * t42;
-    let t235 = t234 + t233;
-    let t236 = 0.6972920750309719 * t61;
-    let t237 = 0.05102013615681551 * t152;
-    let t238 = t237 - t236;
-    let t239 = t192 - t156;
-    let t240 = 0.16284087268546088 * t239;
-    let t241 = t240 + t238;
-    let t242 = t241 - t235;
-    let t243 = 3.83030303030303 * t55;
-    let acceleration_panda_joint2_x = sin_panda_joint2 * 118.9090909090909;
-    let t245 = cos_panda_joint3 * acceleration_panda_joint2_x;
-    let acceleration_panda_joint3_x = t245 - t243;
-    let t247 = t164 + acceleration_panda_joint3_x;
-    let t248 = cos_panda_joint4 * t247;
-    let t249 = t226 - acceleration_panda_joint3_z;
-    let t250 = sin_panda_joint4 * t249;
-    let acceleration_panda_joint4_x = t248 + t250;
-    let t252 = 0.16603319317224752 * acceleration_panda_joint4_x;
-    let t253 = t252 - t242;
-    let t254 = sin_panda_joint4 * t247;
-    let t255 = cos_panda_joint4 * t249;
-    let acceleration_panda_joint4_y = t254 - t255;
-    let t257 = 0.04560437265862501 * acceleration_panda_joint4_y;
-    let t258 = t257 - t253;
-    let t259 = t151 - t258;
-    let t260 = acceleration_panda_joint4_y + t152;
-    let t261 = 0.21484375 * t260;
-    let acceleration_panda_joint5_z = t156 - t261;
-    let t263 = t148 * acceleration_panda_joint5_z;
-    let t264 = omega_panda_joint4_x * t44;
-    let t265 = t264 - t74;
-    let t266 = 3.83030303030303 * t23;
-    let t267 = sin_panda_joint3 * acceleration_panda_joint2_x;
-    let acceleration_panda_joint3_y = t267 - t266;
-    let t269 = t35 + t39;
-    let acceleration_panda_joint4_z = acceleration_panda_joint3_y - t269;
-    let t271 = acceleration_panda_joint4_z - t265;
-    let t272 = t188 * t271;
-    let t273 = t272 - t100;
-    let t274 = acceleration_panda_joint4_x - t192;
-    let t275 = t274 * t205;
-    let acceleration_panda_joint5_x = t275 - t273;
-    let t277 = t122 * acceleration_panda_joint5_x;
-    let acceleration_panda_joint6_x = t277 + t263;
-    let t279 = 0.015294814090072 * acceleration_panda_joint6_x;
-    let t280 = t122 * acceleration_panda_joint5_z;
-    let t281 = t148 * acceleration_panda_joint5_x;
-    let acceleration_panda_joint6_y = t281 - t280;
-    let t283 = 0.020402584637159996 * acceleration_panda_joint6_y;
-    let t284 = t283 - t279;
-    let t285 = 9.3569097314605e-5 * t132;
-    let t286 = 0.00010375891721868492 * t84;
-    let t287 = t286 - t285;
-    let t288 = 0.028934422545659894 * t108;
-    let t289 = t144 - t118;
-    let t290 = 0.014748570382675316 * t289;
-    let t291 = t290 - t288;
-    let t292 = 0.02152225537058755 * t114;
-    let t293 = t292 + t291;
-    let t294 = t293 + t287;
-    let t295 = t294 - t284;
-    let t296 = force_panda_joint7_z - t295;
-    let t297 = 0.00038633089444376715 * cos_panda_joint7;
-    let t298 = 0.001535882372017312 * sin_panda_joint7;
-    let t299 = t298 + t297;
-    let t300 = t299 * t136;
-    let acceleration_panda_joint7_z = acceleration_panda_joint6_y - t114;
-    let t302 = t111 * acceleration_panda_joint7_z;
-    let t303 = t302 - t300;
-    let t304 = cos_panda_joint7 * 0.0021748470602962725;
-    let t305 = sin_panda_joint7 * 0.0013205141364616554;
-    let t306 = t305 - t304;
-    let t307 = cos_panda_joint7 * t306;
-    let t308 = 0.0010874235301481362 + t307;
-    let t309 = t308 * t95;
-    let t310 = sin_panda_joint7 * t306;
-    let t311 = 0.0026818189154496457 + t310;
-    let t312 = t311 * t110;
-    let t313 = t118 - t139;
-    let t314 = 0.00038633089444376715 * sin_panda_joint7;
-    let t315 = 0.001535882372017312 * cos_panda_joint7;
-    let t316 = t315 - t314;
-    let t317 = t316 * t313;
-    let t318 = t317 + t312;
-    let t319 = t309 + t318;
-    let moment_panda_joint7_y = t319 + t303;
-    let moment_panda_joint6_z = moment_panda_joint7_y + t296;
-    let t322 = 0.0014511560650267133 * t126;
-    let t323 = 0.0021640520520981297 * t82;
-    let t324 = t156 - t199;
-    let t325 = 0.004600245517563105 * t324;
-    let t326 = t325 + t323;
-    let t327 = t322 + t326;
-    let t328 = 0.0015152444733270301 * t70;
-    let t329 = t328 - t327;
-    let t330 = 0.005627033294592 * acceleration_panda_joint5_z;
-    let t331 = t330 + t329;
-    let moment_panda_joint5_y = moment_panda_joint6_z + t331;
-    let t333 = force_panda_joint5_x + moment_panda_joint5_y;
-    let t334 = cos_panda_joint5 * t333;
-    let t335 = t334 + t259;
-    let t336 = t316 * t168;
-    let t337 = t96 * acceleration_panda_joint7_z;
-    let t338 = t337 - t336;
-    let t339 = 0.004002333051911301 - t310;
-    let t340 = t339 * t95;
-    let t341 = t308 * t110;
-    let t342 = t118 - t170;
-    let t343 = t299 * t342;
-    let t344 = t343 - t341;
-    let t345 = t340 - t344;
-    let moment_panda_joint7_x = t345 - t338;
-    let t347 = 0.00010375891721868492 * t114;
-    let t348 = t184 - t118;
-    let t349 = 9.3569097314605e-5 * t348;
-    let t350 = t349 + t347;
-    let t351 = t205 * t271;
-    let t352 = t351 + t63;
-    let t353 = t274 * t188;
-    let acceleration_panda_joint5_y = t353 + t352;
-    let t355 = 0.06674100693849601 * acceleration_panda_joint5_y;
-    let t356 = t355 + t350;
-    let t357 = 0.028934422545659894 * t91;
-    let t358 = t357 + t356;
-    let t359 = 0.014748570382675316 * t175;
-    let t360 = t359 + t358;
-    let moment_panda_joint6_x = moment_panda_joint7_x + t360;
-    let t362 = cos_panda_joint6 * moment_panda_joint6_x;
-    let t363 = 0.010045187828321242 * t70;
-    let t364 = 0.004600245517563105 * t180;
-    let t365 = t156 - t184;
-    let t366 = 0.0021640520520981297 * t365;
-    let t367 = t366 + t364;
-    let t368 = t363 + t367;
-    let t369 = 0.0015152444733270301 * t126;
-    let t370 = t369 - t368;
-    let t371 = 0.0260623224672 * acceleration_panda_joint5_z;
-    let t372 = t371 + t370;
-    let t373 = t362 - t372;
-    let t374 = t311 * t168;
-    let acceleration_panda_joint7_x = t144 + acceleration_panda_joint6_x;
-    let t376 = t96 * acceleration_panda_joint7_x;
-    let t377 = t376 - t374;
-    let acceleration_panda_joint6_z = 4.363636363636364 * acceleration_panda_joint5_y;
-    let acceleration_panda_joint7_y = acceleration_panda_joint6_z + t175;
-    let t380 = t111 * acceleration_panda_joint7_y;
-    let t381 = t380 - t377;
-    let t382 = t316 * t91;
-    let t383 = t299 * t108;
-    let t384 = t139 - t170;
-    let t385 = t308 * t384;
-    let t386 = t385 + t383;
-    let t387 = t382 + t386;
-    let t388 = t339 * t136;
-    let t389 = t388 - t387;
-    let moment_panda_joint7_z = t389 - t381;
-    let t391 = 9.3569097314605e-5 * t108;
-    let t392 = t184 - t144;
-    let t393 = 0.00010375891721868492 * t392;
-    let t394 = t393 + t391;
-    let t395 = 0.08902946023488 * acceleration_panda_joint5_y;
-    let t396 = t395 + t394;
-    let t397 = 0.02152225537058755 * t175;
-    let t398 = t397 + t396;
-    let t399 = 0.014748570382675316 * t91;
-    let t400 = t399 + t398;
-    let t401 = force_panda_joint7_y + t400;
-    let moment_panda_joint6_y = moment_panda_joint7_z - t401;
-    let t403 = sin_panda_joint6 * moment_panda_joint6_y;
-    let moment_panda_joint5_x = t403 + t373;
-    let t405 = force_panda_joint5_y - moment_panda_joint5_x;
-    let t406 = sin_panda_joint5 * t405;
-    let moment_panda_joint4_z = t406 + t335;
-    let moment_panda_joint3_y = moment_panda_joint4_z - t232;
-    let t409 = moment_panda_joint3_y + t210;
-    let t410 = sin_panda_joint3 * t409;
-    let t411 = 1.032162061231881 * t17;
-    let t412 = a[1] + t20;
-    let t413 = 0.01026110182100817 * t412;
-    let t414 = t413 - t411;
-    let t415 = omega_panda_joint2_x * t14;
-    let t416 = t36 - t415;
-    let t417 = 0.00398335888393552 * t416;
-    let t418 = t417 + t414;
-    let t419 = v[0] * v[0];
-    let t420 = t419 - t214;
-    let t421 = 0.0007689361029464 * t420;
-    let t422 = t421 + t418;
-    let t423 = t410 + t422;
-    let t424 = sin_panda_joint6 * moment_panda_joint6_x;
-    let t425 = 0.0021640520520981297 * t100;
-    let t426 = 0.004600245517563105 * t63;
-    let t427 = t426 - t425;
-    let t428 = 0.010045187828321242 * t82;
-    let t429 = 0.0014511560650267133 * t180;
-    let t430 = t429 - t428;
-    let t431 = t199 - t184;
-    let t432 = 0.0015152444733270301 * t431;
-    let t433 = t432 - t430;
-    let t434 = t433 + t427;
-    let t435 = 0.0260623224672 * acceleration_panda_joint5_x;
-    let t436 = t435 + t434;
-    let t437 = 0.005627033294592 * acceleration_panda_joint5_y;
-    let t438 = t437 - t436;
-    let t439 = t424 - t438;
-    let t440 = cos_panda_joint6 * moment_panda_joint6_y;
-    let moment_panda_joint5_z = t440 - t439;
-    let t442 = 0.05102013615681551 * t265;
-    let t443 = 0.16284087268546088 * t49;
-    let t444 = t443 + t442;
-    let t445 = omega_panda_joint3_x * omega_panda_joint3_x;
-    let t446 = t445 + t163;
-    let t447 = t446 - t192;
-    let t448 = 0.0039053550262761003 * t447;
-    let t449 = 0.0016444875773692705 * t61;
-    let t450 = t448 + t449;
-    let t451 = 0.04560437265862501 * acceleration_panda_joint4_z;
-    let t452 = t451 + t450;
-    let t453 = t452 - t444;
-    let t454 = moment_panda_joint5_z + t453;
-    let t455 = t188 * force_panda_joint5_x;
-    let t456 = t205 * force_panda_joint5_y;
-    let t457 = t455 - t456;
-    let moment_panda_joint4_y = t457 - t454;
-    let t459 = sin_panda_joint4 * moment_panda_joint4_y;
-    let t460 = t214 - t446;
-    let t461 = 0.004377257121839584 * t460;
-    let t462 = 0.00012191242095074308 * t226;
-    let t463 = t462 + t461;
-    let t464 = 0.005487648106562256 * t269;
-    let t465 = 0.002328735327435001 * acceleration_panda_joint3_z;
-    let t466 = t465 + t464;
-    let t467 = 0.022178148964878235 * t30;
-    let t468 = t467 + t466;
-    let t469 = t468 - t463;
-    let t470 = t459 - t469;
-    let t471 = sin_panda_joint5 * t333;
-    let t472 = 0.6972920750309719 * t49;
-    let t473 = 0.16284087268546088 * t265;
-    let t474 = t473 + t472;
-    let t475 = t446 - t156;
-    let t476 = 0.0016444875773692705 * t475;
-    let t477 = 0.0039053550262761003 * t152;
-    let t478 = t476 + t477;
-    let t479 = 0.16603319317224752 * acceleration_panda_joint4_z;
-    let t480 = t479 + t478;
-    let t481 = t480 - t474;
-    let t482 = t471 - t481;
-    let t483 = cos_panda_joint5 * t405;
-    let moment_panda_joint4_x = t483 - t482;
-    let t485 = cos_panda_joint4 * moment_panda_joint4_x;
-    let moment_panda_joint3_x = t485 + t470;
-    let t487 = 0.16603319317224752 * t49;
-    let t488 = 0.04560437265862501 * t265;
-    let t489 = t488 + t487;
-    let force_panda_joint4_z = t457 + t489;
-    let t491 = 0.06161578168944001 * t269;
-    let t492 = 0.002328735327435001 * t446;
-    let t493 = t492 + t491;
-    let force_panda_joint3_y = force_panda_joint4_z + t493;
-    let t495 = 3.83030303030303 * force_panda_joint3_y;
-    let t496 = moment_panda_joint3_x - t495;
-    let t497 = cos_panda_joint3 * t496;
-    let moment_panda_joint2_x = t497 - t423;
-    let t499 = sin_panda_joint2 * moment_panda_joint2_x;
-    let t500 = 0.022178148964878235 * t40;
-    let t501 = 0.0616024210265277 * t269;
-    let t502 = t501 - t500;
-    let t503 = 0.004377257121839584 * t55;
-    let t504 = 0.005487648106562256 * t23;
-    let t505 = t504 + t503;
-    let t506 = t505 + t502;
-    let t507 = t164 - t446;
-    let t508 = 0.00012191242095074308 * t507;
-    let t509 = t508 - t506;
-    let t510 = 0.002328735327435001 * acceleration_panda_joint3_x;
-    let t511 = 0.06161578168944001 * acceleration_panda_joint3_y;
-    let t512 = t511 + t510;
-    let t513 = t512 + t509;
-    let t514 = force_panda_joint4_z - t513;
-    let t515 = cos_panda_joint4 * moment_panda_joint4_y;
-    let t516 = t515 - t514;
-    let t517 = sin_panda_joint4 * moment_panda_joint4_x;
-    let moment_panda_joint3_z = t517 - t516;
-    let t519 = 0.02307788249493181 * t416;
-    let t520 = 0.00398335888393552 * t17;
-    let t521 = t520 - t519;
-    let t522 = 0.0007689361029464 * t21;
-    let t523 = t522 + t521;
-    let t524 = omega_panda_joint2_y * omega_panda_joint2_y;
-    let t525 = t524 + t213;
-    let t526 = t419 - t525;
-    let t527 = 0.01026110182100817 * t526;
-    let t528 = t527 - t523;
-    let moment_panda_joint2_y = moment_panda_joint3_z - t528;
-    let t530 = cos_panda_joint2 * moment_panda_joint2_y;
-    let t531 = a[0] * 0.014259565994474414;
-    let t532 = t531 - t530;
-    let moment_panda_joint1_z = t499 + t532;
-    let t534 = v[0] * 0.003;
-    let t535 = t534 + moment_panda_joint1_z;
-    let t536 = cos_panda_joint3 * t409;
-    let t537 = 0.0007689361029464 * t36;
-    let t538 = sin_panda_joint2 * 32.80954542685273;
-    let t539 = cos_panda_joint2 * 0.01993386669246;
-    let t540 = t539 - t538;
-    let t541 = t540 - t537;
-    let t542 = 0.01026110182100817 * t16;
-    let t543 = t542 - t541;
-    let t544 = 1.032162061231881 * t21;
-    let t545 = t544 - t543;
-    let t546 = 0.02307788249493181 * t412;
-    let t547 = t546 + t545;
-    let t548 = t525 - t214;
-    let t549 = 0.00398335888393552 * t548;
-    let t550 = t549 + t547;
-    let t551 = t536 - t550;
-    let t552 = sin_panda_joint3 * t496;
-    let moment_panda_joint2_z = t552 + t551;
-    let t554 = v[1] * 0.003;
-    let t555 = t554 - moment_panda_joint2_z;
-    let t556 = v[2] * 0.003;
-    let t557 = t556 - moment_panda_joint3_z;
-    let t558 = v[3] * 0.003;
-    let t559 = t558 + moment_panda_joint4_z;
-    let t560 = v[4] * 0.003;
-    let t561 = t560 - moment_panda_joint5_z;
-    let t562 = v[5] * 0.003;
-    let t563 = t562 + moment_panda_joint6_z;
-    let t564 = v[6] * 0.003;
-    let t565 = t564 + moment_panda_joint7_z;
-    let t566 = t111 * t86;
-    let t567 = omega_panda_joint6_z * 0.0430445107411751;
-    let t568 = t567 + t566;
-    let t569 = omega_panda_joint6_x * 0.00020751783443736984;
-    let t570 = t569 + t568;
-    let t571 = 2.0 * omega_panda_joint6_x;
-    let t572 = t96 * t571;
-    let t573 = t572 + t566;
-    let t574 = t573 + t570;
-    let t575 = t308 * t571;
-    let t576 = t311 * t86;
-    let t577 = t575 - t576;
-    let t578 = t577 - t574;
-    let t579 = t299 * t93;
-    let t580 = omega_panda_joint6_y * 0.00018713819462921;
-    let t581 = omega_panda_joint6_z * 0.05786884509131979;
-    let t582 = t580 + t581;
-    let t583 = t582 - t579;
-    let t584 = t583 + t578;
-    let t585 = cos_panda_joint6 * t584;
-    let t586 = t96 * t93;
-    let t587 = omega_panda_joint6_y * 0.00020751783443736984;
-    let t588 = omega_panda_joint6_z * 0.02949714076535063;
-    let t589 = t587 + t588;
-    let t590 = t589 - t586;
-    let t591 = t308 * t93;
-    let t592 = t316 * t86;
-    let t593 = t592 + t591;
-    let t594 = t593 + t590;
-    let t595 = t299 * t571;
-    let t596 = t592 + t595;
-    let t597 = omega_panda_joint6_x * 0.00018713819462921;
-    let t598 = t588 + t597;
-    let t599 = t598 + t596;
-    let t600 = t599 + t594;
-    let t601 = sin_panda_joint6 * t600;
-    let t602 = t601 - t585;
-    let t603 = sin_panda_joint6 * t602;
-    let t604 = omega_panda_joint5_y * 0.00920049103512621;
-    let t605 = omega_panda_joint5_z * 0.0030304889466540603;
-    let t606 = t604 - t605;
-    let t607 = t606 + t594;
-    let t608 = t603 - t607;
-    let t609 = 2.0 * omega_panda_joint5_y;
-    let t610 = 0.020402584637159996 + t111;
-    let t611 = t122 * t610;
-    let t612 = sin_panda_joint6 * 0.06674100693849601;
-    let t613 = t611 + t612;
-    let t614 = 0.005627033294592 - t613;
-    let t615 = t609 * t614;
-    let t616 = t615 + t608;
-    let t617 = t591 - t595;
-    let t618 = 2.0 * omega_panda_joint6_y;
-    let t619 = t96 * t618;
-    let t620 = t587 - t597;
-    let t621 = t620 + t619;
-    let t622 = t617 + t621;
-    let t623 = omega_panda_joint5_x * 0.004328104104196259;
-    let t624 = t605 - t623;
-    let t625 = t624 - t622;
-    let t626 = 2.0 * omega_panda_joint5_x;
-    let t627 = sin_panda_joint7 * 0.0012597535716761534;
-    let t628 = 0.0260623224672 - t627;
-    let t629 = t626 * t628;
-    let t630 = t629 + t625;
-    let t631 = t616 + t630;
-    let t632 = sin_panda_joint5 * t631;
-    let t633 = t111 * t618;
-    let t634 = omega_panda_joint6_y * 0.0430445107411751;
-    let t635 = omega_panda_joint6_x * 0.02949714076535063;
-    let t636 = t635 - t634;
-    let t637 = t636 - t633;
-    let t638 = t111 * t93;
-    let t639 = t638 + t637;
-    let t640 = t311 * t93;
-    let t641 = t316 * t571;
-    let t642 = t640 + t641;
-    let t643 = t642 + t639;
-    let t644 = cos_panda_joint6 * t643;
-    let t645 = t316 * t93;
-    let t646 = omega_panda_joint6_y * 0.02949714076535063;
-    let t647 = omega_panda_joint6_x * 0.05786884509131979;
-    let t648 = t647 - t646;
-    let t649 = t648 + t645;
-    let t650 = sin_panda_joint6 * t649;
-    let t651 = t650 + t644;
-    let t652 = omega_panda_joint5_x * 0.00920049103512621;
-    let t653 = omega_panda_joint5_z * 0.0029023121300534266;
-    let t654 = t653 + t652;
-    let t655 = t654 - t651;
-    let t656 = t626 * t614;
-    let t657 = t656 - t655;
-    let t658 = t339 * t571;
-    let t659 = t308 * t86;
-    let t660 = t658 - t659;
-    let t661 = t96 * t86;
-    let t662 = t660 + t661;
-    let t663 = omega_panda_joint6_z * 0.00020751783443736984;
-    let t664 = t663 + t662;
-    let t665 = sin_panda_joint6 * t664;
-    let t666 = omega_panda_joint5_y * 0.004328104104196259;
-    let t667 = omega_panda_joint5_z * 0.020090375656642484;
-    let t668 = t666 + t667;
-    let t669 = t668 - t665;
-    let t670 = t339 * t93;
-    let t671 = t299 * t86;
-    let t672 = t671 - t670;
-    let t673 = omega_panda_joint6_z * 0.00018713819462921;
-    let t674 = t673 + t672;
-    let t675 = cos_panda_joint6 * t674;
-    let t676 = t675 + t669;
-    let t677 = t609 * t628;
-    let t678 = t677 - t676;
-    let t679 = t678 - t657;
-    let t680 = cos_panda_joint5 * t679;
-    let t681 = t632 - t680;
-    let t682 = sin_panda_joint5 * t681;
-    let t683 = omega_panda_joint6_z * 0.04080516927431999;
-    let t684 = t683 + t573;
-    let t685 = t148 * t684;
-    let t686 = omega_panda_joint5_z * 0.0521246449344;
-    let t687 = t686 + t685;
-    let t688 = omega_panda_joint6_z * 0.030589628180144;
-    let t689 = t688 - t586;
-    let t690 = t122 * t689;
-    let t691 = t690 - t687;
-    let t692 = t205 * t691;
-    let t693 = omega_panda_joint6_y * 0.04080516927431999;
-    let t694 = omega_panda_joint6_x * 0.030589628180144;
-    let t695 = t694 - t693;
-    let t696 = t695 + t638;
-    let t697 = 4.363636363636364 * t696;
-    let t698 = omega_panda_joint5_z * 0.011254066589184;
-    let t699 = t698 + t697;
-    let t700 = t188 * t699;
-    let t701 = t700 + t692;
-    let t702 = omega_panda_joint4_y * 0.007810710052552201;
-    let t703 = omega_panda_joint4_z * 0.32568174537092176;
-    let t704 = t702 - t703;
-    let t705 = t704 + t701;
-    let t706 = t616 + t705;
-    let t707 = t682 - t706;
-    let t708 = t604 - t623;
-    let t709 = t708 + t599;
-    let t710 = t603 - t709;
-    let t711 = t122 * t684;
-    let t712 = omega_panda_joint5_y * 0.011254066589184;
-    let t713 = omega_panda_joint5_x * 0.0521246449344;
-    let t714 = t713 - t712;
-    let t715 = t714 - t711;
-    let t716 = t148 * t689;
-    let t717 = t716 - t715;
-    let t718 = t148 * t610;
-    let t719 = cos_panda_joint6 * 0.06674100693849601;
-    let t720 = t718 - t719;
-    let t721 = 0.21484375 * t720;
-    let t722 = t44 * t721;
-    let t723 = omega_panda_joint4_x * 0.003288975154738541;
-    let t724 = t703 - t723;
-    let t725 = t724 + t722;
-    let t726 = t717 - t725;
-    let t727 = t710 + t726;
-    let t728 = t707 - t727;
-    let t729 = sin_panda_joint4 * t728;
-    let t730 = cos_panda_joint6 * t602;
-    let t731 = omega_panda_joint5_y * 0.0029023121300534266;
-    let t732 = omega_panda_joint5_x * 0.0030304889466540603;
-    let t733 = t732 + t731;
-    let t734 = t733 - t583;
-    let t735 = t730 - t734;
-    let t736 = cos_panda_joint5 * t735;
-    let t737 = cos_panda_joint6 * t664;
-    let t738 = omega_panda_joint5_y * 0.0030304889466540603;
-    let t739 = omega_panda_joint5_x * 0.020090375656642484;
-    let t740 = t739 + t738;
-    let t741 = t740 + t737;
-    let t742 = sin_panda_joint6 * t674;
-    let t743 = t742 + t741;
-    let t744 = sin_panda_joint5 * t743;
-    let t745 = t736 + t744;
-    let t746 = 0.21484375 * t717;
-    let t747 = t205 * t614;
-    let t748 = t188 * t628;
-    let t749 = t747 + t748;
-    let t750 = t44 * t749;
-    let t751 = omega_panda_joint4_x * 0.007810710052552201;
-    let t752 = omega_panda_joint4_z * 0.10204027231363103;
-    let t753 = t752 - t751;
-    let t754 = t753 + t750;
-    let t755 = t746 - t754;
-    let t756 = t745 - t755;
-    let t757 = omega_panda_joint5_z * 0.004328104104196259;
-    let t758 = t757 + t578;
-    let t759 = t730 + t758;
-    let t760 = t609 * t720;
-    let t761 = t760 + t691;
-    let t762 = t759 + t761;
-    let t763 = cos_panda_joint5 * t762;
-    let t764 = sin_panda_joint6 * t643;
-    let t765 = cos_panda_joint6 * t649;
-    let t766 = t765 - t764;
-    let t767 = omega_panda_joint5_z * 0.00920049103512621;
-    let t768 = t767 + t766;
-    let t769 = t626 * t720;
-    let t770 = t699 - t769;
-    let t771 = t770 - t768;
-    let t772 = sin_panda_joint5 * t771;
-    let t773 = omega_panda_joint4_y * 0.003288975154738541;
-    let t774 = omega_panda_joint4_z * 1.3945841500619438;
-    let t775 = t773 - t774;
-    let t776 = t775 + t772;
-    let t777 = t763 + t776;
-    let t778 = t777 + t756;
-    let t779 = cos_panda_joint4 * t778;
-    let t780 = t729 + t779;
-    let t781 = sin_panda_joint4 * t780;
-    let t782 = omega_panda_joint4_z * 0.33206638634449503;
-    let t783 = t782 - t701;
-    let t784 = cos_panda_joint4 * t783;
-    let t785 = omega_panda_joint4_z * 0.09120874531725003;
-    let t786 = t785 - t746;
-    let t787 = sin_panda_joint4 * t786;
-    let t788 = t784 - t787;
-    let t789 = omega_panda_joint3_y * 0.010975296213124512;
-    let t790 = omega_panda_joint3_z * 0.00024382484190148615;
-    let t791 = t789 - t790;
-    let t792 = t791 - t788;
-    let t793 = t707 + t792;
-    let t794 = t781 - t793;
-    let t795 = 0.04560437265862501 + t749;
-    let t796 = cos_panda_joint4 * t795;
-    let t797 = 0.16603319317224752 + t721;
-    let t798 = sin_panda_joint4 * t797;
-    let t799 = t796 + t798;
-    let t800 = 0.06161578168944001 - t799;
-    let t801 = omega_panda_joint3_y * 7.66060606060606;
-    let t802 = t801 * t800;
-    let t803 = t802 - t794;
-    let t804 = t188 * t614;
-    let t805 = t205 * t628;
-    let t806 = t804 - t805;
-    let t807 = 2.0 * omega_panda_joint4_y;
-    let t808 = t807 * t806;
-    let t809 = t702 - t723;
-    let t810 = t809 + t808;
-    let t811 = t630 + t810;
-    let t812 = t682 - t811;
-    let t813 = t25 * t806;
-    let t814 = omega_panda_joint3_x * 0.008754514243679169;
-    let t815 = t790 + t814;
-    let t816 = t815 - t813;
-    let t817 = t812 - t816;
-    let t818 = 0.002328735327435001 - t806;
-    let t819 = omega_panda_joint3_x * 7.66060606060606;
-    let t820 = t819 * t818;
-    let t821 = t820 - t817;
-    let t822 = t803 - t821;
-    let t823 = sin_panda_joint3 * t822;
-    let t824 = cos_panda_joint5 * t681;
-    let t825 = t188 * t691;
-    let t826 = t205 * t699;
-    let t827 = t826 - t825;
-    let t828 = t807 * t749;
-    let t829 = omega_panda_joint4_y * 0.10204027231363103;
-    let t830 = omega_panda_joint4_x * 0.32568174537092176;
-    let t831 = t830 - t829;
-    let t832 = t831 - t828;
-    let t833 = t827 - t832;
-    let t834 = t678 - t833;
-    let t835 = t824 + t834;
-    let t836 = cos_panda_joint4 * t835;
-    let t837 = sin_panda_joint5 * t762;
-    let t838 = cos_panda_joint5 * t771;
-    let t839 = t807 * t721;
-    let t840 = omega_panda_joint4_y * 0.32568174537092176;
-    let t841 = omega_panda_joint4_x * 1.3945841500619438;
-    let t842 = t841 - t840;
-    let t843 = t842 - t839;
-    let t844 = t838 - t843;
-    let t845 = t837 - t844;
-    let t846 = sin_panda_joint4 * t845;
-    let t847 = t836 + t846;
-    let t848 = omega_panda_joint4_y * 0.09120874531725003;
-    let t849 = omega_panda_joint4_x * 0.33206638634449503;
-    let t850 = t849 - t848;
-    let t851 = t850 - t827;
-    let t852 = t25 * t799;
-    let t853 = omega_panda_joint3_x * 0.010975296213124512;
-    let t854 = omega_panda_joint3_z * 0.1232048420530554;
-    let t855 = t854 + t853;
-    let t856 = t855 - t852;
-    let t857 = t851 + t856;
-    let t858 = t847 - t857;
-    let t859 = t819 * t800;
-    let t860 = t859 - t858;
-    let t861 = omega_panda_joint4_z * 0.003288975154738541;
-    let t862 = t861 + t657;
-    let t863 = t824 - t862;
-    let t864 = cos_panda_joint4 * t863;
-    let t865 = sin_panda_joint5 * t735;
-    let t866 = cos_panda_joint5 * t743;
-    let t867 = t44 * t806;
-    let t868 = t867 - t866;
-    let t869 = t865 + t868;
-    let t870 = omega_panda_joint4_z * 0.007810710052552201;
-    let t871 = t870 + t869;
-    let t872 = sin_panda_joint4 * t871;
-    let t873 = omega_panda_joint3_y * 0.008754514243679169;
-    let t874 = omega_panda_joint3_z * 0.04435629792975647;
-    let t875 = t873 - t874;
-    let t876 = t875 - t872;
-    let t877 = t864 - t876;
-    let t878 = t801 * t818;
-    let t879 = t878 - t877;
-    let t880 = t879 + t860;
-    let t881 = cos_panda_joint3 * t880;
-    let t882 = t823 + t881;
-    let t883 = sin_panda_joint3 * t882;
-    let t884 = omega_panda_joint2_x * 0.0015378722058928;
-    let t885 = omega_panda_joint2_y * 0.02052220364201634;
-    let t886 = t885 - t884;
-    let t887 = t886 - t821;
-    let t888 = t883 - t887;
-    let t889 = v[1] * 0.00796671776787104;
-    let t890 = t885 - t889;
-    let t891 = t890 + t803;
-    let t892 = t883 - t891;
-    let t893 = t892 - t888;
-    let t894 = omega_panda_joint2_x * t893;
-    let t895 = cos_panda_joint4 * t780;
-    let t896 = sin_panda_joint4 * t783;
-    let t897 = cos_panda_joint4 * t786;
-    let t898 = t896 + t897;
-    let t899 = 2.0 * omega_panda_joint3_y;
-    let t900 = t899 * t799;
-    let t901 = omega_panda_joint3_y * 0.1232048420530554;
-    let t902 = omega_panda_joint3_x * 0.00024382484190148615;
-    let t903 = t902 + t901;
-    let t904 = t903 - t900;
-    let t905 = t898 + t904;
-    let t906 = t777 + t905;
-    let t907 = t895 - t906;
-    let t908 = cos_panda_joint3 * t907;
-    let t909 = sin_panda_joint4 * t863;
-    let t910 = cos_panda_joint4 * t871;
-    let t911 = t899 * t806;
-    let t912 = omega_panda_joint3_y * 0.00024382484190148615;
-    let t913 = omega_panda_joint3_x * 0.04435629792975647;
-    let t914 = t913 + t912;
-    let t915 = t914 - t911;
-    let t916 = t910 - t915;
-    let t917 = t909 - t916;
-    let t918 = sin_panda_joint3 * t917;
-    let t919 = t908 + t918;
-    let t920 = omega_panda_joint2_x * 0.02052220364201634;
-    let t921 = v[1] * 0.04615576498986362;
-    let t922 = t921 - t920;
-    let t923 = t922 - t919;
-    let t924 = omega_panda_joint2_y * t923;
-    let t925 = cos_panda_joint7 * 0.0005773870536849036;
-    let t926 = t311 + t925;
-    let t927 = t926 - 0.007412167175072343;
-    let t928 = sin_panda_joint6 * t927;
-    let t929 = 0.014748570382675316 + t316;
-    let t930 = 2.0 * t929;
-    let t931 = cos_panda_joint6 * t930;
-    let t932 = t928 - t931;
-    let t933 = sin_panda_joint6 * t932;
-    let t934 = t926 + 0.022973411435614263;
-    let t935 = t933 - t934;
-    let t936 = t310 - 0.014047520880232544;
-    let t937 = t936 - t935;
-    let t938 = sin_panda_joint5 * t937;
-    let t939 = 0.00010375891721868492 + t96;
-    let t940 = t308 - t939;
-    let t941 = cos_panda_joint6 * t940;
-    let t942 = 9.3569097314605e-5 + t299;
-    let t943 = sin_panda_joint6 * t942;
-    let t944 = t943 - t941;
-    let t945 = 0.0015152444733270301 - t944;
-    let t946 = 2.0 * t945;
-    let t947 = cos_panda_joint5 * t946;
-    let t948 = t938 + t947;
-    let t949 = sin_panda_joint5 * t948;
-    let t950 = 2.0 * t749;
-    let t951 = 0.05102013615681551 + t950;
-    let t952 = t935 - t951;
-    let t953 = t949 + t952;
-    let t954 = 0.028934422545659894 + t933;
-    let t955 = 2.0 * t720;
-    let t956 = 0.6972920750309719 + t955;
-    let t957 = t954 + t956;
-    let t958 = t953 + t957;
-    let t959 = sin_panda_joint4 * t958;
-    let t960 = cos_panda_joint6 * t932;
-    let t961 = t316 + 0.01934881590023842;
-    let t962 = t960 + t961;
-    let t963 = t614 - t962;
-    let t964 = cos_panda_joint5 * t963;
-    let t965 = sin_panda_joint6 * t940;
-    let t966 = cos_panda_joint6 * t942;
-    let t967 = t966 + t965;
-    let t968 = 0.0021640520520981297 - t967;
-    let t969 = t628 - t968;
-    let t970 = sin_panda_joint5 * t969;
-    let t971 = t964 + t970;
-    let t972 = 0.16284087268546088 + t721;
-    let t973 = t971 + t972;
-    let t974 = 2.0 * t973;
-    let t975 = cos_panda_joint4 * t974;
-    let t976 = t959 + t975;
-    let t977 = cos_panda_joint4 * t976;
-    let t978 = sin_panda_joint4 * t795;
-    let t979 = cos_panda_joint4 * t797;
-    let t980 = t978 - t979;
-    let t981 = 0.005487648106562256 - t980;
-    let t982 = t973 + t981;
-    let t983 = t977 - t982;
-    let t984 = 3.83030303030303 * t800;
-    let t985 = t984 - t983;
-    let t986 = sin_panda_joint3 * t985;
-    let t987 = cos_panda_joint5 * t948;
-    let t988 = 0.0039053550262761003 + t806;
-    let t989 = t945 - t988;
-    let t990 = t987 - t989;
-    let t991 = sin_panda_joint4 * t990;
-    let t992 = sin_panda_joint5 * t963;
-    let t993 = cos_panda_joint5 * t969;
-    let t994 = t992 - t993;
-    let t995 = 0.0016444875773692705 + t994;
-    let t996 = cos_panda_joint4 * t995;
-    let t997 = t991 - t996;
-    let t998 = 0.004377257121839584 + t997;
-    let t999 = 3.83030303030303 * t818;
-    let t1000 = t999 + t998;
-    let t1001 = cos_panda_joint3 * t1000;
-    let t1002 = t986 + t1001;
-    let t1003 = 0.0007689361029464 + t1002;
-    let t1004 = t419 * t1003;
-    let t1005 = sin_panda_joint3 * t800;
-    let t1006 = cos_panda_joint3 * t818;
-    let t1007 = t1005 + t1006;
-    let t1008 = acceleration_panda_joint2_y * t1007;
-    let t1009 = t1008 + t1004;
-    let t1010 = cos_panda_joint3 * t985;
-    let t1011 = sin_panda_joint3 * t1000;
-    let t1012 = t1010 - t1011;
-    let t1013 = 0.00398335888393552 - t1012;
-    let t1014 = t36 * t1013;
-    let t1015 = t1014 - t1009;
-    let t1016 = sin_panda_joint4 * t976;
-    let t1017 = 2.0 * t799;
-    let t1018 = 0.0616024210265277 - t1017;
-    let t1019 = t953 - t1018;
-    let t1020 = t1016 - t1019;
-    let t1021 = t936 - t949;
-    let t1022 = 0.022178148964878235 - t1021;
-    let t1023 = t1020 - t1022;
-    let t1024 = sin_panda_joint3 * t1023;
-    let t1025 = cos_panda_joint4 * t990;
-    let t1026 = sin_panda_joint4 * t995;
-    let t1027 = t1025 + t1026;
-    let t1028 = 0.00012191242095074308 - t806;
-    let t1029 = t1027 + t1028;
-    let t1030 = 2.0 * t1029;
-    let t1031 = cos_panda_joint3 * t1030;
-    let t1032 = t1024 + t1031;
-    let t1033 = sin_panda_joint3 * t1032;
-    let t1034 = 0.02307788249493181 + t1020;
-    let t1035 = t1033 - t1034;
-    let t1036 = t1022 + t1033;
-    let t1037 = t1036 - t1035;
-    let t1038 = t16 * t1037;
-    let t1039 = t1038 + t1015;
-    let t1040 = moment_panda_joint2_x - t1039;
-    let t1041 = t924 - t1040;
-    let t1042 = t894 - t1041;
-    let t1043 = cos_panda_joint2 * t1042;
-    let t1044 = t899 * t980;
-    let t1045 = t789 + t814;
-    let t1046 = t1045 - t1044;
-    let t1047 = t727 - t1046;
-    let t1048 = t781 + t1047;
-    let t1049 = omega_panda_joint3_y * 0.12323156337888003;
-    let t1050 = omega_panda_joint3_x * 0.004657470654870002;
-    let t1051 = t1050 + t1049;
-    let t1052 = t1051 + t898;
-    let t1053 = 3.83030303030303 * t1052;
-    let t1054 = t889 - t884;
-    let t1055 = t1054 - t1053;
-    let t1056 = t1048 + t1055;
-    let t1057 = t1056 + t888;
-    let t1058 = omega_panda_joint2_y * t1057;
-    let t1059 = omega_panda_joint3_z * 0.008754514243679169;
-    let t1060 = t1059 + t756;
-    let t1061 = t895 - t1060;
-    let t1062 = omega_panda_joint3_z * 0.004657470654870002;
-    let t1063 = t1062 + t788;
-    let t1064 = 3.83030303030303 * t1063;
-    let t1065 = t801 * t980;
-    let t1066 = t1065 + t1064;
-    let t1067 = t1061 - t1066;
-    let t1068 = cos_panda_joint3 * t1067;
-    let t1069 = sin_panda_joint4 * t835;
-    let t1070 = cos_panda_joint4 * t845;
-    let t1071 = t25 * t980;
-    let t1072 = t1071 - t1070;
-    let t1073 = t1069 + t1072;
-    let t1074 = omega_panda_joint3_z * 0.010975296213124512;
-    let t1075 = t1074 - t1073;
-    let t1076 = omega_panda_joint3_z * 0.12323156337888003;
-    let t1077 = t1076 + t851;
-    let t1078 = 3.83030303030303 * t1077;
-    let t1079 = t819 * t980;
-    let t1080 = t1079 - t1078;
-    let t1081 = t1075 - t1080;
-    let t1082 = sin_panda_joint3 * t1081;
-    let t1083 = omega_panda_joint2_y * 0.0015378722058928;
-    let t1084 = v[1] * 2.064324122463762;
-    let t1085 = t1083 - t1084;
-    let t1086 = t1085 + t1082;
-    let t1087 = t1068 - t1086;
-    let t1088 = omega_panda_joint2_x * t1087;
-    let t1089 = t16 * t1013;
-    let t1090 = acceleration_panda_joint2_x * t1007;
-    let t1091 = t1090 + t1089;
-    let t1092 = cos_panda_joint3 * t1032;
-    let t1093 = 0.01026110182100817 + t1029;
-    let t1094 = t1092 - t1093;
-    let t1095 = t419 * t1094;
-    let t1096 = t1095 - t1091;
-    let t1097 = t957 - t1016;
-    let t1098 = 7.66060606060606 * t980;
-    let t1099 = 1.032162061231881 - t1098;
-    let t1100 = t1097 + t1099;
-    let t1101 = t1036 + t1100;
-    let t1102 = t36 * t1101;
-    let t1103 = t1102 - t1096;
-    let t1104 = moment_panda_joint2_y + t1103;
-    let t1105 = t1088 - t1104;
-    let t1106 = t1058 - t1105;
-    let t1107 = sin_panda_joint2 * t1106;
-    let t1108 = t1107 + t1043;
-    let t1109 = t794 - t1048;
-    let t1110 = omega_panda_joint3_x * t1109;
-    let t1111 = omega_panda_joint3_x * t1052;
-    let t1112 = t23 * t980;
-    let t1113 = t214 * t818;
-    let t1114 = t1112 + t1113;
-    let t1115 = t1114 - t1111;
-    let t1116 = force_panda_joint3_y + t1115;
-    let t1117 = 3.83030303030303 * t1116;
-    let t1118 = t1097 + t1020;
-    let t1119 = t23 * t1118;
-    let t1120 = t214 * t998;
-    let t1121 = acceleration_panda_joint3_y * t980;
-    let t1122 = t1121 - t1120;
-    let t1123 = t55 * t1029;
-    let t1124 = t1123 + t1122;
-    let t1125 = t1119 + t1124;
-    let t1126 = t1117 - t1125;
-    let t1127 = moment_panda_joint3_x - t1126;
-    let t1128 = omega_panda_joint3_y * t858;
-    let t1129 = t1128 - t1127;
-    let t1130 = t1110 - t1129;
-    let t1131 = sin_panda_joint3 * t1130;
-    let t1132 = t817 - t1048;
-    let t1133 = omega_panda_joint3_y * t1132;
-    let t1134 = omega_panda_joint3_x * t877;
-    let t1135 = t214 * t983;
-    let t1136 = t23 * t1029;
-    let t1137 = acceleration_panda_joint3_x * t980;
-    let t1138 = t1137 + t1136;
-    let t1139 = t1135 - t1138;
-    let t1140 = t1097 + t1022;
-    let t1141 = t55 * t1140;
-    let t1142 = t1141 - t1139;
-    let t1143 = t1134 + t1142;
-    let t1144 = moment_panda_joint3_y + t1143;
-    let t1145 = omega_panda_joint3_y * t1052;
-    let t1146 = t214 * t800;
-    let t1147 = t55 * t980;
-    let t1148 = t1146 - t1147;
-    let t1149 = t1148 - t1145;
-    let t1150 = force_panda_joint3_x + t1149;
-    let t1151 = 3.83030303030303 * t1150;
-    let t1152 = t1151 + t1144;
-    let t1153 = t1133 - t1152;
-    let t1154 = cos_panda_joint3 * t1153;
-    let t1155 = t1154 - t1131;
-    let t1156 = sin_panda_joint2 * t1155;
-    let t1157 = omega_panda_joint3_y * t907;
-    let t1158 = omega_panda_joint3_x * t917;
-    let t1159 = t55 * t983;
-    let t1160 = t23 * t998;
-    let t1161 = acceleration_panda_joint3_x * t800;
-    let t1162 = acceleration_panda_joint3_y * t818;
-    let t1163 = t1161 - t1162;
-    let t1164 = t1163 + t1160;
-    let t1165 = t1159 + t1164;
-    let t1166 = t1020 + t1022;
-    let t1167 = t214 * t1166;
-    let t1168 = t1167 - t1165;
-    let t1169 = t1158 - t1168;
-    let t1170 = t1157 - t1169;
-    let t1171 = cos_panda_joint2 * t1170;
-    let t1172 = t1156 - t1171;
-    let t1173 = omega_panda_joint4_y * t756;
-    let t1174 = t446 * t995;
-    let t1175 = acceleration_panda_joint4_y * t806;
-    let t1176 = t1175 + t1174;
-    let t1177 = t74 * t973;
-    let t1178 = t1177 - t1176;
-    let t1179 = t1021 + t953;
-    let t1180 = t42 * t1179;
-    let t1181 = t1180 - t1178;
-    let t1182 = t1173 - t1181;
-    let t1183 = moment_panda_joint4_x + t1182;
-    let t1184 = t707 - t812;
-    let t1185 = omega_panda_joint4_x * t1184;
-    let t1186 = t1185 - t1183;
-    let t1187 = sin_panda_joint4 * t1186;
-    let t1188 = omega_panda_joint4_y * t786;
-    let t1189 = t795 * t42;
-    let t1190 = t797 * t74;
-    let t1191 = t1190 + t1189;
-    let t1192 = t1188 + t1191;
-    let t1193 = omega_panda_joint4_x * t783;
-    let t1194 = t1193 - t1192;
-    let t1195 = 3.83030303030303 * t1194;
-    let t1196 = t1187 - t1195;
-    let t1197 = t727 - t812;
-    let t1198 = omega_panda_joint4_y * t1197;
-    let t1199 = omega_panda_joint4_x * t777;
-    let t1200 = t42 * t973;
-    let t1201 = acceleration_panda_joint4_x * t806;
-    let t1202 = t1201 + t1200;
-    let t1203 = t446 * t990;
-    let t1204 = t1203 + t1202;
-    let t1205 = t1021 - t957;
-    let t1206 = t74 * t1205;
-    let t1207 = t1206 - t1204;
-    let t1208 = t1199 - t1207;
-    let t1209 = moment_panda_joint4_y + t1208;
-    let t1210 = t1198 - t1209;
-    let t1211 = cos_panda_joint4 * t1210;
-    let t1212 = t1211 - t1196;
-    let t1213 = cos_panda_joint3 * t1212;
-    let t1214 = omega_panda_joint4_y * t851;
-    let t1215 = t446 * t795;
-    let t1216 = t806 * t74;
-    let t1217 = t1215 + t1216;
-    let t1218 = t1214 + t1217;
-    let t1219 = force_panda_joint4_x - t1218;
-    let t1220 = cos_panda_joint4 * t1219;
-    let t1221 = omega_panda_joint4_x * t851;
-    let t1222 = t806 * t42;
-    let t1223 = t446 * t797;
-    let t1224 = t1223 - t1222;
-    let t1225 = t1221 - t1224;
-    let t1226 = force_panda_joint4_y - t1225;
-    let t1227 = sin_panda_joint4 * t1226;
-    let t1228 = t1227 - t1220;
-    let t1229 = omega_panda_joint4_y * t835;
-    let t1230 = omega_panda_joint4_x * t845;
-    let t1231 = t42 * t995;
-    let t1232 = acceleration_panda_joint4_y * t797;
-    let t1233 = acceleration_panda_joint4_x * t795;
-    let t1234 = t1233 + t1232;
-    let t1235 = t1234 - t1231;
-    let t1236 = t74 * t990;
-    let t1237 = t1236 + t1235;
-    let t1238 = t953 - t957;
-    let t1239 = t446 * t1238;
-    let t1240 = t1239 - t1237;
-    let t1241 = t1230 + t1240;
-    let t1242 = t1229 - t1241;
-    let t1243 = t1242 - t1228;
-    let t1244 = sin_panda_joint4 * t1219;
-    let t1245 = cos_panda_joint4 * t1226;
-    let t1246 = t1245 + t1244;
-    let t1247 = 3.83030303030303 * t1246;
-    let t1248 = t1247 + t1243;
-    let t1249 = sin_panda_joint3 * t1248;
-    let t1250 = t1213 - t1249;
-    let t1251 = sin_panda_joint2 * t1250;
-    let t1252 = cos_panda_joint4 * t1186;
-    let t1253 = t1194 - t1252;
-    let t1254 = sin_panda_joint4 * t1210;
-    let t1255 = t1254 - t1253;
-    let t1256 = cos_panda_joint2 * t1255;
-    let t1257 = t1251 - t1256;
-    let t1258 = omega_panda_joint5_y * t717;
-    let t1259 = t720 * t100;
-    let t1260 = t156 * t614;
-    let t1261 = t1260 + t1259;
-    let t1262 = t1258 - t1261;
-    let t1263 = force_panda_joint5_x + t1262;
-    let t1264 = t188 * t1263;
-    let t1265 = omega_panda_joint5_x * t717;
-    let t1266 = t720 * t63;
-    let t1267 = t156 * t628;
-    let t1268 = t1267 + t1266;
-    let t1269 = t1265 + t1268;
-    let t1270 = force_panda_joint5_y - t1269;
-    let t1271 = t205 * t1270;
-    let t1272 = t1271 - t1264;
-    let t1273 = sin_panda_joint4 * t1272;
-    let t1274 = omega_panda_joint5_y * t699;
-    let t1275 = t614 * t63;
-    let t1276 = t628 * t100;
-    let t1277 = t1276 - t1275;
-    let t1278 = t1274 + t1277;
-    let t1279 = omega_panda_joint5_x * t691;
-    let t1280 = t1279 + t1278;
-    let t1281 = 0.21484375 * t1280;
-    let t1282 = cos_panda_joint4 * t1281;
-    let t1283 = t1273 + t1282;
-    let t1284 = t608 - t710;
-    let t1285 = omega_panda_joint5_x * t1284;
-    let t1286 = omega_panda_joint5_y * t655;
-    let t1287 = t100 * t945;
-    let t1288 = t156 * t968;
-    let t1289 = t1287 - t1288;
-    let t1290 = t954 - t935;
-    let t1291 = t63 * t1290;
-    let t1292 = t1291 + t1289;
-    let t1293 = t720 * acceleration_panda_joint5_y;
-    let t1294 = t1293 + t1292;
-    let t1295 = t1286 - t1294;
-    let t1296 = t1285 + t1295;
-    let t1297 = t1270 + t1296;
-    let t1298 = moment_panda_joint5_x - t1297;
-    let t1299 = cos_panda_joint5 * t1298;
-    let t1300 = t1281 - t1299;
-    let t1301 = t625 + t710;
-    let t1302 = omega_panda_joint5_y * t1301;
-    let t1303 = omega_panda_joint5_x * t676;
-    let t1304 = t156 * t962;
-    let t1305 = t63 * t945;
-    let t1306 = t1305 - t1304;
-    let t1307 = t954 - t936;
-    let t1308 = t1307 * t100;
-    let t1309 = t1308 + t1306;
-    let t1310 = t720 * acceleration_panda_joint5_x;
-    let t1311 = t1310 + t1309;
-    let t1312 = t1303 - t1311;
-    let t1313 = t1302 + t1312;
-    let t1314 = moment_panda_joint5_y + t1313;
-    let t1315 = t1263 + t1314;
-    let t1316 = sin_panda_joint5 * t1315;
-    let t1317 = t1316 - t1300;
-    let t1318 = t1317 + t1283;
-    let t1319 = cos_panda_joint4 * t1272;
-    let t1320 = sin_panda_joint4 * t1281;
-    let t1321 = t1319 - t1320;
-    let t1322 = 3.83030303030303 * t1321;
-    let t1323 = t1322 - t1318;
-    let t1324 = sin_panda_joint3 * t1323;
-    let t1325 = t205 * t1263;
-    let t1326 = t188 * t1270;
-    let t1327 = t1326 + t1325;
-    let t1328 = omega_panda_joint5_y * t735;
-    let t1329 = omega_panda_joint5_x * t743;
-    let t1330 = t63 * t968;
-    let t1331 = t100 * t962;
-    let t1332 = t1331 + t1330;
-    let t1333 = t936 + t935;
-    let t1334 = t156 * t1333;
-    let t1335 = t1334 + t1332;
-    let t1336 = t628 * acceleration_panda_joint5_y;
-    let t1337 = t1336 - t1335;
-    let t1338 = t614 * acceleration_panda_joint5_x;
-    let t1339 = t1338 + t1337;
-    let t1340 = t1329 - t1339;
-    let t1341 = t1328 - t1340;
-    let t1342 = t1341 - t1327;
-    let t1343 = sin_panda_joint4 * t1342;
-    let t1344 = 3.83030303030303 * t1327;
-    let t1345 = t1343 + t1344;
-    let t1346 = sin_panda_joint5 * t1298;
-    let t1347 = cos_panda_joint5 * t1315;
-    let t1348 = t1347 - t1346;
-    let t1349 = cos_panda_joint4 * t1348;
-    let t1350 = t1349 + t1345;
-    let t1351 = cos_panda_joint3 * t1350;
-    let t1352 = t1351 + t1324;
-    let t1353 = sin_panda_joint2 * t1352;
-    let t1354 = cos_panda_joint4 * t1342;
-    let t1355 = t1327 + t1354;
-    let t1356 = sin_panda_joint4 * t1348;
-    let t1357 = t1356 - t1355;
-    let t1358 = cos_panda_joint2 * t1357;
-    let t1359 = t1353 - t1358;
-    let t1360 = omega_panda_joint6_y * t696;
-    let t1361 = t184 * t610;
-    let t1362 = t1361 + t1360;
-    let t1363 = t96 * t132;
-    let t1364 = t1363 + t1362;
-    let t1365 = force_panda_joint6_x + t1364;
-    let t1366 = t148 * t1365;
-    let t1367 = omega_panda_joint6_x * t696;
-    let t1368 = 0.015294814090072 * t184;
-    let t1369 = t1368 - t1367;
-    let t1370 = t96 * t84;
-    let t1371 = t1370 + t1369;
-    let t1372 = force_panda_joint6_y + t1371;
-    let t1373 = t122 * t1372;
-    let t1374 = t1373 - t1366;
-    let t1375 = t205 * t1374;
-    let t1376 = t610 * t84;
-    let t1377 = omega_panda_joint6_x * t689;
-    let t1378 = omega_panda_joint6_y * t684;
-    let t1379 = t1378 - t1377;
-    let t1380 = t1379 + t1376;
-    let t1381 = 0.015294814090072 * t132;
-    let t1382 = t1381 - t1380;
-    let t1383 = 4.363636363636364 * t1382;
-    let t1384 = t188 * t1383;
-    let t1385 = t1375 + t1384;
-    let t1386 = sin_panda_joint4 * t1385;
-    let t1387 = t122 * t1365;
-    let t1388 = t148 * t1372;
-    let t1389 = t1388 + t1387;
-    let t1390 = 0.21484375 * t1389;
-    let t1391 = cos_panda_joint4 * t1390;
-    let t1392 = t1386 + t1391;
-    let t1393 = 0.015294814090072 * acceleration_panda_joint6_y;
-    let t1394 = t610 * acceleration_panda_joint6_x;
-    let t1395 = t1394 + t1393;
-    let t1396 = t942 * t84;
-    let t1397 = t132 * t940;
-    let t1398 = t1397 - t1396;
-    let t1399 = omega_panda_joint6_x * t649;
-    let t1400 = 0.050456677916247444 + t926;
-    let t1401 = t184 * t1400;
-    let t1402 = t1401 - t1399;
-    let t1403 = omega_panda_joint6_y * t643;
-    let t1404 = t1403 + t1402;
-    let t1405 = t1404 - t1398;
-    let t1406 = t1405 - t1395;
-    let t1407 = t1406 - t1374;
-    let t1408 = cos_panda_joint5 * t1407;
-    let t1409 = t1390 - t1408;
-    let t1410 = t594 - t622;
-    let t1411 = omega_panda_joint6_x * t1410;
-    let t1412 = t96 * acceleration_panda_joint6_y;
-    let t1413 = t1412 + t1411;
-    let t1414 = t929 * t132;
-    let t1415 = 0.02152225537058755 + t926;
-    let t1416 = t339 + t1415;
-    let t1417 = t1416 * t84;
-    let t1418 = t1417 - t1414;
-    let t1419 = omega_panda_joint6_y * t578;
-    let t1420 = t184 * t942;
-    let t1421 = t1420 - t1419;
-    let t1422 = t1421 + t1418;
-    let t1423 = t1422 - t1413;
-    let t1424 = moment_panda_joint6_x - t1423;
-    let t1425 = sin_panda_joint6 * t1424;
-    let t1426 = t1383 + t1425;
-    let t1427 = t599 + t622;
-    let t1428 = omega_panda_joint6_y * t1427;
-    let t1429 = t96 * acceleration_panda_joint6_x;
-    let t1430 = t1429 + t1428;
-    let t1431 = omega_panda_joint6_x * t583;
-    let t1432 = t184 * t940;
-    let t1433 = t1431 - t1432;
-    let t1434 = t929 * t84;
-    let t1435 = t1434 - t1433;
-    let t1436 = t310 - 0.03293675559757119;
-    let t1437 = t1436 * t132;
-    let t1438 = t1437 + t1435;
-    let t1439 = t1438 + t1430;
-    let t1440 = moment_panda_joint6_y - t1439;
-    let t1441 = cos_panda_joint6 * t1440;
-    let t1442 = t1441 - t1426;
-    let t1443 = sin_panda_joint5 * t1442;
-    let t1444 = t1443 - t1409;
-    let t1445 = t1444 + t1392;
-    let t1446 = cos_panda_joint4 * t1385;
-    let t1447 = sin_panda_joint4 * t1390;
-    let t1448 = t1446 - t1447;
-    let t1449 = 3.83030303030303 * t1448;
-    let t1450 = t1449 - t1445;
-    let t1451 = sin_panda_joint3 * t1450;
-    let t1452 = t188 * t1374;
-    let t1453 = t205 * t1383;
-    let t1454 = t1452 - t1453;
-    let t1455 = sin_panda_joint6 * t1440;
-    let t1456 = cos_panda_joint6 * t1424;
-    let t1457 = t1455 + t1456;
-    let t1458 = t1457 + t1454;
-    let t1459 = sin_panda_joint4 * t1458;
-    let t1460 = 3.83030303030303 * t1454;
-    let t1461 = t1459 - t1460;
-    let t1462 = cos_panda_joint5 * t1442;
-    let t1463 = sin_panda_joint5 * t1407;
-    let t1464 = t1462 - t1463;
-    let t1465 = cos_panda_joint4 * t1464;
-    let t1466 = t1465 - t1461;
-    let t1467 = cos_panda_joint3 * t1466;
-    let t1468 = t1467 + t1451;
-    let t1469 = sin_panda_joint2 * t1468;
-    let t1470 = cos_panda_joint4 * t1458;
-    let t1471 = t1454 - t1470;
-    let t1472 = sin_panda_joint4 * t1464;
-    let t1473 = t1472 - t1471;
-    let t1474 = cos_panda_joint2 * t1473;
-    let t1475 = t1469 - t1474;
-    let t1476 = omega_panda_joint6_x * t573;
-    let t1477 = t96 * t118;
-    let t1478 = t1477 - t1476;
-    let t1479 = t1478 + force_panda_joint7_y;
-    let t1480 = t122 * t1479;
-    let t1481 = t111 * t91;
-    let t1482 = t96 * t108;
-    let t1483 = omega_panda_joint6_x * t586;
-    let t1484 = omega_panda_joint6_z * t638;
-    let t1485 = t1484 + t1483;
-    let t1486 = t1485 + t1482;
-    let t1487 = t1481 + t1486;
-    let t1488 = t148 * t1487;
-    let t1489 = t1480 + t1488;
-    let t1490 = t205 * t1489;
-    let t1491 = omega_panda_joint6_z * t573;
-    let t1492 = t111 * t118;
-    let t1493 = t1492 - t1491;
-    let t1494 = t1493 + force_panda_joint7_x;
-    let t1495 = 4.363636363636364 * t1494;
-    let t1496 = t188 * t1495;
-    let t1497 = t1490 - t1496;
-    let t1498 = sin_panda_joint4 * t1497;
-    let t1499 = t148 * t1479;
-    let t1500 = t122 * t1487;
-    let t1501 = t1499 - t1500;
-    let t1502 = 0.21484375 * t1501;
-    let t1503 = cos_panda_joint4 * t1502;
-    let t1504 = t1498 + t1503;
-    let t1505 = omega_panda_joint6_z * t642;
-    let t1506 = t299 * t118;
-    let t1507 = t1506 - t1505;
-    let t1508 = t308 * t108;
-    let t1509 = t1508 + t1507;
-    let t1510 = t593 - t596;
-    let t1511 = omega_panda_joint6_x * t1510;
-    let t1512 = t1511 + t1509;
-    let t1513 = t311 * t91;
-    let t1514 = t1513 - t1512;
-    let t1515 = t1487 + t1514;
-    let t1516 = moment_panda_joint7_x - t1515;
-    let t1517 = t1516 - t1489;
-    let t1518 = cos_panda_joint5 * t1517;
-    let t1519 = t1502 - t1518;
-    let t1520 = omega_panda_joint6_x * t660;
-    let t1521 = t311 + t339;
-    let t1522 = t118 * t1521;
-    let t1523 = t1522 - t1520;
-    let t1524 = omega_panda_joint6_z * t577;
-    let t1525 = t1524 + t1523;
-    let t1526 = t316 * t108;
-    let t1527 = t1526 + t1525;
-    let t1528 = t299 * t91;
-    let t1529 = t1528 - t1527;
-    let t1530 = t96 * acceleration_panda_joint7_y;
-    let t1531 = t1530 + t1529;
-    let t1532 = t111 * acceleration_panda_joint7_x;
-    let t1533 = t1532 + t1531;
-    let t1534 = t1533 - t1494;
-    let t1535 = sin_panda_joint6 * t1534;
-    let t1536 = t1495 - t1535;
-    let t1537 = omega_panda_joint6_x * t672;
-    let t1538 = t316 * t118;
-    let t1539 = t1538 - t1537;
-    let t1540 = t339 * t108;
-    let t1541 = t1540 + t1539;
-    let t1542 = t617 + t596;
-    let t1543 = omega_panda_joint6_z * t1542;
-    let t1544 = t1543 - t1541;
-    let t1545 = t308 * t91;
-    let t1546 = t1545 + t1544;
-    let t1547 = moment_panda_joint7_y + t1546;
-    let t1548 = cos_panda_joint6 * t1547;
-    let t1549 = t1548 + t1536;
-    let t1550 = sin_panda_joint5 * t1549;
-    let t1551 = t1550 - t1519;
-    let t1552 = t1551 + t1504;
-    let t1553 = cos_panda_joint4 * t1497;
-    let t1554 = sin_panda_joint4 * t1502;
-    let t1555 = t1553 - t1554;
-    let t1556 = 3.83030303030303 * t1555;
-    let t1557 = t1556 - t1552;
-    let t1558 = sin_panda_joint3 * t1557;
-    let t1559 = t188 * t1489;
-    let t1560 = t205 * t1495;
-    let t1561 = t1559 + t1560;
-    let t1562 = cos_panda_joint6 * t1534;
-    let t1563 = sin_panda_joint6 * t1547;
-    let t1564 = t1563 + t1562;
-    let t1565 = t1564 + t1561;
-    let t1566 = sin_panda_joint4 * t1565;
-    let t1567 = 3.83030303030303 * t1561;
-    let t1568 = t1566 - t1567;
-    let t1569 = cos_panda_joint5 * t1549;
-    let t1570 = sin_panda_joint5 * t1517;
-    let t1571 = t1569 - t1570;
-    let t1572 = cos_panda_joint4 * t1571;
-    let t1573 = t1572 - t1568;
-    let t1574 = cos_panda_joint3 * t1573;
-    let t1575 = t1574 + t1558;
-    let t1576 = sin_panda_joint2 * t1575;
-    let t1577 = cos_panda_joint4 * t1565;
-    let t1578 = t1561 - t1577;
-    let t1579 = sin_panda_joint4 * t1571;
-    let t1580 = t1579 - t1578;
-    let t1581 = cos_panda_joint2 * t1580;
-    let t1582 = t1576 - t1581;
-    let t1583 = cos_panda_joint3 * t882;
-    let t1584 = omega_panda_joint2_y * 0.04615576498986362;
-    let t1585 = omega_panda_joint2_x * 0.00796671776787104;
-    let t1586 = t1585 - t1584;
-    let t1587 = t1586 + t879;
-    let t1588 = t1583 - t1587;
-    let t1589 = omega_panda_joint2_y * t1588;
-    let t1590 = sin_panda_joint3 * t1067;
-    let t1591 = cos_panda_joint3 * t1081;
-    let t1592 = omega_panda_joint2_y * 0.00796671776787104;
-    let t1593 = omega_panda_joint2_x * 2.064324122463762;
-    let t1594 = t1593 - t1592;
-    let t1595 = t1594 + t1591;
-    let t1596 = t1590 + t1595;
-    let t1597 = omega_panda_joint2_x * t1596;
-    let t1598 = t16 * t1003;
-    let t1599 = cos_panda_joint3 * t800;
-    let t1600 = sin_panda_joint3 * t818;
-    let t1601 = 0.000167639551695 + t1600;
-    let t1602 = t1599 - t1601;
-    let t1603 = acceleration_panda_joint2_x * t1602;
-    let t1604 = 0.27592125358974007 - t980;
-    let t1605 = acceleration_panda_joint2_y * t1604;
-    let t1606 = t1605 - t1603;
-    let t1607 = t1598 - t1606;
-    let t1608 = t36 * t1094;
-    let t1609 = t1608 + t1607;
-    let t1610 = t1035 - t1100;
-    let t1611 = t419 * t1610;
-    let t1612 = t1611 + t1609;
-    let t1613 = t1597 + t1612;
-    let t1614 = t1589 + t1613;
-    let t1615 = cos_panda_joint3 * t1130;
-    let t1616 = sin_panda_joint3 * t1153;
-    let t1617 = t1616 + t1615;
-    let t1618 = sin_panda_joint3 * t1212;
-    let t1619 = cos_panda_joint3 * t1248;
-    let t1620 = t1618 + t1619;
-    let t1621 = cos_panda_joint3 * t1323;
-    let t1622 = sin_panda_joint3 * t1350;
-    let t1623 = t1622 - t1621;
-    let t1624 = cos_panda_joint3 * t1450;
-    let t1625 = sin_panda_joint3 * t1466;
-    let t1626 = t1625 - t1624;
-    let t1627 = cos_panda_joint3 * t1557;
-    let t1628 = sin_panda_joint3 * t1573;
-    let t1629 = t1628 - t1627;
-    let t1630 = t794 + t817;
-    let t1631 = t802 + t820;
-    let t1632 = t1631 - t1630;
-    let t1633 = omega_panda_joint2_x * t1632;
-    let t1634 = t419 * t1002;
-    let t1635 = t16 * t1166;
-    let t1636 = t1008 - t1635;
-    let t1637 = t1634 + t1636;
-    let t1638 = t36 * t1012;
-    let t1639 = t1638 + t1637;
-    let t1640 = t1633 - t1639;
-    let t1641 = omega_panda_joint2_y * t919;
-    let t1642 = t1641 - t1640;
-    let t1643 = t852 + t847;
-    [
+        [sin_panda_joint1,
         sin_panda_joint2,
-        cos_panda_joint2,
         sin_panda_joint3,
-        cos_panda_joint3,
         sin_panda_joint4,
-        cos_panda_joint4,
         sin_panda_joint5,
-        cos_panda_joint5,
         sin_panda_joint6,
+        sin_panda_joint7,
+        ..,
+        ],
+        [cos_panda_joint1,
+        cos_panda_joint2,
+        cos_panda_joint3,
+        cos_panda_joint4,
+        cos_panda_joint5,
         cos_panda_joint6,
         cos_panda_joint7,
-        omega_panda_joint2_y,
-        t16,
-        omega_panda_joint2_x,
-        t23,
-        t25,
-        omega_panda_joint3_y,
-        omega_panda_joint3_x,
-        t36,
-        t42,
-        t44,
-        omega_panda_joint4_y,
-        t55,
-        omega_panda_joint4_x,
-        t63,
-        omega_panda_joint5_y,
-        t74,
-        omega_panda_joint5_x,
-        t84,
-        t86,
-        omega_panda_joint6_y,
-        t96,
-        t100,
-        omega_panda_joint6_x,
-        t111,
-        t122,
-        t132,
-        t148,
-        t156,
-        t184,
-        t188,
-        t205,
-        t214,
-        acceleration_panda_joint2_y,
-        acceleration_panda_joint2_x,
-        acceleration_panda_joint3_x,
-        acceleration_panda_joint4_x,
-        acceleration_panda_joint4_y,
-        acceleration_panda_joint3_y,
-        acceleration_panda_joint5_x,
-        t299,
-        t311,
-        t316,
-        t339,
-        acceleration_panda_joint5_y,
-        t419,
-        t446,
-        t535,
-        t555,
-        t557,
-        t559,
-        t561,
-        t563,
-        t565,
-        t566,
-        t571,
-        t572,
-        t575,
-        t577,
-        t579,
-        t586,
-        t593,
-        t594,
-        t596,
-        t599,
-        t608,
-        t609,
-        t610,
-        t613,
-        t615,
-        t617,
-        t618,
-        t619,
-        t625,
-        t626,
-        t629,
-        t638,
-        t645,
-        t651,
-        t656,
-        t659,
-        t661,
-        t662,
-        t664,
-        t674,
-        t677,
-        t684,
-        t689,
-        t691,
-        t699,
-        t707,
-        t720,
-        t727,
-        t745,
-        t749,
-        t750,
-        t759,
-        t760,
-        t766,
-        t768,
-        t769,
-        t783,
-        t786,
-        t795,
-        t797,
-        t799,
-        t801,
-        t806,
-        t807,
-        t808,
-        t819,
-        t860,
-        t863,
-        t869,
-        t871,
-        t888,
-        t892,
-        t899,
-        t907,
-        t917,
-        t919,
-        t923,
-        t929,
-        t940,
-        t942,
-        t944,
-        t945,
-        t962,
-        t967,
-        t968,
-        t971,
-        t973,
-        t980,
-        t983,
-        t990,
-        t994,
-        t995,
-        t997,
-        t998,
-        t1002,
-        t1003,
-        t1012,
-        t1013,
-        t1027,
-        t1029,
-        t1035,
-        t1036,
-        t1037,
-        t1044,
-        t1056,
-        t1061,
-        t1063,
-        t1073,
-        t1075,
-        t1077,
-        t1079,
-        t1087,
-        t1094,
-        t1100,
-        t1101,
-        t1108,
-        t1118,
-        t1121,
-        t1140,
-        t1166,
-        t1170,
-        t1172,
-        t1175,
-        t1179,
-        t1205,
-        t1238,
-        t1242,
-        t1255,
-        t1257,
-        t1290,
-        t1293,
-        t1307,
-        t1317,
-        t1333,
-        t1341,
-        t1357,
-        t1359,
-        t1400,
-        t1406,
-        t1412,
-        t1416,
-        t1436,
-        t1444,
-        t1457,
-        t1473,
-        t1475,
-        t1516,
-        t1521,
-        t1533,
-        t1551,
-        t1564,
-        t1580,
-        t1582,
-        t1583,
-        t1588,
-        t1596,
-        t1610,
-        t1614,
-        t1617,
-        t1620,
-        t1623,
-        t1626,
-        t1629,
-        t1630,
-        t1632,
-        t1642,
-        t1643,
-    ]
-}
-
-/// Part 2 of `inverse_dynamics_derivatives_and_mass_matrix`: values that later parts read.
-#[inline(never)]
-fn inverse_dynamics_derivatives_and_mass_matrix_part_2(
-    v: &[f64; N],
-    [sin_panda_joint2,
-    cos_panda_joint2,
-    sin_panda_joint3,
-    cos_panda_joint3,
-    sin_panda_joint4,
-    cos_panda_joint4,
-    sin_panda_joint5,
-    cos_panda_joint5,
-    sin_panda_joint6,
-    cos_panda_joint6,
-    cos_panda_joint7,
-    omega_panda_joint2_y,
-    t16,
-    omega_panda_joint2_x,
-    t23,
-    t25,
-    omega_panda_joint3_y,
-    omega_panda_joint3_x,
-    t36,
-    t42,
-    t44,
-    omega_panda_joint4_y,
-    t55,
-    omega_panda_joint4_x,
-    t63,
-    omega_panda_joint5_y,
-    t74,
-    omega_panda_joint5_x,
-    t84,
-    t86,
-    omega_panda_joint6_y,
-    t96,
-    t100,
-    omega_panda_joint6_x,
-    t111,
-    t122,
-    t132,
-    t148,
-    t156,
-    t184,
-    t188,
-    t205,
-    t214,
-    acceleration_panda_joint2_y,
-    acceleration_panda_joint2_x,
-    acceleration_panda_joint3_x,
-    acceleration_panda_joint4_x,
-    acceleration_panda_joint4_y,
-    acceleration_panda_joint3_y,
-    acceleration_panda_joint5_x,
-    t299,
-    t311,
-    t316,
-    t339,
-    acceleration_panda_joint5_y,
-    t419,
-    t446,
-    t566,
-    t571,
-    t572,
-    t575,
-    t577,
-    t579,
-    t586,
-    t593,
-    t594,
-    t596,
-    t599,
-    t608,
-    t609,
-    t610,
-    t613,
-    t615,
-    t617,
-    t618,
-    t619,
-    t625,
-    t626,
-    t629,
-    t638,
-    t645,
-    t651,
-    t656,
-    t659,
-    t661,
-    t662,
-    t664,
-    t674,
-    t677,
-    t684,
-    t689,
-    t691,
-    t699,
-    t707,
-    t720,
-    t727,
-    t745,
-    t749,
-    t750,
-    t759,
-    t760,
-    t766,
-    t768,
-    t769,
-    t783,
-    t786,
-    t795,
-    t797,
-    t799,
-    t801,
-    t806,
-    t807,
-    t808,
-    t819,
-    t860,
-    t863,
-    t869,
-    t871,
-    t888,
-    t892,
-    t899,
-    t907,
-    t917,
-    t919,
-    t923,
-    t929,
-    t940,
-    t942,
-    t944,
-    t945,
-    t962,
-    t967,
-    t968,
-    t971,
-    t973,
-    t980,
-    t983,
-    t990,
-    t994,
-    t995,
-    t997,
-    t998,
-    t1002,
-    t1003,
-    t1012,
-    t1013,
-    t1027,
-    t1029,
-    t1035,
-    t1036,
-    t1037,
-    t1044,
-    t1056,
-    t1061,
-    t1063,
-    t1073,
-    t1075,
-    t1077,
-    t1079,
-    t1087,
-    t1094,
-    t1100,
-    t1101,
-    t1118,
-    t1121,
-    t1140,
-    t1166,
-    t1170,
-    t1175,
-    t1179,
-    t1205,
-    t1238,
-    t1242,
-    t1257,
-    t1290,
-    t1293,
-    t1307,
-    t1317,
-    t1333,
-    t1341,
-    t1359,
-    t1400,
-    t1406,
-    t1412,
-    t1416,
-    t1436,
-    t1444,
-    t1475,
-    t1521,
-    t1564,
-    t1580,
-    t1583,
-    t1588,
-    t1596,
-    t1610,
-    t1617,
-    t1629,
-    t1630,
-    t1632,
-    t1643,
-    ]: [f64; 200],
-) -> [f64; 99] {
-    let t1644 = t819 * t799;
-    let t1645 = t1644 + t1643;
-    let t1646 = cos_panda_joint3 * t1645;
-    let t1647 = t707 + t727;
-    let t1648 = t1044 + t1647;
-    let t1649 = t801 * t799;
-    let t1650 = t1649 - t1648;
-    let t1651 = sin_panda_joint3 * t1650;
-    let t1652 = t1646 + t1651;
-    let t1653 = omega_panda_joint2_y * t1652;
-    let t1654 = t1079 + t1073;
-    let t1655 = omega_panda_joint2_x * t1654;
-    let t1656 = t799 + t1238;
-    let t1657 = 3.83030303030303 * t980;
-    let t1658 = t1657 + t1656;
-    let t1659 = cos_panda_joint3 * t1658;
-    let t1660 = sin_panda_joint3 * t1027;
-    let t1661 = t1660 + t1659;
-    let t1662 = t419 * t1661;
-    let t1663 = t16 * t997;
-    let t1664 = cos_panda_joint3 * t980;
-    let t1665 = acceleration_panda_joint2_y * t1664;
-    let t1666 = acceleration_panda_joint2_x * t799;
-    let t1667 = t1665 - t1666;
-    let t1668 = t1667 + t1663;
-    let t1669 = t1662 + t1668;
-    let t1670 = sin_panda_joint3 * t1658;
-    let t1671 = cos_panda_joint3 * t1027;
-    let t1672 = t1671 - t1670;
-    let t1673 = t36 * t1672;
-    let t1674 = t1673 + t1669;
-    let t1675 = t1655 - t1674;
-    let t1676 = t1653 + t1675;
-    let t1677 = omega_panda_joint3_x * t1648;
-    let t1678 = t23 * t1656;
-    let t1679 = t55 * t1027;
-    let t1680 = t1679 - t1678;
-    let t1681 = t214 * t997;
-    let t1682 = t1121 - t1681;
-    let t1683 = t1682 + t1680;
-    let t1684 = t1677 - t1683;
-    let t1685 = omega_panda_joint3_y * t1643;
-    let t1686 = t1685 + t1684;
-    let t1687 = t608 - t625;
-    let t1688 = t615 - t629;
-    let t1689 = t808 - t1688;
-    let t1690 = t1687 - t1689;
-    let t1691 = sin_panda_joint4 * t1690;
-    let t1692 = sin_panda_joint4 * t806;
-    let t1693 = t25 * t1692;
-    let t1694 = t899 * t749;
-    let t1695 = t1693 - t1694;
-    let t1696 = t1695 + t1691;
-    let t1697 = t750 + t745;
-    let t1698 = cos_panda_joint4 * t1697;
-    let t1699 = t1698 - t1696;
-    let t1700 = t819 * t1692;
-    let t1701 = t1700 - t1699;
-    let t1702 = cos_panda_joint3 * t1701;
-    let t1703 = cos_panda_joint4 * t806;
-    let t1704 = t899 * t1703;
-    let t1705 = t1704 + t869;
-    let t1706 = t801 * t1692;
-    let t1707 = t1706 + t1705;
-    let t1708 = sin_panda_joint3 * t1707;
-    let t1709 = t1702 + t1708;
-    let t1710 = omega_panda_joint2_y * t1709;
-    let t1711 = cos_panda_joint4 * t1690;
-    let t1712 = t25 * t1703;
-    let t1713 = t1712 + t1711;
-    let t1714 = sin_panda_joint4 * t1697;
-    let t1715 = t1714 + t1713;
-    let t1716 = t819 * t1703;
-    let t1717 = t801 * t749;
-    let t1718 = t1717 + t1716;
-    let t1719 = t1718 + t1715;
-    let t1720 = omega_panda_joint2_x * t1719;
-    let t1721 = cos_panda_joint4 * t971;
-    let t1722 = t749 - t1333;
-    let t1723 = sin_panda_joint4 * t1722;
-    let t1724 = t1721 - t1723;
-    let t1725 = 3.83030303030303 * t749;
-    let t1726 = t1725 + t1724;
-    let t1727 = sin_panda_joint3 * t1726;
-    let t1728 = t1692 - t994;
-    let t1729 = 3.83030303030303 * t1703;
-    let t1730 = t1729 - t1728;
-    let t1731 = cos_panda_joint3 * t1730;
-    let t1732 = t1727 + t1731;
-    let t1733 = t419 * t1732;
-    let t1734 = cos_panda_joint4 * t1722;
-    let t1735 = t749 - t1734;
-    let t1736 = sin_panda_joint4 * t971;
-    let t1737 = t1736 - t1735;
-    let t1738 = t16 * t1737;
-    let t1739 = cos_panda_joint3 * t1703;
-    let t1740 = sin_panda_joint3 * t749;
-    let t1741 = t1739 + t1740;
-    let t1742 = acceleration_panda_joint2_y * t1741;
-    let t1743 = acceleration_panda_joint2_x * t1692;
-    let t1744 = t1742 + t1743;
-    let t1745 = t1744 + t1738;
-    let t1746 = t1733 + t1745;
-    let t1747 = cos_panda_joint3 * t1726;
-    let t1748 = sin_panda_joint3 * t1730;
-    let t1749 = t1747 - t1748;
-    let t1750 = t36 * t1749;
-    let t1751 = t1750 + t1746;
-    let t1752 = t1720 - t1751;
-    let t1753 = t1710 - t1752;
-    let t1754 = omega_panda_joint3_y * t1699;
-    let t1755 = omega_panda_joint3_x * t1705;
-    let t1756 = t23 * t1728;
-    let t1757 = acceleration_panda_joint3_y * t1703;
-    let t1758 = acceleration_panda_joint3_x * t749;
-    let t1759 = t1757 - t1758;
-    let t1760 = t1759 + t1756;
-    let t1761 = t214 * t1737;
-    let t1762 = t1761 - t1760;
-    let t1763 = t55 * t1724;
-    let t1764 = t1763 - t1762;
-    let t1765 = t1755 - t1764;
-    let t1766 = t1754 + t1765;
-    let t1767 = omega_panda_joint4_x * t1690;
-    let t1768 = t42 * t1722;
-    let t1769 = t1175 - t1768;
-    let t1770 = t446 * t994;
-    let t1771 = t1770 + t1769;
-    let t1772 = t74 * t971;
-    let t1773 = t1772 - t1771;
-    let t1774 = t1767 + t1773;
-    let t1775 = omega_panda_joint4_y * t1697;
-    let t1776 = t1775 + t1774;
-    let t1777 = t599 - t594;
-    let t1778 = t609 * t613;
-    let t1779 = t1778 - t1777;
-    let t1780 = sin_panda_joint5 * t1779;
-    let t1781 = 0.21484375 * t613;
-    let t1782 = t807 * t1781;
-    let t1783 = t188 * t720;
-    let t1784 = t44 * t1783;
-    let t1785 = t1784 + t1782;
-    let t1786 = t1785 - t1780;
-    let t1787 = t626 * t613;
-    let t1788 = t1787 - t651;
-    let t1789 = cos_panda_joint5 * t1788;
-    let t1790 = t1789 - t1786;
-    let t1791 = cos_panda_joint4 * t1790;
-    let t1792 = t205 * t720;
-    let t1793 = t807 * t1792;
-    let t1794 = t769 - t1793;
-    let t1795 = t766 + t1794;
-    let t1796 = sin_panda_joint4 * t1795;
-    let t1797 = cos_panda_joint4 * t1781;
-    let t1798 = sin_panda_joint4 * t1792;
-    let t1799 = t1798 - t1797;
-    let t1800 = t25 * t1799;
-    let t1801 = t899 * t1783;
-    let t1802 = t1800 + t1801;
-    let t1803 = t1802 + t1796;
-    let t1804 = t1791 - t1803;
-    let t1805 = t819 * t1799;
-    let t1806 = t1805 - t1804;
-    let t1807 = cos_panda_joint3 * t1806;
-    let t1808 = cos_panda_joint5 * t1779;
-    let t1809 = t44 * t1792;
-    let t1810 = t1809 - t1808;
-    let t1811 = sin_panda_joint5 * t1788;
-    let t1812 = t1811 + t1810;
-    let t1813 = sin_panda_joint4 * t1781;
-    let t1814 = cos_panda_joint4 * t1792;
-    let t1815 = t1814 + t1813;
-    let t1816 = t899 * t1815;
-    let t1817 = t1816 + t1812;
-    let t1818 = t801 * t1799;
-    let t1819 = t1818 + t1817;
-    let t1820 = sin_panda_joint3 * t1819;
-    let t1821 = t1807 + t1820;
-    let t1822 = omega_panda_joint2_y * t1821;
-    let t1823 = sin_panda_joint4 * t1790;
-    let t1824 = cos_panda_joint4 * t1795;
-    let t1825 = t25 * t1815;
-    let t1826 = t1825 + t1824;
-    let t1827 = t1823 + t1826;
-    let t1828 = t819 * t1815;
-    let t1829 = t801 * t1783;
-    let t1830 = t1829 - t1828;
-    let t1831 = t1830 - t1827;
-    let t1832 = omega_panda_joint2_x * t1831;
-    let t1833 = t1400 + t720;
-    let t1834 = cos_panda_joint5 * t1833;
-    let t1835 = t1781 - t1834;
-    let t1836 = sin_panda_joint5 * t944;
-    let t1837 = t1836 - t1835;
-    let t1838 = t1799 - t1837;
-    let t1839 = 3.83030303030303 * t1815;
-    let t1840 = t1839 - t1838;
-    let t1841 = cos_panda_joint3 * t1840;
-    let t1842 = cos_panda_joint5 * t944;
-    let t1843 = sin_panda_joint5 * t1833;
-    let t1844 = t1843 - t1842;
-    let t1845 = cos_panda_joint4 * t1844;
-    let t1846 = t1783 + t967;
-    let t1847 = sin_panda_joint4 * t1846;
-    let t1848 = t1845 - t1847;
-    let t1849 = 3.83030303030303 * t1783;
-    let t1850 = t1849 + t1848;
-    let t1851 = sin_panda_joint3 * t1850;
-    let t1852 = t1851 - t1841;
-    let t1853 = t419 * t1852;
-    let t1854 = cos_panda_joint4 * t1846;
-    let t1855 = t1783 - t1854;
-    let t1856 = sin_panda_joint4 * t1844;
-    let t1857 = t1856 - t1855;
-    let t1858 = t16 * t1857;
-    let t1859 = cos_panda_joint3 * t1815;
-    let t1860 = sin_panda_joint3 * t1783;
-    let t1861 = t1859 - t1860;
-    let t1862 = acceleration_panda_joint2_y * t1861;
-    let t1863 = acceleration_panda_joint2_x * t1799;
-    let t1864 = t1862 + t1863;
-    let t1865 = t1864 - t1858;
-    let t1866 = t1853 - t1865;
-    let t1867 = sin_panda_joint3 * t1840;
-    let t1868 = cos_panda_joint3 * t1850;
-    let t1869 = t1868 + t1867;
-    let t1870 = t36 * t1869;
-    let t1871 = t1870 + t1866;
-    let t1872 = t1832 - t1871;
-    let t1873 = t1822 + t1872;
-    let t1874 = omega_panda_joint3_x * t1817;
-    let t1875 = t23 * t1838;
-    let t1876 = t55 * t1848;
-    let t1877 = t1876 - t1875;
-    let t1878 = t214 * t1857;
-    let t1879 = acceleration_panda_joint3_y * t1815;
-    let t1880 = acceleration_panda_joint3_x * t1783;
-    let t1881 = t1879 + t1880;
-    let t1882 = t1881 + t1878;
-    let t1883 = t1882 - t1877;
-    let t1884 = t1874 - t1883;
-    let t1885 = omega_panda_joint3_y * t1804;
-    let t1886 = t1885 + t1884;
-    let t1887 = omega_panda_joint4_y * t1790;
-    let t1888 = omega_panda_joint4_x * t1795;
-    let t1889 = t74 * t1844;
-    let t1890 = acceleration_panda_joint4_y * t1792;
-    let t1891 = t1890 + t1889;
-    let t1892 = acceleration_panda_joint4_x * t1781;
-    let t1893 = t42 * t1846;
-    let t1894 = t1892 - t1893;
-    let t1895 = t1894 - t1891;
-    let t1896 = t446 * t1837;
-    let t1897 = t1896 - t1895;
-    let t1898 = t1888 - t1897;
-    let t1899 = t1887 + t1898;
-    let t1900 = omega_panda_joint5_x * t1777;
-    let t1901 = t1400 * t63;
-    let t1902 = t156 * t967;
-    let t1903 = t1901 + t1902;
-    let t1904 = t100 * t944;
-    let t1905 = t1904 - t1903;
-    let t1906 = t1293 - t1905;
-    let t1907 = t1900 - t1906;
-    let t1908 = omega_panda_joint5_y * t651;
-    let t1909 = t1908 - t1907;
-    let t1910 = t593 - t617;
-    let t1911 = t619 - t1910;
-    let t1912 = sin_panda_joint6 * t1911;
-    let t1913 = t566 - t577;
-    let t1914 = cos_panda_joint6 * t1913;
-    let t1915 = t1914 - t1912;
-    let t1916 = t96 * t148;
-    let t1917 = t626 * t1916;
-    let t1918 = t1915 - t1917;
-    let t1919 = cos_panda_joint5 * t1918;
-    let t1920 = t609 * t1916;
-    let t1921 = t662 - t1920;
-    let t1922 = sin_panda_joint5 * t1921;
-    let t1923 = 0.21484375 * t1916;
-    let t1924 = t807 * t1923;
-    let t1925 = t96 * t122;
-    let t1926 = t188 * t1925;
-    let t1927 = cos_panda_joint7 * 0.0012597535716761534;
-    let t1928 = t205 * t1927;
-    let t1929 = t1926 + t1928;
-    let t1930 = t44 * t1929;
-    let t1931 = t1930 - t1924;
-    let t1932 = t1922 - t1931;
-    let t1933 = t1919 + t1932;
-    let t1934 = cos_panda_joint4 * t1933;
-    let t1935 = cos_panda_joint6 * t1911;
-    let t1936 = sin_panda_joint6 * t1913;
-    let t1937 = t1936 + t1935;
-    let t1938 = t626 * t1925;
-    let t1939 = t205 * t1925;
-    let t1940 = t188 * t1927;
-    let t1941 = t1939 - t1940;
-    let t1942 = t807 * t1941;
-    let t1943 = t1938 - t1942;
-    let t1944 = t609 * t1927;
-    let t1945 = t1944 - t1943;
-    let t1946 = t1937 - t1945;
-    let t1947 = sin_panda_joint4 * t1946;
-    let t1948 = sin_panda_joint4 * t1941;
-    let t1949 = cos_panda_joint4 * t1923;
-    let t1950 = t1948 + t1949;
-    let t1951 = t25 * t1950;
-    let t1952 = t899 * t1929;
-    let t1953 = t1951 + t1952;
-    let t1954 = t1953 + t1947;
-    let t1955 = t1934 - t1954;
-    let t1956 = t819 * t1950;
-    let t1957 = t1956 - t1955;
-    let t1958 = cos_panda_joint3 * t1957;
-    let t1959 = sin_panda_joint5 * t1918;
-    let t1960 = cos_panda_joint5 * t1921;
-    let t1961 = t44 * t1941;
-    let t1962 = t1960 - t1961;
-    let t1963 = t1959 - t1962;
-    let t1964 = cos_panda_joint4 * t1941;
-    let t1965 = sin_panda_joint4 * t1923;
-    let t1966 = t1964 - t1965;
-    let t1967 = t899 * t1966;
-    let t1968 = t1967 + t1963;
-    let t1969 = t801 * t1950;
-    let t1970 = t1969 + t1968;
-    let t1971 = sin_panda_joint3 * t1970;
-    let t1972 = t1958 + t1971;
-    let t1973 = omega_panda_joint2_y * t1972;
-    let t1974 = sin_panda_joint4 * t1933;
-    let t1975 = cos_panda_joint4 * t1946;
-    let t1976 = t25 * t1966;
-    let t1977 = t1976 + t1975;
-    let t1978 = t1974 + t1977;
-    let t1979 = t819 * t1966;
-    let t1980 = t801 * t1929;
-    let t1981 = t1980 - t1979;
-    let t1982 = t1981 - t1978;
-    let t1983 = omega_panda_joint2_x * t1982;
-    let t1984 = t111 + t1521;
-    let t1985 = sin_panda_joint6 * t1984;
-    let t1986 = cos_panda_joint6 * t316;
-    let t1987 = t1986 - t1985;
-    let t1988 = t1927 - t1987;
-    let t1989 = cos_panda_joint5 * t1988;
-    let t1990 = t299 - t1925;
-    let t1991 = sin_panda_joint5 * t1990;
-    let t1992 = t1989 - t1991;
-    let t1993 = cos_panda_joint4 * t1992;
-    let t1994 = cos_panda_joint6 * t1984;
-    let t1995 = sin_panda_joint6 * t316;
-    let t1996 = t1995 + t1994;
-    let t1997 = t1996 - t1929;
-    let t1998 = sin_panda_joint4 * t1997;
-    let t1999 = t1993 + t1998;
-    let t2000 = 3.83030303030303 * t1929;
-    let t2001 = t1999 + t2000;
-    let t2002 = sin_panda_joint3 * t2001;
-    let t2003 = sin_panda_joint5 * t1988;
-    let t2004 = cos_panda_joint5 * t1990;
-    let t2005 = t1923 - t2004;
-    let t2006 = t2003 - t2005;
-    let t2007 = t1950 + t2006;
-    let t2008 = 3.83030303030303 * t1966;
-    let t2009 = t2008 - t2007;
-    let t2010 = cos_panda_joint3 * t2009;
-    let t2011 = t2002 - t2010;
-    let t2012 = t419 * t2011;
-    let t2013 = sin_panda_joint4 * t1992;
-    let t2014 = cos_panda_joint4 * t1997;
-    let t2015 = t1929 + t2014;
-    let t2016 = t2013 - t2015;
-    let t2017 = t16 * t2016;
-    let t2018 = cos_panda_joint3 * t1966;
-    let t2019 = sin_panda_joint3 * t1929;
-    let t2020 = t2018 - t2019;
-    let t2021 = acceleration_panda_joint2_y * t2020;
-    let t2022 = acceleration_panda_joint2_x * t1950;
-    let t2023 = t2021 + t2022;
-    let t2024 = t2023 - t2017;
-    let t2025 = t2012 - t2024;
-    let t2026 = cos_panda_joint3 * t2001;
-    let t2027 = sin_panda_joint3 * t2009;
-    let t2028 = t2026 + t2027;
-    let t2029 = t36 * t2028;
-    let t2030 = t2029 + t2025;
-    let t2031 = t1983 - t2030;
-    let t2032 = t1973 + t2031;
-    let t2033 = omega_panda_joint3_x * t1968;
-    let t2034 = t23 * t2007;
-    let t2035 = acceleration_panda_joint3_x * t1929;
-    let t2036 = acceleration_panda_joint3_y * t1966;
-    let t2037 = t2036 + t2035;
-    let t2038 = t2037 + t2034;
-    let t2039 = t214 * t2016;
-    let t2040 = t2039 + t2038;
-    let t2041 = t55 * t1999;
-    let t2042 = t2041 - t2040;
-    let t2043 = t2033 + t2042;
-    let t2044 = omega_panda_joint3_y * t1955;
-    let t2045 = t2044 + t2043;
-    let t2046 = omega_panda_joint4_y * t1933;
-    let t2047 = omega_panda_joint4_x * t1946;
-    let t2048 = acceleration_panda_joint4_x * t1923;
-    let t2049 = acceleration_panda_joint4_y * t1941;
-    let t2050 = t2049 + t2048;
-    let t2051 = t1997 * t42;
-    let t2052 = t2050 - t2051;
-    let t2053 = t446 * t2006;
-    let t2054 = t2053 - t2052;
-    let t2055 = t1992 * t74;
-    let t2056 = t2055 - t2054;
-    let t2057 = t2047 - t2056;
-    let t2058 = t2046 + t2057;
-    let t2059 = omega_panda_joint5_y * t1915;
-    let t2060 = t1927 * acceleration_panda_joint5_x;
-    let t2061 = t1925 * acceleration_panda_joint5_y;
-    let t2062 = t2061 + t2060;
-    let t2063 = t299 * t63;
-    let t2064 = t156 * t1996;
-    let t2065 = t2064 + t2063;
-    let t2066 = t1987 * t100;
-    let t2067 = t2066 + t2065;
-    let t2068 = omega_panda_joint5_x * t662;
-    let t2069 = t2068 - t2067;
-    let t2070 = t2069 + t2062;
-    let t2071 = t2059 - t2070;
-    let t2072 = omega_panda_joint6_x * t1911;
-    let t2073 = t2072 - t1412;
-    let t2074 = omega_panda_joint6_y * t1913;
-    let t2075 = t299 * t184;
-    let t2076 = t2075 + t2074;
-    let t2077 = t1984 * t84;
-    let t2078 = t2077 + t2076;
-    let t2079 = t316 * t132;
-    let t2080 = t2079 - t2078;
-    let t2081 = t2080 - t2073;
-    let t2082 = t892 + t1056;
-    let t2083 = sin_panda_joint2 * t2082;
-    let t2084 = t1087 - t923;
-    let t2085 = cos_panda_joint2 * t2084;
-    let t2086 = t2083 + t2085;
-    let t2087 = sin_panda_joint2 * t2086;
-    let t2088 = v[0] * 0.00035816594888099995;
-    let t2089 = t2088 + 0.003;
-    let t2090 = t2088 - t2089;
-    let t2091 = t888 - t2090;
-    let t2092 = t892 - t2091;
-    let t2093 = t2087 - t2092;
-    let t2094 = 2.0 * omega_panda_joint2_y;
-    let t2095 = t2094 * t1101;
-    let t2096 = 2.0 * omega_panda_joint2_x;
-    let t2097 = t2096 * t1013;
-    let t2098 = v[1] * 0.0015378722058928;
-    let t2099 = t2098 + t2097;
-    let t2100 = t2095 + t2099;
-    let t2101 = t860 - t2100;
-    let t2102 = t1583 - t2101;
-    let t2103 = sin_panda_joint2 * t2102;
-    let t2104 = sin_panda_joint3 * t907;
-    let t2105 = cos_panda_joint3 * t917;
-    let t2106 = t2104 - t2105;
-    let t2107 = t2096 * t1037;
-    let t2108 = t2094 * t1013;
-    let t2109 = v[1] * 0.02052220364201634;
-    let t2110 = t2109 + t2108;
-    let t2111 = t2107 + t2110;
-    let t2112 = t2106 + t2111;
-    let t2113 = cos_panda_joint2 * t2112;
-    let t2114 = t2103 - t2113;
-    let t2115 = t899 * t1140;
-    let t2116 = 2.0 * omega_panda_joint3_x;
-    let t2117 = t2116 * t1029;
-    let t2118 = t2115 - t2117;
-    let t2119 = t1044 - t1063;
-    let t2120 = 3.83030303030303 * t2119;
-    let t2121 = t2120 - t2118;
-    let t2122 = t1061 + t2121;
-    let t2123 = cos_panda_joint3 * t2122;
-    let t2124 = t2116 * t980;
-    let t2125 = t2124 + t1077;
-    let t2126 = 3.83030303030303 * t2125;
-    let t2127 = t899 * t1029;
-    let t2128 = t2127 + t2126;
-    let t2129 = t2116 * t1118;
-    let t2130 = t2129 - t2128;
-    let t2131 = t1075 - t2130;
-    let t2132 = sin_panda_joint3 * t2131;
-    let t2133 = t2123 - t2132;
-    let t2134 = sin_panda_joint2 * t2133;
-    let t2135 = t899 * t983;
-    let t2136 = t2116 * t998;
-    let t2137 = t2135 - t2136;
-    let t2138 = t1630 - t2137;
-    let t2139 = cos_panda_joint2 * t2138;
-    let t2140 = t2134 - t2139;
-    let t2141 = t807 * t990;
-    let t2142 = 2.0 * omega_panda_joint4_x;
-    let t2143 = t2142 * t995;
-    let t2144 = t2141 - t2143;
-    let t2145 = t1647 + t2144;
-    let t2146 = t808 + t783;
-    let t2147 = sin_panda_joint4 * t2146;
-    let t2148 = t2142 * t806;
-    let t2149 = t2148 + t786;
-    let t2150 = cos_panda_joint4 * t2149;
-    let t2151 = t2150 + t2147;
-    let t2152 = 3.83030303030303 * t2151;
-    let t2153 = cos_panda_joint4 * t2146;
-    let t2154 = sin_panda_joint4 * t2149;
-    let t2155 = t2154 - t2153;
-    let t2156 = t2152 - t2155;
-    let t2157 = t2145 - t2156;
-    let t2158 = sin_panda_joint3 * t2157;
-    let t2159 = t807 * t1205;
-    let t2160 = t2142 * t973;
-    let t2161 = t2159 - t2160;
-    let t2162 = t863 + t2161;
-    let t2163 = cos_panda_joint4 * t2162;
-    let t2164 = t2142 * t1179;
-    let t2165 = t807 * t973;
-    let t2166 = t2164 - t2165;
-    let t2167 = t871 - t2166;
-    let t2168 = sin_panda_joint4 * t2167;
-    let t2169 = t2142 * t795;
-    let t2170 = t807 * t797;
-    let t2171 = t2170 + t2169;
-    let t2172 = 3.83030303030303 * t2171;
-    let t2173 = t2172 - t2168;
-    let t2174 = t2163 - t2173;
-    let t2175 = cos_panda_joint3 * t2174;
-    let t2176 = t2175 - t2158;
-    let t2177 = sin_panda_joint2 * t2176;
-    let t2178 = sin_panda_joint4 * t2162;
-    let t2179 = cos_panda_joint4 * t2167;
-    let t2180 = t2171 - t2179;
-    let t2181 = t2178 + t2180;
-    let t2182 = cos_panda_joint2 * t2181;
-    let t2183 = t2177 - t2182;
-    let t2184 = t609 * t962;
-    let t2185 = t626 * t968;
-    let t2186 = t2184 - t2185;
-    let t2187 = t1687 + t2186;
-    let t2188 = t760 - t691;
-    let t2189 = t205 * t2188;
-    let t2190 = t699 + t769;
-    let t2191 = t188 * t2190;
-    let t2192 = t2191 - t2189;
-    let t2193 = t2187 + t2192;
-    let t2194 = sin_panda_joint4 * t2193;
-    let t2195 = 3.83030303030303 * t2192;
-    let t2196 = t2194 - t2195;
-    let t2197 = t609 * t1307;
-    let t2198 = t626 * t945;
-    let t2199 = t2197 - t2198;
-    let t2200 = t2188 + t2199;
-    let t2201 = t759 - t2200;
-    let t2202 = cos_panda_joint5 * t2201;
-    let t2203 = t626 * t1290;
-    let t2204 = t609 * t945;
-    let t2205 = t2203 - t2204;
-    let t2206 = t2190 + t2205;
-    let t2207 = t768 - t2206;
-    let t2208 = sin_panda_joint5 * t2207;
-    let t2209 = t2202 - t2208;
-    let t2210 = cos_panda_joint4 * t2209;
-    let t2211 = t2210 - t2196;
-    let t2212 = cos_panda_joint3 * t2211;
-    let t2213 = t188 * t2188;
-    let t2214 = t205 * t2190;
-    let t2215 = t2214 + t2213;
-    let t2216 = cos_panda_joint4 * t2215;
-    let t2217 = t677 + t656;
-    let t2218 = 0.21484375 * t2217;
-    let t2219 = sin_panda_joint4 * t2218;
-    let t2220 = t2219 - t2216;
-    let t2221 = 3.83030303030303 * t2220;
-    let t2222 = sin_panda_joint4 * t2215;
-    let t2223 = cos_panda_joint4 * t2218;
-    let t2224 = t2223 + t2222;
-    let t2225 = t2221 + t2224;
-    let t2226 = sin_panda_joint5 * t2201;
-    let t2227 = cos_panda_joint5 * t2207;
-    let t2228 = t2218 - t2227;
-    let t2229 = t2226 - t2228;
-    let t2230 = t2229 + t2225;
-    let t2231 = sin_panda_joint3 * t2230;
-    let t2232 = t2212 - t2231;
-    let t2233 = sin_panda_joint2 * t2232;
-    let t2234 = cos_panda_joint4 * t2193;
-    let t2235 = t2192 - t2234;
-    let t2236 = sin_panda_joint4 * t2209;
-    let t2237 = t2236 - t2235;
-    let t2238 = cos_panda_joint2 * t2237;
-    let t2239 = t2233 - t2238;
-    let t2240 = t618 * t940;
-    let t2241 = t571 * t942;
-    let t2242 = t2241 + t2240;
-    let t2243 = t1777 - t2242;
-    let t2244 = t619 - t689;
-    let t2245 = t148 * t2244;
-    let t2246 = t572 - t684;
-    let t2247 = t122 * t2246;
-    let t2248 = t2247 + t2245;
-    let t2249 = t2248 + t2243;
-    let t2250 = cos_panda_joint5 * t2249;
-    let t2251 = t122 * t2244;
-    let t2252 = t148 * t2246;
-    let t2253 = t2252 - t2251;
-    let t2254 = 0.21484375 * t2253;
-    let t2255 = t2254 + t2250;
-    let t2256 = t618 * t929;
-    let t2257 = t571 * t1416;
-    let t2258 = t2257 + t2256;
-    let t2259 = t664 - t2258;
-    let t2260 = sin_panda_joint6 * t2259;
-    let t2261 = t571 * t610;
-    let t2262 = omega_panda_joint6_y * 0.030589628180144;
-    let t2263 = t2262 + t2261;
-    let t2264 = 4.363636363636364 * t2263;
-    let t2265 = t2264 - t2260;
-    let t2266 = t571 * t929;
-    let t2267 = t618 * t1436;
-    let t2268 = t2267 - t2266;
-    let t2269 = t674 + t2268;
-    let t2270 = cos_panda_joint6 * t2269;
-    let t2271 = t2270 + t2265;
-    let t2272 = sin_panda_joint5 * t2271;
-    let t2273 = t2272 - t2255;
-    let t2274 = t205 * t2248;
-    let t2275 = t188 * t2264;
-    let t2276 = t2274 - t2275;
-    let t2277 = sin_panda_joint4 * t2276;
-    let t2278 = cos_panda_joint4 * t2254;
-    let t2279 = t2277 + t2278;
-    let t2280 = t2279 + t2273;
-    let t2281 = cos_panda_joint4 * t2276;
-    let t2282 = sin_panda_joint4 * t2254;
-    let t2283 = t2281 - t2282;
-    let t2284 = 3.83030303030303 * t2283;
-    let t2285 = t2284 - t2280;
-    let t2286 = sin_panda_joint3 * t2285;
-    let t2287 = t188 * t2248;
-    let t2288 = t205 * t2264;
-    let t2289 = t2287 + t2288;
-    let t2290 = cos_panda_joint6 * t2259;
-    let t2291 = sin_panda_joint6 * t2269;
-    let t2292 = t2291 + t2290;
-    let t2293 = t2292 + t2289;
-    let t2294 = sin_panda_joint4 * t2293;
-    let t2295 = 3.83030303030303 * t2289;
-    let t2296 = t2294 - t2295;
-    let t2297 = cos_panda_joint5 * t2271;
-    let t2298 = sin_panda_joint5 * t2249;
-    let t2299 = t2297 + t2298;
-    let t2300 = cos_panda_joint4 * t2299;
-    let t2301 = t2300 - t2296;
-    let t2302 = cos_panda_joint3 * t2301;
-    let t2303 = t2302 + t2286;
-    let t2304 = sin_panda_joint2 * t2303;
-    let t2305 = cos_panda_joint4 * t2293;
-    let t2306 = t2289 - t2305;
-    let t2307 = sin_panda_joint4 * t2299;
-    let t2308 = t2307 - t2306;
-    let t2309 = cos_panda_joint2 * t2308;
-    let t2310 = t2304 - t2309;
-    let t2311 = t596 - t1910;
-    let t2312 = t586 + t2311;
-    let t2313 = cos_panda_joint6 * t2312;
-    let t2314 = t339 * t86;
-    let t2315 = t575 + t2314;
-    let t2316 = t579 + t2315;
-    let t2317 = sin_panda_joint6 * t2316;
-    let t2318 = t2317 + t2313;
-    let t2319 = t111 * t571;
-    let t2320 = t661 - t2319;
-    let t2321 = t148 * t2320;
-    let t2322 = t122 * t638;
-    let t2323 = t2322 - t2321;
-    let t2324 = t188 * t2323;
-    let t2325 = 4.363636363636364 * t586;
-    let t2326 = t205 * t2325;
-    let t2327 = t2324 - t2326;
-    let t2328 = t2318 + t2327;
-    let t2329 = sin_panda_joint4 * t2328;
-    let t2330 = 3.83030303030303 * t2327;
-    let t2331 = t2329 - t2330;
-    let t2332 = sin_panda_joint6 * t2312;
-    let t2333 = cos_panda_joint6 * t2316;
-    let t2334 = t2325 - t2333;
-    let t2335 = t2332 + t2334;
-    let t2336 = cos_panda_joint5 * t2335;
-    let t2337 = t311 * t571;
-    let t2338 = t659 + t2337;
-    let t2339 = t645 - t2338;
-    let t2340 = t2320 + t2339;
-    let t2341 = t2340 - t2323;
-    let t2342 = sin_panda_joint5 * t2341;
-    let t2343 = t2342 + t2336;
-    let t2344 = cos_panda_joint4 * t2343;
-    let t2345 = t2344 + t2331;
-    let t2346 = cos_panda_joint3 * t2345;
-    let t2347 = t205 * t2323;
-    let t2348 = t188 * t2325;
-    let t2349 = t2347 + t2348;
-    let t2350 = cos_panda_joint4 * t2349;
-    let t2351 = t122 * t2320;
-    let t2352 = t148 * t638;
-    let t2353 = t2352 + t2351;
-    let t2354 = 0.21484375 * t2353;
-    let t2355 = sin_panda_joint4 * t2354;
-    let t2356 = t2350 - t2355;
-    let t2357 = 3.83030303030303 * t2356;
-    let t2358 = sin_panda_joint4 * t2349;
-    let t2359 = cos_panda_joint4 * t2354;
-    let t2360 = t2358 + t2359;
-    let t2361 = t2360 - t2357;
-    let t2362 = sin_panda_joint5 * t2335;
-    let t2363 = cos_panda_joint5 * t2341;
-    let t2364 = t2354 - t2363;
-    let t2365 = t2362 + t2364;
-    let t2366 = t2365 - t2361;
-    let t2367 = sin_panda_joint3 * t2366;
-    let t2368 = t2346 - t2367;
-    let t2369 = sin_panda_joint2 * t2368;
-    let t2370 = cos_panda_joint4 * t2328;
-    let t2371 = t2327 - t2370;
-    let t2372 = sin_panda_joint4 * t2343;
-    let t2373 = t2372 + t2371;
-    let t2374 = cos_panda_joint2 * t2373;
-    let t2375 = t2369 - t2374;
-    let t2376 = sin_panda_joint2 * t1588;
-    let t2377 = cos_panda_joint2 * t1596;
-    let t2378 = t2376 - t2377;
-    let t2379 = t2096 * t1003;
-    let t2380 = 0.003 + t2379;
-    let t2381 = t2094 * t1094;
-    let t2382 = t2381 + t2380;
-    let t2383 = t1056 + t2382;
-    let t2384 = t892 - t2383;
-    let t2385 = sin_panda_joint3 * t2122;
-    let t2386 = cos_panda_joint3 * t2131;
-    let t2387 = t2385 + t2386;
-    let t2388 = cos_panda_joint3 * t2157;
-    let t2389 = sin_panda_joint3 * t2174;
-    let t2390 = t2389 + t2388;
-    let t2391 = sin_panda_joint3 * t2211;
-    let t2392 = cos_panda_joint3 * t2230;
-    let t2393 = t2391 + t2392;
-    let t2394 = cos_panda_joint3 * t2285;
-    let t2395 = sin_panda_joint3 * t2301;
-    let t2396 = t2395 - t2394;
-    let t2397 = sin_panda_joint3 * t2345;
-    let t2398 = cos_panda_joint3 * t2366;
-    let t2399 = t2397 + t2398;
-    let t2400 = cos_panda_joint2 * t1632;
-    let t2401 = sin_panda_joint2 * t919;
-    let t2402 = t2401 + t2400;
-    let t2403 = t2094 * t1012;
-    let t2404 = t2096 * t1166;
-    let t2405 = t2403 - t2404;
-    let t2406 = t2106 - t2405;
-    let t2407 = 0.003 - t2138;
-    let t2408 = sin_panda_joint2 * t1652;
-    let t2409 = cos_panda_joint2 * t1654;
-    let t2410 = t2408 - t2409;
-    let t2411 = cos_panda_joint3 * t1650;
-    let t2412 = t2094 * t1672;
-    let t2413 = t2096 * t997;
-    let t2414 = t2412 + t2413;
-    let t2415 = t2411 - t2414;
-    let t2416 = sin_panda_joint3 * t1645;
-    let t2417 = t2416 - t2415;
-    let t2418 = t2116 * t1656;
-    let t2419 = t899 * t1027;
-    let t2420 = t2419 + t2418;
-    let t2421 = t1073 - t2420;
-    let t2422 = 0.003 + t2145;
-    let t2423 = sin_panda_joint2 * t1709;
-    let t2424 = cos_panda_joint2 * t1719;
-    let t2425 = t2423 + t2424;
-    let t2426 = sin_panda_joint3 * t1701;
-    let t2427 = cos_panda_joint3 * t1707;
-    let t2428 = t2094 * t1749;
-    let t2429 = t2096 * t1737;
-    let t2430 = t2428 + t2429;
-    let t2431 = t2427 + t2430;
-    let t2432 = t2426 - t2431;
-    let t2433 = t899 * t1724;
-    let t2434 = t2116 * t1728;
-    let t2435 = t2433 - t2434;
-    let t2436 = t1715 - t2435;
-    let t2437 = t807 * t971;
-    let t2438 = t2142 * t1722;
-    let t2439 = t2437 + t2438;
-    let t2440 = t869 + t2439;
-    let t2441 = 0.003 - t2187;
-    let t2442 = sin_panda_joint2 * t1821;
-    let t2443 = cos_panda_joint2 * t1831;
-    let t2444 = t2442 - t2443;
-    let t2445 = cos_panda_joint3 * t1819;
-    let t2446 = t2094 * t1869;
-    let t2447 = t2096 * t1857;
-    let t2448 = t2446 + t2447;
-    let t2449 = t2445 - t2448;
-    let t2450 = sin_panda_joint3 * t1806;
-    let t2451 = t2450 - t2449;
-    let t2452 = t2116 * t1838;
-    let t2453 = t899 * t1848;
-    let t2454 = t2453 + t2452;
-    let t2455 = t1827 + t2454;
-    let t2456 = t807 * t1844;
-    let t2457 = t2142 * t1846;
-    let t2458 = t2456 + t2457;
-    let t2459 = t1812 - t2458;
-    let t2460 = t609 * t944;
-    let t2461 = t626 * t1400;
-    let t2462 = t2461 + t2460;
-    let t2463 = t766 - t2462;
-    let t2464 = 0.003 - t2243;
-    let t2465 = sin_panda_joint2 * t1972;
-    let t2466 = cos_panda_joint2 * t1982;
-    let t2467 = t2465 - t2466;
-    let t2468 = cos_panda_joint3 * t1970;
-    let t2469 = t2094 * t2028;
-    let t2470 = t2096 * t2016;
-    let t2471 = t2469 + t2470;
-    let t2472 = t2468 - t2471;
-    let t2473 = sin_panda_joint3 * t1957;
-    let t2474 = t2473 - t2472;
-    let t2475 = t899 * t1999;
-    let t2476 = t2116 * t2007;
-    let t2477 = t2475 + t2476;
-    let t2478 = t1978 + t2477;
-    let t2479 = t807 * t1992;
-    let t2480 = t2142 * t1997;
-    let t2481 = t2479 - t2480;
-    let t2482 = t2481 - t1963;
-    let t2483 = t609 * t1987;
-    let t2484 = t299 * t626;
-    let t2485 = t2483 - t2484;
-    let t2486 = t1937 - t2485;
-    let t2487 = t571 * t1984;
-    let t2488 = t316 * t618;
-    let t2489 = t2488 + t2487;
-    let t2490 = t662 - t2489;
-    let t2491 = t2311 - 0.003;
-    let t2492 = t1035 + t1100;
-    let t2493 = sin_panda_joint2 * t2492;
-    let t2494 = 2.0 * t1013;
-    let t2495 = cos_panda_joint2 * t2494;
-    let t2496 = t2493 - t2495;
-    let t2497 = sin_panda_joint2 * t2496;
-    let t2498 = 0.014259565994474414 + t1036;
-    let t2499 = t1035 - t2498;
-    let t2500 = t2497 - t2499;
-    let t2501 = sin_panda_joint2 * t1094;
-    let t2502 = cos_panda_joint2 * t1003;
-    let t2503 = t2501 - t2502;
-    let t2504 = sin_panda_joint2 * t1012;
-    let t2505 = cos_panda_joint2 * t1166;
-    let t2506 = t2504 + t2505;
-    let t2507 = sin_panda_joint2 * t1672;
-    let t2508 = cos_panda_joint2 * t997;
-    let t2509 = t2507 - t2508;
-    let t2510 = sin_panda_joint2 * t1749;
-    let t2511 = cos_panda_joint2 * t1737;
-    let t2512 = t2510 - t2511;
-    let t2513 = sin_panda_joint2 * t1869;
-    let t2514 = cos_panda_joint2 * t1857;
-    let t2515 = t2513 - t2514;
-    let t2516 = sin_panda_joint2 * t2028;
-    let t2517 = cos_panda_joint2 * t2016;
-    let t2518 = t2516 - t2517;
-    let t2519 = -t1257;
-    let t2520 = -t1359;
-    let t2521 = -t1475;
-    let t2522 = -t1617;
-    let t2523 = -t1629;
-    let t2524 = -t1170;
-    let t2525 = -t1580;
-    let t2526 = -t1686;
-    let t2527 = -t1242;
-    let t2528 = -t1317;
-    let t2529 = -t1444;
-    let t2530 = -t1753;
-    let t2531 = -t1766;
-    let t2532 = -t1776;
-    let t2533 = -t1341;
-    let t2534 = -t1564;
-    let t2535 = -t1909;
-    let t2536 = -t1406;
-    let t2537 = -t2081;
-    let t2538 = -t2384;
-    let t2539 = -t2387;
-    let t2540 = -t2390;
-    let t2541 = -t2393;
-    let t2542 = -t2396;
-    let t2543 = -t2399;
-    let t2544 = -t2406;
-    let t2545 = -t2181;
-    let t2546 = -t2237;
-    let t2547 = -t2308;
-    let t2548 = -t2373;
-    let t2549 = -t2417;
-    let t2550 = -t2421;
-    let t2551 = -t2425;
-    let t2552 = -t2436;
-    let t2553 = -t2292;
-    let t2554 = -t2451;
-    let t2555 = -t2459;
-    let t2556 = -t2340;
-    let t2557 = -t2474;
-    let t2558 = -t2491;
-    let t2559 = -t2509;
-    let t2560 = -t2512;
-    let t2561 = -t2515;
-    let t2562 = -t2518;
-    let t2563 = -t1610;
-    let t2564 = -t1002;
-    let t2565 = -t1238;
-    let t2566 = -t994;
-    let t2567 = -t2006;
-    let t2568 = -t1333;
-    let t2569 = -t1996;
-    let t2570 = -t299;
-    [
-        t1661,
-        t1676,
-        t1732,
-        t1737,
-        t1837,
-        t1852,
-        t1857,
-        t1873,
-        t1886,
-        t1899,
-        t2011,
-        t2016,
-        t2032,
-        t2045,
-        t2058,
-        t2071,
-        t2093,
-        t2114,
-        t2140,
-        t2183,
-        t2229,
-        t2239,
-        t2273,
-        t2310,
-        t2318,
-        t2365,
-        t2375,
-        t2378,
-        t2402,
-        t2407,
-        t2410,
-        t2422,
-        t2432,
-        t2440,
-        t2441,
-        t2444,
-        t2455,
-        t2463,
-        t2464,
-        t2467,
-        t2478,
-        t2482,
-        t2486,
-        t2490,
-        t2500,
-        t2503,
-        t2506,
-        t2519,
-        t2520,
-        t2521,
-        t2522,
-        t2523,
-        t2524,
-        t2525,
-        t2526,
-        t2527,
-        t2528,
-        t2529,
-        t2530,
-        t2531,
-        t2532,
-        t2533,
-        t2534,
-        t2535,
-        t2536,
-        t2537,
-        t2538,
-        t2539,
-        t2540,
-        t2541,
-        t2542,
-        t2543,
-        t2544,
-        t2545,
-        t2546,
-        t2547,
-        t2548,
-        t2549,
-        t2550,
-        t2551,
-        t2552,
-        t2553,
-        t2554,
-        t2555,
-        t2556,
-        t2557,
-        t2558,
-        t2559,
-        t2560,
-        t2561,
-        t2562,
-        t2563,
-        t2564,
-        t2565,
-        t2566,
-        t2567,
-        t2568,
-        t2569,
-        t2570,
-    ]
+        ..,
+        ],
+    ) = math::sin_cos_8(y[0], y[1], y[2], y[3], y[4], y[5], y[6], 0.0);
+    axes[3][0] = sin_panda_joint1;
+    screws[1][1] = cos_panda_joint1;
+    axes[7][1] = cos_panda_joint1;
+    screws[2][2] = cos_panda_joint2;
+    axes[8][2] = cos_panda_joint2;
+    let y_axis_panda_joint2_x = cos_panda_joint1 * sin_panda_joint2;
+    screws[0][2] = y_axis_panda_joint2_x;
+    axes[6][2] = y_axis_panda_joint2_x;
+    let x_axis_panda_joint2_x = cos_panda_joint1 * cos_panda_joint2;
+    axes[0][1] = x_axis_panda_joint2_x;
+    let t16 = sin_panda_joint3 * x_axis_panda_joint2_x;
+    let t17 = sin_panda_joint1 * cos_panda_joint3;
+    let y_axis_panda_joint3_x = t17 + t16;
+    screws[0][3] = y_axis_panda_joint3_x;
+    axes[6][3] = y_axis_panda_joint3_x;
+    let t19 = cos_panda_joint3 * x_axis_panda_joint2_x;
+    let t20 = sin_panda_joint1 * sin_panda_joint3;
+    let x_axis_panda_joint3_x = t19 - t20;
+    axes[0][2] = x_axis_panda_joint3_x;
+    let t22 = sin_panda_joint4 * x_axis_panda_joint3_x;
+    let t23 = cos_panda_joint4 * y_axis_panda_joint2_x;
+    let y_axis_panda_joint4_x = t23 - t22;
+    screws[0][4] = y_axis_panda_joint4_x;
+    axes[6][4] = y_axis_panda_joint4_x;
+    let t25 = cos_panda_joint4 * x_axis_panda_joint3_x;
+    let t26 = sin_panda_joint4 * y_axis_panda_joint2_x;
+    let x_axis_panda_joint4_x = t25 + t26;
+    let t28 = sin_panda_joint5 * x_axis_panda_joint4_x;
+    let t29 = cos_panda_joint5 * y_axis_panda_joint3_x;
+    let y_axis_panda_joint5_x = t29 + t28;
+    screws[0][5] = y_axis_panda_joint5_x;
+    axes[6][5] = y_axis_panda_joint5_x;
+    let t31 = cos_panda_joint5 * x_axis_panda_joint4_x;
+    let t32 = sin_panda_joint5 * y_axis_panda_joint3_x;
+    let x_axis_panda_joint5_x = t31 - t32;
+    axes[0][4] = x_axis_panda_joint5_x;
+    let t34 = sin_panda_joint6 * x_axis_panda_joint5_x;
+    let t35 = cos_panda_joint6 * y_axis_panda_joint4_x;
+    let y_axis_panda_joint6_x = t35 - t34;
+    axes[3][5] = y_axis_panda_joint6_x;
+    let y_axis_panda_joint2_y = sin_panda_joint1 * sin_panda_joint2;
+    screws[1][2] = y_axis_panda_joint2_y;
+    axes[7][2] = y_axis_panda_joint2_y;
+    let x_axis_panda_joint2_y = sin_panda_joint1 * cos_panda_joint2;
+    axes[1][1] = x_axis_panda_joint2_y;
+    let t39 = sin_panda_joint3 * x_axis_panda_joint2_y;
+    let t40 = cos_panda_joint1 * cos_panda_joint3;
+    let y_axis_panda_joint3_y = t40 - t39;
+    axes[4][2] = y_axis_panda_joint3_y;
+    let t42 = cos_panda_joint3 * x_axis_panda_joint2_y;
+    let t43 = cos_panda_joint1 * sin_panda_joint3;
+    let x_axis_panda_joint3_y = t42 + t43;
+    axes[1][2] = x_axis_panda_joint3_y;
+    let t45 = sin_panda_joint4 * x_axis_panda_joint3_y;
+    let t46 = cos_panda_joint4 * y_axis_panda_joint2_y;
+    let y_axis_panda_joint4_y = t46 - t45;
+    screws[1][4] = y_axis_panda_joint4_y;
+    axes[7][4] = y_axis_panda_joint4_y;
+    let t48 = cos_panda_joint4 * x_axis_panda_joint3_y;
+    let t49 = sin_panda_joint4 * y_axis_panda_joint2_y;
+    let x_axis_panda_joint4_y = t48 + t49;
+    let t51 = sin_panda_joint5 * x_axis_panda_joint4_y;
+    let t52 = cos_panda_joint5 * y_axis_panda_joint3_y;
+    let y_axis_panda_joint5_y = t52 - t51;
+    axes[4][4] = y_axis_panda_joint5_y;
+    let t54 = cos_panda_joint5 * x_axis_panda_joint4_y;
+    let t55 = sin_panda_joint5 * y_axis_panda_joint3_y;
+    let x_axis_panda_joint5_y = t54 + t55;
+    axes[1][4] = x_axis_panda_joint5_y;
+    let t57 = sin_panda_joint6 * x_axis_panda_joint5_y;
+    let t58 = cos_panda_joint6 * y_axis_panda_joint4_y;
+    let y_axis_panda_joint6_y = t58 - t57;
+    axes[4][5] = y_axis_panda_joint6_y;
+    let y_axis_panda_joint3_z = sin_panda_joint2 * sin_panda_joint3;
+    axes[5][2] = y_axis_panda_joint3_z;
+    let x_axis_panda_joint3_z = sin_panda_joint2 * cos_panda_joint3;
+    let t62 = sin_panda_joint4 * x_axis_panda_joint3_z;
+    let t63 = cos_panda_joint2 * cos_panda_joint4;
+    let y_axis_panda_joint4_z = t63 + t62;
+    screws[2][4] = y_axis_panda_joint4_z;
+    axes[8][4] = y_axis_panda_joint4_z;
+    let t65 = cos_panda_joint4 * x_axis_panda_joint3_z;
+    let t66 = cos_panda_joint2 * sin_panda_joint4;
+    let x_axis_panda_joint4_z = t65 - t66;
+    axes[2][3] = x_axis_panda_joint4_z;
+    let t68 = sin_panda_joint5 * x_axis_panda_joint4_z;
+    let t69 = cos_panda_joint5 * y_axis_panda_joint3_z;
+    let y_axis_panda_joint5_z = t69 + t68;
+    axes[5][4] = y_axis_panda_joint5_z;
+    let t71 = cos_panda_joint5 * x_axis_panda_joint4_z;
+    let t72 = sin_panda_joint5 * y_axis_panda_joint3_z;
+    let x_axis_panda_joint5_z = t71 - t72;
+    let t74 = sin_panda_joint6 * x_axis_panda_joint5_z;
+    let t75 = cos_panda_joint6 * y_axis_panda_joint4_z;
+    let y_axis_panda_joint6_z = t75 + t74;
+    axes[5][5] = y_axis_panda_joint6_z;
+    let t77 = 0.333 * cos_panda_joint1;
+    let t78 = 0.316 * cos_panda_joint2;
+    let origin_panda_joint3_z = 0.333 + t78;
+    origins[2][2] = origin_panda_joint3_z;
+    let t80 = y_axis_panda_joint2_y * origin_panda_joint3_z;
+    let origin_panda_joint3_y = 0.316 * y_axis_panda_joint2_y;
+    origins[1][2] = origin_panda_joint3_y;
+    let t82 = cos_panda_joint2 * origin_panda_joint3_y;
+    let t83 = t82 - t80;
+    screws[3][2] = t83;
+    let t84 = 0.0825 * x_axis_panda_joint3_y;
+    let origin_panda_joint4_y = origin_panda_joint3_y + t84;
+    origins[1][3] = origin_panda_joint4_y;
+    let t86 = y_axis_panda_joint3_z * origin_panda_joint4_y;
+    let t87 = 0.0825 * x_axis_panda_joint3_z;
+    let origin_panda_joint4_z = origin_panda_joint3_z - t87;
+    origins[2][3] = origin_panda_joint4_z;
+    let t89 = y_axis_panda_joint3_y * origin_panda_joint4_z;
+    let t90 = t86 - t89;
+    let t91 = 0.384 * y_axis_panda_joint4_y;
+    let t92 = origin_panda_joint4_y + t91;
+    let t93 = 0.0825 * x_axis_panda_joint4_y;
+    let origin_panda_joint5_y = t93 - t92;
+    let t95 = y_axis_panda_joint4_z * origin_panda_joint5_y;
+    let t96 = 0.384 * y_axis_panda_joint4_z;
+    let t97 = origin_panda_joint4_z + t96;
+    let t98 = 0.0825 * x_axis_panda_joint4_z;
+    let origin_panda_joint5_z = t98 + t97;
+    origins[2][4] = origin_panda_joint5_z;
+    origins[2][5] = origin_panda_joint5_z;
+    let t100 = y_axis_panda_joint4_y * origin_panda_joint5_z;
+    let t101 = t95 + t100;
+    let t102 = y_axis_panda_joint5_z * origin_panda_joint5_y;
+    let t103 = y_axis_panda_joint5_y * origin_panda_joint5_z;
+    let t104 = t102 + t103;
+    screws[3][5] = t104;
+    let t105 = cos_panda_joint6 * x_axis_panda_joint5_y;
+    let t106 = sin_panda_joint6 * y_axis_panda_joint4_y;
+    let x_axis_panda_joint6_y = t105 + t106;
+    axes[1][5] = x_axis_panda_joint6_y;
+    let t108 = 0.088 * x_axis_panda_joint6_y;
+    let origin_panda_joint7_y = t108 - origin_panda_joint5_y;
+    origins[1][6] = origin_panda_joint7_y;
+    let t110 = y_axis_panda_joint6_z * origin_panda_joint7_y;
+    let t111 = cos_panda_joint6 * x_axis_panda_joint5_z;
+    let t112 = sin_panda_joint6 * y_axis_panda_joint4_z;
+    let x_axis_panda_joint6_z = t111 - t112;
+    let t114 = 0.088 * x_axis_panda_joint6_z;
+    let origin_panda_joint7_z = t114 - origin_panda_joint5_z;
+    let t116 = y_axis_panda_joint6_y * origin_panda_joint7_z;
+    let t117 = t110 + t116;
+    let t118 = 0.333 * sin_panda_joint1;
+    let origin_panda_joint3_x = 0.316 * y_axis_panda_joint2_x;
+    origins[0][2] = origin_panda_joint3_x;
+    let t120 = cos_panda_joint2 * origin_panda_joint3_x;
+    let t121 = y_axis_panda_joint2_x * origin_panda_joint3_z;
+    let t122 = t121 - t120;
+    screws[4][2] = t122;
+    let t123 = 0.0825 * x_axis_panda_joint3_x;
+    let origin_panda_joint4_x = origin_panda_joint3_x + t123;
+    origins[0][3] = origin_panda_joint4_x;
+    let t125 = y_axis_panda_joint3_z * origin_panda_joint4_x;
+    let t126 = y_axis_panda_joint3_x * origin_panda_joint4_z;
+    let t127 = t126 + t125;
+    screws[4][3] = t127;
+    let t128 = 0.384 * y_axis_panda_joint4_x;
+    let t129 = origin_panda_joint4_x + t128;
+    let t130 = 0.0825 * x_axis_panda_joint4_x;
+    let origin_panda_joint5_x = t130 - t129;
+    let t132 = y_axis_panda_joint4_z * origin_panda_joint5_x;
+    let t133 = y_axis_panda_joint4_x * origin_panda_joint5_z;
+    let t134 = t133 + t132;
+    screws[4][4] = t134;
+    let t135 = y_axis_panda_joint5_z * origin_panda_joint5_x;
+    let t136 = y_axis_panda_joint5_x * origin_panda_joint5_z;
+    let t137 = t136 - t135;
+    screws[4][5] = t137;
+    let t138 = cos_panda_joint6 * x_axis_panda_joint5_x;
+    let t139 = sin_panda_joint6 * y_axis_panda_joint4_x;
+    let x_axis_panda_joint6_x = t138 + t139;
+    axes[0][5] = x_axis_panda_joint6_x;
+    let t141 = 0.088 * x_axis_panda_joint6_x;
+    let origin_panda_joint7_x = t141 - origin_panda_joint5_x;
+    origins[0][6] = origin_panda_joint7_x;
+    let t143 = y_axis_panda_joint6_z * origin_panda_joint7_x;
+    let t144 = y_axis_panda_joint6_x * origin_panda_joint7_z;
+    let t145 = t144 + t143;
+    screws[4][6] = t145;
+    let t146 = y_axis_panda_joint2_x * origin_panda_joint3_y;
+    let t147 = y_axis_panda_joint2_y * origin_panda_joint3_x;
+    let t148 = t147 - t146;
+    screws[5][2] = t148;
+    let t149 = y_axis_panda_joint3_x * origin_panda_joint4_y;
+    let t150 = y_axis_panda_joint3_y * origin_panda_joint4_x;
+    let t151 = t150 + t149;
+    let t152 = y_axis_panda_joint4_x * origin_panda_joint5_y;
+    let t153 = y_axis_panda_joint4_y * origin_panda_joint5_x;
+    let t154 = t153 - t152;
+    let t155 = y_axis_panda_joint5_x * origin_panda_joint5_y;
+    let t156 = y_axis_panda_joint5_y * origin_panda_joint5_x;
+    let t157 = t156 + t155;
+    screws[5][5] = t157;
+    let t158 = y_axis_panda_joint6_x * origin_panda_joint7_y;
+    let t159 = y_axis_panda_joint6_y * origin_panda_joint7_x;
+    let t160 = t159 - t158;
+    let t161 = cos_panda_joint7 * x_axis_panda_joint6_x;
+    let t162 = sin_panda_joint7 * y_axis_panda_joint5_x;
+    let x_axis_panda_joint7_x = t161 + t162;
+    axes[0][6] = x_axis_panda_joint7_x;
+    let t164 = cos_panda_joint7 * x_axis_panda_joint6_y;
+    let t165 = sin_panda_joint7 * y_axis_panda_joint5_y;
+    let x_axis_panda_joint7_y = t164 - t165;
+    axes[1][6] = x_axis_panda_joint7_y;
+    let t167 = cos_panda_joint7 * x_axis_panda_joint6_z;
+    let t168 = sin_panda_joint7 * y_axis_panda_joint5_z;
+    let x_axis_panda_joint7_z = t167 + t168;
+    let t170 = sin_panda_joint7 * x_axis_panda_joint6_x;
+    let t171 = cos_panda_joint7 * y_axis_panda_joint5_x;
+    let y_axis_panda_joint7_x = t171 - t170;
+    axes[3][6] = y_axis_panda_joint7_x;
+    let t173 = sin_panda_joint7 * x_axis_panda_joint6_y;
+    let t174 = cos_panda_joint7 * y_axis_panda_joint5_y;
+    let y_axis_panda_joint7_y = t174 + t173;
+    let t176 = sin_panda_joint7 * x_axis_panda_joint6_z;
+    let t177 = cos_panda_joint7 * y_axis_panda_joint5_z;
+    let y_axis_panda_joint7_z = t177 - t176;
+    let t179 = v[0] * 0.003;
+    let t180 = v[1] * 0.003;
+    let t181 = v[2] * 0.003;
+    let t182 = v[3] * 0.003;
+    let t183 = v[4] * 0.003;
+    let t184 = v[5] * 0.003;
+    let t185 = v[6] * 0.003;
+    let minus_sin_panda_joint1 = -sin_panda_joint1;
+    screws[0][1] = minus_sin_panda_joint1;
+    axes[1][0] = minus_sin_panda_joint1;
+    axes[6][1] = minus_sin_panda_joint1;
+    let minus_y_axis_panda_joint6_x = -y_axis_panda_joint6_x;
+    screws[0][6] = minus_y_axis_panda_joint6_x;
+    axes[6][6] = minus_y_axis_panda_joint6_x;
+    let minus_y_axis_panda_joint3_y = -y_axis_panda_joint3_y;
+    screws[1][3] = minus_y_axis_panda_joint3_y;
+    axes[7][3] = minus_y_axis_panda_joint3_y;
+    let minus_y_axis_panda_joint5_y = -y_axis_panda_joint5_y;
+    screws[1][5] = minus_y_axis_panda_joint5_y;
+    axes[7][5] = minus_y_axis_panda_joint5_y;
+    let minus_y_axis_panda_joint6_y = -y_axis_panda_joint6_y;
+    screws[1][6] = minus_y_axis_panda_joint6_y;
+    axes[7][6] = minus_y_axis_panda_joint6_y;
+    let minus_y_axis_panda_joint3_z = -y_axis_panda_joint3_z;
+    screws[2][3] = minus_y_axis_panda_joint3_z;
+    axes[8][3] = minus_y_axis_panda_joint3_z;
+    let minus_y_axis_panda_joint5_z = -y_axis_panda_joint5_z;
+    screws[2][5] = minus_y_axis_panda_joint5_z;
+    axes[8][5] = minus_y_axis_panda_joint5_z;
+    let minus_y_axis_panda_joint6_z = -y_axis_panda_joint6_z;
+    screws[2][6] = minus_y_axis_panda_joint6_z;
+    axes[8][6] = minus_y_axis_panda_joint6_z;
+    let t194 = -t77;
+    screws[3][1] = t194;
+    let t195 = -t90;
+    screws[3][3] = t195;
+    let t196 = -t101;
+    screws[3][4] = t196;
+    let t197 = -t117;
+    screws[3][6] = t197;
+    let t198 = -t118;
+    screws[4][1] = t198;
+    let t199 = -t151;
+    screws[5][3] = t199;
+    let t200 = -t154;
+    screws[5][4] = t200;
+    let t201 = -t160;
+    screws[5][6] = t201;
+    let minus_cos_panda_joint1 = -cos_panda_joint1;
+    axes[0][0] = minus_cos_panda_joint1;
+    axes[4][0] = minus_cos_panda_joint1;
+    let minus_x_axis_panda_joint4_x = -x_axis_panda_joint4_x;
+    axes[0][3] = minus_x_axis_panda_joint4_x;
+    let minus_x_axis_panda_joint4_y = -x_axis_panda_joint4_y;
+    axes[1][3] = minus_x_axis_panda_joint4_y;
+    let minus_sin_panda_joint2 = -sin_panda_joint2;
+    axes[2][1] = minus_sin_panda_joint2;
+    let minus_x_axis_panda_joint3_z = -x_axis_panda_joint3_z;
+    axes[2][2] = minus_x_axis_panda_joint3_z;
+    let minus_x_axis_panda_joint5_z = -x_axis_panda_joint5_z;
+    axes[2][4] = minus_x_axis_panda_joint5_z;
+    let minus_x_axis_panda_joint6_z = -x_axis_panda_joint6_z;
+    axes[2][5] = minus_x_axis_panda_joint6_z;
+    let minus_x_axis_panda_joint7_z = -x_axis_panda_joint7_z;
+    axes[2][6] = minus_x_axis_panda_joint7_z;
+    let minus_y_axis_panda_joint2_x = -y_axis_panda_joint2_x;
+    axes[3][1] = minus_y_axis_panda_joint2_x;
+    let minus_y_axis_panda_joint3_x = -y_axis_panda_joint3_x;
+    axes[3][2] = minus_y_axis_panda_joint3_x;
+    let minus_y_axis_panda_joint4_x = -y_axis_panda_joint4_x;
+    axes[3][3] = minus_y_axis_panda_joint4_x;
+    let minus_y_axis_panda_joint5_x = -y_axis_panda_joint5_x;
+    axes[3][4] = minus_y_axis_panda_joint5_x;
+    let minus_y_axis_panda_joint2_y = -y_axis_panda_joint2_y;
+    axes[4][1] = minus_y_axis_panda_joint2_y;
+    let minus_y_axis_panda_joint4_y = -y_axis_panda_joint4_y;
+    axes[4][3] = minus_y_axis_panda_joint4_y;
+    let minus_y_axis_panda_joint7_y = -y_axis_panda_joint7_y;
+    axes[4][6] = minus_y_axis_panda_joint7_y;
+    let minus_cos_panda_joint2 = -cos_panda_joint2;
+    axes[5][1] = minus_cos_panda_joint2;
+    let minus_y_axis_panda_joint4_z = -y_axis_panda_joint4_z;
+    axes[5][3] = minus_y_axis_panda_joint4_z;
+    let minus_y_axis_panda_joint7_z = -y_axis_panda_joint7_z;
+    axes[5][6] = minus_y_axis_panda_joint7_z;
+    let minus_origin_panda_joint5_x = -origin_panda_joint5_x;
+    origins[0][4] = minus_origin_panda_joint5_x;
+    origins[0][5] = minus_origin_panda_joint5_x;
+    let minus_origin_panda_joint5_y = -origin_panda_joint5_y;
+    origins[1][4] = minus_origin_panda_joint5_y;
+    origins[1][5] = minus_origin_panda_joint5_y;
+    let minus_origin_panda_joint7_z = -origin_panda_joint7_z;
+    origins[2][6] = minus_origin_panda_joint7_z;
+    let t223 = -t179;
+    joint_forces[2][0] = t223;
+    let t224 = -t180;
+    joint_forces[2][1] = t224;
+    let t225 = -t181;
+    joint_forces[2][2] = t225;
+    let t226 = -t182;
+    joint_forces[2][3] = t226;
+    let t227 = -t183;
+    joint_forces[2][4] = t227;
+    let t228 = -t184;
+    joint_forces[2][5] = t228;
+    let t229 = -t185;
+    joint_forces[2][6] = t229;
 }
 
 /// Forward dynamics with its Jacobians.
@@ -12675,11 +7001,11 @@ fn inverse_dynamics_derivatives_and_mass_matrix_part_2(
 /// - returns `∂ÿ/∂ẏ: [N × N]`: row i = acceleration i
 /// - returns `M⁻¹: [N × N]`: symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B
 ///
-/// Cost: 2410 multiplications, 2212 additions, 7 divisions, 6 function calls (`sin_cos`).
+/// Cost: 5240 multiplications, 4743 additions, 7 divisions, 7 function calls (`sin_cos`).
 ///
-/// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
-///
-/// Composite bodies with pairs of joints in link frames were cheapest.
+/// Loops over joints, with spatial vectors in the frame of the base (Singh, Russell and Wensing 2022):
+/// straight-line code would not fit into a processor's instruction cache. The cost counts each operation that
+/// contributes.
 #[inline]
 #[must_use]
 #[allow(
@@ -12717,6175 +7043,658 @@ pub fn forward_dynamics_derivatives_into(
     da_dv: &mut [[f64; N]; N],
     m_inverse: &mut [[f64; N]; N],
 ) {
-    let [sin_panda_joint2, cos_panda_joint2, sin_panda_joint3, cos_panda_joint3,
-    sin_panda_joint4, cos_panda_joint4, sin_panda_joint5, cos_panda_joint5,
-    sin_panda_joint6, cos_panda_joint6, t16, t17, t19, t24, t25, t31, t32, t36, t37, t39,
-    t43, t44, t46, t47, t52, t53, t54, t57, t58, t59, t62, t63, t65, t69, t70, t71, t74,
-    t77, t82, t87, t88, t91, t92, t94, t99, t101, t103, t107, t108, t109, t115, t118,
-    t122, t123, t125, t127, t133, t134, t137, t140, t146, t147, t153, t154, t155, t159,
-    t160, t165, t166, t167, t170, t171, t174, t177, t181, t184, t185, t187, t193, t194,
-    t196, t199, t202, t203, t206, t210, t215, t221, t222, t226, t231, t235, t236, t237,
-    t241, t246, t249, t252, t254, t256, t257, t260, t266, t268, t269, t271, t275, t280,
-    t306, t319, t320, t325, t352, t385, t388, t391, t397, t415, t424, t437, t447,
-    inverse_d_panda_joint1, t458, t461, t466, t473, t482, t493, omega_panda_joint2_y,
-    omega_panda_joint3_z, t496, omega_panda_joint2_x, omega_panda_joint3_y,
-    omega_panda_joint3_x, omega_panda_joint4_z, t519, omega_panda_joint4_y,
-    omega_panda_joint4_x, acceleration_panda_joint2_x, t562, acceleration_panda_joint2_y,
-    t585, omega_panda_joint5_x, omega_panda_joint5_z, omega_panda_joint6_y,
-    omega_panda_joint5_y, omega_panda_joint6_z, omega_panda_joint6_x, t626, t675, t684,
-    t721, t868, t870, t1000, t1014, t1028, t1030, t1033, t1038, t1045, t1054, t1065,
-    t1078, t1088, t1093, t1100, t1109, t1120, t1133, t1154, t1161, t1170, t1181, t1194,
-    t1235, t1248, t1261, t1263, t1325, t1340, t1342, t1423, t1433, t1434, t1436, t1437,
-    t1439, t1442, t1445, t1447, t1452, t1457, t1462, t1467, t1468, t1473, t1476,
-    force_panda_joint6_y_2, t1492, force_panda_joint7_x_2, force_panda_joint6_x_2,
-    force_panda_joint4_y_2, force_panda_joint7_y_2, force_panda_joint5_y_2,
-    force_panda_joint5_x_2, force_panda_joint4_x_2, force_panda_joint3_x_2,
-    acceleration_panda_joint3_x_2, acceleration_panda_joint4_x_2,
-    acceleration_panda_joint4_y_2, acceleration_panda_joint3_y_2, t1582,
-    acceleration_panda_joint5_x_2, acceleration_panda_joint6_x_2,
-    acceleration_panda_joint6_y_2, moment_panda_joint7_y_2, moment_panda_joint5_y_2,
-    moment_panda_joint7_x_2, acceleration_panda_joint5_y_2, moment_panda_joint6_x_2,
-    acceleration_panda_joint7_x_2, acceleration_panda_joint7_y_2,
-    moment_panda_joint6_y_2, moment_panda_joint5_x_2, moment_panda_joint3_y_2, t1696,
-    moment_panda_joint4_y_2, moment_panda_joint4_x_2, moment_panda_joint3_x_2,
-    force_panda_joint4_z_2, force_panda_joint3_y_2, moment_panda_joint2_x_2] = forward_dynamics_derivatives_part_1(
+    const MOMENTS: [[f64; 8]; 10] = [
+        [
+            4.970684,
+            0.646926,
+            3.228604,
+            3.587895,
+            1.225946,
+            1.666555,
+            1.4955219999999998,
+            0.0,
+        ],
+        [
+            -0.0192614005,
+            -0.002031994566,
+            0.088844724872,
+            0.19076837715,
+            -0.014653732538,
+            0.10024161669500001,
+            0.002573605371338203,
+            0.0,
+        ],
+        [
+            -0.010343993404000001,
+            -0.018579714719999998,
+            0.126729164208,
+            -0.374644408005,
+            0.05034347249,
+            -0.023526756935,
+            0.0020344399586617965,
+            0.0,
+        ],
+        [
+            -0.23670397208000002,
+            0.0022610063699999997,
+            -0.214708623208,
+            0.09850206933,
+            -0.047121686402,
+            -0.017527158935000002,
+            0.150277948634,
+            0.0,
+        ],
+        [
+            0.006253137926937475,
+            0.02307788249493181,
+            0.007316329139027697,
+            0.021154154613065503,
+            0.0014511560650267133,
+            0.009940933002587554,
+            0.002131604094419858,
+            0.0,
+        ],
+        [
+            0.00017908297444049997,
+            0.00398335888393552,
+            0.008248333140675744,
+            -0.02771584317362585,
+            0.0015152444733270301,
+            -0.001524110902883315,
+            -0.00039139128168424786,
+            0.0,
+        ],
+        [
+            0.007689227891810001,
+            -0.01026110182100817,
+            0.005487648106562256,
+            0.0039053550262761003,
+            0.004600245517563105,
+            0.00010375891721868492,
+            0.0009653051699191118,
+            0.0,
+        ],
+        [
+            0.00296002585027379,
+            0.0034571094067584007,
+            0.010932873153492416,
+            0.056431994439474095,
+            0.009418354697801846,
+            0.0018536272276513952,
+            0.004552547872941089,
+            0.0,
+        ],
+        [
+            0.019661580965898477,
+            -0.0007689361029464,
+            0.004377257121839584,
+            -0.0016444875773692705,
+            -0.0021640520520981297,
+            -9.3569097314605e-5,
+            0.001255536598272898,
+            0.0,
+        ],
+        [
+            0.7117033431504496,
+            0.0050464022172631495,
+            0.045562052860578406,
+            0.01124527581138582,
+            0.030009216260233673,
+            0.0006268331305193952,
+            0.0270807953180085,
+            0.0,
+        ],
+    ];
+    const GRAVITY: [[f64; 8]; 3] = [
+        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [9.81, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    ];
+    const ROTOR_INERTIA: [[f64; 8]; 1] = [[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]];
+    let mut screws = [[0.0; 8]; 6];
+    let mut axes = [[0.0; 8]; 9];
+    let mut origins = [[0.0; 8]; 3];
+    let mut rates = [[0.0; 8]; 1];
+    let mut driving_forces = [[0.0; 8]; 1];
+    let mut joint_forces = [[0.0; 8]; 3];
+    forward_dynamics_derivatives_setup(
         y,
         v,
         u,
+        &mut screws,
+        &mut axes,
+        &mut origins,
+        &mut rates,
+        &mut driving_forces,
+        &mut joint_forces,
     );
-    let [t1772, t1773, t1776, t1780, t1787, t1797, t1810, t1814, t1815, t1822, t1832,
-    t1839, t1850, t1853, t1855, t1856, t1858, t1868, t1871, t1878, t1883, t1885, t1893,
-    t1946, t1947, t1953, t1955, t1956, t1970, t1973, t1985, t1986, t2040, t2046, t2048,
-    t2247, t2298, t2322, t2342, t2362, t2395, t2424, t2458, t2586, t2630, t2654, t2722,
-    t2757, t2774, t2862, t2921, t2937, t3003, t3125, t3138, t3151, t3164, t3177, t3190,
-    t3203, t3216, t3229, t3242, t3255, t3268, t3281, t3294, t3307, t3320, t3333, t3346,
-    t3359, t3372, t3385, t3398, t3411, t3424, t3437, t3450, t3463, t3476, t3489, t3502,
-    t3515, t3528, t3541, t3554, t3567, t3580, t3593, t3605, t3609, t3614, t3619, t3624,
-    t3629, t3634, t3636, t3645, t3653, t3661, t3681, t3688, t3694, t3703, t3708, t3713,
-    t3714, t3718, t3719, t3723, t3728, t3734, t3753, t3760, t3765] = forward_dynamics_derivatives_part_2(
-        v,
-        [
-            sin_panda_joint2,
-            cos_panda_joint2,
-            sin_panda_joint3,
-            cos_panda_joint3,
-            sin_panda_joint4,
-            cos_panda_joint4,
-            sin_panda_joint5,
-            cos_panda_joint5,
-            sin_panda_joint6,
-            cos_panda_joint6,
-            t16,
-            t17,
-            t19,
-            t24,
-            t25,
-            t31,
-            t32,
-            t36,
-            t37,
-            t39,
-            t43,
-            t44,
-            t46,
-            t47,
-            t52,
-            t53,
-            t54,
-            t57,
-            t58,
-            t59,
-            t62,
-            t63,
-            t65,
-            t69,
-            t70,
-            t71,
-            t74,
-            t77,
-            t82,
-            t87,
-            t88,
-            t91,
-            t92,
-            t94,
-            t99,
-            t101,
-            t103,
-            t107,
-            t108,
-            t109,
-            t115,
-            t118,
-            t122,
-            t123,
-            t125,
-            t127,
-            t133,
-            t134,
-            t137,
-            t140,
-            t146,
-            t147,
-            t153,
-            t154,
-            t155,
-            t159,
-            t160,
-            t165,
-            t166,
-            t167,
-            t170,
-            t171,
-            t174,
-            t177,
-            t181,
-            t184,
-            t185,
-            t187,
-            t193,
-            t194,
-            t196,
-            t199,
-            t202,
-            t203,
-            t206,
-            t210,
-            t215,
-            t221,
-            t222,
-            t226,
-            t231,
-            t235,
-            t236,
-            t237,
-            t241,
-            t246,
-            t249,
-            t252,
-            t254,
-            t256,
-            t257,
-            t260,
-            t266,
-            t268,
-            t269,
-            t271,
-            t275,
-            t280,
-            t306,
-            t319,
-            t320,
-            t325,
-            t352,
-            t385,
-            t388,
-            t391,
-            t397,
-            t415,
-            t424,
-            t437,
-            t447,
-            inverse_d_panda_joint1,
-            t458,
-            t461,
-            t466,
-            t473,
-            t482,
-            t493,
-            omega_panda_joint2_y,
-            omega_panda_joint3_z,
-            t496,
-            omega_panda_joint2_x,
-            omega_panda_joint3_y,
-            omega_panda_joint3_x,
-            omega_panda_joint4_z,
-            t519,
-            omega_panda_joint4_y,
-            omega_panda_joint4_x,
-            acceleration_panda_joint2_x,
-            t562,
-            acceleration_panda_joint2_y,
-            t585,
-            omega_panda_joint5_x,
-            omega_panda_joint5_z,
-            omega_panda_joint6_y,
-            omega_panda_joint5_y,
-            omega_panda_joint6_z,
-            omega_panda_joint6_x,
-            t626,
-            t675,
-            t684,
-            t721,
-            t868,
-            t870,
-            t1000,
-            t1014,
-            t1030,
-            t1033,
-            t1038,
-            t1045,
-            t1054,
-            t1065,
-            t1088,
-            t1093,
-            t1100,
-            t1109,
-            t1120,
-            t1154,
-            t1161,
-            t1170,
-            t1181,
-            t1235,
-            t1248,
-            t1261,
-            t1325,
-            t1340,
-            t1423,
-            t1434,
-            t1436,
-            t1437,
-            t1439,
-            t1442,
-            t1445,
-            t1447,
-            t1452,
-            t1457,
-            t1462,
-            t1467,
-            t1468,
-            t1473,
-            t1476,
-            force_panda_joint6_y_2,
-            t1492,
-            force_panda_joint7_x_2,
-            force_panda_joint6_x_2,
-            force_panda_joint4_y_2,
-            force_panda_joint7_y_2,
-            force_panda_joint5_y_2,
-            force_panda_joint5_x_2,
-            force_panda_joint4_x_2,
-            force_panda_joint3_x_2,
-            acceleration_panda_joint3_x_2,
-            acceleration_panda_joint4_x_2,
-            acceleration_panda_joint4_y_2,
-            acceleration_panda_joint3_y_2,
-            t1582,
-            acceleration_panda_joint5_x_2,
-            acceleration_panda_joint6_x_2,
-            acceleration_panda_joint6_y_2,
-            moment_panda_joint7_y_2,
-            moment_panda_joint5_y_2,
-            moment_panda_joint7_x_2,
-            acceleration_panda_joint5_y_2,
-            moment_panda_joint6_x_2,
-            acceleration_panda_joint7_x_2,
-            acceleration_panda_joint7_y_2,
-            moment_panda_joint6_y_2,
-            moment_panda_joint5_x_2,
-            moment_panda_joint3_y_2,
-            t1696,
-            moment_panda_joint4_y_2,
-            moment_panda_joint4_x_2,
-            moment_panda_joint3_x_2,
-            force_panda_joint4_z_2,
-            force_panda_joint3_y_2,
-            moment_panda_joint2_x_2,
-        ],
+    let mut joint_velocity = [[0.0; 8]; 6];
+    joint_velocities(&screws, &rates, &mut joint_velocity);
+    let mut velocity = [[0.0; 8]; 6];
+    sum_ancestors(&joint_velocity, &mut velocity);
+    let mut inertia = [[0.0; 8]; 10];
+    let mut flow = [[0.0; 8]; 12];
+    let mut screw_rate = [[0.0; 8]; 6];
+    let mut joint_acceleration = [[0.0; 8]; 6];
+    let mut momentum_rate = [[0.0; 8]; 6];
+    bodies_in_steady_motion(
+        &axes,
+        &origins,
+        &MOMENTS,
+        &screws,
+        &rates,
+        &GRAVITY,
+        &velocity,
+        &mut inertia,
+        &mut flow,
+        &mut screw_rate,
+        &mut joint_acceleration,
+        &mut momentum_rate,
     );
-    let [t3839, t4120, t4146, t4198, t4224, t4250, t4263, t4276, t4289, t4315, t4341,
-    t4354, t4367, t4380, t4406, t4432, t4445, t4458, t4471, t4497, t4523, t4536, t4549,
-    t4575, t4588, t4601, t4614, t4627, t4640, t4641, t4642, t4643, t4644, t4645, t4646,
-    t4647, t4648, t4649, t4650, t4651, t4652, t4653, t4654, t4655, t4656, t4657, t4658,
-    t4659, t4660, t4661, t4662, t4663, t4664, t4665, t4666, t4667, t4668, t4669, t4670,
-    t4671, t4672, t4673, t4674, t4675, t4676, t4677, t4678, t4679, t4680, t4681,
-    minus_inverse_d_panda_joint1, t4683, t4684, t4685, t4686, t4687, t4688, t4689, t4690,
-    t4691, t4692, t4693, t4694, t4695, t4696, t4697] = forward_dynamics_derivatives_part_3([
-        sin_panda_joint2,
-        cos_panda_joint2,
-        sin_panda_joint3,
-        cos_panda_joint3,
-        sin_panda_joint4,
-        cos_panda_joint4,
-        sin_panda_joint5,
-        cos_panda_joint5,
-        sin_panda_joint6,
-        cos_panda_joint6,
-        t17,
-        t24,
-        t25,
-        t39,
-        t43,
-        t44,
-        t46,
-        t47,
-        t52,
-        t53,
-        t54,
-        t59,
-        t63,
-        t71,
-        t82,
-        t88,
-        t91,
-        t94,
-        t99,
-        t101,
-        t115,
-        t118,
-        t123,
-        t165,
-        t167,
-        t170,
-        t177,
-        t185,
-        t222,
-        t246,
-        t266,
-        t269,
-        inverse_d_panda_joint1,
-        t458,
-        t461,
-        t466,
-        t473,
-        t482,
-        t493,
-        omega_panda_joint4_x,
-        omega_panda_joint6_y,
-        t626,
-        t1030,
-        t1033,
-        t1038,
-        t1045,
-        t1054,
-        t1065,
-        t1088,
-        t1093,
-        t1100,
-        t1109,
-        t1120,
-        t1133,
-        t1154,
-        t1161,
-        t1170,
-        t1181,
-        t1194,
-        t1235,
-        t1248,
-        t1261,
-        t1263,
-        t1325,
-        t1340,
-        t1342,
-        t1423,
-        t1772,
-        t1773,
-        t1776,
-        t1780,
-        t1787,
-        t1797,
-        t1810,
-        t1814,
-        t1815,
-        t1822,
-        t1832,
-        t1839,
-        t1850,
-        t1853,
-        t1855,
-        t1856,
-        t1858,
-        t1868,
-        t1871,
-        t1878,
-        t1883,
-        t1885,
-        t1893,
-        t1946,
-        t1947,
-        t1953,
-        t1955,
-        t1956,
-        t1970,
-        t1973,
-        t1985,
-        t1986,
-        t2040,
-        t2046,
-        t2048,
-        t2247,
-        t2298,
-        t2322,
-        t2342,
-        t2362,
-        t2395,
-        t2424,
-        t2586,
-        t2630,
-        t2654,
-        t2722,
-        t2757,
-        t2774,
-        t2862,
-        t2921,
-        t2937,
-        t3003,
-        t3138,
-        t3203,
-        t3229,
-        t3242,
-        t3255,
-        t3268,
-        t3294,
-        t3359,
-        t3372,
-        t3437,
-        t3450,
-        t3515,
-        t3528,
-        t3593,
-        t3605,
-        t3609,
-        t3614,
-        t3619,
-        t3624,
-        t3629,
-        t3634,
-        t3636,
-        t3645,
-        t3653,
-        t3661,
-        t3681,
-        t3688,
-        t3694,
-        t3703,
-        t3713,
-        t3714,
-        t3718,
-        t3719,
-        t3723,
-        t3728,
-        t3734,
-        t3753,
-        t3760,
-        t3765,
-    ]);
-    a[0] = t1028;
-    a[1] = t1078;
-    a[2] = t4641;
-    a[3] = t4642;
-    a[4] = t4643;
-    a[5] = t4644;
-    a[6] = t1433;
-    da_dy[0][0] = 0.0;
-    da_dy[0][1] = t2458;
-    da_dy[0][2] = t4645;
-    da_dy[0][3] = t4646;
-    da_dy[0][4] = t4647;
-    da_dy[0][5] = t4648;
-    da_dy[0][6] = t3125;
-    da_dy[1][0] = 0.0;
-    da_dy[1][1] = t4649;
-    da_dy[1][2] = t3151;
-    da_dy[1][3] = t3164;
-    da_dy[1][4] = t3177;
-    da_dy[1][5] = t3190;
-    da_dy[1][6] = t4650;
-    da_dy[2][0] = 0.0;
-    da_dy[2][1] = t3216;
-    da_dy[2][2] = t4651;
-    da_dy[2][3] = t4652;
-    da_dy[2][4] = t4653;
-    da_dy[2][5] = t4654;
-    da_dy[2][6] = t3281;
-    da_dy[3][0] = 0.0;
-    da_dy[3][1] = t4655;
-    da_dy[3][2] = t3307;
-    da_dy[3][3] = t3320;
-    da_dy[3][4] = t3333;
-    da_dy[3][5] = t3346;
-    da_dy[3][6] = t4656;
-    da_dy[4][0] = 0.0;
-    da_dy[4][1] = t4657;
-    da_dy[4][2] = t3385;
-    da_dy[4][3] = t3398;
-    da_dy[4][4] = t3411;
-    da_dy[4][5] = t3424;
-    da_dy[4][6] = t4658;
-    da_dy[5][0] = 0.0;
-    da_dy[5][1] = t4659;
-    da_dy[5][2] = t3463;
-    da_dy[5][3] = t3476;
-    da_dy[5][4] = t3489;
-    da_dy[5][5] = t3502;
-    da_dy[5][6] = t4660;
-    da_dy[6][0] = 0.0;
-    da_dy[6][1] = t4661;
-    da_dy[6][2] = t3541;
-    da_dy[6][3] = t3554;
-    da_dy[6][4] = t3567;
-    da_dy[6][5] = t3580;
-    da_dy[6][6] = t4662;
-    da_dv[0][0] = t4663;
-    da_dv[0][1] = t3708;
-    da_dv[0][2] = t4664;
-    da_dv[0][3] = t3839;
-    da_dv[0][4] = t4665;
-    da_dv[0][5] = t4666;
-    da_dv[0][6] = t4667;
-    da_dv[1][0] = t4668;
-    da_dv[1][1] = t4120;
-    da_dv[1][2] = t4669;
-    da_dv[1][3] = t4146;
-    da_dv[1][4] = t4670;
-    da_dv[1][5] = t4671;
-    da_dv[1][6] = t4672;
-    da_dv[2][0] = t4198;
-    da_dv[2][1] = t4673;
-    da_dv[2][2] = t4224;
-    da_dv[2][3] = t4674;
-    da_dv[2][4] = t4250;
-    da_dv[2][5] = t4263;
-    da_dv[2][6] = t4276;
-    da_dv[3][0] = t4289;
-    da_dv[3][1] = t4675;
-    da_dv[3][2] = t4315;
-    da_dv[3][3] = t4676;
-    da_dv[3][4] = t4341;
-    da_dv[3][5] = t4354;
-    da_dv[3][6] = t4367;
-    da_dv[4][0] = t4380;
-    da_dv[4][1] = t4677;
-    da_dv[4][2] = t4406;
-    da_dv[4][3] = t4678;
-    da_dv[4][4] = t4432;
-    da_dv[4][5] = t4445;
-    da_dv[4][6] = t4458;
-    da_dv[5][0] = t4471;
-    da_dv[5][1] = t4679;
-    da_dv[5][2] = t4497;
-    da_dv[5][3] = t4680;
-    da_dv[5][4] = t4523;
-    da_dv[5][5] = t4536;
-    da_dv[5][6] = t4549;
-    da_dv[6][0] = t4681;
-    da_dv[6][1] = t4575;
-    da_dv[6][2] = t4588;
-    da_dv[6][3] = t4601;
-    da_dv[6][4] = t4614;
-    da_dv[6][5] = t4627;
-    da_dv[6][6] = t4640;
-    m_inverse[0][0] = minus_inverse_d_panda_joint1;
-    m_inverse[0][1] = t458;
-    m_inverse[0][2] = t4683;
-    m_inverse[0][3] = t466;
-    m_inverse[0][4] = t473;
-    m_inverse[0][5] = t482;
-    m_inverse[0][6] = t493;
-    m_inverse[1][0] = t458;
-    m_inverse[1][1] = t1030;
-    m_inverse[1][2] = t4684;
-    m_inverse[1][3] = t1038;
-    m_inverse[1][4] = t1045;
-    m_inverse[1][5] = t1054;
-    m_inverse[1][6] = t1065;
-    m_inverse[2][0] = t4683;
-    m_inverse[2][1] = t4684;
-    m_inverse[2][2] = t1088;
-    m_inverse[2][3] = t4685;
-    m_inverse[2][4] = t4686;
-    m_inverse[2][5] = t4687;
-    m_inverse[2][6] = t4688;
-    m_inverse[3][0] = t466;
-    m_inverse[3][1] = t1038;
-    m_inverse[3][2] = t4685;
-    m_inverse[3][3] = t4689;
-    m_inverse[3][4] = t4690;
-    m_inverse[3][5] = t4691;
-    m_inverse[3][6] = t4692;
-    m_inverse[4][0] = t473;
-    m_inverse[4][1] = t1045;
-    m_inverse[4][2] = t4686;
-    m_inverse[4][3] = t4690;
-    m_inverse[4][4] = t4693;
-    m_inverse[4][5] = t4694;
-    m_inverse[4][6] = t4695;
-    m_inverse[5][0] = t482;
-    m_inverse[5][1] = t1054;
-    m_inverse[5][2] = t4687;
-    m_inverse[5][3] = t4691;
-    m_inverse[5][4] = t4694;
-    m_inverse[5][5] = t4696;
-    m_inverse[5][6] = t4697;
-    m_inverse[6][0] = t493;
-    m_inverse[6][1] = t1065;
-    m_inverse[6][2] = t4688;
-    m_inverse[6][3] = t4692;
-    m_inverse[6][4] = t4695;
-    m_inverse[6][5] = t4697;
-    m_inverse[6][6] = t1423;
+    let mut acceleration = [[0.0; 8]; 6];
+    sum_ancestors(&joint_acceleration, &mut acceleration);
+    let mut force = [[0.0; 8]; 6];
+    body_forces(&inertia, &acceleration, &momentum_rate, &mut force);
+    let mut composite_inertia = [[0.0; 8]; 10];
+    sum_subtrees(&inertia, &mut composite_inertia);
+    let mut composite_flow = [[0.0; 8]; 12];
+    sum_subtrees(&flow, &mut composite_flow);
+    let mut composite_bias = [[0.0; 8]; 6];
+    sum_subtrees(&force, &mut composite_bias);
+    let mut unit_force = [[0.0; 8]; 6];
+    let mut diagonal = [[0.0; 8]; 1];
+    unit_accelerations(
+        &screws,
+        &composite_inertia,
+        &ROTOR_INERTIA,
+        &mut unit_force,
+        &mut diagonal,
+    );
+    let mut mass_matrix_2 = [[0.0; 8]; 7];
+    arrays::pairs::<
+        _,
+        _,
+        _,
+        8,
+        _,
+        _,
+    >((&unit_force, &screws), (&screws, &unit_force), &diagonal, &mut mass_matrix_2);
+    let mut inverse = [[0.0; 8]; 7];
+    inverse.copy_from_slice(&mass_matrix_2);
+    arrays::invert(&mut inverse, 0..7, |_, _| true);
+    let mut remaining_force = [[0.0; 8]; 1];
+    remaining_forces(&screws, &composite_bias, &driving_forces, &mut remaining_force);
+    let mut accelerations = [[0.0; 8]; 1];
+    arrays::apply(&inverse, &remaining_force, &mut accelerations);
+    let mut added_joint_acceleration = [[0.0; 8]; 6];
+    joint_accelerations(&screws, &accelerations, &mut added_joint_acceleration);
+    let mut added_acceleration = [[0.0; 8]; 6];
+    sum_ancestors(&added_joint_acceleration, &mut added_acceleration);
+    let mut total_acceleration = [[0.0; 8]; 6];
+    let mut added_force = [[0.0; 8]; 6];
+    accelerated_bodies(
+        &inertia,
+        &acceleration,
+        &added_acceleration,
+        &mut total_acceleration,
+        &mut added_force,
+    );
+    let mut composite_added_force = [[0.0; 8]; 6];
+    sum_subtrees(&added_force, &mut composite_added_force);
+    let mut composite_force = [[0.0; 8]; 6];
+    total_forces(&composite_bias, &composite_added_force, &mut composite_force);
+    let mut gains = [[0.0; 8]; 9];
+    let mut by_coordinate = [[0.0; 8]; 9];
+    let mut by_velocity = [[0.0; 8]; 9];
+    let mut stiffness = [[0.0; 8]; 6];
+    let mut damping = [[0.0; 8]; 6];
+    let mut own_stiffness = [[0.0; 8]; 1];
+    let mut own_damping = [[0.0; 8]; 1];
+    disturbances_2(
+        &screws,
+        &screw_rate,
+        &velocity,
+        &total_acceleration,
+        &composite_inertia,
+        &composite_flow,
+        &composite_force,
+        &joint_forces,
+        &mut gains,
+        &mut by_coordinate,
+        &mut by_velocity,
+        &mut stiffness,
+        &mut damping,
+        &mut own_stiffness,
+        &mut own_damping,
+    );
+    let mut by_coordinates = [[0.0; 8]; 7];
+    arrays::pairs::<
+        _,
+        _,
+        _,
+        8,
+        _,
+        _,
+    >(
+        (&gains, &by_coordinate),
+        (&screws, &stiffness),
+        &own_stiffness,
+        &mut by_coordinates,
+    );
+    let mut by_velocities = [[0.0; 8]; 7];
+    arrays::pairs::<
+        _,
+        _,
+        _,
+        8,
+        _,
+        _,
+    >((&gains, &by_velocity), (&screws, &damping), &own_damping, &mut by_velocities);
+    arrays::negative_product::<_, _, _, 8>(&inverse, &by_coordinates, da_dy);
+    arrays::negative_product::<_, _, _, 8>(&inverse, &by_velocities, da_dv);
+    a.copy_from_slice(accelerations[0].split_at(7).0);
+    for (to, from) in m_inverse.iter_mut().zip(&inverse) {
+        to.copy_from_slice(from.split_at(7).0);
+    }
 }
 
-/// Part 1 of `forward_dynamics_derivatives`: values that later parts read.
-#[inline(never)]
-fn forward_dynamics_derivatives_part_1(
+/// Poses and single joints of `forward_dynamics_derivatives`; the arrays hold zeros before.
+#[allow(
+    clippy::too_many_arguments,
+    reason = "blocks of fixed size need no type of their own"
+)]
+fn forward_dynamics_derivatives_setup(
     y: &[f64; N],
     v: &[f64; N],
     u: &[f64; M],
-) -> [f64; 233] {
-    let angle_panda_joint7_offset = y[6] + 0.6689225306301614;
+    screws: &mut [[f64; 8]; 6],
+    axes: &mut [[f64; 8]; 9],
+    origins: &mut [[f64; 8]; 3],
+    rates: &mut [[f64; 8]; 1],
+    driving_forces: &mut [[f64; 8]; 1],
+    joint_forces: &mut [[f64; 8]; 3],
+) {
+    screws[2][0] = 1.0;
+    axes[8][0] = 1.0;
+    origins[2][0] = 0.333;
+    origins[2][1] = 0.333;
+    rates[0][0] = v[0];
+    rates[0][1] = v[1];
+    rates[0][2] = v[2];
+    rates[0][3] = v[3];
+    rates[0][4] = v[4];
+    rates[0][5] = v[5];
+    rates[0][6] = v[6];
+    joint_forces[1][0] = -0.003;
+    joint_forces[1][1] = -0.003;
+    joint_forces[1][2] = -0.003;
+    joint_forces[1][3] = -0.003;
+    joint_forces[1][4] = -0.003;
+    joint_forces[1][5] = -0.003;
+    joint_forces[1][6] = -0.003;
     let (
-        [sin_panda_joint2,
-        sin_panda_joint3,
-        sin_panda_joint4,
-        sin_panda_joint5,
-        ],
-        [cos_panda_joint2,
-        cos_panda_joint3,
-        cos_panda_joint4,
-        cos_panda_joint5,
-        ],
-    ) = math::sin_cos_4(y[1], y[2], y[3], y[4]);
-    let ([sin_panda_joint6, sin_panda_joint7], [cos_panda_joint6, cos_panda_joint7]) = math::sin_cos_2(
-        y[5],
-        angle_panda_joint7_offset,
-    );
-    let t13 = cos_panda_joint7 * 0.0021748470602962725;
-    let t14 = sin_panda_joint7 * 0.0013205141364616554;
-    let t15 = t14 - t13;
-    let t16 = sin_panda_joint7 * t15;
-    let t17 = 0.0026818189154496457 + t16;
-    let t18 = cos_panda_joint7 * 0.0005773870536849036;
-    let t19 = t17 + t18;
-    let t20 = t19 - 0.007412167175072343;
-    let t21 = sin_panda_joint6 * t20;
-    let t22 = 0.00038633089444376715 * sin_panda_joint7;
-    let t23 = 0.001535882372017312 * cos_panda_joint7;
-    let t24 = t23 - t22;
-    let t25 = 0.014748570382675316 + t24;
-    let t26 = 2.0 * t25;
-    let t27 = cos_panda_joint6 * t26;
-    let t28 = t21 - t27;
-    let t29 = sin_panda_joint6 * t28;
-    let t30 = t19 + 0.022973411435614263;
-    let t31 = t29 - t30;
-    let t32 = t16 - 0.014047520880232544;
-    let t33 = t32 - t31;
-    let t34 = sin_panda_joint5 * t33;
-    let t35 = cos_panda_joint7 * t15;
-    let t36 = 0.0010874235301481362 + t35;
-    let t37 = 0.0002886935268424518 * sin_panda_joint7;
-    let t38 = 0.00010375891721868492 + t37;
-    let t39 = t36 - t38;
-    let t40 = cos_panda_joint6 * t39;
-    let t41 = 0.00038633089444376715 * cos_panda_joint7;
-    let t42 = 0.001535882372017312 * sin_panda_joint7;
-    let t43 = t42 + t41;
-    let t44 = 9.3569097314605e-5 + t43;
-    let t45 = sin_panda_joint6 * t44;
-    let t46 = t45 - t40;
-    let t47 = 0.0015152444733270301 - t46;
-    let t48 = 2.0 * t47;
-    let t49 = cos_panda_joint5 * t48;
-    let t50 = t34 + t49;
-    let t51 = sin_panda_joint5 * t50;
-    let t52 = 0.0002886935268424518 * cos_panda_joint7;
-    let t53 = 0.020402584637159996 + t52;
-    let t54 = cos_panda_joint6 * 4.363636363636364;
-    let t55 = t53 * t54;
-    let t56 = sin_panda_joint6 * 0.06674100693849601;
-    let t57 = t55 + t56;
-    let t58 = 0.005627033294592 - t57;
-    let t59 = cos_panda_joint5 * 0.21484375;
-    let t60 = t58 * t59;
-    let t61 = sin_panda_joint7 * 0.0012597535716761534;
-    let t62 = 0.0260623224672 - t61;
-    let t63 = sin_panda_joint5 * 0.21484375;
-    let t64 = t62 * t63;
-    let t65 = t60 + t64;
-    let t66 = 2.0 * t65;
-    let t67 = 0.05102013615681551 + t66;
-    let t68 = t31 - t67;
-    let t69 = t51 + t68;
-    let t70 = 0.028934422545659894 + t29;
-    let t71 = sin_panda_joint6 * 4.363636363636364;
-    let t72 = t53 * t71;
-    let t73 = cos_panda_joint6 * 0.06674100693849601;
-    let t74 = t72 - t73;
-    let t75 = 2.0 * t74;
-    let t76 = 0.6972920750309719 + t75;
-    let t77 = t70 + t76;
-    let t78 = t69 + t77;
-    let t79 = sin_panda_joint4 * t78;
-    let t80 = cos_panda_joint6 * t28;
-    let t81 = t24 + 0.01934881590023842;
-    let t82 = t80 + t81;
-    let t83 = t58 - t82;
-    let t84 = cos_panda_joint5 * t83;
-    let t85 = sin_panda_joint6 * t39;
-    let t86 = cos_panda_joint6 * t44;
-    let t87 = t86 + t85;
-    let t88 = 0.0021640520520981297 - t87;
-    let t89 = t62 - t88;
-    let t90 = sin_panda_joint5 * t89;
-    let t91 = t84 + t90;
-    let t92 = t74 * 0.21484375;
-    let t93 = 0.16284087268546088 + t92;
-    let t94 = t91 + t93;
-    let t95 = 2.0 * t94;
-    let t96 = cos_panda_joint4 * t95;
-    let t97 = t79 + t96;
-    let t98 = sin_panda_joint4 * t97;
-    let t99 = 0.04560437265862501 + t65;
-    let t100 = cos_panda_joint4 * t99;
-    let t101 = 0.16603319317224752 + t92;
-    let t102 = sin_panda_joint4 * t101;
-    let t103 = t100 + t102;
-    let t104 = 2.0 * t103;
-    let t105 = 0.0616024210265277 - t104;
-    let t106 = t69 - t105;
-    let t107 = t98 - t106;
-    let t108 = t32 - t51;
-    let t109 = 0.022178148964878235 - t108;
-    let t110 = t107 - t109;
-    let t111 = sin_panda_joint3 * t110;
-    let t112 = cos_panda_joint5 * t50;
-    let t113 = t58 * t63;
-    let t114 = t62 * t59;
-    let t115 = t113 - t114;
-    let t116 = 0.0039053550262761003 + t115;
-    let t117 = t47 - t116;
-    let t118 = t112 - t117;
-    let t119 = cos_panda_joint4 * t118;
-    let t120 = sin_panda_joint5 * t83;
-    let t121 = cos_panda_joint5 * t89;
-    let t122 = t120 - t121;
-    let t123 = 0.0016444875773692705 + t122;
-    let t124 = sin_panda_joint4 * t123;
-    let t125 = t119 + t124;
-    let t126 = 0.00012191242095074308 - t115;
-    let t127 = t125 + t126;
-    let t128 = 2.0 * t127;
-    let t129 = cos_panda_joint3 * t128;
-    let t130 = t111 + t129;
-    let t131 = sin_panda_joint3 * t130;
-    let t132 = 0.02307788249493181 + t107;
-    let t133 = t131 - t132;
-    let t134 = t77 - t98;
-    let t135 = sin_panda_joint4 * t99;
-    let t136 = cos_panda_joint4 * t101;
-    let t137 = t135 - t136;
-    let t138 = t137 * 7.66060606060606;
-    let t139 = 1.032162061231881 - t138;
-    let t140 = t134 + t139;
-    let t141 = t133 + t140;
-    let t142 = sin_panda_joint2 * t141;
-    let t143 = cos_panda_joint4 * t97;
-    let t144 = 0.005487648106562256 - t137;
-    let t145 = t94 + t144;
-    let t146 = t143 - t145;
-    let t147 = 0.06161578168944001 - t103;
-    let t148 = 3.83030303030303 * t147;
-    let t149 = t148 - t146;
-    let t150 = cos_panda_joint3 * t149;
-    let t151 = sin_panda_joint4 * t118;
-    let t152 = cos_panda_joint4 * t123;
-    let t153 = t151 - t152;
-    let t154 = 0.004377257121839584 + t153;
-    let t155 = 0.002328735327435001 - t115;
-    let t156 = 3.83030303030303 * t155;
-    let t157 = t156 + t154;
-    let t158 = sin_panda_joint3 * t157;
-    let t159 = t150 - t158;
-    let t160 = 0.00398335888393552 - t159;
-    let t161 = 2.0 * t160;
-    let t162 = cos_panda_joint2 * t161;
-    let t163 = t142 - t162;
-    let t164 = sin_panda_joint2 * t163;
-    let t165 = 0.004002333051911301 - t16;
-    let t166 = t17 + t165;
-    let t167 = t52 + t166;
-    let t168 = sin_panda_joint6 * t167;
-    let t169 = cos_panda_joint6 * t24;
-    let t170 = t169 - t168;
-    let t171 = cos_panda_joint7 * 0.0012597535716761534;
-    let t172 = t170 - t171;
-    let t173 = cos_panda_joint5 * t172;
-    let t174 = t37 * t54;
-    let t175 = t43 - t174;
-    let t176 = sin_panda_joint5 * t175;
-    let t177 = t173 + t176;
-    let t178 = cos_panda_joint4 * t177;
-    let t179 = cos_panda_joint6 * t167;
-    let t180 = sin_panda_joint6 * t24;
-    let t181 = t180 + t179;
-    let t182 = t63 * t174;
-    let t183 = t59 * t171;
-    let t184 = t182 + t183;
-    let t185 = t181 - t184;
-    let t186 = sin_panda_joint4 * t185;
-    let t187 = t178 - t186;
-    let t188 = 3.83030303030303 * t184;
-    let t189 = t187 - t188;
-    let t190 = cos_panda_joint3 * t189;
-    let t191 = sin_panda_joint5 * t172;
-    let t192 = cos_panda_joint5 * t175;
-    let t193 = t37 * t71;
-    let t194 = 0.21484375 * t193;
-    let t195 = t192 - t194;
-    let t196 = t191 - t195;
-    let t197 = t59 * t174;
-    let t198 = t63 * t171;
-    let t199 = t197 - t198;
-    let t200 = sin_panda_joint4 * t199;
-    let t201 = cos_panda_joint4 * t194;
-    let t202 = t200 + t201;
-    let t203 = t202 - t196;
-    let t204 = cos_panda_joint4 * t199;
-    let t205 = sin_panda_joint4 * t194;
-    let t206 = t204 - t205;
-    let t207 = 3.83030303030303 * t206;
-    let t208 = t207 - t203;
-    let t209 = sin_panda_joint3 * t208;
-    let t210 = t190 - t209;
-    let t211 = sin_panda_joint2 * t210;
-    let t212 = sin_panda_joint4 * t177;
-    let t213 = cos_panda_joint4 * t185;
-    let t214 = t184 + t213;
-    let t215 = t212 + t214;
-    let t216 = cos_panda_joint2 * t215;
-    let t217 = t211 - t216;
-    let inverse_d_panda_joint7 = 1.0 / t166;
-    let t219 = t181 * inverse_d_panda_joint7;
-    let t220 = t219 * t217;
-    let t221 = t32 + t31;
-    let t222 = t65 - t221;
-    let t223 = cos_panda_joint4 * t222;
-    let t224 = t65 - t223;
-    let t225 = sin_panda_joint4 * t91;
-    let t226 = t225 - t224;
-    let t227 = cos_panda_joint2 * t226;
-    let t228 = t227 + t220;
-    let t229 = cos_panda_joint4 * t91;
-    let t230 = sin_panda_joint4 * t222;
-    let t231 = t229 - t230;
-    let t232 = 3.83030303030303 * t65;
-    let t233 = t232 + t231;
-    let t234 = cos_panda_joint3 * t233;
-    let t235 = sin_panda_joint4 * t115;
-    let t236 = t235 - t122;
-    let t237 = cos_panda_joint4 * t115;
-    let t238 = 3.83030303030303 * t237;
-    let t239 = t238 - t236;
-    let t240 = sin_panda_joint3 * t239;
-    let t241 = t234 - t240;
-    let t242 = sin_panda_joint2 * t241;
-    let t243 = t242 - t228;
-    let t244 = t43 * inverse_d_panda_joint7;
-    let t245 = t244 * t217;
-    let t246 = 0.050456677916247444 + t19;
-    let t247 = t246 + t74;
-    let t248 = cos_panda_joint5 * t247;
-    let t249 = t57 * 0.21484375;
-    let t250 = t248 - t249;
-    let t251 = sin_panda_joint5 * t46;
-    let t252 = t251 + t250;
-    let t253 = cos_panda_joint4 * t249;
-    let t254 = t74 * t59;
-    let t255 = sin_panda_joint4 * t254;
-    let t256 = t255 - t253;
-    let t257 = t256 - t252;
-    let t258 = sin_panda_joint4 * t249;
-    let t259 = cos_panda_joint4 * t254;
-    let t260 = t259 + t258;
-    let t261 = 3.83030303030303 * t260;
-    let t262 = t261 - t257;
-    let t263 = sin_panda_joint3 * t262;
-    let t264 = cos_panda_joint5 * t46;
-    let t265 = sin_panda_joint5 * t247;
-    let t266 = t265 - t264;
-    let t267 = cos_panda_joint4 * t266;
-    let t268 = t74 * t63;
-    let t269 = t268 + t87;
-    let t270 = sin_panda_joint4 * t269;
-    let t271 = t267 - t270;
-    let t272 = 3.83030303030303 * t268;
-    let t273 = t272 + t271;
-    let t274 = cos_panda_joint3 * t273;
-    let t275 = t274 + t263;
-    let t276 = sin_panda_joint2 * t275;
-    let t277 = cos_panda_joint4 * t269;
-    let t278 = t268 - t277;
-    let t279 = sin_panda_joint4 * t266;
-    let t280 = t279 - t278;
-    let t281 = cos_panda_joint2 * t280;
-    let t282 = t276 - t281;
-    let t283 = t245 - t282;
-    let t284 = t181 * t244;
-    let t285 = t284 - t87;
-    let t286 = t43 * t244;
-    let t287 = t246 - t286;
-    let inverse_d_panda_joint6 = 1.0 / t287;
-    let t289 = inverse_d_panda_joint6 * t285;
-    let t290 = t283 * t289;
-    let t291 = t290 - t243;
-    let t292 = t181 * t219;
-    let t293 = t292 + t221;
-    let t294 = t285 * t289;
-    let t295 = t294 + t293;
-    let inverse_d_panda_joint5 = 1.0 / t295;
-    let t297 = t291 * inverse_d_panda_joint5;
-    let t298 = t291 * t297;
-    let t299 = inverse_d_panda_joint6 * t283;
-    let t300 = t283 * t299;
-    let t301 = inverse_d_panda_joint7 * t217;
-    let t302 = t217 * t301;
-    let t303 = 0.014259565994474414 - t302;
-    let t304 = t300 - t303;
-    let t305 = t298 - t304;
-    let t306 = t109 + t131;
-    let t307 = t306 + t305;
-    let t308 = t133 - t307;
-    let t309 = t164 - t308;
-    let t310 = t244 * t196;
-    let t311 = t252 + t310;
-    let t312 = inverse_d_panda_joint6 * t311;
-    let t313 = t283 * t312;
-    let t314 = inverse_d_panda_joint7 * t196;
-    let t315 = t217 * t314;
-    let t316 = cos_panda_joint2 * t153;
-    let t317 = t316 - t315;
-    let t318 = t313 - t317;
-    let t319 = t69 - t77;
-    let t320 = t103 + t319;
-    let t321 = 3.83030303030303 * t137;
-    let t322 = t321 + t320;
-    let t323 = sin_panda_joint3 * t322;
-    let t324 = cos_panda_joint3 * t125;
-    let t325 = t324 - t323;
-    let t326 = sin_panda_joint2 * t325;
-    let t327 = t326 + t318;
-    let t328 = t219 * t196;
-    let t329 = t122 - t328;
-    let t330 = t311 * t289;
-    let t331 = t330 - t329;
-    let t332 = t331 * inverse_d_panda_joint5;
-    let t333 = t291 * t332;
-    let t334 = t333 - t327;
-    let t335 = t196 * t314;
-    let t336 = t319 + t335;
-    let t337 = t311 * t312;
-    let t338 = t337 + t336;
-    let t339 = t331 * t332;
-    let t340 = t339 - t338;
-    let inverse_d_panda_joint4 = 1.0 / t340;
-    let t342 = t334 * inverse_d_panda_joint4;
-    let t343 = t334 * t342;
-    let t344 = t343 - t309;
-    let t345 = t244 * t215;
-    let t346 = t280 - t345;
-    let t347 = inverse_d_panda_joint6 * t346;
-    let t348 = t283 * t347;
-    let t349 = inverse_d_panda_joint7 * t215;
-    let t350 = t217 * t349;
-    let t351 = t350 - t348;
-    let t352 = t107 + t109;
-    let t353 = cos_panda_joint2 * t352;
-    let t354 = t353 + t351;
-    let t355 = t219 * t215;
-    let t356 = t226 - t355;
-    let t357 = t346 * t289;
-    let t358 = t357 + t356;
-    let t359 = t358 * inverse_d_panda_joint5;
-    let t360 = t291 * t359;
-    let t361 = t360 + t354;
-    let t362 = sin_panda_joint2 * t159;
-    let t363 = t362 + t361;
-    let t364 = t346 * t312;
-    let t365 = t215 * t314;
-    let t366 = t365 - t364;
-    let t367 = t153 + t366;
-    let t368 = t358 * t332;
-    let t369 = t368 + t367;
-    let t370 = t369 * inverse_d_panda_joint4;
-    let t371 = t334 * t370;
-    let t372 = t371 - t363;
-    let t373 = t346 * t347;
-    let t374 = t215 * t349;
-    let t375 = t374 + t373;
-    let t376 = t352 - t375;
-    let t377 = t358 * t359;
-    let t378 = t377 + t376;
-    let t379 = t369 * t370;
-    let t380 = t379 - t378;
-    let inverse_d_panda_joint3 = 1.0 / t380;
-    let t382 = t372 * inverse_d_panda_joint3;
-    let t383 = t372 * t382;
-    let t384 = t383 - t344;
-    let t385 = t133 - t140;
-    let t386 = sin_panda_joint3 * t233;
-    let t387 = cos_panda_joint3 * t239;
-    let t388 = t386 + t387;
-    let t389 = sin_panda_joint3 * t189;
-    let t390 = cos_panda_joint3 * t208;
-    let t391 = t389 + t390;
-    let t392 = t219 * t391;
-    let t393 = t388 - t392;
-    let t394 = t244 * t391;
-    let t395 = cos_panda_joint3 * t262;
-    let t396 = sin_panda_joint3 * t273;
-    let t397 = t396 - t395;
-    let t398 = t397 - t394;
-    let t399 = t398 * t289;
-    let t400 = t399 + t393;
-    let t401 = t400 * inverse_d_panda_joint5;
-    let t402 = t400 * t401;
-    let t403 = inverse_d_panda_joint6 * t398;
-    let t404 = t398 * t403;
-    let t405 = inverse_d_panda_joint7 * t391;
-    let t406 = t391 * t405;
-    let t407 = t406 + t404;
-    let t408 = t402 - t407;
-    let t409 = t385 - t408;
-    let t410 = t398 * t312;
-    let t411 = t391 * t314;
-    let t412 = t411 - t410;
-    let t413 = cos_panda_joint3 * t322;
-    let t414 = sin_panda_joint3 * t125;
-    let t415 = t414 + t413;
-    let t416 = t415 + t412;
-    let t417 = t400 * t332;
-    let t418 = t417 + t416;
-    let t419 = t418 * inverse_d_panda_joint4;
-    let t420 = t418 * t419;
-    let t421 = t420 + t409;
-    let t422 = sin_panda_joint3 * t149;
-    let t423 = cos_panda_joint3 * t157;
-    let t424 = t422 + t423;
-    let t425 = t398 * t347;
-    let t426 = t391 * t349;
-    let t427 = t426 + t425;
-    let t428 = t424 + t427;
-    let t429 = t400 * t359;
-    let t430 = t429 - t428;
-    let t431 = t418 * t370;
-    let t432 = t431 - t430;
-    let t433 = t432 * inverse_d_panda_joint3;
-    let t434 = t432 * t433;
-    let t435 = t434 - t421;
-    let inverse_d_panda_joint2 = 1.0 / t435;
-    let t437 = 0.0007689361029464 + t424;
-    let t438 = cos_panda_joint2 * t437;
-    let t439 = t291 * t401;
-    let t440 = t283 * t403;
-    let t441 = t217 * t405;
-    let t442 = t441 - t440;
-    let t443 = t439 + t442;
-    let t444 = t438 - t443;
-    let t445 = cos_panda_joint3 * t130;
-    let t446 = 0.01026110182100817 + t127;
-    let t447 = t445 - t446;
-    let t448 = sin_panda_joint2 * t447;
-    let t449 = t448 - t444;
-    let t450 = t334 * t419;
-    let t451 = t450 - t449;
-    let t452 = t372 * t433;
-    let t453 = t452 - t451;
-    let t454 = t453 * inverse_d_panda_joint2;
-    let t455 = t453 * t454;
-    let t456 = t455 - t384;
-    let inverse_d_panda_joint1 = 1.0 / t456;
-    let t458 = t454 * inverse_d_panda_joint1;
-    let t459 = t433 * t458;
-    let t460 = t382 * inverse_d_panda_joint1;
-    let t461 = t459 - t460;
-    let t462 = t370 * t461;
-    let t463 = t419 * t458;
-    let t464 = t342 * inverse_d_panda_joint1;
-    let t465 = t463 - t464;
-    let t466 = t462 - t465;
-    let t467 = t332 * t466;
-    let t468 = t359 * t461;
-    let t469 = t401 * t458;
-    let t470 = t297 * inverse_d_panda_joint1;
-    let t471 = t469 - t470;
-    let t472 = t468 - t471;
-    let t473 = t467 - t472;
-    let t474 = t289 * t473;
-    let t475 = t312 * t466;
-    let t476 = t347 * t461;
-    let t477 = t403 * t458;
-    let t478 = t299 * inverse_d_panda_joint1;
-    let t479 = t477 - t478;
-    let t480 = t476 - t479;
-    let t481 = t475 - t480;
-    let t482 = t474 - t481;
-    let t483 = t244 * t482;
-    let t484 = t219 * t473;
-    let t485 = t314 * t466;
-    let t486 = t349 * t461;
-    let t487 = t405 * t458;
-    let t488 = t301 * inverse_d_panda_joint1;
-    let t489 = t487 + t488;
-    let t490 = t486 - t489;
-    let t491 = t485 + t490;
-    let t492 = t484 - t491;
-    let t493 = t483 + t492;
-    let omega_panda_joint2_y = v[0] * cos_panda_joint2;
-    let omega_panda_joint3_z = v[2] + omega_panda_joint2_y;
-    let t496 = 2.0 * omega_panda_joint3_z;
-    let omega_panda_joint2_x = v[0] * sin_panda_joint2;
-    let t498 = sin_panda_joint3 * omega_panda_joint2_x;
-    let t499 = v[1] * cos_panda_joint3;
-    let omega_panda_joint3_y = t498 + t499;
-    let t501 = omega_panda_joint3_y * t496;
-    let t502 = v[1] * 2.0;
-    let t503 = omega_panda_joint2_y * t502;
-    let t504 = cos_panda_joint3 * t503;
-    let t505 = omega_panda_joint2_x * omega_panda_joint2_y;
-    let t506 = sin_panda_joint3 * t505;
-    let t507 = t506 + t504;
-    let t508 = t507 - t501;
-    let t509 = cos_panda_joint4 * t508;
-    let t510 = cos_panda_joint3 * omega_panda_joint2_x;
-    let t511 = v[1] * sin_panda_joint3;
-    let omega_panda_joint3_x = t510 - t511;
-    let t513 = omega_panda_joint3_x * omega_panda_joint3_y;
-    let t514 = v[1] * omega_panda_joint2_x;
-    let t515 = t514 - t513;
-    let t516 = sin_panda_joint4 * t515;
-    let t517 = t516 + t509;
-    let omega_panda_joint4_z = v[3] - omega_panda_joint3_y;
-    let t519 = 2.0 * omega_panda_joint4_z;
-    let t520 = sin_panda_joint4 * omega_panda_joint3_x;
-    let t521 = cos_panda_joint4 * omega_panda_joint3_z;
-    let omega_panda_joint4_y = t520 + t521;
-    let t523 = omega_panda_joint4_y * t519;
-    let t524 = t517 - t523;
-    let t525 = sin_panda_joint5 * t524;
-    let t526 = cos_panda_joint4 * omega_panda_joint3_x;
-    let t527 = sin_panda_joint4 * omega_panda_joint3_z;
-    let omega_panda_joint4_x = t526 - t527;
-    let t529 = omega_panda_joint4_x * omega_panda_joint4_y;
-    let t530 = omega_panda_joint3_x * omega_panda_joint3_z;
-    let t531 = sin_panda_joint3 * t503;
-    let t532 = cos_panda_joint3 * t505;
-    let t533 = t532 - t531;
-    let t534 = t533 - t530;
-    let t535 = t534 + t529;
-    let t536 = cos_panda_joint5 * t535;
-    let t537 = t536 - t525;
-    let t538 = sin_panda_joint4 * t508;
-    let t539 = cos_panda_joint4 * t515;
-    let t540 = t539 - t538;
-    let t541 = omega_panda_joint4_x * t519;
-    let t542 = t540 - t541;
-    let t543 = 3.83030303030303 * t507;
-    let acceleration_panda_joint2_x = sin_panda_joint2 * 118.9090909090909;
-    let t545 = sin_panda_joint3 * acceleration_panda_joint2_x;
-    let acceleration_panda_joint3_y = t545 + t543;
-    let t547 = t514 + t513;
-    let acceleration_panda_joint4_z = t547 - acceleration_panda_joint3_y;
-    let t549 = acceleration_panda_joint4_z - t542;
-    let t550 = t63 * t549;
-    let t551 = t550 + t537;
-    let t552 = 3.83030303030303 * t533;
-    let t553 = cos_panda_joint3 * acceleration_panda_joint2_x;
-    let acceleration_panda_joint3_x = t553 + t552;
-    let t555 = omega_panda_joint3_y * omega_panda_joint3_y;
-    let t556 = omega_panda_joint3_z * omega_panda_joint3_z;
-    let t557 = t555 + t556;
-    let t558 = t557 + acceleration_panda_joint3_x;
-    let t559 = cos_panda_joint4 * t558;
-    let t560 = omega_panda_joint2_x * omega_panda_joint2_x;
-    let t561 = v[1] * v[1];
-    let t562 = t560 + t561;
-    let t563 = 3.83030303030303 * t562;
-    let acceleration_panda_joint2_y = cos_panda_joint2 * 118.9090909090909;
-    let acceleration_panda_joint3_z = acceleration_panda_joint2_y - t563;
-    let t566 = omega_panda_joint3_x * t496;
-    let t567 = t533 - t566;
-    let t568 = t567 + acceleration_panda_joint3_z;
-    let t569 = sin_panda_joint4 * t568;
-    let acceleration_panda_joint4_x = t559 - t569;
-    let t571 = omega_panda_joint4_y * omega_panda_joint4_y;
-    let t572 = omega_panda_joint4_z * omega_panda_joint4_z;
-    let t573 = t571 + t572;
-    let t574 = acceleration_panda_joint4_x - t573;
-    let t575 = t59 * t574;
-    let acceleration_panda_joint5_x = t575 + t551;
-    let t577 = t54 * acceleration_panda_joint5_x;
-    let t578 = sin_panda_joint4 * t558;
-    let t579 = cos_panda_joint4 * t568;
-    let acceleration_panda_joint4_y = t578 + t579;
-    let t581 = t534 - t529;
-    let t582 = acceleration_panda_joint4_y - t581;
-    let t583 = 0.21484375 * t582;
-    let t584 = omega_panda_joint4_x * omega_panda_joint4_x;
-    let t585 = t584 + t572;
-    let acceleration_panda_joint5_z = t585 - t583;
-    let t587 = t71 * acceleration_panda_joint5_z;
-    let acceleration_panda_joint6_x = t587 + t577;
-    let t589 = cos_panda_joint5 * omega_panda_joint4_x;
-    let t590 = sin_panda_joint5 * omega_panda_joint4_z;
-    let omega_panda_joint5_x = t589 + t590;
-    let t592 = sin_panda_joint6 * omega_panda_joint5_x;
-    let omega_panda_joint5_z = v[4] + omega_panda_joint4_y;
-    let t594 = cos_panda_joint6 * omega_panda_joint5_z;
-    let omega_panda_joint6_y = t592 + t594;
-    let t596 = omega_panda_joint6_y * omega_panda_joint6_y;
-    let t597 = sin_panda_joint5 * omega_panda_joint4_x;
-    let t598 = cos_panda_joint5 * omega_panda_joint4_z;
-    let omega_panda_joint5_y = t597 - t598;
-    let omega_panda_joint6_z = v[5] - omega_panda_joint5_y;
-    let t601 = omega_panda_joint6_z * omega_panda_joint6_z;
-    let t602 = t596 + t601;
-    let acceleration_panda_joint7_x = t602 + acceleration_panda_joint6_x;
-    let t604 = t37 * acceleration_panda_joint7_x;
-    let t605 = cos_panda_joint5 * t524;
-    let t606 = sin_panda_joint5 * t535;
-    let t607 = t606 + t605;
-    let t608 = 2.0 * omega_panda_joint5_z;
-    let t609 = omega_panda_joint5_y * t608;
-    let t610 = t607 - t609;
-    let t611 = sin_panda_joint6 * t610;
-    let t612 = omega_panda_joint5_x * omega_panda_joint5_y;
-    let t613 = omega_panda_joint4_x * omega_panda_joint4_z;
-    let t614 = t540 - t613;
-    let t615 = t614 - t612;
-    let t616 = cos_panda_joint6 * t615;
-    let t617 = t616 - t611;
-    let t618 = cos_panda_joint6 * omega_panda_joint5_x;
-    let t619 = sin_panda_joint6 * omega_panda_joint5_z;
-    let omega_panda_joint6_x = t618 - t619;
-    let t621 = omega_panda_joint6_x * omega_panda_joint6_z;
-    let t622 = t617 - t621;
-    let t623 = t621 - t622;
-    let t624 = t17 * t623;
-    let t625 = t624 - t604;
-    let t626 = 2.0 * omega_panda_joint6_z;
-    let t627 = omega_panda_joint6_x * t626;
-    let t628 = t617 - t627;
-    let t629 = t59 * t549;
-    let t630 = t629 - t607;
-    let t631 = t63 * t574;
-    let acceleration_panda_joint5_y = t631 - t630;
-    let acceleration_panda_joint6_z = 4.363636363636364 * acceleration_panda_joint5_y;
-    let acceleration_panda_joint7_y = t628 - acceleration_panda_joint6_z;
-    let t635 = t52 * acceleration_panda_joint7_y;
-    let t636 = t635 - t625;
-    let omega_panda_joint7_z = v[6] - omega_panda_joint6_y;
-    let t638 = omega_panda_joint7_z * omega_panda_joint7_z;
-    let t639 = omega_panda_joint6_x * omega_panda_joint6_x;
-    let t640 = t639 + t638;
-    let t641 = t601 + t638;
-    let t642 = t641 - t640;
-    let t643 = t36 * t642;
-    let t644 = omega_panda_joint5_x * omega_panda_joint5_z;
-    let t645 = t537 - t644;
-    let t646 = omega_panda_joint6_x * omega_panda_joint6_y;
-    let t647 = t645 + t646;
-    let t648 = t43 * t647;
-    let t649 = t648 + t643;
-    let t650 = cos_panda_joint6 * t610;
-    let t651 = sin_panda_joint6 * t615;
-    let t652 = t651 + t650;
-    let t653 = omega_panda_joint6_y * t626;
-    let t654 = t652 - t653;
-    let t655 = t24 * t654;
-    let t656 = t655 - t649;
-    let t657 = t621 + t622;
-    let t658 = t165 * t657;
-    let t659 = t658 + t656;
-    let moment_panda_joint7_z = t659 + t636;
-    let t661 = v[6] * 0.003;
-    let t662 = u[6] - t661;
-    let t663 = t662 - moment_panda_joint7_z;
-    let t664 = t493 * t663;
-    let t665 = 0.015294814090072 * acceleration_panda_joint6_x;
-    let t666 = t71 * acceleration_panda_joint5_x;
-    let t667 = t54 * acceleration_panda_joint5_z;
-    let acceleration_panda_joint6_y = t667 - t666;
-    let t669 = 0.020402584637159996 * acceleration_panda_joint6_y;
-    let t670 = t669 + t665;
-    let t671 = 0.028934422545659894 * t647;
-    let t672 = t645 - t646;
-    let t673 = 0.02152225537058755 * t672;
-    let t674 = t673 + t671;
-    let t675 = t639 + t601;
-    let t676 = t602 - t675;
-    let t677 = 0.014748570382675316 * t676;
-    let t678 = t677 - t674;
-    let t679 = 9.3569097314605e-5 * t617;
-    let t680 = 0.00010375891721868492 * t652;
-    let t681 = t680 - t679;
-    let t682 = t681 - t678;
-    let t683 = t682 - t670;
-    let t684 = 2.0 * omega_panda_joint7_z;
-    let t685 = omega_panda_joint6_z * t684;
-    let t686 = t654 - t685;
-    let t687 = t37 * t686;
-    let t688 = omega_panda_joint6_x * t684;
-    let t689 = t647 + t688;
-    let t690 = t52 * t689;
-    let force_panda_joint7_z = t690 + t687;
-    let t692 = force_panda_joint7_z + t683;
-    let acceleration_panda_joint7_z = t672 - acceleration_panda_joint6_y;
-    let t694 = t52 * acceleration_panda_joint7_z;
-    let t695 = t43 * t657;
-    let t696 = t695 - t694;
-    let t697 = t36 * t686;
-    let t698 = t17 * t689;
-    let t699 = t675 - t641;
-    let t700 = t24 * t699;
-    let t701 = t700 + t698;
-    let t702 = t697 - t701;
-    let moment_panda_joint7_y = t702 + t696;
-    let moment_panda_joint6_z = moment_panda_joint7_y - t692;
-    let t705 = v[5] * 0.003;
-    let t706 = u[5] - t705;
-    let t707 = t706 + moment_panda_joint6_z;
-    let t708 = t482 * t707;
-    let t709 = t37 * acceleration_panda_joint7_z;
-    let t710 = t24 * t623;
-    let t711 = t710 - t709;
-    let t712 = t165 * t686;
-    let t713 = t675 - t640;
-    let t714 = t43 * t713;
-    let t715 = t36 * t689;
-    let t716 = t715 - t714;
-    let t717 = t712 - t716;
-    let moment_panda_joint7_x = t717 - t711;
-    let t719 = omega_panda_joint5_x * omega_panda_joint5_x;
-    let t720 = omega_panda_joint5_z * omega_panda_joint5_z;
-    let t721 = t719 + t720;
-    let t722 = t721 - t675;
-    let t723 = 9.3569097314605e-5 * t722;
-    let t724 = 0.00010375891721868492 * t672;
-    let t725 = t724 - t723;
-    let t726 = 0.06674100693849601 * acceleration_panda_joint5_y;
-    let t727 = t726 - t725;
-    let t728 = 0.028934422545659894 * t654;
-    let t729 = t728 - t727;
-    let t730 = 0.014748570382675316 * t628;
-    let t731 = t730 + t729;
-    let moment_panda_joint6_x = moment_panda_joint7_x + t731;
-    let t733 = sin_panda_joint6 * moment_panda_joint6_x;
-    let t734 = 0.010045187828321242 * t615;
-    let t735 = t614 + t612;
-    let t736 = 0.0014511560650267133 * t735;
-    let t737 = t736 + t734;
-    let t738 = omega_panda_joint5_y * omega_panda_joint5_y;
-    let t739 = t738 + t720;
-    let t740 = t739 - t721;
-    let t741 = 0.0015152444733270301 * t740;
-    let t742 = t741 - t737;
-    let t743 = 0.0021640520520981297 * t537;
-    let t744 = 0.004600245517563105 * t607;
-    let t745 = t744 - t743;
-    let t746 = t745 + t742;
-    let t747 = 0.0260623224672 * acceleration_panda_joint5_x;
-    let t748 = t747 + t746;
-    let t749 = 0.005627033294592 * acceleration_panda_joint5_y;
-    let t750 = t749 - t748;
-    let t751 = t733 + t750;
-    let t752 = t721 - t602;
-    let t753 = 0.00010375891721868492 * t752;
-    let t754 = 9.3569097314605e-5 * t647;
-    let t755 = t754 + t753;
-    let t756 = 0.08902946023488 * acceleration_panda_joint5_y;
-    let t757 = t756 + t755;
-    let t758 = 0.02152225537058755 * t628;
-    let t759 = t758 - t757;
-    let t760 = 0.014748570382675316 * t654;
-    let t761 = t760 + t759;
-    let t762 = t52 * t623;
-    let t763 = t37 * t640;
-    let force_panda_joint7_y = t762 + t763;
-    let t765 = force_panda_joint7_y - t761;
-    let moment_panda_joint6_y = moment_panda_joint7_z - t765;
-    let t767 = cos_panda_joint6 * moment_panda_joint6_y;
-    let moment_panda_joint5_z = t767 + t751;
-    let t769 = v[4] * 0.003;
-    let t770 = u[4] - t769;
-    let t771 = t770 + moment_panda_joint5_z;
-    let t772 = t473 * t771;
-    let t773 = 0.020402584637159996 * t672;
-    let t774 = 0.015294814090072 * t675;
-    let t775 = t773 + t774;
-    let force_panda_joint6_y = t775 + force_panda_joint7_z;
-    let t777 = t54 * force_panda_joint6_y;
-    let t778 = 0.0260623224672 * t610;
-    let t779 = omega_panda_joint5_x * t608;
-    let t780 = t537 - t779;
-    let t781 = 0.005627033294592 * t780;
-    let t782 = t781 + t778;
-    let t783 = t782 - t777;
-    let t784 = t37 * t657;
-    let t785 = t52 * t641;
-    let force_panda_joint7_x = t785 + t784;
-    let t787 = 0.015294814090072 * t647;
-    let t788 = 0.020402584637159996 * t602;
-    let t789 = t788 - t787;
-    let force_panda_joint6_x = t789 + force_panda_joint7_x;
-    let t791 = t71 * force_panda_joint6_x;
-    let force_panda_joint5_z = t791 + t783;
-    let t793 = 0.21484375 * force_panda_joint5_z;
-    let t794 = 0.6972920750309719 * t535;
-    let t795 = 0.05102013615681551 * t581;
-    let t796 = t795 + t794;
-    let t797 = 0.0016444875773692705 * t540;
-    let t798 = 0.0039053550262761003 * t517;
-    let t799 = t798 - t797;
-    let t800 = t799 - t796;
-    let t801 = t573 - t585;
-    let t802 = 0.16284087268546088 * t801;
-    let t803 = t802 + t800;
-    let t804 = 0.16603319317224752 * acceleration_panda_joint4_x;
-    let t805 = 0.04560437265862501 * acceleration_panda_joint4_y;
-    let t806 = t805 - t804;
-    let t807 = t806 + t803;
-    let t808 = t793 - t807;
-    let t809 = t71 * force_panda_joint6_y;
-    let t810 = 0.0260623224672 * t615;
-    let t811 = 0.005627033294592 * t739;
-    let t812 = t811 + t810;
-    let t813 = t812 - t809;
-    let t814 = t54 * force_panda_joint6_x;
-    let force_panda_joint5_x = t814 - t813;
-    let t816 = t585 - t739;
-    let t817 = 0.004600245517563105 * t816;
-    let t818 = 0.0021640520520981297 * t615;
-    let t819 = t818 - t817;
-    let t820 = 0.0014511560650267133 * t780;
-    let t821 = t820 + t819;
-    let t822 = 0.0015152444733270301 * t610;
-    let t823 = t822 - t821;
-    let t824 = 0.005627033294592 * acceleration_panda_joint5_z;
-    let t825 = t824 - t823;
-    let moment_panda_joint5_y = moment_panda_joint6_z - t825;
-    let t827 = force_panda_joint5_x - moment_panda_joint5_y;
-    let t828 = cos_panda_joint5 * t827;
-    let t829 = t828 + t808;
-    let t830 = cos_panda_joint6 * moment_panda_joint6_x;
-    let t831 = t585 - t721;
-    let t832 = 0.0021640520520981297 * t831;
-    let t833 = 0.004600245517563105 * t735;
-    let t834 = t833 + t832;
-    let t835 = 0.010045187828321242 * t610;
-    let t836 = t835 - t834;
-    let t837 = 0.0015152444733270301 * t780;
-    let t838 = t837 - t836;
-    let t839 = 0.0260623224672 * acceleration_panda_joint5_z;
-    let t840 = t839 - t838;
-    let t841 = t830 + t840;
-    let t842 = sin_panda_joint6 * moment_panda_joint6_y;
-    let moment_panda_joint5_x = t842 - t841;
-    let t844 = 0.015294814090072 * t654;
-    let t845 = 0.020402584637159996 * t628;
-    let t846 = t845 + t844;
-    let force_panda_joint6_z = t846 - force_panda_joint7_y;
-    let t848 = 4.363636363636364 * force_panda_joint6_z;
-    let t849 = 0.0260623224672 * t721;
-    let t850 = 0.005627033294592 * t735;
-    let t851 = t850 - t849;
-    let force_panda_joint5_y = t851 - t848;
-    let t853 = force_panda_joint5_y - moment_panda_joint5_x;
-    let t854 = sin_panda_joint5 * t853;
-    let moment_panda_joint4_z = t854 + t829;
-    let t856 = v[3] * 0.003;
-    let t857 = u[3] - t856;
-    let t858 = t857 - moment_panda_joint4_z;
-    let t859 = t466 * t858;
-    let t860 = t63 * force_panda_joint5_x;
-    let t861 = t59 * force_panda_joint5_y;
-    let t862 = t861 - t860;
-    let t863 = 0.16603319317224752 * t524;
-    let t864 = 0.04560437265862501 * t542;
-    let t865 = t864 + t863;
-    let force_panda_joint4_z = t865 + t862;
-    let t867 = omega_panda_joint3_x * omega_panda_joint3_x;
-    let t868 = t867 + t556;
-    let t869 = t557 - t868;
-    let t870 = 0.00012191242095074308 * t869;
-    let t871 = 0.002328735327435001 * acceleration_panda_joint3_x;
-    let t872 = t871 + t870;
-    let t873 = 0.06161578168944001 * acceleration_panda_joint3_y;
-    let t874 = t873 + t872;
-    let t875 = 0.022178148964878235 * t515;
-    let t876 = 0.004377257121839584 * t533;
-    let t877 = 0.005487648106562256 * t507;
-    let t878 = t877 + t876;
-    let t879 = t878 - t875;
-    let t880 = 0.0616024210265277 * t547;
-    let t881 = t880 - t879;
-    let t882 = t881 - t874;
-    let t883 = force_panda_joint4_z - t882;
-    let t884 = t868 - t573;
-    let t885 = 0.0039053550262761003 * t884;
-    let t886 = 0.16284087268546088 * t524;
-    let t887 = t886 + t885;
-    let t888 = 0.0016444875773692705 * t535;
-    let t889 = 0.04560437265862501 * acceleration_panda_joint4_z;
-    let t890 = t889 - t888;
-    let t891 = 0.05102013615681551 * t542;
-    let t892 = t891 - t890;
-    let t893 = t892 + t887;
-    let t894 = moment_panda_joint5_z + t893;
-    let moment_panda_joint4_y = t862 + t894;
-    let t896 = cos_panda_joint4 * moment_panda_joint4_y;
-    let t897 = t896 - t883;
-    let t898 = sin_panda_joint5 * t827;
-    let t899 = t868 - t585;
-    let t900 = 0.0016444875773692705 * t899;
-    let t901 = 0.16284087268546088 * t542;
-    let t902 = t901 + t900;
-    let t903 = 0.0039053550262761003 * t581;
-    let t904 = 0.16603319317224752 * acceleration_panda_joint4_z;
-    let t905 = t904 + t903;
-    let t906 = 0.6972920750309719 * t524;
-    let t907 = t906 - t905;
-    let t908 = t907 + t902;
-    let t909 = t898 - t908;
-    let t910 = cos_panda_joint5 * t853;
-    let moment_panda_joint4_x = t910 - t909;
-    let t912 = sin_panda_joint4 * moment_panda_joint4_x;
-    let moment_panda_joint3_z = t912 + t897;
-    let t914 = v[2] * 0.003;
-    let t915 = u[2] - t914;
-    let t916 = t915 + moment_panda_joint3_z;
-    let t917 = t461 * t916;
-    let t918 = 0.16603319317224752 * t585;
-    let t919 = 0.04560437265862501 * t581;
-    let t920 = t919 + t918;
-    let force_panda_joint4_y = t920 + t793;
-    let t922 = sin_panda_joint4 * force_panda_joint4_y;
-    let t923 = 0.002328735327435001 * t515;
-    let t924 = 0.06161578168944001 * t557;
-    let t925 = t924 - t923;
-    let t926 = t925 - t922;
-    let t927 = t63 * force_panda_joint5_y;
-    let t928 = 0.16603319317224752 * t535;
-    let t929 = 0.04560437265862501 * t573;
-    let t930 = t929 - t928;
-    let t931 = t930 - t927;
-    let t932 = t59 * force_panda_joint5_x;
-    let force_panda_joint4_x = t932 - t931;
-    let t934 = cos_panda_joint4 * force_panda_joint4_x;
-    let force_panda_joint3_x = t934 + t926;
-    let t936 = 3.83030303030303 * force_panda_joint3_x;
-    let t937 = cos_panda_joint4 * force_panda_joint4_y;
-    let t938 = 0.004377257121839584 * t515;
-    let t939 = 0.06161578168944001 * acceleration_panda_joint3_z;
-    let t940 = t939 - t938;
-    let t941 = 0.0616024210265277 * t567;
-    let t942 = 0.00012191242095074308 * t508;
-    let t943 = t942 - t941;
-    let t944 = t943 - t940;
-    let t945 = t562 - t557;
-    let t946 = 0.005487648106562256 * t945;
-    let t947 = t946 + t944;
-    let t948 = t937 + t947;
-    let t949 = sin_panda_joint4 * force_panda_joint4_x;
-    let t950 = t949 + t948;
-    let moment_panda_joint3_y = moment_panda_joint4_z - t950;
-    let t952 = moment_panda_joint3_y + t936;
-    let t953 = cos_panda_joint3 * t952;
-    let t954 = 1.032162061231881 * t505;
-    let t955 = sin_panda_joint2 * 32.80954542685273;
-    let t956 = cos_panda_joint2 * 0.01993386669246;
-    let t957 = t956 - t955;
-    let t958 = t957 - t954;
-    let t959 = 0.02307788249493181 * t505;
-    let t960 = t959 + t958;
-    let t961 = omega_panda_joint2_y * omega_panda_joint2_y;
-    let t962 = t961 + t561;
-    let t963 = t962 - t562;
-    let t964 = 0.00398335888393552 * t963;
-    let t965 = t964 + t960;
-    let t966 = t953 - t965;
-    let t967 = sin_panda_joint4 * moment_panda_joint4_y;
-    let t968 = 0.00012191242095074308 * t567;
-    let t969 = 0.002328735327435001 * acceleration_panda_joint3_z;
-    let t970 = t969 + t968;
-    let t971 = 0.022178148964878235 * t508;
-    let t972 = 0.005487648106562256 * t547;
-    let t973 = t972 - t971;
-    let t974 = t973 + t970;
-    let t975 = t562 - t868;
-    let t976 = 0.004377257121839584 * t975;
-    let t977 = t976 - t974;
-    let t978 = t967 - t977;
-    let t979 = cos_panda_joint4 * moment_panda_joint4_x;
-    let moment_panda_joint3_x = t979 - t978;
-    let t981 = 0.002328735327435001 * t868;
-    let t982 = 0.06161578168944001 * t547;
-    let t983 = t982 + t981;
-    let force_panda_joint3_y = t983 - force_panda_joint4_z;
-    let t985 = 3.83030303030303 * force_panda_joint3_y;
-    let t986 = moment_panda_joint3_x - t985;
-    let t987 = sin_panda_joint3 * t986;
-    let moment_panda_joint2_z = t987 + t966;
-    let t989 = v[1] * 0.003;
-    let t990 = u[1] - t989;
-    let t991 = t990 + moment_panda_joint2_z;
-    let t992 = t458 * t991;
-    let t993 = sin_panda_joint3 * t952;
-    let t994 = 1.032162061231881 * t503;
-    let t995 = 0.01026110182100817 * t505;
-    let t996 = t995 - t994;
-    let t997 = omega_panda_joint2_x * t502;
-    let t998 = 0.00398335888393552 * t997;
-    let t999 = t998 - t996;
-    let t1000 = v[0] * v[0];
-    let t1001 = t1000 - t562;
-    let t1002 = 0.0007689361029464 * t1001;
-    let t1003 = t1002 - t999;
-    let t1004 = t993 + t1003;
-    let t1005 = cos_panda_joint3 * t986;
-    let moment_panda_joint2_x = t1005 - t1004;
-    let t1007 = sin_panda_joint2 * moment_panda_joint2_x;
-    let t1008 = 0.02307788249493181 * t997;
-    let t1009 = 0.00398335888393552 * t503;
-    let t1010 = t1009 + t1008;
-    let t1011 = 0.0007689361029464 * t505;
-    let t1012 = t1011 - t1010;
-    let t1013 = t1000 - t962;
-    let t1014 = 0.01026110182100817 * t1013;
-    let t1015 = t1014 + t1012;
-    let moment_panda_joint2_y = moment_panda_joint3_z - t1015;
-    let t1017 = cos_panda_joint2 * moment_panda_joint2_y;
-    let moment_panda_joint1_z = t1007 - t1017;
-    let t1019 = v[0] * 0.003;
-    let t1020 = u[0] - t1019;
-    let t1021 = t1020 - moment_panda_joint1_z;
-    let t1022 = inverse_d_panda_joint1 * t1021;
-    let t1023 = t1022 - t992;
-    let t1024 = t917 + t1023;
-    let t1025 = t859 - t1024;
-    let t1026 = t772 + t1025;
-    let t1027 = t708 + t1026;
-    let t1028 = t664 + t1027;
-    let t1029 = t454 * t458;
-    let t1030 = inverse_d_panda_joint2 - t1029;
-    let t1031 = t433 * t1030;
-    let t1032 = t382 * t458;
-    let t1033 = t1031 + t1032;
-    let t1034 = t370 * t1033;
-    let t1035 = t419 * t1030;
-    let t1036 = t342 * t458;
-    let t1037 = t1035 + t1036;
-    let t1038 = t1034 - t1037;
-    let t1039 = t332 * t1038;
-    let t1040 = t359 * t1033;
-    let t1041 = t401 * t1030;
-    let t1042 = t297 * t458;
-    let t1043 = t1041 + t1042;
-    let t1044 = t1040 - t1043;
-    let t1045 = t1039 - t1044;
-    let t1046 = t289 * t1045;
-    let t1047 = t312 * t1038;
-    let t1048 = t347 * t1033;
-    let t1049 = t403 * t1030;
-    let t1050 = t299 * t458;
-    let t1051 = t1049 + t1050;
-    let t1052 = t1048 - t1051;
-    let t1053 = t1047 - t1052;
-    let t1054 = t1046 - t1053;
-    let t1055 = t244 * t1054;
-    let t1056 = t219 * t1045;
-    let t1057 = t314 * t1038;
-    let t1058 = t349 * t1033;
-    let t1059 = t405 * t1030;
-    let t1060 = t301 * t458;
-    let t1061 = t1059 - t1060;
-    let t1062 = t1058 - t1061;
-    let t1063 = t1057 + t1062;
-    let t1064 = t1056 - t1063;
-    let t1065 = t1055 + t1064;
-    let t1066 = t1065 * t663;
-    let t1067 = t1054 * t707;
-    let t1068 = t1045 * t771;
-    let t1069 = t1038 * t858;
-    let t1070 = t1033 * t916;
-    let t1071 = t1030 * t991;
-    let t1072 = t458 * t1021;
-    let t1073 = t1072 + t1071;
-    let t1074 = t1070 - t1073;
-    let t1075 = t1069 - t1074;
-    let t1076 = t1068 + t1075;
-    let t1077 = t1067 + t1076;
-    let t1078 = t1066 + t1077;
-    let t1079 = t433 * t454;
-    let t1080 = t382 - t1079;
-    let t1081 = inverse_d_panda_joint1 * t1080;
-    let t1082 = t454 * t1081;
-    let t1083 = t433 * inverse_d_panda_joint2;
-    let t1084 = t1083 + t1082;
-    let t1085 = t433 * t1084;
-    let t1086 = t382 * t1081;
-    let t1087 = inverse_d_panda_joint3 + t1086;
-    let t1088 = t1085 - t1087;
-    let t1089 = t370 * t1088;
-    let t1090 = t419 * t1084;
-    let t1091 = t342 * t1081;
-    let t1092 = t1090 - t1091;
-    let t1093 = t1089 - t1092;
-    let t1094 = t332 * t1093;
-    let t1095 = t359 * t1088;
-    let t1096 = t401 * t1084;
-    let t1097 = t297 * t1081;
-    let t1098 = t1096 - t1097;
-    let t1099 = t1095 - t1098;
-    let t1100 = t1094 - t1099;
-    let t1101 = t289 * t1100;
-    let t1102 = t312 * t1093;
-    let t1103 = t347 * t1088;
-    let t1104 = t403 * t1084;
-    let t1105 = t299 * t1081;
-    let t1106 = t1104 - t1105;
-    let t1107 = t1103 - t1106;
-    let t1108 = t1102 - t1107;
-    let t1109 = t1101 - t1108;
-    let t1110 = t244 * t1109;
-    let t1111 = t219 * t1100;
-    let t1112 = t314 * t1093;
-    let t1113 = t349 * t1088;
-    let t1114 = t405 * t1084;
-    let t1115 = t301 * t1081;
-    let t1116 = t1114 + t1115;
-    let t1117 = t1113 - t1116;
-    let t1118 = t1112 + t1117;
-    let t1119 = t1111 - t1118;
-    let t1120 = t1110 + t1119;
-    let t1121 = t1120 * t663;
-    let t1122 = t1109 * t707;
-    let t1123 = t1100 * t771;
-    let t1124 = t1088 * t916;
-    let t1125 = t461 * t1021;
-    let t1126 = t1125 - t1124;
-    let t1127 = t1033 * t991;
-    let t1128 = t1127 + t1126;
-    let t1129 = t1093 * t858;
-    let t1130 = t1129 + t1128;
-    let t1131 = t1123 + t1130;
-    let t1132 = t1122 + t1131;
-    let t1133 = t1121 + t1132;
-    let t1134 = t370 * t433;
-    let t1135 = t419 - t1134;
-    let t1136 = t454 * t1135;
-    let t1137 = t370 * t382;
-    let t1138 = t342 - t1137;
-    let t1139 = t1136 - t1138;
-    let t1140 = inverse_d_panda_joint1 * t1139;
-    let t1141 = t454 * t1140;
-    let t1142 = inverse_d_panda_joint2 * t1135;
-    let t1143 = t1142 - t1141;
-    let t1144 = t433 * t1143;
-    let t1145 = t382 * t1140;
-    let t1146 = t370 * inverse_d_panda_joint3;
-    let t1147 = t1146 + t1145;
-    let t1148 = t1144 + t1147;
-    let t1149 = t370 * t1148;
-    let t1150 = t419 * t1143;
-    let t1151 = t342 * t1140;
-    let t1152 = inverse_d_panda_joint4 + t1151;
-    let t1153 = t1150 + t1152;
-    let t1154 = t1149 - t1153;
-    let t1155 = t332 * t1154;
-    let t1156 = t359 * t1148;
-    let t1157 = t401 * t1143;
-    let t1158 = t297 * t1140;
-    let t1159 = t1157 + t1158;
-    let t1160 = t1156 - t1159;
-    let t1161 = t1155 - t1160;
-    let t1162 = t289 * t1161;
-    let t1163 = t312 * t1154;
-    let t1164 = t347 * t1148;
-    let t1165 = t403 * t1143;
-    let t1166 = t299 * t1140;
-    let t1167 = t1165 + t1166;
-    let t1168 = t1164 - t1167;
-    let t1169 = t1163 - t1168;
-    let t1170 = t1162 - t1169;
-    let t1171 = t244 * t1170;
-    let t1172 = t219 * t1161;
-    let t1173 = t314 * t1154;
-    let t1174 = t349 * t1148;
-    let t1175 = t405 * t1143;
-    let t1176 = t301 * t1140;
-    let t1177 = t1175 - t1176;
-    let t1178 = t1174 - t1177;
-    let t1179 = t1173 + t1178;
-    let t1180 = t1172 - t1179;
-    let t1181 = t1171 + t1180;
-    let t1182 = t1181 * t663;
-    let t1183 = t1170 * t707;
-    let t1184 = t1093 * t916;
-    let t1185 = t1038 * t991;
-    let t1186 = t1185 - t1184;
-    let t1187 = t1154 * t858;
-    let t1188 = t466 * t1021;
-    let t1189 = t1188 - t1187;
-    let t1190 = t1189 + t1186;
-    let t1191 = t1161 * t771;
-    let t1192 = t1191 - t1190;
-    let t1193 = t1183 + t1192;
-    let t1194 = t1182 + t1193;
-    let t1195 = t1161 * t858;
-    let t1196 = t1100 * t916;
-    let t1197 = t1196 + t1195;
-    let t1198 = t1045 * t991;
-    let t1199 = t1198 - t1197;
-    let t1200 = t332 * t370;
-    let t1201 = t359 - t1200;
-    let t1202 = t433 * t1201;
-    let t1203 = t332 * t419;
-    let t1204 = t401 - t1203;
-    let t1205 = t1202 - t1204;
-    let t1206 = t454 * t1205;
-    let t1207 = t382 * t1201;
-    let t1208 = t332 * t342;
-    let t1209 = t297 - t1208;
-    let t1210 = t1207 - t1209;
-    let t1211 = t1206 - t1210;
-    let t1212 = inverse_d_panda_joint1 * t1211;
-    let t1213 = t454 * t1212;
-    let t1214 = inverse_d_panda_joint2 * t1205;
-    let t1215 = t1214 - t1213;
-    let t1216 = t433 * t1215;
-    let t1217 = t382 * t1212;
-    let t1218 = inverse_d_panda_joint3 * t1201;
-    let t1219 = t1218 - t1217;
-    let t1220 = t1216 - t1219;
-    let t1221 = t370 * t1220;
-    let t1222 = t419 * t1215;
-    let t1223 = t342 * t1212;
-    let t1224 = t332 * inverse_d_panda_joint4;
-    let t1225 = t1224 + t1223;
-    let t1226 = t1222 + t1225;
-    let t1227 = t1221 - t1226;
-    let t1228 = t332 * t1227;
-    let t1229 = t359 * t1220;
-    let t1230 = t401 * t1215;
-    let t1231 = t297 * t1212;
-    let t1232 = inverse_d_panda_joint5 + t1231;
-    let t1233 = t1230 + t1232;
-    let t1234 = t1229 - t1233;
-    let t1235 = t1228 - t1234;
-    let t1236 = t1235 * t771;
-    let t1237 = t473 * t1021;
-    let t1238 = t1237 - t1236;
-    let t1239 = t1238 + t1199;
-    let t1240 = t289 * t1235;
-    let t1241 = t312 * t1227;
-    let t1242 = t347 * t1220;
-    let t1243 = t403 * t1215;
-    let t1244 = t299 * t1212;
-    let t1245 = t1243 + t1244;
-    let t1246 = t1242 - t1245;
-    let t1247 = t1241 - t1246;
-    let t1248 = t1240 - t1247;
-    let t1249 = t1248 * t707;
-    let t1250 = t1249 - t1239;
-    let t1251 = t244 * t1248;
-    let t1252 = t219 * t1235;
-    let t1253 = t314 * t1227;
-    let t1254 = t349 * t1220;
-    let t1255 = t405 * t1215;
-    let t1256 = t301 * t1212;
-    let t1257 = t1255 - t1256;
-    let t1258 = t1254 - t1257;
-    let t1259 = t1253 + t1258;
-    let t1260 = t1252 - t1259;
-    let t1261 = t1251 + t1260;
-    let t1262 = t1261 * t663;
-    let t1263 = t1262 + t1250;
-    let t1264 = t1109 * t916;
-    let t1265 = t1054 * t991;
-    let t1266 = t1265 - t1264;
-    let t1267 = t1248 * t771;
-    let t1268 = t1170 * t858;
-    let t1269 = t1268 + t1267;
-    let t1270 = t1269 - t1266;
-    let t1271 = t289 * t332;
-    let t1272 = t312 - t1271;
-    let t1273 = t370 * t1272;
-    let t1274 = t289 * t359;
-    let t1275 = t347 - t1274;
-    let t1276 = t1273 - t1275;
-    let t1277 = t433 * t1276;
-    let t1278 = t419 * t1272;
-    let t1279 = t289 * t401;
-    let t1280 = t403 - t1279;
-    let t1281 = t1278 - t1280;
-    let t1282 = t1277 - t1281;
-    let t1283 = t454 * t1282;
-    let t1284 = t382 * t1276;
-    let t1285 = t342 * t1272;
-    let t1286 = t289 * t297;
-    let t1287 = t299 - t1286;
-    let t1288 = t1285 - t1287;
-    let t1289 = t1284 - t1288;
-    let t1290 = t1283 - t1289;
-    let t1291 = inverse_d_panda_joint1 * t1290;
-    let t1292 = t454 * t1291;
-    let t1293 = inverse_d_panda_joint2 * t1282;
-    let t1294 = t1293 - t1292;
-    let t1295 = t433 * t1294;
-    let t1296 = t382 * t1291;
-    let t1297 = inverse_d_panda_joint3 * t1276;
-    let t1298 = t1297 - t1296;
-    let t1299 = t1295 - t1298;
-    let t1300 = t370 * t1299;
-    let t1301 = t419 * t1294;
-    let t1302 = t342 * t1291;
-    let t1303 = inverse_d_panda_joint4 * t1272;
-    let t1304 = t1303 - t1302;
-    let t1305 = t1301 - t1304;
-    let t1306 = t1300 - t1305;
-    let t1307 = t332 * t1306;
-    let t1308 = t359 * t1299;
-    let t1309 = t401 * t1294;
-    let t1310 = t297 * t1291;
-    let t1311 = t289 * inverse_d_panda_joint5;
-    let t1312 = t1311 + t1310;
-    let t1313 = t1309 + t1312;
-    let t1314 = t1308 - t1313;
-    let t1315 = t1307 - t1314;
-    let t1316 = t289 * t1315;
-    let t1317 = t312 * t1306;
-    let t1318 = t347 * t1299;
-    let t1319 = t403 * t1294;
-    let t1320 = t299 * t1291;
-    let t1321 = inverse_d_panda_joint6 + t1320;
-    let t1322 = t1319 + t1321;
-    let t1323 = t1318 - t1322;
-    let t1324 = t1317 - t1323;
-    let t1325 = t1316 - t1324;
-    let t1326 = t1325 * t707;
-    let t1327 = t482 * t1021;
-    let t1328 = t1327 - t1326;
-    let t1329 = t1328 - t1270;
-    let t1330 = t244 * t1325;
-    let t1331 = t219 * t1315;
-    let t1332 = t314 * t1306;
-    let t1333 = t349 * t1299;
-    let t1334 = t405 * t1294;
-    let t1335 = t301 * t1291;
-    let t1336 = t1334 - t1335;
-    let t1337 = t1333 - t1336;
-    let t1338 = t1332 + t1337;
-    let t1339 = t1331 - t1338;
-    let t1340 = t1330 + t1339;
-    let t1341 = t1340 * t663;
-    let t1342 = t1341 - t1329;
-    let t1343 = t1340 * t707;
-    let t1344 = t1261 * t771;
-    let t1345 = t1344 + t1343;
-    let t1346 = t244 * t289;
-    let t1347 = t219 + t1346;
-    let t1348 = t332 * t1347;
-    let t1349 = t244 * t312;
-    let t1350 = t314 + t1349;
-    let t1351 = t1348 - t1350;
-    let t1352 = t370 * t1351;
-    let t1353 = t359 * t1347;
-    let t1354 = t244 * t347;
-    let t1355 = t349 - t1354;
-    let t1356 = t1353 + t1355;
-    let t1357 = t1352 - t1356;
-    let t1358 = t433 * t1357;
-    let t1359 = t419 * t1351;
-    let t1360 = t401 * t1347;
-    let t1361 = t244 * t403;
-    let t1362 = t405 - t1361;
-    let t1363 = t1360 + t1362;
-    let t1364 = t1359 - t1363;
-    let t1365 = t1358 - t1364;
-    let t1366 = t454 * t1365;
-    let t1367 = t382 * t1357;
-    let t1368 = t342 * t1351;
-    let t1369 = t297 * t1347;
-    let t1370 = t244 * t299;
-    let t1371 = t301 + t1370;
-    let t1372 = t1369 - t1371;
-    let t1373 = t1368 - t1372;
-    let t1374 = t1367 - t1373;
-    let t1375 = t1366 - t1374;
-    let t1376 = inverse_d_panda_joint1 * t1375;
-    let t1377 = t454 * t1376;
-    let t1378 = inverse_d_panda_joint2 * t1365;
-    let t1379 = t1378 - t1377;
-    let t1380 = t433 * t1379;
-    let t1381 = t382 * t1376;
-    let t1382 = inverse_d_panda_joint3 * t1357;
-    let t1383 = t1382 - t1381;
-    let t1384 = t1380 - t1383;
-    let t1385 = t370 * t1384;
-    let t1386 = t419 * t1379;
-    let t1387 = t342 * t1376;
-    let t1388 = inverse_d_panda_joint4 * t1351;
-    let t1389 = t1388 - t1387;
-    let t1390 = t1386 - t1389;
-    let t1391 = t1385 - t1390;
-    let t1392 = t332 * t1391;
-    let t1393 = t359 * t1384;
-    let t1394 = t401 * t1379;
-    let t1395 = t297 * t1376;
-    let t1396 = inverse_d_panda_joint5 * t1347;
-    let t1397 = t1396 - t1395;
-    let t1398 = t1394 - t1397;
-    let t1399 = t1393 - t1398;
-    let t1400 = t1392 - t1399;
-    let t1401 = t289 * t1400;
-    let t1402 = t312 * t1391;
-    let t1403 = t347 * t1384;
-    let t1404 = t403 * t1379;
-    let t1405 = t299 * t1376;
-    let t1406 = t244 * inverse_d_panda_joint6;
-    let t1407 = t1406 - t1405;
-    let t1408 = t1404 - t1407;
-    let t1409 = t1403 - t1408;
-    let t1410 = t1402 - t1409;
-    let t1411 = t1401 - t1410;
-    let t1412 = t244 * t1411;
-    let t1413 = t219 * t1400;
-    let t1414 = t314 * t1391;
-    let t1415 = t349 * t1384;
-    let t1416 = t405 * t1379;
-    let t1417 = t301 * t1376;
-    let t1418 = inverse_d_panda_joint7 - t1417;
-    let t1419 = t1416 + t1418;
-    let t1420 = t1415 - t1419;
-    let t1421 = t1414 + t1420;
-    let t1422 = t1413 - t1421;
-    let t1423 = t1412 + t1422;
-    let t1424 = t1423 * t663;
-    let t1425 = t493 * t1021;
-    let t1426 = t1425 + t1424;
-    let t1427 = t1426 - t1345;
-    let t1428 = t1181 * t858;
-    let t1429 = t1120 * t916;
-    let t1430 = t1429 + t1428;
-    let t1431 = t1065 * t991;
-    let t1432 = t1431 - t1430;
-    let t1433 = t1432 + t1427;
-    let t1434 = t505 - t1078;
-    let t1435 = sin_panda_joint3 * t1434;
-    let t1436 = sin_panda_joint2 * t1028;
-    let t1437 = t503 + t1436;
-    let t1438 = cos_panda_joint3 * t1437;
-    let t1439 = t1435 + t1438;
-    let t1440 = t501 - t1439;
-    let t1441 = cos_panda_joint4 * t1440;
-    let t1442 = cos_panda_joint2 * t1028;
-    let t1443 = t514 - t1442;
-    let t1444 = t1133 + t1443;
-    let t1445 = t513 - t1444;
-    let t1446 = sin_panda_joint4 * t1445;
-    let t1447 = t1446 + t1441;
-    let t1448 = t523 + t1447;
-    let t1449 = cos_panda_joint5 * t1448;
-    let t1450 = cos_panda_joint3 * t1434;
-    let t1451 = sin_panda_joint3 * t1437;
-    let t1452 = t1450 - t1451;
-    let t1453 = t530 + t1194;
-    let t1454 = t1452 - t1453;
-    let t1455 = t529 + t1454;
-    let t1456 = sin_panda_joint5 * t1455;
-    let t1457 = t1456 - t1449;
-    let t1458 = t609 - t1457;
-    let t1459 = cos_panda_joint6 * t1458;
-    let t1460 = sin_panda_joint4 * t1440;
-    let t1461 = cos_panda_joint4 * t1445;
-    let t1462 = t1461 - t1460;
-    let t1463 = t613 - t1263;
-    let t1464 = t1462 + t1463;
-    let t1465 = t612 + t1464;
-    let t1466 = sin_panda_joint6 * t1465;
-    let t1467 = t1466 + t1459;
-    let t1468 = t653 + t1467;
-    let t1469 = t685 + t1468;
-    let t1470 = t37 * t1469;
-    let t1471 = sin_panda_joint5 * t1448;
-    let t1472 = cos_panda_joint5 * t1455;
-    let t1473 = t1472 + t1471;
-    let t1474 = t644 + t1342;
-    let t1475 = t1473 - t1474;
-    let t1476 = t646 + t1475;
-    let t1477 = t688 + t1476;
-    let t1478 = t52 * t1477;
-    let force_panda_joint7_z_2 = t1478 - t1470;
-    let t1480 = t646 - t1475;
-    let t1481 = 0.020402584637159996 * t1480;
-    let t1482 = t774 - t1481;
-    let force_panda_joint6_y_2 = force_panda_joint7_z_2 + t1482;
-    let t1484 = t54 * force_panda_joint6_y_2;
-    let t1485 = 0.0260623224672 * t1458;
-    let t1486 = t779 - t1473;
-    let t1487 = 0.005627033294592 * t1486;
-    let t1488 = t1487 + t1485;
-    let t1489 = t1484 + t1488;
-    let t1490 = sin_panda_joint6 * t1458;
-    let t1491 = cos_panda_joint6 * t1465;
-    let t1492 = t1491 - t1490;
-    let t1493 = t621 - t1433;
-    let t1494 = t1492 + t1493;
-    let t1495 = t621 - t1494;
-    let t1496 = t37 * t1495;
-    let force_panda_joint7_x_2 = t785 + t1496;
-    let t1498 = 0.015294814090072 * t1476;
-    let t1499 = t788 - t1498;
-    let force_panda_joint6_x_2 = force_panda_joint7_x_2 + t1499;
-    let t1501 = t71 * force_panda_joint6_x_2;
-    let force_panda_joint5_z_2 = t1501 - t1489;
-    let t1503 = 0.21484375 * force_panda_joint5_z_2;
-    let t1504 = t529 - t1454;
-    let t1505 = 0.04560437265862501 * t1504;
-    let t1506 = t918 - t1505;
-    let force_panda_joint4_y_2 = t1503 + t1506;
-    let t1508 = sin_panda_joint4 * force_panda_joint4_y_2;
-    let t1509 = 0.002328735327435001 * t1445;
-    let t1510 = t924 + t1509;
-    let t1511 = t1508 - t1510;
-    let t1512 = t621 + t1494;
-    let t1513 = t52 * t1512;
-    let force_panda_joint7_y_2 = t763 + t1513;
-    let t1515 = 0.015294814090072 * t1468;
-    let t1516 = t627 + t1492;
-    let t1517 = 0.020402584637159996 * t1516;
-    let t1518 = t1517 + t1515;
-    let force_panda_joint6_z_2 = force_panda_joint7_y_2 + t1518;
-    let t1520 = 4.363636363636364 * force_panda_joint6_z_2;
-    let t1521 = t612 - t1464;
-    let t1522 = 0.005627033294592 * t1521;
-    let t1523 = t849 - t1522;
-    let force_panda_joint5_y_2 = t1520 - t1523;
-    let t1525 = t63 * force_panda_joint5_y_2;
-    let t1526 = 0.16603319317224752 * t1455;
-    let t1527 = t929 - t1526;
-    let t1528 = t1525 - t1527;
-    let t1529 = t71 * force_panda_joint6_y_2;
-    let t1530 = 0.0260623224672 * t1465;
-    let t1531 = t811 - t1530;
-    let t1532 = t1529 - t1531;
-    let t1533 = t54 * force_panda_joint6_x_2;
-    let force_panda_joint5_x_2 = t1533 + t1532;
-    let t1535 = t59 * force_panda_joint5_x_2;
-    let force_panda_joint4_x_2 = t1535 + t1528;
-    let t1537 = cos_panda_joint4 * force_panda_joint4_x_2;
-    let force_panda_joint3_x_2 = t1537 - t1511;
-    let t1539 = 3.83030303030303 * force_panda_joint3_x_2;
-    let t1540 = cos_panda_joint4 * force_panda_joint4_y_2;
-    let t1541 = t566 - t1452;
-    let t1542 = 0.0616024210265277 * t1541;
-    let t1543 = 0.004377257121839584 * t1445;
-    let t1544 = t939 - t946;
-    let t1545 = t1543 + t1544;
-    let t1546 = t1542 - t1545;
-    let t1547 = 0.00012191242095074308 * t1440;
-    let t1548 = t1547 - t1546;
-    let t1549 = t1540 - t1548;
-    let t1550 = sin_panda_joint4 * force_panda_joint4_x_2;
-    let t1551 = t1550 + t1549;
-    let t1552 = 0.0016444875773692705 * t1462;
-    let t1553 = 0.0039053550262761003 * t1447;
-    let t1554 = t1553 - t1552;
-    let t1555 = 0.6972920750309719 * t1455;
-    let t1556 = t802 - t1555;
-    let t1557 = 0.05102013615681551 * t1504;
-    let t1558 = t1557 + t1556;
-    let t1559 = t1558 - t1554;
-    let t1560 = 3.83030303030303 * t1452;
-    let acceleration_panda_joint3_x_2 = t553 + t1560;
-    let t1562 = t557 + acceleration_panda_joint3_x_2;
-    let t1563 = cos_panda_joint4 * t1562;
-    let t1564 = acceleration_panda_joint3_z - t1541;
-    let t1565 = sin_panda_joint4 * t1564;
-    let acceleration_panda_joint4_x_2 = t1563 - t1565;
-    let t1567 = 0.16603319317224752 * acceleration_panda_joint4_x_2;
-    let t1568 = t1567 - t1559;
-    let t1569 = sin_panda_joint4 * t1562;
-    let t1570 = cos_panda_joint4 * t1564;
-    let acceleration_panda_joint4_y_2 = t1569 + t1570;
-    let t1572 = 0.04560437265862501 * acceleration_panda_joint4_y_2;
-    let t1573 = t1572 - t1568;
-    let t1574 = t1503 - t1573;
-    let t1575 = acceleration_panda_joint4_y_2 + t1504;
-    let t1576 = 0.21484375 * t1575;
-    let acceleration_panda_joint5_z_2 = t585 - t1576;
-    let t1578 = t71 * acceleration_panda_joint5_z_2;
-    let t1579 = t541 + t1462;
-    let t1580 = 3.83030303030303 * t1439;
-    let acceleration_panda_joint3_y_2 = t545 + t1580;
-    let t1582 = t513 + t1444;
-    let acceleration_panda_joint4_z_2 = t1582 - acceleration_panda_joint3_y_2;
-    let t1584 = acceleration_panda_joint4_z_2 + t1579;
-    let t1585 = t63 * t1584;
-    let t1586 = t1585 + t1473;
-    let t1587 = t573 - acceleration_panda_joint4_x_2;
-    let t1588 = t59 * t1587;
-    let acceleration_panda_joint5_x_2 = t1588 - t1586;
-    let t1590 = t54 * acceleration_panda_joint5_x_2;
-    let acceleration_panda_joint6_x_2 = t1590 - t1578;
-    let t1592 = 0.015294814090072 * acceleration_panda_joint6_x_2;
-    let t1593 = t54 * acceleration_panda_joint5_z_2;
-    let t1594 = t71 * acceleration_panda_joint5_x_2;
-    let acceleration_panda_joint6_y_2 = t1594 + t1593;
-    let t1596 = 0.020402584637159996 * acceleration_panda_joint6_y_2;
-    let t1597 = t1596 - t1592;
-    let t1598 = 9.3569097314605e-5 * t1492;
-    let t1599 = 0.00010375891721868492 * t1467;
-    let t1600 = t1599 - t1598;
-    let t1601 = 0.028934422545659894 * t1476;
-    let t1602 = t677 - t1601;
-    let t1603 = 0.02152225537058755 * t1480;
-    let t1604 = t1603 + t1602;
-    let t1605 = t1604 + t1600;
-    let t1606 = t1605 + t1597;
-    let t1607 = force_panda_joint7_z_2 - t1606;
-    let t1608 = t43 * t1495;
-    let acceleration_panda_joint7_z_2 = acceleration_panda_joint6_y_2 + t1480;
-    let t1610 = t52 * acceleration_panda_joint7_z_2;
-    let t1611 = t1610 + t1608;
-    let t1612 = t36 * t1469;
-    let t1613 = t17 * t1477;
-    let t1614 = t700 + t1613;
-    let t1615 = t1612 + t1614;
-    let moment_panda_joint7_y_2 = t1615 - t1611;
-    let moment_panda_joint6_z_2 = moment_panda_joint7_y_2 + t1607;
-    let t1618 = 0.0014511560650267133 * t1486;
-    let t1619 = 0.0021640520520981297 * t1465;
-    let t1620 = t817 + t1619;
-    let t1621 = t1618 + t1620;
-    let t1622 = 0.0015152444733270301 * t1458;
-    let t1623 = t1622 - t1621;
-    let t1624 = 0.005627033294592 * acceleration_panda_joint5_z_2;
-    let t1625 = t1624 + t1623;
-    let moment_panda_joint5_y_2 = moment_panda_joint6_z_2 + t1625;
-    let t1627 = force_panda_joint5_x_2 + moment_panda_joint5_y_2;
-    let t1628 = cos_panda_joint5 * t1627;
-    let t1629 = t1628 + t1574;
-    let t1630 = t24 * t1512;
-    let t1631 = t37 * acceleration_panda_joint7_z_2;
-    let t1632 = t1631 + t1630;
-    let t1633 = t165 * t1469;
-    let t1634 = t36 * t1477;
-    let t1635 = t714 - t1634;
-    let t1636 = t1633 - t1635;
-    let moment_panda_joint7_x_2 = t1636 + t1632;
-    let t1638 = 0.00010375891721868492 * t1480;
-    let t1639 = t723 + t1638;
-    let t1640 = t59 * t1584;
-    let t1641 = t1640 - t1457;
-    let t1642 = t63 * t1587;
-    let acceleration_panda_joint5_y_2 = t1642 + t1641;
-    let t1644 = 0.06674100693849601 * acceleration_panda_joint5_y_2;
-    let t1645 = t1644 - t1639;
-    let t1646 = 0.028934422545659894 * t1468;
-    let t1647 = t1646 - t1645;
-    let t1648 = 0.014748570382675316 * t1516;
-    let t1649 = t1648 + t1647;
-    let moment_panda_joint6_x_2 = moment_panda_joint7_x_2 + t1649;
-    let t1651 = cos_panda_joint6 * moment_panda_joint6_x_2;
-    let t1652 = 0.010045187828321242 * t1458;
-    let t1653 = 0.004600245517563105 * t1521;
-    let t1654 = t832 + t1653;
-    let t1655 = t1652 + t1654;
-    let t1656 = 0.0015152444733270301 * t1486;
-    let t1657 = t1656 - t1655;
-    let t1658 = 0.0260623224672 * acceleration_panda_joint5_z_2;
-    let t1659 = t1658 + t1657;
-    let t1660 = t1651 - t1659;
-    let t1661 = t17 * t1512;
-    let acceleration_panda_joint7_x_2 = t602 - acceleration_panda_joint6_x_2;
-    let t1663 = t37 * acceleration_panda_joint7_x_2;
-    let t1664 = t1663 - t1661;
-    let acceleration_panda_joint6_z_2 = 4.363636363636364
-        * acceleration_panda_joint5_y_2;
-    let acceleration_panda_joint7_y_2 = acceleration_panda_joint6_z_2 - t1516;
-    let t1667 = t52 * acceleration_panda_joint7_y_2;
-    let t1668 = t1667 + t1664;
-    let t1669 = t24 * t1468;
-    let t1670 = t43 * t1476;
-    let t1671 = t643 + t1670;
-    let t1672 = t1669 + t1671;
-    let t1673 = t165 * t1495;
-    let t1674 = t1673 - t1672;
-    let moment_panda_joint7_z_2 = t1674 + t1668;
-    let t1676 = 9.3569097314605e-5 * t1476;
-    let t1677 = t753 + t1676;
-    let t1678 = 0.08902946023488 * acceleration_panda_joint5_y_2;
-    let t1679 = t1678 - t1677;
-    let t1680 = 0.02152225537058755 * t1516;
-    let t1681 = t1680 - t1679;
-    let t1682 = 0.014748570382675316 * t1468;
-    let t1683 = t1682 + t1681;
-    let t1684 = force_panda_joint7_y_2 + t1683;
-    let moment_panda_joint6_y_2 = moment_panda_joint7_z_2 - t1684;
-    let t1686 = sin_panda_joint6 * moment_panda_joint6_y_2;
-    let moment_panda_joint5_x_2 = t1686 + t1660;
-    let t1688 = force_panda_joint5_y_2 - moment_panda_joint5_x_2;
-    let t1689 = sin_panda_joint5 * t1688;
-    let moment_panda_joint4_z_2 = t1689 + t1629;
-    let moment_panda_joint3_y_2 = moment_panda_joint4_z_2 - t1551;
-    let t1692 = moment_panda_joint3_y_2 + t1539;
-    let t1693 = sin_panda_joint3 * t1692;
-    let t1694 = 1.032162061231881 * t1437;
-    let t1695 = t1002 - t1694;
-    let t1696 = t997 - t1442;
-    let t1697 = 0.00398335888393552 * t1696;
-    let t1698 = t1697 - t1695;
-    let t1699 = t505 + t1078;
-    let t1700 = 0.01026110182100817 * t1699;
-    let t1701 = t1700 - t1698;
-    let t1702 = t1693 + t1701;
-    let t1703 = sin_panda_joint6 * moment_panda_joint6_x_2;
-    let t1704 = 0.0021640520520981297 * t1473;
-    let t1705 = 0.004600245517563105 * t1457;
-    let t1706 = t1705 - t1704;
-    let t1707 = 0.010045187828321242 * t1465;
-    let t1708 = t741 + t1707;
-    let t1709 = 0.0014511560650267133 * t1521;
-    let t1710 = t1709 - t1708;
-    let t1711 = t1710 - t1706;
-    let t1712 = 0.0260623224672 * acceleration_panda_joint5_x_2;
-    let t1713 = t1712 + t1711;
-    let t1714 = 0.005627033294592 * acceleration_panda_joint5_y_2;
-    let t1715 = t1714 - t1713;
-    let t1716 = t1703 + t1715;
-    let t1717 = cos_panda_joint6 * moment_panda_joint6_y_2;
-    let moment_panda_joint5_z_2 = t1717 - t1716;
-    let t1719 = 0.0016444875773692705 * t1455;
-    let t1720 = t885 + t1719;
-    let t1721 = 0.04560437265862501 * acceleration_panda_joint4_z_2;
-    let t1722 = t1721 - t1720;
-    let t1723 = 0.05102013615681551 * t1579;
-    let t1724 = t1723 + t1722;
-    let t1725 = 0.16284087268546088 * t1448;
-    let t1726 = t1725 + t1724;
-    let t1727 = moment_panda_joint5_z_2 - t1726;
-    let t1728 = t63 * force_panda_joint5_x_2;
-    let t1729 = t59 * force_panda_joint5_y_2;
-    let t1730 = t1728 - t1729;
-    let moment_panda_joint4_y_2 = t1730 - t1727;
-    let t1732 = sin_panda_joint4 * moment_panda_joint4_y_2;
-    let t1733 = 0.022178148964878235 * t1440;
-    let t1734 = 0.005487648106562256 * t1582;
-    let t1735 = t969 - t976;
-    let t1736 = t1734 + t1735;
-    let t1737 = t1733 + t1736;
-    let t1738 = 0.00012191242095074308 * t1541;
-    let t1739 = t1738 - t1737;
-    let t1740 = t1732 + t1739;
-    let t1741 = sin_panda_joint5 * t1627;
-    let t1742 = 0.0039053550262761003 * t1504;
-    let t1743 = t900 + t1742;
-    let t1744 = 0.16603319317224752 * acceleration_panda_joint4_z_2;
-    let t1745 = t1744 - t1743;
-    let t1746 = 0.6972920750309719 * t1448;
-    let t1747 = t1746 + t1745;
-    let t1748 = 0.16284087268546088 * t1579;
-    let t1749 = t1748 + t1747;
-    let t1750 = t1741 + t1749;
-    let t1751 = cos_panda_joint5 * t1688;
-    let moment_panda_joint4_x_2 = t1751 - t1750;
-    let t1753 = cos_panda_joint4 * moment_panda_joint4_x_2;
-    let moment_panda_joint3_x_2 = t1753 + t1740;
-    let t1755 = 0.16603319317224752 * t1448;
-    let t1756 = 0.04560437265862501 * t1579;
-    let t1757 = t1756 + t1755;
-    let force_panda_joint4_z_2 = t1730 + t1757;
-    let t1759 = 0.06161578168944001 * t1582;
-    let t1760 = t981 + t1759;
-    let force_panda_joint3_y_2 = force_panda_joint4_z_2 + t1760;
-    let t1762 = 3.83030303030303 * force_panda_joint3_y_2;
-    let t1763 = moment_panda_joint3_x_2 - t1762;
-    let t1764 = cos_panda_joint3 * t1763;
-    let moment_panda_joint2_x_2 = t1764 - t1702;
-    [
+        [sin_panda_joint1,
         sin_panda_joint2,
-        cos_panda_joint2,
         sin_panda_joint3,
-        cos_panda_joint3,
         sin_panda_joint4,
-        cos_panda_joint4,
         sin_panda_joint5,
-        cos_panda_joint5,
         sin_panda_joint6,
+        sin_panda_joint7,
+        ..,
+        ],
+        [cos_panda_joint1,
+        cos_panda_joint2,
+        cos_panda_joint3,
+        cos_panda_joint4,
+        cos_panda_joint5,
         cos_panda_joint6,
-        t16,
-        t17,
-        t19,
-        t24,
-        t25,
-        t31,
-        t32,
-        t36,
-        t37,
-        t39,
-        t43,
-        t44,
-        t46,
-        t47,
-        t52,
-        t53,
-        t54,
-        t57,
-        t58,
-        t59,
-        t62,
-        t63,
-        t65,
-        t69,
-        t70,
-        t71,
-        t74,
-        t77,
-        t82,
-        t87,
-        t88,
-        t91,
-        t92,
-        t94,
-        t99,
-        t101,
-        t103,
-        t107,
-        t108,
-        t109,
-        t115,
-        t118,
-        t122,
-        t123,
-        t125,
-        t127,
-        t133,
-        t134,
-        t137,
-        t140,
-        t146,
-        t147,
-        t153,
-        t154,
-        t155,
-        t159,
-        t160,
-        t165,
-        t166,
-        t167,
-        t170,
-        t171,
-        t174,
-        t177,
-        t181,
-        t184,
-        t185,
-        t187,
-        t193,
-        t194,
-        t196,
-        t199,
-        t202,
-        t203,
-        t206,
-        t210,
-        t215,
-        t221,
-        t222,
-        t226,
-        t231,
-        t235,
-        t236,
-        t237,
-        t241,
-        t246,
-        t249,
-        t252,
-        t254,
-        t256,
-        t257,
-        t260,
-        t266,
-        t268,
-        t269,
-        t271,
-        t275,
-        t280,
-        t306,
-        t319,
-        t320,
-        t325,
-        t352,
-        t385,
-        t388,
-        t391,
-        t397,
-        t415,
-        t424,
-        t437,
-        t447,
-        inverse_d_panda_joint1,
-        t458,
-        t461,
-        t466,
-        t473,
-        t482,
-        t493,
-        omega_panda_joint2_y,
-        omega_panda_joint3_z,
-        t496,
-        omega_panda_joint2_x,
-        omega_panda_joint3_y,
-        omega_panda_joint3_x,
-        omega_panda_joint4_z,
-        t519,
-        omega_panda_joint4_y,
-        omega_panda_joint4_x,
-        acceleration_panda_joint2_x,
-        t562,
-        acceleration_panda_joint2_y,
-        t585,
-        omega_panda_joint5_x,
-        omega_panda_joint5_z,
-        omega_panda_joint6_y,
-        omega_panda_joint5_y,
-        omega_panda_joint6_z,
-        omega_panda_joint6_x,
-        t626,
-        t675,
-        t684,
-        t721,
-        t868,
-        t870,
-        t1000,
-        t1014,
-        t1028,
-        t1030,
-        t1033,
-        t1038,
-        t1045,
-        t1054,
-        t1065,
-        t1078,
-        t1088,
-        t1093,
-        t1100,
-        t1109,
-        t1120,
-        t1133,
-        t1154,
-        t1161,
-        t1170,
-        t1181,
-        t1194,
-        t1235,
-        t1248,
-        t1261,
-        t1263,
-        t1325,
-        t1340,
-        t1342,
-        t1423,
-        t1433,
-        t1434,
-        t1436,
-        t1437,
-        t1439,
-        t1442,
-        t1445,
-        t1447,
-        t1452,
-        t1457,
-        t1462,
-        t1467,
-        t1468,
-        t1473,
-        t1476,
-        force_panda_joint6_y_2,
-        t1492,
-        force_panda_joint7_x_2,
-        force_panda_joint6_x_2,
-        force_panda_joint4_y_2,
-        force_panda_joint7_y_2,
-        force_panda_joint5_y_2,
-        force_panda_joint5_x_2,
-        force_panda_joint4_x_2,
-        force_panda_joint3_x_2,
-        acceleration_panda_joint3_x_2,
-        acceleration_panda_joint4_x_2,
-        acceleration_panda_joint4_y_2,
-        acceleration_panda_joint3_y_2,
-        t1582,
-        acceleration_panda_joint5_x_2,
-        acceleration_panda_joint6_x_2,
-        acceleration_panda_joint6_y_2,
-        moment_panda_joint7_y_2,
-        moment_panda_joint5_y_2,
-        moment_panda_joint7_x_2,
-        acceleration_panda_joint5_y_2,
-        moment_panda_joint6_x_2,
-        acceleration_panda_joint7_x_2,
-        acceleration_panda_joint7_y_2,
-        moment_panda_joint6_y_2,
-        moment_panda_joint5_x_2,
-        moment_panda_joint3_y_2,
-        t1696,
-        moment_panda_joint4_y_2,
-        moment_panda_joint4_x_2,
-        moment_panda_joint3_x_2,
-        force_panda_joint4_z_2,
-        force_panda_joint3_y_2,
-        moment_panda_joint2_x_2,
-    ]
-}
-
-/// Part 2 of `forward_dynamics_derivatives`: values that later parts read.
-#[inline(never)]
-fn forward_dynamics_derivatives_part_2(
-    v: &[f64; N],
-    [sin_panda_joint2,
-    cos_panda_joint2,
-    sin_panda_joint3,
-    cos_panda_joint3,
-    sin_panda_joint4,
-    cos_panda_joint4,
-    sin_panda_joint5,
-    cos_panda_joint5,
-    sin_panda_joint6,
-    cos_panda_joint6,
-    t16,
-    t17,
-    t19,
-    t24,
-    t25,
-    t31,
-    t32,
-    t36,
-    t37,
-    t39,
-    t43,
-    t44,
-    t46,
-    t47,
-    t52,
-    t53,
-    t54,
-    t57,
-    t58,
-    t59,
-    t62,
-    t63,
-    t65,
-    t69,
-    t70,
-    t71,
-    t74,
-    t77,
-    t82,
-    t87,
-    t88,
-    t91,
-    t92,
-    t94,
-    t99,
-    t101,
-    t103,
-    t107,
-    t108,
-    t109,
-    t115,
-    t118,
-    t122,
-    t123,
-    t125,
-    t127,
-    t133,
-    t134,
-    t137,
-    t140,
-    t146,
-    t147,
-    t153,
-    t154,
-    t155,
-    t159,
-    t160,
-    t165,
-    t166,
-    t167,
-    t170,
-    t171,
-    t174,
-    t177,
-    t181,
-    t184,
-    t185,
-    t187,
-    t193,
-    t194,
-    t196,
-    t199,
-    t202,
-    t203,
-    t206,
-    t210,
-    t215,
-    t221,
-    t222,
-    t226,
-    t231,
-    t235,
-    t236,
-    t237,
-    t241,
-    t246,
-    t249,
-    t252,
-    t254,
-    t256,
-    t257,
-    t260,
-    t266,
-    t268,
-    t269,
-    t271,
-    t275,
-    t280,
-    t306,
-    t319,
-    t320,
-    t325,
-    t352,
-    t385,
-    t388,
-    t391,
-    t397,
-    t415,
-    t424,
-    t437,
-    t447,
-    inverse_d_panda_joint1,
-    t458,
-    t461,
-    t466,
-    t473,
-    t482,
-    t493,
-    omega_panda_joint2_y,
-    omega_panda_joint3_z,
-    t496,
-    omega_panda_joint2_x,
-    omega_panda_joint3_y,
-    omega_panda_joint3_x,
-    omega_panda_joint4_z,
-    t519,
-    omega_panda_joint4_y,
-    omega_panda_joint4_x,
-    acceleration_panda_joint2_x,
-    t562,
-    acceleration_panda_joint2_y,
-    t585,
-    omega_panda_joint5_x,
-    omega_panda_joint5_z,
-    omega_panda_joint6_y,
-    omega_panda_joint5_y,
-    omega_panda_joint6_z,
-    omega_panda_joint6_x,
-    t626,
-    t675,
-    t684,
-    t721,
-    t868,
-    t870,
-    t1000,
-    t1014,
-    t1030,
-    t1033,
-    t1038,
-    t1045,
-    t1054,
-    t1065,
-    t1088,
-    t1093,
-    t1100,
-    t1109,
-    t1120,
-    t1154,
-    t1161,
-    t1170,
-    t1181,
-    t1235,
-    t1248,
-    t1261,
-    t1325,
-    t1340,
-    t1423,
-    t1434,
-    t1436,
-    t1437,
-    t1439,
-    t1442,
-    t1445,
-    t1447,
-    t1452,
-    t1457,
-    t1462,
-    t1467,
-    t1468,
-    t1473,
-    t1476,
-    force_panda_joint6_y_2,
-    t1492,
-    force_panda_joint7_x_2,
-    force_panda_joint6_x_2,
-    force_panda_joint4_y_2,
-    force_panda_joint7_y_2,
-    force_panda_joint5_y_2,
-    force_panda_joint5_x_2,
-    force_panda_joint4_x_2,
-    force_panda_joint3_x_2,
-    acceleration_panda_joint3_x_2,
-    acceleration_panda_joint4_x_2,
-    acceleration_panda_joint4_y_2,
-    acceleration_panda_joint3_y_2,
-    t1582,
-    acceleration_panda_joint5_x_2,
-    acceleration_panda_joint6_x_2,
-    acceleration_panda_joint6_y_2,
-    moment_panda_joint7_y_2,
-    moment_panda_joint5_y_2,
-    moment_panda_joint7_x_2,
-    acceleration_panda_joint5_y_2,
-    moment_panda_joint6_x_2,
-    acceleration_panda_joint7_x_2,
-    acceleration_panda_joint7_y_2,
-    moment_panda_joint6_y_2,
-    moment_panda_joint5_x_2,
-    moment_panda_joint3_y_2,
-    t1696,
-    moment_panda_joint4_y_2,
-    moment_panda_joint4_x_2,
-    moment_panda_joint3_x_2,
-    force_panda_joint4_z_2,
-    force_panda_joint3_y_2,
-    moment_panda_joint2_x_2,
-    ]: [f64; 226],
-) -> [f64; 116] {
-    let t1766 = t160 * t1442;
-    let t1767 = t52 * t626;
-    let t1768 = omega_panda_joint6_z * 0.0430445107411751;
-    let t1769 = t1768 + t1767;
-    let t1770 = omega_panda_joint6_x * 0.00020751783443736984;
-    let t1771 = t1770 + t1769;
-    let t1772 = 2.0 * omega_panda_joint6_x;
-    let t1773 = t37 * t1772;
-    let t1774 = t1773 + t1767;
-    let t1775 = t1774 + t1771;
-    let t1776 = t36 * t1772;
-    let t1777 = t17 * t626;
-    let t1778 = t1776 - t1777;
-    let t1779 = t1778 - t1775;
-    let t1780 = t43 * t684;
-    let t1781 = omega_panda_joint6_y * 0.00018713819462921;
-    let t1782 = omega_panda_joint6_z * 0.05786884509131979;
-    let t1783 = t1781 + t1782;
-    let t1784 = t1783 - t1780;
-    let t1785 = t1784 + t1779;
-    let t1786 = cos_panda_joint6 * t1785;
-    let t1787 = t37 * t684;
-    let t1788 = omega_panda_joint6_y * 0.00020751783443736984;
-    let t1789 = omega_panda_joint6_z * 0.02949714076535063;
-    let t1790 = t1788 + t1789;
-    let t1791 = t1790 - t1787;
-    let t1792 = t36 * t684;
-    let t1793 = t24 * t626;
-    let t1794 = t1793 + t1792;
-    let t1795 = t1794 + t1791;
-    let t1796 = t43 * t1772;
-    let t1797 = t1793 + t1796;
-    let t1798 = omega_panda_joint6_x * 0.00018713819462921;
-    let t1799 = t1789 + t1798;
-    let t1800 = t1799 + t1797;
-    let t1801 = t1800 + t1795;
-    let t1802 = sin_panda_joint6 * t1801;
-    let t1803 = t1802 - t1786;
-    let t1804 = sin_panda_joint6 * t1803;
-    let t1805 = omega_panda_joint5_y * 0.00920049103512621;
-    let t1806 = omega_panda_joint5_z * 0.0030304889466540603;
-    let t1807 = t1805 - t1806;
-    let t1808 = t1807 + t1795;
-    let t1809 = t1804 - t1808;
-    let t1810 = 2.0 * omega_panda_joint5_y;
-    let t1811 = t58 * t1810;
-    let t1812 = t1811 + t1809;
-    let t1813 = t1792 - t1796;
-    let t1814 = 2.0 * omega_panda_joint6_y;
-    let t1815 = t37 * t1814;
-    let t1816 = t1788 - t1798;
-    let t1817 = t1816 + t1815;
-    let t1818 = t1813 + t1817;
-    let t1819 = omega_panda_joint5_x * 0.004328104104196259;
-    let t1820 = t1806 - t1819;
-    let t1821 = t1820 - t1818;
-    let t1822 = 2.0 * omega_panda_joint5_x;
-    let t1823 = t62 * t1822;
-    let t1824 = t1823 + t1821;
-    let t1825 = t1812 + t1824;
-    let t1826 = sin_panda_joint5 * t1825;
-    let t1827 = t52 * t1814;
-    let t1828 = omega_panda_joint6_y * 0.0430445107411751;
-    let t1829 = omega_panda_joint6_x * 0.02949714076535063;
-    let t1830 = t1829 - t1828;
-    let t1831 = t1830 - t1827;
-    let t1832 = t52 * t684;
-    let t1833 = t1832 + t1831;
-    let t1834 = t17 * t684;
-    let t1835 = t24 * t1772;
-    let t1836 = t1834 + t1835;
-    let t1837 = t1836 + t1833;
-    let t1838 = cos_panda_joint6 * t1837;
-    let t1839 = t24 * t684;
-    let t1840 = omega_panda_joint6_y * 0.02949714076535063;
-    let t1841 = omega_panda_joint6_x * 0.05786884509131979;
-    let t1842 = t1841 - t1840;
-    let t1843 = t1842 + t1839;
-    let t1844 = sin_panda_joint6 * t1843;
-    let t1845 = t1844 + t1838;
-    let t1846 = omega_panda_joint5_x * 0.00920049103512621;
-    let t1847 = omega_panda_joint5_z * 0.0029023121300534266;
-    let t1848 = t1847 + t1846;
-    let t1849 = t1848 - t1845;
-    let t1850 = t58 * t1822;
-    let t1851 = t1850 - t1849;
-    let t1852 = t165 * t1772;
-    let t1853 = t36 * t626;
-    let t1854 = t1852 - t1853;
-    let t1855 = t37 * t626;
-    let t1856 = t1854 + t1855;
-    let t1857 = omega_panda_joint6_z * 0.00020751783443736984;
-    let t1858 = t1857 + t1856;
-    let t1859 = sin_panda_joint6 * t1858;
-    let t1860 = omega_panda_joint5_y * 0.004328104104196259;
-    let t1861 = omega_panda_joint5_z * 0.020090375656642484;
-    let t1862 = t1860 + t1861;
-    let t1863 = t1862 - t1859;
-    let t1864 = t165 * t684;
-    let t1865 = t43 * t626;
-    let t1866 = t1865 - t1864;
-    let t1867 = omega_panda_joint6_z * 0.00018713819462921;
-    let t1868 = t1867 + t1866;
-    let t1869 = cos_panda_joint6 * t1868;
-    let t1870 = t1869 + t1863;
-    let t1871 = t62 * t1810;
-    let t1872 = t1871 - t1870;
-    let t1873 = t1872 - t1851;
-    let t1874 = cos_panda_joint5 * t1873;
-    let t1875 = t1826 - t1874;
-    let t1876 = sin_panda_joint5 * t1875;
-    let t1877 = omega_panda_joint6_z * 0.04080516927431999;
-    let t1878 = t1877 + t1774;
-    let t1879 = t71 * t1878;
-    let t1880 = omega_panda_joint5_z * 0.0521246449344;
-    let t1881 = t1880 + t1879;
-    let t1882 = omega_panda_joint6_z * 0.030589628180144;
-    let t1883 = t1882 - t1787;
-    let t1884 = t54 * t1883;
-    let t1885 = t1884 - t1881;
-    let t1886 = t59 * t1885;
-    let t1887 = omega_panda_joint6_y * 0.04080516927431999;
-    let t1888 = omega_panda_joint6_x * 0.030589628180144;
-    let t1889 = t1888 - t1887;
-    let t1890 = t1889 + t1832;
-    let t1891 = 4.363636363636364 * t1890;
-    let t1892 = omega_panda_joint5_z * 0.011254066589184;
-    let t1893 = t1892 + t1891;
-    let t1894 = t63 * t1893;
-    let t1895 = t1894 + t1886;
-    let t1896 = omega_panda_joint4_y * 0.007810710052552201;
-    let t1897 = omega_panda_joint4_z * 0.32568174537092176;
-    let t1898 = t1896 - t1897;
-    let t1899 = t1898 + t1895;
-    let t1900 = t1812 + t1899;
-    let t1901 = t1876 - t1900;
-    let t1902 = t1805 - t1819;
-    let t1903 = t1902 + t1800;
-    let t1904 = t1804 - t1903;
-    let t1905 = t54 * t1878;
-    let t1906 = omega_panda_joint5_y * 0.011254066589184;
-    let t1907 = omega_panda_joint5_x * 0.0521246449344;
-    let t1908 = t1907 - t1906;
-    let t1909 = t1908 - t1905;
-    let t1910 = t71 * t1883;
-    let t1911 = t1910 - t1909;
-    let t1912 = t92 * t519;
-    let t1913 = omega_panda_joint4_x * 0.003288975154738541;
-    let t1914 = t1897 - t1913;
-    let t1915 = t1914 + t1912;
-    let t1916 = t1911 - t1915;
-    let t1917 = t1904 + t1916;
-    let t1918 = t1901 - t1917;
-    let t1919 = sin_panda_joint4 * t1918;
-    let t1920 = cos_panda_joint6 * t1803;
-    let t1921 = omega_panda_joint5_y * 0.0029023121300534266;
-    let t1922 = omega_panda_joint5_x * 0.0030304889466540603;
-    let t1923 = t1922 + t1921;
-    let t1924 = t1923 - t1784;
-    let t1925 = t1920 - t1924;
-    let t1926 = cos_panda_joint5 * t1925;
-    let t1927 = cos_panda_joint6 * t1858;
-    let t1928 = omega_panda_joint5_y * 0.0030304889466540603;
-    let t1929 = omega_panda_joint5_x * 0.020090375656642484;
-    let t1930 = t1929 + t1928;
-    let t1931 = t1930 + t1927;
-    let t1932 = sin_panda_joint6 * t1868;
-    let t1933 = t1932 + t1931;
-    let t1934 = sin_panda_joint5 * t1933;
-    let t1935 = t1926 + t1934;
-    let t1936 = 0.21484375 * t1911;
-    let t1937 = t65 * t519;
-    let t1938 = omega_panda_joint4_x * 0.007810710052552201;
-    let t1939 = omega_panda_joint4_z * 0.10204027231363103;
-    let t1940 = t1939 - t1938;
-    let t1941 = t1940 + t1937;
-    let t1942 = t1936 - t1941;
-    let t1943 = t1935 - t1942;
-    let t1944 = omega_panda_joint5_z * 0.004328104104196259;
-    let t1945 = t1944 + t1779;
-    let t1946 = t1920 + t1945;
-    let t1947 = t74 * t1810;
-    let t1948 = t1947 + t1885;
-    let t1949 = t1946 + t1948;
-    let t1950 = cos_panda_joint5 * t1949;
-    let t1951 = sin_panda_joint6 * t1837;
-    let t1952 = cos_panda_joint6 * t1843;
-    let t1953 = t1952 - t1951;
-    let t1954 = omega_panda_joint5_z * 0.00920049103512621;
-    let t1955 = t1954 + t1953;
-    let t1956 = t74 * t1822;
-    let t1957 = t1893 - t1956;
-    let t1958 = t1957 - t1955;
-    let t1959 = sin_panda_joint5 * t1958;
-    let t1960 = omega_panda_joint4_y * 0.003288975154738541;
-    let t1961 = omega_panda_joint4_z * 1.3945841500619438;
-    let t1962 = t1960 - t1961;
-    let t1963 = t1962 + t1959;
-    let t1964 = t1950 + t1963;
-    let t1965 = t1964 + t1943;
-    let t1966 = cos_panda_joint4 * t1965;
-    let t1967 = t1919 + t1966;
-    let t1968 = sin_panda_joint4 * t1967;
-    let t1969 = omega_panda_joint4_z * 0.33206638634449503;
-    let t1970 = t1969 - t1895;
-    let t1971 = cos_panda_joint4 * t1970;
-    let t1972 = omega_panda_joint4_z * 0.09120874531725003;
-    let t1973 = t1972 - t1936;
-    let t1974 = sin_panda_joint4 * t1973;
-    let t1975 = t1971 - t1974;
-    let t1976 = omega_panda_joint3_y * 0.010975296213124512;
-    let t1977 = omega_panda_joint3_z * 0.00024382484190148615;
-    let t1978 = t1976 - t1977;
-    let t1979 = t1978 - t1975;
-    let t1980 = t1901 + t1979;
-    let t1981 = t1968 - t1980;
-    let t1982 = 7.66060606060606 * omega_panda_joint3_y;
-    let t1983 = t147 * t1982;
-    let t1984 = t1983 - t1981;
-    let t1985 = 2.0 * omega_panda_joint4_y;
-    let t1986 = t115 * t1985;
-    let t1987 = t1896 - t1913;
-    let t1988 = t1987 + t1986;
-    let t1989 = t1824 + t1988;
-    let t1990 = t1876 - t1989;
-    let t1991 = t115 * t496;
-    let t1992 = omega_panda_joint3_x * 0.008754514243679169;
-    let t1993 = t1977 + t1992;
-    let t1994 = t1993 - t1991;
-    let t1995 = t1990 - t1994;
-    let t1996 = 7.66060606060606 * omega_panda_joint3_x;
-    let t1997 = t155 * t1996;
-    let t1998 = t1997 - t1995;
-    let t1999 = t1984 - t1998;
-    let t2000 = sin_panda_joint3 * t1999;
-    let t2001 = cos_panda_joint5 * t1875;
-    let t2002 = t63 * t1885;
-    let t2003 = t59 * t1893;
-    let t2004 = t2003 - t2002;
-    let t2005 = t65 * t1985;
-    let t2006 = omega_panda_joint4_y * 0.10204027231363103;
-    let t2007 = omega_panda_joint4_x * 0.32568174537092176;
-    let t2008 = t2007 - t2006;
-    let t2009 = t2008 - t2005;
-    let t2010 = t2004 - t2009;
-    let t2011 = t1872 - t2010;
-    let t2012 = t2001 + t2011;
-    let t2013 = cos_panda_joint4 * t2012;
-    let t2014 = sin_panda_joint5 * t1949;
-    let t2015 = cos_panda_joint5 * t1958;
-    let t2016 = t92 * t1985;
-    let t2017 = omega_panda_joint4_y * 0.32568174537092176;
-    let t2018 = omega_panda_joint4_x * 1.3945841500619438;
-    let t2019 = t2018 - t2017;
-    let t2020 = t2019 - t2016;
-    let t2021 = t2015 - t2020;
-    let t2022 = t2014 - t2021;
-    let t2023 = sin_panda_joint4 * t2022;
-    let t2024 = t2013 + t2023;
-    let t2025 = omega_panda_joint4_y * 0.09120874531725003;
-    let t2026 = omega_panda_joint4_x * 0.33206638634449503;
-    let t2027 = t2026 - t2025;
-    let t2028 = t2027 - t2004;
-    let t2029 = t103 * t496;
-    let t2030 = omega_panda_joint3_x * 0.010975296213124512;
-    let t2031 = omega_panda_joint3_z * 0.1232048420530554;
-    let t2032 = t2031 + t2030;
-    let t2033 = t2032 - t2029;
-    let t2034 = t2028 + t2033;
-    let t2035 = t2024 - t2034;
-    let t2036 = t147 * t1996;
-    let t2037 = t2036 - t2035;
-    let t2038 = omega_panda_joint4_z * 0.003288975154738541;
-    let t2039 = t2038 + t1851;
-    let t2040 = t2001 - t2039;
-    let t2041 = cos_panda_joint4 * t2040;
-    let t2042 = sin_panda_joint5 * t1925;
-    let t2043 = cos_panda_joint5 * t1933;
-    let t2044 = t115 * t519;
-    let t2045 = t2044 - t2043;
-    let t2046 = t2042 + t2045;
-    let t2047 = omega_panda_joint4_z * 0.007810710052552201;
-    let t2048 = t2047 + t2046;
-    let t2049 = sin_panda_joint4 * t2048;
-    let t2050 = omega_panda_joint3_y * 0.008754514243679169;
-    let t2051 = omega_panda_joint3_z * 0.04435629792975647;
-    let t2052 = t2050 - t2051;
-    let t2053 = t2052 - t2049;
-    let t2054 = t2041 - t2053;
-    let t2055 = t155 * t1982;
-    let t2056 = t2055 - t2054;
-    let t2057 = t2056 + t2037;
-    let t2058 = cos_panda_joint3 * t2057;
-    let t2059 = t2000 + t2058;
-    let t2060 = sin_panda_joint3 * t2059;
-    let t2061 = omega_panda_joint2_x * 0.0015378722058928;
-    let t2062 = omega_panda_joint2_y * 0.02052220364201634;
-    let t2063 = t2062 - t2061;
-    let t2064 = t2063 - t1998;
-    let t2065 = t2060 - t2064;
-    let t2066 = v[1] * 0.00796671776787104;
-    let t2067 = t2062 - t2066;
-    let t2068 = t2067 + t1984;
-    let t2069 = t2060 - t2068;
-    let t2070 = t2069 - t2065;
-    let t2071 = omega_panda_joint2_x * t2070;
-    let t2072 = cos_panda_joint4 * t1967;
-    let t2073 = sin_panda_joint4 * t1970;
-    let t2074 = cos_panda_joint4 * t1973;
-    let t2075 = t2073 + t2074;
-    let t2076 = 2.0 * omega_panda_joint3_y;
-    let t2077 = t103 * t2076;
-    let t2078 = omega_panda_joint3_y * 0.1232048420530554;
-    let t2079 = omega_panda_joint3_x * 0.00024382484190148615;
-    let t2080 = t2079 + t2078;
-    let t2081 = t2080 - t2077;
-    let t2082 = t2075 + t2081;
-    let t2083 = t1964 + t2082;
-    let t2084 = t2072 - t2083;
-    let t2085 = cos_panda_joint3 * t2084;
-    let t2086 = sin_panda_joint4 * t2040;
-    let t2087 = cos_panda_joint4 * t2048;
-    let t2088 = t115 * t2076;
-    let t2089 = omega_panda_joint3_y * 0.00024382484190148615;
-    let t2090 = omega_panda_joint3_x * 0.04435629792975647;
-    let t2091 = t2090 + t2089;
-    let t2092 = t2091 - t2088;
-    let t2093 = t2087 - t2092;
-    let t2094 = t2086 - t2093;
-    let t2095 = sin_panda_joint3 * t2094;
-    let t2096 = t2085 + t2095;
-    let t2097 = omega_panda_joint2_x * 0.02052220364201634;
-    let t2098 = v[1] * 0.04615576498986362;
-    let t2099 = t2098 - t2097;
-    let t2100 = t2099 - t2096;
-    let t2101 = omega_panda_joint2_y * t2100;
-    let t2102 = t1000 * t437;
-    let t2103 = sin_panda_joint3 * t147;
-    let t2104 = cos_panda_joint3 * t155;
-    let t2105 = t2103 + t2104;
-    let t2106 = t2105 * acceleration_panda_joint2_y;
-    let t2107 = t2106 + t2102;
-    let t2108 = t2101 - t2107;
-    let t2109 = t2071 - t2108;
-    let t2110 = t1766 - t2109;
-    let t2111 = t306 - t133;
-    let t2112 = t1436 * t2111;
-    let t2113 = t2112 + t2110;
-    let t2114 = moment_panda_joint2_x_2 - t2113;
-    let t2115 = cos_panda_joint2 * t2114;
-    let t2116 = 0.004377257121839584 * t1452;
-    let t2117 = 0.005487648106562256 * t1439;
-    let t2118 = t2117 + t2116;
-    let t2119 = 0.022178148964878235 * t1445;
-    let t2120 = t870 + t2119;
-    let t2121 = 0.0616024210265277 * t1582;
-    let t2122 = t2121 - t2120;
-    let t2123 = t2122 - t2118;
-    let t2124 = 0.002328735327435001 * acceleration_panda_joint3_x_2;
-    let t2125 = t2124 - t2123;
-    let t2126 = 0.06161578168944001 * acceleration_panda_joint3_y_2;
-    let t2127 = t2126 + t2125;
-    let t2128 = force_panda_joint4_z_2 - t2127;
-    let t2129 = cos_panda_joint4 * moment_panda_joint4_y_2;
-    let t2130 = t2129 - t2128;
-    let t2131 = sin_panda_joint4 * moment_panda_joint4_x_2;
-    let moment_panda_joint3_z_2 = t2131 - t2130;
-    let t2133 = 0.02307788249493181 * t1696;
-    let t2134 = t1014 - t2133;
-    let t2135 = 0.00398335888393552 * t1437;
-    let t2136 = t2135 - t2134;
-    let t2137 = 0.0007689361029464 * t1434;
-    let t2138 = t2137 - t2136;
-    let moment_panda_joint2_y_2 = moment_panda_joint3_z_2 - t2138;
-    let t2140 = t160 * t1436;
-    let t2141 = t137 * t2076;
-    let t2142 = t1976 + t1992;
-    let t2143 = t2142 - t2141;
-    let t2144 = t1917 - t2143;
-    let t2145 = t1968 + t2144;
-    let t2146 = omega_panda_joint3_y * 0.12323156337888003;
-    let t2147 = omega_panda_joint3_x * 0.004657470654870002;
-    let t2148 = t2147 + t2146;
-    let t2149 = t2148 + t2075;
-    let t2150 = 3.83030303030303 * t2149;
-    let t2151 = t2066 - t2061;
-    let t2152 = t2151 - t2150;
-    let t2153 = t2145 + t2152;
-    let t2154 = t2153 + t2065;
-    let t2155 = omega_panda_joint2_y * t2154;
-    let t2156 = omega_panda_joint3_z * 0.008754514243679169;
-    let t2157 = t2156 + t1943;
-    let t2158 = t2072 - t2157;
-    let t2159 = omega_panda_joint3_z * 0.004657470654870002;
-    let t2160 = t2159 + t1975;
-    let t2161 = 3.83030303030303 * t2160;
-    let t2162 = t137 * t1982;
-    let t2163 = t2162 + t2161;
-    let t2164 = t2158 - t2163;
-    let t2165 = cos_panda_joint3 * t2164;
-    let t2166 = sin_panda_joint4 * t2012;
-    let t2167 = cos_panda_joint4 * t2022;
-    let t2168 = t137 * t496;
-    let t2169 = t2168 - t2167;
-    let t2170 = t2166 + t2169;
-    let t2171 = omega_panda_joint3_z * 0.010975296213124512;
-    let t2172 = t2171 - t2170;
-    let t2173 = omega_panda_joint3_z * 0.12323156337888003;
-    let t2174 = t2173 + t2028;
-    let t2175 = 3.83030303030303 * t2174;
-    let t2176 = t137 * t1996;
-    let t2177 = t2176 - t2175;
-    let t2178 = t2172 - t2177;
-    let t2179 = sin_panda_joint3 * t2178;
-    let t2180 = omega_panda_joint2_y * 0.0015378722058928;
-    let t2181 = v[1] * 2.064324122463762;
-    let t2182 = t2180 - t2181;
-    let t2183 = t2182 + t2179;
-    let t2184 = t2165 - t2183;
-    let t2185 = omega_panda_joint2_x * t2184;
-    let t2186 = t1000 * t447;
-    let t2187 = t2105 * acceleration_panda_joint2_x;
-    let t2188 = t2187 - t2186;
-    let t2189 = t2185 - t2188;
-    let t2190 = t2155 - t2189;
-    let t2191 = t2140 + t2190;
-    let t2192 = t306 + t140;
-    let t2193 = t1442 * t2192;
-    let t2194 = t2193 + t2191;
-    let t2195 = moment_panda_joint2_y_2 + t2194;
-    let t2196 = sin_panda_joint2 * t2195;
-    let t2197 = t2196 + t2115;
-    let t2198 = inverse_d_panda_joint1 * t2197;
-    let t2199 = t352 * t1436;
-    let t2200 = t1981 + t1995;
-    let t2201 = t1983 + t1997;
-    let t2202 = t2201 - t2200;
-    let t2203 = omega_panda_joint2_x * t2202;
-    let t2204 = t1000 * t424;
-    let t2205 = t2106 + t2204;
-    let t2206 = t2203 - t2205;
-    let t2207 = omega_panda_joint2_y * t2096;
-    let t2208 = t2207 - t2206;
-    let t2209 = t2199 - t2208;
-    let t2210 = t159 * t1442;
-    let t2211 = t2210 - t2209;
-    let t2212 = t461 * t2211;
-    let t2213 = t437 * t1436;
-    let t2214 = cos_panda_joint3 * t2059;
-    let t2215 = omega_panda_joint2_y * 0.04615576498986362;
-    let t2216 = omega_panda_joint2_x * 0.00796671776787104;
-    let t2217 = t2216 - t2215;
-    let t2218 = t2217 + t2056;
-    let t2219 = t2214 - t2218;
-    let t2220 = omega_panda_joint2_y * t2219;
-    let t2221 = sin_panda_joint3 * t2164;
-    let t2222 = cos_panda_joint3 * t2178;
-    let t2223 = omega_panda_joint2_y * 0.00796671776787104;
-    let t2224 = omega_panda_joint2_x * 2.064324122463762;
-    let t2225 = t2224 - t2223;
-    let t2226 = t2225 + t2222;
-    let t2227 = t2221 + t2226;
-    let t2228 = omega_panda_joint2_x * t2227;
-    let t2229 = t1000 * t385;
-    let t2230 = cos_panda_joint3 * t147;
-    let t2231 = sin_panda_joint3 * t155;
-    let t2232 = 0.000167639551695 + t2231;
-    let t2233 = t2230 - t2232;
-    let t2234 = acceleration_panda_joint2_x * t2233;
-    let t2235 = 0.27592125358974007 - t137;
-    let t2236 = t2235 * acceleration_panda_joint2_y;
-    let t2237 = t2236 - t2234;
-    let t2238 = t2229 - t2237;
-    let t2239 = t2228 + t2238;
-    let t2240 = t2220 + t2239;
-    let t2241 = t2213 + t2240;
-    let t2242 = t447 * t1442;
-    let t2243 = t2242 + t2241;
-    let t2244 = t458 * t2243;
-    let t2245 = t2244 - t2212;
-    let t2246 = t226 * t1436;
-    let t2247 = t1809 - t1821;
-    let t2248 = t1811 - t1823;
-    let t2249 = t1986 - t2248;
-    let t2250 = t2247 - t2249;
-    let t2251 = sin_panda_joint4 * t2250;
-    let t2252 = t235 * t496;
-    let t2253 = t65 * t2076;
-    let t2254 = t2252 - t2253;
-    let t2255 = t2254 + t2251;
-    let t2256 = t1937 + t1935;
-    let t2257 = cos_panda_joint4 * t2256;
-    let t2258 = t2257 - t2255;
-    let t2259 = t235 * t1996;
-    let t2260 = t2259 - t2258;
-    let t2261 = cos_panda_joint3 * t2260;
-    let t2262 = t237 * t2076;
-    let t2263 = t2262 + t2046;
-    let t2264 = t235 * t1982;
-    let t2265 = t2264 + t2263;
-    let t2266 = sin_panda_joint3 * t2265;
-    let t2267 = t2261 + t2266;
-    let t2268 = omega_panda_joint2_y * t2267;
-    let t2269 = cos_panda_joint4 * t2250;
-    let t2270 = t237 * t496;
-    let t2271 = t2270 + t2269;
-    let t2272 = sin_panda_joint4 * t2256;
-    let t2273 = t2272 + t2271;
-    let t2274 = t237 * t1996;
-    let t2275 = t65 * t1982;
-    let t2276 = t2275 + t2274;
-    let t2277 = t2276 + t2273;
-    let t2278 = omega_panda_joint2_x * t2277;
-    let t2279 = t1000 * t388;
-    let t2280 = cos_panda_joint3 * t237;
-    let t2281 = sin_panda_joint3 * t65;
-    let t2282 = t2280 + t2281;
-    let t2283 = t2282 * acceleration_panda_joint2_y;
-    let t2284 = t235 * acceleration_panda_joint2_x;
-    let t2285 = t2283 + t2284;
-    let t2286 = t2285 + t2279;
-    let t2287 = t2278 - t2286;
-    let t2288 = t2268 - t2287;
-    let t2289 = t2246 + t2288;
-    let t2290 = t241 * t1442;
-    let t2291 = t2290 + t2289;
-    let t2292 = t473 * t2291;
-    let t2293 = t153 * t1436;
-    let t2294 = t2029 + t2024;
-    let t2295 = t103 * t1996;
-    let t2296 = t2295 + t2294;
-    let t2297 = cos_panda_joint3 * t2296;
-    let t2298 = t1901 + t1917;
-    let t2299 = t2141 + t2298;
-    let t2300 = t103 * t1982;
-    let t2301 = t2300 - t2299;
-    let t2302 = sin_panda_joint3 * t2301;
-    let t2303 = t2297 + t2302;
-    let t2304 = omega_panda_joint2_y * t2303;
-    let t2305 = t2176 + t2170;
-    let t2306 = omega_panda_joint2_x * t2305;
-    let t2307 = t1000 * t415;
-    let t2308 = cos_panda_joint3 * t137;
-    let t2309 = t2308 * acceleration_panda_joint2_y;
-    let t2310 = t103 * acceleration_panda_joint2_x;
-    let t2311 = t2309 - t2310;
-    let t2312 = t2311 + t2307;
-    let t2313 = t2306 - t2312;
-    let t2314 = t2304 + t2313;
-    let t2315 = t2293 - t2314;
-    let t2316 = t325 * t1442;
-    let t2317 = t2316 + t2315;
-    let t2318 = t466 * t2317;
-    let t2319 = t2318 + t2292;
-    let t2320 = t2319 - t2245;
-    let t2321 = t215 * t1436;
-    let t2322 = t1794 - t1813;
-    let t2323 = t1815 - t2322;
-    let t2324 = sin_panda_joint6 * t2323;
-    let t2325 = t1767 - t1778;
-    let t2326 = cos_panda_joint6 * t2325;
-    let t2327 = t2326 - t2324;
-    let t2328 = t193 * t1822;
-    let t2329 = t2327 - t2328;
-    let t2330 = cos_panda_joint5 * t2329;
-    let t2331 = t193 * t1810;
-    let t2332 = t1856 - t2331;
-    let t2333 = sin_panda_joint5 * t2332;
-    let t2334 = t194 * t1985;
-    let t2335 = t184 * t519;
-    let t2336 = t2335 - t2334;
-    let t2337 = t2333 - t2336;
-    let t2338 = t2330 + t2337;
-    let t2339 = cos_panda_joint4 * t2338;
-    let t2340 = cos_panda_joint6 * t2323;
-    let t2341 = sin_panda_joint6 * t2325;
-    let t2342 = t2341 + t2340;
-    let t2343 = t174 * t1822;
-    let t2344 = t199 * t1985;
-    let t2345 = t2343 - t2344;
-    let t2346 = t171 * t1810;
-    let t2347 = t2346 - t2345;
-    let t2348 = t2342 - t2347;
-    let t2349 = sin_panda_joint4 * t2348;
-    let t2350 = t202 * t496;
-    let t2351 = t184 * t2076;
-    let t2352 = t2350 + t2351;
-    let t2353 = t2352 + t2349;
-    let t2354 = t2339 - t2353;
-    let t2355 = t202 * t1996;
-    let t2356 = t2355 - t2354;
-    let t2357 = cos_panda_joint3 * t2356;
-    let t2358 = sin_panda_joint5 * t2329;
-    let t2359 = cos_panda_joint5 * t2332;
-    let t2360 = t199 * t519;
-    let t2361 = t2359 - t2360;
-    let t2362 = t2358 - t2361;
-    let t2363 = t206 * t2076;
-    let t2364 = t2363 + t2362;
-    let t2365 = t202 * t1982;
-    let t2366 = t2365 + t2364;
-    let t2367 = sin_panda_joint3 * t2366;
-    let t2368 = t2357 + t2367;
-    let t2369 = omega_panda_joint2_y * t2368;
-    let t2370 = sin_panda_joint4 * t2338;
-    let t2371 = cos_panda_joint4 * t2348;
-    let t2372 = t206 * t496;
-    let t2373 = t2372 + t2371;
-    let t2374 = t2370 + t2373;
-    let t2375 = t206 * t1996;
-    let t2376 = t184 * t1982;
-    let t2377 = t2376 - t2375;
-    let t2378 = t2377 - t2374;
-    let t2379 = omega_panda_joint2_x * t2378;
-    let t2380 = t1000 * t391;
-    let t2381 = cos_panda_joint3 * t206;
-    let t2382 = sin_panda_joint3 * t184;
-    let t2383 = t2381 - t2382;
-    let t2384 = t2383 * acceleration_panda_joint2_y;
-    let t2385 = t202 * acceleration_panda_joint2_x;
-    let t2386 = t2384 + t2385;
-    let t2387 = t2386 + t2380;
-    let t2388 = t2379 + t2387;
-    let t2389 = t2369 + t2388;
-    let t2390 = t2321 + t2389;
-    let t2391 = t210 * t1442;
-    let t2392 = t2391 + t2390;
-    let t2393 = t493 * t2392;
-    let t2394 = t280 * t1436;
-    let t2395 = t1800 - t1795;
-    let t2396 = t57 * t1810;
-    let t2397 = t2396 - t2395;
-    let t2398 = sin_panda_joint5 * t2397;
-    let t2399 = t249 * t1985;
-    let t2400 = t268 * t519;
-    let t2401 = t2400 + t2399;
-    let t2402 = t2401 - t2398;
-    let t2403 = t57 * t1822;
-    let t2404 = t2403 - t1845;
-    let t2405 = cos_panda_joint5 * t2404;
-    let t2406 = t2405 - t2402;
-    let t2407 = cos_panda_joint4 * t2406;
-    let t2408 = t254 * t1985;
-    let t2409 = t1956 - t2408;
-    let t2410 = t1953 + t2409;
-    let t2411 = sin_panda_joint4 * t2410;
-    let t2412 = t256 * t496;
-    let t2413 = t268 * t2076;
-    let t2414 = t2412 + t2413;
-    let t2415 = t2414 + t2411;
-    let t2416 = t2407 - t2415;
-    let t2417 = t256 * t1996;
-    let t2418 = t2417 - t2416;
-    let t2419 = cos_panda_joint3 * t2418;
-    let t2420 = cos_panda_joint5 * t2397;
-    let t2421 = t254 * t519;
-    let t2422 = t2421 - t2420;
-    let t2423 = sin_panda_joint5 * t2404;
-    let t2424 = t2423 + t2422;
-    let t2425 = t260 * t2076;
-    let t2426 = t2425 + t2424;
-    let t2427 = t256 * t1982;
-    let t2428 = t2427 + t2426;
-    let t2429 = sin_panda_joint3 * t2428;
-    let t2430 = t2419 + t2429;
-    let t2431 = omega_panda_joint2_y * t2430;
-    let t2432 = sin_panda_joint4 * t2406;
-    let t2433 = cos_panda_joint4 * t2410;
-    let t2434 = t260 * t496;
-    let t2435 = t2434 + t2433;
-    let t2436 = t2432 + t2435;
-    let t2437 = t260 * t1996;
-    let t2438 = t268 * t1982;
-    let t2439 = t2438 - t2437;
-    let t2440 = t2439 - t2436;
-    let t2441 = omega_panda_joint2_x * t2440;
-    let t2442 = t1000 * t397;
-    let t2443 = cos_panda_joint3 * t260;
-    let t2444 = sin_panda_joint3 * t268;
-    let t2445 = t2443 - t2444;
-    let t2446 = t2445 * acceleration_panda_joint2_y;
-    let t2447 = t256 * acceleration_panda_joint2_x;
-    let t2448 = t2446 + t2447;
-    let t2449 = t2448 - t2442;
-    let t2450 = t2441 + t2449;
-    let t2451 = t2431 + t2450;
-    let t2452 = t2394 - t2451;
-    let t2453 = t275 * t1442;
-    let t2454 = t2453 + t2452;
-    let t2455 = t482 * t2454;
-    let t2456 = t2455 - t2393;
-    let t2457 = t2456 + t2320;
-    let t2458 = t2198 + t2457;
-    let t2459 = t137 * t1439;
-    let t2460 = omega_panda_joint3_x * t2149;
-    let t2461 = t155 * t562;
-    let t2462 = t2461 - t2460;
-    let t2463 = t2459 - t2462;
-    let t2464 = force_panda_joint3_y_2 - t2463;
-    let t2465 = 3.83030303030303 * t2464;
-    let t2466 = t127 * t1452;
-    let t2467 = t1981 - t2145;
-    let t2468 = omega_panda_joint3_x * t2467;
-    let t2469 = omega_panda_joint3_y * t2035;
-    let t2470 = t562 * t154;
-    let t2471 = t2470 + t2469;
-    let t2472 = t2468 - t2471;
-    let t2473 = t2466 - t2472;
-    let t2474 = t134 + t107;
-    let t2475 = t1439 * t2474;
-    let t2476 = t2475 + t2473;
-    let t2477 = t137 * acceleration_panda_joint3_y_2;
-    let t2478 = t2477 - t2476;
-    let t2479 = t2465 - t2478;
-    let t2480 = moment_panda_joint3_x_2 - t2479;
-    let t2481 = sin_panda_joint3 * t2480;
-    let t2482 = t127 * t1439;
-    let t2483 = t1995 - t2145;
-    let t2484 = omega_panda_joint3_y * t2483;
-    let t2485 = omega_panda_joint3_x * t2054;
-    let t2486 = t562 * t146;
-    let t2487 = t2486 - t2485;
-    let t2488 = t2484 + t2487;
-    let t2489 = t2482 + t2488;
-    let t2490 = t134 + t109;
-    let t2491 = t1452 * t2490;
-    let t2492 = t2491 + t2489;
-    let t2493 = t137 * acceleration_panda_joint3_x_2;
-    let t2494 = t2493 - t2492;
-    let t2495 = moment_panda_joint3_y_2 + t2494;
-    let t2496 = t137 * t1452;
-    let t2497 = omega_panda_joint3_y * t2149;
-    let t2498 = t147 * t562;
-    let t2499 = t2498 - t2497;
-    let t2500 = t2496 + t2499;
-    let t2501 = force_panda_joint3_x_2 + t2500;
-    let t2502 = 3.83030303030303 * t2501;
-    let t2503 = t2502 + t2495;
-    let t2504 = cos_panda_joint3 * t2503;
-    let t2505 = t2504 + t2481;
-    let t2506 = sin_panda_joint2 * t2505;
-    let t2507 = t154 * t1439;
-    let t2508 = omega_panda_joint3_y * t2084;
-    let t2509 = omega_panda_joint3_x * t2094;
-    let t2510 = t562 * t352;
-    let t2511 = t2510 - t2509;
-    let t2512 = t2508 + t2511;
-    let t2513 = t2507 + t2512;
-    let t2514 = t146 * t1452;
-    let t2515 = t2514 + t2513;
-    let t2516 = t155 * acceleration_panda_joint3_y_2;
-    let t2517 = t2516 + t2515;
-    let t2518 = t147 * acceleration_panda_joint3_x_2;
-    let t2519 = t2518 - t2517;
-    let t2520 = cos_panda_joint2 * t2519;
-    let t2521 = t2506 - t2520;
-    let t2522 = inverse_d_panda_joint1 * t2521;
-    let t2523 = cos_panda_joint3 * t2480;
-    let t2524 = sin_panda_joint3 * t2503;
-    let t2525 = t2524 - t2523;
-    let t2526 = t458 * t2525;
-    let t2527 = t257 * t1439;
-    let t2528 = omega_panda_joint3_x * t2426;
-    let t2529 = t562 * t280;
-    let t2530 = t2529 - t2528;
-    let t2531 = omega_panda_joint3_y * t2416;
-    let t2532 = t2531 - t2530;
-    let t2533 = t2527 + t2532;
-    let t2534 = t271 * t1452;
-    let t2535 = t2534 - t2533;
-    let t2536 = t268 * acceleration_panda_joint3_x_2;
-    let t2537 = t2536 + t2535;
-    let t2538 = t260 * acceleration_panda_joint3_y_2;
-    let t2539 = t2538 + t2537;
-    let t2540 = t482 * t2539;
-    let t2541 = t236 * t1439;
-    let t2542 = omega_panda_joint3_y * t2258;
-    let t2543 = omega_panda_joint3_x * t2263;
-    let t2544 = t562 * t226;
-    let t2545 = t2544 + t2543;
-    let t2546 = t2542 + t2545;
-    let t2547 = t2541 + t2546;
-    let t2548 = t231 * t1452;
-    let t2549 = t2548 + t2547;
-    let t2550 = t65 * acceleration_panda_joint3_x_2;
-    let t2551 = t2550 + t2549;
-    let t2552 = t237 * acceleration_panda_joint3_y_2;
-    let t2553 = t2552 - t2551;
-    let t2554 = t473 * t2553;
-    let t2555 = t2554 - t2540;
-    let t2556 = t461 * t2519;
-    let t2557 = t2556 - t2555;
-    let t2558 = t203 * t1439;
-    let t2559 = omega_panda_joint3_x * t2364;
-    let t2560 = t562 * t215;
-    let t2561 = t2560 + t2559;
-    let t2562 = omega_panda_joint3_y * t2354;
-    let t2563 = t2562 + t2561;
-    let t2564 = t2558 + t2563;
-    let t2565 = t187 * t1452;
-    let t2566 = t2565 + t2564;
-    let t2567 = t184 * acceleration_panda_joint3_x_2;
-    let t2568 = t2567 - t2566;
-    let t2569 = t206 * acceleration_panda_joint3_y_2;
-    let t2570 = t2569 + t2568;
-    let t2571 = t493 * t2570;
-    let t2572 = t320 * t1439;
-    let t2573 = omega_panda_joint3_x * t2299;
-    let t2574 = t562 * t153;
-    let t2575 = t2574 + t2573;
-    let t2576 = omega_panda_joint3_y * t2294;
-    let t2577 = t2576 + t2575;
-    let t2578 = t2572 - t2577;
-    let t2579 = t125 * t1452;
-    let t2580 = t2579 - t2578;
-    let t2581 = t2477 - t2580;
-    let t2582 = t466 * t2581;
-    let t2583 = t2582 - t2571;
-    let t2584 = t2583 - t2557;
-    let t2585 = t2526 + t2584;
-    let t2586 = t2522 + t2585;
-    let t2587 = t115 * t1462;
-    let t2588 = omega_panda_joint4_y * t2028;
-    let t2589 = t99 * t868;
-    let t2590 = t2589 + t2588;
-    let t2591 = t2587 - t2590;
-    let t2592 = force_panda_joint4_x_2 + t2591;
-    let t2593 = cos_panda_joint4 * t2592;
-    let t2594 = t123 * t1447;
-    let t2595 = omega_panda_joint4_y * t2012;
-    let t2596 = omega_panda_joint4_x * t2022;
-    let t2597 = t868 * t319;
-    let t2598 = t2597 + t2596;
-    let t2599 = t2595 - t2598;
-    let t2600 = t2594 - t2599;
-    let t2601 = t118 * t1462;
-    let t2602 = t2601 + t2600;
-    let t2603 = t101 * acceleration_panda_joint4_y_2;
-    let t2604 = t2603 - t2602;
-    let t2605 = t99 * acceleration_panda_joint4_x_2;
-    let t2606 = t2605 + t2604;
-    let t2607 = t2606 + t2593;
-    let t2608 = t115 * t1447;
-    let t2609 = omega_panda_joint4_x * t2028;
-    let t2610 = t101 * t868;
-    let t2611 = t2610 - t2609;
-    let t2612 = t2608 - t2611;
-    let t2613 = force_panda_joint4_y_2 - t2612;
-    let t2614 = sin_panda_joint4 * t2613;
-    let t2615 = t2614 - t2607;
-    let t2616 = sin_panda_joint4 * t2592;
-    let t2617 = cos_panda_joint4 * t2613;
-    let t2618 = t2617 + t2616;
-    let t2619 = 3.83030303030303 * t2618;
-    let t2620 = t2619 - t2615;
-    let t2621 = sin_panda_joint3 * t2620;
-    let t2622 = t94 * t1447;
-    let t2623 = t1917 - t1990;
-    let t2624 = omega_panda_joint4_y * t2623;
-    let t2625 = omega_panda_joint4_x * t1964;
-    let t2626 = t868 * t118;
-    let t2627 = t2626 + t2625;
-    let t2628 = t2624 - t2627;
-    let t2629 = t2622 - t2628;
-    let t2630 = t108 - t77;
-    let t2631 = t1462 * t2630;
-    let t2632 = t2631 + t2629;
-    let t2633 = t115 * acceleration_panda_joint4_x_2;
-    let t2634 = t2633 + t2632;
-    let t2635 = moment_panda_joint4_y_2 + t2634;
-    let t2636 = cos_panda_joint4 * t2635;
-    let t2637 = t99 * t1447;
-    let t2638 = omega_panda_joint4_x * t1970;
-    let t2639 = omega_panda_joint4_y * t1973;
-    let t2640 = t2639 - t2638;
-    let t2641 = t2637 + t2640;
-    let t2642 = t101 * t1462;
-    let t2643 = t2642 - t2641;
-    let t2644 = 3.83030303030303 * t2643;
-    let t2645 = t2636 - t2644;
-    let t2646 = t94 * t1462;
-    let t2647 = t1901 - t1990;
-    let t2648 = omega_panda_joint4_x * t2647;
-    let t2649 = omega_panda_joint4_y * t1943;
-    let t2650 = t868 * t123;
-    let t2651 = t2650 - t2649;
-    let t2652 = t2648 + t2651;
-    let t2653 = t2646 + t2652;
-    let t2654 = t108 + t69;
-    let t2655 = t1447 * t2654;
-    let t2656 = t2655 + t2653;
-    let t2657 = t115 * acceleration_panda_joint4_y_2;
-    let t2658 = t2657 + t2656;
-    let t2659 = moment_panda_joint4_x_2 - t2658;
-    let t2660 = sin_panda_joint4 * t2659;
-    let t2661 = t2660 - t2645;
-    let t2662 = cos_panda_joint3 * t2661;
-    let t2663 = t2662 - t2621;
-    let t2664 = sin_panda_joint2 * t2663;
-    let t2665 = sin_panda_joint4 * t2635;
-    let t2666 = t2643 + t2665;
-    let t2667 = cos_panda_joint4 * t2659;
-    let t2668 = t2667 + t2666;
-    let t2669 = cos_panda_joint2 * t2668;
-    let t2670 = t2664 + t2669;
-    let t2671 = inverse_d_panda_joint1 * t2670;
-    let t2672 = cos_panda_joint3 * t2620;
-    let t2673 = sin_panda_joint3 * t2661;
-    let t2674 = t2673 + t2672;
-    let t2675 = t458 * t2674;
-    let t2676 = t461 * t2668;
-    let t2677 = t269 * t1447;
-    let t2678 = omega_panda_joint4_y * t2406;
-    let t2679 = omega_panda_joint4_x * t2410;
-    let t2680 = t868 * t252;
-    let t2681 = t2680 - t2679;
-    let t2682 = t2678 - t2681;
-    let t2683 = t2677 - t2682;
-    let t2684 = t266 * t1462;
-    let t2685 = t2684 - t2683;
-    let t2686 = t249 * acceleration_panda_joint4_x_2;
-    let t2687 = t2686 + t2685;
-    let t2688 = t254 * acceleration_panda_joint4_y_2;
-    let t2689 = t2688 - t2687;
-    let t2690 = t482 * t2689;
-    let t2691 = t466 * t2606;
-    let t2692 = t2691 + t2690;
-    let t2693 = t185 * t1447;
-    let t2694 = omega_panda_joint4_y * t2338;
-    let t2695 = omega_panda_joint4_x * t2348;
-    let t2696 = t868 * t196;
-    let t2697 = t2696 - t2695;
-    let t2698 = t2694 - t2697;
-    let t2699 = t2693 + t2698;
-    let t2700 = t177 * t1462;
-    let t2701 = t2700 - t2699;
-    let t2702 = t194 * acceleration_panda_joint4_x_2;
-    let t2703 = t2702 + t2701;
-    let t2704 = t199 * acceleration_panda_joint4_y_2;
-    let t2705 = t2704 + t2703;
-    let t2706 = t493 * t2705;
-    let t2707 = t222 * t1447;
-    let t2708 = omega_panda_joint4_x * t2250;
-    let t2709 = t868 * t122;
-    let t2710 = t2709 - t2708;
-    let t2711 = omega_panda_joint4_y * t2256;
-    let t2712 = t2711 - t2710;
-    let t2713 = t2707 + t2712;
-    let t2714 = t91 * t1462;
-    let t2715 = t2714 - t2713;
-    let t2716 = t2657 + t2715;
-    let t2717 = t473 * t2716;
-    let t2718 = t2717 - t2706;
-    let t2719 = t2718 - t2692;
-    let t2720 = t2676 + t2719;
-    let t2721 = t2675 + t2720;
-    let t2722 = t2671 + t2721;
-    let t2723 = t74 * t1473;
-    let t2724 = omega_panda_joint5_y * t1911;
-    let t2725 = t58 * t585;
-    let t2726 = t2725 - t2724;
-    let t2727 = t2723 + t2726;
-    let t2728 = force_panda_joint5_x_2 - t2727;
-    let t2729 = t63 * t2728;
-    let t2730 = t74 * t1457;
-    let t2731 = omega_panda_joint5_x * t1911;
-    let t2732 = t62 * t585;
-    let t2733 = t2732 + t2731;
-    let t2734 = t2730 + t2733;
-    let t2735 = force_panda_joint5_y_2 - t2734;
-    let t2736 = t59 * t2735;
-    let t2737 = t2736 - t2729;
-    let t2738 = sin_panda_joint4 * t2737;
-    let t2739 = t58 * t1457;
-    let t2740 = omega_panda_joint5_x * t1885;
-    let t2741 = omega_panda_joint5_y * t1893;
-    let t2742 = t2741 + t2740;
-    let t2743 = t2739 - t2742;
-    let t2744 = t62 * t1473;
-    let t2745 = t2744 - t2743;
-    let t2746 = 0.21484375 * t2745;
-    let t2747 = cos_panda_joint4 * t2746;
-    let t2748 = t2738 + t2747;
-    let t2749 = t47 * t1473;
-    let t2750 = t1809 - t1904;
-    let t2751 = omega_panda_joint5_x * t2750;
-    let t2752 = omega_panda_joint5_y * t1849;
-    let t2753 = t585 * t88;
-    let t2754 = t2753 + t2752;
-    let t2755 = t2751 + t2754;
-    let t2756 = t2749 - t2755;
-    let t2757 = t70 - t31;
-    let t2758 = t1457 * t2757;
-    let t2759 = t2758 + t2756;
-    let t2760 = t74 * acceleration_panda_joint5_y_2;
-    let t2761 = t2760 - t2759;
-    let t2762 = t2735 + t2761;
-    let t2763 = moment_panda_joint5_x_2 - t2762;
-    let t2764 = cos_panda_joint5 * t2763;
-    let t2765 = t2746 - t2764;
-    let t2766 = t47 * t1457;
-    let t2767 = t1821 + t1904;
-    let t2768 = omega_panda_joint5_y * t2767;
-    let t2769 = omega_panda_joint5_x * t1870;
-    let t2770 = t585 * t82;
-    let t2771 = t2770 + t2769;
-    let t2772 = t2768 + t2771;
-    let t2773 = t2766 - t2772;
-    let t2774 = t70 - t32;
-    let t2775 = t2774 * t1473;
-    let t2776 = t2775 + t2773;
-    let t2777 = t74 * acceleration_panda_joint5_x_2;
-    let t2778 = t2777 - t2776;
-    let t2779 = moment_panda_joint5_y_2 + t2778;
-    let t2780 = t2728 + t2779;
-    let t2781 = sin_panda_joint5 * t2780;
-    let t2782 = t2781 - t2765;
-    let t2783 = t2782 + t2748;
-    let t2784 = cos_panda_joint4 * t2737;
-    let t2785 = sin_panda_joint4 * t2746;
-    let t2786 = t2784 - t2785;
-    let t2787 = 3.83030303030303 * t2786;
-    let t2788 = t2787 - t2783;
-    let t2789 = sin_panda_joint3 * t2788;
-    let t2790 = t59 * t2728;
-    let t2791 = t63 * t2735;
-    let t2792 = t2791 + t2790;
-    let t2793 = t88 * t1457;
-    let t2794 = omega_panda_joint5_y * t1925;
-    let t2795 = omega_panda_joint5_x * t1933;
-    let t2796 = t585 * t221;
-    let t2797 = t2796 + t2795;
-    let t2798 = t2794 - t2797;
-    let t2799 = t2793 - t2798;
-    let t2800 = t82 * t1473;
-    let t2801 = t2800 + t2799;
-    let t2802 = t62 * acceleration_panda_joint5_y_2;
-    let t2803 = t2802 + t2801;
-    let t2804 = t58 * acceleration_panda_joint5_x_2;
-    let t2805 = t2804 + t2803;
-    let t2806 = t2805 + t2792;
-    let t2807 = sin_panda_joint4 * t2806;
-    let t2808 = 3.83030303030303 * t2792;
-    let t2809 = t2807 - t2808;
-    let t2810 = sin_panda_joint5 * t2763;
-    let t2811 = cos_panda_joint5 * t2780;
-    let t2812 = t2811 - t2810;
-    let t2813 = cos_panda_joint4 * t2812;
-    let t2814 = t2813 - t2809;
-    let t2815 = cos_panda_joint3 * t2814;
-    let t2816 = t2815 + t2789;
-    let t2817 = sin_panda_joint2 * t2816;
-    let t2818 = cos_panda_joint4 * t2806;
-    let t2819 = t2792 - t2818;
-    let t2820 = sin_panda_joint4 * t2812;
-    let t2821 = t2820 - t2819;
-    let t2822 = cos_panda_joint2 * t2821;
-    let t2823 = t2817 - t2822;
-    let t2824 = inverse_d_panda_joint1 * t2823;
-    let t2825 = cos_panda_joint3 * t2788;
-    let t2826 = sin_panda_joint3 * t2814;
-    let t2827 = t2826 - t2825;
-    let t2828 = t458 * t2827;
-    let t2829 = t461 * t2821;
-    let t2830 = t466 * t2782;
-    let t2831 = t43 * t1457;
-    let t2832 = omega_panda_joint5_y * t2327;
-    let t2833 = omega_panda_joint5_x * t1856;
-    let t2834 = t181 * t585;
-    let t2835 = t2834 - t2833;
-    let t2836 = t2832 + t2835;
-    let t2837 = t2831 + t2836;
-    let t2838 = t170 * t1473;
-    let t2839 = t2838 + t2837;
-    let t2840 = t171 * acceleration_panda_joint5_x_2;
-    let t2841 = t2840 + t2839;
-    let t2842 = t174 * acceleration_panda_joint5_y_2;
-    let t2843 = t2842 + t2841;
-    let t2844 = t493 * t2843;
-    let t2845 = t246 * t1457;
-    let t2846 = omega_panda_joint5_x * t2395;
-    let t2847 = t585 * t87;
-    let t2848 = t2847 - t2846;
-    let t2849 = omega_panda_joint5_y * t1845;
-    let t2850 = t2849 + t2848;
-    let t2851 = t2845 + t2850;
-    let t2852 = t46 * t1473;
-    let t2853 = t2852 - t2851;
-    let t2854 = t2760 + t2853;
-    let t2855 = t482 * t2854;
-    let t2856 = t2855 + t2844;
-    let t2857 = t473 * t2805;
-    let t2858 = t2857 + t2856;
-    let t2859 = t2830 - t2858;
-    let t2860 = t2829 + t2859;
-    let t2861 = t2828 - t2860;
-    let t2862 = t2824 + t2861;
-    let t2863 = t37 * t1492;
-    let t2864 = omega_panda_joint6_y * t1890;
-    let t2865 = t53 * t721;
-    let t2866 = t2865 + t2864;
-    let t2867 = t2863 + t2866;
-    let t2868 = force_panda_joint6_x_2 + t2867;
-    let t2869 = t71 * t2868;
-    let t2870 = t37 * t1467;
-    let t2871 = omega_panda_joint6_x * t1890;
-    let t2872 = 0.015294814090072 * t721;
-    let t2873 = t2872 - t2871;
-    let t2874 = t2870 + t2873;
-    let t2875 = force_panda_joint6_y_2 + t2874;
-    let t2876 = t54 * t2875;
-    let t2877 = t2876 - t2869;
-    let t2878 = t59 * t2877;
-    let t2879 = t53 * t1467;
-    let t2880 = omega_panda_joint6_x * t1883;
-    let t2881 = omega_panda_joint6_y * t1878;
-    let t2882 = t2881 - t2880;
-    let t2883 = t2882 + t2879;
-    let t2884 = 0.015294814090072 * t1492;
-    let t2885 = t2884 - t2883;
-    let t2886 = 4.363636363636364 * t2885;
-    let t2887 = t63 * t2886;
-    let t2888 = t2878 + t2887;
-    let t2889 = sin_panda_joint4 * t2888;
-    let t2890 = t54 * t2868;
-    let t2891 = t71 * t2875;
-    let t2892 = t2891 + t2890;
-    let t2893 = 0.21484375 * t2892;
-    let t2894 = cos_panda_joint4 * t2893;
-    let t2895 = t2889 + t2894;
-    let t2896 = 0.015294814090072 * acceleration_panda_joint6_y_2;
-    let t2897 = t53 * acceleration_panda_joint6_x_2;
-    let t2898 = t2897 + t2896;
-    let t2899 = t44 * t1467;
-    let t2900 = omega_panda_joint6_x * t1843;
-    let t2901 = t246 * t721;
-    let t2902 = t2901 - t2900;
-    let t2903 = omega_panda_joint6_y * t1837;
-    let t2904 = t2903 + t2902;
-    let t2905 = t2899 + t2904;
-    let t2906 = t39 * t1492;
-    let t2907 = t2906 - t2905;
-    let t2908 = t2907 - t2898;
-    let t2909 = t2908 + t2877;
-    let t2910 = cos_panda_joint5 * t2909;
-    let t2911 = t2893 + t2910;
-    let t2912 = t25 * t1492;
-    let t2913 = omega_panda_joint6_y * t1779;
-    let t2914 = t44 * t721;
-    let t2915 = t2914 - t2913;
-    let t2916 = t1795 - t1818;
-    let t2917 = omega_panda_joint6_x * t2916;
-    let t2918 = t2917 - t2915;
-    let t2919 = t2912 + t2918;
-    let t2920 = 0.02152225537058755 + t19;
-    let t2921 = t165 + t2920;
-    let t2922 = t2921 * t1467;
-    let t2923 = t2922 - t2919;
-    let t2924 = t37 * acceleration_panda_joint6_y_2;
-    let t2925 = t2924 + t2923;
-    let t2926 = moment_panda_joint6_x_2 - t2925;
-    let t2927 = sin_panda_joint6 * t2926;
-    let t2928 = t2886 + t2927;
-    let t2929 = t25 * t1467;
-    let t2930 = t1800 + t1818;
-    let t2931 = omega_panda_joint6_y * t2930;
-    let t2932 = omega_panda_joint6_x * t1784;
-    let t2933 = t721 * t39;
-    let t2934 = t2932 - t2933;
-    let t2935 = t2931 - t2934;
-    let t2936 = t2929 + t2935;
-    let t2937 = t16 - 0.03293675559757119;
-    let t2938 = t2937 * t1492;
-    let t2939 = t2938 + t2936;
-    let t2940 = t37 * acceleration_panda_joint6_x_2;
-    let t2941 = t2940 - t2939;
-    let t2942 = moment_panda_joint6_y_2 + t2941;
-    let t2943 = cos_panda_joint6 * t2942;
-    let t2944 = t2943 - t2928;
-    let t2945 = sin_panda_joint5 * t2944;
-    let t2946 = t2945 - t2911;
-    let t2947 = t2946 + t2895;
-    let t2948 = cos_panda_joint4 * t2888;
-    let t2949 = sin_panda_joint4 * t2893;
-    let t2950 = t2948 - t2949;
-    let t2951 = 3.83030303030303 * t2950;
-    let t2952 = t2951 - t2947;
-    let t2953 = sin_panda_joint3 * t2952;
-    let t2954 = t63 * t2877;
-    let t2955 = t59 * t2886;
-    let t2956 = t2954 - t2955;
-    let t2957 = sin_panda_joint6 * t2942;
-    let t2958 = cos_panda_joint6 * t2926;
-    let t2959 = t2957 + t2958;
-    let t2960 = t2959 + t2956;
-    let t2961 = sin_panda_joint4 * t2960;
-    let t2962 = 3.83030303030303 * t2956;
-    let t2963 = t2961 - t2962;
-    let t2964 = cos_panda_joint5 * t2944;
-    let t2965 = sin_panda_joint5 * t2909;
-    let t2966 = t2964 + t2965;
-    let t2967 = cos_panda_joint4 * t2966;
-    let t2968 = t2967 - t2963;
-    let t2969 = cos_panda_joint3 * t2968;
-    let t2970 = t2969 + t2953;
-    let t2971 = sin_panda_joint2 * t2970;
-    let t2972 = cos_panda_joint4 * t2960;
-    let t2973 = t2956 - t2972;
-    let t2974 = sin_panda_joint4 * t2966;
-    let t2975 = t2974 - t2973;
-    let t2976 = cos_panda_joint2 * t2975;
-    let t2977 = t2971 - t2976;
-    let t2978 = inverse_d_panda_joint1 * t2977;
-    let t2979 = cos_panda_joint3 * t2952;
-    let t2980 = sin_panda_joint3 * t2968;
-    let t2981 = t2980 - t2979;
-    let t2982 = t458 * t2981;
-    let t2983 = t461 * t2975;
-    let t2984 = t466 * t2946;
-    let t2985 = t473 * t2959;
-    let t2986 = t167 * t1467;
-    let t2987 = omega_panda_joint6_x * t2323;
-    let t2988 = omega_panda_joint6_y * t2325;
-    let t2989 = t43 * t721;
-    let t2990 = t2989 + t2988;
-    let t2991 = t2987 + t2990;
-    let t2992 = t2986 + t2991;
-    let t2993 = t24 * t1492;
-    let t2994 = t2993 - t2992;
-    let t2995 = t2924 - t2994;
-    let t2996 = t493 * t2995;
-    let t2997 = t482 * t2908;
-    let t2998 = t2997 + t2996;
-    let t2999 = t2985 + t2998;
-    let t3000 = t2984 - t2999;
-    let t3001 = t2983 + t3000;
-    let t3002 = t2982 - t3001;
-    let t3003 = t2978 + t3002;
-    let t3004 = omega_panda_joint6_x * t1774;
-    let t3005 = t37 * t675;
-    let t3006 = t3005 - t3004;
-    let t3007 = t3006 + force_panda_joint7_y_2;
-    let t3008 = t54 * t3007;
-    let t3009 = t52 * t1468;
-    let t3010 = t37 * t1476;
-    let t3011 = omega_panda_joint6_x * t1787;
-    let t3012 = omega_panda_joint6_z * t1832;
-    let t3013 = t3012 + t3011;
-    let t3014 = t3013 + t3010;
-    let t3015 = t3009 + t3014;
-    let t3016 = t71 * t3015;
-    let t3017 = t3008 + t3016;
-    let t3018 = t59 * t3017;
-    let t3019 = omega_panda_joint6_z * t1774;
-    let t3020 = t52 * t675;
-    let t3021 = t3020 - t3019;
-    let t3022 = t3021 + force_panda_joint7_x_2;
-    let t3023 = 4.363636363636364 * t3022;
-    let t3024 = t63 * t3023;
-    let t3025 = t3018 - t3024;
-    let t3026 = sin_panda_joint4 * t3025;
-    let t3027 = t71 * t3007;
-    let t3028 = t54 * t3015;
-    let t3029 = t3027 - t3028;
-    let t3030 = 0.21484375 * t3029;
-    let t3031 = cos_panda_joint4 * t3030;
-    let t3032 = t3026 + t3031;
-    let t3033 = t17 * t1468;
-    let t3034 = t36 * t1476;
-    let t3035 = omega_panda_joint6_z * t1836;
-    let t3036 = t43 * t675;
-    let t3037 = t3036 - t3035;
-    let t3038 = t1794 - t1797;
-    let t3039 = omega_panda_joint6_x * t3038;
-    let t3040 = t3039 + t3037;
-    let t3041 = t3034 + t3040;
-    let t3042 = t3033 - t3041;
-    let t3043 = t3015 + t3042;
-    let t3044 = moment_panda_joint7_x_2 - t3043;
-    let t3045 = t3044 - t3017;
-    let t3046 = cos_panda_joint5 * t3045;
-    let t3047 = t3030 - t3046;
-    let t3048 = t43 * t1468;
-    let t3049 = t24 * t1476;
-    let t3050 = omega_panda_joint6_x * t1854;
-    let t3051 = t166 * t675;
-    let t3052 = t3051 - t3050;
-    let t3053 = omega_panda_joint6_z * t1778;
-    let t3054 = t3053 + t3052;
-    let t3055 = t3049 + t3054;
-    let t3056 = t3048 - t3055;
-    let t3057 = t37 * acceleration_panda_joint7_y_2;
-    let t3058 = t3057 - t3056;
-    let t3059 = t52 * acceleration_panda_joint7_x_2;
-    let t3060 = t3059 - t3058;
-    let t3061 = t3060 - t3022;
-    let t3062 = sin_panda_joint6 * t3061;
-    let t3063 = t3023 - t3062;
-    let t3064 = t36 * t1468;
-    let t3065 = t165 * t1476;
-    let t3066 = omega_panda_joint6_x * t1866;
-    let t3067 = t24 * t675;
-    let t3068 = t3067 - t3066;
-    let t3069 = t1813 + t1797;
-    let t3070 = omega_panda_joint6_z * t3069;
-    let t3071 = t3070 - t3068;
-    let t3072 = t3065 - t3071;
-    let t3073 = t3064 - t3072;
-    let t3074 = moment_panda_joint7_y_2 + t3073;
-    let t3075 = cos_panda_joint6 * t3074;
-    let t3076 = t3075 + t3063;
-    let t3077 = sin_panda_joint5 * t3076;
-    let t3078 = t3077 - t3047;
-    let t3079 = t3078 + t3032;
-    let t3080 = cos_panda_joint4 * t3025;
-    let t3081 = sin_panda_joint4 * t3030;
-    let t3082 = t3080 - t3081;
-    let t3083 = 3.83030303030303 * t3082;
-    let t3084 = t3083 - t3079;
-    let t3085 = sin_panda_joint3 * t3084;
-    let t3086 = t63 * t3017;
-    let t3087 = t59 * t3023;
-    let t3088 = t3086 + t3087;
-    let t3089 = cos_panda_joint6 * t3061;
-    let t3090 = sin_panda_joint6 * t3074;
-    let t3091 = t3090 + t3089;
-    let t3092 = t3091 + t3088;
-    let t3093 = sin_panda_joint4 * t3092;
-    let t3094 = 3.83030303030303 * t3088;
-    let t3095 = t3093 - t3094;
-    let t3096 = cos_panda_joint5 * t3076;
-    let t3097 = sin_panda_joint5 * t3045;
-    let t3098 = t3096 - t3097;
-    let t3099 = cos_panda_joint4 * t3098;
-    let t3100 = t3099 - t3095;
-    let t3101 = cos_panda_joint3 * t3100;
-    let t3102 = t3101 + t3085;
-    let t3103 = sin_panda_joint2 * t3102;
-    let t3104 = cos_panda_joint4 * t3092;
-    let t3105 = t3088 - t3104;
-    let t3106 = sin_panda_joint4 * t3098;
-    let t3107 = t3106 - t3105;
-    let t3108 = cos_panda_joint2 * t3107;
-    let t3109 = t3103 - t3108;
-    let t3110 = inverse_d_panda_joint1 * t3109;
-    let t3111 = cos_panda_joint3 * t3084;
-    let t3112 = sin_panda_joint3 * t3100;
-    let t3113 = t3112 - t3111;
-    let t3114 = t458 * t3113;
-    let t3115 = t461 * t3107;
-    let t3116 = t466 * t3078;
-    let t3117 = t473 * t3091;
-    let t3118 = t482 * t3044;
-    let t3119 = t493 * t3060;
-    let t3120 = t3118 + t3119;
-    let t3121 = t3117 - t3120;
-    let t3122 = t3116 - t3121;
-    let t3123 = t3115 + t3122;
-    let t3124 = t3114 - t3123;
-    let t3125 = t3110 + t3124;
-    let t3126 = t458 * t2197;
-    let t3127 = t1033 * t2211;
-    let t3128 = t1030 * t2243;
-    let t3129 = t3128 - t3127;
-    let t3130 = t1045 * t2291;
-    let t3131 = t1038 * t2317;
-    let t3132 = t3131 + t3130;
-    let t3133 = t3132 - t3129;
-    let t3134 = t1065 * t2392;
-    let t3135 = t1054 * t2454;
-    let t3136 = t3135 - t3134;
-    let t3137 = t3136 + t3133;
-    let t3138 = t3126 - t3137;
-    let t3139 = t458 * t2521;
-    let t3140 = t1030 * t2525;
-    let t3141 = t1054 * t2539;
-    let t3142 = t1045 * t2553;
-    let t3143 = t3142 - t3141;
-    let t3144 = t1033 * t2519;
-    let t3145 = t3144 - t3143;
-    let t3146 = t1065 * t2570;
-    let t3147 = t1038 * t2581;
-    let t3148 = t3147 - t3146;
-    let t3149 = t3148 - t3145;
-    let t3150 = t3140 + t3149;
-    let t3151 = t3139 - t3150;
-    let t3152 = t458 * t2670;
-    let t3153 = t1030 * t2674;
-    let t3154 = t1033 * t2668;
-    let t3155 = t1054 * t2689;
-    let t3156 = t1038 * t2606;
-    let t3157 = t3156 + t3155;
-    let t3158 = t1065 * t2705;
-    let t3159 = t1045 * t2716;
-    let t3160 = t3159 - t3158;
-    let t3161 = t3160 - t3157;
-    let t3162 = t3154 + t3161;
-    let t3163 = t3153 + t3162;
-    let t3164 = t3152 - t3163;
-    let t3165 = t458 * t2823;
-    let t3166 = t1030 * t2827;
-    let t3167 = t1033 * t2821;
-    let t3168 = t1038 * t2782;
-    let t3169 = t1065 * t2843;
-    let t3170 = t1054 * t2854;
-    let t3171 = t3170 + t3169;
-    let t3172 = t1045 * t2805;
-    let t3173 = t3172 + t3171;
-    let t3174 = t3168 - t3173;
-    let t3175 = t3167 + t3174;
-    let t3176 = t3166 - t3175;
-    let t3177 = t3165 - t3176;
-    let t3178 = t458 * t2977;
-    let t3179 = t1030 * t2981;
-    let t3180 = t1033 * t2975;
-    let t3181 = t1038 * t2946;
-    let t3182 = t1045 * t2959;
-    let t3183 = t1065 * t2995;
-    let t3184 = t1054 * t2908;
-    let t3185 = t3184 + t3183;
-    let t3186 = t3182 + t3185;
-    let t3187 = t3181 - t3186;
-    let t3188 = t3180 + t3187;
-    let t3189 = t3179 - t3188;
-    let t3190 = t3178 - t3189;
-    let t3191 = t458 * t3109;
-    let t3192 = t1030 * t3113;
-    let t3193 = t1033 * t3107;
-    let t3194 = t1038 * t3078;
-    let t3195 = t1045 * t3091;
-    let t3196 = t1054 * t3044;
-    let t3197 = t1065 * t3060;
-    let t3198 = t3196 + t3197;
-    let t3199 = t3195 - t3198;
-    let t3200 = t3194 - t3199;
-    let t3201 = t3193 + t3200;
-    let t3202 = t3192 - t3201;
-    let t3203 = t3191 - t3202;
-    let t3204 = t461 * t2197;
-    let t3205 = t1088 * t2211;
-    let t3206 = t1033 * t2243;
-    let t3207 = t3206 - t3205;
-    let t3208 = t1100 * t2291;
-    let t3209 = t1093 * t2317;
-    let t3210 = t3209 + t3208;
-    let t3211 = t3210 - t3207;
-    let t3212 = t1120 * t2392;
-    let t3213 = t1109 * t2454;
-    let t3214 = t3213 - t3212;
-    let t3215 = t3214 + t3211;
-    let t3216 = t3204 - t3215;
-    let t3217 = t461 * t2521;
-    let t3218 = t1033 * t2525;
-    let t3219 = t1109 * t2539;
-    let t3220 = t1100 * t2553;
-    let t3221 = t3220 - t3219;
-    let t3222 = t1088 * t2519;
-    let t3223 = t3222 - t3221;
-    let t3224 = t1120 * t2570;
-    let t3225 = t1093 * t2581;
-    let t3226 = t3225 - t3224;
-    let t3227 = t3226 - t3223;
-    let t3228 = t3218 + t3227;
-    let t3229 = t3217 - t3228;
-    let t3230 = t461 * t2670;
-    let t3231 = t1033 * t2674;
-    let t3232 = t1088 * t2668;
-    let t3233 = t1109 * t2689;
-    let t3234 = t1093 * t2606;
-    let t3235 = t3234 + t3233;
-    let t3236 = t1120 * t2705;
-    let t3237 = t1100 * t2716;
-    let t3238 = t3237 - t3236;
-    let t3239 = t3238 - t3235;
-    let t3240 = t3232 + t3239;
-    let t3241 = t3231 + t3240;
-    let t3242 = t3230 - t3241;
-    let t3243 = t461 * t2823;
-    let t3244 = t1033 * t2827;
-    let t3245 = t1088 * t2821;
-    let t3246 = t1093 * t2782;
-    let t3247 = t1120 * t2843;
-    let t3248 = t1109 * t2854;
-    let t3249 = t3248 + t3247;
-    let t3250 = t1100 * t2805;
-    let t3251 = t3250 + t3249;
-    let t3252 = t3246 - t3251;
-    let t3253 = t3245 + t3252;
-    let t3254 = t3244 - t3253;
-    let t3255 = t3243 - t3254;
-    let t3256 = t461 * t2977;
-    let t3257 = t1033 * t2981;
-    let t3258 = t1088 * t2975;
-    let t3259 = t1093 * t2946;
-    let t3260 = t1100 * t2959;
-    let t3261 = t1120 * t2995;
-    let t3262 = t1109 * t2908;
-    let t3263 = t3262 + t3261;
-    let t3264 = t3260 + t3263;
-    let t3265 = t3259 - t3264;
-    let t3266 = t3258 + t3265;
-    let t3267 = t3257 - t3266;
-    let t3268 = t3256 - t3267;
-    let t3269 = t461 * t3109;
-    let t3270 = t1033 * t3113;
-    let t3271 = t1088 * t3107;
-    let t3272 = t1093 * t3078;
-    let t3273 = t1100 * t3091;
-    let t3274 = t1109 * t3044;
-    let t3275 = t1120 * t3060;
-    let t3276 = t3274 + t3275;
-    let t3277 = t3273 - t3276;
-    let t3278 = t3272 - t3277;
-    let t3279 = t3271 + t3278;
-    let t3280 = t3270 - t3279;
-    let t3281 = t3269 - t3280;
-    let t3282 = t466 * t2197;
-    let t3283 = t1093 * t2211;
-    let t3284 = t1038 * t2243;
-    let t3285 = t3284 - t3283;
-    let t3286 = t1161 * t2291;
-    let t3287 = t1154 * t2317;
-    let t3288 = t3287 + t3286;
-    let t3289 = t3288 + t3285;
-    let t3290 = t1181 * t2392;
-    let t3291 = t1170 * t2454;
-    let t3292 = t3291 - t3290;
-    let t3293 = t3292 + t3289;
-    let t3294 = t3282 + t3293;
-    let t3295 = t466 * t2521;
-    let t3296 = t1038 * t2525;
-    let t3297 = t1170 * t2539;
-    let t3298 = t1161 * t2553;
-    let t3299 = t3298 - t3297;
-    let t3300 = t1093 * t2519;
-    let t3301 = t3300 + t3299;
-    let t3302 = t1181 * t2570;
-    let t3303 = t1154 * t2581;
-    let t3304 = t3303 - t3302;
-    let t3305 = t3304 + t3301;
-    let t3306 = t3296 - t3305;
-    let t3307 = t3295 - t3306;
-    let t3308 = t466 * t2670;
-    let t3309 = t1038 * t2674;
-    let t3310 = t1093 * t2668;
-    let t3311 = t1170 * t2689;
-    let t3312 = t1154 * t2606;
-    let t3313 = t3312 + t3311;
-    let t3314 = t1181 * t2705;
-    let t3315 = t1161 * t2716;
-    let t3316 = t3315 - t3314;
-    let t3317 = t3316 - t3313;
-    let t3318 = t3310 - t3317;
-    let t3319 = t3309 + t3318;
-    let t3320 = t3308 - t3319;
-    let t3321 = t466 * t2823;
-    let t3322 = t1038 * t2827;
-    let t3323 = t1093 * t2821;
-    let t3324 = t1154 * t2782;
-    let t3325 = t1181 * t2843;
-    let t3326 = t1170 * t2854;
-    let t3327 = t3326 + t3325;
-    let t3328 = t1161 * t2805;
-    let t3329 = t3328 + t3327;
-    let t3330 = t3324 - t3329;
-    let t3331 = t3323 - t3330;
-    let t3332 = t3322 - t3331;
-    let t3333 = t3321 - t3332;
-    let t3334 = t466 * t2977;
-    let t3335 = t1038 * t2981;
-    let t3336 = t1093 * t2975;
-    let t3337 = t1154 * t2946;
-    let t3338 = t1161 * t2959;
-    let t3339 = t1181 * t2995;
-    let t3340 = t1170 * t2908;
-    let t3341 = t3340 + t3339;
-    let t3342 = t3338 + t3341;
-    let t3343 = t3337 - t3342;
-    let t3344 = t3336 - t3343;
-    let t3345 = t3335 - t3344;
-    let t3346 = t3334 - t3345;
-    let t3347 = t466 * t3109;
-    let t3348 = t1038 * t3113;
-    let t3349 = t1093 * t3107;
-    let t3350 = t1154 * t3078;
-    let t3351 = t1161 * t3091;
-    let t3352 = t1170 * t3044;
-    let t3353 = t1181 * t3060;
-    let t3354 = t3352 + t3353;
-    let t3355 = t3351 - t3354;
-    let t3356 = t3350 - t3355;
-    let t3357 = t3349 - t3356;
-    let t3358 = t3348 - t3357;
-    let t3359 = t3347 - t3358;
-    let t3360 = t473 * t2197;
-    let t3361 = t1100 * t2211;
-    let t3362 = t1045 * t2243;
-    let t3363 = t3362 - t3361;
-    let t3364 = t1235 * t2291;
-    let t3365 = t1161 * t2317;
-    let t3366 = t3365 + t3364;
-    let t3367 = t3366 + t3363;
-    let t3368 = t1261 * t2392;
-    let t3369 = t1248 * t2454;
-    let t3370 = t3369 - t3368;
-    let t3371 = t3370 + t3367;
-    let t3372 = t3360 + t3371;
-    let t3373 = t473 * t2521;
-    let t3374 = t1045 * t2525;
-    let t3375 = t1248 * t2539;
-    let t3376 = t1235 * t2553;
-    let t3377 = t3376 - t3375;
-    let t3378 = t1100 * t2519;
-    let t3379 = t3378 + t3377;
-    let t3380 = t1261 * t2570;
-    let t3381 = t1161 * t2581;
-    let t3382 = t3381 - t3380;
-    let t3383 = t3382 + t3379;
-    let t3384 = t3374 - t3383;
-    let t3385 = t3373 - t3384;
-    let t3386 = t473 * t2670;
-    let t3387 = t1045 * t2674;
-    let t3388 = t1100 * t2668;
-    let t3389 = t1248 * t2689;
-    let t3390 = t1161 * t2606;
-    let t3391 = t3390 + t3389;
-    let t3392 = t1261 * t2705;
-    let t3393 = t1235 * t2716;
-    let t3394 = t3393 - t3392;
-    let t3395 = t3394 - t3391;
-    let t3396 = t3388 - t3395;
-    let t3397 = t3387 + t3396;
-    let t3398 = t3386 - t3397;
-    let t3399 = t473 * t2823;
-    let t3400 = t1045 * t2827;
-    let t3401 = t1100 * t2821;
-    let t3402 = t1161 * t2782;
-    let t3403 = t1261 * t2843;
-    let t3404 = t1248 * t2854;
-    let t3405 = t3404 + t3403;
-    let t3406 = t1235 * t2805;
-    let t3407 = t3406 + t3405;
-    let t3408 = t3402 - t3407;
-    let t3409 = t3401 - t3408;
-    let t3410 = t3400 - t3409;
-    let t3411 = t3399 - t3410;
-    let t3412 = t473 * t2977;
-    let t3413 = t1045 * t2981;
-    let t3414 = t1100 * t2975;
-    let t3415 = t1161 * t2946;
-    let t3416 = t1235 * t2959;
-    let t3417 = t1261 * t2995;
-    let t3418 = t1248 * t2908;
-    let t3419 = t3418 + t3417;
-    let t3420 = t3416 + t3419;
-    let t3421 = t3415 - t3420;
-    let t3422 = t3414 - t3421;
-    let t3423 = t3413 - t3422;
-    let t3424 = t3412 - t3423;
-    let t3425 = t473 * t3109;
-    let t3426 = t1045 * t3113;
-    let t3427 = t1100 * t3107;
-    let t3428 = t1161 * t3078;
-    let t3429 = t1235 * t3091;
-    let t3430 = t1248 * t3044;
-    let t3431 = t1261 * t3060;
-    let t3432 = t3430 + t3431;
-    let t3433 = t3429 - t3432;
-    let t3434 = t3428 - t3433;
-    let t3435 = t3427 - t3434;
-    let t3436 = t3426 - t3435;
-    let t3437 = t3425 - t3436;
-    let t3438 = t482 * t2197;
-    let t3439 = t1109 * t2211;
-    let t3440 = t1054 * t2243;
-    let t3441 = t3440 - t3439;
-    let t3442 = t1248 * t2291;
-    let t3443 = t1170 * t2317;
-    let t3444 = t3443 + t3442;
-    let t3445 = t3444 + t3441;
-    let t3446 = t1340 * t2392;
-    let t3447 = t1325 * t2454;
-    let t3448 = t3447 - t3446;
-    let t3449 = t3448 + t3445;
-    let t3450 = t3438 + t3449;
-    let t3451 = t482 * t2521;
-    let t3452 = t1054 * t2525;
-    let t3453 = t1325 * t2539;
-    let t3454 = t1248 * t2553;
-    let t3455 = t3454 - t3453;
-    let t3456 = t1109 * t2519;
-    let t3457 = t3456 + t3455;
-    let t3458 = t1340 * t2570;
-    let t3459 = t1170 * t2581;
-    let t3460 = t3459 - t3458;
-    let t3461 = t3460 + t3457;
-    let t3462 = t3452 - t3461;
-    let t3463 = t3451 - t3462;
-    let t3464 = t482 * t2670;
-    let t3465 = t1054 * t2674;
-    let t3466 = t1109 * t2668;
-    let t3467 = t1325 * t2689;
-    let t3468 = t1170 * t2606;
-    let t3469 = t3468 + t3467;
-    let t3470 = t1340 * t2705;
-    let t3471 = t1248 * t2716;
-    let t3472 = t3471 - t3470;
-    let t3473 = t3472 - t3469;
-    let t3474 = t3466 - t3473;
-    let t3475 = t3465 + t3474;
-    let t3476 = t3464 - t3475;
-    let t3477 = t482 * t2823;
-    let t3478 = t1054 * t2827;
-    let t3479 = t1109 * t2821;
-    let t3480 = t1170 * t2782;
-    let t3481 = t1340 * t2843;
-    let t3482 = t1325 * t2854;
-    let t3483 = t3482 + t3481;
-    let t3484 = t1248 * t2805;
-    let t3485 = t3484 + t3483;
-    let t3486 = t3480 - t3485;
-    let t3487 = t3479 - t3486;
-    let t3488 = t3478 - t3487;
-    let t3489 = t3477 - t3488;
-    let t3490 = t482 * t2977;
-    let t3491 = t1054 * t2981;
-    let t3492 = t1109 * t2975;
-    let t3493 = t1170 * t2946;
-    let t3494 = t1248 * t2959;
-    let t3495 = t1340 * t2995;
-    let t3496 = t1325 * t2908;
-    let t3497 = t3496 + t3495;
-    let t3498 = t3494 + t3497;
-    let t3499 = t3493 - t3498;
-    let t3500 = t3492 - t3499;
-    let t3501 = t3491 - t3500;
-    let t3502 = t3490 - t3501;
-    let t3503 = t482 * t3109;
-    let t3504 = t1054 * t3113;
-    let t3505 = t1109 * t3107;
-    let t3506 = t1170 * t3078;
-    let t3507 = t1248 * t3091;
-    let t3508 = t1325 * t3044;
-    let t3509 = t1340 * t3060;
-    let t3510 = t3508 + t3509;
-    let t3511 = t3507 - t3510;
-    let t3512 = t3506 - t3511;
-    let t3513 = t3505 - t3512;
-    let t3514 = t3504 - t3513;
-    let t3515 = t3503 - t3514;
-    let t3516 = t493 * t2197;
-    let t3517 = t1120 * t2211;
-    let t3518 = t1065 * t2243;
-    let t3519 = t3518 - t3517;
-    let t3520 = t1261 * t2291;
-    let t3521 = t1181 * t2317;
-    let t3522 = t3521 + t3520;
-    let t3523 = t3522 + t3519;
-    let t3524 = t1423 * t2392;
-    let t3525 = t1340 * t2454;
-    let t3526 = t3525 + t3524;
-    let t3527 = t3526 + t3523;
-    let t3528 = t3516 + t3527;
-    let t3529 = t493 * t2521;
-    let t3530 = t1065 * t2525;
-    let t3531 = t1340 * t2539;
-    let t3532 = t1261 * t2553;
-    let t3533 = t3532 - t3531;
-    let t3534 = t1120 * t2519;
-    let t3535 = t3534 + t3533;
-    let t3536 = t1423 * t2570;
-    let t3537 = t1181 * t2581;
-    let t3538 = t3537 + t3536;
-    let t3539 = t3538 + t3535;
-    let t3540 = t3530 - t3539;
-    let t3541 = t3529 - t3540;
-    let t3542 = t493 * t2670;
-    let t3543 = t1065 * t2674;
-    let t3544 = t1120 * t2668;
-    let t3545 = t1340 * t2689;
-    let t3546 = t1181 * t2606;
-    let t3547 = t3546 + t3545;
-    let t3548 = t1423 * t2705;
-    let t3549 = t1261 * t2716;
-    let t3550 = t3549 + t3548;
-    let t3551 = t3550 - t3547;
-    let t3552 = t3544 - t3551;
-    let t3553 = t3543 + t3552;
-    let t3554 = t3542 - t3553;
-    let t3555 = t493 * t2823;
-    let t3556 = t1065 * t2827;
-    let t3557 = t1120 * t2821;
-    let t3558 = t1181 * t2782;
-    let t3559 = t1423 * t2843;
-    let t3560 = t1340 * t2854;
-    let t3561 = t3560 - t3559;
-    let t3562 = t1261 * t2805;
-    let t3563 = t3562 + t3561;
-    let t3564 = t3558 - t3563;
-    let t3565 = t3557 - t3564;
-    let t3566 = t3556 - t3565;
-    let t3567 = t3555 - t3566;
-    let t3568 = t493 * t2977;
-    let t3569 = t1065 * t2981;
-    let t3570 = t1120 * t2975;
-    let t3571 = t1181 * t2946;
-    let t3572 = t1261 * t2959;
-    let t3573 = t1423 * t2995;
-    let t3574 = t1340 * t2908;
-    let t3575 = t3574 - t3573;
-    let t3576 = t3572 + t3575;
-    let t3577 = t3571 - t3576;
-    let t3578 = t3570 - t3577;
-    let t3579 = t3569 - t3578;
-    let t3580 = t3568 - t3579;
-    let t3581 = t493 * t3109;
-    let t3582 = t1065 * t3113;
-    let t3583 = t1120 * t3107;
-    let t3584 = t1181 * t3078;
-    let t3585 = t1261 * t3091;
-    let t3586 = t1340 * t3044;
-    let t3587 = t1423 * t3060;
-    let t3588 = t3586 - t3587;
-    let t3589 = t3585 - t3588;
-    let t3590 = t3584 - t3589;
-    let t3591 = t3583 - t3590;
-    let t3592 = t3582 - t3591;
-    let t3593 = t3581 - t3592;
-    let t3594 = t2069 + t2153;
-    let t3595 = sin_panda_joint2 * t3594;
-    let t3596 = t2184 - t2100;
-    let t3597 = cos_panda_joint2 * t3596;
-    let t3598 = t3595 + t3597;
-    let t3599 = sin_panda_joint2 * t3598;
-    let t3600 = v[0] * 0.00035816594888099995;
-    let t3601 = 0.003 + t3600;
-    let t3602 = t3600 - t3601;
-    let t3603 = t2065 - t3602;
-    let t3604 = t2069 - t3603;
-    let t3605 = t3599 - t3604;
-    let t3606 = inverse_d_panda_joint1 * t3605;
-    let t3607 = sin_panda_joint2 * t2219;
-    let t3608 = cos_panda_joint2 * t2227;
-    let t3609 = t3607 - t3608;
-    let t3610 = t458 * t3609;
-    let t3611 = t3606 - t3610;
-    let t3612 = cos_panda_joint2 * t2202;
-    let t3613 = sin_panda_joint2 * t2096;
-    let t3614 = t3613 + t3612;
-    let t3615 = t461 * t3614;
-    let t3616 = t3615 + t3611;
-    let t3617 = sin_panda_joint2 * t2303;
-    let t3618 = cos_panda_joint2 * t2305;
-    let t3619 = t3617 - t3618;
-    let t3620 = t466 * t3619;
-    let t3621 = t3620 - t3616;
-    let t3622 = sin_panda_joint2 * t2267;
-    let t3623 = cos_panda_joint2 * t2277;
-    let t3624 = t3622 + t3623;
-    let t3625 = t473 * t3624;
-    let t3626 = t3625 - t3621;
-    let t3627 = sin_panda_joint2 * t2430;
-    let t3628 = cos_panda_joint2 * t2440;
-    let t3629 = t3627 - t3628;
-    let t3630 = t482 * t3629;
-    let t3631 = t3630 - t3626;
-    let t3632 = sin_panda_joint2 * t2368;
-    let t3633 = cos_panda_joint2 * t2378;
-    let t3634 = t3632 - t3633;
-    let t3635 = t493 * t3634;
-    let t3636 = t3635 + t3631;
-    let t3637 = cos_panda_joint3 * t2366;
-    let t3638 = 2.0 * omega_panda_joint2_y;
-    let t3639 = t3638 * t210;
-    let t3640 = 2.0 * omega_panda_joint2_x;
-    let t3641 = t3640 * t215;
-    let t3642 = t3639 + t3641;
-    let t3643 = t3637 + t3642;
-    let t3644 = sin_panda_joint3 * t2356;
-    let t3645 = t3644 - t3643;
-    let t3646 = t493 * t3645;
-    let t3647 = cos_panda_joint3 * t2428;
-    let t3648 = t3638 * t275;
-    let t3649 = t3640 * t280;
-    let t3650 = t3648 + t3649;
-    let t3651 = t3647 - t3650;
-    let t3652 = sin_panda_joint3 * t2418;
-    let t3653 = t3652 - t3651;
-    let t3654 = t482 * t3653;
-    let t3655 = sin_panda_joint3 * t2260;
-    let t3656 = cos_panda_joint3 * t2265;
-    let t3657 = t3638 * t241;
-    let t3658 = t3640 * t226;
-    let t3659 = t3657 + t3658;
-    let t3660 = t3656 + t3659;
-    let t3661 = t3655 - t3660;
-    let t3662 = t473 * t3661;
-    let t3663 = t3638 * t2192;
-    let t3664 = t3640 * t160;
-    let t3665 = v[1] * 0.0015378722058928;
-    let t3666 = t3665 + t3664;
-    let t3667 = t3663 + t3666;
-    let t3668 = t2037 - t3667;
-    let t3669 = t2214 - t3668;
-    let t3670 = sin_panda_joint2 * t3669;
-    let t3671 = sin_panda_joint3 * t2084;
-    let t3672 = cos_panda_joint3 * t2094;
-    let t3673 = t3671 - t3672;
-    let t3674 = t3640 * t2111;
-    let t3675 = t3638 * t160;
-    let t3676 = v[1] * 0.02052220364201634;
-    let t3677 = t3676 + t3675;
-    let t3678 = t3674 + t3677;
-    let t3679 = t3673 + t3678;
-    let t3680 = cos_panda_joint2 * t3679;
-    let t3681 = t3670 - t3680;
-    let t3682 = inverse_d_panda_joint1 * t3681;
-    let t3683 = t3640 * t437;
-    let t3684 = 0.003 + t3683;
-    let t3685 = t3638 * t447;
-    let t3686 = t3685 + t3684;
-    let t3687 = t2153 + t3686;
-    let t3688 = t2069 - t3687;
-    let t3689 = t458 * t3688;
-    let t3690 = t3682 + t3689;
-    let t3691 = t3638 * t159;
-    let t3692 = t3640 * t352;
-    let t3693 = t3691 - t3692;
-    let t3694 = t3673 - t3693;
-    let t3695 = t461 * t3694;
-    let t3696 = t3695 - t3690;
-    let t3697 = cos_panda_joint3 * t2301;
-    let t3698 = t3638 * t325;
-    let t3699 = t3640 * t153;
-    let t3700 = t3698 + t3699;
-    let t3701 = t3697 - t3700;
-    let t3702 = sin_panda_joint3 * t2296;
-    let t3703 = t3702 - t3701;
-    let t3704 = t466 * t3703;
-    let t3705 = t3704 - t3696;
-    let t3706 = t3662 - t3705;
-    let t3707 = t3654 - t3706;
-    let t3708 = t3646 + t3707;
-    let t3709 = t187 * t2076;
-    let t3710 = 2.0 * omega_panda_joint3_x;
-    let t3711 = t3710 * t203;
-    let t3712 = t3709 - t3711;
-    let t3713 = t2374 - t3712;
-    let t3714 = t493 * t3713;
-    let t3715 = t3710 * t257;
-    let t3716 = t2076 * t271;
-    let t3717 = t3716 + t3715;
-    let t3718 = t2436 + t3717;
-    let t3719 = t482 * t3718;
-    let t3720 = t2076 * t231;
-    let t3721 = t3710 * t236;
-    let t3722 = t3720 - t3721;
-    let t3723 = t2273 - t3722;
-    let t3724 = t473 * t3723;
-    let t3725 = t3710 * t320;
-    let t3726 = t2076 * t125;
-    let t3727 = t3726 + t3725;
-    let t3728 = t2170 - t3727;
-    let t3729 = t466 * t3728;
-    let t3730 = t2076 * t146;
-    let t3731 = t3710 * t154;
-    let t3732 = t3730 - t3731;
-    let t3733 = t2200 - t3732;
-    let t3734 = 0.003 - t3733;
-    let t3735 = t461 * t3734;
-    let t3736 = t2076 * t2490;
-    let t3737 = t3710 * t127;
-    let t3738 = t3736 - t3737;
-    let t3739 = t2141 - t2160;
-    let t3740 = 3.83030303030303 * t3739;
-    let t3741 = t3740 - t3738;
-    let t3742 = t2158 + t3741;
-    let t3743 = sin_panda_joint3 * t3742;
-    let t3744 = t137 * t3710;
-    let t3745 = t3744 + t2174;
-    let t3746 = 3.83030303030303 * t3745;
-    let t3747 = t2076 * t127;
-    let t3748 = t3747 + t3746;
-    let t3749 = t3710 * t2474;
-    let t3750 = t3749 - t3748;
-    let t3751 = t2172 - t3750;
-    let t3752 = cos_panda_joint3 * t3751;
-    let t3753 = t3743 + t3752;
-    let t3754 = t458 * t3753;
-    let t3755 = cos_panda_joint3 * t3742;
-    let t3756 = sin_panda_joint3 * t3751;
-    let t3757 = t3755 - t3756;
-    let t3758 = sin_panda_joint2 * t3757;
-    let t3759 = cos_panda_joint2 * t3733;
-    let t3760 = t3758 - t3759;
-    let t3761 = inverse_d_panda_joint1 * t3760;
-    let t3762 = t3761 + t3754;
-    let t3763 = t3735 + t3762;
-    let t3764 = t3729 + t3763;
-    let t3765 = t3724 + t3764;
-    [
-        t1772,
-        t1773,
-        t1776,
-        t1780,
-        t1787,
-        t1797,
-        t1810,
-        t1814,
-        t1815,
-        t1822,
-        t1832,
-        t1839,
-        t1850,
-        t1853,
-        t1855,
-        t1856,
-        t1858,
-        t1868,
-        t1871,
-        t1878,
-        t1883,
-        t1885,
-        t1893,
-        t1946,
-        t1947,
-        t1953,
-        t1955,
-        t1956,
-        t1970,
-        t1973,
-        t1985,
-        t1986,
-        t2040,
-        t2046,
-        t2048,
-        t2247,
-        t2298,
-        t2322,
-        t2342,
-        t2362,
-        t2395,
-        t2424,
-        t2458,
-        t2586,
-        t2630,
-        t2654,
-        t2722,
-        t2757,
-        t2774,
-        t2862,
-        t2921,
-        t2937,
-        t3003,
-        t3125,
-        t3138,
-        t3151,
-        t3164,
-        t3177,
-        t3190,
-        t3203,
-        t3216,
-        t3229,
-        t3242,
-        t3255,
-        t3268,
-        t3281,
-        t3294,
-        t3307,
-        t3320,
-        t3333,
-        t3346,
-        t3359,
-        t3372,
-        t3385,
-        t3398,
-        t3411,
-        t3424,
-        t3437,
-        t3450,
-        t3463,
-        t3476,
-        t3489,
-        t3502,
-        t3515,
-        t3528,
-        t3541,
-        t3554,
-        t3567,
-        t3580,
-        t3593,
-        t3605,
-        t3609,
-        t3614,
-        t3619,
-        t3624,
-        t3629,
-        t3634,
-        t3636,
-        t3645,
-        t3653,
-        t3661,
-        t3681,
-        t3688,
-        t3694,
-        t3703,
-        t3708,
-        t3713,
-        t3714,
-        t3718,
-        t3719,
-        t3723,
-        t3728,
-        t3734,
-        t3753,
-        t3760,
-        t3765,
-    ]
-}
-
-/// Part 3 of `forward_dynamics_derivatives`: values that later parts read.
-#[inline(never)]
-fn forward_dynamics_derivatives_part_3(
-    [sin_panda_joint2,
-    cos_panda_joint2,
-    sin_panda_joint3,
-    cos_panda_joint3,
-    sin_panda_joint4,
-    cos_panda_joint4,
-    sin_panda_joint5,
-    cos_panda_joint5,
-    sin_panda_joint6,
-    cos_panda_joint6,
-    t17,
-    t24,
-    t25,
-    t39,
-    t43,
-    t44,
-    t46,
-    t47,
-    t52,
-    t53,
-    t54,
-    t59,
-    t63,
-    t71,
-    t82,
-    t88,
-    t91,
-    t94,
-    t99,
-    t101,
-    t115,
-    t118,
-    t123,
-    t165,
-    t167,
-    t170,
-    t177,
-    t185,
-    t222,
-    t246,
-    t266,
-    t269,
-    inverse_d_panda_joint1,
-    t458,
-    t461,
-    t466,
-    t473,
-    t482,
-    t493,
-    omega_panda_joint4_x,
-    omega_panda_joint6_y,
-    t626,
-    t1030,
-    t1033,
-    t1038,
-    t1045,
-    t1054,
-    t1065,
-    t1088,
-    t1093,
-    t1100,
-    t1109,
-    t1120,
-    t1133,
-    t1154,
-    t1161,
-    t1170,
-    t1181,
-    t1194,
-    t1235,
-    t1248,
-    t1261,
-    t1263,
-    t1325,
-    t1340,
-    t1342,
-    t1423,
-    t1772,
-    t1773,
-    t1776,
-    t1780,
-    t1787,
-    t1797,
-    t1810,
-    t1814,
-    t1815,
-    t1822,
-    t1832,
-    t1839,
-    t1850,
-    t1853,
-    t1855,
-    t1856,
-    t1858,
-    t1868,
-    t1871,
-    t1878,
-    t1883,
-    t1885,
-    t1893,
-    t1946,
-    t1947,
-    t1953,
-    t1955,
-    t1956,
-    t1970,
-    t1973,
-    t1985,
-    t1986,
-    t2040,
-    t2046,
-    t2048,
-    t2247,
-    t2298,
-    t2322,
-    t2342,
-    t2362,
-    t2395,
-    t2424,
-    t2586,
-    t2630,
-    t2654,
-    t2722,
-    t2757,
-    t2774,
-    t2862,
-    t2921,
-    t2937,
-    t3003,
-    t3138,
-    t3203,
-    t3229,
-    t3242,
-    t3255,
-    t3268,
-    t3294,
-    t3359,
-    t3372,
-    t3437,
-    t3450,
-    t3515,
-    t3528,
-    t3593,
-    t3605,
-    t3609,
-    t3614,
-    t3619,
-    t3624,
-    t3629,
-    t3634,
-    t3636,
-    t3645,
-    t3653,
-    t3661,
-    t3681,
-    t3688,
-    t3694,
-    t3703,
-    t3713,
-    t3714,
-    t3718,
-    t3719,
-    t3723,
-    t3728,
-    t3734,
-    t3753,
-    t3760,
-    t3765,
-    ]: [f64; 168],
-) -> [f64; 86] {
-    let t3766 = t3719 - t3765;
-    let t3767 = t3714 + t3766;
-    let t3768 = t177 * t1985;
-    let t3769 = 2.0 * omega_panda_joint4_x;
-    let t3770 = t185 * t3769;
-    let t3771 = t3768 + t3770;
-    let t3772 = t3771 + t2362;
-    let t3773 = t493 * t3772;
-    let t3774 = t1985 * t266;
-    let t3775 = t3769 * t269;
-    let t3776 = t3774 + t3775;
-    let t3777 = t2424 - t3776;
-    let t3778 = t482 * t3777;
-    let t3779 = t1985 * t91;
-    let t3780 = t3769 * t222;
-    let t3781 = t3779 + t3780;
-    let t3782 = t2046 + t3781;
-    let t3783 = t473 * t3782;
-    let t3784 = t1985 * t118;
-    let t3785 = t3769 * t123;
-    let t3786 = t3784 - t3785;
-    let t3787 = t2298 + t3786;
-    let t3788 = 0.003 + t3787;
-    let t3789 = t466 * t3788;
-    let t3790 = t1985 * t2630;
-    let t3791 = t3769 * t94;
-    let t3792 = t3790 - t3791;
-    let t3793 = t2040 + t3792;
-    let t3794 = sin_panda_joint4 * t3793;
-    let t3795 = t3769 * t2654;
-    let t3796 = t1985 * t94;
-    let t3797 = t3795 - t3796;
-    let t3798 = t2048 - t3797;
-    let t3799 = cos_panda_joint4 * t3798;
-    let t3800 = t99 * t3769;
-    let t3801 = t101 * t1985;
-    let t3802 = t3801 + t3800;
-    let t3803 = t3802 - t3799;
-    let t3804 = t3794 + t3803;
-    let t3805 = t461 * t3804;
-    let t3806 = t1986 + t1970;
-    let t3807 = sin_panda_joint4 * t3806;
-    let t3808 = t115 * t3769;
-    let t3809 = t3808 + t1973;
-    let t3810 = cos_panda_joint4 * t3809;
-    let t3811 = t3810 + t3807;
-    let t3812 = 3.83030303030303 * t3811;
-    let t3813 = cos_panda_joint4 * t3806;
-    let t3814 = sin_panda_joint4 * t3809;
-    let t3815 = t3814 - t3813;
-    let t3816 = t3812 - t3815;
-    let t3817 = t3787 - t3816;
-    let t3818 = cos_panda_joint3 * t3817;
-    let t3819 = cos_panda_joint4 * t3793;
-    let t3820 = sin_panda_joint4 * t3798;
-    let t3821 = 3.83030303030303 * t3802;
-    let t3822 = t3821 - t3820;
-    let t3823 = t3819 - t3822;
-    let t3824 = sin_panda_joint3 * t3823;
-    let t3825 = t3824 + t3818;
-    let t3826 = t458 * t3825;
-    let t3827 = sin_panda_joint3 * t3817;
-    let t3828 = cos_panda_joint3 * t3823;
-    let t3829 = t3828 - t3827;
-    let t3830 = sin_panda_joint2 * t3829;
-    let t3831 = cos_panda_joint2 * t3804;
-    let t3832 = t3830 - t3831;
-    let t3833 = inverse_d_panda_joint1 * t3832;
-    let t3834 = t3833 + t3826;
-    let t3835 = t3805 - t3834;
-    let t3836 = t3789 + t3835;
-    let t3837 = t3783 + t3836;
-    let t3838 = t3778 - t3837;
-    let t3839 = t3773 + t3838;
-    let t3840 = t170 * t1810;
-    let t3841 = t43 * t1822;
-    let t3842 = t3840 - t3841;
-    let t3843 = t2342 - t3842;
-    let t3844 = t3843 * t493;
-    let t3845 = t1810 * t46;
-    let t3846 = t246 * t1822;
-    let t3847 = t3846 + t3845;
-    let t3848 = t1953 - t3847;
-    let t3849 = t482 * t3848;
-    let t3850 = t1810 * t82;
-    let t3851 = t1822 * t88;
-    let t3852 = t3850 - t3851;
-    let t3853 = t2247 + t3852;
-    let t3854 = 0.003 - t3853;
-    let t3855 = t473 * t3854;
-    let t3856 = t1947 - t1885;
-    let t3857 = t1810 * t2774;
-    let t3858 = t1822 * t47;
-    let t3859 = t3857 - t3858;
-    let t3860 = t3856 + t3859;
-    let t3861 = t1946 - t3860;
-    let t3862 = sin_panda_joint5 * t3861;
-    let t3863 = t1893 + t1956;
-    let t3864 = t1822 * t2757;
-    let t3865 = t1810 * t47;
-    let t3866 = t3864 - t3865;
-    let t3867 = t3863 + t3866;
-    let t3868 = t1955 - t3867;
-    let t3869 = cos_panda_joint5 * t3868;
-    let t3870 = t1871 + t1850;
-    let t3871 = 0.21484375 * t3870;
-    let t3872 = t3871 - t3869;
-    let t3873 = t3862 - t3872;
-    let t3874 = t466 * t3873;
-    let t3875 = t59 * t3856;
-    let t3876 = t63 * t3863;
-    let t3877 = t3876 - t3875;
-    let t3878 = t3853 + t3877;
-    let t3879 = cos_panda_joint4 * t3878;
-    let t3880 = t3877 - t3879;
-    let t3881 = cos_panda_joint5 * t3861;
-    let t3882 = sin_panda_joint5 * t3868;
-    let t3883 = t3881 - t3882;
-    let t3884 = sin_panda_joint4 * t3883;
-    let t3885 = t3884 - t3880;
-    let t3886 = t461 * t3885;
-    let t3887 = sin_panda_joint4 * t3878;
-    let t3888 = 3.83030303030303 * t3877;
-    let t3889 = t3887 - t3888;
-    let t3890 = cos_panda_joint4 * t3883;
-    let t3891 = t3890 - t3889;
-    let t3892 = sin_panda_joint3 * t3891;
-    let t3893 = t63 * t3856;
-    let t3894 = t59 * t3863;
-    let t3895 = t3894 + t3893;
-    let t3896 = cos_panda_joint4 * t3895;
-    let t3897 = sin_panda_joint4 * t3871;
-    let t3898 = t3897 - t3896;
-    let t3899 = 3.83030303030303 * t3898;
-    let t3900 = sin_panda_joint4 * t3895;
-    let t3901 = cos_panda_joint4 * t3871;
-    let t3902 = t3901 + t3900;
-    let t3903 = t3899 + t3902;
-    let t3904 = t3873 + t3903;
-    let t3905 = cos_panda_joint3 * t3904;
-    let t3906 = t3892 + t3905;
-    let t3907 = t458 * t3906;
-    let t3908 = cos_panda_joint3 * t3891;
-    let t3909 = sin_panda_joint3 * t3904;
-    let t3910 = t3908 - t3909;
-    let t3911 = sin_panda_joint2 * t3910;
-    let t3912 = cos_panda_joint2 * t3885;
-    let t3913 = t3911 - t3912;
-    let t3914 = inverse_d_panda_joint1 * t3913;
-    let t3915 = t3914 + t3907;
-    let t3916 = t3886 - t3915;
-    let t3917 = t3874 + t3916;
-    let t3918 = t3855 + t3917;
-    let t3919 = t3849 + t3918;
-    let t3920 = t3844 + t3919;
-    let t3921 = t167 * t1772;
-    let t3922 = t24 * t1814;
-    let t3923 = t3922 + t3921;
-    let t3924 = t1856 - t3923;
-    let t3925 = t3924 * t493;
-    let t3926 = t1814 * t39;
-    let t3927 = t44 * t1772;
-    let t3928 = t3927 + t3926;
-    let t3929 = t2395 - t3928;
-    let t3930 = 0.003 - t3929;
-    let t3931 = t482 * t3930;
-    let t3932 = t25 * t1814;
-    let t3933 = t1772 * t2921;
-    let t3934 = t3933 + t3932;
-    let t3935 = t1858 - t3934;
-    let t3936 = cos_panda_joint6 * t3935;
-    let t3937 = t25 * t1772;
-    let t3938 = t1814 * t2937;
-    let t3939 = t3938 - t3937;
-    let t3940 = t1868 + t3939;
-    let t3941 = sin_panda_joint6 * t3940;
-    let t3942 = t3941 + t3936;
-    let t3943 = t3942 * t473;
-    let t3944 = t1815 - t1883;
-    let t3945 = t71 * t3944;
-    let t3946 = t1773 - t1878;
-    let t3947 = t54 * t3946;
-    let t3948 = t3947 + t3945;
-    let t3949 = t3948 + t3929;
-    let t3950 = cos_panda_joint5 * t3949;
-    let t3951 = t54 * t3944;
-    let t3952 = t71 * t3946;
-    let t3953 = t3952 - t3951;
-    let t3954 = 0.21484375 * t3953;
-    let t3955 = t3954 + t3950;
-    let t3956 = sin_panda_joint6 * t3935;
-    let t3957 = t53 * t1772;
-    let t3958 = omega_panda_joint6_y * 0.030589628180144;
-    let t3959 = t3958 + t3957;
-    let t3960 = 4.363636363636364 * t3959;
-    let t3961 = t3960 - t3956;
-    let t3962 = cos_panda_joint6 * t3940;
-    let t3963 = t3962 + t3961;
-    let t3964 = sin_panda_joint5 * t3963;
-    let t3965 = t3964 - t3955;
-    let t3966 = t466 * t3965;
-    let t3967 = t63 * t3948;
-    let t3968 = t59 * t3960;
-    let t3969 = t3967 + t3968;
-    let t3970 = t3942 + t3969;
-    let t3971 = cos_panda_joint4 * t3970;
-    let t3972 = t3969 - t3971;
-    let t3973 = cos_panda_joint5 * t3963;
-    let t3974 = sin_panda_joint5 * t3949;
-    let t3975 = t3973 + t3974;
-    let t3976 = sin_panda_joint4 * t3975;
-    let t3977 = t3976 - t3972;
-    let t3978 = t461 * t3977;
-    let t3979 = t59 * t3948;
-    let t3980 = t63 * t3960;
-    let t3981 = t3979 - t3980;
-    let t3982 = sin_panda_joint4 * t3981;
-    let t3983 = cos_panda_joint4 * t3954;
-    let t3984 = t3982 + t3983;
-    let t3985 = t3984 + t3965;
-    let t3986 = cos_panda_joint4 * t3981;
-    let t3987 = sin_panda_joint4 * t3954;
-    let t3988 = t3986 - t3987;
-    let t3989 = 3.83030303030303 * t3988;
-    let t3990 = t3989 - t3985;
-    let t3991 = cos_panda_joint3 * t3990;
-    let t3992 = sin_panda_joint4 * t3970;
-    let t3993 = 3.83030303030303 * t3969;
-    let t3994 = t3992 - t3993;
-    let t3995 = cos_panda_joint4 * t3975;
-    let t3996 = t3995 - t3994;
-    let t3997 = sin_panda_joint3 * t3996;
-    let t3998 = t3997 - t3991;
-    let t3999 = t458 * t3998;
-    let t4000 = sin_panda_joint3 * t3990;
-    let t4001 = cos_panda_joint3 * t3996;
-    let t4002 = t4001 + t4000;
-    let t4003 = sin_panda_joint2 * t4002;
-    let t4004 = cos_panda_joint2 * t3977;
-    let t4005 = t4003 - t4004;
-    let t4006 = inverse_d_panda_joint1 * t4005;
-    let t4007 = t4006 + t3999;
-    let t4008 = t3978 - t4007;
-    let t4009 = t3966 + t4008;
-    let t4010 = t3943 - t4009;
-    let t4011 = t3931 - t4010;
-    let t4012 = t3925 + t4011;
-    let t4013 = t1797 - t2322;
-    let t4014 = 0.003 - t4013;
-    let t4015 = t4014 * t493;
-    let t4016 = t17 * t1772;
-    let t4017 = t1853 + t4016;
-    let t4018 = t1839 - t4017;
-    let t4019 = t52 * t1772;
-    let t4020 = t1855 - t4019;
-    let t4021 = t4020 + t4018;
-    let t4022 = t4021 * t482;
-    let t4023 = t1787 + t4013;
-    let t4024 = cos_panda_joint6 * t4023;
-    let t4025 = t165 * t626;
-    let t4026 = t1776 + t4025;
-    let t4027 = t1780 + t4026;
-    let t4028 = sin_panda_joint6 * t4027;
-    let t4029 = t4028 + t4024;
-    let t4030 = t4029 * t473;
-    let t4031 = sin_panda_joint6 * t4023;
-    let t4032 = cos_panda_joint6 * t4027;
-    let t4033 = 4.363636363636364 * t1787;
-    let t4034 = t4033 - t4032;
-    let t4035 = t4031 + t4034;
-    let t4036 = sin_panda_joint5 * t4035;
-    let t4037 = t71 * t4020;
-    let t4038 = t54 * t1832;
-    let t4039 = t4038 - t4037;
-    let t4040 = t4021 - t4039;
-    let t4041 = cos_panda_joint5 * t4040;
-    let t4042 = t54 * t4020;
-    let t4043 = t71 * t1832;
-    let t4044 = t4043 + t4042;
-    let t4045 = 0.21484375 * t4044;
-    let t4046 = t4045 - t4041;
-    let t4047 = t4036 + t4046;
-    let t4048 = t466 * t4047;
-    let t4049 = t63 * t4039;
-    let t4050 = t59 * t4033;
-    let t4051 = t4049 - t4050;
-    let t4052 = t4029 + t4051;
-    let t4053 = cos_panda_joint4 * t4052;
-    let t4054 = t4051 - t4053;
-    let t4055 = cos_panda_joint5 * t4035;
-    let t4056 = sin_panda_joint5 * t4040;
-    let t4057 = t4056 + t4055;
-    let t4058 = sin_panda_joint4 * t4057;
-    let t4059 = t4058 + t4054;
-    let t4060 = t461 * t4059;
-    let t4061 = sin_panda_joint4 * t4052;
-    let t4062 = 3.83030303030303 * t4051;
-    let t4063 = t4061 - t4062;
-    let t4064 = cos_panda_joint4 * t4057;
-    let t4065 = t4064 + t4063;
-    let t4066 = sin_panda_joint3 * t4065;
-    let t4067 = t59 * t4039;
-    let t4068 = t63 * t4033;
-    let t4069 = t4067 + t4068;
-    let t4070 = cos_panda_joint4 * t4069;
-    let t4071 = sin_panda_joint4 * t4045;
-    let t4072 = t4070 - t4071;
-    let t4073 = 3.83030303030303 * t4072;
-    let t4074 = sin_panda_joint4 * t4069;
-    let t4075 = cos_panda_joint4 * t4045;
-    let t4076 = t4074 + t4075;
-    let t4077 = t4076 - t4073;
-    let t4078 = t4047 - t4077;
-    let t4079 = cos_panda_joint3 * t4078;
-    let t4080 = t4066 + t4079;
-    let t4081 = t458 * t4080;
-    let t4082 = cos_panda_joint3 * t4065;
-    let t4083 = sin_panda_joint3 * t4078;
-    let t4084 = t4082 - t4083;
-    let t4085 = sin_panda_joint2 * t4084;
-    let t4086 = cos_panda_joint2 * t4059;
-    let t4087 = t4085 - t4086;
-    let t4088 = inverse_d_panda_joint1 * t4087;
-    let t4089 = t4088 + t4081;
-    let t4090 = t4060 - t4089;
-    let t4091 = t4048 + t4090;
-    let t4092 = t4030 + t4091;
-    let t4093 = t4022 - t4092;
-    let t4094 = t4015 - t4093;
-    let t4095 = t1065 * t3634;
-    let t4096 = t1054 * t3629;
-    let t4097 = t458 * t3605;
-    let t4098 = t1030 * t3609;
-    let t4099 = t4097 + t4098;
-    let t4100 = t1033 * t3614;
-    let t4101 = t4100 - t4099;
-    let t4102 = t1038 * t3619;
-    let t4103 = t4102 - t4101;
-    let t4104 = t1045 * t3624;
-    let t4105 = t4104 - t4103;
-    let t4106 = t4096 - t4105;
-    let t4107 = t4095 + t4106;
-    let t4108 = t1065 * t3645;
-    let t4109 = t1054 * t3653;
-    let t4110 = t1045 * t3661;
-    let t4111 = t1038 * t3703;
-    let t4112 = t1033 * t3694;
-    let t4113 = t1030 * t3688;
-    let t4114 = t458 * t3681;
-    let t4115 = t4114 - t4113;
-    let t4116 = t4112 + t4115;
-    let t4117 = t4111 - t4116;
-    let t4118 = t4110 - t4117;
-    let t4119 = t4109 - t4118;
-    let t4120 = t4108 + t4119;
-    let t4121 = t1065 * t3713;
-    let t4122 = t1054 * t3718;
-    let t4123 = t1045 * t3723;
-    let t4124 = t1038 * t3728;
-    let t4125 = t1033 * t3734;
-    let t4126 = t1030 * t3753;
-    let t4127 = t458 * t3760;
-    let t4128 = t4127 - t4126;
-    let t4129 = t4125 - t4128;
-    let t4130 = t4124 + t4129;
-    let t4131 = t4123 + t4130;
-    let t4132 = t4122 - t4131;
-    let t4133 = t4121 + t4132;
-    let t4134 = t1065 * t3772;
-    let t4135 = t1054 * t3777;
-    let t4136 = t1045 * t3782;
-    let t4137 = t1038 * t3788;
-    let t4138 = t1033 * t3804;
-    let t4139 = t1030 * t3825;
-    let t4140 = t458 * t3832;
-    let t4141 = t4140 - t4139;
-    let t4142 = t4138 + t4141;
-    let t4143 = t4137 + t4142;
-    let t4144 = t4136 + t4143;
-    let t4145 = t4135 - t4144;
-    let t4146 = t4134 + t4145;
-    let t4147 = t3843 * t1065;
-    let t4148 = t1054 * t3848;
-    let t4149 = t1045 * t3854;
-    let t4150 = t1038 * t3873;
-    let t4151 = t1033 * t3885;
-    let t4152 = t1030 * t3906;
-    let t4153 = t458 * t3913;
-    let t4154 = t4153 - t4152;
-    let t4155 = t4151 + t4154;
-    let t4156 = t4150 + t4155;
-    let t4157 = t4149 + t4156;
-    let t4158 = t4148 + t4157;
-    let t4159 = t4147 + t4158;
-    let t4160 = t3924 * t1065;
-    let t4161 = t1054 * t3930;
-    let t4162 = t3942 * t1045;
-    let t4163 = t1038 * t3965;
-    let t4164 = t1033 * t3977;
-    let t4165 = t1030 * t3998;
-    let t4166 = t458 * t4005;
-    let t4167 = t4166 - t4165;
-    let t4168 = t4164 + t4167;
-    let t4169 = t4163 + t4168;
-    let t4170 = t4162 - t4169;
-    let t4171 = t4161 - t4170;
-    let t4172 = t4160 + t4171;
-    let t4173 = t4014 * t1065;
-    let t4174 = t4021 * t1054;
-    let t4175 = t4029 * t1045;
-    let t4176 = t1038 * t4047;
-    let t4177 = t1033 * t4059;
-    let t4178 = t1030 * t4080;
-    let t4179 = t458 * t4087;
-    let t4180 = t4179 - t4178;
-    let t4181 = t4177 + t4180;
-    let t4182 = t4176 + t4181;
-    let t4183 = t4175 + t4182;
-    let t4184 = t4174 - t4183;
-    let t4185 = t4173 - t4184;
-    let t4186 = t1120 * t3634;
-    let t4187 = t1109 * t3629;
-    let t4188 = t461 * t3605;
-    let t4189 = t1088 * t3614;
-    let t4190 = t4188 - t4189;
-    let t4191 = t1033 * t3609;
-    let t4192 = t4191 + t4190;
-    let t4193 = t1093 * t3619;
-    let t4194 = t4193 + t4192;
-    let t4195 = t1100 * t3624;
-    let t4196 = t4195 - t4194;
-    let t4197 = t4187 - t4196;
-    let t4198 = t4186 + t4197;
-    let t4199 = t1120 * t3645;
-    let t4200 = t1109 * t3653;
-    let t4201 = t1100 * t3661;
-    let t4202 = t1088 * t3694;
-    let t4203 = t461 * t3681;
-    let t4204 = t4203 + t4202;
-    let t4205 = t1033 * t3688;
-    let t4206 = t4205 - t4204;
-    let t4207 = t1093 * t3703;
-    let t4208 = t4207 + t4206;
-    let t4209 = t4201 - t4208;
-    let t4210 = t4200 - t4209;
-    let t4211 = t4199 + t4210;
-    let t4212 = t1120 * t3713;
-    let t4213 = t1109 * t3718;
-    let t4214 = t1100 * t3723;
-    let t4215 = t1088 * t3734;
-    let t4216 = t461 * t3760;
-    let t4217 = t4216 - t4215;
-    let t4218 = t1033 * t3753;
-    let t4219 = t4218 - t4217;
-    let t4220 = t1093 * t3728;
-    let t4221 = t4220 + t4219;
-    let t4222 = t4214 + t4221;
-    let t4223 = t4213 - t4222;
-    let t4224 = t4212 + t4223;
-    let t4225 = t1120 * t3772;
-    let t4226 = t1109 * t3777;
-    let t4227 = t1100 * t3782;
-    let t4228 = t1088 * t3804;
-    let t4229 = t461 * t3832;
-    let t4230 = t4229 + t4228;
-    let t4231 = t1033 * t3825;
-    let t4232 = t4231 - t4230;
-    let t4233 = t1093 * t3788;
-    let t4234 = t4233 - t4232;
-    let t4235 = t4227 + t4234;
-    let t4236 = t4226 - t4235;
-    let t4237 = t4225 + t4236;
-    let t4238 = t3843 * t1120;
-    let t4239 = t1109 * t3848;
-    let t4240 = t1100 * t3854;
-    let t4241 = t1088 * t3885;
-    let t4242 = t461 * t3913;
-    let t4243 = t4242 + t4241;
-    let t4244 = t1033 * t3906;
-    let t4245 = t4244 - t4243;
-    let t4246 = t1093 * t3873;
-    let t4247 = t4246 - t4245;
-    let t4248 = t4240 + t4247;
-    let t4249 = t4239 + t4248;
-    let t4250 = t4238 + t4249;
-    let t4251 = t3924 * t1120;
-    let t4252 = t1109 * t3930;
-    let t4253 = t3942 * t1100;
-    let t4254 = t1088 * t3977;
-    let t4255 = t461 * t4005;
-    let t4256 = t4255 + t4254;
-    let t4257 = t1033 * t3998;
-    let t4258 = t4257 - t4256;
-    let t4259 = t1093 * t3965;
-    let t4260 = t4259 - t4258;
-    let t4261 = t4253 - t4260;
-    let t4262 = t4252 - t4261;
-    let t4263 = t4251 + t4262;
-    let t4264 = t4014 * t1120;
-    let t4265 = t4021 * t1109;
-    let t4266 = t4029 * t1100;
-    let t4267 = t1088 * t4059;
-    let t4268 = t461 * t4087;
-    let t4269 = t4268 + t4267;
-    let t4270 = t1033 * t4080;
-    let t4271 = t4270 - t4269;
-    let t4272 = t1093 * t4047;
-    let t4273 = t4272 - t4271;
-    let t4274 = t4266 + t4273;
-    let t4275 = t4265 - t4274;
-    let t4276 = t4264 - t4275;
-    let t4277 = t1181 * t3634;
-    let t4278 = t1170 * t3629;
-    let t4279 = t1093 * t3614;
-    let t4280 = t1038 * t3609;
-    let t4281 = t4280 - t4279;
-    let t4282 = t1154 * t3619;
-    let t4283 = t466 * t3605;
-    let t4284 = t4283 - t4282;
-    let t4285 = t4284 + t4281;
-    let t4286 = t1161 * t3624;
-    let t4287 = t4286 + t4285;
-    let t4288 = t4278 - t4287;
-    let t4289 = t4277 + t4288;
-    let t4290 = t1181 * t3645;
-    let t4291 = t1170 * t3653;
-    let t4292 = t1093 * t3694;
-    let t4293 = t1038 * t3688;
-    let t4294 = t4293 - t4292;
-    let t4295 = t1154 * t3703;
-    let t4296 = t466 * t3681;
-    let t4297 = t4296 + t4295;
-    let t4298 = t4297 - t4294;
-    let t4299 = t1161 * t3661;
-    let t4300 = t4299 - t4298;
-    let t4301 = t4291 - t4300;
-    let t4302 = t4290 + t4301;
-    let t4303 = t1181 * t3713;
-    let t4304 = t1170 * t3718;
-    let t4305 = t1093 * t3734;
-    let t4306 = t1038 * t3753;
-    let t4307 = t4306 + t4305;
-    let t4308 = t1154 * t3728;
-    let t4309 = t466 * t3760;
-    let t4310 = t4309 + t4308;
-    let t4311 = t4310 - t4307;
-    let t4312 = t1161 * t3723;
-    let t4313 = t4312 + t4311;
-    let t4314 = t4304 - t4313;
-    let t4315 = t4303 + t4314;
-    let t4316 = t1181 * t3772;
-    let t4317 = t1170 * t3777;
-    let t4318 = t1093 * t3804;
-    let t4319 = t1038 * t3825;
-    let t4320 = t4319 - t4318;
-    let t4321 = t1154 * t3788;
-    let t4322 = t466 * t3832;
-    let t4323 = t4322 - t4321;
-    let t4324 = t4323 - t4320;
-    let t4325 = t1161 * t3782;
-    let t4326 = t4325 - t4324;
-    let t4327 = t4317 - t4326;
-    let t4328 = t4316 + t4327;
-    let t4329 = t3843 * t1181;
-    let t4330 = t1170 * t3848;
-    let t4331 = t1093 * t3885;
-    let t4332 = t1038 * t3906;
-    let t4333 = t4332 - t4331;
-    let t4334 = t1154 * t3873;
-    let t4335 = t466 * t3913;
-    let t4336 = t4335 - t4334;
-    let t4337 = t4336 - t4333;
-    let t4338 = t1161 * t3854;
-    let t4339 = t4338 - t4337;
-    let t4340 = t4330 + t4339;
-    let t4341 = t4329 + t4340;
-    let t4342 = t3924 * t1181;
-    let t4343 = t1170 * t3930;
-    let t4344 = t1093 * t3977;
-    let t4345 = t1038 * t3998;
-    let t4346 = t4345 - t4344;
-    let t4347 = t1154 * t3965;
-    let t4348 = t466 * t4005;
-    let t4349 = t4348 - t4347;
-    let t4350 = t4349 - t4346;
-    let t4351 = t3942 * t1161;
-    let t4352 = t4351 + t4350;
-    let t4353 = t4343 - t4352;
-    let t4354 = t4342 + t4353;
-    let t4355 = t4014 * t1181;
-    let t4356 = t4021 * t1170;
-    let t4357 = t1093 * t4059;
-    let t4358 = t1038 * t4080;
-    let t4359 = t4358 - t4357;
-    let t4360 = t1154 * t4047;
-    let t4361 = t466 * t4087;
-    let t4362 = t4361 - t4360;
-    let t4363 = t4362 - t4359;
-    let t4364 = t4029 * t1161;
-    let t4365 = t4364 - t4363;
-    let t4366 = t4356 - t4365;
-    let t4367 = t4355 - t4366;
-    let t4368 = t1161 * t3619;
-    let t4369 = t1100 * t3614;
-    let t4370 = t4369 + t4368;
-    let t4371 = t1045 * t3609;
-    let t4372 = t4371 - t4370;
-    let t4373 = t1235 * t3624;
-    let t4374 = t473 * t3605;
-    let t4375 = t4374 + t4373;
-    let t4376 = t4375 + t4372;
-    let t4377 = t1248 * t3629;
-    let t4378 = t4377 - t4376;
-    let t4379 = t1261 * t3634;
-    let t4380 = t4379 + t4378;
-    let t4381 = t1161 * t3703;
-    let t4382 = t1100 * t3694;
-    let t4383 = t4382 + t4381;
-    let t4384 = t1045 * t3688;
-    let t4385 = t4384 - t4383;
-    let t4386 = t1235 * t3661;
-    let t4387 = t473 * t3681;
-    let t4388 = t4387 - t4386;
-    let t4389 = t4388 - t4385;
-    let t4390 = t1248 * t3653;
-    let t4391 = t4390 + t4389;
-    let t4392 = t1261 * t3645;
-    let t4393 = t4392 + t4391;
-    let t4394 = t1161 * t3728;
-    let t4395 = t1100 * t3734;
-    let t4396 = t4395 - t4394;
-    let t4397 = t1045 * t3753;
-    let t4398 = t4397 + t4396;
-    let t4399 = t1235 * t3723;
-    let t4400 = t473 * t3760;
-    let t4401 = t4400 + t4399;
-    let t4402 = t4401 - t4398;
-    let t4403 = t1248 * t3718;
-    let t4404 = t4403 - t4402;
-    let t4405 = t1261 * t3713;
-    let t4406 = t4405 + t4404;
-    let t4407 = t1161 * t3788;
-    let t4408 = t1100 * t3804;
-    let t4409 = t4408 - t4407;
-    let t4410 = t1045 * t3825;
-    let t4411 = t4410 - t4409;
-    let t4412 = t1235 * t3782;
-    let t4413 = t473 * t3832;
-    let t4414 = t4413 - t4412;
-    let t4415 = t4414 - t4411;
-    let t4416 = t1248 * t3777;
-    let t4417 = t4416 + t4415;
-    let t4418 = t1261 * t3772;
-    let t4419 = t4418 + t4417;
-    let t4420 = t1161 * t3873;
-    let t4421 = t1100 * t3885;
-    let t4422 = t4421 - t4420;
-    let t4423 = t1045 * t3906;
-    let t4424 = t4423 - t4422;
-    let t4425 = t1235 * t3854;
-    let t4426 = t473 * t3913;
-    let t4427 = t4426 - t4425;
-    let t4428 = t4427 - t4424;
-    let t4429 = t1248 * t3848;
-    let t4430 = t4429 - t4428;
-    let t4431 = t3843 * t1261;
-    let t4432 = t4431 + t4430;
-    let t4433 = t1161 * t3965;
-    let t4434 = t1100 * t3977;
-    let t4435 = t4434 - t4433;
-    let t4436 = t1045 * t3998;
-    let t4437 = t4436 - t4435;
-    let t4438 = t3942 * t1235;
-    let t4439 = t473 * t4005;
-    let t4440 = t4439 + t4438;
-    let t4441 = t4440 - t4437;
-    let t4442 = t1248 * t3930;
-    let t4443 = t4442 - t4441;
-    let t4444 = t3924 * t1261;
-    let t4445 = t4444 + t4443;
-    let t4446 = t1161 * t4047;
-    let t4447 = t1100 * t4059;
-    let t4448 = t4447 - t4446;
-    let t4449 = t1045 * t4080;
-    let t4450 = t4449 - t4448;
-    let t4451 = t4029 * t1235;
-    let t4452 = t473 * t4087;
-    let t4453 = t4452 - t4451;
-    let t4454 = t4453 - t4450;
-    let t4455 = t4021 * t1248;
-    let t4456 = t4455 + t4454;
-    let t4457 = t4014 * t1261;
-    let t4458 = t4457 - t4456;
-    let t4459 = t1109 * t3614;
-    let t4460 = t1054 * t3609;
-    let t4461 = t4460 - t4459;
-    let t4462 = t1248 * t3624;
-    let t4463 = t1170 * t3619;
-    let t4464 = t4463 - t4462;
-    let t4465 = t4464 - t4461;
-    let t4466 = t1325 * t3629;
-    let t4467 = t482 * t3605;
-    let t4468 = t4467 - t4466;
-    let t4469 = t4468 - t4465;
-    let t4470 = t1340 * t3634;
-    let t4471 = t4470 - t4469;
-    let t4472 = t1109 * t3694;
-    let t4473 = t1054 * t3688;
-    let t4474 = t4473 - t4472;
-    let t4475 = t1248 * t3661;
-    let t4476 = t1170 * t3703;
-    let t4477 = t4476 - t4475;
-    let t4478 = t4477 - t4474;
-    let t4479 = t1325 * t3653;
-    let t4480 = t482 * t3681;
-    let t4481 = t4480 + t4479;
-    let t4482 = t4481 + t4478;
-    let t4483 = t1340 * t3645;
-    let t4484 = t4483 + t4482;
-    let t4485 = t1109 * t3734;
-    let t4486 = t1054 * t3753;
-    let t4487 = t4486 + t4485;
-    let t4488 = t1248 * t3723;
-    let t4489 = t1170 * t3728;
-    let t4490 = t4489 + t4488;
-    let t4491 = t4490 - t4487;
-    let t4492 = t1325 * t3718;
-    let t4493 = t482 * t3760;
-    let t4494 = t4493 - t4492;
-    let t4495 = t4494 + t4491;
-    let t4496 = t1340 * t3713;
-    let t4497 = t4496 - t4495;
-    let t4498 = t1109 * t3804;
-    let t4499 = t1054 * t3825;
-    let t4500 = t4499 - t4498;
-    let t4501 = t1248 * t3782;
-    let t4502 = t1170 * t3788;
-    let t4503 = t4502 + t4501;
-    let t4504 = t4503 + t4500;
-    let t4505 = t1325 * t3777;
-    let t4506 = t482 * t3832;
-    let t4507 = t4506 + t4505;
-    let t4508 = t4507 - t4504;
-    let t4509 = t1340 * t3772;
-    let t4510 = t4509 + t4508;
-    let t4511 = t1109 * t3885;
-    let t4512 = t1054 * t3906;
-    let t4513 = t4512 - t4511;
-    let t4514 = t1248 * t3854;
-    let t4515 = t1170 * t3873;
-    let t4516 = t4515 + t4514;
-    let t4517 = t4516 + t4513;
-    let t4518 = t1325 * t3848;
-    let t4519 = t482 * t3913;
-    let t4520 = t4519 - t4518;
-    let t4521 = t4520 - t4517;
-    let t4522 = t3843 * t1340;
-    let t4523 = t4522 - t4521;
-    let t4524 = t1109 * t3977;
-    let t4525 = t1054 * t3998;
-    let t4526 = t4525 - t4524;
-    let t4527 = t3942 * t1248;
-    let t4528 = t1170 * t3965;
-    let t4529 = t4528 - t4527;
-    let t4530 = t4529 + t4526;
-    let t4531 = t1325 * t3930;
-    let t4532 = t482 * t4005;
-    let t4533 = t4532 - t4531;
-    let t4534 = t4533 - t4530;
-    let t4535 = t3924 * t1340;
-    let t4536 = t4535 - t4534;
-    let t4537 = t1109 * t4059;
-    let t4538 = t1054 * t4080;
-    let t4539 = t4538 - t4537;
-    let t4540 = t4029 * t1248;
-    let t4541 = t1170 * t4047;
-    let t4542 = t4541 + t4540;
-    let t4543 = t4542 + t4539;
-    let t4544 = t4021 * t1325;
-    let t4545 = t482 * t4087;
-    let t4546 = t4545 + t4544;
-    let t4547 = t4546 - t4543;
-    let t4548 = t4014 * t1340;
-    let t4549 = t4548 - t4547;
-    let t4550 = t1340 * t3629;
-    let t4551 = t1261 * t3624;
-    let t4552 = t4551 - t4550;
-    let t4553 = t1423 * t3634;
-    let t4554 = t493 * t3605;
-    let t4555 = t4554 + t4553;
-    let t4556 = t4555 + t4552;
-    let t4557 = t1181 * t3619;
-    let t4558 = t1120 * t3614;
-    let t4559 = t4558 + t4557;
-    let t4560 = t1065 * t3609;
-    let t4561 = t4560 - t4559;
-    let t4562 = t4561 + t4556;
-    let t4563 = t1340 * t3653;
-    let t4564 = t1261 * t3661;
-    let t4565 = t4564 - t4563;
-    let t4566 = t1423 * t3645;
-    let t4567 = t493 * t3681;
-    let t4568 = t4567 - t4566;
-    let t4569 = t4568 - t4565;
-    let t4570 = t1181 * t3703;
-    let t4571 = t1120 * t3694;
-    let t4572 = t4571 + t4570;
-    let t4573 = t1065 * t3688;
-    let t4574 = t4573 - t4572;
-    let t4575 = t4574 - t4569;
-    let t4576 = t1340 * t3718;
-    let t4577 = t1261 * t3723;
-    let t4578 = t4577 - t4576;
-    let t4579 = t1423 * t3713;
-    let t4580 = t493 * t3760;
-    let t4581 = t4580 + t4579;
-    let t4582 = t4581 + t4578;
-    let t4583 = t1181 * t3728;
-    let t4584 = t1120 * t3734;
-    let t4585 = t4584 - t4583;
-    let t4586 = t1065 * t3753;
-    let t4587 = t4586 + t4585;
-    let t4588 = t4587 - t4582;
-    let t4589 = t1340 * t3777;
-    let t4590 = t1261 * t3782;
-    let t4591 = t4590 - t4589;
-    let t4592 = t1423 * t3772;
-    let t4593 = t493 * t3832;
-    let t4594 = t4593 - t4592;
-    let t4595 = t4594 - t4591;
-    let t4596 = t1181 * t3788;
-    let t4597 = t1120 * t3804;
-    let t4598 = t4597 - t4596;
-    let t4599 = t1065 * t3825;
-    let t4600 = t4599 - t4598;
-    let t4601 = t4600 - t4595;
-    let t4602 = t1340 * t3848;
-    let t4603 = t1261 * t3854;
-    let t4604 = t4603 + t4602;
-    let t4605 = t3843 * t1423;
-    let t4606 = t493 * t3913;
-    let t4607 = t4606 + t4605;
-    let t4608 = t4607 - t4604;
-    let t4609 = t1181 * t3873;
-    let t4610 = t1120 * t3885;
-    let t4611 = t4610 - t4609;
-    let t4612 = t1065 * t3906;
-    let t4613 = t4612 - t4611;
-    let t4614 = t4613 - t4608;
-    let t4615 = t1340 * t3930;
-    let t4616 = t3942 * t1261;
-    let t4617 = t4616 - t4615;
-    let t4618 = t3924 * t1423;
-    let t4619 = t493 * t4005;
-    let t4620 = t4619 + t4618;
-    let t4621 = t4620 + t4617;
-    let t4622 = t1181 * t3965;
-    let t4623 = t1120 * t3977;
-    let t4624 = t4623 - t4622;
-    let t4625 = t1065 * t3998;
-    let t4626 = t4625 - t4624;
-    let t4627 = t4626 - t4621;
-    let t4628 = t4021 * t1340;
-    let t4629 = t4029 * t1261;
-    let t4630 = t4629 - t4628;
-    let t4631 = t4014 * t1423;
-    let t4632 = t493 * t4087;
-    let t4633 = t4632 + t4631;
-    let t4634 = t4633 - t4630;
-    let t4635 = t1181 * t4047;
-    let t4636 = t1120 * t4059;
-    let t4637 = t4636 - t4635;
-    let t4638 = t1065 * t4080;
-    let t4639 = t4638 - t4637;
-    let t4640 = t4639 - t4634;
-    let t4641 = -t1133;
-    let t4642 = -t1194;
-    let t4643 = -t1263;
-    let t4644 = -t1342;
-    let t4645 = -t2586;
-    let t4646 = -t2722;
-    let t4647 = -t2862;
-    let t4648 = -t3003;
-    let t4649 = -t3138;
-    let t4650 = -t3203;
-    let t4651 = -t3229;
-    let t4652 = -t3242;
-    let t4653 = -t3255;
-    let t4654 = -t3268;
-    let t4655 = -t3294;
-    let t4656 = -t3359;
-    let t4657 = -t3372;
-    let t4658 = -t3437;
-    let t4659 = -t3450;
-    let t4660 = -t3515;
-    let t4661 = -t3528;
-    let t4662 = -t3593;
-    let t4663 = -t3636;
-    let t4664 = -t3767;
-    let t4665 = -t3920;
-    let t4666 = -t4012;
-    let t4667 = -t4094;
-    let t4668 = -t4107;
-    let t4669 = -t4133;
-    let t4670 = -t4159;
-    let t4671 = -t4172;
-    let t4672 = -t4185;
-    let t4673 = -t4211;
-    let t4674 = -t4237;
-    let t4675 = -t4302;
-    let t4676 = -t4328;
-    let t4677 = -t4393;
-    let t4678 = -t4419;
-    let t4679 = -t4484;
-    let t4680 = -t4510;
-    let t4681 = -t4562;
-    let minus_inverse_d_panda_joint1 = -inverse_d_panda_joint1;
-    let t4683 = -t461;
-    let t4684 = -t1033;
-    let t4685 = -t1093;
-    let t4686 = -t1100;
-    let t4687 = -t1109;
-    let t4688 = -t1120;
-    let t4689 = -t1154;
-    let t4690 = -t1161;
-    let t4691 = -t1170;
-    let t4692 = -t1181;
-    let t4693 = -t1235;
-    let t4694 = -t1248;
-    let t4695 = -t1261;
-    let t4696 = -t1325;
-    let t4697 = -t1340;
-    [
-        t3839,
-        t4120,
-        t4146,
-        t4198,
-        t4224,
-        t4250,
-        t4263,
-        t4276,
-        t4289,
-        t4315,
-        t4341,
-        t4354,
-        t4367,
-        t4380,
-        t4406,
-        t4432,
-        t4445,
-        t4458,
-        t4471,
-        t4497,
-        t4523,
-        t4536,
-        t4549,
-        t4575,
-        t4588,
-        t4601,
-        t4614,
-        t4627,
-        t4640,
-        t4641,
-        t4642,
-        t4643,
-        t4644,
-        t4645,
-        t4646,
-        t4647,
-        t4648,
-        t4649,
-        t4650,
-        t4651,
-        t4652,
-        t4653,
-        t4654,
-        t4655,
-        t4656,
-        t4657,
-        t4658,
-        t4659,
-        t4660,
-        t4661,
-        t4662,
-        t4663,
-        t4664,
-        t4665,
-        t4666,
-        t4667,
-        t4668,
-        t4669,
-        t4670,
-        t4671,
-        t4672,
-        t4673,
-        t4674,
-        t4675,
-        t4676,
-        t4677,
-        t4678,
-        t4679,
-        t4680,
-        t4681,
-        minus_inverse_d_panda_joint1,
-        t4683,
-        t4684,
-        t4685,
-        t4686,
-        t4687,
-        t4688,
-        t4689,
-        t4690,
-        t4691,
-        t4692,
-        t4693,
-        t4694,
-        t4695,
-        t4696,
-        t4697,
-    ]
+        cos_panda_joint7,
+        ..,
+        ],
+    ) = math::sin_cos_8(y[0], y[1], y[2], y[3], y[4], y[5], y[6], 0.0);
+    axes[3][0] = sin_panda_joint1;
+    screws[1][1] = cos_panda_joint1;
+    axes[7][1] = cos_panda_joint1;
+    screws[2][2] = cos_panda_joint2;
+    axes[8][2] = cos_panda_joint2;
+    let y_axis_panda_joint2_x = cos_panda_joint1 * sin_panda_joint2;
+    screws[0][2] = y_axis_panda_joint2_x;
+    axes[6][2] = y_axis_panda_joint2_x;
+    let x_axis_panda_joint2_x = cos_panda_joint1 * cos_panda_joint2;
+    axes[0][1] = x_axis_panda_joint2_x;
+    let t16 = sin_panda_joint3 * x_axis_panda_joint2_x;
+    let t17 = sin_panda_joint1 * cos_panda_joint3;
+    let y_axis_panda_joint3_x = t17 + t16;
+    screws[0][3] = y_axis_panda_joint3_x;
+    axes[6][3] = y_axis_panda_joint3_x;
+    let t19 = cos_panda_joint3 * x_axis_panda_joint2_x;
+    let t20 = sin_panda_joint1 * sin_panda_joint3;
+    let x_axis_panda_joint3_x = t19 - t20;
+    axes[0][2] = x_axis_panda_joint3_x;
+    let t22 = sin_panda_joint4 * x_axis_panda_joint3_x;
+    let t23 = cos_panda_joint4 * y_axis_panda_joint2_x;
+    let y_axis_panda_joint4_x = t23 - t22;
+    screws[0][4] = y_axis_panda_joint4_x;
+    axes[6][4] = y_axis_panda_joint4_x;
+    let t25 = cos_panda_joint4 * x_axis_panda_joint3_x;
+    let t26 = sin_panda_joint4 * y_axis_panda_joint2_x;
+    let x_axis_panda_joint4_x = t25 + t26;
+    let t28 = sin_panda_joint5 * x_axis_panda_joint4_x;
+    let t29 = cos_panda_joint5 * y_axis_panda_joint3_x;
+    let y_axis_panda_joint5_x = t29 + t28;
+    screws[0][5] = y_axis_panda_joint5_x;
+    axes[6][5] = y_axis_panda_joint5_x;
+    let t31 = cos_panda_joint5 * x_axis_panda_joint4_x;
+    let t32 = sin_panda_joint5 * y_axis_panda_joint3_x;
+    let x_axis_panda_joint5_x = t31 - t32;
+    axes[0][4] = x_axis_panda_joint5_x;
+    let t34 = sin_panda_joint6 * x_axis_panda_joint5_x;
+    let t35 = cos_panda_joint6 * y_axis_panda_joint4_x;
+    let y_axis_panda_joint6_x = t35 - t34;
+    axes[3][5] = y_axis_panda_joint6_x;
+    let y_axis_panda_joint2_y = sin_panda_joint1 * sin_panda_joint2;
+    screws[1][2] = y_axis_panda_joint2_y;
+    axes[7][2] = y_axis_panda_joint2_y;
+    let x_axis_panda_joint2_y = sin_panda_joint1 * cos_panda_joint2;
+    axes[1][1] = x_axis_panda_joint2_y;
+    let t39 = sin_panda_joint3 * x_axis_panda_joint2_y;
+    let t40 = cos_panda_joint1 * cos_panda_joint3;
+    let y_axis_panda_joint3_y = t40 - t39;
+    axes[4][2] = y_axis_panda_joint3_y;
+    let t42 = cos_panda_joint3 * x_axis_panda_joint2_y;
+    let t43 = cos_panda_joint1 * sin_panda_joint3;
+    let x_axis_panda_joint3_y = t42 + t43;
+    axes[1][2] = x_axis_panda_joint3_y;
+    let t45 = sin_panda_joint4 * x_axis_panda_joint3_y;
+    let t46 = cos_panda_joint4 * y_axis_panda_joint2_y;
+    let y_axis_panda_joint4_y = t46 - t45;
+    screws[1][4] = y_axis_panda_joint4_y;
+    axes[7][4] = y_axis_panda_joint4_y;
+    let t48 = cos_panda_joint4 * x_axis_panda_joint3_y;
+    let t49 = sin_panda_joint4 * y_axis_panda_joint2_y;
+    let x_axis_panda_joint4_y = t48 + t49;
+    let t51 = sin_panda_joint5 * x_axis_panda_joint4_y;
+    let t52 = cos_panda_joint5 * y_axis_panda_joint3_y;
+    let y_axis_panda_joint5_y = t52 - t51;
+    axes[4][4] = y_axis_panda_joint5_y;
+    let t54 = cos_panda_joint5 * x_axis_panda_joint4_y;
+    let t55 = sin_panda_joint5 * y_axis_panda_joint3_y;
+    let x_axis_panda_joint5_y = t54 + t55;
+    axes[1][4] = x_axis_panda_joint5_y;
+    let t57 = sin_panda_joint6 * x_axis_panda_joint5_y;
+    let t58 = cos_panda_joint6 * y_axis_panda_joint4_y;
+    let y_axis_panda_joint6_y = t58 - t57;
+    axes[4][5] = y_axis_panda_joint6_y;
+    let y_axis_panda_joint3_z = sin_panda_joint2 * sin_panda_joint3;
+    axes[5][2] = y_axis_panda_joint3_z;
+    let x_axis_panda_joint3_z = sin_panda_joint2 * cos_panda_joint3;
+    let t62 = sin_panda_joint4 * x_axis_panda_joint3_z;
+    let t63 = cos_panda_joint2 * cos_panda_joint4;
+    let y_axis_panda_joint4_z = t63 + t62;
+    screws[2][4] = y_axis_panda_joint4_z;
+    axes[8][4] = y_axis_panda_joint4_z;
+    let t65 = cos_panda_joint4 * x_axis_panda_joint3_z;
+    let t66 = cos_panda_joint2 * sin_panda_joint4;
+    let x_axis_panda_joint4_z = t65 - t66;
+    axes[2][3] = x_axis_panda_joint4_z;
+    let t68 = sin_panda_joint5 * x_axis_panda_joint4_z;
+    let t69 = cos_panda_joint5 * y_axis_panda_joint3_z;
+    let y_axis_panda_joint5_z = t69 + t68;
+    axes[5][4] = y_axis_panda_joint5_z;
+    let t71 = cos_panda_joint5 * x_axis_panda_joint4_z;
+    let t72 = sin_panda_joint5 * y_axis_panda_joint3_z;
+    let x_axis_panda_joint5_z = t71 - t72;
+    let t74 = sin_panda_joint6 * x_axis_panda_joint5_z;
+    let t75 = cos_panda_joint6 * y_axis_panda_joint4_z;
+    let y_axis_panda_joint6_z = t75 + t74;
+    axes[5][5] = y_axis_panda_joint6_z;
+    let t77 = 0.333 * cos_panda_joint1;
+    let t78 = 0.316 * cos_panda_joint2;
+    let origin_panda_joint3_z = 0.333 + t78;
+    origins[2][2] = origin_panda_joint3_z;
+    let t80 = y_axis_panda_joint2_y * origin_panda_joint3_z;
+    let origin_panda_joint3_y = 0.316 * y_axis_panda_joint2_y;
+    origins[1][2] = origin_panda_joint3_y;
+    let t82 = cos_panda_joint2 * origin_panda_joint3_y;
+    let t83 = t82 - t80;
+    screws[3][2] = t83;
+    let t84 = 0.0825 * x_axis_panda_joint3_y;
+    let origin_panda_joint4_y = origin_panda_joint3_y + t84;
+    origins[1][3] = origin_panda_joint4_y;
+    let t86 = y_axis_panda_joint3_z * origin_panda_joint4_y;
+    let t87 = 0.0825 * x_axis_panda_joint3_z;
+    let origin_panda_joint4_z = origin_panda_joint3_z - t87;
+    origins[2][3] = origin_panda_joint4_z;
+    let t89 = y_axis_panda_joint3_y * origin_panda_joint4_z;
+    let t90 = t86 - t89;
+    let t91 = 0.384 * y_axis_panda_joint4_y;
+    let t92 = origin_panda_joint4_y + t91;
+    let t93 = 0.0825 * x_axis_panda_joint4_y;
+    let origin_panda_joint5_y = t93 - t92;
+    let t95 = y_axis_panda_joint4_z * origin_panda_joint5_y;
+    let t96 = 0.384 * y_axis_panda_joint4_z;
+    let t97 = origin_panda_joint4_z + t96;
+    let t98 = 0.0825 * x_axis_panda_joint4_z;
+    let origin_panda_joint5_z = t98 + t97;
+    origins[2][4] = origin_panda_joint5_z;
+    origins[2][5] = origin_panda_joint5_z;
+    let t100 = y_axis_panda_joint4_y * origin_panda_joint5_z;
+    let t101 = t95 + t100;
+    let t102 = y_axis_panda_joint5_z * origin_panda_joint5_y;
+    let t103 = y_axis_panda_joint5_y * origin_panda_joint5_z;
+    let t104 = t102 + t103;
+    screws[3][5] = t104;
+    let t105 = cos_panda_joint6 * x_axis_panda_joint5_y;
+    let t106 = sin_panda_joint6 * y_axis_panda_joint4_y;
+    let x_axis_panda_joint6_y = t105 + t106;
+    axes[1][5] = x_axis_panda_joint6_y;
+    let t108 = 0.088 * x_axis_panda_joint6_y;
+    let origin_panda_joint7_y = t108 - origin_panda_joint5_y;
+    origins[1][6] = origin_panda_joint7_y;
+    let t110 = y_axis_panda_joint6_z * origin_panda_joint7_y;
+    let t111 = cos_panda_joint6 * x_axis_panda_joint5_z;
+    let t112 = sin_panda_joint6 * y_axis_panda_joint4_z;
+    let x_axis_panda_joint6_z = t111 - t112;
+    let t114 = 0.088 * x_axis_panda_joint6_z;
+    let origin_panda_joint7_z = t114 - origin_panda_joint5_z;
+    let t116 = y_axis_panda_joint6_y * origin_panda_joint7_z;
+    let t117 = t110 + t116;
+    let t118 = 0.333 * sin_panda_joint1;
+    let origin_panda_joint3_x = 0.316 * y_axis_panda_joint2_x;
+    origins[0][2] = origin_panda_joint3_x;
+    let t120 = cos_panda_joint2 * origin_panda_joint3_x;
+    let t121 = y_axis_panda_joint2_x * origin_panda_joint3_z;
+    let t122 = t121 - t120;
+    screws[4][2] = t122;
+    let t123 = 0.0825 * x_axis_panda_joint3_x;
+    let origin_panda_joint4_x = origin_panda_joint3_x + t123;
+    origins[0][3] = origin_panda_joint4_x;
+    let t125 = y_axis_panda_joint3_z * origin_panda_joint4_x;
+    let t126 = y_axis_panda_joint3_x * origin_panda_joint4_z;
+    let t127 = t126 + t125;
+    screws[4][3] = t127;
+    let t128 = 0.384 * y_axis_panda_joint4_x;
+    let t129 = origin_panda_joint4_x + t128;
+    let t130 = 0.0825 * x_axis_panda_joint4_x;
+    let origin_panda_joint5_x = t130 - t129;
+    let t132 = y_axis_panda_joint4_z * origin_panda_joint5_x;
+    let t133 = y_axis_panda_joint4_x * origin_panda_joint5_z;
+    let t134 = t133 + t132;
+    screws[4][4] = t134;
+    let t135 = y_axis_panda_joint5_z * origin_panda_joint5_x;
+    let t136 = y_axis_panda_joint5_x * origin_panda_joint5_z;
+    let t137 = t136 - t135;
+    screws[4][5] = t137;
+    let t138 = cos_panda_joint6 * x_axis_panda_joint5_x;
+    let t139 = sin_panda_joint6 * y_axis_panda_joint4_x;
+    let x_axis_panda_joint6_x = t138 + t139;
+    axes[0][5] = x_axis_panda_joint6_x;
+    let t141 = 0.088 * x_axis_panda_joint6_x;
+    let origin_panda_joint7_x = t141 - origin_panda_joint5_x;
+    origins[0][6] = origin_panda_joint7_x;
+    let t143 = y_axis_panda_joint6_z * origin_panda_joint7_x;
+    let t144 = y_axis_panda_joint6_x * origin_panda_joint7_z;
+    let t145 = t144 + t143;
+    screws[4][6] = t145;
+    let t146 = y_axis_panda_joint2_x * origin_panda_joint3_y;
+    let t147 = y_axis_panda_joint2_y * origin_panda_joint3_x;
+    let t148 = t147 - t146;
+    screws[5][2] = t148;
+    let t149 = y_axis_panda_joint3_x * origin_panda_joint4_y;
+    let t150 = y_axis_panda_joint3_y * origin_panda_joint4_x;
+    let t151 = t150 + t149;
+    let t152 = y_axis_panda_joint4_x * origin_panda_joint5_y;
+    let t153 = y_axis_panda_joint4_y * origin_panda_joint5_x;
+    let t154 = t153 - t152;
+    let t155 = y_axis_panda_joint5_x * origin_panda_joint5_y;
+    let t156 = y_axis_panda_joint5_y * origin_panda_joint5_x;
+    let t157 = t156 + t155;
+    screws[5][5] = t157;
+    let t158 = y_axis_panda_joint6_x * origin_panda_joint7_y;
+    let t159 = y_axis_panda_joint6_y * origin_panda_joint7_x;
+    let t160 = t159 - t158;
+    let t161 = cos_panda_joint7 * x_axis_panda_joint6_x;
+    let t162 = sin_panda_joint7 * y_axis_panda_joint5_x;
+    let x_axis_panda_joint7_x = t161 + t162;
+    axes[0][6] = x_axis_panda_joint7_x;
+    let t164 = cos_panda_joint7 * x_axis_panda_joint6_y;
+    let t165 = sin_panda_joint7 * y_axis_panda_joint5_y;
+    let x_axis_panda_joint7_y = t164 - t165;
+    axes[1][6] = x_axis_panda_joint7_y;
+    let t167 = cos_panda_joint7 * x_axis_panda_joint6_z;
+    let t168 = sin_panda_joint7 * y_axis_panda_joint5_z;
+    let x_axis_panda_joint7_z = t167 + t168;
+    let t170 = sin_panda_joint7 * x_axis_panda_joint6_x;
+    let t171 = cos_panda_joint7 * y_axis_panda_joint5_x;
+    let y_axis_panda_joint7_x = t171 - t170;
+    axes[3][6] = y_axis_panda_joint7_x;
+    let t173 = sin_panda_joint7 * x_axis_panda_joint6_y;
+    let t174 = cos_panda_joint7 * y_axis_panda_joint5_y;
+    let y_axis_panda_joint7_y = t174 + t173;
+    let t176 = sin_panda_joint7 * x_axis_panda_joint6_z;
+    let t177 = cos_panda_joint7 * y_axis_panda_joint5_z;
+    let y_axis_panda_joint7_z = t177 - t176;
+    let t179 = v[0] * 0.003;
+    let t180 = u[0] - t179;
+    driving_forces[0][0] = t180;
+    let t181 = v[1] * 0.003;
+    let t182 = u[1] - t181;
+    driving_forces[0][1] = t182;
+    let t183 = v[2] * 0.003;
+    let t184 = u[2] - t183;
+    driving_forces[0][2] = t184;
+    let t185 = v[3] * 0.003;
+    let t186 = u[3] - t185;
+    driving_forces[0][3] = t186;
+    let t187 = v[4] * 0.003;
+    let t188 = u[4] - t187;
+    driving_forces[0][4] = t188;
+    let t189 = v[5] * 0.003;
+    let t190 = u[5] - t189;
+    driving_forces[0][5] = t190;
+    let t191 = v[6] * 0.003;
+    let t192 = u[6] - t191;
+    driving_forces[0][6] = t192;
+    let minus_sin_panda_joint1 = -sin_panda_joint1;
+    screws[0][1] = minus_sin_panda_joint1;
+    axes[1][0] = minus_sin_panda_joint1;
+    axes[6][1] = minus_sin_panda_joint1;
+    let minus_y_axis_panda_joint6_x = -y_axis_panda_joint6_x;
+    screws[0][6] = minus_y_axis_panda_joint6_x;
+    axes[6][6] = minus_y_axis_panda_joint6_x;
+    let minus_y_axis_panda_joint3_y = -y_axis_panda_joint3_y;
+    screws[1][3] = minus_y_axis_panda_joint3_y;
+    axes[7][3] = minus_y_axis_panda_joint3_y;
+    let minus_y_axis_panda_joint5_y = -y_axis_panda_joint5_y;
+    screws[1][5] = minus_y_axis_panda_joint5_y;
+    axes[7][5] = minus_y_axis_panda_joint5_y;
+    let minus_y_axis_panda_joint6_y = -y_axis_panda_joint6_y;
+    screws[1][6] = minus_y_axis_panda_joint6_y;
+    axes[7][6] = minus_y_axis_panda_joint6_y;
+    let minus_y_axis_panda_joint3_z = -y_axis_panda_joint3_z;
+    screws[2][3] = minus_y_axis_panda_joint3_z;
+    axes[8][3] = minus_y_axis_panda_joint3_z;
+    let minus_y_axis_panda_joint5_z = -y_axis_panda_joint5_z;
+    screws[2][5] = minus_y_axis_panda_joint5_z;
+    axes[8][5] = minus_y_axis_panda_joint5_z;
+    let minus_y_axis_panda_joint6_z = -y_axis_panda_joint6_z;
+    screws[2][6] = minus_y_axis_panda_joint6_z;
+    axes[8][6] = minus_y_axis_panda_joint6_z;
+    let t201 = -t77;
+    screws[3][1] = t201;
+    let t202 = -t90;
+    screws[3][3] = t202;
+    let t203 = -t101;
+    screws[3][4] = t203;
+    let t204 = -t117;
+    screws[3][6] = t204;
+    let t205 = -t118;
+    screws[4][1] = t205;
+    let t206 = -t151;
+    screws[5][3] = t206;
+    let t207 = -t154;
+    screws[5][4] = t207;
+    let t208 = -t160;
+    screws[5][6] = t208;
+    let minus_cos_panda_joint1 = -cos_panda_joint1;
+    axes[0][0] = minus_cos_panda_joint1;
+    axes[4][0] = minus_cos_panda_joint1;
+    let minus_x_axis_panda_joint4_x = -x_axis_panda_joint4_x;
+    axes[0][3] = minus_x_axis_panda_joint4_x;
+    let minus_x_axis_panda_joint4_y = -x_axis_panda_joint4_y;
+    axes[1][3] = minus_x_axis_panda_joint4_y;
+    let minus_sin_panda_joint2 = -sin_panda_joint2;
+    axes[2][1] = minus_sin_panda_joint2;
+    let minus_x_axis_panda_joint3_z = -x_axis_panda_joint3_z;
+    axes[2][2] = minus_x_axis_panda_joint3_z;
+    let minus_x_axis_panda_joint5_z = -x_axis_panda_joint5_z;
+    axes[2][4] = minus_x_axis_panda_joint5_z;
+    let minus_x_axis_panda_joint6_z = -x_axis_panda_joint6_z;
+    axes[2][5] = minus_x_axis_panda_joint6_z;
+    let minus_x_axis_panda_joint7_z = -x_axis_panda_joint7_z;
+    axes[2][6] = minus_x_axis_panda_joint7_z;
+    let minus_y_axis_panda_joint2_x = -y_axis_panda_joint2_x;
+    axes[3][1] = minus_y_axis_panda_joint2_x;
+    let minus_y_axis_panda_joint3_x = -y_axis_panda_joint3_x;
+    axes[3][2] = minus_y_axis_panda_joint3_x;
+    let minus_y_axis_panda_joint4_x = -y_axis_panda_joint4_x;
+    axes[3][3] = minus_y_axis_panda_joint4_x;
+    let minus_y_axis_panda_joint5_x = -y_axis_panda_joint5_x;
+    axes[3][4] = minus_y_axis_panda_joint5_x;
+    let minus_y_axis_panda_joint2_y = -y_axis_panda_joint2_y;
+    axes[4][1] = minus_y_axis_panda_joint2_y;
+    let minus_y_axis_panda_joint4_y = -y_axis_panda_joint4_y;
+    axes[4][3] = minus_y_axis_panda_joint4_y;
+    let minus_y_axis_panda_joint7_y = -y_axis_panda_joint7_y;
+    axes[4][6] = minus_y_axis_panda_joint7_y;
+    let minus_cos_panda_joint2 = -cos_panda_joint2;
+    axes[5][1] = minus_cos_panda_joint2;
+    let minus_y_axis_panda_joint4_z = -y_axis_panda_joint4_z;
+    axes[5][3] = minus_y_axis_panda_joint4_z;
+    let minus_y_axis_panda_joint7_z = -y_axis_panda_joint7_z;
+    axes[5][6] = minus_y_axis_panda_joint7_z;
+    let minus_origin_panda_joint5_x = -origin_panda_joint5_x;
+    origins[0][4] = minus_origin_panda_joint5_x;
+    origins[0][5] = minus_origin_panda_joint5_x;
+    let minus_origin_panda_joint5_y = -origin_panda_joint5_y;
+    origins[1][4] = minus_origin_panda_joint5_y;
+    origins[1][5] = minus_origin_panda_joint5_y;
+    let minus_origin_panda_joint7_z = -origin_panda_joint7_z;
+    origins[2][6] = minus_origin_panda_joint7_z;
+    let t230 = -t179;
+    joint_forces[2][0] = t230;
+    let t231 = -t181;
+    joint_forces[2][1] = t231;
+    let t232 = -t183;
+    joint_forces[2][2] = t232;
+    let t233 = -t185;
+    joint_forces[2][3] = t233;
+    let t234 = -t187;
+    joint_forces[2][4] = t234;
+    let t235 = -t189;
+    joint_forces[2][5] = t235;
+    let t236 = -t191;
+    joint_forces[2][6] = t236;
 }
 
 /// Structure of `A_y`: `false` where the entry is zero in every state; 42 of 49 are not.
@@ -18936,11 +7745,11 @@ pub const B_X_NONZERO: [[bool; 7]; 7] = [
 /// - returns `B_x: [N × M]`: ∂ÿ/∂u, row i = acceleration i
 /// - returns `c: [N]`: affine remainder ÿ − A\_y y − A\_v ẏ − B\_x u
 ///
-/// Cost: 2550 multiplications, 2352 additions, 7 divisions, 6 function calls (`sin_cos`).
+/// Cost: 5387 multiplications, 4974 additions, 7 divisions, 7 function calls (`sin_cos`).
 ///
-/// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
-///
-/// Composite bodies with pairs of joints in link frames were cheapest.
+/// Loops over joints, with spatial vectors in the frame of the base (Singh, Russell and Wensing 2022):
+/// straight-line code would not fit into a processor's instruction cache. The cost counts each operation that
+/// contributes.
 #[inline]
 #[must_use]
 #[allow(
@@ -18970,6516 +7779,29 @@ pub fn linearize_into(
     b_x: &mut [[f64; M]; N],
     c: &mut [f64; N],
 ) {
-    let [sin_panda_joint2, cos_panda_joint2, sin_panda_joint3, cos_panda_joint3,
-    sin_panda_joint4, cos_panda_joint4, sin_panda_joint5, cos_panda_joint5,
-    sin_panda_joint6, cos_panda_joint6, t16, t17, t19, t24, t25, t31, t32, t36, t37, t39,
-    t43, t44, t46, t47, t52, t53, t54, t57, t58, t59, t62, t63, t65, t69, t70, t71, t74,
-    t77, t82, t87, t88, t91, t92, t94, t99, t101, t103, t107, t108, t109, t115, t118,
-    t122, t123, t125, t127, t133, t134, t137, t140, t146, t147, t153, t154, t155, t159,
-    t160, t165, t166, t167, t170, t171, t174, t177, t181, t184, t185, t187, t193, t194,
-    t196, t199, t202, t203, t206, t210, t215, t221, t222, t226, t231, t235, t236, t237,
-    t241, t246, t249, t252, t254, t256, t257, t260, t266, t268, t269, t271, t275, t280,
-    t306, t319, t320, t325, t352, t385, t388, t391, t397, t415, t424, t437, t447,
-    inverse_d_panda_joint1, t458, t460, t463, t468, t475, t484, t495,
-    omega_panda_joint2_y, omega_panda_joint3_z, t498, omega_panda_joint2_x,
-    omega_panda_joint3_y, omega_panda_joint3_x, omega_panda_joint4_z, t521,
-    omega_panda_joint4_y, omega_panda_joint4_x, acceleration_panda_joint2_x, t564,
-    acceleration_panda_joint2_y, t587, omega_panda_joint5_x, omega_panda_joint5_z,
-    omega_panda_joint6_y, omega_panda_joint5_y, omega_panda_joint6_z,
-    omega_panda_joint6_x, t628, t677, t686, t723, t870, t872, t1002, t1016, t1030, t1031,
-    t1035, t1040, t1047, t1056, t1067, t1080, t1081, t1082, t1084, t1087, t1098, t1103,
-    t1110, t1119, t1130, t1143, t1145, t1147, t1152, t1173, t1180, t1189, t1200, t1213,
-    t1218, t1223, t1264, t1277, t1290, t1292, t1297, t1298, t1303, t1365, t1380, t1382,
-    t1385, force_panda_joint6_y_2, t1401, t1482, t1492, force_panda_joint7_x_2,
-    force_panda_joint6_x_2, force_panda_joint4_y_2, force_panda_joint7_y_2,
-    force_panda_joint5_y_2, force_panda_joint5_x_2, force_panda_joint4_x_2,
-    force_panda_joint3_x_2, acceleration_panda_joint3_x_2, acceleration_panda_joint4_x_2,
-    acceleration_panda_joint4_y_2, acceleration_panda_joint3_y_2, t1582,
-    acceleration_panda_joint5_x_2, acceleration_panda_joint6_x_2,
-    acceleration_panda_joint6_y_2, moment_panda_joint7_y_2, moment_panda_joint5_y_2,
-    moment_panda_joint7_x_2, acceleration_panda_joint5_y_2, moment_panda_joint6_x_2,
-    acceleration_panda_joint7_x_2, acceleration_panda_joint7_y_2,
-    moment_panda_joint6_y_2, moment_panda_joint5_x_2, moment_panda_joint3_y_2, t1696,
-    moment_panda_joint4_y_2, moment_panda_joint4_x_2, moment_panda_joint3_x_2,
-    force_panda_joint4_z_2, force_panda_joint3_y_2, moment_panda_joint2_x_2] = linearize_part_1(
+    let (mut accelerations, mut inverse) = ([0.0; 7], [[0.0; 7]; 7]);
+    forward_dynamics_derivatives_into(
         y,
         v,
         u,
+        &mut accelerations,
+        a_y,
+        a_v,
+        &mut inverse,
     );
-    let [t1772, t1773, t1776, t1780, t1787, t1797, t1810, t1814, t1815, t1822, t1832,
-    t1839, t1850, t1853, t1855, t1856, t1858, t1868, t1871, t1878, t1883, t1885, t1893,
-    t1946, t1947, t1953, t1955, t1956, t1970, t1973, t1985, t1986, t2040, t2046, t2048,
-    t2247, t2298, t2322, t2342, t2362, t2395, t2424, t2458, t2586, t2630, t2654, t2722,
-    t2757, t2774, t2862, t2921, t2937, t3003, t3125, t3138, t3151, t3164, t3177, t3190,
-    t3203, t3216, t3229, t3242, t3255, t3268, t3281, t3294, t3307, t3320, t3333, t3346,
-    t3359, t3372, t3385, t3398, t3411, t3424, t3437, t3450, t3463, t3476, t3489, t3502,
-    t3515, t3528, t3541, t3554, t3567, t3580, t3593, t3605, t3609, t3614, t3619, t3624,
-    t3629, t3634, t3636, t3645, t3653, t3661, t3681, t3688, t3694, t3703, t3708, t3713,
-    t3714, t3718, t3719, t3723, t3728, t3734, t3753, t3760, t3765] = linearize_part_2(
-        v,
-        [
-            sin_panda_joint2,
-            cos_panda_joint2,
-            sin_panda_joint3,
-            cos_panda_joint3,
-            sin_panda_joint4,
-            cos_panda_joint4,
-            sin_panda_joint5,
-            cos_panda_joint5,
-            sin_panda_joint6,
-            cos_panda_joint6,
-            t16,
-            t17,
-            t19,
-            t24,
-            t25,
-            t31,
-            t32,
-            t36,
-            t37,
-            t39,
-            t43,
-            t44,
-            t46,
-            t47,
-            t52,
-            t53,
-            t54,
-            t57,
-            t58,
-            t59,
-            t62,
-            t63,
-            t65,
-            t69,
-            t70,
-            t71,
-            t74,
-            t77,
-            t82,
-            t87,
-            t88,
-            t91,
-            t92,
-            t94,
-            t99,
-            t101,
-            t103,
-            t107,
-            t108,
-            t109,
-            t115,
-            t118,
-            t122,
-            t123,
-            t125,
-            t127,
-            t133,
-            t134,
-            t137,
-            t140,
-            t146,
-            t147,
-            t153,
-            t154,
-            t155,
-            t159,
-            t160,
-            t165,
-            t166,
-            t167,
-            t170,
-            t171,
-            t174,
-            t177,
-            t181,
-            t184,
-            t185,
-            t187,
-            t193,
-            t194,
-            t196,
-            t199,
-            t202,
-            t203,
-            t206,
-            t210,
-            t215,
-            t221,
-            t222,
-            t226,
-            t231,
-            t235,
-            t236,
-            t237,
-            t241,
-            t246,
-            t249,
-            t252,
-            t254,
-            t256,
-            t257,
-            t260,
-            t266,
-            t268,
-            t269,
-            t271,
-            t275,
-            t280,
-            t306,
-            t319,
-            t320,
-            t325,
-            t352,
-            t385,
-            t388,
-            t391,
-            t397,
-            t415,
-            t424,
-            t437,
-            t447,
-            inverse_d_panda_joint1,
-            t458,
-            t460,
-            t463,
-            t468,
-            t475,
-            t484,
-            t495,
-            omega_panda_joint2_y,
-            omega_panda_joint3_z,
-            t498,
-            omega_panda_joint2_x,
-            omega_panda_joint3_y,
-            omega_panda_joint3_x,
-            omega_panda_joint4_z,
-            t521,
-            omega_panda_joint4_y,
-            omega_panda_joint4_x,
-            acceleration_panda_joint2_x,
-            t564,
-            acceleration_panda_joint2_y,
-            t587,
-            omega_panda_joint5_x,
-            omega_panda_joint5_z,
-            omega_panda_joint6_y,
-            omega_panda_joint5_y,
-            omega_panda_joint6_z,
-            omega_panda_joint6_x,
-            t628,
-            t677,
-            t686,
-            t723,
-            t870,
-            t872,
-            t1002,
-            t1016,
-            t1031,
-            t1035,
-            t1040,
-            t1047,
-            t1056,
-            t1067,
-            t1081,
-            t1082,
-            t1084,
-            t1087,
-            t1098,
-            t1103,
-            t1110,
-            t1119,
-            t1130,
-            t1145,
-            t1147,
-            t1152,
-            t1173,
-            t1180,
-            t1189,
-            t1200,
-            t1218,
-            t1223,
-            t1264,
-            t1277,
-            t1290,
-            t1297,
-            t1298,
-            t1303,
-            t1365,
-            t1380,
-            t1385,
-            force_panda_joint6_y_2,
-            t1401,
-            t1482,
-            force_panda_joint7_x_2,
-            force_panda_joint6_x_2,
-            force_panda_joint4_y_2,
-            force_panda_joint7_y_2,
-            force_panda_joint5_y_2,
-            force_panda_joint5_x_2,
-            force_panda_joint4_x_2,
-            force_panda_joint3_x_2,
-            acceleration_panda_joint3_x_2,
-            acceleration_panda_joint4_x_2,
-            acceleration_panda_joint4_y_2,
-            acceleration_panda_joint3_y_2,
-            t1582,
-            acceleration_panda_joint5_x_2,
-            acceleration_panda_joint6_x_2,
-            acceleration_panda_joint6_y_2,
-            moment_panda_joint7_y_2,
-            moment_panda_joint5_y_2,
-            moment_panda_joint7_x_2,
-            acceleration_panda_joint5_y_2,
-            moment_panda_joint6_x_2,
-            acceleration_panda_joint7_x_2,
-            acceleration_panda_joint7_y_2,
-            moment_panda_joint6_y_2,
-            moment_panda_joint5_x_2,
-            moment_panda_joint3_y_2,
-            t1696,
-            moment_panda_joint4_y_2,
-            moment_panda_joint4_x_2,
-            moment_panda_joint3_x_2,
-            force_panda_joint4_z_2,
-            force_panda_joint3_y_2,
-            moment_panda_joint2_x_2,
-        ],
-    );
-    let [t3839, t4120, t4146, t4198, t4224, t4250, t4263, t4276, t4289, t4315, t4341,
-    t4354, t4367, t4380, t4406, t4432, t4445, t4458, t4471, t4497, t4523, t4536, t4549,
-    t4575, t4588, t4601, t4614, t4627, t4640, t4720, t4800, t4840, t4880, t4920, t4921,
-    t4922, t4923, t4924, t4925, t4926, t4927, t4928, t4929, t4930, t4931, t4932, t4933,
-    t4934, t4935, t4936, t4937, t4938, t4939, t4940, t4941, t4942, t4943, t4944, t4945,
-    t4946, t4947, t4948, t4949, t4950, t4951, t4952, t4953, t4954, t4955, t4956, t4957,
-    minus_inverse_d_panda_joint1, t4959, t4960, t4961, t4962, t4963, t4964, t4965, t4966,
-    t4967, t4968, t4969, t4970, t4971, t4972, t4973, t4974, t4975] = linearize_part_3(
-        y,
-        v,
-        u,
-        [
-            sin_panda_joint2,
-            cos_panda_joint2,
-            sin_panda_joint3,
-            cos_panda_joint3,
-            sin_panda_joint4,
-            cos_panda_joint4,
-            sin_panda_joint5,
-            cos_panda_joint5,
-            sin_panda_joint6,
-            cos_panda_joint6,
-            t17,
-            t24,
-            t25,
-            t39,
-            t43,
-            t44,
-            t46,
-            t47,
-            t52,
-            t53,
-            t54,
-            t59,
-            t63,
-            t71,
-            t82,
-            t88,
-            t91,
-            t94,
-            t99,
-            t101,
-            t115,
-            t118,
-            t123,
-            t165,
-            t167,
-            t170,
-            t177,
-            t185,
-            t222,
-            t246,
-            t266,
-            t269,
-            inverse_d_panda_joint1,
-            t458,
-            t460,
-            t463,
-            t468,
-            t475,
-            t484,
-            t495,
-            omega_panda_joint4_x,
-            omega_panda_joint6_y,
-            t628,
-            t1030,
-            t1035,
-            t1040,
-            t1047,
-            t1056,
-            t1067,
-            t1080,
-            t1098,
-            t1103,
-            t1110,
-            t1119,
-            t1130,
-            t1143,
-            t1173,
-            t1180,
-            t1189,
-            t1200,
-            t1213,
-            t1264,
-            t1277,
-            t1290,
-            t1292,
-            t1365,
-            t1380,
-            t1382,
-            t1482,
-            t1492,
-            t1772,
-            t1773,
-            t1776,
-            t1780,
-            t1787,
-            t1797,
-            t1810,
-            t1814,
-            t1815,
-            t1822,
-            t1832,
-            t1839,
-            t1850,
-            t1853,
-            t1855,
-            t1856,
-            t1858,
-            t1868,
-            t1871,
-            t1878,
-            t1883,
-            t1885,
-            t1893,
-            t1946,
-            t1947,
-            t1953,
-            t1955,
-            t1956,
-            t1970,
-            t1973,
-            t1985,
-            t1986,
-            t2040,
-            t2046,
-            t2048,
-            t2247,
-            t2298,
-            t2322,
-            t2342,
-            t2362,
-            t2395,
-            t2424,
-            t2458,
-            t2586,
-            t2630,
-            t2654,
-            t2722,
-            t2757,
-            t2774,
-            t2862,
-            t2921,
-            t2937,
-            t3003,
-            t3125,
-            t3138,
-            t3151,
-            t3164,
-            t3177,
-            t3190,
-            t3203,
-            t3216,
-            t3229,
-            t3242,
-            t3255,
-            t3268,
-            t3281,
-            t3294,
-            t3307,
-            t3320,
-            t3333,
-            t3346,
-            t3359,
-            t3372,
-            t3385,
-            t3398,
-            t3411,
-            t3424,
-            t3437,
-            t3450,
-            t3463,
-            t3476,
-            t3489,
-            t3502,
-            t3515,
-            t3528,
-            t3541,
-            t3554,
-            t3567,
-            t3580,
-            t3593,
-            t3605,
-            t3609,
-            t3614,
-            t3619,
-            t3624,
-            t3629,
-            t3634,
-            t3636,
-            t3645,
-            t3653,
-            t3661,
-            t3681,
-            t3688,
-            t3694,
-            t3703,
-            t3708,
-            t3713,
-            t3714,
-            t3718,
-            t3719,
-            t3723,
-            t3728,
-            t3734,
-            t3753,
-            t3760,
-            t3765,
-        ],
-    );
-    a_y[0][0] = 0.0;
-    a_y[0][1] = t2458;
-    a_y[0][2] = t4921;
-    a_y[0][3] = t4922;
-    a_y[0][4] = t4923;
-    a_y[0][5] = t4924;
-    a_y[0][6] = t3125;
-    a_y[1][0] = 0.0;
-    a_y[1][1] = t4925;
-    a_y[1][2] = t3151;
-    a_y[1][3] = t3164;
-    a_y[1][4] = t3177;
-    a_y[1][5] = t3190;
-    a_y[1][6] = t4926;
-    a_y[2][0] = 0.0;
-    a_y[2][1] = t3216;
-    a_y[2][2] = t4927;
-    a_y[2][3] = t4928;
-    a_y[2][4] = t4929;
-    a_y[2][5] = t4930;
-    a_y[2][6] = t3281;
-    a_y[3][0] = 0.0;
-    a_y[3][1] = t4931;
-    a_y[3][2] = t3307;
-    a_y[3][3] = t3320;
-    a_y[3][4] = t3333;
-    a_y[3][5] = t3346;
-    a_y[3][6] = t4932;
-    a_y[4][0] = 0.0;
-    a_y[4][1] = t4933;
-    a_y[4][2] = t3385;
-    a_y[4][3] = t3398;
-    a_y[4][4] = t3411;
-    a_y[4][5] = t3424;
-    a_y[4][6] = t4934;
-    a_y[5][0] = 0.0;
-    a_y[5][1] = t4935;
-    a_y[5][2] = t3463;
-    a_y[5][3] = t3476;
-    a_y[5][4] = t3489;
-    a_y[5][5] = t3502;
-    a_y[5][6] = t4936;
-    a_y[6][0] = 0.0;
-    a_y[6][1] = t4937;
-    a_y[6][2] = t3541;
-    a_y[6][3] = t3554;
-    a_y[6][4] = t3567;
-    a_y[6][5] = t3580;
-    a_y[6][6] = t4938;
-    a_v[0][0] = t4939;
-    a_v[0][1] = t3708;
-    a_v[0][2] = t4940;
-    a_v[0][3] = t3839;
-    a_v[0][4] = t4941;
-    a_v[0][5] = t4942;
-    a_v[0][6] = t4943;
-    a_v[1][0] = t4944;
-    a_v[1][1] = t4120;
-    a_v[1][2] = t4945;
-    a_v[1][3] = t4146;
-    a_v[1][4] = t4946;
-    a_v[1][5] = t4947;
-    a_v[1][6] = t4948;
-    a_v[2][0] = t4198;
-    a_v[2][1] = t4949;
-    a_v[2][2] = t4224;
-    a_v[2][3] = t4950;
-    a_v[2][4] = t4250;
-    a_v[2][5] = t4263;
-    a_v[2][6] = t4276;
-    a_v[3][0] = t4289;
-    a_v[3][1] = t4951;
-    a_v[3][2] = t4315;
-    a_v[3][3] = t4952;
-    a_v[3][4] = t4341;
-    a_v[3][5] = t4354;
-    a_v[3][6] = t4367;
-    a_v[4][0] = t4380;
-    a_v[4][1] = t4953;
-    a_v[4][2] = t4406;
-    a_v[4][3] = t4954;
-    a_v[4][4] = t4432;
-    a_v[4][5] = t4445;
-    a_v[4][6] = t4458;
-    a_v[5][0] = t4471;
-    a_v[5][1] = t4955;
-    a_v[5][2] = t4497;
-    a_v[5][3] = t4956;
-    a_v[5][4] = t4523;
-    a_v[5][5] = t4536;
-    a_v[5][6] = t4549;
-    a_v[6][0] = t4957;
-    a_v[6][1] = t4575;
-    a_v[6][2] = t4588;
-    a_v[6][3] = t4601;
-    a_v[6][4] = t4614;
-    a_v[6][5] = t4627;
-    a_v[6][6] = t4640;
-    b_x[0][0] = minus_inverse_d_panda_joint1;
-    b_x[0][1] = t458;
-    b_x[0][2] = t4959;
-    b_x[0][3] = t1040;
-    b_x[0][4] = t1047;
-    b_x[0][5] = t1056;
-    b_x[0][6] = t1067;
-    b_x[1][0] = t458;
-    b_x[1][1] = t460;
-    b_x[1][2] = t4960;
-    b_x[1][3] = t468;
-    b_x[1][4] = t475;
-    b_x[1][5] = t484;
-    b_x[1][6] = t495;
-    b_x[2][0] = t4959;
-    b_x[2][1] = t4960;
-    b_x[2][2] = t1098;
-    b_x[2][3] = t4961;
-    b_x[2][4] = t4962;
-    b_x[2][5] = t4963;
-    b_x[2][6] = t4964;
-    b_x[3][0] = t1040;
-    b_x[3][1] = t468;
-    b_x[3][2] = t4961;
-    b_x[3][3] = t4965;
-    b_x[3][4] = t4966;
-    b_x[3][5] = t4967;
-    b_x[3][6] = t4968;
-    b_x[4][0] = t1047;
-    b_x[4][1] = t475;
-    b_x[4][2] = t4962;
-    b_x[4][3] = t4966;
-    b_x[4][4] = t4969;
-    b_x[4][5] = t4970;
-    b_x[4][6] = t4971;
-    b_x[5][0] = t1056;
-    b_x[5][1] = t484;
-    b_x[5][2] = t4963;
-    b_x[5][3] = t4967;
-    b_x[5][4] = t4970;
-    b_x[5][5] = t4972;
-    b_x[5][6] = t4973;
-    b_x[6][0] = t1067;
-    b_x[6][1] = t495;
-    b_x[6][2] = t4964;
-    b_x[6][3] = t4968;
-    b_x[6][4] = t4971;
-    b_x[6][5] = t4973;
-    b_x[6][6] = t1482;
-    c[0] = t4974;
-    c[1] = t4720;
-    c[2] = t4975;
-    c[3] = t4800;
-    c[4] = t4840;
-    c[5] = t4880;
-    c[6] = t4920;
-}
-
-/// Part 1 of `linearize`: values that later parts read.
-#[inline(never)]
-fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 233] {
-    let angle_panda_joint7_offset = y[6] + 0.6689225306301614;
-    let (
-        [sin_panda_joint2,
-        sin_panda_joint3,
-        sin_panda_joint4,
-        sin_panda_joint5,
-        ],
-        [cos_panda_joint2,
-        cos_panda_joint3,
-        cos_panda_joint4,
-        cos_panda_joint5,
-        ],
-    ) = math::sin_cos_4(y[1], y[2], y[3], y[4]);
-    let ([sin_panda_joint6, sin_panda_joint7], [cos_panda_joint6, cos_panda_joint7]) = math::sin_cos_2(
-        y[5],
-        angle_panda_joint7_offset,
-    );
-    let t13 = cos_panda_joint7 * 0.0021748470602962725;
-    let t14 = sin_panda_joint7 * 0.0013205141364616554;
-    let t15 = t14 - t13;
-    let t16 = sin_panda_joint7 * t15;
-    let t17 = 0.0026818189154496457 + t16;
-    let t18 = cos_panda_joint7 * 0.0005773870536849036;
-    let t19 = t17 + t18;
-    let t20 = t19 - 0.007412167175072343;
-    let t21 = sin_panda_joint6 * t20;
-    let t22 = 0.00038633089444376715 * sin_panda_joint7;
-    let t23 = 0.001535882372017312 * cos_panda_joint7;
-    let t24 = t23 - t22;
-    let t25 = 0.014748570382675316 + t24;
-    let t26 = 2.0 * t25;
-    let t27 = cos_panda_joint6 * t26;
-    let t28 = t21 - t27;
-    let t29 = sin_panda_joint6 * t28;
-    let t30 = t19 + 0.022973411435614263;
-    let t31 = t29 - t30;
-    let t32 = t16 - 0.014047520880232544;
-    let t33 = t32 - t31;
-    let t34 = sin_panda_joint5 * t33;
-    let t35 = cos_panda_joint7 * t15;
-    let t36 = 0.0010874235301481362 + t35;
-    let t37 = 0.0002886935268424518 * sin_panda_joint7;
-    let t38 = 0.00010375891721868492 + t37;
-    let t39 = t36 - t38;
-    let t40 = cos_panda_joint6 * t39;
-    let t41 = 0.00038633089444376715 * cos_panda_joint7;
-    let t42 = 0.001535882372017312 * sin_panda_joint7;
-    let t43 = t42 + t41;
-    let t44 = 9.3569097314605e-5 + t43;
-    let t45 = sin_panda_joint6 * t44;
-    let t46 = t45 - t40;
-    let t47 = 0.0015152444733270301 - t46;
-    let t48 = 2.0 * t47;
-    let t49 = cos_panda_joint5 * t48;
-    let t50 = t34 + t49;
-    let t51 = sin_panda_joint5 * t50;
-    let t52 = 0.0002886935268424518 * cos_panda_joint7;
-    let t53 = 0.020402584637159996 + t52;
-    let t54 = cos_panda_joint6 * 4.363636363636364;
-    let t55 = t53 * t54;
-    let t56 = sin_panda_joint6 * 0.06674100693849601;
-    let t57 = t55 + t56;
-    let t58 = 0.005627033294592 - t57;
-    let t59 = cos_panda_joint5 * 0.21484375;
-    let t60 = t58 * t59;
-    let t61 = sin_panda_joint7 * 0.0012597535716761534;
-    let t62 = 0.0260623224672 - t61;
-    let t63 = sin_panda_joint5 * 0.21484375;
-    let t64 = t62 * t63;
-    let t65 = t60 + t64;
-    let t66 = 2.0 * t65;
-    let t67 = 0.05102013615681551 + t66;
-    let t68 = t31 - t67;
-    let t69 = t51 + t68;
-    let t70 = 0.028934422545659894 + t29;
-    let t71 = sin_panda_joint6 * 4.363636363636364;
-    let t72 = t53 * t71;
-    let t73 = cos_panda_joint6 * 0.06674100693849601;
-    let t74 = t72 - t73;
-    let t75 = 2.0 * t74;
-    let t76 = 0.6972920750309719 + t75;
-    let t77 = t70 + t76;
-    let t78 = t69 + t77;
-    let t79 = sin_panda_joint4 * t78;
-    let t80 = cos_panda_joint6 * t28;
-    let t81 = t24 + 0.01934881590023842;
-    let t82 = t80 + t81;
-    let t83 = t58 - t82;
-    let t84 = cos_panda_joint5 * t83;
-    let t85 = sin_panda_joint6 * t39;
-    let t86 = cos_panda_joint6 * t44;
-    let t87 = t86 + t85;
-    let t88 = 0.0021640520520981297 - t87;
-    let t89 = t62 - t88;
-    let t90 = sin_panda_joint5 * t89;
-    let t91 = t84 + t90;
-    let t92 = t74 * 0.21484375;
-    let t93 = 0.16284087268546088 + t92;
-    let t94 = t91 + t93;
-    let t95 = 2.0 * t94;
-    let t96 = cos_panda_joint4 * t95;
-    let t97 = t79 + t96;
-    let t98 = sin_panda_joint4 * t97;
-    let t99 = 0.04560437265862501 + t65;
-    let t100 = cos_panda_joint4 * t99;
-    let t101 = 0.16603319317224752 + t92;
-    let t102 = sin_panda_joint4 * t101;
-    let t103 = t100 + t102;
-    let t104 = 2.0 * t103;
-    let t105 = 0.0616024210265277 - t104;
-    let t106 = t69 - t105;
-    let t107 = t98 - t106;
-    let t108 = t32 - t51;
-    let t109 = 0.022178148964878235 - t108;
-    let t110 = t107 - t109;
-    let t111 = sin_panda_joint3 * t110;
-    let t112 = cos_panda_joint5 * t50;
-    let t113 = t58 * t63;
-    let t114 = t62 * t59;
-    let t115 = t113 - t114;
-    let t116 = 0.0039053550262761003 + t115;
-    let t117 = t47 - t116;
-    let t118 = t112 - t117;
-    let t119 = cos_panda_joint4 * t118;
-    let t120 = sin_panda_joint5 * t83;
-    let t121 = cos_panda_joint5 * t89;
-    let t122 = t120 - t121;
-    let t123 = 0.0016444875773692705 + t122;
-    let t124 = sin_panda_joint4 * t123;
-    let t125 = t119 + t124;
-    let t126 = 0.00012191242095074308 - t115;
-    let t127 = t125 + t126;
-    let t128 = 2.0 * t127;
-    let t129 = cos_panda_joint3 * t128;
-    let t130 = t111 + t129;
-    let t131 = sin_panda_joint3 * t130;
-    let t132 = 0.02307788249493181 + t107;
-    let t133 = t131 - t132;
-    let t134 = t77 - t98;
-    let t135 = sin_panda_joint4 * t99;
-    let t136 = cos_panda_joint4 * t101;
-    let t137 = t135 - t136;
-    let t138 = t137 * 7.66060606060606;
-    let t139 = 1.032162061231881 - t138;
-    let t140 = t134 + t139;
-    let t141 = t133 + t140;
-    let t142 = sin_panda_joint2 * t141;
-    let t143 = cos_panda_joint4 * t97;
-    let t144 = 0.005487648106562256 - t137;
-    let t145 = t94 + t144;
-    let t146 = t143 - t145;
-    let t147 = 0.06161578168944001 - t103;
-    let t148 = 3.83030303030303 * t147;
-    let t149 = t148 - t146;
-    let t150 = cos_panda_joint3 * t149;
-    let t151 = sin_panda_joint4 * t118;
-    let t152 = cos_panda_joint4 * t123;
-    let t153 = t151 - t152;
-    let t154 = 0.004377257121839584 + t153;
-    let t155 = 0.002328735327435001 - t115;
-    let t156 = 3.83030303030303 * t155;
-    let t157 = t156 + t154;
-    let t158 = sin_panda_joint3 * t157;
-    let t159 = t150 - t158;
-    let t160 = 0.00398335888393552 - t159;
-    let t161 = 2.0 * t160;
-    let t162 = cos_panda_joint2 * t161;
-    let t163 = t142 - t162;
-    let t164 = sin_panda_joint2 * t163;
-    let t165 = 0.004002333051911301 - t16;
-    let t166 = t17 + t165;
-    let t167 = t52 + t166;
-    let t168 = sin_panda_joint6 * t167;
-    let t169 = cos_panda_joint6 * t24;
-    let t170 = t169 - t168;
-    let t171 = cos_panda_joint7 * 0.0012597535716761534;
-    let t172 = t170 - t171;
-    let t173 = cos_panda_joint5 * t172;
-    let t174 = t37 * t54;
-    let t175 = t43 - t174;
-    let t176 = sin_panda_joint5 * t175;
-    let t177 = t173 + t176;
-    let t178 = cos_panda_joint4 * t177;
-    let t179 = cos_panda_joint6 * t167;
-    let t180 = sin_panda_joint6 * t24;
-    let t181 = t180 + t179;
-    let t182 = t63 * t174;
-    let t183 = t59 * t171;
-    let t184 = t182 + t183;
-    let t185 = t181 - t184;
-    let t186 = sin_panda_joint4 * t185;
-    let t187 = t178 - t186;
-    let t188 = 3.83030303030303 * t184;
-    let t189 = t187 - t188;
-    let t190 = cos_panda_joint3 * t189;
-    let t191 = sin_panda_joint5 * t172;
-    let t192 = cos_panda_joint5 * t175;
-    let t193 = t37 * t71;
-    let t194 = 0.21484375 * t193;
-    let t195 = t192 - t194;
-    let t196 = t191 - t195;
-    let t197 = t59 * t174;
-    let t198 = t63 * t171;
-    let t199 = t197 - t198;
-    let t200 = sin_panda_joint4 * t199;
-    let t201 = cos_panda_joint4 * t194;
-    let t202 = t200 + t201;
-    let t203 = t202 - t196;
-    let t204 = cos_panda_joint4 * t199;
-    let t205 = sin_panda_joint4 * t194;
-    let t206 = t204 - t205;
-    let t207 = 3.83030303030303 * t206;
-    let t208 = t207 - t203;
-    let t209 = sin_panda_joint3 * t208;
-    let t210 = t190 - t209;
-    let t211 = sin_panda_joint2 * t210;
-    let t212 = sin_panda_joint4 * t177;
-    let t213 = cos_panda_joint4 * t185;
-    let t214 = t184 + t213;
-    let t215 = t212 + t214;
-    let t216 = cos_panda_joint2 * t215;
-    let t217 = t211 - t216;
-    let inverse_d_panda_joint7 = 1.0 / t166;
-    let t219 = t181 * inverse_d_panda_joint7;
-    let t220 = t219 * t217;
-    let t221 = t32 + t31;
-    let t222 = t65 - t221;
-    let t223 = cos_panda_joint4 * t222;
-    let t224 = t65 - t223;
-    let t225 = sin_panda_joint4 * t91;
-    let t226 = t225 - t224;
-    let t227 = cos_panda_joint2 * t226;
-    let t228 = t227 + t220;
-    let t229 = cos_panda_joint4 * t91;
-    let t230 = sin_panda_joint4 * t222;
-    let t231 = t229 - t230;
-    let t232 = 3.83030303030303 * t65;
-    let t233 = t232 + t231;
-    let t234 = cos_panda_joint3 * t233;
-    let t235 = sin_panda_joint4 * t115;
-    let t236 = t235 - t122;
-    let t237 = cos_panda_joint4 * t115;
-    let t238 = 3.83030303030303 * t237;
-    let t239 = t238 - t236;
-    let t240 = sin_panda_joint3 * t239;
-    let t241 = t234 - t240;
-    let t242 = sin_panda_joint2 * t241;
-    let t243 = t242 - t228;
-    let t244 = t43 * inverse_d_panda_joint7;
-    let t245 = t244 * t217;
-    let t246 = 0.050456677916247444 + t19;
-    let t247 = t246 + t74;
-    let t248 = cos_panda_joint5 * t247;
-    let t249 = t57 * 0.21484375;
-    let t250 = t248 - t249;
-    let t251 = sin_panda_joint5 * t46;
-    let t252 = t251 + t250;
-    let t253 = cos_panda_joint4 * t249;
-    let t254 = t74 * t59;
-    let t255 = sin_panda_joint4 * t254;
-    let t256 = t255 - t253;
-    let t257 = t256 - t252;
-    let t258 = sin_panda_joint4 * t249;
-    let t259 = cos_panda_joint4 * t254;
-    let t260 = t259 + t258;
-    let t261 = 3.83030303030303 * t260;
-    let t262 = t261 - t257;
-    let t263 = sin_panda_joint3 * t262;
-    let t264 = cos_panda_joint5 * t46;
-    let t265 = sin_panda_joint5 * t247;
-    let t266 = t265 - t264;
-    let t267 = cos_panda_joint4 * t266;
-    let t268 = t74 * t63;
-    let t269 = t268 + t87;
-    let t270 = sin_panda_joint4 * t269;
-    let t271 = t267 - t270;
-    let t272 = 3.83030303030303 * t268;
-    let t273 = t272 + t271;
-    let t274 = cos_panda_joint3 * t273;
-    let t275 = t274 + t263;
-    let t276 = sin_panda_joint2 * t275;
-    let t277 = cos_panda_joint4 * t269;
-    let t278 = t268 - t277;
-    let t279 = sin_panda_joint4 * t266;
-    let t280 = t279 - t278;
-    let t281 = cos_panda_joint2 * t280;
-    let t282 = t276 - t281;
-    let t283 = t245 - t282;
-    let t284 = t181 * t244;
-    let t285 = t284 - t87;
-    let t286 = t43 * t244;
-    let t287 = t246 - t286;
-    let inverse_d_panda_joint6 = 1.0 / t287;
-    let t289 = inverse_d_panda_joint6 * t285;
-    let t290 = t283 * t289;
-    let t291 = t290 - t243;
-    let t292 = t181 * t219;
-    let t293 = t292 + t221;
-    let t294 = t285 * t289;
-    let t295 = t294 + t293;
-    let inverse_d_panda_joint5 = 1.0 / t295;
-    let t297 = t291 * inverse_d_panda_joint5;
-    let t298 = t291 * t297;
-    let t299 = inverse_d_panda_joint6 * t283;
-    let t300 = t283 * t299;
-    let t301 = inverse_d_panda_joint7 * t217;
-    let t302 = t217 * t301;
-    let t303 = 0.014259565994474414 - t302;
-    let t304 = t300 - t303;
-    let t305 = t298 - t304;
-    let t306 = t109 + t131;
-    let t307 = t306 + t305;
-    let t308 = t133 - t307;
-    let t309 = t164 - t308;
-    let t310 = t244 * t196;
-    let t311 = t252 + t310;
-    let t312 = inverse_d_panda_joint6 * t311;
-    let t313 = t283 * t312;
-    let t314 = inverse_d_panda_joint7 * t196;
-    let t315 = t217 * t314;
-    let t316 = cos_panda_joint2 * t153;
-    let t317 = t316 - t315;
-    let t318 = t313 - t317;
-    let t319 = t69 - t77;
-    let t320 = t103 + t319;
-    let t321 = 3.83030303030303 * t137;
-    let t322 = t321 + t320;
-    let t323 = sin_panda_joint3 * t322;
-    let t324 = cos_panda_joint3 * t125;
-    let t325 = t324 - t323;
-    let t326 = sin_panda_joint2 * t325;
-    let t327 = t326 + t318;
-    let t328 = t219 * t196;
-    let t329 = t122 - t328;
-    let t330 = t311 * t289;
-    let t331 = t330 - t329;
-    let t332 = t331 * inverse_d_panda_joint5;
-    let t333 = t291 * t332;
-    let t334 = t333 - t327;
-    let t335 = t196 * t314;
-    let t336 = t319 + t335;
-    let t337 = t311 * t312;
-    let t338 = t337 + t336;
-    let t339 = t331 * t332;
-    let t340 = t339 - t338;
-    let inverse_d_panda_joint4 = 1.0 / t340;
-    let t342 = t334 * inverse_d_panda_joint4;
-    let t343 = t334 * t342;
-    let t344 = t343 - t309;
-    let t345 = t244 * t215;
-    let t346 = t280 - t345;
-    let t347 = inverse_d_panda_joint6 * t346;
-    let t348 = t283 * t347;
-    let t349 = inverse_d_panda_joint7 * t215;
-    let t350 = t217 * t349;
-    let t351 = t350 - t348;
-    let t352 = t107 + t109;
-    let t353 = cos_panda_joint2 * t352;
-    let t354 = t353 + t351;
-    let t355 = t219 * t215;
-    let t356 = t226 - t355;
-    let t357 = t346 * t289;
-    let t358 = t357 + t356;
-    let t359 = t358 * inverse_d_panda_joint5;
-    let t360 = t291 * t359;
-    let t361 = t360 + t354;
-    let t362 = sin_panda_joint2 * t159;
-    let t363 = t362 + t361;
-    let t364 = t346 * t312;
-    let t365 = t215 * t314;
-    let t366 = t365 - t364;
-    let t367 = t153 + t366;
-    let t368 = t358 * t332;
-    let t369 = t368 + t367;
-    let t370 = t369 * inverse_d_panda_joint4;
-    let t371 = t334 * t370;
-    let t372 = t371 - t363;
-    let t373 = t346 * t347;
-    let t374 = t215 * t349;
-    let t375 = t374 + t373;
-    let t376 = t352 - t375;
-    let t377 = t358 * t359;
-    let t378 = t377 + t376;
-    let t379 = t369 * t370;
-    let t380 = t379 - t378;
-    let inverse_d_panda_joint3 = 1.0 / t380;
-    let t382 = t372 * inverse_d_panda_joint3;
-    let t383 = t372 * t382;
-    let t384 = t383 - t344;
-    let t385 = t133 - t140;
-    let t386 = sin_panda_joint3 * t233;
-    let t387 = cos_panda_joint3 * t239;
-    let t388 = t386 + t387;
-    let t389 = sin_panda_joint3 * t189;
-    let t390 = cos_panda_joint3 * t208;
-    let t391 = t389 + t390;
-    let t392 = t219 * t391;
-    let t393 = t388 - t392;
-    let t394 = t244 * t391;
-    let t395 = cos_panda_joint3 * t262;
-    let t396 = sin_panda_joint3 * t273;
-    let t397 = t396 - t395;
-    let t398 = t397 - t394;
-    let t399 = t398 * t289;
-    let t400 = t399 + t393;
-    let t401 = t400 * inverse_d_panda_joint5;
-    let t402 = t400 * t401;
-    let t403 = inverse_d_panda_joint6 * t398;
-    let t404 = t398 * t403;
-    let t405 = inverse_d_panda_joint7 * t391;
-    let t406 = t391 * t405;
-    let t407 = t406 + t404;
-    let t408 = t402 - t407;
-    let t409 = t385 - t408;
-    let t410 = t398 * t312;
-    let t411 = t391 * t314;
-    let t412 = t411 - t410;
-    let t413 = cos_panda_joint3 * t322;
-    let t414 = sin_panda_joint3 * t125;
-    let t415 = t414 + t413;
-    let t416 = t415 + t412;
-    let t417 = t400 * t332;
-    let t418 = t417 + t416;
-    let t419 = t418 * inverse_d_panda_joint4;
-    let t420 = t418 * t419;
-    let t421 = t420 + t409;
-    let t422 = sin_panda_joint3 * t149;
-    let t423 = cos_panda_joint3 * t157;
-    let t424 = t422 + t423;
-    let t425 = t398 * t347;
-    let t426 = t391 * t349;
-    let t427 = t426 + t425;
-    let t428 = t424 + t427;
-    let t429 = t400 * t359;
-    let t430 = t429 - t428;
-    let t431 = t418 * t370;
-    let t432 = t431 - t430;
-    let t433 = t432 * inverse_d_panda_joint3;
-    let t434 = t432 * t433;
-    let t435 = t434 - t421;
-    let inverse_d_panda_joint2 = 1.0 / t435;
-    let t437 = 0.0007689361029464 + t424;
-    let t438 = cos_panda_joint2 * t437;
-    let t439 = t291 * t401;
-    let t440 = t283 * t403;
-    let t441 = t217 * t405;
-    let t442 = t441 - t440;
-    let t443 = t439 + t442;
-    let t444 = t438 - t443;
-    let t445 = cos_panda_joint3 * t130;
-    let t446 = 0.01026110182100817 + t127;
-    let t447 = t445 - t446;
-    let t448 = sin_panda_joint2 * t447;
-    let t449 = t448 - t444;
-    let t450 = t334 * t419;
-    let t451 = t450 - t449;
-    let t452 = t372 * t433;
-    let t453 = t452 - t451;
-    let t454 = t453 * inverse_d_panda_joint2;
-    let t455 = t453 * t454;
-    let t456 = t455 - t384;
-    let inverse_d_panda_joint1 = 1.0 / t456;
-    let t458 = t454 * inverse_d_panda_joint1;
-    let t459 = t454 * t458;
-    let t460 = inverse_d_panda_joint2 - t459;
-    let t461 = t433 * t460;
-    let t462 = t382 * t458;
-    let t463 = t461 + t462;
-    let t464 = t370 * t463;
-    let t465 = t419 * t460;
-    let t466 = t342 * t458;
-    let t467 = t465 + t466;
-    let t468 = t464 - t467;
-    let t469 = t332 * t468;
-    let t470 = t359 * t463;
-    let t471 = t401 * t460;
-    let t472 = t297 * t458;
-    let t473 = t471 + t472;
-    let t474 = t470 - t473;
-    let t475 = t469 - t474;
-    let t476 = t289 * t475;
-    let t477 = t312 * t468;
-    let t478 = t347 * t463;
-    let t479 = t403 * t460;
-    let t480 = t299 * t458;
-    let t481 = t479 + t480;
-    let t482 = t478 - t481;
-    let t483 = t477 - t482;
-    let t484 = t476 - t483;
-    let t485 = t244 * t484;
-    let t486 = t219 * t475;
-    let t487 = t314 * t468;
-    let t488 = t349 * t463;
-    let t489 = t405 * t460;
-    let t490 = t301 * t458;
-    let t491 = t489 - t490;
-    let t492 = t488 - t491;
-    let t493 = t487 + t492;
-    let t494 = t486 - t493;
-    let t495 = t485 + t494;
-    let omega_panda_joint2_y = v[0] * cos_panda_joint2;
-    let omega_panda_joint3_z = v[2] + omega_panda_joint2_y;
-    let t498 = 2.0 * omega_panda_joint3_z;
-    let omega_panda_joint2_x = v[0] * sin_panda_joint2;
-    let t500 = sin_panda_joint3 * omega_panda_joint2_x;
-    let t501 = v[1] * cos_panda_joint3;
-    let omega_panda_joint3_y = t500 + t501;
-    let t503 = omega_panda_joint3_y * t498;
-    let t504 = v[1] * 2.0;
-    let t505 = omega_panda_joint2_y * t504;
-    let t506 = cos_panda_joint3 * t505;
-    let t507 = omega_panda_joint2_x * omega_panda_joint2_y;
-    let t508 = sin_panda_joint3 * t507;
-    let t509 = t508 + t506;
-    let t510 = t509 - t503;
-    let t511 = cos_panda_joint4 * t510;
-    let t512 = cos_panda_joint3 * omega_panda_joint2_x;
-    let t513 = v[1] * sin_panda_joint3;
-    let omega_panda_joint3_x = t512 - t513;
-    let t515 = omega_panda_joint3_x * omega_panda_joint3_y;
-    let t516 = v[1] * omega_panda_joint2_x;
-    let t517 = t516 - t515;
-    let t518 = sin_panda_joint4 * t517;
-    let t519 = t518 + t511;
-    let omega_panda_joint4_z = v[3] - omega_panda_joint3_y;
-    let t521 = 2.0 * omega_panda_joint4_z;
-    let t522 = sin_panda_joint4 * omega_panda_joint3_x;
-    let t523 = cos_panda_joint4 * omega_panda_joint3_z;
-    let omega_panda_joint4_y = t522 + t523;
-    let t525 = omega_panda_joint4_y * t521;
-    let t526 = t519 - t525;
-    let t527 = sin_panda_joint5 * t526;
-    let t528 = cos_panda_joint4 * omega_panda_joint3_x;
-    let t529 = sin_panda_joint4 * omega_panda_joint3_z;
-    let omega_panda_joint4_x = t528 - t529;
-    let t531 = omega_panda_joint4_x * omega_panda_joint4_y;
-    let t532 = omega_panda_joint3_x * omega_panda_joint3_z;
-    let t533 = sin_panda_joint3 * t505;
-    let t534 = cos_panda_joint3 * t507;
-    let t535 = t534 - t533;
-    let t536 = t535 - t532;
-    let t537 = t536 + t531;
-    let t538 = cos_panda_joint5 * t537;
-    let t539 = t538 - t527;
-    let t540 = sin_panda_joint4 * t510;
-    let t541 = cos_panda_joint4 * t517;
-    let t542 = t541 - t540;
-    let t543 = omega_panda_joint4_x * t521;
-    let t544 = t542 - t543;
-    let t545 = 3.83030303030303 * t509;
-    let acceleration_panda_joint2_x = sin_panda_joint2 * 118.9090909090909;
-    let t547 = sin_panda_joint3 * acceleration_panda_joint2_x;
-    let acceleration_panda_joint3_y = t547 + t545;
-    let t549 = t516 + t515;
-    let acceleration_panda_joint4_z = t549 - acceleration_panda_joint3_y;
-    let t551 = acceleration_panda_joint4_z - t544;
-    let t552 = t63 * t551;
-    let t553 = t552 + t539;
-    let t554 = 3.83030303030303 * t535;
-    let t555 = cos_panda_joint3 * acceleration_panda_joint2_x;
-    let acceleration_panda_joint3_x = t555 + t554;
-    let t557 = omega_panda_joint3_y * omega_panda_joint3_y;
-    let t558 = omega_panda_joint3_z * omega_panda_joint3_z;
-    let t559 = t557 + t558;
-    let t560 = t559 + acceleration_panda_joint3_x;
-    let t561 = cos_panda_joint4 * t560;
-    let t562 = omega_panda_joint2_x * omega_panda_joint2_x;
-    let t563 = v[1] * v[1];
-    let t564 = t562 + t563;
-    let t565 = 3.83030303030303 * t564;
-    let acceleration_panda_joint2_y = cos_panda_joint2 * 118.9090909090909;
-    let acceleration_panda_joint3_z = acceleration_panda_joint2_y - t565;
-    let t568 = omega_panda_joint3_x * t498;
-    let t569 = t535 - t568;
-    let t570 = t569 + acceleration_panda_joint3_z;
-    let t571 = sin_panda_joint4 * t570;
-    let acceleration_panda_joint4_x = t561 - t571;
-    let t573 = omega_panda_joint4_y * omega_panda_joint4_y;
-    let t574 = omega_panda_joint4_z * omega_panda_joint4_z;
-    let t575 = t573 + t574;
-    let t576 = acceleration_panda_joint4_x - t575;
-    let t577 = t59 * t576;
-    let acceleration_panda_joint5_x = t577 + t553;
-    let t579 = t54 * acceleration_panda_joint5_x;
-    let t580 = sin_panda_joint4 * t560;
-    let t581 = cos_panda_joint4 * t570;
-    let acceleration_panda_joint4_y = t580 + t581;
-    let t583 = t536 - t531;
-    let t584 = acceleration_panda_joint4_y - t583;
-    let t585 = 0.21484375 * t584;
-    let t586 = omega_panda_joint4_x * omega_panda_joint4_x;
-    let t587 = t586 + t574;
-    let acceleration_panda_joint5_z = t587 - t585;
-    let t589 = t71 * acceleration_panda_joint5_z;
-    let acceleration_panda_joint6_x = t589 + t579;
-    let t591 = cos_panda_joint5 * omega_panda_joint4_x;
-    let t592 = sin_panda_joint5 * omega_panda_joint4_z;
-    let omega_panda_joint5_x = t591 + t592;
-    let t594 = sin_panda_joint6 * omega_panda_joint5_x;
-    let omega_panda_joint5_z = v[4] + omega_panda_joint4_y;
-    let t596 = cos_panda_joint6 * omega_panda_joint5_z;
-    let omega_panda_joint6_y = t594 + t596;
-    let t598 = omega_panda_joint6_y * omega_panda_joint6_y;
-    let t599 = sin_panda_joint5 * omega_panda_joint4_x;
-    let t600 = cos_panda_joint5 * omega_panda_joint4_z;
-    let omega_panda_joint5_y = t599 - t600;
-    let omega_panda_joint6_z = v[5] - omega_panda_joint5_y;
-    let t603 = omega_panda_joint6_z * omega_panda_joint6_z;
-    let t604 = t598 + t603;
-    let acceleration_panda_joint7_x = t604 + acceleration_panda_joint6_x;
-    let t606 = t37 * acceleration_panda_joint7_x;
-    let t607 = cos_panda_joint5 * t526;
-    let t608 = sin_panda_joint5 * t537;
-    let t609 = t608 + t607;
-    let t610 = 2.0 * omega_panda_joint5_z;
-    let t611 = omega_panda_joint5_y * t610;
-    let t612 = t609 - t611;
-    let t613 = sin_panda_joint6 * t612;
-    let t614 = omega_panda_joint5_x * omega_panda_joint5_y;
-    let t615 = omega_panda_joint4_x * omega_panda_joint4_z;
-    let t616 = t542 - t615;
-    let t617 = t616 - t614;
-    let t618 = cos_panda_joint6 * t617;
-    let t619 = t618 - t613;
-    let t620 = cos_panda_joint6 * omega_panda_joint5_x;
-    let t621 = sin_panda_joint6 * omega_panda_joint5_z;
-    let omega_panda_joint6_x = t620 - t621;
-    let t623 = omega_panda_joint6_x * omega_panda_joint6_z;
-    let t624 = t619 - t623;
-    let t625 = t623 - t624;
-    let t626 = t17 * t625;
-    let t627 = t626 - t606;
-    let t628 = 2.0 * omega_panda_joint6_z;
-    let t629 = omega_panda_joint6_x * t628;
-    let t630 = t619 - t629;
-    let t631 = t59 * t551;
-    let t632 = t631 - t609;
-    let t633 = t63 * t576;
-    let acceleration_panda_joint5_y = t633 - t632;
-    let acceleration_panda_joint6_z = 4.363636363636364 * acceleration_panda_joint5_y;
-    let acceleration_panda_joint7_y = t630 - acceleration_panda_joint6_z;
-    let t637 = t52 * acceleration_panda_joint7_y;
-    let t638 = t637 - t627;
-    let omega_panda_joint7_z = v[6] - omega_panda_joint6_y;
-    let t640 = omega_panda_joint7_z * omega_panda_joint7_z;
-    let t641 = omega_panda_joint6_x * omega_panda_joint6_x;
-    let t642 = t641 + t640;
-    let t643 = t603 + t640;
-    let t644 = t643 - t642;
-    let t645 = t36 * t644;
-    let t646 = omega_panda_joint5_x * omega_panda_joint5_z;
-    let t647 = t539 - t646;
-    let t648 = omega_panda_joint6_x * omega_panda_joint6_y;
-    let t649 = t647 + t648;
-    let t650 = t43 * t649;
-    let t651 = t650 + t645;
-    let t652 = cos_panda_joint6 * t612;
-    let t653 = sin_panda_joint6 * t617;
-    let t654 = t653 + t652;
-    let t655 = omega_panda_joint6_y * t628;
-    let t656 = t654 - t655;
-    let t657 = t24 * t656;
-    let t658 = t657 - t651;
-    let t659 = t623 + t624;
-    let t660 = t165 * t659;
-    let t661 = t660 + t658;
-    let moment_panda_joint7_z = t661 + t638;
-    let t663 = v[6] * 0.003;
-    let t664 = u[6] - t663;
-    let t665 = t664 - moment_panda_joint7_z;
-    let t666 = t495 * t665;
-    let t667 = 0.015294814090072 * acceleration_panda_joint6_x;
-    let t668 = t71 * acceleration_panda_joint5_x;
-    let t669 = t54 * acceleration_panda_joint5_z;
-    let acceleration_panda_joint6_y = t669 - t668;
-    let t671 = 0.020402584637159996 * acceleration_panda_joint6_y;
-    let t672 = t671 + t667;
-    let t673 = 0.028934422545659894 * t649;
-    let t674 = t647 - t648;
-    let t675 = 0.02152225537058755 * t674;
-    let t676 = t675 + t673;
-    let t677 = t641 + t603;
-    let t678 = t604 - t677;
-    let t679 = 0.014748570382675316 * t678;
-    let t680 = t679 - t676;
-    let t681 = 9.3569097314605e-5 * t619;
-    let t682 = 0.00010375891721868492 * t654;
-    let t683 = t682 - t681;
-    let t684 = t683 - t680;
-    let t685 = t684 - t672;
-    let t686 = 2.0 * omega_panda_joint7_z;
-    let t687 = omega_panda_joint6_z * t686;
-    let t688 = t656 - t687;
-    let t689 = t37 * t688;
-    let t690 = omega_panda_joint6_x * t686;
-    let t691 = t649 + t690;
-    let t692 = t52 * t691;
-    let force_panda_joint7_z = t692 + t689;
-    let t694 = force_panda_joint7_z + t685;
-    let acceleration_panda_joint7_z = t674 - acceleration_panda_joint6_y;
-    let t696 = t52 * acceleration_panda_joint7_z;
-    let t697 = t43 * t659;
-    let t698 = t697 - t696;
-    let t699 = t36 * t688;
-    let t700 = t17 * t691;
-    let t701 = t677 - t643;
-    let t702 = t24 * t701;
-    let t703 = t702 + t700;
-    let t704 = t699 - t703;
-    let moment_panda_joint7_y = t704 + t698;
-    let moment_panda_joint6_z = moment_panda_joint7_y - t694;
-    let t707 = v[5] * 0.003;
-    let t708 = u[5] - t707;
-    let t709 = t708 + moment_panda_joint6_z;
-    let t710 = t484 * t709;
-    let t711 = t37 * acceleration_panda_joint7_z;
-    let t712 = t24 * t625;
-    let t713 = t712 - t711;
-    let t714 = t165 * t688;
-    let t715 = t677 - t642;
-    let t716 = t43 * t715;
-    let t717 = t36 * t691;
-    let t718 = t717 - t716;
-    let t719 = t714 - t718;
-    let moment_panda_joint7_x = t719 - t713;
-    let t721 = omega_panda_joint5_x * omega_panda_joint5_x;
-    let t722 = omega_panda_joint5_z * omega_panda_joint5_z;
-    let t723 = t721 + t722;
-    let t724 = t723 - t677;
-    let t725 = 9.3569097314605e-5 * t724;
-    let t726 = 0.00010375891721868492 * t674;
-    let t727 = t726 - t725;
-    let t728 = 0.06674100693849601 * acceleration_panda_joint5_y;
-    let t729 = t728 - t727;
-    let t730 = 0.028934422545659894 * t656;
-    let t731 = t730 - t729;
-    let t732 = 0.014748570382675316 * t630;
-    let t733 = t732 + t731;
-    let moment_panda_joint6_x = moment_panda_joint7_x + t733;
-    let t735 = sin_panda_joint6 * moment_panda_joint6_x;
-    let t736 = 0.010045187828321242 * t617;
-    let t737 = t616 + t614;
-    let t738 = 0.0014511560650267133 * t737;
-    let t739 = t738 + t736;
-    let t740 = omega_panda_joint5_y * omega_panda_joint5_y;
-    let t741 = t740 + t722;
-    let t742 = t741 - t723;
-    let t743 = 0.0015152444733270301 * t742;
-    let t744 = t743 - t739;
-    let t745 = 0.0021640520520981297 * t539;
-    let t746 = 0.004600245517563105 * t609;
-    let t747 = t746 - t745;
-    let t748 = t747 + t744;
-    let t749 = 0.0260623224672 * acceleration_panda_joint5_x;
-    let t750 = t749 + t748;
-    let t751 = 0.005627033294592 * acceleration_panda_joint5_y;
-    let t752 = t751 - t750;
-    let t753 = t735 + t752;
-    let t754 = t723 - t604;
-    let t755 = 0.00010375891721868492 * t754;
-    let t756 = 9.3569097314605e-5 * t649;
-    let t757 = t756 + t755;
-    let t758 = 0.08902946023488 * acceleration_panda_joint5_y;
-    let t759 = t758 + t757;
-    let t760 = 0.02152225537058755 * t630;
-    let t761 = t760 - t759;
-    let t762 = 0.014748570382675316 * t656;
-    let t763 = t762 + t761;
-    let t764 = t52 * t625;
-    let t765 = t37 * t642;
-    let force_panda_joint7_y = t764 + t765;
-    let t767 = force_panda_joint7_y - t763;
-    let moment_panda_joint6_y = moment_panda_joint7_z - t767;
-    let t769 = cos_panda_joint6 * moment_panda_joint6_y;
-    let moment_panda_joint5_z = t769 + t753;
-    let t771 = v[4] * 0.003;
-    let t772 = u[4] - t771;
-    let t773 = t772 + moment_panda_joint5_z;
-    let t774 = t475 * t773;
-    let t775 = 0.020402584637159996 * t674;
-    let t776 = 0.015294814090072 * t677;
-    let t777 = t775 + t776;
-    let force_panda_joint6_y = t777 + force_panda_joint7_z;
-    let t779 = t54 * force_panda_joint6_y;
-    let t780 = 0.0260623224672 * t612;
-    let t781 = omega_panda_joint5_x * t610;
-    let t782 = t539 - t781;
-    let t783 = 0.005627033294592 * t782;
-    let t784 = t783 + t780;
-    let t785 = t784 - t779;
-    let t786 = t37 * t659;
-    let t787 = t52 * t643;
-    let force_panda_joint7_x = t787 + t786;
-    let t789 = 0.015294814090072 * t649;
-    let t790 = 0.020402584637159996 * t604;
-    let t791 = t790 - t789;
-    let force_panda_joint6_x = t791 + force_panda_joint7_x;
-    let t793 = t71 * force_panda_joint6_x;
-    let force_panda_joint5_z = t793 + t785;
-    let t795 = 0.21484375 * force_panda_joint5_z;
-    let t796 = 0.6972920750309719 * t537;
-    let t797 = 0.05102013615681551 * t583;
-    let t798 = t797 + t796;
-    let t799 = 0.0016444875773692705 * t542;
-    let t800 = 0.0039053550262761003 * t519;
-    let t801 = t800 - t799;
-    let t802 = t801 - t798;
-    let t803 = t575 - t587;
-    let t804 = 0.16284087268546088 * t803;
-    let t805 = t804 + t802;
-    let t806 = 0.16603319317224752 * acceleration_panda_joint4_x;
-    let t807 = 0.04560437265862501 * acceleration_panda_joint4_y;
-    let t808 = t807 - t806;
-    let t809 = t808 + t805;
-    let t810 = t795 - t809;
-    let t811 = t71 * force_panda_joint6_y;
-    let t812 = 0.0260623224672 * t617;
-    let t813 = 0.005627033294592 * t741;
-    let t814 = t813 + t812;
-    let t815 = t814 - t811;
-    let t816 = t54 * force_panda_joint6_x;
-    let force_panda_joint5_x = t816 - t815;
-    let t818 = t587 - t741;
-    let t819 = 0.004600245517563105 * t818;
-    let t820 = 0.0021640520520981297 * t617;
-    let t821 = t820 - t819;
-    let t822 = 0.0014511560650267133 * t782;
-    let t823 = t822 + t821;
-    let t824 = 0.0015152444733270301 * t612;
-    let t825 = t824 - t823;
-    let t826 = 0.005627033294592 * acceleration_panda_joint5_z;
-    let t827 = t826 - t825;
-    let moment_panda_joint5_y = moment_panda_joint6_z - t827;
-    let t829 = force_panda_joint5_x - moment_panda_joint5_y;
-    let t830 = cos_panda_joint5 * t829;
-    let t831 = t830 + t810;
-    let t832 = cos_panda_joint6 * moment_panda_joint6_x;
-    let t833 = t587 - t723;
-    let t834 = 0.0021640520520981297 * t833;
-    let t835 = 0.004600245517563105 * t737;
-    let t836 = t835 + t834;
-    let t837 = 0.010045187828321242 * t612;
-    let t838 = t837 - t836;
-    let t839 = 0.0015152444733270301 * t782;
-    let t840 = t839 - t838;
-    let t841 = 0.0260623224672 * acceleration_panda_joint5_z;
-    let t842 = t841 - t840;
-    let t843 = t832 + t842;
-    let t844 = sin_panda_joint6 * moment_panda_joint6_y;
-    let moment_panda_joint5_x = t844 - t843;
-    let t846 = 0.015294814090072 * t656;
-    let t847 = 0.020402584637159996 * t630;
-    let t848 = t847 + t846;
-    let force_panda_joint6_z = t848 - force_panda_joint7_y;
-    let t850 = 4.363636363636364 * force_panda_joint6_z;
-    let t851 = 0.0260623224672 * t723;
-    let t852 = 0.005627033294592 * t737;
-    let t853 = t852 - t851;
-    let force_panda_joint5_y = t853 - t850;
-    let t855 = force_panda_joint5_y - moment_panda_joint5_x;
-    let t856 = sin_panda_joint5 * t855;
-    let moment_panda_joint4_z = t856 + t831;
-    let t858 = v[3] * 0.003;
-    let t859 = u[3] - t858;
-    let t860 = t859 - moment_panda_joint4_z;
-    let t861 = t468 * t860;
-    let t862 = t63 * force_panda_joint5_x;
-    let t863 = t59 * force_panda_joint5_y;
-    let t864 = t863 - t862;
-    let t865 = 0.16603319317224752 * t526;
-    let t866 = 0.04560437265862501 * t544;
-    let t867 = t866 + t865;
-    let force_panda_joint4_z = t867 + t864;
-    let t869 = omega_panda_joint3_x * omega_panda_joint3_x;
-    let t870 = t869 + t558;
-    let t871 = t559 - t870;
-    let t872 = 0.00012191242095074308 * t871;
-    let t873 = 0.002328735327435001 * acceleration_panda_joint3_x;
-    let t874 = t873 + t872;
-    let t875 = 0.06161578168944001 * acceleration_panda_joint3_y;
-    let t876 = t875 + t874;
-    let t877 = 0.022178148964878235 * t517;
-    let t878 = 0.004377257121839584 * t535;
-    let t879 = 0.005487648106562256 * t509;
-    let t880 = t879 + t878;
-    let t881 = t880 - t877;
-    let t882 = 0.0616024210265277 * t549;
-    let t883 = t882 - t881;
-    let t884 = t883 - t876;
-    let t885 = force_panda_joint4_z - t884;
-    let t886 = t870 - t575;
-    let t887 = 0.0039053550262761003 * t886;
-    let t888 = 0.16284087268546088 * t526;
-    let t889 = t888 + t887;
-    let t890 = 0.0016444875773692705 * t537;
-    let t891 = 0.04560437265862501 * acceleration_panda_joint4_z;
-    let t892 = t891 - t890;
-    let t893 = 0.05102013615681551 * t544;
-    let t894 = t893 - t892;
-    let t895 = t894 + t889;
-    let t896 = moment_panda_joint5_z + t895;
-    let moment_panda_joint4_y = t864 + t896;
-    let t898 = cos_panda_joint4 * moment_panda_joint4_y;
-    let t899 = t898 - t885;
-    let t900 = sin_panda_joint5 * t829;
-    let t901 = t870 - t587;
-    let t902 = 0.0016444875773692705 * t901;
-    let t903 = 0.16284087268546088 * t544;
-    let t904 = t903 + t902;
-    let t905 = 0.0039053550262761003 * t583;
-    let t906 = 0.16603319317224752 * acceleration_panda_joint4_z;
-    let t907 = t906 + t905;
-    let t908 = 0.6972920750309719 * t526;
-    let t909 = t908 - t907;
-    let t910 = t909 + t904;
-    let t911 = t900 - t910;
-    let t912 = cos_panda_joint5 * t855;
-    let moment_panda_joint4_x = t912 - t911;
-    let t914 = sin_panda_joint4 * moment_panda_joint4_x;
-    let moment_panda_joint3_z = t914 + t899;
-    let t916 = v[2] * 0.003;
-    let t917 = u[2] - t916;
-    let t918 = t917 + moment_panda_joint3_z;
-    let t919 = t463 * t918;
-    let t920 = 0.16603319317224752 * t587;
-    let t921 = 0.04560437265862501 * t583;
-    let t922 = t921 + t920;
-    let force_panda_joint4_y = t922 + t795;
-    let t924 = sin_panda_joint4 * force_panda_joint4_y;
-    let t925 = 0.002328735327435001 * t517;
-    let t926 = 0.06161578168944001 * t559;
-    let t927 = t926 - t925;
-    let t928 = t927 - t924;
-    let t929 = t63 * force_panda_joint5_y;
-    let t930 = 0.16603319317224752 * t537;
-    let t931 = 0.04560437265862501 * t575;
-    let t932 = t931 - t930;
-    let t933 = t932 - t929;
-    let t934 = t59 * force_panda_joint5_x;
-    let force_panda_joint4_x = t934 - t933;
-    let t936 = cos_panda_joint4 * force_panda_joint4_x;
-    let force_panda_joint3_x = t936 + t928;
-    let t938 = 3.83030303030303 * force_panda_joint3_x;
-    let t939 = cos_panda_joint4 * force_panda_joint4_y;
-    let t940 = 0.004377257121839584 * t517;
-    let t941 = 0.06161578168944001 * acceleration_panda_joint3_z;
-    let t942 = t941 - t940;
-    let t943 = 0.0616024210265277 * t569;
-    let t944 = 0.00012191242095074308 * t510;
-    let t945 = t944 - t943;
-    let t946 = t945 - t942;
-    let t947 = t564 - t559;
-    let t948 = 0.005487648106562256 * t947;
-    let t949 = t948 + t946;
-    let t950 = t939 + t949;
-    let t951 = sin_panda_joint4 * force_panda_joint4_x;
-    let t952 = t951 + t950;
-    let moment_panda_joint3_y = moment_panda_joint4_z - t952;
-    let t954 = moment_panda_joint3_y + t938;
-    let t955 = cos_panda_joint3 * t954;
-    let t956 = 1.032162061231881 * t507;
-    let t957 = sin_panda_joint2 * 32.80954542685273;
-    let t958 = cos_panda_joint2 * 0.01993386669246;
-    let t959 = t958 - t957;
-    let t960 = t959 - t956;
-    let t961 = 0.02307788249493181 * t507;
-    let t962 = t961 + t960;
-    let t963 = omega_panda_joint2_y * omega_panda_joint2_y;
-    let t964 = t963 + t563;
-    let t965 = t964 - t564;
-    let t966 = 0.00398335888393552 * t965;
-    let t967 = t966 + t962;
-    let t968 = t955 - t967;
-    let t969 = sin_panda_joint4 * moment_panda_joint4_y;
-    let t970 = 0.00012191242095074308 * t569;
-    let t971 = 0.002328735327435001 * acceleration_panda_joint3_z;
-    let t972 = t971 + t970;
-    let t973 = 0.022178148964878235 * t510;
-    let t974 = 0.005487648106562256 * t549;
-    let t975 = t974 - t973;
-    let t976 = t975 + t972;
-    let t977 = t564 - t870;
-    let t978 = 0.004377257121839584 * t977;
-    let t979 = t978 - t976;
-    let t980 = t969 - t979;
-    let t981 = cos_panda_joint4 * moment_panda_joint4_x;
-    let moment_panda_joint3_x = t981 - t980;
-    let t983 = 0.002328735327435001 * t870;
-    let t984 = 0.06161578168944001 * t549;
-    let t985 = t984 + t983;
-    let force_panda_joint3_y = t985 - force_panda_joint4_z;
-    let t987 = 3.83030303030303 * force_panda_joint3_y;
-    let t988 = moment_panda_joint3_x - t987;
-    let t989 = sin_panda_joint3 * t988;
-    let moment_panda_joint2_z = t989 + t968;
-    let t991 = v[1] * 0.003;
-    let t992 = u[1] - t991;
-    let t993 = t992 + moment_panda_joint2_z;
-    let t994 = t460 * t993;
-    let t995 = sin_panda_joint3 * t954;
-    let t996 = 1.032162061231881 * t505;
-    let t997 = 0.01026110182100817 * t507;
-    let t998 = t997 - t996;
-    let t999 = omega_panda_joint2_x * t504;
-    let t1000 = 0.00398335888393552 * t999;
-    let t1001 = t1000 - t998;
-    let t1002 = v[0] * v[0];
-    let t1003 = t1002 - t564;
-    let t1004 = 0.0007689361029464 * t1003;
-    let t1005 = t1004 - t1001;
-    let t1006 = t995 + t1005;
-    let t1007 = cos_panda_joint3 * t988;
-    let moment_panda_joint2_x = t1007 - t1006;
-    let t1009 = sin_panda_joint2 * moment_panda_joint2_x;
-    let t1010 = 0.02307788249493181 * t999;
-    let t1011 = 0.00398335888393552 * t505;
-    let t1012 = t1011 + t1010;
-    let t1013 = 0.0007689361029464 * t507;
-    let t1014 = t1013 - t1012;
-    let t1015 = t1002 - t964;
-    let t1016 = 0.01026110182100817 * t1015;
-    let t1017 = t1016 + t1014;
-    let moment_panda_joint2_y = moment_panda_joint3_z - t1017;
-    let t1019 = cos_panda_joint2 * moment_panda_joint2_y;
-    let moment_panda_joint1_z = t1009 - t1019;
-    let t1021 = v[0] * 0.003;
-    let t1022 = u[0] - t1021;
-    let t1023 = t1022 - moment_panda_joint1_z;
-    let t1024 = t458 * t1023;
-    let t1025 = t1024 + t994;
-    let t1026 = t919 - t1025;
-    let t1027 = t861 - t1026;
-    let t1028 = t774 + t1027;
-    let t1029 = t710 + t1028;
-    let t1030 = t666 + t1029;
-    let t1031 = t507 - t1030;
-    let t1032 = sin_panda_joint3 * t1031;
-    let t1033 = t433 * t458;
-    let t1034 = t382 * inverse_d_panda_joint1;
-    let t1035 = t1033 - t1034;
-    let t1036 = t370 * t1035;
-    let t1037 = t419 * t458;
-    let t1038 = t342 * inverse_d_panda_joint1;
-    let t1039 = t1037 - t1038;
-    let t1040 = t1036 - t1039;
-    let t1041 = t332 * t1040;
-    let t1042 = t359 * t1035;
-    let t1043 = t401 * t458;
-    let t1044 = t297 * inverse_d_panda_joint1;
-    let t1045 = t1043 - t1044;
-    let t1046 = t1042 - t1045;
-    let t1047 = t1041 - t1046;
-    let t1048 = t289 * t1047;
-    let t1049 = t312 * t1040;
-    let t1050 = t347 * t1035;
-    let t1051 = t403 * t458;
-    let t1052 = t299 * inverse_d_panda_joint1;
-    let t1053 = t1051 - t1052;
-    let t1054 = t1050 - t1053;
-    let t1055 = t1049 - t1054;
-    let t1056 = t1048 - t1055;
-    let t1057 = t244 * t1056;
-    let t1058 = t219 * t1047;
-    let t1059 = t314 * t1040;
-    let t1060 = t349 * t1035;
-    let t1061 = t405 * t458;
-    let t1062 = t301 * inverse_d_panda_joint1;
-    let t1063 = t1061 + t1062;
-    let t1064 = t1060 - t1063;
-    let t1065 = t1059 + t1064;
-    let t1066 = t1058 - t1065;
-    let t1067 = t1057 + t1066;
-    let t1068 = t1067 * t665;
-    let t1069 = t1056 * t709;
-    let t1070 = t1047 * t773;
-    let t1071 = t1040 * t860;
-    let t1072 = t1035 * t918;
-    let t1073 = t458 * t993;
-    let t1074 = inverse_d_panda_joint1 * t1023;
-    let t1075 = t1074 - t1073;
-    let t1076 = t1072 + t1075;
-    let t1077 = t1071 - t1076;
-    let t1078 = t1070 + t1077;
-    let t1079 = t1069 + t1078;
-    let t1080 = t1068 + t1079;
-    let t1081 = sin_panda_joint2 * t1080;
-    let t1082 = t505 + t1081;
-    let t1083 = cos_panda_joint3 * t1082;
-    let t1084 = t1032 + t1083;
-    let t1085 = t503 - t1084;
-    let t1086 = cos_panda_joint4 * t1085;
-    let t1087 = cos_panda_joint2 * t1080;
-    let t1088 = t516 - t1087;
-    let t1089 = t433 * t454;
-    let t1090 = t382 - t1089;
-    let t1091 = inverse_d_panda_joint1 * t1090;
-    let t1092 = t454 * t1091;
-    let t1093 = t433 * inverse_d_panda_joint2;
-    let t1094 = t1093 + t1092;
-    let t1095 = t433 * t1094;
-    let t1096 = t382 * t1091;
-    let t1097 = inverse_d_panda_joint3 + t1096;
-    let t1098 = t1095 - t1097;
-    let t1099 = t370 * t1098;
-    let t1100 = t419 * t1094;
-    let t1101 = t342 * t1091;
-    let t1102 = t1100 - t1101;
-    let t1103 = t1099 - t1102;
-    let t1104 = t332 * t1103;
-    let t1105 = t359 * t1098;
-    let t1106 = t401 * t1094;
-    let t1107 = t297 * t1091;
-    let t1108 = t1106 - t1107;
-    let t1109 = t1105 - t1108;
-    let t1110 = t1104 - t1109;
-    let t1111 = t289 * t1110;
-    let t1112 = t312 * t1103;
-    let t1113 = t347 * t1098;
-    let t1114 = t403 * t1094;
-    let t1115 = t299 * t1091;
-    let t1116 = t1114 - t1115;
-    let t1117 = t1113 - t1116;
-    let t1118 = t1112 - t1117;
-    let t1119 = t1111 - t1118;
-    let t1120 = t244 * t1119;
-    let t1121 = t219 * t1110;
-    let t1122 = t314 * t1103;
-    let t1123 = t349 * t1098;
-    let t1124 = t405 * t1094;
-    let t1125 = t301 * t1091;
-    let t1126 = t1124 + t1125;
-    let t1127 = t1123 - t1126;
-    let t1128 = t1122 + t1127;
-    let t1129 = t1121 - t1128;
-    let t1130 = t1120 + t1129;
-    let t1131 = t1130 * t665;
-    let t1132 = t1119 * t709;
-    let t1133 = t1110 * t773;
-    let t1134 = t1098 * t918;
-    let t1135 = t1035 * t1023;
-    let t1136 = t1135 - t1134;
-    let t1137 = t463 * t993;
-    let t1138 = t1137 + t1136;
-    let t1139 = t1103 * t860;
-    let t1140 = t1139 + t1138;
-    let t1141 = t1133 + t1140;
-    let t1142 = t1132 + t1141;
-    let t1143 = t1131 + t1142;
-    let t1144 = t1143 + t1088;
-    let t1145 = t515 - t1144;
-    let t1146 = sin_panda_joint4 * t1145;
-    let t1147 = t1146 + t1086;
-    let t1148 = t525 + t1147;
-    let t1149 = cos_panda_joint5 * t1148;
-    let t1150 = cos_panda_joint3 * t1031;
-    let t1151 = sin_panda_joint3 * t1082;
-    let t1152 = t1150 - t1151;
-    let t1153 = t370 * t433;
-    let t1154 = t419 - t1153;
-    let t1155 = t454 * t1154;
-    let t1156 = t370 * t382;
-    let t1157 = t342 - t1156;
-    let t1158 = t1155 - t1157;
-    let t1159 = inverse_d_panda_joint1 * t1158;
-    let t1160 = t454 * t1159;
-    let t1161 = inverse_d_panda_joint2 * t1154;
-    let t1162 = t1161 - t1160;
-    let t1163 = t433 * t1162;
-    let t1164 = t382 * t1159;
-    let t1165 = t370 * inverse_d_panda_joint3;
-    let t1166 = t1165 + t1164;
-    let t1167 = t1163 + t1166;
-    let t1168 = t370 * t1167;
-    let t1169 = t419 * t1162;
-    let t1170 = t342 * t1159;
-    let t1171 = inverse_d_panda_joint4 + t1170;
-    let t1172 = t1169 + t1171;
-    let t1173 = t1168 - t1172;
-    let t1174 = t332 * t1173;
-    let t1175 = t359 * t1167;
-    let t1176 = t401 * t1162;
-    let t1177 = t297 * t1159;
-    let t1178 = t1176 + t1177;
-    let t1179 = t1175 - t1178;
-    let t1180 = t1174 - t1179;
-    let t1181 = t289 * t1180;
-    let t1182 = t312 * t1173;
-    let t1183 = t347 * t1167;
-    let t1184 = t403 * t1162;
-    let t1185 = t299 * t1159;
-    let t1186 = t1184 + t1185;
-    let t1187 = t1183 - t1186;
-    let t1188 = t1182 - t1187;
-    let t1189 = t1181 - t1188;
-    let t1190 = t244 * t1189;
-    let t1191 = t219 * t1180;
-    let t1192 = t314 * t1173;
-    let t1193 = t349 * t1167;
-    let t1194 = t405 * t1162;
-    let t1195 = t301 * t1159;
-    let t1196 = t1194 - t1195;
-    let t1197 = t1193 - t1196;
-    let t1198 = t1192 + t1197;
-    let t1199 = t1191 - t1198;
-    let t1200 = t1190 + t1199;
-    let t1201 = t1200 * t665;
-    let t1202 = t1189 * t709;
-    let t1203 = t1103 * t918;
-    let t1204 = t468 * t993;
-    let t1205 = t1204 - t1203;
-    let t1206 = t1173 * t860;
-    let t1207 = t1040 * t1023;
-    let t1208 = t1207 - t1206;
-    let t1209 = t1208 + t1205;
-    let t1210 = t1180 * t773;
-    let t1211 = t1210 - t1209;
-    let t1212 = t1202 + t1211;
-    let t1213 = t1201 + t1212;
-    let t1214 = t532 + t1213;
-    let t1215 = t1152 - t1214;
-    let t1216 = t531 + t1215;
-    let t1217 = sin_panda_joint5 * t1216;
-    let t1218 = t1217 - t1149;
-    let t1219 = t611 - t1218;
-    let t1220 = cos_panda_joint6 * t1219;
-    let t1221 = sin_panda_joint4 * t1085;
-    let t1222 = cos_panda_joint4 * t1145;
-    let t1223 = t1222 - t1221;
-    let t1224 = t1180 * t860;
-    let t1225 = t1110 * t918;
-    let t1226 = t1225 + t1224;
-    let t1227 = t475 * t993;
-    let t1228 = t1227 - t1226;
-    let t1229 = t332 * t370;
-    let t1230 = t359 - t1229;
-    let t1231 = t433 * t1230;
-    let t1232 = t332 * t419;
-    let t1233 = t401 - t1232;
-    let t1234 = t1231 - t1233;
-    let t1235 = t454 * t1234;
-    let t1236 = t382 * t1230;
-    let t1237 = t332 * t342;
-    let t1238 = t297 - t1237;
-    let t1239 = t1236 - t1238;
-    let t1240 = t1235 - t1239;
-    let t1241 = inverse_d_panda_joint1 * t1240;
-    let t1242 = t454 * t1241;
-    let t1243 = inverse_d_panda_joint2 * t1234;
-    let t1244 = t1243 - t1242;
-    let t1245 = t433 * t1244;
-    let t1246 = t382 * t1241;
-    let t1247 = inverse_d_panda_joint3 * t1230;
-    let t1248 = t1247 - t1246;
-    let t1249 = t1245 - t1248;
-    let t1250 = t370 * t1249;
-    let t1251 = t419 * t1244;
-    let t1252 = t342 * t1241;
-    let t1253 = t332 * inverse_d_panda_joint4;
-    let t1254 = t1253 + t1252;
-    let t1255 = t1251 + t1254;
-    let t1256 = t1250 - t1255;
-    let t1257 = t332 * t1256;
-    let t1258 = t359 * t1249;
-    let t1259 = t401 * t1244;
-    let t1260 = t297 * t1241;
-    let t1261 = inverse_d_panda_joint5 + t1260;
-    let t1262 = t1259 + t1261;
-    let t1263 = t1258 - t1262;
-    let t1264 = t1257 - t1263;
-    let t1265 = t1264 * t773;
-    let t1266 = t1047 * t1023;
-    let t1267 = t1266 - t1265;
-    let t1268 = t1267 + t1228;
-    let t1269 = t289 * t1264;
-    let t1270 = t312 * t1256;
-    let t1271 = t347 * t1249;
-    let t1272 = t403 * t1244;
-    let t1273 = t299 * t1241;
-    let t1274 = t1272 + t1273;
-    let t1275 = t1271 - t1274;
-    let t1276 = t1270 - t1275;
-    let t1277 = t1269 - t1276;
-    let t1278 = t1277 * t709;
-    let t1279 = t1278 - t1268;
-    let t1280 = t244 * t1277;
-    let t1281 = t219 * t1264;
-    let t1282 = t314 * t1256;
-    let t1283 = t349 * t1249;
-    let t1284 = t405 * t1244;
-    let t1285 = t301 * t1241;
-    let t1286 = t1284 - t1285;
-    let t1287 = t1283 - t1286;
-    let t1288 = t1282 + t1287;
-    let t1289 = t1281 - t1288;
-    let t1290 = t1280 + t1289;
-    let t1291 = t1290 * t665;
-    let t1292 = t1291 + t1279;
-    let t1293 = t615 - t1292;
-    let t1294 = t1223 + t1293;
-    let t1295 = t614 + t1294;
-    let t1296 = sin_panda_joint6 * t1295;
-    let t1297 = t1296 + t1220;
-    let t1298 = t655 + t1297;
-    let t1299 = t687 + t1298;
-    let t1300 = t37 * t1299;
-    let t1301 = sin_panda_joint5 * t1148;
-    let t1302 = cos_panda_joint5 * t1216;
-    let t1303 = t1302 + t1301;
-    let t1304 = t1119 * t918;
-    let t1305 = t484 * t993;
-    let t1306 = t1305 - t1304;
-    let t1307 = t1277 * t773;
-    let t1308 = t1189 * t860;
-    let t1309 = t1308 + t1307;
-    let t1310 = t1309 - t1306;
-    let t1311 = t289 * t332;
-    let t1312 = t312 - t1311;
-    let t1313 = t370 * t1312;
-    let t1314 = t289 * t359;
-    let t1315 = t347 - t1314;
-    let t1316 = t1313 - t1315;
-    let t1317 = t433 * t1316;
-    let t1318 = t419 * t1312;
-    let t1319 = t289 * t401;
-    let t1320 = t403 - t1319;
-    let t1321 = t1318 - t1320;
-    let t1322 = t1317 - t1321;
-    let t1323 = t454 * t1322;
-    let t1324 = t382 * t1316;
-    let t1325 = t342 * t1312;
-    let t1326 = t289 * t297;
-    let t1327 = t299 - t1326;
-    let t1328 = t1325 - t1327;
-    let t1329 = t1324 - t1328;
-    let t1330 = t1323 - t1329;
-    let t1331 = inverse_d_panda_joint1 * t1330;
-    let t1332 = t454 * t1331;
-    let t1333 = inverse_d_panda_joint2 * t1322;
-    let t1334 = t1333 - t1332;
-    let t1335 = t433 * t1334;
-    let t1336 = t382 * t1331;
-    let t1337 = inverse_d_panda_joint3 * t1316;
-    let t1338 = t1337 - t1336;
-    let t1339 = t1335 - t1338;
-    let t1340 = t370 * t1339;
-    let t1341 = t419 * t1334;
-    let t1342 = t342 * t1331;
-    let t1343 = inverse_d_panda_joint4 * t1312;
-    let t1344 = t1343 - t1342;
-    let t1345 = t1341 - t1344;
-    let t1346 = t1340 - t1345;
-    let t1347 = t332 * t1346;
-    let t1348 = t359 * t1339;
-    let t1349 = t401 * t1334;
-    let t1350 = t297 * t1331;
-    let t1351 = t289 * inverse_d_panda_joint5;
-    let t1352 = t1351 + t1350;
-    let t1353 = t1349 + t1352;
-    let t1354 = t1348 - t1353;
-    let t1355 = t1347 - t1354;
-    let t1356 = t289 * t1355;
-    let t1357 = t312 * t1346;
-    let t1358 = t347 * t1339;
-    let t1359 = t403 * t1334;
-    let t1360 = t299 * t1331;
-    let t1361 = inverse_d_panda_joint6 + t1360;
-    let t1362 = t1359 + t1361;
-    let t1363 = t1358 - t1362;
-    let t1364 = t1357 - t1363;
-    let t1365 = t1356 - t1364;
-    let t1366 = t1365 * t709;
-    let t1367 = t1056 * t1023;
-    let t1368 = t1367 - t1366;
-    let t1369 = t1368 - t1310;
-    let t1370 = t244 * t1365;
-    let t1371 = t219 * t1355;
-    let t1372 = t314 * t1346;
-    let t1373 = t349 * t1339;
-    let t1374 = t405 * t1334;
-    let t1375 = t301 * t1331;
-    let t1376 = t1374 - t1375;
-    let t1377 = t1373 - t1376;
-    let t1378 = t1372 + t1377;
-    let t1379 = t1371 - t1378;
-    let t1380 = t1370 + t1379;
-    let t1381 = t1380 * t665;
-    let t1382 = t1381 - t1369;
-    let t1383 = t646 + t1382;
-    let t1384 = t1303 - t1383;
-    let t1385 = t648 + t1384;
-    let t1386 = t690 + t1385;
-    let t1387 = t52 * t1386;
-    let force_panda_joint7_z_2 = t1387 - t1300;
-    let t1389 = t648 - t1384;
-    let t1390 = 0.020402584637159996 * t1389;
-    let t1391 = t776 - t1390;
-    let force_panda_joint6_y_2 = force_panda_joint7_z_2 + t1391;
-    let t1393 = t54 * force_panda_joint6_y_2;
-    let t1394 = 0.0260623224672 * t1219;
-    let t1395 = t781 - t1303;
-    let t1396 = 0.005627033294592 * t1395;
-    let t1397 = t1396 + t1394;
-    let t1398 = t1393 + t1397;
-    let t1399 = sin_panda_joint6 * t1219;
-    let t1400 = cos_panda_joint6 * t1295;
-    let t1401 = t1400 - t1399;
-    let t1402 = t1380 * t709;
-    let t1403 = t1290 * t773;
-    let t1404 = t1403 + t1402;
-    let t1405 = t244 * t289;
-    let t1406 = t219 + t1405;
-    let t1407 = t332 * t1406;
-    let t1408 = t244 * t312;
-    let t1409 = t314 + t1408;
-    let t1410 = t1407 - t1409;
-    let t1411 = t370 * t1410;
-    let t1412 = t359 * t1406;
-    let t1413 = t244 * t347;
-    let t1414 = t349 - t1413;
-    let t1415 = t1412 + t1414;
-    let t1416 = t1411 - t1415;
-    let t1417 = t433 * t1416;
-    let t1418 = t419 * t1410;
-    let t1419 = t401 * t1406;
-    let t1420 = t244 * t403;
-    let t1421 = t405 - t1420;
-    let t1422 = t1419 + t1421;
-    let t1423 = t1418 - t1422;
-    let t1424 = t1417 - t1423;
-    let t1425 = t454 * t1424;
-    let t1426 = t382 * t1416;
-    let t1427 = t342 * t1410;
-    let t1428 = t297 * t1406;
-    let t1429 = t244 * t299;
-    let t1430 = t301 + t1429;
-    let t1431 = t1428 - t1430;
-    let t1432 = t1427 - t1431;
-    let t1433 = t1426 - t1432;
-    let t1434 = t1425 - t1433;
-    let t1435 = inverse_d_panda_joint1 * t1434;
-    let t1436 = t454 * t1435;
-    let t1437 = inverse_d_panda_joint2 * t1424;
-    let t1438 = t1437 - t1436;
-    let t1439 = t433 * t1438;
-    let t1440 = t382 * t1435;
-    let t1441 = inverse_d_panda_joint3 * t1416;
-    let t1442 = t1441 - t1440;
-    let t1443 = t1439 - t1442;
-    let t1444 = t370 * t1443;
-    let t1445 = t419 * t1438;
-    let t1446 = t342 * t1435;
-    let t1447 = inverse_d_panda_joint4 * t1410;
-    let t1448 = t1447 - t1446;
-    let t1449 = t1445 - t1448;
-    let t1450 = t1444 - t1449;
-    let t1451 = t332 * t1450;
-    let t1452 = t359 * t1443;
-    let t1453 = t401 * t1438;
-    let t1454 = t297 * t1435;
-    let t1455 = inverse_d_panda_joint5 * t1406;
-    let t1456 = t1455 - t1454;
-    let t1457 = t1453 - t1456;
-    let t1458 = t1452 - t1457;
-    let t1459 = t1451 - t1458;
-    let t1460 = t289 * t1459;
-    let t1461 = t312 * t1450;
-    let t1462 = t347 * t1443;
-    let t1463 = t403 * t1438;
-    let t1464 = t299 * t1435;
-    let t1465 = t244 * inverse_d_panda_joint6;
-    let t1466 = t1465 - t1464;
-    let t1467 = t1463 - t1466;
-    let t1468 = t1462 - t1467;
-    let t1469 = t1461 - t1468;
-    let t1470 = t1460 - t1469;
-    let t1471 = t244 * t1470;
-    let t1472 = t219 * t1459;
-    let t1473 = t314 * t1450;
-    let t1474 = t349 * t1443;
-    let t1475 = t405 * t1438;
-    let t1476 = t301 * t1435;
-    let t1477 = inverse_d_panda_joint7 - t1476;
-    let t1478 = t1475 + t1477;
-    let t1479 = t1474 - t1478;
-    let t1480 = t1473 + t1479;
-    let t1481 = t1472 - t1480;
-    let t1482 = t1471 + t1481;
-    let t1483 = t1482 * t665;
-    let t1484 = t1067 * t1023;
-    let t1485 = t1484 + t1483;
-    let t1486 = t1485 - t1404;
-    let t1487 = t1200 * t860;
-    let t1488 = t1130 * t918;
-    let t1489 = t1488 + t1487;
-    let t1490 = t495 * t993;
-    let t1491 = t1490 - t1489;
-    let t1492 = t1491 + t1486;
-    let t1493 = t623 - t1492;
-    let t1494 = t1401 + t1493;
-    let t1495 = t623 - t1494;
-    let t1496 = t37 * t1495;
-    let force_panda_joint7_x_2 = t787 + t1496;
-    let t1498 = 0.015294814090072 * t1385;
-    let t1499 = t790 - t1498;
-    let force_panda_joint6_x_2 = force_panda_joint7_x_2 + t1499;
-    let t1501 = t71 * force_panda_joint6_x_2;
-    let force_panda_joint5_z_2 = t1501 - t1398;
-    let t1503 = 0.21484375 * force_panda_joint5_z_2;
-    let t1504 = t531 - t1215;
-    let t1505 = 0.04560437265862501 * t1504;
-    let t1506 = t920 - t1505;
-    let force_panda_joint4_y_2 = t1503 + t1506;
-    let t1508 = sin_panda_joint4 * force_panda_joint4_y_2;
-    let t1509 = 0.002328735327435001 * t1145;
-    let t1510 = t926 + t1509;
-    let t1511 = t1508 - t1510;
-    let t1512 = t623 + t1494;
-    let t1513 = t52 * t1512;
-    let force_panda_joint7_y_2 = t765 + t1513;
-    let t1515 = 0.015294814090072 * t1298;
-    let t1516 = t629 + t1401;
-    let t1517 = 0.020402584637159996 * t1516;
-    let t1518 = t1517 + t1515;
-    let force_panda_joint6_z_2 = force_panda_joint7_y_2 + t1518;
-    let t1520 = 4.363636363636364 * force_panda_joint6_z_2;
-    let t1521 = t614 - t1294;
-    let t1522 = 0.005627033294592 * t1521;
-    let t1523 = t851 - t1522;
-    let force_panda_joint5_y_2 = t1520 - t1523;
-    let t1525 = t63 * force_panda_joint5_y_2;
-    let t1526 = 0.16603319317224752 * t1216;
-    let t1527 = t931 - t1526;
-    let t1528 = t1525 - t1527;
-    let t1529 = t71 * force_panda_joint6_y_2;
-    let t1530 = 0.0260623224672 * t1295;
-    let t1531 = t813 - t1530;
-    let t1532 = t1529 - t1531;
-    let t1533 = t54 * force_panda_joint6_x_2;
-    let force_panda_joint5_x_2 = t1533 + t1532;
-    let t1535 = t59 * force_panda_joint5_x_2;
-    let force_panda_joint4_x_2 = t1535 + t1528;
-    let t1537 = cos_panda_joint4 * force_panda_joint4_x_2;
-    let force_panda_joint3_x_2 = t1537 - t1511;
-    let t1539 = 3.83030303030303 * force_panda_joint3_x_2;
-    let t1540 = cos_panda_joint4 * force_panda_joint4_y_2;
-    let t1541 = t568 - t1152;
-    let t1542 = 0.0616024210265277 * t1541;
-    let t1543 = 0.004377257121839584 * t1145;
-    let t1544 = t941 - t948;
-    let t1545 = t1543 + t1544;
-    let t1546 = t1542 - t1545;
-    let t1547 = 0.00012191242095074308 * t1085;
-    let t1548 = t1547 - t1546;
-    let t1549 = t1540 - t1548;
-    let t1550 = sin_panda_joint4 * force_panda_joint4_x_2;
-    let t1551 = t1550 + t1549;
-    let t1552 = 0.0016444875773692705 * t1223;
-    let t1553 = 0.0039053550262761003 * t1147;
-    let t1554 = t1553 - t1552;
-    let t1555 = 0.6972920750309719 * t1216;
-    let t1556 = t804 - t1555;
-    let t1557 = 0.05102013615681551 * t1504;
-    let t1558 = t1557 + t1556;
-    let t1559 = t1558 - t1554;
-    let t1560 = 3.83030303030303 * t1152;
-    let acceleration_panda_joint3_x_2 = t555 + t1560;
-    let t1562 = t559 + acceleration_panda_joint3_x_2;
-    let t1563 = cos_panda_joint4 * t1562;
-    let t1564 = acceleration_panda_joint3_z - t1541;
-    let t1565 = sin_panda_joint4 * t1564;
-    let acceleration_panda_joint4_x_2 = t1563 - t1565;
-    let t1567 = 0.16603319317224752 * acceleration_panda_joint4_x_2;
-    let t1568 = t1567 - t1559;
-    let t1569 = sin_panda_joint4 * t1562;
-    let t1570 = cos_panda_joint4 * t1564;
-    let acceleration_panda_joint4_y_2 = t1569 + t1570;
-    let t1572 = 0.04560437265862501 * acceleration_panda_joint4_y_2;
-    let t1573 = t1572 - t1568;
-    let t1574 = t1503 - t1573;
-    let t1575 = acceleration_panda_joint4_y_2 + t1504;
-    let t1576 = 0.21484375 * t1575;
-    let acceleration_panda_joint5_z_2 = t587 - t1576;
-    let t1578 = t71 * acceleration_panda_joint5_z_2;
-    let t1579 = t543 + t1223;
-    let t1580 = 3.83030303030303 * t1084;
-    let acceleration_panda_joint3_y_2 = t547 + t1580;
-    let t1582 = t515 + t1144;
-    let acceleration_panda_joint4_z_2 = t1582 - acceleration_panda_joint3_y_2;
-    let t1584 = acceleration_panda_joint4_z_2 + t1579;
-    let t1585 = t63 * t1584;
-    let t1586 = t1585 + t1303;
-    let t1587 = t575 - acceleration_panda_joint4_x_2;
-    let t1588 = t59 * t1587;
-    let acceleration_panda_joint5_x_2 = t1588 - t1586;
-    let t1590 = t54 * acceleration_panda_joint5_x_2;
-    let acceleration_panda_joint6_x_2 = t1590 - t1578;
-    let t1592 = 0.015294814090072 * acceleration_panda_joint6_x_2;
-    let t1593 = t54 * acceleration_panda_joint5_z_2;
-    let t1594 = t71 * acceleration_panda_joint5_x_2;
-    let acceleration_panda_joint6_y_2 = t1594 + t1593;
-    let t1596 = 0.020402584637159996 * acceleration_panda_joint6_y_2;
-    let t1597 = t1596 - t1592;
-    let t1598 = 9.3569097314605e-5 * t1401;
-    let t1599 = 0.00010375891721868492 * t1297;
-    let t1600 = t1599 - t1598;
-    let t1601 = 0.028934422545659894 * t1385;
-    let t1602 = t679 - t1601;
-    let t1603 = 0.02152225537058755 * t1389;
-    let t1604 = t1603 + t1602;
-    let t1605 = t1604 + t1600;
-    let t1606 = t1605 + t1597;
-    let t1607 = force_panda_joint7_z_2 - t1606;
-    let t1608 = t43 * t1495;
-    let acceleration_panda_joint7_z_2 = acceleration_panda_joint6_y_2 + t1389;
-    let t1610 = t52 * acceleration_panda_joint7_z_2;
-    let t1611 = t1610 + t1608;
-    let t1612 = t36 * t1299;
-    let t1613 = t17 * t1386;
-    let t1614 = t702 + t1613;
-    let t1615 = t1612 + t1614;
-    let moment_panda_joint7_y_2 = t1615 - t1611;
-    let moment_panda_joint6_z_2 = moment_panda_joint7_y_2 + t1607;
-    let t1618 = 0.0014511560650267133 * t1395;
-    let t1619 = 0.0021640520520981297 * t1295;
-    let t1620 = t819 + t1619;
-    let t1621 = t1618 + t1620;
-    let t1622 = 0.0015152444733270301 * t1219;
-    let t1623 = t1622 - t1621;
-    let t1624 = 0.005627033294592 * acceleration_panda_joint5_z_2;
-    let t1625 = t1624 + t1623;
-    let moment_panda_joint5_y_2 = moment_panda_joint6_z_2 + t1625;
-    let t1627 = force_panda_joint5_x_2 + moment_panda_joint5_y_2;
-    let t1628 = cos_panda_joint5 * t1627;
-    let t1629 = t1628 + t1574;
-    let t1630 = t24 * t1512;
-    let t1631 = t37 * acceleration_panda_joint7_z_2;
-    let t1632 = t1631 + t1630;
-    let t1633 = t165 * t1299;
-    let t1634 = t36 * t1386;
-    let t1635 = t716 - t1634;
-    let t1636 = t1633 - t1635;
-    let moment_panda_joint7_x_2 = t1636 + t1632;
-    let t1638 = 0.00010375891721868492 * t1389;
-    let t1639 = t725 + t1638;
-    let t1640 = t59 * t1584;
-    let t1641 = t1640 - t1218;
-    let t1642 = t63 * t1587;
-    let acceleration_panda_joint5_y_2 = t1642 + t1641;
-    let t1644 = 0.06674100693849601 * acceleration_panda_joint5_y_2;
-    let t1645 = t1644 - t1639;
-    let t1646 = 0.028934422545659894 * t1298;
-    let t1647 = t1646 - t1645;
-    let t1648 = 0.014748570382675316 * t1516;
-    let t1649 = t1648 + t1647;
-    let moment_panda_joint6_x_2 = moment_panda_joint7_x_2 + t1649;
-    let t1651 = cos_panda_joint6 * moment_panda_joint6_x_2;
-    let t1652 = 0.010045187828321242 * t1219;
-    let t1653 = 0.004600245517563105 * t1521;
-    let t1654 = t834 + t1653;
-    let t1655 = t1652 + t1654;
-    let t1656 = 0.0015152444733270301 * t1395;
-    let t1657 = t1656 - t1655;
-    let t1658 = 0.0260623224672 * acceleration_panda_joint5_z_2;
-    let t1659 = t1658 + t1657;
-    let t1660 = t1651 - t1659;
-    let t1661 = t17 * t1512;
-    let acceleration_panda_joint7_x_2 = t604 - acceleration_panda_joint6_x_2;
-    let t1663 = t37 * acceleration_panda_joint7_x_2;
-    let t1664 = t1663 - t1661;
-    let acceleration_panda_joint6_z_2 = 4.363636363636364
-        * acceleration_panda_joint5_y_2;
-    let acceleration_panda_joint7_y_2 = acceleration_panda_joint6_z_2 - t1516;
-    let t1667 = t52 * acceleration_panda_joint7_y_2;
-    let t1668 = t1667 + t1664;
-    let t1669 = t24 * t1298;
-    let t1670 = t43 * t1385;
-    let t1671 = t645 + t1670;
-    let t1672 = t1669 + t1671;
-    let t1673 = t165 * t1495;
-    let t1674 = t1673 - t1672;
-    let moment_panda_joint7_z_2 = t1674 + t1668;
-    let t1676 = 9.3569097314605e-5 * t1385;
-    let t1677 = t755 + t1676;
-    let t1678 = 0.08902946023488 * acceleration_panda_joint5_y_2;
-    let t1679 = t1678 - t1677;
-    let t1680 = 0.02152225537058755 * t1516;
-    let t1681 = t1680 - t1679;
-    let t1682 = 0.014748570382675316 * t1298;
-    let t1683 = t1682 + t1681;
-    let t1684 = force_panda_joint7_y_2 + t1683;
-    let moment_panda_joint6_y_2 = moment_panda_joint7_z_2 - t1684;
-    let t1686 = sin_panda_joint6 * moment_panda_joint6_y_2;
-    let moment_panda_joint5_x_2 = t1686 + t1660;
-    let t1688 = force_panda_joint5_y_2 - moment_panda_joint5_x_2;
-    let t1689 = sin_panda_joint5 * t1688;
-    let moment_panda_joint4_z_2 = t1689 + t1629;
-    let moment_panda_joint3_y_2 = moment_panda_joint4_z_2 - t1551;
-    let t1692 = moment_panda_joint3_y_2 + t1539;
-    let t1693 = sin_panda_joint3 * t1692;
-    let t1694 = 1.032162061231881 * t1082;
-    let t1695 = t1004 - t1694;
-    let t1696 = t999 - t1087;
-    let t1697 = 0.00398335888393552 * t1696;
-    let t1698 = t1697 - t1695;
-    let t1699 = t507 + t1030;
-    let t1700 = 0.01026110182100817 * t1699;
-    let t1701 = t1700 - t1698;
-    let t1702 = t1693 + t1701;
-    let t1703 = sin_panda_joint6 * moment_panda_joint6_x_2;
-    let t1704 = 0.0021640520520981297 * t1303;
-    let t1705 = 0.004600245517563105 * t1218;
-    let t1706 = t1705 - t1704;
-    let t1707 = 0.010045187828321242 * t1295;
-    let t1708 = t743 + t1707;
-    let t1709 = 0.0014511560650267133 * t1521;
-    let t1710 = t1709 - t1708;
-    let t1711 = t1710 - t1706;
-    let t1712 = 0.0260623224672 * acceleration_panda_joint5_x_2;
-    let t1713 = t1712 + t1711;
-    let t1714 = 0.005627033294592 * acceleration_panda_joint5_y_2;
-    let t1715 = t1714 - t1713;
-    let t1716 = t1703 + t1715;
-    let t1717 = cos_panda_joint6 * moment_panda_joint6_y_2;
-    let moment_panda_joint5_z_2 = t1717 - t1716;
-    let t1719 = 0.0016444875773692705 * t1216;
-    let t1720 = t887 + t1719;
-    let t1721 = 0.04560437265862501 * acceleration_panda_joint4_z_2;
-    let t1722 = t1721 - t1720;
-    let t1723 = 0.05102013615681551 * t1579;
-    let t1724 = t1723 + t1722;
-    let t1725 = 0.16284087268546088 * t1148;
-    let t1726 = t1725 + t1724;
-    let t1727 = moment_panda_joint5_z_2 - t1726;
-    let t1728 = t63 * force_panda_joint5_x_2;
-    let t1729 = t59 * force_panda_joint5_y_2;
-    let t1730 = t1728 - t1729;
-    let moment_panda_joint4_y_2 = t1730 - t1727;
-    let t1732 = sin_panda_joint4 * moment_panda_joint4_y_2;
-    let t1733 = 0.022178148964878235 * t1085;
-    let t1734 = 0.005487648106562256 * t1582;
-    let t1735 = t971 - t978;
-    let t1736 = t1734 + t1735;
-    let t1737 = t1733 + t1736;
-    let t1738 = 0.00012191242095074308 * t1541;
-    let t1739 = t1738 - t1737;
-    let t1740 = t1732 + t1739;
-    let t1741 = sin_panda_joint5 * t1627;
-    let t1742 = 0.0039053550262761003 * t1504;
-    let t1743 = t902 + t1742;
-    let t1744 = 0.16603319317224752 * acceleration_panda_joint4_z_2;
-    let t1745 = t1744 - t1743;
-    let t1746 = 0.6972920750309719 * t1148;
-    let t1747 = t1746 + t1745;
-    let t1748 = 0.16284087268546088 * t1579;
-    let t1749 = t1748 + t1747;
-    let t1750 = t1741 + t1749;
-    let t1751 = cos_panda_joint5 * t1688;
-    let moment_panda_joint4_x_2 = t1751 - t1750;
-    let t1753 = cos_panda_joint4 * moment_panda_joint4_x_2;
-    let moment_panda_joint3_x_2 = t1753 + t1740;
-    let t1755 = 0.16603319317224752 * t1148;
-    let t1756 = 0.04560437265862501 * t1579;
-    let t1757 = t1756 + t1755;
-    let force_panda_joint4_z_2 = t1730 + t1757;
-    let t1759 = 0.06161578168944001 * t1582;
-    let t1760 = t983 + t1759;
-    let force_panda_joint3_y_2 = force_panda_joint4_z_2 + t1760;
-    let t1762 = 3.83030303030303 * force_panda_joint3_y_2;
-    let t1763 = moment_panda_joint3_x_2 - t1762;
-    let t1764 = cos_panda_joint3 * t1763;
-    let moment_panda_joint2_x_2 = t1764 - t1702;
-    [
-        sin_panda_joint2,
-        cos_panda_joint2,
-        sin_panda_joint3,
-        cos_panda_joint3,
-        sin_panda_joint4,
-        cos_panda_joint4,
-        sin_panda_joint5,
-        cos_panda_joint5,
-        sin_panda_joint6,
-        cos_panda_joint6,
-        t16,
-        t17,
-        t19,
-        t24,
-        t25,
-        t31,
-        t32,
-        t36,
-        t37,
-        t39,
-        t43,
-        t44,
-        t46,
-        t47,
-        t52,
-        t53,
-        t54,
-        t57,
-        t58,
-        t59,
-        t62,
-        t63,
-        t65,
-        t69,
-        t70,
-        t71,
-        t74,
-        t77,
-        t82,
-        t87,
-        t88,
-        t91,
-        t92,
-        t94,
-        t99,
-        t101,
-        t103,
-        t107,
-        t108,
-        t109,
-        t115,
-        t118,
-        t122,
-        t123,
-        t125,
-        t127,
-        t133,
-        t134,
-        t137,
-        t140,
-        t146,
-        t147,
-        t153,
-        t154,
-        t155,
-        t159,
-        t160,
-        t165,
-        t166,
-        t167,
-        t170,
-        t171,
-        t174,
-        t177,
-        t181,
-        t184,
-        t185,
-        t187,
-        t193,
-        t194,
-        t196,
-        t199,
-        t202,
-        t203,
-        t206,
-        t210,
-        t215,
-        t221,
-        t222,
-        t226,
-        t231,
-        t235,
-        t236,
-        t237,
-        t241,
-        t246,
-        t249,
-        t252,
-        t254,
-        t256,
-        t257,
-        t260,
-        t266,
-        t268,
-        t269,
-        t271,
-        t275,
-        t280,
-        t306,
-        t319,
-        t320,
-        t325,
-        t352,
-        t385,
-        t388,
-        t391,
-        t397,
-        t415,
-        t424,
-        t437,
-        t447,
-        inverse_d_panda_joint1,
-        t458,
-        t460,
-        t463,
-        t468,
-        t475,
-        t484,
-        t495,
-        omega_panda_joint2_y,
-        omega_panda_joint3_z,
-        t498,
-        omega_panda_joint2_x,
-        omega_panda_joint3_y,
-        omega_panda_joint3_x,
-        omega_panda_joint4_z,
-        t521,
-        omega_panda_joint4_y,
-        omega_panda_joint4_x,
-        acceleration_panda_joint2_x,
-        t564,
-        acceleration_panda_joint2_y,
-        t587,
-        omega_panda_joint5_x,
-        omega_panda_joint5_z,
-        omega_panda_joint6_y,
-        omega_panda_joint5_y,
-        omega_panda_joint6_z,
-        omega_panda_joint6_x,
-        t628,
-        t677,
-        t686,
-        t723,
-        t870,
-        t872,
-        t1002,
-        t1016,
-        t1030,
-        t1031,
-        t1035,
-        t1040,
-        t1047,
-        t1056,
-        t1067,
-        t1080,
-        t1081,
-        t1082,
-        t1084,
-        t1087,
-        t1098,
-        t1103,
-        t1110,
-        t1119,
-        t1130,
-        t1143,
-        t1145,
-        t1147,
-        t1152,
-        t1173,
-        t1180,
-        t1189,
-        t1200,
-        t1213,
-        t1218,
-        t1223,
-        t1264,
-        t1277,
-        t1290,
-        t1292,
-        t1297,
-        t1298,
-        t1303,
-        t1365,
-        t1380,
-        t1382,
-        t1385,
-        force_panda_joint6_y_2,
-        t1401,
-        t1482,
-        t1492,
-        force_panda_joint7_x_2,
-        force_panda_joint6_x_2,
-        force_panda_joint4_y_2,
-        force_panda_joint7_y_2,
-        force_panda_joint5_y_2,
-        force_panda_joint5_x_2,
-        force_panda_joint4_x_2,
-        force_panda_joint3_x_2,
-        acceleration_panda_joint3_x_2,
-        acceleration_panda_joint4_x_2,
-        acceleration_panda_joint4_y_2,
-        acceleration_panda_joint3_y_2,
-        t1582,
-        acceleration_panda_joint5_x_2,
-        acceleration_panda_joint6_x_2,
-        acceleration_panda_joint6_y_2,
-        moment_panda_joint7_y_2,
-        moment_panda_joint5_y_2,
-        moment_panda_joint7_x_2,
-        acceleration_panda_joint5_y_2,
-        moment_panda_joint6_x_2,
-        acceleration_panda_joint7_x_2,
-        acceleration_panda_joint7_y_2,
-        moment_panda_joint6_y_2,
-        moment_panda_joint5_x_2,
-        moment_panda_joint3_y_2,
-        t1696,
-        moment_panda_joint4_y_2,
-        moment_panda_joint4_x_2,
-        moment_panda_joint3_x_2,
-        force_panda_joint4_z_2,
-        force_panda_joint3_y_2,
-        moment_panda_joint2_x_2,
-    ]
-}
-
-/// Part 2 of `linearize`: values that later parts read.
-#[inline(never)]
-fn linearize_part_2(
-    v: &[f64; N],
-    [sin_panda_joint2,
-    cos_panda_joint2,
-    sin_panda_joint3,
-    cos_panda_joint3,
-    sin_panda_joint4,
-    cos_panda_joint4,
-    sin_panda_joint5,
-    cos_panda_joint5,
-    sin_panda_joint6,
-    cos_panda_joint6,
-    t16,
-    t17,
-    t19,
-    t24,
-    t25,
-    t31,
-    t32,
-    t36,
-    t37,
-    t39,
-    t43,
-    t44,
-    t46,
-    t47,
-    t52,
-    t53,
-    t54,
-    t57,
-    t58,
-    t59,
-    t62,
-    t63,
-    t65,
-    t69,
-    t70,
-    t71,
-    t74,
-    t77,
-    t82,
-    t87,
-    t88,
-    t91,
-    t92,
-    t94,
-    t99,
-    t101,
-    t103,
-    t107,
-    t108,
-    t109,
-    t115,
-    t118,
-    t122,
-    t123,
-    t125,
-    t127,
-    t133,
-    t134,
-    t137,
-    t140,
-    t146,
-    t147,
-    t153,
-    t154,
-    t155,
-    t159,
-    t160,
-    t165,
-    t166,
-    t167,
-    t170,
-    t171,
-    t174,
-    t177,
-    t181,
-    t184,
-    t185,
-    t187,
-    t193,
-    t194,
-    t196,
-    t199,
-    t202,
-    t203,
-    t206,
-    t210,
-    t215,
-    t221,
-    t222,
-    t226,
-    t231,
-    t235,
-    t236,
-    t237,
-    t241,
-    t246,
-    t249,
-    t252,
-    t254,
-    t256,
-    t257,
-    t260,
-    t266,
-    t268,
-    t269,
-    t271,
-    t275,
-    t280,
-    t306,
-    t319,
-    t320,
-    t325,
-    t352,
-    t385,
-    t388,
-    t391,
-    t397,
-    t415,
-    t424,
-    t437,
-    t447,
-    inverse_d_panda_joint1,
-    t458,
-    t460,
-    t463,
-    t468,
-    t475,
-    t484,
-    t495,
-    omega_panda_joint2_y,
-    omega_panda_joint3_z,
-    t498,
-    omega_panda_joint2_x,
-    omega_panda_joint3_y,
-    omega_panda_joint3_x,
-    omega_panda_joint4_z,
-    t521,
-    omega_panda_joint4_y,
-    omega_panda_joint4_x,
-    acceleration_panda_joint2_x,
-    t564,
-    acceleration_panda_joint2_y,
-    t587,
-    omega_panda_joint5_x,
-    omega_panda_joint5_z,
-    omega_panda_joint6_y,
-    omega_panda_joint5_y,
-    omega_panda_joint6_z,
-    omega_panda_joint6_x,
-    t628,
-    t677,
-    t686,
-    t723,
-    t870,
-    t872,
-    t1002,
-    t1016,
-    t1031,
-    t1035,
-    t1040,
-    t1047,
-    t1056,
-    t1067,
-    t1081,
-    t1082,
-    t1084,
-    t1087,
-    t1098,
-    t1103,
-    t1110,
-    t1119,
-    t1130,
-    t1145,
-    t1147,
-    t1152,
-    t1173,
-    t1180,
-    t1189,
-    t1200,
-    t1218,
-    t1223,
-    t1264,
-    t1277,
-    t1290,
-    t1297,
-    t1298,
-    t1303,
-    t1365,
-    t1380,
-    t1385,
-    force_panda_joint6_y_2,
-    t1401,
-    t1482,
-    force_panda_joint7_x_2,
-    force_panda_joint6_x_2,
-    force_panda_joint4_y_2,
-    force_panda_joint7_y_2,
-    force_panda_joint5_y_2,
-    force_panda_joint5_x_2,
-    force_panda_joint4_x_2,
-    force_panda_joint3_x_2,
-    acceleration_panda_joint3_x_2,
-    acceleration_panda_joint4_x_2,
-    acceleration_panda_joint4_y_2,
-    acceleration_panda_joint3_y_2,
-    t1582,
-    acceleration_panda_joint5_x_2,
-    acceleration_panda_joint6_x_2,
-    acceleration_panda_joint6_y_2,
-    moment_panda_joint7_y_2,
-    moment_panda_joint5_y_2,
-    moment_panda_joint7_x_2,
-    acceleration_panda_joint5_y_2,
-    moment_panda_joint6_x_2,
-    acceleration_panda_joint7_x_2,
-    acceleration_panda_joint7_y_2,
-    moment_panda_joint6_y_2,
-    moment_panda_joint5_x_2,
-    moment_panda_joint3_y_2,
-    t1696,
-    moment_panda_joint4_y_2,
-    moment_panda_joint4_x_2,
-    moment_panda_joint3_x_2,
-    force_panda_joint4_z_2,
-    force_panda_joint3_y_2,
-    moment_panda_joint2_x_2,
-    ]: [f64; 226],
-) -> [f64; 116] {
-    let t1766 = t160 * t1087;
-    let t1767 = t52 * t628;
-    let t1768 = omega_panda_joint6_z * 0.0430445107411751;
-    let t1769 = t1768 + t1767;
-    let t1770 = omega_panda_joint6_x * 0.00020751783443736984;
-    let t1771 = t1770 + t1769;
-    let t1772 = 2.0 * omega_panda_joint6_x;
-    let t1773 = t37 * t1772;
-    let t1774 = t1773 + t1767;
-    let t1775 = t1774 + t1771;
-    let t1776 = t36 * t1772;
-    let t1777 = t17 * t628;
-    let t1778 = t1776 - t1777;
-    let t1779 = t1778 - t1775;
-    let t1780 = t43 * t686;
-    let t1781 = omega_panda_joint6_y * 0.00018713819462921;
-    let t1782 = omega_panda_joint6_z * 0.05786884509131979;
-    let t1783 = t1781 + t1782;
-    let t1784 = t1783 - t1780;
-    let t1785 = t1784 + t1779;
-    let t1786 = cos_panda_joint6 * t1785;
-    let t1787 = t37 * t686;
-    let t1788 = omega_panda_joint6_y * 0.00020751783443736984;
-    let t1789 = omega_panda_joint6_z * 0.02949714076535063;
-    let t1790 = t1788 + t1789;
-    let t1791 = t1790 - t1787;
-    let t1792 = t36 * t686;
-    let t1793 = t24 * t628;
-    let t1794 = t1793 + t1792;
-    let t1795 = t1794 + t1791;
-    let t1796 = t43 * t1772;
-    let t1797 = t1793 + t1796;
-    let t1798 = omega_panda_joint6_x * 0.00018713819462921;
-    let t1799 = t1789 + t1798;
-    let t1800 = t1799 + t1797;
-    let t1801 = t1800 + t1795;
-    let t1802 = sin_panda_joint6 * t1801;
-    let t1803 = t1802 - t1786;
-    let t1804 = sin_panda_joint6 * t1803;
-    let t1805 = omega_panda_joint5_y * 0.00920049103512621;
-    let t1806 = omega_panda_joint5_z * 0.0030304889466540603;
-    let t1807 = t1805 - t1806;
-    let t1808 = t1807 + t1795;
-    let t1809 = t1804 - t1808;
-    let t1810 = 2.0 * omega_panda_joint5_y;
-    let t1811 = t58 * t1810;
-    let t1812 = t1811 + t1809;
-    let t1813 = t1792 - t1796;
-    let t1814 = 2.0 * omega_panda_joint6_y;
-    let t1815 = t37 * t1814;
-    let t1816 = t1788 - t1798;
-    let t1817 = t1816 + t1815;
-    let t1818 = t1813 + t1817;
-    let t1819 = omega_panda_joint5_x * 0.004328104104196259;
-    let t1820 = t1806 - t1819;
-    let t1821 = t1820 - t1818;
-    let t1822 = 2.0 * omega_panda_joint5_x;
-    let t1823 = t62 * t1822;
-    let t1824 = t1823 + t1821;
-    let t1825 = t1812 + t1824;
-    let t1826 = sin_panda_joint5 * t1825;
-    let t1827 = t52 * t1814;
-    let t1828 = omega_panda_joint6_y * 0.0430445107411751;
-    let t1829 = omega_panda_joint6_x * 0.02949714076535063;
-    let t1830 = t1829 - t1828;
-    let t1831 = t1830 - t1827;
-    let t1832 = t52 * t686;
-    let t1833 = t1832 + t1831;
-    let t1834 = t17 * t686;
-    let t1835 = t24 * t1772;
-    let t1836 = t1834 + t1835;
-    let t1837 = t1836 + t1833;
-    let t1838 = cos_panda_joint6 * t1837;
-    let t1839 = t24 * t686;
-    let t1840 = omega_panda_joint6_y * 0.02949714076535063;
-    let t1841 = omega_panda_joint6_x * 0.05786884509131979;
-    let t1842 = t1841 - t1840;
-    let t1843 = t1842 + t1839;
-    let t1844 = sin_panda_joint6 * t1843;
-    let t1845 = t1844 + t1838;
-    let t1846 = omega_panda_joint5_x * 0.00920049103512621;
-    let t1847 = omega_panda_joint5_z * 0.0029023121300534266;
-    let t1848 = t1847 + t1846;
-    let t1849 = t1848 - t1845;
-    let t1850 = t58 * t1822;
-    let t1851 = t1850 - t1849;
-    let t1852 = t165 * t1772;
-    let t1853 = t36 * t628;
-    let t1854 = t1852 - t1853;
-    let t1855 = t37 * t628;
-    let t1856 = t1854 + t1855;
-    let t1857 = omega_panda_joint6_z * 0.00020751783443736984;
-    let t1858 = t1857 + t1856;
-    let t1859 = sin_panda_joint6 * t1858;
-    let t1860 = omega_panda_joint5_y * 0.004328104104196259;
-    let t1861 = omega_panda_joint5_z * 0.020090375656642484;
-    let t1862 = t1860 + t1861;
-    let t1863 = t1862 - t1859;
-    let t1864 = t165 * t686;
-    let t1865 = t43 * t628;
-    let t1866 = t1865 - t1864;
-    let t1867 = omega_panda_joint6_z * 0.00018713819462921;
-    let t1868 = t1867 + t1866;
-    let t1869 = cos_panda_joint6 * t1868;
-    let t1870 = t1869 + t1863;
-    let t1871 = t62 * t1810;
-    let t1872 = t1871 - t1870;
-    let t1873 = t1872 - t1851;
-    let t1874 = cos_panda_joint5 * t1873;
-    let t1875 = t1826 - t1874;
-    let t1876 = sin_panda_joint5 * t1875;
-    let t1877 = omega_panda_joint6_z * 0.04080516927431999;
-    let t1878 = t1877 + t1774;
-    let t1879 = t71 * t1878;
-    let t1880 = omega_panda_joint5_z * 0.0521246449344;
-    let t1881 = t1880 + t1879;
-    let t1882 = omega_panda_joint6_z * 0.030589628180144;
-    let t1883 = t1882 - t1787;
-    let t1884 = t54 * t1883;
-    let t1885 = t1884 - t1881;
-    let t1886 = t59 * t1885;
-    let t1887 = omega_panda_joint6_y * 0.04080516927431999;
-    let t1888 = omega_panda_joint6_x * 0.030589628180144;
-    let t1889 = t1888 - t1887;
-    let t1890 = t1889 + t1832;
-    let t1891 = 4.363636363636364 * t1890;
-    let t1892 = omega_panda_joint5_z * 0.011254066589184;
-    let t1893 = t1892 + t1891;
-    let t1894 = t63 * t1893;
-    let t1895 = t1894 + t1886;
-    let t1896 = omega_panda_joint4_y * 0.007810710052552201;
-    let t1897 = omega_panda_joint4_z * 0.32568174537092176;
-    let t1898 = t1896 - t1897;
-    let t1899 = t1898 + t1895;
-    let t1900 = t1812 + t1899;
-    let t1901 = t1876 - t1900;
-    let t1902 = t1805 - t1819;
-    let t1903 = t1902 + t1800;
-    let t1904 = t1804 - t1903;
-    let t1905 = t54 * t1878;
-    let t1906 = omega_panda_joint5_y * 0.011254066589184;
-    let t1907 = omega_panda_joint5_x * 0.0521246449344;
-    let t1908 = t1907 - t1906;
-    let t1909 = t1908 - t1905;
-    let t1910 = t71 * t1883;
-    let t1911 = t1910 - t1909;
-    let t1912 = t92 * t521;
-    let t1913 = omega_panda_joint4_x * 0.003288975154738541;
-    let t1914 = t1897 - t1913;
-    let t1915 = t1914 + t1912;
-    let t1916 = t1911 - t1915;
-    let t1917 = t1904 + t1916;
-    let t1918 = t1901 - t1917;
-    let t1919 = sin_panda_joint4 * t1918;
-    let t1920 = cos_panda_joint6 * t1803;
-    let t1921 = omega_panda_joint5_y * 0.0029023121300534266;
-    let t1922 = omega_panda_joint5_x * 0.0030304889466540603;
-    let t1923 = t1922 + t1921;
-    let t1924 = t1923 - t1784;
-    let t1925 = t1920 - t1924;
-    let t1926 = cos_panda_joint5 * t1925;
-    let t1927 = cos_panda_joint6 * t1858;
-    let t1928 = omega_panda_joint5_y * 0.0030304889466540603;
-    let t1929 = omega_panda_joint5_x * 0.020090375656642484;
-    let t1930 = t1929 + t1928;
-    let t1931 = t1930 + t1927;
-    let t1932 = sin_panda_joint6 * t1868;
-    let t1933 = t1932 + t1931;
-    let t1934 = sin_panda_joint5 * t1933;
-    let t1935 = t1926 + t1934;
-    let t1936 = 0.21484375 * t1911;
-    let t1937 = t65 * t521;
-    let t1938 = omega_panda_joint4_x * 0.007810710052552201;
-    let t1939 = omega_panda_joint4_z * 0.10204027231363103;
-    let t1940 = t1939 - t1938;
-    let t1941 = t1940 + t1937;
-    let t1942 = t1936 - t1941;
-    let t1943 = t1935 - t1942;
-    let t1944 = omega_panda_joint5_z * 0.004328104104196259;
-    let t1945 = t1944 + t1779;
-    let t1946 = t1920 + t1945;
-    let t1947 = t74 * t1810;
-    let t1948 = t1947 + t1885;
-    let t1949 = t1946 + t1948;
-    let t1950 = cos_panda_joint5 * t1949;
-    let t1951 = sin_panda_joint6 * t1837;
-    let t1952 = cos_panda_joint6 * t1843;
-    let t1953 = t1952 - t1951;
-    let t1954 = omega_panda_joint5_z * 0.00920049103512621;
-    let t1955 = t1954 + t1953;
-    let t1956 = t74 * t1822;
-    let t1957 = t1893 - t1956;
-    let t1958 = t1957 - t1955;
-    let t1959 = sin_panda_joint5 * t1958;
-    let t1960 = omega_panda_joint4_y * 0.003288975154738541;
-    let t1961 = omega_panda_joint4_z * 1.3945841500619438;
-    let t1962 = t1960 - t1961;
-    let t1963 = t1962 + t1959;
-    let t1964 = t1950 + t1963;
-    let t1965 = t1964 + t1943;
-    let t1966 = cos_panda_joint4 * t1965;
-    let t1967 = t1919 + t1966;
-    let t1968 = sin_panda_joint4 * t1967;
-    let t1969 = omega_panda_joint4_z * 0.33206638634449503;
-    let t1970 = t1969 - t1895;
-    let t1971 = cos_panda_joint4 * t1970;
-    let t1972 = omega_panda_joint4_z * 0.09120874531725003;
-    let t1973 = t1972 - t1936;
-    let t1974 = sin_panda_joint4 * t1973;
-    let t1975 = t1971 - t1974;
-    let t1976 = omega_panda_joint3_y * 0.010975296213124512;
-    let t1977 = omega_panda_joint3_z * 0.00024382484190148615;
-    let t1978 = t1976 - t1977;
-    let t1979 = t1978 - t1975;
-    let t1980 = t1901 + t1979;
-    let t1981 = t1968 - t1980;
-    let t1982 = 7.66060606060606 * omega_panda_joint3_y;
-    let t1983 = t147 * t1982;
-    let t1984 = t1983 - t1981;
-    let t1985 = 2.0 * omega_panda_joint4_y;
-    let t1986 = t115 * t1985;
-    let t1987 = t1896 - t1913;
-    let t1988 = t1987 + t1986;
-    let t1989 = t1824 + t1988;
-    let t1990 = t1876 - t1989;
-    let t1991 = t115 * t498;
-    let t1992 = omega_panda_joint3_x * 0.008754514243679169;
-    let t1993 = t1977 + t1992;
-    let t1994 = t1993 - t1991;
-    let t1995 = t1990 - t1994;
-    let t1996 = 7.66060606060606 * omega_panda_joint3_x;
-    let t1997 = t155 * t1996;
-    let t1998 = t1997 - t1995;
-    let t1999 = t1984 - t1998;
-    let t2000 = sin_panda_joint3 * t1999;
-    let t2001 = cos_panda_joint5 * t1875;
-    let t2002 = t63 * t1885;
-    let t2003 = t59 * t1893;
-    let t2004 = t2003 - t2002;
-    let t2005 = t65 * t1985;
-    let t2006 = omega_panda_joint4_y * 0.10204027231363103;
-    let t2007 = omega_panda_joint4_x * 0.32568174537092176;
-    let t2008 = t2007 - t2006;
-    let t2009 = t2008 - t2005;
-    let t2010 = t2004 - t2009;
-    let t2011 = t1872 - t2010;
-    let t2012 = t2001 + t2011;
-    let t2013 = cos_panda_joint4 * t2012;
-    let t2014 = sin_panda_joint5 * t1949;
-    let t2015 = cos_panda_joint5 * t1958;
-    let t2016 = t92 * t1985;
-    let t2017 = omega_panda_joint4_y * 0.32568174537092176;
-    let t2018 = omega_panda_joint4_x * 1.3945841500619438;
-    let t2019 = t2018 - t2017;
-    let t2020 = t2019 - t2016;
-    let t2021 = t2015 - t2020;
-    let t2022 = t2014 - t2021;
-    let t2023 = sin_panda_joint4 * t2022;
-    let t2024 = t2013 + t2023;
-    let t2025 = omega_panda_joint4_y * 0.09120874531725003;
-    let t2026 = omega_panda_joint4_x * 0.33206638634449503;
-    let t2027 = t2026 - t2025;
-    let t2028 = t2027 - t2004;
-    let t2029 = t103 * t498;
-    let t2030 = omega_panda_joint3_x * 0.010975296213124512;
-    let t2031 = omega_panda_joint3_z * 0.1232048420530554;
-    let t2032 = t2031 + t2030;
-    let t2033 = t2032 - t2029;
-    let t2034 = t2028 + t2033;
-    let t2035 = t2024 - t2034;
-    let t2036 = t147 * t1996;
-    let t2037 = t2036 - t2035;
-    let t2038 = omega_panda_joint4_z * 0.003288975154738541;
-    let t2039 = t2038 + t1851;
-    let t2040 = t2001 - t2039;
-    let t2041 = cos_panda_joint4 * t2040;
-    let t2042 = sin_panda_joint5 * t1925;
-    let t2043 = cos_panda_joint5 * t1933;
-    let t2044 = t115 * t521;
-    let t2045 = t2044 - t2043;
-    let t2046 = t2042 + t2045;
-    let t2047 = omega_panda_joint4_z * 0.007810710052552201;
-    let t2048 = t2047 + t2046;
-    let t2049 = sin_panda_joint4 * t2048;
-    let t2050 = omega_panda_joint3_y * 0.008754514243679169;
-    let t2051 = omega_panda_joint3_z * 0.04435629792975647;
-    let t2052 = t2050 - t2051;
-    let t2053 = t2052 - t2049;
-    let t2054 = t2041 - t2053;
-    let t2055 = t155 * t1982;
-    let t2056 = t2055 - t2054;
-    let t2057 = t2056 + t2037;
-    let t2058 = cos_panda_joint3 * t2057;
-    let t2059 = t2000 + t2058;
-    let t2060 = sin_panda_joint3 * t2059;
-    let t2061 = omega_panda_joint2_x * 0.0015378722058928;
-    let t2062 = omega_panda_joint2_y * 0.02052220364201634;
-    let t2063 = t2062 - t2061;
-    let t2064 = t2063 - t1998;
-    let t2065 = t2060 - t2064;
-    let t2066 = v[1] * 0.00796671776787104;
-    let t2067 = t2062 - t2066;
-    let t2068 = t2067 + t1984;
-    let t2069 = t2060 - t2068;
-    let t2070 = t2069 - t2065;
-    let t2071 = omega_panda_joint2_x * t2070;
-    let t2072 = cos_panda_joint4 * t1967;
-    let t2073 = sin_panda_joint4 * t1970;
-    let t2074 = cos_panda_joint4 * t1973;
-    let t2075 = t2073 + t2074;
-    let t2076 = 2.0 * omega_panda_joint3_y;
-    let t2077 = t103 * t2076;
-    let t2078 = omega_panda_joint3_y * 0.1232048420530554;
-    let t2079 = omega_panda_joint3_x * 0.00024382484190148615;
-    let t2080 = t2079 + t2078;
-    let t2081 = t2080 - t2077;
-    let t2082 = t2075 + t2081;
-    let t2083 = t1964 + t2082;
-    let t2084 = t2072 - t2083;
-    let t2085 = cos_panda_joint3 * t2084;
-    let t2086 = sin_panda_joint4 * t2040;
-    let t2087 = cos_panda_joint4 * t2048;
-    let t2088 = t115 * t2076;
-    let t2089 = omega_panda_joint3_y * 0.00024382484190148615;
-    let t2090 = omega_panda_joint3_x * 0.04435629792975647;
-    let t2091 = t2090 + t2089;
-    let t2092 = t2091 - t2088;
-    let t2093 = t2087 - t2092;
-    let t2094 = t2086 - t2093;
-    let t2095 = sin_panda_joint3 * t2094;
-    let t2096 = t2085 + t2095;
-    let t2097 = omega_panda_joint2_x * 0.02052220364201634;
-    let t2098 = v[1] * 0.04615576498986362;
-    let t2099 = t2098 - t2097;
-    let t2100 = t2099 - t2096;
-    let t2101 = omega_panda_joint2_y * t2100;
-    let t2102 = t1002 * t437;
-    let t2103 = sin_panda_joint3 * t147;
-    let t2104 = cos_panda_joint3 * t155;
-    let t2105 = t2103 + t2104;
-    let t2106 = t2105 * acceleration_panda_joint2_y;
-    let t2107 = t2106 + t2102;
-    let t2108 = t2101 - t2107;
-    let t2109 = t2071 - t2108;
-    let t2110 = t1766 - t2109;
-    let t2111 = t306 - t133;
-    let t2112 = t1081 * t2111;
-    let t2113 = t2112 + t2110;
-    let t2114 = moment_panda_joint2_x_2 - t2113;
-    let t2115 = cos_panda_joint2 * t2114;
-    let t2116 = 0.004377257121839584 * t1152;
-    let t2117 = 0.005487648106562256 * t1084;
-    let t2118 = t2117 + t2116;
-    let t2119 = 0.022178148964878235 * t1145;
-    let t2120 = t872 + t2119;
-    let t2121 = 0.0616024210265277 * t1582;
-    let t2122 = t2121 - t2120;
-    let t2123 = t2122 - t2118;
-    let t2124 = 0.002328735327435001 * acceleration_panda_joint3_x_2;
-    let t2125 = t2124 - t2123;
-    let t2126 = 0.06161578168944001 * acceleration_panda_joint3_y_2;
-    let t2127 = t2126 + t2125;
-    let t2128 = force_panda_joint4_z_2 - t2127;
-    let t2129 = cos_panda_joint4 * moment_panda_joint4_y_2;
-    let t2130 = t2129 - t2128;
-    let t2131 = sin_panda_joint4 * moment_panda_joint4_x_2;
-    let moment_panda_joint3_z_2 = t2131 - t2130;
-    let t2133 = 0.02307788249493181 * t1696;
-    let t2134 = t1016 - t2133;
-    let t2135 = 0.00398335888393552 * t1082;
-    let t2136 = t2135 - t2134;
-    let t2137 = 0.0007689361029464 * t1031;
-    let t2138 = t2137 - t2136;
-    let moment_panda_joint2_y_2 = moment_panda_joint3_z_2 - t2138;
-    let t2140 = t160 * t1081;
-    let t2141 = t137 * t2076;
-    let t2142 = t1976 + t1992;
-    let t2143 = t2142 - t2141;
-    let t2144 = t1917 - t2143;
-    let t2145 = t1968 + t2144;
-    let t2146 = omega_panda_joint3_y * 0.12323156337888003;
-    let t2147 = omega_panda_joint3_x * 0.004657470654870002;
-    let t2148 = t2147 + t2146;
-    let t2149 = t2148 + t2075;
-    let t2150 = 3.83030303030303 * t2149;
-    let t2151 = t2066 - t2061;
-    let t2152 = t2151 - t2150;
-    let t2153 = t2145 + t2152;
-    let t2154 = t2153 + t2065;
-    let t2155 = omega_panda_joint2_y * t2154;
-    let t2156 = omega_panda_joint3_z * 0.008754514243679169;
-    let t2157 = t2156 + t1943;
-    let t2158 = t2072 - t2157;
-    let t2159 = omega_panda_joint3_z * 0.004657470654870002;
-    let t2160 = t2159 + t1975;
-    let t2161 = 3.83030303030303 * t2160;
-    let t2162 = t137 * t1982;
-    let t2163 = t2162 + t2161;
-    let t2164 = t2158 - t2163;
-    let t2165 = cos_panda_joint3 * t2164;
-    let t2166 = sin_panda_joint4 * t2012;
-    let t2167 = cos_panda_joint4 * t2022;
-    let t2168 = t137 * t498;
-    let t2169 = t2168 - t2167;
-    let t2170 = t2166 + t2169;
-    let t2171 = omega_panda_joint3_z * 0.010975296213124512;
-    let t2172 = t2171 - t2170;
-    let t2173 = omega_panda_joint3_z * 0.12323156337888003;
-    let t2174 = t2173 + t2028;
-    let t2175 = 3.83030303030303 * t2174;
-    let t2176 = t137 * t1996;
-    let t2177 = t2176 - t2175;
-    let t2178 = t2172 - t2177;
-    let t2179 = sin_panda_joint3 * t2178;
-    let t2180 = omega_panda_joint2_y * 0.0015378722058928;
-    let t2181 = v[1] * 2.064324122463762;
-    let t2182 = t2180 - t2181;
-    let t2183 = t2182 + t2179;
-    let t2184 = t2165 - t2183;
-    let t2185 = omega_panda_joint2_x * t2184;
-    let t2186 = t1002 * t447;
-    let t2187 = t2105 * acceleration_panda_joint2_x;
-    let t2188 = t2187 - t2186;
-    let t2189 = t2185 - t2188;
-    let t2190 = t2155 - t2189;
-    let t2191 = t2140 + t2190;
-    let t2192 = t306 + t140;
-    let t2193 = t1087 * t2192;
-    let t2194 = t2193 + t2191;
-    let t2195 = moment_panda_joint2_y_2 + t2194;
-    let t2196 = sin_panda_joint2 * t2195;
-    let t2197 = t2196 + t2115;
-    let t2198 = inverse_d_panda_joint1 * t2197;
-    let t2199 = t352 * t1081;
-    let t2200 = t1981 + t1995;
-    let t2201 = t1983 + t1997;
-    let t2202 = t2201 - t2200;
-    let t2203 = omega_panda_joint2_x * t2202;
-    let t2204 = t1002 * t424;
-    let t2205 = t2106 + t2204;
-    let t2206 = t2203 - t2205;
-    let t2207 = omega_panda_joint2_y * t2096;
-    let t2208 = t2207 - t2206;
-    let t2209 = t2199 - t2208;
-    let t2210 = t159 * t1087;
-    let t2211 = t2210 - t2209;
-    let t2212 = t1035 * t2211;
-    let t2213 = t437 * t1081;
-    let t2214 = cos_panda_joint3 * t2059;
-    let t2215 = omega_panda_joint2_y * 0.04615576498986362;
-    let t2216 = omega_panda_joint2_x * 0.00796671776787104;
-    let t2217 = t2216 - t2215;
-    let t2218 = t2217 + t2056;
-    let t2219 = t2214 - t2218;
-    let t2220 = omega_panda_joint2_y * t2219;
-    let t2221 = sin_panda_joint3 * t2164;
-    let t2222 = cos_panda_joint3 * t2178;
-    let t2223 = omega_panda_joint2_y * 0.00796671776787104;
-    let t2224 = omega_panda_joint2_x * 2.064324122463762;
-    let t2225 = t2224 - t2223;
-    let t2226 = t2225 + t2222;
-    let t2227 = t2221 + t2226;
-    let t2228 = omega_panda_joint2_x * t2227;
-    let t2229 = t1002 * t385;
-    let t2230 = cos_panda_joint3 * t147;
-    let t2231 = sin_panda_joint3 * t155;
-    let t2232 = 0.000167639551695 + t2231;
-    let t2233 = t2230 - t2232;
-    let t2234 = acceleration_panda_joint2_x * t2233;
-    let t2235 = 0.27592125358974007 - t137;
-    let t2236 = t2235 * acceleration_panda_joint2_y;
-    let t2237 = t2236 - t2234;
-    let t2238 = t2229 - t2237;
-    let t2239 = t2228 + t2238;
-    let t2240 = t2220 + t2239;
-    let t2241 = t2213 + t2240;
-    let t2242 = t447 * t1087;
-    let t2243 = t2242 + t2241;
-    let t2244 = t458 * t2243;
-    let t2245 = t2244 - t2212;
-    let t2246 = t226 * t1081;
-    let t2247 = t1809 - t1821;
-    let t2248 = t1811 - t1823;
-    let t2249 = t1986 - t2248;
-    let t2250 = t2247 - t2249;
-    let t2251 = sin_panda_joint4 * t2250;
-    let t2252 = t235 * t498;
-    let t2253 = t65 * t2076;
-    let t2254 = t2252 - t2253;
-    let t2255 = t2254 + t2251;
-    let t2256 = t1937 + t1935;
-    let t2257 = cos_panda_joint4 * t2256;
-    let t2258 = t2257 - t2255;
-    let t2259 = t235 * t1996;
-    let t2260 = t2259 - t2258;
-    let t2261 = cos_panda_joint3 * t2260;
-    let t2262 = t237 * t2076;
-    let t2263 = t2262 + t2046;
-    let t2264 = t235 * t1982;
-    let t2265 = t2264 + t2263;
-    let t2266 = sin_panda_joint3 * t2265;
-    let t2267 = t2261 + t2266;
-    let t2268 = omega_panda_joint2_y * t2267;
-    let t2269 = cos_panda_joint4 * t2250;
-    let t2270 = t237 * t498;
-    let t2271 = t2270 + t2269;
-    let t2272 = sin_panda_joint4 * t2256;
-    let t2273 = t2272 + t2271;
-    let t2274 = t237 * t1996;
-    let t2275 = t65 * t1982;
-    let t2276 = t2275 + t2274;
-    let t2277 = t2276 + t2273;
-    let t2278 = omega_panda_joint2_x * t2277;
-    let t2279 = t1002 * t388;
-    let t2280 = cos_panda_joint3 * t237;
-    let t2281 = sin_panda_joint3 * t65;
-    let t2282 = t2280 + t2281;
-    let t2283 = t2282 * acceleration_panda_joint2_y;
-    let t2284 = t235 * acceleration_panda_joint2_x;
-    let t2285 = t2283 + t2284;
-    let t2286 = t2285 + t2279;
-    let t2287 = t2278 - t2286;
-    let t2288 = t2268 - t2287;
-    let t2289 = t2246 + t2288;
-    let t2290 = t241 * t1087;
-    let t2291 = t2290 + t2289;
-    let t2292 = t1047 * t2291;
-    let t2293 = t153 * t1081;
-    let t2294 = t2029 + t2024;
-    let t2295 = t103 * t1996;
-    let t2296 = t2295 + t2294;
-    let t2297 = cos_panda_joint3 * t2296;
-    let t2298 = t1901 + t1917;
-    let t2299 = t2141 + t2298;
-    let t2300 = t103 * t1982;
-    let t2301 = t2300 - t2299;
-    let t2302 = sin_panda_joint3 * t2301;
-    let t2303 = t2297 + t2302;
-    let t2304 = omega_panda_joint2_y * t2303;
-    let t2305 = t2176 + t2170;
-    let t2306 = omega_panda_joint2_x * t2305;
-    let t2307 = t1002 * t415;
-    let t2308 = cos_panda_joint3 * t137;
-    let t2309 = t2308 * acceleration_panda_joint2_y;
-    let t2310 = t103 * acceleration_panda_joint2_x;
-    let t2311 = t2309 - t2310;
-    let t2312 = t2311 + t2307;
-    let t2313 = t2306 - t2312;
-    let t2314 = t2304 + t2313;
-    let t2315 = t2293 - t2314;
-    let t2316 = t325 * t1087;
-    let t2317 = t2316 + t2315;
-    let t2318 = t1040 * t2317;
-    let t2319 = t2318 + t2292;
-    let t2320 = t2319 - t2245;
-    let t2321 = t215 * t1081;
-    let t2322 = t1794 - t1813;
-    let t2323 = t1815 - t2322;
-    let t2324 = sin_panda_joint6 * t2323;
-    let t2325 = t1767 - t1778;
-    let t2326 = cos_panda_joint6 * t2325;
-    let t2327 = t2326 - t2324;
-    let t2328 = t193 * t1822;
-    let t2329 = t2327 - t2328;
-    let t2330 = cos_panda_joint5 * t2329;
-    let t2331 = t193 * t1810;
-    let t2332 = t1856 - t2331;
-    let t2333 = sin_panda_joint5 * t2332;
-    let t2334 = t194 * t1985;
-    let t2335 = t184 * t521;
-    let t2336 = t2335 - t2334;
-    let t2337 = t2333 - t2336;
-    let t2338 = t2330 + t2337;
-    let t2339 = cos_panda_joint4 * t2338;
-    let t2340 = cos_panda_joint6 * t2323;
-    let t2341 = sin_panda_joint6 * t2325;
-    let t2342 = t2341 + t2340;
-    let t2343 = t174 * t1822;
-    let t2344 = t199 * t1985;
-    let t2345 = t2343 - t2344;
-    let t2346 = t171 * t1810;
-    let t2347 = t2346 - t2345;
-    let t2348 = t2342 - t2347;
-    let t2349 = sin_panda_joint4 * t2348;
-    let t2350 = t202 * t498;
-    let t2351 = t184 * t2076;
-    let t2352 = t2350 + t2351;
-    let t2353 = t2352 + t2349;
-    let t2354 = t2339 - t2353;
-    let t2355 = t202 * t1996;
-    let t2356 = t2355 - t2354;
-    let t2357 = cos_panda_joint3 * t2356;
-    let t2358 = sin_panda_joint5 * t2329;
-    let t2359 = cos_panda_joint5 * t2332;
-    let t2360 = t199 * t521;
-    let t2361 = t2359 - t2360;
-    let t2362 = t2358 - t2361;
-    let t2363 = t206 * t2076;
-    let t2364 = t2363 + t2362;
-    let t2365 = t202 * t1982;
-    let t2366 = t2365 + t2364;
-    let t2367 = sin_panda_joint3 * t2366;
-    let t2368 = t2357 + t2367;
-    let t2369 = omega_panda_joint2_y * t2368;
-    let t2370 = sin_panda_joint4 * t2338;
-    let t2371 = cos_panda_joint4 * t2348;
-    let t2372 = t206 * t498;
-    let t2373 = t2372 + t2371;
-    let t2374 = t2370 + t2373;
-    let t2375 = t206 * t1996;
-    let t2376 = t184 * t1982;
-    let t2377 = t2376 - t2375;
-    let t2378 = t2377 - t2374;
-    let t2379 = omega_panda_joint2_x * t2378;
-    let t2380 = t1002 * t391;
-    let t2381 = cos_panda_joint3 * t206;
-    let t2382 = sin_panda_joint3 * t184;
-    let t2383 = t2381 - t2382;
-    let t2384 = t2383 * acceleration_panda_joint2_y;
-    let t2385 = t202 * acceleration_panda_joint2_x;
-    let t2386 = t2384 + t2385;
-    let t2387 = t2386 + t2380;
-    let t2388 = t2379 + t2387;
-    let t2389 = t2369 + t2388;
-    let t2390 = t2321 + t2389;
-    let t2391 = t210 * t1087;
-    let t2392 = t2391 + t2390;
-    let t2393 = t1067 * t2392;
-    let t2394 = t280 * t1081;
-    let t2395 = t1800 - t1795;
-    let t2396 = t57 * t1810;
-    let t2397 = t2396 - t2395;
-    let t2398 = sin_panda_joint5 * t2397;
-    let t2399 = t249 * t1985;
-    let t2400 = t268 * t521;
-    let t2401 = t2400 + t2399;
-    let t2402 = t2401 - t2398;
-    let t2403 = t57 * t1822;
-    let t2404 = t2403 - t1845;
-    let t2405 = cos_panda_joint5 * t2404;
-    let t2406 = t2405 - t2402;
-    let t2407 = cos_panda_joint4 * t2406;
-    let t2408 = t254 * t1985;
-    let t2409 = t1956 - t2408;
-    let t2410 = t1953 + t2409;
-    let t2411 = sin_panda_joint4 * t2410;
-    let t2412 = t256 * t498;
-    let t2413 = t268 * t2076;
-    let t2414 = t2412 + t2413;
-    let t2415 = t2414 + t2411;
-    let t2416 = t2407 - t2415;
-    let t2417 = t256 * t1996;
-    let t2418 = t2417 - t2416;
-    let t2419 = cos_panda_joint3 * t2418;
-    let t2420 = cos_panda_joint5 * t2397;
-    let t2421 = t254 * t521;
-    let t2422 = t2421 - t2420;
-    let t2423 = sin_panda_joint5 * t2404;
-    let t2424 = t2423 + t2422;
-    let t2425 = t260 * t2076;
-    let t2426 = t2425 + t2424;
-    let t2427 = t256 * t1982;
-    let t2428 = t2427 + t2426;
-    let t2429 = sin_panda_joint3 * t2428;
-    let t2430 = t2419 + t2429;
-    let t2431 = omega_panda_joint2_y * t2430;
-    let t2432 = sin_panda_joint4 * t2406;
-    let t2433 = cos_panda_joint4 * t2410;
-    let t2434 = t260 * t498;
-    let t2435 = t2434 + t2433;
-    let t2436 = t2432 + t2435;
-    let t2437 = t260 * t1996;
-    let t2438 = t268 * t1982;
-    let t2439 = t2438 - t2437;
-    let t2440 = t2439 - t2436;
-    let t2441 = omega_panda_joint2_x * t2440;
-    let t2442 = t1002 * t397;
-    let t2443 = cos_panda_joint3 * t260;
-    let t2444 = sin_panda_joint3 * t268;
-    let t2445 = t2443 - t2444;
-    let t2446 = t2445 * acceleration_panda_joint2_y;
-    let t2447 = t256 * acceleration_panda_joint2_x;
-    let t2448 = t2446 + t2447;
-    let t2449 = t2448 - t2442;
-    let t2450 = t2441 + t2449;
-    let t2451 = t2431 + t2450;
-    let t2452 = t2394 - t2451;
-    let t2453 = t275 * t1087;
-    let t2454 = t2453 + t2452;
-    let t2455 = t1056 * t2454;
-    let t2456 = t2455 - t2393;
-    let t2457 = t2456 + t2320;
-    let t2458 = t2198 + t2457;
-    let t2459 = t137 * t1084;
-    let t2460 = omega_panda_joint3_x * t2149;
-    let t2461 = t155 * t564;
-    let t2462 = t2461 - t2460;
-    let t2463 = t2459 - t2462;
-    let t2464 = force_panda_joint3_y_2 - t2463;
-    let t2465 = 3.83030303030303 * t2464;
-    let t2466 = t127 * t1152;
-    let t2467 = t1981 - t2145;
-    let t2468 = omega_panda_joint3_x * t2467;
-    let t2469 = omega_panda_joint3_y * t2035;
-    let t2470 = t564 * t154;
-    let t2471 = t2470 + t2469;
-    let t2472 = t2468 - t2471;
-    let t2473 = t2466 - t2472;
-    let t2474 = t134 + t107;
-    let t2475 = t1084 * t2474;
-    let t2476 = t2475 + t2473;
-    let t2477 = t137 * acceleration_panda_joint3_y_2;
-    let t2478 = t2477 - t2476;
-    let t2479 = t2465 - t2478;
-    let t2480 = moment_panda_joint3_x_2 - t2479;
-    let t2481 = sin_panda_joint3 * t2480;
-    let t2482 = t127 * t1084;
-    let t2483 = t1995 - t2145;
-    let t2484 = omega_panda_joint3_y * t2483;
-    let t2485 = omega_panda_joint3_x * t2054;
-    let t2486 = t564 * t146;
-    let t2487 = t2486 - t2485;
-    let t2488 = t2484 + t2487;
-    let t2489 = t2482 + t2488;
-    let t2490 = t134 + t109;
-    let t2491 = t1152 * t2490;
-    let t2492 = t2491 + t2489;
-    let t2493 = t137 * acceleration_panda_joint3_x_2;
-    let t2494 = t2493 - t2492;
-    let t2495 = moment_panda_joint3_y_2 + t2494;
-    let t2496 = t137 * t1152;
-    let t2497 = omega_panda_joint3_y * t2149;
-    let t2498 = t147 * t564;
-    let t2499 = t2498 - t2497;
-    let t2500 = t2496 + t2499;
-    let t2501 = force_panda_joint3_x_2 + t2500;
-    let t2502 = 3.83030303030303 * t2501;
-    let t2503 = t2502 + t2495;
-    let t2504 = cos_panda_joint3 * t2503;
-    let t2505 = t2504 + t2481;
-    let t2506 = sin_panda_joint2 * t2505;
-    let t2507 = t154 * t1084;
-    let t2508 = omega_panda_joint3_y * t2084;
-    let t2509 = omega_panda_joint3_x * t2094;
-    let t2510 = t564 * t352;
-    let t2511 = t2510 - t2509;
-    let t2512 = t2508 + t2511;
-    let t2513 = t2507 + t2512;
-    let t2514 = t146 * t1152;
-    let t2515 = t2514 + t2513;
-    let t2516 = t155 * acceleration_panda_joint3_y_2;
-    let t2517 = t2516 + t2515;
-    let t2518 = t147 * acceleration_panda_joint3_x_2;
-    let t2519 = t2518 - t2517;
-    let t2520 = cos_panda_joint2 * t2519;
-    let t2521 = t2506 - t2520;
-    let t2522 = inverse_d_panda_joint1 * t2521;
-    let t2523 = cos_panda_joint3 * t2480;
-    let t2524 = sin_panda_joint3 * t2503;
-    let t2525 = t2524 - t2523;
-    let t2526 = t458 * t2525;
-    let t2527 = t257 * t1084;
-    let t2528 = omega_panda_joint3_x * t2426;
-    let t2529 = t564 * t280;
-    let t2530 = t2529 - t2528;
-    let t2531 = omega_panda_joint3_y * t2416;
-    let t2532 = t2531 - t2530;
-    let t2533 = t2527 + t2532;
-    let t2534 = t271 * t1152;
-    let t2535 = t2534 - t2533;
-    let t2536 = t268 * acceleration_panda_joint3_x_2;
-    let t2537 = t2536 + t2535;
-    let t2538 = t260 * acceleration_panda_joint3_y_2;
-    let t2539 = t2538 + t2537;
-    let t2540 = t1056 * t2539;
-    let t2541 = t236 * t1084;
-    let t2542 = omega_panda_joint3_y * t2258;
-    let t2543 = omega_panda_joint3_x * t2263;
-    let t2544 = t564 * t226;
-    let t2545 = t2544 + t2543;
-    let t2546 = t2542 + t2545;
-    let t2547 = t2541 + t2546;
-    let t2548 = t231 * t1152;
-    let t2549 = t2548 + t2547;
-    let t2550 = t65 * acceleration_panda_joint3_x_2;
-    let t2551 = t2550 + t2549;
-    let t2552 = t237 * acceleration_panda_joint3_y_2;
-    let t2553 = t2552 - t2551;
-    let t2554 = t1047 * t2553;
-    let t2555 = t2554 - t2540;
-    let t2556 = t1035 * t2519;
-    let t2557 = t2556 - t2555;
-    let t2558 = t203 * t1084;
-    let t2559 = omega_panda_joint3_x * t2364;
-    let t2560 = t564 * t215;
-    let t2561 = t2560 + t2559;
-    let t2562 = omega_panda_joint3_y * t2354;
-    let t2563 = t2562 + t2561;
-    let t2564 = t2558 + t2563;
-    let t2565 = t187 * t1152;
-    let t2566 = t2565 + t2564;
-    let t2567 = t184 * acceleration_panda_joint3_x_2;
-    let t2568 = t2567 - t2566;
-    let t2569 = t206 * acceleration_panda_joint3_y_2;
-    let t2570 = t2569 + t2568;
-    let t2571 = t1067 * t2570;
-    let t2572 = t320 * t1084;
-    let t2573 = omega_panda_joint3_x * t2299;
-    let t2574 = t564 * t153;
-    let t2575 = t2574 + t2573;
-    let t2576 = omega_panda_joint3_y * t2294;
-    let t2577 = t2576 + t2575;
-    let t2578 = t2572 - t2577;
-    let t2579 = t125 * t1152;
-    let t2580 = t2579 - t2578;
-    let t2581 = t2477 - t2580;
-    let t2582 = t1040 * t2581;
-    let t2583 = t2582 - t2571;
-    let t2584 = t2583 - t2557;
-    let t2585 = t2526 + t2584;
-    let t2586 = t2522 + t2585;
-    let t2587 = t115 * t1223;
-    let t2588 = omega_panda_joint4_y * t2028;
-    let t2589 = t99 * t870;
-    let t2590 = t2589 + t2588;
-    let t2591 = t2587 - t2590;
-    let t2592 = force_panda_joint4_x_2 + t2591;
-    let t2593 = cos_panda_joint4 * t2592;
-    let t2594 = t123 * t1147;
-    let t2595 = omega_panda_joint4_y * t2012;
-    let t2596 = omega_panda_joint4_x * t2022;
-    let t2597 = t870 * t319;
-    let t2598 = t2597 + t2596;
-    let t2599 = t2595 - t2598;
-    let t2600 = t2594 - t2599;
-    let t2601 = t118 * t1223;
-    let t2602 = t2601 + t2600;
-    let t2603 = t101 * acceleration_panda_joint4_y_2;
-    let t2604 = t2603 - t2602;
-    let t2605 = t99 * acceleration_panda_joint4_x_2;
-    let t2606 = t2605 + t2604;
-    let t2607 = t2606 + t2593;
-    let t2608 = t115 * t1147;
-    let t2609 = omega_panda_joint4_x * t2028;
-    let t2610 = t101 * t870;
-    let t2611 = t2610 - t2609;
-    let t2612 = t2608 - t2611;
-    let t2613 = force_panda_joint4_y_2 - t2612;
-    let t2614 = sin_panda_joint4 * t2613;
-    let t2615 = t2614 - t2607;
-    let t2616 = sin_panda_joint4 * t2592;
-    let t2617 = cos_panda_joint4 * t2613;
-    let t2618 = t2617 + t2616;
-    let t2619 = 3.83030303030303 * t2618;
-    let t2620 = t2619 - t2615;
-    let t2621 = sin_panda_joint3 * t2620;
-    let t2622 = t94 * t1147;
-    let t2623 = t1917 - t1990;
-    let t2624 = omega_panda_joint4_y * t2623;
-    let t2625 = omega_panda_joint4_x * t1964;
-    let t2626 = t870 * t118;
-    let t2627 = t2626 + t2625;
-    let t2628 = t2624 - t2627;
-    let t2629 = t2622 - t2628;
-    let t2630 = t108 - t77;
-    let t2631 = t1223 * t2630;
-    let t2632 = t2631 + t2629;
-    let t2633 = t115 * acceleration_panda_joint4_x_2;
-    let t2634 = t2633 + t2632;
-    let t2635 = moment_panda_joint4_y_2 + t2634;
-    let t2636 = cos_panda_joint4 * t2635;
-    let t2637 = t99 * t1147;
-    let t2638 = omega_panda_joint4_x * t1970;
-    let t2639 = omega_panda_joint4_y * t1973;
-    let t2640 = t2639 - t2638;
-    let t2641 = t2637 + t2640;
-    let t2642 = t101 * t1223;
-    let t2643 = t2642 - t2641;
-    let t2644 = 3.83030303030303 * t2643;
-    let t2645 = t2636 - t2644;
-    let t2646 = t94 * t1223;
-    let t2647 = t1901 - t1990;
-    let t2648 = omega_panda_joint4_x * t2647;
-    let t2649 = omega_panda_joint4_y * t1943;
-    let t2650 = t870 * t123;
-    let t2651 = t2650 - t2649;
-    let t2652 = t2648 + t2651;
-    let t2653 = t2646 + t2652;
-    let t2654 = t108 + t69;
-    let t2655 = t1147 * t2654;
-    let t2656 = t2655 + t2653;
-    let t2657 = t115 * acceleration_panda_joint4_y_2;
-    let t2658 = t2657 + t2656;
-    let t2659 = moment_panda_joint4_x_2 - t2658;
-    let t2660 = sin_panda_joint4 * t2659;
-    let t2661 = t2660 - t2645;
-    let t2662 = cos_panda_joint3 * t2661;
-    let t2663 = t2662 - t2621;
-    let t2664 = sin_panda_joint2 * t2663;
-    let t2665 = sin_panda_joint4 * t2635;
-    let t2666 = t2643 + t2665;
-    let t2667 = cos_panda_joint4 * t2659;
-    let t2668 = t2667 + t2666;
-    let t2669 = cos_panda_joint2 * t2668;
-    let t2670 = t2664 + t2669;
-    let t2671 = inverse_d_panda_joint1 * t2670;
-    let t2672 = cos_panda_joint3 * t2620;
-    let t2673 = sin_panda_joint3 * t2661;
-    let t2674 = t2673 + t2672;
-    let t2675 = t458 * t2674;
-    let t2676 = t1035 * t2668;
-    let t2677 = t269 * t1147;
-    let t2678 = omega_panda_joint4_y * t2406;
-    let t2679 = omega_panda_joint4_x * t2410;
-    let t2680 = t870 * t252;
-    let t2681 = t2680 - t2679;
-    let t2682 = t2678 - t2681;
-    let t2683 = t2677 - t2682;
-    let t2684 = t266 * t1223;
-    let t2685 = t2684 - t2683;
-    let t2686 = t249 * acceleration_panda_joint4_x_2;
-    let t2687 = t2686 + t2685;
-    let t2688 = t254 * acceleration_panda_joint4_y_2;
-    let t2689 = t2688 - t2687;
-    let t2690 = t1056 * t2689;
-    let t2691 = t1040 * t2606;
-    let t2692 = t2691 + t2690;
-    let t2693 = t185 * t1147;
-    let t2694 = omega_panda_joint4_y * t2338;
-    let t2695 = omega_panda_joint4_x * t2348;
-    let t2696 = t870 * t196;
-    let t2697 = t2696 - t2695;
-    let t2698 = t2694 - t2697;
-    let t2699 = t2693 + t2698;
-    let t2700 = t177 * t1223;
-    let t2701 = t2700 - t2699;
-    let t2702 = t194 * acceleration_panda_joint4_x_2;
-    let t2703 = t2702 + t2701;
-    let t2704 = t199 * acceleration_panda_joint4_y_2;
-    let t2705 = t2704 + t2703;
-    let t2706 = t1067 * t2705;
-    let t2707 = t222 * t1147;
-    let t2708 = omega_panda_joint4_x * t2250;
-    let t2709 = t870 * t122;
-    let t2710 = t2709 - t2708;
-    let t2711 = omega_panda_joint4_y * t2256;
-    let t2712 = t2711 - t2710;
-    let t2713 = t2707 + t2712;
-    let t2714 = t91 * t1223;
-    let t2715 = t2714 - t2713;
-    let t2716 = t2657 + t2715;
-    let t2717 = t1047 * t2716;
-    let t2718 = t2717 - t2706;
-    let t2719 = t2718 - t2692;
-    let t2720 = t2676 + t2719;
-    let t2721 = t2675 + t2720;
-    let t2722 = t2671 + t2721;
-    let t2723 = t74 * t1303;
-    let t2724 = omega_panda_joint5_y * t1911;
-    let t2725 = t58 * t587;
-    let t2726 = t2725 - t2724;
-    let t2727 = t2723 + t2726;
-    let t2728 = force_panda_joint5_x_2 - t2727;
-    let t2729 = t63 * t2728;
-    let t2730 = t74 * t1218;
-    let t2731 = omega_panda_joint5_x * t1911;
-    let t2732 = t62 * t587;
-    let t2733 = t2732 + t2731;
-    let t2734 = t2730 + t2733;
-    let t2735 = force_panda_joint5_y_2 - t2734;
-    let t2736 = t59 * t2735;
-    let t2737 = t2736 - t2729;
-    let t2738 = sin_panda_joint4 * t2737;
-    let t2739 = t58 * t1218;
-    let t2740 = omega_panda_joint5_x * t1885;
-    let t2741 = omega_panda_joint5_y * t1893;
-    let t2742 = t2741 + t2740;
-    let t2743 = t2739 - t2742;
-    let t2744 = t62 * t1303;
-    let t2745 = t2744 - t2743;
-    let t2746 = 0.21484375 * t2745;
-    let t2747 = cos_panda_joint4 * t2746;
-    let t2748 = t2738 + t2747;
-    let t2749 = t47 * t1303;
-    let t2750 = t1809 - t1904;
-    let t2751 = omega_panda_joint5_x * t2750;
-    let t2752 = omega_panda_joint5_y * t1849;
-    let t2753 = t587 * t88;
-    let t2754 = t2753 + t2752;
-    let t2755 = t2751 + t2754;
-    let t2756 = t2749 - t2755;
-    let t2757 = t70 - t31;
-    let t2758 = t1218 * t2757;
-    let t2759 = t2758 + t2756;
-    let t2760 = t74 * acceleration_panda_joint5_y_2;
-    let t2761 = t2760 - t2759;
-    let t2762 = t2735 + t2761;
-    let t2763 = moment_panda_joint5_x_2 - t2762;
-    let t2764 = cos_panda_joint5 * t2763;
-    let t2765 = t2746 - t2764;
-    let t2766 = t47 * t1218;
-    let t2767 = t1821 + t1904;
-    let t2768 = omega_panda_joint5_y * t2767;
-    let t2769 = omega_panda_joint5_x * t1870;
-    let t2770 = t587 * t82;
-    let t2771 = t2770 + t2769;
-    let t2772 = t2768 + t2771;
-    let t2773 = t2766 - t2772;
-    let t2774 = t70 - t32;
-    let t2775 = t2774 * t1303;
-    let t2776 = t2775 + t2773;
-    let t2777 = t74 * acceleration_panda_joint5_x_2;
-    let t2778 = t2777 - t2776;
-    let t2779 = moment_panda_joint5_y_2 + t2778;
-    let t2780 = t2728 + t2779;
-    let t2781 = sin_panda_joint5 * t2780;
-    let t2782 = t2781 - t2765;
-    let t2783 = t2782 + t2748;
-    let t2784 = cos_panda_joint4 * t2737;
-    let t2785 = sin_panda_joint4 * t2746;
-    let t2786 = t2784 - t2785;
-    let t2787 = 3.83030303030303 * t2786;
-    let t2788 = t2787 - t2783;
-    let t2789 = sin_panda_joint3 * t2788;
-    let t2790 = t59 * t2728;
-    let t2791 = t63 * t2735;
-    let t2792 = t2791 + t2790;
-    let t2793 = t88 * t1218;
-    let t2794 = omega_panda_joint5_y * t1925;
-    let t2795 = omega_panda_joint5_x * t1933;
-    let t2796 = t587 * t221;
-    let t2797 = t2796 + t2795;
-    let t2798 = t2794 - t2797;
-    let t2799 = t2793 - t2798;
-    let t2800 = t82 * t1303;
-    let t2801 = t2800 + t2799;
-    let t2802 = t62 * acceleration_panda_joint5_y_2;
-    let t2803 = t2802 + t2801;
-    let t2804 = t58 * acceleration_panda_joint5_x_2;
-    let t2805 = t2804 + t2803;
-    let t2806 = t2805 + t2792;
-    let t2807 = sin_panda_joint4 * t2806;
-    let t2808 = 3.83030303030303 * t2792;
-    let t2809 = t2807 - t2808;
-    let t2810 = sin_panda_joint5 * t2763;
-    let t2811 = cos_panda_joint5 * t2780;
-    let t2812 = t2811 - t2810;
-    let t2813 = cos_panda_joint4 * t2812;
-    let t2814 = t2813 - t2809;
-    let t2815 = cos_panda_joint3 * t2814;
-    let t2816 = t2815 + t2789;
-    let t2817 = sin_panda_joint2 * t2816;
-    let t2818 = cos_panda_joint4 * t2806;
-    let t2819 = t2792 - t2818;
-    let t2820 = sin_panda_joint4 * t2812;
-    let t2821 = t2820 - t2819;
-    let t2822 = cos_panda_joint2 * t2821;
-    let t2823 = t2817 - t2822;
-    let t2824 = inverse_d_panda_joint1 * t2823;
-    let t2825 = cos_panda_joint3 * t2788;
-    let t2826 = sin_panda_joint3 * t2814;
-    let t2827 = t2826 - t2825;
-    let t2828 = t458 * t2827;
-    let t2829 = t1035 * t2821;
-    let t2830 = t1040 * t2782;
-    let t2831 = t43 * t1218;
-    let t2832 = omega_panda_joint5_y * t2327;
-    let t2833 = omega_panda_joint5_x * t1856;
-    let t2834 = t181 * t587;
-    let t2835 = t2834 - t2833;
-    let t2836 = t2832 + t2835;
-    let t2837 = t2831 + t2836;
-    let t2838 = t170 * t1303;
-    let t2839 = t2838 + t2837;
-    let t2840 = t171 * acceleration_panda_joint5_x_2;
-    let t2841 = t2840 + t2839;
-    let t2842 = t174 * acceleration_panda_joint5_y_2;
-    let t2843 = t2842 + t2841;
-    let t2844 = t1067 * t2843;
-    let t2845 = t246 * t1218;
-    let t2846 = omega_panda_joint5_x * t2395;
-    let t2847 = t587 * t87;
-    let t2848 = t2847 - t2846;
-    let t2849 = omega_panda_joint5_y * t1845;
-    let t2850 = t2849 + t2848;
-    let t2851 = t2845 + t2850;
-    let t2852 = t46 * t1303;
-    let t2853 = t2852 - t2851;
-    let t2854 = t2760 + t2853;
-    let t2855 = t1056 * t2854;
-    let t2856 = t2855 + t2844;
-    let t2857 = t1047 * t2805;
-    let t2858 = t2857 + t2856;
-    let t2859 = t2830 - t2858;
-    let t2860 = t2829 + t2859;
-    let t2861 = t2828 - t2860;
-    let t2862 = t2824 + t2861;
-    let t2863 = t37 * t1401;
-    let t2864 = omega_panda_joint6_y * t1890;
-    let t2865 = t53 * t723;
-    let t2866 = t2865 + t2864;
-    let t2867 = t2863 + t2866;
-    let t2868 = force_panda_joint6_x_2 + t2867;
-    let t2869 = t71 * t2868;
-    let t2870 = t37 * t1297;
-    let t2871 = omega_panda_joint6_x * t1890;
-    let t2872 = 0.015294814090072 * t723;
-    let t2873 = t2872 - t2871;
-    let t2874 = t2870 + t2873;
-    let t2875 = force_panda_joint6_y_2 + t2874;
-    let t2876 = t54 * t2875;
-    let t2877 = t2876 - t2869;
-    let t2878 = t59 * t2877;
-    let t2879 = t53 * t1297;
-    let t2880 = omega_panda_joint6_x * t1883;
-    let t2881 = omega_panda_joint6_y * t1878;
-    let t2882 = t2881 - t2880;
-    let t2883 = t2882 + t2879;
-    let t2884 = 0.015294814090072 * t1401;
-    let t2885 = t2884 - t2883;
-    let t2886 = 4.363636363636364 * t2885;
-    let t2887 = t63 * t2886;
-    let t2888 = t2878 + t2887;
-    let t2889 = sin_panda_joint4 * t2888;
-    let t2890 = t54 * t2868;
-    let t2891 = t71 * t2875;
-    let t2892 = t2891 + t2890;
-    let t2893 = 0.21484375 * t2892;
-    let t2894 = cos_panda_joint4 * t2893;
-    let t2895 = t2889 + t2894;
-    let t2896 = 0.015294814090072 * acceleration_panda_joint6_y_2;
-    let t2897 = t53 * acceleration_panda_joint6_x_2;
-    let t2898 = t2897 + t2896;
-    let t2899 = t44 * t1297;
-    let t2900 = omega_panda_joint6_x * t1843;
-    let t2901 = t246 * t723;
-    let t2902 = t2901 - t2900;
-    let t2903 = omega_panda_joint6_y * t1837;
-    let t2904 = t2903 + t2902;
-    let t2905 = t2899 + t2904;
-    let t2906 = t39 * t1401;
-    let t2907 = t2906 - t2905;
-    let t2908 = t2907 - t2898;
-    let t2909 = t2908 + t2877;
-    let t2910 = cos_panda_joint5 * t2909;
-    let t2911 = t2893 + t2910;
-    let t2912 = t25 * t1401;
-    let t2913 = omega_panda_joint6_y * t1779;
-    let t2914 = t44 * t723;
-    let t2915 = t2914 - t2913;
-    let t2916 = t1795 - t1818;
-    let t2917 = omega_panda_joint6_x * t2916;
-    let t2918 = t2917 - t2915;
-    let t2919 = t2912 + t2918;
-    let t2920 = 0.02152225537058755 + t19;
-    let t2921 = t165 + t2920;
-    let t2922 = t2921 * t1297;
-    let t2923 = t2922 - t2919;
-    let t2924 = t37 * acceleration_panda_joint6_y_2;
-    let t2925 = t2924 + t2923;
-    let t2926 = moment_panda_joint6_x_2 - t2925;
-    let t2927 = sin_panda_joint6 * t2926;
-    let t2928 = t2886 + t2927;
-    let t2929 = t25 * t1297;
-    let t2930 = t1800 + t1818;
-    let t2931 = omega_panda_joint6_y * t2930;
-    let t2932 = omega_panda_joint6_x * t1784;
-    let t2933 = t723 * t39;
-    let t2934 = t2932 - t2933;
-    let t2935 = t2931 - t2934;
-    let t2936 = t2929 + t2935;
-    let t2937 = t16 - 0.03293675559757119;
-    let t2938 = t2937 * t1401;
-    let t2939 = t2938 + t2936;
-    let t2940 = t37 * acceleration_panda_joint6_x_2;
-    let t2941 = t2940 - t2939;
-    let t2942 = moment_panda_joint6_y_2 + t2941;
-    let t2943 = cos_panda_joint6 * t2942;
-    let t2944 = t2943 - t2928;
-    let t2945 = sin_panda_joint5 * t2944;
-    let t2946 = t2945 - t2911;
-    let t2947 = t2946 + t2895;
-    let t2948 = cos_panda_joint4 * t2888;
-    let t2949 = sin_panda_joint4 * t2893;
-    let t2950 = t2948 - t2949;
-    let t2951 = 3.83030303030303 * t2950;
-    let t2952 = t2951 - t2947;
-    let t2953 = sin_panda_joint3 * t2952;
-    let t2954 = t63 * t2877;
-    let t2955 = t59 * t2886;
-    let t2956 = t2954 - t2955;
-    let t2957 = sin_panda_joint6 * t2942;
-    let t2958 = cos_panda_joint6 * t2926;
-    let t2959 = t2957 + t2958;
-    let t2960 = t2959 + t2956;
-    let t2961 = sin_panda_joint4 * t2960;
-    let t2962 = 3.83030303030303 * t2956;
-    let t2963 = t2961 - t2962;
-    let t2964 = cos_panda_joint5 * t2944;
-    let t2965 = sin_panda_joint5 * t2909;
-    let t2966 = t2964 + t2965;
-    let t2967 = cos_panda_joint4 * t2966;
-    let t2968 = t2967 - t2963;
-    let t2969 = cos_panda_joint3 * t2968;
-    let t2970 = t2969 + t2953;
-    let t2971 = sin_panda_joint2 * t2970;
-    let t2972 = cos_panda_joint4 * t2960;
-    let t2973 = t2956 - t2972;
-    let t2974 = sin_panda_joint4 * t2966;
-    let t2975 = t2974 - t2973;
-    let t2976 = cos_panda_joint2 * t2975;
-    let t2977 = t2971 - t2976;
-    let t2978 = inverse_d_panda_joint1 * t2977;
-    let t2979 = cos_panda_joint3 * t2952;
-    let t2980 = sin_panda_joint3 * t2968;
-    let t2981 = t2980 - t2979;
-    let t2982 = t458 * t2981;
-    let t2983 = t1035 * t2975;
-    let t2984 = t1040 * t2946;
-    let t2985 = t1047 * t2959;
-    let t2986 = t167 * t1297;
-    let t2987 = omega_panda_joint6_x * t2323;
-    let t2988 = omega_panda_joint6_y * t2325;
-    let t2989 = t43 * t723;
-    let t2990 = t2989 + t2988;
-    let t2991 = t2987 + t2990;
-    let t2992 = t2986 + t2991;
-    let t2993 = t24 * t1401;
-    let t2994 = t2993 - t2992;
-    let t2995 = t2924 - t2994;
-    let t2996 = t1067 * t2995;
-    let t2997 = t1056 * t2908;
-    let t2998 = t2997 + t2996;
-    let t2999 = t2985 + t2998;
-    let t3000 = t2984 - t2999;
-    let t3001 = t2983 + t3000;
-    let t3002 = t2982 - t3001;
-    let t3003 = t2978 + t3002;
-    let t3004 = omega_panda_joint6_x * t1774;
-    let t3005 = t37 * t677;
-    let t3006 = t3005 - t3004;
-    let t3007 = t3006 + force_panda_joint7_y_2;
-    let t3008 = t54 * t3007;
-    let t3009 = t52 * t1298;
-    let t3010 = t37 * t1385;
-    let t3011 = omega_panda_joint6_x * t1787;
-    let t3012 = omega_panda_joint6_z * t1832;
-    let t3013 = t3012 + t3011;
-    let t3014 = t3013 + t3010;
-    let t3015 = t3009 + t3014;
-    let t3016 = t71 * t3015;
-    let t3017 = t3008 + t3016;
-    let t3018 = t59 * t3017;
-    let t3019 = omega_panda_joint6_z * t1774;
-    let t3020 = t52 * t677;
-    let t3021 = t3020 - t3019;
-    let t3022 = t3021 + force_panda_joint7_x_2;
-    let t3023 = 4.363636363636364 * t3022;
-    let t3024 = t63 * t3023;
-    let t3025 = t3018 - t3024;
-    let t3026 = sin_panda_joint4 * t3025;
-    let t3027 = t71 * t3007;
-    let t3028 = t54 * t3015;
-    let t3029 = t3027 - t3028;
-    let t3030 = 0.21484375 * t3029;
-    let t3031 = cos_panda_joint4 * t3030;
-    let t3032 = t3026 + t3031;
-    let t3033 = t17 * t1298;
-    let t3034 = t36 * t1385;
-    let t3035 = omega_panda_joint6_z * t1836;
-    let t3036 = t43 * t677;
-    let t3037 = t3036 - t3035;
-    let t3038 = t1794 - t1797;
-    let t3039 = omega_panda_joint6_x * t3038;
-    let t3040 = t3039 + t3037;
-    let t3041 = t3034 + t3040;
-    let t3042 = t3033 - t3041;
-    let t3043 = t3015 + t3042;
-    let t3044 = moment_panda_joint7_x_2 - t3043;
-    let t3045 = t3044 - t3017;
-    let t3046 = cos_panda_joint5 * t3045;
-    let t3047 = t3030 - t3046;
-    let t3048 = t43 * t1298;
-    let t3049 = t24 * t1385;
-    let t3050 = omega_panda_joint6_x * t1854;
-    let t3051 = t166 * t677;
-    let t3052 = t3051 - t3050;
-    let t3053 = omega_panda_joint6_z * t1778;
-    let t3054 = t3053 + t3052;
-    let t3055 = t3049 + t3054;
-    let t3056 = t3048 - t3055;
-    let t3057 = t37 * acceleration_panda_joint7_y_2;
-    let t3058 = t3057 - t3056;
-    let t3059 = t52 * acceleration_panda_joint7_x_2;
-    let t3060 = t3059 - t3058;
-    let t3061 = t3060 - t3022;
-    let t3062 = sin_panda_joint6 * t3061;
-    let t3063 = t3023 - t3062;
-    let t3064 = t36 * t1298;
-    let t3065 = t165 * t1385;
-    let t3066 = omega_panda_joint6_x * t1866;
-    let t3067 = t24 * t677;
-    let t3068 = t3067 - t3066;
-    let t3069 = t1813 + t1797;
-    let t3070 = omega_panda_joint6_z * t3069;
-    let t3071 = t3070 - t3068;
-    let t3072 = t3065 - t3071;
-    let t3073 = t3064 - t3072;
-    let t3074 = moment_panda_joint7_y_2 + t3073;
-    let t3075 = cos_panda_joint6 * t3074;
-    let t3076 = t3075 + t3063;
-    let t3077 = sin_panda_joint5 * t3076;
-    let t3078 = t3077 - t3047;
-    let t3079 = t3078 + t3032;
-    let t3080 = cos_panda_joint4 * t3025;
-    let t3081 = sin_panda_joint4 * t3030;
-    let t3082 = t3080 - t3081;
-    let t3083 = 3.83030303030303 * t3082;
-    let t3084 = t3083 - t3079;
-    let t3085 = sin_panda_joint3 * t3084;
-    let t3086 = t63 * t3017;
-    let t3087 = t59 * t3023;
-    let t3088 = t3086 + t3087;
-    let t3089 = cos_panda_joint6 * t3061;
-    let t3090 = sin_panda_joint6 * t3074;
-    let t3091 = t3090 + t3089;
-    let t3092 = t3091 + t3088;
-    let t3093 = sin_panda_joint4 * t3092;
-    let t3094 = 3.83030303030303 * t3088;
-    let t3095 = t3093 - t3094;
-    let t3096 = cos_panda_joint5 * t3076;
-    let t3097 = sin_panda_joint5 * t3045;
-    let t3098 = t3096 - t3097;
-    let t3099 = cos_panda_joint4 * t3098;
-    let t3100 = t3099 - t3095;
-    let t3101 = cos_panda_joint3 * t3100;
-    let t3102 = t3101 + t3085;
-    let t3103 = sin_panda_joint2 * t3102;
-    let t3104 = cos_panda_joint4 * t3092;
-    let t3105 = t3088 - t3104;
-    let t3106 = sin_panda_joint4 * t3098;
-    let t3107 = t3106 - t3105;
-    let t3108 = cos_panda_joint2 * t3107;
-    let t3109 = t3103 - t3108;
-    let t3110 = inverse_d_panda_joint1 * t3109;
-    let t3111 = cos_panda_joint3 * t3084;
-    let t3112 = sin_panda_joint3 * t3100;
-    let t3113 = t3112 - t3111;
-    let t3114 = t458 * t3113;
-    let t3115 = t1035 * t3107;
-    let t3116 = t1040 * t3078;
-    let t3117 = t1047 * t3091;
-    let t3118 = t1056 * t3044;
-    let t3119 = t1067 * t3060;
-    let t3120 = t3118 + t3119;
-    let t3121 = t3117 - t3120;
-    let t3122 = t3116 - t3121;
-    let t3123 = t3115 + t3122;
-    let t3124 = t3114 - t3123;
-    let t3125 = t3110 + t3124;
-    let t3126 = t458 * t2197;
-    let t3127 = t463 * t2211;
-    let t3128 = t460 * t2243;
-    let t3129 = t3128 - t3127;
-    let t3130 = t475 * t2291;
-    let t3131 = t468 * t2317;
-    let t3132 = t3131 + t3130;
-    let t3133 = t3132 - t3129;
-    let t3134 = t495 * t2392;
-    let t3135 = t484 * t2454;
-    let t3136 = t3135 - t3134;
-    let t3137 = t3136 + t3133;
-    let t3138 = t3126 - t3137;
-    let t3139 = t458 * t2521;
-    let t3140 = t460 * t2525;
-    let t3141 = t484 * t2539;
-    let t3142 = t475 * t2553;
-    let t3143 = t3142 - t3141;
-    let t3144 = t463 * t2519;
-    let t3145 = t3144 - t3143;
-    let t3146 = t495 * t2570;
-    let t3147 = t468 * t2581;
-    let t3148 = t3147 - t3146;
-    let t3149 = t3148 - t3145;
-    let t3150 = t3140 + t3149;
-    let t3151 = t3139 - t3150;
-    let t3152 = t458 * t2670;
-    let t3153 = t460 * t2674;
-    let t3154 = t463 * t2668;
-    let t3155 = t484 * t2689;
-    let t3156 = t468 * t2606;
-    let t3157 = t3156 + t3155;
-    let t3158 = t495 * t2705;
-    let t3159 = t475 * t2716;
-    let t3160 = t3159 - t3158;
-    let t3161 = t3160 - t3157;
-    let t3162 = t3154 + t3161;
-    let t3163 = t3153 + t3162;
-    let t3164 = t3152 - t3163;
-    let t3165 = t458 * t2823;
-    let t3166 = t460 * t2827;
-    let t3167 = t463 * t2821;
-    let t3168 = t468 * t2782;
-    let t3169 = t495 * t2843;
-    let t3170 = t484 * t2854;
-    let t3171 = t3170 + t3169;
-    let t3172 = t475 * t2805;
-    let t3173 = t3172 + t3171;
-    let t3174 = t3168 - t3173;
-    let t3175 = t3167 + t3174;
-    let t3176 = t3166 - t3175;
-    let t3177 = t3165 - t3176;
-    let t3178 = t458 * t2977;
-    let t3179 = t460 * t2981;
-    let t3180 = t463 * t2975;
-    let t3181 = t468 * t2946;
-    let t3182 = t475 * t2959;
-    let t3183 = t495 * t2995;
-    let t3184 = t484 * t2908;
-    let t3185 = t3184 + t3183;
-    let t3186 = t3182 + t3185;
-    let t3187 = t3181 - t3186;
-    let t3188 = t3180 + t3187;
-    let t3189 = t3179 - t3188;
-    let t3190 = t3178 - t3189;
-    let t3191 = t458 * t3109;
-    let t3192 = t460 * t3113;
-    let t3193 = t463 * t3107;
-    let t3194 = t468 * t3078;
-    let t3195 = t475 * t3091;
-    let t3196 = t484 * t3044;
-    let t3197 = t495 * t3060;
-    let t3198 = t3196 + t3197;
-    let t3199 = t3195 - t3198;
-    let t3200 = t3194 - t3199;
-    let t3201 = t3193 + t3200;
-    let t3202 = t3192 - t3201;
-    let t3203 = t3191 - t3202;
-    let t3204 = t1035 * t2197;
-    let t3205 = t1098 * t2211;
-    let t3206 = t463 * t2243;
-    let t3207 = t3206 - t3205;
-    let t3208 = t1110 * t2291;
-    let t3209 = t1103 * t2317;
-    let t3210 = t3209 + t3208;
-    let t3211 = t3210 - t3207;
-    let t3212 = t1130 * t2392;
-    let t3213 = t1119 * t2454;
-    let t3214 = t3213 - t3212;
-    let t3215 = t3214 + t3211;
-    let t3216 = t3204 - t3215;
-    let t3217 = t1035 * t2521;
-    let t3218 = t463 * t2525;
-    let t3219 = t1119 * t2539;
-    let t3220 = t1110 * t2553;
-    let t3221 = t3220 - t3219;
-    let t3222 = t1098 * t2519;
-    let t3223 = t3222 - t3221;
-    let t3224 = t1130 * t2570;
-    let t3225 = t1103 * t2581;
-    let t3226 = t3225 - t3224;
-    let t3227 = t3226 - t3223;
-    let t3228 = t3218 + t3227;
-    let t3229 = t3217 - t3228;
-    let t3230 = t1035 * t2670;
-    let t3231 = t463 * t2674;
-    let t3232 = t1098 * t2668;
-    let t3233 = t1119 * t2689;
-    let t3234 = t1103 * t2606;
-    let t3235 = t3234 + t3233;
-    let t3236 = t1130 * t2705;
-    let t3237 = t1110 * t2716;
-    let t3238 = t3237 - t3236;
-    let t3239 = t3238 - t3235;
-    let t3240 = t3232 + t3239;
-    let t3241 = t3231 + t3240;
-    let t3242 = t3230 - t3241;
-    let t3243 = t1035 * t2823;
-    let t3244 = t463 * t2827;
-    let t3245 = t1098 * t2821;
-    let t3246 = t1103 * t2782;
-    let t3247 = t1130 * t2843;
-    let t3248 = t1119 * t2854;
-    let t3249 = t3248 + t3247;
-    let t3250 = t1110 * t2805;
-    let t3251 = t3250 + t3249;
-    let t3252 = t3246 - t3251;
-    let t3253 = t3245 + t3252;
-    let t3254 = t3244 - t3253;
-    let t3255 = t3243 - t3254;
-    let t3256 = t1035 * t2977;
-    let t3257 = t463 * t2981;
-    let t3258 = t1098 * t2975;
-    let t3259 = t1103 * t2946;
-    let t3260 = t1110 * t2959;
-    let t3261 = t1130 * t2995;
-    let t3262 = t1119 * t2908;
-    let t3263 = t3262 + t3261;
-    let t3264 = t3260 + t3263;
-    let t3265 = t3259 - t3264;
-    let t3266 = t3258 + t3265;
-    let t3267 = t3257 - t3266;
-    let t3268 = t3256 - t3267;
-    let t3269 = t1035 * t3109;
-    let t3270 = t463 * t3113;
-    let t3271 = t1098 * t3107;
-    let t3272 = t1103 * t3078;
-    let t3273 = t1110 * t3091;
-    let t3274 = t1119 * t3044;
-    let t3275 = t1130 * t3060;
-    let t3276 = t3274 + t3275;
-    let t3277 = t3273 - t3276;
-    let t3278 = t3272 - t3277;
-    let t3279 = t3271 + t3278;
-    let t3280 = t3270 - t3279;
-    let t3281 = t3269 - t3280;
-    let t3282 = t1040 * t2197;
-    let t3283 = t1103 * t2211;
-    let t3284 = t468 * t2243;
-    let t3285 = t3284 - t3283;
-    let t3286 = t1180 * t2291;
-    let t3287 = t1173 * t2317;
-    let t3288 = t3287 + t3286;
-    let t3289 = t3288 + t3285;
-    let t3290 = t1200 * t2392;
-    let t3291 = t1189 * t2454;
-    let t3292 = t3291 - t3290;
-    let t3293 = t3292 + t3289;
-    let t3294 = t3282 + t3293;
-    let t3295 = t1040 * t2521;
-    let t3296 = t468 * t2525;
-    let t3297 = t1189 * t2539;
-    let t3298 = t1180 * t2553;
-    let t3299 = t3298 - t3297;
-    let t3300 = t1103 * t2519;
-    let t3301 = t3300 + t3299;
-    let t3302 = t1200 * t2570;
-    let t3303 = t1173 * t2581;
-    let t3304 = t3303 - t3302;
-    let t3305 = t3304 + t3301;
-    let t3306 = t3296 - t3305;
-    let t3307 = t3295 - t3306;
-    let t3308 = t1040 * t2670;
-    let t3309 = t468 * t2674;
-    let t3310 = t1103 * t2668;
-    let t3311 = t1189 * t2689;
-    let t3312 = t1173 * t2606;
-    let t3313 = t3312 + t3311;
-    let t3314 = t1200 * t2705;
-    let t3315 = t1180 * t2716;
-    let t3316 = t3315 - t3314;
-    let t3317 = t3316 - t3313;
-    let t3318 = t3310 - t3317;
-    let t3319 = t3309 + t3318;
-    let t3320 = t3308 - t3319;
-    let t3321 = t1040 * t2823;
-    let t3322 = t468 * t2827;
-    let t3323 = t1103 * t2821;
-    let t3324 = t1173 * t2782;
-    let t3325 = t1200 * t2843;
-    let t3326 = t1189 * t2854;
-    let t3327 = t3326 + t3325;
-    let t3328 = t1180 * t2805;
-    let t3329 = t3328 + t3327;
-    let t3330 = t3324 - t3329;
-    let t3331 = t3323 - t3330;
-    let t3332 = t3322 - t3331;
-    let t3333 = t3321 - t3332;
-    let t3334 = t1040 * t2977;
-    let t3335 = t468 * t2981;
-    let t3336 = t1103 * t2975;
-    let t3337 = t1173 * t2946;
-    let t3338 = t1180 * t2959;
-    let t3339 = t1200 * t2995;
-    let t3340 = t1189 * t2908;
-    let t3341 = t3340 + t3339;
-    let t3342 = t3338 + t3341;
-    let t3343 = t3337 - t3342;
-    let t3344 = t3336 - t3343;
-    let t3345 = t3335 - t3344;
-    let t3346 = t3334 - t3345;
-    let t3347 = t1040 * t3109;
-    let t3348 = t468 * t3113;
-    let t3349 = t1103 * t3107;
-    let t3350 = t1173 * t3078;
-    let t3351 = t1180 * t3091;
-    let t3352 = t1189 * t3044;
-    let t3353 = t1200 * t3060;
-    let t3354 = t3352 + t3353;
-    let t3355 = t3351 - t3354;
-    let t3356 = t3350 - t3355;
-    let t3357 = t3349 - t3356;
-    let t3358 = t3348 - t3357;
-    let t3359 = t3347 - t3358;
-    let t3360 = t1047 * t2197;
-    let t3361 = t1110 * t2211;
-    let t3362 = t475 * t2243;
-    let t3363 = t3362 - t3361;
-    let t3364 = t1264 * t2291;
-    let t3365 = t1180 * t2317;
-    let t3366 = t3365 + t3364;
-    let t3367 = t3366 + t3363;
-    let t3368 = t1290 * t2392;
-    let t3369 = t1277 * t2454;
-    let t3370 = t3369 - t3368;
-    let t3371 = t3370 + t3367;
-    let t3372 = t3360 + t3371;
-    let t3373 = t1047 * t2521;
-    let t3374 = t475 * t2525;
-    let t3375 = t1277 * t2539;
-    let t3376 = t1264 * t2553;
-    let t3377 = t3376 - t3375;
-    let t3378 = t1110 * t2519;
-    let t3379 = t3378 + t3377;
-    let t3380 = t1290 * t2570;
-    let t3381 = t1180 * t2581;
-    let t3382 = t3381 - t3380;
-    let t3383 = t3382 + t3379;
-    let t3384 = t3374 - t3383;
-    let t3385 = t3373 - t3384;
-    let t3386 = t1047 * t2670;
-    let t3387 = t475 * t2674;
-    let t3388 = t1110 * t2668;
-    let t3389 = t1277 * t2689;
-    let t3390 = t1180 * t2606;
-    let t3391 = t3390 + t3389;
-    let t3392 = t1290 * t2705;
-    let t3393 = t1264 * t2716;
-    let t3394 = t3393 - t3392;
-    let t3395 = t3394 - t3391;
-    let t3396 = t3388 - t3395;
-    let t3397 = t3387 + t3396;
-    let t3398 = t3386 - t3397;
-    let t3399 = t1047 * t2823;
-    let t3400 = t475 * t2827;
-    let t3401 = t1110 * t2821;
-    let t3402 = t1180 * t2782;
-    let t3403 = t1290 * t2843;
-    let t3404 = t1277 * t2854;
-    let t3405 = t3404 + t3403;
-    let t3406 = t1264 * t2805;
-    let t3407 = t3406 + t3405;
-    let t3408 = t3402 - t3407;
-    let t3409 = t3401 - t3408;
-    let t3410 = t3400 - t3409;
-    let t3411 = t3399 - t3410;
-    let t3412 = t1047 * t2977;
-    let t3413 = t475 * t2981;
-    let t3414 = t1110 * t2975;
-    let t3415 = t1180 * t2946;
-    let t3416 = t1264 * t2959;
-    let t3417 = t1290 * t2995;
-    let t3418 = t1277 * t2908;
-    let t3419 = t3418 + t3417;
-    let t3420 = t3416 + t3419;
-    let t3421 = t3415 - t3420;
-    let t3422 = t3414 - t3421;
-    let t3423 = t3413 - t3422;
-    let t3424 = t3412 - t3423;
-    let t3425 = t1047 * t3109;
-    let t3426 = t475 * t3113;
-    let t3427 = t1110 * t3107;
-    let t3428 = t1180 * t3078;
-    let t3429 = t1264 * t3091;
-    let t3430 = t1277 * t3044;
-    let t3431 = t1290 * t3060;
-    let t3432 = t3430 + t3431;
-    let t3433 = t3429 - t3432;
-    let t3434 = t3428 - t3433;
-    let t3435 = t3427 - t3434;
-    let t3436 = t3426 - t3435;
-    let t3437 = t3425 - t3436;
-    let t3438 = t1056 * t2197;
-    let t3439 = t1119 * t2211;
-    let t3440 = t484 * t2243;
-    let t3441 = t3440 - t3439;
-    let t3442 = t1277 * t2291;
-    let t3443 = t1189 * t2317;
-    let t3444 = t3443 + t3442;
-    let t3445 = t3444 + t3441;
-    let t3446 = t1380 * t2392;
-    let t3447 = t1365 * t2454;
-    let t3448 = t3447 - t3446;
-    let t3449 = t3448 + t3445;
-    let t3450 = t3438 + t3449;
-    let t3451 = t1056 * t2521;
-    let t3452 = t484 * t2525;
-    let t3453 = t1365 * t2539;
-    let t3454 = t1277 * t2553;
-    let t3455 = t3454 - t3453;
-    let t3456 = t1119 * t2519;
-    let t3457 = t3456 + t3455;
-    let t3458 = t1380 * t2570;
-    let t3459 = t1189 * t2581;
-    let t3460 = t3459 - t3458;
-    let t3461 = t3460 + t3457;
-    let t3462 = t3452 - t3461;
-    let t3463 = t3451 - t3462;
-    let t3464 = t1056 * t2670;
-    let t3465 = t484 * t2674;
-    let t3466 = t1119 * t2668;
-    let t3467 = t1365 * t2689;
-    let t3468 = t1189 * t2606;
-    let t3469 = t3468 + t3467;
-    let t3470 = t1380 * t2705;
-    let t3471 = t1277 * t2716;
-    let t3472 = t3471 - t3470;
-    let t3473 = t3472 - t3469;
-    let t3474 = t3466 - t3473;
-    let t3475 = t3465 + t3474;
-    let t3476 = t3464 - t3475;
-    let t3477 = t1056 * t2823;
-    let t3478 = t484 * t2827;
-    let t3479 = t1119 * t2821;
-    let t3480 = t1189 * t2782;
-    let t3481 = t1380 * t2843;
-    let t3482 = t1365 * t2854;
-    let t3483 = t3482 + t3481;
-    let t3484 = t1277 * t2805;
-    let t3485 = t3484 + t3483;
-    let t3486 = t3480 - t3485;
-    let t3487 = t3479 - t3486;
-    let t3488 = t3478 - t3487;
-    let t3489 = t3477 - t3488;
-    let t3490 = t1056 * t2977;
-    let t3491 = t484 * t2981;
-    let t3492 = t1119 * t2975;
-    let t3493 = t1189 * t2946;
-    let t3494 = t1277 * t2959;
-    let t3495 = t1380 * t2995;
-    let t3496 = t1365 * t2908;
-    let t3497 = t3496 + t3495;
-    let t3498 = t3494 + t3497;
-    let t3499 = t3493 - t3498;
-    let t3500 = t3492 - t3499;
-    let t3501 = t3491 - t3500;
-    let t3502 = t3490 - t3501;
-    let t3503 = t1056 * t3109;
-    let t3504 = t484 * t3113;
-    let t3505 = t1119 * t3107;
-    let t3506 = t1189 * t3078;
-    let t3507 = t1277 * t3091;
-    let t3508 = t1365 * t3044;
-    let t3509 = t1380 * t3060;
-    let t3510 = t3508 + t3509;
-    let t3511 = t3507 - t3510;
-    let t3512 = t3506 - t3511;
-    let t3513 = t3505 - t3512;
-    let t3514 = t3504 - t3513;
-    let t3515 = t3503 - t3514;
-    let t3516 = t1067 * t2197;
-    let t3517 = t1130 * t2211;
-    let t3518 = t495 * t2243;
-    let t3519 = t3518 - t3517;
-    let t3520 = t1290 * t2291;
-    let t3521 = t1200 * t2317;
-    let t3522 = t3521 + t3520;
-    let t3523 = t3522 + t3519;
-    let t3524 = t1482 * t2392;
-    let t3525 = t1380 * t2454;
-    let t3526 = t3525 + t3524;
-    let t3527 = t3526 + t3523;
-    let t3528 = t3516 + t3527;
-    let t3529 = t1067 * t2521;
-    let t3530 = t495 * t2525;
-    let t3531 = t1380 * t2539;
-    let t3532 = t1290 * t2553;
-    let t3533 = t3532 - t3531;
-    let t3534 = t1130 * t2519;
-    let t3535 = t3534 + t3533;
-    let t3536 = t1482 * t2570;
-    let t3537 = t1200 * t2581;
-    let t3538 = t3537 + t3536;
-    let t3539 = t3538 + t3535;
-    let t3540 = t3530 - t3539;
-    let t3541 = t3529 - t3540;
-    let t3542 = t1067 * t2670;
-    let t3543 = t495 * t2674;
-    let t3544 = t1130 * t2668;
-    let t3545 = t1380 * t2689;
-    let t3546 = t1200 * t2606;
-    let t3547 = t3546 + t3545;
-    let t3548 = t1482 * t2705;
-    let t3549 = t1290 * t2716;
-    let t3550 = t3549 + t3548;
-    let t3551 = t3550 - t3547;
-    let t3552 = t3544 - t3551;
-    let t3553 = t3543 + t3552;
-    let t3554 = t3542 - t3553;
-    let t3555 = t1067 * t2823;
-    let t3556 = t495 * t2827;
-    let t3557 = t1130 * t2821;
-    let t3558 = t1200 * t2782;
-    let t3559 = t1482 * t2843;
-    let t3560 = t1380 * t2854;
-    let t3561 = t3560 - t3559;
-    let t3562 = t1290 * t2805;
-    let t3563 = t3562 + t3561;
-    let t3564 = t3558 - t3563;
-    let t3565 = t3557 - t3564;
-    let t3566 = t3556 - t3565;
-    let t3567 = t3555 - t3566;
-    let t3568 = t1067 * t2977;
-    let t3569 = t495 * t2981;
-    let t3570 = t1130 * t2975;
-    let t3571 = t1200 * t2946;
-    let t3572 = t1290 * t2959;
-    let t3573 = t1482 * t2995;
-    let t3574 = t1380 * t2908;
-    let t3575 = t3574 - t3573;
-    let t3576 = t3572 + t3575;
-    let t3577 = t3571 - t3576;
-    let t3578 = t3570 - t3577;
-    let t3579 = t3569 - t3578;
-    let t3580 = t3568 - t3579;
-    let t3581 = t1067 * t3109;
-    let t3582 = t495 * t3113;
-    let t3583 = t1130 * t3107;
-    let t3584 = t1200 * t3078;
-    let t3585 = t1290 * t3091;
-    let t3586 = t1380 * t3044;
-    let t3587 = t1482 * t3060;
-    let t3588 = t3586 - t3587;
-    let t3589 = t3585 - t3588;
-    let t3590 = t3584 - t3589;
-    let t3591 = t3583 - t3590;
-    let t3592 = t3582 - t3591;
-    let t3593 = t3581 - t3592;
-    let t3594 = t2069 + t2153;
-    let t3595 = sin_panda_joint2 * t3594;
-    let t3596 = t2184 - t2100;
-    let t3597 = cos_panda_joint2 * t3596;
-    let t3598 = t3595 + t3597;
-    let t3599 = sin_panda_joint2 * t3598;
-    let t3600 = v[0] * 0.00035816594888099995;
-    let t3601 = 0.003 + t3600;
-    let t3602 = t3600 - t3601;
-    let t3603 = t2065 - t3602;
-    let t3604 = t2069 - t3603;
-    let t3605 = t3599 - t3604;
-    let t3606 = inverse_d_panda_joint1 * t3605;
-    let t3607 = sin_panda_joint2 * t2219;
-    let t3608 = cos_panda_joint2 * t2227;
-    let t3609 = t3607 - t3608;
-    let t3610 = t458 * t3609;
-    let t3611 = t3606 - t3610;
-    let t3612 = cos_panda_joint2 * t2202;
-    let t3613 = sin_panda_joint2 * t2096;
-    let t3614 = t3613 + t3612;
-    let t3615 = t1035 * t3614;
-    let t3616 = t3615 + t3611;
-    let t3617 = sin_panda_joint2 * t2303;
-    let t3618 = cos_panda_joint2 * t2305;
-    let t3619 = t3617 - t3618;
-    let t3620 = t1040 * t3619;
-    let t3621 = t3620 - t3616;
-    let t3622 = sin_panda_joint2 * t2267;
-    let t3623 = cos_panda_joint2 * t2277;
-    let t3624 = t3622 + t3623;
-    let t3625 = t1047 * t3624;
-    let t3626 = t3625 - t3621;
-    let t3627 = sin_panda_joint2 * t2430;
-    let t3628 = cos_panda_joint2 * t2440;
-    let t3629 = t3627 - t3628;
-    let t3630 = t1056 * t3629;
-    let t3631 = t3630 - t3626;
-    let t3632 = sin_panda_joint2 * t2368;
-    let t3633 = cos_panda_joint2 * t2378;
-    let t3634 = t3632 - t3633;
-    let t3635 = t1067 * t3634;
-    let t3636 = t3635 + t3631;
-    let t3637 = cos_panda_joint3 * t2366;
-    let t3638 = 2.0 * omega_panda_joint2_y;
-    let t3639 = t3638 * t210;
-    let t3640 = 2.0 * omega_panda_joint2_x;
-    let t3641 = t3640 * t215;
-    let t3642 = t3639 + t3641;
-    let t3643 = t3637 + t3642;
-    let t3644 = sin_panda_joint3 * t2356;
-    let t3645 = t3644 - t3643;
-    let t3646 = t1067 * t3645;
-    let t3647 = cos_panda_joint3 * t2428;
-    let t3648 = t3638 * t275;
-    let t3649 = t3640 * t280;
-    let t3650 = t3648 + t3649;
-    let t3651 = t3647 - t3650;
-    let t3652 = sin_panda_joint3 * t2418;
-    let t3653 = t3652 - t3651;
-    let t3654 = t1056 * t3653;
-    let t3655 = sin_panda_joint3 * t2260;
-    let t3656 = cos_panda_joint3 * t2265;
-    let t3657 = t3638 * t241;
-    let t3658 = t3640 * t226;
-    let t3659 = t3657 + t3658;
-    let t3660 = t3656 + t3659;
-    let t3661 = t3655 - t3660;
-    let t3662 = t1047 * t3661;
-    let t3663 = t3638 * t2192;
-    let t3664 = t3640 * t160;
-    let t3665 = v[1] * 0.0015378722058928;
-    let t3666 = t3665 + t3664;
-    let t3667 = t3663 + t3666;
-    let t3668 = t2037 - t3667;
-    let t3669 = t2214 - t3668;
-    let t3670 = sin_panda_joint2 * t3669;
-    let t3671 = sin_panda_joint3 * t2084;
-    let t3672 = cos_panda_joint3 * t2094;
-    let t3673 = t3671 - t3672;
-    let t3674 = t3640 * t2111;
-    let t3675 = t3638 * t160;
-    let t3676 = v[1] * 0.02052220364201634;
-    let t3677 = t3676 + t3675;
-    let t3678 = t3674 + t3677;
-    let t3679 = t3673 + t3678;
-    let t3680 = cos_panda_joint2 * t3679;
-    let t3681 = t3670 - t3680;
-    let t3682 = inverse_d_panda_joint1 * t3681;
-    let t3683 = t3640 * t437;
-    let t3684 = 0.003 + t3683;
-    let t3685 = t3638 * t447;
-    let t3686 = t3685 + t3684;
-    let t3687 = t2153 + t3686;
-    let t3688 = t2069 - t3687;
-    let t3689 = t458 * t3688;
-    let t3690 = t3682 + t3689;
-    let t3691 = t3638 * t159;
-    let t3692 = t3640 * t352;
-    let t3693 = t3691 - t3692;
-    let t3694 = t3673 - t3693;
-    let t3695 = t1035 * t3694;
-    let t3696 = t3695 - t3690;
-    let t3697 = cos_panda_joint3 * t2301;
-    let t3698 = t3638 * t325;
-    let t3699 = t3640 * t153;
-    let t3700 = t3698 + t3699;
-    let t3701 = t3697 - t3700;
-    let t3702 = sin_panda_joint3 * t2296;
-    let t3703 = t3702 - t3701;
-    let t3704 = t1040 * t3703;
-    let t3705 = t3704 - t3696;
-    let t3706 = t3662 - t3705;
-    let t3707 = t3654 - t3706;
-    let t3708 = t3646 + t3707;
-    let t3709 = t187 * t2076;
-    let t3710 = 2.0 * omega_panda_joint3_x;
-    let t3711 = t3710 * t203;
-    let t3712 = t3709 - t3711;
-    let t3713 = t2374 - t3712;
-    let t3714 = t1067 * t3713;
-    let t3715 = t3710 * t257;
-    let t3716 = t2076 * t271;
-    let t3717 = t3716 + t3715;
-    let t3718 = t2436 + t3717;
-    let t3719 = t1056 * t3718;
-    let t3720 = t2076 * t231;
-    let t3721 = t3710 * t236;
-    let t3722 = t3720 - t3721;
-    let t3723 = t2273 - t3722;
-    let t3724 = t1047 * t3723;
-    let t3725 = t3710 * t320;
-    let t3726 = t2076 * t125;
-    let t3727 = t3726 + t3725;
-    let t3728 = t2170 - t3727;
-    let t3729 = t1040 * t3728;
-    let t3730 = t2076 * t146;
-    let t3731 = t3710 * t154;
-    let t3732 = t3730 - t3731;
-    let t3733 = t2200 - t3732;
-    let t3734 = 0.003 - t3733;
-    let t3735 = t1035 * t3734;
-    let t3736 = t2076 * t2490;
-    let t3737 = t3710 * t127;
-    let t3738 = t3736 - t3737;
-    let t3739 = t2141 - t2160;
-    let t3740 = 3.83030303030303 * t3739;
-    let t3741 = t3740 - t3738;
-    let t3742 = t2158 + t3741;
-    let t3743 = sin_panda_joint3 * t3742;
-    let t3744 = t137 * t3710;
-    let t3745 = t3744 + t2174;
-    let t3746 = 3.83030303030303 * t3745;
-    let t3747 = t2076 * t127;
-    let t3748 = t3747 + t3746;
-    let t3749 = t3710 * t2474;
-    let t3750 = t3749 - t3748;
-    let t3751 = t2172 - t3750;
-    let t3752 = cos_panda_joint3 * t3751;
-    let t3753 = t3743 + t3752;
-    let t3754 = t458 * t3753;
-    let t3755 = cos_panda_joint3 * t3742;
-    let t3756 = sin_panda_joint3 * t3751;
-    let t3757 = t3755 - t3756;
-    let t3758 = sin_panda_joint2 * t3757;
-    let t3759 = cos_panda_joint2 * t3733;
-    let t3760 = t3758 - t3759;
-    let t3761 = inverse_d_panda_joint1 * t3760;
-    let t3762 = t3761 + t3754;
-    let t3763 = t3735 + t3762;
-    let t3764 = t3729 + t3763;
-    let t3765 = t3724 + t3764;
-    [
-        t1772,
-        t1773,
-        t1776,
-        t1780,
-        t1787,
-        t1797,
-        t1810,
-        t1814,
-        t1815,
-        t1822,
-        t1832,
-        t1839,
-        t1850,
-        t1853,
-        t1855,
-        t1856,
-        t1858,
-        t1868,
-        t1871,
-        t1878,
-        t1883,
-        t1885,
-        t1893,
-        t1946,
-        t1947,
-        t1953,
-        t1955,
-        t1956,
-        t1970,
-        t1973,
-        t1985,
-        t1986,
-        t2040,
-        t2046,
-        t2048,
-        t2247,
-        t2298,
-        t2322,
-        t2342,
-        t2362,
-        t2395,
-        t2424,
-        t2458,
-        t2586,
-        t2630,
-        t2654,
-        t2722,
-        t2757,
-        t2774,
-        t2862,
-        t2921,
-        t2937,
-        t3003,
-        t3125,
-        t3138,
-        t3151,
-        t3164,
-        t3177,
-        t3190,
-        t3203,
-        t3216,
-        t3229,
-        t3242,
-        t3255,
-        t3268,
-        t3281,
-        t3294,
-        t3307,
-        t3320,
-        t3333,
-        t3346,
-        t3359,
-        t3372,
-        t3385,
-        t3398,
-        t3411,
-        t3424,
-        t3437,
-        t3450,
-        t3463,
-        t3476,
-        t3489,
-        t3502,
-        t3515,
-        t3528,
-        t3541,
-        t3554,
-        t3567,
-        t3580,
-        t3593,
-        t3605,
-        t3609,
-        t3614,
-        t3619,
-        t3624,
-        t3629,
-        t3634,
-        t3636,
-        t3645,
-        t3653,
-        t3661,
-        t3681,
-        t3688,
-        t3694,
-        t3703,
-        t3708,
-        t3713,
-        t3714,
-        t3718,
-        t3719,
-        t3723,
-        t3728,
-        t3734,
-        t3753,
-        t3760,
-        t3765,
-    ]
-}
-
-/// Part 3 of `linearize`: values that later parts read.
-#[inline(never)]
-fn linearize_part_3(
-    y: &[f64; N],
-    v: &[f64; N],
-    u: &[f64; M],
-    [sin_panda_joint2,
-    cos_panda_joint2,
-    sin_panda_joint3,
-    cos_panda_joint3,
-    sin_panda_joint4,
-    cos_panda_joint4,
-    sin_panda_joint5,
-    cos_panda_joint5,
-    sin_panda_joint6,
-    cos_panda_joint6,
-    t17,
-    t24,
-    t25,
-    t39,
-    t43,
-    t44,
-    t46,
-    t47,
-    t52,
-    t53,
-    t54,
-    t59,
-    t63,
-    t71,
-    t82,
-    t88,
-    t91,
-    t94,
-    t99,
-    t101,
-    t115,
-    t118,
-    t123,
-    t165,
-    t167,
-    t170,
-    t177,
-    t185,
-    t222,
-    t246,
-    t266,
-    t269,
-    inverse_d_panda_joint1,
-    t458,
-    t460,
-    t463,
-    t468,
-    t475,
-    t484,
-    t495,
-    omega_panda_joint4_x,
-    omega_panda_joint6_y,
-    t628,
-    t1030,
-    t1035,
-    t1040,
-    t1047,
-    t1056,
-    t1067,
-    t1080,
-    t1098,
-    t1103,
-    t1110,
-    t1119,
-    t1130,
-    t1143,
-    t1173,
-    t1180,
-    t1189,
-    t1200,
-    t1213,
-    t1264,
-    t1277,
-    t1290,
-    t1292,
-    t1365,
-    t1380,
-    t1382,
-    t1482,
-    t1492,
-    t1772,
-    t1773,
-    t1776,
-    t1780,
-    t1787,
-    t1797,
-    t1810,
-    t1814,
-    t1815,
-    t1822,
-    t1832,
-    t1839,
-    t1850,
-    t1853,
-    t1855,
-    t1856,
-    t1858,
-    t1868,
-    t1871,
-    t1878,
-    t1883,
-    t1885,
-    t1893,
-    t1946,
-    t1947,
-    t1953,
-    t1955,
-    t1956,
-    t1970,
-    t1973,
-    t1985,
-    t1986,
-    t2040,
-    t2046,
-    t2048,
-    t2247,
-    t2298,
-    t2322,
-    t2342,
-    t2362,
-    t2395,
-    t2424,
-    t2458,
-    t2586,
-    t2630,
-    t2654,
-    t2722,
-    t2757,
-    t2774,
-    t2862,
-    t2921,
-    t2937,
-    t3003,
-    t3125,
-    t3138,
-    t3151,
-    t3164,
-    t3177,
-    t3190,
-    t3203,
-    t3216,
-    t3229,
-    t3242,
-    t3255,
-    t3268,
-    t3281,
-    t3294,
-    t3307,
-    t3320,
-    t3333,
-    t3346,
-    t3359,
-    t3372,
-    t3385,
-    t3398,
-    t3411,
-    t3424,
-    t3437,
-    t3450,
-    t3463,
-    t3476,
-    t3489,
-    t3502,
-    t3515,
-    t3528,
-    t3541,
-    t3554,
-    t3567,
-    t3580,
-    t3593,
-    t3605,
-    t3609,
-    t3614,
-    t3619,
-    t3624,
-    t3629,
-    t3634,
-    t3636,
-    t3645,
-    t3653,
-    t3661,
-    t3681,
-    t3688,
-    t3694,
-    t3703,
-    t3708,
-    t3713,
-    t3714,
-    t3718,
-    t3719,
-    t3723,
-    t3728,
-    t3734,
-    t3753,
-    t3760,
-    t3765,
-    ]: [f64; 196],
-) -> [f64; 89] {
-    let t3766 = t3719 - t3765;
-    let t3767 = t3714 + t3766;
-    let t3768 = t177 * t1985;
-    let t3769 = 2.0 * omega_panda_joint4_x;
-    let t3770 = t185 * t3769;
-    let t3771 = t3768 + t3770;
-    let t3772 = t3771 + t2362;
-    let t3773 = t1067 * t3772;
-    let t3774 = t1985 * t266;
-    let t3775 = t3769 * t269;
-    let t3776 = t3774 + t3775;
-    let t3777 = t2424 - t3776;
-    let t3778 = t1056 * t3777;
-    let t3779 = t1985 * t91;
-    let t3780 = t3769 * t222;
-    let t3781 = t3779 + t3780;
-    let t3782 = t2046 + t3781;
-    let t3783 = t1047 * t3782;
-    let t3784 = t1985 * t118;
-    let t3785 = t3769 * t123;
-    let t3786 = t3784 - t3785;
-    let t3787 = t2298 + t3786;
-    let t3788 = 0.003 + t3787;
-    let t3789 = t1040 * t3788;
-    let t3790 = t1985 * t2630;
-    let t3791 = t3769 * t94;
-    let t3792 = t3790 - t3791;
-    let t3793 = t2040 + t3792;
-    let t3794 = sin_panda_joint4 * t3793;
-    let t3795 = t3769 * t2654;
-    let t3796 = t1985 * t94;
-    let t3797 = t3795 - t3796;
-    let t3798 = t2048 - t3797;
-    let t3799 = cos_panda_joint4 * t3798;
-    let t3800 = t99 * t3769;
-    let t3801 = t101 * t1985;
-    let t3802 = t3801 + t3800;
-    let t3803 = t3802 - t3799;
-    let t3804 = t3794 + t3803;
-    let t3805 = t1035 * t3804;
-    let t3806 = t1986 + t1970;
-    let t3807 = sin_panda_joint4 * t3806;
-    let t3808 = t115 * t3769;
-    let t3809 = t3808 + t1973;
-    let t3810 = cos_panda_joint4 * t3809;
-    let t3811 = t3810 + t3807;
-    let t3812 = 3.83030303030303 * t3811;
-    let t3813 = cos_panda_joint4 * t3806;
-    let t3814 = sin_panda_joint4 * t3809;
-    let t3815 = t3814 - t3813;
-    let t3816 = t3812 - t3815;
-    let t3817 = t3787 - t3816;
-    let t3818 = cos_panda_joint3 * t3817;
-    let t3819 = cos_panda_joint4 * t3793;
-    let t3820 = sin_panda_joint4 * t3798;
-    let t3821 = 3.83030303030303 * t3802;
-    let t3822 = t3821 - t3820;
-    let t3823 = t3819 - t3822;
-    let t3824 = sin_panda_joint3 * t3823;
-    let t3825 = t3824 + t3818;
-    let t3826 = t458 * t3825;
-    let t3827 = sin_panda_joint3 * t3817;
-    let t3828 = cos_panda_joint3 * t3823;
-    let t3829 = t3828 - t3827;
-    let t3830 = sin_panda_joint2 * t3829;
-    let t3831 = cos_panda_joint2 * t3804;
-    let t3832 = t3830 - t3831;
-    let t3833 = inverse_d_panda_joint1 * t3832;
-    let t3834 = t3833 + t3826;
-    let t3835 = t3805 - t3834;
-    let t3836 = t3789 + t3835;
-    let t3837 = t3783 + t3836;
-    let t3838 = t3778 - t3837;
-    let t3839 = t3773 + t3838;
-    let t3840 = t170 * t1810;
-    let t3841 = t43 * t1822;
-    let t3842 = t3840 - t3841;
-    let t3843 = t2342 - t3842;
-    let t3844 = t3843 * t1067;
-    let t3845 = t1810 * t46;
-    let t3846 = t246 * t1822;
-    let t3847 = t3846 + t3845;
-    let t3848 = t1953 - t3847;
-    let t3849 = t1056 * t3848;
-    let t3850 = t1810 * t82;
-    let t3851 = t1822 * t88;
-    let t3852 = t3850 - t3851;
-    let t3853 = t2247 + t3852;
-    let t3854 = 0.003 - t3853;
-    let t3855 = t1047 * t3854;
-    let t3856 = t1947 - t1885;
-    let t3857 = t1810 * t2774;
-    let t3858 = t1822 * t47;
-    let t3859 = t3857 - t3858;
-    let t3860 = t3856 + t3859;
-    let t3861 = t1946 - t3860;
-    let t3862 = sin_panda_joint5 * t3861;
-    let t3863 = t1893 + t1956;
-    let t3864 = t1822 * t2757;
-    let t3865 = t1810 * t47;
-    let t3866 = t3864 - t3865;
-    let t3867 = t3863 + t3866;
-    let t3868 = t1955 - t3867;
-    let t3869 = cos_panda_joint5 * t3868;
-    let t3870 = t1871 + t1850;
-    let t3871 = 0.21484375 * t3870;
-    let t3872 = t3871 - t3869;
-    let t3873 = t3862 - t3872;
-    let t3874 = t1040 * t3873;
-    let t3875 = t59 * t3856;
-    let t3876 = t63 * t3863;
-    let t3877 = t3876 - t3875;
-    let t3878 = t3853 + t3877;
-    let t3879 = cos_panda_joint4 * t3878;
-    let t3880 = t3877 - t3879;
-    let t3881 = cos_panda_joint5 * t3861;
-    let t3882 = sin_panda_joint5 * t3868;
-    let t3883 = t3881 - t3882;
-    let t3884 = sin_panda_joint4 * t3883;
-    let t3885 = t3884 - t3880;
-    let t3886 = t1035 * t3885;
-    let t3887 = sin_panda_joint4 * t3878;
-    let t3888 = 3.83030303030303 * t3877;
-    let t3889 = t3887 - t3888;
-    let t3890 = cos_panda_joint4 * t3883;
-    let t3891 = t3890 - t3889;
-    let t3892 = sin_panda_joint3 * t3891;
-    let t3893 = t63 * t3856;
-    let t3894 = t59 * t3863;
-    let t3895 = t3894 + t3893;
-    let t3896 = cos_panda_joint4 * t3895;
-    let t3897 = sin_panda_joint4 * t3871;
-    let t3898 = t3897 - t3896;
-    let t3899 = 3.83030303030303 * t3898;
-    let t3900 = sin_panda_joint4 * t3895;
-    let t3901 = cos_panda_joint4 * t3871;
-    let t3902 = t3901 + t3900;
-    let t3903 = t3899 + t3902;
-    let t3904 = t3873 + t3903;
-    let t3905 = cos_panda_joint3 * t3904;
-    let t3906 = t3892 + t3905;
-    let t3907 = t458 * t3906;
-    let t3908 = cos_panda_joint3 * t3891;
-    let t3909 = sin_panda_joint3 * t3904;
-    let t3910 = t3908 - t3909;
-    let t3911 = sin_panda_joint2 * t3910;
-    let t3912 = cos_panda_joint2 * t3885;
-    let t3913 = t3911 - t3912;
-    let t3914 = inverse_d_panda_joint1 * t3913;
-    let t3915 = t3914 + t3907;
-    let t3916 = t3886 - t3915;
-    let t3917 = t3874 + t3916;
-    let t3918 = t3855 + t3917;
-    let t3919 = t3849 + t3918;
-    let t3920 = t3844 + t3919;
-    let t3921 = t167 * t1772;
-    let t3922 = t24 * t1814;
-    let t3923 = t3922 + t3921;
-    let t3924 = t1856 - t3923;
-    let t3925 = t3924 * t1067;
-    let t3926 = t1814 * t39;
-    let t3927 = t44 * t1772;
-    let t3928 = t3927 + t3926;
-    let t3929 = t2395 - t3928;
-    let t3930 = 0.003 - t3929;
-    let t3931 = t1056 * t3930;
-    let t3932 = t25 * t1814;
-    let t3933 = t1772 * t2921;
-    let t3934 = t3933 + t3932;
-    let t3935 = t1858 - t3934;
-    let t3936 = cos_panda_joint6 * t3935;
-    let t3937 = t25 * t1772;
-    let t3938 = t1814 * t2937;
-    let t3939 = t3938 - t3937;
-    let t3940 = t1868 + t3939;
-    let t3941 = sin_panda_joint6 * t3940;
-    let t3942 = t3941 + t3936;
-    let t3943 = t3942 * t1047;
-    let t3944 = t1815 - t1883;
-    let t3945 = t71 * t3944;
-    let t3946 = t1773 - t1878;
-    let t3947 = t54 * t3946;
-    let t3948 = t3947 + t3945;
-    let t3949 = t3948 + t3929;
-    let t3950 = cos_panda_joint5 * t3949;
-    let t3951 = t54 * t3944;
-    let t3952 = t71 * t3946;
-    let t3953 = t3952 - t3951;
-    let t3954 = 0.21484375 * t3953;
-    let t3955 = t3954 + t3950;
-    let t3956 = sin_panda_joint6 * t3935;
-    let t3957 = t53 * t1772;
-    let t3958 = omega_panda_joint6_y * 0.030589628180144;
-    let t3959 = t3958 + t3957;
-    let t3960 = 4.363636363636364 * t3959;
-    let t3961 = t3960 - t3956;
-    let t3962 = cos_panda_joint6 * t3940;
-    let t3963 = t3962 + t3961;
-    let t3964 = sin_panda_joint5 * t3963;
-    let t3965 = t3964 - t3955;
-    let t3966 = t1040 * t3965;
-    let t3967 = t63 * t3948;
-    let t3968 = t59 * t3960;
-    let t3969 = t3967 + t3968;
-    let t3970 = t3942 + t3969;
-    let t3971 = cos_panda_joint4 * t3970;
-    let t3972 = t3969 - t3971;
-    let t3973 = cos_panda_joint5 * t3963;
-    let t3974 = sin_panda_joint5 * t3949;
-    let t3975 = t3973 + t3974;
-    let t3976 = sin_panda_joint4 * t3975;
-    let t3977 = t3976 - t3972;
-    let t3978 = t1035 * t3977;
-    let t3979 = t59 * t3948;
-    let t3980 = t63 * t3960;
-    let t3981 = t3979 - t3980;
-    let t3982 = sin_panda_joint4 * t3981;
-    let t3983 = cos_panda_joint4 * t3954;
-    let t3984 = t3982 + t3983;
-    let t3985 = t3984 + t3965;
-    let t3986 = cos_panda_joint4 * t3981;
-    let t3987 = sin_panda_joint4 * t3954;
-    let t3988 = t3986 - t3987;
-    let t3989 = 3.83030303030303 * t3988;
-    let t3990 = t3989 - t3985;
-    let t3991 = cos_panda_joint3 * t3990;
-    let t3992 = sin_panda_joint4 * t3970;
-    let t3993 = 3.83030303030303 * t3969;
-    let t3994 = t3992 - t3993;
-    let t3995 = cos_panda_joint4 * t3975;
-    let t3996 = t3995 - t3994;
-    let t3997 = sin_panda_joint3 * t3996;
-    let t3998 = t3997 - t3991;
-    let t3999 = t458 * t3998;
-    let t4000 = sin_panda_joint3 * t3990;
-    let t4001 = cos_panda_joint3 * t3996;
-    let t4002 = t4001 + t4000;
-    let t4003 = sin_panda_joint2 * t4002;
-    let t4004 = cos_panda_joint2 * t3977;
-    let t4005 = t4003 - t4004;
-    let t4006 = inverse_d_panda_joint1 * t4005;
-    let t4007 = t4006 + t3999;
-    let t4008 = t3978 - t4007;
-    let t4009 = t3966 + t4008;
-    let t4010 = t3943 - t4009;
-    let t4011 = t3931 - t4010;
-    let t4012 = t3925 + t4011;
-    let t4013 = t1797 - t2322;
-    let t4014 = 0.003 - t4013;
-    let t4015 = t4014 * t1067;
-    let t4016 = t17 * t1772;
-    let t4017 = t1853 + t4016;
-    let t4018 = t1839 - t4017;
-    let t4019 = t52 * t1772;
-    let t4020 = t1855 - t4019;
-    let t4021 = t4020 + t4018;
-    let t4022 = t4021 * t1056;
-    let t4023 = t1787 + t4013;
-    let t4024 = cos_panda_joint6 * t4023;
-    let t4025 = t165 * t628;
-    let t4026 = t1776 + t4025;
-    let t4027 = t1780 + t4026;
-    let t4028 = sin_panda_joint6 * t4027;
-    let t4029 = t4028 + t4024;
-    let t4030 = t4029 * t1047;
-    let t4031 = sin_panda_joint6 * t4023;
-    let t4032 = cos_panda_joint6 * t4027;
-    let t4033 = 4.363636363636364 * t1787;
-    let t4034 = t4033 - t4032;
-    let t4035 = t4031 + t4034;
-    let t4036 = sin_panda_joint5 * t4035;
-    let t4037 = t71 * t4020;
-    let t4038 = t54 * t1832;
-    let t4039 = t4038 - t4037;
-    let t4040 = t4021 - t4039;
-    let t4041 = cos_panda_joint5 * t4040;
-    let t4042 = t54 * t4020;
-    let t4043 = t71 * t1832;
-    let t4044 = t4043 + t4042;
-    let t4045 = 0.21484375 * t4044;
-    let t4046 = t4045 - t4041;
-    let t4047 = t4036 + t4046;
-    let t4048 = t1040 * t4047;
-    let t4049 = t63 * t4039;
-    let t4050 = t59 * t4033;
-    let t4051 = t4049 - t4050;
-    let t4052 = t4029 + t4051;
-    let t4053 = cos_panda_joint4 * t4052;
-    let t4054 = t4051 - t4053;
-    let t4055 = cos_panda_joint5 * t4035;
-    let t4056 = sin_panda_joint5 * t4040;
-    let t4057 = t4056 + t4055;
-    let t4058 = sin_panda_joint4 * t4057;
-    let t4059 = t4058 + t4054;
-    let t4060 = t1035 * t4059;
-    let t4061 = sin_panda_joint4 * t4052;
-    let t4062 = 3.83030303030303 * t4051;
-    let t4063 = t4061 - t4062;
-    let t4064 = cos_panda_joint4 * t4057;
-    let t4065 = t4064 + t4063;
-    let t4066 = sin_panda_joint3 * t4065;
-    let t4067 = t59 * t4039;
-    let t4068 = t63 * t4033;
-    let t4069 = t4067 + t4068;
-    let t4070 = cos_panda_joint4 * t4069;
-    let t4071 = sin_panda_joint4 * t4045;
-    let t4072 = t4070 - t4071;
-    let t4073 = 3.83030303030303 * t4072;
-    let t4074 = sin_panda_joint4 * t4069;
-    let t4075 = cos_panda_joint4 * t4045;
-    let t4076 = t4074 + t4075;
-    let t4077 = t4076 - t4073;
-    let t4078 = t4047 - t4077;
-    let t4079 = cos_panda_joint3 * t4078;
-    let t4080 = t4066 + t4079;
-    let t4081 = t458 * t4080;
-    let t4082 = cos_panda_joint3 * t4065;
-    let t4083 = sin_panda_joint3 * t4078;
-    let t4084 = t4082 - t4083;
-    let t4085 = sin_panda_joint2 * t4084;
-    let t4086 = cos_panda_joint2 * t4059;
-    let t4087 = t4085 - t4086;
-    let t4088 = inverse_d_panda_joint1 * t4087;
-    let t4089 = t4088 + t4081;
-    let t4090 = t4060 - t4089;
-    let t4091 = t4048 + t4090;
-    let t4092 = t4030 + t4091;
-    let t4093 = t4022 - t4092;
-    let t4094 = t4015 - t4093;
-    let t4095 = t495 * t3634;
-    let t4096 = t484 * t3629;
-    let t4097 = t458 * t3605;
-    let t4098 = t460 * t3609;
-    let t4099 = t4097 + t4098;
-    let t4100 = t463 * t3614;
-    let t4101 = t4100 - t4099;
-    let t4102 = t468 * t3619;
-    let t4103 = t4102 - t4101;
-    let t4104 = t475 * t3624;
-    let t4105 = t4104 - t4103;
-    let t4106 = t4096 - t4105;
-    let t4107 = t4095 + t4106;
-    let t4108 = t495 * t3645;
-    let t4109 = t484 * t3653;
-    let t4110 = t475 * t3661;
-    let t4111 = t468 * t3703;
-    let t4112 = t463 * t3694;
-    let t4113 = t460 * t3688;
-    let t4114 = t458 * t3681;
-    let t4115 = t4114 - t4113;
-    let t4116 = t4112 + t4115;
-    let t4117 = t4111 - t4116;
-    let t4118 = t4110 - t4117;
-    let t4119 = t4109 - t4118;
-    let t4120 = t4108 + t4119;
-    let t4121 = t495 * t3713;
-    let t4122 = t484 * t3718;
-    let t4123 = t475 * t3723;
-    let t4124 = t468 * t3728;
-    let t4125 = t463 * t3734;
-    let t4126 = t460 * t3753;
-    let t4127 = t458 * t3760;
-    let t4128 = t4127 - t4126;
-    let t4129 = t4125 - t4128;
-    let t4130 = t4124 + t4129;
-    let t4131 = t4123 + t4130;
-    let t4132 = t4122 - t4131;
-    let t4133 = t4121 + t4132;
-    let t4134 = t495 * t3772;
-    let t4135 = t484 * t3777;
-    let t4136 = t475 * t3782;
-    let t4137 = t468 * t3788;
-    let t4138 = t463 * t3804;
-    let t4139 = t460 * t3825;
-    let t4140 = t458 * t3832;
-    let t4141 = t4140 - t4139;
-    let t4142 = t4138 + t4141;
-    let t4143 = t4137 + t4142;
-    let t4144 = t4136 + t4143;
-    let t4145 = t4135 - t4144;
-    let t4146 = t4134 + t4145;
-    let t4147 = t3843 * t495;
-    let t4148 = t484 * t3848;
-    let t4149 = t475 * t3854;
-    let t4150 = t468 * t3873;
-    let t4151 = t463 * t3885;
-    let t4152 = t460 * t3906;
-    let t4153 = t458 * t3913;
-    let t4154 = t4153 - t4152;
-    let t4155 = t4151 + t4154;
-    let t4156 = t4150 + t4155;
-    let t4157 = t4149 + t4156;
-    let t4158 = t4148 + t4157;
-    let t4159 = t4147 + t4158;
-    let t4160 = t3924 * t495;
-    let t4161 = t484 * t3930;
-    let t4162 = t3942 * t475;
-    let t4163 = t468 * t3965;
-    let t4164 = t463 * t3977;
-    let t4165 = t460 * t3998;
-    let t4166 = t458 * t4005;
-    let t4167 = t4166 - t4165;
-    let t4168 = t4164 + t4167;
-    let t4169 = t4163 + t4168;
-    let t4170 = t4162 - t4169;
-    let t4171 = t4161 - t4170;
-    let t4172 = t4160 + t4171;
-    let t4173 = t4014 * t495;
-    let t4174 = t4021 * t484;
-    let t4175 = t4029 * t475;
-    let t4176 = t468 * t4047;
-    let t4177 = t463 * t4059;
-    let t4178 = t460 * t4080;
-    let t4179 = t458 * t4087;
-    let t4180 = t4179 - t4178;
-    let t4181 = t4177 + t4180;
-    let t4182 = t4176 + t4181;
-    let t4183 = t4175 + t4182;
-    let t4184 = t4174 - t4183;
-    let t4185 = t4173 - t4184;
-    let t4186 = t1130 * t3634;
-    let t4187 = t1119 * t3629;
-    let t4188 = t1035 * t3605;
-    let t4189 = t1098 * t3614;
-    let t4190 = t4188 - t4189;
-    let t4191 = t463 * t3609;
-    let t4192 = t4191 + t4190;
-    let t4193 = t1103 * t3619;
-    let t4194 = t4193 + t4192;
-    let t4195 = t1110 * t3624;
-    let t4196 = t4195 - t4194;
-    let t4197 = t4187 - t4196;
-    let t4198 = t4186 + t4197;
-    let t4199 = t1130 * t3645;
-    let t4200 = t1119 * t3653;
-    let t4201 = t1110 * t3661;
-    let t4202 = t1098 * t3694;
-    let t4203 = t1035 * t3681;
-    let t4204 = t4203 + t4202;
-    let t4205 = t463 * t3688;
-    let t4206 = t4205 - t4204;
-    let t4207 = t1103 * t3703;
-    let t4208 = t4207 + t4206;
-    let t4209 = t4201 - t4208;
-    let t4210 = t4200 - t4209;
-    let t4211 = t4199 + t4210;
-    let t4212 = t1130 * t3713;
-    let t4213 = t1119 * t3718;
-    let t4214 = t1110 * t3723;
-    let t4215 = t1098 * t3734;
-    let t4216 = t1035 * t3760;
-    let t4217 = t4216 - t4215;
-    let t4218 = t463 * t3753;
-    let t4219 = t4218 - t4217;
-    let t4220 = t1103 * t3728;
-    let t4221 = t4220 + t4219;
-    let t4222 = t4214 + t4221;
-    let t4223 = t4213 - t4222;
-    let t4224 = t4212 + t4223;
-    let t4225 = t1130 * t3772;
-    let t4226 = t1119 * t3777;
-    let t4227 = t1110 * t3782;
-    let t4228 = t1098 * t3804;
-    let t4229 = t1035 * t3832;
-    let t4230 = t4229 + t4228;
-    let t4231 = t463 * t3825;
-    let t4232 = t4231 - t4230;
-    let t4233 = t1103 * t3788;
-    let t4234 = t4233 - t4232;
-    let t4235 = t4227 + t4234;
-    let t4236 = t4226 - t4235;
-    let t4237 = t4225 + t4236;
-    let t4238 = t3843 * t1130;
-    let t4239 = t1119 * t3848;
-    let t4240 = t1110 * t3854;
-    let t4241 = t1098 * t3885;
-    let t4242 = t1035 * t3913;
-    let t4243 = t4242 + t4241;
-    let t4244 = t463 * t3906;
-    let t4245 = t4244 - t4243;
-    let t4246 = t1103 * t3873;
-    let t4247 = t4246 - t4245;
-    let t4248 = t4240 + t4247;
-    let t4249 = t4239 + t4248;
-    let t4250 = t4238 + t4249;
-    let t4251 = t3924 * t1130;
-    let t4252 = t1119 * t3930;
-    let t4253 = t3942 * t1110;
-    let t4254 = t1098 * t3977;
-    let t4255 = t1035 * t4005;
-    let t4256 = t4255 + t4254;
-    let t4257 = t463 * t3998;
-    let t4258 = t4257 - t4256;
-    let t4259 = t1103 * t3965;
-    let t4260 = t4259 - t4258;
-    let t4261 = t4253 - t4260;
-    let t4262 = t4252 - t4261;
-    let t4263 = t4251 + t4262;
-    let t4264 = t4014 * t1130;
-    let t4265 = t4021 * t1119;
-    let t4266 = t4029 * t1110;
-    let t4267 = t1098 * t4059;
-    let t4268 = t1035 * t4087;
-    let t4269 = t4268 + t4267;
-    let t4270 = t463 * t4080;
-    let t4271 = t4270 - t4269;
-    let t4272 = t1103 * t4047;
-    let t4273 = t4272 - t4271;
-    let t4274 = t4266 + t4273;
-    let t4275 = t4265 - t4274;
-    let t4276 = t4264 - t4275;
-    let t4277 = t1200 * t3634;
-    let t4278 = t1189 * t3629;
-    let t4279 = t1103 * t3614;
-    let t4280 = t468 * t3609;
-    let t4281 = t4280 - t4279;
-    let t4282 = t1173 * t3619;
-    let t4283 = t1040 * t3605;
-    let t4284 = t4283 - t4282;
-    let t4285 = t4284 + t4281;
-    let t4286 = t1180 * t3624;
-    let t4287 = t4286 + t4285;
-    let t4288 = t4278 - t4287;
-    let t4289 = t4277 + t4288;
-    let t4290 = t1200 * t3645;
-    let t4291 = t1189 * t3653;
-    let t4292 = t1103 * t3694;
-    let t4293 = t468 * t3688;
-    let t4294 = t4293 - t4292;
-    let t4295 = t1173 * t3703;
-    let t4296 = t1040 * t3681;
-    let t4297 = t4296 + t4295;
-    let t4298 = t4297 - t4294;
-    let t4299 = t1180 * t3661;
-    let t4300 = t4299 - t4298;
-    let t4301 = t4291 - t4300;
-    let t4302 = t4290 + t4301;
-    let t4303 = t1200 * t3713;
-    let t4304 = t1189 * t3718;
-    let t4305 = t1103 * t3734;
-    let t4306 = t468 * t3753;
-    let t4307 = t4306 + t4305;
-    let t4308 = t1173 * t3728;
-    let t4309 = t1040 * t3760;
-    let t4310 = t4309 + t4308;
-    let t4311 = t4310 - t4307;
-    let t4312 = t1180 * t3723;
-    let t4313 = t4312 + t4311;
-    let t4314 = t4304 - t4313;
-    let t4315 = t4303 + t4314;
-    let t4316 = t1200 * t3772;
-    let t4317 = t1189 * t3777;
-    let t4318 = t1103 * t3804;
-    let t4319 = t468 * t3825;
-    let t4320 = t4319 - t4318;
-    let t4321 = t1173 * t3788;
-    let t4322 = t1040 * t3832;
-    let t4323 = t4322 - t4321;
-    let t4324 = t4323 - t4320;
-    let t4325 = t1180 * t3782;
-    let t4326 = t4325 - t4324;
-    let t4327 = t4317 - t4326;
-    let t4328 = t4316 + t4327;
-    let t4329 = t3843 * t1200;
-    let t4330 = t1189 * t3848;
-    let t4331 = t1103 * t3885;
-    let t4332 = t468 * t3906;
-    let t4333 = t4332 - t4331;
-    let t4334 = t1173 * t3873;
-    let t4335 = t1040 * t3913;
-    let t4336 = t4335 - t4334;
-    let t4337 = t4336 - t4333;
-    let t4338 = t1180 * t3854;
-    let t4339 = t4338 - t4337;
-    let t4340 = t4330 + t4339;
-    let t4341 = t4329 + t4340;
-    let t4342 = t3924 * t1200;
-    let t4343 = t1189 * t3930;
-    let t4344 = t1103 * t3977;
-    let t4345 = t468 * t3998;
-    let t4346 = t4345 - t4344;
-    let t4347 = t1173 * t3965;
-    let t4348 = t1040 * t4005;
-    let t4349 = t4348 - t4347;
-    let t4350 = t4349 - t4346;
-    let t4351 = t3942 * t1180;
-    let t4352 = t4351 + t4350;
-    let t4353 = t4343 - t4352;
-    let t4354 = t4342 + t4353;
-    let t4355 = t4014 * t1200;
-    let t4356 = t4021 * t1189;
-    let t4357 = t1103 * t4059;
-    let t4358 = t468 * t4080;
-    let t4359 = t4358 - t4357;
-    let t4360 = t1173 * t4047;
-    let t4361 = t1040 * t4087;
-    let t4362 = t4361 - t4360;
-    let t4363 = t4362 - t4359;
-    let t4364 = t4029 * t1180;
-    let t4365 = t4364 - t4363;
-    let t4366 = t4356 - t4365;
-    let t4367 = t4355 - t4366;
-    let t4368 = t1180 * t3619;
-    let t4369 = t1110 * t3614;
-    let t4370 = t4369 + t4368;
-    let t4371 = t475 * t3609;
-    let t4372 = t4371 - t4370;
-    let t4373 = t1264 * t3624;
-    let t4374 = t1047 * t3605;
-    let t4375 = t4374 + t4373;
-    let t4376 = t4375 + t4372;
-    let t4377 = t1277 * t3629;
-    let t4378 = t4377 - t4376;
-    let t4379 = t1290 * t3634;
-    let t4380 = t4379 + t4378;
-    let t4381 = t1180 * t3703;
-    let t4382 = t1110 * t3694;
-    let t4383 = t4382 + t4381;
-    let t4384 = t475 * t3688;
-    let t4385 = t4384 - t4383;
-    let t4386 = t1264 * t3661;
-    let t4387 = t1047 * t3681;
-    let t4388 = t4387 - t4386;
-    let t4389 = t4388 - t4385;
-    let t4390 = t1277 * t3653;
-    let t4391 = t4390 + t4389;
-    let t4392 = t1290 * t3645;
-    let t4393 = t4392 + t4391;
-    let t4394 = t1180 * t3728;
-    let t4395 = t1110 * t3734;
-    let t4396 = t4395 - t4394;
-    let t4397 = t475 * t3753;
-    let t4398 = t4397 + t4396;
-    let t4399 = t1264 * t3723;
-    let t4400 = t1047 * t3760;
-    let t4401 = t4400 + t4399;
-    let t4402 = t4401 - t4398;
-    let t4403 = t1277 * t3718;
-    let t4404 = t4403 - t4402;
-    let t4405 = t1290 * t3713;
-    let t4406 = t4405 + t4404;
-    let t4407 = t1180 * t3788;
-    let t4408 = t1110 * t3804;
-    let t4409 = t4408 - t4407;
-    let t4410 = t475 * t3825;
-    let t4411 = t4410 - t4409;
-    let t4412 = t1264 * t3782;
-    let t4413 = t1047 * t3832;
-    let t4414 = t4413 - t4412;
-    let t4415 = t4414 - t4411;
-    let t4416 = t1277 * t3777;
-    let t4417 = t4416 + t4415;
-    let t4418 = t1290 * t3772;
-    let t4419 = t4418 + t4417;
-    let t4420 = t1180 * t3873;
-    let t4421 = t1110 * t3885;
-    let t4422 = t4421 - t4420;
-    let t4423 = t475 * t3906;
-    let t4424 = t4423 - t4422;
-    let t4425 = t1264 * t3854;
-    let t4426 = t1047 * t3913;
-    let t4427 = t4426 - t4425;
-    let t4428 = t4427 - t4424;
-    let t4429 = t1277 * t3848;
-    let t4430 = t4429 - t4428;
-    let t4431 = t3843 * t1290;
-    let t4432 = t4431 + t4430;
-    let t4433 = t1180 * t3965;
-    let t4434 = t1110 * t3977;
-    let t4435 = t4434 - t4433;
-    let t4436 = t475 * t3998;
-    let t4437 = t4436 - t4435;
-    let t4438 = t3942 * t1264;
-    let t4439 = t1047 * t4005;
-    let t4440 = t4439 + t4438;
-    let t4441 = t4440 - t4437;
-    let t4442 = t1277 * t3930;
-    let t4443 = t4442 - t4441;
-    let t4444 = t3924 * t1290;
-    let t4445 = t4444 + t4443;
-    let t4446 = t1180 * t4047;
-    let t4447 = t1110 * t4059;
-    let t4448 = t4447 - t4446;
-    let t4449 = t475 * t4080;
-    let t4450 = t4449 - t4448;
-    let t4451 = t4029 * t1264;
-    let t4452 = t1047 * t4087;
-    let t4453 = t4452 - t4451;
-    let t4454 = t4453 - t4450;
-    let t4455 = t4021 * t1277;
-    let t4456 = t4455 + t4454;
-    let t4457 = t4014 * t1290;
-    let t4458 = t4457 - t4456;
-    let t4459 = t1119 * t3614;
-    let t4460 = t484 * t3609;
-    let t4461 = t4460 - t4459;
-    let t4462 = t1277 * t3624;
-    let t4463 = t1189 * t3619;
-    let t4464 = t4463 - t4462;
-    let t4465 = t4464 - t4461;
-    let t4466 = t1365 * t3629;
-    let t4467 = t1056 * t3605;
-    let t4468 = t4467 - t4466;
-    let t4469 = t4468 - t4465;
-    let t4470 = t1380 * t3634;
-    let t4471 = t4470 - t4469;
-    let t4472 = t1119 * t3694;
-    let t4473 = t484 * t3688;
-    let t4474 = t4473 - t4472;
-    let t4475 = t1277 * t3661;
-    let t4476 = t1189 * t3703;
-    let t4477 = t4476 - t4475;
-    let t4478 = t4477 - t4474;
-    let t4479 = t1365 * t3653;
-    let t4480 = t1056 * t3681;
-    let t4481 = t4480 + t4479;
-    let t4482 = t4481 + t4478;
-    let t4483 = t1380 * t3645;
-    let t4484 = t4483 + t4482;
-    let t4485 = t1119 * t3734;
-    let t4486 = t484 * t3753;
-    let t4487 = t4486 + t4485;
-    let t4488 = t1277 * t3723;
-    let t4489 = t1189 * t3728;
-    let t4490 = t4489 + t4488;
-    let t4491 = t4490 - t4487;
-    let t4492 = t1365 * t3718;
-    let t4493 = t1056 * t3760;
-    let t4494 = t4493 - t4492;
-    let t4495 = t4494 + t4491;
-    let t4496 = t1380 * t3713;
-    let t4497 = t4496 - t4495;
-    let t4498 = t1119 * t3804;
-    let t4499 = t484 * t3825;
-    let t4500 = t4499 - t4498;
-    let t4501 = t1277 * t3782;
-    let t4502 = t1189 * t3788;
-    let t4503 = t4502 + t4501;
-    let t4504 = t4503 + t4500;
-    let t4505 = t1365 * t3777;
-    let t4506 = t1056 * t3832;
-    let t4507 = t4506 + t4505;
-    let t4508 = t4507 - t4504;
-    let t4509 = t1380 * t3772;
-    let t4510 = t4509 + t4508;
-    let t4511 = t1119 * t3885;
-    let t4512 = t484 * t3906;
-    let t4513 = t4512 - t4511;
-    let t4514 = t1277 * t3854;
-    let t4515 = t1189 * t3873;
-    let t4516 = t4515 + t4514;
-    let t4517 = t4516 + t4513;
-    let t4518 = t1365 * t3848;
-    let t4519 = t1056 * t3913;
-    let t4520 = t4519 - t4518;
-    let t4521 = t4520 - t4517;
-    let t4522 = t3843 * t1380;
-    let t4523 = t4522 - t4521;
-    let t4524 = t1119 * t3977;
-    let t4525 = t484 * t3998;
-    let t4526 = t4525 - t4524;
-    let t4527 = t3942 * t1277;
-    let t4528 = t1189 * t3965;
-    let t4529 = t4528 - t4527;
-    let t4530 = t4529 + t4526;
-    let t4531 = t1365 * t3930;
-    let t4532 = t1056 * t4005;
-    let t4533 = t4532 - t4531;
-    let t4534 = t4533 - t4530;
-    let t4535 = t3924 * t1380;
-    let t4536 = t4535 - t4534;
-    let t4537 = t1119 * t4059;
-    let t4538 = t484 * t4080;
-    let t4539 = t4538 - t4537;
-    let t4540 = t4029 * t1277;
-    let t4541 = t1189 * t4047;
-    let t4542 = t4541 + t4540;
-    let t4543 = t4542 + t4539;
-    let t4544 = t4021 * t1365;
-    let t4545 = t1056 * t4087;
-    let t4546 = t4545 + t4544;
-    let t4547 = t4546 - t4543;
-    let t4548 = t4014 * t1380;
-    let t4549 = t4548 - t4547;
-    let t4550 = t1380 * t3629;
-    let t4551 = t1290 * t3624;
-    let t4552 = t4551 - t4550;
-    let t4553 = t1482 * t3634;
-    let t4554 = t1067 * t3605;
-    let t4555 = t4554 + t4553;
-    let t4556 = t4555 + t4552;
-    let t4557 = t1200 * t3619;
-    let t4558 = t1130 * t3614;
-    let t4559 = t4558 + t4557;
-    let t4560 = t495 * t3609;
-    let t4561 = t4560 - t4559;
-    let t4562 = t4561 + t4556;
-    let t4563 = t1380 * t3653;
-    let t4564 = t1290 * t3661;
-    let t4565 = t4564 - t4563;
-    let t4566 = t1482 * t3645;
-    let t4567 = t1067 * t3681;
-    let t4568 = t4567 - t4566;
-    let t4569 = t4568 - t4565;
-    let t4570 = t1200 * t3703;
-    let t4571 = t1130 * t3694;
-    let t4572 = t4571 + t4570;
-    let t4573 = t495 * t3688;
-    let t4574 = t4573 - t4572;
-    let t4575 = t4574 - t4569;
-    let t4576 = t1380 * t3718;
-    let t4577 = t1290 * t3723;
-    let t4578 = t4577 - t4576;
-    let t4579 = t1482 * t3713;
-    let t4580 = t1067 * t3760;
-    let t4581 = t4580 + t4579;
-    let t4582 = t4581 + t4578;
-    let t4583 = t1200 * t3728;
-    let t4584 = t1130 * t3734;
-    let t4585 = t4584 - t4583;
-    let t4586 = t495 * t3753;
-    let t4587 = t4586 + t4585;
-    let t4588 = t4587 - t4582;
-    let t4589 = t1380 * t3777;
-    let t4590 = t1290 * t3782;
-    let t4591 = t4590 - t4589;
-    let t4592 = t1482 * t3772;
-    let t4593 = t1067 * t3832;
-    let t4594 = t4593 - t4592;
-    let t4595 = t4594 - t4591;
-    let t4596 = t1200 * t3788;
-    let t4597 = t1130 * t3804;
-    let t4598 = t4597 - t4596;
-    let t4599 = t495 * t3825;
-    let t4600 = t4599 - t4598;
-    let t4601 = t4600 - t4595;
-    let t4602 = t1380 * t3848;
-    let t4603 = t1290 * t3854;
-    let t4604 = t4603 + t4602;
-    let t4605 = t3843 * t1482;
-    let t4606 = t1067 * t3913;
-    let t4607 = t4606 + t4605;
-    let t4608 = t4607 - t4604;
-    let t4609 = t1200 * t3873;
-    let t4610 = t1130 * t3885;
-    let t4611 = t4610 - t4609;
-    let t4612 = t495 * t3906;
-    let t4613 = t4612 - t4611;
-    let t4614 = t4613 - t4608;
-    let t4615 = t1380 * t3930;
-    let t4616 = t3942 * t1290;
-    let t4617 = t4616 - t4615;
-    let t4618 = t3924 * t1482;
-    let t4619 = t1067 * t4005;
-    let t4620 = t4619 + t4618;
-    let t4621 = t4620 + t4617;
-    let t4622 = t1200 * t3965;
-    let t4623 = t1130 * t3977;
-    let t4624 = t4623 - t4622;
-    let t4625 = t495 * t3998;
-    let t4626 = t4625 - t4624;
-    let t4627 = t4626 - t4621;
-    let t4628 = t4021 * t1380;
-    let t4629 = t4029 * t1290;
-    let t4630 = t4629 - t4628;
-    let t4631 = t4014 * t1482;
-    let t4632 = t1067 * t4087;
-    let t4633 = t4632 + t4631;
-    let t4634 = t4633 - t4630;
-    let t4635 = t1200 * t4047;
-    let t4636 = t1130 * t4059;
-    let t4637 = t4636 - t4635;
-    let t4638 = t495 * t4080;
-    let t4639 = t4638 - t4637;
-    let t4640 = t4639 - t4634;
-    let t4641 = y[6] * t3125;
-    let t4642 = v[5] * t4012;
-    let t4643 = v[4] * t3920;
-    let t4644 = t4643 + t4642;
-    let t4645 = u[6] * t1067;
-    let t4646 = u[5] * t1056;
-    let t4647 = u[4] * t1047;
-    let t4648 = u[3] * t1040;
-    let t4649 = u[2] * t1035;
-    let t4650 = u[1] * t458;
-    let t4651 = u[0] * inverse_d_panda_joint1;
-    let t4652 = t4651 - t4650;
-    let t4653 = t4649 + t4652;
-    let t4654 = t4648 - t4653;
-    let t4655 = t4647 + t4654;
-    let t4656 = t4646 + t4655;
-    let t4657 = t4645 + t4656;
-    let t4658 = t1080 - t4657;
-    let t4659 = v[6] * t4094;
-    let t4660 = t4659 + t4658;
-    let t4661 = t4660 + t4644;
-    let t4662 = v[1] * t3708;
-    let t4663 = v[0] * t3636;
-    let t4664 = t4663 - t4662;
-    let t4665 = v[3] * t3839;
-    let t4666 = v[2] * t3767;
-    let t4667 = t4666 - t4665;
-    let t4668 = t4667 + t4664;
-    let t4669 = t4668 + t4661;
-    let t4670 = t4641 - t4669;
-    let t4671 = y[5] * t3003;
-    let t4672 = t4671 - t4670;
-    let t4673 = y[4] * t2862;
-    let t4674 = t4673 + t4672;
-    let t4675 = y[3] * t2722;
-    let t4676 = t4675 + t4674;
-    let t4677 = y[2] * t2586;
-    let t4678 = t4677 + t4676;
-    let t4679 = y[1] * t2458;
-    let t4680 = t4679 - t4678;
-    let t4681 = y[6] * t3203;
-    let t4682 = v[5] * t4172;
-    let t4683 = v[4] * t4159;
-    let t4684 = t4683 + t4682;
-    let t4685 = u[6] * t495;
-    let t4686 = u[5] * t484;
-    let t4687 = u[4] * t475;
-    let t4688 = u[3] * t468;
-    let t4689 = u[2] * t463;
-    let t4690 = u[1] * t460;
-    let t4691 = u[0] * t458;
-    let t4692 = t4691 + t4690;
-    let t4693 = t4689 - t4692;
-    let t4694 = t4688 - t4693;
-    let t4695 = t4687 + t4694;
-    let t4696 = t4686 + t4695;
-    let t4697 = t4685 + t4696;
-    let t4698 = t1030 - t4697;
-    let t4699 = v[6] * t4185;
-    let t4700 = t4699 + t4698;
-    let t4701 = t4700 + t4684;
-    let t4702 = v[1] * t4120;
-    let t4703 = v[0] * t4107;
-    let t4704 = t4703 - t4702;
-    let t4705 = v[3] * t4146;
-    let t4706 = v[2] * t4133;
-    let t4707 = t4706 - t4705;
-    let t4708 = t4707 + t4704;
-    let t4709 = t4708 + t4701;
-    let t4710 = t4681 + t4709;
-    let t4711 = y[5] * t3190;
-    let t4712 = t4711 - t4710;
-    let t4713 = y[4] * t3177;
-    let t4714 = t4713 + t4712;
-    let t4715 = y[3] * t3164;
-    let t4716 = t4715 + t4714;
-    let t4717 = y[2] * t3151;
-    let t4718 = t4717 + t4716;
-    let t4719 = y[1] * t3138;
-    let t4720 = t4719 - t4718;
-    let t4721 = y[6] * t3281;
-    let t4722 = v[5] * t4263;
-    let t4723 = v[4] * t4250;
-    let t4724 = t4723 + t4722;
-    let t4725 = u[6] * t1130;
-    let t4726 = u[5] * t1119;
-    let t4727 = u[4] * t1110;
-    let t4728 = u[2] * t1098;
-    let t4729 = u[0] * t1035;
-    let t4730 = t4729 - t4728;
-    let t4731 = u[1] * t463;
-    let t4732 = t4731 + t4730;
-    let t4733 = u[3] * t1103;
-    let t4734 = t4733 + t4732;
-    let t4735 = t4727 + t4734;
-    let t4736 = t4726 + t4735;
-    let t4737 = t4725 + t4736;
-    let t4738 = t1143 - t4737;
-    let t4739 = v[6] * t4276;
-    let t4740 = t4739 + t4738;
-    let t4741 = t4740 + t4724;
-    let t4742 = v[1] * t4211;
-    let t4743 = v[0] * t4198;
-    let t4744 = t4743 - t4742;
-    let t4745 = v[3] * t4237;
-    let t4746 = v[2] * t4224;
-    let t4747 = t4746 - t4745;
-    let t4748 = t4747 + t4744;
-    let t4749 = t4748 + t4741;
-    let t4750 = t4721 + t4749;
-    let t4751 = y[5] * t3268;
-    let t4752 = t4751 - t4750;
-    let t4753 = y[4] * t3255;
-    let t4754 = t4753 + t4752;
-    let t4755 = y[3] * t3242;
-    let t4756 = t4755 + t4754;
-    let t4757 = y[2] * t3229;
-    let t4758 = t4757 + t4756;
-    let t4759 = y[1] * t3216;
-    let t4760 = t4759 - t4758;
-    let t4761 = y[6] * t3359;
-    let t4762 = v[5] * t4354;
-    let t4763 = v[4] * t4341;
-    let t4764 = t4763 + t4762;
-    let t4765 = u[6] * t1200;
-    let t4766 = u[5] * t1189;
-    let t4767 = u[2] * t1103;
-    let t4768 = u[1] * t468;
-    let t4769 = t4768 - t4767;
-    let t4770 = u[3] * t1173;
-    let t4771 = u[0] * t1040;
-    let t4772 = t4771 - t4770;
-    let t4773 = t4772 + t4769;
-    let t4774 = u[4] * t1180;
-    let t4775 = t4774 - t4773;
-    let t4776 = t4766 + t4775;
-    let t4777 = t4765 + t4776;
-    let t4778 = t1213 - t4777;
-    let t4779 = v[6] * t4367;
-    let t4780 = t4779 + t4778;
-    let t4781 = t4780 + t4764;
-    let t4782 = v[1] * t4302;
-    let t4783 = v[0] * t4289;
-    let t4784 = t4783 - t4782;
-    let t4785 = v[3] * t4328;
-    let t4786 = v[2] * t4315;
-    let t4787 = t4786 - t4785;
-    let t4788 = t4787 + t4784;
-    let t4789 = t4788 + t4781;
-    let t4790 = t4761 - t4789;
-    let t4791 = y[5] * t3346;
-    let t4792 = t4791 - t4790;
-    let t4793 = y[4] * t3333;
-    let t4794 = t4793 + t4792;
-    let t4795 = y[3] * t3320;
-    let t4796 = t4795 + t4794;
-    let t4797 = y[2] * t3307;
-    let t4798 = t4797 + t4796;
-    let t4799 = y[1] * t3294;
-    let t4800 = t4799 - t4798;
-    let t4801 = y[6] * t3437;
-    let t4802 = v[5] * t4445;
-    let t4803 = v[4] * t4432;
-    let t4804 = t4803 + t4802;
-    let t4805 = u[3] * t1180;
-    let t4806 = u[2] * t1110;
-    let t4807 = t4806 + t4805;
-    let t4808 = u[1] * t475;
-    let t4809 = t4808 - t4807;
-    let t4810 = u[4] * t1264;
-    let t4811 = u[0] * t1047;
-    let t4812 = t4811 - t4810;
-    let t4813 = t4812 + t4809;
-    let t4814 = u[5] * t1277;
-    let t4815 = t4814 - t4813;
-    let t4816 = u[6] * t1290;
-    let t4817 = t4816 + t4815;
-    let t4818 = t1292 - t4817;
-    let t4819 = v[6] * t4458;
-    let t4820 = t4819 + t4818;
-    let t4821 = t4820 + t4804;
-    let t4822 = v[1] * t4393;
-    let t4823 = v[0] * t4380;
-    let t4824 = t4823 - t4822;
-    let t4825 = v[3] * t4419;
-    let t4826 = v[2] * t4406;
-    let t4827 = t4826 - t4825;
-    let t4828 = t4827 + t4824;
-    let t4829 = t4828 + t4821;
-    let t4830 = t4801 - t4829;
-    let t4831 = y[5] * t3424;
-    let t4832 = t4831 - t4830;
-    let t4833 = y[4] * t3411;
-    let t4834 = t4833 + t4832;
-    let t4835 = y[3] * t3398;
-    let t4836 = t4835 + t4834;
-    let t4837 = y[2] * t3385;
-    let t4838 = t4837 + t4836;
-    let t4839 = y[1] * t3372;
-    let t4840 = t4839 - t4838;
-    let t4841 = y[6] * t3515;
-    let t4842 = v[5] * t4536;
-    let t4843 = v[4] * t4523;
-    let t4844 = t4843 + t4842;
-    let t4845 = u[2] * t1119;
-    let t4846 = u[1] * t484;
-    let t4847 = t4846 - t4845;
-    let t4848 = u[4] * t1277;
-    let t4849 = u[3] * t1189;
-    let t4850 = t4849 + t4848;
-    let t4851 = t4850 - t4847;
-    let t4852 = u[5] * t1365;
-    let t4853 = u[0] * t1056;
-    let t4854 = t4853 - t4852;
-    let t4855 = t4854 - t4851;
-    let t4856 = u[6] * t1380;
-    let t4857 = t4856 - t4855;
-    let t4858 = t1382 - t4857;
-    let t4859 = v[6] * t4549;
-    let t4860 = t4859 + t4858;
-    let t4861 = t4860 + t4844;
-    let t4862 = v[1] * t4484;
-    let t4863 = v[0] * t4471;
-    let t4864 = t4863 - t4862;
-    let t4865 = v[3] * t4510;
-    let t4866 = v[2] * t4497;
-    let t4867 = t4866 - t4865;
-    let t4868 = t4867 + t4864;
-    let t4869 = t4868 + t4861;
-    let t4870 = t4841 - t4869;
-    let t4871 = y[5] * t3502;
-    let t4872 = t4871 - t4870;
-    let t4873 = y[4] * t3489;
-    let t4874 = t4873 + t4872;
-    let t4875 = y[3] * t3476;
-    let t4876 = t4875 + t4874;
-    let t4877 = y[2] * t3463;
-    let t4878 = t4877 + t4876;
-    let t4879 = y[1] * t3450;
-    let t4880 = t4879 - t4878;
-    let t4881 = y[6] * t3593;
-    let t4882 = v[5] * t4627;
-    let t4883 = v[4] * t4614;
-    let t4884 = t4883 + t4882;
-    let t4885 = u[5] * t1380;
-    let t4886 = u[4] * t1290;
-    let t4887 = t4886 + t4885;
-    let t4888 = u[6] * t1482;
-    let t4889 = u[0] * t1067;
-    let t4890 = t4889 + t4888;
-    let t4891 = t4890 - t4887;
-    let t4892 = u[3] * t1200;
-    let t4893 = u[2] * t1130;
-    let t4894 = t4893 + t4892;
-    let t4895 = u[1] * t495;
-    let t4896 = t4895 - t4894;
-    let t4897 = t4896 + t4891;
-    let t4898 = t1492 - t4897;
-    let t4899 = v[6] * t4640;
-    let t4900 = t4899 - t4898;
-    let t4901 = t4900 + t4884;
-    let t4902 = v[1] * t4575;
-    let t4903 = v[0] * t4562;
-    let t4904 = t4903 - t4902;
-    let t4905 = v[3] * t4601;
-    let t4906 = v[2] * t4588;
-    let t4907 = t4906 + t4905;
-    let t4908 = t4907 - t4904;
-    let t4909 = t4908 + t4901;
-    let t4910 = t4881 - t4909;
-    let t4911 = y[5] * t3580;
-    let t4912 = t4911 - t4910;
-    let t4913 = y[4] * t3567;
-    let t4914 = t4913 + t4912;
-    let t4915 = y[3] * t3554;
-    let t4916 = t4915 + t4914;
-    let t4917 = y[2] * t3541;
-    let t4918 = t4917 + t4916;
-    let t4919 = y[1] * t3528;
-    let t4920 = t4919 - t4918;
-    let t4921 = -t2586;
-    let t4922 = -t2722;
-    let t4923 = -t2862;
-    let t4924 = -t3003;
-    let t4925 = -t3138;
-    let t4926 = -t3203;
-    let t4927 = -t3229;
-    let t4928 = -t3242;
-    let t4929 = -t3255;
-    let t4930 = -t3268;
-    let t4931 = -t3294;
-    let t4932 = -t3359;
-    let t4933 = -t3372;
-    let t4934 = -t3437;
-    let t4935 = -t3450;
-    let t4936 = -t3515;
-    let t4937 = -t3528;
-    let t4938 = -t3593;
-    let t4939 = -t3636;
-    let t4940 = -t3767;
-    let t4941 = -t3920;
-    let t4942 = -t4012;
-    let t4943 = -t4094;
-    let t4944 = -t4107;
-    let t4945 = -t4133;
-    let t4946 = -t4159;
-    let t4947 = -t4172;
-    let t4948 = -t4185;
-    let t4949 = -t4211;
-    let t4950 = -t4237;
-    let t4951 = -t4302;
-    let t4952 = -t4328;
-    let t4953 = -t4393;
-    let t4954 = -t4419;
-    let t4955 = -t4484;
-    let t4956 = -t4510;
-    let t4957 = -t4562;
-    let minus_inverse_d_panda_joint1 = -inverse_d_panda_joint1;
-    let t4959 = -t1035;
-    let t4960 = -t463;
-    let t4961 = -t1103;
-    let t4962 = -t1110;
-    let t4963 = -t1119;
-    let t4964 = -t1130;
-    let t4965 = -t1173;
-    let t4966 = -t1180;
-    let t4967 = -t1189;
-    let t4968 = -t1200;
-    let t4969 = -t1264;
-    let t4970 = -t1277;
-    let t4971 = -t1290;
-    let t4972 = -t1365;
-    let t4973 = -t1380;
-    let t4974 = -t4680;
-    let t4975 = -t4760;
-    [
-        t3839,
-        t4120,
-        t4146,
-        t4198,
-        t4224,
-        t4250,
-        t4263,
-        t4276,
-        t4289,
-        t4315,
-        t4341,
-        t4354,
-        t4367,
-        t4380,
-        t4406,
-        t4432,
-        t4445,
-        t4458,
-        t4471,
-        t4497,
-        t4523,
-        t4536,
-        t4549,
-        t4575,
-        t4588,
-        t4601,
-        t4614,
-        t4627,
-        t4640,
-        t4720,
-        t4800,
-        t4840,
-        t4880,
-        t4920,
-        t4921,
-        t4922,
-        t4923,
-        t4924,
-        t4925,
-        t4926,
-        t4927,
-        t4928,
-        t4929,
-        t4930,
-        t4931,
-        t4932,
-        t4933,
-        t4934,
-        t4935,
-        t4936,
-        t4937,
-        t4938,
-        t4939,
-        t4940,
-        t4941,
-        t4942,
-        t4943,
-        t4944,
-        t4945,
-        t4946,
-        t4947,
-        t4948,
-        t4949,
-        t4950,
-        t4951,
-        t4952,
-        t4953,
-        t4954,
-        t4955,
-        t4956,
-        t4957,
-        minus_inverse_d_panda_joint1,
-        t4959,
-        t4960,
-        t4961,
-        t4962,
-        t4963,
-        t4964,
-        t4965,
-        t4966,
-        t4967,
-        t4968,
-        t4969,
-        t4970,
-        t4971,
-        t4972,
-        t4973,
-        t4974,
-        t4975,
-    ]
+    for (to, from) in b_x.iter_mut().zip(&inverse) {
+        to[0] = from[0];
+        to[1] = from[1];
+        to[2] = from[2];
+        to[3] = from[3];
+        to[4] = from[4];
+        to[5] = from[5];
+        to[6] = from[6];
+    }
+    for i in 0..7 {
+        let of_state = arrays::dot(&a_y[i], y) + arrays::dot(&a_v[i], v);
+        c[i] = accelerations[i] - (of_state + arrays::dot(&b_x[i], u));
+    }
 }
 
 /// Kinetic energy, rotors included.
@@ -31462,6 +13784,2118 @@ pub fn step_derivatives(
         SUBSTEPS,
         |y, v| linearize(y, v, u),
     )
+}
+
+/// Acceleration of each body, and the force that the added one needs.
+#[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
+fn accelerated_bodies(
+    inertia: &[[f64; 8]; 10],
+    acceleration: &[[f64; 8]; 6],
+    added_acceleration: &[[f64; 8]; 6],
+    total_acceleration: &mut [[f64; 8]; 6],
+    added_force: &mut [[f64; 8]; 6],
+) {
+    for joint in 0..8 {
+        let t0 = acceleration[0][joint] + added_acceleration[0][joint];
+        total_acceleration[0][joint] = t0;
+        let t1 = acceleration[1][joint] + added_acceleration[1][joint];
+        total_acceleration[1][joint] = t1;
+        let t2 = acceleration[2][joint] + added_acceleration[2][joint];
+        total_acceleration[2][joint] = t2;
+        let t3 = acceleration[3][joint] + added_acceleration[3][joint];
+        total_acceleration[3][joint] = t3;
+        let t4 = acceleration[4][joint] + added_acceleration[4][joint];
+        total_acceleration[4][joint] = t4;
+        let t5 = acceleration[5][joint] + added_acceleration[5][joint];
+        total_acceleration[5][joint] = t5;
+        let t6 = inertia[6][joint] * added_acceleration[2][joint];
+        let t7 = inertia[5][joint] * added_acceleration[1][joint];
+        let t8 = t7 + t6;
+        let t9 = inertia[3][joint] * added_acceleration[4][joint];
+        let t10 = inertia[2][joint] * added_acceleration[5][joint];
+        let t11 = t10 - t9;
+        let t12 = t11 - t8;
+        let t13 = inertia[7][joint] + inertia[9][joint];
+        let t14 = added_acceleration[0][joint] * t13;
+        let t15 = t14 + t12;
+        added_force[0][joint] = t15;
+        let t16 = inertia[8][joint] * added_acceleration[2][joint];
+        let t17 = inertia[5][joint] * added_acceleration[0][joint];
+        let t18 = t17 + t16;
+        let t19 = inertia[1][joint] * added_acceleration[5][joint];
+        let t20 = inertia[3][joint] * added_acceleration[3][joint];
+        let t21 = t20 - t19;
+        let t22 = t21 - t18;
+        let t23 = inertia[4][joint] + inertia[9][joint];
+        let t24 = added_acceleration[1][joint] * t23;
+        let t25 = t24 + t22;
+        added_force[1][joint] = t25;
+        let t26 = inertia[8][joint] * added_acceleration[1][joint];
+        let t27 = inertia[6][joint] * added_acceleration[0][joint];
+        let t28 = t27 + t26;
+        let t29 = inertia[2][joint] * added_acceleration[3][joint];
+        let t30 = inertia[1][joint] * added_acceleration[4][joint];
+        let t31 = t30 - t29;
+        let t32 = t31 - t28;
+        let t33 = inertia[4][joint] + inertia[7][joint];
+        let t34 = added_acceleration[2][joint] * t33;
+        let t35 = t34 + t32;
+        added_force[2][joint] = t35;
+        let t36 = inertia[2][joint] * added_acceleration[2][joint];
+        let t37 = inertia[3][joint] * added_acceleration[1][joint];
+        let t38 = t37 - t36;
+        let t39 = inertia[0][joint] * added_acceleration[3][joint];
+        let t40 = t39 + t38;
+        added_force[3][joint] = t40;
+        let t41 = inertia[3][joint] * added_acceleration[0][joint];
+        let t42 = inertia[1][joint] * added_acceleration[2][joint];
+        let t43 = t42 - t41;
+        let t44 = inertia[0][joint] * added_acceleration[4][joint];
+        let t45 = t44 + t43;
+        added_force[4][joint] = t45;
+        let t46 = inertia[1][joint] * added_acceleration[1][joint];
+        let t47 = inertia[2][joint] * added_acceleration[0][joint];
+        let t48 = t47 - t46;
+        let t49 = inertia[0][joint] * added_acceleration[5][joint];
+        let t50 = t49 + t48;
+        added_force[5][joint] = t50;
+    }
+}
+
+/// Inertia of each body, its momentum, and the acceleration that its joint adds.
+#[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
+#[allow(
+    clippy::too_many_arguments,
+    reason = "blocks of fixed size need no type of their own"
+)]
+fn bodies_in_motion(
+    axes: &[[f64; 8]; 9],
+    origins: &[[f64; 8]; 3],
+    moments: &[[f64; 8]; 10],
+    screws: &[[f64; 8]; 6],
+    rates: &[[f64; 8]; 1],
+    gravity: &[[f64; 8]; 3],
+    velocity: &[[f64; 8]; 6],
+    accelerations: &[[f64; 8]; 1],
+    inertia: &mut [[f64; 8]; 10],
+    flow: &mut [[f64; 8]; 12],
+    screw_rate: &mut [[f64; 8]; 6],
+    joint_acceleration: &mut [[f64; 8]; 6],
+    momentum_rate: &mut [[f64; 8]; 6],
+) {
+    for joint in 0..8 {
+        inertia[0][joint] = moments[0][joint];
+        let t0 = axes[6][joint] * moments[3][joint];
+        let t1 = axes[3][joint] * moments[2][joint];
+        let t2 = t1 + t0;
+        let t3 = axes[0][joint] * moments[1][joint];
+        let t4 = t3 + t2;
+        let t5 = origins[0][joint] * moments[0][joint];
+        let t6 = t5 + t4;
+        inertia[1][joint] = t6;
+        let t7 = axes[7][joint] * moments[3][joint];
+        let t8 = axes[4][joint] * moments[2][joint];
+        let t9 = t8 + t7;
+        let t10 = axes[1][joint] * moments[1][joint];
+        let t11 = t10 + t9;
+        let t12 = origins[1][joint] * moments[0][joint];
+        let t13 = t12 + t11;
+        inertia[2][joint] = t13;
+        let t14 = axes[8][joint] * moments[3][joint];
+        let t15 = axes[5][joint] * moments[2][joint];
+        let t16 = t15 + t14;
+        let t17 = axes[2][joint] * moments[1][joint];
+        let t18 = t17 + t16;
+        let t19 = origins[2][joint] * moments[0][joint];
+        let t20 = t19 + t18;
+        inertia[3][joint] = t20;
+        let t21 = axes[6][joint] * moments[9][joint];
+        let t22 = axes[3][joint] * moments[8][joint];
+        let t23 = t22 + t21;
+        let t24 = axes[0][joint] * moments[6][joint];
+        let t25 = t24 + t23;
+        let t26 = axes[6][joint] * t25;
+        let t27 = axes[6][joint] * moments[8][joint];
+        let t28 = axes[3][joint] * moments[7][joint];
+        let t29 = t28 + t27;
+        let t30 = axes[0][joint] * moments[5][joint];
+        let t31 = t30 + t29;
+        let t32 = axes[3][joint] * t31;
+        let t33 = t32 + t26;
+        let t34 = axes[6][joint] * moments[6][joint];
+        let t35 = axes[3][joint] * moments[5][joint];
+        let t36 = t35 + t34;
+        let t37 = axes[0][joint] * moments[4][joint];
+        let t38 = t37 + t36;
+        let t39 = axes[0][joint] * t38;
+        let t40 = t39 + t33;
+        let t41 = t5 * 0.5;
+        let t42 = t41 + t4;
+        let t43 = origins[0][joint] * t42;
+        let t44 = 2.0 * t43;
+        let t45 = t44 + t40;
+        inertia[4][joint] = t45;
+        let t46 = t12 * 0.5;
+        let t47 = t46 + t11;
+        let t48 = origins[0][joint] * t47;
+        let t49 = origins[1][joint] * t42;
+        let t50 = t49 + t48;
+        let t51 = axes[7][joint] * t25;
+        let t52 = axes[4][joint] * t31;
+        let t53 = t52 + t51;
+        let t54 = axes[1][joint] * t38;
+        let t55 = t54 + t53;
+        let t56 = t55 + t50;
+        inertia[5][joint] = t56;
+        let t57 = t19 * 0.5;
+        let t58 = t57 + t18;
+        let t59 = origins[0][joint] * t58;
+        let t60 = origins[2][joint] * t42;
+        let t61 = t60 + t59;
+        let t62 = axes[8][joint] * t25;
+        let t63 = axes[5][joint] * t31;
+        let t64 = t63 + t62;
+        let t65 = axes[2][joint] * t38;
+        let t66 = t65 + t64;
+        let t67 = t66 + t61;
+        inertia[6][joint] = t67;
+        let t68 = axes[7][joint] * moments[9][joint];
+        let t69 = axes[4][joint] * moments[8][joint];
+        let t70 = t69 + t68;
+        let t71 = axes[1][joint] * moments[6][joint];
+        let t72 = t71 + t70;
+        let t73 = axes[7][joint] * t72;
+        let t74 = axes[7][joint] * moments[8][joint];
+        let t75 = axes[4][joint] * moments[7][joint];
+        let t76 = t75 + t74;
+        let t77 = axes[1][joint] * moments[5][joint];
+        let t78 = t77 + t76;
+        let t79 = axes[4][joint] * t78;
+        let t80 = t79 + t73;
+        let t81 = axes[7][joint] * moments[6][joint];
+        let t82 = axes[4][joint] * moments[5][joint];
+        let t83 = t82 + t81;
+        let t84 = axes[1][joint] * moments[4][joint];
+        let t85 = t84 + t83;
+        let t86 = axes[1][joint] * t85;
+        let t87 = t86 + t80;
+        let t88 = origins[1][joint] * t47;
+        let t89 = 2.0 * t88;
+        let t90 = t89 + t87;
+        inertia[7][joint] = t90;
+        let t91 = origins[1][joint] * t58;
+        let t92 = origins[2][joint] * t47;
+        let t93 = t92 + t91;
+        let t94 = axes[8][joint] * t72;
+        let t95 = axes[5][joint] * t78;
+        let t96 = t95 + t94;
+        let t97 = axes[2][joint] * t85;
+        let t98 = t97 + t96;
+        let t99 = t98 + t93;
+        inertia[8][joint] = t99;
+        let t100 = axes[8][joint] * moments[9][joint];
+        let t101 = axes[5][joint] * moments[8][joint];
+        let t102 = t101 + t100;
+        let t103 = axes[2][joint] * moments[6][joint];
+        let t104 = t103 + t102;
+        let t105 = axes[8][joint] * t104;
+        let t106 = axes[8][joint] * moments[8][joint];
+        let t107 = axes[5][joint] * moments[7][joint];
+        let t108 = t107 + t106;
+        let t109 = axes[2][joint] * moments[5][joint];
+        let t110 = t109 + t108;
+        let t111 = axes[5][joint] * t110;
+        let t112 = t111 + t105;
+        let t113 = axes[8][joint] * moments[6][joint];
+        let t114 = axes[5][joint] * moments[5][joint];
+        let t115 = t114 + t113;
+        let t116 = axes[2][joint] * moments[4][joint];
+        let t117 = t116 + t115;
+        let t118 = axes[2][joint] * t117;
+        let t119 = t118 + t112;
+        let t120 = origins[2][joint] * t58;
+        let t121 = 2.0 * t120;
+        let t122 = t121 + t119;
+        inertia[9][joint] = t122;
+        let t123 = velocity[2][joint] + velocity[2][joint];
+        let t124 = t123 * t13;
+        let t125 = velocity[3][joint] + velocity[3][joint];
+        let t126 = moments[0][joint] * t125;
+        let t127 = t126 - t124;
+        let t128 = velocity[1][joint] + velocity[1][joint];
+        let t129 = t128 * t20;
+        let t130 = t129 + t127;
+        flow[0][joint] = t130;
+        let t131 = velocity[0][joint] + velocity[0][joint];
+        let t132 = t131 * t20;
+        let t133 = velocity[4][joint] + velocity[4][joint];
+        let t134 = moments[0][joint] * t133;
+        let t135 = t134 - t132;
+        let t136 = t123 * t6;
+        let t137 = t136 + t135;
+        flow[1][joint] = t137;
+        let t138 = t128 * t6;
+        let t139 = velocity[5][joint] + velocity[5][joint];
+        let t140 = moments[0][joint] * t139;
+        let t141 = t140 - t138;
+        let t142 = t131 * t13;
+        let t143 = t142 + t141;
+        flow[2][joint] = t143;
+        let t144 = t123 * t56;
+        let t145 = t125 * t6;
+        let t146 = t144 - t145;
+        let t147 = t128 * t67;
+        let t148 = t147 - t146;
+        flow[3][joint] = t148;
+        let t149 = t123 * t90;
+        let t150 = t125 * t13;
+        let t151 = t149 - t150;
+        let t152 = t128 * t99;
+        let t153 = t152 - t151;
+        flow[4][joint] = t153;
+        let t154 = t123 * t99;
+        let t155 = t125 * t20;
+        let t156 = t154 - t155;
+        let t157 = t128 * t122;
+        let t158 = t157 - t156;
+        flow[5][joint] = t158;
+        let t159 = t131 * t67;
+        let t160 = t133 * t6;
+        let t161 = t159 - t160;
+        let t162 = t123 * t45;
+        let t163 = t162 - t161;
+        flow[6][joint] = t163;
+        let t164 = t131 * t99;
+        let t165 = t133 * t13;
+        let t166 = t164 - t165;
+        let t167 = t144 - t166;
+        flow[7][joint] = t167;
+        let t168 = t131 * t122;
+        let t169 = t133 * t20;
+        let t170 = t168 - t169;
+        let t171 = t123 * t67;
+        let t172 = t171 - t170;
+        flow[8][joint] = t172;
+        let t173 = t128 * t45;
+        let t174 = t139 * t6;
+        let t175 = t173 - t174;
+        let t176 = t131 * t56;
+        let t177 = t176 - t175;
+        flow[9][joint] = t177;
+        let t178 = t128 * t56;
+        let t179 = t139 * t13;
+        let t180 = t178 - t179;
+        let t181 = t131 * t90;
+        let t182 = t181 - t180;
+        flow[10][joint] = t182;
+        let t183 = t139 * t20;
+        let t184 = t164 + t183;
+        let t185 = t147 - t184;
+        let t186 = screws[1][joint] * velocity[2][joint];
+        let t187 = screws[2][joint] * velocity[1][joint];
+        let t188 = t187 - t186;
+        screw_rate[0][joint] = t188;
+        let t189 = screws[2][joint] * velocity[0][joint];
+        let t190 = screws[0][joint] * velocity[2][joint];
+        let t191 = t190 - t189;
+        screw_rate[1][joint] = t191;
+        let t192 = screws[0][joint] * velocity[1][joint];
+        let t193 = screws[1][joint] * velocity[0][joint];
+        let t194 = t193 - t192;
+        screw_rate[2][joint] = t194;
+        let t195 = screws[1][joint] * velocity[5][joint];
+        let t196 = screws[2][joint] * velocity[4][joint];
+        let t197 = t196 - t195;
+        let t198 = screws[4][joint] * velocity[2][joint];
+        let t199 = screws[5][joint] * velocity[1][joint];
+        let t200 = t199 - t198;
+        let t201 = t200 + t197;
+        screw_rate[3][joint] = t201;
+        let t202 = screws[2][joint] * velocity[3][joint];
+        let t203 = screws[0][joint] * velocity[5][joint];
+        let t204 = t203 - t202;
+        let t205 = screws[5][joint] * velocity[0][joint];
+        let t206 = screws[3][joint] * velocity[2][joint];
+        let t207 = t206 - t205;
+        let t208 = t207 + t204;
+        screw_rate[4][joint] = t208;
+        let t209 = screws[0][joint] * velocity[4][joint];
+        let t210 = screws[1][joint] * velocity[3][joint];
+        let t211 = t210 - t209;
+        let t212 = screws[3][joint] * velocity[1][joint];
+        let t213 = screws[4][joint] * velocity[0][joint];
+        let t214 = t213 - t212;
+        let t215 = t214 + t211;
+        screw_rate[5][joint] = t215;
+        let t216 = rates[0][joint] * t188;
+        let t217 = screws[0][joint] * accelerations[0][joint];
+        let t218 = t216 + t217;
+        joint_acceleration[0][joint] = t218;
+        let t219 = rates[0][joint] * t191;
+        let t220 = screws[1][joint] * accelerations[0][joint];
+        let t221 = t219 + t220;
+        joint_acceleration[1][joint] = t221;
+        let t222 = rates[0][joint] * t194;
+        let t223 = screws[2][joint] * accelerations[0][joint];
+        let t224 = t222 + t223;
+        joint_acceleration[2][joint] = t224;
+        let t225 = rates[0][joint] * t201;
+        let t226 = screws[3][joint] * accelerations[0][joint];
+        let t227 = gravity[0][joint] + t226;
+        let t228 = t225 + t227;
+        joint_acceleration[3][joint] = t228;
+        let t229 = rates[0][joint] * t208;
+        let t230 = screws[4][joint] * accelerations[0][joint];
+        let t231 = gravity[1][joint] + t230;
+        let t232 = t229 + t231;
+        joint_acceleration[4][joint] = t232;
+        let t233 = rates[0][joint] * t215;
+        let t234 = screws[5][joint] * accelerations[0][joint];
+        let t235 = gravity[2][joint] + t234;
+        let t236 = t233 + t235;
+        joint_acceleration[5][joint] = t236;
+        let t237 = velocity[2][joint] * t99;
+        let t238 = velocity[5][joint] * t6;
+        let t239 = velocity[3][joint] * t20;
+        let t240 = t239 - t238;
+        let t241 = t237 - t240;
+        let t242 = velocity[0][joint] * t56;
+        let t243 = t242 + t241;
+        let t244 = t45 + t122;
+        let t245 = velocity[1][joint] * t244;
+        let t246 = t245 - t243;
+        let t247 = velocity[2][joint] * t246;
+        let t248 = velocity[0][joint] * t20;
+        let t249 = moments[0][joint] * velocity[4][joint];
+        let t250 = t249 - t248;
+        let t251 = velocity[2][joint] * t6;
+        let t252 = t251 + t250;
+        let t253 = velocity[5][joint] * t252;
+        let t254 = velocity[1][joint] * t6;
+        let t255 = moments[0][joint] * velocity[5][joint];
+        let t256 = t255 - t254;
+        let t257 = velocity[0][joint] * t13;
+        let t258 = t257 + t256;
+        let t259 = velocity[4][joint] * t258;
+        let t260 = t259 - t253;
+        let t261 = t247 - t260;
+        let t262 = velocity[1][joint] * t99;
+        let t263 = velocity[3][joint] * t13;
+        let t264 = velocity[4][joint] * t6;
+        let t265 = t264 - t263;
+        let t266 = t262 - t265;
+        let t267 = velocity[0][joint] * t67;
+        let t268 = t267 + t266;
+        let t269 = t45 + t90;
+        let t270 = velocity[2][joint] * t269;
+        let t271 = t270 - t268;
+        let t272 = velocity[1][joint] * t271;
+        let t273 = t272 - t261;
+        momentum_rate[0][joint] = t273;
+        let t274 = velocity[0][joint] * t271;
+        let t275 = velocity[3][joint] * t258;
+        let t276 = velocity[2][joint] * t13;
+        let t277 = moments[0][joint] * velocity[3][joint];
+        let t278 = t277 - t276;
+        let t279 = velocity[1][joint] * t20;
+        let t280 = t279 + t278;
+        let t281 = velocity[5][joint] * t280;
+        let t282 = t281 - t275;
+        let t283 = t274 - t282;
+        let t284 = velocity[2][joint] * t67;
+        let t285 = velocity[4][joint] * t20;
+        let t286 = velocity[5][joint] * t13;
+        let t287 = t286 - t285;
+        let t288 = t284 - t287;
+        let t289 = velocity[1][joint] * t56;
+        let t290 = t289 + t288;
+        let t291 = t90 + t122;
+        let t292 = velocity[0][joint] * t291;
+        let t293 = t292 - t290;
+        let t294 = velocity[2][joint] * t293;
+        let t295 = t294 - t283;
+        momentum_rate[1][joint] = t295;
+        let t296 = velocity[1][joint] * t293;
+        let t297 = velocity[4][joint] * t280;
+        let t298 = velocity[3][joint] * t252;
+        let t299 = t298 - t297;
+        let t300 = t296 - t299;
+        let t301 = velocity[0][joint] * t246;
+        let t302 = t301 - t300;
+        momentum_rate[2][joint] = t302;
+        let t303 = velocity[2][joint] * t252;
+        let t304 = velocity[1][joint] * t258;
+        let t305 = t304 - t303;
+        momentum_rate[3][joint] = t305;
+        let t306 = velocity[0][joint] * t258;
+        let t307 = velocity[2][joint] * t280;
+        let t308 = t307 - t306;
+        momentum_rate[4][joint] = t308;
+        let t309 = velocity[1][joint] * t280;
+        let t310 = velocity[0][joint] * t252;
+        let t311 = t310 - t309;
+        momentum_rate[5][joint] = t311;
+        let t312 = -t185;
+        flow[11][joint] = t312;
+    }
+}
+
+/// Inertia of each body, its momentum, and the acceleration that its joint adds at ÿ = 0.
+#[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
+#[allow(
+    clippy::too_many_arguments,
+    reason = "blocks of fixed size need no type of their own"
+)]
+fn bodies_in_steady_motion(
+    axes: &[[f64; 8]; 9],
+    origins: &[[f64; 8]; 3],
+    moments: &[[f64; 8]; 10],
+    screws: &[[f64; 8]; 6],
+    rates: &[[f64; 8]; 1],
+    gravity: &[[f64; 8]; 3],
+    velocity: &[[f64; 8]; 6],
+    inertia: &mut [[f64; 8]; 10],
+    flow: &mut [[f64; 8]; 12],
+    screw_rate: &mut [[f64; 8]; 6],
+    joint_acceleration: &mut [[f64; 8]; 6],
+    momentum_rate: &mut [[f64; 8]; 6],
+) {
+    for joint in 0..8 {
+        inertia[0][joint] = moments[0][joint];
+        let t0 = axes[6][joint] * moments[3][joint];
+        let t1 = axes[3][joint] * moments[2][joint];
+        let t2 = t1 + t0;
+        let t3 = axes[0][joint] * moments[1][joint];
+        let t4 = t3 + t2;
+        let t5 = origins[0][joint] * moments[0][joint];
+        let t6 = t5 + t4;
+        inertia[1][joint] = t6;
+        let t7 = axes[7][joint] * moments[3][joint];
+        let t8 = axes[4][joint] * moments[2][joint];
+        let t9 = t8 + t7;
+        let t10 = axes[1][joint] * moments[1][joint];
+        let t11 = t10 + t9;
+        let t12 = origins[1][joint] * moments[0][joint];
+        let t13 = t12 + t11;
+        inertia[2][joint] = t13;
+        let t14 = axes[8][joint] * moments[3][joint];
+        let t15 = axes[5][joint] * moments[2][joint];
+        let t16 = t15 + t14;
+        let t17 = axes[2][joint] * moments[1][joint];
+        let t18 = t17 + t16;
+        let t19 = origins[2][joint] * moments[0][joint];
+        let t20 = t19 + t18;
+        inertia[3][joint] = t20;
+        let t21 = axes[6][joint] * moments[9][joint];
+        let t22 = axes[3][joint] * moments[8][joint];
+        let t23 = t22 + t21;
+        let t24 = axes[0][joint] * moments[6][joint];
+        let t25 = t24 + t23;
+        let t26 = axes[6][joint] * t25;
+        let t27 = axes[6][joint] * moments[8][joint];
+        let t28 = axes[3][joint] * moments[7][joint];
+        let t29 = t28 + t27;
+        let t30 = axes[0][joint] * moments[5][joint];
+        let t31 = t30 + t29;
+        let t32 = axes[3][joint] * t31;
+        let t33 = t32 + t26;
+        let t34 = axes[6][joint] * moments[6][joint];
+        let t35 = axes[3][joint] * moments[5][joint];
+        let t36 = t35 + t34;
+        let t37 = axes[0][joint] * moments[4][joint];
+        let t38 = t37 + t36;
+        let t39 = axes[0][joint] * t38;
+        let t40 = t39 + t33;
+        let t41 = t5 * 0.5;
+        let t42 = t41 + t4;
+        let t43 = origins[0][joint] * t42;
+        let t44 = 2.0 * t43;
+        let t45 = t44 + t40;
+        inertia[4][joint] = t45;
+        let t46 = t12 * 0.5;
+        let t47 = t46 + t11;
+        let t48 = origins[0][joint] * t47;
+        let t49 = origins[1][joint] * t42;
+        let t50 = t49 + t48;
+        let t51 = axes[7][joint] * t25;
+        let t52 = axes[4][joint] * t31;
+        let t53 = t52 + t51;
+        let t54 = axes[1][joint] * t38;
+        let t55 = t54 + t53;
+        let t56 = t55 + t50;
+        inertia[5][joint] = t56;
+        let t57 = t19 * 0.5;
+        let t58 = t57 + t18;
+        let t59 = origins[0][joint] * t58;
+        let t60 = origins[2][joint] * t42;
+        let t61 = t60 + t59;
+        let t62 = axes[8][joint] * t25;
+        let t63 = axes[5][joint] * t31;
+        let t64 = t63 + t62;
+        let t65 = axes[2][joint] * t38;
+        let t66 = t65 + t64;
+        let t67 = t66 + t61;
+        inertia[6][joint] = t67;
+        let t68 = axes[7][joint] * moments[9][joint];
+        let t69 = axes[4][joint] * moments[8][joint];
+        let t70 = t69 + t68;
+        let t71 = axes[1][joint] * moments[6][joint];
+        let t72 = t71 + t70;
+        let t73 = axes[7][joint] * t72;
+        let t74 = axes[7][joint] * moments[8][joint];
+        let t75 = axes[4][joint] * moments[7][joint];
+        let t76 = t75 + t74;
+        let t77 = axes[1][joint] * moments[5][joint];
+        let t78 = t77 + t76;
+        let t79 = axes[4][joint] * t78;
+        let t80 = t79 + t73;
+        let t81 = axes[7][joint] * moments[6][joint];
+        let t82 = axes[4][joint] * moments[5][joint];
+        let t83 = t82 + t81;
+        let t84 = axes[1][joint] * moments[4][joint];
+        let t85 = t84 + t83;
+        let t86 = axes[1][joint] * t85;
+        let t87 = t86 + t80;
+        let t88 = origins[1][joint] * t47;
+        let t89 = 2.0 * t88;
+        let t90 = t89 + t87;
+        inertia[7][joint] = t90;
+        let t91 = origins[1][joint] * t58;
+        let t92 = origins[2][joint] * t47;
+        let t93 = t92 + t91;
+        let t94 = axes[8][joint] * t72;
+        let t95 = axes[5][joint] * t78;
+        let t96 = t95 + t94;
+        let t97 = axes[2][joint] * t85;
+        let t98 = t97 + t96;
+        let t99 = t98 + t93;
+        inertia[8][joint] = t99;
+        let t100 = axes[8][joint] * moments[9][joint];
+        let t101 = axes[5][joint] * moments[8][joint];
+        let t102 = t101 + t100;
+        let t103 = axes[2][joint] * moments[6][joint];
+        let t104 = t103 + t102;
+        let t105 = axes[8][joint] * t104;
+        let t106 = axes[8][joint] * moments[8][joint];
+        let t107 = axes[5][joint] * moments[7][joint];
+        let t108 = t107 + t106;
+        let t109 = axes[2][joint] * moments[5][joint];
+        let t110 = t109 + t108;
+        let t111 = axes[5][joint] * t110;
+        let t112 = t111 + t105;
+        let t113 = axes[8][joint] * moments[6][joint];
+        let t114 = axes[5][joint] * moments[5][joint];
+        let t115 = t114 + t113;
+        let t116 = axes[2][joint] * moments[4][joint];
+        let t117 = t116 + t115;
+        let t118 = axes[2][joint] * t117;
+        let t119 = t118 + t112;
+        let t120 = origins[2][joint] * t58;
+        let t121 = 2.0 * t120;
+        let t122 = t121 + t119;
+        inertia[9][joint] = t122;
+        let t123 = velocity[2][joint] + velocity[2][joint];
+        let t124 = t123 * t13;
+        let t125 = velocity[3][joint] + velocity[3][joint];
+        let t126 = moments[0][joint] * t125;
+        let t127 = t126 - t124;
+        let t128 = velocity[1][joint] + velocity[1][joint];
+        let t129 = t128 * t20;
+        let t130 = t129 + t127;
+        flow[0][joint] = t130;
+        let t131 = velocity[0][joint] + velocity[0][joint];
+        let t132 = t131 * t20;
+        let t133 = velocity[4][joint] + velocity[4][joint];
+        let t134 = moments[0][joint] * t133;
+        let t135 = t134 - t132;
+        let t136 = t123 * t6;
+        let t137 = t136 + t135;
+        flow[1][joint] = t137;
+        let t138 = t128 * t6;
+        let t139 = velocity[5][joint] + velocity[5][joint];
+        let t140 = moments[0][joint] * t139;
+        let t141 = t140 - t138;
+        let t142 = t131 * t13;
+        let t143 = t142 + t141;
+        flow[2][joint] = t143;
+        let t144 = t123 * t56;
+        let t145 = t125 * t6;
+        let t146 = t144 - t145;
+        let t147 = t128 * t67;
+        let t148 = t147 - t146;
+        flow[3][joint] = t148;
+        let t149 = t123 * t90;
+        let t150 = t125 * t13;
+        let t151 = t149 - t150;
+        let t152 = t128 * t99;
+        let t153 = t152 - t151;
+        flow[4][joint] = t153;
+        let t154 = t123 * t99;
+        let t155 = t125 * t20;
+        let t156 = t154 - t155;
+        let t157 = t128 * t122;
+        let t158 = t157 - t156;
+        flow[5][joint] = t158;
+        let t159 = t131 * t67;
+        let t160 = t133 * t6;
+        let t161 = t159 - t160;
+        let t162 = t123 * t45;
+        let t163 = t162 - t161;
+        flow[6][joint] = t163;
+        let t164 = t131 * t99;
+        let t165 = t133 * t13;
+        let t166 = t164 - t165;
+        let t167 = t144 - t166;
+        flow[7][joint] = t167;
+        let t168 = t131 * t122;
+        let t169 = t133 * t20;
+        let t170 = t168 - t169;
+        let t171 = t123 * t67;
+        let t172 = t171 - t170;
+        flow[8][joint] = t172;
+        let t173 = t128 * t45;
+        let t174 = t139 * t6;
+        let t175 = t173 - t174;
+        let t176 = t131 * t56;
+        let t177 = t176 - t175;
+        flow[9][joint] = t177;
+        let t178 = t128 * t56;
+        let t179 = t139 * t13;
+        let t180 = t178 - t179;
+        let t181 = t131 * t90;
+        let t182 = t181 - t180;
+        flow[10][joint] = t182;
+        let t183 = t139 * t20;
+        let t184 = t164 + t183;
+        let t185 = t147 - t184;
+        let t186 = screws[1][joint] * velocity[2][joint];
+        let t187 = screws[2][joint] * velocity[1][joint];
+        let t188 = t187 - t186;
+        screw_rate[0][joint] = t188;
+        let t189 = screws[2][joint] * velocity[0][joint];
+        let t190 = screws[0][joint] * velocity[2][joint];
+        let t191 = t190 - t189;
+        screw_rate[1][joint] = t191;
+        let t192 = screws[0][joint] * velocity[1][joint];
+        let t193 = screws[1][joint] * velocity[0][joint];
+        let t194 = t193 - t192;
+        screw_rate[2][joint] = t194;
+        let t195 = screws[1][joint] * velocity[5][joint];
+        let t196 = screws[2][joint] * velocity[4][joint];
+        let t197 = t196 - t195;
+        let t198 = screws[4][joint] * velocity[2][joint];
+        let t199 = screws[5][joint] * velocity[1][joint];
+        let t200 = t199 - t198;
+        let t201 = t200 + t197;
+        screw_rate[3][joint] = t201;
+        let t202 = screws[2][joint] * velocity[3][joint];
+        let t203 = screws[0][joint] * velocity[5][joint];
+        let t204 = t203 - t202;
+        let t205 = screws[5][joint] * velocity[0][joint];
+        let t206 = screws[3][joint] * velocity[2][joint];
+        let t207 = t206 - t205;
+        let t208 = t207 + t204;
+        screw_rate[4][joint] = t208;
+        let t209 = screws[0][joint] * velocity[4][joint];
+        let t210 = screws[1][joint] * velocity[3][joint];
+        let t211 = t210 - t209;
+        let t212 = screws[3][joint] * velocity[1][joint];
+        let t213 = screws[4][joint] * velocity[0][joint];
+        let t214 = t213 - t212;
+        let t215 = t214 + t211;
+        screw_rate[5][joint] = t215;
+        let t216 = rates[0][joint] * t188;
+        joint_acceleration[0][joint] = t216;
+        let t217 = rates[0][joint] * t191;
+        joint_acceleration[1][joint] = t217;
+        let t218 = rates[0][joint] * t194;
+        joint_acceleration[2][joint] = t218;
+        let t219 = rates[0][joint] * t201;
+        let t220 = gravity[0][joint] + t219;
+        joint_acceleration[3][joint] = t220;
+        let t221 = rates[0][joint] * t208;
+        let t222 = gravity[1][joint] + t221;
+        joint_acceleration[4][joint] = t222;
+        let t223 = rates[0][joint] * t215;
+        let t224 = gravity[2][joint] + t223;
+        joint_acceleration[5][joint] = t224;
+        let t225 = velocity[2][joint] * t99;
+        let t226 = velocity[5][joint] * t6;
+        let t227 = velocity[3][joint] * t20;
+        let t228 = t227 - t226;
+        let t229 = t225 - t228;
+        let t230 = velocity[0][joint] * t56;
+        let t231 = t230 + t229;
+        let t232 = t45 + t122;
+        let t233 = velocity[1][joint] * t232;
+        let t234 = t233 - t231;
+        let t235 = velocity[2][joint] * t234;
+        let t236 = velocity[0][joint] * t20;
+        let t237 = moments[0][joint] * velocity[4][joint];
+        let t238 = t237 - t236;
+        let t239 = velocity[2][joint] * t6;
+        let t240 = t239 + t238;
+        let t241 = velocity[5][joint] * t240;
+        let t242 = velocity[1][joint] * t6;
+        let t243 = moments[0][joint] * velocity[5][joint];
+        let t244 = t243 - t242;
+        let t245 = velocity[0][joint] * t13;
+        let t246 = t245 + t244;
+        let t247 = velocity[4][joint] * t246;
+        let t248 = t247 - t241;
+        let t249 = t235 - t248;
+        let t250 = velocity[1][joint] * t99;
+        let t251 = velocity[3][joint] * t13;
+        let t252 = velocity[4][joint] * t6;
+        let t253 = t252 - t251;
+        let t254 = t250 - t253;
+        let t255 = velocity[0][joint] * t67;
+        let t256 = t255 + t254;
+        let t257 = t45 + t90;
+        let t258 = velocity[2][joint] * t257;
+        let t259 = t258 - t256;
+        let t260 = velocity[1][joint] * t259;
+        let t261 = t260 - t249;
+        momentum_rate[0][joint] = t261;
+        let t262 = velocity[0][joint] * t259;
+        let t263 = velocity[3][joint] * t246;
+        let t264 = velocity[2][joint] * t13;
+        let t265 = moments[0][joint] * velocity[3][joint];
+        let t266 = t265 - t264;
+        let t267 = velocity[1][joint] * t20;
+        let t268 = t267 + t266;
+        let t269 = velocity[5][joint] * t268;
+        let t270 = t269 - t263;
+        let t271 = t262 - t270;
+        let t272 = velocity[2][joint] * t67;
+        let t273 = velocity[4][joint] * t20;
+        let t274 = velocity[5][joint] * t13;
+        let t275 = t274 - t273;
+        let t276 = t272 - t275;
+        let t277 = velocity[1][joint] * t56;
+        let t278 = t277 + t276;
+        let t279 = t90 + t122;
+        let t280 = velocity[0][joint] * t279;
+        let t281 = t280 - t278;
+        let t282 = velocity[2][joint] * t281;
+        let t283 = t282 - t271;
+        momentum_rate[1][joint] = t283;
+        let t284 = velocity[1][joint] * t281;
+        let t285 = velocity[4][joint] * t268;
+        let t286 = velocity[3][joint] * t240;
+        let t287 = t286 - t285;
+        let t288 = t284 - t287;
+        let t289 = velocity[0][joint] * t234;
+        let t290 = t289 - t288;
+        momentum_rate[2][joint] = t290;
+        let t291 = velocity[2][joint] * t240;
+        let t292 = velocity[1][joint] * t246;
+        let t293 = t292 - t291;
+        momentum_rate[3][joint] = t293;
+        let t294 = velocity[0][joint] * t246;
+        let t295 = velocity[2][joint] * t268;
+        let t296 = t295 - t294;
+        momentum_rate[4][joint] = t296;
+        let t297 = velocity[1][joint] * t268;
+        let t298 = velocity[0][joint] * t240;
+        let t299 = t298 - t297;
+        momentum_rate[5][joint] = t299;
+        let t300 = -t185;
+        flow[11][joint] = t300;
+    }
+}
+
+/// Force that each body needs.
+#[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
+fn body_forces(
+    inertia: &[[f64; 8]; 10],
+    acceleration: &[[f64; 8]; 6],
+    momentum_rate: &[[f64; 8]; 6],
+    force: &mut [[f64; 8]; 6],
+) {
+    for joint in 0..8 {
+        let t0 = inertia[3][joint] * acceleration[4][joint];
+        let t1 = momentum_rate[0][joint] - t0;
+        let t2 = inertia[7][joint] + inertia[9][joint];
+        let t3 = acceleration[0][joint] * t2;
+        let t4 = t3 + t1;
+        let t5 = inertia[2][joint] * acceleration[5][joint];
+        let t6 = inertia[6][joint] * acceleration[2][joint];
+        let t7 = t6 - t5;
+        let t8 = inertia[5][joint] * acceleration[1][joint];
+        let t9 = t8 + t7;
+        let t10 = t9 - t4;
+        let t11 = inertia[1][joint] * acceleration[5][joint];
+        let t12 = momentum_rate[1][joint] - t11;
+        let t13 = inertia[4][joint] + inertia[9][joint];
+        let t14 = acceleration[1][joint] * t13;
+        let t15 = t14 + t12;
+        let t16 = inertia[3][joint] * acceleration[3][joint];
+        let t17 = inertia[8][joint] * acceleration[2][joint];
+        let t18 = t17 - t16;
+        let t19 = inertia[5][joint] * acceleration[0][joint];
+        let t20 = t19 + t18;
+        let t21 = t20 - t15;
+        let t22 = inertia[2][joint] * acceleration[3][joint];
+        let t23 = momentum_rate[2][joint] - t22;
+        let t24 = inertia[4][joint] + inertia[7][joint];
+        let t25 = acceleration[2][joint] * t24;
+        let t26 = t25 + t23;
+        let t27 = inertia[1][joint] * acceleration[4][joint];
+        let t28 = inertia[8][joint] * acceleration[1][joint];
+        let t29 = t28 - t27;
+        let t30 = inertia[6][joint] * acceleration[0][joint];
+        let t31 = t30 + t29;
+        let t32 = t31 - t26;
+        let t33 = inertia[3][joint] * acceleration[1][joint];
+        let t34 = inertia[0][joint] * acceleration[3][joint];
+        let t35 = t34 + t33;
+        let t36 = inertia[2][joint] * acceleration[2][joint];
+        let t37 = momentum_rate[3][joint] - t36;
+        let t38 = t37 + t35;
+        force[3][joint] = t38;
+        let t39 = inertia[1][joint] * acceleration[2][joint];
+        let t40 = inertia[0][joint] * acceleration[4][joint];
+        let t41 = t40 + t39;
+        let t42 = inertia[3][joint] * acceleration[0][joint];
+        let t43 = momentum_rate[4][joint] - t42;
+        let t44 = t43 + t41;
+        force[4][joint] = t44;
+        let t45 = inertia[2][joint] * acceleration[0][joint];
+        let t46 = inertia[0][joint] * acceleration[5][joint];
+        let t47 = t46 + t45;
+        let t48 = inertia[1][joint] * acceleration[1][joint];
+        let t49 = momentum_rate[5][joint] - t48;
+        let t50 = t49 + t47;
+        force[5][joint] = t50;
+        let t51 = -t10;
+        force[0][joint] = t51;
+        let t52 = -t21;
+        force[1][joint] = t52;
+        let t53 = -t32;
+        force[2][joint] = t53;
+    }
+}
+
+/// How each joint disturbs the bodies beyond it, and what that asks of the joints before it.
+#[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
+#[allow(
+    clippy::too_many_arguments,
+    reason = "blocks of fixed size need no type of their own"
+)]
+fn disturbances(
+    screws: &[[f64; 8]; 6],
+    screw_rate: &[[f64; 8]; 6],
+    velocity: &[[f64; 8]; 6],
+    acceleration: &[[f64; 8]; 6],
+    composite_inertia: &[[f64; 8]; 10],
+    composite_flow: &[[f64; 8]; 12],
+    composite_force: &[[f64; 8]; 6],
+    joint_forces: &[[f64; 8]; 3],
+    gains: &mut [[f64; 8]; 9],
+    by_coordinate: &mut [[f64; 8]; 9],
+    by_velocity: &mut [[f64; 8]; 9],
+    stiffness: &mut [[f64; 8]; 6],
+    damping: &mut [[f64; 8]; 6],
+    own_stiffness: &mut [[f64; 8]; 1],
+    own_damping: &mut [[f64; 8]; 1],
+) {
+    for joint in 0..8 {
+        by_coordinate[0][joint] = screw_rate[0][joint];
+        by_coordinate[1][joint] = screw_rate[1][joint];
+        by_coordinate[2][joint] = screw_rate[2][joint];
+        by_velocity[0][joint] = screws[0][joint];
+        by_velocity[1][joint] = screws[1][joint];
+        by_velocity[2][joint] = screws[2][joint];
+        let t0 = screws[2][joint] * composite_flow[9][joint];
+        let t1 = screws[1][joint] * composite_flow[6][joint];
+        let t2 = t1 + t0;
+        let t3 = screws[4][joint] * composite_flow[2][joint];
+        let t4 = screws[5][joint] * composite_flow[1][joint];
+        let t5 = t4 - t3;
+        let t6 = t5 - t2;
+        let t7 = composite_flow[7][joint] + composite_flow[11][joint];
+        let t8 = screws[0][joint] * t7;
+        let t9 = t8 + t6;
+        gains[0][joint] = t9;
+        let t10 = screws[2][joint] * composite_flow[10][joint];
+        let t11 = screws[0][joint] * composite_flow[4][joint];
+        let t12 = t11 + t10;
+        let t13 = screws[5][joint] * composite_flow[0][joint];
+        let t14 = screws[3][joint] * composite_flow[2][joint];
+        let t15 = t14 - t13;
+        let t16 = t15 - t12;
+        let t17 = composite_flow[3][joint] + composite_flow[11][joint];
+        let t18 = screws[1][joint] * t17;
+        let t19 = t18 + t16;
+        gains[1][joint] = t19;
+        let t20 = screws[3][joint] * composite_flow[1][joint];
+        let t21 = screws[4][joint] * composite_flow[0][joint];
+        let t22 = t21 - t20;
+        let t23 = screws[1][joint] * composite_flow[8][joint];
+        let t24 = screws[0][joint] * composite_flow[5][joint];
+        let t25 = t24 + t23;
+        let t26 = t25 - t22;
+        let t27 = composite_flow[3][joint] + composite_flow[7][joint];
+        let t28 = screws[2][joint] * t27;
+        let t29 = t28 - t26;
+        gains[2][joint] = t29;
+        let t30 = screws[2][joint] * composite_inertia[6][joint];
+        let t31 = screws[1][joint] * composite_inertia[5][joint];
+        let t32 = t31 + t30;
+        let t33 = screws[4][joint] * composite_inertia[3][joint];
+        let t34 = screws[5][joint] * composite_inertia[2][joint];
+        let t35 = t34 - t33;
+        let t36 = t35 - t32;
+        let t37 = composite_inertia[7][joint] + composite_inertia[9][joint];
+        let t38 = screws[0][joint] * t37;
+        let t39 = t38 + t36;
+        gains[3][joint] = t39;
+        let t40 = screws[2][joint] * composite_inertia[8][joint];
+        let t41 = screws[0][joint] * composite_inertia[5][joint];
+        let t42 = t41 + t40;
+        let t43 = screws[5][joint] * composite_inertia[1][joint];
+        let t44 = screws[3][joint] * composite_inertia[3][joint];
+        let t45 = t44 - t43;
+        let t46 = t45 - t42;
+        let t47 = composite_inertia[4][joint] + composite_inertia[9][joint];
+        let t48 = screws[1][joint] * t47;
+        let t49 = t48 + t46;
+        gains[4][joint] = t49;
+        let t50 = screws[1][joint] * composite_inertia[8][joint];
+        let t51 = screws[0][joint] * composite_inertia[6][joint];
+        let t52 = t51 + t50;
+        let t53 = screws[3][joint] * composite_inertia[2][joint];
+        let t54 = screws[4][joint] * composite_inertia[1][joint];
+        let t55 = t54 - t53;
+        let t56 = t55 - t52;
+        let t57 = composite_inertia[4][joint] + composite_inertia[7][joint];
+        let t58 = screws[2][joint] * t57;
+        let t59 = t58 + t56;
+        gains[5][joint] = t59;
+        let t60 = screws[2][joint] * composite_inertia[2][joint];
+        let t61 = screws[1][joint] * composite_inertia[3][joint];
+        let t62 = t61 - t60;
+        let t63 = screws[3][joint] * composite_inertia[0][joint];
+        let t64 = t63 + t62;
+        gains[6][joint] = t64;
+        let t65 = screws[0][joint] * composite_inertia[3][joint];
+        let t66 = screws[2][joint] * composite_inertia[1][joint];
+        let t67 = t66 - t65;
+        let t68 = screws[4][joint] * composite_inertia[0][joint];
+        let t69 = t68 + t67;
+        gains[7][joint] = t69;
+        let t70 = screws[1][joint] * composite_inertia[1][joint];
+        let t71 = screws[0][joint] * composite_inertia[2][joint];
+        let t72 = t71 - t70;
+        let t73 = screws[5][joint] * composite_inertia[0][joint];
+        let t74 = t73 + t72;
+        gains[8][joint] = t74;
+        let t75 = screw_rate[1][joint] * velocity[2][joint];
+        let t76 = screw_rate[2][joint] * velocity[1][joint];
+        let t77 = t76 - t75;
+        let t78 = screws[1][joint] * acceleration[2][joint];
+        let t79 = screws[2][joint] * acceleration[1][joint];
+        let t80 = t79 - t78;
+        let t81 = t80 + t77;
+        by_coordinate[3][joint] = t81;
+        let t82 = screw_rate[2][joint] * velocity[0][joint];
+        let t83 = screw_rate[0][joint] * velocity[2][joint];
+        let t84 = t83 - t82;
+        let t85 = screws[2][joint] * acceleration[0][joint];
+        let t86 = screws[0][joint] * acceleration[2][joint];
+        let t87 = t86 - t85;
+        let t88 = t87 + t84;
+        by_coordinate[4][joint] = t88;
+        let t89 = screw_rate[0][joint] * velocity[1][joint];
+        let t90 = screw_rate[1][joint] * velocity[0][joint];
+        let t91 = t90 - t89;
+        let t92 = screws[0][joint] * acceleration[1][joint];
+        let t93 = screws[1][joint] * acceleration[0][joint];
+        let t94 = t93 - t92;
+        let t95 = t94 + t91;
+        by_coordinate[5][joint] = t95;
+        let t96 = screw_rate[1][joint] * velocity[5][joint];
+        let t97 = screw_rate[2][joint] * velocity[4][joint];
+        let t98 = t97 - t96;
+        let t99 = screw_rate[4][joint] * velocity[2][joint];
+        let t100 = screw_rate[5][joint] * velocity[1][joint];
+        let t101 = t100 - t99;
+        let t102 = t101 + t98;
+        let t103 = screws[1][joint] * acceleration[5][joint];
+        let t104 = screws[2][joint] * acceleration[4][joint];
+        let t105 = t104 - t103;
+        let t106 = screws[4][joint] * acceleration[2][joint];
+        let t107 = screws[5][joint] * acceleration[1][joint];
+        let t108 = t107 - t106;
+        let t109 = t108 + t105;
+        let t110 = t109 + t102;
+        by_coordinate[6][joint] = t110;
+        let t111 = screw_rate[2][joint] * velocity[3][joint];
+        let t112 = screw_rate[0][joint] * velocity[5][joint];
+        let t113 = t112 - t111;
+        let t114 = screw_rate[5][joint] * velocity[0][joint];
+        let t115 = screw_rate[3][joint] * velocity[2][joint];
+        let t116 = t115 - t114;
+        let t117 = t116 + t113;
+        let t118 = screws[2][joint] * acceleration[3][joint];
+        let t119 = screws[0][joint] * acceleration[5][joint];
+        let t120 = t119 - t118;
+        let t121 = screws[5][joint] * acceleration[0][joint];
+        let t122 = screws[3][joint] * acceleration[2][joint];
+        let t123 = t122 - t121;
+        let t124 = t123 + t120;
+        let t125 = t124 + t117;
+        by_coordinate[7][joint] = t125;
+        let t126 = screw_rate[0][joint] * velocity[4][joint];
+        let t127 = screw_rate[1][joint] * velocity[3][joint];
+        let t128 = t127 - t126;
+        let t129 = screw_rate[3][joint] * velocity[1][joint];
+        let t130 = screw_rate[4][joint] * velocity[0][joint];
+        let t131 = t130 - t129;
+        let t132 = t131 + t128;
+        let t133 = screws[0][joint] * acceleration[4][joint];
+        let t134 = screws[1][joint] * acceleration[3][joint];
+        let t135 = t134 - t133;
+        let t136 = screws[3][joint] * acceleration[1][joint];
+        let t137 = screws[4][joint] * acceleration[0][joint];
+        let t138 = t137 - t136;
+        let t139 = t138 + t135;
+        let t140 = t139 + t132;
+        by_coordinate[8][joint] = t140;
+        let t141 = screw_rate[0][joint] * 2.0;
+        by_velocity[3][joint] = t141;
+        let t142 = screw_rate[1][joint] * 2.0;
+        by_velocity[4][joint] = t142;
+        let t143 = screw_rate[2][joint] * 2.0;
+        by_velocity[5][joint] = t143;
+        let t144 = screw_rate[3][joint] * 2.0;
+        by_velocity[6][joint] = t144;
+        let t145 = screw_rate[4][joint] * 2.0;
+        by_velocity[7][joint] = t145;
+        let t146 = screw_rate[5][joint] * 2.0;
+        by_velocity[8][joint] = t146;
+        let t147 = composite_inertia[6][joint] * t95;
+        let t148 = screw_rate[2][joint] * composite_flow[5][joint];
+        let t149 = screw_rate[1][joint] * composite_flow[4][joint];
+        let t150 = t149 + t148;
+        let t151 = screw_rate[0][joint] * t7;
+        let t152 = t151 - t150;
+        let t153 = t147 - t152;
+        let t154 = composite_inertia[5][joint] * t88;
+        let t155 = t81 * t37;
+        let t156 = t155 - t154;
+        let t157 = t156 - t153;
+        let t158 = composite_inertia[3][joint] * t125;
+        let t159 = composite_inertia[2][joint] * t140;
+        let t160 = t159 - t158;
+        let t161 = t160 + t157;
+        let t162 = screws[5][joint] * composite_force[4][joint];
+        let t163 = screws[4][joint] * composite_force[5][joint];
+        let t164 = t163 - t162;
+        let t165 = screws[2][joint] * composite_force[1][joint];
+        let t166 = screws[1][joint] * composite_force[2][joint];
+        let t167 = t166 - t165;
+        let t168 = t167 + t164;
+        let t169 = t168 + t161;
+        stiffness[0][joint] = t169;
+        let t170 = composite_inertia[8][joint] * t95;
+        let t171 = screw_rate[2][joint] * composite_flow[8][joint];
+        let t172 = screw_rate[0][joint] * composite_flow[6][joint];
+        let t173 = t172 + t171;
+        let t174 = screw_rate[1][joint] * t17;
+        let t175 = t174 - t173;
+        let t176 = t170 - t175;
+        let t177 = composite_inertia[5][joint] * t81;
+        let t178 = t88 * t47;
+        let t179 = t178 - t177;
+        let t180 = t179 - t176;
+        let t181 = composite_inertia[1][joint] * t140;
+        let t182 = composite_inertia[3][joint] * t110;
+        let t183 = t182 - t181;
+        let t184 = t183 + t180;
+        let t185 = screws[3][joint] * composite_force[5][joint];
+        let t186 = screws[5][joint] * composite_force[3][joint];
+        let t187 = t186 - t185;
+        let t188 = screws[0][joint] * composite_force[2][joint];
+        let t189 = screws[2][joint] * composite_force[0][joint];
+        let t190 = t189 - t188;
+        let t191 = t190 + t187;
+        let t192 = t191 + t184;
+        stiffness[1][joint] = t192;
+        let t193 = composite_inertia[8][joint] * t88;
+        let t194 = screw_rate[2][joint] * t27;
+        let t195 = screw_rate[1][joint] * composite_flow[10][joint];
+        let t196 = screw_rate[0][joint] * composite_flow[9][joint];
+        let t197 = t196 + t195;
+        let t198 = t197 - t194;
+        let t199 = t198 + t193;
+        let t200 = composite_inertia[6][joint] * t81;
+        let t201 = t95 * t57;
+        let t202 = t201 - t200;
+        let t203 = t202 - t199;
+        let t204 = composite_inertia[2][joint] * t110;
+        let t205 = composite_inertia[1][joint] * t125;
+        let t206 = t205 - t204;
+        let t207 = t206 + t203;
+        let t208 = screws[4][joint] * composite_force[3][joint];
+        let t209 = screws[3][joint] * composite_force[4][joint];
+        let t210 = t209 - t208;
+        let t211 = screws[1][joint] * composite_force[0][joint];
+        let t212 = screws[0][joint] * composite_force[1][joint];
+        let t213 = t212 - t211;
+        let t214 = t213 + t210;
+        let t215 = t214 + t207;
+        stiffness[2][joint] = t215;
+        let t216 = composite_inertia[2][joint] * t95;
+        let t217 = screw_rate[2][joint] * composite_flow[1][joint];
+        let t218 = screw_rate[1][joint] * composite_flow[2][joint];
+        let t219 = t218 - t217;
+        let t220 = t219 - t216;
+        let t221 = composite_inertia[3][joint] * t88;
+        let t222 = t221 + t220;
+        let t223 = composite_inertia[0][joint] * t110;
+        let t224 = t223 + t222;
+        let t225 = screws[2][joint] * composite_force[4][joint];
+        let t226 = screws[1][joint] * composite_force[5][joint];
+        let t227 = t226 - t225;
+        let t228 = t227 + t224;
+        stiffness[3][joint] = t228;
+        let t229 = composite_inertia[3][joint] * t81;
+        let t230 = screw_rate[0][joint] * composite_flow[2][joint];
+        let t231 = screw_rate[2][joint] * composite_flow[0][joint];
+        let t232 = t231 - t230;
+        let t233 = t232 - t229;
+        let t234 = composite_inertia[1][joint] * t95;
+        let t235 = t234 + t233;
+        let t236 = composite_inertia[0][joint] * t125;
+        let t237 = t236 + t235;
+        let t238 = screws[0][joint] * composite_force[5][joint];
+        let t239 = screws[2][joint] * composite_force[3][joint];
+        let t240 = t239 - t238;
+        let t241 = t240 + t237;
+        stiffness[4][joint] = t241;
+        let t242 = composite_inertia[1][joint] * t88;
+        let t243 = screw_rate[1][joint] * composite_flow[0][joint];
+        let t244 = screw_rate[0][joint] * composite_flow[1][joint];
+        let t245 = t244 - t243;
+        let t246 = t245 - t242;
+        let t247 = composite_inertia[2][joint] * t81;
+        let t248 = t247 + t246;
+        let t249 = composite_inertia[0][joint] * t140;
+        let t250 = t249 + t248;
+        let t251 = screws[1][joint] * composite_force[3][joint];
+        let t252 = screws[0][joint] * composite_force[4][joint];
+        let t253 = t252 - t251;
+        let t254 = t253 + t250;
+        stiffness[5][joint] = t254;
+        let t255 = composite_inertia[2][joint] * t146;
+        let t256 = composite_inertia[6][joint] * t143;
+        let t257 = t256 - t255;
+        let t258 = screws[2][joint] * composite_flow[5][joint];
+        let t259 = screws[1][joint] * composite_flow[4][joint];
+        let t260 = t259 + t258;
+        let t261 = composite_inertia[3][joint] * t145;
+        let t262 = t261 + t260;
+        let t263 = t262 + t257;
+        let t264 = composite_inertia[5][joint] * t142;
+        let t265 = t141 * t37;
+        let t266 = t265 - t264;
+        let t267 = t8 + t266;
+        let t268 = t267 - t263;
+        damping[0][joint] = t268;
+        let t269 = composite_inertia[3][joint] * t144;
+        let t270 = composite_inertia[8][joint] * t143;
+        let t271 = t270 - t269;
+        let t272 = screws[2][joint] * composite_flow[8][joint];
+        let t273 = screws[0][joint] * composite_flow[6][joint];
+        let t274 = t273 + t272;
+        let t275 = composite_inertia[1][joint] * t146;
+        let t276 = t275 + t274;
+        let t277 = t276 + t271;
+        let t278 = composite_inertia[5][joint] * t141;
+        let t279 = t142 * t47;
+        let t280 = t279 - t278;
+        let t281 = t18 + t280;
+        let t282 = t281 - t277;
+        damping[1][joint] = t282;
+        let t283 = composite_inertia[1][joint] * t145;
+        let t284 = composite_inertia[8][joint] * t142;
+        let t285 = t284 - t283;
+        let t286 = composite_inertia[2][joint] * t144;
+        let t287 = screws[1][joint] * composite_flow[10][joint];
+        let t288 = screws[0][joint] * composite_flow[9][joint];
+        let t289 = t288 + t287;
+        let t290 = t289 + t286;
+        let t291 = t290 + t285;
+        let t292 = composite_inertia[6][joint] * t141;
+        let t293 = t143 * t57;
+        let t294 = t293 - t292;
+        let t295 = t28 + t294;
+        let t296 = t295 - t291;
+        damping[2][joint] = t296;
+        let t297 = composite_inertia[3][joint] * t142;
+        let t298 = composite_inertia[0][joint] * t144;
+        let t299 = t298 + t297;
+        let t300 = composite_inertia[2][joint] * t143;
+        let t301 = screws[2][joint] * composite_flow[1][joint];
+        let t302 = screws[1][joint] * composite_flow[2][joint];
+        let t303 = t302 - t301;
+        let t304 = t303 - t300;
+        let t305 = t304 + t299;
+        damping[3][joint] = t305;
+        let t306 = composite_inertia[1][joint] * t143;
+        let t307 = composite_inertia[0][joint] * t145;
+        let t308 = t307 + t306;
+        let t309 = composite_inertia[3][joint] * t141;
+        let t310 = screws[0][joint] * composite_flow[2][joint];
+        let t311 = screws[2][joint] * composite_flow[0][joint];
+        let t312 = t311 - t310;
+        let t313 = t312 - t309;
+        let t314 = t313 + t308;
+        damping[4][joint] = t314;
+        let t315 = composite_inertia[2][joint] * t141;
+        let t316 = composite_inertia[0][joint] * t146;
+        let t317 = t316 + t315;
+        let t318 = composite_inertia[1][joint] * t142;
+        let t319 = screws[1][joint] * composite_flow[0][joint];
+        let t320 = screws[0][joint] * composite_flow[1][joint];
+        let t321 = t320 - t319;
+        let t322 = t321 - t318;
+        let t323 = t322 + t317;
+        damping[5][joint] = t323;
+        let t324 = screws[4][joint] * t237;
+        let t325 = screws[3][joint] * t224;
+        let t326 = t325 + t324;
+        let t327 = screws[5][joint] * t250;
+        let t328 = joint_forces[0][joint] - t327;
+        let t329 = t328 - t326;
+        let t330 = screws[2][joint] * t207;
+        let t331 = screws[1][joint] * t184;
+        let t332 = t331 + t330;
+        let t333 = screws[0][joint] * t161;
+        let t334 = t333 + t332;
+        let t335 = t334 - t329;
+        own_stiffness[0][joint] = t335;
+        let t336 = screws[2][joint] * t296;
+        let t337 = screws[1][joint] * t282;
+        let t338 = t337 + t336;
+        let t339 = screws[0][joint] * t268;
+        let t340 = t339 + t338;
+        let t341 = screws[4][joint] * t314;
+        let t342 = screws[3][joint] * t305;
+        let t343 = t342 + t341;
+        let t344 = screws[5][joint] * t323;
+        let t345 = joint_forces[1][joint] - t344;
+        let t346 = t345 - t343;
+        let t347 = t346 - t340;
+        let t348 = -t347;
+        own_damping[0][joint] = t348;
+    }
+}
+
+/// How each joint disturbs the bodies beyond it, and what that asks of the joints before it.
+#[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
+#[allow(
+    clippy::too_many_arguments,
+    reason = "blocks of fixed size need no type of their own"
+)]
+fn disturbances_2(
+    screws: &[[f64; 8]; 6],
+    screw_rate: &[[f64; 8]; 6],
+    velocity: &[[f64; 8]; 6],
+    total_acceleration: &[[f64; 8]; 6],
+    composite_inertia: &[[f64; 8]; 10],
+    composite_flow: &[[f64; 8]; 12],
+    composite_force: &[[f64; 8]; 6],
+    joint_forces: &[[f64; 8]; 3],
+    gains: &mut [[f64; 8]; 9],
+    by_coordinate: &mut [[f64; 8]; 9],
+    by_velocity: &mut [[f64; 8]; 9],
+    stiffness: &mut [[f64; 8]; 6],
+    damping: &mut [[f64; 8]; 6],
+    own_stiffness: &mut [[f64; 8]; 1],
+    own_damping: &mut [[f64; 8]; 1],
+) {
+    for joint in 0..8 {
+        by_coordinate[0][joint] = screw_rate[0][joint];
+        by_coordinate[1][joint] = screw_rate[1][joint];
+        by_coordinate[2][joint] = screw_rate[2][joint];
+        by_velocity[0][joint] = screws[0][joint];
+        by_velocity[1][joint] = screws[1][joint];
+        by_velocity[2][joint] = screws[2][joint];
+        let t0 = screws[2][joint] * composite_flow[9][joint];
+        let t1 = screws[1][joint] * composite_flow[6][joint];
+        let t2 = t1 + t0;
+        let t3 = screws[4][joint] * composite_flow[2][joint];
+        let t4 = screws[5][joint] * composite_flow[1][joint];
+        let t5 = t4 - t3;
+        let t6 = t5 - t2;
+        let t7 = composite_flow[7][joint] + composite_flow[11][joint];
+        let t8 = screws[0][joint] * t7;
+        let t9 = t8 + t6;
+        gains[0][joint] = t9;
+        let t10 = screws[2][joint] * composite_flow[10][joint];
+        let t11 = screws[0][joint] * composite_flow[4][joint];
+        let t12 = t11 + t10;
+        let t13 = screws[5][joint] * composite_flow[0][joint];
+        let t14 = screws[3][joint] * composite_flow[2][joint];
+        let t15 = t14 - t13;
+        let t16 = t15 - t12;
+        let t17 = composite_flow[3][joint] + composite_flow[11][joint];
+        let t18 = screws[1][joint] * t17;
+        let t19 = t18 + t16;
+        gains[1][joint] = t19;
+        let t20 = screws[3][joint] * composite_flow[1][joint];
+        let t21 = screws[4][joint] * composite_flow[0][joint];
+        let t22 = t21 - t20;
+        let t23 = screws[1][joint] * composite_flow[8][joint];
+        let t24 = screws[0][joint] * composite_flow[5][joint];
+        let t25 = t24 + t23;
+        let t26 = t25 - t22;
+        let t27 = composite_flow[3][joint] + composite_flow[7][joint];
+        let t28 = screws[2][joint] * t27;
+        let t29 = t28 - t26;
+        gains[2][joint] = t29;
+        let t30 = screws[2][joint] * composite_inertia[6][joint];
+        let t31 = screws[1][joint] * composite_inertia[5][joint];
+        let t32 = t31 + t30;
+        let t33 = screws[4][joint] * composite_inertia[3][joint];
+        let t34 = screws[5][joint] * composite_inertia[2][joint];
+        let t35 = t34 - t33;
+        let t36 = t35 - t32;
+        let t37 = composite_inertia[7][joint] + composite_inertia[9][joint];
+        let t38 = screws[0][joint] * t37;
+        let t39 = t38 + t36;
+        gains[3][joint] = t39;
+        let t40 = screws[2][joint] * composite_inertia[8][joint];
+        let t41 = screws[0][joint] * composite_inertia[5][joint];
+        let t42 = t41 + t40;
+        let t43 = screws[5][joint] * composite_inertia[1][joint];
+        let t44 = screws[3][joint] * composite_inertia[3][joint];
+        let t45 = t44 - t43;
+        let t46 = t45 - t42;
+        let t47 = composite_inertia[4][joint] + composite_inertia[9][joint];
+        let t48 = screws[1][joint] * t47;
+        let t49 = t48 + t46;
+        gains[4][joint] = t49;
+        let t50 = screws[1][joint] * composite_inertia[8][joint];
+        let t51 = screws[0][joint] * composite_inertia[6][joint];
+        let t52 = t51 + t50;
+        let t53 = screws[3][joint] * composite_inertia[2][joint];
+        let t54 = screws[4][joint] * composite_inertia[1][joint];
+        let t55 = t54 - t53;
+        let t56 = t55 - t52;
+        let t57 = composite_inertia[4][joint] + composite_inertia[7][joint];
+        let t58 = screws[2][joint] * t57;
+        let t59 = t58 + t56;
+        gains[5][joint] = t59;
+        let t60 = screws[2][joint] * composite_inertia[2][joint];
+        let t61 = screws[1][joint] * composite_inertia[3][joint];
+        let t62 = t61 - t60;
+        let t63 = screws[3][joint] * composite_inertia[0][joint];
+        let t64 = t63 + t62;
+        gains[6][joint] = t64;
+        let t65 = screws[0][joint] * composite_inertia[3][joint];
+        let t66 = screws[2][joint] * composite_inertia[1][joint];
+        let t67 = t66 - t65;
+        let t68 = screws[4][joint] * composite_inertia[0][joint];
+        let t69 = t68 + t67;
+        gains[7][joint] = t69;
+        let t70 = screws[1][joint] * composite_inertia[1][joint];
+        let t71 = screws[0][joint] * composite_inertia[2][joint];
+        let t72 = t71 - t70;
+        let t73 = screws[5][joint] * composite_inertia[0][joint];
+        let t74 = t73 + t72;
+        gains[8][joint] = t74;
+        let t75 = screw_rate[1][joint] * velocity[2][joint];
+        let t76 = screw_rate[2][joint] * velocity[1][joint];
+        let t77 = t76 - t75;
+        let t78 = screws[1][joint] * total_acceleration[2][joint];
+        let t79 = screws[2][joint] * total_acceleration[1][joint];
+        let t80 = t79 - t78;
+        let t81 = t80 + t77;
+        by_coordinate[3][joint] = t81;
+        let t82 = screw_rate[2][joint] * velocity[0][joint];
+        let t83 = screw_rate[0][joint] * velocity[2][joint];
+        let t84 = t83 - t82;
+        let t85 = screws[2][joint] * total_acceleration[0][joint];
+        let t86 = screws[0][joint] * total_acceleration[2][joint];
+        let t87 = t86 - t85;
+        let t88 = t87 + t84;
+        by_coordinate[4][joint] = t88;
+        let t89 = screw_rate[0][joint] * velocity[1][joint];
+        let t90 = screw_rate[1][joint] * velocity[0][joint];
+        let t91 = t90 - t89;
+        let t92 = screws[0][joint] * total_acceleration[1][joint];
+        let t93 = screws[1][joint] * total_acceleration[0][joint];
+        let t94 = t93 - t92;
+        let t95 = t94 + t91;
+        by_coordinate[5][joint] = t95;
+        let t96 = screw_rate[1][joint] * velocity[5][joint];
+        let t97 = screw_rate[2][joint] * velocity[4][joint];
+        let t98 = t97 - t96;
+        let t99 = screw_rate[4][joint] * velocity[2][joint];
+        let t100 = screw_rate[5][joint] * velocity[1][joint];
+        let t101 = t100 - t99;
+        let t102 = t101 + t98;
+        let t103 = screws[1][joint] * total_acceleration[5][joint];
+        let t104 = screws[2][joint] * total_acceleration[4][joint];
+        let t105 = t104 - t103;
+        let t106 = screws[4][joint] * total_acceleration[2][joint];
+        let t107 = screws[5][joint] * total_acceleration[1][joint];
+        let t108 = t107 - t106;
+        let t109 = t108 + t105;
+        let t110 = t109 + t102;
+        by_coordinate[6][joint] = t110;
+        let t111 = screw_rate[2][joint] * velocity[3][joint];
+        let t112 = screw_rate[0][joint] * velocity[5][joint];
+        let t113 = t112 - t111;
+        let t114 = screw_rate[5][joint] * velocity[0][joint];
+        let t115 = screw_rate[3][joint] * velocity[2][joint];
+        let t116 = t115 - t114;
+        let t117 = t116 + t113;
+        let t118 = screws[2][joint] * total_acceleration[3][joint];
+        let t119 = screws[0][joint] * total_acceleration[5][joint];
+        let t120 = t119 - t118;
+        let t121 = screws[5][joint] * total_acceleration[0][joint];
+        let t122 = screws[3][joint] * total_acceleration[2][joint];
+        let t123 = t122 - t121;
+        let t124 = t123 + t120;
+        let t125 = t124 + t117;
+        by_coordinate[7][joint] = t125;
+        let t126 = screw_rate[0][joint] * velocity[4][joint];
+        let t127 = screw_rate[1][joint] * velocity[3][joint];
+        let t128 = t127 - t126;
+        let t129 = screw_rate[3][joint] * velocity[1][joint];
+        let t130 = screw_rate[4][joint] * velocity[0][joint];
+        let t131 = t130 - t129;
+        let t132 = t131 + t128;
+        let t133 = screws[0][joint] * total_acceleration[4][joint];
+        let t134 = screws[1][joint] * total_acceleration[3][joint];
+        let t135 = t134 - t133;
+        let t136 = screws[3][joint] * total_acceleration[1][joint];
+        let t137 = screws[4][joint] * total_acceleration[0][joint];
+        let t138 = t137 - t136;
+        let t139 = t138 + t135;
+        let t140 = t139 + t132;
+        by_coordinate[8][joint] = t140;
+        let t141 = screw_rate[0][joint] * 2.0;
+        by_velocity[3][joint] = t141;
+        let t142 = screw_rate[1][joint] * 2.0;
+        by_velocity[4][joint] = t142;
+        let t143 = screw_rate[2][joint] * 2.0;
+        by_velocity[5][joint] = t143;
+        let t144 = screw_rate[3][joint] * 2.0;
+        by_velocity[6][joint] = t144;
+        let t145 = screw_rate[4][joint] * 2.0;
+        by_velocity[7][joint] = t145;
+        let t146 = screw_rate[5][joint] * 2.0;
+        by_velocity[8][joint] = t146;
+        let t147 = composite_inertia[6][joint] * t95;
+        let t148 = screw_rate[2][joint] * composite_flow[5][joint];
+        let t149 = screw_rate[1][joint] * composite_flow[4][joint];
+        let t150 = t149 + t148;
+        let t151 = screw_rate[0][joint] * t7;
+        let t152 = t151 - t150;
+        let t153 = t147 - t152;
+        let t154 = composite_inertia[5][joint] * t88;
+        let t155 = t81 * t37;
+        let t156 = t155 - t154;
+        let t157 = t156 - t153;
+        let t158 = composite_inertia[3][joint] * t125;
+        let t159 = composite_inertia[2][joint] * t140;
+        let t160 = t159 - t158;
+        let t161 = t160 + t157;
+        let t162 = screws[5][joint] * composite_force[4][joint];
+        let t163 = screws[4][joint] * composite_force[5][joint];
+        let t164 = t163 - t162;
+        let t165 = screws[2][joint] * composite_force[1][joint];
+        let t166 = screws[1][joint] * composite_force[2][joint];
+        let t167 = t166 - t165;
+        let t168 = t167 + t164;
+        let t169 = t168 + t161;
+        stiffness[0][joint] = t169;
+        let t170 = composite_inertia[8][joint] * t95;
+        let t171 = screw_rate[2][joint] * composite_flow[8][joint];
+        let t172 = screw_rate[0][joint] * composite_flow[6][joint];
+        let t173 = t172 + t171;
+        let t174 = screw_rate[1][joint] * t17;
+        let t175 = t174 - t173;
+        let t176 = t170 - t175;
+        let t177 = composite_inertia[5][joint] * t81;
+        let t178 = t88 * t47;
+        let t179 = t178 - t177;
+        let t180 = t179 - t176;
+        let t181 = composite_inertia[1][joint] * t140;
+        let t182 = composite_inertia[3][joint] * t110;
+        let t183 = t182 - t181;
+        let t184 = t183 + t180;
+        let t185 = screws[3][joint] * composite_force[5][joint];
+        let t186 = screws[5][joint] * composite_force[3][joint];
+        let t187 = t186 - t185;
+        let t188 = screws[0][joint] * composite_force[2][joint];
+        let t189 = screws[2][joint] * composite_force[0][joint];
+        let t190 = t189 - t188;
+        let t191 = t190 + t187;
+        let t192 = t191 + t184;
+        stiffness[1][joint] = t192;
+        let t193 = composite_inertia[8][joint] * t88;
+        let t194 = screw_rate[2][joint] * t27;
+        let t195 = screw_rate[1][joint] * composite_flow[10][joint];
+        let t196 = screw_rate[0][joint] * composite_flow[9][joint];
+        let t197 = t196 + t195;
+        let t198 = t197 - t194;
+        let t199 = t198 + t193;
+        let t200 = composite_inertia[6][joint] * t81;
+        let t201 = t95 * t57;
+        let t202 = t201 - t200;
+        let t203 = t202 - t199;
+        let t204 = composite_inertia[2][joint] * t110;
+        let t205 = composite_inertia[1][joint] * t125;
+        let t206 = t205 - t204;
+        let t207 = t206 + t203;
+        let t208 = screws[4][joint] * composite_force[3][joint];
+        let t209 = screws[3][joint] * composite_force[4][joint];
+        let t210 = t209 - t208;
+        let t211 = screws[1][joint] * composite_force[0][joint];
+        let t212 = screws[0][joint] * composite_force[1][joint];
+        let t213 = t212 - t211;
+        let t214 = t213 + t210;
+        let t215 = t214 + t207;
+        stiffness[2][joint] = t215;
+        let t216 = composite_inertia[2][joint] * t95;
+        let t217 = screw_rate[2][joint] * composite_flow[1][joint];
+        let t218 = screw_rate[1][joint] * composite_flow[2][joint];
+        let t219 = t218 - t217;
+        let t220 = t219 - t216;
+        let t221 = composite_inertia[3][joint] * t88;
+        let t222 = t221 + t220;
+        let t223 = composite_inertia[0][joint] * t110;
+        let t224 = t223 + t222;
+        let t225 = screws[2][joint] * composite_force[4][joint];
+        let t226 = screws[1][joint] * composite_force[5][joint];
+        let t227 = t226 - t225;
+        let t228 = t227 + t224;
+        stiffness[3][joint] = t228;
+        let t229 = composite_inertia[3][joint] * t81;
+        let t230 = screw_rate[0][joint] * composite_flow[2][joint];
+        let t231 = screw_rate[2][joint] * composite_flow[0][joint];
+        let t232 = t231 - t230;
+        let t233 = t232 - t229;
+        let t234 = composite_inertia[1][joint] * t95;
+        let t235 = t234 + t233;
+        let t236 = composite_inertia[0][joint] * t125;
+        let t237 = t236 + t235;
+        let t238 = screws[0][joint] * composite_force[5][joint];
+        let t239 = screws[2][joint] * composite_force[3][joint];
+        let t240 = t239 - t238;
+        let t241 = t240 + t237;
+        stiffness[4][joint] = t241;
+        let t242 = composite_inertia[1][joint] * t88;
+        let t243 = screw_rate[1][joint] * composite_flow[0][joint];
+        let t244 = screw_rate[0][joint] * composite_flow[1][joint];
+        let t245 = t244 - t243;
+        let t246 = t245 - t242;
+        let t247 = composite_inertia[2][joint] * t81;
+        let t248 = t247 + t246;
+        let t249 = composite_inertia[0][joint] * t140;
+        let t250 = t249 + t248;
+        let t251 = screws[1][joint] * composite_force[3][joint];
+        let t252 = screws[0][joint] * composite_force[4][joint];
+        let t253 = t252 - t251;
+        let t254 = t253 + t250;
+        stiffness[5][joint] = t254;
+        let t255 = composite_inertia[2][joint] * t146;
+        let t256 = composite_inertia[6][joint] * t143;
+        let t257 = t256 - t255;
+        let t258 = screws[2][joint] * composite_flow[5][joint];
+        let t259 = screws[1][joint] * composite_flow[4][joint];
+        let t260 = t259 + t258;
+        let t261 = composite_inertia[3][joint] * t145;
+        let t262 = t261 + t260;
+        let t263 = t262 + t257;
+        let t264 = composite_inertia[5][joint] * t142;
+        let t265 = t141 * t37;
+        let t266 = t265 - t264;
+        let t267 = t8 + t266;
+        let t268 = t267 - t263;
+        damping[0][joint] = t268;
+        let t269 = composite_inertia[3][joint] * t144;
+        let t270 = composite_inertia[8][joint] * t143;
+        let t271 = t270 - t269;
+        let t272 = screws[2][joint] * composite_flow[8][joint];
+        let t273 = screws[0][joint] * composite_flow[6][joint];
+        let t274 = t273 + t272;
+        let t275 = composite_inertia[1][joint] * t146;
+        let t276 = t275 + t274;
+        let t277 = t276 + t271;
+        let t278 = composite_inertia[5][joint] * t141;
+        let t279 = t142 * t47;
+        let t280 = t279 - t278;
+        let t281 = t18 + t280;
+        let t282 = t281 - t277;
+        damping[1][joint] = t282;
+        let t283 = composite_inertia[1][joint] * t145;
+        let t284 = composite_inertia[8][joint] * t142;
+        let t285 = t284 - t283;
+        let t286 = composite_inertia[2][joint] * t144;
+        let t287 = screws[1][joint] * composite_flow[10][joint];
+        let t288 = screws[0][joint] * composite_flow[9][joint];
+        let t289 = t288 + t287;
+        let t290 = t289 + t286;
+        let t291 = t290 + t285;
+        let t292 = composite_inertia[6][joint] * t141;
+        let t293 = t143 * t57;
+        let t294 = t293 - t292;
+        let t295 = t28 + t294;
+        let t296 = t295 - t291;
+        damping[2][joint] = t296;
+        let t297 = composite_inertia[3][joint] * t142;
+        let t298 = composite_inertia[0][joint] * t144;
+        let t299 = t298 + t297;
+        let t300 = composite_inertia[2][joint] * t143;
+        let t301 = screws[2][joint] * composite_flow[1][joint];
+        let t302 = screws[1][joint] * composite_flow[2][joint];
+        let t303 = t302 - t301;
+        let t304 = t303 - t300;
+        let t305 = t304 + t299;
+        damping[3][joint] = t305;
+        let t306 = composite_inertia[1][joint] * t143;
+        let t307 = composite_inertia[0][joint] * t145;
+        let t308 = t307 + t306;
+        let t309 = composite_inertia[3][joint] * t141;
+        let t310 = screws[0][joint] * composite_flow[2][joint];
+        let t311 = screws[2][joint] * composite_flow[0][joint];
+        let t312 = t311 - t310;
+        let t313 = t312 - t309;
+        let t314 = t313 + t308;
+        damping[4][joint] = t314;
+        let t315 = composite_inertia[2][joint] * t141;
+        let t316 = composite_inertia[0][joint] * t146;
+        let t317 = t316 + t315;
+        let t318 = composite_inertia[1][joint] * t142;
+        let t319 = screws[1][joint] * composite_flow[0][joint];
+        let t320 = screws[0][joint] * composite_flow[1][joint];
+        let t321 = t320 - t319;
+        let t322 = t321 - t318;
+        let t323 = t322 + t317;
+        damping[5][joint] = t323;
+        let t324 = screws[4][joint] * t237;
+        let t325 = screws[3][joint] * t224;
+        let t326 = t325 + t324;
+        let t327 = screws[5][joint] * t250;
+        let t328 = joint_forces[0][joint] - t327;
+        let t329 = t328 - t326;
+        let t330 = screws[2][joint] * t207;
+        let t331 = screws[1][joint] * t184;
+        let t332 = t331 + t330;
+        let t333 = screws[0][joint] * t161;
+        let t334 = t333 + t332;
+        let t335 = t334 - t329;
+        own_stiffness[0][joint] = t335;
+        let t336 = screws[2][joint] * t296;
+        let t337 = screws[1][joint] * t282;
+        let t338 = t337 + t336;
+        let t339 = screws[0][joint] * t268;
+        let t340 = t339 + t338;
+        let t341 = screws[4][joint] * t314;
+        let t342 = screws[3][joint] * t305;
+        let t343 = t342 + t341;
+        let t344 = screws[5][joint] * t323;
+        let t345 = joint_forces[1][joint] - t344;
+        let t346 = t345 - t343;
+        let t347 = t346 - t340;
+        let t348 = -t347;
+        own_damping[0][joint] = t348;
+    }
+}
+
+/// Force along each joint, without springs and friction.
+#[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
+fn forces_at_joints(
+    screws: &[[f64; 8]; 6],
+    composite_force: &[[f64; 8]; 6],
+    rotor_inertia: &[[f64; 8]; 1],
+    accelerations: &[[f64; 8]; 1],
+    joint_forces: &[[f64; 8]; 3],
+    forces: &mut [[f64; 8]; 1],
+) {
+    for joint in 0..8 {
+        let t0 = screws[5][joint] * composite_force[5][joint];
+        let t1 = screws[4][joint] * composite_force[4][joint];
+        let t2 = t1 + t0;
+        let t3 = rotor_inertia[0][joint] * accelerations[0][joint];
+        let t4 = joint_forces[2][joint] - t3;
+        let t5 = t4 - t2;
+        let t6 = screws[3][joint] * composite_force[3][joint];
+        let t7 = screws[2][joint] * composite_force[2][joint];
+        let t8 = t7 + t6;
+        let t9 = screws[1][joint] * composite_force[1][joint];
+        let t10 = screws[0][joint] * composite_force[0][joint];
+        let t11 = t10 + t9;
+        let t12 = t11 + t8;
+        let t13 = t12 - t5;
+        forces[0][joint] = t13;
+    }
+}
+
+/// Acceleration that each joint adds.
+#[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
+fn joint_accelerations(
+    screws: &[[f64; 8]; 6],
+    accelerations: &[[f64; 8]; 1],
+    added_joint_acceleration: &mut [[f64; 8]; 6],
+) {
+    for joint in 0..8 {
+        let t0 = screws[0][joint] * accelerations[0][joint];
+        added_joint_acceleration[0][joint] = t0;
+        let t1 = screws[1][joint] * accelerations[0][joint];
+        added_joint_acceleration[1][joint] = t1;
+        let t2 = screws[2][joint] * accelerations[0][joint];
+        added_joint_acceleration[2][joint] = t2;
+        let t3 = screws[3][joint] * accelerations[0][joint];
+        added_joint_acceleration[3][joint] = t3;
+        let t4 = screws[4][joint] * accelerations[0][joint];
+        added_joint_acceleration[4][joint] = t4;
+        let t5 = screws[5][joint] * accelerations[0][joint];
+        added_joint_acceleration[5][joint] = t5;
+    }
+}
+
+/// Velocity that each joint adds.
+#[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
+fn joint_velocities(
+    screws: &[[f64; 8]; 6],
+    rates: &[[f64; 8]; 1],
+    joint_velocity: &mut [[f64; 8]; 6],
+) {
+    for joint in 0..8 {
+        let t0 = screws[0][joint] * rates[0][joint];
+        joint_velocity[0][joint] = t0;
+        let t1 = screws[1][joint] * rates[0][joint];
+        joint_velocity[1][joint] = t1;
+        let t2 = screws[2][joint] * rates[0][joint];
+        joint_velocity[2][joint] = t2;
+        let t3 = screws[3][joint] * rates[0][joint];
+        joint_velocity[3][joint] = t3;
+        let t4 = screws[4][joint] * rates[0][joint];
+        joint_velocity[4][joint] = t4;
+        let t5 = screws[5][joint] * rates[0][joint];
+        joint_velocity[5][joint] = t5;
+    }
+}
+
+/// What of the driving forces is left to accelerate.
+#[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
+fn remaining_forces(
+    screws: &[[f64; 8]; 6],
+    composite_bias: &[[f64; 8]; 6],
+    driving_forces: &[[f64; 8]; 1],
+    remaining_force: &mut [[f64; 8]; 1],
+) {
+    for joint in 0..8 {
+        let t0 = screws[5][joint] * composite_bias[5][joint];
+        let t1 = driving_forces[0][joint] - t0;
+        let t2 = screws[4][joint] * composite_bias[4][joint];
+        let t3 = screws[3][joint] * composite_bias[3][joint];
+        let t4 = t3 + t2;
+        let t5 = t4 - t1;
+        let t6 = screws[2][joint] * composite_bias[2][joint];
+        let t7 = screws[1][joint] * composite_bias[1][joint];
+        let t8 = t7 + t6;
+        let t9 = screws[0][joint] * composite_bias[0][joint];
+        let t10 = t9 + t8;
+        let t11 = t10 + t5;
+        let t12 = -t11;
+        remaining_force[0][joint] = t12;
+    }
+}
+
+/// Adds to each joint those before it on its path to the base.
+fn sum_ancestors<const R: usize>(from: &[[f64; 8]; R], to: &mut [[f64; 8]; R]) {
+    for (from, to) in from.iter().zip(to) {
+        to[0] = from[0];
+        to[1] = from[1] + to[0];
+        to[2] = from[2] + to[1];
+        to[3] = from[3] + to[2];
+        to[4] = from[4] + to[3];
+        to[5] = from[5] + to[4];
+        to[6] = from[6] + to[5];
+    }
+}
+
+/// Adds to each joint all beyond it.
+fn sum_subtrees<const R: usize>(from: &[[f64; 8]; R], to: &mut [[f64; 8]; R]) {
+    for (from, to) in from.iter().zip(to) {
+        *to = *from;
+        to[5] += to[6];
+        to[4] += to[5];
+        to[3] += to[4];
+        to[2] += to[3];
+        to[1] += to[2];
+        to[0] += to[1];
+    }
+}
+
+/// Force of all that each joint carries.
+#[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
+fn total_forces(
+    composite_bias: &[[f64; 8]; 6],
+    composite_added_force: &[[f64; 8]; 6],
+    composite_force: &mut [[f64; 8]; 6],
+) {
+    for joint in 0..8 {
+        let t0 = composite_bias[0][joint] + composite_added_force[0][joint];
+        composite_force[0][joint] = t0;
+        let t1 = composite_bias[1][joint] + composite_added_force[1][joint];
+        composite_force[1][joint] = t1;
+        let t2 = composite_bias[2][joint] + composite_added_force[2][joint];
+        composite_force[2][joint] = t2;
+        let t3 = composite_bias[3][joint] + composite_added_force[3][joint];
+        composite_force[3][joint] = t3;
+        let t4 = composite_bias[4][joint] + composite_added_force[4][joint];
+        composite_force[4][joint] = t4;
+        let t5 = composite_bias[5][joint] + composite_added_force[5][joint];
+        composite_force[5][joint] = t5;
+    }
+}
+
+/// What a unit acceleration of each joint needs.
+#[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
+fn unit_accelerations(
+    screws: &[[f64; 8]; 6],
+    composite_inertia: &[[f64; 8]; 10],
+    rotor_inertia: &[[f64; 8]; 1],
+    unit_force: &mut [[f64; 8]; 6],
+    diagonal: &mut [[f64; 8]; 1],
+) {
+    for joint in 0..8 {
+        let t0 = screws[2][joint] * composite_inertia[6][joint];
+        let t1 = screws[1][joint] * composite_inertia[5][joint];
+        let t2 = t1 + t0;
+        let t3 = screws[4][joint] * composite_inertia[3][joint];
+        let t4 = screws[5][joint] * composite_inertia[2][joint];
+        let t5 = t4 - t3;
+        let t6 = t5 - t2;
+        let t7 = composite_inertia[7][joint] + composite_inertia[9][joint];
+        let t8 = screws[0][joint] * t7;
+        let t9 = t8 + t6;
+        unit_force[0][joint] = t9;
+        let t10 = screws[2][joint] * composite_inertia[8][joint];
+        let t11 = screws[0][joint] * composite_inertia[5][joint];
+        let t12 = t11 + t10;
+        let t13 = screws[5][joint] * composite_inertia[1][joint];
+        let t14 = screws[3][joint] * composite_inertia[3][joint];
+        let t15 = t14 - t13;
+        let t16 = t15 - t12;
+        let t17 = composite_inertia[4][joint] + composite_inertia[9][joint];
+        let t18 = screws[1][joint] * t17;
+        let t19 = t18 + t16;
+        unit_force[1][joint] = t19;
+        let t20 = screws[1][joint] * composite_inertia[8][joint];
+        let t21 = screws[0][joint] * composite_inertia[6][joint];
+        let t22 = t21 + t20;
+        let t23 = screws[3][joint] * composite_inertia[2][joint];
+        let t24 = screws[4][joint] * composite_inertia[1][joint];
+        let t25 = t24 - t23;
+        let t26 = t25 - t22;
+        let t27 = composite_inertia[4][joint] + composite_inertia[7][joint];
+        let t28 = screws[2][joint] * t27;
+        let t29 = t28 + t26;
+        unit_force[2][joint] = t29;
+        let t30 = screws[2][joint] * composite_inertia[2][joint];
+        let t31 = screws[1][joint] * composite_inertia[3][joint];
+        let t32 = t31 - t30;
+        let t33 = screws[3][joint] * composite_inertia[0][joint];
+        let t34 = t33 + t32;
+        unit_force[3][joint] = t34;
+        let t35 = screws[0][joint] * composite_inertia[3][joint];
+        let t36 = screws[2][joint] * composite_inertia[1][joint];
+        let t37 = t36 - t35;
+        let t38 = screws[4][joint] * composite_inertia[0][joint];
+        let t39 = t38 + t37;
+        unit_force[4][joint] = t39;
+        let t40 = screws[1][joint] * composite_inertia[1][joint];
+        let t41 = screws[0][joint] * composite_inertia[2][joint];
+        let t42 = t41 - t40;
+        let t43 = screws[5][joint] * composite_inertia[0][joint];
+        let t44 = t43 + t42;
+        unit_force[5][joint] = t44;
+        let t45 = screws[2][joint] * t29;
+        let t46 = screws[1][joint] * t19;
+        let t47 = t46 + t45;
+        let t48 = screws[0][joint] * t9;
+        let t49 = t48 + t47;
+        let t50 = screws[5][joint] * t44;
+        let t51 = rotor_inertia[0][joint] + t50;
+        let t52 = screws[4][joint] * t39;
+        let t53 = screws[3][joint] * t34;
+        let t54 = t53 + t52;
+        let t55 = t54 + t51;
+        let t56 = t55 + t49;
+        diagonal[0][joint] = t56;
+    }
+}
+
+/// Loops over arrays of joints: R rows of N entries, padded to L, in blocks of K.
+#[allow(clippy::needless_range_loop, reason = "index notation reads like the formulas")]
+mod arrays {
+    /// `sum + a b`
+    #[inline(always)]
+    fn add_product(sum: f64, a: f64, b: f64) -> f64 {
+        sum + a * b
+    }
+
+    /// `Σ by_i[r][i] by_j[r][j]` for K columns j.
+    #[inline(always)]
+    fn products<const L: usize, const K: usize, const R: usize>(
+        (by_i, by_j): (&[[f64; L]; R], &[[f64; L]; R]),
+        i: usize,
+        block: usize,
+    ) -> [f64; K] {
+        let mut sums = [0.0; K];
+        for (r, (by_i, by_j)) in by_i.iter().zip(by_j).enumerate() {
+            let by_j = &by_j.as_chunks::<K>().0[block];
+            for lane in 0..K {
+                sums[lane] = match r {
+                    0 => by_i[i] * by_j[lane],
+                    _ => add_product(sums[lane], by_i[i], by_j[lane]),
+                };
+            }
+        }
+        sums
+    }
+
+    /// A matrix over the pairs of a chain's joints, K columns at a time: `Σ before.0[r][i] before.1[r][j]` for j < i,
+    /// `diagonal[i]`, and `Σ beyond.0[r][i] beyond.1[r][j]` for j > i.
+    #[inline]
+    pub fn pairs<const N: usize, const L: usize, const W: usize, const K: usize, const A: usize, const B: usize>(
+        before: (&[[f64; L]; A], &[[f64; L]; A]),
+        beyond: (&[[f64; L]; B], &[[f64; L]; B]),
+        diagonal: &[[f64; L]; 1],
+        to: &mut [[f64; W]; N],
+    ) {
+        for (i, to) in to.iter_mut().enumerate() {
+            let mut row = [0.0; L];
+            for (block, row) in row.as_chunks_mut::<K>().0.iter_mut().enumerate() {
+                if block * K < i {
+                    *row = products::<L, K, A>(before, i, block);
+                }
+                if (block + 1) * K > i {
+                    let beyond = products::<L, K, B>(beyond, i, block);
+                    for lane in 0..K {
+                        let j = block * K + lane;
+                        let other = if j > i { beyond[lane] } else { diagonal[0][i] };
+                        row[lane] = if j < i { row[lane] } else { other };
+                    }
+                }
+            }
+            to.copy_from_slice(row.split_at(W).0);
+        }
+    }
+
+    /// Inverse of a symmetric positive definite matrix in place, by Gauss and Jordan without pivots. From the leaves to the
+    /// base, only joints on one path meet.
+    ///
+    /// Single entries are chosen within the loops: one that is stored alone would delay the row that is read next.
+    #[inline]
+    pub fn invert<const N: usize, const L: usize>(
+        matrix: &mut [[f64; L]; N],
+        order: impl DoubleEndedIterator<Item = usize>,
+        meet: impl Fn(usize, usize) -> bool,
+    ) {
+        for k in order.rev() {
+            let Some(&(mut own)) = matrix.get(k) else {
+                continue;
+            };
+            let reciprocal = 1.0 / own[k];
+            for j in 0..L {
+                own[j] = if j == k { reciprocal } else { own[j] * reciprocal };
+            }
+            for (i, row) in matrix.iter_mut().enumerate() {
+                if i == k {
+                    *row = own;
+                } else if meet(i, k) {
+                    let factor = -row[k];
+                    for j in 0..L {
+                        let entry = if j == k { 0.0 } else { row[j] };
+                        row[j] = add_product(entry, factor, own[j]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// `to = −left right`, four rows by K columns at a time.
+    #[inline]
+    pub fn negative_product<const N: usize, const L: usize, const W: usize, const K: usize>(
+        left: &[[f64; L]; N],
+        right: &[[f64; L]; N],
+        to: &mut [[f64; W]; N],
+    ) {
+        for (left, to) in left.chunks(4).zip(to.chunks_mut(4)) {
+            let mut factors = [[0.0; L]; 4];
+            for (factors, left) in factors.iter_mut().zip(left) {
+                *factors = left.map(|factor| -factor);
+            }
+            let mut rows = [[0.0; L]; 4];
+            for block in 0..L / K {
+                let mut sums = [[0.0; K]; 4];
+                for (k, right) in right.iter().enumerate() {
+                    let right = &right.as_chunks::<K>().0[block];
+                    for i in 0..4 {
+                        for j in 0..K {
+                            sums[i][j] = match k {
+                                0 => factors[i][k] * right[j],
+                                _ => add_product(sums[i][j], factors[i][k], right[j]),
+                            };
+                        }
+                    }
+                }
+                for (row, sums) in rows.iter_mut().zip(sums) {
+                    row.as_chunks_mut::<K>().0[block] = sums;
+                }
+            }
+            for (to, row) in to.iter_mut().zip(&rows) {
+                to.copy_from_slice(row.split_at(W).0);
+            }
+        }
+    }
+
+    /// `to = matrix vector` for a symmetric matrix.
+    #[inline]
+    pub fn apply<const N: usize, const L: usize>(
+        matrix: &[[f64; L]; N],
+        vector: &[[f64; L]; 1],
+        to: &mut [[f64; L]; 1],
+    ) {
+        for (k, (factor, row)) in vector[0].iter().zip(matrix).enumerate() {
+            for (sum, entry) in to[0].iter_mut().zip(row) {
+                *sum = match k {
+                    0 => factor * entry,
+                    _ => add_product(*sum, *factor, *entry),
+                };
+            }
+        }
+    }
+
+    /// `a b` in four partial sums: one alone would wait for each of its terms.
+    #[inline]
+    pub fn dot<const R: usize>(a: &[f64; R], b: &[f64; R]) -> f64 {
+        let mut sums = [0.0; 4];
+        let (a, a_rest) = a.as_chunks::<4>();
+        let (b, b_rest) = b.as_chunks::<4>();
+        for (a, b) in a.iter().zip(b) {
+            for k in 0..4 {
+                sums[k] = add_product(sums[k], a[k], b[k]);
+            }
+        }
+        for (sum, (a, b)) in sums.iter_mut().zip(a_rest.iter().zip(b_rest)) {
+            *sum = add_product(*sum, *a, *b);
+        }
+        (sums[0] + sums[1]) + (sums[2] + sums[3])
+    }
 }
 
 /// Elementary functions that give the same bits on every platform.

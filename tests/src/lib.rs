@@ -15,6 +15,7 @@ pub mod table;
 
 use std::path::{Path, PathBuf};
 
+use gelenk_codegen::dynamics::array_form::Form;
 use gelenk_codegen::dynamics::catalogue;
 use gelenk_codegen::dynamics::function::Function;
 use gelenk_codegen::dynamics::size::MOST_OPERATIONS;
@@ -96,6 +97,14 @@ impl Robot {
     pub fn of_model(model: Model, selection: &[&str]) -> Self {
         let selection: Vec<String> = selection.iter().map(|name| (*name).to_owned()).collect();
         let functions = catalogue::derive(&model, &selection, MOST_OPERATIONS)
+            .unwrap_or_else(|problems| panic!("{problems}"));
+        Self { model, functions }
+    }
+
+    /// Derives selected functions of a model in a form.
+    pub fn in_form(model: Model, selection: &[&str], form: Form) -> Self {
+        let selection: Vec<String> = selection.iter().map(|name| (*name).to_owned()).collect();
+        let functions = catalogue::derive_in_form(&model, &selection, MOST_OPERATIONS, form, &[])
             .unwrap_or_else(|problems| panic!("{problems}"));
         Self { model, functions }
     }

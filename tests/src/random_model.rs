@@ -33,7 +33,21 @@ pub struct Sample {
 /// A robot with up to `longest` coordinates; the same for the same seed.
 pub fn random_model(seed: u64, longest: usize) -> Model {
     let mut rng = Rng::with_seed(seed);
+    let model = tree(&mut rng, longest);
+    made_regular(rng, model)
+}
+
+/// As [`random_model`], without rotors.
+pub fn random_model_without_rotors(seed: u64, longest: usize) -> Model {
+    let mut rng = Rng::with_seed(seed);
     let mut model = tree(&mut rng, longest);
+    for drive in &mut model.drives {
+        drive.rotor_inertia = Formula::Number(0.0);
+    }
+    made_regular(rng, model)
+}
+
+fn made_regular(mut rng: Rng, mut model: Model) -> Model {
     if condition(&mut rng, &model) > WORST_CONDITION {
         // Massless or point-like links left M singular.
         for link in model.links.iter_mut().filter(|link| moves(link)) {

@@ -8,6 +8,7 @@ use object::{Object, ObjectSymbol};
 use super::Failure;
 use crate::dynamics::function::Function;
 use crate::emit::SourceFile;
+use crate::program::arrays::{ArrayForm, Arrays, Step};
 
 /// Sizes of a module's functions for the processor that rustc takes by default.
 #[derive(Debug)]
@@ -59,12 +60,18 @@ impl CodeSizes {
         })
     }
 
-    /// Bytes of a function with what it is split into; `None` where it is left to be inlined. Elementary functions are
-    /// counted with none.
+    /// Bytes of a function with what it is split into and the loops that it shares with others; `None` where it is left
+    /// to be inlined. Elementary functions are counted with none.
     pub(super) fn of(&self, function: &Function) -> Option<u64> {
+        let shared: Vec<&str> = match &function.arrays {
+            Some(ArrayForm::Steps(form)) => shared_loops(form),
+            Some(ArrayForm::Affine(_)) | None => vec![],
+        };
         let parts = |name: &str| {
+            let suffixes = ["_into", "_body", "_part_", "_setup"];
             name == function.name
-                || ["_into", "_body", "_part_"].iter().any(|suffix| {
+                || shared.contains(&name)
+                || suffixes.iter().any(|suffix| {
                     name.strip_prefix(function.name.as_str())
                         .is_some_and(|rest| rest.starts_with(suffix))
                 })
@@ -76,6 +83,16 @@ impl CodeSizes {
         let sizes: Vec<u64> = sizes.map(|(_, &size)| size).collect();
         (!sizes.is_empty()).then(|| sizes.iter().sum())
     }
+}
+
+/// Names of the functions and of the module that steps call.
+fn shared_loops(form: &Arrays) -> Vec<&str> {
+    let maps = form.steps.iter().filter_map(|step| match step {
+        Step::Map(map) => Some(map.name.as_str()),
+        _ => None,
+    });
+    maps.chain(["arrays", "sum_ancestors", "sum_subtrees"])
+        .collect()
 }
 
 /// The function's name within the module from a mangled symbol, `…5robot11mass_matrix…`.

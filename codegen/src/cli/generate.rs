@@ -11,6 +11,7 @@ use super::place::{Workspace, shown};
 use super::print;
 use super::progress::Progress;
 use crate::diagnostic::Diagnostics;
+use crate::dynamics::array_form::Form;
 use crate::emit::EmitOptions;
 use crate::output::{self, Outcome};
 use crate::pipeline::{self, GenerateOptions, Generated};
@@ -252,6 +253,7 @@ fn options(choices: &Choices, command: String) -> GenerateOptions {
         ignore_mimic: choices.reading.ignore_mimic,
         smooth_sign: choices.reading.smooth_sign,
         fused_multiply_add: choices.fused_multiply_add,
+        form: Form::Cheapest,
         max_operations: choices.max_operations,
         emit: EmitOptions {
             scalar: choices.scalar.into(),

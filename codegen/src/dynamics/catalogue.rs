@@ -1,5 +1,6 @@
 //! The functions that can be generated: one row each, with what their documentation says.
 
+use super::array_form::{self, Form, Forms};
 use super::composition::Composition;
 use super::equations::{Equations, Formulations, Matrix};
 use super::forces;
@@ -10,7 +11,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::ScalarPose;
 use crate::model::{Frame, Model};
-use crate::program::{GraphOutput, InputArray, Shape, lower};
+use crate::program::{GraphOutput, InputArray, Program, Shape, lower};
 
 /// An argument of a generated function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -525,11 +526,34 @@ pub fn derive(
     selection: &[String],
     most: usize,
 ) -> Result<Vec<Function>, Diagnostics> {
+    derive_in_form(model, selection, most, Form::Cheapest, &[])
+}
+
+/// As [`derive`], with the form of large functions chosen.
+///
+/// - `straight`: functions that are straight-line code in any case
+///
+/// # Errors
+/// As [`derive`].
+pub fn derive_in_form(
+    model: &Model,
+    selection: &[String],
+    most: usize,
+    form: Form,
+    straight: &[String],
+) -> Result<Vec<Function>, Diagnostics> {
     check_names(model, selection)?;
-    let called: Vec<&str> = compositions(selection)
+    let formulations = Formulations::new(model);
+    let forms = Forms::new(model, &formulations, form, straight);
+    let mut called: Vec<&str> = compositions(selection)
         .iter()
         .map(|each| each.calls())
         .collect();
+    let linearizes =
+        called.contains(&"linearize") || selection.iter().any(|name| name == "linearize");
+    if linearizes && forms.linearize_calls() {
+        called.push("forward_dynamics_derivatives");
+    }
     let is_selected = |name: &str| {
         let frames =
             name.starts_with("frame_") && selection.iter().any(|selected| selected == "frames");
@@ -545,7 +569,6 @@ pub fn derive(
     let quantities: Vec<&Quantity> = selected.chain(requested).collect();
     let wanted: Vec<&str> = quantities.iter().map(|quantity| quantity.name).collect();
     size::check_before(model, &wanted, most)?;
-    let formulations = Formulations::new(model);
     let mut functions: Vec<Function> = Vec::new();
     let mut add = |function: Function| -> Result<(), Diagnostics> {
         size::check(model, &function, most)?;
@@ -553,7 +576,7 @@ pub fn derive(
         Ok(())
     };
     for quantity in quantities {
-        add(derive_quantity(model, &formulations, quantity))?;
+        add(derive_quantity(model, &formulations, quantity, &forms))?;
     }
     for frame in &model.frames {
         for quantity in FRAME_QUANTITIES
@@ -588,27 +611,34 @@ fn derive_quantity(
     model: &Model,
     formulations: &Formulations<'_>,
     quantity: &Quantity,
+    forms: &Forms<'_>,
 ) -> Function {
+    let mut straight = None;
+    let chosen = forms.choose(quantity, || {
+        let program = straight_program(model, formulations, quantity);
+        straight.insert(program).clone()
+    });
     let mut notes: Vec<String> = quantity.notes.iter().map(|&note| note.to_owned()).collect();
-    if quantity.notes == DERIVATIVE_NOTES {
+    if chosen.is_some() {
+        notes = vec![array_form::NOTE.to_owned()];
+    } else if quantity.notes == DERIVATIVE_NOTES {
         notes.push(formulations.derivatives().description().to_owned());
     }
     if quantity.name == "forward_dynamics" {
         notes.push(formulations.forward_dynamics().description().to_owned());
     }
-    let mut function = assemble(
-        model,
-        formulations,
-        quantity.arguments,
-        quantity.results,
-        |equations, arguments| (quantity.build)(equations, arguments),
-    )
-    .named(
+    let program = match (&chosen, straight) {
+        (Some(form), _) => form.unrolled(),
+        (None, Some(program)) => program,
+        (None, None) => straight_program(model, formulations, quantity),
+    };
+    let mut function = described(quantity.arguments, quantity.results, program).named(
         quantity.name.to_owned(),
         quantity.summary.to_owned(),
         quantity.equation,
         notes,
     );
+    function.arrays = chosen;
     function
         .notes
         .extend(forces::jump_note(model, &function.program));
@@ -624,7 +654,7 @@ fn derive_frame(
     quantity: &FrameQuantity,
 ) -> Function {
     let summary = format!("{} `{}`.", quantity.summary, frame.name);
-    assemble(
+    let program = assemble(
         model,
         formulations,
         quantity.arguments,
@@ -633,12 +663,54 @@ fn derive_frame(
             let pose = ScalarPose::new(equations.graph, &frame.pose);
             (quantity.build)(equations, arguments, frame.link, &pose)
         },
-    )
-    .named(
+    );
+    described(quantity.arguments, quantity.results, program).named(
         frame_name(frame, quantity),
         summary,
         quantity.equation,
         Vec::new(),
+    )
+}
+
+/// Inputs of a graph for the arguments of a function.
+pub(super) fn arguments_of<'g>(
+    graph: &'g Graph,
+    model: &Model,
+    arguments: &[Argument],
+) -> (Arguments<'g>, Vec<InputArray>) {
+    let scalars = |argument: Argument| match arguments.iter().position(|&other| other == argument) {
+        Some(array) => (0..argument.length(model))
+            .map(|index| graph.input(array, index))
+            .collect(),
+        None => Vec::new(),
+    };
+    let inputs = arguments.iter().map(|argument| InputArray {
+        name: argument.name().to_owned(),
+        len: argument.length(model),
+    });
+    let inputs = inputs.collect();
+    let arguments = Arguments {
+        y: scalars(Coordinates),
+        v: scalars(Velocities),
+        a: scalars(Accelerations),
+        u: scalars(Inputs),
+        lambda: scalars(Multipliers),
+    };
+    (arguments, inputs)
+}
+
+/// A function as straight-line code.
+pub(super) fn straight_program(
+    model: &Model,
+    formulations: &Formulations<'_>,
+    quantity: &Quantity,
+) -> Program {
+    assemble(
+        model,
+        formulations,
+        quantity.arguments,
+        quantity.results,
+        |equations, arguments| (quantity.build)(equations, arguments),
     )
 }
 
@@ -649,27 +721,16 @@ fn assemble(
     arguments: &[Argument],
     results: &[(&str, &str)],
     build: impl for<'g> FnOnce(&Equations<'_, 'g>, &Arguments<'g>) -> Vec<Value<'g>>,
-) -> Function {
+) -> Program {
     let graph = Graph::new();
-    let scalars = |argument: Argument| match arguments.iter().position(|&other| other == argument) {
-        Some(array) => (0..argument.length(model))
-            .map(|index| graph.input(array, index))
-            .collect(),
-        None => Vec::new(),
-    };
+    let (inputs_of_graph, inputs) = arguments_of(&graph, model, arguments);
     let values = build(
         &Equations {
             graph: &graph,
             model,
             formulations,
         },
-        &Arguments {
-            y: scalars(Coordinates),
-            v: scalars(Velocities),
-            a: scalars(Accelerations),
-            u: scalars(Inputs),
-            lambda: scalars(Multipliers),
-        },
+        &inputs_of_graph,
     );
     let outputs: Vec<_> = values
         .iter()
@@ -680,13 +741,11 @@ fn assemble(
             entries: value.entries.iter().map(|x| x.edge()).collect(),
         })
         .collect();
-    let inputs = arguments
-        .iter()
-        .map(|argument| InputArray {
-            name: argument.name().to_owned(),
-            len: argument.length(model),
-        })
-        .collect();
+    lower(&graph, inputs, &outputs)
+}
+
+/// A function without a name.
+fn described(arguments: &[Argument], results: &[(&str, &str)], program: Program) -> Function {
     Function {
         name: String::new(),
         summary: String::new(),
@@ -701,7 +760,8 @@ fn assemble(
             .collect(),
         notes: Vec::new(),
         constants: Vec::new(),
-        program: lower(&graph, inputs, &outputs),
+        program,
+        arrays: None,
     }
 }
 

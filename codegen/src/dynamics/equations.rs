@@ -742,7 +742,7 @@ impl<'g> Equations<'_, 'g> {
     }
 
     /// `B u`, springs and friction.
-    fn driving_forces(
+    pub(super) fn driving_forces(
         &self,
         y: &[Scalar<'g>],
         v: &[Scalar<'g>],

@@ -45,6 +45,11 @@ impl<'g> BasePoses<'g> {
         Self { mechanism, bodies }
     }
 
+    /// Pose of a body.
+    pub fn body(&self, index: usize) -> &FramePose<'g> {
+        &self.bodies[index]
+    }
+
     /// Pose of a frame fixed to a link of the model.
     pub fn pose(&self, link: usize, frame: &ScalarPose<'g>) -> FramePose<'g> {
         let (body, pose) = self.in_body(link, frame);

@@ -1,6 +1,7 @@
 //! What a generated function is: its program and the facts of its documentation.
 
 use crate::program::Program;
+use crate::program::arrays::ArrayForm;
 
 /// A function to emit.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +22,8 @@ pub struct Function {
     pub constants: Vec<Constant>,
     /// The body.
     pub program: Program,
+    /// The body as loops over joints, where that is smaller or faster; `program` is what it unrolls to.
+    pub arrays: Option<ArrayForm>,
 }
 
 /// A constant that stands before a function in its module.

@@ -1,6 +1,9 @@
 //! Stage 3: kinematics become the functions to emit, each with its program and what its documentation says.
 
+mod array_builder;
+pub mod array_form;
 pub mod articulated;
+pub mod base_frame;
 pub mod base_parameters;
 pub mod catalogue;
 pub mod composite;

@@ -6,7 +6,7 @@ use super::forces;
 use super::function::{Constant, ConstantValue};
 use super::regressor;
 use crate::model::Model;
-use crate::program::{Operand, Program, Shape};
+use crate::program::{Program, Shape, nonzero_entries};
 
 /// Names of all such constants.
 pub const NAMES: [&str; 8] = [
@@ -130,14 +130,16 @@ fn group_text(group: &[(usize, usize, f64)], names: &[String]) -> String {
 
 /// Which entries of results can be other than zero.
 fn patterns(program: &Program, blocks: &[(&'static str, &str)]) -> Vec<Constant> {
+    let entries = nonzero_entries(program);
     let pattern = |&(name, output): &(&'static str, &str)| {
-        let found = program.outputs.iter().find(|found| found.name == output)?;
+        let index = program
+            .outputs
+            .iter()
+            .position(|found| found.name == output)?;
+        let (found, nonzero) = (&program.outputs[index], &entries[index]);
         let Shape::Matrix(_, columns) = found.shape else {
             return None;
         };
-        let is_nonzero =
-            |entry: &Operand| !matches!(entry, Operand::Constant(value) if *value == 0.0);
-        let nonzero: Vec<bool> = found.entries.iter().map(is_nonzero).collect();
         let count = nonzero.iter().filter(|entry| **entry).count();
         let rows = match columns {
             0 => Vec::new(),

@@ -24,13 +24,27 @@ pub(super) struct Body<'a> {
     pub(super) results: Vec<Ident>,
     /// Name of each value.
     names: Vec<Ident>,
+    /// What follows an entry of an input or result: the column of an array.
+    pub(super) column: Option<TokenStream>,
     /// Whether each value is an entry of a result that is written in place.
     entries: Vec<bool>,
 }
 
 impl<'a> Body<'a> {
     pub(super) fn new(context: &'a Context<'a>, function: &'a Function) -> Self {
-        let program = &function.program;
+        Self::with_results(
+            context,
+            &function.program,
+            into::is_large(&function.program),
+        )
+    }
+
+    /// With all results written in place.
+    pub(super) fn in_place(context: &'a Context<'a>, program: &'a Program) -> Self {
+        Self::with_results(context, program, true)
+    }
+
+    fn with_results(context: &'a Context<'a>, program: &'a Program, in_place: bool) -> Self {
         let mut taken = context.reserved.clone();
         taken.push("p".to_owned());
         let arguments = names::distinct(
@@ -38,7 +52,7 @@ impl<'a> Body<'a> {
             &taken,
         );
         taken.extend(arguments.iter().map(ToString::to_string));
-        let results = match into::is_large(program) {
+        let results = match in_place {
             true => into::result_names(program, &taken),
             false => vec![],
         };
@@ -64,6 +78,7 @@ impl<'a> Body<'a> {
             arguments,
             results,
             names,
+            column: None,
         }
     }
 
@@ -287,7 +302,8 @@ impl<'a> Body<'a> {
             }
             Operand::Input(array, index) => {
                 let (name, index) = (&self.arguments[array], Literal::usize_unsuffixed(index));
-                quote!(#name[#index])
+                let column = &self.column;
+                quote!(#name[#index]#column)
             }
             Operand::Parameter(index) => {
                 let field = &self.context.parameters[index];

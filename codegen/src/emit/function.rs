@@ -6,9 +6,10 @@ use quote::{format_ident, quote};
 use super::body::Body;
 use super::doc_comment::{DocComment, code};
 use super::split::{self, Part};
-use super::{Context, into, lanes, lints};
+use super::{Context, affine, arrays, into, lanes, lints};
 use crate::dynamics::function::Function;
 use crate::model::{JointKind, Model};
+use crate::program::arrays::ArrayForm;
 use crate::program::{Operation, Shape, cost};
 
 /// Up to so many instructions a function is offered to inlining in other crates: a call costs as much as they do.
@@ -20,6 +21,11 @@ const LONGEST_BLOCK: usize = 1000;
 
 /// The public function, its variant with results in place, then the private ones it is split into.
 pub(super) fn items(context: &Context<'_>, function: &Function, name: &Ident) -> Vec<TokenStream> {
+    match &function.arrays {
+        Some(ArrayForm::Steps(form)) => return arrays::items(context, function, form, name),
+        Some(ArrayForm::Affine(form)) => return affine::items(context, function, form, name),
+        None => {}
+    }
     let mut body = Body::new(context, function);
     let parts = split::parts(body.program, &body.flow, context.options.longest_function);
     if parts.len() > 1 {
@@ -69,7 +75,7 @@ pub(super) fn items(context: &Context<'_>, function: &Function, name: &Ident) ->
 }
 
 /// The function that returns its results.
-fn public(
+pub(super) fn public(
     context: &Context<'_>,
     function: &Function,
     body: &Body<'_>,
@@ -167,7 +173,12 @@ fn returned_value(body: &Body<'_>) -> Option<usize> {
 }
 
 /// The body of a split function: one call per part, and the results.
-fn calls(context: &Context<'_>, body: &Body<'_>, name: &Ident, parts: &[Part]) -> TokenStream {
+pub(super) fn calls(
+    context: &Context<'_>,
+    body: &Body<'_>,
+    name: &Ident,
+    parts: &[Part],
+) -> TokenStream {
     let calls = parts.iter().enumerate().map(|(i, part)| {
         let callee = part_name(name, i);
         let inputs = part
@@ -197,7 +208,7 @@ fn part_name(name: &Ident, index: usize) -> Ident {
 }
 
 /// The private function of a part. Never inlined: that would undo the splitting.
-fn private(
+pub(super) fn private(
     context: &Context<'_>,
     body: &Body<'_>,
     name: &Ident,
@@ -241,7 +252,7 @@ fn private(
 }
 
 /// Arguments that the body never reads.
-fn unused(context: &Context<'_>, body: &Body<'_>, parts: &[Part]) -> Vec<TokenStream> {
+pub(super) fn unused(context: &Context<'_>, body: &Body<'_>, parts: &[Part]) -> Vec<TokenStream> {
     use crate::program::Operand;
     let results = || {
         body.program
@@ -282,7 +293,7 @@ pub(super) struct Signature {
 }
 
 impl Signature {
-    fn new(context: &Context<'_>, body: &Body<'_>, function: &Function) -> Self {
+    pub(super) fn new(context: &Context<'_>, body: &Body<'_>, function: &Function) -> Self {
         let ty = context.options.scalar.ty();
         let sizes = Sizes { context, function };
         let inputs = body
@@ -462,7 +473,7 @@ fn documentation(context: &Context<'_>, function: &Function, body: &Body<'_>) ->
             "",
         ));
     }
-    doc.paragraph(&format!("Cost: {}.", cost::count(body.program)));
+    doc.paragraph(&format!("Cost: {}.", cost::count(&function.program)));
     for note in &function.notes {
         doc.paragraph(note);
     }

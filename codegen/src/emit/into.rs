@@ -54,14 +54,15 @@ pub(super) fn stores(
             };
             if is_wanted(made) {
                 let (place, entry) = (place(output, name, index), body.operand(entry));
-                stores.push(quote!(#place = #entry;));
+                let column = &body.column;
+                stores.push(quote!(#place #column = #entry;));
             }
         }
     }
     stores
 }
 
-fn place(output: &Output, name: &Ident, index: usize) -> TokenStream {
+pub(super) fn place(output: &Output, name: &Ident, index: usize) -> TokenStream {
     let literal = Literal::usize_unsuffixed;
     match output.shape {
         Shape::Scalar => quote!(*#name),
@@ -154,6 +155,6 @@ pub(super) fn zeros(shape: Shape, zero: &TokenStream) -> TokenStream {
     }
 }
 
-fn into_name(name: &Ident) -> Ident {
+pub(super) fn into_name(name: &Ident) -> Ident {
     format_ident!("{}_into", name)
 }

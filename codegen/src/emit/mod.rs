@@ -5,6 +5,9 @@
 //! identifiers, text only as escaped literals and escaped documentation, and the result compiles without warnings, on
 //! its own and through `include!`.
 
+mod affine;
+mod array_kernels;
+mod arrays;
 mod body;
 pub(crate) mod constants;
 mod discrete_time;
@@ -100,6 +103,8 @@ pub fn module(
         );
     }
     push_items(&mut text, discrete_time::items(&context, compositions));
+    push_items(&mut text, context.shared.take());
+    text.push_str(&array_kernels::text(options.scalar, functions));
     text.push_str(&math::text(&context));
     text.push_str(&discrete_time::text(options.scalar, compositions));
     text.push_str(math::guard(functions));
@@ -127,6 +132,8 @@ struct Context<'a> {
     calls: math::Calls,
     /// Names that no argument or value inside a function may take: a constant's would be a pattern, not a variable.
     reserved: Vec<String>,
+    /// Private functions of array forms, which several functions call.
+    shared: arrays::Shared,
 }
 
 impl<'a> Context<'a> {
@@ -141,6 +148,7 @@ impl<'a> Context<'a> {
         reserved.extend(module_constants::NAMES.iter().map(|&name| name.to_owned()));
         reserved.extend(discrete_time::RESERVED.iter().map(|&name| name.to_owned()));
         reserved.extend(Composition::ALL.iter().map(|each| each.name().to_owned()));
+        reserved.extend(arrays::RESERVED.iter().map(|&name| name.to_owned()));
         reserved.extend(lanes::RESERVED.iter().map(|&name| name.to_owned()));
         let functions = names::distinct(
             functions.iter().map(|function| function.name.as_str()),
@@ -160,6 +168,7 @@ impl<'a> Context<'a> {
             parameters: names::distinct(parameter_names, &[]),
             functions,
             calls: math::Calls::default(),
+            shared: arrays::Shared::default(),
             reserved,
         }
     }

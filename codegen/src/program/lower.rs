@@ -56,7 +56,7 @@ pub fn lower(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOutput]) ->
 }
 
 /// Makes names unique; values without a label are numbered.
-fn give_names(program: &mut Program) {
+pub(super) fn give_names(program: &mut Program) {
     let inputs = program.inputs.iter().map(|input| input.name.clone());
     let mut taken: BTreeSet<String> = inputs.chain(["p".to_owned()]).collect();
     for (index, instruction) in program.instructions.iter_mut().enumerate() {

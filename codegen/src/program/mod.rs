@@ -3,6 +3,7 @@
 //! One instruction defines one value from earlier values, inputs, parameters or constants. What is decided here
 //! (names, order, signs, fused operations) is final: the emitter only prints.
 
+pub mod arrays;
 pub mod cost;
 pub mod display;
 pub(crate) mod flow;
@@ -15,9 +16,11 @@ mod angles;
 mod doubling;
 mod fuse;
 mod lower;
+mod zeros;
 
 pub use fuse::fuse_multiply_adds;
 pub use lower::{GraphOutput, lower};
+pub use zeros::nonzero_entries;
 
 /// A straight-line program: the body of one generated function.
 #[derive(Debug, Clone, PartialEq)]

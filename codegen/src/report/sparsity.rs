@@ -3,7 +3,7 @@
 use gelenk_runtime::report::Pattern;
 
 use super::robot::Robot;
-use crate::program::{Operand, Output, Shape};
+use crate::program::{Program, Shape, nonzero_entries};
 
 /// Function, place among its results, identifier, title.
 const MATRICES: &[(&str, usize, &str, &str)] = &[
@@ -54,8 +54,8 @@ pub(super) fn patterns(robot: &Robot<'_>) -> Vec<Pattern> {
         .map(|drive| drive.name.clone())
         .collect();
     let pattern = |&(function, result, id, title): &(&str, usize, &str, &str)| {
-        let output = robot.function(function)?.program.outputs.get(result)?;
-        let entries = entries(output)?;
+        let program = &robot.function(function)?.program;
+        let entries = entries(program, result)?;
         let is_by_inputs = matches!(id, "pattern-b" | "pattern-b-x");
         let columns = if is_by_inputs { &drives } else { &joints };
         Some(Pattern::new(
@@ -69,14 +69,13 @@ pub(super) fn patterns(robot: &Robot<'_>) -> Vec<Pattern> {
     MATRICES.iter().filter_map(pattern).collect()
 }
 
-fn entries(output: &Output) -> Option<Vec<Vec<bool>>> {
-    let Shape::Matrix(_, columns) = output.shape else {
+fn entries(program: &Program, result: usize) -> Option<Vec<Vec<bool>>> {
+    let Shape::Matrix(_, columns) = program.outputs.get(result)?.shape else {
         return None;
     };
     if columns == 0 {
         return None;
     }
-    let is_there = |entry: &Operand| *entry != Operand::Constant(0.0);
-    let rows = output.entries.chunks(columns);
-    Some(rows.map(|row| row.iter().map(is_there).collect()).collect())
+    let entries = nonzero_entries(program).swap_remove(result);
+    Some(entries.chunks(columns).map(<[bool]>::to_vec).collect())
 }

@@ -176,6 +176,7 @@ pub fn mass_matrix() -> Function {
         notes: vec!["Composite rigid bodies in link frames were cheapest.".into()],
         constants: vec![],
         program,
+        arrays: None,
     }
 }
 
@@ -225,6 +226,7 @@ pub fn every_operation() -> Function {
                 entries: vec![value(17)],
             }],
         },
+        arrays: None,
     }
 }
 
@@ -297,6 +299,7 @@ pub fn synthetic_with(length: usize, seed: u64, window: usize) -> Function {
                 entries,
             }],
         },
+        arrays: None,
     }
 }
 

@@ -1,0 +1,52 @@
+/// `to = −left right`, four rows by K columns at a time.
+#[inline]
+pub fn negative_product<const N: usize, const L: usize, const W: usize, const K: usize>(
+    left: &[[f64; L]; N],
+    right: &[[f64; L]; N],
+    to: &mut [[f64; W]; N],
+) {
+    for (left, to) in left.chunks(4).zip(to.chunks_mut(4)) {
+        let mut factors = [[0.0; L]; 4];
+        for (factors, left) in factors.iter_mut().zip(left) {
+            *factors = left.map(|factor| -factor);
+        }
+        let mut rows = [[0.0; L]; 4];
+        for block in 0..L / K {
+            let mut sums = [[0.0; K]; 4];
+            for (k, right) in right.iter().enumerate() {
+                let right = &right.as_chunks::<K>().0[block];
+                for i in 0..4 {
+                    for j in 0..K {
+                        sums[i][j] = match k {
+                            0 => factors[i][k] * right[j],
+                            _ => add_product(sums[i][j], factors[i][k], right[j]),
+                        };
+                    }
+                }
+            }
+            for (row, sums) in rows.iter_mut().zip(sums) {
+                row.as_chunks_mut::<K>().0[block] = sums;
+            }
+        }
+        for (to, row) in to.iter_mut().zip(&rows) {
+            to.copy_from_slice(row.split_at(W).0);
+        }
+    }
+}
+
+/// `to = matrix vector` for a symmetric matrix.
+#[inline]
+pub fn apply<const N: usize, const L: usize>(
+    matrix: &[[f64; L]; N],
+    vector: &[[f64; L]; 1],
+    to: &mut [[f64; L]; 1],
+) {
+    for (k, (factor, row)) in vector[0].iter().zip(matrix).enumerate() {
+        for (sum, entry) in to[0].iter_mut().zip(row) {
+            *sum = match k {
+                0 => factor * entry,
+                _ => add_product(*sum, *factor, *entry),
+            };
+        }
+    }
+}

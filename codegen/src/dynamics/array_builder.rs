@@ -1,0 +1,185 @@
+//! Builds array forms step by step.
+
+use crate::graph::{Edge, Graph, Scalar};
+use crate::kinematics::Mechanism;
+use crate::program::arrays::{Array, ArrayId, ArrayOutput, Arrays, Map, Pairs, Step};
+use crate::program::{GraphOutput, InputArray, Program, Shape, lower};
+
+/// Rows of an array at one joint.
+pub(super) type Rows<'g> = [Scalar<'g>];
+
+/// An array form in the making.
+pub(super) struct ArrayBuilder {
+    form: Arrays,
+    /// Rows that the setup computes.
+    set_up: Vec<GraphOutput>,
+}
+
+impl ArrayBuilder {
+    /// Over the joints of a mechanism, by coordinate.
+    pub(super) fn new(mechanism: &Mechanism<'_>) -> Self {
+        let bodies = &mechanism.bodies;
+        let mut parents = vec![None; bodies.len()];
+        for body in bodies {
+            parents[body.coordinate] = body.parent.map(|parent| bodies[parent].coordinate);
+        }
+        Self {
+            form: Arrays {
+                setup: Program {
+                    inputs: Vec::new(),
+                    instructions: Vec::new(),
+                    outputs: Vec::new(),
+                },
+                arrays: Vec::new(),
+                steps: Vec::new(),
+                outputs: Vec::new(),
+                parents,
+                order: bodies.iter().map(|body| body.coordinate).collect(),
+                is_fused: false,
+            },
+            set_up: Vec::new(),
+        }
+    }
+
+    /// The number of joints.
+    pub(super) fn joints(&self) -> usize {
+        self.form.joints()
+    }
+
+    fn array(&mut self, name: &str, rows: usize) -> ArrayId {
+        self.form.arrays.push(Array {
+            name: name.to_owned(),
+            rows,
+        });
+        self.form.arrays.len() - 1
+    }
+
+    /// Rows from straight-line code; before all steps.
+    pub(super) fn set_up(&mut self, name: &str, rows: Vec<Vec<Scalar<'_>>>) -> ArrayId {
+        self.set_up.push(GraphOutput {
+            name: name.to_owned(),
+            shape: Shape::Matrix(rows.len(), self.joints()),
+            entries: rows.concat().iter().map(|x| x.edge()).collect(),
+        });
+        self.array(name, rows.len())
+    }
+
+    /// The same for each joint by itself.
+    pub(super) fn map<const W: usize>(
+        &mut self,
+        (name, about): (&str, &str),
+        reads: &[ArrayId],
+        writes: [(&str, usize); W],
+        build: impl for<'g> FnOnce(&[Vec<Scalar<'g>>]) -> [Vec<Scalar<'g>>; W],
+    ) -> [ArrayId; W] {
+        let graph = Graph::new();
+        let inputs: Vec<InputArray> = reads
+            .iter()
+            .map(|&array| InputArray {
+                name: self.form.arrays[array].name.clone(),
+                len: self.form.arrays[array].rows,
+            })
+            .collect();
+        let rows: Vec<Vec<Scalar<'_>>> = inputs
+            .iter()
+            .enumerate()
+            .map(|(array, input)| (0..input.len).map(|row| graph.input(array, row)).collect())
+            .collect();
+        let outputs: Vec<GraphOutput> = build(&rows)
+            .iter()
+            .zip(writes)
+            .map(|(entries, (name, _))| GraphOutput {
+                name: name.to_owned(),
+                shape: Shape::Vector(entries.len()),
+                entries: entries.iter().map(|x| x.edge()).collect::<Vec<Edge>>(),
+            })
+            .collect();
+        let body = lower(&graph, inputs, &outputs);
+        let written = writes.map(|(name, rows)| self.array(name, rows));
+        self.form.steps.push(Step::Map(Map {
+            name: name.to_owned(),
+            about: about.to_owned(),
+            reads: reads.to_vec(),
+            writes: written.to_vec(),
+            body,
+        }));
+        written
+    }
+
+    /// Sums along the paths to the base.
+    pub(super) fn sum_ancestors(&mut self, from: ArrayId, name: &str) -> ArrayId {
+        let to = self.array(name, self.form.arrays[from].rows);
+        self.form.steps.push(Step::SumAncestors { from, to });
+        to
+    }
+
+    /// Sums over subtrees.
+    pub(super) fn sum_subtrees(&mut self, from: ArrayId, name: &str) -> ArrayId {
+        let to = self.array(name, self.form.arrays[from].rows);
+        self.form.steps.push(Step::SumSubtrees { from, to });
+        to
+    }
+
+    /// A matrix over pairs of joints.
+    pub(super) fn pairs(
+        &mut self,
+        before: (ArrayId, ArrayId),
+        beyond: (ArrayId, ArrayId),
+        diagonal: ArrayId,
+        name: &str,
+    ) -> ArrayId {
+        let to = self.array(name, self.joints());
+        self.form.steps.push(Step::Pairs(Pairs {
+            before,
+            beyond,
+            diagonal,
+            to,
+        }));
+        to
+    }
+
+    /// The inverse of a matrix with the zeros of a mass matrix.
+    pub(super) fn invert(&mut self, from: ArrayId, name: &str) -> ArrayId {
+        let to = self.array(name, self.joints());
+        self.form.steps.push(Step::Invert { from, to });
+        to
+    }
+
+    /// `−left · right`
+    pub(super) fn negative_product(
+        &mut self,
+        left: ArrayId,
+        right: ArrayId,
+        name: &str,
+    ) -> ArrayId {
+        let to = self.array(name, self.joints());
+        self.form
+            .steps
+            .push(Step::NegativeProduct { left, right, to });
+        to
+    }
+
+    /// A symmetric matrix times a vector.
+    pub(super) fn apply(&mut self, matrix: ArrayId, vector: ArrayId, name: &str) -> ArrayId {
+        let to = self.array(name, 1);
+        self.form.steps.push(Step::Apply { matrix, vector, to });
+        to
+    }
+
+    /// Makes an array a result.
+    pub(super) fn output(&mut self, name: &str, shape: Shape, array: ArrayId) {
+        self.form.outputs.push(ArrayOutput {
+            name: name.to_owned(),
+            shape,
+            array,
+        });
+    }
+
+    /// The array form; the setup is lowered from the graph of its scalars.
+    pub(super) fn finish(self, graph: &Graph, inputs: Vec<InputArray>) -> Arrays {
+        Arrays {
+            setup: lower(graph, inputs, &self.set_up),
+            ..self.form
+        }
+    }
+}

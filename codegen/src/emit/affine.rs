@@ -1,0 +1,74 @@
+//! `linearize` in array form: a call, and what follows from its results.
+
+use proc_macro2::{Ident, Literal, TokenStream};
+use quote::{format_ident, quote};
+
+use super::arrays::face;
+use super::body::Body;
+use super::function::{self, Signature};
+use super::{Context, into};
+use crate::dynamics::function::Function;
+use crate::program::Operand;
+use crate::program::arrays::Affine;
+
+/// The function of the Jacobians that is called.
+const CALLED: &str = "forward_dynamics_derivatives";
+
+/// The public function, and its variant with results in place.
+pub(super) fn items(
+    context: &Context<'_>,
+    function: &Function,
+    form: &Affine,
+    name: &Ident,
+) -> Vec<TokenStream> {
+    let face = face(&function.program);
+    let body = Body::in_place(context, &face);
+    let signature = Signature::new(context, &body, function);
+    let returning = into::returning(context, &body, name);
+    let statements = statements(context, &body, form);
+    vec![
+        function::public(context, function, &body, name, &signature, &returning),
+        into::item(&body, name, &signature, &statements),
+    ]
+}
+
+fn statements(context: &Context<'_>, body: &Body<'_>, form: &Affine) -> TokenStream {
+    let ([y, v, u], [by_y, by_v, by_u, remainder]) =
+        (body.arguments.as_slice(), body.results.as_slice())
+    else {
+        return quote!();
+    };
+    let called = into::into_name(&format_ident!("{CALLED}"));
+    let parameters = context.has_parameters().then(|| quote!(p,));
+    let zero = context.options.scalar.literal(0.0);
+    let n = Literal::usize_unsuffixed(form.called.joints());
+    let columns = form
+        .inputs
+        .iter()
+        .enumerate()
+        .map(|(column, &(coordinate, gain))| {
+            let (to, from) = (
+                Literal::usize_unsuffixed(column),
+                Literal::usize_unsuffixed(coordinate),
+            );
+            let factor = match gain {
+                Operand::Constant(1.0) => None,
+                gain => {
+                    let gain = body.operand(gain);
+                    Some(quote!(* #gain))
+                }
+            };
+            quote!(to[#to] = from[#from] #factor;)
+        });
+    let by_inputs = (!form.inputs.is_empty())
+        .then(|| quote!(for (to, from) in #by_u.iter_mut().zip(&inverse) { #(#columns)* }));
+    quote! {
+        let (mut accelerations, mut inverse) = ([#zero; #n], [[#zero; #n]; #n]);
+        #called(#y, #v, #u, #parameters &mut accelerations, #by_y, #by_v, &mut inverse);
+        #by_inputs
+        for i in 0..#n {
+            let of_state = arrays::dot(&#by_y[i], #y) + arrays::dot(&#by_v[i], #v);
+            #remainder[i] = accelerations[i] - (of_state + arrays::dot(&#by_u[i], #u));
+        }
+    }
+}

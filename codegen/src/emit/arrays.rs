@@ -1,0 +1,556 @@
+//! Functions in array form: straight-line code for the setup, then calls of loops.
+
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+
+use proc_macro2::{Ident, Literal, TokenStream};
+use quote::{format_ident, quote};
+
+use super::body::Body;
+use super::doc_comment::DocComment;
+use super::function::{self, Signature};
+use super::{Context, into, lints, names, split};
+use crate::dynamics::function::Function;
+use crate::program::arrays::{Arrays, Map, Pairs, Step};
+use crate::program::{Operand, Output, Program, Shape};
+
+/// Names that the module takes for array forms.
+pub(super) const RESERVED: [&str; 6] = [
+    "arrays",
+    "sum_ancestors",
+    "sum_subtrees",
+    "RELATIONS",
+    "joint",
+    "is_before",
+];
+
+/// Private functions that several functions call, by name.
+#[derive(Debug, Default)]
+pub(super) struct Shared {
+    items: RefCell<BTreeMap<String, TokenStream>>,
+}
+
+impl Shared {
+    /// All of them, ordered by name.
+    pub(super) fn take(&self) -> Vec<TokenStream> {
+        self.items.take().into_values().collect()
+    }
+
+    /// Adds a function, unless it is there already; its name, another one where that is taken by something else.
+    fn add(&self, stem: &str, item: impl Fn(&Ident) -> TokenStream) -> Ident {
+        let mut items = self.items.borrow_mut();
+        let mut number = 1;
+        let mut name = stem.to_owned();
+        loop {
+            let identifier = names::identifier(&name);
+            let tokens = item(&identifier);
+            match items.get(&name) {
+                Some(other) if other.to_string() != tokens.to_string() => {
+                    number += 1;
+                    name = format!("{stem}_{number}");
+                }
+                Some(_) => return identifier,
+                None => {
+                    items.insert(name, tokens);
+                    return identifier;
+                }
+            }
+        }
+    }
+}
+
+/// Entries of a row, and of the blocks that loops take it in: a multiple of what a processor adds at once.
+fn lanes(joints: usize) -> (usize, usize) {
+    let block = match joints {
+        0..=4 | 9..=12 => 4,
+        _ => 8,
+    };
+    (joints.next_multiple_of(block), block)
+}
+
+/// The public function, its variant with results in place, and the setup.
+pub(super) fn items(
+    context: &Context<'_>,
+    function: &Function,
+    form: &Arrays,
+    name: &Ident,
+) -> Vec<TokenStream> {
+    let face = face(&function.program);
+    let body = Body::in_place(context, &face);
+    let signature = Signature::new(context, &body, function);
+    let emission = Emission::new(context, form, &body, name);
+    let returning = into::returning(context, &body, name);
+    let mut items = vec![
+        function::public(context, function, &body, name, &signature, &returning),
+        into::item(&body, name, &signature, &emission.statements()),
+    ];
+    items.extend(emission.setup_items(&signature));
+    items
+}
+
+/// A program with the same inputs and shapes of results, and nothing in between.
+pub(super) fn face(program: &Program) -> Program {
+    let outputs = program.outputs.iter().map(|output| Output {
+        entries: vec![Operand::Constant(0.0); output.entries.len()],
+        ..output.clone()
+    });
+    Program {
+        inputs: program.inputs.clone(),
+        instructions: Vec::new(),
+        outputs: outputs.collect(),
+    }
+}
+
+/// Where an array stands.
+#[derive(Clone)]
+enum Place {
+    /// A constant.
+    Table(Ident),
+    /// A local variable.
+    Local(Ident),
+    /// A result of the function.
+    Result(Ident),
+}
+
+struct Emission<'a> {
+    context: &'a Context<'a>,
+    form: &'a Arrays,
+    body: &'a Body<'a>,
+    name: &'a Ident,
+    /// Entries of a row, and of a block.
+    lanes: (usize, usize),
+    places: Vec<Place>,
+}
+
+impl<'a> Emission<'a> {
+    fn new(
+        context: &'a Context<'a>,
+        form: &'a Arrays,
+        body: &'a Body<'a>,
+        name: &'a Ident,
+    ) -> Self {
+        let mut taken = context.reserved.clone();
+        taken.push("p".to_owned());
+        taken.extend(
+            body.arguments
+                .iter()
+                .chain(&body.results)
+                .map(ToString::to_string),
+        );
+        let locals = names::distinct(form.arrays.iter().map(|array| array.name.as_str()), &taken);
+        let place = |(index, local): (usize, Ident)| {
+            let output = form.outputs.iter().position(|output| output.array == index);
+            match output {
+                _ if table(form, index).is_some() => {
+                    Place::Table(names::identifier(&local.to_string().to_uppercase()))
+                }
+                Some(output) if is_only_result(form, index) => {
+                    Place::Result(body.results[output].clone())
+                }
+                _ => Place::Local(local),
+            }
+        };
+        Self {
+            context,
+            form,
+            body,
+            name,
+            lanes: lanes(form.joints()),
+            places: locals.into_iter().enumerate().map(place).collect(),
+        }
+    }
+
+    /// All statements of the function with its results in place.
+    fn statements(&self) -> TokenStream {
+        let tables = (0..self.form.setup.outputs.len()).filter_map(|index| self.table(index));
+        let locals = (0..self.form.setup.outputs.len()).filter_map(|index| self.declaration(index));
+        let setup = self.setup_call();
+        let steps = self.form.steps.iter().map(|step| self.step(step));
+        let copies = self
+            .form
+            .outputs
+            .iter()
+            .zip(&self.body.results)
+            .filter_map(|(output, result)| self.copy(output.array, output.shape, result));
+        quote!(#(#tables)* #(#locals)* #setup #(#steps)* #(#copies)*)
+    }
+
+    fn table(&self, array: usize) -> Option<TokenStream> {
+        let Place::Table(name) = &self.places[array] else {
+            return None;
+        };
+        let (ty, scalar) = (
+            self.ty(self.form.arrays[array].rows),
+            self.context.options.scalar,
+        );
+        let zero = scalar.literal(0.0);
+        let entries = table(self.form, array)?;
+        let padding = self.lanes.0 - self.form.joints();
+        let rows = entries.chunks(self.form.joints()).map(|row| {
+            let row = row
+                .iter()
+                .map(|&entry| scalar.literal(entry))
+                .chain(std::iter::repeat_n(zero.clone(), padding));
+            quote!([#(#row),*])
+        });
+        let allowed = lints::for_numbers(entries.iter().copied());
+        Some(quote!(#allowed const #name: #ty = [#(#rows),*];))
+    }
+
+    fn ty(&self, rows: usize) -> TokenStream {
+        let ty = self.context.options.scalar.ty();
+        let (rows, lanes) = (
+            Literal::usize_unsuffixed(rows),
+            Literal::usize_unsuffixed(self.lanes.0),
+        );
+        quote!([[#ty; #lanes]; #rows])
+    }
+
+    /// A new variable full of zeros, for arrays that are one.
+    fn declaration(&self, array: usize) -> Option<TokenStream> {
+        let Place::Local(name) = &self.places[array] else {
+            return None;
+        };
+        let zero = self.context.options.scalar.literal(0.0);
+        let (rows, lanes) = (
+            Literal::usize_unsuffixed(self.form.arrays[array].rows),
+            Literal::usize_unsuffixed(self.lanes.0),
+        );
+        Some(quote!(let mut #name = [[#zero; #lanes]; #rows];))
+    }
+
+    fn read(&self, array: usize) -> TokenStream {
+        match &self.places[array] {
+            Place::Table(name) | Place::Local(name) => quote!(&#name),
+            Place::Result(name) => quote!(#name),
+        }
+    }
+
+    fn write(&self, array: usize) -> TokenStream {
+        match &self.places[array] {
+            Place::Table(name) | Place::Local(name) => quote!(&mut #name),
+            Place::Result(name) => quote!(#name),
+        }
+    }
+
+    /// A result from the array that it is left in.
+    fn copy(&self, array: usize, shape: Shape, result: &Ident) -> Option<TokenStream> {
+        let Place::Local(name) = &self.places[array] else {
+            return None;
+        };
+        let joints = Literal::usize_unsuffixed(self.form.joints());
+        Some(match shape {
+            Shape::Matrix(..) => quote! {
+                for (to, from) in #result.iter_mut().zip(&#name) {
+                    to.copy_from_slice(from.split_at(#joints).0);
+                }
+            },
+            _ => quote!(#result.copy_from_slice(#name[0].split_at(#joints).0);),
+        })
+    }
+
+    fn step(&self, step: &Step) -> TokenStream {
+        match step {
+            Step::Map(map) => self.map(map),
+            Step::SumAncestors { from, to } => {
+                let name = self.sum_ancestors();
+                self.call(&quote!(#name), &[*from], *to)
+            }
+            Step::SumSubtrees { from, to } => {
+                let name = self.sum_subtrees();
+                self.call(&quote!(#name), &[*from], *to)
+            }
+            Step::Pairs(pairs) => self.pairs(pairs),
+            Step::Invert { from, to } => {
+                let (declaration, read) = (self.declaration(*to), self.read(*from));
+                let Place::Local(to) = &self.places[*to] else {
+                    return quote!();
+                };
+                let joints = Literal::usize_unsuffixed(self.form.joints());
+                let order = match self.form.order.is_sorted() {
+                    true => quote!(0..#joints),
+                    false => {
+                        let order = self.form.order.iter();
+                        let order = order.map(|&joint| Literal::usize_unsuffixed(joint));
+                        quote!([#(#order),*].into_iter())
+                    }
+                };
+                let meet = match self.form.is_chain() {
+                    true => quote!(|_, _| true),
+                    false => quote!(|i, k| RELATIONS[i][k] != 0),
+                };
+                self.add_relations();
+                // A copy, since the matrix may be read again.
+                quote! {
+                    #declaration
+                    #to.copy_from_slice(#read);
+                    arrays::invert(&mut #to, #order, #meet);
+                }
+            }
+            Step::NegativeProduct { left, right, to } => {
+                let block = Literal::usize_unsuffixed(self.lanes.1);
+                let callee = quote!(arrays::negative_product::<_, _, _, #block>);
+                self.call(&callee, &[*left, *right], *to)
+            }
+            Step::Apply { matrix, vector, to } => {
+                self.call(&quote!(arrays::apply), &[*matrix, *vector], *to)
+            }
+        }
+    }
+
+    fn call(&self, callee: &TokenStream, from: &[usize], to: usize) -> TokenStream {
+        let declaration = self.declaration(to);
+        let (from, to) = (from.iter().map(|&array| self.read(array)), self.write(to));
+        quote!(#declaration #callee(#(#from,)* #to);)
+    }
+
+    fn pairs(&self, pairs: &Pairs) -> TokenStream {
+        let declaration = self.declaration(pairs.to);
+        let pair = |(i, j): (usize, usize)| {
+            let (i, j) = (self.read(i), self.read(j));
+            quote!((#i, #j))
+        };
+        let (before, beyond) = (pair(pairs.before), pair(pairs.beyond));
+        let (diagonal, to) = (self.read(pairs.diagonal), self.write(pairs.to));
+        let relations = (!self.form.is_chain()).then(|| quote!(, &RELATIONS));
+        self.add_relations();
+        let block = Literal::usize_unsuffixed(self.lanes.1);
+        quote! {
+            #declaration
+            arrays::pairs::<_, _, _, #block, _, _>(#before, #beyond, #diagonal, #to #relations);
+        }
+    }
+
+    /// Which joints of a tree stand before and beyond each other.
+    fn add_relations(&self) {
+        if self.form.is_chain() {
+            return;
+        }
+        let (joints, lanes) = (self.form.joints(), self.lanes.0);
+        let entry = |i: usize, j: usize| match () {
+            () if j >= joints => 0,
+            () if self.form.is_before(j, i) => -1,
+            () if i == j || self.form.is_before(i, j) => 1,
+            () => 0,
+        };
+        let rows = (0..joints).map(|i| {
+            let row = (0..lanes).map(|j| Literal::i8_unsuffixed(entry(i, j)));
+            quote!([#(#row),*])
+        });
+        let (rows, count) = (rows.collect::<Vec<_>>(), Literal::usize_unsuffixed(joints));
+        let lanes = Literal::usize_unsuffixed(lanes);
+        let documentation = DocComment::new(
+            "Where joint j stands seen from joint i: −1 before it on its path to the base, 1 beyond it or the same, else 0.",
+        );
+        let documentation = documentation.tokens();
+        self.context.shared.add(
+            "RELATIONS",
+            |name| quote!(#documentation const #name: [[i8; #lanes]; #count] = [#(#rows),*];),
+        );
+    }
+
+    fn sum_ancestors(&self) -> Ident {
+        let sums = self.form.order.iter().map(|&joint| {
+            let index = Literal::usize_unsuffixed(joint);
+            match self.form.parents[joint] {
+                Some(parent) => {
+                    let parent = Literal::usize_unsuffixed(parent);
+                    quote!(to[#index] = from[#index] + to[#parent];)
+                }
+                None => quote!(to[#index] = from[#index];),
+            }
+        });
+        self.sums(
+            "sum_ancestors",
+            "Adds to each joint those before it on its path to the base.",
+            &sums.collect::<Vec<_>>(),
+        )
+    }
+
+    fn sum_subtrees(&self) -> Ident {
+        let sums = self.form.order.iter().rev().filter_map(|&joint| {
+            let parent = Literal::usize_unsuffixed(self.form.parents[joint]?);
+            let index = Literal::usize_unsuffixed(joint);
+            Some(quote!(to[#parent] += to[#index];))
+        });
+        let copy = std::iter::once(quote!(*to = *from;));
+        self.sums(
+            "sum_subtrees",
+            "Adds to each joint all beyond it.",
+            &copy.chain(sums).collect::<Vec<_>>(),
+        )
+    }
+
+    fn sums(&self, name: &str, about: &str, statements: &[TokenStream]) -> Ident {
+        let (ty, lanes) = (
+            self.context.options.scalar.ty(),
+            Literal::usize_unsuffixed(self.lanes.0),
+        );
+        let documentation = DocComment::new(about).tokens();
+        self.context.shared.add(name, |name| {
+            quote! {
+                #documentation
+                fn #name<const R: usize>(from: &[[#ty; #lanes]; R], to: &mut [[#ty; #lanes]; R]) {
+                    for (from, to) in from.iter().zip(to) { #(#statements)* }
+                }
+            }
+        })
+    }
+
+    /// The loop of a map, as a function of its own.
+    fn map(&self, map: &Map) -> TokenStream {
+        let mut body = Body::in_place(self.context, &map.body);
+        body.column = Some(quote!([joint]));
+        let inputs = body.program.inputs.iter().zip(&body.arguments);
+        let inputs = inputs.map(|(input, name)| {
+            let ty = self.ty(input.len);
+            quote!(#name: &#ty)
+        });
+        let outputs = body.program.outputs.iter().zip(&body.results);
+        let outputs = outputs.map(|(output, name)| {
+            let ty = self.ty(output.entries.len());
+            quote!(#name: &mut #ty)
+        });
+        let arguments: Vec<TokenStream> = inputs.chain(outputs).collect();
+        let constants = into::stores(&body, |made| made.is_none());
+        let statements = body.statements(0..body.program.instructions.len());
+        let documentation = DocComment::new(&map.about).tokens();
+        let allowed = [
+            lints::for_arguments(arguments.len()),
+            lints::for_numbers(body.numbers()),
+        ];
+        let allowed = allowed.iter().flatten();
+        let lanes = Literal::usize_unsuffixed(self.lanes.0);
+        let callee = self.context.shared.add(&map.name, |name| {
+            let allowed = allowed.clone();
+            quote! {
+                #documentation
+                #[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
+                #(#allowed)*
+                fn #name(#(#arguments),*) {
+                    for joint in 0..#lanes { #(#constants)* #(#statements)* }
+                }
+            }
+        });
+        let declarations = map
+            .writes
+            .iter()
+            .filter_map(|&array| self.declaration(array));
+        let reads = map.reads.iter().map(|&array| self.read(array));
+        let writes = map.writes.iter().map(|&array| self.write(array));
+        quote!(#(#declarations)* #callee(#(#reads,)* #(#writes),*);)
+    }
+
+    fn setup_name(&self) -> Ident {
+        format_ident!("{}_setup", self.name)
+    }
+
+    /// The arrays that the setup fills.
+    fn filled(&self) -> impl Iterator<Item = usize> {
+        (0..self.form.setup.outputs.len())
+            .filter(|&array| matches!(self.places[array], Place::Local(_)))
+    }
+
+    fn setup_call(&self) -> TokenStream {
+        let name = self.setup_name();
+        let arguments = &self.body.arguments;
+        let parameters = self.context.has_parameters().then(|| quote!(p,));
+        let filled = self.filled().map(|array| self.write(array));
+        quote!(#name(#(#arguments,)* #parameters #(#filled),*);)
+    }
+
+    /// The setup as a function, split where it is long.
+    fn setup_items(&self, signature: &Signature) -> Vec<TokenStream> {
+        let name = self.setup_name();
+        let outputs = self
+            .filled()
+            .map(|array| self.form.setup.outputs[array].clone());
+        let program = Program {
+            outputs: outputs.collect(),
+            ..self.form.setup.clone()
+        };
+        let mut body = Body::in_place(self.context, &program);
+        let parts = split::parts(&program, &body.flow, self.context.options.longest_function);
+        if parts.len() > 1 {
+            body.stop_storing();
+        }
+        let statements = match parts.len() {
+            1 => {
+                let (constants, statements) =
+                    (self.constants(&body), function::blocks(&body, |_| true));
+                quote!(#(#constants)* #statements)
+            }
+            _ => function::calls(self.context, &body, &name, &parts),
+        };
+        let unused = function::unused(self.context, &body, &parts);
+        let filled = self.filled().zip(&body.results).map(|(array, name)| {
+            let ty = self.ty(self.form.arrays[array].rows);
+            quote!(#name: &mut #ty)
+        });
+        let arguments: Vec<TokenStream> =
+            signature.arguments.iter().cloned().chain(filled).collect();
+        let documentation = DocComment::new(&format!(
+            "Poses and single joints of `{}`; the arrays hold zeros before.",
+            self.name
+        ));
+        let documentation = documentation.tokens();
+        let allowed = [
+            lints::for_names(body.value_names().chain(&body.arguments).chain([&name])),
+            lints::for_numbers(body.numbers()),
+            lints::for_arguments(arguments.len()),
+        ];
+        let allowed = allowed.iter().flatten();
+        let mut items = vec![quote! {
+            #documentation
+            #(#allowed)*
+            fn #name(#(#arguments),*) { #(let _ = #unused;)* #statements }
+        }];
+        if parts.len() > 1 {
+            let parts = parts.iter().enumerate();
+            items.extend(parts.map(|(i, part)| {
+                function::private(self.context, &body, &name, i, part, signature)
+            }));
+        }
+        items
+    }
+
+    /// Stores of entries that nothing has to be computed for; zeros are there already.
+    fn constants(&self, body: &Body<'_>) -> Vec<TokenStream> {
+        let outputs = body.program.outputs.iter().zip(&body.results);
+        let entries = outputs.flat_map(|(output, name)| {
+            output
+                .entries
+                .iter()
+                .enumerate()
+                .map(move |(index, entry)| (output, name, index, *entry))
+        });
+        let known = entries
+            .filter(|(.., entry)| !matches!(entry, Operand::Value(_) | Operand::Constant(0.0)));
+        known
+            .map(|(output, name, index, entry)| {
+                let (place, entry) = (into::place(output, name, index), body.operand(entry));
+                quote!(#place = #entry;)
+            })
+            .collect()
+    }
+}
+
+/// The entries of an array that is constant.
+fn table(form: &Arrays, array: usize) -> Option<Vec<f64>> {
+    let output = form.setup.outputs.get(array)?;
+    let constant = |entry: &Operand| match entry {
+        Operand::Constant(number) => Some(*number),
+        _ => None,
+    };
+    output.entries.iter().map(constant).collect()
+}
+
+/// Whether an array is a matrix that is made for the result alone, so that it can be written in place.
+fn is_only_result(form: &Arrays, array: usize) -> bool {
+    let is_made = |step: &Step| match step {
+        Step::Pairs(pairs) => pairs.to == array,
+        Step::NegativeProduct { to, .. } => *to == array,
+        _ => false,
+    };
+    form.steps.iter().any(is_made) && !form.steps.iter().any(|step| step.reads(array))
+}

@@ -1,0 +1,101 @@
+//! The linearization in array form: a call of the forward dynamics' Jacobians, and the affine remainder.
+
+use super::Arrays;
+use super::unroll::numbered;
+use crate::program::{Instruction, Operand, Operation, Output, Program, Shape};
+
+/// `A_y`, `A_v`, `B_x` and `c` from the results of `forward_dynamics_derivatives`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Affine {
+    /// The function that is called, in array form; its results are ÿ, ∂ÿ/∂y, ∂ÿ/∂ẏ and M⁻¹.
+    pub called: Arrays,
+    /// For each input: the coordinate that it moves, and its gain, a constant or a parameter.
+    pub inputs: Vec<(usize, Operand)>,
+}
+
+impl Affine {
+    /// The straight-line program that it stands for: column m of `B_x` is a column of M⁻¹ times a gain, and
+    /// `c = ÿ − ((A_y y + A_v ẏ) + B_x u)`, row by row, each product of rows in four partial sums.
+    #[must_use]
+    pub fn unrolled(&self) -> Program {
+        let Program {
+            inputs,
+            instructions,
+            outputs,
+        } = self.called.unrolled();
+        let n = self.called.joints();
+        let mut writing = Writing {
+            instructions,
+            is_fused: self.called.is_fused,
+        };
+        let [accelerations, by_y, by_v, inverse] = [0, 1, 2, 3].map(|k| outputs[k].entries.clone());
+        let mut by_inputs = Vec::with_capacity(n * self.inputs.len());
+        for row in inverse.chunks(n) {
+            for &(coordinate, gain) in &self.inputs {
+                by_inputs.push(match gain {
+                    Operand::Constant(1.0) => row[coordinate],
+                    gain => writing.push(Operation::Multiply(row[coordinate], gain)),
+                });
+            }
+        }
+        let m = self.inputs.len();
+        let remainder: Vec<Operand> = (0..n)
+            .map(|i| {
+                let by_y = writing.dot(&by_y[i * n..(i + 1) * n], 0);
+                let by_v = writing.dot(&by_v[i * n..(i + 1) * n], 1);
+                let by_u = writing.dot(&by_inputs[i * m..(i + 1) * m], 2);
+                let sum = writing.push(Operation::Add(by_y, by_v));
+                let sum = writing.push(Operation::Add(sum, by_u));
+                writing.push(Operation::Subtract(accelerations[i], sum))
+            })
+            .collect();
+        let output = |name: &str, shape, entries| Output {
+            name: name.to_owned(),
+            shape,
+            entries,
+        };
+        numbered(Program {
+            inputs,
+            instructions: writing.instructions,
+            outputs: vec![
+                output("A_y", Shape::Matrix(n, n), by_y),
+                output("A_v", Shape::Matrix(n, n), by_v),
+                output("B_x", Shape::Matrix(n, m), by_inputs),
+                output("c", Shape::Vector(n), remainder),
+            ],
+        })
+    }
+}
+
+struct Writing {
+    instructions: Vec<Instruction>,
+    is_fused: bool,
+}
+
+impl Writing {
+    fn push(&mut self, operation: Operation) -> Operand {
+        self.instructions.push(Instruction {
+            name: String::new(),
+            operation,
+        });
+        Operand::Value(self.instructions.len() - 1)
+    }
+
+    /// A row times an input array: entry k belongs to partial sum k mod 4, each starts at 0.
+    fn dot(&mut self, row: &[Operand], array: usize) -> Operand {
+        let mut sums = [Operand::Constant(0.0); 4];
+        for (k, &entry) in row.iter().enumerate() {
+            let x = Operand::Input(array, k);
+            sums[k % 4] = match self.is_fused {
+                true => self.push(Operation::MultiplyAdd(entry, x, sums[k % 4])),
+                false => {
+                    let product = self.push(Operation::Multiply(entry, x));
+                    self.push(Operation::Add(sums[k % 4], product))
+                }
+            };
+        }
+        let first = self.push(Operation::Add(sums[0], sums[1]));
+        let second = self.push(Operation::Add(sums[2], sums[3]));
+        self.push(Operation::Add(first, second))
+    }
+}

@@ -1,0 +1,234 @@
+//! Array form of a program: the same operations as loops over the joints.
+//!
+//! Straight-line code grows with the square and the cube of the number of joints, and out of a processor's caches. The
+//! array form keeps a straight-line *setup* that grows like n and goes on with *steps* over arrays, one entry per joint
+//! in each row, whose code hardly grows at all. [`Arrays::unrolled`] writes the steps out as a straight-line program:
+//! it defines what they mean, operation by operation in their order, so that interpreter, counts and texts need to know
+//! nothing about arrays.
+
+mod affine;
+mod unroll;
+
+pub use affine::Affine;
+
+use super::{Program, Shape, fuse_multiply_adds};
+
+/// A function with loops over arrays.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ArrayForm {
+    /// Steps over arrays.
+    Steps(Arrays),
+    /// The linearization, which calls another function.
+    Affine(Affine),
+}
+
+impl ArrayForm {
+    /// The straight-line program that it stands for.
+    #[must_use]
+    pub fn unrolled(&self) -> Program {
+        match self {
+            Self::Steps(arrays) => arrays.unrolled(),
+            Self::Affine(affine) => affine.unrolled(),
+        }
+    }
+
+    /// The same with products and sums contracted into fused multiply-adds.
+    #[must_use]
+    pub fn fused(&self) -> Self {
+        match self {
+            Self::Steps(arrays) => Self::Steps(arrays.fused()),
+            Self::Affine(affine) => Self::Affine(Affine {
+                called: affine.called.fused(),
+                inputs: affine.inputs.clone(),
+            }),
+        }
+    }
+
+    /// The steps, of the function that is called where it is another one.
+    #[must_use]
+    pub fn arrays(&self) -> &Arrays {
+        match self {
+            Self::Steps(arrays) => arrays,
+            Self::Affine(affine) => &affine.called,
+        }
+    }
+}
+
+/// A function over arrays.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Arrays {
+    /// Straight-line code whose results are the first arrays.
+    pub setup: Program,
+    /// All arrays: those of the setup first.
+    pub arrays: Vec<Array>,
+    /// What is done with them, in order.
+    pub steps: Vec<Step>,
+    /// Results of the function in their order.
+    pub outputs: Vec<ArrayOutput>,
+    /// Coordinate of each coordinate's parent joint.
+    pub parents: Vec<Option<usize>>,
+    /// The coordinates, parents first.
+    pub order: Vec<usize>,
+    /// Whether products and sums of the steps are fused.
+    pub is_fused: bool,
+}
+
+/// Rows of one entry per coordinate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Array {
+    /// What it holds, as an identifier.
+    pub name: String,
+    /// How many rows it has.
+    pub rows: usize,
+}
+
+/// Refers to an array.
+pub type ArrayId = usize;
+
+/// One result of the function.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ArrayOutput {
+    /// Name for documentation.
+    pub name: String,
+    /// Shape of the result.
+    pub shape: Shape,
+    /// Where it stands.
+    pub array: ArrayId,
+}
+
+/// One step over arrays. Sums of products start with their first product and add the others in their order.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Step {
+    /// A small straight-line program for each joint by itself.
+    Map(Map),
+    /// `to[·][j] = from[·][j]` and that of all joints before j; parents first.
+    SumAncestors {
+        /// Terms.
+        from: ArrayId,
+        /// Sums.
+        to: ArrayId,
+    },
+    /// `to[·][j] = from[·][j]` and that of all joints beyond j; leaves first.
+    SumSubtrees {
+        /// Terms.
+        from: ArrayId,
+        /// Sums.
+        to: ArrayId,
+    },
+    /// A matrix over pairs of joints on one path.
+    Pairs(Pairs),
+    /// Inverse of a symmetric positive definite matrix with the zeros of a mass matrix, by Gauss and Jordan without
+    /// pivots from the leaves to the base.
+    Invert {
+        /// The matrix.
+        from: ArrayId,
+        /// Its inverse.
+        to: ArrayId,
+    },
+    /// `to = −left · right`, matrices over the joints.
+    NegativeProduct {
+        /// Left factor.
+        left: ArrayId,
+        /// Right factor.
+        right: ArrayId,
+        /// The product.
+        to: ArrayId,
+    },
+    /// `to = matrix · vector` for a symmetric matrix.
+    Apply {
+        /// The matrix.
+        matrix: ArrayId,
+        /// The vector, an array of one row.
+        vector: ArrayId,
+        /// The product, an array of one row.
+        to: ArrayId,
+    },
+}
+
+/// A straight-line program for each joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Map {
+    /// What it does, as an identifier.
+    pub name: String,
+    /// What it does, for the documentation.
+    pub about: String,
+    /// Arrays that it reads; its inputs are their rows at one joint.
+    pub reads: Vec<ArrayId>,
+    /// Arrays that it writes; its results are their rows at the joint.
+    pub writes: Vec<ArrayId>,
+    /// What is done.
+    pub body: Program,
+}
+
+/// `to[i][j]` is `Σ before.0[r][i] · before.1[r][j]` where j is before i on its path to the base, `diagonal[i]` where
+/// i = j, `Σ beyond.0[r][i] · beyond.1[r][j]` where i is before j, and 0 elsewhere.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pairs {
+    /// Rows by i and rows by j where j is before i.
+    pub before: (ArrayId, ArrayId),
+    /// Rows by i and rows by j where j is beyond i.
+    pub beyond: (ArrayId, ArrayId),
+    /// An array of one row.
+    pub diagonal: ArrayId,
+    /// The matrix.
+    pub to: ArrayId,
+}
+
+impl Arrays {
+    /// The number of coordinates: the length of each row.
+    #[must_use]
+    pub fn joints(&self) -> usize {
+        self.parents.len()
+    }
+
+    /// Whether each coordinate but the first follows the one before it.
+    #[must_use]
+    pub fn is_chain(&self) -> bool {
+        let parents = self.parents.iter().enumerate();
+        parents
+            .into_iter()
+            .all(|(index, parent)| *parent == index.checked_sub(1))
+    }
+
+    /// Whether joint `j` stands before joint `i` on its path to the base.
+    #[must_use]
+    pub fn is_before(&self, j: usize, i: usize) -> bool {
+        let path = std::iter::successors(self.parents[i], |&next| self.parents[next]);
+        path.into_iter().any(|ancestor| ancestor == j)
+    }
+
+    /// The same with each product that only sums read contracted into a fused multiply-add.
+    #[must_use]
+    pub fn fused(&self) -> Self {
+        let mut fused = self.clone();
+        fused.setup = fuse_multiply_adds(&self.setup);
+        for step in &mut fused.steps {
+            if let Step::Map(map) = step {
+                map.body = fuse_multiply_adds(&map.body);
+            }
+        }
+        fused.is_fused = true;
+        fused
+    }
+}
+
+impl Step {
+    /// Whether it reads an array.
+    #[must_use]
+    pub fn reads(&self, array: ArrayId) -> bool {
+        match self {
+            Self::Map(map) => map.reads.contains(&array),
+            Self::SumAncestors { from, .. }
+            | Self::SumSubtrees { from, .. }
+            | Self::Invert { from, .. } => *from == array,
+            Self::Pairs(Pairs {
+                before,
+                beyond,
+                diagonal,
+                ..
+            }) => [before.0, before.1, beyond.0, beyond.1, *diagonal].contains(&array),
+            Self::NegativeProduct { left, right, .. } => [*left, *right].contains(&array),
+            Self::Apply { matrix, vector, .. } => [*matrix, *vector].contains(&array),
+        }
+    }
+}

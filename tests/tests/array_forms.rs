@@ -1,0 +1,212 @@
+//! Functions with loops over joints: their text compiles without a warning, for chains and trees, and computes what the
+//! interpreter computes, bit for bit.
+
+use std::fmt::Write as _;
+use std::path::Path;
+use std::process::Command;
+
+use fastrand::Rng;
+use gelenk_codegen::dynamics::array_form::Form;
+use gelenk_codegen::dynamics::catalogue::derive_in_form;
+use gelenk_codegen::dynamics::function::Function;
+use gelenk_codegen::dynamics::size::MOST_OPERATIONS;
+use gelenk_codegen::emit::{EmitOptions, module};
+use gelenk_codegen::model::Model;
+use gelenk_codegen::program::interpret::interpret;
+use gelenk_tests::compiler::{clippy, rustc};
+use gelenk_tests::literature::{GENERAL, chain, right_angles};
+use gelenk_tests::random_model::random_model_without_rotors;
+use gelenk_tests::{FUNCTIONS, table};
+
+const NAMES: [&str; 4] = [
+    "inverse_dynamics_derivatives",
+    "inverse_dynamics_derivatives_and_mass_matrix",
+    "forward_dynamics_derivatives",
+    "linearize",
+];
+
+/// States of each robot.
+const SAMPLES: usize = 3;
+
+struct Robot {
+    name: String,
+    model: Model,
+    functions: Vec<Function>,
+    text: String,
+}
+
+/// Chains of all lengths of padding, and random trees with sliding joints, parameters and coordinates out of order.
+fn robots(fused: bool) -> Vec<Robot> {
+    let down = [0.0, 0.0, -9.81];
+    let chains = [1, 2, 5, 13].map(|count| chain(&right_angles(count), down));
+    let trees = (0..8).map(|seed| random_model_without_rotors(seed, 9));
+    let models = chains
+        .into_iter()
+        .chain([chain(&GENERAL, down)])
+        .chain(trees);
+    models
+        .enumerate()
+        .map(|(index, model)| robot(&format!("robot_{index}"), model, fused))
+        .collect()
+}
+
+fn robot(name: &str, mut model: Model, fused: bool) -> Robot {
+    model.name = name.to_owned();
+    let names = NAMES.map(str::to_owned);
+    let mut functions = derive_in_form(&model, &names, MOST_OPERATIONS, Form::Arrays, &[])
+        .unwrap_or_else(|problems| panic!("{problems}"));
+    for function in functions.iter_mut().filter(|_| fused) {
+        if let Some(form) = function.arrays.take() {
+            let form = form.fused();
+            function.program = form.unrolled();
+            function.arrays = Some(form);
+        }
+    }
+    let text = module(&model, &functions, &[], &EmitOptions::default()).text;
+    Robot {
+        name: name.to_owned(),
+        model,
+        functions,
+        text,
+    }
+}
+
+#[test]
+fn interpreter_and_compiled_loops_agree_in_every_bit() {
+    compare(false, &[]);
+}
+
+#[test]
+fn fused_loops_agree_as_well() {
+    let has_fma = std::arch::is_x86_feature_detected!("fma");
+    if !has_fma {
+        println!("skipped: no fused multiply-add here");
+        return;
+    }
+    compare(true, &["-C", "target-feature=+fma"]);
+}
+
+fn compare(fused: bool, flags: &[&str]) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let robots = robots(fused);
+    let trees = robots
+        .iter()
+        .filter(|robot| robot.text.contains("RELATIONS"));
+    assert!(trees.count() > 2, "too few trees");
+    let mut modules = String::new();
+    let mut table = String::new();
+    for robot in &robots {
+        let name = &robot.name;
+        std::fs::write(folder.path().join(format!("{name}.rs")), &robot.text).expect("a file");
+        let _ = writeln!(modules, "pub mod {name} {{ include!(\"{name}.rs\"); }}");
+        table.push_str(&table::entry(name, &format!("robots::{name}"), &robot.text));
+    }
+    let calls: String = robots.iter().flat_map(|robot| requests(robot)).collect();
+    std::fs::write(
+        folder.path().join("flat.rs"),
+        include_str!("../src/flat.rs"),
+    )
+    .expect("a file");
+    let main = format!(
+        "mod flat;\nmod robots {{\n{modules}}}\nuse flat::*;\nconst ROBOTS: &[Robot] = &[\n{table}];\n\
+         fn check(robot: &str, function: &str, x: &[Vec<f64>], p: &[f64], expected: &[u64]) {{\n\
+         let robot_calls = ROBOTS.iter().find(|(name, _)| *name == robot).unwrap().1;\n\
+         let call = robot_calls.iter().find(|(name, _)| *name == function).unwrap().1;\n\
+         let found: Vec<u64> = call(x, p).iter().map(|x| x.to_bits()).collect();\n\
+         assert_eq!(found.len(), expected.len());\n\
+         for (index, (a, b)) in found.iter().zip(expected).enumerate() {{\n\
+         assert!(a == b, \"{{robot}}::{{function}}[{{index}}]: compiled {{:e}}, interpreted {{:e}}\", f64::from_bits(*a), f64::from_bits(*b));\n\
+         }}\n}}\nfn main() {{\nfor line in include_str!(\"requests.txt\").lines() {{\n\
+         let words: Vec<&str> = line.split('|').collect();\n\
+         let bits = |text: &str| -> Vec<u64> {{ text.split(',').filter(|x| !x.is_empty()).map(|x| x.parse().unwrap()).collect() }};\n\
+         let numbers = |text: &str| -> Vec<f64> {{ bits(text).into_iter().map(f64::from_bits).collect() }};\n\
+         let x: Vec<Vec<f64>> = words[4..].iter().map(|text| numbers(text)).collect();\n\
+         check(words[0], words[1], &x, &numbers(words[2]), &bits(words[3]));\n}}\n}}\n"
+    );
+    std::fs::write(folder.path().join("requests.txt"), calls).expect("a file");
+    for level in ["0", "3"] {
+        let level = format!("opt-level={level}");
+        let arguments = [&["-C", level.as_str(), "-A", "warnings"], flags].concat();
+        rustc(folder.path(), "main", &main, &arguments)
+            .unwrap_or_else(|message| panic!("{message}"));
+        run(&folder.path().join("main"));
+    }
+}
+
+fn run(program: &Path) {
+    let output = Command::new(program).output().expect("the program starts");
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+}
+
+/// Lines of robot, function, parameters, expected results and inputs; numbers as bits.
+fn requests(robot: &Robot) -> Vec<String> {
+    let mut rng = Rng::with_seed(7);
+    let mut array =
+        |len: usize| -> Vec<f64> { (0..len).map(|_| 6.0 * (rng.f64() - 0.5)).collect() };
+    let parameters = robot
+        .model
+        .parameters
+        .iter()
+        .map(|parameter| parameter.default)
+        .collect::<Vec<_>>();
+    let mut lines = Vec::new();
+    for function in &robot.functions {
+        assert!(
+            function.arrays.is_some(),
+            "{}::{}",
+            robot.name,
+            function.name
+        );
+        for _ in 0..SAMPLES {
+            let inputs: Vec<Vec<f64>> = function
+                .program
+                .inputs
+                .iter()
+                .map(|input| array(input.len))
+                .collect();
+            let slices: Vec<&[f64]> = inputs.iter().map(Vec::as_slice).collect();
+            let expected = interpret(&function.program, &slices, &parameters, &FUNCTIONS)
+                .expect("inputs fit")
+                .concat();
+            let numbers = [&parameters, &expected].into_iter().chain(&inputs);
+            let words: Vec<String> = numbers.map(|numbers| joined(numbers)).collect();
+            lines.push(format!(
+                "{}|{}|{}\n",
+                robot.name,
+                function.name,
+                words.join("|")
+            ));
+        }
+    }
+    lines
+}
+
+fn joined(numbers: &[f64]) -> String {
+    let bits: Vec<String> = numbers.iter().map(|x| x.to_bits().to_string()).collect();
+    bits.join(",")
+}
+
+#[test]
+fn loops_compile_without_a_warning() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let check = ["--crate-type", "lib", "--emit", "metadata"];
+    let mut outer = String::from(
+        "#![deny(warnings, missing_docs, clippy::all, nonstandard_style, future_incompatible)]\n\
+         #![no_std]\n//! Robots.\n",
+    );
+    for robot in robots(false) {
+        let alone = [&check[..], &["-D", "warnings"]].concat();
+        let result = rustc(folder.path(), &robot.name, &robot.text, &alone);
+        result.unwrap_or_else(|message| panic!("{}: {message}", robot.name));
+        let name = &robot.name;
+        let _ = writeln!(
+            outer,
+            "/// Robot.\npub mod {name} {{ include!(\"{name}.rs\"); }}"
+        );
+    }
+    clippy(folder.path(), "outer", &outer, &check).unwrap_or_else(|message| panic!("{message}"));
+}
