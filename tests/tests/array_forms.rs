@@ -101,7 +101,7 @@ fn compare(fused: bool, flags: &[&str]) {
         let _ = writeln!(modules, "pub mod {name} {{ include!(\"{name}.rs\"); }}");
         table.push_str(&table::entry(name, &format!("robots::{name}"), &robot.text));
     }
-    let calls: String = robots.iter().flat_map(|robot| requests(robot)).collect();
+    let calls: String = robots.iter().flat_map(requests).collect();
     std::fs::write(
         folder.path().join("flat.rs"),
         include_str!("../src/flat.rs"),
