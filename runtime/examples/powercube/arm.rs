@@ -1,7 +1,5 @@
 //! The simulated arm: its friction, the regimes in which it is driven, and the trajectory that it shall follow.
 
-#![allow(dead_code, reason = "each experiment takes its own part")]
-
 use crate::study::Outcome;
 use gelenk_generated::powercube_parameters::Parameters;
 use gelenk_runtime::identification::library::Library;

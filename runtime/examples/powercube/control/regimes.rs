@@ -75,7 +75,7 @@ impl Case {
         Ok(Self {
             reference: arm::reference()?,
             identified: identify(plant, plant, study.pick(60.0, 30.0))?,
-            seeds: study.pick(10, 2),
+            seeds: study.pick(5, 2),
         })
     }
 }
