@@ -81,6 +81,19 @@ fn nonlinear_predictive_control_allocates_nothing() {
 }
 
 #[test]
+fn replacing_the_model_allocates_nothing() {
+    let options = options(&PowerCube, PERIOD, 20);
+    let mut linear = LtvMpc::<_, _, 2, 2, 4>::new(PowerCube, motion(), options.clone()).unwrap();
+    let mut nonlinear = Nmpc::<_, _, 2, 2, 4>::new(PowerCube, motion(), options).unwrap();
+    let before = allocations::count();
+    for _ in 0..1000 {
+        linear.set_model(PowerCube).unwrap();
+        nonlinear.set_model(PowerCube).unwrap();
+    }
+    assert_eq!(allocations::count(), before);
+}
+
+#[test]
 fn linear_quadratic_regulators_allocate_nothing() {
     let (a, b) = ([[1.0, 0.02], [0.1, 0.99]], [[0.0002], [0.02]]);
     let (q, r) = ([[100.0, 0.0], [0.0, 1.0]], [[0.1]]);

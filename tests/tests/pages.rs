@@ -375,3 +375,68 @@ fn pages_can_be_printed() {
     let pages = browser.print(&robot_page("powercube").html);
     assert!((3..=12).contains(&pages), "{pages} pages");
 }
+
+/// The paper's page, as the program `powercube` wrote it. `GELENK_REPORT` names its folder; in CI it must.
+fn paper_page() -> Option<String> {
+    let Some(folder) = std::env::var_os("GELENK_REPORT") else {
+        assert!(
+            std::env::var_os("CI").is_none(),
+            "GELENK_REPORT must name the folder that the example `powercube` wrote"
+        );
+        println!("skipped: GELENK_REPORT names no folder of the example `powercube`");
+        return None;
+    };
+    let file = workspace().join(folder).join("index.html");
+    Some(std::fs::read_to_string(&file).unwrap_or_else(|e| panic!("{}: {e}", file.display())))
+}
+
+#[test]
+fn the_paper_s_page_is_sound_and_complete() {
+    let Some(page) = paper_page() else {
+        return;
+    };
+    let Some(browser) = Browser::find() else {
+        return;
+    };
+    let script = format!(
+        r#"{COMMON}
+        findings.claims = all("table.claims tbody tr").map((row) => row.id);
+        findings.unshown = all("table.claims a").map((a) => a.getAttribute("href").slice(1))
+            .filter((id) => !document.getElementById(id)?.closest("figure, .table, table, div"));
+        findings.figures = all("figure").length;
+        findings.drawn = all("figure").every((figure) => figure.querySelector("svg.plot") && figure.querySelector("figcaption"));
+        findings.sections = all("main section").length;
+        return findings;"#
+    );
+    let light = browser.visit(&page, &script, WIDE);
+    let dark = browser.visit(&page, &script, NARROW);
+    for (name, findings) in [("light", &light), ("dark", &dark)] {
+        check_common(name, findings);
+        let result = &findings.result;
+        let claims = result["claims"].as_array().expect("claims");
+        let named = |number: usize| {
+            claims.iter().filter_map(Value::as_str).any(|id| {
+                let label = id.strip_prefix("claim-").expect("a number");
+                label.trim_end_matches(|c: char| c.is_ascii_lowercase()) == number.to_string()
+            })
+        };
+        let missing: Vec<usize> = (1..=12).filter(|number| !named(*number)).collect();
+        assert_eq!(missing, Vec::<usize>::new(), "{name}: claims without a row");
+        assert_eq!(
+            result["unshown"],
+            json!([]),
+            "{name}: claims without their figure"
+        );
+        assert_eq!(
+            result["drawn"], true,
+            "{name}: figures without plot or caption"
+        );
+        assert!(result["figures"].as_u64() >= Some(20), "{name}: {result}");
+        assert!(result["math"].as_u64() >= Some(12), "{name}: equations");
+        let verdicts = result["verdicts"].as_array().expect("verdicts");
+        assert_eq!(verdicts.len(), claims.len(), "{name}");
+    }
+    assert_ne!(light.result["background"], dark.result["background"]);
+    let pages = browser.print(&page);
+    assert!((5..=60).contains(&pages), "{pages} pages");
+}

@@ -42,6 +42,9 @@ fn run() -> Outcome<()> {
     let folder = std::env::args_os()
         .nth(1)
         .map_or_else(|| PathBuf::from("report"), PathBuf::from);
+    // A minute of work should not end with a folder that cannot be made.
+    std::fs::create_dir_all(&folder)
+        .map_err(|error| format!("cannot write {}: {error}", folder.display()))?;
     let report = report(&study)?;
     for claim in report.claims() {
         println!("{:<10} {}", claim.id, claim.verdict());

@@ -184,9 +184,10 @@ pub fn adaptation(reference: &Sampled<2>, forgetting: f64, duration: f64) -> Out
 
 /// Root mean square of the difference of two curves [N m].
 fn difference(a: &Friction, b: &Friction) -> f64 {
-    let speeds = (-70..=70).map(|k| FASTEST * f64::from(k) / 70.0);
+    const STEPS: i32 = 70;
+    let speeds = (-STEPS..=STEPS).map(|k| FASTEST * f64::from(k) / f64::from(STEPS));
     let sum: f64 = speeds.map(|v| (a.at(v) - b.at(v)).powi(2)).sum();
-    (sum / 141.0).sqrt()
+    (sum / f64::from(2 * STEPS + 1)).sqrt()
 }
 
 /// Time from the change until no error is above `bound` any more (s).
@@ -233,7 +234,7 @@ pub fn claim(adaptation: &Adaptation) -> Claim {
 pub fn experiment(study: &Study) -> Outcome<Part> {
     let reference = arm::reference()?;
     let adaptation = adaptation(&reference, FORGETTING, study.pick(60.0, 30.0))?;
-    let section = Section::new("adaptation", "Friction that changes in operation")
+    let section = Section::new("adaptation", "12 · Friction that changes in operation")
         .block(text("After 8 s the plant's viscous friction falls to 60 % and its dry friction rises to 130 %, in both joints. Encoders have steps of 0.1 mrad. Every period the recursive least squares take the friction torque $i u + q_s - M \\ddot y - k$ of the last two periods by central differences, and the predictive controller goes on with the new model; beside it runs one that keeps what was identified before the change."))
         .block(Block::Figure(factors(&adaptation)))
         .block(Block::Figure(

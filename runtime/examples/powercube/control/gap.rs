@@ -111,7 +111,7 @@ pub fn experiment(study: &Study) -> Outcome<Part> {
         study.pick(60.0, 30.0),
     )?;
     let claim = claim(&models);
-    let section = Section::new("gap", "Torque of feedback and feed-forward")
+    let section = Section::new("gap", "2 · Torque of feedback and feed-forward")
         .block(text("The plant has the published friction. Both controllers have a rigid body whose gravity is 3 % too large; one has the old friction, the other what the sparse regression finds in a recorded identification sine with that same wrong rigid body. Neither is the plant's model."))
         .block(Block::Figure(
             Figure::new("gap-beta", "Joint β: what LTV-MPC applies and what the feed-forward of its model asks for. Left the old friction, right the identified one.")

@@ -173,8 +173,8 @@ pub fn experiment(study: &Study) -> Outcome<Part> {
     let fast = torque_limited(model, &reference, FACTOR, GEAR * PEAK)?;
     let nominal = torque_limited(model, &reference, 1.0, NOMINAL)?;
     let slow = speed_limited(model, &reference, SPEED, PENALTY)?;
-    let section = Section::new("limits", "Limits as constraints")
-        .block(text("The published trajectory run through 1.5 times as fast needs up to 99 N m at β; the motors give 0.5 N m each, 80.5 N m at the joint. The plant has the published friction, the controller what was identified."))
+    let section = Section::new("limits", "10 · Limits as constraints")
+        .block(text("The published trajectory run through 1.5 times as fast needs up to 99 N m at β; the motors give 0.5 N m each, 80.5 N m at the joint. The plant has the published friction, the controller what was identified. The nominal torque of the modules, 44.8 N m, allows only a fifth of the published speed; at 25 rpm, their highest speed, friction alone would need 217 and 157 N m."))
         .block(Block::Figure(torques(&fast)))
         .block(Block::Figure(
             Figure::new("limits-errors", "What the peak torque costs 1.5 times as fast, and what the nominal torque of 44.8 N m would cost at the published speed.")

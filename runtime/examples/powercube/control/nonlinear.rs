@@ -130,7 +130,7 @@ pub fn experiment(study: &Study) -> Outcome<Part> {
         "large motion, 50 Hz, all of it".to_owned(),
         deviation(model, PERIOD, TOO_FAST)?,
     ));
-    let section = Section::new("nonlinear", "Nonlinear MPC")
+    let section = Section::new("nonlinear", "4 · Nonlinear MPC")
         .block(text("The plant has the published friction, all controllers what was identified. NMPC predicts by Runge–Kutta steps of the nonlinear arm about its plan, one Gauss–Newton step a period; LTV-MPC by the exact zero-order hold of linearizations. The large deviation: 0.9 rad in 1.2 s with 56 N m at the joint, then rest."))
         .block(Block::Figure(rest(&large)))
         .block(Block::Figure(errors(&coarse)))

@@ -179,7 +179,7 @@ pub fn experiment(study: &Study) -> Outcome<Part> {
         let new = track(&case, case.identified, regime, OFFSET_FREE, 1)?;
         figure = figure.plot(comparison(title, &old, &new));
     }
-    let section = Section::new("regimes", "Where better friction helps")
+    let section = Section::new("regimes", "3 · Where better friction helps")
         .block(text("Ideal: 50 Hz, exact encoders and torques, no delay. Realistic: an input acts one period late, encoders have steps of 0.1 mrad and noise of 0.05 mrad, motor torques steps of 5 mN m (0.8 N m at the joint) and noise of 2 mN m. Feedback is tight: errors shall return within about a period; slower means that changes of the torque cost as well. These are assumptions: the arm's own numbers are not published. The plant has the published friction, the models the old one or what was identified."))
         .block(Block::Table(table(&rows, &compared)))
         .block(Block::Figure(figure));

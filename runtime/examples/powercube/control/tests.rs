@@ -169,7 +169,7 @@ fn the_worst_period_takes_few_iterations() {
     let samples = identified::record(plant, plant, DURATION).unwrap();
     let passes = [0, 1].map(|joint| timing::passes(&samples, joint).unwrap());
     let stiff = timing::worst_iterations(identified(), &reference(), 1e4 * limits::PENALTY);
-    flipped(&timing::claim(stiff.unwrap(), &passes), &[0]);
+    flipped(&timing::claim(stiff.unwrap(), passes), &[0]);
 }
 
 #[test]

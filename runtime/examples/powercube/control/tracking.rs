@@ -68,7 +68,7 @@ pub fn experiment(_: &Study) -> Outcome<Part> {
         ("smoothed, from 1 mrad beside", &beside),
         ("as published, from its start", &raw),
     ];
-    let section = Section::new("tracking", "Along the published trajectory")
+    let section = Section::new("tracking", "1 · Along the published trajectory")
         .block(text("The desired motion: 24.4 s at 50 Hz, from rest to rest. The published samples contradict their own velocities by up to 7 mrad at segment borders; smoothed, positions, velocities and accelerations agree. Plant and controllers here share one model, the published friction with its exact $\\operatorname{sign}$: nothing but the start, or the file's own jumps, is in the way."))
         .block(Block::Figure(desired(&smoothed, &beside)))
         .block(Block::Figure(errors(&beside)))
