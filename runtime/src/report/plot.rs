@@ -3,6 +3,7 @@
 use std::fmt::Display;
 use std::ops::Range;
 
+use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
@@ -147,13 +148,32 @@ impl Axis {
         }
     }
 
-    /// How many ticks to ask for: on a logarithmic axis one a decade where there are several, `most` otherwise.
-    fn ticks(&self, span: &Range<f64>, most: usize) -> usize {
-        let decades = span.end - span.start;
-        if self.is_logarithmic && decades >= 2.0 {
-            most.min(decades as usize + 1)
-        } else {
-            most
+    /// Where ticks stand, in scaled values: on a logarithmic axis powers of ten, with their double and fivefold where there are few of them.
+    fn ticks(&self, span: &Range<f64>, most: usize) -> Vec<f64> {
+        if self.is_logarithmic {
+            let digits: &[f64] = match span.end - span.start {
+                width if width < 2.0 => &[1.0, 2.0, 5.0],
+                _ => &[1.0],
+            };
+            let decades = span.start.floor() as i64..=span.end.ceil() as i64;
+            let stride = (span.end - span.start) as usize / most + 1;
+            let ticks: Vec<f64> = decades
+                .step_by(stride)
+                .flat_map(|decade| digits.iter().map(move |d| decade as f64 + d.log10()))
+                .filter(|tick| span.contains(tick))
+                .collect();
+            // Within less there is no difference between the scales.
+            if ticks.len() >= 2 {
+                return ticks;
+            }
+        }
+        RangedCoordf64::from(span.clone()).key_points(most)
+    }
+
+    fn ticked(&self, span: &Range<f64>, most: usize) -> Ticked {
+        Ticked {
+            range: span.clone().into(),
+            ticks: self.ticks(span, most),
         }
     }
 
@@ -269,7 +289,34 @@ fn scaled(plot: &Plot, series: &Series) -> Vec<[f64; 2]> {
         .collect()
 }
 
-type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+/// A range with ticks of its own.
+struct Ticked {
+    range: RangedCoordf64,
+    ticks: Vec<f64>,
+}
+
+impl Ranged for Ticked {
+    type FormatOption = DefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
+        self.range.map(value, limit)
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        if hint.weight().allow_light_points() {
+            Vec::new()
+        } else {
+            self.ticks.clone()
+        }
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.range.range()
+    }
+}
+
+type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<Ticked, Ticked>>;
 
 fn draw(
     plot: &Plot,
@@ -288,13 +335,11 @@ fn draw(
         .margin_right(pixels(18))
         .x_label_area_size(pixels(42))
         .y_label_area_size(pixels(70))
-        .build_cartesian_2d(x.clone(), y.clone())?;
+        .build_cartesian_2d(plot.x.ticked(&x, 8), plot.y.ticked(&y, 7))?;
     chart
         .configure_mesh()
         .x_desc(plot.x.title())
         .y_desc(plot.y.title())
-        .x_labels(plot.x.ticks(&x, 8))
-        .y_labels(plot.y.ticks(&y, 7))
         .x_label_formatter(&|value| plot.x.tick(*value, &x))
         .y_label_formatter(&|value| plot.y.tick(*value, &y))
         .axis_style(INK.stroke_width(SCALE))
@@ -457,16 +502,23 @@ mod tests {
     }
 
     #[test]
-    fn zero_and_decades_are_named() {
-        let line = vec![[-0.6, 1e-2], [0.6, 1e2]];
-        let mut plot = plot(line);
+    fn ticks_stand_at_round_numbers() {
+        let shown = |plot: &Plot, labels: &[&str]| {
+            let svg = drawn(plot).unwrap();
+            for label in labels {
+                assert!(
+                    svg.contains(&format!(">\n{label}\n<")),
+                    "no {label} in {svg}"
+                );
+            }
+            assert!(!svg.contains("10⁻") && !svg.contains("3.2"), "{svg}");
+        };
+        let mut plot = plot(vec![[-0.6, 1e-2], [0.6, 1e2]]);
         plot.x = plot.x.over(-0.6, 0.6);
         plot.y = plot.y.logarithmic();
-        let svg = drawn(&plot).unwrap();
-        assert!(!svg.contains("10⁻") && !svg.contains("3.2"), "{svg}");
-        for shown in [">\n0\n<", ">\n0.1\n<", ">\n100\n<"] {
-            assert!(svg.contains(shown), "no {shown} in {svg}");
-        }
+        shown(&plot, &["−0.4", "0", "0.1", "100"]);
+        plot.y = plot.y.over(0.3, 6.0);
+        shown(&plot, &["0.5", "1", "2", "5"]);
     }
 
     #[test]
