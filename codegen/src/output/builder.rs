@@ -8,7 +8,8 @@ use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::emit::Scalar;
 use crate::pipeline::{self, GenerateOptions, Generated};
 
-/// Generates `$OUT_DIR/<name>.rs` from a description, for `build.rs`.
+/// Generates `$OUT_DIR/<name>.rs` from a description, for `build.rs`. The name is the robot's: the key `name` of a TOML file,
+/// or else the file's; in a URDF that of `<robot>`.
 ///
 /// Where the description is at fault, all its problems are printed and the build script ends with exit code 1. Tells
 /// Cargo to watch every file that was read. The path is relative to the package.

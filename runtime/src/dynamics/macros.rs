@@ -248,7 +248,8 @@ macro_rules! dynamics {
     (@made $result:ident, ($($value:ident),*)) => { $crate::dynamics::$result { $($value),* } };
 }
 
-/// Includes a module that the build script generated: `include_model!(pub mod arm)` reads `$OUT_DIR/arm.rs`.
+/// Includes a module that the build script generated: `include_model!(pub mod arm)` reads `$OUT_DIR/arm.rs`, which is named
+/// after the robot (in a URDF: `<robot name="arm">`), not after the file.
 ///
 /// ```ignore
 /// // Needs a build script: gelenk_codegen::build("arm.toml");
