@@ -22,6 +22,7 @@ pub mod formula;
 pub mod graph;
 pub mod guide;
 pub mod kinematics;
+mod lanes;
 pub mod math;
 pub mod model;
 pub mod output;

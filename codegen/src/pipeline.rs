@@ -9,8 +9,10 @@ use crate::dynamics::composition::Composition;
 use crate::dynamics::function::Function;
 use crate::dynamics::size::MOST_OPERATIONS;
 use crate::emit::{self, EmitOptions, SourceFile};
+use crate::lanes::Lanes;
 use crate::model::{self, Loaded, Model, ReadOptions};
 use crate::program::arrays::ArrayForm;
+use crate::program::cost::{self, Cost};
 use crate::program::fuse_multiply_adds;
 use crate::snapping;
 
@@ -55,6 +57,21 @@ pub struct Generated {
     pub files: Vec<PathBuf>,
 }
 
+impl Generated {
+    /// Names and operations of all functions, in the order of the module.
+    #[must_use]
+    pub fn costs(&self) -> Vec<(String, Cost)> {
+        let functions = self.functions.iter();
+        let functions =
+            functions.map(|function| (function.name.clone(), cost::count(&function.program)));
+        let compositions = self.compositions.iter().filter_map(|&each| {
+            let cost = each.cost_in(&self.model, &self.functions)?;
+            Some((each.name().to_owned(), cost))
+        });
+        functions.chain(compositions).collect()
+    }
+}
+
 /// From a description to the text of a Rust module. Reads files, writes none.
 ///
 /// # Errors
@@ -72,10 +89,18 @@ pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generat
         notes,
         files,
     } = model::read(description, &read_options)?;
-    let functions = derive(&model, options)?;
+    let lanes = Lanes::new(&model, options)?;
+    let selection = lanes.selected_with(selection(&model, options));
+    let functions = derive(&model, options, &selection, &lanes)?;
     let notes = snapping::priced(notes, description, &read_options, &functions);
-    let compositions = catalogue::compositions(selection(&model, options));
-    let source = emit::module(&model, &functions, &compositions, &options.emit);
+    let compositions = catalogue::compositions(&selection);
+    let (lanes, obstacles) = lanes.possible(&functions, options.emit.math);
+    let notes = Diagnostics::new([notes.into_entries(), obstacles].concat());
+    let emit_options = EmitOptions {
+        lanes,
+        ..options.emit.clone()
+    };
+    let source = emit::module(&model, &functions, &compositions, &emit_options);
     Ok(Generated {
         model,
         functions,
@@ -98,13 +123,18 @@ fn check_slope(slope: Option<f64>) -> Result<(), Diagnostics> {
 }
 
 /// Stages 2 to 4.
-fn derive(model: &Model, options: &GenerateOptions) -> Result<Vec<Function>, Diagnostics> {
+fn derive(
+    model: &Model,
+    options: &GenerateOptions,
+    selection: &[String],
+    lanes: &Lanes,
+) -> Result<Vec<Function>, Diagnostics> {
     let mut functions = catalogue::derive_in_form(
         model,
-        selection(model, options),
+        selection,
         options.max_operations.unwrap_or(MOST_OPERATIONS),
         options.form,
-        &options.emit.lanes,
+        lanes.names(),
     )?;
     if options.fused_multiply_add {
         for function in &mut functions {

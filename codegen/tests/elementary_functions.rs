@@ -224,11 +224,19 @@ fn lanes_have_the_bits_of_the_scalar_functions() {
         let bits = |a: [f64; 8]| a.map(f64::to_bits);
         assert_eq!(bits(sin), bits(x.map(|x| math::sin_cos(x).0)));
         assert_eq!(bits(cos), bits(x.map(|x| math::sin_cos(x).1)));
+        let mut lanes = [[0.0; 8]; 2];
+        let [lane_sin, lane_cos] = &mut lanes;
+        math::sin_cos_lanes(&x, lane_sin, lane_cos);
+        assert_eq!(lanes.map(bits), [sin, cos].map(bits));
         let x = x.map(|x| x as f32);
         let (sin, cos) = math::sin_cos_array_f32(x);
         let bits = |a: [f32; 8]| a.map(f32::to_bits);
         assert_eq!(bits(sin), bits(x.map(|x| math::sin_cos_f32(x).0)));
         assert_eq!(bits(cos), bits(x.map(|x| math::sin_cos_f32(x).1)));
+        let mut lanes = [[0.0; 8]; 2];
+        let [lane_sin, lane_cos] = &mut lanes;
+        math::sin_cos_lanes_f32(&x, lane_sin, lane_cos);
+        assert_eq!(lanes.map(bits), [sin, cos].map(bits));
     }
 }
 

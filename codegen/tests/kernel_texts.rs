@@ -5,11 +5,13 @@ use std::process::Command;
 use gelenk_codegen::math::Kernel;
 
 /// All but those that only others use.
-const ALL: [Kernel; 14] = [
+const ALL: [Kernel; 16] = [
     Kernel::SinCos,
     Kernel::SinCosArray,
     Kernel::SinCosF32,
     Kernel::SinCosArrayF32,
+    Kernel::SinCosLanes,
+    Kernel::SinCosLanesF32,
     Kernel::SinCos2,
     Kernel::SinCos4,
     Kernel::SinCos8,

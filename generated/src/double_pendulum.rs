@@ -1786,7 +1786,8 @@ pub const SUBSTEPS: usize = 1;
 /// - returns `B_d: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
 /// - returns `c_d: [2 × N]`: affine remainders of y⁺ and ẏ⁺
 ///
-/// Cost: one `linearize`, then about 680 multiplications and as many additions.
+/// Cost: 798 multiplications, 735 additions, 3 divisions, 2 function calls (`sin_cos`), one call of `linearize`
+/// included.
 ///
 /// Scaling and squaring of the lifted exponential with fixed counts: a Taylor polynomial of degree 17 over 1/64
 /// of the period, six doublings (Higham 2008, section 10.3), in blocks of N × N.
@@ -1820,7 +1821,8 @@ pub fn discretize(
 /// - returns `y⁺: [N]`: coordinates after the period
 /// - returns `ẏ⁺: [N]`: velocities after the period
 ///
-/// Cost: 4 · `SUBSTEPS` calls of `forward_dynamics`.
+/// Cost: 184 multiplications, 104 additions, 21 divisions, 8 function calls (`sin_cos`), 4 calls of
+/// `forward_dynamics` included.
 ///
 /// `SUBSTEPS` steps of the classical method of order 4: the error falls with the fourth power of their length.
 /// They are stable while period / `SUBSTEPS` times the fastest rate of the robot stays below 2.7.
@@ -1853,8 +1855,8 @@ pub fn step(
 /// - returns `∂x⁺/∂x: [2 × 2 × N × N]`: blocks ((∂y⁺/∂y, ∂y⁺/∂ẏ), (∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ))
 /// - returns `∂x⁺/∂u: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
 ///
-/// Cost of each of the `SUBSTEPS` steps: 4 calls of `linearize`, then about 384 multiplications and as many
-/// additions.
+/// Cost: 784 multiplications, 664 additions, 21 divisions, 8 function calls (`sin_cos`), 4 calls of `linearize`
+/// included.
 ///
 /// The chain rule over the stages of each step: derivatives of what `step` computes, not of the exact solution.
 #[must_use]

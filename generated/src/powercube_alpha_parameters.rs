@@ -1114,7 +1114,8 @@ pub const SUBSTEPS: usize = 8;
 /// - returns `B_d: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
 /// - returns `c_d: [2 × N]`: affine remainders of y⁺ and ẏ⁺
 ///
-/// Cost: one `linearize`, then about 110 multiplications and as many additions.
+/// Cost: 146 multiplications, 129 additions, 1 division, 4 function calls, 1 selection, one call of `linearize`
+/// included.
 ///
 /// Scaling and squaring of the lifted exponential with fixed counts: a Taylor polynomial of degree 17 over 1/64
 /// of the period, six doublings (Higham 2008, section 10.3), in blocks of N × N.
@@ -1148,7 +1149,8 @@ pub fn discretize(
 /// - returns `y⁺: [N]`: coordinates after the period
 /// - returns `ẏ⁺: [N]`: velocities after the period
 ///
-/// Cost: 4 · `SUBSTEPS` calls of `forward_dynamics`.
+/// Cost: 496 multiplications, 336 additions, 97 divisions, 128 function calls, 32 selections, 32 calls of
+/// `forward_dynamics` included.
 ///
 /// `SUBSTEPS` steps of the classical method of order 4: the error falls with the fourth power of their length.
 /// They are stable while period / `SUBSTEPS` times the fastest rate of the robot stays below 2.7.
@@ -1181,8 +1183,8 @@ pub fn step(
 /// - returns `∂x⁺/∂x: [2 × 2 × N × N]`: blocks ((∂y⁺/∂y, ∂y⁺/∂ẏ), (∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ))
 /// - returns `∂x⁺/∂u: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
 ///
-/// Cost of each of the `SUBSTEPS` steps: 4 calls of `linearize`, then about 72 multiplications and as many
-/// additions.
+/// Cost: 1600 multiplications, 1376 additions, 97 divisions, 128 function calls, 32 selections, 32 calls of
+/// `linearize` included.
 ///
 /// The chain rule over the stages of each step: derivatives of what `step` computes, not of the exact solution.
 #[must_use]

@@ -16764,7 +16764,8 @@ pub const SUBSTEPS: usize = 8;
 /// - returns `B_d: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
 /// - returns `c_d: [2 × N]`: affine remainders of y⁺ and ẏ⁺
 ///
-/// Cost: one `linearize`, then about 14760 multiplications and as many additions.
+/// Cost: 16471 multiplications, 15991 additions, 7 divisions, 15 function calls (5 `sin_cos`, 10 other), 1
+/// selection, one call of `linearize` included.
 ///
 /// Scaling and squaring of the lifted exponential with fixed counts: a Taylor polynomial of degree 17 over 1/64
 /// of the period, six doublings (Higham 2008, section 10.3), in blocks of N × N.
@@ -16796,7 +16797,8 @@ pub fn discretize(
 /// - returns `y⁺: [N]`: coordinates after the period
 /// - returns `ẏ⁺: [N]`: velocities after the period
 ///
-/// Cost: 4 · `SUBSTEPS` calls of `forward_dynamics`.
+/// Cost: 10528 multiplications, 8480 additions, 257 divisions, 480 function calls (160 `sin_cos`, 320 other), 32
+/// selections, 32 calls of `forward_dynamics` included.
 ///
 /// `SUBSTEPS` steps of the classical method of order 4: the error falls with the fourth power of their length.
 /// They are stable while period / `SUBSTEPS` times the fastest rate of the robot stays below 2.7.
@@ -16827,8 +16829,8 @@ pub fn step(
 /// - returns `∂x⁺/∂x: [2 × 2 × N × N]`: blocks ((∂y⁺/∂y, ∂y⁺/∂ẏ), (∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ))
 /// - returns `∂x⁺/∂u: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
 ///
-/// Cost of each of the `SUBSTEPS` steps: 4 calls of `linearize`, then about 6912 multiplications and as many
-/// additions.
+/// Cost: 104160 multiplications, 97280 additions, 289 divisions, 480 function calls (160 `sin_cos`, 320 other), 32
+/// selections, 32 calls of `linearize` included.
 ///
 /// The chain rule over the stages of each step: derivatives of what `step` computes, not of the exact solution.
 #[must_use]

@@ -11502,7 +11502,8 @@ pub const SUBSTEPS: usize = 1;
 /// - returns `B_d: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
 /// - returns `c_d: [2 × N]`: affine remainders of y⁺ and ẏ⁺
 ///
-/// Cost: one `linearize`, then about 14760 multiplications and as many additions.
+/// Cost: 19279 multiplications, 18669 additions, 7 divisions, 6 function calls (`sin_cos`), 6 selections, one
+/// call of `linearize` included.
 ///
 /// Scaling and squaring of the lifted exponential with fixed counts: a Taylor polynomial of degree 17 over 1/64
 /// of the period, six doublings (Higham 2008, section 10.3), in blocks of N × N.
@@ -11534,7 +11535,8 @@ pub fn discretize(
 /// - returns `y⁺: [N]`: coordinates after the period
 /// - returns `ẏ⁺: [N]`: velocities after the period
 ///
-/// Cost: 4 · `SUBSTEPS` calls of `forward_dynamics`.
+/// Cost: 1324 multiplications, 1148 additions, 33 divisions, 20 function calls (`sin_cos`), 24 selections, 4
+/// calls of `forward_dynamics` included.
 ///
 /// `SUBSTEPS` steps of the classical method of order 4: the error falls with the fourth power of their length.
 /// They are stable while period / `SUBSTEPS` times the fastest rate of the robot stays below 2.7.
@@ -11565,8 +11567,8 @@ pub fn step(
 /// - returns `∂x⁺/∂x: [2 × 2 × N × N]`: blocks ((∂y⁺/∂y, ∂y⁺/∂ẏ), (∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ))
 /// - returns `∂x⁺/∂u: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
 ///
-/// Cost of each of the `SUBSTEPS` steps: 4 calls of `linearize`, then about 6912 multiplications and as many
-/// additions.
+/// Cost: 24252 multiplications, 22872 additions, 37 divisions, 24 function calls (`sin_cos`), 24 selections, 4
+/// calls of `linearize` included.
 ///
 /// The chain rule over the stages of each step: derivatives of what `step` computes, not of the exact solution.
 #[must_use]

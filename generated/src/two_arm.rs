@@ -12674,7 +12674,8 @@ pub const SUBSTEPS: usize = 1;
 /// - returns `B_d: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
 /// - returns `c_d: [2 × N]`: affine remainders of y⁺ and ẏ⁺
 ///
-/// Cost: one `linearize`, then about 23030 multiplications and as many additions.
+/// Cost: 24275 multiplications, 23753 additions, 4 divisions, 4 function calls (`sin_cos`), one call of
+/// `linearize` included.
 ///
 /// Scaling and squaring of the lifted exponential with fixed counts: a Taylor polynomial of degree 17 over 1/64
 /// of the period, six doublings (Higham 2008, section 10.3), in blocks of N × N.
@@ -12706,7 +12707,8 @@ pub fn discretize(
 /// - returns `y⁺: [N]`: coordinates after the period
 /// - returns `ẏ⁺: [N]`: velocities after the period
 ///
-/// Cost: 4 · `SUBSTEPS` calls of `forward_dynamics`.
+/// Cost: 966 multiplications, 754 additions, 25 divisions, 16 function calls (`sin_cos`), 4 calls of
+/// `forward_dynamics` included.
 ///
 /// `SUBSTEPS` steps of the classical method of order 4: the error falls with the fourth power of their length.
 /// They are stable while period / `SUBSTEPS` times the fastest rate of the robot stays below 2.7.
@@ -12737,8 +12739,8 @@ pub fn step(
 /// - returns `∂x⁺/∂x: [2 × 2 × N × N]`: blocks ((∂y⁺/∂y, ∂y⁺/∂ẏ), (∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ))
 /// - returns `∂x⁺/∂u: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
 ///
-/// Cost of each of the `SUBSTEPS` steps: 4 calls of `linearize`, then about 10584 multiplications and as many
-/// additions.
+/// Cost: 14552 multiplications, 13896 additions, 25 divisions, 16 function calls (`sin_cos`), 4 calls of
+/// `linearize` included.
 ///
 /// The chain rule over the stages of each step: derivatives of what `step` computes, not of the exact solution.
 #[must_use]

@@ -2,24 +2,37 @@
 
 /// Calls one of three forms of a function over lanes: for any processor, for AVX2, for AVX-512.
 ///
-/// Generated with `--lanes inverse_dynamics`, a module has `inverse_dynamics_lanes`, `inverse_dynamics_lanes_avx2` and
-/// `inverse_dynamics_lanes_avx512`; the latter two on x86-64 only. All give the same bits.
+/// Generated with `--lanes linearize`, a module has `linearize_lanes`, `linearize_lanes_avx2` and
+/// `linearize_lanes_avx512`; the latter two on x86-64 only. All give the same bits. The linearization along a horizon,
+/// eight points at a time:
 ///
 /// ```
-/// # mod robot {
-/// #     pub fn double_lanes(x: &[f64; 8], y: &mut [f64; 8]) { *y = x.map(|x| 2.0 * x); }
-/// #     #[cfg(target_arch = "x86_64")]
-/// #     #[target_feature(enable = "avx2")]
-/// #     pub fn double_lanes_avx2(x: &[f64; 8], y: &mut [f64; 8]) { double_lanes(x, y) }
-/// #     #[cfg(target_arch = "x86_64")]
-/// #     #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-/// #     pub fn double_lanes_avx512(x: &[f64; 8], y: &mut [f64; 8]) { double_lanes(x, y) }
-/// # }
-/// let (x, mut y) = ([1.5; 8], [0.0; 8]);
-/// gelenk_runtime::widest!(
-///     [robot::double_lanes, robot::double_lanes_avx2, robot::double_lanes_avx512](&x, &mut y)
-/// );
-/// assert_eq!(y, [3.0; 8]);
+/// use gelenk_generated::powercube::{self as arm, Lanes, M, N};
+///
+/// // A swing of 0.6 s, held without torque.
+/// let horizon: [([f64; N], [f64; N], [f64; M]); 30] = core::array::from_fn(|k| {
+///     let t = 0.02 * k as f64;
+///     ([0.4 * t.cos(), -0.3 * t.cos()], [-0.4 * t.sin(), 0.3 * t.sin()], [0.0; M])
+/// });
+/// const ZERO: Lanes = Lanes([0.0; 8]);
+/// for points in horizon.chunks(8) {
+///     let (mut y, mut v, mut u) = ([ZERO; N], [ZERO; N], [ZERO; M]);
+///     for (lane, point) in points.iter().enumerate() {
+///         (0..N).for_each(|i| (y[i].0[lane], v[i].0[lane]) = (point.0[i], point.1[i]));
+///         (0..M).for_each(|i| u[i].0[lane] = point.2[i]);
+///     }
+///     let (mut by_y, mut by_v, mut by_u) = ([[ZERO; N]; N], [[ZERO; N]; N], [[ZERO; M]; N]);
+///     let mut affine = [ZERO; N];
+///     gelenk_runtime::widest!(
+///         [arm::linearize_lanes, arm::linearize_lanes_avx2, arm::linearize_lanes_avx512](
+///             &y, &v, &u, &mut by_y, &mut by_v, &mut by_u, &mut affine
+///         )
+///     );
+///     for (lane, (y, v, u)) in points.iter().enumerate() {
+///         let (single, ..) = arm::linearize(y, v, u);
+///         assert_eq!(by_y.map(|row| row.map(|entry| entry.0[lane])), single);
+///     }
+/// }
 /// ```
 #[macro_export]
 macro_rules! widest {

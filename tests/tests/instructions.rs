@@ -1,6 +1,6 @@
 //! Instructions per call of the emitted functions, counted by Valgrind: a regression shows without timing.
 //!
-//! The counts belong to rustc 1.95 and x86-64-v3; another compiler moves them a little. Review with `cargo insta review`.
+//! Of those over lanes it is the count of eight states. The counts belong to rustc 1.95 and x86-64-v3; another compiler moves them a little. Review with `cargo insta review`.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -20,21 +20,42 @@ const FUNCTIONS: [(&str, &str); 7] = [
     ("linearize", "y, v, a"),
 ];
 
+/// Functions over a sample time.
+const OVER_TIME: [&str; 3] = ["discretize", "step", "step_derivatives"];
+
+/// Functions over eight states, in the form for AVX2 (Valgrind knows no AVX-512), and their results.
+const LANES: [(&str, &str); 3] = [
+    ("inverse_dynamics", "&mut x"),
+    ("forward_dynamics", "&mut x"),
+    ("linearize", "&mut dy, &mut dv, &mut du, &mut x"),
+];
+
 const CALLS: u64 = 1000;
 
 /// A program that calls one function so many times: both are its arguments.
 fn main_text() -> String {
     let mut arms = String::new();
-    for (name, arguments) in FUNCTIONS {
+    let single = FUNCTIONS.map(|(name, arguments)| ("robot", name, arguments));
+    let over_time = OVER_TIME.map(|name| ("discrete", name, "y, v, a, 0.02"));
+    for (module, name, arguments) in single.into_iter().chain(over_time) {
         let _ = writeln!(
             arms,
             "        {name:?} => for k in 0..calls {{ let [y, v, a] = &states[k % 8]; \
              let (y, v, a) = (black_box(y), black_box(v), black_box(a)); _ = (v, a); \
-             black_box(robot::{name}({arguments})); }},"
+             black_box({module}::{name}({arguments})); }},"
+        );
+    }
+    for (name, results) in LANES {
+        let _ = writeln!(
+            arms,
+            "        \"{name}_lanes\" => for k in 0..calls {{ let [y, v, a] = black_box(&groups[k % 8]); \
+             unsafe {{ many::{name}_lanes_avx2(y, v, a, {results}); }} black_box((&x, &dy, &dv, &du)); }},"
         );
     }
     format!(
         "mod robot {{ include!(\"robot.rs\"); }}
+mod discrete {{ include!(\"discrete.rs\"); }}
+mod many {{ include!(\"many.rs\"); }}
 use std::hint::black_box;
 fn main() {{
     let mut arguments = std::env::args().skip(1);
@@ -42,6 +63,11 @@ fn main() {{
     let calls: usize = arguments.next().unwrap().parse().unwrap();
     let states: [[[f64; robot::N]; 3]; 8] = core::array::from_fn(|s| core::array::from_fn(|k| core::array::from_fn(|i|
         ((s * 31 + k * 7 + i) as f64 * 0.7).rem_euclid(4.0) - 2.0)));
+    let groups: [[[many::Lanes; robot::N]; 3]; 8] = core::array::from_fn(|s| core::array::from_fn(|k| core::array::from_fn(|i|
+        many::Lanes(core::array::from_fn(|lane| states[(s + lane) % 8][k][i])))));
+    let zero = many::Lanes([0.0; 8]);
+    let mut x = [zero; robot::N];
+    let (mut dy, mut dv, mut du) = ([[zero; robot::N]; robot::N], [[zero; robot::N]; robot::N], [[zero; robot::N]; robot::N]);
     match name.as_str() {{
 {arms}        _ => panic!(),
     }}
@@ -66,22 +92,37 @@ fn count(program: &Path, function: &str, calls: u64) -> u64 {
     number.trim().parse().expect("a count")
 }
 
-fn report(robot: &str, fused: bool) -> String {
-    let options = GenerateOptions {
+/// The text of a robot's module with these functions.
+fn module(robot: &str, fused: bool, functions: &[&str], lanes: bool) -> String {
+    let functions: Vec<String> = functions.iter().map(|&name| name.to_owned()).collect();
+    let mut options = GenerateOptions {
         no_friction: true,
         fused_multiply_add: fused,
-        functions: FUNCTIONS
-            .iter()
-            .map(|(name, _)| (*name).to_owned())
-            .collect(),
+        functions,
         ..GenerateOptions::default()
     };
+    if lanes {
+        options.emit.lanes = options.functions.clone();
+    }
     let description = workspace().join("models").join(format!("{robot}.toml"));
     let generated =
         generate(&description, &options).unwrap_or_else(|problems| panic!("{problems}"));
+    generated.source.text
+}
+
+fn report(robot: &str, fused: bool) -> String {
     let folder = tempfile::tempdir().expect("a folder");
     let (main, program) = (folder.path().join("main.rs"), folder.path().join("main"));
-    std::fs::write(folder.path().join("robot.rs"), &generated.source.text).expect("a file");
+    // Modules of their own: who else calls a function decides where it is inlined.
+    let modules = [
+        ("robot.rs", FUNCTIONS.map(|(name, _)| name).to_vec(), false),
+        ("discrete.rs", OVER_TIME.to_vec(), false),
+        ("many.rs", LANES.map(|(name, _)| name).to_vec(), true),
+    ];
+    for (file, functions, lanes) in modules {
+        let text = module(robot, fused, &functions, lanes);
+        std::fs::write(folder.path().join(file), text).expect("a file");
+    }
     std::fs::write(&main, main_text()).expect("a file");
     let output = Command::new("rustc")
         .env_remove("CARGO_ENCODED_RUSTFLAGS")
@@ -104,8 +145,13 @@ fn report(robot: &str, fused: bool) -> String {
         String::from_utf8_lossy(&output.stderr)
     );
     let form = if fused { "fused" } else { "plain" };
-    let lines = FUNCTIONS.iter().map(|(name, _)| {
-        let calls = count(&program, name, CALLS) - count(&program, name, 0);
+    let singles = FUNCTIONS.iter().map(|(name, _)| (*name).to_owned());
+    let over_time = OVER_TIME.iter().map(|name| (*name).to_owned());
+    let names = singles
+        .chain(over_time)
+        .chain(LANES.iter().map(|(name, _)| format!("{name}_lanes")));
+    let lines = names.map(|name| {
+        let calls = count(&program, &name, CALLS) - count(&program, &name, 0);
         format!("{robot} {form} {name}: {}\n", (calls + CALLS / 2) / CALLS)
     });
     lines.collect()

@@ -62,17 +62,18 @@ impl CodeSizes {
 
     /// Bytes of a function with what it is split into and the loops that it shares with others; `None` where it is left
     /// to be inlined. Elementary functions are counted with none.
-    pub(super) fn of(&self, function: &Function) -> Option<u64> {
-        let shared: Vec<&str> = match &function.arrays {
+    pub(super) fn of(&self, name: &str, function: Option<&Function>) -> Option<u64> {
+        let shared: Vec<&str> = match function.and_then(|function| function.arrays.as_ref()) {
             Some(ArrayForm::Steps(form)) => shared_loops(form),
             Some(ArrayForm::Affine(_)) | None => vec![],
         };
-        let parts = |name: &str| {
+        let parts = |symbol: &str| {
             let suffixes = ["_into", "_body", "_part_", "_setup"];
-            name == function.name
-                || shared.contains(&name)
+            symbol == name
+                || shared.contains(&symbol)
                 || suffixes.iter().any(|suffix| {
-                    name.strip_prefix(function.name.as_str())
+                    symbol
+                        .strip_prefix(name)
                         .is_some_and(|rest| rest.starts_with(suffix))
                 })
         };

@@ -58,7 +58,7 @@ pub(super) fn generate(arguments: &Generate, format: Format) -> Result<ExitCode,
             print::out(&format!(
                 "{}\n{}",
                 line(&robot, &path, outcome),
-                print::counts_table(&robot.functions, &[])
+                print::counts_table(&robot.costs(), &[])
             ))?;
             Ok(ExitCode::SUCCESS)
         }
@@ -377,7 +377,7 @@ fn result(robot: &Generated, path: &Path, outcome: Outcome) -> Value {
         "written": outcome == Outcome::Written,
         "coordinates": robot.model.coordinates.len(),
         "inputs": inputs(robot),
-        "functions": print::counts(&robot.functions, &[]),
+        "functions": print::counts(&robot.costs(), &[]),
         "notes": print::diagnostics(&robot.notes),
     })
 }

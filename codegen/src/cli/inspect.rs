@@ -52,15 +52,21 @@ fn counts_and_bytes(robot: &Generated, what: Stage, format: Format) -> Result<Ex
         ));
     }
     let sizes = CodeSizes::measure(&robot.source)?;
-    let bytes: Vec<Option<u64>> = robot
-        .functions
+    let counts = robot.costs();
+    let bytes: Vec<Option<u64>> = counts
         .iter()
-        .map(|function| sizes.of(function))
+        .map(|(name, _)| {
+            let function = robot
+                .functions
+                .iter()
+                .find(|function| &function.name == name);
+            sizes.of(name, function)
+        })
         .collect();
     match format {
-        Format::Json => print::json(&print::counts(&robot.functions, &bytes)),
+        Format::Json => print::json(&print::counts(&counts, &bytes)),
         Format::Text => {
-            print::out(&print::counts_table(&robot.functions, &bytes)).map(|()| ExitCode::SUCCESS)
+            print::out(&print::counts_table(&counts, &bytes)).map(|()| ExitCode::SUCCESS)
         }
     }
 }
@@ -87,7 +93,7 @@ fn as_text(robot: &Generated, what: Stage, latex: bool) -> String {
     match what {
         Stage::Model => model_text(&robot.model),
         Stage::Mechanism => mechanism::as_text(&robot.model),
-        Stage::Counts => print::counts_table(&robot.functions, &[]),
+        Stage::Counts => print::counts_table(&robot.costs(), &[]),
         Stage::Source => robot.source.text.clone(),
         Stage::Program => {
             let show = if latex { display::latex } else { display::text };
@@ -120,7 +126,7 @@ fn as_json(robot: &Generated, what: Stage, latex: bool) -> Value {
     match what {
         Stage::Model => model_json(&robot.model),
         Stage::Mechanism => mechanism::as_json(&robot.model),
-        Stage::Counts => print::counts(&robot.functions, &[]),
+        Stage::Counts => print::counts(&robot.costs(), &[]),
         Stage::Source => json!({ "name": robot.source.name, "text": robot.source.text }),
         Stage::Program => {
             let show = if latex { display::latex } else { display::text };

@@ -8,8 +8,7 @@ use serde_json::{Value, json};
 use super::Failure;
 use super::arguments::Format;
 use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::dynamics::function::Function;
-use crate::program::cost::{self, Cost};
+use crate::program::cost::Cost;
 
 /// Writes to standard output. A reader that went away (`gelenk … | head`) is no failure.
 pub(super) fn out(text: &str) -> Result<(), Failure> {
@@ -72,8 +71,8 @@ fn diagnostic(entry: &Diagnostic) -> Value {
     })
 }
 
-/// Operation counts of functions as a table, with their bytes of machine code where these are given.
-pub(super) fn counts_table(functions: &[Function], bytes: &[Option<u64>]) -> String {
+/// Operation counts of functions by name as a table, with their bytes of machine code where these are given.
+pub(super) fn counts_table(functions: &[(String, Cost)], bytes: &[Option<u64>]) -> String {
     let mut head = vec![
         "function",
         "multiplications",
@@ -83,8 +82,7 @@ pub(super) fn counts_table(functions: &[Function], bytes: &[Option<u64>]) -> Str
     ];
     head.extend((!bytes.is_empty()).then_some("bytes"));
     let head = head.into_iter().map(str::to_owned).collect();
-    let rows = functions.iter().enumerate().map(|(index, function)| {
-        let cost = cost::count(&function.program);
+    let rows = functions.iter().enumerate().map(|(index, (name, cost))| {
         let counts = [
             cost.multiplications,
             cost.additions,
@@ -95,7 +93,7 @@ pub(super) fn counts_table(functions: &[Function], bytes: &[Option<u64>]) -> Str
             Some(size) => size.to_string(),
             None => "inlined".to_owned(),
         });
-        [function.name.clone()]
+        [name.clone()]
             .into_iter()
             .chain(counts.iter().map(ToString::to_string))
             .chain(size)
@@ -104,10 +102,10 @@ pub(super) fn counts_table(functions: &[Function], bytes: &[Option<u64>]) -> Str
     table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())
 }
 
-/// Operation counts of functions as JSON, with their bytes of machine code where these are given; null where a function
+/// Operation counts of functions by name as JSON, with their bytes of machine code where these are given; null where a function
 /// is left to be inlined.
-pub(super) fn counts(functions: &[Function], bytes: &[Option<u64>]) -> Value {
-    let entry = |(index, function): (usize, &Function)| {
+pub(super) fn counts(functions: &[(String, Cost)], bytes: &[Option<u64>]) -> Value {
+    let entry = |(index, (name, cost)): (usize, &(String, Cost))| {
         let Cost {
             multiplications,
             additions,
@@ -115,9 +113,9 @@ pub(super) fn counts(functions: &[Function], bytes: &[Option<u64>]) -> Value {
             sin_cos,
             other_calls,
             selections,
-        } = cost::count(&function.program);
+        } = cost;
         let mut entry = json!({
-            "function": function.name,
+            "function": name,
             "multiplications": multiplications,
             "additions": additions,
             "divisions": divisions,

@@ -589,7 +589,9 @@ pub fn derive_in_form(
     Ok(functions)
 }
 
-fn check_names(model: &Model, selection: &[String]) -> Result<(), Diagnostics> {
+/// # Errors
+/// `unknown-function` for each name that the model does not have; `frames` stands for all of named frames.
+pub(crate) fn check_names(model: &Model, selection: &[String]) -> Result<(), Diagnostics> {
     let known = names(model);
     let unknown = selection
         .iter()

@@ -1,6 +1,9 @@
 //! Functions that call other generated ones: the robot in discrete time.
 
 use crate::discrete_time::Text;
+use crate::dynamics::function::Function;
+use crate::model::Model;
+use crate::program::cost::{Cost, count};
 
 /// A generated function over a sample time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -120,12 +123,51 @@ impl Composition {
         }
     }
 
-    /// Multiplications of its own for N coordinates and M inputs, leading terms.
-    pub(crate) fn multiplications(self, n: usize, m: usize) -> usize {
+    /// How often it calls the other function.
+    pub(crate) fn call_count(self, substeps: usize) -> usize {
         match self {
-            Self::Discretize => 58 * n.pow(3) + 50 * n.pow(2) + 2 * n * n * m,
-            Self::Step => 0,
-            Self::StepDerivatives => 4 * (4 * n.pow(3) + 8 * n.pow(2) + 2 * n * n * m + 4 * n * m),
+            Self::Discretize => 1,
+            Self::Step | Self::StepDerivatives => 4 * substeps,
+        }
+    }
+
+    /// All operations for N coordinates and M inputs: those of its calls and of its loops as they are written, factors
+    /// that are 0 or 1 included.
+    ///
+    /// - `called`: operations of one call
+    #[must_use]
+    pub fn cost(self, n: usize, m: usize, substeps: usize, called: Cost) -> Cost {
+        called * self.call_count(substeps) + self.own_cost(n, m, substeps)
+    }
+
+    /// All operations in a robot's module; `None` where the function that it calls is not among these.
+    pub(crate) fn cost_in(self, model: &Model, functions: &[Function]) -> Option<Cost> {
+        let called = functions
+            .iter()
+            .find(|function| function.name == self.calls())?;
+        let inputs = model
+            .drives
+            .iter()
+            .filter(|drive| drive.coordinate.is_some());
+        let substeps = model.options.substeps.unwrap_or(1);
+        let called = count(&called.program);
+        Some(self.cost(model.coordinates.len(), inputs.count(), substeps, called))
+    }
+
+    fn own_cost(self, n: usize, m: usize, substeps: usize) -> Cost {
+        // Entries of a coordinate vector, with derivatives by the state and the inputs.
+        let motion = n + 2 * n * n + n * m;
+        match self {
+            Self::Discretize => {
+                let common = 58 * n.pow(3) + 50 * n.pow(2) + 2 * n * n * m;
+                cost(common + 7 * n * n + n + 1, common + 2 * n, 1)
+            }
+            Self::Step => cost(14 * n, 14 * n, 12) * substeps + cost(0, 0, 1),
+            Self::StepDerivatives => {
+                let chain_rule = 4 * n.pow(3) + 2 * n * n + n * m + 2 * n * n * m;
+                let common = 4 * chain_rule + 14 * motion;
+                cost(common, common + 12 * n, 12) * substeps + cost(0, 0, 1)
+            }
         }
     }
 
@@ -141,5 +183,14 @@ impl Composition {
                 Text::Sensitivities,
             ],
         }
+    }
+}
+
+fn cost(multiplications: usize, additions: usize, divisions: usize) -> Cost {
+    Cost {
+        multiplications,
+        additions,
+        divisions,
+        ..Cost::default()
     }
 }

@@ -131,8 +131,26 @@ impl<'a> Body<'a> {
     /// Those statements of a run whose instructions are wanted.
     pub(super) fn statements_among(
         &self,
+        range: Range<usize>,
+        is_wanted: impl Fn(usize) -> bool,
+    ) -> Vec<TokenStream> {
+        self.statements_with(range, is_wanted, |index| self.stores(index))
+    }
+
+    /// The same, where nothing is stored into the results.
+    pub(super) fn statements_without_stores(
+        &self,
+        range: Range<usize>,
+        is_wanted: impl Fn(usize) -> bool,
+    ) -> Vec<TokenStream> {
+        self.statements_with(range, is_wanted, |_| vec![])
+    }
+
+    fn statements_with(
+        &self,
         mut range: Range<usize>,
         is_wanted: impl Fn(usize) -> bool,
+        stores: impl Fn(usize) -> Vec<TokenStream>,
     ) -> Vec<TokenStream> {
         let is_made = |index: &usize| self.flow.is_made(*index) && is_wanted(*index);
         let made: Vec<usize> = range.by_ref().filter(is_made).collect();
@@ -142,11 +160,11 @@ impl<'a> Body<'a> {
             let (angles, after) = rest.split_at(self.leading_angles(rest));
             if angles.len() > 1 {
                 statements.extend(self.angles(angles));
-                statements.extend(angles.iter().flat_map(|&angle| self.stores(angle)));
+                statements.extend(angles.iter().flat_map(|&angle| stores(angle)));
                 rest = after;
             } else {
                 statements.extend(self.statement(first));
-                statements.extend(self.stores(first));
+                statements.extend(stores(first));
                 rest = others;
             }
         }
@@ -313,11 +331,11 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// An operand where inputs are arrays of lanes.
+    /// An operand of one state, where inputs are arrays of lanes.
     pub(super) fn operand_in_lane(&self, operand: Operand) -> TokenStream {
         let value = self.operand(operand);
         match operand {
-            Operand::Input(..) => quote!(#value.0[lane]),
+            Operand::Input(..) => quote!(#value.0[W * group + lane]),
             _ => value,
         }
     }

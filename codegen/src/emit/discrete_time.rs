@@ -10,16 +10,23 @@ use super::literal::Scalar;
 use super::{Context, lints};
 use crate::discrete_time::Text;
 use crate::dynamics::composition::Composition;
+use crate::dynamics::function::Function;
 
 /// Names that the module takes for functions over a sample time.
 pub(super) const RESERVED: [&str; 1] = ["SUBSTEPS"];
 
 /// The functions, and the constant that they read.
-pub(super) fn items(context: &Context<'_>, compositions: &[Composition]) -> Vec<TokenStream> {
+pub(super) fn items(
+    context: &Context<'_>,
+    functions: &[Function],
+    compositions: &[Composition],
+) -> Vec<TokenStream> {
     let has_substeps = compositions.iter().any(|function| function.has_substeps());
     let substeps = has_substeps.then(|| substeps(context));
-    let functions = compositions.iter().map(|&each| function(context, each));
-    substeps.into_iter().chain(functions).collect()
+    let items = compositions
+        .iter()
+        .map(|&each| function(context, functions, each));
+    substeps.into_iter().chain(items).collect()
 }
 
 fn substeps(context: &Context<'_>) -> TokenStream {
@@ -34,7 +41,7 @@ fn substeps(context: &Context<'_>) -> TokenStream {
     }
 }
 
-fn function(context: &Context<'_>, function: Composition) -> TokenStream {
+fn function(context: &Context<'_>, functions: &[Function], function: Composition) -> TokenStream {
     let ty = context.options.scalar.ty();
     let identifier = |name: &str| Ident::new(name, Span::call_site());
     let (name, callee) = (identifier(function.name()), identifier(function.calls()));
@@ -68,7 +75,7 @@ fn function(context: &Context<'_>, function: Composition) -> TokenStream {
     };
     let dimensions: Vec<usize> = function.results().iter().map(|r| r.1.len()).collect();
     let allowed = lints::for_result(&dimensions);
-    let documentation = documentation(context, function).tokens();
+    let documentation = documentation(context, functions, function).tokens();
     quote! {
         #documentation
         #[must_use]
@@ -79,7 +86,11 @@ fn function(context: &Context<'_>, function: Composition) -> TokenStream {
     }
 }
 
-fn documentation(context: &Context<'_>, function: Composition) -> DocComment {
+fn documentation(
+    context: &Context<'_>,
+    functions: &[Function],
+    function: Composition,
+) -> DocComment {
     let mut doc = DocComment::new(function.summary());
     doc.paragraph(&code(function.equation()));
     doc.gap();
@@ -92,25 +103,23 @@ fn documentation(context: &Context<'_>, function: Composition) -> DocComment {
         let shape = dimensions.join(" × ");
         doc.item(&format!("returns `{symbol}: [{shape}]`: {meaning}"));
     }
-    doc.paragraph(&cost(context, function));
+    doc.paragraph(&cost(context, functions, function));
     for note in function.notes() {
         doc.paragraph(note);
     }
     doc
 }
 
-fn cost(context: &Context<'_>, function: Composition) -> String {
+fn cost(context: &Context<'_>, functions: &[Function], function: Composition) -> String {
+    let substeps = context.model.options.substeps.unwrap_or(1);
+    let calls = match function.call_count(substeps) {
+        1 => "one call".to_owned(),
+        count => format!("{count} calls"),
+    };
     let callee = function.calls();
-    let own = function.multiplications(context.coordinates, context.inputs);
-    match function {
-        Composition::Discretize => {
-            format!("Cost: one `{callee}`, then about {own} multiplications and as many additions.")
-        }
-        Composition::Step => format!("Cost: 4 · `SUBSTEPS` calls of `{callee}`."),
-        Composition::StepDerivatives => format!(
-            "Cost of each of the `SUBSTEPS` steps: 4 calls of `{callee}`, then about {own} multiplications and as many \
-             additions."
-        ),
+    match function.cost_in(context.model, functions) {
+        Some(cost) => format!("Cost: {cost}, {calls} of `{callee}` included."),
+        None => format!("Cost: {calls} of `{callee}`, and its own operations."),
     }
 }
 

@@ -28,16 +28,13 @@ pub(super) fn items(context: &Context<'_>, function: &Function, name: &Ident) ->
     }
     let mut body = Body::new(context, function);
     let parts = split::parts(body.program, &body.flow, context.options.longest_function);
-    if parts.len() > 1 {
+    let lanes = lanes::plan(context, &body, function);
+    if parts.len() > 1 && lanes.is_none() {
         body.stop_storing();
     }
     let signature = Signature::new(context, &body, function);
-    let lanes = match parts.len() == 1 && context.options.lanes.contains(&function.name) {
-        true => lanes::Split::new(context, &body),
-        false => None,
-    };
     let statements = match (parts.len(), body.results.is_empty()) {
-        _ if let Some(split) = &lanes => lanes::scalar_statements(context, &body, name, split),
+        _ if let Some(plan) = &lanes => lanes::scalar_statements(context, &body, name, plan),
         (1, true) => plain_body(&body),
         (1, false) => storing_body(&body),
         _ => calls(context, &body, name, &parts),
@@ -60,10 +57,9 @@ pub(super) fn items(context: &Context<'_>, function: &Function, name: &Ident) ->
             into::item(&body, name, &signature, &statements),
         ]
     };
-    if let Some(split) = &lanes {
-        items.extend(lanes::items(context, &body, name, &signature, split));
-    }
-    if parts.len() > 1 {
+    if let Some(plan) = &lanes {
+        items.extend(lanes::items(context, &body, name, &signature, plan));
+    } else if parts.len() > 1 {
         items.extend(
             parts
                 .iter()
@@ -153,7 +149,7 @@ fn plain_body(body: &Body<'_>) -> TokenStream {
 }
 
 /// The last value, where it alone is the result: it needs no name (clippy's `let_and_return`).
-fn returned_value(body: &Body<'_>) -> Option<usize> {
+pub(super) fn returned_value(body: &Body<'_>) -> Option<usize> {
     let [output] = body.program.outputs.as_slice() else {
         return None;
     };

@@ -95,13 +95,10 @@ pub(super) fn sin_cos_of(
     own(context, kernels, &quote!(#(#arguments),*))
 }
 
-/// Sines and cosines of an array of angles.
-pub(super) fn sin_cos_array(context: &Context<'_>, angles: &TokenStream) -> TokenStream {
-    own(
-        context,
-        [Kernel::SinCosArray, Kernel::SinCosArrayF32],
-        angles,
-    )
+/// Sines and cosines of an angle of several states: references to angles, sines and cosines.
+pub(super) fn sin_cos_lanes(context: &Context<'_>, arguments: &TokenStream) -> TokenStream {
+    let kernels = [Kernel::SinCosLanes, Kernel::SinCosLanesF32];
+    own(context, kernels, arguments)
 }
 
 /// A call of a pasted function; of its text for f64 and for f32.

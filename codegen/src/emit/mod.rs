@@ -25,6 +25,7 @@ mod parameters;
 mod split;
 
 pub use header::FIRST_LINE;
+pub(crate) use lanes::obstacle as obstacle_to_lanes;
 pub use literal::Scalar;
 pub use math::Math;
 
@@ -52,7 +53,7 @@ pub struct EmitOptions {
     pub command: String,
     /// Programs with more statements than this are split into private functions of at most so many.
     pub longest_function: usize,
-    /// Functions that are also written over eight states at once.
+    /// Functions that are also written over eight states at once, as far as they can be.
     pub lanes: Vec<String>,
 }
 
@@ -91,7 +92,7 @@ pub fn module(
     let mut text = header::comment(model, options);
     push_items(&mut text, constants::items(&context));
     push_items(&mut text, parameters::items(&context));
-    if !options.lanes.is_empty() {
+    if functions.iter().any(|function| context.has_lanes(function)) {
         push_items(&mut text, [lanes::item(&context)]);
     }
     for (index, function) in functions.iter().enumerate() {
@@ -102,7 +103,10 @@ pub fn module(
             function::items(&context, function, &context.functions[index]),
         );
     }
-    push_items(&mut text, discrete_time::items(&context, compositions));
+    push_items(
+        &mut text,
+        discrete_time::items(&context, functions, compositions),
+    );
     push_items(&mut text, context.shared.take());
     text.push_str(&array_kernels::text(options.scalar, functions));
     text.push_str(&math::text(&context));
@@ -171,6 +175,13 @@ impl<'a> Context<'a> {
             shared: arrays::Shared::default(),
             reserved,
         }
+    }
+
+    /// Whether a function is also written over lanes.
+    fn has_lanes(&self, function: &Function) -> bool {
+        self.options.lanes.contains(&function.name)
+            && function.arrays.is_none()
+            && lanes::obstacle(&function.program, self.options.math).is_none()
     }
 
     fn has_parameters(&self) -> bool {

@@ -6,11 +6,13 @@
 
 include!("sin_cos.rs");
 include!("sin_cos_array.rs");
+include!("sin_cos_lanes.rs");
 include!("sin_cos_2.rs");
 include!("sin_cos_4.rs");
 include!("sin_cos_8.rs");
 include!("sin_cos_f32.rs");
 include!("sin_cos_array_f32.rs");
+include!("sin_cos_lanes_f32.rs");
 include!("sin_cos_2_f32.rs");
 include!("sin_cos_4_f32.rs");
 include!("sin_cos_8_f32.rs");
@@ -28,6 +30,8 @@ pub enum Kernel {
     SinCos,
     /// [`sin_cos_array`]
     SinCosArray,
+    /// [`sin_cos_lanes`]
+    SinCosLanes,
     /// [`sin_cos_2`]
     SinCos2,
     /// [`sin_cos_4`]
@@ -38,6 +42,8 @@ pub enum Kernel {
     SinCosF32,
     /// [`sin_cos_array_f32`]
     SinCosArrayF32,
+    /// [`sin_cos_lanes_f32`]
+    SinCosLanesF32,
     /// [`sin_cos_2_f32`]
     SinCos2F32,
     /// [`sin_cos_4_f32`]
@@ -64,11 +70,13 @@ impl Kernel {
         match self {
             Self::SinCos => "sin_cos",
             Self::SinCosArray => "sin_cos_array",
+            Self::SinCosLanes => "sin_cos_lanes",
             Self::SinCos2 => "sin_cos_2",
             Self::SinCos4 => "sin_cos_4",
             Self::SinCos8 => "sin_cos_8",
             Self::SinCosF32 => "sin_cos_f32",
             Self::SinCosArrayF32 => "sin_cos_array_f32",
+            Self::SinCosLanesF32 => "sin_cos_lanes_f32",
             Self::SinCos2F32 => "sin_cos_2_f32",
             Self::SinCos4F32 => "sin_cos_4_f32",
             Self::SinCos8F32 => "sin_cos_8_f32",
@@ -86,11 +94,13 @@ impl Kernel {
         match self {
             Self::SinCos => include_str!("sin_cos.rs"),
             Self::SinCosArray => include_str!("sin_cos_array.rs"),
+            Self::SinCosLanes => include_str!("sin_cos_lanes.rs"),
             Self::SinCos2 => include_str!("sin_cos_2.rs"),
             Self::SinCos4 => include_str!("sin_cos_4.rs"),
             Self::SinCos8 => include_str!("sin_cos_8.rs"),
             Self::SinCosF32 => include_str!("sin_cos_f32.rs"),
             Self::SinCosArrayF32 => include_str!("sin_cos_array_f32.rs"),
+            Self::SinCosLanesF32 => include_str!("sin_cos_lanes_f32.rs"),
             Self::SinCos2F32 => include_str!("sin_cos_2_f32.rs"),
             Self::SinCos4F32 => include_str!("sin_cos_4_f32.rs"),
             Self::SinCos8F32 => include_str!("sin_cos_8_f32.rs"),
@@ -106,10 +116,10 @@ impl Kernel {
     /// The kernel whose items this one calls; take them transitively.
     pub fn requires(self) -> Option<Self> {
         match self {
-            Self::SinCosArray | Self::SinCosF32 => Some(Self::SinCos),
+            Self::SinCosArray | Self::SinCosLanes | Self::SinCosF32 => Some(Self::SinCos),
             Self::SinCos2 | Self::SinCos4 | Self::SinCos8 => Some(Self::SinCosArray),
             Self::SinCos2F32 | Self::SinCos4F32 | Self::SinCos8F32 => Some(Self::SinCosArrayF32),
-            Self::SinCosArrayF32 => Some(Self::SinCosF32),
+            Self::SinCosArrayF32 | Self::SinCosLanesF32 => Some(Self::SinCosF32),
             Self::Exp | Self::Tanh => Some(Self::ExpReduced),
             Self::ExpF32 | Self::TanhF32 => Some(Self::ExpDirectF32),
             Self::SinCos | Self::ExpReduced | Self::ExpDirectF32 => None,

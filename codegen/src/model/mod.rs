@@ -230,6 +230,8 @@ pub struct Pose {
 pub struct Options {
     /// Names of the functions to generate; empty means all.
     pub functions: Vec<String>,
+    /// Names of the functions that are also written over several states at once.
+    pub lanes: Vec<String>,
     /// Replace exact `sign` by a smooth `tanh` of this slope in generated code.
     pub smooth_sign: Option<f64>,
     /// Runge–Kutta steps in one period of the generated `step`; 1 where absent.

@@ -257,15 +257,31 @@ fn read_parameter(reader: &mut Reader, item: Item<'_>) {
 fn read_options(reader: &mut Reader, item: Item<'_>) -> Options {
     let Some(table) = item.table(
         "what to generate",
-        &["functions", "smooth_sign", "substeps"],
+        &["functions", "lanes", "smooth_sign", "substeps"],
         &mut reader.report,
     ) else {
         return Options::default();
     };
-    let functions = table
-        .get("functions")
-        .and_then(|item| names(reader, item, "a list of function names"));
-    let functions = functions.unwrap_or_default();
+    let functions = table.get("functions");
+    let functions = functions.map(|item| function_names(reader, item));
+    let lanes = table.get("lanes");
+    let lanes = lanes.map(|item| function_names(reader, item));
+    let smooth_sign = table
+        .get("smooth_sign")
+        .and_then(|item| reader.positive(item))
+        .map(|number| number.value);
+    Options {
+        functions: functions.unwrap_or_default(),
+        lanes: lanes.unwrap_or_default(),
+        smooth_sign,
+        substeps: table
+            .get("substeps")
+            .and_then(|item| substeps(reader, item)),
+    }
+}
+
+fn function_names(reader: &mut Reader, item: Item<'_>) -> Vec<String> {
+    let functions = names(reader, item, "a list of function names").unwrap_or_default();
     for unknown in functions
         .iter()
         .filter(|name| !is_known_function(&name.value))
@@ -279,17 +295,7 @@ fn read_options(reader: &mut Reader, item: Item<'_>) -> Options {
             reader.report.help(help);
         }
     }
-    let smooth_sign = table
-        .get("smooth_sign")
-        .and_then(|item| reader.positive(item))
-        .map(|number| number.value);
-    Options {
-        functions: functions.into_iter().map(|name| name.value).collect(),
-        smooth_sign,
-        substeps: table
-            .get("substeps")
-            .and_then(|item| substeps(reader, item)),
-    }
+    functions.into_iter().map(|name| name.value).collect()
 }
 
 /// Most Runge–Kutta steps in one period: more is a stiff robot that wants a shorter period.

@@ -128,7 +128,8 @@ impl Builder {
         self
     }
 
-    /// Writes these functions also over eight states at once.
+    /// Writes these functions also over eight states at once; by default what the description says. Names are checked as
+    /// those of [`functions`](Self::functions) are.
     #[must_use]
     pub fn lanes<S: Into<String>>(mut self, names: impl IntoIterator<Item = S>) -> Self {
         self.options.emit.lanes = names.into_iter().map(Into::into).collect();

@@ -33,6 +33,36 @@ impl Cost {
     }
 }
 
+impl core::ops::Add for Cost {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            multiplications: self.multiplications + other.multiplications,
+            additions: self.additions + other.additions,
+            divisions: self.divisions + other.divisions,
+            sin_cos: self.sin_cos + other.sin_cos,
+            other_calls: self.other_calls + other.other_calls,
+            selections: self.selections + other.selections,
+        }
+    }
+}
+
+impl core::ops::Mul<usize> for Cost {
+    type Output = Self;
+
+    fn mul(self, times: usize) -> Self {
+        Self {
+            multiplications: self.multiplications * times,
+            additions: self.additions * times,
+            divisions: self.divisions * times,
+            sin_cos: self.sin_cos * times,
+            other_calls: self.other_calls * times,
+            selections: self.selections * times,
+        }
+    }
+}
+
 impl fmt::Display for Cost {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let count = |n: usize, noun: &str| format!("{n} {noun}{}", if n == 1 { "" } else { "s" });

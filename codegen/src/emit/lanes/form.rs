@@ -1,0 +1,409 @@
+//! The functions over lanes: one text, compiled for each instruction set.
+
+use proc_macro2::{Ident, Literal, TokenStream};
+use quote::{format_ident, quote};
+
+use super::super::body::Body;
+use super::super::doc_comment::DocComment;
+use super::super::function::Signature;
+use super::super::literal::Scalar;
+use super::super::{Context, into, lints, math};
+use super::plan::{Part, Plan};
+use super::scalar::takes_parameters;
+use super::{LANES, body_name};
+use crate::program::flow::operands;
+use crate::program::{Operand, Operation, Output, Shape};
+
+/// A form of a function: for the target as it is, or for more.
+#[derive(Clone, Copy)]
+enum InstructionSet {
+    Target,
+    Avx2,
+    Avx512,
+}
+
+impl InstructionSet {
+    const ALL: [Self; 3] = [Self::Target, Self::Avx2, Self::Avx512];
+
+    /// What ends the function's name.
+    fn suffix(self) -> &'static str {
+        match self {
+            Self::Target => "",
+            Self::Avx2 => "_avx2",
+            Self::Avx512 => "_avx512",
+        }
+    }
+
+    /// What the processor must have.
+    fn features(self) -> Option<&'static str> {
+        match self {
+            Self::Target => None,
+            Self::Avx2 => Some("avx2"),
+            Self::Avx512 => Some("avx512f,avx512bw,avx512dq,avx512vl"),
+        }
+    }
+
+    /// States in one run of the text: those of one register, so that no loop over them is left, which the compiler
+    /// would unroll. With all eight in two AVX2 registers, `linearize` of a UR5 outgrew the instruction cache: 114 ns
+    /// instead of 76 ns per state.
+    fn width(self, scalar: Scalar) -> usize {
+        match (self, scalar) {
+            (Self::Avx512, _) | (Self::Avx2, Scalar::F32) => LANES,
+            (Self::Avx2, Scalar::F64) | (Self::Target, _) => LANES / 2,
+        }
+    }
+}
+
+/// Names that the text over lanes takes.
+const LOCALS: [&str; 8] = [
+    "p", "group", "lane", "W", "angles", "sines", "cosines", "values",
+];
+
+/// The loops, and one public function for each instruction set.
+pub(super) fn items(
+    context: &Context<'_>,
+    body: &Body<'_>,
+    name: &Ident,
+    signature: &Signature,
+    plan: &Plan,
+) -> Vec<TokenStream> {
+    let form = Form::new(context, body, name, signature, plan);
+    let mut items = vec![form.each()];
+    items.extend(InstructionSet::ALL.map(|set| form.public(set)));
+    items
+}
+
+/// What the functions over lanes have in common.
+struct Form<'a> {
+    context: &'a Context<'a>,
+    body: &'a Body<'a>,
+    plan: &'a Plan,
+    name: &'a Ident,
+    /// Arguments with their types.
+    arguments: Vec<TokenStream>,
+    /// Names of the arguments.
+    names: Vec<Ident>,
+    /// Names of the results.
+    results: Vec<Ident>,
+    /// Names of what each part hands on.
+    values: Vec<Ident>,
+}
+
+impl<'a> Form<'a> {
+    fn new(
+        context: &'a Context<'a>,
+        body: &'a Body<'a>,
+        name: &'a Ident,
+        signature: &Signature,
+        plan: &'a Plan,
+    ) -> Self {
+        let mut taken = context.reserved.clone();
+        taken.extend(LOCALS.map(str::to_owned));
+        taken.extend(body.arguments.iter().map(ToString::to_string));
+        let results = into::result_names(body.program, &taken);
+        let inputs = body.arguments.iter().zip(&signature.lengths);
+        let inputs = inputs.map(|(name, len)| quote!(#name: &[Lanes; #len]));
+        let parameters = context.has_parameters().then(|| quote!(p: &Parameters));
+        let outputs = results.iter().zip(&signature.shapes);
+        let outputs = outputs.map(|(name, lengths)| {
+            let lengths = lengths.iter().rev();
+            let ty = lengths.fold(quote!(Lanes), |entry, len| quote!([#entry; #len]));
+            quote!(#name: &mut #ty)
+        });
+        let mut names = body.arguments.clone();
+        names.extend(context.has_parameters().then(|| format_ident!("p")));
+        names.extend(results.iter().cloned());
+        Self {
+            arguments: inputs.chain(parameters).chain(outputs).collect(),
+            context,
+            body,
+            plan,
+            name,
+            names,
+            results,
+            values: (1..=plan.parts.len())
+                .map(|part| format_ident!("values_{}", part))
+                .collect(),
+        }
+    }
+
+    fn allowed(&self) -> Vec<TokenStream> {
+        let names = self.body.value_names().chain(&self.names);
+        let allowed = [
+            lints::for_arguments(self.arguments.len()),
+            lints::for_names(names.chain([self.name])),
+            lints::for_numbers(self.body.numbers()),
+        ];
+        allowed.into_iter().flatten().collect()
+    }
+
+    /// The loops, inlined into one function for each instruction set.
+    fn each(&self) -> TokenStream {
+        let (each, arguments, allowed) = (self.each_name(), &self.arguments, self.allowed());
+        let documentation =
+            DocComment::new(&format!("`{}` of eight states, `W` at a time.", self.name)).tokens();
+        let len = Literal::usize_unsuffixed(LANES);
+        let angles = self.angles();
+        let parts = 0..self.plan.parts.len();
+        let loops = parts.map(|index| self.part(index));
+        let unused = self.unused();
+        quote! {
+            #documentation
+            #[inline(always)]
+            #(#allowed)*
+            fn #each<const W: usize>(#(#arguments),*) {
+                #(let _ = #unused;)*
+                for group in 0..#len / W {
+                    #angles
+                    #(#loops)*
+                }
+            }
+        }
+    }
+
+    fn unused(&self) -> Vec<&Ident> {
+        let angles = self.plan.angles.iter();
+        let read: Vec<Operand> = angles
+            .flat_map(|&index| operands(self.body.program.instructions[index].operation))
+            .collect();
+        let reads_array = |array: usize| {
+            let is_read =
+                |operand: &Operand| matches!(operand, Operand::Input(read, _) if *read == array);
+            let parts = &self.plan.parts;
+            parts.iter().any(|part| part.inputs.contains(&array)) || read.iter().any(is_read)
+        };
+        let reads_parameters = self.plan.parts.iter().any(|part| part.reads_parameters)
+            || read
+                .iter()
+                .any(|operand| matches!(operand, Operand::Parameter(_)));
+        let arguments = self.body.arguments.iter().enumerate();
+        let inputs = arguments.filter(|(array, _)| !reads_array(*array));
+        let p = self.names.get(self.body.arguments.len());
+        let p = p.filter(|_| self.context.has_parameters() && !reads_parameters);
+        inputs.map(|(_, name)| name).chain(p).collect()
+    }
+
+    /// Sines and cosines of all angles.
+    fn angles(&self) -> TokenStream {
+        let plan = self.plan;
+        if plan.pairs.is_empty() {
+            return quote!();
+        }
+        let sums = plan.angles.iter().copied();
+        let sums = sums.filter(|index| plan.pairs.binary_search(index).is_err());
+        let sums = self.body.statements_in_lane(sums);
+        let values = plan.pairs.iter().enumerate().filter_map(|(k, &index)| {
+            let Operation::SinCos(angle) = self.body.program.instructions[index].operation else {
+                return None;
+            };
+            let (k, angle) = (
+                Literal::usize_unsuffixed(k),
+                self.body.operand_in_lane(angle),
+            );
+            Some(quote!(angles[#k].0[lane] = #angle;))
+        });
+        let calls = (0..plan.pairs.len()).map(|k| {
+            let k = Literal::usize_unsuffixed(k);
+            let arguments = quote!(&angles[#k].0, &mut sines[#k].0, &mut cosines[#k].0);
+            math::sin_cos_lanes(self.context, &arguments)
+        });
+        let array = self.array(plan.pairs.len());
+        quote! {
+            let mut angles = #array;
+            for lane in 0..W { #(#sums)* #(#values)* }
+            let (mut sines, mut cosines) = (#array, #array);
+            #(#calls;)*
+        }
+    }
+
+    /// So many quantities of a group, zeros.
+    fn array(&self, count: usize) -> TokenStream {
+        let zero = self.context.options.scalar.literal(0.0);
+        let count = Literal::usize_unsuffixed(count);
+        quote!([Group([#zero; W]); #count])
+    }
+
+    /// The loop over the states of one part.
+    fn part(&self, index: usize) -> TokenStream {
+        let part = &self.plan.parts[index];
+        let callee = body_name(self.name, self.plan, index);
+        let takes = part.takes.iter().map(|&value| self.taken(value));
+        let takes = (!part.takes.is_empty()).then(|| quote!([#(#takes),*],));
+        let inputs = part.inputs.iter().map(|&input| {
+            let name = &self.body.arguments[input];
+            let entries = (0..self.body.program.inputs[input].len).map(Literal::usize_unsuffixed);
+            quote!(&[#(#name[#entries].0[W * group + lane]),*])
+        });
+        let parameters = takes_parameters(self.context, part).then(|| quote!(p,));
+        let arguments = quote!(#takes #(#inputs,)* #parameters);
+        let body = match self.body.results.is_empty() {
+            true => self.returning(index, &quote!(#callee(#arguments))),
+            false => self.storing(index, &callee, &arguments),
+        };
+        let values = &self.values[index];
+        let array = self.array(part.returns.len());
+        let array = (!part.returns.is_empty()).then(|| quote!(let mut #values = #array;));
+        quote! {
+            #array
+            for lane in 0..W { #body }
+        }
+    }
+
+    /// What a part reads: a sine, a cosine or a value of an earlier part.
+    fn taken(&self, value: usize) -> TokenStream {
+        let made_at = self.body.flow.made_at[value];
+        if let Ok(k) = self.plan.pairs.binary_search(&made_at) {
+            let k = Literal::usize_unsuffixed(k);
+            return match made_at == value {
+                true => quote!(sines[#k].0[lane]),
+                false => quote!(cosines[#k].0[lane]),
+            };
+        }
+        let parts = self.plan.parts.iter().zip(&self.values);
+        let mut places = parts.filter_map(|(part, values)| {
+            let k = part.returns.binary_search(&value).ok()?;
+            let k = Literal::usize_unsuffixed(k);
+            Some(quote!(#values[#k].0[lane]))
+        });
+        places.next().unwrap_or_default()
+    }
+
+    /// A part of a function that returns its results: all but the last part only hand on values.
+    fn returning(&self, index: usize, call: &TokenStream) -> TokenStream {
+        if index + 1 < self.plan.parts.len() {
+            let stores = self.handed_on(index);
+            return quote!(let values = #call; #(#stores)*);
+        }
+        let locals = self.locals();
+        let outputs = self.body.program.outputs.iter().zip(&self.results);
+        let stores = outputs
+            .zip(&locals)
+            .flat_map(|((output, result), local)| copies(output, result, local, |_| true));
+        let locals = match locals.as_slice() {
+            [local] => quote!(#local),
+            _ => quote!((#(#locals),*)),
+        };
+        quote!(let #locals = #call; #(#stores)*)
+    }
+
+    /// A part of a function with results in place: what it writes is copied.
+    fn storing(&self, index: usize, callee: &Ident, arguments: &TokenStream) -> TokenStream {
+        let part = &self.plan.parts[index];
+        let zero = self.context.options.scalar.literal(0.0);
+        let all = self.locals();
+        let locals: Vec<&Ident> = part.results.iter().map(|&result| &all[result]).collect();
+        let outputs = part
+            .results
+            .iter()
+            .map(|&result| &self.body.program.outputs[result]);
+        let zeros = outputs.map(|output| into::zeros(output.shape, &zero));
+        let call = quote!(#callee(#arguments #(&mut #locals),*));
+        let call = match part.returns.is_empty() {
+            true => quote!(#call;),
+            false => quote!(let values = #call;),
+        };
+        let copies = part.results.iter().flat_map(|&result| {
+            let output = &self.body.program.outputs[result];
+            copies(output, &self.results[result], &all[result], |entry| {
+                self.is_written_by(part, index + 1 == self.plan.parts.len(), entry)
+            })
+        });
+        let handed_on = self.handed_on(index);
+        quote! {
+            #(let mut #locals = #zeros;)*
+            #call
+            #(#handed_on)*
+            #(#copies)*
+        }
+    }
+
+    fn is_written_by(&self, part: &Part, is_last: bool, entry: Operand) -> bool {
+        match entry {
+            Operand::Value(value) if self.plan.is_in_part[self.body.flow.canonical(value)] => {
+                part.range.contains(&self.body.flow.canonical(value))
+            }
+            _ => is_last,
+        }
+    }
+
+    fn handed_on(&self, index: usize) -> Vec<TokenStream> {
+        let values = &self.values[index];
+        let stores = (0..self.plan.parts[index].returns.len()).map(|k| {
+            let k = Literal::usize_unsuffixed(k);
+            quote!(#values[#k].0[lane] = values[#k];)
+        });
+        stores.collect()
+    }
+
+    /// Names for the results of one state.
+    fn locals(&self) -> Vec<Ident> {
+        let results = 1..=self.results.len();
+        results.map(|k| format_ident!("result_{}", k)).collect()
+    }
+
+    fn each_name(&self) -> Ident {
+        format_ident!("{}_each", self.name)
+    }
+
+    /// The function for one instruction set; never inlined, since in a caller's loop the lanes would be undone.
+    fn public(&self, set: InstructionSet) -> TokenStream {
+        let (each, arguments, names) = (self.each_name(), &self.arguments, &self.names);
+        let name = format_ident!("{}_lanes{}", self.name, set.suffix());
+        let width = Literal::usize_unsuffixed(set.width(self.context.options.scalar));
+        let mut documentation = DocComment::new(&format!(
+            "`{}` of eight states, the same bits as of each{}.",
+            self.name,
+            set.features().map_or(String::new(), |features| format!(
+                "; for processors with {}",
+                features.split(',').next().unwrap_or_default()
+            ))
+        ));
+        documentation.paragraph("Nothing that stood in the results is read.");
+        if set.features().is_some() {
+            documentation.heading("Safety");
+            documentation.paragraph(
+                "The processor must have these instructions: `is_x86_feature_detected!` tells.",
+            );
+        }
+        let documentation = documentation.tokens();
+        let allowed = lints::for_arguments(self.arguments.len());
+        let features = set.features().map(|features| {
+            quote! {
+                #[cfg(target_arch = "x86_64")]
+                #[target_feature(enable = #features)]
+            }
+        });
+        quote! {
+            #documentation
+            #features
+            #[inline(never)]
+            #allowed
+            pub fn #name(#(#arguments),*) { #each::<#width>(#(#names),*); }
+        }
+    }
+}
+
+/// Copies the wanted entries of one state's result.
+fn copies(
+    output: &Output,
+    result: &Ident,
+    local: &Ident,
+    is_wanted: impl Fn(Operand) -> bool,
+) -> Vec<TokenStream> {
+    let literal = Literal::usize_unsuffixed;
+    let entries = output.entries.iter().enumerate();
+    entries
+        .filter(|(_, entry)| is_wanted(**entry))
+        .map(|(index, _)| match output.shape {
+            Shape::Scalar => quote!(#result.0[W * group + lane] = #local;),
+            Shape::Vector(_) => {
+                let index = literal(index);
+                quote!(#result[#index].0[W * group + lane] = #local[#index];)
+            }
+            Shape::Matrix(_, columns) => {
+                let (row, column) = (literal(index / columns), literal(index % columns));
+                quote!(#result[#row][#column].0[W * group + lane] = #local[#row][#column];)
+            }
+        })
+        .collect()
+}

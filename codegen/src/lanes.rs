@@ -1,0 +1,102 @@
+//! Which functions are written over several states at once: the names asked for, checked and resolved.
+
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::dynamics::catalogue;
+use crate::dynamics::composition::Composition;
+use crate::dynamics::function::Function;
+use crate::emit::{self, Math};
+use crate::model::Model;
+use crate::pipeline::GenerateOptions;
+
+/// The functions that are asked for over lanes.
+pub(crate) struct Lanes(Vec<String>);
+
+impl Lanes {
+    /// What the caller asks for, else what the description asks for.
+    ///
+    /// # Errors
+    /// `unknown-function` for each name that the model does not have.
+    pub(crate) fn new(model: &Model, options: &GenerateOptions) -> Result<Self, Diagnostics> {
+        let asked = match options.emit.lanes.is_empty() {
+            true => &model.options.lanes,
+            false => &options.emit.lanes,
+        };
+        catalogue::check_names(model, asked)?;
+        Ok(Self(asked.clone()))
+    }
+
+    /// The names, as they were asked for.
+    pub(crate) fn names(&self) -> &[String] {
+        &self.0
+    }
+
+    /// A function that is asked for over lanes is generated too. An empty selection means all but those on request.
+    pub(crate) fn selected_with(&self, selection: &[String]) -> Vec<String> {
+        let mut all = selection.to_vec();
+        if !selection.is_empty() {
+            let others = self.0.iter().filter(|name| !selection.contains(name));
+            all.extend(others.cloned());
+        }
+        all
+    }
+
+    /// The functions that have a form over lanes, and notes on why others have none.
+    pub(crate) fn possible(
+        &self,
+        functions: &[Function],
+        math: Math,
+    ) -> (Vec<String>, Vec<Diagnostic>) {
+        let (mut possible, mut notes) = (Vec::new(), Vec::new());
+        for name in self.resolved(functions) {
+            match obstacle(&name, functions, math) {
+                None => possible.push(name),
+                Some((reason, help)) => {
+                    let message = format!("`{name}` is not written over lanes: {reason}");
+                    let note = Diagnostic::note("no-lanes", message);
+                    notes.push(help.into_iter().fold(note, Diagnostic::help));
+                }
+            }
+        }
+        (possible, notes)
+    }
+
+    /// The names, `frames` spelled out.
+    fn resolved(&self, functions: &[Function]) -> Vec<String> {
+        let frames = || {
+            let names = functions.iter().map(|function| &function.name);
+            names.filter(|name| name.starts_with("frame_")).cloned()
+        };
+        let names = self.0.iter().flat_map(|name| match name.as_str() {
+            "frames" => frames().collect(),
+            _ => vec![name.clone()],
+        });
+        names.collect()
+    }
+}
+
+/// Why a function has no form over lanes, and what helps.
+fn obstacle(
+    name: &str,
+    functions: &[Function],
+    math: Math,
+) -> Option<(&'static str, Option<String>)> {
+    if let Some(function) = functions.iter().find(|function| function.name == name) {
+        if function.arrays.is_some() {
+            return Some(("it is written as loops over joints", None));
+        }
+        return emit::obstacle_to_lanes(&function.program, math).map(|reason| (reason, None));
+    }
+    let composition = Composition::ALL
+        .into_iter()
+        .find(|function| function.name() == name);
+    Some(match composition {
+        Some(composition) => (
+            "it is a fixed text that calls another function",
+            Some(format!("ask for `{}` over lanes", composition.calls())),
+        ),
+        None => (
+            "it is not generated",
+            Some(format!("ask for `{name}` among the functions too")),
+        ),
+    })
+}
