@@ -24,9 +24,11 @@ fn robot(name: &str, functions: &[&str], scalar: Scalar, fused: bool) -> Generat
     let generate = |options: &GenerateOptions| {
         generate(&description, options).unwrap_or_else(|problems| panic!("{problems}"))
     };
-    let plain = generate(&options);
-    let names = plain.functions.iter().map(|function| function.name.clone());
-    options.emit.lanes = names.collect();
+    options.emit.lanes = options.functions.clone();
+    if functions.is_empty() {
+        let plain = generate(&options).functions;
+        options.emit.lanes = plain.into_iter().map(|function| function.name).collect();
+    }
     generate(&options)
 }
 
