@@ -529,12 +529,12 @@ pub fn derive(
     derive_in_form(model, selection, most, Form::Cheapest, &[])
 }
 
-/// As [`derive`], with the form of large functions chosen.
+/// As [`derive()`], with the form of large functions chosen.
 ///
 /// - `straight`: functions that are straight-line code in any case
 ///
 /// # Errors
-/// As [`derive`].
+/// As [`derive()`].
 pub fn derive_in_form(
     model: &Model,
     selection: &[String],
