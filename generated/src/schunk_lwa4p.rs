@@ -6773,7 +6773,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
 /// - returns `∂ÿ/∂ẏ: [N × N]`: row i = acceleration i
 /// - returns `M⁻¹: [N × N]`: symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B
 ///
-/// Cost: 4116 multiplications, 3717 additions, 6 divisions, 6 function calls (`sin_cos`), 6 selections.
+/// Cost: 4116 multiplications, 3687 additions, 6 divisions, 6 function calls (`sin_cos`), 6 selections.
 ///
 /// Loops over joints, with spatial vectors in the frame of the base (Singh, Russell and Wensing 2022):
 /// straight-line code would not fit into a processor's instruction cache. The cost counts each operation that
@@ -7400,7 +7400,7 @@ pub const B_X_NONZERO: [[bool; 6]; 6] = [
 /// - returns `B_x: [N × M]`: ∂ÿ/∂u, row i = acceleration i
 /// - returns `c: [N]`: affine remainder ÿ − A\_y y − A\_v ẏ − B\_x u
 ///
-/// Cost: 4260 multiplications, 3897 additions, 6 divisions, 6 function calls (`sin_cos`), 6 selections.
+/// Cost: 4260 multiplications, 3867 additions, 6 divisions, 6 function calls (`sin_cos`), 6 selections.
 ///
 /// Loops over joints, with spatial vectors in the frame of the base (Singh, Russell and Wensing 2022):
 /// straight-line code would not fit into a processor's instruction cache. The cost counts each operation that
@@ -12757,19 +12757,21 @@ mod arrays {
         to: &mut [[f64; W]; N],
     ) {
         for (i, to) in to.iter_mut().enumerate() {
-            let mut row = [0.0; L];
-            for (block, row) in row.as_chunks_mut::<K>().0.iter_mut().enumerate() {
+            let (mut lower, mut upper) = ([0.0; L], [0.0; L]);
+            for block in 0..L / K {
                 if block * K < i {
-                    *row = products::<L, K, A>(before, i, block);
+                    lower.as_chunks_mut::<K>().0[block] = products::<L, K, A>(before, i, block);
                 }
                 if (block + 1) * K > i {
-                    let beyond = products::<L, K, B>(beyond, i, block);
-                    for lane in 0..K {
-                        let j = block * K + lane;
-                        let other = if j > i { beyond[lane] } else { diagonal[0][i] };
-                        row[lane] = if j < i { row[lane] } else { other };
-                    }
+                    upper.as_chunks_mut::<K>().0[block] = products::<L, K, B>(beyond, i, block);
                 }
+            }
+            // Chosen in a loop of its own, where it is a vector operation.
+            let mut row = [0.0; L];
+            for j in 0..L {
+                let (before, beyond) = (lower[j], upper[j]);
+                let other = if j > i { beyond } else { diagonal[0][i] };
+                row[j] = if j < i { before } else { other };
             }
             to.copy_from_slice(row.split_at(W).0);
         }
@@ -12778,7 +12780,8 @@ mod arrays {
     /// Inverse of a symmetric positive definite matrix in place, by Gauss and Jordan without pivots. From the leaves to the
     /// base, only joints on one path meet.
     ///
-    /// Single entries are chosen within the loops: one that is stored alone would delay the row that is read next.
+    /// Whole rows are combined, and single entries set afterwards: the loops stay free of choices, and no row is read right
+    /// after one of its entries was stored alone, which would wait for the store.
     #[inline]
     pub fn invert<const N: usize, const L: usize>(
         matrix: &mut [[f64; L]; N],
@@ -12790,18 +12793,19 @@ mod arrays {
                 continue;
             };
             let reciprocal = 1.0 / own[k];
-            for j in 0..L {
-                own[j] = if j == k { reciprocal } else { own[j] * reciprocal };
+            for entry in &mut own {
+                *entry *= reciprocal;
             }
             for (i, row) in matrix.iter_mut().enumerate() {
                 if i == k {
                     *row = own;
+                    row[k] = reciprocal;
                 } else if meet(i, k) {
                     let factor = -row[k];
-                    for j in 0..L {
-                        let entry = if j == k { 0.0 } else { row[j] };
-                        row[j] = add_product(entry, factor, own[j]);
+                    for (entry, own) in row.iter_mut().zip(&own) {
+                        *entry = add_product(*entry, factor, *own);
                     }
+                    row[k] = factor * reciprocal;
                 }
             }
         }

@@ -8,19 +8,21 @@ pub fn pairs<const N: usize, const L: usize, const W: usize, const K: usize, con
     to: &mut [[f64; W]; N],
 ) {
     for (i, to) in to.iter_mut().enumerate() {
-        let mut row = [0.0; L];
-        for (block, row) in row.as_chunks_mut::<K>().0.iter_mut().enumerate() {
+        let (mut lower, mut upper) = ([0.0; L], [0.0; L]);
+        for block in 0..L / K {
             if block * K < i {
-                *row = products::<L, K, A>(before, i, block);
+                lower.as_chunks_mut::<K>().0[block] = products::<L, K, A>(before, i, block);
             }
             if (block + 1) * K > i {
-                let beyond = products::<L, K, B>(beyond, i, block);
-                for lane in 0..K {
-                    let j = block * K + lane;
-                    let other = if j > i { beyond[lane] } else { diagonal[0][i] };
-                    row[lane] = if j < i { row[lane] } else { other };
-                }
+                upper.as_chunks_mut::<K>().0[block] = products::<L, K, B>(beyond, i, block);
             }
+        }
+        // Chosen in a loop of its own, where it is a vector operation.
+        let mut row = [0.0; L];
+        for j in 0..L {
+            let (before, beyond) = (lower[j], upper[j]);
+            let other = if j > i { beyond } else { diagonal[0][i] };
+            row[j] = if j < i { before } else { other };
         }
         to.copy_from_slice(row.split_at(W).0);
     }

@@ -1,7 +1,8 @@
 /// Inverse of a symmetric positive definite matrix in place, by Gauss and Jordan without pivots. From the leaves to the
 /// base, only joints on one path meet.
 ///
-/// Single entries are chosen within the loops: one that is stored alone would delay the row that is read next.
+/// Whole rows are combined, and single entries set afterwards: the loops stay free of choices, and no row is read right
+/// after one of its entries was stored alone, which would wait for the store.
 #[inline]
 pub fn invert<const N: usize, const L: usize>(
     matrix: &mut [[f64; L]; N],
@@ -13,18 +14,19 @@ pub fn invert<const N: usize, const L: usize>(
             continue;
         };
         let reciprocal = 1.0 / own[k];
-        for j in 0..L {
-            own[j] = if j == k { reciprocal } else { own[j] * reciprocal };
+        for entry in &mut own {
+            *entry *= reciprocal;
         }
         for (i, row) in matrix.iter_mut().enumerate() {
             if i == k {
                 *row = own;
+                row[k] = reciprocal;
             } else if meet(i, k) {
                 let factor = -row[k];
-                for j in 0..L {
-                    let entry = if j == k { 0.0 } else { row[j] };
-                    row[j] = add_product(entry, factor, own[j]);
+                for (entry, own) in row.iter_mut().zip(&own) {
+                    *entry = add_product(*entry, factor, *own);
                 }
+                row[k] = factor * reciprocal;
             }
         }
     }

@@ -10,17 +10,18 @@ pub fn pairs<const N: usize, const L: usize, const W: usize, const K: usize, con
     relations: &[[i8; L]; N],
 ) {
     for (i, (to, relations)) in to.iter_mut().zip(relations).enumerate() {
+        let (mut lower, mut upper) = ([0.0; L], [0.0; L]);
+        for block in 0..L / K {
+            lower.as_chunks_mut::<K>().0[block] = products::<L, K, A>(before, i, block);
+            upper.as_chunks_mut::<K>().0[block] = products::<L, K, B>(beyond, i, block);
+        }
+        // Chosen in a loop of its own, where it is a vector operation.
         let mut row = [0.0; L];
-        let blocks = row.as_chunks_mut::<K>().0.iter_mut();
-        for (block, (row, relations)) in blocks.zip(relations.as_chunks::<K>().0).enumerate() {
-            let before = products::<L, K, A>(before, i, block);
-            let beyond = products::<L, K, B>(beyond, i, block);
-            for lane in 0..K {
-                let is_own = block * K + lane == i;
-                let other = if relations[lane] > 0 { beyond[lane] } else { 0.0 };
-                let other = if is_own { diagonal[0][i] } else { other };
-                row[lane] = if relations[lane] < 0 { before[lane] } else { other };
-            }
+        for j in 0..L {
+            let (before, beyond) = (lower[j], upper[j]);
+            let other = if relations[j] > 0 { beyond } else { 0.0 };
+            let other = if j == i { diagonal[0][i] } else { other };
+            row[j] = if relations[j] < 0 { before } else { other };
         }
         to.copy_from_slice(row.split_at(W).0);
     }

@@ -197,8 +197,9 @@ impl Unrolling<'_> {
         for i in (0..n).filter(|&i| self.form.is_before(i, k) || self.form.is_before(k, i)) {
             let entry = self.at(matrix, i, k);
             let factor = self.push("", Operation::Negate(entry));
-            self.set(matrix, i, k, Operand::Constant(0.0));
-            for j in 0..n {
+            let moved = self.push("", Operation::Multiply(factor, reciprocal));
+            self.set(matrix, i, k, moved);
+            for j in (0..n).filter(|&j| j != k) {
                 let (old, own) = (self.at(matrix, i, j), self.at(matrix, k, j));
                 let new = self.add_product(old, factor, own);
                 self.set(matrix, i, j, new);
