@@ -85,6 +85,7 @@ fn count(program: &Path, function: &str, calls: u64) -> u64 {
         .output()
         .expect("valgrind runs");
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{function}: {text}");
     let collected = text
         .lines()
         .find_map(|line| line.split_once("Collected : "));
