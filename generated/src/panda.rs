@@ -13698,7 +13698,7 @@ pub const SUBSTEPS: usize = 1;
 /// - returns `B_d: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
 /// - returns `c_d: [2 × N]`: affine remainders of y⁺ and ẏ⁺
 ///
-/// Cost: 28768 multiplications, 28018 additions, 8 divisions, 7 function calls (`sin_cos`), one call of
+/// Cost: 28768 multiplications, 27976 additions, 8 divisions, 7 function calls (`sin_cos`), one call of
 /// `linearize` included.
 ///
 /// Scaling and squaring of the lifted exponential with fixed counts: a Taylor polynomial of degree 17 over 1/64
@@ -13763,7 +13763,7 @@ pub fn step(
 /// - returns `∂x⁺/∂x: [2 × 2 × N × N]`: blocks ((∂y⁺/∂y, ∂y⁺/∂ẏ), (∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ))
 /// - returns `∂x⁺/∂u: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
 ///
-/// Cost: 32524 multiplications, 30956 additions, 41 divisions, 28 function calls (`sin_cos`), 4 calls of
+/// Cost: 32524 multiplications, 30788 additions, 41 divisions, 28 function calls (`sin_cos`), 4 calls of
 /// `linearize` included.
 ///
 /// The chain rule over the stages of each step: derivatives of what `step` computes, not of the exact solution.

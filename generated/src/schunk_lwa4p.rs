@@ -6773,11 +6773,11 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
 /// - returns `∂ÿ/∂ẏ: [N × N]`: row i = acceleration i
 /// - returns `M⁻¹: [N × N]`: symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B
 ///
-/// Cost: 4116 multiplications, 3687 additions, 6 divisions, 6 function calls (`sin_cos`), 6 selections.
+/// Cost: 1330 multiplications, 1155 additions, 6 divisions, 5 function calls (`sin_cos`), 6 selections.
 ///
-/// Loops over joints, with spatial vectors in the frame of the base (Singh, Russell and Wensing 2022):
-/// straight-line code would not fit into a processor's instruction cache. The cost counts each operation that
-/// contributes.
+/// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
+///
+/// Composite bodies with pairs of joints in link frames were cheapest.
 ///
 /// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
 /// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
@@ -6818,544 +6818,3068 @@ pub fn forward_dynamics_derivatives_into(
     da_dv: &mut [[f64; N]; N],
     m_inverse: &mut [[f64; N]; N],
 ) {
-    const MOMENTS: [[f64; 8]; 10] = [
-        [3.9, 1.62, 3.9, 1.0, 1.8, 1.5, 0.0, 0.0],
-        [0.0, 0.2835, 0.0, -0.00018, 0.0, 0.0, 0.0, 0.0],
-        [-0.07527, 0.0, -0.07527, 0.0477, -0.02124, 0.0, 0.0, 0.0],
-        [
-            -0.07019999999999998,
-            0.18549,
-            0.07019999999999998,
-            -0.12890000000000001,
-            -0.021600000000000022,
-            0.16920000000000002,
-            0.0,
-            0.0,
-        ],
-        [
-            0.002999500000000002,
-            0.1153845,
-            0.002999500000000002,
-            0.00043903240000000014,
-            0.0007899999999999999,
-            0.0002665500000000004,
-            0.0,
-            0.0,
-        ],
-        [0.0, 1e-6, 0.0, -1.1586e-5, 0.0, 0.0, 0.0, 0.0],
-        [0.0, 0.03620275, 0.0, 1.7202000000000002e-5, 0.0, 0.0, 0.0, 0.0],
-        [
-            0.036254211,
-            0.008565999999999997,
-            0.036254211,
-            0.00572929,
-            0.010660632,
-            0.0003665499999999998,
-            0.0,
-            0.0,
-        ],
-        [
-            0.0013548599999999994,
-            6e-6,
-            -0.0013548599999999994,
-            -0.0009375300000000007,
-            0.0002548800000000001,
-            0.0,
-            0.0,
-            0.0,
-        ],
-        [
-            0.009261100000000001,
-            0.029804605,
-            0.009261100000000001,
-            0.02707021,
-            0.0026692000000000035,
-            0.02283391,
-            0.0,
-            0.0,
-        ],
-    ];
-    const GRAVITY: [[f64; 8]; 3] = [
-        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-        [9.80665, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-    ];
-    const ROTOR_INERTIA: [[f64; 8]; 1] = [
-        [
-            1.33888,
-            1.33888,
-            1.33888,
-            1.33888,
-            0.16999999999999998,
-            0.16999999999999998,
-            0.0,
-            0.0,
-        ],
-    ];
-    let mut screws = [[0.0; 8]; 6];
-    let mut axes = [[0.0; 8]; 9];
-    let mut origins = [[0.0; 8]; 3];
-    let mut rates = [[0.0; 8]; 1];
-    let mut driving_forces = [[0.0; 8]; 1];
-    let mut joint_forces = [[0.0; 8]; 3];
-    forward_dynamics_derivatives_setup(
-        y,
-        v,
-        u,
-        &mut screws,
-        &mut axes,
-        &mut origins,
-        &mut rates,
-        &mut driving_forces,
-        &mut joint_forces,
-    );
-    let mut joint_velocity = [[0.0; 8]; 6];
-    joint_velocities(&screws, &rates, &mut joint_velocity);
-    let mut velocity = [[0.0; 8]; 6];
-    sum_ancestors(&joint_velocity, &mut velocity);
-    let mut inertia = [[0.0; 8]; 10];
-    let mut flow = [[0.0; 8]; 12];
-    let mut screw_rate = [[0.0; 8]; 6];
-    let mut joint_acceleration = [[0.0; 8]; 6];
-    let mut momentum_rate = [[0.0; 8]; 6];
-    bodies_in_steady_motion(
-        &axes,
-        &origins,
-        &MOMENTS,
-        &screws,
-        &rates,
-        &GRAVITY,
-        &velocity,
-        &mut inertia,
-        &mut flow,
-        &mut screw_rate,
-        &mut joint_acceleration,
-        &mut momentum_rate,
-    );
-    let mut acceleration = [[0.0; 8]; 6];
-    sum_ancestors(&joint_acceleration, &mut acceleration);
-    let mut force = [[0.0; 8]; 6];
-    body_forces(&inertia, &acceleration, &momentum_rate, &mut force);
-    let mut composite_inertia = [[0.0; 8]; 10];
-    sum_subtrees(&inertia, &mut composite_inertia);
-    let mut composite_flow = [[0.0; 8]; 12];
-    sum_subtrees(&flow, &mut composite_flow);
-    let mut composite_bias = [[0.0; 8]; 6];
-    sum_subtrees(&force, &mut composite_bias);
-    let mut unit_force = [[0.0; 8]; 6];
-    let mut diagonal = [[0.0; 8]; 1];
-    unit_accelerations(
-        &screws,
-        &composite_inertia,
-        &ROTOR_INERTIA,
-        &mut unit_force,
-        &mut diagonal,
-    );
-    let mut mass_matrix_2 = [[0.0; 8]; 6];
-    arrays::pairs::<
-        _,
-        _,
-        _,
-        8,
-        _,
-        _,
-    >((&unit_force, &screws), (&screws, &unit_force), &diagonal, &mut mass_matrix_2);
-    let mut inverse = [[0.0; 8]; 6];
-    inverse.copy_from_slice(&mass_matrix_2);
-    arrays::invert(&mut inverse, 0..6, |_, _| true);
-    let mut remaining_force = [[0.0; 8]; 1];
-    remaining_forces(&screws, &composite_bias, &driving_forces, &mut remaining_force);
-    let mut accelerations = [[0.0; 8]; 1];
-    arrays::apply(&inverse, &remaining_force, &mut accelerations);
-    let mut added_joint_acceleration = [[0.0; 8]; 6];
-    joint_accelerations(&screws, &accelerations, &mut added_joint_acceleration);
-    let mut added_acceleration = [[0.0; 8]; 6];
-    sum_ancestors(&added_joint_acceleration, &mut added_acceleration);
-    let mut total_acceleration = [[0.0; 8]; 6];
-    let mut added_force = [[0.0; 8]; 6];
-    accelerated_bodies(
-        &inertia,
-        &acceleration,
-        &added_acceleration,
-        &mut total_acceleration,
-        &mut added_force,
-    );
-    let mut composite_added_force = [[0.0; 8]; 6];
-    sum_subtrees(&added_force, &mut composite_added_force);
-    let mut composite_force = [[0.0; 8]; 6];
-    total_forces(&composite_bias, &composite_added_force, &mut composite_force);
-    let mut gains = [[0.0; 8]; 9];
-    let mut by_coordinate = [[0.0; 8]; 9];
-    let mut by_velocity = [[0.0; 8]; 9];
-    let mut stiffness = [[0.0; 8]; 6];
-    let mut damping = [[0.0; 8]; 6];
-    let mut own_stiffness = [[0.0; 8]; 1];
-    let mut own_damping = [[0.0; 8]; 1];
-    disturbances(
-        &screws,
-        &screw_rate,
-        &velocity,
-        &total_acceleration,
-        &composite_inertia,
-        &composite_flow,
-        &composite_force,
-        &joint_forces,
-        &mut gains,
-        &mut by_coordinate,
-        &mut by_velocity,
-        &mut stiffness,
-        &mut damping,
-        &mut own_stiffness,
-        &mut own_damping,
-    );
-    let mut by_coordinates = [[0.0; 8]; 6];
-    arrays::pairs::<
-        _,
-        _,
-        _,
-        8,
-        _,
-        _,
-    >(
-        (&gains, &by_coordinate),
-        (&screws, &stiffness),
-        &own_stiffness,
-        &mut by_coordinates,
-    );
-    let mut by_velocities = [[0.0; 8]; 6];
-    arrays::pairs::<
-        _,
-        _,
-        _,
-        8,
-        _,
-        _,
-    >((&gains, &by_velocity), (&screws, &damping), &own_damping, &mut by_velocities);
-    arrays::negative_product::<_, _, _, 8>(&inverse, &by_coordinates, da_dy);
-    arrays::negative_product::<_, _, _, 8>(&inverse, &by_velocities, da_dv);
-    a.copy_from_slice(accelerations[0].split_at(6).0);
-    for (to, from) in m_inverse.iter_mut().zip(&inverse) {
-        to.copy_from_slice(from.split_at(6).0);
-    }
+    let [sin_joint_4, cos_joint_4, sin_joint_5, cos_joint_5, sin_joint_2_joint_3,
+    cos_joint_2_joint_3, omega_joint_5_y, t57, t67, t86, t97, t102, inverse_d_joint_5,
+    t118, t130, t150, inverse_d_joint_6, t154, inverse_d_joint_4, t240, t242, t251,
+    inverse_d_joint_3, t370, t372, t374, inverse_d_joint_2, t487, t522, t524, t533, t538,
+    inverse_d_joint_1, t566, t569, t574, t581, t590, t599, t785, t786, t821, t822, t862,
+    t863, t871, t940, t1010, t1069, t1214, t1349, t1350, t1362, t1465, t1528, t1531,
+    t1534, t1537, t1540, t1543, t1548, t1553, t1558, t1563, t1568, t1575, t1582, t1589,
+    t1596, t1603, t1612, t1621, t1630, t1639, t1648, t1657, t1666, t1675, t1684, t1693,
+    t1708, t1712, t1719, t1727, t1765, t1768, t1778, t1784, t1796, t1807, t1823, t1846,
+    t1856, t1861, t1868, t1875, t1896, t1922, t1941, t1944, t1956, t1958, t1979, t1980,
+    t1999] = forward_dynamics_derivatives_part_1(y, v, u);
+    let [t2121, t2124, t2130, t2133, t2136, t2141, t2146, t2156, t2161, t2166, t2187,
+    t2235, t2271, t2280, t2298, t2307, t2316, t2317, t2320, t2339, t2349, t2356, t2378,
+    t2385, t2413, t2420, t2470, t2506, t2507, t2508, t2509, t2510, t2511, t2512, t2513,
+    t2514, t2515, t2516, t2517, t2518, t2519, t2520, t2521, t2522, t2523, t2524, t2525,
+    t2526, t2527, t2528, t2529, t2530, t2531, t2532, t2533, t2534, t2535, t2536, t2537,
+    t2538, t2539, t2540, t2541, t2542, t2543, t2544, t2545, t2546, t2547, t2548, t2549,
+    t2550, t2551] = forward_dynamics_derivatives_part_2([
+        sin_joint_4,
+        cos_joint_4,
+        sin_joint_5,
+        cos_joint_5,
+        sin_joint_2_joint_3,
+        cos_joint_2_joint_3,
+        omega_joint_5_y,
+        t57,
+        t67,
+        t86,
+        t97,
+        t102,
+        inverse_d_joint_5,
+        t118,
+        t130,
+        t150,
+        inverse_d_joint_6,
+        t154,
+        inverse_d_joint_4,
+        t240,
+        t242,
+        t251,
+        inverse_d_joint_3,
+        t370,
+        t372,
+        t374,
+        inverse_d_joint_2,
+        t487,
+        t522,
+        t524,
+        t533,
+        t538,
+        inverse_d_joint_1,
+        t566,
+        t581,
+        t590,
+        t785,
+        t786,
+        t821,
+        t822,
+        t862,
+        t863,
+        t871,
+        t940,
+        t1010,
+        t1214,
+        t1350,
+        t1362,
+        t1465,
+        t1531,
+        t1537,
+        t1543,
+        t1548,
+        t1558,
+        t1568,
+        t1582,
+        t1596,
+        t1621,
+        t1639,
+        t1657,
+        t1675,
+        t1693,
+        t1708,
+        t1712,
+        t1719,
+        t1727,
+        t1765,
+        t1768,
+        t1778,
+        t1784,
+        t1796,
+        t1807,
+        t1823,
+        t1846,
+        t1856,
+        t1861,
+        t1868,
+        t1875,
+        t1896,
+        t1922,
+        t1941,
+        t1944,
+        t1956,
+        t1958,
+        t1979,
+        t1980,
+        t1999,
+    ]);
+    a[0] = t2507;
+    a[1] = t569;
+    a[2] = t574;
+    a[3] = t2508;
+    a[4] = t2509;
+    a[5] = t599;
+    da_dy[0][0] = 0.0;
+    da_dy[0][1] = t1069;
+    da_dy[0][2] = t2510;
+    da_dy[0][3] = t1349;
+    da_dy[0][4] = t2511;
+    da_dy[0][5] = t1528;
+    da_dy[1][0] = 0.0;
+    da_dy[1][1] = t2512;
+    da_dy[1][2] = t1534;
+    da_dy[1][3] = t2513;
+    da_dy[1][4] = t1540;
+    da_dy[1][5] = t2514;
+    da_dy[2][0] = 0.0;
+    da_dy[2][1] = t2515;
+    da_dy[2][2] = t1553;
+    da_dy[2][3] = t2516;
+    da_dy[2][4] = t1563;
+    da_dy[2][5] = t2517;
+    da_dy[3][0] = 0.0;
+    da_dy[3][1] = t1575;
+    da_dy[3][2] = t2518;
+    da_dy[3][3] = t1589;
+    da_dy[3][4] = t2519;
+    da_dy[3][5] = t1603;
+    da_dy[4][0] = 0.0;
+    da_dy[4][1] = t1612;
+    da_dy[4][2] = t2520;
+    da_dy[4][3] = t1630;
+    da_dy[4][4] = t2521;
+    da_dy[4][5] = t1648;
+    da_dy[5][0] = 0.0;
+    da_dy[5][1] = t2522;
+    da_dy[5][2] = t1666;
+    da_dy[5][3] = t2523;
+    da_dy[5][4] = t1684;
+    da_dy[5][5] = t2524;
+    da_dv[0][0] = t2525;
+    da_dv[0][1] = t2526;
+    da_dv[0][2] = t1922;
+    da_dv[0][3] = t2527;
+    da_dv[0][4] = t2528;
+    da_dv[0][5] = t2529;
+    da_dv[1][0] = t2121;
+    da_dv[1][1] = t2124;
+    da_dv[1][2] = t2530;
+    da_dv[1][3] = t2130;
+    da_dv[1][4] = t2133;
+    da_dv[1][5] = t2136;
+    da_dv[2][0] = t2141;
+    da_dv[2][1] = t2146;
+    da_dv[2][2] = t2531;
+    da_dv[2][3] = t2156;
+    da_dv[2][4] = t2161;
+    da_dv[2][5] = t2166;
+    da_dv[3][0] = t2532;
+    da_dv[3][1] = t2533;
+    da_dv[3][2] = t2187;
+    da_dv[3][3] = t2534;
+    da_dv[3][4] = t2535;
+    da_dv[3][5] = t2536;
+    da_dv[4][0] = t2537;
+    da_dv[4][1] = t2538;
+    da_dv[4][2] = t2235;
+    da_dv[4][3] = t2539;
+    da_dv[4][4] = t2540;
+    da_dv[4][5] = t2541;
+    da_dv[5][0] = t2271;
+    da_dv[5][1] = t2280;
+    da_dv[5][2] = t2542;
+    da_dv[5][3] = t2298;
+    da_dv[5][4] = t2307;
+    da_dv[5][5] = t2316;
+    m_inverse[0][0] = inverse_d_joint_1;
+    m_inverse[0][1] = t2317;
+    m_inverse[0][2] = t2320;
+    m_inverse[0][3] = t2543;
+    m_inverse[0][4] = t2544;
+    m_inverse[0][5] = t2339;
+    m_inverse[1][0] = t2317;
+    m_inverse[1][1] = t2545;
+    m_inverse[1][2] = t2546;
+    m_inverse[1][3] = t2349;
+    m_inverse[1][4] = t2356;
+    m_inverse[1][5] = t2547;
+    m_inverse[2][0] = t2320;
+    m_inverse[2][1] = t2546;
+    m_inverse[2][2] = t2548;
+    m_inverse[2][3] = t2378;
+    m_inverse[2][4] = t2385;
+    m_inverse[2][5] = t2549;
+    m_inverse[3][0] = t2543;
+    m_inverse[3][1] = t2349;
+    m_inverse[3][2] = t2378;
+    m_inverse[3][3] = t2413;
+    m_inverse[3][4] = t2420;
+    m_inverse[3][5] = t2550;
+    m_inverse[4][0] = t2544;
+    m_inverse[4][1] = t2356;
+    m_inverse[4][2] = t2385;
+    m_inverse[4][3] = t2420;
+    m_inverse[4][4] = t2551;
+    m_inverse[4][5] = t2470;
+    m_inverse[5][0] = t2339;
+    m_inverse[5][1] = t2547;
+    m_inverse[5][2] = t2549;
+    m_inverse[5][3] = t2550;
+    m_inverse[5][4] = t2470;
+    m_inverse[5][5] = t2506;
 }
 
-/// Poses and single joints of `forward_dynamics_derivatives`; the arrays hold zeros before.
-#[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
-#[allow(
-    clippy::too_many_arguments,
-    reason = "blocks of fixed size need no type of their own"
-)]
-fn forward_dynamics_derivatives_setup(
+/// Part 1 of `forward_dynamics_derivatives`: values that later parts read.
+#[inline(never)]
+fn forward_dynamics_derivatives_part_1(
     y: &[f64; N],
     v: &[f64; N],
     u: &[f64; M],
-    screws: &mut [[f64; 8]; 6],
-    axes: &mut [[f64; 8]; 9],
-    origins: &mut [[f64; 8]; 3],
-    rates: &mut [[f64; 8]; 1],
-    driving_forces: &mut [[f64; 8]; 1],
-    joint_forces: &mut [[f64; 8]; 3],
-) {
-    screws[2][0] = 1.0;
-    axes[8][0] = 1.0;
-    origins[2][0] = 0.1013;
-    origins[2][1] = 0.1013;
-    rates[0][0] = v[0];
-    rates[0][1] = v[1];
-    rates[0][2] = v[2];
-    rates[0][3] = v[3];
-    rates[0][4] = v[4];
-    rates[0][5] = v[5];
-    joint_forces[1][0] = -15.68;
-    joint_forces[1][1] = -13.91;
-    joint_forces[1][2] = -17.89;
-    joint_forces[1][3] = -13.63;
-    joint_forces[1][4] = -4.45;
-    joint_forces[1][5] = -4.67;
+) -> [f64; 105] {
     let angle_joint_2_joint_3 = y[1] - y[2];
     let (
-        [sin_joint_1,
-        sin_joint_2,
+        [sin_joint_2,
         sin_joint_4,
         sin_joint_5,
+        sin_joint_6,
         ],
-        [cos_joint_1,
-        cos_joint_2,
+        [cos_joint_2,
         cos_joint_4,
         cos_joint_5,
+        cos_joint_6,
         ],
-    ) = math::sin_cos_4(y[0], y[1], y[3], y[4]);
-    let ([sin_joint_6, sin_joint_2_joint_3], [cos_joint_6, cos_joint_2_joint_3]) = math::sin_cos_2(
-        y[5],
+    ) = math::sin_cos_4(y[1], y[3], y[4], y[5]);
+    let (sin_joint_2_joint_3, cos_joint_2_joint_3) = math::sin_cos(
         angle_joint_2_joint_3,
     );
-    screws[0][2] = sin_joint_1;
-    axes[3][0] = sin_joint_1;
-    screws[1][1] = cos_joint_1;
-    axes[7][1] = cos_joint_1;
-    axes[7][2] = cos_joint_1;
-    axes[2][1] = cos_joint_2;
-    screws[2][3] = cos_joint_2_joint_3;
-    axes[8][3] = cos_joint_2_joint_3;
-    let y_axis_joint_3_x = cos_joint_1 * sin_joint_2_joint_3;
-    screws[0][3] = y_axis_joint_3_x;
-    axes[6][3] = y_axis_joint_3_x;
-    let x_axis_joint_3_x = cos_joint_1 * cos_joint_2_joint_3;
-    axes[0][2] = x_axis_joint_3_x;
-    let t15 = sin_joint_4 * x_axis_joint_3_x;
-    let t16 = sin_joint_1 * cos_joint_4;
-    let y_axis_joint_4_x = t16 + t15;
-    screws[0][4] = y_axis_joint_4_x;
-    axes[6][4] = y_axis_joint_4_x;
-    let t18 = cos_joint_4 * x_axis_joint_3_x;
-    let t19 = sin_joint_1 * sin_joint_4;
-    let x_axis_joint_4_x = t18 - t19;
-    axes[0][3] = x_axis_joint_4_x;
-    let t21 = sin_joint_5 * x_axis_joint_4_x;
-    let t22 = cos_joint_5 * y_axis_joint_3_x;
-    let y_axis_joint_5_x = t22 - t21;
-    screws[0][5] = y_axis_joint_5_x;
-    axes[6][5] = y_axis_joint_5_x;
-    let y_axis_joint_3_y = sin_joint_1 * sin_joint_2_joint_3;
-    screws[1][3] = y_axis_joint_3_y;
-    axes[7][3] = y_axis_joint_3_y;
-    let x_axis_joint_3_y = sin_joint_1 * cos_joint_2_joint_3;
-    axes[1][2] = x_axis_joint_3_y;
-    let t26 = sin_joint_4 * x_axis_joint_3_y;
-    let t27 = cos_joint_1 * cos_joint_4;
-    let y_axis_joint_4_y = t27 - t26;
-    axes[4][3] = y_axis_joint_4_y;
-    let t29 = cos_joint_4 * x_axis_joint_3_y;
-    let t30 = cos_joint_1 * sin_joint_4;
-    let x_axis_joint_4_y = t29 + t30;
-    axes[1][3] = x_axis_joint_4_y;
-    let t32 = sin_joint_5 * x_axis_joint_4_y;
-    let t33 = cos_joint_5 * y_axis_joint_3_y;
-    let y_axis_joint_5_y = t33 - t32;
-    screws[1][5] = y_axis_joint_5_y;
-    axes[7][5] = y_axis_joint_5_y;
-    let y_axis_joint_4_z = sin_joint_2_joint_3 * sin_joint_4;
-    axes[5][3] = y_axis_joint_4_z;
-    let x_axis_joint_4_z = sin_joint_2_joint_3 * cos_joint_4;
-    let t37 = sin_joint_5 * x_axis_joint_4_z;
-    let t38 = cos_joint_2_joint_3 * cos_joint_5;
-    let y_axis_joint_5_z = t38 + t37;
-    screws[2][5] = y_axis_joint_5_z;
-    axes[8][5] = y_axis_joint_5_z;
-    let t40 = 0.1013 * cos_joint_1;
-    let t41 = 0.35 * cos_joint_2;
-    let origin_joint_3_z = 0.1013 + t41;
-    origins[2][2] = origin_joint_3_z;
-    let t43 = cos_joint_1 * origin_joint_3_z;
-    screws[3][2] = t43;
-    let t44 = 0.3012 * y_axis_joint_3_y;
-    let x_axis_joint_2_y = sin_joint_1 * sin_joint_2;
-    axes[1][1] = x_axis_joint_2_y;
-    let origin_joint_3_y = 0.35 * x_axis_joint_2_y;
-    origins[1][2] = origin_joint_3_y;
-    let origin_joint_4_y = origin_joint_3_y + t44;
-    origins[1][3] = origin_joint_4_y;
-    origins[1][4] = origin_joint_4_y;
-    origins[1][5] = origin_joint_4_y;
-    let t48 = cos_joint_2_joint_3 * origin_joint_4_y;
-    let t49 = 0.3012 * cos_joint_2_joint_3;
-    let origin_joint_4_z = origin_joint_3_z + t49;
-    origins[2][3] = origin_joint_4_z;
-    origins[2][4] = origin_joint_4_z;
-    origins[2][5] = origin_joint_4_z;
-    let t51 = y_axis_joint_3_y * origin_joint_4_z;
-    let t52 = t48 - t51;
-    screws[3][3] = t52;
-    let t53 = y_axis_joint_4_y * origin_joint_4_z;
-    let t54 = y_axis_joint_4_z * origin_joint_4_y;
-    let t55 = t54 - t53;
-    let t56 = origin_joint_4_z * y_axis_joint_5_y;
-    let t57 = origin_joint_4_y * y_axis_joint_5_z;
-    let t58 = t57 - t56;
-    screws[3][5] = t58;
-    let t59 = 0.1013 * sin_joint_1;
-    let t60 = sin_joint_1 * origin_joint_3_z;
-    screws[4][2] = t60;
-    let t61 = 0.3012 * y_axis_joint_3_x;
-    let x_axis_joint_2_x = cos_joint_1 * sin_joint_2;
-    axes[0][1] = x_axis_joint_2_x;
-    let origin_joint_3_x = 0.35 * x_axis_joint_2_x;
-    origins[0][2] = origin_joint_3_x;
-    let origin_joint_4_x = origin_joint_3_x + t61;
-    origins[0][3] = origin_joint_4_x;
-    origins[0][4] = origin_joint_4_x;
-    origins[0][5] = origin_joint_4_x;
-    let t65 = cos_joint_2_joint_3 * origin_joint_4_x;
-    let t66 = y_axis_joint_3_x * origin_joint_4_z;
-    let t67 = t66 - t65;
-    screws[4][3] = t67;
-    let t68 = y_axis_joint_4_z * origin_joint_4_x;
-    let t69 = y_axis_joint_4_x * origin_joint_4_z;
-    let t70 = t69 + t68;
-    screws[4][4] = t70;
-    let t71 = origin_joint_4_z * y_axis_joint_5_x;
-    let t72 = origin_joint_4_x * y_axis_joint_5_z;
-    let t73 = t71 - t72;
-    screws[4][5] = t73;
-    let t74 = sin_joint_1 * origin_joint_3_y;
-    let t75 = cos_joint_1 * origin_joint_3_x;
-    let t76 = t75 + t74;
-    let t77 = y_axis_joint_3_x * origin_joint_4_y;
-    let t78 = y_axis_joint_3_y * origin_joint_4_x;
-    let t79 = t78 - t77;
-    screws[5][3] = t79;
-    let t80 = y_axis_joint_4_x * origin_joint_4_y;
-    let t81 = y_axis_joint_4_y * origin_joint_4_x;
-    let t82 = t81 + t80;
-    let t83 = origin_joint_4_y * y_axis_joint_5_x;
-    let t84 = origin_joint_4_x * y_axis_joint_5_y;
-    let t85 = t84 - t83;
-    screws[5][5] = t85;
-    let t86 = cos_joint_5 * x_axis_joint_4_x;
-    let t87 = sin_joint_5 * y_axis_joint_3_x;
-    let x_axis_joint_5_x = t86 + t87;
-    let t89 = cos_joint_6 * x_axis_joint_5_x;
-    let t90 = sin_joint_6 * y_axis_joint_4_x;
-    let x_axis_joint_6_x = t89 - t90;
-    let t92 = cos_joint_5 * x_axis_joint_4_y;
-    let t93 = sin_joint_5 * y_axis_joint_3_y;
-    let x_axis_joint_5_y = t92 + t93;
-    let t95 = cos_joint_6 * x_axis_joint_5_y;
-    let t96 = sin_joint_6 * y_axis_joint_4_y;
-    let x_axis_joint_6_y = t95 + t96;
-    let t98 = cos_joint_5 * x_axis_joint_4_z;
-    let t99 = cos_joint_2_joint_3 * sin_joint_5;
-    let x_axis_joint_5_z = t98 - t99;
-    axes[2][4] = x_axis_joint_5_z;
-    let t101 = cos_joint_6 * x_axis_joint_5_z;
-    let t102 = sin_joint_6 * y_axis_joint_4_z;
-    let x_axis_joint_6_z = t101 - t102;
-    axes[2][5] = x_axis_joint_6_z;
-    let y_axis_joint_2_x = cos_joint_1 * cos_joint_2;
-    axes[3][1] = y_axis_joint_2_x;
-    let t105 = sin_joint_6 * x_axis_joint_5_x;
-    let t106 = cos_joint_6 * y_axis_joint_4_x;
-    let y_axis_joint_6_x = t106 + t105;
-    axes[3][5] = y_axis_joint_6_x;
-    let y_axis_joint_2_y = sin_joint_1 * cos_joint_2;
-    axes[4][1] = y_axis_joint_2_y;
-    let t109 = sin_joint_6 * x_axis_joint_5_y;
-    let t110 = cos_joint_6 * y_axis_joint_4_y;
-    let y_axis_joint_6_y = t110 - t109;
-    let t112 = sin_joint_6 * x_axis_joint_5_z;
-    let t113 = cos_joint_6 * y_axis_joint_4_z;
-    let y_axis_joint_6_z = t113 + t112;
-    let t115 = sign(v[0]);
-    let t116 = t115 * 7.14;
-    let t117 = v[0] * 15.68;
-    let t118 = t117 + t116;
-    let t119 = u[0] * 160.0;
-    let t120 = t119 - t118;
-    driving_forces[0][0] = t120;
-    let t121 = sign(v[1]);
-    let t122 = t121 * 5.1;
-    let t123 = v[1] * 13.91;
-    let t124 = t123 + t122;
-    let t125 = u[1] * 160.0;
-    let t126 = t125 - t124;
-    driving_forces[0][1] = t126;
-    let t127 = sign(v[2]);
-    let t128 = t127 * 6.84;
-    let t129 = v[2] * 17.89;
-    let t130 = t129 + t128;
-    let t131 = u[2] * 160.0;
-    let t132 = t131 - t130;
-    driving_forces[0][2] = t132;
-    let t133 = sign(v[3]);
-    let t134 = t133 * 6.91;
-    let t135 = v[3] * 13.63;
-    let t136 = t135 + t134;
-    let t137 = u[3] * 160.0;
-    let t138 = t137 - t136;
-    driving_forces[0][3] = t138;
-    let t139 = sign(v[4]);
-    let t140 = t139 * 2.12;
-    let t141 = v[4] * 4.45;
-    let t142 = t141 + t140;
-    let t143 = u[4] * 100.0;
-    let t144 = t143 - t142;
-    driving_forces[0][4] = t144;
-    let t145 = sign(v[5]);
-    let t146 = t145 * 2.33;
-    let t147 = v[5] * 4.67;
-    let t148 = t147 + t146;
-    let t149 = u[5] * 100.0;
-    let t150 = t149 - t148;
-    driving_forces[0][5] = t150;
-    let minus_sin_joint_1 = -sin_joint_1;
-    screws[0][1] = minus_sin_joint_1;
-    axes[1][0] = minus_sin_joint_1;
-    axes[6][1] = minus_sin_joint_1;
-    axes[6][2] = minus_sin_joint_1;
-    let minus_cos_joint_1 = -cos_joint_1;
-    screws[1][2] = minus_cos_joint_1;
-    axes[0][0] = minus_cos_joint_1;
-    axes[4][0] = minus_cos_joint_1;
-    let minus_y_axis_joint_4_y = -y_axis_joint_4_y;
-    screws[1][4] = minus_y_axis_joint_4_y;
-    axes[7][4] = minus_y_axis_joint_4_y;
-    let minus_y_axis_joint_4_z = -y_axis_joint_4_z;
-    screws[2][4] = minus_y_axis_joint_4_z;
-    axes[8][4] = minus_y_axis_joint_4_z;
-    let t155 = -t40;
-    screws[3][1] = t155;
-    let t156 = -t55;
-    screws[3][4] = t156;
-    let t157 = -t59;
-    screws[4][1] = t157;
-    let t158 = -t76;
-    screws[5][2] = t158;
-    let t159 = -t82;
-    screws[5][4] = t159;
-    let minus_x_axis_joint_5_x = -x_axis_joint_5_x;
-    axes[0][4] = minus_x_axis_joint_5_x;
-    let minus_x_axis_joint_6_x = -x_axis_joint_6_x;
-    axes[0][5] = minus_x_axis_joint_6_x;
-    let minus_x_axis_joint_5_y = -x_axis_joint_5_y;
-    axes[1][4] = minus_x_axis_joint_5_y;
-    let minus_x_axis_joint_6_y = -x_axis_joint_6_y;
-    axes[1][5] = minus_x_axis_joint_6_y;
-    let minus_sin_joint_2_joint_3 = -sin_joint_2_joint_3;
-    axes[2][2] = minus_sin_joint_2_joint_3;
-    let minus_x_axis_joint_4_z = -x_axis_joint_4_z;
-    axes[2][3] = minus_x_axis_joint_4_z;
-    let minus_y_axis_joint_3_x = -y_axis_joint_3_x;
-    axes[3][2] = minus_y_axis_joint_3_x;
-    let minus_y_axis_joint_4_x = -y_axis_joint_4_x;
-    axes[3][3] = minus_y_axis_joint_4_x;
-    let minus_y_axis_joint_5_x = -y_axis_joint_5_x;
-    axes[3][4] = minus_y_axis_joint_5_x;
-    let minus_y_axis_joint_3_y = -y_axis_joint_3_y;
-    axes[4][2] = minus_y_axis_joint_3_y;
-    let minus_y_axis_joint_5_y = -y_axis_joint_5_y;
-    axes[4][4] = minus_y_axis_joint_5_y;
-    let minus_y_axis_joint_6_y = -y_axis_joint_6_y;
-    axes[4][5] = minus_y_axis_joint_6_y;
-    let minus_sin_joint_2 = -sin_joint_2;
-    axes[5][1] = minus_sin_joint_2;
-    let minus_cos_joint_2_joint_3 = -cos_joint_2_joint_3;
-    axes[5][2] = minus_cos_joint_2_joint_3;
-    let minus_y_axis_joint_5_z = -y_axis_joint_5_z;
-    axes[5][4] = minus_y_axis_joint_5_z;
-    let minus_y_axis_joint_6_z = -y_axis_joint_6_z;
-    axes[5][5] = minus_y_axis_joint_6_z;
-    let t176 = -t118;
-    joint_forces[2][0] = t176;
-    let t177 = -t124;
-    joint_forces[2][1] = t177;
-    let t178 = -t130;
-    joint_forces[2][2] = t178;
-    let t179 = -t136;
-    joint_forces[2][3] = t179;
-    let t180 = -t142;
-    joint_forces[2][4] = t180;
-    let t181 = -t148;
-    joint_forces[2][5] = t181;
+    let omega_joint_3_x = v[0] * sin_joint_2_joint_3;
+    let t12 = cos_joint_4 * omega_joint_3_x;
+    let omega_joint_3_z = v[1] - v[2];
+    let t14 = sin_joint_4 * omega_joint_3_z;
+    let omega_joint_4_x = t12 - t14;
+    let t16 = sin_joint_5 * omega_joint_4_x;
+    let omega_joint_3_y = v[0] * cos_joint_2_joint_3;
+    let omega_joint_4_z = v[3] + omega_joint_3_y;
+    let t19 = cos_joint_5 * omega_joint_4_z;
+    let omega_joint_5_y = t16 + t19;
+    let t21 = cos_joint_5 * omega_joint_4_x;
+    let t22 = sin_joint_5 * omega_joint_4_z;
+    let omega_joint_5_x = t21 - t22;
+    let t24 = omega_joint_5_x * omega_joint_5_y;
+    let t25 = omega_joint_4_x * omega_joint_4_z;
+    let t26 = 2.0 * omega_joint_3_z;
+    let t27 = omega_joint_3_y * t26;
+    let t28 = sin_joint_4 * t27;
+    let t29 = omega_joint_3_x * omega_joint_3_y;
+    let t30 = cos_joint_4 * t29;
+    let t31 = t30 - t28;
+    let t32 = t31 - t25;
+    let t33 = t32 + t24;
+    let t34 = 0.033494542 * t33;
+    let t35 = t32 - t24;
+    let t36 = 0.0007899999999999999 * t35;
+    let t37 = t36 + t34;
+    let t38 = 2.0 * omega_joint_4_z;
+    let t39 = sin_joint_4 * omega_joint_3_x;
+    let t40 = cos_joint_4 * omega_joint_3_z;
+    let omega_joint_4_y = t39 + t40;
+    let t42 = omega_joint_4_y * t38;
+    let t43 = cos_joint_4 * t27;
+    let t44 = sin_joint_4 * t29;
+    let t45 = t44 + t43;
+    let t46 = t45 - t42;
+    let t47 = sin_joint_5 * t46;
+    let t48 = omega_joint_4_x * omega_joint_4_y;
+    let t49 = omega_joint_3_z * omega_joint_3_x;
+    let t50 = t49 - t48;
+    let t51 = cos_joint_5 * t50;
+    let t52 = t51 - t47;
+    let t53 = 0.0002548800000000001 * t52;
+    let t54 = t53 - t37;
+    let t55 = v[1] * 2.0;
+    let t56 = v[0] * t55;
+    let t57 = 1.1620185922974766 * cos_joint_2;
+    let acceleration_joint_3_z = t57 * t56;
+    let t59 = sin_joint_4 * acceleration_joint_3_z;
+    let t60 = t59 - t31;
+    let t61 = v[1] * v[1];
+    let t62 = t57 * t61;
+    let t63 = 32.558598937583 - t62;
+    let t64 = sin_joint_2_joint_3 * t63;
+    let t65 = v[0] * v[0];
+    let t66 = t65 + t61;
+    let t67 = 1.1620185922974766 * sin_joint_2;
+    let t68 = t67 * t66;
+    let t69 = cos_joint_2_joint_3 * t68;
+    let acceleration_joint_3_x = t69 + t64;
+    let t71 = cos_joint_4 * acceleration_joint_3_x;
+    let acceleration_joint_4_x = t71 - t60;
+    let t73 = cos_joint_5 * acceleration_joint_4_x;
+    let t74 = cos_joint_2_joint_3 * t63;
+    let t75 = sin_joint_2_joint_3 * t68;
+    let acceleration_joint_3_y = t75 - t74;
+    let t77 = omega_joint_3_x * omega_joint_3_x;
+    let t78 = omega_joint_3_z * omega_joint_3_z;
+    let t79 = t77 + t78;
+    let acceleration_joint_4_z = acceleration_joint_3_y + t79;
+    let t81 = sin_joint_5 * acceleration_joint_4_z;
+    let acceleration_joint_5_x = t81 + t73;
+    let t83 = 0.057360528000000015 * acceleration_joint_5_x;
+    let t84 = t83 - t54;
+    let omega_joint_5_z = v[4] - omega_joint_4_y;
+    let t86 = 2.0 * omega_joint_5_z;
+    let t87 = omega_joint_5_y * t86;
+    let t88 = cos_joint_5 * t46;
+    let t89 = t88 - t87;
+    let t90 = sin_joint_5 * t50;
+    let t91 = t90 + t89;
+    let omega_joint_6_z = v[5] + omega_joint_5_y;
+    let t93 = 2.0 * omega_joint_6_z;
+    let t94 = omega_joint_5_z * t93;
+    let t95 = t94 + t91;
+    let t96 = sin_joint_6 * 9.99999999999994e-5;
+    let t97 = cos_joint_6 * t96;
+    let t98 = t97 * t95;
+    let t99 = omega_joint_5_x * t93;
+    let t100 = t33 - t99;
+    let t101 = sin_joint_6 * t96;
+    let t102 = 0.0002665500000000004 + t101;
+    let t103 = t102 * t100;
+    let moment_joint_6_y = t103 + t98;
+    let moment_joint_5_z = moment_joint_6_y + t84;
+    let t106 = v[4] * 4.45;
+    let t107 = u[4] * 100.0;
+    let t108 = t107 - t106;
+    let t109 = sign(v[4]);
+    let t110 = t109 * 2.12;
+    let t111 = t110 - t108;
+    let t112 = moment_joint_5_z + t111;
+    let t113 = t101 + 0.204551092;
+    let inverse_d_joint_5 = 1.0 / t113;
+    let t115 = sin_joint_5 * t97;
+    let t116 = 0.0002548800000000001 * cos_joint_5;
+    let t117 = t115 - t116;
+    let t118 = t117 * inverse_d_joint_5;
+    let t119 = t118 * t112;
+    let t120 = v[3] * 13.63;
+    let t121 = u[3] * 160.0;
+    let t122 = t121 - t120;
+    let t123 = sign(v[3]);
+    let t124 = t123 * 6.91;
+    let t125 = t124 - t122;
+    let t126 = t119 + t125;
+    let t127 = omega_joint_5_x * omega_joint_5_z;
+    let t128 = t52 - t127;
+    let t129 = t127 + t128;
+    let t130 = 0.0003665499999999998 - t101;
+    let t131 = t130 * t129;
+    let t132 = t127 - t128;
+    let t133 = t102 * t132;
+    let t134 = t133 - t131;
+    let t135 = omega_joint_5_x * omega_joint_5_x;
+    let t136 = omega_joint_5_z * omega_joint_5_z;
+    let t137 = t135 - t136;
+    let t138 = omega_joint_6_z * omega_joint_6_z;
+    let t139 = t138 + t137;
+    let t140 = t138 - t139;
+    let t141 = t97 * t140;
+    let moment_joint_6_z = t141 - t134;
+    let t143 = v[5] * 4.67;
+    let t144 = u[5] * 100.0;
+    let t145 = t144 - t143;
+    let t146 = sign(v[5]);
+    let t147 = t146 * 2.33;
+    let t148 = t147 - t145;
+    let t149 = moment_joint_6_z - t148;
+    let t150 = t102 + t130;
+    let t151 = t150 + 0.16999999999999998;
+    let inverse_d_joint_6 = 1.0 / t151;
+    let t153 = cos_joint_5 * t150;
+    let t154 = t153 * inverse_d_joint_6;
+    let t155 = t154 * t149;
+    let t156 = t155 + t126;
+    let t157 = 0.033494542 * t91;
+    let t158 = cos_joint_4 * acceleration_joint_3_z;
+    let t159 = t158 + t45;
+    let t160 = sin_joint_4 * acceleration_joint_3_x;
+    let acceleration_joint_4_y = t160 + t159;
+    let t162 = 0.057360528000000015 * acceleration_joint_4_y;
+    let t163 = t162 + t157;
+    let t164 = t135 + t136;
+    let t165 = omega_joint_4_x * omega_joint_4_x;
+    let t166 = omega_joint_4_z * omega_joint_4_z;
+    let t167 = t165 + t166;
+    let t168 = t167 - t164;
+    let t169 = 0.0002548800000000001 * t168;
+    let t170 = t169 - t163;
+    let t171 = t130 * t95;
+    let t172 = t97 * t100;
+    let moment_joint_6_x = t172 + t171;
+    let moment_joint_5_x = moment_joint_6_x - t170;
+    let t175 = sin_joint_5 * moment_joint_5_x;
+    let t176 = 0.02087316000000001 * acceleration_joint_4_x;
+    let t177 = omega_joint_4_y * omega_joint_4_y;
+    let t178 = t177 + t166;
+    let t179 = t178 - t167;
+    let t180 = 1.1586e-5 * t179;
+    let t181 = t180 - t176;
+    let t182 = 5.421600000000001e-5 * acceleration_joint_4_y;
+    let t183 = t182 + t181;
+    let t184 = 0.008398490000000003 * t50;
+    let t185 = 0.0009375300000000007 * t31;
+    let t186 = 1.7202000000000002e-5 * t45;
+    let t187 = t186 - t185;
+    let t188 = t187 - t184;
+    let t189 = t49 + t48;
+    let t190 = 0.00043903240000000014 * t189;
+    let t191 = t190 - t188;
+    let t192 = t191 + t183;
+    let t193 = t175 + t192;
+    let t194 = omega_joint_5_x * t86;
+    let t195 = t52 - t194;
+    let t196 = 0.0007899999999999999 * t195;
+    let t197 = 0.0002548800000000001 * t33;
+    let t198 = t197 - t196;
+    let moment_joint_5_y = t198 - moment_joint_6_z;
+    let t200 = cos_joint_5 * moment_joint_5_y;
+    let moment_joint_4_z = t200 - t193;
+    let t202 = moment_joint_4_z + t156;
+    let t203 = t101 - 0.032437992;
+    let t204 = sin_joint_5 * t203;
+    let t205 = sin_joint_5 * t204;
+    let t206 = t101 + 0.0014955824000000004;
+    let t207 = t205 - t206;
+    let t208 = t101 - 0.008765040000000003;
+    let t209 = t208 + t207;
+    let t210 = 1.33888 - t209;
+    let t211 = t117 * t118;
+    let t212 = t211 - t210;
+    let t213 = t153 * t154;
+    let t214 = t213 + t212;
+    let inverse_d_joint_4 = 1.0 / t214;
+    let t216 = cos_joint_5 * t204;
+    let t217 = 1.7202000000000002e-5 + t216;
+    let t218 = 0.057360528000000015 * sin_joint_5;
+    let t219 = 5.421600000000001e-5 + t218;
+    let t220 = t219 - t217;
+    let t221 = sin_joint_4 * t220;
+    let t222 = t117 - 0.01993563000000001;
+    let t223 = cos_joint_4 * t222;
+    let t224 = t221 + t223;
+    let t225 = t101 + 0.034551092000000005;
+    let t226 = 0.057360528000000015 * cos_joint_5;
+    let t227 = t225 + t226;
+    let t228 = cos_joint_4 * t227;
+    let t229 = cos_joint_5 * t97;
+    let t230 = 0.0002548800000000001 * sin_joint_5;
+    let t231 = t229 + t230;
+    let t232 = sin_joint_4 * t231;
+    let t233 = t232 + t228;
+    let t234 = t233 * t118;
+    let t235 = t224 - t234;
+    let t236 = sin_joint_5 * t150;
+    let t237 = sin_joint_4 * t236;
+    let t238 = t237 * t154;
+    let t239 = t238 + t235;
+    let t240 = t239 * inverse_d_joint_4;
+    let t241 = t240 * t202;
+    let t242 = t233 * inverse_d_joint_5;
+    let t243 = t242 * t112;
+    let t244 = v[2] * 17.89;
+    let t245 = u[2] * 160.0;
+    let t246 = t245 - t244;
+    let t247 = sign(v[2]);
+    let t248 = t247 * 6.84;
+    let t249 = t248 - t246;
+    let t250 = t243 - t249;
+    let t251 = t237 * inverse_d_joint_6;
+    let t252 = t251 * t149;
+    let t253 = t252 - t250;
+    let t254 = t241 - t253;
+    let t255 = cos_joint_5 * moment_joint_5_x;
+    let t256 = omega_joint_4_x * t38;
+    let t257 = t31 - t256;
+    let t258 = 1.1586e-5 * t257;
+    let t259 = 0.02087316000000001 * acceleration_joint_4_z;
+    let t260 = t259 + t258;
+    let t261 = 0.008398490000000003 * t46;
+    let t262 = 1.7202000000000002e-5 * t189;
+    let t263 = t262 - t261;
+    let t264 = t263 - t260;
+    let t265 = t79 - t167;
+    let t266 = 0.0009375300000000007 * t265;
+    let t267 = t266 + t264;
+    let t268 = t255 - t267;
+    let t269 = sin_joint_5 * moment_joint_5_y;
+    let moment_joint_4_x = t269 + t268;
+    let force_joint_5_z = 0.057360528000000015 * t91;
+    let t272 = 0.02087316000000001 * t167;
+    let t273 = 5.421600000000001e-5 * t189;
+    let t274 = t273 - t272;
+    let force_joint_4_y = t274 + force_joint_5_z;
+    let t276 = force_joint_4_y + moment_joint_4_x;
+    let t277 = sin_joint_4 * t276;
+    let t278 = 0.0009375300000000007 * t50;
+    let t279 = 5.421600000000001e-5 * acceleration_joint_4_z;
+    let t280 = t279 + t278;
+    let t281 = 0.00043903240000000014 * t257;
+    let t282 = 1.1586e-5 * t46;
+    let t283 = t282 + t281;
+    let t284 = t283 + t280;
+    let t285 = t79 - t178;
+    let t286 = 1.7202000000000002e-5 * t285;
+    let t287 = t286 - t284;
+    let moment_joint_4_y = moment_joint_5_z - t287;
+    let force_joint_5_y = 0.057360528000000015 * t164;
+    let t290 = sin_joint_5 * force_joint_5_y;
+    let t291 = 0.02087316000000001 * t50;
+    let t292 = 5.421600000000001e-5 * t178;
+    let t293 = t292 + t291;
+    let t294 = t293 + t290;
+    let force_joint_5_x = 0.057360528000000015 * t33;
+    let t296 = cos_joint_5 * force_joint_5_x;
+    let force_joint_4_x = t296 - t294;
+    let t298 = force_joint_4_x + moment_joint_4_y;
+    let t299 = cos_joint_4 * t298;
+    let t300 = 0.37394883600000006 * acceleration_joint_3_x;
+    let t301 = t29 * 0.37277775300000004;
+    let t302 = t300 + t301;
+    let t303 = t302 + t299;
+    let moment_joint_3_z = t277 + t303;
+    let t305 = moment_joint_3_z - t254;
+    let t306 = t208 - t207;
+    let t307 = sin_joint_4 * t306;
+    let t308 = 1.1586e-5 + t231;
+    let t309 = 2.0 * t308;
+    let t310 = cos_joint_4 * t309;
+    let t311 = t310 - t307;
+    let t312 = sin_joint_4 * t311;
+    let t313 = 0.002999500000000002 - t207;
+    let t314 = t312 + t313;
+    let t315 = 0.033494542 + t205;
+    let t316 = cos_joint_5 * 0.11472105600000003;
+    let t317 = 0.37577725300000003 + t316;
+    let t318 = t315 + t317;
+    let t319 = t314 + t318;
+    let t320 = t233 * t242;
+    let t321 = 1.33888 - t320;
+    let t322 = t237 * t251;
+    let t323 = t322 - t321;
+    let t324 = t319 - t323;
+    let t325 = t239 * t240;
+    let t326 = t325 + t324;
+    let inverse_d_joint_3 = 1.0 / t326;
+    let t328 = cos_joint_4 * t219;
+    let t329 = 0.02087316000000001 * sin_joint_4;
+    let t330 = t328 + t329;
+    let t331 = sin_joint_2_joint_3 * t330;
+    let t332 = 0.37394883600000006 + t226;
+    let t333 = cos_joint_2_joint_3 * t332;
+    let t334 = t331 + t333;
+    let t335 = t57 * t334;
+    let t336 = cos_joint_2_joint_3 * t330;
+    let t337 = sin_joint_2_joint_3 * t332;
+    let t338 = t336 - t337;
+    let t339 = t67 * t338;
+    let t340 = t339 - t335;
+    let t341 = t340 - t319;
+    let t342 = cos_joint_4 * t226;
+    let t343 = cos_joint_2_joint_3 * t342;
+    let t344 = sin_joint_2_joint_3 * t218;
+    let t345 = t343 + t344;
+    let t346 = t57 * t345;
+    let t347 = sin_joint_2_joint_3 * t342;
+    let t348 = cos_joint_2_joint_3 * t218;
+    let t349 = t347 - t348;
+    let t350 = t67 * t349;
+    let t351 = t350 + t346;
+    let t352 = t233 + t351;
+    let t353 = t352 * t242;
+    let t354 = t322 + t353;
+    let t355 = t341 + t354;
+    let t356 = sin_joint_4 * t219;
+    let t357 = 0.02087316000000001 * cos_joint_4;
+    let t358 = t356 - t357;
+    let t359 = cos_joint_2_joint_3 * t358;
+    let t360 = t57 * t359;
+    let t361 = sin_joint_2_joint_3 * t358;
+    let t362 = t67 * t361;
+    let t363 = t362 + t360;
+    let t364 = t224 + t363;
+    let t365 = t352 * t118;
+    let t366 = t364 - t365;
+    let t367 = t238 + t366;
+    let t368 = t367 * t240;
+    let t369 = t368 - t355;
+    let t370 = t369 * inverse_d_joint_3;
+    let t371 = t370 * t305;
+    let t372 = t367 * inverse_d_joint_4;
+    let t373 = t372 * t202;
+    let t374 = t352 * inverse_d_joint_5;
+    let t375 = t374 * t112;
+    let t376 = v[1] * 13.91;
+    let t377 = u[1] * 160.0;
+    let t378 = t377 - t376;
+    let t379 = sign(v[1]);
+    let t380 = t379 * 5.1;
+    let t381 = t380 - t378;
+    let t382 = t375 + t381;
+    let t383 = t252 - t382;
+    let t384 = t373 - t383;
+    let t385 = sin_joint_4 * force_joint_4_y;
+    let t386 = 0.37394883600000006 * t29;
+    let t387 = t386 + t385;
+    let t388 = cos_joint_4 * force_joint_4_x;
+    let force_joint_3_x = t388 + t387;
+    let t390 = cos_joint_2_joint_3 * force_joint_3_x;
+    let t391 = cos_joint_5 * force_joint_5_y;
+    let t392 = 0.02087316000000001 * t46;
+    let t393 = 5.421600000000001e-5 * t257;
+    let t394 = t393 + t392;
+    let t395 = t394 + t391;
+    let t396 = sin_joint_5 * force_joint_5_x;
+    let force_joint_4_z = t396 + t395;
+    let t398 = 0.37394883600000006 * t79;
+    let force_joint_3_y = t398 + force_joint_4_z;
+    let t400 = sin_joint_2_joint_3 * force_joint_3_y;
+    let t401 = t390 + t400;
+    let t402 = t57 * t401;
+    let t403 = sin_joint_2 * 2e-6;
+    let t404 = cos_joint_2 * 1.1113184999999997;
+    let t405 = t404 - t403;
+    let t406 = sin_joint_2 * t405;
+    let t407 = 1e-6 + t406;
+    let t408 = t61 - t66;
+    let t409 = t407 * t408;
+    let t410 = sin_joint_2 * 30.925270774999998;
+    let t411 = t410 - t409;
+    let t412 = t411 + t402;
+    let t413 = sin_joint_2_joint_3 * force_joint_3_x;
+    let t414 = cos_joint_2_joint_3 * force_joint_3_y;
+    let t415 = t413 - t414;
+    let t416 = t67 * t415;
+    let t417 = t416 + t412;
+    let moment_joint_2_z = moment_joint_3_z + t417;
+    let t419 = moment_joint_2_z - t384;
+    let t420 = t371 - t419;
+    let t421 = t369 * t370;
+    let t422 = 2.0 * t340;
+    let t423 = cos_joint_2 * t405;
+    let t424 = 0.008565999999999997 + t423;
+    let t425 = 1.1198844999999997 - t423;
+    let t426 = t425 + t424;
+    let t427 = t426 - t422;
+    let t428 = t319 + t427;
+    let t429 = t352 * t374;
+    let t430 = 1.33888 - t429;
+    let t431 = t322 - t430;
+    let t432 = t428 - t431;
+    let t433 = t367 * t372;
+    let t434 = t433 + t432;
+    let t435 = t421 - t434;
+    let inverse_d_joint_2 = 1.0 / t435;
+    let t437 = cos_joint_4 * t311;
+    let t438 = t308 - t437;
+    let t439 = sin_joint_2_joint_3 * t438;
+    let t440 = 0.0013548599999999994 - t224;
+    let t441 = cos_joint_2_joint_3 * t440;
+    let t442 = t441 - t439;
+    let t443 = sin_joint_4 * t227;
+    let t444 = cos_joint_4 * t231;
+    let t445 = t444 - t443;
+    let t446 = sin_joint_2_joint_3 * t445;
+    let t447 = cos_joint_2_joint_3 * t117;
+    let t448 = sin_joint_4 * t226;
+    let t449 = t67 * t448;
+    let t450 = t447 + t449;
+    let t451 = t446 - t450;
+    let t452 = t242 * t451;
+    let t453 = cos_joint_4 * t236;
+    let t454 = sin_joint_2_joint_3 * t453;
+    let t455 = cos_joint_2_joint_3 * t153;
+    let t456 = t454 + t455;
+    let t457 = t456 * t251;
+    let t458 = t457 + t452;
+    let t459 = t442 - t458;
+    let t460 = cos_joint_2_joint_3 * t209;
+    let t461 = t67 * t330;
+    let t462 = t461 + t460;
+    let t463 = t118 * t451;
+    let t464 = t463 - t462;
+    let t465 = cos_joint_4 * t220;
+    let t466 = sin_joint_4 * t222;
+    let t467 = t465 - t466;
+    let t468 = sin_joint_2_joint_3 * t467;
+    let t469 = t468 - t464;
+    let t470 = t456 * t154;
+    let t471 = t470 + t469;
+    let t472 = t471 * t240;
+    let t473 = t472 + t459;
+    let t474 = t473 * t370;
+    let t475 = t57 * t358;
+    let t476 = 6e-6 * sin_joint_2;
+    let t477 = 0.06077274999999999 * cos_joint_2;
+    let t478 = t477 - t476;
+    let t479 = t478 - t475;
+    let t480 = t442 + t479;
+    let t481 = t374 * t451;
+    let t482 = t457 + t481;
+    let t483 = t480 - t482;
+    let t484 = t471 * t372;
+    let t485 = t484 + t483;
+    let t486 = t474 - t485;
+    let t487 = t486 * inverse_d_joint_2;
+    let t488 = t487 * t420;
+    let t489 = cos_joint_4 * t276;
+    let t490 = sin_joint_4 * t298;
+    let t491 = t65 - t79;
+    let t492 = 0.0013548599999999994 * t491;
+    let t493 = 0.37577725300000003 * t27;
+    let t494 = 0.37394883600000006 * acceleration_joint_3_z;
+    let t495 = t494 + t493;
+    let t496 = t492 - t495;
+    let t497 = t490 + t496;
+    let moment_joint_3_x = t489 - t497;
+    let t499 = sin_joint_2_joint_3 * moment_joint_3_x;
+    let t500 = omega_joint_3_x * t26;
+    let t501 = 0.002999500000000002 * t500;
+    let t502 = 0.0013548599999999994 * t29;
+    let t503 = t502 - t501;
+    let moment_joint_3_y = t503 + moment_joint_4_z;
+    let t505 = cos_joint_2_joint_3 * moment_joint_3_y;
+    let t506 = cos_joint_4 * force_joint_4_y;
+    let t507 = 0.37394883600000006 * t27;
+    let t508 = t507 + t506;
+    let t509 = sin_joint_4 * force_joint_4_x;
+    let force_joint_3_z = t509 - t508;
+    let t511 = t67 * force_joint_3_z;
+    let t512 = t407 * t56;
+    let t513 = t65 - t66;
+    let t514 = 6e-6 * cos_joint_2;
+    let t515 = 0.06077274999999999 * sin_joint_2;
+    let t516 = t515 + t514;
+    let t517 = t516 * t513;
+    let t518 = t512 - t517;
+    let t519 = t518 - t511;
+    let t520 = t505 + t519;
+    let moment_joint_2_y = t499 + t520;
+    let t522 = t471 * inverse_d_joint_4;
+    let t523 = t522 * t202;
+    let t524 = inverse_d_joint_5 * t451;
+    let t525 = t524 * t112;
+    let t526 = v[0] * 15.68;
+    let t527 = u[0] * 160.0;
+    let t528 = t527 - t526;
+    let t529 = sign(v[0]);
+    let t530 = t529 * 7.14;
+    let t531 = t530 - t528;
+    let t532 = t525 - t531;
+    let t533 = t456 * inverse_d_joint_6;
+    let t534 = t533 * t149;
+    let t535 = t534 - t532;
+    let t536 = t523 - t535;
+    let t537 = moment_joint_2_y - t536;
+    let t538 = t473 * inverse_d_joint_3;
+    let t539 = t538 * t305;
+    let t540 = t539 - t537;
+    let t541 = t488 - t540;
+    let t542 = t486 * t487;
+    let t543 = t314 - t318;
+    let t544 = sin_joint_2_joint_3 * t543;
+    let t545 = 2.0 * t467;
+    let t546 = cos_joint_2_joint_3 * t545;
+    let t547 = t546 + t544;
+    let t548 = sin_joint_2_joint_3 * t547;
+    let t549 = t208 + t312;
+    let t550 = t549 - t314;
+    let t551 = t451 * t524;
+    let t552 = 2.0 * t339;
+    let t553 = t423 - 2.537083916;
+    let t554 = t552 + t553;
+    let t555 = t551 + t554;
+    let t556 = t456 * t533;
+    let t557 = t556 + t555;
+    let t558 = t557 + t550;
+    let t559 = t548 + t558;
+    let t560 = t471 * t522;
+    let t561 = t560 - t559;
+    let t562 = t473 * t538;
+    let t563 = t562 - t561;
+    let t564 = t542 - t563;
+    let inverse_d_joint_1 = 1.0 / t564;
+    let t566 = inverse_d_joint_1 * t541;
+    let t567 = t487 * t566;
+    let t568 = inverse_d_joint_2 * t420;
+    let t569 = t568 - t567;
+    let t570 = t370 * t569;
+    let t571 = t538 * t566;
+    let t572 = inverse_d_joint_3 * t305;
+    let t573 = t572 - t571;
+    let t574 = t570 - t573;
+    let t575 = t240 * t574;
+    let t576 = t372 * t569;
+    let t577 = t522 * t566;
+    let t578 = inverse_d_joint_4 * t202;
+    let t579 = t578 + t577;
+    let t580 = t576 + t579;
+    let t581 = t575 - t580;
+    let t582 = t118 * t581;
+    let t583 = t242 * t574;
+    let t584 = t374 * t569;
+    let t585 = t524 * t566;
+    let t586 = inverse_d_joint_5 * t112;
+    let t587 = t586 - t585;
+    let t588 = t584 - t587;
+    let t589 = t583 - t588;
+    let t590 = t582 + t589;
+    let t591 = t154 * t581;
+    let t592 = t251 * t574;
+    let t593 = t251 * t569;
+    let t594 = t533 * t566;
+    let t595 = inverse_d_joint_6 * t149;
+    let t596 = t595 + t594;
+    let t597 = t593 + t596;
+    let t598 = t592 - t597;
+    let t599 = t591 - t598;
+    let t600 = t29 - t569;
+    let t601 = t574 + t600;
+    let t602 = sin_joint_4 * t601;
+    let t603 = sin_joint_2_joint_3 * t566;
+    let t604 = t27 - t603;
+    let t605 = cos_joint_4 * t604;
+    let t606 = t602 + t605;
+    let t607 = t42 - t606;
+    let t608 = cos_joint_5 * t607;
+    let t609 = cos_joint_2_joint_3 * t566;
+    let t610 = t49 + t609;
+    let t611 = t581 + t610;
+    let t612 = t48 - t611;
+    let t613 = sin_joint_5 * t612;
+    let t614 = t613 + t608;
+    let t615 = t87 + t614;
+    let t616 = t94 - t615;
+    let t617 = t130 * t616;
+    let t618 = cos_joint_4 * t601;
+    let t619 = sin_joint_4 * t604;
+    let t620 = t618 - t619;
+    let t621 = t25 - t620;
+    let t622 = t590 + t621;
+    let t623 = t24 - t622;
+    let t624 = t99 - t623;
+    let t625 = t97 * t624;
+    let moment_joint_6_x_2 = t625 - t617;
+    let t627 = 0.033494542 * t615;
+    let t628 = t67 * t566;
+    let acceleration_joint_3_z_2 = acceleration_joint_3_z - t628;
+    let t630 = cos_joint_4 * acceleration_joint_3_z_2;
+    let t631 = t630 + t606;
+    let t632 = t67 * t569;
+    let t633 = t63 - t632;
+    let t634 = sin_joint_2_joint_3 * t633;
+    let t635 = t57 * t569;
+    let t636 = t68 - t635;
+    let t637 = cos_joint_2_joint_3 * t636;
+    let acceleration_joint_3_x_2 = t637 + t634;
+    let t639 = sin_joint_4 * acceleration_joint_3_x_2;
+    let acceleration_joint_4_y_2 = t639 + t631;
+    let t641 = 0.057360528000000015 * acceleration_joint_4_y_2;
+    let t642 = t169 - t641;
+    let t643 = t627 + t642;
+    let moment_joint_5_x_2 = moment_joint_6_x_2 + t643;
+    let t645 = cos_joint_5 * moment_joint_5_x_2;
+    let t646 = t48 + t611;
+    let t647 = 1.7202000000000002e-5 * t646;
+    let t648 = t256 - t620;
+    let t649 = 1.1586e-5 * t648;
+    let t650 = t649 + t647;
+    let t651 = cos_joint_2_joint_3 * t633;
+    let t652 = sin_joint_2_joint_3 * t636;
+    let acceleration_joint_3_y_2 = t652 - t651;
+    let acceleration_joint_4_z_2 = t79 + acceleration_joint_3_y_2;
+    let t655 = 0.02087316000000001 * acceleration_joint_4_z_2;
+    let t656 = t266 - t655;
+    let t657 = 0.008398490000000003 * t607;
+    let t658 = t657 + t656;
+    let t659 = t658 + t650;
+    let t660 = t645 + t659;
+    let t661 = sin_joint_5 * t607;
+    let t662 = cos_joint_5 * t612;
+    let t663 = t662 - t661;
+    let t664 = t127 + t599;
+    let t665 = t663 + t664;
+    let t666 = t127 - t665;
+    let t667 = t130 * t666;
+    let t668 = t141 + t667;
+    let t669 = t127 + t665;
+    let t670 = t102 * t669;
+    let moment_joint_6_z_2 = t670 - t668;
+    let t672 = t194 + t663;
+    let t673 = 0.0007899999999999999 * t672;
+    let t674 = 0.0002548800000000001 * t623;
+    let t675 = t674 + t673;
+    let moment_joint_5_y_2 = moment_joint_6_z_2 + t675;
+    let t677 = sin_joint_5 * moment_joint_5_y_2;
+    let moment_joint_4_x_2 = t677 - t660;
+    let force_joint_5_z_2 = 0.057360528000000015 * t615;
+    let t680 = 5.421600000000001e-5 * t646;
+    let t681 = t272 - t680;
+    let force_joint_4_y_2 = force_joint_5_z_2 + t681;
+    let t683 = force_joint_4_y_2 - moment_joint_4_x_2;
+    let t684 = cos_joint_4 * t683;
+    let t685 = 0.033494542 * t623;
+    let t686 = t24 + t622;
+    let t687 = 0.0007899999999999999 * t686;
+    let t688 = t687 - t685;
+    let t689 = 0.0002548800000000001 * t663;
+    let t690 = t689 - t688;
+    let t691 = sin_joint_4 * acceleration_joint_3_z_2;
+    let t692 = t691 - t620;
+    let t693 = cos_joint_4 * acceleration_joint_3_x_2;
+    let acceleration_joint_4_x_2 = t693 - t692;
+    let t695 = cos_joint_5 * acceleration_joint_4_x_2;
+    let t696 = sin_joint_5 * acceleration_joint_4_z_2;
+    let acceleration_joint_5_x_2 = t695 + t696;
+    let t698 = 0.057360528000000015 * acceleration_joint_5_x_2;
+    let t699 = t698 + t690;
+    let t700 = t97 * t616;
+    let t701 = t102 * t624;
+    let moment_joint_6_y_2 = t700 - t701;
+    let moment_joint_5_z_2 = moment_joint_6_y_2 + t699;
+    let t704 = 1.1586e-5 * t607;
+    let t705 = 0.0009375300000000007 * t612;
+    let t706 = t705 + t704;
+    let t707 = 5.421600000000001e-5 * acceleration_joint_4_z_2;
+    let t708 = t286 - t707;
+    let t709 = 0.00043903240000000014 * t648;
+    let t710 = t709 + t708;
+    let t711 = t710 + t706;
+    let moment_joint_4_y_2 = moment_joint_5_z_2 - t711;
+    let force_joint_5_x_2 = 0.057360528000000015 * t623;
+    let t714 = cos_joint_5 * force_joint_5_x_2;
+    let t715 = 0.02087316000000001 * t612;
+    let t716 = t292 + t290;
+    let t717 = t715 - t716;
+    let force_joint_4_x_2 = t714 + t717;
+    let t719 = force_joint_4_x_2 + moment_joint_4_y_2;
+    let t720 = sin_joint_4 * t719;
+    let t721 = 0.37577725300000003 * t604;
+    let t722 = t492 - t721;
+    let t723 = 0.37394883600000006 * acceleration_joint_3_z_2;
+    let t724 = t723 - t722;
+    let t725 = t720 - t724;
+    let moment_joint_3_x_2 = t684 + t725;
+    let t727 = cos_joint_2_joint_3 * moment_joint_3_x_2;
+    let t728 = sin_joint_5 * moment_joint_5_x_2;
+    let t729 = 0.02087316000000001 * acceleration_joint_4_x_2;
+    let t730 = 5.421600000000001e-5 * acceleration_joint_4_y_2;
+    let t731 = t730 - t729;
+    let t732 = 0.008398490000000003 * t612;
+    let t733 = 0.00043903240000000014 * t646;
+    let t734 = t733 - t732;
+    let t735 = 0.0009375300000000007 * t620;
+    let t736 = t180 + t735;
+    let t737 = 1.7202000000000002e-5 * t606;
+    let t738 = t737 - t736;
+    let t739 = t738 - t734;
+    let t740 = t739 - t731;
+    let t741 = t728 + t740;
+    let t742 = cos_joint_5 * moment_joint_5_y_2;
+    let moment_joint_4_z_2 = t742 + t741;
+    let t744 = 0.0013548599999999994 * t601;
+    let t745 = t500 + t609;
+    let t746 = 0.002999500000000002 * t745;
+    let t747 = t744 - t746;
+    let moment_joint_3_y_2 = moment_joint_4_z_2 + t747;
+    let t749 = sin_joint_2_joint_3 * moment_joint_3_y_2;
+    let t750 = cos_joint_4 * force_joint_4_y_2;
+    let t751 = 0.37394883600000006 * t604;
+    let t752 = t751 - t750;
+    let t753 = sin_joint_4 * force_joint_4_x_2;
+    let force_joint_3_z_2 = t753 - t752;
+    let t755 = t57 * force_joint_3_z_2;
+    let t756 = t516 * t569;
+    let t757 = t407 * t566;
+    let t758 = t424 * t56;
+    let t759 = t65 - t61;
+    let t760 = t478 * t759;
+    let t761 = t760 - t758;
+    let t762 = t761 + t757;
+    let t763 = t756 - t762;
+    let t764 = t755 - t763;
+    let t765 = t749 + t764;
+    let moment_joint_2_x = t727 + t765;
+    let t767 = cos_joint_2_joint_3 * t445;
+    let t768 = sin_joint_2_joint_3 * t117;
+    let t769 = t57 * t448;
+    let t770 = t768 - t769;
+    let t771 = t767 + t770;
+    let t772 = t771 * t566;
+    let t773 = t102 * t93;
+    let t774 = 0.0015799999999999998 * omega_joint_5_y;
+    let t775 = t774 + t773;
+    let t776 = cos_joint_5 * t775;
+    let t777 = omega_joint_5_x * 0.066989084;
+    let t778 = sin_joint_5 * t777;
+    let t779 = t776 - t778;
+    let t780 = 2.0 * omega_joint_4_x;
+    let t781 = t218 * t780;
+    let t782 = t779 - t781;
+    let t783 = cos_joint_4 * t782;
+    let t784 = t97 * t93;
+    let t785 = omega_joint_5_x * 0.0005097600000000002;
+    let t786 = t785 - t784;
+    let t787 = 2.0 * omega_joint_4_y;
+    let t788 = t218 * t787;
+    let t789 = t786 + t788;
+    let t790 = sin_joint_4 * t789;
+    let t791 = t783 - t790;
+    let t792 = cos_joint_2_joint_3 * t791;
+    let t793 = sin_joint_5 * t775;
+    let t794 = cos_joint_5 * t777;
+    let t795 = t793 + t794;
+    let t796 = t226 * t780;
+    let t797 = t795 + t796;
+    let t798 = sin_joint_2_joint_3 * t797;
+    let t799 = v[0] * t67;
+    let t800 = 2.0 * t799;
+    let t801 = t349 * t800;
+    let t802 = v[1] * t67;
+    let t803 = 2.0 * t802;
+    let t804 = t448 * t803;
+    let t805 = t804 - t801;
+    let t806 = t798 - t805;
+    let t807 = t792 + t806;
+    let t808 = v[0] * t807;
+    let t809 = t352 * t65;
+    let t810 = t345 * 32.558598937583;
+    let t811 = t809 + t810;
+    let t812 = t808 - t811;
+    let t813 = t772 + t812;
+    let t814 = t118 * t813;
+    let t815 = cos_joint_2_joint_3 * t467;
+    let t816 = sin_joint_2_joint_3 * t209;
+    let t817 = t57 * t330;
+    let t818 = t817 - t816;
+    let t819 = t815 + t818;
+    let t820 = t819 * t566;
+    let t821 = 2.0 * omega_joint_5_x;
+    let t822 = t97 * t821;
+    let t823 = t102 * t86;
+    let t824 = t822 + t823;
+    let t825 = 0.0015799999999999998 * omega_joint_5_z;
+    let t826 = t825 + t824;
+    let t827 = omega_joint_5_y * 0.0005097600000000002;
+    let t828 = omega_joint_5_z * 0.066989084;
+    let t829 = t827 + t828;
+    let t830 = t829 - t826;
+    let t831 = cos_joint_5 * t830;
+    let t832 = t785 + t784;
+    let t833 = sin_joint_5 * t832;
+    let t834 = t833 - t831;
+    let t835 = sin_joint_5 * t834;
+    let t836 = omega_joint_4_y * 3.4404000000000005e-5;
+    let t837 = omega_joint_4_z * 2.3172e-5;
+    let t838 = t836 + t837;
+    let t839 = t838 + t784;
+    let t840 = t835 - t839;
+    let t841 = omega_joint_4_x * 0.0018750600000000013;
+    let t842 = t837 + t841;
+    let t843 = t842 - t786;
+    let t844 = t843 + t840;
+    let t845 = t219 * t787;
+    let t846 = omega_joint_4_x * 0.04174632000000002;
+    let t847 = t846 - t845;
+    let t848 = t847 - t844;
+    let t849 = sin_joint_2_joint_3 * t848;
+    let t850 = t361 * t800;
+    let t851 = t330 * t803;
+    let t852 = t851 + t850;
+    let t853 = t852 - t849;
+    let t854 = cos_joint_5 * t834;
+    let t855 = omega_joint_4_y * 0.0008780648000000003;
+    let t856 = omega_joint_4_x * 2.3172e-5;
+    let t857 = t856 - t855;
+    let t858 = t857 + t829;
+    let t859 = t854 + t858;
+    let t860 = cos_joint_4 * t859;
+    let t861 = t130 * t821;
+    let t862 = t97 * t86;
+    let t863 = t861 + t862;
+    let t864 = cos_joint_5 * t863;
+    let t865 = omega_joint_4_y * 2.3172e-5;
+    let t866 = omega_joint_4_x * 0.016796980000000006;
+    let t867 = t866 - t865;
+    let t868 = t867 + t864;
+    let t869 = t130 * t93;
+    let t870 = omega_joint_5_z * 0.0005097600000000002;
+    let t871 = t870 + t869;
+    let t872 = sin_joint_5 * t871;
+    let t873 = t872 + t868;
+    let t874 = sin_joint_4 * t873;
+    let t875 = t860 + t874;
+    let t876 = cos_joint_2_joint_3 * t875;
+    let t877 = t876 + t853;
+    let t878 = v[0] * t877;
+    let t879 = t364 * t65;
+    let t880 = t359 * 32.558598937583;
+    let t881 = t879 + t880;
+    let t882 = t878 - t881;
+    let t883 = t820 + t882;
+    let t884 = t814 - t883;
+    let t885 = cos_joint_2_joint_3 * t453;
+    let t886 = sin_joint_2_joint_3 * t153;
+    let t887 = t885 - t886;
+    let t888 = t887 * t566;
+    let t889 = cos_joint_5 * t824;
+    let t890 = cos_joint_4 * t889;
+    let t891 = sin_joint_4 * t863;
+    let t892 = t890 + t891;
+    let t893 = cos_joint_2_joint_3 * t892;
+    let t894 = sin_joint_5 * t824;
+    let t895 = sin_joint_2_joint_3 * t894;
+    let t896 = t893 + t895;
+    let t897 = v[0] * t896;
+    let t898 = t237 * t65;
+    let t899 = t898 + t897;
+    let t900 = t888 - t899;
+    let t901 = t154 * t900;
+    let t902 = t901 - t884;
+    let t903 = t240 * t902;
+    let t904 = t242 * t813;
+    let t905 = cos_joint_2_joint_3 * t438;
+    let t906 = sin_joint_2_joint_3 * t440;
+    let t907 = t906 + t905;
+    let t908 = t907 * t566;
+    let t909 = t845 + t840;
+    let t910 = t846 - t843;
+    let t911 = t910 + t909;
+    let t912 = sin_joint_4 * t911;
+    let t913 = omega_joint_4_x * 3.4404000000000005e-5;
+    let t914 = omega_joint_4_z * 0.0008780648000000003;
+    let t915 = t914 + t913;
+    let t916 = t915 + t779;
+    let t917 = t219 * t780;
+    let t918 = t916 - t917;
+    let t919 = sin_joint_5 * t863;
+    let t920 = omega_joint_4_y * 0.0018750600000000013;
+    let t921 = omega_joint_4_z * 0.016796980000000006;
+    let t922 = t920 + t921;
+    let t923 = t922 - t919;
+    let t924 = cos_joint_5 * t871;
+    let t925 = t924 + t923;
+    let t926 = omega_joint_4_y * 0.04174632000000002;
+    let t927 = t926 - t925;
+    let t928 = t918 + t927;
+    let t929 = cos_joint_4 * t928;
+    let t930 = t912 - t929;
+    let t931 = cos_joint_4 * t930;
+    let t932 = 0.005999000000000004 * omega_joint_3_y;
+    let t933 = t932 - t927;
+    let t934 = t931 - t933;
+    let t935 = cos_joint_2_joint_3 * t934;
+    let t936 = omega_joint_4_z * 0.0018750600000000013;
+    let t937 = t936 - t826;
+    let t938 = t854 + t937;
+    let t939 = 0.11472105600000003 * omega_joint_5_z;
+    let t940 = cos_joint_5 * t939;
+    let t941 = omega_joint_4_z * 0.04174632000000002;
+    let t942 = t941 + t940;
+    let t943 = t226 * t787;
+    let t944 = t942 - t943;
+    let t945 = t944 - t938;
+    let t946 = sin_joint_4 * t945;
+    let t947 = omega_joint_4_z * 3.4404000000000005e-5;
+    let t948 = t947 + t795;
+    let t949 = 0.11472105600000003 * omega_joint_5_x;
+    let t950 = omega_joint_4_z * 0.00010843200000000002;
+    let t951 = t950 - t949;
+    let t952 = t951 - t796;
+    let t953 = t948 - t952;
+    let t954 = cos_joint_4 * t953;
+    let t955 = omega_joint_3_x * 0.7515545060000001;
+    let t956 = t955 + t954;
+    let t957 = t946 - t956;
+    let t958 = sin_joint_2_joint_3 * t957;
+    let t959 = t935 + t958;
+    let t960 = t338 * t800;
+    let t961 = t960 + t959;
+    let t962 = v[0] * t961;
+    let t963 = t65 * t341;
+    let t964 = t334 * 32.558598937583;
+    let t965 = t964 - t963;
+    let t966 = t962 + t965;
+    let t967 = t908 + t966;
+    let t968 = t904 + t967;
+    let t969 = t251 * t900;
+    let t970 = t969 + t968;
+    let t971 = t903 - t970;
+    let t972 = t370 * t971;
+    let t973 = t372 * t902;
+    let t974 = t374 * t813;
+    let t975 = t67 * t358;
+    let t976 = t516 - t975;
+    let t977 = t907 + t976;
+    let t978 = t977 * t566;
+    let t979 = cos_joint_4 * t951;
+    let t980 = omega_joint_3_x * 0.7478976720000001;
+    let t981 = t980 - t979;
+    let t982 = sin_joint_4 * t942;
+    let t983 = t982 - t981;
+    let t984 = t67 * t983;
+    let t985 = v[0] * 2.0;
+    let t986 = t425 * t985;
+    let t987 = t986 - t960;
+    let t988 = t984 - t987;
+    let t989 = t959 + t988;
+    let t990 = v[0] * t989;
+    let t991 = t65 * t428;
+    let t992 = 0.9498342 * cos_joint_2;
+    let t993 = t992 + t334;
+    let t994 = t993 * 32.558598937583;
+    let t995 = t994 + t991;
+    let t996 = t990 + t995;
+    let t997 = t978 + t996;
+    let t998 = t974 + t997;
+    let t999 = t969 + t998;
+    let t1000 = t973 - t999;
+    let t1001 = t972 - t1000;
+    let t1002 = t487 * t1001;
+    let t1003 = t538 * t971;
+    let t1004 = t522 * t902;
+    let t1005 = sin_joint_4 * t930;
+    let t1006 = t909 - t1005;
+    let t1007 = t836 - t841;
+    let t1008 = t1007 + t785;
+    let t1009 = t835 - t1008;
+    let t1010 = sin_joint_5 * t939;
+    let t1011 = omega_joint_4_y * 0.00010843200000000002;
+    let t1012 = t846 - t1011;
+    let t1013 = t1012 + t1010;
+    let t1014 = omega_joint_3_x * 0.002709719999999999;
+    let t1015 = t1014 + t1013;
+    let t1016 = t1009 - t1015;
+    let t1017 = t1006 + t1016;
+    let t1018 = sin_joint_2_joint_3 * t1017;
+    let t1019 = 0.005999000000000004 * omega_joint_3_z;
+    let t1020 = t1019 - t875;
+    let t1021 = cos_joint_4 * t945;
+    let t1022 = sin_joint_4 * t953;
+    let t1023 = omega_joint_3_y * 0.002709719999999999;
+    let t1024 = omega_joint_3_z * 0.7515545060000001;
+    let t1025 = t1023 - t1024;
+    let t1026 = t1025 + t1022;
+    let t1027 = t1021 + t1026;
+    let t1028 = t1027 + t1020;
+    let t1029 = cos_joint_2_joint_3 * t1028;
+    let t1030 = t1018 - t1029;
+    let t1031 = cos_joint_2_joint_3 * t1030;
+    let t1032 = sin_joint_4 * t951;
+    let t1033 = omega_joint_3_z * 0.7478976720000001;
+    let t1034 = t1033 + t1032;
+    let t1035 = cos_joint_4 * t942;
+    let t1036 = t1035 - t1034;
+    let t1037 = sin_joint_2_joint_3 * t1036;
+    let t1038 = cos_joint_2_joint_3 * t1013;
+    let t1039 = t1038 - t1037;
+    let t1040 = t67 * t1039;
+    let t1041 = t338 * t803;
+    let t1042 = t425 * t55;
+    let t1043 = t1042 - t1041;
+    let t1044 = t1040 + t1043;
+    let t1045 = t1027 - t1044;
+    let t1046 = t1031 + t1045;
+    let t1047 = v[0] * t1046;
+    let t1048 = t65 * t480;
+    let t1049 = t358 * 32.558598937583;
+    let t1050 = t1049 - t1048;
+    let t1051 = t1047 - t1050;
+    let t1052 = cos_joint_2_joint_3 * t547;
+    let t1053 = t67 * t334;
+    let t1054 = t407 + t1053;
+    let t1055 = t57 * t338;
+    let t1056 = t1055 - t1054;
+    let t1057 = t467 - t1056;
+    let t1058 = t1052 - t1057;
+    let t1059 = t1058 * t566;
+    let t1060 = t1059 + t1051;
+    let t1061 = t524 * t813;
+    let t1062 = t1061 + t1060;
+    let t1063 = t533 * t900;
+    let t1064 = t1063 + t1062;
+    let t1065 = t1004 - t1064;
+    let t1066 = t1003 - t1065;
+    let t1067 = t1002 - t1066;
+    let t1068 = moment_joint_2_x + t1067;
+    let t1069 = inverse_d_joint_1 * t1068;
+    let t1070 = sin_joint_4 * force_joint_4_y_2;
+    let t1071 = 0.37394883600000006 * t601;
+    let t1072 = t1071 - t1070;
+    let t1073 = cos_joint_4 * force_joint_4_x_2;
+    let force_joint_3_x_2 = t1073 + t1072;
+    let t1075 = t358 * t609;
+    let t1076 = omega_joint_3_y * t983;
+    let t1077 = t330 * t65;
+    let t1078 = t1077 - t1076;
+    let t1079 = t1075 + t1078;
+    let t1080 = force_joint_3_x_2 - t1079;
+    let t1081 = sin_joint_2_joint_3 * t1080;
+    let t1082 = sin_joint_5 * force_joint_5_x_2;
+    let t1083 = 0.02087316000000001 * t607;
+    let t1084 = t391 - t1083;
+    let t1085 = 5.421600000000001e-5 * t648;
+    let t1086 = t1085 - t1084;
+    let force_joint_4_z_2 = t1082 - t1086;
+    let force_joint_3_y_2 = t398 + force_joint_4_z_2;
+    let t1089 = t358 * t603;
+    let t1090 = omega_joint_3_x * t983;
+    let t1091 = t332 * t65;
+    let t1092 = t1091 + t1090;
+    let t1093 = t1089 - t1092;
+    let t1094 = force_joint_3_y_2 - t1093;
+    let t1095 = cos_joint_2_joint_3 * t1094;
+    let t1096 = t1095 - t1081;
+    let t1097 = t57 * t1096;
+    let t1098 = t218 * acceleration_joint_3_x_2;
+    let t1099 = t117 * t603;
+    let t1100 = omega_joint_3_y * t791;
+    let t1101 = omega_joint_3_x * t797;
+    let t1102 = t233 * t65;
+    let t1103 = t1102 - t1101;
+    let t1104 = t1100 - t1103;
+    let t1105 = t1099 + t1104;
+    let t1106 = t445 * t609;
+    let t1107 = t1106 + t1105;
+    let t1108 = t1098 - t1107;
+    let t1109 = t342 * acceleration_joint_3_y_2;
+    let t1110 = t1109 - t1108;
+    let t1111 = t118 * t1110;
+    let t1112 = t358 * acceleration_joint_3_y_2;
+    let t1113 = t153 * t603;
+    let t1114 = omega_joint_3_y * t892;
+    let t1115 = omega_joint_3_x * t894;
+    let t1116 = t898 + t1115;
+    let t1117 = t1114 + t1116;
+    let t1118 = t1113 + t1117;
+    let t1119 = t453 * t609;
+    let t1120 = t1119 - t1118;
+    let t1121 = t154 * t1120;
+    let t1122 = t209 * t603;
+    let t1123 = omega_joint_3_x * t848;
+    let t1124 = t224 * t65;
+    let t1125 = t1124 + t1123;
+    let t1126 = omega_joint_3_y * t875;
+    let t1127 = t1126 - t1125;
+    let t1128 = t1122 - t1127;
+    let t1129 = t467 * t609;
+    let t1130 = t1129 - t1128;
+    let t1131 = t1121 + t1130;
+    let t1132 = t1112 + t1131;
+    let t1133 = t1111 - t1132;
+    let t1134 = t240 * t1133;
+    let t1135 = t332 * acceleration_joint_3_y_2;
+    let t1136 = t440 * t603;
+    let t1137 = omega_joint_3_y * t934;
+    let t1138 = omega_joint_3_x * t957;
+    let t1139 = t65 * t319;
+    let t1140 = t1139 + t1138;
+    let t1141 = t1137 + t1140;
+    let t1142 = t1136 + t1141;
+    let t1143 = t438 * t609;
+    let t1144 = t1143 + t1142;
+    let t1145 = t1135 - t1144;
+    let t1146 = t330 * acceleration_joint_3_x_2;
+    let t1147 = t1146 - t1145;
+    let t1148 = t251 * t1120;
+    let t1149 = t1147 + t1148;
+    let t1150 = t242 * t1110;
+    let t1151 = t1150 + t1149;
+    let t1152 = t1134 + t1151;
+    let t1153 = t370 * t1152;
+    let t1154 = t372 * t1133;
+    let t1155 = t374 * t1110;
+    let t1156 = t1155 + t1149;
+    let t1157 = t1154 + t1156;
+    let t1158 = t1153 - t1157;
+    let t1159 = t1097 - t1158;
+    let t1160 = cos_joint_2_joint_3 * t1080;
+    let t1161 = sin_joint_2_joint_3 * t1094;
+    let t1162 = t1161 + t1160;
+    let t1163 = t67 * t1162;
+    let t1164 = t1163 + t1159;
+    let t1165 = t487 * t1164;
+    let t1166 = t358 * acceleration_joint_3_x_2;
+    let t1167 = t467 * t603;
+    let t1168 = t1014 + t910;
+    let t1169 = t1005 - t1168;
+    let t1170 = t1016 - t1169;
+    let t1171 = omega_joint_3_y * t1170;
+    let t1172 = omega_joint_3_x * t1027;
+    let t1173 = t65 * t438;
+    let t1174 = t1173 - t1172;
+    let t1175 = t1171 - t1174;
+    let t1176 = t1167 - t1175;
+    let t1177 = t549 - t318;
+    let t1178 = t609 * t1177;
+    let t1179 = t1178 - t1176;
+    let t1180 = t1166 - t1179;
+    let t1181 = moment_joint_3_y_2 + t1180;
+    let t1182 = sin_joint_2_joint_3 * t1181;
+    let t1183 = t538 * t1152;
+    let t1184 = t522 * t1133;
+    let t1185 = t524 * t1110;
+    let t1186 = t533 * t1120;
+    let t1187 = t330 * t603;
+    let t1188 = omega_joint_3_x * t1036;
+    let t1189 = omega_joint_3_y * t1013;
+    let t1190 = t1189 - t1188;
+    let t1191 = t1187 + t1190;
+    let t1192 = t332 * t609;
+    let t1193 = t1192 + t1191;
+    let t1194 = t67 * t1193;
+    let t1195 = t1194 - t1186;
+    let t1196 = t1185 - t1195;
+    let t1197 = t1184 + t1196;
+    let t1198 = t1183 - t1197;
+    let t1199 = t1182 + t1198;
+    let t1200 = t1165 + t1199;
+    let t1201 = t1006 + t1169;
+    let t1202 = omega_joint_3_x * t1201;
+    let t1203 = omega_joint_3_y * t1020;
+    let t1204 = t440 * t65;
+    let t1205 = t1204 - t1203;
+    let t1206 = t1202 + t1205;
+    let t1207 = t1129 + t1206;
+    let t1208 = t550 * t603;
+    let t1209 = t1208 - t1207;
+    let t1210 = t1112 - t1209;
+    let t1211 = moment_joint_3_x_2 - t1210;
+    let t1212 = cos_joint_2_joint_3 * t1211;
+    let t1213 = t1212 + t1200;
+    let t1214 = inverse_d_joint_1 * t1213;
+    let t1215 = t226 * t606;
+    let t1216 = omega_joint_4_x * t1013;
+    let t1217 = 0.02087316000000001 * t79;
+    let t1218 = t1217 - t1216;
+    let t1219 = t1215 + t1218;
+    let t1220 = force_joint_4_y_2 + t1219;
+    let t1221 = t308 * t620;
+    let t1222 = t840 - t1009;
+    let t1223 = omega_joint_4_x * t1222;
+    let t1224 = omega_joint_4_y * t916;
+    let t1225 = 0.0009375300000000007 + t117;
+    let t1226 = t1225 * t79;
+    let t1227 = t1226 + t1224;
+    let t1228 = t1223 + t1227;
+    let t1229 = t1221 + t1228;
+    let t1230 = t315 - t207;
+    let t1231 = t606 * t1230;
+    let t1232 = t1231 - t1229;
+    let t1233 = t226 * acceleration_joint_4_y_2;
+    let t1234 = t1233 + t1232;
+    let t1235 = t1220 + t1234;
+    let t1236 = moment_joint_4_x_2 - t1235;
+    let t1237 = cos_joint_4 * t1236;
+    let t1238 = t226 * t620;
+    let t1239 = omega_joint_4_y * t1013;
+    let t1240 = t219 * t79;
+    let t1241 = t1240 + t1239;
+    let t1242 = t1238 + t1241;
+    let t1243 = force_joint_4_x_2 - t1242;
+    let t1244 = t308 * t606;
+    let t1245 = t843 - t1009;
+    let t1246 = omega_joint_4_y * t1245;
+    let t1247 = omega_joint_4_x * t925;
+    let t1248 = t217 * t79;
+    let t1249 = t1248 + t1247;
+    let t1250 = t1246 - t1249;
+    let t1251 = t1244 - t1250;
+    let t1252 = t315 - t208;
+    let t1253 = t1252 * t620;
+    let t1254 = t1253 - t1251;
+    let t1255 = t226 * acceleration_joint_4_x_2;
+    let t1256 = t1255 + t1254;
+    let t1257 = t1243 - t1256;
+    let t1258 = moment_joint_4_y_2 + t1257;
+    let t1259 = sin_joint_4 * t1258;
+    let t1260 = t1259 - t1237;
+    let t1261 = t225 * t606;
+    let t1262 = omega_joint_4_y * t779;
+    let t1263 = omega_joint_4_x * t786;
+    let t1264 = t117 * t79;
+    let t1265 = t1264 + t1263;
+    let t1266 = t1262 + t1265;
+    let t1267 = t1261 - t1266;
+    let t1268 = t231 * t620;
+    let t1269 = t1268 - t1267;
+    let t1270 = t1233 - t1269;
+    let t1271 = t118 * t1270;
+    let t1272 = t236 * t620;
+    let t1273 = omega_joint_4_x * t863;
+    let t1274 = t153 * t79;
+    let t1275 = t1274 - t1273;
+    let t1276 = omega_joint_4_y * t889;
+    let t1277 = t1276 + t1275;
+    let t1278 = t1272 - t1277;
+    let t1279 = t154 * t1278;
+    let t1280 = t1279 + t1271;
+    let t1281 = t1225 * t606;
+    let t1282 = omega_joint_4_y * t859;
+    let t1283 = omega_joint_4_x * t873;
+    let t1284 = t79 * t209;
+    let t1285 = t1284 + t1283;
+    let t1286 = t1282 - t1285;
+    let t1287 = t1281 - t1286;
+    let t1288 = t217 * t620;
+    let t1289 = t1288 + t1287;
+    let t1290 = 0.02087316000000001 * acceleration_joint_4_y_2;
+    let t1291 = t1290 - t1289;
+    let t1292 = t219 * acceleration_joint_4_x_2;
+    let t1293 = t1292 + t1291;
+    let t1294 = t1293 + t1280;
+    let t1295 = t240 * t1294;
+    let t1296 = t242 * t1270;
+    let t1297 = t251 * t1278;
+    let t1298 = t1297 - t1296;
+    let t1299 = t1295 - t1298;
+    let t1300 = t1260 - t1299;
+    let t1301 = t370 * t1300;
+    let t1302 = sin_joint_4 * t1243;
+    let t1303 = cos_joint_4 * t1220;
+    let t1304 = t1303 + t1302;
+    let t1305 = cos_joint_2_joint_3 * t1304;
+    let t1306 = t219 * t606;
+    let t1307 = omega_joint_4_x * t942;
+    let t1308 = omega_joint_4_y * t951;
+    let t1309 = t1308 - t1307;
+    let t1310 = t1309 - t1306;
+    let t1311 = 0.02087316000000001 * t620;
+    let t1312 = t1311 + t1310;
+    let t1313 = sin_joint_2_joint_3 * t1312;
+    let t1314 = t1305 - t1313;
+    let t1315 = t57 * t1314;
+    let t1316 = t372 * t1294;
+    let t1317 = t374 * t1270;
+    let t1318 = t1297 - t1317;
+    let t1319 = t1316 - t1318;
+    let t1320 = t1315 - t1319;
+    let t1321 = sin_joint_2_joint_3 * t1304;
+    let t1322 = cos_joint_2_joint_3 * t1312;
+    let t1323 = t1321 + t1322;
+    let t1324 = t67 * t1323;
+    let t1325 = t1324 + t1320;
+    let t1326 = t1260 + t1325;
+    let t1327 = t1301 - t1326;
+    let t1328 = t487 * t1327;
+    let t1329 = sin_joint_4 * t1236;
+    let t1330 = cos_joint_4 * t1258;
+    let t1331 = t1330 + t1329;
+    let t1332 = sin_joint_2_joint_3 * t1331;
+    let t1333 = cos_joint_4 * t1243;
+    let t1334 = sin_joint_4 * t1220;
+    let t1335 = t1334 - t1333;
+    let t1336 = t67 * t1335;
+    let t1337 = t522 * t1294;
+    let t1338 = t524 * t1270;
+    let t1339 = t533 * t1278;
+    let t1340 = t1339 - t1338;
+    let t1341 = cos_joint_2_joint_3 * t1293;
+    let t1342 = t1341 + t1340;
+    let t1343 = t1337 - t1342;
+    let t1344 = t1336 + t1343;
+    let t1345 = t1332 - t1344;
+    let t1346 = t538 * t1300;
+    let t1347 = t1346 - t1345;
+    let t1348 = t1328 - t1347;
+    let t1349 = inverse_d_joint_1 * t1348;
+    let t1350 = t101 - 0.033861092;
+    let t1351 = t1350 * t663;
+    let t1352 = t785 - t786;
+    let t1353 = omega_joint_5_y * t1352;
+    let t1354 = omega_joint_5_x * t829;
+    let t1355 = t97 * t167;
+    let t1356 = t1355 + t1354;
+    let t1357 = t1353 - t1356;
+    let t1358 = t1351 + t1357;
+    let t1359 = moment_joint_5_y_2 + t1358;
+    let t1360 = sin_joint_5 * t1359;
+    let t1361 = t101 + 0.0010565500000000003;
+    let t1362 = t130 + t1361;
+    let t1363 = t1362 * t614;
+    let t1364 = omega_joint_5_y * t826;
+    let t1365 = 0.0002548800000000001 * t167;
+    let t1366 = t1365 + t1364;
+    let t1367 = t784 + t786;
+    let t1368 = omega_joint_5_x * t1367;
+    let t1369 = t1368 - t1366;
+    let t1370 = t1363 - t1369;
+    let t1371 = moment_joint_5_x_2 - t1370;
+    let t1372 = cos_joint_5 * t1371;
+    let t1373 = t1360 - t1372;
+    let t1374 = 0.0002548800000000001 * t614;
+    let t1375 = omega_joint_5_y * t775;
+    let t1376 = omega_joint_5_x * t777;
+    let t1377 = t225 * t167;
+    let t1378 = t1377 - t1376;
+    let t1379 = t1375 - t1378;
+    let t1380 = t1374 - t1379;
+    let t1381 = t97 * t663;
+    let t1382 = t1381 + t1380;
+    let t1383 = sin_joint_5 * acceleration_joint_4_x_2;
+    let t1384 = cos_joint_5 * acceleration_joint_4_z_2;
+    let acceleration_joint_5_y = t1383 - t1384;
+    let t1386 = 0.057360528000000015 * acceleration_joint_5_y;
+    let t1387 = t1386 + t1382;
+    let t1388 = t118 * t1387;
+    let t1389 = t150 * t614;
+    let t1390 = omega_joint_5_y * t824;
+    let t1391 = t1390 + t1389;
+    let t1392 = t154 * t1391;
+    let t1393 = t1392 - t1388;
+    let t1394 = t1373 - t1393;
+    let t1395 = t240 * t1394;
+    let t1396 = t242 * t1387;
+    let t1397 = t251 * t1391;
+    let t1398 = t1397 + t1396;
+    let t1399 = t1395 + t1398;
+    let t1400 = sin_joint_5 * t1371;
+    let t1401 = 0.057360528000000015 * t663;
+    let t1402 = omega_joint_5_x * t939;
+    let t1403 = t1402 + t1401;
+    let t1404 = t1403 - t1400;
+    let t1405 = cos_joint_5 * t1359;
+    let t1406 = t1405 - t1404;
+    let t1407 = sin_joint_4 * t1406;
+    let t1408 = omega_joint_5_y * t949;
+    let t1409 = t1408 - force_joint_5_x_2;
+    let t1410 = sin_joint_5 * t1409;
+    let t1411 = omega_joint_5_x * t949;
+    let t1412 = 0.057360528000000015 * t167;
+    let t1413 = t1412 - t1411;
+    let t1414 = force_joint_5_y + t1413;
+    let t1415 = cos_joint_5 * t1414;
+    let t1416 = t1415 - t1410;
+    let t1417 = t1387 + t1416;
+    let t1418 = cos_joint_4 * t1417;
+    let t1419 = t1407 - t1418;
+    let t1420 = t1419 + t1399;
+    let t1421 = t370 * t1420;
+    let t1422 = cos_joint_4 * t1416;
+    let t1423 = sin_joint_4 * t1403;
+    let t1424 = t1422 + t1423;
+    let t1425 = cos_joint_2_joint_3 * t1424;
+    let t1426 = cos_joint_5 * t1409;
+    let t1427 = sin_joint_5 * t1414;
+    let t1428 = t1427 + t1426;
+    let t1429 = sin_joint_2_joint_3 * t1428;
+    let t1430 = t1425 + t1429;
+    let t1431 = t57 * t1430;
+    let t1432 = t374 * t1387;
+    let t1433 = t1397 + t1432;
+    let t1434 = t1431 - t1433;
+    let t1435 = sin_joint_2_joint_3 * t1424;
+    let t1436 = cos_joint_2_joint_3 * t1428;
+    let t1437 = t1435 - t1436;
+    let t1438 = t67 * t1437;
+    let t1439 = t1438 + t1434;
+    let t1440 = t372 * t1394;
+    let t1441 = t1440 - t1439;
+    let t1442 = t1419 + t1441;
+    let t1443 = t1421 - t1442;
+    let t1444 = t487 * t1443;
+    let t1445 = t538 * t1420;
+    let t1446 = cos_joint_2_joint_3 * t1373;
+    let t1447 = sin_joint_4 * t1416;
+    let t1448 = cos_joint_4 * t1403;
+    let t1449 = t1447 - t1448;
+    let t1450 = t67 * t1449;
+    let t1451 = t524 * t1387;
+    let t1452 = t533 * t1391;
+    let t1453 = t1452 + t1451;
+    let t1454 = t1450 + t1453;
+    let t1455 = t1446 - t1454;
+    let t1456 = t522 * t1394;
+    let t1457 = t1456 - t1455;
+    let t1458 = cos_joint_4 * t1406;
+    let t1459 = sin_joint_4 * t1417;
+    let t1460 = t1458 + t1459;
+    let t1461 = sin_joint_2_joint_3 * t1460;
+    let t1462 = t1461 + t1457;
+    let t1463 = t1445 - t1462;
+    let t1464 = t1444 - t1463;
+    let t1465 = inverse_d_joint_1 * t1464;
+    let t1466 = t97 * t623;
+    let t1467 = omega_joint_5_z * t773;
+    let t1468 = omega_joint_5_x * t784;
+    let t1469 = t1468 + t1467;
+    let t1470 = t1469 - t1466;
+    let t1471 = t102 * t615;
+    let t1472 = t1471 - t1470;
+    let t1473 = moment_joint_6_x_2 - t1472;
+    let t1474 = t118 * t1473;
+    let t1475 = omega_joint_5_x * t863;
+    let t1476 = t150 * t164;
+    let t1477 = t1476 - t1475;
+    let t1478 = omega_joint_5_z * t824;
+    let t1479 = t1478 - t1477;
+    let t1480 = t154 * t1479;
+    let t1481 = t1480 + t1474;
+    let t1482 = t130 * t623;
+    let t1483 = omega_joint_5_x * t869;
+    let t1484 = omega_joint_5_z * t784;
+    let t1485 = t1484 + t1483;
+    let t1486 = t1485 - t1482;
+    let t1487 = t97 * t615;
+    let t1488 = t1487 - t1486;
+    let t1489 = moment_joint_6_y_2 - t1488;
+    let t1490 = sin_joint_5 * t1489;
+    let t1491 = cos_joint_5 * t1479;
+    let t1492 = t1490 + t1491;
+    let t1493 = t1492 - t1481;
+    let t1494 = t240 * t1493;
+    let t1495 = t242 * t1473;
+    let t1496 = t1495 - t1494;
+    let t1497 = cos_joint_5 * t1489;
+    let t1498 = sin_joint_5 * t1479;
+    let t1499 = t1497 - t1498;
+    let t1500 = sin_joint_4 * t1499;
+    let t1501 = cos_joint_4 * t1473;
+    let t1502 = t251 * t1479;
+    let t1503 = t1501 + t1502;
+    let t1504 = t1500 + t1503;
+    let t1505 = t1504 - t1496;
+    let t1506 = t370 * t1505;
+    let t1507 = t372 * t1493;
+    let t1508 = t374 * t1473;
+    let t1509 = t1508 - t1507;
+    let t1510 = t1504 - t1509;
+    let t1511 = t1506 - t1510;
+    let t1512 = t487 * t1511;
+    let t1513 = t538 * t1505;
+    let t1514 = cos_joint_2_joint_3 * t1492;
+    let t1515 = t524 * t1473;
+    let t1516 = t533 * t1479;
+    let t1517 = t1516 - t1515;
+    let t1518 = t1514 - t1517;
+    let t1519 = t522 * t1493;
+    let t1520 = t1519 - t1518;
+    let t1521 = cos_joint_4 * t1499;
+    let t1522 = sin_joint_4 * t1473;
+    let t1523 = t1521 - t1522;
+    let t1524 = sin_joint_2_joint_3 * t1523;
+    let t1525 = t1524 + t1520;
+    let t1526 = t1513 - t1525;
+    let t1527 = t1512 - t1526;
+    let t1528 = inverse_d_joint_1 * t1527;
+    let t1529 = t487 * t1069;
+    let t1530 = inverse_d_joint_2 * t1001;
+    let t1531 = t1530 - t1529;
+    let t1532 = t487 * t1214;
+    let t1533 = inverse_d_joint_2 * t1164;
+    let t1534 = t1533 - t1532;
+    let t1535 = t487 * t1349;
+    let t1536 = inverse_d_joint_2 * t1327;
+    let t1537 = t1536 - t1535;
+    let t1538 = t487 * t1465;
+    let t1539 = inverse_d_joint_2 * t1443;
+    let t1540 = t1539 - t1538;
+    let t1541 = t487 * t1528;
+    let t1542 = inverse_d_joint_2 * t1511;
+    let t1543 = t1542 - t1541;
+    let t1544 = t370 * t1531;
+    let t1545 = t538 * t1069;
+    let t1546 = inverse_d_joint_3 * t971;
+    let t1547 = t1546 - t1545;
+    let t1548 = t1544 - t1547;
+    let t1549 = t370 * t1534;
+    let t1550 = t538 * t1214;
+    let t1551 = inverse_d_joint_3 * t1152;
+    let t1552 = t1551 + t1550;
+    let t1553 = t1549 + t1552;
+    let t1554 = t370 * t1537;
+    let t1555 = t538 * t1349;
+    let t1556 = inverse_d_joint_3 * t1300;
+    let t1557 = t1556 - t1555;
+    let t1558 = t1554 - t1557;
+    let t1559 = t370 * t1540;
+    let t1560 = t538 * t1465;
+    let t1561 = inverse_d_joint_3 * t1420;
+    let t1562 = t1561 - t1560;
+    let t1563 = t1559 - t1562;
+    let t1564 = t370 * t1543;
+    let t1565 = t538 * t1528;
+    let t1566 = inverse_d_joint_3 * t1505;
+    let t1567 = t1566 - t1565;
+    let t1568 = t1564 - t1567;
+    let t1569 = t240 * t1548;
+    let t1570 = t372 * t1531;
+    let t1571 = t522 * t1069;
+    let t1572 = inverse_d_joint_4 * t902;
+    let t1573 = t1572 - t1571;
+    let t1574 = t1570 - t1573;
+    let t1575 = t1569 - t1574;
+    let t1576 = t240 * t1553;
+    let t1577 = t372 * t1534;
+    let t1578 = t522 * t1214;
+    let t1579 = inverse_d_joint_4 * t1133;
+    let t1580 = t1579 + t1578;
+    let t1581 = t1577 + t1580;
+    let t1582 = t1576 - t1581;
+    let t1583 = t240 * t1558;
+    let t1584 = t372 * t1537;
+    let t1585 = t522 * t1349;
+    let t1586 = inverse_d_joint_4 * t1294;
+    let t1587 = t1586 + t1585;
+    let t1588 = t1584 + t1587;
+    let t1589 = t1583 - t1588;
+    let t1590 = t240 * t1563;
+    let t1591 = t372 * t1540;
+    let t1592 = t522 * t1465;
+    let t1593 = inverse_d_joint_4 * t1394;
+    let t1594 = t1593 - t1592;
+    let t1595 = t1591 - t1594;
+    let t1596 = t1590 - t1595;
+    let t1597 = t240 * t1568;
+    let t1598 = t372 * t1543;
+    let t1599 = t522 * t1528;
+    let t1600 = inverse_d_joint_4 * t1493;
+    let t1601 = t1600 - t1599;
+    let t1602 = t1598 - t1601;
+    let t1603 = t1597 - t1602;
+    let t1604 = t118 * t1575;
+    let t1605 = t242 * t1548;
+    let t1606 = t374 * t1531;
+    let t1607 = t524 * t1069;
+    let t1608 = inverse_d_joint_5 * t813;
+    let t1609 = t1608 - t1607;
+    let t1610 = t1606 - t1609;
+    let t1611 = t1605 - t1610;
+    let t1612 = t1604 + t1611;
+    let t1613 = t118 * t1582;
+    let t1614 = t242 * t1553;
+    let t1615 = t374 * t1534;
+    let t1616 = t524 * t1214;
+    let t1617 = inverse_d_joint_5 * t1110;
+    let t1618 = t1617 - t1616;
+    let t1619 = t1615 - t1618;
+    let t1620 = t1614 - t1619;
+    let t1621 = t1613 + t1620;
+    let t1622 = t118 * t1589;
+    let t1623 = t242 * t1558;
+    let t1624 = t374 * t1537;
+    let t1625 = t524 * t1349;
+    let t1626 = inverse_d_joint_5 * t1270;
+    let t1627 = t1626 - t1625;
+    let t1628 = t1624 - t1627;
+    let t1629 = t1623 - t1628;
+    let t1630 = t1622 + t1629;
+    let t1631 = t118 * t1596;
+    let t1632 = t242 * t1563;
+    let t1633 = t374 * t1540;
+    let t1634 = t524 * t1465;
+    let t1635 = inverse_d_joint_5 * t1387;
+    let t1636 = t1635 + t1634;
+    let t1637 = t1633 + t1636;
+    let t1638 = t1632 - t1637;
+    let t1639 = t1631 + t1638;
+    let t1640 = t118 * t1603;
+    let t1641 = t242 * t1568;
+    let t1642 = t374 * t1543;
+    let t1643 = t524 * t1528;
+    let t1644 = inverse_d_joint_5 * t1473;
+    let t1645 = t1644 - t1643;
+    let t1646 = t1642 - t1645;
+    let t1647 = t1641 - t1646;
+    let t1648 = t1640 + t1647;
+    let t1649 = t154 * t1575;
+    let t1650 = t251 * t1548;
+    let t1651 = t251 * t1531;
+    let t1652 = t533 * t1069;
+    let t1653 = inverse_d_joint_6 * t900;
+    let t1654 = t1653 - t1652;
+    let t1655 = t1651 - t1654;
+    let t1656 = t1650 - t1655;
+    let t1657 = t1649 - t1656;
+    let t1658 = t154 * t1582;
+    let t1659 = t251 * t1553;
+    let t1660 = t251 * t1534;
+    let t1661 = t533 * t1214;
+    let t1662 = inverse_d_joint_6 * t1120;
+    let t1663 = t1662 - t1661;
+    let t1664 = t1660 - t1663;
+    let t1665 = t1659 - t1664;
+    let t1666 = t1658 - t1665;
+    let t1667 = t154 * t1589;
+    let t1668 = t251 * t1558;
+    let t1669 = t251 * t1537;
+    let t1670 = t533 * t1349;
+    let t1671 = inverse_d_joint_6 * t1278;
+    let t1672 = t1671 + t1670;
+    let t1673 = t1669 + t1672;
+    let t1674 = t1668 - t1673;
+    let t1675 = t1667 - t1674;
+    let t1676 = t154 * t1596;
+    let t1677 = t251 * t1563;
+    let t1678 = t251 * t1540;
+    let t1679 = t533 * t1465;
+    let t1680 = inverse_d_joint_6 * t1391;
+    let t1681 = t1680 + t1679;
+    let t1682 = t1678 + t1681;
+    let t1683 = t1677 - t1682;
+    let t1684 = t1676 - t1683;
+    let t1685 = t154 * t1603;
+    let t1686 = t251 * t1568;
+    let t1687 = t251 * t1543;
+    let t1688 = t533 * t1528;
+    let t1689 = inverse_d_joint_6 * t1479;
+    let t1690 = t1689 + t1688;
+    let t1691 = t1687 + t1690;
+    let t1692 = t1686 - t1691;
+    let t1693 = t1685 - t1692;
+    let t1694 = sin_joint_2_joint_3 * t934;
+    let t1695 = cos_joint_2_joint_3 * t957;
+    let t1696 = t1694 - t1695;
+    let t1697 = cos_joint_2_joint_3 * t848;
+    let t1698 = sin_joint_2_joint_3 * t875;
+    let t1699 = t1698 + t1697;
+    let t1700 = sin_joint_2_joint_3 * t791;
+    let t1701 = cos_joint_2_joint_3 * t797;
+    let t1702 = t345 * t800;
+    let t1703 = v[1] * t57;
+    let t1704 = 2.0 * t1703;
+    let t1705 = t448 * t1704;
+    let t1706 = t1702 - t1705;
+    let t1707 = t1701 + t1706;
+    let t1708 = t1700 - t1707;
+    let t1709 = t118 * t1708;
+    let t1710 = sin_joint_2_joint_3 * t892;
+    let t1711 = cos_joint_2_joint_3 * t894;
+    let t1712 = t1710 - t1711;
+    let t1713 = t154 * t1712;
+    let t1714 = t359 * t800;
+    let t1715 = t330 * t1704;
+    let t1716 = t1714 + t1715;
+    let t1717 = t1716 + t1713;
+    let t1718 = t1709 + t1717;
+    let t1719 = t1718 - t1699;
+    let t1720 = t240 * t1719;
+    let t1721 = t242 * t1708;
+    let t1722 = t251 * t1712;
+    let t1723 = t334 * t800;
+    let t1724 = t1723 - t1722;
+    let t1725 = t1721 + t1724;
+    let t1726 = t1720 + t1725;
+    let t1727 = t1696 + t1726;
+    let t1728 = t538 * t1727;
+    let t1729 = t522 * t1719;
+    let t1730 = t524 * t1708;
+    let t1731 = t533 * t1712;
+    let t1732 = t358 * t800;
+    let t1733 = t516 * t985;
+    let t1734 = 15.68 + t1733;
+    let t1735 = t1732 - t1734;
+    let t1736 = t1731 + t1735;
+    let t1737 = t1730 - t1736;
+    let t1738 = t1729 + t1737;
+    let t1739 = t1169 - t1738;
+    let t1740 = t1728 + t1739;
+    let t1741 = sin_joint_2_joint_3 * t1030;
+    let t1742 = cos_joint_2_joint_3 * t1036;
+    let t1743 = sin_joint_2_joint_3 * t1013;
+    let t1744 = t1743 + t1742;
+    let t1745 = t67 * t1744;
+    let t1746 = t338 * t1704;
+    let t1747 = t407 * t55;
+    let t1748 = t1733 - t1747;
+    let t1749 = t1748 + t1746;
+    let t1750 = t1745 + t1749;
+    let t1751 = t1006 + t1750;
+    let t1752 = t1741 - t1751;
+    let t1753 = t1752 - t1740;
+    let t1754 = t370 * t1727;
+    let t1755 = t372 * t1719;
+    let t1756 = t374 * t1708;
+    let t1757 = t57 * t983;
+    let t1758 = t407 * t985;
+    let t1759 = t1758 + t1723;
+    let t1760 = t1757 - t1759;
+    let t1761 = t1722 + t1760;
+    let t1762 = t1756 - t1761;
+    let t1763 = t1755 + t1762;
+    let t1764 = t1696 + t1763;
+    let t1765 = t1754 - t1764;
+    let t1766 = t487 * t1765;
+    let t1767 = t1766 + t1753;
+    let t1768 = inverse_d_joint_1 * t1767;
+    let t1769 = t1006 - t1016;
+    let t1770 = sin_joint_4 * t782;
+    let t1771 = cos_joint_4 * t789;
+    let t1772 = t1770 + t1771;
+    let t1773 = t985 * t771;
+    let t1774 = t345 * t803;
+    let t1775 = t349 * t1704;
+    let t1776 = t1775 - t1774;
+    let t1777 = t1776 - t1773;
+    let t1778 = t1772 - t1777;
+    let t1779 = t118 * t1778;
+    let t1780 = sin_joint_4 * t889;
+    let t1781 = cos_joint_4 * t863;
+    let t1782 = t1780 - t1781;
+    let t1783 = t887 * t985;
+    let t1784 = t1782 - t1783;
+    let t1785 = t154 * t1784;
+    let t1786 = t985 * t819;
+    let t1787 = t359 * t803;
+    let t1788 = t361 * t1704;
+    let t1789 = t1788 - t1787;
+    let t1790 = t1789 - t1786;
+    let t1791 = t1785 + t1790;
+    let t1792 = t1779 + t1791;
+    let t1793 = sin_joint_4 * t859;
+    let t1794 = cos_joint_4 * t873;
+    let t1795 = t1793 - t1794;
+    let t1796 = t1795 - t1792;
+    let t1797 = t240 * t1796;
+    let t1798 = t242 * t1778;
+    let t1799 = t251 * t1784;
+    let t1800 = t334 * t803;
+    let t1801 = t1746 + t1800;
+    let t1802 = t1801 + t1799;
+    let t1803 = t985 * t907;
+    let t1804 = t1803 - t1802;
+    let t1805 = t1798 + t1804;
+    let t1806 = t1797 - t1805;
+    let t1807 = t1769 + t1806;
+    let t1808 = t370 * t1807;
+    let t1809 = t372 * t1796;
+    let t1810 = 13.91 - t1747;
+    let t1811 = t1800 - t1810;
+    let t1812 = t1799 + t1811;
+    let t1813 = t57 * t1039;
+    let t1814 = t1813 + t1812;
+    let t1815 = t985 * t977;
+    let t1816 = t1815 - t1814;
+    let t1817 = t1016 + t1816;
+    let t1818 = t374 * t1778;
+    let t1819 = t1818 + t1817;
+    let t1820 = t1809 - t1819;
+    let t1821 = t1808 - t1820;
+    let t1822 = t1741 - t1821;
+    let t1823 = t1752 - t1822;
+    let t1824 = t487 * t1823;
+    let t1825 = t538 * t1807;
+    let t1826 = omega_joint_3_z * 0.002709719999999999;
+    let t1827 = t1826 - t918;
+    let t1828 = t931 - t1827;
+    let t1829 = sin_joint_2_joint_3 * t1828;
+    let t1830 = t524 * t1778;
+    let t1831 = t533 * t1784;
+    let t1832 = t358 * t803;
+    let t1833 = t516 * t55;
+    let t1834 = t1833 - t1832;
+    let t1835 = t1831 + t1834;
+    let t1836 = t1830 - t1835;
+    let t1837 = t985 * t1058;
+    let t1838 = t1837 + t1836;
+    let t1839 = cos_joint_2_joint_3 * t1795;
+    let t1840 = t1839 + t1838;
+    let t1841 = t522 * t1796;
+    let t1842 = t1841 - t1840;
+    let t1843 = t1829 - t1842;
+    let t1844 = t1825 + t1843;
+    let t1845 = t1824 - t1844;
+    let t1846 = inverse_d_joint_1 * t1845;
+    let t1847 = 2.0 * omega_joint_3_y;
+    let t1848 = t1847 * t438;
+    let t1849 = 2.0 * omega_joint_3_x;
+    let t1850 = t440 * t1849;
+    let t1851 = t1850 + t1848;
+    let t1852 = t1769 - t1851;
+    let t1853 = t445 * t1847;
+    let t1854 = t117 * t1849;
+    let t1855 = t1853 + t1854;
+    let t1856 = t1772 + t1855;
+    let t1857 = t118 * t1856;
+    let t1858 = t453 * t1847;
+    let t1859 = t153 * t1849;
+    let t1860 = t1858 - t1859;
+    let t1861 = t1782 - t1860;
+    let t1862 = t154 * t1861;
+    let t1863 = t467 * t1847;
+    let t1864 = t1849 * t209;
+    let t1865 = t1863 - t1864;
+    let t1866 = t1862 - t1865;
+    let t1867 = t1857 + t1866;
+    let t1868 = t1795 - t1867;
+    let t1869 = t240 * t1868;
+    let t1870 = t242 * t1856;
+    let t1871 = t251 * t1861;
+    let t1872 = 17.89 - t1871;
+    let t1873 = t1870 + t1872;
+    let t1874 = t1869 - t1873;
+    let t1875 = t1852 + t1874;
+    let t1876 = t370 * t1875;
+    let t1877 = t372 * t1868;
+    let t1878 = t358 * t1847;
+    let t1879 = t1878 + t1036;
+    let t1880 = sin_joint_2_joint_3 * t1879;
+    let t1881 = t358 * t1849;
+    let t1882 = t1013 + t1881;
+    let t1883 = cos_joint_2_joint_3 * t1882;
+    let t1884 = t1883 - t1880;
+    let t1885 = t57 * t1884;
+    let t1886 = t1871 + t1885;
+    let t1887 = cos_joint_2_joint_3 * t1879;
+    let t1888 = sin_joint_2_joint_3 * t1882;
+    let t1889 = t1888 + t1887;
+    let t1890 = t67 * t1889;
+    let t1891 = t1890 + t1886;
+    let t1892 = t374 * t1856;
+    let t1893 = t1892 - t1891;
+    let t1894 = t1877 - t1893;
+    let t1895 = t1852 + t1894;
+    let t1896 = t1876 - t1895;
+    let t1897 = t487 * t1896;
+    let t1898 = t538 * t1875;
+    let t1899 = t1847 * t1177;
+    let t1900 = t467 * t1849;
+    let t1901 = t1900 - t1899;
+    let t1902 = t1828 - t1901;
+    let t1903 = sin_joint_2_joint_3 * t1902;
+    let t1904 = t1849 * t550;
+    let t1905 = t1863 - t1904;
+    let t1906 = t1795 + t1905;
+    let t1907 = cos_joint_2_joint_3 * t1906;
+    let t1908 = t1856 * t524;
+    let t1909 = t533 * t1861;
+    let t1910 = t330 * t1849;
+    let t1911 = t332 * t1847;
+    let t1912 = t1911 + t1910;
+    let t1913 = t67 * t1912;
+    let t1914 = t1913 + t1909;
+    let t1915 = t1908 - t1914;
+    let t1916 = t1907 + t1915;
+    let t1917 = t522 * t1868;
+    let t1918 = t1917 - t1916;
+    let t1919 = t1903 - t1918;
+    let t1920 = t1898 + t1919;
+    let t1921 = t1897 - t1920;
+    let t1922 = inverse_d_joint_1 * t1921;
+    let t1923 = t787 * t1252;
+    let t1924 = t308 * t780;
+    let t1925 = t1923 + t1924;
+    let t1926 = t942 + t943;
+    let t1927 = t1926 + t1925;
+    let t1928 = t938 - t1927;
+    let t1929 = sin_joint_4 * t1928;
+    let t1930 = t780 * t1230;
+    let t1931 = t308 * t787;
+    let t1932 = t1931 + t1930;
+    let t1933 = t951 + t796;
+    let t1934 = t1933 + t1932;
+    let t1935 = t948 - t1934;
+    let t1936 = cos_joint_4 * t1935;
+    let t1937 = t1929 + t1936;
+    let t1938 = t225 * t780;
+    let t1939 = t231 * t787;
+    let t1940 = t1939 + t1938;
+    let t1941 = t795 - t1940;
+    let t1942 = t242 * t1941;
+    let t1943 = t236 * t787;
+    let t1944 = t894 + t1943;
+    let t1945 = t251 * t1944;
+    let t1946 = t1945 - t1942;
+    let t1947 = t1937 + t1946;
+    let t1948 = t217 * t787;
+    let t1949 = t1225 * t780;
+    let t1950 = t1948 - t1949;
+    let t1951 = t1950 + t844;
+    let t1952 = t118 * t1941;
+    let t1953 = t154 * t1944;
+    let t1954 = 13.63 + t1953;
+    let t1955 = t1952 + t1954;
+    let t1956 = t1951 - t1955;
+    let t1957 = t240 * t1956;
+    let t1958 = t1957 + t1947;
+    let t1959 = t370 * t1958;
+    let t1960 = t374 * t1941;
+    let t1961 = t1945 - t1960;
+    let t1962 = sin_joint_4 * t1926;
+    let t1963 = cos_joint_4 * t1933;
+    let t1964 = t1963 + t1962;
+    let t1965 = cos_joint_2_joint_3 * t1964;
+    let t1966 = t926 + t917;
+    let t1967 = sin_joint_2_joint_3 * t1966;
+    let t1968 = t1965 + t1967;
+    let t1969 = t57 * t1968;
+    let t1970 = sin_joint_2_joint_3 * t1964;
+    let t1971 = cos_joint_2_joint_3 * t1966;
+    let t1972 = t1970 - t1971;
+    let t1973 = t67 * t1972;
+    let t1974 = t1973 + t1969;
+    let t1975 = t1974 - t1961;
+    let t1976 = t1937 - t1975;
+    let t1977 = t372 * t1956;
+    let t1978 = t1977 + t1976;
+    let t1979 = t1959 - t1978;
+    let t1980 = t487 * t1979;
+    let t1981 = cos_joint_2_joint_3 * t1951;
+    let t1982 = t1941 * t524;
+    let t1983 = t533 * t1944;
+    let t1984 = cos_joint_4 * t1926;
+    let t1985 = sin_joint_4 * t1933;
+    let t1986 = t1985 - t1984;
+    let t1987 = t67 * t1986;
+    let t1988 = t1987 + t1983;
+    let t1989 = t1982 - t1988;
+    let t1990 = t1981 + t1989;
+    let t1991 = t522 * t1956;
+    let t1992 = t1991 - t1990;
+    let t1993 = cos_joint_4 * t1928;
+    let t1994 = sin_joint_4 * t1935;
+    let t1995 = t1993 - t1994;
+    let t1996 = sin_joint_2_joint_3 * t1995;
+    let t1997 = t1996 + t1992;
+    let t1998 = t538 * t1958;
+    let t1999 = t1998 - t1997;
+    [
+        sin_joint_4,
+        cos_joint_4,
+        sin_joint_5,
+        cos_joint_5,
+        sin_joint_2_joint_3,
+        cos_joint_2_joint_3,
+        omega_joint_5_y,
+        t57,
+        t67,
+        t86,
+        t97,
+        t102,
+        inverse_d_joint_5,
+        t118,
+        t130,
+        t150,
+        inverse_d_joint_6,
+        t154,
+        inverse_d_joint_4,
+        t240,
+        t242,
+        t251,
+        inverse_d_joint_3,
+        t370,
+        t372,
+        t374,
+        inverse_d_joint_2,
+        t487,
+        t522,
+        t524,
+        t533,
+        t538,
+        inverse_d_joint_1,
+        t566,
+        t569,
+        t574,
+        t581,
+        t590,
+        t599,
+        t785,
+        t786,
+        t821,
+        t822,
+        t862,
+        t863,
+        t871,
+        t940,
+        t1010,
+        t1069,
+        t1214,
+        t1349,
+        t1350,
+        t1362,
+        t1465,
+        t1528,
+        t1531,
+        t1534,
+        t1537,
+        t1540,
+        t1543,
+        t1548,
+        t1553,
+        t1558,
+        t1563,
+        t1568,
+        t1575,
+        t1582,
+        t1589,
+        t1596,
+        t1603,
+        t1612,
+        t1621,
+        t1630,
+        t1639,
+        t1648,
+        t1657,
+        t1666,
+        t1675,
+        t1684,
+        t1693,
+        t1708,
+        t1712,
+        t1719,
+        t1727,
+        t1765,
+        t1768,
+        t1778,
+        t1784,
+        t1796,
+        t1807,
+        t1823,
+        t1846,
+        t1856,
+        t1861,
+        t1868,
+        t1875,
+        t1896,
+        t1922,
+        t1941,
+        t1944,
+        t1956,
+        t1958,
+        t1979,
+        t1980,
+        t1999,
+    ]
+}
+
+/// Part 2 of `forward_dynamics_derivatives`: values that later parts read.
+#[inline(never)]
+fn forward_dynamics_derivatives_part_2(
+    [sin_joint_4,
+    cos_joint_4,
+    sin_joint_5,
+    cos_joint_5,
+    sin_joint_2_joint_3,
+    cos_joint_2_joint_3,
+    omega_joint_5_y,
+    t57,
+    t67,
+    t86,
+    t97,
+    t102,
+    inverse_d_joint_5,
+    t118,
+    t130,
+    t150,
+    inverse_d_joint_6,
+    t154,
+    inverse_d_joint_4,
+    t240,
+    t242,
+    t251,
+    inverse_d_joint_3,
+    t370,
+    t372,
+    t374,
+    inverse_d_joint_2,
+    t487,
+    t522,
+    t524,
+    t533,
+    t538,
+    inverse_d_joint_1,
+    t566,
+    t581,
+    t590,
+    t785,
+    t786,
+    t821,
+    t822,
+    t862,
+    t863,
+    t871,
+    t940,
+    t1010,
+    t1214,
+    t1350,
+    t1362,
+    t1465,
+    t1531,
+    t1537,
+    t1543,
+    t1548,
+    t1558,
+    t1568,
+    t1582,
+    t1596,
+    t1621,
+    t1639,
+    t1657,
+    t1675,
+    t1693,
+    t1708,
+    t1712,
+    t1719,
+    t1727,
+    t1765,
+    t1768,
+    t1778,
+    t1784,
+    t1796,
+    t1807,
+    t1823,
+    t1846,
+    t1856,
+    t1861,
+    t1868,
+    t1875,
+    t1896,
+    t1922,
+    t1941,
+    t1944,
+    t1956,
+    t1958,
+    t1979,
+    t1980,
+    t1999,
+    ]: [f64; 87],
+) -> [f64; 73] {
+    let t2000 = t1980 - t1999;
+    let t2001 = inverse_d_joint_1 * t2000;
+    let t2002 = t821 * t1362;
+    let t2003 = t863 - t2002;
+    let t2004 = sin_joint_5 * t2003;
+    let t2005 = 0.11472105600000003 * omega_joint_5_y;
+    let t2006 = t2005 + t2004;
+    let t2007 = 2.0 * omega_joint_5_y;
+    let t2008 = t2007 * t1350;
+    let t2009 = t871 + t2008;
+    let t2010 = cos_joint_5 * t2009;
+    let t2011 = t2010 - t2006;
+    let t2012 = sin_joint_4 * t2011;
+    let t2013 = t97 * t2007;
+    let t2014 = t785 - t2013;
+    let t2015 = t786 - t2014;
+    let t2016 = t1010 + t2015;
+    let t2017 = cos_joint_4 * t2016;
+    let t2018 = t2017 - t2012;
+    let t2019 = 4.45 - t2015;
+    let t2020 = t242 * t2019;
+    let t2021 = t150 * t821;
+    let t2022 = t863 - t2021;
+    let t2023 = t251 * t2022;
+    let t2024 = t2023 - t2020;
+    let t2025 = t2018 - t2024;
+    let t2026 = t118 * t2019;
+    let t2027 = t154 * t2022;
+    let t2028 = t2027 + t2026;
+    let t2029 = sin_joint_5 * t2009;
+    let t2030 = cos_joint_5 * t2003;
+    let t2031 = t2029 + t2030;
+    let t2032 = t2031 - t2028;
+    let t2033 = t240 * t2032;
+    let t2034 = t2033 - t2025;
+    let t2035 = t370 * t2034;
+    let t2036 = sin_joint_4 * t2005;
+    let t2037 = cos_joint_4 * t1010;
+    let t2038 = t2037 + t2036;
+    let t2039 = cos_joint_2_joint_3 * t2038;
+    let t2040 = sin_joint_2_joint_3 * t940;
+    let t2041 = t2039 - t2040;
+    let t2042 = t57 * t2041;
+    let t2043 = t2042 - t2023;
+    let t2044 = sin_joint_2_joint_3 * t2038;
+    let t2045 = cos_joint_2_joint_3 * t940;
+    let t2046 = t2044 + t2045;
+    let t2047 = t67 * t2046;
+    let t2048 = t2047 + t2043;
+    let t2049 = t374 * t2019;
+    let t2050 = t2049 + t2048;
+    let t2051 = t2018 + t2050;
+    let t2052 = t372 * t2032;
+    let t2053 = t2052 - t2051;
+    let t2054 = t2035 - t2053;
+    let t2055 = t487 * t2054;
+    let t2056 = cos_joint_4 * t2011;
+    let t2057 = sin_joint_4 * t2016;
+    let t2058 = t2057 + t2056;
+    let t2059 = sin_joint_2_joint_3 * t2058;
+    let t2060 = t2019 * t524;
+    let t2061 = t533 * t2022;
+    let t2062 = cos_joint_4 * t2005;
+    let t2063 = sin_joint_4 * t1010;
+    let t2064 = t2063 - t2062;
+    let t2065 = t67 * t2064;
+    let t2066 = t2065 + t2061;
+    let t2067 = t2060 - t2066;
+    let t2068 = cos_joint_2_joint_3 * t2031;
+    let t2069 = t2068 + t2067;
+    let t2070 = t2059 - t2069;
+    let t2071 = t522 * t2032;
+    let t2072 = t2071 + t2070;
+    let t2073 = t538 * t2034;
+    let t2074 = t2073 - t2072;
+    let t2075 = t2055 - t2074;
+    let t2076 = inverse_d_joint_1 * t2075;
+    let t2077 = t102 * t821;
+    let t2078 = t862 - t2077;
+    let t2079 = cos_joint_4 * t2078;
+    let t2080 = t251 * 4.67;
+    let t2081 = t2079 - t2080;
+    let t2082 = t130 * t86;
+    let t2083 = t822 - t2082;
+    let t2084 = cos_joint_5 * t2083;
+    let t2085 = sin_joint_4 * t2084;
+    let t2086 = t2085 - t2081;
+    let t2087 = t242 * t2078;
+    let t2088 = t2087 + t2086;
+    let t2089 = t118 * t2078;
+    let t2090 = sin_joint_5 * t2083;
+    let t2091 = t2090 + t2089;
+    let t2092 = t154 * 4.67;
+    let t2093 = t2092 - t2091;
+    let t2094 = t240 * t2093;
+    let t2095 = t2094 - t2088;
+    let t2096 = t370 * t2095;
+    let t2097 = t372 * t2093;
+    let t2098 = t374 * t2078;
+    let t2099 = t2098 + t2086;
+    let t2100 = t2097 - t2099;
+    let t2101 = t2096 - t2100;
+    let t2102 = t487 * t2101;
+    let t2103 = t538 * t2095;
+    let t2104 = cos_joint_4 * t2084;
+    let t2105 = sin_joint_4 * t2078;
+    let t2106 = t2104 + t2105;
+    let t2107 = sin_joint_2_joint_3 * t2106;
+    let t2108 = t2078 * t524;
+    let t2109 = t533 * 4.67;
+    let t2110 = t2109 + t2108;
+    let t2111 = cos_joint_2_joint_3 * t2090;
+    let t2112 = t2111 - t2110;
+    let t2113 = t2107 - t2112;
+    let t2114 = t522 * t2093;
+    let t2115 = t2114 - t2113;
+    let t2116 = t2103 - t2115;
+    let t2117 = t2102 - t2116;
+    let t2118 = inverse_d_joint_1 * t2117;
+    let t2119 = t487 * t1768;
+    let t2120 = inverse_d_joint_2 * t1765;
+    let t2121 = t2120 - t2119;
+    let t2122 = t487 * t1846;
+    let t2123 = inverse_d_joint_2 * t1823;
+    let t2124 = t2123 - t2122;
+    let t2125 = t487 * t1922;
+    let t2126 = inverse_d_joint_2 * t1896;
+    let t2127 = t2126 - t2125;
+    let t2128 = t487 * t2001;
+    let t2129 = inverse_d_joint_2 * t1979;
+    let t2130 = t2129 - t2128;
+    let t2131 = t487 * t2076;
+    let t2132 = inverse_d_joint_2 * t2054;
+    let t2133 = t2132 - t2131;
+    let t2134 = t487 * t2118;
+    let t2135 = inverse_d_joint_2 * t2101;
+    let t2136 = t2135 - t2134;
+    let t2137 = t370 * t2121;
+    let t2138 = t538 * t1768;
+    let t2139 = inverse_d_joint_3 * t1727;
+    let t2140 = t2139 - t2138;
+    let t2141 = t2137 - t2140;
+    let t2142 = t370 * t2124;
+    let t2143 = t538 * t1846;
+    let t2144 = inverse_d_joint_3 * t1807;
+    let t2145 = t2144 - t2143;
+    let t2146 = t2142 - t2145;
+    let t2147 = t370 * t2127;
+    let t2148 = t538 * t1922;
+    let t2149 = inverse_d_joint_3 * t1875;
+    let t2150 = t2149 - t2148;
+    let t2151 = t2147 - t2150;
+    let t2152 = t370 * t2130;
+    let t2153 = t538 * t2001;
+    let t2154 = inverse_d_joint_3 * t1958;
+    let t2155 = t2154 - t2153;
+    let t2156 = t2152 - t2155;
+    let t2157 = t370 * t2133;
+    let t2158 = t538 * t2076;
+    let t2159 = inverse_d_joint_3 * t2034;
+    let t2160 = t2159 - t2158;
+    let t2161 = t2157 - t2160;
+    let t2162 = t370 * t2136;
+    let t2163 = t538 * t2118;
+    let t2164 = inverse_d_joint_3 * t2095;
+    let t2165 = t2164 - t2163;
+    let t2166 = t2162 - t2165;
+    let t2167 = t240 * t2141;
+    let t2168 = t372 * t2121;
+    let t2169 = t522 * t1768;
+    let t2170 = inverse_d_joint_4 * t1719;
+    let t2171 = t2170 - t2169;
+    let t2172 = t2168 - t2171;
+    let t2173 = t2167 - t2172;
+    let t2174 = t240 * t2146;
+    let t2175 = t372 * t2124;
+    let t2176 = t522 * t1846;
+    let t2177 = inverse_d_joint_4 * t1796;
+    let t2178 = t2177 - t2176;
+    let t2179 = t2175 - t2178;
+    let t2180 = t2174 - t2179;
+    let t2181 = t240 * t2151;
+    let t2182 = t372 * t2127;
+    let t2183 = t522 * t1922;
+    let t2184 = inverse_d_joint_4 * t1868;
+    let t2185 = t2184 - t2183;
+    let t2186 = t2182 - t2185;
+    let t2187 = t2181 - t2186;
+    let t2188 = t240 * t2156;
+    let t2189 = t372 * t2130;
+    let t2190 = t522 * t2001;
+    let t2191 = inverse_d_joint_4 * t1956;
+    let t2192 = t2191 - t2190;
+    let t2193 = t2189 - t2192;
+    let t2194 = t2188 - t2193;
+    let t2195 = t240 * t2161;
+    let t2196 = t372 * t2133;
+    let t2197 = t522 * t2076;
+    let t2198 = inverse_d_joint_4 * t2032;
+    let t2199 = t2198 - t2197;
+    let t2200 = t2196 - t2199;
+    let t2201 = t2195 - t2200;
+    let t2202 = t240 * t2166;
+    let t2203 = t372 * t2136;
+    let t2204 = t522 * t2118;
+    let t2205 = inverse_d_joint_4 * t2093;
+    let t2206 = t2205 - t2204;
+    let t2207 = t2203 - t2206;
+    let t2208 = t2202 - t2207;
+    let t2209 = t118 * t2173;
+    let t2210 = t242 * t2141;
+    let t2211 = t374 * t2121;
+    let t2212 = t524 * t1768;
+    let t2213 = inverse_d_joint_5 * t1708;
+    let t2214 = t2213 + t2212;
+    let t2215 = t2211 + t2214;
+    let t2216 = t2210 - t2215;
+    let t2217 = t2209 + t2216;
+    let t2218 = t118 * t2180;
+    let t2219 = t242 * t2146;
+    let t2220 = t374 * t2124;
+    let t2221 = t524 * t1846;
+    let t2222 = inverse_d_joint_5 * t1778;
+    let t2223 = t2222 - t2221;
+    let t2224 = t2220 - t2223;
+    let t2225 = t2219 - t2224;
+    let t2226 = t2218 + t2225;
+    let t2227 = t118 * t2187;
+    let t2228 = t242 * t2151;
+    let t2229 = t374 * t2127;
+    let t2230 = t524 * t1922;
+    let t2231 = inverse_d_joint_5 * t1856;
+    let t2232 = t2231 - t2230;
+    let t2233 = t2229 - t2232;
+    let t2234 = t2228 - t2233;
+    let t2235 = t2227 + t2234;
+    let t2236 = t118 * t2194;
+    let t2237 = t242 * t2156;
+    let t2238 = t374 * t2130;
+    let t2239 = t524 * t2001;
+    let t2240 = inverse_d_joint_5 * t1941;
+    let t2241 = t2240 - t2239;
+    let t2242 = t2238 - t2241;
+    let t2243 = t2237 - t2242;
+    let t2244 = t2236 + t2243;
+    let t2245 = t118 * t2201;
+    let t2246 = t242 * t2161;
+    let t2247 = t374 * t2133;
+    let t2248 = t524 * t2076;
+    let t2249 = inverse_d_joint_5 * t2019;
+    let t2250 = t2249 - t2248;
+    let t2251 = t2247 - t2250;
+    let t2252 = t2246 - t2251;
+    let t2253 = t2245 + t2252;
+    let t2254 = t118 * t2208;
+    let t2255 = t242 * t2166;
+    let t2256 = t374 * t2136;
+    let t2257 = t524 * t2118;
+    let t2258 = inverse_d_joint_5 * t2078;
+    let t2259 = t2258 - t2257;
+    let t2260 = t2256 - t2259;
+    let t2261 = t2255 - t2260;
+    let t2262 = t2254 + t2261;
+    let t2263 = t154 * t2173;
+    let t2264 = t251 * t2141;
+    let t2265 = t251 * t2121;
+    let t2266 = t533 * t1768;
+    let t2267 = inverse_d_joint_6 * t1712;
+    let t2268 = t2267 - t2266;
+    let t2269 = t2265 - t2268;
+    let t2270 = t2264 - t2269;
+    let t2271 = t2263 - t2270;
+    let t2272 = t154 * t2180;
+    let t2273 = t251 * t2146;
+    let t2274 = t251 * t2124;
+    let t2275 = t533 * t1846;
+    let t2276 = inverse_d_joint_6 * t1784;
+    let t2277 = t2276 + t2275;
+    let t2278 = t2274 + t2277;
+    let t2279 = t2273 - t2278;
+    let t2280 = t2272 - t2279;
+    let t2281 = t154 * t2187;
+    let t2282 = t251 * t2151;
+    let t2283 = t251 * t2127;
+    let t2284 = t533 * t1922;
+    let t2285 = inverse_d_joint_6 * t1861;
+    let t2286 = t2285 + t2284;
+    let t2287 = t2283 + t2286;
+    let t2288 = t2282 - t2287;
+    let t2289 = t2281 - t2288;
+    let t2290 = t154 * t2194;
+    let t2291 = t251 * t2156;
+    let t2292 = t251 * t2130;
+    let t2293 = t533 * t2001;
+    let t2294 = inverse_d_joint_6 * t1944;
+    let t2295 = t2294 + t2293;
+    let t2296 = t2292 + t2295;
+    let t2297 = t2291 - t2296;
+    let t2298 = t2290 - t2297;
+    let t2299 = t154 * t2201;
+    let t2300 = t251 * t2161;
+    let t2301 = t251 * t2133;
+    let t2302 = t533 * t2076;
+    let t2303 = inverse_d_joint_6 * t2022;
+    let t2304 = t2303 + t2302;
+    let t2305 = t2301 + t2304;
+    let t2306 = t2300 - t2305;
+    let t2307 = t2299 - t2306;
+    let t2308 = t154 * t2208;
+    let t2309 = t251 * t2166;
+    let t2310 = t251 * t2136;
+    let t2311 = t533 * t2118;
+    let t2312 = inverse_d_joint_6 * 4.67;
+    let t2313 = t2312 - t2311;
+    let t2314 = t2310 - t2313;
+    let t2315 = t2309 - t2314;
+    let t2316 = t2308 - t2315;
+    let t2317 = t487 * inverse_d_joint_1;
+    let t2318 = t370 * t2317;
+    let t2319 = t538 * inverse_d_joint_1;
+    let t2320 = t2318 - t2319;
+    let t2321 = t240 * t2320;
+    let t2322 = t372 * t2317;
+    let t2323 = t522 * inverse_d_joint_1;
+    let t2324 = t2322 - t2323;
+    let t2325 = t2321 - t2324;
+    let t2326 = t118 * t2325;
+    let t2327 = t242 * t2320;
+    let t2328 = t374 * t2317;
+    let t2329 = t524 * inverse_d_joint_1;
+    let t2330 = t2328 - t2329;
+    let t2331 = t2327 - t2330;
+    let t2332 = t2326 + t2331;
+    let t2333 = t154 * t2325;
+    let t2334 = t251 * t2320;
+    let t2335 = t251 * t2317;
+    let t2336 = t533 * inverse_d_joint_1;
+    let t2337 = t2335 - t2336;
+    let t2338 = t2334 - t2337;
+    let t2339 = t2333 - t2338;
+    let t2340 = t487 * t2317;
+    let t2341 = inverse_d_joint_2 - t2340;
+    let t2342 = t370 * t2341;
+    let t2343 = t538 * t2317;
+    let t2344 = t2342 + t2343;
+    let t2345 = t240 * t2344;
+    let t2346 = t372 * t2341;
+    let t2347 = t522 * t2317;
+    let t2348 = t2346 + t2347;
+    let t2349 = t2345 - t2348;
+    let t2350 = t118 * t2349;
+    let t2351 = t242 * t2344;
+    let t2352 = t374 * t2341;
+    let t2353 = t524 * t2317;
+    let t2354 = t2352 + t2353;
+    let t2355 = t2351 - t2354;
+    let t2356 = t2350 + t2355;
+    let t2357 = t154 * t2349;
+    let t2358 = t251 * t2344;
+    let t2359 = t251 * t2341;
+    let t2360 = t533 * t2317;
+    let t2361 = t2359 + t2360;
+    let t2362 = t2358 - t2361;
+    let t2363 = t2357 - t2362;
+    let t2364 = t370 * t487;
+    let t2365 = t538 - t2364;
+    let t2366 = inverse_d_joint_1 * t2365;
+    let t2367 = t487 * t2366;
+    let t2368 = t370 * inverse_d_joint_2;
+    let t2369 = t2368 + t2367;
+    let t2370 = t370 * t2369;
+    let t2371 = t538 * t2366;
+    let t2372 = inverse_d_joint_3 + t2371;
+    let t2373 = t2370 - t2372;
+    let t2374 = t240 * t2373;
+    let t2375 = t372 * t2369;
+    let t2376 = t522 * t2366;
+    let t2377 = t2375 - t2376;
+    let t2378 = t2374 - t2377;
+    let t2379 = t118 * t2378;
+    let t2380 = t242 * t2373;
+    let t2381 = t374 * t2369;
+    let t2382 = t524 * t2366;
+    let t2383 = t2381 - t2382;
+    let t2384 = t2380 - t2383;
+    let t2385 = t2379 + t2384;
+    let t2386 = t154 * t2378;
+    let t2387 = t251 * t2373;
+    let t2388 = t251 * t2369;
+    let t2389 = t533 * t2366;
+    let t2390 = t2388 - t2389;
+    let t2391 = t2387 - t2390;
+    let t2392 = t2386 - t2391;
+    let t2393 = t240 * t370;
+    let t2394 = t372 - t2393;
+    let t2395 = t487 * t2394;
+    let t2396 = t240 * t538;
+    let t2397 = t522 - t2396;
+    let t2398 = t2395 - t2397;
+    let t2399 = inverse_d_joint_1 * t2398;
+    let t2400 = t487 * t2399;
+    let t2401 = inverse_d_joint_2 * t2394;
+    let t2402 = t2401 - t2400;
+    let t2403 = t370 * t2402;
+    let t2404 = t538 * t2399;
+    let t2405 = t240 * inverse_d_joint_3;
+    let t2406 = t2405 + t2404;
+    let t2407 = t2403 + t2406;
+    let t2408 = t240 * t2407;
+    let t2409 = t372 * t2402;
+    let t2410 = t522 * t2399;
+    let t2411 = inverse_d_joint_4 + t2410;
+    let t2412 = t2409 + t2411;
+    let t2413 = t2408 - t2412;
+    let t2414 = t118 * t2413;
+    let t2415 = t242 * t2407;
+    let t2416 = t374 * t2402;
+    let t2417 = t524 * t2399;
+    let t2418 = t2416 + t2417;
+    let t2419 = t2415 - t2418;
+    let t2420 = t2414 + t2419;
+    let t2421 = t154 * t2413;
+    let t2422 = t251 * t2407;
+    let t2423 = t251 * t2402;
+    let t2424 = t533 * t2399;
+    let t2425 = t2423 + t2424;
+    let t2426 = t2422 - t2425;
+    let t2427 = t2421 - t2426;
+    let t2428 = t118 * t240;
+    let t2429 = t242 + t2428;
+    let t2430 = t370 * t2429;
+    let t2431 = t118 * t372;
+    let t2432 = t374 + t2431;
+    let t2433 = t2430 - t2432;
+    let t2434 = t487 * t2433;
+    let t2435 = t538 * t2429;
+    let t2436 = t118 * t522;
+    let t2437 = t524 + t2436;
+    let t2438 = t2435 - t2437;
+    let t2439 = t2434 - t2438;
+    let t2440 = inverse_d_joint_1 * t2439;
+    let t2441 = t487 * t2440;
+    let t2442 = inverse_d_joint_2 * t2433;
+    let t2443 = t2442 - t2441;
+    let t2444 = t370 * t2443;
+    let t2445 = t538 * t2440;
+    let t2446 = inverse_d_joint_3 * t2429;
+    let t2447 = t2446 - t2445;
+    let t2448 = t2444 - t2447;
+    let t2449 = t240 * t2448;
+    let t2450 = t372 * t2443;
+    let t2451 = t522 * t2440;
+    let t2452 = t118 * inverse_d_joint_4;
+    let t2453 = t2452 - t2451;
+    let t2454 = t2450 - t2453;
+    let t2455 = t2449 - t2454;
+    let t2456 = t118 * t2455;
+    let t2457 = t242 * t2448;
+    let t2458 = t374 * t2443;
+    let t2459 = t524 * t2440;
+    let t2460 = inverse_d_joint_5 + t2459;
+    let t2461 = t2458 + t2460;
+    let t2462 = t2457 - t2461;
+    let t2463 = t2456 + t2462;
+    let t2464 = t154 * t2455;
+    let t2465 = t251 * t2448;
+    let t2466 = t251 * t2443;
+    let t2467 = t533 * t2440;
+    let t2468 = t2466 + t2467;
+    let t2469 = t2465 - t2468;
+    let t2470 = t2464 - t2469;
+    let t2471 = t154 * t240;
+    let t2472 = t251 - t2471;
+    let t2473 = t370 * t2472;
+    let t2474 = t154 * t372;
+    let t2475 = t251 - t2474;
+    let t2476 = t2473 - t2475;
+    let t2477 = t487 * t2476;
+    let t2478 = t538 * t2472;
+    let t2479 = t154 * t522;
+    let t2480 = t533 - t2479;
+    let t2481 = t2478 - t2480;
+    let t2482 = t2477 - t2481;
+    let t2483 = inverse_d_joint_1 * t2482;
+    let t2484 = t487 * t2483;
+    let t2485 = inverse_d_joint_2 * t2476;
+    let t2486 = t2485 - t2484;
+    let t2487 = t370 * t2486;
+    let t2488 = t538 * t2483;
+    let t2489 = inverse_d_joint_3 * t2472;
+    let t2490 = t2489 - t2488;
+    let t2491 = t2487 - t2490;
+    let t2492 = t240 * t2491;
+    let t2493 = t372 * t2486;
+    let t2494 = t522 * t2483;
+    let t2495 = t154 * inverse_d_joint_4;
+    let t2496 = t2495 + t2494;
+    let t2497 = t2493 + t2496;
+    let t2498 = t2492 - t2497;
+    let t2499 = t154 * t2498;
+    let t2500 = t251 * t2491;
+    let t2501 = t251 * t2486;
+    let t2502 = t533 * t2483;
+    let t2503 = inverse_d_joint_6 + t2502;
+    let t2504 = t2501 + t2503;
+    let t2505 = t2500 - t2504;
+    let t2506 = t2499 - t2505;
+    let t2507 = -t566;
+    let t2508 = -t581;
+    let t2509 = -t590;
+    let t2510 = -t1214;
+    let t2511 = -t1465;
+    let t2512 = -t1531;
+    let t2513 = -t1537;
+    let t2514 = -t1543;
+    let t2515 = -t1548;
+    let t2516 = -t1558;
+    let t2517 = -t1568;
+    let t2518 = -t1582;
+    let t2519 = -t1596;
+    let t2520 = -t1621;
+    let t2521 = -t1639;
+    let t2522 = -t1657;
+    let t2523 = -t1675;
+    let t2524 = -t1693;
+    let t2525 = -t1768;
+    let t2526 = -t1846;
+    let t2527 = -t2001;
+    let t2528 = -t2076;
+    let t2529 = -t2118;
+    let t2530 = -t2127;
+    let t2531 = -t2151;
+    let t2532 = -t2173;
+    let t2533 = -t2180;
+    let t2534 = -t2194;
+    let t2535 = -t2201;
+    let t2536 = -t2208;
+    let t2537 = -t2217;
+    let t2538 = -t2226;
+    let t2539 = -t2244;
+    let t2540 = -t2253;
+    let t2541 = -t2262;
+    let t2542 = -t2289;
+    let t2543 = -t2325;
+    let t2544 = -t2332;
+    let t2545 = -t2341;
+    let t2546 = -t2344;
+    let t2547 = -t2363;
+    let t2548 = -t2373;
+    let t2549 = -t2392;
+    let t2550 = -t2427;
+    let t2551 = -t2463;
+    [
+        t2121,
+        t2124,
+        t2130,
+        t2133,
+        t2136,
+        t2141,
+        t2146,
+        t2156,
+        t2161,
+        t2166,
+        t2187,
+        t2235,
+        t2271,
+        t2280,
+        t2298,
+        t2307,
+        t2316,
+        t2317,
+        t2320,
+        t2339,
+        t2349,
+        t2356,
+        t2378,
+        t2385,
+        t2413,
+        t2420,
+        t2470,
+        t2506,
+        t2507,
+        t2508,
+        t2509,
+        t2510,
+        t2511,
+        t2512,
+        t2513,
+        t2514,
+        t2515,
+        t2516,
+        t2517,
+        t2518,
+        t2519,
+        t2520,
+        t2521,
+        t2522,
+        t2523,
+        t2524,
+        t2525,
+        t2526,
+        t2527,
+        t2528,
+        t2529,
+        t2530,
+        t2531,
+        t2532,
+        t2533,
+        t2534,
+        t2535,
+        t2536,
+        t2537,
+        t2538,
+        t2539,
+        t2540,
+        t2541,
+        t2542,
+        t2543,
+        t2544,
+        t2545,
+        t2546,
+        t2547,
+        t2548,
+        t2549,
+        t2550,
+        t2551,
+    ]
 }
 
 /// Structure of `A_y`: `false` where the entry is zero in every state; 30 of 36 are not.
@@ -7400,11 +9924,11 @@ pub const B_X_NONZERO: [[bool; 6]; 6] = [
 /// - returns `B_x: [N × M]`: ∂ÿ/∂u, row i = acceleration i
 /// - returns `c: [N]`: affine remainder ÿ − A\_y y − A\_v ẏ − B\_x u
 ///
-/// Cost: 4260 multiplications, 3867 additions, 6 divisions, 6 function calls (`sin_cos`), 6 selections.
+/// Cost: 1461 multiplications, 1257 additions, 6 divisions, 5 function calls (`sin_cos`), 6 selections.
 ///
-/// Loops over joints, with spatial vectors in the frame of the base (Singh, Russell and Wensing 2022):
-/// straight-line code would not fit into a processor's instruction cache. The cost counts each operation that
-/// contributes.
+/// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
+///
+/// Composite bodies with pairs of joints in link frames were cheapest.
 ///
 /// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
 /// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
@@ -7437,28 +9961,3358 @@ pub fn linearize_into(
     b_x: &mut [[f64; M]; N],
     c: &mut [f64; N],
 ) {
-    let (mut accelerations, mut inverse) = ([0.0; 6], [[0.0; 6]; 6]);
-    forward_dynamics_derivatives_into(
+    let [sin_joint_4, cos_joint_4, sin_joint_5, cos_joint_5, sin_joint_2_joint_3,
+    cos_joint_2_joint_3, omega_joint_5_y, t57, t67, t86, t97, t102, inverse_d_joint_5,
+    t118, t130, t150, inverse_d_joint_6, t154, inverse_d_joint_4, t240, t242, t251,
+    inverse_d_joint_3, t370, t372, t374, inverse_d_joint_2, t487, t522, t524, t533, t538,
+    inverse_d_joint_1, t566, t569, t574, t590, t612, t663, t785, t786, t821, t822, t862,
+    t863, t871, t940, t1010, t1069, t1214, t1349, t1350, t1362, t1465, t1528, t1531,
+    t1534, t1537, t1540, t1543, t1548, t1553, t1558, t1563, t1568, t1575, t1582, t1589,
+    t1596, t1603, t1612, t1621, t1630, t1639, t1648, t1657, t1666, t1675, t1684, t1693,
+    t1708, t1712, t1719, t1727, t1765, t1768, t1778, t1784, t1796, t1807, t1823, t1846,
+    t1856, t1861, t1868, t1875, t1896, t1922, t1941, t1944, t1956, t1958, t1979, t1980,
+    t1999] = linearize_part_1(y, v, u);
+    let [t2121, t2124, t2130, t2133, t2136, t2141, t2146, t2156, t2161, t2166, t2187,
+    t2235, t2271, t2280, t2298, t2307, t2316, t2317, t2319, t2323, t2345, t2358, t2366,
+    t2391, t2399, t2429, t2437, t2447, t2448, t2449, t2494, t2495, t2535, t2569, t2671,
+    t2705, t2740, t2741, t2742, t2743, t2744, t2745, t2746, t2747, t2748, t2749, t2750,
+    t2751, t2752, t2753, t2754, t2755, t2756, t2757, t2758, t2759, t2760, t2761, t2762,
+    t2763, t2764, t2765, t2766, t2767, t2768, t2769, t2770, t2771, t2772, t2773, t2774,
+    t2775, t2776, t2777, t2778, t2779, t2780, t2781, t2782, t2783, t2784, t2785, t2786,
+    t2787, t2788] = linearize_part_2(
         y,
         v,
         u,
-        &mut accelerations,
-        a_y,
-        a_v,
-        &mut inverse,
+        [
+            sin_joint_4,
+            cos_joint_4,
+            sin_joint_5,
+            cos_joint_5,
+            sin_joint_2_joint_3,
+            cos_joint_2_joint_3,
+            omega_joint_5_y,
+            t57,
+            t67,
+            t86,
+            t97,
+            t102,
+            inverse_d_joint_5,
+            t118,
+            t130,
+            t150,
+            inverse_d_joint_6,
+            t154,
+            inverse_d_joint_4,
+            t240,
+            t242,
+            t251,
+            inverse_d_joint_3,
+            t370,
+            t372,
+            t374,
+            inverse_d_joint_2,
+            t487,
+            t522,
+            t524,
+            t533,
+            t538,
+            inverse_d_joint_1,
+            t566,
+            t569,
+            t574,
+            t590,
+            t612,
+            t663,
+            t785,
+            t786,
+            t821,
+            t822,
+            t862,
+            t863,
+            t871,
+            t940,
+            t1010,
+            t1069,
+            t1214,
+            t1349,
+            t1350,
+            t1362,
+            t1465,
+            t1528,
+            t1531,
+            t1534,
+            t1537,
+            t1540,
+            t1543,
+            t1548,
+            t1553,
+            t1558,
+            t1563,
+            t1568,
+            t1575,
+            t1582,
+            t1589,
+            t1596,
+            t1603,
+            t1612,
+            t1621,
+            t1630,
+            t1639,
+            t1648,
+            t1657,
+            t1666,
+            t1675,
+            t1684,
+            t1693,
+            t1708,
+            t1712,
+            t1719,
+            t1727,
+            t1765,
+            t1768,
+            t1778,
+            t1784,
+            t1796,
+            t1807,
+            t1823,
+            t1846,
+            t1856,
+            t1861,
+            t1868,
+            t1875,
+            t1896,
+            t1922,
+            t1941,
+            t1944,
+            t1956,
+            t1958,
+            t1979,
+            t1980,
+            t1999,
+        ],
     );
-    for (to, from) in b_x.iter_mut().zip(&inverse) {
-        to[0] = from[0] * 160.0;
-        to[1] = from[1] * 160.0;
-        to[2] = from[2] * 160.0;
-        to[3] = from[3] * 160.0;
-        to[4] = from[4] * 100.0;
-        to[5] = from[5] * 100.0;
-    }
-    for i in 0..6 {
-        let of_state = arrays::dot(&a_y[i], y) + arrays::dot(&a_v[i], v);
-        c[i] = accelerations[i] - (of_state + arrays::dot(&b_x[i], u));
-    }
+    a_y[0][0] = 0.0;
+    a_y[0][1] = t1069;
+    a_y[0][2] = t2740;
+    a_y[0][3] = t1349;
+    a_y[0][4] = t2741;
+    a_y[0][5] = t1528;
+    a_y[1][0] = 0.0;
+    a_y[1][1] = t2742;
+    a_y[1][2] = t1534;
+    a_y[1][3] = t2743;
+    a_y[1][4] = t1540;
+    a_y[1][5] = t2744;
+    a_y[2][0] = 0.0;
+    a_y[2][1] = t2745;
+    a_y[2][2] = t1553;
+    a_y[2][3] = t2746;
+    a_y[2][4] = t1563;
+    a_y[2][5] = t2747;
+    a_y[3][0] = 0.0;
+    a_y[3][1] = t1575;
+    a_y[3][2] = t2748;
+    a_y[3][3] = t1589;
+    a_y[3][4] = t2749;
+    a_y[3][5] = t1603;
+    a_y[4][0] = 0.0;
+    a_y[4][1] = t1612;
+    a_y[4][2] = t2750;
+    a_y[4][3] = t1630;
+    a_y[4][4] = t2751;
+    a_y[4][5] = t1648;
+    a_y[5][0] = 0.0;
+    a_y[5][1] = t2752;
+    a_y[5][2] = t1666;
+    a_y[5][3] = t2753;
+    a_y[5][4] = t1684;
+    a_y[5][5] = t2754;
+    a_v[0][0] = t2755;
+    a_v[0][1] = t2756;
+    a_v[0][2] = t1922;
+    a_v[0][3] = t2757;
+    a_v[0][4] = t2758;
+    a_v[0][5] = t2759;
+    a_v[1][0] = t2121;
+    a_v[1][1] = t2124;
+    a_v[1][2] = t2760;
+    a_v[1][3] = t2130;
+    a_v[1][4] = t2133;
+    a_v[1][5] = t2136;
+    a_v[2][0] = t2141;
+    a_v[2][1] = t2146;
+    a_v[2][2] = t2761;
+    a_v[2][3] = t2156;
+    a_v[2][4] = t2161;
+    a_v[2][5] = t2166;
+    a_v[3][0] = t2762;
+    a_v[3][1] = t2763;
+    a_v[3][2] = t2187;
+    a_v[3][3] = t2764;
+    a_v[3][4] = t2765;
+    a_v[3][5] = t2766;
+    a_v[4][0] = t2767;
+    a_v[4][1] = t2768;
+    a_v[4][2] = t2235;
+    a_v[4][3] = t2769;
+    a_v[4][4] = t2770;
+    a_v[4][5] = t2771;
+    a_v[5][0] = t2271;
+    a_v[5][1] = t2280;
+    a_v[5][2] = t2772;
+    a_v[5][3] = t2298;
+    a_v[5][4] = t2307;
+    a_v[5][5] = t2316;
+    b_x[0][0] = t2317;
+    b_x[0][1] = t2319;
+    b_x[0][2] = t2323;
+    b_x[0][3] = t2773;
+    b_x[0][4] = t2774;
+    b_x[0][5] = t2345;
+    b_x[1][0] = t2319;
+    b_x[1][1] = t2775;
+    b_x[1][2] = t2776;
+    b_x[1][3] = t2358;
+    b_x[1][4] = t2366;
+    b_x[1][5] = t2777;
+    b_x[2][0] = t2323;
+    b_x[2][1] = t2776;
+    b_x[2][2] = t2778;
+    b_x[2][3] = t2391;
+    b_x[2][4] = t2399;
+    b_x[2][5] = t2779;
+    b_x[3][0] = t2773;
+    b_x[3][1] = t2358;
+    b_x[3][2] = t2391;
+    b_x[3][3] = t2429;
+    b_x[3][4] = t2437;
+    b_x[3][5] = t2780;
+    b_x[4][0] = t2781;
+    b_x[4][1] = t2447;
+    b_x[4][2] = t2448;
+    b_x[4][3] = t2449;
+    b_x[4][4] = t2782;
+    b_x[4][5] = t2494;
+    b_x[5][0] = t2495;
+    b_x[5][1] = t2783;
+    b_x[5][2] = t2784;
+    b_x[5][3] = t2785;
+    b_x[5][4] = t2494;
+    b_x[5][5] = t2535;
+    c[0] = t2569;
+    c[1] = t2786;
+    c[2] = t2787;
+    c[3] = t2671;
+    c[4] = t2705;
+    c[5] = t2788;
+}
+
+/// Part 1 of `linearize`: values that later parts read.
+#[inline(never)]
+fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 105] {
+    let angle_joint_2_joint_3 = y[1] - y[2];
+    let (
+        [sin_joint_2,
+        sin_joint_4,
+        sin_joint_5,
+        sin_joint_6,
+        ],
+        [cos_joint_2,
+        cos_joint_4,
+        cos_joint_5,
+        cos_joint_6,
+        ],
+    ) = math::sin_cos_4(y[1], y[3], y[4], y[5]);
+    let (sin_joint_2_joint_3, cos_joint_2_joint_3) = math::sin_cos(
+        angle_joint_2_joint_3,
+    );
+    let omega_joint_3_x = v[0] * sin_joint_2_joint_3;
+    let t12 = cos_joint_4 * omega_joint_3_x;
+    let omega_joint_3_z = v[1] - v[2];
+    let t14 = sin_joint_4 * omega_joint_3_z;
+    let omega_joint_4_x = t12 - t14;
+    let t16 = sin_joint_5 * omega_joint_4_x;
+    let omega_joint_3_y = v[0] * cos_joint_2_joint_3;
+    let omega_joint_4_z = v[3] + omega_joint_3_y;
+    let t19 = cos_joint_5 * omega_joint_4_z;
+    let omega_joint_5_y = t16 + t19;
+    let t21 = cos_joint_5 * omega_joint_4_x;
+    let t22 = sin_joint_5 * omega_joint_4_z;
+    let omega_joint_5_x = t21 - t22;
+    let t24 = omega_joint_5_x * omega_joint_5_y;
+    let t25 = omega_joint_4_x * omega_joint_4_z;
+    let t26 = 2.0 * omega_joint_3_z;
+    let t27 = omega_joint_3_y * t26;
+    let t28 = sin_joint_4 * t27;
+    let t29 = omega_joint_3_x * omega_joint_3_y;
+    let t30 = cos_joint_4 * t29;
+    let t31 = t30 - t28;
+    let t32 = t31 - t25;
+    let t33 = t32 + t24;
+    let t34 = 0.033494542 * t33;
+    let t35 = t32 - t24;
+    let t36 = 0.0007899999999999999 * t35;
+    let t37 = t36 + t34;
+    let t38 = 2.0 * omega_joint_4_z;
+    let t39 = sin_joint_4 * omega_joint_3_x;
+    let t40 = cos_joint_4 * omega_joint_3_z;
+    let omega_joint_4_y = t39 + t40;
+    let t42 = omega_joint_4_y * t38;
+    let t43 = cos_joint_4 * t27;
+    let t44 = sin_joint_4 * t29;
+    let t45 = t44 + t43;
+    let t46 = t45 - t42;
+    let t47 = sin_joint_5 * t46;
+    let t48 = omega_joint_4_x * omega_joint_4_y;
+    let t49 = omega_joint_3_z * omega_joint_3_x;
+    let t50 = t49 - t48;
+    let t51 = cos_joint_5 * t50;
+    let t52 = t51 - t47;
+    let t53 = 0.0002548800000000001 * t52;
+    let t54 = t53 - t37;
+    let t55 = v[1] * 2.0;
+    let t56 = v[0] * t55;
+    let t57 = 1.1620185922974766 * cos_joint_2;
+    let acceleration_joint_3_z = t57 * t56;
+    let t59 = sin_joint_4 * acceleration_joint_3_z;
+    let t60 = t59 - t31;
+    let t61 = v[1] * v[1];
+    let t62 = t57 * t61;
+    let t63 = 32.558598937583 - t62;
+    let t64 = sin_joint_2_joint_3 * t63;
+    let t65 = v[0] * v[0];
+    let t66 = t65 + t61;
+    let t67 = 1.1620185922974766 * sin_joint_2;
+    let t68 = t67 * t66;
+    let t69 = cos_joint_2_joint_3 * t68;
+    let acceleration_joint_3_x = t69 + t64;
+    let t71 = cos_joint_4 * acceleration_joint_3_x;
+    let acceleration_joint_4_x = t71 - t60;
+    let t73 = cos_joint_5 * acceleration_joint_4_x;
+    let t74 = cos_joint_2_joint_3 * t63;
+    let t75 = sin_joint_2_joint_3 * t68;
+    let acceleration_joint_3_y = t75 - t74;
+    let t77 = omega_joint_3_x * omega_joint_3_x;
+    let t78 = omega_joint_3_z * omega_joint_3_z;
+    let t79 = t77 + t78;
+    let acceleration_joint_4_z = acceleration_joint_3_y + t79;
+    let t81 = sin_joint_5 * acceleration_joint_4_z;
+    let acceleration_joint_5_x = t81 + t73;
+    let t83 = 0.057360528000000015 * acceleration_joint_5_x;
+    let t84 = t83 - t54;
+    let omega_joint_5_z = v[4] - omega_joint_4_y;
+    let t86 = 2.0 * omega_joint_5_z;
+    let t87 = omega_joint_5_y * t86;
+    let t88 = cos_joint_5 * t46;
+    let t89 = t88 - t87;
+    let t90 = sin_joint_5 * t50;
+    let t91 = t90 + t89;
+    let omega_joint_6_z = v[5] + omega_joint_5_y;
+    let t93 = 2.0 * omega_joint_6_z;
+    let t94 = omega_joint_5_z * t93;
+    let t95 = t94 + t91;
+    let t96 = sin_joint_6 * 9.99999999999994e-5;
+    let t97 = cos_joint_6 * t96;
+    let t98 = t97 * t95;
+    let t99 = omega_joint_5_x * t93;
+    let t100 = t33 - t99;
+    let t101 = sin_joint_6 * t96;
+    let t102 = 0.0002665500000000004 + t101;
+    let t103 = t102 * t100;
+    let moment_joint_6_y = t103 + t98;
+    let moment_joint_5_z = moment_joint_6_y + t84;
+    let t106 = v[4] * 4.45;
+    let t107 = u[4] * 100.0;
+    let t108 = t107 - t106;
+    let t109 = sign(v[4]);
+    let t110 = t109 * 2.12;
+    let t111 = t110 - t108;
+    let t112 = moment_joint_5_z + t111;
+    let t113 = t101 + 0.204551092;
+    let inverse_d_joint_5 = 1.0 / t113;
+    let t115 = sin_joint_5 * t97;
+    let t116 = 0.0002548800000000001 * cos_joint_5;
+    let t117 = t115 - t116;
+    let t118 = t117 * inverse_d_joint_5;
+    let t119 = t118 * t112;
+    let t120 = v[3] * 13.63;
+    let t121 = u[3] * 160.0;
+    let t122 = t121 - t120;
+    let t123 = sign(v[3]);
+    let t124 = t123 * 6.91;
+    let t125 = t124 - t122;
+    let t126 = t119 + t125;
+    let t127 = omega_joint_5_x * omega_joint_5_z;
+    let t128 = t52 - t127;
+    let t129 = t127 + t128;
+    let t130 = 0.0003665499999999998 - t101;
+    let t131 = t130 * t129;
+    let t132 = t127 - t128;
+    let t133 = t102 * t132;
+    let t134 = t133 - t131;
+    let t135 = omega_joint_5_x * omega_joint_5_x;
+    let t136 = omega_joint_5_z * omega_joint_5_z;
+    let t137 = t135 - t136;
+    let t138 = omega_joint_6_z * omega_joint_6_z;
+    let t139 = t138 + t137;
+    let t140 = t138 - t139;
+    let t141 = t97 * t140;
+    let moment_joint_6_z = t141 - t134;
+    let t143 = v[5] * 4.67;
+    let t144 = u[5] * 100.0;
+    let t145 = t144 - t143;
+    let t146 = sign(v[5]);
+    let t147 = t146 * 2.33;
+    let t148 = t147 - t145;
+    let t149 = moment_joint_6_z - t148;
+    let t150 = t102 + t130;
+    let t151 = t150 + 0.16999999999999998;
+    let inverse_d_joint_6 = 1.0 / t151;
+    let t153 = cos_joint_5 * t150;
+    let t154 = t153 * inverse_d_joint_6;
+    let t155 = t154 * t149;
+    let t156 = t155 + t126;
+    let t157 = 0.033494542 * t91;
+    let t158 = cos_joint_4 * acceleration_joint_3_z;
+    let t159 = t158 + t45;
+    let t160 = sin_joint_4 * acceleration_joint_3_x;
+    let acceleration_joint_4_y = t160 + t159;
+    let t162 = 0.057360528000000015 * acceleration_joint_4_y;
+    let t163 = t162 + t157;
+    let t164 = t135 + t136;
+    let t165 = omega_joint_4_x * omega_joint_4_x;
+    let t166 = omega_joint_4_z * omega_joint_4_z;
+    let t167 = t165 + t166;
+    let t168 = t167 - t164;
+    let t169 = 0.0002548800000000001 * t168;
+    let t170 = t169 - t163;
+    let t171 = t130 * t95;
+    let t172 = t97 * t100;
+    let moment_joint_6_x = t172 + t171;
+    let moment_joint_5_x = moment_joint_6_x - t170;
+    let t175 = sin_joint_5 * moment_joint_5_x;
+    let t176 = 0.02087316000000001 * acceleration_joint_4_x;
+    let t177 = omega_joint_4_y * omega_joint_4_y;
+    let t178 = t177 + t166;
+    let t179 = t178 - t167;
+    let t180 = 1.1586e-5 * t179;
+    let t181 = t180 - t176;
+    let t182 = 5.421600000000001e-5 * acceleration_joint_4_y;
+    let t183 = t182 + t181;
+    let t184 = 0.008398490000000003 * t50;
+    let t185 = 0.0009375300000000007 * t31;
+    let t186 = 1.7202000000000002e-5 * t45;
+    let t187 = t186 - t185;
+    let t188 = t187 - t184;
+    let t189 = t49 + t48;
+    let t190 = 0.00043903240000000014 * t189;
+    let t191 = t190 - t188;
+    let t192 = t191 + t183;
+    let t193 = t175 + t192;
+    let t194 = omega_joint_5_x * t86;
+    let t195 = t52 - t194;
+    let t196 = 0.0007899999999999999 * t195;
+    let t197 = 0.0002548800000000001 * t33;
+    let t198 = t197 - t196;
+    let moment_joint_5_y = t198 - moment_joint_6_z;
+    let t200 = cos_joint_5 * moment_joint_5_y;
+    let moment_joint_4_z = t200 - t193;
+    let t202 = moment_joint_4_z + t156;
+    let t203 = t101 - 0.032437992;
+    let t204 = sin_joint_5 * t203;
+    let t205 = sin_joint_5 * t204;
+    let t206 = t101 + 0.0014955824000000004;
+    let t207 = t205 - t206;
+    let t208 = t101 - 0.008765040000000003;
+    let t209 = t208 + t207;
+    let t210 = 1.33888 - t209;
+    let t211 = t117 * t118;
+    let t212 = t211 - t210;
+    let t213 = t153 * t154;
+    let t214 = t213 + t212;
+    let inverse_d_joint_4 = 1.0 / t214;
+    let t216 = cos_joint_5 * t204;
+    let t217 = 1.7202000000000002e-5 + t216;
+    let t218 = 0.057360528000000015 * sin_joint_5;
+    let t219 = 5.421600000000001e-5 + t218;
+    let t220 = t219 - t217;
+    let t221 = sin_joint_4 * t220;
+    let t222 = t117 - 0.01993563000000001;
+    let t223 = cos_joint_4 * t222;
+    let t224 = t221 + t223;
+    let t225 = t101 + 0.034551092000000005;
+    let t226 = 0.057360528000000015 * cos_joint_5;
+    let t227 = t225 + t226;
+    let t228 = cos_joint_4 * t227;
+    let t229 = cos_joint_5 * t97;
+    let t230 = 0.0002548800000000001 * sin_joint_5;
+    let t231 = t229 + t230;
+    let t232 = sin_joint_4 * t231;
+    let t233 = t232 + t228;
+    let t234 = t233 * t118;
+    let t235 = t224 - t234;
+    let t236 = sin_joint_5 * t150;
+    let t237 = sin_joint_4 * t236;
+    let t238 = t237 * t154;
+    let t239 = t238 + t235;
+    let t240 = t239 * inverse_d_joint_4;
+    let t241 = t240 * t202;
+    let t242 = t233 * inverse_d_joint_5;
+    let t243 = t242 * t112;
+    let t244 = v[2] * 17.89;
+    let t245 = u[2] * 160.0;
+    let t246 = t245 - t244;
+    let t247 = sign(v[2]);
+    let t248 = t247 * 6.84;
+    let t249 = t248 - t246;
+    let t250 = t243 - t249;
+    let t251 = t237 * inverse_d_joint_6;
+    let t252 = t251 * t149;
+    let t253 = t252 - t250;
+    let t254 = t241 - t253;
+    let t255 = cos_joint_5 * moment_joint_5_x;
+    let t256 = omega_joint_4_x * t38;
+    let t257 = t31 - t256;
+    let t258 = 1.1586e-5 * t257;
+    let t259 = 0.02087316000000001 * acceleration_joint_4_z;
+    let t260 = t259 + t258;
+    let t261 = 0.008398490000000003 * t46;
+    let t262 = 1.7202000000000002e-5 * t189;
+    let t263 = t262 - t261;
+    let t264 = t263 - t260;
+    let t265 = t79 - t167;
+    let t266 = 0.0009375300000000007 * t265;
+    let t267 = t266 + t264;
+    let t268 = t255 - t267;
+    let t269 = sin_joint_5 * moment_joint_5_y;
+    let moment_joint_4_x = t269 + t268;
+    let force_joint_5_z = 0.057360528000000015 * t91;
+    let t272 = 0.02087316000000001 * t167;
+    let t273 = 5.421600000000001e-5 * t189;
+    let t274 = t273 - t272;
+    let force_joint_4_y = t274 + force_joint_5_z;
+    let t276 = force_joint_4_y + moment_joint_4_x;
+    let t277 = sin_joint_4 * t276;
+    let t278 = 0.0009375300000000007 * t50;
+    let t279 = 5.421600000000001e-5 * acceleration_joint_4_z;
+    let t280 = t279 + t278;
+    let t281 = 0.00043903240000000014 * t257;
+    let t282 = 1.1586e-5 * t46;
+    let t283 = t282 + t281;
+    let t284 = t283 + t280;
+    let t285 = t79 - t178;
+    let t286 = 1.7202000000000002e-5 * t285;
+    let t287 = t286 - t284;
+    let moment_joint_4_y = moment_joint_5_z - t287;
+    let force_joint_5_y = 0.057360528000000015 * t164;
+    let t290 = sin_joint_5 * force_joint_5_y;
+    let t291 = 0.02087316000000001 * t50;
+    let t292 = 5.421600000000001e-5 * t178;
+    let t293 = t292 + t291;
+    let t294 = t293 + t290;
+    let force_joint_5_x = 0.057360528000000015 * t33;
+    let t296 = cos_joint_5 * force_joint_5_x;
+    let force_joint_4_x = t296 - t294;
+    let t298 = force_joint_4_x + moment_joint_4_y;
+    let t299 = cos_joint_4 * t298;
+    let t300 = 0.37394883600000006 * acceleration_joint_3_x;
+    let t301 = t29 * 0.37277775300000004;
+    let t302 = t300 + t301;
+    let t303 = t302 + t299;
+    let moment_joint_3_z = t277 + t303;
+    let t305 = moment_joint_3_z - t254;
+    let t306 = t208 - t207;
+    let t307 = sin_joint_4 * t306;
+    let t308 = 1.1586e-5 + t231;
+    let t309 = 2.0 * t308;
+    let t310 = cos_joint_4 * t309;
+    let t311 = t310 - t307;
+    let t312 = sin_joint_4 * t311;
+    let t313 = 0.002999500000000002 - t207;
+    let t314 = t312 + t313;
+    let t315 = 0.033494542 + t205;
+    let t316 = cos_joint_5 * 0.11472105600000003;
+    let t317 = 0.37577725300000003 + t316;
+    let t318 = t315 + t317;
+    let t319 = t314 + t318;
+    let t320 = t233 * t242;
+    let t321 = 1.33888 - t320;
+    let t322 = t237 * t251;
+    let t323 = t322 - t321;
+    let t324 = t319 - t323;
+    let t325 = t239 * t240;
+    let t326 = t325 + t324;
+    let inverse_d_joint_3 = 1.0 / t326;
+    let t328 = cos_joint_4 * t219;
+    let t329 = 0.02087316000000001 * sin_joint_4;
+    let t330 = t328 + t329;
+    let t331 = sin_joint_2_joint_3 * t330;
+    let t332 = 0.37394883600000006 + t226;
+    let t333 = cos_joint_2_joint_3 * t332;
+    let t334 = t331 + t333;
+    let t335 = t57 * t334;
+    let t336 = cos_joint_2_joint_3 * t330;
+    let t337 = sin_joint_2_joint_3 * t332;
+    let t338 = t336 - t337;
+    let t339 = t67 * t338;
+    let t340 = t339 - t335;
+    let t341 = t340 - t319;
+    let t342 = cos_joint_4 * t226;
+    let t343 = cos_joint_2_joint_3 * t342;
+    let t344 = sin_joint_2_joint_3 * t218;
+    let t345 = t343 + t344;
+    let t346 = t57 * t345;
+    let t347 = sin_joint_2_joint_3 * t342;
+    let t348 = cos_joint_2_joint_3 * t218;
+    let t349 = t347 - t348;
+    let t350 = t67 * t349;
+    let t351 = t350 + t346;
+    let t352 = t233 + t351;
+    let t353 = t352 * t242;
+    let t354 = t322 + t353;
+    let t355 = t341 + t354;
+    let t356 = sin_joint_4 * t219;
+    let t357 = 0.02087316000000001 * cos_joint_4;
+    let t358 = t356 - t357;
+    let t359 = cos_joint_2_joint_3 * t358;
+    let t360 = t57 * t359;
+    let t361 = sin_joint_2_joint_3 * t358;
+    let t362 = t67 * t361;
+    let t363 = t362 + t360;
+    let t364 = t224 + t363;
+    let t365 = t352 * t118;
+    let t366 = t364 - t365;
+    let t367 = t238 + t366;
+    let t368 = t367 * t240;
+    let t369 = t368 - t355;
+    let t370 = t369 * inverse_d_joint_3;
+    let t371 = t370 * t305;
+    let t372 = t367 * inverse_d_joint_4;
+    let t373 = t372 * t202;
+    let t374 = t352 * inverse_d_joint_5;
+    let t375 = t374 * t112;
+    let t376 = v[1] * 13.91;
+    let t377 = u[1] * 160.0;
+    let t378 = t377 - t376;
+    let t379 = sign(v[1]);
+    let t380 = t379 * 5.1;
+    let t381 = t380 - t378;
+    let t382 = t375 + t381;
+    let t383 = t252 - t382;
+    let t384 = t373 - t383;
+    let t385 = sin_joint_4 * force_joint_4_y;
+    let t386 = 0.37394883600000006 * t29;
+    let t387 = t386 + t385;
+    let t388 = cos_joint_4 * force_joint_4_x;
+    let force_joint_3_x = t388 + t387;
+    let t390 = cos_joint_2_joint_3 * force_joint_3_x;
+    let t391 = cos_joint_5 * force_joint_5_y;
+    let t392 = 0.02087316000000001 * t46;
+    let t393 = 5.421600000000001e-5 * t257;
+    let t394 = t393 + t392;
+    let t395 = t394 + t391;
+    let t396 = sin_joint_5 * force_joint_5_x;
+    let force_joint_4_z = t396 + t395;
+    let t398 = 0.37394883600000006 * t79;
+    let force_joint_3_y = t398 + force_joint_4_z;
+    let t400 = sin_joint_2_joint_3 * force_joint_3_y;
+    let t401 = t390 + t400;
+    let t402 = t57 * t401;
+    let t403 = sin_joint_2 * 2e-6;
+    let t404 = cos_joint_2 * 1.1113184999999997;
+    let t405 = t404 - t403;
+    let t406 = sin_joint_2 * t405;
+    let t407 = 1e-6 + t406;
+    let t408 = t61 - t66;
+    let t409 = t407 * t408;
+    let t410 = sin_joint_2 * 30.925270774999998;
+    let t411 = t410 - t409;
+    let t412 = t411 + t402;
+    let t413 = sin_joint_2_joint_3 * force_joint_3_x;
+    let t414 = cos_joint_2_joint_3 * force_joint_3_y;
+    let t415 = t413 - t414;
+    let t416 = t67 * t415;
+    let t417 = t416 + t412;
+    let moment_joint_2_z = moment_joint_3_z + t417;
+    let t419 = moment_joint_2_z - t384;
+    let t420 = t371 - t419;
+    let t421 = t369 * t370;
+    let t422 = 2.0 * t340;
+    let t423 = cos_joint_2 * t405;
+    let t424 = 0.008565999999999997 + t423;
+    let t425 = 1.1198844999999997 - t423;
+    let t426 = t425 + t424;
+    let t427 = t426 - t422;
+    let t428 = t319 + t427;
+    let t429 = t352 * t374;
+    let t430 = 1.33888 - t429;
+    let t431 = t322 - t430;
+    let t432 = t428 - t431;
+    let t433 = t367 * t372;
+    let t434 = t433 + t432;
+    let t435 = t421 - t434;
+    let inverse_d_joint_2 = 1.0 / t435;
+    let t437 = cos_joint_4 * t311;
+    let t438 = t308 - t437;
+    let t439 = sin_joint_2_joint_3 * t438;
+    let t440 = 0.0013548599999999994 - t224;
+    let t441 = cos_joint_2_joint_3 * t440;
+    let t442 = t441 - t439;
+    let t443 = sin_joint_4 * t227;
+    let t444 = cos_joint_4 * t231;
+    let t445 = t444 - t443;
+    let t446 = sin_joint_2_joint_3 * t445;
+    let t447 = cos_joint_2_joint_3 * t117;
+    let t448 = sin_joint_4 * t226;
+    let t449 = t67 * t448;
+    let t450 = t447 + t449;
+    let t451 = t446 - t450;
+    let t452 = t242 * t451;
+    let t453 = cos_joint_4 * t236;
+    let t454 = sin_joint_2_joint_3 * t453;
+    let t455 = cos_joint_2_joint_3 * t153;
+    let t456 = t454 + t455;
+    let t457 = t456 * t251;
+    let t458 = t457 + t452;
+    let t459 = t442 - t458;
+    let t460 = cos_joint_2_joint_3 * t209;
+    let t461 = t67 * t330;
+    let t462 = t461 + t460;
+    let t463 = t118 * t451;
+    let t464 = t463 - t462;
+    let t465 = cos_joint_4 * t220;
+    let t466 = sin_joint_4 * t222;
+    let t467 = t465 - t466;
+    let t468 = sin_joint_2_joint_3 * t467;
+    let t469 = t468 - t464;
+    let t470 = t456 * t154;
+    let t471 = t470 + t469;
+    let t472 = t471 * t240;
+    let t473 = t472 + t459;
+    let t474 = t473 * t370;
+    let t475 = t57 * t358;
+    let t476 = 6e-6 * sin_joint_2;
+    let t477 = 0.06077274999999999 * cos_joint_2;
+    let t478 = t477 - t476;
+    let t479 = t478 - t475;
+    let t480 = t442 + t479;
+    let t481 = t374 * t451;
+    let t482 = t457 + t481;
+    let t483 = t480 - t482;
+    let t484 = t471 * t372;
+    let t485 = t484 + t483;
+    let t486 = t474 - t485;
+    let t487 = t486 * inverse_d_joint_2;
+    let t488 = t487 * t420;
+    let t489 = cos_joint_4 * t276;
+    let t490 = sin_joint_4 * t298;
+    let t491 = t65 - t79;
+    let t492 = 0.0013548599999999994 * t491;
+    let t493 = 0.37577725300000003 * t27;
+    let t494 = 0.37394883600000006 * acceleration_joint_3_z;
+    let t495 = t494 + t493;
+    let t496 = t492 - t495;
+    let t497 = t490 + t496;
+    let moment_joint_3_x = t489 - t497;
+    let t499 = sin_joint_2_joint_3 * moment_joint_3_x;
+    let t500 = omega_joint_3_x * t26;
+    let t501 = 0.002999500000000002 * t500;
+    let t502 = 0.0013548599999999994 * t29;
+    let t503 = t502 - t501;
+    let moment_joint_3_y = t503 + moment_joint_4_z;
+    let t505 = cos_joint_2_joint_3 * moment_joint_3_y;
+    let t506 = cos_joint_4 * force_joint_4_y;
+    let t507 = 0.37394883600000006 * t27;
+    let t508 = t507 + t506;
+    let t509 = sin_joint_4 * force_joint_4_x;
+    let force_joint_3_z = t509 - t508;
+    let t511 = t67 * force_joint_3_z;
+    let t512 = t407 * t56;
+    let t513 = t65 - t66;
+    let t514 = 6e-6 * cos_joint_2;
+    let t515 = 0.06077274999999999 * sin_joint_2;
+    let t516 = t515 + t514;
+    let t517 = t516 * t513;
+    let t518 = t512 - t517;
+    let t519 = t518 - t511;
+    let t520 = t505 + t519;
+    let moment_joint_2_y = t499 + t520;
+    let t522 = t471 * inverse_d_joint_4;
+    let t523 = t522 * t202;
+    let t524 = inverse_d_joint_5 * t451;
+    let t525 = t524 * t112;
+    let t526 = v[0] * 15.68;
+    let t527 = u[0] * 160.0;
+    let t528 = t527 - t526;
+    let t529 = sign(v[0]);
+    let t530 = t529 * 7.14;
+    let t531 = t530 - t528;
+    let t532 = t525 - t531;
+    let t533 = t456 * inverse_d_joint_6;
+    let t534 = t533 * t149;
+    let t535 = t534 - t532;
+    let t536 = t523 - t535;
+    let t537 = moment_joint_2_y - t536;
+    let t538 = t473 * inverse_d_joint_3;
+    let t539 = t538 * t305;
+    let t540 = t539 - t537;
+    let t541 = t488 - t540;
+    let t542 = t486 * t487;
+    let t543 = t314 - t318;
+    let t544 = sin_joint_2_joint_3 * t543;
+    let t545 = 2.0 * t467;
+    let t546 = cos_joint_2_joint_3 * t545;
+    let t547 = t546 + t544;
+    let t548 = sin_joint_2_joint_3 * t547;
+    let t549 = t208 + t312;
+    let t550 = t549 - t314;
+    let t551 = t451 * t524;
+    let t552 = 2.0 * t339;
+    let t553 = t423 - 2.537083916;
+    let t554 = t552 + t553;
+    let t555 = t551 + t554;
+    let t556 = t456 * t533;
+    let t557 = t556 + t555;
+    let t558 = t557 + t550;
+    let t559 = t548 + t558;
+    let t560 = t471 * t522;
+    let t561 = t560 - t559;
+    let t562 = t473 * t538;
+    let t563 = t562 - t561;
+    let t564 = t542 - t563;
+    let inverse_d_joint_1 = 1.0 / t564;
+    let t566 = inverse_d_joint_1 * t541;
+    let t567 = t487 * t566;
+    let t568 = inverse_d_joint_2 * t420;
+    let t569 = t568 - t567;
+    let t570 = t370 * t569;
+    let t571 = t538 * t566;
+    let t572 = inverse_d_joint_3 * t305;
+    let t573 = t572 - t571;
+    let t574 = t570 - t573;
+    let t575 = t29 - t569;
+    let t576 = t574 + t575;
+    let t577 = sin_joint_4 * t576;
+    let t578 = sin_joint_2_joint_3 * t566;
+    let t579 = t27 - t578;
+    let t580 = cos_joint_4 * t579;
+    let t581 = t577 + t580;
+    let t582 = t42 - t581;
+    let t583 = cos_joint_5 * t582;
+    let t584 = t240 * t574;
+    let t585 = t372 * t569;
+    let t586 = t522 * t566;
+    let t587 = inverse_d_joint_4 * t202;
+    let t588 = t587 + t586;
+    let t589 = t585 + t588;
+    let t590 = t584 - t589;
+    let t591 = cos_joint_2_joint_3 * t566;
+    let t592 = t49 + t591;
+    let t593 = t590 + t592;
+    let t594 = t48 - t593;
+    let t595 = sin_joint_5 * t594;
+    let t596 = t595 + t583;
+    let t597 = t87 + t596;
+    let t598 = t94 - t597;
+    let t599 = t130 * t598;
+    let t600 = cos_joint_4 * t576;
+    let t601 = sin_joint_4 * t579;
+    let t602 = t600 - t601;
+    let t603 = t25 - t602;
+    let t604 = t118 * t590;
+    let t605 = t242 * t574;
+    let t606 = t374 * t569;
+    let t607 = t524 * t566;
+    let t608 = inverse_d_joint_5 * t112;
+    let t609 = t608 - t607;
+    let t610 = t606 - t609;
+    let t611 = t605 - t610;
+    let t612 = t604 + t611;
+    let t613 = t612 + t603;
+    let t614 = t24 - t613;
+    let t615 = t99 - t614;
+    let t616 = t97 * t615;
+    let moment_joint_6_x_2 = t616 - t599;
+    let t618 = 0.033494542 * t597;
+    let t619 = t67 * t566;
+    let acceleration_joint_3_z_2 = acceleration_joint_3_z - t619;
+    let t621 = cos_joint_4 * acceleration_joint_3_z_2;
+    let t622 = t621 + t581;
+    let t623 = t67 * t569;
+    let t624 = t63 - t623;
+    let t625 = sin_joint_2_joint_3 * t624;
+    let t626 = t57 * t569;
+    let t627 = t68 - t626;
+    let t628 = cos_joint_2_joint_3 * t627;
+    let acceleration_joint_3_x_2 = t628 + t625;
+    let t630 = sin_joint_4 * acceleration_joint_3_x_2;
+    let acceleration_joint_4_y_2 = t630 + t622;
+    let t632 = 0.057360528000000015 * acceleration_joint_4_y_2;
+    let t633 = t169 - t632;
+    let t634 = t618 + t633;
+    let moment_joint_5_x_2 = moment_joint_6_x_2 + t634;
+    let t636 = cos_joint_5 * moment_joint_5_x_2;
+    let t637 = t48 + t593;
+    let t638 = 1.7202000000000002e-5 * t637;
+    let t639 = t256 - t602;
+    let t640 = 1.1586e-5 * t639;
+    let t641 = t640 + t638;
+    let t642 = cos_joint_2_joint_3 * t624;
+    let t643 = sin_joint_2_joint_3 * t627;
+    let acceleration_joint_3_y_2 = t643 - t642;
+    let acceleration_joint_4_z_2 = t79 + acceleration_joint_3_y_2;
+    let t646 = 0.02087316000000001 * acceleration_joint_4_z_2;
+    let t647 = t266 - t646;
+    let t648 = 0.008398490000000003 * t582;
+    let t649 = t648 + t647;
+    let t650 = t649 + t641;
+    let t651 = t636 + t650;
+    let t652 = sin_joint_5 * t582;
+    let t653 = cos_joint_5 * t594;
+    let t654 = t653 - t652;
+    let t655 = t154 * t590;
+    let t656 = t251 * t574;
+    let t657 = t251 * t569;
+    let t658 = t533 * t566;
+    let t659 = inverse_d_joint_6 * t149;
+    let t660 = t659 + t658;
+    let t661 = t657 + t660;
+    let t662 = t656 - t661;
+    let t663 = t655 - t662;
+    let t664 = t127 + t663;
+    let t665 = t654 + t664;
+    let t666 = t127 - t665;
+    let t667 = t130 * t666;
+    let t668 = t141 + t667;
+    let t669 = t127 + t665;
+    let t670 = t102 * t669;
+    let moment_joint_6_z_2 = t670 - t668;
+    let t672 = t194 + t654;
+    let t673 = 0.0007899999999999999 * t672;
+    let t674 = 0.0002548800000000001 * t614;
+    let t675 = t674 + t673;
+    let moment_joint_5_y_2 = moment_joint_6_z_2 + t675;
+    let t677 = sin_joint_5 * moment_joint_5_y_2;
+    let moment_joint_4_x_2 = t677 - t651;
+    let force_joint_5_z_2 = 0.057360528000000015 * t597;
+    let t680 = 5.421600000000001e-5 * t637;
+    let t681 = t272 - t680;
+    let force_joint_4_y_2 = force_joint_5_z_2 + t681;
+    let t683 = force_joint_4_y_2 - moment_joint_4_x_2;
+    let t684 = cos_joint_4 * t683;
+    let t685 = 0.033494542 * t614;
+    let t686 = t24 + t613;
+    let t687 = 0.0007899999999999999 * t686;
+    let t688 = t687 - t685;
+    let t689 = 0.0002548800000000001 * t654;
+    let t690 = t689 - t688;
+    let t691 = sin_joint_4 * acceleration_joint_3_z_2;
+    let t692 = t691 - t602;
+    let t693 = cos_joint_4 * acceleration_joint_3_x_2;
+    let acceleration_joint_4_x_2 = t693 - t692;
+    let t695 = cos_joint_5 * acceleration_joint_4_x_2;
+    let t696 = sin_joint_5 * acceleration_joint_4_z_2;
+    let acceleration_joint_5_x_2 = t695 + t696;
+    let t698 = 0.057360528000000015 * acceleration_joint_5_x_2;
+    let t699 = t698 + t690;
+    let t700 = t97 * t598;
+    let t701 = t102 * t615;
+    let moment_joint_6_y_2 = t700 - t701;
+    let moment_joint_5_z_2 = moment_joint_6_y_2 + t699;
+    let t704 = 1.1586e-5 * t582;
+    let t705 = 0.0009375300000000007 * t594;
+    let t706 = t705 + t704;
+    let t707 = 5.421600000000001e-5 * acceleration_joint_4_z_2;
+    let t708 = t286 - t707;
+    let t709 = 0.00043903240000000014 * t639;
+    let t710 = t709 + t708;
+    let t711 = t710 + t706;
+    let moment_joint_4_y_2 = moment_joint_5_z_2 - t711;
+    let force_joint_5_x_2 = 0.057360528000000015 * t614;
+    let t714 = cos_joint_5 * force_joint_5_x_2;
+    let t715 = 0.02087316000000001 * t594;
+    let t716 = t292 + t290;
+    let t717 = t715 - t716;
+    let force_joint_4_x_2 = t714 + t717;
+    let t719 = force_joint_4_x_2 + moment_joint_4_y_2;
+    let t720 = sin_joint_4 * t719;
+    let t721 = 0.37577725300000003 * t579;
+    let t722 = t492 - t721;
+    let t723 = 0.37394883600000006 * acceleration_joint_3_z_2;
+    let t724 = t723 - t722;
+    let t725 = t720 - t724;
+    let moment_joint_3_x_2 = t684 + t725;
+    let t727 = cos_joint_2_joint_3 * moment_joint_3_x_2;
+    let t728 = sin_joint_5 * moment_joint_5_x_2;
+    let t729 = 0.02087316000000001 * acceleration_joint_4_x_2;
+    let t730 = 5.421600000000001e-5 * acceleration_joint_4_y_2;
+    let t731 = t730 - t729;
+    let t732 = 0.008398490000000003 * t594;
+    let t733 = 0.00043903240000000014 * t637;
+    let t734 = t733 - t732;
+    let t735 = 0.0009375300000000007 * t602;
+    let t736 = t180 + t735;
+    let t737 = 1.7202000000000002e-5 * t581;
+    let t738 = t737 - t736;
+    let t739 = t738 - t734;
+    let t740 = t739 - t731;
+    let t741 = t728 + t740;
+    let t742 = cos_joint_5 * moment_joint_5_y_2;
+    let moment_joint_4_z_2 = t742 + t741;
+    let t744 = 0.0013548599999999994 * t576;
+    let t745 = t500 + t591;
+    let t746 = 0.002999500000000002 * t745;
+    let t747 = t744 - t746;
+    let moment_joint_3_y_2 = moment_joint_4_z_2 + t747;
+    let t749 = sin_joint_2_joint_3 * moment_joint_3_y_2;
+    let t750 = cos_joint_4 * force_joint_4_y_2;
+    let t751 = 0.37394883600000006 * t579;
+    let t752 = t751 - t750;
+    let t753 = sin_joint_4 * force_joint_4_x_2;
+    let force_joint_3_z_2 = t753 - t752;
+    let t755 = t57 * force_joint_3_z_2;
+    let t756 = t516 * t569;
+    let t757 = t407 * t566;
+    let t758 = t424 * t56;
+    let t759 = t65 - t61;
+    let t760 = t478 * t759;
+    let t761 = t760 - t758;
+    let t762 = t761 + t757;
+    let t763 = t756 - t762;
+    let t764 = t755 - t763;
+    let t765 = t749 + t764;
+    let moment_joint_2_x = t727 + t765;
+    let t767 = cos_joint_2_joint_3 * t445;
+    let t768 = sin_joint_2_joint_3 * t117;
+    let t769 = t57 * t448;
+    let t770 = t768 - t769;
+    let t771 = t767 + t770;
+    let t772 = t771 * t566;
+    let t773 = t102 * t93;
+    let t774 = 0.0015799999999999998 * omega_joint_5_y;
+    let t775 = t774 + t773;
+    let t776 = cos_joint_5 * t775;
+    let t777 = omega_joint_5_x * 0.066989084;
+    let t778 = sin_joint_5 * t777;
+    let t779 = t776 - t778;
+    let t780 = 2.0 * omega_joint_4_x;
+    let t781 = t218 * t780;
+    let t782 = t779 - t781;
+    let t783 = cos_joint_4 * t782;
+    let t784 = t97 * t93;
+    let t785 = omega_joint_5_x * 0.0005097600000000002;
+    let t786 = t785 - t784;
+    let t787 = 2.0 * omega_joint_4_y;
+    let t788 = t218 * t787;
+    let t789 = t786 + t788;
+    let t790 = sin_joint_4 * t789;
+    let t791 = t783 - t790;
+    let t792 = cos_joint_2_joint_3 * t791;
+    let t793 = sin_joint_5 * t775;
+    let t794 = cos_joint_5 * t777;
+    let t795 = t793 + t794;
+    let t796 = t226 * t780;
+    let t797 = t795 + t796;
+    let t798 = sin_joint_2_joint_3 * t797;
+    let t799 = v[0] * t67;
+    let t800 = 2.0 * t799;
+    let t801 = t349 * t800;
+    let t802 = v[1] * t67;
+    let t803 = 2.0 * t802;
+    let t804 = t448 * t803;
+    let t805 = t804 - t801;
+    let t806 = t798 - t805;
+    let t807 = t792 + t806;
+    let t808 = v[0] * t807;
+    let t809 = t352 * t65;
+    let t810 = t345 * 32.558598937583;
+    let t811 = t809 + t810;
+    let t812 = t808 - t811;
+    let t813 = t772 + t812;
+    let t814 = t118 * t813;
+    let t815 = cos_joint_2_joint_3 * t467;
+    let t816 = sin_joint_2_joint_3 * t209;
+    let t817 = t57 * t330;
+    let t818 = t817 - t816;
+    let t819 = t815 + t818;
+    let t820 = t819 * t566;
+    let t821 = 2.0 * omega_joint_5_x;
+    let t822 = t97 * t821;
+    let t823 = t102 * t86;
+    let t824 = t822 + t823;
+    let t825 = 0.0015799999999999998 * omega_joint_5_z;
+    let t826 = t825 + t824;
+    let t827 = omega_joint_5_y * 0.0005097600000000002;
+    let t828 = omega_joint_5_z * 0.066989084;
+    let t829 = t827 + t828;
+    let t830 = t829 - t826;
+    let t831 = cos_joint_5 * t830;
+    let t832 = t785 + t784;
+    let t833 = sin_joint_5 * t832;
+    let t834 = t833 - t831;
+    let t835 = sin_joint_5 * t834;
+    let t836 = omega_joint_4_y * 3.4404000000000005e-5;
+    let t837 = omega_joint_4_z * 2.3172e-5;
+    let t838 = t836 + t837;
+    let t839 = t838 + t784;
+    let t840 = t835 - t839;
+    let t841 = omega_joint_4_x * 0.0018750600000000013;
+    let t842 = t837 + t841;
+    let t843 = t842 - t786;
+    let t844 = t843 + t840;
+    let t845 = t219 * t787;
+    let t846 = omega_joint_4_x * 0.04174632000000002;
+    let t847 = t846 - t845;
+    let t848 = t847 - t844;
+    let t849 = sin_joint_2_joint_3 * t848;
+    let t850 = t361 * t800;
+    let t851 = t330 * t803;
+    let t852 = t851 + t850;
+    let t853 = t852 - t849;
+    let t854 = cos_joint_5 * t834;
+    let t855 = omega_joint_4_y * 0.0008780648000000003;
+    let t856 = omega_joint_4_x * 2.3172e-5;
+    let t857 = t856 - t855;
+    let t858 = t857 + t829;
+    let t859 = t854 + t858;
+    let t860 = cos_joint_4 * t859;
+    let t861 = t130 * t821;
+    let t862 = t97 * t86;
+    let t863 = t861 + t862;
+    let t864 = cos_joint_5 * t863;
+    let t865 = omega_joint_4_y * 2.3172e-5;
+    let t866 = omega_joint_4_x * 0.016796980000000006;
+    let t867 = t866 - t865;
+    let t868 = t867 + t864;
+    let t869 = t130 * t93;
+    let t870 = omega_joint_5_z * 0.0005097600000000002;
+    let t871 = t870 + t869;
+    let t872 = sin_joint_5 * t871;
+    let t873 = t872 + t868;
+    let t874 = sin_joint_4 * t873;
+    let t875 = t860 + t874;
+    let t876 = cos_joint_2_joint_3 * t875;
+    let t877 = t876 + t853;
+    let t878 = v[0] * t877;
+    let t879 = t364 * t65;
+    let t880 = t359 * 32.558598937583;
+    let t881 = t879 + t880;
+    let t882 = t878 - t881;
+    let t883 = t820 + t882;
+    let t884 = t814 - t883;
+    let t885 = cos_joint_2_joint_3 * t453;
+    let t886 = sin_joint_2_joint_3 * t153;
+    let t887 = t885 - t886;
+    let t888 = t887 * t566;
+    let t889 = cos_joint_5 * t824;
+    let t890 = cos_joint_4 * t889;
+    let t891 = sin_joint_4 * t863;
+    let t892 = t890 + t891;
+    let t893 = cos_joint_2_joint_3 * t892;
+    let t894 = sin_joint_5 * t824;
+    let t895 = sin_joint_2_joint_3 * t894;
+    let t896 = t893 + t895;
+    let t897 = v[0] * t896;
+    let t898 = t237 * t65;
+    let t899 = t898 + t897;
+    let t900 = t888 - t899;
+    let t901 = t154 * t900;
+    let t902 = t901 - t884;
+    let t903 = t240 * t902;
+    let t904 = t242 * t813;
+    let t905 = cos_joint_2_joint_3 * t438;
+    let t906 = sin_joint_2_joint_3 * t440;
+    let t907 = t906 + t905;
+    let t908 = t907 * t566;
+    let t909 = t845 + t840;
+    let t910 = t846 - t843;
+    let t911 = t910 + t909;
+    let t912 = sin_joint_4 * t911;
+    let t913 = omega_joint_4_x * 3.4404000000000005e-5;
+    let t914 = omega_joint_4_z * 0.0008780648000000003;
+    let t915 = t914 + t913;
+    let t916 = t915 + t779;
+    let t917 = t219 * t780;
+    let t918 = t916 - t917;
+    let t919 = sin_joint_5 * t863;
+    let t920 = omega_joint_4_y * 0.0018750600000000013;
+    let t921 = omega_joint_4_z * 0.016796980000000006;
+    let t922 = t920 + t921;
+    let t923 = t922 - t919;
+    let t924 = cos_joint_5 * t871;
+    let t925 = t924 + t923;
+    let t926 = omega_joint_4_y * 0.04174632000000002;
+    let t927 = t926 - t925;
+    let t928 = t918 + t927;
+    let t929 = cos_joint_4 * t928;
+    let t930 = t912 - t929;
+    let t931 = cos_joint_4 * t930;
+    let t932 = 0.005999000000000004 * omega_joint_3_y;
+    let t933 = t932 - t927;
+    let t934 = t931 - t933;
+    let t935 = cos_joint_2_joint_3 * t934;
+    let t936 = omega_joint_4_z * 0.0018750600000000013;
+    let t937 = t936 - t826;
+    let t938 = t854 + t937;
+    let t939 = 0.11472105600000003 * omega_joint_5_z;
+    let t940 = cos_joint_5 * t939;
+    let t941 = omega_joint_4_z * 0.04174632000000002;
+    let t942 = t941 + t940;
+    let t943 = t226 * t787;
+    let t944 = t942 - t943;
+    let t945 = t944 - t938;
+    let t946 = sin_joint_4 * t945;
+    let t947 = omega_joint_4_z * 3.4404000000000005e-5;
+    let t948 = t947 + t795;
+    let t949 = 0.11472105600000003 * omega_joint_5_x;
+    let t950 = omega_joint_4_z * 0.00010843200000000002;
+    let t951 = t950 - t949;
+    let t952 = t951 - t796;
+    let t953 = t948 - t952;
+    let t954 = cos_joint_4 * t953;
+    let t955 = omega_joint_3_x * 0.7515545060000001;
+    let t956 = t955 + t954;
+    let t957 = t946 - t956;
+    let t958 = sin_joint_2_joint_3 * t957;
+    let t959 = t935 + t958;
+    let t960 = t338 * t800;
+    let t961 = t960 + t959;
+    let t962 = v[0] * t961;
+    let t963 = t65 * t341;
+    let t964 = t334 * 32.558598937583;
+    let t965 = t964 - t963;
+    let t966 = t962 + t965;
+    let t967 = t908 + t966;
+    let t968 = t904 + t967;
+    let t969 = t251 * t900;
+    let t970 = t969 + t968;
+    let t971 = t903 - t970;
+    let t972 = t370 * t971;
+    let t973 = t372 * t902;
+    let t974 = t374 * t813;
+    let t975 = t67 * t358;
+    let t976 = t516 - t975;
+    let t977 = t907 + t976;
+    let t978 = t977 * t566;
+    let t979 = cos_joint_4 * t951;
+    let t980 = omega_joint_3_x * 0.7478976720000001;
+    let t981 = t980 - t979;
+    let t982 = sin_joint_4 * t942;
+    let t983 = t982 - t981;
+    let t984 = t67 * t983;
+    let t985 = v[0] * 2.0;
+    let t986 = t425 * t985;
+    let t987 = t986 - t960;
+    let t988 = t984 - t987;
+    let t989 = t959 + t988;
+    let t990 = v[0] * t989;
+    let t991 = t65 * t428;
+    let t992 = 0.9498342 * cos_joint_2;
+    let t993 = t992 + t334;
+    let t994 = t993 * 32.558598937583;
+    let t995 = t994 + t991;
+    let t996 = t990 + t995;
+    let t997 = t978 + t996;
+    let t998 = t974 + t997;
+    let t999 = t969 + t998;
+    let t1000 = t973 - t999;
+    let t1001 = t972 - t1000;
+    let t1002 = t487 * t1001;
+    let t1003 = t538 * t971;
+    let t1004 = t522 * t902;
+    let t1005 = sin_joint_4 * t930;
+    let t1006 = t909 - t1005;
+    let t1007 = t836 - t841;
+    let t1008 = t1007 + t785;
+    let t1009 = t835 - t1008;
+    let t1010 = sin_joint_5 * t939;
+    let t1011 = omega_joint_4_y * 0.00010843200000000002;
+    let t1012 = t846 - t1011;
+    let t1013 = t1012 + t1010;
+    let t1014 = omega_joint_3_x * 0.002709719999999999;
+    let t1015 = t1014 + t1013;
+    let t1016 = t1009 - t1015;
+    let t1017 = t1006 + t1016;
+    let t1018 = sin_joint_2_joint_3 * t1017;
+    let t1019 = 0.005999000000000004 * omega_joint_3_z;
+    let t1020 = t1019 - t875;
+    let t1021 = cos_joint_4 * t945;
+    let t1022 = sin_joint_4 * t953;
+    let t1023 = omega_joint_3_y * 0.002709719999999999;
+    let t1024 = omega_joint_3_z * 0.7515545060000001;
+    let t1025 = t1023 - t1024;
+    let t1026 = t1025 + t1022;
+    let t1027 = t1021 + t1026;
+    let t1028 = t1027 + t1020;
+    let t1029 = cos_joint_2_joint_3 * t1028;
+    let t1030 = t1018 - t1029;
+    let t1031 = cos_joint_2_joint_3 * t1030;
+    let t1032 = sin_joint_4 * t951;
+    let t1033 = omega_joint_3_z * 0.7478976720000001;
+    let t1034 = t1033 + t1032;
+    let t1035 = cos_joint_4 * t942;
+    let t1036 = t1035 - t1034;
+    let t1037 = sin_joint_2_joint_3 * t1036;
+    let t1038 = cos_joint_2_joint_3 * t1013;
+    let t1039 = t1038 - t1037;
+    let t1040 = t67 * t1039;
+    let t1041 = t338 * t803;
+    let t1042 = t425 * t55;
+    let t1043 = t1042 - t1041;
+    let t1044 = t1040 + t1043;
+    let t1045 = t1027 - t1044;
+    let t1046 = t1031 + t1045;
+    let t1047 = v[0] * t1046;
+    let t1048 = t65 * t480;
+    let t1049 = t358 * 32.558598937583;
+    let t1050 = t1049 - t1048;
+    let t1051 = t1047 - t1050;
+    let t1052 = cos_joint_2_joint_3 * t547;
+    let t1053 = t67 * t334;
+    let t1054 = t407 + t1053;
+    let t1055 = t57 * t338;
+    let t1056 = t1055 - t1054;
+    let t1057 = t467 - t1056;
+    let t1058 = t1052 - t1057;
+    let t1059 = t1058 * t566;
+    let t1060 = t1059 + t1051;
+    let t1061 = t524 * t813;
+    let t1062 = t1061 + t1060;
+    let t1063 = t533 * t900;
+    let t1064 = t1063 + t1062;
+    let t1065 = t1004 - t1064;
+    let t1066 = t1003 - t1065;
+    let t1067 = t1002 - t1066;
+    let t1068 = moment_joint_2_x + t1067;
+    let t1069 = inverse_d_joint_1 * t1068;
+    let t1070 = sin_joint_4 * force_joint_4_y_2;
+    let t1071 = 0.37394883600000006 * t576;
+    let t1072 = t1071 - t1070;
+    let t1073 = cos_joint_4 * force_joint_4_x_2;
+    let force_joint_3_x_2 = t1073 + t1072;
+    let t1075 = t358 * t591;
+    let t1076 = omega_joint_3_y * t983;
+    let t1077 = t330 * t65;
+    let t1078 = t1077 - t1076;
+    let t1079 = t1075 + t1078;
+    let t1080 = force_joint_3_x_2 - t1079;
+    let t1081 = sin_joint_2_joint_3 * t1080;
+    let t1082 = sin_joint_5 * force_joint_5_x_2;
+    let t1083 = 0.02087316000000001 * t582;
+    let t1084 = t391 - t1083;
+    let t1085 = 5.421600000000001e-5 * t639;
+    let t1086 = t1085 - t1084;
+    let force_joint_4_z_2 = t1082 - t1086;
+    let force_joint_3_y_2 = t398 + force_joint_4_z_2;
+    let t1089 = t358 * t578;
+    let t1090 = omega_joint_3_x * t983;
+    let t1091 = t332 * t65;
+    let t1092 = t1091 + t1090;
+    let t1093 = t1089 - t1092;
+    let t1094 = force_joint_3_y_2 - t1093;
+    let t1095 = cos_joint_2_joint_3 * t1094;
+    let t1096 = t1095 - t1081;
+    let t1097 = t57 * t1096;
+    let t1098 = t218 * acceleration_joint_3_x_2;
+    let t1099 = t117 * t578;
+    let t1100 = omega_joint_3_y * t791;
+    let t1101 = omega_joint_3_x * t797;
+    let t1102 = t233 * t65;
+    let t1103 = t1102 - t1101;
+    let t1104 = t1100 - t1103;
+    let t1105 = t1099 + t1104;
+    let t1106 = t445 * t591;
+    let t1107 = t1106 + t1105;
+    let t1108 = t1098 - t1107;
+    let t1109 = t342 * acceleration_joint_3_y_2;
+    let t1110 = t1109 - t1108;
+    let t1111 = t118 * t1110;
+    let t1112 = t358 * acceleration_joint_3_y_2;
+    let t1113 = t153 * t578;
+    let t1114 = omega_joint_3_y * t892;
+    let t1115 = omega_joint_3_x * t894;
+    let t1116 = t898 + t1115;
+    let t1117 = t1114 + t1116;
+    let t1118 = t1113 + t1117;
+    let t1119 = t453 * t591;
+    let t1120 = t1119 - t1118;
+    let t1121 = t154 * t1120;
+    let t1122 = t209 * t578;
+    let t1123 = omega_joint_3_x * t848;
+    let t1124 = t224 * t65;
+    let t1125 = t1124 + t1123;
+    let t1126 = omega_joint_3_y * t875;
+    let t1127 = t1126 - t1125;
+    let t1128 = t1122 - t1127;
+    let t1129 = t467 * t591;
+    let t1130 = t1129 - t1128;
+    let t1131 = t1121 + t1130;
+    let t1132 = t1112 + t1131;
+    let t1133 = t1111 - t1132;
+    let t1134 = t240 * t1133;
+    let t1135 = t332 * acceleration_joint_3_y_2;
+    let t1136 = t440 * t578;
+    let t1137 = omega_joint_3_y * t934;
+    let t1138 = omega_joint_3_x * t957;
+    let t1139 = t65 * t319;
+    let t1140 = t1139 + t1138;
+    let t1141 = t1137 + t1140;
+    let t1142 = t1136 + t1141;
+    let t1143 = t438 * t591;
+    let t1144 = t1143 + t1142;
+    let t1145 = t1135 - t1144;
+    let t1146 = t330 * acceleration_joint_3_x_2;
+    let t1147 = t1146 - t1145;
+    let t1148 = t251 * t1120;
+    let t1149 = t1147 + t1148;
+    let t1150 = t242 * t1110;
+    let t1151 = t1150 + t1149;
+    let t1152 = t1134 + t1151;
+    let t1153 = t370 * t1152;
+    let t1154 = t372 * t1133;
+    let t1155 = t374 * t1110;
+    let t1156 = t1155 + t1149;
+    let t1157 = t1154 + t1156;
+    let t1158 = t1153 - t1157;
+    let t1159 = t1097 - t1158;
+    let t1160 = cos_joint_2_joint_3 * t1080;
+    let t1161 = sin_joint_2_joint_3 * t1094;
+    let t1162 = t1161 + t1160;
+    let t1163 = t67 * t1162;
+    let t1164 = t1163 + t1159;
+    let t1165 = t487 * t1164;
+    let t1166 = t358 * acceleration_joint_3_x_2;
+    let t1167 = t467 * t578;
+    let t1168 = t1014 + t910;
+    let t1169 = t1005 - t1168;
+    let t1170 = t1016 - t1169;
+    let t1171 = omega_joint_3_y * t1170;
+    let t1172 = omega_joint_3_x * t1027;
+    let t1173 = t65 * t438;
+    let t1174 = t1173 - t1172;
+    let t1175 = t1171 - t1174;
+    let t1176 = t1167 - t1175;
+    let t1177 = t549 - t318;
+    let t1178 = t591 * t1177;
+    let t1179 = t1178 - t1176;
+    let t1180 = t1166 - t1179;
+    let t1181 = moment_joint_3_y_2 + t1180;
+    let t1182 = sin_joint_2_joint_3 * t1181;
+    let t1183 = t538 * t1152;
+    let t1184 = t522 * t1133;
+    let t1185 = t524 * t1110;
+    let t1186 = t533 * t1120;
+    let t1187 = t330 * t578;
+    let t1188 = omega_joint_3_x * t1036;
+    let t1189 = omega_joint_3_y * t1013;
+    let t1190 = t1189 - t1188;
+    let t1191 = t1187 + t1190;
+    let t1192 = t332 * t591;
+    let t1193 = t1192 + t1191;
+    let t1194 = t67 * t1193;
+    let t1195 = t1194 - t1186;
+    let t1196 = t1185 - t1195;
+    let t1197 = t1184 + t1196;
+    let t1198 = t1183 - t1197;
+    let t1199 = t1182 + t1198;
+    let t1200 = t1165 + t1199;
+    let t1201 = t1006 + t1169;
+    let t1202 = omega_joint_3_x * t1201;
+    let t1203 = omega_joint_3_y * t1020;
+    let t1204 = t440 * t65;
+    let t1205 = t1204 - t1203;
+    let t1206 = t1202 + t1205;
+    let t1207 = t1129 + t1206;
+    let t1208 = t550 * t578;
+    let t1209 = t1208 - t1207;
+    let t1210 = t1112 - t1209;
+    let t1211 = moment_joint_3_x_2 - t1210;
+    let t1212 = cos_joint_2_joint_3 * t1211;
+    let t1213 = t1212 + t1200;
+    let t1214 = inverse_d_joint_1 * t1213;
+    let t1215 = t226 * t581;
+    let t1216 = omega_joint_4_x * t1013;
+    let t1217 = 0.02087316000000001 * t79;
+    let t1218 = t1217 - t1216;
+    let t1219 = t1215 + t1218;
+    let t1220 = force_joint_4_y_2 + t1219;
+    let t1221 = t308 * t602;
+    let t1222 = t840 - t1009;
+    let t1223 = omega_joint_4_x * t1222;
+    let t1224 = omega_joint_4_y * t916;
+    let t1225 = 0.0009375300000000007 + t117;
+    let t1226 = t1225 * t79;
+    let t1227 = t1226 + t1224;
+    let t1228 = t1223 + t1227;
+    let t1229 = t1221 + t1228;
+    let t1230 = t315 - t207;
+    let t1231 = t581 * t1230;
+    let t1232 = t1231 - t1229;
+    let t1233 = t226 * acceleration_joint_4_y_2;
+    let t1234 = t1233 + t1232;
+    let t1235 = t1220 + t1234;
+    let t1236 = moment_joint_4_x_2 - t1235;
+    let t1237 = cos_joint_4 * t1236;
+    let t1238 = t226 * t602;
+    let t1239 = omega_joint_4_y * t1013;
+    let t1240 = t219 * t79;
+    let t1241 = t1240 + t1239;
+    let t1242 = t1238 + t1241;
+    let t1243 = force_joint_4_x_2 - t1242;
+    let t1244 = t308 * t581;
+    let t1245 = t843 - t1009;
+    let t1246 = omega_joint_4_y * t1245;
+    let t1247 = omega_joint_4_x * t925;
+    let t1248 = t217 * t79;
+    let t1249 = t1248 + t1247;
+    let t1250 = t1246 - t1249;
+    let t1251 = t1244 - t1250;
+    let t1252 = t315 - t208;
+    let t1253 = t1252 * t602;
+    let t1254 = t1253 - t1251;
+    let t1255 = t226 * acceleration_joint_4_x_2;
+    let t1256 = t1255 + t1254;
+    let t1257 = t1243 - t1256;
+    let t1258 = moment_joint_4_y_2 + t1257;
+    let t1259 = sin_joint_4 * t1258;
+    let t1260 = t1259 - t1237;
+    let t1261 = t225 * t581;
+    let t1262 = omega_joint_4_y * t779;
+    let t1263 = omega_joint_4_x * t786;
+    let t1264 = t117 * t79;
+    let t1265 = t1264 + t1263;
+    let t1266 = t1262 + t1265;
+    let t1267 = t1261 - t1266;
+    let t1268 = t231 * t602;
+    let t1269 = t1268 - t1267;
+    let t1270 = t1233 - t1269;
+    let t1271 = t118 * t1270;
+    let t1272 = t236 * t602;
+    let t1273 = omega_joint_4_x * t863;
+    let t1274 = t153 * t79;
+    let t1275 = t1274 - t1273;
+    let t1276 = omega_joint_4_y * t889;
+    let t1277 = t1276 + t1275;
+    let t1278 = t1272 - t1277;
+    let t1279 = t154 * t1278;
+    let t1280 = t1279 + t1271;
+    let t1281 = t1225 * t581;
+    let t1282 = omega_joint_4_y * t859;
+    let t1283 = omega_joint_4_x * t873;
+    let t1284 = t79 * t209;
+    let t1285 = t1284 + t1283;
+    let t1286 = t1282 - t1285;
+    let t1287 = t1281 - t1286;
+    let t1288 = t217 * t602;
+    let t1289 = t1288 + t1287;
+    let t1290 = 0.02087316000000001 * acceleration_joint_4_y_2;
+    let t1291 = t1290 - t1289;
+    let t1292 = t219 * acceleration_joint_4_x_2;
+    let t1293 = t1292 + t1291;
+    let t1294 = t1293 + t1280;
+    let t1295 = t240 * t1294;
+    let t1296 = t242 * t1270;
+    let t1297 = t251 * t1278;
+    let t1298 = t1297 - t1296;
+    let t1299 = t1295 - t1298;
+    let t1300 = t1260 - t1299;
+    let t1301 = t370 * t1300;
+    let t1302 = sin_joint_4 * t1243;
+    let t1303 = cos_joint_4 * t1220;
+    let t1304 = t1303 + t1302;
+    let t1305 = cos_joint_2_joint_3 * t1304;
+    let t1306 = t219 * t581;
+    let t1307 = omega_joint_4_x * t942;
+    let t1308 = omega_joint_4_y * t951;
+    let t1309 = t1308 - t1307;
+    let t1310 = t1309 - t1306;
+    let t1311 = 0.02087316000000001 * t602;
+    let t1312 = t1311 + t1310;
+    let t1313 = sin_joint_2_joint_3 * t1312;
+    let t1314 = t1305 - t1313;
+    let t1315 = t57 * t1314;
+    let t1316 = t372 * t1294;
+    let t1317 = t374 * t1270;
+    let t1318 = t1297 - t1317;
+    let t1319 = t1316 - t1318;
+    let t1320 = t1315 - t1319;
+    let t1321 = sin_joint_2_joint_3 * t1304;
+    let t1322 = cos_joint_2_joint_3 * t1312;
+    let t1323 = t1321 + t1322;
+    let t1324 = t67 * t1323;
+    let t1325 = t1324 + t1320;
+    let t1326 = t1260 + t1325;
+    let t1327 = t1301 - t1326;
+    let t1328 = t487 * t1327;
+    let t1329 = sin_joint_4 * t1236;
+    let t1330 = cos_joint_4 * t1258;
+    let t1331 = t1330 + t1329;
+    let t1332 = sin_joint_2_joint_3 * t1331;
+    let t1333 = cos_joint_4 * t1243;
+    let t1334 = sin_joint_4 * t1220;
+    let t1335 = t1334 - t1333;
+    let t1336 = t67 * t1335;
+    let t1337 = t522 * t1294;
+    let t1338 = t524 * t1270;
+    let t1339 = t533 * t1278;
+    let t1340 = t1339 - t1338;
+    let t1341 = cos_joint_2_joint_3 * t1293;
+    let t1342 = t1341 + t1340;
+    let t1343 = t1337 - t1342;
+    let t1344 = t1336 + t1343;
+    let t1345 = t1332 - t1344;
+    let t1346 = t538 * t1300;
+    let t1347 = t1346 - t1345;
+    let t1348 = t1328 - t1347;
+    let t1349 = inverse_d_joint_1 * t1348;
+    let t1350 = t101 - 0.033861092;
+    let t1351 = t1350 * t654;
+    let t1352 = t785 - t786;
+    let t1353 = omega_joint_5_y * t1352;
+    let t1354 = omega_joint_5_x * t829;
+    let t1355 = t97 * t167;
+    let t1356 = t1355 + t1354;
+    let t1357 = t1353 - t1356;
+    let t1358 = t1351 + t1357;
+    let t1359 = moment_joint_5_y_2 + t1358;
+    let t1360 = sin_joint_5 * t1359;
+    let t1361 = t101 + 0.0010565500000000003;
+    let t1362 = t130 + t1361;
+    let t1363 = t1362 * t596;
+    let t1364 = omega_joint_5_y * t826;
+    let t1365 = 0.0002548800000000001 * t167;
+    let t1366 = t1365 + t1364;
+    let t1367 = t784 + t786;
+    let t1368 = omega_joint_5_x * t1367;
+    let t1369 = t1368 - t1366;
+    let t1370 = t1363 - t1369;
+    let t1371 = moment_joint_5_x_2 - t1370;
+    let t1372 = cos_joint_5 * t1371;
+    let t1373 = t1360 - t1372;
+    let t1374 = 0.0002548800000000001 * t596;
+    let t1375 = omega_joint_5_y * t775;
+    let t1376 = omega_joint_5_x * t777;
+    let t1377 = t225 * t167;
+    let t1378 = t1377 - t1376;
+    let t1379 = t1375 - t1378;
+    let t1380 = t1374 - t1379;
+    let t1381 = t97 * t654;
+    let t1382 = t1381 + t1380;
+    let t1383 = sin_joint_5 * acceleration_joint_4_x_2;
+    let t1384 = cos_joint_5 * acceleration_joint_4_z_2;
+    let acceleration_joint_5_y = t1383 - t1384;
+    let t1386 = 0.057360528000000015 * acceleration_joint_5_y;
+    let t1387 = t1386 + t1382;
+    let t1388 = t118 * t1387;
+    let t1389 = t150 * t596;
+    let t1390 = omega_joint_5_y * t824;
+    let t1391 = t1390 + t1389;
+    let t1392 = t154 * t1391;
+    let t1393 = t1392 - t1388;
+    let t1394 = t1373 - t1393;
+    let t1395 = t240 * t1394;
+    let t1396 = t242 * t1387;
+    let t1397 = t251 * t1391;
+    let t1398 = t1397 + t1396;
+    let t1399 = t1395 + t1398;
+    let t1400 = sin_joint_5 * t1371;
+    let t1401 = 0.057360528000000015 * t654;
+    let t1402 = omega_joint_5_x * t939;
+    let t1403 = t1402 + t1401;
+    let t1404 = t1403 - t1400;
+    let t1405 = cos_joint_5 * t1359;
+    let t1406 = t1405 - t1404;
+    let t1407 = sin_joint_4 * t1406;
+    let t1408 = omega_joint_5_y * t949;
+    let t1409 = t1408 - force_joint_5_x_2;
+    let t1410 = sin_joint_5 * t1409;
+    let t1411 = omega_joint_5_x * t949;
+    let t1412 = 0.057360528000000015 * t167;
+    let t1413 = t1412 - t1411;
+    let t1414 = force_joint_5_y + t1413;
+    let t1415 = cos_joint_5 * t1414;
+    let t1416 = t1415 - t1410;
+    let t1417 = t1387 + t1416;
+    let t1418 = cos_joint_4 * t1417;
+    let t1419 = t1407 - t1418;
+    let t1420 = t1419 + t1399;
+    let t1421 = t370 * t1420;
+    let t1422 = cos_joint_4 * t1416;
+    let t1423 = sin_joint_4 * t1403;
+    let t1424 = t1422 + t1423;
+    let t1425 = cos_joint_2_joint_3 * t1424;
+    let t1426 = cos_joint_5 * t1409;
+    let t1427 = sin_joint_5 * t1414;
+    let t1428 = t1427 + t1426;
+    let t1429 = sin_joint_2_joint_3 * t1428;
+    let t1430 = t1425 + t1429;
+    let t1431 = t57 * t1430;
+    let t1432 = t374 * t1387;
+    let t1433 = t1397 + t1432;
+    let t1434 = t1431 - t1433;
+    let t1435 = sin_joint_2_joint_3 * t1424;
+    let t1436 = cos_joint_2_joint_3 * t1428;
+    let t1437 = t1435 - t1436;
+    let t1438 = t67 * t1437;
+    let t1439 = t1438 + t1434;
+    let t1440 = t372 * t1394;
+    let t1441 = t1440 - t1439;
+    let t1442 = t1419 + t1441;
+    let t1443 = t1421 - t1442;
+    let t1444 = t487 * t1443;
+    let t1445 = t538 * t1420;
+    let t1446 = cos_joint_2_joint_3 * t1373;
+    let t1447 = sin_joint_4 * t1416;
+    let t1448 = cos_joint_4 * t1403;
+    let t1449 = t1447 - t1448;
+    let t1450 = t67 * t1449;
+    let t1451 = t524 * t1387;
+    let t1452 = t533 * t1391;
+    let t1453 = t1452 + t1451;
+    let t1454 = t1450 + t1453;
+    let t1455 = t1446 - t1454;
+    let t1456 = t522 * t1394;
+    let t1457 = t1456 - t1455;
+    let t1458 = cos_joint_4 * t1406;
+    let t1459 = sin_joint_4 * t1417;
+    let t1460 = t1458 + t1459;
+    let t1461 = sin_joint_2_joint_3 * t1460;
+    let t1462 = t1461 + t1457;
+    let t1463 = t1445 - t1462;
+    let t1464 = t1444 - t1463;
+    let t1465 = inverse_d_joint_1 * t1464;
+    let t1466 = t97 * t614;
+    let t1467 = omega_joint_5_z * t773;
+    let t1468 = omega_joint_5_x * t784;
+    let t1469 = t1468 + t1467;
+    let t1470 = t1469 - t1466;
+    let t1471 = t102 * t597;
+    let t1472 = t1471 - t1470;
+    let t1473 = moment_joint_6_x_2 - t1472;
+    let t1474 = t118 * t1473;
+    let t1475 = omega_joint_5_x * t863;
+    let t1476 = t150 * t164;
+    let t1477 = t1476 - t1475;
+    let t1478 = omega_joint_5_z * t824;
+    let t1479 = t1478 - t1477;
+    let t1480 = t154 * t1479;
+    let t1481 = t1480 + t1474;
+    let t1482 = t130 * t614;
+    let t1483 = omega_joint_5_x * t869;
+    let t1484 = omega_joint_5_z * t784;
+    let t1485 = t1484 + t1483;
+    let t1486 = t1485 - t1482;
+    let t1487 = t97 * t597;
+    let t1488 = t1487 - t1486;
+    let t1489 = moment_joint_6_y_2 - t1488;
+    let t1490 = sin_joint_5 * t1489;
+    let t1491 = cos_joint_5 * t1479;
+    let t1492 = t1490 + t1491;
+    let t1493 = t1492 - t1481;
+    let t1494 = t240 * t1493;
+    let t1495 = t242 * t1473;
+    let t1496 = t1495 - t1494;
+    let t1497 = cos_joint_5 * t1489;
+    let t1498 = sin_joint_5 * t1479;
+    let t1499 = t1497 - t1498;
+    let t1500 = sin_joint_4 * t1499;
+    let t1501 = cos_joint_4 * t1473;
+    let t1502 = t251 * t1479;
+    let t1503 = t1501 + t1502;
+    let t1504 = t1500 + t1503;
+    let t1505 = t1504 - t1496;
+    let t1506 = t370 * t1505;
+    let t1507 = t372 * t1493;
+    let t1508 = t374 * t1473;
+    let t1509 = t1508 - t1507;
+    let t1510 = t1504 - t1509;
+    let t1511 = t1506 - t1510;
+    let t1512 = t487 * t1511;
+    let t1513 = t538 * t1505;
+    let t1514 = cos_joint_2_joint_3 * t1492;
+    let t1515 = t524 * t1473;
+    let t1516 = t533 * t1479;
+    let t1517 = t1516 - t1515;
+    let t1518 = t1514 - t1517;
+    let t1519 = t522 * t1493;
+    let t1520 = t1519 - t1518;
+    let t1521 = cos_joint_4 * t1499;
+    let t1522 = sin_joint_4 * t1473;
+    let t1523 = t1521 - t1522;
+    let t1524 = sin_joint_2_joint_3 * t1523;
+    let t1525 = t1524 + t1520;
+    let t1526 = t1513 - t1525;
+    let t1527 = t1512 - t1526;
+    let t1528 = inverse_d_joint_1 * t1527;
+    let t1529 = t487 * t1069;
+    let t1530 = inverse_d_joint_2 * t1001;
+    let t1531 = t1530 - t1529;
+    let t1532 = t487 * t1214;
+    let t1533 = inverse_d_joint_2 * t1164;
+    let t1534 = t1533 - t1532;
+    let t1535 = t487 * t1349;
+    let t1536 = inverse_d_joint_2 * t1327;
+    let t1537 = t1536 - t1535;
+    let t1538 = t487 * t1465;
+    let t1539 = inverse_d_joint_2 * t1443;
+    let t1540 = t1539 - t1538;
+    let t1541 = t487 * t1528;
+    let t1542 = inverse_d_joint_2 * t1511;
+    let t1543 = t1542 - t1541;
+    let t1544 = t370 * t1531;
+    let t1545 = t538 * t1069;
+    let t1546 = inverse_d_joint_3 * t971;
+    let t1547 = t1546 - t1545;
+    let t1548 = t1544 - t1547;
+    let t1549 = t370 * t1534;
+    let t1550 = t538 * t1214;
+    let t1551 = inverse_d_joint_3 * t1152;
+    let t1552 = t1551 + t1550;
+    let t1553 = t1549 + t1552;
+    let t1554 = t370 * t1537;
+    let t1555 = t538 * t1349;
+    let t1556 = inverse_d_joint_3 * t1300;
+    let t1557 = t1556 - t1555;
+    let t1558 = t1554 - t1557;
+    let t1559 = t370 * t1540;
+    let t1560 = t538 * t1465;
+    let t1561 = inverse_d_joint_3 * t1420;
+    let t1562 = t1561 - t1560;
+    let t1563 = t1559 - t1562;
+    let t1564 = t370 * t1543;
+    let t1565 = t538 * t1528;
+    let t1566 = inverse_d_joint_3 * t1505;
+    let t1567 = t1566 - t1565;
+    let t1568 = t1564 - t1567;
+    let t1569 = t240 * t1548;
+    let t1570 = t372 * t1531;
+    let t1571 = t522 * t1069;
+    let t1572 = inverse_d_joint_4 * t902;
+    let t1573 = t1572 - t1571;
+    let t1574 = t1570 - t1573;
+    let t1575 = t1569 - t1574;
+    let t1576 = t240 * t1553;
+    let t1577 = t372 * t1534;
+    let t1578 = t522 * t1214;
+    let t1579 = inverse_d_joint_4 * t1133;
+    let t1580 = t1579 + t1578;
+    let t1581 = t1577 + t1580;
+    let t1582 = t1576 - t1581;
+    let t1583 = t240 * t1558;
+    let t1584 = t372 * t1537;
+    let t1585 = t522 * t1349;
+    let t1586 = inverse_d_joint_4 * t1294;
+    let t1587 = t1586 + t1585;
+    let t1588 = t1584 + t1587;
+    let t1589 = t1583 - t1588;
+    let t1590 = t240 * t1563;
+    let t1591 = t372 * t1540;
+    let t1592 = t522 * t1465;
+    let t1593 = inverse_d_joint_4 * t1394;
+    let t1594 = t1593 - t1592;
+    let t1595 = t1591 - t1594;
+    let t1596 = t1590 - t1595;
+    let t1597 = t240 * t1568;
+    let t1598 = t372 * t1543;
+    let t1599 = t522 * t1528;
+    let t1600 = inverse_d_joint_4 * t1493;
+    let t1601 = t1600 - t1599;
+    let t1602 = t1598 - t1601;
+    let t1603 = t1597 - t1602;
+    let t1604 = t118 * t1575;
+    let t1605 = t242 * t1548;
+    let t1606 = t374 * t1531;
+    let t1607 = t524 * t1069;
+    let t1608 = inverse_d_joint_5 * t813;
+    let t1609 = t1608 - t1607;
+    let t1610 = t1606 - t1609;
+    let t1611 = t1605 - t1610;
+    let t1612 = t1604 + t1611;
+    let t1613 = t118 * t1582;
+    let t1614 = t242 * t1553;
+    let t1615 = t374 * t1534;
+    let t1616 = t524 * t1214;
+    let t1617 = inverse_d_joint_5 * t1110;
+    let t1618 = t1617 - t1616;
+    let t1619 = t1615 - t1618;
+    let t1620 = t1614 - t1619;
+    let t1621 = t1613 + t1620;
+    let t1622 = t118 * t1589;
+    let t1623 = t242 * t1558;
+    let t1624 = t374 * t1537;
+    let t1625 = t524 * t1349;
+    let t1626 = inverse_d_joint_5 * t1270;
+    let t1627 = t1626 - t1625;
+    let t1628 = t1624 - t1627;
+    let t1629 = t1623 - t1628;
+    let t1630 = t1622 + t1629;
+    let t1631 = t118 * t1596;
+    let t1632 = t242 * t1563;
+    let t1633 = t374 * t1540;
+    let t1634 = t524 * t1465;
+    let t1635 = inverse_d_joint_5 * t1387;
+    let t1636 = t1635 + t1634;
+    let t1637 = t1633 + t1636;
+    let t1638 = t1632 - t1637;
+    let t1639 = t1631 + t1638;
+    let t1640 = t118 * t1603;
+    let t1641 = t242 * t1568;
+    let t1642 = t374 * t1543;
+    let t1643 = t524 * t1528;
+    let t1644 = inverse_d_joint_5 * t1473;
+    let t1645 = t1644 - t1643;
+    let t1646 = t1642 - t1645;
+    let t1647 = t1641 - t1646;
+    let t1648 = t1640 + t1647;
+    let t1649 = t154 * t1575;
+    let t1650 = t251 * t1548;
+    let t1651 = t251 * t1531;
+    let t1652 = t533 * t1069;
+    let t1653 = inverse_d_joint_6 * t900;
+    let t1654 = t1653 - t1652;
+    let t1655 = t1651 - t1654;
+    let t1656 = t1650 - t1655;
+    let t1657 = t1649 - t1656;
+    let t1658 = t154 * t1582;
+    let t1659 = t251 * t1553;
+    let t1660 = t251 * t1534;
+    let t1661 = t533 * t1214;
+    let t1662 = inverse_d_joint_6 * t1120;
+    let t1663 = t1662 - t1661;
+    let t1664 = t1660 - t1663;
+    let t1665 = t1659 - t1664;
+    let t1666 = t1658 - t1665;
+    let t1667 = t154 * t1589;
+    let t1668 = t251 * t1558;
+    let t1669 = t251 * t1537;
+    let t1670 = t533 * t1349;
+    let t1671 = inverse_d_joint_6 * t1278;
+    let t1672 = t1671 + t1670;
+    let t1673 = t1669 + t1672;
+    let t1674 = t1668 - t1673;
+    let t1675 = t1667 - t1674;
+    let t1676 = t154 * t1596;
+    let t1677 = t251 * t1563;
+    let t1678 = t251 * t1540;
+    let t1679 = t533 * t1465;
+    let t1680 = inverse_d_joint_6 * t1391;
+    let t1681 = t1680 + t1679;
+    let t1682 = t1678 + t1681;
+    let t1683 = t1677 - t1682;
+    let t1684 = t1676 - t1683;
+    let t1685 = t154 * t1603;
+    let t1686 = t251 * t1568;
+    let t1687 = t251 * t1543;
+    let t1688 = t533 * t1528;
+    let t1689 = inverse_d_joint_6 * t1479;
+    let t1690 = t1689 + t1688;
+    let t1691 = t1687 + t1690;
+    let t1692 = t1686 - t1691;
+    let t1693 = t1685 - t1692;
+    let t1694 = sin_joint_2_joint_3 * t934;
+    let t1695 = cos_joint_2_joint_3 * t957;
+    let t1696 = t1694 - t1695;
+    let t1697 = cos_joint_2_joint_3 * t848;
+    let t1698 = sin_joint_2_joint_3 * t875;
+    let t1699 = t1698 + t1697;
+    let t1700 = sin_joint_2_joint_3 * t791;
+    let t1701 = cos_joint_2_joint_3 * t797;
+    let t1702 = t345 * t800;
+    let t1703 = v[1] * t57;
+    let t1704 = 2.0 * t1703;
+    let t1705 = t448 * t1704;
+    let t1706 = t1702 - t1705;
+    let t1707 = t1701 + t1706;
+    let t1708 = t1700 - t1707;
+    let t1709 = t118 * t1708;
+    let t1710 = sin_joint_2_joint_3 * t892;
+    let t1711 = cos_joint_2_joint_3 * t894;
+    let t1712 = t1710 - t1711;
+    let t1713 = t154 * t1712;
+    let t1714 = t359 * t800;
+    let t1715 = t330 * t1704;
+    let t1716 = t1714 + t1715;
+    let t1717 = t1716 + t1713;
+    let t1718 = t1709 + t1717;
+    let t1719 = t1718 - t1699;
+    let t1720 = t240 * t1719;
+    let t1721 = t242 * t1708;
+    let t1722 = t251 * t1712;
+    let t1723 = t334 * t800;
+    let t1724 = t1723 - t1722;
+    let t1725 = t1721 + t1724;
+    let t1726 = t1720 + t1725;
+    let t1727 = t1696 + t1726;
+    let t1728 = t538 * t1727;
+    let t1729 = t522 * t1719;
+    let t1730 = t524 * t1708;
+    let t1731 = t533 * t1712;
+    let t1732 = t358 * t800;
+    let t1733 = t516 * t985;
+    let t1734 = 15.68 + t1733;
+    let t1735 = t1732 - t1734;
+    let t1736 = t1731 + t1735;
+    let t1737 = t1730 - t1736;
+    let t1738 = t1729 + t1737;
+    let t1739 = t1169 - t1738;
+    let t1740 = t1728 + t1739;
+    let t1741 = sin_joint_2_joint_3 * t1030;
+    let t1742 = cos_joint_2_joint_3 * t1036;
+    let t1743 = sin_joint_2_joint_3 * t1013;
+    let t1744 = t1743 + t1742;
+    let t1745 = t67 * t1744;
+    let t1746 = t338 * t1704;
+    let t1747 = t407 * t55;
+    let t1748 = t1733 - t1747;
+    let t1749 = t1748 + t1746;
+    let t1750 = t1745 + t1749;
+    let t1751 = t1006 + t1750;
+    let t1752 = t1741 - t1751;
+    let t1753 = t1752 - t1740;
+    let t1754 = t370 * t1727;
+    let t1755 = t372 * t1719;
+    let t1756 = t374 * t1708;
+    let t1757 = t57 * t983;
+    let t1758 = t407 * t985;
+    let t1759 = t1758 + t1723;
+    let t1760 = t1757 - t1759;
+    let t1761 = t1722 + t1760;
+    let t1762 = t1756 - t1761;
+    let t1763 = t1755 + t1762;
+    let t1764 = t1696 + t1763;
+    let t1765 = t1754 - t1764;
+    let t1766 = t487 * t1765;
+    let t1767 = t1766 + t1753;
+    let t1768 = inverse_d_joint_1 * t1767;
+    let t1769 = t1006 - t1016;
+    let t1770 = sin_joint_4 * t782;
+    let t1771 = cos_joint_4 * t789;
+    let t1772 = t1770 + t1771;
+    let t1773 = t985 * t771;
+    let t1774 = t345 * t803;
+    let t1775 = t349 * t1704;
+    let t1776 = t1775 - t1774;
+    let t1777 = t1776 - t1773;
+    let t1778 = t1772 - t1777;
+    let t1779 = t118 * t1778;
+    let t1780 = sin_joint_4 * t889;
+    let t1781 = cos_joint_4 * t863;
+    let t1782 = t1780 - t1781;
+    let t1783 = t887 * t985;
+    let t1784 = t1782 - t1783;
+    let t1785 = t154 * t1784;
+    let t1786 = t985 * t819;
+    let t1787 = t359 * t803;
+    let t1788 = t361 * t1704;
+    let t1789 = t1788 - t1787;
+    let t1790 = t1789 - t1786;
+    let t1791 = t1785 + t1790;
+    let t1792 = t1779 + t1791;
+    let t1793 = sin_joint_4 * t859;
+    let t1794 = cos_joint_4 * t873;
+    let t1795 = t1793 - t1794;
+    let t1796 = t1795 - t1792;
+    let t1797 = t240 * t1796;
+    let t1798 = t242 * t1778;
+    let t1799 = t251 * t1784;
+    let t1800 = t334 * t803;
+    let t1801 = t1746 + t1800;
+    let t1802 = t1801 + t1799;
+    let t1803 = t985 * t907;
+    let t1804 = t1803 - t1802;
+    let t1805 = t1798 + t1804;
+    let t1806 = t1797 - t1805;
+    let t1807 = t1769 + t1806;
+    let t1808 = t370 * t1807;
+    let t1809 = t372 * t1796;
+    let t1810 = 13.91 - t1747;
+    let t1811 = t1800 - t1810;
+    let t1812 = t1799 + t1811;
+    let t1813 = t57 * t1039;
+    let t1814 = t1813 + t1812;
+    let t1815 = t985 * t977;
+    let t1816 = t1815 - t1814;
+    let t1817 = t1016 + t1816;
+    let t1818 = t374 * t1778;
+    let t1819 = t1818 + t1817;
+    let t1820 = t1809 - t1819;
+    let t1821 = t1808 - t1820;
+    let t1822 = t1741 - t1821;
+    let t1823 = t1752 - t1822;
+    let t1824 = t487 * t1823;
+    let t1825 = t538 * t1807;
+    let t1826 = omega_joint_3_z * 0.002709719999999999;
+    let t1827 = t1826 - t918;
+    let t1828 = t931 - t1827;
+    let t1829 = sin_joint_2_joint_3 * t1828;
+    let t1830 = t524 * t1778;
+    let t1831 = t533 * t1784;
+    let t1832 = t358 * t803;
+    let t1833 = t516 * t55;
+    let t1834 = t1833 - t1832;
+    let t1835 = t1831 + t1834;
+    let t1836 = t1830 - t1835;
+    let t1837 = t985 * t1058;
+    let t1838 = t1837 + t1836;
+    let t1839 = cos_joint_2_joint_3 * t1795;
+    let t1840 = t1839 + t1838;
+    let t1841 = t522 * t1796;
+    let t1842 = t1841 - t1840;
+    let t1843 = t1829 - t1842;
+    let t1844 = t1825 + t1843;
+    let t1845 = t1824 - t1844;
+    let t1846 = inverse_d_joint_1 * t1845;
+    let t1847 = 2.0 * omega_joint_3_y;
+    let t1848 = t1847 * t438;
+    let t1849 = 2.0 * omega_joint_3_x;
+    let t1850 = t440 * t1849;
+    let t1851 = t1850 + t1848;
+    let t1852 = t1769 - t1851;
+    let t1853 = t445 * t1847;
+    let t1854 = t117 * t1849;
+    let t1855 = t1853 + t1854;
+    let t1856 = t1772 + t1855;
+    let t1857 = t118 * t1856;
+    let t1858 = t453 * t1847;
+    let t1859 = t153 * t1849;
+    let t1860 = t1858 - t1859;
+    let t1861 = t1782 - t1860;
+    let t1862 = t154 * t1861;
+    let t1863 = t467 * t1847;
+    let t1864 = t1849 * t209;
+    let t1865 = t1863 - t1864;
+    let t1866 = t1862 - t1865;
+    let t1867 = t1857 + t1866;
+    let t1868 = t1795 - t1867;
+    let t1869 = t240 * t1868;
+    let t1870 = t242 * t1856;
+    let t1871 = t251 * t1861;
+    let t1872 = 17.89 - t1871;
+    let t1873 = t1870 + t1872;
+    let t1874 = t1869 - t1873;
+    let t1875 = t1852 + t1874;
+    let t1876 = t370 * t1875;
+    let t1877 = t372 * t1868;
+    let t1878 = t358 * t1847;
+    let t1879 = t1878 + t1036;
+    let t1880 = sin_joint_2_joint_3 * t1879;
+    let t1881 = t358 * t1849;
+    let t1882 = t1013 + t1881;
+    let t1883 = cos_joint_2_joint_3 * t1882;
+    let t1884 = t1883 - t1880;
+    let t1885 = t57 * t1884;
+    let t1886 = t1871 + t1885;
+    let t1887 = cos_joint_2_joint_3 * t1879;
+    let t1888 = sin_joint_2_joint_3 * t1882;
+    let t1889 = t1888 + t1887;
+    let t1890 = t67 * t1889;
+    let t1891 = t1890 + t1886;
+    let t1892 = t374 * t1856;
+    let t1893 = t1892 - t1891;
+    let t1894 = t1877 - t1893;
+    let t1895 = t1852 + t1894;
+    let t1896 = t1876 - t1895;
+    let t1897 = t487 * t1896;
+    let t1898 = t538 * t1875;
+    let t1899 = t1847 * t1177;
+    let t1900 = t467 * t1849;
+    let t1901 = t1900 - t1899;
+    let t1902 = t1828 - t1901;
+    let t1903 = sin_joint_2_joint_3 * t1902;
+    let t1904 = t1849 * t550;
+    let t1905 = t1863 - t1904;
+    let t1906 = t1795 + t1905;
+    let t1907 = cos_joint_2_joint_3 * t1906;
+    let t1908 = t1856 * t524;
+    let t1909 = t533 * t1861;
+    let t1910 = t330 * t1849;
+    let t1911 = t332 * t1847;
+    let t1912 = t1911 + t1910;
+    let t1913 = t67 * t1912;
+    let t1914 = t1913 + t1909;
+    let t1915 = t1908 - t1914;
+    let t1916 = t1907 + t1915;
+    let t1917 = t522 * t1868;
+    let t1918 = t1917 - t1916;
+    let t1919 = t1903 - t1918;
+    let t1920 = t1898 + t1919;
+    let t1921 = t1897 - t1920;
+    let t1922 = inverse_d_joint_1 * t1921;
+    let t1923 = t787 * t1252;
+    let t1924 = t308 * t780;
+    let t1925 = t1923 + t1924;
+    let t1926 = t942 + t943;
+    let t1927 = t1926 + t1925;
+    let t1928 = t938 - t1927;
+    let t1929 = sin_joint_4 * t1928;
+    let t1930 = t780 * t1230;
+    let t1931 = t308 * t787;
+    let t1932 = t1931 + t1930;
+    let t1933 = t951 + t796;
+    let t1934 = t1933 + t1932;
+    let t1935 = t948 - t1934;
+    let t1936 = cos_joint_4 * t1935;
+    let t1937 = t1929 + t1936;
+    let t1938 = t225 * t780;
+    let t1939 = t231 * t787;
+    let t1940 = t1939 + t1938;
+    let t1941 = t795 - t1940;
+    let t1942 = t242 * t1941;
+    let t1943 = t236 * t787;
+    let t1944 = t894 + t1943;
+    let t1945 = t251 * t1944;
+    let t1946 = t1945 - t1942;
+    let t1947 = t1937 + t1946;
+    let t1948 = t217 * t787;
+    let t1949 = t1225 * t780;
+    let t1950 = t1948 - t1949;
+    let t1951 = t1950 + t844;
+    let t1952 = t118 * t1941;
+    let t1953 = t154 * t1944;
+    let t1954 = 13.63 + t1953;
+    let t1955 = t1952 + t1954;
+    let t1956 = t1951 - t1955;
+    let t1957 = t240 * t1956;
+    let t1958 = t1957 + t1947;
+    let t1959 = t370 * t1958;
+    let t1960 = t374 * t1941;
+    let t1961 = t1945 - t1960;
+    let t1962 = sin_joint_4 * t1926;
+    let t1963 = cos_joint_4 * t1933;
+    let t1964 = t1963 + t1962;
+    let t1965 = cos_joint_2_joint_3 * t1964;
+    let t1966 = t926 + t917;
+    let t1967 = sin_joint_2_joint_3 * t1966;
+    let t1968 = t1965 + t1967;
+    let t1969 = t57 * t1968;
+    let t1970 = sin_joint_2_joint_3 * t1964;
+    let t1971 = cos_joint_2_joint_3 * t1966;
+    let t1972 = t1970 - t1971;
+    let t1973 = t67 * t1972;
+    let t1974 = t1973 + t1969;
+    let t1975 = t1974 - t1961;
+    let t1976 = t1937 - t1975;
+    let t1977 = t372 * t1956;
+    let t1978 = t1977 + t1976;
+    let t1979 = t1959 - t1978;
+    let t1980 = t487 * t1979;
+    let t1981 = cos_joint_2_joint_3 * t1951;
+    let t1982 = t1941 * t524;
+    let t1983 = t533 * t1944;
+    let t1984 = cos_joint_4 * t1926;
+    let t1985 = sin_joint_4 * t1933;
+    let t1986 = t1985 - t1984;
+    let t1987 = t67 * t1986;
+    let t1988 = t1987 + t1983;
+    let t1989 = t1982 - t1988;
+    let t1990 = t1981 + t1989;
+    let t1991 = t522 * t1956;
+    let t1992 = t1991 - t1990;
+    let t1993 = cos_joint_4 * t1928;
+    let t1994 = sin_joint_4 * t1935;
+    let t1995 = t1993 - t1994;
+    let t1996 = sin_joint_2_joint_3 * t1995;
+    let t1997 = t1996 + t1992;
+    let t1998 = t538 * t1958;
+    let t1999 = t1998 - t1997;
+    [
+        sin_joint_4,
+        cos_joint_4,
+        sin_joint_5,
+        cos_joint_5,
+        sin_joint_2_joint_3,
+        cos_joint_2_joint_3,
+        omega_joint_5_y,
+        t57,
+        t67,
+        t86,
+        t97,
+        t102,
+        inverse_d_joint_5,
+        t118,
+        t130,
+        t150,
+        inverse_d_joint_6,
+        t154,
+        inverse_d_joint_4,
+        t240,
+        t242,
+        t251,
+        inverse_d_joint_3,
+        t370,
+        t372,
+        t374,
+        inverse_d_joint_2,
+        t487,
+        t522,
+        t524,
+        t533,
+        t538,
+        inverse_d_joint_1,
+        t566,
+        t569,
+        t574,
+        t590,
+        t612,
+        t663,
+        t785,
+        t786,
+        t821,
+        t822,
+        t862,
+        t863,
+        t871,
+        t940,
+        t1010,
+        t1069,
+        t1214,
+        t1349,
+        t1350,
+        t1362,
+        t1465,
+        t1528,
+        t1531,
+        t1534,
+        t1537,
+        t1540,
+        t1543,
+        t1548,
+        t1553,
+        t1558,
+        t1563,
+        t1568,
+        t1575,
+        t1582,
+        t1589,
+        t1596,
+        t1603,
+        t1612,
+        t1621,
+        t1630,
+        t1639,
+        t1648,
+        t1657,
+        t1666,
+        t1675,
+        t1684,
+        t1693,
+        t1708,
+        t1712,
+        t1719,
+        t1727,
+        t1765,
+        t1768,
+        t1778,
+        t1784,
+        t1796,
+        t1807,
+        t1823,
+        t1846,
+        t1856,
+        t1861,
+        t1868,
+        t1875,
+        t1896,
+        t1922,
+        t1941,
+        t1944,
+        t1956,
+        t1958,
+        t1979,
+        t1980,
+        t1999,
+    ]
+}
+
+/// Part 2 of `linearize`: values that later parts read.
+#[inline(never)]
+fn linearize_part_2(
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    [sin_joint_4,
+    cos_joint_4,
+    sin_joint_5,
+    cos_joint_5,
+    sin_joint_2_joint_3,
+    cos_joint_2_joint_3,
+    omega_joint_5_y,
+    t57,
+    t67,
+    t86,
+    t97,
+    t102,
+    inverse_d_joint_5,
+    t118,
+    t130,
+    t150,
+    inverse_d_joint_6,
+    t154,
+    inverse_d_joint_4,
+    t240,
+    t242,
+    t251,
+    inverse_d_joint_3,
+    t370,
+    t372,
+    t374,
+    inverse_d_joint_2,
+    t487,
+    t522,
+    t524,
+    t533,
+    t538,
+    inverse_d_joint_1,
+    t566,
+    t569,
+    t574,
+    t590,
+    t612,
+    t663,
+    t785,
+    t786,
+    t821,
+    t822,
+    t862,
+    t863,
+    t871,
+    t940,
+    t1010,
+    t1069,
+    t1214,
+    t1349,
+    t1350,
+    t1362,
+    t1465,
+    t1528,
+    t1531,
+    t1534,
+    t1537,
+    t1540,
+    t1543,
+    t1548,
+    t1553,
+    t1558,
+    t1563,
+    t1568,
+    t1575,
+    t1582,
+    t1589,
+    t1596,
+    t1603,
+    t1612,
+    t1621,
+    t1630,
+    t1639,
+    t1648,
+    t1657,
+    t1666,
+    t1675,
+    t1684,
+    t1693,
+    t1708,
+    t1712,
+    t1719,
+    t1727,
+    t1765,
+    t1768,
+    t1778,
+    t1784,
+    t1796,
+    t1807,
+    t1823,
+    t1846,
+    t1856,
+    t1861,
+    t1868,
+    t1875,
+    t1896,
+    t1922,
+    t1941,
+    t1944,
+    t1956,
+    t1958,
+    t1979,
+    t1980,
+    t1999,
+    ]: [f64; 105],
+) -> [f64; 85] {
+    let t2000 = t1980 - t1999;
+    let t2001 = inverse_d_joint_1 * t2000;
+    let t2002 = t821 * t1362;
+    let t2003 = t863 - t2002;
+    let t2004 = sin_joint_5 * t2003;
+    let t2005 = 0.11472105600000003 * omega_joint_5_y;
+    let t2006 = t2005 + t2004;
+    let t2007 = 2.0 * omega_joint_5_y;
+    let t2008 = t2007 * t1350;
+    let t2009 = t871 + t2008;
+    let t2010 = cos_joint_5 * t2009;
+    let t2011 = t2010 - t2006;
+    let t2012 = sin_joint_4 * t2011;
+    let t2013 = t97 * t2007;
+    let t2014 = t785 - t2013;
+    let t2015 = t786 - t2014;
+    let t2016 = t1010 + t2015;
+    let t2017 = cos_joint_4 * t2016;
+    let t2018 = t2017 - t2012;
+    let t2019 = 4.45 - t2015;
+    let t2020 = t242 * t2019;
+    let t2021 = t150 * t821;
+    let t2022 = t863 - t2021;
+    let t2023 = t251 * t2022;
+    let t2024 = t2023 - t2020;
+    let t2025 = t2018 - t2024;
+    let t2026 = t118 * t2019;
+    let t2027 = t154 * t2022;
+    let t2028 = t2027 + t2026;
+    let t2029 = sin_joint_5 * t2009;
+    let t2030 = cos_joint_5 * t2003;
+    let t2031 = t2029 + t2030;
+    let t2032 = t2031 - t2028;
+    let t2033 = t240 * t2032;
+    let t2034 = t2033 - t2025;
+    let t2035 = t370 * t2034;
+    let t2036 = sin_joint_4 * t2005;
+    let t2037 = cos_joint_4 * t1010;
+    let t2038 = t2037 + t2036;
+    let t2039 = cos_joint_2_joint_3 * t2038;
+    let t2040 = sin_joint_2_joint_3 * t940;
+    let t2041 = t2039 - t2040;
+    let t2042 = t57 * t2041;
+    let t2043 = t2042 - t2023;
+    let t2044 = sin_joint_2_joint_3 * t2038;
+    let t2045 = cos_joint_2_joint_3 * t940;
+    let t2046 = t2044 + t2045;
+    let t2047 = t67 * t2046;
+    let t2048 = t2047 + t2043;
+    let t2049 = t374 * t2019;
+    let t2050 = t2049 + t2048;
+    let t2051 = t2018 + t2050;
+    let t2052 = t372 * t2032;
+    let t2053 = t2052 - t2051;
+    let t2054 = t2035 - t2053;
+    let t2055 = t487 * t2054;
+    let t2056 = cos_joint_4 * t2011;
+    let t2057 = sin_joint_4 * t2016;
+    let t2058 = t2057 + t2056;
+    let t2059 = sin_joint_2_joint_3 * t2058;
+    let t2060 = t2019 * t524;
+    let t2061 = t533 * t2022;
+    let t2062 = cos_joint_4 * t2005;
+    let t2063 = sin_joint_4 * t1010;
+    let t2064 = t2063 - t2062;
+    let t2065 = t67 * t2064;
+    let t2066 = t2065 + t2061;
+    let t2067 = t2060 - t2066;
+    let t2068 = cos_joint_2_joint_3 * t2031;
+    let t2069 = t2068 + t2067;
+    let t2070 = t2059 - t2069;
+    let t2071 = t522 * t2032;
+    let t2072 = t2071 + t2070;
+    let t2073 = t538 * t2034;
+    let t2074 = t2073 - t2072;
+    let t2075 = t2055 - t2074;
+    let t2076 = inverse_d_joint_1 * t2075;
+    let t2077 = t102 * t821;
+    let t2078 = t862 - t2077;
+    let t2079 = cos_joint_4 * t2078;
+    let t2080 = t251 * 4.67;
+    let t2081 = t2079 - t2080;
+    let t2082 = t130 * t86;
+    let t2083 = t822 - t2082;
+    let t2084 = cos_joint_5 * t2083;
+    let t2085 = sin_joint_4 * t2084;
+    let t2086 = t2085 - t2081;
+    let t2087 = t242 * t2078;
+    let t2088 = t2087 + t2086;
+    let t2089 = t118 * t2078;
+    let t2090 = sin_joint_5 * t2083;
+    let t2091 = t2090 + t2089;
+    let t2092 = t154 * 4.67;
+    let t2093 = t2092 - t2091;
+    let t2094 = t240 * t2093;
+    let t2095 = t2094 - t2088;
+    let t2096 = t370 * t2095;
+    let t2097 = t372 * t2093;
+    let t2098 = t374 * t2078;
+    let t2099 = t2098 + t2086;
+    let t2100 = t2097 - t2099;
+    let t2101 = t2096 - t2100;
+    let t2102 = t487 * t2101;
+    let t2103 = t538 * t2095;
+    let t2104 = cos_joint_4 * t2084;
+    let t2105 = sin_joint_4 * t2078;
+    let t2106 = t2104 + t2105;
+    let t2107 = sin_joint_2_joint_3 * t2106;
+    let t2108 = t2078 * t524;
+    let t2109 = t533 * 4.67;
+    let t2110 = t2109 + t2108;
+    let t2111 = cos_joint_2_joint_3 * t2090;
+    let t2112 = t2111 - t2110;
+    let t2113 = t2107 - t2112;
+    let t2114 = t522 * t2093;
+    let t2115 = t2114 - t2113;
+    let t2116 = t2103 - t2115;
+    let t2117 = t2102 - t2116;
+    let t2118 = inverse_d_joint_1 * t2117;
+    let t2119 = t487 * t1768;
+    let t2120 = inverse_d_joint_2 * t1765;
+    let t2121 = t2120 - t2119;
+    let t2122 = t487 * t1846;
+    let t2123 = inverse_d_joint_2 * t1823;
+    let t2124 = t2123 - t2122;
+    let t2125 = t487 * t1922;
+    let t2126 = inverse_d_joint_2 * t1896;
+    let t2127 = t2126 - t2125;
+    let t2128 = t487 * t2001;
+    let t2129 = inverse_d_joint_2 * t1979;
+    let t2130 = t2129 - t2128;
+    let t2131 = t487 * t2076;
+    let t2132 = inverse_d_joint_2 * t2054;
+    let t2133 = t2132 - t2131;
+    let t2134 = t487 * t2118;
+    let t2135 = inverse_d_joint_2 * t2101;
+    let t2136 = t2135 - t2134;
+    let t2137 = t370 * t2121;
+    let t2138 = t538 * t1768;
+    let t2139 = inverse_d_joint_3 * t1727;
+    let t2140 = t2139 - t2138;
+    let t2141 = t2137 - t2140;
+    let t2142 = t370 * t2124;
+    let t2143 = t538 * t1846;
+    let t2144 = inverse_d_joint_3 * t1807;
+    let t2145 = t2144 - t2143;
+    let t2146 = t2142 - t2145;
+    let t2147 = t370 * t2127;
+    let t2148 = t538 * t1922;
+    let t2149 = inverse_d_joint_3 * t1875;
+    let t2150 = t2149 - t2148;
+    let t2151 = t2147 - t2150;
+    let t2152 = t370 * t2130;
+    let t2153 = t538 * t2001;
+    let t2154 = inverse_d_joint_3 * t1958;
+    let t2155 = t2154 - t2153;
+    let t2156 = t2152 - t2155;
+    let t2157 = t370 * t2133;
+    let t2158 = t538 * t2076;
+    let t2159 = inverse_d_joint_3 * t2034;
+    let t2160 = t2159 - t2158;
+    let t2161 = t2157 - t2160;
+    let t2162 = t370 * t2136;
+    let t2163 = t538 * t2118;
+    let t2164 = inverse_d_joint_3 * t2095;
+    let t2165 = t2164 - t2163;
+    let t2166 = t2162 - t2165;
+    let t2167 = t240 * t2141;
+    let t2168 = t372 * t2121;
+    let t2169 = t522 * t1768;
+    let t2170 = inverse_d_joint_4 * t1719;
+    let t2171 = t2170 - t2169;
+    let t2172 = t2168 - t2171;
+    let t2173 = t2167 - t2172;
+    let t2174 = t240 * t2146;
+    let t2175 = t372 * t2124;
+    let t2176 = t522 * t1846;
+    let t2177 = inverse_d_joint_4 * t1796;
+    let t2178 = t2177 - t2176;
+    let t2179 = t2175 - t2178;
+    let t2180 = t2174 - t2179;
+    let t2181 = t240 * t2151;
+    let t2182 = t372 * t2127;
+    let t2183 = t522 * t1922;
+    let t2184 = inverse_d_joint_4 * t1868;
+    let t2185 = t2184 - t2183;
+    let t2186 = t2182 - t2185;
+    let t2187 = t2181 - t2186;
+    let t2188 = t240 * t2156;
+    let t2189 = t372 * t2130;
+    let t2190 = t522 * t2001;
+    let t2191 = inverse_d_joint_4 * t1956;
+    let t2192 = t2191 - t2190;
+    let t2193 = t2189 - t2192;
+    let t2194 = t2188 - t2193;
+    let t2195 = t240 * t2161;
+    let t2196 = t372 * t2133;
+    let t2197 = t522 * t2076;
+    let t2198 = inverse_d_joint_4 * t2032;
+    let t2199 = t2198 - t2197;
+    let t2200 = t2196 - t2199;
+    let t2201 = t2195 - t2200;
+    let t2202 = t240 * t2166;
+    let t2203 = t372 * t2136;
+    let t2204 = t522 * t2118;
+    let t2205 = inverse_d_joint_4 * t2093;
+    let t2206 = t2205 - t2204;
+    let t2207 = t2203 - t2206;
+    let t2208 = t2202 - t2207;
+    let t2209 = t118 * t2173;
+    let t2210 = t242 * t2141;
+    let t2211 = t374 * t2121;
+    let t2212 = t524 * t1768;
+    let t2213 = inverse_d_joint_5 * t1708;
+    let t2214 = t2213 + t2212;
+    let t2215 = t2211 + t2214;
+    let t2216 = t2210 - t2215;
+    let t2217 = t2209 + t2216;
+    let t2218 = t118 * t2180;
+    let t2219 = t242 * t2146;
+    let t2220 = t374 * t2124;
+    let t2221 = t524 * t1846;
+    let t2222 = inverse_d_joint_5 * t1778;
+    let t2223 = t2222 - t2221;
+    let t2224 = t2220 - t2223;
+    let t2225 = t2219 - t2224;
+    let t2226 = t2218 + t2225;
+    let t2227 = t118 * t2187;
+    let t2228 = t242 * t2151;
+    let t2229 = t374 * t2127;
+    let t2230 = t524 * t1922;
+    let t2231 = inverse_d_joint_5 * t1856;
+    let t2232 = t2231 - t2230;
+    let t2233 = t2229 - t2232;
+    let t2234 = t2228 - t2233;
+    let t2235 = t2227 + t2234;
+    let t2236 = t118 * t2194;
+    let t2237 = t242 * t2156;
+    let t2238 = t374 * t2130;
+    let t2239 = t524 * t2001;
+    let t2240 = inverse_d_joint_5 * t1941;
+    let t2241 = t2240 - t2239;
+    let t2242 = t2238 - t2241;
+    let t2243 = t2237 - t2242;
+    let t2244 = t2236 + t2243;
+    let t2245 = t118 * t2201;
+    let t2246 = t242 * t2161;
+    let t2247 = t374 * t2133;
+    let t2248 = t524 * t2076;
+    let t2249 = inverse_d_joint_5 * t2019;
+    let t2250 = t2249 - t2248;
+    let t2251 = t2247 - t2250;
+    let t2252 = t2246 - t2251;
+    let t2253 = t2245 + t2252;
+    let t2254 = t118 * t2208;
+    let t2255 = t242 * t2166;
+    let t2256 = t374 * t2136;
+    let t2257 = t524 * t2118;
+    let t2258 = inverse_d_joint_5 * t2078;
+    let t2259 = t2258 - t2257;
+    let t2260 = t2256 - t2259;
+    let t2261 = t2255 - t2260;
+    let t2262 = t2254 + t2261;
+    let t2263 = t154 * t2173;
+    let t2264 = t251 * t2141;
+    let t2265 = t251 * t2121;
+    let t2266 = t533 * t1768;
+    let t2267 = inverse_d_joint_6 * t1712;
+    let t2268 = t2267 - t2266;
+    let t2269 = t2265 - t2268;
+    let t2270 = t2264 - t2269;
+    let t2271 = t2263 - t2270;
+    let t2272 = t154 * t2180;
+    let t2273 = t251 * t2146;
+    let t2274 = t251 * t2124;
+    let t2275 = t533 * t1846;
+    let t2276 = inverse_d_joint_6 * t1784;
+    let t2277 = t2276 + t2275;
+    let t2278 = t2274 + t2277;
+    let t2279 = t2273 - t2278;
+    let t2280 = t2272 - t2279;
+    let t2281 = t154 * t2187;
+    let t2282 = t251 * t2151;
+    let t2283 = t251 * t2127;
+    let t2284 = t533 * t1922;
+    let t2285 = inverse_d_joint_6 * t1861;
+    let t2286 = t2285 + t2284;
+    let t2287 = t2283 + t2286;
+    let t2288 = t2282 - t2287;
+    let t2289 = t2281 - t2288;
+    let t2290 = t154 * t2194;
+    let t2291 = t251 * t2156;
+    let t2292 = t251 * t2130;
+    let t2293 = t533 * t2001;
+    let t2294 = inverse_d_joint_6 * t1944;
+    let t2295 = t2294 + t2293;
+    let t2296 = t2292 + t2295;
+    let t2297 = t2291 - t2296;
+    let t2298 = t2290 - t2297;
+    let t2299 = t154 * t2201;
+    let t2300 = t251 * t2161;
+    let t2301 = t251 * t2133;
+    let t2302 = t533 * t2076;
+    let t2303 = inverse_d_joint_6 * t2022;
+    let t2304 = t2303 + t2302;
+    let t2305 = t2301 + t2304;
+    let t2306 = t2300 - t2305;
+    let t2307 = t2299 - t2306;
+    let t2308 = t154 * t2208;
+    let t2309 = t251 * t2166;
+    let t2310 = t251 * t2136;
+    let t2311 = t533 * t2118;
+    let t2312 = inverse_d_joint_6 * 4.67;
+    let t2313 = t2312 - t2311;
+    let t2314 = t2310 - t2313;
+    let t2315 = t2309 - t2314;
+    let t2316 = t2308 - t2315;
+    let t2317 = 160.0 * inverse_d_joint_1;
+    let t2318 = t487 * inverse_d_joint_1;
+    let t2319 = 160.0 * t2318;
+    let t2320 = t370 * t2318;
+    let t2321 = t538 * inverse_d_joint_1;
+    let t2322 = t2320 - t2321;
+    let t2323 = 160.0 * t2322;
+    let t2324 = t240 * t2322;
+    let t2325 = t372 * t2318;
+    let t2326 = t522 * inverse_d_joint_1;
+    let t2327 = t2325 - t2326;
+    let t2328 = t2324 - t2327;
+    let t2329 = 160.0 * t2328;
+    let t2330 = t118 * t2328;
+    let t2331 = t242 * t2322;
+    let t2332 = t374 * t2318;
+    let t2333 = t524 * inverse_d_joint_1;
+    let t2334 = t2332 - t2333;
+    let t2335 = t2331 - t2334;
+    let t2336 = t2330 + t2335;
+    let t2337 = 100.0 * t2336;
+    let t2338 = t154 * t2328;
+    let t2339 = t251 * t2322;
+    let t2340 = t251 * t2318;
+    let t2341 = t533 * inverse_d_joint_1;
+    let t2342 = t2340 - t2341;
+    let t2343 = t2339 - t2342;
+    let t2344 = t2338 - t2343;
+    let t2345 = 100.0 * t2344;
+    let t2346 = t487 * t2318;
+    let t2347 = inverse_d_joint_2 - t2346;
+    let t2348 = 160.0 * t2347;
+    let t2349 = t370 * t2347;
+    let t2350 = t538 * t2318;
+    let t2351 = t2349 + t2350;
+    let t2352 = 160.0 * t2351;
+    let t2353 = t240 * t2351;
+    let t2354 = t372 * t2347;
+    let t2355 = t522 * t2318;
+    let t2356 = t2354 + t2355;
+    let t2357 = t2353 - t2356;
+    let t2358 = 160.0 * t2357;
+    let t2359 = t118 * t2357;
+    let t2360 = t242 * t2351;
+    let t2361 = t374 * t2347;
+    let t2362 = t524 * t2318;
+    let t2363 = t2361 + t2362;
+    let t2364 = t2360 - t2363;
+    let t2365 = t2359 + t2364;
+    let t2366 = 100.0 * t2365;
+    let t2367 = t154 * t2357;
+    let t2368 = t251 * t2351;
+    let t2369 = t251 * t2347;
+    let t2370 = t533 * t2318;
+    let t2371 = t2369 + t2370;
+    let t2372 = t2368 - t2371;
+    let t2373 = t2367 - t2372;
+    let t2374 = 100.0 * t2373;
+    let t2375 = t370 * t487;
+    let t2376 = t538 - t2375;
+    let t2377 = inverse_d_joint_1 * t2376;
+    let t2378 = t487 * t2377;
+    let t2379 = t370 * inverse_d_joint_2;
+    let t2380 = t2379 + t2378;
+    let t2381 = t370 * t2380;
+    let t2382 = t538 * t2377;
+    let t2383 = inverse_d_joint_3 + t2382;
+    let t2384 = t2381 - t2383;
+    let t2385 = 160.0 * t2384;
+    let t2386 = t240 * t2384;
+    let t2387 = t372 * t2380;
+    let t2388 = t522 * t2377;
+    let t2389 = t2387 - t2388;
+    let t2390 = t2386 - t2389;
+    let t2391 = 160.0 * t2390;
+    let t2392 = t118 * t2390;
+    let t2393 = t242 * t2384;
+    let t2394 = t374 * t2380;
+    let t2395 = t524 * t2377;
+    let t2396 = t2394 - t2395;
+    let t2397 = t2393 - t2396;
+    let t2398 = t2392 + t2397;
+    let t2399 = 100.0 * t2398;
+    let t2400 = t154 * t2390;
+    let t2401 = t251 * t2384;
+    let t2402 = t251 * t2380;
+    let t2403 = t533 * t2377;
+    let t2404 = t2402 - t2403;
+    let t2405 = t2401 - t2404;
+    let t2406 = t2400 - t2405;
+    let t2407 = 100.0 * t2406;
+    let t2408 = t240 * t370;
+    let t2409 = t372 - t2408;
+    let t2410 = t487 * t2409;
+    let t2411 = t240 * t538;
+    let t2412 = t522 - t2411;
+    let t2413 = t2410 - t2412;
+    let t2414 = inverse_d_joint_1 * t2413;
+    let t2415 = t487 * t2414;
+    let t2416 = inverse_d_joint_2 * t2409;
+    let t2417 = t2416 - t2415;
+    let t2418 = t370 * t2417;
+    let t2419 = t538 * t2414;
+    let t2420 = t240 * inverse_d_joint_3;
+    let t2421 = t2420 + t2419;
+    let t2422 = t2418 + t2421;
+    let t2423 = t240 * t2422;
+    let t2424 = t372 * t2417;
+    let t2425 = t522 * t2414;
+    let t2426 = inverse_d_joint_4 + t2425;
+    let t2427 = t2424 + t2426;
+    let t2428 = t2423 - t2427;
+    let t2429 = 160.0 * t2428;
+    let t2430 = t118 * t2428;
+    let t2431 = t242 * t2422;
+    let t2432 = t374 * t2417;
+    let t2433 = t524 * t2414;
+    let t2434 = t2432 + t2433;
+    let t2435 = t2431 - t2434;
+    let t2436 = t2430 + t2435;
+    let t2437 = 100.0 * t2436;
+    let t2438 = t154 * t2428;
+    let t2439 = t251 * t2422;
+    let t2440 = t251 * t2417;
+    let t2441 = t533 * t2414;
+    let t2442 = t2440 + t2441;
+    let t2443 = t2439 - t2442;
+    let t2444 = t2438 - t2443;
+    let t2445 = 100.0 * t2444;
+    let t2446 = 160.0 * t2336;
+    let t2447 = 160.0 * t2365;
+    let t2448 = 160.0 * t2398;
+    let t2449 = 160.0 * t2436;
+    let t2450 = t118 * t240;
+    let t2451 = t242 + t2450;
+    let t2452 = t370 * t2451;
+    let t2453 = t118 * t372;
+    let t2454 = t374 + t2453;
+    let t2455 = t2452 - t2454;
+    let t2456 = t487 * t2455;
+    let t2457 = t538 * t2451;
+    let t2458 = t118 * t522;
+    let t2459 = t524 + t2458;
+    let t2460 = t2457 - t2459;
+    let t2461 = t2456 - t2460;
+    let t2462 = inverse_d_joint_1 * t2461;
+    let t2463 = t487 * t2462;
+    let t2464 = inverse_d_joint_2 * t2455;
+    let t2465 = t2464 - t2463;
+    let t2466 = t370 * t2465;
+    let t2467 = t538 * t2462;
+    let t2468 = inverse_d_joint_3 * t2451;
+    let t2469 = t2468 - t2467;
+    let t2470 = t2466 - t2469;
+    let t2471 = t240 * t2470;
+    let t2472 = t372 * t2465;
+    let t2473 = t522 * t2462;
+    let t2474 = t118 * inverse_d_joint_4;
+    let t2475 = t2474 - t2473;
+    let t2476 = t2472 - t2475;
+    let t2477 = t2471 - t2476;
+    let t2478 = t118 * t2477;
+    let t2479 = t242 * t2470;
+    let t2480 = t374 * t2465;
+    let t2481 = t524 * t2462;
+    let t2482 = inverse_d_joint_5 + t2481;
+    let t2483 = t2480 + t2482;
+    let t2484 = t2479 - t2483;
+    let t2485 = t2478 + t2484;
+    let t2486 = 100.0 * t2485;
+    let t2487 = t154 * t2477;
+    let t2488 = t251 * t2470;
+    let t2489 = t251 * t2465;
+    let t2490 = t533 * t2462;
+    let t2491 = t2489 + t2490;
+    let t2492 = t2488 - t2491;
+    let t2493 = t2487 - t2492;
+    let t2494 = 100.0 * t2493;
+    let t2495 = 160.0 * t2344;
+    let t2496 = 160.0 * t2373;
+    let t2497 = 160.0 * t2406;
+    let t2498 = 160.0 * t2444;
+    let t2499 = t154 * t240;
+    let t2500 = t251 - t2499;
+    let t2501 = t370 * t2500;
+    let t2502 = t154 * t372;
+    let t2503 = t251 - t2502;
+    let t2504 = t2501 - t2503;
+    let t2505 = t487 * t2504;
+    let t2506 = t538 * t2500;
+    let t2507 = t154 * t522;
+    let t2508 = t533 - t2507;
+    let t2509 = t2506 - t2508;
+    let t2510 = t2505 - t2509;
+    let t2511 = inverse_d_joint_1 * t2510;
+    let t2512 = t487 * t2511;
+    let t2513 = inverse_d_joint_2 * t2504;
+    let t2514 = t2513 - t2512;
+    let t2515 = t370 * t2514;
+    let t2516 = t538 * t2511;
+    let t2517 = inverse_d_joint_3 * t2500;
+    let t2518 = t2517 - t2516;
+    let t2519 = t2515 - t2518;
+    let t2520 = t240 * t2519;
+    let t2521 = t372 * t2514;
+    let t2522 = t522 * t2511;
+    let t2523 = t154 * inverse_d_joint_4;
+    let t2524 = t2523 + t2522;
+    let t2525 = t2521 + t2524;
+    let t2526 = t2520 - t2525;
+    let t2527 = t154 * t2526;
+    let t2528 = t251 * t2519;
+    let t2529 = t251 * t2514;
+    let t2530 = t533 * t2511;
+    let t2531 = inverse_d_joint_6 + t2530;
+    let t2532 = t2529 + t2531;
+    let t2533 = t2528 - t2532;
+    let t2534 = t2527 - t2533;
+    let t2535 = 100.0 * t2534;
+    let t2536 = y[1] * t1069;
+    let t2537 = v[1] * t1846;
+    let t2538 = v[0] * t1768;
+    let t2539 = t2538 + t2537;
+    let t2540 = v[2] * t1922;
+    let t2541 = v[3] * t2001;
+    let t2542 = t2540 - t2541;
+    let t2543 = t2542 - t2539;
+    let t2544 = u[0] * t2317;
+    let t2545 = t566 + t2544;
+    let t2546 = v[5] * t2118;
+    let t2547 = v[4] * t2076;
+    let t2548 = t2547 + t2546;
+    let t2549 = t2545 - t2548;
+    let t2550 = u[1] * t2319;
+    let t2551 = t2550 + t2549;
+    let t2552 = t2543 + t2551;
+    let t2553 = u[2] * t2323;
+    let t2554 = t2553 + t2552;
+    let t2555 = u[3] * t2329;
+    let t2556 = t2555 - t2554;
+    let t2557 = u[5] * t2345;
+    let t2558 = t2557 - t2556;
+    let t2559 = u[4] * t2337;
+    let t2560 = t2559 - t2558;
+    let t2561 = t2536 - t2560;
+    let t2562 = y[5] * t1528;
+    let t2563 = t2562 + t2561;
+    let t2564 = y[2] * t1214;
+    let t2565 = t2564 - t2563;
+    let t2566 = y[3] * t1349;
+    let t2567 = t2566 - t2565;
+    let t2568 = y[4] * t1465;
+    let t2569 = t2568 - t2567;
+    let t2570 = y[1] * t1531;
+    let t2571 = v[1] * t2124;
+    let t2572 = v[2] * t2127;
+    let t2573 = t2571 - t2572;
+    let t2574 = v[0] * t2121;
+    let t2575 = t2574 + t2573;
+    let t2576 = u[0] * t2319;
+    let t2577 = t569 - t2576;
+    let t2578 = v[5] * t2136;
+    let t2579 = t2578 - t2577;
+    let t2580 = v[3] * t2130;
+    let t2581 = v[4] * t2133;
+    let t2582 = t2580 + t2581;
+    let t2583 = t2579 + t2582;
+    let t2584 = u[1] * t2348;
+    let t2585 = t2584 - t2583;
+    let t2586 = t2575 - t2585;
+    let t2587 = u[2] * t2352;
+    let t2588 = t2587 - t2586;
+    let t2589 = u[3] * t2358;
+    let t2590 = t2589 - t2588;
+    let t2591 = u[5] * t2374;
+    let t2592 = t2591 - t2590;
+    let t2593 = u[4] * t2366;
+    let t2594 = t2593 - t2592;
+    let t2595 = t2570 - t2594;
+    let t2596 = y[5] * t1543;
+    let t2597 = t2596 + t2595;
+    let t2598 = y[2] * t1534;
+    let t2599 = t2598 - t2597;
+    let t2600 = y[3] * t1537;
+    let t2601 = t2600 - t2599;
+    let t2602 = y[4] * t1540;
+    let t2603 = t2602 - t2601;
+    let t2604 = y[1] * t1548;
+    let t2605 = v[1] * t2146;
+    let t2606 = v[2] * t2151;
+    let t2607 = t2605 - t2606;
+    let t2608 = v[0] * t2141;
+    let t2609 = t2608 + t2607;
+    let t2610 = u[0] * t2323;
+    let t2611 = t574 - t2610;
+    let t2612 = v[5] * t2166;
+    let t2613 = t2612 - t2611;
+    let t2614 = v[3] * t2156;
+    let t2615 = v[4] * t2161;
+    let t2616 = t2614 + t2615;
+    let t2617 = t2613 + t2616;
+    let t2618 = u[2] * t2385;
+    let t2619 = u[1] * t2352;
+    let t2620 = t2619 + t2618;
+    let t2621 = t2617 - t2620;
+    let t2622 = t2609 + t2621;
+    let t2623 = u[3] * t2391;
+    let t2624 = t2623 + t2622;
+    let t2625 = u[5] * t2407;
+    let t2626 = t2625 - t2624;
+    let t2627 = u[4] * t2399;
+    let t2628 = t2627 - t2626;
+    let t2629 = t2604 - t2628;
+    let t2630 = y[5] * t1568;
+    let t2631 = t2630 + t2629;
+    let t2632 = y[2] * t1553;
+    let t2633 = t2632 - t2631;
+    let t2634 = y[3] * t1558;
+    let t2635 = t2634 - t2633;
+    let t2636 = y[4] * t1563;
+    let t2637 = t2636 - t2635;
+    let t2638 = y[1] * t1575;
+    let t2639 = v[1] * t2180;
+    let t2640 = v[2] * t2187;
+    let t2641 = t2639 - t2640;
+    let t2642 = v[0] * t2173;
+    let t2643 = t2642 + t2641;
+    let t2644 = u[0] * t2329;
+    let t2645 = t590 - t2644;
+    let t2646 = v[5] * t2208;
+    let t2647 = t2646 - t2645;
+    let t2648 = v[3] * t2194;
+    let t2649 = v[4] * t2201;
+    let t2650 = t2648 + t2649;
+    let t2651 = t2647 + t2650;
+    let t2652 = t2643 + t2651;
+    let t2653 = u[3] * t2429;
+    let t2654 = u[2] * t2391;
+    let t2655 = t2654 + t2653;
+    let t2656 = u[1] * t2358;
+    let t2657 = t2656 + t2655;
+    let t2658 = t2657 - t2652;
+    let t2659 = u[5] * t2445;
+    let t2660 = u[4] * t2437;
+    let t2661 = t2660 - t2659;
+    let t2662 = t2658 + t2661;
+    let t2663 = t2638 + t2662;
+    let t2664 = y[5] * t1603;
+    let t2665 = t2664 + t2663;
+    let t2666 = y[2] * t1582;
+    let t2667 = t2666 - t2665;
+    let t2668 = y[3] * t1589;
+    let t2669 = t2668 - t2667;
+    let t2670 = y[4] * t1596;
+    let t2671 = t2670 - t2669;
+    let t2672 = y[1] * t1612;
+    let t2673 = v[1] * t2226;
+    let t2674 = v[2] * t2235;
+    let t2675 = t2673 - t2674;
+    let t2676 = v[0] * t2217;
+    let t2677 = t2676 + t2675;
+    let t2678 = u[0] * t2446;
+    let t2679 = t612 - t2678;
+    let t2680 = v[5] * t2262;
+    let t2681 = t2680 - t2679;
+    let t2682 = v[3] * t2244;
+    let t2683 = v[4] * t2253;
+    let t2684 = t2682 + t2683;
+    let t2685 = t2681 + t2684;
+    let t2686 = u[5] * t2494;
+    let t2687 = u[4] * t2486;
+    let t2688 = t2687 - t2686;
+    let t2689 = t2685 + t2688;
+    let t2690 = t2677 + t2689;
+    let t2691 = u[3] * t2449;
+    let t2692 = u[2] * t2448;
+    let t2693 = t2692 + t2691;
+    let t2694 = u[1] * t2447;
+    let t2695 = t2694 + t2693;
+    let t2696 = t2695 - t2690;
+    let t2697 = t2672 + t2696;
+    let t2698 = y[5] * t1648;
+    let t2699 = t2698 + t2697;
+    let t2700 = y[2] * t1621;
+    let t2701 = t2700 - t2699;
+    let t2702 = y[3] * t1630;
+    let t2703 = t2702 - t2701;
+    let t2704 = y[4] * t1639;
+    let t2705 = t2704 - t2703;
+    let t2706 = y[1] * t1657;
+    let t2707 = v[1] * t2280;
+    let t2708 = v[2] * t2289;
+    let t2709 = t2707 - t2708;
+    let t2710 = v[0] * t2271;
+    let t2711 = t2710 + t2709;
+    let t2712 = u[0] * t2495;
+    let t2713 = t663 - t2712;
+    let t2714 = v[5] * t2316;
+    let t2715 = t2714 - t2713;
+    let t2716 = v[3] * t2298;
+    let t2717 = v[4] * t2307;
+    let t2718 = t2716 + t2717;
+    let t2719 = t2715 + t2718;
+    let t2720 = u[5] * t2535;
+    let t2721 = u[4] * t2494;
+    let t2722 = t2721 + t2720;
+    let t2723 = t2719 + t2722;
+    let t2724 = t2711 + t2723;
+    let t2725 = u[3] * t2498;
+    let t2726 = u[2] * t2497;
+    let t2727 = t2726 + t2725;
+    let t2728 = u[1] * t2496;
+    let t2729 = t2728 + t2727;
+    let t2730 = t2729 - t2724;
+    let t2731 = t2706 + t2730;
+    let t2732 = y[5] * t1693;
+    let t2733 = t2732 + t2731;
+    let t2734 = y[2] * t1666;
+    let t2735 = t2734 - t2733;
+    let t2736 = y[3] * t1675;
+    let t2737 = t2736 - t2735;
+    let t2738 = y[4] * t1684;
+    let t2739 = t2738 - t2737;
+    let t2740 = -t1214;
+    let t2741 = -t1465;
+    let t2742 = -t1531;
+    let t2743 = -t1537;
+    let t2744 = -t1543;
+    let t2745 = -t1548;
+    let t2746 = -t1558;
+    let t2747 = -t1568;
+    let t2748 = -t1582;
+    let t2749 = -t1596;
+    let t2750 = -t1621;
+    let t2751 = -t1639;
+    let t2752 = -t1657;
+    let t2753 = -t1675;
+    let t2754 = -t1693;
+    let t2755 = -t1768;
+    let t2756 = -t1846;
+    let t2757 = -t2001;
+    let t2758 = -t2076;
+    let t2759 = -t2118;
+    let t2760 = -t2127;
+    let t2761 = -t2151;
+    let t2762 = -t2173;
+    let t2763 = -t2180;
+    let t2764 = -t2194;
+    let t2765 = -t2201;
+    let t2766 = -t2208;
+    let t2767 = -t2217;
+    let t2768 = -t2226;
+    let t2769 = -t2244;
+    let t2770 = -t2253;
+    let t2771 = -t2262;
+    let t2772 = -t2289;
+    let t2773 = -t2329;
+    let t2774 = -t2337;
+    let t2775 = -t2348;
+    let t2776 = -t2352;
+    let t2777 = -t2374;
+    let t2778 = -t2385;
+    let t2779 = -t2407;
+    let t2780 = -t2445;
+    let t2781 = -t2446;
+    let t2782 = -t2486;
+    let t2783 = -t2496;
+    let t2784 = -t2497;
+    let t2785 = -t2498;
+    let t2786 = -t2603;
+    let t2787 = -t2637;
+    let t2788 = -t2739;
+    [
+        t2121,
+        t2124,
+        t2130,
+        t2133,
+        t2136,
+        t2141,
+        t2146,
+        t2156,
+        t2161,
+        t2166,
+        t2187,
+        t2235,
+        t2271,
+        t2280,
+        t2298,
+        t2307,
+        t2316,
+        t2317,
+        t2319,
+        t2323,
+        t2345,
+        t2358,
+        t2366,
+        t2391,
+        t2399,
+        t2429,
+        t2437,
+        t2447,
+        t2448,
+        t2449,
+        t2494,
+        t2495,
+        t2535,
+        t2569,
+        t2671,
+        t2705,
+        t2740,
+        t2741,
+        t2742,
+        t2743,
+        t2744,
+        t2745,
+        t2746,
+        t2747,
+        t2748,
+        t2749,
+        t2750,
+        t2751,
+        t2752,
+        t2753,
+        t2754,
+        t2755,
+        t2756,
+        t2757,
+        t2758,
+        t2759,
+        t2760,
+        t2761,
+        t2762,
+        t2763,
+        t2764,
+        t2765,
+        t2766,
+        t2767,
+        t2768,
+        t2769,
+        t2770,
+        t2771,
+        t2772,
+        t2773,
+        t2774,
+        t2775,
+        t2776,
+        t2777,
+        t2778,
+        t2779,
+        t2780,
+        t2781,
+        t2782,
+        t2783,
+        t2784,
+        t2785,
+        t2786,
+        t2787,
+        t2788,
+    ]
 }
 
 /// Kinetic energy, rotors included.
@@ -11502,7 +17356,7 @@ pub const SUBSTEPS: usize = 1;
 /// - returns `B_d: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
 /// - returns `c_d: [2 × N]`: affine remainders of y⁺ and ẏ⁺
 ///
-/// Cost: 19279 multiplications, 18669 additions, 7 divisions, 6 function calls (`sin_cos`), 6 selections, one
+/// Cost: 16480 multiplications, 16029 additions, 7 divisions, 5 function calls (`sin_cos`), 6 selections, one
 /// call of `linearize` included.
 ///
 /// Scaling and squaring of the lifted exponential with fixed counts: a Taylor polynomial of degree 17 over 1/64
@@ -11567,7 +17421,7 @@ pub fn step(
 /// - returns `∂x⁺/∂x: [2 × 2 × N × N]`: blocks ((∂y⁺/∂y, ∂y⁺/∂ẏ), (∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ))
 /// - returns `∂x⁺/∂u: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
 ///
-/// Cost: 24252 multiplications, 22872 additions, 37 divisions, 24 function calls (`sin_cos`), 24 selections, 4
+/// Cost: 13056 multiplications, 12312 additions, 37 divisions, 20 function calls (`sin_cos`), 24 selections, 4
 /// calls of `linearize` included.
 ///
 /// The chain rule over the stages of each step: derivatives of what `step` computes, not of the exact solution.
@@ -11590,1296 +17444,6 @@ pub fn step_derivatives(
         SUBSTEPS,
         |y, v| linearize(y, v, u),
     )
-}
-
-/// Acceleration of each body, and the force that the added one needs.
-#[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
-fn accelerated_bodies(
-    inertia: &[[f64; 8]; 10],
-    acceleration: &[[f64; 8]; 6],
-    added_acceleration: &[[f64; 8]; 6],
-    total_acceleration: &mut [[f64; 8]; 6],
-    added_force: &mut [[f64; 8]; 6],
-) {
-    for joint in 0..8 {
-        let t0 = acceleration[0][joint] + added_acceleration[0][joint];
-        total_acceleration[0][joint] = t0;
-        let t1 = acceleration[1][joint] + added_acceleration[1][joint];
-        total_acceleration[1][joint] = t1;
-        let t2 = acceleration[2][joint] + added_acceleration[2][joint];
-        total_acceleration[2][joint] = t2;
-        let t3 = acceleration[3][joint] + added_acceleration[3][joint];
-        total_acceleration[3][joint] = t3;
-        let t4 = acceleration[4][joint] + added_acceleration[4][joint];
-        total_acceleration[4][joint] = t4;
-        let t5 = acceleration[5][joint] + added_acceleration[5][joint];
-        total_acceleration[5][joint] = t5;
-        let t6 = inertia[6][joint] * added_acceleration[2][joint];
-        let t7 = inertia[5][joint] * added_acceleration[1][joint];
-        let t8 = t7 + t6;
-        let t9 = inertia[3][joint] * added_acceleration[4][joint];
-        let t10 = inertia[2][joint] * added_acceleration[5][joint];
-        let t11 = t10 - t9;
-        let t12 = t11 - t8;
-        let t13 = inertia[7][joint] + inertia[9][joint];
-        let t14 = added_acceleration[0][joint] * t13;
-        let t15 = t14 + t12;
-        added_force[0][joint] = t15;
-        let t16 = inertia[8][joint] * added_acceleration[2][joint];
-        let t17 = inertia[5][joint] * added_acceleration[0][joint];
-        let t18 = t17 + t16;
-        let t19 = inertia[1][joint] * added_acceleration[5][joint];
-        let t20 = inertia[3][joint] * added_acceleration[3][joint];
-        let t21 = t20 - t19;
-        let t22 = t21 - t18;
-        let t23 = inertia[4][joint] + inertia[9][joint];
-        let t24 = added_acceleration[1][joint] * t23;
-        let t25 = t24 + t22;
-        added_force[1][joint] = t25;
-        let t26 = inertia[8][joint] * added_acceleration[1][joint];
-        let t27 = inertia[6][joint] * added_acceleration[0][joint];
-        let t28 = t27 + t26;
-        let t29 = inertia[2][joint] * added_acceleration[3][joint];
-        let t30 = inertia[1][joint] * added_acceleration[4][joint];
-        let t31 = t30 - t29;
-        let t32 = t31 - t28;
-        let t33 = inertia[4][joint] + inertia[7][joint];
-        let t34 = added_acceleration[2][joint] * t33;
-        let t35 = t34 + t32;
-        added_force[2][joint] = t35;
-        let t36 = inertia[2][joint] * added_acceleration[2][joint];
-        let t37 = inertia[3][joint] * added_acceleration[1][joint];
-        let t38 = t37 - t36;
-        let t39 = inertia[0][joint] * added_acceleration[3][joint];
-        let t40 = t39 + t38;
-        added_force[3][joint] = t40;
-        let t41 = inertia[3][joint] * added_acceleration[0][joint];
-        let t42 = inertia[1][joint] * added_acceleration[2][joint];
-        let t43 = t42 - t41;
-        let t44 = inertia[0][joint] * added_acceleration[4][joint];
-        let t45 = t44 + t43;
-        added_force[4][joint] = t45;
-        let t46 = inertia[1][joint] * added_acceleration[1][joint];
-        let t47 = inertia[2][joint] * added_acceleration[0][joint];
-        let t48 = t47 - t46;
-        let t49 = inertia[0][joint] * added_acceleration[5][joint];
-        let t50 = t49 + t48;
-        added_force[5][joint] = t50;
-    }
-}
-
-/// Inertia of each body, its momentum, and the acceleration that its joint adds at ÿ = 0.
-#[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
-#[allow(
-    clippy::too_many_arguments,
-    reason = "blocks of fixed size need no type of their own"
-)]
-fn bodies_in_steady_motion(
-    axes: &[[f64; 8]; 9],
-    origins: &[[f64; 8]; 3],
-    moments: &[[f64; 8]; 10],
-    screws: &[[f64; 8]; 6],
-    rates: &[[f64; 8]; 1],
-    gravity: &[[f64; 8]; 3],
-    velocity: &[[f64; 8]; 6],
-    inertia: &mut [[f64; 8]; 10],
-    flow: &mut [[f64; 8]; 12],
-    screw_rate: &mut [[f64; 8]; 6],
-    joint_acceleration: &mut [[f64; 8]; 6],
-    momentum_rate: &mut [[f64; 8]; 6],
-) {
-    for joint in 0..8 {
-        inertia[0][joint] = moments[0][joint];
-        let t0 = axes[6][joint] * moments[3][joint];
-        let t1 = axes[3][joint] * moments[2][joint];
-        let t2 = t1 + t0;
-        let t3 = axes[0][joint] * moments[1][joint];
-        let t4 = t3 + t2;
-        let t5 = origins[0][joint] * moments[0][joint];
-        let t6 = t5 + t4;
-        inertia[1][joint] = t6;
-        let t7 = axes[7][joint] * moments[3][joint];
-        let t8 = axes[4][joint] * moments[2][joint];
-        let t9 = t8 + t7;
-        let t10 = axes[1][joint] * moments[1][joint];
-        let t11 = t10 + t9;
-        let t12 = origins[1][joint] * moments[0][joint];
-        let t13 = t12 + t11;
-        inertia[2][joint] = t13;
-        let t14 = axes[8][joint] * moments[3][joint];
-        let t15 = axes[5][joint] * moments[2][joint];
-        let t16 = t15 + t14;
-        let t17 = axes[2][joint] * moments[1][joint];
-        let t18 = t17 + t16;
-        let t19 = origins[2][joint] * moments[0][joint];
-        let t20 = t19 + t18;
-        inertia[3][joint] = t20;
-        let t21 = axes[6][joint] * moments[9][joint];
-        let t22 = axes[3][joint] * moments[8][joint];
-        let t23 = t22 + t21;
-        let t24 = axes[0][joint] * moments[6][joint];
-        let t25 = t24 + t23;
-        let t26 = axes[6][joint] * t25;
-        let t27 = axes[6][joint] * moments[8][joint];
-        let t28 = axes[3][joint] * moments[7][joint];
-        let t29 = t28 + t27;
-        let t30 = axes[0][joint] * moments[5][joint];
-        let t31 = t30 + t29;
-        let t32 = axes[3][joint] * t31;
-        let t33 = t32 + t26;
-        let t34 = axes[6][joint] * moments[6][joint];
-        let t35 = axes[3][joint] * moments[5][joint];
-        let t36 = t35 + t34;
-        let t37 = axes[0][joint] * moments[4][joint];
-        let t38 = t37 + t36;
-        let t39 = axes[0][joint] * t38;
-        let t40 = t39 + t33;
-        let t41 = t5 * 0.5;
-        let t42 = t41 + t4;
-        let t43 = origins[0][joint] * t42;
-        let t44 = 2.0 * t43;
-        let t45 = t44 + t40;
-        inertia[4][joint] = t45;
-        let t46 = t12 * 0.5;
-        let t47 = t46 + t11;
-        let t48 = origins[0][joint] * t47;
-        let t49 = origins[1][joint] * t42;
-        let t50 = t49 + t48;
-        let t51 = axes[7][joint] * t25;
-        let t52 = axes[4][joint] * t31;
-        let t53 = t52 + t51;
-        let t54 = axes[1][joint] * t38;
-        let t55 = t54 + t53;
-        let t56 = t55 + t50;
-        inertia[5][joint] = t56;
-        let t57 = t19 * 0.5;
-        let t58 = t57 + t18;
-        let t59 = origins[0][joint] * t58;
-        let t60 = origins[2][joint] * t42;
-        let t61 = t60 + t59;
-        let t62 = axes[8][joint] * t25;
-        let t63 = axes[5][joint] * t31;
-        let t64 = t63 + t62;
-        let t65 = axes[2][joint] * t38;
-        let t66 = t65 + t64;
-        let t67 = t66 + t61;
-        inertia[6][joint] = t67;
-        let t68 = axes[7][joint] * moments[9][joint];
-        let t69 = axes[4][joint] * moments[8][joint];
-        let t70 = t69 + t68;
-        let t71 = axes[1][joint] * moments[6][joint];
-        let t72 = t71 + t70;
-        let t73 = axes[7][joint] * t72;
-        let t74 = axes[7][joint] * moments[8][joint];
-        let t75 = axes[4][joint] * moments[7][joint];
-        let t76 = t75 + t74;
-        let t77 = axes[1][joint] * moments[5][joint];
-        let t78 = t77 + t76;
-        let t79 = axes[4][joint] * t78;
-        let t80 = t79 + t73;
-        let t81 = axes[7][joint] * moments[6][joint];
-        let t82 = axes[4][joint] * moments[5][joint];
-        let t83 = t82 + t81;
-        let t84 = axes[1][joint] * moments[4][joint];
-        let t85 = t84 + t83;
-        let t86 = axes[1][joint] * t85;
-        let t87 = t86 + t80;
-        let t88 = origins[1][joint] * t47;
-        let t89 = 2.0 * t88;
-        let t90 = t89 + t87;
-        inertia[7][joint] = t90;
-        let t91 = origins[1][joint] * t58;
-        let t92 = origins[2][joint] * t47;
-        let t93 = t92 + t91;
-        let t94 = axes[8][joint] * t72;
-        let t95 = axes[5][joint] * t78;
-        let t96 = t95 + t94;
-        let t97 = axes[2][joint] * t85;
-        let t98 = t97 + t96;
-        let t99 = t98 + t93;
-        inertia[8][joint] = t99;
-        let t100 = axes[8][joint] * moments[9][joint];
-        let t101 = axes[5][joint] * moments[8][joint];
-        let t102 = t101 + t100;
-        let t103 = axes[2][joint] * moments[6][joint];
-        let t104 = t103 + t102;
-        let t105 = axes[8][joint] * t104;
-        let t106 = axes[8][joint] * moments[8][joint];
-        let t107 = axes[5][joint] * moments[7][joint];
-        let t108 = t107 + t106;
-        let t109 = axes[2][joint] * moments[5][joint];
-        let t110 = t109 + t108;
-        let t111 = axes[5][joint] * t110;
-        let t112 = t111 + t105;
-        let t113 = axes[8][joint] * moments[6][joint];
-        let t114 = axes[5][joint] * moments[5][joint];
-        let t115 = t114 + t113;
-        let t116 = axes[2][joint] * moments[4][joint];
-        let t117 = t116 + t115;
-        let t118 = axes[2][joint] * t117;
-        let t119 = t118 + t112;
-        let t120 = origins[2][joint] * t58;
-        let t121 = 2.0 * t120;
-        let t122 = t121 + t119;
-        inertia[9][joint] = t122;
-        let t123 = velocity[2][joint] + velocity[2][joint];
-        let t124 = t123 * t13;
-        let t125 = velocity[3][joint] + velocity[3][joint];
-        let t126 = moments[0][joint] * t125;
-        let t127 = t126 - t124;
-        let t128 = velocity[1][joint] + velocity[1][joint];
-        let t129 = t128 * t20;
-        let t130 = t129 + t127;
-        flow[0][joint] = t130;
-        let t131 = velocity[0][joint] + velocity[0][joint];
-        let t132 = t131 * t20;
-        let t133 = velocity[4][joint] + velocity[4][joint];
-        let t134 = moments[0][joint] * t133;
-        let t135 = t134 - t132;
-        let t136 = t123 * t6;
-        let t137 = t136 + t135;
-        flow[1][joint] = t137;
-        let t138 = t128 * t6;
-        let t139 = velocity[5][joint] + velocity[5][joint];
-        let t140 = moments[0][joint] * t139;
-        let t141 = t140 - t138;
-        let t142 = t131 * t13;
-        let t143 = t142 + t141;
-        flow[2][joint] = t143;
-        let t144 = t123 * t56;
-        let t145 = t125 * t6;
-        let t146 = t144 - t145;
-        let t147 = t128 * t67;
-        let t148 = t147 - t146;
-        flow[3][joint] = t148;
-        let t149 = t123 * t90;
-        let t150 = t125 * t13;
-        let t151 = t149 - t150;
-        let t152 = t128 * t99;
-        let t153 = t152 - t151;
-        flow[4][joint] = t153;
-        let t154 = t123 * t99;
-        let t155 = t125 * t20;
-        let t156 = t154 - t155;
-        let t157 = t128 * t122;
-        let t158 = t157 - t156;
-        flow[5][joint] = t158;
-        let t159 = t131 * t67;
-        let t160 = t133 * t6;
-        let t161 = t159 - t160;
-        let t162 = t123 * t45;
-        let t163 = t162 - t161;
-        flow[6][joint] = t163;
-        let t164 = t131 * t99;
-        let t165 = t133 * t13;
-        let t166 = t164 - t165;
-        let t167 = t144 - t166;
-        flow[7][joint] = t167;
-        let t168 = t131 * t122;
-        let t169 = t133 * t20;
-        let t170 = t168 - t169;
-        let t171 = t123 * t67;
-        let t172 = t171 - t170;
-        flow[8][joint] = t172;
-        let t173 = t128 * t45;
-        let t174 = t139 * t6;
-        let t175 = t173 - t174;
-        let t176 = t131 * t56;
-        let t177 = t176 - t175;
-        flow[9][joint] = t177;
-        let t178 = t128 * t56;
-        let t179 = t139 * t13;
-        let t180 = t178 - t179;
-        let t181 = t131 * t90;
-        let t182 = t181 - t180;
-        flow[10][joint] = t182;
-        let t183 = t139 * t20;
-        let t184 = t164 + t183;
-        let t185 = t147 - t184;
-        let t186 = screws[1][joint] * velocity[2][joint];
-        let t187 = screws[2][joint] * velocity[1][joint];
-        let t188 = t187 - t186;
-        screw_rate[0][joint] = t188;
-        let t189 = screws[2][joint] * velocity[0][joint];
-        let t190 = screws[0][joint] * velocity[2][joint];
-        let t191 = t190 - t189;
-        screw_rate[1][joint] = t191;
-        let t192 = screws[0][joint] * velocity[1][joint];
-        let t193 = screws[1][joint] * velocity[0][joint];
-        let t194 = t193 - t192;
-        screw_rate[2][joint] = t194;
-        let t195 = screws[1][joint] * velocity[5][joint];
-        let t196 = screws[2][joint] * velocity[4][joint];
-        let t197 = t196 - t195;
-        let t198 = screws[4][joint] * velocity[2][joint];
-        let t199 = screws[5][joint] * velocity[1][joint];
-        let t200 = t199 - t198;
-        let t201 = t200 + t197;
-        screw_rate[3][joint] = t201;
-        let t202 = screws[2][joint] * velocity[3][joint];
-        let t203 = screws[0][joint] * velocity[5][joint];
-        let t204 = t203 - t202;
-        let t205 = screws[5][joint] * velocity[0][joint];
-        let t206 = screws[3][joint] * velocity[2][joint];
-        let t207 = t206 - t205;
-        let t208 = t207 + t204;
-        screw_rate[4][joint] = t208;
-        let t209 = screws[0][joint] * velocity[4][joint];
-        let t210 = screws[1][joint] * velocity[3][joint];
-        let t211 = t210 - t209;
-        let t212 = screws[3][joint] * velocity[1][joint];
-        let t213 = screws[4][joint] * velocity[0][joint];
-        let t214 = t213 - t212;
-        let t215 = t214 + t211;
-        screw_rate[5][joint] = t215;
-        let t216 = rates[0][joint] * t188;
-        joint_acceleration[0][joint] = t216;
-        let t217 = rates[0][joint] * t191;
-        joint_acceleration[1][joint] = t217;
-        let t218 = rates[0][joint] * t194;
-        joint_acceleration[2][joint] = t218;
-        let t219 = rates[0][joint] * t201;
-        let t220 = gravity[0][joint] + t219;
-        joint_acceleration[3][joint] = t220;
-        let t221 = rates[0][joint] * t208;
-        let t222 = gravity[1][joint] + t221;
-        joint_acceleration[4][joint] = t222;
-        let t223 = rates[0][joint] * t215;
-        let t224 = gravity[2][joint] + t223;
-        joint_acceleration[5][joint] = t224;
-        let t225 = velocity[2][joint] * t99;
-        let t226 = velocity[5][joint] * t6;
-        let t227 = velocity[3][joint] * t20;
-        let t228 = t227 - t226;
-        let t229 = t225 - t228;
-        let t230 = velocity[0][joint] * t56;
-        let t231 = t230 + t229;
-        let t232 = t45 + t122;
-        let t233 = velocity[1][joint] * t232;
-        let t234 = t233 - t231;
-        let t235 = velocity[2][joint] * t234;
-        let t236 = velocity[0][joint] * t20;
-        let t237 = moments[0][joint] * velocity[4][joint];
-        let t238 = t237 - t236;
-        let t239 = velocity[2][joint] * t6;
-        let t240 = t239 + t238;
-        let t241 = velocity[5][joint] * t240;
-        let t242 = velocity[1][joint] * t6;
-        let t243 = moments[0][joint] * velocity[5][joint];
-        let t244 = t243 - t242;
-        let t245 = velocity[0][joint] * t13;
-        let t246 = t245 + t244;
-        let t247 = velocity[4][joint] * t246;
-        let t248 = t247 - t241;
-        let t249 = t235 - t248;
-        let t250 = velocity[1][joint] * t99;
-        let t251 = velocity[3][joint] * t13;
-        let t252 = velocity[4][joint] * t6;
-        let t253 = t252 - t251;
-        let t254 = t250 - t253;
-        let t255 = velocity[0][joint] * t67;
-        let t256 = t255 + t254;
-        let t257 = t45 + t90;
-        let t258 = velocity[2][joint] * t257;
-        let t259 = t258 - t256;
-        let t260 = velocity[1][joint] * t259;
-        let t261 = t260 - t249;
-        momentum_rate[0][joint] = t261;
-        let t262 = velocity[0][joint] * t259;
-        let t263 = velocity[3][joint] * t246;
-        let t264 = velocity[2][joint] * t13;
-        let t265 = moments[0][joint] * velocity[3][joint];
-        let t266 = t265 - t264;
-        let t267 = velocity[1][joint] * t20;
-        let t268 = t267 + t266;
-        let t269 = velocity[5][joint] * t268;
-        let t270 = t269 - t263;
-        let t271 = t262 - t270;
-        let t272 = velocity[2][joint] * t67;
-        let t273 = velocity[4][joint] * t20;
-        let t274 = velocity[5][joint] * t13;
-        let t275 = t274 - t273;
-        let t276 = t272 - t275;
-        let t277 = velocity[1][joint] * t56;
-        let t278 = t277 + t276;
-        let t279 = t90 + t122;
-        let t280 = velocity[0][joint] * t279;
-        let t281 = t280 - t278;
-        let t282 = velocity[2][joint] * t281;
-        let t283 = t282 - t271;
-        momentum_rate[1][joint] = t283;
-        let t284 = velocity[1][joint] * t281;
-        let t285 = velocity[4][joint] * t268;
-        let t286 = velocity[3][joint] * t240;
-        let t287 = t286 - t285;
-        let t288 = t284 - t287;
-        let t289 = velocity[0][joint] * t234;
-        let t290 = t289 - t288;
-        momentum_rate[2][joint] = t290;
-        let t291 = velocity[2][joint] * t240;
-        let t292 = velocity[1][joint] * t246;
-        let t293 = t292 - t291;
-        momentum_rate[3][joint] = t293;
-        let t294 = velocity[0][joint] * t246;
-        let t295 = velocity[2][joint] * t268;
-        let t296 = t295 - t294;
-        momentum_rate[4][joint] = t296;
-        let t297 = velocity[1][joint] * t268;
-        let t298 = velocity[0][joint] * t240;
-        let t299 = t298 - t297;
-        momentum_rate[5][joint] = t299;
-        let t300 = -t185;
-        flow[11][joint] = t300;
-    }
-}
-
-/// Force that each body needs.
-#[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
-fn body_forces(
-    inertia: &[[f64; 8]; 10],
-    acceleration: &[[f64; 8]; 6],
-    momentum_rate: &[[f64; 8]; 6],
-    force: &mut [[f64; 8]; 6],
-) {
-    for joint in 0..8 {
-        let t0 = inertia[3][joint] * acceleration[4][joint];
-        let t1 = momentum_rate[0][joint] - t0;
-        let t2 = inertia[7][joint] + inertia[9][joint];
-        let t3 = acceleration[0][joint] * t2;
-        let t4 = t3 + t1;
-        let t5 = inertia[2][joint] * acceleration[5][joint];
-        let t6 = inertia[6][joint] * acceleration[2][joint];
-        let t7 = t6 - t5;
-        let t8 = inertia[5][joint] * acceleration[1][joint];
-        let t9 = t8 + t7;
-        let t10 = t9 - t4;
-        let t11 = inertia[1][joint] * acceleration[5][joint];
-        let t12 = momentum_rate[1][joint] - t11;
-        let t13 = inertia[4][joint] + inertia[9][joint];
-        let t14 = acceleration[1][joint] * t13;
-        let t15 = t14 + t12;
-        let t16 = inertia[3][joint] * acceleration[3][joint];
-        let t17 = inertia[8][joint] * acceleration[2][joint];
-        let t18 = t17 - t16;
-        let t19 = inertia[5][joint] * acceleration[0][joint];
-        let t20 = t19 + t18;
-        let t21 = t20 - t15;
-        let t22 = inertia[2][joint] * acceleration[3][joint];
-        let t23 = momentum_rate[2][joint] - t22;
-        let t24 = inertia[4][joint] + inertia[7][joint];
-        let t25 = acceleration[2][joint] * t24;
-        let t26 = t25 + t23;
-        let t27 = inertia[1][joint] * acceleration[4][joint];
-        let t28 = inertia[8][joint] * acceleration[1][joint];
-        let t29 = t28 - t27;
-        let t30 = inertia[6][joint] * acceleration[0][joint];
-        let t31 = t30 + t29;
-        let t32 = t31 - t26;
-        let t33 = inertia[3][joint] * acceleration[1][joint];
-        let t34 = inertia[0][joint] * acceleration[3][joint];
-        let t35 = t34 + t33;
-        let t36 = inertia[2][joint] * acceleration[2][joint];
-        let t37 = momentum_rate[3][joint] - t36;
-        let t38 = t37 + t35;
-        force[3][joint] = t38;
-        let t39 = inertia[1][joint] * acceleration[2][joint];
-        let t40 = inertia[0][joint] * acceleration[4][joint];
-        let t41 = t40 + t39;
-        let t42 = inertia[3][joint] * acceleration[0][joint];
-        let t43 = momentum_rate[4][joint] - t42;
-        let t44 = t43 + t41;
-        force[4][joint] = t44;
-        let t45 = inertia[2][joint] * acceleration[0][joint];
-        let t46 = inertia[0][joint] * acceleration[5][joint];
-        let t47 = t46 + t45;
-        let t48 = inertia[1][joint] * acceleration[1][joint];
-        let t49 = momentum_rate[5][joint] - t48;
-        let t50 = t49 + t47;
-        force[5][joint] = t50;
-        let t51 = -t10;
-        force[0][joint] = t51;
-        let t52 = -t21;
-        force[1][joint] = t52;
-        let t53 = -t32;
-        force[2][joint] = t53;
-    }
-}
-
-/// How each joint disturbs the bodies beyond it, and what that asks of the joints before it.
-#[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
-#[allow(
-    clippy::too_many_arguments,
-    reason = "blocks of fixed size need no type of their own"
-)]
-fn disturbances(
-    screws: &[[f64; 8]; 6],
-    screw_rate: &[[f64; 8]; 6],
-    velocity: &[[f64; 8]; 6],
-    total_acceleration: &[[f64; 8]; 6],
-    composite_inertia: &[[f64; 8]; 10],
-    composite_flow: &[[f64; 8]; 12],
-    composite_force: &[[f64; 8]; 6],
-    joint_forces: &[[f64; 8]; 3],
-    gains: &mut [[f64; 8]; 9],
-    by_coordinate: &mut [[f64; 8]; 9],
-    by_velocity: &mut [[f64; 8]; 9],
-    stiffness: &mut [[f64; 8]; 6],
-    damping: &mut [[f64; 8]; 6],
-    own_stiffness: &mut [[f64; 8]; 1],
-    own_damping: &mut [[f64; 8]; 1],
-) {
-    for joint in 0..8 {
-        by_coordinate[0][joint] = screw_rate[0][joint];
-        by_coordinate[1][joint] = screw_rate[1][joint];
-        by_coordinate[2][joint] = screw_rate[2][joint];
-        by_velocity[0][joint] = screws[0][joint];
-        by_velocity[1][joint] = screws[1][joint];
-        by_velocity[2][joint] = screws[2][joint];
-        let t0 = screws[2][joint] * composite_flow[9][joint];
-        let t1 = screws[1][joint] * composite_flow[6][joint];
-        let t2 = t1 + t0;
-        let t3 = screws[4][joint] * composite_flow[2][joint];
-        let t4 = screws[5][joint] * composite_flow[1][joint];
-        let t5 = t4 - t3;
-        let t6 = t5 - t2;
-        let t7 = composite_flow[7][joint] + composite_flow[11][joint];
-        let t8 = screws[0][joint] * t7;
-        let t9 = t8 + t6;
-        gains[0][joint] = t9;
-        let t10 = screws[2][joint] * composite_flow[10][joint];
-        let t11 = screws[0][joint] * composite_flow[4][joint];
-        let t12 = t11 + t10;
-        let t13 = screws[5][joint] * composite_flow[0][joint];
-        let t14 = screws[3][joint] * composite_flow[2][joint];
-        let t15 = t14 - t13;
-        let t16 = t15 - t12;
-        let t17 = composite_flow[3][joint] + composite_flow[11][joint];
-        let t18 = screws[1][joint] * t17;
-        let t19 = t18 + t16;
-        gains[1][joint] = t19;
-        let t20 = screws[3][joint] * composite_flow[1][joint];
-        let t21 = screws[4][joint] * composite_flow[0][joint];
-        let t22 = t21 - t20;
-        let t23 = screws[1][joint] * composite_flow[8][joint];
-        let t24 = screws[0][joint] * composite_flow[5][joint];
-        let t25 = t24 + t23;
-        let t26 = t25 - t22;
-        let t27 = composite_flow[3][joint] + composite_flow[7][joint];
-        let t28 = screws[2][joint] * t27;
-        let t29 = t28 - t26;
-        gains[2][joint] = t29;
-        let t30 = screws[2][joint] * composite_inertia[6][joint];
-        let t31 = screws[1][joint] * composite_inertia[5][joint];
-        let t32 = t31 + t30;
-        let t33 = screws[4][joint] * composite_inertia[3][joint];
-        let t34 = screws[5][joint] * composite_inertia[2][joint];
-        let t35 = t34 - t33;
-        let t36 = t35 - t32;
-        let t37 = composite_inertia[7][joint] + composite_inertia[9][joint];
-        let t38 = screws[0][joint] * t37;
-        let t39 = t38 + t36;
-        gains[3][joint] = t39;
-        let t40 = screws[2][joint] * composite_inertia[8][joint];
-        let t41 = screws[0][joint] * composite_inertia[5][joint];
-        let t42 = t41 + t40;
-        let t43 = screws[5][joint] * composite_inertia[1][joint];
-        let t44 = screws[3][joint] * composite_inertia[3][joint];
-        let t45 = t44 - t43;
-        let t46 = t45 - t42;
-        let t47 = composite_inertia[4][joint] + composite_inertia[9][joint];
-        let t48 = screws[1][joint] * t47;
-        let t49 = t48 + t46;
-        gains[4][joint] = t49;
-        let t50 = screws[1][joint] * composite_inertia[8][joint];
-        let t51 = screws[0][joint] * composite_inertia[6][joint];
-        let t52 = t51 + t50;
-        let t53 = screws[3][joint] * composite_inertia[2][joint];
-        let t54 = screws[4][joint] * composite_inertia[1][joint];
-        let t55 = t54 - t53;
-        let t56 = t55 - t52;
-        let t57 = composite_inertia[4][joint] + composite_inertia[7][joint];
-        let t58 = screws[2][joint] * t57;
-        let t59 = t58 + t56;
-        gains[5][joint] = t59;
-        let t60 = screws[2][joint] * composite_inertia[2][joint];
-        let t61 = screws[1][joint] * composite_inertia[3][joint];
-        let t62 = t61 - t60;
-        let t63 = screws[3][joint] * composite_inertia[0][joint];
-        let t64 = t63 + t62;
-        gains[6][joint] = t64;
-        let t65 = screws[0][joint] * composite_inertia[3][joint];
-        let t66 = screws[2][joint] * composite_inertia[1][joint];
-        let t67 = t66 - t65;
-        let t68 = screws[4][joint] * composite_inertia[0][joint];
-        let t69 = t68 + t67;
-        gains[7][joint] = t69;
-        let t70 = screws[1][joint] * composite_inertia[1][joint];
-        let t71 = screws[0][joint] * composite_inertia[2][joint];
-        let t72 = t71 - t70;
-        let t73 = screws[5][joint] * composite_inertia[0][joint];
-        let t74 = t73 + t72;
-        gains[8][joint] = t74;
-        let t75 = screw_rate[1][joint] * velocity[2][joint];
-        let t76 = screw_rate[2][joint] * velocity[1][joint];
-        let t77 = t76 - t75;
-        let t78 = screws[1][joint] * total_acceleration[2][joint];
-        let t79 = screws[2][joint] * total_acceleration[1][joint];
-        let t80 = t79 - t78;
-        let t81 = t80 + t77;
-        by_coordinate[3][joint] = t81;
-        let t82 = screw_rate[2][joint] * velocity[0][joint];
-        let t83 = screw_rate[0][joint] * velocity[2][joint];
-        let t84 = t83 - t82;
-        let t85 = screws[2][joint] * total_acceleration[0][joint];
-        let t86 = screws[0][joint] * total_acceleration[2][joint];
-        let t87 = t86 - t85;
-        let t88 = t87 + t84;
-        by_coordinate[4][joint] = t88;
-        let t89 = screw_rate[0][joint] * velocity[1][joint];
-        let t90 = screw_rate[1][joint] * velocity[0][joint];
-        let t91 = t90 - t89;
-        let t92 = screws[0][joint] * total_acceleration[1][joint];
-        let t93 = screws[1][joint] * total_acceleration[0][joint];
-        let t94 = t93 - t92;
-        let t95 = t94 + t91;
-        by_coordinate[5][joint] = t95;
-        let t96 = screw_rate[1][joint] * velocity[5][joint];
-        let t97 = screw_rate[2][joint] * velocity[4][joint];
-        let t98 = t97 - t96;
-        let t99 = screw_rate[4][joint] * velocity[2][joint];
-        let t100 = screw_rate[5][joint] * velocity[1][joint];
-        let t101 = t100 - t99;
-        let t102 = t101 + t98;
-        let t103 = screws[1][joint] * total_acceleration[5][joint];
-        let t104 = screws[2][joint] * total_acceleration[4][joint];
-        let t105 = t104 - t103;
-        let t106 = screws[4][joint] * total_acceleration[2][joint];
-        let t107 = screws[5][joint] * total_acceleration[1][joint];
-        let t108 = t107 - t106;
-        let t109 = t108 + t105;
-        let t110 = t109 + t102;
-        by_coordinate[6][joint] = t110;
-        let t111 = screw_rate[2][joint] * velocity[3][joint];
-        let t112 = screw_rate[0][joint] * velocity[5][joint];
-        let t113 = t112 - t111;
-        let t114 = screw_rate[5][joint] * velocity[0][joint];
-        let t115 = screw_rate[3][joint] * velocity[2][joint];
-        let t116 = t115 - t114;
-        let t117 = t116 + t113;
-        let t118 = screws[2][joint] * total_acceleration[3][joint];
-        let t119 = screws[0][joint] * total_acceleration[5][joint];
-        let t120 = t119 - t118;
-        let t121 = screws[5][joint] * total_acceleration[0][joint];
-        let t122 = screws[3][joint] * total_acceleration[2][joint];
-        let t123 = t122 - t121;
-        let t124 = t123 + t120;
-        let t125 = t124 + t117;
-        by_coordinate[7][joint] = t125;
-        let t126 = screw_rate[0][joint] * velocity[4][joint];
-        let t127 = screw_rate[1][joint] * velocity[3][joint];
-        let t128 = t127 - t126;
-        let t129 = screw_rate[3][joint] * velocity[1][joint];
-        let t130 = screw_rate[4][joint] * velocity[0][joint];
-        let t131 = t130 - t129;
-        let t132 = t131 + t128;
-        let t133 = screws[0][joint] * total_acceleration[4][joint];
-        let t134 = screws[1][joint] * total_acceleration[3][joint];
-        let t135 = t134 - t133;
-        let t136 = screws[3][joint] * total_acceleration[1][joint];
-        let t137 = screws[4][joint] * total_acceleration[0][joint];
-        let t138 = t137 - t136;
-        let t139 = t138 + t135;
-        let t140 = t139 + t132;
-        by_coordinate[8][joint] = t140;
-        let t141 = screw_rate[0][joint] * 2.0;
-        by_velocity[3][joint] = t141;
-        let t142 = screw_rate[1][joint] * 2.0;
-        by_velocity[4][joint] = t142;
-        let t143 = screw_rate[2][joint] * 2.0;
-        by_velocity[5][joint] = t143;
-        let t144 = screw_rate[3][joint] * 2.0;
-        by_velocity[6][joint] = t144;
-        let t145 = screw_rate[4][joint] * 2.0;
-        by_velocity[7][joint] = t145;
-        let t146 = screw_rate[5][joint] * 2.0;
-        by_velocity[8][joint] = t146;
-        let t147 = composite_inertia[6][joint] * t95;
-        let t148 = screw_rate[2][joint] * composite_flow[5][joint];
-        let t149 = screw_rate[1][joint] * composite_flow[4][joint];
-        let t150 = t149 + t148;
-        let t151 = screw_rate[0][joint] * t7;
-        let t152 = t151 - t150;
-        let t153 = t147 - t152;
-        let t154 = composite_inertia[5][joint] * t88;
-        let t155 = t81 * t37;
-        let t156 = t155 - t154;
-        let t157 = t156 - t153;
-        let t158 = composite_inertia[3][joint] * t125;
-        let t159 = composite_inertia[2][joint] * t140;
-        let t160 = t159 - t158;
-        let t161 = t160 + t157;
-        let t162 = screws[5][joint] * composite_force[4][joint];
-        let t163 = screws[4][joint] * composite_force[5][joint];
-        let t164 = t163 - t162;
-        let t165 = screws[2][joint] * composite_force[1][joint];
-        let t166 = screws[1][joint] * composite_force[2][joint];
-        let t167 = t166 - t165;
-        let t168 = t167 + t164;
-        let t169 = t168 + t161;
-        stiffness[0][joint] = t169;
-        let t170 = composite_inertia[8][joint] * t95;
-        let t171 = screw_rate[2][joint] * composite_flow[8][joint];
-        let t172 = screw_rate[0][joint] * composite_flow[6][joint];
-        let t173 = t172 + t171;
-        let t174 = screw_rate[1][joint] * t17;
-        let t175 = t174 - t173;
-        let t176 = t170 - t175;
-        let t177 = composite_inertia[5][joint] * t81;
-        let t178 = t88 * t47;
-        let t179 = t178 - t177;
-        let t180 = t179 - t176;
-        let t181 = composite_inertia[1][joint] * t140;
-        let t182 = composite_inertia[3][joint] * t110;
-        let t183 = t182 - t181;
-        let t184 = t183 + t180;
-        let t185 = screws[3][joint] * composite_force[5][joint];
-        let t186 = screws[5][joint] * composite_force[3][joint];
-        let t187 = t186 - t185;
-        let t188 = screws[0][joint] * composite_force[2][joint];
-        let t189 = screws[2][joint] * composite_force[0][joint];
-        let t190 = t189 - t188;
-        let t191 = t190 + t187;
-        let t192 = t191 + t184;
-        stiffness[1][joint] = t192;
-        let t193 = composite_inertia[8][joint] * t88;
-        let t194 = screw_rate[2][joint] * t27;
-        let t195 = screw_rate[1][joint] * composite_flow[10][joint];
-        let t196 = screw_rate[0][joint] * composite_flow[9][joint];
-        let t197 = t196 + t195;
-        let t198 = t197 - t194;
-        let t199 = t198 + t193;
-        let t200 = composite_inertia[6][joint] * t81;
-        let t201 = t95 * t57;
-        let t202 = t201 - t200;
-        let t203 = t202 - t199;
-        let t204 = composite_inertia[2][joint] * t110;
-        let t205 = composite_inertia[1][joint] * t125;
-        let t206 = t205 - t204;
-        let t207 = t206 + t203;
-        let t208 = screws[4][joint] * composite_force[3][joint];
-        let t209 = screws[3][joint] * composite_force[4][joint];
-        let t210 = t209 - t208;
-        let t211 = screws[1][joint] * composite_force[0][joint];
-        let t212 = screws[0][joint] * composite_force[1][joint];
-        let t213 = t212 - t211;
-        let t214 = t213 + t210;
-        let t215 = t214 + t207;
-        stiffness[2][joint] = t215;
-        let t216 = composite_inertia[2][joint] * t95;
-        let t217 = screw_rate[2][joint] * composite_flow[1][joint];
-        let t218 = screw_rate[1][joint] * composite_flow[2][joint];
-        let t219 = t218 - t217;
-        let t220 = t219 - t216;
-        let t221 = composite_inertia[3][joint] * t88;
-        let t222 = t221 + t220;
-        let t223 = composite_inertia[0][joint] * t110;
-        let t224 = t223 + t222;
-        let t225 = screws[2][joint] * composite_force[4][joint];
-        let t226 = screws[1][joint] * composite_force[5][joint];
-        let t227 = t226 - t225;
-        let t228 = t227 + t224;
-        stiffness[3][joint] = t228;
-        let t229 = composite_inertia[3][joint] * t81;
-        let t230 = screw_rate[0][joint] * composite_flow[2][joint];
-        let t231 = screw_rate[2][joint] * composite_flow[0][joint];
-        let t232 = t231 - t230;
-        let t233 = t232 - t229;
-        let t234 = composite_inertia[1][joint] * t95;
-        let t235 = t234 + t233;
-        let t236 = composite_inertia[0][joint] * t125;
-        let t237 = t236 + t235;
-        let t238 = screws[0][joint] * composite_force[5][joint];
-        let t239 = screws[2][joint] * composite_force[3][joint];
-        let t240 = t239 - t238;
-        let t241 = t240 + t237;
-        stiffness[4][joint] = t241;
-        let t242 = composite_inertia[1][joint] * t88;
-        let t243 = screw_rate[1][joint] * composite_flow[0][joint];
-        let t244 = screw_rate[0][joint] * composite_flow[1][joint];
-        let t245 = t244 - t243;
-        let t246 = t245 - t242;
-        let t247 = composite_inertia[2][joint] * t81;
-        let t248 = t247 + t246;
-        let t249 = composite_inertia[0][joint] * t140;
-        let t250 = t249 + t248;
-        let t251 = screws[1][joint] * composite_force[3][joint];
-        let t252 = screws[0][joint] * composite_force[4][joint];
-        let t253 = t252 - t251;
-        let t254 = t253 + t250;
-        stiffness[5][joint] = t254;
-        let t255 = composite_inertia[2][joint] * t146;
-        let t256 = composite_inertia[6][joint] * t143;
-        let t257 = t256 - t255;
-        let t258 = screws[2][joint] * composite_flow[5][joint];
-        let t259 = screws[1][joint] * composite_flow[4][joint];
-        let t260 = t259 + t258;
-        let t261 = composite_inertia[3][joint] * t145;
-        let t262 = t261 + t260;
-        let t263 = t262 + t257;
-        let t264 = composite_inertia[5][joint] * t142;
-        let t265 = t141 * t37;
-        let t266 = t265 - t264;
-        let t267 = t8 + t266;
-        let t268 = t267 - t263;
-        damping[0][joint] = t268;
-        let t269 = composite_inertia[3][joint] * t144;
-        let t270 = composite_inertia[8][joint] * t143;
-        let t271 = t270 - t269;
-        let t272 = screws[2][joint] * composite_flow[8][joint];
-        let t273 = screws[0][joint] * composite_flow[6][joint];
-        let t274 = t273 + t272;
-        let t275 = composite_inertia[1][joint] * t146;
-        let t276 = t275 + t274;
-        let t277 = t276 + t271;
-        let t278 = composite_inertia[5][joint] * t141;
-        let t279 = t142 * t47;
-        let t280 = t279 - t278;
-        let t281 = t18 + t280;
-        let t282 = t281 - t277;
-        damping[1][joint] = t282;
-        let t283 = composite_inertia[1][joint] * t145;
-        let t284 = composite_inertia[8][joint] * t142;
-        let t285 = t284 - t283;
-        let t286 = composite_inertia[2][joint] * t144;
-        let t287 = screws[1][joint] * composite_flow[10][joint];
-        let t288 = screws[0][joint] * composite_flow[9][joint];
-        let t289 = t288 + t287;
-        let t290 = t289 + t286;
-        let t291 = t290 + t285;
-        let t292 = composite_inertia[6][joint] * t141;
-        let t293 = t143 * t57;
-        let t294 = t293 - t292;
-        let t295 = t28 + t294;
-        let t296 = t295 - t291;
-        damping[2][joint] = t296;
-        let t297 = composite_inertia[3][joint] * t142;
-        let t298 = composite_inertia[0][joint] * t144;
-        let t299 = t298 + t297;
-        let t300 = composite_inertia[2][joint] * t143;
-        let t301 = screws[2][joint] * composite_flow[1][joint];
-        let t302 = screws[1][joint] * composite_flow[2][joint];
-        let t303 = t302 - t301;
-        let t304 = t303 - t300;
-        let t305 = t304 + t299;
-        damping[3][joint] = t305;
-        let t306 = composite_inertia[1][joint] * t143;
-        let t307 = composite_inertia[0][joint] * t145;
-        let t308 = t307 + t306;
-        let t309 = composite_inertia[3][joint] * t141;
-        let t310 = screws[0][joint] * composite_flow[2][joint];
-        let t311 = screws[2][joint] * composite_flow[0][joint];
-        let t312 = t311 - t310;
-        let t313 = t312 - t309;
-        let t314 = t313 + t308;
-        damping[4][joint] = t314;
-        let t315 = composite_inertia[2][joint] * t141;
-        let t316 = composite_inertia[0][joint] * t146;
-        let t317 = t316 + t315;
-        let t318 = composite_inertia[1][joint] * t142;
-        let t319 = screws[1][joint] * composite_flow[0][joint];
-        let t320 = screws[0][joint] * composite_flow[1][joint];
-        let t321 = t320 - t319;
-        let t322 = t321 - t318;
-        let t323 = t322 + t317;
-        damping[5][joint] = t323;
-        let t324 = screws[4][joint] * t237;
-        let t325 = screws[3][joint] * t224;
-        let t326 = t325 + t324;
-        let t327 = screws[5][joint] * t250;
-        let t328 = joint_forces[0][joint] - t327;
-        let t329 = t328 - t326;
-        let t330 = screws[2][joint] * t207;
-        let t331 = screws[1][joint] * t184;
-        let t332 = t331 + t330;
-        let t333 = screws[0][joint] * t161;
-        let t334 = t333 + t332;
-        let t335 = t334 - t329;
-        own_stiffness[0][joint] = t335;
-        let t336 = screws[2][joint] * t296;
-        let t337 = screws[1][joint] * t282;
-        let t338 = t337 + t336;
-        let t339 = screws[0][joint] * t268;
-        let t340 = t339 + t338;
-        let t341 = screws[4][joint] * t314;
-        let t342 = screws[3][joint] * t305;
-        let t343 = t342 + t341;
-        let t344 = screws[5][joint] * t323;
-        let t345 = joint_forces[1][joint] - t344;
-        let t346 = t345 - t343;
-        let t347 = t346 - t340;
-        let t348 = -t347;
-        own_damping[0][joint] = t348;
-    }
-}
-
-/// Acceleration that each joint adds.
-#[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
-fn joint_accelerations(
-    screws: &[[f64; 8]; 6],
-    accelerations: &[[f64; 8]; 1],
-    added_joint_acceleration: &mut [[f64; 8]; 6],
-) {
-    for joint in 0..8 {
-        let t0 = screws[0][joint] * accelerations[0][joint];
-        added_joint_acceleration[0][joint] = t0;
-        let t1 = screws[1][joint] * accelerations[0][joint];
-        added_joint_acceleration[1][joint] = t1;
-        let t2 = screws[2][joint] * accelerations[0][joint];
-        added_joint_acceleration[2][joint] = t2;
-        let t3 = screws[3][joint] * accelerations[0][joint];
-        added_joint_acceleration[3][joint] = t3;
-        let t4 = screws[4][joint] * accelerations[0][joint];
-        added_joint_acceleration[4][joint] = t4;
-        let t5 = screws[5][joint] * accelerations[0][joint];
-        added_joint_acceleration[5][joint] = t5;
-    }
-}
-
-/// Velocity that each joint adds.
-#[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
-fn joint_velocities(
-    screws: &[[f64; 8]; 6],
-    rates: &[[f64; 8]; 1],
-    joint_velocity: &mut [[f64; 8]; 6],
-) {
-    for joint in 0..8 {
-        let t0 = screws[0][joint] * rates[0][joint];
-        joint_velocity[0][joint] = t0;
-        let t1 = screws[1][joint] * rates[0][joint];
-        joint_velocity[1][joint] = t1;
-        let t2 = screws[2][joint] * rates[0][joint];
-        joint_velocity[2][joint] = t2;
-        let t3 = screws[3][joint] * rates[0][joint];
-        joint_velocity[3][joint] = t3;
-        let t4 = screws[4][joint] * rates[0][joint];
-        joint_velocity[4][joint] = t4;
-        let t5 = screws[5][joint] * rates[0][joint];
-        joint_velocity[5][joint] = t5;
-    }
-}
-
-/// What of the driving forces is left to accelerate.
-#[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
-fn remaining_forces(
-    screws: &[[f64; 8]; 6],
-    composite_bias: &[[f64; 8]; 6],
-    driving_forces: &[[f64; 8]; 1],
-    remaining_force: &mut [[f64; 8]; 1],
-) {
-    for joint in 0..8 {
-        let t0 = screws[5][joint] * composite_bias[5][joint];
-        let t1 = driving_forces[0][joint] - t0;
-        let t2 = screws[4][joint] * composite_bias[4][joint];
-        let t3 = screws[3][joint] * composite_bias[3][joint];
-        let t4 = t3 + t2;
-        let t5 = t4 - t1;
-        let t6 = screws[2][joint] * composite_bias[2][joint];
-        let t7 = screws[1][joint] * composite_bias[1][joint];
-        let t8 = t7 + t6;
-        let t9 = screws[0][joint] * composite_bias[0][joint];
-        let t10 = t9 + t8;
-        let t11 = t10 + t5;
-        let t12 = -t11;
-        remaining_force[0][joint] = t12;
-    }
-}
-
-/// Adds to each joint those before it on its path to the base.
-fn sum_ancestors<const R: usize>(from: &[[f64; 8]; R], to: &mut [[f64; 8]; R]) {
-    for (from, to) in from.iter().zip(to) {
-        to[0] = from[0];
-        to[1] = from[1] + to[0];
-        to[2] = from[2] + to[1];
-        to[3] = from[3] + to[2];
-        to[4] = from[4] + to[3];
-        to[5] = from[5] + to[4];
-    }
-}
-
-/// Adds to each joint all beyond it.
-fn sum_subtrees<const R: usize>(from: &[[f64; 8]; R], to: &mut [[f64; 8]; R]) {
-    for (from, to) in from.iter().zip(to) {
-        *to = *from;
-        to[4] += to[5];
-        to[3] += to[4];
-        to[2] += to[3];
-        to[1] += to[2];
-        to[0] += to[1];
-    }
-}
-
-/// Force of all that each joint carries.
-#[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
-fn total_forces(
-    composite_bias: &[[f64; 8]; 6],
-    composite_added_force: &[[f64; 8]; 6],
-    composite_force: &mut [[f64; 8]; 6],
-) {
-    for joint in 0..8 {
-        let t0 = composite_bias[0][joint] + composite_added_force[0][joint];
-        composite_force[0][joint] = t0;
-        let t1 = composite_bias[1][joint] + composite_added_force[1][joint];
-        composite_force[1][joint] = t1;
-        let t2 = composite_bias[2][joint] + composite_added_force[2][joint];
-        composite_force[2][joint] = t2;
-        let t3 = composite_bias[3][joint] + composite_added_force[3][joint];
-        composite_force[3][joint] = t3;
-        let t4 = composite_bias[4][joint] + composite_added_force[4][joint];
-        composite_force[4][joint] = t4;
-        let t5 = composite_bias[5][joint] + composite_added_force[5][joint];
-        composite_force[5][joint] = t5;
-    }
-}
-
-/// What a unit acceleration of each joint needs.
-#[allow(clippy::needless_range_loop, reason = "one index for all arrays")]
-fn unit_accelerations(
-    screws: &[[f64; 8]; 6],
-    composite_inertia: &[[f64; 8]; 10],
-    rotor_inertia: &[[f64; 8]; 1],
-    unit_force: &mut [[f64; 8]; 6],
-    diagonal: &mut [[f64; 8]; 1],
-) {
-    for joint in 0..8 {
-        let t0 = screws[2][joint] * composite_inertia[6][joint];
-        let t1 = screws[1][joint] * composite_inertia[5][joint];
-        let t2 = t1 + t0;
-        let t3 = screws[4][joint] * composite_inertia[3][joint];
-        let t4 = screws[5][joint] * composite_inertia[2][joint];
-        let t5 = t4 - t3;
-        let t6 = t5 - t2;
-        let t7 = composite_inertia[7][joint] + composite_inertia[9][joint];
-        let t8 = screws[0][joint] * t7;
-        let t9 = t8 + t6;
-        unit_force[0][joint] = t9;
-        let t10 = screws[2][joint] * composite_inertia[8][joint];
-        let t11 = screws[0][joint] * composite_inertia[5][joint];
-        let t12 = t11 + t10;
-        let t13 = screws[5][joint] * composite_inertia[1][joint];
-        let t14 = screws[3][joint] * composite_inertia[3][joint];
-        let t15 = t14 - t13;
-        let t16 = t15 - t12;
-        let t17 = composite_inertia[4][joint] + composite_inertia[9][joint];
-        let t18 = screws[1][joint] * t17;
-        let t19 = t18 + t16;
-        unit_force[1][joint] = t19;
-        let t20 = screws[1][joint] * composite_inertia[8][joint];
-        let t21 = screws[0][joint] * composite_inertia[6][joint];
-        let t22 = t21 + t20;
-        let t23 = screws[3][joint] * composite_inertia[2][joint];
-        let t24 = screws[4][joint] * composite_inertia[1][joint];
-        let t25 = t24 - t23;
-        let t26 = t25 - t22;
-        let t27 = composite_inertia[4][joint] + composite_inertia[7][joint];
-        let t28 = screws[2][joint] * t27;
-        let t29 = t28 + t26;
-        unit_force[2][joint] = t29;
-        let t30 = screws[2][joint] * composite_inertia[2][joint];
-        let t31 = screws[1][joint] * composite_inertia[3][joint];
-        let t32 = t31 - t30;
-        let t33 = screws[3][joint] * composite_inertia[0][joint];
-        let t34 = t33 + t32;
-        unit_force[3][joint] = t34;
-        let t35 = screws[0][joint] * composite_inertia[3][joint];
-        let t36 = screws[2][joint] * composite_inertia[1][joint];
-        let t37 = t36 - t35;
-        let t38 = screws[4][joint] * composite_inertia[0][joint];
-        let t39 = t38 + t37;
-        unit_force[4][joint] = t39;
-        let t40 = screws[1][joint] * composite_inertia[1][joint];
-        let t41 = screws[0][joint] * composite_inertia[2][joint];
-        let t42 = t41 - t40;
-        let t43 = screws[5][joint] * composite_inertia[0][joint];
-        let t44 = t43 + t42;
-        unit_force[5][joint] = t44;
-        let t45 = screws[2][joint] * t29;
-        let t46 = screws[1][joint] * t19;
-        let t47 = t46 + t45;
-        let t48 = screws[0][joint] * t9;
-        let t49 = t48 + t47;
-        let t50 = screws[5][joint] * t44;
-        let t51 = rotor_inertia[0][joint] + t50;
-        let t52 = screws[4][joint] * t39;
-        let t53 = screws[3][joint] * t34;
-        let t54 = t53 + t52;
-        let t55 = t54 + t51;
-        let t56 = t55 + t49;
-        diagonal[0][joint] = t56;
-    }
-}
-
-/// Loops over arrays of joints: R rows of N entries, padded to L, in blocks of K.
-#[allow(clippy::needless_range_loop, reason = "index notation reads like the formulas")]
-mod arrays {
-    /// `sum + a b`
-    #[inline(always)]
-    fn add_product(sum: f64, a: f64, b: f64) -> f64 {
-        sum + a * b
-    }
-
-    /// `Σ by_i[r][i] by_j[r][j]` for K columns j.
-    #[inline(always)]
-    fn products<const L: usize, const K: usize, const R: usize>(
-        (by_i, by_j): (&[[f64; L]; R], &[[f64; L]; R]),
-        i: usize,
-        block: usize,
-    ) -> [f64; K] {
-        let mut sums = [0.0; K];
-        for (r, (by_i, by_j)) in by_i.iter().zip(by_j).enumerate() {
-            let by_j = &by_j.as_chunks::<K>().0[block];
-            for lane in 0..K {
-                sums[lane] = match r {
-                    0 => by_i[i] * by_j[lane],
-                    _ => add_product(sums[lane], by_i[i], by_j[lane]),
-                };
-            }
-        }
-        sums
-    }
-
-    /// A matrix over the pairs of a chain's joints, K columns at a time: `Σ before.0[r][i] before.1[r][j]` for j < i,
-    /// `diagonal[i]`, and `Σ beyond.0[r][i] beyond.1[r][j]` for j > i.
-    #[inline]
-    pub fn pairs<const N: usize, const L: usize, const W: usize, const K: usize, const A: usize, const B: usize>(
-        before: (&[[f64; L]; A], &[[f64; L]; A]),
-        beyond: (&[[f64; L]; B], &[[f64; L]; B]),
-        diagonal: &[[f64; L]; 1],
-        to: &mut [[f64; W]; N],
-    ) {
-        for (i, to) in to.iter_mut().enumerate() {
-            let (mut lower, mut upper) = ([0.0; L], [0.0; L]);
-            for block in 0..L / K {
-                if block * K < i {
-                    lower.as_chunks_mut::<K>().0[block] = products::<L, K, A>(before, i, block);
-                }
-                if (block + 1) * K > i {
-                    upper.as_chunks_mut::<K>().0[block] = products::<L, K, B>(beyond, i, block);
-                }
-            }
-            // Chosen in a loop of its own, where it is a vector operation.
-            let mut row = [0.0; L];
-            for j in 0..L {
-                let (before, beyond) = (lower[j], upper[j]);
-                let other = if j > i { beyond } else { diagonal[0][i] };
-                row[j] = if j < i { before } else { other };
-            }
-            to.copy_from_slice(row.split_at(W).0);
-        }
-    }
-
-    /// Inverse of a symmetric positive definite matrix in place, by Gauss and Jordan without pivots. From the leaves to the
-    /// base, only joints on one path meet.
-    ///
-    /// Whole rows are combined, and single entries set afterwards: the loops stay free of choices, and no row is read right
-    /// after one of its entries was stored alone, which would wait for the store.
-    #[inline]
-    pub fn invert<const N: usize, const L: usize>(
-        matrix: &mut [[f64; L]; N],
-        order: impl DoubleEndedIterator<Item = usize>,
-        meet: impl Fn(usize, usize) -> bool,
-    ) {
-        for k in order.rev() {
-            let Some(&(mut own)) = matrix.get(k) else {
-                continue;
-            };
-            let reciprocal = 1.0 / own[k];
-            for entry in &mut own {
-                *entry *= reciprocal;
-            }
-            for (i, row) in matrix.iter_mut().enumerate() {
-                if i == k {
-                    *row = own;
-                    row[k] = reciprocal;
-                } else if meet(i, k) {
-                    let factor = -row[k];
-                    for (entry, own) in row.iter_mut().zip(&own) {
-                        *entry = add_product(*entry, factor, *own);
-                    }
-                    row[k] = factor * reciprocal;
-                }
-            }
-        }
-    }
-
-    /// `to = −left right`, four rows by K columns at a time.
-    #[inline]
-    pub fn negative_product<const N: usize, const L: usize, const W: usize, const K: usize>(
-        left: &[[f64; L]; N],
-        right: &[[f64; L]; N],
-        to: &mut [[f64; W]; N],
-    ) {
-        for (left, to) in left.chunks(4).zip(to.chunks_mut(4)) {
-            let mut factors = [[0.0; L]; 4];
-            for (factors, left) in factors.iter_mut().zip(left) {
-                *factors = left.map(|factor| -factor);
-            }
-            let mut rows = [[0.0; L]; 4];
-            for block in 0..L / K {
-                let mut sums = [[0.0; K]; 4];
-                for (k, right) in right.iter().enumerate() {
-                    let right = &right.as_chunks::<K>().0[block];
-                    for i in 0..4 {
-                        for j in 0..K {
-                            sums[i][j] = match k {
-                                0 => factors[i][k] * right[j],
-                                _ => add_product(sums[i][j], factors[i][k], right[j]),
-                            };
-                        }
-                    }
-                }
-                for (row, sums) in rows.iter_mut().zip(sums) {
-                    row.as_chunks_mut::<K>().0[block] = sums;
-                }
-            }
-            for (to, row) in to.iter_mut().zip(&rows) {
-                to.copy_from_slice(row.split_at(W).0);
-            }
-        }
-    }
-
-    /// `to = matrix vector` for a symmetric matrix.
-    #[inline]
-    pub fn apply<const N: usize, const L: usize>(
-        matrix: &[[f64; L]; N],
-        vector: &[[f64; L]; 1],
-        to: &mut [[f64; L]; 1],
-    ) {
-        for (k, (factor, row)) in vector[0].iter().zip(matrix).enumerate() {
-            for (sum, entry) in to[0].iter_mut().zip(row) {
-                *sum = match k {
-                    0 => factor * entry,
-                    _ => add_product(*sum, *factor, *entry),
-                };
-            }
-        }
-    }
-
-    /// `a b` in four partial sums: one alone would wait for each of its terms.
-    #[inline]
-    pub fn dot<const R: usize>(a: &[f64; R], b: &[f64; R]) -> f64 {
-        let mut sums = [0.0; 4];
-        let (a, a_rest) = a.as_chunks::<4>();
-        let (b, b_rest) = b.as_chunks::<4>();
-        for (a, b) in a.iter().zip(b) {
-            for k in 0..4 {
-                sums[k] = add_product(sums[k], a[k], b[k]);
-            }
-        }
-        for (sum, (a, b)) in sums.iter_mut().zip(a_rest.iter().zip(b_rest)) {
-            *sum = add_product(*sum, *a, *b);
-        }
-        (sums[0] + sums[1]) + (sums[2] + sums[3])
-    }
 }
 
 /// Sign of `x`: −1, 0 or 1; NaN for NaN.

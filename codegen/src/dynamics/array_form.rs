@@ -34,6 +34,12 @@ const BYTES_PER_OPERATION: usize = 12;
 /// 3.7× to 3.9×, of seven 34 kB 2.8× to 3.8×. The instruction cache of the first level holds 32 kB.
 pub const LARGEST_STRAIGHT: usize = 27_000;
 
+/// Loops may take so many times the operations of straight-line code, because they work on whole vectors. Measured, time of
+/// loops over that of straight-line code with AVX-512, AVX2 and neither: LWA 4P's Jacobians of the forward dynamics,
+/// 3.15 times the operations, 1.5, 2.0 and 2.1; Panda's, 2.2 times, 0.95, 1.1 and 1.2; Panda's of the inverse dynamics,
+/// 2.7 times (3.0 with M), 0.8, 1.2 and 1.2.
+const MOST_OPERATIONS: f64 = 3.1;
+
 /// What the documentation of a function with loops says.
 pub(super) const NOTE: &str = "Loops over joints, with spatial vectors in the frame of the base (Singh, Russell and Wensing 2022): \
     straight-line code would not fit into a processor's instruction cache. The cost counts each operation that contributes.";
@@ -81,8 +87,8 @@ impl<'m> Forms<'m> {
             "linearize" => self.linearize_calls(),
             JACOBIANS => *self
                 .jacobians
-                .get_or_init(|| self.is_better(JACOBIANS, straight)),
-            name => self.is_better(name, straight),
+                .get_or_init(|| self.is_better(quantity, straight)),
+            _ => self.is_better(quantity, straight),
         };
         match is_chosen {
             true => self.derive(quantity),
@@ -98,28 +104,31 @@ impl<'m> Forms<'m> {
             && gains(self.model).is_some()
             && jacobians.is_some_and(|quantity| {
                 *self.jacobians.get_or_init(|| {
-                    self.is_better(JACOBIANS, || {
+                    self.is_better(quantity, || {
                         super::catalogue::straight_program(self.model, self.formulations, quantity)
                     })
                 })
             })
     }
 
-    fn is_better(&self, name: &str, straight: impl FnOnce() -> Program) -> bool {
+    fn is_better(&self, quantity: &Quantity, straight: impl FnOnce() -> Program) -> bool {
         let is_excluded = self.form == Form::Straight
-            || !NAMES.contains(&name)
-            || self.straight.iter().any(|other| other == name);
+            || !NAMES.contains(&quantity.name)
+            || self.straight.iter().any(|other| other == quantity.name);
         let mechanism_graph = Graph::new();
         let mechanism = Mechanism::new(&mechanism_graph, self.model);
         if is_excluded || !base_frame::is_possible(&mechanism) {
             return false;
         }
         let is_large = |operations: usize| BYTES_PER_OPERATION * operations > LARGEST_STRAIGHT;
-        self.form == Form::Arrays
-            || is_large(OPERATIONS_PER_PAIR * pairs(&mechanism))
-            || is_large({
-                let cost = count(&straight());
-                cost.multiplications + cost.additions
+        // Far beyond, straight-line code need not be derived to know.
+        if self.form == Form::Arrays || is_large(OPERATIONS_PER_PAIR * pairs(&mechanism)) {
+            return true;
+        }
+        let straight = operations(&straight());
+        is_large(straight)
+            && self.derive(quantity).is_some_and(|loops| {
+                operations(&loops.unrolled()) as f64 <= MOST_OPERATIONS * straight as f64
             })
     }
 
@@ -160,6 +169,11 @@ const NAMES: [&str; 3] = [
     "inverse_dynamics_derivatives_and_mass_matrix",
     JACOBIANS,
 ];
+
+fn operations(program: &Program) -> usize {
+    let cost = count(program);
+    cost.multiplications + cost.additions
+}
 
 /// Pairs of joints on one path to the base.
 fn pairs(mechanism: &Mechanism<'_>) -> usize {
