@@ -17,6 +17,7 @@ mod robots {
     gelenk_runtime::dynamics!(pub struct Panda = gelenk_generated::panda: Dynamics + Differentiable + Discretizable);
     gelenk_runtime::dynamics!(pub struct PowerCube = gelenk_generated::powercube: Dynamics + Differentiable + Discretizable);
     gelenk_runtime::dynamics!(pub struct PowerCubeAlpha = gelenk_generated::powercube_alpha: Dynamics + Differentiable + Discretizable);
+    gelenk_runtime::dynamics!(pub struct FreePowerCubeAlpha { parameters } = gelenk_generated::powercube_alpha_parameters: Dynamics + Differentiable + Discretizable);
     gelenk_runtime::dynamics!(pub struct FreePowerCube { parameters } = gelenk_generated::powercube_parameters: Dynamics + Differentiable + Discretizable);
     gelenk_runtime::dynamics!(pub struct PowerCubeSixAxis = gelenk_generated::powercube_six_axis: Dynamics + Differentiable + Discretizable);
     gelenk_runtime::dynamics!(pub struct Puma560 = gelenk_generated::puma560: Dynamics + Differentiable + Discretizable);
@@ -33,6 +34,10 @@ macro_rules! for_each_robot {
         $check("panda", &robots::Panda);
         $check("powercube", &robots::PowerCube);
         $check("powercube_alpha", &robots::PowerCubeAlpha);
+        $check(
+            "powercube_alpha_parameters",
+            &robots::FreePowerCubeAlpha::default(),
+        );
         $check("powercube_parameters", &robots::FreePowerCube::default());
         $check("powercube_six_axis", &robots::PowerCubeSixAxis);
         $check("puma560", &robots::Puma560);
