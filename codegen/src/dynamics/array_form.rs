@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 
 use super::base_frame;
-use super::catalogue::{Quantity, arguments_of, quantities};
+use super::catalogue::{Quantity, arguments_of, quantities, straight_program};
 use super::equations::{Equations, Formulations};
 use super::forces;
 use crate::graph::{Graph, Node};
@@ -50,14 +50,36 @@ const JACOBIANS: &str = "forward_dynamics_derivatives";
 /// So many operations each pair of joints on one path takes at least, unless many of them are parallel.
 const OPERATIONS_PER_PAIR: usize = 20;
 
-/// The forms of a model's functions.
+/// A function as it is written.
+#[derive(Clone)]
+pub(super) struct Derived {
+    /// Straight-line code; what the loops stand for, where there are some.
+    pub(super) program: Program,
+    pub(super) arrays: Option<ArrayForm>,
+}
+
+impl Derived {
+    fn with_loops(form: ArrayForm) -> Self {
+        Self {
+            program: form.unrolled(),
+            arrays: Some(form),
+        }
+    }
+
+    fn operations(&self) -> usize {
+        let cost = count(&self.program);
+        cost.multiplications + cost.additions
+    }
+}
+
+/// Derives a model's functions, each in the form that is cheaper.
 pub(super) struct Forms<'m> {
     model: &'m Model,
     formulations: &'m Formulations<'m>,
     form: Form,
     straight: &'m [String],
-    /// Whether `forward_dynamics_derivatives` has loops.
-    jacobians: OnceCell<bool>,
+    /// `forward_dynamics_derivatives`, which `linearize` may call.
+    jacobians: OnceCell<Derived>,
 }
 
 impl<'m> Forms<'m> {
@@ -77,62 +99,80 @@ impl<'m> Forms<'m> {
         }
     }
 
-    /// The array form of a function, where it is chosen; `straight` derives the other one, if it has to be measured.
-    pub(super) fn choose(
-        &self,
-        quantity: &Quantity,
-        straight: impl FnOnce() -> Program,
-    ) -> Option<ArrayForm> {
-        let is_chosen = match quantity.name {
-            "linearize" => self.linearize_calls(),
-            JACOBIANS => *self
-                .jacobians
-                .get_or_init(|| self.is_better(quantity, straight)),
-            _ => self.is_better(quantity, straight),
-        };
-        match is_chosen {
-            true => self.derive(quantity),
-            false => None,
+    pub(super) fn derive(&self, quantity: &Quantity) -> Derived {
+        match quantity.name {
+            "linearize" => match self.linearization() {
+                Some(affine) => Derived::with_loops(ArrayForm::Affine(affine)),
+                None => self.straight(quantity),
+            },
+            JACOBIANS => self.jacobians(quantity).clone(),
+            _ => self.cheaper(quantity),
         }
     }
 
     /// Whether `linearize` calls `forward_dynamics_derivatives`.
     pub(super) fn linearize_calls(&self) -> bool {
-        let is_free = !self.straight.iter().any(|name| name == "linearize");
-        let jacobians = quantities().find(|quantity| quantity.name == JACOBIANS);
-        is_free
-            && gains(self.model).is_some()
-            && jacobians.is_some_and(|quantity| {
-                *self.jacobians.get_or_init(|| {
-                    self.is_better(quantity, || {
-                        super::catalogue::straight_program(self.model, self.formulations, quantity)
-                    })
-                })
-            })
+        self.linearization().is_some()
     }
 
-    fn is_better(&self, quantity: &Quantity, straight: impl FnOnce() -> Program) -> bool {
-        let is_excluded = self.form == Form::Straight
-            || !NAMES.contains(&quantity.name)
-            || self.straight.iter().any(|other| other == quantity.name);
-        let mechanism_graph = Graph::new();
-        let mechanism = Mechanism::new(&mechanism_graph, self.model);
-        if is_excluded || !base_frame::is_possible(&mechanism) {
-            return false;
+    fn linearization(&self) -> Option<Affine> {
+        let quantity = quantities().find(|quantity| quantity.name == JACOBIANS)?;
+        if self.is_straight("linearize") || !self.may_loop(JACOBIANS) {
+            return None;
         }
-        let is_large = |operations: usize| BYTES_PER_OPERATION * operations > LARGEST_STRAIGHT;
+        let inputs = gains(self.model)?;
+        match &self.jacobians(quantity).arrays {
+            Some(ArrayForm::Steps(arrays)) => Some(Affine {
+                called: arrays.clone(),
+                inputs,
+            }),
+            _ => None,
+        }
+    }
+
+    fn jacobians(&self, quantity: &Quantity) -> &Derived {
+        self.jacobians.get_or_init(|| self.cheaper(quantity))
+    }
+
+    fn cheaper(&self, quantity: &Quantity) -> Derived {
+        if !self.may_loop(quantity.name) {
+            return self.straight(quantity);
+        }
         // Far beyond, straight-line code need not be derived to know.
-        if self.form == Form::Arrays || is_large(OPERATIONS_PER_PAIR * pairs(&mechanism)) {
-            return true;
+        if self.form == Form::Arrays || is_large(OPERATIONS_PER_PAIR * pairs(self.model)) {
+            return self.with_loops(quantity);
         }
-        let straight = operations(&straight());
-        is_large(straight)
-            && self.derive(quantity).is_some_and(|loops| {
-                operations(&loops.unrolled()) as f64 <= MOST_OPERATIONS * straight as f64
-            })
+        let straight = self.straight(quantity);
+        let most = MOST_OPERATIONS * straight.operations() as f64;
+        if !is_large(straight.operations()) {
+            return straight;
+        }
+        let loops = self.with_loops(quantity);
+        match loops.operations() as f64 <= most {
+            true => loops,
+            false => straight,
+        }
     }
 
-    fn derive(&self, quantity: &Quantity) -> Option<ArrayForm> {
+    fn is_straight(&self, name: &str) -> bool {
+        self.form == Form::Straight || self.straight.iter().any(|other| other == name)
+    }
+
+    fn may_loop(&self, name: &str) -> bool {
+        NAMES.contains(&name)
+            && !self.is_straight(name)
+            && base_frame::is_possible(&Mechanism::new(&Graph::new(), self.model))
+    }
+
+    fn straight(&self, quantity: &Quantity) -> Derived {
+        Derived {
+            program: straight_program(self.model, self.formulations, quantity),
+            arrays: None,
+        }
+    }
+
+    /// One of [`NAMES`] as loops over joints.
+    fn with_loops(&self, quantity: &Quantity) -> Derived {
         let graph = Graph::new();
         let equations = Equations {
             graph: &graph,
@@ -140,43 +180,35 @@ impl<'m> Forms<'m> {
             formulations: self.formulations,
         };
         let (arguments, inputs) = arguments_of(&graph, self.model, quantity.arguments);
-        let inverse = |with_mass_matrix| {
-            ArrayForm::Steps(base_frame::inverse_dynamics_derivatives(
-                &equations,
-                &arguments,
-                inputs.clone(),
-                with_mass_matrix,
-            ))
+        let arrays = match quantity.name {
+            JACOBIANS => base_frame::forward_dynamics_derivatives(&equations, &arguments, inputs),
+            name => {
+                let with_mass_matrix = name == WITH_MASS_MATRIX;
+                base_frame::inverse_dynamics_derivatives(
+                    &equations,
+                    &arguments,
+                    inputs,
+                    with_mass_matrix,
+                )
+            }
         };
-        let forward =
-            || base_frame::forward_dynamics_derivatives(&equations, &arguments, inputs.clone());
-        match quantity.name {
-            "inverse_dynamics_derivatives" => Some(inverse(false)),
-            "inverse_dynamics_derivatives_and_mass_matrix" => Some(inverse(true)),
-            JACOBIANS => Some(ArrayForm::Steps(forward())),
-            "linearize" => Some(ArrayForm::Affine(Affine {
-                called: forward(),
-                inputs: gains(self.model)?,
-            })),
-            _ => None,
-        }
+        Derived::with_loops(ArrayForm::Steps(arrays))
     }
 }
 
-/// Functions that have an array form of their own.
-const NAMES: [&str; 3] = [
-    "inverse_dynamics_derivatives",
-    "inverse_dynamics_derivatives_and_mass_matrix",
-    JACOBIANS,
-];
+const WITH_MASS_MATRIX: &str = "inverse_dynamics_derivatives_and_mass_matrix";
 
-fn operations(program: &Program) -> usize {
-    let cost = count(program);
-    cost.multiplications + cost.additions
+/// Functions that have an array form of their own.
+const NAMES: [&str; 3] = ["inverse_dynamics_derivatives", WITH_MASS_MATRIX, JACOBIANS];
+
+fn is_large(operations: usize) -> bool {
+    BYTES_PER_OPERATION * operations > LARGEST_STRAIGHT
 }
 
 /// Pairs of joints on one path to the base.
-fn pairs(mechanism: &Mechanism<'_>) -> usize {
+fn pairs(model: &Model) -> usize {
+    let graph = Graph::new();
+    let mechanism = Mechanism::new(&graph, model);
     let mut depths: Vec<usize> = Vec::with_capacity(mechanism.len());
     for body in &mechanism.bodies {
         depths.push(body.parent.map_or(0, |parent| depths[parent] + 1));

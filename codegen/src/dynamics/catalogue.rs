@@ -1,6 +1,6 @@
 //! The functions that can be generated: one row each, with what their documentation says.
 
-use super::array_form::{self, Form, Forms};
+use super::array_form::{self, Derived, Form, Forms};
 use super::composition::Composition;
 use super::equations::{Equations, Formulations, Matrix};
 use super::forces;
@@ -615,13 +615,9 @@ fn derive_quantity(
     quantity: &Quantity,
     forms: &Forms<'_>,
 ) -> Function {
-    let mut straight = None;
-    let chosen = forms.choose(quantity, || {
-        let program = straight_program(model, formulations, quantity);
-        straight.insert(program).clone()
-    });
+    let Derived { program, arrays } = forms.derive(quantity);
     let mut notes: Vec<String> = quantity.notes.iter().map(|&note| note.to_owned()).collect();
-    if chosen.is_some() {
+    if arrays.is_some() {
         notes = vec![array_form::NOTE.to_owned()];
     } else if quantity.notes == DERIVATIVE_NOTES {
         notes.push(formulations.derivatives().description().to_owned());
@@ -629,18 +625,13 @@ fn derive_quantity(
     if quantity.name == "forward_dynamics" {
         notes.push(formulations.forward_dynamics().description().to_owned());
     }
-    let program = match (&chosen, straight) {
-        (Some(form), _) => form.unrolled(),
-        (None, Some(program)) => program,
-        (None, None) => straight_program(model, formulations, quantity),
-    };
     let mut function = described(quantity.arguments, quantity.results, program).named(
         quantity.name.to_owned(),
         quantity.summary.to_owned(),
         quantity.equation,
         notes,
     );
-    function.arrays = chosen;
+    function.arrays = arrays;
     function
         .notes
         .extend(forces::jump_note(model, &function.program));
