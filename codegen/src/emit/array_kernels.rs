@@ -1,6 +1,7 @@
 //! The loops of array forms, pasted into modules that need them.
 
 use super::literal::Scalar;
+use super::pasted;
 use crate::dynamics::function::Function;
 use crate::program::arrays::{ArrayForm, Step};
 
@@ -38,23 +39,11 @@ pub(super) fn text(scalar: Scalar, functions: &[Function]) -> String {
     {
         texts.push(include_str!("../array_kernels/dot.rs"));
     }
-    let texts: Vec<String> = texts.into_iter().map(indented).collect();
-    let module = format!(
-        "\n/// Loops over arrays of joints: R rows of N entries, padded to L, in blocks of K.\n\
-         #[allow(clippy::needless_range_loop, reason = \"index notation reads like the formulas\")]\n\
-         mod arrays {{\n{}}}\n",
-        texts.join("\n")
+    let module = pasted::module(
+        "Loops over arrays of joints: R rows of N entries, padded to L, in blocks of K.",
+        pasted::LOOPS,
+        "arrays",
+        &texts,
     );
-    match scalar {
-        Scalar::F64 => module,
-        Scalar::F32 => module.replace("f64", "f32"),
-    }
-}
-
-fn indented(text: &str) -> String {
-    let lines = text.trim().lines().map(|line| match line {
-        "" => "\n".to_owned(),
-        line => format!("    {line}\n"),
-    });
-    lines.collect()
+    pasted::for_scalar(module, scalar)
 }

@@ -7,7 +7,7 @@ use quote::quote;
 
 use super::doc_comment::{DocComment, code};
 use super::literal::Scalar;
-use super::{Context, lints};
+use super::{Context, lints, pasted};
 use crate::discrete_time::Text;
 use crate::dynamics::composition::Composition;
 use crate::dynamics::function::Function;
@@ -133,23 +133,12 @@ pub(super) fn text(scalar: Scalar, compositions: &[Composition]) -> String {
     if texts.is_empty() {
         return String::new();
     }
-    let sources: Vec<String> = texts.iter().map(|text| indented(text.source())).collect();
-    let module = format!(
-        "\n/// Discrete time: functions over N coordinates and M inputs.\n\
-         #[allow(clippy::needless_range_loop, reason = \"index notation reads like the formulas\")]\n\
-         mod discrete_time {{\n{}}}\n",
-        sources.join("\n")
+    let sources: Vec<&str> = texts.iter().map(|text| text.source()).collect();
+    let module = pasted::module(
+        "Discrete time: functions over N coordinates and M inputs.",
+        pasted::LOOPS,
+        "discrete_time",
+        &sources,
     );
-    match scalar {
-        Scalar::F64 => module,
-        Scalar::F32 => module.replace("f64", "f32"),
-    }
-}
-
-fn indented(text: &str) -> String {
-    let lines = text.trim().lines().map(|line| match line {
-        "" => "\n".to_owned(),
-        line => format!("    {line}\n"),
-    });
-    lines.collect()
+    pasted::for_scalar(module, scalar)
 }

@@ -8,6 +8,7 @@ use quote::quote;
 
 use super::Context;
 use super::literal::Scalar;
+use super::pasted;
 use crate::dynamics::function::Function;
 use crate::formula::Function as Call;
 use crate::math::Kernel;
@@ -153,28 +154,17 @@ compile_error!(
     }
 }
 
-/// A module of its own keeps the names of helpers apart from those of a robot. Its text stays as it is: the pretty
-/// printer would drop the comments.
 fn module(kernels: &BTreeSet<Kernel>) -> String {
     if kernels.is_empty() {
         return String::new();
     }
-    let indented = |line: &str| {
-        if line.is_empty() {
-            "\n".to_owned()
-        } else {
-            format!("    {line}\n")
-        }
-    };
-    let texts: Vec<String> = kernels
-        .iter()
-        .map(|kernel| kernel.source().trim().lines().map(indented).collect())
-        .collect();
-    format!(
-        "\n/// Elementary functions that give the same bits on every platform.\n\
-         #[allow(\n    clippy::approx_constant,\n    clippy::excessive_precision,\n    \
-         reason = \"coefficients and parts of π are not those constants\"\n)]\nmod math {{\n{}}}\n",
-        texts.join("\n")
+    let texts: Vec<&str> = kernels.iter().map(|kernel| kernel.source()).collect();
+    pasted::module(
+        "Elementary functions that give the same bits on every platform.",
+        "#[allow(\n    clippy::approx_constant,\n    clippy::excessive_precision,\n    \
+         reason = \"coefficients and parts of π are not those constants\"\n)]",
+        "math",
+        &texts,
     )
 }
 

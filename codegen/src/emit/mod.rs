@@ -22,6 +22,7 @@ mod literal;
 mod math;
 pub mod names;
 mod parameters;
+mod pasted;
 mod split;
 
 pub use header::FIRST_LINE;

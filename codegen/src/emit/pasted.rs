@@ -1,0 +1,33 @@
+//! Modules of pasted texts. Private modules keep the names of helpers apart from those of a robot; the texts stay as
+//! they are, since the pretty printer would drop their comments.
+
+use super::literal::Scalar;
+
+/// A module with a line of documentation and an attribute.
+pub(super) fn module(documentation: &str, attribute: &str, name: &str, texts: &[&str]) -> String {
+    let texts: Vec<String> = texts.iter().map(|text| indented(text)).collect();
+    format!(
+        "\n/// {documentation}\n{attribute}\nmod {name} {{\n{}}}\n",
+        texts.join("\n")
+    )
+}
+
+/// What a module of loops may do.
+pub(super) const LOOPS: &str =
+    "#[allow(clippy::needless_range_loop, reason = \"index notation reads like the formulas\")]";
+
+/// A text for `f64` in another type.
+pub(super) fn for_scalar(text: String, scalar: Scalar) -> String {
+    match scalar {
+        Scalar::F64 => text,
+        Scalar::F32 => text.replace("f64", "f32"),
+    }
+}
+
+fn indented(text: &str) -> String {
+    let lines = text.trim().lines().map(|line| match line {
+        "" => "\n".to_owned(),
+        line => format!("    {line}\n"),
+    });
+    lines.collect()
+}
