@@ -81,9 +81,6 @@ fn obstacle(
     math: Math,
 ) -> Option<(&'static str, Option<String>)> {
     if let Some(function) = functions.iter().find(|function| function.name == name) {
-        if function.arrays.is_some() {
-            return Some(("it is written as loops over joints", None));
-        }
         return emit::obstacle_to_lanes(&function.program, math).map(|reason| (reason, None));
     }
     let composition = Composition::ALL

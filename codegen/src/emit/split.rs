@@ -60,27 +60,41 @@ fn part(program: &Program, flow: &Flow, range: Range<usize>) -> Part {
     let read: Vec<Operand> = made
         .flat_map(|index| operands(program.instructions[index].operation))
         .collect();
-    let inputs: BTreeSet<usize> = read
-        .iter()
-        .filter_map(|o| {
-            if let Operand::Input(array, _) = o {
-                Some(*array)
-            } else {
-                None
-            }
-        })
-        .collect();
+    let read = Reads::new(&read, flow);
+    let before = read.values.into_iter();
     Part {
-        takes: values(read.iter(), flow)
-            .into_iter()
+        takes: before
             .filter(|&value| flow.made_at[value] < range.start)
             .collect(),
         returns: vec![],
-        inputs: inputs.into_iter().collect(),
-        reads_parameters: read
-            .iter()
-            .any(|operand| matches!(operand, Operand::Parameter(_))),
+        inputs: read.inputs,
+        reads_parameters: read.parameters,
         range,
+    }
+}
+
+/// What a run of instructions reads.
+pub(super) struct Reads {
+    pub(super) values: BTreeSet<usize>,
+    /// Input arrays.
+    pub(super) inputs: Vec<usize>,
+    /// Whether there are parameters among it.
+    pub(super) parameters: bool,
+}
+
+impl Reads {
+    pub(super) fn new(operands: &[Operand], flow: &Flow) -> Self {
+        let arrays = operands.iter().filter_map(|operand| match operand {
+            Operand::Input(array, _) => Some(*array),
+            _ => None,
+        });
+        let arrays: BTreeSet<usize> = arrays.collect();
+        let is_parameter = |operand: &Operand| matches!(operand, Operand::Parameter(_));
+        Self {
+            values: values(operands.iter(), flow),
+            inputs: arrays.into_iter().collect(),
+            parameters: operands.iter().any(is_parameter),
+        }
     }
 }
 

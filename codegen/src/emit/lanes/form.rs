@@ -8,7 +8,7 @@ use super::super::doc_comment::DocComment;
 use super::super::function::Signature;
 use super::super::literal::Scalar;
 use super::super::{Context, into, lints, math};
-use super::plan::{Part, Plan};
+use super::plan::Plan;
 use super::scalar::takes_parameters;
 use super::{LANES, body_name};
 use crate::program::flow::operands;
@@ -276,9 +276,9 @@ impl<'a> Form<'a> {
         }
         let locals = self.locals();
         let outputs = self.body.program.outputs.iter().zip(&self.results);
-        let stores = outputs
-            .zip(&locals)
-            .flat_map(|((output, result), local)| copies(output, result, local, |_| true));
+        let stores = outputs.zip(&locals).flat_map(|((output, result), local)| {
+            copies(output, result, local, 0..output.entries.len())
+        });
         let locals = match locals.as_slice() {
             [local] => quote!(#local),
             _ => quote!((#(#locals),*)),
@@ -291,22 +291,24 @@ impl<'a> Form<'a> {
         let part = &self.plan.parts[index];
         let zero = self.context.options.scalar.literal(0.0);
         let all = self.locals();
-        let locals: Vec<&Ident> = part.results.iter().map(|&result| &all[result]).collect();
-        let outputs = part
+        let locals: Vec<&Ident> = part
             .results
             .iter()
-            .map(|&result| &self.body.program.outputs[result]);
-        let zeros = outputs.map(|output| into::zeros(output.shape, &zero));
+            .map(|(result, _)| &all[*result])
+            .collect();
+        let zeros = part.results.iter().map(|(result, _)| {
+            let output = &self.body.program.outputs[*result];
+            into::zeros(output.shape, &zero)
+        });
         let call = quote!(#callee(#arguments #(&mut #locals),*));
         let call = match part.returns.is_empty() {
             true => quote!(#call;),
             false => quote!(let values = #call;),
         };
-        let copies = part.results.iter().flat_map(|&result| {
-            let output = &self.body.program.outputs[result];
-            copies(output, &self.results[result], &all[result], |entry| {
-                self.is_written_by(part, index + 1 == self.plan.parts.len(), entry)
-            })
+        let copies = part.results.iter().flat_map(|(result, entries)| {
+            let output = &self.body.program.outputs[*result];
+            let (place, local) = (&self.results[*result], &all[*result]);
+            copies(output, place, local, entries.iter().copied())
         });
         let handed_on = self.handed_on(index);
         quote! {
@@ -314,15 +316,6 @@ impl<'a> Form<'a> {
             #call
             #(#handed_on)*
             #(#copies)*
-        }
-    }
-
-    fn is_written_by(&self, part: &Part, is_last: bool, entry: Operand) -> bool {
-        match entry {
-            Operand::Value(value) if self.plan.is_in_part[self.body.flow.canonical(value)] => {
-                part.range.contains(&self.body.flow.canonical(value))
-            }
-            _ => is_last,
         }
     }
 
@@ -383,18 +376,16 @@ impl<'a> Form<'a> {
     }
 }
 
-/// Copies the wanted entries of one state's result.
+/// Copies entries of one state's result.
 fn copies(
     output: &Output,
     result: &Ident,
     local: &Ident,
-    is_wanted: impl Fn(Operand) -> bool,
+    entries: impl Iterator<Item = usize>,
 ) -> Vec<TokenStream> {
     let literal = Literal::usize_unsuffixed;
-    let entries = output.entries.iter().enumerate();
     entries
-        .filter(|(_, entry)| is_wanted(**entry))
-        .map(|(index, _)| match output.shape {
+        .map(|index| match output.shape {
             Shape::Scalar => quote!(#result.0[W * group + lane] = #local;),
             Shape::Vector(_) => {
                 let index = literal(index);

@@ -3,7 +3,8 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use super::super::{into, split};
+use super::super::into;
+use super::super::split::{self, Reads};
 use crate::program::flow::{Flow, operands};
 use crate::program::{Operand, Operation, Program};
 
@@ -30,8 +31,9 @@ pub(super) struct Part {
     /// Input arrays that it reads.
     pub(super) inputs: Vec<usize>,
     pub(super) reads_parameters: bool,
-    /// Results that it writes, where they are written in place.
-    pub(super) results: Vec<usize>,
+    /// Results that it writes, where they are written in place, and which of their entries: each where it is made, all
+    /// others at the end.
+    pub(super) results: Vec<(usize, Vec<usize>)>,
 }
 
 impl Plan {
@@ -106,11 +108,8 @@ fn part(
     is_last: bool,
 ) -> Part {
     let is_own = |value: usize| is_in_part[value] && range.contains(&value);
-    // Each entry of a result in place is written where it is made, all others at the end.
-    let is_written_here = |entry: &Operand| match entry {
-        Operand::Value(value) if is_in_part[flow.canonical(*value)] => {
-            is_own(flow.canonical(*value))
-        }
+    let is_written_here = |entry: Operand| match entry {
+        Operand::Value(value) if is_in_part[flow.canonical(value)] => is_own(flow.canonical(value)),
         _ => is_last,
     };
     let in_place = into::is_large(program);
@@ -119,35 +118,23 @@ fn part(
         .filter(|&index| is_own(index))
         .flat_map(|index| operands(program.instructions[index].operation))
         .collect();
-    read.extend(entries(program).filter(|entry| match in_place {
+    read.extend(entries(program).filter(|&entry| match in_place {
         true => is_written_here(entry),
         false => is_last,
     }));
-    let values = read.iter().filter_map(|operand| match operand {
-        Operand::Value(value) => Some(flow.canonical(*value)),
-        _ => None,
+    let read = Reads::new(&read, flow);
+    let written = program.outputs.iter().map(|output| {
+        let entries = output.entries.iter().enumerate();
+        let here = entries.filter(|&(_, &entry)| in_place && is_written_here(entry));
+        here.map(|(index, _)| index).collect::<Vec<usize>>()
     });
-    let takes: BTreeSet<usize> = values.filter(|&value| !is_own(value)).collect();
-    let inputs: BTreeSet<usize> = read
-        .iter()
-        .filter_map(|operand| match operand {
-            Operand::Input(array, _) => Some(*array),
-            _ => None,
-        })
-        .collect();
-    let results = program
-        .outputs
-        .iter()
-        .enumerate()
-        .filter(|(_, output)| in_place && output.entries.iter().any(is_written_here));
+    let results = written.enumerate().filter(|(_, here)| !here.is_empty());
     Part {
-        takes: takes.into_iter().collect(),
+        takes: read.values.into_iter().filter(|&v| !is_own(v)).collect(),
         returns: vec![],
-        inputs: inputs.into_iter().collect(),
-        reads_parameters: read
-            .iter()
-            .any(|operand| matches!(operand, Operand::Parameter(_))),
-        results: results.map(|(index, _)| index).collect(),
+        inputs: read.inputs,
+        reads_parameters: read.parameters,
+        results: results.collect(),
         range,
     }
 }

@@ -26,7 +26,10 @@ pub(in crate::emit) fn statements(
         let takes = (!part.takes.is_empty()).then(|| quote!([#(#takes),*],));
         let inputs = part.inputs.iter().map(|&input| &body.arguments[input]);
         let parameters = takes_parameters(context, part).then(|| quote!(p,));
-        let results = part.results.iter().map(|&result| &body.results[result]);
+        let results = part
+            .results
+            .iter()
+            .map(|(result, _)| &body.results[*result]);
         let call = quote!(#callee(#takes #(#inputs,)* #parameters #(#results),*));
         let returns = part.returns.iter().map(|&value| body.name(value));
         match (index + 1 == plan.parts.len(), part.returns.is_empty()) {
@@ -77,8 +80,8 @@ fn item(
         .iter()
         .map(|&input| signature.arguments[input].clone());
     let parameters = takes_parameters(context, part).then(|| quote!(p: &Parameters));
-    let results = part.results.iter().map(|&result| {
-        let (name, ty) = (&body.results[result], &signature.results[result]);
+    let results = part.results.iter().map(|(result, _)| {
+        let (name, ty) = (&body.results[*result], &signature.results[*result]);
         quote!(#name: &mut #ty)
     });
     let arguments: Vec<TokenStream> = taken
@@ -117,7 +120,10 @@ fn item(
     };
     let documentation = DocComment::new(&documentation).tokens();
     let names = body.value_names_in(part.range.clone());
-    let results = part.results.iter().map(|&result| &body.results[result]);
+    let results = part
+        .results
+        .iter()
+        .map(|(result, _)| &body.results[*result]);
     let names = names.chain(takes.iter().copied()).chain(results);
     let allowed = [
         lints::for_names(names.chain(&body.arguments).chain([name])),
