@@ -2,7 +2,8 @@
 
 use super::Arrays;
 use super::unroll::numbered;
-use crate::program::{Instruction, Operand, Operation, Output, Program, Shape};
+use super::writer::Writer;
+use crate::program::{Operand, Operation, Output, Program, Shape};
 
 /// `A_y`, `A_v`, `B_x` and `c` from the results of `forward_dynamics_derivatives`.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,7 +25,7 @@ impl Affine {
             outputs,
         } = self.called.unrolled();
         let n = self.called.joints();
-        let mut writing = Writing {
+        let mut writer = Writer {
             instructions,
             is_fused: self.called.is_fused,
         };
@@ -34,19 +35,19 @@ impl Affine {
             for &(coordinate, gain) in &self.inputs {
                 by_inputs.push(match gain {
                     Operand::Constant(1.0) => row[coordinate],
-                    gain => writing.push(Operation::Multiply(row[coordinate], gain)),
+                    gain => writer.push(Operation::Multiply(row[coordinate], gain)),
                 });
             }
         }
         let m = self.inputs.len();
         let remainder: Vec<Operand> = (0..n)
             .map(|i| {
-                let by_y = writing.dot(&by_y[i * n..(i + 1) * n], 0);
-                let by_v = writing.dot(&by_v[i * n..(i + 1) * n], 1);
-                let by_u = writing.dot(&by_inputs[i * m..(i + 1) * m], 2);
-                let sum = writing.push(Operation::Add(by_y, by_v));
-                let sum = writing.push(Operation::Add(sum, by_u));
-                writing.push(Operation::Subtract(accelerations[i], sum))
+                let by_y = writer.dot(&by_y[i * n..(i + 1) * n], 0);
+                let by_v = writer.dot(&by_v[i * n..(i + 1) * n], 1);
+                let by_u = writer.dot(&by_inputs[i * m..(i + 1) * m], 2);
+                let sum = writer.push(Operation::Add(by_y, by_v));
+                let sum = writer.push(Operation::Add(sum, by_u));
+                writer.push(Operation::Subtract(accelerations[i], sum))
             })
             .collect();
         let output = |name: &str, shape, entries| Output {
@@ -56,7 +57,7 @@ impl Affine {
         };
         numbered(Program {
             inputs,
-            instructions: writing.instructions,
+            instructions: writer.instructions,
             outputs: vec![
                 output("A_y", Shape::Matrix(n, n), by_y),
                 output("A_v", Shape::Matrix(n, n), by_v),
@@ -67,32 +68,12 @@ impl Affine {
     }
 }
 
-struct Writing {
-    instructions: Vec<Instruction>,
-    is_fused: bool,
-}
-
-impl Writing {
-    fn push(&mut self, operation: Operation) -> Operand {
-        self.instructions.push(Instruction {
-            name: String::new(),
-            operation,
-        });
-        Operand::Value(self.instructions.len() - 1)
-    }
-
+impl Writer {
     /// A row times an input array: entry k belongs to partial sum k mod 4, each starts at 0.
     fn dot(&mut self, row: &[Operand], array: usize) -> Operand {
         let mut sums = [Operand::Constant(0.0); 4];
         for (k, &entry) in row.iter().enumerate() {
-            let x = Operand::Input(array, k);
-            sums[k % 4] = match self.is_fused {
-                true => self.push(Operation::MultiplyAdd(entry, x, sums[k % 4])),
-                false => {
-                    let product = self.push(Operation::Multiply(entry, x));
-                    self.push(Operation::Add(sums[k % 4], product))
-                }
-            };
+            sums[k % 4] = self.add_product(sums[k % 4], entry, Operand::Input(array, k));
         }
         let first = self.push(Operation::Add(sums[0], sums[1]));
         let second = self.push(Operation::Add(sums[2], sums[3]));

@@ -8,6 +8,7 @@
 
 mod affine;
 mod unroll;
+mod writer;
 
 pub use affine::Affine;
 

@@ -1,8 +1,9 @@
 //! The array form written out: the straight-line program that it stands for.
 
+use super::writer::Writer;
 use super::{Array, Arrays, Map, Pairs, Step};
 use crate::program::lower::give_names;
-use crate::program::{Instruction, Operand, Operation, Output, Program};
+use crate::program::{Operand, Operation, Output, Program};
 
 impl Arrays {
     /// Each operation of the array form as an instruction, in the same order. Padding at the end of rows, and entries
@@ -11,7 +12,10 @@ impl Arrays {
     pub fn unrolled(&self) -> Program {
         let mut unrolling = Unrolling {
             form: self,
-            instructions: self.setup.instructions.clone(),
+            writer: Writer {
+                instructions: self.setup.instructions.clone(),
+                is_fused: self.is_fused,
+            },
             values: self
                 .setup
                 .outputs
@@ -33,7 +37,7 @@ impl Arrays {
         numbered(Program {
             inputs: self.setup.inputs.clone(),
             outputs: outputs.collect(),
-            instructions: unrolling.instructions,
+            instructions: unrolling.writer.instructions,
         })
     }
 }
@@ -46,7 +50,7 @@ pub(super) fn numbered(mut program: Program) -> Program {
 
 struct Unrolling<'a> {
     form: &'a Arrays,
-    instructions: Vec<Instruction>,
+    writer: Writer,
     /// Entries of each array, rows first.
     values: Vec<Vec<Operand>>,
 }
@@ -84,7 +88,7 @@ impl Unrolling<'_> {
                         let terms: Vec<_> = (0..n)
                             .map(|k| (self.at(*vector, 0, k), self.at(*matrix, k, j)))
                             .collect();
-                        self.sum_of_products(&terms)
+                        self.writer.sum_of_products(&terms)
                     })
                     .collect();
             }
@@ -99,16 +103,8 @@ impl Unrolling<'_> {
         self.values[array][row * self.form.joints() + column] = value;
     }
 
-    fn push(&mut self, name: &str, operation: Operation) -> Operand {
-        self.instructions.push(Instruction {
-            name: name.to_owned(),
-            operation,
-        });
-        Operand::Value(self.instructions.len() - 1)
-    }
-
     fn map(&mut self, map: &Map, joint: usize) {
-        let start = self.instructions.len();
+        let start = self.writer.instructions.len();
         let place = |values: &[Vec<Operand>], operand: Operand| match operand {
             Operand::Value(index) => Operand::Value(start + index),
             Operand::Input(array, row) => {
@@ -121,7 +117,7 @@ impl Unrolling<'_> {
                 Operation::CosineOf(pair) => Operation::CosineOf(start + pair),
                 operation => operation.map(|operand| place(&self.values, operand)),
             };
-            self.push("", operation);
+            self.writer.push(operation);
         }
         for (output, &array) in map.body.outputs.iter().zip(&map.writes) {
             for (row, &entry) in output.entries.iter().enumerate() {
@@ -136,29 +132,9 @@ impl Unrolling<'_> {
         let Some(other) = other else { return };
         for row in 0..self.form.arrays[array].rows {
             let (a, b) = (self.at(array, row, joint), self.at(array, row, other));
-            let sum = self.push("", Operation::Add(a, b));
+            let sum = self.writer.push(Operation::Add(a, b));
             self.set(array, row, joint, sum);
         }
-    }
-
-    /// `sum + a · b`
-    fn add_product(&mut self, sum: Operand, a: Operand, b: Operand) -> Operand {
-        if self.form.is_fused {
-            return self.push("", Operation::MultiplyAdd(a, b, sum));
-        }
-        let product = self.push("", Operation::Multiply(a, b));
-        self.push("", Operation::Add(sum, product))
-    }
-
-    fn sum_of_products(&mut self, terms: &[(Operand, Operand)]) -> Operand {
-        let mut sum = None;
-        for &(a, b) in terms {
-            sum = Some(match sum {
-                None => self.push("", Operation::Multiply(a, b)),
-                Some(sum) => self.add_product(sum, a, b),
-            });
-        }
-        sum.unwrap_or(Operand::Constant(0.0))
     }
 
     fn pairs(&mut self, pairs: &Pairs) {
@@ -180,28 +156,30 @@ impl Unrolling<'_> {
         let terms: Vec<_> = (0..self.form.arrays[by_j].rows)
             .map(|row| (self.at(by_i, row, i), self.at(by_j, row, j)))
             .collect();
-        self.sum_of_products(&terms)
+        self.writer.sum_of_products(&terms)
     }
 
     /// One step of Gauss and Jordan.
     fn sweep(&mut self, matrix: usize, k: usize) {
         let n = self.form.joints();
         let pivot = self.at(matrix, k, k);
-        let reciprocal = self.push("", Operation::Divide(Operand::Constant(1.0), pivot));
+        let reciprocal = self
+            .writer
+            .push(Operation::Divide(Operand::Constant(1.0), pivot));
         self.set(matrix, k, k, reciprocal);
         for j in (0..n).filter(|&j| j != k) {
             let entry = self.at(matrix, k, j);
-            let scaled = self.push("", Operation::Multiply(entry, reciprocal));
+            let scaled = self.writer.push(Operation::Multiply(entry, reciprocal));
             self.set(matrix, k, j, scaled);
         }
         for i in (0..n).filter(|&i| self.form.is_before(i, k) || self.form.is_before(k, i)) {
             let entry = self.at(matrix, i, k);
-            let factor = self.push("", Operation::Negate(entry));
-            let moved = self.push("", Operation::Multiply(factor, reciprocal));
+            let factor = self.writer.push(Operation::Negate(entry));
+            let moved = self.writer.push(Operation::Multiply(factor, reciprocal));
             self.set(matrix, i, k, moved);
             for j in (0..n).filter(|&j| j != k) {
                 let (old, own) = (self.at(matrix, i, j), self.at(matrix, k, j));
-                let new = self.add_product(old, factor, own);
+                let new = self.writer.add_product(old, factor, own);
                 self.set(matrix, i, j, new);
             }
         }
@@ -213,12 +191,12 @@ impl Unrolling<'_> {
             let factors: Vec<_> = (0..n)
                 .map(|k| {
                     let factor = self.at(left, i, k);
-                    self.push("", Operation::Negate(factor))
+                    self.writer.push(Operation::Negate(factor))
                 })
                 .collect();
             for j in 0..n {
                 let terms: Vec<_> = (0..n).map(|k| (factors[k], self.at(right, k, j))).collect();
-                let entry = self.sum_of_products(&terms);
+                let entry = self.writer.sum_of_products(&terms);
                 self.set(to, i, j, entry);
             }
         }
