@@ -123,19 +123,15 @@ pub fn forward_dynamics_derivatives<'g>(
     let (by_coordinates, by_velocities) = jacobians(&mut builder, &setup, &motion, &composites);
     let n = builder.joints();
     builder.output("ÿ", Shape::Vector(n), accelerations);
-    for (name, matrix) in [("∂ÿ/∂y", by_coordinates), ("∂ÿ/∂ẏ", by_velocities)] {
-        let product = builder.negative_product(inverse, matrix, name_of(name));
-        builder.output(name, Shape::Matrix(n, n), product);
+    for (result, matrix, name) in [
+        ("∂ÿ/∂y", by_coordinates, "accelerations_by_coordinates"),
+        ("∂ÿ/∂ẏ", by_velocities, "accelerations_by_velocities"),
+    ] {
+        let product = builder.negative_product(inverse, matrix, name);
+        builder.output(result, Shape::Matrix(n, n), product);
     }
     builder.output("M⁻¹", Shape::Matrix(n, n), inverse);
     builder.finish(equations.graph, inputs)
-}
-
-fn name_of(result: &str) -> &'static str {
-    match result.ends_with('y') {
-        true => "accelerations_by_coordinates",
-        false => "accelerations_by_velocities",
-    }
 }
 
 /// Straight-line code: poses, and what depends on single joints.
@@ -178,13 +174,7 @@ fn set_up<'g>(
         }),
         origins: rows("origins", 3, &|index| poses.body(index).origin.0.to_vec()),
         moments: rows("moments", 10, &|index| {
-            let moments = mechanism.bodies[index].moments;
-            [
-                &[moments.mass][..],
-                &moments.first.0,
-                &moments.second.entries(),
-            ]
-            .concat()
+            entries_of(&mechanism.bodies[index].moments)
         }),
         rates: rows("rates", 1, &|index| vec![arguments.v[coordinate(index)]]),
         gravity: rows(
@@ -519,8 +509,7 @@ fn moved<'g>(axes: &Rows<'g>, origin: Vector3<'g>, own: MassMoments<'g>) -> Mass
         |v: Vector3<'g>| axes[0].scaled(v[0]) + axes[1].scaled(v[1]) + axes[2].scaled(v[2]);
     let (s, first) = (own.second, direction(own.first));
     // R Σ, column by column, then (R Σ) Rᵀ.
-    let half = [[s.xx, s.xy, s.xz], [s.xy, s.yy, s.yz], [s.xz, s.yz, s.zz]]
-        .map(|column| direction(Vector3(column)));
+    let half = s.columns().map(direction);
     let turned = |i: usize, j: usize| {
         (0..3).fold(own.mass.constant(0.0), |sum, k| {
             sum + half[k][i] * axes[k][j]
@@ -560,8 +549,7 @@ fn flow_of<'g>(
         linear.map(|x| x * 2.0),
         moments.second,
     );
-    let columns = [[s.xx, s.xy, s.xz], [s.xy, s.yy, s.yz], [s.xz, s.yz, s.zz]]
-        .map(|column| omega.cross(Vector3(column)));
+    let columns = s.columns().map(|column| omega.cross(column));
     let entry = |i: usize, j: usize| columns[j][i] + v[i] * moments.first[j];
     (
         v.scaled(moments.mass) + omega.cross(moments.first),

@@ -727,9 +727,7 @@ fn add<'g>(matrix: &mut Matrix<'g>, row: usize, column: usize, entry: Scalar<'g>
 
 /// `ω× Σ`
 fn spin_of<'g>(omega: Vector3<'g>, second: Symmetric3<'g>) -> Matrix3<'g> {
-    let s = second;
-    let columns = [[s.xx, s.xy, s.xz], [s.xy, s.yy, s.yz], [s.xz, s.yz, s.zz]]
-        .map(|column| omega.cross(Vector3(column)));
+    let columns = second.columns().map(|column| omega.cross(column));
     std::array::from_fn(|row| std::array::from_fn(|column| columns[column][row]))
 }
 

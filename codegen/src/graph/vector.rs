@@ -131,6 +131,12 @@ impl<'g> Symmetric3<'g> {
         [self.xx, self.xy, self.xz, self.yy, self.yz, self.zz]
     }
 
+    /// Columns, which are the rows too.
+    pub fn columns(self) -> [Vector3<'g>; 3] {
+        let s = self;
+        [[s.xx, s.xy, s.xz], [s.xy, s.yy, s.yz], [s.xz, s.yz, s.zz]].map(Vector3)
+    }
+
     /// The zero matrix of a scalar's graph.
     pub fn zero(any: Scalar<'g>) -> Self {
         Self::new([any.constant(0.0); 6])
