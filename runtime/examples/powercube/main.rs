@@ -16,6 +16,8 @@ mod arm;
 mod control;
 mod equations;
 mod friction;
+#[path = "../support/outcome.rs"]
+mod outcome;
 mod page;
 mod study;
 
@@ -28,13 +30,7 @@ use std::time::Instant;
 use study::{Experiment, Outcome, Part, Study};
 
 fn main() -> ExitCode {
-    match run() {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    outcome::end(run())
 }
 
 fn run() -> Outcome<()> {

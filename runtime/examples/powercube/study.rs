@@ -1,9 +1,8 @@
 //! What all experiments share.
 
 use gelenk_runtime::report::{Claim, Section};
-use std::error::Error;
 
-pub type Outcome<T> = Result<T, Box<dyn Error>>;
+pub use crate::outcome::Outcome;
 
 /// How much is computed.
 pub struct Study {
