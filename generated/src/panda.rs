@@ -5705,7 +5705,7 @@ pub fn inverse_dynamics_derivatives_into(
     d_dy: &mut [[f64; N]; N],
     d_dv: &mut [[f64; N]; N],
 ) {
-    const MOMENTS: [[f64; 8]; 10] = [
+    static MOMENTS: arrays::Rows<10, 8> = arrays::Rows([
         [
             4.970684,
             0.646926,
@@ -5806,114 +5806,112 @@ pub fn inverse_dynamics_derivatives_into(
             0.0270807953180085,
             0.0,
         ],
-    ];
-    const GRAVITY: [[f64; 8]; 3] = [
+    ]);
+    static GRAVITY: arrays::Rows<3, 8> = arrays::Rows([
         [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
         [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
         [9.81, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-    ];
-    const ROTOR_INERTIA: [[f64; 8]; 1] = [[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]];
-    let mut screws = [[0.0; 8]; 6];
-    let mut axes = [[0.0; 8]; 9];
-    let mut origins = [[0.0; 8]; 3];
-    let mut rates = [[0.0; 8]; 1];
-    let mut accelerations = [[0.0; 8]; 1];
-    let mut joint_forces = [[0.0; 8]; 3];
+    ]);
+    static ROTOR_INERTIA: arrays::Rows<1, 8> = arrays::Rows([
+        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    ]);
+    let mut screws = arrays::Rows([[0.0; 8]; 6]);
+    let mut axes = arrays::Rows([[0.0; 8]; 9]);
+    let mut origins = arrays::Rows([[0.0; 8]; 3]);
+    let mut rates = arrays::Rows([[0.0; 8]; 1]);
+    let mut accelerations = arrays::Rows([[0.0; 8]; 1]);
+    let mut joint_forces = arrays::Rows([[0.0; 8]; 3]);
     inverse_dynamics_derivatives_setup(
         y,
         v,
         a,
-        &mut screws,
-        &mut axes,
-        &mut origins,
-        &mut rates,
-        &mut accelerations,
-        &mut joint_forces,
+        &mut screws.0,
+        &mut axes.0,
+        &mut origins.0,
+        &mut rates.0,
+        &mut accelerations.0,
+        &mut joint_forces.0,
     );
-    let mut joint_velocity = [[0.0; 8]; 6];
-    joint_velocities(&screws, &rates, &mut joint_velocity);
-    let mut velocity = [[0.0; 8]; 6];
-    sum_ancestors(&joint_velocity, &mut velocity);
-    let mut inertia = [[0.0; 8]; 10];
-    let mut flow = [[0.0; 8]; 12];
-    let mut screw_rate = [[0.0; 8]; 6];
-    let mut joint_acceleration = [[0.0; 8]; 6];
-    let mut momentum_rate = [[0.0; 8]; 6];
+    let mut joint_velocity = arrays::Rows([[0.0; 8]; 6]);
+    joint_velocities(&screws.0, &rates.0, &mut joint_velocity.0);
+    let mut velocity = arrays::Rows([[0.0; 8]; 6]);
+    sum_ancestors(&joint_velocity.0, &mut velocity.0);
+    let mut inertia = arrays::Rows([[0.0; 8]; 10]);
+    let mut flow = arrays::Rows([[0.0; 8]; 12]);
+    let mut screw_rate = arrays::Rows([[0.0; 8]; 6]);
+    let mut joint_acceleration = arrays::Rows([[0.0; 8]; 6]);
+    let mut momentum_rate = arrays::Rows([[0.0; 8]; 6]);
     bodies_in_motion(
-        &axes,
-        &origins,
-        &MOMENTS,
-        &screws,
-        &rates,
-        &GRAVITY,
-        &velocity,
-        &accelerations,
-        &mut inertia,
-        &mut flow,
-        &mut screw_rate,
-        &mut joint_acceleration,
-        &mut momentum_rate,
+        &axes.0,
+        &origins.0,
+        &MOMENTS.0,
+        &screws.0,
+        &rates.0,
+        &GRAVITY.0,
+        &velocity.0,
+        &accelerations.0,
+        &mut inertia.0,
+        &mut flow.0,
+        &mut screw_rate.0,
+        &mut joint_acceleration.0,
+        &mut momentum_rate.0,
     );
-    let mut acceleration = [[0.0; 8]; 6];
-    sum_ancestors(&joint_acceleration, &mut acceleration);
-    let mut force = [[0.0; 8]; 6];
-    body_forces(&inertia, &acceleration, &momentum_rate, &mut force);
-    let mut composite_inertia = [[0.0; 8]; 10];
-    sum_subtrees(&inertia, &mut composite_inertia);
-    let mut composite_flow = [[0.0; 8]; 12];
-    sum_subtrees(&flow, &mut composite_flow);
-    let mut composite_force = [[0.0; 8]; 6];
-    sum_subtrees(&force, &mut composite_force);
-    let mut forces = [[0.0; 8]; 1];
+    let mut acceleration = arrays::Rows([[0.0; 8]; 6]);
+    sum_ancestors(&joint_acceleration.0, &mut acceleration.0);
+    let mut force = arrays::Rows([[0.0; 8]; 6]);
+    body_forces(&inertia.0, &acceleration.0, &momentum_rate.0, &mut force.0);
+    let mut composite_inertia = arrays::Rows([[0.0; 8]; 10]);
+    sum_subtrees(&inertia.0, &mut composite_inertia.0);
+    let mut composite_flow = arrays::Rows([[0.0; 8]; 12]);
+    sum_subtrees(&flow.0, &mut composite_flow.0);
+    let mut composite_force = arrays::Rows([[0.0; 8]; 6]);
+    sum_subtrees(&force.0, &mut composite_force.0);
+    let mut forces = arrays::Rows([[0.0; 8]; 1]);
     forces_at_joints(
-        &screws,
-        &composite_force,
-        &ROTOR_INERTIA,
-        &accelerations,
-        &joint_forces,
-        &mut forces,
+        &screws.0,
+        &composite_force.0,
+        &ROTOR_INERTIA.0,
+        &accelerations.0,
+        &joint_forces.0,
+        &mut forces.0,
     );
-    let mut gains = [[0.0; 8]; 9];
-    let mut by_coordinate = [[0.0; 8]; 9];
-    let mut by_velocity = [[0.0; 8]; 9];
-    let mut stiffness = [[0.0; 8]; 6];
-    let mut damping = [[0.0; 8]; 6];
-    let mut own_stiffness = [[0.0; 8]; 1];
-    let mut own_damping = [[0.0; 8]; 1];
+    let mut gains = arrays::Rows([[0.0; 8]; 9]);
+    let mut by_coordinate = arrays::Rows([[0.0; 8]; 9]);
+    let mut by_velocity = arrays::Rows([[0.0; 8]; 9]);
+    let mut stiffness = arrays::Rows([[0.0; 8]; 6]);
+    let mut damping = arrays::Rows([[0.0; 8]; 6]);
+    let mut own_stiffness = arrays::Rows([[0.0; 8]; 1]);
+    let mut own_damping = arrays::Rows([[0.0; 8]; 1]);
     disturbances(
-        &screws,
-        &screw_rate,
-        &velocity,
-        &acceleration,
-        &composite_inertia,
-        &composite_flow,
-        &composite_force,
-        &joint_forces,
-        &mut gains,
-        &mut by_coordinate,
-        &mut by_velocity,
-        &mut stiffness,
-        &mut damping,
-        &mut own_stiffness,
-        &mut own_damping,
+        &screws.0,
+        &screw_rate.0,
+        &velocity.0,
+        &acceleration.0,
+        &composite_inertia.0,
+        &composite_flow.0,
+        &composite_force.0,
+        &joint_forces.0,
+        &mut gains.0,
+        &mut by_coordinate.0,
+        &mut by_velocity.0,
+        &mut stiffness.0,
+        &mut damping.0,
+        &mut own_stiffness.0,
+        &mut own_damping.0,
     );
-    arrays::pairs::<
-        _,
-        _,
-        _,
-        8,
-        _,
-        _,
-    >((&gains, &by_coordinate), (&screws, &stiffness), &own_stiffness, d_dy);
-    arrays::pairs::<
-        _,
-        _,
-        _,
-        8,
-        _,
-        _,
-    >((&gains, &by_velocity), (&screws, &damping), &own_damping, d_dv);
-    b_u.copy_from_slice(forces[0].split_at(7).0);
+    arrays::pairs(
+        (&gains.0, &by_coordinate.0),
+        (&screws.0, &stiffness.0),
+        &own_stiffness.0,
+        d_dy,
+    );
+    arrays::pairs(
+        (&gains.0, &by_velocity.0),
+        (&screws.0, &damping.0),
+        &own_damping.0,
+        d_dv,
+    );
+    b_u.copy_from_slice(forces.0[0].split_at(7).0);
 }
 
 /// Poses and single joints of `inverse_dynamics_derivatives`; the arrays hold zeros before.
@@ -6366,7 +6364,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
     d_dv: &mut [[f64; N]; N],
     m: &mut [[f64; N]; N],
 ) {
-    const MOMENTS: [[f64; 8]; 10] = [
+    static MOMENTS: arrays::Rows<10, 8> = arrays::Rows([
         [
             4.970684,
             0.646926,
@@ -6467,131 +6465,127 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
             0.0270807953180085,
             0.0,
         ],
-    ];
-    const GRAVITY: [[f64; 8]; 3] = [
+    ]);
+    static GRAVITY: arrays::Rows<3, 8> = arrays::Rows([
         [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
         [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
         [9.81, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-    ];
-    const ROTOR_INERTIA: [[f64; 8]; 1] = [[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]];
-    let mut screws = [[0.0; 8]; 6];
-    let mut axes = [[0.0; 8]; 9];
-    let mut origins = [[0.0; 8]; 3];
-    let mut rates = [[0.0; 8]; 1];
-    let mut accelerations = [[0.0; 8]; 1];
-    let mut joint_forces = [[0.0; 8]; 3];
+    ]);
+    static ROTOR_INERTIA: arrays::Rows<1, 8> = arrays::Rows([
+        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    ]);
+    let mut screws = arrays::Rows([[0.0; 8]; 6]);
+    let mut axes = arrays::Rows([[0.0; 8]; 9]);
+    let mut origins = arrays::Rows([[0.0; 8]; 3]);
+    let mut rates = arrays::Rows([[0.0; 8]; 1]);
+    let mut accelerations = arrays::Rows([[0.0; 8]; 1]);
+    let mut joint_forces = arrays::Rows([[0.0; 8]; 3]);
     inverse_dynamics_derivatives_and_mass_matrix_setup(
         y,
         v,
         a,
-        &mut screws,
-        &mut axes,
-        &mut origins,
-        &mut rates,
-        &mut accelerations,
-        &mut joint_forces,
+        &mut screws.0,
+        &mut axes.0,
+        &mut origins.0,
+        &mut rates.0,
+        &mut accelerations.0,
+        &mut joint_forces.0,
     );
-    let mut joint_velocity = [[0.0; 8]; 6];
-    joint_velocities(&screws, &rates, &mut joint_velocity);
-    let mut velocity = [[0.0; 8]; 6];
-    sum_ancestors(&joint_velocity, &mut velocity);
-    let mut inertia = [[0.0; 8]; 10];
-    let mut flow = [[0.0; 8]; 12];
-    let mut screw_rate = [[0.0; 8]; 6];
-    let mut joint_acceleration = [[0.0; 8]; 6];
-    let mut momentum_rate = [[0.0; 8]; 6];
+    let mut joint_velocity = arrays::Rows([[0.0; 8]; 6]);
+    joint_velocities(&screws.0, &rates.0, &mut joint_velocity.0);
+    let mut velocity = arrays::Rows([[0.0; 8]; 6]);
+    sum_ancestors(&joint_velocity.0, &mut velocity.0);
+    let mut inertia = arrays::Rows([[0.0; 8]; 10]);
+    let mut flow = arrays::Rows([[0.0; 8]; 12]);
+    let mut screw_rate = arrays::Rows([[0.0; 8]; 6]);
+    let mut joint_acceleration = arrays::Rows([[0.0; 8]; 6]);
+    let mut momentum_rate = arrays::Rows([[0.0; 8]; 6]);
     bodies_in_motion(
-        &axes,
-        &origins,
-        &MOMENTS,
-        &screws,
-        &rates,
-        &GRAVITY,
-        &velocity,
-        &accelerations,
-        &mut inertia,
-        &mut flow,
-        &mut screw_rate,
-        &mut joint_acceleration,
-        &mut momentum_rate,
+        &axes.0,
+        &origins.0,
+        &MOMENTS.0,
+        &screws.0,
+        &rates.0,
+        &GRAVITY.0,
+        &velocity.0,
+        &accelerations.0,
+        &mut inertia.0,
+        &mut flow.0,
+        &mut screw_rate.0,
+        &mut joint_acceleration.0,
+        &mut momentum_rate.0,
     );
-    let mut acceleration = [[0.0; 8]; 6];
-    sum_ancestors(&joint_acceleration, &mut acceleration);
-    let mut force = [[0.0; 8]; 6];
-    body_forces(&inertia, &acceleration, &momentum_rate, &mut force);
-    let mut composite_inertia = [[0.0; 8]; 10];
-    sum_subtrees(&inertia, &mut composite_inertia);
-    let mut composite_flow = [[0.0; 8]; 12];
-    sum_subtrees(&flow, &mut composite_flow);
-    let mut composite_force = [[0.0; 8]; 6];
-    sum_subtrees(&force, &mut composite_force);
-    let mut forces = [[0.0; 8]; 1];
+    let mut acceleration = arrays::Rows([[0.0; 8]; 6]);
+    sum_ancestors(&joint_acceleration.0, &mut acceleration.0);
+    let mut force = arrays::Rows([[0.0; 8]; 6]);
+    body_forces(&inertia.0, &acceleration.0, &momentum_rate.0, &mut force.0);
+    let mut composite_inertia = arrays::Rows([[0.0; 8]; 10]);
+    sum_subtrees(&inertia.0, &mut composite_inertia.0);
+    let mut composite_flow = arrays::Rows([[0.0; 8]; 12]);
+    sum_subtrees(&flow.0, &mut composite_flow.0);
+    let mut composite_force = arrays::Rows([[0.0; 8]; 6]);
+    sum_subtrees(&force.0, &mut composite_force.0);
+    let mut forces = arrays::Rows([[0.0; 8]; 1]);
     forces_at_joints(
-        &screws,
-        &composite_force,
-        &ROTOR_INERTIA,
-        &accelerations,
-        &joint_forces,
-        &mut forces,
+        &screws.0,
+        &composite_force.0,
+        &ROTOR_INERTIA.0,
+        &accelerations.0,
+        &joint_forces.0,
+        &mut forces.0,
     );
-    let mut gains = [[0.0; 8]; 9];
-    let mut by_coordinate = [[0.0; 8]; 9];
-    let mut by_velocity = [[0.0; 8]; 9];
-    let mut stiffness = [[0.0; 8]; 6];
-    let mut damping = [[0.0; 8]; 6];
-    let mut own_stiffness = [[0.0; 8]; 1];
-    let mut own_damping = [[0.0; 8]; 1];
+    let mut gains = arrays::Rows([[0.0; 8]; 9]);
+    let mut by_coordinate = arrays::Rows([[0.0; 8]; 9]);
+    let mut by_velocity = arrays::Rows([[0.0; 8]; 9]);
+    let mut stiffness = arrays::Rows([[0.0; 8]; 6]);
+    let mut damping = arrays::Rows([[0.0; 8]; 6]);
+    let mut own_stiffness = arrays::Rows([[0.0; 8]; 1]);
+    let mut own_damping = arrays::Rows([[0.0; 8]; 1]);
     disturbances(
-        &screws,
-        &screw_rate,
-        &velocity,
-        &acceleration,
-        &composite_inertia,
-        &composite_flow,
-        &composite_force,
-        &joint_forces,
-        &mut gains,
-        &mut by_coordinate,
-        &mut by_velocity,
-        &mut stiffness,
-        &mut damping,
-        &mut own_stiffness,
-        &mut own_damping,
+        &screws.0,
+        &screw_rate.0,
+        &velocity.0,
+        &acceleration.0,
+        &composite_inertia.0,
+        &composite_flow.0,
+        &composite_force.0,
+        &joint_forces.0,
+        &mut gains.0,
+        &mut by_coordinate.0,
+        &mut by_velocity.0,
+        &mut stiffness.0,
+        &mut damping.0,
+        &mut own_stiffness.0,
+        &mut own_damping.0,
     );
-    arrays::pairs::<
-        _,
-        _,
-        _,
-        8,
-        _,
-        _,
-    >((&gains, &by_coordinate), (&screws, &stiffness), &own_stiffness, d_dy);
-    arrays::pairs::<
-        _,
-        _,
-        _,
-        8,
-        _,
-        _,
-    >((&gains, &by_velocity), (&screws, &damping), &own_damping, d_dv);
-    let mut unit_force = [[0.0; 8]; 6];
-    let mut diagonal = [[0.0; 8]; 1];
+    arrays::pairs(
+        (&gains.0, &by_coordinate.0),
+        (&screws.0, &stiffness.0),
+        &own_stiffness.0,
+        d_dy,
+    );
+    arrays::pairs(
+        (&gains.0, &by_velocity.0),
+        (&screws.0, &damping.0),
+        &own_damping.0,
+        d_dv,
+    );
+    let mut unit_force = arrays::Rows([[0.0; 8]; 6]);
+    let mut diagonal = arrays::Rows([[0.0; 8]; 1]);
     unit_accelerations(
-        &screws,
-        &composite_inertia,
-        &ROTOR_INERTIA,
-        &mut unit_force,
-        &mut diagonal,
+        &screws.0,
+        &composite_inertia.0,
+        &ROTOR_INERTIA.0,
+        &mut unit_force.0,
+        &mut diagonal.0,
     );
-    arrays::pairs::<
-        _,
-        _,
-        _,
-        8,
-        _,
-        _,
-    >((&unit_force, &screws), (&screws, &unit_force), &diagonal, m);
-    b_u.copy_from_slice(forces[0].split_at(7).0);
+    arrays::pairs(
+        (&unit_force.0, &screws.0),
+        (&screws.0, &unit_force.0),
+        &diagonal.0,
+        m,
+    );
+    b_u.copy_from_slice(forces.0[0].split_at(7).0);
 }
 
 /// Poses and single joints of `inverse_dynamics_derivatives_and_mass_matrix`; the arrays hold zeros before.
@@ -7043,7 +7037,7 @@ pub fn forward_dynamics_derivatives_into(
     da_dv: &mut [[f64; N]; N],
     m_inverse: &mut [[f64; N]; N],
 ) {
-    const MOMENTS: [[f64; 8]; 10] = [
+    static MOMENTS: arrays::Rows<10, 8> = arrays::Rows([
         [
             4.970684,
             0.646926,
@@ -7144,156 +7138,151 @@ pub fn forward_dynamics_derivatives_into(
             0.0270807953180085,
             0.0,
         ],
-    ];
-    const GRAVITY: [[f64; 8]; 3] = [
+    ]);
+    static GRAVITY: arrays::Rows<3, 8> = arrays::Rows([
         [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
         [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
         [9.81, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-    ];
-    const ROTOR_INERTIA: [[f64; 8]; 1] = [[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]];
-    let mut screws = [[0.0; 8]; 6];
-    let mut axes = [[0.0; 8]; 9];
-    let mut origins = [[0.0; 8]; 3];
-    let mut rates = [[0.0; 8]; 1];
-    let mut driving_forces = [[0.0; 8]; 1];
-    let mut joint_forces = [[0.0; 8]; 3];
+    ]);
+    static ROTOR_INERTIA: arrays::Rows<1, 8> = arrays::Rows([
+        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    ]);
+    let mut screws = arrays::Rows([[0.0; 8]; 6]);
+    let mut axes = arrays::Rows([[0.0; 8]; 9]);
+    let mut origins = arrays::Rows([[0.0; 8]; 3]);
+    let mut rates = arrays::Rows([[0.0; 8]; 1]);
+    let mut driving_forces = arrays::Rows([[0.0; 8]; 1]);
+    let mut joint_forces = arrays::Rows([[0.0; 8]; 3]);
     forward_dynamics_derivatives_setup(
         y,
         v,
         u,
-        &mut screws,
-        &mut axes,
-        &mut origins,
-        &mut rates,
-        &mut driving_forces,
-        &mut joint_forces,
+        &mut screws.0,
+        &mut axes.0,
+        &mut origins.0,
+        &mut rates.0,
+        &mut driving_forces.0,
+        &mut joint_forces.0,
     );
-    let mut joint_velocity = [[0.0; 8]; 6];
-    joint_velocities(&screws, &rates, &mut joint_velocity);
-    let mut velocity = [[0.0; 8]; 6];
-    sum_ancestors(&joint_velocity, &mut velocity);
-    let mut inertia = [[0.0; 8]; 10];
-    let mut flow = [[0.0; 8]; 12];
-    let mut screw_rate = [[0.0; 8]; 6];
-    let mut joint_acceleration = [[0.0; 8]; 6];
-    let mut momentum_rate = [[0.0; 8]; 6];
+    let mut joint_velocity = arrays::Rows([[0.0; 8]; 6]);
+    joint_velocities(&screws.0, &rates.0, &mut joint_velocity.0);
+    let mut velocity = arrays::Rows([[0.0; 8]; 6]);
+    sum_ancestors(&joint_velocity.0, &mut velocity.0);
+    let mut inertia = arrays::Rows([[0.0; 8]; 10]);
+    let mut flow = arrays::Rows([[0.0; 8]; 12]);
+    let mut screw_rate = arrays::Rows([[0.0; 8]; 6]);
+    let mut joint_acceleration = arrays::Rows([[0.0; 8]; 6]);
+    let mut momentum_rate = arrays::Rows([[0.0; 8]; 6]);
     bodies_in_steady_motion(
-        &axes,
-        &origins,
-        &MOMENTS,
-        &screws,
-        &rates,
-        &GRAVITY,
-        &velocity,
-        &mut inertia,
-        &mut flow,
-        &mut screw_rate,
-        &mut joint_acceleration,
-        &mut momentum_rate,
+        &axes.0,
+        &origins.0,
+        &MOMENTS.0,
+        &screws.0,
+        &rates.0,
+        &GRAVITY.0,
+        &velocity.0,
+        &mut inertia.0,
+        &mut flow.0,
+        &mut screw_rate.0,
+        &mut joint_acceleration.0,
+        &mut momentum_rate.0,
     );
-    let mut acceleration = [[0.0; 8]; 6];
-    sum_ancestors(&joint_acceleration, &mut acceleration);
-    let mut force = [[0.0; 8]; 6];
-    body_forces(&inertia, &acceleration, &momentum_rate, &mut force);
-    let mut composite_inertia = [[0.0; 8]; 10];
-    sum_subtrees(&inertia, &mut composite_inertia);
-    let mut composite_flow = [[0.0; 8]; 12];
-    sum_subtrees(&flow, &mut composite_flow);
-    let mut composite_bias = [[0.0; 8]; 6];
-    sum_subtrees(&force, &mut composite_bias);
-    let mut unit_force = [[0.0; 8]; 6];
-    let mut diagonal = [[0.0; 8]; 1];
+    let mut acceleration = arrays::Rows([[0.0; 8]; 6]);
+    sum_ancestors(&joint_acceleration.0, &mut acceleration.0);
+    let mut force = arrays::Rows([[0.0; 8]; 6]);
+    body_forces(&inertia.0, &acceleration.0, &momentum_rate.0, &mut force.0);
+    let mut composite_inertia = arrays::Rows([[0.0; 8]; 10]);
+    sum_subtrees(&inertia.0, &mut composite_inertia.0);
+    let mut composite_flow = arrays::Rows([[0.0; 8]; 12]);
+    sum_subtrees(&flow.0, &mut composite_flow.0);
+    let mut composite_bias = arrays::Rows([[0.0; 8]; 6]);
+    sum_subtrees(&force.0, &mut composite_bias.0);
+    let mut unit_force = arrays::Rows([[0.0; 8]; 6]);
+    let mut diagonal = arrays::Rows([[0.0; 8]; 1]);
     unit_accelerations(
-        &screws,
-        &composite_inertia,
-        &ROTOR_INERTIA,
-        &mut unit_force,
-        &mut diagonal,
+        &screws.0,
+        &composite_inertia.0,
+        &ROTOR_INERTIA.0,
+        &mut unit_force.0,
+        &mut diagonal.0,
     );
-    let mut mass_matrix_2 = [[0.0; 8]; 7];
-    arrays::pairs::<
-        _,
-        _,
-        _,
-        8,
-        _,
-        _,
-    >((&unit_force, &screws), (&screws, &unit_force), &diagonal, &mut mass_matrix_2);
-    let mut inverse = [[0.0; 8]; 7];
-    inverse.copy_from_slice(&mass_matrix_2);
-    arrays::invert(&mut inverse, 0..7, |_, _| true);
-    let mut remaining_force = [[0.0; 8]; 1];
-    remaining_forces(&screws, &composite_bias, &driving_forces, &mut remaining_force);
-    let mut accelerations = [[0.0; 8]; 1];
-    arrays::apply(&inverse, &remaining_force, &mut accelerations);
-    let mut added_joint_acceleration = [[0.0; 8]; 6];
-    joint_accelerations(&screws, &accelerations, &mut added_joint_acceleration);
-    let mut added_acceleration = [[0.0; 8]; 6];
-    sum_ancestors(&added_joint_acceleration, &mut added_acceleration);
-    let mut total_acceleration = [[0.0; 8]; 6];
-    let mut added_force = [[0.0; 8]; 6];
+    let mut mass_matrix_2 = arrays::Rows([[0.0; 8]; 7]);
+    arrays::pairs(
+        (&unit_force.0, &screws.0),
+        (&screws.0, &unit_force.0),
+        &diagonal.0,
+        &mut mass_matrix_2.0,
+    );
+    let mut inverse = arrays::Rows(mass_matrix_2.0);
+    arrays::invert(&mut inverse.0);
+    let mut remaining_force = arrays::Rows([[0.0; 8]; 1]);
+    remaining_forces(
+        &screws.0,
+        &composite_bias.0,
+        &driving_forces.0,
+        &mut remaining_force.0,
+    );
+    let mut accelerations = arrays::Rows([[0.0; 8]; 1]);
+    arrays::apply(&inverse.0, &remaining_force.0, &mut accelerations.0);
+    let mut added_joint_acceleration = arrays::Rows([[0.0; 8]; 6]);
+    joint_accelerations(&screws.0, &accelerations.0, &mut added_joint_acceleration.0);
+    let mut added_acceleration = arrays::Rows([[0.0; 8]; 6]);
+    sum_ancestors(&added_joint_acceleration.0, &mut added_acceleration.0);
+    let mut total_acceleration = arrays::Rows([[0.0; 8]; 6]);
+    let mut added_force = arrays::Rows([[0.0; 8]; 6]);
     accelerated_bodies(
-        &inertia,
-        &acceleration,
-        &added_acceleration,
-        &mut total_acceleration,
-        &mut added_force,
+        &inertia.0,
+        &acceleration.0,
+        &added_acceleration.0,
+        &mut total_acceleration.0,
+        &mut added_force.0,
     );
-    let mut composite_added_force = [[0.0; 8]; 6];
-    sum_subtrees(&added_force, &mut composite_added_force);
-    let mut composite_force = [[0.0; 8]; 6];
-    total_forces(&composite_bias, &composite_added_force, &mut composite_force);
-    let mut gains = [[0.0; 8]; 9];
-    let mut by_coordinate = [[0.0; 8]; 9];
-    let mut by_velocity = [[0.0; 8]; 9];
-    let mut stiffness = [[0.0; 8]; 6];
-    let mut damping = [[0.0; 8]; 6];
-    let mut own_stiffness = [[0.0; 8]; 1];
-    let mut own_damping = [[0.0; 8]; 1];
+    let mut composite_added_force = arrays::Rows([[0.0; 8]; 6]);
+    sum_subtrees(&added_force.0, &mut composite_added_force.0);
+    let mut composite_force = arrays::Rows([[0.0; 8]; 6]);
+    total_forces(&composite_bias.0, &composite_added_force.0, &mut composite_force.0);
+    let mut gains = arrays::Rows([[0.0; 8]; 9]);
+    let mut by_coordinate = arrays::Rows([[0.0; 8]; 9]);
+    let mut by_velocity = arrays::Rows([[0.0; 8]; 9]);
+    let mut stiffness = arrays::Rows([[0.0; 8]; 6]);
+    let mut damping = arrays::Rows([[0.0; 8]; 6]);
+    let mut own_stiffness = arrays::Rows([[0.0; 8]; 1]);
+    let mut own_damping = arrays::Rows([[0.0; 8]; 1]);
     disturbances_2(
-        &screws,
-        &screw_rate,
-        &velocity,
-        &total_acceleration,
-        &composite_inertia,
-        &composite_flow,
-        &composite_force,
-        &joint_forces,
-        &mut gains,
-        &mut by_coordinate,
-        &mut by_velocity,
-        &mut stiffness,
-        &mut damping,
-        &mut own_stiffness,
-        &mut own_damping,
+        &screws.0,
+        &screw_rate.0,
+        &velocity.0,
+        &total_acceleration.0,
+        &composite_inertia.0,
+        &composite_flow.0,
+        &composite_force.0,
+        &joint_forces.0,
+        &mut gains.0,
+        &mut by_coordinate.0,
+        &mut by_velocity.0,
+        &mut stiffness.0,
+        &mut damping.0,
+        &mut own_stiffness.0,
+        &mut own_damping.0,
     );
-    let mut by_coordinates = [[0.0; 8]; 7];
-    arrays::pairs::<
-        _,
-        _,
-        _,
-        8,
-        _,
-        _,
-    >(
-        (&gains, &by_coordinate),
-        (&screws, &stiffness),
-        &own_stiffness,
-        &mut by_coordinates,
+    let mut by_coordinates = arrays::Rows([[0.0; 8]; 7]);
+    arrays::pairs(
+        (&gains.0, &by_coordinate.0),
+        (&screws.0, &stiffness.0),
+        &own_stiffness.0,
+        &mut by_coordinates.0,
     );
-    let mut by_velocities = [[0.0; 8]; 7];
-    arrays::pairs::<
-        _,
-        _,
-        _,
-        8,
-        _,
-        _,
-    >((&gains, &by_velocity), (&screws, &damping), &own_damping, &mut by_velocities);
-    arrays::negative_product::<_, _, _, 8>(&inverse, &by_coordinates, da_dy);
-    arrays::negative_product::<_, _, _, 8>(&inverse, &by_velocities, da_dv);
-    a.copy_from_slice(accelerations[0].split_at(7).0);
-    for (to, from) in m_inverse.iter_mut().zip(&inverse) {
+    let mut by_velocities = arrays::Rows([[0.0; 8]; 7]);
+    arrays::pairs(
+        (&gains.0, &by_velocity.0),
+        (&screws.0, &damping.0),
+        &own_damping.0,
+        &mut by_velocities.0,
+    );
+    arrays::negative_product(&inverse.0, &by_coordinates.0, da_dy);
+    arrays::negative_product(&inverse.0, &by_velocities.0, da_dv);
+    a.copy_from_slice(accelerations.0[0].split_at(7).0);
+    for (to, from) in m_inverse.iter_mut().zip(&inverse.0) {
         to.copy_from_slice(from.split_at(7).0);
     }
 }
@@ -15740,132 +15729,132 @@ fn unit_accelerations(
     }
 }
 
-/// Loops over arrays of joints: R rows of N entries, padded to L, in blocks of K.
+/// Loops over arrays of joints: R rows of N entries, padded to L.
 #[allow(clippy::needless_range_loop, reason = "index notation reads like the formulas")]
 mod arrays {
+    /// R rows of L entries, aligned like cache lines: vectors that straddle two of these cost a tenth of the time.
+    #[repr(align(64))]
+    pub struct Rows<const R: usize, const L: usize>(pub [[f64; L]; R]);
+
     /// `sum + a b`
     #[inline(always)]
     fn add_product(sum: f64, a: f64, b: f64) -> f64 {
         sum + a * b
     }
 
-    /// `Σ by_i[r][i] by_j[r][j]` for K columns j.
-    #[inline(always)]
-    fn products<const L: usize, const K: usize, const R: usize>(
-        (by_i, by_j): (&[[f64; L]; R], &[[f64; L]; R]),
-        i: usize,
-        block: usize,
-    ) -> [f64; K] {
-        let mut sums = [0.0; K];
-        for (r, (by_i, by_j)) in by_i.iter().zip(by_j).enumerate() {
-            let by_j = &by_j.as_chunks::<K>().0[block];
-            for lane in 0..K {
-                sums[lane] = match r {
-                    0 => by_i[i] * by_j[lane],
-                    _ => add_product(sums[lane], by_i[i], by_j[lane]),
-                };
+    /// Bits that choose entries of a row: those before joint i, and its own. Compilers make branches of choices by `if`.
+    struct Masks<const L: usize>;
+
+    impl<const L: usize> Masks<L> {
+        const BEFORE: [[u64; L]; L] = {
+            let mut masks = [[0; L]; L];
+            let mut i = 0;
+            while i < L {
+                let mut j = 0;
+                while j < i {
+                    masks[i][j] = !0;
+                    j += 1;
+                }
+                i += 1;
             }
-        }
-        sums
+            masks
+        };
+
+        const OWN: [[u64; L]; L] = {
+            let mut masks = [[0; L]; L];
+            let mut i = 0;
+            while i < L {
+                masks[i][i] = !0;
+                i += 1;
+            }
+            masks
+        };
     }
 
-    /// A matrix over the pairs of a chain's joints, K columns at a time: `Σ before.0[r][i] before.1[r][j]` for j < i,
-    /// `diagonal[i]`, and `Σ beyond.0[r][i] beyond.1[r][j]` for j > i.
+    /// `chosen` where the mask has its bits, `other` where not.
+    #[inline(always)]
+    fn choose(mask: u64, chosen: f64, other: f64) -> f64 {
+        f64::from_bits((chosen.to_bits() & mask) | (other.to_bits() & !mask))
+    }
+
+    /// A matrix over the pairs of a chain's joints: `Σ before.0[r][i] before.1[r][j]` for j < i, `diagonal[i]`, and
+    /// `Σ beyond.0[r][i] beyond.1[r][j]` for j > i.
     #[inline]
-    pub fn pairs<const N: usize, const L: usize, const W: usize, const K: usize, const A: usize, const B: usize>(
+    pub fn pairs<const N: usize, const L: usize, const W: usize, const A: usize, const B: usize>(
         before: (&[[f64; L]; A], &[[f64; L]; A]),
         beyond: (&[[f64; L]; B], &[[f64; L]; B]),
         diagonal: &[[f64; L]; 1],
         to: &mut [[f64; W]; N],
     ) {
         for (i, to) in to.iter_mut().enumerate() {
-            let (mut lower, mut upper) = ([0.0; L], [0.0; L]);
-            for block in 0..L / K {
-                if block * K < i {
-                    lower.as_chunks_mut::<K>().0[block] = products::<L, K, A>(before, i, block);
-                }
-                if (block + 1) * K > i {
-                    upper.as_chunks_mut::<K>().0[block] = products::<L, K, B>(beyond, i, block);
-                }
-            }
-            // Chosen in a loop of its own, where it is a vector operation.
+            let (is_before, is_own) = (&Masks::<L>::BEFORE[i], &Masks::<L>::OWN[i]);
+            let own = diagonal[0][i];
             let mut row = [0.0; L];
+            // The loop over the columns is the outer one: it becomes one run of vector operations.
             for j in 0..L {
-                let (before, beyond) = (lower[j], upper[j]);
-                let other = if j > i { beyond } else { diagonal[0][i] };
-                row[j] = if j < i { before } else { other };
+                let mut lower = before.0[0][i] * before.1[0][j];
+                for r in 1..A {
+                    lower = add_product(lower, before.0[r][i], before.1[r][j]);
+                }
+                let mut upper = beyond.0[0][i] * beyond.1[0][j];
+                for r in 1..B {
+                    upper = add_product(upper, beyond.0[r][i], beyond.1[r][j]);
+                }
+                row[j] = choose(is_before[j], lower, choose(is_own[j], own, upper));
             }
             to.copy_from_slice(row.split_at(W).0);
         }
     }
 
-    /// Inverse of a symmetric positive definite matrix in place, by Gauss and Jordan without pivots. From the leaves to the
-    /// base, only joints on one path meet.
+    /// Inverse of a symmetric positive definite matrix in place, by Gauss and Jordan without pivots, from the last row to the
+    /// first.
     ///
-    /// Whole rows are combined, and single entries set afterwards: the loops stay free of choices, and no row is read right
-    /// after one of its entries was stored alone, which would wait for the store.
+    /// Whole rows are combined, with what becomes of the pivot's column chosen by bits: single entries stored after the
+    /// rows would make the next step wait for these stores.
     #[inline]
-    pub fn invert<const N: usize, const L: usize>(
-        matrix: &mut [[f64; L]; N],
-        order: impl DoubleEndedIterator<Item = usize>,
-        meet: impl Fn(usize, usize) -> bool,
-    ) {
-        for k in order.rev() {
-            let Some(&(mut own)) = matrix.get(k) else {
-                continue;
-            };
-            let reciprocal = 1.0 / own[k];
-            for entry in &mut own {
-                *entry *= reciprocal;
+    pub fn invert<const N: usize, const L: usize>(matrix: &mut [[f64; L]; N]) {
+        for k in (0..N).rev() {
+            let is_own = &Masks::<L>::OWN[k];
+            let reciprocal = 1.0 / matrix[k][k];
+            let own = matrix[k];
+            let mut factors = [0.0; N];
+            for i in 0..N {
+                factors[i] = -matrix[i][k];
             }
-            for (i, row) in matrix.iter_mut().enumerate() {
-                if i == k {
-                    *row = own;
-                    row[k] = reciprocal;
-                } else if meet(i, k) {
-                    let factor = -row[k];
-                    for (entry, own) in row.iter_mut().zip(&own) {
-                        *entry = add_product(*entry, factor, *own);
-                    }
-                    row[k] = factor * reciprocal;
+            let mut scaled = [0.0; L];
+            for j in 0..L {
+                scaled[j] = choose(is_own[j], reciprocal, own[j] * reciprocal);
+                for i in 0..N {
+                    // −0 + x is x, with the sign of zero too.
+                    let old = choose(is_own[j], -0.0, matrix[i][j]);
+                    matrix[i][j] = add_product(old, factors[i], scaled[j]);
                 }
             }
+            matrix[k] = scaled;
         }
     }
 
-    /// `to = −left right`, four rows by K columns at a time.
+    /// `to = −left right`
     #[inline]
-    pub fn negative_product<const N: usize, const L: usize, const W: usize, const K: usize>(
+    pub fn negative_product<const N: usize, const L: usize, const W: usize>(
         left: &[[f64; L]; N],
         right: &[[f64; L]; N],
         to: &mut [[f64; W]; N],
     ) {
-        for (left, to) in left.chunks(4).zip(to.chunks_mut(4)) {
-            let mut factors = [[0.0; L]; 4];
-            for (factors, left) in factors.iter_mut().zip(left) {
-                *factors = left.map(|factor| -factor);
-            }
-            let mut rows = [[0.0; L]; 4];
-            for block in 0..L / K {
-                let mut sums = [[0.0; K]; 4];
-                for (k, right) in right.iter().enumerate() {
-                    let right = &right.as_chunks::<K>().0[block];
-                    for i in 0..4 {
-                        for j in 0..K {
-                            sums[i][j] = match k {
-                                0 => factors[i][k] * right[j],
-                                _ => add_product(sums[i][j], factors[i][k], right[j]),
-                            };
-                        }
-                    }
+        let factors = left.map(|row| row.map(|factor| -factor));
+        let mut rows = [[0.0; L]; N];
+        // The loop over the columns is the outer one: it becomes one run of vector operations.
+        for j in 0..L {
+            for i in 0..N {
+                let mut sum = factors[i][0] * right[0][j];
+                for k in 1..N {
+                    sum = add_product(sum, factors[i][k], right[k][j]);
                 }
-                for (row, sums) in rows.iter_mut().zip(sums) {
-                    row.as_chunks_mut::<K>().0[block] = sums;
-                }
+                rows[i][j] = sum;
             }
-            for (to, row) in to.iter_mut().zip(&rows) {
-                to.copy_from_slice(row.split_at(W).0);
-            }
+        }
+        for (to, row) in to.iter_mut().zip(&rows) {
+            to.copy_from_slice(row.split_at(W).0);
         }
     }
 

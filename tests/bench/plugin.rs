@@ -29,12 +29,13 @@ pub unsafe extern "C" fn rbd_init(path: *const std::ffi::c_char) -> i32 {
     if count == Some(N) { N as i32 } else { -1 }
 }
 
-/// Exchanges rows and columns.
-#[inline(always)]
-fn transpose(matrix: &mut Matrix) {
-    for i in 0..N {
-        for j in 0..i {
-            (matrix[i][j], matrix[j][i]) = (matrix[j][i], matrix[i][j]);
+/// Leaves a matrix column by column. Exchanged in place, single entries would wait for the vectors that were just
+/// stored: 80 ns instead of 25 ns for two matrices of a Panda.
+#[inline(never)]
+fn leave(matrix: &Matrix, to: &mut Matrix) {
+    for (i, column) in to.iter_mut().enumerate() {
+        for (entry, row) in column.iter_mut().zip(matrix) {
+            *entry = row[i];
         }
     }
 }
@@ -87,17 +88,18 @@ pub extern "C" fn rbd_rnea_der(
     mass: &mut Matrix,
 ) {
     let mut forces = [0.0; N];
+    let (mut dy, mut dv) = ([[0.0; N]; N], [[0.0; N]; N]);
     robot::inverse_dynamics_derivatives_and_mass_matrix_into(
         y,
         v,
         a,
         &mut forces,
-        by_coordinates,
-        by_velocities,
+        &mut dy,
+        &mut dv,
         mass,
     );
-    transpose(by_coordinates);
-    transpose(by_velocities);
+    leave(&dy, by_coordinates);
+    leave(&dv, by_velocities);
 }
 
 #[cfg(has_forward_dynamics_derivatives)]
@@ -111,15 +113,16 @@ pub extern "C" fn rbd_fd_der(
     by_inputs: &mut Matrix,
 ) {
     let mut accelerations = [0.0; N];
+    let (mut dy, mut dv) = ([[0.0; N]; N], [[0.0; N]; N]);
     robot::forward_dynamics_derivatives_into(
         y,
         v,
         u,
         &mut accelerations,
-        by_coordinates,
-        by_velocities,
+        &mut dy,
+        &mut dv,
         by_inputs,
     );
-    transpose(by_coordinates);
-    transpose(by_velocities);
+    leave(&dy, by_coordinates);
+    leave(&dv, by_velocities);
 }

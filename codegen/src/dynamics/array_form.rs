@@ -29,15 +29,15 @@ pub enum Form {
 /// 20 of x86-64 with AVX-512, fewer where functions are small.
 const BYTES_PER_OPERATION: usize = 12;
 
-/// Bytes of machine code up to which a function stays straight-line code. Measured against Pinocchio in the same run,
-/// straight-line code to loops: UR5 11 and 22 kB 12.5× to 4.3× and 10.9× to 4.0×; a generic chain of six joints 26 kB
-/// 3.7× to 3.9×, of seven 34 kB 2.8× to 3.8×. The instruction cache of the first level holds 32 kB.
+/// Bytes of machine code up to which a function stays straight-line code. Measured with AVX-512, time of loops over that of
+/// straight-line code: a generic chain of six joints, 26 and 43 kB, 1.1 and 0.75; of seven, 33 and 60 kB, 0.8 and 0.6; of
+/// twelve 0.4 and 0.36; UR5, 10 and 22 kB, 3.8 and 2.4. The instruction cache of the first level holds 32 kB.
 pub const LARGEST_STRAIGHT: usize = 27_000;
 
-/// Loops may take so many times the operations of straight-line code, because they work on whole vectors. Measured, time of
-/// loops over that of straight-line code with AVX-512, AVX2 and neither: LWA 4P's Jacobians of the forward dynamics,
-/// 3.15 times the operations, 1.5, 2.0 and 2.1; Panda's, 2.2 times, 0.95, 1.1 and 1.2; Panda's of the inverse dynamics,
-/// 2.7 times (3.0 with M), 0.8, 1.2 and 1.2.
+/// Loops may take so many times the operations of straight-line code, because they work on whole vectors. Measured, time
+/// of loops over that of straight-line code with AVX-512, AVX2 and neither: LWA 4P's Jacobians of the forward dynamics,
+/// 3.15 times the operations, 1.4, 1.7 and 2.1; Panda's, 2.2 times, 0.65, 0.85 and 1.15; Panda's of the inverse dynamics,
+/// 2.7 times (3.0 with M), 0.95, 1.3 and 1.5 called alone, 0.8, 1.4 and 1.8 between other code.
 const MOST_OPERATIONS: f64 = 3.1;
 
 /// What the documentation of a function with loops says.
@@ -110,21 +110,26 @@ impl<'m> Forms<'m> {
         }
     }
 
-    /// Whether `linearize` calls `forward_dynamics_derivatives`.
+    /// Whether `linearize` calls `forward_dynamics_derivatives`. Known without deriving what may be too large to be wanted.
     pub(super) fn linearize_calls(&self) -> bool {
-        self.linearization().is_some()
+        let jacobians = quantities().find(|quantity| quantity.name == JACOBIANS);
+        !self.is_straight("linearize")
+            && self.may_loop(JACOBIANS)
+            && gains(self.model).is_some()
+            && jacobians.is_some_and(|quantity| {
+                self.is_far_beyond() || self.jacobians(quantity).arrays.is_some()
+            })
     }
 
     fn linearization(&self) -> Option<Affine> {
-        let quantity = quantities().find(|quantity| quantity.name == JACOBIANS)?;
-        if self.is_straight("linearize") || !self.may_loop(JACOBIANS) {
+        let jacobians = quantities().find(|quantity| quantity.name == JACOBIANS)?;
+        if !self.linearize_calls() {
             return None;
         }
-        let inputs = gains(self.model)?;
-        match &self.jacobians(quantity).arrays {
+        match &self.jacobians(jacobians).arrays {
             Some(ArrayForm::Steps(arrays)) => Some(Affine {
                 called: arrays.clone(),
-                inputs,
+                inputs: gains(self.model)?,
             }),
             _ => None,
         }
@@ -138,8 +143,7 @@ impl<'m> Forms<'m> {
         if !self.may_loop(quantity.name) {
             return self.straight(quantity);
         }
-        // Far beyond, straight-line code need not be derived to know.
-        if self.form == Form::Arrays || is_large(OPERATIONS_PER_PAIR * pairs(self.model)) {
+        if self.is_far_beyond() {
             return self.with_loops(quantity);
         }
         let straight = self.straight(quantity);
@@ -152,6 +156,11 @@ impl<'m> Forms<'m> {
             true => loops,
             false => straight,
         }
+    }
+
+    /// Whether straight-line code need not be derived to know that it is too large.
+    fn is_far_beyond(&self) -> bool {
+        self.form == Form::Arrays || is_large(OPERATIONS_PER_PAIR * pairs(self.model))
     }
 
     fn is_straight(&self, name: &str) -> bool {

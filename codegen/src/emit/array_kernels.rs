@@ -3,7 +3,37 @@
 use super::literal::Scalar;
 use super::pasted;
 use crate::dynamics::function::Function;
-use crate::program::arrays::{ArrayForm, Step};
+use crate::program::arrays::{ArrayForm, Arrays, Step};
+
+/// How the entries of a row are padded, one per joint: to whole blocks, and these to what a processor adds at once.
+#[derive(Clone, Copy)]
+pub(super) struct Row {
+    /// Entries, padding included.
+    pub(super) len: usize,
+    block: usize,
+    is_chain: bool,
+}
+
+impl Row {
+    pub(super) fn new(form: &Arrays) -> Self {
+        let joints = form.joints();
+        let block = match joints {
+            0..=4 | 9..=12 => 4,
+            _ => 8,
+        };
+        Self {
+            len: joints.next_multiple_of(block),
+            block,
+            is_chain: form.is_chain(),
+        }
+    }
+
+    /// Whether the loops are those for chains in one block: what other loops leave to choices, and to the compiler, is
+    /// written out there.
+    pub(super) fn is_one_block(self) -> bool {
+        self.is_chain && self.len == self.block
+    }
+}
 
 /// The module of loops that the functions call.
 pub(super) fn text(scalar: Scalar, functions: &[Function]) -> String {
@@ -14,24 +44,46 @@ pub(super) fn text(scalar: Scalar, functions: &[Function]) -> String {
     let Some(first) = forms.first().map(|form| form.arrays()) else {
         return String::new();
     };
-    let mut texts = vec![
-        match first.is_fused {
-            true => include_str!("../array_kernels/products_fused.rs"),
-            false => include_str!("../array_kernels/products.rs"),
-        },
-        include_str!("../array_kernels/block_products.rs"),
-        match first.is_chain() {
-            true => include_str!("../array_kernels/chain_pairs.rs"),
-            false => include_str!("../array_kernels/tree_pairs.rs"),
-        },
-    ];
+    let row = Row::new(first);
+    let block = format!(
+        "/// Entries of a block of a row.\nconst K: usize = {};",
+        row.block
+    );
+    let mut texts = vec![include_str!("../array_kernels/rows.rs")];
+    texts.push(match first.is_fused {
+        true => include_str!("../array_kernels/products_fused.rs"),
+        false => include_str!("../array_kernels/products.rs"),
+    });
+    match row.is_one_block() {
+        true => texts.extend([
+            include_str!("../array_kernels/one_block/masks.rs"),
+            include_str!("../array_kernels/one_block/pairs.rs"),
+        ]),
+        false => texts.extend([
+            block.as_str(),
+            include_str!("../array_kernels/blocks/products.rs"),
+            match first.is_chain() {
+                true => include_str!("../array_kernels/blocks/chain_pairs.rs"),
+                false => include_str!("../array_kernels/blocks/tree_pairs.rs"),
+            },
+        ]),
+    }
     let inverts = |step: &Step| matches!(step, Step::Invert { .. });
     if forms
         .iter()
         .any(|form| form.arrays().steps.iter().any(inverts))
     {
-        texts.push(include_str!("../array_kernels/inverse.rs"));
-        texts.push(include_str!("../array_kernels/matrix_products.rs"));
+        texts.extend(match row.is_one_block() {
+            true => [
+                include_str!("../array_kernels/one_block/inverse.rs"),
+                include_str!("../array_kernels/one_block/matrix_products.rs"),
+            ],
+            false => [
+                include_str!("../array_kernels/blocks/inverse.rs"),
+                include_str!("../array_kernels/blocks/matrix_products.rs"),
+            ],
+        });
+        texts.push(include_str!("../array_kernels/apply.rs"));
     }
     if forms
         .iter()
@@ -40,7 +92,7 @@ pub(super) fn text(scalar: Scalar, functions: &[Function]) -> String {
         texts.push(include_str!("../array_kernels/dot.rs"));
     }
     let module = pasted::module(
-        "Loops over arrays of joints: R rows of N entries, padded to L, in blocks of K.",
+        "Loops over arrays of joints: R rows of N entries, padded to L.",
         pasted::LOOPS,
         "arrays",
         &texts,

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
+use super::array_kernels::Row;
 use super::body::Body;
 use super::doc_comment::DocComment;
 use super::function::{self, Signature};
@@ -59,15 +60,6 @@ impl Shared {
     }
 }
 
-/// Entries of a row, and of the blocks that loops take it in: a multiple of what a processor adds at once.
-fn lanes(joints: usize) -> (usize, usize) {
-    let block = match joints {
-        0..=4 | 9..=12 => 4,
-        _ => 8,
-    };
-    (joints.next_multiple_of(block), block)
-}
-
 /// The public function, its variant with results in place, and the setup.
 pub(super) fn items(
     context: &Context<'_>,
@@ -117,8 +109,7 @@ struct Emission<'a> {
     form: &'a Arrays,
     body: &'a Body<'a>,
     name: &'a Ident,
-    /// Entries of a row, and of a block.
-    lanes: (usize, usize),
+    row: Row,
     places: Vec<Place>,
 }
 
@@ -155,7 +146,7 @@ impl<'a> Emission<'a> {
             form,
             body,
             name,
-            lanes: lanes(form.joints()),
+            row: Row::new(form),
             places: locals.into_iter().enumerate().map(place).collect(),
         }
     }
@@ -179,13 +170,15 @@ impl<'a> Emission<'a> {
         let Place::Table(name) = &self.places[array] else {
             return None;
         };
-        let (ty, scalar) = (
-            self.ty(self.form.arrays[array].rows),
-            self.context.options.scalar,
+        let scalar = self.context.options.scalar;
+        let (count, len) = (
+            Literal::usize_unsuffixed(self.form.arrays[array].rows),
+            Literal::usize_unsuffixed(self.row.len),
         );
+        let ty = quote!(arrays::Rows<#count, #len>);
         let zero = scalar.literal(0.0);
         let entries = table(self.form, array)?;
-        let padding = self.lanes.0 - self.form.joints();
+        let padding = self.row.len - self.form.joints();
         let rows = entries.chunks(self.form.joints()).map(|row| {
             let row = row
                 .iter()
@@ -194,14 +187,14 @@ impl<'a> Emission<'a> {
             quote!([#(#row),*])
         });
         let allowed = lints::for_numbers(entries.iter().copied());
-        Some(quote!(#allowed const #name: #ty = [#(#rows),*];))
+        Some(quote!(#allowed static #name: #ty = arrays::Rows([#(#rows),*]);))
     }
 
     fn ty(&self, rows: usize) -> TokenStream {
         let ty = self.context.options.scalar.ty();
         let (rows, lanes) = (
             Literal::usize_unsuffixed(rows),
-            Literal::usize_unsuffixed(self.lanes.0),
+            Literal::usize_unsuffixed(self.row.len),
         );
         quote!([[#ty; #lanes]; #rows])
     }
@@ -214,21 +207,21 @@ impl<'a> Emission<'a> {
         let zero = self.context.options.scalar.literal(0.0);
         let (rows, lanes) = (
             Literal::usize_unsuffixed(self.form.arrays[array].rows),
-            Literal::usize_unsuffixed(self.lanes.0),
+            Literal::usize_unsuffixed(self.row.len),
         );
-        Some(quote!(let mut #name = [[#zero; #lanes]; #rows];))
+        Some(quote!(let mut #name = arrays::Rows([[#zero; #lanes]; #rows]);))
     }
 
     fn read(&self, array: usize) -> TokenStream {
         match &self.places[array] {
-            Place::Table(name) | Place::Local(name) => quote!(&#name),
+            Place::Table(name) | Place::Local(name) => quote!(&#name.0),
             Place::Result(name) => quote!(#name),
         }
     }
 
     fn write(&self, array: usize) -> TokenStream {
         match &self.places[array] {
-            Place::Table(name) | Place::Local(name) => quote!(&mut #name),
+            Place::Table(name) | Place::Local(name) => quote!(&mut #name.0),
             Place::Result(name) => quote!(#name),
         }
     }
@@ -241,11 +234,11 @@ impl<'a> Emission<'a> {
         let joints = Literal::usize_unsuffixed(self.form.joints());
         Some(match shape {
             Shape::Matrix(..) => quote! {
-                for (to, from) in #result.iter_mut().zip(&#name) {
+                for (to, from) in #result.iter_mut().zip(&#name.0) {
                     to.copy_from_slice(from.split_at(#joints).0);
                 }
             },
-            _ => quote!(#result.copy_from_slice(#name[0].split_at(#joints).0);),
+            _ => quote!(#result.copy_from_slice(#name.0[0].split_at(#joints).0);),
         })
     }
 
@@ -261,41 +254,45 @@ impl<'a> Emission<'a> {
                 self.call(&quote!(#name), &[*from], *to)
             }
             Step::Pairs(pairs) => self.pairs(pairs),
-            Step::Invert { from, to } => {
-                let (declaration, read) = (self.declaration(*to), self.read(*from));
-                let Place::Local(to) = &self.places[*to] else {
-                    return quote!();
-                };
-                let joints = Literal::usize_unsuffixed(self.form.joints());
-                let order = match self.form.order.is_sorted() {
-                    true => quote!(0..#joints),
-                    false => {
-                        let order = self.form.order.iter();
-                        let order = order.map(|&joint| Literal::usize_unsuffixed(joint));
-                        quote!([#(#order),*].into_iter())
-                    }
-                };
-                let meet = match self.form.is_chain() {
-                    true => quote!(|_, _| true),
-                    false => quote!(|i, k| RELATIONS[i][k] != 0),
-                };
-                self.add_relations();
-                // A copy, since the matrix may be read again.
-                quote! {
-                    #declaration
-                    #to.copy_from_slice(#read);
-                    arrays::invert(&mut #to, #order, #meet);
-                }
-            }
+            Step::Invert { from, to } => self.invert(*from, *to),
             Step::NegativeProduct { left, right, to } => {
-                let block = Literal::usize_unsuffixed(self.lanes.1);
-                let callee = quote!(arrays::negative_product::<_, _, _, #block>);
-                self.call(&callee, &[*left, *right], *to)
+                self.call(&quote!(arrays::negative_product), &[*left, *right], *to)
             }
             Step::Apply { matrix, vector, to } => {
                 self.call(&quote!(arrays::apply), &[*matrix, *vector], *to)
             }
         }
+    }
+
+    /// Of a copy, since the matrix may be read again.
+    fn invert(&self, from: usize, to: usize) -> TokenStream {
+        let (Place::Local(from), Place::Local(to)) = (&self.places[from], &self.places[to]) else {
+            return quote!();
+        };
+        let order = (!self.row.is_one_block()).then(|| self.pivots());
+        quote! {
+            let mut #to = arrays::Rows(#from.0);
+            arrays::invert(&mut #to.0, #order);
+        }
+    }
+
+    /// The order of the pivots from the base, and which rows meet.
+    fn pivots(&self) -> TokenStream {
+        self.add_relations();
+        let joints = Literal::usize_unsuffixed(self.form.joints());
+        let order = match self.form.order.is_sorted() {
+            true => quote!(0..#joints),
+            false => {
+                let order = self.form.order.iter();
+                let order = order.map(|&joint| Literal::usize_unsuffixed(joint));
+                quote!([#(#order),*].into_iter())
+            }
+        };
+        let meet = match self.form.is_chain() {
+            true => quote!(|_, _| true),
+            false => quote!(|i, k| RELATIONS[i][k] != 0),
+        };
+        quote!(#order, #meet)
     }
 
     fn call(&self, callee: &TokenStream, from: &[usize], to: usize) -> TokenStream {
@@ -314,10 +311,9 @@ impl<'a> Emission<'a> {
         let (diagonal, to) = (self.read(pairs.diagonal), self.write(pairs.to));
         let relations = (!self.form.is_chain()).then(|| quote!(, &RELATIONS));
         self.add_relations();
-        let block = Literal::usize_unsuffixed(self.lanes.1);
         quote! {
             #declaration
-            arrays::pairs::<_, _, _, #block, _, _>(#before, #beyond, #diagonal, #to #relations);
+            arrays::pairs(#before, #beyond, #diagonal, #to #relations);
         }
     }
 
@@ -326,7 +322,7 @@ impl<'a> Emission<'a> {
         if self.form.is_chain() {
             return;
         }
-        let (joints, lanes) = (self.form.joints(), self.lanes.0);
+        let (joints, lanes) = (self.form.joints(), self.row.len);
         let entry = |i: usize, j: usize| match () {
             () if j >= joints => 0,
             () if self.form.is_before(j, i) => -1,
@@ -384,7 +380,7 @@ impl<'a> Emission<'a> {
     fn sums(&self, name: &str, about: &str, statements: &[TokenStream]) -> Ident {
         let (ty, lanes) = (
             self.context.options.scalar.ty(),
-            Literal::usize_unsuffixed(self.lanes.0),
+            Literal::usize_unsuffixed(self.row.len),
         );
         let documentation = DocComment::new(about).tokens();
         self.context.shared.add(name, |name| {
@@ -420,7 +416,7 @@ impl<'a> Emission<'a> {
             lints::for_numbers(body.numbers()),
         ];
         let allowed = allowed.iter().flatten();
-        let lanes = Literal::usize_unsuffixed(self.lanes.0);
+        let lanes = Literal::usize_unsuffixed(self.row.len);
         let callee = self.context.shared.add(&map.name, |name| {
             let allowed = allowed.clone();
             quote! {

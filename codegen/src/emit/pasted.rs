@@ -16,11 +16,11 @@ pub(super) fn module(documentation: &str, attribute: &str, name: &str, texts: &[
 pub(super) const LOOPS: &str =
     "#[allow(clippy::needless_range_loop, reason = \"index notation reads like the formulas\")]";
 
-/// A text for `f64` in another type.
+/// A text for `f64`, and its bits, in another type.
 pub(super) fn for_scalar(text: String, scalar: Scalar) -> String {
     match scalar {
         Scalar::F64 => text,
-        Scalar::F32 => text.replace("f64", "f32"),
+        Scalar::F32 => text.replace("f64", "f32").replace("u64", "u32"),
     }
 }
 

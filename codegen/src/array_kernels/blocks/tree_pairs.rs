@@ -2,7 +2,7 @@
 /// i on its path to the base (`relations[i][j]` is −1), `diagonal[i]`, `Σ beyond.0[r][i] beyond.1[r][j]` where i is before
 /// j (1), and 0 elsewhere.
 #[inline]
-pub fn pairs<const N: usize, const L: usize, const W: usize, const K: usize, const A: usize, const B: usize>(
+pub fn pairs<const N: usize, const L: usize, const W: usize, const A: usize, const B: usize>(
     before: (&[[f64; L]; A], &[[f64; L]; A]),
     beyond: (&[[f64; L]; B], &[[f64; L]; B]),
     diagonal: &[[f64; L]; 1],
@@ -12,8 +12,8 @@ pub fn pairs<const N: usize, const L: usize, const W: usize, const K: usize, con
     for (i, (to, relations)) in to.iter_mut().zip(relations).enumerate() {
         let (mut lower, mut upper) = ([0.0; L], [0.0; L]);
         for block in 0..L / K {
-            lower.as_chunks_mut::<K>().0[block] = products::<L, K, A>(before, i, block);
-            upper.as_chunks_mut::<K>().0[block] = products::<L, K, B>(beyond, i, block);
+            lower.as_chunks_mut::<K>().0[block] = products(before, i, block);
+            upper.as_chunks_mut::<K>().0[block] = products(beyond, i, block);
         }
         // Chosen in a loop of its own, where it is a vector operation.
         let mut row = [0.0; L];

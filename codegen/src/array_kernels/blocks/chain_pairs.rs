@@ -1,7 +1,7 @@
 /// A matrix over the pairs of a chain's joints, K columns at a time: `Σ before.0[r][i] before.1[r][j]` for j < i,
 /// `diagonal[i]`, and `Σ beyond.0[r][i] beyond.1[r][j]` for j > i.
 #[inline]
-pub fn pairs<const N: usize, const L: usize, const W: usize, const K: usize, const A: usize, const B: usize>(
+pub fn pairs<const N: usize, const L: usize, const W: usize, const A: usize, const B: usize>(
     before: (&[[f64; L]; A], &[[f64; L]; A]),
     beyond: (&[[f64; L]; B], &[[f64; L]; B]),
     diagonal: &[[f64; L]; 1],
@@ -11,10 +11,10 @@ pub fn pairs<const N: usize, const L: usize, const W: usize, const K: usize, con
         let (mut lower, mut upper) = ([0.0; L], [0.0; L]);
         for block in 0..L / K {
             if block * K < i {
-                lower.as_chunks_mut::<K>().0[block] = products::<L, K, A>(before, i, block);
+                lower.as_chunks_mut::<K>().0[block] = products(before, i, block);
             }
             if (block + 1) * K > i {
-                upper.as_chunks_mut::<K>().0[block] = products::<L, K, B>(beyond, i, block);
+                upper.as_chunks_mut::<K>().0[block] = products(beyond, i, block);
             }
         }
         // Chosen in a loop of its own, where it is a vector operation.

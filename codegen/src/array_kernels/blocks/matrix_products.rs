@@ -1,6 +1,6 @@
 /// `to = −left right`, four rows by K columns at a time.
 #[inline]
-pub fn negative_product<const N: usize, const L: usize, const W: usize, const K: usize>(
+pub fn negative_product<const N: usize, const L: usize, const W: usize>(
     left: &[[f64; L]; N],
     right: &[[f64; L]; N],
     to: &mut [[f64; W]; N],
@@ -30,23 +30,6 @@ pub fn negative_product<const N: usize, const L: usize, const W: usize, const K:
         }
         for (to, row) in to.iter_mut().zip(&rows) {
             to.copy_from_slice(row.split_at(W).0);
-        }
-    }
-}
-
-/// `to = matrix vector` for a symmetric matrix.
-#[inline]
-pub fn apply<const N: usize, const L: usize>(
-    matrix: &[[f64; L]; N],
-    vector: &[[f64; L]; 1],
-    to: &mut [[f64; L]; 1],
-) {
-    for (k, (factor, row)) in vector[0].iter().zip(matrix).enumerate() {
-        for (sum, entry) in to[0].iter_mut().zip(row) {
-            *sum = match k {
-                0 => factor * entry,
-                _ => add_product(*sum, *factor, *entry),
-            };
         }
     }
 }

@@ -1,6 +1,6 @@
 /// `Σ by_i[r][i] by_j[r][j]` for K columns j.
 #[inline(always)]
-fn products<const L: usize, const K: usize, const R: usize>(
+fn products<const L: usize, const R: usize>(
     (by_i, by_j): (&[[f64; L]; R], &[[f64; L]; R]),
     i: usize,
     block: usize,

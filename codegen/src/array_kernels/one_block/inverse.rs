@@ -1,0 +1,27 @@
+/// Inverse of a symmetric positive definite matrix in place, by Gauss and Jordan without pivots, from the last row to the
+/// first.
+///
+/// Whole rows are combined, with what becomes of the pivot's column chosen by bits: single entries stored after the
+/// rows would make the next step wait for these stores.
+#[inline]
+pub fn invert<const N: usize, const L: usize>(matrix: &mut [[f64; L]; N]) {
+    for k in (0..N).rev() {
+        let is_own = &Masks::<L>::OWN[k];
+        let reciprocal = 1.0 / matrix[k][k];
+        let own = matrix[k];
+        let mut factors = [0.0; N];
+        for i in 0..N {
+            factors[i] = -matrix[i][k];
+        }
+        let mut scaled = [0.0; L];
+        for j in 0..L {
+            scaled[j] = choose(is_own[j], reciprocal, own[j] * reciprocal);
+            for i in 0..N {
+                // −0 + x is x, with the sign of zero too.
+                let old = choose(is_own[j], -0.0, matrix[i][j]);
+                matrix[i][j] = add_product(old, factors[i], scaled[j]);
+            }
+        }
+        matrix[k] = scaled;
+    }
+}

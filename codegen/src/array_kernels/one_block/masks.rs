@@ -1,0 +1,34 @@
+/// Bits that choose entries of a row: those before joint i, and its own. Compilers make branches of choices by `if`.
+struct Masks<const L: usize>;
+
+impl<const L: usize> Masks<L> {
+    const BEFORE: [[u64; L]; L] = {
+        let mut masks = [[0; L]; L];
+        let mut i = 0;
+        while i < L {
+            let mut j = 0;
+            while j < i {
+                masks[i][j] = !0;
+                j += 1;
+            }
+            i += 1;
+        }
+        masks
+    };
+
+    const OWN: [[u64; L]; L] = {
+        let mut masks = [[0; L]; L];
+        let mut i = 0;
+        while i < L {
+            masks[i][i] = !0;
+            i += 1;
+        }
+        masks
+    };
+}
+
+/// `chosen` where the mask has its bits, `other` where not.
+#[inline(always)]
+fn choose(mask: u64, chosen: f64, other: f64) -> f64 {
+    f64::from_bits((chosen.to_bits() & mask) | (other.to_bits() & !mask))
+}
