@@ -1118,30 +1118,18 @@ pub fn linearize(
     u: &[f64; M],
 ) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
     let ([sin_beta, sin_gamma], [cos_beta, cos_gamma]) = math::sin_cos_2(y[0], y[1]);
-    let [t6, inverse_d_beta, t12, acceleration_beta_y, t18, t21, t23, t25, moment_gamma_z,
-    ] = linearize_body_1([sin_beta, cos_beta, sin_gamma, cos_gamma], v);
-    let [t31, t34, t44, omega_gamma_z, t58, t61, t65, t74, t79, t81, t83, t86] = linearize_body_2(
-        [
-            sin_beta,
-            sin_gamma,
-            cos_gamma,
-            t6,
-            inverse_d_beta,
-            t12,
-            acceleration_beta_y,
-            t25,
-            moment_gamma_z,
-        ],
+    let [inverse_d_beta, t12, t23, t31, t34, t44, omega_gamma_z, t58, t61, t65, t74, t83,
+    t86, t93, t96, t99] = linearize_body_1(
+        [sin_beta, cos_beta, sin_gamma, cos_gamma],
         v,
         u,
     );
-    let [t93, t96, t99, t121, t136, t139, t142, t143, t144, t145] = linearize_body_3(
+    linearize_body_2(
         [
             sin_gamma,
             inverse_d_beta,
             t12,
-            t18,
-            t21,
+            t23,
             t31,
             t34,
             t44,
@@ -1150,15 +1138,12 @@ pub fn linearize(
             t61,
             t65,
             t74,
-            t79,
-            t81,
             t83,
             t86,
+            t93,
+            t96,
+            t99,
         ],
-        v,
-    );
-    linearize_body_4(
-        [t23, t74, t86, t93, t96, t99, t121, t136, t139, t142, t143, t144, t145],
         y,
         v,
         u,
@@ -1174,7 +1159,8 @@ fn linearize_body_1(
     cos_gamma,
     ]: [f64; 4],
     v: &[f64; N],
-) -> [f64; 9] {
+    u: &[f64; M],
+) -> [f64; 16] {
     let t4 = cos_gamma * 0.31075498619999997;
     let t5 = t4 + 0.6693697768564999;
     let t6 = t5 * 0.4935471238405507;
@@ -1201,25 +1187,6 @@ fn linearize_body_1(
     let t27 = cos_gamma * acceleration_beta_y;
     let acceleration_gamma_y = t26 + t27;
     let moment_gamma_z = 0.31075498619999997 * acceleration_gamma_y;
-    [t6, inverse_d_beta, t12, acceleration_beta_y, t18, t21, t23, t25, moment_gamma_z]
-}
-
-/// Part 2 of `linearize` from sines, cosines and what earlier parts made.
-#[inline(always)]
-fn linearize_body_2(
-    [sin_beta,
-    sin_gamma,
-    cos_gamma,
-    t6,
-    inverse_d_beta,
-    t12,
-    acceleration_beta_y,
-    t25,
-    moment_gamma_z,
-    ]: [f64; 9],
-    v: &[f64; N],
-    u: &[f64; M],
-) -> [f64; 12] {
     let t30 = v[1] * 10.0;
     let t31 = math::tanh(t30);
     let t32 = 0.368 * t31;
@@ -1277,32 +1244,6 @@ fn linearize_body_2(
     let t84 = t83 * t48;
     let t85 = t12 * t72;
     let t86 = t85 - t84;
-    [t31, t34, t44, omega_gamma_z, t58, t61, t65, t74, t79, t81, t83, t86]
-}
-
-/// Part 3 of `linearize` from sines, cosines and what earlier parts made.
-#[inline(always)]
-fn linearize_body_3(
-    [sin_gamma,
-    inverse_d_beta,
-    t12,
-    t18,
-    t21,
-    t31,
-    t34,
-    t44,
-    omega_gamma_z,
-    t58,
-    t61,
-    t65,
-    t74,
-    t79,
-    t81,
-    t83,
-    t86,
-    ]: [f64; 17],
-    v: &[f64; N],
-) -> [f64; 10] {
     let t87 = t74 - t86;
     let t88 = 0.31075498619999997 * t87;
     let t89 = sin_gamma * t88;
@@ -1316,6 +1257,55 @@ fn linearize_body_3(
     let t97 = t12 * t90;
     let t98 = t83 * t79;
     let t99 = t97 - t98;
+    [
+        inverse_d_beta,
+        t12,
+        t23,
+        t31,
+        t34,
+        t44,
+        omega_gamma_z,
+        t58,
+        t61,
+        t65,
+        t74,
+        t83,
+        t86,
+        t93,
+        t96,
+        t99,
+    ]
+}
+
+/// Part 2 of `linearize` from sines, cosines and what earlier parts made.
+#[inline(always)]
+#[allow(
+    clippy::type_complexity,
+    reason = "blocks of fixed size need no type of their own"
+)]
+fn linearize_body_2(
+    [sin_gamma,
+    inverse_d_beta,
+    t12,
+    t23,
+    t31,
+    t34,
+    t44,
+    omega_gamma_z,
+    t58,
+    t61,
+    t65,
+    t74,
+    t83,
+    t86,
+    t93,
+    t96,
+    t99,
+    ]: [f64; 17],
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
     let t100 = v[0] + v[0];
     let t101 = sin_gamma * t100;
     let t102 = 0.31075498619999997 * t101;
@@ -1362,34 +1352,6 @@ fn linearize_body_3(
     let t143 = 161.0 * inverse_d_beta;
     let t144 = 161.0 * t12;
     let t145 = 161.0 * t83;
-    [t93, t96, t99, t121, t136, t139, t142, t143, t144, t145]
-}
-
-/// Part 4 of `linearize` from sines, cosines and what earlier parts made.
-#[inline(always)]
-#[allow(
-    clippy::type_complexity,
-    reason = "blocks of fixed size need no type of their own"
-)]
-fn linearize_body_4(
-    [t23,
-    t74,
-    t86,
-    t93,
-    t96,
-    t99,
-    t121,
-    t136,
-    t139,
-    t142,
-    t143,
-    t144,
-    t145,
-    ]: [f64; 13],
-    y: &[f64; N],
-    v: &[f64; N],
-    u: &[f64; M],
-) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
     let t146 = y[1] * t93;
     let t147 = v[1] * t136;
     let t148 = v[0] * t121;
@@ -1448,7 +1410,7 @@ fn linearize_each<const W: usize>(
         let (mut sines, mut cosines) = ([Group([0.0; W]); 2], [Group([0.0; W]); 2]);
         math::sin_cos_lanes(&angles[0].0, &mut sines[0].0, &mut cosines[0].0);
         math::sin_cos_lanes(&angles[1].0, &mut sines[1].0, &mut cosines[1].0);
-        let mut values_1 = [Group([0.0; W]); 9];
+        let mut values_1 = [Group([0.0; W]); 16];
         for lane in 0..W {
             let values = linearize_body_1(
                 [
@@ -1458,6 +1420,7 @@ fn linearize_each<const W: usize>(
                     cosines[1].0[lane],
                 ],
                 &[v[0].0[W * group + lane], v[1].0[W * group + lane]],
+                &[u[0].0[W * group + lane], u[1].0[W * group + lane]],
             );
             values_1[0].0[lane] = values[0];
             values_1[1].0[lane] = values[1];
@@ -1468,88 +1431,34 @@ fn linearize_each<const W: usize>(
             values_1[6].0[lane] = values[6];
             values_1[7].0[lane] = values[7];
             values_1[8].0[lane] = values[8];
+            values_1[9].0[lane] = values[9];
+            values_1[10].0[lane] = values[10];
+            values_1[11].0[lane] = values[11];
+            values_1[12].0[lane] = values[12];
+            values_1[13].0[lane] = values[13];
+            values_1[14].0[lane] = values[14];
+            values_1[15].0[lane] = values[15];
         }
-        let mut values_2 = [Group([0.0; W]); 12];
         for lane in 0..W {
-            let values = linearize_body_2(
+            let (result_1, result_2, result_3, result_4) = linearize_body_2(
                 [
-                    sines[0].0[lane],
                     sines[1].0[lane],
-                    cosines[1].0[lane],
                     values_1[0].0[lane],
                     values_1[1].0[lane],
                     values_1[2].0[lane],
                     values_1[3].0[lane],
-                    values_1[7].0[lane],
-                    values_1[8].0[lane],
-                ],
-                &[v[0].0[W * group + lane], v[1].0[W * group + lane]],
-                &[u[0].0[W * group + lane], u[1].0[W * group + lane]],
-            );
-            values_2[0].0[lane] = values[0];
-            values_2[1].0[lane] = values[1];
-            values_2[2].0[lane] = values[2];
-            values_2[3].0[lane] = values[3];
-            values_2[4].0[lane] = values[4];
-            values_2[5].0[lane] = values[5];
-            values_2[6].0[lane] = values[6];
-            values_2[7].0[lane] = values[7];
-            values_2[8].0[lane] = values[8];
-            values_2[9].0[lane] = values[9];
-            values_2[10].0[lane] = values[10];
-            values_2[11].0[lane] = values[11];
-        }
-        let mut values_3 = [Group([0.0; W]); 10];
-        for lane in 0..W {
-            let values = linearize_body_3(
-                [
-                    sines[1].0[lane],
-                    values_1[1].0[lane],
-                    values_1[2].0[lane],
                     values_1[4].0[lane],
                     values_1[5].0[lane],
-                    values_2[0].0[lane],
-                    values_2[1].0[lane],
-                    values_2[2].0[lane],
-                    values_2[3].0[lane],
-                    values_2[4].0[lane],
-                    values_2[5].0[lane],
-                    values_2[6].0[lane],
-                    values_2[7].0[lane],
-                    values_2[8].0[lane],
-                    values_2[9].0[lane],
-                    values_2[10].0[lane],
-                    values_2[11].0[lane],
-                ],
-                &[v[0].0[W * group + lane], v[1].0[W * group + lane]],
-            );
-            values_3[0].0[lane] = values[0];
-            values_3[1].0[lane] = values[1];
-            values_3[2].0[lane] = values[2];
-            values_3[3].0[lane] = values[3];
-            values_3[4].0[lane] = values[4];
-            values_3[5].0[lane] = values[5];
-            values_3[6].0[lane] = values[6];
-            values_3[7].0[lane] = values[7];
-            values_3[8].0[lane] = values[8];
-            values_3[9].0[lane] = values[9];
-        }
-        for lane in 0..W {
-            let (result_1, result_2, result_3, result_4) = linearize_body_4(
-                [
                     values_1[6].0[lane],
-                    values_2[7].0[lane],
-                    values_2[11].0[lane],
-                    values_3[0].0[lane],
-                    values_3[1].0[lane],
-                    values_3[2].0[lane],
-                    values_3[3].0[lane],
-                    values_3[4].0[lane],
-                    values_3[5].0[lane],
-                    values_3[6].0[lane],
-                    values_3[7].0[lane],
-                    values_3[8].0[lane],
-                    values_3[9].0[lane],
+                    values_1[7].0[lane],
+                    values_1[8].0[lane],
+                    values_1[9].0[lane],
+                    values_1[10].0[lane],
+                    values_1[11].0[lane],
+                    values_1[12].0[lane],
+                    values_1[13].0[lane],
+                    values_1[14].0[lane],
+                    values_1[15].0[lane],
                 ],
                 &[y[0].0[W * group + lane], y[1].0[W * group + lane]],
                 &[v[0].0[W * group + lane], v[1].0[W * group + lane]],

@@ -1383,19 +1383,9 @@ pub fn linearize(
     p: &Parameters,
 ) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
     let ([sin_beta, sin_gamma], [cos_beta, cos_gamma]) = math::sin_cos_2(y[0], y[1]);
-    let [t6, inverse_d_beta, t12, acceleration_beta_x, acceleration_beta_y, t19, t22,
-    t24, t26, t29, t31] = linearize_body_1(
-        [sin_beta, cos_beta, sin_gamma, cos_gamma],
-        v,
-        p,
-    );
-    let [t33, t44, t49, t54, t55, omega_gamma_z, force_gamma_x, moment_beta_z] = linearize_body_2(
-        [sin_gamma, cos_gamma, t12, acceleration_beta_x, acceleration_beta_y, t31],
-        v,
-        u,
-        p,
-    );
-    let [t71, t82, t88, t97, t100, t107, t110, t113, t122] = linearize_body_3(
+    let [t6, inverse_d_beta, t12, acceleration_beta_y, t19, t22, t24, t26, t29, t33, t44,
+    t47, t49] = linearize_body_1([sin_beta, cos_beta, sin_gamma, cos_gamma], v, u, p);
+    let [t88, t97, t100, t107, t110, t113, t133, t137, t140] = linearize_body_2(
         [
             sin_gamma,
             cos_gamma,
@@ -1405,39 +1395,36 @@ pub fn linearize(
             acceleration_beta_y,
             t19,
             t22,
+            t47,
             t49,
-            t54,
-            t55,
-            force_gamma_x,
-            moment_beta_z,
         ],
         v,
         u,
         p,
     );
-    let [t143, t166, t169, t172, t173, t174, t175] = linearize_body_4(
+    linearize_body_3(
         [
-            sin_gamma,
             inverse_d_beta,
             t12,
+            t24,
             t26,
             t29,
             t33,
             t44,
-            omega_gamma_z,
-            t71,
-            t82,
+            t88,
             t97,
-            t122,
+            t100,
+            t107,
+            t110,
+            t113,
+            t133,
+            t137,
+            t140,
         ],
-        v,
-        p,
-    );
-    linearize_body_5(
-        [t24, t88, t100, t107, t110, t113, t143, t166, t169, t172, t173, t174, t175],
         y,
         v,
         u,
+        p,
     )
 }
 
@@ -1450,8 +1437,9 @@ fn linearize_body_1(
     cos_gamma,
     ]: [f64; 4],
     v: &[f64; N],
+    u: &[f64; M],
     p: &Parameters,
-) -> [f64; 11] {
+) -> [f64; 13] {
     let t4 = cos_gamma * 0.31075498619999997;
     let t5 = t4 + 0.6693697768564999;
     let t6 = t5 * 0.4935471238405507;
@@ -1480,35 +1468,6 @@ fn linearize_body_1(
     let t29 = math::tanh(t28);
     let t30 = t29 * p.gamma_tanh_10;
     let t31 = t30 + t27;
-    [
-        t6,
-        inverse_d_beta,
-        t12,
-        acceleration_beta_x,
-        acceleration_beta_y,
-        t19,
-        t22,
-        t24,
-        t26,
-        t29,
-        t31,
-    ]
-}
-
-/// Part 2 of `linearize` from sines, cosines and what earlier parts made.
-#[inline(always)]
-fn linearize_body_2(
-    [sin_gamma,
-    cos_gamma,
-    t12,
-    acceleration_beta_x,
-    acceleration_beta_y,
-    t31,
-    ]: [f64; 6],
-    v: &[f64; N],
-    u: &[f64; M],
-    p: &Parameters,
-) -> [f64; 8] {
     let t32 = v[1] * 5.0;
     let t33 = math::tanh(t32);
     let t34 = t33 * p.gamma_tanh_5;
@@ -1527,6 +1486,41 @@ fn linearize_body_2(
     let t47 = t46 + t35;
     let t48 = v[0] * v[0];
     let t49 = acceleration_beta_x - t48;
+    [
+        t6,
+        inverse_d_beta,
+        t12,
+        acceleration_beta_y,
+        t19,
+        t22,
+        t24,
+        t26,
+        t29,
+        t33,
+        t44,
+        t47,
+        t49,
+    ]
+}
+
+/// Part 2 of `linearize` from sines, cosines and what earlier parts made.
+#[inline(always)]
+fn linearize_body_2(
+    [sin_gamma,
+    cos_gamma,
+    t6,
+    inverse_d_beta,
+    t12,
+    acceleration_beta_y,
+    t19,
+    t22,
+    t47,
+    t49,
+    ]: [f64; 10],
+    v: &[f64; N],
+    u: &[f64; M],
+    p: &Parameters,
+) -> [f64; 9] {
     let t50 = sin_gamma * t49;
     let t51 = cos_gamma * acceleration_beta_y;
     let acceleration_gamma_y = t50 + t51;
@@ -1540,30 +1534,6 @@ fn linearize_body_2(
     let t60 = 0.29270484 * acceleration_beta_y;
     let t61 = t60 + force_beta_y;
     let moment_beta_z = moment_gamma_z + t61;
-    [t33, t44, t49, t54, t55, omega_gamma_z, force_gamma_x, moment_beta_z]
-}
-
-/// Part 3 of `linearize` from sines, cosines and what earlier parts made.
-#[inline(always)]
-fn linearize_body_3(
-    [sin_gamma,
-    cos_gamma,
-    t6,
-    inverse_d_beta,
-    t12,
-    acceleration_beta_y,
-    t19,
-    t22,
-    t49,
-    t54,
-    t55,
-    force_gamma_x,
-    moment_beta_z,
-    ]: [f64; 13],
-    v: &[f64; N],
-    u: &[f64; M],
-    p: &Parameters,
-) -> [f64; 9] {
     let t63 = v[0] * 20.0;
     let t64 = math::tanh(t63);
     let t65 = t64 * p.beta_tanh_20;
@@ -1624,28 +1594,6 @@ fn linearize_body_3(
     let t120 = 10.0 * t119;
     let t121 = p.beta_tanh_10 * t120;
     let t122 = t121 + t117;
-    [t71, t82, t88, t97, t100, t107, t110, t113, t122]
-}
-
-/// Part 4 of `linearize` from sines, cosines and what earlier parts made.
-#[inline(always)]
-fn linearize_body_4(
-    [sin_gamma,
-    inverse_d_beta,
-    t12,
-    t26,
-    t29,
-    t33,
-    t44,
-    omega_gamma_z,
-    t71,
-    t82,
-    t97,
-    t122,
-    ]: [f64; 12],
-    v: &[f64; N],
-    p: &Parameters,
-) -> [f64; 7] {
     let t123 = t71 * t71;
     let t124 = 1.0 - t123;
     let t125 = 5.0 * t124;
@@ -1664,6 +1612,38 @@ fn linearize_body_4(
     let t138 = t137 + t134;
     let t139 = t131 + t138;
     let t140 = t139 + t127;
+    [t88, t97, t100, t107, t110, t113, t133, t137, t140]
+}
+
+/// Part 3 of `linearize` from sines, cosines and what earlier parts made.
+#[inline(always)]
+#[allow(
+    clippy::type_complexity,
+    reason = "blocks of fixed size need no type of their own"
+)]
+fn linearize_body_3(
+    [inverse_d_beta,
+    t12,
+    t24,
+    t26,
+    t29,
+    t33,
+    t44,
+    t88,
+    t97,
+    t100,
+    t107,
+    t110,
+    t113,
+    t133,
+    t137,
+    t140,
+    ]: [f64; 16],
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    p: &Parameters,
+) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
     let t141 = inverse_d_beta * t140;
     let t142 = t12 * t137;
     let t143 = t142 - t141;
@@ -1699,34 +1679,6 @@ fn linearize_body_4(
     let t173 = 161.0 * inverse_d_beta;
     let t174 = 161.0 * t12;
     let t175 = 161.0 * t97;
-    [t143, t166, t169, t172, t173, t174, t175]
-}
-
-/// Part 5 of `linearize` from sines, cosines and what earlier parts made.
-#[inline(always)]
-#[allow(
-    clippy::type_complexity,
-    reason = "blocks of fixed size need no type of their own"
-)]
-fn linearize_body_5(
-    [t24,
-    t88,
-    t100,
-    t107,
-    t110,
-    t113,
-    t143,
-    t166,
-    t169,
-    t172,
-    t173,
-    t174,
-    t175,
-    ]: [f64; 13],
-    y: &[f64; N],
-    v: &[f64; N],
-    u: &[f64; M],
-) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
     let t176 = y[1] * t107;
     let t177 = v[1] * t166;
     let t178 = v[0] * t143;
@@ -1790,7 +1742,7 @@ fn linearize_each<const W: usize>(
         let (mut sines, mut cosines) = ([Group([0.0; W]); 2], [Group([0.0; W]); 2]);
         math::sin_cos_lanes(&angles[0].0, &mut sines[0].0, &mut cosines[0].0);
         math::sin_cos_lanes(&angles[1].0, &mut sines[1].0, &mut cosines[1].0);
-        let mut values_1 = [Group([0.0; W]); 11];
+        let mut values_1 = [Group([0.0; W]); 13];
         for lane in 0..W {
             let values = linearize_body_1(
                 [
@@ -1800,6 +1752,7 @@ fn linearize_each<const W: usize>(
                     cosines[1].0[lane],
                 ],
                 &[v[0].0[W * group + lane], v[1].0[W * group + lane]],
+                &[u[0].0[W * group + lane], u[1].0[W * group + lane]],
                 p,
             );
             values_1[0].0[lane] = values[0];
@@ -1813,17 +1766,23 @@ fn linearize_each<const W: usize>(
             values_1[8].0[lane] = values[8];
             values_1[9].0[lane] = values[9];
             values_1[10].0[lane] = values[10];
+            values_1[11].0[lane] = values[11];
+            values_1[12].0[lane] = values[12];
         }
-        let mut values_2 = [Group([0.0; W]); 8];
+        let mut values_2 = [Group([0.0; W]); 9];
         for lane in 0..W {
             let values = linearize_body_2(
                 [
                     sines[1].0[lane],
                     cosines[1].0[lane],
+                    values_1[0].0[lane],
+                    values_1[1].0[lane],
                     values_1[2].0[lane],
                     values_1[3].0[lane],
                     values_1[4].0[lane],
-                    values_1[10].0[lane],
+                    values_1[5].0[lane],
+                    values_1[11].0[lane],
+                    values_1[12].0[lane],
                 ],
                 &[v[0].0[W * group + lane], v[1].0[W * group + lane]],
                 &[u[0].0[W * group + lane], u[1].0[W * group + lane]],
@@ -1837,87 +1796,32 @@ fn linearize_each<const W: usize>(
             values_2[5].0[lane] = values[5];
             values_2[6].0[lane] = values[6];
             values_2[7].0[lane] = values[7];
+            values_2[8].0[lane] = values[8];
         }
-        let mut values_3 = [Group([0.0; W]); 9];
         for lane in 0..W {
-            let values = linearize_body_3(
+            let (result_1, result_2, result_3, result_4) = linearize_body_3(
                 [
-                    sines[1].0[lane],
-                    cosines[1].0[lane],
-                    values_1[0].0[lane],
                     values_1[1].0[lane],
                     values_1[2].0[lane],
-                    values_1[4].0[lane],
-                    values_1[5].0[lane],
                     values_1[6].0[lane],
+                    values_1[7].0[lane],
+                    values_1[8].0[lane],
+                    values_1[9].0[lane],
+                    values_1[10].0[lane],
+                    values_2[0].0[lane],
+                    values_2[1].0[lane],
                     values_2[2].0[lane],
                     values_2[3].0[lane],
                     values_2[4].0[lane],
+                    values_2[5].0[lane],
                     values_2[6].0[lane],
                     values_2[7].0[lane],
-                ],
-                &[v[0].0[W * group + lane], v[1].0[W * group + lane]],
-                &[u[0].0[W * group + lane], u[1].0[W * group + lane]],
-                p,
-            );
-            values_3[0].0[lane] = values[0];
-            values_3[1].0[lane] = values[1];
-            values_3[2].0[lane] = values[2];
-            values_3[3].0[lane] = values[3];
-            values_3[4].0[lane] = values[4];
-            values_3[5].0[lane] = values[5];
-            values_3[6].0[lane] = values[6];
-            values_3[7].0[lane] = values[7];
-            values_3[8].0[lane] = values[8];
-        }
-        let mut values_4 = [Group([0.0; W]); 7];
-        for lane in 0..W {
-            let values = linearize_body_4(
-                [
-                    sines[1].0[lane],
-                    values_1[1].0[lane],
-                    values_1[2].0[lane],
-                    values_1[8].0[lane],
-                    values_1[9].0[lane],
-                    values_2[0].0[lane],
-                    values_2[1].0[lane],
-                    values_2[5].0[lane],
-                    values_3[0].0[lane],
-                    values_3[1].0[lane],
-                    values_3[3].0[lane],
-                    values_3[8].0[lane],
-                ],
-                &[v[0].0[W * group + lane], v[1].0[W * group + lane]],
-                p,
-            );
-            values_4[0].0[lane] = values[0];
-            values_4[1].0[lane] = values[1];
-            values_4[2].0[lane] = values[2];
-            values_4[3].0[lane] = values[3];
-            values_4[4].0[lane] = values[4];
-            values_4[5].0[lane] = values[5];
-            values_4[6].0[lane] = values[6];
-        }
-        for lane in 0..W {
-            let (result_1, result_2, result_3, result_4) = linearize_body_5(
-                [
-                    values_1[7].0[lane],
-                    values_3[2].0[lane],
-                    values_3[4].0[lane],
-                    values_3[5].0[lane],
-                    values_3[6].0[lane],
-                    values_3[7].0[lane],
-                    values_4[0].0[lane],
-                    values_4[1].0[lane],
-                    values_4[2].0[lane],
-                    values_4[3].0[lane],
-                    values_4[4].0[lane],
-                    values_4[5].0[lane],
-                    values_4[6].0[lane],
+                    values_2[8].0[lane],
                 ],
                 &[y[0].0[W * group + lane], y[1].0[W * group + lane]],
                 &[v[0].0[W * group + lane], v[1].0[W * group + lane]],
                 &[u[0].0[W * group + lane], u[1].0[W * group + lane]],
+                p,
             );
             a_y[0][0].0[W * group + lane] = result_1[0][0];
             a_y[0][1].0[W * group + lane] = result_1[0][1];

@@ -243,22 +243,41 @@ fn fused_functions_have_the_bits_of_single_states() {
 
 #[test]
 fn modules_compile_without_a_warning() {
-    let arguments = ["--crate-type", "lib", "--emit", "metadata"];
     for (name, scalar) in [
         ("powercube_parameters", Scalar::F64),
         ("ur5", Scalar::F32),
         ("cart_pole", Scalar::F64),
     ] {
         let robot = robot(name, &[], scalar, false);
-        let text = format!(
-            "#![deny(warnings, missing_docs, clippy::all, nonstandard_style)]\n#![no_std]\n//! Robots.\n\
-             /// Robot.\npub mod robot {{\n{}}}\n",
-            robot.source.text
-        );
-        let folder = tempfile::tempdir().expect("a folder");
-        let result = clippy(folder.path(), name, &text, &arguments);
-        result.unwrap_or_else(|message| panic!("{name}: {message}"));
+        check_warnings(name, &robot);
     }
+}
+
+/// In short parts the angles, which stand first, fill the first ones.
+#[test]
+fn parts_of_angles_alone_are_no_loops() {
+    let mut options = GenerateOptions {
+        functions: vec!["inverse_dynamics".to_owned()],
+        ..GenerateOptions::default()
+    };
+    options.emit.lanes = options.functions.clone();
+    options.emit.longest_function = 4;
+    let robot = generate(&workspace().join("models/ur5.toml"), &options);
+    let robot = robot.unwrap_or_else(|problems| panic!("{problems}"));
+    check_warnings("ur5", &robot);
+    assert_eq!(check(&robot, Scalar::F64, &[]), 1);
+}
+
+fn check_warnings(name: &str, robot: &Generated) {
+    let arguments = ["--crate-type", "lib", "--emit", "metadata"];
+    let text = format!(
+        "#![deny(warnings, missing_docs, clippy::all, nonstandard_style)]\n#![no_std]\n//! Robots.\n\
+         /// Robot.\npub mod robot {{\n{}}}\n",
+        robot.source.text
+    );
+    let folder = tempfile::tempdir().expect("a folder");
+    let result = clippy(folder.path(), name, &text, &arguments);
+    result.unwrap_or_else(|message| panic!("{name}: {message}"));
 }
 
 #[test]

@@ -29,15 +29,16 @@ const LANES: usize = 8;
 ///
 /// | statements | UR5 | | Panda | |
 /// |---|---|---|---|---|
-/// | 20 | 214 | 225 | 580 | 706 |
-/// | 40 | 76 | 57 | 227 | 129 |
-/// | 60 | 80 | 57 | 221 | 130 |
-/// | 100 | 94 | 58 | 230 | 130 |
-/// | 400 | 96 | 84 | 221 | 201 |
+/// | 40 | 80 | 60 | 267 | 141 |
+/// | 60 | 83 | 60 | 225 | 134 |
+/// | 100 | 76 | 60 | 224 | 134 |
+/// | 160 | 76 | 61 | 226 | 138 |
+/// | 250 | 83 | 80 | 241 | 163 |
+/// | 500 | 106 | 75 | 417 | 295 |
 ///
-/// From 1000 on the compiler no longer makes SIMD code of Panda's. The values between loops stand on the stack, each in
-/// a place of its own: with places that later values take again they could not move to registers (95 to 128 ns).
-const LONGEST_LOOP: usize = 60;
+/// The values between loops stand on the stack, each in a place of its own: with places that later values take again
+/// they could not move to registers (95 to 128 ns).
+const LONGEST_LOOP: usize = 100;
 
 /// Names that the module takes for lanes.
 pub(super) const RESERVED: [&str; 2] = ["Lanes", "Group"];

@@ -82,10 +82,15 @@ pub(super) fn obstacle(program: &Program) -> Option<&'static str> {
 }
 
 fn parts(program: &Program, flow: &Flow, longest: usize, is_in_part: &[bool]) -> Vec<Part> {
-    let ranges: Vec<Range<usize>> = split::parts(program, flow, longest)
-        .into_iter()
-        .map(|part| part.range)
-        .collect();
+    let mut ranges: Vec<Range<usize>> = Vec::new();
+    let is_empty = |range: &Range<usize>| !is_in_part[range.clone()].contains(&true);
+    for part in split::parts(program, flow, longest) {
+        // Where nothing but angles stands, there is nothing to loop over.
+        match ranges.last_mut() {
+            Some(before) if is_empty(before) => before.end = part.range.end,
+            _ => ranges.push(part.range),
+        }
+    }
     let last = ranges.len().saturating_sub(1);
     let parts = ranges.into_iter().enumerate();
     let mut parts: Vec<Part> = parts
