@@ -9,6 +9,14 @@ mod display;
 pub(crate) mod parse;
 mod terms;
 
+/// Largest number of a description: far beyond any robot, and products of ten of them are finite.
+pub(crate) const LARGEST_NUMBER: f64 = 1e30;
+
+/// What is wrong with a number beyond [`LARGEST_NUMBER`].
+pub(crate) fn too_large(what: &str) -> String {
+    format!("{what} is beyond {LARGEST_NUMBER:e}, where the equations overflow")
+}
+
 /// A scalar expression over parameters and, in force laws, the joint's position `y` and velocity `v`.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Formula {

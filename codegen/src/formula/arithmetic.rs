@@ -65,6 +65,11 @@ impl Formula {
         !self.any(&|node| matches!(node, Self::Number(value) if !value.is_finite()))
     }
 
+    /// Whether a number in the formula is beyond [`LARGEST_NUMBER`](super::LARGEST_NUMBER).
+    pub(crate) fn is_too_large(&self) -> bool {
+        self.any(&|node| matches!(node, Self::Number(value) if value.abs() > super::LARGEST_NUMBER))
+    }
+
     /// `a + b` with numbers added and zeros dropped.
     pub fn sum(a: Self, b: Self) -> Self {
         match (&a, &b) {

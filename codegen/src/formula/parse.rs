@@ -2,7 +2,7 @@
 //!
 //! syn descends recursively, so length, nesting and runs of operators are bounded before it sees the text.
 
-use super::{Formula, Function};
+use super::{Formula, Function, too_large};
 use crate::diagnostic::nearest;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -55,14 +55,16 @@ pub(crate) fn parse(text: &str, allowed: Allowed, parameters: &BTreeMap<String, 
         parameters,
     };
     let formula = scope.convert(&tree)?;
-    match formula.is_finite() {
-        true => Ok(formula),
-        false => Err(error(
-            "number-not-finite",
-            format!("`{text}` divides by zero or overflows"),
-            0..text.len(),
-        )),
+    let whole = 0..text.len();
+    if !formula.is_finite() {
+        let message = format!("`{text}` divides by zero or overflows");
+        return Err(error("number-not-finite", message, whole));
     }
+    if formula.is_too_large() {
+        let message = too_large(&format!("`{text}`"));
+        return Err(error("number-too-large", message, whole));
+    }
+    Ok(formula)
 }
 
 fn error(code: &'static str, message: impl Into<String>, range: Range<usize>) -> FormulaError {

@@ -8,8 +8,8 @@ use super::name::{has_meaning, identifier, is_keyword};
 use super::pose::{IDENTITY, norm};
 use super::table::{Item, Table};
 use crate::diagnostic::{At, Report, Span};
-use crate::formula::Formula;
 use crate::formula::parse::{Allowed, parse};
+use crate::formula::{Formula, LARGEST_NUMBER, too_large};
 use std::collections::BTreeMap;
 use toml::de::DeValue;
 
@@ -84,7 +84,12 @@ impl Reader {
         };
         match value {
             // Adding 0 makes −0 a plain 0.
-            Some(value) if value.is_finite() => Some(value + 0.0),
+            Some(value) if value.abs() <= LARGEST_NUMBER => Some(value + 0.0),
+            Some(value) if value.is_finite() => {
+                let message = too_large(&format!("`{}`", item.key));
+                self.report.error(item.span, "number-too-large", message);
+                None
+            }
             _ => {
                 let message = format!(
                     "`{}` must be finite, not {}",

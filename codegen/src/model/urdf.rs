@@ -11,7 +11,7 @@ use super::pose::{IDENTITY, norm};
 use super::toml_values::join;
 use super::{FrictionTerm, JointKind, Pose, ReadOptions};
 use crate::diagnostic::{At, Report, Span};
-use crate::formula::{Formula, Function};
+use crate::formula::{Formula, Function, LARGEST_NUMBER, too_large};
 use roxmltree::{Attribute, Document, Node};
 use std::collections::BTreeMap;
 
@@ -357,16 +357,24 @@ impl Reader<'_> {
         let position = span
             .filter(|_| bounded && low != high)
             .map(|span| At::new([low, high], span));
-        let mut useful = |key| self.number(node, key).filter(|number| number.value != 0.0);
-        let (velocity, effort) = (useful("velocity"), useful("effort"));
-        if velocity.is_none() || effort.is_none() || (bounded && position.is_none()) {
+        let (velocity, effort) = (self.number(node, "velocity"), self.number(node, "effort"));
+        // What is no number has its error already.
+        let is_unset = |key, limit: &Option<At<f64>>| match limit {
+            Some(limit) => limit.value == 0.0,
+            None => node.attribute(key).is_none(),
+        };
+        if is_unset("velocity", &velocity)
+            || is_unset("effort", &effort)
+            || (bounded && position.is_none())
+        {
             let span = self.span(node);
             self.remark("limit-unset", span, &format!("`{}`", name.value));
         }
+        let useful = |limit: Option<At<f64>>| limit.filter(|limit| limit.value != 0.0);
         LimitsDescription {
             position,
-            velocity,
-            effort,
+            velocity: useful(velocity),
+            effort: useful(effort),
             peak_effort: None,
         }
     }
@@ -503,6 +511,11 @@ impl Reader<'_> {
         if result.iter().any(|number| !number.is_finite()) {
             let message = format!("`{key}` must be finite, not {}", attribute.value());
             self.report.error(span, "number-not-finite", message);
+            return None;
+        }
+        if result.iter().any(|number| number.abs() > LARGEST_NUMBER) {
+            let message = too_large(&format!("`{key}`"));
+            self.report.error(span, "number-too-large", message);
             return None;
         }
         Some(At::new(result, span))
