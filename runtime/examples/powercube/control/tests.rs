@@ -1,5 +1,6 @@
 //! Verdicts of the short form as values, and what flips each.
 
+use super::identified::FrictionSamples;
 use super::*;
 use crate::arm::{self, Arm, Friction, GEAR, PEAK, PERIOD, Regime, arm};
 use crate::study::{Outcome, Part, Study};
@@ -170,6 +171,12 @@ fn the_worst_period_takes_few_iterations() {
     let passes = [0, 1].map(|joint| timing::passes(&samples, joint).unwrap());
     let stiff = timing::worst_iterations(identified(), &reference(), 1e4 * limits::PENALTY);
     flipped(&timing::claim(stiff.unwrap(), passes), &[0]);
+    let free = FrictionSamples {
+        torques: samples.velocities.each_ref().map(|v| vec![0.0; v.len()]),
+        ..samples
+    };
+    let passes = [0, 1].map(|joint| timing::passes(&free, joint).unwrap());
+    flipped(&timing::claim(0, passes), &[1, 2]);
 }
 
 #[test]

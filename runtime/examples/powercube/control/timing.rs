@@ -129,7 +129,9 @@ pub fn claim(worst: u32, passes: [usize; 2]) -> Claim {
         ));
     }
     claim
-        .flipped_by("a speed limit whose violation costs ten thousand times as much")
+        .flipped_by(
+            "a speed limit whose violation costs ten thousand times as much; joints without friction, of which one pass tells all",
+        )
         .remark("Decided by counts, which are the same on every machine; the times beside them are not, and decide nothing.")
         .shown_in("time-iterations")
 }
