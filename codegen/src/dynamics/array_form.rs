@@ -112,24 +112,26 @@ impl<'m> Forms<'m> {
 
     /// Whether `linearize` calls `forward_dynamics_derivatives`. Known without deriving what may be too large to be wanted.
     pub(super) fn linearize_calls(&self) -> bool {
-        let jacobians = quantities().find(|quantity| quantity.name == JACOBIANS);
-        !self.is_straight("linearize")
-            && self.may_loop(JACOBIANS)
-            && gains(self.model).is_some()
-            && jacobians.is_some_and(|quantity| {
-                self.is_far_beyond() || self.jacobians(quantity).arrays.is_some()
-            })
+        self.called().is_some()
+    }
+
+    /// The function that `linearize` calls, and the gains of the inputs.
+    fn called(&self) -> Option<(&'static Quantity, Vec<(usize, Operand)>)> {
+        if self.is_straight("linearize") || !self.may_loop(JACOBIANS) {
+            return None;
+        }
+        let inputs = gains(self.model)?;
+        let called = quantities().find(|quantity| quantity.name == JACOBIANS)?;
+        let has_loops = self.is_far_beyond() || self.jacobians(called).arrays.is_some();
+        has_loops.then_some((called, inputs))
     }
 
     fn linearization(&self) -> Option<Affine> {
-        let jacobians = quantities().find(|quantity| quantity.name == JACOBIANS)?;
-        if !self.linearize_calls() {
-            return None;
-        }
-        match &self.jacobians(jacobians).arrays {
+        let (called, inputs) = self.called()?;
+        match &self.jacobians(called).arrays {
             Some(ArrayForm::Steps(arrays)) => Some(Affine {
                 called: arrays.clone(),
-                inputs: gains(self.model)?,
+                inputs,
             }),
             _ => None,
         }
