@@ -28,6 +28,14 @@ impl Row {
         }
     }
 
+    /// The constant that loops over blocks read.
+    fn block_size(self) -> String {
+        format!(
+            "/// Entries of a block of a row.\nconst K: usize = {};",
+            self.block
+        )
+    }
+
     /// Whether the loops are those for chains in one block: what other loops leave to choices, and to the compiler, is
     /// written out there.
     pub(super) fn is_one_block(self) -> bool {
@@ -45,45 +53,21 @@ pub(super) fn text(scalar: Scalar, functions: &[Function]) -> String {
         return String::new();
     };
     let row = Row::new(first);
-    let block = format!(
-        "/// Entries of a block of a row.\nconst K: usize = {};",
-        row.block
-    );
-    let mut texts = vec![include_str!("../array_kernels/rows.rs")];
-    texts.push(match first.is_fused {
-        true => include_str!("../array_kernels/products_fused.rs"),
-        false => include_str!("../array_kernels/products.rs"),
-    });
-    match row.is_one_block() {
-        true => texts.extend([
-            include_str!("../array_kernels/one_block/masks.rs"),
-            include_str!("../array_kernels/one_block/pairs.rs"),
-        ]),
-        false => texts.extend([
-            block.as_str(),
-            include_str!("../array_kernels/blocks/products.rs"),
-            match first.is_chain() {
-                true => include_str!("../array_kernels/blocks/chain_pairs.rs"),
-                false => include_str!("../array_kernels/blocks/tree_pairs.rs"),
-            },
-        ]),
-    }
+    let block = row.block_size();
+    let mut texts = vec![
+        include_str!("../array_kernels/rows.rs"),
+        match first.is_fused {
+            true => include_str!("../array_kernels/products_fused.rs"),
+            false => include_str!("../array_kernels/products.rs"),
+        },
+    ];
+    texts.extend(pairs(row, &block));
     let inverts = |step: &Step| matches!(step, Step::Invert { .. });
     if forms
         .iter()
         .any(|form| form.arrays().steps.iter().any(inverts))
     {
-        texts.extend(match row.is_one_block() {
-            true => [
-                include_str!("../array_kernels/one_block/inverse.rs"),
-                include_str!("../array_kernels/one_block/matrix_products.rs"),
-            ],
-            false => [
-                include_str!("../array_kernels/blocks/inverse.rs"),
-                include_str!("../array_kernels/blocks/matrix_products.rs"),
-            ],
-        });
-        texts.push(include_str!("../array_kernels/apply.rs"));
+        texts.extend(inverse(row));
     }
     if forms
         .iter()
@@ -91,11 +75,45 @@ pub(super) fn text(scalar: Scalar, functions: &[Function]) -> String {
     {
         texts.push(include_str!("../array_kernels/dot.rs"));
     }
-    let module = pasted::module(
+    pasted::loops(
+        scalar,
         "Loops over arrays of joints: R rows of N entries, padded to L.",
-        pasted::LOOPS,
         "arrays",
         &texts,
-    );
-    pasted::for_scalar(module, scalar)
+    )
+}
+
+/// Matrices over pairs of joints.
+fn pairs(row: Row, block: &str) -> Vec<&str> {
+    if row.is_one_block() {
+        return vec![
+            include_str!("../array_kernels/one_block/masks.rs"),
+            include_str!("../array_kernels/one_block/pairs.rs"),
+        ];
+    }
+    vec![
+        block,
+        include_str!("../array_kernels/blocks/products.rs"),
+        match row.is_chain {
+            true => include_str!("../array_kernels/blocks/chain_pairs.rs"),
+            false => include_str!("../array_kernels/blocks/tree_pairs.rs"),
+        },
+    ]
+}
+
+/// The inverse, and what is multiplied by it.
+fn inverse(row: Row) -> [&'static str; 3] {
+    let apply = include_str!("../array_kernels/apply.rs");
+    match row.is_one_block() {
+        true => [
+            include_str!("../array_kernels/one_block/inverse.rs"),
+            include_str!("../array_kernels/one_block/matrix_products.rs"),
+            apply,
+        ],
+        false => [
+            include_str!("../array_kernels/blocks/inverse.rs"),
+            include_str!("../array_kernels/blocks/matrix_products.rs"),
+            apply,
+        ],
+    }
 }

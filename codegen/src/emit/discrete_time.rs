@@ -134,11 +134,10 @@ pub(super) fn text(scalar: Scalar, compositions: &[Composition]) -> String {
         return String::new();
     }
     let sources: Vec<&str> = texts.iter().map(|text| text.source()).collect();
-    let module = pasted::module(
+    pasted::loops(
+        scalar,
         "Discrete time: functions over N coordinates and M inputs.",
-        pasted::LOOPS,
         "discrete_time",
         &sources,
-    );
-    pasted::for_scalar(module, scalar)
+    )
 }

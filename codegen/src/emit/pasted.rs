@@ -12,15 +12,13 @@ pub(super) fn module(documentation: &str, attribute: &str, name: &str, texts: &[
     )
 }
 
-/// What a module of loops may do.
-pub(super) const LOOPS: &str =
-    "#[allow(clippy::needless_range_loop, reason = \"index notation reads like the formulas\")]";
-
-/// A text for `f64`, and its bits, in another type.
-pub(super) fn for_scalar(text: String, scalar: Scalar) -> String {
+/// A module of loops, whose texts are written for `f64` and its bits.
+pub(super) fn loops(scalar: Scalar, documentation: &str, name: &str, texts: &[&str]) -> String {
+    let attribute = "#[allow(clippy::needless_range_loop, reason = \"index notation reads like the formulas\")]";
+    let module = module(documentation, attribute, name, texts);
     match scalar {
-        Scalar::F64 => text,
-        Scalar::F32 => text.replace("f64", "f32").replace("u64", "u32"),
+        Scalar::F64 => module,
+        Scalar::F32 => module.replace("f64", "f32").replace("u64", "u32"),
     }
 }
 
