@@ -28,7 +28,8 @@ impl Log {
     /// - returns the log and everything suspicious in it, by row
     ///
     /// # Errors
-    /// No rows, a mapped column that is missing, or bytes that are no CSV.
+    /// No rows, a mapped column that is missing, columns that something else than commas separates where the schema names no
+    /// separator, or bytes that are no CSV.
     pub fn read(
         reader: impl Read,
         source: &str,
@@ -54,6 +55,9 @@ impl Log {
             .iter()
             .map(|h| String::from_utf8_lossy(h).into_owned())
             .collect();
+        if schema.separator.is_none() {
+            require_commas(&headers, source)?;
+        }
         let columns = schema.resolve(&headers)?;
         require_distinct(&columns)?;
         let mut values: Vec<Vec<f64>> = vec![Vec::new(); columns.len()];
@@ -104,6 +108,21 @@ fn field(record: &csv::ByteRecord, column: &Column, row: usize, findings: &mut F
         return f64::NAN;
     };
     number * column.factor + column.offset
+}
+
+/// A header that is one field with semicolons or tabs in it belongs to a file separated by those.
+fn require_commas(headers: &[String], source: &str) -> Result<()> {
+    let [header] = headers else { return Ok(()) };
+    match header.chars().find(|c| [';', '\t'].contains(c)) {
+        None => Ok(()),
+        Some(separator) => Err(IdentificationError::File {
+            place: source.into(),
+            message: format!(
+                "no comma in the header, but {separator:?}: if that separates the columns, set `LogSchema::separator`; \
+                 decimals have points"
+            ),
+        }),
+    }
 }
 
 fn require_distinct(columns: &[Column]) -> Result<()> {
@@ -250,6 +269,17 @@ mod tests {
                 .to_string()
                 .contains("two columns have this name")
         );
+    }
+
+    #[test]
+    fn other_separators_are_named() {
+        for (text, separator) in [("t [s];q1 [rad]\n0;0\n", "';'"), ("t\tq1\n0\t0\n", "'\\t'")] {
+            let message = read(text).unwrap_err().to_string();
+            assert!(
+                message.contains(&format!("no comma in the header, but {separator}")),
+                "{message}"
+            );
+        }
     }
 
     #[test]
