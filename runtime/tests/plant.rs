@@ -39,7 +39,7 @@ impl Dynamics<1, 1> for Slider {
     fn spring_forces(&self, _: &[f64; 1], _: &[f64; 1]) -> [f64; 1] {
         [0.0]
     }
-    fn friction_torques(&self, v: &[f64; 1]) -> [f64; 1] {
+    fn friction_torques(&self, _: &[f64; 1], v: &[f64; 1]) -> [f64; 1] {
         let sign = if v[0] == 0.0 { 0.0 } else { v[0].signum() };
         [self.viscous * v[0] + self.coulomb * sign]
     }
@@ -73,7 +73,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Dynamics<N, M> for Frict
     fn spring_forces(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N] {
         self.0.spring_forces(y, v)
     }
-    fn friction_torques(&self, _: &[f64; N]) -> [f64; N] {
+    fn friction_torques(&self, _: &[f64; N], _: &[f64; N]) -> [f64; N] {
         [0.0; N]
     }
     fn input_matrix(&self) -> [[f64; M]; N] {

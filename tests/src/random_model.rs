@@ -363,7 +363,7 @@ fn springs(rng: &mut Rng) -> Vec<Formula> {
     }
 }
 
-/// Viscous, smooth and exact Coulomb terms.
+/// Viscous, smooth and exact Coulomb terms, and Coulomb friction that depends on the position.
 fn friction(rng: &mut Rng, free: bool) -> Vec<FrictionTerm> {
     let call = |function, slope: f64| {
         Formula::Call(
@@ -376,6 +376,14 @@ fn friction(rng: &mut Rng, free: bool) -> Vec<FrictionTerm> {
         Formula::Velocity,
         call(Function::Tanh, 10.0),
         call(Function::Sign, 1.0),
+        // Positive at every position: teeth that mesh more or less tightly.
+        product(
+            Formula::sum(
+                number(1.0),
+                product(number(0.5), Formula::call(Function::Sin, Formula::Position)),
+            ),
+            call(Function::Tanh, 20.0),
+        ),
     ] {
         if chance(rng, 0.3) {
             let size = number(0.1 + rng.f64());

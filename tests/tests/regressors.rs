@@ -96,7 +96,8 @@ fn inertial_regressor_times_parameters_is_the_inverse_dynamics() {
             let pi = first("inertial_parameters", &[]);
             assert_eq!(pi.len(), names(&robot, "inertial_parameters").len());
             let bodies = times(&first("inertial_regressor", &[&y, &v, &a]), &pi);
-            let friction = first("friction_torques", &[&v]);
+            let arguments = robot.friction_arguments("friction_torques", &y, &v);
+            let friction = first("friction_torques", &arguments);
             let springs = first("spring_forces", &[&y, &v]);
             let forces = first("inverse_dynamics", &[&y, &v, &a]);
             for (i, &(sum, size)) in bodies.iter().enumerate() {
@@ -124,6 +125,7 @@ fn friction_regressor_times_parameters_is_the_friction() {
                 .swap_remove(0)
         };
         let coefficients = first("friction_parameters", &[]);
+        let arguments = robot.friction_arguments("friction_regressor", &sample.y, &sample.v);
         assert_eq!(
             coefficients.len(),
             names(&robot, "friction_parameters").len()
@@ -131,11 +133,9 @@ fn friction_regressor_times_parameters_is_the_friction() {
         columns += coefficients.len();
         let found = match coefficients.is_empty() {
             true => vec![(0.0, 0.0); sample.v.len()],
-            false => times(&first("friction_regressor", &[&sample.v]), &coefficients),
+            false => times(&first("friction_regressor", &arguments), &coefficients),
         };
-        for ((sum, size), expected) in found
-            .into_iter()
-            .zip(first("friction_torques", &[&sample.v]))
+        for ((sum, size), expected) in found.into_iter().zip(first("friction_torques", &arguments))
         {
             close("R φ", &robot.model.name, sum, expected, size, TOLERANCE);
         }

@@ -121,6 +121,46 @@ pub fn quantities() -> impl Iterator<Item = &'static Quantity> {
     QUANTITIES.iter().chain(regressor_quantities::QUANTITIES)
 }
 
+/// [`quantities()`] with the rows of friction that a model needs: where a friction law depends on the position of its
+/// joint, they take y too.
+fn quantities_of(model: &Model) -> impl Iterator<Item = &'static Quantity> {
+    let by_position: &[Quantity] = match forces::friction_depends_on_position(model) {
+        true => FRICTION_BY_POSITION,
+        false => &[],
+    };
+    quantities().map(move |quantity| {
+        let replacement = by_position.iter().find(|row| row.name == quantity.name);
+        replacement.unwrap_or(quantity)
+    })
+}
+
+/// Rows that replace those of the same name where a friction law depends on the position.
+const FRICTION_BY_POSITION: &[Quantity] = &[
+    Quantity {
+        name: "friction_torques",
+        summary: "Joint friction `τ(y, ẏ)`.",
+        equation: "q = gravity_forces + spring_forces − friction_torques",
+        arguments: &[Coordinates, Velocities],
+        results: &[(
+            "τ",
+            "positive where friction brakes a positive velocity, at the joint",
+        )],
+        notes: &[],
+        build: friction_torques,
+    },
+    regressor_quantities::FRICTION_PARAMETERS_BY_POSITION,
+    regressor_quantities::FRICTION_REGRESSOR_BY_POSITION,
+];
+
+fn friction_torques<'g>(
+    equations: &Equations<'_, 'g>,
+    arguments: &Arguments<'g>,
+) -> Vec<Value<'g>> {
+    vec![vector(
+        equations.friction_torques(&arguments.y, &arguments.v),
+    )]
+}
+
 /// The equations of motion and what follows from them.
 const QUANTITIES: &[Quantity] = &[
     Quantity {
@@ -183,7 +223,7 @@ const QUANTITIES: &[Quantity] = &[
         arguments: &[Velocities],
         results: &[("τ", "positive for positive velocity, at the joint")],
         notes: &[],
-        build: |equations, arguments| vec![vector(equations.friction_torques(&arguments.v))],
+        build: friction_torques,
     },
     Quantity {
         name: "applied_forces",
@@ -565,7 +605,7 @@ pub fn derive_in_form(
     let requested = ON_REQUEST
         .iter()
         .filter(|quantity| selection.iter().any(|name| name == quantity.name));
-    let selected = quantities().filter(|quantity| is_selected(quantity.name));
+    let selected = quantities_of(model).filter(|quantity| is_selected(quantity.name));
     let quantities: Vec<&Quantity> = selected.chain(requested).collect();
     let wanted: Vec<&str> = quantities.iter().map(|quantity| quantity.name).collect();
     size::check_before(model, &wanted, most)?;

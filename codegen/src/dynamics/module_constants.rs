@@ -61,11 +61,17 @@ fn inertial_names(model: &Model) -> Constant {
 }
 
 fn friction_names(model: &Model) -> Constant {
-    let summary = "Friction parameters, the columns of `friction_regressor`: joint, and the function of its velocity \
-         that the parameter multiplies.";
+    let motion = match forces::friction_depends_on_position(model) {
+        true => "position and velocity",
+        false => "velocity",
+    };
+    let summary = format!(
+        "Friction parameters, the columns of `friction_regressor`: joint, and the function of its {motion} that the \
+         parameter multiplies."
+    );
     Constant {
         name: "FRICTION_PARAMETER_NAMES",
-        summary: summary.to_owned(),
+        summary,
         items: Vec::new(),
         value: ConstantValue::Names(forces::friction_names(model)),
     }

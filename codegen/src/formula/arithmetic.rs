@@ -60,6 +60,11 @@ impl Formula {
         self.any(&|node| matches!(node, Self::Position | Self::Velocity))
     }
 
+    /// Whether the value depends on the joint's position.
+    pub fn depends_on_position(&self) -> bool {
+        self.any(&|node| matches!(node, Self::Position))
+    }
+
     /// Whether every number in the formula is finite.
     pub fn is_finite(&self) -> bool {
         !self.any(&|node| matches!(node, Self::Number(value) if !value.is_finite()))

@@ -89,8 +89,8 @@ pub(super) struct JointDescription {
     pub axis: Option<[f64; 3]>,
     pub held: Option<f64>,
     pub limits: LimitsDescription,
-    pub springs: Option<Vec<Formula>>,
-    pub friction: Option<Vec<FrictionTerm>>,
+    pub springs: Option<At<Vec<Formula>>>,
+    pub friction: Option<At<Vec<FrictionTerm>>>,
     pub drive: Option<At<DriveChoice>>,
     /// The joint that this one follows in a URDF.
     pub mimic: Option<Name>,

@@ -497,10 +497,10 @@ fn read_joint(reader: &mut Reader, table: &Table<'_>) -> Option<JointDescription
             .unwrap_or_default(),
         springs: table
             .get("spring")
-            .map(|item| springs(reader, item, &owner)),
+            .map(|item| At::new(springs(reader, item, &owner), item.span)),
         friction: table
             .get("friction")
-            .and_then(|item| friction(reader, item, &owner)),
+            .and_then(|item| Some(At::new(friction(reader, item, &owner)?, item.span))),
         drive: table
             .get("drive")
             .and_then(|item| drive(reader, item, &owner)),

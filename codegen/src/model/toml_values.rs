@@ -58,6 +58,15 @@ impl Reader {
         }
     }
 
+    /// Value of a formula of parameters at their described values.
+    pub fn at_defaults(&self, formula: &Formula) -> f64 {
+        let defaults = self
+            .parameters
+            .iter()
+            .map(|parameter| parameter.value.default);
+        formula.evaluate(&defaults.collect::<Vec<f64>>(), 0.0, 0.0)
+    }
+
     /// A force law over parameters, `y` and `v`.
     pub fn force_law(&mut self, item: Item<'_>) -> Option<Formula> {
         self.scalar(item, Allowed::Motion)

@@ -257,7 +257,7 @@ impl Reader<'_> {
         let friction = self
             .single(node, "dynamics")
             .filter(|_| moves)
-            .map(|node| self.friction(node, &name));
+            .map(|node| At::new(self.friction(node, &name), self.span(node)));
         let mimic = self
             .single(node, "mimic")
             .filter(|_| moves && !self.options.ignore_mimic);

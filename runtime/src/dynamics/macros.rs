@@ -128,7 +128,28 @@ macro_rules! dynamics {
         $crate::dynamics!(@define spring_forces, $module, $p, (y: N, v: N), vector);
     };
     (@method friction_torques, $module:tt, $p:tt) => {
-        $crate::dynamics!(@define friction_torques, $module, $p, (v: N), vector);
+        $crate::dynamics!(@friction $module, $p);
+    };
+    // A module's function takes y only where a law depends on it.
+    (@friction [$($module:ident)::+], []) => {
+        #[inline]
+        fn friction_torques(
+            &self,
+            y: &[f64; $($module)::+::N],
+            v: &[f64; $($module)::+::N],
+        ) -> [f64; $($module)::+::N] {
+            $crate::dynamics::FrictionLaw::torques(&$($module)::+::friction_torques, y, v)
+        }
+    };
+    (@friction [$($module:ident)::+], [$p:ident]) => {
+        #[inline]
+        fn friction_torques(
+            &self,
+            y: &[f64; $($module)::+::N],
+            v: &[f64; $($module)::+::N],
+        ) -> [f64; $($module)::+::N] {
+            $crate::dynamics::FrictionLawWithParameters::torques(&$($module)::+::friction_torques, y, v, &self.$p)
+        }
     };
     (@method input_matrix, $module:tt, $p:tt) => {
         $crate::dynamics!(@define input_matrix, $module, $p, (), input_matrix);

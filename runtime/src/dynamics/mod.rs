@@ -5,6 +5,7 @@
 //! does it for them; every method then is a call of the generated function, nothing else.
 
 mod discrete_time;
+mod friction_law;
 mod macros;
 mod solve;
 #[cfg(test)]
@@ -12,5 +13,7 @@ mod tests;
 mod traits;
 mod types;
 
+#[doc(hidden)]
+pub use friction_law::{FrictionLaw, FrictionLawWithParameters};
 pub use traits::{Differentiable, Discretizable, Dynamics};
 pub use types::{Discretization, ForceDerivatives, Limits, Linearization, Step};

@@ -21,7 +21,7 @@ pub struct Motion<'a, const N: usize, const M: usize> {
 
 /// Forces `M ÿ + k − q_s` at the joints: what the motion needs without friction, one column per joint.
 ///
-/// Whatever friction the model has is taken out again: `inverse_dynamics(y, ẏ, ÿ) − friction_torques(ẏ)`.
+/// Whatever friction the model has is taken out again: `inverse_dynamics(y, ẏ, ÿ) − friction_torques(y, ẏ)`.
 ///
 /// # Errors
 /// Columns of different length, no samples, or values that are not finite.
@@ -43,13 +43,10 @@ pub fn rigid_forces<const N: usize, const M: usize>(
     }
     let mut forces: [Vec<f64>; N] = std::array::from_fn(|_| Vec::with_capacity(m));
     for i in 0..m {
+        let y = motion.positions.map(|c| c[i]);
         let v = motion.velocities.map(|c| c[i]);
-        let all = model.inverse_dynamics(
-            &motion.positions.map(|c| c[i]),
-            &v,
-            &motion.accelerations.map(|c| c[i]),
-        );
-        let friction = model.friction_torques(&v);
+        let all = model.inverse_dynamics(&y, &v, &motion.accelerations.map(|c| c[i]));
+        let friction = model.friction_torques(&y, &v);
         for (joint, force) in forces.iter_mut().enumerate() {
             force.push(all[joint] - friction[joint]);
         }

@@ -173,8 +173,8 @@ impl Builder<'_, '_> {
                 effort: value(&limits.effort),
                 peak_effort: value(&limits.peak_effort),
             },
-            springs: described.springs.clone().unwrap_or_default(),
-            friction: described.friction.clone().unwrap_or_default(),
+            springs: laws(&described.springs),
+            friction: laws(&described.friction),
         }
     }
 
@@ -332,6 +332,12 @@ impl Builder<'_, '_> {
                 .error(motor.gear_ratio.span, "motor-constant", message);
         }
     }
+}
+
+fn laws<T: Clone>(described: &Option<At<Vec<T>>>) -> Vec<T> {
+    described
+        .as_ref()
+        .map_or(Vec::new(), |laws| laws.value.clone())
 }
 
 /// A torque or force at the joint itself.

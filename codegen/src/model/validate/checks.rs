@@ -92,7 +92,7 @@ fn fixed(joint: &JointDescription, report: &mut Report) {
     } else if joint
         .friction
         .as_ref()
-        .is_some_and(|terms| !terms.is_empty())
+        .is_some_and(|terms| !terms.value.is_empty())
     {
         "friction"
     } else {

@@ -2,6 +2,7 @@
 
 mod build;
 mod checks;
+mod force_laws;
 mod names;
 
 use super::Model;
@@ -22,6 +23,7 @@ pub(super) fn model(robot: &RobotDescription, report: &mut Report) -> Option<Mod
         .collect();
     for joint in &robot.joints {
         checks::joint(joint, report);
+        force_laws::check(joint, &defaults, report);
     }
     for body in &robot.bodies {
         checks::body(body, &defaults, report);
