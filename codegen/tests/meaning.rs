@@ -249,3 +249,23 @@ fn unreadable_files() {
     assert!(read(&folder, &ReadOptions::default()).is_err());
     std::fs::remove_dir_all(&folder).unwrap();
 }
+
+#[test]
+fn friction_that_drives_at_some_speeds_is_noted_with_them() {
+    let text = r#"
+[[joints]]
+name = "axis"
+limits = { velocity = 4 }
+friction = { viscous = -3, coulomb = 5 }
+[[bodies]]
+link = "axis"
+mass = 0
+inertia = 1
+"#;
+    let (_, notes) = load(text);
+    let notes = notes.to_string();
+    let expected = "the friction of joint `axis` drives it at velocities from -4 to -1.86 rad/s and from 1.86 to 4 rad/s";
+    assert!(notes.contains(expected), "{notes}");
+    let (_, notes) = load(&text.replace("-3", "3"));
+    assert!(notes.is_empty(), "{notes}");
+}

@@ -8,12 +8,14 @@ use gelenk_runtime::plant::{Plant, PlantError, PlantOptions};
 gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);
 gelenk_runtime::dynamics!(struct Puma = gelenk_generated::puma560);
 
-/// A mass on a line: `m ÿ = u − d ẏ − c sign ẏ`.
+/// A mass on a line: `m ÿ = u − d ẏ − c (1 + k y) sign ẏ`.
 #[derive(Clone, Copy)]
 struct Slider {
     mass: f64,
     viscous: f64,
     coulomb: f64,
+    /// k, how the dry friction grows along the line (1/m).
+    tightening: f64,
 }
 
 impl Dynamics<1, 1> for Slider {
@@ -39,9 +41,9 @@ impl Dynamics<1, 1> for Slider {
     fn spring_forces(&self, _: &[f64; 1], _: &[f64; 1]) -> [f64; 1] {
         [0.0]
     }
-    fn friction_torques(&self, _: &[f64; 1], v: &[f64; 1]) -> [f64; 1] {
+    fn friction_torques(&self, y: &[f64; 1], v: &[f64; 1]) -> [f64; 1] {
         let sign = if v[0] == 0.0 { 0.0 } else { v[0].signum() };
-        [self.viscous * v[0] + self.coulomb * sign]
+        [self.viscous * v[0] + self.coulomb * (1.0 + self.tightening * y[0]) * sign]
     }
     fn input_matrix(&self) -> [[f64; 1]; 1] {
         [[1.0]]
@@ -52,6 +54,7 @@ const SLIDER: Slider = Slider {
     mass: 2.0,
     viscous: 0.0,
     coulomb: 0.0,
+    tightening: 0.0,
 };
 
 /// A generated robot without friction.
@@ -180,6 +183,31 @@ fn dry_friction_stops_a_mass_and_holds_it() {
 }
 
 /// A push against the motion: the mass stops within the period and leaves in the other direction.
+/// Dry friction that grows along the way takes up `½ m v² = c (y + k y²/2)`, and where the mass stopped it holds as much as
+/// it brakes there.
+#[test]
+fn dry_friction_of_the_position_stops_and_holds_by_it() {
+    let mut plant = ideal(Slider {
+        coulomb: 1.6,
+        tightening: 2.0,
+        ..SLIDER
+    });
+    plant.reset([0.0], [1.0]).unwrap();
+    for _ in 0..100 {
+        plant.apply(&[0.0], 0.02).unwrap();
+    }
+    let stop = (-1.0 + (1.0_f64 + 2.0 * 2.0 * 0.625).sqrt()) / 2.0;
+    let at = plant.state();
+    assert_eq!(at.1, [0.0]);
+    close(at.0[0], stop, 1e-9);
+    let holds = 1.6 * (1.0 + 2.0 * stop);
+    assert!(holds > 2.0 * 1.49, "more than at y = 0");
+    plant.apply(&[0.99 * holds], 0.02).unwrap();
+    assert_eq!(plant.state(), at);
+    plant.apply(&[1.01 * holds], 0.02).unwrap();
+    assert!(plant.state().1[0] > 0.0);
+}
+
 #[test]
 fn a_reversal_within_a_period_is_located() {
     let mut plant = ideal(Slider {

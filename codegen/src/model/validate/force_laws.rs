@@ -5,7 +5,7 @@
 
 use super::super::JointKind;
 use super::super::description::JointDescription;
-use crate::diagnostic::Report;
+use crate::diagnostic::{Report, Span};
 use crate::formula::Formula;
 
 /// Largest speed [rad/s or m/s] looked at where a joint has no limit.
@@ -21,171 +21,158 @@ const ROUNDING: f64 = 1e-9;
 
 /// Reports laws without a finite value, and friction that drives.
 pub(super) fn check(joint: &JointDescription, defaults: &[f64], report: &mut Report) {
-    let law = Law { joint, defaults };
+    let grid = Grid::new(joint);
     if let Some(springs) = &joint.springs {
-        let force = |y, v| {
-            springs
-                .value
-                .iter()
-                .map(|spring| law.value(spring, y, v))
-                .sum()
+        let summands = springs.value.iter().map(|spring| (&Formula::ONE, spring));
+        let law = Law {
+            what: "spring",
+            summands: summands.collect(),
+            defaults,
         };
-        if let Some(at) = law.first_not_finite(&force) {
-            let message = law.not_finite("spring", &force, at);
-            report.error(springs.span, "force-not-finite", message);
-            report.help(NOT_FINITE);
-        }
+        is_finite(&law, &grid, springs.span, report);
     }
-    let Some(friction) = &joint.friction else {
-        return;
-    };
-    let torque = |y, v| {
+    if let Some(friction) = &joint.friction {
         let terms = friction.value.iter();
-        let term = |coefficient, basis| law.value(coefficient, y, v) * law.value(basis, y, v);
-        terms.map(|each| term(&each.coefficient, &each.basis)).sum()
+        let summands = terms.map(|term| (&term.coefficient, &term.basis)).collect();
+        let law = Law {
+            what: "friction",
+            summands,
+            defaults,
+        };
+        if is_finite(&law, &grid, friction.span, report) {
+            brakes(&law, &grid, friction.span, report);
+        }
+    }
+}
+
+fn is_finite(law: &Law<'_>, grid: &Grid<'_>, span: Span, report: &mut Report) -> bool {
+    let positions = grid.positions();
+    // Standstill comes first: a message should name it where it is at fault.
+    let velocities = [0.0].into_iter().chain(grid.velocities());
+    let mut states = velocities.flat_map(|v| positions.iter().map(move |y| [*y, v]));
+    let Some([y, v]) = states.find(|[y, v]| !law.value(*y, *v).is_finite()) else {
+        return true;
     };
-    if let Some(at) = law.first_not_finite(&torque) {
-        let message = law.not_finite("friction", &torque, at);
-        report.error(friction.span, "force-not-finite", message);
-        report.help(NOT_FINITE);
-        return;
+    let value = match law.value(y, v).is_nan() {
+        true => "undefined",
+        false => "infinite",
+    };
+    let (unit, what, name) = (grid.unit, law.what, &grid.joint.name.value);
+    let mut message = format!(
+        "the {what} of joint `{name}` is {value} at v = {} {unit}/s",
+        three_digits(v)
+    );
+    if law.depends_on_position() {
+        message.push_str(&format!(", y = {} {unit}", three_digits(y)));
     }
-    match law.driving(&torque) {
-        Driving::Never => {}
-        Driving::Always => {
-            let message = format!(
-                "the friction of joint `{}` drives it at every speed",
-                joint.name.value
-            );
-            report.error(friction.span, "friction-drives", message);
-            report.help("friction is positive for positive velocity: change the sign");
-        }
-        Driving::Between(ranges) => {
-            let message = format!(
-                "the friction of joint `{}` drives it {}",
-                joint.name.value,
-                law.speeds(&ranges)
-            );
-            report.note(Some(friction.span), "friction-drives", message);
-            report.help("friction that has the sign of the velocity brakes; what drives gives the joint energy");
-        }
+    report.error(span, "force-not-finite", message);
+    report.help("a force law needs a finite value at every position and speed within the limits, standstill included");
+    false
+}
+
+fn brakes(law: &Law<'_>, grid: &Grid<'_>, span: Span, report: &mut Report) {
+    let name = &grid.joint.name.value;
+    let driven = driven(law, grid);
+    if driven.iter().all(|(_, is_driven)| *is_driven) {
+        let message = format!("the friction of joint `{name}` drives it at every speed");
+        report.error(span, "friction-drives", message);
+        report.help("friction is positive for positive velocity: change the sign");
+    } else if driven.iter().any(|(_, is_driven)| *is_driven) {
+        let ranges = driven.chunk_by(|(_, first), (_, second)| first == second);
+        let ranges = ranges.filter(|range| range[0].1);
+        let text = |range: &[(f64, bool)]| {
+            let [low, high] = [range[0].0, range[range.len() - 1].0].map(three_digits);
+            format!("from {low} to {high} {}/s", grid.unit)
+        };
+        let ranges: Vec<String> = ranges.map(text).collect();
+        let message = format!(
+            "the friction of joint `{name}` drives it at velocities {}",
+            ranges.join(" and ")
+        );
+        report.note(Some(span), "friction-drives", message);
+        report.help("friction with the sign of the velocity brakes; with the other sign it gives the joint energy");
     }
 }
 
-const NOT_FINITE: &str = "a force law has a finite value at every position and speed within the limits, standstill included";
-
-/// Where friction has the sign against the velocity.
-enum Driving {
-    Never,
-    Always,
-    /// Between these velocities.
-    Between(Vec<[f64; 2]>),
+/// The velocities of the grid but 0, each with whether friction drives the joint there at some position.
+fn driven(law: &Law<'_>, grid: &Grid<'_>) -> Vec<(f64, bool)> {
+    let positions = grid.positions();
+    let velocities: Vec<f64> = grid.velocities().collect();
+    let torques = |v: f64| positions.iter().map(move |y| law.value(*y, v));
+    let all = velocities.iter().flat_map(|v| torques(*v));
+    let largest = all.fold(0.0, |most: f64, torque| most.max(torque.abs()));
+    let drives = |v: f64| torques(v).any(|torque| torque * v.signum() < -ROUNDING * largest);
+    velocities.iter().map(|v| (*v, drives(*v))).collect()
 }
 
+/// A force as a sum of products of a coefficient and a function of the motion.
 struct Law<'a> {
-    joint: &'a JointDescription,
+    what: &'static str,
+    summands: Vec<(&'a Formula, &'a Formula)>,
     defaults: &'a [f64],
 }
 
 impl Law<'_> {
-    fn value(&self, formula: &Formula, position: f64, velocity: f64) -> f64 {
-        formula.evaluate(self.defaults, position, velocity)
+    fn value(&self, position: f64, velocity: f64) -> f64 {
+        let value = |formula: &Formula| formula.evaluate(self.defaults, position, velocity);
+        let summands = self.summands.iter();
+        summands
+            .map(|(coefficient, basis)| value(coefficient) * value(basis))
+            .sum()
     }
 
-    fn unit(&self) -> &'static str {
-        match self.joint.kind {
-            Some(JointKind::Prismatic) => "m",
-            _ => "rad",
+    fn depends_on_position(&self) -> bool {
+        self.summands
+            .iter()
+            .any(|(_, basis)| basis.depends_on_position())
+    }
+}
+
+/// Where the laws of a joint are looked at.
+struct Grid<'a> {
+    joint: &'a JointDescription,
+    unit: &'static str,
+    /// Largest position looked at where the joint has no limits.
+    widest: f64,
+}
+
+impl<'a> Grid<'a> {
+    fn new(joint: &'a JointDescription) -> Self {
+        let (unit, widest) = match joint.kind {
+            Some(JointKind::Prismatic) => ("m", 1.0),
+            _ => ("rad", std::f64::consts::PI),
+        };
+        Self {
+            joint,
+            unit,
+            widest,
         }
     }
 
-    fn positions(&self) -> impl Iterator<Item = f64> {
-        let widest = match self.joint.kind {
-            Some(JointKind::Prismatic) => 1.0,
-            _ => std::f64::consts::PI,
-        };
+    /// Ascending but for 0, which stands last where the limits contain it.
+    fn positions(&self) -> Vec<f64> {
         let limits = self.joint.limits.position.as_ref();
-        let [low, high] = limits.map_or([-widest, widest], |limits| limits.value);
-        let steps = f64::from(POSITIONS - 1);
-        let inner = (0..POSITIONS).map(move |k| low + (high - low) * f64::from(k) / steps);
+        let [low, high] = limits.map_or([-self.widest, self.widest], |limits| limits.value);
+        let part = |k: i32| f64::from(k) / f64::from(POSITIONS - 1);
         let zero = (low <= 0.0 && high >= 0.0).then_some(0.0);
-        inner.chain(zero)
+        let positions = (0..POSITIONS).map(|k| low + (high - low) * part(k));
+        positions.chain(zero).collect()
     }
 
-    /// Speeds, ascending and positive.
-    fn speeds_of_grid(&self) -> impl Iterator<Item = f64> + use<> {
+    /// Ascending, without 0.
+    fn velocities(&self) -> impl Iterator<Item = f64> + use<> {
         let limit = self.joint.limits.velocity.as_ref();
         let most = limit.map_or(SPEED, |limit| limit.value);
+        // A limit that is not positive has its own message.
         let most = if most > 0.0 { most } else { SPEED };
-        (0..SPEEDS).rev().map(move |k| most * FACTOR.powi(k))
+        let backward = (0..SPEEDS).map(move |k| -most * FACTOR.powi(k));
+        let forward = (0..SPEEDS).rev().map(move |k| most * FACTOR.powi(k));
+        backward.chain(forward)
     }
+}
 
-    /// Velocities, ascending, standstill included.
-    fn velocities(&self) -> Vec<f64> {
-        let forward: Vec<f64> = self.speeds_of_grid().collect();
-        let backward = forward.iter().rev().map(|speed| -speed);
-        backward
-            .chain([0.0])
-            .chain(forward.iter().copied())
-            .collect()
-    }
-
-    fn first_not_finite(&self, force: &dyn Fn(f64, f64) -> f64) -> Option<[f64; 2]> {
-        let velocities = self.velocities();
-        let states = self
-            .positions()
-            .flat_map(|y| velocities.iter().map(move |v| [y, *v]));
-        // Standstill is what a message should name, where it is at fault.
-        let still = self.positions().map(|y| [y, 0.0]);
-        still
-            .chain(states)
-            .find(|[y, v]| !force(*y, *v).is_finite())
-    }
-
-    fn not_finite(&self, what: &str, force: &dyn Fn(f64, f64) -> f64, [y, v]: [f64; 2]) -> String {
-        let unit = self.unit();
-        format!(
-            "the {what} of joint `{}` is {} at y = {y:.3} {unit}, v = {v:.3} {unit}/s",
-            self.joint.name.value,
-            force(y, v)
-        )
-    }
-
-    fn driving(&self, torque: &dyn Fn(f64, f64) -> f64) -> Driving {
-        let positions: Vec<f64> = self.positions().collect();
-        let velocities = self.velocities();
-        let at = |v: f64| positions.iter().map(move |y| torque(*y, v));
-        let largest = velocities
-            .iter()
-            .flat_map(|v| at(*v))
-            .fold(0.0, |most: f64, torque| most.max(torque.abs()));
-        let drives =
-            |v: f64| v != 0.0 && at(v).any(|torque| torque * v.signum() < -ROUNDING * largest);
-        let moving = velocities.iter().filter(|v| **v != 0.0);
-        if moving.clone().all(|v| drives(*v)) {
-            return Driving::Always;
-        }
-        let mut ranges: Vec<[f64; 2]> = Vec::new();
-        let mut last = false;
-        for &v in &velocities {
-            match (drives(v), last, ranges.last_mut()) {
-                (true, true, Some(range)) => range[1] = v,
-                (true, ..) => ranges.push([v, v]),
-                (false, ..) => {}
-            }
-            last = drives(v);
-        }
-        match ranges.is_empty() {
-            true => Driving::Never,
-            false => Driving::Between(ranges),
-        }
-    }
-
-    /// `at speeds from −0.1 to −0.001 rad/s and from 3 to 10 rad/s`
-    fn speeds(&self, ranges: &[[f64; 2]]) -> String {
-        let unit = self.unit();
-        let text = |[low, high]: &[f64; 2]| format!("from {low:.3} to {high:.3} {unit}/s");
-        let ranges: Vec<String> = ranges.iter().map(text).collect();
-        format!("at velocities {}", ranges.join(" and "))
-    }
+/// The number with three significant digits.
+fn three_digits(x: f64) -> String {
+    let rounded: Option<f64> = format!("{x:.2e}").parse().ok();
+    rounded.unwrap_or(x).to_string()
 }
