@@ -1,6 +1,7 @@
 //! What descriptions mean: friction, springs, drives, bases, mimic joints, angles.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::disallowed_methods, reason = "a second opinion on values")]
 
 use gelenk_codegen::diagnostic::{Diagnostic, Diagnostics};
 use gelenk_codegen::model::{

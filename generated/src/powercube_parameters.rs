@@ -2969,6 +2969,9 @@ mod discrete_time {
     pub type Discrete<const N: usize, const M: usize> =
         ([[Matrix<N>; 2]; 2], [[[f64; M]; N]; 2], [[f64; N]; 2]);
 
+    /// The halves of `A_d − 1`, `B_d` and `c_d`.
+    type Held<const N: usize, const M: usize> = ([Half<N>; 2], [[[f64; M]; N]; 2], [[f64; N]; 2]);
+
     /// The short time is the period halved so often, and Φ over the short time is doubled as often.
     const DOUBLINGS: u32 = 6;
 
@@ -3112,7 +3115,7 @@ mod discrete_time {
     fn held<const N: usize, const M: usize>(
         (by_y, by_v, by_u, remainder): &Linear<N, M>,
         time: f64,
-    ) -> ([Half<N>; 2], [[[f64; M]; N]; 2], [[f64; N]; 2]) {
+    ) -> Held<N, M> {
         // In units of the short time h, ẏ counts as h ẏ.
         let h = time / (1_u32 << DOUBLINGS) as f64;
         let lower = lower_half(by_y, h * h, by_v, h);

@@ -1,5 +1,7 @@
 //! Is an inertia that of a real body?
 
+use crate::numeric::length;
+
 /// Relative room for rounding in published numbers.
 const ROUNDING: f64 = 1e-6;
 
@@ -59,8 +61,8 @@ fn rotate_away(a: &mut [[f64; 3]; 3], p: usize, q: usize) {
         return;
     }
     let ratio = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-    let t = ratio.signum() / (ratio.abs() + ratio.hypot(1.0));
-    let c = 1.0 / t.hypot(1.0);
+    let t = ratio.signum() / (ratio.abs() + length([ratio, 1.0]));
+    let c = 1.0 / length([t, 1.0]);
     let s = t * c;
     for k in 0..3 {
         let (x, y) = (a[k][p], a[k][q]);

@@ -136,7 +136,7 @@ fn motion_transform(rotation: &[[f64; 3]; 3], r: &[f64; 3]) -> Matrix {
 
 /// Rotation about a unit axis: `cos I + sin [a]ₓ + (1 − cos) a aᵀ` (Rodrigues).
 fn about_axis(a: &[f64; 3], angle: f64) -> [[f64; 3]; 3] {
-    let (s, c) = angle.sin_cos();
+    let (s, c) = crate::numeric::sin_cos(angle);
     let cross = [[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]];
     std::array::from_fn(|i| {
         std::array::from_fn(|j| {

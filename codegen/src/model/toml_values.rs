@@ -10,6 +10,7 @@ use super::table::{Item, Table};
 use crate::diagnostic::{At, Report, Span};
 use crate::formula::parse::{Allowed, parse};
 use crate::formula::{Formula, LARGEST_NUMBER, too_large};
+use crate::numeric;
 use std::collections::BTreeMap;
 use toml::de::DeValue;
 
@@ -348,7 +349,7 @@ impl Reader {
                 .map_or(Some(0.0), |part| self.number(part).map(|n| n.value))
         });
         let [w, x, y, z] = [parts[0]?, parts[1]?, parts[2]?, parts[3]?];
-        let length = w.hypot(x).hypot(y.hypot(z));
+        let length = numeric::length([w, x, y, z]);
         if (length - 1.0).abs() <= UNIT {
             return Some(
                 self.angles

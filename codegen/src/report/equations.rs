@@ -237,7 +237,7 @@ fn friction_curve(
     let point = |k: i32| {
         let part = f64::from(k) / f64::from(HALF);
         let mut velocities = vec![0.0; robot.n()];
-        *velocities.get_mut(index)? = most * part.powi(3);
+        *velocities.get_mut(index)? = most * part * part * part;
         let velocity = *velocities.get(index)?;
         let mut positions = vec![0.0; robot.n()];
         *positions.get_mut(index)? = position;

@@ -7,6 +7,7 @@ use super::super::JointKind;
 use super::super::description::JointDescription;
 use crate::diagnostic::{Report, Span};
 use crate::formula::Formula;
+use crate::numeric;
 
 /// Largest speed [rad/s or m/s] looked at where a joint has no limit.
 const SPEED: f64 = 10.0;
@@ -165,8 +166,10 @@ impl<'a> Grid<'a> {
         let most = limit.map_or(SPEED, |limit| limit.value);
         // A limit that is not positive has its own message.
         let most = if most > 0.0 { most } else { SPEED };
-        let backward = (0..SPEEDS).map(move |k| -most * FACTOR.powi(k));
-        let forward = (0..SPEEDS).rev().map(move |k| most * FACTOR.powi(k));
+        let backward = (0..SPEEDS).map(move |k| -most * numeric::power(FACTOR, k));
+        let forward = (0..SPEEDS)
+            .rev()
+            .map(move |k| most * numeric::power(FACTOR, k));
         backward.chain(forward)
     }
 }
