@@ -503,7 +503,7 @@ pub fn names(model: &Model) -> Vec<String> {
 }
 
 fn frame_name(frame: &Frame, quantity: &FrameQuantity) -> String {
-    format!("frame_{}_{}", frame.name, quantity.suffix)
+    format!("frame_{}_{}", frame.identifier, quantity.suffix)
 }
 
 /// The selected functions that call others; an empty selection means all.

@@ -34,6 +34,16 @@ pub(super) struct RobotDescription {
     pub options: Option<Options>,
 }
 
+impl RobotDescription {
+    /// How a joint is driven: as it says, else as this robot's joints are.
+    pub fn drive_of<'d>(&'d self, joint: &'d JointDescription) -> &'d DriveChoice {
+        match &joint.drive {
+            Some(drive) => &drive.value,
+            None => &self.default_drive,
+        }
+    }
+}
+
 impl Default for At<String> {
     fn default() -> Self {
         Self::new(String::new(), Span::default())

@@ -1,8 +1,8 @@
 //! Stage 1: a robot description becomes a validated [`Model`].
 //!
-//! A `Model` that exists is correct: names are distinct Rust identifiers, the links form one tree whose parents stand
-//! before their children, axes have unit length, inertias are physical, limits are ordered, numbers are finite.
-//! Later stages need no checks.
+//! A `Model` that exists is correct: names are distinct, and so are their Rust identifiers; the links form one tree whose
+//! parents stand before their children, axes have unit length, limits are ordered, numbers are finite. Later stages need
+//! no checks.
 
 mod angles;
 mod description;
@@ -89,8 +89,10 @@ pub struct Body {
 /// A joint between a parent link and the link that carries it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
-    /// A Rust identifier; the coordinate's name.
+    /// Name in the description, to the letter.
     pub name: String,
+    /// The name as a Rust identifier, distinct among the joints: it labels values in generated functions.
+    pub identifier: String,
     /// Index of the parent link.
     pub parent: usize,
     /// What motion it allows.
@@ -158,8 +160,10 @@ pub struct FrictionTerm {
 /// A drive: one input, acting on one coordinate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drive {
-    /// A Rust identifier; the input's name.
+    /// Name in the description, to the letter; that of the joint where the drive has none of its own.
     pub name: String,
+    /// The name as a Rust identifier, distinct among the drives.
+    pub identifier: String,
     /// Coordinate that it moves; `None` where that joint is held: no input then, but its rotor stays on the carrier.
     pub coordinate: Option<usize>,
     /// Gear ratio i: motor angle over joint angle.
@@ -208,8 +212,10 @@ pub enum Input {
 /// A named frame fixed to a link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
-    /// A Rust identifier.
+    /// Name in the description, to the letter.
     pub name: String,
+    /// The name as a Rust identifier, distinct among the frames: its functions are `frame_<identifier>_…`.
+    pub identifier: String,
     /// Link that carries it.
     pub link: usize,
     /// Its pose in that link's frame.

@@ -246,7 +246,7 @@ fn linearization(robot: &Robot<'_>, state: &State) -> Option<f64> {
 fn frames(robot: &Robot<'_>, state: &State) -> Option<f64> {
     let mut worst = 0.0;
     for frame in &robot.model.frames {
-        let error = frame_error(robot, state, &frame.name)?;
+        let error = frame_error(robot, state, &frame.identifier)?;
         worst = if error <= worst { worst } else { error };
     }
     (!robot.model.frames.is_empty()).then_some(worst)

@@ -9,12 +9,11 @@ use super::description::RobotDescription;
 use super::tree;
 use crate::diagnostic::Report;
 use build::Builder;
-use names::{JointNames, Names};
+use names::Identifiers;
 
 /// Checks everything and builds the model; with errors in the report there is none.
 pub(super) fn model(robot: &RobotDescription, report: &mut Report) -> Option<Model> {
-    let mut names = Names::default();
-    let identifiers = JointNames::new(robot, &mut names, report);
+    let identifiers = Identifiers::new(robot, report);
     let defaults: Vec<f64> = robot
         .parameters
         .iter()
@@ -27,19 +26,18 @@ pub(super) fn model(robot: &RobotDescription, report: &mut Report) -> Option<Mod
         checks::body(body, &defaults, report);
     }
     names::report_duplicates(robot.bodies.iter().map(|body| &body.name), "bodies", report);
-    let name = names.identifier(&robot.name, report);
     let tree = tree::build(robot, report);
-    names.note(report);
+    identifiers.note(robot, report);
     let tree = tree?;
     let mut builder = Builder {
         robot,
         report,
-        names: identifiers,
+        identifiers,
         defaults,
         tree,
         offsets: Vec::new(),
     };
-    let model = builder.build(name?)?;
+    let model = builder.build()?;
     checks::regularity(&model, robot, builder.report, &builder.tree);
     (!report.has_errors()).then_some(model)
 }
