@@ -28,10 +28,13 @@ pub mod model;
 pub mod output;
 pub mod pipeline;
 pub mod program;
+mod random;
 #[cfg(feature = "cli")]
 pub mod report;
+
 mod snapping;
 #[cfg(test)]
 mod testing;
+mod wording;
 
 pub use output::{Builder, build};

@@ -5,23 +5,26 @@
 mod common;
 
 use common::rustc;
+use gelenk_codegen::diagnostic::{Diagnostic, Diagnostics, Severity};
 use gelenk_codegen::model::{Model, ReadOptions, from_urdf};
 use gelenk_codegen::pipeline::{GenerateOptions, Generated, generate};
 
-/// Reads a URDF whose elements are given; friction stays, mimic joints are independent.
-fn model(elements: &str) -> Model {
-    let options = ReadOptions {
-        ignore_mimic: true,
-        ..ReadOptions::default()
-    };
-    let text = format!("<robot name=\"r\">{elements}</robot>");
-    from_urdf(&text, "r.urdf", &options)
-        .unwrap_or_else(|wrong| panic!("{wrong}"))
-        .0
+fn read(text: &str) -> Result<(Model, Diagnostics), Diagnostics> {
+    from_urdf(text, "r.urdf", &ReadOptions::default())
+}
+
+/// The diagnostics of a URDF that is accepted.
+fn notes(text: &str) -> Vec<Diagnostic> {
+    let (_, notes) = read(text).unwrap_or_else(|wrong| panic!("{wrong}"));
+    notes.into_entries()
+}
+
+fn codes(entries: &[Diagnostic]) -> Vec<&str> {
+    entries.iter().map(|entry| entry.code).collect()
 }
 
 /// The module of a URDF.
-fn module(text: &str, functions: &[&str]) -> Generated {
+fn try_module(text: &str, functions: &[&str]) -> Result<Generated, Diagnostics> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("r.urdf");
     std::fs::write(&path, text).unwrap();
@@ -29,7 +32,11 @@ fn module(text: &str, functions: &[&str]) -> Generated {
         functions: functions.iter().map(|&name| name.to_owned()).collect(),
         ..GenerateOptions::default()
     };
-    generate(&path, &options).unwrap_or_else(|wrong| panic!("{wrong}"))
+    generate(&path, &options)
+}
+
+fn module(text: &str, functions: &[&str]) -> Generated {
+    try_module(text, functions).unwrap_or_else(|wrong| panic!("{wrong}"))
 }
 
 const REAL: &str = "<inertial><mass value=\"1\"/><origin xyz=\"0 0 0.1\"/>\
@@ -149,4 +156,152 @@ fn frames_whose_functions_have_other_names_are_noted() {
     let expected =
         "names in generated code: \"Tool-0\" → `frame_tool_0_…`, \"tool_0\" → `frame_tool_0_2_…`";
     assert_eq!(notes, [expected]);
+}
+
+/// A base with a body, a turning arm with one, and what is fixed to them.
+fn arm(base: &str, arm: &str, more: &str) -> String {
+    format!(
+        "<robot name=\"r\"><link name=\"base\">{base}</link><link name=\"arm\">{arm}</link>\
+         <joint name=\"Turn\" type=\"continuous\"><parent link=\"base\"/><child link=\"arm\"/></joint>{more}</robot>"
+    )
+}
+
+fn inertial(mass: f64, center: &str, inertia: [f64; 6]) -> String {
+    let [xx, xy, xz, yy, yz, zz] = inertia;
+    format!(
+        "<inertial><origin xyz=\"{center}\"/><mass value=\"{mass:e}\"/><inertia ixx=\"{xx:e}\" ixy=\"{xy:e}\" \
+         ixz=\"{xz:e}\" iyy=\"{yy:e}\" iyz=\"{yz:e}\" izz=\"{zz:e}\"/></inertial>"
+    )
+}
+
+/// The numbers are those of iCub's head and right hip, and of ANYmal C's camera.
+#[test]
+fn rounding_is_no_fault() {
+    let bodies = [
+        inertial(
+            1.33687,
+            "0.0185 -0.1108 6.8e-18",
+            [0.0, 0.0, 2.40741e-35, 0.0, 0.0, 0.0],
+        ),
+        inertial(
+            0.526,
+            "0 0 0.03045",
+            [-5.42101e-20, 0.0, 0.0, -5.42101e-20, 0.0, 0.0],
+        ),
+        inertial(0.1, "0 0 0.1", [3e-6, 0.0, 0.0, 3e-6, 0.0, -1e-22]),
+    ];
+    for body in bodies {
+        assert!(codes(&notes(&arm("", &body, ""))).is_empty(), "{body}");
+    }
+}
+
+/// B1 and HyQ carry a dummy of six equal entries on their base.
+#[test]
+fn bodies_that_never_move_are_not_checked() {
+    let dummy = inertial(1e-6, "0 0 0", [1e-6; 6]);
+    let (real, fixed) = (
+        REAL,
+        "<link name=\"plate\">{}</link><joint name=\"f\" type=\"fixed\">\
+        <parent link=\"base\"/><child link=\"plate\"/></joint>",
+    );
+    assert!(codes(&notes(&arm(&dummy, real, ""))).is_empty());
+    let plate = fixed.replace("{}", &inertial(-1.0, "0 0 0", [-1.0; 6]));
+    assert!(codes(&notes(&arm("", real, &plate))).is_empty());
+    let foot = plate.replace("parent link=\"base\"", "parent link=\"arm\"");
+    assert!(codes(&notes(&arm("", real, &foot))).contains(&"unphysical-bodies"));
+}
+
+#[test]
+fn published_bodies_are_taken_with_one_warning() {
+    let triangle = inertial(1.0, "0 0 0.1", [1e-4, 0.0, 0.0, 2e-4, 0.0, 4e-4]);
+    let more: String = (0..6)
+        .map(|k| {
+            format!(
+                "<link name=\"l{k}\">{triangle}</link><joint name=\"f{k}\" type=\"fixed\"><parent link=\"arm\"/>\
+                 <child link=\"l{k}\"/></joint>"
+            )
+        })
+        .collect();
+    let entries = notes(&arm("", &triangle, &more));
+    assert_eq!(codes(&entries), ["unphysical-bodies"]);
+    assert_eq!(entries[0].severity, Severity::Warning);
+    insta::assert_snapshot!(entries[0].message);
+}
+
+/// The arm has a moment of −1 about its joint's axis: forces would push it backwards.
+#[test]
+fn a_mass_matrix_that_is_not_positive_definite_is_refused() {
+    let text = arm(
+        "",
+        &inertial(1.0, "0 0 0", [-1.0, 0.0, 0.0, 1.0, 0.0, 1.0]),
+        "",
+    );
+    let problems = read(&text).unwrap_err();
+    assert_eq!(problems.error_count(), 1);
+    assert!(codes(problems.entries()).contains(&"mass-matrix-not-positive-definite"));
+    let options = ReadOptions {
+        accept_unphysical: true,
+        ..ReadOptions::default()
+    };
+    let (_, entries) = from_urdf(&text, "r.urdf", &options).unwrap();
+    assert!(codes(entries.entries()).contains(&"mass-matrix-not-positive-definite"));
+    // The same about an axis that does not turn is no reason to refuse anything.
+    let text = arm(
+        "",
+        &inertial(1.0, "0 0 0", [1.0, 0.0, 0.0, -1.0, 0.0, 1.0]),
+        "",
+    );
+    assert_eq!(codes(&notes(&text)), ["unphysical-bodies"]);
+}
+
+/// As Romeo's fingers: joints that carry links without mass.
+#[test]
+fn joints_without_inertia_cost_the_functions_with_the_inverse() {
+    let finger = "<link name=\"finger\"/><joint name=\"LFinger12\" type=\"continuous\"><parent link=\"arm\"/>\
+        <child link=\"finger\"/></joint>";
+    let text = arm("", REAL, finger);
+    let robot = module(&text, &[]);
+    let found = |name: &str| robot.source.text.contains(&format!("pub fn {name}("));
+    for name in [
+        "mass_matrix",
+        "inverse_dynamics",
+        "inverse_dynamics_derivatives",
+        "base_regressor",
+    ] {
+        assert!(found(name), "{name}");
+    }
+    assert!(
+        robot
+            .source
+            .text
+            .contains("symmetric, positive semidefinite")
+    );
+    assert!(!robot.source.text.contains("symmetric, positive definite"));
+    let lost = [
+        "forward_dynamics",
+        "forward_dynamics_derivatives",
+        "linearize",
+    ];
+    for name in lost
+        .iter()
+        .chain(&["discretize", "step", "step_derivatives"])
+    {
+        assert!(!found(name), "{name}");
+    }
+    let entries = robot.notes.entries();
+    let messages = entries
+        .iter()
+        .map(|entry| format!("{}: {}", entry.code, entry.message));
+    insta::assert_snapshot!(messages.collect::<Vec<_>>().join("\n"));
+    for name in ["forward_dynamics", "linearize", "step"] {
+        let problems = try_module(&text, &["mass_matrix", name]).unwrap_err();
+        assert_eq!(problems.error_count(), 1);
+        assert!(
+            codes(problems.entries()).contains(&"singular-mass-matrix"),
+            "{name}"
+        );
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let strict = ["--crate-type", "lib", "-D", "warnings"];
+    rustc(folder.path(), "finger", &robot.source.text, &strict).unwrap();
 }

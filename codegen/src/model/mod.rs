@@ -111,6 +111,60 @@ pub struct Joint {
     pub friction: Vec<FrictionTerm>,
 }
 
+/// Signs of the eigenvalues of a mass matrix.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Definiteness {
+    /// All are positive.
+    Positive,
+    /// Some are zero: joints move nothing that has inertia.
+    Semidefinite,
+    /// Some are negative: bodies are none that there can be.
+    Indefinite,
+}
+
+/// Positions of a joint without limits, for seeded states: a turn to each side, or half a metre.
+const TURN: f64 = std::f64::consts::PI;
+const SLIDE: f64 = 0.5;
+
+impl Joint {
+    /// Range of positions for seeded states: within the limits, where there are some.
+    pub(crate) fn seeded_range(&self) -> [f64; 2] {
+        let free = match self.kind {
+            JointKind::Prismatic => SLIDE,
+            _ => TURN,
+        };
+        self.limits.position.unwrap_or([-free, free])
+    }
+}
+
+impl Model {
+    /// What M is at seeded states, at the described values of free parameters.
+    #[must_use]
+    pub fn definiteness(&self) -> Definiteness {
+        let pivots = regularity::Pivots::of(self);
+        match (pivots.negative.is_empty(), pivots.zero.is_empty()) {
+            (false, _) => Definiteness::Indefinite,
+            (true, false) => Definiteness::Semidefinite,
+            (true, true) => Definiteness::Positive,
+        }
+    }
+
+    /// The joints that move nothing with inertia along their axis, so that M is singular; at the described values of free
+    /// parameters.
+    #[must_use]
+    pub fn joints_without_inertia(&self) -> Vec<&Joint> {
+        self.joints_of(&regularity::Pivots::of(self).zero)
+    }
+
+    /// The joints of these links.
+    fn joints_of(&self, links: &[usize]) -> Vec<&Joint> {
+        let joints = links
+            .iter()
+            .filter_map(|&link| self.links.get(link)?.joint.as_ref());
+        joints.collect()
+    }
+}
+
 /// Type of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointKind {

@@ -4,7 +4,8 @@ use gelenk_runtime::report::{Claim, Criterion};
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::robot::Robot;
-use super::states::{Random, State};
+use super::states::State;
+use crate::random::Random;
 
 /// So many states are tried.
 pub(super) const STATES: usize = 25;

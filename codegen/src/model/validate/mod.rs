@@ -2,10 +2,13 @@
 
 mod build;
 mod checks;
+mod inertias;
+mod mass_matrix;
 mod names;
 
 use super::Model;
 use super::description::RobotDescription;
+use super::regularity::Pivots;
 use super::tree;
 use crate::diagnostic::Report;
 use build::Builder;
@@ -28,16 +31,23 @@ pub(super) fn model(robot: &RobotDescription, report: &mut Report) -> Option<Mod
     names::report_duplicates(robot.bodies.iter().map(|body| &body.name), "bodies", report);
     let tree = tree::build(robot, report);
     identifiers.note(robot, report);
-    let tree = tree?;
-    let mut builder = Builder {
-        robot,
-        report,
-        identifiers,
-        defaults,
-        tree,
-        offsets: Vec::new(),
-    };
-    let model = builder.build()?;
-    checks::regularity(&model, robot, builder.report, &builder.tree);
-    (!report.has_errors()).then_some(model)
+    let published = inertias::check(robot, tree.as_ref(), &defaults, report);
+    let model = tree.and_then(|tree| {
+        let mut builder = Builder {
+            robot,
+            report,
+            identifiers,
+            defaults,
+            tree,
+            offsets: Vec::new(),
+        };
+        builder.build()
+    });
+    let model = model.filter(|_| !report.has_errors());
+    let pivots = model.as_ref().map(Pivots::of);
+    published.report(pivots.as_ref(), report);
+    if let (Some(model), Some(pivots)) = (&model, &pivots) {
+        mass_matrix::check(robot, model, pivots, report);
+    }
+    model.filter(|_| !report.has_errors())
 }

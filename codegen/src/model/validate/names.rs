@@ -4,10 +4,8 @@ use super::super::JointKind;
 use super::super::description::{DriveChoice, JointDescription, Name, RobotDescription};
 use super::super::name::identifier;
 use crate::diagnostic::Report;
+use crate::wording::listed;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// So many names are listed in the note.
-const LISTED: usize = 6;
 
 /// Identifiers of the module, its joints, frames and drives, in the order of their description.
 #[derive(Debug)]
@@ -64,15 +62,9 @@ impl Identifiers {
         let Some((first, _)) = changed.first() else {
             return;
         };
-        let listed = changed.iter().take(LISTED);
-        let listed: Vec<String> = listed
-            .map(|(name, identifier)| format!("{:?} → {identifier}", name.value))
-            .collect();
-        let more = match changed.len().saturating_sub(LISTED) {
-            0 => String::new(),
-            more => format!(" and {more} more"),
-        };
-        let message = format!("names in generated code: {}{more}", listed.join(", "));
+        let entries = changed.iter();
+        let entries = entries.map(|(name, identifier)| format!("{:?} → {identifier}", name.value));
+        let message = format!("names in generated code: {}", listed(entries));
         report.note(Some(first.span), "name-mapped", message);
     }
 }
