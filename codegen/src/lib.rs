@@ -37,10 +37,13 @@ mod numeric;
 pub mod output;
 pub mod pipeline;
 pub mod program;
+mod random;
 #[cfg(feature = "cli")]
 pub mod report;
+
 mod snapping;
 #[cfg(test)]
 mod testing;
+mod wording;
 
 pub use output::{Builder, build};

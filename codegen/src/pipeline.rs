@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::dynamics::array_form::Form;
-use crate::dynamics::catalogue;
 use crate::dynamics::composition::Composition;
 use crate::dynamics::function::Function;
+use crate::dynamics::selection::{self, Request, Selection};
 use crate::dynamics::size::MOST_OPERATIONS;
 use crate::emit::{self, EmitOptions, SourceFile};
 use crate::lanes::Lanes;
@@ -29,6 +29,8 @@ pub struct GenerateOptions {
     pub ignore_mimic: bool,
     /// `tanh` of so many times the argument for `sign` in friction and springs; by default what the description says.
     pub smooth_sign: Option<f64>,
+    /// Takes robots whose mass matrix is not positive definite.
+    pub accept_unphysical: bool,
     /// Contracts products and sums to fused multiply-adds, rounded once: faster where the processor has them, and
     /// compiled only there.
     pub fused_multiply_add: bool,
@@ -83,6 +85,7 @@ pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generat
         snap_angles: options.snap_angles,
         no_friction: options.no_friction,
         smooth_sign: options.smooth_sign,
+        accept_unphysical: options.accept_unphysical,
     };
     let Loaded {
         model,
@@ -91,11 +94,16 @@ pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generat
     } = model::read(description, &read_options)?;
     let lanes = Lanes::new(&model, options)?;
     let selection = lanes.selected_with(selection(&model, options));
-    let functions = derive(&model, options, &selection, &lanes)?;
+    let selected = derive(&model, options, &selection, &lanes);
+    let selected = selected.map_err(|problems| with_warnings(problems, &notes))?;
+    let Selection {
+        functions,
+        compositions,
+        notes: left_out,
+    } = selected;
     let notes = snapping::priced(notes, description, &read_options, &functions);
-    let compositions = catalogue::compositions(&selection);
     let (lanes, obstacles) = lanes.possible(&functions, options.emit.math);
-    let notes = Diagnostics::new([notes.into_entries(), obstacles].concat());
+    let notes = Diagnostics::new([notes.into_entries(), left_out, obstacles].concat());
     let emit_options = EmitOptions {
         lanes,
         ..options.emit.clone()
@@ -128,16 +136,16 @@ fn derive(
     options: &GenerateOptions,
     selection: &[String],
     lanes: &Lanes,
-) -> Result<Vec<Function>, Diagnostics> {
-    let mut functions = catalogue::derive_in_form(
-        model,
-        selection,
-        options.max_operations.unwrap_or(MOST_OPERATIONS),
-        options.form,
-        lanes.names(),
-    )?;
+) -> Result<Selection, Diagnostics> {
+    let request = Request {
+        names: selection,
+        most: options.max_operations.unwrap_or(MOST_OPERATIONS),
+        form: options.form,
+        straight: lanes.names(),
+    };
+    let mut selected = selection::derive(model, &request)?;
     if options.fused_multiply_add {
-        for function in &mut functions {
+        for function in &mut selected.functions {
             match function.arrays.as_ref().map(ArrayForm::fused) {
                 Some(form) => {
                     function.program = form.unrolled();
@@ -147,7 +155,15 @@ fn derive(
             }
         }
     }
-    Ok(functions)
+    Ok(selected)
+}
+
+/// Why a function cannot be derived may be what the model's stage warned of.
+fn with_warnings(problems: Diagnostics, notes: &Diagnostics) -> Diagnostics {
+    let warnings = notes.entries().iter();
+    let warnings = warnings.filter(|entry| entry.severity == Severity::Warning);
+    let warnings: Vec<Diagnostic> = warnings.cloned().collect();
+    Diagnostics::new([problems.into_entries(), warnings].concat())
 }
 
 /// The functions that are asked for; none means all.

@@ -207,7 +207,8 @@ fn link(rng: &mut Rng, index: usize, motion: Motion, free: bool) -> Link {
         rng.usize(0..index)
     };
     let joint = Joint {
-        name: format!("j{index}"),
+        name: format!("Joint {index}"),
+        identifier: format!("j{index}"),
         parent,
         kind,
         origin: pose(rng, free),
@@ -418,7 +419,8 @@ fn drive(rng: &mut Rng, joint: &Joint, coordinate: Option<usize>, links: usize) 
     let has_rotor = chance(rng, 0.6);
     let sign = if chance(rng, 0.2) { -1.0 } else { 1.0 };
     Drive {
-        name: format!("{}_drive", joint.name),
+        name: format!("{} drive", joint.name),
+        identifier: format!("{}_drive", joint.identifier),
         coordinate,
         gear_ratio: number(sign * (1.0 + 60.0 * rng.f64())),
         rotor_inertia: number(if has_rotor { 1e-3 * rng.f64() } else { 0.0 }),
@@ -444,7 +446,8 @@ fn drive(rng: &mut Rng, joint: &Joint, coordinate: Option<usize>, links: usize) 
 
 fn frame(rng: &mut Rng, index: usize, links: usize) -> Frame {
     Frame {
-        name: format!("f{index}"),
+        name: format!("Frame {index}"),
+        identifier: format!("f{index}"),
         link: if index == 0 {
             links - 1
         } else {

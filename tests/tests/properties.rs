@@ -418,7 +418,7 @@ fn frames_are_where_the_links_carry_them() {
         let reach = 4.0 * oracle.model.links.len() as f64;
         let speed: f64 = v.iter().map(|v| v.abs()).sum();
         for frame in &oracle.model.frames {
-            let name = |suffix: &str| format!("frame_{}_{suffix}", frame.name);
+            let name = |suffix: &str| format!("frame_{}_{suffix}", frame.identifier);
             let (origin, rotation) = oracle.frame(frame, y);
             let pose = case.call_all(&name("pose"), &[y]);
             case.close("p", &pose[0], &origin, reach);

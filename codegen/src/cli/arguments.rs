@@ -170,6 +170,9 @@ pub(super) struct Reading {
     /// the exact sign]
     #[arg(long, value_name = "SLOPE", value_parser = positive)]
     pub(super) smooth_sign: Option<f64>,
+    /// Take a robot whose mass matrix is not positive definite
+    #[arg(long)]
+    pub(super) accept_unphysical: bool,
 }
 
 impl Reading {
@@ -179,6 +182,7 @@ impl Reading {
             snap_angles: self.snap_angles,
             no_friction: self.no_friction,
             smooth_sign: self.smooth_sign,
+            accept_unphysical: self.accept_unphysical,
         }
     }
 
@@ -194,6 +198,7 @@ impl Reading {
             .chain(number("--smooth-sign", self.smooth_sign))
             .chain(flag("--no-friction", self.no_friction))
             .chain(flag("--ignore-mimic", self.ignore_mimic))
+            .chain(flag("--accept-unphysical", self.accept_unphysical))
             .collect()
     }
 }

@@ -252,6 +252,7 @@ fn options(choices: &Choices, command: String) -> GenerateOptions {
         no_friction: choices.reading.no_friction,
         ignore_mimic: choices.reading.ignore_mimic,
         smooth_sign: choices.reading.smooth_sign,
+        accept_unphysical: choices.reading.accept_unphysical,
         fused_multiply_add: choices.fused_multiply_add,
         form: Form::Cheapest,
         max_operations: choices.max_operations,
@@ -413,6 +414,7 @@ mod tests {
                 no_friction: true,
                 ignore_mimic: false,
                 smooth_sign: Some(100.0),
+                accept_unphysical: true,
             },
             lanes: vec![],
             fused_multiply_add: false,
@@ -427,7 +429,7 @@ mod tests {
         assert_eq!(
             command,
             "gelenk generate 'my robots/arm.urdf' --output src/arm.rs --functions mass_matrix,bias_forces \
-             --scalar f32 --snap-angles 0.0001 --smooth-sign 100.0 --no-friction"
+             --scalar f32 --snap-angles 0.0001 --smooth-sign 100.0 --no-friction --accept-unphysical"
         );
     }
 }

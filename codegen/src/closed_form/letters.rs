@@ -341,7 +341,7 @@ impl<'m> Letters<'m> {
         let drive = &self.model.drives[drive];
         match drive.coordinate {
             Some(coordinate) => (coordinate + 1).to_string(),
-            None => format!("_{}", drive.name),
+            None => format!("_{}", drive.identifier),
         }
     }
 

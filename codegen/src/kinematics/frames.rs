@@ -54,6 +54,7 @@ pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> 
         let lateral = relative.translation - Vector3([0, 1, 2].map(|k| lift * z[k]));
         bodies.push(Body {
             name: joint(model, described).name.clone(),
+            identifier: joint(model, described).identifier.clone(),
             coordinate: described.coordinate,
             parent: described.parent,
             axis,

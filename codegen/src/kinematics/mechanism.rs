@@ -29,8 +29,10 @@ pub struct Mechanism<'g> {
 /// A moving body in its own frame: z along the joint's axis.
 #[derive(Debug, Clone)]
 pub struct Body<'g> {
-    /// Name of the joint.
+    /// Name of the joint, as described.
     pub name: String,
+    /// The joint's identifier, which labels values.
+    pub identifier: String,
     /// Coordinate that moves it.
     pub coordinate: usize,
     /// Parent body; `None` where the base carries the joint.

@@ -31,7 +31,19 @@ pub(super) struct RobotDescription {
     pub sort_joints: bool,
     /// Drive of joints that describe none.
     pub default_drive: DriveChoice,
+    /// A mass matrix that is not positive definite is a warning, no error.
+    pub accept_unphysical: bool,
     pub options: Option<Options>,
+}
+
+impl RobotDescription {
+    /// How a joint is driven: as it says, else as this robot's joints are.
+    pub fn drive_of<'d>(&'d self, joint: &'d JointDescription) -> &'d DriveChoice {
+        match &joint.drive {
+            Some(drive) => &drive.value,
+            None => &self.default_drive,
+        }
+    }
 }
 
 impl Default for At<String> {
@@ -51,6 +63,8 @@ pub(super) struct BodyDescription {
     pub center_of_mass: Option<[Formula; 3]>,
     pub inertia: Option<At<[Formula; 6]>>,
     pub accept_unphysical: bool,
+    /// Whether it is that of a URDF: somebody else's, taken as it is.
+    pub is_published: bool,
 }
 
 impl BodyDescription {

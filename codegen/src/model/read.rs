@@ -22,6 +22,8 @@ pub struct ReadOptions {
     pub no_friction: bool,
     /// `tanh` of so many times the argument for `sign`, in friction and springs.
     pub smooth_sign: Option<f64>,
+    /// Takes a robot whose mass matrix is not positive definite.
+    pub accept_unphysical: bool,
 }
 
 /// A description that was read.
@@ -172,6 +174,7 @@ fn finish(
 ) -> Result<(Model, Diagnostics), Diagnostics> {
     let mut model = robot.and_then(|mut robot| {
         robot.parameters = std::mem::take(&mut reader.parameters);
+        robot.accept_unphysical |= options.accept_unphysical;
         validate::model(&robot, &mut reader.report)
     });
     reader.angles.report(&mut reader.report);
@@ -288,6 +291,7 @@ fn extend(
         base: extension.base.or(base.base),
         coordinates: extension.coordinates.or(base.coordinates),
         options: extension.options.or(base.options),
+        accept_unphysical: extension.accept_unphysical || base.accept_unphysical,
         ..base
     }
 }
@@ -303,6 +307,7 @@ fn index<'n>(names: impl Iterator<Item = &'n Name>) -> BTreeMap<String, usize> {
 /// unless a new origin comes with it.
 fn extend_body(known: &mut BodyDescription, body: BodyDescription) {
     let moved = body.center_of_mass.is_some() || body.inertia.is_some();
+    let replaced = moved || body.mass.is_some();
     let kept = known.origin.take().filter(|_| !moved);
     if moved && body.origin.is_none() {
         // Both were described in the old frame: what is not replaced has to follow into the link's frame.
@@ -320,6 +325,8 @@ fn extend_body(known: &mut BodyDescription, body: BodyDescription) {
     known.center_of_mass = body.center_of_mass.or(known.center_of_mass.take());
     known.inertia = body.inertia.or(known.inertia.take());
     known.accept_unphysical |= body.accept_unphysical;
+    // Who replaces numbers answers for the body.
+    known.is_published &= !replaced;
 }
 
 fn extend_joint(

@@ -14,7 +14,7 @@ use crate::diagnostic::{At, Span, nearest};
 use crate::formula::Formula;
 use toml::de::{DeTable, DeValue};
 
-const ROBOT: [&str; 15] = [
+const ROBOT: [&str; 16] = [
     "name",
     "description",
     "urdf",
@@ -25,6 +25,7 @@ const ROBOT: [&str; 15] = [
     "snap_angles",
     "ignore_mimic",
     "no_friction",
+    "accept_unphysical",
     "generate",
     "parameters",
     "bodies",
@@ -188,6 +189,10 @@ pub(super) fn description(
         parameters: Vec::new(), // of all files together, in the reader
         joints,
         default_drive: DriveChoice::Passive,
+        accept_unphysical: top
+            .get("accept_unphysical")
+            .and_then(|item| item.boolean(&mut reader.report))
+            .unwrap_or(false),
         sort_joints: false,
         links: Vec::new(),
     }
@@ -363,6 +368,7 @@ fn read_body(reader: &mut Reader, table: &Table<'_>) -> Option<BodyDescription> 
         center_of_mass,
         inertia,
         accept_unphysical: accepts.unwrap_or(false),
+        is_published: false,
     })
 }
 

@@ -156,7 +156,7 @@ impl Reader {
         let default = self.number(value)?;
         let name = match table.get("name") {
             Some(own) => At::new(own.text(&mut self.report)?.to_owned(), own.span),
-            None => At::new(identifier(name)?, item.span),
+            None => At::new(identifier(name), item.span),
         };
         self.add_parameter(name, default.value, &table)
     }
@@ -183,16 +183,17 @@ impl Reader {
     ) -> Option<Formula> {
         let text = &name.value;
         let usable = text.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
-            && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-        let field = identifier(text).filter(|_| usable && !is_keyword(text) && !has_meaning(text));
-        let Some(field) = field else {
+            && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+            && text.chars().any(|c| c.is_ascii_alphanumeric());
+        if !usable || is_keyword(text) || has_meaning(text) {
             let message = format!("{text:?} cannot name a parameter");
             self.report.error(name.span, "parameter-name", message);
             self.report.help(
                 "letters, digits and underscores; no word of Rust, and none of y, v, pi, sin, …",
             );
             return None;
-        };
+        }
+        let field = identifier(text);
         let other = self
             .fields
             .get(&field)

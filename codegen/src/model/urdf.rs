@@ -220,6 +220,7 @@ impl Reader<'_> {
             inertia: inertia
                 .map(|entries| At::new(entries.value.map(Formula::Number), entries.span)),
             accept_unphysical: false,
+            is_published: true,
             name,
         })
     }

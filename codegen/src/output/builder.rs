@@ -114,6 +114,13 @@ impl Builder {
         self
     }
 
+    /// Takes robots whose mass matrix is not positive definite.
+    #[must_use]
+    pub fn accept_unphysical(mut self) -> Self {
+        self.options.accept_unphysical = true;
+        self
+    }
+
     /// Makes mimic joints independent coordinates.
     #[must_use]
     pub fn ignore_mimic(mut self) -> Self {

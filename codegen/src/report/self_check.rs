@@ -4,7 +4,8 @@ use gelenk_runtime::report::{Claim, Criterion};
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::robot::Robot;
-use super::states::{Random, State};
+use super::states::State;
+use crate::random::Random;
 
 /// So many states are tried.
 pub(super) const STATES: usize = 25;
@@ -246,7 +247,7 @@ fn linearization(robot: &Robot<'_>, state: &State) -> Option<f64> {
 fn frames(robot: &Robot<'_>, state: &State) -> Option<f64> {
     let mut worst = 0.0;
     for frame in &robot.model.frames {
-        let error = frame_error(robot, state, &frame.name)?;
+        let error = frame_error(robot, state, &frame.identifier)?;
         worst = if error <= worst { worst } else { error };
     }
     (!robot.model.frames.is_empty()).then_some(worst)

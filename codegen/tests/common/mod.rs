@@ -44,6 +44,7 @@ pub fn chain(name: &str, joints: &[(&str, JointKind)]) -> Model {
             name: format!("link{}", i + 1),
             joint: Some(Joint {
                 name: (*joint).into(),
+                identifier: (*joint).into(),
                 parent: i,
                 kind: *kind,
                 origin: pose(),
@@ -57,6 +58,7 @@ pub fn chain(name: &str, joints: &[(&str, JointKind)]) -> Model {
         });
         drives.push(Drive {
             name: (*joint).into(),
+            identifier: (*joint).into(),
             coordinate: Some(i),
             gear_ratio: number(1.0),
             rotor_inertia: number(0.0),

@@ -9,7 +9,7 @@ use super::super::{
     Body, Drive, Frame, Input, Joint, JointKind, Limits, Link, Model, Motion, MotorTorque, Pose,
     RotorCoupling,
 };
-use super::names::{JointNames, report_duplicates};
+use super::names::{Identifiers, report_duplicates};
 use crate::diagnostic::{At, Report, nearest};
 use crate::formula::Formula;
 use std::collections::BTreeMap;
@@ -20,7 +20,7 @@ const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 pub(super) struct Builder<'d, 'r> {
     pub(super) robot: &'d RobotDescription,
     pub(super) report: &'r mut Report,
-    pub(super) names: JointNames,
+    pub(super) identifiers: Identifiers,
     pub(super) defaults: Vec<f64>,
     pub(super) tree: Tree,
     /// For each link its described frame in the frame of the model's link.
@@ -28,7 +28,7 @@ pub(super) struct Builder<'d, 'r> {
 }
 
 impl Builder<'_, '_> {
-    pub(super) fn build(&mut self, name: String) -> Option<Model> {
+    pub(super) fn build(&mut self) -> Option<Model> {
         let coordinates = self.coordinates()?;
         let mut links = self.links(&coordinates);
         self.attach_bodies(&mut links);
@@ -40,7 +40,7 @@ impl Builder<'_, '_> {
             .clone()
             .unwrap_or(GRAVITY.map(Formula::Number));
         Some(Model {
-            name,
+            name: self.identifiers.module.clone(),
             description: self.robot.description.clone(),
             gravity,
             parameters: self
@@ -161,7 +161,8 @@ impl Builder<'_, '_> {
         let limits = &described.limits;
         let value = |limit: &Option<At<f64>>| limit.as_ref().map(|limit| limit.value);
         Joint {
-            name: self.names.joints[index].clone(),
+            name: described.name.value.clone(),
+            identifier: self.identifiers.joints[index].clone(),
             parent,
             kind: described.kind.unwrap_or(JointKind::Fixed),
             origin: self.offsets[parent].then(&origin),
@@ -215,13 +216,14 @@ impl Builder<'_, '_> {
     }
 
     fn frames(&mut self) -> Vec<Frame> {
-        let names = self.names.frames.clone();
+        let identifiers = self.identifiers.frames.clone();
         let described: Vec<(&FrameDescription, String)> =
-            self.robot.frames.iter().zip(names).collect();
-        let frame = |(frame, name): (&FrameDescription, String)| {
+            self.robot.frames.iter().zip(identifiers).collect();
+        let frame = |(frame, identifier): (&FrameDescription, String)| {
             let link = self.find_link(&frame.link)?;
             Some(Frame {
-                name,
+                name: frame.name.value.clone(),
+                identifier,
                 link,
                 pose: self.offsets[link].then(&frame.pose),
             })
@@ -245,17 +247,14 @@ impl Builder<'_, '_> {
             return None;
         }
         let robot = self.robot;
-        let choice = robot.joints[index]
-            .drive
-            .as_ref()
-            .map_or(&robot.default_drive, |drive| &drive.value);
+        let choice = robot.drive_of(&robot.joints[index]);
         let coordinate = match joint.motion {
             Motion::Coordinate(coordinate) => Some(coordinate),
             _ => None,
         };
         match choice {
             DriveChoice::Passive => None,
-            DriveChoice::Ideal => coordinate.map(|_| ideal_drive(joint, coordinate)),
+            DriveChoice::Ideal => coordinate.map(|_| self.ideal_drive(joint, index, coordinate)),
             DriveChoice::Motor(motor) => self.motor(motor, index, joint, coordinate),
         }
     }
@@ -291,9 +290,11 @@ impl Builder<'_, '_> {
             }
         };
         Some(Drive {
-            name: self.names.drives[index]
-                .clone()
-                .unwrap_or_else(|| joint.name.clone()),
+            name: motor
+                .name
+                .as_ref()
+                .map_or_else(|| joint.name.clone(), |name| name.value.clone()),
+            identifier: self.drive_identifier(index),
             coordinate,
             gear_ratio: motor.gear_ratio.value.clone(),
             rotor_inertia: motor.rotor_inertia.value.clone(),
@@ -332,25 +333,30 @@ impl Builder<'_, '_> {
                 .error(motor.gear_ratio.span, "motor-constant", message);
         }
     }
+
+    /// A torque or force at the joint itself.
+    fn ideal_drive(&self, joint: &Joint, index: usize, coordinate: Option<usize>) -> Drive {
+        Drive {
+            name: joint.name.clone(),
+            identifier: self.drive_identifier(index),
+            coordinate,
+            gear_ratio: Formula::ONE,
+            rotor_inertia: Formula::ZERO,
+            carrier: joint.parent,
+            axis: rotate_numbers(&joint.origin.rotation, &joint.axis),
+            coupling: RotorCoupling::Diagonal,
+            input: Input::Torque,
+            torque: MotorTorque::default(),
+        }
+    }
+
+    fn drive_identifier(&self, joint: usize) -> String {
+        self.identifiers.drives[joint].clone().unwrap_or_default()
+    }
 }
 
 fn laws<T: Clone>(described: &Option<At<Vec<T>>>) -> Vec<T> {
     described
         .as_ref()
         .map_or(Vec::new(), |laws| laws.value.clone())
-}
-
-/// A torque or force at the joint itself.
-fn ideal_drive(joint: &Joint, coordinate: Option<usize>) -> Drive {
-    Drive {
-        name: joint.name.clone(),
-        coordinate,
-        gear_ratio: Formula::ONE,
-        rotor_inertia: Formula::ZERO,
-        carrier: joint.parent,
-        axis: rotate_numbers(&joint.origin.rotation, &joint.axis),
-        coupling: RotorCoupling::Diagonal,
-        input: Input::Torque,
-        torque: MotorTorque::default(),
-    }
 }

@@ -8,6 +8,7 @@ use super::super::description::JointDescription;
 use crate::diagnostic::{Report, Span};
 use crate::formula::Formula;
 use crate::numeric;
+use crate::wording::three_digits;
 
 /// Largest speed [rad/s or m/s] looked at where a joint has no limit.
 const SPEED: f64 = 10.0;
@@ -172,10 +173,4 @@ impl<'a> Grid<'a> {
             .map(move |k| most * numeric::power(FACTOR, k));
         backward.chain(forward)
     }
-}
-
-/// The number with three significant digits.
-fn three_digits(x: f64) -> String {
-    let rounded: Option<f64> = format!("{x:.2e}").parse().ok();
-    rounded.unwrap_or(x).to_string()
 }
