@@ -29,6 +29,8 @@ pub struct GenerateOptions {
     pub ignore_mimic: bool,
     /// `tanh` of so many times the argument for `sign` in friction and springs; by default what the description says.
     pub smooth_sign: Option<f64>,
+    /// Keeps `sign` where the description has it replaced.
+    pub exact_sign: bool,
     /// Contracts products and sums to fused multiply-adds, rounded once: faster where the processor has them, and
     /// compiled only there.
     pub fused_multiply_add: bool,
@@ -51,6 +53,8 @@ pub struct Generated {
     pub compositions: Vec<Composition>,
     /// The module.
     pub source: SourceFile,
+    /// Whether this is the smooth one of a pair.
+    pub is_control_model: bool,
     /// What is worth knowing about the description.
     pub notes: Diagnostics,
     /// All files that were read, the description first.
@@ -83,6 +87,7 @@ pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generat
         snap_angles: options.snap_angles,
         no_friction: options.no_friction,
         smooth_sign: options.smooth_sign,
+        exact_sign: options.exact_sign,
     };
     let Loaded {
         model,
@@ -106,9 +111,43 @@ pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generat
         functions,
         compositions,
         source,
+        is_control_model: false,
         notes,
         files,
     })
+}
+
+/// What the name of the smooth module of a pair ends with.
+pub const CONTROL: &str = "_control";
+
+/// Two modules of one description: an exact one for plants, whose friction and springs keep their `sign`, and a smooth one
+/// for controllers, `<name>_control`, which has `tanh(slope · v)` in its place and so derivatives that know of it.
+///
+/// # Errors
+/// As [`generate`].
+pub fn generate_pair(
+    description: &Path,
+    options: &GenerateOptions,
+    slope: f64,
+) -> Result<[Generated; 2], Diagnostics> {
+    let with = |smooth_sign: Option<f64>, remark: String| {
+        let mut options = GenerateOptions {
+            smooth_sign,
+            exact_sign: smooth_sign.is_none(),
+            ..options.clone()
+        };
+        options.emit.remarks.push(remark);
+        generate(description, &options)
+    };
+    let exact = with(None, "The exact model, for plants.".to_owned())?;
+    let name = &exact.source.name;
+    let mut smooth = with(
+        Some(slope),
+        format!("The model for controllers: tanh({slope} v) stands for the sign(v) of {name}."),
+    )?;
+    smooth.source.name.push_str(CONTROL);
+    smooth.is_control_model = true;
+    Ok([exact, smooth])
 }
 
 fn check_slope(slope: Option<f64>) -> Result<(), Diagnostics> {

@@ -34,7 +34,8 @@ const GENERATE_EXAMPLES: &str = "\
 Examples:
   gelenk generate models/powercube.toml
   gelenk generate arm.urdf --output - --functions mass_matrix,bias_forces
-  gelenk generate arm.urdf --snap-angles 1e-4 --scalar f32 --output firmware/src/arm.rs";
+  gelenk generate arm.urdf --snap-angles 1e-4 --scalar f32 --output firmware/src/arm.rs
+  gelenk generate arm.toml --control-model 50    for the plant and for the controller";
 
 const INSPECT_EXAMPLES: &str = "\
 Examples:
@@ -85,7 +86,7 @@ pub(super) struct Generate {
     #[arg(long, short, value_name = "FILE.rs", requires = "description")]
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
-    pub(super) choices: Choices,
+    pub(super) modules: Modules,
 }
 
 #[derive(Debug, Args)]
@@ -96,7 +97,7 @@ pub(super) struct Check {
     #[arg(long, short, value_name = "FILE.rs", requires = "description")]
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
-    pub(super) choices: Choices,
+    pub(super) modules: Modules,
 }
 
 #[derive(Debug, Args)]
@@ -179,6 +180,7 @@ impl Reading {
             snap_angles: self.snap_angles,
             no_friction: self.no_friction,
             smooth_sign: self.smooth_sign,
+            exact_sign: false,
         }
     }
 
@@ -196,6 +198,17 @@ impl Reading {
             .chain(flag("--ignore-mimic", self.ignore_mimic))
             .collect()
     }
+}
+
+/// What is made of a description: one module, or two.
+#[derive(Debug, Args)]
+pub(super) struct Modules {
+    #[command(flatten)]
+    pub(super) choices: Choices,
+    /// Write two modules: the exact model for plants, and beside it <NAME>_control for controllers, with
+    /// tanh(SLOPE · v) for sign(v) in friction and springs
+    #[arg(long, value_name = "SLOPE", value_parser = positive, conflicts_with = "smooth_sign")]
+    pub(super) control_model: Option<f64>,
 }
 
 /// Choices that change what is generated; the header of the file names them.

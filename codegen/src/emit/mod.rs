@@ -25,7 +25,7 @@ mod parameters;
 mod pasted;
 mod split;
 
-pub use header::FIRST_LINE;
+pub use header::{FIRST_LINE, documentation};
 pub(crate) use lanes::obstacle as obstacle_to_lanes;
 pub use literal::Scalar;
 pub use math::Math;
@@ -56,6 +56,8 @@ pub struct EmitOptions {
     pub longest_function: usize,
     /// Functions that are also written over eight states at once, as far as they can be.
     pub lanes: Vec<String>,
+    /// Lines below the description of the robot: what its reader should know about this module.
+    pub remarks: Vec<String>,
 }
 
 impl Default for EmitOptions {
@@ -66,6 +68,7 @@ impl Default for EmitOptions {
             command: "gelenk generate".to_owned(),
             longest_function: LONGEST_FUNCTION,
             lanes: vec![],
+            remarks: vec![],
         }
     }
 }

@@ -22,6 +22,8 @@ pub struct ReadOptions {
     pub no_friction: bool,
     /// `tanh` of so many times the argument for `sign`, in friction and springs.
     pub smooth_sign: Option<f64>,
+    /// `sign` stays, whatever the description says of `tanh` in its place.
+    pub exact_sign: bool,
 }
 
 /// A description that was read.
@@ -145,7 +147,10 @@ pub fn from_urdf(
 
 /// What the caller asks for beyond the description.
 fn apply(options: &ReadOptions, model: &mut Model) {
-    model.options.smooth_sign = options.smooth_sign.or(model.options.smooth_sign);
+    model.options.smooth_sign = match options.exact_sign {
+        true => None,
+        false => options.smooth_sign.or(model.options.smooth_sign),
+    };
     let slope = model.options.smooth_sign;
     let joints = model
         .links

@@ -6,11 +6,14 @@
 
 mod discrete_time;
 mod macros;
+mod parameters;
 mod solve;
 #[cfg(test)]
 mod tests;
 mod traits;
 mod types;
 
+#[doc(hidden)]
+pub use parameters::{NoFreeParameters, without_parameters};
 pub use traits::{Differentiable, Discretizable, Dynamics};
 pub use types::{Discretization, ForceDerivatives, Limits, Linearization, Step};
