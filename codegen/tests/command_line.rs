@@ -368,6 +368,61 @@ fn a_plant_and_a_controller_have_models_of_their_own() {
     assert_eq!(gelenk(folder.path(), &piped).status.code(), Some(2));
 }
 
+/// On a full disk the old page and the old module stay as they were. A limit on the size of files stands for the disk.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_leaves_what_was_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    std::fs::write(at("pendulum.toml"), PENDULUM).unwrap();
+    let commands = ["report pendulum.toml", "generate pendulum.toml"];
+    for command in commands {
+        let words: Vec<&str> = command.split(' ').collect();
+        assert_eq!(gelenk(folder.path(), &words).status.code(), Some(0));
+    }
+    let files = || {
+        let mut files = Vec::new();
+        for folder in [folder.path().to_owned(), at("report/pendulum")] {
+            for entry in std::fs::read_dir(folder).unwrap() {
+                let path = entry.unwrap().path();
+                let content = std::fs::read(&path).unwrap_or_default();
+                files.push((path, content));
+            }
+        }
+        files.sort();
+        files
+    };
+    std::fs::write(
+        at("pendulum.toml"),
+        PENDULUM.replace("mass = 1", "mass = 2"),
+    )
+    .unwrap();
+    let before = files();
+    for command in commands {
+        // The signal of the limit is ignored, so that writing fails as on a full disk.
+        let script = format!("trap '' XFSZ; ulimit -f 8; exec \"$0\" {command}");
+        let output = Command::new("sh")
+            .args(["-c", &script, env!("CARGO_BIN_EXE_gelenk")])
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(1), "{}", shown(&output));
+        assert!(
+            shown(&output).contains("cannot write"),
+            "{}",
+            shown(&output)
+        );
+        assert_eq!(files(), before, "{command}");
+    }
+    // What is meant to stay is not replaced either.
+    let mut rights = std::fs::metadata(at("pendulum.rs")).unwrap().permissions();
+    rights.set_readonly(true);
+    std::fs::set_permissions(at("pendulum.rs"), rights).unwrap();
+    let said = refused(folder.path(), &["generate", "pendulum.toml"]);
+    assert!(said.contains("pendulum.rs: it is read-only"), "{said}");
+    assert_eq!(files(), before);
+}
+
 #[cfg(not(feature = "symbolica"))]
 #[test]
 fn closed_forms_say_what_they_need() {

@@ -1,6 +1,6 @@
 //! Files reach the disk whole or not at all.
 //!
-//! The runtime holds the same text (`runtime/src/replace.rs`); a test keeps both alike.
+//! Generator and runtime hold the same text, since neither can have it from the other; a test keeps both alike.
 
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write};
