@@ -226,7 +226,8 @@ pub(super) struct Choices {
     /// Functions that are also written over eight states at once, separated by commas
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub(super) lanes: Vec<String>,
-    /// Contract products and sums to fused multiply-adds; the module then compiles only for processors that have them
+    /// Contract products and sums to fused multiply-adds; the module then compiles only with std and for processors
+    /// that have them
     #[arg(long)]
     pub(super) fused_multiply_add: bool,
     /// Generate functions of up to so many operations [default: 300000]

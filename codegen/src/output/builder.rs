@@ -152,7 +152,8 @@ impl Builder {
         self
     }
 
-    /// Contracts products and sums to fused multiply-adds; the modules then compile only for processors that have them.
+    /// Contracts products and sums to fused multiply-adds; the modules then compile only with std and for processors that
+    /// have them.
     #[must_use]
     pub fn fused_multiply_add(mut self) -> Self {
         self.options.fused_multiply_add = true;
