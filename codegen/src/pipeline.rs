@@ -7,6 +7,7 @@ use crate::dynamics::array_form::Form;
 use crate::dynamics::catalogue;
 use crate::dynamics::composition::Composition;
 use crate::dynamics::function::Function;
+use crate::dynamics::module_constants;
 use crate::dynamics::size::MOST_OPERATIONS;
 use crate::emit::{self, EmitOptions, SourceFile};
 use crate::lanes::Lanes;
@@ -100,7 +101,9 @@ pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generat
     let notes = snapping::priced(notes, description, &read_options, &functions);
     let compositions = catalogue::compositions(&selection);
     let (lanes, obstacles) = lanes.possible(&functions, options.emit.math);
-    let notes = Diagnostics::new([notes.into_entries(), obstacles].concat());
+    let left_out = module_constants::notes(&functions);
+    let others = obstacles.into_iter().chain(left_out);
+    let notes = Diagnostics::new(notes.into_entries().into_iter().chain(others).collect());
     let emit_options = EmitOptions {
         lanes,
         ..options.emit.clone()
