@@ -6,6 +6,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::dynamics::array_form::Form;
 use crate::dynamics::composition::Composition;
 use crate::dynamics::function::Function;
+use crate::dynamics::module_constants;
 use crate::dynamics::selection::{self, Request, Selection};
 use crate::dynamics::size::MOST_OPERATIONS;
 use crate::emit::{self, EmitOptions, SourceFile};
@@ -31,6 +32,8 @@ pub struct GenerateOptions {
     pub smooth_sign: Option<f64>,
     /// Takes robots whose mass matrix is not positive definite.
     pub accept_unphysical: bool,
+    /// Keeps `sign` where the description has it replaced.
+    pub exact_sign: bool,
     /// Contracts products and sums to fused multiply-adds, rounded once: faster where the processor has them, and
     /// compiled only there.
     pub fused_multiply_add: bool,
@@ -53,6 +56,8 @@ pub struct Generated {
     pub compositions: Vec<Composition>,
     /// The module.
     pub source: SourceFile,
+    /// Whether this is the smooth one of a pair.
+    pub is_control_model: bool,
     /// What is worth knowing about the description.
     pub notes: Diagnostics,
     /// All files that were read, the description first.
@@ -86,6 +91,7 @@ pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generat
         no_friction: options.no_friction,
         smooth_sign: options.smooth_sign,
         accept_unphysical: options.accept_unphysical,
+        exact_sign: options.exact_sign,
     };
     let Loaded {
         model,
@@ -103,7 +109,9 @@ pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generat
     } = selected;
     let notes = snapping::priced(notes, description, &read_options, &functions);
     let (lanes, obstacles) = lanes.possible(&functions, options.emit.math);
-    let notes = Diagnostics::new([notes.into_entries(), left_out, obstacles].concat());
+    let incomplete = Vec::from_iter(module_constants::notes(&functions));
+    let others = [left_out, obstacles, incomplete].concat();
+    let notes = Diagnostics::new([notes.into_entries(), others].concat());
     let emit_options = EmitOptions {
         lanes,
         ..options.emit.clone()
@@ -114,9 +122,43 @@ pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generat
         functions,
         compositions,
         source,
+        is_control_model: false,
         notes,
         files,
     })
+}
+
+/// What the name of the smooth module of a pair ends with.
+pub const CONTROL: &str = "_control";
+
+/// Two modules of one description: an exact one for plants, whose friction and springs keep their `sign`, and a smooth one
+/// for controllers, `<name>_control`, which has `tanh(slope · v)` in its place and so derivatives that know of it.
+///
+/// # Errors
+/// As [`generate`].
+pub fn generate_pair(
+    description: &Path,
+    options: &GenerateOptions,
+    slope: f64,
+) -> Result<[Generated; 2], Diagnostics> {
+    let with = |smooth_sign: Option<f64>, remark: String| {
+        let mut options = GenerateOptions {
+            smooth_sign,
+            exact_sign: smooth_sign.is_none(),
+            ..options.clone()
+        };
+        options.emit.remarks.push(remark);
+        generate(description, &options)
+    };
+    let exact = with(None, "The exact model, for plants.".to_owned())?;
+    let name = &exact.source.name;
+    let mut smooth = with(
+        Some(slope),
+        format!("The model for controllers: tanh({slope} v) stands for the sign(v) of {name}."),
+    )?;
+    smooth.source.name.push_str(CONTROL);
+    smooth.is_control_model = true;
+    Ok([exact, smooth])
 }
 
 fn check_slope(slope: Option<f64>) -> Result<(), Diagnostics> {

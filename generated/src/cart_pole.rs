@@ -896,8 +896,7 @@ pub const BASE_PARAMETER_NAMES: [&str; 4] = [
     "Iyy_pole",
 ];
 
-/// Map from the inertial parameters to the base parameters: β(i) = Σ c π(j) over all (i, j, c). Found at the
-/// described values of free parameters; where lengths or gravity are free, it holds for these values alone.
+/// Map from the inertial parameters to the base parameters: β(i) = Σ c π(j) over all (i, j, c).
 pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 5] = [
     (0, 0, 1.0),
     (0, 10, 1.0),
@@ -918,7 +917,7 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 5] = [
 /// Cost: 9 multiplications, 4 additions, 0 divisions, 1 function call (`sin_cos`).
 ///
 /// Columns that depend on earlier ones were found numerically (Gautier 1991); stacked over states that excite the
-/// robot, W\_b has full rank.
+/// robot, W\_b has full rank, for almost all values of free parameters.
 #[inline]
 #[must_use]
 pub fn base_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 4]; N] {

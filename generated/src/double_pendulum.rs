@@ -1527,11 +1527,12 @@ pub fn inertial_regressor_into(
 }
 
 /// Base parameters β, the columns of `base_regressor`, each named after the inertial parameter that leads its
-/// group. 14 of 20 parameters enter the motion only in these sums:
+/// group. 14 of 20 parameters enter the motion only in these sums. c(p) is a factor that changes with free
+/// parameters, so that no constant map holds for all of their values:
 ///
 /// - `mcx_shoulder`
-/// - `mcz_shoulder − 0.5 m_elbow`
-/// - `Iyy_shoulder + 0.25 m_elbow`
+/// - `mcz_shoulder + c(p) m_elbow`
+/// - `Iyy_shoulder + c(p) m_elbow`
 /// - `mcx_elbow`
 /// - `mcz_elbow`
 /// - `Iyy_elbow`
@@ -1542,19 +1543,6 @@ pub const BASE_PARAMETER_NAMES: [&str; 6] = [
     "mcx_elbow",
     "mcz_elbow",
     "Iyy_elbow",
-];
-
-/// Map from the inertial parameters to the base parameters: β(i) = Σ c π(j) over all (i, j, c). Found at the
-/// described values of free parameters; where lengths or gravity are free, it holds for these values alone.
-pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 8] = [
-    (0, 1, 1.0),
-    (1, 3, 1.0),
-    (1, 10, -0.5),
-    (2, 6, 1.0),
-    (2, 10, 0.25),
-    (3, 11, 1.0),
-    (4, 13, 1.0),
-    (5, 16, 1.0),
 ];
 
 /// Regressor `W_b` of the base parameters: the independent columns of `inertial_regressor`.
@@ -1570,7 +1558,7 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 8] = [
 /// Cost: 16 multiplications, 10 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
 /// Columns that depend on earlier ones were found numerically (Gautier 1991); stacked over states that excite the
-/// robot, W\_b has full rank.
+/// robot, W\_b has full rank, for almost all values of free parameters.
 #[inline]
 #[must_use]
 pub fn base_regressor(

@@ -10889,8 +10889,7 @@ pub const BASE_PARAMETER_NAMES: [&str; 43] = [
     "Izz_panda_joint7",
 ];
 
-/// Map from the inertial parameters to the base parameters: β(i) = Σ c π(j) over all (i, j, c). Found at the
-/// described values of free parameters; where lengths or gravity are free, it holds for these values alone.
+/// Map from the inertial parameters to the base parameters: β(i) = Σ c π(j) over all (i, j, c).
 pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 116] = [
     (0, 9, 1.0),
     (0, 16, 1.0),
@@ -11025,7 +11024,7 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 116] = [
 /// Cost: 683 multiplications, 507 additions, 0 divisions, 6 function calls (`sin_cos`).
 ///
 /// Columns that depend on earlier ones were found numerically (Gautier 1991); stacked over states that excite the
-/// robot, W\_b has full rank.
+/// robot, W\_b has full rank, for almost all values of free parameters.
 #[inline]
 #[must_use]
 pub fn base_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 43]; N] {

@@ -67,6 +67,7 @@ pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.80665];
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(64))]
 pub struct Lanes(pub [f64; 8]);
+
 /// One quantity of those states that are computed at a time.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
@@ -1807,8 +1808,7 @@ pub const BASE_PARAMETER_NAMES: [&str; 7] = [
     "J_gamma",
 ];
 
-/// Map from the inertial parameters to the base parameters: β(i) = Σ c π(j) over all (i, j, c). Found at the
-/// described values of free parameters; where lengths or gravity are free, it holds for these values alone.
+/// Map from the inertial parameters to the base parameters: β(i) = Σ c π(j) over all (i, j, c).
 pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 10] = [
     (0, 1, 1.0),
     (1, 3, 1.0),
@@ -1834,7 +1834,7 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 10] = [
 /// Cost: 18 multiplications, 11 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
 /// Columns that depend on earlier ones were found numerically (Gautier 1991); stacked over states that excite the
-/// robot, W\_b has full rank.
+/// robot, W\_b has full rank, for almost all values of free parameters.
 #[inline]
 #[must_use]
 pub fn base_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 7]; N] {

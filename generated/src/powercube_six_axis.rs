@@ -14859,8 +14859,7 @@ pub const BASE_PARAMETER_NAMES: [&str; 40] = [
     "J_zeta",
 ];
 
-/// Map from the inertial parameters to the base parameters: β(i) = Σ c π(j) over all (i, j, c). Found at the
-/// described values of free parameters; where lengths or gravity are free, it holds for these values alone.
+/// Map from the inertial parameters to the base parameters: β(i) = Σ c π(j) over all (i, j, c).
 pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 83] = [
     (0, 9, 1.0),
     (0, 19, 1.0),
@@ -14959,7 +14958,7 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 83] = [
 /// Cost: 414 multiplications, 305 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///
 /// Columns that depend on earlier ones were found numerically (Gautier 1991); stacked over states that excite the
-/// robot, W\_b has full rank.
+/// robot, W\_b has full rank, for almost all values of free parameters.
 #[inline]
 #[must_use]
 pub fn base_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 40]; N] {

@@ -15441,8 +15441,7 @@ pub const BASE_PARAMETER_NAMES: [&str; 40] = [
     "J_joint_6",
 ];
 
-/// Map from the inertial parameters to the base parameters: β(i) = Σ c π(j) over all (i, j, c). Found at the
-/// described values of free parameters; where lengths or gravity are free, it holds for these values alone.
+/// Map from the inertial parameters to the base parameters: β(i) = Σ c π(j) over all (i, j, c).
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 107] = [
     (0, 9, 1.0),
@@ -15566,7 +15565,7 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 107] = [
 /// Cost: 433 multiplications, 330 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///
 /// Columns that depend on earlier ones were found numerically (Gautier 1991); stacked over states that excite the
-/// robot, W\_b has full rank.
+/// robot, W\_b has full rank, for almost all values of free parameters.
 #[inline]
 #[must_use]
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]

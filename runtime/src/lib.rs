@@ -8,6 +8,8 @@ pub mod control_loop;
 pub mod dynamics;
 #[cfg(feature = "control")]
 pub mod feed_forward;
+#[cfg(any(feature = "identification", feature = "report"))]
+pub mod file;
 #[cfg(feature = "identification")]
 pub mod identification;
 #[cfg(feature = "control")]
@@ -22,6 +24,12 @@ pub mod mpc;
 pub mod plant;
 #[cfg(feature = "control")]
 pub mod qp;
+#[cfg(any(feature = "identification", feature = "report"))]
+#[cfg_attr(
+    not(feature = "identification"),
+    allow(dead_code, reason = "the text of a module that the generator has too")
+)]
+mod replace;
 #[cfg(feature = "report")]
 pub mod report;
 #[cfg(feature = "control")]

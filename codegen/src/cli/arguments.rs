@@ -34,7 +34,8 @@ const GENERATE_EXAMPLES: &str = "\
 Examples:
   gelenk generate models/powercube.toml
   gelenk generate arm.urdf --output - --functions mass_matrix,bias_forces
-  gelenk generate arm.urdf --snap-angles 1e-4 --scalar f32 --output firmware/src/arm.rs";
+  gelenk generate arm.urdf --snap-angles 1e-4 --scalar f32 --output firmware/src/arm.rs
+  gelenk generate arm.toml --control-model 50    for the plant and for the controller";
 
 const INSPECT_EXAMPLES: &str = "\
 Examples:
@@ -85,7 +86,7 @@ pub(super) struct Generate {
     #[arg(long, short, value_name = "FILE.rs", requires = "description")]
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
-    pub(super) choices: Choices,
+    pub(super) modules: Modules,
 }
 
 #[derive(Debug, Args)]
@@ -96,7 +97,7 @@ pub(super) struct Check {
     #[arg(long, short, value_name = "FILE.rs", requires = "description")]
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
-    pub(super) choices: Choices,
+    pub(super) modules: Modules,
 }
 
 #[derive(Debug, Args)]
@@ -183,6 +184,7 @@ impl Reading {
             no_friction: self.no_friction,
             smooth_sign: self.smooth_sign,
             accept_unphysical: self.accept_unphysical,
+            exact_sign: false,
         }
     }
 
@@ -203,6 +205,17 @@ impl Reading {
     }
 }
 
+/// What is made of a description: one module, or two.
+#[derive(Debug, Args)]
+pub(super) struct Modules {
+    #[command(flatten)]
+    pub(super) choices: Choices,
+    /// Write two modules: the exact model for plants, and beside it <NAME>_control for controllers, with
+    /// tanh(SLOPE · v) for sign(v) in friction and springs
+    #[arg(long, value_name = "SLOPE", value_parser = positive, conflicts_with = "smooth_sign")]
+    pub(super) control_model: Option<f64>,
+}
+
 /// Choices that change what is generated; the header of the file names them.
 #[derive(Debug, Args)]
 pub(super) struct Choices {
@@ -218,7 +231,8 @@ pub(super) struct Choices {
     /// Functions that are also written over eight states at once, separated by commas
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub(super) lanes: Vec<String>,
-    /// Contract products and sums to fused multiply-adds; the module then compiles only for processors that have them
+    /// Contract products and sums to fused multiply-adds; the module then compiles only with std and for processors
+    /// that have them
     #[arg(long)]
     pub(super) fused_multiply_add: bool,
     /// Generate functions of up to so many operations [default: 300000]

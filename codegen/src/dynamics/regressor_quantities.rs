@@ -52,7 +52,7 @@ pub const QUANTITIES: &[Quantity] = &[
         )],
         notes: &[
             "Columns that depend on earlier ones were found numerically (Gautier 1991); stacked over states that excite \
-             the robot, W_b has full rank.",
+             the robot, W_b has full rank, for almost all values of free parameters.",
         ],
         build: |equations, Arguments { y, v, a, .. }| {
             vec![matrix(equations.base_regressor(MotionInput { y, v, a }))]

@@ -6,6 +6,7 @@
 
 mod angles;
 mod description;
+mod file_kind;
 mod inertia;
 mod name;
 mod options;

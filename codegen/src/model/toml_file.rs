@@ -12,6 +12,8 @@ use super::toml_values::Reader;
 use super::{JointKind, Options, Pose};
 use crate::diagnostic::{At, Span, nearest};
 use crate::formula::Formula;
+use crate::formula::parse::{self, Allowed};
+use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
 
 const ROBOT: [&str; 16] = [
@@ -85,10 +87,26 @@ pub(super) fn parse<'t>(
         // What follows on the same line is usually a consequence of the first error.
         if line.is_none() || line != last_line {
             reader.report.error(span, "toml-syntax", wrong.message());
+            if let Some(help) = syntax_help(text, span.start) {
+                reader.report.help(help);
+            }
         }
         last_line = line;
     }
     wrong.is_empty().then_some(table)
+}
+
+/// Advice for numbers with units or a decimal comma, and for formulas without quotes.
+fn syntax_help(text: &str, at: usize) -> Option<String> {
+    let line_start = text.get(..at)?.rfind('\n').map_or(0, |last| last + 1);
+    let line = text.get(line_start..)?.lines().next()?;
+    let (key, value) = line.split_once('=')?;
+    let (key, value) = (key.trim(), value.split('#').next()?.trim());
+    match parse::parse(value, Allowed::Motion, &BTreeMap::new()) {
+        Ok(_) => Some(format!("a formula stands in quotes: `{key} = \"{value}\"`")),
+        Err(wrong) if wrong.is_habit() => wrong.help,
+        Err(_) => None,
+    }
 }
 
 /// The checked top level.

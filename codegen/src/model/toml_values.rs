@@ -6,7 +6,7 @@ use super::angles::Angles;
 use super::description::Name;
 use super::name::{has_meaning, identifier, is_keyword};
 use super::pose::{IDENTITY, norm};
-use super::table::{Item, Table};
+use super::table::{Item, Table, example};
 use crate::diagnostic::{At, Report, Span};
 use crate::formula::parse::{Allowed, parse};
 use crate::formula::{Formula, LARGEST_NUMBER, too_large};
@@ -284,10 +284,8 @@ impl Reader {
         }
         let message = format!("`{}` must be {what}, not {}", item.key, entries.len());
         self.report.error(item.span, "wrong-length", message);
-        if item.key == "inertia" {
-            self.report.help(
-                "write one moment for all axes, the principal moments [xx, yy, zz], or { xx = …, yy = …, zz = …, xy = …, xz = …, yz = … }",
-            );
+        if let Some(example) = example(item.key) {
+            self.report.help(format!("for example {example}"));
         }
         None
     }

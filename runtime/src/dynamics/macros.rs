@@ -54,6 +54,16 @@ macro_rules! dynamics {
         $(#[$meta])*
         #[derive(Debug, Clone, Copy, PartialEq, Default)]
         $visibility struct $name;
+        const _: fn() = || {
+            // The module's own `Parameters`, where it has free ones, else this.
+            #[allow(dead_code, reason = "only modules without free parameters need it")]
+            type Parameters = ();
+            {
+                #[allow(unused_imports, clippy::wildcard_imports, reason = "whatever the module has")]
+                use $($module)::+::*;
+                $crate::dynamics::without_parameters::<Parameters>();
+            }
+        };
         $crate::dynamics!(@traits $name, [$($module)::+], [], [$($($traits)+)?]);
     };
     ($(#[$meta:meta])* $visibility:vis struct $name:ident { parameters } = $($module:ident)::+ $(: $($traits:tt)+)?) => {
@@ -270,7 +280,8 @@ macro_rules! dynamics {
 }
 
 /// Includes a module that the build script generated: `include_model!(pub mod arm)` reads `$OUT_DIR/arm.rs`, which is named
-/// after the robot (in a URDF: `<robot name="arm">`), not after the file.
+/// after the robot (in a URDF: `<robot name="arm">`), not after the file. Where the build script generates no robot of that
+/// name, the compiler's message says which it does. The documentation of the module is the robot's description.
 ///
 /// ```ignore
 /// // Needs a build script: gelenk_codegen::build("arm.toml");
@@ -284,9 +295,19 @@ macro_rules! dynamics {
 macro_rules! include_model {
     ($(#[$meta:meta])* $visibility:vis mod $name:ident $(;)?) => {
         $(#[$meta])*
+        // For rustdoc alone: where the module is missing, one error says so. A paragraph of its own.
+        #[cfg_attr(doc, doc = "")]
+        #[cfg_attr(doc, doc = include_str!(concat!(env!("OUT_DIR"), "/gelenk.", stringify!($name), ".md")))]
         #[allow(dead_code, reason = "a program need not call all functions of its robot")]
         $visibility mod $name {
-            include!(concat!(env!("OUT_DIR"), "/", stringify!($name), ".rs"));
+            include!(concat!(
+                env!(
+                    "OUT_DIR",
+                    "include_model! needs a build script, build.rs beside Cargo.toml, that calls `gelenk_codegen::build`"
+                ),
+                "/gelenk.modules.rs"
+            ));
+            gelenk_module!($name);
         }
     };
 }

@@ -7,6 +7,7 @@
 mod discrete_time;
 mod friction_law;
 mod macros;
+mod parameters;
 mod solve;
 #[cfg(test)]
 mod tests;
@@ -15,5 +16,6 @@ mod types;
 
 #[doc(hidden)]
 pub use friction_law::{FrictionLaw, FrictionLawWithParameters};
+pub use parameters::{NoFreeParameters, without_parameters};
 pub use traits::{Differentiable, Discretizable, Dynamics};
 pub use types::{Discretization, ForceDerivatives, Limits, Linearization, Step};
