@@ -26,7 +26,7 @@ const RATE: f64 = 50.0;
 
 type Link = UdpTransport<2, 2>;
 type Loop<'a> = ControlLoop<
-    PowerCube,
+    support::robot::Law,
     gelenk_runtime::trajectory::RestToRest<2>,
     support::robot::Pd,
     &'a mut Link,
@@ -203,11 +203,11 @@ fn in_real_time_the_arm_ends_braked_and_at_rest() {
     let mut link: Link = UdpTransport::connect(plant.address, Duration::from_millis(5)).unwrap();
     let near = START.map(|y| y + 0.02);
     let motion = gelenk_runtime::trajectory::RestToRest::new(START, near, 0.3).unwrap();
-    let mut control: ControlLoop<PowerCube, _, _, _, _, 2, 2> = ControlLoop::new(
+    let mut control: ControlLoop<_, _, _, _, _, 2, 2> = ControlLoop::new(
         settings(RATE),
         law(),
         motion,
-        FeedForwardPd::new(law(), motion, 1.0 / RATE, 0.01),
+        FeedForwardPd::new(law(), motion, 1.0 / RATE, 0.01).unwrap(),
         &mut link,
         MonotonicClock,
     )
@@ -281,7 +281,11 @@ fn only_the_answer_to_the_question_is_a_reading() {
                 session: 1,
                 sequence,
                 brakes: Brakes::Released,
-                message: Message::Positions([position; 2]),
+                message: Message::Measured {
+                    positions: [position; 2],
+                    velocities: None,
+                    torques: None,
+                },
             };
             let send = |datagram: Datagram<2, 2>| {
                 let mut buffer = [0; MAX_DATAGRAM];

@@ -23,6 +23,7 @@ fn cycle(time: f64, positions: Option<[f64; 2]>) -> Cycle<2, 2> {
         periods: u32::from(time > 0.0),
         positions,
         last_inputs: [0.0; 2],
+        ..Cycle::default()
     }
 }
 
@@ -124,6 +125,8 @@ fn preparation_and_feedback_are_the_step() {
 mod mass {
     pub const N: usize = 1;
     pub const M: usize = 1;
+    pub const JOINT_NAMES: [&str; N] = ["mass"];
+    pub const INPUT_NAMES: [&str; M] = ["force"];
     pub const POSITION_LIMITS: [[f64; 2]; N] = [[f64::NEG_INFINITY, f64::INFINITY]];
     pub const VELOCITY_LIMITS: [f64; N] = [f64::INFINITY];
     pub const EFFORT_LIMITS: [f64; N] = [f64::INFINITY];

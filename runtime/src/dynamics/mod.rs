@@ -6,11 +6,13 @@
 
 mod discrete_time;
 mod macros;
+mod names;
 mod solve;
 #[cfg(test)]
 mod tests;
 mod traits;
 mod types;
 
+pub(crate) use names::{Named, numbered};
 pub use traits::{Differentiable, Discretizable, Dynamics};
 pub use types::{Discretization, ForceDerivatives, Limits, Linearization, Step};

@@ -99,10 +99,11 @@ pub enum KinematicsError {
     NotAPose(f64),
     /// All solutions violate the limits.
     #[error(
-        "no solution keeps within the joint limits; the closest is {excess} rad beyond that of joint {joint}"
+        "no solution keeps within the joint limits; the closest is {excess} rad beyond that of joint {}",
+        .joint + 1
     )]
     Limits {
-        /// The joint that is beyond its limit in the best solution.
+        /// Index of the joint that is beyond its limit in the best solution; messages count from 1.
         joint: usize,
         /// By how much (rad).
         excess: f64,

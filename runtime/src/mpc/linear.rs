@@ -24,7 +24,7 @@ use crate::trajectory::Trajectory;
 /// let options = MpcOptions::new(&PowerCube, 0.02, 20);
 /// let mut mpc = LtvMpc::<_, _, 2, 2, 4>::new(PowerCube, motion, options)?;
 /// mpc.reset(&[0.0; 2], &[0.0; 2]);
-/// let cycle = Cycle { time: 0.0, periods: 0, positions: Some([0.0; 2]), last_inputs: [0.0; 2] };
+/// let cycle = Cycle { periods: 0, positions: Some([0.0; 2]), ..Cycle::default() };
 /// let command = mpc.step(&cycle)?;
 /// assert!(command.inputs.iter().all(|u| u.abs() <= 0.5), "the motor's peak torque");
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -10,8 +10,10 @@ use differential_equations::ode::{ODE, OrdinaryNumericalMethod};
 use differential_equations::status::Status;
 use differential_equations::traits::State;
 
-/// Steps in one period after which the integration gives up; a smooth robot needs about ten.
+/// Steps to one event, or to the end of a period, after which the integration gives up; a smooth robot needs about ten.
 const MAX_STEPS: usize = 20_000;
+/// Steps in one period, over all of its events.
+pub(super) const MAX_PERIOD_STEPS: usize = 100_000;
 const TOO_SMALL: &str =
     "its steps became too small: accelerations that are not finite, or a stiff or jumping model";
 /// Halvings that locate an event: to the last bit of a period.
@@ -125,7 +127,7 @@ impl<const N: usize> Integrator<N> {
         Self { method, step: 1e-3 }
     }
 
-    /// From `start` to `end` (s), or to the first event of `flow`.
+    /// From `start` to `end` (s), or to the first event of `flow`, in at most `budget` steps, which it takes off.
     ///
     /// # Errors
     /// Why it cannot go on.
@@ -135,6 +137,7 @@ impl<const N: usize> Integrator<N> {
         motion: &Motion<N>,
         start: f64,
         end: f64,
+        budget: &mut usize,
     ) -> Result<Arrival<N>, &'static str> {
         let equations = Equations(flow);
         let negligible = 4.0 * f64::EPSILON * end.abs();
@@ -150,6 +153,9 @@ impl<const N: usize> Integrator<N> {
             .init(&equations, start, end, motion)
             .map_err(|_| "the first step size is not usable")?;
         for _ in 0..MAX_STEPS {
+            *budget = budget
+                .checked_sub(1)
+                .ok_or("it took more than 100000 steps")?;
             let remaining = end - self.method.t();
             if remaining <= negligible {
                 return Ok(Arrival {

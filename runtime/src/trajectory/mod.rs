@@ -134,11 +134,22 @@ pub enum TrajectoryError {
     },
 }
 
+/// Most samples that a trajectory is asked for at once: more are a mistake in a duration or a period, and would fill the
+/// memory.
+pub const MAX_SAMPLES: usize = 10_000_000;
+
+/// Periods until a motion of this duration is over; None for more than [`MAX_SAMPLES`], and for durations that are no number.
+pub(crate) fn whole_periods(duration: f64, period: f64) -> Option<usize> {
+    let periods = (duration / period).ceil();
+    // Written so that NaN is refused.
+    (periods <= MAX_SAMPLES as f64).then_some(periods.max(0.0) as usize)
+}
+
 fn require_finite(what: &str, values: &[f64]) -> Result<(), TrajectoryError> {
     match values.iter().position(|x| !x.is_finite()) {
         None => Ok(()),
         Some(i) => Err(TrajectoryError::NotFinite {
-            what: format!("{what}[{i}]"),
+            what: format!("{what} of joint {}", i + 1),
             value: values[i],
         }),
     }

@@ -97,7 +97,7 @@ impl<const N: usize> RestToRest<N> {
             for (what, limit) in [("speed", speeds[i]), ("acceleration", accelerations[i])] {
                 if limit.is_nan() || limit <= 0.0 {
                     return Err(TrajectoryError::NotPositive {
-                        what: format!("{what} limit {i}"),
+                        what: format!("{what} limit of joint {}", i + 1),
                         value: limit,
                     });
                 }

@@ -61,14 +61,14 @@ impl<const N: usize> Recording<N> {
             return too_few("samples", 3, positions.len());
         }
         for (k, row) in positions.iter().enumerate() {
-            require_finite(&format!("positions of sample {k}, "), row)?;
+            require_finite(&format!("positions of sample {k}"), row)?;
         }
         if let Some(velocities) = &velocities {
             if velocities.len() != positions.len() {
                 return too_few("velocities", positions.len(), velocities.len());
             }
             for (k, row) in velocities.iter().enumerate() {
-                require_finite(&format!("velocities of sample {k}, "), row)?;
+                require_finite(&format!("velocities of sample {k}"), row)?;
             }
         }
         Ok(Self {

@@ -27,10 +27,10 @@ impl<const N: usize> Sampled<N> {
             });
         }
         for (i, sample) in samples.iter().enumerate() {
-            require_finite(&format!("positions of sample {i}, "), &sample.positions)?;
-            require_finite(&format!("velocities of sample {i}, "), &sample.velocities)?;
+            require_finite(&format!("positions of sample {i}"), &sample.positions)?;
+            require_finite(&format!("velocities of sample {i}"), &sample.velocities)?;
             require_finite(
-                &format!("accelerations of sample {i}, "),
+                &format!("accelerations of sample {i}"),
                 &sample.accelerations,
             )?;
         }

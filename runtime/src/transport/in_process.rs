@@ -70,6 +70,8 @@ impl<D: Dynamics<N, M>, K: Clock, const N: usize, const M: usize> Transport<N, M
         self.last = Some(measurement.time);
         Ok(Some(Reading {
             positions: measurement.positions,
+            velocities: measurement.velocities,
+            torques: measurement.torques,
             brakes: if self.plant.is_braked() {
                 Brakes::Engaged
             } else {
