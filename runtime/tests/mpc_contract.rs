@@ -180,6 +180,7 @@ fn the_observer_converges_to_the_dual_of_the_regulator() {
         encoder_noise: [1e-3],
         velocity_noise: [2e-3],
         disturbance_noise: [5e-2],
+        ..ObserverOptions::default()
     };
     let t = 0.02;
     let a = [[1.0, t, 0.25 * t * t], [0.0, 1.0, 0.5 * t], [0.0, 0.0, 1.0]];
@@ -220,6 +221,7 @@ fn the_observer_finds_a_constant_force() {
         encoder_noise: [1e-5],
         velocity_noise: [1e-4],
         disturbance_noise: [1e-2],
+        ..ObserverOptions::default()
     };
     let mut observer = DisturbanceObserver::<1, 1>::new(noise).unwrap();
     let t = 0.01;
