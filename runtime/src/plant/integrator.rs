@@ -107,6 +107,9 @@ pub(super) struct Arrival<const N: usize> {
     pub by_event: bool,
 }
 
+/// First step of a new integration (s).
+const FIRST_STEP: f64 = 1e-3;
+
 type Method<const N: usize> =
     ExplicitRungeKutta<Ordinary, DormandPrince, f64, Motion<N>, 8, 12, 16>;
 
@@ -124,7 +127,10 @@ impl<const N: usize> Integrator<N> {
             .atol(absolute_tolerance)
             // The method counts over its whole life; calls are bounded in `advance`.
             .max_steps(usize::MAX);
-        Self { method, step: 1e-3 }
+        Self {
+            method,
+            step: FIRST_STEP,
+        }
     }
 
     /// From `start` to `end` (s), or to the first event of `flow`, in at most `budget` steps, which it takes off.
@@ -132,6 +138,22 @@ impl<const N: usize> Integrator<N> {
     /// # Errors
     /// Why it cannot go on.
     pub fn advance(
+        &mut self,
+        flow: &impl Flow<N>,
+        motion: &Motion<N>,
+        start: f64,
+        end: f64,
+        budget: &mut usize,
+    ) -> Result<Arrival<N>, &'static str> {
+        let arrival = self.try_advance(flow, motion, start, end, budget);
+        if arrival.is_err() {
+            // What failed with ever smaller steps says nothing of the next call, whose first step must not be as small.
+            self.step = FIRST_STEP;
+        }
+        arrival
+    }
+
+    fn try_advance(
         &mut self,
         flow: &impl Flow<N>,
         motion: &Motion<N>,

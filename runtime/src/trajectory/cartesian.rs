@@ -1,7 +1,9 @@
 //! Poses one after the other, for arms with a spherical wrist.
 
 use super::polynomial::RestToRest;
-use super::{PointSequence, Sample, Sampled, Trajectory, TrajectoryError, require_positive};
+use super::{
+    PointSequence, Sample, Sampled, Trajectory, TrajectoryError, require_periods, require_positive,
+};
 use crate::kinematics::{KinematicsError, Pose, Singularity, SphericalWrist};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use thiserror::Error;
@@ -129,7 +131,7 @@ pub fn straight_ways(
     let mut near = *start;
     for (k, (to, duration)) in poses.iter().zip(durations).enumerate() {
         require_positive("duration", *duration)?;
-        let steps = (duration / period).ceil().max(1.0) as usize;
+        let steps = require_periods(*duration, period)?.max(1);
         // A whole number of periods, so that each way ends in a sample.
         let way = Way::new(&from, to, steps as f64 * period)?;
         for step in 1..=steps {

@@ -134,6 +134,27 @@ pub enum TrajectoryError {
     },
 }
 
+/// A motion whose speeds or accelerations overflow.
+fn require_representable(what: &'static str, values: &[f64]) -> Result<(), TrajectoryError> {
+    match values.iter().find(|x| !x.is_finite()) {
+        None => Ok(()),
+        Some(value) => Err(TrajectoryError::OutOfRange {
+            what,
+            value: *value,
+            range: "a number: such a way in such a time has none",
+        }),
+    }
+}
+
+/// The periods of a motion, if they are not too many.
+fn require_periods(duration: f64, period: f64) -> Result<usize, TrajectoryError> {
+    whole_periods(duration, period).ok_or(TrajectoryError::OutOfRange {
+        what: "duration in periods",
+        value: duration / period,
+        range: "at most 10 000 000",
+    })
+}
+
 /// Most samples that a trajectory is asked for at once: more are a mistake in a duration or a period, and would fill the
 /// memory.
 pub const MAX_SAMPLES: usize = 10_000_000;

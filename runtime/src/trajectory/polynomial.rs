@@ -1,6 +1,8 @@
 //! Polynomials of degree five, given by position, velocity and acceleration at both ends.
 
-use super::{Sample, Trajectory, TrajectoryError, require_finite, require_positive};
+use super::{
+    Sample, Trajectory, TrajectoryError, require_finite, require_positive, require_representable,
+};
 use crate::dynamics::Limits;
 
 /// Position, velocity and acceleration of one coordinate.
@@ -39,6 +41,14 @@ impl Quintic {
         [p, v, a]
     }
 
+    /// Bounds of what is summed up in position, velocity and acceleration until `duration`; infinite where it overflows.
+    pub fn bounds(&self, duration: f64) -> End {
+        let absolute = Self {
+            coefficients: self.coefficients.map(f64::abs),
+        };
+        absolute.at(duration)
+    }
+
     /// Third derivative at `t`.
     pub fn jerk(&self, t: f64) -> f64 {
         let c = &self.coefficients;
@@ -69,11 +79,17 @@ impl<const N: usize> RestToRest<N> {
     /// From `start` to `end` [rad or m] in `duration` (s).
     ///
     /// # Errors
-    /// Numbers that are not finite, a duration that is not positive.
+    /// Numbers that are not finite, a duration that is not positive, or so short that accelerations overflow.
     pub fn new(start: [f64; N], end: [f64; N], duration: f64) -> Result<Self, TrajectoryError> {
         require_finite("start", &start)?;
         require_finite("end", &end)?;
         require_positive("duration", duration)?;
+        let peaks = |i: usize| {
+            let way = end[i] - start[i];
+            [way / duration, way / (duration * duration)].map(|x| 60.0 * x)
+        };
+        let peaks: [[f64; 2]; N] = core::array::from_fn(peaks);
+        require_representable("speed or acceleration", peaks.as_flattened())?;
         Ok(Self {
             start,
             end,
@@ -92,6 +108,12 @@ impl<const N: usize> RestToRest<N> {
         accelerations: &[f64; N],
         shortest: f64,
     ) -> Result<Self, TrajectoryError> {
+        if shortest.is_nan() {
+            return Err(TrajectoryError::NotFinite {
+                what: "shortest duration".into(),
+                value: shortest,
+            });
+        }
         let mut duration = shortest;
         for i in 0..N {
             for (what, limit) in [("speed", speeds[i]), ("acceleration", accelerations[i])] {

@@ -196,7 +196,9 @@ impl<const N: usize> Recording<N> {
             for i in 0..N {
                 let step = self.positions[k + 1][i] - self.positions[k][i];
                 let defect = step - 0.5 * self.period * (v[k][i] + v[k + 1][i]);
-                if defect.abs() > tolerance {
+                // Written so that a tolerance that is no number tolerates nothing.
+                let consistent = defect.abs() <= tolerance;
+                if !consistent {
                     found.push(Inconsistency {
                         sample: k,
                         time: k as f64 * self.period,
