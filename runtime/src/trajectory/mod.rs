@@ -12,6 +12,8 @@ mod recording;
 mod sampled;
 mod sine;
 mod smoothing;
+mod spline;
+mod via_points;
 
 pub use along::Along;
 pub use cartesian::{CartesianError, joint_points, pose_sequence, straight_ways};
@@ -22,7 +24,9 @@ pub use recording::{Columns, Inconsistency, Recording};
 pub use sampled::Sampled;
 pub use sine::{IdentificationMotion, IdentificationSine};
 pub use smoothing::{Smoothed, Smoothing};
+pub use via_points::ViaPoints;
 
+use crate::dynamics::Limits;
 use thiserror::Error;
 
 /// A desired state with its accelerations.
@@ -52,6 +56,64 @@ impl<const N: usize> Sample<N> {
     pub fn is_finite(&self) -> bool {
         let all = [&self.positions, &self.velocities, &self.accelerations];
         all.iter().all(|x| x.iter().all(|x| x.is_finite()))
+    }
+}
+
+/// What a motion must keep within, by coordinate. The default has no limits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotionLimits<const N: usize> {
+    /// Lowest and highest position [rad or m].
+    pub positions: [[f64; 2]; N],
+    /// Largest speed [rad/s or m/s].
+    pub speeds: [f64; N],
+    /// Largest acceleration [rad/s² or m/s²].
+    pub accelerations: [f64; N],
+    /// Largest jerk [rad/s³ or m/s³]. [`ViaPoints`] has none.
+    pub jerks: [f64; N],
+}
+
+impl<const N: usize> Default for MotionLimits<N> {
+    fn default() -> Self {
+        Self {
+            positions: [[f64::NEG_INFINITY, f64::INFINITY]; N],
+            speeds: [f64::INFINITY; N],
+            accelerations: [f64::INFINITY; N],
+            jerks: [f64::INFINITY; N],
+        }
+    }
+}
+
+impl<const N: usize> MotionLimits<N> {
+    /// A model's limits of positions, a share (0 to 1) of its speeds, and accelerations of your own: models have none.
+    #[must_use]
+    pub fn of<const M: usize>(limits: &Limits<N, M>, share: f64, accelerations: [f64; N]) -> Self {
+        Self {
+            positions: limits.position,
+            speeds: limits.velocity.map(|v| v * share),
+            accelerations,
+            ..Self::default()
+        }
+    }
+
+    /// # Errors
+    /// [`TrajectoryError::NotPositive`] for limits that are not positive, or of positions whose upper one is not above the lower.
+    fn check(&self) -> Result<(), TrajectoryError> {
+        let widths = self.positions.map(|[low, high]| high - low);
+        let all = [
+            ("width of the position limits", &widths),
+            ("speed limit", &self.speeds),
+            ("acceleration limit", &self.accelerations),
+            ("jerk limit", &self.jerks),
+        ];
+        for (what, values) in all {
+            if let Some(i) = values.iter().position(|x| x.is_nan() || *x <= 0.0) {
+                return Err(TrajectoryError::NotPositive {
+                    what: format!("{what} of joint {}", i + 1),
+                    value: values[i],
+                });
+            }
+        }
+        Ok(())
     }
 }
 
@@ -123,6 +185,35 @@ pub enum TrajectoryError {
         value: f64,
         /// What is allowed.
         range: &'static str,
+    },
+    /// A point is outside the position limits.
+    #[error(
+        "point {} has joint {} at {position}, outside its limits {} to {}",
+        .point + 1, .joint + 1, .limits[0], .limits[1]
+    )]
+    PointOutside {
+        /// Index of the point; messages count from 1.
+        point: usize,
+        /// Index of the joint; messages count from 1.
+        joint: usize,
+        /// Its position [rad or m].
+        position: f64,
+        /// Limits [rad or m].
+        limits: [f64; 2],
+    },
+    /// Two points in a row are the same: a motion that does not stop cannot pass both.
+    #[error(
+        "points {} and {} are the same: leave one out, or stop there with a sequence of points", .point, .point + 1
+    )]
+    RepeatedPoint {
+        /// Index of the second one; messages count from 1.
+        point: usize,
+    },
+    /// Nothing limits how fast a joint moves.
+    #[error("joint {} moves, but neither its speed nor its acceleration has a limit", .joint + 1)]
+    Unlimited {
+        /// Index of the joint; messages count from 1.
+        joint: usize,
     },
     /// A file cannot be read.
     #[error("{place}: {message}")]
