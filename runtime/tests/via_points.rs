@@ -235,7 +235,7 @@ fn what_cannot_be_is_named() {
     );
     assert_eq!(
         message(&[[0.0; 2], [0.1, f64::NAN]], &limits),
-        "point 2 of joint 2 is NaN; it must be finite"
+        "point 2, joint 2, is NaN; it must be finite"
     );
     let unlimited = MotionLimits::default();
     assert_eq!(

@@ -333,6 +333,10 @@ where
         if self.stop.is_raised() && self.state.phase == Phase::Running {
             self.slow_down(StopReason::Requested);
         }
+        // A stop stays on the path that it began on.
+        if self.state.phase == Phase::Running {
+            self.trajectory.begin_period(self.state.reference.time());
+        }
         let desired = self.state.reference.sample(&self.trajectory);
         let reading = self.read(&desired.positions, periods);
         watch.lap(Stage::Read, self.clock.now());

@@ -6,6 +6,8 @@
 mod along;
 mod cartesian;
 mod limits;
+#[cfg(feature = "online-targets")]
+mod online;
 mod points;
 mod polynomial;
 mod recording;
@@ -18,6 +20,8 @@ mod via_points;
 pub use along::Along;
 pub use cartesian::{CartesianError, joint_points, pose_sequence, straight_ways};
 pub use limits::{CheckError, Quantity, Rating, Violation, violations};
+#[cfg(feature = "online-targets")]
+pub use online::{OnlineTarget, TargetStatus};
 pub use points::PointSequence;
 pub use polynomial::RestToRest;
 pub use recording::{Columns, Inconsistency, Recording};
@@ -95,6 +99,32 @@ impl<const N: usize> MotionLimits<N> {
         }
     }
 
+    /// - `point`: its index, for messages
+    ///
+    /// # Errors
+    /// A position that is not finite or outside its limits.
+    fn check_position(&self, point: usize, positions: &[f64; N]) -> Result<(), TrajectoryError> {
+        for joint in 0..N {
+            let limits @ [low, high] = self.positions[joint];
+            let position = positions[joint];
+            if !position.is_finite() {
+                return Err(TrajectoryError::NotFinite {
+                    what: format!("point {}, joint {},", point + 1, joint + 1),
+                    value: position,
+                });
+            }
+            if !(low..=high).contains(&position) {
+                return Err(TrajectoryError::PointOutside {
+                    point,
+                    joint,
+                    position,
+                    limits,
+                });
+            }
+        }
+        Ok(())
+    }
+
     /// # Errors
     /// [`TrajectoryError::NotPositive`] for limits that are not positive, or of positions whose upper one is not above the lower.
     fn check(&self) -> Result<(), TrajectoryError> {
@@ -125,6 +155,12 @@ pub trait Trajectory<const N: usize> {
     /// Desired state at `t` (s). Before the start and after the end the robot rests at the first or last position; a time that is NaN counts
     /// as before the start.
     fn sample(&self, t: f64) -> Sample<N>;
+
+    /// The loop begins a period at `time` (s): what is earlier will not be asked for again. A motion that changes while it runs
+    /// takes its changes over here, and nowhere else, so that a period sees one motion. The default does nothing.
+    fn begin_period(&self, time: f64) {
+        let _ = time;
+    }
 }
 
 impl<const N: usize, T: Trajectory<N> + ?Sized> Trajectory<N> for &T {
@@ -135,6 +171,10 @@ impl<const N: usize, T: Trajectory<N> + ?Sized> Trajectory<N> for &T {
     fn sample(&self, t: f64) -> Sample<N> {
         (**self).sample(t)
     }
+
+    fn begin_period(&self, time: f64) {
+        (**self).begin_period(time);
+    }
 }
 
 impl<const N: usize, T: Trajectory<N> + ?Sized> Trajectory<N> for Box<T> {
@@ -144,6 +184,10 @@ impl<const N: usize, T: Trajectory<N> + ?Sized> Trajectory<N> for Box<T> {
 
     fn sample(&self, t: f64) -> Sample<N> {
         (**self).sample(t)
+    }
+
+    fn begin_period(&self, time: f64) {
+        (**self).begin_period(time);
     }
 }
 

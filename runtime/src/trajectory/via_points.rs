@@ -2,7 +2,7 @@
 
 use super::polynomial::Quintic;
 use super::spline::{self, Piece};
-use super::{MotionLimits, Sample, Trajectory, TrajectoryError, require_finite};
+use super::{MotionLimits, Sample, Trajectory, TrajectoryError};
 
 /// A motion through points in joint space that passes those between the first and the last without a stop, and keeps within
 /// limits of positions, speeds and accelerations. It begins and ends at rest, and positions, velocities and accelerations are
@@ -159,18 +159,7 @@ fn check_points<const N: usize>(
         });
     }
     for (k, point) in points.iter().enumerate() {
-        require_finite(&format!("point {}", k + 1), point)?;
-        for joint in 0..N {
-            let [low, high] = limits.positions[joint];
-            if !(low..=high).contains(&point[joint]) {
-                return Err(TrajectoryError::PointOutside {
-                    point: k,
-                    joint,
-                    position: point[joint],
-                    limits: [low, high],
-                });
-            }
-        }
+        limits.check_position(k, point)?;
         if k > 0 && points[k - 1] == *point {
             return Err(TrajectoryError::RepeatedPoint { point: k });
         }
