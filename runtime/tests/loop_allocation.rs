@@ -25,7 +25,7 @@ fn motion() -> RestToRest<2> {
 }
 
 fn controller() -> impl Controller<2, 2> {
-    FeedForwardPd::new(law(), motion(), 1.0 / RATE, 0.01)
+    FeedForwardPd::new(law(), motion(), 1.0 / RATE, 0.01).unwrap()
 }
 
 /// Allocations in so many periods, and records written and dropped.
@@ -34,13 +34,13 @@ fn allocations_of(
     clock: VirtualClock,
     periods: u64,
 ) -> (u64, u64) {
-    let (sink, writer) = log_to(std::io::sink(), 20_000).unwrap();
+    let (sink, writer) = log_to(std::io::sink(), &PowerCube, 20_000).unwrap();
     let settings = LoopSettings {
         // A machine that stalls the server for long shall not end this.
         hold_periods: 1_000_000,
         ..settings(RATE)
     };
-    let mut control: ControlLoop<PowerCube, _, _, _, _, 2, 2> =
+    let mut control: ControlLoop<_, _, _, _, _, 2, 2> =
         ControlLoop::new(settings, law(), motion(), controller(), transport, clock)
             .unwrap()
             .with_log(sink);

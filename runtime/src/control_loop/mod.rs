@@ -35,7 +35,7 @@
 //! let motion = RestToRest::new([0.0, 0.0], [0.2, -0.1], 1.0)?;
 //! let settings = LoopSettings::for_limits(50.0, &PowerCube.limits());
 //! let law = JointPd::new(PowerCube, JointGains::from_bandwidth(&PowerCube, &[0.0; 2], 10.0, 0.7))?;
-//! let controller = FeedForwardPd::new(law.clone(), motion, 0.02, 0.01);
+//! let controller = FeedForwardPd::new(law.clone(), motion, 0.02, 0.01)?;
 //! let clock = VirtualClock::new();
 //! let plant = Plant::new(PowerCube, PlantOptions::default())?;
 //! let robot = InProcess::new(plant, clock.clone(), settings.period());
@@ -49,10 +49,12 @@
 //! ```
 
 mod clock;
+mod computed_torque;
 mod controller;
 mod decide;
-mod feed_forward_pd;
 mod guard;
+mod joint_pd;
+mod law;
 mod log;
 mod monitor;
 mod realtime;
@@ -61,15 +63,19 @@ mod report;
 mod run;
 mod settings;
 mod stop_request;
+mod velocity_filter;
 
 pub use clock::{Clock, MonotonicClock, VirtualClock};
+pub use computed_torque::{AccelerationGains, ComputedTorque, ComputedTorqueError};
 pub use controller::{Command, Controller, ControllerFault, Cycle, Estimate};
-pub use feed_forward_pd::{FeedForwardPd, JointGains, JointPd, JointPdError};
 pub use guard::{EncoderFault, EncoderGuard, GuardSettings};
-pub use log::{LogRecord, LogSink, LogSummary, LogWriter, log_to, log_to_file};
+pub use joint_pd::{JointGains, JointPd, JointPdError};
+pub use law::{FeedForwardPd, JointLaw, LawController};
+pub use log::{LogRecord, LogSink, LogSummary, LogWriter, MAX_LOG_CAPACITY, log_to, log_to_file};
 pub use monitor::LimitFault;
 pub use realtime::{Grant, RealtimeReport, RealtimeRequest};
 pub use report::{Counts, End, LoopReport, Refusal, STAGES, Source, Stage, StopReason};
 pub use run::ControlLoop;
 pub use settings::{LoopSettings, RATES, SettingError};
 pub use stop_request::StopRequest;
+pub use velocity_filter::VelocityFilter;

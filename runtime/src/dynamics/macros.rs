@@ -105,6 +105,14 @@ macro_rules! dynamics {
     };
     (@traits $name:ident, [$($module:ident)::+], $parameters:tt, [Dynamics $functions:tt]) => {
         impl $crate::dynamics::Dynamics<{ $($module)::+::N }, { $($module)::+::M }> for $name {
+            fn joint_names(&self) -> [&'static str; $($module)::+::N] {
+                $($module)::+::JOINT_NAMES
+            }
+
+            fn input_names(&self) -> [&'static str; $($module)::+::M] {
+                $($module)::+::INPUT_NAMES
+            }
+
             fn limits(&self) -> $crate::dynamics::Limits<{ $($module)::+::N }, { $($module)::+::M }> {
                 $crate::dynamics::Limits {
                     position: $($module)::+::POSITION_LIMITS,

@@ -7,6 +7,7 @@
 mod discrete_time;
 mod friction_law;
 mod macros;
+mod names;
 mod parameters;
 mod solve;
 #[cfg(test)]
@@ -16,6 +17,7 @@ mod types;
 
 #[doc(hidden)]
 pub use friction_law::{FrictionLaw, FrictionLawWithParameters};
+pub(crate) use names::{Named, numbered};
 pub use parameters::{NoFreeParameters, without_parameters};
 pub use traits::{Differentiable, Discretizable, Dynamics};
 pub use types::{Discretization, ForceDerivatives, Limits, Linearization, Step};

@@ -6,6 +6,8 @@ use super::*;
 mod cart_pole {
     pub const N: usize = 2;
     pub const M: usize = 1;
+    pub const JOINT_NAMES: [&str; N] = ["cart", "pole, upright"];
+    pub const INPUT_NAMES: [&str; M] = ["belt"];
     pub const POSITION_LIMITS: [[f64; 2]; N] = [[-1.0, 1.0], [f64::NEG_INFINITY, f64::INFINITY]];
     pub const VELOCITY_LIMITS: [f64; N] = [f64::INFINITY; N];
     pub const EFFORT_LIMITS: [f64; N] = [f64::INFINITY; N];
@@ -235,6 +237,12 @@ fn what_a_module_has_is_called() {
 }
 
 #[test]
+fn names_are_those_of_the_module() {
+    assert_eq!(CartPole.joint_names(), ["cart", "pole, upright"]);
+    assert_eq!(CartPole.input_names(), ["belt"]);
+}
+
+#[test]
 fn generic_code_needs_only_the_trait() {
     fn power<const N: usize, const M: usize>(
         robot: &impl Dynamics<N, M>,
@@ -249,8 +257,9 @@ fn generic_code_needs_only_the_trait() {
 /// Modules whose friction depends on the position, with and without free parameters.
 mod toothed {
     pub use super::cart_pole::{
-        EFFORT_LIMITS, INPUT_LIMITS, M, N, PEAK_EFFORT_LIMITS, PEAK_INPUT_LIMITS, POSITION_LIMITS,
-        VELOCITY_LIMITS, coriolis_forces, gravity_forces, input_matrix, mass_matrix, spring_forces,
+        EFFORT_LIMITS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, M, N, PEAK_EFFORT_LIMITS,
+        PEAK_INPUT_LIMITS, POSITION_LIMITS, VELOCITY_LIMITS, coriolis_forces, gravity_forces,
+        input_matrix, mass_matrix, spring_forces,
     };
     pub fn friction_torques(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
         core::array::from_fn(|i| (1.0 + y[i]) * v[i])
@@ -258,9 +267,9 @@ mod toothed {
 }
 mod free_toothed {
     pub use super::free::{
-        EFFORT_LIMITS, INPUT_LIMITS, M, N, PEAK_EFFORT_LIMITS, PEAK_INPUT_LIMITS, POSITION_LIMITS,
-        Parameters, VELOCITY_LIMITS, coriolis_forces, gravity_forces, input_matrix, mass_matrix,
-        spring_forces,
+        EFFORT_LIMITS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, M, N, PEAK_EFFORT_LIMITS,
+        PEAK_INPUT_LIMITS, POSITION_LIMITS, Parameters, VELOCITY_LIMITS, coriolis_forces,
+        gravity_forces, input_matrix, mass_matrix, spring_forces,
     };
     pub fn friction_torques(y: &[f64; N], v: &[f64; N], p: &Parameters) -> [f64; N] {
         core::array::from_fn(|i| p.friction * (1.0 + y[i]) * v[i])
@@ -293,8 +302,8 @@ fn friction_of_the_position_gets_the_position() {
 /// hold and the sensitivities of a step are those of the robot itself.
 mod masses {
     pub use super::cart_pole::{
-        EFFORT_LIMITS, INPUT_LIMITS, PEAK_EFFORT_LIMITS, PEAK_INPUT_LIMITS, POSITION_LIMITS,
-        VELOCITY_LIMITS,
+        EFFORT_LIMITS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, PEAK_EFFORT_LIMITS,
+        PEAK_INPUT_LIMITS, POSITION_LIMITS, VELOCITY_LIMITS,
     };
     pub const N: usize = 2;
     pub const M: usize = 1;

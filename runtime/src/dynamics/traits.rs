@@ -1,6 +1,7 @@
 //! What generic code asks of a robot.
 
 use super::discrete_time;
+use super::names::numbered;
 use super::solve::{product, solve_positive_definite};
 use super::types::{Discretization, ForceDerivatives, Limits, Linearization, Step};
 
@@ -13,6 +14,16 @@ use super::types::{Discretization, ForceDerivatives, Limits, Linearization, Step
 /// The methods with a body combine the others, for modules that were generated without these functions. What a module
 /// has is faster, because it shares work.
 pub trait Dynamics<const N: usize, const M: usize> {
+    /// Names of the coordinates, for messages and logs: the module's `JOINT_NAMES`; "1", "2", … where there are none.
+    fn joint_names(&self) -> [&'static str; N] {
+        numbered()
+    }
+
+    /// Names of the inputs: the module's `INPUT_NAMES`; "1", "2", … where there are none.
+    fn input_names(&self) -> [&'static str; M] {
+        numbered()
+    }
+
     /// Limits of joints and inputs.
     fn limits(&self) -> Limits<N, M>;
 
