@@ -336,6 +336,8 @@ fn run(
     let mut command = Command::new(program);
     // The flags of the calling cargo would be taken for this file's.
     command
+        // The user's clippy knows nothing of what this crate may not call.
+        .env("CLIPPY_CONF_DIR", folder)
         .env_remove("CARGO_ENCODED_RUSTFLAGS")
         .env_remove("RUSTFLAGS")
         .current_dir(folder);
