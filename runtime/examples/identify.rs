@@ -79,10 +79,8 @@ fn run() -> Outcome<()> {
     let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/powercube.toml");
     let base = base.canonicalize()?.display().to_string();
     let description = folder.join("powercube_identified.toml");
-    std::fs::write(
-        &description,
-        description_toml("powercube_identified", &base, &results)?,
-    )?;
+    let text = description_toml("powercube_identified", &base, &results)?;
+    write(&description, &text)?;
     println!("\nwritten to {}; next:", folder.display());
     println!(
         "  cargo run --release -- generate {}",
@@ -238,6 +236,10 @@ fn simulated_log(folder: &Path, short: bool) -> Outcome<PathBuf> {
     Ok(path)
 }
 
+/// All of it or nothing: the generator reads what is written here.
 fn write(path: &Path, text: &str) -> Outcome<()> {
-    std::fs::write(path, text).map_err(|e| format!("{}: {e}", path.display()).into())
+    let part = path.with_extension("part");
+    std::fs::write(&part, text)
+        .and_then(|()| std::fs::rename(&part, path))
+        .map_err(|e| format!("{}: {e}", path.display()).into())
 }
