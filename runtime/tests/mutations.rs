@@ -399,8 +399,7 @@ fn loop_log() -> Vec<u8> {
     }
     drop(sink);
     writer.finish().unwrap();
-    let bytes = text.0.lock().unwrap().clone();
-    bytes
+    text.0.lock().unwrap().clone()
 }
 
 /// A log of another kind: units, runs, counters.
