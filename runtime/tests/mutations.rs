@@ -1,8 +1,8 @@
 //! What arrives from outside, spoilt in every way: datagrams, frames of a CAN bus, logs, recordings. Nothing panics, nothing hangs,
 //! nothing damaged is taken for sound.
 //!
-//! In CI a few thousand of each. The long form, a million datagrams for each of their readers and a hundred thousand logs, takes some
-//! ten minutes and also fails where a single one takes more than ten seconds:
+//! In CI a few thousand of each. The long form, a million datagrams for each of their readers and a hundred thousand logs, takes one
+//! or two minutes and also fails where a single one takes more than ten seconds:
 //!
 //! ```text
 //! GELENK_MUTATIONS=long cargo test --release -p gelenk-runtime --test mutations -- --nocapture
