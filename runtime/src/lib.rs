@@ -59,7 +59,7 @@
 //!
 //! In the order in which a newcomer reads it:
 //!
-//! 1. [`dynamics`]: the traits [`Dynamics`](dynamics::Dynamics), [`Differentiable`](dynamics::Differentiable) and
+//! 1. [`mod@dynamics`]: the traits [`Dynamics`](dynamics::Dynamics), [`Differentiable`](dynamics::Differentiable) and
 //!    [`Discretizable`](dynamics::Discretizable), the macros [`dynamics!`] and [`include_model!`], limits and names of joints.
 //! 2. [`trajectory`]: motions from rest to rest, through points with and without a stop, of recordings, for identification; whether
 //!    they keep a model's limits. Targets that change while the robot moves are the feature `online-targets`. [`kinematics`]: joint
