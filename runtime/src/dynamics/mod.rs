@@ -13,6 +13,9 @@ mod tests;
 mod traits;
 mod types;
 
-pub(crate) use names::{Named, numbered};
+#[cfg(any(feature = "control", feature = "identification"))]
+pub(crate) use names::Named;
+#[cfg(feature = "control")]
+pub(crate) use names::numbered;
 pub use traits::{Differentiable, Discretizable, Dynamics};
 pub use types::{Discretization, ForceDerivatives, Limits, Linearization, Step};
