@@ -114,7 +114,7 @@ fn cartesian(folder: &Folder) -> Outcome<()> {
         "straight_ways.svg",
         "Puma 560, straight there and back",
         &motion,
-        gelenk_generated::puma560::JOINT_NAMES,
+        puma560::JOINT_NAMES,
     )
 }
 
