@@ -236,6 +236,7 @@ fn simulated_log(folder: &Path, short: bool) -> Outcome<PathBuf> {
     Ok(path)
 }
 
+/// All of it or nothing: the generator reads what is written here.
 fn write(path: &Path, text: &str) -> Outcome<()> {
     write_whole(path, text).map_err(|e| format!("{}: {e}", path.display()).into())
 }

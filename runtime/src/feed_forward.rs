@@ -215,9 +215,10 @@ fn product<const L: usize>(a: &[f64; L], b: &[f64; L]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// None for matrices that are zero or not finite.
+/// None for matrices that are empty, zero or not finite.
 fn pseudo_inverse<const N: usize, const M: usize>(matrix: &[[f64; M]; N]) -> Option<[[f64; N]; M]> {
-    if !matrix.iter().flatten().all(|x| x.is_finite()) {
+    // A robot without drives has no singular values either.
+    if N * M == 0 || !matrix.iter().flatten().all(|x| x.is_finite()) {
         return None;
     }
     let svd = DMatrix::from_fn(N, M, |i, j| matrix[i][j]).svd(true, true);
@@ -229,4 +230,19 @@ fn pseudo_inverse<const N: usize, const M: usize>(matrix: &[[f64; M]; N]) -> Opt
     Some(core::array::from_fn(|j| {
         core::array::from_fn(|i| inverse[(j, i)])
     }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn robots_without_drives_have_no_feed_forward() {
+        assert_eq!(pseudo_inverse::<2, 0>(&[[], []]), None);
+        assert_eq!(pseudo_inverse::<0, 2>(&[]), None);
+        assert_eq!(pseudo_inverse(&[[0.0, 0.0]]), None);
+        assert_eq!(pseudo_inverse(&[[f64::NAN]]), None);
+        let inverse = pseudo_inverse(&[[0.0, 4.0]]).unwrap();
+        assert!(inverse[0][0].abs() < 1e-15 && (inverse[1][0] - 0.25).abs() < 1e-15);
+    }
 }

@@ -89,3 +89,28 @@ fn sleeping_does_not_allocate() {
     }
     assert_eq!(allocations::count() - before, 0);
 }
+
+/// Nor does what the loop computes for the caches.
+#[test]
+fn warm_ups_do_not_allocate() {
+    use gelenk_runtime::control_loop::Cycle;
+    use gelenk_runtime::mpc::{LtvMpc, MpcOptions, Nmpc};
+    let options = || MpcOptions::new(&PowerCube, 0.02, 5);
+    let controllers: [Box<dyn Controller<2, 2>>; 3] = [
+        Box::new(controller()),
+        Box::new(LtvMpc::<_, _, 2, 2, 4>::new(PowerCube, motion(), options()).unwrap()),
+        Box::new(Nmpc::<_, _, 2, 2, 4>::new(PowerCube, motion(), options()).unwrap()),
+    ];
+    for mut controller in controllers {
+        controller.reset(&START, &[0.0; 2]);
+        let next = Cycle {
+            positions: Some(START),
+            ..Cycle::default()
+        };
+        let before = allocations::count();
+        for _ in 0..3 {
+            controller.warm_up(&next);
+        }
+        assert_eq!(allocations::count() - before, 0);
+    }
+}

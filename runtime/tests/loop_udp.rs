@@ -485,8 +485,48 @@ fn a_server_that_is_behind_its_clock_goes_on() {
     });
     std::thread::sleep(Duration::from_millis(20));
     let address = server.local_address().unwrap();
-    let serving = std::thread::spawn(move || server.serve(Duration::from_millis(300)));
+    let answered = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
+    let done = std::sync::Arc::clone(&answered);
+    let serving = std::thread::spawn(move || {
+        while !done.load(std::sync::atomic::Ordering::Relaxed) {
+            server.serve_one().unwrap();
+        }
+    });
     let mut link = connect(address);
     assert!(link.read().unwrap().is_some());
+    answered.store(true, std::sync::atomic::Ordering::Relaxed);
+    serving.join().unwrap();
+}
+
+/// What drives measure comes through the socket.
+#[test]
+fn velocities_and_torques_come_over_udp() {
+    use gelenk_runtime::transport::{Pace, PlantServer, ServerOptions};
+    let measuring = gelenk_runtime::plant::PlantOptions {
+        velocity_noise: Some([0.0; 2]),
+        torque_noise: Some([0.0; 2]),
+        ..support::robot::plant_options()
+    };
+    let plant = support::robot::plant_at(START, measuring);
+    let options = ServerOptions {
+        pace: Pace::LockStep,
+        ..ServerOptions::default()
+    };
+    let mut server: PlantServer<PowerCube, 2, 2> =
+        PlantServer::bind(plant, "127.0.0.1:0", options).unwrap();
+    let address = server.local_address().unwrap();
+    let serving = std::thread::spawn(move || server.serve(Duration::from_secs(1)));
+    let mut link = connect(address);
+    link.release().unwrap();
+    for _ in 0..5 {
+        link.write(&[0.3, -0.1]).unwrap();
+        let reading = link.read().unwrap().unwrap();
+        let (state, _) = link.inspect().unwrap().unwrap();
+        assert_eq!(reading.velocities, Some(state.velocities));
+        // The gear ratio is 161.
+        let torques = reading.torques.unwrap();
+        assert!((torques[0] - 48.3).abs() < 1e-9 && (torques[1] + 16.1).abs() < 1e-9);
+    }
+    drop(link);
     serving.join().unwrap().unwrap();
 }

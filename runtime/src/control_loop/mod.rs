@@ -1,11 +1,11 @@
 //! The loop that drives a robot at a fixed rate, 50 Hz to 1 kHz.
 //!
 //! ```text
-//!        sleep until t_k = t_0 + k T, absolute
+//!        sleep until t_k = t_0 + k T, absolute; shortly before, the controller is computed once for the caches
 //!          │
-//!        read ── missing, NaN, jump, frozen ──► n periods bridged, then brakes
+//!        read ── missing, NaN, jump, frozen, velocity beside position ──► n periods bridged, then brakes
 //!          │
-//!        control ── fails ──► shifted plan ──► feed-forward with joint PD ──► controlled stop
+//!        control ── fails ──► shifted plan ──► fallback law (joint PD) ──► controlled stop
 //!          │
 //!        check: inputs cut off; position, braking distance, speed, following error ──► brakes
 //!          │
@@ -14,9 +14,13 @@
 //!        log: a queue without locks, a thread that writes CSV
 //! ```
 //!
-//! [`ControlLoop`] joins a [`Controller`], a [`Transport`](crate::transport::Transport) and a [`Clock`]. The limits and guards
-//! are its own and do not trust the controller. What it does on each fault is listed in
+//! [`ControlLoop`] joins a [`Controller`], a [`Transport`](crate::transport::Transport) and a [`Clock`]; [`write_a_controller`] is
+//! the guide to your own. The limits and guards are the loop's own and do not trust the controller. What it does on each fault is listed in
 //! [`attaching_hardware`](crate::transport::attaching_hardware); the [`LoopReport`] says what happened.
+//!
+//! Velocities, for the speed limit, the braking distance, the fallback and the log, are those that the robot measures where it
+//! does, after the guard has compared them with the positions; else low-pass filtered differences of positions
+//! ([`VelocityFilter`]).
 //!
 //! In real time, call [`RealtimeRequest::apply`] in the loop's thread, after everything is made. In tests, a [`VirtualClock`]
 //! makes a run exact and quick:
@@ -64,6 +68,8 @@ mod run;
 mod settings;
 mod stop_request;
 mod velocity_filter;
+#[doc = include_str!("write_a_controller.md")]
+pub mod write_a_controller {}
 
 pub use clock::{Clock, MonotonicClock, VirtualClock};
 pub use computed_torque::{AccelerationGains, ComputedTorque, ComputedTorqueError};

@@ -252,7 +252,7 @@ impl fmt::Display for LoopReport {
         )?;
         write!(
             f,
-            "{} readings missing, {} not finite, {} jumped, {} frozen, {} with velocities beside their positions; \
+            "{} readings missing, {} not finite, {} jumped, {} frozen, {} contradicted by their velocities; \
              {} inputs limited; {} controller faults; {} transport errors",
             c.missing,
             c.not_finite,

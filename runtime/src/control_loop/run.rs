@@ -495,7 +495,7 @@ where
             positions,
             self.state.filter.velocities(),
         ));
-        if matches!(self.state.phase, Phase::Idle | Phase::Running) {
+        if !matches!(self.state.phase, Phase::Stopping(_)) {
             self.controller.warm_up(&Cycle {
                 time,
                 positions: Some(*positions),

@@ -54,7 +54,9 @@ pub struct LoopSettings<const N: usize, const M: usize> {
     /// Time before each period in which the controller's step, and the fallback's, are computed once for the caches alone
     /// (s); 0: not at all. A step after a pause otherwise waits for memory. At most half a period; the loop measures what it
     /// takes before the brakes are released, and leaves it out for good once it takes longer than this. It costs the time
-    /// of a step in every period, and a second wake-up of the thread.
+    /// of a step in every period, and a second wake-up of the thread. Measured at 50 Hz (`benches/warm_up.rs`): the first step of a
+    /// joint PD or of computed torque for six joints becomes twice as fast, that of an LTV-MPC 1.2 to 1.7 times; the long one of an
+    /// NMPC gains nothing.
     pub warm_up: f64,
     /// Budget of each stage; overruns are counted. A missed deadline is what the loop acts on.
     pub budgets: [Duration; STAGES],

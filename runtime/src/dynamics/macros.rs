@@ -25,6 +25,8 @@
 ///
 /// `Discretizable []` takes nothing from the module: the bodies of the trait discretize what `linearize` gives.
 ///
+/// Limits and the names of joints and inputs are always taken from the module's constants.
+///
 /// A module with free parameters is wrapped with them; the type then has a field `parameters`, and `Default`:
 ///
 /// ```

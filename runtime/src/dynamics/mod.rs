@@ -17,7 +17,10 @@ mod types;
 
 #[doc(hidden)]
 pub use friction_law::{FrictionLaw, FrictionLawWithParameters};
-pub(crate) use names::{Named, numbered};
+#[cfg(any(feature = "control", feature = "identification"))]
+pub(crate) use names::Named;
+#[cfg(feature = "control")]
+pub(crate) use names::numbered;
 pub use parameters::{NoFreeParameters, without_parameters};
 pub use traits::{Differentiable, Discretizable, Dynamics};
 pub use types::{Discretization, ForceDerivatives, Limits, Linearization, Step};

@@ -215,23 +215,34 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> PlantServer<D, N, M> {
             Err(e) if e.kind() == io::ErrorKind::Interrupted => return Ok(false),
             Err(e) => return Err(e.into()),
         };
-        let Ok(question) = Datagram::<N, M>::decode(&buffer[..length]) else {
+        let Ok(question) = Datagram::decode(&buffer[..length]) else {
             return Ok(false);
         };
-        if let Some(message) = self.answer(&question)? {
-            let answer = Datagram {
-                session: self.options.session,
-                sequence: question.sequence,
-                brakes: self.brakes(),
-                message,
-            };
-            let mut buffer = [0; MAX_DATAGRAM];
-            if let Ok(bytes) = answer.encode(&mut buffer) {
-                // What cannot be sent is lost, as on any network.
-                let _ = self.socket.send_to(bytes, from);
-            }
+        let mut buffer = [0; MAX_DATAGRAM];
+        if let Some(answer) = self.respond(&question)?
+            && let Ok(bytes) = answer.encode(&mut buffer)
+        {
+            // What cannot be sent is lost, as on any network.
+            let _ = self.socket.send_to(bytes, from);
         }
         Ok(true)
+    }
+
+    /// Takes in what a controller says and answers it, if it is a question: for connections other than this server's socket.
+    ///
+    /// # Errors
+    /// [`ServerError`].
+    pub fn respond(
+        &mut self,
+        question: &Datagram<N, M>,
+    ) -> Result<Option<Datagram<N, M>>, ServerError> {
+        let message = self.answer(question)?;
+        Ok(message.map(|message| Datagram {
+            session: self.options.session,
+            sequence: question.sequence,
+            brakes: self.brakes(),
+            message,
+        }))
     }
 
     fn answer(&mut self, question: &Datagram<N, M>) -> Result<Option<Message<N, M>>, ServerError> {

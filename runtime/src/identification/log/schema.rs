@@ -47,7 +47,9 @@ pub struct ChannelSchema {
     pub motor_constant: Option<f64>,
 }
 
-/// Mapping of columns to channels.
+/// Mapping of columns to channels. Without one, columns are known by their names: `q1`, `dq1 [deg/s]`, `tau2`, and those of
+/// the control loop's log (`control_loop::log_to_file`), `q_NAME`, `dq_NAME`, `u_NAME`, whose joints are told apart by their
+/// names.
 ///
 /// ```toml
 /// [[channel]]
