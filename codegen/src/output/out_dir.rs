@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use super::builder::{self, BuildError, Robot};
 use super::left_over;
 use super::write::{Planned, Replaces, WriteError};
-use crate::diagnostic::Diagnostics;
+use crate::diagnostic::{Diagnostics, Severity};
 use crate::emit::{FIRST_LINE, documentation};
 
 /// The list of modules, for the macro.
@@ -85,14 +85,20 @@ impl OutDir {
     fn tell(&self, name: &str, notes: &Diagnostics) -> Result<(), BuildError> {
         let file = format!("gelenk.{name}.notes");
         let path = self.folder.join(&file);
-        if notes.is_empty() {
+        let (mere, grave): (Vec<_>, Vec<_>) = notes
+            .entries()
+            .iter()
+            .partition(|note| note.severity == Severity::Note);
+        // What is more than a note is for Cargo to repeat.
+        grave.into_iter().for_each(builder::warn);
+        if mere.is_empty() {
             // What cannot be removed is at worst taken for shown, later, if the same notes come back.
             let _ = fs::remove_file(&path);
             return Ok(());
         }
-        let text = format!("{notes}\n");
+        let text: String = mere.iter().map(|note| format!("{note}\n")).collect();
         if !super::check(&path, &text) {
-            notes.entries().iter().for_each(builder::warn);
+            mere.into_iter().for_each(builder::warn);
         }
         self.put(&file, &text)?;
         builder::watch(&path);
