@@ -1,6 +1,10 @@
 //! No text makes the readers panic, and large ones are read in reasonable time.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "a test fails by panicking"
+)]
 
 use gelenk_codegen::diagnostic::{Diagnostic, Diagnostics};
 use gelenk_codegen::model::{Model, ReadOptions, from_toml, from_urdf};
