@@ -4,8 +4,10 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::diagnostic::nearest;
 use crate::emit::Scalar;
-use crate::model::ReadOptions;
+
+use crate::model::{FUNCTIONS, ReadOptions, is_known_function};
 
 /// Robot dynamics as plain Rust: reads a kinematic description, derives the equations of motion, writes one module.
 #[derive(Debug, Parser)]
@@ -221,7 +223,7 @@ pub(super) struct Modules {
 pub(super) struct Choices {
     /// Functions to generate, separated by commas [default: those of the description, else all but
     /// inverse_dynamics_hessian]
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = function)]
     pub(super) functions: Vec<String>,
     /// Number type of the module
     #[arg(long, value_enum, default_value_t = ScalarName::F64)]
@@ -229,7 +231,7 @@ pub(super) struct Choices {
     #[command(flatten)]
     pub(super) reading: Reading,
     /// Functions that are also written over eight states at once, separated by commas
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = function)]
     pub(super) lanes: Vec<String>,
     /// Contract products and sums to fused multiply-adds; the module then compiles only with std and for processors
     /// that have them
@@ -275,6 +277,19 @@ pub(super) enum Stage {
     Program,
     /// The Rust text
     Source,
+}
+
+/// The name of a function; whether the robot has such a frame is seen later.
+fn function(text: &str) -> Result<String, String> {
+    let name = text.trim();
+    if is_known_function(name) {
+        return Ok(name.to_owned());
+    }
+    if name.contains(char::is_whitespace) {
+        return Err("names are separated by commas".to_owned());
+    }
+    let near = nearest(name, FUNCTIONS).unwrap_or_default();
+    Err(format!("there is no such function; {near}"))
 }
 
 fn small_angle(text: &str) -> Result<f64, String> {

@@ -354,4 +354,38 @@ mod tests {
         );
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }
+
+    #[test]
+    fn a_pair_is_two_modules_and_neither_takes_the_name_of_another() {
+        let folder = tempfile::tempdir().unwrap();
+        let joint = "[[joints]]\nname = \"swing\"\nfriction = { coulomb = 1 }\n[[bodies]]\nlink = \"swing\"\nmass = 1\ninertia = 1\n";
+        let description = |name: &str| {
+            let path = folder.path().join(format!("{name}.toml"));
+            std::fs::write(&path, joint).unwrap();
+            path
+        };
+        let output = folder.path().join("out");
+        let builder = || {
+            let builder = Builder::new().output_folder(&output).control_model(50.0);
+            builder
+                .functions(["friction_torques"])
+                .description(description("arm"))
+        };
+        let names = |paths: Vec<PathBuf>| -> Vec<String> {
+            let names = paths.iter().filter_map(|path| path.file_name()?.to_str());
+            names.map(str::to_owned).collect()
+        };
+        let paths = builder().try_generate().unwrap();
+        assert_eq!(names(paths), ["arm.rs", "arm_control.rs"]);
+        let text = |name: &str| std::fs::read_to_string(output.join(name)).unwrap();
+        assert!(text("arm.rs").contains("sign(v[0])"));
+        assert!(text("arm_control.rs").contains("math::tanh("));
+        // A robot of that name would be written over, or write over.
+        let both = builder().description(description("arm_control"));
+        let error = both.try_generate().unwrap_err();
+        assert!(
+            matches!(&error, BuildError::SameName(name) if name == "arm_control"),
+            "{error}"
+        );
+    }
 }

@@ -18,7 +18,7 @@ pub fn is_root(path: &Path) -> bool {
     begins_with(path, ROOT)
 }
 
-fn begins_with(path: &Path, expected: &str) -> bool {
+pub(super) fn begins_with(path: &Path, expected: &str) -> bool {
     // To open a pipe would wait for its other end.
     if !path.is_file() {
         return false;

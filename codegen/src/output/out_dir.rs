@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use super::builder::{self, BuildError, Robot};
-use super::left_over;
+use super::crate_root::{begins_with, left_over};
 use super::write::{Planned, Replaces, WriteError};
-use crate::diagnostic::Diagnostics;
+use crate::diagnostic::{Diagnostics, Severity};
 use crate::emit::{FIRST_LINE, documentation};
 
 /// The list of modules, for the macro.
@@ -64,7 +64,8 @@ impl OutDir {
             move |source| BuildError::Write(WriteError::System { path, source })
         };
         for path in left_over(&self.folder, names).map_err(fault(&self.folder))? {
-            if path.file_name().is_some_and(|name| name != LIST) {
+            let is_list = path.file_name().is_some_and(|name| name == LIST);
+            if !is_list && begins_with(&path, &header()) {
                 fs::remove_file(&path).map_err(fault(&path))?;
             }
         }
@@ -85,14 +86,20 @@ impl OutDir {
     fn tell(&self, name: &str, notes: &Diagnostics) -> Result<(), BuildError> {
         let file = format!("gelenk.{name}.notes");
         let path = self.folder.join(&file);
-        if notes.is_empty() {
+        let (mere, grave): (Vec<_>, Vec<_>) = notes
+            .entries()
+            .iter()
+            .partition(|note| note.severity == Severity::Note);
+        // What is more than a note is for Cargo to repeat.
+        grave.into_iter().for_each(builder::warn);
+        if mere.is_empty() {
             // What cannot be removed is at worst taken for shown, later, if the same notes come back.
             let _ = fs::remove_file(&path);
             return Ok(());
         }
-        let text = format!("{notes}\n");
+        let text: String = mere.iter().map(|note| format!("{note}\n")).collect();
         if !super::check(&path, &text) {
-            notes.entries().iter().for_each(builder::warn);
+            mere.into_iter().for_each(builder::warn);
         }
         self.put(&file, &text)?;
         builder::watch(&path);
@@ -115,10 +122,15 @@ fn list(modules: &[(String, PathBuf)]) -> String {
         named.collect::<Vec<_>>().join(", ")
     );
     format!(
-        "{FIRST_LINE}\n//\n//     {}\n\n#[doc(hidden)]\nmacro_rules! gelenk_module {{\n{arms}    ($other:ident) => {{\n        compile_error!(concat!(\n            \
+        "{}\n\n#[doc(hidden)]\n#[allow(unused_macro_rules)]\nmacro_rules! gelenk_module {{\n{arms}    ($other:ident) => {{\n        compile_error!(concat!(\n            \
          \"the build script generates no robot `\",\n            stringify!($other),\n            {known:?}\n        ));\n    }};\n}}\n",
-        builder::command()
+        header()
     )
+}
+
+/// What the files of this build script begin with, and no others: what a build script has made by the program stays.
+fn header() -> String {
+    format!("{FIRST_LINE}\n//\n//     {}\n", builder::command())
 }
 
 #[cfg(test)]

@@ -32,7 +32,8 @@ impl Prepared {
         if let Ok(old) = fs::metadata(&target) {
             file.as_file().set_permissions(old.permissions())?;
         }
-        file.write_all(content)?;
+        // By the file itself: the wrapper's messages name a file that nobody knows.
+        file.as_file_mut().write_all(content)?;
         file.as_file().sync_data()?;
         Ok(Self { file, target })
     }
@@ -104,5 +105,6 @@ fn temporary_file(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.prefix(".gelenk-").tempfile_in(folder)
+    let made = builder.prefix(".gelenk-").tempfile_in(folder);
+    made.map_err(|error| error.kind().into())
 }

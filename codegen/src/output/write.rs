@@ -81,11 +81,11 @@ impl fmt::Display for WriteError {
             }
             Self::Foreign { .. } => f.write_str("it holds what gelenk has not generated")?,
         }
-        f.write_str("\n  = help: name another file")?;
-        match self {
-            Self::Foreign { .. } => f.write_str(", or remove this one first"),
-            Self::System { .. } | Self::Read { .. } => Ok(()),
-        }
+        f.write_str(match self {
+            Self::System { .. } => "\n  = help: name a file that may be written",
+            Self::Read { .. } => "\n  = help: name another file",
+            Self::Foreign { .. } => "\n  = help: name another file, or remove this one first",
+        })
     }
 }
 

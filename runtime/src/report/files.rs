@@ -18,6 +18,10 @@ pub(super) fn write(
     files: &[(String, String)],
 ) -> Result<Vec<PathBuf>, ReportError> {
     let old = old_tables(folder);
+    if folder.is_file() {
+        let why = io::Error::new(io::ErrorKind::NotADirectory, "it is a file, not a folder");
+        return Err(fault(folder)(why));
+    }
     fs::create_dir_all(folder).map_err(fault(folder))?;
     for (name, content) in files {
         check(folder, name, content, &old).map_err(fault(&folder.join(name)))?;
