@@ -10,6 +10,7 @@
 //! and [`Builder`] for the rest. [`guide`] holds conventions and signs, how to read generated code, and how to add a joint
 //! type.
 
+mod advice;
 #[cfg(feature = "cli")]
 pub mod cli;
 #[cfg(feature = "symbolica")]

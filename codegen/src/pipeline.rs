@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::advice;
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::dynamics::array_form::Form;
 use crate::dynamics::composition::Composition;
@@ -103,7 +104,9 @@ pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generat
     } = selected;
     let notes = snapping::priced(notes, description, &read_options, &functions);
     let (lanes, obstacles) = lanes.possible(&functions, options.emit.math);
-    let notes = Diagnostics::new([notes.into_entries(), left_out, obstacles].concat());
+    let advice = advice::notes(&model, &functions, &compositions);
+    let notes = [notes.into_entries(), left_out, advice, obstacles];
+    let notes = Diagnostics::new(notes.concat());
     let emit_options = EmitOptions {
         lanes,
         ..options.emit.clone()

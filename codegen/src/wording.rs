@@ -18,6 +18,15 @@ pub(crate) fn listed(entries: impl ExactSizeIterator<Item = String>) -> String {
     }
 }
 
+/// A word for the shell, in single quotes where it needs them.
+pub(crate) fn quoted(word: &str) -> String {
+    let is_plain = |letter: char| letter.is_alphanumeric() || "_-./,".contains(letter);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', r"'\''"))
+}
+
 /// With three significant digits: `0.0123`, `63.8`, `2.41e-35`.
 pub(crate) fn three_digits(x: f64) -> String {
     digits(x, 3)
@@ -40,7 +49,7 @@ const MOST_DIGITS: usize = 17;
 fn digits(x: f64, count: usize) -> String {
     let x = rounded(x, count);
     match x.abs() {
-        size if size == 0.0 || (1e-3..1e6).contains(&size) || !size.is_finite() => x.to_string(),
+        size if size == 0.0 || (1e-4..1e6).contains(&size) || !size.is_finite() => x.to_string(),
         _ => format!("{x:e}"),
     }
 }

@@ -15,6 +15,7 @@ use crate::dynamics::array_form::Form;
 use crate::emit::EmitOptions;
 use crate::output::{self, Outcome};
 use crate::pipeline::{self, GenerateOptions, Generated};
+pub(super) use crate::wording::quoted;
 
 /// Writes one description's module, or all.
 pub(super) fn generate(arguments: &Generate, format: Format) -> Result<ExitCode, Failure> {
@@ -302,15 +303,6 @@ pub(super) fn command(
         words.push(format!("--max-operations {most}"));
     }
     words.join(" ")
-}
-
-/// A word for the shell, in single quotes where it needs them.
-pub(super) fn quoted(word: &str) -> String {
-    let is_plain = |letter: char| letter.is_alphanumeric() || "_-./,".contains(letter);
-    if !word.is_empty() && word.chars().all(is_plain) {
-        return word.to_owned();
-    }
-    format!("'{}'", word.replace('\'', r"'\''"))
 }
 
 /// Where the module goes, and whether that is the workspace's own crate.

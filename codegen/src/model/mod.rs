@@ -18,7 +18,11 @@ mod toml_forces;
 mod toml_values;
 mod tree;
 mod urdf;
+mod urdf_limits;
+mod urdf_notes;
+mod urdf_text;
 mod validate;
+mod xacro;
 
 pub use angles::{NEARLY_RIGHT, NEARLY_RIGHT_ANGLE};
 pub use options::{FUNCTIONS, is_known_function};
@@ -154,6 +158,15 @@ impl Model {
     #[must_use]
     pub fn joints_without_inertia(&self) -> Vec<&Joint> {
         self.joints_of(&regularity::Pivots::of(self).zero)
+    }
+
+    /// For each coordinate the smallest pivot of M at seeded states.
+    pub(crate) fn least_pivots(&self) -> Vec<f64> {
+        let least = regularity::Pivots::of(self).least;
+        let pivots = self.coordinates.iter();
+        pivots
+            .filter_map(|&link| least.get(link).copied())
+            .collect()
     }
 
     /// The joints of these links.

@@ -57,18 +57,13 @@ impl Builder<'_, '_> {
         })
     }
 
-    fn moves(&self, joint: usize) -> bool {
-        let joint = &self.robot.joints[joint];
-        joint.kind.is_some_and(|kind| kind != JointKind::Fixed) && joint.held.is_none()
-    }
-
     /// Link indices of the moving joints: as listed, else as described, else in the order of the tree.
     fn coordinates(&mut self) -> Option<Vec<usize>> {
         let mut moving: Vec<(usize, usize)> = Vec::new();
         for (link, joint) in self.tree.joints.iter().enumerate() {
             moving.extend(
                 joint
-                    .filter(|joint| self.moves(*joint))
+                    .filter(|joint| self.robot.joints[*joint].moves())
                     .map(|joint| (joint, link)),
             );
         }
