@@ -186,6 +186,10 @@ fn weights(robot: &Robot<'_>, state: &State) -> Option<Vec<f64>> {
     Some(diagonal.iter().map(root).collect())
 }
 
+fn magnitudes(values: &[f64]) -> Vec<f64> {
+    values.iter().map(|x| x.abs()).collect()
+}
+
 fn over(values: &[f64], weights: &[f64]) -> Vec<f64> {
     values.iter().zip(weights).map(|(x, w)| x / w).collect()
 }
@@ -204,11 +208,15 @@ fn joint_forces(robot: &Robot<'_>, u: &[f64]) -> Option<Vec<f64>> {
     Some(rows.map(|row| product(row, u)).collect())
 }
 
-/// The forces at a state, beside which differences are judged.
+/// The forces at a state, beside which differences are judged. Those of the accelerations are sums of magnitudes: where light
+/// bodies are flung about, M ÿ is small beside its terms, and rounding is that of the terms.
 fn forces(robot: &Robot<'_>, state: &State, a: &[f64]) -> Option<[Vec<f64>; 4]> {
     let (y, v) = (&state.y, &state.v);
     Some([
-        matrix_times(&robot.first("mass_matrix", &[y])?, a),
+        matrix_times(
+            &magnitudes(&robot.first("mass_matrix", &[y])?),
+            &magnitudes(a),
+        ),
         robot.first("coriolis_forces", &[y, v])?,
         robot.first("applied_forces", &[y, v])?,
         joint_forces(robot, &state.u)?,
