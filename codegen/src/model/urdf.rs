@@ -13,7 +13,7 @@ use super::urdf_text::UrdfText;
 use super::{FrictionTerm, JointKind, Pose, ReadOptions, xacro};
 use crate::diagnostic::{At, Report, Span};
 use crate::formula::{Formula, Function, LARGEST_NUMBER, too_large};
-use crate::wording::three_digits;
+use crate::wording::{as_written, three_digits};
 use roxmltree::{Attribute, Document, Node};
 use std::path::Path;
 
@@ -344,7 +344,11 @@ impl Reader<'_> {
         };
         let length = norm(&axis.value);
         if length == 0.0 || !length.is_finite() {
-            let message = format!("the axis of joint `{}` has length {length}", name.value);
+            let message = format!(
+                "the axis of joint `{}` has length {}",
+                name.value,
+                three_digits(length)
+            );
             self.report.error(axis.span, "axis-not-unit", message);
             return None;
         }
@@ -390,7 +394,8 @@ impl Reader<'_> {
     ) -> Option<FrictionTerm> {
         let number = self.number(node, key)?;
         if number.value < 0.0 {
-            let message = format!("joint `{}` has negative {key} {}", name.value, number.value);
+            let value = as_written(number.value);
+            let message = format!("joint `{}` has negative {key} {value}", name.value);
             self.report.error(number.span, "negative-friction", message);
         }
         let coefficient = Formula::Number(number.value);

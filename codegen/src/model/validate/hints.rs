@@ -9,7 +9,7 @@ use super::super::name::identifier;
 use super::super::tree::Tree;
 use crate::diagnostic::{Report, Span};
 use crate::formula::Formula;
-use crate::wording::{list, listed, three_digits};
+use crate::wording::{as_written, list, listed, three_digits};
 
 /// No link of a robot is so long [m]; a robot in millimetres has longer ones.
 const FAR: f64 = 50.0;
@@ -41,10 +41,16 @@ fn note_degrees(robot: &RobotDescription, report: &mut Report) {
         let limits = joint.limits.position.as_ref();
         if let Some(limits) = limits.filter(|limits| are_degrees(limits.value)) {
             let [low, high] = limits.value;
-            found.push((limits.span, format!("{name} from {low} to {high}")));
+            found.push((
+                limits.span,
+                format!("{name} from {} to {}", as_written(low), as_written(high)),
+            ));
         }
         if let Some(held) = joint.held.filter(|&held| looks_like_degrees(held)) {
-            found.push((joint.name.span, format!("{name} held at {held}")));
+            found.push((
+                joint.name.span,
+                format!("{name} held at {}", as_written(held)),
+            ));
         }
     }
     let Some((first, _)) = found.first() else {
