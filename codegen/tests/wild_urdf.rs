@@ -523,3 +523,16 @@ fn stiff_and_jumping_friction_is_noted() {
     assert_eq!(codes(&jumping), ["sign-derivative"]);
     assert!(codes(&said("<dynamics friction=\"0.3\"/>", &["forward_dynamics"])).is_empty());
 }
+
+/// Some exporters write meshes into the file.
+#[test]
+fn files_of_many_megabytes_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("r.urdf");
+    let mesh = "0.125 ".repeat(7_000_000);
+    let text = one_joint("revolute", REAL, LIMIT);
+    let text = text.replace("</robot>", &format!("<gazebo>{mesh}</gazebo></robot>"));
+    std::fs::write(&path, text).unwrap();
+    let loaded = gelenk_codegen::model::read(&path, &ReadOptions::default()).unwrap();
+    assert_eq!(loaded.model.links.len(), 2);
+}

@@ -60,9 +60,11 @@ pub fn derive(model: &Model, request: &Request<'_>) -> Result<Selection, Diagnos
     let rows = left_out.many_frames(model, &wanted, rows(model));
     let rows = left_out.without_inverse(model, &wanted, rows)?;
     let rows = left_out.too_large_before(model, &wanted, rows, &forms)?;
+    let definiteness = model.definiteness();
     let mut functions: Vec<Function> = Vec::new();
     for row in rows {
-        let function = row.derive(model, &formulations, &forms);
+        let mut function = row.derive(model, &formulations, &forms);
+        catalogue::say_definiteness(definiteness, &mut function);
         let is_callable = |name: &str| functions.iter().any(|other| other.name == name);
         if matches!(function.arrays, Some(ArrayForm::Affine(_))) && !is_callable(JACOBIANS) {
             left_out.callers.push(function.name);

@@ -130,6 +130,9 @@ pub enum Definiteness {
 const TURN: f64 = std::f64::consts::PI;
 const SLIDE: f64 = 0.5;
 
+/// Farther positions add nothing but rounding: limits of ±1e9 m stand for none.
+const FARTHEST: f64 = 20.0;
+
 impl Joint {
     /// Range of positions for seeded states: within the limits, where there are some.
     pub(crate) fn seeded_range(&self) -> [f64; 2] {
@@ -137,7 +140,13 @@ impl Joint {
             JointKind::Prismatic => SLIDE,
             _ => TURN,
         };
-        self.limits.position.unwrap_or([-free, free])
+        match self.limits.position {
+            None => [-free, free],
+            Some([low, high]) if low < FARTHEST && high > -FARTHEST => {
+                [low.max(-FARTHEST), high.min(FARTHEST)]
+            }
+            Some(limits) => limits,
+        }
     }
 }
 

@@ -115,9 +115,11 @@ fn pivots(model: &Model, described: &[f64], positions: &[f64]) -> Vec<Option<Piv
             let axis = motion_axis(joint);
             let pivot = quadratic(&rest, &axis) + armature[index];
             let rounding = ROUNDING * (quadratic(&whole, &axis).abs() + armature[index]);
+            // A negative pivot is a fault of the description: what large terms may have left does not count.
+            let large = ROUNDING * (magnitude(&whole, &axis) + armature[index]);
             pivots[index] = Some(match pivot {
                 pivot if pivot > rounding => Pivot::Positive(pivot),
-                pivot if pivot < -rounding => Pivot::Negative(pivot),
+                pivot if pivot < -large => Pivot::Negative(pivot),
                 _ => Pivot::Zero,
             });
             if pivots[index] != Some(Pivot::Zero) {
@@ -235,6 +237,12 @@ fn add(sum: &mut Matrix, other: &Matrix) {
             *entry += from;
         }
     }
+}
+
+/// The quadratic form of the magnitudes.
+fn magnitude(matrix: &Matrix, a: &[f64; 6]) -> f64 {
+    let row = |i: usize| (0..6).map(move |j| (a[i] * matrix[i][j] * a[j]).abs());
+    (0..6).flat_map(row).sum()
 }
 
 fn quadratic(matrix: &Matrix, a: &[f64; 6]) -> f64 {
