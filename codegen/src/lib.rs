@@ -18,6 +18,7 @@
     )
 )]
 
+mod advice;
 #[cfg(feature = "cli")]
 pub mod cli;
 #[cfg(feature = "symbolica")]

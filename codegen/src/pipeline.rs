@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::advice;
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::dynamics::array_form::Form;
 use crate::dynamics::composition::Composition;
@@ -110,7 +111,8 @@ pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generat
     let notes = snapping::priced(notes, description, &read_options, &functions);
     let (lanes, obstacles) = lanes.possible(&functions, options.emit.math);
     let incomplete = Vec::from_iter(module_constants::notes(&functions));
-    let others = [left_out, obstacles, incomplete].concat();
+    let advice = advice::notes(&model, &functions, &compositions);
+    let others = [left_out, advice, obstacles, incomplete].concat();
     let notes = Diagnostics::new([notes.into_entries(), others].concat());
     let emit_options = EmitOptions {
         lanes,

@@ -18,9 +18,23 @@ pub(crate) fn listed(entries: impl ExactSizeIterator<Item = String>) -> String {
     }
 }
 
+/// A word for the shell, in single quotes where it needs them.
+pub(crate) fn quoted(word: &str) -> String {
+    let is_plain = |letter: char| letter.is_alphanumeric() || "_-./,".contains(letter);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', r"'\''"))
+}
+
 /// With three significant digits: `0.0123`, `63.8`, `2.41e-35`.
 pub(crate) fn three_digits(x: f64) -> String {
     digits(x, 3)
+}
+
+/// As it was written, but without strings of zeros: `1e-300`, `1.5707963`.
+pub(crate) fn as_written(x: f64) -> String {
+    digits(x, MOST_DIGITS)
 }
 
 /// With the fewest digits, at least three, with which the statement about the numbers is true as it is printed: `2 > 1.9999`
@@ -40,7 +54,7 @@ const MOST_DIGITS: usize = 17;
 fn digits(x: f64, count: usize) -> String {
     let x = rounded(x, count);
     match x.abs() {
-        size if size == 0.0 || (1e-3..1e6).contains(&size) || !size.is_finite() => x.to_string(),
+        size if size == 0.0 || (1e-4..1e7).contains(&size) || !size.is_finite() => x.to_string(),
         _ => format!("{x:e}"),
     }
 }
@@ -67,6 +81,18 @@ mod tests {
         ];
         for (x, expected) in cases {
             assert_eq!(three_digits(x), expected);
+        }
+    }
+
+    #[test]
+    fn written_numbers_are_recognized() {
+        let cases = [
+            (1e-300, "1e-300"),
+            (1.570_796_3, "1.5707963"),
+            (-0.1, "-0.1"),
+        ];
+        for (x, expected) in cases {
+            assert_eq!(as_written(x), expected);
         }
     }
 

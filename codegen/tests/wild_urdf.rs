@@ -305,3 +305,234 @@ fn joints_without_inertia_cost_the_functions_with_the_inverse() {
     let strict = ["--crate-type", "lib", "-D", "warnings"];
     rustc(folder.path(), "finger", &robot.source.text, &strict).unwrap();
 }
+
+const LIMIT: &str = "<limit lower=\"-1\" upper=\"2\" effort=\"3\" velocity=\"4\"/>";
+
+/// One revolute joint; what stands in its link, in the joint, and around.
+fn one_joint(kind: &str, link: &str, joint: &str) -> String {
+    format!(
+        "<robot name=\"r\"><link name=\"base\"/><link name=\"arm\">{link}</link><joint name=\"j\" type=\"{kind}\">\
+         <parent link=\"base\"/><child link=\"arm\"/>{joint}</joint></robot>"
+    )
+}
+
+/// ROS's urdfdom takes the first of several elements of one kind.
+#[test]
+fn the_first_of_several_elements_counts() {
+    let twice = REAL.replace(
+        "<mass value=\"1\"/>",
+        "<mass value=\"1\"/><mass value=\"7\"/>",
+    );
+    let other = LIMIT.replace("lower=\"-1\"", "lower=\"-9\"");
+    let joint = format!("{LIMIT}{other}<axis xyz=\"0 0 1\"/><axis xyz=\"1 0 0\"/>");
+    let text = one_joint(
+        "revolute",
+        &format!("{twice}{}", REAL.replace("\"1\"", "\"5\"")),
+        &joint,
+    );
+    let (model, entries) = read(&text).unwrap();
+    let joint = model.links[1].joint.as_ref().unwrap();
+    assert_eq!(joint.axis, [0.0, 0.0, 1.0]);
+    assert_eq!(joint.limits.position, Some([-1.0, 2.0]));
+    assert_eq!(model.links[1].bodies[0].mass.as_number(), Some(1.0));
+    assert_eq!(codes(entries.entries()), ["duplicate-element"]);
+    let message = &entries.entries()[0].message;
+    for owner in [
+        "<inertial> of `arm`",
+        "<mass> of `arm`",
+        "<limit> of `j`",
+        "<axis> of `j`",
+    ] {
+        assert!(message.contains(owner), "{message}");
+    }
+}
+
+/// Kind of the joint, its elements, the limits that are taken, and what is said.
+#[test]
+fn limits_are_taken_as_far_as_they_make_sense() {
+    let none = (None, None, None);
+    let all = (Some([-1.0, 2.0]), Some(4.0), Some(3.0));
+    let amounts = (None, Some(4.0), Some(3.0));
+    let swapped = LIMIT.replace("lower=\"-1\"", "lower=\"5\"");
+    let fixed = "<limit effort=\"3\" velocity=\"4\"/>";
+    let infinite = LIMIT
+        .replace("\"2\"", "\"inf\"")
+        .replace("\"-1\"", "\"-1e308\"");
+    let negative = LIMIT.replace("\"4\"", "\"-4\"");
+    let zero = LIMIT.replace("\"3\"", "\"0\"");
+    let cases: [(&str, &str, _, &[&str]); 11] = [
+        ("revolute", LIMIT, all, &[]),
+        ("prismatic", LIMIT, all, &[]),
+        ("revolute", "", none, &["limit-missing"]),
+        ("prismatic", "", none, &["limit-missing"]),
+        ("continuous", "", none, &[]),
+        ("continuous", fixed, amounts, &[]),
+        ("continuous", LIMIT, amounts, &["continuous-limits"]),
+        ("revolute", &swapped, amounts, &["limit-unusable"]),
+        ("revolute", &infinite, amounts, &["limit-unset"]),
+        (
+            "revolute",
+            &negative,
+            (Some([-1.0, 2.0]), None, Some(3.0)),
+            &["limit-unusable"],
+        ),
+        (
+            "revolute",
+            &zero,
+            (Some([-1.0, 2.0]), Some(4.0), None),
+            &["limit-unset"],
+        ),
+    ];
+    for (kind, elements, expected, said) in cases {
+        let (model, entries) = read(&one_joint(kind, REAL, elements)).unwrap();
+        let limits = model.links[1].joint.as_ref().unwrap().limits;
+        let found = (limits.position, limits.velocity, limits.effort);
+        assert_eq!(found, expected, "{kind} {elements}");
+        assert_eq!(codes(entries.entries()), said, "{kind} {elements}");
+    }
+}
+
+/// What no grammar of XML takes and ROS does.
+#[test]
+fn texts_are_taken_as_ros_takes_them() {
+    let plain = one_joint("revolute", REAL, LIMIT);
+    let (expected, _) = read(&plain).unwrap();
+    let inside = |text: &str| plain.replace("</robot>", &format!("{text}</robot>"));
+    let texts = [
+        inside("<!-- a -- b ------->"),
+        inside("<gazebo><sensor:camera a:b=\"1\"/></gazebo>"),
+        inside("<gazebo><![CDATA[ <!-- -- ]]></gazebo>"),
+        format!("\n <?xml version=\"1.0\"?>\n{plain}"),
+        format!("\u{feff}<?xml version=\"1.0\"?>{plain}"),
+        format!("<!-- first -- --><?xml version=\"1.0\"?><!DOCTYPE robot>{plain}"),
+        plain.replace("\"1\"", "\" 1.\t\""),
+    ];
+    for text in texts {
+        let (model, _) = read(&text).unwrap_or_else(|wrong| panic!("{text}: {wrong}"));
+        assert_eq!(model, expected, "{text}");
+    }
+}
+
+/// CAD programs write comments in the encoding of their country.
+#[test]
+fn latin_1_is_read_where_it_is_declared() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("r.urdf");
+    let body = one_joint("revolute", REAL, LIMIT).replace("\"arm\"", "\"Ärm\"");
+    let bytes = |head: &str| -> Vec<u8> {
+        let text = format!("{head}{body}");
+        text.chars()
+            .map(|c| u8::try_from(u32::from(c)).unwrap())
+            .collect()
+    };
+    let load = |head: &str| {
+        std::fs::write(&path, bytes(head)).unwrap();
+        gelenk_codegen::model::read(&path, &ReadOptions::default())
+    };
+    let loaded = load("<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>").unwrap();
+    assert_eq!(loaded.model.links[1].name, "Ärm");
+    assert!(load("<?xml version=\"1.0\"?>").is_err());
+}
+
+/// One note of each kind, and none where nothing is strange.
+#[test]
+fn strange_numbers_are_noted_once() {
+    let degrees = LIMIT
+        .replace("\"-1\"", "\"-90\"")
+        .replace("\"2\"", "\"180\"");
+    let turned = format!("{LIMIT}<origin rpy=\"0 90 0\"/>");
+    let far = REAL.replace("0 0 0.1", "0 300 0");
+    let drawn = "<visual><geometry><mesh filename=\"a.stl\"/></geometry></visual>";
+    let winch = LIMIT.replace("\"2\"", "\"100.5\"");
+    let cases: [(String, &[&str]); 6] = [
+        (one_joint("revolute", REAL, LIMIT), &[]),
+        (
+            one_joint("revolute", REAL, &degrees),
+            &["looks-like-degrees"],
+        ),
+        (
+            one_joint("revolute", REAL, &turned),
+            &["looks-like-degrees"],
+        ),
+        (one_joint("revolute", REAL, &winch), &[]),
+        (one_joint("revolute", &far, LIMIT), &["far-away"]),
+        (
+            one_joint("revolute", drawn, LIMIT),
+            &["skipped", "joints-without-inertia", "shape-without-mass"],
+        ),
+    ];
+    for (text, expected) in cases {
+        let mut found = codes(&notes(&text))
+            .into_iter()
+            .map(str::to_owned)
+            .collect::<Vec<_>>();
+        let mut expected = expected.to_vec();
+        found.sort_unstable();
+        expected.sort_unstable();
+        assert_eq!(found, expected, "{text}");
+    }
+}
+
+#[test]
+fn legs_on_a_fixed_base_are_noted() {
+    let said = |names: &[&str]| {
+        let mut text = "<robot name=\"r\"><link name=\"trunk\"/>".to_owned();
+        for name in names {
+            text += &format!(
+                "<link name=\"{name}\">{REAL}</link><joint name=\"to {name}\" type=\"continuous\"><parent link=\"trunk\"/>\
+                 <child link=\"{name}\"/></joint>"
+            );
+        }
+        codes(&notes(&(text + "</robot>"))) == ["legs-on-fixed-base"]
+    };
+    assert!(said(&["LKneePitch", "RKneePitch"]));
+    assert!(said(&["FL_calf", "FR_calf", "arm"]));
+    assert!(said(&["lf_upperleg", "rf_upperleg"]));
+    // A leg on a stand, a hand, a wheeled base.
+    assert!(!said(&["left_leg", "arm"]));
+    assert!(!said(&["allegro_1", "allegro_2"]));
+    assert!(!said(&["base_footprint", "wheel_footprint"]));
+}
+
+/// The rate is exact for one joint: D/I = 2000 1/s, so that Runge–Kutta steps diverge beyond 2.785/2000 s.
+#[test]
+fn stiff_and_jumping_friction_is_noted() {
+    let joint = |dynamics: &str| {
+        one_joint(
+            "revolute",
+            REAL,
+            &format!("{LIMIT}{dynamics}<axis xyz=\"0 0 1\"/>"),
+        )
+    };
+    let said = |dynamics: &str, functions: &[&str]| {
+        let robot = module(&joint(dynamics), functions);
+        robot.notes.entries().to_vec()
+    };
+    let stiff = said("<dynamics damping=\"2000\"/>", &[]);
+    assert_eq!(codes(&stiff), ["stiff-friction"]);
+    assert!(
+        stiff[0]
+            .message
+            .ends_with("unstable for periods beyond 1.39 ms"),
+        "{}",
+        stiff[0].message
+    );
+    assert!(codes(&said("<dynamics damping=\"2000\"/>", &["discretize"])).is_empty());
+    assert!(codes(&said("<dynamics damping=\"130\"/>", &[])).is_empty());
+    let jumping = said("<dynamics friction=\"0.3\"/>", &[]);
+    assert_eq!(codes(&jumping), ["sign-derivative"]);
+    assert!(codes(&said("<dynamics friction=\"0.3\"/>", &["forward_dynamics"])).is_empty());
+}
+
+/// Some exporters write meshes into the file.
+#[test]
+fn files_of_many_megabytes_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("r.urdf");
+    let mesh = "0.125 ".repeat(7_000_000);
+    let text = one_joint("revolute", REAL, LIMIT);
+    let text = text.replace("</robot>", &format!("<gazebo>{mesh}</gazebo></robot>"));
+    std::fs::write(&path, text).unwrap();
+    let loaded = gelenk_codegen::model::read(&path, &ReadOptions::default()).unwrap();
+    assert_eq!(loaded.model.links.len(), 2);
+}

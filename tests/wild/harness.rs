@@ -26,10 +26,14 @@ fn answer() {
     }
     for line in std::io::stdin().lock().lines() {
         let line = line.expect("standard input is text");
-        let numbers = line.split_whitespace().map(|word| word.parse().expect("a number"));
+        let numbers = line
+            .split_whitespace()
+            .map(|word| word.parse().expect("a number"));
         let numbers: Vec<f64> = numbers.collect();
         assert_eq!(numbers.len(), 3 * N + M);
-        let part = |at: usize| -> [f64; N] { numbers[at * N..(at + 1) * N].try_into().expect("N numbers") };
+        let part = |at: usize| -> [f64; N] {
+            numbers[at * N..(at + 1) * N].try_into().expect("N numbers")
+        };
         let inputs: [f64; M] = numbers[3 * N..].try_into().expect("M numbers");
         state(&part(0), &part(1), &part(2), &inputs);
     }

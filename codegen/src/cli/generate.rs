@@ -15,6 +15,7 @@ use crate::dynamics::array_form::Form;
 use crate::emit::{EmitOptions, documentation};
 use crate::output::{self, Outcome, Planned, Replaces};
 use crate::pipeline::{self, CONTROL, GenerateOptions, Generated};
+pub(super) use crate::wording::quoted;
 
 /// Writes one description's module, or all.
 pub(super) fn generate(arguments: &Generate, format: Format) -> Result<ExitCode, Failure> {
@@ -359,15 +360,6 @@ fn modules_command(
         command.push_str(&format!(" --control-model {slope:?}"));
     }
     command
-}
-
-/// A word for the shell, in single quotes where it needs them.
-pub(super) fn quoted(word: &str) -> String {
-    let is_plain = |letter: char| letter.is_alphanumeric() || "_-./,".contains(letter);
-    if !word.is_empty() && word.chars().all(is_plain) {
-        return word.to_owned();
-    }
-    format!("'{}'", word.replace('\'', r"'\''"))
 }
 
 /// Where a module goes: to `output`, else to the crate of its `home`, else into the current folder. The smooth one of a

@@ -649,14 +649,13 @@ pub(super) fn derive_quantity(
         .extend(forces::jump_note(model, &function.program));
     function.constants =
         module_constants::of_function(quantity.name, model, formulations, &function.program);
-    say_definiteness(model, &mut function);
     function
 }
 
 /// The mass matrix is positive definite, unless the description has it otherwise.
-fn say_definiteness(model: &Model, function: &mut Function) {
+pub(super) fn say_definiteness(found: Definiteness, function: &mut Function) {
     const REGULAR: &str = "positive definite";
-    let found = match model.definiteness() {
+    let found = match found {
         Definiteness::Positive => return,
         Definiteness::Semidefinite => "positive semidefinite",
         Definiteness::Indefinite => "indefinite as described",

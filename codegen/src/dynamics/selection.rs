@@ -16,6 +16,9 @@ use crate::program::arrays::ArrayForm;
 /// Functions that divide by the pivots of the mass matrix.
 const NEED_INVERSE: [&str; 3] = ["forward_dynamics", JACOBIANS, "linearize"];
 
+/// Frames whose functions are generated without being asked for.
+const MOST_FRAMES: usize = 500;
+
 /// What `linearize` calls where both are loops.
 const JACOBIANS: &str = "forward_dynamics_derivatives";
 
@@ -54,14 +57,14 @@ pub fn derive(model: &Model, request: &Request<'_>) -> Result<Selection, Diagnos
     let forms = Forms::new(model, &formulations, request.form, request.straight);
     let wanted = Wanted::new(request, &forms);
     let mut left_out = LeftOut::default();
-    let rows = rows(model)
-        .filter(|row| wanted.includes(&row.name()))
-        .collect();
+    let rows = left_out.many_frames(model, &wanted, rows(model));
     let rows = left_out.without_inverse(model, &wanted, rows)?;
     let rows = left_out.too_large_before(model, &wanted, rows, &forms)?;
+    let definiteness = model.definiteness();
     let mut functions: Vec<Function> = Vec::new();
     for row in rows {
-        let function = row.derive(model, &formulations, &forms);
+        let mut function = row.derive(model, &formulations, &forms);
+        catalogue::say_definiteness(definiteness, &mut function);
         let is_callable = |name: &str| functions.iter().any(|other| other.name == name);
         if matches!(function.arrays, Some(ArrayForm::Affine(_))) && !is_callable(JACOBIANS) {
             left_out.callers.push(function.name);
@@ -186,11 +189,29 @@ impl<'a> Wanted<'a> {
 struct LeftOut {
     need_inverse: Vec<String>,
     too_large: Vec<TooLarge>,
+    /// Functions of frames, where there are very many.
+    of_frames: usize,
     /// Functions that call others which are left out.
     callers: Vec<String>,
 }
 
 impl LeftOut {
+    /// The rows that are wanted. A URDF may have thousands of frames, and each has three functions.
+    fn many_frames<'m>(
+        &mut self,
+        model: &Model,
+        wanted: &Wanted<'_>,
+        rows: impl Iterator<Item = Row<'m>>,
+    ) -> Vec<Row<'m>> {
+        let are_too_many = wanted.request.names.is_empty() && model.frames.len() > MOST_FRAMES;
+        let is_kept = |row: &Row<'_>| {
+            let is_left_out = are_too_many && matches!(row, Row::Frame(..));
+            self.of_frames += usize::from(is_left_out);
+            !is_left_out && wanted.includes(&row.name())
+        };
+        rows.filter(is_kept).collect()
+    }
+
     /// The rows that can do with a singular mass matrix, where it is one.
     fn without_inverse<'m>(
         &mut self,
@@ -269,6 +290,15 @@ impl LeftOut {
                 quoted(&self.need_inverse)
             );
             notes.push(Diagnostic::note("left-out", message));
+        }
+        if self.of_frames > 0 {
+            let message = format!(
+                "left out: the {} functions of {} frames",
+                self.of_frames,
+                model.frames.len()
+            );
+            let help = "ask for single ones by name (`frame_<name>_pose`), or for all by `frames`";
+            notes.push(Diagnostic::note("left-out", message).help(help));
         }
         if !self.too_large.is_empty() {
             let callers = match self.need_inverse.is_empty() {

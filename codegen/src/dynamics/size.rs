@@ -45,7 +45,13 @@ const GROUPS: [Group; 4] = [
             "linearize",
         ],
         are_loops: false,
-        estimate: mass_matrix_operations,
+        estimate: |model| {
+            let pairs = pairs(model);
+            match pairs > MANY_PAIRS {
+                true => pairs,
+                false => mass_matrix_operations(model),
+            }
+        },
     },
     // Blocks of ten columns for each joint and each link that it moves, of 39 operations for the UR5, 75 for a chain of 30
     // right angles.
@@ -71,6 +77,9 @@ const GROUPS: [Group; 4] = [
         estimate: |model| 70 * pairs(model),
     },
 ];
+
+/// Beyond so many pairs even the plain mass matrix takes gigabytes; the estimate is one operation for each then.
+const MANY_PAIRS: usize = 3 * MOST_OPERATIONS;
 
 /// Joints up to which no function is so large that deriving it takes long.
 const FEW_JOINTS: usize = 50;

@@ -11,6 +11,13 @@ use crate::formula::Formula;
 /// A name as described.
 pub(super) type Name = At<String>;
 
+impl Name {
+    /// The name as messages show it.
+    pub fn quoted(&self) -> String {
+        format!("`{}`", self.value)
+    }
+}
+
 /// A described robot.
 #[derive(Debug, Default)]
 pub(super) struct RobotDescription {
@@ -22,6 +29,8 @@ pub(super) struct RobotDescription {
     pub base: Option<Name>,
     /// Links that exist even where no joint names them.
     pub links: Vec<Name>,
+    /// Links with a shape and without a body.
+    pub weightless_shapes: Vec<Name>,
     pub bodies: Vec<BodyDescription>,
     pub joints: Vec<JointDescription>,
     pub frames: Vec<FrameDescription>,
@@ -111,6 +120,11 @@ pub(super) struct JointDescription {
 }
 
 impl JointDescription {
+    /// Whether it is a coordinate.
+    pub fn moves(&self) -> bool {
+        self.held.is_none() && self.kind.is_some_and(|kind| kind != JointKind::Fixed)
+    }
+
     /// What a new joint has where nothing is said: it is revolute and moves a link of its own name.
     pub fn complete(&mut self) {
         self.kind.get_or_insert(JointKind::Revolute);

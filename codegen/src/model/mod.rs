@@ -19,7 +19,11 @@ mod toml_forces;
 mod toml_values;
 mod tree;
 mod urdf;
+mod urdf_limits;
+mod urdf_notes;
+mod urdf_text;
 mod validate;
+mod xacro;
 
 pub use angles::{NEARLY_RIGHT, NEARLY_RIGHT_ANGLE};
 pub use options::{FUNCTIONS, is_known_function};
@@ -127,6 +131,9 @@ pub enum Definiteness {
 const TURN: f64 = std::f64::consts::PI;
 const SLIDE: f64 = 0.5;
 
+/// Farther positions add nothing but rounding: limits of ±1e9 m stand for none.
+const FARTHEST: f64 = 20.0;
+
 impl Joint {
     /// Range of positions for seeded states: within the limits, where there are some.
     pub(crate) fn seeded_range(&self) -> [f64; 2] {
@@ -134,7 +141,13 @@ impl Joint {
             JointKind::Prismatic => SLIDE,
             _ => TURN,
         };
-        self.limits.position.unwrap_or([-free, free])
+        match self.limits.position {
+            None => [-free, free],
+            Some([low, high]) if low < FARTHEST && high > -FARTHEST => {
+                [low.max(-FARTHEST), high.min(FARTHEST)]
+            }
+            Some(limits) => limits,
+        }
     }
 }
 
@@ -155,6 +168,15 @@ impl Model {
     #[must_use]
     pub fn joints_without_inertia(&self) -> Vec<&Joint> {
         self.joints_of(&regularity::Pivots::of(self).zero)
+    }
+
+    /// For each coordinate the smallest pivot of M at seeded states.
+    pub(crate) fn least_pivots(&self) -> Vec<f64> {
+        let least = regularity::Pivots::of(self).least;
+        let pivots = self.coordinates.iter();
+        pivots
+            .filter_map(|&link| least.get(link).copied())
+            .collect()
     }
 
     /// The joints of these links.

@@ -9,7 +9,7 @@ use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
 /// Larger files are refused [bytes].
-const LARGEST: u64 = 32 << 20;
+const LARGEST: u64 = 256 << 20;
 
 /// How to read a description; the description's own keys of the same names count too.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -102,7 +102,25 @@ fn read_file(path: &Path) -> Result<String, Diagnostics> {
             .help(help)
             .into());
     }
-    String::from_utf8(bytes).map_err(|why| not_utf8(&name, &why))
+    String::from_utf8(bytes).or_else(|why| decoded(&name, why))
+}
+
+/// XML that says another encoding, as CAD programs write it. Latin-1 has a character for each byte, so names stay distinct.
+fn decoded(name: &str, why: std::string::FromUtf8Error) -> Result<String, Diagnostics> {
+    let start: Vec<u8> = why.as_bytes().iter().take(200).copied().collect();
+    let start = String::from_utf8_lossy(&start).to_lowercase();
+    let is_latin = start.contains("<?xml")
+        && ["iso-8859-1", "windows-1252", "latin1"]
+            .iter()
+            .any(|known| start.contains(known));
+    match is_latin {
+        true => Ok(why
+            .as_bytes()
+            .iter()
+            .map(|&byte| char::from(byte))
+            .collect()),
+        false => Err(not_utf8(name, &why)),
+    }
 }
 
 fn not_utf8(name: &str, why: &std::string::FromUtf8Error) -> Diagnostics {
@@ -222,7 +240,7 @@ fn read_urdf(
     let text = without_mark(text);
     let source = reader.report.add_source(name, text);
     let Reader { report, angles, .. } = reader;
-    urdf::description(report, angles, text, source, stem(name), options)
+    urdf::description(report, angles, text, source, name, options)
 }
 
 /// A description may extend one that extends another; more than this is hardly meant.

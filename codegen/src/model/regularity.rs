@@ -16,7 +16,7 @@ const ROUNDING: f64 = 1e-12;
 pub(super) const STATES: usize = 16;
 const SEED: u64 = 0x7069_766f_7473;
 
-/// Signs of the pivots of M at seeded states.
+/// The pivots of M at seeded states.
 #[derive(Debug, Default)]
 pub(super) struct Pivots {
     /// Links of the joints whose pivots are zero at every state: they move nothing with inertia along their axis.
@@ -25,6 +25,8 @@ pub(super) struct Pivots {
     pub negative: Vec<usize>,
     /// At so many states some pivot is negative.
     pub indefinite_states: usize,
+    /// For each link the smallest pivot at any state; infinite where the joint does not move.
+    pub least: Vec<f64>,
 }
 
 impl Pivots {
@@ -39,13 +41,17 @@ impl Pivots {
         let described: Vec<f64> = described.collect();
         let mut random = Random::new(SEED);
         let (mut zero, mut negative) = (vec![0; model.links.len()], vec![0; model.links.len()]);
+        let mut least = vec![f64::INFINITY; model.links.len()];
         let mut indefinite_states = 0;
         for state in 0..STATES {
-            let signs = signs(model, &described, &positions(model, state, &mut random));
-            indefinite_states += usize::from(signs.contains(&Some(Sign::Negative)));
-            for (link, sign) in signs.into_iter().enumerate() {
-                zero[link] += usize::from(sign == Some(Sign::Zero));
-                negative[link] += usize::from(sign == Some(Sign::Negative));
+            let pivots = pivots(model, &described, &positions(model, state, &mut random));
+            let is_negative = |pivot: &Option<Pivot>| matches!(pivot, Some(Pivot::Negative(_)));
+            indefinite_states += usize::from(pivots.iter().any(is_negative));
+            for (link, pivot) in pivots.into_iter().enumerate() {
+                let Some(pivot) = pivot else { continue };
+                zero[link] += usize::from(pivot == Pivot::Zero);
+                negative[link] += usize::from(matches!(pivot, Pivot::Negative(_)));
+                least[link] = least[link].min(pivot.value());
             }
         }
         let links = |counts: Vec<usize>, least: usize| {
@@ -57,6 +63,7 @@ impl Pivots {
             zero: links(zero, STATES),
             negative: links(negative, 1),
             indefinite_states,
+            least,
         }
     }
 }
@@ -75,20 +82,30 @@ fn positions(model: &Model, state: usize, random: &mut Random) -> Vec<f64> {
     model.links.iter().enumerate().map(position).collect()
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Sign {
-    Negative,
+/// A pivot, zero where it is rounding.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Pivot {
+    Negative(f64),
     Zero,
-    Positive,
+    Positive(f64),
 }
 
-/// Sign of each link's pivot; `None` where its joint does not move.
-fn signs(model: &Model, described: &[f64], positions: &[f64]) -> Vec<Option<Sign>> {
+impl Pivot {
+    fn value(self) -> f64 {
+        match self {
+            Self::Negative(value) | Self::Positive(value) => value,
+            Self::Zero => 0.0,
+        }
+    }
+}
+
+/// Each link's pivot; `None` where its joint does not move.
+fn pivots(model: &Model, described: &[f64], positions: &[f64]) -> Vec<Option<Pivot>> {
     let links = model.links.iter();
     let mut articulated: Vec<Matrix> = links.map(|link| link_inertia(link, described)).collect();
     let mut composite = articulated.clone();
     let armature = armatures(model, described);
-    let mut signs = vec![None; model.links.len()];
+    let mut pivots = vec![None; model.links.len()];
     for (index, link) in model.links.iter().enumerate().rev() {
         let Some(joint) = &link.joint else { continue };
         let transform = child_from_parent(joint, positions[index], described);
@@ -98,12 +115,14 @@ fn signs(model: &Model, described: &[f64], positions: &[f64]) -> Vec<Option<Sign
             let axis = motion_axis(joint);
             let pivot = quadratic(&rest, &axis) + armature[index];
             let rounding = ROUNDING * (quadratic(&whole, &axis).abs() + armature[index]);
-            signs[index] = Some(match pivot {
-                pivot if pivot > rounding => Sign::Positive,
-                pivot if pivot < -rounding => Sign::Negative,
-                _ => Sign::Zero,
+            // A negative pivot is a fault of the description: what large terms may have left does not count.
+            let large = ROUNDING * (magnitude(&whole, &axis) + armature[index]);
+            pivots[index] = Some(match pivot {
+                pivot if pivot > rounding => Pivot::Positive(pivot),
+                pivot if pivot < -large => Pivot::Negative(pivot),
+                _ => Pivot::Zero,
             });
-            if signs[index] != Some(Sign::Zero) {
+            if pivots[index] != Some(Pivot::Zero) {
                 project(&mut rest, &axis, pivot);
             }
         }
@@ -113,7 +132,7 @@ fn signs(model: &Model, described: &[f64], positions: &[f64]) -> Vec<Option<Sign
         );
         add(&mut composite[joint.parent], &congruent(&whole, &transform));
     }
-    signs
+    pivots
 }
 
 /// `i² J_R` of each link's joint.
@@ -218,6 +237,12 @@ fn add(sum: &mut Matrix, other: &Matrix) {
             *entry += from;
         }
     }
+}
+
+/// The quadratic form of the magnitudes.
+fn magnitude(matrix: &Matrix, a: &[f64; 6]) -> f64 {
+    let row = |i: usize| (0..6).map(move |j| (a[i] * matrix[i][j] * a[j]).abs());
+    (0..6).flat_map(row).sum()
 }
 
 fn quadratic(matrix: &Matrix, a: &[f64; 6]) -> f64 {

@@ -213,6 +213,7 @@ pub(super) fn description(
             .unwrap_or(false),
         sort_joints: false,
         links: Vec::new(),
+        weightless_shapes: Vec::new(),
     }
 }
 

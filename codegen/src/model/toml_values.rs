@@ -11,6 +11,7 @@ use crate::diagnostic::{At, Report, Span};
 use crate::formula::parse::{Allowed, parse};
 use crate::formula::{Formula, LARGEST_NUMBER, too_large};
 use crate::numeric;
+use crate::wording::{as_written, telling};
 use std::collections::BTreeMap;
 use toml::de::DeValue;
 
@@ -298,9 +299,10 @@ impl Reader {
             return Some(axis.map(|x| x / length));
         }
         let message = format!(
-            "`{}` = [{}] has length {length}, not 1",
+            "`{}` = [{}] has length {}, not 1",
             item.key,
-            join(&axis)
+            join(&axis),
+            not_one(length)
         );
         self.report.error(item.span, "axis-not-unit", message);
         if length > 0.0 && length.is_finite() {
@@ -358,17 +360,23 @@ impl Reader {
         self.report.error(
             item.span,
             "quaternion-not-unit",
-            format!("the quaternion has length {length}, not 1"),
+            format!("the quaternion has length {}, not 1", not_one(length)),
         );
         None
     }
+}
+
+/// A length that is not 1, with enough digits to see it.
+fn not_one(length: f64) -> String {
+    let [length] = telling([length], |[length]| length != 1.0);
+    length
 }
 
 /// Numbers as a description would write them.
 pub(super) fn join(numbers: &[f64]) -> String {
     numbers
         .iter()
-        .map(f64::to_string)
+        .map(|&number| as_written(number))
         .collect::<Vec<_>>()
         .join(", ")
 }

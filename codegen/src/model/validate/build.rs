@@ -12,6 +12,7 @@ use super::super::{
 use super::names::{Identifiers, report_duplicates};
 use crate::diagnostic::{At, Report, nearest};
 use crate::formula::Formula;
+use crate::wording::as_written;
 use std::collections::BTreeMap;
 
 /// Gravity where none is described (m/s²).
@@ -57,18 +58,13 @@ impl Builder<'_, '_> {
         })
     }
 
-    fn moves(&self, joint: usize) -> bool {
-        let joint = &self.robot.joints[joint];
-        joint.kind.is_some_and(|kind| kind != JointKind::Fixed) && joint.held.is_none()
-    }
-
     /// Link indices of the moving joints: as listed, else as described, else in the order of the tree.
     fn coordinates(&mut self) -> Option<Vec<usize>> {
         let mut moving: Vec<(usize, usize)> = Vec::new();
         for (link, joint) in self.tree.joints.iter().enumerate() {
             moving.extend(
                 joint
-                    .filter(|joint| self.moves(*joint))
+                    .filter(|joint| self.robot.joints[*joint].moves())
                     .map(|joint| (joint, link)),
             );
         }
@@ -313,14 +309,14 @@ impl Builder<'_, '_> {
             self.report.error(
                 motor.gear_ratio.span,
                 "gear-ratio",
-                format!("the gear ratio is {ratio}"),
+                format!("the gear ratio is {}", as_written(ratio)),
             );
             self.report
                 .help("motor angle over joint angle: finite and not 0");
         }
         let rotor = value(&motor.rotor_inertia.value);
         if !rotor.is_finite() || rotor < 0.0 {
-            let message = format!("the rotor inertia is {rotor}");
+            let message = format!("the rotor inertia is {}", as_written(rotor));
             self.report
                 .error(motor.rotor_inertia.span, "rotor-inertia", message);
             self.report.help("kg m², finite and at least 0");
@@ -328,7 +324,7 @@ impl Builder<'_, '_> {
         if let Input::Current(constant) = &motor.input
             && !(value(constant).is_finite() && value(constant) != 0.0)
         {
-            let message = format!("the motor constant is {}", value(constant));
+            let message = format!("the motor constant is {}", as_written(value(constant)));
             self.report
                 .error(motor.gear_ratio.span, "motor-constant", message);
         }

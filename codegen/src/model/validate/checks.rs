@@ -4,6 +4,7 @@ use super::super::JointKind;
 use super::super::description::{BodyDescription, JointDescription, LimitsDescription, Name};
 use crate::diagnostic::Report;
 use crate::formula::Formula;
+use crate::wording::as_written;
 
 pub(super) fn joint(joint: &JointDescription, report: &mut Report) {
     let name = &joint.name;
@@ -19,12 +20,16 @@ pub(super) fn joint(joint: &JointDescription, report: &mut Report) {
         }
         if low > high {
             let message = format!(
-                "position limits of joint `{}` are reversed: {low} > {high}",
-                name.value
+                "position limits of joint `{}` are reversed: {} > {}",
+                name.value,
+                as_written(low),
+                as_written(high)
             );
             report.error(position.span, "limits-reversed", message);
             report.help(format!(
-                "write {high} as the lower and {low} as the upper limit"
+                "write {} as the lower and {} as the upper limit",
+                as_written(high),
+                as_written(low)
             ));
         }
         if let Some(held) = joint
@@ -32,8 +37,11 @@ pub(super) fn joint(joint: &JointDescription, report: &mut Report) {
             .filter(|held| low <= high && !(low..=high).contains(held))
         {
             let message = format!(
-                "joint `{}` is held at {held}, outside of its limits {low} … {high}",
-                name.value
+                "joint `{}` is held at {}, outside of its limits {} … {}",
+                name.value,
+                as_written(held),
+                as_written(low),
+                as_written(high)
             );
             report.note(Some(name.span), "held-outside-limits", message);
         }
@@ -61,7 +69,8 @@ fn amounts(limits: &LimitsDescription, name: &Name, report: &mut Report) {
         if let Some(limit) = limit.as_ref().filter(|limit| limit.value <= 0.0) {
             let message = format!(
                 "the {what} limit of joint `{}` is {}, not positive",
-                name.value, limit.value
+                name.value,
+                as_written(limit.value)
             );
             report.error(limit.span, "not-positive", message);
         }
@@ -71,7 +80,9 @@ fn amounts(limits: &LimitsDescription, name: &Name, report: &mut Report) {
     {
         let message = format!(
             "nominal effort {} of joint `{}` exceeds its peak {}",
-            nominal.value, name.value, peak.value
+            as_written(nominal.value),
+            name.value,
+            as_written(peak.value)
         );
         report.error(peak.span, "limits-reversed", message);
     }
@@ -111,7 +122,11 @@ pub(super) fn body(body: &BodyDescription, defaults: &[f64], report: &mut Report
     };
     let kilograms = value(&mass.value);
     if !kilograms.is_finite() || (kilograms < 0.0 && !body.is_published) {
-        let message = format!("body `{}` has mass {kilograms}", body.name.value);
+        let message = format!(
+            "body `{}` has mass {}",
+            body.name.value,
+            as_written(kilograms)
+        );
         report.error(mass.span, "mass-not-positive", message);
         report.help("a mass is finite and at least 0");
     }

@@ -4,7 +4,6 @@
 //! and have to be right. Those of a URDF are often somebody else's: they are taken as published, with one warning, as long
 //! as the mass matrix is positive definite.
 
-use super::super::JointKind;
 use super::super::description::{BodyDescription, RobotDescription};
 use super::super::inertia::{self, Flaw};
 use super::super::regularity::{Pivots, STATES};
@@ -34,7 +33,7 @@ pub(super) fn check<'d>(
     defaults: &[f64],
     report: &mut Report,
 ) -> Published<'d> {
-    let moving = tree.map(|tree| moving_links(robot, tree));
+    let moving = tree.map(|tree| tree.moving(robot));
     let moves = |body: &&BodyDescription| match (&moving, tree) {
         (Some(moving), Some(tree)) => {
             let link = tree.index.get(&body.link.value);
@@ -57,19 +56,6 @@ pub(super) fn check<'d>(
         }
     }
     published
-}
-
-/// Whether each link moves.
-fn moving_links(robot: &RobotDescription, tree: &Tree) -> Vec<bool> {
-    let mut moving = vec![false; tree.links.len()];
-    for link in 0..tree.links.len() {
-        let joint = tree.joints[link].and_then(|joint| robot.joints.get(joint));
-        let own = joint.is_some_and(|joint| {
-            joint.held.is_none() && joint.kind.is_some_and(|kind| kind != JointKind::Fixed)
-        });
-        moving[link] = own || moving[tree.parents[link]];
-    }
-    moving
 }
 
 fn flaw(body: &BodyDescription, defaults: &[f64]) -> Option<Flaw> {

@@ -3,6 +3,7 @@
 mod build;
 mod checks;
 mod force_laws;
+mod hints;
 mod inertias;
 mod mass_matrix;
 mod names;
@@ -33,6 +34,9 @@ pub(super) fn model(robot: &RobotDescription, report: &mut Report) -> Option<Mod
     names::report_duplicates(robot.bodies.iter().map(|body| &body.name), "bodies", report);
     let tree = tree::build(robot, report);
     identifiers.note(robot, report);
+    if let Some(tree) = &tree {
+        hints::note(robot, tree, &defaults, report);
+    }
     let published = inertias::check(robot, tree.as_ref(), &defaults, report);
     let model = tree.and_then(|tree| {
         let mut builder = Builder {
