@@ -27,6 +27,7 @@ pub mod graph;
 pub mod guide;
 pub mod kinematics;
 mod lanes;
+pub mod layout;
 pub mod math;
 pub mod model;
 mod numeric;

@@ -13,9 +13,10 @@ use std::process::Command;
 use common::{chain, every_operation, mass_matrix, parameter, powercube, rustc, synthetic};
 use gelenk_codegen::dynamics::function::Function;
 use gelenk_codegen::emit::{self, EmitOptions, Math, Scalar};
+use gelenk_codegen::layout::{Dimension, Extent};
 use gelenk_codegen::model::{JointKind, Model};
 use gelenk_codegen::program::interpret::{Functions, interpret};
-use gelenk_codegen::program::{Operand, Operation, Output, Program, Shape};
+use gelenk_codegen::program::{InputArray, Operand, Operation, Output, Program, Shape};
 
 const STRICT: &str = "#![deny(warnings, missing_docs, clippy::all, nonstandard_style, future_incompatible)]\n//! Test.\n";
 
@@ -264,7 +265,7 @@ fn angles(count: usize) -> Function {
     let mut function = zeros(
         "angles",
         &[("y", count)],
-        &[("r", Shape::Vector(2 * count))],
+        &[("r", Shape::Vector(Extent::fixed(2 * count)))],
     );
     function.program.outputs[0].entries = (0..2 * count).map(Operand::Value).collect();
     function.program.instructions = instructions;
@@ -325,11 +326,7 @@ fn modules_need_no_std() {
 
 /// A function that returns zeros of these shapes.
 fn zeros(name: &str, inputs: &[(&str, usize)], results: &[(&str, Shape)]) -> Function {
-    let entries = |shape: Shape| match shape {
-        Shape::Scalar => 1,
-        Shape::Vector(len) => len,
-        Shape::Matrix(rows, columns) => rows * columns,
-    };
+    let entries = |shape: Shape| shape.extents().iter().map(|extent| extent.len).product();
     let output = |&(name, shape): &(&str, Shape)| Output {
         name: name.into(),
         shape,
@@ -346,7 +343,13 @@ fn zeros(name: &str, inputs: &[(&str, usize)], results: &[(&str, Shape)]) -> Fun
         program: Program {
             inputs: inputs
                 .iter()
-                .map(|(name, len)| common::input(name, *len))
+                .map(|&(name, len)| match name {
+                    "u" => InputArray {
+                        extent: Extent::new(Dimension::Inputs, len),
+                        ..common::input(name, len)
+                    },
+                    _ => common::input(name, len),
+                })
                 .collect(),
             instructions: vec![],
             outputs: results.iter().map(output).collect(),
@@ -358,28 +361,38 @@ fn zeros(name: &str, inputs: &[(&str, usize)], results: &[(&str, Shape)]) -> Fun
 #[test]
 fn lengths_are_named_where_they_follow_from_the_model() {
     let joints = ["a", "b", "c", "d", "e", "f"].map(|name| (name, JointKind::Revolute));
-    let square = |name| (name, Shape::Matrix(6, 6));
+    let square = |name| (name, common::square(6));
+    let by_inputs = Shape::new(&[Dimension::Velocities, Dimension::Inputs], &[6, 6]);
+    let space = Extent::fixed;
+    let each = Extent::new(Dimension::Velocities, 6);
     let state = [("y", 6), ("v", 6), ("u", 6)];
     let blocks = [
         square("da_dy"),
         square("da_dv"),
-        square("da_du"),
-        ("affine", Shape::Vector(6)),
+        ("da_du", by_inputs),
+        ("affine", Shape::Vector(each)),
     ];
     let functions = [
         zeros("linearize", &state, &blocks),
-        zeros("input_matrix", &state[..1], &[square("B")]),
+        zeros("input_matrix", &state[..1], &[("B", by_inputs)]),
         zeros("kinetic_energy", &state[..2], &[("T", Shape::Scalar)]),
         zeros(
             "frame_tool_pose",
             &state[..1],
-            &[("p", Shape::Vector(3)), ("R", Shape::Matrix(3, 3))],
+            &[
+                ("p", Shape::Vector(space(3))),
+                ("R", Shape::Matrix(space(3), space(3))),
+            ],
         ),
-        zeros("frame_tool_jacobian", &state[..1], &[square("J")]),
+        zeros(
+            "frame_tool_jacobian",
+            &state[..1],
+            &[("J", Shape::Matrix(space(6), each))],
+        ),
         zeros(
             "frame_tool_jacobian_rate",
             &state[..2],
-            &[("a", Shape::Vector(6))],
+            &[("a", Shape::Vector(space(6)))],
         ),
     ];
     let text = emit_with(&chain("six", &joints), &functions, |_| {});
@@ -471,8 +484,8 @@ fn laned(entries: usize) -> Function {
     output.entries[0] = value(4);
     output.entries[1] = Operand::Input(1, 3);
     output.shape = match entries {
-        36 => Shape::Matrix(6, 6),
-        entries => Shape::Vector(entries),
+        36 => common::square(6),
+        entries => Shape::Vector(Extent::fixed(entries)),
     };
     function
 }

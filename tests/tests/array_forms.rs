@@ -166,7 +166,7 @@ fn requests(robot: &Robot) -> Vec<String> {
                 .program
                 .inputs
                 .iter()
-                .map(|input| array(input.len))
+                .map(|input| array(input.extent.len))
                 .collect();
             let slices: Vec<&[f64]> = inputs.iter().map(Vec::as_slice).collect();
             let expected = interpret(&function.program, &slices, &parameters, &FUNCTIONS)

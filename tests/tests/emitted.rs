@@ -29,7 +29,7 @@ fn random_inputs(rng: &mut Rng, function: &Function) -> Vec<Vec<f64>> {
     };
     let inputs = function.program.inputs.iter();
     inputs
-        .map(|array| (0..array.len).map(|_| entry()).collect())
+        .map(|array| (0..array.extent.len).map(|_| entry()).collect())
         .collect()
 }
 

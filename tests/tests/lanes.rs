@@ -5,7 +5,6 @@ use std::process::Command;
 
 use gelenk_codegen::emit::{EmitOptions, Scalar};
 use gelenk_codegen::pipeline::{GenerateOptions, Generated, generate};
-use gelenk_codegen::program::Shape;
 use gelenk_tests::compiler::{clippy, rustc};
 use gelenk_tests::workspace;
 
@@ -92,7 +91,7 @@ fn comparison(robot: &Generated, name: &str) -> String {
     let p = (!robot.model.parameters.is_empty()).then_some("&p");
     let (mut many, mut single) = (String::new(), String::new());
     for input in inputs {
-        let len = program.inputs[input].len;
+        let len = program.inputs[input].extent.len;
         let _ = writeln!(many, "        let x{input} = numbers.many::<{len}>();");
         let _ = write!(single, "&one(&x{input}, i), ");
     }
@@ -101,11 +100,10 @@ fn comparison(robot: &Generated, name: &str) -> String {
         .iter()
         .enumerate()
         .map(|(k, output)| {
-            let ty = match output.shape {
-                Shape::Scalar => "Lanes".to_owned(),
-                Shape::Vector(len) => format!("[Lanes; {len}]"),
-                Shape::Matrix(rows, columns) => format!("[[Lanes; {columns}]; {rows}]"),
-            };
+            let extents = output.shape.extents().into_iter().rev();
+            let ty = extents.fold("Lanes".to_owned(), |entry, extent| {
+                format!("[{entry}; {}]", extent.len)
+            });
             format!("            let mut r{k} = <{ty}>::unwritten();\n")
         })
         .collect();

@@ -6,6 +6,7 @@ use gelenk_codegen::dynamics::formulation::Formulation;
 use gelenk_codegen::dynamics::function::{ConstantValue, Function};
 use gelenk_codegen::graph::Graph;
 use gelenk_codegen::kinematics::Mechanism;
+use gelenk_codegen::layout::Extent;
 use gelenk_codegen::model::{Model, ReadOptions, read};
 use gelenk_codegen::program::interpret::interpret;
 use gelenk_codegen::program::{GraphOutput, InputArray, Program, Shape, lower};
@@ -114,12 +115,12 @@ fn by_articulated_bodies(model: &Model) -> Option<Program> {
     let accelerations = articulated::forward_dynamics(&mechanism, &y, &v, &f);
     let output = GraphOutput {
         name: "a".to_owned(),
-        shape: Shape::Vector(n),
+        shape: Shape::Vector(Extent::fixed(n)),
         entries: accelerations.iter().map(|x| x.edge()).collect(),
     };
     let inputs = ["y", "v", "f"].map(|name| InputArray {
         name: name.to_owned(),
-        len: n,
+        extent: Extent::fixed(n),
     });
     Some(lower(&graph, inputs.into(), &[output]))
 }

@@ -2,6 +2,7 @@
 
 use crate::graph::{Edge, Graph, Scalar};
 use crate::kinematics::Mechanism;
+use crate::layout::{Dimension, Extent};
 use crate::program::arrays::{Array, ArrayId, ArrayOutput, Arrays, Map, Pairs, Step};
 use crate::program::{GraphOutput, InputArray, Program, Shape, lower};
 
@@ -46,6 +47,11 @@ impl ArrayBuilder {
         self.form.joints()
     }
 
+    /// An entry for each joint.
+    pub(super) fn each_joint(&self) -> Extent {
+        Extent::new(Dimension::Velocities, self.joints())
+    }
+
     fn array(&mut self, name: &str, rows: usize) -> ArrayId {
         self.form.arrays.push(Array {
             name: name.to_owned(),
@@ -58,7 +64,7 @@ impl ArrayBuilder {
     pub(super) fn set_up(&mut self, name: &str, rows: Vec<Vec<Scalar<'_>>>) -> ArrayId {
         self.set_up.push(GraphOutput {
             name: name.to_owned(),
-            shape: Shape::Matrix(rows.len(), self.joints()),
+            shape: Shape::Matrix(Extent::fixed(rows.len()), self.each_joint()),
             entries: rows.concat().iter().map(|x| x.edge()).collect(),
         });
         self.array(name, rows.len())
@@ -77,20 +83,24 @@ impl ArrayBuilder {
             .iter()
             .map(|&array| InputArray {
                 name: self.form.arrays[array].name.clone(),
-                len: self.form.arrays[array].rows,
+                extent: Extent::fixed(self.form.arrays[array].rows),
             })
             .collect();
         let rows: Vec<Vec<Scalar<'_>>> = inputs
             .iter()
             .enumerate()
-            .map(|(array, input)| (0..input.len).map(|row| graph.input(array, row)).collect())
+            .map(|(array, input)| {
+                (0..input.extent.len)
+                    .map(|row| graph.input(array, row))
+                    .collect()
+            })
             .collect();
         let outputs: Vec<GraphOutput> = build(&rows)
             .iter()
             .zip(writes)
             .map(|(entries, (name, _))| GraphOutput {
                 name: name.to_owned(),
-                shape: Shape::Vector(entries.len()),
+                shape: Shape::Vector(Extent::fixed(entries.len())),
                 entries: entries.iter().map(|x| x.edge()).collect::<Vec<Edge>>(),
             })
             .collect();

@@ -85,9 +85,9 @@ pub fn inverse_dynamics_derivatives<'g>(
         force: builder.sum_subtrees(motion.force, "composite_force"),
     };
     let forces = joint_forces(&mut builder, &setup, &composites);
-    builder.output("B u", Shape::Vector(builder.joints()), forces);
+    builder.output("B u", Shape::Vector(builder.each_joint()), forces);
     let (by_coordinates, by_velocities) = jacobians(&mut builder, &setup, &motion, &composites);
-    let n = builder.joints();
+    let n = builder.each_joint();
     builder.output("∂/∂y", Shape::Matrix(n, n), by_coordinates);
     builder.output("∂/∂ẏ", Shape::Matrix(n, n), by_velocities);
     if with_mass_matrix {
@@ -121,7 +121,7 @@ pub fn forward_dynamics_derivatives<'g>(
     let accelerations = builder.apply(inverse, remaining, "accelerations");
     let (motion, composites) = accelerate(&mut builder, &setup, &steady, at_rest, accelerations);
     let (by_coordinates, by_velocities) = jacobians(&mut builder, &setup, &motion, &composites);
-    let n = builder.joints();
+    let n = builder.each_joint();
     builder.output("ÿ", Shape::Vector(n), accelerations);
     for (result, matrix, name) in [
         ("∂ÿ/∂y", by_coordinates, "accelerations_by_coordinates"),

@@ -13,6 +13,7 @@ use super::newton_euler::MotionInput;
 use super::regressor::inertial_regressor;
 use crate::graph::Graph;
 use crate::kinematics::Mechanism;
+use crate::layout::Extent;
 use crate::model::{JointKind, Model};
 use crate::program::flow::operands;
 use crate::program::interpret::{Functions, interpret};
@@ -190,12 +191,12 @@ fn regressor_program(model: &Model) -> Program {
     let columns = matrix.first().map_or(0, Vec::len);
     let output = GraphOutput {
         name: "W".to_owned(),
-        shape: Shape::Matrix(n, columns),
+        shape: Shape::Matrix(Extent::fixed(n), Extent::fixed(columns)),
         entries: matrix.concat().iter().map(|x| x.edge()).collect(),
     };
     let inputs = ["y", "v", "a"].map(|name| InputArray {
         name: name.to_owned(),
-        len: n,
+        extent: Extent::fixed(n),
     });
     lower(&graph, inputs.into(), &[output])
 }

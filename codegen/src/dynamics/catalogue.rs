@@ -4,14 +4,15 @@ use super::array_form::{self, Derived, Form, Forms};
 use super::composition::Composition;
 use super::equations::{Equations, Formulations, Matrix};
 use super::forces;
-use super::function::Function;
+use super::function::{ArgumentText, Function};
 use super::newton_euler::MotionInput;
 use super::selection::{self, Request};
 use super::{hessian, module_constants, regressor_quantities};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::ScalarPose;
-use crate::model::{Definiteness, Frame, Model};
+use crate::layout::{Dimension, Extent};
+use crate::model::{Definiteness, Drive, Frame, Joint, Model};
 use crate::program::{GraphOutput, InputArray, Program, Shape, lower};
 
 /// An argument of a generated function.
@@ -52,10 +53,40 @@ impl Argument {
         }
     }
 
-    fn length(self, model: &Model) -> usize {
+    /// What its documentation says.
+    fn text(self, model: &Model) -> ArgumentText {
+        let by_joint = |of_time: &str| {
+            let entry = |joint: &Joint| {
+                (
+                    joint.name.clone(),
+                    format!("{}{of_time}", joint.kind.unit()),
+                )
+            };
+            model.joints().map(entry).collect()
+        };
+        let entries = match self {
+            Coordinates => by_joint(""),
+            Velocities => by_joint("/s"),
+            Accelerations => by_joint("/s²"),
+            Inputs => {
+                let entry =
+                    |drive: &Drive| (drive.name.clone(), model.input_unit(drive).to_owned());
+                model.inputs().map(entry).collect()
+            }
+            Multipliers => Vec::new(),
+        };
+        ArgumentText {
+            meaning: self.meaning().to_owned(),
+            entries,
+        }
+    }
+
+    fn extent(self, model: &Model) -> Extent {
+        let velocities = Extent::new(Dimension::Velocities, model.coordinates.len());
         match self {
-            Inputs => model.inputs().count(),
-            Coordinates | Velocities | Accelerations | Multipliers => model.coordinates.len(),
+            Inputs => Extent::new(Dimension::Inputs, model.inputs().count()),
+            Coordinates => Extent::new(Dimension::Coordinates, model.coordinates.len()),
+            Velocities | Accelerations | Multipliers => velocities,
         }
     }
 }
@@ -71,31 +102,44 @@ pub struct Arguments<'g> {
 
 /// A result in the making.
 pub struct Value<'g> {
-    shape: Shape,
+    /// Its lengths, rows first.
+    lengths: Vec<usize>,
     entries: Vec<Scalar<'g>>,
 }
 
 pub(super) fn scalar(x: Scalar<'_>) -> Value<'_> {
     Value {
-        shape: Shape::Scalar,
+        lengths: Vec::new(),
         entries: vec![x],
     }
 }
 
 pub(super) fn vector(entries: Vec<Scalar<'_>>) -> Value<'_> {
     Value {
-        shape: Shape::Vector(entries.len()),
+        lengths: vec![entries.len()],
         entries,
     }
 }
 
 pub(super) fn matrix(rows: Matrix<'_>) -> Value<'_> {
-    let shape = Shape::Matrix(rows.len(), rows.first().map_or(0, Vec::len));
     Value {
-        shape,
+        lengths: vec![rows.len(), rows.first().map_or(0, Vec::len)],
         entries: rows.concat(),
     }
 }
+
+/// A result of a quantity: its symbol, what its dimensions are, rows first, and its meaning.
+pub(super) type QuantityResult = (&'static str, &'static [Dimension], &'static str);
+
+pub(super) const SCALAR: &[Dimension] = &[];
+pub(super) const VECTOR: &[Dimension] = &[Dimension::Velocities];
+pub(super) const SQUARE: &[Dimension] = &[Dimension::Velocities, Dimension::Velocities];
+pub(super) const BY_INPUTS: &[Dimension] = &[Dimension::Velocities, Dimension::Inputs];
+pub(super) const PARAMETERS: &[Dimension] = &[Dimension::Parameters];
+pub(super) const REGRESSOR: &[Dimension] = &[Dimension::Velocities, Dimension::Parameters];
+const IN_SPACE: &[Dimension] = &[Dimension::Fixed];
+const ROTATION: &[Dimension] = &[Dimension::Fixed, Dimension::Fixed];
+const FRAME_JACOBIAN: &[Dimension] = &[Dimension::Fixed, Dimension::Velocities];
 
 /// How a quantity is built from the equations of motion.
 pub(super) type Build = for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>) -> Vec<Value<'g>>;
@@ -107,8 +151,7 @@ pub struct Quantity {
     pub(super) summary: &'static str,
     pub(super) equation: &'static str,
     pub(super) arguments: &'static [Argument],
-    /// Symbol and meaning of each result.
-    pub(super) results: &'static [(&'static str, &'static str)],
+    pub(super) results: &'static [QuantityResult],
     pub(super) notes: &'static [&'static str],
     pub(super) build: Build,
 }
@@ -140,6 +183,7 @@ const FRICTION_BY_POSITION: &[Quantity] = &[
         arguments: &[Coordinates, Velocities],
         results: &[(
             "τ",
+            VECTOR,
             "positive where friction brakes a positive velocity, at the joint",
         )],
         notes: &[],
@@ -175,7 +219,11 @@ const QUANTITIES: &[Quantity] = &[
         summary: "Mass matrix `M(y)`.",
         equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
         arguments: &[Coordinates],
-        results: &[("M", "symmetric, positive definite, both triangles filled")],
+        results: &[(
+            "M",
+            SQUARE,
+            "symmetric, positive definite, both triangles filled",
+        )],
         notes: &[
             "Composite rigid bodies (Walker and Orin 1982; Featherstone 2008, ch. 6), rotors included.",
         ],
@@ -188,6 +236,7 @@ const QUANTITIES: &[Quantity] = &[
         arguments: &[Coordinates, Velocities],
         results: &[(
             "k",
+            VECTOR,
             "on the left-hand side: without gravity, springs and friction",
         )],
         notes: &["Recursive Newton–Euler equations without gravity and accelerations."],
@@ -204,6 +253,7 @@ const QUANTITIES: &[Quantity] = &[
         arguments: &[Coordinates],
         results: &[(
             "q_gravity",
+            VECTOR,
             "positive where gravity drives the joint forwards; −∂V/∂y",
         )],
         notes: &[],
@@ -216,6 +266,7 @@ const QUANTITIES: &[Quantity] = &[
         arguments: &[Coordinates, Velocities],
         results: &[(
             "q_springs",
+            VECTOR,
             "positive where a spring drives the joint forwards",
         )],
         notes: &[],
@@ -228,7 +279,7 @@ const QUANTITIES: &[Quantity] = &[
         summary: "Joint friction `τ(ẏ)`.",
         equation: "q = gravity_forces + spring_forces − friction_torques",
         arguments: &[Velocities],
-        results: &[("τ", "positive for positive velocity, at the joint")],
+        results: &[("τ", VECTOR, "positive for positive velocity, at the joint")],
         notes: &[],
         build: friction_torques,
     },
@@ -237,7 +288,7 @@ const QUANTITIES: &[Quantity] = &[
         summary: "Applied forces `q(y, ẏ)`.",
         equation: "q = gravity_forces + spring_forces − friction_torques",
         arguments: &[Coordinates, Velocities],
-        results: &[("q", "on the right-hand side, without the inputs")],
+        results: &[("q", VECTOR, "on the right-hand side, without the inputs")],
         notes: &[],
         build: |equations, arguments| {
             vec![vector(equations.applied_forces(&arguments.y, &arguments.v))]
@@ -250,6 +301,7 @@ const QUANTITIES: &[Quantity] = &[
         arguments: &[Coordinates, Velocities],
         results: &[(
             "b",
+            VECTOR,
             "what holds the accelerations at zero, without springs and friction",
         )],
         notes: &["Recursive Newton–Euler equations at ÿ = 0. Pinocchio calls this `nle`."],
@@ -264,6 +316,7 @@ const QUANTITIES: &[Quantity] = &[
         arguments: &[],
         results: &[(
             "B",
+            BY_INPUTS,
             "gear ratios, times motor constants where inputs are currents",
         )],
         notes: &[],
@@ -280,9 +333,13 @@ const QUANTITIES: &[Quantity] = &[
         equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
         arguments: &[Coordinates, Velocities],
         results: &[
-            ("M", "symmetric, positive definite, both triangles filled"),
-            ("k", "Coriolis, centrifugal and gyroscopic forces"),
-            ("q", "gravity, springs and friction"),
+            (
+                "M",
+                SQUARE,
+                "symmetric, positive definite, both triangles filled",
+            ),
+            ("k", VECTOR, "Coriolis, centrifugal and gyroscopic forces"),
+            ("q", VECTOR, "gravity, springs and friction"),
         ],
         notes: &["What the three have in common is computed once."],
         build: |equations, arguments| {
@@ -302,6 +359,7 @@ const QUANTITIES: &[Quantity] = &[
         arguments: &[Coordinates, Velocities, Accelerations],
         results: &[(
             "B u",
+            VECTOR,
             "what the drives exert at the joints; u_ff = B⁻¹ times it",
         )],
         notes: &[
@@ -320,7 +378,7 @@ const QUANTITIES: &[Quantity] = &[
         summary: "Forward dynamics: the accelerations that inputs cause.",
         equation: "ÿ = M⁻¹ (q + B u − k)",
         arguments: &[Coordinates, Velocities, Inputs],
-        results: &[("ÿ", "accelerations")],
+        results: &[("ÿ", VECTOR, "accelerations")],
         notes: &[],
         build: |equations, arguments| {
             vec![vector(equations.forward_dynamics(
@@ -336,9 +394,14 @@ const QUANTITIES: &[Quantity] = &[
         equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
         arguments: &[Coordinates, Velocities],
         results: &[
-            ("M", "symmetric, positive definite, both triangles filled"),
+            (
+                "M",
+                SQUARE,
+                "symmetric, positive definite, both triangles filled",
+            ),
             (
                 "b",
+                VECTOR,
                 "k − gravity_forces: what holds the accelerations at zero, without springs and friction",
             ),
         ],
@@ -354,9 +417,9 @@ const QUANTITIES: &[Quantity] = &[
         equation: "δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ",
         arguments: &[Coordinates, Velocities, Accelerations],
         results: &[
-            ("B u", "the forces M ÿ + k − q, on the joint side"),
-            ("∂/∂y", "row i = force i"),
-            ("∂/∂ẏ", "row i = force i, friction included"),
+            ("B u", VECTOR, "the forces M ÿ + k − q, on the joint side"),
+            ("∂/∂y", SQUARE, "row i = force i"),
+            ("∂/∂ẏ", SQUARE, "row i = force i, friction included"),
         ],
         notes: DERIVATIVE_NOTES,
         build: |equations, Arguments { y, v, a, .. }| {
@@ -374,10 +437,14 @@ const QUANTITIES: &[Quantity] = &[
         equation: "δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ",
         arguments: &[Coordinates, Velocities, Accelerations],
         results: &[
-            ("B u", "the forces M ÿ + k − q, on the joint side"),
-            ("∂/∂y", "row i = force i"),
-            ("∂/∂ẏ", "row i = force i, friction included"),
-            ("M", "symmetric, positive definite, both triangles filled"),
+            ("B u", VECTOR, "the forces M ÿ + k − q, on the joint side"),
+            ("∂/∂y", SQUARE, "row i = force i"),
+            ("∂/∂ẏ", SQUARE, "row i = force i, friction included"),
+            (
+                "M",
+                SQUARE,
+                "symmetric, positive definite, both triangles filled",
+            ),
         ],
         notes: DERIVATIVE_NOTES,
         build: |equations, Arguments { y, v, a, .. }| {
@@ -399,10 +466,14 @@ const QUANTITIES: &[Quantity] = &[
         equation: "∂ÿ = −M⁻¹ ∂(M ÿ + k − q), ∂ÿ/∂(B u) = M⁻¹",
         arguments: &[Coordinates, Velocities, Inputs],
         results: &[
-            ("ÿ", "accelerations"),
-            ("∂ÿ/∂y", "row i = acceleration i"),
-            ("∂ÿ/∂ẏ", "row i = acceleration i"),
-            ("M⁻¹", "symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B"),
+            ("ÿ", VECTOR, "accelerations"),
+            ("∂ÿ/∂y", SQUARE, "row i = acceleration i"),
+            ("∂ÿ/∂ẏ", SQUARE, "row i = acceleration i"),
+            (
+                "M⁻¹",
+                SQUARE,
+                "symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B",
+            ),
         ],
         notes: DERIVATIVE_NOTES,
         build: |equations, Arguments { y, v, u, .. }| {
@@ -420,10 +491,10 @@ const QUANTITIES: &[Quantity] = &[
         equation: "ÿ ≈ A_y y + A_v ẏ + B_x u + c; with x = (y, ẏ) the upper halves of A, B_x and c are [0 I], 0 and 0",
         arguments: &[Coordinates, Velocities, Inputs],
         results: &[
-            ("A_y", "∂ÿ/∂y, row i = acceleration i"),
-            ("A_v", "∂ÿ/∂ẏ, row i = acceleration i"),
-            ("B_x", "∂ÿ/∂u, row i = acceleration i"),
-            ("c", "affine remainder ÿ − A_y y − A_v ẏ − B_x u"),
+            ("A_y", SQUARE, "∂ÿ/∂y, row i = acceleration i"),
+            ("A_v", SQUARE, "∂ÿ/∂ẏ, row i = acceleration i"),
+            ("B_x", BY_INPUTS, "∂ÿ/∂u, row i = acceleration i"),
+            ("c", VECTOR, "affine remainder ÿ − A_y y − A_v ẏ − B_x u"),
         ],
         notes: DERIVATIVE_NOTES,
         build: |equations, Arguments { y, v, u, .. }| {
@@ -445,7 +516,7 @@ const QUANTITIES: &[Quantity] = &[
         summary: "Kinetic energy, rotors included.",
         equation: "T = ½ ẏᵀ M ẏ",
         arguments: &[Coordinates, Velocities],
-        results: &[("T", "energy [J]")],
+        results: &[("T", SCALAR, "energy [J]")],
         notes: &[],
         build: |equations, arguments| {
             vec![scalar(equations.kinetic_energy(&arguments.y, &arguments.v))]
@@ -458,6 +529,7 @@ const QUANTITIES: &[Quantity] = &[
         arguments: &[Coordinates],
         results: &[(
             "V",
+            SCALAR,
             "energy [J], of the moving bodies, zero with their masses at the height of the base frame; springs not included",
         )],
         notes: &[],
@@ -482,7 +554,7 @@ pub(super) struct FrameQuantity {
     summary: &'static str,
     equation: &'static str,
     arguments: &'static [Argument],
-    results: &'static [(&'static str, &'static str)],
+    results: &'static [QuantityResult],
     build: FrameBuild,
 }
 
@@ -493,8 +565,12 @@ pub(super) const FRAME_QUANTITIES: &[FrameQuantity] = &[
         equation: "r_base = p + R r_frame",
         arguments: &[Coordinates],
         results: &[
-            ("p", "origin in the base frame [m]"),
-            ("R", "rotation matrix, columns are the frame's axes"),
+            ("p", IN_SPACE, "origin in the base frame [m]"),
+            (
+                "R",
+                ROTATION,
+                "rotation matrix, columns are the frame's axes",
+            ),
         ],
         build: |equations, arguments, link, pose| {
             let pose = equations.base_poses(&arguments.y).pose(link, pose);
@@ -511,6 +587,7 @@ pub(super) const FRAME_QUANTITIES: &[FrameQuantity] = &[
         arguments: &[Coordinates],
         results: &[(
             "J",
+            FRAME_JACOBIAN,
             "rows: velocity of the origin, then angular velocity, in the axes of the base frame",
         )],
         build: |equations, arguments, link, pose| {
@@ -526,6 +603,7 @@ pub(super) const FRAME_QUANTITIES: &[FrameQuantity] = &[
         arguments: &[Coordinates, Velocities],
         results: &[(
             "J̇ẏ",
+            IN_SPACE,
             "acceleration of the origin [m/s²], then angular acceleration [rad/s²], in the axes of the base frame",
         )],
         build: |equations, arguments, link, pose| {
@@ -633,7 +711,7 @@ pub(super) fn derive_quantity(
     if quantity.name == "forward_dynamics" {
         notes.push(formulations.forward_dynamics().description().to_owned());
     }
-    let mut function = described(quantity.arguments, quantity.results, program).named(
+    let mut function = described(model, quantity.arguments, quantity.results, program).named(
         quantity.name.to_owned(),
         quantity.summary.to_owned(),
         quantity.equation,
@@ -678,7 +756,7 @@ pub(super) fn derive_frame(
             (quantity.build)(equations, arguments, frame.link, &pose)
         },
     );
-    described(quantity.arguments, quantity.results, program).named(
+    described(model, quantity.arguments, quantity.results, program).named(
         frame_name(frame, quantity),
         summary,
         quantity.equation,
@@ -693,14 +771,14 @@ pub(super) fn arguments_of<'g>(
     arguments: &[Argument],
 ) -> (Arguments<'g>, Vec<InputArray>) {
     let scalars = |argument: Argument| match arguments.iter().position(|&other| other == argument) {
-        Some(array) => (0..argument.length(model))
+        Some(array) => (0..argument.extent(model).len)
             .map(|index| graph.input(array, index))
             .collect(),
         None => Vec::new(),
     };
     let inputs = arguments.iter().map(|argument| InputArray {
         name: argument.name().to_owned(),
-        len: argument.length(model),
+        extent: argument.extent(model),
     });
     let inputs = inputs.collect();
     let arguments = Arguments {
@@ -733,7 +811,7 @@ fn assemble(
     model: &Model,
     formulations: &Formulations<'_>,
     arguments: &[Argument],
-    results: &[(&str, &str)],
+    results: &[QuantityResult],
     build: impl for<'g> FnOnce(&Equations<'_, 'g>, &Arguments<'g>) -> Vec<Value<'g>>,
 ) -> Program {
     let graph = Graph::new();
@@ -749,9 +827,9 @@ fn assemble(
     let outputs: Vec<_> = values
         .iter()
         .zip(results)
-        .map(|(value, (symbol, _))| GraphOutput {
+        .map(|(value, (symbol, dimensions, _))| GraphOutput {
             name: (*symbol).to_owned(),
-            shape: value.shape,
+            shape: Shape::new(dimensions, &value.lengths),
             entries: value.entries.iter().map(|x| x.edge()).collect(),
         })
         .collect();
@@ -759,18 +837,23 @@ fn assemble(
 }
 
 /// A function without a name.
-fn described(arguments: &[Argument], results: &[(&str, &str)], program: Program) -> Function {
+fn described(
+    model: &Model,
+    arguments: &[Argument],
+    results: &[QuantityResult],
+    program: Program,
+) -> Function {
     Function {
         name: String::new(),
         summary: String::new(),
         equation: String::new(),
         arguments: arguments
             .iter()
-            .map(|argument| argument.meaning().to_owned())
+            .map(|argument| argument.text(model))
             .collect(),
         results: results
             .iter()
-            .map(|(_, meaning)| (*meaning).to_owned())
+            .map(|(.., meaning)| (*meaning).to_owned())
             .collect(),
         notes: Vec::new(),
         constants: Vec::new(),

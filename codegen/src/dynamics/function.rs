@@ -12,8 +12,8 @@ pub struct Function {
     pub summary: String,
     /// The equation in Unicode.
     pub equation: String,
-    /// Meaning, unit and frame of each input array, in the order of `program.inputs`.
-    pub arguments: Vec<String>,
+    /// What the input arrays are, in the order of `program.inputs`.
+    pub arguments: Vec<ArgumentText>,
     /// Meaning, unit and frame of each result, in the order of `program.outputs`.
     pub results: Vec<String>,
     /// Further sentences: which formulation was cheapest, limits, sources.
@@ -24,6 +24,15 @@ pub struct Function {
     pub program: Program,
     /// The body as loops over joints, where that is smaller or faster; `program` is what it unrolls to.
     pub arrays: Option<ArrayForm>,
+}
+
+/// What the documentation of an argument says.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ArgumentText {
+    /// Meaning, unit and frame.
+    pub meaning: String,
+    /// Name and unit of each entry; empty where these are not told one by one.
+    pub entries: Vec<(String, String)>,
 }
 
 /// A constant that stands before a function in its module.

@@ -5,7 +5,7 @@
 //! analytic Jacobians; each column of the Hessian then from forward differentiation of the gradient.
 
 use super::catalogue::Argument::{Accelerations, Coordinates, Multipliers, Velocities};
-use super::catalogue::{Arguments, Quantity, matrix};
+use super::catalogue::{Arguments, Quantity, SQUARE, matrix};
 use super::equations::{Equations, Matrix, dot};
 use super::newton_euler::MotionInput;
 use crate::graph::{Cost, Edge, Scalar, differentiate, gradient};
@@ -17,14 +17,16 @@ pub const QUANTITY: Quantity = Quantity {
     equation: "with (y, ẏ, ÿ): [[H_yy, H_yv, H_ya], [H_yvᵀ, H_vv, 0], [H_yaᵀ, 0, 0]]",
     arguments: &[Coordinates, Velocities, Accelerations, Multipliers],
     results: &[
-        ("H_yy", "∂²/∂y², symmetric, both triangles filled"),
-        ("H_yv", "∂²/∂y ∂ẏ, row i = coordinate i"),
+        ("H_yy", SQUARE, "∂²/∂y², symmetric, both triangles filled"),
+        ("H_yv", SQUARE, "∂²/∂y ∂ẏ, row i = coordinate i"),
         (
             "H_vv",
+            SQUARE,
             "∂²/∂ẏ², symmetric, both triangles filled; friction included",
         ),
         (
             "H_ya",
+            SQUARE,
             "∂²/∂y ∂ÿ, row i = coordinate i: the derivative of M λ",
         ),
     ],

@@ -181,9 +181,9 @@ fn patterns(program: &Program, blocks: &[(&'static str, &str)]) -> Vec<Constant>
             return None;
         };
         let count = nonzero.iter().filter(|entry| **entry).count();
-        let rows = match columns {
+        let rows = match columns.len {
             0 => Vec::new(),
-            _ => nonzero.chunks(columns).map(<[bool]>::to_vec).collect(),
+            columns => nonzero.chunks(columns).map(<[bool]>::to_vec).collect(),
         };
         let summary = format!(
             "Structure of `{output}`: `false` where the entry is zero in every state; {count} of {} are not.",

@@ -1,7 +1,9 @@
 //! Functions that are linear in parameters, for identification: a part of the catalogue.
 
 use super::catalogue::Argument::{Accelerations, Coordinates, Velocities};
-use super::catalogue::{Arguments, Quantity, Value, matrix, vector};
+use super::catalogue::{
+    Arguments, PARAMETERS, Quantity, QuantityResult, REGRESSOR, Value, matrix, vector,
+};
 use super::equations::Equations;
 use super::newton_euler::MotionInput;
 use super::{forces, regressor};
@@ -13,7 +15,11 @@ pub const QUANTITIES: &[Quantity] = &[
         summary: "Inertial parameters `π` of links and rotors as described.",
         equation: "W(y, ẏ, ÿ) π = M ÿ + k − q_gravity",
         arguments: &[],
-        results: &[("π", "in the order of `INERTIAL_PARAMETER_NAMES`")],
+        results: &[(
+            "π",
+            PARAMETERS,
+            "in the order of `INERTIAL_PARAMETER_NAMES`",
+        )],
         notes: &[],
         build: |equations, _| {
             let parameters = regressor::inertial_parameters(equations.graph, equations.model);
@@ -27,6 +33,7 @@ pub const QUANTITIES: &[Quantity] = &[
         arguments: &[Coordinates, Velocities, Accelerations],
         results: &[(
             "W",
+            REGRESSOR,
             "rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; those of rotors stand last",
         )],
         notes: &[
@@ -48,6 +55,7 @@ pub const QUANTITIES: &[Quantity] = &[
         arguments: &[Coordinates, Velocities, Accelerations],
         results: &[(
             "W_b",
+            REGRESSOR,
             "rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`",
         )],
         notes: &[
@@ -100,10 +108,15 @@ pub const FRICTION_REGRESSOR_BY_POSITION: Quantity = Quantity {
     build: friction_regressor,
 };
 
-const FRICTION_PARAMETERS: &[(&str, &str)] = &[("φ", "in the order of `FRICTION_PARAMETER_NAMES`")];
+const FRICTION_PARAMETERS: &[QuantityResult] = &[(
+    "φ",
+    PARAMETERS,
+    "in the order of `FRICTION_PARAMETER_NAMES`",
+)];
 
-const FRICTION_REGRESSOR: &[(&str, &str)] = &[(
+const FRICTION_REGRESSOR: &[QuantityResult] = &[(
     "R",
+    REGRESSOR,
     "rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`",
 )];
 

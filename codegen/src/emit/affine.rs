@@ -23,7 +23,7 @@ pub(super) fn items(
 ) -> Vec<TokenStream> {
     let face = face(&function.program);
     let body = Body::in_place(context, &face);
-    let signature = Signature::new(context, &body, function);
+    let signature = Signature::new(context, &body);
     let returning = into::returning(context, &body, name);
     let statements = statements(context, &body, form);
     vec![

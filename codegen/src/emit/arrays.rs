@@ -69,7 +69,7 @@ pub(super) fn items(
 ) -> Vec<TokenStream> {
     let face = face(&function.program);
     let body = Body::in_place(context, &face);
-    let signature = Signature::new(context, &body, function);
+    let signature = Signature::new(context, &body);
     let emission = Emission::new(context, form, &body, name);
     let returning = into::returning(context, &body, name);
     let mut items = vec![
@@ -399,7 +399,7 @@ impl<'a> Emission<'a> {
         body.column = Some(quote!([joint]));
         let inputs = body.program.inputs.iter().zip(&body.arguments);
         let inputs = inputs.map(|(input, name)| {
-            let ty = self.ty(input.len);
+            let ty = self.ty(input.extent.len);
             quote!(#name: &#ty)
         });
         let outputs = body.program.outputs.iter().zip(&body.results);

@@ -396,8 +396,8 @@ impl<'a> Body<'a> {
             Shape::Vector(_) => quote!([#(#entries),*]),
             Shape::Matrix(rows, columns) => {
                 let entries: Vec<TokenStream> = entries.collect();
-                let rows = (0..rows).map(|row| {
-                    let row = &entries[row * columns..(row + 1) * columns];
+                let rows = (0..rows.len).map(|row| {
+                    let row = &entries[row * columns.len..(row + 1) * columns.len];
                     quote!([#(#row),*])
                 });
                 quote!([#(#rows),*])

@@ -5,8 +5,7 @@ use quote::{format_ident, quote};
 
 use super::doc_comment::DocComment;
 use super::{Context, lints};
-use crate::formula::Formula;
-use crate::model::{Drive, Input, Joint, JointKind, Model};
+use crate::model::{Drive, Input, Joint, Model};
 
 /// Names of all constants that a module can have.
 pub(super) const NAMES: [&str; 17] = [
@@ -59,15 +58,9 @@ fn sizes(context: &Context<'_>) -> Vec<TokenStream> {
 
 fn names(model: &Model, joints: &[&Joint], inputs: &[&Drive]) -> Vec<TokenStream> {
     let joint_names = joints.iter().map(|joint| joint.name.as_str());
-    let joint_units = joints.iter().map(|joint| {
-        if joint.kind == JointKind::Prismatic {
-            "m"
-        } else {
-            "rad"
-        }
-    });
+    let joint_units = joints.iter().map(|joint| joint.kind.unit());
     let input_names = inputs.iter().map(|drive| drive.name.as_str());
-    let input_units = inputs.iter().map(|drive| input_unit(model, drive));
+    let input_units = inputs.iter().map(|drive| model.input_unit(drive));
     let input_joints = inputs
         .iter()
         .filter_map(|drive| drive.coordinate)
@@ -103,22 +96,6 @@ fn names(model: &Model, joints: &[&Joint], inputs: &[&Drive]) -> Vec<TokenStream
         });
     }
     items
-}
-
-/// Unit of an input: that of a motor's torque or current; a drive without gear on a prismatic joint is a force.
-pub(crate) fn input_unit(model: &Model, drive: &Drive) -> &'static str {
-    let joint = drive.coordinate.and_then(|moved| model.joints().nth(moved));
-    let is_direct =
-        number(&drive.gear_ratio) == Some(1.0) && number(&drive.rotor_inertia) == Some(0.0);
-    match drive.input {
-        Input::Current(_) => "A",
-        Input::Torque
-            if is_direct && joint.is_some_and(|joint| joint.kind == JointKind::Prismatic) =>
-        {
-            "N"
-        }
-        Input::Torque => "N m",
-    }
 }
 
 fn joint_limits(context: &Context<'_>, joints: &[&Joint]) -> Vec<TokenStream> {
@@ -219,12 +196,12 @@ fn drives(context: &Context<'_>, inputs: &[&Drive]) -> Vec<TokenStream> {
         (
             "GEAR_RATIOS",
             "Gear ratio of each drive: motor angle over joint angle.",
-            all(&|drive| number(&drive.gear_ratio)),
+            all(&|drive| drive.gear_ratio.value(&[])),
         ),
         (
             "ROTOR_INERTIAS",
             "Axial inertia of each rotor, on its own side of the gear [kg m²].",
-            all(&|drive| number(&drive.rotor_inertia)),
+            all(&|drive| drive.rotor_inertia.value(&[])),
         ),
     ];
     constants
@@ -239,12 +216,12 @@ fn drives(context: &Context<'_>, inputs: &[&Drive]) -> Vec<TokenStream> {
 fn torque_per_input(drive: &Drive, described: &[f64]) -> Option<f64> {
     match &drive.input {
         Input::Torque => Some(1.0),
-        Input::Current(motor_constant) => value(motor_constant, described).map(f64::abs),
+        Input::Current(motor_constant) => motor_constant.value(described).map(f64::abs),
     }
 }
 
 fn gravity(context: &Context<'_>) -> Option<TokenStream> {
-    let values: Option<Vec<f64>> = context.model.gravity.iter().map(number).collect();
+    let values: Option<Vec<f64>> = context.model.gravity.iter().map(|g| g.value(&[])).collect();
     let three = quote!(3);
     Some(vector(
         context,
@@ -273,28 +250,4 @@ fn vector(
         #allowed
         pub const #name: [#ty; #len] = [#(#entries),*];
     }
-}
-
-/// Value of a formula without parameters, position or velocity; `None` for others.
-fn number(formula: &Formula) -> Option<f64> {
-    value(formula, &[])
-}
-
-/// Value of a formula of parameters; `None` where it depends on others, on position or velocity.
-fn value(formula: &Formula, parameters: &[f64]) -> Option<f64> {
-    let both = |a: &Formula, b: &Formula| Some((value(a, parameters)?, value(b, parameters)?));
-    Some(match formula {
-        Formula::Number(number) => *number,
-        Formula::Parameter(index) => *parameters.get(*index)?,
-        Formula::Position | Formula::Velocity => return None,
-        Formula::Negate(a) => -value(a, parameters)?,
-        Formula::Add(a, b) => both(a, b).map(|(a, b)| a + b)?,
-        Formula::Subtract(a, b) => both(a, b).map(|(a, b)| a - b)?,
-        Formula::Multiply(a, b) => both(a, b).map(|(a, b)| a * b)?,
-        Formula::Divide(a, b) => both(a, b).map(|(a, b)| a / b)?,
-        Formula::Power(a, exponent) => {
-            (0..*exponent).try_fold(1.0, |power, _| Some(power * value(a, parameters)?))?
-        }
-        Formula::Call(function, a) => function.evaluate(value(a, parameters)?),
-    })
 }

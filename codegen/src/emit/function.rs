@@ -8,7 +8,7 @@ use super::doc_comment::{DocComment, code};
 use super::split::{self, Part};
 use super::{Context, affine, arrays, into, lanes, lints};
 use crate::dynamics::function::Function;
-use crate::model::{JointKind, Model};
+use crate::layout::{Dimension, Extent};
 use crate::program::arrays::ArrayForm;
 use crate::program::{Operation, Shape, cost};
 
@@ -32,7 +32,7 @@ pub(super) fn items(context: &Context<'_>, function: &Function, name: &Ident) ->
     if parts.len() > 1 && lanes.is_none() {
         body.stop_storing();
     }
-    let signature = Signature::new(context, &body, function);
+    let signature = Signature::new(context, &body);
     let statements = match (parts.len(), body.results.is_empty()) {
         _ if let Some(plan) = &lanes => lanes::scalar_statements(context, &body, name, plan),
         (1, true) => plain_body(&body),
@@ -289,28 +289,24 @@ pub(super) struct Signature {
 }
 
 impl Signature {
-    pub(super) fn new(context: &Context<'_>, body: &Body<'_>, function: &Function) -> Self {
+    pub(super) fn new(context: &Context<'_>, body: &Body<'_>) -> Self {
         let ty = context.options.scalar.ty();
-        let sizes = Sizes { context, function };
         let inputs = body
             .program
             .inputs
             .iter()
             .zip(&body.arguments)
             .map(|(input, name)| {
-                let len = sizes.input(&input.name, input.len).tokens();
+                let len = Size::from(input.extent).tokens();
                 quote!(#name: &[#ty; #len])
             });
         let parameters = context.has_parameters().then(|| quote!(p: &Parameters));
         let results = body.program.outputs.iter().map(|output| {
-            let dimensions = sizes.result(&output.name, output.shape);
-            dimensions
-                .iter()
-                .rev()
-                .fold(ty.clone(), |entry, dimension| {
-                    let len = dimension.tokens();
-                    quote!([#entry; #len])
-                })
+            let extents = output.shape.extents().into_iter().rev();
+            extents.fold(ty.clone(), |entry, extent| {
+                let len = Size::from(extent).tokens();
+                quote!([#entry; #len])
+            })
         });
         let results: Vec<TokenStream> = results.collect();
         let result = match body.program.outputs.len() {
@@ -323,14 +319,14 @@ impl Signature {
                 .program
                 .inputs
                 .iter()
-                .map(|input| sizes.input(&input.name, input.len).tokens())
+                .map(|input| Size::from(input.extent).tokens())
                 .collect(),
             shapes: body
                 .program
                 .outputs
                 .iter()
-                .map(|output| sizes.result(&output.name, output.shape))
-                .map(|sizes| sizes.into_iter().map(Size::tokens).collect())
+                .map(|output| output.shape.extents().into_iter())
+                .map(|extents| extents.map(|extent| Size::from(extent).tokens()).collect())
                 .collect(),
             result,
             results,
@@ -338,7 +334,7 @@ impl Signature {
                 .program
                 .outputs
                 .iter()
-                .map(|output| sizes.result(&output.name, output.shape).len())
+                .map(|output| output.shape.extents().len())
                 .collect(),
         }
     }
@@ -350,6 +346,17 @@ enum Size {
     N,
     M,
     Number(usize),
+}
+
+impl From<Extent> for Size {
+    /// Coordinates and velocities are as many.
+    fn from(extent: Extent) -> Self {
+        match extent.dimension {
+            Dimension::Coordinates | Dimension::Velocities => Self::N,
+            Dimension::Inputs => Self::M,
+            Dimension::Parameters | Dimension::Fixed => Self::Number(extent.len),
+        }
+    }
 }
 
 impl Size {
@@ -373,64 +380,6 @@ impl Size {
     }
 }
 
-/// Chooses between `N`, `M` and numbers where several would be equal.
-struct Sizes<'a> {
-    context: &'a Context<'a>,
-    function: &'a Function,
-}
-
-impl Sizes<'_> {
-    fn input(&self, name: &str, len: usize) -> Size {
-        if name.starts_with('u') && len == self.context.inputs {
-            Size::M
-        } else {
-            self.coordinates(len)
-        }
-    }
-
-    /// Lengths of a result, rows first.
-    fn result(&self, name: &str, shape: Shape) -> Vec<Size> {
-        // A frame's vectors and rotation have 3 or 6 entries, whatever N is.
-        let in_space = self.function.name.starts_with("frame_");
-        let by_parameters = ["_parameters", "_regressor"]
-            .iter()
-            .any(|end| self.function.name.ends_with(end));
-        match shape {
-            Shape::Scalar => vec![],
-            Shape::Vector(len) if in_space || by_parameters => vec![Size::Number(len)],
-            Shape::Vector(len) => vec![self.coordinates(len)],
-            Shape::Matrix(3, 3) if in_space => vec![Size::Number(3), Size::Number(3)],
-            Shape::Matrix(rows, columns) if in_space => {
-                vec![Size::Number(rows), self.coordinates(columns)]
-            }
-            Shape::Matrix(rows, columns) if by_parameters => {
-                vec![self.coordinates(rows), Size::Number(columns)]
-            }
-            Shape::Matrix(rows, columns)
-                if self.is_by_inputs(name) && columns == self.context.inputs =>
-            {
-                vec![self.coordinates(rows), Size::M]
-            }
-            Shape::Matrix(rows, columns) => vec![self.coordinates(rows), self.coordinates(columns)],
-        }
-    }
-
-    fn is_by_inputs(&self, name: &str) -> bool {
-        self.context.inputs != self.context.coordinates
-            || self.function.name == "input_matrix"
-            || matches!(name, "input_matrix" | "B" | "B_x")
-            || name.ends_with("_du")
-    }
-
-    fn coordinates(&self, len: usize) -> Size {
-        match len {
-            _ if len == self.context.coordinates => Size::N,
-            _ if len == self.context.inputs => Size::M,
-            _ => Size::Number(len),
-        }
-    }
-}
-
 /// Summary, equation, arguments, results, cost and notes.
 fn documentation(context: &Context<'_>, function: &Function, body: &Body<'_>) -> DocComment {
     let mut doc = DocComment::new(&function.summary);
@@ -438,12 +387,12 @@ fn documentation(context: &Context<'_>, function: &Function, body: &Body<'_>) ->
         doc.paragraph(&code(&function.equation));
     }
     doc.gap();
-    let sizes = Sizes { context, function };
     for (i, (input, name)) in body.program.inputs.iter().zip(&body.arguments).enumerate() {
-        let meaning = function.arguments.get(i).map_or("", String::as_str);
-        let entries = entries(context.model, &input.name, input.len);
+        let told = function.arguments.get(i);
+        let meaning = told.map_or("", |argument| argument.meaning.as_str());
+        let entries = told.map_or(String::new(), |argument| list(&argument.entries));
         doc.item(&sentence(
-            &format!("`{name}: [{}]`", sizes.input(&input.name, input.len).text()),
+            &format!("`{name}: [{}]`", Size::from(input.extent).text()),
             meaning,
             &entries,
         ));
@@ -453,11 +402,8 @@ fn documentation(context: &Context<'_>, function: &Function, body: &Body<'_>) ->
     }
     for (i, output) in body.program.outputs.iter().enumerate() {
         let meaning = function.results.get(i).map_or("", String::as_str);
-        let shape: Vec<String> = sizes
-            .result(&output.name, output.shape)
-            .iter()
-            .map(|size| size.text())
-            .collect();
+        let extents = output.shape.extents().into_iter();
+        let shape: Vec<String> = extents.map(|extent| Size::from(extent).text()).collect();
         let shape = if shape.is_empty() {
             String::new()
         } else {
@@ -484,42 +430,8 @@ fn sentence(head: &str, meaning: &str, entries: &str) -> String {
     parts.collect::<Vec<_>>().join(": ")
 }
 
-/// The entries of a standard argument by the names of joints or inputs, with units.
-fn entries(model: &Model, name: &str, len: usize) -> String {
-    let order = match name {
-        "y" => 0,
-        "v" => 1,
-        "a" => 2,
-        "u" => return inputs(model, len),
-        _ => return String::new(),
-    };
-    if len != model.coordinates.len() {
-        return String::new();
-    }
-    let joints = model.joints();
-    let units = [["rad", "rad/s", "rad/s²"], ["m", "m/s", "m/s²"]];
-    list(joints.map(|joint| {
-        let row = usize::from(joint.kind == JointKind::Prismatic);
-        (joint.name.as_str(), units[row][order])
-    }))
-}
-
-fn inputs(model: &Model, len: usize) -> String {
-    let drives: Vec<_> = model.inputs().collect();
-    if drives.len() != len {
-        return String::new();
-    }
-    list(drives.iter().map(|drive| {
-        (
-            drive.name.as_str(),
-            super::constants::input_unit(model, drive),
-        )
-    }))
-}
-
 /// `a, b (rad), c (m)`: neighbours with one unit share it.
-fn list<'a>(entries: impl Iterator<Item = (&'a str, &'a str)>) -> String {
-    let entries: Vec<_> = entries.collect();
+fn list(entries: &[(String, String)]) -> String {
     let shown = entries.iter().enumerate().map(|(i, (name, unit))| {
         let is_last_of_unit = entries.get(i + 1).is_none_or(|(_, next)| next != unit);
         if is_last_of_unit {

@@ -71,7 +71,7 @@ pub(super) fn place(output: &Output, name: &Ident, index: usize) -> TokenStream 
             quote!(#name[#index])
         }
         Shape::Matrix(_, columns) => {
-            let (row, column) = (literal(index / columns), literal(index % columns));
+            let (row, column) = (literal(index / columns.len), literal(index % columns.len));
             quote!(#name[#row][#column])
         }
     }
@@ -114,18 +114,7 @@ pub(super) fn returning(context: &Context<'_>, body: &Body<'_>, name: &Ident) ->
         .program
         .outputs
         .iter()
-        .map(|output| match output.shape {
-            Shape::Scalar => zero.clone(),
-            Shape::Vector(len) => {
-                let len = Literal::usize_unsuffixed(len);
-                quote!([#zero; #len])
-            }
-            Shape::Matrix(rows, columns) => {
-                let rows = Literal::usize_unsuffixed(rows);
-                let columns = Literal::usize_unsuffixed(columns);
-                quote!([[#zero; #columns]; #rows])
-            }
-        });
+        .map(|output| zeros(output.shape, &zero));
     let arguments = &body.arguments;
     let parameters = context.has_parameters().then(|| quote!(p,));
     let value = match results.as_slice() {
@@ -141,18 +130,11 @@ pub(super) fn returning(context: &Context<'_>, body: &Body<'_>, name: &Ident) ->
 
 /// Zeros of a shape.
 pub(super) fn zeros(shape: Shape, zero: &TokenStream) -> TokenStream {
-    let literal = Literal::usize_unsuffixed;
-    match shape {
-        Shape::Scalar => zero.clone(),
-        Shape::Vector(len) => {
-            let len = literal(len);
-            quote!([#zero; #len])
-        }
-        Shape::Matrix(rows, columns) => {
-            let (rows, columns) = (literal(rows), literal(columns));
-            quote!([[#zero; #columns]; #rows])
-        }
-    }
+    let extents = shape.extents().into_iter().rev();
+    extents.fold(zero.clone(), |entry, extent| {
+        let len = Literal::usize_unsuffixed(extent.len);
+        quote!([#entry; #len])
+    })
 }
 
 pub(super) fn into_name(name: &Ident) -> Ident {

@@ -43,6 +43,16 @@ impl Formula {
         }
     }
 
+    /// The value for these parameters; `None` where it depends on others, on position or velocity.
+    pub fn value(&self, parameters: &[f64]) -> Option<f64> {
+        let is_open = |part: &Self| match part {
+            Self::Position | Self::Velocity => true,
+            Self::Parameter(index) => *index >= parameters.len(),
+            _ => false,
+        };
+        (!self.any(&is_open)).then(|| self.evaluate(parameters, f64::NAN, f64::NAN))
+    }
+
     /// Whether the formula holds a node for which `test` is true.
     pub fn any(&self, test: &dyn Fn(&Self) -> bool) -> bool {
         test(self)

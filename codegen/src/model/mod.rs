@@ -193,6 +193,19 @@ impl Model {
         drives.filter(|drive| drive.coordinate.is_some())
     }
 
+    /// Unit of an input: that of a motor's torque or current; a drive without gear on a prismatic joint is a force.
+    pub fn input_unit(&self, drive: &Drive) -> &'static str {
+        let joint = drive.coordinate.and_then(|moved| self.joints().nth(moved));
+        let is_force = joint.is_some_and(|joint| joint.kind == JointKind::Prismatic);
+        let is_direct =
+            drive.gear_ratio.value(&[]) == Some(1.0) && drive.rotor_inertia.value(&[]) == Some(0.0);
+        match drive.input {
+            Input::Current(_) => "A",
+            Input::Torque if is_direct && is_force => "N",
+            Input::Torque => "N m",
+        }
+    }
+
     /// The joints of these links.
     fn joints_of(&self, links: &[usize]) -> Vec<&Joint> {
         let joints = links
@@ -213,6 +226,17 @@ pub enum JointKind {
     Continuous,
     /// Translation along the axis.
     Prismatic,
+}
+
+impl JointKind {
+    /// Unit of the coordinate.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Prismatic => "m",
+            Self::Fixed | Self::Revolute | Self::Continuous => "rad",
+        }
+    }
 }
 
 /// Whether a joint is a coordinate.

@@ -242,7 +242,7 @@ impl Printer<'_> {
             .map(|&entry| self.operand(entry, false))
             .collect();
         let columns = match output.shape {
-            Shape::Matrix(_, columns) => columns.max(1),
+            Shape::Matrix(_, columns) => columns.len.max(1),
             Shape::Scalar | Shape::Vector(_) => 1,
         };
         entries.chunks(columns).map(<[String]>::to_vec).collect()

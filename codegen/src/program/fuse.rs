@@ -220,6 +220,7 @@ impl Rewriting {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::layout::Extent;
     use crate::program::cost::count;
     use crate::program::interpret::{Functions, interpret};
     use crate::program::{InputArray, Shape};
@@ -239,7 +240,7 @@ mod tests {
         Program {
             inputs: vec![InputArray {
                 name: "y".into(),
-                len: 3,
+                extent: Extent::fixed(3),
             }],
             instructions: operations
                 .into_iter()
@@ -251,7 +252,7 @@ mod tests {
                 .collect(),
             outputs: vec![Output {
                 name: "r".into(),
-                shape: Shape::Vector(3),
+                shape: Shape::Vector(Extent::fixed(3)),
                 entries: vec![value(1), value(3), value(5)],
             }],
         }

@@ -118,11 +118,11 @@ fn check_inputs(program: &Program, inputs: &[&[f64]]) -> Result<(), InterpretErr
         .inputs
         .iter()
         .zip(inputs)
-        .find(|(array, given)| array.len != given.len())
+        .find(|(array, given)| array.extent.len != given.len())
     {
         Some((array, given)) => Err(InterpretError::InputLength(
             array.name.clone(),
-            array.len,
+            array.extent.len,
             given.len(),
         )),
         None => Ok(()),

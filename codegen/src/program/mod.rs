@@ -11,6 +11,7 @@ pub mod interpret;
 pub(crate) mod letters;
 
 use crate::formula::Function;
+use crate::layout::{Dimension, Extent};
 
 mod angles;
 mod doubling;
@@ -38,8 +39,8 @@ pub struct Program {
 pub struct InputArray {
     /// Argument name: `y`, `v`, `a`, `u`, …
     pub name: String,
-    /// Number of entries.
-    pub len: usize,
+    /// What the entries are, and their number.
+    pub extent: Extent,
 }
 
 /// Defines one value.
@@ -121,7 +122,35 @@ pub enum Shape {
     /// `f64`
     Scalar,
     /// `[f64; n]`
-    Vector(usize),
+    Vector(Extent),
     /// `[[f64; columns]; rows]`
-    Matrix(usize, usize),
+    Matrix(Extent, Extent),
+}
+
+impl Shape {
+    /// The shape with these dimensions and lengths, rows first.
+    ///
+    /// # Panics
+    /// If there are not as many lengths as dimensions, or more than two: a row of the catalogue is at fault.
+    #[must_use]
+    pub fn new(dimensions: &[Dimension], lengths: &[usize]) -> Self {
+        match (dimensions, lengths) {
+            ([], []) => Self::Scalar,
+            (&[dimension], &[len]) => Self::Vector(Extent::new(dimension, len)),
+            (&[row, column], &[rows, columns]) => {
+                Self::Matrix(Extent::new(row, rows), Extent::new(column, columns))
+            }
+            _ => unreachable!("{lengths:?} are no lengths of {dimensions:?}"),
+        }
+    }
+
+    /// Its extents, rows first.
+    #[must_use]
+    pub fn extents(self) -> Vec<Extent> {
+        match self {
+            Self::Scalar => vec![],
+            Self::Vector(len) => vec![len],
+            Self::Matrix(rows, columns) => vec![rows, columns],
+        }
+    }
 }

@@ -73,9 +73,9 @@ fn entries(program: &Program, result: usize) -> Option<Vec<Vec<bool>>> {
     let Shape::Matrix(_, columns) = program.outputs.get(result)?.shape else {
         return None;
     };
-    if columns == 0 {
+    if columns.len == 0 {
         return None;
     }
     let entries = nonzero_entries(program).swap_remove(result);
-    Some(entries.chunks(columns).map(<[bool]>::to_vec).collect())
+    Some(entries.chunks(columns.len).map(<[bool]>::to_vec).collect())
 }

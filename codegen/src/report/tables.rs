@@ -6,7 +6,6 @@ use super::formula;
 use super::robot::Robot;
 use crate::diagnostic::Diagnostics;
 use crate::dynamics::function::Function;
-use crate::emit::constants::input_unit;
 use crate::formula::Formula;
 use crate::model::{Drive, Input, Joint, JointKind, Motion, Pose, RotorCoupling};
 use crate::numeric::{atan2, length};
@@ -115,7 +114,7 @@ fn drive_row(robot: &Robot<'_>, drive: &Drive) -> Vec<Cell> {
     };
     let input = match (&drive.input, drive.coordinate) {
         (_, None) => Cell::text("none: the joint is held"),
-        (Input::Torque, _) if input_unit(robot.model, drive) == "N" => Cell::text("force"),
+        (Input::Torque, _) if robot.model.input_unit(drive) == "N" => Cell::text("force"),
         (Input::Torque, _) => Cell::text("torque"),
         (Input::Current(constant), _) => match constant.as_number() {
             Some(value) => Cell::text(format!("current, {value} N m/A")),

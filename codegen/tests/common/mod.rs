@@ -10,8 +10,9 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use gelenk_codegen::dynamics::function::Function;
+use gelenk_codegen::dynamics::function::{ArgumentText, Function};
 use gelenk_codegen::formula::{Formula, Function as Call};
+use gelenk_codegen::layout::{Dimension, Extent};
 use gelenk_codegen::model::{
     Drive, Input, Joint, JointKind, Limits, Link, Model, Motion, MotorTorque, Options, Parameter,
     Pose, RotorCoupling,
@@ -122,10 +123,26 @@ pub fn parameter(name: &str, default: f64, unit: &str, description: &str) -> Par
     }
 }
 
+/// An array with an entry for each coordinate.
 pub fn input(name: &str, len: usize) -> InputArray {
     InputArray {
         name: name.into(),
-        len,
+        extent: Extent::new(Dimension::Velocities, len),
+    }
+}
+
+/// A square matrix, rows and columns by coordinate.
+pub fn square(n: usize) -> Shape {
+    Shape::new(&[Dimension::Velocities; 2], &[n, n])
+}
+
+pub fn argument(meaning: &str, entries: &[(&str, &str)]) -> ArgumentText {
+    let entries = entries.iter();
+    ArgumentText {
+        meaning: meaning.into(),
+        entries: entries
+            .map(|&(name, unit)| (name.into(), unit.into()))
+            .collect(),
     }
 }
 
@@ -160,7 +177,7 @@ pub fn mass_matrix() -> Function {
         ],
         outputs: vec![Output {
             name: "M".into(),
-            shape: Shape::Matrix(2, 2),
+            shape: square(2),
             entries: vec![
                 Operand::Value(5),
                 Operand::Value(3),
@@ -173,7 +190,10 @@ pub fn mass_matrix() -> Function {
         name: "mass_matrix".into(),
         summary: "Mass matrix `M(y)`.".into(),
         equation: "M = Σᵢ Jᵢᵀ Iᵢ Jᵢ".into(),
-        arguments: vec!["coordinates".into()],
+        arguments: vec![argument(
+            "coordinates",
+            &[("beta", "rad"), ("gamma", "rad")],
+        )],
         results: vec!["symmetric [kg m²]".into()],
         notes: vec!["Composite rigid bodies in link frames were cheapest.".into()],
         constants: vec![],
@@ -215,7 +235,7 @@ pub fn every_operation() -> Function {
         name: "every_operation".into(),
         summary: "Every operation once.".into(),
         equation: String::new(),
-        arguments: vec!["numbers".into(), "never read".into()],
+        arguments: vec![argument("numbers", &[]), argument("never read", &[])],
         results: vec!["a number".into()],
         notes: vec![],
         constants: vec![],
@@ -297,7 +317,7 @@ pub fn synthetic_with(length: usize, seed: u64, window: usize) -> Function {
             instructions,
             outputs: vec![Output {
                 name: "r".into(),
-                shape: Shape::Matrix(6, 6),
+                shape: square(6),
                 entries,
             }],
         },

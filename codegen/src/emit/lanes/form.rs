@@ -232,7 +232,8 @@ impl<'a> Form<'a> {
         let takes = (!part.takes.is_empty()).then(|| quote!([#(#takes),*],));
         let inputs = part.inputs.iter().map(|&input| {
             let name = &self.body.arguments[input];
-            let entries = (0..self.body.program.inputs[input].len).map(Literal::usize_unsuffixed);
+            let entries =
+                (0..self.body.program.inputs[input].extent.len).map(Literal::usize_unsuffixed);
             quote!(&[#(#name[#entries].0[W * group + lane]),*])
         });
         let parameters = takes_parameters(self.context, part).then(|| quote!(p,));
@@ -395,7 +396,7 @@ fn copies(
                 quote!(#result[#index].0[W * group + lane] = #local[#index];)
             }
             Shape::Matrix(_, columns) => {
-                let (row, column) = (literal(index / columns), literal(index % columns));
+                let (row, column) = (literal(index / columns.len), literal(index % columns.len));
                 quote!(#result[#row][#column].0[W * group + lane] = #local[#row][#column];)
             }
         })

@@ -69,7 +69,7 @@ impl Plan {
 
 /// Why a program cannot be written over lanes, or need not be.
 pub(super) fn obstacle(program: &Program) -> Option<&'static str> {
-    if program.inputs.iter().all(|input| input.len == 0) {
+    if program.inputs.iter().all(|input| input.extent.len == 0) {
         return Some("it takes no state: its result is the same for all");
     }
     if entries(program).next().is_none() {

@@ -3,6 +3,7 @@
 use super::Arrays;
 use super::unroll::numbered;
 use super::writer::Writer;
+use crate::layout::{Dimension, Extent};
 use crate::program::{Operand, Operation, Output, Program, Shape};
 
 /// `A_y`, `A_v`, `B_x` and `c` from the results of `forward_dynamics_derivatives`.
@@ -55,14 +56,18 @@ impl Affine {
             shape,
             entries,
         };
+        let (each, input) = (
+            Extent::new(Dimension::Velocities, n),
+            Extent::new(Dimension::Inputs, m),
+        );
         numbered(Program {
             inputs,
             instructions: writer.instructions,
             outputs: vec![
-                output("A_y", Shape::Matrix(n, n), by_y),
-                output("A_v", Shape::Matrix(n, n), by_v),
-                output("B_x", Shape::Matrix(n, m), by_inputs),
-                output("c", Shape::Vector(n), remainder),
+                output("A_y", Shape::Matrix(each, each), by_y),
+                output("A_v", Shape::Matrix(each, each), by_v),
+                output("B_x", Shape::Matrix(each, input), by_inputs),
+                output("c", Shape::Vector(each), remainder),
             ],
         })
     }

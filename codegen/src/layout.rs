@@ -1,0 +1,39 @@
+//! Lengths with names: what the entries of an array stand for.
+
+/// What the entries of an array stand for, so that its length has a name in every language.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dimension {
+    /// Coordinates y.
+    Coordinates,
+    /// Velocities ẏ, and what belongs to one of them: accelerations, forces, derivatives by small motions.
+    Velocities,
+    /// Inputs u.
+    Inputs,
+    /// Parameters of a regressor.
+    Parameters,
+    /// A number that does not depend on the robot, e.g. of axes in space.
+    Fixed,
+}
+
+/// A length: how many entries, and what they stand for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Extent {
+    /// What the entries stand for.
+    pub dimension: Dimension,
+    /// How many there are.
+    pub len: usize,
+}
+
+impl Extent {
+    /// So many entries of a dimension.
+    #[must_use]
+    pub const fn new(dimension: Dimension, len: usize) -> Self {
+        Self { dimension, len }
+    }
+
+    /// A length without a name.
+    #[must_use]
+    pub const fn fixed(len: usize) -> Self {
+        Self::new(Dimension::Fixed, len)
+    }
+}
