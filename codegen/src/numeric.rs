@@ -7,35 +7,11 @@ use crate::math;
 
 pub(crate) use math::sin_cos;
 
-/// The angle of the point (x, y), between −π and π, as `y.atan2(x)`; 0 for the origin. Error below 2 ulp.
-///
-/// A cubic approximation over an octant, corrected twice by `δ = tan δ − tan³ δ/3` with the tangent of what remains,
-/// `tan δ = (y cos θ − x sin θ)/(x cos θ + y sin θ)`.
+/// The angle of the point (x, y), between −π and π; 0 for the origin. By the crate libm, whose arithmetic is the same everywhere.
 pub(crate) fn atan2(y: f64, x: f64) -> f64 {
-    if x == 0.0 && y == 0.0 {
-        return 0.0;
-    }
-    // Larger or smaller numbers would overflow or vanish in products.
-    let scale = 1.0 / x.abs().max(y.abs());
-    let (across, along) = ((y * scale).abs(), (x * scale).abs());
-    let corrected = |theta: f64| {
-        let (sin, cos) = sin_cos(theta);
-        let t = (across * cos - along * sin) / (along * cos + across * sin);
-        theta + (t - t * t * t / 3.0)
-    };
-    let octant = |ratio: f64| ratio * (0.9724 - 0.1919 * ratio * ratio);
-    let rough = match across > along {
-        true => std::f64::consts::FRAC_PI_2 - octant(along / across),
-        false => octant(across / along),
-    };
-    let theta = corrected(corrected(rough));
-    let theta = match x < 0.0 {
-        true => std::f64::consts::PI - theta,
-        false => theta,
-    };
-    match y < 0.0 {
-        true => -theta,
-        false => theta,
+    match x == 0.0 && y == 0.0 {
+        true => 0.0,
+        false => libm::atan2(y, x),
     }
 }
 

@@ -272,7 +272,12 @@ impl<'g> Mechanism<'g> {
     }
 
     /// Turns the frame of a leaf about its axis; all that is given in it turns the other way.
+    ///
+    /// The angle is rounded to 2⁻⁵⁰: other shifts of mass lead to it with other last bits, and then two functions of one angle
+    /// would have to be computed.
     fn turn_leaf(&mut self, index: usize, angle: f64) {
+        const STEPS: f64 = (1_u64 << 50) as f64;
+        let angle = (angle * STEPS).round() / STEPS;
         let body = &mut self.bodies[index];
         let (sine, cosine) = numeric::sin_cos(angle);
         let back = (self.graph.constant(-sine), self.graph.constant(cosine));
