@@ -216,7 +216,7 @@ fn no_text_of_a_description_becomes_code() {
     function.name = "a b".into();
     function.summary = evil.into();
     function.equation = evil.into();
-    function.arguments = vec![evil.into()];
+    function.arguments = vec![common::argument(evil, &[(evil, "rad")])];
     function.results = vec![evil.into()];
     function.notes = vec![evil.into()];
     function.program.inputs[0].name = "p".into();

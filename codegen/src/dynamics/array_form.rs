@@ -1,11 +1,14 @@
 //! Straight-line code or loops over joints: the choice, by the size of the code.
 
-use std::cell::OnceCell;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::rc::Rc;
 
 use super::base_frame;
-use super::catalogue::{Quantity, arguments_of, quantities, straight_program};
+use super::catalogue::{self, BuildLoops, Loops, Quantity, arguments_of, straight_program};
 use super::equations::{Equations, Formulations};
 use super::forces;
+use super::size::Estimate;
 use crate::graph::{Graph, Node};
 use crate::kinematics::Mechanism;
 use crate::model::Model;
@@ -44,9 +47,6 @@ const MOST_OPERATIONS: f64 = 3.1;
 pub(super) const NOTE: &str = "Loops over joints, with spatial vectors in the frame of the base (Singh, Russell and Wensing 2022): \
     straight-line code would not fit into a processor's instruction cache. The cost counts each operation that contributes.";
 
-/// The function that `linearize` calls.
-const JACOBIANS: &str = "forward_dynamics_derivatives";
-
 /// So many operations each pair of joints on one path takes at least, unless many of them are parallel.
 const OPERATIONS_PER_PAIR: usize = 20;
 
@@ -78,8 +78,8 @@ pub(super) struct Forms<'m> {
     formulations: &'m Formulations<'m>,
     form: Form,
     straight: &'m [String],
-    /// `forward_dynamics_derivatives`, which `linearize` may call.
-    jacobians: OnceCell<Derived>,
+    /// Functions that others may call, once they are derived.
+    derived: RefCell<BTreeMap<&'static str, Rc<Derived>>>,
 }
 
 impl<'m> Forms<'m> {
@@ -95,41 +95,50 @@ impl<'m> Forms<'m> {
             formulations,
             form,
             straight,
-            jacobians: OnceCell::new(),
+            derived: RefCell::default(),
         }
     }
 
-    pub(super) fn derive(&self, quantity: &Quantity) -> Derived {
-        match quantity.name {
-            "linearize" => match self.linearization() {
+    pub(super) fn derive(&self, quantity: &'static Quantity) -> Derived {
+        match quantity.loops {
+            Some(Loops::Affine { called }) => match self.affine(quantity, called) {
                 Some(affine) => Derived::with_loops(ArrayForm::Affine(affine)),
                 None => self.straight(quantity),
             },
-            JACOBIANS => self.jacobians(quantity).clone(),
-            _ => self.cheaper(quantity),
+            Some(Loops::PerJoint { .. }) => Derived::clone(&self.derived(quantity)),
+            None => self.straight(quantity),
         }
     }
 
-    /// Whether `linearize` calls `forward_dynamics_derivatives`. Known without deriving what may be too large to be wanted.
-    pub(super) fn linearize_calls(&self) -> bool {
-        self.called().is_some()
+    /// The function that a function calls, where it does. Known without deriving what may be too large to be wanted.
+    pub(super) fn callee(&self, name: &str) -> Option<&'static str> {
+        let quantity = catalogue::quantity(name)?;
+        let Some(Loops::Affine { called }) = quantity.loops else {
+            return None;
+        };
+        self.called(quantity, called).map(|(called, _)| called.name)
     }
 
-    /// The function that `linearize` calls, and the gains of the inputs.
-    fn called(&self) -> Option<(&'static Quantity, Vec<(usize, Operand)>)> {
-        if self.is_straight("linearize") || !self.may_loop(JACOBIANS) {
+    /// The function that one with affine results calls, and the gains of the inputs.
+    fn called(
+        &self,
+        quantity: &Quantity,
+        called: &str,
+    ) -> Option<(&'static Quantity, Vec<(usize, Operand)>)> {
+        let called = catalogue::quantity(called)?;
+        if self.is_straight(quantity) || !self.may_loop(called) {
             return None;
         }
         let inputs = gains(self.model)?;
-        let called = quantities().find(|quantity| quantity.name == JACOBIANS)?;
-        let has_loops = self.is_far_beyond() || self.jacobians(called).arrays.is_some();
+        let has_loops = self.is_far_beyond() || self.derived(called).arrays.is_some();
         has_loops.then_some((called, inputs))
     }
 
-    fn linearization(&self) -> Option<Affine> {
-        let (called, inputs) = self.called()?;
-        match &self.jacobians(called).arrays {
+    fn affine(&self, quantity: &Quantity, called: &str) -> Option<Affine> {
+        let (called, inputs) = self.called(quantity, called)?;
+        match &self.derived(called).arrays {
             Some(ArrayForm::Steps(arrays)) => Some(Affine {
+                name: called.name,
                 called: arrays.clone(),
                 inputs,
             }),
@@ -137,34 +146,53 @@ impl<'m> Forms<'m> {
         }
     }
 
-    fn jacobians(&self, quantity: &Quantity) -> &Derived {
-        self.jacobians.get_or_init(|| self.cheaper(quantity))
+    /// A function that may have loops; kept, because others may call it.
+    fn derived(&self, quantity: &'static Quantity) -> Rc<Derived> {
+        if let Some(known) = self.derived.borrow().get(quantity.name) {
+            return Rc::clone(known);
+        }
+        let derived = Rc::new(self.cheaper(quantity));
+        self.derived
+            .borrow_mut()
+            .insert(quantity.name, Rc::clone(&derived));
+        derived
     }
 
     fn cheaper(&self, quantity: &Quantity) -> Derived {
-        if !self.may_loop(quantity.name) {
-            return self.straight(quantity);
-        }
+        let build = match quantity.loops {
+            Some(Loops::PerJoint { build, .. }) if self.may_loop(quantity) => build,
+            _ => return self.straight(quantity),
+        };
         if self.is_far_beyond() {
-            return self.with_loops(quantity);
+            return self.with_loops(quantity, build);
         }
         let straight = self.straight(quantity);
         let most = MOST_OPERATIONS * straight.operations() as f64;
         if !is_large(straight.operations()) {
             return straight;
         }
-        let loops = self.with_loops(quantity);
+        let loops = self.with_loops(quantity, build);
         match loops.operations() as f64 <= most {
             true => loops,
             false => straight,
         }
     }
 
-    /// Whether a function is written as loops; known without deriving it.
-    pub(super) fn has_loops_surely(&self, name: &str) -> bool {
-        match name {
-            "linearize" => self.is_far_beyond() && self.linearize_calls(),
-            _ => self.is_far_beyond() && self.may_loop(name),
+    /// Operations that a function takes at least, and whether it is surely written as loops; known without deriving it.
+    pub(super) fn estimate(&self, quantity: &Quantity) -> Option<(Estimate, bool)> {
+        let loops = quantity.loops.filter(|loops| match *loops {
+            Loops::PerJoint { .. } => self.is_far_beyond() && self.may_loop(quantity),
+            Loops::Affine { called } => {
+                self.is_far_beyond() && self.called(quantity, called).is_some()
+            }
+        });
+        match loops {
+            None => quantity.straight_size.map(|size| (size, false)),
+            Some(Loops::PerJoint { size, .. }) => Some((size, true)),
+            Some(Loops::Affine { called }) => match catalogue::quantity(called)?.loops {
+                Some(Loops::PerJoint { size, .. }) => Some((size, true)),
+                _ => None,
+            },
         }
     }
 
@@ -173,13 +201,13 @@ impl<'m> Forms<'m> {
         self.form == Form::Arrays || is_large(OPERATIONS_PER_PAIR * pairs(self.model))
     }
 
-    fn is_straight(&self, name: &str) -> bool {
-        self.form == Form::Straight || self.straight.iter().any(|other| other == name)
+    fn is_straight(&self, quantity: &Quantity) -> bool {
+        self.form == Form::Straight || self.straight.iter().any(|other| other == quantity.name)
     }
 
-    fn may_loop(&self, name: &str) -> bool {
-        NAMES.contains(&name)
-            && !self.is_straight(name)
+    fn may_loop(&self, quantity: &Quantity) -> bool {
+        matches!(quantity.loops, Some(Loops::PerJoint { .. }))
+            && !self.is_straight(quantity)
             && base_frame::is_possible(&Mechanism::new(&Graph::new(), self.model))
     }
 
@@ -190,8 +218,7 @@ impl<'m> Forms<'m> {
         }
     }
 
-    /// One of [`NAMES`] as loops over joints.
-    fn with_loops(&self, quantity: &Quantity) -> Derived {
+    fn with_loops(&self, quantity: &Quantity, build: BuildLoops) -> Derived {
         let graph = Graph::new();
         let equations = Equations {
             graph: &graph,
@@ -199,26 +226,9 @@ impl<'m> Forms<'m> {
             formulations: self.formulations,
         };
         let (arguments, inputs) = arguments_of(&graph, self.model, quantity.arguments);
-        let arrays = match quantity.name {
-            JACOBIANS => base_frame::forward_dynamics_derivatives(&equations, &arguments, inputs),
-            name => {
-                let with_mass_matrix = name == WITH_MASS_MATRIX;
-                base_frame::inverse_dynamics_derivatives(
-                    &equations,
-                    &arguments,
-                    inputs,
-                    with_mass_matrix,
-                )
-            }
-        };
-        Derived::with_loops(ArrayForm::Steps(arrays))
+        Derived::with_loops(ArrayForm::Steps(build(&equations, &arguments, inputs)))
     }
 }
-
-const WITH_MASS_MATRIX: &str = "inverse_dynamics_derivatives_and_mass_matrix";
-
-/// Functions that have an array form of their own.
-const NAMES: [&str; 3] = ["inverse_dynamics_derivatives", WITH_MASS_MATRIX, JACOBIANS];
 
 fn is_large(operations: usize) -> bool {
     BYTES_PER_OPERATION * operations > LARGEST_STRAIGHT

@@ -68,13 +68,34 @@ struct Composites {
     force: ArrayId,
 }
 
-/// `inverse_dynamics_derivatives`, with M where that is wanted.
+/// `inverse_dynamics_derivatives`
 pub fn inverse_dynamics_derivatives<'g>(
     equations: &Equations<'_, 'g>,
     arguments: &Arguments<'g>,
     inputs: Vec<InputArray>,
-    with_mass_matrix: bool,
 ) -> Arrays {
+    let (builder, _) = inverse_dynamics_and_jacobians(equations, arguments);
+    builder.finish(equations.graph, inputs)
+}
+
+/// `inverse_dynamics_derivatives_and_mass_matrix`
+pub fn inverse_dynamics_derivatives_and_mass_matrix<'g>(
+    equations: &Equations<'_, 'g>,
+    arguments: &Arguments<'g>,
+    inputs: Vec<InputArray>,
+) -> Arrays {
+    let (mut builder, (setup, composites)) = inverse_dynamics_and_jacobians(equations, arguments);
+    let mass = mass_matrix(&mut builder, &setup, &composites);
+    let n = builder.each_joint();
+    builder.output("M", Shape::Matrix(n, n), mass);
+    builder.finish(equations.graph, inputs)
+}
+
+/// The forces and their Jacobians, with what M is made of.
+fn inverse_dynamics_and_jacobians<'g>(
+    equations: &Equations<'_, 'g>,
+    arguments: &Arguments<'g>,
+) -> (ArrayBuilder, (Setup, Composites)) {
     let mut builder = ArrayBuilder::new(&Mechanism::new(equations.graph, equations.model));
     let last = ("accelerations", arguments.a.clone());
     let setup = set_up(&mut builder, equations, arguments, last);
@@ -90,11 +111,7 @@ pub fn inverse_dynamics_derivatives<'g>(
     let n = builder.each_joint();
     builder.output("∂/∂y", Shape::Matrix(n, n), by_coordinates);
     builder.output("∂/∂ẏ", Shape::Matrix(n, n), by_velocities);
-    if with_mass_matrix {
-        let mass = mass_matrix(&mut builder, &setup, &composites);
-        builder.output("M", Shape::Matrix(n, n), mass);
-    }
-    builder.finish(equations.graph, inputs)
+    (builder, (setup, composites))
 }
 
 /// `forward_dynamics_derivatives`

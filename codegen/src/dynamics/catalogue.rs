@@ -4,15 +4,17 @@ use super::array_form::{self, Derived, Form, Forms};
 use super::composition::Composition;
 use super::equations::{Equations, Formulations, Matrix};
 use super::forces;
-use super::function::{ArgumentText, Function};
+use super::function::{ArgumentText, Constant, Function};
 use super::newton_euler::MotionInput;
 use super::selection::{self, Request};
-use super::{hessian, module_constants, regressor_quantities};
+use super::size::Estimate;
+use super::{base_frame, hessian, module_constants, regressor_quantities};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::ScalarPose;
 use crate::layout::{Dimension, Extent};
-use crate::model::{Definiteness, Drive, Frame, Joint, Model};
+use crate::model::{Definiteness, Drive, Frame, Joint, JointKind, Model};
+use crate::program::arrays::Arrays;
 use crate::program::{GraphOutput, InputArray, Program, Shape, lower};
 
 /// An argument of a generated function.
@@ -55,22 +57,19 @@ impl Argument {
 
     /// What its documentation says.
     fn text(self, model: &Model) -> ArgumentText {
-        let by_joint = |of_time: &str| {
+        let by_joint = |units: [&'static str; 2]| {
             let entry = |joint: &Joint| {
-                (
-                    joint.name.clone(),
-                    format!("{}{of_time}", joint.kind.unit()),
-                )
+                let row = usize::from(joint.kind == JointKind::Prismatic);
+                (joint.name.clone(), units[row])
             };
             model.joints().map(entry).collect()
         };
         let entries = match self {
-            Coordinates => by_joint(""),
-            Velocities => by_joint("/s"),
-            Accelerations => by_joint("/s²"),
+            Coordinates => by_joint(["rad", "m"]),
+            Velocities => by_joint(["rad/s", "m/s"]),
+            Accelerations => by_joint(["rad/s²", "m/s²"]),
             Inputs => {
-                let entry =
-                    |drive: &Drive| (drive.name.clone(), model.input_unit(drive).to_owned());
+                let entry = |drive: &Drive| (drive.name.clone(), model.input_unit(drive));
                 model.inputs().map(entry).collect()
             }
             Multipliers => Vec::new(),
@@ -154,6 +153,53 @@ pub struct Quantity {
     pub(super) results: &'static [QuantityResult],
     pub(super) notes: &'static [&'static str],
     pub(super) build: Build,
+    /// Which of several derivations was cheapest, for the documentation.
+    pub(super) route: fn(&Formulations<'_>) -> Option<&'static str>,
+    /// Constants that stand before the function.
+    pub(super) constants: fn(&Model, &Formulations<'_>, &Program) -> Vec<Constant>,
+    /// Whether it divides by the pivots of the mass matrix.
+    pub(super) needs_inverse: bool,
+    /// Operations that straight-line code takes at least, for robots that make it very large.
+    pub(super) straight_size: Option<Estimate>,
+    /// How it is written as loops over joints, where it can be.
+    pub(super) loops: Option<Loops>,
+}
+
+/// A function as loops over joints.
+#[derive(Clone, Copy)]
+pub(super) enum Loops {
+    /// The loops of the function itself, and the operations that they stand for.
+    PerJoint { build: BuildLoops, size: Estimate },
+    /// Its results are affine in those of another function, which it calls.
+    Affine { called: &'static str },
+}
+
+/// How loops over joints are built.
+pub(super) type BuildLoops =
+    for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>, Vec<InputArray>) -> Arrays;
+
+impl Quantity {
+    /// What a row does not say: nothing of it is large, and it needs nothing beside it.
+    pub(super) const PLAIN: Self = Self {
+        name: "",
+        summary: "",
+        equation: "",
+        arguments: &[],
+        results: &[],
+        notes: &[],
+        build: |_, _| Vec::new(),
+        route: |_| None,
+        constants: |_, _, _| Vec::new(),
+        needs_inverse: false,
+        straight_size: None,
+        loops: None,
+    };
+}
+
+/// The row of a function that every robot has.
+pub(super) fn quantity(name: &str) -> Option<&'static Quantity> {
+    let mut rows = quantities().chain(ON_REQUEST);
+    rows.find(|row| row.name == name)
 }
 
 /// Every function but those of named frames, in the order of the generated module.
@@ -188,6 +234,7 @@ const FRICTION_BY_POSITION: &[Quantity] = &[
         )],
         notes: &[],
         build: friction_torques,
+        ..Quantity::PLAIN
     },
     regressor_quantities::FRICTION_PARAMETERS_BY_POSITION,
     regressor_quantities::FRICTION_REGRESSOR_BY_POSITION,
@@ -228,6 +275,11 @@ const QUANTITIES: &[Quantity] = &[
             "Composite rigid bodies (Walker and Orin 1982; Featherstone 2008, ch. 6), rotors included.",
         ],
         build: |equations, arguments| vec![matrix(equations.mass_matrix(&arguments.y))],
+        constants: |_, _, program| {
+            module_constants::patterns(program, &[("MASS_MATRIX_NONZERO", "M")])
+        },
+        straight_size: Some(Estimate::MassMatrix),
+        ..Quantity::PLAIN
     },
     Quantity {
         name: "coriolis_forces",
@@ -245,6 +297,7 @@ const QUANTITIES: &[Quantity] = &[
                 equations.coriolis_forces(&arguments.y, &arguments.v),
             )]
         },
+        ..Quantity::PLAIN
     },
     Quantity {
         name: "gravity_forces",
@@ -258,6 +311,7 @@ const QUANTITIES: &[Quantity] = &[
         )],
         notes: &[],
         build: |equations, arguments| vec![vector(equations.gravity_forces(&arguments.y))],
+        ..Quantity::PLAIN
     },
     Quantity {
         name: "spring_forces",
@@ -273,6 +327,7 @@ const QUANTITIES: &[Quantity] = &[
         build: |equations, arguments| {
             vec![vector(equations.spring_forces(&arguments.y, &arguments.v))]
         },
+        ..Quantity::PLAIN
     },
     Quantity {
         name: "friction_torques",
@@ -282,6 +337,7 @@ const QUANTITIES: &[Quantity] = &[
         results: &[("τ", VECTOR, "positive for positive velocity, at the joint")],
         notes: &[],
         build: friction_torques,
+        ..Quantity::PLAIN
     },
     Quantity {
         name: "applied_forces",
@@ -293,6 +349,7 @@ const QUANTITIES: &[Quantity] = &[
         build: |equations, arguments| {
             vec![vector(equations.applied_forces(&arguments.y, &arguments.v))]
         },
+        ..Quantity::PLAIN
     },
     Quantity {
         name: "bias_forces",
@@ -308,6 +365,7 @@ const QUANTITIES: &[Quantity] = &[
         build: |equations, arguments| {
             vec![vector(equations.bias_forces(&arguments.y, &arguments.v))]
         },
+        ..Quantity::PLAIN
     },
     Quantity {
         name: "input_matrix",
@@ -326,6 +384,7 @@ const QUANTITIES: &[Quantity] = &[
                 equations.model,
             ))]
         },
+        ..Quantity::PLAIN
     },
     Quantity {
         name: "equations_of_motion",
@@ -351,6 +410,8 @@ const QUANTITIES: &[Quantity] = &[
                 vector(equations.applied_forces(y, v)),
             ]
         },
+        straight_size: Some(Estimate::MassMatrix),
+        ..Quantity::PLAIN
     },
     Quantity {
         name: "inverse_dynamics",
@@ -372,6 +433,7 @@ const QUANTITIES: &[Quantity] = &[
                 &arguments.a,
             ))]
         },
+        ..Quantity::PLAIN
     },
     Quantity {
         name: "forward_dynamics",
@@ -387,6 +449,10 @@ const QUANTITIES: &[Quantity] = &[
                 &arguments.u,
             ))]
         },
+        route: |formulations| Some(formulations.forward_dynamics().description()),
+        needs_inverse: true,
+        straight_size: Some(Estimate::MassMatrix),
+        ..Quantity::PLAIN
     },
     Quantity {
         name: "mass_matrix_and_bias_forces",
@@ -410,6 +476,8 @@ const QUANTITIES: &[Quantity] = &[
             let (mass, bias) = equations.mass_matrix_and_bias(&arguments.y, &arguments.v);
             vec![matrix(mass), vector(bias)]
         },
+        straight_size: Some(Estimate::MassMatrix),
+        ..Quantity::PLAIN
     },
     Quantity {
         name: "inverse_dynamics_derivatives",
@@ -430,6 +498,13 @@ const QUANTITIES: &[Quantity] = &[
                 matrix(result.by_velocities),
             ]
         },
+        route: |formulations| Some(formulations.derivatives().description()),
+        straight_size: Some(Estimate::MassMatrix),
+        loops: Some(Loops::PerJoint {
+            build: base_frame::inverse_dynamics_derivatives,
+            size: Estimate::Pairs,
+        }),
+        ..Quantity::PLAIN
     },
     Quantity {
         name: "inverse_dynamics_derivatives_and_mass_matrix",
@@ -459,6 +534,13 @@ const QUANTITIES: &[Quantity] = &[
                 .chain(jacobians)
                 .collect()
         },
+        route: |formulations| Some(formulations.derivatives().description()),
+        straight_size: Some(Estimate::MassMatrix),
+        loops: Some(Loops::PerJoint {
+            build: base_frame::inverse_dynamics_derivatives_and_mass_matrix,
+            size: Estimate::Pairs,
+        }),
+        ..Quantity::PLAIN
     },
     Quantity {
         name: "forward_dynamics_derivatives",
@@ -484,6 +566,14 @@ const QUANTITIES: &[Quantity] = &[
                 .chain(jacobians)
                 .collect()
         },
+        route: |formulations| Some(formulations.derivatives().description()),
+        needs_inverse: true,
+        straight_size: Some(Estimate::MassMatrix),
+        loops: Some(Loops::PerJoint {
+            build: base_frame::forward_dynamics_derivatives,
+            size: Estimate::Inverse,
+        }),
+        ..Quantity::PLAIN
     },
     Quantity {
         name: "linearize",
@@ -510,6 +600,23 @@ const QUANTITIES: &[Quantity] = &[
                 .chain([vector(result.remainder)])
                 .collect()
         },
+        route: |formulations| Some(formulations.derivatives().description()),
+        needs_inverse: true,
+        constants: |_, _, program| {
+            module_constants::patterns(
+                program,
+                &[
+                    ("A_Y_NONZERO", "A_y"),
+                    ("A_V_NONZERO", "A_v"),
+                    ("B_X_NONZERO", "B_x"),
+                ],
+            )
+        },
+        straight_size: Some(Estimate::MassMatrix),
+        loops: Some(Loops::Affine {
+            called: "forward_dynamics_derivatives",
+        }),
+        ..Quantity::PLAIN
     },
     Quantity {
         name: "kinetic_energy",
@@ -521,6 +628,7 @@ const QUANTITIES: &[Quantity] = &[
         build: |equations, arguments| {
             vec![scalar(equations.kinetic_energy(&arguments.y, &arguments.v))]
         },
+        ..Quantity::PLAIN
     },
     Quantity {
         name: "potential_energy",
@@ -534,6 +642,7 @@ const QUANTITIES: &[Quantity] = &[
         )],
         notes: &[],
         build: |equations, arguments| vec![scalar(equations.potential_energy(&arguments.y))],
+        ..Quantity::PLAIN
     },
 ];
 
@@ -698,18 +807,15 @@ pub(crate) fn check_names(model: &Model, selection: &[String]) -> Result<(), Dia
 pub(super) fn derive_quantity(
     model: &Model,
     formulations: &Formulations<'_>,
-    quantity: &Quantity,
+    quantity: &'static Quantity,
     forms: &Forms<'_>,
 ) -> Function {
     let Derived { program, arrays } = forms.derive(quantity);
     let mut notes: Vec<String> = quantity.notes.iter().map(|&note| note.to_owned()).collect();
     if arrays.is_some() {
         notes = vec![array_form::NOTE.to_owned()];
-    } else if quantity.notes == DERIVATIVE_NOTES {
-        notes.push(formulations.derivatives().description().to_owned());
-    }
-    if quantity.name == "forward_dynamics" {
-        notes.push(formulations.forward_dynamics().description().to_owned());
+    } else {
+        notes.extend((quantity.route)(formulations).map(str::to_owned));
     }
     let mut function = described(model, quantity.arguments, quantity.results, program).named(
         quantity.name.to_owned(),
@@ -721,8 +827,7 @@ pub(super) fn derive_quantity(
     function
         .notes
         .extend(forces::jump_note(model, &function.program));
-    function.constants =
-        module_constants::of_function(quantity.name, model, formulations, &function.program);
+    function.constants = (quantity.constants)(model, formulations, &function.program);
     function
 }
 

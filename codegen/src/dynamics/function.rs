@@ -32,7 +32,7 @@ pub struct ArgumentText {
     /// Meaning, unit and frame.
     pub meaning: String,
     /// Name and unit of each entry; empty where these are not told one by one.
-    pub entries: Vec<(String, String)>,
+    pub entries: Vec<(String, &'static str)>,
 }
 
 /// A constant that stands before a function in its module.

@@ -48,6 +48,7 @@ pub const QUANTITY: Quantity = Quantity {
         ];
         blocks.map(matrix).into()
     },
+    ..Quantity::PLAIN
 };
 
 /// Blocks of the Hessian of `λᵀ (M ÿ + k − q)`. Those by ẏ ÿ and ÿ ÿ are zero.

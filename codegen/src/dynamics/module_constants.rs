@@ -1,7 +1,6 @@
 //! Constants that explain functions: names of columns, groups of parameters, zeros of matrices.
 
 use super::base_parameters::{BaseParameters, Term};
-use super::equations::Formulations;
 use super::forces;
 use super::function::{Constant, ConstantValue, Function};
 use super::regressor;
@@ -24,31 +23,7 @@ pub const NAMES: [&str; 8] = [
 /// Beyond so many terms the groups stand in `BASE_PARAMETER_TERMS` alone: nobody reads pages of sums.
 const MOST_TERMS: usize = 1000;
 
-/// The constants of a function.
-pub fn of_function(
-    name: &str,
-    model: &Model,
-    formulations: &Formulations<'_>,
-    program: &Program,
-) -> Vec<Constant> {
-    match name {
-        "inertial_parameters" => vec![inertial_names(model)],
-        "base_regressor" => base_parameters(model, formulations.base_parameters()),
-        "friction_parameters" => vec![friction_names(model)],
-        "mass_matrix" => patterns(program, &[("MASS_MATRIX_NONZERO", "M")]),
-        "linearize" => {
-            let blocks = [
-                ("A_Y_NONZERO", "A_y"),
-                ("A_V_NONZERO", "A_v"),
-                ("B_X_NONZERO", "B_x"),
-            ];
-            patterns(program, &blocks)
-        }
-        _ => Vec::new(),
-    }
-}
-
-fn inertial_names(model: &Model) -> Constant {
+pub(super) fn inertial_names(model: &Model) -> Constant {
     let summary = "Inertial parameters π, the columns of `inertial_regressor`. For each link, in the order of the \
          coordinates and in the link's frame of the description, with all that is fixed to it: mass m [kg], first \
          moments mcx, mcy, mcz [kg m], and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the frame's origin [kg m²], entries of the \
@@ -61,7 +36,7 @@ fn inertial_names(model: &Model) -> Constant {
     }
 }
 
-fn friction_names(model: &Model) -> Constant {
+pub(super) fn friction_names(model: &Model) -> Constant {
     let motion = match forces::friction_depends_on_position(model) {
         true => "position and velocity",
         false => "velocity",
@@ -78,7 +53,7 @@ fn friction_names(model: &Model) -> Constant {
     }
 }
 
-fn base_parameters(model: &Model, base: &BaseParameters) -> Vec<Constant> {
+pub(super) fn base_parameters(model: &Model, base: &BaseParameters) -> Vec<Constant> {
     let names = regressor::parameter_names(model);
     let leaders = base.leaders.iter().map(|&leader| names[leader].clone());
     let groups = base.groups().map(|group| group_text(group, &names));
@@ -169,7 +144,7 @@ fn group_text(group: &[Term], names: &[String]) -> String {
 }
 
 /// Which entries of results can be other than zero.
-fn patterns(program: &Program, blocks: &[(&'static str, &str)]) -> Vec<Constant> {
+pub(super) fn patterns(program: &Program, blocks: &[(&'static str, &str)]) -> Vec<Constant> {
     let entries = nonzero_entries(program);
     let pattern = |&(name, output): &(&'static str, &str)| {
         let index = program

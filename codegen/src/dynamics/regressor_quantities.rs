@@ -6,7 +6,8 @@ use super::catalogue::{
 };
 use super::equations::Equations;
 use super::newton_euler::MotionInput;
-use super::{forces, regressor};
+use super::size::Estimate;
+use super::{forces, module_constants, regressor};
 
 /// Their rows of the catalogue.
 pub const QUANTITIES: &[Quantity] = &[
@@ -25,6 +26,8 @@ pub const QUANTITIES: &[Quantity] = &[
             let parameters = regressor::inertial_parameters(equations.graph, equations.model);
             vec![vector(parameters)]
         },
+        constants: |model, _, _| vec![module_constants::inertial_names(model)],
+        ..Quantity::PLAIN
     },
     Quantity {
         name: "inertial_regressor",
@@ -47,6 +50,8 @@ pub const QUANTITIES: &[Quantity] = &[
                 a,
             }))]
         },
+        straight_size: Some(Estimate::Regressor),
+        ..Quantity::PLAIN
     },
     Quantity {
         name: "base_regressor",
@@ -65,6 +70,11 @@ pub const QUANTITIES: &[Quantity] = &[
         build: |equations, Arguments { y, v, a, .. }| {
             vec![matrix(equations.base_regressor(MotionInput { y, v, a }))]
         },
+        constants: |model, formulations, _| {
+            module_constants::base_parameters(model, formulations.base_parameters())
+        },
+        straight_size: Some(Estimate::Regressor),
+        ..Quantity::PLAIN
     },
     Quantity {
         name: "friction_parameters",
@@ -74,6 +84,8 @@ pub const QUANTITIES: &[Quantity] = &[
         results: FRICTION_PARAMETERS,
         notes: &[],
         build: friction_parameters,
+        constants: |model, _, _| vec![module_constants::friction_names(model)],
+        ..Quantity::PLAIN
     },
     Quantity {
         name: "friction_regressor",
@@ -83,6 +95,7 @@ pub const QUANTITIES: &[Quantity] = &[
         results: FRICTION_REGRESSOR,
         notes: FRICTION_NOTES,
         build: friction_regressor,
+        ..Quantity::PLAIN
     },
 ];
 
@@ -95,6 +108,8 @@ pub const FRICTION_PARAMETERS_BY_POSITION: Quantity = Quantity {
     results: FRICTION_PARAMETERS,
     notes: &[],
     build: friction_parameters,
+    constants: |model, _, _| vec![module_constants::friction_names(model)],
+    ..Quantity::PLAIN
 };
 
 /// `friction_regressor` of a robot whose friction depends on the position.
@@ -106,6 +121,7 @@ pub const FRICTION_REGRESSOR_BY_POSITION: Quantity = Quantity {
     results: FRICTION_REGRESSOR,
     notes: FRICTION_NOTES,
     build: friction_regressor,
+    ..Quantity::PLAIN
 };
 
 const FRICTION_PARAMETERS: &[QuantityResult] = &[(

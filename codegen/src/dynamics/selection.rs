@@ -13,14 +13,8 @@ use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::model::{Frame, Model};
 use crate::program::arrays::ArrayForm;
 
-/// Functions that divide by the pivots of the mass matrix.
-const NEED_INVERSE: [&str; 3] = ["forward_dynamics", JACOBIANS, "linearize"];
-
 /// Frames whose functions are generated without being asked for.
 const MOST_FRAMES: usize = 500;
-
-/// What `linearize` calls where both are loops.
-const JACOBIANS: &str = "forward_dynamics_derivatives";
 
 /// What is wanted of a model.
 #[derive(Debug, Clone, Copy)]
@@ -66,7 +60,9 @@ pub fn derive(model: &Model, request: &Request<'_>) -> Result<Selection, Diagnos
         let mut function = row.derive(model, &formulations, &forms);
         catalogue::say_definiteness(definiteness, &mut function);
         let is_callable = |name: &str| functions.iter().any(|other| other.name == name);
-        if matches!(function.arrays, Some(ArrayForm::Affine(_))) && !is_callable(JACOBIANS) {
+        if let Some(ArrayForm::Affine(form)) = &function.arrays
+            && !is_callable(form.name)
+        {
             left_out.callers.push(function.name);
         } else if left_out.fits(model, &wanted, &function)? {
             functions.push(function);
@@ -138,10 +134,11 @@ impl<'a> Wanted<'a> {
         let compositions = catalogue::compositions(request.names);
         let calls = compositions.iter().map(|each| each.calls());
         let mut called: Vec<&'static str> = calls.collect();
-        let is_named = request.names.iter().any(|name| name == "linearize");
-        if (is_named || called.contains(&"linearize")) && forms.linearize_calls() {
-            called.push(JACOBIANS);
-        }
+        let named = request.names.iter().map(String::as_str);
+        let callees = named
+            .chain(called.clone())
+            .filter_map(|name| forms.callee(name));
+        called.extend(callees.collect::<Vec<_>>());
         Self {
             request,
             compositions,
@@ -225,7 +222,7 @@ impl LeftOut {
         }
         let (impossible, possible): (Vec<_>, Vec<_>) = rows
             .into_iter()
-            .partition(|row| NEED_INVERSE.contains(&row.name().as_str()));
+            .partition(|row| matches!(row, Row::Quantity(quantity) if quantity.needs_inverse));
         let names = impossible.iter().map(Row::name);
         let (asked, others): (Vec<_>, Vec<_>) = names.partition(|name| wanted.is_asked_for(name));
         self.need_inverse = others;

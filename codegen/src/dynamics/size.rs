@@ -3,6 +3,7 @@
 //! What counts is the text that is emitted: loops over joints count once, however many operations they stand for.
 
 use super::array_form::Forms;
+use super::catalogue;
 use super::composite;
 use super::formulation::Formulation;
 use super::function::Function;
@@ -22,61 +23,39 @@ pub const MOST_OPERATIONS: usize = 300_000;
 /// some 200 bytes for each.
 const UNROLLED: usize = 10;
 
-/// Functions whose size is known from below before they are derived.
-struct Group {
-    names: &'static [&'static str],
-    /// Whether this holds where they are loops, or where they are straight-line code.
-    are_loops: bool,
-    /// Operations.
-    estimate: fn(&Model) -> usize,
+/// Operations that functions take at least, known before they are derived.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Estimate {
+    /// At least the work of the mass matrix, whose size grows with the square of the joints' number.
+    MassMatrix,
+    /// Blocks of ten columns for each joint and each link that it moves, of 39 operations for the UR5, 75 for a chain of 30
+    /// right angles.
+    Regressor,
+    /// Multiplied and inverted matrices: 5.2 operations times the cube of the joints' number for Talos, 6.9 for a chain of 60
+    /// right angles.
+    Inverse,
+    /// Products for each pair: 83 operations for a chain of 60 right angles.
+    Pairs,
 }
 
-const GROUPS: [Group; 4] = [
-    // They do at least the work of the mass matrix, whose size grows with the square of the joints' number.
-    Group {
-        names: &[
-            "mass_matrix",
-            "equations_of_motion",
-            "mass_matrix_and_bias_forces",
-            "forward_dynamics",
-            "inverse_dynamics_derivatives",
-            "inverse_dynamics_derivatives_and_mass_matrix",
-            "forward_dynamics_derivatives",
-            "linearize",
-        ],
-        are_loops: false,
-        estimate: |model| {
-            let pairs = pairs(model);
-            match pairs > MANY_PAIRS {
-                true => pairs,
-                false => mass_matrix_operations(model),
-            }
-        },
-    },
-    // Blocks of ten columns for each joint and each link that it moves, of 39 operations for the UR5, 75 for a chain of 30
-    // right angles.
-    Group {
-        names: &["inertial_regressor", "base_regressor"],
-        are_loops: false,
-        estimate: |model| 40 * pairs(model),
-    },
-    // Multiplied and inverted matrices: 5.2 operations times the cube of the joints' number for Talos, 6.9 for a chain of 60
-    // right angles.
-    Group {
-        names: &["forward_dynamics_derivatives", "linearize"],
-        are_loops: true,
-        estimate: |model| 5_usize.saturating_mul(model.coordinates.len().saturating_pow(3)),
-    },
-    // Products for each pair: 83 operations for a chain of 60 right angles.
-    Group {
-        names: &[
-            "inverse_dynamics_derivatives",
-            "inverse_dynamics_derivatives_and_mass_matrix",
-        ],
-        are_loops: true,
-        estimate: |model| 70 * pairs(model),
-    },
-];
+impl Estimate {
+    const ALL: [Self; 4] = [
+        Self::MassMatrix,
+        Self::Regressor,
+        Self::Inverse,
+        Self::Pairs,
+    ];
+
+    fn operations(self, model: &Model) -> usize {
+        match (self, pairs(model)) {
+            (Self::MassMatrix, pairs) if pairs > MANY_PAIRS => pairs,
+            (Self::MassMatrix, _) => mass_matrix_operations(model),
+            (Self::Regressor, pairs) => 40 * pairs,
+            (Self::Inverse, _) => 5_usize.saturating_mul(model.coordinates.len().saturating_pow(3)),
+            (Self::Pairs, pairs) => 70 * pairs,
+        }
+    }
+}
 
 /// Beyond so many pairs even the plain mass matrix takes gigabytes; the estimate is one operation for each then.
 const MANY_PAIRS: usize = 3 * MOST_OPERATIONS;
@@ -107,39 +86,43 @@ pub(super) fn before(
     if model.coordinates.len() <= FEW_JOINTS {
         return Vec::new();
     }
-    let (loops, straight): (Vec<&String>, Vec<&String>) =
-        names.iter().partition(|name| forms.has_loops_surely(name));
-    let groups = GROUPS.iter();
-    let too_large = groups.flat_map(|group| match group.are_loops {
-        true => group.too_large(model, &loops, most.saturating_mul(UNROLLED)),
-        false => group.too_large(model, &straight, most),
+    let estimated = names.iter().filter_map(|name| {
+        let (estimate, are_loops) = forms.estimate(catalogue::quantity(name)?)?;
+        Some((name, estimate, are_loops))
     });
-    too_large.collect()
+    let estimated: Vec<_> = estimated.collect();
+    let of = |estimate: Estimate| {
+        let names = estimated.iter().filter(move |each| each.1 == estimate);
+        too_large(model, estimate, &names.collect::<Vec<_>>(), most)
+    };
+    Estimate::ALL.into_iter().flat_map(of).collect()
 }
 
-impl Group {
-    fn too_large(&self, model: &Model, names: &[&String], most: usize) -> Vec<TooLarge> {
-        let names = names
-            .iter()
-            .filter(|name| self.names.contains(&name.as_str()));
-        let names: Vec<&&String> = names.collect();
-        // An estimate takes time of its own.
-        if names.is_empty() {
-            return Vec::new();
-        }
-        let operations = (self.estimate)(model);
-        if operations <= most {
-            return Vec::new();
-        }
-        let too_large = names.into_iter().map(|name| TooLarge {
-            name: (*name).clone(),
-            operations,
-            is_estimate: true,
-            are_loops: self.are_loops,
-            most,
-        });
-        too_large.collect()
+/// Those of one estimate, each with its name and whether it is loops.
+fn too_large(
+    model: &Model,
+    estimate: Estimate,
+    functions: &[&(&String, Estimate, bool)],
+    most: usize,
+) -> Vec<TooLarge> {
+    // An estimate takes time of its own.
+    if functions.is_empty() {
+        return Vec::new();
     }
+    let operations = estimate.operations(model);
+    let too_large = functions.iter().map(|&&(name, _, are_loops)| TooLarge {
+        name: name.clone(),
+        operations,
+        is_estimate: true,
+        are_loops,
+        most: match are_loops {
+            true => most.saturating_mul(UNROLLED),
+            false => most,
+        },
+    });
+    too_large
+        .filter(|each| each.operations > each.most)
+        .collect()
 }
 
 /// Whether a function became too large.

@@ -11,9 +11,6 @@ use crate::dynamics::function::Function;
 use crate::program::Operand;
 use crate::program::arrays::Affine;
 
-/// The function of the Jacobians that is called.
-const CALLED: &str = "forward_dynamics_derivatives";
-
 /// The public function, and its variant with results in place.
 pub(super) fn items(
     context: &Context<'_>,
@@ -36,9 +33,9 @@ fn statements(context: &Context<'_>, body: &Body<'_>, form: &Affine) -> TokenStr
     let ([y, v, u], [by_y, by_v, by_u, remainder]) =
         (body.arguments.as_slice(), body.results.as_slice())
     else {
-        return quote!();
+        unreachable!("`Affine::unrolled` has three arguments and four results");
     };
-    let called = into::into_name(&format_ident!("{CALLED}"));
+    let called = into::into_name(&format_ident!("{}", form.name));
     let parameters = context.has_parameters().then(|| quote!(p,));
     let zero = context.options.scalar.literal(0.0);
     let n = Literal::usize_unsuffixed(form.called.joints());

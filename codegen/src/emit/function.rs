@@ -431,7 +431,7 @@ fn sentence(head: &str, meaning: &str, entries: &str) -> String {
 }
 
 /// `a, b (rad), c (m)`: neighbours with one unit share it.
-fn list(entries: &[(String, String)]) -> String {
+fn list(entries: &[(String, &'static str)]) -> String {
     let shown = entries.iter().enumerate().map(|(i, (name, unit))| {
         let is_last_of_unit = entries.get(i + 1).is_none_or(|(_, next)| next != unit);
         if is_last_of_unit {

@@ -136,13 +136,11 @@ pub fn square(n: usize) -> Shape {
     Shape::new(&[Dimension::Velocities; 2], &[n, n])
 }
 
-pub fn argument(meaning: &str, entries: &[(&str, &str)]) -> ArgumentText {
+pub fn argument(meaning: &str, entries: &[(&str, &'static str)]) -> ArgumentText {
     let entries = entries.iter();
     ArgumentText {
         meaning: meaning.into(),
-        entries: entries
-            .map(|&(name, unit)| (name.into(), unit.into()))
-            .collect(),
+        entries: entries.map(|&(name, unit)| (name.into(), unit)).collect(),
     }
 }
 

@@ -9,7 +9,9 @@ use crate::program::{Operand, Operation, Output, Program, Shape};
 /// `A_y`, `A_v`, `B_x` and `c` from the results of `forward_dynamics_derivatives`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Affine {
-    /// The function that is called, in array form; its results are ÿ, ∂ÿ/∂y, ∂ÿ/∂ẏ and M⁻¹.
+    /// Name of the function that is called.
+    pub name: &'static str,
+    /// That function in array form; its results are ÿ, ∂ÿ/∂y, ∂ÿ/∂ẏ and M⁻¹.
     pub called: Arrays,
     /// For each input: the coordinate that it moves, and its gain, a constant or a parameter.
     pub inputs: Vec<(usize, Operand)>,

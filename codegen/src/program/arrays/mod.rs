@@ -40,7 +40,7 @@ impl ArrayForm {
             Self::Steps(arrays) => Self::Steps(arrays.fused()),
             Self::Affine(affine) => Self::Affine(Affine {
                 called: affine.called.fused(),
-                inputs: affine.inputs.clone(),
+                ..affine.clone()
             }),
         }
     }
