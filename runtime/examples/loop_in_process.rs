@@ -43,7 +43,7 @@ fn run() -> Outcome<()> {
         position_limits: [[-1.0, 1.0]; 2],
         // An ordinary machine that does other things as well.
         hold_periods: 20,
-        ..LoopSettings::for_limits(RATE, &PowerCube.limits())
+        ..LoopSettings::for_robot(RATE, &PowerCube)
     };
     let gains = JointGains::from_bandwidth(&PowerCube, &start, 10.0, 0.7);
     let law = JointPd::new(PowerCube, gains)?;

@@ -53,7 +53,7 @@ fn drive(address: &str) -> Outcome<()> {
     };
     let settings = LoopSettings {
         position_limits: [[-1.0, 1.0]; 2],
-        ..LoopSettings::for_limits(RATE, &PowerCube.limits())
+        ..LoopSettings::for_robot(RATE, &PowerCube)
     };
     let gains = JointGains::from_bandwidth(&PowerCube, &START, 10.0, 0.7);
     let law = JointPd::new(PowerCube, gains)?;

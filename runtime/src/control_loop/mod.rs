@@ -37,7 +37,7 @@
 //! gelenk_runtime::dynamics!(pub struct PowerCube = gelenk_generated::powercube);
 //!
 //! let motion = RestToRest::new([0.0, 0.0], [0.2, -0.1], 1.0)?;
-//! let settings = LoopSettings::for_limits(50.0, &PowerCube.limits());
+//! let settings = LoopSettings::for_robot(50.0, &PowerCube);
 //! let law = JointPd::new(PowerCube, JointGains::from_bandwidth(&PowerCube, &[0.0; 2], 10.0, 0.7))?;
 //! let controller = FeedForwardPd::new(law.clone(), motion, 0.02, 0.01)?;
 //! let clock = VirtualClock::new();

@@ -184,7 +184,7 @@ mod tests {
     use crate::dynamics::Limits;
 
     fn settings() -> LoopSettings<1, 1> {
-        LoopSettings::for_limits(
+        LoopSettings::within(
             100.0,
             &Limits {
                 position: [[-1.0, 1.0]],
@@ -194,6 +194,7 @@ mod tests {
                 input: [1.0],
                 peak_input: [2.0],
             },
+            [2.0],
         )
     }
 
