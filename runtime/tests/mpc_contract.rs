@@ -68,9 +68,70 @@ fn measurements_that_are_not_numbers_give_a_fault_and_no_input() {
     let fault = mpc.step(&cycle(0.0, Some([f64::NAN, 0.0]))).unwrap_err();
     assert_eq!(fault, ControllerFault::NotFinite);
     assert!(mpc.planned(1).is_none());
-    // A reset makes it usable again.
+    // A reset makes it usable again, and so do finite measurements.
+    let mut going_on = mpc.clone();
     mpc.reset(&[0.1, -0.2], &[0.0; 2]);
-    assert!(mpc.step(&cycle(0.0, Some([0.1, -0.2]))).is_ok());
+    let after_reset = mpc.step(&cycle(0.0, Some([0.1, -0.2]))).unwrap();
+    let next = cycle(0.0, Some([0.1, -0.2]));
+    let mut commands = (0..3).map(|_| going_on.step(&next));
+    let last = commands.by_ref().last().unwrap().unwrap();
+    for i in 0..2 {
+        assert!((last.inputs[i] - after_reset.inputs[i]).abs() < 1e-6);
+    }
+}
+
+/// What a step may answer to a reading, however absurd: inputs within the limits and a plan of such, or a fault and no plan.
+fn answer(mpc: &mut impl Controller<2, 2>, cycle: &Cycle<2, 2>, limit: f64) -> bool {
+    mpc.reset(&[0.1, -0.2], &[0.0; 2]);
+    let within = |inputs: [f64; 2]| inputs.iter().all(|u| u.is_finite() && u.abs() <= limit);
+    let plan = |mpc: &_, k| Controller::planned(mpc, k);
+    if let Ok(command) = mpc.step(cycle) {
+        assert!(within(command.inputs), "{cycle:?} {command:?}");
+        assert!(
+            (0..5).all(|k| plan(mpc, k).is_some_and(within)),
+            "{cycle:?}"
+        );
+        true
+    } else {
+        assert!((0..5).all(|k| plan(mpc, k).is_none()), "{cycle:?}");
+        false
+    }
+}
+
+/// Readings from sane to the largest number, with and without limits of the inputs, early and late.
+#[test]
+fn absurd_readings_give_finite_inputs_within_the_limits_or_a_fault() {
+    let mut answers = [0, 0];
+    for limit in [0.5, 1e300, f64::INFINITY] {
+        let mut options = options(&PowerCube, PERIOD, 5);
+        options.input_limits = [[-limit, limit]; 2];
+        options.observer.velocity_sensor_noise = Some([1e-3; 2]);
+        let mut linear = Ltv::new(PowerCube, motion(), options.clone()).unwrap();
+        let mut nonlinear = Nmpc::<_, _, 2, 2, 4>::new(PowerCube, motion(), options).unwrap();
+        for power in (0..309).step_by(14) {
+            let absurd = 10.0_f64.powi(power);
+            for (q, v) in [(absurd, 0.0), (0.1, -absurd), (-absurd, absurd)] {
+                let cycle = Cycle {
+                    velocities: Some([v, 0.0]),
+                    ..cycle(f64::from(power % 2) * PERIOD, Some([q, -0.2]))
+                };
+                answers[usize::from(answer(&mut linear, &cycle, limit))] += 1;
+                answers[usize::from(answer(&mut nonlinear, &cycle, limit))] += 1;
+            }
+        }
+        for (time, last) in [(f64::NAN, 0.0), (f64::INFINITY, 0.0), (0.0, f64::INFINITY)] {
+            let cycle = Cycle {
+                last_inputs: [last, 0.0],
+                ..cycle(time, Some([0.1, -0.2]))
+            };
+            assert!(!answer(&mut linear, &cycle, limit));
+            assert!(!answer(&mut nonlinear, &cycle, limit));
+        }
+        // A reset makes it usable again.
+        let sane = cycle(0.0, Some([0.1, -0.2]));
+        assert!(answer(&mut linear, &sane, limit) && answer(&mut nonlinear, &sane, limit));
+    }
+    assert!(answers.iter().all(|n| *n > 20), "{answers:?}");
 }
 
 #[test]

@@ -36,6 +36,12 @@ pub(super) struct Plan<const M: usize, const NX: usize> {
     pub start: f64,
 }
 
+impl<const M: usize, const NX: usize> Plan<M, NX> {
+    fn is_finite(&self) -> bool {
+        finite(self.states.as_flattened()) && finite(self.inputs.as_flattened())
+    }
+}
+
 #[derive(Debug, Clone)]
 pub(super) struct Horizon<D, T, const N: usize, const M: usize, const NX: usize> {
     feed_forward: FeedForward<D, N, M>,
@@ -161,8 +167,36 @@ where
     ///
     /// # Errors
     /// [`ControllerFault::Stalled`] after more than `MAX_BRIDGED` periods; the next step goes on from this measurement.
+    /// [`ControllerFault::NotFinite`] for a time that is no number.
     pub fn observe(&mut self, cycle: &Cycle<N, M>) -> Result<(f64, [f64; NX]), ControllerFault> {
+        self.take_in(cycle)?;
+        let start = self.start_at(cycle.time);
+        if !start.is_finite() {
+            return Err(ControllerFault::NotFinite);
+        }
+        let (y, v) = (*self.observer.positions(), *self.observer.velocities());
+        if !self.options.delay {
+            return Ok((start, join(&y, &v)));
+        }
+        let mut ahead = (y, v);
+        let disturbance = self.observer.disturbance();
+        let total: [f64; M] = core::array::from_fn(|i| self.under_way[i] + disturbance[i]);
+        let length = self.options.period / self.substeps as f64;
+        for _ in 0..self.substeps {
+            ahead = self.model().step(&ahead.0, &ahead.1, &total, length);
+        }
+        Ok((start, join(&ahead.0, &ahead.1)))
+    }
+
+    /// Moves the estimate on and corrects it. One that a wild reading has made infinite begins anew from this measurement.
+    fn take_in(&mut self, cycle: &Cycle<N, M>) -> Result<(), ControllerFault> {
         let (period, substeps) = (self.options.period, self.substeps);
+        if let (false, Some(positions)) = (self.observer.is_finite(), &cycle.positions) {
+            let velocities = cycle.velocities.unwrap_or([0.0; N]);
+            self.observer.reset(positions, &velocities);
+            self.under_way = cycle.last_inputs;
+            return Ok(());
+        }
         let acted = if self.options.delay {
             self.under_way
         } else {
@@ -183,18 +217,7 @@ where
             let periods = cycle.periods;
             return Err(ControllerFault::Stalled { periods });
         }
-        let (y, v) = (*self.observer.positions(), *self.observer.velocities());
-        if !self.options.delay {
-            return Ok((self.start_at(cycle.time), join(&y, &v)));
-        }
-        let mut ahead = (y, v);
-        let disturbance = self.observer.disturbance();
-        let total: [f64; M] = core::array::from_fn(|i| self.under_way[i] + disturbance[i]);
-        let length = period / substeps as f64;
-        for _ in 0..substeps {
-            ahead = model.step(&ahead.0, &ahead.1, &total, length);
-        }
-        Ok((self.start_at(cycle.time), join(&ahead.0, &ahead.1)))
+        Ok(())
     }
 
     /// When the horizon of a step at `time` begins (s).
@@ -295,21 +318,35 @@ where
         self.set_bounds(&disturbance);
         self.set_terminal(start);
         let report = self.solver.solve(&self.problem);
+        let iterations = report.iterations as u32;
         if report.status == QpStatus::Invalid {
-            self.plan.start = f64::NAN;
-            return Err(if report.residuals.gap.is_nan() && finite(state) {
-                ControllerFault::NoSolution {
-                    iterations: report.iterations as u32,
-                }
-            } else {
-                ControllerFault::NotFinite
-            });
+            return Err(self.refuse(ControllerFault::NoSolution { iterations }));
         }
         self.keep_plan(start, state, &disturbance);
+        // Whatever the solver says of it: a state so far off that products overflow has no plan.
+        let inputs = (0..self.options.horizon).all(|k| finite(&self.input(k)));
+        if !inputs || !self.plan.is_finite() {
+            return Err(self.refuse(ControllerFault::NotFinite));
+        }
         Ok(Command {
             inputs: self.input(0),
-            iterations: report.iterations as u32,
+            iterations,
         })
+    }
+
+    /// Gives up the plan. `fault` is that of a problem whose data are finite.
+    fn refuse(&mut self, fault: ControllerFault) -> ControllerFault {
+        self.plan.start = f64::NAN;
+        let stages = self.problem.stages.iter().all(|stage| {
+            finite(stage.state_matrix.as_flattened())
+                && finite(stage.input_matrix.as_flattened())
+                && finite(&stage.affine)
+        });
+        if stages && finite(&self.problem.initial_state) && finite(&self.problem.previous_input) {
+            fault
+        } else {
+            ControllerFault::NotFinite
+        }
     }
 
     fn set_bounds(&mut self, disturbance: &[f64; M]) {
@@ -395,6 +432,6 @@ where
     }
 }
 
-fn finite(state: &[f64]) -> bool {
-    state.iter().all(|x| x.is_finite())
+fn finite(values: &[f64]) -> bool {
+    values.iter().all(|x| x.is_finite())
 }
