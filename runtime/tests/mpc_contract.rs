@@ -6,8 +6,13 @@
 mod tracking;
 
 use gelenk_runtime::control_loop::{Controller, ControllerFault, Cycle};
+use gelenk_runtime::dynamics::{
+    Differentiable, Discretizable, Dynamics, ForceDerivatives, Limits, Linearization,
+};
 use gelenk_runtime::lqr::Lqr;
-use gelenk_runtime::mpc::{DisturbanceObserver, LtvMpc, MpcError, Nmpc, ObserverOptions};
+use gelenk_runtime::mpc::{
+    DisturbanceObserver, LinearizationPoint, LtvMpc, MpcError, MpcOptions, Nmpc, ObserverOptions,
+};
 use gelenk_runtime::trajectory::RestToRest;
 use tracking::{PERIOD, PowerCube, options};
 
@@ -46,7 +51,7 @@ fn horizons_from_one_to_a_hundred() {
 
 #[test]
 fn senseless_options_are_refused_by_name() {
-    let refuse = |change: fn(&mut gelenk_runtime::mpc::MpcOptions<2, 2>)| {
+    let refuse = |change: fn(&mut MpcOptions<2, 2>)| {
         let mut options = options(&PowerCube, PERIOD, 10);
         change(&mut options);
         Ltv::new(PowerCube, motion(), options)
@@ -294,4 +299,114 @@ fn the_observer_finds_a_constant_force() {
     }
     assert!((observer.disturbance()[0] - 3.0).abs() < 1e-3);
     assert!((observer.velocities()[0] - 7.5).abs() < 1e-3);
+}
+
+/// An arm of 1 kg m² and a wrist of 1e-6 kg m², with viscous friction.
+#[derive(Debug, Clone, Copy)]
+struct LightWrist {
+    viscous: [f64; 2],
+}
+
+const INERTIA: [f64; 2] = [1.0, 1e-6];
+
+fn diagonal(values: [f64; 2]) -> [[f64; 2]; 2] {
+    [[values[0], 0.0], [0.0, values[1]]]
+}
+
+impl Dynamics<2, 2> for LightWrist {
+    fn joint_names(&self) -> [&'static str; 2] {
+        ["arm", "wrist"]
+    }
+    fn limits(&self) -> Limits<2, 2> {
+        Limits {
+            position: [[-3.0, 3.0]; 2],
+            velocity: [2.0; 2],
+            effort: [f64::INFINITY; 2],
+            peak_effort: [f64::INFINITY; 2],
+            input: [1e6; 2],
+            peak_input: [1e6; 2],
+        }
+    }
+    fn mass_matrix(&self, _: &[f64; 2]) -> [[f64; 2]; 2] {
+        diagonal(INERTIA)
+    }
+    fn coriolis_forces(&self, _: &[f64; 2], _: &[f64; 2]) -> [f64; 2] {
+        [0.0; 2]
+    }
+    fn gravity_forces(&self, _: &[f64; 2]) -> [f64; 2] {
+        [0.0; 2]
+    }
+    fn spring_forces(&self, _: &[f64; 2], _: &[f64; 2]) -> [f64; 2] {
+        [0.0; 2]
+    }
+    fn friction_torques(&self, _: &[f64; 2], v: &[f64; 2]) -> [f64; 2] {
+        [self.viscous[0] * v[0], self.viscous[1] * v[1]]
+    }
+    fn input_matrix(&self) -> [[f64; 2]; 2] {
+        diagonal([1.0; 2])
+    }
+}
+
+impl Differentiable<2, 2> for LightWrist {
+    fn inverse_dynamics_derivatives(
+        &self,
+        y: &[f64; 2],
+        v: &[f64; 2],
+        a: &[f64; 2],
+    ) -> ForceDerivatives<2> {
+        ForceDerivatives {
+            forces: self.inverse_dynamics(y, v, a),
+            by_coordinates: [[0.0; 2]; 2],
+            by_velocities: diagonal(self.viscous),
+        }
+    }
+    fn linearize(&self, _: &[f64; 2], _: &[f64; 2], _: &[f64; 2]) -> Linearization<2, 2> {
+        let over = |x: [f64; 2]| diagonal([x[0] / INERTIA[0], x[1] / INERTIA[1]]);
+        Linearization {
+            by_coordinates: [[0.0; 2]; 2],
+            by_velocities: over(self.viscous.map(|d| -d)),
+            by_inputs: over([1.0; 2]),
+            affine: [0.0; 2],
+        }
+    }
+}
+
+impl Discretizable<2, 2> for LightWrist {}
+
+/// Rates of 1e9 1/s over 0.1 s have no zero-order hold: the controller is refused, or faults where its model is replaced in operation, by joint,
+/// slope and period. Rates of 1e8 1/s have one.
+#[test]
+fn a_joint_too_fast_for_the_period_is_named() {
+    let bearable = LightWrist {
+        viscous: [1.0, 100.0],
+    };
+    let steep = LightWrist {
+        viscous: [1.0, 1000.0],
+    };
+    let options = MpcOptions::new(&steep, 0.1, 5);
+    let motion = || RestToRest::new([0.0, 0.0], [0.1, 0.1], 1.0).unwrap();
+    let expected = "joint wrist is too fast to be predicted over a period of 0.1 s: its force has a slope of 1.000e3 N m s/rad \
+                    (or N s/m) over its speed, which gives a rate of 1.0e9 1/s; take a model whose friction is less steep";
+    let linear = LtvMpc::<_, _, 2, 2, 4>::new(steep, motion(), options.clone());
+    let nonlinear = Nmpc::<_, _, 2, 2, 4>::new(steep, motion(), options.clone());
+    for error in [linear.unwrap_err(), nonlinear.unwrap_err()] {
+        assert_eq!(
+            error.to_string(),
+            format!("at 0 s of the trajectory {expected}")
+        );
+    }
+    for linearization in [LinearizationPoint::Plan, LinearizationPoint::Reference] {
+        let options = MpcOptions {
+            linearization,
+            ..options.clone()
+        };
+        let mut mpc = LtvMpc::<_, _, 2, 2, 4>::new(bearable, motion(), options).unwrap();
+        assert!(mpc.step(&cycle(0.0, Some([0.0; 2]))).is_ok());
+        mpc.set_model(steep).unwrap();
+        let fault = mpc.step(&cycle(0.1, Some([0.0; 2]))).unwrap_err();
+        assert_eq!(fault.to_string(), expected);
+        assert!(mpc.planned(1).is_none());
+        mpc.set_model(bearable).unwrap();
+        assert!(mpc.step(&cycle(0.2, Some([0.0; 2]))).is_ok());
+    }
 }

@@ -73,7 +73,7 @@ pub mod write_a_controller {}
 
 pub use clock::{Clock, MonotonicClock, VirtualClock};
 pub use computed_torque::{AccelerationGains, ComputedTorque, ComputedTorqueError};
-pub use controller::{Command, Controller, ControllerFault, Cycle, Estimate};
+pub use controller::{Command, Controller, ControllerFault, Cycle, Estimate, TooFast};
 pub use guard::{EncoderFault, EncoderGuard, GuardSettings};
 pub use joint_pd::{JointGains, JointPd, JointPdError};
 pub use law::{FeedForwardPd, JointLaw, LawController};

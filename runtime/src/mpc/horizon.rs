@@ -1,6 +1,6 @@
 //! What the predictive controllers share: estimate, reference over the horizon, QP, plan.
 
-use super::integrate::{flat_input, flat_state, integrate, join, split, substeps};
+use super::integrate::{discretize, flat_input, flat_state, integrate, join, split, substeps};
 use super::observer::DisturbanceObserver;
 use super::options::{MpcError, MpcOptions};
 use crate::control_loop::{Command, ControllerFault, Cycle, Estimate};
@@ -146,7 +146,12 @@ where
             let period = self.options.period;
             let needed = substeps(&linear, period).max(substeps(&resting, period));
             self.substeps = self.substeps.max(needed);
-            let discrete = self.model().discretize(y, v, &inputs, period);
+            let of_time = |fault| match fault {
+                ControllerFault::TooFast(what) => MpcError::TooFast { time, what },
+                _ => MpcError::NotFinite { time },
+            };
+            discretize(self.model(), y, &[0.0; N], &inputs, period).map_err(of_time)?;
+            let discrete = discretize(self.model(), y, v, &inputs, period).map_err(of_time)?;
             let (mut a, mut b) = ([[0.0; NX]; NX], [[0.0; M]; NX]);
             flat_state(&discrete.state, &mut a);
             flat_input(&discrete.input, &mut b);
@@ -334,9 +339,13 @@ where
         })
     }
 
+    pub fn drop_plan(&mut self) {
+        self.plan.start = f64::NAN;
+    }
+
     /// Gives up the plan. `fault` is that of a problem whose data are finite.
     fn refuse(&mut self, fault: ControllerFault) -> ControllerFault {
-        self.plan.start = f64::NAN;
+        self.drop_plan();
         let stages = self.problem.stages.iter().all(|stage| {
             finite(stage.state_matrix.as_flattened())
                 && finite(stage.input_matrix.as_flattened())

@@ -1,6 +1,7 @@
 //! What a predictive controller is told, and why it may refuse.
 
 use super::observer::ObserverOptions;
+use crate::control_loop::TooFast;
 use crate::dynamics::Dynamics;
 use crate::feed_forward::FeedForwardError;
 use crate::lqr::LqrError;
@@ -175,6 +176,14 @@ pub enum MpcError {
         time: f64,
         /// Why.
         reason: LqrError,
+    },
+    /// A joint of the model is too fast to be predicted over a period, at a state of the trajectory or at rest there.
+    #[error("at {time} s of the trajectory {what}")]
+    TooFast {
+        /// Where on the trajectory (s).
+        time: f64,
+        /// Which joint, and how fast.
+        what: TooFast,
     },
     /// Trajectory or equations of motion are not finite.
     #[error("at {time} s trajectory or equations of motion are not finite")]
