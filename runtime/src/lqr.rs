@@ -391,3 +391,25 @@ fn matrix<const R: usize, const C: usize>(rows: &[[f64; C]; R]) -> SMatrix<f64, 
 fn rows<const R: usize, const C: usize>(m: &SMatrix<f64, R, C>) -> [[f64; C]; R] {
     core::array::from_fn(|i| core::array::from_fn(|j| m[(i, j)]))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 1e-9, or what rounding explains, but never more than 1e-6; NaN is not accurate.
+    #[test]
+    fn residuals_are_judged_by_what_rounding_explains() {
+        let accurate = |residual, rounding| {
+            Lqr {
+                gain: [[0.0]],
+                cost_to_go: [[1.0]],
+                residual,
+                rounding,
+            }
+            .is_accurate()
+        };
+        assert!(accurate(0.9e-9, 0.0) && accurate(0.9e-7, 1e-7) && accurate(0.9e-6, 1.0));
+        assert!(!accurate(1.1e-9, 0.0) && !accurate(1.1e-7, 1e-7) && !accurate(1.1e-6, 1.0));
+        assert!(!accurate(f64::NAN, 1e-7) && accurate(1e-10, f64::NAN));
+    }
+}

@@ -187,6 +187,35 @@ fn preparation_and_feedback_are_the_step() {
     }
 }
 
+/// A trajectory beyond the soft limits is followed as far as they allow, and this is said beforehand, by joint and number.
+#[test]
+fn a_trajectory_beyond_the_soft_limits_is_noted() {
+    let notes = |change: fn(&mut MpcOptions<2, 2>)| -> Vec<String> {
+        let mut options = options(&PowerCube, PERIOD, 10);
+        change(&mut options);
+        let mpc = Ltv::new(PowerCube, motion(), options.clone()).unwrap();
+        let nonlinear = Nmpc::<_, _, 2, 2, 4>::new(PowerCube, motion(), options).unwrap();
+        assert_eq!(mpc.notes(), nonlinear.notes());
+        mpc.notes().iter().map(ToString::to_string).collect()
+    };
+    assert!(notes(|_| {}).is_empty());
+    // 0.6 rad in 2 s by a polynomial of degree 5: 15/8 of the mean speed in the middle.
+    assert_eq!(
+        notes(|o| o.velocity_limits = [0.375, 0.4]),
+        [
+            "at 1.000 s the trajectory moves joint gamma at 0.5625, beyond its soft limit of 0.4000: the controller will lag behind; \
+             slow the trajectory down, or raise `velocity_limits`"
+        ]
+    );
+    assert_eq!(
+        notes(|o| o.position_limits[0] = [0.2, 0.6]),
+        [
+            "at 0.000 s the trajectory has joint beta at 0.1000, outside its soft limits of 0.2000 to 0.6000: the controller will stay \
+             behind; change the trajectory, or `position_limits`"
+        ]
+    );
+}
+
 /// A mass on ice, `ẏ` and `u` in SI units.
 mod mass {
     pub const N: usize = 1;

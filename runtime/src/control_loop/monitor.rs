@@ -69,8 +69,9 @@ impl fmt::Display for LimitFault {
                 name, error, limit, ..
             } => write!(
                 f,
-                "joint {} is {error:.4} away from its desired position, more than {limit:.4}: if this is right after the \
-                 start, check signs and order of inputs and encoders",
+                "joint {} is {error:.4} away from its desired position, more than {limit:.4}: right after the start, check signs and \
+                 order of inputs and encoders; later, check that inputs and soft limits allow the trajectory (`notes` of a predictive \
+                 controller, `trajectory::violations`)",
                 Named(name)
             ),
         }

@@ -1,6 +1,7 @@
 //! What the predictive controllers share: estimate, reference over the horizon, QP, plan.
 
 use super::integrate::{discretize, flat_input, flat_state, integrate, join, split, substeps};
+use super::note::{MpcNote, beyond_limits};
 use super::observer::DisturbanceObserver;
 use super::options::{MpcError, MpcOptions};
 use crate::control_loop::{Command, ControllerFault, Cycle, Estimate};
@@ -60,6 +61,7 @@ pub(super) struct Horizon<D, T, const N: usize, const M: usize, const NX: usize>
     pub plan: Plan<M, NX>,
     /// The input that acts from now on, if it acts one period late.
     under_way: [f64; M],
+    pub notes: Vec<MpcNote>,
 }
 
 impl<D, T, const N: usize, const M: usize, const NX: usize> Horizon<D, T, N, M, NX>
@@ -87,11 +89,15 @@ where
                 start: f64::NAN,
             },
             under_way: [0.0; M],
+            notes: Vec::new(),
             trajectory,
             options,
         };
         horizon.set_weights();
         horizon.look_along()?;
+        let joints = horizon.model().joint_names();
+        let notes = beyond_limits(&horizon.trajectory, &horizon.options, &joints);
+        horizon.notes.extend(notes);
         Ok(horizon)
     }
 
@@ -132,6 +138,7 @@ where
             input_weight[i][i] += self.problem.input_rate_weight[i][i];
         }
         let duration = self.trajectory.duration();
+        let mut inaccurate = (0.0, 0.0);
         for k in 0..=TERMINAL_INTERVALS {
             let time = duration * k as f64 / TERMINAL_INTERVALS as f64;
             let sample = self.trajectory.sample(time);
@@ -155,9 +162,16 @@ where
             let (mut a, mut b) = ([[0.0; NX]; NX], [[0.0; M]; NX]);
             flat_state(&discrete.state, &mut a);
             flat_input(&discrete.input, &mut b);
-            let regulator = Lqr::new(&a, &b, &self.problem.state_weight, &input_weight)
+            let regulator = Lqr::stabilizing(&a, &b, &self.problem.state_weight, &input_weight)
                 .map_err(|reason| MpcError::Terminal { time, reason })?;
+            if !regulator.is_accurate() && regulator.residual > inaccurate.1 {
+                inaccurate = (time, regulator.residual);
+            }
             self.terminal.push(regulator.cost_to_go);
+        }
+        let (time, residual) = inaccurate;
+        if residual > 0.0 {
+            self.notes.push(MpcNote::Terminal { time, residual });
         }
         Ok(())
     }

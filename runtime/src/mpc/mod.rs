@@ -15,6 +15,9 @@
 //! A computed input that acts one period late is compensated ([`MpcOptions::delay`]): the horizon then begins where the input under way will have
 //! led.
 //!
+//! Where the trajectory is beyond the soft limits, or a terminal weight has few digits, the controller says so when it is made
+//! ([`LtvMpc::notes`]): print its notes before the first motion.
+//!
 //! Nothing is allocated after construction. A state has `NX = 2 N` numbers, positions before velocities; `NX` is a parameter of its own because
 //! `2 N` is not a type on stable Rust, and wrong values do not compile.
 //!
@@ -26,10 +29,12 @@ mod horizon;
 mod integrate;
 mod linear;
 mod nonlinear;
+mod note;
 mod observer;
 mod options;
 
 pub use linear::LtvMpc;
 pub use nonlinear::Nmpc;
+pub use note::MpcNote;
 pub use observer::{DisturbanceObserver, ObserverOptions};
 pub use options::{LinearizationPoint, MpcError, MpcOptions};
