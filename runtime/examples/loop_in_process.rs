@@ -10,7 +10,6 @@ use gelenk_runtime::control_loop::{
     ControlLoop, FeedForwardPd, JointGains, JointPd, LoopSettings, MonotonicClock, RealtimeRequest,
     StopRequest, log_to_file,
 };
-use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::trajectory::RestToRest;
 use gelenk_runtime::transport::InProcess;

@@ -12,7 +12,6 @@ use gelenk_runtime::control_loop::{
     ControlLoop, FeedForwardPd, JointGains, JointPd, LoopSettings, MonotonicClock, RealtimeRequest,
     StopRequest,
 };
-use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::trajectory::RestToRest;
 use gelenk_runtime::transport::UdpTransport;
 use outcome::Outcome;

@@ -11,7 +11,6 @@
 //! use gelenk_runtime::control_loop::{
 //!     ControlLoop, End, FeedForwardPd, JointGains, JointPd, LoopSettings, VirtualClock,
 //! };
-//! use gelenk_runtime::dynamics::Dynamics;
 //! use gelenk_runtime::plant::{Plant, PlantOptions};
 //! use gelenk_runtime::trajectory::RestToRest;
 //! use gelenk_runtime::transport::InProcess;
