@@ -1,7 +1,7 @@
 //! What the predictive controllers share: estimate, reference over the horizon, QP, plan.
 
 use super::integrate::{discretize, flat_input, flat_state, integrate, join, split, substeps};
-use super::note::{MpcNote, beyond_limits};
+use super::note::{MpcNote, beyond_limits, dry_friction};
 use super::observer::DisturbanceObserver;
 use super::options::{MpcError, MpcOptions};
 use crate::control_loop::{Command, ControllerFault, Cycle, Estimate};
@@ -97,6 +97,9 @@ where
         horizon.look_along()?;
         let joints = horizon.model().joint_names();
         let notes = beyond_limits(&horizon.trajectory, &horizon.options, &joints);
+        horizon.notes.extend(notes);
+        let start = horizon.trajectory.sample(0.0).positions;
+        let notes = dry_friction(horizon.model(), &start);
         horizon.notes.extend(notes);
         Ok(horizon)
     }

@@ -15,7 +15,7 @@
 //! A computed input that acts one period late is compensated ([`MpcOptions::delay`]): the horizon then begins where the input under way will have
 //! led.
 //!
-//! Where the trajectory is beyond the soft limits, or a terminal weight has few digits, the controller says so when it is made
+//! Where the trajectory is beyond the soft limits, friction jumps at rest, or a terminal weight has few digits, the controller says so when it is made
 //! ([`LtvMpc::notes`]): print its notes before the first motion.
 //!
 //! Nothing is allocated after construction. A state has `NX = 2 N` numbers, positions before velocities; `NX` is a parameter of its own because

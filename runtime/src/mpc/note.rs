@@ -1,7 +1,7 @@
 //! What a predictive controller says about its task before it begins.
 
 use super::options::MpcOptions;
-use crate::dynamics::Named;
+use crate::dynamics::{Dynamics, Named};
 use crate::trajectory::{Sample, Trajectory};
 use std::fmt;
 
@@ -32,6 +32,14 @@ pub enum MpcNote {
         position: f64,
         /// [`MpcOptions::position_limits`].
         limits: [f64; 2],
+    },
+    /// Friction of a joint jumps at rest, as an exact `sign` does. Its slope is taken as 0 on either side, so that predictions know nothing of
+    /// sticking: the joint may stop short of its goal. Controllers take a model with smooth friction.
+    DryFriction {
+        /// Name of the joint.
+        joint: &'static str,
+        /// Height of the jump [N m or N].
+        jump: f64,
     },
     /// The Riccati equation of a terminal weight was not solved to the digits that rounding allows. The weight is the cost of a stabilizing
     /// regulator that may not be the optimal one.
@@ -66,6 +74,12 @@ impl fmt::Display for MpcNote {
                 f,
                 "at {time:.3} s the trajectory has joint {} at {position:.4}, outside its soft limits of {low:.4} to {high:.4}: the controller \
                  will stay behind; change the trajectory, or `position_limits`",
+                Named(joint)
+            ),
+            Self::DryFriction { joint, jump } => write!(
+                f,
+                "friction of joint {} jumps by {jump:.3} N m (or N) at rest, which linear predictions do not see: the joint may stop short of \
+                 its goal; generate a smooth model for the controller (`--control-model`)",
                 Named(joint)
             ),
             Self::Terminal { time, residual } => write!(
@@ -115,6 +129,28 @@ pub(super) fn beyond_limits<const N: usize, const M: usize>(
         }
     }
     notes
+}
+
+/// Joints whose friction jumps at rest at `positions`.
+pub(super) fn dry_friction<const N: usize, const M: usize>(
+    model: &impl Dynamics<N, M>,
+    positions: &[f64; N],
+) -> Vec<MpcNote> {
+    let jumps = |speed: f64| {
+        let forward = model.friction_torques(positions, &[speed; N]);
+        let backward = model.friction_torques(positions, &[-speed; N]);
+        core::array::from_fn::<_, N, _>(|i| forward[i] - backward[i])
+    };
+    // What is smooth, however steep, shrinks with the speed; a jump stays.
+    let (near, nearer) = (jumps(1e-12), jumps(1e-15));
+    let joints = model.joint_names();
+    (0..N)
+        .filter(|&i| near[i] > 0.0 && nearer[i] > 0.5 * near[i])
+        .map(|i| MpcNote::DryFriction {
+            joint: joints[i],
+            jump: nearer[i],
+        })
+        .collect()
 }
 
 /// The sample furthest beyond, if one is; rounding at a limit that is just touched is not.
