@@ -121,13 +121,12 @@ where
     D: Dynamics<N, M> + Copy,
     C: Controller<N, M>,
 {
-    let limits = model.limits();
     let settings = LoopSettings {
         warm_up,
         hold_periods: 1000,
         following_error: [10.0; N],
         input_limit: [1e6; M],
-        ..LoopSettings::for_limits(RATE, &limits)
+        ..LoopSettings::for_robot(RATE, &model)
     };
     let start = motion.sample(0.0).positions;
     let gains = JointGains::from_bandwidth(&model, &start, 10.0, 0.7);

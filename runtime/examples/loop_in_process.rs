@@ -10,7 +10,6 @@ use gelenk_runtime::control_loop::{
     ControlLoop, FeedForwardPd, JointGains, JointPd, LoopSettings, MonotonicClock, RealtimeRequest,
     StopRequest, log_to_file,
 };
-use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::trajectory::RestToRest;
 use gelenk_runtime::transport::InProcess;
@@ -43,7 +42,7 @@ fn run() -> Outcome<()> {
         position_limits: [[-1.0, 1.0]; 2],
         // An ordinary machine that does other things as well.
         hold_periods: 20,
-        ..LoopSettings::for_limits(RATE, &PowerCube.limits())
+        ..LoopSettings::for_robot(RATE, &PowerCube)
     };
     let gains = JointGains::from_bandwidth(&PowerCube, &start, 10.0, 0.7);
     let law = JointPd::new(PowerCube, gains)?;

@@ -12,7 +12,6 @@ use gelenk_runtime::control_loop::{
     ControlLoop, FeedForwardPd, JointGains, JointPd, LoopSettings, MonotonicClock, RealtimeRequest,
     StopRequest,
 };
-use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::trajectory::RestToRest;
 use gelenk_runtime::transport::UdpTransport;
 use outcome::Outcome;
@@ -53,7 +52,7 @@ fn drive(address: &str) -> Outcome<()> {
     };
     let settings = LoopSettings {
         position_limits: [[-1.0, 1.0]; 2],
-        ..LoopSettings::for_limits(RATE, &PowerCube.limits())
+        ..LoopSettings::for_robot(RATE, &PowerCube)
     };
     let gains = JointGains::from_bandwidth(&PowerCube, &START, 10.0, 0.7);
     let law = JointPd::new(PowerCube, gains)?;

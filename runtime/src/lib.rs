@@ -11,7 +11,6 @@
 //! use gelenk_runtime::control_loop::{
 //!     ControlLoop, End, FeedForwardPd, JointGains, JointPd, LoopSettings, VirtualClock,
 //! };
-//! use gelenk_runtime::dynamics::Dynamics;
 //! use gelenk_runtime::plant::{Plant, PlantOptions};
 //! use gelenk_runtime::trajectory::RestToRest;
 //! use gelenk_runtime::transport::InProcess;
@@ -24,7 +23,7 @@
 //! let motion = RestToRest::new(start, [0.4, -0.2], 1.5)?;
 //!
 //! // 3. How: 100 times a second, with gains from the mass matrix and limits from the description.
-//! let settings = LoopSettings::for_limits(100.0, &PowerCube.limits());
+//! let settings = LoopSettings::for_robot(100.0, &PowerCube);
 //! let law = JointPd::new(PowerCube, JointGains::from_bandwidth(&PowerCube, &start, 12.0, 0.8))?;
 //! let controller = FeedForwardPd::new(law.clone(), motion, 0.01, 0.01)?;
 //!

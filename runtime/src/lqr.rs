@@ -4,12 +4,14 @@
 //!     P = Q + AᵀPA − AᵀPB (R + BᵀPB)⁻¹ BᵀPA        K = −(R + BᵀPB)⁻¹ BᵀPA        u = K x
 //! ```
 //!
-//! The equation is solved by the structure-preserving doubling algorithm, which converges quadratically, and its solution is then refined by the
-//! Riccati recursion of the QP ([`crate::qp`]), whose gain is returned: weights far apart cost the doubling digits, and the recursion, which
-//! contracts by the closed loop, wins them back. The residual of the equation is what its last step changes.
+//! The structure-preserving doubling algorithm, which converges quadratically, gives a first gain; where weights far apart have cost it too many digits,
+//! the Riccati recursion of the QP ([`crate::qp`]) does. Policy iteration refines it, quadratically too: the cost of the gain as a sum of
+//! semidefinite terms, without cancellation, then the gain of this cost. The residual of the equation is what its last step changes.
 //!
 //! Sources: Anderson, Moore, *Optimal Control: Linear Quadratic Methods*, 1990, chapters 2 and 4; Chu, Fan, Lin, Wang, *Structure-preserving
-//! algorithms for periodic discrete-time algebraic Riccati equations*, Int. J. Control 77 (2004), section 2.
+//! algorithms for periodic discrete-time algebraic Riccati equations*, Int. J. Control 77 (2004), section 2; Hewer, *An iterative technique for the
+//! computation of the steady state gains for the discrete optimal regulator*, IEEE Trans. Automatic Control 16 (1971); Higham, *Accuracy and
+//! Stability of Numerical Algorithms*, 2002, section 3.5 (rounding of products).
 
 use crate::qp::lanes::Portable;
 use crate::qp::riccati::Riccati;
@@ -19,10 +21,14 @@ use std::fmt;
 
 /// Doublings after which a Riccati equation without a stabilizing solution is given up; each squares the closed loop.
 const MAX_DOUBLINGS: usize = 60;
-/// Steps of the recursion after the doubling, at most.
-const MAX_REFINEMENTS: usize = 50;
-/// Largest residual of the Riccati equation, relative to P.
+/// Steps of the recursion that look for a stabilizing gain, at most.
+const MAX_RECURSIONS: usize = 4096;
+/// Steps of policy iteration, at most; each doubles the digits.
+const MAX_REFINEMENTS: usize = 20;
+/// Largest residual of the Riccati equation, relative to P, where rounding does not explain more.
 const RESIDUAL: f64 = 1e-9;
+/// Residual that no rounding excuses.
+const WORST_RESIDUAL: f64 = 1e-6;
 
 /// Why there is no regulator.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,6 +42,9 @@ pub enum LqrError {
     /// No stabilizing solution: (A, B) is not stabilizable, or a mode of A on or outside the unit circle does not appear in the cost.
     /// The number is the relative residual where the method ended.
     NotStabilizable(f64),
+    /// There is a stabilizing gain, but the residual of the equation, this number, is larger than rounding explains, or above 1e-6: weights or
+    /// units are too far apart.
+    Inaccurate(f64),
 }
 
 impl fmt::Display for LqrError {
@@ -55,6 +64,10 @@ impl fmt::Display for LqrError {
                 "no stabilizing solution of the Riccati equation (residual {residual:.1e}): check that every unstable mode can be \
                  reached by an input and appears in the state weight"
             ),
+            Self::Inaccurate(residual) => write!(
+                f,
+                "the Riccati equation was solved to a residual of {residual:.1e} only: weights or units are too far apart"
+            ),
         }
     }
 }
@@ -70,10 +83,13 @@ pub struct Lqr<const NX: usize, const NU: usize> {
     pub cost_to_go: [[f64; NX]; NX],
     /// Largest residual of the equation, relative to the largest entry of P.
     pub residual: f64,
+    /// Bound of the rounding in this residual, likewise relative: `2 NX ε (|Q| + |K|ᵀ|R||K| + Wᵀ|P|W)` with `W = |A| + |B||K|`.
+    pub rounding: f64,
 }
 
 impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
-    /// Solves the discrete algebraic Riccati equation. All matrices rows first; Q positive semidefinite, R positive definite.
+    /// Solves the discrete algebraic Riccati equation. All matrices rows first; Q positive semidefinite, R positive definite. The solution is taken
+    /// where its residual is below 1e-9, or what rounding explains up to 1e-6.
     ///
     /// # Errors
     /// [`LqrError`].
@@ -83,50 +99,52 @@ impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
         state_weight: &[[f64; NX]; NX],
         input_weight: &[[f64; NU]; NU],
     ) -> Result<Self, LqrError> {
-        let states = state_matrix.iter().chain(state_weight).flatten();
-        let inputs = input_matrix
-            .iter()
-            .flatten()
-            .chain(input_weight.iter().flatten());
-        if !states.chain(inputs).all(|v| v.is_finite()) {
-            return Err(LqrError::NotFinite);
+        let lqr = Self::stabilizing(state_matrix, input_matrix, state_weight, input_weight)?;
+        if lqr.is_accurate() {
+            Ok(lqr)
+        } else {
+            Err(LqrError::Inaccurate(lqr.residual))
         }
-        let mut p = doubling(state_matrix, input_matrix, state_weight, input_weight)?;
-        let mut last = TimeVaryingLqr::new(1)?;
-        last.set_stage(0, state_matrix, input_matrix);
-        let (mut gain, mut cost_to_go, mut residual) = ([[0.0; NX]; NU], p, f64::INFINITY);
+    }
+
+    /// As [`new`](Self::new), but whatever the residual: P is the cost of a stabilizing gain, and K the gain of this P.
+    pub(crate) fn stabilizing(
+        state_matrix: &[[f64; NX]; NX],
+        input_matrix: &[[f64; NU]; NX],
+        state_weight: &[[f64; NX]; NX],
+        input_weight: &[[f64; NU]; NU],
+    ) -> Result<Self, LqrError> {
+        let mut equation = Equation::new(state_matrix, input_matrix, state_weight, input_weight)?;
+        let mut gain = equation.stabilizing_gain()?;
+        let mut best: Option<Self> = None;
         for _ in 0..MAX_REFINEMENTS {
-            last.solve(state_weight, input_weight, &p)
-                .map_err(|_| LqrError::NotStabilizable(f64::NAN))?;
-            let k = last.gain(0);
-            let next = closed_loop_cost(
-                state_matrix,
-                input_matrix,
-                state_weight,
-                input_weight,
-                &k,
-                &p,
-            );
-            let change = distance(&next, &p);
+            let Some(cost) = equation.cost_of(&gain) else {
+                break;
+            };
+            let next = equation.gain_of(&cost)?;
+            let residual = equation.residual(&next, &cost);
             // Written so that NaN ends it.
-            let better = change < 0.9 * residual;
-            if !better {
+            let better = residual
+                < best
+                    .as_ref()
+                    .map_or(f64::INFINITY, |best| 0.5 * best.residual);
+            if !better || !equation.is_stable(&next) {
                 break;
             }
-            (gain, cost_to_go, residual) = (k, next, change);
-            p = next;
-        }
-        // Written so that NaN counts as failure.
-        let solved = residual <= RESIDUAL && is_stable(state_matrix, input_matrix, &gain);
-        if solved {
-            Ok(Self {
-                gain,
-                cost_to_go,
+            best = Some(Self {
+                gain: rows(&next),
+                cost_to_go: rows(&cost),
                 residual,
-            })
-        } else {
-            Err(LqrError::NotStabilizable(residual))
+                rounding: equation.rounding(&next, &cost),
+            });
+            gain = next;
         }
+        best.ok_or(LqrError::NotStabilizable(f64::NAN))
+    }
+
+    /// Written so that NaN counts as failure.
+    pub(crate) fn is_accurate(&self) -> bool {
+        self.residual <= RESIDUAL.max(self.rounding).min(WORST_RESIDUAL)
     }
 
     /// `K x`.
@@ -205,9 +223,156 @@ impl<const NX: usize, const NU: usize> TimeVaryingLqr<NX, NU> {
     }
 }
 
-fn largest<const R: usize, const C: usize>(m: &[[f64; C]; R]) -> f64 {
-    m.iter().flatten().fold(0.0, |max: f64, v| {
-        if v.is_nan() {
+/// The Riccati equation, with memory for the recursion.
+struct Equation<const NX: usize, const NU: usize> {
+    a: SMatrix<f64, NX, NX>,
+    b: SMatrix<f64, NX, NU>,
+    q: SMatrix<f64, NX, NX>,
+    r: SMatrix<f64, NU, NU>,
+    recursion: TimeVaryingLqr<NX, NU>,
+}
+
+impl<const NX: usize, const NU: usize> Equation<NX, NU> {
+    fn new(
+        a: &[[f64; NX]; NX],
+        b: &[[f64; NU]; NX],
+        q: &[[f64; NX]; NX],
+        r: &[[f64; NU]; NU],
+    ) -> Result<Self, LqrError> {
+        let states = a.iter().chain(q).flatten();
+        let inputs = b.iter().flatten().chain(r.iter().flatten());
+        if !states.chain(inputs).all(|v| v.is_finite()) {
+            return Err(LqrError::NotFinite);
+        }
+        let mut recursion = TimeVaryingLqr::new(1)?;
+        recursion.set_stage(0, a, b);
+        Ok(Self {
+            a: matrix(a),
+            b: matrix(b),
+            q: matrix(q),
+            r: matrix(r),
+            recursion,
+        })
+    }
+
+    /// A gain that stabilizes: of the doubling's solution, or else of the recursion from Q, which converges with the closed loop.
+    fn stabilizing_gain(&mut self) -> Result<SMatrix<f64, NU, NX>, LqrError> {
+        if let Some(cost) = self.doubling()?
+            && let Ok(gain) = self.gain_of(&cost)
+            && self.is_stable(&gain)
+        {
+            return Ok(gain);
+        }
+        let (mut cost, mut residual) = (self.q, f64::NAN);
+        for step in 1..=MAX_RECURSIONS {
+            let Ok(gain) = self.gain_of(&cost) else { break };
+            // Stability costs as much as many steps.
+            if step.is_power_of_two() && self.is_stable(&gain) {
+                return Ok(gain);
+            }
+            residual = self.residual(&gain, &cost);
+            cost = self.closed_loop_cost(&gain, &cost);
+        }
+        Err(LqrError::NotStabilizable(residual))
+    }
+
+    /// The gain of a cost-to-go: `−(R + BᵀPB)⁻¹ BᵀPA`.
+    fn gain_of(&mut self, cost: &SMatrix<f64, NX, NX>) -> Result<SMatrix<f64, NU, NX>, LqrError> {
+        self.recursion
+            .solve(&rows(&self.q), &rows(&self.r), &rows(cost))?;
+        Ok(matrix(&self.recursion.gain(0)))
+    }
+
+    /// The cost of a gain for ever, `Σ (A_cᵀ)ᵏ (Q + KᵀRK) A_cᵏ`, with twice the terms in each step; None where it has no limit.
+    fn cost_of(&self, gain: &SMatrix<f64, NU, NX>) -> Option<SMatrix<f64, NX, NX>> {
+        let mut power = self.a + self.b * gain;
+        let mut sum = self.q + gain.transpose() * self.r * gain;
+        for _ in 0..MAX_DOUBLINGS {
+            let added = symmetric(&(power.transpose() * sum * power));
+            sum = symmetric(&(sum + added));
+            if !sum.iter().all(|x| x.is_finite()) {
+                return None;
+            }
+            // The terms are semidefinite: their diagonals bound them.
+            if (0..NX).all(|i| added[(i, i)] <= f64::EPSILON * sum[(i, i)]) {
+                return Some(sum);
+            }
+            power *= power;
+        }
+        None
+    }
+
+    /// `Q + KᵀRK + (A + BK)ᵀ P (A + BK)`: the right-hand side of the equation at its optimal gain, without the cancellation of the usual form, to
+    /// which an error of K contributes in second order only (Anderson, Moore 1990, section 3.3).
+    fn closed_loop_cost(
+        &self,
+        gain: &SMatrix<f64, NU, NX>,
+        cost: &SMatrix<f64, NX, NX>,
+    ) -> SMatrix<f64, NX, NX> {
+        let closed = self.a + self.b * gain;
+        symmetric(&(self.q + gain.transpose() * self.r * gain + closed.transpose() * cost * closed))
+    }
+
+    fn residual(&self, gain: &SMatrix<f64, NU, NX>, cost: &SMatrix<f64, NX, NX>) -> f64 {
+        let change = self.closed_loop_cost(gain, cost) - cost;
+        largest(&change) / largest(cost).max(f64::MIN_POSITIVE)
+    }
+
+    /// Bound of the rounding in [`residual`](Self::residual): each product of n terms is off by n ε of the product of the magnitudes.
+    fn rounding(&self, gain: &SMatrix<f64, NU, NX>, cost: &SMatrix<f64, NX, NX>) -> f64 {
+        let (k, p) = (gain.abs(), cost.abs());
+        let closed = self.a.abs() + self.b.abs() * k;
+        let size =
+            self.q.abs() + k.transpose() * self.r.abs() * k + closed.transpose() * p * closed;
+        2.0 * NX as f64 * f64::EPSILON * largest(&size) / largest(cost).max(f64::MIN_POSITIVE)
+    }
+
+    /// True if the powers of `A + B K` vanish.
+    fn is_stable(&self, gain: &SMatrix<f64, NU, NX>) -> bool {
+        let mut power = self.a + self.b * gain;
+        for _ in 0..40 {
+            let size = power.amax();
+            if !size.is_finite() {
+                return false;
+            }
+            if size < 1e-3 {
+                return true;
+            }
+            power *= power;
+        }
+        false
+    }
+
+    /// The doubling iteration: with `W = I + G H`, `A⁺ = A W⁻¹ A`, `G⁺ = G + A W⁻¹ G Aᵀ`, `H⁺ = H + Aᵀ H W⁻¹ A`, from `G = B R⁻¹ Bᵀ`, `H = Q`;
+    /// H converges to P. None where W is singular.
+    fn doubling(&self) -> Result<Option<SMatrix<f64, NX, NX>>, LqrError> {
+        let (mut a, mut h) = (self.a, self.q);
+        let cholesky = self.r.cholesky().ok_or(LqrError::NotPositive)?;
+        let mut g = self.b * cholesky.solve(&self.b.transpose());
+        for _ in 0..MAX_DOUBLINGS {
+            let w = SMatrix::<f64, NX, NX>::identity() + g * h;
+            let Some(inverse) = w.try_inverse() else {
+                return Ok(None);
+            };
+            let wa = inverse * a;
+            let next = h + a.transpose() * h * wa;
+            g += a * inverse * g * a.transpose();
+            a *= wa;
+            let change = (next - h).amax();
+            h = symmetric(&next);
+            g = symmetric(&g);
+            if change <= 1e-15 * h.amax() || change.is_nan() {
+                break;
+            }
+        }
+        Ok(Some(h))
+    }
+}
+
+/// Largest magnitude; NaN if there is one.
+fn largest<const R: usize, const C: usize>(m: &SMatrix<f64, R, C>) -> f64 {
+    m.iter().fold(0.0, |max: f64, v| {
+        if v.is_nan() || max.is_nan() {
             f64::NAN
         } else {
             max.max(v.abs())
@@ -215,80 +380,36 @@ fn largest<const R: usize, const C: usize>(m: &[[f64; C]; R]) -> f64 {
     })
 }
 
-/// `Q + KᵀRK + (A + BK)ᵀ P (A + BK)`: the right-hand side of the equation at its optimal gain, without the cancellation of the usual form, to which an
-/// error of K contributes in second order only (Anderson, Moore 1990, section 3.3).
-fn closed_loop_cost<const NX: usize, const NU: usize>(
-    a: &[[f64; NX]; NX],
-    b: &[[f64; NU]; NX],
-    q: &[[f64; NX]; NX],
-    r: &[[f64; NU]; NU],
-    k: &[[f64; NX]; NU],
-    p: &[[f64; NX]; NX],
-) -> [[f64; NX]; NX] {
-    let (k, p) = (matrix(k), matrix(p));
-    let closed = matrix(a) + matrix(b) * k;
-    let cost = matrix(q) + k.transpose() * matrix(r) * k + closed.transpose() * p * closed;
-    core::array::from_fn(|i| core::array::from_fn(|j| 0.5 * (cost[(i, j)] + cost[(j, i)])))
-}
-
-/// Largest difference, relative to the largest entry of the first.
-fn distance<const N: usize>(a: &[[f64; N]; N], b: &[[f64; N]; N]) -> f64 {
-    let size = largest(a).max(f64::MIN_POSITIVE);
-    largest::<N, N>(&core::array::from_fn(|i| {
-        core::array::from_fn(|j| a[i][j] - b[i][j])
-    })) / size
+fn symmetric<const N: usize>(m: &SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
+    (m + m.transpose()) * 0.5
 }
 
 fn matrix<const R: usize, const C: usize>(rows: &[[f64; C]; R]) -> SMatrix<f64, R, C> {
     SMatrix::from_fn(|i, j| rows[i][j])
 }
 
-/// The doubling iteration: with `W = I + G H`, `A⁺ = A W⁻¹ A`, `G⁺ = G + A W⁻¹ G Aᵀ`, `H⁺ = H + Aᵀ H W⁻¹ A`, from `G = B R⁻¹ Bᵀ`, `H = Q`;
-/// H converges to P.
-fn doubling<const NX: usize, const NU: usize>(
-    a: &[[f64; NX]; NX],
-    b: &[[f64; NU]; NX],
-    q: &[[f64; NX]; NX],
-    r: &[[f64; NU]; NU],
-) -> Result<[[f64; NX]; NX], LqrError> {
-    let (mut a, b, mut h, r) = (matrix(a), matrix(b), matrix(q), matrix(r));
-    let cholesky = r.cholesky().ok_or(LqrError::NotPositive)?;
-    let mut g = b * cholesky.solve(&b.transpose());
-    for _ in 0..MAX_DOUBLINGS {
-        let w = SMatrix::<f64, NX, NX>::identity() + g * h;
-        let inverse = w.try_inverse().ok_or(LqrError::NotStabilizable(f64::NAN))?;
-        let wa = inverse * a;
-        let next = h + a.transpose() * h * wa;
-        g += a * inverse * g * a.transpose();
-        a *= wa;
-        let change = (next - h).amax();
-        h = (next + next.transpose()) * 0.5;
-        g = (g + g.transpose()) * 0.5;
-        if change <= 1e-15 * h.amax() || change.is_nan() {
-            break;
-        }
-    }
-    Ok(core::array::from_fn(|i| {
-        core::array::from_fn(|j| h[(i, j)])
-    }))
+fn rows<const R: usize, const C: usize>(m: &SMatrix<f64, R, C>) -> [[f64; C]; R] {
+    core::array::from_fn(|i| core::array::from_fn(|j| m[(i, j)]))
 }
 
-/// True if the powers of `A + B K` vanish.
-fn is_stable<const NX: usize, const NU: usize>(
-    a: &[[f64; NX]; NX],
-    b: &[[f64; NU]; NX],
-    k: &[[f64; NX]; NU],
-) -> bool {
-    let mut power = matrix(a) + matrix(b) * matrix(k);
-    for _ in 0..40 {
-        let size = power.amax();
-        if !size.is_finite() {
-            return false;
-        }
-        if size < 1e-3 {
-            return true;
-        }
-        power *= power;
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 1e-9, or what rounding explains, but never more than 1e-6; NaN is not accurate.
+    #[test]
+    fn residuals_are_judged_by_what_rounding_explains() {
+        let accurate = |residual, rounding| {
+            Lqr {
+                gain: [[0.0]],
+                cost_to_go: [[1.0]],
+                residual,
+                rounding,
+            }
+            .is_accurate()
+        };
+        assert!(accurate(0.9e-9, 0.0) && accurate(0.9e-7, 1e-7) && accurate(0.9e-6, 1.0));
+        assert!(!accurate(1.1e-9, 0.0) && !accurate(1.1e-7, 1e-7) && !accurate(1.1e-6, 1.0));
+        assert!(!accurate(f64::NAN, 1e-7) && accurate(1e-10, f64::NAN));
     }
-    false
 }

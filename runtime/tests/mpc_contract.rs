@@ -6,8 +6,14 @@
 mod tracking;
 
 use gelenk_runtime::control_loop::{Controller, ControllerFault, Cycle};
+use gelenk_runtime::dynamics::{
+    Differentiable, Discretizable, Dynamics, ForceDerivatives, Limits, Linearization,
+};
 use gelenk_runtime::lqr::Lqr;
-use gelenk_runtime::mpc::{DisturbanceObserver, LtvMpc, MpcError, Nmpc, ObserverOptions};
+use gelenk_runtime::mpc::{
+    DisturbanceObserver, LinearizationPoint, LtvMpc, MpcError, MpcNote, MpcOptions, Nmpc,
+    ObserverOptions,
+};
 use gelenk_runtime::trajectory::RestToRest;
 use tracking::{PERIOD, PowerCube, options};
 
@@ -46,7 +52,7 @@ fn horizons_from_one_to_a_hundred() {
 
 #[test]
 fn senseless_options_are_refused_by_name() {
-    let refuse = |change: fn(&mut gelenk_runtime::mpc::MpcOptions<2, 2>)| {
+    let refuse = |change: fn(&mut MpcOptions<2, 2>)| {
         let mut options = options(&PowerCube, PERIOD, 10);
         change(&mut options);
         Ltv::new(PowerCube, motion(), options)
@@ -68,9 +74,70 @@ fn measurements_that_are_not_numbers_give_a_fault_and_no_input() {
     let fault = mpc.step(&cycle(0.0, Some([f64::NAN, 0.0]))).unwrap_err();
     assert_eq!(fault, ControllerFault::NotFinite);
     assert!(mpc.planned(1).is_none());
-    // A reset makes it usable again.
+    // A reset makes it usable again, and so do finite measurements.
+    let mut going_on = mpc.clone();
     mpc.reset(&[0.1, -0.2], &[0.0; 2]);
-    assert!(mpc.step(&cycle(0.0, Some([0.1, -0.2]))).is_ok());
+    let after_reset = mpc.step(&cycle(0.0, Some([0.1, -0.2]))).unwrap();
+    let next = cycle(0.0, Some([0.1, -0.2]));
+    let mut commands = (0..3).map(|_| going_on.step(&next));
+    let last = commands.by_ref().last().unwrap().unwrap();
+    for i in 0..2 {
+        assert!((last.inputs[i] - after_reset.inputs[i]).abs() < 1e-6);
+    }
+}
+
+/// What a step may answer to a reading, however absurd: inputs within the limits and a plan of such, or a fault and no plan.
+fn answer(mpc: &mut impl Controller<2, 2>, cycle: &Cycle<2, 2>, limit: f64) -> bool {
+    mpc.reset(&[0.1, -0.2], &[0.0; 2]);
+    let within = |inputs: [f64; 2]| inputs.iter().all(|u| u.is_finite() && u.abs() <= limit);
+    let plan = |mpc: &_, k| Controller::planned(mpc, k);
+    if let Ok(command) = mpc.step(cycle) {
+        assert!(within(command.inputs), "{cycle:?} {command:?}");
+        assert!(
+            (0..5).all(|k| plan(mpc, k).is_some_and(within)),
+            "{cycle:?}"
+        );
+        true
+    } else {
+        assert!((0..5).all(|k| plan(mpc, k).is_none()), "{cycle:?}");
+        false
+    }
+}
+
+/// Readings from sane to the largest number, with and without limits of the inputs, early and late.
+#[test]
+fn absurd_readings_give_finite_inputs_within_the_limits_or_a_fault() {
+    let mut answers = [0, 0];
+    for limit in [0.5, 1e300, f64::INFINITY] {
+        let mut options = options(&PowerCube, PERIOD, 5);
+        options.input_limits = [[-limit, limit]; 2];
+        options.observer.velocity_sensor_noise = Some([1e-3; 2]);
+        let mut linear = Ltv::new(PowerCube, motion(), options.clone()).unwrap();
+        let mut nonlinear = Nmpc::<_, _, 2, 2, 4>::new(PowerCube, motion(), options).unwrap();
+        for power in (0..309).step_by(14) {
+            let absurd = 10.0_f64.powi(power);
+            for (q, v) in [(absurd, 0.0), (0.1, -absurd), (-absurd, absurd)] {
+                let cycle = Cycle {
+                    velocities: Some([v, 0.0]),
+                    ..cycle(f64::from(power % 2) * PERIOD, Some([q, -0.2]))
+                };
+                answers[usize::from(answer(&mut linear, &cycle, limit))] += 1;
+                answers[usize::from(answer(&mut nonlinear, &cycle, limit))] += 1;
+            }
+        }
+        for (time, last) in [(f64::NAN, 0.0), (f64::INFINITY, 0.0), (0.0, f64::INFINITY)] {
+            let cycle = Cycle {
+                last_inputs: [last, 0.0],
+                ..cycle(time, Some([0.1, -0.2]))
+            };
+            assert!(!answer(&mut linear, &cycle, limit));
+            assert!(!answer(&mut nonlinear, &cycle, limit));
+        }
+        // A reset makes it usable again.
+        let sane = cycle(0.0, Some([0.1, -0.2]));
+        assert!(answer(&mut linear, &sane, limit) && answer(&mut nonlinear, &sane, limit));
+    }
+    assert!(answers.iter().all(|n| *n > 20), "{answers:?}");
 }
 
 #[test]
@@ -119,6 +186,55 @@ fn preparation_and_feedback_are_the_step() {
         }
         parts.prepare(cycle.time);
     }
+}
+
+/// A trajectory beyond the soft limits is followed as far as they allow, and this is said beforehand, by joint and number.
+#[test]
+fn a_trajectory_beyond_the_soft_limits_is_noted() {
+    let notes = |change: fn(&mut MpcOptions<2, 2>)| -> Vec<String> {
+        let mut options = options(&PowerCube, PERIOD, 10);
+        change(&mut options);
+        let mpc = Ltv::new(PowerCube, motion(), options.clone()).unwrap();
+        let nonlinear = Nmpc::<_, _, 2, 2, 4>::new(PowerCube, motion(), options).unwrap();
+        assert_eq!(mpc.notes(), nonlinear.notes());
+        let of_limits = |note: &&MpcNote| !matches!(note, MpcNote::DryFriction { .. });
+        let notes = mpc.notes().iter().filter(of_limits);
+        notes.map(ToString::to_string).collect()
+    };
+    assert!(notes(|_| {}).is_empty());
+    // 0.6 rad in 2 s by a polynomial of degree 5: 15/8 of the mean speed in the middle.
+    assert_eq!(
+        notes(|o| o.velocity_limits = [0.375, 0.4]),
+        [
+            "at 1.000 s the trajectory moves joint gamma at 0.5625, beyond its soft limit of 0.4000: the controller will lag behind; \
+             slow the trajectory down, or raise `velocity_limits`"
+        ]
+    );
+    assert_eq!(
+        notes(|o| o.position_limits[0] = [0.2, 0.6]),
+        [
+            "at 0.000 s the trajectory has joint beta at 0.1000, outside its soft limits of 0.2000 to 0.6000: the controller will stay \
+             behind; change the trajectory, or `position_limits`"
+        ]
+    );
+}
+
+/// The published friction of joint gamma has 0.492 sign(v) beside tanh(100 v); that of beta is smooth.
+#[test]
+fn friction_that_jumps_is_noted() {
+    let mpc = Ltv::new(PowerCube, motion(), options(&PowerCube, PERIOD, 10)).unwrap();
+    let notes: Vec<String> = mpc.notes().iter().map(ToString::to_string).collect();
+    assert_eq!(
+        notes,
+        [
+            "friction of joint gamma jumps by 0.984 N m (or N) at rest, which linear predictions do not see: the joint may stop short of \
+             its goal; generate a smooth model for the controller (`--control-model`)"
+        ]
+    );
+    let smooth = LightWrist { viscous: [1e3; 2] };
+    let options = MpcOptions::new(&smooth, 1e-3, 5);
+    let mpc = LtvMpc::<_, _, 2, 2, 4>::new(smooth, motion(), options).unwrap();
+    assert!(mpc.notes().is_empty(), "{:?}", mpc.notes());
 }
 
 /// A mass on ice, `ẏ` and `u` in SI units.
@@ -233,4 +349,114 @@ fn the_observer_finds_a_constant_force() {
     }
     assert!((observer.disturbance()[0] - 3.0).abs() < 1e-3);
     assert!((observer.velocities()[0] - 7.5).abs() < 1e-3);
+}
+
+/// An arm of 1 kg m² and a wrist of 1e-6 kg m², with viscous friction.
+#[derive(Debug, Clone, Copy)]
+struct LightWrist {
+    viscous: [f64; 2],
+}
+
+const INERTIA: [f64; 2] = [1.0, 1e-6];
+
+fn diagonal(values: [f64; 2]) -> [[f64; 2]; 2] {
+    [[values[0], 0.0], [0.0, values[1]]]
+}
+
+impl Dynamics<2, 2> for LightWrist {
+    fn joint_names(&self) -> [&'static str; 2] {
+        ["arm", "wrist"]
+    }
+    fn limits(&self) -> Limits<2, 2> {
+        Limits {
+            position: [[-3.0, 3.0]; 2],
+            velocity: [2.0; 2],
+            effort: [f64::INFINITY; 2],
+            peak_effort: [f64::INFINITY; 2],
+            input: [1e6; 2],
+            peak_input: [1e6; 2],
+        }
+    }
+    fn mass_matrix(&self, _: &[f64; 2]) -> [[f64; 2]; 2] {
+        diagonal(INERTIA)
+    }
+    fn coriolis_forces(&self, _: &[f64; 2], _: &[f64; 2]) -> [f64; 2] {
+        [0.0; 2]
+    }
+    fn gravity_forces(&self, _: &[f64; 2]) -> [f64; 2] {
+        [0.0; 2]
+    }
+    fn spring_forces(&self, _: &[f64; 2], _: &[f64; 2]) -> [f64; 2] {
+        [0.0; 2]
+    }
+    fn friction_torques(&self, _: &[f64; 2], v: &[f64; 2]) -> [f64; 2] {
+        [self.viscous[0] * v[0], self.viscous[1] * v[1]]
+    }
+    fn input_matrix(&self) -> [[f64; 2]; 2] {
+        diagonal([1.0; 2])
+    }
+}
+
+impl Differentiable<2, 2> for LightWrist {
+    fn inverse_dynamics_derivatives(
+        &self,
+        y: &[f64; 2],
+        v: &[f64; 2],
+        a: &[f64; 2],
+    ) -> ForceDerivatives<2> {
+        ForceDerivatives {
+            forces: self.inverse_dynamics(y, v, a),
+            by_coordinates: [[0.0; 2]; 2],
+            by_velocities: diagonal(self.viscous),
+        }
+    }
+    fn linearize(&self, _: &[f64; 2], _: &[f64; 2], _: &[f64; 2]) -> Linearization<2, 2> {
+        let over = |x: [f64; 2]| diagonal([x[0] / INERTIA[0], x[1] / INERTIA[1]]);
+        Linearization {
+            by_coordinates: [[0.0; 2]; 2],
+            by_velocities: over(self.viscous.map(|d| -d)),
+            by_inputs: over([1.0; 2]),
+            affine: [0.0; 2],
+        }
+    }
+}
+
+impl Discretizable<2, 2> for LightWrist {}
+
+/// Rates of 1e9 1/s over 0.1 s have no zero-order hold: the controller is refused, or faults where its model is replaced in operation, by joint,
+/// slope and period. Rates of 1e8 1/s have one.
+#[test]
+fn a_joint_too_fast_for_the_period_is_named() {
+    let bearable = LightWrist {
+        viscous: [1.0, 100.0],
+    };
+    let steep = LightWrist {
+        viscous: [1.0, 1000.0],
+    };
+    let options = MpcOptions::new(&steep, 0.1, 5);
+    let motion = || RestToRest::new([0.0, 0.0], [0.1, 0.1], 1.0).unwrap();
+    let expected = "joint wrist is too fast to be predicted over a period of 0.1 s: its force has a slope of 1.000e3 N m s/rad \
+                    (or N s/m) over its speed, which gives a rate of 1.0e9 1/s; take a model whose friction is less steep";
+    let linear = LtvMpc::<_, _, 2, 2, 4>::new(steep, motion(), options.clone());
+    let nonlinear = Nmpc::<_, _, 2, 2, 4>::new(steep, motion(), options.clone());
+    for error in [linear.unwrap_err(), nonlinear.unwrap_err()] {
+        assert_eq!(
+            error.to_string(),
+            format!("at 0 s of the trajectory {expected}")
+        );
+    }
+    for linearization in [LinearizationPoint::Plan, LinearizationPoint::Reference] {
+        let options = MpcOptions {
+            linearization,
+            ..options.clone()
+        };
+        let mut mpc = LtvMpc::<_, _, 2, 2, 4>::new(bearable, motion(), options).unwrap();
+        assert!(mpc.step(&cycle(0.0, Some([0.0; 2]))).is_ok());
+        mpc.set_model(steep).unwrap();
+        let fault = mpc.step(&cycle(0.1, Some([0.0; 2]))).unwrap_err();
+        assert_eq!(fault.to_string(), expected);
+        assert!(mpc.planned(1).is_none());
+        mpc.set_model(bearable).unwrap();
+        assert!(mpc.step(&cycle(0.2, Some([0.0; 2]))).is_ok());
+    }
 }

@@ -1,5 +1,6 @@
 //! What the loop asks of a controller.
 
+use crate::dynamics::Named;
 use std::fmt;
 
 /// What a controller learns at the start of a period.
@@ -45,7 +46,7 @@ pub struct Command<const M: usize> {
 }
 
 /// Why a controller proposes nothing in this period. The loop then goes down its fallback chain.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ControllerFault {
     /// The measurement is missing, and this controller cannot predict the state without it.
     NoMeasurement,
@@ -56,6 +57,8 @@ pub enum ControllerFault {
     },
     /// The state or the model's equations gave numbers that are not finite.
     NotFinite,
+    /// A joint of the model is too fast to be predicted over a period.
+    TooFast(TooFast),
     /// So many periods went by since the last step that a prediction over them is worth nothing.
     Stalled {
         /// How many.
@@ -71,6 +74,7 @@ impl fmt::Display for ControllerFault {
                 write!(f, "no usable input after {iterations} iterations")
             }
             Self::NotFinite => write!(f, "state or equations of motion are not finite"),
+            Self::TooFast(joint) => joint.fmt(f),
             Self::Stalled { periods } => write!(
                 f,
                 "{periods} periods went by since the last step, too many to predict over"
@@ -80,6 +84,36 @@ impl fmt::Display for ControllerFault {
 }
 
 impl std::error::Error for ControllerFault {}
+
+/// A joint that is too fast for the zero-order hold over a period: its rate times the period exceeds 2e7, see
+/// [`Discretizable::discretize`](crate::dynamics::Discretizable::discretize).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TooFast {
+    /// Which coordinate.
+    pub joint: usize,
+    /// Its name.
+    pub name: &'static str,
+    /// Slope of its force over its own speed [N m s/rad or N s/m], friction above all.
+    pub slope: f64,
+    /// Its rate ν [1/s].
+    pub rate: f64,
+    /// The period (s).
+    pub period: f64,
+}
+
+impl fmt::Display for TooFast {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "joint {} is too fast to be predicted over a period of {} s: its force has a slope of {:.3e} N m s/rad (or N s/m) over \
+             its speed, which gives a rate of {:.1e} 1/s; take a model whose friction is less steep",
+            Named(self.name),
+            self.period,
+            self.slope,
+            self.rate
+        )
+    }
+}
 
 /// A state as a controller estimates it.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -29,7 +29,6 @@
 //! use gelenk_runtime::control_loop::{
 //!     ControlLoop, End, FeedForwardPd, JointGains, JointPd, LoopSettings, VirtualClock,
 //! };
-//! use gelenk_runtime::dynamics::Dynamics;
 //! use gelenk_runtime::plant::{Plant, PlantOptions};
 //! use gelenk_runtime::trajectory::RestToRest;
 //! use gelenk_runtime::transport::{Brakes, InProcess};
@@ -37,7 +36,7 @@
 //! gelenk_runtime::dynamics!(pub struct PowerCube = gelenk_generated::powercube);
 //!
 //! let motion = RestToRest::new([0.0, 0.0], [0.2, -0.1], 1.0)?;
-//! let settings = LoopSettings::for_limits(50.0, &PowerCube.limits());
+//! let settings = LoopSettings::for_robot(50.0, &PowerCube);
 //! let law = JointPd::new(PowerCube, JointGains::from_bandwidth(&PowerCube, &[0.0; 2], 10.0, 0.7))?;
 //! let controller = FeedForwardPd::new(law.clone(), motion, 0.02, 0.01)?;
 //! let clock = VirtualClock::new();
@@ -73,7 +72,7 @@ pub mod write_a_controller {}
 
 pub use clock::{Clock, MonotonicClock, VirtualClock};
 pub use computed_torque::{AccelerationGains, ComputedTorque, ComputedTorqueError};
-pub use controller::{Command, Controller, ControllerFault, Cycle, Estimate};
+pub use controller::{Command, Controller, ControllerFault, Cycle, Estimate, TooFast};
 pub use guard::{EncoderFault, EncoderGuard, GuardSettings};
 pub use joint_pd::{JointGains, JointPd, JointPdError};
 pub use law::{FeedForwardPd, JointLaw, LawController};

@@ -69,8 +69,9 @@ impl fmt::Display for LimitFault {
                 name, error, limit, ..
             } => write!(
                 f,
-                "joint {} is {error:.4} away from its desired position, more than {limit:.4}: if this is right after the \
-                 start, check signs and order of inputs and encoders",
+                "joint {} is {error:.4} away from its desired position, more than {limit:.4}: right after the start, check signs and \
+                 order of inputs and encoders; later, check that inputs and soft limits allow the trajectory (`notes` of a predictive \
+                 controller, `trajectory::violations`)",
                 Named(name)
             ),
         }
@@ -184,7 +185,7 @@ mod tests {
     use crate::dynamics::Limits;
 
     fn settings() -> LoopSettings<1, 1> {
-        LoopSettings::for_limits(
+        LoopSettings::within(
             100.0,
             &Limits {
                 position: [[-1.0, 1.0]],
@@ -194,6 +195,7 @@ mod tests {
                 input: [1.0],
                 peak_input: [2.0],
             },
+            [2.0],
         )
     }
 

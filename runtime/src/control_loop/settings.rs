@@ -2,14 +2,14 @@
 
 use super::guard::GuardSettings;
 use super::report::{STAGES, Stage};
-use crate::dynamics::{Limits, Named};
+use crate::dynamics::{Dynamics, Limits, Named};
 use std::fmt;
 use std::time::Duration;
 
 /// Rates that the loop accepts (Hz).
 pub const RATES: std::ops::RangeInclusive<f64> = 50.0..=1000.0;
 
-/// Settings of a [`ControlLoop`](super::ControlLoop). Start from [`for_limits`](Self::for_limits) and change what differs.
+/// Settings of a [`ControlLoop`](super::ControlLoop). Start from [`for_robot`](Self::for_robot) and change what differs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoopSettings<const N: usize, const M: usize> {
     /// Periods per second, 50 to 1000 (Hz).
@@ -63,7 +63,8 @@ pub struct LoopSettings<const N: usize, const M: usize> {
 }
 
 impl<const N: usize, const M: usize> LoopSettings<N, M> {
-    /// Settings for a robot with these limits: inputs up to the peak, positions and speeds up to their limits.
+    /// Settings for a robot with the limits of `model`: inputs up to the peak of motor and joint ([`Dynamics::input_limits`]), positions
+    /// and speeds up to their limits.
     ///
     /// Bridges 3 periods, falls back for 25 at most, of which 5 on the plan; brakes at a following error of 0.1 rad (or m),
     /// starts within 0.05, believes jumps up to twice the highest speed and 0.001, stillness over 0.02 of desired
@@ -71,7 +72,11 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
     /// caches within a tenth of the period; reckons with brakes that stop the highest speed within 0.2 s; slows down within 0.5 s. For joints in metres,
     /// and for robots without speed limits, set your own.
     #[must_use]
-    pub fn for_limits(rate: f64, limits: &Limits<N, M>) -> Self {
+    pub fn for_robot(rate: f64, model: &impl Dynamics<N, M>) -> Self {
+        Self::within(rate, &model.limits(), model.input_limits().peak)
+    }
+
+    pub(super) fn within(rate: f64, limits: &Limits<N, M>, input_limit: [f64; M]) -> Self {
         // A rate out of range is refused when the loop is made, not here.
         let period = 1.0
             / if RATES.contains(&rate) {
@@ -93,7 +98,7 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
             braking_deceleration: limits.velocity.map(|v| v / 0.2),
             following_error: [0.1; N],
             start_tolerance: [0.05; N],
-            input_limit: limits.peak_input,
+            input_limit,
             guard: GuardSettings {
                 jump_speed: limits.velocity.map(|v| 2.0 * v),
                 jump_margin: [1e-3; N],

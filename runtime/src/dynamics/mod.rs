@@ -23,4 +23,4 @@ pub(crate) use names::Named;
 pub(crate) use names::numbered;
 pub use parameters::{NoFreeParameters, without_parameters};
 pub use traits::{Differentiable, Discretizable, Dynamics};
-pub use types::{Discretization, ForceDerivatives, Limits, Linearization, Step};
+pub use types::{Discretization, ForceDerivatives, InputLimits, Limits, Linearization, Step};

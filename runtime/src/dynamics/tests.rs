@@ -458,3 +458,100 @@ fn a_step_of_a_linear_robot_is_its_exponential_to_order_four() {
         assert!((a[0] - b[0]).abs() < 1e-9, "{a:?} and {b:?}");
     }
 }
+
+fn limits<const N: usize, const M: usize>(motors: [f64; M], efforts: [f64; N]) -> Limits<N, M> {
+    Limits {
+        position: [[f64::NEG_INFINITY, f64::INFINITY]; N],
+        velocity: [f64::INFINITY; N],
+        effort: efforts.map(|e| 0.5 * e),
+        peak_effort: efforts,
+        input: motors.map(|u| 0.1 * u),
+        peak_input: motors,
+    }
+}
+
+/// The smaller of what motor and joint bear, over each ratio and each sign; a joint without an input limits none.
+#[test]
+fn inputs_keep_the_efforts_of_their_joints() {
+    let gears = [[-100.0, 0.0], [0.0, 0.5], [0.0, 0.0]];
+    let robot = limits([1.0, f64::INFINITY], [60.0, 10.0, 1e-3]);
+    let inputs = robot.at_inputs(&gears);
+    assert_eq!(inputs.peak, [0.6, 20.0]);
+    assert_eq!(inputs.nominal, [0.1, 10.0]);
+    let unlimited = limits([f64::INFINITY, 3.0], [f64::INFINITY; 3]);
+    assert_eq!(unlimited.at_inputs(&gears).peak, [f64::INFINITY, 3.0]);
+    assert_eq!(Dynamics::input_limits(&Free::default()).peak, [20.0]);
+}
+
+/// A differential: both motors turn the first joint, their difference the second.
+#[test]
+fn inputs_that_share_a_joint_keep_its_effort_whatever_their_signs() {
+    let differential = [[2.0, 2.0], [2.0, -2.0]];
+    let of_joints = limits([f64::INFINITY; 2], [12.0, 8.0]);
+    assert_eq!(of_joints.at_inputs(&differential).peak, [2.0; 2]);
+    // Weak motors need no share: together they stay below both efforts.
+    let of_motors = limits([1.0, 0.5], [12.0, 8.0]);
+    assert_eq!(of_motors.at_inputs(&differential).peak, [1.0, 0.5]);
+    // The first leaves less than half of the effort to the second, and the whole is used up.
+    let mixed = limits([1.0, f64::INFINITY], [12.0, f64::INFINITY]);
+    let [first, second] = mixed.at_inputs(&differential).peak;
+    assert!(first <= 1.0 && (2.0 * (first + second) - 12.0).abs() < 1e-14);
+}
+
+/// Every corner of the box, on matrices without structure.
+#[test]
+fn no_corner_of_the_input_limits_exceeds_an_effort() {
+    let mut state = 1_u64;
+    let mut uniform = || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (state >> 40) as f64 / (1_u64 << 24) as f64
+    };
+    for _ in 0..500 {
+        let matrix: [[f64; 3]; 4] = core::array::from_fn(|_| {
+            core::array::from_fn(|_| {
+                if uniform() < 0.4 {
+                    0.0
+                } else {
+                    uniform() - 0.5
+                }
+            })
+        });
+        let motors = core::array::from_fn(|_| {
+            if uniform() < 0.5 {
+                f64::INFINITY
+            } else {
+                uniform()
+            }
+        });
+        let efforts = core::array::from_fn(|_| {
+            if uniform() < 0.3 {
+                f64::INFINITY
+            } else {
+                uniform()
+            }
+        });
+        let bounds = limits(motors, efforts).at_inputs(&matrix).peak;
+        for j in 0..3 {
+            assert!(bounds[j] >= 0.0 && bounds[j] <= motors[j], "{bounds:?}");
+        }
+        for corner in 0..8 {
+            let sign = |j: usize| if corner >> j & 1 == 0 { 1.0 } else { -1.0 };
+            let u: [f64; 3] = core::array::from_fn(|j| sign(j) * bounds[j].min(1e9));
+            for (row, effort) in matrix.iter().zip(efforts) {
+                let made = product(row, &u).abs();
+                assert!(
+                    made <= effort * (1.0 + 1e-14),
+                    "{matrix:?} {efforts:?} {bounds:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn limits_that_are_no_numbers_are_not_dropped() {
+    let of = |motor, effort| limits([motor], [effort]).at_inputs(&[[2.0]]).peak[0];
+    assert!(of(f64::NAN, 1.0).is_nan() && of(1.0, f64::NAN).is_nan());
+}

@@ -3,7 +3,7 @@
 use super::discrete_time;
 use super::names::numbered;
 use super::solve::{product, solve_positive_definite};
-use super::types::{Discretization, ForceDerivatives, Limits, Linearization, Step};
+use super::types::{Discretization, ForceDerivatives, InputLimits, Limits, Linearization, Step};
 
 /// Equations of motion `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` of a robot with `N` coordinates and `M` inputs, with
 /// `q = gravity + springs − friction`.
@@ -24,7 +24,7 @@ pub trait Dynamics<const N: usize, const M: usize> {
         numbered()
     }
 
-    /// Limits of joints and inputs.
+    /// Limits of joints and inputs, as described; [`Self::input_limits`] combines them.
     fn limits(&self) -> Limits<N, M>;
 
     /// Mass matrix `M(y)`, symmetric and positive definite.
@@ -44,6 +44,12 @@ pub trait Dynamics<const N: usize, const M: usize> {
 
     /// Input matrix `B`, constant; holds the gear ratios.
     fn input_matrix(&self) -> [[f64; M]; N];
+
+    /// Bounds of the inputs that keep the limits of motors and joints: what the loop and the predictive controllers use, see
+    /// [`Limits::at_inputs`].
+    fn input_limits(&self) -> InputLimits<M> {
+        self.limits().at_inputs(&self.input_matrix())
+    }
 
     /// Applied forces `q(y, ẏ) = gravity + springs − τ`.
     fn applied_forces(&self, y: &[f64; N], v: &[f64; N]) -> [f64; N] {

@@ -124,8 +124,79 @@ pub struct Limits<const N: usize, const M: usize> {
     pub effort: [f64; N],
     /// Peak force at the joint [N m or N].
     pub peak_effort: [f64; N],
-    /// Magnitude of the input that its motor bears continuously.
+    /// Magnitude of the input that its motor bears continuously; the efforts hold beside it, see [`Self::at_inputs`].
     pub input: [f64; M],
-    /// Magnitude of the input that its motor bears for a short time.
+    /// Magnitude of the input that its motor bears for a short time; the peak efforts hold beside it.
     pub peak_input: [f64; M],
+}
+
+impl<const N: usize, const M: usize> Limits<N, M> {
+    /// Bounds of the inputs that keep both the limits of the motors and the efforts of the joints, given B (rows first):
+    ///
+    /// ```text
+    ///     c_j = min(motor_j, min_i effort_i / |B_ij|)          input j alone
+    ///     ū_j = c_j · min(1, min_i effort_i / Σ_l |B_il| c_l)    over the joints i that input j acts on together with others
+    /// ```
+    ///
+    /// so that `|u_j| ≤ ū_j` for all j implies `|(B u)_i| ≤ effort_i` for all i, whatever the signs. Where every joint has an input of
+    /// its own, as behind gears, `ū_j = min(motor_j, effort_i / |ratio|)`. Where several inputs act on one joint this is
+    /// conservative: inputs that oppose each other could be larger.
+    ///
+    /// Limits that are no numbers give NaN, which controllers refuse.
+    #[must_use]
+    pub fn at_inputs(&self, input_matrix: &[[f64; M]; N]) -> InputLimits<M> {
+        InputLimits {
+            nominal: within_efforts(self.input, &self.effort, input_matrix),
+            peak: within_efforts(self.peak_input, &self.peak_effort, input_matrix),
+        }
+    }
+}
+
+/// Magnitudes up to which inputs keep the limits of motors and joints; infinite where neither is described.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InputLimits<const M: usize> {
+    /// What motors and joints bear continuously, in the units of the inputs.
+    pub nominal: [f64; M],
+    /// What they bear for a short time.
+    pub peak: [f64; M],
+}
+
+fn within_efforts<const N: usize, const M: usize>(
+    motors: [f64; M],
+    efforts: &[f64; N],
+    input_matrix: &[[f64; M]; N],
+) -> [f64; M] {
+    let mut alone = motors;
+    for (row, effort) in input_matrix.iter().zip(efforts) {
+        for (bound, b) in alone.iter_mut().zip(row).filter(|(_, b)| **b != 0.0) {
+            *bound = smaller(*bound, effort / b.abs());
+        }
+    }
+    let mut share = [1.0; M];
+    for (row, effort) in input_matrix.iter().zip(efforts) {
+        // A joint with one input is done: a share of it would only add rounding. One without a limit has no share.
+        let several = row.iter().filter(|b| **b != 0.0).count() > 1;
+        if !several || *effort == f64::INFINITY {
+            continue;
+        }
+        let together: f64 = row
+            .iter()
+            .zip(&alone)
+            .filter(|(b, _)| **b != 0.0)
+            .map(|(b, u)| b.abs() * u)
+            .sum();
+        for (share, _) in share.iter_mut().zip(row).filter(|(_, b)| **b != 0.0) {
+            *share = smaller(*share, effort / together);
+        }
+    }
+    core::array::from_fn(|j| alone[j] * share[j])
+}
+
+/// The smaller number; NaN where either is none.
+fn smaller(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() {
+        f64::NAN
+    } else {
+        a.min(b)
+    }
 }

@@ -1,6 +1,7 @@
 //! What the predictive controllers share: estimate, reference over the horizon, QP, plan.
 
-use super::integrate::{flat_input, flat_state, integrate, join, split, substeps};
+use super::integrate::{discretize, flat_input, flat_state, integrate, join, split, substeps};
+use super::note::{MpcNote, beyond_limits, dry_friction};
 use super::observer::DisturbanceObserver;
 use super::options::{MpcError, MpcOptions};
 use crate::control_loop::{Command, ControllerFault, Cycle, Estimate};
@@ -36,6 +37,12 @@ pub(super) struct Plan<const M: usize, const NX: usize> {
     pub start: f64,
 }
 
+impl<const M: usize, const NX: usize> Plan<M, NX> {
+    fn is_finite(&self) -> bool {
+        finite(self.states.as_flattened()) && finite(self.inputs.as_flattened())
+    }
+}
+
 #[derive(Debug, Clone)]
 pub(super) struct Horizon<D, T, const N: usize, const M: usize, const NX: usize> {
     feed_forward: FeedForward<D, N, M>,
@@ -54,6 +61,7 @@ pub(super) struct Horizon<D, T, const N: usize, const M: usize, const NX: usize>
     pub plan: Plan<M, NX>,
     /// The input that acts from now on, if it acts one period late.
     under_way: [f64; M],
+    pub notes: Vec<MpcNote>,
 }
 
 impl<D, T, const N: usize, const M: usize, const NX: usize> Horizon<D, T, N, M, NX>
@@ -81,11 +89,18 @@ where
                 start: f64::NAN,
             },
             under_way: [0.0; M],
+            notes: Vec::new(),
             trajectory,
             options,
         };
         horizon.set_weights();
         horizon.look_along()?;
+        let joints = horizon.model().joint_names();
+        let notes = beyond_limits(&horizon.trajectory, &horizon.options, &joints);
+        horizon.notes.extend(notes);
+        let start = horizon.trajectory.sample(0.0).positions;
+        let notes = dry_friction(horizon.model(), &start);
+        horizon.notes.extend(notes);
         Ok(horizon)
     }
 
@@ -126,6 +141,7 @@ where
             input_weight[i][i] += self.problem.input_rate_weight[i][i];
         }
         let duration = self.trajectory.duration();
+        let mut inaccurate = (0.0, 0.0);
         for k in 0..=TERMINAL_INTERVALS {
             let time = duration * k as f64 / TERMINAL_INTERVALS as f64;
             let sample = self.trajectory.sample(time);
@@ -140,13 +156,25 @@ where
             let period = self.options.period;
             let needed = substeps(&linear, period).max(substeps(&resting, period));
             self.substeps = self.substeps.max(needed);
-            let discrete = self.model().discretize(y, v, &inputs, period);
+            let of_time = |fault| match fault {
+                ControllerFault::TooFast(what) => MpcError::TooFast { time, what },
+                _ => MpcError::NotFinite { time },
+            };
+            discretize(self.model(), y, &[0.0; N], &inputs, period).map_err(of_time)?;
+            let discrete = discretize(self.model(), y, v, &inputs, period).map_err(of_time)?;
             let (mut a, mut b) = ([[0.0; NX]; NX], [[0.0; M]; NX]);
             flat_state(&discrete.state, &mut a);
             flat_input(&discrete.input, &mut b);
-            let regulator = Lqr::new(&a, &b, &self.problem.state_weight, &input_weight)
+            let regulator = Lqr::stabilizing(&a, &b, &self.problem.state_weight, &input_weight)
                 .map_err(|reason| MpcError::Terminal { time, reason })?;
+            if !regulator.is_accurate() && regulator.residual > inaccurate.1 {
+                inaccurate = (time, regulator.residual);
+            }
             self.terminal.push(regulator.cost_to_go);
+        }
+        let (time, residual) = inaccurate;
+        if residual > 0.0 {
+            self.notes.push(MpcNote::Terminal { time, residual });
         }
         Ok(())
     }
@@ -161,8 +189,36 @@ where
     ///
     /// # Errors
     /// [`ControllerFault::Stalled`] after more than `MAX_BRIDGED` periods; the next step goes on from this measurement.
+    /// [`ControllerFault::NotFinite`] for a time that is no number.
     pub fn observe(&mut self, cycle: &Cycle<N, M>) -> Result<(f64, [f64; NX]), ControllerFault> {
+        self.take_in(cycle)?;
+        let start = self.start_at(cycle.time);
+        if !start.is_finite() {
+            return Err(ControllerFault::NotFinite);
+        }
+        let (y, v) = (*self.observer.positions(), *self.observer.velocities());
+        if !self.options.delay {
+            return Ok((start, join(&y, &v)));
+        }
+        let mut ahead = (y, v);
+        let disturbance = self.observer.disturbance();
+        let total: [f64; M] = core::array::from_fn(|i| self.under_way[i] + disturbance[i]);
+        let length = self.options.period / self.substeps as f64;
+        for _ in 0..self.substeps {
+            ahead = self.model().step(&ahead.0, &ahead.1, &total, length);
+        }
+        Ok((start, join(&ahead.0, &ahead.1)))
+    }
+
+    /// Moves the estimate on and corrects it. One that a wild reading has made infinite begins anew from this measurement.
+    fn take_in(&mut self, cycle: &Cycle<N, M>) -> Result<(), ControllerFault> {
         let (period, substeps) = (self.options.period, self.substeps);
+        if let (false, Some(positions)) = (self.observer.is_finite(), &cycle.positions) {
+            let velocities = cycle.velocities.unwrap_or([0.0; N]);
+            self.observer.reset(positions, &velocities);
+            self.under_way = cycle.last_inputs;
+            return Ok(());
+        }
         let acted = if self.options.delay {
             self.under_way
         } else {
@@ -183,18 +239,7 @@ where
             let periods = cycle.periods;
             return Err(ControllerFault::Stalled { periods });
         }
-        let (y, v) = (*self.observer.positions(), *self.observer.velocities());
-        if !self.options.delay {
-            return Ok((self.start_at(cycle.time), join(&y, &v)));
-        }
-        let mut ahead = (y, v);
-        let disturbance = self.observer.disturbance();
-        let total: [f64; M] = core::array::from_fn(|i| self.under_way[i] + disturbance[i]);
-        let length = period / substeps as f64;
-        for _ in 0..substeps {
-            ahead = model.step(&ahead.0, &ahead.1, &total, length);
-        }
-        Ok((self.start_at(cycle.time), join(&ahead.0, &ahead.1)))
+        Ok(())
     }
 
     /// When the horizon of a step at `time` begins (s).
@@ -295,21 +340,39 @@ where
         self.set_bounds(&disturbance);
         self.set_terminal(start);
         let report = self.solver.solve(&self.problem);
+        let iterations = report.iterations as u32;
         if report.status == QpStatus::Invalid {
-            self.plan.start = f64::NAN;
-            return Err(if report.residuals.gap.is_nan() && finite(state) {
-                ControllerFault::NoSolution {
-                    iterations: report.iterations as u32,
-                }
-            } else {
-                ControllerFault::NotFinite
-            });
+            return Err(self.refuse(ControllerFault::NoSolution { iterations }));
         }
         self.keep_plan(start, state, &disturbance);
+        // Whatever the solver says of it: a state so far off that products overflow has no plan.
+        let inputs = (0..self.options.horizon).all(|k| finite(&self.input(k)));
+        if !inputs || !self.plan.is_finite() {
+            return Err(self.refuse(ControllerFault::NotFinite));
+        }
         Ok(Command {
             inputs: self.input(0),
-            iterations: report.iterations as u32,
+            iterations,
         })
+    }
+
+    pub fn drop_plan(&mut self) {
+        self.plan.start = f64::NAN;
+    }
+
+    /// Gives up the plan. `fault` is that of a problem whose data are finite.
+    fn refuse(&mut self, fault: ControllerFault) -> ControllerFault {
+        self.drop_plan();
+        let stages = self.problem.stages.iter().all(|stage| {
+            finite(stage.state_matrix.as_flattened())
+                && finite(stage.input_matrix.as_flattened())
+                && finite(&stage.affine)
+        });
+        if stages && finite(&self.problem.initial_state) && finite(&self.problem.previous_input) {
+            fault
+        } else {
+            ControllerFault::NotFinite
+        }
     }
 
     fn set_bounds(&mut self, disturbance: &[f64; M]) {
@@ -395,6 +458,6 @@ where
     }
 }
 
-fn finite(state: &[f64]) -> bool {
-    state.iter().all(|x| x.is_finite())
+fn finite(values: &[f64]) -> bool {
+    values.iter().all(|x| x.is_finite())
 }

@@ -1,6 +1,7 @@
 //! Whole periods of the nonlinear robot, in as many Runge–Kutta steps as its fastest motion needs, and the flat form of blocks.
 
-use crate::dynamics::{Discretizable, Linearization, Step};
+use crate::control_loop::{ControllerFault, TooFast};
+use crate::dynamics::{Discretizable, Discretization, Linearization, Step};
 
 /// The fastest rate of the robot times the length of a Runge–Kutta step stays below this; the method is stable up to 2.78.
 const STABLE: f64 = 2.5;
@@ -12,15 +13,68 @@ pub(super) fn substeps<const N: usize, const M: usize>(
     linear: &Linearization<N, M>,
     period: f64,
 ) -> usize {
-    let (a, b) = (norm(&linear.by_coordinates), norm(&linear.by_velocities));
-    let rate = 0.5 * (b + (b * b + 4.0 * a).sqrt());
+    let rate = rate(norm(&linear.by_coordinates), norm(&linear.by_velocities));
     ((period * rate / STABLE).ceil().max(1.0) as usize).min(MAX_SUBSTEPS)
+}
+
+fn rate(a: f64, b: f64) -> f64 {
+    0.5 * (b + (b * b + 4.0 * a).sqrt())
 }
 
 /// Largest sum of magnitudes in a row.
 fn norm<const N: usize>(a: &[[f64; N]; N]) -> f64 {
-    let sum = |row: &[f64; N]| row.iter().map(|x| x.abs()).sum::<f64>();
-    a.iter().map(sum).fold(0.0, f64::max)
+    a.iter().map(magnitude).fold(0.0, f64::max)
+}
+
+fn magnitude<const N: usize>(row: &[f64; N]) -> f64 {
+    row.iter().map(|x| x.abs()).sum()
+}
+
+/// The zero-order hold at a state.
+///
+/// # Errors
+/// [`ControllerFault::TooFast`] names the joint where it does not exist; [`ControllerFault::NotFinite`] if state or model are not finite.
+pub(super) fn discretize<const N: usize, const M: usize>(
+    model: &impl Discretizable<N, M>,
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    period: f64,
+) -> Result<Discretization<N, M>, ControllerFault> {
+    let discrete = model.discretize(y, v, u, period);
+    if discrete.is_finite() {
+        Ok(discrete)
+    } else {
+        Err(too_fast(model, y, v, u, period))
+    }
+}
+
+fn too_fast<const N: usize, const M: usize>(
+    model: &impl Discretizable<N, M>,
+    y: &[f64; N],
+    v: &[f64; N],
+    u: &[f64; M],
+    period: f64,
+) -> ControllerFault {
+    let linear = model.linearize(y, v, u);
+    let rates: [f64; N] = core::array::from_fn(|i| {
+        rate(
+            magnitude(&linear.by_coordinates[i]),
+            magnitude(&linear.by_velocities[i]),
+        )
+    });
+    let fastest = (0..N).max_by(|i, j| rates[*i].total_cmp(&rates[*j]));
+    let Some(joint) = fastest.filter(|joint| rates[*joint].is_finite()) else {
+        return ControllerFault::NotFinite;
+    };
+    let forces = model.inverse_dynamics_derivatives(y, v, &[0.0; N]);
+    ControllerFault::TooFast(TooFast {
+        joint,
+        name: model.joint_names()[joint],
+        slope: forces.by_velocities[joint][joint],
+        rate: rates[joint],
+        period,
+    })
 }
 
 /// State after a period, and its derivatives by the chain rule over the steps.

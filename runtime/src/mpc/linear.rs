@@ -2,6 +2,8 @@
 
 use super::DisturbanceObserver;
 use super::horizon::{Horizon, Prediction};
+use super::integrate::discretize;
+use super::note::MpcNote;
 use super::options::{LinearizationPoint, MpcError, MpcOptions};
 use crate::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate};
 use crate::dynamics::Discretizable;
@@ -64,20 +66,30 @@ where
         self.horizon.set_model(model)
     }
 
+    /// What was found when the controller was made and should be read before it drives: a trajectory beyond the soft limits, terminal weights of
+    /// few digits. Empty where all is well.
+    pub fn notes(&self) -> &[MpcNote] {
+        &self.horizon.notes
+    }
+
     /// The observer with its estimates.
     pub fn observer(&self) -> &DisturbanceObserver<N, M> {
         &self.horizon.observer
     }
 
     /// Linearizes and discretizes the horizon that begins at `start`.
-    fn predict(&mut self, start: f64) {
+    fn predict(&mut self, start: f64) -> Result<(), ControllerFault> {
         if self.horizon.options.linearization == LinearizationPoint::Plan {
             self.horizon.shift_plan(start);
         }
-        self.set_stages(start);
+        let set = self.set_stages(start);
+        if set.is_err() {
+            self.horizon.drop_plan();
+        }
+        set
     }
 
-    fn set_stages(&mut self, start: f64) {
+    fn set_stages(&mut self, start: f64) -> Result<(), ControllerFault> {
         let period = self.horizon.options.period;
         let around_plan = self.horizon.options.linearization == LinearizationPoint::Plan;
         for k in 0..self.horizon.options.horizon {
@@ -87,7 +99,7 @@ where
                 let sample = self.horizon.middle(start, k);
                 (sample.positions, sample.velocities, self.horizon.inputs[k])
             };
-            let discrete = self.horizon.model().discretize(&y, &v, &u, period);
+            let discrete = discretize(self.horizon.model(), &y, &v, &u, period)?;
             let prediction = Prediction {
                 state: &discrete.state,
                 input: &discrete.input,
@@ -96,6 +108,7 @@ where
             };
             self.horizon.set_stage(k, &prediction);
         }
+        Ok(())
     }
 
     fn middle_of_plan(&self, k: usize) -> ([f64; N], [f64; N], [f64; M]) {
@@ -125,7 +138,7 @@ where
     fn step(&mut self, cycle: &Cycle<N, M>) -> Result<Command<M>, ControllerFault> {
         let (start, state) = self.horizon.observe(cycle)?;
         self.horizon.look_ahead(start);
-        self.predict(start);
+        self.predict(start)?;
         self.horizon.solve(start, &state)
     }
 
@@ -141,7 +154,9 @@ where
     fn warm_up(&mut self, next: &Cycle<N, M>) {
         let start = self.horizon.start_at(next.time);
         self.horizon.look_ahead(start);
-        self.set_stages(start);
-        self.horizon.rehearse(next);
+        // What fails here fails in the step too, which says so.
+        if self.set_stages(start).is_ok() {
+            self.horizon.rehearse(next);
+        }
     }
 }

@@ -15,7 +15,11 @@
 //! A computed input that acts one period late is compensated ([`MpcOptions::delay`]): the horizon then begins where the input under way will have
 //! led.
 //!
-//! [`tune`] is the guide to weights and limits. Nothing is allocated after construction. A state has `NX = 2 N` numbers, positions before velocities; `NX` is a parameter of its own because
+//! Where the trajectory is beyond the soft limits, friction jumps at rest, or a terminal weight has few digits, the controller says so when it is made
+//! ([`LtvMpc::notes`]): print its notes before the first motion.
+//! [`tune`] is the guide to weights and limits.
+//!
+//! Nothing is allocated after construction. A state has `NX = 2 N` numbers, positions before velocities; `NX` is a parameter of its own because
 //! `2 N` is not a type on stable Rust, and wrong values do not compile.
 //!
 //! Sources: the controller's structure follows Fehr, Schmid, Schneider, Eberhard, *Proc. Appl. Math. Mech.* 20 (2020) (feed-forward and LTV-MPC on
@@ -26,6 +30,7 @@ mod horizon;
 mod integrate;
 mod linear;
 mod nonlinear;
+mod note;
 mod observer;
 mod options;
 #[doc = include_str!("tune.md")]
@@ -33,5 +38,6 @@ pub mod tune {}
 
 pub use linear::LtvMpc;
 pub use nonlinear::Nmpc;
+pub use note::MpcNote;
 pub use observer::{DisturbanceObserver, ObserverOptions};
 pub use options::{LinearizationPoint, MpcError, MpcOptions};

@@ -3,6 +3,7 @@
 use super::DisturbanceObserver;
 use super::horizon::{Horizon, Prediction};
 use super::integrate::integrate;
+use super::note::MpcNote;
 use super::options::{MpcError, MpcOptions};
 use crate::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate};
 use crate::dynamics::Discretizable;
@@ -53,6 +54,12 @@ where
     pub fn set_model(&mut self, model: D) -> Result<(), FeedForwardError> {
         self.prepared = f64::NAN;
         self.horizon.set_model(model)
+    }
+
+    /// What was found when the controller was made and should be read before it drives: a trajectory beyond the soft limits, terminal weights of
+    /// few digits. Empty where all is well.
+    pub fn notes(&self) -> &[MpcNote] {
+        &self.horizon.notes
     }
 
     /// The observer with its estimates.

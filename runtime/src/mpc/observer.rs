@@ -214,6 +214,12 @@ impl<const N: usize, const M: usize> DisturbanceObserver<N, M> {
         }
     }
 
+    /// Whether every estimate is finite; a reading so wild that the prediction from it overflows leaves others.
+    pub(super) fn is_finite(&self) -> bool {
+        let state = self.positions.iter().chain(&self.velocities);
+        state.chain(&self.disturbance).all(|x| x.is_finite())
+    }
+
     /// Estimated y [rad or m].
     pub fn positions(&self) -> &[f64; N] {
         &self.positions

@@ -1,6 +1,7 @@
 //! What a predictive controller is told, and why it may refuse.
 
 use super::observer::ObserverOptions;
+use crate::control_loop::TooFast;
 use crate::dynamics::Dynamics;
 use crate::feed_forward::FeedForwardError;
 use crate::lqr::LqrError;
@@ -53,13 +54,12 @@ pub struct MpcOptions<const N: usize, const M: usize> {
 }
 
 impl<const N: usize, const M: usize> MpcOptions<N, M> {
-    /// Options with the model's limits (peak inputs, positions, speeds) and weights for a robot in SI units: position errors 1e4, velocity errors
+    /// Options with the model's limits (inputs up to the peak of motor and joint, [`Dynamics::input_limits`]; positions; speeds) and weights for a robot in SI units: position errors 1e4, velocity errors
     /// 1e2 (errors vanish with a time constant of 0.1 s), deviations of the input 1e-3 beside a full input. QP to a millionth of its cost. No delay, linearization around the plan.
     pub fn new(model: &impl Dynamics<N, M>, period: f64, horizon: usize) -> Self {
         let limits = model.limits();
-        let scale = limits
-            .peak_input
-            .map(|u| if u.is_finite() && u > 0.0 { u } else { 1.0 });
+        let inputs = model.input_limits().peak;
+        let scale = inputs.map(|u| if u.is_finite() && u > 0.0 { u } else { 1.0 });
         Self {
             period,
             horizon,
@@ -67,7 +67,7 @@ impl<const N: usize, const M: usize> MpcOptions<N, M> {
             velocity_weight: [1e2; N],
             input_weight: scale.map(|u| 1e-3 / (u * u)),
             input_rate_weight: [0.0; M],
-            input_limits: limits.peak_input.map(|u| [-u, u]),
+            input_limits: inputs.map(|u| [-u, u]),
             position_limits: limits.position,
             velocity_limits: limits.velocity,
             limit_penalty: Penalty {
@@ -176,6 +176,14 @@ pub enum MpcError {
         time: f64,
         /// Why.
         reason: LqrError,
+    },
+    /// A joint of the model is too fast to be predicted over a period, at a state of the trajectory or at rest there.
+    #[error("at {time} s of the trajectory {what}")]
+    TooFast {
+        /// Where on the trajectory (s).
+        time: f64,
+        /// Which joint, and how fast.
+        what: TooFast,
     },
     /// Trajectory or equations of motion are not finite.
     #[error("at {time} s trajectory or equations of motion are not finite")]

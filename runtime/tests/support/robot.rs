@@ -32,7 +32,7 @@ pub fn motion() -> RestToRest<2> {
 pub fn settings(rate: f64) -> LoopSettings<2, 2> {
     LoopSettings {
         position_limits: LIMITS,
-        ..LoopSettings::for_limits(rate, &PowerCube.limits())
+        ..LoopSettings::for_robot(rate, &PowerCube)
     }
 }
 

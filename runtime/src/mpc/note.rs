@@ -1,0 +1,167 @@
+//! What a predictive controller says about its task before it begins.
+
+use super::options::MpcOptions;
+use crate::dynamics::{Dynamics, Named};
+use crate::trajectory::{Sample, Trajectory};
+use std::fmt;
+
+/// Intervals of the trajectory at whose ends it is compared with the soft limits.
+const INTERVALS: usize = 256;
+
+/// Something that a controller does otherwise than its user may expect; found when it is made, see [`LtvMpc::notes`](super::LtvMpc::notes).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum MpcNote {
+    /// The trajectory moves a joint faster than its soft limit: the controller will lag behind, and a following error is no fault of the robot.
+    Speed {
+        /// Name of the joint.
+        joint: &'static str,
+        /// When it is furthest beyond (s).
+        time: f64,
+        /// Its speed then [rad/s or m/s].
+        speed: f64,
+        /// [`MpcOptions::velocity_limits`].
+        limit: f64,
+    },
+    /// The trajectory leaves the soft limits of a joint's position: the controller will stay behind.
+    Position {
+        /// Name of the joint.
+        joint: &'static str,
+        /// When it is furthest beyond (s).
+        time: f64,
+        /// Its position then [rad or m].
+        position: f64,
+        /// [`MpcOptions::position_limits`].
+        limits: [f64; 2],
+    },
+    /// Friction of a joint jumps at rest, as an exact `sign` does. Its slope is taken as 0 on either side, so that predictions know nothing of
+    /// sticking: the joint may stop short of its goal. Controllers take a model with smooth friction.
+    DryFriction {
+        /// Name of the joint.
+        joint: &'static str,
+        /// Height of the jump [N m or N].
+        jump: f64,
+    },
+    /// The Riccati equation of a terminal weight was not solved to the digits that rounding allows. The weight is the cost of a stabilizing
+    /// regulator that may not be the optimal one.
+    Terminal {
+        /// Where on the trajectory the residual is largest (s).
+        time: f64,
+        /// It, relative to the weight.
+        residual: f64,
+    },
+}
+
+impl fmt::Display for MpcNote {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Speed {
+                joint,
+                time,
+                speed,
+                limit,
+            } => write!(
+                f,
+                "at {time:.3} s the trajectory moves joint {} at {speed:.4}, beyond its soft limit of {limit:.4}: the controller will lag behind; \
+                 slow the trajectory down, or raise `velocity_limits`",
+                Named(joint)
+            ),
+            Self::Position {
+                joint,
+                time,
+                position,
+                limits: [low, high],
+            } => write!(
+                f,
+                "at {time:.3} s the trajectory has joint {} at {position:.4}, outside its soft limits of {low:.4} to {high:.4}: the controller \
+                 will stay behind; change the trajectory, or `position_limits`",
+                Named(joint)
+            ),
+            Self::DryFriction { joint, jump } => write!(
+                f,
+                "friction of joint {} jumps by {jump:.3} N m (or N) at rest, which linear predictions do not see: the joint may stop short of \
+                 its goal; generate a smooth model for the controller (`--control-model`)",
+                Named(joint)
+            ),
+            Self::Terminal { time, residual } => write!(
+                f,
+                "the terminal weight at {time:.3} s is that of a stabilizing regulator, but the residual of its Riccati equation is \
+                 {residual:.1e}: weights or units are too far apart"
+            ),
+        }
+    }
+}
+
+/// Where the trajectory is beyond the soft limits: one note for each joint and limit. Samples that are not finite are reported elsewhere.
+pub(super) fn beyond_limits<const N: usize, const M: usize>(
+    trajectory: &impl Trajectory<N>,
+    options: &MpcOptions<N, M>,
+    joints: &[&'static str; N],
+) -> Vec<MpcNote> {
+    let samples: Vec<(f64, Sample<N>)> = (0..=INTERVALS)
+        .map(|k| trajectory.duration() * k as f64 / INTERVALS as f64)
+        .map(|time| (time, trajectory.sample(time)))
+        .collect();
+    let mut notes = Vec::new();
+    for (i, &joint) in joints.iter().enumerate() {
+        let limit = options.velocity_limits[i];
+        let speed = |sample: &Sample<N>| sample.velocities[i].abs();
+        if let Some((time, sample)) = worst(&samples, |sample| speed(sample) - limit) {
+            let speed = speed(sample);
+            notes.push(MpcNote::Speed {
+                joint,
+                time,
+                speed,
+                limit,
+            });
+        }
+        let limits @ [low, high] = options.position_limits[i];
+        let outside = |sample: &Sample<N>| {
+            let position = sample.positions[i];
+            (low - position).max(position - high)
+        };
+        if let Some((time, sample)) = worst(&samples, outside) {
+            notes.push(MpcNote::Position {
+                joint,
+                time,
+                position: sample.positions[i],
+                limits,
+            });
+        }
+    }
+    notes
+}
+
+/// Joints whose friction jumps at rest at `positions`.
+pub(super) fn dry_friction<const N: usize, const M: usize>(
+    model: &impl Dynamics<N, M>,
+    positions: &[f64; N],
+) -> Vec<MpcNote> {
+    let jumps = |speed: f64| {
+        let forward = model.friction_torques(positions, &[speed; N]);
+        let backward = model.friction_torques(positions, &[-speed; N]);
+        core::array::from_fn::<_, N, _>(|i| forward[i] - backward[i])
+    };
+    // What is smooth, however steep, shrinks with the speed; a jump stays.
+    let (near, nearer) = (jumps(1e-12), jumps(1e-15));
+    let joints = model.joint_names();
+    (0..N)
+        .filter(|&i| near[i] > 0.0 && nearer[i] > 0.5 * near[i])
+        .map(|i| MpcNote::DryFriction {
+            joint: joints[i],
+            jump: nearer[i],
+        })
+        .collect()
+}
+
+/// The sample furthest beyond, if one is; rounding at a limit that is just touched is not.
+fn worst<const N: usize>(
+    samples: &[(f64, Sample<N>)],
+    excess: impl Fn(&Sample<N>) -> f64,
+) -> Option<(f64, &Sample<N>)> {
+    samples
+        .iter()
+        .map(|(time, sample)| (*time, sample, excess(sample)))
+        .filter(|(_, _, excess)| *excess > 1e-9)
+        .max_by(|a, b| a.2.total_cmp(&b.2))
+        .map(|(time, sample, _)| (time, sample))
+}
