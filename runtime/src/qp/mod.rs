@@ -17,7 +17,9 @@
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 mod barrier;
+mod certificate;
 mod core;
+mod equality;
 mod interior_point;
 mod kernels;
 pub(crate) mod lanes;
